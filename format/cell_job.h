@@ -1,0 +1,42 @@
+/// A cell as it travels from the plan to a worker rank, and the answer. Values that a test can replay; the byte form is
+/// what goes over MPI and into the journal.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "format/scene_xml.h"
+#include "format/shard.h"
+
+namespace gigabake {
+
+struct CellJob {
+  std::uint32_t id = 0;                       ///< index into BakePlan::jobs
+  std::string name;                           ///< "c_X_Y_Z": column and stack index
+  std::array<std::int64_t, 3> lattice_min{};  ///< lod-0 voxels; x, y multiples of N, z a multiple of 8
+  std::uint32_t cell_voxels = 0;              ///< N
+  std::vector<std::uint32_t> tiles;           ///< indices into SceneSources::tiles, ascending
+  std::uint64_t triangles = 0;                ///< estimate, for the order of work
+  Hash128 fingerprint;
+};
+
+enum class CellOutcome : std::uint8_t { baked, empty, failed };
+
+struct CellReport {
+  std::uint32_t id = 0;
+  CellOutcome outcome = CellOutcome::failed;
+  std::string error;                          ///< one line when failed
+  SceneCell cell;                             ///< as the scene will list it, when baked
+  double read_s = 0, kernel_s = 0, write_s = 0;  ///< per stage, wall
+  std::uint64_t peak_bytes = 0;               ///< of the kernels' working memory
+};
+
+std::vector<std::uint8_t> to_bytes(const CellJob& job);
+std::vector<std::uint8_t> to_bytes(const CellReport& report);
+CellJob job_from_bytes(std::span<const std::uint8_t> bytes);        ///< Errors InputError when malformed
+CellReport report_from_bytes(std::span<const std::uint8_t> bytes);  ///< Errors InputError when malformed
+
+}  // namespace gigabake

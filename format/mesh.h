@@ -1,0 +1,77 @@
+/// One content file, read: triangles, materials and still-encoded images, in the file's own coordinates with the
+/// affine maps that place them in the scene. Nothing here is snapped, filtered or transformed yet.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "format/frames.h"
+
+namespace gigabake {
+
+enum class AlphaMode : std::uint8_t { opaque, mask, blend };
+enum class Wrap : std::uint8_t { repeat, mirrored_repeat, clamp_to_edge };
+
+struct TextureUse {
+  int image = -1;  ///< index into TileMesh::images; -1: none
+  Wrap wrap_s = Wrap::repeat, wrap_t = Wrap::repeat;
+  bool nearest = false;  ///< magFilter NEAREST
+};
+
+struct Material {
+  std::array<float, 4> base_color{1, 1, 1, 1};  ///< linear RGB and alpha factor, each clamped to 0…1
+  TextureUse texture;
+  AlphaMode alpha_mode = AlphaMode::opaque;
+  float alpha_cutoff = 0.5f;
+  bool double_sided = false;
+  bool unlit = false;
+};
+
+/// A triangle list; every index is < the vertex count (checked at load); strips and fans are expanded.
+struct Primitive {
+  std::vector<float> position;        ///< 3 per vertex, Local metres, may hold NaN/Inf (dropped and counted at snap)
+  std::vector<std::uint32_t> index;   ///< 3 per triangle, counter-clockwise seen from outside
+  std::vector<float> uv;              ///< 2 per vertex, or empty; the set the base colour uses, KHR_texture_transform applied
+  std::vector<std::uint16_t> rgba;    ///< 4 per vertex, linear, 65535 = 1, or empty
+  int material = 0;                   ///< index into TileMesh::materials (always valid)
+};
+
+/// One placement of a primitive.
+struct Instance {
+  int primitive = 0;
+  Affine<Scene, Local> scene_from_local;  ///< a negative determinant mirrors: winding is restored by the consumer
+};
+
+/// An image as its file holds it. PNG or JPEG by content.
+struct EncodedImage {
+  std::string name;  ///< for messages: "tile.glb: images[2]"
+  std::vector<std::uint8_t> bytes;
+};
+
+struct TileCounts {
+  std::uint64_t triangles = 0;          ///< with instances
+  std::uint64_t skipped_points = 0;     ///< primitives' points that were not baked
+  std::uint64_t skipped_lines = 0;      ///< likewise line segments
+};
+
+struct TileMesh {
+  std::vector<Primitive> primitives;
+  std::vector<Instance> instances;
+  std::vector<Material> materials;  ///< at least one
+  std::vector<EncodedImage> images;
+  TileCounts counts;
+};
+
+/// Decoded, straight alpha, sRGB as stored; row 0 first.
+struct Image {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgba;  ///< 4 · width · height
+  bool has_alpha = false;          ///< some texel's alpha is below 255
+};
+
+/// Errors  InputError for anything that is not a whole PNG or JPEG, or larger than 2^28 texels.
+Image decode_image(const EncodedImage& image);
+
+}  // namespace gigabake

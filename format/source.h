@@ -1,0 +1,66 @@
+/// What a bake reads: content files and where they stand in the scene.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "format/frames.h"
+#include "format/mesh.h"
+
+namespace gigabake {
+
+enum class UpAxis : std::uint8_t { y, z, x };
+
+struct SourceOptions {
+  bool local = false;                  ///< --local: no georeference even where the source has one
+  std::optional<Geodetic> origin;      ///< --origin LAT,LON,H: scene origin; default: the source's own (see open_sources)
+  std::optional<UpAxis> scene_up;      ///< --up: the axis of the *source frame* (tileset, folder) that points up; default z
+};
+
+enum class ContentKind : std::uint8_t { glb, gltf, b3dm };
+
+/// One content file and its place. The same file may be placed several times.
+struct TileRef {
+  std::filesystem::path path;              ///< readable file inside the source folder
+  std::string name;                        ///< path relative to the source root, '/' separated: messages, fingerprints
+  ContentKind kind = ContentKind::glb;
+  UpAxis gltf_up = UpAxis::y;              ///< tileset's gltfUpAxis: how content turns to z up
+  Affine<Scene, World> scene_from_tile;    ///< tile transforms, ECEF to scene, `--up`, all composed in double
+  std::uint64_t bytes = 0;                 ///< file size
+};
+
+/// Something the source names and the bake does not have: missing file, unsupported kind. Costs exit code 3 unless
+/// `informative` (pnts content, say: counted and reported, but no triangle is lost).
+struct SkippedSource {
+  std::string name;    ///< what it was
+  std::string reason;  ///< one line
+  bool informative = false;
+};
+
+struct SceneSources {
+  std::filesystem::path root;              ///< folder that bounds every URI
+  std::vector<TileRef> tiles;              ///< in the source's own order; deterministic
+  std::optional<Geodetic> origin;          ///< none: local scene
+  std::vector<SkippedSource> skipped;
+};
+
+/// Reads what stands at `path`: .glb/.gltf, a folder of them (sorted, not recursive into symlinks), a 3D Tiles
+/// tileset .json (1.0 and 1.1), or a scene .json of ours (docs/format.md). Opens no mesh.
+/// Georeference: a tileset whose root stands on the WGS84 earth, or a scene .json with lon/lat placements, gets the
+/// ENU frame at `options.origin`, else at the root transform's translation (else its bounding volume's centre).
+/// With refine REPLACE the finest content is taken; where a finest content file is missing the nearest ancestor's
+/// content stands in for it and the loss is listed in `skipped`.
+/// Errors  InputError: unreadable, cyclic, malformed, URI leaving the root, unsupported required extension.
+SceneSources open_sources(const std::filesystem::path& path, const SourceOptions& options);
+
+enum class ReadScope : std::uint8_t { positions_only, everything };
+
+/// Reads one content file. Hostile input is checked before any library sees it: nesting, sizes, URIs, views, accessors.
+/// Errors  InputError naming file, key, byte offset, what was expected; names a required extension that we lack.
+TileMesh read_tile(const TileRef& tile, const std::filesystem::path& root, ReadScope scope);
+
+}  // namespace gigabake

@@ -1,0 +1,101 @@
+/// One cell, from triangles to a pruned sparse voxel oct-tree: the numerical core's only entrance.
+///
+/// Exact   What a voxel holds depends on the triangles that touch it, their materials, the parameters and its lattice
+///         position alone. Order of parts and triangles, threads, memory budget and window do not show in any bit
+///         (lod 0…3: window_min a multiple of 2^lod; above, levels are relative to the window).
+/// Source  docs/accuracy.md: surface rules, tie rules, weights.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "kernels/policy.h"
+#include "kernels/snap.h"
+#include "kernels/texture.h"
+#include "kernels/types.h"
+
+namespace gigabake::kernels {
+
+struct MaterialView {
+  std::uint16_t base_rgba[4] = {65535, 65535, 65535, 65535};  ///< linear factor, 65535 = 1
+  std::uint16_t cutoff = 32768;                                ///< alpha test of AlphaMode::mask, 65535 = 1
+  AlphaMode alpha_mode = AlphaMode::opaque;
+  Wrap wrap_s = Wrap::repeat, wrap_t = Wrap::repeat;
+  bool nearest = false;
+  std::int32_t texture = -1;                                   ///< index into CellInput::textures
+};
+
+/// One instance of one primitive. Winding is restored here where scene_from_local mirrors.
+struct PartView {
+  Span<const float> position;        ///< 3 per vertex
+  Span<const std::uint32_t> index;   ///< 3 per triangle, each < vertex count
+  Span<const float> uv;              ///< 2 per vertex or empty
+  Span<const std::uint16_t> rgba;    ///< 4 per vertex, linear, or empty
+  double scene_from_local[12] = {};  ///< 3x4 row-major
+  std::uint32_t material = 0;
+};
+
+struct CellInput {
+  Span<const PartView> parts;
+  Span<const MaterialView> materials;
+  Span<const TextureView> textures;
+};
+
+struct CellParameters {
+  SnapFrame frame;
+  std::int64_t window_min[3] = {};    ///< lod-0 voxels, multiples of 8
+  std::uint32_t window_voxels = 1024; ///< a power of two, 8 … 8192
+  SurfaceRule surface = SurfaceRule::area;
+  MipFilter mip = MipFilter::coverage;
+  bool normals = true;
+  std::uint64_t memory_bytes = 0;     ///< working memory to aim for; bricks are cut into batches. 0: no bound
+};
+
+/// As format/shard.h's BrickLevel, with the key of each brick.
+struct Level {
+  std::vector<std::uint64_t> key;    ///< Morton code of the brick in its level, ascending
+  std::vector<std::uint64_t> mask;   ///< 8 per brick, bit x+8y of word z
+  std::vector<std::uint64_t> first;  ///< bricks+1
+  std::vector<std::uint8_t> rgba;    ///< 4 per voxel
+  std::vector<std::int8_t> normal;   ///< 2 per voxel, or empty
+};
+
+enum class NodeKind : std::uint8_t { brick = 0, constant = 1, leaf_constant = 2 };
+
+/// As format/shard.h's NodeTable.
+struct Nodes {
+  std::vector<std::uint64_t> key;
+  std::vector<std::uint8_t> lod;
+  std::vector<NodeKind> kind;
+  std::vector<std::uint8_t> child_mask;
+  std::vector<std::uint32_t> first_child;
+  std::vector<std::uint32_t> value;
+  std::vector<std::array<std::int8_t, 2>> normal;
+};
+
+struct CellStats {
+  std::uint64_t triangles = 0;   ///< that may touch the window
+  std::uint64_t non_finite = 0;  ///< dropped: a vertex is NaN/Inf or off the lattice
+  std::uint64_t zero_area = 0;   ///< dropped: no area after the snap
+  std::uint64_t oversized = 0;   ///< reaches farther than 2^30 sub-voxels from the window: the cell must fail
+  std::uint64_t bad_uv = 0;      ///< triangles with NaN/Inf texture coordinates, baked as if (0,0)
+  std::uint64_t pairs = 0;       ///< triangle × brick
+  std::uint64_t fragments = 0;   ///< triangle × voxel
+  std::uint64_t batches = 0;
+  std::uint64_t peak_bytes = 0;  ///< of this call's own arrays
+  double snap_s = 0, bin_s = 0, sort_s = 0, voxelize_s = 0, mip_s = 0, prune_s = 0;
+};
+
+struct CellVolume {
+  std::vector<Level> levels;  ///< [lod]; log2(window_voxels/8)+1; empty when no voxel is occupied
+  Nodes nodes;
+  CellStats stats;
+};
+
+CellVolume bake_cell(const CellInput& input, const CellParameters& parameters, const CpuPolicy& policy);
+
+/// Octahedral decode of a stored normal, unit length. Source: Cigolle et al. 2014.
+void decode_normal(const std::int8_t oct[2], float n[3]);
+
+}  // namespace gigabake::kernels

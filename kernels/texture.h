@@ -1,0 +1,39 @@
+/// Textures, prefiltered in linear light: a MIP pyramid whose levels hold premultiplied 16-bit linear RGBA.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "kernels/types.h"
+
+namespace gigabake::kernels {
+
+class CpuPolicy;
+
+inline constexpr int max_texture_levels = 24;
+
+/// Borrowed pyramid. Level 0 is the image itself (sRGB, straight alpha, 4 bytes a texel); levels ≥ 1 are 4 × uint16
+/// linear, premultiplied; where `mask_cutoff` > 0 their alpha is the share of texels that pass the alpha test.
+struct TextureView {
+  const std::uint8_t* base = nullptr;
+  const std::uint16_t* level[max_texture_levels] = {};  ///< [0] is unused
+  std::int32_t width = 0, height = 0, levels = 0;
+  std::uint8_t mask_cutoff = 0;  ///< 0: no alpha test; else texel alpha ≥ cutoff is opaque and less is absent
+};
+
+class Texture {
+ public:
+  /// rgba: 4·width·height bytes, sRGB colour, straight alpha. mask_cutoff as in TextureView.
+  /// Cost  10.7 bytes a texel besides the image, one pass.
+  Texture(std::vector<std::uint8_t> rgba, int width, int height, std::uint8_t mask_cutoff, const CpuPolicy& policy);
+  TextureView view() const;
+  std::size_t bytes() const;
+
+ private:
+  std::vector<std::uint8_t> base_;
+  std::vector<std::vector<std::uint16_t>> levels_;
+  int width_, height_;
+  std::uint8_t mask_cutoff_;
+};
+
+}  // namespace gigabake::kernels
