@@ -1,0 +1,21 @@
+/// The sub-commands. Each file turns arguments into one call and its answer into text or JSON; no logic lives here.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace gigabake::app {
+
+/// Exit codes, the same for every command (docs/cluster.md).
+enum ExitCode : int { complete = 0, failed = 1, usage = 2, cells_failed = 3 };
+
+/// Each adds its sub-command to `app`; its callback sets `exit_code` and throws UsageError or InputError.
+void add_sample(CLI::App& app, int& exit_code);
+void add_plan(CLI::App& app, int& exit_code);
+void add_bake(CLI::App& app, int& exit_code);
+void add_info(CLI::App& app, int& exit_code);
+void add_verify(CLI::App& app, int& exit_code);
+void add_diff(CLI::App& app, int& exit_code);
+void add_export(CLI::App& app, int& exit_code);
+void add_render(CLI::App& app, int& exit_code);
+
+}  // namespace gigabake::app

@@ -1,0 +1,31 @@
+#include <fmt/core.h>
+
+#include <cstdio>
+#include <exception>
+
+#include "app/commands.h"
+#include "format/error.h"
+
+using namespace gigabake;
+
+int main(int argc, char** argv) {
+  CLI::App program{"gigabake bakes textured terrain into a paged scene of sparse voxel oct-trees, and shows it."};
+  program.set_version_flag("--version", "gigabake " GIGABAKE_VERSION);
+  program.require_subcommand(1);
+  int exit_code = app::complete;
+  // One line per command, in the order --help lists them.
+
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    const int code = program.exit(e);
+    return code == 0 ? app::complete : app::usage;
+  } catch (const UsageError& e) {
+    fmt::print(stderr, "gigabake: {}\n", e.what());
+    return app::usage;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "gigabake: {}\n", e.what());
+    return app::failed;
+  }
+  return exit_code;
+}
