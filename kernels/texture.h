@@ -1,6 +1,7 @@
 /// Textures, prefiltered in linear light: a MIP pyramid whose levels hold premultiplied 16-bit linear RGBA.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -14,6 +15,7 @@ inline constexpr int max_texture_levels = 24;
 
 /// Borrowed pyramid. Level 0 is the image itself (sRGB, straight alpha, 4 bytes a texel); levels ≥ 1 are 4 × uint16
 /// linear, premultiplied; where `mask_cutoff` > 0 their alpha is the share of texels that pass the alpha test.
+/// Level l has max(1, width >> l) × max(1, height >> l) texels.
 struct TextureView {
   const std::uint8_t* base = nullptr;
   const std::uint16_t* level[max_texture_levels] = {};  ///< [0] is unused
@@ -21,11 +23,16 @@ struct TextureView {
   std::uint8_t mask_cutoff = 0;  ///< 0: no alpha test; else texel alpha ≥ cutoff is opaque and less is absent
 };
 
+/// What a material makes of the image's alpha channel: it decides the pyramid, so each use has its own Texture.
+enum class TextureAlpha : std::uint8_t { ignore, blend, mask };
+
 class Texture {
  public:
-  /// rgba: 4·width·height bytes, sRGB colour, straight alpha. mask_cutoff as in TextureView.
-  /// Cost  10.7 bytes a texel besides the image, one pass.
-  Texture(std::vector<std::uint8_t> rgba, int width, int height, std::uint8_t mask_cutoff, const CpuPolicy& policy);
+  /// rgba: 4·width·height bytes, sRGB colour, straight alpha; TextureAlpha::ignore sets alpha to 255.
+  /// mask_cutoff: for TextureAlpha::mask, 1 … 255; otherwise unused.
+  /// Cost  2.7 bytes a texel besides the image, one pass over it.
+  Texture(std::vector<std::uint8_t> rgba, int width, int height, TextureAlpha alpha, std::uint8_t mask_cutoff,
+          const CpuPolicy& policy);
   TextureView view() const;
   std::size_t bytes() const;
 
