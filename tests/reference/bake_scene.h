@@ -1,0 +1,74 @@
+/// A small scene in lattice units for bake_cell(), and its answer as a map from voxel to value.
+///
+/// One metre is one sub-voxel here (voxel_size_m = 256), so that integer coordinates pass the snap unchanged.
+#pragma once
+
+#include <deque>
+#include <map>
+
+#include "exact_clip.h"
+#include "kernels/cell.h"
+
+namespace gigabake::reference {
+
+struct BakedVoxel {
+  std::array<std::uint8_t, 4> rgba{};
+  std::array<std::int8_t, 2> normal{};
+  friend bool operator==(const BakedVoxel&, const BakedVoxel&) = default;
+};
+using VoxelMap = std::map<Voxel, BakedVoxel>;
+
+using Rgba16 = std::array<std::uint16_t, 4>;
+inline constexpr Rgba16 white16{65535, 65535, 65535, 65535};
+
+/// What a PartView borrows, owned. The map starts as the identity.
+struct Part {
+  std::vector<float> position;
+  std::vector<std::uint32_t> index;
+  std::vector<float> uv;
+  std::vector<std::uint16_t> rgba;
+  std::array<double, 12> scene_from_local{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+  std::uint32_t material = 0;
+};
+
+class BakeScene {
+ public:
+  kernels::CellParameters parameters;
+
+  BakeScene();
+
+  /// Returns the material's index. Material 0 is opaque white and always there.
+  std::uint32_t add_material(const kernels::MaterialView& material);
+  std::uint32_t add_colour(const Rgba16& linear, kernels::AlphaMode mode = kernels::AlphaMode::opaque);
+  /// A material with this square texture (sRGB bytes, straight alpha).
+  std::uint32_t add_textured(kernels::MaterialView material, std::vector<std::uint8_t> rgba, int width, int height);
+
+  Part& add_part(Part part);
+  /// Any integer coordinates up to 2^52, exactly. A part of its own.
+  Part& add_triangle(const Triangle& t, std::uint32_t material = 0);
+  /// One part; coordinates below 2^24 from `origin`.
+  Part& add_mesh(const std::vector<Triangle>& mesh, std::uint32_t material = 0, const LatticeVertex& origin = {});
+
+  void set_window(const Voxel& min, std::uint32_t edge);
+  Window window() const;
+
+  std::deque<Part>& parts() { return parts_; }
+  kernels::CellVolume bake(int threads = 1) const;
+
+ private:
+  std::deque<Part> parts_;
+  std::vector<kernels::MaterialView> materials_;
+  std::deque<kernels::Texture> textures_;
+};
+
+/// Every voxel of a level, constant nodes written out. Positions are lod-`lod` voxels of the lattice.
+VoxelMap voxels_at(const kernels::CellVolume& volume, const kernels::CellParameters& parameters, int lod);
+
+std::set<Voxel> positions_of(const VoxelMap& voxels);
+
+/// Every array of the answer is equal. Statistics are not compared.
+bool same_bits(const kernels::CellVolume& a, const kernels::CellVolume& b);
+
+const kernels::CpuPolicy& policy_of(int threads);
+
+}  // namespace gigabake::reference

@@ -1,0 +1,26 @@
+/// How a failing random case names itself: enough to write it down as a hard case.
+#pragma once
+
+#include <sstream>
+#include <string>
+
+#include "exact_clip.h"
+
+namespace gigabake::reference {
+
+inline const char* name_of(kernels::SurfaceRule rule) {
+  return rule == kernels::SurfaceRule::area ? "area" : rule == kernels::SurfaceRule::thin ? "thin" : "conservative";
+}
+
+inline std::string text_of(const Triangle& t) {
+  std::ostringstream out;
+  for (const auto& v : t) out << '(' << v[0] << ", " << v[1] << ", " << v[2] << ") ";
+  return out.str();
+}
+
+inline std::string describe(std::uint64_t seed, int number, const Triangle& t, kernels::SurfaceRule rule) {
+  return ", " + std::string(name_of(rule)) + ", seed " + std::to_string(seed) + ", case " + std::to_string(number) +
+         ", sub-voxels " + text_of(t);
+}
+
+}  // namespace gigabake::reference
