@@ -1,34 +1,54 @@
 # One static library per folder; the include root is the source root, so that #include "format/shard.h" says the folder.
+
+# Contraction and fast-math would let CPU and GPU differ in the last bit.
+set(gb_cxx_options -Wall -Wextra -Wshadow -ffp-contract=off)
+set(gb_cuda_options -fmad=false --expt-relaxed-constexpr -lineinfo -Xcompiler=-Wall,-ffp-contract=off)
+if(GIGABAKE_WARNINGS_AS_ERRORS)
+  list(APPEND gb_cxx_options -Werror)
+  list(APPEND gb_cuda_options -Werror=all-warnings)
+endif()
+
 function(gb_options target)
   target_compile_features(${target} PUBLIC cxx_std_20)
-  # Contraction and fast-math would let CPU and GPU differ in the last bit.
-  target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wshadow -ffp-contract=off>)
-  if(GIGABAKE_WARNINGS_AS_ERRORS)
-    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Werror>)
-  endif()
+  target_compile_options(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:${gb_cxx_options}>"
+                                           "$<$<COMPILE_LANGUAGE:CUDA>:${gb_cuda_options}>")
   if(GIGABAKE_SANITIZE)
-    target_compile_options(${target} PUBLIC $<$<COMPILE_LANGUAGE:CXX>:-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer>)
+    target_compile_options(${target} PUBLIC "$<$<COMPILE_LANGUAGE:CXX>:-fsanitize=address,undefined;-fno-sanitize-recover=all;-fno-omit-frame-pointer>")
     target_link_options(${target} PUBLIC -fsanitize=address,undefined)
   endif()
 endfunction()
 
 function(gb_library name)
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
-  add_library(gigabake_${name} STATIC ${sources})
+  if(GIGABAKE_HAS_CUDA)
+    file(GLOB cuda_sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cu)
+  endif()
+  if(NOT sources)
+    return()
+  endif()
+  add_library(gigabake_${name} STATIC ${sources} ${cuda_sources})
   target_include_directories(gigabake_${name} PUBLIC ${CMAKE_SOURCE_DIR})
   target_link_libraries(gigabake_${name} PUBLIC ${ARGN})
   gb_options(gigabake_${name})
 endfunction()
 
-# Every tests/<folder>/*.cpp is one GoogleTest executable gigabake_test_<folder>.
-function(gb_test folder)
+# gb_test(folder label libraries…): every tests/<folder>/*.cpp is one GoogleTest executable, gigabake_test_<folder>.
+function(gb_test folder label)
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tests/${folder}/*.cpp)
   if(NOT sources)
     return()
   endif()
   add_executable(gigabake_test_${folder} ${sources})
   target_link_libraries(gigabake_test_${folder} PRIVATE ${ARGN} GTest::gtest GTest::gmock GTest::gtest_main)
+  target_compile_definitions(gigabake_test_${folder} PRIVATE GIGABAKE_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
   gb_options(gigabake_test_${folder})
-  gtest_discover_tests(gigabake_test_${folder} TEST_PREFIX ${folder}. PROPERTIES LABELS ${folder} TIMEOUT 600 DISCOVERY_TIMEOUT 60
-                       DISCOVERY_MODE PRE_TEST)
+  gtest_discover_tests(gigabake_test_${folder} TEST_PREFIX ${folder}. PROPERTIES LABELS ${label} TIMEOUT 600
+                       DISCOVERY_TIMEOUT 60 DISCOVERY_MODE PRE_TEST)
+endfunction()
+
+# gb_script_test(name label script arguments…): a Python test; exit code 77 means skipped, and the script says why.
+# The system's Python, because that is where the distribution's h5py and numpy live.
+function(gb_script_test name label script)
+  add_test(NAME ${name} COMMAND /usr/bin/python3 ${script} ${ARGN})
+  set_tests_properties(${name} PROPERTIES LABELS ${label} SKIP_RETURN_CODE 77 TIMEOUT 1200)
 endfunction()

@@ -1,0 +1,33 @@
+# Decides whether kernels/*.cu are compiled: sets GIGABAKE_HAS_CUDA. Where it is true, every gb_library takes its *.cu.
+set(GIGABAKE_HAS_CUDA FALSE)
+file(GLOB gb_cuda_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/kernels/*.cu)
+if(GIGABAKE_CUDA STREQUAL "OFF" OR NOT gb_cuda_sources)
+  return()
+endif()
+
+# nvcc is often installed without being on the PATH.
+find_program(GB_NVCC nvcc HINTS ENV CUDACXX PATHS /usr/local/cuda/bin)
+if(GB_NVCC AND NOT CMAKE_CUDA_COMPILER AND NOT DEFINED ENV{CUDACXX})
+  set(CMAKE_CUDA_COMPILER ${GB_NVCC})
+endif()
+# Ampere and Hopper, and PTX that newer devices compile for themselves.
+if(NOT CMAKE_CUDA_ARCHITECTURES)
+  set(CMAKE_CUDA_ARCHITECTURES 80-real 90)
+endif()
+
+include(CheckLanguage)
+check_language(CUDA)
+if(CMAKE_CUDA_COMPILER)
+  enable_language(CUDA)
+  if(CMAKE_CUDA_COMPILER_VERSION VERSION_GREATER_EQUAL 12.0)
+    set(GIGABAKE_HAS_CUDA TRUE)
+    set(CMAKE_CUDA_STANDARD 20)
+    set(CMAKE_CUDA_STANDARD_REQUIRED ON)
+    message(STATUS "CUDA kernels: ${CMAKE_CUDA_COMPILER} ${CMAKE_CUDA_COMPILER_VERSION} for ${CMAKE_CUDA_ARCHITECTURES}")
+  else()
+    message(STATUS "CUDA kernels: off, nvcc ${CMAKE_CUDA_COMPILER_VERSION} has no C++20 (12.0 has)")
+  endif()
+endif()
+if(NOT GIGABAKE_HAS_CUDA AND NOT GIGABAKE_CUDA STREQUAL "AUTO")
+  message(FATAL_ERROR "GIGABAKE_CUDA=${GIGABAKE_CUDA}: no nvcc 12.0 or newer; put it on the PATH or name it in CUDACXX")
+endif()
