@@ -2,7 +2,8 @@
 
 # Contraction and fast-math would let CPU and GPU differ in the last bit.
 set(gb_cxx_options -Wall -Wextra -Wshadow -ffp-contract=off)
-set(gb_cuda_options -fmad=false --expt-relaxed-constexpr -lineinfo -Xcompiler=-Wall,-ffp-contract=off)
+# -std: CMake before 3.26 does not know nvcc's C++20.
+set(gb_cuda_options -std=c++20 -fmad=false --expt-relaxed-constexpr -lineinfo -Xcompiler=-Wall,-ffp-contract=off)
 if(GIGABAKE_WARNINGS_AS_ERRORS)
   list(APPEND gb_cxx_options -Werror)
   list(APPEND gb_cuda_options -Werror=all-warnings)

@@ -11,20 +11,12 @@
 #include <vector>
 
 #include "kernels/policy.h"
+#include "kernels/shade.h"
 #include "kernels/snap.h"
 #include "kernels/texture.h"
 #include "kernels/types.h"
 
 namespace gigabake::kernels {
-
-struct MaterialView {
-  std::uint16_t base_rgba[4] = {65535, 65535, 65535, 65535};  ///< linear factor, 65535 = 1
-  std::uint16_t cutoff = 32768;                                ///< alpha test of AlphaMode::mask, 65535 = 1
-  AlphaMode alpha_mode = AlphaMode::opaque;
-  Wrap wrap_s = Wrap::repeat, wrap_t = Wrap::repeat;
-  bool nearest = false;
-  std::int32_t texture = -1;                                   ///< index into CellInput::textures
-};
 
 /// One instance of one primitive. Winding is restored here where scene_from_local mirrors.
 struct PartView {
