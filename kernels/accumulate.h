@@ -9,9 +9,9 @@ namespace gigabake::kernels {
 
 /// One triangle's contribution to one voxel.
 struct Fragment {
-  std::int64_t weight;      ///< area, 2^-36 voxel², ≥ 1
-  std::uint16_t rgba[4];    ///< linear, premultiplied; alpha 65535 = opaque
-  std::int16_t normal[3];   ///< unit length 32767
+  std::int64_t weight;     ///< area, 2^-36 voxel², ≥ 1
+  std::uint16_t rgba[4];   ///< linear, premultiplied; alpha 65535 = opaque
+  std::int16_t normal[3];  ///< unit length 32767
 };
 
 /// Channels of an accumulator.

@@ -27,20 +27,22 @@ std::size_t range_count(std::size_t triangles) { return (triangles + triangles_p
 
 /// Calls visit(key, triangle) for the pairs of one range of triangles.
 template <class Visit>
-void visit_range(const std::vector<WindowTriangle>& triangles, std::size_t range, SurfaceRule rule, const Window& window,
-                 const Visit& visit) {
+void visit_range(const std::vector<WindowTriangle>& triangles, std::size_t range, SurfaceRule rule,
+                 const Window& window, const Visit& visit) {
   const std::size_t end = std::min(triangles.size(), (range + 1) * triangles_per_range);
   for (std::size_t t = range * triangles_per_range; t < end; ++t)
-    for_each_brick(triangles[t], rule, window.bricks, window.levels, [&](std::uint64_t key) { visit(key, std::uint32_t(t)); });
+    for_each_brick(triangles[t], rule, window.bricks, window.levels,
+                   [&](std::uint64_t key) { visit(key, std::uint32_t(t)); });
 }
 
-std::vector<std::uint64_t> pairs_per_bucket(const std::vector<WindowTriangle>& triangles, SurfaceRule rule, const Window& window,
-                                            int bucket_shift, const CpuPolicy& policy) {
+std::vector<std::uint64_t> pairs_per_bucket(const std::vector<WindowTriangle>& triangles, SurfaceRule rule,
+                                            const Window& window, int bucket_shift, const CpuPolicy& policy) {
   const std::size_t buckets = std::size_t(1) << (window.key_bits - bucket_shift);
   std::vector<std::vector<std::uint64_t>> counts(policy.threads(), std::vector<std::uint64_t>(buckets, 0));
   policy.parallel_for(range_count(triangles.size()), 1, [&](std::size_t begin, std::size_t end, int thread) {
     for (std::size_t r = begin; r < end; ++r)
-      visit_range(triangles, r, rule, window, [&](std::uint64_t key, std::uint32_t) { ++counts[thread][key >> bucket_shift]; });
+      visit_range(triangles, r, rule, window,
+                  [&](std::uint64_t key, std::uint32_t) { ++counts[thread][key >> bucket_shift]; });
   });
   for (std::size_t i = 1; i < counts.size(); ++i)
     for (std::size_t b = 0; b < buckets; ++b) counts[0][b] += counts[i][b];
@@ -71,15 +73,16 @@ std::vector<Batch> plan_batches(const std::vector<WindowTriangle>& triangles, co
   return batches;
 }
 
-std::vector<Pair> sorted_pairs(const std::vector<WindowTriangle>& triangles, const CellParameters& parameters, const Batch& batch,
-                               const CpuPolicy& policy, CellStats& stats) {
+std::vector<Pair> sorted_pairs(const std::vector<WindowTriangle>& triangles, const CellParameters& parameters,
+                               const Batch& batch, const CpuPolicy& policy, CellStats& stats) {
   const Window window = window_of(parameters);
   const auto in_batch = [&](std::uint64_t key) { return key >= batch.first_key && key < batch.end_key; };
   std::vector<std::uint64_t> first(range_count(triangles.size()) + 1, 0);
   policy.parallel_for(first.size() - 1, 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t r = begin; r < end; ++r) {
       std::uint64_t n = 0;
-      visit_range(triangles, r, parameters.surface, window, [&](std::uint64_t key, std::uint32_t) { n += in_batch(key); });
+      visit_range(triangles, r, parameters.surface, window,
+                  [&](std::uint64_t key, std::uint32_t) { n += in_batch(key); });
       first[r + 1] = n;
     }
   });

@@ -29,7 +29,7 @@ std::vector<Batch> plan_batches(const std::vector<WindowTriangle>& triangles, co
                                 std::uint64_t pairs_per_batch, const CpuPolicy& policy);
 
 /// The batch's pairs, sorted by brick key.
-std::vector<Pair> sorted_pairs(const std::vector<WindowTriangle>& triangles, const CellParameters& parameters, const Batch& batch,
-                               const CpuPolicy& policy, CellStats& stats);
+std::vector<Pair> sorted_pairs(const std::vector<WindowTriangle>& triangles, const CellParameters& parameters,
+                               const Batch& batch, const CpuPolicy& policy, CellStats& stats);
 
 }  // namespace gigabake::kernels

@@ -205,8 +205,9 @@ GB_HD void crossed_along(const BrickTriangle<I>& t, int c, Set&& set) {
     for (int i = ra.first; i <= ra.last; ++i) {
       if ((inside >> (i + 8 * j) & 1) == 0) continue;
       for (int k = rc.first; k <= rc.last; ++k) {
-        const I bottom = sign * (t.n[a] * (subvoxels * i + subvoxels / 2 - t.p[0][a]) +
-                                 t.n[b] * (subvoxels * j + subvoxels / 2 - t.p[0][b]) + t.n[c] * (subvoxels * k - t.p[0][c]));
+        const I bottom =
+            sign * (t.n[a] * (subvoxels * i + subvoxels / 2 - t.p[0][a]) +
+                    t.n[b] * (subvoxels * j + subvoxels / 2 - t.p[0][b]) + t.n[c] * (subvoxels * k - t.p[0][c]));
         if (bottom <= 0 && bottom + sign * t.n[c] * subvoxels > 0) set(i, j, k);
       }
     }

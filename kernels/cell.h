@@ -36,12 +36,12 @@ struct CellInput {
 
 struct CellParameters {
   SnapFrame frame;
-  std::int64_t window_min[3] = {};    ///< lod-0 voxels, multiples of 8
-  std::uint32_t window_voxels = 1024; ///< a power of two, 8 … 8192
+  std::int64_t window_min[3] = {};     ///< lod-0 voxels, multiples of 8
+  std::uint32_t window_voxels = 1024;  ///< a power of two, 8 … 8192
   SurfaceRule surface = SurfaceRule::area;
   MipFilter mip = MipFilter::coverage;
   bool normals = true;
-  std::uint64_t memory_bytes = 0;     ///< working memory to aim for; bricks are cut into batches. 0: no bound
+  std::uint64_t memory_bytes = 0;  ///< working memory to aim for; bricks are cut into batches. 0: no bound
 };
 
 /// As format/shard.h's BrickLevel, with the key of each brick.

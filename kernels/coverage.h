@@ -1,10 +1,11 @@
 /// How much of a triangle lies in a voxel, and where: area and centroid of the clipped polygon, without clipping it.
 ///
-/// The triangle is cut once per slab of voxels along its dominant axis (≤ 5 vertices); then, by Green's theorem with the
-/// integrand clamped to the cell, ∮ clamp(u) dv over the slab polygon's edges is the area inside the cell's u range, and
-/// clamping v as well restricts it to the cell. No branch depends on the cell, so cells are lanes.
+/// The triangle is cut once per slab of voxels along its dominant axis (≤ 5 vertices); then, by Green's theorem with
+/// the integrand clamped to the cell, ∮ clamp(u) dv over the slab polygon's edges is the area inside the cell's u
+/// range, and clamping v as well restricts it to the cell. No branch depends on the cell, so cells are lanes.
 ///
-/// Space   Voxels relative to the triangle's anchor (the voxel of its lowest corner): a fragment's numbers depend on the
+/// Space   Voxels relative to the triangle's anchor (the voxel of its lowest corner): a fragment's numbers depend on
+/// the
 ///         triangle and on the voxel relative to it, never on bricks, cells or the lattice's origin.
 /// Exact   IEEE double without contraction: host and device return the same bits. Error of an area: below 1e-9 voxel²
 ///         for triangles up to 10⁶ voxels wide, 1e-14 for triangles of some voxels.
@@ -26,9 +27,9 @@ struct SlabPolygon {
 
 /// What is the same for all voxels of a triangle.
 struct TrianglePlane {
-  double u[3], v[3], w[3];   ///< vertices in voxels from the anchor
-  std::int64_t anchor[3];    ///< (u, v, w) voxel of the lowest corner, relative to the brick
-  double area_scale;         ///< surface area per projected (u, v) area, signed: makes clockwise areas positive
+  double u[3], v[3], w[3];  ///< vertices in voxels from the anchor
+  std::int64_t anchor[3];   ///< (u, v, w) voxel of the lowest corner, relative to the brick
+  double area_scale;        ///< surface area per projected (u, v) area, signed: makes clockwise areas positive
 };
 
 template <class I>
@@ -99,7 +100,7 @@ GB_HD void add_edge(double au, double av, double bu, double bv, double slope, Ce
   const double dv = vb - va, du = ub - ua;
   const double ca = clamp01(ua), cb = clamp01(ub);
   const double whole = du != 0 ? du : 1;
-  const double inside = du != 0 ? (cb - ca) / whole : 1;  // share of dv with 0 < u < 1
+  const double inside = du != 0 ? (cb - ca) / whole : 1;                            // share of dv with 0 < u < 1
   const double beyond = du != 0 ? (at_least(ub, 1) - at_least(ua, 1)) / whole : 0;  // share with u ≥ 1
   const double dv_in = dv * inside, dv_hi = dv * beyond;
   sum.area += (ca + cb) * 0.5 * dv_in + dv_hi;

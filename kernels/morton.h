@@ -33,6 +33,8 @@ struct BrickCoordinate {
   std::uint32_t x, y, z;
 };
 
-GB_HD BrickCoordinate demorton(std::uint64_t key) { return {gather_bits(key), gather_bits(key >> 1), gather_bits(key >> 2)}; }
+GB_HD BrickCoordinate demorton(std::uint64_t key) {
+  return {gather_bits(key), gather_bits(key >> 1), gather_bits(key >> 2)};
+}
 
 }  // namespace gigabake::kernels

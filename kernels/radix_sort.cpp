@@ -15,8 +15,8 @@ struct Slices {
   std::size_t end(std::size_t s, std::size_t size) const { return std::min(size, (s + 1) * per_slice); }
 };
 
-void scatter_by_digit(const std::vector<std::uint64_t>& from, std::vector<std::uint64_t>& to, int bit, const Slices& slices,
-                      const CpuPolicy& policy) {
+void scatter_by_digit(const std::vector<std::uint64_t>& from, std::vector<std::uint64_t>& to, int bit,
+                      const Slices& slices, const CpuPolicy& policy) {
   std::vector<Histogram> offsets(slices.count);
   const auto digit = [bit](std::uint64_t v) { return v >> bit & (digits - 1); };
   policy.parallel_for(slices.count, 1, [&](std::size_t begin, std::size_t end, int) {
@@ -34,7 +34,8 @@ void scatter_by_digit(const std::vector<std::uint64_t>& from, std::vector<std::u
     }
   policy.parallel_for(slices.count, 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t s = begin; s < end; ++s)
-      for (std::size_t i = slices.begin(s); i < slices.end(s, from.size()); ++i) to[offsets[s][digit(from[i])]++] = from[i];
+      for (std::size_t i = slices.begin(s); i < slices.end(s, from.size()); ++i)
+        to[offsets[s][digit(from[i])]++] = from[i];
   });
 }
 

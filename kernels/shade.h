@@ -1,4 +1,5 @@
-/// What a material looks like on a fragment: linear, premultiplied 16-bit RGBA, integrated over the fragment's footprint.
+/// What a material looks like on a fragment: linear, premultiplied 16-bit RGBA, integrated over the fragment's
+/// footprint.
 ///
 /// Vertex colours are linear over a triangle, so their value at the fragment's centroid is their exact mean. Textures
 /// are read from the prefiltered pyramid at the level whose bilinear kernel has the variance of the fragment's
@@ -20,11 +21,11 @@ namespace gigabake::kernels {
 
 struct MaterialView {
   std::uint16_t base_rgba[4] = {65535, 65535, 65535, 65535};  ///< linear factor, 65535 = 1
-  std::uint16_t cutoff = 32768;                                ///< alpha test of AlphaMode::mask, 65535 = 1
+  std::uint16_t cutoff = 32768;                               ///< alpha test of AlphaMode::mask, 65535 = 1
   AlphaMode alpha_mode = AlphaMode::opaque;
   Wrap wrap_s = Wrap::repeat, wrap_t = Wrap::repeat;
   bool nearest = false;
-  std::int32_t texture = -1;                                   ///< index into CellInput::textures
+  std::int32_t texture = -1;  ///< index into CellInput::textures
 };
 
 struct Rgba16 {
@@ -42,8 +43,8 @@ GB_HD std::int32_t wrap_texel(std::int64_t i, std::int32_t size, Wrap wrap) {
 }
 
 /// Premultiplied linear texel of level l.
-GB_HD void add_texel(const TextureView& t, int l, std::int32_t x, std::int32_t y, std::uint32_t weight, const Tables& tables,
-                     std::uint64_t sum[4]) {
+GB_HD void add_texel(const TextureView& t, int l, std::int32_t x, std::int32_t y, std::uint32_t weight,
+                     const Tables& tables, std::uint64_t sum[4]) {
   if (l > 0) {
     const std::int32_t width = (t.width >> l) > 1 ? t.width >> l : 1;
     const std::uint16_t* p = t.level[l] + 4 * (std::size_t(y) * width + x);
@@ -57,8 +58,10 @@ GB_HD void add_texel(const TextureView& t, int l, std::int32_t x, std::int32_t y
 }
 
 /// Bilinear sample of one level at texture coordinates (s, t).
-GB_HD Rgba16 sample_level(const TextureView& view, const MaterialView& m, int l, double s, double t, const Tables& tables) {
-  const std::int32_t width = (view.width >> l) > 1 ? view.width >> l : 1, height = (view.height >> l) > 1 ? view.height >> l : 1;
+GB_HD Rgba16 sample_level(const TextureView& view, const MaterialView& m, int l, double s, double t,
+                          const Tables& tables) {
+  const std::int32_t width = (view.width >> l) > 1 ? view.width >> l : 1,
+                     height = (view.height >> l) > 1 ? view.height >> l : 1;
   const double x = s * width - 0.5, y = t * height - 0.5;
   double x0 = std::floor(x), y0 = std::floor(y);
   std::uint32_t fx = std::uint32_t((x - x0) * 256), fy = std::uint32_t((y - y0) * 256);
@@ -68,8 +71,10 @@ GB_HD Rgba16 sample_level(const TextureView& view, const MaterialView& m, int l,
     fx = fy = 0;
   }
   std::uint64_t sum[4] = {0, 0, 0, 0};
-  const std::int32_t xa = wrap_texel(std::int64_t(x0), width, m.wrap_s), xb = wrap_texel(std::int64_t(x0) + 1, width, m.wrap_s);
-  const std::int32_t ya = wrap_texel(std::int64_t(y0), height, m.wrap_t), yb = wrap_texel(std::int64_t(y0) + 1, height, m.wrap_t);
+  const std::int32_t xa = wrap_texel(std::int64_t(x0), width, m.wrap_s),
+                     xb = wrap_texel(std::int64_t(x0) + 1, width, m.wrap_s);
+  const std::int32_t ya = wrap_texel(std::int64_t(y0), height, m.wrap_t),
+                     yb = wrap_texel(std::int64_t(y0) + 1, height, m.wrap_t);
   add_texel(view, l, xa, ya, (256 - fx) * (256 - fy), tables, sum);
   if (fx != 0) add_texel(view, l, xb, ya, fx * (256 - fy), tables, sum);
   if (fy != 0) add_texel(view, l, xa, yb, (256 - fx) * fy, tables, sum);
@@ -101,7 +106,8 @@ GB_HD TextureMap make_texture_map(const TrianglePlane& p, const float uv[6], std
   TextureMap r;
   const double u1 = p.u[1] - p.u[0], v1 = p.v[1] - p.v[0], u2 = p.u[2] - p.u[0], v2 = p.v[2] - p.v[0];
   const double inverse = 1 / (u1 * v2 - u2 * v1);
-  const double s1 = double(uv[2]) - uv[0], s2 = double(uv[4]) - uv[0], t1 = double(uv[3]) - uv[1], t2 = double(uv[5]) - uv[1];
+  const double s1 = double(uv[2]) - uv[0], s2 = double(uv[4]) - uv[0], t1 = double(uv[3]) - uv[1],
+               t2 = double(uv[5]) - uv[1];
   r.su = (s1 * v2 - s2 * v1) * inverse;
   r.sv = (s2 * u1 - s1 * u2) * inverse;
   r.tu = (t1 * v2 - t2 * v1) * inverse;
@@ -126,7 +132,8 @@ GB_HD TextureMap make_texture_map(const TrianglePlane& p, const float uv[6], std
 }
 
 /// One probe: trilinear at a footprint `texels` wide. A bilinear kernel on level l has the variance of a box of √3·2^l.
-GB_HD Rgba16 sample_texture(const TextureView& view, const MaterialView& m, double s, double t, double texels, const Tables& tables) {
+GB_HD Rgba16 sample_texture(const TextureView& view, const MaterialView& m, double s, double t, double texels,
+                            const Tables& tables) {
   double across = texels * 0.57735026918962576;
   int l = 0;
   while (across >= 2 && l + 1 < view.levels) {
@@ -144,8 +151,8 @@ GB_HD Rgba16 sample_texture(const TextureView& view, const MaterialView& m, doub
 }
 
 /// Mean of the texture over a fragment of the given projected area (voxel²) around (u, v).
-GB_HD Rgba16 texture_over(const TextureView& view, const MaterialView& m, const TextureMap& map, double u, double v, double area,
-                          const Tables& tables) {
+GB_HD Rgba16 texture_over(const TextureView& view, const MaterialView& m, const TextureMap& map, double u, double v,
+                          double area, const Tables& tables) {
   const double size = std::sqrt(area < 1 ? area : 1);  // a fragment smaller than the voxel has the smaller footprint
   std::uint32_t sum[4] = {0, 0, 0, 0};
   for (int i = 0; i < map.probes; ++i) {
@@ -156,7 +163,8 @@ GB_HD Rgba16 texture_over(const TextureView& view, const MaterialView& m, const 
     for (int c = 0; c < 4; ++c) sum[c] += p.c[c];
   }
   Rgba16 r;
-  for (int c = 0; c < 4; ++c) r.c[c] = std::uint16_t((sum[c] + std::uint32_t(map.probes) / 2) / std::uint32_t(map.probes));
+  for (int c = 0; c < 4; ++c)
+    r.c[c] = std::uint16_t((sum[c] + std::uint32_t(map.probes) / 2) / std::uint32_t(map.probes));
   return r;
 }
 

@@ -66,7 +66,8 @@ GB_HD bool is_narrow(const WindowTriangle& t) {
 
 /// Children of an oct-tree node that the triangle may touch, down to bricks; level 0 is a brick. `visit` takes the key.
 template <class Visit>
-void descend(const WindowTriangle& t, const BrickBox& box, bool narrow, const std::int32_t node[3], int level, const Visit& visit) {
+void descend(const WindowTriangle& t, const BrickBox& box, bool narrow, const std::int32_t node[3], int level,
+             const Visit& visit) {
   for (int c = 0; c < 3; ++c)
     if ((node[c] << level) > box.last[c] || ((node[c] + 1) << level) <= box.first[c]) return;
   const std::int64_t edge = std::int64_t(1) << (brick_subvoxel_bits + level);
@@ -77,14 +78,16 @@ void descend(const WindowTriangle& t, const BrickBox& box, bool narrow, const st
     return;
   }
   for (int child = 0; child < 8; ++child) {
-    const std::int32_t next[3] = {node[0] * 2 + (child & 1), node[1] * 2 + (child >> 1 & 1), node[2] * 2 + (child >> 2)};
+    const std::int32_t next[3] = {node[0] * 2 + (child & 1), node[1] * 2 + (child >> 1 & 1),
+                                  node[2] * 2 + (child >> 2)};
     descend(t, box, narrow, next, level - 1, visit);
   }
 }
 
 /// Calls visit(key) for every brick of the window that the triangle may touch.
 template <class Visit>
-void for_each_brick(const WindowTriangle& t, SurfaceRule rule, std::int32_t window_bricks, int window_levels, const Visit& visit) {
+void for_each_brick(const WindowTriangle& t, SurfaceRule rule, std::int32_t window_bricks, int window_levels,
+                    const Visit& visit) {
   BrickBox box;
   if (!brick_box(t, rule, window_bricks, box)) return;
   const std::int64_t count = (std::int64_t(box.last[0]) - box.first[0] + 1) * (box.last[1] - box.first[1] + 1) *

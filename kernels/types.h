@@ -23,7 +23,7 @@ struct Span {
 
 inline constexpr int brick_edge = 8;
 inline constexpr int brick_voxels = 512;
-inline constexpr int subvoxel_bits = 8;                     ///< the snap lattice: 1/256 voxel
+inline constexpr int subvoxel_bits = 8;  ///< the snap lattice: 1/256 voxel
 inline constexpr std::int64_t subvoxels = 1 << subvoxel_bits;
 
 enum class SurfaceRule : std::uint8_t { area, conservative, thin };

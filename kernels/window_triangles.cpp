@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "kernels/surface.h"
+
 namespace gigabake::kernels {
 namespace {
 
@@ -18,7 +20,8 @@ struct RangeResult {
   CellStats stats;
 };
 
-std::vector<WindowVertex> snap_vertices(const PartView& part, const CellParameters& parameters, const CpuPolicy& policy) {
+std::vector<WindowVertex> snap_vertices(const PartView& part, const CellParameters& parameters,
+                                        const CpuPolicy& policy) {
   std::vector<WindowVertex> out(part.position.size / 3);
   policy.parallel_for(out.size(), 65536, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -52,8 +55,8 @@ bool is_oversized(const WindowVertex& p) {
   return std::any_of(p.v, p.v + 3, [](std::int64_t x) { return x > widest_coordinate || x < -widest_coordinate; });
 }
 
-void add_triangle(const WindowVertex* const p[3], std::uint32_t part, std::uint32_t index, std::int64_t window_subvoxels,
-                  RangeResult& out) {
+void add_triangle(const WindowVertex* const p[3], std::uint32_t part, std::uint32_t index,
+                  std::int64_t window_subvoxels, RangeResult& out) {
   if (!p[0]->valid || !p[1]->valid || !p[2]->valid) {
     ++out.stats.non_finite;
     return;
@@ -75,9 +78,16 @@ void add_triangle(const WindowVertex* const p[3], std::uint32_t part, std::uint3
   out.triangles.push_back(t);
 }
 
-std::vector<RangeResult> part_triangles(const CellInput& input, std::uint32_t part_index, const CellParameters& parameters,
-                                        const CpuPolicy& policy) {
+bool has_bad_uv(const PartView& part, const std::uint32_t v[3]) {
+  float uv[6];
+  for (int i = 0; i < 6; ++i) uv[i] = part.uv[2 * std::size_t(v[i / 2]) + i % 2];
+  return !usable_uv(uv);
+}
+
+std::vector<RangeResult> part_triangles(const CellInput& input, std::uint32_t part_index,
+                                        const CellParameters& parameters, const CpuPolicy& policy) {
   const PartView& part = input.parts[part_index];
+  const bool textured = input.materials[part.material].texture >= 0 && !part.uv.empty();
   const bool mirrored = is_mirrored(part.scene_from_local);
   const std::vector<WindowVertex> vertices = snap_vertices(part, parameters, policy);
   const std::size_t count = part.index.size / 3;
@@ -88,7 +98,9 @@ std::vector<RangeResult> part_triangles(const CellInput& input, std::uint32_t pa
         std::uint32_t v[3];
         triangle_vertices(part, mirrored, std::uint32_t(t), v);
         const WindowVertex* const p[3] = {&vertices[v[0]], &vertices[v[1]], &vertices[v[2]]};
+        const std::size_t before = ranges[r].triangles.size();
         add_triangle(p, part_index, std::uint32_t(t), std::int64_t(parameters.window_voxels) * subvoxels, ranges[r]);
+        if (textured && ranges[r].triangles.size() != before && has_bad_uv(part, v)) ++ranges[r].stats.bad_uv;
       }
   });
   return ranges;
@@ -97,11 +109,13 @@ std::vector<RangeResult> part_triangles(const CellInput& input, std::uint32_t pa
 }  // namespace
 
 bool is_mirrored(const double m[12]) {
-  return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]) < 0;
+  return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
+             m[2] * (m[4] * m[9] - m[5] * m[8]) <
+         0;
 }
 
-std::vector<WindowTriangle> window_triangles(const CellInput& input, const CellParameters& parameters, const CpuPolicy& policy,
-                                             CellStats& stats) {
+std::vector<WindowTriangle> window_triangles(const CellInput& input, const CellParameters& parameters,
+                                             const CpuPolicy& policy, CellStats& stats) {
   std::vector<WindowTriangle> all;
   for (std::uint32_t part = 0; part < input.parts.size; ++part) {
     for (const RangeResult& range : part_triangles(input, part, parameters, policy)) {
@@ -109,6 +123,7 @@ std::vector<WindowTriangle> window_triangles(const CellInput& input, const CellP
       stats.non_finite += range.stats.non_finite;
       stats.zero_area += range.stats.zero_area;
       stats.oversized += range.stats.oversized;
+      stats.bad_uv += range.stats.bad_uv;
     }
   }
   stats.triangles = all.size();

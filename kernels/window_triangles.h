@@ -9,9 +9,9 @@
 
 namespace gigabake::kernels {
 
-/// Order follows parts and indices. Counts triangles, non_finite, zero_area, oversized into `stats`.
-std::vector<WindowTriangle> window_triangles(const CellInput& input, const CellParameters& parameters, const CpuPolicy& policy,
-                                             CellStats& stats);
+/// Order follows parts and indices. Counts triangles, non_finite, zero_area, oversized, bad_uv into `stats`.
+std::vector<WindowTriangle> window_triangles(const CellInput& input, const CellParameters& parameters,
+                                             const CpuPolicy& policy, CellStats& stats);
 
 /// Negative determinant of the linear part: the instance shows its triangles from behind.
 bool is_mirrored(const double scene_from_local[12]);

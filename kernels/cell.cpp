@@ -1,0 +1,96 @@
+#include "kernels/cell.h"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+
+#include "kernels/bin.h"
+#include "kernels/levels.h"
+#include "kernels/prune.h"
+#include "kernels/voxelize.h"
+#include "kernels/window_triangles.h"
+
+namespace gigabake::kernels {
+namespace {
+
+/// Adds the time it lives to a counter.
+class StageClock {
+ public:
+  explicit StageClock(double& seconds) : seconds_(seconds) {}
+  ~StageClock() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  double& seconds_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// A pair stands twice while it is sorted, and its brick's voxels take about as much again before they are joined.
+constexpr std::uint64_t bytes_per_pair = 64;
+constexpr std::uint64_t fewest_pairs_per_batch = 1 << 16;
+constexpr std::uint64_t most_pairs_per_batch = 1 << 26;
+
+std::uint64_t pairs_per_batch(const CellParameters& parameters, std::uint64_t triangle_bytes) {
+  if (parameters.memory_bytes == 0) return most_pairs_per_batch;
+  const std::uint64_t left = parameters.memory_bytes > triangle_bytes ? parameters.memory_bytes - triangle_bytes : 0;
+  return std::clamp(left / bytes_per_pair, fewest_pairs_per_batch, most_pairs_per_batch);
+}
+
+std::uint64_t bytes_of(const Level& l) {
+  return 8 * (l.key.capacity() + l.mask.capacity() + l.first.capacity()) + l.rgba.capacity() + l.normal.capacity();
+}
+
+std::uint64_t bytes_of(const std::vector<Level>& levels) {
+  std::uint64_t bytes = 0;
+  for (const Level& l : levels) bytes += bytes_of(l);
+  return bytes;
+}
+
+Level finest_level(const CellInput& input, const CellParameters& parameters, const CpuPolicy& policy,
+                   CellStats& stats) {
+  std::vector<WindowTriangle> triangles;
+  {
+    const StageClock clock(stats.snap_s);
+    triangles = window_triangles(input, parameters, policy, stats);
+  }
+  const std::uint64_t triangle_bytes = triangles.capacity() * sizeof(WindowTriangle);
+  std::vector<Batch> batches;
+  {
+    const StageClock clock(stats.bin_s);
+    batches = plan_batches(triangles, parameters, pairs_per_batch(parameters, triangle_bytes), policy);
+  }
+  Level level;
+  for (const Batch& batch : batches) {
+    std::vector<Pair> pairs;
+    {
+      const StageClock clock(stats.sort_s);
+      pairs = sorted_pairs(triangles, parameters, batch, policy, stats);
+    }
+    const StageClock clock(stats.voxelize_s);
+    voxelize(input, triangles, parameters, pairs, policy, level, stats);
+    stats.peak_bytes =
+        std::max(stats.peak_bytes, triangle_bytes + pairs.capacity() * 2 * sizeof(Pair) + 2 * bytes_of(level));
+  }
+  stats.batches = batches.size();
+  return level;
+}
+
+}  // namespace
+
+CellVolume bake_cell(const CellInput& input, const CellParameters& parameters, const CpuPolicy& policy) {
+  CellVolume volume;
+  Level finest = finest_level(input, parameters, policy, volume.stats);
+  if (finest.key.empty()) return volume;
+  volume.levels.push_back(std::move(finest));
+  const int lods = std::bit_width(parameters.window_voxels / std::uint32_t(brick_edge));
+  {
+    const StageClock clock(volume.stats.mip_s);
+    while (int(volume.levels.size()) < lods)
+      volume.levels.push_back(coarser_level(volume.levels.back(), parameters.mip, parameters.normals, policy));
+  }
+  volume.stats.peak_bytes = std::max(volume.stats.peak_bytes, 2 * bytes_of(volume.levels));
+  const StageClock clock(volume.stats.prune_s);
+  volume.nodes = prune(volume.levels, policy);
+  return volume;
+}
+
+}  // namespace gigabake::kernels

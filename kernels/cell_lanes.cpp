@@ -1,0 +1,57 @@
+#include "kernels/cell_lanes.h"
+
+// Function multiversioning: one binary uses the vectors of the machine it runs on. Sanitizers start after the loader
+// has chosen versions, so they get the plain one.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+#define GB_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define GB_VECTOR_CLONES
+#endif
+
+namespace gigabake::kernels {
+namespace {
+
+constexpr int lane_group = 4;
+
+int padded_count(CellLanes& lanes) {
+  const int padded = (lanes.count + lane_group - 1) / lane_group * lane_group;
+  for (int i = lanes.count; i < padded; ++i) lanes.u[i] = lanes.v[i] = 0;
+  for (int i = 0; i < padded; ++i) lanes.area[i] = lanes.moment_u[i] = lanes.moment_v[i] = 0;
+  return padded;
+}
+
+}  // namespace
+
+GB_VECTOR_CLONES void measure_areas(const SlabPolygon& polygon, CellLanes& lanes) {
+  const int padded = padded_count(lanes);
+  for (int e = 0; e < polygon.count; ++e) {
+    const int f = e + 1 == polygon.count ? 0 : e + 1;
+    const double slope = edge_slope(polygon, e), eu = polygon.u[e], ev = polygon.v[e], fu = polygon.u[f],
+                 fv = polygon.v[f];
+    if (ev == fv) continue;  // level edges bound no area in ∮ u dv
+    for (int i = 0; i < padded; ++i) {
+      CellMoments m{lanes.area[i], 0, 0};
+      add_edge<false>(eu - lanes.u[i], ev - lanes.v[i], fu - lanes.u[i], fv - lanes.v[i], slope, m);
+      lanes.area[i] = m.area;
+    }
+  }
+}
+
+GB_VECTOR_CLONES void measure_moments(const SlabPolygon& polygon, CellLanes& lanes) {
+  const int padded = padded_count(lanes);
+  for (int e = 0; e < polygon.count; ++e) {
+    const int f = e + 1 == polygon.count ? 0 : e + 1;
+    const double slope = edge_slope(polygon, e), eu = polygon.u[e], ev = polygon.v[e], fu = polygon.u[f],
+                 fv = polygon.v[f];
+    if (ev == fv) continue;
+    for (int i = 0; i < padded; ++i) {
+      CellMoments m{lanes.area[i], lanes.moment_u[i], lanes.moment_v[i]};
+      add_edge<true>(eu - lanes.u[i], ev - lanes.v[i], fu - lanes.u[i], fv - lanes.v[i], slope, m);
+      lanes.area[i] = m.area;
+      lanes.moment_u[i] = m.u;
+      lanes.moment_v[i] = m.v;
+    }
+  }
+}
+
+}  // namespace gigabake::kernels
