@@ -1,0 +1,74 @@
+/// First stage of a cell: everything the kernels borrow for it, read, decoded and prefiltered, or still in the cache
+/// from the cell before.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "format/cell_job.h"
+#include "format/mesh.h"
+#include "format/parameters.h"
+#include "format/source.h"
+#include "kernels/cell.h"
+#include "worker/instance_bounds.h"
+#include "worker/lru_cache.h"
+#include "worker/materials.h"
+
+namespace gigabake {
+
+/// A tile as the cache keeps it.
+struct LoadedTile {
+  TileMesh mesh;
+  std::vector<LocalBounds> bounds;  ///< of each primitive
+  std::vector<Hash128> image_hash;  ///< of the encoded bytes: tiles that share an image share its textures
+
+  /// Errors  InputError, as read_tile.
+  static std::shared_ptr<const LoadedTile> read(const TileRef& tile, const SceneSources& sources);
+  std::uint64_t bytes() const;
+};
+
+/// What bake_cell() borrows, and those who own it. Move-only.
+struct LoadedCell {
+  std::vector<std::shared_ptr<const LoadedTile>> tiles;
+  std::vector<std::shared_ptr<const kernels::Texture>> textures;
+  std::vector<kernels::PartView> parts;
+  std::vector<kernels::MaterialView> materials;
+  std::vector<kernels::TextureView> texture_views;
+
+  kernels::CellInput input() const;
+};
+
+class CellLoader {
+ public:
+  /// `sources` and `parameters` must outlive the loader. Caches keep at most `cache_bytes`, half for tiles and half for
+  /// textures; what cells in hand hold on to comes on top.
+  CellLoader(const SceneSources& sources, const BakeParameters& parameters, std::uint64_t cache_bytes, int threads);
+
+  /// Instances whose bounds miss the cell are left out, and with them images that nothing else needs.
+  /// Errors  InputError naming the tile or image that cannot be read.
+  LoadedCell load(const CellJob& job);
+
+ private:
+  struct TextureKey {
+    Hash128 image;
+    TextureRecipe recipe;
+    friend bool operator==(const TextureKey&, const TextureKey&) = default;
+  };
+  struct TextureKeyHash {
+    std::size_t operator()(const TextureKey& key) const { return std::size_t(key.image.lo) + key.recipe.mask_cutoff; }
+  };
+  struct WantedTextures;
+
+  void load_tiles(const CellJob& job, LoadedCell& cell);
+  void add_parts(const CellJob& job, const LoadedTile& tile, LoadedCell& cell, WantedTextures& wanted) const;
+  void load_textures(const WantedTextures& wanted, LoadedCell& cell);
+
+  const SceneSources& sources_;
+  const BakeParameters& parameters_;
+  kernels::CpuPolicy policy_;
+  LruCache<std::uint32_t, LoadedTile> tiles_;
+  LruCache<TextureKey, kernels::Texture, TextureKeyHash> textures_;
+};
+
+}  // namespace gigabake

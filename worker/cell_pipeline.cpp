@@ -1,0 +1,138 @@
+#include "worker/cell_pipeline.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <new>
+#include <thread>
+#include <utility>
+
+#include "worker/cell_stages.h"
+#include "worker/handoff.h"
+
+namespace gigabake {
+namespace {
+
+/// Runs one stage on a cell; an exception decides the cell.
+template <class Work>
+void run_stage(CellInHand& cell, double CellReport::*seconds, const Work& work) {
+  if (cell.decided) return;
+  const auto start = std::chrono::steady_clock::now();
+  const auto fail = [&](std::string line) {
+    cell.report.outcome = CellOutcome::failed;
+    cell.report.error = std::move(line);
+    cell.decided = true;
+    cell.loaded.reset();
+    cell.volume = {};
+  };
+  try {
+    work(cell);
+  } catch (const std::bad_alloc&) {
+    fail("not enough memory for this cell; take a smaller --cell-voxels or fewer ranks on the machine");
+  } catch (const std::exception& e) {
+    fail(e.what());
+  }
+  cell.report.*seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+class CellPipeline::Stages {
+ public:
+  Stages(SceneSources sources, BakeParameters parameters, WorkerOptions options)
+      : stages_(std::move(sources), parameters, std::move(options)) {
+    reader_ = std::thread([this] { read_all(); });
+    computer_ = std::thread([this] { compute_all(); });
+    writer_ = std::thread([this] { write_all(); });
+  }
+
+  ~Stages() {
+    {
+      const std::scoped_lock lock(mutex_);
+      stopping_ = true;
+    }
+    submitted_.notify_all();
+    reader_.join();
+    computer_.join();
+    writer_.join();
+  }
+
+  void submit(CellJob job) {
+    {
+      const std::scoped_lock lock(mutex_);
+      jobs_.push_back(std::move(job));
+      ++in_flight_;
+    }
+    submitted_.notify_all();
+  }
+
+  std::optional<CellReport> poll() {
+    const std::scoped_lock lock(mutex_);
+    if (reports_.empty()) return std::nullopt;
+    CellReport report = std::move(reports_.front());
+    reports_.pop_front();
+    --in_flight_;
+    return report;
+  }
+
+  std::size_t in_flight() const {
+    const std::scoped_lock lock(mutex_);
+    return in_flight_;
+  }
+
+ private:
+  std::optional<CellJob> next_job() {
+    std::unique_lock lock(mutex_);
+    submitted_.wait(lock, [this] { return stopping_ || !jobs_.empty(); });
+    if (stopping_) return std::nullopt;
+    CellJob job = std::move(jobs_.front());
+    jobs_.pop_front();
+    return job;
+  }
+
+  void read_all() {
+    while (auto job = next_job()) {
+      auto cell = std::make_unique<CellInHand>(std::move(*job));
+      run_stage(*cell, &CellReport::read_s, [this](CellInHand& c) { stages_.read(c); });
+      loaded_.give(std::move(cell));
+    }
+    loaded_.close();
+  }
+
+  void compute_all() {
+    while (auto cell = loaded_.take()) {
+      run_stage(**cell, &CellReport::kernel_s, [this](CellInHand& c) { stages_.compute(c); });
+      computed_.give(std::move(*cell));
+    }
+    computed_.close();
+  }
+
+  void write_all() {
+    while (auto cell = computed_.take()) {
+      run_stage(**cell, &CellReport::write_s, [this](CellInHand& c) { stages_.write(c); });
+      const std::scoped_lock lock(mutex_);
+      reports_.push_back(std::move((*cell)->report));
+    }
+  }
+
+  CellStages stages_;
+  mutable std::mutex mutex_;
+  std::condition_variable submitted_;
+  std::deque<CellJob> jobs_;
+  std::deque<CellReport> reports_;
+  std::size_t in_flight_ = 0;
+  bool stopping_ = false;
+  Handoff<std::unique_ptr<CellInHand>> loaded_, computed_;
+  std::thread reader_, computer_, writer_;
+};
+
+CellPipeline::CellPipeline(SceneSources sources, BakeParameters parameters, WorkerOptions options)
+    : stages_(std::make_unique<Stages>(std::move(sources), parameters, std::move(options))) {}
+CellPipeline::~CellPipeline() = default;
+
+void CellPipeline::submit(CellJob job) { stages_->submit(std::move(job)); }
+std::optional<CellReport> CellPipeline::poll() { return stages_->poll(); }
+std::size_t CellPipeline::in_flight() const { return stages_->in_flight(); }
+
+}  // namespace gigabake

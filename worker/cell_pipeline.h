@@ -1,0 +1,51 @@
+/// Bakes cells one after the other in three overlapped stages: the next is read and decoded while the kernels compute
+/// this one and the last is compressed and written.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "format/cell_job.h"
+#include "format/parameters.h"
+#include "format/source.h"
+
+namespace gigabake {
+
+struct WorkerOptions {
+  int threads = 1;  ///< of each stage
+  std::uint64_t memory_bytes =
+      0;                      ///< to aim for; a quarter caches tiles and textures, half is the kernels'. 0: no bound
+  std::filesystem::path out;  ///< the bake's folder; shards go to OUT/shards
+};
+
+/// Jobs are taken and reported in the order of submission.
+/// Exact   A shard depends on its job, the sources and the parameters; not on threads, memory or other jobs.
+/// Errors  Whatever goes wrong with a cell becomes its report: `failed` with one line.
+class CellPipeline {
+ public:
+  /// Makes OUT/shards. Errors  InputError when that fails.
+  CellPipeline(SceneSources sources, BakeParameters parameters, WorkerOptions options);
+  /// Finishes the cells in hand and drops jobs that wait.
+  ~CellPipeline();
+  CellPipeline(const CellPipeline&) = delete;
+  CellPipeline& operator=(const CellPipeline&) = delete;
+
+  /// Returns at once. Three jobs in flight keep all stages busy.
+  void submit(CellJob job);
+  /// The next report, if one is there.
+  std::optional<CellReport> poll();
+  /// Submitted and not yet polled.
+  std::size_t in_flight() const;
+
+ private:
+  class Stages;
+  std::unique_ptr<Stages> stages_;
+};
+
+/// Relative to OUT: shards/<name>-<fingerprint>.h5.
+std::filesystem::path shard_path(const CellJob& job);
+
+}  // namespace gigabake

@@ -1,0 +1,136 @@
+#include "worker/cell_stages.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <utility>
+
+#include "format/error.h"
+#include "worker/lattice.h"
+#include "worker/shard_from_volume.h"
+
+namespace gigabake {
+namespace {
+
+constexpr std::uint64_t least_kernel_bytes = std::uint64_t(16) << 20;
+
+std::uint64_t cache_bytes(const WorkerOptions& options) {
+  return options.memory_bytes == 0 ? std::numeric_limits<std::uint64_t>::max() : options.memory_bytes / 4;
+}
+
+std::uint64_t kernel_bytes(const WorkerOptions& options) {
+  return options.memory_bytes == 0 ? 0 : std::max(options.memory_bytes / 2, least_kernel_bytes);
+}
+
+kernels::CellParameters cell_parameters(const CellJob& job, const BakeParameters& p, const WorkerOptions& options) {
+  kernels::CellParameters c;
+  c.frame = snap_frame(p);
+  std::ranges::copy(job.lattice_min, c.window_min);
+  c.window_voxels = job.cell_voxels;
+  c.surface = p.surface == SurfaceRule::thin           ? kernels::SurfaceRule::thin
+              : p.surface == SurfaceRule::conservative ? kernels::SurfaceRule::conservative
+                                                       : kernels::SurfaceRule::area;
+  c.mip = p.mip == MipFilter::thesis ? kernels::MipFilter::thesis
+          : p.mip == MipFilter::box  ? kernels::MipFilter::box
+                                     : kernels::MipFilter::coverage;
+  c.normals = p.normals;
+  c.memory_bytes = kernel_bytes(options);
+  return c;
+}
+
+std::filesystem::path make_shard_folder(const std::filesystem::path& out) {
+  std::error_code error;
+  std::filesystem::create_directories(out / "shards", error);
+  if (error) throw InputError(out / "shards", "", "cannot make the folder: " + error.message());
+  return out;
+}
+
+SceneCell scene_cell(const CellJob& job, const Shard& shard, std::uint64_t bytes) {
+  const ShardHeader& h = shard.header;
+  return {job.name,      shard_path(job).generic_string(),
+          h.lattice_min, h.cell_voxels,
+          h.lods,        bytes,
+          h.triangles,   voxel_counts(shard),
+          h.fingerprint, h.content_hash};
+}
+
+/// The shard that an earlier run left, if it is whole and what the job asks for.
+std::optional<Shard> published_shard(const std::filesystem::path& path, const CellJob& job) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return std::nullopt;
+  try {
+    Shard shard = read_shard(path);
+    const ShardHeader& h = shard.header;
+    if (h.fingerprint == job.fingerprint && h.lattice_min == job.lattice_min && h.cell_voxels == job.cell_voxels)
+      return shard;
+  } catch (const InputError&) {
+    // Damaged: baked again and replaced.
+  }
+  return std::nullopt;
+}
+
+void decide(CellInHand& cell, CellOutcome outcome) {
+  cell.report.outcome = outcome;
+  cell.decided = true;
+}
+
+}  // namespace
+
+std::filesystem::path shard_path(const CellJob& job) {
+  return std::filesystem::path("shards") / (job.name + "-" + job.fingerprint.hex() + ".h5");
+}
+
+CellInHand::CellInHand(CellJob cell_job) : job(std::move(cell_job)) { report.id = job.id; }
+
+CellStages::CellStages(SceneSources sources, BakeParameters parameters, WorkerOptions options)
+    : sources_(std::move(sources)),
+      parameters_(parameters),
+      options_{options.threads, options.memory_bytes, make_shard_folder(options.out)},
+      loader_(sources_, parameters_, cache_bytes(options_), options_.threads),
+      policy_(options_.threads) {}
+
+void CellStages::read(CellInHand& cell) {
+  const std::filesystem::path path = options_.out / shard_path(cell.job);
+  if (const auto shard = published_shard(path, cell.job)) {
+    cell.report.cell = scene_cell(cell.job, *shard, std::filesystem::file_size(path));
+    return decide(cell, CellOutcome::baked);
+  }
+  cell.loaded = loader_.load(cell.job);
+}
+
+void CellStages::compute(CellInHand& cell) {
+  cell.volume = kernels::bake_cell(cell.loaded->input(), cell_parameters(cell.job, parameters_, options_), policy_);
+  cell.loaded.reset();
+  const kernels::CellStats& stats = cell.volume.stats;
+  cell.report.peak_bytes = stats.peak_bytes;
+  if (stats.oversized != 0)
+    throw InputError(cell.job.name, "",
+                     std::to_string(stats.oversized) +
+                         " triangles reach farther than 4194304 voxels from the cell; enlarge --voxel-size");
+  if (cell.volume.levels.empty()) decide(cell, CellOutcome::empty);
+}
+
+void CellStages::write(CellInHand& cell) {
+  const ShardHeader header = header_of(cell);
+  const Shard shard = shard_from_volume(std::exchange(cell.volume, {}), header);
+  const std::uint64_t bytes = write_shard(options_.out / shard_path(cell.job), shard, {options_.threads});
+  cell.report.cell = scene_cell(cell.job, shard, bytes);
+  decide(cell, CellOutcome::baked);
+}
+
+ShardHeader CellStages::header_of(const CellInHand& cell) const {
+  ShardHeader h;
+  h.generator = "gigabake " GIGABAKE_VERSION;
+  h.cell = cell.job.name;
+  h.lattice_min = cell.job.lattice_min;
+  h.cell_voxels = cell.job.cell_voxels;
+  h.voxel_size_m = parameters_.voxel_size_m;
+  h.lattice_origin_m = parameters_.lattice_origin_m;
+  h.origin = sources_.origin;
+  h.fingerprint = cell.job.fingerprint;
+  h.has_normals = parameters_.normals;
+  h.triangles = cell.volume.stats.triangles;
+  return h;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,49 @@
+/// What each of the pipeline's stages does with one cell. No threads, no queues: doing, apart from overlapping.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "format/cell_job.h"
+#include "kernels/cell.h"
+#include "kernels/policy.h"
+#include "worker/cell_loader.h"
+#include "worker/cell_pipeline.h"
+
+namespace gigabake {
+
+/// A cell on its way through the stages.
+struct CellInHand {
+  explicit CellInHand(CellJob cell_job);
+
+  CellJob job;
+  CellReport report;
+  bool decided = false;  ///< the report is final; later stages pass it on
+  std::optional<LoadedCell> loaded;
+  kernels::CellVolume volume;
+};
+
+/// Each stage may throw; the pipeline turns that into a failed report.
+class CellStages {
+ public:
+  /// Errors  InputError when OUT/shards cannot be made.
+  CellStages(SceneSources sources, BakeParameters parameters, WorkerOptions options);
+
+  /// Takes over a whole shard of this fingerprint if OUT has one; else loads tiles and textures.
+  void read(CellInHand& cell);
+  /// loaded → volume. Decides for `empty` where no voxel is occupied.
+  void compute(CellInHand& cell);
+  /// volume → shard → report.
+  void write(CellInHand& cell);
+
+ private:
+  ShardHeader header_of(const CellInHand& cell) const;
+
+  const SceneSources sources_;
+  const BakeParameters parameters_;
+  const WorkerOptions options_;
+  CellLoader loader_;
+  kernels::CpuPolicy policy_;
+};
+
+}  // namespace gigabake

@@ -1,0 +1,36 @@
+/// The columns of the plan that one snapped triangle may touch, and its height range in each.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+namespace gigabake {
+
+/// Sub-voxels from the lattice origin, |coordinate| ≤ 2^53.
+struct LatticeTriangle {
+  std::int64_t p[3][3];
+};
+
+bool has_area(const LatticeTriangle& triangle);
+
+struct ColumnGrid {
+  int cell_bits = 10;   ///< log2 of the cell's edge in voxels
+  bool closed = false;  ///< the surface rule counts contact: voxels are closed cubes, else half-open ones
+};
+
+/// Inclusive range of voxels along one axis.
+struct VoxelSpan {
+  std::int64_t first, last;
+};
+
+/// Calls visit(column_x, column_y, z range) for every column in which a surface rule may occupy a voxel, and some
+/// neighbours of those; the z range holds every such voxel. Returns false, having visited some, when there are more
+/// than `max_columns`. Exact   Conservative. A triangle inside one column: its exact bounds. Otherwise it is clipped to
+/// each column, grown by
+///         one sub-voxel and 2^-48 of the triangle's extent, in double; a clipped coordinate's error is below 2^-49 of
+///         that extent.
+/// Cost    Rows and columns of the triangle itself, not of its bounding box.
+bool for_each_column(const LatticeTriangle& triangle, const ColumnGrid& grid, std::uint64_t max_columns,
+                     const std::function<void(std::int64_t, std::int64_t, VoxelSpan)>& visit);
+
+}  // namespace gigabake

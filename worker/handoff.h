@@ -1,0 +1,47 @@
+/// Where one stage of the pipeline hands a value to the next, hand to hand: nothing waits in between, so that memory
+/// holds no more cells than there are stages.
+#pragma once
+
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+namespace gigabake {
+
+/// One giver, one taker. Thread-safe.
+template <class T>
+class Handoff {
+ public:
+  /// Returns when the taker has the value.
+  void give(T value) {
+    std::unique_lock lock(mutex_);
+    value_ = std::move(value);
+    changed_.notify_all();
+    changed_.wait(lock, [this] { return !value_.has_value(); });
+  }
+
+  /// No value follows.
+  void close() {
+    const std::scoped_lock lock(mutex_);
+    closed_ = true;
+    changed_.notify_all();
+  }
+
+  /// Waits for a value; none when closed.
+  std::optional<T> take() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return value_.has_value() || closed_; });
+    std::optional<T> taken = std::exchange(value_, std::nullopt);
+    changed_.notify_all();
+    return taken;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<T> value_;
+  bool closed_ = false;
+};
+
+}  // namespace gigabake

@@ -1,0 +1,42 @@
+#include "worker/instance_bounds.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace gigabake {
+
+LocalBounds bounds_of(const Primitive& primitive) {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  LocalBounds b{{infinite, infinite, infinite}, {-infinite, -infinite, -infinite}};
+  for (std::size_t i = 0; i + 2 < primitive.position.size(); i += 3)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double x = primitive.position[i + c];
+      if (!std::isfinite(x)) continue;
+      b.low[c] = std::min(b.low[c], x);
+      b.high[c] = std::max(b.high[c], x);
+    }
+  return b;
+}
+
+bool may_meet(const LocalBounds& bounds, const Instance& instance, const BakeParameters& parameters,
+              const CellBox& cell) {
+  for (std::size_t r = 0; r < 3; ++r) {
+    const auto& row = instance.scene_from_local.m[r];
+    double low = row[3], high = row[3], terms = std::fabs(row[3]) + std::fabs(parameters.lattice_origin_m[r]);
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (bounds.low[c] > bounds.high[c]) return false;
+      const double a = row[c] * bounds.low[c], b = row[c] * bounds.high[c];
+      low += std::min(a, b);
+      high += std::max(a, b);
+      terms += std::max(std::fabs(a), std::fabs(b));
+    }
+    const double margin_m = parameters.voxel_size_m + 1e-12 * terms;
+    const auto plane_m = [&](double voxel) { return parameters.lattice_origin_m[r] + voxel * parameters.voxel_size_m; };
+    if (high + margin_m < plane_m(double(cell.lattice_min[r]))) return false;
+    if (low - margin_m > plane_m(double(cell.lattice_min[r]) + cell.cell_voxels)) return false;
+  }
+  return true;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,30 @@
+/// Does an instance come near a cell? Asked before its image is decoded and its triangles are snapped.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "format/mesh.h"
+#include "format/parameters.h"
+
+namespace gigabake {
+
+/// Local metres, over finite positions only: a triangle with another is dropped at the snap. low > high: none is
+/// finite.
+struct LocalBounds {
+  std::array<double, 3> low{1, 1, 1}, high{-1, -1, -1};
+};
+
+LocalBounds bounds_of(const Primitive& primitive);
+
+struct CellBox {
+  std::array<std::int64_t, 3> lattice_min{};  ///< lod-0 voxels
+  std::uint32_t cell_voxels = 0;
+};
+
+/// False only where no triangle of the instance can touch a voxel of the cell, whatever the surface rule.
+/// Exact   Conservative: bounds are transformed in double and grown by a voxel and 1e-12 of the terms that cancel.
+bool may_meet(const LocalBounds& bounds, const Instance& instance, const BakeParameters& parameters,
+              const CellBox& cell);
+
+}  // namespace gigabake

@@ -1,0 +1,24 @@
+/// The bake's parameters as the kernels take them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "format/frames.h"
+#include "format/parameters.h"
+#include "kernels/snap.h"
+
+namespace gigabake {
+
+inline kernels::SnapFrame snap_frame(const BakeParameters& p) {
+  return {p.voxel_size_m, {p.lattice_origin_m[0], p.lattice_origin_m[1], p.lattice_origin_m[2]}};
+}
+
+inline std::array<double, 12> row_major(const Affine<Scene, Local>& scene_from_local) {
+  std::array<double, 12> flat;
+  for (std::size_t r = 0; r < 3; ++r)
+    for (std::size_t c = 0; c < 4; ++c) flat[4 * r + c] = scene_from_local.m[r][c];
+  return flat;
+}
+
+}  // namespace gigabake

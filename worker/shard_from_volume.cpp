@@ -1,0 +1,49 @@
+#include "worker/shard_from_volume.h"
+
+#include <utility>
+
+#include "format/content_hash.h"
+
+namespace gigabake {
+namespace {
+
+static_assert(int(NodeKind::brick) == int(kernels::NodeKind::brick) &&
+              int(NodeKind::constant) == int(kernels::NodeKind::constant) &&
+              int(NodeKind::leaf_constant) == int(kernels::NodeKind::leaf_constant));
+
+NodeTable to_table(kernels::Nodes nodes) {
+  NodeTable table{std::move(nodes.key),        std::move(nodes.lod),         {},
+                  std::move(nodes.child_mask), std::move(nodes.first_child), std::move(nodes.value),
+                  std::move(nodes.normal)};
+  table.kind.reserve(nodes.kind.size());
+  for (const kernels::NodeKind kind : nodes.kind) table.kind.push_back(NodeKind(kind));
+  return table;
+}
+
+}  // namespace
+
+Shard shard_from_volume(kernels::CellVolume volume, ShardHeader header) {
+  Shard shard;
+  shard.header = std::move(header);
+  shard.nodes = to_table(std::move(volume.nodes));
+  for (kernels::Level& level : volume.levels)
+    shard.levels.push_back(
+        {std::move(level.mask), std::move(level.first), std::move(level.rgba), std::move(level.normal)});
+  shard.header.lods = std::uint32_t(shard.levels.size());
+  shard.header.content_hash = content_hash(shard);
+  return shard;
+}
+
+std::vector<std::uint64_t> voxel_counts(const Shard& shard) {
+  std::vector<std::uint64_t> counts;
+  for (const BrickLevel& level : shard.levels) counts.push_back(level.rgba.size() / 4);
+  for (std::size_t n = 0; n < shard.nodes.kind.size(); ++n) {
+    if (shard.nodes.kind[n] == NodeKind::brick) continue;
+    const int lod = shard.nodes.lod[n];
+    const int last = shard.nodes.kind[n] == NodeKind::leaf_constant ? 0 : lod;
+    for (int l = lod; l >= last; --l) counts[std::size_t(l)] += std::uint64_t(brick_voxels) << 3 * (lod - l);
+  }
+  return counts;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,178 @@
+#include "worker/survey_tile.h"
+
+#include <algorithm>
+#include <bit>
+#include <new>
+#include <unordered_map>
+
+#include "format/error.h"
+#include "kernels/snap.h"
+#include "worker/column_span.h"
+#include "worker/lattice.h"
+
+namespace gigabake {
+namespace {
+
+constexpr std::uint64_t max_columns = std::uint64_t(1) << 21;
+/// Columns times triangles that one thread may meet, so that a hostile tile ends in seconds.
+constexpr std::uint64_t max_visits = std::uint64_t(1) << 28;
+constexpr std::size_t triangles_per_range = 16384;
+
+struct ColumnKey {
+  std::int64_t x, y;
+  friend bool operator==(const ColumnKey&, const ColumnKey&) = default;
+};
+
+struct ColumnKeyHash {
+  std::size_t operator()(const ColumnKey& k) const {
+    return std::size_t(std::uint64_t(k.x) * 0x9e3779b97f4a7c15ull ^
+                       std::rotl(std::uint64_t(k.y) * 0xc2b2ae3d27d4eb4full, 32));
+  }
+};
+
+void widen(ColumnExtent& column, std::int64_t z_min, std::int64_t z_end, std::uint64_t triangles) {
+  column.z_min = std::min(column.z_min, z_min);
+  column.z_end = std::max(column.z_end, z_end);
+  column.triangles += triangles;
+}
+
+/// What one thread has found. Neighbouring triangles mostly share their column: the last one is at hand.
+class ColumnMap {
+ public:
+  void add(std::int64_t x, std::int64_t y, VoxelSpan z) {
+    if (last_ == nullptr || last_->column_x != x || last_->column_y != y) {
+      const auto [at, is_new] = columns_.try_emplace(ColumnKey{x, y}, ColumnExtent{x, y, z.first, z.last + 1, 0});
+      last_ = &at->second;
+    }
+    widen(*last_, z.first, z.last + 1, 1);
+    ++visits_;
+  }
+  bool is_too_wide() const { return columns_.size() > max_columns || visits_ > max_visits; }
+  const auto& columns() const { return columns_; }
+
+ private:
+  std::unordered_map<ColumnKey, ColumnExtent, ColumnKeyHash> columns_;
+  ColumnExtent* last_ = nullptr;
+  std::uint64_t visits_ = 0;
+};
+
+struct ThreadSurvey {
+  ColumnMap map;
+  std::uint64_t non_finite = 0, zero_area = 0;
+};
+
+struct SnappedVertex {
+  kernels::LatticePoint p;
+  bool valid;
+};
+
+std::vector<SnappedVertex> snap_vertices(const Primitive& primitive, const Instance& instance,
+                                         const BakeParameters& parameters, const kernels::CpuPolicy& policy) {
+  const kernels::SnapFrame frame = snap_frame(parameters);
+  const auto scene_from_local = row_major(instance.scene_from_local);
+  std::vector<SnappedVertex> out(primitive.position.size() / 3);
+  policy.parallel_for(out.size(), 65536, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i)
+      out[i].valid = kernels::snap(frame, scene_from_local.data(), primitive.position.data() + 3 * i, out[i].p);
+  });
+  return out;
+}
+
+class TileSurveyor {
+ public:
+  TileSurveyor(const TileRef& tile, const BakeParameters& parameters, const kernels::CpuPolicy& policy)
+      : tile_(tile),
+        parameters_(parameters),
+        policy_(policy),
+        grid_{int(std::bit_width(parameters.cell_voxels)) - 1, parameters.surface != SurfaceRule::area},
+        threads_(std::size_t(policy.threads())) {}
+
+  void add(const Primitive& primitive, const Instance& instance) {
+    const std::vector<SnappedVertex> vertices = snap_vertices(primitive, instance, parameters_, policy_);
+    policy_.parallel_for(primitive.index.size() / 3, triangles_per_range,
+                         [&](std::size_t begin, std::size_t end, int thread) {
+                           for (std::size_t t = begin; t < end; ++t)
+                             add_triangle(vertices, primitive.index.data() + 3 * t, threads_[std::size_t(thread)]);
+                         });
+  }
+
+  void finish(TileSurvey& survey) const {
+    for (const ThreadSurvey& thread : threads_) {
+      survey.non_finite += thread.non_finite;
+      survey.zero_area += thread.zero_area;
+      for (const auto& [key, column] : thread.map.columns()) survey.columns.push_back(column);
+    }
+    unite(survey.columns);
+  }
+
+ private:
+  void add_triangle(const std::vector<SnappedVertex>& vertices, const std::uint32_t* index, ThreadSurvey& found) const {
+    LatticeTriangle triangle;
+    for (int i = 0; i < 3; ++i) {
+      const SnappedVertex& v = vertices[index[i]];
+      if (!v.valid) {
+        ++found.non_finite;
+        return;
+      }
+      std::copy(v.p.v, v.p.v + 3, triangle.p[i]);
+    }
+    if (!has_area(triangle)) {
+      ++found.zero_area;
+      return;
+    }
+    const bool fits = for_each_column(triangle, grid_, max_columns,
+                                      [&](std::int64_t x, std::int64_t y, VoxelSpan z) { found.map.add(x, y, z); });
+    if (!fits || found.map.is_too_wide())
+      throw InputError(tile_.path, "",
+                       "its triangles spread over more than " + std::to_string(max_columns) + " columns of " +
+                           std::to_string(parameters_.cell_voxels) +
+                           " voxels; enlarge --voxel-size or --cell-voxels, or check the unit of its coordinates");
+  }
+
+  /// Sorts, and makes one of the columns that several threads found.
+  static void unite(std::vector<ColumnExtent>& columns) {
+    std::sort(columns.begin(), columns.end(), [](const ColumnExtent& a, const ColumnExtent& b) {
+      return std::pair(a.column_x, a.column_y) < std::pair(b.column_x, b.column_y);
+    });
+    std::size_t kept = 0;
+    for (const ColumnExtent& c : columns) {
+      if (kept != 0 && columns[kept - 1].column_x == c.column_x && columns[kept - 1].column_y == c.column_y)
+        widen(columns[kept - 1], c.z_min, c.z_end, c.triangles);
+      else
+        columns[kept++] = c;
+    }
+    columns.resize(kept);
+  }
+
+  const TileRef& tile_;
+  const BakeParameters& parameters_;
+  const kernels::CpuPolicy& policy_;
+  ColumnGrid grid_;
+  std::vector<ThreadSurvey> threads_;
+};
+
+}  // namespace
+
+TileSurvey survey_tile(const SceneSources& sources, std::uint32_t tile, const BakeParameters& parameters,
+                       const kernels::CpuPolicy& policy) {
+  TileSurvey survey;
+  survey.tile = tile;
+  const TileRef& ref = sources.tiles.at(tile);
+  try {
+    const TileMesh mesh = read_tile(ref, sources.root, ReadScope::positions_only);
+    survey.triangles = mesh.counts.triangles;
+    survey.skipped_points = mesh.counts.skipped_points;
+    survey.skipped_lines = mesh.counts.skipped_lines;
+    TileSurveyor surveyor(ref, parameters, policy);
+    for (const Instance& instance : mesh.instances)
+      surveyor.add(mesh.primitives[std::size_t(instance.primitive)], instance);
+    surveyor.finish(survey);
+  } catch (const std::bad_alloc&) {
+    survey = TileSurvey{tile, {}, 0, 0, 0, 0, 0, ref.path.string() + ": not enough memory to read it"};
+  } catch (const std::exception& e) {
+    survey = TileSurvey{tile, {}, 0, 0, 0, 0, 0, e.what()};
+  }
+  return survey;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,21 @@
+/// First step of a bake: what one tile covers.
+#pragma once
+
+#include <cstdint>
+
+#include "format/parameters.h"
+#include "format/source.h"
+#include "format/survey.h"
+#include "kernels/policy.h"
+
+namespace gigabake {
+
+/// Reads the tile's positions and finds its columns of parameters.cell_voxels² voxels, each with a height range that
+/// holds every voxel which parameters.surface can occupy, and with the triangles that may touch it.
+/// Exact   Equal for any number of threads.
+/// Cost    Time follows triangles and columns; a tile that spreads over more than 2^21 columns is an error.
+/// Errors  None thrown: TileSurvey::error says in one line why the tile has no columns.
+TileSurvey survey_tile(const SceneSources& sources, std::uint32_t tile, const BakeParameters& parameters,
+                       const kernels::CpuPolicy& policy);
+
+}  // namespace gigabake
