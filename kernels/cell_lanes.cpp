@@ -1,13 +1,5 @@
 #include "kernels/cell_lanes.h"
 
-// Function multiversioning: one binary uses the vectors of the machine it runs on. Sanitizers start after the loader
-// has chosen versions, so they get the plain one.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define GB_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define GB_VECTOR_CLONES
-#endif
-
 namespace gigabake::kernels {
 namespace {
 
@@ -22,7 +14,7 @@ int padded_count(CellLanes& lanes) {
 
 }  // namespace
 
-GB_VECTOR_CLONES void measure_areas(const SlabPolygon& polygon, CellLanes& lanes) {
+void measure_areas(const SlabPolygon& polygon, CellLanes& lanes) {
   const int padded = padded_count(lanes);
   for (int e = 0; e < polygon.count; ++e) {
     const int f = e + 1 == polygon.count ? 0 : e + 1;
@@ -37,7 +29,7 @@ GB_VECTOR_CLONES void measure_areas(const SlabPolygon& polygon, CellLanes& lanes
   }
 }
 
-GB_VECTOR_CLONES void measure_moments(const SlabPolygon& polygon, CellLanes& lanes) {
+void measure_moments(const SlabPolygon& polygon, CellLanes& lanes) {
   const int padded = padded_count(lanes);
   for (int e = 0; e < polygon.count; ++e) {
     const int f = e + 1 == polygon.count ? 0 : e + 1;

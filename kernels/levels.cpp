@@ -36,17 +36,11 @@ void open_brick(const Level& level, std::size_t brick, OpenBrick& out) {
     }
 }
 
-/// The children of the parent voxel whose lowest child is (x, y, z) of an open brick.
-VoxelOctet octet_at(const OpenBrick& brick, int x, int y, int z) {
-  VoxelOctet octet;
-  octet.present = 0;
-  for (int c = 0; c < 8; ++c) {
-    const int bit = (x + (c & 1)) + 8 * (y + (c >> 1 & 1)), word = z + (c >> 2);
-    if ((brick.mask[word] >> bit & 1) == 0) continue;
-    octet.present |= std::uint8_t(1 << c);
-    octet.child[c] = brick.voxel[64 * word + bit];
-  }
-  return octet;
+/// Which of the 2×2×2 voxels from (2x, 2y, 2z) exist, given the four rows (y, z) of 8 bits they stand in.
+std::uint8_t present_octants(const std::uint64_t rows[4], int x) {
+  std::uint64_t present = 0;
+  for (int r = 0; r < 4; ++r) present |= (rows[r] >> (2 * x) & 3) << (2 * r);
+  return std::uint8_t(present);
 }
 
 class ParentBuilder {
@@ -67,16 +61,26 @@ class ParentBuilder {
   /// The open child's 4×4×4 parent voxels.
   void fill_octant(int octant) {
     const int base = 4 * (octant & 1) + 8 * 4 * (octant >> 1 & 1) + 64 * 4 * (octant >> 2);
-    for (int z = 0; z < 4; ++z) {
-      if ((open_.mask[2 * z] | open_.mask[2 * z + 1]) == 0) continue;
-      for (int y = 0; y < 4; ++y)
-        for (int x = 0; x < 4; ++x) {
-          const VoxelOctet octet = octet_at(open_, 2 * x, 2 * y, 2 * z);
-          if (octet.present == 0) continue;
-          const int voxel = base + x + 8 * y + 64 * z;
-          parent_[voxel] = mip(octet, filter_, tables_);
-          mask_[voxel >> 6] |= std::uint64_t(1) << (voxel & 63);
-        }
+    for (int z = 0; z < 4; ++z)
+      for (int y = 0; y < 4; ++y) {
+        const std::uint64_t low = open_.mask[2 * z] >> (16 * y), high = open_.mask[2 * z + 1] >> (16 * y);
+        const std::uint64_t rows[4] = {low & 255, low >> 8 & 255, high & 255, high >> 8 & 255};
+        if ((rows[0] | rows[1] | rows[2] | rows[3]) == 0) continue;
+        fill_row(rows, &open_.voxel[64 * 2 * z + 8 * 2 * y], base + 8 * y + 64 * z);
+      }
+  }
+
+  /// from: the child voxel (0, 2y, 2z); to: parent voxel (0, y, z) of this octant.
+  void fill_row(const std::uint64_t rows[4], const Voxel* from, int to) {
+    for (int x = 0; x < 4; ++x) {
+      VoxelOctet octet;
+      octet.present = present_octants(rows, x);
+      if (octet.present == 0) continue;
+      for (int c = 0; c < 8; ++c)
+        if (octet.present >> c & 1) octet.child[c] = from[2 * x + (c & 1) + 8 * (c >> 1 & 1) + 64 * (c >> 2)];
+      const int voxel = to + x;
+      parent_[voxel] = mip(octet, filter_, tables_);
+      mask_[voxel >> 6] |= std::uint64_t(1) << (voxel & 63);
     }
   }
 

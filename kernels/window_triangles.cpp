@@ -116,17 +116,25 @@ bool is_mirrored(const double m[12]) {
 
 std::vector<WindowTriangle> window_triangles(const CellInput& input, const CellParameters& parameters,
                                              const CpuPolicy& policy, CellStats& stats) {
-  std::vector<WindowTriangle> all;
-  for (std::uint32_t part = 0; part < input.parts.size; ++part) {
-    for (const RangeResult& range : part_triangles(input, part, parameters, policy)) {
-      all.insert(all.end(), range.triangles.begin(), range.triangles.end());
-      stats.non_finite += range.stats.non_finite;
-      stats.zero_area += range.stats.zero_area;
-      stats.oversized += range.stats.oversized;
-      stats.bad_uv += range.stats.bad_uv;
-    }
+  std::vector<RangeResult> ranges;
+  for (std::uint32_t part = 0; part < input.parts.size; ++part)
+    for (RangeResult& range : part_triangles(input, part, parameters, policy)) ranges.push_back(std::move(range));
+  std::vector<std::size_t> first{0};
+  for (const RangeResult& range : ranges) {
+    first.push_back(first.back() + range.triangles.size());
+    stats.non_finite += range.stats.non_finite;
+    stats.zero_area += range.stats.zero_area;
+    stats.oversized += range.stats.oversized;
+    stats.bad_uv += range.stats.bad_uv;
   }
-  stats.triangles = all.size();
+  stats.triangles = first.back();
+  std::vector<WindowTriangle> all(first.back());
+  policy.parallel_for(ranges.size(), 1, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t r = begin; r < end; ++r) {
+      std::copy(ranges[r].triangles.begin(), ranges[r].triangles.end(), all.begin() + std::ptrdiff_t(first[r]));
+      ranges[r] = {};
+    }
+  });
   return all;
 }
 
