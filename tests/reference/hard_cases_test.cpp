@@ -1,0 +1,62 @@
+/// Every hard case through bake_cell() and through the exact reference: both must give what was worked out by hand.
+#include "hard_cases.h"
+
+#include <gtest/gtest.h>
+
+#include "bake_scene.h"
+#include "print.h"
+
+namespace gigabake::reference {
+namespace {
+
+using namespace gigabake::kernels;
+
+std::vector<HardCase> all_hard_cases() {
+  std::vector<HardCase> all = small_hard_cases();
+  for (HardCase& c : wide_hard_cases()) all.push_back(std::move(c));
+  return all;
+}
+
+const std::set<Voxel>& expected(const HardCase& c, SurfaceRule rule) {
+  return rule == SurfaceRule::area ? c.area : rule == SurfaceRule::thin ? c.thin : c.conservative;
+}
+
+std::string text_of(const std::set<Voxel>& voxels) {
+  std::ostringstream out;
+  out << voxels.size() << " voxels:";
+  for (const Voxel& v : voxels) out << " (" << v[0] << ' ' << v[1] << ' ' << v[2] << ')';
+  return out.str();
+}
+
+std::set<Voxel> by_reference(const HardCase& c, SurfaceRule rule, const Window& window) {
+  std::set<Voxel> out;
+  for (const Triangle& t : c.triangles) out = out + occupied(t, rule, window);
+  return out;
+}
+
+class HardCases : public testing::TestWithParam<HardCase> {};
+
+TEST_P(HardCases, OccupiesTheVoxelsWorkedOutByHandUnderEveryRule) {
+  const HardCase& c = GetParam();
+  BakeScene scene;
+  scene.set_window({hard_case_low, hard_case_low, hard_case_low}, hard_case_high - hard_case_low);
+  for (const Triangle& t : c.triangles) scene.add_triangle(t);
+  for (const SurfaceRule rule : {SurfaceRule::area, SurfaceRule::conservative, SurfaceRule::thin}) {
+    scene.parameters.surface = rule;
+    const auto baked = positions_of(voxels_at(scene.bake(), scene.parameters, 0));
+    EXPECT_EQ(text_of(baked), text_of(expected(c, rule))) << "bake_cell, " << name_of(rule);
+    EXPECT_EQ(text_of(by_reference(c, rule, scene.window())), text_of(expected(c, rule)))
+        << "reference, " << name_of(rule);
+  }
+}
+
+std::string test_name(const testing::TestParamInfo<HardCase>& row) {
+  std::string name = row.param.name;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, HardCases, testing::ValuesIn(all_hard_cases()), test_name);
+
+}  // namespace
+}  // namespace gigabake::reference
