@@ -1,7 +1,6 @@
-# Decides whether kernels/*.cu are compiled: sets GIGABAKE_HAS_CUDA. Where it is true, every gb_library takes its *.cu.
+# Decides whether *.cu are compiled: sets GIGABAKE_HAS_CUDA. Where it is true, every gb_library and gb_test takes its own.
 set(GIGABAKE_HAS_CUDA FALSE)
-file(GLOB gb_cuda_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/kernels/*.cu)
-if(GIGABAKE_CUDA STREQUAL "OFF" OR NOT gb_cuda_sources)
+if(GIGABAKE_CUDA STREQUAL "OFF")
   return()
 endif()
 
@@ -21,6 +20,11 @@ if(CMAKE_CUDA_COMPILER)
   enable_language(CUDA)
   if(CMAKE_CUDA_COMPILER_VERSION VERSION_GREATER_EQUAL 12.0)
     set(GIGABAKE_HAS_CUDA TRUE)
+    if(NOT CMAKE_CUDA20_STANDARD_COMPILE_OPTION)  # CMake before 3.26 does not know nvcc's C++20
+      set(CMAKE_CUDA20_STANDARD_COMPILE_OPTION -std=c++20)
+      set(CMAKE_CUDA20_EXTENSION_COMPILE_OPTION -std=c++20)
+    endif()
+    set(CMAKE_CUDA_STANDARD 20)
     message(STATUS "CUDA kernels: ${CMAKE_CUDA_COMPILER} ${CMAKE_CUDA_COMPILER_VERSION} for ${CMAKE_CUDA_ARCHITECTURES}")
   else()
     message(STATUS "CUDA kernels: off, nvcc ${CMAKE_CUDA_COMPILER_VERSION} has no C++20 (12.0 has)")
