@@ -1,0 +1,99 @@
+#include "worker/lru_cache.h"
+
+#include <atomic>
+#include <gtest/gtest.h>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace gigabake {
+namespace {
+
+struct Blob {
+  int id;
+  std::uint64_t size;
+  std::uint64_t bytes() const { return size; }
+};
+
+class LruCacheTest : public testing::Test {
+ protected:
+  std::shared_ptr<const Blob> get(int id, std::uint64_t size = 10) {
+    return cache.get(id, [&] {
+      loads.push_back(id);
+      return std::make_shared<const Blob>(Blob{id, size});
+    });
+  }
+  LruCache<int, Blob> cache{30};
+  std::vector<int> loads;
+};
+
+TEST_F(LruCacheTest, LoadsOnceWhatFits) {
+  for (int round = 0; round < 3; ++round)
+    for (int id : {1, 2, 3}) EXPECT_EQ(get(id)->id, id);
+  EXPECT_EQ(loads, (std::vector{1, 2, 3}));
+  EXPECT_EQ(cache.bytes(), 30u);
+}
+
+TEST_F(LruCacheTest, EvictsTheLongestUnused) {
+  for (int id : {1, 2, 3, 1, 4, 1, 3, 2}) get(id);  // 4 pushes 2 out, and 2 pushes 4
+  EXPECT_EQ(loads, (std::vector{1, 2, 3, 4, 2}));
+}
+
+TEST_F(LruCacheTest, HandsOnButDoesNotKeepWhatExceedsTheBudget) {
+  EXPECT_EQ(get(1, 31)->size, 31u);
+  EXPECT_EQ(cache.bytes(), 0u);
+  get(1, 31);
+  EXPECT_EQ(loads, (std::vector{1, 1}));
+}
+
+TEST_F(LruCacheTest, LeavesAnEvictedValueToWhoHoldsIt) {
+  const auto held = get(1, 30);
+  get(2, 30);
+  EXPECT_EQ(held->id, 1);
+  EXPECT_EQ(cache.bytes(), 30u);
+}
+
+TEST_F(LruCacheTest, LoadsAgainAfterALoadThatThrew) {
+  const auto failing = [&] {
+    return cache.get(1, []() -> std::shared_ptr<const Blob> { throw std::runtime_error("disk"); });
+  };
+  EXPECT_THROW(failing(), std::runtime_error);
+  EXPECT_THROW(failing(), std::runtime_error);
+  EXPECT_EQ(get(1)->id, 1);
+}
+
+TEST(LruCache, LoadsOnceForManyThreads) {
+  LruCache<std::string, Blob> cache(1000);
+  std::atomic<int> loads{0};
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 8; ++t)
+    threads.emplace_back([&] {
+      const auto value = cache.get("tile", [&] {
+        ++loads;
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        return std::make_shared<const Blob>(Blob{7, 1});
+      });
+      EXPECT_EQ(value->id, 7);
+    });
+  for (auto& t : threads) t.join();
+  EXPECT_EQ(loads, 1);
+}
+
+TEST(LruCache, StaysWithinItsBudgetUnderManyThreads) {
+  LruCache<int, Blob> cache(50);
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 4; ++t)
+    threads.emplace_back([&, t] {
+      for (int i = 0; i < 2000; ++i) {
+        const int id = (i * (t + 1)) % 17;
+        const auto value = cache.get(id, [&] { return std::make_shared<const Blob>(Blob{id, std::uint64_t(id)}); });
+        EXPECT_EQ(value->id, id);
+        EXPECT_LE(cache.bytes(), 50u);
+      }
+    });
+  for (auto& t : threads) t.join();
+}
+
+}  // namespace
+}  // namespace gigabake
