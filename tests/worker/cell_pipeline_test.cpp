@@ -1,0 +1,214 @@
+#include "worker/cell_pipeline.h"
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <map>
+#include <thread>
+
+#include "format/content_hash.h"
+#include "format/error.h"
+#include "format/shard.h"
+#include "glb_scene.h"
+#include "worker/survey_tile.h"
+
+namespace gigabake {
+namespace {
+
+/// Ground of two textured tiles, side by side, in cells of 64 voxels.
+class CellPipelineTest : public testing::Test {
+ protected:
+  CellPipelineTest() {
+    parameters.voxel_size_m = 0.25;
+    parameters.cell_voxels = 64;
+    for (int i : {0, 1}) {
+      GlbMesh mesh = rolling_ground(32, 32.0 * i, 0);
+      mesh.image = checkered_png(64);
+      write_glb(folder.path() / ("tile" + std::to_string(i) + ".glb"), mesh);
+    }
+    sources = sources_of(folder.path(), {"tile0.glb", "tile1.glb"});
+  }
+
+  /// One job per column that the tiles touch; the ground's height fits one cell.
+  std::vector<CellJob> jobs() const {
+    const kernels::CpuPolicy policy(1);
+    std::map<std::pair<std::int64_t, std::int64_t>, std::vector<std::uint32_t>> columns;
+    for (std::uint32_t t = 0; t < sources.tiles.size(); ++t)
+      for (const ColumnExtent& c : survey_tile(sources, t, parameters, policy).columns)
+        columns[{c.column_x, c.column_y}].push_back(t);
+    std::vector<CellJob> out;
+    for (const auto& [column, tiles] : columns) {
+      CellJob job;
+      job.id = std::uint32_t(out.size());
+      job.name = "c_" + std::to_string(column.first) + "_" + std::to_string(column.second) + "_0";
+      job.lattice_min = {column.first * 64, column.second * 64, -32};
+      job.cell_voxels = 64;
+      job.tiles = tiles;
+      job.fingerprint = {job.id + 1, 42};
+      out.push_back(job);
+    }
+    return out;
+  }
+
+  std::vector<CellReport> run(const std::vector<CellJob>& cells, const std::string& out, int threads = 2,
+                              std::uint64_t memory = 0) const {
+    CellPipeline pipeline(sources, parameters, {threads, memory, folder.path() / out});
+    for (const CellJob& job : cells) pipeline.submit(job);
+    std::vector<CellReport> reports;
+    while (pipeline.in_flight() != 0) {
+      if (auto report = pipeline.poll())
+        reports.push_back(std::move(*report));
+      else
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return reports;
+  }
+
+  static Hash128 hash_of(const std::vector<CellReport>& reports) {
+    Hash128 sum;
+    for (const CellReport& r : reports)
+      for (const Hash128& h : r.cell.content_hash) sum += h;
+    return sum;
+  }
+
+  ScratchFolder folder;
+  BakeParameters parameters;
+  SceneSources sources;
+};
+
+TEST_F(CellPipelineTest, ReportsEveryCellInTheOrderOfSubmission) {
+  const auto cells = jobs();
+  ASSERT_GT(cells.size(), 4u);
+  const auto reports = run(cells, "out");
+  ASSERT_EQ(reports.size(), cells.size());
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    EXPECT_EQ(reports[i].id, cells[i].id);
+    EXPECT_EQ(reports[i].outcome, CellOutcome::baked) << reports[i].error;
+    EXPECT_GT(reports[i].peak_bytes, 0u);
+  }
+}
+
+TEST_F(CellPipelineTest, PublishesAShardThatReadsBackAsReported) {
+  const auto cells = jobs();
+  for (const CellReport& r : run(cells, "out")) {
+    ASSERT_EQ(r.outcome, CellOutcome::baked) << r.error;
+    const auto path = folder.path() / "out" / r.cell.file;
+    const Shard shard = read_shard(path);
+    EXPECT_EQ(r.cell.file, shard_path(cells[r.id]).generic_string());
+    EXPECT_EQ(r.cell.bytes, std::filesystem::file_size(path));
+    EXPECT_EQ(r.cell.content_hash, content_hash(shard));
+    EXPECT_EQ(shard.header.content_hash, content_hash(shard));
+    EXPECT_EQ(r.cell.lods, 4u);
+    ASSERT_EQ(r.cell.voxels.size(), 4u);
+    EXPECT_GT(r.cell.voxels[0], r.cell.voxels[3]);
+    EXPECT_EQ(shard.header.lattice_min, cells[r.id].lattice_min);
+    EXPECT_EQ(shard.header.fingerprint, cells[r.id].fingerprint);
+    EXPECT_GT(r.cell.triangles, 0u);
+  }
+}
+
+TEST_F(CellPipelineTest, BakesTheSameVoxelsForAnyMemoryBudgetAndThreads) {
+  const auto cells = jobs();
+  const Hash128 expected = hash_of(run(cells, "reference"));
+  for (const auto& [threads, memory] :
+       {std::pair(1, std::uint64_t(1)), std::pair(3, std::uint64_t(1) << 20), std::pair(2, std::uint64_t(1) << 34)}) {
+    const auto reports = run(cells, "out" + std::to_string(memory), threads, memory);
+    EXPECT_EQ(hash_of(reports), expected) << threads << " threads, " << memory << " bytes";
+  }
+}
+
+TEST_F(CellPipelineTest, TakesOverAWholeShardOfTheSameFingerprint) {
+  const auto cells = jobs();
+  const auto first = run(cells, "out");
+  const auto path = folder.path() / "out" / shard_path(cells[0]);
+  const auto written = std::filesystem::last_write_time(path);
+  const auto second = run(cells, "out");
+  EXPECT_EQ(std::filesystem::last_write_time(path), written);
+  ASSERT_EQ(second.size(), first.size());
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    EXPECT_EQ(second[i].cell.voxels, first[i].cell.voxels);
+    EXPECT_EQ(second[i].cell.content_hash, first[i].cell.content_hash);
+    EXPECT_EQ(second[i].cell.bytes, first[i].cell.bytes);
+    EXPECT_EQ(second[i].cell.triangles, first[i].cell.triangles);
+    EXPECT_EQ(second[i].kernel_s, 0);
+  }
+}
+
+TEST_F(CellPipelineTest, BakesAgainWhatADamagedShardHeld) {
+  const auto cells = jobs();
+  const Hash128 expected = hash_of(run(cells, "out"));
+  const auto path = folder.path() / "out" / shard_path(cells[0]);
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+  EXPECT_EQ(hash_of(run(cells, "out")), expected);
+  EXPECT_NO_THROW(read_shard(path));
+}
+
+TEST_F(CellPipelineTest, CostsABadTileItsCellsAndFinishesTheOthers) {
+  const auto cells = jobs();
+  std::ofstream(folder.path() / "tile1.glb", std::ios::binary | std::ios::trunc) << "glTF, but not quite";
+  int baked = 0, failed = 0;
+  for (const CellReport& r : run(cells, "out")) {
+    const bool needs_it = std::ranges::find(cells[r.id].tiles, 1u) != cells[r.id].tiles.end();
+    EXPECT_EQ(r.outcome, needs_it ? CellOutcome::failed : CellOutcome::baked) << r.error;
+    (needs_it ? failed : baked) += 1;
+    EXPECT_EQ(r.error.find("tile1.glb") != std::string::npos, needs_it) << r.error;
+    EXPECT_EQ(r.error.find('\n'), std::string::npos);
+    EXPECT_EQ(std::filesystem::exists(folder.path() / "out" / shard_path(cells[r.id])), !needs_it);
+  }
+  EXPECT_GT(baked, 0);
+  EXPECT_GT(failed, 0);
+}
+
+TEST_F(CellPipelineTest, NamesTheImageThatItCannotDecode) {
+  GlbMesh mesh = rolling_ground(32, 0, 0);
+  mesh.image = {'n', 'o', ' ', 'i', 'm', 'a', 'g', 'e'};
+  write_glb(folder.path() / "tile0.glb", mesh);
+  const auto reports = run(jobs(), "out");
+  ASSERT_FALSE(reports.empty());
+  EXPECT_EQ(reports[0].outcome, CellOutcome::failed);
+  EXPECT_NE(reports[0].error.find("tile0.glb"), std::string::npos) << reports[0].error;
+  EXPECT_NE(reports[0].error.find("image"), std::string::npos) << reports[0].error;
+}
+
+TEST_F(CellPipelineTest, ReportsACellWithoutVoxelsAsEmptyAndWritesNothing) {
+  CellJob job = jobs()[0];
+  job.lattice_min[2] = 6400;
+  const auto reports = run({job}, "out");
+  ASSERT_EQ(reports.size(), 1u);
+  EXPECT_EQ(reports[0].outcome, CellOutcome::empty);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path() / "out" / "shards"));
+}
+
+TEST_F(CellPipelineTest, FailsACellWhoseTrianglesReachTooFar) {
+  GlbMesh mesh;
+  mesh.position = {0, 0, 0, 4e6f, 0, 0, 0, 0, -4e6f};
+  mesh.index = {0, 1, 2};
+  auto cells = jobs();
+  write_glb(folder.path() / "tile0.glb", mesh);
+  const auto reports = run({cells[0]}, "out");
+  EXPECT_EQ(reports[0].outcome, CellOutcome::failed);
+  EXPECT_NE(reports[0].error.find("--voxel-size"), std::string::npos) << reports[0].error;
+}
+
+TEST_F(CellPipelineTest, FailsACellThatNamesATileThereIsNot) {
+  CellJob job = jobs()[0];
+  job.tiles = {77};
+  EXPECT_EQ(run({job}, "out")[0].outcome, CellOutcome::failed);
+}
+
+TEST_F(CellPipelineTest, EndsWithJobsStillWaiting) {
+  const auto cells = jobs();
+  CellPipeline pipeline(sources, parameters, {2, 0, folder.path() / "out"});
+  for (int round = 0; round < 20; ++round)
+    for (const CellJob& job : cells) pipeline.submit(job);
+  EXPECT_GT(pipeline.in_flight(), 0u);
+}
+
+TEST_F(CellPipelineTest, RefusesAnOutputFolderThatCannotBeMade) {
+  std::ofstream(folder.path() / "file") << "in the way";
+  EXPECT_THROW(CellPipeline(sources, parameters, {1, 0, folder.path() / "file"}), InputError);
+}
+
+}  // namespace
+}  // namespace gigabake

@@ -1,0 +1,47 @@
+/// Small GLB files and scenes of them, written for a test and gone with it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "format/parameters.h"
+#include "format/source.h"
+
+namespace gigabake {
+
+/// A folder under the system's temporary folder that goes with the test.
+class ScratchFolder {
+ public:
+  ScratchFolder();
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+struct GlbMesh {
+  std::vector<float> position;  ///< glTF, y up
+  std::vector<std::uint32_t> index;
+  std::vector<float> uv;            ///< or empty: no texture
+  std::vector<std::uint8_t> image;  ///< encoded; or empty
+  std::string material = "{}";      ///< glTF material without its texture
+};
+
+/// 2·n² triangles, one metre a step, of rolling ground: x east, y up, z south.
+GlbMesh rolling_ground(int n, double east_m, double north_m);
+
+/// A PNG of n×n texels, a colour of its own each.
+std::vector<std::uint8_t> checkered_png(int n);
+
+void write_glb(const std::filesystem::path& path, const GlbMesh& mesh);
+
+/// The files as tiles of a local scene.
+SceneSources sources_of(const std::filesystem::path& folder, const std::vector<std::string>& files);
+
+}  // namespace gigabake

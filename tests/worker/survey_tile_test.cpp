@@ -1,0 +1,111 @@
+#include "worker/survey_tile.h"
+
+#include <cmath>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <limits>
+#include <map>
+
+#include "glb_scene.h"
+#include "kernels/snap.h"
+#include "worker/lattice.h"
+
+namespace gigabake {
+namespace {
+
+BakeParameters fine_lattice() {
+  BakeParameters p;
+  p.voxel_size_m = 0.25;
+  p.cell_voxels = 16;
+  return p;
+}
+
+TileSurvey survey(const std::filesystem::path& folder, const std::string& file, const BakeParameters& parameters,
+                  int threads = 2) {
+  const kernels::CpuPolicy policy(threads);
+  return survey_tile(sources_of(folder, {file}), 0, parameters, policy);
+}
+
+/// Every vertex and edge midpoint must lie in its column's range, and columns end where the ground ends.
+TEST(SurveyTile, CoversTheGroundColumnByColumn) {
+  const ScratchFolder folder;
+  const GlbMesh mesh = rolling_ground(20, -7, 3);
+  write_glb(folder.path() / "ground.glb", mesh);
+  const BakeParameters parameters = fine_lattice();
+  const TileSurvey s = survey(folder.path(), "ground.glb", parameters);
+  ASSERT_EQ(s.error, "");
+  EXPECT_EQ(s.triangles, 800u);
+  EXPECT_EQ(s.columns.size(), 6u * 6u);  // x from -28 to 52 voxels and y from 12 to 92: columns -2…3 and 0…5
+  std::map<std::pair<std::int64_t, std::int64_t>, ColumnExtent> columns;
+  for (const ColumnExtent& c : s.columns) columns[{c.column_x, c.column_y}] = c;
+  for (std::size_t i = 0; i < mesh.position.size(); i += 3) {
+    const auto voxel = [&](double metres) { return std::int64_t(std::floor(metres / parameters.voxel_size_m)); };
+    const std::int64_t x = voxel(mesh.position[i]), y = voxel(-double(mesh.position[i + 2])),
+                       z = voxel(mesh.position[i + 1]);
+    if (!columns.count({x >> 4, y >> 4})) continue;  // the border itself belongs to the open column outside
+    const ColumnExtent& c = columns.at({x >> 4, y >> 4});
+    EXPECT_TRUE(c.z_min <= z && z < c.z_end) << x << ", " << y << ", " << z;
+    EXPECT_LT(c.z_end - c.z_min, 30);
+  }
+}
+
+TEST(SurveyTile, IsEqualForAnyNumberOfThreads) {
+  const ScratchFolder folder;
+  write_glb(folder.path() / "ground.glb", rolling_ground(150, 0, 0));
+  const TileSurvey one = survey(folder.path(), "ground.glb", fine_lattice(), 1);
+  for (int threads : {2, 5}) {
+    const TileSurvey many = survey(folder.path(), "ground.glb", fine_lattice(), threads);
+    ASSERT_EQ(one.columns.size(), many.columns.size());
+    for (std::size_t i = 0; i < one.columns.size(); ++i) {
+      const ColumnExtent &a = one.columns[i], &b = many.columns[i];
+      EXPECT_TRUE(a.column_x == b.column_x && a.column_y == b.column_y && a.z_min == b.z_min && a.z_end == b.z_end &&
+                  a.triangles == b.triangles);
+    }
+  }
+}
+
+TEST(SurveyTile, DropsAndCountsTrianglesThatAreNotFiniteOrHaveNoArea) {
+  const ScratchFolder folder;
+  GlbMesh mesh;
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  mesh.position = {0, 0, 0, 1, 0, 0, 0, 0, -1, nan, 0, 0, 1e-5f, 0, 0, 2, 0, 0, 1e30f, 0, 0};
+  mesh.index = {0, 1, 2, /* good */ 0,    1, 3, /* NaN */ 0,       1, 6, /* off the lattice */
+                0, 0, 1, /* no area */ 0, 1, 5, /* collinear */ 0, 4, 2 /* none left after the snap */};
+  write_glb(folder.path() / "odd.glb", mesh);
+  const TileSurvey s = survey(folder.path(), "odd.glb", fine_lattice());
+  if (!s.error.empty()) GTEST_SKIP() << "the reader refuses the file: " << s.error;
+  EXPECT_EQ(s.triangles, 6u);
+  EXPECT_EQ(s.non_finite, 2u);
+  EXPECT_EQ(s.zero_area, 3u);
+  ASSERT_EQ(s.columns.size(), 1u);
+  EXPECT_EQ(s.columns[0].triangles, 1u);
+}
+
+TEST(SurveyTile, SaysInOneLineWhyATileCannotBeRead) {
+  const ScratchFolder folder;
+  std::ofstream(folder.path() / "torn.glb") << "glTF";
+  for (const char* file : {"torn.glb", "absent.glb"}) {
+    const TileSurvey s = survey(folder.path(), file, fine_lattice());
+    EXPECT_NE(s.error.find(file), std::string::npos) << s.error;
+    EXPECT_EQ(s.error.find('\n'), std::string::npos);
+    EXPECT_TRUE(s.columns.empty());
+  }
+}
+
+TEST(SurveyTile, RefusesATileThatSpreadsOverMillionsOfColumns) {
+  const ScratchFolder folder;
+  GlbMesh mesh;
+  mesh.position = {0, 0, 0, 1e6f, 0, 0, 0, 0, -1e6f};
+  mesh.index = {0, 1, 2};
+  write_glb(folder.path() / "world.glb", mesh);
+  const TileSurvey s = survey(folder.path(), "world.glb", fine_lattice());
+  EXPECT_NE(s.error.find("--voxel-size"), std::string::npos) << s.error;
+  EXPECT_TRUE(s.columns.empty());
+  BakeParameters coarse = fine_lattice();
+  coarse.voxel_size_m = 1;
+  coarse.cell_voxels = 4096;
+  EXPECT_EQ(survey(folder.path(), "world.glb", coarse).error, "");
+}
+
+}  // namespace
+}  // namespace gigabake
