@@ -1,9 +1,11 @@
 /// Every hard case through bake_cell() and through the exact reference: both must give what was worked out by hand.
 #include "hard_cases.h"
 
+#include <fstream>
 #include <gtest/gtest.h>
 
 #include "bake_scene.h"
+#include "hard_values.h"
 #include "print.h"
 
 namespace gigabake::reference {
@@ -50,13 +52,49 @@ TEST_P(HardCases, OccupiesTheVoxelsWorkedOutByHandUnderEveryRule) {
   }
 }
 
-std::string test_name(const testing::TestParamInfo<HardCase>& row) {
+class HardValues : public testing::TestWithParam<HardValue> {};
+
+TEST_P(HardValues, AreWhatWasWorkedOutByHand) { GetParam().check(); }
+
+std::vector<HardValue> all_hard_values() {
+  std::vector<HardValue> all = hard_colours();
+  for (const auto& group : {hard_normals(), hard_inputs()}) all.insert(all.end(), group.begin(), group.end());
+  return all;
+}
+
+std::multiset<std::string> names_in_tables() {
+  std::multiset<std::string> names;
+  for (const HardCase& c : all_hard_cases()) names.insert(c.name);
+  for (const HardValue& v : all_hard_values()) names.insert(v.name);
+  return names;
+}
+
+/// First column of every table under the heading "Hard cases".
+std::multiset<std::string> names_in_document() {
+  std::ifstream file(GIGABAKE_SOURCE_DIR "/docs/accuracy.md");
+  std::multiset<std::string> names;
+  bool inside = false;
+  for (std::string line; std::getline(file, line);) {
+    if (line.rfind("## ", 0) == 0) inside = line == "## Hard cases";
+    if (inside && line.rfind("| `", 0) == 0) names.insert(line.substr(3, line.find('`', 3) - 3));
+  }
+  return names;
+}
+
+TEST(HardCaseTables, AreListedInTheDocumentationNameByName) {
+  EXPECT_EQ(names_in_document(), names_in_tables());
+  EXPECT_GE(names_in_tables().size(), 50u);
+}
+
+template <class Row>
+std::string test_name(const testing::TestParamInfo<Row>& row) {
   std::string name = row.param.name;
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 }
 
-INSTANTIATE_TEST_SUITE_P(Table, HardCases, testing::ValuesIn(all_hard_cases()), test_name);
+INSTANTIATE_TEST_SUITE_P(Table, HardCases, testing::ValuesIn(all_hard_cases()), test_name<HardCase>);
+INSTANTIATE_TEST_SUITE_P(Table, HardValues, testing::ValuesIn(all_hard_values()), test_name<HardValue>);
 
 }  // namespace
 }  // namespace gigabake::reference

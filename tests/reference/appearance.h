@@ -1,0 +1,47 @@
+/// Colours and directions as a stored voxel means them, computed from the standards, not from kernels/tables.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <numbers>
+
+#include "bake_scene.h"
+
+namespace gigabake::reference {
+
+using Direction = std::array<double, 3>;
+
+/// IEC 61966-2-1, both ways; 0 … 1.
+inline double linear_of(double srgb) { return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4); }
+inline double srgb_of(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+/// How far a stored sRGB code is from the exact linear value, in codes: 0.5 is plain rounding.
+inline double code_error(int code, double linear) { return std::abs(code - 255 * srgb_of(linear)); }
+
+/// Cigolle et al. 2014: the sphere as an octahedron unfolded on a square. Unit length.
+inline Direction direction_of(const std::array<std::int8_t, 2>& octahedral) {
+  const double u = octahedral[0] / 127.0, v = octahedral[1] / 127.0;
+  Direction d{u, v, 1 - std::abs(u) - std::abs(v)};
+  if (d[2] < 0) {
+    d[0] = std::copysign(1 - std::abs(v), u);
+    d[1] = std::copysign(1 - std::abs(u), v);
+  }
+  const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+  for (double& x : d) x /= length;
+  return d;
+}
+
+inline double angle_deg(const Direction& a, const Direction& b) {
+  const double dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  const double aa = a[0] * a[0] + a[1] * a[1] + a[2] * a[2], bb = b[0] * b[0] + b[1] * b[1] + b[2] * b[2];
+  return std::acos(std::min(1.0, std::max(-1.0, dot / std::sqrt(aa * bb)))) * 180 / std::numbers::pi;
+}
+
+/// Largest angle between a direction and its two stored bytes (Cigolle et al. 2014, table 1, "oct16": 0.94 degrees).
+inline constexpr double octahedral_error_deg = 0.95;
+
+}  // namespace gigabake::reference

@@ -1,0 +1,127 @@
+#include "hard_values.h"
+#include "hard_values_scene.h"
+
+namespace gigabake::reference {
+namespace {
+
+using gigabake::kernels::AlphaMode;
+using gigabake::kernels::SurfaceRule;
+
+void colours_weigh_by_area() {
+  BakeScene scene;
+  scene.add_mesh(sheet_at(100), scene.add_colour(red16));
+  scene.add_mesh({sheet_at(50)[0]}, scene.add_colour(green16));
+  expect_colour(only_voxel(scene), 2.0 / 3, 1.0 / 3, 0);
+}
+
+void tiny_beside_large() {
+  BakeScene scene;
+  scene.add_mesh(sheet_at(100), scene.add_colour(red16));
+  scene.add_mesh({{{{10, 10, 10}, {11, 10, 10}, {10, 11, 10}}}}, scene.add_colour(green16));
+  EXPECT_EQ(only_voxel(scene).rgba, (std::array<std::uint8_t, 4>{255, 0, 0, 255}));
+}
+
+void coincident_triangles_mix() {
+  BakeScene scene;
+  scene.add_mesh(sheet_at(100), scene.add_colour(red16));
+  scene.add_mesh(sheet_at(100), scene.add_colour(green16));
+  expect_colour(only_voxel(scene), 0.5, 0.5, 0);
+}
+
+void a_triangle_twice_is_once() {
+  BakeScene scene;
+  const auto grey = scene.add_colour({12345, 23456, 34567, 65535});
+  scene.add_mesh(sheet_at(100), grey);
+  const BakedVoxel once = only_voxel(scene);
+  scene.add_mesh(sheet_at(100), grey);
+  EXPECT_EQ(only_voxel(scene), once);
+}
+
+void black_is_not_absent() {
+  BakeScene scene;
+  scene.add_mesh(sheet_at(100), scene.add_colour(black16));
+  EXPECT_EQ(only_voxel(scene).rgba, (std::array<std::uint8_t, 4>{0, 0, 0, 255}));
+}
+
+void a_contact_takes_the_triangles_colour() {
+  BakeScene scene;
+  scene.parameters.surface = SurfaceRule::conservative;
+  scene.add_mesh({{{{256, 90, 90}, {160, 100, 100}, {160, 90, 110}}}}, scene.add_colour(red16));
+  const VoxelMap voxels = baked(scene);
+  ASSERT_EQ(voxels.size(), 2u);
+  EXPECT_EQ(voxels.at({1, 0, 0}).rgba, (std::array<std::uint8_t, 4>{255, 0, 0, 255}));
+}
+
+void a_contact_loses_against_area() {
+  BakeScene scene;
+  scene.parameters.surface = SurfaceRule::conservative;
+  scene.add_mesh({{{{256, 90, 90}, {160, 100, 100}, {160, 90, 110}}}}, scene.add_colour(red16));
+  scene.add_mesh({{{{300, 20, 20}, {500, 30, 20}, {400, 230, 20}}}}, scene.add_colour(green16));
+  EXPECT_EQ(baked(scene).at({1, 0, 0}).rgba, (std::array<std::uint8_t, 4>{0, 255, 0, 255}));
+}
+
+void vertex_colours_average_at_the_centroid() {
+  BakeScene scene;
+  Part& part = scene.add_mesh({{{{10, 10, 10}, {240, 20, 30}, {30, 230, 90}}}});
+  part.rgba = {65535, 0, 0, 65535, 0, 65535, 0, 65535, 0, 0, 65535, 65535};
+  expect_colour(only_voxel(scene), 1.0 / 3, 1.0 / 3, 1.0 / 3);
+}
+
+void transparent_is_absent() {
+  BakeScene scene;
+  scene.add_mesh(sheet_at(100), scene.add_colour({65535, 65535, 65535, 0}, AlphaMode::blend));
+  EXPECT_TRUE(baked(scene).empty());
+}
+
+void alpha_rounds_at_half_a_code() {
+  BakeScene below, above;  // 65535 · 0.5/255 = 128.5
+  below.add_mesh(sheet_at(100), below.add_colour({65535, 65535, 65535, 128}, AlphaMode::blend));
+  EXPECT_TRUE(baked(below).empty());
+  above.add_mesh(sheet_at(100), above.add_colour({65535, 65535, 65535, 129}, AlphaMode::blend));
+  EXPECT_EQ(only_voxel(above).rgba[3], 1);
+}
+
+void opaque_ignores_alpha() {
+  BakeScene scene;
+  scene.add_mesh(sheet_at(100), scene.add_colour({65535, 0, 0, 0}, AlphaMode::opaque));
+  EXPECT_EQ(only_voxel(scene).rgba, (std::array<std::uint8_t, 4>{255, 0, 0, 255}));
+}
+
+void a_mask_keeps_its_cutoff() {
+  for (const int alpha : {32767, 32768}) {
+    BakeScene scene;
+    scene.add_mesh(sheet_at(100), scene.add_colour({65535, 0, 0, std::uint16_t(alpha)}, AlphaMode::mask));
+    const VoxelMap voxels = baked(scene);
+    EXPECT_EQ(voxels.size(), alpha == 32768 ? 1u : 0u);
+    for (const auto& [position, voxel] : voxels) EXPECT_EQ(voxel.rgba[3], 255);
+  }
+}
+
+void translucent_over_opaque() {
+  BakeScene scene;
+  scene.add_mesh(sheet_at(100));
+  scene.add_mesh(sheet_at(50), scene.add_colour({0, 0, 0, 32768}, AlphaMode::blend));
+  const BakedVoxel v = only_voxel(scene);
+  EXPECT_EQ(v.rgba[3], 191);  // (1 + 1/2) / 2
+  expect_colour(v, 2.0 / 3, 2.0 / 3, 2.0 / 3);
+}
+
+}  // namespace
+
+std::vector<HardValue> hard_colours() {
+  return {{"colours-weigh-by-area", colours_weigh_by_area},
+          {"tiny-beside-large", tiny_beside_large},
+          {"coincident-triangles", coincident_triangles_mix},
+          {"same-triangle-twice", a_triangle_twice_is_once},
+          {"black-is-not-absent", black_is_not_absent},
+          {"contact-takes-colour", a_contact_takes_the_triangles_colour},
+          {"contact-loses-against-area", a_contact_loses_against_area},
+          {"vertex-colours-at-centroid", vertex_colours_average_at_the_centroid},
+          {"transparent-is-absent", transparent_is_absent},
+          {"alpha-rounds-at-half-a-code", alpha_rounds_at_half_a_code},
+          {"opaque-ignores-alpha", opaque_ignores_alpha},
+          {"mask-at-cutoff", a_mask_keeps_its_cutoff},
+          {"translucent-over-opaque", translucent_over_opaque}};
+}
+
+}  // namespace gigabake::reference

@@ -1,0 +1,37 @@
+/// What the hard values share: sheets that fill one voxel's cross-section, and the voxel that comes of them.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "appearance.h"
+
+namespace gigabake::reference {
+
+/// One voxel² in two triangles at height z, all inside voxel (0, 0, z/256), facing up.
+inline std::vector<Triangle> sheet_at(std::int64_t z) {
+  return {{{{0, 0, z}, {256, 0, z}, {256, 256, z}}}, {{{0, 0, z}, {256, 256, z}, {0, 256, z}}}};
+}
+
+inline std::vector<Triangle> reversed(std::vector<Triangle> mesh) {
+  for (Triangle& t : mesh) std::swap(t[1], t[2]);
+  return mesh;
+}
+
+inline VoxelMap baked(const BakeScene& scene) { return voxels_at(scene.bake(), scene.parameters, 0); }
+
+/// The scene's only voxel; a failure and zeros where there is none or more.
+inline BakedVoxel only_voxel(const BakeScene& scene) {
+  const VoxelMap voxels = baked(scene);
+  EXPECT_EQ(voxels.size(), 1u);
+  return voxels.size() == 1 ? voxels.begin()->second : BakedVoxel{};
+}
+
+inline void expect_colour(const BakedVoxel& v, double red, double green, double blue) {
+  EXPECT_LE(code_error(v.rgba[0], red), 0.501);
+  EXPECT_LE(code_error(v.rgba[1], green), 0.501);
+  EXPECT_LE(code_error(v.rgba[2], blue), 0.501);
+}
+
+inline constexpr Rgba16 red16{65535, 0, 0, 65535}, green16{0, 65535, 0, 65535}, black16{0, 0, 0, 65535};
+
+}  // namespace gigabake::reference
