@@ -1,0 +1,54 @@
+/// Walks every voxel that a shard stands for, constant nodes written out.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+#include "format/shard.h"
+
+namespace gigabake {
+
+/// Position of a node's brick in its level, in bricks.
+struct BrickPosition {
+  std::uint32_t x = 0, y = 0, z = 0;
+};
+
+/// Inverse of the Morton order that NodeTable::key is in.
+BrickPosition brick_position(std::uint64_t key);
+std::uint64_t brick_key(BrickPosition p);
+
+/// Node indices [first[lod], first[lod] + count[lod]) are the level's: nodes stand level by level from the root.
+struct LevelNodes {
+  std::size_t begin = 0, end = 0;
+};
+std::vector<LevelNodes> level_nodes(const NodeTable& nodes, std::uint32_t lods);
+
+/// visit(x, y, z, rgba, normal) for each voxel of one brick; x, y, z in voxels of the level from the cell's corner.
+/// `normal` points at two zeros where the shard has no normals.
+template <class Visit>
+void for_each_voxel(const BrickLevel& level, std::size_t brick, BrickPosition at, const Visit& visit) {
+  static constexpr std::int8_t no_normal[2] = {0, 0};
+  std::size_t i = level.first[brick];
+  for (std::uint32_t z = 0; z < 8; ++z)
+    for (std::uint64_t rest = level.mask[8 * brick + z]; rest != 0; rest &= rest - 1, ++i) {
+      const auto bit = std::uint32_t(std::countr_zero(rest));
+      visit(at.x * 8 + (bit & 7), at.y * 8 + (bit >> 3), at.z * 8 + z, &level.rgba[4 * i],
+            level.normal.empty() ? no_normal : &level.normal[2 * i]);
+    }
+}
+
+/// A constant node's voxels on its own level (`down` = 0) or on a level below it.
+template <class Visit>
+void for_each_constant_voxel(const NodeTable& nodes, std::size_t node, int down, const Visit& visit) {
+  const BrickPosition at = brick_position(nodes.key[node]);
+  const std::uint32_t v = nodes.value[node];
+  const std::uint8_t rgba[4] = {std::uint8_t(v), std::uint8_t(v >> 8), std::uint8_t(v >> 16), std::uint8_t(v >> 24)};
+  const std::uint32_t edge = 8u << down;
+  for (std::uint32_t z = 0; z < edge; ++z)
+    for (std::uint32_t y = 0; y < edge; ++y)
+      for (std::uint32_t x = 0; x < edge; ++x)
+        visit(at.x * edge + x, at.y * edge + y, at.z * edge + z, rgba, nodes.normal[node].data());
+}
+
+}  // namespace gigabake

@@ -1,0 +1,84 @@
+#include "format/publish.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "format/error.h"
+
+namespace gigabake {
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& path, const char* what) {
+  throw InputError(path, "", std::string("cannot ") + what + ": " + std::strerror(errno));
+}
+
+std::filesystem::path folder_of(const std::filesystem::path& path) {
+  return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+}
+
+class Descriptor {
+ public:
+  Descriptor(const std::filesystem::path& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  bool is_open() const { return fd_ >= 0; }
+  int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+void flush_to_disk(const std::filesystem::path& path, int flags) {
+  const Descriptor file(path, flags);
+  // Some network file systems cannot sync a folder and say EINVAL: the rename is as durable there as it gets.
+  if (!file.is_open() || (::fsync(file.get()) != 0 && errno != EINVAL)) fail(path, "flush to disk");
+}
+
+}  // namespace
+
+Publication::Publication(std::filesystem::path target) : target_(std::move(target)) {
+  std::string name = (folder_of(target_) / ("." + target_.filename().string() + ".XXXXXX.part")).string();
+  const int fd = ::mkostemps(name.data(), 5, O_CLOEXEC);
+  if (fd < 0) fail(target_, "write");
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  ::fchmod(fd, 0666 & ~mask);
+  ::close(fd);
+  aside_ = name;
+}
+
+Publication::~Publication() {
+  if (!published_) ::unlink(aside_.c_str());
+}
+
+void Publication::publish() {
+  flush_to_disk(aside_, O_RDONLY);
+  if (::rename(aside_.c_str(), target_.c_str()) != 0) fail(target_, "rename into place");
+  published_ = true;
+  flush_to_disk(folder_of(target_), O_RDONLY | O_DIRECTORY);
+}
+
+void publish_file(const std::filesystem::path& target, std::string_view content) {
+  Publication file(target);
+  {
+    const Descriptor out(file.aside(), O_WRONLY | O_TRUNC);
+    if (!out.is_open()) fail(target, "write");
+    while (!content.empty()) {
+      const ssize_t written = ::write(out.get(), content.data(), content.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written <= 0) fail(target, "write");
+      content.remove_prefix(std::size_t(written));
+    }
+  }
+  file.publish();
+}
+
+}  // namespace gigabake
