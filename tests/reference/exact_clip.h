@@ -55,7 +55,7 @@ bool crosses_centre_segment(const Triangle& t, const Voxel& voxel);
 std::set<Voxel> occupied(const Triangle& t, const std::vector<Piece>& pieces, gigabake::kernels::SurfaceRule rule);
 std::set<Voxel> occupied(const Triangle& t, gigabake::kernels::SurfaceRule rule, const Window& window);
 
-/// Area in voxel², relative error below 1e-15 · 4.
+/// Area in voxel², relative error below 1e-15 · 4. The triangle has area.
 double area_voxel2(const Triangle& t);
 double area_voxel2(const Piece& piece, const Triangle& t);
 
