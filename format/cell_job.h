@@ -10,6 +10,7 @@
 
 #include "format/scene_xml.h"
 #include "format/shard.h"
+#include "format/survey.h"
 
 namespace gigabake {
 
@@ -28,15 +29,17 @@ enum class CellOutcome : std::uint8_t { baked, empty, failed };
 struct CellReport {
   std::uint32_t id = 0;
   CellOutcome outcome = CellOutcome::failed;
-  std::string error;                          ///< one line when failed
-  SceneCell cell;                             ///< as the scene will list it, when baked
+  std::string error;                             ///< one line when failed
+  SceneCell cell;                                ///< as the scene will list it, when baked
   double read_s = 0, kernel_s = 0, write_s = 0;  ///< per stage, wall
-  std::uint64_t peak_bytes = 0;               ///< of the kernels' working memory
+  std::uint64_t peak_bytes = 0;                  ///< of the kernels' working memory
 };
 
 std::vector<std::uint8_t> to_bytes(const CellJob& job);
 std::vector<std::uint8_t> to_bytes(const CellReport& report);
+std::vector<std::uint8_t> to_bytes(const TileSurvey& survey);
 CellJob job_from_bytes(std::span<const std::uint8_t> bytes);        ///< Errors InputError when malformed
 CellReport report_from_bytes(std::span<const std::uint8_t> bytes);  ///< Errors InputError when malformed
+TileSurvey survey_from_bytes(std::span<const std::uint8_t> bytes);  ///< Errors InputError when malformed
 
 }  // namespace gigabake

@@ -1,12 +1,11 @@
 #include "format/content_hash.h"
 
 #define XXH_INLINE_ALL
-#include <xxhash.h>
-
 #include <algorithm>
 #include <bit>
 #include <cstring>
 #include <mutex>
+#include <xxhash.h>
 
 #include "format/brick_walk.h"
 #include "format/parallel.h"
@@ -21,11 +20,13 @@ constexpr std::size_t nodes_per_range = 4096;
 /// Adds what node `n` stands for on its own level and, for a constant branch, on those below.
 void add_node(const Shard& s, std::size_t n, std::vector<Hash128>& sums) {
   const auto hash_into = [&](int lod) {
-    return [&s, &sums, lod](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {
+    return [&s, &sums, lod](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
+                            const std::int8_t* normal) {
       const auto& low = s.header.lattice_min;
       sums[std::size_t(lod)] += voxel_hash(
-          lod, {low[0] + (std::int64_t(x) << lod), low[1] + (std::int64_t(y) << lod), low[2] + (std::int64_t(z) << lod)}, rgba,
-          normal);
+          lod,
+          {low[0] + (std::int64_t(x) << lod), low[1] + (std::int64_t(y) << lod), low[2] + (std::int64_t(z) << lod)},
+          rgba, normal);
     };
   };
   const int lod = s.nodes.lod[n];
@@ -37,7 +38,8 @@ void add_node(const Shard& s, std::size_t n, std::vector<Hash128>& sums) {
 
 }  // namespace
 
-Hash128 voxel_hash(int lod, std::array<std::int64_t, 3> corner_lattice, const std::uint8_t rgba[4], const std::int8_t normal[2]) {
+Hash128 voxel_hash(int lod, std::array<std::int64_t, 3> corner_lattice, const std::uint8_t rgba[4],
+                   const std::int8_t normal[2]) {
   unsigned char bytes[34];
   const std::int32_t lod32 = lod;
   std::memcpy(bytes, &lod32, 4);

@@ -1,6 +1,5 @@
-#include <fmt/format.h>
-
 #include <charconv>
+#include <fmt/format.h>
 
 #include "format/shard.h"
 

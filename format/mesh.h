@@ -31,11 +31,11 @@ struct Material {
 
 /// A triangle list; every index is < the vertex count (checked at load); strips and fans are expanded.
 struct Primitive {
-  std::vector<float> position;        ///< 3 per vertex, Local metres, may hold NaN/Inf (dropped and counted at snap)
-  std::vector<std::uint32_t> index;   ///< 3 per triangle, counter-clockwise seen from outside
-  std::vector<float> uv;              ///< 2 per vertex, or empty; the set the base colour uses, KHR_texture_transform applied
-  std::vector<std::uint16_t> rgba;    ///< 4 per vertex, linear, 65535 = 1, or empty
-  int material = 0;                   ///< index into TileMesh::materials (always valid)
+  std::vector<float> position;       ///< 3 per vertex, Local metres, may hold NaN/Inf (dropped and counted at snap)
+  std::vector<std::uint32_t> index;  ///< 3 per triangle, counter-clockwise seen from outside
+  std::vector<float> uv;  ///< 2 per vertex, or empty; the set the base colour uses, KHR_texture_transform applied
+  std::vector<std::uint16_t> rgba;  ///< 4 per vertex, linear, 65535 = 1, or empty
+  int material = 0;                 ///< index into TileMesh::materials (always valid)
 };
 
 /// One placement of a primitive.
@@ -51,9 +51,9 @@ struct EncodedImage {
 };
 
 struct TileCounts {
-  std::uint64_t triangles = 0;          ///< with instances
-  std::uint64_t skipped_points = 0;     ///< primitives' points that were not baked
-  std::uint64_t skipped_lines = 0;      ///< likewise line segments
+  std::uint64_t triangles = 0;       ///< with instances
+  std::uint64_t skipped_points = 0;  ///< primitives' points that were not baked
+  std::uint64_t skipped_lines = 0;   ///< likewise line segments
 };
 
 struct TileMesh {

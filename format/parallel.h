@@ -30,7 +30,8 @@ void parallel_ranges(std::size_t count, std::size_t grain, int threads, const Bo
   };
   {
     std::vector<std::jthread> helpers;
-    for (std::size_t t = 1; t < std::min<std::size_t>(std::size_t(std::max(1, threads)), ranges); ++t) helpers.emplace_back(work);
+    for (std::size_t t = 1; t < std::min<std::size_t>(std::size_t(std::max(1, threads)), ranges); ++t)
+      helpers.emplace_back(work);
     work();
   }
   if (error) std::rethrow_exception(error);

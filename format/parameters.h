@@ -14,9 +14,9 @@ enum class SurfaceRule : std::uint8_t { area, conservative, thin };
 enum class MipFilter : std::uint8_t { coverage, thesis, box };
 
 struct BakeParameters {
-  double voxel_size_m = 0;                          ///< > 0
-  std::array<double, 3> lattice_origin_m{};         ///< scene position of the lowest corner of voxel 0,0,0
-  std::uint32_t cell_voxels = 1024;                 ///< N: a power of two, 8 … 8192
+  double voxel_size_m = 0;                   ///< > 0
+  std::array<double, 3> lattice_origin_m{};  ///< scene position of the lowest corner of voxel 0,0,0
+  std::uint32_t cell_voxels = 1024;          ///< N: a power of two, 8 … 8192
   SurfaceRule surface = SurfaceRule::area;
   MipFilter mip = MipFilter::coverage;
   bool normals = true;
@@ -24,6 +24,9 @@ struct BakeParameters {
 
 /// One line of JSON with fixed key order and shortest round-trip numbers: equal parameters give equal text.
 std::string to_json(const BakeParameters& parameters);
+/// Errors  InputError: not such JSON; UsageError: as check().
 BakeParameters parameters_from_json(const std::string& json);
+/// Errors  UsageError naming the option whose value is out of range.
+void check(const BakeParameters& parameters);
 
 }  // namespace gigabake

@@ -25,7 +25,7 @@ struct Hash128 {
     hi += o.hi + (lo < o.lo ? 1 : 0);
     return *this;
   }
-  std::string hex() const;                             ///< 32 lower-case digits, hi first
+  std::string hex() const;  ///< 32 lower-case digits, hi first
   static std::optional<Hash128> from_hex(std::string_view text);
 };
 
@@ -37,37 +37,38 @@ enum class NodeKind : std::uint8_t {
 
 /// Oct-tree nodes, level by level from the root (lod = lods-1) to lod 0, Morton order within a level.
 struct NodeTable {
-  std::vector<std::uint64_t> key;          ///< Morton code (x lowest bit) of the brick in its level
+  std::vector<std::uint64_t> key;  ///< Morton code (x lowest bit) of the brick in its level
   std::vector<std::uint8_t> lod;
   std::vector<NodeKind> kind;
-  std::vector<std::uint8_t> child_mask;    ///< bit c: child c = x | y<<1 | z<<2 is stored
-  std::vector<std::uint32_t> first_child;  ///< node index of the lowest stored child; the others follow. 0xffffffff: none
-  std::vector<std::uint32_t> value;        ///< brick index, or rgba as bytes r,g,b,a from the lowest
+  std::vector<std::uint8_t> child_mask;  ///< bit c: child c = x | y<<1 | z<<2 is stored
+  std::vector<std::uint32_t>
+      first_child;                   ///< node index of the lowest stored child; the others follow. 0xffffffff: none
+  std::vector<std::uint32_t> value;  ///< brick index, or rgba as bytes r,g,b,a from the lowest
   std::vector<std::array<std::int8_t, 2>> normal;  ///< of constant nodes, octahedral; zero otherwise
 };
 
 /// Packed bricks of one level, Morton order. Voxel (x,y,z) of a brick is bit x+8y of word z.
 /// Voxels of a brick follow each other by rising bit number, words first.
 struct BrickLevel {
-  std::vector<std::uint64_t> mask;    ///< 8 per brick
-  std::vector<std::uint64_t> first;   ///< bricks+1: where a brick's voxels start
-  std::vector<std::uint8_t> rgba;     ///< 4 per voxel: sRGB colour, coverage
-  std::vector<std::int8_t> normal;    ///< 2 per voxel: octahedral; empty where the channel is off
+  std::vector<std::uint64_t> mask;   ///< 8 per brick
+  std::vector<std::uint64_t> first;  ///< bricks+1: where a brick's voxels start
+  std::vector<std::uint8_t> rgba;    ///< 4 per voxel: sRGB colour, coverage
+  std::vector<std::int8_t> normal;   ///< 2 per voxel: octahedral; empty where the channel is off
 };
 
 struct ShardHeader {
-  std::string generator;                       ///< "gigabake 0.1.0"
-  std::string cell;                            ///< cell name, e.g. "c_3_-2_0"
-  std::array<std::int64_t, 3> lattice_min{};   ///< lod-0 voxel index of the cell's lowest corner
-  std::uint32_t cell_voxels = 0;               ///< edge in lod-0 voxels, a power of two ≥ 8
+  std::string generator;                      ///< "gigabake 0.1.0"
+  std::string cell;                           ///< cell name, e.g. "c_3_-2_0"
+  std::array<std::int64_t, 3> lattice_min{};  ///< lod-0 voxel index of the cell's lowest corner
+  std::uint32_t cell_voxels = 0;              ///< edge in lod-0 voxels, a power of two ≥ 8
   double voxel_size_m = 0;
-  std::array<double, 3> lattice_origin_m{};    ///< scene position of the lattice's 0,0,0 corner
+  std::array<double, 3> lattice_origin_m{};  ///< scene position of the lattice's 0,0,0 corner
   std::optional<Geodetic> origin;
-  std::uint32_t lods = 0;                      ///< log2(cell_voxels/8)+1
-  Hash128 fingerprint;                         ///< of everything the cell was baked from
-  std::vector<Hash128> content_hash;           ///< per lod; the sum over voxels, see content_hash.h
+  std::uint32_t lods = 0;             ///< log2(cell_voxels/8)+1
+  Hash128 fingerprint;                ///< of everything the cell was baked from
+  std::vector<Hash128> content_hash;  ///< per lod; the sum over voxels, see content_hash.h
   bool has_normals = true;
-  std::uint64_t triangles = 0;                 ///< triangles that touched the cell
+  std::uint64_t triangles = 0;  ///< triangles that touched the cell
 };
 
 struct Shard {

@@ -16,21 +16,21 @@ namespace gigabake {
 enum class UpAxis : std::uint8_t { y, z, x };
 
 struct SourceOptions {
-  bool local = false;                  ///< --local: no georeference even where the source has one
-  std::optional<Geodetic> origin;      ///< --origin LAT,LON,H: scene origin; default: the source's own (see open_sources)
-  std::optional<UpAxis> scene_up;      ///< --up: the axis of the *source frame* (tileset, folder) that points up; default z
+  bool local = false;              ///< --local: no georeference even where the source has one
+  std::optional<Geodetic> origin;  ///< --origin LAT,LON,H: scene origin; default: the source's own (see open_sources)
+  std::optional<UpAxis> scene_up;  ///< --up: the axis of the *source frame* (tileset, folder) that points up; default z
 };
 
 enum class ContentKind : std::uint8_t { glb, gltf, b3dm };
 
 /// One content file and its place. The same file may be placed several times.
 struct TileRef {
-  std::filesystem::path path;              ///< readable file inside the source folder
-  std::string name;                        ///< path relative to the source root, '/' separated: messages, fingerprints
+  std::filesystem::path path;  ///< readable file inside the source folder
+  std::string name;            ///< path relative to the source root, '/' separated: messages, fingerprints
   ContentKind kind = ContentKind::glb;
-  UpAxis gltf_up = UpAxis::y;              ///< tileset's gltfUpAxis: how content turns to z up
-  Affine<Scene, World> scene_from_tile;    ///< tile transforms, ECEF to scene, `--up`, all composed in double
-  std::uint64_t bytes = 0;                 ///< file size
+  UpAxis gltf_up = UpAxis::y;            ///< tileset's gltfUpAxis: how content turns to z up
+  Affine<Scene, World> scene_from_tile;  ///< tile transforms, ECEF to scene, `--up`, all composed in double
+  std::uint64_t bytes = 0;               ///< file size
 };
 
 /// Something the source names and the bake does not have: missing file, unsupported kind. Costs exit code 3 unless
@@ -42,9 +42,9 @@ struct SkippedSource {
 };
 
 struct SceneSources {
-  std::filesystem::path root;              ///< folder that bounds every URI
-  std::vector<TileRef> tiles;              ///< in the source's own order; deterministic
-  std::optional<Geodetic> origin;          ///< none: local scene
+  std::filesystem::path root;      ///< folder that bounds every URI
+  std::vector<TileRef> tiles;      ///< in the source's own order; deterministic
+  std::optional<Geodetic> origin;  ///< none: local scene
   std::vector<SkippedSource> skipped;
 };
 

@@ -10,18 +10,18 @@ namespace gigabake {
 /// One column of N×N voxels that a tile's triangles touch.
 struct ColumnExtent {
   std::int64_t column_x = 0, column_y = 0;  ///< column index: floor(voxel / cell_voxels)
-  std::int64_t z_min = 0, z_end = 0;        ///< lod-0 voxel range [z_min, z_end) that holds every voxel of the tile here
-  std::uint64_t triangles = 0;              ///< triangles that may touch the column
+  std::int64_t z_min = 0, z_end = 0;  ///< lod-0 voxel range [z_min, z_end) that holds every voxel of the tile here
+  std::uint64_t triangles = 0;        ///< triangles that may touch the column
 };
 
 struct TileSurvey {
-  std::uint32_t tile = 0;                   ///< index into SceneSources::tiles
-  std::vector<ColumnExtent> columns;        ///< sorted by (column_x, column_y), unique
-  std::uint64_t triangles = 0;              ///< with instances, all that the file holds
-  std::uint64_t non_finite = 0;             ///< triangles dropped: a vertex is NaN/Inf
-  std::uint64_t zero_area = 0;              ///< triangles dropped: no area, in the source or after the snap
+  std::uint32_t tile = 0;             ///< index into SceneSources::tiles
+  std::vector<ColumnExtent> columns;  ///< sorted by (column_x, column_y), unique
+  std::uint64_t triangles = 0;        ///< with instances, all that the file holds
+  std::uint64_t non_finite = 0;       ///< triangles dropped: a vertex is NaN/Inf
+  std::uint64_t zero_area = 0;        ///< triangles dropped: no area, in the source or after the snap
   std::uint64_t skipped_points = 0, skipped_lines = 0;
-  std::string error;                        ///< one line; not empty: the tile could not be read and has no columns
+  std::string error;  ///< one line; not empty: the tile could not be read and has no columns
 };
 
 }  // namespace gigabake

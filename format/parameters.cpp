@@ -1,0 +1,60 @@
+#include "format/parameters.h"
+
+#include <bit>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "format/error.h"
+
+namespace gigabake {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+NLOHMANN_JSON_SERIALIZE_ENUM(SurfaceRule, {{SurfaceRule::area, "area"},
+                                           {SurfaceRule::conservative, "conservative"},
+                                           {SurfaceRule::thin, "thin"}})
+NLOHMANN_JSON_SERIALIZE_ENUM(MipFilter, {{MipFilter::coverage, "coverage"},
+                                         {MipFilter::thesis, "thesis"},
+                                         {MipFilter::box, "box"}})
+
+}  // namespace
+
+std::string to_json(const BakeParameters& p) {
+  Json j;
+  j["voxel_size_m"] = p.voxel_size_m;
+  j["lattice_origin_m"] = p.lattice_origin_m;
+  j["cell_voxels"] = p.cell_voxels;
+  j["surface"] = p.surface;
+  j["mip"] = p.mip;
+  j["normals"] = p.normals;
+  return j.dump();
+}
+
+BakeParameters parameters_from_json(const std::string& json) {
+  BakeParameters p;
+  try {
+    const Json j = Json::parse(json);
+    j.at("voxel_size_m").get_to(p.voxel_size_m);
+    j.at("lattice_origin_m").get_to(p.lattice_origin_m);
+    j.at("cell_voxels").get_to(p.cell_voxels);
+    j.at("surface").get_to(p.surface);
+    j.at("mip").get_to(p.mip);
+    j.at("normals").get_to(p.normals);
+  } catch (const nlohmann::json::exception& e) {
+    throw InputError("parameters", "", e.what());
+  }
+  check(p);
+  return p;
+}
+
+void check(const BakeParameters& p) {
+  if (!(p.voxel_size_m >= 1e-6 && p.voxel_size_m <= 1e6))
+    throw UsageError("--voxel-size: expected 1e-6 to 1e6 metres, got " + std::to_string(p.voxel_size_m));
+  if (!std::has_single_bit(p.cell_voxels) || p.cell_voxels < 8 || p.cell_voxels > 8192)
+    throw UsageError("--cell-voxels: expected a power of two from 8 to 8192, got " + std::to_string(p.cell_voxels));
+  for (const double x : p.lattice_origin_m)
+    if (!std::isfinite(x)) throw UsageError("--lattice-origin: expected three finite numbers in metres");
+}
+
+}  // namespace gigabake
