@@ -1,0 +1,105 @@
+#include "format/chunk_codec.h"
+
+#include <algorithm>
+#include <cstring>
+#include <lz4.h>
+
+namespace gigabake {
+namespace {
+
+constexpr std::size_t block_bytes = std::size_t(1) << 20;
+
+void put_big_endian(std::vector<std::uint8_t>& out, std::uint64_t value, int bytes) {
+  for (int i = bytes - 1; i >= 0; --i) out.push_back(std::uint8_t(value >> (8 * i)));
+}
+
+std::uint64_t big_endian(const std::uint8_t* p, int bytes) {
+  std::uint64_t v = 0;
+  for (int i = 0; i < bytes; ++i) v = v << 8 | p[i];
+  return v;
+}
+
+/// Fletcher-32 over big-endian 16-bit words, modulo 65535, the odd last byte padded with zero.
+std::uint32_t fletcher32(std::span<const std::uint8_t> data) {
+  std::uint64_t a = 0, b = 0;
+  // Sums of 64 Ki words stay below 2^48; reduction keeps 65535 apart from 0, as HDF5 does.
+  const auto fold = [](std::uint64_t s) {
+    while (s >> 16 != 0) s = (s & 0xffff) + (s >> 16);
+    return s;
+  };
+  const std::size_t words = data.size() / 2;
+  for (std::size_t i = 0; i < words;) {
+    const std::size_t end = std::min(words, i + 65536);
+    for (; i < end; ++i) {
+      a += std::uint64_t(data[2 * i]) << 8 | data[2 * i + 1];
+      b += a;
+    }
+    a = fold(a);
+    b = fold(b);
+  }
+  if (data.size() % 2 != 0) {
+    a = fold(a + (std::uint64_t(data.back()) << 8));
+    b = fold(b + a);
+  }
+  return std::uint32_t(b << 16 | a);
+}
+
+void append_block(std::vector<std::uint8_t>& out, const std::uint8_t* raw, std::size_t size) {
+  const std::size_t at = out.size();
+  const int bound = LZ4_compressBound(int(size));
+  out.resize(at + 4 + std::size_t(bound));
+  const int packed =
+      LZ4_compress_default(reinterpret_cast<const char*>(raw), reinterpret_cast<char*>(&out[at + 4]), int(size), bound);
+  std::size_t stored = std::size_t(packed);
+  if (packed <= 0 || stored >= size) {
+    stored = size;
+    std::memcpy(&out[at + 4], raw, size);
+  }
+  for (int i = 0; i < 4; ++i) out[at + std::size_t(i)] = std::uint8_t(stored >> (8 * (3 - i)));
+  out.resize(at + 4 + stored);
+}
+
+bool decode_frame(std::span<const std::uint8_t> in, std::span<std::uint8_t> raw) {
+  if (in.size() < 12 || big_endian(in.data(), 8) != raw.size()) return false;
+  const std::size_t block = big_endian(in.data() + 8, 4);
+  if (block == 0 && !raw.empty()) return false;
+  in = in.subspan(12);
+  while (!raw.empty()) {
+    const std::size_t size = std::min(block, raw.size());
+    if (in.size() < 4) return false;
+    const std::size_t stored = big_endian(in.data(), 4);
+    if (stored > in.size() - 4 || stored > size) return false;
+    if (stored == size)
+      std::memcpy(raw.data(), in.data() + 4, size);
+    else if (LZ4_decompress_safe(reinterpret_cast<const char*>(in.data() + 4), reinterpret_cast<char*>(raw.data()),
+                                 int(stored), int(size)) != int(size))
+      return false;
+    in = in.subspan(4 + stored);
+    raw = raw.subspan(size);
+  }
+  return in.empty();
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> encode_chunk(std::span<const std::uint8_t> raw) {
+  const std::size_t block = std::min(block_bytes, raw.size());
+  std::vector<std::uint8_t> out;
+  put_big_endian(out, raw.size(), 8);
+  put_big_endian(out, block, 4);
+  for (std::size_t at = 0; at < raw.size(); at += block)
+    append_block(out, raw.data() + at, std::min(block, raw.size() - at));
+  const std::uint32_t sum = fletcher32(out);
+  for (int i = 0; i < 4; ++i) out.push_back(std::uint8_t(sum >> (8 * i)));
+  return out;
+}
+
+bool decode_chunk(std::span<const std::uint8_t> stored, std::span<std::uint8_t> raw) {
+  if (stored.size() < 4) return false;
+  const auto frame = stored.first(stored.size() - 4);
+  std::uint32_t sum = 0;
+  for (int i = 0; i < 4; ++i) sum |= std::uint32_t(stored[frame.size() + std::size_t(i)]) << (8 * i);
+  return fletcher32(frame) == sum && decode_frame(frame, raw);
+}
+
+}  // namespace gigabake

@@ -1,0 +1,73 @@
+#include <fmt/format.h>
+
+#include "format/publish.h"
+#include "format/shard.h"
+#include "format/shard_layout.h"
+
+namespace gigabake {
+namespace {
+
+void write_header(Hdf5File& file, const ShardHeader& h) {
+  const auto u32 = [&](const char* name, std::uint32_t v) { file.write_attribute(name, H5T_STD_U32LE, &v, 0); };
+  file.write_attribute("format", shard_format);
+  file.write_attribute("version", H5T_STD_I32LE, &shard_version, 0);
+  file.write_attribute("generator", h.generator);
+  file.write_attribute("cell", h.cell);
+  file.write_attribute("lattice_min", H5T_STD_I64LE, h.lattice_min.data(), 3);
+  u32("cell_voxels", h.cell_voxels);
+  file.write_attribute("voxel_size_m", H5T_IEEE_F64LE, &h.voxel_size_m, 0);
+  file.write_attribute("lattice_origin_m", H5T_IEEE_F64LE, h.lattice_origin_m.data(), 3);
+  u32("brick_edge", brick_edge);
+  u32("lods", h.lods);
+  if (h.origin) {
+    const double origin[3] = {h.origin->latitude_deg, h.origin->longitude_deg, h.origin->height_m};
+    file.write_attribute("origin", H5T_IEEE_F64LE, origin, 3);
+  }
+  file.write_attribute("fingerprint", h.fingerprint.hex());
+  std::string hashes;
+  for (const Hash128& hash : h.content_hash) hashes += (hashes.empty() ? "" : " ") + hash.hex();
+  file.write_attribute("content_hash", hashes);
+  file.write_attribute("channels", h.has_normals ? "rgba normal" : "rgba");
+  file.write_attribute("triangles", H5T_STD_U64LE, &h.triangles, 0);
+}
+
+void write_nodes(Hdf5File& file, const NodeTable& n, int threads) {
+  const NodeColumns columns;
+  const std::size_t rows = n.key.size();
+  file.make_group("/nodes");
+  file.write_column(columns.key, n.key.data(), rows, threads);
+  file.write_column(columns.lod, n.lod.data(), rows, threads);
+  file.write_column(columns.kind, n.kind.data(), rows, threads);
+  file.write_column(columns.child_mask, n.child_mask.data(), rows, threads);
+  file.write_column(columns.first_child, n.first_child.data(), rows, threads);
+  file.write_column(columns.value, n.value.data(), rows, threads);
+  file.write_column(columns.normal, n.normal.data(), rows, threads);
+}
+
+void write_level(Hdf5File& file, const BrickLevel& level, int lod, bool has_normals, int threads) {
+  const LevelColumns columns(lod);
+  file.make_group(columns.group);
+  file.write_column(columns.mask, level.mask.data(), level.mask.size() / 8, threads);
+  file.write_column(columns.first, level.first.data(), level.first.size(), threads);
+  file.write_column(columns.rgba, level.rgba.data(), level.rgba.size() / 4, threads);
+  if (has_normals) file.write_column(columns.normal, level.normal.data(), level.normal.size() / 2, threads);
+}
+
+}  // namespace
+
+std::uint64_t write_shard(const std::filesystem::path& path, const Shard& shard, const ShardWriteOptions& options) {
+  Publication publication(path);
+  {
+    Hdf5File file = Hdf5File::create(publication.aside());
+    write_header(file, shard.header);
+    write_nodes(file, shard.nodes, options.threads);
+    for (std::size_t lod = 0; lod < shard.levels.size(); ++lod)
+      write_level(file, shard.levels[lod], int(lod), shard.header.has_normals, options.threads);
+    file.close();
+  }
+  const std::uint64_t bytes = std::filesystem::file_size(publication.aside());
+  publication.publish();
+  return bytes;
+}
+
+}  // namespace gigabake
