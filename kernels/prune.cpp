@@ -133,7 +133,7 @@ Nodes prune(std::vector<Level>& levels, const CpuPolicy& policy) {
     add_level_nodes(levels[lod], verdicts[lod], lod, nodes);
     if (nodes.key.size() >= no_child)
       throw std::length_error("an oct-tree of more than 2^32-1 nodes; use a smaller --cell-voxels");
-    link_children(nodes, above, begin);
+    if (begin != 0) link_children(nodes, above, begin);  // the root is nobody's child
     above = begin;
   }
   for (std::size_t lod = 0; lod < levels.size(); ++lod) remove_constant_bricks(levels[lod], verdicts[lod]);
