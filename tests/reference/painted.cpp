@@ -1,0 +1,68 @@
+#include "painted.h"
+
+#include <algorithm>
+
+namespace gigabake::reference {
+namespace {
+
+using kernels::AlphaMode;
+
+constexpr double smallest_weight = 1.0 / 68719476736.0;  // 2^-36 voxel²
+
+Direction unit_normal(const Triangle& t) {
+  const auto n = normal_of(t);
+  Direction d{n[0].get_d(), n[1].get_d(), n[2].get_d()};
+  const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+  for (double& x : d) x /= length;
+  return d;
+}
+
+std::array<double, 4> colour_on(const Painted& p, const Piece& piece) {
+  std::array<double, 4> colour;
+  for (int c = 0; c < 4; ++c) colour[c] = p.colour[c] / 65535.0;
+  if (p.mode == AlphaMode::opaque) colour[3] = 1;
+  if (p.mode == AlphaMode::mask) colour[3] = p.colour[3] >= 32768 ? 1 : 0;
+  if (!p.vertex_colours || area_voxel2(piece, p.triangle) == 0) return colour;
+  const auto b = centroid_barycentric(piece, p.triangle);
+  for (int c = 0; c < 3; ++c) {
+    double mean = 0;
+    for (int k = 0; k < 3; ++k) mean += b[k].get_d() * (*p.vertex_colours)[k][c] / 65535.0;
+    colour[c] *= mean;
+  }
+  return colour;
+}
+
+}  // namespace
+
+double ExpectedVoxel::certainty() const {
+  return std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]) / visible;
+}
+
+void add_to(BakeScene& scene, const Painted& painted) {
+  Part& part = scene.add_triangle(painted.triangle, scene.add_colour(painted.colour, painted.mode));
+  if (!painted.vertex_colours) return;
+  for (const Rgba16& colour : *painted.vertex_colours) part.rgba.insert(part.rgba.end(), colour.begin(), colour.end());
+}
+
+std::map<Voxel, ExpectedVoxel> expected_voxels(const std::vector<Painted>& scene, kernels::SurfaceRule rule,
+                                               const Window& window) {
+  std::map<Voxel, ExpectedVoxel> out;
+  for (const Painted& p : scene) {
+    const std::vector<Piece> pieces = pieces_in(p.triangle, window);
+    const std::set<Voxel> hit = occupied(p.triangle, pieces, rule);
+    const Direction normal = unit_normal(p.triangle);
+    for (const Piece& piece : pieces) {
+      if (!hit.count(piece.voxel)) continue;
+      ExpectedVoxel& v = out[piece.voxel];
+      const double w = std::max(smallest_weight, area_voxel2(piece, p.triangle));
+      const auto colour = colour_on(p, piece);
+      v.area += w;
+      v.visible += w * colour[3];
+      for (int c = 0; c < 3; ++c) v.colour[c] += w * colour[3] * colour[c];
+      for (int c = 0; c < 3; ++c) v.normal[c] += w * colour[3] * normal[c];
+    }
+  }
+  return out;
+}
+
+}  // namespace gigabake::reference

@@ -1,0 +1,37 @@
+/// What voxels must hold, from exact pieces: the averages of docs/accuracy.md, colour alpha and normal, written
+/// plainly.
+#pragma once
+
+#include <map>
+#include <optional>
+
+#include "appearance.h"
+
+namespace gigabake::reference {
+
+struct Painted {
+  Triangle triangle;
+  Rgba16 colour = white16;  ///< linear, straight
+  kernels::AlphaMode mode = kernels::AlphaMode::opaque;
+  std::optional<std::array<Rgba16, 3>> vertex_colours;  ///< opaque ones: their mean is the value at the centroid
+};
+
+struct ExpectedVoxel {
+  double area = 0;                 ///< Σ w, voxel²
+  double visible = 0;              ///< Σ w·a
+  std::array<double, 3> colour{};  ///< Σ w·a·c, linear
+  Direction normal{};              ///< Σ w·a·n
+
+  double alpha() const { return visible / area; }
+  double linear(int c) const { return colour[c] / visible; }
+  /// Length of the mean normal: how sure its direction is.
+  double certainty() const;
+};
+
+void add_to(BakeScene& scene, const Painted& painted);
+
+/// Every voxel of the window that some triangle occupies, visible or not.
+std::map<Voxel, ExpectedVoxel> expected_voxels(const std::vector<Painted>& scene, kernels::SurfaceRule rule,
+                                               const Window& window);
+
+}  // namespace gigabake::reference

@@ -1,0 +1,91 @@
+/// Scenes of random painted triangles through bake_cell(), in windows of several bricks: which voxels there are, and
+/// the colour, alpha and normal of each, against exact pieces.
+#include <gtest/gtest.h>
+
+#include "painted.h"
+#include "print.h"
+#include "triangle_families.h"
+
+namespace gigabake::reference {
+namespace {
+
+using namespace gigabake::kernels;
+
+/// A voxel whose whole area is below this is checked for presence only: the ±½ unit of each weight shows in its colour.
+constexpr double smallest_checked_area = 1e-4;
+
+Rgba16 random_colour(Rng& rng) {
+  Rgba16 c;
+  for (auto& x : c) x = std::uint16_t(uniform(rng, 0, 65535));
+  return c;
+}
+
+/// Alpha from a tenth up, so that what 16 bits lose of a premultiplied colour stays small.
+Painted random_painted(Family family, const Window& window, Rng& rng) {
+  Painted p{random_triangle(family, window, rng), random_colour(rng), AlphaMode(uniform(rng, 0, 2)), {}};
+  p.colour[3] = std::uint16_t(uniform(rng, 6554, 65535));
+  if (uniform(rng, 0, 2) == 0) {
+    p.mode = AlphaMode::opaque;
+    p.vertex_colours = {random_colour(rng), random_colour(rng), random_colour(rng)};
+    for (Rgba16& c : *p.vertex_colours) c[3] = 65535;
+  }
+  return p;
+}
+
+void expect_voxel(const BakedVoxel& baked, const ExpectedVoxel& expected) {
+  ASSERT_LE(std::abs(baked.rgba[3] - 255 * expected.alpha()), 0.501);
+  // Premultiplied colours are rounded to 1/65535: at worst 0.05 codes, where sRGB is steepest, over alpha.
+  for (int c = 0; c < 3; ++c)
+    ASSERT_LE(code_error(baked.rgba[c], expected.linear(c)), 0.55 + 0.1 / expected.alpha()) << "channel " << c;
+  if (expected.certainty() > 1e-2) {
+    ASSERT_LE(angle_deg(direction_of(baked.normal), expected.normal), octahedral_error_deg + 0.05);
+  }
+}
+
+class RandomScenes : public testing::TestWithParam<Family> {
+ protected:
+  void expect_scene(const std::vector<Painted>& painted, SurfaceRule rule, const Window& window) {
+    BakeScene scene;
+    scene.set_window(window.min, std::uint32_t(window.edge));
+    scene.parameters.surface = rule;
+    for (const Painted& p : painted) add_to(scene, p);
+    VoxelMap baked = voxels_at(scene.bake(), scene.parameters, 0);
+    for (const auto& [position, expected] : expected_voxels(painted, rule, window)) {
+      SCOPED_TRACE("voxel " + std::to_string(position[0]) + " " + std::to_string(position[1]) + " " +
+                   std::to_string(position[2]));
+      if (std::abs(255 * expected.alpha() - 0.5) < 1e-3) continue;
+      const auto found = baked.find(position);
+      ASSERT_EQ(found != baked.end(), 255 * expected.alpha() >= 0.5);
+      if (found == baked.end()) continue;
+      if (expected.area >= smallest_checked_area) expect_voxel(found->second, expected);
+      if (HasFatalFailure()) return;
+      baked.erase(found);
+    }
+    ASSERT_TRUE(baked.empty()) << baked.size() << " voxels too many";
+  }
+};
+
+TEST_P(RandomScenes, HoldTheExactAveragesOfWhatIsInEachVoxel) {
+  const std::uint64_t seed = 81 + std::uint64_t(GetParam());
+  const bool large = GetParam() >= Family::large;
+  Rng rng(seed);
+  for (int i = 0; i < (large ? 12 : 150); ++i) {
+    const std::int64_t edge = large ? 16 : 8 << uniform(rng, 0, 2);
+    const Window window{{8 * uniform(rng, -99, 99), 8 * uniform(rng, -99, 99), 8 * uniform(rng, -99, 99)}, edge};
+    std::vector<Painted> painted;
+    for (std::int64_t k = uniform(rng, 1, large ? 4 : 12); k > 0; --k)
+      painted.push_back(random_painted(GetParam(), window, rng));
+    for (const SurfaceRule rule : {SurfaceRule::area, SurfaceRule::conservative, SurfaceRule::thin}) {
+      SCOPED_TRACE("scene " + std::to_string(i) + " of " + std::to_string(painted.size()) + " triangles" +
+                   describe(seed, 0, painted[0].triangle, rule));
+      expect_scene(painted, rule, window);
+      if (HasFatalFailure()) return;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Random, RandomScenes, testing::ValuesIn(all_families),
+                         [](const auto& row) { return std::string(name_of(row.param)); });
+
+}  // namespace
+}  // namespace gigabake::reference
