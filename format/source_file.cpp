@@ -1,0 +1,173 @@
+#include "format/source_file.h"
+
+#include <cmath>
+#include <fstream>
+
+#include "format/error.h"
+
+namespace gigabake {
+namespace {
+
+constexpr int deepest_json = 128;
+
+/// Parsers recurse; this does not.
+void check_nesting(const std::filesystem::path& file, std::span<const std::uint8_t> text) {
+  int depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto c = char(text[i]);
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+      continue;
+    }
+    if (c == '"') in_string = true;
+    if (c == '[' || c == '{') ++depth;
+    if (c == ']' || c == '}') --depth;
+    if (depth > deepest_json) throw InputError(file, "", "JSON nested deeper than 128 levels", i);
+  }
+}
+
+const Json* find(const std::filesystem::path& file, const Json& object, const std::string& where, const char* key) {
+  if (!object.is_object()) throw InputError(file, where, "expected a JSON object");
+  const auto it = object.find(key);
+  return it == object.end() || it->is_null() ? nullptr : &*it;
+}
+
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& where, const char* key,
+                       const std::string& expected) {
+  throw InputError(file, where.empty() ? key : where + "." + key, "expected " + expected);
+}
+
+std::string percent_decoded(std::string_view text) {
+  const auto digit = [](char c) {
+    return c >= '0' && c <= '9' ? c - '0' : (c | 32) >= 'a' && (c | 32) <= 'f' ? (c | 32) - 'a' + 10 : -1;
+  };
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '%' && i + 2 < text.size() && digit(text[i + 1]) >= 0 && digit(text[i + 2]) >= 0) {
+      out += char(digit(text[i + 1]) * 16 + digit(text[i + 2]));
+      i += 2;
+    } else {
+      out += text[i];
+    }
+  }
+  return out;
+}
+
+bool is_within(const std::filesystem::path& root, const std::filesystem::path& path) {
+  const auto end = std::mismatch(root.begin(), root.end(), path.begin(), path.end()).first;
+  return end == root.end();
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> read_whole_file(const std::filesystem::path& path, std::uint64_t most_bytes) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) throw InputError(path, "", "no such file");
+  if (!std::filesystem::is_regular_file(path, error)) throw InputError(path, "", "expected a regular file");
+  const std::uint64_t bytes = std::filesystem::file_size(path, error);
+  if (error) throw InputError(path, "", "cannot be read: " + error.message());
+  if (bytes > most_bytes)
+    throw InputError(path, "", "larger than " + std::to_string(most_bytes) + " bytes; split it into tiles");
+  std::vector<std::uint8_t> content(bytes);
+  std::ifstream in(path, std::ios::binary);
+  if (!in.read(reinterpret_cast<char*>(content.data()), std::streamsize(bytes)))
+    throw InputError(path, "", "cannot be read to its end");
+  return content;
+}
+
+Json parse_json(const std::filesystem::path& file, std::span<const std::uint8_t> text) {
+  check_nesting(file, text);
+  if (text.size() >= 3 && text[0] == 0xef && text[1] == 0xbb && text[2] == 0xbf)
+    throw InputError(file, "", "JSON starts with a byte order mark; save it without");
+  try {
+    return Json::parse(text.begin(), text.end());
+  } catch (const Json::parse_error& e) {
+    throw InputError(file, "", "not valid JSON", std::uint64_t(e.byte));
+  } catch (const Json::exception& e) {
+    throw InputError(file, "", e.what());
+  }
+}
+
+std::optional<std::uint64_t> get_index(const std::filesystem::path& file, const Json& object, const std::string& where,
+                                       const char* key) {
+  const Json* j = find(file, object, where, key);
+  if (j == nullptr) return std::nullopt;
+  const double v = j->is_number() ? j->get<double>() : -1;
+  if (!(v >= 0 && v <= 9007199254740992.0) || v != std::floor(v))
+    fail(file, where, key, "a whole number that is not negative");
+  return std::uint64_t(v);
+}
+
+std::optional<double> get_number(const std::filesystem::path& file, const Json& object, const std::string& where,
+                                 const char* key) {
+  const Json* j = find(file, object, where, key);
+  if (j == nullptr) return std::nullopt;
+  if (!j->is_number() || !std::isfinite(j->get<double>())) fail(file, where, key, "a finite number");
+  return j->get<double>();
+}
+
+std::optional<std::string> get_text(const std::filesystem::path& file, const Json& object, const std::string& where,
+                                    const char* key) {
+  const Json* j = find(file, object, where, key);
+  if (j == nullptr) return std::nullopt;
+  if (!j->is_string()) fail(file, where, key, "a text");
+  return j->get<std::string>();
+}
+
+std::optional<std::vector<double>> get_numbers(const std::filesystem::path& file, const Json& object,
+                                               const std::string& where, const char* key, std::size_t count) {
+  const Json* j = find(file, object, where, key);
+  if (j == nullptr) return std::nullopt;
+  std::vector<double> out;
+  if (j->is_array() && j->size() == count)
+    for (const Json& v : *j)
+      if (v.is_number() && std::isfinite(v.get<double>())) out.push_back(v.get<double>());
+  if (out.size() != count) fail(file, where, key, std::to_string(count) + " finite numbers");
+  return out;
+}
+
+const Json& get_array(const std::filesystem::path& file, const Json& object, const std::string& where,
+                      const char* key) {
+  static const Json empty = Json::array();
+  const Json* j = find(file, object, where, key);
+  if (j == nullptr) return empty;
+  if (!j->is_array()) fail(file, where, key, "an array");
+  return *j;
+}
+
+const Json& get_object(const std::filesystem::path& file, const Json& object, const std::string& where,
+                       const char* key) {
+  static const Json empty = Json::object();
+  const Json* j = find(file, object, where, key);
+  if (j == nullptr) return empty;
+  if (!j->is_object()) fail(file, where, key, "an object");
+  return *j;
+}
+
+std::filesystem::path resolve_uri(const std::filesystem::path& root, const std::filesystem::path& base,
+                                  const std::string& key, std::string_view uri) {
+  const std::string text = percent_decoded(uri.substr(0, uri.find_first_of("?#")));
+  const std::string shown = uri.size() > 100 ? std::string(uri.substr(0, 100)) + "…" : std::string(uri);
+  if (text.empty() || text.find('\0') != std::string::npos)
+    throw InputError(base, key, "expected the path of a file, got '" + shown + "'");
+  if (const auto colon = text.find(':'); colon != std::string::npos && colon < text.find('/'))
+    throw InputError(base, key, "expected a path relative to the file, got '" + shown + "'");
+  const std::filesystem::path relative(text);
+  std::error_code error;
+  const std::filesystem::path target =
+      relative.is_absolute() ? relative : std::filesystem::weakly_canonical(base.parent_path() / relative, error);
+  if (relative.is_absolute() || error || !is_within(std::filesystem::weakly_canonical(root, error), target))
+    throw InputError(base, key, "'" + shown + "' leaves the source folder " + root.string());
+  return target;
+}
+
+std::string name_in(const std::filesystem::path& root, const std::filesystem::path& path) {
+  std::error_code error;
+  const auto relative =
+      std::filesystem::weakly_canonical(path, error).lexically_relative(std::filesystem::weakly_canonical(root, error));
+  return relative.empty() ? path.generic_string() : relative.generic_string();
+}
+
+}  // namespace gigabake

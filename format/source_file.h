@@ -1,0 +1,49 @@
+/// Reading files that nobody vouches for: sizes, JSON nesting and paths are looked at before anything uses them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gigabake {
+
+using Json = nlohmann::json;
+
+/// Errors  InputError: no such file, not a regular file, larger than `most_bytes`, cannot be read.
+std::vector<std::uint8_t> read_whole_file(const std::filesystem::path& path, std::uint64_t most_bytes = std::uint64_t(1)
+                                                                                                        << 32);
+
+/// Errors  InputError: not JSON (with the byte), or nested deeper than 128.
+Json parse_json(const std::filesystem::path& file, std::span<const std::uint8_t> text);
+
+/// A member of the asked type, or nothing where it is absent. Errors  InputError(file, where.key): another type, or a
+/// number that is negative, fractional or too large for an index.
+std::optional<std::uint64_t> get_index(const std::filesystem::path& file, const Json& object, const std::string& where,
+                                       const char* key);
+std::optional<double> get_number(const std::filesystem::path& file, const Json& object, const std::string& where,
+                                 const char* key);
+std::optional<std::string> get_text(const std::filesystem::path& file, const Json& object, const std::string& where,
+                                    const char* key);
+/// Exactly `count` finite numbers.
+std::optional<std::vector<double>> get_numbers(const std::filesystem::path& file, const Json& object,
+                                               const std::string& where, const char* key, std::size_t count);
+/// An array or object member; an empty one of that kind where it is absent.
+const Json& get_array(const std::filesystem::path& file, const Json& object, const std::string& where, const char* key);
+const Json& get_object(const std::filesystem::path& file, const Json& object, const std::string& where,
+                       const char* key);
+
+/// The file that `uri`, written in `base`, names: percent-decoded, query and fragment cut off.
+/// Errors  InputError: a scheme other than a plain path, an absolute path, or a file (symbolic links followed) outside
+///         `root`. The file need not exist.
+std::filesystem::path resolve_uri(const std::filesystem::path& root, const std::filesystem::path& base,
+                                  const std::string& key, std::string_view uri);
+
+/// `path` relative to `root`, '/' separated.
+std::string name_in(const std::filesystem::path& root, const std::filesystem::path& path);
+
+}  // namespace gigabake

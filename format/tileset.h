@@ -1,0 +1,33 @@
+/// 3D Tiles: which content files make up the finest surface of a tileset, and where they stand.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "format/source.h"
+
+namespace gigabake {
+
+/// A content file with all tile transforms from the root composed.
+struct TilesetContent {
+  std::filesystem::path path;
+  ContentKind kind = ContentKind::glb;
+  UpAxis gltf_up = UpAxis::y;
+  Affine<World, World> world_from_tile;
+};
+
+struct Tileset {
+  std::vector<TilesetContent> contents;  ///< in document order
+  std::vector<SkippedSource> skipped;
+  std::optional<Point<Ecef>> anchor;  ///< where its root stands, if that is on the WGS84 earth
+};
+
+/// Nested and external tilesets are followed. With REPLACE a tile's content counts only where it has no finer one:
+/// below; where a finer file is missing, the nearest ancestor's content stands in for all of its descendants, so that
+/// no surface is there twice, and the missing file is listed.
+/// Errors  InputError: malformed JSON, a cycle of external tilesets, URIs leaving `root`, extensions that are required
+///         and not known.
+Tileset open_tileset(const std::filesystem::path& root, const std::filesystem::path& file);
+
+}  // namespace gigabake
