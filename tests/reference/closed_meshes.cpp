@@ -1,7 +1,10 @@
 #include "closed_meshes.h"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <tuple>
 
 namespace gigabake::reference {
 namespace {
@@ -18,12 +21,47 @@ LatticeVertex rounded(const LatticeVertex& centre, double x, double y, double z)
   return {centre[0] + std::llround(x), centre[1] + std::llround(y), centre[2] + std::llround(z)};
 }
 
+/// A sphere's triangles with radius(ring, sector) at each vertex; poles have sector 0.
+template <class Radius>
+std::vector<Triangle> globe(const LatticeVertex& centre, int rings, const Radius& radius) {
+  std::vector<Triangle> out;
+  const int sectors = 2 * rings;
+  const auto at = [&](int ring, int sector) {
+    const bool pole = ring == 0 || ring == rings;
+    const int s = pole ? 0 : sector % sectors;
+    const double theta = pi * ring / rings, phi = 2 * pi * s / sectors;
+    const double r = radius(ring, s), across = pole ? 0 : r * std::sin(theta);
+    return rounded(centre, across * std::cos(phi), across * std::sin(phi), r * std::cos(theta));
+  };
+  for (int i = 0; i < rings; ++i)
+    for (int j = 0; j < sectors; ++j) add_quad(out, at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+  return out;
+}
+
 /// > 0 where d lies on the side that (b-a) × (c-a) points to.
 int side(const LatticeVertex& a, const LatticeVertex& b, const LatticeVertex& c, const LatticeVertex& d) {
   const auto n = normal_of({a, b, c});
   mpz_class sum;
   for (int r = 0; r < 3; ++r) sum += n[r] * mpz_class(long(d[r] - a[r]));
   return sgn(sum);
+}
+
+/// The closed triangle contains p: in its plane, and on the inner side of every edge.
+bool contains(const Triangle& t, const LatticeVertex& p) {
+  using Wide = __int128;
+  const auto cross = [](const LatticeVertex& o, const LatticeVertex& a, const LatticeVertex& b, int r) {
+    const int i = (r + 1) % 3, j = (r + 2) % 3;
+    return Wide(a[i] - o[i]) * (b[j] - o[j]) - Wide(a[j] - o[j]) * (b[i] - o[i]);
+  };
+  Wide off_plane = 0;
+  for (int r = 0; r < 3; ++r) off_plane += cross(t[0], t[1], t[2], r) * (p[r] - t[0][r]);
+  if (off_plane != 0) return false;
+  for (int k = 0; k < 3; ++k) {
+    Wide along = 0;
+    for (int r = 0; r < 3; ++r) along += cross(t[0], t[1], t[2], r) * cross(t[k], t[(k + 1) % 3], p, r);
+    if (along < 0) return false;
+  }
+  return true;
 }
 
 /// All faces of the hull, or none when four points share a plane.
@@ -61,15 +99,27 @@ ClosedMesh box(const LatticeVertex& low, const LatticeVertex& high) {
 }
 
 ClosedMesh sphere(const LatticeVertex& centre, double radius, int rings) {
-  ClosedMesh mesh{"sphere", {}};
-  const int sectors = 2 * rings;
-  const auto at = [&](int ring, int sector) {
-    const double theta = pi * ring / rings, phi = 2 * pi * (sector % sectors) / sectors;
-    const double r = ring == 0 || ring == rings ? 0 : radius * std::sin(theta);
-    return rounded(centre, r * std::cos(phi), r * std::sin(phi), radius * std::cos(theta));
-  };
-  for (int i = 0; i < rings; ++i)
-    for (int j = 0; j < sectors; ++j) add_quad(mesh.triangles, at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+  return {"sphere", globe(centre, rings, [radius](int, int) { return radius; })};
+}
+
+ClosedMesh star(const LatticeVertex& centre, std::int64_t nearest, std::int64_t farthest, int rings, Rng& rng) {
+  std::map<std::pair<int, int>, double> radii;  // each vertex once, so that the mesh closes
+  return {"star", globe(centre, rings, [&](int ring, int sector) {
+            const auto [at, fresh] = radii.try_emplace({ring, sector}, 0);
+            if (fresh) at->second = double(uniform(rng, nearest, farthest));
+            return at->second;
+          })};
+}
+
+ClosedMesh octahedron(const LatticeVertex& c, std::int64_t r) {
+  ClosedMesh mesh{"octahedron", {}};
+  for (const std::int64_t x : {-r, r})
+    for (const std::int64_t y : {-r, r})
+      for (const std::int64_t z : {-r, r}) {
+        Triangle t{{{c[0] + x, c[1], c[2]}, {c[0], c[1] + y, c[2]}, {c[0], c[1], c[2] + z}}};
+        if ((x < 0) != ((y < 0) != (z < 0))) std::swap(t[1], t[2]);
+        mesh.triangles.push_back(t);
+      }
   return mesh;
 }
 
@@ -111,6 +161,22 @@ double winding_number(const std::vector<Triangle>& mesh, const LatticeVertex& po
                                       dot(2, 0) * length[1]);
   }
   return sum / (4 * pi);
+}
+
+bool holds_lattice_corner(const std::vector<Triangle>& mesh) {
+  for (const Triangle& t : mesh) {
+    LatticeVertex low, high;
+    for (int r = 0; r < 3; ++r) {
+      std::tie(low[r], high[r]) = std::minmax({t[0][r], t[1][r], t[2][r]});
+      low[r] = (low[r] + 255) >> 8;
+      high[r] >>= 8;
+    }
+    for (std::int64_t z = low[2]; z <= high[2]; ++z)
+      for (std::int64_t y = low[1]; y <= high[1]; ++y)
+        for (std::int64_t x = low[0]; x <= high[0]; ++x)
+          if (contains(t, {256 * x, 256 * y, 256 * z})) return true;
+  }
+  return false;
 }
 
 mpq_class volume(const std::vector<Triangle>& mesh) {

@@ -15,8 +15,13 @@ using namespace gigabake::kernels;
 
 constexpr int edge = 32;
 
-/// Faces only for a 6-separating rule; faces, edges and corners for a 26-separating one.
-int longest_step(SurfaceRule rule) { return rule == SurfaceRule::conservative ? 3 : 1; }
+/// Steps of the flood: through faces, or through edges and corners too.
+constexpr int by_faces = 1, by_corners = 3;
+
+int longest_step(SurfaceRule rule, const std::vector<Triangle>& mesh) {
+  if (rule == SurfaceRule::thin) return by_faces;
+  return rule == SurfaceRule::conservative || !holds_lattice_corner(mesh) ? by_corners : by_faces;
+}
 
 std::size_t index_of(const Voxel& v) { return std::size_t(v[0] + edge * (v[1] + edge * v[2])); }
 
@@ -64,6 +69,11 @@ std::vector<ClosedMesh> meshes(Rng& rng) {
     out.push_back(box({c[0] - a, c[1] - b, c[2] - h}, {c[0] + b, c[1] + h, c[2] + a}));
     out.push_back(box({c[0] - 512, c[1] - 1024, c[2] - 768}, {c[0] + 512, c[1] + 256, c[2] + 768}));
   }
+  for (int i = 0; i < 12; ++i) out.push_back(star(middle(), 600, 3300, 5 + i % 3, rng));
+  for (const std::int64_t radius : {1024, 1100, 1280}) {
+    out.push_back(octahedron(on_lattice, radius));
+    out.push_back(octahedron(middle(), radius));
+  }
   for (int i = 0; i < 40; ++i) {
     const std::int64_t step = i % 4 == 0 ? 256 : i % 4 == 1 ? 128 : 1;
     out.push_back(random_hull(i % 2 ? on_lattice : middle(), 3000, step, 4 + i % 6, rng));
@@ -71,32 +81,62 @@ std::vector<ClosedMesh> meshes(Rng& rng) {
   return out;
 }
 
+std::set<Voxel> occupied_by(const std::vector<Triangle>& mesh, SurfaceRule rule) {
+  BakeScene scene;
+  scene.set_window({0, 0, 0}, edge);
+  scene.parameters.surface = rule;
+  scene.add_mesh(mesh);
+  return positions_of(voxels_at(scene.bake(), scene.parameters, 0));
+}
+
+/// Empty voxels that the mesh winds round: all of them, and those that are wet.
+struct Enclosed {
+  int voxels = 0, wet = 0;
+};
+
+Enclosed enclosed_by(const std::vector<Triangle>& mesh, const std::set<Voxel>& occupied, const std::vector<bool>& wet) {
+  Enclosed result;
+  for (int i = 0; i < edge * edge * edge; ++i) {
+    const Voxel v{i % edge, i / edge % edge, i / edge / edge};
+    if (occupied.count(v)) continue;
+    const double winding = winding_number(mesh, {v[0] * 256 + 128, v[1] * 256 + 128, v[2] * 256 + 128});
+    EXPECT_NEAR(winding, std::round(winding), 1e-6);
+    if (std::round(winding) == 0) continue;
+    ++result.voxels;
+    result.wet += wet[std::size_t(i)];
+  }
+  return result;
+}
+
 class ClosedSurface : public testing::TestWithParam<SurfaceRule> {};
 
 TEST_P(ClosedSurface, IsNeverLeakedThroughByAFloodFillOfEmptyVoxels) {
   const std::uint64_t seed = 41;
   Rng rng(seed);
-  int number = 0, enclosed = 0;
+  int number = 0, enclosed = 0, floods_by_corners = 0;
   for (const ClosedMesh& mesh : meshes(rng)) {
     SCOPED_TRACE(mesh.name + " " + std::to_string(number++) + ", seed " + std::to_string(seed));
     ASSERT_GT(volume(mesh.triangles), 0);
-    BakeScene scene;
-    scene.set_window({0, 0, 0}, edge);
-    scene.parameters.surface = GetParam();
-    scene.add_mesh(mesh.triangles);
-    const std::set<Voxel> occupied = positions_of(voxels_at(scene.bake(), scene.parameters, 0));
-    const std::vector<bool> wet = flooded(occupied, longest_step(GetParam()));
-    for (int i = 0; i < edge * edge * edge; ++i) {
-      const Voxel v{i % edge, i / edge % edge, i / edge / edge};
-      if (occupied.count(v) || std::max({std::abs(v[0] - 16), std::abs(v[1] - 16), std::abs(v[2] - 16)}) > 14) continue;
-      const double winding = winding_number(mesh.triangles, {v[0] * 256 + 128, v[1] * 256 + 128, v[2] * 256 + 128});
-      ASSERT_NEAR(winding, std::round(winding), 1e-6);
-      if (std::round(winding) == 0) continue;
-      ++enclosed;
-      ASSERT_FALSE(wet[index_of(v)]) << "leak at voxel " << v[0] << ' ' << v[1] << ' ' << v[2];
-    }
+    const std::set<Voxel> occupied = occupied_by(mesh.triangles, GetParam());
+    const int step = longest_step(GetParam(), mesh.triangles);
+    const Enclosed inside = enclosed_by(mesh.triangles, occupied, flooded(occupied, step));
+    ASSERT_EQ(inside.wet, 0);
+    enclosed += inside.voxels;
+    floods_by_corners += step == by_corners;
   }
   EXPECT_GT(enclosed, 10000) << "the test should see many enclosed voxels";
+  if (GetParam() != SurfaceRule::thin) {
+    EXPECT_GE(floods_by_corners, 20);
+  }
+}
+
+TEST(AreaRule, LeaksThroughEdgesAndCornersOnlyWhereTheLatticeLiesInTheSurface) {
+  const auto leaks = [](const ClosedMesh& mesh) {
+    const std::set<Voxel> occupied = occupied_by(mesh.triangles, SurfaceRule::area);
+    return enclosed_by(mesh.triangles, occupied, flooded(occupied, by_corners)).wet > 0;
+  };
+  EXPECT_TRUE(leaks(octahedron({4096, 4096, 4096}, 1024))) << "its faces pass through corners of the lattice";
+  EXPECT_FALSE(leaks(octahedron({4096, 4096, 4096}, 1025))) << "one sub-voxel farther out they pass none";
 }
 
 INSTANTIATE_TEST_SUITE_P(Rule, ClosedSurface,
