@@ -129,8 +129,8 @@ void CellLoader::load_textures(const WantedTextures& wanted, LoadedCell& cell) {
   cell.textures.resize(wanted.items.size());
   policy_.parallel_for(wanted.items.size(), 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
-      const auto& [key, image] = wanted.items[i];
-      cell.textures[i] = textures_.get(key, [&] { return make_texture(*image, key.recipe); });
+      const WantedTextures::Item& item = wanted.items[i];
+      cell.textures[i] = textures_.get(item.key, [&] { return make_texture(*item.image, item.key.recipe); });
     }
   });
   for (const auto& texture : cell.textures) cell.texture_views.push_back(texture->view());

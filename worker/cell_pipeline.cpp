@@ -40,8 +40,8 @@ void run_stage(CellInHand& cell, double CellReport::*seconds, const Work& work) 
 
 class CellPipeline::Stages {
  public:
-  Stages(SceneSources sources, BakeParameters parameters, WorkerOptions options)
-      : stages_(std::move(sources), parameters, std::move(options)) {
+  Stages(SceneSources sources, BakeParameters parameters, const WorkerOptions& options)
+      : stages_(std::move(sources), parameters, options) {
     reader_ = std::thread([this] { read_all(); });
     computer_ = std::thread([this] { compute_all(); });
     writer_ = std::thread([this] { write_all(); });
@@ -127,8 +127,8 @@ class CellPipeline::Stages {
   std::thread reader_, computer_, writer_;
 };
 
-CellPipeline::CellPipeline(SceneSources sources, BakeParameters parameters, WorkerOptions options)
-    : stages_(std::make_unique<Stages>(std::move(sources), parameters, std::move(options))) {}
+CellPipeline::CellPipeline(SceneSources sources, BakeParameters parameters, const WorkerOptions& options)
+    : stages_(std::make_unique<Stages>(std::move(sources), parameters, options)) {}
 CellPipeline::~CellPipeline() = default;
 
 void CellPipeline::submit(CellJob job) { stages_->submit(std::move(job)); }

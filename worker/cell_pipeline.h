@@ -27,7 +27,7 @@ struct WorkerOptions {
 class CellPipeline {
  public:
   /// Makes OUT/shards. Errors  InputError when that fails.
-  CellPipeline(SceneSources sources, BakeParameters parameters, WorkerOptions options);
+  CellPipeline(SceneSources sources, BakeParameters parameters, const WorkerOptions& options);
   /// Finishes the cells in hand and drops jobs that wait.
   ~CellPipeline();
   CellPipeline(const CellPipeline&) = delete;

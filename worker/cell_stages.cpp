@@ -82,7 +82,7 @@ std::filesystem::path shard_path(const CellJob& job) {
 
 CellInHand::CellInHand(CellJob cell_job) : job(std::move(cell_job)) { report.id = job.id; }
 
-CellStages::CellStages(SceneSources sources, BakeParameters parameters, WorkerOptions options)
+CellStages::CellStages(SceneSources sources, BakeParameters parameters, const WorkerOptions& options)
     : sources_(std::move(sources)),
       parameters_(parameters),
       options_{options.threads, options.memory_bytes, make_shard_folder(options.out)},

@@ -27,7 +27,7 @@ struct CellInHand {
 class CellStages {
  public:
   /// Errors  InputError when OUT/shards cannot be made.
-  CellStages(SceneSources sources, BakeParameters parameters, WorkerOptions options);
+  CellStages(SceneSources sources, BakeParameters parameters, const WorkerOptions& options);
 
   /// Takes over a whole shard of this fingerprint if OUT has one; else loads tiles and textures.
   void read(CellInHand& cell);
