@@ -57,12 +57,18 @@ GB_HD void add_texel(const TextureView& t, int l, std::int32_t x, std::int32_t y
   sum[3] += std::uint64_t(weight) * alpha;
 }
 
+/// Texture coordinates are at most 2^20 and images 2^28 wide; only the gradient of a degenerate sliver leads farther.
+GB_HD double bounded_texel(double x) {
+  constexpr double limit = 1125899906842624.0;  // 2^50
+  return x < -limit ? -limit : (x > limit ? limit : x);
+}
+
 /// Bilinear sample of one level at texture coordinates (s, t).
 GB_HD Rgba16 sample_level(const TextureView& view, const MaterialView& m, int l, double s, double t,
                           const Tables& tables) {
   const std::int32_t width = (view.width >> l) > 1 ? view.width >> l : 1,
                      height = (view.height >> l) > 1 ? view.height >> l : 1;
-  const double x = s * width - 0.5, y = t * height - 0.5;
+  const double x = bounded_texel(s * width - 0.5), y = bounded_texel(t * height - 0.5);
   double x0 = std::floor(x), y0 = std::floor(y);
   std::uint32_t fx = std::uint32_t((x - x0) * 256), fy = std::uint32_t((y - y0) * 256);
   if (m.nearest && l == 0) {
@@ -105,7 +111,7 @@ struct TextureMap {
 GB_HD TextureMap make_texture_map(const TrianglePlane& p, const float uv[6], std::int32_t width, std::int32_t height) {
   TextureMap r;
   const double u1 = p.u[1] - p.u[0], v1 = p.v[1] - p.v[0], u2 = p.u[2] - p.u[0], v2 = p.v[2] - p.v[0];
-  const double inverse = 1 / (u1 * v2 - u2 * v1);
+  const double inverse = 1 / p.twice_area;
   const double s1 = double(uv[2]) - uv[0], s2 = double(uv[4]) - uv[0], t1 = double(uv[3]) - uv[1],
                t2 = double(uv[5]) - uv[1];
   r.su = (s1 * v2 - s2 * v1) * inverse;

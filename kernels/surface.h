@@ -52,7 +52,7 @@ GB_HD void geometric_normal(const BrickTriangle<I>& t, std::int16_t normal[3]) {
 /// Barycentric coordinates of (u, v), moved onto the triangle where they lie outside.
 GB_HD void barycentric(const TrianglePlane& t, Point2 p, double b[3]) {
   const double u1 = t.u[1] - t.u[0], v1 = t.v[1] - t.v[0], u2 = t.u[2] - t.u[0], v2 = t.v[2] - t.v[0];
-  const double pu = p.u - t.u[0], pv = p.v - t.v[0], whole = u1 * v2 - u2 * v1;
+  const double pu = p.u - t.u[0], pv = p.v - t.v[0], whole = t.twice_area;
   b[1] = clamp01((pu * v2 - u2 * pv) / whole);
   b[2] = clamp01((u1 * pv - pu * v1) / whole);
   b[0] = clamp01(1 - b[1] - b[2]);
