@@ -2,6 +2,7 @@
 /// hand. docs/accuracy.md lists every name with its reason.
 #pragma once
 
+#include <ostream>
 #include <set>
 #include <string>
 #include <vector>
@@ -18,6 +19,8 @@ struct HardCase {
   std::vector<Triangle> triangles;  ///< sub-voxels
   std::set<Voxel> area, conservative, thin;
 };
+
+inline std::ostream& operator<<(std::ostream& out, const HardCase& c) { return out << c.name; }
 
 /// About single voxels, and about planes and slivers across many.
 std::vector<HardCase> small_hard_cases();

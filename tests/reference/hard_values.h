@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,8 @@ struct HardValue {
   std::string name;
   std::function<void()> check;  ///< GoogleTest expectations
 };
+
+inline std::ostream& operator<<(std::ostream& out, const HardValue& v) { return out << v.name; }
 
 std::vector<HardValue> hard_colours();
 std::vector<HardValue> hard_normals();

@@ -1,0 +1,209 @@
+/// Textures on voxels against brute force: the bilinear texture, as a renderer magnifies it, sampled densely over the
+/// voxel's part of the surface. Bounds: docs/accuracy.md.
+#include <gtest/gtest.h>
+
+#include "painted.h"
+#include "triangle_families.h"
+
+namespace gigabake::reference {
+namespace {
+
+using namespace gigabake::kernels;
+
+constexpr int sheet_voxels = 16;
+
+struct Picture {
+  int width, height;
+  std::vector<std::uint8_t> rgba;
+};
+
+using Linear = std::array<double, 4>;  ///< premultiplied
+
+std::int64_t wrapped(std::int64_t i, std::int64_t size, Wrap wrap) {
+  if (wrap == Wrap::clamp_to_edge) return std::clamp<std::int64_t>(i, 0, size - 1);
+  const std::int64_t period = wrap == Wrap::repeat ? size : 2 * size;
+  const std::int64_t r = ((i % period) + period) % period;
+  return r < size ? r : period - 1 - r;
+}
+
+Linear texel(const Picture& p, std::int64_t x, std::int64_t y, const MaterialView& m) {
+  const std::uint8_t* c =
+      &p.rgba[4 * std::size_t(wrapped(y, p.height, m.wrap_t) * p.width + wrapped(x, p.width, m.wrap_s))];
+  const double alpha = m.alpha_mode == AlphaMode::opaque ? 1 : c[3] / 255.0;
+  return {alpha * linear_of(c[0] / 255.0), alpha * linear_of(c[1] / 255.0), alpha * linear_of(c[2] / 255.0), alpha};
+}
+
+Linear bilinear(const Picture& p, double s, double t, const MaterialView& m) {
+  const double x = s * p.width - 0.5, y = t * p.height - 0.5, fx = x - std::floor(x), fy = y - std::floor(y);
+  const auto ix = std::int64_t(std::floor(x)), iy = std::int64_t(std::floor(y));
+  Linear sum{};
+  for (int k = 0; k < 4; ++k) {
+    const double w = (k & 1 ? fx : 1 - fx) * (k & 2 ? fy : 1 - fy);
+    const Linear c = texel(p, ix + (k & 1), iy + (k >> 1), m);
+    for (int i = 0; i < 4; ++i) sum[i] += w * c[i];
+  }
+  if (m.alpha_mode != AlphaMode::mask) return sum;
+  if (sum[3] < 0.5) return {};
+  return {sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3], 1};
+}
+
+/// Texture coordinates as an affine map of sheet coordinates in voxels.
+struct Mapping {
+  double s0, sx, sy, t0, tx, ty;
+  double s(double x, double y) const { return s0 + sx * x + sy * y; }
+  double t(double x, double y) const { return t0 + tx * x + ty * y; }
+};
+
+Linear supersampled(const Picture& p, const MaterialView& m, const Mapping& map, int i, int j) {
+  constexpr int samples = 48;
+  Linear sum{};
+  for (int b = 0; b < samples; ++b)
+    for (int a = 0; a < samples; ++a) {
+      const double x = i + (a + 0.5) / samples, y = j + (b + 0.5) / samples;
+      const Linear c = bilinear(p, map.s(x, y), map.t(x, y), m);
+      for (int k = 0; k < 4; ++k) sum[k] += c[k] / (samples * samples);
+    }
+  return sum;
+}
+
+/// A square of 16 × 16 voxels in the middle of a layer of voxels.
+VoxelMap baked_sheet(const Picture& picture, const MaterialView& material, const Mapping& map) {
+  BakeScene scene;
+  scene.set_window({0, 0, 0}, sheet_voxels);
+  const std::int64_t e = sheet_voxels * 256;
+  Part& part = scene.add_mesh({{{{0, 0, 128}, {e, 0, 128}, {e, e, 128}}}, {{{0, 0, 128}, {e, e, 128}, {0, e, 128}}}},
+                              scene.add_textured(material, picture.rgba, picture.width, picture.height));
+  for (std::size_t v = 0; v < 6; ++v) {
+    const double x = part.position[3 * v] / 256, y = part.position[3 * v + 1] / 256;
+    part.uv.insert(part.uv.end(), {float(map.s(x, y)), float(map.t(x, y))});
+  }
+  return voxels_at(scene.bake(), scene.parameters, 0);
+}
+
+struct Errors {
+  double worst = 0, mean = 0;     ///< of premultiplied linear colour and alpha, 0 … 1
+  double bias[4] = {0, 0, 0, 0};  ///< mean signed error
+};
+
+Errors errors_of(const Picture& picture, const MaterialView& material, const Mapping& map) {
+  const VoxelMap voxels = baked_sheet(picture, material, map);
+  Errors e;
+  for (int j = 0; j < sheet_voxels; ++j)
+    for (int i = 0; i < sheet_voxels; ++i) {
+      const Linear expected = supersampled(picture, material, map, i, j);
+      const auto found = voxels.find({i, j, 0});
+      const BakedVoxel v = found == voxels.end() ? BakedVoxel{} : found->second;
+      for (int c = 0; c < 4; ++c) {
+        const double alpha = v.rgba[3] / 255.0, value = c == 3 ? alpha : alpha * linear_of(v.rgba[c] / 255.0);
+        const double error = value - expected[c];
+        e.worst = std::max(e.worst, std::abs(error));
+        e.mean += std::abs(error) / (4 * sheet_voxels * sheet_voxels);
+        e.bias[c] += error / (sheet_voxels * sheet_voxels);
+      }
+    }
+  return e;
+}
+
+Picture noise(int width, int height, Rng& rng) {
+  Picture p{width, height, std::vector<std::uint8_t>(std::size_t(4 * width * height))};
+  for (auto& c : p.rgba) c = std::uint8_t(uniform(rng, 0, 255));
+  return p;
+}
+
+/// Waves of about 16 texels, as photographs have: neighbours resemble each other, also across a repeat.
+Picture waves(int width, int height) {
+  Picture p{width, height, {}};
+  const double turn = 2 * std::numbers::pi, a = turn * (width / 16) / width, b = turn * (height / 20) / height;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < 4; ++c) p.rgba.push_back(std::uint8_t(127.5 + 127 * std::sin(a * x + b * y + c)));
+  return p;
+}
+
+struct Case {
+  const char* name;
+  bool is_noise;
+  int width, height;
+  MaterialView material;
+  Mapping map;  ///< in units of the sheet
+  double worst, mean, bias;
+};
+
+MaterialView with(AlphaMode mode, Wrap s = Wrap::repeat, Wrap t = Wrap::repeat) {
+  MaterialView m;
+  m.alpha_mode = mode;
+  m.wrap_s = s;
+  m.wrap_t = t;
+  return m;
+}
+
+/// n texels a voxel along both axes of a picture of `size`.
+Mapping scaled(double n, double size) { return {0.013, n / size, 0, 0.029, 0, n / size}; }
+
+std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.name; }
+
+std::vector<Case> texture_cases() {
+  const auto opaque = with(AlphaMode::opaque), blend = with(AlphaMode::blend), mask = with(AlphaMode::mask);
+  const auto mirror = with(AlphaMode::opaque, Wrap::mirrored_repeat, Wrap::mirrored_repeat);
+  const auto clamp = with(AlphaMode::opaque, Wrap::clamp_to_edge, Wrap::clamp_to_edge);
+  const double r = std::sqrt(0.5) * 4 / 64;
+  const Mapping odd{0, 5 / 37.0, 0, 0, 0, 5 / 51.0}, turned{0, r, -r, 0, r, r},
+      stretched{0, 6 / 64.0, 0, 0, 0, 1 / 64.0};
+  const Mapping oblique{0, 10 / 128.0, 10 / 128.0, 0, -0.5 / 128, 0.5 / 128},
+      over{-0.4, 3 / 32.0, 0, -0.4, 0, 3 / 32.0};
+  return {
+      {"magnified_8", true, 64, 64, opaque, scaled(0.125, 64), 0.02, 0.002, 0.005},
+      {"one_texel_a_voxel", false, 64, 64, opaque, scaled(1, 64), 0.03, 0.006, 0.005},
+      {"minified_2", false, 64, 64, opaque, scaled(2, 64), 0.06, 0.008, 0.005},
+      {"minified_3", false, 64, 64, opaque, scaled(3, 64), 0.08, 0.01, 0.005},
+      {"minified_8", true, 128, 128, opaque, scaled(8, 128), 0.1, 0.02, 0.005},
+      {"minified_11_blend", true, 256, 256, blend, scaled(11, 256), 0.09, 0.02, 0.005},
+      {"minified_40", true, 256, 256, opaque, scaled(40, 256), 0.04, 0.006, 0.005},
+      {"odd_size", true, 37, 51, blend, odd, 0.12, 0.025, 0.005},
+      {"turned_45_degrees", false, 64, 64, opaque, turned, 0.11, 0.014, 0.005},
+      {"stretched_6", false, 64, 64, opaque, stretched, 0.07, 0.01, 0.005},
+      {"stretched_20_oblique", false, 128, 128, opaque, oblique, 0.19, 0.03, 0.005},
+      {"mirrored_repeat", false, 32, 32, mirror, scaled(3, 32), 0.08, 0.01, 0.005},
+      {"clamp_to_edge", false, 32, 32, clamp, over, 0.16, 0.025, 0.01},
+      {"mask_magnified", true, 64, 64, mask, scaled(0.25, 64), 0.6, 0.03, 0.02},
+      {"mask_minified", false, 64, 64, mask, scaled(4, 64), 0.26, 0.03, 0.005},
+  };
+}
+
+class Textures : public testing::TestWithParam<Case> {};
+
+TEST_P(Textures, AreAsBruteForceHasThemWithinTheStatedBound) {
+  const Case& c = GetParam();
+  const std::uint64_t seed = 111;
+  Rng rng(seed);
+  const Picture picture = c.is_noise ? noise(c.width, c.height, rng) : waves(c.width, c.height);
+  const Errors e = errors_of(picture, c.material, c.map);
+  EXPECT_LE(e.worst, c.worst);
+  EXPECT_LE(e.mean, c.mean);
+  for (const double bias : e.bias) EXPECT_LE(std::abs(bias), c.bias) << "seed " << seed;
+}
+
+INSTANTIATE_TEST_SUITE_P(Cases, Textures, testing::ValuesIn(texture_cases()),
+                         [](const auto& row) { return std::string(row.param.name); });
+
+TEST(ConstantTexture, IsItsColourAtEveryScaleExactly) {
+  Picture picture{24, 40, {}};
+  for (int i = 0; i < 24 * 40; ++i) picture.rgba.insert(picture.rgba.end(), {200, 100, 7, 255});
+  for (const double n : {0.01, 0.7, 1.0, 3.3, 17.0, 200.0}) {
+    const VoxelMap voxels = baked_sheet(picture, with(AlphaMode::blend), scaled(n, 24));
+    ASSERT_EQ(voxels.size(), std::size_t(sheet_voxels * sheet_voxels));
+    for (const auto& [p, v] : voxels) ASSERT_EQ(v.rgba, (std::array<std::uint8_t, 4>{200, 100, 7, 255})) << n;
+  }
+}
+
+TEST(NearestTexture, IsTheTexelItselfWhereAVoxelLiesInOne) {
+  Rng rng(112);
+  const Picture picture = noise(4, 4, rng);
+  MaterialView nearest = with(AlphaMode::opaque);
+  nearest.nearest = true;
+  for (const auto& [p, v] : baked_sheet(picture, nearest, {0, 1 / 16.0, 0, 0, 0, 1 / 16.0}))
+    for (int c = 0; c < 3; ++c) ASSERT_EQ(v.rgba[c], picture.rgba[4 * std::size_t(p[1] / 4 * 4 + p[0] / 4) + c]);
+}
+
+}  // namespace
+}  // namespace gigabake::reference
