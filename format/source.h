@@ -18,7 +18,8 @@ enum class UpAxis : std::uint8_t { y, z, x };
 struct SourceOptions {
   bool local = false;              ///< --local: no georeference even where the source has one
   std::optional<Geodetic> origin;  ///< --origin LAT,LON,H: scene origin; default: the source's own (see open_sources)
-  std::optional<UpAxis> scene_up;  ///< --up: the axis of the *source frame* (tileset, folder) that points up; default z
+  std::optional<UpAxis> scene_up;  ///< --up: the axis that points up in a tileset's own frame (default z) or in mesh
+                                   ///< files (default y, as glTF has it)
 };
 
 enum class ContentKind : std::uint8_t { glb, gltf, b3dm };

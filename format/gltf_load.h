@@ -1,0 +1,22 @@
+/// A checked glTF document in tinygltf's model, with images still encoded.
+#pragma once
+
+#include <filesystem>
+#include <tiny_gltf.h>
+#include <vector>
+
+#include "format/content_container.h"
+
+namespace gigabake {
+
+struct GltfDocument {
+  tinygltf::Model model;
+  std::vector<std::vector<std::uint8_t>>
+      images;                          ///< encoded bytes; empty where the file is missing or was not asked for
+  std::array<double, 3> rtc_center{};  ///< b3dm's RTC_CENTER plus the CESIUM_RTC extension, z up
+};
+
+/// Errors  InputError: everything check_gltf() finds, and what tinygltf refuses.
+GltfDocument load_gltf(const TileRef& tile, const std::filesystem::path& root, bool with_images);
+
+}  // namespace gigabake

@@ -1,0 +1,16 @@
+/// A scene .json: sources listed with their placements (docs/format.md).
+#pragma once
+
+#include <filesystem>
+
+#include "format/source.h"
+#include "format/source_file.h"
+
+namespace gigabake {
+
+/// {"gigabake": 1, "sources": [{"path": "…", "place": {"position_m": [x,y,z]} or {"lon_lat_height": [lon,lat,h]},
+///  "heading_deg": 0, "scale": 1}, …]}. Heading turns clockwise from north (y), seen from above.
+/// Errors  InputError, UsageError as open_sources(); local and geodetic placements in one scene.
+SceneSources open_scene_json(const std::filesystem::path& file, const Json& json, const SourceOptions& options);
+
+}  // namespace gigabake
