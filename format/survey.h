@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "format/shard.h"
+
 namespace gigabake {
 
 /// One column of N×N voxels that a tile's triangles touch.
@@ -21,6 +23,7 @@ struct TileSurvey {
   std::uint64_t non_finite = 0;       ///< triangles dropped: a vertex is NaN/Inf
   std::uint64_t zero_area = 0;        ///< triangles dropped: no area, in the source or after the snap
   std::uint64_t skipped_points = 0, skipped_lines = 0;
+  Hash128 source;     ///< tile_hash() of what was surveyed
   std::string error;  ///< one line; not empty: the tile could not be read and has no columns
 };
 

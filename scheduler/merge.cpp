@@ -1,0 +1,51 @@
+#include "scheduler/merge.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace gigabake {
+namespace {
+
+auto lattice_order(const SceneCell& c) { return std::make_tuple(c.lattice_min[2], c.lattice_min[1], c.lattice_min[0]); }
+
+void add_cells(const BakePlan& plan, const std::vector<CellReport>& reports, SceneDescription& scene) {
+  std::vector<const CellReport*> of_job(plan.jobs.size(), nullptr);
+  for (const CellReport& r : reports)
+    if (r.id < of_job.size()) of_job[r.id] = &r;
+  for (std::size_t i = 0; i < of_job.size(); ++i) {
+    const std::string name = "cell " + plan.jobs[i].name;
+    if (of_job[i] == nullptr)
+      scene.losses.push_back({name, "was not baked"});
+    else if (of_job[i]->outcome == CellOutcome::failed)
+      scene.losses.push_back({name, of_job[i]->error});
+    else if (of_job[i]->outcome == CellOutcome::baked)
+      scene.cells.push_back(of_job[i]->cell);
+  }
+  std::sort(scene.cells.begin(), scene.cells.end(),
+            [](const SceneCell& a, const SceneCell& b) { return lattice_order(a) < lattice_order(b); });
+}
+
+}  // namespace
+
+SceneDescription merge(const BakePlan& plan, const std::vector<CellReport>& reports, const SceneSources& sources,
+                       const BakeParameters& parameters) {
+  SceneDescription scene;
+  scene.generator = "gigabake " GIGABAKE_VERSION;
+  scene.voxel_size_m = parameters.voxel_size_m;
+  scene.lattice_origin_m = parameters.lattice_origin_m;
+  scene.origin = sources.origin;
+  scene.has_normals = parameters.normals;
+  scene.parameters = to_json(parameters);
+  scene.triangles = plan.triangles;
+  scene.non_finite = plan.non_finite;
+  scene.zero_area = plan.zero_area;
+  scene.skipped_points = plan.skipped_points;
+  scene.skipped_lines = plan.skipped_lines;
+  for (const SkippedSource& s : sources.skipped)
+    if (!s.informative) scene.losses.push_back({s.name, s.reason});
+  scene.losses.insert(scene.losses.end(), plan.losses.begin(), plan.losses.end());
+  add_cells(plan, reports, scene);
+  return scene;
+}
+
+}  // namespace gigabake
