@@ -1,6 +1,7 @@
 #include "worker/cell_loader.h"
 
 #include <algorithm>
+#define XXH_INLINE_ALL
 #include <xxhash.h>
 
 #include "worker/lattice.h"

@@ -4,8 +4,10 @@
 #include <bit>
 #include <new>
 #include <unordered_map>
+#include <utility>
 
 #include "format/error.h"
+#include "format/tile_hash.h"
 #include "kernels/snap.h"
 #include "worker/column_span.h"
 #include "worker/lattice.h"
@@ -151,6 +153,13 @@ class TileSurveyor {
   std::vector<ThreadSurvey> threads_;
 };
 
+TileSurvey unreadable(std::uint32_t tile, std::string reason) {
+  TileSurvey survey;
+  survey.tile = tile;
+  survey.error = std::move(reason);
+  return survey;
+}
+
 }  // namespace
 
 TileSurvey survey_tile(const SceneSources& sources, std::uint32_t tile, const BakeParameters& parameters,
@@ -167,12 +176,13 @@ TileSurvey survey_tile(const SceneSources& sources, std::uint32_t tile, const Ba
     for (const Instance& instance : mesh.instances)
       surveyor.add(mesh.primitives[std::size_t(instance.primitive)], instance);
     surveyor.finish(survey);
+    survey.source = tile_hash(ref, sources.root);
+    return survey;
   } catch (const std::bad_alloc&) {
-    survey = TileSurvey{tile, {}, 0, 0, 0, 0, 0, ref.path.string() + ": not enough memory to read it"};
+    return unreadable(tile, ref.path.string() + ": not enough memory to read it");
   } catch (const std::exception& e) {
-    survey = TileSurvey{tile, {}, 0, 0, 0, 0, 0, e.what()};
+    return unreadable(tile, e.what());
   }
-  return survey;
 }
 
 }  // namespace gigabake
