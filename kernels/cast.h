@@ -1,0 +1,200 @@
+/// Casting rays through a paged scene, front to back.
+///
+/// A ray walks a fixed sequence of points: on level l they lie half a voxel of l apart, and l is the level whose voxels
+/// are at most a pixel wide at that distance. Which points are looked at, and what is seen there, depends on the ray
+/// and the voxels alone; empty space is only stepped over. So neither the cells, nor which pages are here, nor the
+/// order of rays shows in the picture.
+///
+/// Space   Lod-0 voxels of the scene's lattice; distances in them too.
+/// Exact   IEEE float and double, no transcendental functions: host and device return the same bits.
+/// Source  Crassin et al. 2009, "GigaVoxels" (rays that ask for what they miss).
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "kernels/cast_locate.h"
+#include "kernels/cast_sample.h"
+#include "kernels/cast_scene.h"
+#include "kernels/types.h"
+
+namespace gigabake::kernels {
+
+class CpuPolicy;
+
+/// Light that reaches the eye from the air before the surface: 1 - e^(-distance · per_voxel) of it.
+struct CastHaze {
+  float rgb[3] = {0, 0, 0};
+  float per_voxel = 0;
+};
+
+struct CastCamera {
+  double eye[3] = {};
+  double forward[3] = {};            ///< unit
+  double right[3] = {}, up[3] = {};  ///< from the picture's middle to its edge, where forward ends
+  std::int32_t width = 0, height = 0;
+  double lod1_depth = 0;  ///< depth (along forward) from which voxels of lod 1 are at most a pixel wide; > 0
+  CastHaze haze;
+};
+
+/// A ray on its way. What was not finished goes on from here.
+struct CastRay {
+  float rgb[3] = {0, 0, 0};  ///< linear, premultiplied
+  float transmittance = 1;
+  std::int64_t step = 0;  ///< next point of the level
+  std::int32_t lod = -1;  ///< -1: finished
+  std::uint32_t missing = no_page;
+};
+
+/// A pixel's line of sight.
+struct CastLine {
+  double origin[3], direction[3];  ///< unit
+  double enter, leave;             ///< distances between which the scene's box lies; enter > leave: misses it
+  double lod1_distance;
+};
+
+/// e^-x for x ≥ 0 to 2e-5 relative; less than 2e-7 beyond 16.
+GB_HD float exp_minus(float x) {
+  const float y = (x < 16 ? x : 16) * (-1.0f / 64);
+  float e = 1 + y * (1 + y * (0.5f + y * (1.0f / 6 + y * (1.0f / 24 + y * (1.0f / 120)))));
+  for (int i = 0; i < 6; ++i) e *= e;
+  return e;
+}
+
+GB_HD void clip_to_box(CastLine& line, int axis, double low, double high) {
+  const double o = line.origin[axis], d = line.direction[axis];
+  if (d == 0) {
+    if (o < low || o > high) line.leave = -1;
+    return;
+  }
+  const double a = (low - o) / d, b = (high - o) / d;
+  line.enter = std::fmax(line.enter, a < b ? a : b);
+  line.leave = std::fmin(line.leave, a < b ? b : a);
+}
+
+/// Through the middle of pixel (x, y); row 0 is the upper one.
+GB_HD CastLine line_of_sight(const CastScene& scene, const CastCamera& camera, int x, int y) {
+  const double sx = (2 * (x + 0.5)) / camera.width - 1, sy = 1 - (2 * (y + 0.5)) / camera.height;
+  CastLine line;
+  double squared = 0;
+  for (int a = 0; a < 3; ++a) {
+    line.origin[a] = camera.eye[a];
+    line.direction[a] = camera.forward[a] + (camera.right[a] * sx + camera.up[a] * sy);
+    squared += line.direction[a] * line.direction[a];
+  }
+  const double length = std::sqrt(squared), border = double(std::int64_t(1) << scene.lods);
+  line.enter = 0;
+  line.leave = double(far_voxel);
+  line.lod1_distance = camera.lod1_depth * length;
+  for (int a = 0; a < 3; ++a) {
+    line.direction[a] /= length;
+    clip_to_box(line, a, scene.min[a] - border, scene.max[a] + border);
+  }
+  return line;
+}
+
+GB_HD double lod_start(const CastLine& line, int lod) {
+  return lod == 0 ? 0 : line.lod1_distance * double(std::int64_t(1) << (lod - 1));
+}
+
+GB_HD double step_length(int lod) { return 0.5 * double(std::int64_t(1) << lod); }
+
+GB_HD CastRay start_ray(const CastScene& scene, const CastLine& line) {
+  CastRay ray;
+  if (!(line.enter <= line.leave)) return ray;
+  ray.lod = 0;
+  while (ray.lod + 1 < scene.lods && line.enter >= lod_start(line, ray.lod + 1)) ++ray.lod;
+  const double step = std::floor((line.enter - lod_start(line, ray.lod)) / step_length(ray.lod) - 0.5);
+  ray.step = step > 0 ? std::int64_t(step) : 0;
+  return ray;
+}
+
+/// The field is zero in an empty box but for its outer half voxel.
+GB_HD bool far_from_sides(const CastPlace& box, const double p[3], double half_voxel) {
+  for (int a = 0; a < 3; ++a)
+    if (p[a] < double(box.min[a]) + half_voxel || p[a] > double(box.max[a]) - half_voxel) return false;
+  return true;
+}
+
+/// The first point that may lie outside of the box's inner part. A millionth of a step guards against rounding: a point
+/// too many costs time, a point too few would show.
+GB_HD std::int64_t step_beyond(const CastLine& line, const CastPlace& box, double half_voxel, const CastRay& ray) {
+  double leave = line.leave + 2 * half_voxel;
+  for (int a = 0; a < 3; ++a) {
+    if (line.direction[a] == 0) continue;
+    const double side = line.direction[a] > 0 ? double(box.max[a]) - half_voxel : double(box.min[a]) + half_voxel;
+    leave = std::fmin(leave, (side - line.origin[a]) / line.direction[a]);
+  }
+  const double step = std::ceil((leave - lod_start(line, ray.lod)) / step_length(ray.lod) - (0.5 + 1e-6));
+  return step > double(ray.step + 1) ? std::int64_t(step) : ray.step + 1;
+}
+
+GB_HD void composite(const CastSample& s, double distance, const CastHaze& haze, CastRay& ray) {
+  const float seen = exp_minus(float(distance) * haze.per_voxel);
+  const float opacity = 1 - exp_minus(s.c[3] * (0.5f * opaque_extinction));  // points lie half a voxel apart
+  const float weight = ray.transmittance * opacity, radiance = 2 / s.c[3];
+  for (int k = 0; k < 3; ++k) ray.rgb[k] += weight * (s.c[k] * radiance * seen + haze.rgb[k] * (1 - seen));
+  ray.transmittance *= 1 - opacity;
+}
+
+/// What is still to come would not show: the ray ends as if the last surface were opaque.
+GB_HD void finish_opaque(CastRay& ray) {
+  const float scale = 1 / (1 - ray.transmittance);
+  for (float& channel : ray.rgb) channel *= scale;
+  ray.transmittance = 0;
+  ray.lod = -1;
+}
+
+/// Goes on until the ray is finished (lod = -1) or a page is missing.
+GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, CastRay& ray) {
+  CastPlace place;
+  place.max[0] = place.min[0] = 0;  // an empty box: nothing is known yet
+  ray.missing = no_page;
+  while (ray.lod >= 0) {
+    const double start = lod_start(line, ray.lod), length = step_length(ray.lod);
+    const double distance = start + (double(ray.step) + 0.5) * length;
+    if (distance > line.leave) {
+      ray.lod = -1;
+      return;
+    }
+    if (ray.lod + 1 < scene.lods && distance >= lod_start(line, ray.lod + 1)) {
+      ++ray.lod;
+      ray.step = 0;
+      place.max[0] = place.min[0];
+      continue;
+    }
+    double p[3];
+    std::int64_t v[3];
+    for (int a = 0; a < 3; ++a) {
+      p[a] = line.origin[a] + line.direction[a] * distance;
+      v[a] = std::int64_t(std::floor(p[a]));
+    }
+    if (!place.contains(v)) place = locate(scene, ray.lod, v);
+    CastSample sample;
+    ray.missing = place.missing;
+    if (ray.missing == no_page && place.empty() && far_from_sides(place, p, length)) {
+      ray.step = step_beyond(line, place, length, ray);
+      continue;
+    }
+    if (ray.missing == no_page) ray.missing = sample_field(scene, ray.lod, p, place, sample);
+    if (ray.missing != no_page) return;
+    if (sample.c[3] > 0) composite(sample, distance, camera.haze, ray);
+    if (ray.transmittance < 1.0f / 1024) return finish_opaque(ray);
+    ++ray.step;
+  }
+}
+
+/// A rectangle of the picture: ray i is pixel (x + i mod width, y + i div width).
+struct CastTile {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
+/// Starts every ray of the tile.
+void start_rays(const CastScene& scene, const CastCamera& camera, const CastTile& tile, Span<CastRay> rays,
+                const CpuPolicy& policy);
+
+/// Casts every ray of the tile that is not finished.
+void cast_rays(const CastScene& scene, const CastCamera& camera, const CastTile& tile, Span<CastRay> rays,
+               const CpuPolicy& policy);
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,49 @@
+#include "viewer/sky.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace gigabake {
+namespace {
+
+constexpr std::array<float, 3> horizon{0.60f, 0.70f, 0.80f}, zenith{0.13f, 0.29f, 0.60f}, nadir{0.28f, 0.34f, 0.40f};
+constexpr double sun_azimuth_deg = 225, sun_elevation_deg = 42;
+
+std::array<float, 3> mix(const std::array<float, 3>& a, const std::array<float, 3>& b, float t) {
+  std::array<float, 3> r;
+  for (std::size_t k = 0; k < 3; ++k) r[k] = a[k] + (b[k] - a[k]) * t;
+  return r;
+}
+
+}  // namespace
+
+kernels::CastLight daylight() {
+  const double degree = std::numbers::pi / 180;
+  const double azimuth = sun_azimuth_deg * degree, elevation = sun_elevation_deg * degree;
+  kernels::CastLight light;
+  light.to_sun[0] = float(std::sin(azimuth) * std::cos(elevation));
+  light.to_sun[1] = float(std::cos(azimuth) * std::cos(elevation));
+  light.to_sun[2] = float(std::sin(elevation));
+  const std::array<float, 3> sun{1.06f, 1.00f, 0.90f}, sky{0.30f, 0.35f, 0.44f}, ground{0.12f, 0.11f, 0.10f};
+  for (int k = 0; k < 3; ++k) {
+    light.sun[k] = sun[std::size_t(k)];
+    light.sky[k] = sky[std::size_t(k)];
+    light.ground[k] = ground[std::size_t(k)];
+  }
+  return light;
+}
+
+std::array<float, 3> sky_colour(const std::array<double, 3>& direction) {
+  const double z = direction[2];
+  if (z >= 0) return mix(horizon, zenith, float(1 - (1 - z) * (1 - z)));
+  return mix(horizon, nadir, float(-z));
+}
+
+kernels::CastHaze air(double diagonal) {
+  kernels::CastHaze haze;
+  for (int k = 0; k < 3; ++k) haze.rgb[k] = horizon[std::size_t(k)];
+  haze.per_voxel = float(0.35 / diagonal);
+  return haze;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,26 @@
+/// The light of a picture: sun, sky, the air between, and what is behind everything.
+#pragma once
+
+#include <array>
+
+#include "kernels/cast.h"
+#include "kernels/cast_shade.h"
+
+namespace gigabake {
+
+/// Mid-afternoon: the sun in the south-west, 42° high, and a blue sky. Flat ground keeps its own brightness.
+kernels::CastLight daylight();
+
+/// Linear RGB of the sky in a direction (unit, z up); below the horizon a haze that darkens downwards.
+std::array<float, 3> sky_colour(const std::array<double, 3>& direction);
+
+/// Air that hides three tenths of what lies a scene's diagonal away. diagonal: lod-0 voxels.
+kernels::CastHaze air(double diagonal);
+
+/// What shows where no voxel does.
+struct Background {
+  bool sky = true;
+  std::array<std::uint8_t, 4> rgba{};  ///< where not sky: sRGB, straight alpha
+};
+
+}  // namespace gigabake
