@@ -1,7 +1,6 @@
-#include <fmt/core.h>
-
 #include <cstdio>
 #include <exception>
+#include <fmt/core.h>
 
 #include "app/commands.h"
 #include "format/error.h"
@@ -14,6 +13,8 @@ int main(int argc, char** argv) {
   program.require_subcommand(1);
   int exit_code = app::complete;
   // One line per command, in the order --help lists them.
+  app::add_plan(program, exit_code);
+  app::add_bake(program, exit_code);
 
   try {
     program.parse(argc, argv);

@@ -1,0 +1,101 @@
+#include "app/bake_options.h"
+
+#include <charconv>
+#include <cmath>
+#include <fmt/format.h>
+#include <map>
+
+#include "format/error.h"
+
+namespace gigabake::app {
+namespace {
+
+double number(const char* option, std::string_view text) {
+  double v = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), v);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(v))
+    throw UsageError(fmt::format("{}: expected a number, got '{}'", option, text));
+  return v;
+}
+
+std::array<double, 3> triple(const char* option, const char* form, const std::string& text) {
+  std::array<double, 3> v{};
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t comma = i < 2 ? text.find(',', at) : text.size();
+    if (comma == std::string::npos) throw UsageError(fmt::format("{}: expected {}, got '{}'", option, form, text));
+    v[i] = number(option, std::string_view(text).substr(at, comma - at));
+    at = comma + 1;
+  }
+  return v;
+}
+
+template <class T>
+T choice(const char* option, const std::map<std::string, T>& values, const std::string& text) {
+  const auto it = values.find(text);
+  if (it != values.end()) return it->second;
+  std::string all;
+  for (const auto& [name, value] : values) all += (all.empty() ? "" : ", ") + name;
+  throw UsageError(fmt::format("{}: expected one of {}, got '{}'", option, all, text));
+}
+
+Geodetic geodetic(const std::string& text) {
+  const auto v = triple("--origin", "LAT,LON,HEIGHT in degrees and metres", text);
+  if (std::fabs(v[0]) > 90 || std::fabs(v[1]) > 360)
+    throw UsageError("--origin: latitude is within ±90°, longitude within ±360°");
+  return {v[0], v[1], v[2]};
+}
+
+}  // namespace
+
+void BakeOptions::add_to(CLI::App& command) {
+  command.add_option("SCENE", source, ".glb, .gltf, a folder of them, a tileset.json or a scene .json")->required();
+  command.add_option("--voxel-size", voxel_size, "edge of a voxel at the finest level, metres")->required();
+  command.add_option("--surface", surface, "which voxels a triangle occupies: area, conservative or thin")
+      ->capture_default_str();
+  command.add_option("--mip", mip, "filter of coarser levels: coverage, thesis or box")->capture_default_str();
+  command.add_flag("--no-normals", no_normals, "store no normals");
+  command.add_option("--cell-voxels", cell_voxels, "edge of a cell in voxels, a power of two from 8 to 8192")
+      ->capture_default_str();
+  command.add_option("--lattice-origin", lattice_origin,
+                     "X,Y,Z: scene position of the lattice's corner, metres (0,0,0)");
+  command.add_option("--origin", origin,
+                     "LAT,LON,HEIGHT: where the scene frame stands on the earth (the source's own)");
+  command.add_flag("--local", local, "no georeference: the source's own frame, turned to z up");
+  command.add_option("--up", up, "axis that points up in the source: x, y or z (tilesets z, mesh files y)");
+  command.add_option("--threads", threads, "threads of each rank (the host's cores shared by its ranks)");
+  command.add_option("--memory", memory_bytes, "bytes that each rank aims for, as 512M or 4G; 0: no bound (4G)")
+      ->transform(CLI::AsSizeValue(false));
+  command.add_flag("--json", json, "print the answer as JSON");
+}
+
+BakeRequest BakeOptions::request() const {
+  BakeRequest r;
+  r.source = source;
+  r.out = out;
+  r.source_options.local = local;
+  if (!origin.empty()) r.source_options.origin = geodetic(origin);
+  if (local && !origin.empty()) throw UsageError("--local and --origin contradict each other");
+  if (!up.empty())
+    r.source_options.scene_up = choice<UpAxis>("--up", {{"x", UpAxis::x}, {"y", UpAxis::y}, {"z", UpAxis::z}}, up);
+  r.parameters.voxel_size_m = number("--voxel-size", voxel_size);
+  if (!lattice_origin.empty())
+    r.parameters.lattice_origin_m = triple("--lattice-origin", "X,Y,Z in metres", lattice_origin);
+  r.parameters.cell_voxels = cell_voxels;
+  r.parameters.surface = choice<SurfaceRule>(
+      "--surface",
+      {{"area", SurfaceRule::area}, {"conservative", SurfaceRule::conservative}, {"thin", SurfaceRule::thin}}, surface);
+  r.parameters.mip = choice<MipFilter>(
+      "--mip", {{"coverage", MipFilter::coverage}, {"thesis", MipFilter::thesis}, {"box", MipFilter::box}}, mip);
+  r.parameters.normals = !no_normals;
+  check(r.parameters);
+  if (threads < 0 || threads > 1024) throw UsageError("--threads: expected 1 to 1024, or 0 for all cores");
+  r.threads = threads;
+  r.memory_bytes = memory_bytes;
+  if (memory_bytes != 0 && memory_bytes < (std::uint64_t(64) << 20))
+    throw UsageError("--memory: expected at least 64M, or 0 for no bound");
+  r.keep_going = !stop_on_failure;
+  return r;
+}
+
+}  // namespace gigabake::app

@@ -1,0 +1,24 @@
+/// The options that `plan` and `bake` share.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "cluster/bake.h"
+
+namespace gigabake::app {
+
+/// Text as typed; request() turns it into values.
+struct BakeOptions {
+  std::string source, out, voxel_size, surface = "area", mip = "coverage", lattice_origin, origin, up;
+  std::uint32_t cell_voxels = 1024;
+  bool local = false, no_normals = false, stop_on_failure = false, json = false;
+  int threads = 0;
+  std::uint64_t memory_bytes = std::uint64_t(4) << 30;
+
+  void add_to(CLI::App& command);
+  /// Errors  UsageError: what was expected of which option.
+  BakeRequest request() const;
+};
+
+}  // namespace gigabake::app

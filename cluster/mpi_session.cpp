@@ -1,0 +1,101 @@
+#include "cluster/mpi_session.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <exception>
+#include <limits>
+#include <mpi.h>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+namespace gigabake {
+namespace {
+
+void check(int code, const char* call) {
+  if (code == MPI_SUCCESS) return;
+  char text[MPI_MAX_ERROR_STRING];
+  int length = 0;
+  MPI_Error_string(code, text, &length);
+  throw std::runtime_error(std::string(call) + ": " + std::string(text, std::size_t(length)));
+}
+
+/// Asks often at first and then ever less: a rank that waits costs about 1 % of a core.
+template <class Done>
+void wait_politely(const Done& done) {
+  for (auto pause = std::chrono::microseconds(20); !done();
+       pause = std::min(pause * 2, std::chrono::microseconds(2000)))
+    std::this_thread::sleep_for(pause);
+}
+
+void wait_for(MPI_Request& request, const char* call) {
+  wait_politely([&] {
+    int done = 0;
+    check(MPI_Test(&request, &done, MPI_STATUS_IGNORE), call);
+    return done != 0;
+  });
+}
+
+}  // namespace
+
+MpiSession::MpiSession() {
+  int provided = MPI_THREAD_SINGLE;
+  check(MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided), "MPI_Init_thread");
+  if (provided < MPI_THREAD_FUNNELED) throw std::runtime_error("MPI_Init_thread: this MPI has no MPI_THREAD_FUNNELED");
+  check(MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN), "MPI_Comm_set_errhandler");
+  check(MPI_Comm_rank(MPI_COMM_WORLD, &rank_), "MPI_Comm_rank");
+  check(MPI_Comm_size(MPI_COMM_WORLD, &ranks_), "MPI_Comm_size");
+  MPI_Comm host = MPI_COMM_NULL;
+  check(MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, rank_, MPI_INFO_NULL, &host), "MPI_Comm_split_type");
+  check(MPI_Comm_size(host, &ranks_on_host_), "MPI_Comm_size");
+  check(MPI_Comm_free(&host), "MPI_Comm_free");
+}
+
+MpiSession::~MpiSession() {
+  // An exception may be under way on this rank alone; the others are waiting for it and must not.
+  if (std::uncaught_exceptions() > 0 && ranks_ > 1) MPI_Abort(MPI_COMM_WORLD, EXIT_FAILURE);
+  MPI_Finalize();
+}
+
+void MpiSession::send(int to, int tag, std::span<const std::uint8_t> bytes) {
+  if (bytes.size() > std::size_t(std::numeric_limits<int>::max()))
+    throw std::runtime_error("a message of more than 2 GiB; use a larger --cell-voxels");
+  MPI_Request request = MPI_REQUEST_NULL;
+  check(MPI_Isend(bytes.data(), int(bytes.size()), MPI_BYTE, to, tag, MPI_COMM_WORLD, &request), "MPI_Isend");
+  wait_for(request, "MPI_Isend");
+}
+
+std::optional<Message> MpiSession::poll() {
+  int arrived = 0;
+  MPI_Status status;
+  check(MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, MPI_COMM_WORLD, &arrived, &status), "MPI_Iprobe");
+  if (arrived == 0) return std::nullopt;
+  int bytes = 0;
+  check(MPI_Get_count(&status, MPI_BYTE, &bytes), "MPI_Get_count");
+  Message m{status.MPI_SOURCE, status.MPI_TAG, std::vector<std::uint8_t>(std::size_t(bytes))};
+  check(MPI_Recv(m.bytes.data(), bytes, MPI_BYTE, m.from, m.tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE), "MPI_Recv");
+  return m;
+}
+
+int MpiSession::max_of(int value) {
+  int result = value;
+  MPI_Request request = MPI_REQUEST_NULL;
+  check(MPI_Iallreduce(&value, &result, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD, &request), "MPI_Iallreduce");
+  wait_for(request, "MPI_Iallreduce");
+  return result;
+}
+
+int MpiSession::from_master(int value) {
+  MPI_Request request = MPI_REQUEST_NULL;
+  check(MPI_Ibcast(&value, 1, MPI_INT, 0, MPI_COMM_WORLD, &request), "MPI_Ibcast");
+  wait_for(request, "MPI_Ibcast");
+  return value;
+}
+
+void MpiSession::abort(int exit_code) {
+  MPI_Abort(MPI_COMM_WORLD, exit_code);
+  std::abort();
+}
+
+}  // namespace gigabake
