@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   // One line per command, in the order --help lists them.
   app::add_plan(program, exit_code);
   app::add_bake(program, exit_code);
+  app::add_render(program, exit_code);
 
   try {
     program.parse(argc, argv);

@@ -1,0 +1,120 @@
+#include "voxel_scene.h"
+
+#include <bit>
+#include <string>
+
+#include "format/brick_walk.h"
+#include "kernels/levels.h"
+#include "kernels/prune.h"
+
+namespace gigabake {
+namespace {
+
+const kernels::CpuPolicy& one_thread() {
+  static const kernels::CpuPolicy policy(1);
+  return policy;
+}
+
+void paint_brick(const Painter& paint, const std::array<std::int64_t, 3>& corner, std::uint64_t key,
+                 kernels::Level& level) {
+  std::uint64_t mask[8] = {};
+  for (int i = 0; i < brick_voxels; ++i) {
+    const auto voxel = paint(corner[0] + (i & 7), corner[1] + (i >> 3 & 7), corner[2] + (i >> 6));
+    if (!voxel) continue;
+    mask[i >> 6] |= std::uint64_t(1) << (i & 63);
+    level.rgba.insert(level.rgba.end(), voxel->rgba.begin(), voxel->rgba.end());
+    level.normal.insert(level.normal.end(), voxel->normal.begin(), voxel->normal.end());
+  }
+  if (level.rgba.size() / 4 == level.first.back()) return;
+  level.key.push_back(key);
+  level.mask.insert(level.mask.end(), mask, mask + 8);
+  level.first.push_back(level.rgba.size() / 4);
+}
+
+std::vector<kernels::Level> paint_levels(const Painter& paint, const std::array<std::int64_t, 3>& min,
+                                         std::uint32_t edge) {
+  std::vector<kernels::Level> levels(1);
+  levels[0].first.push_back(0);
+  const std::uint64_t bricks = std::uint64_t(edge / 8) * (edge / 8) * (edge / 8);
+  for (std::uint64_t key = 0; key < bricks; ++key) {
+    const BrickPosition at = brick_position(key);
+    paint_brick(paint, {min[0] + at.x * 8, min[1] + at.y * 8, min[2] + at.z * 8}, key, levels[0]);
+  }
+  while (levels.size() < std::size_t(std::bit_width(edge / 8)))
+    levels.push_back(kernels::coarser_level(levels.back(), kernels::MipFilter::coverage, true, one_thread()));
+  return levels;
+}
+
+/// The tree with a brick in every node.
+kernels::Nodes nodes_of_bricks(const std::vector<kernels::Level>& levels) {
+  kernels::Nodes nodes;
+  for (std::size_t lod = levels.size(); lod-- > 0;)
+    for (std::size_t b = 0; b < levels[lod].key.size(); ++b) {
+      const std::uint64_t key = levels[lod].key[b];
+      nodes.key.push_back(key);
+      nodes.lod.push_back(std::uint8_t(lod));
+      nodes.kind.push_back(kernels::NodeKind::brick);
+      nodes.child_mask.push_back(0);
+      nodes.first_child.push_back(0xffffffff);
+      nodes.value.push_back(std::uint32_t(b));
+      nodes.normal.push_back({0, 0});
+      for (std::size_t p = 0; p + 1 < nodes.key.size(); ++p) {
+        if (nodes.lod[p] != lod + 1 || nodes.key[p] != key >> 3) continue;
+        if (nodes.child_mask[p] == 0) nodes.first_child[p] = std::uint32_t(nodes.key.size() - 1);
+        nodes.child_mask[p] |= std::uint8_t(1u << (key & 7));
+      }
+    }
+  return nodes;
+}
+
+NodeTable to_table(const kernels::Nodes& nodes) {
+  NodeTable table{nodes.key, nodes.lod, {}, nodes.child_mask, nodes.first_child, nodes.value, nodes.normal};
+  for (const kernels::NodeKind kind : nodes.kind) table.kind.push_back(NodeKind(kind));
+  return table;
+}
+
+}  // namespace
+
+void VoxelScene::add_cell(const Painter& paint, const std::array<std::int64_t, 3>& lattice_min, Nodes nodes) {
+  std::vector<kernels::Level> levels = paint_levels(paint, lattice_min, cell_voxels_);
+  if (levels[0].key.empty()) return;
+  Shard shard;
+  shard.nodes = to_table(nodes == Nodes::pruned ? kernels::prune(levels, one_thread()) : nodes_of_bricks(levels));
+  for (kernels::Level& level : levels) shard.levels.push_back({level.mask, level.first, level.rgba, level.normal});
+  shards_.push_back(std::move(shard));
+  SceneCell cell;
+  cell.name = "c_" + std::to_string(shards_.size());
+  cell.file = cell.name + ".h5";
+  cell.lattice_min = lattice_min;
+  cell.cell_voxels = cell_voxels_;
+  cell.lods = std::uint32_t(levels.size());
+  description_.voxel_size_m = 1;
+  description_.cells.push_back(cell);
+}
+
+void VoxelScene::add_cells(const Painter& paint, const std::array<std::int64_t, 3>& min, std::int64_t edge) {
+  for (std::int64_t z = 0; z < edge; z += cell_voxels_)
+    for (std::int64_t y = 0; y < edge; y += cell_voxels_)
+      for (std::int64_t x = 0; x < edge; x += cell_voxels_) add_cell(paint, {min[0] + x, min[1] + y, min[2] + z});
+}
+
+CellReader VoxelScene::reader() const {
+  return {[this](std::size_t cell) { return shards_[cell].nodes; },
+          [this](std::size_t cell, int lod) { return shards_[cell].levels[std::size_t(lod)]; }};
+}
+
+PictureOptions view(const std::array<double, 3>& eye_m, const std::array<double, 3>& target_m, int edge) {
+  PictureOptions options;
+  options.camera.eye_m = Point<Scene>{eye_m[0], eye_m[1], eye_m[2]};
+  options.camera.target_m = Point<Scene>{target_m[0], target_m[1], target_m[2]};
+  options.camera.width = options.camera.height = edge;
+  return options;
+}
+
+Picture take(const VoxelScene& scene, const PictureOptions& options) {
+  const kernels::CpuPolicy policy(options.threads);
+  PageCache pages(scene.description(), "scene.xml", scene.reader(), {options.light, options.memory_bytes}, policy);
+  return render(pages, make_camera(options.camera, scene.description(), scene.reader()), options.background, policy);
+}
+
+}  // namespace gigabake

@@ -1,0 +1,61 @@
+/// Scenes painted voxel by voxel, held in memory: what a bake would have written, without a bake.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "format/scene_xml.h"
+#include "format/shard.h"
+#include "viewer/camera.h"
+#include "viewer/picture.h"
+
+namespace gigabake {
+
+struct Paint {
+  std::array<std::uint8_t, 4> rgba{255, 255, 255, 255};
+  std::array<std::int8_t, 2> normal{0, 0};  ///< octahedral; 0,0 is up
+};
+
+/// What lod-0 voxel x, y, z of the lattice holds.
+using Painter = std::function<std::optional<Paint>(std::int64_t x, std::int64_t y, std::int64_t z)>;
+
+/// A voxel is a metre and the lattice's corner is the scene's origin.
+class VoxelScene {
+ public:
+  enum class Nodes { pruned, all_bricks };
+
+  explicit VoxelScene(std::uint32_t cell_voxels) : cell_voxels_(cell_voxels) {}
+
+  /// Adds the cell whose lowest corner is given; nothing where the painter leaves it empty.
+  void add_cell(const Painter& paint, const std::array<std::int64_t, 3>& lattice_min, Nodes nodes = Nodes::pruned);
+  /// Adds the cells of the cube [min, min + edge).
+  void add_cells(const Painter& paint, const std::array<std::int64_t, 3>& min, std::int64_t edge);
+
+  const SceneDescription& description() const { return description_; }
+  std::vector<Shard>& shards() { return shards_; }
+  /// Borrows this.
+  CellReader reader() const;
+
+ private:
+  std::uint32_t cell_voxels_;
+  SceneDescription description_;
+  std::vector<Shard> shards_;
+};
+
+struct PictureOptions {
+  CameraOptions camera;
+  Background background{false, {0, 0, 0, 0}};
+  kernels::CastLight light = kernels::unlit();
+  std::uint64_t memory_bytes = std::uint64_t(1) << 30;
+  int threads = 2;
+};
+
+/// A small square picture of what is seen from eye_m towards target_m, behind it nothing (alpha 0).
+PictureOptions view(const std::array<double, 3>& eye_m, const std::array<double, 3>& target_m, int edge = 96);
+
+Picture take(const VoxelScene& scene, const PictureOptions& options);
+
+}  // namespace gigabake
