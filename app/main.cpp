@@ -15,6 +15,10 @@ int main(int argc, char** argv) {
   // One line per command, in the order --help lists them.
   app::add_plan(program, exit_code);
   app::add_bake(program, exit_code);
+  app::add_info(program, exit_code);
+  app::add_verify(program, exit_code);
+  app::add_diff(program, exit_code);
+  app::add_export(program, exit_code);
   app::add_render(program, exit_code);
 
   try {

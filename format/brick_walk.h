@@ -18,11 +18,14 @@ struct BrickPosition {
 BrickPosition brick_position(std::uint64_t key);
 std::uint64_t brick_key(BrickPosition p);
 
-/// Node indices [first[lod], first[lod] + count[lod]) are the level's: nodes stand level by level from the root.
+/// Node indices [begin, end) are the level's: nodes stand level by level from the root.
 struct LevelNodes {
   std::size_t begin = 0, end = 0;
 };
 std::vector<LevelNodes> level_nodes(const NodeTable& nodes, std::uint32_t lods);
+
+/// Voxels per lod, those that constant nodes stand for included.
+std::vector<std::uint64_t> count_voxels(const Shard& shard);
 
 /// visit(x, y, z, rgba, normal) for each voxel of one brick; x, y, z in voxels of the level from the cell's corner.
 /// `normal` points at two zeros where the shard has no normals.
@@ -49,6 +52,19 @@ void for_each_constant_voxel(const NodeTable& nodes, std::size_t node, int down,
     for (std::uint32_t y = 0; y < edge; ++y)
       for (std::uint32_t x = 0; x < edge; ++x)
         visit(at.x * edge + x, at.y * edge + y, at.z * edge + z, rgba, nodes.normal[node].data());
+}
+
+/// Every voxel of one level. `level` is that level's bricks.
+template <class Visit>
+void for_each_voxel_of_level(const NodeTable& nodes, const BrickLevel& level, int lod, const Visit& visit) {
+  for (std::size_t n = 0; n < nodes.key.size() && nodes.lod[n] >= lod; ++n) {
+    const int down = nodes.lod[n] - lod;
+    if (nodes.kind[n] == NodeKind::brick) {
+      if (down == 0) for_each_voxel(level, nodes.value[n], brick_position(nodes.key[n]), visit);
+    } else if (down == 0 || nodes.kind[n] == NodeKind::leaf_constant) {
+      for_each_constant_voxel(nodes, n, down, visit);
+    }
+  }
 }
 
 }  // namespace gigabake

@@ -1,42 +1,29 @@
-/// The few things that shards need of HDF5, with owned handles and every call checked.
+/// The few things that shards need of HDF5: columns of fixed-width rows and attributes of the root group.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
-#include <hdf5.h>
 #include <string>
-#include <utility>
-#include <vector>
+
+#include "format/hdf5_call.h"
 
 namespace gigabake {
 
-/// Owns an HDF5 identifier.
-class Hdf5Id {
- public:
-  Hdf5Id(hid_t id, herr_t (*closer)(hid_t)) : id_(id), close_(closer) {}
-  Hdf5Id(Hdf5Id&& o) noexcept : id_(std::exchange(o.id_, -1)), close_(o.close_) {}
-  Hdf5Id& operator=(Hdf5Id&&) = delete;
-  ~Hdf5Id() {
-    if (id_ >= 0) close_(id_);
-  }
-  hid_t get() const { return id_; }
-  /// Closes now. Errors  false: data could not be flushed.
-  bool close() { return close_(std::exchange(id_, -1)) >= 0; }
+/// Little endian, in the file and here.
+enum class Hdf5Type : std::uint8_t { u8, i8, u32, i32, u64, i64, f64 };
 
- private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
-};
+std::size_t element_bytes(Hdf5Type type);
 
-/// One array of fixed-width rows. Host byte order is little endian, as in the file.
+/// One array of fixed-width rows.
 struct Hdf5Column {
-  std::string name;   ///< "/lod_0/mask"
-  hid_t type;         ///< of one element: H5T_STD_U64LE, …
+  std::string name;  ///< "/lod_0/mask"
+  Hdf5Type type;
   std::size_t width;  ///< elements a row; 1: the dataset has one dimension
-  std::size_t element_bytes;
+  std::size_t row_bytes() const { return width * element_bytes(type); }
 };
 
 /// Errors  All members throw InputError: file, object, what failed.
+/// Cost    HDF5 serves one thread at a time; chunks are compressed and decompressed outside of it.
 class Hdf5File {
  public:
   static Hdf5File create(const std::filesystem::path& path);
@@ -45,16 +32,18 @@ class Hdf5File {
   void make_group(const std::string& name);
   /// Chunked, each chunk as chunk_codec.h, compressed by `threads`.
   void write_column(const Hdf5Column& column, const void* data, std::size_t rows, int threads);
-  /// Rows of the dataset, after its shape and type were compared with `column`.
+  /// Rows of the dataset, after its shape and type were compared with `column` and its size with what is stored.
   std::size_t column_rows(const Hdf5Column& column) const;
   /// data: room for column_rows() rows.
   void read_column(const Hdf5Column& column, void* data, std::size_t rows) const;
+  /// As stored: compressed, without HDF5's own index.
+  std::uint64_t stored_bytes(const Hdf5Column& column) const;
 
-  void write_attribute(const char* name, hid_t type, const void* data, std::size_t count);  ///< count 0: a scalar
+  void write_attribute(const char* name, Hdf5Type type, const void* data, std::size_t count);  ///< count 0: a scalar
   void write_attribute(const char* name, const std::string& text);
   bool has_attribute(const char* name) const;
-  /// Exactly `count` elements (0: a scalar) of class and size of `type`.
-  void read_attribute(const char* name, hid_t type, void* data, std::size_t count) const;
+  /// Exactly `count` elements (0: a scalar) of `type`.
+  void read_attribute(const char* name, Hdf5Type type, void* data, std::size_t count) const;
   std::string read_text(const char* name) const;  ///< a fixed-length string of at most 64 KiB
 
   void close();
@@ -62,6 +51,8 @@ class Hdf5File {
 
  private:
   Hdf5File(std::filesystem::path path, Hdf5Id file);
+  Hdf5Id open_column(const Hdf5Column& column) const;
+  void write_raw_attribute(const char* name, std::int64_t type, const void* data, std::size_t count);
 
   std::filesystem::path path_;
   Hdf5Id file_;

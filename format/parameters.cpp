@@ -7,18 +7,16 @@
 #include "format/error.h"
 
 namespace gigabake {
-namespace {
 
 using Json = nlohmann::ordered_json;
 
+// Found by argument-dependent lookup, which does not look into an unnamed namespace.
 NLOHMANN_JSON_SERIALIZE_ENUM(SurfaceRule, {{SurfaceRule::area, "area"},
                                            {SurfaceRule::conservative, "conservative"},
                                            {SurfaceRule::thin, "thin"}})
 NLOHMANN_JSON_SERIALIZE_ENUM(MipFilter, {{MipFilter::coverage, "coverage"},
                                          {MipFilter::thesis, "thesis"},
                                          {MipFilter::box, "box"}})
-
-}  // namespace
 
 std::string to_json(const BakeParameters& p) {
   Json j;

@@ -1,9 +1,9 @@
 #include "format/publish.h"
 
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 #include <utility>
 
@@ -11,6 +11,8 @@
 
 namespace gigabake {
 namespace {
+
+constexpr int most_attempts = 1000;
 
 [[noreturn]] void fail(const std::filesystem::path& path, const char* what) {
   throw InputError(path, "", std::string("cannot ") + what + ": " + std::strerror(errno));
@@ -44,14 +46,16 @@ void flush_to_disk(const std::filesystem::path& path, int flags) {
 }  // namespace
 
 Publication::Publication(std::filesystem::path target) : target_(std::move(target)) {
-  std::string name = (folder_of(target_) / ("." + target_.filename().string() + ".XXXXXX.part")).string();
-  const int fd = ::mkostemps(name.data(), 5, O_CLOEXEC);
-  if (fd < 0) fail(target_, "write");
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  ::fchmod(fd, 0666 & ~mask);
-  ::close(fd);
-  aside_ = name;
+  // A killed process may have left a file of this name: the next number is as good.
+  for (int attempt = 0; attempt < most_attempts; ++attempt) {
+    static std::atomic<unsigned> count{0};
+    aside_ = folder_of(target_) / ("." + target_.filename().string() + "." + std::to_string(::getpid()) + "-" +
+                                   std::to_string(count++) + ".part");
+    const Descriptor file(aside_, O_WRONLY | O_CREAT | O_EXCL);
+    if (file.is_open()) return;
+    if (errno != EEXIST) break;
+  }
+  fail(target_, "write");
 }
 
 Publication::~Publication() {

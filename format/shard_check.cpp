@@ -3,7 +3,6 @@
 #include <bit>
 #include <cmath>
 
-#include "format/brick_walk.h"
 #include "format/error.h"
 
 namespace gigabake {
@@ -74,14 +73,21 @@ void check_nodes(const std::filesystem::path& path, const ShardHeader& header, c
                    n.first_child.size() == count && n.value.size() == count && n.normal.size() == count,
                0, "columns differ in length");
   for (std::size_t i = 0; i < count; ++i) check_node(table, header, n, i);
-  std::size_t next = 1;
-  for (std::size_t i = 0; i < count; ++i) next = check_children(table, n, i, next);
-  table.expect(next == count, next, "has no parent");
+  std::size_t next_child = 1;
+  std::vector<std::uint32_t> next_brick(header.lods, 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    next_child = check_children(table, n, i, next_child);
+    if (n.kind[i] == NodeKind::brick)
+      table.expect(n.value[i] == next_brick[n.lod[i]]++, i, "value is not its level's next brick");
+  }
+  table.expect(next_child == count, next_child, "has no parent");
 }
 
-void check_level(const std::filesystem::path& path, const ShardHeader& header, const BrickLevel& level, int lod) {
+void check_level(const std::filesystem::path& path, const ShardHeader& header, const BrickLevel& level, int lod,
+                 std::uint64_t bricks_of_nodes) {
   const Table table{path, "/lod_" + std::to_string(lod)};
   const std::size_t bricks = level.mask.size() / 8, voxels = level.rgba.size() / 4;
+  table.expect(bricks == bricks_of_nodes, bricks, "there are not as many bricks as nodes of this level");
   table.expect(level.first.size() == bricks + 1 && level.first[0] == 0, 0, "first does not fit mask");
   table.expect(level.normal.size() == (header.has_normals ? 2 * voxels : 0), 0, "normal does not fit rgba");
   for (std::size_t b = 0; b < bricks; ++b) {
@@ -93,17 +99,12 @@ void check_level(const std::filesystem::path& path, const ShardHeader& header, c
   for (std::size_t v = 0; v < voxels; ++v) table.expect(level.rgba[4 * v + 3] != 0, v, "a voxel without coverage");
 }
 
-void check_bricks_in_use(const std::filesystem::path& path, const Shard& shard) {
-  const Table table{path, "/nodes"};
-  std::vector<std::size_t> next(shard.header.lods, 0);
-  for (std::size_t i = 0; i < shard.nodes.key.size(); ++i) {
-    if (shard.nodes.kind[i] != NodeKind::brick) continue;
-    std::size_t& expected = next[shard.nodes.lod[i]];
-    table.expect(shard.nodes.value[i] == expected, i, "value is not its level's next brick");
-    ++expected;
-  }
-  for (std::size_t lod = 0; lod < next.size(); ++lod)
-    table.expect(next[lod] == shard.levels[lod].mask.size() / 8, 0, "a level has bricks that no node uses");
+std::vector<std::uint64_t> brick_counts(const ShardHeader& header, const std::vector<std::uint8_t>& lod,
+                                        const std::vector<NodeKind>& kind) {
+  std::vector<std::uint64_t> counts(header.lods, 0);
+  for (std::size_t i = 0; i < lod.size(); ++i)
+    if (kind[i] == NodeKind::brick && lod[i] < header.lods) ++counts[lod[i]];
+  return counts;
 }
 
 }  // namespace gigabake

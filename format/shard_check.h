@@ -1,7 +1,9 @@
 /// The invariants of a shard: everything a reader may rely on without looking.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <vector>
 
 #include "format/shard.h"
 
@@ -9,11 +11,16 @@ namespace gigabake {
 
 /// Errors (all)  InputError naming `path`, the dataset and the first row that breaks a rule.
 void check_header(const std::filesystem::path& path, const ShardHeader& header);
-/// Level by level from the root, Morton order, every child linked from exactly one parent, values in range.
+/// Level by level from the root, Morton order, every child linked from exactly one parent, bricks numbered in order.
 void check_nodes(const std::filesystem::path& path, const ShardHeader& header, const NodeTable& nodes);
-/// Arrays agree in length, `first` counts the mask's bits, alpha is never 0.
-void check_level(const std::filesystem::path& path, const ShardHeader& header, const BrickLevel& level, int lod);
-/// Bricks of every level are used by exactly one node each, in order.
-void check_bricks_in_use(const std::filesystem::path& path, const Shard& shard);
+/// The level has the bricks that its nodes say, arrays agree in length, `first` counts the mask's bits, alpha is never
+/// 0.
+void check_level(const std::filesystem::path& path, const ShardHeader& header, const BrickLevel& level, int lod,
+                 std::uint64_t bricks_of_nodes);
+
+/// How many brick nodes there are of each level. Range  both columns of one length; lods beyond the header's are
+/// ignored.
+std::vector<std::uint64_t> brick_counts(const ShardHeader& header, const std::vector<std::uint8_t>& lod,
+                                        const std::vector<NodeKind>& kind);
 
 }  // namespace gigabake

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "format/hdf5_file.h"
 
@@ -11,25 +12,29 @@ inline constexpr char shard_format[] = "gigabake-shard";
 inline constexpr std::int32_t shard_version = 1;
 
 struct NodeColumns {
-  Hdf5Column key{"/nodes/key", H5T_STD_U64LE, 1, 8};
-  Hdf5Column lod{"/nodes/lod", H5T_STD_U8LE, 1, 1};
-  Hdf5Column kind{"/nodes/kind", H5T_STD_U8LE, 1, 1};
-  Hdf5Column child_mask{"/nodes/child_mask", H5T_STD_U8LE, 1, 1};
-  Hdf5Column first_child{"/nodes/first_child", H5T_STD_U32LE, 1, 4};
-  Hdf5Column value{"/nodes/value", H5T_STD_U32LE, 1, 4};
-  Hdf5Column normal{"/nodes/normal", H5T_STD_I8LE, 2, 1};
+  Hdf5Column key{"/nodes/key", Hdf5Type::u64, 1};
+  Hdf5Column lod{"/nodes/lod", Hdf5Type::u8, 1};
+  Hdf5Column kind{"/nodes/kind", Hdf5Type::u8, 1};
+  Hdf5Column child_mask{"/nodes/child_mask", Hdf5Type::u8, 1};
+  Hdf5Column first_child{"/nodes/first_child", Hdf5Type::u32, 1};
+  Hdf5Column value{"/nodes/value", Hdf5Type::u32, 1};
+  Hdf5Column normal{"/nodes/normal", Hdf5Type::i8, 2};
+  std::vector<Hdf5Column> all() const { return {key, lod, kind, child_mask, first_child, value, normal}; }
 };
 
 struct LevelColumns {
   explicit LevelColumns(int lod) : LevelColumns("/lod_" + std::to_string(lod)) {}
   explicit LevelColumns(std::string name)
       : group(std::move(name)),
-        mask{group + "/mask", H5T_STD_U64LE, 8, 8},
-        first{group + "/first", H5T_STD_U64LE, 1, 8},
-        rgba{group + "/rgba", H5T_STD_U8LE, 4, 1},
-        normal{group + "/normal", H5T_STD_I8LE, 2, 1} {}
+        mask{group + "/mask", Hdf5Type::u64, 8},
+        first{group + "/first", Hdf5Type::u64, 1},
+        rgba{group + "/rgba", Hdf5Type::u8, 4},
+        normal{group + "/normal", Hdf5Type::i8, 2} {}
   std::string group;
   Hdf5Column mask, first, rgba, normal;
+  std::vector<Hdf5Column> all(bool has_normals) const {
+    return has_normals ? std::vector{mask, first, rgba, normal} : std::vector{mask, first, rgba};
+  }
 };
 
 }  // namespace gigabake

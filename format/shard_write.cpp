@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include "format/publish.h"
 #include "format/shard.h"
@@ -8,27 +7,27 @@ namespace gigabake {
 namespace {
 
 void write_header(Hdf5File& file, const ShardHeader& h) {
-  const auto u32 = [&](const char* name, std::uint32_t v) { file.write_attribute(name, H5T_STD_U32LE, &v, 0); };
+  const auto u32 = [&](const char* name, std::uint32_t v) { file.write_attribute(name, Hdf5Type::u32, &v, 0); };
   file.write_attribute("format", shard_format);
-  file.write_attribute("version", H5T_STD_I32LE, &shard_version, 0);
+  file.write_attribute("version", Hdf5Type::i32, &shard_version, 0);
   file.write_attribute("generator", h.generator);
   file.write_attribute("cell", h.cell);
-  file.write_attribute("lattice_min", H5T_STD_I64LE, h.lattice_min.data(), 3);
+  file.write_attribute("lattice_min", Hdf5Type::i64, h.lattice_min.data(), 3);
   u32("cell_voxels", h.cell_voxels);
-  file.write_attribute("voxel_size_m", H5T_IEEE_F64LE, &h.voxel_size_m, 0);
-  file.write_attribute("lattice_origin_m", H5T_IEEE_F64LE, h.lattice_origin_m.data(), 3);
+  file.write_attribute("voxel_size_m", Hdf5Type::f64, &h.voxel_size_m, 0);
+  file.write_attribute("lattice_origin_m", Hdf5Type::f64, h.lattice_origin_m.data(), 3);
   u32("brick_edge", brick_edge);
   u32("lods", h.lods);
   if (h.origin) {
     const double origin[3] = {h.origin->latitude_deg, h.origin->longitude_deg, h.origin->height_m};
-    file.write_attribute("origin", H5T_IEEE_F64LE, origin, 3);
+    file.write_attribute("origin", Hdf5Type::f64, origin, 3);
   }
   file.write_attribute("fingerprint", h.fingerprint.hex());
   std::string hashes;
   for (const Hash128& hash : h.content_hash) hashes += (hashes.empty() ? "" : " ") + hash.hex();
   file.write_attribute("content_hash", hashes);
   file.write_attribute("channels", h.has_normals ? "rgba normal" : "rgba");
-  file.write_attribute("triangles", H5T_STD_U64LE, &h.triangles, 0);
+  file.write_attribute("triangles", Hdf5Type::u64, &h.triangles, 0);
 }
 
 void write_nodes(Hdf5File& file, const NodeTable& n, int threads) {

@@ -1,0 +1,96 @@
+#include <algorithm>
+#include <fmt/format.h>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/commands.h"
+#include "app/progress.h"
+#include "format/scene_totals.h"
+
+namespace gigabake::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Extent {
+  std::array<double, 3> min_m, max_m;
+};
+
+/// Of the cells, scene metres.
+Extent extent_of(const SceneDescription& scene) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  Extent e{{inf, inf, inf}, {-inf, -inf, -inf}};
+  for (const SceneCell& c : scene.cells)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double low = scene.lattice_origin_m[k] + double(c.lattice_min[k]) * scene.voxel_size_m;
+      e.min_m[k] = std::min(e.min_m[k], low);
+      e.max_m[k] = std::max(e.max_m[k], low + c.cell_voxels * scene.voxel_size_m);
+    }
+  return e;
+}
+
+Json to_json(const SceneDescription& scene) {
+  const SceneTotals totals(scene);
+  Json j;
+  j["generator"] = scene.generator;
+  j["voxel_size_m"] = scene.voxel_size_m;
+  j["lattice_origin_m"] = scene.lattice_origin_m;
+  if (scene.origin)
+    j["origin"] = {{"latitude_deg", scene.origin->latitude_deg},
+                   {"longitude_deg", scene.origin->longitude_deg},
+                   {"height_m", scene.origin->height_m}};
+  j["parameters"] = Json::parse(scene.parameters, nullptr, false);
+  j["content_hash"] = totals.all_content.hex();
+  j["cells"] = scene.cells.size();
+  j["triangles"] = scene.triangles;
+  j["dropped"] = {{"non_finite", scene.non_finite}, {"zero_area", scene.zero_area}};
+  j["skipped"] = {{"points", scene.skipped_points}, {"lines", scene.skipped_lines}};
+  j["bytes"] = totals.bytes;
+  if (!scene.cells.empty()) {
+    const Extent e = extent_of(scene);
+    j["cells_min_m"] = e.min_m;
+    j["cells_max_m"] = e.max_m;
+  }
+  j["lods"] = Json::array();
+  for (std::size_t lod = 0; lod < totals.voxels.size(); ++lod)
+    j["lods"].push_back(
+        {{"lod", lod}, {"voxels", totals.voxels[lod]}, {"content_hash", totals.content_hash[lod].hex()}});
+  j["losses"] = Json::array();
+  for (const SceneLoss& l : scene.losses) j["losses"].push_back({{"name", l.name}, {"reason", l.reason}});
+  return j;
+}
+
+void print_text(const SceneDescription& scene) {
+  const SceneTotals totals(scene);
+  fmt::print("{} cells of {} m voxels, {} triangles, {}\n", scene.cells.size(), scene.voxel_size_m, scene.triangles,
+             readable_bytes(totals.bytes));
+  if (scene.origin)
+    fmt::print("scene origin {:.9f}° {:.9f}° {:.3f} m\n", scene.origin->latitude_deg, scene.origin->longitude_deg,
+               scene.origin->height_m);
+  if (!scene.cells.empty()) {
+    const Extent e = extent_of(scene);
+    fmt::print("cells span {} {} {} to {} {} {} m\n", e.min_m[0], e.min_m[1], e.min_m[2], e.max_m[0], e.max_m[1],
+               e.max_m[2]);
+  }
+  for (std::size_t lod = 0; lod < totals.voxels.size(); ++lod)
+    fmt::print("  lod {:<2} {:>14} voxels  {}\n", lod, totals.voxels[lod], totals.content_hash[lod].hex());
+  fmt::print("content hash {}\n", totals.all_content.hex());
+  for (const SceneLoss& l : scene.losses) fmt::print("missing {}: {}\n", l.name, l.reason);
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, int&) {
+  auto* command = app.add_subcommand("info", "Levels, voxels, bytes, extents and content hash of a baked scene");
+  auto scene = std::make_shared<std::string>();
+  auto json = std::make_shared<bool>(false);
+  command->add_option("SCENE", *scene, "OUT/scene.xml")->required();
+  command->add_flag("--json", *json, "print the answer as JSON");
+  command->callback([scene, json] {
+    const SceneDescription description = read_scene(*scene);
+    *json ? fmt::print("{}\n", to_json(description).dump(2)) : print_text(description);
+  });
+}
+
+}  // namespace gigabake::app

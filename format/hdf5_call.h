@@ -1,0 +1,49 @@
+/// HDF5 identifiers that close themselves, and calls whose failure names the file, the object and the call.
+/// Knows no <hdf5.h>: identifiers are 64-bit and results negative on failure, by HDF5's own contract.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <utility>
+
+namespace gigabake {
+
+using Hdf5Closer = int (*)(std::int64_t id);
+
+/// Owns an HDF5 identifier.
+class Hdf5Id {
+ public:
+  Hdf5Id(std::int64_t id, Hdf5Closer closer) : id_(id), close_(closer) {}
+  Hdf5Id(Hdf5Id&& o) noexcept : id_(std::exchange(o.id_, -1)), close_(o.close_) {}
+  Hdf5Id& operator=(Hdf5Id&&) = delete;
+  ~Hdf5Id() {
+    if (id_ >= 0) close_(id_);
+  }
+  std::int64_t get() const { return id_; }
+  /// Closes now. Returns HDF5's answer: negative where data could not be flushed.
+  int close() { return close_(std::exchange(id_, -1)); }
+
+ private:
+  std::int64_t id_;
+  Hdf5Closer close_;
+};
+
+/// Calls on behalf of one object of one file: `call("H5Pset_chunk", H5Pset_chunk(…))` is the call's result.
+/// Errors  InputError: file, object, call and HDF5's innermost reason.
+struct Hdf5Call {
+  const std::filesystem::path& file;
+  std::string object;
+
+  template <class Result>
+  Result operator()(const char* name, Result result) const {
+    if (result < 0) fail(name);
+    return result;
+  }
+  Hdf5Id id(const char* name, std::int64_t result, Hdf5Closer closer) const {
+    return {operator()(name, result), closer};
+  }
+  [[noreturn]] void fail(const char* name) const;
+};
+
+}  // namespace gigabake

@@ -1,0 +1,21 @@
+/// Is a scene whole? Every checksum, reference and invariant of its shards.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace gigabake {
+
+struct VerifyResult {
+  std::uint64_t cells = 0, voxels = 0, bytes = 0;
+  std::vector<std::string> faults;  ///< one line each: file, dataset, what is wrong
+};
+
+/// Reads every shard whole and compares it with what scene.xml says, voxel hashes included.
+/// Cost  one read of all shards; one cell in memory at a time for each of `threads`.
+/// Errors  InputError when scene.xml itself cannot be read; faults of shards are listed.
+VerifyResult verify_scene(const std::filesystem::path& scene_xml, int threads);
+
+}  // namespace gigabake
