@@ -26,8 +26,12 @@ RESERVED = [
     (r"thread|future|mutex|condition_variable", r"(?!kernels/)|kernels/policy\.cpp",
      "of kernels/, only the policy has threads"),
     (r"fstream|filesystem|iostream|cstdio", r"(?!kernels/)", "kernels/ knows no files"),
-    (r"nlohmann/json\.hpp|tiny_gltf\.h|hdf5\.h|pugixml\.hpp", r".*\.cpp$", "a heavy header stays in a .cpp"),
+    (r"tiny_gltf\.h|hdf5\.h|pugixml\.hpp|png\.h|jpeglib\.h", r"format/|viewer/.*\.cpp|tests/",
+     "files are format's business"),
 ]
+
+# What a folder's headers must not carry into the folders above it.
+HEAVY = r"nlohmann/json\.hpp|tiny_gltf\.h|hdf5\.h|pugixml\.hpp"
 
 SOURCE = {".h", ".cpp", ".cu", ".cuh"}
 LONGEST_FILE = 400
@@ -41,9 +45,30 @@ def sources(root):
                 yield path
 
 
+def includes(text):
+    """Pairs of ("quoted", "") or ("", "bracketed")."""
+    return re.findall(r'^\s*#\s*include\s+(?:"([^"]+)"|<([^>]+)>)', text, re.M)
+
+
+def carried_headers(root, header, seen):
+    """Library headers that including `header` brings along."""
+    if header in seen or not (root / header).exists():
+        return
+    seen.add(header)
+    for quoted, bracketed in includes((root / header).read_text(encoding="utf-8")):
+        if bracketed:
+            yield bracketed
+        else:
+            yield from carried_headers(root, quoted, seen)
+
+
 def include_problems(root, name, text):
     folder = name.split("/")[0]
-    for quoted, bracketed in re.findall(r'^\s*#\s*include\s+(?:"([^"]+)"|<([^>]+)>)', text, re.M):
+    for quoted, bracketed in includes(text):
+        if quoted and quoted.split("/")[0] != folder:
+            for carried in carried_headers(root, quoted, set()):
+                if re.fullmatch(HEAVY, carried):
+                    yield f'includes "{quoted}", which carries <{carried}> out of its folder'
         if quoted and not (folder == "tests" and (root / name).parent.joinpath(quoted).exists()):
             target = quoted.split("/")[0]
             if not (root / quoted).exists():

@@ -26,9 +26,11 @@ def write_square(path):
         "scenes": [{"nodes": [0]}], "scene": 0, "nodes": [{"mesh": 0}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
         "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0.25, -6], "max": [6, 0.25, 0]},
+            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3",
+             "min": [0, 0.25, -6], "max": [6, 0.25, 0]},
             {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"}],
-        "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 12}],
+        "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 48},
+                        {"buffer": 0, "byteOffset": 48, "byteLength": 12}],
         "buffers": [{"byteLength": len(data), "uri": uri}],
     }))
 
@@ -57,7 +59,8 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         source, out = Path(folder) / "square.gltf", Path(folder) / "out"
         write_square(source)
-        subprocess.run([gigabake, "bake", source, "-o", out, "--local", "--voxel-size", "0.5"], check=True, env=environment)
+        command = [gigabake, "bake", source, "-o", out, "--local", "--voxel-size", "0.5"]
+        subprocess.run(command, check=True, env=environment)
         shard = next((out / "shards").glob("*.h5"))
         names = {}
         exec("\n".join(lines).replace("SHARD.h5", str(shard)), names)  # as a reader would type them
