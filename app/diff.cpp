@@ -1,6 +1,7 @@
 #include "format/diff.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -9,52 +10,66 @@
 namespace gigabake::app {
 namespace {
 
-struct DiffOptions {
-  std::string a, b;
-  int lod = 0;
-  bool json = false;
-};
+using Json = nlohmann::ordered_json;
 
-void print_json(const DiffResult& r) {
-  nlohmann::ordered_json j{{"same", r.same}, {"cells_compared", r.cells_compared}};
-  j["cells"] = nlohmann::ordered_json::array();
-  for (const DiffPlace& p : r.places)
-    j["cells"].push_back({{"name", p.cell},
-                          {"only_in_a", p.only_in_a},
-                          {"only_in_b", p.only_in_b},
-                          {"both", p.both},
-                          {"changed", p.changed},
-                          {"normals_changed", p.normals_changed},
-                          {"largest_rgba", p.largest},
-                          {"mean_rgba", p.mean}});
+void print_json(const SceneDifference& d) {
+  Json j{{"same", d.same()}, {"lods_compared", d.compared}, {"lods_not_compared", d.not_compared}};
+  j["cells"] = Json::array();
+  for (const CellDifference& cell : d.cells) {
+    Json c{{"cell_in_a", cell.cell_in_a}, {"cell_in_b", cell.cell_in_b}, {"lods", Json::array()}};
+    for (const LevelDifference& l : cell.levels)
+      c["lods"].push_back({{"lod", l.lod},
+                           {"only_in_a", l.only_in_a},
+                           {"only_in_b", l.only_in_b},
+                           {"both", l.both},
+                           {"recoloured", l.recoloured},
+                           {"largest_rgba", l.largest},
+                           {"mean_rgba", l.mean},
+                           {"turned", l.turned}});
+    j["cells"].push_back(c);
+  }
   fmt::print("{}\n", j.dump(2));
 }
 
-void print_text(const DiffResult& r) {
-  for (const DiffPlace& p : r.places)
-    fmt::print(
-        "{}: {} voxels only in A, {} only in B, {} of {} changed (rgba by at most {} {} {} {}, mean {:.3f} {:.3f} "
-        "{:.3f} {:.3f})\n",
-        p.cell, p.only_in_a, p.only_in_b, p.changed, p.both, p.largest[0], p.largest[1], p.largest[2], p.largest[3],
-        p.mean[0], p.mean[1], p.mean[2], p.mean[3]);
-  fmt::print("{} cells compared, {}\n", r.cells_compared,
-             r.same ? std::string("the same voxels") : fmt::format("{} differ", r.places.size()));
+std::string place(const CellDifference& cell) {
+  if (cell.cell_in_b.empty()) return cell.cell_in_a + " (only A has a cell there)";
+  if (cell.cell_in_a.empty()) return cell.cell_in_b + " (only B has a cell there)";
+  return cell.cell_in_a == cell.cell_in_b ? cell.cell_in_a : cell.cell_in_a + " and " + cell.cell_in_b;
+}
+
+void print_text(const SceneDifference& d) {
+  for (const CellDifference& cell : d.cells) {
+    fmt::print("{}\n", place(cell));
+    for (const LevelDifference& l : cell.levels)
+      fmt::print(
+          "  lod {:<2} {} voxels only in A, {} only in B; of {} in both {} differ in colour (r g b alpha by at most "
+          "{}, "
+          "on average {:.2f}), {} in their normal\n",
+          l.lod, l.only_in_a, l.only_in_b, l.both, l.recoloured, fmt::join(l.largest, " "), fmt::join(l.mean, " "),
+          l.turned);
+  }
+  fmt::print("lods {}: {}\n", fmt::join(d.compared, " "),
+             d.same() ? std::string("the same voxels") : fmt::format("{} places differ", d.cells.size()));
+  if (!d.not_compared.empty())
+    fmt::print("lods {}: not compared everywhere; the scenes' cells have other voxels there\n",
+               fmt::join(d.not_compared, " "));
 }
 
 }  // namespace
 
 void add_diff(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand(
-      "diff", "Do two scenes hold the same voxels? Which cells differ, by how much; exit code 1 if they do");
-  auto o = std::make_shared<DiffOptions>();
-  command->add_option("A", o->a, "A/scene.xml")->required();
-  command->add_option("B", o->b, "B/scene.xml")->required();
-  command->add_option("--lod", o->lod, "level to compare")->capture_default_str()->check(CLI::Range(0, 10));
-  command->add_flag("--json", o->json, "print the answer as JSON");
-  command->callback([o, &exit_code] {
-    const DiffResult r = diff_scenes(o->a, o->b, o->lod);
-    exit_code = r.same ? complete : failed;
-    o->json ? print_json(r) : print_text(r);
+      "diff",
+      "Do two scenes hold the same voxels? Which cells differ, by how much; exit code 0: the same, 1: they differ");
+  auto a = std::make_shared<std::string>(), b = std::make_shared<std::string>();
+  auto json = std::make_shared<bool>(false);
+  command->add_option("A", *a, "A/scene.xml")->required();
+  command->add_option("B", *b, "B/scene.xml")->required();
+  command->add_flag("--json", *json, "print the answer as JSON");
+  command->callback([a, b, json, &exit_code] {
+    const SceneDifference d = diff_scenes(*a, *b);
+    exit_code = d.same() ? complete : failed;
+    *json ? print_json(d) : print_text(d);
   });
 }
 

@@ -4,169 +4,249 @@
 #include <cstdlib>
 #include <cstring>
 #include <map>
+#include <optional>
 #include <set>
-#include <unordered_map>
 
-#include "format/brick_walk.h"
+#include "format/cell_window.h"
 #include "format/error.h"
-#include "format/scene_xml.h"
-#include "format/shard_check.h"
+#include "format/level_lookup.h"
+#include "format/scene_totals.h"
+#include "format/shard_reader.h"
 
 namespace gigabake {
 namespace {
 
 using Corner = std::array<std::int64_t, 3>;
 
-struct CornerHash {
-  std::size_t operator()(const Corner& c) const {
-    return std::size_t(c[0]) * 0x9e3779b97f4a7c15u ^ std::size_t(c[1]) * 0xc2b2ae3d27d4eb4fu ^
-           std::size_t(c[2]) * 0x165667b19e3779f9u;
+/// A cell of one scene, read level by level.
+struct OpenCell {
+  OpenCell(const std::filesystem::path& folder, const SceneCell& cell)
+      : reader(folder / cell.file), nodes(reader.nodes()), min(cell.lattice_min), lods(cell.lods) {
+    const ShardHeader& h = reader.header();
+    if (h.lattice_min != cell.lattice_min || h.cell_voxels != cell.cell_voxels)
+      throw InputError(folder / cell.file, "lattice_min", "is another cell than scene.xml says");
   }
-};
-
-struct Sample {
-  std::uint8_t rgba[4];
-  std::int8_t normal[2];
-};
-
-/// Voxels of one level by their position in that level's voxels of the lattice.
-using Voxels = std::unordered_map<Corner, Sample, CornerHash>;
-
-struct Box {
+  ShardReader reader;
+  NodeTable nodes;
   Corner min;
-  std::int64_t edge;
-  bool overlaps(const Box& o) const {
-    for (std::size_t c = 0; c < 3; ++c)
-      if (min[c] >= o.min[c] + o.edge || o.min[c] >= min[c] + edge) return false;
-    return true;
-  }
-  bool holds(const Corner& p) const {
-    for (std::size_t c = 0; c < 3; ++c)
-      if (p[c] < min[c] || p[c] >= min[c] + edge) return false;
-    return true;
-  }
+  std::uint32_t lods;
 };
 
-Box box_of(const SceneCell& cell) { return {cell.lattice_min, std::int64_t(cell.cell_voxels)}; }
-
-/// Adds the shard's voxels of `lod` whose lowest corner lies in `within` (lod-0 voxels).
-void add_voxels(const std::filesystem::path& path, int lod, const Box& within, Voxels& out) {
-  const ShardHeader header = read_shard_header(path);
-  const NodeTable nodes = read_shard_nodes(path);
-  const BrickLevel level = read_shard_level(path, lod);
-  const auto add = [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
-                       const std::int8_t* normal) {
-    const Corner corner{header.lattice_min[0] + (std::int64_t(x) << lod),
-                        header.lattice_min[1] + (std::int64_t(y) << lod),
-                        header.lattice_min[2] + (std::int64_t(z) << lod)};
-    if (!within.holds(corner)) return;
-    Sample& s = out[corner];
-    std::memcpy(s.rgba, rgba, 4);
-    std::memcpy(s.normal, normal, 2);
-  };
-  for (std::size_t n = 0; n < nodes.key.size(); ++n) {
-    const int node_lod = nodes.lod[n];
-    if (node_lod == lod && nodes.kind[n] == NodeKind::brick) {
-      if (nodes.value[n] >= level.mask.size() / 8)
-        throw InputError(path, "/nodes/value", "names a brick that is not there");
-      for_each_voxel(level, nodes.value[n], brick_position(nodes.key[n]), add);
+class DifferenceSum {
+ public:
+  explicit DifferenceSum(int lod) { d_.lod = lod; }
+  void add_both(const VoxelValue& a, const VoxelValue& b) {
+    ++d_.both;
+    d_.turned += std::memcmp(a.normal, b.normal, 2) != 0;
+    if (std::memcmp(a.rgba, b.rgba, 4) == 0) return;
+    ++d_.recoloured;
+    for (std::size_t c = 0; c < 4; ++c) {
+      const int difference = std::abs(int(a.rgba[c]) - int(b.rgba[c]));
+      d_.largest[c] = std::max(d_.largest[c], difference);
+      sum_[c] += std::uint64_t(difference);
     }
-    if ((node_lod == lod && nodes.kind[n] == NodeKind::constant) ||
-        (node_lod >= lod && nodes.kind[n] == NodeKind::leaf_constant))
-      for_each_constant_voxel(nodes, n, node_lod - lod, add);
   }
+  void add_only_in_a(std::uint64_t voxels) { d_.only_in_a += voxels; }
+  void add_only_in_b(std::uint64_t voxels) { d_.only_in_b += voxels; }
+  LevelDifference value() const {
+    LevelDifference d = d_;
+    for (std::size_t c = 0; c < 4 && d.recoloured != 0; ++c) d.mean[c] = double(sum_[c]) / double(d.recoloured);
+    return d;
+  }
+
+ private:
+  LevelDifference d_;
+  std::array<std::uint64_t, 4> sum_{};
+};
+
+/// A level's voxels: all, and those inside the box that was compared.
+struct Walked {
+  std::uint64_t all = 0, inside = 0;
+};
+
+struct PairResult {
+  LevelDifference difference;
+  Walked a, b;
+};
+
+PairResult compare_level(const OpenCell& a, const BrickLevel& level_a, const OpenCell& b, const LatticeBox& box,
+                         int lod) {
+  const BrickLevel level_b = b.reader.level(lod);
+  LevelLookup in_b(b.nodes, level_b, b.lods, lod);
+  PairResult r;
+  DifferenceSum sum(lod);
+  const auto corner_of = [lod](const Corner& min, std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    return Corner{min[0] + (std::int64_t(x) << lod), min[1] + (std::int64_t(y) << lod),
+                  min[2] + (std::int64_t(z) << lod)};
+  };
+  for_each_voxel_of_level(
+      a.nodes, level_a, lod,
+      [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {
+        ++r.a.all;
+        const Corner corner = corner_of(a.min, x, y, z);
+        if (!box.holds(corner)) return;
+        ++r.a.inside;
+        const auto in_voxels = [&](std::size_t c) { return std::uint32_t((corner[c] - b.min[c]) >> lod); };
+        VoxelValue other;
+        if (in_b.find(in_voxels(0), in_voxels(1), in_voxels(2), other))
+          sum.add_both({rgba, normal}, other);
+        else
+          sum.add_only_in_a(1);
+      });
+  for_each_voxel_of_level(
+      b.nodes, level_b, lod,
+      [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t*, const std::int8_t*) {
+        ++r.b.all;
+        r.b.inside += box.holds(corner_of(b.min, x, y, z));
+      });
+  sum.add_only_in_b(r.b.inside - sum.value().both);
+  r.difference = sum.value();
+  return r;
+}
+
+/// Voxels of the two levels are the same cubes of the lattice.
+bool share_a_grid(const SceneCell& a, const SceneCell& b, int lod) {
+  if (std::uint32_t(lod) >= std::min(a.lods, b.lods)) return false;
+  for (std::size_t c = 0; c < 3; ++c)
+    if ((a.lattice_min[c] - b.lattice_min[c]) % (std::int64_t(1) << lod) != 0) return false;
+  return true;
 }
 
 struct Side {
   std::filesystem::path folder;
   SceneDescription scene;
-  Voxels voxels_in(const Box& box, int lod) const {
-    Voxels out;
-    for (const SceneCell& c : scene.cells)
-      if (std::uint32_t(lod) < c.lods && box_of(c).overlaps(box)) add_voxels(folder / c.file, lod, box, out);
-    return out;
-  }
 };
 
-void compare(const Sample& a, const Sample& b, DiffPlace& place) {
-  ++place.both;
-  bool changed = false;
-  for (std::size_t c = 0; c < 4; ++c) {
-    const int d = std::abs(int(a.rgba[c]) - int(b.rgba[c]));
-    place.largest[c] = std::max(place.largest[c], d);
-    place.mean[c] += d;
-    changed |= d != 0;
+/// Walks A's cells; B's should not be larger, for a cell of B is read once for every cell of A that it overlaps.
+class SceneComparison {
+ public:
+  SceneComparison(const Side& a, const Side& b) : a_(a), b_(b), finder_(b.scene.cells) {}
+
+  SceneDifference run() {
+    choose_levels();
+    for (const SceneCell& cell : a_.scene.cells) compare_cell(cell);
+    for (std::size_t i = 0; i < b_.scene.cells.size(); ++i) add_rest_of_b(i);
+    SceneDifference result;
+    for (auto& [names, levels] : differences_) result.cells.push_back({names.first, names.second, std::move(levels)});
+    for (const int lod : all_levels_) (skipped_.contains(lod) ? result.not_compared : result.compared).push_back(lod);
+    return result;
   }
-  const bool turned = std::memcmp(a.normal, b.normal, 2) != 0;
-  place.normals_changed += turned;
-  place.changed += changed || turned;
-}
 
-DiffPlace compare_box(const Side& a, const Side& b, const std::string& name, const Box& box, int lod) {
-  DiffPlace place;
-  place.cell = name;
-  const Voxels in_a = a.voxels_in(box, lod), in_b = b.voxels_in(box, lod);
-  for (const auto& [corner, sample] : in_a) {
-    const auto other = in_b.find(corner);
-    if (other == in_b.end())
-      ++place.only_in_a;
-    else
-      compare(sample, other->second, place);
+ private:
+  void choose_levels() {
+    const SceneTotals a(a_.scene), b(b_.scene);
+    for (std::size_t lod = 0; lod < std::max(a.voxels.size(), b.voxels.size()); ++lod) {
+      all_levels_.push_back(int(lod));
+      if (a_.scene.cells.empty() || b_.scene.cells.empty())
+        open_levels_.push_back(int(lod));
+      else if (lod >= std::min(a.voxels.size(), b.voxels.size()))
+        skipped_.insert(int(lod));
+      else if (a.content_hash[lod] != b.content_hash[lod])
+        open_levels_.push_back(int(lod));
+    }
   }
-  place.only_in_b = in_b.size() - place.both;
-  for (double& m : place.mean) m = place.both == 0 ? 0 : m / double(place.both);
-  return place;
-}
 
-void add_if_different(DiffPlace place, DiffResult& result) {
-  ++result.cells_compared;
-  if (place.only_in_a + place.only_in_b + place.changed != 0) result.places.push_back(std::move(place));
-}
+  void compare_cell(const SceneCell& cell) {
+    const std::vector<std::size_t> others = finder_.overlapping(window_of(cell));
+    std::optional<OpenCell> open;
+    for (const int lod : open_levels_)
+      if (std::uint32_t(lod) < cell.lods) compare_cell_level(cell, others, lod, open);
+  }
 
-void expect_same_lattice(const std::filesystem::path& path, const SceneDescription& a, const SceneDescription& b) {
-  if (a.voxel_size_m != b.voxel_size_m) throw InputError(path, "VoxelSize", "the scenes have voxels of different size");
+  void compare_cell_level(const SceneCell& cell, const std::vector<std::size_t>& others, int lod,
+                          std::optional<OpenCell>& open) {
+    if (others.empty()) return add_rest(cell.name, "", lod, cell.voxels[std::size_t(lod)], 0);
+    for (const std::size_t i : others) {
+      const SceneCell& other = b_.scene.cells[i];
+      if (!share_a_grid(cell, other, lod)) {
+        skipped_.insert(lod);
+        return;
+      }
+      if (window_of(cell) == window_of(other) &&
+          cell.content_hash[std::size_t(lod)] == other.content_hash[std::size_t(lod)]) {
+        seen_of_b_[{i, lod}] = {1, 1};
+        return;
+      }
+    }
+    if (!open) open.emplace(a_.folder, cell);
+    const BrickLevel level = open->reader.level(lod);
+    Walked of_a;
+    for (const std::size_t i : others) {
+      const SceneCell& other = b_.scene.cells[i];
+      const OpenCell open_other(b_.folder, other);
+      const LatticeBox box = intersection(window_of(cell), window_of(other));
+      const PairResult r = compare_level(*open, level, open_other, box, lod);
+      add(cell.name, other.name, r.difference);
+      of_a = {r.a.all, of_a.inside + r.a.inside};
+      Walked& of_b = seen_of_b_[{i, lod}];
+      of_b = {r.b.all, of_b.inside + r.b.inside};
+    }
+    add_rest(cell.name, "", lod, of_a.all - std::min(of_a.all, of_a.inside), 0);
+  }
+
+  /// What no cell of A overlaps.
+  void add_rest_of_b(std::size_t i) {
+    const SceneCell& cell = b_.scene.cells[i];
+    for (const int lod : open_levels_) {
+      if (std::uint32_t(lod) >= cell.lods || skipped_.contains(lod)) continue;
+      const auto seen = seen_of_b_.find({i, lod});
+      if (seen == seen_of_b_.end())
+        add_rest("", cell.name, lod, 0, cell.voxels[std::size_t(lod)]);
+      else
+        add_rest("", cell.name, lod, 0, seen->second.all - std::min(seen->second.all, seen->second.inside));
+    }
+  }
+
+  void add_rest(const std::string& in_a, const std::string& in_b, int lod, std::uint64_t of_a, std::uint64_t of_b) {
+    DifferenceSum sum(lod);
+    sum.add_only_in_a(of_a);
+    sum.add_only_in_b(of_b);
+    add(in_a, in_b, sum.value());
+  }
+  void add(const std::string& in_a, const std::string& in_b, const LevelDifference& difference) {
+    if (difference.any()) differences_[{in_a, in_b}].push_back(difference);
+  }
+
+  const Side& a_;
+  const Side& b_;
+  CellFinder finder_;
+  std::vector<int> all_levels_, open_levels_;  ///< open: neither skipped nor equal by their hashes
+  std::set<int> skipped_;
+  std::map<std::pair<std::size_t, int>, Walked> seen_of_b_;  ///< by cell of B and lod
+  std::map<std::pair<std::string, std::string>, std::vector<LevelDifference>> differences_;
+};
+
+void expect_comparable(const std::filesystem::path& path, const SceneDescription& a, const SceneDescription& b) {
+  if (a.voxel_size_m != b.voxel_size_m)
+    throw InputError(path, "VoxelSize", "cannot be compared: the other scene's voxels are of another size");
   if (a.lattice_origin_m != b.lattice_origin_m || a.origin != b.origin)
-    throw InputError(path, "LatticeOrigin", "the scenes stand on different lattices");
+    throw InputError(path, "LatticeOrigin", "cannot be compared: the other scene stands on another lattice");
+  if (a.has_normals != b.has_normals)
+    throw InputError(path, "Channels", "cannot be compared: only one of the scenes has normals");
 }
 
-/// Voxels of a cell of B where A has no cell at all.
-DiffPlace beyond_a(const Side& a, const Side& b, const SceneCell& cell, int lod) {
-  DiffPlace place;
-  place.cell = cell.name;
-  Voxels voxels;
-  add_voxels(b.folder / cell.file, lod, box_of(cell), voxels);
-  for (const auto& [corner, sample] : voxels)
-    place.only_in_b += std::none_of(a.scene.cells.begin(), a.scene.cells.end(),
-                                    [&at = corner](const SceneCell& c) { return box_of(c).holds(at); });
-  return place;
+std::uint32_t largest_cell(const SceneDescription& scene) {
+  std::uint32_t largest = 0;
+  for (const SceneCell& c : scene.cells) largest = std::max(largest, c.cell_voxels);
+  return largest;
+}
+
+void exchange(SceneDifference& d) {
+  for (CellDifference& cell : d.cells) {
+    std::swap(cell.cell_in_a, cell.cell_in_b);
+    for (LevelDifference& level : cell.levels) std::swap(level.only_in_a, level.only_in_b);
+  }
 }
 
 }  // namespace
 
-DiffResult diff_scenes(const std::filesystem::path& a, const std::filesystem::path& b, int lod) {
+SceneDifference diff_scenes(const std::filesystem::path& a, const std::filesystem::path& b) {
   const Side left{a.parent_path(), read_scene(a)}, right{b.parent_path(), read_scene(b)};
-  expect_same_lattice(b, left.scene, right.scene);
-  DiffResult result;
-  std::map<Corner, const SceneCell*> same_place;
-  for (const SceneCell& c : right.scene.cells) same_place[c.lattice_min] = &c;
-  for (const SceneCell& c : left.scene.cells) {
-    if (std::uint32_t(lod) >= c.lods) continue;
-    const auto other = same_place.find(c.lattice_min);
-    const bool equal = other != same_place.end() && other->second->cell_voxels == c.cell_voxels &&
-                       other->second->content_hash[std::size_t(lod)] == c.content_hash[std::size_t(lod)];
-    if (equal)
-      ++result.cells_compared;
-    else
-      add_if_different(compare_box(left, right, c.name, box_of(c), lod), result);
-  }
-  std::set<Corner> places_in_left;
-  for (const SceneCell& c : left.scene.cells)
-    if (std::uint32_t(lod) < c.lods) places_in_left.insert(c.lattice_min);
-  for (const SceneCell& c : right.scene.cells)
-    if (std::uint32_t(lod) < c.lods && !places_in_left.contains(c.lattice_min))
-      add_if_different(beyond_a(left, right, c, lod), result);
-  result.same = result.places.empty();
-  return result;
+  expect_comparable(b, left.scene, right.scene);
+  if (largest_cell(left.scene) >= largest_cell(right.scene)) return SceneComparison(left, right).run();
+  SceneDifference difference = SceneComparison(right, left).run();
+  exchange(difference);
+  return difference;
 }
 
 }  // namespace gigabake

@@ -9,24 +9,36 @@
 
 namespace gigabake {
 
-/// Voxels of one level inside one cell of A, or those of a cell of B that lie in no cell of A.
-struct DiffPlace {
-  std::string cell;
-  std::uint64_t only_in_a = 0, only_in_b = 0, both = 0, changed = 0;
-  std::array<int, 4> largest{};  ///< |a − b| of 8-bit r, g, b, alpha over `both`
-  std::array<double, 4> mean{};  ///< its mean over `both`
-  std::uint64_t normals_changed = 0;
+/// Voxels of one level where a cell of A and a cell of B overlap, or of one cell where the other scene has none.
+struct LevelDifference {
+  int lod = 0;
+  std::uint64_t only_in_a = 0, only_in_b = 0, both = 0;
+  std::uint64_t recoloured = 0;  ///< of `both`: r, g, b or alpha differ
+  std::uint64_t turned = 0;      ///< of `both`: the normal differs
+  std::array<int, 4> largest{};  ///< |a − b| of 8-bit r, g, b, alpha
+  std::array<double, 4> mean{};  ///< of |a − b| over `recoloured`
+  bool any() const { return only_in_a + only_in_b + recoloured + turned != 0; }
 };
 
-struct DiffResult {
-  bool same = false;              ///< equal content on `lod`
-  std::vector<DiffPlace> places;  ///< of cells that differ, in the order of the scenes
-  std::uint64_t cells_compared = 0;
+struct CellDifference {
+  std::string cell_in_a, cell_in_b;     ///< empty: no cell of that scene is there
+  std::vector<LevelDifference> levels;  ///< those that differ
 };
 
-/// Cells may be laid out differently in the two; the lattices must agree.
-/// Cost  Cells of equal place and hash are not read. Memory: one cell of A and what lies over it in B.
-/// Errors  InputError: unreadable scenes or shards, lattices that differ (there is nothing to compare), no such lod.
-DiffResult diff_scenes(const std::filesystem::path& a, const std::filesystem::path& b, int lod);
+struct SceneDifference {
+  std::vector<CellDifference> cells;  ///< those that differ
+  std::vector<int> compared;          ///< levels
+  /// Levels that could not be compared everywhere: only one scene has them, or where cells are cut differently their
+  /// voxels are other cubes.
+  std::vector<int> not_compared;
+  bool same() const { return cells.empty(); }
+};
+
+/// Cells may be cut differently in the two scenes; voxels are then compared by their place on the lattice.
+/// Exact   Levels whose content hashes agree, in whole or cell by cell, are the same and are not read: the hashes in
+///         scene.xml are believed (verify checks them).
+/// Cost    Memory: one level of two cells at a time.
+/// Errors  InputError: unreadable scenes or shards; lattices or channels that differ, so that nothing can be compared.
+SceneDifference diff_scenes(const std::filesystem::path& a, const std::filesystem::path& b);
 
 }  // namespace gigabake

@@ -1,15 +1,17 @@
 #include "format/ply.h"
 
+#include <array>
+#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <fmt/format.h>
 #include <fstream>
-#include <limits>
 
 #include "format/brick_walk.h"
 #include "format/error.h"
 #include "format/publish.h"
 #include "format/scene_xml.h"
+#include "format/shard_reader.h"
 
 namespace gigabake {
 namespace {
@@ -17,7 +19,7 @@ namespace {
 constexpr std::size_t vertex_bytes = 3 * 8 + 3 * 4 + 4 + 3 * 4;
 
 /// Source  Cigolle et al. 2014, octahedral unit vectors.
-void unit_normal(const std::int8_t oct[2], float n[3]) {
+std::array<float, 3> unit_normal(const std::int8_t oct[2]) {
   double x = oct[0] / 127.0, y = oct[1] / 127.0;
   const double z = 1 - std::fabs(x) - std::fabs(y);
   if (z < 0) {
@@ -26,81 +28,96 @@ void unit_normal(const std::int8_t oct[2], float n[3]) {
     x = folded;
   }
   const double length = std::sqrt(x * x + y * y + z * z);
-  n[0] = float(x / length);
-  n[1] = float(y / length);
-  n[2] = float(z / length);
+  return {float(x / length), float(y / length), float(z / length)};
 }
 
-std::string header(std::uint64_t voxels) {
+std::string header(const SceneDescription& scene, int lod, std::uint64_t voxels) {
   return fmt::format(
-      "ply\nformat binary_little_endian 1.0\nelement vertex {}\n"
+      "ply\nformat binary_little_endian 1.0\ncomment {}, lod {}, voxels of {} m\nelement vertex {}\n"
       "property double x\nproperty double y\nproperty double z\nproperty int i\nproperty int j\nproperty int k\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n"
       "property float nx\nproperty float ny\nproperty float nz\nend_header\n",
-      voxels);
+      scene.generator, lod, std::ldexp(scene.voxel_size_m, lod), voxels);
 }
 
-class PlyWriter {
+/// Writes the vertices of one cell after another.
+class VertexStream {
  public:
-  PlyWriter(const SceneDescription& scene, int lod, std::ostream& out) : scene_(scene), lod_(lod), out_(out) {}
+  VertexStream(const SceneDescription& scene, int lod, const std::filesystem::path& target,
+               const std::filesystem::path& aside)
+      : scene_(scene), lod_(lod), target_(target), out_(aside, std::ios::binary) {}
 
-  void write_cell(const std::filesystem::path& path) {
-    const ShardHeader head = read_shard_header(path);
-    const NodeTable nodes = read_shard_nodes(path);
-    const BrickLevel level = read_shard_level(path, lod_);
-    const auto visit = [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
-                           const std::int8_t* normal) {
-      write_voxel(path,
-                  {head.lattice_min[0] + (std::int64_t(x) << lod_), head.lattice_min[1] + (std::int64_t(y) << lod_),
-                   head.lattice_min[2] + (std::int64_t(z) << lod_)},
-                  rgba, normal);
-    };
-    for (std::size_t n = 0; n < nodes.key.size(); ++n) {
-      const bool here = nodes.lod[n] == lod_;
-      if (here && nodes.kind[n] == NodeKind::brick) {
-        if (nodes.value[n] >= level.mask.size() / 8)
-          throw InputError(path, "/nodes/value", "names a brick that is not there");
-        for_each_voxel(level, nodes.value[n], brick_position(nodes.key[n]), visit);
-      } else if ((here && nodes.kind[n] == NodeKind::constant) ||
-                 (nodes.lod[n] >= lod_ && nodes.kind[n] == NodeKind::leaf_constant)) {
-        for_each_constant_voxel(nodes, n, nodes.lod[n] - lod_, visit);
-      }
-    }
+  void write(std::string_view bytes) {
+    errno = 0;
+    if (!out_.write(bytes.data(), std::streamsize(bytes.size())))
+      throw InputError(target_, "", std::string("cannot write: ") + std::strerror(errno));
   }
-  std::uint64_t written() const { return written_; }
+
+  /// Returns the number of voxels.
+  std::uint64_t write_cell(const std::filesystem::path& shard) {
+    const ShardReader reader(shard);
+    const NodeTable nodes = reader.nodes();
+    const BrickLevel level = reader.level(lod_);
+    const std::array<std::int64_t, 3>& low = reader.header().lattice_min;
+    std::uint64_t voxels = 0;
+    for_each_voxel_of_level(
+        nodes, level, lod_,
+        [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {
+          add_vertex(shard,
+                     {low[0] + (std::int64_t(x) << lod_), low[1] + (std::int64_t(y) << lod_),
+                      low[2] + (std::int64_t(z) << lod_)},
+                     rgba, normal);
+          ++voxels;
+        });
+    return voxels;
+  }
+
+  void finish() {
+    flush();
+    out_.close();
+    if (!out_) throw InputError(target_, "", std::string("cannot write: ") + std::strerror(errno));
+  }
 
  private:
-  void write_voxel(const std::filesystem::path& path, const std::array<std::int64_t, 3>& corner,
-                   const std::uint8_t* rgba, const std::int8_t* normal) {
-    char bytes[vertex_bytes];
-    const double half = double(std::int64_t(1) << lod_) / 2;
+  void add_vertex(const std::filesystem::path& shard, const std::array<std::int64_t, 3>& corner,
+                  const std::uint8_t* rgba, const std::int8_t* normal) {
+    if (used_ + vertex_bytes > buffer_.size()) flush();
+    char* const to = buffer_.data() + used_;
+    const double half = std::ldexp(0.5, lod_);
     for (std::size_t c = 0; c < 3; ++c) {
       const double centre_m = scene_.lattice_origin_m[c] + (double(corner[c]) + half) * scene_.voxel_size_m;
-      std::memcpy(bytes + 8 * c, &centre_m, 8);
       const std::int64_t index = corner[c] >> lod_;
-      if (index != std::int32_t(index))
-        throw InputError(path, "lattice_min", "lattice indices beyond 32 bits do not fit a PLY");
       const auto index32 = std::int32_t(index);
-      std::memcpy(bytes + 24 + 4 * c, &index32, 4);
+      if (index != index32) throw InputError(shard, "lattice_min", "a PLY has no room for indices beyond 32 bits");
+      std::memcpy(to + 8 * c, &centre_m, 8);
+      std::memcpy(to + 24 + 4 * c, &index32, 4);
     }
-    std::memcpy(bytes + 36, rgba, 4);
-    float n[3] = {0, 0, 0};
-    if (scene_.has_normals) unit_normal(normal, n);
-    std::memcpy(bytes + 40, n, 12);
-    out_.write(bytes, vertex_bytes);
-    ++written_;
+    std::memcpy(to + 36, rgba, 4);
+    const std::array<float, 3> n = scene_.has_normals ? unit_normal(normal) : std::array<float, 3>{};
+    std::memcpy(to + 40, n.data(), 12);
+    used_ += vertex_bytes;
+  }
+  void flush() {
+    write({buffer_.data(), used_});
+    used_ = 0;
   }
 
   const SceneDescription& scene_;
   int lod_;
-  std::ostream& out_;
-  std::uint64_t written_ = 0;
+  const std::filesystem::path& target_;
+  std::ofstream out_;
+  std::array<char, vertex_bytes * 4096> buffer_;
+  std::size_t used_ = 0;
 };
 
-std::uint64_t voxels_on(const SceneDescription& scene, int lod) {
+std::uint64_t voxels_of(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod) {
   std::uint64_t voxels = 0;
-  for (const SceneCell& c : scene.cells)
-    if (std::uint32_t(lod) < c.lods) voxels += c.voxels[std::size_t(lod)];
+  for (const SceneCell& c : scene.cells) {
+    if (lod < 0 || std::uint32_t(lod) >= c.lods)
+      throw InputError(scene_xml, "Lods",
+                       fmt::format("there is no lod {}; cell {} has 0 to {}", lod, c.name, c.lods - 1));
+    voxels += c.voxels[std::size_t(lod)];
+  }
   return voxels;
 }
 
@@ -108,19 +125,18 @@ std::uint64_t voxels_on(const SceneDescription& scene, int lod) {
 
 std::uint64_t export_ply(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& ply) {
   const SceneDescription scene = read_scene(scene_xml);
+  const std::uint64_t voxels = voxels_of(scene_xml, scene, lod);
   Publication publication(ply);
-  std::ofstream out(publication.aside(), std::ios::binary);
-  const std::uint64_t expected = voxels_on(scene, lod);
-  out << header(expected);
-  PlyWriter writer(scene, lod, out);
-  for (const SceneCell& c : scene.cells)
-    if (std::uint32_t(lod) < c.lods) writer.write_cell(scene_xml.parent_path() / c.file);
-  if (writer.written() != expected)
-    throw InputError(scene_xml, "Voxels", "scene.xml counts other voxels than the shards hold");
-  if (!out.flush()) throw InputError(ply, "", "cannot be written (disk full?)");
-  out.close();
+  VertexStream stream(scene, lod, ply, publication.aside());
+  stream.write(header(scene, lod, voxels));
+  for (const SceneCell& c : scene.cells) {
+    const std::filesystem::path shard = scene_xml.parent_path() / c.file;
+    if (stream.write_cell(shard) != c.voxels[std::size_t(lod)])
+      throw InputError(shard, "/lod_" + std::to_string(lod), "has not as many voxels as scene.xml says");
+  }
+  stream.finish();
   publication.publish();
-  return expected;
+  return voxels;
 }
 
 }  // namespace gigabake

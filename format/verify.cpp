@@ -1,24 +1,26 @@
 #include "format/verify.h"
 
 #include <algorithm>
-#include <mutex>
 #include <numeric>
+#include <optional>
 #include <set>
 
+#include "format/brick_walk.h"
+#include "format/cell_window.h"
 #include "format/content_hash.h"
 #include "format/error.h"
 #include "format/parallel.h"
-#include "format/scene_xml.h"
+#include "format/shard_reader.h"
 
 namespace gigabake {
 namespace {
 
-/// Collects what is wrong with one cell.
-class CellFaults {
+/// Collects what is wrong with one file.
+class Faults {
  public:
-  explicit CellFaults(std::filesystem::path file) : file_(std::move(file)) {}
-  void expect(bool holds, const char* key, const char* message) {
-    if (!holds) lines.push_back(InputError(file_, key, message).what());
+  explicit Faults(std::filesystem::path file) : file_(std::move(file)) {}
+  void expect(bool holds, const std::string& key, const std::string& message) {
+    if (!holds) lines.emplace_back(InputError(file_, key, message).what());
   }
   std::vector<std::string> lines;
 
@@ -26,31 +28,71 @@ class CellFaults {
   std::filesystem::path file_;
 };
 
+void check_against_scene(const ShardHeader& h, const SceneDescription& scene, const SceneCell& cell, Faults& faults) {
+  faults.expect(h.cell == cell.name, "cell", "is '" + h.cell + "', scene.xml says '" + cell.name + "'");
+  faults.expect(h.lattice_min == cell.lattice_min && h.cell_voxels == cell.cell_voxels && h.lods == cell.lods,
+                "lattice_min", "is another window of the lattice than scene.xml says");
+  faults.expect(h.voxel_size_m == scene.voxel_size_m, "voxel_size_m", "differs from scene.xml");
+  faults.expect(h.lattice_origin_m == scene.lattice_origin_m, "lattice_origin_m", "differs from scene.xml");
+  faults.expect(h.origin == scene.origin, "origin", "differs from scene.xml");
+  faults.expect(h.has_normals == scene.has_normals, "channels", "differ from scene.xml");
+  faults.expect(h.triangles == cell.triangles, "triangles", "differ from scene.xml");
+  faults.expect(h.fingerprint == cell.fingerprint, "fingerprint", "differs from scene.xml: a shard of another bake");
+  faults.expect(h.content_hash == cell.content_hash, "content_hash", "differs from scene.xml");
+}
+
+void check_voxels(const Shard& shard, const SceneCell& cell, Faults& faults) {
+  const std::vector<std::uint64_t> voxels = count_voxels(shard);
+  const std::vector<Hash128> hash = content_hash(shard);
+  for (std::size_t lod = 0; lod < voxels.size(); ++lod) {
+    const std::string level = "/lod_" + std::to_string(lod);
+    faults.expect(lod < cell.voxels.size() && voxels[lod] == cell.voxels[lod], level,
+                  "holds " + std::to_string(voxels[lod]) + " voxels, scene.xml says otherwise");
+    faults.expect(hash[lod] == shard.header.content_hash[lod], level,
+                  "the voxels are not those of the shard's content_hash");
+  }
+}
+
+/// Nothing where the shard is damaged; then every damaged dataset is listed, or else the rule that is broken.
+std::optional<Shard> read_whole(const ShardReader& reader, Faults& faults) {
+  try {
+    return reader.all();
+  } catch (const InputError& error) {
+    faults.lines = reader.unreadable_columns();
+    if (faults.lines.empty()) faults.lines.emplace_back(error.what());
+    return std::nullopt;
+  }
+}
+
 std::vector<std::string> check_cell(const SceneDescription& scene, const SceneCell& cell,
                                     const std::filesystem::path& path) {
-  CellFaults faults(path);
-  const Shard shard = read_shard(path);
-  const ShardHeader& h = shard.header;
-  faults.expect(h.lattice_min == cell.lattice_min && h.cell_voxels == cell.cell_voxels, "lattice_min",
-                "is another cell than scene.xml says");
-  faults.expect(
-      h.voxel_size_m == scene.voxel_size_m && h.lattice_origin_m == scene.lattice_origin_m && h.origin == scene.origin,
-      "voxel_size_m", "stands on another lattice than the scene");
-  faults.expect(h.fingerprint == cell.fingerprint, "fingerprint",
-                "differs from scene.xml: the shard is of another bake");
-  faults.expect(h.content_hash == cell.content_hash, "content_hash", "differs from scene.xml");
-  faults.expect(h.has_normals == scene.has_normals, "channels", "differ from the scene's");
-  faults.expect(std::filesystem::file_size(path) == cell.bytes, "", "has another size than scene.xml says");
-  faults.expect(content_hash(shard) == h.content_hash, "content_hash", "the voxels are not those that were baked");
+  Faults faults(path);
+  try {
+    const ShardReader reader(path);
+    if (const auto shard = read_whole(reader, faults)) check_voxels(*shard, cell, faults);
+    check_against_scene(reader.header(), scene, cell, faults);
+    const std::uint64_t bytes = std::filesystem::file_size(path);
+    faults.expect(bytes == cell.bytes, "Bytes",
+                  "the file has " + std::to_string(bytes) + ", scene.xml says " + std::to_string(cell.bytes));
+  } catch (const std::exception& error) {
+    faults.lines.emplace_back(error.what());
+  }
   return faults.lines;
 }
 
-/// Cells are windows of one lattice: no two may overlap.
-void check_overlaps(const std::filesystem::path& xml, const SceneDescription& scene, VerifyResult& result) {
-  std::set<std::array<std::int64_t, 3>> seen;
-  for (const SceneCell& c : scene.cells)
-    if (!seen.insert(c.lattice_min).second)
-      result.faults.push_back(InputError(xml, c.name, "another cell has the same place").what());
+/// Cells are windows of one lattice: no two may overlap, or share a name or a file.
+std::vector<std::string> check_scene(const std::filesystem::path& scene_xml, const SceneDescription& scene) {
+  Faults faults(scene_xml);
+  const CellFinder finder(scene.cells);
+  std::set<std::string> names, files;
+  for (std::size_t i = 0; i < scene.cells.size(); ++i) {
+    const SceneCell& cell = scene.cells[i];
+    faults.expect(names.insert(cell.name).second, cell.name, "another cell has the same name");
+    faults.expect(files.insert(cell.file).second, cell.name, "another cell has the same TreeFile");
+    for (const std::size_t other : finder.overlapping(window_of(cell)))
+      faults.expect(other <= i, cell.name, "overlaps cell " + scene.cells[other].name);
+  }
+  return faults.lines;
 }
 
 }  // namespace
@@ -58,23 +100,18 @@ void check_overlaps(const std::filesystem::path& xml, const SceneDescription& sc
 VerifyResult verify_scene(const std::filesystem::path& scene_xml, int threads) {
   const SceneDescription scene = read_scene(scene_xml);
   VerifyResult result;
-  check_overlaps(scene_xml, scene, result);
-  std::mutex mutex;
+  result.faults = check_scene(scene_xml, scene);
+  std::vector<std::vector<std::string>> of_cell(scene.cells.size());
   parallel_ranges(scene.cells.size(), 1, threads, [&](std::size_t i, std::size_t) {
+    of_cell[i] = check_cell(scene, scene.cells[i], scene_xml.parent_path() / scene.cells[i].file);
+  });
+  for (std::size_t i = 0; i < scene.cells.size(); ++i) {
     const SceneCell& cell = scene.cells[i];
-    std::vector<std::string> lines;
-    try {
-      lines = check_cell(scene, cell, scene_xml.parent_path() / cell.file);
-    } catch (const std::exception& e) {
-      lines = {e.what()};
-    }
-    const std::scoped_lock lock(mutex);
     ++result.cells;
     result.bytes += cell.bytes;
     result.voxels += std::accumulate(cell.voxels.begin(), cell.voxels.end(), std::uint64_t(0));
-    result.faults.insert(result.faults.end(), lines.begin(), lines.end());
-  });
-  std::sort(result.faults.begin(), result.faults.end());
+    result.faults.insert(result.faults.end(), of_cell[i].begin(), of_cell[i].end());
+  }
   return result;
 }
 

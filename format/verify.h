@@ -1,20 +1,20 @@
 /// Is a scene whole? Every checksum, reference and invariant of its shards.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
 namespace gigabake {
 
 struct VerifyResult {
-  std::uint64_t cells = 0, voxels = 0, bytes = 0;
-  std::vector<std::string> faults;  ///< one line each: file, dataset, what is wrong
+  std::uint64_t cells = 0, voxels = 0, bytes = 0;  ///< as scene.xml says
+  std::vector<std::string> faults;  ///< one line each: file, dataset, what is wrong; in the scene's order
 };
 
-/// Reads every shard whole and compares it with what scene.xml says, voxel hashes included.
-/// Cost  one read of all shards; one cell in memory at a time for each of `threads`.
+/// Reads every shard whole and compares it with what scene.xml says, hashes of the voxels included.
+/// Cost  one read of all shards; one cell in memory for each of `threads`.
 /// Errors  InputError when scene.xml itself cannot be read; faults of shards are listed.
 VerifyResult verify_scene(const std::filesystem::path& scene_xml, int threads);
 
