@@ -1,34 +1,13 @@
 #include "app/bake_options.h"
 
-#include <charconv>
-#include <cmath>
 #include <fmt/format.h>
 #include <map>
 
+#include "app/text_values.h"
 #include "format/error.h"
 
 namespace gigabake::app {
 namespace {
-
-double number(const char* option, std::string_view text) {
-  double v = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), v);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(v))
-    throw UsageError(fmt::format("{}: expected a number, got '{}'", option, text));
-  return v;
-}
-
-std::array<double, 3> triple(const char* option, const char* form, const std::string& text) {
-  std::array<double, 3> v{};
-  std::size_t at = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::size_t comma = i < 2 ? text.find(',', at) : text.size();
-    if (comma == std::string::npos) throw UsageError(fmt::format("{}: expected {}, got '{}'", option, form, text));
-    v[i] = number(option, std::string_view(text).substr(at, comma - at));
-    at = comma + 1;
-  }
-  return v;
-}
 
 template <class T>
 T choice(const char* option, const std::map<std::string, T>& values, const std::string& text) {
@@ -37,13 +16,6 @@ T choice(const char* option, const std::map<std::string, T>& values, const std::
   std::string all;
   for (const auto& [name, value] : values) all += (all.empty() ? "" : ", ") + name;
   throw UsageError(fmt::format("{}: expected one of {}, got '{}'", option, all, text));
-}
-
-Geodetic geodetic(const std::string& text) {
-  const auto v = triple("--origin", "LAT,LON,HEIGHT in degrees and metres", text);
-  if (std::fabs(v[0]) > 90 || std::fabs(v[1]) > 360)
-    throw UsageError("--origin: latitude is within ±90°, longitude within ±360°");
-  return {v[0], v[1], v[2]};
 }
 
 }  // namespace
@@ -74,7 +46,7 @@ BakeRequest BakeOptions::request() const {
   r.source = source;
   r.out = out;
   r.source_options.local = local;
-  if (!origin.empty()) r.source_options.origin = geodetic(origin);
+  if (!origin.empty()) r.source_options.origin = geodetic("--origin", origin);
   if (local && !origin.empty()) throw UsageError("--local and --origin contradict each other");
   if (!up.empty())
     r.source_options.scene_up = choice<UpAxis>("--up", {{"x", UpAxis::x}, {"y", UpAxis::y}, {"z", UpAxis::z}}, up);

@@ -3,6 +3,7 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "app/commands.h"
 #include "app/progress.h"
@@ -30,52 +31,74 @@ Extent extent_of(const SceneDescription& scene) {
   return e;
 }
 
-Json to_json(const SceneDescription& scene) {
+Json to_json(const Geodetic& origin) {
+  return {
+      {"latitude_deg", origin.latitude_deg}, {"longitude_deg", origin.longitude_deg}, {"height_m", origin.height_m}};
+}
+
+Json levels_to_json(const SceneTotals& totals, const StoredBytes& stored) {
+  Json levels = Json::array();
+  for (std::size_t lod = 0; lod < totals.voxels.size(); ++lod)
+    levels.push_back({{"lod", lod},
+                      {"voxels", totals.voxels[lod]},
+                      {"bytes", stored.of_lod.at(lod)},
+                      {"content_hash", totals.content_hash[lod].hex()}});
+  return levels;
+}
+
+Json to_json(const SceneDescription& scene, const StoredBytes& stored) {
   const SceneTotals totals(scene);
   Json j;
   j["generator"] = scene.generator;
   j["voxel_size_m"] = scene.voxel_size_m;
   j["lattice_origin_m"] = scene.lattice_origin_m;
-  if (scene.origin)
-    j["origin"] = {{"latitude_deg", scene.origin->latitude_deg},
-                   {"longitude_deg", scene.origin->longitude_deg},
-                   {"height_m", scene.origin->height_m}};
+  j["origin"] = scene.origin ? to_json(*scene.origin) : Json();
+  j["normals"] = scene.has_normals;
   j["parameters"] = Json::parse(scene.parameters, nullptr, false);
   j["content_hash"] = totals.all_content.hex();
+  j["lods"] = levels_to_json(totals, stored);
   j["cells"] = scene.cells.size();
   j["triangles"] = scene.triangles;
-  j["dropped"] = {{"non_finite", scene.non_finite}, {"zero_area", scene.zero_area}};
-  j["skipped"] = {{"points", scene.skipped_points}, {"lines", scene.skipped_lines}};
+  j["skipped"] = {{"points", scene.skipped_points},
+                  {"lines", scene.skipped_lines},
+                  {"non_finite", scene.non_finite},
+                  {"zero_area", scene.zero_area}};
+  j["voxels"] = std::accumulate(totals.voxels.begin(), totals.voxels.end(), std::uint64_t(0));
   j["bytes"] = totals.bytes;
+  j["node_bytes"] = stored.of_nodes;
   if (!scene.cells.empty()) {
     const Extent e = extent_of(scene);
     j["cells_min_m"] = e.min_m;
     j["cells_max_m"] = e.max_m;
   }
-  j["lods"] = Json::array();
-  for (std::size_t lod = 0; lod < totals.voxels.size(); ++lod)
-    j["lods"].push_back(
-        {{"lod", lod}, {"voxels", totals.voxels[lod]}, {"content_hash", totals.content_hash[lod].hex()}});
   j["losses"] = Json::array();
   for (const SceneLoss& l : scene.losses) j["losses"].push_back({{"name", l.name}, {"reason", l.reason}});
   return j;
 }
 
-void print_text(const SceneDescription& scene) {
-  const SceneTotals totals(scene);
-  fmt::print("{} cells of {} m voxels, {} triangles, {}\n", scene.cells.size(), scene.voxel_size_m, scene.triangles,
-             readable_bytes(totals.bytes));
+void print_place(const SceneDescription& scene) {
   if (scene.origin)
     fmt::print("scene origin {:.9f}° {:.9f}° {:.3f} m\n", scene.origin->latitude_deg, scene.origin->longitude_deg,
                scene.origin->height_m);
-  if (!scene.cells.empty()) {
-    const Extent e = extent_of(scene);
-    fmt::print("cells span {} {} {} to {} {} {} m\n", e.min_m[0], e.min_m[1], e.min_m[2], e.max_m[0], e.max_m[1],
-               e.max_m[2]);
-  }
+  if (scene.cells.empty()) return;
+  const Extent e = extent_of(scene);
+  fmt::print("cells span {} {} {} to {} {} {} m\n", e.min_m[0], e.min_m[1], e.min_m[2], e.max_m[0], e.max_m[1],
+             e.max_m[2]);
+}
+
+void print_text(const SceneDescription& scene, const StoredBytes& stored) {
+  const SceneTotals totals(scene);
+  fmt::print("{} cells of {} m voxels, {} triangles, {}\n", scene.cells.size(), scene.voxel_size_m, scene.triangles,
+             readable_bytes(totals.bytes));
+  print_place(scene);
   for (std::size_t lod = 0; lod < totals.voxels.size(); ++lod)
-    fmt::print("  lod {:<2} {:>14} voxels  {}\n", lod, totals.voxels[lod], totals.content_hash[lod].hex());
+    fmt::print("  lod {:<2} {:>14} voxels {:>10}  {}\n", lod, totals.voxels[lod], readable_bytes(stored.of_lod.at(lod)),
+               totals.content_hash[lod].hex());
   fmt::print("content hash {}\n", totals.all_content.hex());
+  const std::uint64_t dropped = scene.non_finite + scene.zero_area;
+  if (dropped + scene.skipped_points + scene.skipped_lines != 0)
+    fmt::print("skipped {} points, {} lines, {} triangles that are not finite, {} without area\n", scene.skipped_points,
+               scene.skipped_lines, scene.non_finite, scene.zero_area);
   for (const SceneLoss& l : scene.losses) fmt::print("missing {}: {}\n", l.name, l.reason);
 }
 
@@ -89,7 +112,8 @@ void add_info(CLI::App& app, int&) {
   command->add_flag("--json", *json, "print the answer as JSON");
   command->callback([scene, json] {
     const SceneDescription description = read_scene(*scene);
-    *json ? fmt::print("{}\n", to_json(description).dump(2)) : print_text(description);
+    const StoredBytes stored = stored_bytes(*scene, description);
+    *json ? fmt::print("{}\n", to_json(description, stored).dump(2)) : print_text(description, stored);
   });
 }
 

@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
   program.require_subcommand(1);
   int exit_code = app::complete;
   // One line per command, in the order --help lists them.
+  app::add_sample(program, exit_code);
   app::add_plan(program, exit_code);
   app::add_bake(program, exit_code);
   app::add_info(program, exit_code);

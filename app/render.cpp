@@ -86,7 +86,7 @@ void run(const RenderArguments& a) {
   const auto start = std::chrono::steady_clock::now();
   const CameraOptions camera_wanted = camera_options(a);
   const Background background = background_option(a.background);
-  PageCache::Options options{a.albedo ? kernels::unlit() : daylight(),
+  PageCache::Options options{a.albedo ? kernels::unlit() : afternoon_light(),
                              a.memory_bytes != 0 ? a.memory_bytes : UINT64_MAX};
   if (a.threads < 0 || a.threads > 1024) throw UsageError("--threads: expected 1 to 1024, or 0 for all cores");
 

@@ -1,0 +1,46 @@
+/// Random numbers and noise for the sample terrain.
+///
+/// Exact   Integer hashes and IEEE double with + - * / sqrt and floor alone: the same bits on every machine. No call
+///         into libm, whose last digit differs from one version to the next.
+#pragma once
+
+#include <cstdint>
+
+namespace gigabake::sample {
+
+/// A well-mixed 32-bit value of the three.
+std::uint32_t hash_of(std::uint32_t seed, std::int32_t x, std::int32_t y = 0);
+
+/// Range   [0, 1).
+inline double unit(std::uint32_t hash) { return hash * (1.0 / 4294967296.0); }
+
+inline double lerp(double a, double b, double t) { return a + (b - a) * t; }
+inline double clamp01(double t) { return t < 0 ? 0 : t > 1 ? 1 : t; }
+
+/// 0 at `from`, 1 at `to`, smooth and flat at both; `from` may be the larger.
+double smooth_step(double from, double to, double x);
+
+/// Smooth lattice noise of wavelength 1.
+/// Range   within [-1, 1], mostly within [-0.5, 0.5].
+double noise(std::uint32_t seed, double x, double y);
+
+/// Octaves of noise, each of half the wavelength and half the amplitude. Range as noise().
+double fractal_noise(std::uint32_t seed, double x, double y, int octaves);
+
+/// Octaves of 1 - |noise|: crests are sharp, hollows are wide. Range [0, 1].
+double ridged_noise(std::uint32_t seed, double x, double y, int octaves);
+
+/// A stream of numbers that belongs to one seed and one purpose.
+class Random {
+ public:
+  explicit Random(std::uint32_t seed) : seed_(seed) {}
+  std::uint32_t next() { return hash_of(seed_, count_++, 0x5bd1); }
+  double between(double low, double high) { return low + (high - low) * unit(next()); }
+  int below(int end) { return int(unit(next()) * end); }
+
+ private:
+  std::uint32_t seed_;
+  std::int32_t count_ = 0;
+};
+
+}  // namespace gigabake::sample

@@ -1,0 +1,39 @@
+/// The sample's main river: its bends, its lake, its falling water level.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "format/sample/earth.h"
+
+namespace gigabake::sample {
+
+/// How the river is seen from a point of the map.
+struct Reach {
+  double shore_m = 0;  ///< to the nearest shore; negative in the water
+  double level_m = 0;  ///< height of the water abreast of the point
+  double along_m = 0;  ///< position along the valley, rising downstream
+  bool west = false;   ///< which side of the river
+};
+
+class River {
+ public:
+  /// `relief_m`: the length that the landscape's big shapes have.
+  River(double size_m, double relief_m, std::uint32_t seed);
+  Reach at(MapPoint p) const;
+  /// A point beside the river: `along_m` downstream, `across_m` from the middle of the water (positive: east bank).
+  MapPoint beside(double along_m, double across_m) const;
+  double half_width_m(double along_m) const { return station(along_m).half_width_m; }
+
+ private:
+  struct Station {
+    double across_m = 0, half_width_m = 0, level_m = 0;
+  };
+  Station station(double along_m) const;
+
+  std::uint32_t seed_;
+  double first_m_, step_m_, relief_m_;
+  std::vector<Station> stations_;
+};
+
+}  // namespace gigabake::sample

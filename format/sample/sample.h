@@ -1,0 +1,32 @@
+/// The project's own sample: a believable landscape of any size as 3D Tiles, and the same flat and local.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "format/frames.h"
+
+namespace gigabake::sample {
+
+struct SampleOptions {
+  double size_m = 384;       ///< edge of the square map, 64 … 100000
+  int tiles = 4;             ///< along an edge, 1 … 256
+  double ground_step_m = 1;  ///< about: a tile has a whole number of steps
+  double texel_m = 0.25;     ///< of the ground's pictures, about
+  std::uint32_t seed = 1;
+  Geodetic origin{46.9312, 8.3017, 610};
+  int threads = 1;
+};
+
+struct SampleReport {
+  std::uint64_t triangles = 0, bytes = 0;  ///< of the finest tiles of one variant; of all files
+  std::uint32_t houses = 0, trees = 0, tiles = 0;
+};
+
+/// Writes DIR/tileset.json with DIR/tiles/*.glb (georeferenced, one coarser level above the tiles, REPLACE) and
+/// DIR/local/*.glb (the map's own flat frame, for --local).
+/// Exact   The same bytes for the same options on every machine; threads do not show.
+/// Errors  UsageError for options out of range; InputError where DIR holds something else or cannot be written.
+SampleReport write_sample(const std::filesystem::path& dir, const SampleOptions& options);
+
+}  // namespace gigabake::sample

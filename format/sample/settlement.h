@@ -1,0 +1,53 @@
+/// Where roads, houses and trees stand on the sample's map.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "format/sample/relief.h"
+#include "format/sample/roads.h"
+
+namespace gigabake::sample {
+
+struct House {
+  MapPoint centre;
+  double heading_deg = 0;  ///< of the ridge, counter-clockwise from east
+  double length_m = 10, depth_m = 8, wall_m = 3, roof_m = 3;
+  int wall_tint = 0, roof_tint = 0;
+};
+
+enum class TreeKind { broadleaf, conifer };
+
+struct Tree {
+  MapPoint foot;
+  TreeKind kind = TreeKind::broadleaf;
+  double height_m = 8, crown_m = 5;  ///< crown: diameter
+  std::uint32_t seed = 0;
+};
+
+/// Everything built or grown. A pure function of size and seed: every tile sees the same.
+class Settlement {
+ public:
+  Settlement(const Relief& relief, std::uint32_t seed);
+
+  const RoadNetwork& roads() const { return roads_; }
+  const std::vector<House>& houses() const { return houses_; }
+  /// Trees whose foot lies in [min, max). Found cell by cell, so that a map of any size needs no list of them.
+  std::vector<Tree> trees_in(MapPoint min, MapPoint max) const;
+  /// Distance to the nearest house's centre, if one is within 24 m; else 24.
+  double to_house_m(MapPoint p) const;
+
+ private:
+  void lay_roads();
+  void build_along(const Road& road, MapPoint centre, double radius_m);
+  bool can_build(const House& house) const;
+  bool tree_at(std::int32_t x, std::int32_t y, Tree& tree) const;
+
+  const Relief& relief_;
+  std::uint32_t seed_;
+  RoadNetwork roads_;
+  std::vector<MapPoint> villages_;
+  std::vector<House> houses_;
+};
+
+}  // namespace gigabake::sample

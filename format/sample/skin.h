@@ -1,0 +1,16 @@
+/// The colour of the sample's ground.
+#pragma once
+
+#include "format/sample/picture.h"
+#include "format/sample/settlement.h"
+
+namespace gigabake::sample {
+
+/// sRGB of the ground at p: water, banks, meadows, fields, woodland floor, scree and rock, roads.
+Rgb ground_colour(const Relief& relief, const Settlement& settlement, std::uint32_t seed, MapPoint p);
+
+/// North up; texel centres at half steps, so that neighbouring pictures continue each other.
+Picture paint_ground(const Relief& relief, const Settlement& settlement, std::uint32_t seed, MapPoint min,
+                     double edge_m, int texels);
+
+}  // namespace gigabake::sample

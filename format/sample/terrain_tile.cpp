@@ -1,0 +1,169 @@
+#include "format/sample/terrain_tile.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "format/sample/building_kit.h"
+#include "format/sample/skin.h"
+
+namespace gigabake::sample {
+namespace {
+
+constexpr double grid_per_m = 1024;
+constexpr int wall_tints = 4, roof_tints = 3, jpeg_quality = 88;
+constexpr std::array<double, 4> wall_colours[wall_tints] = {
+    {0.95, 0.93, 0.88, 1}, {0.93, 0.80, 0.55, 1}, {0.80, 0.46, 0.34, 1}, {0.72, 0.78, 0.80, 1}};
+constexpr std::array<double, 4> roof_colours[roof_tints] = {{1, 1, 1, 1}, {0.62, 0.62, 0.66, 1}, {0.78, 0.55, 0.45, 1}};
+
+double on_grid(double m) { return std::floor(m * grid_per_m + 0.5) / grid_per_m; }
+
+/// Meshes in the order of the materials.
+enum MeshSlot : std::size_t {
+  ground,
+  bark,
+  foliage,
+  first_wall,
+  first_roof = first_wall + wall_tints,
+  slots = first_roof + roof_tints
+};
+
+class TileBuilder {
+ public:
+  TileBuilder(const Relief& relief, const Settlement& settlement, std::uint32_t seed, const TileFrame& frame,
+              const TilePlan& plan)
+      : relief_(relief), settlement_(settlement), seed_(seed), frame_(frame), plan_(plan) {
+    const MapPoint middle{plan.min.e_m + plan.edge_m / 2, plan.min.n_m + plan.edge_m / 2};
+    origin_ = frame.place(middle, 0);
+    out_.model.meshes.resize(slots);
+    for (std::size_t i = 0; i < slots; ++i) out_.model.meshes[i].material = int(i);
+    out_.model.translation_m = {origin_[0], origin_[2], -origin_[1]};
+  }
+
+  TerrainTile build() {
+    add_ground();
+    if (plan_.with_objects) add_objects();
+    add_materials();
+    measure();
+    return std::move(out_);
+  }
+
+ private:
+  Corner local(MapPoint p, double height_m) const {
+    const auto at = frame_.place(p, height_m);
+    return {at[0] - origin_[0], at[1] - origin_[1], at[2] - origin_[2]};
+  }
+  MapPoint grid_point(int x, int y) const {
+    return {plan_.min.e_m + plan_.edge_m * x / plan_.quads, plan_.min.n_m + plan_.edge_m * y / plan_.quads};
+  }
+
+  void add_ground() {
+    GlbMesh& mesh = out_.model.meshes[ground];
+    const int points = plan_.quads + 1;
+    for (int y = 0; y < points; ++y)
+      for (int x = 0; x < points; ++x) {
+        const MapPoint p = grid_point(x, y);
+        const Corner c = local(p, relief_.height_m(p));
+        mesh.position.insert(mesh.position.end(), {float(c.e_m), float(c.u_m), float(-c.n_m)});
+        mesh.uv.push_back(std::uint16_t(65535.0 * x / plan_.quads + 0.5));
+        mesh.uv.push_back(std::uint16_t(65535.0 * (plan_.quads - y) / plan_.quads + 0.5));
+      }
+    for (int y = 0; y < plan_.quads; ++y)
+      for (int x = 0; x < plan_.quads; ++x) {
+        const auto a = std::uint32_t(y * points + x), b = a + 1, c = a + std::uint32_t(points), d = c + 1;
+        // Diagonals alternate: no direction of the ground is favoured.
+        if ((x + y) % 2 == 0)
+          mesh.index.insert(mesh.index.end(), {a, b, d, a, d, c});
+        else
+          mesh.index.insert(mesh.index.end(), {a, b, c, b, d, c});
+      }
+  }
+
+  void add_objects() {
+    const MapPoint max{plan_.min.e_m + plan_.edge_m, plan_.min.n_m + plan_.edge_m};
+    for (const House& h : settlement_.houses()) {
+      const MapPoint p = h.centre;
+      if (p.e_m >= plan_.min.e_m && p.e_m < max.e_m && p.n_m >= plan_.min.n_m && p.n_m < max.n_m) place_house(h);
+    }
+    for (const Tree& tree : settlement_.trees_in(plan_.min, max)) {
+      add_tree(tree, local(tree.foot, relief_.height_m(tree.foot)), out_.model.meshes[bark],
+               out_.model.meshes[foliage]);
+      ++out_.trees;
+    }
+  }
+
+  void place_house(const House& h) {
+    const Turn t = turn_of(h.heading_deg);
+    double lowest_m = 1e9, highest_m = -1e9;
+    for (const double x : {-0.5, 0.5})
+      for (const double y : {-0.5, 0.5}) {
+        const double dx = x * h.length_m, dy = y * h.depth_m;
+        const double height_m =
+            relief_.height_m({h.centre.e_m + dx * t.cosine - dy * t.sine, h.centre.n_m + dx * t.sine + dy * t.cosine});
+        lowest_m = std::min(lowest_m, height_m);
+        highest_m = std::max(highest_m, height_m);
+      }
+    const double floor_m = 0.5 * (lowest_m + highest_m) + 0.2;
+    const Corner floor = local(h.centre, floor_m);
+    add_house(h, {floor.e_m, floor.n_m}, floor.u_m - (floor_m - lowest_m) - 1, floor.u_m,
+              out_.model.meshes[first_wall + std::size_t(h.wall_tint)],
+              out_.model.meshes[first_roof + std::size_t(h.roof_tint)]);
+    ++out_.houses;
+  }
+
+  int add_image(const char* mime, std::vector<std::uint8_t> bytes) {
+    out_.model.images.push_back({mime, std::move(bytes)});
+    return int(out_.model.images.size()) - 1;
+  }
+
+  void add_materials() {
+    auto& m = out_.model.materials;
+    const Picture painted = paint_ground(relief_, settlement_, seed_, plan_.min, plan_.edge_m, plan_.texels);
+    m.push_back({"ground", add_image("image/jpeg", to_jpeg(painted, jpeg_quality)), {1, 1, 1, 1}, 0, false});
+    m.push_back({"bark", -1, {0.11, 0.075, 0.05, 1}, 0, false});
+    const int leaves = out_.trees == 0 ? -1 : add_image("image/png", to_png(paint_foliage(seed_ + 80)));
+    m.push_back({"foliage", leaves, {1, 1, 1, 1}, 0.5, true});
+    const int facade = out_.houses == 0 ? -1 : add_image("image/jpeg", to_jpeg(paint_facade(seed_ + 81), jpeg_quality));
+    const int tiles = out_.houses == 0 ? -1 : add_image("image/jpeg", to_jpeg(paint_roof(seed_ + 82), jpeg_quality));
+    for (const auto& colour : wall_colours) m.push_back({"wall", facade, colour, 0, false});
+    for (const auto& colour : roof_colours) m.push_back({"roof", tiles, colour, 0, true});
+  }
+
+  void measure() {
+    out_.min_m = {1e9, 1e9, 1e9};
+    out_.max_m = {-1e9, -1e9, -1e9};
+    for (const GlbMesh& mesh : out_.model.meshes) {
+      out_.triangles += mesh.index.size() / 3;
+      for (std::size_t i = 0; i < mesh.position.size(); i += 3) {
+        const double at[3] = {origin_[0] + double(mesh.position[i]), origin_[1] - double(mesh.position[i + 2]),
+                              origin_[2] + double(mesh.position[i + 1])};
+        for (std::size_t c = 0; c < 3; ++c) {
+          out_.min_m[c] = std::min(out_.min_m[c], at[c]);
+          out_.max_m[c] = std::max(out_.max_m[c], at[c]);
+        }
+      }
+    }
+  }
+
+  const Relief& relief_;
+  const Settlement& settlement_;
+  std::uint32_t seed_;
+  const TileFrame& frame_;
+  const TilePlan& plan_;
+  std::array<double, 3> origin_{};
+  TerrainTile out_;
+};
+
+}  // namespace
+
+std::array<double, 3> TileFrame::place(MapPoint p, double height_m) const {
+  if (earth == nullptr) return {on_grid(p.e_m), on_grid(p.n_m), on_grid(height_m)};
+  const Point<Enu> at = earth->enu(p, height_m);
+  return {on_grid(at.x), on_grid(at.y), on_grid(at.z)};
+}
+
+TerrainTile make_tile(const Relief& relief, const Settlement& settlement, std::uint32_t seed, const TileFrame& frame,
+                      const TilePlan& plan) {
+  return TileBuilder(relief, settlement, seed, frame, plan).build();
+}
+
+}  // namespace gigabake::sample
