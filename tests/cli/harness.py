@@ -1,0 +1,93 @@
+"""What the command-line tests share: running the program, small scenes, reading a PLY."""
+import json
+import os
+import struct
+import subprocess
+from pathlib import Path
+
+import numpy
+
+MPI_ENVIRONMENT = {
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "OMPI_MCA_plm_rsh_agent": "/bin/false",
+    "OMPI_MCA_rmaps_base_oversubscribe": "1",
+    "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
+}
+
+
+class Gigabake:
+    """The program under test."""
+
+    def __init__(self, executable):
+        self.executable = executable
+
+    def run(self, *arguments, ranks=None, timeout=300, **options):
+        command = [self.executable, *map(str, arguments)]
+        if ranks is not None:
+            command = ["mpirun", "-n", str(ranks)] + command
+        return subprocess.run(command, capture_output=True, text=True, timeout=timeout,
+                              env=dict(os.environ, **MPI_ENVIRONMENT), check=False, **options)
+
+    def succeed(self, *arguments, **options):
+        result = self.run(*arguments, **options)
+        assert result.returncode == 0, f"{arguments}: exit {result.returncode}\n{result.stdout}\n{result.stderr}"
+        return result.stdout
+
+    def bake(self, source, out, voxel_size, *arguments, **options):
+        self.succeed("bake", source, "-o", out, "--voxel-size", voxel_size, *arguments, **options)
+        return self.info(Path(out) / "scene.xml")
+
+    def info(self, scene):
+        return json.loads(self.succeed("info", scene, "--json"))
+
+
+def lod_hashes(info, lods=None):
+    return [lod["content_hash"] for lod in info["lods"]][:lods]
+
+
+def write_glb(path, positions, indices, colours=None, translation=(0, 0, 0)):
+    """Triangles in glTF's axes. positions: n × 3 floats; colours: n × 4 bytes, linear."""
+    positions = numpy.asarray(positions, "<f4")
+    indices = numpy.asarray(indices, "<u4").reshape(-1)
+    columns = [(positions, 5126, "VEC3", {"min": positions.min(0).tolist(), "max": positions.max(0).tolist()}),
+               (indices, 5125, "SCALAR", {})]
+    attributes = {"POSITION": 0}
+    if colours is not None:
+        attributes["COLOR_0"] = 2
+        columns.append((numpy.asarray(colours, "u1"), 5121, "VEC4", {"normalized": True}))
+    binary, views, accessors = b"", [], []
+    for data, component, kind, more in columns:
+        views.append({"buffer": 0, "byteOffset": len(binary), "byteLength": data.nbytes})
+        accessors.append({"bufferView": len(views) - 1, "componentType": component, "count": len(data), "type": kind, **more})
+        binary += data.tobytes()
+    document = {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "translation": list(translation)}],
+        "meshes": [{"primitives": [{"attributes": attributes, "indices": 1}]}],
+        "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": len(binary)}],
+    }
+    write_glb_document(path, document, binary)
+
+
+def write_glb_document(path, document, binary=b""):
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    binary += b"\0" * (-len(binary) % 4)
+    chunks = struct.pack("<II", len(text), 0x4E4F534A) + text
+    if binary:
+        chunks += struct.pack("<II", len(binary), 0x004E4942) + binary
+    Path(path).write_bytes(struct.pack("<III", 0x46546C67, 2, 12 + len(chunks)) + chunks)
+
+
+PLY_VERTEX = numpy.dtype([("p", "<f8", 3), ("ijk", "<i4", 3), ("rgba", "u1", 4), ("n", "<f4", 3)])
+
+
+def read_ply(path):
+    """The vertices, sorted by lattice index."""
+    content = Path(path).read_bytes()
+    header, body = content.split(b"end_header\n", 1)
+    count = int(header.split(b"element vertex ")[1].split(b"\n")[0])
+    vertices = numpy.frombuffer(body, PLY_VERTEX, count)
+    assert vertices.nbytes == len(body)
+    return vertices[numpy.lexsort(vertices["ijk"].T)]
