@@ -1,0 +1,276 @@
+#!/usr/bin/env python3
+"""Bad input ends in one clear line and the right exit code; nothing is lost, nothing is left half-written.
+
+Usage: bad_input_test.py GIGABAKE SOURCE_DIR
+"""
+import copy
+import json
+import os
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy
+
+import harness
+
+SQUARE = [[0, 0, 0], [4, 0, 0], [4, 0, -4], [0, 0, -4]]
+TWO = [0, 1, 2, 0, 2, 3]
+
+
+def document_of(glb):
+    content = Path(glb).read_bytes()
+    size = int.from_bytes(content[12:16], "little")
+    return json.loads(content[20:20 + size]), content[28 + size:]
+
+
+class BadInput(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.root = Path(self.folder.name)
+        self.source = self.root / "source"
+        self.source.mkdir()
+        self.good = self.source / "good.glb"
+        harness.write_glb(self.good, SQUARE, TWO)
+        self.out = self.root / "out"
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def bake(self, source, *arguments, **options):
+        return PROGRAM.run("bake", source, "-o", self.out, "--voxel-size", "0.5", *arguments, **options)
+
+    def expect_refusal(self, source, *words, code=1, arguments=(), **options):
+        """One line on standard error, no scene, no leftovers."""
+        result = self.bake(source, *arguments, **options)
+        self.assertEqual(result.returncode, code, result.stderr)
+        lines = [line for line in result.stderr.splitlines() if line.startswith("gigabake: ")]
+        self.assertEqual(len(lines), 1, result.stderr)
+        for word in words:
+            self.assertIn(word, lines[0])
+        self.assertFalse((self.out / "scene.xml").exists())
+        self.expect_no_leftovers()
+
+    def expect_loss(self, source, *words, cells=0, **options):
+        """Exit code 3, what is missing ends the log, everything else is there."""
+        result = self.bake(source, **options)
+        self.assertEqual(result.returncode, 3, result.stderr)
+        lines = result.stderr.strip().splitlines()
+        last = lines[-1] if "ranks" not in options else result.stderr  # mpirun adds words of its own
+        for word in words:
+            self.assertIn(word, last)
+        info = PROGRAM.info(self.out / "scene.xml")
+        self.assertEqual(len(info["losses"]), 1)
+        self.assertEqual(info["cells"], cells)
+        self.expect_no_leftovers()
+
+    def expect_no_leftovers(self):
+        self.assertEqual([p for p in self.root.rglob("*") if p.name.endswith(".part")], [])
+
+    def changed(self, change, name="bad.glb"):
+        """A GLB like the good one, its JSON changed."""
+        document, binary = document_of(self.good)
+        document = copy.deepcopy(document)
+        change(document)
+        path = self.root / "bad" / name
+        path.parent.mkdir(exist_ok=True)
+        harness.write_glb_document(path, document, binary)
+        return path
+
+    # Sources as a whole
+
+    def test_missing_source(self):
+        self.expect_refusal(self.root / "nowhere.glb", "nowhere.glb", "no such file")
+
+    def test_empty_folder(self):
+        (self.root / "empty").mkdir()
+        self.expect_refusal(self.root / "empty", "holds no .glb")
+
+    def test_file_of_another_kind(self):
+        (self.root / "scene.obj").write_text("v 0 0 0\n")
+        self.expect_refusal(self.root / "scene.obj", "expected a .glb")
+
+    def test_json_that_is_no_scene(self):
+        (self.root / "x.json").write_text('{"hello": 1}')
+        self.expect_refusal(self.root / "x.json", "expected a tileset")
+
+    def test_json_that_is_cut_off(self):
+        (self.root / "x.json").write_text('{"root": {"children": [')
+        self.expect_refusal(self.root / "x.json", "not valid JSON", "at byte")
+
+    def test_json_nested_too_deep(self):
+        (self.root / "x.json").write_text("[" * 100000)
+        self.expect_refusal(self.root / "x.json", "nested deeper", "at byte")
+
+    def test_tileset_that_includes_itself(self):
+        tileset = {"asset": {"version": "1.0"}, "geometricError": 1,
+                   "root": {"geometricError": 1, "refine": "ADD", "boundingVolume": {"sphere": [0, 0, 0, 9]},
+                            "content": {"uri": "tileset.json"}}}
+        (self.source / "tileset.json").write_text(json.dumps(tileset))
+        self.expect_refusal(self.source / "tileset.json", "includes itself")
+
+    def test_content_that_leaves_the_source_folder(self):
+        for uri in ("../../../../etc/passwd", "/etc/passwd", "file:///etc/passwd", "%2e%2e/%2e%2e/etc/passwd"):
+            tileset = {"asset": {"version": "1.0"}, "geometricError": 1,
+                       "root": {"geometricError": 1, "refine": "ADD", "boundingVolume": {"sphere": [0, 0, 0, 9]},
+                                "content": {"uri": uri}}}
+            (self.source / "tileset.json").write_text(json.dumps(tileset))
+            self.expect_refusal(self.source / "tileset.json", "content.uri")
+
+    # One content file
+
+    def test_truncated_file(self):
+        whole = self.good.read_bytes()
+        bad = self.root / "cut.glb"
+        for size in (3, 11, 19, 60, len(whole) - 1):
+            bad.write_bytes(whole[:size])
+            self.expect_loss(bad, "tile cut.glb")
+
+    def test_buffer_that_leaves_the_source_folder(self):
+        def change(document):
+            document["buffers"][0]["uri"] = "../../../../etc/passwd"
+        self.expect_loss(self.changed(change), "leaves the source folder")
+
+    def test_accessor_beyond_its_view(self):
+        def change(document):
+            document["accessors"][0]["count"] = 4000000000
+        self.expect_loss(self.changed(change), "accessors[0]")
+
+    def test_index_beyond_the_vertices(self):
+        harness.write_glb(self.root / "bad.glb", SQUARE, [0, 1, 2, 0, 2, 99])
+        self.expect_loss(self.root / "bad.glb", "index 5 is 99")
+
+    def test_nodes_in_a_circle(self):
+        def change(document):
+            document["nodes"] = [{"children": [1]}, {"children": [0], "mesh": 0}]
+        self.expect_loss(self.changed(change), "cycle")
+
+    def test_extension_that_is_required_and_lacking(self):
+        def change(document):
+            document["extensionsRequired"] = document["extensionsUsed"] = ["KHR_draco_mesh_compression"]
+        self.expect_loss(self.changed(change), "KHR_draco_mesh_compression")
+
+    def test_image_that_is_missing(self):
+        def change(document):
+            document["images"] = [{"uri": "gone.png"}]
+            document["textures"] = [{"source": 0}]
+            document["materials"] = [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]
+            document["meshes"][0]["primitives"][0]["material"] = 0
+        result = self.bake(self.changed(change))
+        self.assertEqual(result.returncode, 3)
+        self.assertIn("images[0]", result.stderr.splitlines()[-1])
+
+    def test_transform_that_overflows(self):
+        def change(document):
+            document["nodes"][0] = {"mesh": 0, "scale": [1e308, 1e308, 1e308], "children": [1]}
+            document["nodes"].append({"mesh": 0, "scale": [1e308, 1e308, 1e308]})
+        self.expect_loss(self.changed(change), "not finite")
+
+    def test_triangles_that_are_not_finite_or_have_no_area_are_dropped_and_counted(self):
+        nan, inf = float("nan"), float("inf")
+        positions = SQUARE + [[nan, 0, 0], [inf, 0, 0]]
+        indices = TWO + [0, 1, 4, 0, 1, 5, 0, 1, 1, 0, 0, 0]
+        document_path = self.root / "odd.glb"
+        harness.write_glb(document_path, SQUARE + [[0, 0, 0], [0, 0, 0]], indices)
+        document, binary = document_of(document_path)
+        broken = bytearray(binary)
+        broken[48:72] = struct.pack("<6f", *positions[4], *positions[5])
+        harness.write_glb_document(document_path, document, bytes(broken))
+        self.assertEqual(self.bake(document_path).returncode, 0)
+        info = PROGRAM.info(self.out / "scene.xml")
+        self.assertEqual((info["skipped"]["non_finite"], info["skipped"]["zero_area"]), (2, 2))
+        self.assertEqual(info["lods"][0]["voxels"], 64)
+
+    def test_points_and_lines_are_counted(self):
+        def change(document):
+            primitive = document["meshes"][0]["primitives"][0]
+            document["meshes"][0]["primitives"] += [dict(primitive, mode=0), dict(primitive, mode=3)]
+        self.assertEqual(self.bake(self.changed(change)).returncode, 0)
+        skipped = PROGRAM.info(self.out / "scene.xml")["skipped"]
+        self.assertEqual((skipped["points"], skipped["lines"]), (6, 5))
+
+    # Among good files
+
+    def test_one_bad_file_costs_itself_alone(self):
+        harness.write_glb(self.source / "far.glb", SQUARE, TWO, translation=(600, 0, 0))
+        (self.source / "middle.glb").write_bytes(b"glTF\2\0\0\0rubbish")
+        self.expect_loss(self.source, "middle.glb", cells=2)
+        self.expect_loss(self.source, "middle.glb", cells=2, ranks=3)
+
+    # Options
+
+    def test_wrong_options(self):
+        for arguments, word in ((("--voxel-size", "0"), "--voxel-size"), (("--voxel-size", "nan"), "--voxel-size"),
+                                (("--voxel-size", "-1"), "--voxel-size"), (("--voxel-size", "x"), "--voxel-size"),
+                                (("--cell-voxels", "100"), "--cell-voxels"), (("--surface", "solid"), "--surface"),
+                                (("--mip", "none"), "--mip"), (("--lattice-origin", "1,2"), "--lattice-origin"),
+                                (("--origin", "95,0,0"), "--origin"), (("--local", "--origin", "1,2,3"), "--local"),
+                                (("--memory", "1M"), "--memory"), (("--up", "w"), "--up")):
+            result = PROGRAM.run("bake", self.good, "-o", self.out, *(() if "--voxel-size" in arguments else ("--voxel-size", "1")),
+                                 *arguments)
+            self.assertEqual(result.returncode, 2, arguments)
+            self.assertIn(word, result.stderr)
+        self.assertFalse(self.out.exists())
+
+    def test_unknown_command_or_option(self):
+        self.assertEqual(PROGRAM.run("cook").returncode, 2)
+        self.assertEqual(PROGRAM.run("bake", self.good, "--fast").returncode, 2)
+        self.assertEqual(PROGRAM.run().returncode, 2)
+
+    # Where the result goes
+
+    def test_out_is_a_file(self):
+        self.out.write_text("mine")
+        result = self.bake(self.good)
+        self.assertEqual(result.returncode, 1)
+        self.assertEqual(self.out.read_text(), "mine")
+
+    def test_out_cannot_be_made(self):
+        result = PROGRAM.run("bake", self.good, "-o", "/proc/gigabake", "--voxel-size", "1")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("/proc/gigabake", result.stderr)
+
+    @unittest.skipIf(os.geteuid() == 0, "root writes anywhere")
+    def test_read_only_folder(self):
+        self.out.mkdir(mode=0o500)
+        self.expect_refusal(self.good, "out")
+
+    def test_full_disk_fails_the_cells_and_leaves_nothing_half_written(self):
+        self.out.mkdir()
+        mount = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=96k", "tmpfs", self.out], capture_output=True, text=True, check=False)
+        if mount.returncode != 0:
+            self.skipTest(f"cannot mount a small disk: {mount.stderr.strip()}")
+        try:
+            self.bake_on_full_disk()
+        finally:
+            subprocess.run(["umount", self.out], check=True)
+
+    def bake_on_full_disk(self):
+        random = numpy.random.default_rng(5)
+        grid = numpy.arange(101) * 0.04
+        x, z = numpy.meshgrid(grid, -grid)
+        positions = numpy.stack([x, 0 * x, z], -1).reshape(-1, 3)
+        corner = numpy.arange(100)[:, None] * 101 + numpy.arange(100)
+        squares = numpy.stack([corner, corner + 1, corner + 102, corner, corner + 102, corner + 101], -1)
+        harness.write_glb(self.root / "noise.glb", positions, squares, random.integers(0, 256, (len(positions), 4)))
+        result = PROGRAM.run("bake", self.root / "noise.glb", "-o", self.out, "--voxel-size", "0.01")
+        self.assertEqual(result.returncode, 3, result.stderr)
+        self.assertIn("cell c_0_0_0", result.stderr.splitlines()[-1])
+        self.assertIn("No space left", result.stderr.splitlines()[-1])
+        self.expect_no_leftovers()
+        self.assertEqual(list((self.out / "shards").iterdir()), [])
+
+    def test_a_bake_that_fails_leaves_the_previous_scene(self):
+        self.assertEqual(self.bake(self.good).returncode, 0)
+        before = (self.out / "scene.xml").read_bytes()
+        self.assertEqual(self.bake(self.root / "nowhere.glb").returncode, 1)
+        self.assertEqual((self.out / "scene.xml").read_bytes(), before)
+        self.assertEqual(PROGRAM.run("verify", self.out / "scene.xml").returncode, 0)
+
+
+if __name__ == "__main__":
+    PROGRAM = harness.Gigabake(sys.argv[1])
+    unittest.main(argv=sys.argv[:1])
