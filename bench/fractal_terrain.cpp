@@ -1,0 +1,114 @@
+// Writes the benchmark terrain: a fractal height field of 2·quads² triangles with vertex colours on one unit square.
+// At --voxel-size 1/2048 it has as many surface voxels as the terrain that the peers' figures in docs/performance.md
+// were measured on: about three for each column.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <fmt/core.h>
+#include <vector>
+
+#include "format/error.h"
+#include "format/publish.h"
+#include "format/sample/glb_writer.h"
+#include "format/sample/noise.h"
+
+using namespace gigabake;
+
+namespace {
+
+struct Options {
+  std::string out;
+  int quads = 1024;
+  std::uint32_t seed = 1;
+  double roughness = 0.128, persistence = 0.55;
+};
+
+/// Midpoint displacement (diamond-square). Source  Fournier, Fussell & Carpenter 1982.
+class HeightField {
+ public:
+  HeightField(const Options& o)
+      : points_(o.quads + 1), seed_(o.seed), height_(std::size_t(points_) * std::size_t(points_), 0.0) {
+    double reach = o.roughness;
+    for (int step = o.quads; step > 1; step /= 2, reach *= o.persistence) {
+      const int half = step / 2;
+      for (int y = half; y < points_; y += step)
+        for (int x = half; x < points_; x += step) displace(x, y, half, reach, true);
+      for (int y = 0; y < points_; y += half)
+        for (int x = (y / half) % 2 == 0 ? half : 0; x < points_; x += step) displace(x, y, half, reach, false);
+    }
+  }
+  double at(int x, int y) const { return height_[std::size_t(y) * std::size_t(points_) + std::size_t(x)]; }
+  int points() const { return points_; }
+
+ private:
+  /// The mean of the four neighbours at distance `half`, along the diagonals or the axes, plus a bell-shaped offset.
+  void displace(int x, int y, int half, double reach, bool diagonal) {
+    constexpr int straight[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}},
+                  slanted[4][2] = {{1, 1}, {-1, 1}, {1, -1}, {-1, -1}};
+    double sum = 0;
+    int count = 0;
+    for (const auto& d : diagonal ? slanted : straight) {
+      const int nx = x + d[0] * half, ny = y + d[1] * half;
+      if (nx < 0 || ny < 0 || nx >= points_ || ny >= points_) continue;
+      sum += at(nx, ny);
+      ++count;
+    }
+    double bell = -6;  // twelve uniforms: variance 1
+    for (int k = 0; k < 12; ++k) bell += sample::unit(sample::hash_of(seed_ + std::uint32_t(k), x, y));
+    height_[std::size_t(y) * std::size_t(points_) + std::size_t(x)] = sum / count + reach * bell;
+  }
+
+  int points_;
+  std::uint32_t seed_;
+  std::vector<double> height_;
+};
+
+sample::GlbMesh mesh_of(const HeightField& field) {
+  sample::GlbMesh mesh;
+  const int points = field.points(), quads = points - 1;
+  for (int y = 0; y < points; ++y)
+    for (int x = 0; x < points; ++x) {
+      const double h = field.at(x, y);
+      mesh.position.insert(mesh.position.end(), {float(double(x) / quads), float(h), float(-double(y) / quads)});
+      const double green = sample::clamp01(0.45 + 0.9 * h),
+                   red = sample::clamp01(0.35 + 0.6 * sample::noise(7, x / 40.0, y / 40.0));
+      mesh.rgba.insert(mesh.rgba.end(),
+                       {std::uint8_t(255 * red), std::uint8_t(255 * green), std::uint8_t(90), std::uint8_t(255)});
+    }
+  for (int y = 0; y < quads; ++y)
+    for (int x = 0; x < quads; ++x) {
+      const auto a = std::uint32_t(y * points + x), b = a + 1, c = a + std::uint32_t(points), d = c + 1;
+      mesh.index.insert(mesh.index.end(), {a, b, d, a, d, c});
+    }
+  return mesh;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App program{"Writes the benchmark's fractal terrain as a GLB: one unit wide, z up after gigabake's turn."};
+  Options o;
+  program.add_option("OUT", o.out, "GLB file to write")->required();
+  program.add_option("--quads", o.quads, "along an edge, a power of two")
+      ->capture_default_str()
+      ->check(CLI::Range(2, 8192));
+  program.add_option("--seed", o.seed)->capture_default_str();
+  program.add_option("--roughness", o.roughness, "of the largest step, of the edge")->capture_default_str();
+  program.add_option("--persistence", o.persistence, "roughness of a step over that of twice the step")
+      ->capture_default_str();
+  CLI11_PARSE(program, argc, argv);
+  try {
+    if ((o.quads & (o.quads - 1)) != 0) throw UsageError("--quads: expected a power of two");
+    sample::GlbModel model;
+    model.name = "fractal terrain";
+    model.materials.push_back({"ground", -1, {1, 1, 1, 1}, 0, false});
+    model.meshes.push_back(mesh_of(HeightField(o)));
+    const std::vector<std::uint8_t> glb = sample::to_glb(model);
+    publish_file(o.out, {reinterpret_cast<const char*>(glb.data()), glb.size()});
+    fmt::print("{}: {} triangles\n", o.out, model.meshes[0].index.size() / 3);
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "gigabake_fractal: {}\n", e.what());
+    return 1;
+  }
+  return 0;
+}
