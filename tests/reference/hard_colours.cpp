@@ -67,6 +67,40 @@ void vertex_colours_average_at_the_centroid() {
   expect_colour(only_voxel(scene), 1.0 / 3, 1.0 / 3, 1.0 / 3);
 }
 
+/// A mirror and its inverse on the vertices: the same triangle but for its winding, so every colour must be the same.
+void expect_mirroring_keeps_colours(BakeScene& scene, Part part) {
+  const VoxelMap plain = (scene.add_part(part), baked(scene));
+  EXPECT_GT(plain.size(), 20u);
+  for (std::size_t x = 0; x < part.position.size(); x += 3) part.position[x] = 2048 - part.position[x];
+  part.scene_from_local = {-1, 0, 0, 2048, 0, 1, 0, 0, 0, 0, 1, 0};
+  scene.parts().clear();
+  const VoxelMap mirrored = (scene.add_part(part), baked(scene));
+  ASSERT_EQ(positions_of(mirrored), positions_of(plain));
+  for (const auto& [position, voxel] : plain)
+    for (int c = 0; c < 4; ++c) ASSERT_NEAR(mirrored.at(position).rgba[c], voxel.rgba[c], 1);
+}
+
+void a_mirror_keeps_vertex_colours() {
+  BakeScene scene;
+  Part part;
+  part.position = {100, 100, 100, 1900, 300, 200, 700, 1800, 900};
+  part.index = {0, 1, 2};
+  part.rgba = {65535, 0, 0, 65535, 0, 65535, 0, 65535, 0, 0, 65535, 65535};
+  expect_mirroring_keeps_colours(scene, part);
+}
+
+void a_mirror_keeps_texture_coordinates() {
+  BakeScene scene;
+  std::vector<std::uint8_t> texels;
+  for (int i = 0; i < 64; ++i) texels.insert(texels.end(), {std::uint8_t(i * 4), std::uint8_t(255 - i * 3), 0, 255});
+  Part part;
+  part.material = scene.add_textured({}, texels, 8, 8);
+  part.position = {100, 100, 100, 1900, 300, 200, 700, 1800, 900};
+  part.index = {0, 1, 2};
+  part.uv = {0.1f, 0.1f, 0.9f, 0.2f, 0.3f, 0.8f};
+  expect_mirroring_keeps_colours(scene, part);
+}
+
 void transparent_is_absent() {
   BakeScene scene;
   scene.add_mesh(sheet_at(100), scene.add_colour({65535, 65535, 65535, 0}, AlphaMode::blend));
@@ -117,6 +151,8 @@ std::vector<HardValue> hard_colours() {
           {"contact-takes-colour", a_contact_takes_the_triangles_colour},
           {"contact-loses-against-area", a_contact_loses_against_area},
           {"vertex-colours-at-centroid", vertex_colours_average_at_the_centroid},
+          {"mirror-keeps-vertex-colours", a_mirror_keeps_vertex_colours},
+          {"mirror-keeps-texture", a_mirror_keeps_texture_coordinates},
           {"transparent-is-absent", transparent_is_absent},
           {"alpha-rounds-at-half-a-code", alpha_rounds_at_half_a_code},
           {"opaque-ignores-alpha", opaque_ignores_alpha},
