@@ -61,11 +61,11 @@ std::size_t element_bytes(Hdf5Type type) {
 
 Hdf5File::Hdf5File(std::filesystem::path path, Hdf5Id file) : path_(std::move(path)), file_(std::move(file)) {}
 
-Hdf5File Hdf5File::create(const std::filesystem::path& path) {
-  const Hdf5Call call{path, ""};
+Hdf5File Hdf5File::create(const std::filesystem::path& path, const std::filesystem::path& called) {
+  const Hdf5Call call{called, ""};
   silence_hdf5(call);
   const Hdf5Id access = access_properties(call);
-  return {path, call.id("H5Fcreate", H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose)};
+  return {called, call.id("H5Fcreate", H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose)};
 }
 
 Hdf5File Hdf5File::open(const std::filesystem::path& path) {

@@ -26,7 +26,8 @@ struct Hdf5Column {
 /// Cost    HDF5 serves one thread at a time; chunks are compressed and decompressed outside of it.
 class Hdf5File {
  public:
-  static Hdf5File create(const std::filesystem::path& path);
+  /// called: what messages call the file, where it is to get another name once it is whole.
+  static Hdf5File create(const std::filesystem::path& path, const std::filesystem::path& called);
   static Hdf5File open(const std::filesystem::path& path);
 
   void make_group(const std::string& name);

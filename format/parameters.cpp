@@ -18,6 +18,17 @@ NLOHMANN_JSON_SERIALIZE_ENUM(MipFilter, {{MipFilter::coverage, "coverage"},
                                          {MipFilter::thesis, "thesis"},
                                          {MipFilter::box, "box"}})
 
+namespace {
+
+/// The library takes an unknown name for the first one.
+template <class Enum>
+void get_named(const Json& j, const char* key, Enum& value) {
+  j.at(key).get_to(value);
+  if (Json(value) != j.at(key)) throw InputError("parameters", key, "unknown value " + j.at(key).dump());
+}
+
+}  // namespace
+
 std::string to_json(const BakeParameters& p) {
   Json j;
   j["voxel_size_m"] = p.voxel_size_m;
@@ -36,8 +47,8 @@ BakeParameters parameters_from_json(const std::string& json) {
     j.at("voxel_size_m").get_to(p.voxel_size_m);
     j.at("lattice_origin_m").get_to(p.lattice_origin_m);
     j.at("cell_voxels").get_to(p.cell_voxels);
-    j.at("surface").get_to(p.surface);
-    j.at("mip").get_to(p.mip);
+    get_named(j, "surface", p.surface);
+    get_named(j, "mip", p.mip);
     j.at("normals").get_to(p.normals);
   } catch (const nlohmann::json::exception& e) {
     throw InputError("parameters", "", e.what());

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "format/error.h"
+#include "format/shard_reader.h"
+
 namespace gigabake {
 
 SceneTotals::SceneTotals(const SceneDescription& scene) {
@@ -15,6 +18,19 @@ SceneTotals::SceneTotals(const SceneDescription& scene) {
     }
     bytes += c.bytes;
   }
+}
+
+StoredBytes stored_bytes(const std::filesystem::path& scene_xml, const SceneDescription& scene) {
+  StoredBytes bytes;
+  for (const SceneCell& c : scene.cells) {
+    const std::filesystem::path path = scene_xml.parent_path() / c.file;
+    const ShardReader reader(path);
+    if (reader.header().lods != c.lods) throw InputError(path, "lods", "differs from scene.xml; run gigabake verify");
+    bytes.of_lod.resize(std::max<std::size_t>(bytes.of_lod.size(), c.lods), 0);
+    for (std::size_t lod = 0; lod < c.lods; ++lod) bytes.of_lod[lod] += reader.level_bytes(int(lod));
+    bytes.of_nodes += reader.node_bytes();
+  }
+  return bytes;
 }
 
 }  // namespace gigabake

@@ -2,13 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <vector>
 
 #include "format/scene_xml.h"
 
 namespace gigabake {
 
-/// Indexed by lod, up to the highest that any cell has.
+/// What scene.xml says. Indexed by lod, up to the highest that any cell has.
 struct SceneTotals {
   explicit SceneTotals(const SceneDescription& scene);
   std::vector<std::uint64_t> voxels;
@@ -16,5 +17,14 @@ struct SceneTotals {
   Hash128 all_content;  ///< of all lods
   std::uint64_t bytes = 0;
 };
+
+/// Compressed sizes on disk. The rest of the shards' bytes is HDF5's own: headers, indexes, attributes.
+struct StoredBytes {
+  std::vector<std::uint64_t> of_lod;
+  std::uint64_t of_nodes = 0;
+};
+
+/// Cost    Opens every shard, reads no voxels. Errors  InputError: a shard is missing or damaged.
+StoredBytes stored_bytes(const std::filesystem::path& scene_xml, const SceneDescription& scene);
 
 }  // namespace gigabake

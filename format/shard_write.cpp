@@ -30,26 +30,31 @@ void write_header(Hdf5File& file, const ShardHeader& h) {
   file.write_attribute("triangles", Hdf5Type::u64, &h.triangles, 0);
 }
 
+/// As many rows as `values` fill.
+template <class T>
+void write_rows(Hdf5File& file, const Hdf5Column& column, const std::vector<T>& values, int threads) {
+  file.write_column(column, values.data(), values.size() * sizeof(T) / column.row_bytes(), threads);
+}
+
 void write_nodes(Hdf5File& file, const NodeTable& n, int threads) {
   const NodeColumns columns;
-  const std::size_t rows = n.key.size();
   file.make_group("/nodes");
-  file.write_column(columns.key, n.key.data(), rows, threads);
-  file.write_column(columns.lod, n.lod.data(), rows, threads);
-  file.write_column(columns.kind, n.kind.data(), rows, threads);
-  file.write_column(columns.child_mask, n.child_mask.data(), rows, threads);
-  file.write_column(columns.first_child, n.first_child.data(), rows, threads);
-  file.write_column(columns.value, n.value.data(), rows, threads);
-  file.write_column(columns.normal, n.normal.data(), rows, threads);
+  write_rows(file, columns.key, n.key, threads);
+  write_rows(file, columns.lod, n.lod, threads);
+  write_rows(file, columns.kind, n.kind, threads);
+  write_rows(file, columns.child_mask, n.child_mask, threads);
+  write_rows(file, columns.first_child, n.first_child, threads);
+  write_rows(file, columns.value, n.value, threads);
+  write_rows(file, columns.normal, n.normal, threads);
 }
 
 void write_level(Hdf5File& file, const BrickLevel& level, int lod, bool has_normals, int threads) {
   const LevelColumns columns(lod);
   file.make_group(columns.group);
-  file.write_column(columns.mask, level.mask.data(), level.mask.size() / 8, threads);
-  file.write_column(columns.first, level.first.data(), level.first.size(), threads);
-  file.write_column(columns.rgba, level.rgba.data(), level.rgba.size() / 4, threads);
-  if (has_normals) file.write_column(columns.normal, level.normal.data(), level.normal.size() / 2, threads);
+  write_rows(file, columns.mask, level.mask, threads);
+  write_rows(file, columns.first, level.first, threads);
+  write_rows(file, columns.rgba, level.rgba, threads);
+  if (has_normals) write_rows(file, columns.normal, level.normal, threads);
 }
 
 }  // namespace
@@ -57,7 +62,7 @@ void write_level(Hdf5File& file, const BrickLevel& level, int lod, bool has_norm
 std::uint64_t write_shard(const std::filesystem::path& path, const Shard& shard, const ShardWriteOptions& options) {
   Publication publication(path);
   {
-    Hdf5File file = Hdf5File::create(publication.aside());
+    Hdf5File file = Hdf5File::create(publication.aside(), path);
     write_header(file, shard.header);
     write_nodes(file, shard.nodes, options.threads);
     for (std::size_t lod = 0; lod < shard.levels.size(); ++lod)
