@@ -49,6 +49,7 @@ struct CastRay {
 /// A pixel's line of sight.
 struct CastLine {
   double origin[3], direction[3];  ///< unit
+  double inverse[3];               ///< 1 / direction
   double enter, leave;             ///< distances between which the scene's box lies; enter > leave: misses it
   double lod1_distance;
 };
@@ -67,7 +68,7 @@ GB_HD void clip_to_box(CastLine& line, int axis, double low, double high) {
     if (o < low || o > high) line.leave = -1;
     return;
   }
-  const double a = (low - o) / d, b = (high - o) / d;
+  const double a = (low - o) * line.inverse[axis], b = (high - o) * line.inverse[axis];
   line.enter = std::fmax(line.enter, a < b ? a : b);
   line.leave = std::fmin(line.leave, a < b ? b : a);
 }
@@ -88,6 +89,7 @@ GB_HD CastLine line_of_sight(const CastScene& scene, const CastCamera& camera, i
   line.lod1_distance = camera.lod1_depth * length;
   for (int a = 0; a < 3; ++a) {
     line.direction[a] /= length;
+    line.inverse[a] = 1 / line.direction[a];
     clip_to_box(line, a, scene.min[a] - border, scene.max[a] + border);
   }
   return line;
@@ -109,21 +111,33 @@ GB_HD CastRay start_ray(const CastScene& scene, const CastLine& line) {
   return ray;
 }
 
-/// The field is zero in an empty box but for its outer half voxel.
-GB_HD bool far_from_sides(const CastPlace& box, const double p[3], double half_voxel) {
-  for (int a = 0; a < 3; ++a)
-    if (p[a] < double(box.min[a]) + half_voxel || p[a] > double(box.max[a]) - half_voxel) return false;
-  return true;
+/// The part of an empty box where the field is zero: what lies beyond a side reaches half a voxel in.
+struct EmptyBox {
+  double min[3], max[3];
+
+  GB_HD bool contains(const double p[3]) const {
+    return p[0] >= min[0] && p[0] <= max[0] && p[1] >= min[1] && p[1] <= max[1] && p[2] >= min[2] && p[2] <= max[2];
+  }
+};
+
+GB_HD EmptyBox without_rim(const CastPlace& place, int lod) {
+  const double rim = 0.5 * double(std::int64_t(1) << lod);
+  EmptyBox box;
+  for (int a = 0; a < 3; ++a) {
+    box.min[a] = double(place.min[a]) + rim;
+    box.max[a] = double(place.max[a]) - rim;
+  }
+  return box;
 }
 
-/// The first point that may lie outside of the box's inner part. A millionth of a step guards against rounding: a point
-/// too many costs time, a point too few would show.
-GB_HD std::int64_t step_beyond(const CastLine& line, const CastPlace& box, double half_voxel, const CastRay& ray) {
-  double leave = line.leave + 2 * half_voxel;
+/// The first point that may lie outside of the box. A millionth of a step guards against rounding: a point too many
+/// costs time, a point too few would show.
+GB_HD std::int64_t step_beyond(const CastLine& line, const EmptyBox& box, const CastRay& ray) {
+  double leave = line.leave + step_length(ray.lod);
   for (int a = 0; a < 3; ++a) {
     if (line.direction[a] == 0) continue;
-    const double side = line.direction[a] > 0 ? double(box.max[a]) - half_voxel : double(box.min[a]) + half_voxel;
-    leave = std::fmin(leave, (side - line.origin[a]) / line.direction[a]);
+    const double side = line.direction[a] > 0 ? box.max[a] : box.min[a];
+    leave = std::fmin(leave, (side - line.origin[a]) * line.inverse[a]);
   }
   const double step = std::ceil((leave - lod_start(line, ray.lod)) / step_length(ray.lod) - (0.5 + 1e-6));
   return step > double(ray.step + 1) ? std::int64_t(step) : ray.step + 1;
@@ -145,42 +159,60 @@ GB_HD void finish_opaque(CastRay& ray) {
   ray.lod = -1;
 }
 
+/// Where a ray is, and where it just was or is about to be: neighbouring points share them.
+struct CastPlaces {
+  CastPlace here, there;
+
+  GB_HD void move_to(const CastScene& scene, int lod, const std::int64_t v[3]) {
+    if (here.contains(v)) return;
+    const CastPlace left = here;
+    here = there.contains(v) ? there : locate(scene, lod, v, left);
+    there = left;
+  }
+};
+
+/// Looks at one point and goes on to the next one worth looking at. False: a page is missing.
+GB_HD bool step_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, double distance,
+                    CastPlaces& places, CastRay& ray) {
+  double p[3];
+  std::int64_t v[3];
+  for (int a = 0; a < 3; ++a) {
+    p[a] = line.origin[a] + line.direction[a] * distance;
+    v[a] = std::int64_t(std::floor(p[a]));
+  }
+  places.move_to(scene, ray.lod, v);
+  ray.missing = places.here.missing;
+  if (ray.missing != no_page) return false;
+  if (places.here.empty()) {
+    const EmptyBox box = without_rim(places.here, ray.lod);
+    if (box.contains(p)) {
+      ray.step = step_beyond(line, box, ray);
+      return true;
+    }
+  }
+  CastSample sample;
+  ray.missing = sample_field(scene, ray.lod, p, places.here, places.there, sample);
+  if (ray.missing != no_page) return false;
+  ++ray.step;
+  if (sample.c[3] > 0) composite(sample, distance, camera.haze, ray);
+  if (ray.transmittance < 1.0f / 1024) finish_opaque(ray);
+  return true;
+}
+
 /// Goes on until the ray is finished (lod = -1) or a page is missing.
 GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, CastRay& ray) {
-  CastPlace place;
-  place.max[0] = place.min[0] = 0;  // an empty box: nothing is known yet
-  ray.missing = no_page;
+  CastPlaces places;
   while (ray.lod >= 0) {
-    const double start = lod_start(line, ray.lod), length = step_length(ray.lod);
-    const double distance = start + (double(ray.step) + 0.5) * length;
+    const double distance = lod_start(line, ray.lod) + (double(ray.step) + 0.5) * step_length(ray.lod);
     if (distance > line.leave) {
       ray.lod = -1;
-      return;
-    }
-    if (ray.lod + 1 < scene.lods && distance >= lod_start(line, ray.lod + 1)) {
+    } else if (ray.lod + 1 < scene.lods && distance >= lod_start(line, ray.lod + 1)) {
       ++ray.lod;
       ray.step = 0;
-      place.max[0] = place.min[0];
-      continue;
+      places = CastPlaces();
+    } else if (!step_ray(scene, camera, line, distance, places, ray)) {
+      return;
     }
-    double p[3];
-    std::int64_t v[3];
-    for (int a = 0; a < 3; ++a) {
-      p[a] = line.origin[a] + line.direction[a] * distance;
-      v[a] = std::int64_t(std::floor(p[a]));
-    }
-    if (!place.contains(v)) place = locate(scene, ray.lod, v);
-    CastSample sample;
-    ray.missing = place.missing;
-    if (ray.missing == no_page && place.empty() && far_from_sides(place, p, length)) {
-      ray.step = step_beyond(line, place, length, ray);
-      continue;
-    }
-    if (ray.missing == no_page) ray.missing = sample_field(scene, ray.lod, p, place, sample);
-    if (ray.missing != no_page) return;
-    if (sample.c[3] > 0) composite(sample, distance, camera.haze, ray);
-    if (ray.transmittance < 1.0f / 1024) return finish_opaque(ray);
-    ++ray.step;
   }
 }
 

@@ -51,8 +51,9 @@ GB_HD std::uint64_t column_key(std::uint32_t x, std::uint32_t y) { return spread
 
 /// The answer holds for every voxel of the box [min, max). Neither brick nor constant: nothing is there.
 struct CastPlace {
-  std::int64_t min[3], max[3];
-  std::int64_t cell_min[3];  ///< the cell's corner, which the levels are aligned with; 0 outside of all cells
+  std::int64_t min[3] = {0, 0, 0}, max[3] = {0, 0, 0};
+  std::uint32_t cell = no_page;          ///< that holds it; no_page: none
+  std::int64_t cell_min[3] = {0, 0, 0};  ///< its corner, which the levels are aligned with; 0 outside of all cells
   const CastBrick* brick = nullptr;
   const CastVoxel* voxels = nullptr;    ///< of the brick's level
   const CastVoxel* constant = nullptr;  ///< instead of a brick: the value of every voxel
@@ -178,12 +179,17 @@ GB_HD void descend(const CastScene& scene, std::uint32_t index, int lod, const s
   place.voxels = level.voxels;
 }
 
-/// v: any lod-0 voxel inside the wanted voxel of level `lod`.
-GB_HD CastPlace locate(const CastScene& scene, int lod, const std::int64_t v[3]) {
+/// v: any lod-0 voxel inside the wanted voxel of level `lod`. last: an earlier answer, whose cell is tried first.
+GB_HD CastPlace locate(const CastScene& scene, int lod, const std::int64_t v[3], const CastPlace& last) {
   CastPlace place;
-  place.cell_min[0] = place.cell_min[1] = place.cell_min[2] = 0;
-  std::uint32_t cell;
-  if (find_cell(scene, v, place, cell)) descend(scene, cell, lod, v, place);
+  place.cell = last.cell;
+  const bool same_cell =
+      last.cell != no_page &&
+      (((v[0] - last.cell_min[0]) | (v[1] - last.cell_min[1]) | (v[2] - last.cell_min[2])) >> scene.cell_bits) == 0;
+  if (same_cell || find_cell(scene, v, place, place.cell))
+    descend(scene, place.cell, lod, v, place);
+  else
+    place.cell = no_page;
   return place;
 }
 

@@ -81,28 +81,47 @@ GB_HD bool corners_in_brick(const CastBrick& brick, const CastVoxel* voxels, int
   return true;
 }
 
-/// The eight from wherever they are. Bits of `crossing`: the axes along which the two sides lie in different bricks.
-/// Returns the page that is missing, or no_page.
+/// The eight from wherever they are; `there` remembers the latest place besides `here`, for the next point.
+/// Bits of `crossing`: the axes along which the two sides do not both lie in `here`.
+/// seen: whether any of them may be there. Returns the page that is missing, or no_page.
 GB_HD std::uint32_t gather_corners(const CastScene& scene, int lod, const CastCorners& around, const CastPlace& here,
-                                   unsigned crossing, CastVoxel corner[8]) {
+                                   CastPlace& there, unsigned crossing, CastVoxel corner[8], bool& seen) {
   const std::int64_t edge = std::int64_t(1) << lod;
-  CastPlace place = here;
   for (unsigned group = 0;; group = (group - crossing) & crossing) {
     for (unsigned c = 0; c < 8; ++c) {
       if ((c & crossing) != group) continue;
       const std::int64_t v[3] = {around.base[0] + (c & 1 ? edge : 0), around.base[1] + (c & 2 ? edge : 0),
                                  around.base[2] + (c & 4 ? edge : 0)};
-      if (!place.contains(v)) place = here.contains(v) ? here : locate(scene, lod, v);
+      const bool is_here = here.contains(v);
+      if (!is_here && !there.contains(v)) there = locate(scene, lod, v, here);
+      const CastPlace& place = is_here ? here : there;
       if (place.missing != no_page) return place.missing;
+      seen |= !place.empty();
       corner[c] = value_at(place, lod, v);
     }
     if (group == crossing) return no_page;
   }
 }
 
-/// The field at p; zero where nothing is near. `here`: the place of p. Returns the page that is missing, or no_page.
+/// The most frequent case of gather_corners(): from one empty box through a side into the next.
+GB_HD bool nothing_there(const CastScene& scene, int lod, const CastCorners& around, const CastPlace& here,
+                         CastPlace& there, unsigned crossing) {
+  if ((crossing & (crossing - 1)) != 0) return false;
+  const std::int64_t edge = std::int64_t(1) << lod;
+  std::int64_t low[3], high[3];  // the four corners beyond the side
+  for (int a = 0; a < 3; ++a) {
+    const bool crossed = crossing == 1u << a, below = around.base[a] < here.min[a];
+    low[a] = around.base[a] + (crossed && !below ? edge : 0);
+    high[a] = around.base[a] + (crossed && below ? 0 : edge);
+  }
+  if (!there.contains(low)) there = locate(scene, lod, low, here);
+  return there.empty() && there.missing == no_page && there.contains(high);
+}
+
+/// The field at p; zero where nothing is near. `here`: the place of p; `there`: see gather_corners(). Returns the page
+/// that is missing, or no_page.
 GB_HD std::uint32_t sample_field(const CastScene& scene, int lod, const double p[3], const CastPlace& here,
-                                 CastSample& sample) {
+                                 CastPlace& there, CastSample& sample) {
   const CastCorners around = corners_around(p, lod, here.cell_min);
   const std::int64_t edge = std::int64_t(1) << lod;
   unsigned crossing = 0;
@@ -110,8 +129,10 @@ GB_HD std::uint32_t sample_field(const CastScene& scene, int lod, const double p
     if (around.base[a] < here.min[a] || around.base[a] + edge >= here.max[a]) crossing |= 1u << a;
   CastVoxel corner[8];
   if (crossing != 0) {
-    const std::uint32_t missing = gather_corners(scene, lod, around, here, crossing, corner);
-    if (missing != no_page) return missing;
+    if (here.empty() && nothing_there(scene, lod, around, here, there, crossing)) return no_page;
+    bool seen = false;
+    const std::uint32_t missing = gather_corners(scene, lod, around, here, there, crossing, corner, seen);
+    if (missing != no_page || !seen) return missing;
   } else if (here.brick != nullptr) {
     if (!corners_in_brick(*here.brick, here.voxels, int((around.base[0] - here.min[0]) >> lod),
                           int((around.base[1] - here.min[1]) >> lod), int((around.base[2] - here.min[2]) >> lod),

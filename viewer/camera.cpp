@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "format/brick_walk.h"
 #include "format/error.h"
@@ -72,18 +73,29 @@ Axes look(const Vector& forward, const std::optional<Point<Scene>>& up) {
 /// From the south-east, about 30° above the ground.
 const Vector oblique_view{-0.62, 0.60, -0.505};
 
-/// How far back from `target` all corners of the box come into the picture.
-double framing_distance(const VoxelBox& box, const Vector& target, const Axes& axes, double tan_x, double tan_y) {
-  double distance = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    Vector p;
-    for (std::size_t a = 0; a < 3; ++a) p[a] = corner >> a & 1 ? box.max[a] : box.min[a];
-    const Vector d = p - target;
-    const double aside = std::max(std::fabs(dot(d, axes.right)) / tan_x, std::fabs(dot(d, axes.up)) / tan_y);
-    distance = std::max(distance, aside - dot(d, axes.forward));
+/// Where the camera stands to see every corner of the box, as near as it can: the frustum's four sides each touch one.
+/// With a target it looks straight at that. The picture keeps a margin.
+Vector framing_eye(const VoxelBox& box, const std::optional<Vector>& target, const Axes& axes, double tan_x,
+                   double tan_y) {
+  constexpr double margin = 0.97;
+  double depth = HUGE_VAL;
+  Vector eye{};
+  for (const auto& [side, tan] : {std::pair{axes.right, tan_x * margin}, std::pair{axes.up, tan_y * margin}}) {
+    double low = HUGE_VAL, high = -HUGE_VAL;  // where the frustum's two sides through the box cut the plane of depth 0
+    for (int corner = 0; corner < 8; ++corner) {
+      Vector p;
+      for (std::size_t a = 0; a < 3; ++a) p[a] = corner >> a & 1 ? box.max[a] : box.min[a];
+      low = std::min(low, dot(p, side) + tan * dot(p, axes.forward));
+      high = std::max(high, dot(p, side) - tan * dot(p, axes.forward));
+    }
+    const double middle = target ? dot(*target, side) : (low + high) / 2;
+    depth = std::min({depth, (low - middle) / tan, (middle - high) / tan});
+    eye = eye + side * middle;
   }
-  return distance * 1.02;
+  return eye + axes.forward * depth;
 }
+
+Vector middle(const VoxelBox& box) { return (box.min + box.max) * 0.5; }
 
 void set(double out[3], const Vector& v) { std::copy(v.begin(), v.end(), out); }
 
@@ -111,22 +123,21 @@ kernels::CastCamera make_camera(const CameraOptions& options, const SceneDescrip
   check_options(options);
   const double tan_y = std::tan(options.fovy_deg * (std::numbers::pi / 360));
   const double tan_x = tan_y * options.width / options.height;
-  std::optional<VoxelBox> box;
-  if (!options.eye_m || !options.target_m) box = occupied_box(scene, reader);
-  const Vector target =
-      options.target_m ? to_voxels(*options.target_m, scene, "--target") : (box->min + box->max) * 0.5;
-  Vector eye;
-  if (options.eye_m) {
-    eye = to_voxels(*options.eye_m, scene, "--eye");
+  std::optional<Vector> target, eye;
+  if (options.target_m) target = to_voxels(*options.target_m, scene, "--target");
+  if (options.eye_m) eye = to_voxels(*options.eye_m, scene, "--eye");
+  Vector forward = unit(oblique_view);
+  if (!eye) {
+    eye = framing_eye(occupied_box(scene, reader), target, look(forward, options.up), tan_x, tan_y);
   } else {
-    const Axes axes = look(unit(oblique_view), options.up);
-    eye = target - axes.forward * framing_distance(*box, target, axes, tan_x, tan_y);
+    if (!target) target = middle(occupied_box(scene, reader));
+    if (*target == *eye) throw UsageError("--target: the same place as --eye; there is no direction to look");
+    forward = unit(*target - *eye);
   }
-  if (!(length(target - eye) > 0)) throw UsageError("--target: the same place as --eye; there is no direction to look");
-  const Axes axes = look(unit(target - eye), options.up);
+  const Axes axes = look(forward, options.up);
 
   kernels::CastCamera camera;
-  set(camera.eye, eye);
+  set(camera.eye, *eye);
   set(camera.forward, axes.forward);
   set(camera.right, axes.right * tan_x);
   set(camera.up, axes.up * tan_y);

@@ -12,7 +12,7 @@
 namespace gigabake {
 
 struct CameraOptions {
-  std::optional<Point<Scene>> eye_m;     ///< default: south-east of the target, far enough to see the whole scene
+  std::optional<Point<Scene>> eye_m;     ///< default: in the south-east, just far enough to see the whole scene
   std::optional<Point<Scene>> target_m;  ///< default: the middle of what there is
   std::optional<Point<Scene>> up;        ///< default: z; north where the camera looks straight up or down
   double fovy_deg = 40;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "format/parameters.h"
 #include "kernels/tables.h"
 
 namespace gigabake {
@@ -16,10 +17,18 @@ void require(bool condition, const char* what) {
   if (!condition) throw std::invalid_argument(what);
 }
 
+/// The coverage a of a flat layer whose next coarser level is stored as the mean over the axes: (a + 2(a - a²/2)) / 3.
+double facing_coverage_below(double mean) { return mean >= 2.0 / 3 ? 1 : (3 - std::sqrt(9 - 12 * mean)) / 2; }
+
+std::uint16_t encoded_extinction(double coverage) {
+  if (coverage >= 1) return 65535;
+  return kernels::to_unorm16(float(-std::log1p(-coverage) / kernels::opaque_extinction * 65535));
+}
+
 std::uint32_t add_constant(const NodeTable& table, std::size_t n, const Shading& shading, NodePage& page) {
   std::uint8_t rgba[4];
   for (int c = 0; c < 4; ++c) rgba[c] = std::uint8_t(table.value[n] >> (8 * c));
-  page.constants.push_back(shading(rgba, table.normal[n].data()));
+  page.constants.push_back(shading(table.lod[n], rgba, table.normal[n].data()));
   return std::uint32_t(page.constants.size() - 1);
 }
 
@@ -47,27 +56,31 @@ std::uint64_t voxels_in(const std::uint64_t* mask) {
   return voxels;
 }
 
-void make_brick(const BrickLevel& level, std::size_t b, const Shading& shading, LevelPage& page) {
+void make_brick(const BrickLevel& level, int lod, std::size_t b, const Shading& shading, LevelPage& page) {
   kernels::CastBrick& brick = page.bricks[b];
   std::copy_n(&level.mask[brick_edge * b], brick_edge, brick.mask);
   brick.before = ranks_of_words(brick.mask);
   brick.first = level.first[b];
   for (std::uint64_t v = level.first[b]; v < level.first[b + 1]; ++v)
-    page.voxels[v] = shading(&level.rgba[4 * v], level.normal.empty() ? nullptr : &level.normal[2 * v]);
+    page.voxels[v] = shading(lod, &level.rgba[4 * v], level.normal.empty() ? nullptr : &level.normal[2 * v]);
 }
 
 }  // namespace
 
-Shading::Shading(const kernels::CastLight& light, bool has_normals) : light_(light), has_normals_(has_normals) {
-  for (int coverage = 0; coverage < 255; ++coverage)
-    extinction_[std::size_t(coverage)] =
-        kernels::to_unorm16(float(-std::log1p(-coverage / 255.0) / kernels::opaque_extinction * 65535));
-  extinction_[255] = 65535;
+Shading::Shading(const kernels::CastLight& light, const SceneDescription& scene)
+    : light_(light), has_normals_(scene.has_normals) {
+  const bool averaged = parameters_from_json(scene.parameters).mip == MipFilter::coverage;
+  for (int lod = 0; lod < kernels::max_cast_lods; ++lod)
+    for (int stored = 0; stored < 256; ++stored) {
+      double coverage = stored / 255.0;
+      for (int l = 0; l < lod && averaged; ++l) coverage = facing_coverage_below(coverage);
+      extinction_[std::size_t(lod)][std::size_t(stored)] = encoded_extinction(coverage);
+    }
 }
 
-kernels::CastVoxel Shading::operator()(const std::uint8_t rgba[4], const std::int8_t* normal) const {
+kernels::CastVoxel Shading::operator()(int lod, const std::uint8_t rgba[4], const std::int8_t* normal) const {
   return kernels::shade_voxel(rgba, has_normals_ ? normal : nullptr, light_, kernels::TableStore::host().view(),
-                              extinction_.data());
+                              extinction_[std::size_t(lod)].data());
 }
 
 std::uint64_t NodePage::bytes() const {
@@ -106,7 +119,7 @@ NodePage make_node_page(const NodeTable& table, int lods, const Shading& shading
   return page;
 }
 
-LevelPage make_level_page(const BrickLevel& level, std::size_t bricks, const Shading& shading,
+LevelPage make_level_page(const BrickLevel& level, int lod, std::size_t bricks, const Shading& shading,
                           const kernels::CpuPolicy& policy) {
   require(level.mask.size() == bricks * brick_edge && level.first.size() == bricks + 1,
           "the level's bricks are not those that the nodes name");
@@ -120,7 +133,7 @@ LevelPage make_level_page(const BrickLevel& level, std::size_t bricks, const Sha
   page.bricks.resize(bricks);
   page.voxels.resize(level.rgba.size() / 4);
   policy.parallel_for(bricks, bricks_per_range, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t b = begin; b < end; ++b) make_brick(level, b, shading, page);
+    for (std::size_t b = begin; b < end; ++b) make_brick(level, lod, b, shading, page);
   });
   return page;
 }

@@ -12,7 +12,7 @@ PageCache::PageCache(const SceneDescription& scene, std::filesystem::path scene_
                      const Options& options, const kernels::CpuPolicy& policy)
     : scene_path_(std::move(scene_path)),
       reader_(std::move(reader)),
-      shading_(options.light, scene.has_normals),
+      shading_(options.light, scene),
       memory_bytes_(options.memory_bytes),
       policy_(policy),
       layout_(lay_out_cells(scene, scene_path_)),
@@ -35,8 +35,8 @@ PageCache::Resident PageCache::read(std::uint32_t page) const {
       resident.bytes = resident.nodes.bytes();
     } else {
       const NodePage& nodes = residents_.at(kernels::node_page(cell)).nodes;
-      resident.level = make_level_page(reader_.level(layout_.scene_cell[cell], lod), nodes.bricks[std::size_t(lod)],
-                                       shading_, policy_);
+      resident.level = make_level_page(reader_.level(layout_.scene_cell[cell], lod), lod,
+                                       nodes.bricks[std::size_t(lod)], shading_, policy_);
       resident.bytes = resident.level.bytes();
     }
   } catch (const std::invalid_argument& e) {

@@ -17,7 +17,7 @@ std::array<float, 3> mix(const std::array<float, 3>& a, const std::array<float, 
 
 }  // namespace
 
-kernels::CastLight daylight() {
+kernels::CastLight afternoon_light() {
   const double degree = std::numbers::pi / 180;
   const double azimuth = sun_azimuth_deg * degree, elevation = sun_elevation_deg * degree;
   kernels::CastLight light;
@@ -39,10 +39,10 @@ std::array<float, 3> sky_colour(const std::array<double, 3>& direction) {
   return mix(horizon, nadir, float(-z));
 }
 
-kernels::CastHaze air(double diagonal) {
+kernels::CastHaze air(const kernels::CastScene& scene) {
   kernels::CastHaze haze;
   for (int k = 0; k < 3; ++k) haze.rgb[k] = horizon[std::size_t(k)];
-  haze.per_voxel = float(0.35 / diagonal);
+  haze.per_voxel = float(0.35 / std::hypot(scene.max[0] - scene.min[0], scene.max[1] - scene.min[1]));
   return haze;
 }
 

@@ -9,13 +9,13 @@
 namespace gigabake {
 
 /// Mid-afternoon: the sun in the south-west, 42° high, and a blue sky. Flat ground keeps its own brightness.
-kernels::CastLight daylight();
+kernels::CastLight afternoon_light();
 
 /// Linear RGB of the sky in a direction (unit, z up); below the horizon a haze that darkens downwards.
 std::array<float, 3> sky_colour(const std::array<double, 3>& direction);
 
-/// Air that hides three tenths of what lies a scene's diagonal away. diagonal: lod-0 voxels.
-kernels::CastHaze air(double diagonal);
+/// Air that hides three tenths of what lies as far away as the scene is wide.
+kernels::CastHaze air(const kernels::CastScene& scene);
 
 /// What shows where no voxel does.
 struct Background {

@@ -105,7 +105,7 @@ TEST(Picture, HasNoCrackInAClosedSurfaceOnAnyLevel) {
       // Voxels of the level that a ball this far away is shown with.
       const double pixel_m = 2 * std::tan(20 * std::numbers::pi / 180) / 120 * 220;
       const double voxel_m = std::exp2(std::floor(std::log2(pixel_m) + 1)) * std::exp2(std::max(0.0, bias));
-      expect_silhouette(take(scene, options), options.camera, ball, std::min(voxel_m, 8.0), bias > 0 ? 230 : 255);
+      expect_silhouette(take(scene, options), options.camera, ball, std::min(voxel_m, 8.0), bias > 0 ? 250 : 255);
     }
 }
 
@@ -180,7 +180,7 @@ TEST(Picture, IsTheSameFromOneCellAndFromEight) {
   eight.add_cells(noise(), {0, 0, 0}, 64);
   for (const Vector& eye : {Vector{100, -20, 70}, Vector{31.5, 31.5, 31.5}, Vector{32, 32, 120}}) {
     PictureOptions options = view(eye, {30, 31, 29.5});
-    options.light = daylight();
+    options.light = afternoon_light();
     EXPECT_EQ(take(one, options).rgba, take(eight, options).rgba);
   }
 }
@@ -227,7 +227,7 @@ TEST(Picture, IsTheSameForAnyNumberOfThreadsAndAnyMemory) {
   VoxelScene scene(16);
   scene.add_cells(noise(), {0, 0, 0}, 64);
   PictureOptions options = view({100, -20, 70}, {30, 31, 29.5}, 80);
-  options.light = daylight();
+  options.light = afternoon_light();
   const Picture expected = take(scene, options);
   for (const int threads : {1, 3}) {
     options.threads = threads;
@@ -285,7 +285,7 @@ TEST(Picture, LightsWhatFacesTheSunMoreThanWhatDoesNot) {
         },
         {0, 0, 0});
     PictureOptions options = view({4, 4, 40}, {4, 4, 4}, 3);
-    options.light = daylight();
+    options.light = afternoon_light();
     return take(scene, options).rgba[4 * 4];
   };
   const std::array<std::int8_t, 2> up{0, 0}, south_west{-42, -42}, north_east{42, 42};

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "format/brick_walk.h"
+#include "format/parameters.h"
 #include "kernels/levels.h"
 #include "kernels/prune.h"
 
@@ -89,6 +90,7 @@ void VoxelScene::add_cell(const Painter& paint, const std::array<std::int64_t, 3
   cell.cell_voxels = cell_voxels_;
   cell.lods = std::uint32_t(levels.size());
   description_.voxel_size_m = 1;
+  description_.parameters = to_json(BakeParameters{.voxel_size_m = 1});
   description_.cells.push_back(cell);
 }
 
