@@ -5,26 +5,9 @@
 
 #include "cluster/tags.h"
 #include "format/cell_job.h"
-#include "format/tile_hash.h"
 #include "worker/survey_tile.h"
 
 namespace gigabake {
-namespace {
-
-TileSurvey survey_one(const SceneSources& sources, std::uint32_t tile, const BakeParameters& parameters,
-                      const kernels::CpuPolicy& policy) {
-  TileSurvey survey = survey_tile(sources, tile, parameters, policy);
-  if (!survey.error.empty()) return survey;
-  try {
-    survey.source = tile_hash(sources.tiles[tile], sources.root);
-  } catch (const std::exception& e) {
-    survey.error = e.what();
-    survey.columns.clear();
-  }
-  return survey;
-}
-
-}  // namespace
 
 std::vector<TileSurvey> survey_tiles(MpiSession& mpi, const SceneSources& sources, const BakeParameters& parameters,
                                      int threads) {
@@ -32,7 +15,7 @@ std::vector<TileSurvey> survey_tiles(MpiSession& mpi, const SceneSources& source
   const auto tiles = std::uint32_t(sources.tiles.size());
   std::vector<TileSurvey> surveys;
   for (auto tile = std::uint32_t(mpi.rank()); tile < tiles; tile += std::uint32_t(mpi.ranks())) {
-    TileSurvey survey = survey_one(sources, tile, parameters, policy);
+    TileSurvey survey = survey_tile(sources, tile, parameters, policy);
     if (mpi.rank() == 0)
       surveys.push_back(std::move(survey));
     else
