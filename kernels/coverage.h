@@ -27,10 +27,10 @@ struct SlabPolygon {
 
 /// What is the same for all voxels of a triangle.
 struct TrianglePlane {
-  double u[3], v[3], w[3];  ///< vertices in voxels from the anchor
-  std::int64_t anchor[3];   ///< (u, v, w) voxel of the lowest corner, relative to the brick
-  double twice_area;        ///< of the projection, signed: what the products of u and v round away on long slivers
-  double area_scale;        ///< surface area per projected (u, v) area, signed: makes clockwise areas positive
+  double u[3], v[3], w[3];    ///< vertices in voxels from the anchor
+  std::int64_t anchor[3];     ///< (u, v, w) voxel of the lowest corner, relative to the brick
+  double inverse_twice_area;  ///< of the projection, signed: the products of u and v round it away on long slivers
+  double area_scale;          ///< surface area per projected (u, v) area, signed: makes clockwise areas positive
 };
 
 template <class I>
@@ -44,7 +44,7 @@ GB_HD TrianglePlane make_plane(const BrickTriangle<I>& t) {
     for (int i = 0; i < 3; ++i) out[c][i] = double(std::int64_t(t.p[i][c] - anchor * subvoxels)) / double(subvoxels);
   }
   const double nu = double(t.n[0]), nv = double(t.n[1]), nw = double(t.n[2]);
-  r.twice_area = nw / double(subvoxels * subvoxels);
+  r.inverse_twice_area = double(subvoxels * subvoxels) / nw;
   r.area_scale = std::sqrt((nu * nu + nv * nv) + nw * nw) / nw;
   return r;
 }

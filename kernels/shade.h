@@ -111,7 +111,7 @@ struct TextureMap {
 GB_HD TextureMap make_texture_map(const TrianglePlane& p, const float uv[6], std::int32_t width, std::int32_t height) {
   TextureMap r;
   const double u1 = p.u[1] - p.u[0], v1 = p.v[1] - p.v[0], u2 = p.u[2] - p.u[0], v2 = p.v[2] - p.v[0];
-  const double inverse = 1 / p.twice_area;
+  const double inverse = p.inverse_twice_area;
   const double s1 = double(uv[2]) - uv[0], s2 = double(uv[4]) - uv[0], t1 = double(uv[3]) - uv[1],
                t2 = double(uv[5]) - uv[1];
   r.su = (s1 * v2 - s2 * v1) * inverse;

@@ -52,18 +52,20 @@ GB_HD void geometric_normal(const BrickTriangle<I>& t, std::int16_t normal[3]) {
 /// Barycentric coordinates of (u, v), moved onto the triangle where they lie outside.
 GB_HD void barycentric(const TrianglePlane& t, Point2 p, double b[3]) {
   const double u1 = t.u[1] - t.u[0], v1 = t.v[1] - t.v[0], u2 = t.u[2] - t.u[0], v2 = t.v[2] - t.v[0];
-  const double pu = p.u - t.u[0], pv = p.v - t.v[0], whole = t.twice_area;
-  b[1] = clamp01((pu * v2 - u2 * pv) / whole);
-  b[2] = clamp01((u1 * pv - pu * v1) / whole);
+  const double pu = p.u - t.u[0], pv = p.v - t.v[0], inverse = t.inverse_twice_area;
+  b[1] = clamp01((pu * v2 - u2 * pv) * inverse);
+  b[2] = clamp01((u1 * pv - pu * v1) * inverse);
   b[0] = clamp01(1 - b[1] - b[2]);
-  const double sum = (b[0] + b[1]) + b[2];
-  for (int i = 0; i < 3; ++i) b[i] /= sum;
+  const double inverse_sum = 1 / ((b[0] + b[1]) + b[2]);
+  for (int i = 0; i < 3; ++i) b[i] *= inverse_sum;
 }
 
 /// Where a fragment is shaded: its centroid, or for the thinnest of them the triangle's point at the cell's centre.
 GB_HD Point2 fragment_centroid(const TrianglePlane& t, const CellMoments& m, double cell_u, double cell_v) {
-  if (std::fabs(m.area) >= smallest_centroid_area)
-    return {cell_u + clamp01(m.u / m.area), cell_v + clamp01(m.v / m.area)};
+  if (std::fabs(m.area) >= smallest_centroid_area) {
+    const double inverse = 1 / m.area;
+    return {cell_u + clamp01(m.u * inverse), cell_v + clamp01(m.v * inverse)};
+  }
   double b[3];
   barycentric(t, {cell_u + 0.5, cell_v + 0.5}, b);
   return {b[0] * t.u[0] + b[1] * t.u[1] + b[2] * t.u[2], b[0] * t.v[0] + b[1] * t.v[1] + b[2] * t.v[2]};
