@@ -138,8 +138,12 @@ Shard random_shard(std::mt19937_64& rng, const ShardShape& shape) {
   for (BrickLevel& level : s.levels) level.first = {0};
   add_node(s.nodes, 0, shape.lods - 1, random_kind(rng, true));
   for (std::size_t i = 0; i < s.nodes.key.size(); ++i) grow(rng, shape, i, s);
-  s.header.content_hash = content_hash(s);
-  return s;
+  return with_content_hash(std::move(s));
+}
+
+Shard with_content_hash(Shard shard) {
+  shard.header.content_hash = content_hash(shard);
+  return shard;
 }
 
 Shard small_shard() {
@@ -161,8 +165,7 @@ Shard small_shard() {
                  {1, 2, 3, 255, 4, 5, 6, 128, 7, 8, 9, 1},
                  {0, 0, -127, 0, 64, 63}};
   s.levels[1] = {{3, 0, 0, 0, 0, 0, 0, 0}, {0, 2}, {2, 3, 4, 200, 128, 64, 32, 255}, {1, 1, 5, -7}};
-  s.header.content_hash = content_hash(s);
-  return s;
+  return with_content_hash(std::move(s));
 }
 
 Shard shard_of(const std::vector<Voxel>& voxels, std::array<std::int64_t, 3> lattice_min, std::uint32_t cell_voxels) {
@@ -188,8 +191,7 @@ Shard shard_of(const std::vector<Voxel>& voxels, std::array<std::int64_t, 3> lat
   s.nodes = nodes_of(levels);
   s.levels.resize(std::size_t(lods));
   for (std::size_t lod = 0; lod < levels.size(); ++lod) add_level(levels[lod], s.levels[lod]);
-  s.header.content_hash = content_hash(s);
-  return s;
+  return with_content_hash(std::move(s));
 }
 
 SceneDescription write_scene_of(const std::filesystem::path& scene_xml, const std::vector<Shard>& shards) {

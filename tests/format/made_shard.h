@@ -35,6 +35,9 @@ struct ShardShape {
 /// Any consistent shard: bricks, constant and leaf-constant nodes, voxels of all colours. content_hash is filled.
 Shard random_shard(std::mt19937_64& rng, const ShardShape& shape);
 
+/// The shard with the content_hash of its voxels.
+Shard with_content_hash(Shard shard);
+
 /// A cell of 16³ voxels whose every byte is written down here: the content of the golden files.
 Shard small_shard();
 

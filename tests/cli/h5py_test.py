@@ -1,0 +1,150 @@
+#!/usr/bin/env python3
+"""What docs/format.md says about a shard is enough to read it: decoded with h5py alone, it holds what export writes.
+
+Usage: h5py_test.py GIGABAKE SOURCE_DIR
+"""
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+SKIPPED = 77
+try:
+    import h5py
+    import numpy
+except ImportError as error:
+    print(f"skipped: {error}")
+    sys.exit(SKIPPED)
+if not h5py.h5z.filter_avail(32004):
+    print("skipped: HDF5's LZ4 filter is not installed (hdf5-filter-plugin)")
+    sys.exit(SKIPPED)
+
+import harness
+
+BRICK, CONSTANT, LEAF_CONSTANT = 0, 1, 2
+VOXEL_M = 0.25
+
+
+def slab_and_hills():
+    """A bumpy ground, and layers of squares that fill a solid block, so that there are constant nodes too."""
+    random = numpy.random.default_rng(7)
+    grid = numpy.arange(33) * 0.5
+    x, z = numpy.meshgrid(grid, grid)
+    ground = numpy.stack([x, numpy.sin(x) + 0.2 * random.standard_normal(x.shape), -z], -1).reshape(-1, 3)
+    corner = (numpy.arange(32)[:, None] * 33 + numpy.arange(32)).reshape(-1)
+    squares = numpy.stack([corner, corner + 1, corner + 33, corner + 1, corner + 34, corner + 33], -1)
+    layers = [[[0, y, 0], [8, y, 0], [8, y, -8], [0, y, -8]] for y in 8 + numpy.arange(33) * VOXEL_M]
+    first = len(ground) + 4 * numpy.arange(33)[:, None]
+    indices = numpy.concatenate([squares.reshape(-1), (first + [0, 1, 2, 0, 2, 3]).reshape(-1)])
+    positions = numpy.concatenate([ground, numpy.reshape(layers, (-1, 3))])
+    colours = random.integers(0, 256, (len(positions), 4))
+    colours[len(ground):] = [200, 100, 50, 255]
+    colours[:, 3] = 255
+    return positions, indices, colours
+
+
+def from_morton(key):
+    """x in the lowest bit of each three."""
+    return [sum((int(key) >> (3 * bit + axis) & 1) << bit for bit in range(21)) for axis in range(3)]
+
+
+def brick_voxels(level, brick):
+    """Places inside the brick, colours and normals, in their stored order."""
+    mask = level["mask"][brick].view("u1").reshape(8, 8)  # [z][y], a bit for each x
+    places = numpy.argwhere(numpy.unpackbits(mask[:, :, None], axis=2, bitorder="little"))[:, ::-1]
+    begin, end = level["first"][brick:brick + 2]
+    assert len(places) == end - begin
+    return places, level["rgba"][begin:end], level["normal"][begin:end]
+
+
+def level_of(shard, lod):
+    """Every voxel of a level: lattice index, colour, normal; constant nodes written out."""
+    nodes = {name: column[:] for name, column in shard["nodes"].items()}
+    level = {name: column[:] for name, column in shard[f"lod_{lod}"].items()}
+    corner = shard.attrs["lattice_min"] >> lod
+    parts = []
+    for n in numpy.flatnonzero(nodes["lod"] >= lod):
+        down, kind = int(nodes["lod"][n]) - lod, nodes["kind"][n]
+        if kind == BRICK and down == 0:
+            places, rgba, normal = brick_voxels(level, nodes["value"][n])
+        elif kind == LEAF_CONSTANT or kind == CONSTANT and down == 0:
+            places = numpy.indices([8 << down] * 3).reshape(3, -1).T
+            rgba = numpy.tile(nodes["value"][n:n + 1].view("u1"), (len(places), 1))
+            normal = numpy.tile(nodes["normal"][n], (len(places), 1))
+        else:
+            continue
+        parts.append((corner + numpy.array(from_morton(nodes["key"][n])) * (8 << down) + places, rgba, normal))
+    return [numpy.concatenate(column) for column in zip(*parts)]
+
+
+def unit_vectors(octahedral):
+    xy = octahedral / 127.0
+    z = 1 - abs(xy).sum(1)
+    folded = (1 - abs(xy[:, ::-1])) * numpy.where(xy < 0, -1, 1)
+    vectors = numpy.column_stack([numpy.where(z[:, None] < 0, folded, xy), z])
+    return vectors / numpy.linalg.norm(vectors, axis=1, keepdims=True)
+
+
+class ShardsByH5py(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.root = Path(cls.folder.name)
+        harness.write_glb(cls.root / "scene.glb", *slab_and_hills())
+        cls.info = PROGRAM.bake(cls.root / "scene.glb", cls.root / "out", VOXEL_M, "--cell-voxels", 64)
+        cls.scene = cls.root / "out/scene.xml"
+        cls.shards = sorted((cls.root / "out/shards").glob("*.h5"))
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def decoded(self, lod):
+        parts = []
+        for path in self.shards:
+            with h5py.File(path) as shard:
+                parts.append(level_of(shard, lod))
+        index, rgba, normal = [numpy.concatenate(column) for column in zip(*parts)]
+        order = numpy.lexsort(index.T)
+        return index[order], rgba[order], normal[order]
+
+    def test_scene_has_more_than_one_shard_and_constant_nodes(self):
+        self.assertGreater(len(self.shards), 1)
+        kinds = set()
+        for path in self.shards:
+            with h5py.File(path) as shard:
+                kinds |= set(shard["nodes/kind"][:])
+        self.assertIn(BRICK, kinds)
+        self.assertTrue(kinds & {CONSTANT, LEAF_CONSTANT}, "the solid block has constant nodes")
+
+    def test_decoded_voxels_are_those_that_export_writes(self):
+        for lod in range(4):
+            PROGRAM.succeed("export", self.scene, "--to", "ply", "--lod", lod, "-o", self.root / "v.ply")
+            vertices = harness.read_ply(self.root / "v.ply")
+            index, rgba, normal = self.decoded(lod)
+            with self.subTest(lod=lod):
+                self.assertEqual(len(index), self.info["lods"][lod]["voxels"])
+                numpy.testing.assert_array_equal(vertices["ijk"], index)
+                numpy.testing.assert_array_equal(vertices["rgba"], rgba)
+                numpy.testing.assert_allclose(vertices["n"], unit_vectors(normal), atol=1e-6)
+                numpy.testing.assert_allclose(vertices["p"], (index + 0.5) * VOXEL_M * 2**lod, rtol=0, atol=1e-9)
+
+    def test_attributes_say_what_the_shard_is(self):
+        for path in self.shards:
+            with h5py.File(path) as shard:
+                self.assertEqual(shard.attrs["format"], b"gigabake-shard")
+                self.assertEqual(shard.attrs["version"], 1)
+                self.assertEqual(shard.attrs["voxel_size_m"], VOXEL_M)
+                self.assertEqual(shard.attrs["cell_voxels"], 8 << (shard.attrs["lods"] - 1))
+                self.assertEqual(len(shard.attrs["content_hash"].split()), shard.attrs["lods"])
+
+    def test_columns_are_lz4_chunks_with_a_checksum(self):
+        with h5py.File(self.shards[0]) as shard:
+            for name in ("lod_0/mask", "lod_0/first", "lod_0/rgba", "lod_0/normal", "nodes/key"):
+                self.assertIn("32004", shard[name]._filters, name)
+                self.assertTrue(shard[name].fletcher32, name)
+
+
+if __name__ == "__main__":
+    PROGRAM = harness.Gigabake(sys.argv[1])
+    unittest.main(argv=sys.argv[:1], verbosity=2)
