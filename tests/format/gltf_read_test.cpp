@@ -1,0 +1,140 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "format/error.h"
+#include "format/source.h"
+#include "source_scene.h"
+
+namespace gigabake {
+namespace {
+
+using test::Json;
+using test::SourceFolder;
+using test::square_gltf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+TileMesh read(const Json& gltf, const SourceOptions& options = {}) {
+  const SourceFolder folder;
+  const SceneSources sources = open_sources(folder.write("a.gltf", gltf), options);
+  return read_tile(sources.tiles.at(0), sources.root, ReadScope::everything);
+}
+
+std::string refusal(const Json& gltf) {
+  try {
+    read(gltf);
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "was read";
+}
+
+Json& primitive(Json& gltf) { return gltf["meshes"][0]["primitives"][0]; }
+
+Point<Scene> first_vertex(const TileMesh& mesh, std::size_t instance = 0) {
+  const Instance& i = mesh.instances.at(instance);
+  const float* p = &mesh.primitives[std::size_t(i.primitive)].position[6];  // (1, 0, 1)
+  return i.scene_from_local({p[0], p[1], p[2]});
+}
+
+TEST(GltfRead, TurnsYUpToZUp) {
+  EXPECT_EQ(first_vertex(read(square_gltf())), (Point<Scene>{1, -1, 0}));
+  EXPECT_EQ(first_vertex(read(square_gltf(), {true, {}, UpAxis::z})), (Point<Scene>{1, 0, 1}));
+}
+
+TEST(GltfRead, ComposesNodeTransformsInDouble) {
+  Json g = square_gltf();
+  g["nodes"] = Json::array({{{"translation", {1e7, 0, 0}}, {"children", {1}}},
+                            {{"mesh", 0}, {"translation", {0.001, 2, 0}}, {"scale", {-1, 1, 1}}}});
+  const TileMesh mesh = read(g);
+  EXPECT_EQ(first_vertex(mesh), (Point<Scene>{1e7 + (0.001 - 1), -1, 2}));
+  EXPECT_LT(mesh.instances[0].scene_from_local.linear_determinant(), 0);
+}
+
+TEST(GltfRead, ReadsTheDefaultSceneAlone) {
+  Json g = square_gltf();
+  g["nodes"].push_back({{"mesh", 0}, {"translation", {5, 0, 0}}});
+  EXPECT_EQ(read(g).instances.size(), 1u);
+  g["scenes"][0]["nodes"] = {0, 1};
+  const TileMesh mesh = read(g);
+  EXPECT_EQ(mesh.instances.size(), 2u);
+  EXPECT_EQ(mesh.primitives.size(), 1u);
+  EXPECT_EQ(mesh.counts.triangles, 4u);
+}
+
+TEST(GltfRead, ExpandsStripsAndFansAndCountsPointsAndLines) {
+  Json g = square_gltf();
+  const Json base = primitive(g);
+  for (int mode = 0; mode <= 6; ++mode) {
+    Json p = base;
+    p["mode"] = mode;
+    p.erase("indices");
+    if (mode != 4) g["meshes"][0]["primitives"].push_back(p);
+  }
+  const TileMesh mesh = read(g);
+  EXPECT_EQ(mesh.counts.skipped_points, 4u);
+  EXPECT_EQ(mesh.counts.skipped_lines, 2u + 4u + 3u);
+  ASSERT_EQ(mesh.primitives.size(), 3u);
+  EXPECT_THAT(mesh.primitives[1].index, ElementsAre(0, 1, 2, 1, 3, 2));  // strip
+  EXPECT_THAT(mesh.primitives[2].index, ElementsAre(1, 2, 0, 2, 3, 0));  // fan
+}
+
+TEST(GltfRead, PutsSparseValuesInPlaceOfDenseOnes) {
+  Json g = square_gltf();
+  // Vertex 3 takes the position of vertex 2, indices are the buffer's own 16-bit numbers (3 is the fifth).
+  g["accessors"][0]["sparse"] = {{"count", 1},
+                                 {"indices", {{"bufferView", 1}, {"byteOffset", 8}, {"componentType", 5123}}},
+                                 {"values", {{"bufferView", 0}, {"byteOffset", 24}}}};
+  const std::vector<float> p = read(g).primitives.at(0).position;
+  EXPECT_THAT(std::vector<float>(p.begin() + 9, p.end()), ElementsAre(1, 0, 1));
+}
+
+TEST(GltfRead, ReadsMaterialsAndTheirExtensions) {
+  Json g = square_gltf();
+  primitive(g)["material"] = 0;
+  g["materials"] = Json::array({{{"alphaMode", "MASK"},
+                                 {"alphaCutoff", 0.25},
+                                 {"doubleSided", true},
+                                 {"extensions",
+                                  {{"KHR_materials_unlit", Json::object()},
+                                   {"KHR_materials_pbrSpecularGlossiness", {{"diffuseFactor", {0.5, 0.25, 2, 1}}}}}}}});
+  const Material m = read(g).materials.at(0);
+  EXPECT_EQ(m.alpha_mode, AlphaMode::mask);
+  EXPECT_EQ(m.alpha_cutoff, 0.25f);
+  EXPECT_TRUE(m.double_sided && m.unlit);
+  EXPECT_THAT(m.base_color, ElementsAre(0.5f, 0.25f, 1.0f, 1.0f));
+}
+
+TEST(GltfRead, WritesOutGpuInstances) {
+  Json g = square_gltf();
+  g["extensionsRequired"] = {"EXT_mesh_gpu_instancing"};
+  g["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"TRANSLATION", 0}};
+  EXPECT_EQ(read(g).instances.size(), 4u);
+}
+
+TEST(GltfRead, NamesWhatIsWrongAndWhere) {
+  Json g = square_gltf();
+  g["accessors"][0]["bufferView"] = 7;
+  EXPECT_THAT(refusal(g), HasSubstr("accessors[0].bufferView: 7 is beyond the 2 bufferViews"));
+  g = square_gltf();
+  g["bufferViews"][1]["byteLength"] = 13;
+  EXPECT_THAT(refusal(g), HasSubstr("bufferViews[1]"));
+  g = square_gltf();
+  g["extensionsRequired"] = {"EXT_meshopt_compression"};
+  EXPECT_THAT(refusal(g), HasSubstr("the extension EXT_meshopt_compression is not supported"));
+  g = square_gltf();
+  g["accessors"][1]["count"] = 5;
+  EXPECT_THAT(refusal(g), HasSubstr("no whole number of triangles"));
+  g = square_gltf();
+  g["asset"]["version"] = "1.0";
+  EXPECT_THAT(refusal(g), HasSubstr("asset.version: expected glTF 2.0"));
+  g = square_gltf();
+  g["meshes"] = "many";
+  EXPECT_THAT(refusal(g), HasSubstr("meshes: expected an array"));
+  g = square_gltf();
+  g["buffers"][0]["uri"] = "data:application/octet-stream;base64,AAAA";
+  EXPECT_THAT(refusal(g), HasSubstr("buffers[0].byteLength"));
+}
+
+}  // namespace
+}  // namespace gigabake

@@ -1,0 +1,171 @@
+#include "scheduler/plan.h"
+
+#include <algorithm>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <random>
+#include <set>
+
+#include "scheduler/cell_queue.h"
+#include "scheduler/merge.h"
+
+namespace gigabake {
+namespace {
+
+constexpr unsigned seed = 77;
+
+BakeParameters parameters(std::uint32_t cell_voxels) {
+  BakeParameters p;
+  p.voxel_size_m = 0.5;
+  p.cell_voxels = cell_voxels;
+  return p;
+}
+
+std::vector<TileSurvey> random_surveys(std::uint32_t tiles, std::mt19937& random) {
+  std::vector<TileSurvey> surveys(tiles);
+  const auto below = [&random](int n) { return std::int64_t(random() % unsigned(n)); };
+  for (std::uint32_t t = 0; t < tiles; ++t) {
+    surveys[t].tile = t;
+    surveys[t].source = {t + 1, 0};
+    std::set<std::pair<std::int64_t, std::int64_t>> used;
+    for (int c = 0; c < 5; ++c) {
+      const std::int64_t x = below(4) - 2, y = below(4) - 2, z = below(5000) - 2500;
+      if (used.insert({x, y}).second)
+        surveys[t].columns.push_back({x, y, z, z + 1 + below(700), std::uint64_t(1 + below(1000))});
+    }
+  }
+  return surveys;
+}
+
+std::vector<std::string> names(std::size_t count) { return std::vector<std::string>(count, "tile"); }
+
+TEST(StackOver, CoversTheHeightWithTheFewestCellsOnTheLevelsLattice) {
+  std::mt19937 random(seed);
+  for (int i = 0; i < 100000; ++i) {
+    const std::int64_t n = std::int64_t(8) << (random() % 8), low = std::int64_t(random() % 20001) - 10000;
+    const std::int64_t end = low + 1 + std::int64_t(random() % 3000);
+    const CellStack s = stack_over(low, end, n);
+    ASSERT_LE(s.z_min, low) << "seed " << seed << " item " << i;
+    ASSERT_GE(s.z_min + s.cells * n, end);
+    ASSERT_EQ(((s.z_min % 8) + 8) % 8, 0);
+    // One cell more than the height needs only where no multiple of eight would do.
+    const std::int64_t fewest = (end - low + n - 1) / n;
+    ASSERT_LE(s.cells, fewest + 1);
+    ASSERT_TRUE(s.cells == fewest || end - low + 7 > fewest * n);
+  }
+}
+
+TEST(StackOver, IsCentredOnTheHeight) {
+  const CellStack s = stack_over(-100, 100, 1024);
+  EXPECT_EQ(s.z_min, -512);
+  EXPECT_EQ(s.cells, 1);
+}
+
+TEST(MakePlan, HandsEveryTileToEveryCellThatItReaches) {
+  std::mt19937 random(seed);
+  for (int round = 0; round < 50; ++round) {
+    const auto surveys = random_surveys(12, random);
+    const std::int64_t n = 256;
+    const BakePlan plan = make_plan(surveys, names(12), parameters(256), {});
+    for (const TileSurvey& s : surveys)
+      for (const ColumnExtent& c : s.columns)
+        for (std::int64_t z = c.z_min; z < c.z_end; ++z) {
+          const auto holds = [&](const CellJob& j) {
+            return j.lattice_min[0] == c.column_x * n && j.lattice_min[1] == c.column_y * n && z >= j.lattice_min[2] &&
+                   z < j.lattice_min[2] + n && std::binary_search(j.tiles.begin(), j.tiles.end(), s.tile);
+          };
+          ASSERT_EQ(std::count_if(plan.jobs.begin(), plan.jobs.end(), holds), 1)
+              << "seed " << seed << " round " << round;
+        }
+  }
+}
+
+TEST(MakePlan, DoesNotDependOnTheOrderOfSurveys) {
+  std::mt19937 random(seed);
+  auto surveys = random_surveys(20, random);
+  const BakePlan a = make_plan(surveys, names(20), parameters(128), {});
+  std::shuffle(surveys.begin(), surveys.end(), random);
+  const BakePlan b = make_plan(surveys, names(20), parameters(128), {});
+  ASSERT_EQ(a.jobs.size(), b.jobs.size());
+  for (std::size_t i = 0; i < a.jobs.size(); ++i) {
+    EXPECT_EQ(a.jobs[i].name, b.jobs[i].name);
+    EXPECT_EQ(a.jobs[i].fingerprint, b.jobs[i].fingerprint);
+    EXPECT_EQ(a.jobs[i].id, i);
+  }
+}
+
+TEST(MakePlan, ChangesTheFingerprintsOfTheCellsThatATileReachesAndOfNoOther) {
+  std::mt19937 random(seed);
+  auto surveys = random_surveys(20, random);
+  const BakePlan a = make_plan(surveys, names(20), parameters(128), {});
+  surveys[7].source.lo ^= 1;
+  const BakePlan b = make_plan(surveys, names(20), parameters(128), {});
+  for (std::size_t i = 0; i < a.jobs.size(); ++i) {
+    const bool reached = std::binary_search(a.jobs[i].tiles.begin(), a.jobs[i].tiles.end(), 7u);
+    EXPECT_EQ(a.jobs[i].fingerprint != b.jobs[i].fingerprint, reached) << a.jobs[i].name;
+  }
+}
+
+TEST(MakePlan, ListsTilesThatCouldNotBeRead) {
+  std::vector<TileSurvey> surveys(1);
+  surveys[0].error = "a.glb: truncated";
+  const BakePlan plan = make_plan(surveys, {"a.glb"}, parameters(64), {});
+  ASSERT_EQ(plan.losses.size(), 1u);
+  EXPECT_EQ(plan.losses[0].name, "tile a.glb");
+  EXPECT_TRUE(plan.jobs.empty());
+}
+
+TEST(CellQueue, GivesOutEveryJobOnceLargestFirst) {
+  std::mt19937 random(seed);
+  const BakePlan plan = make_plan(random_surveys(40, random), names(40), parameters(64), {});
+  CellQueue queue(plan.jobs);
+  std::set<std::uint32_t> seen;
+  std::uint64_t last = ~std::uint64_t(0);
+  while (const auto job = queue.next({})) {
+    EXPECT_TRUE(seen.insert(*job).second);
+    EXPECT_LE(plan.jobs[*job].triangles, last);
+    last = plan.jobs[*job].triangles;
+  }
+  EXPECT_EQ(seen.size(), plan.jobs.size());
+}
+
+TEST(CellQueue, PrefersTheNeighbourAmongCellsOfAboutTheSameSize) {
+  std::vector<CellJob> jobs(4);
+  for (std::uint32_t i = 0; i < 4; ++i) jobs[i].lattice_min = {std::int64_t(i) * 64, 0, 0};
+  jobs[0].triangles = 100;
+  jobs[1].triangles = 80;
+  jobs[2].triangles = 10;
+  jobs[3].triangles = 99;
+  CellQueue queue(jobs);
+  EXPECT_EQ(queue.next({}), 0u);
+  EXPECT_EQ(queue.next(0u), 1u);  // next door, although cell 3 is larger
+  EXPECT_EQ(queue.next(1u), 3u);  // cell 2 is next door but small
+  EXPECT_EQ(queue.next(3u), 2u);
+  EXPECT_FALSE(queue.next(2u));
+}
+
+TEST(Merge, ListsCellsThatFailedAndThoseWithoutAReport) {
+  BakePlan plan;
+  plan.jobs.resize(3);
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    plan.jobs[i].id = i;
+    plan.jobs[i].name = "c_" + std::to_string(i);
+  }
+  CellReport baked, failed;
+  baked.id = 2;
+  baked.outcome = CellOutcome::baked;
+  baked.cell.name = "c_2";
+  failed.id = 0;
+  failed.error = "no memory";
+  SceneSources sources;
+  sources.skipped = {{"x", "points", true}, {"y", "missing", false}};
+  const SceneDescription scene = merge(plan, {failed, baked}, sources, parameters(64));
+  ASSERT_EQ(scene.cells.size(), 1u);
+  ASSERT_EQ(scene.losses.size(), 3u);
+  EXPECT_EQ(scene.losses[0].name, "y");
+  EXPECT_EQ(scene.losses[1].reason, "no memory");
+  EXPECT_EQ(scene.losses[2].name, "cell c_1");
+}
+
+}  // namespace
+}  // namespace gigabake
