@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/commands.h"
+#include "app/text_values.h"
 #include "format/error.h"
 #include "viewer/camera.h"
 #include "viewer/page_cache.h"
@@ -28,13 +29,12 @@ struct RenderArguments {
   bool albedo = false;
 };
 
-/// Numbers between single separators, and nothing else.
-template <class T>
-std::optional<std::vector<T>> numbers(const std::string& text, char separator) {
-  std::vector<T> out;
+/// Whole numbers between single separators, and nothing else.
+std::optional<std::vector<int>> integers(const std::string& text, char separator) {
+  std::vector<int> out;
   const char *at = text.data(), *end = at + text.size();
   for (;; ++at) {
-    T value{};
+    int value = 0;
     const auto [next, error] = std::from_chars(at, end, value);
     if (error != std::errc() || next == at) return std::nullopt;
     out.push_back(value);
@@ -46,15 +46,13 @@ std::optional<std::vector<T>> numbers(const std::string& text, char separator) {
 
 std::optional<Point<Scene>> point_option(const std::string& text, const char* option) {
   if (text.empty()) return std::nullopt;
-  const auto v = numbers<double>(text, ',');
-  if (!v || v->size() != 3)
-    throw UsageError(fmt::format("{}: expected X,Y,Z as three numbers, got '{}'", option, text));
-  return Point<Scene>{(*v)[0], (*v)[1], (*v)[2]};
+  const std::array<double, 3> v = triple(option, "X,Y,Z as three finite numbers", text);
+  return Point<Scene>{v[0], v[1], v[2]};
 }
 
 Background background_option(const std::string& text) {
   if (text == "sky") return {};
-  const auto v = numbers<int>(text, ',');
+  const auto v = integers(text, ',');
   const bool good = v && (v->size() == 3 || v->size() == 4);
   if (good) {
     Background background{false, {0, 0, 0, 255}};
@@ -73,7 +71,7 @@ CameraOptions camera_options(const RenderArguments& a) {
   camera.eye_m = point_option(a.eye, "--eye");
   camera.target_m = point_option(a.target, "--target");
   camera.up = point_option(a.up, "--up");
-  const auto size = numbers<int>(a.size, 'x');
+  const auto size = integers(a.size, 'x');
   if (!size || size->size() != 2) throw UsageError(fmt::format("--size: expected WIDTHxHEIGHT, got '{}'", a.size));
   camera.width = (*size)[0];
   camera.height = (*size)[1];
@@ -106,7 +104,7 @@ void run(const RenderArguments& a) {
 
 void add_render(CLI::App& app, int&) {
   const auto a = std::make_shared<RenderArguments>();
-  CLI::App& command = *app.add_subcommand("render", "one picture of a baked scene, straight from its shards");
+  CLI::App& command = *app.add_subcommand("render", "One picture of a baked scene, straight from its shards");
   command.add_option("SCENE", a->scene, "scene.xml of a bake")->required();
   command.add_option("-o,--output", a->picture, "PNG file to write")->required();
   command.add_option("--eye", a->eye, "X,Y,Z: camera, scene metres (south-east of the target, all in view)");

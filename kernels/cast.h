@@ -69,8 +69,9 @@ GB_HD void clip_to_box(CastLine& line, int axis, double low, double high) {
     return;
   }
   const double a = (low - o) * line.inverse[axis], b = (high - o) * line.inverse[axis];
-  line.enter = std::fmax(line.enter, a < b ? a : b);
-  line.leave = std::fmin(line.leave, a < b ? b : a);
+  const double nearer = a < b ? a : b, farther = a < b ? b : a;
+  if (nearer > line.enter) line.enter = nearer;
+  if (farther < line.leave) line.leave = farther;
 }
 
 /// Through the middle of pixel (x, y); row 0 is the upper one.
@@ -130,6 +131,50 @@ GB_HD EmptyBox without_rim(const CastPlace& place, int lod) {
   return box;
 }
 
+/// The same for an empty box together with its empty neighbour beyond the one side that p is near.
+GB_HD bool find_joint_box(const CastScene& scene, int lod, const double p[3], const std::int64_t v[3],
+                          const CastPlace& here, CastPlace& there, EmptyBox& box) {
+  const double rim = 0.5 * double(std::int64_t(1) << lod);
+  std::int64_t beyond[3] = {v[0], v[1], v[2]};
+  int axis = -1;
+  for (int a = 0; a < 3; ++a) {
+    const bool low = p[a]<double(here.min[a]) + rim, high = p[a]> double(here.max[a]) - rim;
+    if (!low && !high) continue;
+    if (axis >= 0) return false;
+    axis = a;
+    beyond[a] = low ? here.min[a] - 1 : here.max[a];
+  }
+  if (!there.contains(beyond)) there = locate(scene, lod, beyond, here);
+  if (!there.empty() || there.missing != no_page) return false;
+  for (int a = 0; a < 3; ++a) {
+    const bool joined_low = a == axis ? here.min[a] > there.min[a] : here.min[a] < there.min[a];
+    const bool joined_high = a == axis ? here.max[a] < there.max[a] : here.max[a] > there.max[a];
+    box.min[a] = double(joined_low ? there.min[a] : here.min[a]) + rim;
+    box.max[a] = double(joined_high ? there.max[a] : here.max[a]) - rim;
+  }
+  return box.contains(p);
+}
+
+/// Half of a brick along each axis, around p, where the field is zero: the voxels of that half and those next to it in
+/// the brick are not there. False where some are, or where p lies in the brick's rim.
+GB_HD bool find_empty_octant(const CastPlace& place, int lod, const double p[3], EmptyBox& box) {
+  const double edge = double(std::int64_t(1) << lod), per_edge = 1 / edge;
+  int first[3], last[3];
+  for (int a = 0; a < 3; ++a) {
+    const double between_centres = (p[a] - double(place.min[a])) * per_edge - 0.5;
+    if (between_centres < 0 || between_centres > brick_edge - 1) return false;
+    first[a] = between_centres < 4 ? 0 : 4;
+    last[a] = between_centres < 4 ? 4 : 7;
+    box.min[a] = double(place.min[a]) + (first[a] + 0.5) * edge;
+    box.max[a] = double(place.min[a]) + (last[a] + 0.5) * edge;
+  }
+  const std::uint64_t in_row = first[0] == 0 ? 0x1f : 0xf0;
+  const std::uint64_t rows = first[1] == 0 ? 0x0000000101010101 : 0x0101010100000000;
+  std::uint64_t seen = 0;
+  for (int z = first[2]; z <= last[2]; ++z) seen |= place.brick->mask[z];
+  return (seen & in_row * rows) == 0;
+}
+
 /// The first point that may lie outside of the box. A millionth of a step guards against rounding: a point too many
 /// costs time, a point too few would show.
 GB_HD std::int64_t step_beyond(const CastLine& line, const EmptyBox& box, const CastRay& ray) {
@@ -137,7 +182,8 @@ GB_HD std::int64_t step_beyond(const CastLine& line, const EmptyBox& box, const 
   for (int a = 0; a < 3; ++a) {
     if (line.direction[a] == 0) continue;
     const double side = line.direction[a] > 0 ? box.max[a] : box.min[a];
-    leave = std::fmin(leave, (side - line.origin[a]) * line.inverse[a]);
+    const double beyond_side = (side - line.origin[a]) * line.inverse[a];
+    if (beyond_side < leave) leave = beyond_side;
   }
   const double step = std::ceil((leave - lod_start(line, ray.lod)) / step_length(ray.lod) - (0.5 + 1e-6));
   return step > double(ray.step + 1) ? std::int64_t(step) : ray.step + 1;
@@ -183,9 +229,10 @@ GB_HD bool step_ray(const CastScene& scene, const CastCamera& camera, const Cast
   places.move_to(scene, ray.lod, v);
   ray.missing = places.here.missing;
   if (ray.missing != no_page) return false;
+  EmptyBox box;
   if (places.here.empty()) {
-    const EmptyBox box = without_rim(places.here, ray.lod);
-    if (box.contains(p)) {
+    box = without_rim(places.here, ray.lod);
+    if (box.contains(p) || find_joint_box(scene, ray.lod, p, v, places.here, places.there, box)) {
       ray.step = step_beyond(line, box, ray);
       return true;
     }
@@ -193,9 +240,14 @@ GB_HD bool step_ray(const CastScene& scene, const CastCamera& camera, const Cast
   CastSample sample;
   ray.missing = sample_field(scene, ray.lod, p, places.here, places.there, sample);
   if (ray.missing != no_page) return false;
+  if (sample.c[3] > 0) {
+    composite(sample, distance, camera.haze, ray);
+    if (ray.transmittance < 1.0f / 1024) finish_opaque(ray);
+  } else if (places.here.brick != nullptr && find_empty_octant(places.here, ray.lod, p, box)) {
+    ray.step = step_beyond(line, box, ray);
+    return true;
+  }
   ++ray.step;
-  if (sample.c[3] > 0) composite(sample, distance, camera.haze, ray);
-  if (ray.transmittance < 1.0f / 1024) finish_opaque(ray);
   return true;
 }
 

@@ -103,21 +103,6 @@ GB_HD std::uint32_t gather_corners(const CastScene& scene, int lod, const CastCo
   }
 }
 
-/// The most frequent case of gather_corners(): from one empty box through a side into the next.
-GB_HD bool nothing_there(const CastScene& scene, int lod, const CastCorners& around, const CastPlace& here,
-                         CastPlace& there, unsigned crossing) {
-  if ((crossing & (crossing - 1)) != 0) return false;
-  const std::int64_t edge = std::int64_t(1) << lod;
-  std::int64_t low[3], high[3];  // the four corners beyond the side
-  for (int a = 0; a < 3; ++a) {
-    const bool crossed = crossing == 1u << a, below = around.base[a] < here.min[a];
-    low[a] = around.base[a] + (crossed && !below ? edge : 0);
-    high[a] = around.base[a] + (crossed && below ? 0 : edge);
-  }
-  if (!there.contains(low)) there = locate(scene, lod, low, here);
-  return there.empty() && there.missing == no_page && there.contains(high);
-}
-
 /// The field at p; zero where nothing is near. `here`: the place of p; `there`: see gather_corners(). Returns the page
 /// that is missing, or no_page.
 GB_HD std::uint32_t sample_field(const CastScene& scene, int lod, const double p[3], const CastPlace& here,
@@ -129,7 +114,6 @@ GB_HD std::uint32_t sample_field(const CastScene& scene, int lod, const double p
     if (around.base[a] < here.min[a] || around.base[a] + edge >= here.max[a]) crossing |= 1u << a;
   CastVoxel corner[8];
   if (crossing != 0) {
-    if (here.empty() && nothing_there(scene, lod, around, here, there, crossing)) return no_page;
     bool seen = false;
     const std::uint32_t missing = gather_corners(scene, lod, around, here, there, crossing, corner, seen);
     if (missing != no_page || !seen) return missing;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 #include <string>
-#include <utility>
 
 #include "format/brick_walk.h"
 #include "format/error.h"
@@ -73,51 +72,68 @@ Axes look(const Vector& forward, const std::optional<Point<Scene>>& up) {
 /// From the south-east, about 30° above the ground.
 const Vector oblique_view{-0.62, 0.60, -0.505};
 
-/// Where the camera stands to see every corner of the box, as near as it can: the frustum's four sides each touch one.
-/// With a target it looks straight at that. The picture keeps a margin.
-Vector framing_eye(const VoxelBox& box, const std::optional<Vector>& target, const Axes& axes, double tan_x,
-                   double tan_y) {
-  constexpr double margin = 0.97;
-  double depth = HUGE_VAL;
-  Vector eye{};
-  for (const auto& [side, tan] : {std::pair{axes.right, tan_x * margin}, std::pair{axes.up, tan_y * margin}}) {
-    double low = HUGE_VAL, high = -HUGE_VAL;  // where the frustum's two sides through the box cut the plane of depth 0
-    for (int corner = 0; corner < 8; ++corner) {
-      Vector p;
-      for (std::size_t a = 0; a < 3; ++a) p[a] = corner >> a & 1 ? box.max[a] : box.min[a];
-      low = std::min(low, dot(p, side) + tan * dot(p, axes.forward));
-      high = std::max(high, dot(p, side) - tan * dot(p, axes.forward));
-    }
-    const double middle = target ? dot(*target, side) : (low + high) / 2;
-    depth = std::min({depth, (low - middle) / tan, (middle - high) / tan});
-    eye = eye + side * middle;
-  }
-  return eye + axes.forward * depth;
-}
-
-Vector middle(const VoxelBox& box) { return (box.min + box.max) * 0.5; }
-
-void set(double out[3], const Vector& v) { std::copy(v.begin(), v.end(), out); }
-
-}  // namespace
-
-VoxelBox occupied_box(const SceneDescription& scene, const CellReader& reader) {
-  VoxelBox box{{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+/// Calls visit(lowest corner, edge) for every box of the finest nodes there are, in voxels.
+template <class Visit>
+void for_each_occupied_box(const SceneDescription& scene, const CellReader& reader, const Visit& visit) {
   for (std::size_t c = 0; c < scene.cells.size(); ++c) {
+    const auto& cell_min = scene.cells[c].lattice_min;
     const NodeTable nodes = reader.nodes(c);
     for (std::size_t n = 0; n < nodes.key.size(); ++n) {
       if (nodes.child_mask[n] != 0) continue;
       const BrickPosition at = brick_position(nodes.key[n]);
       const double edge = std::ldexp(brick_edge, nodes.lod[n]);
-      const Vector low{at.x * edge, at.y * edge, at.z * edge};
-      for (std::size_t a = 0; a < 3; ++a) {
-        box.min[a] = std::min(box.min[a], double(scene.cells[c].lattice_min[a]) + low[a]);
-        box.max[a] = std::max(box.max[a], double(scene.cells[c].lattice_min[a]) + low[a] + edge);
-      }
+      visit(Vector{double(cell_min[0]) + at.x * edge, double(cell_min[1]) + at.y * edge,
+                   double(cell_min[2]) + at.z * edge},
+            edge);
     }
   }
-  return box;
 }
+
+Vector middle_of(const SceneDescription& scene, const CellReader& reader) {
+  Vector low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+  for_each_occupied_box(scene, reader, [&](const Vector& corner, double edge) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], corner[a]);
+      high[a] = std::max(high[a], corner[a] + edge);
+    }
+  });
+  return (low + high) * 0.5;
+}
+
+/// Two opposite sides of the frustum, moved until all there is lies between them: where they cut the plane of depth 0.
+struct FrustumSides {
+  Vector across;  ///< unit, from the low to the high side
+  double tan;
+  double low = HUGE_VAL, high = -HUGE_VAL;
+
+  void include(const Vector& p, const Vector& forward) {
+    const double beside = dot(p, across), deep = tan * dot(p, forward);
+    low = std::min(low, beside + deep);
+    high = std::max(high, beside - deep);
+  }
+};
+
+/// Where the camera stands to see everything, as near as it can. With a target it looks straight at that.
+Vector framing_eye(const SceneDescription& scene, const CellReader& reader, const std::optional<Vector>& target,
+                   const Axes& axes, double tan_x, double tan_y) {
+  constexpr double margin = 0.96;
+  FrustumSides sides[2] = {{axes.right, tan_x * margin}, {axes.up, tan_y * margin}};
+  for_each_occupied_box(scene, reader, [&](const Vector& corner, double edge) {
+    for (FrustumSides& s : sides) s.include(corner + Vector{edge / 2, edge / 2, edge / 2}, axes.forward);
+  });
+  double depth = HUGE_VAL;
+  Vector eye{};
+  for (const FrustumSides& s : sides) {
+    const double middle = target ? dot(*target, s.across) : (s.low + s.high) / 2;
+    depth = std::min({depth, (s.low - middle) / s.tan, (middle - s.high) / s.tan});
+    eye = eye + s.across * middle;
+  }
+  return eye + axes.forward * (depth - brick_edge);
+}
+
+void set(double out[3], const Vector& v) { std::copy(v.begin(), v.end(), out); }
+
+}  // namespace
 
 kernels::CastCamera make_camera(const CameraOptions& options, const SceneDescription& scene, const CellReader& reader) {
   check_options(options);
@@ -128,9 +144,9 @@ kernels::CastCamera make_camera(const CameraOptions& options, const SceneDescrip
   if (options.eye_m) eye = to_voxels(*options.eye_m, scene, "--eye");
   Vector forward = unit(oblique_view);
   if (!eye) {
-    eye = framing_eye(occupied_box(scene, reader), target, look(forward, options.up), tan_x, tan_y);
+    eye = framing_eye(scene, reader, target, look(forward, options.up), tan_x, tan_y);
   } else {
-    if (!target) target = middle(occupied_box(scene, reader));
+    if (!target) target = middle_of(scene, reader);
     if (*target == *eye) throw UsageError("--target: the same place as --eye; there is no direction to look");
     forward = unit(*target - *eye);
   }

@@ -20,17 +20,7 @@ struct CameraOptions {
   double lod_bias = 0;  ///< levels coarser (or finer, below 0) than a pixel
 };
 
-/// In lod-0 voxels of the scene's lattice.
-struct VoxelBox {
-  std::array<double, 3> min, max;
-};
-
-/// A box around every voxel, to within eight voxels.
-/// Cost    Reads every cell's node table once, one at a time.
-/// Errors  InputError.
-VoxelBox occupied_box(const SceneDescription& scene, const CellReader& reader);
-
-/// Reads node tables only where eye or target are left open.
+/// Cost    Where eye or target are left open, one read of every cell's node table, one at a time.
 /// Errors  UsageError naming the option: not finite, no direction, sizes or angles out of range; InputError.
 kernels::CastCamera make_camera(const CameraOptions& options, const SceneDescription& scene, const CellReader& reader);
 

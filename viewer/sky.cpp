@@ -42,7 +42,8 @@ std::array<float, 3> sky_colour(const std::array<double, 3>& direction) {
 kernels::CastHaze air(const kernels::CastScene& scene) {
   kernels::CastHaze haze;
   for (int k = 0; k < 3; ++k) haze.rgb[k] = horizon[std::size_t(k)];
-  haze.per_voxel = float(0.35 / std::hypot(scene.max[0] - scene.min[0], scene.max[1] - scene.min[1]));
+  haze.per_voxel =
+      float(0.1 / std::hypot(scene.max[0] - scene.min[0], scene.max[1] - scene.min[1], scene.max[2] - scene.min[2]));
   return haze;
 }
 

@@ -14,7 +14,7 @@ kernels::CastLight afternoon_light();
 /// Linear RGB of the sky in a direction (unit, z up); below the horizon a haze that darkens downwards.
 std::array<float, 3> sky_colour(const std::array<double, 3>& direction);
 
-/// Air that hides three tenths of what lies as far away as the scene is wide.
+/// Air that hides a tenth of what lies as far away as the scene is wide.
 kernels::CastHaze air(const kernels::CastScene& scene);
 
 /// What shows where no voxel does.
