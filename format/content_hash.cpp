@@ -16,48 +16,83 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "hashes are defined over little-endian integers");
 
 constexpr std::size_t nodes_per_range = 4096;
+constexpr std::size_t record_bytes = 34;
+
+void put_record(unsigned char* to, std::int32_t lod, const std::array<std::int64_t, 3>& corner_lattice,
+                const std::uint8_t* rgba, const std::int8_t* normal) {
+  std::memcpy(to, &lod, 4);
+  std::memcpy(to + 4, corner_lattice.data(), 24);
+  std::memcpy(to + 28, rgba, 4);
+  std::memcpy(to + 32, normal, 2);
+}
+
+Hash128 hash_record(const unsigned char* record) {
+  const XXH128_hash_t h = XXH3_128bits(record, record_bytes);
+  return {h.low64, h.high64};
+}
+
+/// The sum over voxels of one level. Records are hashed a batch at a time, when what was written has reached the cache:
+/// a hash that reads across stores still under way waits for them, voxel by voxel.
+class LevelSum {
+ public:
+  LevelSum(int lod, const std::array<std::int64_t, 3>& lattice_min) : lod_(lod), min_(lattice_min) {}
+
+  void add(std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {
+    put_record(
+        &records_[record_bytes * count_], lod_,
+        {min_[0] + (std::int64_t(x) << lod_), min_[1] + (std::int64_t(y) << lod_), min_[2] + (std::int64_t(z) << lod_)},
+        rgba, normal);
+    if (++count_ == batch) flush();
+  }
+  Hash128 value() {
+    flush();
+    return sum_;
+  }
+
+ private:
+  static constexpr std::size_t batch = 256;
+  void flush() {
+    for (std::size_t i = 0; i < count_; ++i) sum_ += hash_record(&records_[record_bytes * i]);
+    count_ = 0;
+  }
+
+  std::int32_t lod_;
+  std::array<std::int64_t, 3> min_;
+  Hash128 sum_;
+  std::size_t count_ = 0;
+  std::array<unsigned char, batch * record_bytes> records_;
+};
 
 /// Adds what node `n` stands for on its own level and, for a constant branch, on those below.
-void add_node(const Shard& s, std::size_t n, std::vector<Hash128>& sums) {
-  const auto hash_into = [&](int lod) {
-    return [&s, &sums, lod](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
-                            const std::int8_t* normal) {
-      const auto& low = s.header.lattice_min;
-      sums[std::size_t(lod)] += voxel_hash(
-          lod,
-          {low[0] + (std::int64_t(x) << lod), low[1] + (std::int64_t(y) << lod), low[2] + (std::int64_t(z) << lod)},
-          rgba, normal);
-    };
+void add_node(const Shard& s, std::size_t n, std::vector<LevelSum>& sums) {
+  const auto add_to = [&sums](int lod) {
+    return [&sum = sums[std::size_t(lod)]](auto... voxel) { sum.add(voxel...); };
   };
   const int lod = s.nodes.lod[n];
   if (s.nodes.kind[n] == NodeKind::brick)
-    return for_each_voxel(s.levels[std::size_t(lod)], s.nodes.value[n], brick_position(s.nodes.key[n]), hash_into(lod));
+    return for_each_voxel(s.levels[std::size_t(lod)], s.nodes.value[n], brick_position(s.nodes.key[n]), add_to(lod));
   const int lowest = s.nodes.kind[n] == NodeKind::leaf_constant ? 0 : lod;
-  for (int l = lod; l >= lowest; --l) for_each_constant_voxel(s.nodes, n, lod - l, hash_into(l));
+  for (int l = lod; l >= lowest; --l) for_each_constant_voxel(s.nodes, n, lod - l, add_to(l));
 }
 
 }  // namespace
 
 Hash128 voxel_hash(int lod, std::array<std::int64_t, 3> corner_lattice, const std::uint8_t rgba[4],
                    const std::int8_t normal[2]) {
-  unsigned char bytes[34];
-  const std::int32_t lod32 = lod;
-  std::memcpy(bytes, &lod32, 4);
-  std::memcpy(bytes + 4, corner_lattice.data(), 24);
-  std::memcpy(bytes + 28, rgba, 4);
-  std::memcpy(bytes + 32, normal, 2);
-  const XXH128_hash_t h = XXH3_128bits(bytes, sizeof bytes);
-  return {h.low64, h.high64};
+  unsigned char record[record_bytes];
+  put_record(record, lod, corner_lattice, rgba, normal);
+  return hash_record(record);
 }
 
 std::vector<Hash128> content_hash(const Shard& shard, int threads) {
   std::vector<Hash128> total(shard.header.lods);
   std::mutex mutex;
   parallel_ranges(shard.nodes.key.size(), nodes_per_range, threads, [&](std::size_t begin, std::size_t end) {
-    std::vector<Hash128> sums(shard.header.lods);
+    std::vector<LevelSum> sums;
+    for (std::uint32_t lod = 0; lod < shard.header.lods; ++lod) sums.emplace_back(int(lod), shard.header.lattice_min);
     for (std::size_t n = begin; n < end; ++n) add_node(shard, n, sums);
     const std::scoped_lock lock(mutex);
-    for (std::size_t lod = 0; lod < sums.size(); ++lod) total[lod] += sums[lod];
+    for (std::size_t lod = 0; lod < sums.size(); ++lod) total[lod] += sums[lod].value();
   });
   return total;
 }

@@ -69,7 +69,7 @@ TEST(Diff, CountsWhatChangedHoweverCellsAreCut) {
   const std::uint64_t seed = std::random_device{}();
   std::mt19937_64 rng(seed);
   const TempFolder folder;
-  for (int round = 0; round < 6; ++round) {
+  for (int round = 0; round < 4; ++round) {
     const std::vector<Voxel> before = random_voxels(rng, 600);
     std::vector<Voxel> after;
     LevelDifference expected;

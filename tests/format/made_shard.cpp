@@ -38,9 +38,10 @@ void add_node(NodeTable& n, std::uint64_t key, int lod, NodeKind kind) {
   n.normal.push_back({0, 0});
 }
 
-NodeKind random_kind(std::mt19937_64& rng, bool is_root) {
+/// No leaf-constant nodes far up: they stand for too many voxels to test with.
+NodeKind random_kind(std::mt19937_64& rng, int lod, bool is_root) {
   const std::uint64_t dice = is_root ? 0 : rng() % 8;
-  return dice == 7 ? NodeKind::leaf_constant : dice == 6 ? NodeKind::constant : NodeKind::brick;
+  return dice == 7 && lod < 3 ? NodeKind::leaf_constant : dice == 6 ? NodeKind::constant : NodeKind::brick;
 }
 
 /// The node's content, and its children at the table's end.
@@ -59,7 +60,7 @@ void grow(std::mt19937_64& rng, const ShardShape& shape, std::size_t i, Shard& s
   while (n.child_mask[i] == 0) n.child_mask[i] = std::uint8_t(rng());
   while (std::popcount(n.child_mask[i]) > shape.most_children) n.child_mask[i] &= std::uint8_t(n.child_mask[i] - 1);
   for (std::uint64_t c = 0; c < 8; ++c)
-    if (n.child_mask[i] >> c & 1) add_node(n, n.key[i] << 3 | c, lod - 1, random_kind(rng, false));
+    if (n.child_mask[i] >> c & 1) add_node(n, n.key[i] << 3 | c, lod - 1, random_kind(rng, lod - 1, false));
 }
 
 ShardHeader header_of(int lods) {
@@ -136,7 +137,7 @@ Shard random_shard(std::mt19937_64& rng, const ShardShape& shape) {
   if (rng() % 2 == 0) s.header.origin = Geodetic{48.123456789, -11.5, double(rng() % 1000) / 7};
   s.levels.resize(std::size_t(shape.lods));
   for (BrickLevel& level : s.levels) level.first = {0};
-  add_node(s.nodes, 0, shape.lods - 1, random_kind(rng, true));
+  add_node(s.nodes, 0, shape.lods - 1, random_kind(rng, shape.lods - 1, true));
   for (std::size_t i = 0; i < s.nodes.key.size(); ++i) grow(rng, shape, i, s);
   return with_content_hash(std::move(s));
 }
