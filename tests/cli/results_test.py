@@ -11,6 +11,7 @@ import signal
 import sys
 import tempfile
 import unittest
+import unittest.mock
 from pathlib import Path
 
 import numpy
@@ -25,7 +26,8 @@ def bumpy_ground(quads=40):
     x, z = numpy.meshgrid(grid, grid)
     positions = numpy.stack([x, numpy.sin(x) * numpy.cos(z), -z], -1).reshape(-1, 3)
     corner = (numpy.arange(quads)[:, None] * (quads + 1) + numpy.arange(quads)).reshape(-1)
-    indices = numpy.stack([corner, corner + 1, corner + quads + 1, corner + 1, corner + quads + 2, corner + quads + 1], -1)
+    next_row = corner + quads + 1
+    indices = numpy.stack([corner, corner + 1, next_row, corner + 1, next_row + 1, next_row], -1)
     colours = numpy.random.default_rng(3).integers(0, 256, (len(positions), 4))
     colours[:, 3] = 255
     return positions, indices, colours
@@ -88,6 +90,14 @@ class Results(unittest.TestCase):
         self.assertIn("whole", PROGRAM.succeed("verify", self.a))
         answer = json.loads(PROGRAM.succeed("verify", self.a, "--json"))
         self.assertEqual((answer["faults"], answer["voxels"]), ([], self.info["voxels"]))
+
+    def test_shards_are_written_and_read_without_hdf5_plugins(self):
+        with unittest.mock.patch.dict(os.environ, HDF5_PLUGIN_PRELOAD="::", HDF5_PLUGIN_PATH=str(self.root)):
+            info = PROGRAM.bake(self.source, self.root / "plain", VOXEL_M, "--cell-voxels", 32)
+            PROGRAM.succeed("verify", self.root / "plain/scene.xml")
+        self.assertEqual(info["content_hash"], self.info["content_hash"])
+        for shard in (self.root / "a/shards").glob("*.h5"):
+            self.assertEqual(shard.read_bytes(), (self.root / "plain/shards" / shard.name).read_bytes())
 
     def test_verify_names_file_and_dataset_of_every_fault(self):
         scene, shards = self.damaged_copy()
