@@ -21,8 +21,12 @@ Hdf5Id access_properties(const Hdf5Call& call) {
   return access;
 }
 
-/// HDF5 prints its errors by itself unless told not to, thread by thread.
-void silence_hdf5(const Hdf5Call& call) { call("H5Eset_auto2", H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr)); }
+/// HDF5 prints its errors by itself unless told not to, thread by thread. And it would load a filter that we do not
+/// call, only to store the comment in it: then the same shard had other bytes on another machine.
+void calm_hdf5(const Hdf5Call& call) {
+  call("H5Eset_auto2", H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr));
+  call("H5PLset_loading_state", H5PLset_loading_state(0));
+}
 
 }  // namespace
 
@@ -63,16 +67,19 @@ Hdf5File::Hdf5File(std::filesystem::path path, Hdf5Id file) : path_(std::move(pa
 
 Hdf5File Hdf5File::create(const std::filesystem::path& path, const std::filesystem::path& called) {
   const Hdf5Call call{called, ""};
-  silence_hdf5(call);
+  calm_hdf5(call);
   const Hdf5Id access = access_properties(call);
-  return {called, call.id("H5Fcreate", H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose)};
+  const Hdf5Id properties = call.id("H5Pcreate", H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+  call("H5Pset_obj_track_times", H5Pset_obj_track_times(properties.get(), false));
+  return {called,
+          call.id("H5Fcreate", H5Fcreate(path.c_str(), H5F_ACC_TRUNC, properties.get(), access.get()), H5Fclose)};
 }
 
 Hdf5File Hdf5File::open(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw InputError(path, "", "no such file; bake the scene again");
   const Hdf5Call call{path, ""};
-  silence_hdf5(call);
+  calm_hdf5(call);
   const Hdf5Id access = access_properties(call);
   return {path, call.id("H5Fopen", H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose)};
 }
