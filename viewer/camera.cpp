@@ -103,13 +103,22 @@ Vector middle_of(const SceneDescription& scene, const CellReader& reader) {
 /// Two opposite sides of the frustum, moved until all there is lies between them: where they cut the plane of depth 0.
 struct FrustumSides {
   Vector across;  ///< unit, from the low to the high side
+  Vector low_normal, high_normal;
   double tan;
   double low = HUGE_VAL, high = -HUGE_VAL;
 
-  void include(const Vector& p, const Vector& forward) {
-    const double beside = dot(p, across), deep = tan * dot(p, forward);
-    low = std::min(low, beside + deep);
-    high = std::max(high, beside - deep);
+  FrustumSides(const Vector& unit_across, const Vector& forward, double tangent)
+      : across(unit_across),
+        low_normal(unit_across + forward * tangent),
+        high_normal(unit_across - forward * tangent),
+        tan(tangent) {}
+
+  void include(const Vector& centre, double half_edge) {
+    const auto reach = [&](const Vector& n) {
+      return half_edge * (std::fabs(n[0]) + std::fabs(n[1]) + std::fabs(n[2]));
+    };
+    low = std::min(low, dot(centre, low_normal) - reach(low_normal));
+    high = std::max(high, dot(centre, high_normal) + reach(high_normal));
   }
 };
 
@@ -117,9 +126,9 @@ struct FrustumSides {
 Vector framing_eye(const SceneDescription& scene, const CellReader& reader, const std::optional<Vector>& target,
                    const Axes& axes, double tan_x, double tan_y) {
   constexpr double margin = 0.96;
-  FrustumSides sides[2] = {{axes.right, tan_x * margin}, {axes.up, tan_y * margin}};
+  FrustumSides sides[2] = {{axes.right, axes.forward, tan_x * margin}, {axes.up, axes.forward, tan_y * margin}};
   for_each_occupied_box(scene, reader, [&](const Vector& corner, double edge) {
-    for (FrustumSides& s : sides) s.include(corner + Vector{edge / 2, edge / 2, edge / 2}, axes.forward);
+    for (FrustumSides& s : sides) s.include(corner + Vector{edge / 2, edge / 2, edge / 2}, edge / 2);
   });
   double depth = HUGE_VAL;
   Vector eye{};
@@ -128,7 +137,7 @@ Vector framing_eye(const SceneDescription& scene, const CellReader& reader, cons
     depth = std::min({depth, (s.low - middle) / s.tan, (middle - s.high) / s.tan});
     eye = eye + s.across * middle;
   }
-  return eye + axes.forward * (depth - brick_edge);
+  return eye + axes.forward * depth;
 }
 
 void set(double out[3], const Vector& v) { std::copy(v.begin(), v.end(), out); }
