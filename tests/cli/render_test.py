@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+"""From the sample terrain to a picture: sensible, repeatable, and refused where the options make no picture.
+
+Usage: render_test.py GIGABAKE SOURCE_DIR
+"""
+import struct
+import sys
+import tempfile
+import unittest
+import zlib
+from pathlib import Path
+
+import numpy
+
+import harness
+
+SIZE = (240, 135)
+
+
+def read_png(path):
+    """height × width × channels. Eight bits, RGB or RGBA, not interlaced: what the program writes."""
+    data = Path(path).read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n", path
+    at, packed = 8, b""
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at:at + 8])
+        body = data[at + 8:at + 8 + length]
+        assert struct.unpack(">I", data[at + 8 + length:at + 12 + length])[0] == zlib.crc32(kind + body)
+        if kind == b"IHDR":
+            width, height, depth, colour, _, _, interlaced = struct.unpack(">IIBBBBB", body)
+            assert (depth, interlaced) == (8, 0) and colour in (2, 6)
+        packed += body if kind == b"IDAT" else b""
+        at += 12 + length
+    channels = 3 if colour == 2 else 4
+    rows = numpy.frombuffer(zlib.decompress(packed), "u1").reshape(height, 1 + width * channels)
+    image = numpy.zeros((height + 1, width + 1, channels), int)  # a row and a column of zeros before the first
+    for y in range(height):
+        line = rows[y, 1:].reshape(width, channels).astype(int)
+        for x in range(width):
+            left, up, corner = image[y + 1, x], image[y, x + 1], image[y, x]
+            image[y + 1, x + 1] = (line[x] + unfiltered(rows[y, 0], left, up, corner)) & 255
+    return image[1:, 1:]
+
+
+def unfiltered(kind, left, up, corner):
+    if kind == 0:
+        return 0
+    if kind == 1:
+        return left
+    if kind == 2:
+        return up
+    if kind == 3:
+        return (left + up) // 2
+    distance = numpy.abs(numpy.stack([up - corner, left - corner, left + up - 2 * corner]))
+    nearest = distance.argmin(0)  # the first of equals, as Paeth has it
+    return numpy.choose(nearest, [left, up, corner])
+
+
+class Render(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        root = Path(cls.folder.name)
+        GIGABAKE.succeed("sample", root / "sample", "--size", 96, "--tiles", 2)
+        GIGABAKE.succeed("bake", root / "sample" / "tileset.json", "-o", root / "out", "--voxel-size", 0.25,
+                         "--cell-voxels", 128)
+        cls.scene, cls.root = root / "out" / "scene.xml", root
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def render(self, name, *options, size=SIZE):
+        path = self.root / name
+        GIGABAKE.succeed("render", self.scene, "-o", path, "--size", f"{size[0]}x{size[1]}", *options)
+        return path.read_bytes()
+
+    def refuse(self, *options, scene=None, code=2, expect=""):
+        path = self.root / "refused.png"
+        result = GIGABAKE.run("render", scene or self.scene, "-o", path, *options)
+        self.assertEqual(result.returncode, code, (options, result.stdout, result.stderr))
+        self.assertIn(expect, result.stderr)
+        self.assertEqual(len(result.stderr.strip().splitlines()), 1, result.stderr)
+        self.assertFalse(path.exists())
+
+    def test_the_default_picture_shows_the_whole_terrain_in_front_of_the_sky(self):
+        self.render("default.png", "--background", "0,0,0,0")
+        image = read_png(self.root / "default.png")
+        self.assertEqual(image.shape, (SIZE[1], SIZE[0], 4))
+        seen = image[..., 3] > 0
+        self.assertTrue(0.25 < seen.mean() < 0.9, seen.mean())
+        rows, columns = numpy.nonzero(seen)
+        self.assertTrue(rows.min() > 0 and rows.max() < SIZE[1] - 1, (rows.min(), rows.max()))
+        self.assertTrue(columns.min() > 0 and columns.max() < SIZE[0] - 1, (columns.min(), columns.max()))
+        ground = image[seen & (image[..., 3] == 255)][:, :3]
+        self.assertTrue(40 < ground.mean() < 200, ground.mean())
+        self.assertGreater(ground.std(), 12)
+        # Nothing shines through the ground: what is well inside of the silhouette is opaque.
+        inside = seen.copy()
+        for _ in range(6):
+            inside[1:-1, 1:-1] &= inside[:-2, 1:-1] & inside[2:, 1:-1] & inside[1:-1, :-2] & inside[1:-1, 2:]
+        self.assertGreater(inside.sum(), 1000)
+        self.assertGreater((image[inside][:, 3] == 255).mean(), 0.995)
+
+    def test_equal_options_give_equal_files_for_any_threads_and_memory(self):
+        expected = self.render("first.png")
+        self.assertEqual(self.render("again.png"), expected)
+        self.assertEqual(self.render("one.png", "--threads", 1), expected)
+        self.assertEqual(self.render("two.png", "--threads", 2), expected)
+        self.assertEqual(self.render("little.png", "--memory", "1M"), expected)
+
+    def test_albedo_light_and_level_show(self):
+        lit = self.render("lit.png", "--background", "9,9,9")
+        self.assertNotEqual(self.render("albedo.png", "--background", "9,9,9", "--albedo"), lit)
+        self.assertNotEqual(self.render("coarse.png", "--background", "9,9,9", "--lod-bias", 2), lit)
+        coarse, fine = read_png(self.root / "coarse.png"), read_png(self.root / "lit.png")
+        self.assertEqual(fine.shape[2], 3)
+        self.assertLess(numpy.abs(coarse - fine).mean(), 12)  # the same terrain, less sharp
+
+    def test_cells_do_not_show(self):
+        out = self.root / "other"
+        GIGABAKE.succeed("bake", self.root / "sample" / "tileset.json", "-o", out, "--voxel-size", 0.25,
+                         "--cell-voxels", 512)
+        camera = ("--eye", "40,-45,25", "--target", "0,0,0", "--size", "160x90", "--background", "0,0,0")
+        GIGABAKE.succeed("render", out / "scene.xml", "-o", self.root / "large.png", *camera)
+        GIGABAKE.succeed("render", self.scene, "-o", self.root / "small.png", *camera)
+        self.assertEqual((self.root / "large.png").read_bytes(), (self.root / "small.png").read_bytes())
+
+    def test_options_that_make_no_picture_are_named(self):
+        self.refuse("--eye", "nan,0,0", expect="--eye")
+        self.refuse("--eye", "1,2", expect="--eye")
+        self.refuse("--eye", "1,2,3", "--target", "1,2,3", expect="--target")
+        self.refuse("--eye", "0,0,9", "--target", "0,0,0", "--up", "0,0,1", expect="--up")
+        self.refuse("--up", "0,0,0", expect="--up")
+        self.refuse("--size", "0x9", expect="--size")
+        self.refuse("--size", "99999x99999", expect="--size")
+        self.refuse("--size", "wide", expect="--size")
+        self.refuse("--fovy", "180", expect="--fovy")
+        self.refuse("--fovy", "nan", expect="--fovy")
+        self.refuse("--background", "blue", expect="--background")
+        self.refuse("--background", "1,2,256", expect="--background")
+        self.refuse("--threads", "-1", expect="--threads")
+
+    def test_a_scene_that_is_not_whole_is_named(self):
+        self.refuse(scene=self.root / "missing.xml", code=1, expect="missing.xml")
+        broken = self.root / "broken"
+        GIGABAKE.succeed("bake", self.root / "sample" / "tileset.json", "-o", broken, "--voxel-size", 1)
+        shard = next((broken / "shards").glob("*.h5"))
+        shard.write_bytes(shard.read_bytes()[:5000])
+        self.refuse(scene=broken / "scene.xml", code=1, expect=shard.name)
+        shard.unlink()
+        self.refuse(scene=broken / "scene.xml", code=1, expect=shard.name)
+
+
+if __name__ == "__main__":
+    GIGABAKE = harness.Gigabake(sys.argv[1])
+    unittest.main(argv=sys.argv[:1])
