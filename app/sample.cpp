@@ -18,24 +18,45 @@ struct Options {
   bool json = false;
 };
 
+std::string bake_command(const Options& o, const char* source, const char* more) {
+  return fmt::format("gigabake bake {}/{} --voxel-size {}{} -o OUT", o.dir, source, o.sample.texel_m, more);
+}
+
+constexpr char render_command[] = "gigabake render OUT/scene.xml -o PICTURE.png";
+
+void print_json(const Options& o, const sample::SampleReport& r) {
+  const Geodetic& at = o.sample.origin;
+  const nlohmann::ordered_json j{{"tileset", o.dir + "/tileset.json"},
+                                 {"local", o.dir + "/local"},
+                                 {"tiles", r.tiles},
+                                 {"triangles", r.triangles},
+                                 {"houses", r.houses},
+                                 {"trees", r.trees},
+                                 {"bytes", r.bytes},
+                                 {"origin", {at.latitude_deg, at.longitude_deg, at.height_m}},
+                                 {"min_m", r.min_m},
+                                 {"max_m", r.max_m},
+                                 {"voxel_size_m", o.sample.texel_m},
+                                 {"bake", bake_command(o, "tileset.json", "")},
+                                 {"bake_local", bake_command(o, "local", " --local")},
+                                 {"render", render_command}};
+  fmt::print("{}\n", j.dump(2));
+}
+
+void print_text(const Options& o, const sample::SampleReport& r) {
+  fmt::print("{} tiles, {} triangles, {} houses, {} trees, {}; {:g} × {:g} m, {:.0f} m from lowest to highest\n",
+             r.tiles, r.triangles, r.houses, r.trees, readable_bytes(r.bytes), o.sample.size_m, o.sample.size_m,
+             r.max_m[2] - r.min_m[2]);
+  fmt::print("bake it:        {}\n", bake_command(o, "tileset.json", ""));
+  fmt::print("its flat twin:  {}\n", bake_command(o, "local", " --local"));
+  fmt::print("see it:         {}\n", render_command);
+}
+
 void run(Options& o) {
   if (!o.origin.empty()) o.sample.origin = geodetic("--origin", o.origin);
   o.sample.threads = int(std::thread::hardware_concurrency());
-  const sample::SampleReport r = sample::write_sample(o.dir, o.sample);
-  if (o.json) {
-    const nlohmann::ordered_json j{{"tileset", o.dir + "/tileset.json"},
-                                   {"local", o.dir + "/local"},
-                                   {"tiles", r.tiles},
-                                   {"triangles", r.triangles},
-                                   {"houses", r.houses},
-                                   {"trees", r.trees},
-                                   {"bytes", r.bytes}};
-    fmt::print("{}\n", j.dump(2));
-    return;
-  }
-  fmt::print("{} tiles, {} triangles, {} houses, {} trees, {}\n", r.tiles, r.triangles, r.houses, r.trees,
-             readable_bytes(r.bytes));
-  fmt::print("bake it:  gigabake bake {}/tileset.json --voxel-size 0.25 -o OUT\n", o.dir);
+  const sample::SampleReport report = sample::write_sample(o.dir, o.sample);
+  o.json ? print_json(o, report) : print_text(o, report);
 }
 
 }  // namespace

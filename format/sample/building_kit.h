@@ -14,6 +14,14 @@ Picture paint_roof(std::uint32_t seed);
 /// Left half leaves, right half needles, with alpha: 255 where there is foliage, 0 between.
 Picture paint_foliage(std::uint32_t seed);
 
+/// The three, encoded: every tile that builds or plants carries them.
+struct KitImages {
+  GlbImage facade, roof, foliage;
+};
+KitImages paint_kit(std::uint32_t seed);
+
+constexpr int jpeg_quality = 88;
+
 /// A corner of a mesh in the tile's frame: metres east, north, up.
 struct Corner {
   double e_m, n_m, u_m;

@@ -133,10 +133,14 @@ void add_tree(const Tree& tree, Corner foot, GlbMesh& bark, GlbMesh& foliage) {
   constexpr int cards[4] = {5, 6, 5, 1};
   for (int ring = 0; ring < 4; ++ring) {
     const double turn_deg = random.between(0, 360);
-    for (int k = 0; k < cards[ring]; ++k)
-      add_crown_card(tree, centre, turn_deg + 360.0 * k / cards[ring] + random.between(-12, 12),
-                     lifts[ring] + random.between(-8, 8), radius_m * random.between(0.68, 0.86),
-                     radius_m * random.between(0.5, 0.62), foliage);
+    for (int k = 0; k < cards[ring]; ++k) {
+      // One draw a statement: in what order a call's arguments are evaluated is the compiler's choice.
+      const double heading_deg = turn_deg + 360.0 * k / cards[ring] + random.between(-12, 12);
+      const double lift_deg = lifts[ring] + random.between(-8, 8);
+      const double reach_m = radius_m * random.between(0.68, 0.86);
+      const double half_m = radius_m * random.between(0.5, 0.62);
+      add_crown_card(tree, centre, heading_deg, lift_deg, reach_m, half_m, foliage);
+    }
   }
 }
 

@@ -82,4 +82,10 @@ Picture paint_foliage(std::uint32_t seed) {
   return p;
 }
 
+KitImages paint_kit(std::uint32_t seed) {
+  return {{"image/jpeg", to_jpeg(paint_facade(seed + 81), jpeg_quality)},
+          {"image/jpeg", to_jpeg(paint_roof(seed + 82), jpeg_quality)},
+          {"image/png", to_png(paint_foliage(seed + 80))}};
+}
+
 }  // namespace gigabake::sample

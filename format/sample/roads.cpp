@@ -119,24 +119,12 @@ std::vector<MapPoint> Surveyor::way(MapPoint from, MapPoint to) {
   return smoothed(thinned(points));
 }
 
-RoadNetwork::RoadNetwork(double size_m) : low_m_(-size_m / 2 - reach_m) {
-  bucket_m_ = std::max(reach_m, size_m / 512);
-  buckets_ = int((size_m + 2 * reach_m) / bucket_m_) + 1;
-  near_.resize(std::size_t(buckets_) * buckets_);
-}
-
-int RoadNetwork::bucket(double coordinate_m) const {
-  return std::clamp(int((coordinate_m - low_m_) / bucket_m_), 0, buckets_ - 1);
-}
-
 void RoadNetwork::add(Road road) {
-  const double reach = reach_m + road.half_width_m;
+  const double half_m = road.half_width_m;
   for (std::size_t i = 0; i + 1 < road.points.size(); ++i) {
     const MapPoint a = road.points[i], b = road.points[i + 1];
-    const int x_end = bucket(std::max(a.e_m, b.e_m) + reach), y_end = bucket(std::max(a.n_m, b.n_m) + reach);
-    for (int y = bucket(std::min(a.n_m, b.n_m) - reach); y <= y_end; ++y)
-      for (int x = bucket(std::min(a.e_m, b.e_m) - reach); x <= x_end; ++x)
-        near_[std::size_t(y) * buckets_ + x].push_back(int(segments_.size()));
+    near_.add({std::min(a.e_m, b.e_m) - half_m, std::min(a.n_m, b.n_m) - half_m},
+              {std::max(a.e_m, b.e_m) + half_m, std::max(a.n_m, b.n_m) + half_m}, int(segments_.size()));
     segments_.push_back({a, b, int(roads_.size())});
   }
   roads_.push_back(std::move(road));
@@ -144,7 +132,7 @@ void RoadNetwork::add(Road road) {
 
 RoadSight RoadNetwork::nearest(MapPoint p) const {
   RoadSight sight;
-  for (const int s : near_[std::size_t(bucket(p.n_m)) * buckets_ + bucket(p.e_m)]) {
+  for (const int s : near_.near(p)) {
     const Road& road = roads_[segments_[s].road];
     const double middle_m = to_segment_m(p, segments_[s].a, segments_[s].b);
     if (middle_m - road.half_width_m < sight.edge_m)

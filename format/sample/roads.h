@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "format/sample/near_grid.h"
 #include "format/sample/relief.h"
 
 namespace gigabake::sample {
@@ -42,7 +43,7 @@ class Surveyor {
 
 class RoadNetwork {
  public:
-  explicit RoadNetwork(double size_m);
+  explicit RoadNetwork(double size_m) : near_(size_m, reach_m) {}
   void add(Road road);
   const std::vector<Road>& roads() const { return roads_; }
   /// The nearest road within `reach_m` of p.
@@ -55,13 +56,10 @@ class RoadNetwork {
     MapPoint a, b;
     int road;
   };
-  int bucket(double coordinate_m) const;
 
   std::vector<Road> roads_;
   std::vector<Segment> segments_;
-  double low_m_, bucket_m_;
-  int buckets_;
-  std::vector<std::vector<int>> near_;  ///< per bucket the segments within reach
+  NearGrid near_;  ///< of segments
 };
 
 double distance_m(MapPoint a, MapPoint b);

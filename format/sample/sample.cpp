@@ -8,6 +8,7 @@
 #include "format/error.h"
 #include "format/parallel.h"
 #include "format/publish.h"
+#include "format/sample/sample_folder.h"
 #include "format/sample/terrain_tile.h"
 
 namespace gigabake::sample {
@@ -15,8 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr char generator[] = "gigabake sample";
-constexpr int overview_quads = 64, overview_texels = 1024;
+constexpr int overview_quads = 64, overview_texels = 1024;  // at most, along the map's edge
 
 void check(const SampleOptions& o) {
   if (!(o.size_m >= 64 && o.size_m <= 1e5)) throw UsageError("--size: expected 64 to 100000 metres");
@@ -31,18 +31,6 @@ void check(const SampleOptions& o) {
     throw UsageError("--origin: expected a latitude within ±85°, a longitude and a height in metres");
 }
 
-/// Nothing that is not a sample is written over.
-void make_folders(const std::filesystem::path& dir) {
-  std::error_code error;
-  if (std::filesystem::exists(dir, error) && !std::filesystem::exists(dir / "tileset.json", error) &&
-      (!std::filesystem::is_directory(dir, error) || !std::filesystem::is_empty(dir, error)))
-    throw InputError(dir, "", "exists and is not a sample; name a new or empty folder");
-  for (const char* sub : {"tiles", "local"}) {
-    std::filesystem::create_directories(dir / sub, error);
-    if (error) throw InputError(dir / sub, "", "cannot make the folder: " + error.message());
-  }
-}
-
 Json box_of(const TerrainTile& t) {
   Json box = Json::array();
   for (std::size_t c = 0; c < 3; ++c) box.push_back((t.min_m[c] + t.max_m[c]) / 2);
@@ -51,23 +39,20 @@ Json box_of(const TerrainTile& t) {
   return Json{{"box", box}};
 }
 
-void write(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes) {
-  publish_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-}
-
 class Writer {
  public:
   Writer(const std::filesystem::path& dir, const SampleOptions& o)
-      : dir_(dir), o_(o), relief_(o.size_m, o.seed), settlement_(relief_, o.seed), earth_(o.origin) {}
+      : dir_(dir), o_(o), landscape_(o.size_m, o.seed), earth_(o.origin) {}
 
   SampleReport write_all() {
-    make_folders(dir_);
     const std::size_t count = std::size_t(o_.tiles) * std::size_t(o_.tiles);
     std::vector<Json> children(count);
     std::mutex mutex;
     parallel_ranges(count, 1, o_.threads, [&](std::size_t i, std::size_t) {
-      const TerrainTile tile = write_tile(i, TileFrame{&earth_}, "tiles");
-      write_tile(i, TileFrame{}, "local");
+      const TilePlan plan = plan_of(i);
+      const GlbImage ground = paint_tile(landscape_, plan);
+      const TerrainTile tile = write_tile(plan, TileFrame{&earth_}, ground, "tiles/" + name_of(i));
+      write_tile(plan, TileFrame{}, ground, "local/" + name_of(i));
       children[i] = {
           {"boundingVolume", box_of(tile)}, {"geometricError", 0}, {"content", {{"uri", "tiles/" + name_of(i)}}}};
       const std::scoped_lock lock(mutex);
@@ -91,34 +76,39 @@ class Writer {
     report_.bytes += bytes;
   }
 
-  TerrainTile write_tile(std::size_t i, const TileFrame& frame, const char* folder) {
+  TilePlan plan_of(std::size_t i) const {
     TilePlan plan;
     plan.edge_m = o_.size_m / o_.tiles;
     plan.min = {-o_.size_m / 2 + double(i % std::size_t(o_.tiles)) * plan.edge_m,
                 -o_.size_m / 2 + double(i / std::size_t(o_.tiles)) * plan.edge_m};
     plan.quads = std::max(1, int(plan.edge_m / o_.ground_step_m + 0.5));
     plan.texels = std::max(16, int(plan.edge_m / o_.texel_m + 0.5));
-    TerrainTile tile = make_tile(relief_, settlement_, o_.seed, frame, plan);
-    tile.model.name = name_of(i);
-    const std::vector<std::uint8_t> glb = to_glb(tile.model);
-    write(dir_ / folder / name_of(i), glb);
-    count_bytes(glb.size());
-    return tile;
+    return plan;
   }
 
-  /// The coarser level: the whole map without what stands on it.
-  TerrainTile write_overview() {
-    const TilePlan plan{{-o_.size_m / 2, -o_.size_m / 2}, o_.size_m, overview_quads, overview_texels, false};
-    TerrainTile tile = make_tile(relief_, settlement_, o_.seed, TileFrame{&earth_}, plan);
-    tile.model.name = "overview";
+  /// The coarser level: the whole map without what stands on it, with at most a quarter of the tiles' steps.
+  TilePlan plan_of_overview() const {
+    const TilePlan fine = plan_of(0);
+    return {{-o_.size_m / 2, -o_.size_m / 2},
+            o_.size_m,
+            std::clamp(fine.quads * o_.tiles / 4, 1, overview_quads),
+            std::clamp(fine.texels * o_.tiles / 4, 16, overview_texels),
+            false};
+  }
+
+  TerrainTile write_tile(const TilePlan& plan, const TileFrame& frame, const GlbImage& ground,
+                         const std::string& name) {
+    TerrainTile tile = make_tile(landscape_, frame, plan, ground);
+    tile.model.name = std::filesystem::path(name).stem().string();
     const std::vector<std::uint8_t> glb = to_glb(tile.model);
-    write(dir_ / "tiles/overview.glb", glb);
+    publish_file(dir_ / name, {reinterpret_cast<const char*>(glb.data()), glb.size()});
     count_bytes(glb.size());
     return tile;
   }
 
   void write_tileset(const std::vector<Json>& children) {
-    TerrainTile overview = write_overview();
+    const TilePlan plan = plan_of_overview();
+    TerrainTile overview = write_tile(plan, TileFrame{&earth_}, paint_tile(landscape_, plan), "tiles/overview.glb");
     for (std::size_t c = 0; c < 3; ++c)  // the parent's volume holds its children's: roofs and crowns included
       for (const Json& child : children) {
         const Json& box = child["boundingVolume"]["box"];
@@ -126,13 +116,15 @@ class Writer {
         overview.min_m[c] = std::min(overview.min_m[c], centre - half);
         overview.max_m[c] = std::max(overview.max_m[c], centre + half);
       }
+    report_.min_m = overview.min_m;
+    report_.max_m = overview.max_m;
     const auto& m = earth_.ecef_from_enu().m;
     Json transform = Json::array();
     for (std::size_t column = 0; column < 4; ++column)
       for (std::size_t row = 0; row < 4; ++row)
         transform.push_back(row < 3 ? m[row][column] : (column == 3 ? 1.0 : 0.0));
-    const double error_m = o_.size_m / overview_quads;
-    const Json tileset{{"asset", {{"version", "1.1"}, {"generator", generator}}},
+    const double error_m = o_.size_m / plan.quads;
+    const Json tileset{{"asset", {{"version", "1.1"}, {"generator", sample_generator}}},
                        {"geometricError", 4 * error_m},
                        {"root",
                         {{"transform", transform},
@@ -148,8 +140,7 @@ class Writer {
 
   const std::filesystem::path& dir_;
   const SampleOptions& o_;
-  Relief relief_;
-  Settlement settlement_;
+  Landscape landscape_;
   Earth earth_;
   SampleReport report_;
   std::mutex bytes_mutex_;
@@ -159,7 +150,10 @@ class Writer {
 
 SampleReport write_sample(const std::filesystem::path& dir, const SampleOptions& options) {
   check(options);
-  return Writer(dir, options).write_all();
+  SampleFolder folder(dir);
+  const SampleReport report = Writer(folder.aside(), options).write_all();
+  folder.publish();
+  return report;
 }
 
 }  // namespace gigabake::sample

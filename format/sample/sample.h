@@ -1,6 +1,7 @@
 /// The project's own sample: a believable landscape of any size as 3D Tiles, and the same flat and local.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 
@@ -21,11 +22,13 @@ struct SampleOptions {
 struct SampleReport {
   std::uint64_t triangles = 0, bytes = 0;  ///< of the finest tiles of one variant; of all files
   std::uint32_t houses = 0, trees = 0, tiles = 0;
+  std::array<double, 3> min_m{}, max_m{};  ///< east, north, up of the origin's tangent plane
 };
 
 /// Writes DIR/tileset.json with DIR/tiles/*.glb (georeferenced, one coarser level above the tiles, REPLACE) and
-/// DIR/local/*.glb (the map's own flat frame, for --local).
-/// Exact   The same bytes for the same options on every machine; threads do not show.
+/// DIR/local/*.glb (the map's own flat frame, for --local). A former sample in DIR is replaced as a whole.
+/// Exact   The same positions, pixels and indices for the same options on every machine; threads do not show. The
+///         same bytes where libjpeg and zlib are the same: how tightly they pack is theirs to decide.
 /// Errors  UsageError for options out of range; InputError where DIR holds something else or cannot be written.
 SampleReport write_sample(const std::filesystem::path& dir, const SampleOptions& options);
 

@@ -27,10 +27,23 @@ MapPoint inside(MapPoint p, double half_m) {
   return {std::clamp(p.e_m, -half_m, half_m), std::clamp(p.n_m, -half_m, half_m)};
 }
 
+House draw_house(Random& random, double road_heading_deg) {
+  House h;
+  h.length_m = random.between(8, 13);
+  h.depth_m = random.between(6.5, 8.5);
+  h.wall_m = random.below(3) == 0 ? random.between(5, 5.6) : random.between(2.8, 3.4);
+  h.roof_m = h.depth_m * random.between(0.36, 0.5);
+  const double across_deg = random.below(4) == 0 ? 90 : 0;
+  h.heading_deg = road_heading_deg + across_deg + random.between(-4, 4);
+  h.wall_tint = random.below(4);
+  h.roof_tint = random.below(3);
+  return h;
+}
+
 }  // namespace
 
 Settlement::Settlement(const Relief& relief, std::uint32_t seed)
-    : relief_(relief), seed_(seed), roads_(relief.size_m()) {
+    : relief_(relief), seed_(seed), roads_(relief.size_m()), near_houses_(relief.size_m(), house_sight_m) {
   lay_roads();
   for (const Road& road : roads_.roads())
     for (const MapPoint& village : villages_)
@@ -73,7 +86,9 @@ bool Settlement::can_build(const House& house) const {
   if (std::fabs(house.centre.e_m) > half_m || std::fabs(house.centre.n_m) > half_m) return false;
   if (relief_.slope(house.centre) > 0.3 || relief_.river().at(house.centre).shore_m < 12) return false;
   if (roads_.nearest(house.centre).edge_m < house.depth_m / 2 + 1.5) return false;
-  return std::none_of(houses_.begin(), houses_.end(), [&](const House& other) {
+  const auto near = near_houses_.near(house.centre);
+  return std::none_of(near.begin(), near.end(), [&](int i) {
+    const House& other = houses_[std::size_t(i)];
     return distance_m(house.centre, other.centre) < (house.length_m + other.length_m) / 2 + 3;
   });
 }
@@ -87,17 +102,12 @@ void Settlement::build_along(const Road& road, MapPoint centre, double radius_m)
     for (; next_m < along_m + step_m; next_m += random.between(7, 12)) {
       const double t = (next_m - along_m) / step_m, de = (b.e_m - a.e_m) / step_m, dn = (b.n_m - a.n_m) / step_m;
       for (const double side : {-1.0, 1.0}) {
-        House h;
-        h.length_m = random.between(8, 13);
-        h.depth_m = random.between(6.5, 8.5);
-        h.wall_m = random.below(3) == 0 ? random.between(5, 5.6) : random.between(2.8, 3.4);
-        h.roof_m = h.depth_m * random.between(0.36, 0.5);
-        h.heading_deg = heading_of(de, dn) + (random.below(4) == 0 ? 90 : 0) + random.between(-4, 4);
-        h.wall_tint = random.below(4);
-        h.roof_tint = random.below(3);
+        House h = draw_house(random, heading_of(de, dn));
         const double away_m = side * (road.half_width_m + random.between(4, 8) + h.depth_m / 2);
         h.centre = {lerp(a.e_m, b.e_m, t) - away_m * dn, lerp(a.n_m, b.n_m, t) + away_m * de};
-        if (distance_m(h.centre, centre) < radius_m && random.below(5) != 0 && can_build(h)) houses_.push_back(h);
+        if (distance_m(h.centre, centre) >= radius_m || random.below(5) == 0 || !can_build(h)) continue;
+        near_houses_.add(h.centre, h.centre, int(houses_.size()));
+        houses_.push_back(h);
       }
     }
     along_m += step_m;
@@ -106,7 +116,8 @@ void Settlement::build_along(const Road& road, MapPoint centre, double radius_m)
 
 double Settlement::to_house_m(MapPoint p) const {
   double nearest_m = house_sight_m;
-  for (const House& h : houses_) nearest_m = std::min(nearest_m, distance_m(p, h.centre));
+  for (const int i : near_houses_.near(p))
+    nearest_m = std::min(nearest_m, distance_m(p, houses_[std::size_t(i)].centre));
   return nearest_m;
 }
 

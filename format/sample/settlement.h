@@ -48,6 +48,7 @@ class Settlement {
   RoadNetwork roads_;
   std::vector<MapPoint> villages_;
   std::vector<House> houses_;
+  NearGrid near_houses_;
 };
 
 }  // namespace gigabake::sample

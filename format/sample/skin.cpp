@@ -28,6 +28,13 @@ Rgb field_colour(std::uint32_t seed, MapPoint p, const Rgb& meadow_here) {
   return mix(wood_floor, scaled(crops[h % 5], 1 + 0.16 * row), smooth_step(0.008, 0.03, hedge));
 }
 
+/// Cracked and weathered: ridges of noise at two scales.
+Rgb rock_colour(std::uint32_t seed, MapPoint p) {
+  const double blocks = ridged_noise(seed + 75, p.e_m / 7, p.n_m / 7, 5);
+  const double cracks = ridged_noise(seed + 76, p.e_m / 1.9, p.n_m / 1.9, 3);
+  return scaled(mix(rock, dark_rock, smooth_step(0.15, 0.75, blocks)), 1.12 - 0.35 * cracks * cracks);
+}
+
 Rgb land_colour(const Relief& relief, std::uint32_t seed, MapPoint p, const Reach& reach) {
   const double slope = relief.slope(p), moisture = relief.moisture(p);
   const double patchy = fractal_noise(seed + 72, p.e_m / 23, p.n_m / 23, 3);
@@ -38,7 +45,8 @@ Rgb land_colour(const Relief& relief, std::uint32_t seed, MapPoint p, const Reac
   const double forest = smooth_step(-0.02, 0.24, noise(seed + 61, p.e_m / 90, p.n_m / 90) + 0.35 * slope);
   c = mix(c, wood_floor, 0.75 * forest * smooth_step(12, 20, reach.shore_m));
   c = mix(c, scree, smooth_step(0.5, 0.75, slope + 0.25 * patchy));
-  c = mix(c, grain > 0 ? rock : dark_rock, smooth_step(0.62, 0.95, slope + 0.2 * patchy));
+  const double bare = smooth_step(0.62, 0.95, slope + 0.2 * patchy);
+  if (bare > 0) c = mix(c, rock_colour(seed, p), bare);
   c = mix(gravel, c, smooth_step(0.6, 3.2, reach.shore_m + 1.5 * patchy));
   return scaled(c, 1 + 0.10 * grain - 0.35 * std::max(0.0, relief.hollowness(p)));
 }

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "format/sample/building_kit.h"
 #include "format/sample/skin.h"
 
 namespace gigabake::sample {
 namespace {
 
 constexpr double grid_per_m = 1024;
-constexpr int wall_tints = 4, roof_tints = 3, jpeg_quality = 88;
+constexpr int wall_tints = 4, roof_tints = 3;
 constexpr std::array<double, 4> wall_colours[wall_tints] = {
     {0.95, 0.93, 0.88, 1}, {0.93, 0.80, 0.55, 1}, {0.80, 0.46, 0.34, 1}, {0.72, 0.78, 0.80, 1}};
 constexpr std::array<double, 4> roof_colours[roof_tints] = {{1, 1, 1, 1}, {0.62, 0.62, 0.66, 1}, {0.78, 0.55, 0.45, 1}};
@@ -29,9 +28,8 @@ enum MeshSlot : std::size_t {
 
 class TileBuilder {
  public:
-  TileBuilder(const Relief& relief, const Settlement& settlement, std::uint32_t seed, const TileFrame& frame,
-              const TilePlan& plan)
-      : relief_(relief), settlement_(settlement), seed_(seed), frame_(frame), plan_(plan) {
+  TileBuilder(const Landscape& landscape, const TileFrame& frame, const TilePlan& plan, const GlbImage& painted)
+      : landscape_(landscape), frame_(frame), plan_(plan), painted_(painted) {
     const MapPoint middle{plan.min.e_m + plan.edge_m / 2, plan.min.n_m + plan.edge_m / 2};
     origin_ = frame.place(middle, 0);
     out_.model.meshes.resize(slots);
@@ -62,7 +60,7 @@ class TileBuilder {
     for (int y = 0; y < points; ++y)
       for (int x = 0; x < points; ++x) {
         const MapPoint p = grid_point(x, y);
-        const Corner c = local(p, relief_.height_m(p));
+        const Corner c = local(p, landscape_.relief.height_m(p));
         mesh.position.insert(mesh.position.end(), {float(c.e_m), float(c.u_m), float(-c.n_m)});
         mesh.uv.push_back(std::uint16_t(65535.0 * x / plan_.quads + 0.5));
         mesh.uv.push_back(std::uint16_t(65535.0 * (plan_.quads - y) / plan_.quads + 0.5));
@@ -80,12 +78,12 @@ class TileBuilder {
 
   void add_objects() {
     const MapPoint max{plan_.min.e_m + plan_.edge_m, plan_.min.n_m + plan_.edge_m};
-    for (const House& h : settlement_.houses()) {
+    for (const House& h : landscape_.settlement.houses()) {
       const MapPoint p = h.centre;
       if (p.e_m >= plan_.min.e_m && p.e_m < max.e_m && p.n_m >= plan_.min.n_m && p.n_m < max.n_m) place_house(h);
     }
-    for (const Tree& tree : settlement_.trees_in(plan_.min, max)) {
-      add_tree(tree, local(tree.foot, relief_.height_m(tree.foot)), out_.model.meshes[bark],
+    for (const Tree& tree : landscape_.settlement.trees_in(plan_.min, max)) {
+      add_tree(tree, local(tree.foot, landscape_.relief.height_m(tree.foot)), out_.model.meshes[bark],
                out_.model.meshes[foliage]);
       ++out_.trees;
     }
@@ -97,8 +95,8 @@ class TileBuilder {
     for (const double x : {-0.5, 0.5})
       for (const double y : {-0.5, 0.5}) {
         const double dx = x * h.length_m, dy = y * h.depth_m;
-        const double height_m =
-            relief_.height_m({h.centre.e_m + dx * t.cosine - dy * t.sine, h.centre.n_m + dx * t.sine + dy * t.cosine});
+        const double height_m = landscape_.relief.height_m(
+            {h.centre.e_m + dx * t.cosine - dy * t.sine, h.centre.n_m + dx * t.sine + dy * t.cosine});
         lowest_m = std::min(lowest_m, height_m);
         highest_m = std::max(highest_m, height_m);
       }
@@ -110,20 +108,19 @@ class TileBuilder {
     ++out_.houses;
   }
 
-  int add_image(const char* mime, std::vector<std::uint8_t> bytes) {
-    out_.model.images.push_back({mime, std::move(bytes)});
+  int add_image(const GlbImage& image) {
+    out_.model.images.push_back(image);
     return int(out_.model.images.size()) - 1;
   }
 
   void add_materials() {
     auto& m = out_.model.materials;
-    const Picture painted = paint_ground(relief_, settlement_, seed_, plan_.min, plan_.edge_m, plan_.texels);
-    m.push_back({"ground", add_image("image/jpeg", to_jpeg(painted, jpeg_quality)), {1, 1, 1, 1}, 0, false});
+    m.push_back({"ground", add_image(painted_), {1, 1, 1, 1}, 0, false});
     m.push_back({"bark", -1, {0.11, 0.075, 0.05, 1}, 0, false});
-    const int leaves = out_.trees == 0 ? -1 : add_image("image/png", to_png(paint_foliage(seed_ + 80)));
+    const int leaves = out_.trees == 0 ? -1 : add_image(landscape_.kit.foliage);
     m.push_back({"foliage", leaves, {1, 1, 1, 1}, 0.5, true});
-    const int facade = out_.houses == 0 ? -1 : add_image("image/jpeg", to_jpeg(paint_facade(seed_ + 81), jpeg_quality));
-    const int tiles = out_.houses == 0 ? -1 : add_image("image/jpeg", to_jpeg(paint_roof(seed_ + 82), jpeg_quality));
+    const int facade = out_.houses == 0 ? -1 : add_image(landscape_.kit.facade);
+    const int tiles = out_.houses == 0 ? -1 : add_image(landscape_.kit.roof);
     for (const auto& colour : wall_colours) m.push_back({"wall", facade, colour, 0, false});
     for (const auto& colour : roof_colours) m.push_back({"roof", tiles, colour, 0, true});
   }
@@ -144,16 +141,18 @@ class TileBuilder {
     }
   }
 
-  const Relief& relief_;
-  const Settlement& settlement_;
-  std::uint32_t seed_;
+  const Landscape& landscape_;
   const TileFrame& frame_;
   const TilePlan& plan_;
+  const GlbImage& painted_;
   std::array<double, 3> origin_{};
   TerrainTile out_;
 };
 
 }  // namespace
+
+Landscape::Landscape(double size_m, std::uint32_t seed_)
+    : seed(seed_), relief(size_m, seed_), settlement(relief, seed_), kit(paint_kit(seed_)) {}
 
 std::array<double, 3> TileFrame::place(MapPoint p, double height_m) const {
   if (earth == nullptr) return {on_grid(p.e_m), on_grid(p.n_m), on_grid(height_m)};
@@ -161,9 +160,14 @@ std::array<double, 3> TileFrame::place(MapPoint p, double height_m) const {
   return {on_grid(at.x), on_grid(at.y), on_grid(at.z)};
 }
 
-TerrainTile make_tile(const Relief& relief, const Settlement& settlement, std::uint32_t seed, const TileFrame& frame,
-                      const TilePlan& plan) {
-  return TileBuilder(relief, settlement, seed, frame, plan).build();
+GlbImage paint_tile(const Landscape& l, const TilePlan& plan) {
+  const Picture picture = paint_ground(l.relief, l.settlement, l.seed, plan.min, plan.edge_m, plan.texels);
+  return {"image/jpeg", to_jpeg(picture, jpeg_quality)};
+}
+
+TerrainTile make_tile(const Landscape& landscape, const TileFrame& frame, const TilePlan& plan,
+                      const GlbImage& ground) {
+  return TileBuilder(landscape, frame, plan, ground).build();
 }
 
 }  // namespace gigabake::sample

@@ -4,10 +4,23 @@
 #include <array>
 #include <cstdint>
 
+#include "format/sample/building_kit.h"
 #include "format/sample/glb_writer.h"
 #include "format/sample/settlement.h"
 
 namespace gigabake::sample {
+
+/// What every tile of one sample shares: a pure function of the map's size and the seed.
+struct Landscape {
+  Landscape(double size_m, std::uint32_t seed_);
+  Landscape(const Landscape&) = delete;
+  Landscape& operator=(const Landscape&) = delete;
+
+  std::uint32_t seed;
+  Relief relief;
+  Settlement settlement;
+  KitImages kit;
+};
 
 /// Where a tile's coordinates live.
 struct TileFrame {
@@ -31,8 +44,10 @@ struct TerrainTile {
   std::uint32_t houses = 0, trees = 0;
 };
 
-/// Neighbouring tiles of one size share their border vertices exactly.
-TerrainTile make_tile(const Relief& relief, const Settlement& settlement, std::uint32_t seed, const TileFrame& frame,
-                      const TilePlan& plan);
+/// The ground's picture, the same in every frame.
+GlbImage paint_tile(const Landscape& landscape, const TilePlan& plan);
+
+/// Neighbouring tiles of one size share their border vertices exactly. `ground`: what paint_tile() gave.
+TerrainTile make_tile(const Landscape& landscape, const TileFrame& frame, const TilePlan& plan, const GlbImage& ground);
 
 }  // namespace gigabake::sample

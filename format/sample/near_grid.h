@@ -1,0 +1,28 @@
+/// Which of many things lie near a point of the map.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "format/sample/earth.h"
+
+namespace gigabake::sample {
+
+/// Square buckets over the map, each with the items within reach of it.
+class NearGrid {
+ public:
+  NearGrid(double size_m, double reach_m);
+  /// The item that fills the box from `min` to `max`.
+  void add(MapPoint min, MapPoint max, int item);
+  /// Every item within reach of p, and some that are farther, in the order they were added. Cost  O(1).
+  std::span<const int> near(MapPoint p) const;
+
+ private:
+  int bucket(double coordinate_m) const;
+
+  double reach_m_, low_m_, bucket_m_;
+  int buckets_;
+  std::vector<std::vector<int>> items_;
+};
+
+}  // namespace gigabake::sample
