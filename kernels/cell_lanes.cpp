@@ -46,4 +46,19 @@ void measure_moments(const SlabPolygon& polygon, CellLanes& lanes) {
   }
 }
 
+void mean_vertex_colours(const Surface& surface, const TrianglePlane& plane, const CellLanes& lanes,
+                         double mean[4][64]) {
+  const int padded = (lanes.count + lane_group - 1) / lane_group * lane_group;
+  const Surface s = surface;  // copies: the stores below cannot change them
+  const TrianglePlane t = plane;
+  for (int i = 0; i < padded; ++i) {
+    const CellMoments m{lanes.area[i], lanes.moment_u[i], lanes.moment_v[i]};
+    const Barycentric w = barycentric(t, centroid_of(m, lanes.u[i], lanes.v[i]));
+    mean[0][i] = vertex_mean(s, 0, w);
+    mean[1][i] = vertex_mean(s, 1, w);
+    mean[2][i] = vertex_mean(s, 2, w);
+    mean[3][i] = vertex_mean(s, 3, w);
+  }
+}
+
 }  // namespace gigabake::kernels

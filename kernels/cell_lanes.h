@@ -1,7 +1,8 @@
-/// The CPU's way to run kernels/coverage.h: the cells of a slab side by side, one a vector lane.
+/// The CPU's way to run kernels/coverage.h and surface.h: the cells of a slab side by side, one a vector lane.
 #pragma once
 
 #include "kernels/coverage.h"
+#include "kernels/surface.h"
 
 namespace gigabake::kernels {
 
@@ -15,5 +16,9 @@ struct CellLanes {
 /// Exact  The same bits as add_edge() called cell by cell, whatever the processor.
 void measure_areas(const SlabPolygon& polygon, CellLanes& lanes);
 void measure_moments(const SlabPolygon& polygon, CellLanes& lanes);
+
+/// vertex_mean() at each lane's centroid, after measure_moments(). Meaningless where has_centroid() is false.
+void mean_vertex_colours(const Surface& surface, const TrianglePlane& plane, const CellLanes& lanes,
+                         double mean[4][64]);
 
 }  // namespace gigabake::kernels

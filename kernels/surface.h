@@ -49,51 +49,70 @@ GB_HD void geometric_normal(const BrickTriangle<I>& t, std::int16_t normal[3]) {
   for (int c = 0; c < 3; ++c) normal[(t.axis + 1 + c) % 3] = std::int16_t(std::floor(n[c] * scale + 0.5));
 }
 
-/// Barycentric coordinates of (u, v), moved onto the triangle where they lie outside.
-GB_HD void barycentric(const TrianglePlane& t, Point2 p, double b[3]) {
+struct Barycentric {
+  double a, b, c;
+};
+
+/// Barycentric coordinates of p, moved onto the triangle where they lie outside.
+GB_HD Barycentric barycentric(const TrianglePlane& t, Point2 p) {
   const double u1 = t.u[1] - t.u[0], v1 = t.v[1] - t.v[0], u2 = t.u[2] - t.u[0], v2 = t.v[2] - t.v[0];
   const double pu = p.u - t.u[0], pv = p.v - t.v[0], inverse = t.inverse_twice_area;
-  b[1] = clamp01((pu * v2 - u2 * pv) * inverse);
-  b[2] = clamp01((u1 * pv - pu * v1) * inverse);
-  b[0] = clamp01(1 - b[1] - b[2]);
-  const double inverse_sum = 1 / ((b[0] + b[1]) + b[2]);
-  for (int i = 0; i < 3; ++i) b[i] *= inverse_sum;
+  const double b = clamp01((pu * v2 - u2 * pv) * inverse), c = clamp01((u1 * pv - pu * v1) * inverse);
+  const double a = clamp01(1 - b - c);
+  const double inverse_sum = 1 / ((a + b) + c);
+  return {a * inverse_sum, b * inverse_sum, c * inverse_sum};
+}
+
+/// Whether the fragment is large enough for moment over area to be its centroid.
+GB_HD bool has_centroid(double projected_area) { return std::fabs(projected_area) >= smallest_centroid_area; }
+
+GB_HD Point2 centroid_of(const CellMoments& m, double cell_u, double cell_v) {
+  const double inverse = 1 / m.area;
+  return {cell_u + clamp01(m.u * inverse), cell_v + clamp01(m.v * inverse)};
 }
 
 /// Where a fragment is shaded: its centroid, or for the thinnest of them the triangle's point at the cell's centre.
 GB_HD Point2 fragment_centroid(const TrianglePlane& t, const CellMoments& m, double cell_u, double cell_v) {
-  if (std::fabs(m.area) >= smallest_centroid_area) {
-    const double inverse = 1 / m.area;
-    return {cell_u + clamp01(m.u * inverse), cell_v + clamp01(m.v * inverse)};
-  }
-  double b[3];
-  barycentric(t, {cell_u + 0.5, cell_v + 0.5}, b);
-  return {b[0] * t.u[0] + b[1] * t.u[1] + b[2] * t.u[2], b[0] * t.v[0] + b[1] * t.v[1] + b[2] * t.v[2]};
+  if (has_centroid(m.area)) return centroid_of(m, cell_u, cell_v);
+  const Barycentric w = barycentric(t, {cell_u + 0.5, cell_v + 0.5});
+  return {w.a * t.u[0] + w.b * t.u[1] + w.c * t.u[2], w.a * t.v[0] + w.b * t.v[1] + w.c * t.v[2]};
 }
 
-/// Straight linear RGBA of base colour and vertex colours.
-GB_HD Rgba16 factor_at(const Surface& s, const TrianglePlane& t, Point2 p) {
+/// A channel's mean of the three vertices: the whole number that is nearest.
+GB_HD double vertex_mean(const Surface& s, int channel, const Barycentric& w) {
+  return std::floor(w.a * s.vertex_rgba[0][channel] + w.b * s.vertex_rgba[1][channel] +
+                    w.c * s.vertex_rgba[2][channel] + 0.5);
+}
+
+/// Straight linear RGBA of base colour and, where there are any, vertex colours' mean.
+GB_HD Rgba16 factor_of(const Surface& s, const double mean[4]) {
   Rgba16 r;
-  if (!s.has_vertex_rgba) {
-    for (int c = 0; c < 4; ++c) r.c[c] = s.material.base_rgba[c];
-    return r;
-  }
-  double b[3];
-  barycentric(t, p, b);
-  for (int c = 0; c < 4; ++c) {
-    const double mean = b[0] * s.vertex_rgba[0][c] + b[1] * s.vertex_rgba[1][c] + b[2] * s.vertex_rgba[2][c];
-    r.c[c] = scale16(s.material.base_rgba[c], std::uint32_t(std::floor(mean + 0.5)));
-  }
+  for (int c = 0; c < 4; ++c)
+    r.c[c] = s.has_vertex_rgba ? scale16(s.material.base_rgba[c], std::uint32_t(mean[c])) : s.material.base_rgba[c];
   return r;
+}
+
+/// Premultiplied linear RGBA of a fragment without texture.
+GB_HD Rgba16 shade_untextured(const Surface& s, const double mean[4]) {
+  Rgba16 factor = factor_of(s, mean);
+  if (s.material.alpha_mode != AlphaMode::opaque)
+    return apply_material(s.material, factor, Rgba16{{65535, 65535, 65535, 65535}});
+  factor.c[3] = 65535;
+  return factor;
 }
 
 /// Premultiplied linear RGBA of the fragment around `centroid`; projected_area in voxel².
 GB_HD Rgba16 shade(const Surface& s, const TrianglePlane& t, Point2 centroid, double projected_area,
                    const Tables& tables) {
-  Rgba16 texel{{65535, 65535, 65535, 65535}};
-  if (s.texture != nullptr)
-    texel = texture_over(*s.texture, s.material, s.map, centroid.u, centroid.v, std::fabs(projected_area), tables);
-  return apply_material(s.material, factor_at(s, t, centroid), texel);
+  double mean[4] = {65535, 65535, 65535, 65535};
+  if (s.has_vertex_rgba) {
+    const Barycentric w = barycentric(t, centroid);
+    for (int c = 0; c < 4; ++c) mean[c] = vertex_mean(s, c, w);
+  }
+  if (s.texture == nullptr) return shade_untextured(s, mean);
+  const Rgba16 texel =
+      texture_over(*s.texture, s.material, s.map, centroid.u, centroid.v, std::fabs(projected_area), tables);
+  return apply_material(s.material, factor_of(s, mean), texel);
 }
 
 GB_HD Fragment make_fragment(const Surface& s, const Rgba16& rgba, std::int64_t weight) {

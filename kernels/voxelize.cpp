@@ -115,10 +115,15 @@ class BrickWalker {
   }
 
   void add_cells(const TrianglePlane& plane, const Surface& surface, const int voxel[64]) {
+    const bool side_by_side = surface.has_vertex_rgba && surface.texture == nullptr;
+    if (side_by_side) mean_vertex_colours(surface, plane, lanes_, means_);
     Rgba16 rgba;
     if (!surface.varies()) rgba = shade(surface, plane, {0, 0}, 0, tables_);
     for (int i = 0; i < lanes_.count; ++i) {
-      if (surface.varies()) {
+      if (side_by_side && has_centroid(lanes_.area[i])) {
+        const double mean[4] = {means_[0][i], means_[1][i], means_[2][i], means_[3][i]};
+        rgba = shade_untextured(surface, mean);
+      } else if (surface.varies()) {
         const CellMoments moments{lanes_.area[i], lanes_.moment_u[i], lanes_.moment_v[i]};
         rgba =
             shade(surface, plane, fragment_centroid(plane, moments, lanes_.u[i], lanes_.v[i]), moments.area, tables_);
@@ -133,6 +138,7 @@ class BrickWalker {
   Tables tables_;
   BrickSums sums_;
   CellLanes lanes_;
+  alignas(64) double means_[4][64];
   std::uint64_t fragments_ = 0;
 };
 
