@@ -1,14 +1,13 @@
 #include "format/sample/sample.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <fstream>
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "format/error.h"
-#include "format/sample/terrain_tile.h"
 #include "format/source.h"
 
 namespace gigabake::sample {
@@ -81,58 +80,81 @@ TEST(Sample, IsATilesetOnTheEarthWhoseTilesReplaceTheOverview) {
   EXPECT_EQ(open_sources(f.path / "local", {}).tiles.size(), 4u);
 }
 
-/// Ground vertices of a tile in the frame, by position east and north.
-std::map<std::pair<double, double>, double> border(const TerrainTile& t, double east_m) {
-  std::map<std::pair<double, double>, double> out;
-  const GlbMesh& ground = t.model.meshes[0];
-  for (std::size_t i = 0; i < ground.position.size(); i += 3) {
-    const double e = t.model.translation_m[0] + double(ground.position[i]);
-    if (std::fabs(e - east_m) < 1e-6)
-      out[{e, -(t.model.translation_m[2] + double(ground.position[i + 2]))}] =
-          t.model.translation_m[1] + double(ground.position[i + 1]);
+/// A tile's box in the tileset: lowest, then highest east, north, up.
+std::array<double, 6> box_of(const nlohmann::json& tile) {
+  const std::vector<double> b = tile["boundingVolume"]["box"];
+  return {b[0] - b[3], b[1] - b[7], b[2] - b[11], b[0] + b[3], b[1] + b[7], b[2] + b[11]};
+}
+
+void grow(std::array<double, 6>& box, const Point<Scene>& p) {
+  const double at[3] = {p.x, p.y, p.z};
+  for (std::size_t c = 0; c < 3; ++c) {
+    box[c] = std::min(box[c], at[c]);
+    box[c + 3] = std::max(box[c + 3], at[c]);
   }
-  return out;
 }
 
-TEST(Sample, NeighbouringTilesShareTheirBorderExactly) {
-  const Relief relief(160, 3);
-  const Settlement settlement(relief, 3);
-  const TilePlan west{{-80, -80}, 80, 40, 16, false}, east{{0, -80}, 80, 40, 16, false};
-  const auto a = border(make_tile(relief, settlement, 3, {}, west), 0),
-             b = border(make_tile(relief, settlement, 3, {}, east), 0);
-  EXPECT_EQ(a.size(), 41u);
-  EXPECT_EQ(a, b);
+std::array<double, 6> bounds_of(const TileMesh& mesh) {
+  std::array<double, 6> box{1e9, 1e9, 1e9, -1e9, -1e9, -1e9};
+  for (const Instance& instance : mesh.instances) {
+    const std::vector<float>& p = mesh.primitives[std::size_t(instance.primitive)].position;
+    for (std::size_t i = 0; i < p.size(); i += 3) grow(box, instance.scene_from_local({p[i], p[i + 1], p[i + 2]}));
+  }
+  return box;
 }
 
-TEST(Sample, HousesStandOnDryGroundClearOfRoadsAndOfEachOther) {
-  const Relief relief(384, 1);
-  const Settlement settlement(relief, 1);
-  ASSERT_GT(settlement.houses().size(), 5u);
-  for (const House& h : settlement.houses()) {
-    EXPECT_GT(relief.river().at(h.centre).shore_m, 0);
-    EXPECT_GT(settlement.roads().nearest(h.centre).edge_m, 0);
-    for (const House& other : settlement.houses()) {
-      const bool itself = &h == &other;
-      EXPECT_TRUE(itself || distance_m(h.centre, other.centre) > 8);
+TEST(Sample, GivesEveryTileTheBoxOfItsVerticesAndTheRootABoxAroundThemAll) {
+  const Folder f;
+  write_sample(f.path, small());
+  const auto root = nlohmann::json::parse(std::ifstream(f.path / "tileset.json"))["root"];
+  EXPECT_EQ(root["refine"], "REPLACE");
+  EXPECT_GT(root["geometricError"], 0);
+  const auto whole = box_of(root);
+  const SceneSources s = open_sources(f.path / "tileset.json", {});
+  for (const auto& child : root["children"]) {
+    const auto source = std::find_if(s.tiles.begin(), s.tiles.end(),
+                                     [&](const TileRef& t) { return t.name == child["content"]["uri"]; });
+    ASSERT_NE(source, s.tiles.end());
+    const auto box = box_of(child), vertices = bounds_of(read_tile(*source, s.root, ReadScope::positions_only));
+    for (std::size_t c = 0; c < 6; ++c) {
+      EXPECT_NEAR(box[c], vertices[c], 1e-3) << source->name << " " << c;
+      EXPECT_LE((c < 3 ? 1 : -1) * whole[c], (c < 3 ? 1 : -1) * box[c]) << source->name << " " << c;
     }
   }
 }
 
-TEST(Sample, TreesOfATileAreThoseOfItsHalves) {
-  const Relief relief(200, 1);
-  const Settlement settlement(relief, 1);
-  const auto whole = settlement.trees_in({-100, -100}, {100, 100});
-  const auto left = settlement.trees_in({-100, -100}, {13, 100}), right = settlement.trees_in({13, -100}, {100, 100});
-  EXPECT_EQ(whole.size(), left.size() + right.size());
+TEST(Sample, ReplacesAFormerSampleWhole) {
+  const Folder f;
+  const fs::path dir = f.path / "sample";
+  SampleOptions fine = small();
+  fine.tiles = 3;
+  write_sample(dir, fine);
+  write_sample(dir, small());
+  const auto files = files_in(dir);
+  EXPECT_EQ(files.size(), 1u + 5u + 4u);
+  EXPECT_FALSE(files.contains("local/tile_2_2.glb"));
+}
+
+TEST(Sample, TakesOverTheFolderOfARunThatWasKilled) {
+  const Folder f, fresh;
+  fs::create_directories(f.path / ".unfinished-gigabake-sample/tiles");
+  fs::create_directories(f.path / "local");
+  std::ofstream(f.path / "local/tile_7_7.glb") << "old";
+  write_sample(f.path, small());
+  write_sample(fresh.path, small());
+  EXPECT_EQ(files_in(f.path), files_in(fresh.path));
 }
 
 TEST(Sample, RefusesOptionsAndFoldersThatItShouldNotTouch) {
   const Folder f;
   SampleOptions o = small();
   o.size_m = 3;
-  EXPECT_THROW(write_sample(f.path, o), UsageError);
-  std::ofstream(f.path / "thesis.tex") << "mine";
+  EXPECT_THROW(write_sample(f.path / "new", o), UsageError);
+  EXPECT_FALSE(fs::exists(f.path / "new"));
+  std::ofstream(f.path / "tileset.json") << R"({"asset": {"version": "1.1", "generator": "another program"}})";
   EXPECT_THROW(write_sample(f.path, small()), InputError);
+  EXPECT_THROW(write_sample(f.path / "tileset.json", small()), InputError);
+  EXPECT_THROW(write_sample(f.path / "tileset.json/below", small()), InputError);
   EXPECT_EQ(files_in(f.path).size(), 1u);
 }
 
