@@ -109,8 +109,8 @@ def problems(root):
             found += include_problems(root, name, text)
         if path.suffix in {".h", ".cuh"}:
             found += header_problems(name, text)
-        if path.suffix in {".cu", ".cuh"} and not name.startswith(("kernels/", "tests/kernels/")):
-            found.append("only kernels/ has CUDA files")
+        if path.suffix in {".cu", ".cuh"} and not name.startswith(("kernels/", "tests/")):
+            found.append("only kernels/ and tests have CUDA files")
         for problem in found:
             yield f"{name}: {problem}"
 

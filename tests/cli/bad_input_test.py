@@ -209,8 +209,8 @@ class BadInput(unittest.TestCase):
                                 (("--mip", "none"), "--mip"), (("--lattice-origin", "1,2"), "--lattice-origin"),
                                 (("--origin", "95,0,0"), "--origin"), (("--local", "--origin", "1,2,3"), "--local"),
                                 (("--memory", "1M"), "--memory"), (("--up", "w"), "--up")):
-            result = PROGRAM.run("bake", self.good, "-o", self.out, *(() if "--voxel-size" in arguments else ("--voxel-size", "1")),
-                                 *arguments)
+            size = () if "--voxel-size" in arguments else ("--voxel-size", "1")
+            result = PROGRAM.run("bake", self.good, "-o", self.out, *size, *arguments)
             self.assertEqual(result.returncode, 2, arguments)
             self.assertIn(word, result.stderr)
         self.assertFalse(self.out.exists())
@@ -240,7 +240,8 @@ class BadInput(unittest.TestCase):
 
     def test_full_disk_fails_the_cells_and_leaves_nothing_half_written(self):
         self.out.mkdir()
-        mount = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=96k", "tmpfs", self.out], capture_output=True, text=True, check=False)
+        mount = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=96k", "tmpfs", self.out],
+                               capture_output=True, text=True, check=False)
         if mount.returncode != 0:
             self.skipTest(f"cannot mount a small disk: {mount.stderr.strip()}")
         try:

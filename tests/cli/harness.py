@@ -59,7 +59,8 @@ def write_glb(path, positions, indices, colours=None, translation=(0, 0, 0)):
     binary, views, accessors = b"", [], []
     for data, component, kind, more in columns:
         views.append({"buffer": 0, "byteOffset": len(binary), "byteLength": data.nbytes})
-        accessors.append({"bufferView": len(views) - 1, "componentType": component, "count": len(data), "type": kind, **more})
+        accessors.append({"bufferView": len(views) - 1, "componentType": component, "count": len(data),
+                          "type": kind, **more})
         binary += data.tobytes()
     document = {
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],

@@ -27,7 +27,8 @@ def hills(seed=SEED, quads=48, step=0.37):
     y = 1.5 * numpy.sin(x) * numpy.cos(0.7 * z) + 0.1 * random.standard_normal(x.shape)
     positions = numpy.stack([x, y, z], -1).reshape(-1, 3)
     corner = numpy.arange(quads)[:, None] * (quads + 1) + numpy.arange(quads)
-    squares = numpy.stack([corner, corner + quads + 1, corner + 1, corner + 1, corner + quads + 1, corner + quads + 2], -1)
+    below = corner + quads + 1
+    squares = numpy.stack([corner, below, corner + 1, corner + 1, below, below + 1], -1)
     large = random.uniform(-8, 8, (30, 3))
     indices = numpy.concatenate([squares.reshape(-1, 3), len(positions) + numpy.arange(30).reshape(-1, 3)])
     positions = numpy.round(numpy.concatenate([positions, large]) * SNAP) / SNAP

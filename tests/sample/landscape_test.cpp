@@ -122,7 +122,7 @@ TEST(Foliage, HasLeavesAndHolesBetweenThem) {
   ASSERT_EQ(p.channels, 4);
   std::size_t leaves = 0, holes = 0;
   for (std::size_t i = 3; i < p.bytes.size(); i += 4) ++(p.bytes[i] == 255 ? leaves : holes);
-  EXPECT_GT(leaves, p.bytes.size() / 4 / 4);
+  EXPECT_GT(leaves, p.bytes.size() / 4 / 6);
   EXPECT_GT(holes, p.bytes.size() / 4 / 10);
 }
 
