@@ -66,7 +66,7 @@ BakeRequest BakeOptions::request() const {
   r.memory_bytes = memory_bytes;
   if (memory_bytes != 0 && memory_bytes < (std::uint64_t(64) << 20))
     throw UsageError("--memory: expected at least 64M, or 0 for no bound");
-  r.keep_going = !stop_on_failure;
+  r.keep_going = keep_going;
   return r;
 }
 

@@ -12,7 +12,7 @@ namespace gigabake::app {
 struct BakeOptions {
   std::string source, out, voxel_size, surface = "area", mip = "coverage", lattice_origin, origin, up;
   std::uint32_t cell_voxels = 1024;
-  bool local = false, no_normals = false, stop_on_failure = false, json = false;
+  bool local = false, no_normals = false, keep_going = true, json = false;
   int threads = 0;
   std::uint64_t memory_bytes = std::uint64_t(4) << 30;
 

@@ -8,9 +8,17 @@ namespace gigabake::app {
 namespace {
 
 constexpr std::size_t bar_width = 30;
-constexpr double seconds_between_lines = 10;
+constexpr double seconds_between_bars = 0.1, seconds_between_lines = 10;
 
 double seconds(std::chrono::steady_clock::duration d) { return std::chrono::duration<double>(d).count(); }
+
+void opened(const SceneSources& sources) {
+  fmt::print(stderr, "{} content files, {}\n", sources.tiles.size(),
+             sources.origin ? fmt::format("scene origin {:.7f}° {:.7f}° {:.2f} m", sources.origin->latitude_deg,
+                                          sources.origin->longitude_deg, sources.origin->height_m)
+                            : std::string("local frame"));
+  for (const SkippedSource& s : sources.skipped) fmt::print(stderr, "skipped {}: {}\n", s.name, s.reason);
+}
 
 }  // namespace
 
@@ -22,47 +30,48 @@ std::string readable_bytes(std::uint64_t bytes) {
   return unit == 0 ? fmt::format("{} B", bytes) : fmt::format("{:.1f} {}", v, units[unit]);
 }
 
-Progress::Progress()
-    : terminal_(::isatty(STDERR_FILENO) == 1), start_(std::chrono::steady_clock::now()), last_line_(start_) {}
+Progress::Progress() : terminal_(::isatty(STDERR_FILENO) == 1) { start_phase(); }
+
+void Progress::start_phase() { start_ = last_shown_ = Clock::now(); }
 
 BakeProgress Progress::callbacks() {
   BakeProgress p;
-  p.opened = [](const SceneSources& s) {
-    fmt::print(stderr, "{} content files, {}\n", s.tiles.size(),
-               s.origin ? fmt::format("scene origin {:.7f}° {:.7f}° {:.2f} m", s.origin->latitude_deg,
-                                      s.origin->longitude_deg, s.origin->height_m)
-                        : std::string("local frame"));
-    for (const SkippedSource& skipped : s.skipped)
-      fmt::print(stderr, "skipped: {}: {}\n", skipped.name, skipped.reason);
+  p.opened = [this](const SceneSources& sources) {
+    opened(sources);
+    start_phase();
   };
-  p.planned = [](const BakePlan& plan) {
-    fmt::print(stderr, "{} triangles in {} cells\n", plan.triangles, plan.jobs.size());
-    if (plan.non_finite + plan.zero_area != 0)
-      fmt::print(stderr, "dropped: {} triangles with NaN or infinite vertices, {} without area\n", plan.non_finite,
-                 plan.zero_area);
-    if (plan.skipped_points + plan.skipped_lines != 0)
-      fmt::print(stderr, "skipped: {} points and {} lines, which have no surface\n", plan.skipped_points,
-                 plan.skipped_lines);
-  };
-  p.cell_done = [this](const CellReport& r, const CellJob& j, std::size_t done, std::size_t all) {
-    cell_done(r, j, done, all);
+  p.surveyed = [this](std::size_t done, std::size_t all) { show("tiles surveyed", done, all); };
+  p.planned = [this](const BakePlan& plan) { planned(plan); };
+  p.cell_done = [this](const CellReport& report, const CellJob& job, std::size_t done, std::size_t all) {
+    cell_done(report, job, done, all);
   };
   return p;
 }
 
+void Progress::planned(const BakePlan& plan) {
+  for (const SceneLoss& l : plan.losses) fmt::print(stderr, "lost {}: {}\n", l.name, l.reason);
+  fmt::print(stderr, "{} triangles in {} cells\n", plan.triangles, plan.jobs.size());
+  start_phase();
+}
+
 void Progress::cell_done(const CellReport& report, const CellJob& job, std::size_t done, std::size_t all) {
   if (report.outcome == CellOutcome::failed)
-    fmt::print(stderr, "{}cell {} failed: {}\n", terminal_ ? "\r\033[K" : "", job.name, report.error);
-  const auto now = std::chrono::steady_clock::now();
+    fmt::print(stderr, "{}lost cell {}: {}\n", terminal_ ? "\r\033[K" : "", job.name, report.error);
+  show("cells", done, all);
+}
+
+void Progress::show(const char* what, std::size_t done, std::size_t all) {
+  const auto now = Clock::now();
+  if (done != all && seconds(now - last_shown_) < (terminal_ ? seconds_between_bars : seconds_between_lines)) return;
+  last_shown_ = now;
   const double left_s = seconds(now - start_) / double(done) * double(all - done);
   if (terminal_) {
     const std::size_t filled = bar_width * done / all;
-    fmt::print(stderr, "\r\033[K[{:=<{}}{: <{}}] {}/{} cells, {:.0f} s left{}", "", filled, "", bar_width - filled,
-               done, all, left_s, done == all ? "\n" : "");
+    fmt::print(stderr, "\r\033[K[{:=<{}}{: <{}}] {}/{} {}, {:.0f} s left{}", "", filled, "", bar_width - filled, done,
+               all, what, left_s, done == all ? "\n" : "");
     std::fflush(stderr);
-  } else if (done == all || seconds(now - last_line_) > seconds_between_lines) {
-    fmt::print(stderr, "{}/{} cells, {:.0f} s left\n", done, all, left_s);
-    last_line_ = now;
+  } else {
+    fmt::print(stderr, "{}/{} {}, {:.0f} s left\n", done, all, what, left_s);
   }
 }
 

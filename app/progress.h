@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <string>
 
 #include "cluster/bake.h"
 
@@ -14,10 +15,15 @@ class Progress {
   BakeProgress callbacks();
 
  private:
+  using Clock = std::chrono::steady_clock;
+
+  void start_phase();
+  void show(const char* what, std::size_t done, std::size_t all);
+  void planned(const BakePlan& plan);
   void cell_done(const CellReport& report, const CellJob& job, std::size_t done, std::size_t all);
 
   bool terminal_;
-  std::chrono::steady_clock::time_point start_, last_line_;
+  Clock::time_point start_, last_shown_;
 };
 
 /// 1536 as "1.5 KiB".

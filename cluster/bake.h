@@ -2,11 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <exception>
 #include <filesystem>
 #include <functional>
-#include <string>
 
+#include "cluster/collective.h"
 #include "cluster/mpi_session.h"
 #include "format/parameters.h"
 #include "format/scene_xml.h"
@@ -21,38 +20,35 @@ struct BakeRequest {
   BakeParameters parameters;
   int threads = 0;                 ///< of each rank; 0: the host's cores shared by its ranks
   std::uint64_t memory_bytes = 0;  ///< of each rank; 0: no bound
-  bool keep_going = true;          ///< after a cell failed
-};
-
-/// Thrown on the ranks where nothing was wrong when another rank failed: that one has the message.
-class OtherRankFailed : public std::exception {
- public:
-  const char* what() const noexcept override { return "another rank failed"; }
+  bool keep_going = true;          ///< after a tile or cell failed
 };
 
 /// Told to rank 0 alone, in the order in which it happens.
 struct BakeProgress {
   std::function<void(const SceneSources&)> opened;
+  std::function<void(std::size_t done, std::size_t all)> surveyed;
   std::function<void(const BakePlan&)> planned;
   std::function<void(const CellReport&, const CellJob&, std::size_t done, std::size_t all)> cell_done;
 };
 
-/// Sums over cells; wall seconds of stages overlap.
+/// Stage seconds are sums over cells; stages of consecutive cells overlap.
 struct BakeSummary {
   SceneDescription scene;
   double survey_s = 0, bake_s = 0, read_s = 0, kernel_s = 0, write_s = 0;
-  std::uint64_t peak_kernel_bytes = 0;
+  std::uint64_t peak_kernel_bytes = 0;   ///< of the largest cell
+  std::uint64_t peak_process_bytes = 0;  ///< of the largest rank
   std::size_t cells_planned = 0, cells_empty = 0;
   int ranks = 1, threads = 1;
 };
 
-/// Collective. The scene and the sums are rank 0's; other ranks get them empty.
+/// Collective. Scene and sums are rank 0's; other ranks get empty ones.
 /// OUT/scene.xml is replaced last, then shards that it does not name are removed.
-/// Errors  InputError for a source that cannot be opened or has no triangles, or an OUT that cannot be written; on the
-///         other ranks OtherRankFailed.
+/// Errors  CollectiveFailure, and OUT/scene.xml is as it was: a source that cannot be opened or has no triangles, an
+/// OUT
+///         that cannot be written, nothing that could be baked, or any loss without keep_going.
 BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress);
 
-/// Collective: survey and plan alone.
+/// Collective: survey and plan alone; the plan is rank 0's. Errors  CollectiveFailure, as bake().
 BakePlan plan_bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress);
 
 }  // namespace gigabake

@@ -1,7 +1,6 @@
 #include "cluster/dispatch.h"
 
 #include <chrono>
-#include <memory>
 #include <thread>
 
 #include "cluster/tags.h"
@@ -16,9 +15,9 @@ constexpr std::size_t jobs_per_rank = 3;
 void rest() { std::this_thread::sleep_for(std::chrono::milliseconds(1)); }
 
 /// A pipeline, or the reason why this rank has none, which every job given to it then fails with.
-class Bench {
+class OwnPipeline {
  public:
-  explicit Bench(const MakePipeline& make_pipeline) {
+  explicit OwnPipeline(const MakePipeline& make_pipeline) {
     try {
       pipeline_ = make_pipeline();
     } catch (const std::exception& e) {
@@ -105,7 +104,7 @@ class Master {
   const std::vector<CellJob>& jobs_;
   const std::function<bool(const CellReport&)>& on_report_;
   CellQueue queue_;
-  Bench own_;
+  OwnPipeline own_;
   std::vector<std::optional<std::uint32_t>> last_;
   std::vector<CellReport> reports_;
   std::size_t out_ = 0;
@@ -120,15 +119,15 @@ std::vector<CellReport> dispatch(MpiSession& mpi, const std::vector<CellJob>& jo
 }
 
 void work(MpiSession& mpi, const MakePipeline& make_pipeline) {
-  Bench bench(make_pipeline);
+  OwnPipeline own(make_pipeline);
   for (bool stop = false; !stop;) {
     bool idle = true;
     while (auto message = mpi.poll()) {
       idle = false;
       if (message->tag == tag_stop) stop = true;
-      if (message->tag == tag_job) bench.submit(job_from_bytes(message->bytes));
+      if (message->tag == tag_job) own.submit(job_from_bytes(message->bytes));
     }
-    while (auto report = bench.poll()) mpi.send(0, tag_report, to_bytes(*report)), idle = false;
+    while (auto report = own.poll()) mpi.send(0, tag_report, to_bytes(*report)), idle = false;
     if (idle) rest();
   }
 }

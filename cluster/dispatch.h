@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "cluster/mpi_session.h"
@@ -13,7 +14,8 @@ namespace gigabake {
 /// Makes the rank's own pipeline. It may throw: then each of the rank's jobs fails with that line.
 using MakePipeline = std::function<std::unique_ptr<CellPipeline>()>;
 
-/// Rank 0. on_report returns false to hand out nothing more.
+/// Rank 0. The reports in the order in which they came. on_report returns false to hand out nothing more; cells that
+/// are out by then are still finished.
 std::vector<CellReport> dispatch(MpiSession& mpi, const std::vector<CellJob>& jobs, const MakePipeline& make_pipeline,
                                  const std::function<bool(const CellReport&)>& on_report);
 

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
-#include <exception>
 #include <limits>
+#include <list>
 #include <mpi.h>
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
+
+#include "cluster/host_cores.h"
 
 namespace gigabake {
 namespace {
@@ -21,52 +24,71 @@ void check(int code, const char* call) {
   throw std::runtime_error(std::string(call) + ": " + std::string(text, std::size_t(length)));
 }
 
+bool is_done(MPI_Request& request, const char* call) {
+  int done = 0;
+  check(MPI_Test(&request, &done, MPI_STATUS_IGNORE), call);
+  return done != 0;
+}
+
 /// Asks often at first and then ever less: a rank that waits costs about 1 % of a core.
-template <class Done>
-void wait_politely(const Done& done) {
-  for (auto pause = std::chrono::microseconds(20); !done();
+void wait_for(MPI_Request& request, const char* call) {
+  for (auto pause = std::chrono::microseconds(20); !is_done(request, call);
        pause = std::min(pause * 2, std::chrono::microseconds(2000)))
     std::this_thread::sleep_for(pause);
 }
 
-void wait_for(MPI_Request& request, const char* call) {
-  wait_politely([&] {
-    int done = 0;
-    check(MPI_Test(&request, &done, MPI_STATUS_IGNORE), call);
-    return done != 0;
-  });
+/// Collective.
+int share_of_host(int rank) {
+  MPI_Comm host = MPI_COMM_NULL;
+  int ranks_here = 0, rank_here = 0;
+  check(MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, rank, MPI_INFO_NULL, &host), "MPI_Comm_split_type");
+  check(MPI_Comm_size(host, &ranks_here), "MPI_Comm_size");
+  check(MPI_Comm_rank(host, &rank_here), "MPI_Comm_rank");
+  const CoreSet own = cores_of_this_process();
+  std::vector<CoreSet> all(static_cast<std::size_t>(ranks_here));
+  check(MPI_Allgather(&own, sizeof own, MPI_BYTE, all.data(), sizeof own, MPI_BYTE, host), "MPI_Allgather");
+  check(MPI_Comm_free(&host), "MPI_Comm_free");
+  return fair_share(all, std::size_t(rank_here));
 }
 
 }  // namespace
 
-MpiSession::MpiSession() {
+/// Messages under way. A list, because MPI holds on to the bytes and the request.
+struct MpiSession::Outbox {
+  struct Letter {
+    std::vector<std::uint8_t> bytes;
+    MPI_Request request = MPI_REQUEST_NULL;
+  };
+  std::list<Letter> letters;
+
+  void drop_sent() {
+    letters.remove_if([](Letter& letter) { return is_done(letter.request, "MPI_Isend"); });
+  }
+};
+
+MpiSession::MpiSession() : outbox_(std::make_unique<Outbox>()) {
   int provided = MPI_THREAD_SINGLE;
   check(MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided), "MPI_Init_thread");
   if (provided < MPI_THREAD_FUNNELED) throw std::runtime_error("MPI_Init_thread: this MPI has no MPI_THREAD_FUNNELED");
   check(MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN), "MPI_Comm_set_errhandler");
   check(MPI_Comm_rank(MPI_COMM_WORLD, &rank_), "MPI_Comm_rank");
   check(MPI_Comm_size(MPI_COMM_WORLD, &ranks_), "MPI_Comm_size");
-  MPI_Comm host = MPI_COMM_NULL;
-  check(MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, rank_, MPI_INFO_NULL, &host), "MPI_Comm_split_type");
-  check(MPI_Comm_size(host, &ranks_on_host_), "MPI_Comm_size");
-  check(MPI_Comm_free(&host), "MPI_Comm_free");
+  cores_ = share_of_host(rank_);
 }
 
-MpiSession::~MpiSession() {
-  // An exception may be under way on this rank alone; the others are waiting for it and must not.
-  if (std::uncaught_exceptions() > 0 && ranks_ > 1) MPI_Abort(MPI_COMM_WORLD, EXIT_FAILURE);
-  MPI_Finalize();
-}
+MpiSession::~MpiSession() { MPI_Finalize(); }
 
-void MpiSession::send(int to, int tag, std::span<const std::uint8_t> bytes) {
+void MpiSession::send(int to, int tag, std::vector<std::uint8_t> bytes) {
   if (bytes.size() > std::size_t(std::numeric_limits<int>::max()))
-    throw std::runtime_error("a message of more than 2 GiB; use a larger --cell-voxels");
-  MPI_Request request = MPI_REQUEST_NULL;
-  check(MPI_Isend(bytes.data(), int(bytes.size()), MPI_BYTE, to, tag, MPI_COMM_WORLD, &request), "MPI_Isend");
-  wait_for(request, "MPI_Isend");
+    throw std::runtime_error("a message to rank " + std::to_string(to) + " has more than 2 GiB");
+  Outbox::Letter& letter = outbox_->letters.emplace_back();
+  letter.bytes = std::move(bytes);
+  check(MPI_Isend(letter.bytes.data(), int(letter.bytes.size()), MPI_BYTE, to, tag, MPI_COMM_WORLD, &letter.request),
+        "MPI_Isend");
 }
 
 std::optional<Message> MpiSession::poll() {
+  outbox_->drop_sent();
   int arrived = 0;
   MPI_Status status;
   check(MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, MPI_COMM_WORLD, &arrived, &status), "MPI_Iprobe");
@@ -78,10 +100,10 @@ std::optional<Message> MpiSession::poll() {
   return m;
 }
 
-int MpiSession::max_of(int value) {
-  int result = value;
+std::int64_t MpiSession::max_of(std::int64_t value) {
+  std::int64_t result = value;
   MPI_Request request = MPI_REQUEST_NULL;
-  check(MPI_Iallreduce(&value, &result, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD, &request), "MPI_Iallreduce");
+  check(MPI_Iallreduce(&value, &result, 1, MPI_INT64_T, MPI_MAX, MPI_COMM_WORLD, &request), "MPI_Iallreduce");
   wait_for(request, "MPI_Iallreduce");
   return result;
 }

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 namespace gigabake {
@@ -24,20 +24,25 @@ class MpiSession {
 
   int rank() const { return rank_; }
   int ranks() const { return ranks_; }
-  int ranks_on_this_host() const { return ranks_on_host_; }
+  /// This rank's even share of the cores of its host, at least 1.
+  int cores() const { return cores_; }
 
-  void send(int to, int tag, std::span<const std::uint8_t> bytes);
+  /// Returns at once and keeps the bytes until they are gone: two ranks may send to each other without waiting.
+  /// Messages between two ranks arrive in the order in which they were sent.
+  void send(int to, int tag, std::vector<std::uint8_t> bytes);
   /// A message if one has arrived; never waits (a waiting receive burns a core).
   std::optional<Message> poll();
   /// The largest value of any rank. Collective.
-  int max_of(int value);
+  std::int64_t max_of(std::int64_t value);
   /// Rank 0's value. Collective.
   int from_master(int value);
   /// Ends all ranks at once.
   [[noreturn]] void abort(int exit_code);
 
  private:
-  int rank_ = 0, ranks_ = 1, ranks_on_host_ = 1;
+  struct Outbox;
+  std::unique_ptr<Outbox> outbox_;
+  int rank_ = 0, ranks_ = 1, cores_ = 1;
 };
 
 }  // namespace gigabake

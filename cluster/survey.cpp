@@ -8,28 +8,35 @@
 #include "worker/survey_tile.h"
 
 namespace gigabake {
+namespace {
+
+/// Takes what has arrived; false when nothing had.
+bool collect(MpiSession& mpi, std::vector<TileSurvey>& surveys) {
+  const std::size_t before = surveys.size();
+  while (const auto message = mpi.poll()) surveys.push_back(survey_from_bytes(message->bytes));
+  return surveys.size() != before;
+}
+
+}  // namespace
 
 std::vector<TileSurvey> survey_tiles(MpiSession& mpi, const SceneSources& sources, const BakeParameters& parameters,
-                                     int threads) {
+                                     int threads, const std::function<void(std::size_t)>& on_survey) {
   const kernels::CpuPolicy policy(threads);
   const auto tiles = std::uint32_t(sources.tiles.size());
   std::vector<TileSurvey> surveys;
   for (auto tile = std::uint32_t(mpi.rank()); tile < tiles; tile += std::uint32_t(mpi.ranks())) {
     TileSurvey survey = survey_tile(sources, tile, parameters, policy);
-    if (mpi.rank() == 0)
-      surveys.push_back(std::move(survey));
-    else
+    if (mpi.rank() != 0) {
       mpi.send(0, tag_survey, to_bytes(survey));
-    // Taken in between, so that no rank's messages pile up.
-    while (mpi.rank() == 0 && surveys.size() < tiles) {
-      const auto message = mpi.poll();
-      if (!message) break;
-      surveys.push_back(survey_from_bytes(message->bytes));
+      continue;
     }
+    surveys.push_back(std::move(survey));
+    collect(mpi, surveys);
+    on_survey(surveys.size());
   }
   while (mpi.rank() == 0 && surveys.size() < tiles) {
-    if (const auto message = mpi.poll())
-      surveys.push_back(survey_from_bytes(message->bytes));
+    if (collect(mpi, surveys))
+      on_survey(surveys.size());
     else
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }

@@ -7,8 +7,10 @@
 
 namespace gigabake {
 
-/// Range  true between 12 km below and 100 km above the ellipsoid: a tileset's root there stands on the earth.
-bool is_on_earth(const Point<Ecef>& p_ecef_m);
+/// Does what lies within `radius_m` of the point stand on the earth?
+/// Range  true between 12 km below and 100 km above the ellipsoid; the centre of a wide piece of ground lies deeper, by
+///        up to radius²/2R.
+bool is_on_earth(const Point<Ecef>& p_ecef_m, double radius_m = 0);
 
 Geodetic geodetic_of(const Point<Ecef>& p_ecef_m);
 Point<Ecef> ecef_of(const Geodetic& position);

@@ -1,6 +1,8 @@
 #include "format/scene_json.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "format/error.h"
 #include "format/georeference.h"
@@ -9,36 +11,64 @@
 namespace gigabake {
 namespace {
 
-constexpr double radians = 0.017453292519943295;
+constexpr double radians = std::numbers::pi / 180;
 
+bool is_scene(const std::filesystem::path& path) {
+  std::error_code error;
+  if (lower_extension(path) != ".json" || !std::filesystem::is_regular_file(path, error)) return false;
+  const Json json = parse_json(path, read_whole_file(path));
+  return json.is_object() && json.contains("gigabake");
+}
+
+/// One listed source, opened in its own frame, and where that frame stands.
 struct Entry {
-  std::filesystem::path path;
   std::string where;
-  std::optional<Geodetic> position;
-  std::array<double, 3> position_m{};
+  SceneSources source;
+  std::optional<Geodetic> position;    ///< on the earth, or
+  std::array<double, 3> position_m{};  ///< in the scene
   double heading_deg = 0, scale = 1;
 };
 
-Entry read_entry(const std::filesystem::path& file, const Json& json, std::size_t i) {
+/// A misspelt key of our own format would place a source silently at the origin.
+void expect_only(const std::filesystem::path& file, const Json& object, const std::string& where,
+                 std::initializer_list<std::string_view> known) {
+  for (const auto& [key, value] : object.items())
+    if (std::find(known.begin(), known.end(), key) == known.end())
+      throw InputError(file, where, "has an unknown key " + in_quotes(key));
+}
+
+void read_place(const std::filesystem::path& file, const Json& place, const std::string& where, Entry& e) {
+  expect_only(file, place, where, {"position_m", "lon_lat_height"});
+  const auto metres = get_numbers(file, place, where, "position_m", 3);
+  const auto degrees = get_numbers(file, place, where, "lon_lat_height", 3);
+  if (metres.has_value() == degrees.has_value())
+    throw InputError(file, where, "expected either position_m or lon_lat_height");
+  if (metres) e.position_m = {(*metres)[0], (*metres)[1], (*metres)[2]};
+  if (!degrees) return;
+  if (std::fabs((*degrees)[0]) > 360 || std::fabs((*degrees)[1]) > 90)
+    throw InputError(file, where + ".lon_lat_height", "expected degrees of longitude and latitude, and metres");
+  e.position = Geodetic{(*degrees)[1], (*degrees)[0], (*degrees)[2]};
+}
+
+/// Without a place of its own a source stands where its file puts it: on the earth, or at the scene's origin.
+Entry read_entry(const std::filesystem::path& file, const Json& json, std::size_t i, SourceOptions options) {
   Entry e;
   e.where = "sources[" + std::to_string(i) + "]";
   const auto path = get_text(file, json, e.where, "path");
   if (!path) throw InputError(file, e.where + ".path", "is missing");
-  e.path = resolve_uri(file.parent_path().empty() ? "." : file.parent_path(), file, e.where + ".path", *path);
-  const Json& place = get_object(file, json, e.where, "place");
-  if (const auto p = get_numbers(file, place, e.where + ".place", "position_m", 3))
-    e.position_m = {(*p)[0], (*p)[1], (*p)[2]};
-  if (const auto p = get_numbers(file, place, e.where + ".place", "lon_lat_height", 3)) {
-    if (std::fabs((*p)[0]) > 360 || std::fabs((*p)[1]) > 90)
-      throw InputError(file, e.where + ".place.lon_lat_height",
-                       "expected degrees of longitude and latitude, and metres");
-    e.position = Geodetic{(*p)[1], (*p)[0], (*p)[2]};
-    if (place.contains("position_m"))
-      throw InputError(file, e.where + ".place", "has both position_m and lon_lat_height");
-  }
+  expect_only(file, json, e.where, {"path", "place", "heading_deg", "scale"});
+  const bool is_placed = json.contains("place");
+  if (is_placed) read_place(file, get_object(file, json, e.where, "place"), e.where + ".place", e);
   e.heading_deg = get_number(file, json, e.where, "heading_deg").value_or(0);
   e.scale = get_number(file, json, e.where, "scale").value_or(1);
   if (!(e.scale > 0)) throw InputError(file, e.where + ".scale", "expected a positive number");
+  options.local |= is_placed;
+  options.origin.reset();
+  const std::filesystem::path target =
+      resolve_uri(file.parent_path().empty() ? "." : file.parent_path(), file, e.where + ".path", *path);
+  if (is_scene(target)) throw InputError(file, e.where + ".path", in_quotes(*path) + " is a scene; scenes do not nest");
+  e.source = open_sources(target, options);
+  if (!is_placed) e.position = e.source.origin;
   return e;
 }
 
@@ -56,37 +86,38 @@ Affine<Scene, Scene> placement(const Entry& e, const std::optional<Geodetic>& or
   return scene_from_ecef(*origin) * ecef_from_enu(*e.position) * heading_and_scale(e);
 }
 
+void add_entry(Entry e, SceneSources& out) {
+  const Affine<Scene, Scene> place = placement(e, out.origin);
+  for (TileRef& tile : e.source.tiles) {
+    tile.scene_from_tile = place * tile.scene_from_tile;
+    tile.name = name_in(out.root, tile.path);
+    out.tiles.push_back(std::move(tile));
+  }
+  for (SkippedSource& lost : e.source.skipped) {
+    lost.name = name_in(out.root, e.source.root / lost.name);
+    out.skipped.push_back(std::move(lost));
+  }
+}
+
 }  // namespace
 
 SceneSources open_scene_json(const std::filesystem::path& file, const Json& json, const SourceOptions& options) {
   if (get_index(file, json, "", "gigabake") != 1)
     throw InputError(file, "gigabake", "expected 1, the version of this format");
+  expect_only(file, json, "", {"gigabake", "sources"});
   std::vector<Entry> entries;
   const Json& list = get_array(file, json, "", "sources");
-  for (std::size_t i = 0; i < list.size(); ++i) entries.push_back(read_entry(file, list[i], i));
+  for (std::size_t i = 0; i < list.size(); ++i) entries.push_back(read_entry(file, list[i], i, options));
   if (entries.empty()) throw InputError(file, "sources", "expected at least one source");
   SceneSources out;
   out.root = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
-  for (const Entry& e : entries) {
+  for (const Entry& e : entries)
     if (e.position.has_value() != entries[0].position.has_value())
-      throw InputError(file, e.where + ".place", "local and lon/lat placements cannot share a scene");
-    if (e.position && !out.origin && !options.local) out.origin = options.origin ? options.origin : e.position;
-  }
+      throw InputError(file, e.where, "local and lon/lat placements cannot share a scene");
   if (options.local && entries[0].position)
     throw InputError(file, "sources", "lon/lat placements need a georeference; leave out --local");
-  SourceOptions local = options;
-  local.local = true;
-  local.origin.reset();
-  for (const Entry& e : entries) {
-    const Affine<Scene, Scene> place = placement(e, out.origin);
-    SceneSources part = open_sources(e.path, local);
-    for (TileRef& tile : part.tiles) {
-      tile.scene_from_tile = place * tile.scene_from_tile;
-      tile.name = name_in(out.root, tile.path);
-      out.tiles.push_back(std::move(tile));
-    }
-    out.skipped.insert(out.skipped.end(), part.skipped.begin(), part.skipped.end());
-  }
+  if (!options.local) out.origin = options.origin ? options.origin : entries[0].position;
+  for (Entry& e : entries) add_entry(std::move(e), out);
   return out;
 }
 

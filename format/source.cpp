@@ -1,7 +1,6 @@
 #include "format/source.h"
 
 #include <algorithm>
-#include <cctype>
 
 #include "format/error.h"
 #include "format/georeference.h"
@@ -14,14 +13,6 @@ namespace gigabake {
 namespace {
 
 using Path = std::filesystem::path;
-
-constexpr std::uint64_t largest_json_bytes = std::uint64_t(1) << 30;
-
-std::string lower_extension(const Path& path) {
-  std::string e = path.extension().string();
-  std::transform(e.begin(), e.end(), e.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  return e;
-}
 
 Path folder_of(const Path& file) { return file.has_parent_path() ? file.parent_path() : Path("."); }
 
@@ -57,31 +48,16 @@ SceneSources mesh_sources(const Path& root, const std::vector<Path>& files, cons
   return out;
 }
 
-SceneSources folder_sources(const Path& folder, const SourceOptions& options) {
-  std::vector<Path> files;
-  std::error_code error;
-  const auto flags = std::filesystem::directory_options::none;
-  for (std::filesystem::recursive_directory_iterator it(folder, flags, error), end; !error && it != end;
-       it.increment(error))
-    if (it->is_regular_file(error) && !it->is_symlink(error) && is_mesh(it->path())) files.push_back(it->path());
-  if (error) throw InputError(folder, "", "cannot be listed: " + error.message());
-  if (files.empty())
-    throw InputError(folder, "", "holds no .glb, .gltf or .b3dm; name a tileset.json or a scene .json");
-  std::sort(files.begin(), files.end());
-  return mesh_sources(folder, files, options);
-}
-
-SceneSources tileset_sources(const Path& file, const SourceOptions& options) {
+SceneSources tileset_sources(const Path& file, const Json& json, const SourceOptions& options) {
   SceneSources out;
   out.root = folder_of(file);
-  const Tileset tileset = open_tileset(out.root, file);
+  const Tileset tileset = open_tileset(out.root, file, json);
   out.skipped = tileset.skipped;
   Affine<Scene, World> scene_from_world = local_scene(options);
+  if (!options.local) out.origin = options.origin;
   if (tileset.anchor && !options.local) {
-    out.origin = options.origin ? *options.origin : geodetic_of(*tileset.anchor);
+    if (!out.origin) out.origin = geodetic_of(*tileset.anchor);
     scene_from_world.m = scene_from_ecef(*out.origin).m;  // this World is the earth
-  } else if (!options.local) {
-    out.origin = options.origin;
   }
   for (const TilesetContent& c : tileset.contents)
     out.tiles.push_back(
@@ -90,12 +66,34 @@ SceneSources tileset_sources(const Path& file, const SourceOptions& options) {
 }
 
 SceneSources json_sources(const Path& file, const SourceOptions& options) {
-  const Json json = parse_json(file, read_whole_file(file, largest_json_bytes));
+  const Json json = parse_json(file, read_whole_file(file));
   if (!json.is_object()) throw InputError(file, "", "expected a tileset.json or a scene .json");
   if (json.contains("gigabake")) return open_scene_json(file, json, options);
-  if (json.contains("root")) return tileset_sources(file, options);
+  if (json.contains("root")) return tileset_sources(file, json, options);
   if (json.contains("meshes") || json.contains("nodes")) return mesh_sources(folder_of(file), {file}, options);
   throw InputError(file, "", "expected a tileset (\"root\") or a scene (\"gigabake\")");
+}
+
+/// A folder with a tileset.json is that tileset: its tiles have places and several levels of detail.
+SceneSources folder_sources(const Path& folder, const SourceOptions& options) {
+  std::vector<Path> files;
+  std::error_code error;
+  if (std::filesystem::is_regular_file(folder / "tileset.json", error))
+    return json_sources(folder / "tileset.json", options);
+  const auto flags = std::filesystem::directory_options::none;
+  for (std::filesystem::recursive_directory_iterator it(folder, flags, error), end; !error && it != end;
+       it.increment(error))
+    if (it->is_regular_file(error) && !it->is_symlink(error)) {
+      if (it->path().filename() == "tileset.json")
+        throw InputError(it->path(), "",
+                         "is a tileset inside the folder; name it, or list the sources in a scene .json");
+      if (is_mesh(it->path())) files.push_back(it->path());
+    }
+  if (error) throw InputError(folder, "", "cannot be listed: " + error.message());
+  if (files.empty())
+    throw InputError(folder, "", "holds no .glb, .gltf or .b3dm; name a tileset.json or a scene .json");
+  std::sort(files.begin(), files.end());
+  return mesh_sources(folder, files, options);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "format/source_file.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <fstream>
 
@@ -9,6 +11,9 @@ namespace gigabake {
 namespace {
 
 constexpr int deepest_json = 128;
+/// A parsed document takes up to some twenty times its text.
+constexpr std::size_t largest_json_bytes = std::size_t(1) << 28;
+constexpr std::uint64_t largest_index = std::uint64_t(1) << 53;
 
 /// Parsers recurse; this does not.
 void check_nesting(const std::filesystem::path& file, std::span<const std::uint8_t> text) {
@@ -78,6 +83,8 @@ std::vector<std::uint8_t> read_whole_file(const std::filesystem::path& path, std
 }
 
 Json parse_json(const std::filesystem::path& file, std::span<const std::uint8_t> text) {
+  if (text.size() > largest_json_bytes)
+    throw InputError(file, "", "has more than 2^28 bytes of JSON; split it, or keep buffers in files of their own");
   check_nesting(file, text);
   if (text.size() >= 3 && text[0] == 0xef && text[1] == 0xbb && text[2] == 0xbf)
     throw InputError(file, "", "JSON starts with a byte order mark; save it without");
@@ -90,14 +97,21 @@ Json parse_json(const std::filesystem::path& file, std::span<const std::uint8_t>
   }
 }
 
+std::string in_quotes(std::string_view text) {
+  std::size_t shown = std::min<std::size_t>(text.size(), 100);
+  while (shown < text.size() && shown > 0 && (text[shown] & 0xc0) == 0x80) --shown;  // whole UTF-8 characters
+  std::string out = "'";
+  for (const char c : text.substr(0, shown)) out += static_cast<unsigned char>(c) < 32 || c == 127 ? '?' : c;
+  return out + (shown < text.size() ? "…'" : "'");
+}
+
 std::optional<std::uint64_t> get_index(const std::filesystem::path& file, const Json& object, const std::string& where,
                                        const char* key) {
   const Json* j = find(file, object, where, key);
   if (j == nullptr) return std::nullopt;
-  const double v = j->is_number() ? j->get<double>() : -1;
-  if (!(v >= 0 && v <= 9007199254740992.0) || v != std::floor(v))
+  if (!j->is_number_unsigned() || j->get<std::uint64_t>() > largest_index)
     fail(file, where, key, "a whole number that is not negative");
-  return std::uint64_t(v);
+  return j->get<std::uint64_t>();
 }
 
 std::optional<double> get_number(const std::filesystem::path& file, const Json& object, const std::string& where,
@@ -149,18 +163,24 @@ const Json& get_object(const std::filesystem::path& file, const Json& object, co
 std::filesystem::path resolve_uri(const std::filesystem::path& root, const std::filesystem::path& base,
                                   const std::string& key, std::string_view uri) {
   const std::string text = percent_decoded(uri.substr(0, uri.find_first_of("?#")));
-  const std::string shown = uri.size() > 100 ? std::string(uri.substr(0, 100)) + "…" : std::string(uri);
   if (text.empty() || text.find('\0') != std::string::npos)
-    throw InputError(base, key, "expected the path of a file, got '" + shown + "'");
+    throw InputError(base, key, "expected the path of a file, got " + in_quotes(uri));
   if (const auto colon = text.find(':'); colon != std::string::npos && colon < text.find('/'))
-    throw InputError(base, key, "expected a path relative to the file, got '" + shown + "'");
+    throw InputError(base, key, "expected a path relative to the file, got " + in_quotes(uri));
   const std::filesystem::path relative(text);
   std::error_code error;
   const std::filesystem::path target =
-      relative.is_absolute() ? relative : std::filesystem::weakly_canonical(base.parent_path() / relative, error);
-  if (relative.is_absolute() || error || !is_within(std::filesystem::weakly_canonical(root, error), target))
-    throw InputError(base, key, "'" + shown + "' leaves the source folder " + root.string());
+      std::filesystem::weakly_canonical(std::filesystem::absolute(base, error).parent_path() / relative, error);
+  if (error) throw InputError(base, key, in_quotes(uri) + " cannot be resolved: " + error.message());
+  if (relative.is_absolute() || !is_within(std::filesystem::weakly_canonical(root, error), target))
+    throw InputError(base, key, in_quotes(uri) + " leaves the source folder " + root.string());
   return target;
+}
+
+std::string lower_extension(const std::filesystem::path& path) {
+  std::string e = path.extension().string();
+  std::transform(e.begin(), e.end(), e.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  return e;
 }
 
 std::string name_in(const std::filesystem::path& root, const std::filesystem::path& path) {

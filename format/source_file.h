@@ -18,11 +18,15 @@ using Json = nlohmann::json;
 std::vector<std::uint8_t> read_whole_file(const std::filesystem::path& path, std::uint64_t most_bytes = std::uint64_t(1)
                                                                                                         << 32);
 
-/// Errors  InputError: not JSON (with the byte), or nested deeper than 128.
+/// Errors  InputError: not JSON (with the byte), nested deeper than 128, or longer than 2^28 bytes.
 Json parse_json(const std::filesystem::path& file, std::span<const std::uint8_t> text);
 
-/// A member of the asked type, or nothing where it is absent. Errors  InputError(file, where.key): another type, or a
-/// number that is negative, fractional or too large for an index.
+/// Text of a file as a message shows it: in quotes, cut at 100 bytes, on one line.
+std::string in_quotes(std::string_view text);
+
+/// A member of the asked type, or nothing where it is absent. An index is written without a fraction or an exponent:
+/// every parser of ours must see the same number. Errors  InputError(file, where.key): another type, or a number that
+/// is negative, fractional or too large for an index.
 std::optional<std::uint64_t> get_index(const std::filesystem::path& file, const Json& object, const std::string& where,
                                        const char* key);
 std::optional<double> get_number(const std::filesystem::path& file, const Json& object, const std::string& where,
@@ -42,6 +46,9 @@ const Json& get_object(const std::filesystem::path& file, const Json& object, co
 ///         `root`. The file need not exist.
 std::filesystem::path resolve_uri(const std::filesystem::path& root, const std::filesystem::path& base,
                                   const std::string& key, std::string_view uri);
+
+/// ".glb" of "A.GLB".
+std::string lower_extension(const std::filesystem::path& path);
 
 /// `path` relative to `root`, '/' separated.
 std::string name_in(const std::filesystem::path& root, const std::filesystem::path& path);

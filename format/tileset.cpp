@@ -5,8 +5,7 @@
 #include <set>
 
 #include "format/error.h"
-#include "format/georeference.h"
-#include "format/source_file.h"
+#include "format/tileset_anchor.h"
 #include "format/transform.h"
 
 namespace gigabake {
@@ -14,8 +13,11 @@ namespace {
 
 using Path = std::filesystem::path;
 
-constexpr std::uint64_t largest_tileset_bytes = std::uint64_t(1) << 30;
-constexpr int deepest_external = 64;
+constexpr std::size_t deepest_external = 32;
+constexpr std::uint64_t most_tiles = std::uint64_t(1) << 24;
+/// Text of external tilesets that one bake follows, each counted as at least 16 KiB: files that include others twice
+/// double at every step.
+constexpr std::uint64_t most_external_bytes = std::uint64_t(1) << 32, least_external_bytes = std::uint64_t(1) << 14;
 
 enum class Refine { add, replace };
 
@@ -25,7 +27,6 @@ struct Context {
   UpAxis gltf_up = UpAxis::y;
   Affine<World, World> world_from_parent;
   Refine refine = Refine::replace;
-  std::set<Path> open_files;
 };
 
 /// The finest contents of a subtree.
@@ -53,37 +54,38 @@ class Reader {
  public:
   Reader(Path root, Tileset& out) : root_(std::move(root)), out_(out) {}
 
-  Subtree read_file(const Path& file, Context context) {
-    if (!context.open_files.insert(file).second) throw InputError(file, "root", "the tileset includes itself");
-    if (context.open_files.size() > deepest_external)
-      throw InputError(file, "root", "external tilesets nest deeper than 64");
-    return read_document(file, parse_json(file, read_whole_file(file, largest_tileset_bytes)), std::move(context));
+  Subtree read_document(const Path& file, const Json& json, Context context) {
+    std::error_code error;
+    const Path canonical = std::filesystem::weakly_canonical(file, error);
+    if (std::find(open_files_.begin(), open_files_.end(), canonical) != open_files_.end())
+      throw InputError(file, "root", "the tileset includes itself");
+    if (open_files_.size() == deepest_external) throw InputError(file, "root", "external tilesets nest deeper than 32");
+    const bool is_first = open_files_.empty();
+    open_files_.push_back(canonical);
+    check_head(file, json);
+    context.file = file;
+    context.gltf_up = up_axis(file, get_object(file, json, "", "asset"));
+    if (is_first) out_.anchor = tileset_anchor(file, json["root"]);
+    Subtree found = read_tile(json["root"], "root", context);
+    open_files_.pop_back();
+    return found;
   }
 
  private:
-  Subtree read_document(const Path& file, const Json& json, Context context) {
+  static void check_head(const Path& file, const Json& json) {
     const Json& asset = get_object(file, json, "", "asset");
     const std::string version = get_text(file, asset, "asset", "version").value_or("");
     if (version != "1.0" && version != "1.1" && version != "0.0")
-      throw InputError(file, "asset.version", "expected 3D Tiles 1.0 or 1.1, got '" + version + "'");
-    check_extensions(file, json);
-    context.file = file;
-    context.gltf_up = up_axis(file, asset);
-    if (!json.contains("root")) throw InputError(file, "root", "is missing");
-    if (out_first_) note_anchor(file, json["root"]);
-    out_first_ = false;
-    return read_tile(json["root"], "root", context, true);
-  }
-
-  static void check_extensions(const Path& file, const Json& json) {
+      throw InputError(file, "asset.version", "expected 3D Tiles 1.0 or 1.1, got " + in_quotes(version));
     static const std::set<std::string> known{"3DTILES_content_gltf", "3DTILES_multiple_contents",
                                              "3DTILES_implicit_tiling", "3DTILES_metadata",
                                              "3DTILES_bounding_volume_S2"};
     for (const Json& e : get_array(file, json, "", "extensionsRequired")) {
       const std::string name = e.is_string() ? e.get<std::string>() : e.dump();
       if (!known.contains(name))
-        throw InputError(file, "extensionsRequired", "the extension " + name + " is not supported");
+        throw InputError(file, "extensionsRequired", "the extension " + in_quotes(name) + " is not supported");
     }
+    if (!json.contains("root")) throw InputError(file, "root", "is missing");
   }
 
   static UpAxis up_axis(const Path& file, const Json& asset) {
@@ -91,52 +93,38 @@ class Reader {
     if (up == "X" || up == "x") return UpAxis::x;
     if (up == "Z" || up == "z") return UpAxis::z;
     if (up == "Y" || up == "y") return UpAxis::y;
-    throw InputError(file, "asset.gltfUpAxis", "expected X, Y or Z, got '" + up + "'");
+    throw InputError(file, "asset.gltfUpAxis", "expected X, Y or Z, got " + in_quotes(up));
   }
 
-  /// Where the root's transform, or else the centre of its bounding volume, puts it.
-  void note_anchor(const Path& file, const Json& root) {
-    const auto transform = get_numbers(file, root, "root", "transform", 16);
-    const auto map = transform ? affine_from_columns<World, World>(*transform) : Affine<World, World>();
-    const auto try_point = [&](const Point<World>& p) {
-      const Point<Ecef> p_ecef{p.x, p.y, p.z};
-      if (!out_.anchor && is_on_earth(p_ecef)) out_.anchor = p_ecef;
-    };
-    try_point(map({0, 0, 0}));
-    const Json& volume = get_object(file, root, "root", "boundingVolume");
-    if (const auto box = get_numbers(file, volume, "root.boundingVolume", "box", 12))
-      try_point(map({(*box)[0], (*box)[1], (*box)[2]}));
-    if (const auto sphere = get_numbers(file, volume, "root.boundingVolume", "sphere", 4))
-      try_point(map({(*sphere)[0], (*sphere)[1], (*sphere)[2]}));
-    if (const auto r = get_numbers(file, volume, "root.boundingVolume", "region", 6); r && !out_.anchor) {
-      constexpr double degrees = 57.295779513082321;
-      out_.anchor = ecef_of({((*r)[1] + (*r)[3]) / 2 * degrees, ((*r)[0] + (*r)[2]) / 2 * degrees, (*r)[4]});
-    }
-  }
-
-  Subtree read_tile(const Json& tile, const std::string& where, const Context& parent, bool is_root) {
+  Subtree read_tile(const Json& tile, const std::string& where, const Context& parent) {
+    if (++tiles_ > most_tiles) throw InputError(parent.file, where, "the tileset has more than 2^24 tiles");
     Context here = parent;
     if (const auto m = get_numbers(parent.file, tile, where, "transform", 16))
       here.world_from_parent = parent.world_from_parent * affine_from_columns<World, World>(*m);
-    here.refine = refine_of(tile, where, parent, is_root);
+    here.refine = refine_of(tile, where, parent);
     Subtree finer;
     const Json& children = get_array(parent.file, tile, where, "children");
     for (std::size_t i = 0; i < children.size(); ++i)
-      join(finer, read_tile(children[i], where + ".children[" + std::to_string(i) + "]", here, false));
-    if (tile.contains("implicitTiling"))
-      skip(here.file, where, "implicit tiling is not supported; convert it to explicit tiles", false);
+      join(finer, read_tile(children[i], where + ".children[" + std::to_string(i) + "]", here));
+    if (is_implicit(tile, where, here)) {
+      skip(here, where, "implicit tiling is not supported; convert it to explicit tiles", false);
+      return finer;
+    }
     return with_own_content(tile, where, here, std::move(finer));
   }
 
-  static Refine refine_of(const Json& tile, const std::string& where, const Context& parent, bool is_root) {
+  static bool is_implicit(const Json& tile, const std::string& where, const Context& here) {
+    return tile.contains("implicitTiling") ||
+           get_object(here.file, tile, where, "extensions").contains("3DTILES_implicit_tiling");
+  }
+
+  /// The specification demands it of the root; files in use leave it out and mean REPLACE.
+  static Refine refine_of(const Json& tile, const std::string& where, const Context& parent) {
     const auto text = get_text(parent.file, tile, where, "refine");
-    if (!text) {
-      // The specification demands it of the root; files in use leave it out and mean REPLACE.
-      return is_root && parent.open_files.size() == 1 ? Refine::replace : parent.refine;
-    }
+    if (!text) return parent.refine;
     if (*text == "ADD" || *text == "add") return Refine::add;
     if (*text == "REPLACE" || *text == "replace") return Refine::replace;
-    throw InputError(parent.file, where + ".refine", "expected ADD or REPLACE, got '" + *text + "'");
+    throw InputError(parent.file, where + ".refine", "expected ADD or REPLACE, got " + in_quotes(*text));
   }
 
   Subtree with_own_content(const Json& tile, const std::string& where, const Context& here, Subtree finer) {
@@ -167,8 +155,8 @@ class Reader {
     for (const std::string& uri : uris) {
       const Path path = resolve_uri(root_, here.file, where + ".content.uri", uri);
       std::error_code error;
-      if (std::filesystem::is_regular_file(path, error) && magic_of(path) == Magic::json && is_tileset(path))
-        join(found, read_file(path, here));
+      if (!std::filesystem::is_regular_file(path, error) || magic_of(path) != Magic::json) continue;
+      if (const Json json = read_json(path); is_tileset(json)) join(found, read_document(path, json, here));
     }
     return found;
   }
@@ -195,11 +183,10 @@ class Reader {
 
   Subtree read_content(const std::string& uri, const std::string& where, const Context& here) {
     const std::string key = where + ".content.uri";
-    if (uri.find('{') != std::string::npos) return {};  // the template of an implicit tile, listed already
     const Path path = resolve_uri(root_, here.file, key, uri);
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error)) {
-      skip(here.file, key, "'" + uri + "' is missing", false);
+      skip(here, key, in_quotes(uri) + " is missing", false);
       return {{}, true};
     }
     switch (magic_of(path)) {
@@ -208,53 +195,61 @@ class Reader {
       case Magic::b3dm:
         return {{content(path, ContentKind::b3dm, here)}, false};
       case Magic::json:
-        if (is_tileset(path)) return read_file(path, here);
+        if (const Json json = read_json(path); is_tileset(json)) return read_document(path, json, here);
         return {{content(path, ContentKind::gltf, here)}, false};
       case Magic::points:
-        skip(here.file, key, "'" + uri + "' holds points, which have no surface", true);
+        skip(here, key, in_quotes(uri) + " holds points, which have no surface", true);
         return {};
       case Magic::instances:
-        skip(here.file, key, "'" + uri + "': instanced models (i3dm) are not supported", false);
+        skip(here, key, in_quotes(uri) + ": instanced models (i3dm) are not supported", false);
         return {};
       case Magic::composite:
-        skip(here.file, key, "'" + uri + "': composite tiles (cmpt) are not supported", false);
+        skip(here, key, in_quotes(uri) + ": composite tiles (cmpt) are not supported", false);
         return {};
       case Magic::unknown:
         break;
     }
-    skip(here.file, key, "'" + uri + "' is neither glTF nor b3dm", false);
+    skip(here, key, in_quotes(uri) + " is neither glTF nor b3dm", false);
     return {{}, true};
   }
 
-  static bool is_tileset(const Path& path) {
-    const Json json = parse_json(path, read_whole_file(path, largest_tileset_bytes));
-    return json.is_object() && json.contains("root");
+  Json read_json(const Path& path) {
+    const std::vector<std::uint8_t> text = read_whole_file(path);
+    external_bytes_ += std::max<std::uint64_t>(text.size(), least_external_bytes);
+    if (external_bytes_ > most_external_bytes)
+      throw InputError(path, "", "external tilesets include each other too often: over 4 GiB, or over 2^18 files");
+    return parse_json(path, text);
   }
+
+  static bool is_tileset(const Json& json) { return json.is_object() && json.contains("root"); }
 
   static TilesetContent content(const Path& path, ContentKind kind, const Context& here) {
     return {path, kind, here.gltf_up, here.world_from_parent};
   }
 
   static void join(Subtree& to, Subtree from) {
-    to.contents.insert(to.contents.end(), from.contents.begin(), from.contents.end());
+    if (to.contents.empty())
+      to.contents = std::move(from.contents);
+    else
+      to.contents.insert(to.contents.end(), from.contents.begin(), from.contents.end());
     to.is_missing_some |= from.is_missing_some;
   }
 
-  void skip(const Path& file, const std::string& key, const std::string& reason, bool informative) {
-    out_.skipped.push_back({name_in(root_, file) + ": " + key, reason, informative});
+  void skip(const Context& here, const std::string& key, const std::string& reason, bool informative) {
+    out_.skipped.push_back({name_in(root_, here.file) + ": " + key, reason, informative});
   }
 
   Path root_;
   Tileset& out_;
-  bool out_first_ = true;
+  std::vector<Path> open_files_;  ///< from the first tileset to the one being read
+  std::uint64_t tiles_ = 0, external_bytes_ = 0;
 };
 
 }  // namespace
 
-Tileset open_tileset(const std::filesystem::path& root, const std::filesystem::path& file) {
+Tileset open_tileset(const std::filesystem::path& root, const std::filesystem::path& file, const Json& json) {
   Tileset tileset;
-  Reader reader(root, tileset);
-  tileset.contents = reader.read_file(std::filesystem::weakly_canonical(file), {}).contents;
+  tileset.contents = Reader(root, tileset).read_document(file, json, {}).contents;
   return tileset;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "format/source.h"
+#include "format/source_file.h"
 
 namespace gigabake {
 
@@ -26,8 +27,9 @@ struct Tileset {
 /// Nested and external tilesets are followed. With REPLACE a tile's content counts only where it has no finer one:
 /// below; where a finer file is missing, the nearest ancestor's content stands in for all of its descendants, so that
 /// no surface is there twice, and the missing file is listed.
-/// Errors  InputError: malformed JSON, a cycle of external tilesets, URIs leaving `root`, extensions that are required
-///         and not known.
-Tileset open_tileset(const std::filesystem::path& root, const std::filesystem::path& file);
+/// `json`: what `file` holds.
+/// Errors  InputError: malformed JSON, a cycle of external tilesets or more than 2^24 tiles with them, URIs leaving
+///         `root`, extensions that are required and not known.
+Tileset open_tileset(const std::filesystem::path& root, const std::filesystem::path& file, const Json& json);
 
 }  // namespace gigabake

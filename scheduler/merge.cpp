@@ -12,28 +12,30 @@ void add_cells(const BakePlan& plan, const std::vector<CellReport>& reports, Sce
   std::vector<const CellReport*> of_job(plan.jobs.size(), nullptr);
   for (const CellReport& r : reports)
     if (r.id < of_job.size()) of_job[r.id] = &r;
+  std::vector<SceneLoss> not_baked;
   for (std::size_t i = 0; i < of_job.size(); ++i) {
     const std::string name = "cell " + plan.jobs[i].name;
     if (of_job[i] == nullptr)
-      scene.losses.push_back({name, "was not baked"});
+      not_baked.push_back({name, "was not baked"});
     else if (of_job[i]->outcome == CellOutcome::failed)
       scene.losses.push_back({name, of_job[i]->error});
     else if (of_job[i]->outcome == CellOutcome::baked)
       scene.cells.push_back(of_job[i]->cell);
   }
+  scene.losses.insert(scene.losses.end(), not_baked.begin(), not_baked.end());
   std::sort(scene.cells.begin(), scene.cells.end(),
             [](const SceneCell& a, const SceneCell& b) { return lattice_order(a) < lattice_order(b); });
 }
 
 }  // namespace
 
-SceneDescription merge(const BakePlan& plan, const std::vector<CellReport>& reports, const SceneSources& sources,
-                       const BakeParameters& parameters) {
+SceneDescription merge(const BakePlan& plan, const std::vector<CellReport>& reports,
+                       const std::optional<Geodetic>& origin, const BakeParameters& parameters) {
   SceneDescription scene;
   scene.generator = "gigabake " GIGABAKE_VERSION;
   scene.voxel_size_m = parameters.voxel_size_m;
   scene.lattice_origin_m = parameters.lattice_origin_m;
-  scene.origin = sources.origin;
+  scene.origin = origin;
   scene.has_normals = parameters.normals;
   scene.parameters = to_json(parameters);
   scene.triangles = plan.triangles;
@@ -41,9 +43,7 @@ SceneDescription merge(const BakePlan& plan, const std::vector<CellReport>& repo
   scene.zero_area = plan.zero_area;
   scene.skipped_points = plan.skipped_points;
   scene.skipped_lines = plan.skipped_lines;
-  for (const SkippedSource& s : sources.skipped)
-    if (!s.informative) scene.losses.push_back({s.name, s.reason});
-  scene.losses.insert(scene.losses.end(), plan.losses.begin(), plan.losses.end());
+  scene.losses = plan.losses;
   add_cells(plan, reports, scene);
   return scene;
 }

@@ -1,18 +1,18 @@
 /// From the workers' reports to the scene they make up.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "format/cell_job.h"
 #include "format/parameters.h"
-#include "format/source.h"
 #include "scheduler/plan.h"
 
 namespace gigabake {
 
-/// reports: in any order; a job without one counts as lost. Losses: what the source lacks, tiles that could not be
-/// read, cells that failed.
-SceneDescription merge(const BakePlan& plan, const std::vector<CellReport>& reports, const SceneSources& sources,
-                       const BakeParameters& parameters);
+/// reports: in any order; a job without one counts as lost. Losses: the plan's, then cells that failed, then
+/// cells without a report.
+SceneDescription merge(const BakePlan& plan, const std::vector<CellReport>& reports,
+                       const std::optional<Geodetic>& origin, const BakeParameters& parameters);
 
 }  // namespace gigabake

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "scheduler/fingerprint.h"
@@ -21,6 +22,28 @@ std::int64_t floor_to(std::int64_t v, std::int64_t multiple) {
   return v - (rest < 0 ? rest + multiple : rest);
 }
 
+bool spreads_too_far(const TileSurvey& survey, std::int64_t cell_voxels) {
+  std::int64_t cells = 0;
+  for (const ColumnExtent& c : survey.columns) {
+    cells += std::min((c.z_end - c.z_min) / cell_voxels, most_cells_of_a_tile) + 1;
+    if (cells > most_cells_of_a_tile) return true;
+  }
+  return false;
+}
+
+/// Tiles that reach too far get an error in place of their columns.
+void refuse_spread_tiles(std::vector<TileSurvey>& surveys, std::uint32_t cell_voxels) {
+  for (TileSurvey& s : surveys) {
+    if (!spreads_too_far(s, cell_voxels)) continue;
+    TileSurvey refused;
+    refused.tile = s.tile;
+    refused.error = "needs more than " + std::to_string(most_cells_of_a_tile) + " cells of " +
+                    std::to_string(cell_voxels) +
+                    " voxels; enlarge --voxel-size or --cell-voxels, or check the unit of its coordinates";
+    s = std::move(refused);
+  }
+}
+
 std::map<ColumnKey, std::vector<TileExtent>> by_column(const std::vector<TileSurvey>& surveys) {
   std::map<ColumnKey, std::vector<TileExtent>> columns;
   for (const TileSurvey& s : surveys)
@@ -28,18 +51,12 @@ std::map<ColumnKey, std::vector<TileExtent>> by_column(const std::vector<TileSur
   return columns;
 }
 
-/// The cell's tiles and estimate; no tiles: nothing reaches it.
-CellJob make_job(const ColumnKey& column, std::int64_t z_min, std::int64_t z_index, std::uint32_t cell_voxels,
-                 const std::vector<TileExtent>& extents) {
+CellJob empty_job(const ColumnKey& column, const CellStack& stack, std::int64_t level, std::uint32_t cell_voxels) {
+  const std::int64_t n = cell_voxels;
   CellJob job;
-  job.name = "c_" + std::to_string(column.second) + "_" + std::to_string(column.first) + "_" + std::to_string(z_index);
-  job.lattice_min = {column.second * cell_voxels, column.first * cell_voxels, z_min};
+  job.name = "c_" + std::to_string(column.second) + "_" + std::to_string(column.first) + "_" + std::to_string(level);
+  job.lattice_min = {column.second * n, column.first * n, stack.z_min + level * n};
   job.cell_voxels = cell_voxels;
-  for (const TileExtent& t : extents) {
-    if (t.extent.z_min >= z_min + cell_voxels || t.extent.z_end <= z_min) continue;
-    job.tiles.push_back(t.tile);
-    job.triangles += t.extent.triangles;
-  }
   return job;
 }
 
@@ -51,20 +68,42 @@ void add_column(const ColumnKey& column, const std::vector<TileExtent>& extents,
     z_end = std::max(z_end, t.extent.z_end);
   }
   const CellStack stack = stack_over(z_min, z_end, cell_voxels);
-  for (std::int64_t k = 0; k < stack.cells; ++k) {
-    CellJob job = make_job(column, stack.z_min + k * cell_voxels, k, cell_voxels, extents);
-    if (!job.tiles.empty()) plan.jobs.push_back(std::move(job));
+  std::map<std::int64_t, CellJob> levels;  // where nothing is, the stack has no cell
+  for (const TileExtent& t : extents) {
+    const std::int64_t last = (t.extent.z_end - 1 - stack.z_min) / cell_voxels;
+    for (std::int64_t level = (t.extent.z_min - stack.z_min) / cell_voxels; level <= last; ++level) {
+      CellJob& job = levels.try_emplace(level, empty_job(column, stack, level, cell_voxels)).first->second;
+      job.tiles.push_back(t.tile);
+      job.triangles += t.extent.triangles;
+    }
   }
+  for (auto& [level, job] : levels) plan.jobs.push_back(std::move(job));
 }
 
-void add_counts(const std::vector<TileSurvey>& surveys, const std::vector<std::string>& names, BakePlan& plan) {
+void add_counts(const std::vector<TileSurvey>& surveys, const SceneSources& sources, BakePlan& plan) {
+  for (const SkippedSource& s : sources.skipped)
+    if (!s.informative) plan.losses.push_back({s.name, s.reason});
   for (const TileSurvey& s : surveys) {
     plan.triangles += s.triangles;
     plan.non_finite += s.non_finite;
     plan.zero_area += s.zero_area;
     plan.skipped_points += s.skipped_points;
     plan.skipped_lines += s.skipped_lines;
-    if (!s.error.empty()) plan.losses.push_back({"tile " + names[s.tile], s.error});
+    if (!s.error.empty()) plan.losses.push_back({"tile " + sources.tiles[s.tile].name, s.error});
+  }
+}
+
+void name_jobs(const std::vector<TileSurvey>& surveys, const SceneSources& sources, const BakeParameters& parameters,
+               std::vector<CellJob>& jobs) {
+  std::sort(jobs.begin(), jobs.end(), [](const CellJob& a, const CellJob& b) {
+    return std::tie(a.lattice_min[2], a.lattice_min[1], a.lattice_min[0]) <
+           std::tie(b.lattice_min[2], b.lattice_min[1], b.lattice_min[0]);
+  });
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    jobs[i].id = std::uint32_t(i);
+    std::vector<Hash128> tile_sources;
+    for (const std::uint32_t tile : jobs[i].tiles) tile_sources.push_back(surveys[tile].source);
+    jobs[i].fingerprint = cell_fingerprint(jobs[i], parameters, sources.origin, tile_sources);
   }
 }
 
@@ -79,23 +118,13 @@ CellStack stack_over(std::int64_t z_min, std::int64_t z_end, std::int64_t cell_v
   }
 }
 
-BakePlan make_plan(std::vector<TileSurvey> surveys, const std::vector<std::string>& tile_names,
-                   const BakeParameters& parameters, const std::optional<Geodetic>& origin) {
+BakePlan make_plan(std::vector<TileSurvey> surveys, const SceneSources& sources, const BakeParameters& parameters) {
   std::sort(surveys.begin(), surveys.end(), [](const TileSurvey& a, const TileSurvey& b) { return a.tile < b.tile; });
+  refuse_spread_tiles(surveys, parameters.cell_voxels);
   BakePlan plan;
-  add_counts(surveys, tile_names, plan);
+  add_counts(surveys, sources, plan);
   for (const auto& [column, extents] : by_column(surveys)) add_column(column, extents, parameters.cell_voxels, plan);
-  std::sort(plan.jobs.begin(), plan.jobs.end(), [](const CellJob& a, const CellJob& b) {
-    return std::make_pair(a.lattice_min[2], std::make_pair(a.lattice_min[1], a.lattice_min[0])) <
-           std::make_pair(b.lattice_min[2], std::make_pair(b.lattice_min[1], b.lattice_min[0]));
-  });
-  for (std::size_t i = 0; i < plan.jobs.size(); ++i) {
-    CellJob& job = plan.jobs[i];
-    job.id = std::uint32_t(i);
-    std::vector<Hash128> sources;
-    for (const std::uint32_t tile : job.tiles) sources.push_back(surveys[tile].source);
-    job.fingerprint = cell_fingerprint(job, parameters, origin, sources);
-  }
+  name_jobs(surveys, sources, parameters, plan.jobs);
   return plan;
 }
 

@@ -3,11 +3,11 @@
 /// Exact  A pure function: equal surveys give equal plans, in whatever order they arrived.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "format/cell_job.h"
 #include "format/parameters.h"
+#include "format/source.h"
 #include "format/survey.h"
 
 namespace gigabake {
@@ -15,13 +15,15 @@ namespace gigabake {
 struct BakePlan {
   std::vector<CellJob> jobs;  ///< by lattice_min z, y, x; jobs[i].id is i
   std::uint64_t triangles = 0, non_finite = 0, zero_area = 0, skipped_points = 0, skipped_lines = 0;
-  std::vector<SceneLoss> losses;  ///< tiles that could not be read
+  std::vector<SceneLoss> losses;  ///< what the source lacks, then tiles that could not be read or placed
 };
 
-/// surveys: one per tile. tile_names: of all tiles, for the losses. A stack is centred on its column's height and
-/// starts at a multiple of 8 voxels, so that lod 0 to 3 lie on the lattice; cells that no tile reaches are left out.
-BakePlan make_plan(std::vector<TileSurvey> surveys, const std::vector<std::string>& tile_names,
-                   const BakeParameters& parameters, const std::optional<Geodetic>& origin);
+/// A tile that needs more cells than these is lost with a line that says so: its unit is wrong, or one vertex is.
+inline constexpr std::int64_t most_cells_of_a_tile = std::int64_t(1) << 21;
+
+/// surveys: one for each of sources.tiles. A stack is centred on its column's height and starts at a multiple of 8
+/// voxels, so that lod 0 to 3 lie on the lattice; cells that no tile reaches are left out.
+BakePlan make_plan(std::vector<TileSurvey> surveys, const SceneSources& sources, const BakeParameters& parameters);
 
 /// Lowest voxel and number of cells of the stack over [z_min, z_end). Range  z_min < z_end.
 struct CellStack {

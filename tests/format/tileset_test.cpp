@@ -1,10 +1,9 @@
-#include "format/tileset.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "format/error.h"
 #include "format/georeference.h"
+#include "format/source.h"
 #include "source_scene.h"
 
 namespace gigabake {

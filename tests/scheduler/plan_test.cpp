@@ -37,7 +37,12 @@ std::vector<TileSurvey> random_surveys(std::uint32_t tiles, std::mt19937& random
   return surveys;
 }
 
-std::vector<std::string> names(std::size_t count) { return std::vector<std::string>(count, "tile"); }
+SceneSources sources_of(std::size_t tiles, const std::string& name = "tile") {
+  SceneSources sources;
+  sources.tiles.resize(tiles);
+  for (TileRef& tile : sources.tiles) tile.name = name;
+  return sources;
+}
 
 TEST(StackOver, CoversTheHeightWithTheFewestCellsOnTheLevelsLattice) {
   std::mt19937 random(seed);
@@ -66,7 +71,7 @@ TEST(MakePlan, HandsEveryTileToEveryCellThatItReaches) {
   for (int round = 0; round < 50; ++round) {
     const auto surveys = random_surveys(12, random);
     const std::int64_t n = 256;
-    const BakePlan plan = make_plan(surveys, names(12), parameters(256), {});
+    const BakePlan plan = make_plan(surveys, sources_of(12), parameters(256));
     for (const TileSurvey& s : surveys)
       for (const ColumnExtent& c : s.columns)
         for (std::int64_t z = c.z_min; z < c.z_end; ++z) {
@@ -83,9 +88,9 @@ TEST(MakePlan, HandsEveryTileToEveryCellThatItReaches) {
 TEST(MakePlan, DoesNotDependOnTheOrderOfSurveys) {
   std::mt19937 random(seed);
   auto surveys = random_surveys(20, random);
-  const BakePlan a = make_plan(surveys, names(20), parameters(128), {});
+  const BakePlan a = make_plan(surveys, sources_of(20), parameters(128));
   std::shuffle(surveys.begin(), surveys.end(), random);
-  const BakePlan b = make_plan(surveys, names(20), parameters(128), {});
+  const BakePlan b = make_plan(surveys, sources_of(20), parameters(128));
   ASSERT_EQ(a.jobs.size(), b.jobs.size());
   for (std::size_t i = 0; i < a.jobs.size(); ++i) {
     EXPECT_EQ(a.jobs[i].name, b.jobs[i].name);
@@ -97,27 +102,50 @@ TEST(MakePlan, DoesNotDependOnTheOrderOfSurveys) {
 TEST(MakePlan, ChangesTheFingerprintsOfTheCellsThatATileReachesAndOfNoOther) {
   std::mt19937 random(seed);
   auto surveys = random_surveys(20, random);
-  const BakePlan a = make_plan(surveys, names(20), parameters(128), {});
+  const BakePlan a = make_plan(surveys, sources_of(20), parameters(128));
   surveys[7].source.lo ^= 1;
-  const BakePlan b = make_plan(surveys, names(20), parameters(128), {});
+  const BakePlan b = make_plan(surveys, sources_of(20), parameters(128));
   for (std::size_t i = 0; i < a.jobs.size(); ++i) {
     const bool reached = std::binary_search(a.jobs[i].tiles.begin(), a.jobs[i].tiles.end(), 7u);
     EXPECT_EQ(a.jobs[i].fingerprint != b.jobs[i].fingerprint, reached) << a.jobs[i].name;
   }
 }
 
-TEST(MakePlan, ListsTilesThatCouldNotBeRead) {
+TEST(MakePlan, ListsWhatTheSourceLacksThenTilesThatCouldNotBeRead) {
   std::vector<TileSurvey> surveys(1);
   surveys[0].error = "a.glb: truncated";
-  const BakePlan plan = make_plan(surveys, {"a.glb"}, parameters(64), {});
-  ASSERT_EQ(plan.losses.size(), 1u);
-  EXPECT_EQ(plan.losses[0].name, "tile a.glb");
+  SceneSources sources = sources_of(1, "a.glb");
+  sources.skipped = {{"x", "points", true}, {"y", "missing", false}};
+  const BakePlan plan = make_plan(surveys, sources, parameters(64));
+  ASSERT_EQ(plan.losses.size(), 2u);
+  EXPECT_EQ(plan.losses[0].name, "y");
+  EXPECT_EQ(plan.losses[1].name, "tile a.glb");
   EXPECT_TRUE(plan.jobs.empty());
+}
+
+TEST(MakePlan, RefusesATileThatNeedsMillionsOfCellsAndBakesTheOthers) {
+  std::vector<TileSurvey> surveys(2);
+  surveys[0].columns = {{0, 0, -(std::int64_t(1) << 40), std::int64_t(1) << 40, 1}};
+  surveys[1].tile = 1;
+  surveys[1].columns = {{0, 0, 0, 10, 1}};
+  const BakePlan plan = make_plan(surveys, sources_of(2), parameters(64));
+  ASSERT_EQ(plan.losses.size(), 1u);
+  EXPECT_NE(plan.losses[0].reason.find("--voxel-size"), std::string::npos) << plan.losses[0].reason;
+  ASSERT_EQ(plan.jobs.size(), 1u);
+  EXPECT_EQ(plan.jobs[0].tiles, std::vector<std::uint32_t>{1});
+}
+
+TEST(MakePlan, LeavesOutTheEmptyMiddleOfATallStack) {
+  std::vector<TileSurvey> surveys(2);
+  surveys[0].columns = {{0, 0, 0, 10, 1}};
+  surveys[1].tile = 1;
+  surveys[1].columns = {{0, 0, 1000000, 1000010, 1}};
+  EXPECT_LE(make_plan(surveys, sources_of(2), parameters(64)).jobs.size(), 4u);
 }
 
 TEST(CellQueue, GivesOutEveryJobOnceLargestFirst) {
   std::mt19937 random(seed);
-  const BakePlan plan = make_plan(random_surveys(40, random), names(40), parameters(64), {});
+  const BakePlan plan = make_plan(random_surveys(40, random), sources_of(40), parameters(64));
   CellQueue queue(plan.jobs);
   std::set<std::uint32_t> seen;
   std::uint64_t last = ~std::uint64_t(0);
@@ -157,12 +185,11 @@ TEST(Merge, ListsCellsThatFailedAndThoseWithoutAReport) {
   baked.cell.name = "c_2";
   failed.id = 0;
   failed.error = "no memory";
-  SceneSources sources;
-  sources.skipped = {{"x", "points", true}, {"y", "missing", false}};
-  const SceneDescription scene = merge(plan, {failed, baked}, sources, parameters(64));
+  plan.losses = {{"tile y", "missing"}};
+  const SceneDescription scene = merge(plan, {failed, baked}, std::nullopt, parameters(64));
   ASSERT_EQ(scene.cells.size(), 1u);
   ASSERT_EQ(scene.losses.size(), 3u);
-  EXPECT_EQ(scene.losses[0].name, "y");
+  EXPECT_EQ(scene.losses[0].name, "tile y");
   EXPECT_EQ(scene.losses[1].reason, "no memory");
   EXPECT_EQ(scene.losses[2].name, "cell c_1");
 }

@@ -117,7 +117,7 @@ std::optional<Paint> rough_ball(std::int64_t x, std::int64_t y, std::int64_t z) 
   std::uint64_t h = std::uint64_t((x * 73856093) ^ (y * 19349663) ^ (z * 83492791)) * 0x9e3779b97f4a7c15ull;
   h ^= h >> 29;
   if (std::hypot(double(x) - 31, double(y) - 33, double(z) - 30) > 27 || (h & 1) != 0) return {};
-  return Paint{{std::uint8_t(h >> 8), std::uint8_t(h >> 16), std::uint8_t(h >> 24), std::uint8_t(h >> 32 & 127)},
+  return Paint{{std::uint8_t(h >> 8), std::uint8_t(h >> 16), std::uint8_t(h >> 24), std::uint8_t((h >> 32 & 127) + 1)},
                {std::int8_t(h >> 40 & 63), std::int8_t(h >> 48 & 63)}};
 }
 
@@ -127,8 +127,8 @@ TEST(CastOnDevice, ReturnsTheSameBitsAsOnTheHost) {
   VoxelScene voxels(32);
   voxels.add_cells(rough_ball, {0, 0, 0}, 64);
   WholeScene scene(voxels);
-  for (const std::array<double, 3>& eye :
-       {std::array{120.0, -40.0, 80.0}, {31.5, 31.5, 90.0}, {32.0, 32.0, 32.0}, {900.0, 700.0, 400.0}}) {
+  for (const std::array<double, 3>& eye : {std::array{120.0, -40.0, 80.0}, std::array{31.5, 31.5, 90.0},
+                                           std::array{32.0, 32.0, 32.0}, std::array{900.0, 700.0, 400.0}}) {
     CastCamera camera = make_camera(view(eye, {30, 31, 29.5}, 200).camera, voxels.description(), voxels.reader());
     camera.haze = air(scene.host.scene);
     const std::vector<CastRay> host = cast_on_host(scene, camera), device = cast_on_device(scene, camera);

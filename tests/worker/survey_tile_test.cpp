@@ -109,7 +109,9 @@ TEST(SurveyTile, RefusesATileThatSpreadsOverMillionsOfColumns) {
   mesh.position = {0, 0, 0, 1e6f, 0, 0, 0, 0, -1e6f};
   mesh.index = {0, 1, 2};
   write_glb(folder.path() / "world.glb", mesh);
-  const TileSurvey s = survey(folder.path(), "world.glb", fine_lattice());
+  BakeParameters fine = fine_lattice();
+  fine.voxel_size_m = 0.01;
+  const TileSurvey s = survey(folder.path(), "world.glb", fine);
   EXPECT_NE(s.error.find("--voxel-size"), std::string::npos) << s.error;
   EXPECT_TRUE(s.columns.empty());
   BakeParameters coarse = fine_lattice();

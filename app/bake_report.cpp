@@ -1,0 +1,122 @@
+#include "app/bake_report.h"
+
+#include <cstdio>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "app/progress.h"
+#include "scheduler/estimate.h"
+
+namespace gigabake::app {
+namespace {
+
+/// Totals over the scene's cells.
+struct Totals {
+  std::uint64_t voxels = 0, finest_voxels = 0, bytes = 0;
+  explicit Totals(const SceneDescription& scene) {
+    for (const SceneCell& c : scene.cells) {
+      for (const std::uint64_t v : c.voxels) voxels += v;
+      if (!c.voxels.empty()) finest_voxels += c.voxels[0];
+      bytes += c.bytes;
+    }
+  }
+};
+
+const char* slowest_stage(const BakeSummary& s) {
+  if (s.read_s >= s.kernel_s && s.read_s >= s.write_s) return "read";
+  return s.kernel_s >= s.write_s ? "kernels" : "write";
+}
+
+/// Of a plan or a scene: what was in the source and is not in the result, with reason.
+template <class Counts>
+void print_left_out(const Counts& c) {
+  if (c.non_finite + c.zero_area != 0)
+    fmt::print("dropped: {} triangles with NaN or infinite vertices, {} without area\n", c.non_finite, c.zero_area);
+  if (c.skipped_points + c.skipped_lines != 0)
+    fmt::print("skipped: {} points and {} lines, which have no surface\n", c.skipped_points, c.skipped_lines);
+}
+
+template <class Counts>
+void add_left_out(const Counts& c, nlohmann::ordered_json& j) {
+  j["dropped"] = {{"non_finite", c.non_finite}, {"zero_area", c.zero_area}};
+  j["skipped"] = {{"points", c.skipped_points}, {"lines", c.skipped_lines}};
+  j["losses"] = nlohmann::ordered_json::array();
+  for (const SceneLoss& l : c.losses) j["losses"].push_back({{"name", l.name}, {"reason", l.reason}});
+}
+
+}  // namespace
+
+void print_report(const BakeSummary& s, const std::filesystem::path& out) {
+  const Totals t(s.scene);
+  fmt::print("{} cells ({} empty), {} triangles, {} voxels at lod 0, {} in all, {} on disk\n", s.scene.cells.size(),
+             s.cells_empty, s.scene.triangles, t.finest_voxels, t.voxels, readable_bytes(t.bytes));
+  print_left_out(s.scene);
+  fmt::print("survey {:.2f} s, bake {:.2f} s on {} ranks × {} threads; ", s.survey_s, s.bake_s, s.ranks, s.threads);
+  fmt::print("stages read {:.2f} s, kernels {:.2f} s, write {:.2f} s: {} sets the pace\n", s.read_s, s.kernel_s,
+             s.write_s, slowest_stage(s));
+  fmt::print("peak memory {} (kernels {})\n", readable_bytes(s.peak_process_bytes),
+             readable_bytes(s.peak_kernel_bytes));
+  fmt::print("{}\n", (out / "scene.xml").string());
+}
+
+void print_json_report(const BakeSummary& s, const std::filesystem::path& out) {
+  const Totals t(s.scene);
+  nlohmann::ordered_json j;
+  j["scene"] = (out / "scene.xml").string();
+  j["cells"] = s.scene.cells.size();
+  j["cells_planned"] = s.cells_planned;
+  j["cells_empty"] = s.cells_empty;
+  j["triangles"] = s.scene.triangles;
+  j["voxels_lod0"] = t.finest_voxels;
+  j["voxels"] = t.voxels;
+  j["bytes"] = t.bytes;
+  j["ranks"] = s.ranks;
+  j["threads"] = s.threads;
+  j["seconds"] = {
+      {"survey", s.survey_s}, {"bake", s.bake_s}, {"read", s.read_s}, {"kernels", s.kernel_s}, {"write", s.write_s}};
+  j["slowest_stage"] = slowest_stage(s);
+  j["peak_process_bytes"] = s.peak_process_bytes;
+  j["peak_kernel_bytes"] = s.peak_kernel_bytes;
+  add_left_out(s.scene, j);
+  fmt::print("{}\n", j.dump(2));
+}
+
+void print_report(const BakePlan& plan) {
+  const PlanEstimate e = estimate(plan);
+  fmt::print("{} cells, {} triangles, {} of them in the largest cell\n", plan.jobs.size(), plan.triangles,
+             e.largest_cell_triangles);
+  print_left_out(plan);
+  fmt::print("about {} of kernel memory for the largest cell, {:.0f} core seconds in all\n",
+             readable_bytes(e.kernel_bytes), e.core_seconds);
+  for (const CellJob& job : plan.jobs)
+    fmt::print("  {:<24} lattice {} {} {}  {} tiles  {} triangles\n", job.name, job.lattice_min[0], job.lattice_min[1],
+               job.lattice_min[2], job.tiles.size(), job.triangles);
+}
+
+void print_json_report(const BakePlan& plan) {
+  const PlanEstimate e = estimate(plan);
+  nlohmann::ordered_json j;
+  j["cells"] = plan.jobs.size();
+  j["triangles"] = plan.triangles;
+  j["estimate"] = {{"largest_cell_triangles", e.largest_cell_triangles},
+                   {"kernel_bytes", e.kernel_bytes},
+                   {"core_seconds", e.core_seconds}};
+  j["jobs"] = nlohmann::ordered_json::array();
+  for (const CellJob& job : plan.jobs)
+    j["jobs"].push_back({{"name", job.name},
+                         {"lattice_min", job.lattice_min},
+                         {"tiles", job.tiles.size()},
+                         {"triangles", job.triangles},
+                         {"fingerprint", job.fingerprint.hex()}});
+  add_left_out(plan, j);
+  fmt::print("{}\n", j.dump(2));
+}
+
+void print_losses(const std::vector<SceneLoss>& losses) {
+  std::fflush(stdout);
+  if (losses.empty()) return;
+  fmt::print(stderr, "incomplete, {} missing:\n", losses.size());
+  for (const SceneLoss& l : losses) fmt::print(stderr, "  {}: {}\n", l.name, l.reason);
+}
+
+}  // namespace gigabake::app

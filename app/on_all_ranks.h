@@ -1,0 +1,13 @@
+/// The frame of a command that runs on all ranks: MPI's start and end, one line where it fails, one exit code.
+#pragma once
+
+#include <functional>
+
+#include "cluster/mpi_session.h"
+
+namespace gigabake::app {
+
+/// Runs `work` on every rank and returns the exit code that rank 0's `work` gave, on every rank.
+int on_all_ranks(const std::function<int(MpiSession&)>& work);
+
+}  // namespace gigabake::app

@@ -1,0 +1,24 @@
+#include "cluster/collective.h"
+
+#include <unistd.h>
+
+namespace gigabake {
+namespace {
+
+std::string host_name() {
+  char name[256] = {};
+  return ::gethostname(name, sizeof name - 1) == 0 ? name : "an unnamed host";
+}
+
+}  // namespace
+
+void fail_together(MpiSession& mpi, const std::optional<std::string>& line) {
+  const int weight = mpi.ranks() - mpi.rank();  // of several lines the lowest rank's is shown
+  const std::int64_t heaviest = mpi.max_of(line ? weight : 0);
+  if (heaviest == 0) return;
+  if (heaviest != weight) throw CollectiveFailure("");
+  const std::string who = " (rank " + std::to_string(mpi.rank()) + " on " + host_name() + ")";
+  throw CollectiveFailure(mpi.rank() == 0 ? *line : *line + who);
+}
+
+}  // namespace gigabake

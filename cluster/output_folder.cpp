@@ -1,0 +1,91 @@
+#include "cluster/output_folder.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "format/error.h"
+#include "format/publish.h"
+
+namespace gigabake {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Absolute, without links, dots and a slash at the end; need not exist.
+fs::path plain(const fs::path& path) {
+  const fs::path p = fs::weakly_canonical(fs::absolute(path));
+  return p.has_filename() ? p : p.parent_path();
+}
+
+bool is_at_or_below(const fs::path& path, const fs::path& folder) {
+  const fs::path inner = plain(path), outer = plain(folder);
+  return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
+}
+
+bool is_leftover(const std::string& name, const char* of) { return name.starts_with(of) && name.ends_with(".part"); }
+
+template <class Unwanted>
+void remove_files(const fs::path& folder, const Unwanted& unwanted) {
+  std::error_code error;  // what cannot be removed does no harm
+  std::vector<fs::path> found;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (unwanted(entry.path().filename().string())) found.push_back(entry.path());
+  for (const fs::path& path : found) fs::remove(path, error);
+}
+
+}  // namespace
+
+OutputFolder::NewFolders::~NewFolders() {
+  std::error_code error;  // a folder that is not empty stays
+  for (; !made_.empty(); made_.pop_back()) fs::remove(made_.back(), error);
+}
+
+void OutputFolder::NewFolders::make(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> missing;
+  for (fs::path p = folder; !p.empty() && !fs::exists(p, error); p = p.parent_path()) missing.push_back(p);
+  made_.insert(made_.end(), missing.rbegin(), missing.rend());
+  fs::create_directories(folder, error);
+  if (error) throw InputError(folder, "", "cannot make the output folder: " + error.message());
+}
+
+OutputFolder::OutputFolder(fs::path out, const fs::path& source) : out_(std::move(out)) {
+  if (fs::is_directory(source) && is_at_or_below(out_, source))
+    throw InputError(out_, "",
+                     "lies in the folder that is baked; choose an output folder outside of " + source.string());
+  folders_.make(out_);
+  folders_.make(out_ / "shards");
+  const Publication scene(out_ / "scene.xml"), shard(out_ / "shards" / "c_0_0_0.h5");  // fails now, not after a night
+}
+
+void OutputFolder::expect_shards(SceneDescription& scene) const {
+  const auto is_there = [this](const SceneCell& cell) {
+    std::error_code error;
+    return fs::file_size(out_ / cell.file, error) == cell.bytes && !error;
+  };
+  const auto gone = std::stable_partition(scene.cells.begin(), scene.cells.end(), is_there);
+  for (auto cell = gone; cell != scene.cells.end(); ++cell)
+    scene.losses.push_back({"cell " + cell->name, cell->file + " is not in " + out_.string() +
+                                                      "; every host must see the same output folder"});
+  scene.cells.erase(gone, scene.cells.end());
+}
+
+void OutputFolder::publish(const SceneDescription& scene) const {
+  write_scene(out_ / "scene.xml", scene);
+  std::set<std::string> used;
+  for (const SceneCell& c : scene.cells) used.insert(fs::path(c.file).filename().string());
+  remove_files(out_ / "shards", [&](const std::string& name) {
+    const bool is_shard = name.starts_with("c_") && name.ends_with(".h5");
+    return (is_shard && !used.contains(name)) || is_leftover(name, ".c_");
+  });
+  remove_files(out_, [](const std::string& name) { return is_leftover(name, ".scene.xml."); });
+}
+
+void expect_output_folder(const fs::path& out) {
+  std::error_code error;
+  if (!fs::is_directory(out / "shards", error))
+    throw InputError(out / "shards", "", "is not there on this host; every host must see the same output folder");
+}
+
+}  // namespace gigabake

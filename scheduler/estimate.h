@@ -1,0 +1,19 @@
+/// What a plan will cost, from its triangles alone.
+#pragma once
+
+#include <cstdint>
+
+#include "scheduler/plan.h"
+
+namespace gigabake {
+
+struct PlanEstimate {
+  std::uint64_t largest_cell_triangles = 0;
+  std::uint64_t kernel_bytes = 0;  ///< working memory of the largest cell, with no --memory
+  double core_seconds = 0;         ///< reading and writing excluded
+};
+
+/// Exact  Orders of magnitude: cost follows voxels as much as triangles, and nobody has counted those yet.
+PlanEstimate estimate(const BakePlan& plan);
+
+}  // namespace gigabake
