@@ -25,7 +25,7 @@ Hdf5Id access_properties(const Hdf5Call& call) {
 /// call, only to store the comment in it: then the same shard had other bytes on another machine. And at the program's
 /// end it would flush, and crash over, a file that a full disk kept it from closing; we close every file ourselves.
 void calm_hdf5(const Hdf5Call& call) {
-  H5dont_atexit();  // answers with an error from the second time on
+  static const herr_t once [[maybe_unused]] = H5dont_atexit();  // the second time it leaves an error on the stack
   call("H5Eset_auto2", H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr));
   call("H5PLset_loading_state", H5PLset_loading_state(0));
 }
