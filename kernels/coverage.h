@@ -101,9 +101,9 @@ GB_HD void add_edge(double au, double av, double bu, double bv, double slope, Ce
   const double ua = au + (va - av) * slope, ub = bu + (vb - bv) * slope;
   const double dv = vb - va, du = ub - ua;
   const double ca = clamp01(ua), cb = clamp01(ub);
-  const double whole = du != 0 ? du : 1;
-  const double inside = du != 0 ? (cb - ca) / whole : 1;                            // share of dv with 0 < u < 1
-  const double beyond = du != 0 ? (at_least(ub, 1) - at_least(ua, 1)) / whole : 0;  // share with u ≥ 1
+  const double inverse = 1 / (du != 0 ? du : 1);
+  const double inside = du != 0 ? (cb - ca) * inverse : 1;                            // share of dv with 0 < u < 1
+  const double beyond = du != 0 ? (at_least(ub, 1) - at_least(ua, 1)) * inverse : 0;  // share with u ≥ 1
   const double dv_in = dv * inside, dv_hi = dv * beyond;
   sum.area += (ca + cb) * 0.5 * dv_in + dv_hi;
   if constexpr (with_moments) {

@@ -1,6 +1,7 @@
 #include "kernels/texture.h"
 
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
 #include "kernels/policy.h"
@@ -9,6 +10,11 @@
 
 namespace gigabake::kernels {
 namespace {
+
+std::uint64_t next_id() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
 
 int level_extent(int size, int level) { return std::max(1, size >> level); }
 
@@ -73,7 +79,8 @@ Texture::Texture(std::vector<std::uint8_t> rgba, int width, int height, TextureA
       levels_(std::size_t(level_count(width, height))),
       width_(width),
       height_(height),
-      mask_cutoff_(alpha == TextureAlpha::mask ? std::max<std::uint8_t>(1, mask_cutoff) : std::uint8_t(0)) {
+      mask_cutoff_(alpha == TextureAlpha::mask ? std::max<std::uint8_t>(1, mask_cutoff) : std::uint8_t(0)),
+      id_(next_id()) {
   if (alpha == TextureAlpha::ignore)
     for (std::size_t i = 3; i < base_.size(); i += 4) base_[i] = 255;
   const Tables tables = TableStore::host().view();
@@ -104,6 +111,7 @@ TextureView Texture::view() const {
   v.height = height_;
   v.levels = int(levels_.size());
   v.mask_cutoff = mask_cutoff_;
+  v.id = id_;
   return v;
 }
 

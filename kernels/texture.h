@@ -21,6 +21,7 @@ struct TextureView {
   const std::uint16_t* level[max_texture_levels] = {};  ///< [0] is unused
   std::int32_t width = 0, height = 0, levels = 0;
   std::uint8_t mask_cutoff = 0;  ///< 0: no alpha test; else texel alpha ≥ cutoff is opaque and less is absent
+  std::uint64_t id = 0;          ///< of the Texture, never given twice: a device knows by it what it already holds
 };
 
 /// What a material makes of the image's alpha channel: it decides the pyramid, so each use has its own Texture.
@@ -41,6 +42,7 @@ class Texture {
   std::vector<std::vector<std::uint16_t>> levels_;
   int width_, height_;
   std::uint8_t mask_cutoff_;
+  std::uint64_t id_;
 };
 
 }  // namespace gigabake::kernels
