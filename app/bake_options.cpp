@@ -38,6 +38,9 @@ void BakeOptions::add_to(CLI::App& command) {
   command.add_option("--threads", threads, "threads of each rank (the host's cores shared by its ranks)");
   command.add_option("--memory", memory_bytes, "bytes that each rank aims for, as 512M or 4G; 0: no bound (4G)")
       ->transform(CLI::AsSizeValue(false));
+  command.add_option("--backend", backend, "where the kernels run: auto (a GPU where there is one), cpu or cuda")
+      ->capture_default_str();
+  command.add_option("--gpus", gpus, "devices of each host to use, as 0,2 (all)")->delimiter(',');
   command.add_flag("--json", json, "print the answer as JSON");
 }
 
@@ -67,6 +70,9 @@ BakeRequest BakeOptions::request() const {
   if (memory_bytes != 0 && memory_bytes < (std::uint64_t(64) << 20))
     throw UsageError("--memory: expected at least 64M, or 0 for no bound");
   r.keep_going = keep_going;
+  r.backend = choice<Backend>("--backend",
+                              {{"auto", Backend::automatic}, {"cpu", Backend::cpu}, {"cuda", Backend::cuda}}, backend);
+  r.gpus = gpus;
   return r;
 }
 

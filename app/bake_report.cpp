@@ -52,6 +52,8 @@ void print_report(const BakeSummary& s, const std::filesystem::path& out) {
              s.cells_empty, s.scene.triangles, t.finest_voxels, t.voxels, readable_bytes(t.bytes));
   print_left_out(s.scene);
   fmt::print("survey {:.2f} s, bake {:.2f} s on {} ranks × {} threads; ", s.survey_s, s.bake_s, s.ranks, s.threads);
+  if (s.ranks_with_device != 0)
+    fmt::print("{} cells on the GPUs of {} ranks; ", s.cells_on_device, s.ranks_with_device);
   fmt::print("stages read {:.2f} s, kernels {:.2f} s, write {:.2f} s: {} sets the pace\n", s.read_s, s.kernel_s,
              s.write_s, slowest_stage(s));
   fmt::print("peak memory {} (kernels {})\n", readable_bytes(s.peak_process_bytes),
@@ -72,6 +74,9 @@ void print_json_report(const BakeSummary& s, const std::filesystem::path& out) {
   j["bytes"] = t.bytes;
   j["ranks"] = s.ranks;
   j["threads"] = s.threads;
+  j["ranks_with_device"] = s.ranks_with_device;
+  j["cells_on_device"] = s.cells_on_device;
+  if (!s.no_device.empty()) j["no_device"] = s.no_device;
   j["seconds"] = {
       {"survey", s.survey_s}, {"bake", s.bake_s}, {"read", s.read_s}, {"kernels", s.kernel_s}, {"write", s.write_s}};
   j["slowest_stage"] = slowest_stage(s);

@@ -17,5 +17,6 @@ void add_verify(CLI::App& app, int& exit_code);
 void add_diff(CLI::App& app, int& exit_code);
 void add_export(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);
+void add_bench(CLI::App& app, int& exit_code);
 
 }  // namespace gigabake::app

@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   app::add_diff(program, exit_code);
   app::add_export(program, exit_code);
   app::add_render(program, exit_code);
+  app::add_bench(program, exit_code);
 
   try {
     program.parse(argc, argv);

@@ -57,6 +57,7 @@ void Progress::planned(const BakePlan& plan) {
 void Progress::cell_done(const CellReport& report, const CellJob& job, std::size_t done, std::size_t all) {
   if (report.outcome == CellOutcome::failed)
     fmt::print(stderr, "{}lost cell {}: {}\n", terminal_ ? "\r\033[K" : "", job.name, report.error);
+  if (!report.note.empty()) fmt::print(stderr, "{}cell {}: {}\n", terminal_ ? "\r\033[K" : "", job.name, report.note);
   show("cells", done, all);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <memory>
 #include <optional>
 #include <sys/resource.h>
@@ -61,6 +62,17 @@ void refuse(const BakeRequest& request, const std::vector<SceneLoss>& losses, bo
                        (more == 0 ? "" : " (and " + std::to_string(more) + " more losses)"));
 }
 
+/// A rank without a device beside others that have one says so: its cells take longer.
+DeviceChoice choose_device_together(MpiSession& mpi, const BakeRequest& request, BakeSummary& summary) {
+  DeviceChoice choice;
+  all_or_none(mpi, [&] { choice = choose_device(request.backend, request.gpus, mpi.rank_on_host()); });
+  summary.ranks_with_device = int(mpi.sum_of(choice.device.has_value() ? 1 : 0));
+  summary.no_device = choice.reason;
+  if (summary.ranks_with_device != 0 && !choice.device && !choice.reason.empty())
+    std::fprintf(stderr, "rank %d on %s uses the CPU: %s\n", mpi.rank(), host_name().c_str(), choice.reason.c_str());
+  return choice;
+}
+
 void add_times(const std::vector<CellReport>& reports, BakeSummary& summary) {
   for (const CellReport& r : reports) {
     summary.read_s += r.read_s;
@@ -68,6 +80,7 @@ void add_times(const std::vector<CellReport>& reports, BakeSummary& summary) {
     summary.write_s += r.write_s;
     summary.peak_kernel_bytes = std::max(summary.peak_kernel_bytes, r.peak_bytes);
     summary.cells_empty += r.outcome == CellOutcome::empty;
+    summary.cells_on_device += r.on_device;
   }
 }
 
@@ -99,6 +112,7 @@ BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress
   BakeSummary summary;
   summary.ranks = mpi.ranks();
   summary.threads = threads_of(mpi, request);
+  const DeviceChoice device = choose_device_together(mpi, request, summary);
   const SceneSources sources = open_together(mpi, request, progress);
   std::optional<OutputFolder> out;
   all_or_none(mpi, [&] {
@@ -110,8 +124,8 @@ BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress
   summary.survey_s = seconds_since(start);
   const auto planned = Clock::now();
   const MakePipeline make_pipeline = [&] {
-    return std::make_unique<CellPipeline>(sources, request.parameters,
-                                          WorkerOptions{summary.threads, request.memory_bytes, request.out});
+    return std::make_unique<CellPipeline>(
+        sources, request.parameters, WorkerOptions{summary.threads, request.memory_bytes, request.out, device.device});
   };
   if (mpi.rank() != 0) work(mpi, make_pipeline);
   all_or_none(mpi, [&] {

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "cluster/collective.h"
 #include "cluster/mpi_session.h"
@@ -11,6 +13,7 @@
 #include "format/scene_xml.h"
 #include "format/source.h"
 #include "scheduler/plan.h"
+#include "worker/backend.h"
 
 namespace gigabake {
 
@@ -21,6 +24,8 @@ struct BakeRequest {
   int threads = 0;                 ///< of each rank; 0: the host's cores shared by its ranks
   std::uint64_t memory_bytes = 0;  ///< of each rank; 0: no bound
   bool keep_going = true;          ///< after a tile or cell failed
+  Backend backend = Backend::automatic;
+  std::vector<int> gpus;  ///< devices of each host to use; empty: all
 };
 
 /// Told to rank 0 alone, in the order in which it happens.
@@ -37,7 +42,9 @@ struct BakeSummary {
   double survey_s = 0, bake_s = 0, read_s = 0, kernel_s = 0, write_s = 0;
   std::uint64_t peak_kernel_bytes = 0;   ///< of the largest cell
   std::uint64_t peak_process_bytes = 0;  ///< of the largest rank
-  std::size_t cells_planned = 0, cells_empty = 0;
+  std::size_t cells_planned = 0, cells_empty = 0, cells_on_device = 0;
+  int ranks_with_device = 0;
+  std::string no_device;  ///< why rank 0 has none
   int ranks = 1, threads = 1;
 };
 

@@ -3,14 +3,11 @@
 #include <unistd.h>
 
 namespace gigabake {
-namespace {
 
 std::string host_name() {
   char name[256] = {};
   return ::gethostname(name, sizeof name - 1) == 0 ? name : "an unnamed host";
 }
-
-}  // namespace
 
 void fail_together(MpiSession& mpi, const std::optional<std::string>& line) {
   const int weight = mpi.ranks() - mpi.rank();  // of several lines the lowest rank's is shown

@@ -16,6 +16,9 @@ class CollectiveFailure : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// For messages.
+std::string host_name();
+
 /// Collective. line: why this rank cannot go on. Errors  CollectiveFailure on every rank where any rank has a line.
 void fail_together(MpiSession& mpi, const std::optional<std::string>& line);
 

@@ -37,8 +37,12 @@ void wait_for(MPI_Request& request, const char* call) {
     std::this_thread::sleep_for(pause);
 }
 
+struct HostShare {
+  int rank, cores;
+};
+
 /// Collective.
-int share_of_host(int rank) {
+HostShare share_of_host(int rank) {
   MPI_Comm host = MPI_COMM_NULL;
   int ranks_here = 0, rank_here = 0;
   check(MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, rank, MPI_INFO_NULL, &host), "MPI_Comm_split_type");
@@ -48,7 +52,15 @@ int share_of_host(int rank) {
   std::vector<CoreSet> all(static_cast<std::size_t>(ranks_here));
   check(MPI_Allgather(&own, sizeof own, MPI_BYTE, all.data(), sizeof own, MPI_BYTE, host), "MPI_Allgather");
   check(MPI_Comm_free(&host), "MPI_Comm_free");
-  return fair_share(all, std::size_t(rank_here));
+  return {rank_here, fair_share(all, std::size_t(rank_here))};
+}
+
+std::int64_t reduce(std::int64_t value, MPI_Op operation) {
+  std::int64_t result = value;
+  MPI_Request request = MPI_REQUEST_NULL;
+  check(MPI_Iallreduce(&value, &result, 1, MPI_INT64_T, operation, MPI_COMM_WORLD, &request), "MPI_Iallreduce");
+  wait_for(request, "MPI_Iallreduce");
+  return result;
 }
 
 }  // namespace
@@ -73,7 +85,9 @@ MpiSession::MpiSession() : outbox_(std::make_unique<Outbox>()) {
   check(MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN), "MPI_Comm_set_errhandler");
   check(MPI_Comm_rank(MPI_COMM_WORLD, &rank_), "MPI_Comm_rank");
   check(MPI_Comm_size(MPI_COMM_WORLD, &ranks_), "MPI_Comm_size");
-  cores_ = share_of_host(rank_);
+  const HostShare share = share_of_host(rank_);
+  rank_on_host_ = share.rank;
+  cores_ = share.cores;
 }
 
 MpiSession::~MpiSession() { MPI_Finalize(); }
@@ -100,13 +114,8 @@ std::optional<Message> MpiSession::poll() {
   return m;
 }
 
-std::int64_t MpiSession::max_of(std::int64_t value) {
-  std::int64_t result = value;
-  MPI_Request request = MPI_REQUEST_NULL;
-  check(MPI_Iallreduce(&value, &result, 1, MPI_INT64_T, MPI_MAX, MPI_COMM_WORLD, &request), "MPI_Iallreduce");
-  wait_for(request, "MPI_Iallreduce");
-  return result;
-}
+std::int64_t MpiSession::max_of(std::int64_t value) { return reduce(value, MPI_MAX); }
+std::int64_t MpiSession::sum_of(std::int64_t value) { return reduce(value, MPI_SUM); }
 
 int MpiSession::from_master(int value) {
   MPI_Request request = MPI_REQUEST_NULL;

@@ -24,6 +24,8 @@ class MpiSession {
 
   int rank() const { return rank_; }
   int ranks() const { return ranks_; }
+  /// Counts the ranks of this rank's host.
+  int rank_on_host() const { return rank_on_host_; }
   /// This rank's even share of the cores of its host, at least 1.
   int cores() const { return cores_; }
 
@@ -34,6 +36,8 @@ class MpiSession {
   std::optional<Message> poll();
   /// The largest value of any rank. Collective.
   std::int64_t max_of(std::int64_t value);
+  /// The sum of all ranks' values. Collective.
+  std::int64_t sum_of(std::int64_t value);
   /// Rank 0's value. Collective.
   int from_master(int value);
   /// Ends all ranks at once.
@@ -42,7 +46,7 @@ class MpiSession {
  private:
   struct Outbox;
   std::unique_ptr<Outbox> outbox_;
-  int rank_ = 0, ranks_ = 1, cores_ = 1;
+  int rank_ = 0, ranks_ = 1, rank_on_host_ = 0, cores_ = 1;
 };
 
 }  // namespace gigabake

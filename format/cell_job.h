@@ -33,6 +33,8 @@ struct CellReport {
   SceneCell cell;                                ///< as the scene will list it, when baked
   double read_s = 0, kernel_s = 0, write_s = 0;  ///< per stage, wall
   std::uint64_t peak_bytes = 0;                  ///< of the kernels' working memory
+  bool on_device = false;                        ///< the kernels ran on a GPU
+  std::string note;                              ///< one line that somebody should read, though all is well
 };
 
 std::vector<std::uint8_t> to_bytes(const CellJob& job);

@@ -54,6 +54,19 @@ GB_HD I larger(I a, I b) {
   return a < b ? b : a;
 }
 
+/// Component c of (u, v, w), where w is `axis`. c is a constant wherever this is called: nothing is indexed at run
+/// time.
+template <class T>
+GB_HD T permuted(const T xyz[3], int axis, int c) {
+  return axis == 2 ? xyz[c] : (axis == 1 ? xyz[(c + 2) % 3] : xyz[(c + 1) % 3]);
+}
+
+/// The way back: component c of (x, y, z).
+template <class T>
+GB_HD T unpermuted(const T uvw[3], int axis, int c) {
+  return axis == 2 ? uvw[c] : (axis == 1 ? uvw[(c + 1) % 3] : uvw[(c + 2) % 3]);
+}
+
 /// corner: the brick's lowest corner in window sub-voxels. The triangle has area (checked when it was snapped).
 template <class I>
 GB_HD BrickTriangle<I> make_brick_triangle(const WindowTriangle& t, const std::int32_t corner[3]) {
@@ -68,9 +81,8 @@ GB_HD BrickTriangle<I> make_brick_triangle(const WindowTriangle& t, const std::i
   BrickTriangle<I> r;
   r.axis = m[2] >= m[1] ? (m[2] >= m[0] ? 2 : 0) : (m[1] >= m[0] ? 1 : 0);
   for (int c = 0; c < 3; ++c) {
-    const int from = (r.axis + 1 + c) % 3;
-    for (int i = 0; i < 3; ++i) r.p[i][c] = q[i][from];
-    r.n[c] = n[from];
+    for (int i = 0; i < 3; ++i) r.p[i][c] = permuted(q[i], r.axis, c);
+    r.n[c] = permuted(n, r.axis, c);
   }
   return r;
 }
@@ -170,8 +182,8 @@ GB_HD std::uint64_t cut_by_plane(const BrickTriangle<I>& t, std::uint64_t cells,
 }
 
 /// Overlap of the triangle with open (area) or closed (conservative) cubes: slab[w] has bit u + 8 v.
-template <class I>
-GB_HD void overlapped_voxels(const BrickTriangle<I>& t, bool closed, std::uint64_t slab[8]) {
+template <class I, class Slabs>
+GB_HD void overlapped_voxels(const BrickTriangle<I>& t, bool closed, Slabs slab) {
   for (int w = 0; w < 8; ++w) slab[w] = 0;
   const VoxelRange ru = extent_voxels(t, 0, closed), rv = extent_voxels(t, 1, closed), rw = extent_voxels(t, 2, closed);
   if (ru.first > ru.last || rv.first > rv.last || rw.first > rw.last) return;
@@ -213,17 +225,18 @@ GB_HD void crossed_along(const BrickTriangle<I>& t, int c, Set&& set) {
     }
 }
 
-template <class I>
-GB_HD void thin_voxels(const BrickTriangle<I>& t, std::uint64_t slab[8]) {
+template <class I, class Slabs>
+GB_HD void thin_voxels(const BrickTriangle<I>& t, Slabs slab) {
   for (int w = 0; w < 8; ++w) slab[w] = 0;
   crossed_along(t, 2, [&](int u, int v, int w) { slab[w] |= std::uint64_t(1) << (u + 8 * v); });
   crossed_along(t, 0, [&](int v, int w, int u) { slab[w] |= std::uint64_t(1) << (u + 8 * v); });
   crossed_along(t, 1, [&](int w, int u, int v) { slab[w] |= std::uint64_t(1) << (u + 8 * v); });
 }
 
-/// The voxels of the brick that the triangle occupies under the rule: slab[w] has bit u + 8 v.
-template <class I>
-GB_HD void touched_voxels(const BrickTriangle<I>& t, SurfaceRule rule, std::uint64_t slab[8]) {
+/// The voxels of the brick that the triangle occupies under the rule: slab[w] has bit u + 8 v. Slabs: std::uint64_t* or
+/// what else has an operator[].
+template <class I, class Slabs>
+GB_HD void touched_voxels(const BrickTriangle<I>& t, SurfaceRule rule, Slabs slab) {
   if (rule == SurfaceRule::thin)
     thin_voxels(t, slab);
   else

@@ -56,20 +56,15 @@ GB_HD void cross_edge(const TrianglePlane& t, int p, int q, double at, double& u
     p = q;
     q = s;
   }
-  const double share = at - t.w[p], whole = t.w[q] - t.w[p];
-  u = t.u[p] + (t.u[q] - t.u[p]) * share / whole;
-  v = t.v[p] + (t.v[q] - t.v[p]) * share / whole;
+  const double share = (at - t.w[p]) / (t.w[q] - t.w[p]);
+  u = t.u[p] + (t.u[q] - t.u[p]) * share;
+  v = t.v[p] + (t.v[q] - t.v[p]) * share;
 }
 
-/// The part of the triangle with slab ≤ w ≤ slab+1 (voxels from the anchor), as seen along w.
-GB_HD SlabPolygon cut_slab(const TrianglePlane& t, double slab) {
-  SlabPolygon r;
-  r.count = 0;
-  const auto add = [&r](double u, double v) {
-    r.u[r.count] = u;
-    r.v[r.count] = v;
-    ++r.count;
-  };
+/// The corners of the part of the triangle with slab ≤ w ≤ slab+1 (voxels from the anchor), as seen along w, at most
+/// five: add(u, v).
+template <class Add>
+GB_HD void cut_slab(const TrianglePlane& t, double slab, const Add& add) {
   const double low = slab, high = slab + 1;
   for (int p = 0; p < 3; ++p) {
     const int q = p == 2 ? 0 : p + 1;
@@ -83,6 +78,16 @@ GB_HD SlabPolygon cut_slab(const TrianglePlane& t, double slab) {
     if (crosses_high) cross_edge(t, p, q, high, u, v), add(u, v);
     if (crosses_low && !rising) cross_edge(t, p, q, low, u, v), add(u, v);
   }
+}
+
+GB_HD SlabPolygon cut_slab(const TrianglePlane& t, double slab) {
+  SlabPolygon r;
+  r.count = 0;
+  cut_slab(t, slab, [&r](double u, double v) {
+    r.u[r.count] = u;
+    r.v[r.count] = v;
+    ++r.count;
+  });
   return r;
 }
 

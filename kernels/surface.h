@@ -46,7 +46,7 @@ template <class I>
 GB_HD void geometric_normal(const BrickTriangle<I>& t, std::int16_t normal[3]) {
   const double n[3] = {double(t.n[0]), double(t.n[1]), double(t.n[2])};
   const double scale = 32767 / std::sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2]);
-  for (int c = 0; c < 3; ++c) normal[(t.axis + 1 + c) % 3] = std::int16_t(std::floor(n[c] * scale + 0.5));
+  for (int c = 0; c < 3; ++c) normal[c] = std::int16_t(std::floor(unpermuted(n, t.axis, c) * scale + 0.5));
 }
 
 struct Barycentric {

@@ -19,6 +19,7 @@ struct WorkerOptions {
   std::uint64_t memory_bytes =
       0;                      ///< to aim for; a quarter caches tiles and textures, half is the kernels'. 0: no bound
   std::filesystem::path out;  ///< the bake's folder; shards go to OUT/shards
+  std::optional<int> cuda_device = {};  ///< none: the kernels run on the CPU
 };
 
 /// Jobs are taken and reported in the order of submission.

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "format/error.h"
-#include "worker/lattice.h"
+#include "worker/cell_parameters.h"
 #include "worker/shard_from_volume.h"
 
 namespace gigabake {
@@ -20,22 +20,6 @@ std::uint64_t cache_bytes(const WorkerOptions& options) {
 
 std::uint64_t kernel_bytes(const WorkerOptions& options) {
   return options.memory_bytes == 0 ? 0 : std::max(options.memory_bytes / 2, least_kernel_bytes);
-}
-
-kernels::CellParameters cell_parameters(const CellJob& job, const BakeParameters& p, const WorkerOptions& options) {
-  kernels::CellParameters c;
-  c.frame = snap_frame(p);
-  std::ranges::copy(job.lattice_min, c.window_min);
-  c.window_voxels = job.cell_voxels;
-  c.surface = p.surface == SurfaceRule::thin           ? kernels::SurfaceRule::thin
-              : p.surface == SurfaceRule::conservative ? kernels::SurfaceRule::conservative
-                                                       : kernels::SurfaceRule::area;
-  c.mip = p.mip == MipFilter::thesis ? kernels::MipFilter::thesis
-          : p.mip == MipFilter::box  ? kernels::MipFilter::box
-                                     : kernels::MipFilter::coverage;
-  c.normals = p.normals;
-  c.memory_bytes = kernel_bytes(options);
-  return c;
 }
 
 std::filesystem::path make_shard_folder(const std::filesystem::path& out) {
@@ -85,7 +69,7 @@ CellInHand::CellInHand(CellJob cell_job) : job(std::move(cell_job)) { report.id 
 CellStages::CellStages(SceneSources sources, BakeParameters parameters, const WorkerOptions& options)
     : sources_(std::move(sources)),
       parameters_(parameters),
-      options_{options.threads, options.memory_bytes, make_shard_folder(options.out)},
+      options_{options.threads, options.memory_bytes, make_shard_folder(options.out), options.cuda_device},
       loader_(sources_, parameters_, cache_bytes(options_), options_.threads),
       policy_(options_.threads) {}
 
@@ -98,8 +82,24 @@ void CellStages::read(CellInHand& cell) {
   cell.loaded = loader_.load(cell.job);
 }
 
+kernels::CellVolume CellStages::bake(CellInHand& cell) {
+  const kernels::CellInput input = cell.loaded->input();
+  const kernels::CellParameters parameters = cell_parameters(cell.job, parameters_, kernel_bytes(options_));
+  if (options_.cuda_device) {
+    try {
+      if (!cuda_) cuda_ = std::make_unique<kernels::CudaBaker>(*options_.cuda_device, options_.memory_bytes / 4);
+      cell.report.on_device = true;
+      return cuda_->bake_cell(input, parameters);
+    } catch (const kernels::CudaFailure& e) {
+      cell.report.on_device = false;
+      cell.report.note = std::string("baked on the CPU, because the GPU failed: ") + e.what();
+    }
+  }
+  return kernels::bake_cell(input, parameters, policy_);
+}
+
 void CellStages::compute(CellInHand& cell) {
-  cell.volume = kernels::bake_cell(cell.loaded->input(), cell_parameters(cell.job, parameters_, options_), policy_);
+  cell.volume = bake(cell);
   cell.loaded.reset();
   const kernels::CellStats& stats = cell.volume.stats;
   cell.report.peak_bytes = stats.peak_bytes;

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 
 #include "format/cell_job.h"
 #include "kernels/cell.h"
+#include "kernels/cuda_baker.h"
 #include "kernels/policy.h"
 #include "worker/cell_loader.h"
 #include "worker/cell_pipeline.h"
@@ -31,12 +33,14 @@ class CellStages {
 
   /// Takes over a whole shard of this fingerprint if OUT has one; else loads tiles and textures.
   void read(CellInHand& cell);
-  /// loaded → volume. Decides for `empty` where no voxel is occupied.
+  /// loaded → volume, on the device if there is one; a cell at which it fails is baked on the CPU, and the report says
+  /// so. Decides for `empty` where no voxel is occupied.
   void compute(CellInHand& cell);
   /// volume → shard → report.
   void write(CellInHand& cell);
 
  private:
+  kernels::CellVolume bake(CellInHand& cell);
   ShardHeader header_of(const CellInHand& cell) const;
 
   const SceneSources sources_;
@@ -44,6 +48,7 @@ class CellStages {
   const WorkerOptions options_;
   CellLoader loader_;
   kernels::CpuPolicy policy_;
+  std::unique_ptr<kernels::CudaBaker> cuda_;  ///< made by the first cell, on the thread that computes
 };
 
 }  // namespace gigabake

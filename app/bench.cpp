@@ -1,0 +1,108 @@
+#include <fmt/format.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "app/bake_options.h"
+#include "app/commands.h"
+#include "app/progress.h"
+#include "bench/kernel_bench.h"
+#include "kernels/cuda_baker.h"
+
+namespace gigabake::app {
+namespace {
+
+struct Stage {
+  const char* name;
+  double seconds;
+};
+
+std::vector<Stage> stages(const kernels::CellStats& s) {
+  return {{"snap", s.snap_s},         {"bin", s.bin_s}, {"sort", s.sort_s},
+          {"voxelize", s.voxelize_s}, {"mip", s.mip_s}, {"prune", s.prune_s}};
+}
+
+void print_text(const bench::KernelBench& b) {
+  fmt::print("cell {}: {} voxels at lod 0, {} in all, {} bricks\n", b.cell, b.voxels_lod0, b.voxels, b.bricks);
+  fmt::print("input {}, output {}", readable_bytes(b.input_bytes), readable_bytes(b.output_bytes));
+  if (b.floor_s() > 0)
+    fmt::print("; both once at {:.2f} TB/s take {:.4f} ms", b.copy_bytes_per_s * 1e-12, 1e3 * b.floor_s());
+  fmt::print("\n");
+  for (const bench::BackendTimes& t : b.times) {
+    const kernels::CellStats& s = t.stats;
+    fmt::print("\n{}: {:.3f} ms, {:.0f} million voxels/s, {:.0f} million fragments/s", t.backend, 1e3 * t.total_s,
+               1e-6 * double(b.voxels) / t.total_s, 1e-6 * double(s.fragments) / t.total_s);
+    if (b.floor_s() > 0 && t.backend == "cuda") fmt::print(", {:.1f} × the floor", t.total_s / b.floor_s());
+    fmt::print("\n");
+    for (const Stage& stage : stages(s))
+      fmt::print("  {:<10} {:9.3f} ms  {:4.0f} %\n", stage.name, 1e3 * stage.seconds, 100 * stage.seconds / t.total_s);
+    if (t.transfer_s > 0) fmt::print("  {:<10} {:9.3f} ms, not counted\n", "transfers", 1e3 * t.transfer_s);
+    fmt::print("  {} triangles, {} pairs, {} fragments; working memory {} ({:.2f} × input and output)\n", s.triangles,
+               s.pairs, s.fragments, readable_bytes(s.peak_bytes),
+               double(s.peak_bytes) / double(b.input_bytes + b.output_bytes));
+    fmt::print("  content hash {}\n", t.content_hash);
+  }
+  if (b.times.size() > 1) fmt::print("\nthe backends {}\n", b.differ ? "DIFFER" : "made the same bits");
+}
+
+void print_json(const bench::KernelBench& b) {
+  nlohmann::ordered_json j{{"bench", "kernels"},
+                           {"cell", b.cell},
+                           {"voxels_lod0", b.voxels_lod0},
+                           {"voxels", b.voxels},
+                           {"bricks", b.bricks},
+                           {"input_bytes", b.input_bytes},
+                           {"output_bytes", b.output_bytes},
+                           {"copy_bytes_per_s", b.copy_bytes_per_s},
+                           {"floor_s", b.floor_s()},
+                           {"differ", b.differ}};
+  j["backends"] = nlohmann::ordered_json::array();
+  for (const bench::BackendTimes& t : b.times) {
+    nlohmann::ordered_json times{{"backend", t.backend},           {"total_s", t.total_s},
+                                 {"transfer_s", t.transfer_s},     {"peak_bytes", t.stats.peak_bytes},
+                                 {"triangles", t.stats.triangles}, {"pairs", t.stats.pairs},
+                                 {"fragments", t.stats.fragments}, {"content_hash", t.content_hash}};
+    for (const Stage& stage : stages(t.stats)) times["seconds"][stage.name] = stage.seconds;
+    j["backends"].push_back(times);
+  }
+  fmt::print("{}\n", j.dump(2));
+}
+
+struct KernelOptions {
+  BakeOptions bake;
+  int repeats = 5;
+};
+
+int run(const KernelOptions& options) {
+  const BakeRequest request = options.bake.request();
+  bench::KernelBenchRequest r;
+  r.source = request.source;
+  r.source_options = request.source_options;
+  r.parameters = request.parameters;
+  r.threads = request.threads > 0 ? request.threads : int(std::thread::hardware_concurrency());
+  r.repeats = options.repeats;
+  r.memory_bytes = request.memory_bytes;
+  const bool has_device = !kernels::cuda_devices().usable.empty();
+  r.cpu = request.backend != Backend::cuda;
+  r.cuda = request.backend == Backend::cuda || (request.backend == Backend::automatic && has_device);
+  const bench::KernelBench b = bench::bench_kernels(r);
+  options.bake.json ? print_json(b) : print_text(b);
+  return b.differ ? failed : complete;
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app, int& exit_code) {
+  auto* command = app.add_subcommand("bench", "Times parts of gigabake, with the error of the same run");
+  command->require_subcommand(1);
+  auto* kernels =
+      command->add_subcommand("kernels", "The kernels of a scene's largest cell, on every backend there is");
+  auto options = std::make_shared<KernelOptions>();
+  options->bake.add_to(*kernels);
+  kernels->add_option("--repeats", options->repeats, "runs; the fastest counts")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
+  kernels->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace gigabake::app

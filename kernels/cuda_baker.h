@@ -1,0 +1,55 @@
+/// The CUDA backend of bake_cell(): the same bodies on a GPU, the same bits.
+///
+/// Built without CUDA (or run without a driver) there are no devices, and cuda_devices() says why.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "kernels/cell.h"
+#include "kernels/cuda_error.h"
+
+namespace gigabake::kernels {
+
+struct CudaDevices {
+  std::vector<int> usable;  ///< ordinals of devices of compute capability 8.0 or newer
+  std::string reason;       ///< why there are none, or fewer than the machine has
+};
+
+/// Cost    Starts the driver: about a second at the first call.
+CudaDevices cuda_devices();
+
+/// Bytes read and written by a large copy within the device, per second: the rate of a floor.
+/// Errors  CudaFailure.
+double device_copy_rate(int device);
+
+/// One device. Keeps its memory pool and the textures of recent cells between cells; not for several threads at once.
+class CudaBaker {
+ public:
+  /// device: an ordinal that cuda_devices() named. texture_bytes: device memory for textures of recent cells;
+  /// 0: a quarter of what the device has.
+  /// Errors  CudaFailure.
+  CudaBaker(int device, std::uint64_t texture_bytes);
+  ~CudaBaker();
+  CudaBaker(const CudaBaker&) = delete;
+  CudaBaker& operator=(const CudaBaker&) = delete;
+
+  /// Exact   The same volume as kernels::bake_cell(input, parameters, any policy), but for stats.batches, peak_bytes
+  ///         (device memory here) and times.
+  /// Errors  CudaFailure: out of device memory, a lost device. The baker is as good as new afterwards, or every
+  ///         further call fails.
+  CellVolume bake_cell(const CellInput& input, const CellParameters& parameters);
+
+  /// The three steps of bake_cell(). The input's arrays must live until upload() returns.
+  void upload(const CellInput& input);
+  CellStats bake(const CellParameters& parameters);
+  CellVolume download();
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,44 @@
+/// Stages 1 and 2 on the device: vertices are snapped once, triangles are paired with the bricks that they may touch,
+/// the pairs are sorted by brick.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/cell.h"
+#include "kernels/cuda_input.cuh"
+#include "kernels/cuda_memory.cuh"
+
+namespace gigabake::kernels {
+
+/// The window as kernels need it.
+struct WindowView {
+  SnapFrame frame;
+  std::int64_t min[3];
+  std::int64_t subvoxels;  ///< its edge
+  std::int32_t bricks;     ///< along its edge
+  int levels;              ///< log2(bricks)
+  SurfaceRule rule;
+};
+
+WindowView window_view(const CellParameters& parameters);
+
+/// Snapped positions of all vertices, part after part.
+DeviceArray<SnappedVertex> snap_vertices(DeviceHeap& heap, const InputView& input, const WindowView& window);
+
+/// Triangles by brick: brick b has key[b] and triangle[start[b]] … triangle[start[b + 1]]. Keys ascend.
+struct BrickLists {
+  DeviceArray<std::uint32_t> key, start, triangle;
+  std::uint32_t bricks = 0;
+};
+
+/// What earlier cells needed, so that the next one rarely has to be counted first.
+struct BinCapacity {
+  std::uint64_t pairs = std::uint64_t(1) << 20, nodes = std::uint64_t(1) << 16;
+};
+
+/// input.vertices: from snap_vertices(). Adds to stats.triangles, non_finite, zero_area, oversized, bad_uv, pairs.
+/// Errors  CudaFailure; std::length_error beyond 2^32-1 pairs.
+BrickLists bin_triangles(DeviceHeap& heap, const InputView& input, const WindowView& window, BinCapacity& capacity,
+                         CellStats& stats);
+
+}  // namespace gigabake::kernels

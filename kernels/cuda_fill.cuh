@@ -1,0 +1,300 @@
+/// How a block turns the items of a few neighbouring bricks into voxels. Each warp takes 32 items at a time: a lane an
+/// item to cut the triangle at its slab, then a lane a fragment for area, shade and sums; at the end the block
+/// resolves, a thread a voxel. Several bricks together fill the block's threads. Bricks with more voxels than there are
+/// accumulators are done in rounds.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/cuda_cut.cuh"
+#include "kernels/cuda_items.cuh"
+#include "kernels/cuda_sums.cuh"
+#include "kernels/morton.h"
+#include "kernels/triangle_bricks.h"
+
+namespace gigabake::kernels {
+
+inline constexpr int bricks_per_block = 4, fill_threads = 128, fill_warps = fill_threads / 32;
+inline constexpr int mask_words = 16 * bricks_per_block;
+
+/// A batch's bricks and where their voxels go.
+struct FillView {
+  InputView input;
+  BricksView bricks;
+  ItemView items;
+  std::uint32_t begin, end;                   ///< bricks of the batch
+  std::uint64_t* mask;                        ///< out: 8 per brick
+  std::uint32_t *count, *staged, *staged_at;  ///< out: per brick, visible voxels; places in the stage, and the first
+  std::uint32_t* stage_rgba;                  ///< 0: nothing visible, the place is empty
+  std::uint16_t* stage_normal;                ///< or null
+  std::uint32_t stage_capacity;
+  struct Counters {
+    unsigned staged, items, hard;     ///< of this batch
+    unsigned most_items, most_pairs;  ///< of any batch
+    unsigned stage_overflow;          ///< a batch had more voxels than the stage
+    unsigned long long fragments, voxels;
+  } * counters;
+  std::uint32_t* hard;  ///< first bricks of the blocks that need wider integers
+};
+
+/// A batch whose items do not fit is skipped; the host makes room and comes back.
+__device__ inline bool items_fit(const FillView& view) {
+  return view.counters->items <= view.items.capacity &&
+         view.bricks.start[view.end] - view.bricks.start[view.begin] <= view.items.pairs;
+}
+
+/// How wide integers are: easy bricks have at most fragments_before_flush triangles, all of them narrow.
+template <bool is_hard>
+struct FillWidth {
+  static constexpr int words = is_hard ? 3 : 2, slots = is_hard ? 256 : 384;
+};
+
+template <bool is_hard, bool textured>
+struct FillShared {
+  VoxelSums<FillWidth<is_hard>::words, FillWidth<is_hard>::slots> sums;
+  FillItem<textured> item[fill_warps][32];
+  std::uint32_t prefix[fill_warps][32];       ///< inclusive, of the items' cells
+  unsigned mask[mask_words];                  ///< bit voxel % 32 of word voxel / 32, brick after brick
+  std::uint16_t below[mask_words + 1];        ///< voxels in the words before
+  std::uint32_t start[bricks_per_block + 1];  ///< pairs, of the batch
+  unsigned invisible[bricks_per_block];
+  std::uint32_t staged_at, fragments;
+};
+
+/// A stretch of items that stand together.
+struct ItemRange {
+  std::uint32_t begin, end;
+};
+
+/// Calls work(range) for all items of the pairs [first, end) of a batch of `pairs`, in stretches.
+template <class Work>
+__device__ void for_each_range(const ItemView& items, std::uint32_t first, std::uint32_t end, std::uint32_t pairs,
+                               const Work& work) {
+  for (std::uint32_t group = first / pairs_per_group; group * pairs_per_group < end; ++group) {
+    const std::uint32_t group_first = group * pairs_per_group, next_group = group_first + pairs_per_group;
+    const bool ends_group = end >= next_group || end == pairs;
+    work(ItemRange{items.first[larger(first, group_first)], ends_group ? items.group_end[group] : items.first[end]});
+  }
+}
+
+__device__ inline int voxel_of_cell(int axis, int slab, int cell) {
+  const int bits_u = axis == 2 ? 0 : 3 * axis + 3, bits_v = axis == 0 ? 6 : 3 * axis - 3;
+  return slab << 3 * axis | (cell & 7) << bits_u | (cell >> 3) << bits_v;
+}
+
+/// Which of the block's bricks a pair belongs to.
+__device__ inline int brick_of_item(const std::uint32_t start[bricks_per_block + 1], std::uint32_t pair) {
+  int brick = 0;
+#pragma unroll
+  for (int b = 1; b < bricks_per_block; ++b) brick += pair >= start[b];
+  return brick;
+}
+
+/// Marks the voxels of the items' cells. True where an item of this thread is wide.
+template <class Shared>
+__device__ bool mark_voxels(const ItemView& items, ItemRange range, Shared& shared) {
+  bool is_wide = false;
+  for (std::uint32_t i = range.begin + threadIdx.x; i < range.end; i += fill_threads) {
+    const std::uint32_t where = items.where[i];
+    const int axis = int(where >> 3 & 3), slab = int(where & 7), word = 16 * brick_of_item(shared.start, where >> 6);
+    is_wide |= (where >> 5 & 1) != 0;
+    for (std::uint64_t rest = items.cells[i]; rest != 0; rest &= rest - 1) {
+      const int voxel = voxel_of_cell(axis, slab, __ffsll(static_cast<long long>(rest)) - 1);
+      atomicOr(&shared.mask[word + (voxel >> 5)], 1u << (voxel & 31));
+    }
+  }
+  return is_wide;
+}
+
+/// Sums of the words before each; returns all voxels. By the whole block.
+template <class Shared>
+__device__ int count_voxels(Shared& shared) {
+  static_assert(mask_words == 64);
+  if (threadIdx.x < 32) {
+    const int lane = int(threadIdx.x), a = __popc(shared.mask[2 * lane]), both = a + __popc(shared.mask[2 * lane + 1]);
+    int sum = both;
+    for (int d = 1; d < 32; d *= 2) {
+      const int before = __shfl_up_sync(~0u, sum, d);
+      if (lane >= d) sum += before;
+    }
+    shared.below[2 * lane] = std::uint16_t(sum - both);
+    shared.below[2 * lane + 1] = std::uint16_t(sum - both + a);
+    if (lane == 31) shared.below[mask_words] = std::uint16_t(sum);
+  }
+  __syncthreads();
+  return shared.below[mask_words];
+}
+
+/// One lane's item, from its triangle.
+template <bool is_hard, bool textured>
+__device__ void read_item(const FillView& view, std::uint32_t first_brick, std::uint32_t i,
+                          const FillShared<is_hard, textured>& shared, FillItem<textured>& out) {
+  const std::uint32_t where = view.items.where[i], pair = where >> 6;
+  out.brick = std::uint8_t(brick_of_item(shared.start, pair));
+  out.cells = view.items.cells[i];
+  const BrickCoordinate at = demorton(view.bricks.key[first_brick + out.brick]);
+  const std::int32_t corner[3] = {std::int32_t(at.x) << brick_subvoxel_bits, std::int32_t(at.y) << brick_subvoxel_bits,
+                                  std::int32_t(at.z) << brick_subvoxel_bits};
+  const std::uint32_t batch_pair = view.bricks.start[view.begin];
+  cut_item<is_hard>(view.input, window_triangle(view.input, view.bricks.triangle[batch_pair + pair]), corner, where,
+                    out);
+}
+
+/// The n-th set bit.
+__device__ inline int nth_bit(std::uint64_t bits, int n) {
+  for (; n > 0; --n) bits &= bits - 1;
+  return __ffsll(static_cast<long long>(bits)) - 1;
+}
+
+/// Inclusive sums over the warp.
+__device__ inline std::uint32_t warp_sums(std::uint32_t mine, int lane) {
+  for (int d = 1; d < 32; d *= 2) {
+    const std::uint32_t before = __shfl_up_sync(~0u, mine, d);
+    if (lane >= d) mine += before;
+  }
+  return mine;
+}
+
+/// The item that fragment f of the chunk belongs to.
+__device__ inline int item_of(const std::uint32_t prefix[32], std::uint32_t f) {
+  int at = 0;
+#pragma unroll
+  for (int half = 16; half != 0; half /= 2)
+    if (prefix[at + half - 1] <= f) at += half;
+  return at;
+}
+
+/// Up to 32 items by one warp: cut, then measured and added cell by cell, to the slots from `round` on.
+template <bool is_hard, bool textured>
+__device__ std::uint32_t add_chunk(const FillView& view, std::uint32_t first_brick, ItemRange chunk, int round,
+                                   FillShared<is_hard, textured>& shared) {
+  const int lane = int(threadIdx.x & 31), warp = int(threadIdx.x / 32);
+  FillItem<textured>* items = shared.item[warp];
+  std::uint32_t* prefix = shared.prefix[warp];
+  __syncwarp();  // the last chunk's items are done with
+  const std::uint32_t mine = chunk.begin + std::uint32_t(lane);
+  std::uint32_t cells = 0;
+  if (mine < chunk.end) {
+    read_item(view, first_brick, mine, shared, items[lane]);
+    cells = std::uint32_t(__popcll(items[lane].cells));
+  }
+  const std::uint32_t sum = warp_sums(cells, lane), total = __shfl_sync(~0u, sum, 31);
+  prefix[lane] = sum;
+  __syncwarp();
+  for (std::uint32_t f = std::uint32_t(lane); f < total; f += 32) {
+    const int at = item_of(prefix, f);
+    const FillItem<textured>& item = items[at];
+    const int cell = nth_bit(item.cells, int(f - (at == 0 ? 0 : prefix[at - 1])));
+    const int voxel = voxel_of_cell(item.axis, item.slab, cell), word = 16 * item.brick + (voxel >> 5);
+    const int slot = shared.below[word] + __popc(shared.mask[word] & ((1u << (voxel & 31)) - 1)) - round;
+    if (slot < 0 || slot >= FillWidth<is_hard>::slots) continue;
+    shared.sums.add(slot, fragment_of(view.input, item, cell));
+  }
+  return total;
+}
+
+/// All items of the block's bricks, chunks dealt out to the warps.
+template <bool is_hard, bool textured>
+__device__ void add_items(const FillView& view, std::uint32_t first_brick, int round,
+                          FillShared<is_hard, textured>& shared) {
+  std::uint32_t fragments = 0, chunk = 0;
+  for_each_range(
+      view.items, shared.start[0], shared.start[bricks_per_block],
+      view.bricks.start[view.end] - view.bricks.start[view.begin], [&](ItemRange range) {
+        for (std::uint32_t i = range.begin; i < range.end; i += 32, ++chunk)
+          if (chunk % fill_warps == threadIdx.x / 32)
+            fragments += add_chunk(view, first_brick, {i, smaller<std::uint32_t>(i + 32, range.end)}, round, shared);
+      });
+  if (round == 0 && (threadIdx.x & 31) == 0 && fragments != 0) atomicAdd(&shared.fragments, fragments);
+}
+
+/// A voxel without anything visible leaves its brick's mask.
+template <class Shared>
+__device__ void drop_voxel(std::uint64_t* mask, int rank, Shared& shared) {
+  int word = 0;
+  while (shared.below[word + 1] <= rank) ++word;
+  const int bit = 32 * (word % 2) + nth_bit(shared.mask[word], rank - shared.below[word]);
+  atomicAnd(reinterpret_cast<unsigned long long*>(&mask[word / 2]), ~(1ull << bit));
+  atomicAdd(&shared.invisible[word / 16], 1u);
+}
+
+/// Voxels [round, round + used) of the block to the stage.
+template <class Shared>
+__device__ void resolve_round(const FillView& view, std::uint64_t* mask, bool fits, int round, int used,
+                              Shared& shared) {
+  for (int slot = int(threadIdx.x); slot < used; slot += fill_threads) {
+    Voxel out;
+    const bool visible = shared.sums.resolve_slot(slot, view.input.tables, out);
+    if (!visible) drop_voxel(mask, round + slot, shared);
+    if (!fits) continue;
+    const std::uint32_t at = shared.staged_at + std::uint32_t(round + slot);
+    view.stage_rgba[at] = !visible ? 0
+                                   : std::uint32_t(out.rgba[0]) | std::uint32_t(out.rgba[1]) << 8 |
+                                         std::uint32_t(out.rgba[2]) << 16 | std::uint32_t(out.rgba[3]) << 24;
+    if (view.stage_normal != nullptr && visible)
+      view.stage_normal[at] = std::uint16_t(std::uint8_t(out.normal[0]) | std::uint8_t(out.normal[1]) << 8);
+  }
+}
+
+/// Masks and voxel counts of the block's bricks, before anything is resolved. False: a thread has a wide item.
+template <class Shared>
+__device__ bool open_bricks(const FillView& view, std::uint32_t first_brick, std::uint32_t bricks, Shared& shared) {
+  const std::uint32_t batch_pair = view.bricks.start[view.begin];
+  if (threadIdx.x <= bricks_per_block)
+    shared.start[threadIdx.x] =
+        view.bricks.start[first_brick + smaller<std::uint32_t>(threadIdx.x, bricks)] - batch_pair;
+  if (threadIdx.x < mask_words) shared.mask[threadIdx.x] = 0;
+  if (threadIdx.x < bricks_per_block) shared.invisible[threadIdx.x] = 0;
+  if (threadIdx.x == 0) shared.fragments = 0;
+  __syncthreads();
+  bool is_wide = false;
+  for_each_range(view.items, shared.start[0], shared.start[bricks_per_block], view.bricks.start[view.end] - batch_pair,
+                 [&](ItemRange range) { is_wide |= mark_voxels(view.items, range, shared); });
+  return __syncthreads_or(is_wide) == 0;
+}
+
+/// What the host and unstage() want to know of each brick.
+template <class Shared>
+__device__ void close_bricks(const FillView& view, std::uint32_t first_brick, std::uint32_t bricks,
+                             const Shared& shared) {
+  if (threadIdx.x >= bricks) return;
+  const std::uint32_t b = threadIdx.x, brick = first_brick + b;
+  const std::uint32_t staged = shared.below[16 * b + 16] - shared.below[16 * b], count = staged - shared.invisible[b];
+  view.count[brick] = count;
+  view.staged[brick] = staged;
+  view.staged_at[brick] = shared.staged_at + shared.below[16 * b];
+  if (count != 0) atomicAdd(&view.counters->voxels, (unsigned long long)count);
+  if (b == 0 && shared.fragments != 0) atomicAdd(&view.counters->fragments, (unsigned long long)shared.fragments);
+}
+
+/// The block's bricks from `first_brick` on. False, and nothing written: they need wider integers.
+template <bool is_hard, bool textured>
+__device__ bool fill_bricks(const FillView& view, std::uint32_t first_brick, FillShared<is_hard, textured>& shared) {
+  constexpr int slots = FillWidth<is_hard>::slots;
+  const std::uint32_t bricks = smaller<std::uint32_t>(bricks_per_block, view.end - first_brick);
+  if (!open_bricks(view, first_brick, bricks, shared) && !is_hard) return false;
+  const int voxels = count_voxels(shared);
+  if (threadIdx.x == 0) {
+    shared.staged_at = atomicAdd(&view.counters->staged, unsigned(voxels));
+    if (std::uint64_t(shared.staged_at) + std::uint64_t(voxels) > view.stage_capacity)
+      view.counters->stage_overflow = 1;
+  }
+  std::uint64_t* mask = view.mask + 8 * std::size_t(first_brick);
+  if (threadIdx.x < 8 * bricks)
+    mask[threadIdx.x] = shared.mask[2 * threadIdx.x] | std::uint64_t(shared.mask[2 * threadIdx.x + 1]) << 32;
+  for (int round = 0; round < voxels; round += slots) {
+    const int used = smaller(slots, voxels - round);
+    __syncthreads();
+    shared.sums.clear(int(threadIdx.x), fill_threads, used);
+    __syncthreads();
+    add_items(view, first_brick, round, shared);
+    __syncthreads();
+    const bool fits = std::uint64_t(shared.staged_at) + std::uint64_t(voxels) <= view.stage_capacity;
+    resolve_round(view, mask, fits, round, used, shared);
+  }
+  __syncthreads();
+  close_bricks(view, first_brick, bricks, shared);
+  return true;
+}
+
+}  // namespace gigabake::kernels

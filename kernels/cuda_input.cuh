@@ -1,0 +1,130 @@
+/// A cell's triangles, materials and textures on the device.
+#pragma once
+
+#include <cstdint>
+#include <list>
+#include <unordered_map>
+#include <vector>
+
+#include "kernels/brick_triangle.h"
+#include "kernels/cell.h"
+#include "kernels/cuda_memory.cuh"
+#include "kernels/tables.h"
+
+namespace gigabake::kernels {
+
+/// One instance of one primitive, as PartView; numbers its vertices and triangles through all parts.
+struct DevicePart {
+  const float* position;
+  const std::uint32_t* index;
+  const float* uv;            ///< or null
+  const std::uint16_t* rgba;  ///< or null
+  double scene_from_local[12];
+  std::uint32_t material;
+  std::uint32_t first_vertex, first_triangle;
+  bool mirrored, textured;
+};
+
+/// A vertex in sub-voxels from the window's lowest corner; v[0] says where it is none.
+struct SnappedVertex {
+  std::int32_t v[3];
+};
+inline constexpr std::int32_t not_finite = INT32_MIN, out_of_reach = INT32_MIN + 1;
+
+/// What kernels get by value.
+struct InputView {
+  const DevicePart* parts;
+  const MaterialView* materials;
+  const TextureView* textures;
+  const SnappedVertex* vertices;
+  Tables tables;
+  std::uint32_t part_count, vertex_count, triangle_count;
+};
+
+/// The part that owns vertex or triangle `i`, given the parts' first ones.
+template <std::uint32_t DevicePart::*first>
+__device__ inline std::uint32_t part_of(const InputView& in, std::uint32_t i) {
+  std::uint32_t low = 0, high = in.part_count;
+  while (high - low > 1) {
+    const std::uint32_t middle = (low + high) / 2;
+    (in.parts[middle].*first <= i ? low : high) = middle;
+  }
+  return low;
+}
+
+/// Vertices (numbered within the part) of the part's triangle, in WindowTriangle's order.
+__device__ inline void vertices_of(const DevicePart& part, std::uint32_t triangle, std::uint32_t v[3]) {
+  const std::uint32_t* i = part.index + 3 * std::size_t(triangle);
+  v[0] = i[0];
+  v[1] = part.mirrored ? i[2] : i[1];
+  v[2] = part.mirrored ? i[1] : i[2];
+}
+
+/// triangle: numbered through all parts; one whose vertices are all on the lattice.
+__device__ inline WindowTriangle window_triangle(const InputView& in, std::uint32_t triangle) {
+  WindowTriangle t;
+  t.part = part_of<&DevicePart::first_triangle>(in, triangle);
+  const DevicePart& part = in.parts[t.part];
+  t.index = triangle - part.first_triangle;
+  std::uint32_t v[3];
+  vertices_of(part, t.index, v);
+  for (int i = 0; i < 3; ++i) {
+    const SnappedVertex p = in.vertices[part.first_vertex + v[i]];
+    for (int c = 0; c < 3; ++c) t.p[i][c] = p.v[c];
+  }
+  return t;
+}
+
+/// Textures of recent cells. Those of the present cell stay; others go, longest unused first, when the budget is full.
+class DeviceTextures {
+ public:
+  DeviceTextures(DeviceHeap& heap, std::uint64_t budget_bytes) : heap_(heap), budget_(budget_bytes) {}
+  /// The texture's pyramid with device pointers. Call begin_cell() before the first of a cell.
+  TextureView view_of(const TextureView& host);
+  void begin_cell() { ++cell_; }
+
+ private:
+  struct Entry {
+    std::uint64_t id, cell;
+    DeviceArray<std::uint8_t> texels;
+    TextureView view;
+  };
+  void make_room(std::uint64_t bytes);
+
+  DeviceHeap& heap_;
+  std::uint64_t budget_, used_ = 0, cell_ = 0;
+  std::list<Entry> entries_;  ///< latest use first
+  std::unordered_map<std::uint64_t, std::list<Entry>::iterator> by_id_;
+};
+
+/// TableStore::host() on the device.
+class DeviceTables {
+ public:
+  explicit DeviceTables(DeviceHeap& heap);
+  Tables view() const;
+
+ private:
+  DeviceArray<std::uint16_t> linear_from_srgb_;
+  DeviceArray<std::uint8_t> srgb_from_linear_, thesis_alpha_;
+  DeviceArray<std::int16_t> unit_normal_;
+};
+
+/// One cell's input. Arrays that several parts share are uploaded once.
+class DeviceInput {
+ public:
+  /// Errors  CudaFailure; std::length_error beyond 2^32-1 vertices or triangles.
+  DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTextures& textures, const Tables& tables);
+  InputView view() const;
+  std::uint64_t bytes() const;
+  std::uint32_t vertex_count() const { return vertex_count_; }
+
+ private:
+  std::uint32_t vertex_count_ = 0, triangle_count_ = 0;
+  Tables tables_;
+  DeviceArray<std::uint8_t> arrays_;
+  DeviceArray<DevicePart> parts_;
+  DeviceArray<MaterialView> materials_;
+  DeviceArray<TextureView> textures_;
+};
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,340 @@
+#include <cub/device/device_scan.cuh>
+#include <cub/device/device_select.cuh>
+#include <thrust/iterator/counting_iterator.h>
+
+#include "kernels/cuda_levels.cuh"
+#include "kernels/mip.h"
+
+namespace gigabake::kernels {
+namespace {
+
+constexpr unsigned threads = 256;
+constexpr int most_levels = 11;  ///< of a window of 8192 voxels
+
+struct LevelView {
+  const std::uint32_t *key, *first;
+  const std::uint64_t* mask;
+  const std::uint32_t* rgba;
+  const std::uint16_t* normal;  ///< or null
+  std::uint32_t bricks;
+};
+
+LevelView view_of(const DeviceLevel& l) {
+  return {l.key.data(), l.first.data(), l.mask.data(), l.rgba.data(), l.normal.size() == 0 ? nullptr : l.normal.data(),
+          l.bricks};
+}
+
+struct LevelCounts {
+  std::uint32_t bricks[most_levels];
+};
+
+/// A brick opens a new one at every level where its key and that of the brick before it differ.
+__global__ void count_ancestors(const std::uint32_t* key, std::uint32_t bricks, int lods, LevelCounts* counts) {
+  __shared__ unsigned mine[most_levels];
+  if (threadIdx.x < most_levels) mine[threadIdx.x] = 0;
+  __syncthreads();
+  const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
+  if (i < bricks)
+    for (int l = 1; l < lods && (i == 0 || key[i] >> 3 * l != key[i - 1] >> 3 * l); ++l) atomicAdd(&mine[l], 1u);
+  __syncthreads();
+  if (threadIdx.x < most_levels && mine[threadIdx.x] != 0) atomicAdd(&counts->bricks[threadIdx.x], mine[threadIdx.x]);
+}
+
+struct StartsParent {
+  const std::uint32_t* key;
+  __device__ bool operator()(std::uint32_t i) const { return i == 0 || key[i] >> 3 != key[i - 1] >> 3; }
+};
+
+/// Even bits of a row pair, closed up: bit x of the result is bit 2x.
+__device__ std::uint64_t close_up(std::uint64_t rows) {
+  rows &= 0x0055005500550055ull;  // one row in two, one bit in two
+  rows = (rows | rows >> 1) & 0x0033003300330033ull;
+  rows = (rows | rows >> 2) & 0x000f000f000f000full;
+  return rows;  // row y at bits 16 y
+}
+
+/// The 4×4 parent voxels that slabs 2z and 2z+1 of a child make: bit x + 8 y.
+__device__ std::uint64_t parent_slab(std::uint64_t low, std::uint64_t high) {
+  std::uint64_t m = low | high;
+  m |= m >> 1;
+  m |= m >> 8;
+  m = close_up(m);
+  return (m & 0xf) | (m >> 8 & 0xf00) | (m >> 16 & 0xf0000) | (m >> 24 & 0xf000000);
+}
+
+/// Eight threads a parent, a word each. `start`: parents' first children and the end.
+__global__ void make_parents(LevelView fine, const std::uint32_t* start, std::uint32_t parents, std::uint32_t* key,
+                             std::uint64_t* mask, std::uint32_t* count) {
+  const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x, p = i / 8;
+  const bool there = p < parents;
+  std::uint64_t word = 0;
+  if (there) {
+    const std::uint32_t end = p + 1 == parents ? fine.bricks : start[p + 1];
+    const int z = int(i % 8);
+    for (std::uint32_t child = start[p]; child < end; ++child) {
+      const std::uint32_t octant = fine.key[child] & 7;
+      if (octant >> 2 != std::uint32_t(z >> 2)) continue;
+      const std::uint64_t* m = fine.mask + 8 * std::size_t(child) + 2 * (z & 3);
+      word |= parent_slab(m[0], m[1]) << (4 * (octant & 1) + 32 * (octant >> 1 & 1));
+    }
+    mask[i] = word;
+    if (z == 0) key[p] = fine.key[start[p]] >> 3;
+  }
+  std::uint32_t n = std::uint32_t(__popcll(word));
+  for (int d = 4; d != 0; d /= 2) n += __shfl_down_sync(~0u, n, d, 8);
+  if (there && i % 8 == 0) count[p] = n;
+}
+
+__device__ Voxel voxel_at(const LevelView& level, std::uint32_t i) {
+  Voxel v;
+  const std::uint32_t rgba = level.rgba[i];
+  for (int c = 0; c < 4; ++c) v.rgba[c] = std::uint8_t(rgba >> 8 * c);
+  const std::uint16_t normal = level.normal == nullptr ? 0 : level.normal[i];
+  v.normal[0] = std::int8_t(normal & 255);
+  v.normal[1] = std::int8_t(normal >> 8);
+  return v;
+}
+
+/// The 2×2×2 voxels of a brick from (2x, 2y, 2z).
+__device__ VoxelOctet octet_at(const LevelView& level, std::uint32_t brick, int x, int y, int z) {
+  VoxelOctet octet;
+  octet.present = 0;
+  const std::uint64_t* mask = level.mask + 8 * std::size_t(brick);
+  std::uint32_t before = level.first[brick];
+  for (int w = 0; w < 2 * z; ++w) before += std::uint32_t(__popcll(mask[w]));
+  for (int dz = 0; dz < 2; ++dz) {
+    const std::uint64_t word = mask[2 * z + dz];
+    for (int dy = 0; dy < 2; ++dy) {
+      const int bit = 2 * x + 8 * (2 * y + dy);
+      std::uint32_t at = before + std::uint32_t(__popcll(word & ((std::uint64_t(1) << bit) - 1)));
+      for (int dx = 0; dx < 2; ++dx) {
+        if ((word >> (bit + dx) & 1) == 0) continue;
+        const int c = dx | dy << 1 | dz << 2;
+        octet.child[c] = voxel_at(level, at++);
+        octet.present |= std::uint8_t(1u << c);
+      }
+    }
+    before += std::uint32_t(__popcll(word));
+  }
+  return octet;
+}
+
+struct ParentView {
+  const std::uint32_t *start, *first;
+  const std::uint64_t* mask;
+  std::uint32_t* rgba;
+  std::uint16_t* normal;  ///< or null
+  std::uint32_t parents;
+};
+
+/// One warp a parent: its voxels are listed, then filtered side by side.
+__global__ void __launch_bounds__(128) filter_parents(LevelView fine, ParentView out, MipFilter filter, Tables tables) {
+  __shared__ std::uint16_t lists[4][brick_voxels];
+  __shared__ std::uint32_t children[4][8];
+  const int lane = int(threadIdx.x & 31), warp = int(threadIdx.x / 32);
+  const std::uint32_t p = blockIdx.x * 4 + std::uint32_t(warp);
+  if (p >= out.parents) return;
+  const std::uint32_t begin = out.start[p], end = p + 1 == out.parents ? fine.bricks : out.start[p + 1];
+  if (begin + lane < end) children[warp][fine.key[begin + lane] & 7] = begin + std::uint32_t(lane);
+  const std::uint64_t* mask = out.mask + 8 * std::size_t(p);
+  std::uint32_t below = 0;
+  for (int word = 0; word < 8; ++word) {
+    const std::uint64_t m = mask[word];
+    for (int half = 0; half < 2; ++half) {
+      const auto bits = std::uint32_t(m >> 32 * half);
+      if (bits >> lane & 1)
+        lists[warp][below + __popc(bits & ((1u << lane) - 1))] = std::uint16_t(64 * word + 32 * half + lane);
+      below += std::uint32_t(__popc(bits));
+    }
+  }
+  __syncwarp();
+  const std::uint32_t first = out.first[p];
+  for (std::uint32_t i = std::uint32_t(lane); i < below; i += 32) {
+    const int voxel = lists[warp][i], x = voxel & 7, y = voxel >> 3 & 7, z = voxel >> 6;
+    const std::uint32_t child = children[warp][x >> 2 | (y >> 2) << 1 | (z >> 2) << 2];
+    const Voxel v = mip(octet_at(fine, child, x & 3, y & 3, z & 3), filter, tables);
+    out.rgba[first + i] = std::uint32_t(v.rgba[0]) | std::uint32_t(v.rgba[1]) << 8 | std::uint32_t(v.rgba[2]) << 16 |
+                          std::uint32_t(v.rgba[3]) << 24;
+    if (out.normal != nullptr)
+      out.normal[first + i] = std::uint16_t(std::uint8_t(v.normal[0]) | std::uint8_t(v.normal[1]) << 8);
+  }
+}
+
+/// How many bricks each coarser level has.
+LevelCounts ancestor_counts(DeviceHeap& heap, const DeviceLevel& finest, int lods) {
+  DeviceArray<LevelCounts> counts(heap, 1);
+  counts.clear_to_zero();
+  count_ancestors<<<grid_of(finest.bricks, threads), threads, 0, heap.stream()>>>(finest.key.data(), finest.bricks,
+                                                                                  lods, counts.data());
+  check_launch("count_ancestors");
+  LevelCounts host;
+  check_cuda(cudaMemcpyAsync(&host, counts.data(), sizeof host, cudaMemcpyDeviceToHost, heap.stream()),
+             "cudaMemcpyAsync (level counts)");
+  check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (level counts)");
+  return host;
+}
+
+/// A level's bricks without their voxels yet.
+struct Parents {
+  DeviceLevel level;
+  DeviceArray<std::uint32_t> start;
+};
+
+class LevelBuilder {
+ public:
+  LevelBuilder(DeviceHeap& heap, std::uint32_t most_bricks) : heap_(heap), most_bricks_(most_bricks) {
+    std::size_t select = 0, scan = 0;
+    std::uint32_t* none = nullptr;
+    check_cuda(cub::DeviceSelect::If(nullptr, select, thrust::counting_iterator<std::uint32_t>(0), none, none,
+                                     most_bricks, StartsParent{none}, heap.stream()),
+               "DeviceSelect");
+    check_cuda(cub::DeviceScan::ExclusiveSum(nullptr, scan, none, none, most_bricks + 1, heap.stream()), "DeviceScan");
+    temporary_ = TemporaryStorage(heap, std::max(select, scan));
+    selected_ = DeviceArray<std::uint32_t>(heap, 1);
+  }
+
+  /// fine: its bricks; voxels are not read.
+  Parents parents_of(const DeviceLevel& fine, std::uint32_t bricks) {
+    Parents p;
+    p.level.bricks = bricks;
+    p.start = DeviceArray<std::uint32_t>(heap_, bricks);
+    p.level.key = DeviceArray<std::uint32_t>(heap_, bricks);
+    p.level.mask = DeviceArray<std::uint64_t>(heap_, 8 * std::size_t(bricks));
+    p.level.first = DeviceArray<std::uint32_t>(heap_, bricks + 1);
+    DeviceArray<std::uint32_t> count(heap_, bricks + 1);
+    count.clear_to_zero();
+    std::size_t bytes = temporary_.size();
+    check_cuda(
+        cub::DeviceSelect::If(temporary_.data(), bytes, thrust::counting_iterator<std::uint32_t>(0), p.start.data(),
+                              selected_.data(), fine.bricks, StartsParent{fine.key.data()}, heap_.stream()),
+        "DeviceSelect");
+    make_parents<<<grid_of(8 * std::uint64_t(bricks), threads), threads, 0, heap_.stream()>>>(
+        view_of(fine), p.start.data(), bricks, p.level.key.data(), p.level.mask.data(), count.data());
+    check_launch("make_parents");
+    bytes = temporary_.size();
+    check_cuda(cub::DeviceScan::ExclusiveSum(temporary_.data(), bytes, count.data(), p.level.first.data(), bricks + 1,
+                                             heap_.stream()),
+               "DeviceScan");
+    return p;
+  }
+
+ private:
+  DeviceHeap& heap_;
+  std::uint32_t most_bricks_;
+  TemporaryStorage temporary_;
+  DeviceArray<std::uint32_t> selected_;
+};
+
+void read_voxel_counts(DeviceHeap& heap, std::vector<Parents>& levels) {
+  for (Parents& p : levels)
+    check_cuda(cudaMemcpyAsync(&p.level.voxels, p.level.first.data() + p.level.bricks, sizeof p.level.voxels,
+                               cudaMemcpyDeviceToHost, heap.stream()),
+               "cudaMemcpyAsync (voxel counts)");
+  check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (levels)");
+}
+
+__global__ void find_full_bricks(const std::uint32_t* first, std::uint32_t bricks, std::uint32_t* found) {
+  const std::uint32_t b = blockIdx.x * blockDim.x + threadIdx.x;
+  if (b < bricks && first[b + 1] - first[b] == brick_voxels) *found = 1;
+}
+
+struct NodeView {
+  std::uint32_t *key, *first_child, *value;
+  std::uint8_t *lod, *child_mask;
+};
+
+/// start: parents' first children in the level below, or null at lod 0.
+__global__ void make_nodes(LevelView level, const std::uint32_t* below_key, std::uint32_t below_bricks, int lod,
+                           std::uint32_t offset, std::uint32_t below_offset, NodeView out) {
+  const std::uint32_t b = blockIdx.x * blockDim.x + threadIdx.x;
+  if (b >= level.bricks) return;
+  const std::uint32_t node = offset + b, key = level.key[b];
+  out.key[node] = key;
+  out.value[node] = b;
+  out.lod[node] = std::uint8_t(lod);
+  std::uint32_t first_child = UINT32_MAX;
+  unsigned children = 0;
+  if (below_key != nullptr) {
+    std::uint32_t low = 0, high = below_bricks;  // the first brick below whose parent is not before this one
+    while (low < high) {
+      const std::uint32_t middle = (low + high) / 2;
+      if (below_key[middle] >> 3 < key)
+        low = middle + 1;
+      else
+        high = middle;
+    }
+    first_child = below_offset + low;
+    for (; low < below_bricks && below_key[low] >> 3 == key; ++low) children |= 1u << (below_key[low] & 7);
+  }
+  out.first_child[node] = first_child;
+  out.child_mask[node] = std::uint8_t(children);
+}
+
+}  // namespace
+
+std::vector<DeviceLevel> coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceLevel& finest, int lods,
+                                        MipFilter filter, bool normals) {
+  std::vector<Parents> built;
+  const LevelCounts counts = ancestor_counts(heap, finest, lods);
+  LevelBuilder builder(heap, finest.bricks);
+  for (int l = 1; l < lods; ++l)
+    built.push_back(builder.parents_of(l == 1 ? finest : built.back().level, counts.bricks[l]));
+  read_voxel_counts(heap, built);
+  std::vector<DeviceLevel> levels;
+  for (Parents& p : built) {
+    DeviceLevel& level = p.level;
+    level.rgba = DeviceArray<std::uint32_t>(heap, level.voxels);
+    if (normals) level.normal = DeviceArray<std::uint16_t>(heap, level.voxels);
+    const ParentView out{p.start.data(),
+                         level.first.data(),
+                         level.mask.data(),
+                         level.rgba.data(),
+                         normals ? level.normal.data() : nullptr,
+                         level.bricks};
+    filter_parents<<<grid_of(level.bricks, 4), 128, 0, heap.stream()>>>(
+        view_of(levels.empty() ? finest : levels.back()), out, filter, tables);
+    check_launch("filter_parents");
+    levels.push_back(std::move(level));
+  }
+  return levels;
+}
+
+DeviceNodes brick_nodes(DeviceHeap& heap, const std::vector<DeviceLevel>& levels) {
+  std::uint64_t count = 0;
+  DeviceArray<std::uint32_t> full(heap, 1);
+  full.clear_to_zero();
+  for (const DeviceLevel& l : levels) {
+    find_full_bricks<<<grid_of(l.bricks, threads), threads, 0, heap.stream()>>>(l.first.data(), l.bricks, full.data());
+    check_launch("find_full_bricks");
+    count += l.bricks;
+  }
+  if (count >= UINT32_MAX)
+    throw std::length_error("an oct-tree of more than 2^32-1 nodes; use a smaller --cell-voxels");
+  std::uint32_t any_full = 0;
+  check_cuda(cudaMemcpyAsync(&any_full, full.data(), sizeof any_full, cudaMemcpyDeviceToHost, heap.stream()),
+             "cudaMemcpyAsync (full bricks)");
+  check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (full bricks)");
+  DeviceNodes nodes;
+  if (any_full != 0) return nodes;
+  nodes.count = std::uint32_t(count);
+  nodes.key = DeviceArray<std::uint32_t>(heap, count);
+  nodes.first_child = DeviceArray<std::uint32_t>(heap, count);
+  nodes.value = DeviceArray<std::uint32_t>(heap, count);
+  nodes.lod = DeviceArray<std::uint8_t>(heap, count);
+  nodes.child_mask = DeviceArray<std::uint8_t>(heap, count);
+  const NodeView out{nodes.key.data(), nodes.first_child.data(), nodes.value.data(), nodes.lod.data(),
+                     nodes.child_mask.data()};
+  std::uint32_t offset = 0;  // the coarsest level's nodes come first
+  for (int l = int(levels.size()) - 1; l >= 0; --l) {
+    const DeviceLevel* below = l == 0 ? nullptr : &levels[std::size_t(l - 1)];
+    const std::uint32_t bricks = levels[std::size_t(l)].bricks;
+    make_nodes<<<grid_of(bricks, threads), threads, 0, heap.stream()>>>(
+        view_of(levels[std::size_t(l)]), below == nullptr ? nullptr : below->key.data(),
+        below == nullptr ? 0 : below->bricks, l, offset, offset + bricks, out);
+    check_launch("make_nodes");
+    offset += bricks;
+  }
+  return nodes;
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,27 @@
+/// Stages 5 and 6 on the device: coarser levels and the node table.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "kernels/cuda_voxelize.cuh"
+
+namespace gigabake::kernels {
+
+/// All levels above `finest`, up to the one of the window's single brick.
+/// Errors  CudaFailure.
+std::vector<DeviceLevel> coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceLevel& finest, int lods,
+                                        MipFilter filter, bool normals);
+
+/// Nodes, on the device, where every one of them is a brick.
+struct DeviceNodes {
+  DeviceArray<std::uint32_t> key, first_child, value;
+  DeviceArray<std::uint8_t> lod, child_mask;
+  std::uint32_t count = 0;
+};
+
+/// levels: [lod]. Empty where a brick may be constant: prune() then decides on the host.
+/// Errors  CudaFailure; std::length_error beyond 2^32-1 nodes.
+DeviceNodes brick_nodes(DeviceHeap& heap, const std::vector<DeviceLevel>& levels);
+
+}  // namespace gigabake::kernels

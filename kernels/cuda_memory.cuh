@@ -1,0 +1,92 @@
+/// Device memory with its books kept: stream-ordered arrays from one pool, what is live and what was the most.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cuda_runtime.h>
+#include <utility>
+
+#include "kernels/cuda_error.h"
+
+namespace gigabake::kernels {
+
+/// Errors  CudaFailure, naming the call.
+void check_cuda(cudaError_t code, const char* call);
+
+/// Every allocation of a baker. Not for several threads.
+class DeviceHeap {
+ public:
+  explicit DeviceHeap(cudaStream_t stream) : stream_(stream) {}
+
+  /// Errors  CudaFailure: out of device memory.
+  void* take(std::size_t bytes);
+  void give(void* data, std::size_t bytes) noexcept;
+
+  cudaStream_t stream() const { return stream_; }
+  std::uint64_t live_bytes() const { return live_; }
+  std::uint64_t peak_bytes() const { return peak_; }
+  void restart_peak() { peak_ = live_; }
+
+ private:
+  cudaStream_t stream_;
+  std::uint64_t live_ = 0, peak_ = 0;
+};
+
+/// An array of the device, freed in stream order. Not initialised.
+template <class T>
+class DeviceArray {
+ public:
+  DeviceArray() = default;
+  DeviceArray(DeviceHeap& heap, std::size_t size)
+      : heap_(&heap), data_(static_cast<T*>(heap.take(size * sizeof(T)))), size_(size) {}
+  DeviceArray(DeviceArray&& o) noexcept { *this = std::move(o); }
+  DeviceArray& operator=(DeviceArray&& o) noexcept {
+    std::swap(heap_, o.heap_);
+    std::swap(data_, o.data_);
+    std::swap(size_, o.size_);
+    return *this;
+  }
+  ~DeviceArray() {
+    if (heap_ != nullptr) heap_->give(data_, size_ * sizeof(T));
+  }
+
+  T* data() const { return data_; }
+  std::size_t size() const { return size_; }
+  std::size_t bytes() const { return size_ * sizeof(T); }
+
+  void clear_to_zero() { check_cuda(cudaMemsetAsync(data_, 0, bytes(), heap_->stream()), "cudaMemsetAsync"); }
+
+ private:
+  DeviceHeap* heap_ = nullptr;
+  T* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+/// Host memory that the device reads and writes by itself.
+template <class T>
+class PinnedArray {
+ public:
+  explicit PinnedArray(std::size_t size) : size_(size) {
+    check_cuda(cudaMallocHost(reinterpret_cast<void**>(&data_), size * sizeof(T)), "cudaMallocHost");
+  }
+  ~PinnedArray() { cudaFreeHost(data_); }
+  PinnedArray(const PinnedArray&) = delete;
+  PinnedArray& operator=(const PinnedArray&) = delete;
+
+  T* data() const { return data_; }
+  T& operator[](std::size_t i) const { return data_[i]; }
+  std::size_t size() const { return size_; }
+
+ private:
+  T* data_ = nullptr;
+  std::size_t size_;
+};
+
+/// Blocks of `threads` that cover `items`; at least one, so that a launch is never empty.
+inline unsigned grid_of(std::uint64_t items, unsigned threads) {
+  return unsigned(items == 0 ? 1 : (items + threads - 1) / threads);
+}
+
+inline void check_launch(const char* kernel) { check_cuda(cudaGetLastError(), kernel); }
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,179 @@
+#include "kernels/cuda_pairs.cuh"
+
+namespace gigabake::kernels {
+namespace {
+
+constexpr int most_direct_bricks = 8;
+
+/// A vertex as 64-bit window sub-voxels, for triangles that reach beyond 32 bits.
+struct FarVertex {
+  std::int64_t v[3];
+};
+
+__device__ FarVertex far_vertex(const DevicePart& part, const WindowView& window, std::uint32_t vertex) {
+  LatticePoint p;
+  snap(window.frame, part.scene_from_local, part.position + 3 * std::size_t(vertex), p);
+  FarVertex out;
+  for (int c = 0; c < 3; ++c) out.v[c] = p.v[c] - window.min[c] * subvoxels;
+  return out;
+}
+
+template <class Vertex>
+__device__ bool meets_window(const Vertex p[3], std::int64_t window_subvoxels) {
+  for (int c = 0; c < 3; ++c) {
+    const std::int64_t a = p[0].v[c], b = p[1].v[c], d = p[2].v[c];
+    if (smaller(smaller(a, b), d) > window_subvoxels || larger(larger(a, b), d) < 0) return false;
+  }
+  return true;
+}
+
+/// Wide: a type that holds the product of two differences.
+template <class Wide, class Vertex>
+__device__ bool has_area(const Vertex p[3]) {
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    const Wide bi = Wide(p[1].v[i]) - p[0].v[i], bj = Wide(p[1].v[j]) - p[0].v[j];
+    const Wide ci = Wide(p[2].v[i]) - p[0].v[i], cj = Wide(p[2].v[j]) - p[0].v[j];
+    if (bi * cj != bj * ci) return true;
+  }
+  return false;
+}
+
+enum class Fate : std::uint8_t { none, kept, non_finite, zero_area, oversized };
+
+__device__ Fate fate_of_far(const DevicePart& part, const WindowView& window, const std::uint32_t v[3]) {
+  FarVertex p[3];
+  for (int i = 0; i < 3; ++i) p[i] = far_vertex(part, window, v[i]);
+  if (!meets_window(p, window.subvoxels)) return Fate::none;
+  return has_area<__int128>(p) ? Fate::oversized : Fate::zero_area;
+}
+
+__device__ Fate fate_of(const InputView& in, const DevicePart& part, const WindowView& window, const std::uint32_t v[3],
+                        WindowTriangle& t) {
+  SnappedVertex p[3];
+  bool is_far = false;
+  for (int i = 0; i < 3; ++i) {
+    p[i] = in.vertices[part.first_vertex + v[i]];
+    if (p[i].v[0] == not_finite) return Fate::non_finite;
+    is_far |= p[i].v[0] == out_of_reach;
+    for (int c = 0; c < 3; ++c) t.p[i][c] = p[i].v[c];
+  }
+  if (is_far) return fate_of_far(part, window, v);
+  if (!meets_window(p, window.subvoxels)) return Fate::none;
+  return has_area<std::int64_t>(p) ? Fate::kept : Fate::zero_area;
+}
+
+__device__ bool has_bad_uv(const DevicePart& part, const std::uint32_t v[3]) {
+  float uv[6];
+  for (int i = 0; i < 6; ++i) uv[i] = part.uv[2 * std::size_t(v[i / 2]) + i % 2];
+  return !usable_uv(uv);
+}
+
+/// One atomic a warp.
+__device__ void count(unsigned long long* counter, bool mine) {
+  const unsigned who = __ballot_sync(__activemask(), mine);
+  if (mine && (threadIdx.x & 31) == unsigned(__ffs(int(who)) - 1)) atomicAdd(counter, (unsigned long long)__popc(who));
+}
+
+/// This lane's first place among `n` items of the whole warp; all 32 lanes take part.
+__device__ std::uint64_t reserve(unsigned long long* counter, std::uint32_t n) {
+  const unsigned lane = threadIdx.x & 31;
+  std::uint32_t sum = n;
+  for (int d = 1; d < 32; d *= 2) {
+    const std::uint32_t below = __shfl_up_sync(~0u, sum, d);
+    if (lane >= unsigned(d)) sum += below;
+  }
+  unsigned long long base = 0;
+  if (lane == 31 && sum != 0) base = atomicAdd(counter, (unsigned long long)sum);
+  return __shfl_sync(~0u, base, 31) + (sum - n);
+}
+
+__device__ std::int64_t brick_count(const BrickBox& box) {
+  return (std::int64_t(box.last[0]) - box.first[0] + 1) * (box.last[1] - box.first[1] + 1) *
+         (box.last[2] - box.first[2] + 1);
+}
+
+__device__ void push_box(const PairSink& sink, std::uint64_t at, const BrickBox& box, std::uint32_t triangle) {
+  for (std::int32_t z = box.first[2]; z <= box.last[2]; ++z)
+    for (std::int32_t y = box.first[1]; y <= box.last[1]; ++y)
+      for (std::int32_t x = box.first[0]; x <= box.last[0]; ++x)
+        push_pair(sink, at++, std::uint32_t(morton(std::uint32_t(x), std::uint32_t(y), std::uint32_t(z))), triangle);
+}
+
+}  // namespace
+
+__global__ void snap_kernel(InputView in, WindowView window, SnappedVertex* out) {
+  const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
+  if (i >= in.vertex_count) return;
+  const DevicePart& part = in.parts[part_of<&DevicePart::first_vertex>(in, i)];
+  LatticePoint p;
+  SnappedVertex s{{not_finite, 0, 0}};
+  if (snap(window.frame, part.scene_from_local, part.position + 3 * std::size_t(i - part.first_vertex), p)) {
+    bool is_far = false;
+    for (int c = 0; c < 3; ++c) {
+      const std::int64_t x = p.v[c] - window.min[c] * subvoxels;
+      is_far |= x > widest_coordinate || x < -widest_coordinate;
+      s.v[c] = std::int32_t(x);
+    }
+    if (is_far) s.v[0] = out_of_reach;
+  }
+  out[i] = s;
+}
+
+__global__ void pair_kernel(InputView in, WindowView window, PairSink sink) {
+  const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
+  Fate fate = Fate::none;
+  BrickBox box;
+  bool bad_uv = false, is_large = false;
+  std::uint32_t pairs = 0;
+  if (i < in.triangle_count) {
+    const DevicePart& part = in.parts[part_of<&DevicePart::first_triangle>(in, i)];
+    std::uint32_t v[3];
+    vertices_of(part, i - part.first_triangle, v);
+    WindowTriangle t;
+    fate = fate_of(in, part, window, v, t);
+    bad_uv = fate == Fate::kept && part.textured && has_bad_uv(part, v);
+    if (fate == Fate::kept && brick_box(t, window.rule, window.bricks, box)) {
+      const std::int64_t bricks = brick_count(box);
+      is_large = bricks > most_direct_bricks;
+      pairs = is_large ? 0 : std::uint32_t(bricks);
+    }
+  }
+  count(&sink.counters->triangles, fate == Fate::kept);
+  count(&sink.counters->non_finite, fate == Fate::non_finite);
+  count(&sink.counters->zero_area, fate == Fate::zero_area);
+  count(&sink.counters->oversized, fate == Fate::oversized);
+  count(&sink.counters->bad_uv, bad_uv);
+  const std::uint64_t at = reserve(&sink.counters->pairs, pairs);
+  if (pairs != 0) push_box(sink, at, box, i);
+  if (is_large) push_item(sink, 0, {i, 0});
+}
+
+__global__ void descend_kernel(InputView in, WindowView window, PairSink sink, int from, int level) {
+  const std::uint64_t items = smaller<std::uint64_t>(sink.counters->items[from], sink.item_capacity);
+  const std::uint64_t stride = std::uint64_t(gridDim.x) * blockDim.x;
+  for (std::uint64_t i = blockIdx.x * std::uint64_t(blockDim.x) + threadIdx.x; i < 8 * items; i += stride) {
+    const LargeItem item = sink.items[from][i / 8];
+    const std::uint32_t key = item.node << 3 | std::uint32_t(i % 8);
+    const BrickCoordinate child = demorton(key);
+    const std::int32_t node[3] = {std::int32_t(child.x), std::int32_t(child.y), std::int32_t(child.z)};
+    const int below = level - 1;
+    const WindowTriangle t = window_triangle(in, item.triangle);
+    BrickBox box;
+    bool meets = brick_box(t, window.rule, window.bricks, box);
+    std::int64_t corner[3];
+    const std::int64_t edge = std::int64_t(1) << (brick_subvoxel_bits + below);
+    for (int c = 0; c < 3; ++c) {
+      meets = meets && (node[c] << below) <= box.last[c] && ((node[c] + 1) << below) > box.first[c];
+      corner[c] = node[c] * edge;
+    }
+    meets = meets && (is_narrow(t) ? meets_cube<std::int64_t>(t, corner, edge) : meets_cube<__int128>(t, corner, edge));
+    if (!meets) continue;
+    if (below == 0)
+      push_pair(sink, atomicAdd(&sink.counters->pairs, 1ull), key, item.triangle);
+    else
+      push_item(sink, 1 - from, {item.triangle, key});
+  }
+}
+
+}  // namespace gigabake::kernels

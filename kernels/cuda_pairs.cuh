@@ -1,0 +1,52 @@
+/// The kernels that pair triangles with bricks.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/cuda_bin.cuh"
+#include "kernels/morton.h"
+#include "kernels/surface.h"
+#include "kernels/triangle_bricks.h"
+
+namespace gigabake::kernels {
+
+/// A triangle of more bricks than a thread should walk, at an oct-tree node that it may touch.
+struct LargeItem {
+  std::uint32_t triangle, node;  ///< node: Morton code at the present level
+};
+
+/// Counters go on when an array is full: the host then knows what is needed.
+struct PairCounters {
+  unsigned long long pairs, items[2];
+  unsigned long long triangles, non_finite, zero_area, oversized, bad_uv;
+};
+
+struct PairSink {
+  std::uint32_t* key;
+  std::uint32_t* triangle;
+  std::uint64_t capacity;
+  LargeItem* items[2];
+  std::uint64_t item_capacity;
+  PairCounters* counters;
+};
+
+__device__ inline void push_pair(const PairSink& sink, std::uint64_t at, std::uint32_t key, std::uint32_t triangle) {
+  if (at >= sink.capacity) return;
+  sink.key[at] = key;
+  sink.triangle[at] = triangle;
+}
+
+__device__ inline void push_item(const PairSink& sink, int queue, LargeItem item) {
+  const std::uint64_t at = atomicAdd(&sink.counters->items[queue], 1ull);
+  if (at < sink.item_capacity) sink.items[queue][at] = item;
+}
+
+__global__ void snap_kernel(InputView in, WindowView window, SnappedVertex* out);
+
+/// One thread a triangle: small ones are paired at once, large ones go to queue 0 as the root.
+__global__ void pair_kernel(InputView in, WindowView window, PairSink sink);
+
+/// Queue `from` holds items of `level`; their children go to the other queue, or at level 1 to the pairs.
+__global__ void descend_kernel(InputView in, WindowView window, PairSink sink, int from, int level);
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,71 @@
+/// Accumulators of a brick's voxels in shared memory.
+///
+/// Exact   Sums of any number of fragments, in any order. There is no 64-bit addition in shared memory: a sum is two or
+///         three 32-bit words with carries, which the hardware adds by itself.
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+
+#include "kernels/accumulate.h"
+#include "kernels/resolve.h"
+#include "kernels/types.h"
+
+namespace gigabake::kernels {
+
+/// words 2: 64 bits, for bricks of at most fragments_before_flush triangles. words 3: 96 bits, for 2^32 triangles.
+template <int words, int slots>
+struct VoxelSums {
+  using Sum = std::conditional_t<words == 2, std::int64_t, __int128>;
+
+  unsigned word[words][sum_count][slots];  ///< channel by channel: neighbours in a warp use different banks
+
+  /// By all threads of a block.
+  __device__ void clear(int thread, int threads, int used_slots) {
+    for (int slot = thread; slot < used_slots; slot += threads)
+      for (int w = 0; w < words; ++w)
+        for (int c = 0; c < sum_count; ++c) word[w][c][slot] = 0;
+  }
+
+  __device__ void add(int channel, int slot, std::int64_t value) {
+    std::uint64_t rest = std::uint64_t(value);  // what this word and those above it get
+    const std::uint64_t sign = value < 0 ? ~std::uint64_t(0) << 32 : 0;
+#pragma unroll
+    for (int w = 0; w < words; ++w) {
+      const auto part = std::uint32_t(rest);
+      bool carry = false;
+      if (part != 0) {
+        const std::uint32_t before = atomicAdd(&word[w][channel][slot], part);
+        carry = before + part < part;
+      }
+      rest = (rest >> 32 | sign) + (carry ? 1 : 0);
+    }
+  }
+
+  __device__ void add(int slot, const Fragment& f) {
+    const std::int64_t w = f.weight;
+    const std::int64_t visible = f.rgba[3] == 65535 ? w : (w * f.rgba[3]) / 65535;
+    add(sum_weight, slot, w);
+    add(sum_alpha, slot, w * f.rgba[3]);
+    add(sum_red, slot, w * f.rgba[0]);
+    add(sum_green, slot, w * f.rgba[1]);
+    add(sum_blue, slot, w * f.rgba[2]);
+    add(sum_nx, slot, visible * f.normal[0]);
+    add(sum_ny, slot, visible * f.normal[1]);
+    add(sum_nz, slot, visible * f.normal[2]);
+  }
+
+  __device__ bool resolve_slot(int slot, const Tables& tables, Voxel& out) const {
+    Sum s[sum_count];
+    for (int c = 0; c < sum_count; ++c) {
+      const std::int64_t low = std::int64_t(std::uint64_t(word[1][c][slot]) << 32 | word[0][c][slot]);
+      if constexpr (words == 2)
+        s[c] = low;
+      else
+        s[c] = __int128(std::int32_t(word[2][c][slot])) * (__int128(1) << 64) + __int128(std::uint64_t(low));
+    }
+    return resolve(s, tables, out);
+  }
+};
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,34 @@
+/// Stages 3 and 4 on the device: every brick's triangles become its voxels.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/cuda_bin.cuh"
+
+namespace gigabake::kernels {
+
+/// Level, on the device: bricks in Morton order, voxels brick after brick by rising bit number.
+struct DeviceLevel {
+  DeviceArray<std::uint32_t> key, first;  ///< first: bricks + 1
+  DeviceArray<std::uint64_t> mask;        ///< 8 per brick
+  DeviceArray<std::uint32_t> rgba;        ///< four bytes, red lowest
+  DeviceArray<std::uint16_t> normal;      ///< two bytes, or empty
+  std::uint32_t bricks = 0, voxels = 0;
+
+  std::uint64_t bytes() const { return key.bytes() + first.bytes() + mask.bytes() + rgba.bytes() + normal.bytes(); }
+};
+
+/// What earlier cells had: the next one is given that much room, and tried again where it has more.
+struct FillRatios {
+  double voxels_per_pair = 5, items_per_pair = 2;
+};
+
+/// lists: consumed. No brick of the result is empty; no voxel of it invisible.
+/// Errors  CudaFailure; std::length_error beyond 2^32-1 voxels.
+DeviceLevel voxelize(DeviceHeap& heap, const InputView& input, const WindowView& window, BrickLists lists, bool normals,
+                     bool textured, FillRatios& ratios, CellStats& stats);
+
+/// A scan's or selection's room, as cub asks for it.
+using TemporaryStorage = DeviceArray<std::uint8_t>;
+
+}  // namespace gigabake::kernels

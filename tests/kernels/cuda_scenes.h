@@ -1,0 +1,64 @@
+/// Cells that ask everything of a backend: colours, textures, instances, triangles of all sizes, bad ones among them.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <list>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "kernels/cell.h"
+
+namespace gigabake::kernels::test {
+
+/// Owns what a CellInput borrows.
+class TestCell {
+ public:
+  TestCell() = default;
+  TestCell(TestCell&&) = default;  // a copy would borrow from the original
+  TestCell& operator=(TestCell&&) = default;
+
+  std::string name;
+  std::uint32_t window_voxels = 64;
+  std::vector<MaterialView> materials;
+
+  /// Range: material is one of `materials`.
+  void add_part(std::vector<float> position, std::vector<std::uint32_t> index, std::uint32_t material,
+                std::vector<float> uv = {}, std::vector<std::uint16_t> rgba = {});
+  /// The last part once more, moved and scaled; a negative scale mirrors it.
+  void add_instance(double x, double y, double z, double scale);
+  /// Returns its index, for MaterialView::texture.
+  std::int32_t add_texture(int width, int height, TextureAlpha alpha, unsigned seed);
+
+  CellInput input();
+  /// One metre is one voxel; the window starts at the lattice's origin.
+  CellParameters parameters(SurfaceRule surface, MipFilter mip, bool normals) const;
+
+ private:
+  std::deque<std::vector<float>> floats_;
+  std::deque<std::vector<std::uint32_t>> indices_;
+  std::deque<std::vector<std::uint16_t>> colours_;
+  std::deque<Texture> textures_;
+  std::vector<PartView> parts_;
+  std::vector<TextureView> views_;
+};
+
+/// Rolling ground of 2·quads² triangles over the window. wanted: texture coordinates, vertex colours.
+TestCell ground(std::string name, std::uint32_t window_voxels, int quads, bool uv, bool rgba);
+/// One texture for each alpha mode, repeated, mirrored, clamped, stretched.
+TestCell textured_ground();
+/// Triangles from a thousandth of a voxel to a hundred thousand voxels wide, some on lattice planes.
+TestCell triangle_soup(unsigned seed);
+/// 5,000 triangles in one voxel, and as many across one brick.
+TestCell crowded_voxel();
+/// NaN and infinite vertices, no area, out of every window, texture coordinates that are no numbers.
+TestCell bad_triangles();
+/// Small closed boxes, mirrored and scaled instances of one mesh.
+TestCell instances();
+/// A solid-looking stack of planes: bricks with all 512 voxels of one colour, which become constant nodes.
+TestCell constant_block();
+
+std::list<TestCell> all_cells();
+
+}  // namespace gigabake::kernels::test

@@ -1,0 +1,25 @@
+#include "worker/cell_parameters.h"
+
+#include <algorithm>
+
+#include "worker/lattice.h"
+
+namespace gigabake {
+
+kernels::CellParameters cell_parameters(const CellJob& job, const BakeParameters& p, std::uint64_t kernel_bytes) {
+  kernels::CellParameters c;
+  c.frame = snap_frame(p);
+  std::ranges::copy(job.lattice_min, c.window_min);
+  c.window_voxels = job.cell_voxels;
+  c.surface = p.surface == SurfaceRule::thin           ? kernels::SurfaceRule::thin
+              : p.surface == SurfaceRule::conservative ? kernels::SurfaceRule::conservative
+                                                       : kernels::SurfaceRule::area;
+  c.mip = p.mip == MipFilter::thesis ? kernels::MipFilter::thesis
+          : p.mip == MipFilter::box  ? kernels::MipFilter::box
+                                     : kernels::MipFilter::coverage;
+  c.normals = p.normals;
+  c.memory_bytes = kernel_bytes;
+  return c;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,16 @@
+/// From the bake's parameters and a cell's job to what the kernels are told.
+#pragma once
+
+#include <cstdint>
+
+#include "format/cell_job.h"
+#include "format/parameters.h"
+#include "kernels/cell.h"
+
+namespace gigabake {
+
+/// kernel_bytes: working memory to aim for; 0: no bound.
+kernels::CellParameters cell_parameters(const CellJob& job, const BakeParameters& parameters,
+                                        std::uint64_t kernel_bytes);
+
+}  // namespace gigabake
