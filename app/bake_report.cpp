@@ -51,6 +51,7 @@ void print_report(const BakeSummary& s, const std::filesystem::path& out) {
   fmt::print("{} cells ({} empty), {} triangles, {} voxels at lod 0, {} in all, {} on disk\n", s.scene.cells.size(),
              s.cells_empty, s.scene.triangles, t.finest_voxels, t.voxels, readable_bytes(t.bytes));
   print_left_out(s.scene);
+  if (s.bad_uv != 0) fmt::print("{} triangles have texture coordinates that are no numbers; baked as if 0\n", s.bad_uv);
   fmt::print("survey {:.2f} s, bake {:.2f} s on {} ranks × {} threads; ", s.survey_s, s.bake_s, s.ranks, s.threads);
   if (s.ranks_with_device != 0)
     fmt::print("{} cells on the GPUs of {} ranks; ", s.cells_on_device, s.ranks_with_device);
@@ -82,6 +83,7 @@ void print_json_report(const BakeSummary& s, const std::filesystem::path& out) {
   j["slowest_stage"] = slowest_stage(s);
   j["peak_process_bytes"] = s.peak_process_bytes;
   j["peak_kernel_bytes"] = s.peak_kernel_bytes;
+  j["bad_uv"] = s.bad_uv;
   add_left_out(s.scene, j);
   fmt::print("{}\n", j.dump(2));
 }

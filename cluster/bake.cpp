@@ -81,6 +81,7 @@ void add_times(const std::vector<CellReport>& reports, BakeSummary& summary) {
     summary.peak_kernel_bytes = std::max(summary.peak_kernel_bytes, r.peak_bytes);
     summary.cells_empty += r.outcome == CellOutcome::empty;
     summary.cells_on_device += r.on_device;
+    summary.bad_uv += r.bad_uv;
   }
 }
 

@@ -41,6 +41,7 @@ struct BakeSummary {
   SceneDescription scene;
   double survey_s = 0, bake_s = 0, read_s = 0, kernel_s = 0, write_s = 0;
   std::uint64_t peak_kernel_bytes = 0;   ///< of the largest cell
+  std::uint64_t bad_uv = 0;              ///< in the cells of this run: one that crosses cells counts in each
   std::uint64_t peak_process_bytes = 0;  ///< of the largest rank
   std::size_t cells_planned = 0, cells_empty = 0, cells_on_device = 0;
   int ranks_with_device = 0;

@@ -34,6 +34,7 @@ struct CellReport {
   double read_s = 0, kernel_s = 0, write_s = 0;  ///< per stage, wall
   std::uint64_t peak_bytes = 0;                  ///< of the kernels' working memory
   bool on_device = false;                        ///< the kernels ran on a GPU
+  std::uint64_t bad_uv = 0;                      ///< triangles baked without their unusable texture coordinates
   std::string note;                              ///< one line that somebody should read, though all is well
 };
 

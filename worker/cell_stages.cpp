@@ -103,6 +103,7 @@ void CellStages::compute(CellInHand& cell) {
   cell.loaded.reset();
   const kernels::CellStats& stats = cell.volume.stats;
   cell.report.peak_bytes = stats.peak_bytes;
+  cell.report.bad_uv = stats.bad_uv;
   if (stats.oversized != 0)
     throw InputError(cell.job.name, "",
                      std::to_string(stats.oversized) +

@@ -247,6 +247,17 @@ class BadInput(unittest.TestCase):
         finally:
             subprocess.run(["umount", self.out], check=True)
 
+    def test_read_only_disk(self):
+        self.out.mkdir()
+        mount = subprocess.run(["mount", "-t", "tmpfs", "-o", "ro", "tmpfs", self.out], capture_output=True, text=True,
+                               check=False)
+        if mount.returncode != 0:
+            self.skipTest(f"cannot mount a read-only disk: {mount.stderr.strip()}")
+        try:
+            self.expect_refusal(self.good, "Read-only file system")
+        finally:
+            subprocess.run(["umount", self.out], check=True)
+
     def bake_on_full_disk(self):
         random = numpy.random.default_rng(5)
         grid = numpy.arange(101) * 0.04
