@@ -109,18 +109,22 @@ kernels::CellVolume time_cuda(const KernelBenchRequest& request, int device, con
   times.backend = "cuda";
   baker.bake_cell(input, parameters);
   const auto upload = Clock::now();
-  baker.upload(input);
+  const std::shared_ptr<const kernels::CudaInput> uploaded = baker.upload(input);
   times.transfer_s = seconds_since(upload);
+  std::unique_ptr<kernels::CudaVolume> baked;
   repeat(
       request.repeats,
       [&](kernels::CellStats& stats) {
+        baked.reset();
         const auto start = Clock::now();
-        stats = baker.bake(parameters);
-        return seconds_since(start);
+        baked = baker.bake(*uploaded, parameters);
+        const double seconds = seconds_since(start);
+        stats = baked->stats();
+        return seconds;
       },
       times);
   const auto download = Clock::now();
-  kernels::CellVolume volume = baker.download();
+  kernels::CellVolume volume = baker.download(*baked);
   times.transfer_s += seconds_since(download);
   return volume;
 }

@@ -49,34 +49,38 @@ GB_HD TrianglePlane make_plane(const BrickTriangle<I>& t) {
   return r;
 }
 
-/// Where edge p→q meets w = at; the same point from either end.
-GB_HD void cross_edge(const TrianglePlane& t, int p, int q, double at, double& u, double& v) {
-  if (t.w[q] < t.w[p]) {
-    const int s = p;
-    p = q;
-    q = s;
-  }
-  const double share = (at - t.w[p]) / (t.w[q] - t.w[p]);
-  u = t.u[p] + (t.u[q] - t.u[p]) * share;
-  v = t.v[p] + (t.v[q] - t.v[p]) * share;
+struct CutPoint {
+  double u, v;
+};
+
+/// Where edge p→q meets w = at; the same point from either end. Meaningless where it does not.
+GB_HD CutPoint cross_edge(const TrianglePlane& t, int p, int q, double at) {
+  const bool falls = t.w[q] < t.w[p];
+  const int a = falls ? q : p, b = falls ? p : q;
+  const double share = (at - t.w[a]) / (t.w[b] - t.w[a]);
+  return {t.u[a] + (t.u[b] - t.u[a]) * share, t.v[a] + (t.v[b] - t.v[a]) * share};
 }
 
 /// The corners of the part of the triangle with slab ≤ w ≤ slab+1 (voxels from the anchor), as seen along w, at most
-/// five: add(u, v).
+/// five: add(u, v). Crossings are computed whether they are there or not, so that neighbours in a warp do not wait for
+/// each other.
 template <class Add>
 GB_HD void cut_slab(const TrianglePlane& t, double slab, const Add& add) {
   const double low = slab, high = slab + 1;
+#if defined(__CUDA_ARCH__)
+#pragma unroll
+#endif
   for (int p = 0; p < 3; ++p) {
     const int q = p == 2 ? 0 : p + 1;
     const double wp = t.w[p], wq = t.w[q];
-    if (wp >= low && wp <= high) add(t.u[p], t.v[p]);
     const bool crosses_low = (wp < low) != (wq < low) && wp != low && wq != low;
     const bool crosses_high = (wp > high) != (wq > high) && wp != high && wq != high;
+    const CutPoint at_low = cross_edge(t, p, q, low), at_high = cross_edge(t, p, q, high);
     const bool rising = wp < wq;
-    double u, v;
-    if (crosses_low && rising) cross_edge(t, p, q, low, u, v), add(u, v);
-    if (crosses_high) cross_edge(t, p, q, high, u, v), add(u, v);
-    if (crosses_low && !rising) cross_edge(t, p, q, low, u, v), add(u, v);
+    if (wp >= low && wp <= high) add(t.u[p], t.v[p]);
+    if (crosses_low && rising) add(at_low.u, at_low.v);
+    if (crosses_high) add(at_high.u, at_high.v);
+    if (crosses_low && !rising) add(at_low.u, at_low.v);
   }
 }
 

@@ -4,6 +4,7 @@
 
 namespace gigabake::kernels {
 
+class CudaInput {};
 class CudaBaker::Impl {};
 
 CudaDevices cuda_devices() { return {{}, "this gigabake was built without CUDA (no nvcc was found)"}; }
@@ -15,9 +16,11 @@ CudaBaker::~CudaBaker() = default;
 
 // No object exists to call these on.
 CellVolume CudaBaker::bake_cell(const CellInput&, const CellParameters&) { throw CudaFailure(cuda_devices().reason); }
-void CudaBaker::upload(const CellInput&) { throw CudaFailure(cuda_devices().reason); }
-CellStats CudaBaker::bake(const CellParameters&) { throw CudaFailure(cuda_devices().reason); }
-CellVolume CudaBaker::download() { throw CudaFailure(cuda_devices().reason); }
+std::shared_ptr<const CudaInput> CudaBaker::upload(const CellInput&) { throw CudaFailure(cuda_devices().reason); }
+std::unique_ptr<CudaVolume> CudaBaker::bake(const CudaInput&, const CellParameters&) {
+  throw CudaFailure(cuda_devices().reason);
+}
+CellVolume CudaBaker::download(const CudaVolume&) { throw CudaFailure(cuda_devices().reason); }
 
 }  // namespace gigabake::kernels
 #endif

@@ -65,12 +65,12 @@ std::uint64_t quarter_of(int device) {
 }
 
 template <class To, class T>
-std::vector<To> to_host(const DeviceHeap& heap, const DeviceArray<T>& array, std::size_t size) {
+std::vector<To> to_host(cudaStream_t stream, const DeviceArray<T>& array, std::size_t size) {
   static_assert(sizeof(To) <= sizeof(T) || std::is_integral_v<To>);
   std::vector<T> host(size);
-  check_cuda(cudaMemcpyAsync(host.data(), array.data(), size * sizeof(T), cudaMemcpyDeviceToHost, heap.stream()),
+  check_cuda(cudaMemcpyAsync(host.data(), array.data(), size * sizeof(T), cudaMemcpyDeviceToHost, stream),
              "cudaMemcpyAsync (download)");
-  check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (download)");
+  check_cuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize (download)");
   if constexpr (std::is_same_v<To, T>)
     return host;
   else
@@ -79,135 +79,142 @@ std::vector<To> to_host(const DeviceHeap& heap, const DeviceArray<T>& array, std
 
 /// Voxels stand on the device in one word, on the host byte by byte.
 template <class Byte, class T>
-std::vector<Byte> bytes_to_host(const DeviceHeap& heap, const DeviceArray<T>& array, std::size_t size) {
+std::vector<Byte> bytes_to_host(cudaStream_t stream, const DeviceArray<T>& array, std::size_t size) {
   std::vector<Byte> host(size * sizeof(T));
-  check_cuda(cudaMemcpyAsync(host.data(), array.data(), host.size(), cudaMemcpyDeviceToHost, heap.stream()),
+  check_cuda(cudaMemcpyAsync(host.data(), array.data(), host.size(), cudaMemcpyDeviceToHost, stream),
              "cudaMemcpyAsync (download)");
-  check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (download)");
+  check_cuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize (download)");
   return host;
 }
 
-Level to_host(const DeviceHeap& heap, const DeviceLevel& d) {
+Level to_host(cudaStream_t stream, const DeviceLevel& d) {
   Level level;
-  level.key = to_host<std::uint64_t>(heap, d.key, d.bricks);
-  level.mask = to_host<std::uint64_t>(heap, d.mask, 8 * std::size_t(d.bricks));
-  level.first = to_host<std::uint64_t>(heap, d.first, std::size_t(d.bricks) + 1);
-  level.rgba = bytes_to_host<std::uint8_t>(heap, d.rgba, d.voxels);
-  if (d.normal.size() != 0) level.normal = bytes_to_host<std::int8_t>(heap, d.normal, d.voxels);
+  level.key = to_host<std::uint64_t>(stream, d.key, d.bricks);
+  level.mask = to_host<std::uint64_t>(stream, d.mask, 8 * std::size_t(d.bricks));
+  level.first = to_host<std::uint64_t>(stream, d.first, std::size_t(d.bricks) + 1);
+  level.rgba = bytes_to_host<std::uint8_t>(stream, d.rgba, d.voxels);
+  if (d.normal.size() != 0) level.normal = bytes_to_host<std::int8_t>(stream, d.normal, d.voxels);
   return level;
 }
 
-Nodes to_host(const DeviceHeap& heap, const DeviceNodes& d) {
+Nodes to_host(cudaStream_t stream, const DeviceNodes& d) {
   Nodes nodes;
-  nodes.key = to_host<std::uint64_t>(heap, d.key, d.count);
-  nodes.lod = to_host<std::uint8_t>(heap, d.lod, d.count);
-  nodes.child_mask = to_host<std::uint8_t>(heap, d.child_mask, d.count);
-  nodes.first_child = to_host<std::uint32_t>(heap, d.first_child, d.count);
-  nodes.value = to_host<std::uint32_t>(heap, d.value, d.count);
+  nodes.key = to_host<std::uint64_t>(stream, d.key, d.count);
+  nodes.lod = to_host<std::uint8_t>(stream, d.lod, d.count);
+  nodes.child_mask = to_host<std::uint8_t>(stream, d.child_mask, d.count);
+  nodes.first_child = to_host<std::uint32_t>(stream, d.first_child, d.count);
+  nodes.value = to_host<std::uint32_t>(stream, d.value, d.count);
   nodes.kind.assign(d.count, NodeKind::brick);
   nodes.normal.assign(d.count, {});
   return nodes;
 }
 
+class Volume : public CudaVolume {
+ public:
+  const CellStats& stats() const override { return cell_stats; }
+  bool is_empty() const override { return levels.empty(); }
+
+  std::vector<DeviceLevel> levels;
+  DeviceNodes nodes;
+  CellStats cell_stats;
+};
+
 }  // namespace
+
+class CudaInput : public DeviceInput {
+ public:
+  using DeviceInput::DeviceInput;
+};
 
 class CudaBaker::Impl {
  public:
   Impl(int device, std::uint64_t texture_bytes)
       : device_(device),
-        stream_(device),
-        clock_(stream_.handle),
-        heap_(stream_.handle),
-        tables_(heap_),
-        textures_(heap_, texture_bytes != 0 ? texture_bytes : quarter_of(device)) {
+        upload_stream_(device),
+        bake_stream_(device),
+        download_stream_(device),
+        clock_(bake_stream_.handle),
+        upload_heap_(upload_stream_.handle, books_),
+        bake_heap_(bake_stream_.handle, books_),
+        tables_(upload_heap_),
+        textures_(upload_heap_, texture_bytes != 0 ? texture_bytes : quarter_of(device)) {
     keep_pool(device);
   }
 
-  void upload(const CellInput& input) {
+  std::shared_ptr<const CudaInput> upload(const CellInput& input) {
     start();
-    heap_.restart_peak();
-    volume_ = {};
-    input_.reset();
-    input_.emplace(heap_, input, textures_, tables_.view());
-    textured_ = input.textures.size != 0;
+    return std::make_shared<const CudaInput>(upload_heap_, input, textures_, tables_.view());
   }
 
-  CellStats bake(const CellParameters& parameters) {
+  std::unique_ptr<CudaVolume> bake(const CudaInput& uploaded, const CellParameters& parameters) {
     start();
-    volume_ = {};
-    volume_.normals = parameters.normals;
-    CellStats& stats = volume_.stats;
-    const WindowView window = window_view(parameters);
-    InputView input = input_->view();
+    books_.restart_peak();
+    auto volume = std::make_unique<Volume>();
+    CellStats& stats = volume->cell_stats;
     clock_.mark(0);
-    DeviceArray<SnappedVertex> vertices;
-    if (input.triangle_count != 0) vertices = snap_vertices(heap_, input, window);
-    input.vertices = vertices.data();
-    clock_.mark(1);
-    BrickLists lists;
-    if (input.triangle_count != 0) lists = bin_triangles(heap_, input, window, bin_capacity_, stats);
-    clock_.mark(2);
-    DeviceLevel finest;
-    if (lists.bricks != 0)
-      finest = voxelize(heap_, input, window, std::move(lists), parameters.normals, textured_, fill_ratios_, stats);
-    clock_.mark(3);
-    if (finest.bricks != 0) add_levels(std::move(finest), window.levels + 1, parameters);
-    check_cuda(cudaStreamSynchronize(heap_.stream()), "cudaStreamSynchronize (bake)");
+    InputView input = uploaded.view();
+    if (input.triangle_count != 0) bake_levels(input, uploaded.is_textured(), parameters, *volume);
+    check_cuda(cudaStreamSynchronize(bake_stream_.handle), "cudaStreamSynchronize (bake)");
     stats.batches = 1;
-    stats.peak_bytes = heap_.peak_bytes();
+    stats.peak_bytes = books_.peak_bytes();
+    if (input.triangle_count == 0) return volume;
     stats.snap_s = clock_.between(0, 1);
     stats.sort_s = clock_.between(1, 2);
+    if (volume->levels.empty()) return volume;
     stats.voxelize_s = clock_.between(2, 3);
-    if (volume_.levels.empty()) return stats;
     stats.mip_s = clock_.between(3, 4);
     stats.prune_s = clock_.between(4, 5);
-    return stats;
+    return volume;
   }
 
-  CellVolume download() {
+  CellVolume download(const Volume& volume) {
     start();
+    const cudaStream_t stream = download_stream_.handle;
     CellVolume out;
-    out.stats = volume_.stats;
-    for (const DeviceLevel& level : volume_.levels) out.levels.push_back(to_host(heap_, level));
-    if (volume_.nodes.count != 0)
-      out.nodes = to_host(heap_, volume_.nodes);
+    out.stats = volume.cell_stats;
+    for (const DeviceLevel& level : volume.levels) out.levels.push_back(to_host(stream, level));
+    if (volume.nodes.count != 0)
+      out.nodes = to_host(stream, volume.nodes);
     else if (!out.levels.empty())
       out.nodes = prune(out.levels, host_);
     return out;
   }
 
  private:
-  struct DeviceVolume {
-    std::vector<DeviceLevel> levels;
-    DeviceNodes nodes;
-    CellStats stats;
-    bool normals = true;
-  };
-
   void start() { check_cuda(cudaSetDevice(device_), "cudaSetDevice"); }
 
-  void add_levels(DeviceLevel finest, int lods, const CellParameters& parameters) {
+  void bake_levels(InputView& input, bool textured, const CellParameters& parameters, Volume& volume) {
+    CellStats& stats = volume.cell_stats;
+    const WindowView window = window_view(parameters);
+    const DeviceArray<SnappedVertex> vertices = snap_vertices(bake_heap_, input, window);
+    input.vertices = vertices.data();
+    clock_.mark(1);
+    BrickLists lists = bin_triangles(bake_heap_, input, window, bin_capacity_, stats);
+    clock_.mark(2);
+    if (lists.bricks == 0) return;
+    DeviceLevel finest =
+        voxelize(bake_heap_, input, window, std::move(lists), parameters.normals, textured, fill_ratios_, stats);
+    clock_.mark(3);
+    if (finest.bricks == 0) return;
     std::vector<DeviceLevel> coarser =
-        coarser_levels(heap_, tables_.view(), finest, lods, parameters.mip, parameters.normals);
-    volume_.levels.push_back(std::move(finest));
-    for (DeviceLevel& level : coarser) volume_.levels.push_back(std::move(level));
+        coarser_levels(bake_heap_, tables_.view(), finest, window.levels + 1, parameters.mip, parameters.normals);
+    volume.levels.push_back(std::move(finest));
+    for (DeviceLevel& level : coarser) volume.levels.push_back(std::move(level));
     clock_.mark(4);
-    volume_.nodes = brick_nodes(heap_, volume_.levels);
+    volume.nodes = brick_nodes(bake_heap_, volume.levels);
     clock_.mark(5);
   }
 
   int device_;
-  Stream stream_;
+  Stream upload_stream_, bake_stream_, download_stream_;
   StreamClock clock_;
-  DeviceHeap heap_;
+  DeviceBooks books_;
+  DeviceHeap upload_heap_, bake_heap_;
   DeviceTables tables_;
   DeviceTextures textures_;
   BinCapacity bin_capacity_;
   FillRatios fill_ratios_;
   CpuPolicy host_{1};
-  std::optional<DeviceInput> input_;
-  bool textured_ = false;
-  DeviceVolume volume_;
 };
 
 CudaDevices cuda_devices() {
@@ -236,7 +243,8 @@ double device_copy_rate(int device) {
   constexpr std::size_t bytes = std::size_t(1) << 30;
   constexpr int copies = 5;
   const Stream stream(device);
-  DeviceHeap heap(stream.handle);
+  DeviceBooks books;
+  DeviceHeap heap(stream.handle, books);
   const DeviceArray<std::uint8_t> from(heap, bytes), to(heap, bytes);
   StreamClock clock(stream.handle);
   for (int i = 0; i <= copies; ++i) {
@@ -252,14 +260,14 @@ double device_copy_rate(int device) {
 CudaBaker::CudaBaker(int device, std::uint64_t texture_bytes) : impl_(std::make_unique<Impl>(device, texture_bytes)) {}
 CudaBaker::~CudaBaker() = default;
 
-void CudaBaker::upload(const CellInput& input) { impl_->upload(input); }
-CellStats CudaBaker::bake(const CellParameters& parameters) { return impl_->bake(parameters); }
-CellVolume CudaBaker::download() { return impl_->download(); }
+std::shared_ptr<const CudaInput> CudaBaker::upload(const CellInput& input) { return impl_->upload(input); }
+std::unique_ptr<CudaVolume> CudaBaker::bake(const CudaInput& input, const CellParameters& parameters) {
+  return impl_->bake(input, parameters);
+}
+CellVolume CudaBaker::download(const CudaVolume& volume) { return impl_->download(static_cast<const Volume&>(volume)); }
 
 CellVolume CudaBaker::bake_cell(const CellInput& input, const CellParameters& parameters) {
-  upload(input);
-  bake(parameters);
-  return download();
+  return download(*bake(*upload(input), parameters));
 }
 
 }  // namespace gigabake::kernels

@@ -25,7 +25,20 @@ CudaDevices cuda_devices();
 /// Errors  CudaFailure.
 double device_copy_rate(int device);
 
-/// One device. Keeps its memory pool and the textures of recent cells between cells; not for several threads at once.
+/// A cell's triangles and textures on the device.
+class CudaInput;
+
+/// A baked cell on the device.
+class CudaVolume {
+ public:
+  virtual ~CudaVolume() = default;
+  virtual const CellStats& stats() const = 0;
+  virtual bool is_empty() const = 0;
+};
+
+/// One device. Keeps its memory pool and the textures of recent cells between cells.
+/// upload(), bake() and download() may run at the same time on three threads, each for a cell of its own; one of them
+/// not twice at the same time.
 class CudaBaker {
  public:
   /// device: an ordinal that cuda_devices() named. texture_bytes: device memory for textures of recent cells;
@@ -43,9 +56,10 @@ class CudaBaker {
   CellVolume bake_cell(const CellInput& input, const CellParameters& parameters);
 
   /// The three steps of bake_cell(). The input's arrays must live until upload() returns.
-  void upload(const CellInput& input);
-  CellStats bake(const CellParameters& parameters);
-  CellVolume download();
+  std::shared_ptr<const CudaInput> upload(const CellInput& input);
+  std::unique_ptr<CudaVolume> bake(const CudaInput& input, const CellParameters& parameters);
+  /// volume: of this baker.
+  CellVolume download(const CudaVolume& volume);
 
  private:
   class Impl;

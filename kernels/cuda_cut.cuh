@@ -72,8 +72,9 @@ __device__ inline void cut_polygon(const TrianglePlane& plane, double slab, CutI
     ++corners;
   });
   out.corners = std::uint8_t(corners);
-  for (int e = 0; e < corners; ++e) {
-    const int f = e + 1 == corners ? 0 : e + 1;
+#pragma unroll
+  for (int e = 0; e < 5; ++e) {  // all five by all lanes: a loop of as many as there are corners would part them
+    const int f = e + 1 >= corners ? 0 : e + 1;
     const double dv = out.v[f] - out.v[e];
     out.slope[e] = dv != 0 ? (out.u[f] - out.u[e]) / dv : 0;  // as edge_slope()
   }

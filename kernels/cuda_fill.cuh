@@ -14,7 +14,7 @@
 
 namespace gigabake::kernels {
 
-inline constexpr int bricks_per_block = 4, fill_threads = 128, fill_warps = fill_threads / 32;
+inline constexpr int bricks_per_block = 4, fill_threads = 128;
 inline constexpr int mask_words = 16 * bricks_per_block;
 
 /// A batch's bricks and where their voxels go.
@@ -29,13 +29,24 @@ struct FillView {
   std::uint16_t* stage_normal;                ///< or null
   std::uint32_t stage_capacity;
   struct Counters {
-    unsigned staged, items, hard;     ///< of this batch
-    unsigned most_items, most_pairs;  ///< of any batch
-    unsigned stage_overflow;          ///< a batch had more voxels than the stage
+    unsigned staged, items, heavy, hard;           ///< of this batch
+    unsigned most_items, most_pairs, most_staged;  ///< of any batch
     unsigned long long fragments, voxels;
   } * counters;
-  std::uint32_t* hard;  ///< first bricks of the blocks that need wider integers
+  std::uint32_t *heavy, *hard;  ///< BrickSpan: filled first, because they take longest; filled with wider integers
+  std::uint32_t heavy_capacity;
 };
+
+/// Neighbouring bricks that one block fills, in one word.
+struct BrickSpan {
+  std::uint32_t first, bricks;
+  __device__ BrickSpan(std::uint32_t first_brick, std::uint32_t count) : first(first_brick), bricks(count) {}
+  __device__ explicit BrickSpan(std::uint32_t word) : first(word >> 3), bricks(word & 7) {}
+  __device__ std::uint32_t word() const { return first << 3 | bricks; }
+};
+
+/// More triangles than these and every brick has a block of its own: nobody waits long for the last block.
+inline constexpr std::uint32_t most_pairs_together = 512;
 
 /// A batch whose items do not fit is skipped; the host makes room and comes back.
 __device__ inline bool items_fit(const FillView& view) {
@@ -52,14 +63,17 @@ struct FillWidth {
 template <bool is_hard, bool textured>
 struct FillShared {
   VoxelSums<FillWidth<is_hard>::words, FillWidth<is_hard>::slots> sums;
-  FillItem<textured> item[fill_warps][32];
-  std::uint32_t prefix[fill_warps][32];       ///< inclusive, of the items' cells
+  FillItem<textured> item[fill_threads];
+  std::uint32_t prefix[fill_threads];  ///< inclusive, of the items' cells
+  std::uint32_t warp_cells[fill_threads / 32];
   unsigned mask[mask_words];                  ///< bit voxel % 32 of word voxel / 32, brick after brick
   std::uint16_t below[mask_words + 1];        ///< voxels in the words before
   std::uint32_t start[bricks_per_block + 1];  ///< pairs, of the batch
   unsigned invisible[bricks_per_block];
-  std::uint32_t staged_at, fragments;
+  std::uint32_t staged_at;
 };
+
+inline constexpr std::uint32_t no_item = ~0u;
 
 /// A stretch of items that stand together.
 struct ItemRange {
@@ -140,14 +154,29 @@ __device__ void read_item(const FillView& view, std::uint32_t first_brick, std::
                     out);
 }
 
-/// The n-th set bit.
+/// The n-th set bit, in as many steps for one as for all.
 __device__ inline int nth_bit(std::uint64_t bits, int n) {
-  for (; n > 0; --n) bits &= bits - 1;
-  return __ffsll(static_cast<long long>(bits)) - 1;
+  auto word = std::uint32_t(bits);
+  int at = 0, below = __popc(word);
+  if (n >= below) {
+    n -= below;
+    at = 32;
+    word = std::uint32_t(bits >> 32);
+  }
+#pragma unroll
+  for (int half = 16; half != 0; half /= 2) {
+    below = __popc(word & ((1u << half) - 1));
+    if (n < below) continue;
+    n -= below;
+    at += half;
+    word >>= half;
+  }
+  return at;
 }
 
 /// Inclusive sums over the warp.
 __device__ inline std::uint32_t warp_sums(std::uint32_t mine, int lane) {
+#pragma unroll
   for (int d = 1; d < 32; d *= 2) {
     const std::uint32_t before = __shfl_up_sync(~0u, mine, d);
     if (lane >= d) mine += before;
@@ -155,36 +184,44 @@ __device__ inline std::uint32_t warp_sums(std::uint32_t mine, int lane) {
   return mine;
 }
 
+/// prefix[] of the chunk's items; returns the number of fragments. By the whole block.
+template <class Shared>
+__device__ std::uint32_t scan_cells(std::uint32_t cells, Shared& shared) {
+  const int lane = int(threadIdx.x & 31), warp = int(threadIdx.x / 32);
+  __syncwarp();
+  std::uint32_t sum = warp_sums(cells, lane);
+  if (lane == 31) shared.warp_cells[warp] = sum;
+  __syncthreads();
+  for (int w = 0; w < warp; ++w) sum += shared.warp_cells[w];
+  shared.prefix[threadIdx.x] = sum;
+  __syncthreads();
+  return shared.prefix[fill_threads - 1];
+}
+
 /// The item that fragment f of the chunk belongs to.
-__device__ inline int item_of(const std::uint32_t prefix[32], std::uint32_t f) {
+__device__ inline int item_of(const std::uint32_t prefix[fill_threads], std::uint32_t f) {
   int at = 0;
 #pragma unroll
-  for (int half = 16; half != 0; half /= 2)
+  for (int half = fill_threads / 2; half != 0; half /= 2)
     if (prefix[at + half - 1] <= f) at += half;
   return at;
 }
 
-/// Up to 32 items by one warp: cut, then measured and added cell by cell, to the slots from `round` on.
+/// An item a thread, or none: cut, then measured and added cell by cell, to the slots from `round` on.
 template <bool is_hard, bool textured>
-__device__ std::uint32_t add_chunk(const FillView& view, std::uint32_t first_brick, ItemRange chunk, int round,
+__device__ std::uint32_t add_chunk(const FillView& view, std::uint32_t first_brick, std::uint32_t mine, int round,
                                    FillShared<is_hard, textured>& shared) {
-  const int lane = int(threadIdx.x & 31), warp = int(threadIdx.x / 32);
-  FillItem<textured>* items = shared.item[warp];
-  std::uint32_t* prefix = shared.prefix[warp];
-  __syncwarp();  // the last chunk's items are done with
-  const std::uint32_t mine = chunk.begin + std::uint32_t(lane);
+  __syncthreads();  // the last chunk's items are done with
   std::uint32_t cells = 0;
-  if (mine < chunk.end) {
-    read_item(view, first_brick, mine, shared, items[lane]);
-    cells = std::uint32_t(__popcll(items[lane].cells));
+  if (mine != no_item) {
+    read_item(view, first_brick, mine, shared, shared.item[threadIdx.x]);
+    cells = std::uint32_t(__popcll(shared.item[threadIdx.x].cells));
   }
-  const std::uint32_t sum = warp_sums(cells, lane), total = __shfl_sync(~0u, sum, 31);
-  prefix[lane] = sum;
-  __syncwarp();
-  for (std::uint32_t f = std::uint32_t(lane); f < total; f += 32) {
-    const int at = item_of(prefix, f);
-    const FillItem<textured>& item = items[at];
-    const int cell = nth_bit(item.cells, int(f - (at == 0 ? 0 : prefix[at - 1])));
+  const std::uint32_t total = scan_cells(cells, shared);
+  for (std::uint32_t f = threadIdx.x; f < total; f += fill_threads) {
+    const int at = item_of(shared.prefix, f);
+    const FillItem<textured>& item = shared.item[at];
+    const int cell = nth_bit(item.cells, int(f - (at == 0 ? 0 : shared.prefix[at - 1])));
     const int voxel = voxel_of_cell(item.axis, item.slab, cell), word = 16 * item.brick + (voxel >> 5);
     const int slot = shared.below[word] + __popc(shared.mask[word] & ((1u << (voxel & 31)) - 1)) - round;
     if (slot < 0 || slot >= FillWidth<is_hard>::slots) continue;
@@ -193,19 +230,27 @@ __device__ std::uint32_t add_chunk(const FillView& view, std::uint32_t first_bri
   return total;
 }
 
-/// All items of the block's bricks, chunks dealt out to the warps.
+/// All items of the block's bricks, a chunk of as many as there are threads at a time, over the ends of groups.
 template <bool is_hard, bool textured>
-__device__ void add_items(const FillView& view, std::uint32_t first_brick, int round,
-                          FillShared<is_hard, textured>& shared) {
-  std::uint32_t fragments = 0, chunk = 0;
-  for_each_range(
-      view.items, shared.start[0], shared.start[bricks_per_block],
-      view.bricks.start[view.end] - view.bricks.start[view.begin], [&](ItemRange range) {
-        for (std::uint32_t i = range.begin; i < range.end; i += 32, ++chunk)
-          if (chunk % fill_warps == threadIdx.x / 32)
-            fragments += add_chunk(view, first_brick, {i, smaller<std::uint32_t>(i + 32, range.end)}, round, shared);
-      });
-  if (round == 0 && (threadIdx.x & 31) == 0 && fragments != 0) atomicAdd(&shared.fragments, fragments);
+__device__ std::uint32_t add_items(const FillView& view, std::uint32_t first_brick, int round,
+                                   FillShared<is_hard, textured>& shared) {
+  std::uint32_t fragments = 0, waiting = 0, mine = no_item;
+  for_each_range(view.items, shared.start[0], shared.start[bricks_per_block],
+                 view.bricks.start[view.end] - view.bricks.start[view.begin], [&](ItemRange range) {
+                   while (range.begin < range.end) {
+                     const std::uint32_t taken = smaller(range.end - range.begin, fill_threads - waiting);
+                     if (threadIdx.x >= waiting && threadIdx.x < waiting + taken)
+                       mine = range.begin + (threadIdx.x - waiting);
+                     range.begin += taken;
+                     waiting += taken;
+                     if (waiting != fill_threads) continue;
+                     fragments += add_chunk(view, first_brick, mine, round, shared);
+                     waiting = 0;
+                     mine = no_item;
+                   }
+                 });
+  if (waiting != 0) fragments += add_chunk(view, first_brick, mine, round, shared);
+  return fragments;
 }
 
 /// A voxel without anything visible leaves its brick's mask.
@@ -238,14 +283,13 @@ __device__ void resolve_round(const FillView& view, std::uint64_t* mask, bool fi
 
 /// Masks and voxel counts of the block's bricks, before anything is resolved. False: a thread has a wide item.
 template <class Shared>
-__device__ bool open_bricks(const FillView& view, std::uint32_t first_brick, std::uint32_t bricks, Shared& shared) {
+__device__ bool open_bricks(const FillView& view, BrickSpan span, Shared& shared) {
   const std::uint32_t batch_pair = view.bricks.start[view.begin];
   if (threadIdx.x <= bricks_per_block)
     shared.start[threadIdx.x] =
-        view.bricks.start[first_brick + smaller<std::uint32_t>(threadIdx.x, bricks)] - batch_pair;
+        view.bricks.start[span.first + smaller<std::uint32_t>(threadIdx.x, span.bricks)] - batch_pair;
   if (threadIdx.x < mask_words) shared.mask[threadIdx.x] = 0;
   if (threadIdx.x < bricks_per_block) shared.invisible[threadIdx.x] = 0;
-  if (threadIdx.x == 0) shared.fragments = 0;
   __syncthreads();
   bool is_wide = false;
   for_each_range(view.items, shared.start[0], shared.start[bricks_per_block], view.bricks.start[view.end] - batch_pair,
@@ -255,45 +299,40 @@ __device__ bool open_bricks(const FillView& view, std::uint32_t first_brick, std
 
 /// What the host and unstage() want to know of each brick.
 template <class Shared>
-__device__ void close_bricks(const FillView& view, std::uint32_t first_brick, std::uint32_t bricks,
-                             const Shared& shared) {
-  if (threadIdx.x >= bricks) return;
-  const std::uint32_t b = threadIdx.x, brick = first_brick + b;
+__device__ void close_bricks(const FillView& view, BrickSpan span, std::uint32_t fragments, const Shared& shared) {
+  if (threadIdx.x >= span.bricks) return;
+  const std::uint32_t b = threadIdx.x, brick = span.first + b;
   const std::uint32_t staged = shared.below[16 * b + 16] - shared.below[16 * b], count = staged - shared.invisible[b];
   view.count[brick] = count;
   view.staged[brick] = staged;
   view.staged_at[brick] = shared.staged_at + shared.below[16 * b];
   if (count != 0) atomicAdd(&view.counters->voxels, (unsigned long long)count);
-  if (b == 0 && shared.fragments != 0) atomicAdd(&view.counters->fragments, (unsigned long long)shared.fragments);
+  if (b == 0 && fragments != 0) atomicAdd(&view.counters->fragments, (unsigned long long)fragments);
 }
 
-/// The block's bricks from `first_brick` on. False, and nothing written: they need wider integers.
+/// The bricks of one block. False, and nothing written: they need wider integers.
 template <bool is_hard, bool textured>
-__device__ bool fill_bricks(const FillView& view, std::uint32_t first_brick, FillShared<is_hard, textured>& shared) {
+__device__ bool fill_bricks(const FillView& view, BrickSpan span, FillShared<is_hard, textured>& shared) {
   constexpr int slots = FillWidth<is_hard>::slots;
-  const std::uint32_t bricks = smaller<std::uint32_t>(bricks_per_block, view.end - first_brick);
-  if (!open_bricks(view, first_brick, bricks, shared) && !is_hard) return false;
+  if (!open_bricks(view, span, shared) && !is_hard) return false;
   const int voxels = count_voxels(shared);
-  if (threadIdx.x == 0) {
-    shared.staged_at = atomicAdd(&view.counters->staged, unsigned(voxels));
-    if (std::uint64_t(shared.staged_at) + std::uint64_t(voxels) > view.stage_capacity)
-      view.counters->stage_overflow = 1;
-  }
-  std::uint64_t* mask = view.mask + 8 * std::size_t(first_brick);
-  if (threadIdx.x < 8 * bricks)
+  if (threadIdx.x == 0) shared.staged_at = atomicAdd(&view.counters->staged, unsigned(voxels));
+  std::uint64_t* mask = view.mask + 8 * std::size_t(span.first);
+  if (threadIdx.x < 8 * span.bricks)
     mask[threadIdx.x] = shared.mask[2 * threadIdx.x] | std::uint64_t(shared.mask[2 * threadIdx.x + 1]) << 32;
+  std::uint32_t fragments = 0;
   for (int round = 0; round < voxels; round += slots) {
     const int used = smaller(slots, voxels - round);
     __syncthreads();
     shared.sums.clear(int(threadIdx.x), fill_threads, used);
     __syncthreads();
-    add_items(view, first_brick, round, shared);
+    fragments = add_items(view, span.first, round, shared);
     __syncthreads();
     const bool fits = std::uint64_t(shared.staged_at) + std::uint64_t(voxels) <= view.stage_capacity;
     resolve_round(view, mask, fits, round, used, shared);
   }
   __syncthreads();
-  close_bricks(view, first_brick, bricks, shared);
+  close_bricks(view, span, fragments, shared);
   return true;
 }
 

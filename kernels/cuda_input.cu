@@ -73,37 +73,39 @@ std::size_t texture_bytes(const TextureView& t) {
 
 }  // namespace
 
-TextureView DeviceTextures::view_of(const TextureView& host) {
+std::shared_ptr<const DeviceTexture> DeviceTextures::get(const TextureView& host) {
   if (const auto found = by_id_.find(host.id); found != by_id_.end()) {
     entries_.splice(entries_.begin(), entries_, found->second);
-    entries_.front().cell = cell_;
-    return entries_.front().view;
+    return entries_.front();
   }
   const std::size_t bytes = texture_bytes(host);
   make_room(bytes);
-  Entry entry{host.id, cell_, DeviceArray<std::uint8_t>(heap_, bytes), host};
+  auto texture = std::make_shared<DeviceTexture>();
+  texture->id = host.id;
+  texture->texels = DeviceArray<std::uint8_t>(heap_, bytes);
+  texture->view = host;
   std::size_t at = 0;
   for (int l = 0; l < host.levels; ++l) {
     const void* from = l == 0 ? static_cast<const void*>(host.base) : host.level[l];
-    std::uint8_t* to = entry.texels.data() + at;
+    std::uint8_t* to = texture->texels.data() + at;
     check_cuda(cudaMemcpyAsync(to, from, level_bytes(host, l), cudaMemcpyHostToDevice, heap_.stream()),
                "cudaMemcpyAsync (texture)");
     if (l == 0)
-      entry.view.base = to;
+      texture->view.base = to;
     else
-      entry.view.level[l] = reinterpret_cast<const std::uint16_t*>(to);
+      texture->view.level[l] = reinterpret_cast<const std::uint16_t*>(to);
     at += aligned(level_bytes(host, l));
   }
   used_ += bytes;
-  entries_.push_front(std::move(entry));
+  entries_.push_front(texture);
   by_id_[host.id] = entries_.begin();
-  return entries_.front().view;
+  return texture;
 }
 
 void DeviceTextures::make_room(std::uint64_t bytes) {
-  while (!entries_.empty() && used_ + bytes > budget_ && entries_.back().cell != cell_) {
-    used_ -= entries_.back().texels.bytes();
-    by_id_.erase(entries_.back().id);
+  while (!entries_.empty() && used_ + bytes > budget_) {
+    used_ -= entries_.back()->texels.bytes();
+    by_id_.erase(entries_.back()->id);
     entries_.pop_back();
   }
 }
@@ -151,9 +153,11 @@ DeviceInput::DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTexture
   }
   parts_ = upload(heap, parts.data(), parts.size());
   materials_ = upload(heap, input.materials.data, input.materials.size);
-  textures.begin_cell();
   std::vector<TextureView> views;
-  for (std::size_t i = 0; i < input.textures.size; ++i) views.push_back(textures.view_of(input.textures[i]));
+  for (std::size_t i = 0; i < input.textures.size; ++i) {
+    held_.push_back(textures.get(input.textures[i]));
+    views.push_back(held_.back()->view);
+  }
   textures_ = upload(heap, views.data(), views.size());
   check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (upload)");  // the host's arrays may go now
 }
@@ -161,10 +165,6 @@ DeviceInput::DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTexture
 InputView DeviceInput::view() const {
   return {parts_.data(), materials_.data(), textures_.data(), nullptr, tables_, std::uint32_t(parts_.size()),
           vertex_count_, triangle_count_};
-}
-
-std::uint64_t DeviceInput::bytes() const {
-  return arrays_.bytes() + parts_.bytes() + materials_.bytes() + textures_.bytes();
 }
 
 }  // namespace gigabake::kernels

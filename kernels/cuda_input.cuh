@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <list>
+#include <memory>
 #include <unordered_map>
 #include <vector>
 
@@ -75,24 +76,24 @@ __device__ inline WindowTriangle window_triangle(const InputView& in, std::uint3
   return t;
 }
 
-/// Textures of recent cells. Those of the present cell stay; others go, longest unused first, when the budget is full.
+struct DeviceTexture {
+  std::uint64_t id = 0;
+  DeviceArray<std::uint8_t> texels;
+  TextureView view;  ///< with device pointers
+};
+
+/// Textures of recent cells. The longest unused go when the budget is full; cells that hold them keep them alive.
 class DeviceTextures {
  public:
   DeviceTextures(DeviceHeap& heap, std::uint64_t budget_bytes) : heap_(heap), budget_(budget_bytes) {}
-  /// The texture's pyramid with device pointers. Call begin_cell() before the first of a cell.
-  TextureView view_of(const TextureView& host);
-  void begin_cell() { ++cell_; }
+  std::shared_ptr<const DeviceTexture> get(const TextureView& host);
 
  private:
-  struct Entry {
-    std::uint64_t id, cell;
-    DeviceArray<std::uint8_t> texels;
-    TextureView view;
-  };
+  using Entry = std::shared_ptr<const DeviceTexture>;
   void make_room(std::uint64_t bytes);
 
   DeviceHeap& heap_;
-  std::uint64_t budget_, used_ = 0, cell_ = 0;
+  std::uint64_t budget_, used_ = 0;
   std::list<Entry> entries_;  ///< latest use first
   std::unordered_map<std::uint64_t, std::list<Entry>::iterator> by_id_;
 };
@@ -115,8 +116,7 @@ class DeviceInput {
   /// Errors  CudaFailure; std::length_error beyond 2^32-1 vertices or triangles.
   DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTextures& textures, const Tables& tables);
   InputView view() const;
-  std::uint64_t bytes() const;
-  std::uint32_t vertex_count() const { return vertex_count_; }
+  bool is_textured() const { return !held_.empty(); }
 
  private:
   std::uint32_t vertex_count_ = 0, triangle_count_ = 0;
@@ -125,6 +125,7 @@ class DeviceInput {
   DeviceArray<DevicePart> parts_;
   DeviceArray<MaterialView> materials_;
   DeviceArray<TextureView> textures_;
+  std::vector<std::shared_ptr<const DeviceTexture>> held_;
 };
 
 }  // namespace gigabake::kernels

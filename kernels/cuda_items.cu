@@ -47,15 +47,21 @@ __global__ void __launch_bounds__(pairs_per_group) find_items(InputView in, Surf
                                                               std::uint32_t begin, std::uint32_t end, ItemView items) {
   using Scan = cub::BlockScan<std::uint32_t, int(pairs_per_group)>;
   __shared__ typename Scan::TempStorage scan;
-  __shared__ std::uint32_t group_first;
+  __shared__ std::uint32_t group_first, group_bricks[2];
   __shared__ std::uint64_t all_slabs[8 * pairs_per_group];
   const ThreadSlabs slabs{all_slabs + threadIdx.x};
   const std::uint32_t first_pair = bricks.start[begin], pairs = bricks.start[end] - first_pair;
   for (std::uint32_t group = blockIdx.x; group * pairs_per_group < pairs; group += gridDim.x) {
     const std::uint32_t pair = group * pairs_per_group + threadIdx.x;
     std::uint32_t mine = 0, before = 0, all = 0, where = 0;
+    // One warp finds the group's first and last brick; the others search between.
+    if (threadIdx.x < 2)
+      group_bricks[threadIdx.x] =
+          brick_of_pair(bricks.start, begin, end,
+                        first_pair + smaller(group * pairs_per_group + (pairs_per_group - 1) * threadIdx.x, pairs - 1));
+    __syncthreads();
     if (pair < pairs) {
-      where = touch_pair(in, rule, bricks, begin, end, first_pair + pair, slabs) | pair << 6;
+      where = touch_pair(in, rule, bricks, group_bricks[0], group_bricks[1] + 1, first_pair + pair, slabs) | pair << 6;
       for (int w = 0; w < 8; ++w) mine += slabs[w] != 0;
     }
     Scan(scan).ExclusiveSum(mine, before, all);

@@ -95,28 +95,26 @@ __device__ Voxel voxel_at(const LevelView& level, std::uint32_t i) {
   return v;
 }
 
-/// The 2×2×2 voxels of a brick from (2x, 2y, 2z).
-__device__ VoxelOctet octet_at(const LevelView& level, std::uint32_t brick, int x, int y, int z) {
-  VoxelOctet octet;
-  octet.present = 0;
+/// The parent of the 2×2×2 voxels of a brick from (2x, 2y, 2z). before: voxels of the brick below slab 2z.
+__device__ Voxel parent_of(const LevelView& level, std::uint32_t brick, std::uint32_t before, int x, int y, int z,
+                           MipFilter filter, const Tables& tables) {
+  MipSums sums;
   const std::uint64_t* mask = level.mask + 8 * std::size_t(brick);
-  std::uint32_t before = level.first[brick];
-  for (int w = 0; w < 2 * z; ++w) before += std::uint32_t(__popcll(mask[w]));
+  std::uint32_t first = level.first[brick] + before;
+#pragma unroll
   for (int dz = 0; dz < 2; ++dz) {
     const std::uint64_t word = mask[2 * z + dz];
+#pragma unroll
     for (int dy = 0; dy < 2; ++dy) {
       const int bit = 2 * x + 8 * (2 * y + dy);
-      std::uint32_t at = before + std::uint32_t(__popcll(word & ((std::uint64_t(1) << bit) - 1)));
-      for (int dx = 0; dx < 2; ++dx) {
-        if ((word >> (bit + dx) & 1) == 0) continue;
-        const int c = dx | dy << 1 | dz << 2;
-        octet.child[c] = voxel_at(level, at++);
-        octet.present |= std::uint8_t(1u << c);
-      }
+      std::uint32_t at = first + std::uint32_t(__popcll(word & ((std::uint64_t(1) << bit) - 1)));
+#pragma unroll
+      for (int dx = 0; dx < 2; ++dx)
+        if ((word >> (bit + dx) & 1) != 0) sums.add(dx | dy << 1 | dz << 2, voxel_at(level, at++), tables);
     }
-    before += std::uint32_t(__popcll(word));
+    first += std::uint32_t(__popcll(word));
   }
-  return octet;
+  return sums.voxel(filter, tables);
 }
 
 struct ParentView {
@@ -128,14 +126,23 @@ struct ParentView {
 };
 
 /// One warp a parent: its voxels are listed, then filtered side by side.
-__global__ void __launch_bounds__(128) filter_parents(LevelView fine, ParentView out, MipFilter filter, Tables tables) {
+__global__ void __launch_bounds__(128, 8)
+    filter_parents(LevelView fine, ParentView out, MipFilter filter, Tables tables) {
   __shared__ std::uint16_t lists[4][brick_voxels];
   __shared__ std::uint32_t children[4][8];
+  __shared__ std::uint16_t before[4][32];  // [child][slab pair]: voxels of the child below
   const int lane = int(threadIdx.x & 31), warp = int(threadIdx.x / 32);
   const std::uint32_t p = blockIdx.x * 4 + std::uint32_t(warp);
   if (p >= out.parents) return;
   const std::uint32_t begin = out.start[p], end = p + 1 == out.parents ? fine.bricks : out.start[p + 1];
-  if (begin + lane < end) children[warp][fine.key[begin + lane] & 7] = begin + std::uint32_t(lane);
+  if (begin + std::uint32_t(lane / 4) < end) {
+    const std::uint32_t child = begin + std::uint32_t(lane / 4), octant = fine.key[child] & 7;
+    std::uint32_t below_pair = 0;
+    for (int w = 0; w < 2 * (lane % 4); ++w)
+      below_pair += std::uint32_t(__popcll(fine.mask[8 * std::size_t(child) + w]));
+    children[warp][octant] = child;
+    before[warp][4 * octant + lane % 4] = std::uint16_t(below_pair);
+  }
   const std::uint64_t* mask = out.mask + 8 * std::size_t(p);
   std::uint32_t below = 0;
   for (int word = 0; word < 8; ++word) {
@@ -151,8 +158,9 @@ __global__ void __launch_bounds__(128) filter_parents(LevelView fine, ParentView
   const std::uint32_t first = out.first[p];
   for (std::uint32_t i = std::uint32_t(lane); i < below; i += 32) {
     const int voxel = lists[warp][i], x = voxel & 7, y = voxel >> 3 & 7, z = voxel >> 6;
-    const std::uint32_t child = children[warp][x >> 2 | (y >> 2) << 1 | (z >> 2) << 2];
-    const Voxel v = mip(octet_at(fine, child, x & 3, y & 3, z & 3), filter, tables);
+    const int octant = x >> 2 | (y >> 2) << 1 | (z >> 2) << 2;
+    const Voxel v = parent_of(fine, children[warp][octant], before[warp][4 * octant + (z & 3)], x & 3, y & 3, z & 3,
+                              filter, tables);
     out.rgba[first + i] = std::uint32_t(v.rgba[0]) | std::uint32_t(v.rgba[1]) << 8 | std::uint32_t(v.rgba[2]) << 16 |
                           std::uint32_t(v.rgba[3]) << 24;
     if (out.normal != nullptr)

@@ -14,14 +14,13 @@ void check_cuda(cudaError_t code, const char* call) {
 void* DeviceHeap::take(std::size_t bytes) {
   void* data = nullptr;
   check_cuda(cudaMallocAsync(&data, std::max<std::size_t>(bytes, 1), stream_), "cudaMallocAsync");
-  live_ += bytes;
-  peak_ = std::max(peak_, live_);
+  books_.add(std::int64_t(bytes));
   return data;
 }
 
 void DeviceHeap::give(void* data, std::size_t bytes) noexcept {
   if (data != nullptr) cudaFreeAsync(data, stream_);
-  live_ -= bytes;
+  books_.add(-std::int64_t(bytes));
 }
 
 }  // namespace gigabake::kernels

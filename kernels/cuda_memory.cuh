@@ -1,6 +1,7 @@
 /// Device memory with its books kept: stream-ordered arrays from one pool, what is live and what was the most.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <cuda_runtime.h>
@@ -13,23 +14,38 @@ namespace gigabake::kernels {
 /// Errors  CudaFailure, naming the call.
 void check_cuda(cudaError_t code, const char* call);
 
-/// Every allocation of a baker. Not for several threads.
+/// Device bytes of all of a baker's heaps.
+class DeviceBooks {
+ public:
+  void add(std::int64_t bytes) {
+    const std::int64_t now = live_ += bytes;
+    std::int64_t peak = peak_;
+    while (peak < now && !peak_.compare_exchange_weak(peak, now)) {
+    }
+  }
+  std::uint64_t live_bytes() const { return std::uint64_t(live_.load()); }
+  std::uint64_t peak_bytes() const { return std::uint64_t(peak_.load()); }
+  void restart_peak() { peak_ = live_.load(); }
+
+ private:
+  std::atomic<std::int64_t> live_{0}, peak_{0};
+};
+
+/// The allocations of one stream. What one stream makes and another reads is freed once the host has waited for the
+/// reader.
 class DeviceHeap {
  public:
-  explicit DeviceHeap(cudaStream_t stream) : stream_(stream) {}
+  DeviceHeap(cudaStream_t stream, DeviceBooks& books) : stream_(stream), books_(books) {}
 
   /// Errors  CudaFailure: out of device memory.
   void* take(std::size_t bytes);
   void give(void* data, std::size_t bytes) noexcept;
 
   cudaStream_t stream() const { return stream_; }
-  std::uint64_t live_bytes() const { return live_; }
-  std::uint64_t peak_bytes() const { return peak_; }
-  void restart_peak() { peak_ = live_; }
 
  private:
   cudaStream_t stream_;
-  std::uint64_t live_ = 0, peak_ = 0;
+  DeviceBooks& books_;
 };
 
 /// An array of the device, freed in stream order. Not initialised.
@@ -60,26 +76,6 @@ class DeviceArray {
   DeviceHeap* heap_ = nullptr;
   T* data_ = nullptr;
   std::size_t size_ = 0;
-};
-
-/// Host memory that the device reads and writes by itself.
-template <class T>
-class PinnedArray {
- public:
-  explicit PinnedArray(std::size_t size) : size_(size) {
-    check_cuda(cudaMallocHost(reinterpret_cast<void**>(&data_), size * sizeof(T)), "cudaMallocHost");
-  }
-  ~PinnedArray() { cudaFreeHost(data_); }
-  PinnedArray(const PinnedArray&) = delete;
-  PinnedArray& operator=(const PinnedArray&) = delete;
-
-  T* data() const { return data_; }
-  T& operator[](std::size_t i) const { return data_[i]; }
-  std::size_t size() const { return size_; }
-
- private:
-  T* data_ = nullptr;
-  std::size_t size_;
 };
 
 /// Blocks of `threads` that cover `items`; at least one, so that a launch is never empty.

@@ -13,17 +13,41 @@ namespace {
 
 constexpr unsigned threads = 256, item_blocks = 4096, hard_blocks = 512;
 
+__device__ std::uint32_t pairs_of(const FillView& view, std::uint32_t first, std::uint32_t end) {
+  return view.bricks.start[end] - view.bricks.start[first];
+}
+
+/// Bricks of the groups with many triangles, one by one: heavy ones, and those that need wide sums.
+__global__ void find_heavy_bricks(FillView view) {
+  const std::uint32_t first = view.begin + (blockIdx.x * blockDim.x + threadIdx.x) * bricks_per_block;
+  if (first >= view.end || !items_fit(view)) return;
+  const std::uint32_t end = smaller(first + bricks_per_block, view.end);
+  if (pairs_of(view, first, end) <= most_pairs_together) return;
+  for (std::uint32_t b = first; b < end; ++b) {
+    if (pairs_of(view, b, b + 1) <= std::uint32_t(fragments_before_flush))
+      view.heavy[atomicAdd(&view.counters->heavy, 1u)] = BrickSpan(b, 1).word();
+    else
+      view.hard[atomicAdd(&view.counters->hard, 1u)] = BrickSpan(b, 1).word();
+  }
+}
+
+/// Heavy bricks, a block each, then groups of the others.
 template <bool textured>
 __global__ void __launch_bounds__(fill_threads, 4) fill_easy_bricks(FillView view) {
   extern __shared__ __align__(16) unsigned char raw[];
   auto& shared = *reinterpret_cast<FillShared<false, textured>*>(raw);
-  const std::uint32_t first = view.begin + blockIdx.x * bricks_per_block;
   if (!items_fit(view)) return;
-  bool is_hard = false;
-  for (std::uint32_t b = first; b < smaller(first + bricks_per_block, view.end); ++b)
-    is_hard |= view.bricks.start[b + 1] - view.bricks.start[b] > std::uint32_t(fragments_before_flush);
-  is_hard = is_hard || !fill_bricks(view, first, shared);
-  if (is_hard && threadIdx.x == 0) view.hard[atomicAdd(&view.counters->hard, 1u)] = first;
+  BrickSpan span(0, 0);
+  if (blockIdx.x < view.heavy_capacity) {
+    if (blockIdx.x >= view.counters->heavy) return;
+    span = BrickSpan(view.heavy[blockIdx.x]);
+  } else {
+    span.first = view.begin + (blockIdx.x - view.heavy_capacity) * bricks_per_block;
+    span.bricks = smaller<std::uint32_t>(bricks_per_block, view.end - span.first);
+    if (pairs_of(view, span.first, span.first + span.bricks) > most_pairs_together) return;
+  }
+  if (!fill_bricks(view, span, shared) && threadIdx.x == 0)
+    view.hard[atomicAdd(&view.counters->hard, 1u)] = span.word();
 }
 
 template <bool textured>
@@ -32,7 +56,7 @@ __global__ void __launch_bounds__(fill_threads) fill_hard_bricks(FillView view) 
   auto& shared = *reinterpret_cast<FillShared<true, textured>*>(raw);
   for (std::uint32_t i = blockIdx.x; items_fit(view) && i < view.counters->hard; i += gridDim.x) {
     __syncthreads();
-    fill_bricks(view, view.hard[i], shared);
+    fill_bricks(view, BrickSpan(view.hard[i]), shared);
   }
 }
 
@@ -42,6 +66,7 @@ __global__ void unstage(FillView view, const std::uint32_t* first, std::uint32_t
   if (blockIdx.x == 0 && threadIdx.x == 0) {
     FillView::Counters& c = *view.counters;
     c.most_items = larger(c.most_items, c.items);
+    c.most_staged = larger(c.most_staged, c.staged);
     c.most_pairs = larger(c.most_pairs, view.bricks.start[view.end] - view.bricks.start[view.begin]);
   }
   const std::uint32_t brick = view.begin + (blockIdx.x * blockDim.x + threadIdx.x) / 32, lane = threadIdx.x & 31;
@@ -94,7 +119,10 @@ void launch_fill(const FillView& view, SurfaceRule rule, cudaStream_t stream) {
   find_items<<<item_blocks, pairs_per_group, 0, stream>>>(view.input, rule, view.bricks, view.begin, view.end,
                                                           view.items);
   check_launch("find_items");
-  fill_easy_bricks<textured><<<grid_of(view.end - view.begin, bricks_per_block), fill_threads, bytes, stream>>>(view);
+  const unsigned groups = grid_of(view.end - view.begin, bricks_per_block);
+  find_heavy_bricks<<<grid_of(groups, threads), threads, 0, stream>>>(view);
+  check_launch("find_heavy_bricks");
+  fill_easy_bricks<textured><<<view.heavy_capacity + groups, fill_threads, bytes, stream>>>(view);
   check_launch("fill_easy_bricks");
   fill_hard_bricks<textured><<<hard_blocks, fill_threads, hard_bytes, stream>>>(view);
   check_launch("fill_hard_bricks");
@@ -125,7 +153,8 @@ class Filler {
         stage_rgba_(heap, sizes.stage_voxels),
         staged_(heap, lists.bricks),
         staged_at_(heap, lists.bricks),
-        hard_(heap, sizes.bricks_per_batch / bricks_per_block + 1),
+        heavy_(heap, bricks_per_block * (sizes.pairs_per_batch / most_pairs_together + 1)),
+        hard_(heap, sizes.bricks_per_batch),
         where_(heap, sizes.items_per_batch),
         first_(heap, sizes.pairs_per_batch),
         group_end_(heap, sizes.pairs_per_batch / pairs_per_group + 1),
@@ -153,6 +182,8 @@ class Filler {
     view_.stage_normal = normals ? stage_normal_.data() : nullptr;
     view_.stage_capacity = sizes.stage_voxels;
     view_.counters = counters_.data();
+    view_.heavy = heavy_.data();
+    view_.heavy_capacity = std::uint32_t(heavy_.size());
     view_.hard = hard_.data();
     scan(nullptr, temporary_bytes_, 0, std::min(n, sizes.bricks_per_batch));
     temporary_ = TemporaryStorage(heap, temporary_bytes_);
@@ -194,7 +225,7 @@ class Filler {
   SurfaceRule rule_;
   bool textured_;
   FillSizes sizes_;
-  DeviceArray<std::uint32_t> stage_rgba_, staged_, staged_at_, hard_, where_, first_, group_end_;
+  DeviceArray<std::uint32_t> stage_rgba_, staged_, staged_at_, heavy_, hard_, where_, first_, group_end_;
   DeviceArray<std::uint64_t> cells_;
   DeviceArray<std::uint16_t> stage_normal_;
   DeviceArray<FillView::Counters> counters_;
@@ -235,8 +266,9 @@ DeviceLevel without_empty(DeviceHeap& heap, const BrickLists& lists, Filled fill
   return level;
 }
 
-/// Batches of about this many pairs: small beside a cell's input and output, and a launch costs little beside it.
-constexpr std::uint64_t pairs_per_batch = std::uint64_t(1) << 19;
+/// Batches of about this many pairs, or voxels: small beside a cell's input and output, and a launch costs little
+/// beside them.
+constexpr std::uint64_t pairs_per_batch = std::uint64_t(1) << 19, voxels_per_batch = std::uint64_t(3) << 19;
 
 std::uint32_t with_room(double wanted, std::uint64_t least) {
   const double room = std::max(1.125 * wanted, double(least));
@@ -246,13 +278,15 @@ std::uint32_t with_room(double wanted, std::uint64_t least) {
 }
 
 FillSizes first_sizes(const BrickLists& lists, const FillRatios& ratios) {
-  const std::uint64_t pairs = lists.triangle.size(), batch = std::min(pairs, pairs_per_batch);
+  const std::uint64_t pairs = lists.triangle.size(),
+                      batch = std::min({pairs, pairs_per_batch,
+                                        1 + std::uint64_t(double(voxels_per_batch) / ratios.voxels_per_pair)});
   FillSizes s;
   s.bricks_per_batch = std::uint32_t(std::max<std::uint64_t>(1, lists.bricks * batch / pairs));
-  s.pairs_per_batch = with_room(double(batch), pairs_per_group);
-  s.items_per_batch = with_room(double(batch) * ratios.items_per_pair, 1024);
+  s.pairs_per_batch = with_room(double(batch) * ratios.pairs_spread, pairs_per_group);
+  s.items_per_batch = with_room(double(batch) * ratios.pairs_spread * ratios.items_per_pair, 1024);
   s.voxels = with_room(double(pairs) * ratios.voxels_per_pair, 1024);
-  s.stage_voxels = std::min(s.voxels, with_room(double(batch) * ratios.voxels_per_pair, 1024));
+  s.stage_voxels = std::min(s.voxels, with_room(double(batch) * ratios.voxels_per_pair * ratios.voxels_spread, 1024));
   return s;
 }
 
@@ -262,9 +296,18 @@ bool fits(const FillView::Counters& counted, FillSizes& s) {
   s.pairs_per_batch = std::max(s.pairs_per_batch, counted.most_pairs);
   s.items_per_batch = std::max(s.items_per_batch, counted.most_items);
   s.voxels = std::max(s.voxels, with_room(double(counted.voxels) / 1.125, 0));
-  if (counted.stage_overflow != 0) s.stage_voxels = with_room(2.0 * double(s.stage_voxels), 1024);
+  s.stage_voxels = std::max(s.stage_voxels, counted.most_staged);
   return s.pairs_per_batch == tried.pairs_per_batch && s.items_per_batch == tried.items_per_batch &&
          s.voxels == tried.voxels && s.stage_voxels == tried.stage_voxels;
+}
+
+void learn(const FillView::Counters& counted, const BrickLists& lists, const FillSizes& sizes, FillRatios& ratios) {
+  const double pairs = double(lists.triangle.size());
+  const double mean_batch = pairs * std::min(1.0, double(sizes.bricks_per_batch) / double(lists.bricks));
+  ratios.voxels_per_pair = std::max(0.01, double(counted.voxels) / pairs);
+  ratios.items_per_pair = std::max(0.01, double(counted.most_items) / std::max(1.0, double(counted.most_pairs)));
+  ratios.pairs_spread = std::max(1.0, double(counted.most_pairs) / mean_batch);
+  ratios.voxels_spread = std::max(1.0, double(counted.most_staged) / (mean_batch * ratios.voxels_per_pair));
 }
 
 }  // namespace
@@ -276,8 +319,7 @@ DeviceLevel voxelize(DeviceHeap& heap, const InputView& input, const WindowView&
     Filled filled = Filler(heap, input, window.rule, lists, normals, textured, sizes).fill(lists.bricks);
     if (!fits(filled.counted, sizes)) continue;
     stats.fragments += filled.counted.fragments;
-    ratios.voxels_per_pair = double(filled.counted.voxels) / double(lists.triangle.size());
-    ratios.items_per_pair = double(filled.counted.most_items) / double(std::max(1u, filled.counted.most_pairs));
+    learn(filled.counted, lists, sizes, ratios);
     return without_empty(heap, lists, std::move(filled));
   }
 }

@@ -21,6 +21,7 @@ struct DeviceLevel {
 /// What earlier cells had: the next one is given that much room, and tried again where it has more.
 struct FillRatios {
   double voxels_per_pair = 5, items_per_pair = 2;
+  double pairs_spread = 1, voxels_spread = 1;  ///< the fullest batch over the mean one
 };
 
 /// lists: consumed. No brick of the result is empty; no voxel of it invisible.

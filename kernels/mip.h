@@ -37,26 +37,36 @@ GB_HD std::uint32_t filtered_coverage(const std::uint32_t alpha[8], MipFilter fi
   return filter == MipFilter::thesis ? tables.thesis_alpha[sum] : (sum + 4) / 8;
 }
 
-/// present ≠ 0. The result's alpha is at least 1: what exists does not vanish from a coarser level.
-GB_HD Voxel mip(const VoxelOctet& octet, MipFilter filter, const Tables& tables) {
-  std::uint32_t alpha[8], alpha_sum = 0, colour[3] = {0, 0, 0};
-  std::int32_t normal[3] = {0, 0, 0};
-  for (int c = 0; c < 8; ++c) {
-    const bool there = octet.present >> c & 1;
-    const Voxel& v = octet.child[c];
-    alpha[c] = there ? v.rgba[3] : 0;
-    if (!there) continue;
+/// Children as they come, each at most once.
+struct MipSums {
+  std::uint32_t alpha[8] = {}, alpha_sum = 0, colour[3] = {};
+  std::int32_t normal[3] = {};
+
+  GB_HD void add(int c, const Voxel& v, const Tables& tables) {
+    alpha[c] = v.rgba[3];
     alpha_sum += alpha[c];
     for (int k = 0; k < 3; ++k) colour[k] += alpha[c] * tables.linear_from_srgb[v.rgba[k]];
     const std::int16_t* n = tables.unit_normal + 4 * (std::uint8_t(v.normal[0]) | std::uint8_t(v.normal[1]) << 8);
     for (int k = 0; k < 3; ++k) normal[k] += std::int32_t(alpha[c]) * n[k];
   }
-  Voxel out;
-  for (int k = 0; k < 3; ++k) out.rgba[k] = tables.srgb_from_linear[(colour[k] + alpha_sum / 2) / alpha_sum];
-  const std::uint32_t coverage = filtered_coverage(alpha, filter, tables);
-  out.rgba[3] = std::uint8_t(coverage < 1 ? 1 : coverage);
-  encode_octahedral(normal[0], normal[1], normal[2], out.normal);
-  return out;
+
+  /// At least one child was added. The result's alpha is at least 1: what exists does not vanish from a coarser level.
+  GB_HD Voxel voxel(MipFilter filter, const Tables& tables) const {
+    Voxel out;
+    for (int k = 0; k < 3; ++k) out.rgba[k] = tables.srgb_from_linear[(colour[k] + alpha_sum / 2) / alpha_sum];
+    const std::uint32_t coverage = filtered_coverage(alpha, filter, tables);
+    out.rgba[3] = std::uint8_t(coverage < 1 ? 1 : coverage);
+    encode_octahedral(normal[0], normal[1], normal[2], out.normal);
+    return out;
+  }
+};
+
+/// present ≠ 0.
+GB_HD Voxel mip(const VoxelOctet& octet, MipFilter filter, const Tables& tables) {
+  MipSums sums;
+  for (int c = 0; c < 8; ++c)
+    if (octet.present >> c & 1) sums.add(c, octet.child[c], tables);
+  return sums.voxel(filter, tables);
 }
 
 }  // namespace gigabake::kernels

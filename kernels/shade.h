@@ -11,6 +11,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
 #include "kernels/coverage.h"
 #include "kernels/tables.h"
@@ -35,6 +36,7 @@ struct Rgba16 {
 GB_HD std::uint16_t scale16(std::uint32_t a, std::uint32_t b) { return std::uint16_t((a * b + 32767u) / 65535u); }
 
 GB_HD std::int32_t wrap_texel(std::int64_t i, std::int32_t size, Wrap wrap) {
+  if (std::uint64_t(i) < std::uint64_t(size)) return std::int32_t(i);  // nearly always, and a division is dear
   if (wrap == Wrap::clamp_to_edge) return std::int32_t(i < 0 ? 0 : (i >= size ? size - 1 : i));
   const std::int64_t period = wrap == Wrap::repeat ? size : 2 * std::int64_t(size);
   std::int64_t r = i % period;
@@ -42,16 +44,24 @@ GB_HD std::int32_t wrap_texel(std::int64_t i, std::int32_t size, Wrap wrap) {
   return std::int32_t(r < size ? r : period - 1 - r);
 }
 
+/// A texel in one load. Texels are aligned to their size.
+template <int bytes>
+GB_HD void copy_texel(const void* from, void* to) {
+  std::memcpy(to, __builtin_assume_aligned(from, bytes), bytes);
+}
+
 /// Premultiplied linear texel of level l.
 GB_HD void add_texel(const TextureView& t, int l, std::int32_t x, std::int32_t y, std::uint32_t weight,
                      const Tables& tables, std::uint64_t sum[4]) {
   if (l > 0) {
     const std::int32_t width = (t.width >> l) > 1 ? t.width >> l : 1;
-    const std::uint16_t* p = t.level[l] + 4 * (std::size_t(y) * width + x);
+    std::uint16_t p[4];
+    copy_texel<8>(t.level[l] + 4 * (std::size_t(y) * width + x), p);
     for (int c = 0; c < 4; ++c) sum[c] += std::uint64_t(weight) * p[c];
     return;
   }
-  const std::uint8_t* p = t.base + 4 * (std::size_t(y) * t.width + x);
+  std::uint8_t p[4];
+  copy_texel<4>(t.base + 4 * (std::size_t(y) * t.width + x), p);
   const std::uint32_t alpha = p[3] * 257u;
   for (int c = 0; c < 3; ++c) sum[c] += std::uint64_t(weight) * scale16(tables.linear_from_srgb[p[c]], alpha);
   sum[3] += std::uint64_t(weight) * alpha;

@@ -24,6 +24,8 @@ void run_stage(CellInHand& cell, double CellReport::*seconds, const Work& work) 
     cell.report.error = std::move(line);
     cell.decided = true;
     cell.loaded.reset();
+    cell.device_input.reset();
+    cell.device_volume.reset();
     cell.volume = {};
   };
   try {

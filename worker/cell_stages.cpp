@@ -73,6 +73,22 @@ CellStages::CellStages(SceneSources sources, BakeParameters parameters, const Wo
       loader_(sources_, parameters_, cache_bytes(options_), options_.threads),
       policy_(options_.threads) {}
 
+/// One step of a cell on the device. False: there is none, or it failed, now or earlier; then the CPU bakes the cell.
+template <class Step>
+bool CellStages::on_device(CellInHand& cell, const Step& step) {
+  if (!options_.cuda_device || !cell.report.note.empty()) return false;
+  try {
+    step();
+    return true;
+  } catch (const kernels::CudaFailure& e) {
+    cell.report.on_device = false;
+    cell.report.note = std::string("baked on the CPU, because the GPU failed: ") + e.what();
+    cell.device_input.reset();
+    cell.device_volume.reset();
+    return false;
+  }
+}
+
 void CellStages::read(CellInHand& cell) {
   const std::filesystem::path path = options_.out / shard_path(cell.job);
   if (const auto shard = published_shard(path, cell.job)) {
@@ -80,38 +96,50 @@ void CellStages::read(CellInHand& cell) {
     return decide(cell, CellOutcome::baked);
   }
   cell.loaded = loader_.load(cell.job);
-}
-
-kernels::CellVolume CellStages::bake(CellInHand& cell) {
-  const kernels::CellInput input = cell.loaded->input();
-  const kernels::CellParameters parameters = cell_parameters(cell.job, parameters_, kernel_bytes(options_));
-  if (options_.cuda_device) {
-    try {
-      if (!cuda_) cuda_ = std::make_unique<kernels::CudaBaker>(*options_.cuda_device, options_.memory_bytes / 4);
-      cell.report.on_device = true;
-      return cuda_->bake_cell(input, parameters);
-    } catch (const kernels::CudaFailure& e) {
-      cell.report.on_device = false;
-      cell.report.note = std::string("baked on the CPU, because the GPU failed: ") + e.what();
-    }
-  }
-  return kernels::bake_cell(input, parameters, policy_);
+  on_device(cell, [&] {
+    if (!cuda_) cuda_ = std::make_unique<kernels::CudaBaker>(*options_.cuda_device, options_.memory_bytes / 4);
+    cell.device_input = cuda_->upload(cell.loaded->input());
+  });
 }
 
 void CellStages::compute(CellInHand& cell) {
-  cell.volume = bake(cell);
-  cell.loaded.reset();
-  const kernels::CellStats& stats = cell.volume.stats;
+  const bool baked = on_device(cell, [&] {
+    cell.device_volume =
+        cuda_->bake(*cell.device_input, cell_parameters(cell.job, parameters_, kernel_bytes(options_)));
+    cell.device_input.reset();
+    cell.report.on_device = true;
+    take_stats(cell, cell.device_volume->stats());
+    if (cell.device_volume->is_empty()) decide(cell, CellOutcome::empty);
+  });
+  if (!baked) bake_on_cpu(cell);
+  if (cell.decided || !baked) cell.loaded.reset();
+}
+
+void CellStages::bake_on_cpu(CellInHand& cell) {
+  cell.volume =
+      kernels::bake_cell(cell.loaded->input(), cell_parameters(cell.job, parameters_, kernel_bytes(options_)), policy_);
+  take_stats(cell, cell.volume.stats);
+  if (cell.volume.levels.empty()) decide(cell, CellOutcome::empty);
+}
+
+void CellStages::take_stats(CellInHand& cell, const kernels::CellStats& stats) const {
   cell.report.peak_bytes = stats.peak_bytes;
   cell.report.bad_uv = stats.bad_uv;
   if (stats.oversized != 0)
     throw InputError(cell.job.name, "",
                      std::to_string(stats.oversized) +
                          " triangles reach farther than 4194304 voxels from the cell; enlarge --voxel-size");
-  if (cell.volume.levels.empty()) decide(cell, CellOutcome::empty);
 }
 
 void CellStages::write(CellInHand& cell) {
+  if (cell.device_volume) {
+    const bool there = on_device(cell, [&] {
+      cell.volume = cuda_->download(*cell.device_volume);
+      cell.device_volume.reset();
+    });
+    if (!there) bake_on_cpu(cell);
+    cell.loaded.reset();
+  }
   const ShardHeader header = header_of(cell);
   const Shard shard = shard_from_volume(std::exchange(cell.volume, {}), header);
   const std::uint64_t bytes = write_shard(options_.out / shard_path(cell.job), shard, {options_.threads});

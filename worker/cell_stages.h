@@ -20,8 +20,10 @@ struct CellInHand {
 
   CellJob job;
   CellReport report;
-  bool decided = false;  ///< the report is final; later stages pass it on
-  std::optional<LoadedCell> loaded;
+  bool decided = false;              ///< the report is final; later stages pass it on
+  std::optional<LoadedCell> loaded;  ///< until the volume is on the host: a device may fail at any step
+  std::shared_ptr<const kernels::CudaInput> device_input;
+  std::unique_ptr<kernels::CudaVolume> device_volume;
   kernels::CellVolume volume;
 };
 
@@ -31,16 +33,19 @@ class CellStages {
   /// Errors  InputError when OUT/shards cannot be made.
   CellStages(SceneSources sources, BakeParameters parameters, const WorkerOptions& options);
 
-  /// Takes over a whole shard of this fingerprint if OUT has one; else loads tiles and textures.
+  /// Takes over a whole shard of this fingerprint if OUT has one; else loads tiles and textures, to the device too.
   void read(CellInHand& cell);
   /// loaded → volume, on the device if there is one; a cell at which it fails is baked on the CPU, and the report says
   /// so. Decides for `empty` where no voxel is occupied.
   void compute(CellInHand& cell);
-  /// volume → shard → report.
+  /// volume, from the device if it is there → shard → report.
   void write(CellInHand& cell);
 
  private:
-  kernels::CellVolume bake(CellInHand& cell);
+  template <class Step>
+  bool on_device(CellInHand& cell, const Step& step);
+  void bake_on_cpu(CellInHand& cell);
+  void take_stats(CellInHand& cell, const kernels::CellStats& stats) const;
   ShardHeader header_of(const CellInHand& cell) const;
 
   const SceneSources sources_;
@@ -48,7 +53,7 @@ class CellStages {
   const WorkerOptions options_;
   CellLoader loader_;
   kernels::CpuPolicy policy_;
-  std::unique_ptr<kernels::CudaBaker> cuda_;  ///< made by the first cell, on the thread that computes
+  std::unique_ptr<kernels::CudaBaker> cuda_;  ///< made by the first cell, on the thread that reads
 };
 
 }  // namespace gigabake
