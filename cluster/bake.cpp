@@ -73,6 +73,14 @@ DeviceChoice choose_device_together(MpiSession& mpi, const BakeRequest& request,
   return choice;
 }
 
+/// mpirun binds each of few ranks to one core unless told otherwise.
+void warn_of_binding(const MpiSession& mpi, const BakeRequest& request) {
+  if (mpi.rank() != 0 || mpi.ranks() == 1 || request.threads > 0 || mpi.cores() * mpi.ranks() * 2 > mpi.host_cores())
+    return;
+  std::fprintf(stderr, "each rank may use %d of this host's %d cores; mpirun --bind-to none lets them share all\n",
+               mpi.cores(), mpi.host_cores());
+}
+
 void add_times(const std::vector<CellReport>& reports, BakeSummary& summary) {
   for (const CellReport& r : reports) {
     summary.read_s += r.read_s;
@@ -114,6 +122,7 @@ BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress
   summary.ranks = mpi.ranks();
   summary.threads = threads_of(mpi, request);
   const DeviceChoice device = choose_device_together(mpi, request, summary);
+  warn_of_binding(mpi, request);
   const SceneSources sources = open_together(mpi, request, progress);
   std::optional<OutputFolder> out;
   all_or_none(mpi, [&] {

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <unistd.h>
 #include <utility>
 
 #include "cluster/host_cores.h"
@@ -89,6 +90,8 @@ MpiSession::MpiSession() : outbox_(std::make_unique<Outbox>()) {
   rank_on_host_ = share.rank;
   cores_ = share.cores;
 }
+
+int MpiSession::host_cores() const { return int(std::max<long>(1, ::sysconf(_SC_NPROCESSORS_ONLN))); }
 
 MpiSession::~MpiSession() { MPI_Finalize(); }
 

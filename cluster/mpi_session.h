@@ -26,6 +26,8 @@ class MpiSession {
   int ranks() const { return ranks_; }
   /// Counts the ranks of this rank's host.
   int rank_on_host() const { return rank_on_host_; }
+  /// All cores of its host, whoever may use them.
+  int host_cores() const;
   /// This rank's even share of the cores of its host, at least 1.
   int cores() const { return cores_; }
 
