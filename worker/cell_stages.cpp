@@ -141,7 +141,7 @@ void CellStages::write(CellInHand& cell) {
     cell.loaded.reset();
   }
   const ShardHeader header = header_of(cell);
-  const Shard shard = shard_from_volume(std::exchange(cell.volume, {}), header);
+  const Shard shard = shard_from_volume(std::exchange(cell.volume, {}), header, options_.threads);
   const std::uint64_t bytes = write_shard(options_.out / shard_path(cell.job), shard, {options_.threads});
   cell.report.cell = scene_cell(cell.job, shard, bytes);
   decide(cell, CellOutcome::baked);

@@ -22,7 +22,7 @@ NodeTable to_table(kernels::Nodes nodes) {
 
 }  // namespace
 
-Shard shard_from_volume(kernels::CellVolume volume, ShardHeader header) {
+Shard shard_from_volume(kernels::CellVolume volume, ShardHeader header, int threads) {
   Shard shard;
   shard.header = std::move(header);
   shard.nodes = to_table(std::move(volume.nodes));
@@ -30,7 +30,7 @@ Shard shard_from_volume(kernels::CellVolume volume, ShardHeader header) {
     shard.levels.push_back(
         {std::move(level.mask), std::move(level.first), std::move(level.rgba), std::move(level.normal)});
   shard.header.lods = std::uint32_t(shard.levels.size());
-  shard.header.content_hash = content_hash(shard);
+  shard.header.content_hash = content_hash(shard, threads);
   return shard;
 }
 

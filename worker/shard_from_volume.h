@@ -9,8 +9,8 @@
 
 namespace gigabake {
 
-/// The header's content_hash is filled from the voxels.
-Shard shard_from_volume(kernels::CellVolume volume, ShardHeader header);
+/// The header's content_hash is filled from the voxels, on so many threads.
+Shard shard_from_volume(kernels::CellVolume volume, ShardHeader header, int threads = 1);
 
 /// Voxels per lod, those that constant nodes stand for included, as content_hash() counts them.
 std::vector<std::uint64_t> voxel_counts(const Shard& shard);
