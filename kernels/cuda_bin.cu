@@ -53,7 +53,7 @@ RawPairs find_pairs(DeviceHeap& heap, const InputView& input, const WindowView& 
     const PairSink sink{raw.key.data(), raw.triangle.data(),
                         raw.key.size(), {items.data(), items.data() + capacity.nodes},
                         capacity.nodes, counters.data()};
-    pair_kernel<<<grid_of(input.triangle_count, threads), threads, 0, heap.stream()>>>(input, window, sink);
+    pair_kernel<<<grid_of(input.triangle_count, pair_threads), pair_threads, 0, heap.stream()>>>(input, window, sink);
     check_launch("pair_kernel");
     raw.counted = read(heap, counters);
     std::uint64_t nodes = raw.counted.items[0];

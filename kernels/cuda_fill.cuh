@@ -17,6 +17,9 @@ namespace gigabake::kernels {
 inline constexpr int bricks_per_block = 4, fill_threads = 128;
 inline constexpr int mask_words = 16 * bricks_per_block;
 
+/// Counters that every block adds to are striped: atomics on one address wait for each other.
+inline constexpr int counter_stripes = 32;
+
 /// A batch's bricks and where their voxels go.
 struct FillView {
   InputView input;
@@ -31,7 +34,7 @@ struct FillView {
   struct Counters {
     unsigned staged, items, heavy, hard;           ///< of this batch
     unsigned most_items, most_pairs, most_staged;  ///< of any batch
-    unsigned long long fragments, voxels;
+    unsigned long long fragments[counter_stripes], all_staged;
   } * counters;
   std::uint32_t *heavy, *hard;  ///< BrickSpan: filled first, because they take longest; filled with wider integers
   std::uint32_t heavy_capacity;
@@ -306,8 +309,8 @@ __device__ void close_bricks(const FillView& view, BrickSpan span, std::uint32_t
   view.count[brick] = count;
   view.staged[brick] = staged;
   view.staged_at[brick] = shared.staged_at + shared.below[16 * b];
-  if (count != 0) atomicAdd(&view.counters->voxels, (unsigned long long)count);
-  if (b == 0 && fragments != 0) atomicAdd(&view.counters->fragments, (unsigned long long)fragments);
+  if (b == 0 && fragments != 0)
+    atomicAdd(&view.counters->fragments[blockIdx.x % counter_stripes], (unsigned long long)fragments);
 }
 
 /// The bricks of one block. False, and nothing written: they need wider integers.

@@ -1,3 +1,5 @@
+#include <cub/block/block_scan.cuh>
+
 #include "kernels/cuda_pairs.cuh"
 
 namespace gigabake::kernels {
@@ -69,23 +71,18 @@ __device__ bool has_bad_uv(const DevicePart& part, const std::uint32_t v[3]) {
   return !usable_uv(uv);
 }
 
-/// One atomic a warp.
-__device__ void count(unsigned long long* counter, bool mine) {
-  const unsigned who = __ballot_sync(__activemask(), mine);
-  if (mine && (threadIdx.x & 31) == unsigned(__ffs(int(who)) - 1)) atomicAdd(counter, (unsigned long long)__popc(who));
+/// Counts of a block, so that a counter in device memory is asked once a block: all its atomics stand in one line.
+struct BlockCounts {
+  unsigned kept, non_finite, zero_area, oversized, bad_uv;
+};
+
+__device__ void count(unsigned* counter, bool mine) {
+  const unsigned who = __ballot_sync(~0u, mine);
+  if ((threadIdx.x & 31) == 0 && who != 0) atomicAdd(counter, unsigned(__popc(who)));
 }
 
-/// This lane's first place among `n` items of the whole warp; all 32 lanes take part.
-__device__ std::uint64_t reserve(unsigned long long* counter, std::uint32_t n) {
-  const unsigned lane = threadIdx.x & 31;
-  std::uint32_t sum = n;
-  for (int d = 1; d < 32; d *= 2) {
-    const std::uint32_t below = __shfl_up_sync(~0u, sum, d);
-    if (lane >= unsigned(d)) sum += below;
-  }
-  unsigned long long base = 0;
-  if (lane == 31 && sum != 0) base = atomicAdd(counter, (unsigned long long)sum);
-  return __shfl_sync(~0u, base, 31) + (sum - n);
+__device__ void add_count(unsigned long long* total, unsigned block) {
+  if (block != 0) atomicAdd(total, (unsigned long long)block);
 }
 
 __device__ std::int64_t brick_count(const BrickBox& box) {
@@ -120,7 +117,13 @@ __global__ void snap_kernel(InputView in, WindowView window, SnappedVertex* out)
   out[i] = s;
 }
 
-__global__ void pair_kernel(InputView in, WindowView window, PairSink sink) {
+__global__ void __launch_bounds__(pair_threads) pair_kernel(InputView in, WindowView window, PairSink sink) {
+  using Scan = cub::BlockScan<std::uint32_t, pair_threads>;
+  __shared__ typename Scan::TempStorage scan;
+  __shared__ BlockCounts counts;
+  __shared__ unsigned long long first_pair;
+  if (threadIdx.x == 0) counts = {};
+  __syncthreads();
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
   Fate fate = Fate::none;
   BrickBox box;
@@ -139,12 +142,23 @@ __global__ void pair_kernel(InputView in, WindowView window, PairSink sink) {
       pairs = is_large ? 0 : std::uint32_t(bricks);
     }
   }
-  count(&sink.counters->triangles, fate == Fate::kept);
-  count(&sink.counters->non_finite, fate == Fate::non_finite);
-  count(&sink.counters->zero_area, fate == Fate::zero_area);
-  count(&sink.counters->oversized, fate == Fate::oversized);
-  count(&sink.counters->bad_uv, bad_uv);
-  const std::uint64_t at = reserve(&sink.counters->pairs, pairs);
+  count(&counts.kept, fate == Fate::kept);
+  count(&counts.non_finite, fate == Fate::non_finite);
+  count(&counts.zero_area, fate == Fate::zero_area);
+  count(&counts.oversized, fate == Fate::oversized);
+  count(&counts.bad_uv, bad_uv);
+  std::uint32_t before = 0, all = 0;
+  Scan(scan).ExclusiveSum(pairs, before, all);
+  if (threadIdx.x == 0) first_pair = all == 0 ? 0 : atomicAdd(&sink.counters->pairs, (unsigned long long)all);
+  __syncthreads();
+  if (threadIdx.x == 32) {
+    add_count(&sink.counters->triangles, counts.kept);
+    add_count(&sink.counters->non_finite, counts.non_finite);
+    add_count(&sink.counters->zero_area, counts.zero_area);
+    add_count(&sink.counters->oversized, counts.oversized);
+    add_count(&sink.counters->bad_uv, counts.bad_uv);
+  }
+  const std::uint64_t at = first_pair + before;
   if (pairs != 0) push_box(sink, at, box, i);
   if (is_large) push_item(sink, 0, {i, 0});
 }

@@ -43,8 +43,10 @@ __device__ inline void push_item(const PairSink& sink, int queue, LargeItem item
 
 __global__ void snap_kernel(InputView in, WindowView window, SnappedVertex* out);
 
-/// One thread a triangle: small ones are paired at once, large ones go to queue 0 as the root.
-__global__ void pair_kernel(InputView in, WindowView window, PairSink sink);
+inline constexpr int pair_threads = 256;
+
+/// One thread a triangle, pair_threads a block: small ones are paired at once, large ones go to queue 0 as the root.
+__global__ void __launch_bounds__(pair_threads) pair_kernel(InputView in, WindowView window, PairSink sink);
 
 /// Queue `from` holds items of `level`; their children go to the other queue, or at level 1 to the pairs.
 __global__ void descend_kernel(InputView in, WindowView window, PairSink sink, int from, int level);

@@ -67,6 +67,7 @@ __global__ void unstage(FillView view, const std::uint32_t* first, std::uint32_t
     FillView::Counters& c = *view.counters;
     c.most_items = larger(c.most_items, c.items);
     c.most_staged = larger(c.most_staged, c.staged);
+    c.all_staged += c.staged;
     c.most_pairs = larger(c.most_pairs, view.bricks.start[view.end] - view.bricks.start[view.begin]);
   }
   const std::uint32_t brick = view.begin + (blockIdx.x * blockDim.x + threadIdx.x) / 32, lane = threadIdx.x & 31;
@@ -134,6 +135,7 @@ struct Filled {
   DeviceArray<std::uint32_t> count, first, rgba;
   DeviceArray<std::uint16_t> normal;
   FillView::Counters counted{};
+  std::uint32_t voxels = 0;
 };
 
 /// Sizes of one try.
@@ -197,6 +199,9 @@ class Filler {
     check_cuda(
         cudaMemcpyAsync(&out_.counted, counters_.data(), sizeof out_.counted, cudaMemcpyDeviceToHost, heap_.stream()),
         "cudaMemcpyAsync (fill counters)");
+    check_cuda(cudaMemcpyAsync(&out_.voxels, out_.first.data() + bricks, sizeof out_.voxels, cudaMemcpyDeviceToHost,
+                               heap_.stream()),
+               "cudaMemcpyAsync (voxel count)");
     check_cuda(cudaStreamSynchronize(heap_.stream()), "cudaStreamSynchronize (voxelize)");
     return std::move(out_);
   }
@@ -253,7 +258,7 @@ DeviceLevel without_empty(DeviceHeap& heap, const BrickLists& lists, Filled fill
       cudaMemcpyAsync(&level.bricks, kept_count.data(), sizeof level.bricks, cudaMemcpyDeviceToHost, heap.stream()),
       "cudaMemcpyAsync (kept bricks)");
   check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (kept bricks)");
-  level.voxels = std::uint32_t(filled.counted.voxels);
+  level.voxels = filled.voxels;
   level.key = DeviceArray<std::uint32_t>(heap, level.bricks);
   level.first = DeviceArray<std::uint32_t>(heap, level.bricks + 1);
   level.mask = DeviceArray<std::uint64_t>(heap, 8 * std::size_t(level.bricks));
@@ -270,11 +275,14 @@ DeviceLevel without_empty(DeviceHeap& heap, const BrickLists& lists, Filled fill
 /// beside them.
 constexpr std::uint64_t pairs_per_batch = std::uint64_t(1) << 19, voxels_per_batch = std::uint64_t(3) << 19;
 
-std::uint32_t with_room(double wanted, std::uint64_t least) {
-  const double room = std::max(1.125 * wanted, double(least));
-  if (room > double(std::numeric_limits<std::uint32_t>::max()))
+std::uint32_t counted_32(std::uint64_t n) {
+  if (n > std::numeric_limits<std::uint32_t>::max())
     throw std::length_error("a cell of more than 2^32-1 voxels; use a smaller --cell-voxels");
-  return std::uint32_t(room);
+  return std::uint32_t(n);
+}
+
+std::uint32_t with_room(double wanted, std::uint64_t least) {
+  return counted_32(std::max(std::uint64_t(1.125 * wanted), least));
 }
 
 FillSizes first_sizes(const BrickLists& lists, const FillRatios& ratios) {
@@ -291,20 +299,23 @@ FillSizes first_sizes(const BrickLists& lists, const FillRatios& ratios) {
 }
 
 /// False: it did not fit; sizes are what the next try needs.
-bool fits(const FillView::Counters& counted, FillSizes& s) {
+bool fits(const Filled& filled, FillSizes& s) {
+  const FillView::Counters& counted = filled.counted;
   const FillSizes tried = s;
+  counted_32(counted.all_staged);
   s.pairs_per_batch = std::max(s.pairs_per_batch, counted.most_pairs);
   s.items_per_batch = std::max(s.items_per_batch, counted.most_items);
-  s.voxels = std::max(s.voxels, with_room(double(counted.voxels) / 1.125, 0));
+  s.voxels = std::max(s.voxels, filled.voxels);
   s.stage_voxels = std::max(s.stage_voxels, counted.most_staged);
   return s.pairs_per_batch == tried.pairs_per_batch && s.items_per_batch == tried.items_per_batch &&
          s.voxels == tried.voxels && s.stage_voxels == tried.stage_voxels;
 }
 
-void learn(const FillView::Counters& counted, const BrickLists& lists, const FillSizes& sizes, FillRatios& ratios) {
+void learn(const Filled& filled, const BrickLists& lists, const FillSizes& sizes, FillRatios& ratios) {
+  const FillView::Counters& counted = filled.counted;
   const double pairs = double(lists.triangle.size());
   const double mean_batch = pairs * std::min(1.0, double(sizes.bricks_per_batch) / double(lists.bricks));
-  ratios.voxels_per_pair = std::max(0.01, double(counted.voxels) / pairs);
+  ratios.voxels_per_pair = std::max(0.01, double(filled.voxels) / pairs);
   ratios.items_per_pair = std::max(0.01, double(counted.most_items) / std::max(1.0, double(counted.most_pairs)));
   ratios.pairs_spread = std::max(1.0, double(counted.most_pairs) / mean_batch);
   ratios.voxels_spread = std::max(1.0, double(counted.most_staged) / (mean_batch * ratios.voxels_per_pair));
@@ -317,9 +328,9 @@ DeviceLevel voxelize(DeviceHeap& heap, const InputView& input, const WindowView&
   FillSizes sizes = first_sizes(lists, ratios);
   for (;;) {
     Filled filled = Filler(heap, input, window.rule, lists, normals, textured, sizes).fill(lists.bricks);
-    if (!fits(filled.counted, sizes)) continue;
-    stats.fragments += filled.counted.fragments;
-    learn(filled.counted, lists, sizes, ratios);
+    if (!fits(filled, sizes)) continue;
+    for (const unsigned long long n : filled.counted.fragments) stats.fragments += n;
+    learn(filled, lists, sizes, ratios);
     return without_empty(heap, lists, std::move(filled));
   }
 }
