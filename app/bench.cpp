@@ -6,6 +6,7 @@
 #include "app/bake_options.h"
 #include "app/commands.h"
 #include "app/progress.h"
+#include "bench/bake_bench.h"
 #include "bench/kernel_bench.h"
 #include "kernels/cuda_baker.h"
 
@@ -68,6 +69,75 @@ void print_json(const bench::KernelBench& b) {
   fmt::print("{}\n", j.dump(2));
 }
 
+void print_text(const bench::BakeBench& b) {
+  const auto line = [](const char* name, const bench::StageSeconds& s) {
+    fmt::print("  {:<11} read {:7.2f} s  kernels {:7.2f} s  write {:7.2f} s\n", name, s.read, s.kernels, s.write);
+  };
+  fmt::print("{} cells, kernels on {}: {} triangles, {} voxels, {}\n", b.cells, b.backend, b.triangles, b.voxels,
+             readable_bytes(b.bytes));
+  line("one by one", b.alone);
+  line("overlapped", b.overlapped);
+  fmt::print("{:.2f} s overlapped, {:.2f} × its slowest stage alone ({}); {:.1f} million voxels/s\n", b.bake_s,
+             b.bake_s / b.alone.slowest(), b.alone.slowest_name(), 1e-6 * double(b.voxels) / b.bake_s);
+  fmt::print("content hash {}{}\n", b.content_hash, b.differ ? ", and the two runs DIFFER" : " in both runs");
+}
+
+void print_json(const bench::BakeBench& b) {
+  const auto seconds = [](const bench::StageSeconds& s) {
+    return nlohmann::ordered_json{{"read", s.read}, {"kernels", s.kernels}, {"write", s.write}};
+  };
+  const nlohmann::ordered_json j{{"bench", "bake"},
+                                 {"backend", b.backend},
+                                 {"cells", b.cells},
+                                 {"triangles", b.triangles},
+                                 {"voxels", b.voxels},
+                                 {"bytes", b.bytes},
+                                 {"alone_s", seconds(b.alone)},
+                                 {"overlapped_s", seconds(b.overlapped)},
+                                 {"bake_s", b.bake_s},
+                                 {"slowest_stage", b.alone.slowest_name()},
+                                 {"ratio", b.bake_s / b.alone.slowest()},
+                                 {"content_hash", b.content_hash},
+                                 {"differ", b.differ}};
+  fmt::print("{}\n", j.dump(2));
+}
+
+int threads_of(const BakeRequest& request) {
+  return request.threads > 0 ? request.threads : int(std::thread::hardware_concurrency());
+}
+
+struct BakeBenchOptions {
+  BakeOptions bake;
+  std::size_t cells = 16;
+};
+
+int run(const BakeBenchOptions& options) {
+  const BakeRequest request = options.bake.request();
+  bench::BakeBenchRequest r;
+  r.source = request.source;
+  r.out = request.out;
+  r.source_options = request.source_options;
+  r.parameters = request.parameters;
+  r.threads = threads_of(request);
+  r.memory_bytes = request.memory_bytes;
+  r.backend = request.backend;
+  r.most_cells = options.cells;
+  const bench::BakeBench b = bench::bench_bake(r);
+  options.bake.json ? print_json(b) : print_text(b);
+  return b.differ ? failed : complete;
+}
+
+void add_bench_bake(CLI::App& bench, int& exit_code) {
+  auto* command = bench.add_subcommand("bake", "Whole cells from files to shards: each stage alone, then overlapped");
+  auto options = std::make_shared<BakeBenchOptions>();
+  options->bake.add_to(*command);
+  command->add_option("-o,--out", options->bake.out, "folder for the shards, which are replaced")->required();
+  command->add_option("--cells", options->cells, "of the plan, the first so many")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000000));
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
 struct KernelOptions {
   BakeOptions bake;
   int repeats = 5;
@@ -79,7 +149,7 @@ int run(const KernelOptions& options) {
   r.source = request.source;
   r.source_options = request.source_options;
   r.parameters = request.parameters;
-  r.threads = request.threads > 0 ? request.threads : int(std::thread::hardware_concurrency());
+  r.threads = threads_of(request);
   r.repeats = options.repeats;
   r.memory_bytes = request.memory_bytes;
   const bool has_device = !kernels::cuda_devices().usable.empty();
@@ -90,19 +160,23 @@ int run(const KernelOptions& options) {
   return b.differ ? failed : complete;
 }
 
+void add_bench_kernels(CLI::App& bench, int& exit_code) {
+  auto* command = bench.add_subcommand("kernels", "The kernels of a scene's largest cell, on every backend there is");
+  auto options = std::make_shared<KernelOptions>();
+  options->bake.add_to(*command);
+  command->add_option("--repeats", options->repeats, "runs; the fastest counts")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
 }  // namespace
 
 void add_bench(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("bench", "Times parts of gigabake, with the error of the same run");
   command->require_subcommand(1);
-  auto* kernels =
-      command->add_subcommand("kernels", "The kernels of a scene's largest cell, on every backend there is");
-  auto options = std::make_shared<KernelOptions>();
-  options->bake.add_to(*kernels);
-  kernels->add_option("--repeats", options->repeats, "runs; the fastest counts")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000));
-  kernels->callback([options, &exit_code] { exit_code = run(*options); });
+  add_bench_kernels(*command, exit_code);
+  add_bench_bake(*command, exit_code);
 }
 
 }  // namespace gigabake::app

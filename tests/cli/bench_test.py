@@ -1,0 +1,53 @@
+#!/usr/bin/env python3
+"""The benchmarks print times and the error of the same run; they touch no scene.
+
+Usage: bench_test.py GIGABAKE SOURCE_DIR
+"""
+import json
+import sys
+import tempfile
+from pathlib import Path
+
+from harness import Gigabake
+
+
+def kernels_are_timed_with_their_hash(gigabake, work):
+    options = (work / "sample/tileset.json", "--voxel-size", 0.25, "--cell-voxels", 256, "--backend", "cpu")
+    bench = json.loads(gigabake.succeed("bench", "kernels", *options, "--repeats", 1, "--json"))
+    backend = bench["backends"][0]
+    assert backend["backend"] == "cpu" and len(backend["content_hash"]) == 32, backend
+    assert 0 < sum(backend["seconds"].values()) <= backend["total_s"] * 1.01, backend
+    assert bench["output_bytes"] > 6 * bench["voxels"] and not bench["differ"], bench
+    assert "voxels/s" in gigabake.succeed("bench", "kernels", *options, "--repeats", 1)
+
+
+def bakes_are_timed_alone_and_overlapped(gigabake, work):
+    options = (work / "sample/tileset.json", "-o", work / "bench", "--voxel-size", 0.25, "--cell-voxels", 128,
+               "--cells", 5, "--backend", "cpu")
+    bench = json.loads(gigabake.succeed("bench", "bake", *options, "--json"))
+    assert bench["cells"] == 5 and not bench["differ"], bench
+    assert bench["alone_s"][bench["slowest_stage"]] == max(bench["alone_s"].values()), bench
+
+
+def a_scene_is_not_overwritten(gigabake, work):
+    scene = work / "scene"
+    gigabake.bake(work / "sample/tileset.json", scene, 1)
+    before = sorted(scene.rglob("*"))
+    result = gigabake.run("bench", "bake", work / "sample/tileset.json", "-o", scene, "--voxel-size", 1)
+    assert result.returncode == 1 and "holds a scene" in result.stderr, result
+    assert sorted(scene.rglob("*")) == before
+
+
+def main():
+    gigabake = Gigabake(sys.argv[1])
+    with tempfile.TemporaryDirectory() as folder:
+        work = Path(folder)
+        gigabake.succeed("sample", work / "sample", "--size", 96)
+        for test in (kernels_are_timed_with_their_hash, bakes_are_timed_alone_and_overlapped,
+                     a_scene_is_not_overwritten):
+            print(test.__name__, flush=True)
+            test(gigabake, work)
+
+
+if __name__ == "__main__":
+    main()
