@@ -4,6 +4,7 @@
 /// accumulators are done in rounds.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 
 #include "kernels/cuda_cut.cuh"
@@ -123,19 +124,29 @@ __device__ bool mark_voxels(const ItemView& items, ItemRange range, Shared& shar
   return is_wide;
 }
 
+/// Inclusive sums over the warp.
+__device__ inline std::uint32_t warp_sums(std::uint32_t mine, int lane) {
+#pragma unroll
+  for (int d = 1; d < 32; d *= 2) {
+    const std::uint32_t before = __shfl_up_sync(~0u, mine, d);
+    if (lane >= d) mine += before;
+  }
+  return mine;
+}
+
 /// Sums of the words before each; returns all voxels. By the whole block.
 template <class Shared>
 __device__ int count_voxels(Shared& shared) {
-  static_assert(mask_words == 64);
+  static_assert(mask_words <= 64 && mask_words % 2 == 0);
   if (threadIdx.x < 32) {
-    const int lane = int(threadIdx.x), a = __popc(shared.mask[2 * lane]), both = a + __popc(shared.mask[2 * lane + 1]);
-    int sum = both;
-    for (int d = 1; d < 32; d *= 2) {
-      const int before = __shfl_up_sync(~0u, sum, d);
-      if (lane >= d) sum += before;
+    const int lane = int(threadIdx.x), words = smaller(mask_words - 2 * lane, 2);
+    const int a = words > 0 ? __popc(shared.mask[2 * lane]) : 0;
+    const int both = words > 0 ? a + __popc(shared.mask[2 * lane + 1]) : 0;
+    const int sum = int(warp_sums(std::uint32_t(both), lane));
+    if (words > 0) {
+      shared.below[2 * lane] = std::uint16_t(sum - both);
+      shared.below[2 * lane + 1] = std::uint16_t(sum - both + a);
     }
-    shared.below[2 * lane] = std::uint16_t(sum - both);
-    shared.below[2 * lane + 1] = std::uint16_t(sum - both + a);
     if (lane == 31) shared.below[mask_words] = std::uint16_t(sum);
   }
   __syncthreads();
@@ -177,16 +188,6 @@ __device__ inline int nth_bit(std::uint64_t bits, int n) {
   return at;
 }
 
-/// Inclusive sums over the warp.
-__device__ inline std::uint32_t warp_sums(std::uint32_t mine, int lane) {
-#pragma unroll
-  for (int d = 1; d < 32; d *= 2) {
-    const std::uint32_t before = __shfl_up_sync(~0u, mine, d);
-    if (lane >= d) mine += before;
-  }
-  return mine;
-}
-
 /// prefix[] of the chunk's items; returns the number of fragments. By the whole block.
 template <class Shared>
 __device__ std::uint32_t scan_cells(std::uint32_t cells, Shared& shared) {
@@ -205,8 +206,8 @@ __device__ std::uint32_t scan_cells(std::uint32_t cells, Shared& shared) {
 __device__ inline int item_of(const std::uint32_t prefix[fill_threads], std::uint32_t f) {
   int at = 0;
 #pragma unroll
-  for (int half = fill_threads / 2; half != 0; half /= 2)
-    if (prefix[at + half - 1] <= f) at += half;
+  for (int half = int(std::bit_ceil(unsigned(fill_threads))) / 2; half != 0; half /= 2)
+    if (at + half <= fill_threads && prefix[at + half - 1] <= f) at += half;
   return at;
 }
 
