@@ -52,8 +52,8 @@ class CellPipelineTest : public testing::Test {
   }
 
   std::vector<CellReport> run(const std::vector<CellJob>& cells, const std::string& out, int threads = 2,
-                              std::uint64_t memory = 0) const {
-    CellPipeline pipeline(sources, parameters, {threads, memory, folder.path() / out});
+                              std::uint64_t memory = 0, std::optional<int> device = {}) const {
+    CellPipeline pipeline(sources, parameters, {threads, memory, folder.path() / out, device});
     for (const CellJob& job : cells) pipeline.submit(job);
     std::vector<CellReport> reports;
     while (pipeline.in_flight() != 0) {
@@ -87,6 +87,19 @@ TEST_F(CellPipelineTest, ReportsEveryCellInTheOrderOfSubmission) {
     EXPECT_EQ(reports[i].outcome, CellOutcome::baked) << reports[i].error;
     EXPECT_GT(reports[i].peak_bytes, 0u);
   }
+}
+
+TEST_F(CellPipelineTest, BakesOnTheCpuAndSaysSoWhereTheGpuFails) {
+  const auto cells = jobs();
+  constexpr int no_such_device = 999;
+  const auto reports = run(cells, "gpu", 2, 0, no_such_device);
+  ASSERT_EQ(reports.size(), cells.size());
+  for (const CellReport& r : reports) {
+    EXPECT_EQ(r.outcome, CellOutcome::baked) << r.error;
+    EXPECT_FALSE(r.on_device);
+    EXPECT_NE(r.note.find("CPU"), std::string::npos) << r.note;
+  }
+  EXPECT_EQ(hash_of(reports), hash_of(run(cells, "cpu")));
 }
 
 TEST_F(CellPipelineTest, PublishesAShardThatReadsBackAsReported) {
