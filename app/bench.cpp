@@ -102,8 +102,15 @@ void print_json(const bench::BakeBench& b) {
   fmt::print("{}\n", j.dump(2));
 }
 
-int threads_of(const BakeRequest& request) {
-  return request.threads > 0 ? request.threads : int(std::thread::hardware_concurrency());
+bench::BenchScene scene_of(const BakeRequest& request) {
+  const int threads = request.threads > 0 ? request.threads : int(std::thread::hardware_concurrency());
+  return {request.source, request.source_options, request.parameters, threads, request.memory_bytes};
+}
+
+template <class Bench>
+int print(const Bench& b, bool json) {
+  json ? print_json(b) : print_text(b);
+  return b.differ ? failed : complete;
 }
 
 struct BakeBenchOptions {
@@ -114,17 +121,11 @@ struct BakeBenchOptions {
 int run(const BakeBenchOptions& options) {
   const BakeRequest request = options.bake.request();
   bench::BakeBenchRequest r;
-  r.source = request.source;
+  r.scene = scene_of(request);
   r.out = request.out;
-  r.source_options = request.source_options;
-  r.parameters = request.parameters;
-  r.threads = threads_of(request);
-  r.memory_bytes = request.memory_bytes;
   r.backend = request.backend;
   r.most_cells = options.cells;
-  const bench::BakeBench b = bench::bench_bake(r);
-  options.bake.json ? print_json(b) : print_text(b);
-  return b.differ ? failed : complete;
+  return print(bench::bench_bake(r), options.bake.json);
 }
 
 void add_bench_bake(CLI::App& bench, int& exit_code) {
@@ -146,18 +147,12 @@ struct KernelOptions {
 int run(const KernelOptions& options) {
   const BakeRequest request = options.bake.request();
   bench::KernelBenchRequest r;
-  r.source = request.source;
-  r.source_options = request.source_options;
-  r.parameters = request.parameters;
-  r.threads = threads_of(request);
+  r.scene = scene_of(request);
   r.repeats = options.repeats;
-  r.memory_bytes = request.memory_bytes;
   const bool has_device = !kernels::cuda_devices().usable.empty();
   r.cpu = request.backend != Backend::cuda;
   r.cuda = request.backend == Backend::cuda || (request.backend == Backend::automatic && has_device);
-  const bench::KernelBench b = bench::bench_kernels(r);
-  options.bake.json ? print_json(b) : print_text(b);
-  return b.differ ? failed : complete;
+  return print(bench::bench_kernels(r), options.bake.json);
 }
 
 void add_bench_kernels(CLI::App& bench, int& exit_code) {

@@ -1,40 +1,22 @@
 #include "bench/bake_bench.h"
 
 #include <algorithm>
-#include <chrono>
 #include <thread>
 
 #include "format/error.h"
-#include "kernels/policy.h"
-#include "scheduler/plan.h"
 #include "worker/cell_pipeline.h"
-#include "worker/survey_tile.h"
 
 namespace gigabake::bench {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr std::size_t cells_in_flight = 3;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-std::vector<CellJob> first_cells(const SceneSources& sources, const BakeBenchRequest& request) {
-  const kernels::CpuPolicy policy(request.threads);
-  std::vector<TileSurvey> surveys;
-  for (std::uint32_t t = 0; t < sources.tiles.size(); ++t)
-    surveys.push_back(survey_tile(sources, t, request.parameters, policy));
-  BakePlan plan = make_plan(std::move(surveys), sources, request.parameters);
-  if (plan.jobs.empty()) throw InputError(request.source, "", "holds no triangles to bake");
-  if (plan.jobs.size() > request.most_cells) plan.jobs.resize(request.most_cells);
-  return std::move(plan.jobs);
-}
 
 /// All jobs, at most `in_flight` of them at a time.
 std::vector<CellReport> run(const SceneSources& sources, const BakeBenchRequest& request,
                             const std::optional<int>& device, const std::vector<CellJob>& jobs, std::size_t in_flight) {
   std::filesystem::remove_all(request.out / "shards");
-  CellPipeline pipeline(sources, request.parameters, {request.threads, request.memory_bytes, request.out, device});
+  CellPipeline pipeline(sources, request.scene.parameters,
+                        {request.scene.threads, request.scene.memory_bytes, request.out, device});
   std::vector<CellReport> reports;
   for (std::size_t next = 0; reports.size() < jobs.size();) {
     while (next < jobs.size() && pipeline.in_flight() < in_flight) pipeline.submit(jobs[next++]);
@@ -76,9 +58,10 @@ const char* StageSeconds::slowest_name() const {
 BakeBench bench_bake(const BakeBenchRequest& request) {
   if (std::filesystem::exists(request.out / "scene.xml"))
     throw InputError(request.out, "", "holds a scene; a benchmark would replace its shards, choose another folder");
-  const SceneSources sources = open_sources(request.source, request.source_options);
+  const SceneSources sources = open_sources(request.scene.source, request.scene.source_options);
   const DeviceChoice device = choose_device(request.backend, {}, 0);
-  const std::vector<CellJob> jobs = first_cells(sources, request);
+  std::vector<CellJob> jobs = plan_cells(sources, request.scene);
+  if (jobs.size() > request.most_cells) jobs.resize(request.most_cells);
   BakeBench b;
   b.backend = device.device ? "cuda" : "cpu";
   const std::vector<CellReport> one_by_one = run(sources, request, device.device, jobs, 1);

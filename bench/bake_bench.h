@@ -5,19 +5,14 @@
 #include <filesystem>
 #include <string>
 
-#include "format/parameters.h"
-#include "format/source.h"
+#include "bench/bench_scene.h"
 #include "worker/backend.h"
 
 namespace gigabake::bench {
 
 struct BakeBenchRequest {
-  std::filesystem::path source;
+  BenchScene scene;
   std::filesystem::path out;  ///< shards go to OUT/shards and replace those there; holds no scene
-  SourceOptions source_options;
-  BakeParameters parameters;
-  int threads = 1;
-  std::uint64_t memory_bytes = 0;
   Backend backend = Backend::automatic;
   std::size_t most_cells = 16;  ///< of the plan, the first ones
 };

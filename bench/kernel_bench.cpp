@@ -1,34 +1,22 @@
 #include "bench/kernel_bench.h"
 
 #include <algorithm>
-#include <chrono>
 #include <functional>
 #include <set>
 
 #include "format/content_hash.h"
 #include "format/error.h"
 #include "kernels/cuda_baker.h"
-#include "scheduler/plan.h"
 #include "worker/cell_loader.h"
 #include "worker/cell_parameters.h"
 #include "worker/shard_from_volume.h"
-#include "worker/survey_tile.h"
 
 namespace gigabake::bench {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-CellJob largest_cell(const SceneSources& sources, const KernelBenchRequest& request) {
-  const kernels::CpuPolicy policy(request.threads);
-  std::vector<TileSurvey> surveys;
-  for (std::uint32_t t = 0; t < sources.tiles.size(); ++t)
-    surveys.push_back(survey_tile(sources, t, request.parameters, policy));
-  const BakePlan plan = make_plan(std::move(surveys), sources, request.parameters);
-  if (plan.jobs.empty()) throw InputError(request.source, "", "holds no triangles to bake");
-  return *std::max_element(plan.jobs.begin(), plan.jobs.end(),
+CellJob largest_cell(const SceneSources& sources, const BenchScene& scene) {
+  const std::vector<CellJob> jobs = plan_cells(sources, scene);
+  return *std::max_element(jobs.begin(), jobs.end(),
                            [](const CellJob& a, const CellJob& b) { return a.triangles < b.triangles; });
 }
 
@@ -88,7 +76,7 @@ void repeat(int repeats, const std::function<double(kernels::CellStats&)>& once,
 
 kernels::CellVolume time_cpu(const KernelBenchRequest& request, const kernels::CellInput& input,
                              const kernels::CellParameters& parameters, BackendTimes& times) {
-  const kernels::CpuPolicy policy(request.threads);
+  const kernels::CpuPolicy policy(request.scene.threads);
   kernels::CellVolume volume;
   times.backend = "cpu";
   repeat(
@@ -105,7 +93,7 @@ kernels::CellVolume time_cpu(const KernelBenchRequest& request, const kernels::C
 
 kernels::CellVolume time_cuda(const KernelBenchRequest& request, int device, const kernels::CellInput& input,
                               const kernels::CellParameters& parameters, BackendTimes& times) {
-  kernels::CudaBaker baker(device, request.memory_bytes / 4);
+  kernels::CudaBaker baker(device, request.scene.memory_bytes / 4);
   times.backend = "cuda";
   baker.bake_cell(input, parameters);
   const auto upload = Clock::now();
@@ -133,12 +121,12 @@ kernels::CellVolume time_cuda(const KernelBenchRequest& request, int device, con
 
 KernelBench bench_kernels(const KernelBenchRequest& request) {
   KernelBench out;
-  const SceneSources sources = open_sources(request.source, request.source_options);
-  const CellJob job = largest_cell(sources, request);
-  CellLoader loader(sources, request.parameters, ~std::uint64_t(0), request.threads);
+  const SceneSources sources = open_sources(request.scene.source, request.scene.source_options);
+  const CellJob job = largest_cell(sources, request.scene);
+  CellLoader loader(sources, request.scene.parameters, ~std::uint64_t(0), request.scene.threads);
   const LoadedCell cell = loader.load(job);
   const kernels::CellInput input = cell.input();
-  const kernels::CellParameters parameters = cell_parameters(job, request.parameters, request.memory_bytes);
+  const kernels::CellParameters parameters = cell_parameters(job, request.scene.parameters, request.scene.memory_bytes);
   out.cell = job.name;
   out.input_bytes = bytes_of(input);
   const auto add = [&](kernels::CellVolume volume, BackendTimes times) {

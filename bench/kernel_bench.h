@@ -2,24 +2,18 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
-#include "format/parameters.h"
-#include "format/source.h"
+#include "bench/bench_scene.h"
 #include "kernels/cell.h"
 
 namespace gigabake::bench {
 
 struct KernelBenchRequest {
-  std::filesystem::path source;
-  SourceOptions source_options;
-  BakeParameters parameters;
-  int threads = 1;                ///< of the CPU
+  BenchScene scene;
   int repeats = 5;                ///< the fastest whole run counts, after one that warms up
   bool cpu = true, cuda = false;  ///< which backends
-  std::uint64_t memory_bytes = 0;
 };
 
 /// One backend's fastest run.

@@ -1,7 +1,6 @@
 #include "worker/cell_stages.h"
 
 #include <algorithm>
-#include <bit>
 #include <limits>
 #include <utility>
 
