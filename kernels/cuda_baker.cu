@@ -1,6 +1,4 @@
 #include <array>
-#include <bit>
-#include <optional>
 
 #include "kernels/cuda_baker.h"
 #include "kernels/cuda_bin.cuh"

@@ -80,7 +80,7 @@ __device__ inline void cut_polygon(const TrianglePlane& plane, double slab, CutI
   }
 }
 
-/// Cuts an item from the triangle of a pair. brick: the corner's; where, cells: as in ItemView.
+/// Cuts an item from the triangle of a pair. corner: the brick's; where: as in ItemView.
 template <bool is_hard, bool textured>
 __device__ void cut_item(const InputView& in, const WindowTriangle& w, const std::int32_t corner[3],
                          std::uint32_t where, FillItem<textured>& out) {

@@ -1,7 +1,6 @@
-/// How a block turns the items of a few neighbouring bricks into voxels. Each warp takes 32 items at a time: a lane an
-/// item to cut the triangle at its slab, then a lane a fragment for area, shade and sums; at the end the block
-/// resolves, a thread a voxel. Several bricks together fill the block's threads. Bricks with more voxels than there are
-/// accumulators are done in rounds.
+/// How a block turns the items of a few neighbouring bricks into voxels: a thread an item to cut the triangle at its
+/// slab, then a thread a fragment for area, shade and sums, then a thread a voxel to resolve. Several bricks together
+/// fill the block's threads. Bricks with more voxels than there are accumulators are done in rounds.
 #pragma once
 
 #include <bit>
@@ -18,9 +17,6 @@ namespace gigabake::kernels {
 inline constexpr int bricks_per_block = 4, fill_threads = 128;
 inline constexpr int mask_words = 16 * bricks_per_block;
 
-/// Counters that every block adds to are striped: atomics on one address wait for each other.
-inline constexpr int counter_stripes = 32;
-
 /// A batch's bricks and where their voxels go.
 struct FillView {
   InputView input;
@@ -35,7 +31,7 @@ struct FillView {
   struct Counters {
     unsigned staged, items, heavy, hard;           ///< of this batch
     unsigned most_items, most_pairs, most_staged;  ///< of any batch
-    unsigned long long fragments[counter_stripes], all_staged;
+    unsigned long long fragments, all_staged;
   } * counters;
   std::uint32_t *heavy, *hard;  ///< BrickSpan: filled first, because they take longest; filled with wider integers
   std::uint32_t heavy_capacity;
@@ -310,8 +306,7 @@ __device__ void close_bricks(const FillView& view, BrickSpan span, std::uint32_t
   view.count[brick] = count;
   view.staged[brick] = staged;
   view.staged_at[brick] = shared.staged_at + shared.below[16 * b];
-  if (b == 0 && fragments != 0)
-    atomicAdd(&view.counters->fragments[blockIdx.x % counter_stripes], (unsigned long long)fragments);
+  if (b == 0 && fragments != 0) atomicAdd(&view.counters->fragments, (unsigned long long)fragments);
 }
 
 /// The bricks of one block. False, and nothing written: they need wider integers.

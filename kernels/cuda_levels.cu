@@ -62,7 +62,7 @@ __device__ std::uint64_t parent_slab(std::uint64_t low, std::uint64_t high) {
   return (m & 0xf) | (m >> 8 & 0xf00) | (m >> 16 & 0xf0000) | (m >> 24 & 0xf000000);
 }
 
-/// Eight threads a parent, a word each. `start`: parents' first children and the end.
+/// Eight threads a parent, a word each. `start`: parents' first children.
 __global__ void make_parents(LevelView fine, const std::uint32_t* start, std::uint32_t parents, std::uint32_t* key,
                              std::uint64_t* mask, std::uint32_t* count) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x, p = i / 8;
@@ -190,7 +190,7 @@ struct Parents {
 
 class LevelBuilder {
  public:
-  LevelBuilder(DeviceHeap& heap, std::uint32_t most_bricks) : heap_(heap), most_bricks_(most_bricks) {
+  LevelBuilder(DeviceHeap& heap, std::uint32_t most_bricks) : heap_(heap) {
     std::size_t select = 0, scan = 0;
     std::uint32_t* none = nullptr;
     check_cuda(cub::DeviceSelect::If(nullptr, select, thrust::counting_iterator<std::uint32_t>(0), none, none,
@@ -228,7 +228,6 @@ class LevelBuilder {
 
  private:
   DeviceHeap& heap_;
-  std::uint32_t most_bricks_;
   TemporaryStorage temporary_;
   DeviceArray<std::uint32_t> selected_;
 };
@@ -251,7 +250,7 @@ struct NodeView {
   std::uint8_t *lod, *child_mask;
 };
 
-/// start: parents' first children in the level below, or null at lod 0.
+/// below_key: keys of the level below, or null at lod 0.
 __global__ void make_nodes(LevelView level, const std::uint32_t* below_key, std::uint32_t below_bricks, int lod,
                            std::uint32_t offset, std::uint32_t below_offset, NodeView out) {
   const std::uint32_t b = blockIdx.x * blockDim.x + threadIdx.x;

@@ -23,7 +23,6 @@ class DeviceBooks {
     while (peak < now && !peak_.compare_exchange_weak(peak, now)) {
     }
   }
-  std::uint64_t live_bytes() const { return std::uint64_t(live_.load()); }
   std::uint64_t peak_bytes() const { return std::uint64_t(peak_.load()); }
   void restart_peak() { peak_ = live_.load(); }
 

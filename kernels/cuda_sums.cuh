@@ -16,7 +16,7 @@ namespace gigabake::kernels {
 /// words 2: 64 bits, for bricks of at most fragments_before_flush triangles. words 3: 96 bits, for 2^32 triangles.
 template <int words, int slots>
 struct VoxelSums {
-  using Sum = std::conditional_t<words == 2, std::int64_t, __int128>;
+  using Total = std::conditional_t<words == 2, std::int64_t, __int128>;
 
   unsigned word[words][sum_count][slots];  ///< channel by channel: neighbours in a warp use different banks
 
@@ -43,20 +43,11 @@ struct VoxelSums {
   }
 
   __device__ void add(int slot, const Fragment& f) {
-    const std::int64_t w = f.weight;
-    const std::int64_t visible = f.rgba[3] == 65535 ? w : (w * f.rgba[3]) / 65535;
-    add(sum_weight, slot, w);
-    add(sum_alpha, slot, w * f.rgba[3]);
-    add(sum_red, slot, w * f.rgba[0]);
-    add(sum_green, slot, w * f.rgba[1]);
-    add(sum_blue, slot, w * f.rgba[2]);
-    add(sum_nx, slot, visible * f.normal[0]);
-    add(sum_ny, slot, visible * f.normal[1]);
-    add(sum_nz, slot, visible * f.normal[2]);
+    contribute(f, [&](Sum channel, std::int64_t value) { add(channel, slot, value); });
   }
 
   __device__ bool resolve_slot(int slot, const Tables& tables, Voxel& out) const {
-    Sum s[sum_count];
+    Total s[sum_count];
     for (int c = 0; c < sum_count; ++c) {
       const std::int64_t low = std::int64_t(std::uint64_t(word[1][c][slot]) << 32 | word[0][c][slot]);
       if constexpr (words == 2)

@@ -329,7 +329,7 @@ DeviceLevel voxelize(DeviceHeap& heap, const InputView& input, const WindowView&
   for (;;) {
     Filled filled = Filler(heap, input, window.rule, lists, normals, textured, sizes).fill(lists.bricks);
     if (!fits(filled, sizes)) continue;
-    for (const unsigned long long n : filled.counted.fragments) stats.fragments += n;
+    stats.fragments += filled.counted.fragments;
     learn(filled, lists, sizes, ratios);
     return without_empty(heap, lists, std::move(filled));
   }
