@@ -19,8 +19,8 @@ struct Stage {
 };
 
 std::vector<Stage> stages(const kernels::CellStats& s) {
-  return {{"snap", s.snap_s},         {"bin", s.bin_s}, {"sort", s.sort_s},
-          {"voxelize", s.voxelize_s}, {"mip", s.mip_s}, {"prune", s.prune_s}};
+  return {{"snap", s.snap_s}, {"bin", s.bin_s},   {"sort", s.sort_s},  {"voxelize", s.voxelize_s},
+          {"mip", s.mip_s},   {"hash", s.hash_s}, {"prune", s.prune_s}};
 }
 
 void print_text(const bench::KernelBench& b) {

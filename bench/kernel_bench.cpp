@@ -58,7 +58,7 @@ std::string hash_of(kernels::CellVolume volume, const CellJob& job) {
   header.has_normals = !volume.levels.empty() && !volume.levels[0].normal.empty();
   if (volume.levels.empty()) return "empty";
   Hash128 all;
-  for (const Hash128& lod : shard_from_volume(std::move(volume), header).header.content_hash) all += lod;
+  for (const Hash128& lod : content_hash(shard_from_volume(std::move(volume), header))) all += lod;
   return all.hex();
 }
 

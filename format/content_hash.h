@@ -15,7 +15,8 @@ namespace gigabake {
 Hash128 voxel_hash(int lod, std::array<std::int64_t, 3> corner_lattice, const std::uint8_t rgba[4],
                    const std::int8_t normal[2]);
 
-/// Per lod, of a whole cell. Cost  about 16 ns a voxel and thread.
+/// Per lod, of a whole cell as it was read: the check of the hash that kernels/voxel_hash.h made while baking.
+/// Cost  about 16 ns a voxel and thread.
 std::vector<Hash128> content_hash(const Shard& shard, int threads = 1);
 
 }  // namespace gigabake

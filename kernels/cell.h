@@ -15,6 +15,7 @@
 #include "kernels/snap.h"
 #include "kernels/texture.h"
 #include "kernels/types.h"
+#include "kernels/voxel_hash.h"
 
 namespace gigabake::kernels {
 
@@ -76,12 +77,13 @@ struct CellStats {
   std::uint64_t fragments = 0;   ///< triangle × voxel
   std::uint64_t batches = 0;
   std::uint64_t peak_bytes = 0;  ///< of this call's own arrays
-  double snap_s = 0, bin_s = 0, sort_s = 0, voxelize_s = 0, mip_s = 0, prune_s = 0;
+  double snap_s = 0, bin_s = 0, sort_s = 0, voxelize_s = 0, mip_s = 0, hash_s = 0, prune_s = 0;
 };
 
 struct CellVolume {
   std::vector<Level> levels;  ///< [lod]; log2(window_voxels/8)+1; empty when no voxel is occupied
   Nodes nodes;
+  std::vector<Sum128> content_hash;  ///< [lod]; of all voxels, those that constant nodes stand for included
   CellStats stats;
 };
 

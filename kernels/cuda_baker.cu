@@ -2,6 +2,7 @@
 
 #include "kernels/cuda_baker.h"
 #include "kernels/cuda_bin.cuh"
+#include "kernels/cuda_hash.cuh"
 #include "kernels/cuda_input.cuh"
 #include "kernels/cuda_levels.cuh"
 #include "kernels/cuda_voxelize.cuh"
@@ -34,7 +35,7 @@ class StreamClock {
 
  private:
   cudaStream_t stream_;
-  std::array<cudaEvent_t, 6> events_{};
+  std::array<cudaEvent_t, 7> events_{};
 };
 
 struct Stream {
@@ -110,10 +111,10 @@ Nodes to_host(cudaStream_t stream, const DeviceNodes& d) {
 class Volume : public CudaVolume {
  public:
   const CellStats& stats() const override { return cell_stats; }
-  bool is_empty() const override { return levels.empty(); }
 
   std::vector<DeviceLevel> levels;
   DeviceNodes nodes;
+  std::vector<Sum128> content_hash;
   CellStats cell_stats;
 };
 
@@ -162,6 +163,7 @@ class CudaBaker::Impl {
     stats.voxelize_s = clock_.between(2, 3);
     stats.mip_s = clock_.between(3, 4);
     stats.prune_s = clock_.between(4, 5);
+    stats.hash_s = clock_.between(5, 6);
     return volume;
   }
 
@@ -170,6 +172,7 @@ class CudaBaker::Impl {
     const cudaStream_t stream = download_stream_.handle;
     CellVolume out;
     out.stats = volume.cell_stats;
+    out.content_hash = volume.content_hash;
     for (const DeviceLevel& level : volume.levels) out.levels.push_back(to_host(stream, level));
     if (volume.nodes.count != 0)
       out.nodes = to_host(stream, volume.nodes);
@@ -201,6 +204,8 @@ class CudaBaker::Impl {
     clock_.mark(4);
     volume.nodes = brick_nodes(bake_heap_, volume.levels);
     clock_.mark(5);
+    volume.content_hash = level_hashes(bake_heap_, volume.levels, parameters.window_min);
+    clock_.mark(6);
   }
 
   int device_;

@@ -33,7 +33,6 @@ class CudaVolume {
  public:
   virtual ~CudaVolume() = default;
   virtual const CellStats& stats() const = 0;
-  virtual bool is_empty() const = 0;
 };
 
 /// One device. Keeps its memory pool and the textures of recent cells between cells.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "kernels/accumulate.h"
 #include "kernels/coverage.h"
@@ -11,10 +12,16 @@
 
 namespace gigabake::kernels {
 
+/// Vertices of the triangle's plane, in sub-voxels: exact, and for narrow triangles half as long as in double.
+template <bool is_hard>
+using PlaneCoordinate = std::conditional_t<is_hard, double, std::int32_t>;
+
 /// An item, ready to be measured.
+template <bool is_hard>
 struct CutItem {
   double u[5], v[5], slope[5];  ///< the slab's polygon
-  double plane_u[3], plane_v[3], inverse_twice_area, area_scale;
+  double inverse_twice_area, area_scale;
+  PlaneCoordinate<is_hard> plane_u[3], plane_v[3];
   std::uint64_t cells;
   std::int32_t anchor_u, anchor_v;
   std::uint32_t part;
@@ -23,16 +30,16 @@ struct CutItem {
   std::uint8_t corners, axis, slab, brick;
 };
 
-template <bool textured>
-struct FillItem : CutItem {};
-template <>
-struct FillItem<true> : CutItem {
+template <bool is_hard, bool textured>
+struct FillItem : CutItem<is_hard> {};
+template <bool is_hard>
+struct FillItem<is_hard, true> : CutItem<is_hard> {
   TextureMap map;
 };
 
-template <bool textured>
+template <bool is_hard, bool textured>
 __device__ void read_attributes(const InputView& in, const DevicePart& part, std::uint32_t index,
-                                const TrianglePlane& plane, FillItem<textured>& out) {
+                                const TrianglePlane& plane, FillItem<is_hard, textured>& out) {
   if (part.rgba == nullptr && !textured) return;
   std::uint32_t v[3];
   vertices_of(part, index, v);
@@ -50,21 +57,22 @@ __device__ void read_attributes(const InputView& in, const DevicePart& part, std
   }
 }
 
-template <class I>
-__device__ TrianglePlane plane_of(const WindowTriangle& w, const std::int32_t corner[3], CutItem& out) {
+template <class I, bool is_hard>
+__device__ TrianglePlane plane_in(const WindowTriangle& w, const std::int32_t corner[3], CutItem<is_hard>& out) {
   const BrickTriangle<I> t = make_brick_triangle<I>(w, corner);
   geometric_normal(t, out.normal);
   return make_plane(t);
 }
 
 template <bool is_hard>
-__device__ TrianglePlane plane_of(const WindowTriangle& w, const std::int32_t corner[3], CutItem& out) {
+__device__ TrianglePlane plane_of(const WindowTriangle& w, const std::int32_t corner[3], CutItem<is_hard>& out) {
   if constexpr (is_hard)
-    if (!is_narrow(w)) return plane_of<__int128>(w, corner, out);
-  return plane_of<std::int64_t>(w, corner, out);
+    if (!is_narrow(w)) return plane_in<__int128>(w, corner, out);
+  return plane_in<std::int64_t>(w, corner, out);
 }
 
-__device__ inline void cut_polygon(const TrianglePlane& plane, double slab, CutItem& out) {
+template <bool is_hard>
+__device__ void cut_polygon(const TrianglePlane& plane, double slab, CutItem<is_hard>& out) {
   int corners = 0;
   cut_slab(plane, slab, [&](double u, double v) {
     out.u[corners] = u;
@@ -83,8 +91,8 @@ __device__ inline void cut_polygon(const TrianglePlane& plane, double slab, CutI
 /// Cuts an item from the triangle of a pair. corner: the brick's; where: as in ItemView.
 template <bool is_hard, bool textured>
 __device__ void cut_item(const InputView& in, const WindowTriangle& w, const std::int32_t corner[3],
-                         std::uint32_t where, FillItem<textured>& out) {
-  const TrianglePlane plane = plane_of<is_hard>(w, corner, out);
+                         std::uint32_t where, FillItem<is_hard, textured>& out) {
+  const TrianglePlane plane = plane_of(w, corner, static_cast<CutItem<is_hard>&>(out));
   out.axis = std::uint8_t(where >> 3 & 3);
   out.slab = std::uint8_t(where & 7);
   out.part = w.part;
@@ -93,17 +101,17 @@ __device__ void cut_item(const InputView& in, const WindowTriangle& w, const std
   out.inverse_twice_area = plane.inverse_twice_area;
   out.area_scale = plane.area_scale;
   for (int c = 0; c < 3; ++c) {
-    out.plane_u[c] = plane.u[c];
-    out.plane_v[c] = plane.v[c];
+    out.plane_u[c] = PlaneCoordinate<is_hard>(plane.u[c] * double(subvoxels));
+    out.plane_v[c] = PlaneCoordinate<is_hard>(plane.v[c] * double(subvoxels));
   }
-  cut_polygon(plane, double(std::int64_t(where & 7) - plane.anchor[2]), out);
+  cut_polygon(plane, double(std::int64_t(where & 7) - plane.anchor[2]), static_cast<CutItem<is_hard>&>(out));
   read_attributes(in, in.parts[w.part], w.index, plane, out);
 }
 
 /// Area and moments of a cell, edge after edge as kernels/cell_lanes.h does them. Edges beside the cell's range of v
 /// add nothing but zeros; lanes skip their own, so that a warp makes as many steps as its busiest lane.
-template <bool with_moments>
-__device__ CellMoments measure(const CutItem& item, double u, double v) {
+template <bool with_moments, bool is_hard>
+__device__ CellMoments measure(const CutItem<is_hard>& item, double u, double v) {
   unsigned edges = 0;
   for (int e = 0; e < item.corners; ++e) {
     const int f = e + 1 == item.corners ? 0 : e + 1;
@@ -117,8 +125,8 @@ __device__ CellMoments measure(const CutItem& item, double u, double v) {
   return m;
 }
 
-template <bool textured>
-__device__ Surface surface_of(const InputView& in, const FillItem<textured>& item) {
+template <bool is_hard, bool textured>
+__device__ Surface surface_of(const InputView& in, const FillItem<is_hard, textured>& item) {
   const DevicePart& part = in.parts[item.part];
   Surface s;
   s.material = in.materials[part.material];
@@ -138,14 +146,14 @@ __device__ Surface surface_of(const InputView& in, const FillItem<textured>& ite
   return s;
 }
 
-template <bool textured>
-__device__ Fragment fragment_of(const InputView& in, const FillItem<textured>& item, int cell) {
+template <bool is_hard, bool textured>
+__device__ Fragment fragment_of(const InputView& in, const FillItem<is_hard, textured>& item, int cell) {
   const double u = double((cell & 7) - item.anchor_u), v = double((cell >> 3) - item.anchor_v);
   const Surface surface = surface_of(in, item);
   TrianglePlane plane;
   for (int c = 0; c < 3; ++c) {
-    plane.u[c] = item.plane_u[c];
-    plane.v[c] = item.plane_v[c];
+    plane.u[c] = double(item.plane_u[c]) / double(subvoxels);
+    plane.v[c] = double(item.plane_v[c]) / double(subvoxels);
   }
   plane.inverse_twice_area = item.inverse_twice_area;
   if (!surface.varies())

@@ -1,6 +1,6 @@
 /// How a block turns the items of a few neighbouring bricks into voxels: a thread an item to cut the triangle at its
-/// slab, then a thread a fragment for area, shade and sums, then a thread a voxel to resolve. Several bricks together
-/// fill the block's threads. Bricks with more voxels than there are accumulators are done in rounds.
+/// slab, then a thread a fragment for area, shade and sums, then a thread a voxel to resolve. A round takes as many
+/// bricks as fill the block's threads and fit its accumulators; a brick that has more voxels takes several rounds.
 #pragma once
 
 #include <bit>
@@ -14,7 +14,7 @@
 
 namespace gigabake::kernels {
 
-inline constexpr int bricks_per_block = 4, fill_threads = 128;
+inline constexpr int bricks_per_block = 8, fill_threads = 128;
 inline constexpr int mask_words = 16 * bricks_per_block;
 
 /// A batch's bricks and where their voxels go.
@@ -41,8 +41,8 @@ struct FillView {
 struct BrickSpan {
   std::uint32_t first, bricks;
   __device__ BrickSpan(std::uint32_t first_brick, std::uint32_t count) : first(first_brick), bricks(count) {}
-  __device__ explicit BrickSpan(std::uint32_t word) : first(word >> 3), bricks(word & 7) {}
-  __device__ std::uint32_t word() const { return first << 3 | bricks; }
+  __device__ explicit BrickSpan(std::uint32_t word) : first(word >> 4), bricks(word & 15) {}
+  __device__ std::uint32_t word() const { return first << 4 | bricks; }
 };
 
 /// More triangles than these and every brick has a block of its own: nobody waits long for the last block.
@@ -57,39 +57,24 @@ __device__ inline bool items_fit(const FillView& view) {
 /// How wide integers are: easy bricks have at most fragments_before_flush triangles, all of them narrow.
 template <bool is_hard>
 struct FillWidth {
-  static constexpr int words = is_hard ? 3 : 2, slots = is_hard ? 256 : 384;
+  static constexpr int words = is_hard ? 3 : 2, slots = is_hard ? 256 : 432;
 };
 
 template <bool is_hard, bool textured>
 struct FillShared {
   VoxelSums<FillWidth<is_hard>::words, FillWidth<is_hard>::slots> sums;
-  FillItem<textured> item[fill_threads];
+  FillItem<is_hard, textured> item[fill_threads];
   std::uint32_t prefix[fill_threads];  ///< inclusive, of the items' cells
   std::uint32_t warp_cells[fill_threads / 32];
   unsigned mask[mask_words];                  ///< bit voxel % 32 of word voxel / 32, brick after brick
   std::uint16_t below[mask_words + 1];        ///< voxels in the words before
   std::uint32_t start[bricks_per_block + 1];  ///< pairs, of the batch
+  std::uint32_t items[bricks_per_block];
   unsigned invisible[bricks_per_block];
   std::uint32_t staged_at;
 };
 
 inline constexpr std::uint32_t no_item = ~0u;
-
-/// A stretch of items that stand together.
-struct ItemRange {
-  std::uint32_t begin, end;
-};
-
-/// Calls work(range) for all items of the pairs [first, end) of a batch of `pairs`, in stretches.
-template <class Work>
-__device__ void for_each_range(const ItemView& items, std::uint32_t first, std::uint32_t end, std::uint32_t pairs,
-                               const Work& work) {
-  for (std::uint32_t group = first / pairs_per_group; group * pairs_per_group < end; ++group) {
-    const std::uint32_t group_first = group * pairs_per_group, next_group = group_first + pairs_per_group;
-    const bool ends_group = end >= next_group || end == pairs;
-    work(ItemRange{items.first[larger(first, group_first)], ends_group ? items.group_end[group] : items.first[end]});
-  }
-}
 
 __device__ inline int voxel_of_cell(int axis, int slab, int cell) {
   const int bits_u = axis == 2 ? 0 : 3 * axis + 3, bits_v = axis == 0 ? 6 : 3 * axis - 3;
@@ -133,16 +118,19 @@ __device__ inline std::uint32_t warp_sums(std::uint32_t mine, int lane) {
 /// Sums of the words before each; returns all voxels. By the whole block.
 template <class Shared>
 __device__ int count_voxels(Shared& shared) {
-  static_assert(mask_words <= 64 && mask_words % 2 == 0);
+  constexpr int words = mask_words / 32;
+  static_assert(mask_words % 32 == 0);
   if (threadIdx.x < 32) {
-    const int lane = int(threadIdx.x), words = smaller(mask_words - 2 * lane, 2);
-    const int a = words > 0 ? __popc(shared.mask[2 * lane]) : 0;
-    const int both = words > 0 ? a + __popc(shared.mask[2 * lane + 1]) : 0;
-    const int sum = int(warp_sums(std::uint32_t(both), lane));
-    if (words > 0) {
-      shared.below[2 * lane] = std::uint16_t(sum - both);
-      shared.below[2 * lane + 1] = std::uint16_t(sum - both + a);
+    const int lane = int(threadIdx.x);
+    int mine = 0, before[words];
+#pragma unroll
+    for (int w = 0; w < words; ++w) {
+      before[w] = mine;
+      mine += __popc(shared.mask[words * lane + w]);
     }
+    const int sum = int(warp_sums(std::uint32_t(mine), lane));
+#pragma unroll
+    for (int w = 0; w < words; ++w) shared.below[words * lane + w] = std::uint16_t(sum - mine + before[w]);
     if (lane == 31) shared.below[mask_words] = std::uint16_t(sum);
   }
   __syncthreads();
@@ -152,7 +140,7 @@ __device__ int count_voxels(Shared& shared) {
 /// One lane's item, from its triangle.
 template <bool is_hard, bool textured>
 __device__ void read_item(const FillView& view, std::uint32_t first_brick, std::uint32_t i,
-                          const FillShared<is_hard, textured>& shared, FillItem<textured>& out) {
+                          const FillShared<is_hard, textured>& shared, FillItem<is_hard, textured>& out) {
   const std::uint32_t where = view.items.where[i], pair = where >> 6;
   out.brick = std::uint8_t(brick_of_item(shared.start, pair));
   out.cells = view.items.cells[i];
@@ -160,8 +148,7 @@ __device__ void read_item(const FillView& view, std::uint32_t first_brick, std::
   const std::int32_t corner[3] = {std::int32_t(at.x) << brick_subvoxel_bits, std::int32_t(at.y) << brick_subvoxel_bits,
                                   std::int32_t(at.z) << brick_subvoxel_bits};
   const std::uint32_t batch_pair = view.bricks.start[view.begin];
-  cut_item<is_hard>(view.input, window_triangle(view.input, view.bricks.triangle[batch_pair + pair]), corner, where,
-                    out);
+  cut_item(view.input, window_triangle(view.input, view.bricks.triangle[batch_pair + pair]), corner, where, out);
 }
 
 /// The n-th set bit, in as many steps for one as for all.
@@ -220,7 +207,7 @@ __device__ std::uint32_t add_chunk(const FillView& view, std::uint32_t first_bri
   const std::uint32_t total = scan_cells(cells, shared);
   for (std::uint32_t f = threadIdx.x; f < total; f += fill_threads) {
     const int at = item_of(shared.prefix, f);
-    const FillItem<textured>& item = shared.item[at];
+    const FillItem<is_hard, textured>& item = shared.item[at];
     const int cell = nth_bit(item.cells, int(f - (at == 0 ? 0 : shared.prefix[at - 1])));
     const int voxel = voxel_of_cell(item.axis, item.slab, cell), word = 16 * item.brick + (voxel >> 5);
     const int slot = shared.below[word] + __popc(shared.mask[word] & ((1u << (voxel & 31)) - 1)) - round;
@@ -230,26 +217,29 @@ __device__ std::uint32_t add_chunk(const FillView& view, std::uint32_t first_bri
   return total;
 }
 
-/// All items of the block's bricks, a chunk of as many as there are threads at a time, over the ends of groups.
+/// What one round adds up.
+struct Round {
+  int brick, end;   ///< of the block's bricks
+  int first, used;  ///< of the block's voxels
+};
+
+/// All items of the round's bricks, a chunk of as many as there are threads at a time, over the ends of groups.
 template <bool is_hard, bool textured>
-__device__ std::uint32_t add_items(const FillView& view, std::uint32_t first_brick, int round,
+__device__ std::uint32_t add_items(const FillView& view, std::uint32_t first_brick, const Round& round,
                                    FillShared<is_hard, textured>& shared) {
-  std::uint32_t fragments = 0, waiting = 0, mine = no_item;
-  for_each_range(view.items, shared.start[0], shared.start[bricks_per_block],
-                 view.bricks.start[view.end] - view.bricks.start[view.begin], [&](ItemRange range) {
-                   while (range.begin < range.end) {
-                     const std::uint32_t taken = smaller(range.end - range.begin, fill_threads - waiting);
-                     if (threadIdx.x >= waiting && threadIdx.x < waiting + taken)
-                       mine = range.begin + (threadIdx.x - waiting);
-                     range.begin += taken;
-                     waiting += taken;
-                     if (waiting != fill_threads) continue;
-                     fragments += add_chunk(view, first_brick, mine, round, shared);
-                     waiting = 0;
-                     mine = no_item;
-                   }
-                 });
-  if (waiting != 0) fragments += add_chunk(view, first_brick, mine, round, shared);
+  std::uint32_t fragments = 0;
+  ItemWalk walk(view.items, shared.start[round.brick], shared.start[round.end],
+                view.bricks.start[view.end] - view.bricks.start[view.begin]);
+  while (walk.has_more()) {
+    std::uint32_t mine = no_item;
+    for (std::uint32_t taken = 0; taken < fill_threads && walk.has_more();) {
+      const ItemRange range = walk.take(fill_threads - taken);
+      const std::uint32_t i = threadIdx.x - taken;  // wraps where this thread has an item already
+      if (i < range.end - range.begin) mine = range.begin + i;
+      taken += range.end - range.begin;
+    }
+    fragments += add_chunk(view, first_brick, mine, round.first, shared);
+  }
   return fragments;
 }
 
@@ -263,16 +253,16 @@ __device__ void drop_voxel(std::uint64_t* mask, int rank, Shared& shared) {
   atomicAdd(&shared.invisible[word / 16], 1u);
 }
 
-/// Voxels [round, round + used) of the block to the stage.
+/// The round's voxels to the stage.
 template <class Shared>
-__device__ void resolve_round(const FillView& view, std::uint64_t* mask, bool fits, int round, int used,
+__device__ void resolve_round(const FillView& view, std::uint64_t* mask, bool fits, const Round& round,
                               Shared& shared) {
-  for (int slot = int(threadIdx.x); slot < used; slot += fill_threads) {
+  for (int slot = int(threadIdx.x); slot < round.used; slot += fill_threads) {
     Voxel out;
     const bool visible = shared.sums.resolve_slot(slot, view.input.tables, out);
-    if (!visible) drop_voxel(mask, round + slot, shared);
+    if (!visible) drop_voxel(mask, round.first + slot, shared);
     if (!fits) continue;
-    const std::uint32_t at = shared.staged_at + std::uint32_t(round + slot);
+    const std::uint32_t at = shared.staged_at + std::uint32_t(round.first + slot);
     view.stage_rgba[at] = !visible ? 0
                                    : std::uint32_t(out.rgba[0]) | std::uint32_t(out.rgba[1]) << 8 |
                                          std::uint32_t(out.rgba[2]) << 16 | std::uint32_t(out.rgba[3]) << 24;
@@ -281,7 +271,19 @@ __device__ void resolve_round(const FillView& view, std::uint64_t* mask, bool fi
   }
 }
 
-/// Masks and voxel counts of the block's bricks, before anything is resolved. False: a thread has a wide item.
+template <class Shared>
+__device__ std::uint32_t count_items(const ItemView& items, std::uint32_t brick, std::uint32_t pairs,
+                                     const Shared& shared) {
+  std::uint32_t count = 0;
+  ItemWalk walk(items, shared.start[brick], shared.start[brick + 1], pairs);
+  while (walk.has_more()) {
+    const ItemRange range = walk.take(~0u);
+    count += range.end - range.begin;
+  }
+  return count;
+}
+
+/// Masks and item counts of the block's bricks, before anything is resolved. False: a thread has a wide item.
 template <class Shared>
 __device__ bool open_bricks(const FillView& view, BrickSpan span, Shared& shared) {
   const std::uint32_t batch_pair = view.bricks.start[view.begin];
@@ -292,8 +294,10 @@ __device__ bool open_bricks(const FillView& view, BrickSpan span, Shared& shared
   if (threadIdx.x < bricks_per_block) shared.invisible[threadIdx.x] = 0;
   __syncthreads();
   bool is_wide = false;
-  for_each_range(view.items, shared.start[0], shared.start[bricks_per_block], view.bricks.start[view.end] - batch_pair,
-                 [&](ItemRange range) { is_wide |= mark_voxels(view.items, range, shared); });
+  const std::uint32_t pairs = view.bricks.start[view.end] - batch_pair;
+  if (threadIdx.x < bricks_per_block) shared.items[threadIdx.x] = count_items(view.items, threadIdx.x, pairs, shared);
+  ItemWalk walk(view.items, shared.start[0], shared.start[bricks_per_block], pairs);
+  while (walk.has_more()) is_wide |= mark_voxels(view.items, walk.take(~0u), shared);
   return __syncthreads_or(is_wide) == 0;
 }
 
@@ -309,6 +313,40 @@ __device__ void close_bricks(const FillView& view, BrickSpan span, std::uint32_t
   if (b == 0 && fragments != 0) atomicAdd(&view.counters->fragments, (unsigned long long)fragments);
 }
 
+/// Where a round ends that begins at `brick`: after one brick, or as many as need neither a second chunk of items nor
+/// more slots.
+template <int slots, class Shared>
+__device__ int round_end(int brick, int bricks, const Shared& shared) {
+  std::uint32_t items = shared.items[brick];
+  int end = brick + 1;
+  for (; end < bricks; ++end) {
+    items += shared.items[end];
+    if (items > fill_threads || shared.below[16 * end + 16] - shared.below[16 * brick] > slots) break;
+  }
+  return end;
+}
+
+/// Bricks [brick, end) of the block, in more than one round where they have more voxels than there are slots; returns
+/// their fragments.
+template <bool is_hard, bool textured>
+__device__ std::uint32_t fill_bricks_of_round(const FillView& view, BrickSpan span, std::uint64_t* mask, int brick,
+                                              int end, FillShared<is_hard, textured>& shared) {
+  constexpr int slots = FillWidth<is_hard>::slots;
+  const int last = shared.below[16 * end];
+  std::uint32_t fragments = 0;
+  for (int first = shared.below[16 * brick]; first < last; first += slots) {
+    const Round round{brick, end, first, smaller(slots, last - first)};
+    __syncthreads();
+    shared.sums.clear(int(threadIdx.x), fill_threads, round.used);
+    __syncthreads();
+    fragments = add_items(view, span.first, round, shared);  // the same in each round
+    __syncthreads();
+    const bool fits = std::uint64_t(shared.staged_at) + std::uint64_t(last) <= view.stage_capacity;
+    resolve_round(view, mask, fits, round, shared);
+  }
+  return fragments;
+}
+
 /// The bricks of one block. False, and nothing written: they need wider integers.
 template <bool is_hard, bool textured>
 __device__ bool fill_bricks(const FillView& view, BrickSpan span, FillShared<is_hard, textured>& shared) {
@@ -320,15 +358,10 @@ __device__ bool fill_bricks(const FillView& view, BrickSpan span, FillShared<is_
   if (threadIdx.x < 8 * span.bricks)
     mask[threadIdx.x] = shared.mask[2 * threadIdx.x] | std::uint64_t(shared.mask[2 * threadIdx.x + 1]) << 32;
   std::uint32_t fragments = 0;
-  for (int round = 0; round < voxels; round += slots) {
-    const int used = smaller(slots, voxels - round);
-    __syncthreads();
-    shared.sums.clear(int(threadIdx.x), fill_threads, used);
-    __syncthreads();
-    fragments = add_items(view, span.first, round, shared);
-    __syncthreads();
-    const bool fits = std::uint64_t(shared.staged_at) + std::uint64_t(voxels) <= view.stage_capacity;
-    resolve_round(view, mask, fits, round, used, shared);
+  for (int brick = 0; brick < int(span.bricks);) {
+    const int end = round_end<slots>(brick, int(span.bricks), shared);
+    fragments += fill_bricks_of_round(view, span, mask, brick, end, shared);
+    brick = end;
   }
   __syncthreads();
   close_bricks(view, span, fragments, shared);

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "kernels/cuda_bin.cuh"
+#include "kernels/types.h"
 
 namespace gigabake::kernels {
 
@@ -24,6 +25,41 @@ struct ItemView {
 /// Bricks and their triangles, as BrickLists.
 struct BricksView {
   const std::uint32_t *key, *start, *triangle;
+};
+
+/// A stretch of items that stand together.
+struct ItemRange {
+  std::uint32_t begin, end;
+};
+
+/// All items of the pairs [first, end) of a batch of `pairs`, in stretches; by the whole block alike.
+class ItemWalk {
+ public:
+  __device__ ItemWalk(const ItemView& items, std::uint32_t first, std::uint32_t end, std::uint32_t pairs)
+      : items_(items), first_(first), end_(end), pairs_(pairs), group_(first / pairs_per_group) {
+    open_group();
+  }
+  __device__ bool has_more() const { return range_.begin < range_.end; }
+  /// The next stretch, of at most so many.
+  __device__ ItemRange take(std::uint32_t most) {
+    const ItemRange taken{range_.begin, range_.begin + smaller(most, range_.end - range_.begin)};
+    range_.begin = taken.end;
+    open_group();
+    return taken;
+  }
+
+ private:
+  __device__ void open_group() {
+    for (; !has_more() && group_ * pairs_per_group < end_; ++group_) {
+      const std::uint32_t group_first = group_ * pairs_per_group, next_group = group_first + pairs_per_group;
+      const bool ends_group = end_ >= next_group || end_ == pairs_;
+      range_ = {items_.first[larger(first_, group_first)], ends_group ? items_.group_end[group_] : items_.first[end_]};
+    }
+  }
+
+  const ItemView& items_;
+  std::uint32_t first_, end_, pairs_, group_;
+  ItemRange range_{0, 0};
 };
 
 /// Items of the bricks [begin, end). Launch with pairs_per_group threads a block and any number of blocks.

@@ -33,7 +33,7 @@ __global__ void find_heavy_bricks(FillView view) {
 
 /// Heavy bricks, a block each, then groups of the others.
 template <bool textured>
-__global__ void __launch_bounds__(fill_threads, 4) fill_easy_bricks(FillView view) {
+__global__ void __launch_bounds__(fill_threads, textured ? 3 : 4) fill_easy_bricks(FillView view) {
   extern __shared__ __align__(16) unsigned char raw[];
   auto& shared = *reinterpret_cast<FillShared<false, textured>*>(raw);
   if (!items_fit(view)) return;

@@ -25,7 +25,6 @@ void run_stage(CellInHand& cell, double CellReport::*seconds, const Work& work) 
     cell.decided = true;
     cell.loaded.reset();
     cell.device_input.reset();
-    cell.device_volume.reset();
     cell.volume = {};
   };
   try {

@@ -83,7 +83,6 @@ bool CellStages::on_device(CellInHand& cell, const Step& step) {
     cell.report.on_device = false;
     cell.report.note = std::string("baked on the CPU, because the GPU failed: ") + e.what();
     cell.device_input.reset();
-    cell.device_volume.reset();
     return false;
   }
 }
@@ -103,25 +102,25 @@ void CellStages::read(CellInHand& cell) {
 
 void CellStages::compute(CellInHand& cell) {
   const bool baked = on_device(cell, [&] {
-    cell.device_volume =
+    const std::unique_ptr<kernels::CudaVolume> volume =
         cuda_->bake(*cell.device_input, cell_parameters(cell.job, parameters_, kernel_bytes(options_)));
     cell.device_input.reset();
+    cell.volume = cuda_->download(*volume);
     cell.report.on_device = true;
-    take_stats(cell, cell.device_volume->stats());
-    if (cell.device_volume->is_empty()) decide(cell, CellOutcome::empty);
   });
   if (!baked) bake_on_cpu(cell);
-  if (cell.decided || !baked) cell.loaded.reset();
-}
-
-void CellStages::bake_on_cpu(CellInHand& cell) {
-  cell.volume =
-      kernels::bake_cell(cell.loaded->input(), cell_parameters(cell.job, parameters_, kernel_bytes(options_)), policy_);
-  take_stats(cell, cell.volume.stats);
+  cell.loaded.reset();
+  take_stats(cell);
   if (cell.volume.levels.empty()) decide(cell, CellOutcome::empty);
 }
 
-void CellStages::take_stats(CellInHand& cell, const kernels::CellStats& stats) const {
+void CellStages::bake_on_cpu(CellInHand& cell) const {
+  cell.volume =
+      kernels::bake_cell(cell.loaded->input(), cell_parameters(cell.job, parameters_, kernel_bytes(options_)), policy_);
+}
+
+void CellStages::take_stats(CellInHand& cell) const {
+  const kernels::CellStats& stats = cell.volume.stats;
   cell.report.peak_bytes = stats.peak_bytes;
   cell.report.bad_uv = stats.bad_uv;
   if (stats.oversized != 0)
@@ -131,16 +130,8 @@ void CellStages::take_stats(CellInHand& cell, const kernels::CellStats& stats) c
 }
 
 void CellStages::write(CellInHand& cell) {
-  if (cell.device_volume) {
-    const bool there = on_device(cell, [&] {
-      cell.volume = cuda_->download(*cell.device_volume);
-      cell.device_volume.reset();
-    });
-    if (!there) bake_on_cpu(cell);
-    cell.loaded.reset();
-  }
   const ShardHeader header = header_of(cell);
-  const Shard shard = shard_from_volume(std::exchange(cell.volume, {}), header, options_.threads);
+  const Shard shard = shard_from_volume(std::exchange(cell.volume, {}), header);
   const std::uint64_t bytes = write_shard(options_.out / shard_path(cell.job), shard, {options_.threads});
   cell.report.cell = scene_cell(cell.job, shard, bytes);
   decide(cell, CellOutcome::baked);

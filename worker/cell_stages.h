@@ -21,9 +21,8 @@ struct CellInHand {
   CellJob job;
   CellReport report;
   bool decided = false;              ///< the report is final; later stages pass it on
-  std::optional<LoadedCell> loaded;  ///< until the volume is on the host: a device may fail at any step
+  std::optional<LoadedCell> loaded;  ///< until there is a volume: a device may fail at any step
   std::shared_ptr<const kernels::CudaInput> device_input;
-  std::unique_ptr<kernels::CudaVolume> device_volume;
   kernels::CellVolume volume;
 };
 
@@ -36,16 +35,17 @@ class CellStages {
   /// Takes over a whole shard of this fingerprint if OUT has one; else loads tiles and textures, to the device too.
   void read(CellInHand& cell);
   /// loaded → volume, on the device if there is one; a cell at which it fails is baked on the CPU, and the report says
-  /// so. Decides for `empty` where no voxel is occupied.
+  /// so. Decides for `empty` where no voxel is occupied. The volume comes back to the host here and not while writing:
+  /// kernels are the shortest stage on a device, writing is the longest.
   void compute(CellInHand& cell);
-  /// volume, from the device if it is there → shard → report.
+  /// volume → shard → report.
   void write(CellInHand& cell);
 
  private:
   template <class Step>
   bool on_device(CellInHand& cell, const Step& step);
-  void bake_on_cpu(CellInHand& cell);
-  void take_stats(CellInHand& cell, const kernels::CellStats& stats) const;
+  void bake_on_cpu(CellInHand& cell) const;
+  void take_stats(CellInHand& cell) const;
   ShardHeader header_of(const CellInHand& cell) const;
 
   const SceneSources sources_;

@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "format/content_hash.h"
-
 namespace gigabake {
 namespace {
 
@@ -22,7 +20,7 @@ NodeTable to_table(kernels::Nodes nodes) {
 
 }  // namespace
 
-Shard shard_from_volume(kernels::CellVolume volume, ShardHeader header, int threads) {
+Shard shard_from_volume(kernels::CellVolume volume, ShardHeader header) {
   Shard shard;
   shard.header = std::move(header);
   shard.nodes = to_table(std::move(volume.nodes));
@@ -30,7 +28,7 @@ Shard shard_from_volume(kernels::CellVolume volume, ShardHeader header, int thre
     shard.levels.push_back(
         {std::move(level.mask), std::move(level.first), std::move(level.rgba), std::move(level.normal)});
   shard.header.lods = std::uint32_t(shard.levels.size());
-  shard.header.content_hash = content_hash(shard, threads);
+  for (const kernels::Sum128& hash : volume.content_hash) shard.header.content_hash.push_back({hash.lo, hash.hi});
   return shard;
 }
 

@@ -9,8 +9,8 @@
 
 namespace gigabake {
 
-/// The header's content_hash is filled from the voxels, on so many threads.
-Shard shard_from_volume(kernels::CellVolume volume, ShardHeader header, int threads = 1);
+/// The header's content_hash is the volume's: the kernels' own, which `verify` compares with what the file holds.
+Shard shard_from_volume(kernels::CellVolume volume, ShardHeader header);
 
 /// Voxels per lod, those that constant nodes stand for included, as content_hash() counts them.
 std::vector<std::uint64_t> voxel_counts(const Shard& shard);

@@ -25,6 +25,7 @@ void expect_equal(const CellVolume& host, const CellVolume& device) {
   EXPECT_EQ(host.nodes.first_child, device.nodes.first_child);
   EXPECT_EQ(host.nodes.value, device.nodes.value);
   EXPECT_EQ(host.nodes.normal, device.nodes.normal);
+  EXPECT_EQ(host.content_hash, device.content_hash);
 }
 
 void expect_equal_counts(const CellStats& host, const CellStats& device) {

@@ -1,0 +1,105 @@
+#include "kernels/cuda_hash.cuh"
+#include "kernels/morton.h"
+
+namespace gigabake::kernels {
+namespace {
+
+constexpr unsigned threads = 256, most_blocks = 2048;
+
+struct HashView {
+  const std::uint32_t *key, *first, *rgba;
+  const std::uint64_t* mask;
+  const std::uint16_t* normal;  ///< or null
+  std::uint32_t bricks;
+  std::int64_t corner[3];
+  int lod;
+};
+
+/// The lane's voxel of the brick: bit of the 512. words: the lane's own 32 bits, before: voxels in the words of lower
+/// lanes. Lanes 16 to 31 hold no word. All lanes ask.
+__device__ int voxel_bit(std::uint32_t word, int before, int rank) {
+  int at = 0;
+#pragma unroll
+  for (int half = 8; half != 0; half /= 2)
+    if (__shfl_sync(~0u, before, at + half) <= rank) at += half;
+  std::uint32_t bits = __shfl_sync(~0u, word, at);
+  int n = rank - __shfl_sync(~0u, before, at), bit = 32 * at;
+#pragma unroll
+  for (int half = 16; half != 0; half /= 2) {
+    const int below = __popc(bits & ((1u << half) - 1));
+    if (n < below) continue;
+    n -= below;
+    bit += half;
+    bits >>= half;
+  }
+  return bit;
+}
+
+__device__ Sum128 brick_hash(const HashView& level, std::uint32_t brick, int lane) {
+  const auto* words = reinterpret_cast<const std::uint32_t*>(level.mask + 8 * std::size_t(brick));
+  const std::uint32_t word = lane < 16 ? words[lane] : 0;
+  int before = __popc(word);
+#pragma unroll
+  for (int d = 1; d < 16; d *= 2) {
+    const int lower = __shfl_up_sync(~0u, before, d);
+    if (lane >= d) before += lower;
+  }
+  before -= __popc(word);
+  const BrickCoordinate at = demorton(level.key[brick]);
+  const std::uint32_t first = level.first[brick], end = level.first[brick + 1];
+  Sum128 sum;
+  for (std::uint32_t step = first; step < end; step += 32) {
+    const std::uint32_t i = step + std::uint32_t(lane);
+    const int bit = voxel_bit(word, before, int(i - first));
+    if (i < end)
+      sum.add(hash_voxel(level.lod, level.corner[0] + (std::int64_t(at.x * 8 + (bit & 7)) << level.lod),
+                         level.corner[1] + (std::int64_t(at.y * 8 + (bit >> 3 & 7)) << level.lod),
+                         level.corner[2] + (std::int64_t(at.z * 8 + (bit >> 6)) << level.lod), level.rgba[i],
+                         level.normal == nullptr ? std::uint16_t(0) : level.normal[i]));
+  }
+  return sum;
+}
+
+/// A warp a brick.
+__global__ void __launch_bounds__(threads) hash_level(HashView level, Sum128* total) {
+  const int lane = int(threadIdx.x & 31);
+  Sum128 sum;
+  for (std::uint32_t brick = (blockIdx.x * blockDim.x + threadIdx.x) / 32; brick < level.bricks;
+       brick += gridDim.x * blockDim.x / 32)
+    sum.add(brick_hash(level, brick, lane));
+#pragma unroll
+  for (int d = 16; d != 0; d /= 2) sum.add({__shfl_down_sync(~0u, sum.lo, d), __shfl_down_sync(~0u, sum.hi, d)});
+  if (lane != 0) return;
+  auto* words = reinterpret_cast<unsigned long long*>(total);
+  const unsigned long long lo = atomicAdd(&words[0], (unsigned long long)(sum.lo));
+  atomicAdd(&words[1], (unsigned long long)(sum.hi + (lo + sum.lo < lo ? 1 : 0)));
+}
+
+}  // namespace
+
+std::vector<Sum128> level_hashes(DeviceHeap& heap, const std::vector<DeviceLevel>& levels,
+                                 const std::int64_t window_min[3]) {
+  DeviceArray<Sum128> sums(heap, levels.size());
+  sums.clear_to_zero();
+  for (std::size_t lod = 0; lod < levels.size(); ++lod) {
+    const DeviceLevel& l = levels[lod];
+    const HashView view{l.key.data(),
+                        l.first.data(),
+                        l.rgba.data(),
+                        l.mask.data(),
+                        l.normal.size() == 0 ? nullptr : l.normal.data(),
+                        l.bricks,
+                        {window_min[0], window_min[1], window_min[2]},
+                        int(lod)};
+    hash_level<<<smaller(grid_of(32 * std::uint64_t(l.bricks), threads), most_blocks), threads, 0, heap.stream()>>>(
+        view, sums.data() + lod);
+    check_launch("hash_level");
+  }
+  std::vector<Sum128> hashes(levels.size());
+  check_cuda(cudaMemcpyAsync(hashes.data(), sums.data(), sums.bytes(), cudaMemcpyDeviceToHost, heap.stream()),
+             "cudaMemcpyAsync (hashes)");
+  check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (hashes)");
+  return hashes;
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,52 @@
+#include "kernels/level_hash.h"
+
+#include <bit>
+#include <cstring>
+
+#include "kernels/morton.h"
+
+namespace gigabake::kernels {
+namespace {
+
+constexpr std::size_t bricks_per_range = 1024;
+
+Sum128 brick_hash(const Level& level, std::size_t brick, int lod, const std::int64_t window_min[3]) {
+  const BrickCoordinate at = demorton(level.key[brick]);
+  const std::int64_t corner[3] = {window_min[0] + (std::int64_t(at.x) << (lod + 3)),
+                                  window_min[1] + (std::int64_t(at.y) << (lod + 3)),
+                                  window_min[2] + (std::int64_t(at.z) << (lod + 3))};
+  Sum128 sum;
+  std::size_t i = level.first[brick];
+  for (int z = 0; z < brick_edge; ++z)
+    for (std::uint64_t rest = level.mask[8 * brick + std::size_t(z)]; rest != 0; rest &= rest - 1, ++i) {
+      const int bit = std::countr_zero(rest);
+      std::uint32_t rgba;
+      std::uint16_t normal = 0;
+      std::memcpy(&rgba, &level.rgba[4 * i], 4);
+      if (!level.normal.empty()) std::memcpy(&normal, &level.normal[2 * i], 2);
+      sum.add(hash_voxel(lod, corner[0] + (std::int64_t(bit & 7) << lod), corner[1] + (std::int64_t(bit >> 3) << lod),
+                         corner[2] + (std::int64_t(z) << lod), rgba, normal));
+    }
+  return sum;
+}
+
+}  // namespace
+
+std::vector<Sum128> level_hashes(const std::vector<Level>& levels, const std::int64_t window_min[3],
+                                 const CpuPolicy& policy) {
+  std::vector<Sum128> hashes;
+  for (std::size_t lod = 0; lod < levels.size(); ++lod) {
+    std::vector<Sum128> of_thread(std::size_t(policy.threads()));
+    policy.parallel_for(levels[lod].key.size(), bricks_per_range, [&](std::size_t begin, std::size_t end, int thread) {
+      Sum128 sum;
+      for (std::size_t b = begin; b < end; ++b) sum.add(brick_hash(levels[lod], b, int(lod), window_min));
+      of_thread[std::size_t(thread)].add(sum);
+    });
+    Sum128 all;
+    for (const Sum128& sum : of_thread) all.add(sum);
+    hashes.push_back(all);
+  }
+  return hashes;
+}
+
+}  // namespace gigabake::kernels
