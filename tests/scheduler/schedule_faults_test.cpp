@@ -62,6 +62,14 @@ TEST(ScheduleFaults, TryWhatFailedBeforeWhatIsNew) {
   EXPECT_EQ(take(schedule, 1), (Assignment{a.job, 2, false}));
 }
 
+TEST(ScheduleFaults, KeepWorkersSuppliedWithWhatFailedElsewhere) {
+  const std::vector<CellJob> jobs = equal_jobs(10);
+  Schedule schedule(jobs, {});
+  schedule.heard_from(1, 0);
+  for (int i = 0; i < 9; ++i) schedule.failed(0, take(schedule, 0).job, 1, "no", 0);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(take(schedule, 1).attempt, 2u);
+}
+
 TEST(ScheduleFaults, BlameNobodyButSuspectAllWhenAProcessDiesWithSeveralCells) {
   const std::vector<CellJob> jobs = equal_jobs(50);
   Schedule schedule(jobs, {});
