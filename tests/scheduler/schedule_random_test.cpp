@@ -36,6 +36,7 @@ class Ordeal {
     if (chance < 30) return ask(worker);
     if (chance < 88) return report(chance < 70, random_() % 5 == 0 ? anybodys_old() : current());
     if (chance < 90) return die(worker);
+    if (chance == 99 && random_() % 200 == 0) schedule_.stop();
     if (chance < 91) now_s_ += double(random_() % 40);
     if (chance < 95) return schedule_.heard_from(worker, now_s_);
     if (chance < 96) lose_silent();
