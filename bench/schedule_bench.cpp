@@ -35,7 +35,7 @@ bool share_a_tile(const CellJob& a, const CellJob& b) {
                      [&b](std::uint32_t t) { return std::binary_search(b.tiles.begin(), b.tiles.end(), t); });
 }
 
-/// Cells of this number fail, by chance; the same for the schedule's whole life.
+/// About so many cells, chosen by chance.
 std::vector<bool> some_cells(int number, std::uint32_t cells, std::uint64_t seed) {
   std::vector<bool> chosen(cells, false);
   for (int i = 0; i < number; ++i) chosen[std::size_t(uniform(seed, std::uint64_t(i)) * cells)] = true;
