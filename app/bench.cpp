@@ -8,6 +8,7 @@
 #include "app/progress.h"
 #include "bench/bake_bench.h"
 #include "bench/kernel_bench.h"
+#include "bench/schedule_bench.h"
 #include "kernels/cuda_baker.h"
 
 namespace gigabake::app {
@@ -102,6 +103,41 @@ void print_json(const bench::BakeBench& b) {
   fmt::print("{}\n", j.dump(2));
 }
 
+void print_text(const bench::ScheduleBench& b) {
+  fmt::print("{} cells, {} workers, seed {}: planned in {:.2f} s\n", b.cells, b.workers, b.seed, b.plan_s);
+  fmt::print("makespan {:.2f} s, {:.4f} × the least possible {:.2f} s\n", b.makespan_s, b.ratio(), b.lower_bound_s);
+  fmt::print("{} handed out, {} again, {} to a worker that had read a tile of it; {} late results, {} workers lost\n",
+             b.dispatches, b.retries, b.followers, b.stale, b.lost_workers);
+  fmt::print("{} done, {} failed, {} abandoned{}\n", b.counts.done, b.counts.failed, b.counts.abandoned,
+             b.differ ? ", which DIFFERS from what the workers did" : "");
+  fmt::print("{:.0f} dispatches/s of scheduling, peak memory {}\n", b.dispatches_per_s(),
+             readable_bytes(b.peak_rss_bytes));
+}
+
+void print_json(const bench::ScheduleBench& b) {
+  const nlohmann::ordered_json j{{"bench", "schedule"},
+                                 {"cells", b.cells},
+                                 {"workers", b.workers},
+                                 {"seed", b.seed},
+                                 {"plan_s", b.plan_s},
+                                 {"makespan_s", b.makespan_s},
+                                 {"lower_bound_s", b.lower_bound_s},
+                                 {"ratio", b.ratio()},
+                                 {"dispatches", b.dispatches},
+                                 {"retries", b.retries},
+                                 {"followers", b.followers},
+                                 {"stale", b.stale},
+                                 {"lost_workers", b.lost_workers},
+                                 {"done", b.counts.done},
+                                 {"failed", b.counts.failed},
+                                 {"abandoned", b.counts.abandoned},
+                                 {"schedule_s", b.schedule_s},
+                                 {"dispatches_per_s", b.dispatches_per_s()},
+                                 {"peak_rss_bytes", b.peak_rss_bytes},
+                                 {"differ", b.differ}};
+  fmt::print("{}\n", j.dump(2));
+}
+
 bench::BenchScene scene_of(const BakeRequest& request) {
   const int threads = request.threads > 0 ? request.threads : int(std::thread::hardware_concurrency());
   return {request.source, request.source_options, request.parameters, threads, request.memory_bytes};
@@ -165,6 +201,30 @@ void add_bench_kernels(CLI::App& bench, int& exit_code) {
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 
+struct ScheduleBenchOptions {
+  bench::ScheduleBenchRequest request;
+  bool json = false;
+};
+
+void add_bench_schedule(CLI::App& bench, int& exit_code) {
+  auto* command = bench.add_subcommand("schedule", "A made-up terrain baked in virtual time by workers that may fail");
+  auto options = std::make_shared<ScheduleBenchOptions>();
+  bench::ScheduleBenchRequest& r = options->request;
+  const auto add = [command](const char* name, auto& value, int least, int most, const char* text) {
+    command->add_option(name, value, text)->capture_default_str()->check(CLI::Range(least, most));
+  };
+  add("--cells", r.cells, 1, 100000000, "of the terrain");
+  add("--workers", r.workers, 1, 1000000, "that bake it");
+  command->add_option("--seed", r.seed, "of terrain, times and failures")->capture_default_str();
+  add("--deaths", r.deaths, 0, 1000000, "baking processes that die, at random times");
+  add("--silences", r.silences, 0, 1000000, "workers that fall silent for a while, at random times");
+  add("--failing-cells", r.failing_cells, 0, 1000000, "cells that end in an error each time");
+  add("--killing-cells", r.killing_cells, 0, 1000000, "cells that kill their process each time");
+  command->add_flag("--json", options->json, "print JSON");
+  command->callback(
+      [options, &exit_code] { exit_code = print(bench::bench_schedule(options->request), options->json); });
+}
+
 }  // namespace
 
 void add_bench(CLI::App& app, int& exit_code) {
@@ -172,6 +232,7 @@ void add_bench(CLI::App& app, int& exit_code) {
   command->require_subcommand(1);
   add_bench_kernels(*command, exit_code);
   add_bench_bake(*command, exit_code);
+  add_bench_schedule(*command, exit_code);
 }
 
 }  // namespace gigabake::app

@@ -16,4 +16,8 @@ struct PlanEstimate {
 /// Exact  Orders of magnitude: cost follows voxels as much as triangles, and nobody has counted those yet.
 PlanEstimate estimate(const BakePlan& plan);
 
+/// What a cell costs beside another one, for the order of work; the unit has no meaning.
+/// Exact  Real bakes scatter about it: bench/schedule_model.h has by how much.
+inline std::uint64_t cell_cost(const CellJob& job) { return job.triangles; }
+
 }  // namespace gigabake

@@ -1,24 +1,33 @@
 #include "scheduler/fingerprint.h"
 
 #define XXH_INLINE_ALL
+#include <algorithm>
+#include <tuple>
 #include <xxhash.h>
 
 #include "format/bytes.h"
 
 namespace gigabake {
 
-Hash128 cell_fingerprint(const CellJob& job, const BakeParameters& parameters, const std::optional<Geodetic>& origin,
-                         std::span<const Hash128> tile_sources) {
+CellFingerprints::CellFingerprints(const BakeParameters& parameters, const std::optional<Geodetic>& origin) {
   ByteWriter w;
   w.put(kernel_version);
   w.put(to_json(parameters));
   w.put(std::uint8_t(origin.has_value()));
   if (origin) w.put(*origin);
-  w.put(job.lattice_min);
-  w.put(job.cell_voxels);
-  for (const Hash128& source : tile_sources) w.put(source);
-  const std::vector<std::uint8_t> bytes = w.take();
-  const XXH128_hash_t h = XXH3_128bits(bytes.data(), bytes.size());
+  shared_ = w.take();
+}
+
+Hash128 CellFingerprints::of(const CellJob& job, std::vector<Hash128> tile_sources) const {
+  std::sort(tile_sources.begin(), tile_sources.end(),
+            [](const Hash128& a, const Hash128& b) { return std::tie(a.hi, a.lo) < std::tie(b.hi, b.lo); });
+  XXH3_state_t state;
+  XXH3_128bits_reset(&state);
+  XXH3_128bits_update(&state, shared_.data(), shared_.size());
+  XXH3_128bits_update(&state, &job.lattice_min, sizeof job.lattice_min);
+  XXH3_128bits_update(&state, &job.cell_voxels, sizeof job.cell_voxels);
+  XXH3_128bits_update(&state, tile_sources.data(), tile_sources.size() * sizeof(Hash128));
+  const XXH128_hash_t h = XXH3_128bits_digest(&state);
   return {h.low64, h.high64};
 }
 

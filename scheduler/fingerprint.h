@@ -2,7 +2,7 @@
 #pragma once
 
 #include <optional>
-#include <span>
+#include <vector>
 
 #include "format/cell_job.h"
 #include "format/parameters.h"
@@ -12,8 +12,17 @@ namespace gigabake {
 /// Raised whenever the kernels or the shard layout would give other bytes for the same inputs.
 inline constexpr std::uint32_t kernel_version = 1;
 
-/// tile_sources: TileSurvey::source of job.tiles, in that order.
-Hash128 cell_fingerprint(const CellJob& job, const BakeParameters& parameters, const std::optional<Geodetic>& origin,
-                         std::span<const Hash128> tile_sources);
+/// The names of one bake's cells.
+/// Exact  Depends on which tiles there are and how often, not on their order: no result depends on that of triangles.
+class CellFingerprints {
+ public:
+  CellFingerprints(const BakeParameters& parameters, const std::optional<Geodetic>& origin);
+
+  /// tile_sources: TileSurvey::source of job.tiles, in any order.
+  Hash128 of(const CellJob& job, std::vector<Hash128> tile_sources) const;
+
+ private:
+  std::vector<std::uint8_t> shared_;  ///< what all cells have in common
+};
 
 }  // namespace gigabake

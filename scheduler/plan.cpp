@@ -1,7 +1,7 @@
 #include "scheduler/plan.h"
 
 #include <algorithm>
-#include <map>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -10,11 +10,10 @@
 namespace gigabake {
 namespace {
 
-using ColumnKey = std::pair<std::int64_t, std::int64_t>;  // y, x
-
-struct TileExtent {
+/// A tile in a column. Borrows from the surveys.
+struct TileColumn {
+  const ColumnExtent* extent;
   std::uint32_t tile;
-  ColumnExtent extent;
 };
 
 std::int64_t floor_to(std::int64_t v, std::int64_t multiple) {
@@ -44,40 +43,70 @@ void refuse_spread_tiles(std::vector<TileSurvey>& surveys, std::uint32_t cell_vo
   }
 }
 
-std::map<ColumnKey, std::vector<TileExtent>> by_column(const std::vector<TileSurvey>& surveys) {
-  std::map<ColumnKey, std::vector<TileExtent>> columns;
+/// Column by column, and within one in the order of tiles.
+std::vector<TileColumn> by_column(const std::vector<TileSurvey>& surveys) {
+  std::size_t number = 0;
+  for (const TileSurvey& s : surveys) number += s.columns.size();
+  std::vector<TileColumn> all;
+  all.reserve(number);
   for (const TileSurvey& s : surveys)
-    for (const ColumnExtent& c : s.columns) columns[{c.column_y, c.column_x}].push_back({s.tile, c});
+    for (const ColumnExtent& c : s.columns) all.push_back({&c, s.tile});
+  std::sort(all.begin(), all.end(), [](const TileColumn& a, const TileColumn& b) {
+    return std::tie(a.extent->column_y, a.extent->column_x, a.tile) <
+           std::tie(b.extent->column_y, b.extent->column_x, b.tile);
+  });
+  return all;
+}
+
+bool same_column(const TileColumn& a, const TileColumn& b) {
+  return a.extent->column_x == b.extent->column_x && a.extent->column_y == b.extent->column_y;
+}
+
+std::size_t columns_in(const std::vector<TileColumn>& all) {
+  std::size_t columns = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) columns += i == 0 || !same_column(all[i - 1], all[i]) ? 1 : 0;
   return columns;
 }
 
-CellJob empty_job(const ColumnKey& column, const CellStack& stack, std::int64_t level, std::uint32_t cell_voxels) {
+CellJob empty_job(const ColumnExtent& c, const CellStack& stack, std::int64_t level, std::uint32_t cell_voxels) {
   const std::int64_t n = cell_voxels;
   CellJob job;
-  job.name = "c_" + std::to_string(column.second) + "_" + std::to_string(column.first) + "_" + std::to_string(level);
-  job.lattice_min = {column.second * n, column.first * n, stack.z_min + level * n};
+  job.name = "c_" + std::to_string(c.column_x) + "_" + std::to_string(c.column_y) + "_" + std::to_string(level);
+  job.lattice_min = {c.column_x * n, c.column_y * n, stack.z_min + level * n};
   job.cell_voxels = cell_voxels;
   return job;
 }
 
-void add_column(const ColumnKey& column, const std::vector<TileExtent>& extents, std::uint32_t cell_voxels,
-                BakePlan& plan) {
-  std::int64_t z_min = extents[0].extent.z_min, z_end = extents[0].extent.z_end;
-  for (const TileExtent& t : extents) {
-    z_min = std::min(z_min, t.extent.z_min);
-    z_end = std::max(z_end, t.extent.z_end);
+/// Where nothing is, the stack has no cell.
+void add_column(std::span<const TileColumn> column, std::uint32_t cell_voxels, std::vector<CellJob>& jobs) {
+  std::int64_t z_min = column[0].extent->z_min, z_end = column[0].extent->z_end;
+  for (const TileColumn& t : column) {
+    z_min = std::min(z_min, t.extent->z_min);
+    z_end = std::max(z_end, t.extent->z_end);
   }
   const CellStack stack = stack_over(z_min, z_end, cell_voxels);
-  std::map<std::int64_t, CellJob> levels;  // where nothing is, the stack has no cell
-  for (const TileExtent& t : extents) {
-    const std::int64_t last = (t.extent.z_end - 1 - stack.z_min) / cell_voxels;
-    for (std::int64_t level = (t.extent.z_min - stack.z_min) / cell_voxels; level <= last; ++level) {
-      CellJob& job = levels.try_emplace(level, empty_job(column, stack, level, cell_voxels)).first->second;
-      job.tiles.push_back(t.tile);
-      job.triangles += t.extent.triangles;
-    }
+  std::vector<std::pair<std::int64_t, const TileColumn*>> reached;  // levels
+  for (const TileColumn& t : column) {
+    const std::int64_t last = (t.extent->z_end - 1 - stack.z_min) / cell_voxels;
+    for (std::int64_t level = (t.extent->z_min - stack.z_min) / cell_voxels; level <= last; ++level)
+      reached.push_back({level, &t});
   }
-  for (auto& [level, job] : levels) plan.jobs.push_back(std::move(job));
+  std::sort(reached.begin(), reached.end());  // tiles of a level keep their order: they stand in one array
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    const auto& [level, t] = reached[i];
+    if (i == 0 || reached[i - 1].first != level) jobs.push_back(empty_job(*t->extent, stack, level, cell_voxels));
+    jobs.back().tiles.push_back(t->tile);
+    jobs.back().triangles += t->extent->triangles;
+  }
+}
+
+void add_columns(const std::vector<TileSurvey>& surveys, std::uint32_t cell_voxels, std::vector<CellJob>& jobs) {
+  const std::vector<TileColumn> all = by_column(surveys);
+  jobs.reserve(columns_in(all));  // few columns have more than one cell
+  for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
+    while (end < all.size() && same_column(all[begin], all[end])) ++end;
+    add_column(std::span(all).subspan(begin, end - begin), cell_voxels, jobs);
+  }
 }
 
 void add_counts(const std::vector<TileSurvey>& surveys, const SceneSources& sources, BakePlan& plan) {
@@ -99,11 +128,13 @@ void name_jobs(const std::vector<TileSurvey>& surveys, const SceneSources& sourc
     return std::tie(a.lattice_min[2], a.lattice_min[1], a.lattice_min[0]) <
            std::tie(b.lattice_min[2], b.lattice_min[1], b.lattice_min[0]);
   });
+  const CellFingerprints fingerprints(parameters, sources.origin);
+  std::vector<Hash128> tile_sources;
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     jobs[i].id = std::uint32_t(i);
-    std::vector<Hash128> tile_sources;
+    tile_sources.clear();
     for (const std::uint32_t tile : jobs[i].tiles) tile_sources.push_back(surveys[tile].source);
-    jobs[i].fingerprint = cell_fingerprint(jobs[i], parameters, sources.origin, tile_sources);
+    jobs[i].fingerprint = fingerprints.of(jobs[i], tile_sources);
   }
 }
 
@@ -123,7 +154,7 @@ BakePlan make_plan(std::vector<TileSurvey> surveys, const SceneSources& sources,
   refuse_spread_tiles(surveys, parameters.cell_voxels);
   BakePlan plan;
   add_counts(surveys, sources, plan);
-  for (const auto& [column, extents] : by_column(surveys)) add_column(column, extents, parameters.cell_voxels, plan);
+  add_columns(surveys, parameters.cell_voxels, plan.jobs);
   name_jobs(surveys, sources, parameters, plan.jobs);
   return plan;
 }

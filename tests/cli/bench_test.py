@@ -29,6 +29,22 @@ def bakes_are_timed_alone_and_overlapped(gigabake, work):
     assert bench["alone_s"][bench["slowest_stage"]] == max(bench["alone_s"].values()), bench
 
 
+def schedules_are_near_the_least_possible_time(gigabake, _):
+    size = ("bench", "schedule", "--cells", 20000, "--workers", 50, "--seed", 3)
+    bench = json.loads(gigabake.succeed(*size, "--json"))
+    assert bench["done"] == bench["dispatches"] == 20000 and not bench["differ"], bench
+    assert 1 <= bench["ratio"] <= 1.05, bench
+    assert "dispatches/s" in gigabake.succeed(*size)
+
+
+def schedules_survive_failures(gigabake, _):
+    bench = json.loads(gigabake.succeed("bench", "schedule", "--cells", 20000, "--workers", 50, "--seed", 3, "--deaths",
+                                        20, "--silences", 3, "--failing-cells", 30, "--killing-cells", 10, "--json"))
+    assert bench["done"] + bench["failed"] == 20000 and bench["abandoned"] == 0 and not bench["differ"], bench
+    assert 35 <= bench["failed"] <= 40, bench
+    assert bench["lost_workers"] >= 1 and bench["retries"] >= 2 * bench["failed"], bench
+
+
 def a_scene_is_not_overwritten(gigabake, work):
     scene = work / "scene"
     gigabake.bake(work / "sample/tileset.json", scene, 1)
@@ -44,6 +60,7 @@ def main():
         work = Path(folder)
         gigabake.succeed("sample", work / "sample", "--size", 96)
         for test in (kernels_are_timed_with_their_hash, bakes_are_timed_alone_and_overlapped,
+                     schedules_are_near_the_least_possible_time, schedules_survive_failures,
                      a_scene_is_not_overwritten):
             print(test.__name__, flush=True)
             test(gigabake, work)

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "scheduler/cell_queue.h"
+#include "scheduler/fingerprint.h"
 #include "scheduler/merge.h"
 
 namespace gigabake {
@@ -109,6 +110,30 @@ TEST(MakePlan, ChangesTheFingerprintsOfTheCellsThatATileReachesAndOfNoOther) {
     const bool reached = std::binary_search(a.jobs[i].tiles.begin(), a.jobs[i].tiles.end(), 7u);
     EXPECT_EQ(a.jobs[i].fingerprint != b.jobs[i].fingerprint, reached) << a.jobs[i].name;
   }
+}
+
+TEST(CellFingerprints, DoNotDependOnTheOrderOfTilesButOnHowOftenEachIsThere) {
+  std::mt19937 random(seed);
+  const CellFingerprints fingerprints(parameters(128), std::nullopt);
+  const CellJob job;
+  for (int round = 0; round < 100; ++round) {
+    std::vector<Hash128> tiles(2 + random() % 20);
+    for (Hash128& t : tiles) t = {random() % 4, random() % 3};
+    const Hash128 expected = fingerprints.of(job, tiles);
+    std::shuffle(tiles.begin(), tiles.end(), random);
+    EXPECT_EQ(fingerprints.of(job, tiles), expected) << "seed " << seed << " round " << round;
+    tiles.push_back(tiles[0]);
+    EXPECT_NE(fingerprints.of(job, tiles), expected) << "seed " << seed << " round " << round;
+  }
+}
+
+TEST(CellFingerprints, KeepTheirValuesSoThatOldBakesStayValid) {
+  const CellFingerprints local(parameters(128), std::nullopt), placed(parameters(128), Geodetic{46.5, 8.25, 600});
+  CellJob job;
+  job.lattice_min = {-128, 256, 8};
+  job.cell_voxels = 128;
+  EXPECT_EQ(local.of(job, {{1, 2}, {3, 4}}).hex(), "c6124fbea819c29c67174252e7643518");
+  EXPECT_EQ(placed.of(job, {{5, 6}}).hex(), "d658195d408b83b3bf8042b52bd6b5ad");
 }
 
 TEST(MakePlan, ListsWhatTheSourceLacksThenTilesThatCouldNotBeRead) {

@@ -1,0 +1,247 @@
+#include "scheduler/schedule.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "scheduler/estimate.h"
+
+namespace gigabake {
+namespace {
+
+/// A cell lost so often with its worker is no longer taken for a bystander.
+constexpr int losses_of_a_bystander = 1;
+/// Of cells that wait for another try, so many are looked at for one that this worker may have; others take the rest.
+constexpr int most_looked_at = 64;
+
+}  // namespace
+
+Schedule::Schedule(const std::vector<CellJob>& jobs, const ScheduleOptions& options)
+    : jobs_(jobs), options_(options), order_(jobs), job_(jobs.size()) {
+  counts_.pending = jobs.size();
+  for (const CellJob& job : jobs) pending_cost_ += cell_cost(job);
+}
+
+void Schedule::already_done(std::uint32_t job) {
+  if (job_[job].state != JobState::pending) return;
+  withdraw(job);
+  job_[job].state = JobState::done;
+  ++counts_.done;
+}
+
+/// The worker as it stands in the table; new ones are alive.
+Schedule::Worker& Schedule::known(int worker, double now_s) {
+  if (std::size_t(worker) >= workers_.size()) workers_.resize(std::size_t(worker) + 1);
+  Worker& w = workers_[std::size_t(worker)];
+  if (!w.known) {
+    w.known = true;
+    w.heard_s = now_s;
+    ++live_;
+  }
+  return w;
+}
+
+void Schedule::heard_from(int worker, double now_s) {
+  Worker& w = known(worker, now_s);
+  w.heard_s = std::max(w.heard_s, now_s);
+  if (std::exchange(w.lost, false)) ++live_;
+}
+
+std::optional<Assignment> Schedule::next(int worker, double now_s) {
+  const Worker& w = known(worker, now_s);
+  if (stopped_ || w.lost || w.alone || counts_.pending == 0) return std::nullopt;
+  if (w.hand.empty())
+    if (const auto job = first_allowed(suspects_, worker)) return hand_out(*job, worker, true);
+  if (is_kept_free(worker, now_s) || !has_room(w)) return std::nullopt;
+  if (const auto job = first_allowed(again_, worker)) return hand_out(*job, worker, false);
+  if (const auto job = order_.choose(w.last)) return hand_out(*job, worker, false);
+  return std::nullopt;
+}
+
+/// Several cells in hand keep the worker's stages busy. Near the end they would keep other workers idle: then nobody
+/// holds more than a fair share of what still waits, by number and by cost.
+bool Schedule::has_room(const Worker& w) const {
+  if (w.hand.empty()) return true;
+  if (w.hand.size() >= std::size_t(options_.slots)) return false;
+  return live_ == 1 || (w.hand.size() < counts_.pending / live_ && w.cost <= pending_cost_ / live_);
+}
+
+/// Suspects go to workers with empty hands, and the one whose process died has those. Where it does not come back, a
+/// suspect would wait until the others run dry at the very end; so, after a while, one worker at a time is let run dry.
+bool Schedule::is_kept_free(int worker, double now_s) {
+  if (kept_free_ && *kept_free_ != worker) return false;
+  const auto job = first_allowed(suspects_, worker);
+  const bool overdue = job && now_s - trouble_.at(*job).since_s >= options_.silence_s;
+  kept_free_ = overdue ? std::optional<int>(worker) : std::nullopt;
+  return overdue;
+}
+
+/// Not where it failed before, unless it failed at everybody who is left.
+bool Schedule::may_try(int worker, std::uint32_t job) const {
+  const std::vector<int>& at = trouble_.at(job).failed_at;
+  if (std::find(at.begin(), at.end(), worker) == at.end()) return true;
+  const auto lives = [this](int w) { return !workers_[std::size_t(w)].lost; };
+  return std::size_t(std::count_if(at.begin(), at.end(), lives)) == live_;
+}
+
+std::optional<std::uint32_t> Schedule::first_allowed(const Ranks& waiting, int worker) const {
+  int looked_at = 0;
+  for (const std::uint32_t rank : waiting) {
+    if (may_try(worker, order_.job(rank))) return order_.job(rank);
+    if (++looked_at == most_looked_at) break;
+  }
+  return std::nullopt;
+}
+
+Assignment Schedule::hand_out(std::uint32_t job, int worker, bool alone) {
+  withdraw(job);
+  Job& j = job_[job];
+  j.worker = worker;
+  j.state = JobState::running;
+  ++counts_.running;
+  Worker& w = workers_[std::size_t(worker)];
+  w.hand.push_back(job);
+  w.cost += cell_cost(jobs_[job]);
+  w.last = job;
+  w.alone = alone;
+  if (alone && kept_free_ == worker) kept_free_.reset();
+  return {job, ++j.attempt, alone};
+}
+
+/// Whether this is the last attempt's holder, and the job is still in its hand or has found no other.
+bool Schedule::is_current(int worker, std::uint32_t job, std::uint32_t attempt) const {
+  if (job >= job_.size()) return false;
+  const Job& j = job_[job];
+  return attempt != 0 && j.attempt == attempt && j.worker == worker &&
+         (j.state == JobState::running || j.state == JobState::pending);
+}
+
+Verdict Schedule::finished(int worker, std::uint32_t job, std::uint32_t attempt, double now_s) {
+  heard_from(worker, now_s);
+  if (!is_current(worker, job, attempt)) return Verdict::stale;
+  if (job_[job].state == JobState::running)
+    take_back(workers_[std::size_t(worker)], job);
+  else
+    withdraw(job);
+  job_[job].state = JobState::done;
+  ++counts_.done;
+  trouble_.erase(job);
+  return Verdict::accepted;
+}
+
+Verdict Schedule::failed(int worker, std::uint32_t job, std::uint32_t attempt, const std::string& error, double now_s) {
+  heard_from(worker, now_s);
+  if (!is_current(worker, job, attempt) || job_[job].state != JobState::running) return Verdict::stale;
+  take_back(workers_[std::size_t(worker)], job);
+  strike(job, error, now_s);
+  return Verdict::accepted;
+}
+
+void Schedule::process_died(int worker, const std::string& why, double now_s) {
+  heard_from(worker, now_s);
+  const std::vector<std::uint32_t> jobs = empty_hand(workers_[std::size_t(worker)]);
+  for (const std::uint32_t job : jobs) {
+    trouble_[job].suspect = true;
+    if (jobs.size() == 1)
+      strike(job, why, now_s);
+    else
+      put_back(job, now_s);
+  }
+}
+
+std::vector<int> Schedule::silent(double now_s) {
+  std::vector<int> lost;
+  for (std::size_t i = 0; i < workers_.size(); ++i) {
+    const Worker& w = workers_[i];
+    if (w.known && !w.lost && now_s - w.heard_s > options_.silence_s) lost.push_back(int(i));
+  }
+  for (const int worker : lost) lose(worker, now_s);
+  if (live_ == 0 && !lost.empty()) stop();
+  return lost;
+}
+
+void Schedule::lose(int worker, double now_s) {
+  Worker& w = workers_[std::size_t(worker)];
+  w.lost = true;
+  --live_;
+  if (kept_free_ == worker) kept_free_.reset();
+  const bool alone = w.alone;
+  for (const std::uint32_t job : empty_hand(w)) {
+    if (alone) {  // it may be the cell that takes machines down: it must not do so for ever
+      strike(job, "worker " + std::to_string(worker) + " was not heard of any more", now_s);
+    } else {
+      Trouble& t = trouble_[job];
+      t.suspect |= ++t.losses > losses_of_a_bystander;
+      put_back(job, now_s);
+    }
+  }
+}
+
+void Schedule::stop() { stopped_ = true; }
+
+std::vector<std::uint32_t> Schedule::take_set_aside() { return std::exchange(set_aside_, {}); }
+
+/// No longer pending.
+void Schedule::withdraw(std::uint32_t job) {
+  const auto trouble = trouble_.find(job);
+  if (trouble == trouble_.end())
+    order_.take(job);
+  else
+    (trouble->second.suspect ? suspects_ : again_).erase(order_.rank(job));
+  --counts_.pending;
+  pending_cost_ -= cell_cost(jobs_[job]);
+}
+
+/// Out of the worker's hand.
+void Schedule::take_back(Worker& w, std::uint32_t job) {
+  w.hand.erase(std::find(w.hand.begin(), w.hand.end(), job));
+  w.cost -= cell_cost(jobs_[job]);
+  w.alone = false;
+  --counts_.running;
+}
+
+std::vector<std::uint32_t> Schedule::empty_hand(Worker& w) {
+  const std::vector<std::uint32_t> jobs = w.hand;
+  for (const std::uint32_t job : jobs) take_back(w, job);
+  return jobs;
+}
+
+/// Pending again. What it went through stands in trouble_.
+void Schedule::put_back(std::uint32_t job, double now_s) {
+  Trouble& t = trouble_[job];
+  t.since_s = now_s;
+  (t.suspect ? suspects_ : again_).insert(order_.rank(job));
+  job_[job].state = JobState::pending;
+  ++counts_.pending;
+  pending_cost_ += cell_cost(jobs_[job]);
+}
+
+void Schedule::strike(std::uint32_t job, const std::string& error, double now_s) {
+  Trouble& t = trouble_[job];
+  t.error = error;
+  const int worker = job_[job].worker;
+  if (std::find(t.failed_at.begin(), t.failed_at.end(), worker) == t.failed_at.end()) t.failed_at.push_back(worker);
+  if (++t.strikes < options_.strikes) return put_back(job, now_s);
+  job_[job].state = JobState::failed;
+  ++counts_.failed;
+  set_aside_.push_back(job);
+}
+
+JobCounts Schedule::counts() const {
+  JobCounts c = counts_;
+  if (stopped_) c.abandoned = std::exchange(c.pending, 0);
+  return c;
+}
+
+JobState Schedule::state(std::uint32_t job) const {
+  const JobState s = job_[job].state;
+  return stopped_ && s == JobState::pending ? JobState::abandoned : s;
+}
+
+std::string Schedule::error(std::uint32_t job) const {
+  const auto trouble = trouble_.find(job);
+  if (trouble == trouble_.end() || trouble->second.strikes == 0) return {};
+  const Trouble& t = trouble->second;
+  return t.error + (t.strikes == 1 ? " (tried once)" : " (tried " + std::to_string(t.strikes) + " times)");
+}
+
+}  // namespace gigabake
