@@ -101,9 +101,8 @@ void name_jobs(const std::vector<TileSurvey>& surveys, const SceneSources& sourc
   });
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     jobs[i].id = std::uint32_t(i);
-    std::vector<Hash128> tile_sources;
-    for (const std::uint32_t tile : jobs[i].tiles) tile_sources.push_back(surveys[tile].source);
-    jobs[i].fingerprint = cell_fingerprint(jobs[i], parameters, sources.origin, tile_sources);
+    for (const std::uint32_t tile : jobs[i].tiles) jobs[i].tile_sources.push_back(surveys[tile].source);
+    jobs[i].fingerprint = cell_fingerprint(jobs[i], parameters, sources.origin, jobs[i].tile_sources);
   }
 }
 
