@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <fmt/core.h>
 #include <memory>
+#include <stdexcept>
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -30,10 +31,16 @@ void leave_signals_to_supervisor() {
     if (std::signal(signal, SIG_IGN) == SIG_ERR) throw std::runtime_error("bake-process: signal() failed");
 }
 
+/// Started as /proc/self/exe, it would be "exe" in top and in the kernel's log of what ran out of memory.
+void take_name() {
+  if (::prctl(PR_SET_NAME, "gigabake-bake") != 0) throw std::runtime_error("bake-process: prctl(PR_SET_NAME) failed");
+}
+
 int run(int fd) {
   try {
     leave_signals_to_supervisor();
     follow_supervisor(fd);
+    take_name();
     return serve_bakes(fd);
   } catch (const UsageError& e) {
     fmt::print(stderr, "gigabake: {}\n", e.what());
