@@ -127,6 +127,7 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vect
   words.insert(words.begin(), "gigabake");
   words.push_back(std::to_string(child_socket));
   std::vector<char*> pointers;
+  pointers.reserve(words.size() + 1);
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   pid_ = SpawnPlan(ends.fd[1]).run(program, pointers.data(), environment_without_mpi().data());

@@ -243,8 +243,9 @@ class BakeServer {
 }  // namespace
 
 int serve_bakes(int fd) {
-  // Never destroyed: that would finish the cells in hand, and nobody waits for them.
-  return std::make_unique<BakeServer>(fd).release()->run();
+  // Lives until the process ends: destroying it would finish the cells in hand, and nobody waits for them.
+  static BakeServer server(fd);
+  return server.run();
 }
 
 }  // namespace gigabake
