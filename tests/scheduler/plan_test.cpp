@@ -86,6 +86,15 @@ TEST(MakePlan, HandsEveryTileToEveryCellThatItReaches) {
   }
 }
 
+TEST(MakePlan, TellsEachCellWhatItsTilesHeldWhenTheyWereSurveyed) {
+  std::mt19937 random(seed);
+  const auto surveys = random_surveys(12, random);
+  for (const CellJob& job : make_plan(surveys, sources_of(12), parameters(256)).jobs) {
+    ASSERT_EQ(job.tile_sources.size(), job.tiles.size());
+    for (std::size_t i = 0; i < job.tiles.size(); ++i) EXPECT_EQ(job.tile_sources[i], surveys[job.tiles[i]].source);
+  }
+}
+
 TEST(MakePlan, DoesNotDependOnTheOrderOfSurveys) {
   std::mt19937 random(seed);
   auto surveys = random_surveys(20, random);
