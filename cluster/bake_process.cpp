@@ -26,6 +26,10 @@ HangWatch::Clock::duration seconds(double s) {
 BakeProcess::BakeProcess(const WorkerSetup& setup, BakeProcessOptions options)
     : setup_(to_bytes(setup)), options_(std::move(options)), watch_(seconds(options_.stall_s)) {}
 
+void BakeProcess::prepare() {
+  if (!child_ && !is_paused()) start();
+}
+
 void BakeProcess::submit(CellJob job, std::uint32_t attempt) {
   expect_work();
   if (cells_.empty()) cell_since_ = watch_.watched();
@@ -89,6 +93,10 @@ void BakeProcess::exchange() {
 }
 
 void BakeProcess::take(const BakeMessage& message) {
+  if (message.kind == BakeMessageKind::ready) {
+    device_ = device_from_bytes(message.payload);
+    return;
+  }
   if (message.kind == BakeMessageKind::surveyed) {
     TileSurvey survey = survey_from_bytes(message.payload);
     const auto asked = std::ranges::find(tiles_, survey.tile);

@@ -56,6 +56,10 @@ class BakeProcess {
   BakeProcess(const BakeProcess&) = delete;
   BakeProcess& operator=(const BakeProcess&) = delete;
 
+  /// Starts the process, where none runs, without a request: device() follows.
+  void prepare();
+  /// What the process that runs now, or the last one, bakes on; none until it has said so.
+  const std::optional<DeviceAnswer>& device() const { return device_; }
   void submit(CellJob job, std::uint32_t attempt);
   void survey(std::uint32_t tile);
   /// The next event, if there is one. Sends, receives, starts and kills: call it often while something is in hand.
@@ -94,6 +98,7 @@ class BakeProcess {
   std::deque<std::uint32_t> tiles_;
   Clock::duration cell_since_{}, tile_since_{};  ///< watched time when the front became the oldest
   std::deque<Event> events_;
+  std::optional<DeviceAnswer> device_;
   std::optional<std::string> verdict_;  ///< why it was killed, where that was ours
   Clock::time_point ending_since_{}, not_before_{};
   int deaths_in_a_row_ = 0;

@@ -16,6 +16,8 @@ class OutputFolder {
   OutputFolder(std::filesystem::path out, const std::filesystem::path& source);
   /// Moves cells whose shard is not in OUT to the losses: a rank may have written to a disk of its own.
   void expect_shards(SceneDescription& scene) const;
+  /// There is a scene.xml, and it misses nothing.
+  bool has_whole_scene() const;
   /// Replaces scene.xml. Then shards of earlier bakes that it does not name are removed, and what killed writers left.
   /// Errors  InputError: scene.xml is as it was.
   void publish(const SceneDescription& scene) const;

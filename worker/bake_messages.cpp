@@ -11,6 +11,7 @@ namespace gigabake {
 namespace {
 
 constexpr std::uint32_t frame_magic = 0x454b4247;  // "GBKE"
+constexpr std::int32_t no_device = -1;
 constexpr std::uint64_t most_payload_bytes = std::uint64_t(1) << 30;
 
 struct FrameHeader {
@@ -47,6 +48,25 @@ std::vector<std::uint8_t> split_attempt(std::span<const std::uint8_t> bytes, con
 
 std::vector<std::uint8_t> to_bytes(const BakeOrder& order) { return with_attempt(order.attempt, order.job); }
 std::vector<std::uint8_t> to_bytes(const BakeAnswer& answer) { return with_attempt(answer.attempt, answer.report); }
+
+std::vector<std::uint8_t> to_bytes(const DeviceAnswer& answer) {
+  ByteWriter w;
+  w.put(std::int32_t(answer.choice.device.value_or(no_device)));
+  w.put(answer.choice.reason);
+  w.put(answer.error);
+  return w.take();
+}
+
+DeviceAnswer device_from_bytes(std::span<const std::uint8_t> bytes) {
+  ByteReader r(bytes, "device answer");
+  DeviceAnswer answer;
+  std::int32_t device = no_device;
+  r.get(device), r.get(answer.choice.reason), r.get(answer.error);
+  r.expect_end();
+  if (device < no_device) throw InputError("device answer", "device", "expected an ordinal");
+  if (device != no_device) answer.choice.device = device;
+  return answer;
+}
 
 std::vector<std::uint8_t> survey_request(std::uint32_t tile) {
   ByteWriter w;

@@ -1,7 +1,7 @@
 /// How a supervisor and its bake process talk: frames over a local socket that both sides check.
 ///
 ///   supervisor → process   setup (WorkerSetup, once, first), survey (tile, u32), bake (BakeOrder)
-///   process → supervisor   surveyed (TileSurvey), baked (BakeAnswer)
+///   process → supervisor   ready (DeviceAnswer, once, first), surveyed (TileSurvey), baked (BakeAnswer)
 ///
 /// A frame is magic "GBKE" u32, kind u32, payload bytes u64, XXH3-64 of the payload u64, then the payload; little
 /// endian.
@@ -10,13 +10,15 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "format/cell_job.h"
+#include "worker/backend.h"
 
 namespace gigabake {
 
-enum class BakeMessageKind : std::uint32_t { setup = 1, survey, bake, surveyed, baked };
+enum class BakeMessageKind : std::uint32_t { setup = 1, survey, bake, ready, surveyed, baked };
 
 struct BakeMessage {
   BakeMessageKind kind = BakeMessageKind::setup;
@@ -34,12 +36,20 @@ struct BakeAnswer {
   std::uint32_t attempt = 1;
 };
 
+/// The device that the process bakes on, or why it cannot have what was wished for.
+struct DeviceAnswer {
+  DeviceChoice choice;
+  std::string error;
+};
+
+std::vector<std::uint8_t> to_bytes(const DeviceAnswer& answer);
 std::vector<std::uint8_t> to_bytes(const BakeOrder& order);
 std::vector<std::uint8_t> to_bytes(const BakeAnswer& answer);
 std::vector<std::uint8_t> survey_request(std::uint32_t tile);
-BakeOrder order_from_bytes(std::span<const std::uint8_t> bytes);     ///< Errors InputError when malformed
-BakeAnswer answer_from_bytes(std::span<const std::uint8_t> bytes);   ///< Errors InputError when malformed
-std::uint32_t tile_of_request(std::span<const std::uint8_t> bytes);  ///< Errors InputError when malformed
+DeviceAnswer device_from_bytes(std::span<const std::uint8_t> bytes);  ///< Errors InputError when malformed
+BakeOrder order_from_bytes(std::span<const std::uint8_t> bytes);      ///< Errors InputError when malformed
+BakeAnswer answer_from_bytes(std::span<const std::uint8_t> bytes);    ///< Errors InputError when malformed
+std::uint32_t tile_of_request(std::span<const std::uint8_t> bytes);   ///< Errors InputError when malformed
 
 /// Errors  InputError: a payload of more than 2^30 bytes.
 std::vector<std::uint8_t> frame(BakeMessageKind kind, std::span<const std::uint8_t> payload);

@@ -170,6 +170,25 @@ class BakeServer {
 
   void open(WorkerSetup setup) {
     setup_ = std::move(setup);
+    choose();
+    open_scene();
+    // The driver takes its second while tiles are surveyed.
+    if (setup_->worker.cuda_device) make_pipeline();
+  }
+
+  void choose() {
+    DeviceAnswer answer;
+    try {
+      answer.choice = choose_device(setup_->device);
+      setup_->worker.cuda_device = answer.choice.device;
+    } catch (const std::exception& e) {
+      answer.error = why_not_ = e.what();
+    }
+    send(BakeMessageKind::ready, to_bytes(answer));
+  }
+
+  void open_scene() {
+    if (!why_not_.empty()) return;
     try {
       sources_ = open_sources(setup_->source, setup_->source_options);
       if (sources_.tiles.size() != setup_->tiles)

@@ -93,6 +93,7 @@ class CellPipeline::Stages {
   }
 
   void read_all() {
+    stages_.prepare();
     while (auto job = next_job()) {
       auto cell = std::make_unique<CellInHand>(std::move(*job));
       run_stage(*cell, &CellReport::read_s, [this](CellInHand& c) { stages_.read(c); });

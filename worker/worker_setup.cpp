@@ -6,25 +6,34 @@
 namespace gigabake {
 namespace {
 
-constexpr std::int32_t no_device = -1;
-
 void put(ByteWriter& writer, const WorkerOptions& options) {
   writer.put(std::int32_t(options.threads));
   writer.put(options.memory_bytes);
   writer.put(options.out.string());
-  writer.put(std::int32_t(options.cuda_device.value_or(no_device)));
+}
+
+void put(ByteWriter& writer, const DeviceWish& wish) {
+  writer.put(wish.backend);
+  writer.put(wish.allowed);
+  writer.put(wish.rank_on_host);
+}
+
+DeviceWish get_device_wish(ByteReader& reader) {
+  DeviceWish wish;
+  reader.get(wish.backend), reader.get(wish.allowed), reader.get(wish.rank_on_host);
+  if (wish.backend > Backend::cuda) throw InputError("device wish", "backend", "expected automatic, cpu or cuda");
+  if (wish.rank_on_host < 0) throw InputError("device wish", "rank_on_host", "expected 0 or more");
+  return wish;
 }
 
 WorkerOptions get_worker_options(ByteReader& reader) {
   WorkerOptions options;
-  std::int32_t threads = 0, device = no_device;
+  std::int32_t threads = 0;
   std::string out;
-  reader.get(threads), reader.get(options.memory_bytes), reader.get(out), reader.get(device);
+  reader.get(threads), reader.get(options.memory_bytes), reader.get(out);
   if (threads < 1) throw InputError("worker options", "threads", "expected 1 or more");
-  if (device < no_device) throw InputError("worker options", "cuda_device", "expected an ordinal");
   options.threads = threads;
   options.out = out;
-  if (device != no_device) options.cuda_device = device;
   return options;
 }
 
@@ -36,6 +45,7 @@ std::vector<std::uint8_t> to_bytes(const WorkerSetup& setup) {
   put(w, setup.source_options);
   put(w, setup.parameters);
   put(w, setup.worker);
+  put(w, setup.device);
   w.put(setup.tiles);
   return w.take();
 }
@@ -49,6 +59,7 @@ WorkerSetup setup_from_bytes(std::span<const std::uint8_t> bytes) {
   setup.source_options = get_source_options(r);
   setup.parameters = get_parameters(r);
   setup.worker = get_worker_options(r);
+  setup.device = get_device_wish(r);
   r.get(setup.tiles);
   r.expect_end();
   return setup;

@@ -8,6 +8,7 @@
 
 #include "format/parameters.h"
 #include "format/source.h"
+#include "worker/backend.h"
 #include "worker/cell_pipeline.h"
 
 namespace gigabake {
@@ -16,7 +17,8 @@ struct WorkerSetup {
   std::filesystem::path source;  ///< relative ones count from the process's working folder, which it inherits
   SourceOptions source_options;
   BakeParameters parameters;
-  WorkerOptions worker;
+  WorkerOptions worker;  ///< but for cuda_device, which the process chooses
+  DeviceWish device;
   std::uint32_t tiles = 0;  ///< that the other side found in the source: another number means that it changed
 };
 

@@ -13,7 +13,8 @@ WorkerSetup some_setup() {
   s.source = "terrain with ä/tileset.json";
   s.source_options = {true, Geodetic{47.1, -8.25, 400.5}, UpAxis::x};
   s.parameters = {0.1, {1.0 / 3, -2, 3e5}, 512, SurfaceRule::thin, MipFilter::box, false};
-  s.worker = {7, std::uint64_t(5) << 33, "/shared/out", 3};
+  s.worker = {7, std::uint64_t(5) << 33, "/shared/out"};
+  s.device = {Backend::cuda, {4, 1}, 9};
   s.tiles = 4000000000u;
   return s;
 }
@@ -28,7 +29,9 @@ void expect_equal(const WorkerSetup& a, const WorkerSetup& b) {
   EXPECT_EQ(a.worker.threads, b.worker.threads);
   EXPECT_EQ(a.worker.memory_bytes, b.worker.memory_bytes);
   EXPECT_EQ(a.worker.out, b.worker.out);
-  EXPECT_EQ(a.worker.cuda_device, b.worker.cuda_device);
+  EXPECT_EQ(a.device.backend, b.device.backend);
+  EXPECT_EQ(a.device.allowed, b.device.allowed);
+  EXPECT_EQ(a.device.rank_on_host, b.device.rank_on_host);
   EXPECT_EQ(a.tiles, b.tiles);
 }
 
