@@ -36,6 +36,7 @@ BakeProcessOptions process_options(const BakeRequest& request) {
 
 ScheduleOptions schedule_options(const BakeRequest& request) {
   ScheduleOptions options;
+  options.slots = 4;  // one read, one computed, two written where a device bakes
   options.silence_s = request.silence_s;
   return options;
 }

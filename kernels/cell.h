@@ -77,7 +77,8 @@ struct CellStats {
   std::uint64_t fragments = 0;   ///< triangle × voxel
   std::uint64_t batches = 0;
   std::uint64_t peak_bytes = 0;  ///< of this call's own arrays
-  double snap_s = 0, bin_s = 0, sort_s = 0, voxelize_s = 0, mip_s = 0, hash_s = 0, prune_s = 0;
+  double snap_s = 0, bin_s = 0, sort_s = 0, voxelize_s = 0, mip_s = 0, prune_s = 0;
+  double hash_s = 0;  ///< on a device it goes with the download
 };
 
 struct CellVolume {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 
 #include "kernels/cuda_baker.h"
@@ -35,7 +36,7 @@ class StreamClock {
 
  private:
   cudaStream_t stream_;
-  std::array<cudaEvent_t, 7> events_{};
+  std::array<cudaEvent_t, 6> events_{};
 };
 
 struct Stream {
@@ -114,7 +115,7 @@ class Volume : public CudaVolume {
 
   std::vector<DeviceLevel> levels;
   DeviceNodes nodes;
-  std::vector<Sum128> content_hash;
+  std::int64_t window_min[3] = {};
   CellStats cell_stats;
 };
 
@@ -133,8 +134,10 @@ class CudaBaker::Impl {
         bake_stream_(device),
         download_stream_(device),
         clock_(bake_stream_.handle),
+        download_clock_(download_stream_.handle),
         upload_heap_(upload_stream_.handle, books_),
         bake_heap_(bake_stream_.handle, books_),
+        download_heap_(download_stream_.handle, books_),
         tables_(upload_heap_),
         textures_(upload_heap_, texture_bytes != 0 ? texture_bytes : quarter_of(device)) {
     keep_pool(device);
@@ -163,7 +166,6 @@ class CudaBaker::Impl {
     stats.voxelize_s = clock_.between(2, 3);
     stats.mip_s = clock_.between(3, 4);
     stats.prune_s = clock_.between(4, 5);
-    stats.hash_s = clock_.between(5, 6);
     return volume;
   }
 
@@ -172,12 +174,16 @@ class CudaBaker::Impl {
     const cudaStream_t stream = download_stream_.handle;
     CellVolume out;
     out.stats = volume.cell_stats;
-    out.content_hash = volume.content_hash;
+    if (volume.levels.empty()) return out;
+    download_clock_.mark(0);
+    out.content_hash = level_hashes(download_heap_, volume.levels, volume.window_min);
+    download_clock_.mark(1);
     for (const DeviceLevel& level : volume.levels) out.levels.push_back(to_host(stream, level));
     if (volume.nodes.count != 0)
       out.nodes = to_host(stream, volume.nodes);
-    else if (!out.levels.empty())
+    else
       out.nodes = prune(out.levels, host_);
+    out.stats.hash_s = download_clock_.between(0, 1);
     return out;
   }
 
@@ -197,6 +203,7 @@ class CudaBaker::Impl {
         voxelize(bake_heap_, input, window, std::move(lists), parameters.normals, textured, fill_ratios_, stats);
     clock_.mark(3);
     if (finest.bricks == 0) return;
+    std::copy(std::begin(parameters.window_min), std::end(parameters.window_min), volume.window_min);
     std::vector<DeviceLevel> coarser =
         coarser_levels(bake_heap_, tables_.view(), finest, window.levels + 1, parameters.mip, parameters.normals);
     volume.levels.push_back(std::move(finest));
@@ -204,15 +211,13 @@ class CudaBaker::Impl {
     clock_.mark(4);
     volume.nodes = brick_nodes(bake_heap_, volume.levels);
     clock_.mark(5);
-    volume.content_hash = level_hashes(bake_heap_, volume.levels, parameters.window_min);
-    clock_.mark(6);
   }
 
   int device_;
   Stream upload_stream_, bake_stream_, download_stream_;
-  StreamClock clock_;
+  StreamClock clock_, download_clock_;
   DeviceBooks books_;
-  DeviceHeap upload_heap_, bake_heap_;
+  DeviceHeap upload_heap_, bake_heap_, download_heap_;
   DeviceTables tables_;
   DeviceTextures textures_;
   BinCapacity bin_capacity_;

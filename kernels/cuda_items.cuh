@@ -37,7 +37,7 @@ class ItemWalk {
  public:
   __device__ ItemWalk(const ItemView& items, std::uint32_t first, std::uint32_t end, std::uint32_t pairs)
       : items_(items), first_(first), end_(end), pairs_(pairs), group_(first / pairs_per_group) {
-    open_group();
+    if (first < end) open_group();  // else there is no pair whose items could be asked for
   }
   __device__ bool has_more() const { return range_.begin < range_.end; }
   /// The next stretch, of at most so many.

@@ -1,5 +1,6 @@
 #include "worker/bake_service.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <condition_variable>
@@ -12,6 +13,8 @@
 #include <system_error>
 #include <thread>
 #include <unistd.h>
+#include <utility>
+#include <vector>
 
 #include "format/error.h"
 #include "worker/bake_messages.h"
@@ -110,6 +113,9 @@ class Surveyor {
   bool stopping_ = false;
   std::thread thread_;  ///< last: it uses the others
 };
+
+/// A cell's id and how often it was tried.
+using Attempt = std::pair<std::uint32_t, std::uint32_t>;
 
 class BakeServer {
  public:
@@ -222,7 +228,7 @@ class BakeServer {
   void bake(BakeOrder order) {
     make_pipeline();
     if (pipeline_) {
-      attempts_.push_back(order.attempt);
+      attempts_.emplace_back(order.job.id, order.attempt);
       return pipeline_->submit(std::move(order.job));
     }
     BakeAnswer answer;
@@ -242,8 +248,10 @@ class BakeServer {
     while (pipeline_) {
       auto report = pipeline_->poll();
       if (!report) break;
-      send(BakeMessageKind::baked, to_bytes(BakeAnswer{std::move(*report), attempts_.front()}));
-      attempts_.pop_front();
+      // The first of this cell: a cell may have been asked for again meanwhile.
+      const auto attempt = std::ranges::find(attempts_, report->id, &Attempt::first);
+      send(BakeMessageKind::baked, to_bytes(BakeAnswer{std::move(*report), attempt->second}));
+      attempts_.erase(attempt);
     }
   }
 
@@ -256,7 +264,7 @@ class BakeServer {
   std::string why_not_;  ///< not empty: the answer to every request that needs what could not be made
   std::unique_ptr<Surveyor> surveyor_;
   std::unique_ptr<CellPipeline> pipeline_;
-  std::deque<std::uint32_t> attempts_;  ///< of the cells in the pipeline, which keeps their order
+  std::vector<Attempt> attempts_;  ///< of the cells in the pipeline
 };
 
 }  // namespace

@@ -7,12 +7,15 @@
 #include <new>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "worker/cell_stages.h"
 #include "worker/handoff.h"
 
 namespace gigabake {
 namespace {
+
+constexpr int writers_beside_a_device = 2;
 
 /// Runs one stage on a cell; an exception decides the cell.
 template <class Work>
@@ -45,7 +48,8 @@ class CellPipeline::Stages {
       : stages_(std::move(sources), parameters, options), on_report_(std::move(on_report)) {
     reader_ = std::thread([this] { read_all(); });
     computer_ = std::thread([this] { compute_all(); });
-    writer_ = std::thread([this] { write_all(); });
+    for (int w = 0; w < (options.cuda_device ? writers_beside_a_device : 1); ++w)
+      writers_.emplace_back([this] { write_all(); });
   }
 
   ~Stages() {
@@ -56,7 +60,7 @@ class CellPipeline::Stages {
     submitted_.notify_all();
     reader_.join();
     computer_.join();
-    writer_.join();
+    for (std::thread& writer : writers_) writer.join();
   }
 
   void submit(CellJob job) {
@@ -130,7 +134,8 @@ class CellPipeline::Stages {
   std::size_t in_flight_ = 0;
   bool stopping_ = false;
   Handoff<std::unique_ptr<CellInHand>> loaded_, computed_;
-  std::thread reader_, computer_, writer_;
+  std::thread reader_, computer_;
+  std::vector<std::thread> writers_;
 };
 
 CellPipeline::CellPipeline(SceneSources sources, BakeParameters parameters, const WorkerOptions& options,

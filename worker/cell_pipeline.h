@@ -23,7 +23,8 @@ struct WorkerOptions {
   std::optional<int> cuda_device = {};  ///< none: the kernels run on the CPU
 };
 
-/// Jobs are taken and reported in the order of submission.
+/// Jobs are taken in the order of submission, and reported in it too but where a device bakes: there writing is by far
+/// the longest stage, and two cells are written at a time.
 /// Exact   A shard depends on its job, the sources and the parameters; not on threads, memory or other jobs.
 /// Errors  Whatever goes wrong with a cell becomes its report: `failed` with one line.
 class CellPipeline {
@@ -37,7 +38,7 @@ class CellPipeline {
   CellPipeline(const CellPipeline&) = delete;
   CellPipeline& operator=(const CellPipeline&) = delete;
 
-  /// Returns at once. Three jobs in flight keep all stages busy.
+  /// Returns at once. Four jobs in flight keep all stages busy.
   void submit(CellJob job);
   /// The next report, if one is there.
   std::optional<CellReport> poll();

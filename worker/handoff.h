@@ -9,7 +9,7 @@
 
 namespace gigabake {
 
-/// One giver, one taker. Thread-safe.
+/// One giver, any number of takers. Thread-safe.
 template <class T>
 class Handoff {
  public:

@@ -170,6 +170,33 @@ class Faults(unittest.TestCase):
             subprocess.run(["rm", "-rf", out], check=True)
         print(f"seed {OPTIONS['seed']}, {inflicted} faults: {counts}")
 
+    def test_a_rank_that_falls_silent_loses_its_cells(self):
+        out = self.work / "silent"
+        launch = Launch(self.program, [*self.bake(out), "--silence", 10], 3)
+        while launch.process.poll() is None and len(list(out.glob("shards/c_*.h5"))) < 5:
+            time.sleep(0.01)
+        os.kill(launch.pids("worker rank")[-1], signal.SIGSTOP)
+        code, log = launch.wait()
+        self.assertEqual(code, 0, log)
+        self.assertIn("nothing heard of rank", log)
+        self.assertEqual(harness.lod_hashes(self.program.info(out / "scene.xml")), self.undisturbed)
+        self.program.succeed("verify", out / "scene.xml")
+
+    def test_a_full_disk_costs_cells_and_no_more(self):
+        out = self.work / "small_disk"
+        out.mkdir()
+        mount = ["mount", "-t", "tmpfs", "-o", "size=4m", "gigabake-test", out]
+        if os.geteuid() != 0 or subprocess.run(mount, capture_output=True, check=False).returncode != 0:
+            self.skipTest("mounting a small disk needs root")
+        try:
+            code, log = Launch(self.program, self.bake(out), 2).wait()
+            self.assertIn(code, (1, 3), log)
+            self.assertIn("No space left on device", log)
+            subprocess.run(["mount", "-o", "remount,size=400m", out], check=True)
+            self.expect_whole(out, 2, "after the disk had room again")
+        finally:
+            subprocess.run(["umount", out], check=True)
+
 
 def main():
     parser = argparse.ArgumentParser()
