@@ -6,12 +6,13 @@
 namespace gigabake::app {
 
 /// Exit codes, the same for every command (docs/cluster.md).
-enum ExitCode : int { complete = 0, failed = 1, usage = 2, cells_failed = 3 };
+enum ExitCode : int { complete = 0, failed = 1, usage = 2, cells_failed = 3, drained = 75 };
 
 /// Each adds its sub-command to `app`; its callback sets `exit_code` and throws UsageError or InputError.
 void add_sample(CLI::App& app, int& exit_code);
 void add_plan(CLI::App& app, int& exit_code);
 void add_bake(CLI::App& app, int& exit_code);
+void add_status(CLI::App& app, int& exit_code);
 void add_info(CLI::App& app, int& exit_code);
 void add_verify(CLI::App& app, int& exit_code);
 void add_diff(CLI::App& app, int& exit_code);

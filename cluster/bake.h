@@ -25,7 +25,8 @@ struct BakeRequest {
   std::uint64_t memory_bytes = 0;  ///< of each rank; 0: no bound
   bool keep_going = true;          ///< after a tile or cell failed
   Backend backend = Backend::automatic;
-  std::vector<int> gpus;  ///< devices of each host to use; empty: all
+  std::vector<int> gpus;          ///< devices of each host to use; empty: all
+  std::filesystem::path metrics;  ///< rank 0's status as Prometheus reads it; empty: none
 };
 
 /// Told to rank 0 alone, in the order in which it happens.
