@@ -55,7 +55,8 @@ void BakeStatusRecord::surveyed(std::size_t tiles_done, std::size_t tiles) {
 }
 
 void BakeStatusRecord::planned(const std::vector<CellJob>& jobs, std::vector<double> costs, double now_s) {
-  jobs_ = &jobs;
+  names_.clear();
+  for (const CellJob& job : jobs) names_.push_back(job.name);
   costs_ = std::move(costs);
   cells_.assign(jobs.size(), {});
   cost_left_ = std::accumulate(costs_.begin(), costs_.end(), 0.0);
@@ -115,7 +116,7 @@ void BakeStatusRecord::attempt_failed(std::uint32_t job, double now_s) {
 void BakeStatusRecord::set_aside(std::uint32_t job, const std::string& line, double now_s) {
   if (!settle(job, now_s)) return;
   ++status_.cells.set_aside;
-  lost("cell " + (*jobs_)[job].name, line);
+  lost("cell " + names_[job], line);
 }
 
 void BakeStatusRecord::process_died(int rank, double now_s) {
@@ -143,7 +144,7 @@ BakeStatus BakeStatusRecord::at(double now_s) const {
   s.updated_s = now_s;
   s.cells.pending =
       s.cells.planned - s.cells.taken_over - s.cells.running - s.cells.done - s.cells.empty - s.cells.set_aside;
-  if (jobs_ != nullptr) {
+  if (status_.state != BakeState::surveying) {
     s.recent = recent_.at(planned_s_, now_s);
     s.overall = over(now_s - planned_s_, double(s.cells.done + s.cells.empty), double(s.voxels), double(s.bytes));
   }
@@ -152,7 +153,7 @@ BakeStatus BakeStatusRecord::at(double now_s) const {
     const Worker& w = workers_[rank];
     if (!w.known) continue;
     s.workers.push_back({int(rank), w.host, w.lost, w.since_s, {}});
-    for (const std::uint32_t job : w.hand) s.workers.back().cells.push_back((*jobs_)[job].name);
+    for (const std::uint32_t job : w.hand) s.workers.back().cells.push_back(names_[job]);
   }
   return s;
 }
@@ -188,7 +189,7 @@ bool BakeStatusRecord::settle(std::uint32_t job, double now_s) {
 }
 
 void BakeStatusRecord::note_slow(const CellReport& r, std::int32_t holder) {
-  SlowCell cell{(*jobs_)[r.id].name, r.read_s + r.kernel_s + r.write_s, {}};
+  SlowCell cell{names_[r.id], r.read_s + r.kernel_s + r.write_s, {}};
   if (holder != nobody) cell.rank = holder;
   auto& slowest = status_.slowest;
   const auto faster = [&](const SlowCell& other) { return other.seconds < cell.seconds; };

@@ -36,14 +36,14 @@ struct BakeIdentity {
 /// Jobs are indices into the plan, workers are ranks, now_s is Unix time: a test can replay a bake. Tell it what the
 /// Schedule accepted; stale results are none of its business.
 /// Exact   A value: the same calls give the same status.
-/// Cost    Under 20 bytes a job; an event is O(cells in one hand), at() O(workers).
+/// Cost    Under 60 bytes a job; an event is O(cells in one hand), at() O(workers).
 /// Errors  std::out_of_range: a job that is not in the plan.
 class BakeStatusRecord {
  public:
   BakeStatusRecord(BakeIdentity identity, double now_s);
 
   void surveyed(std::size_t tiles_done, std::size_t tiles);
-  /// Baking begins. jobs outlive it. costs: of each job beside the others, in any unit.
+  /// Baking begins. costs: of each job beside the others, in any unit.
   void planned(const std::vector<CellJob>& jobs, std::vector<double> costs, double now_s);
   /// Something other than a cell will be missing: a tile that cannot be read.
   void lost(const std::string& name, const std::string& line);
@@ -87,8 +87,8 @@ class BakeStatusRecord {
   void note_slow(const CellReport& report, std::int32_t holder);
   std::optional<double> left_s(double now_s) const;
 
-  BakeStatus status_;  ///< all but what at() works out
-  const std::vector<CellJob>* jobs_ = nullptr;
+  BakeStatus status_;               ///< all but what at() works out
+  std::vector<std::string> names_;  ///< of cells
   std::vector<double> costs_;
   std::vector<Cell> cells_;
   std::vector<Worker> workers_;  ///< by rank
