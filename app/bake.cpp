@@ -34,6 +34,8 @@ void add_bake(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<BakeOptions>();
   options->add_to(*command);
   command->add_option("-o,--out", options->out, "folder of the result: scene.xml and shards/")->required();
+  command->add_option("--metrics", options->metrics,
+                      "file that Prometheus' node_exporter reads (*.prom), rewritten every second");
   command->add_flag("--keep-going,!--no-keep-going", options->keep_going,
                     "bake the rest after a tile or cell failed (default), or stop there and publish nothing");
   command->add_option("--stall", options->stall_s, "seconds without any work after which a bake process hangs (60)");

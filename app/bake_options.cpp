@@ -53,6 +53,7 @@ BakeRequest BakeOptions::request() const {
   BakeRequest r;
   r.source = source;
   r.out = out;
+  r.metrics = metrics;
   r.source_options.local = local;
   if (!origin.empty()) r.source_options.origin = geodetic("--origin", origin);
   if (local && !origin.empty()) throw UsageError("--local and --origin contradict each other");

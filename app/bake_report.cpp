@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "app/progress.h"
+#include "app/status_text.h"
 #include "scheduler/estimate.h"
 
 namespace gigabake::app {
 namespace {
+
+constexpr std::size_t slow_cells_printed = 3;
 
 /// Totals over the scene's cells.
 struct Totals {
@@ -25,6 +27,27 @@ struct Totals {
 const char* slowest_stage(const BakeSummary& s) {
   if (s.read_s >= s.kernel_s && s.read_s >= s.write_s) return "read";
   return s.kernel_s >= s.write_s ? "kernels" : "write";
+}
+
+void print_slowest(const std::vector<SlowCell>& cells) {
+  if (cells.empty()) return;
+  fmt::print("slowest cells");
+  for (std::size_t i = 0; i < cells.size() && i < slow_cells_printed; ++i)
+    fmt::print("{} {} {:.2f} s", i == 0 ? "" : ",", cells[i].name, cells[i].seconds);
+  fmt::print("\n");
+}
+
+void add_slowest(const std::vector<SlowCell>& cells, nlohmann::ordered_json& j) {
+  j["slowest_cells"] = nlohmann::ordered_json::array();
+  for (const SlowCell& c : cells) {
+    j["slowest_cells"].push_back({{"name", c.name}, {"seconds", c.seconds}});
+    if (c.rank) j["slowest_cells"].back()["rank"] = *c.rank;
+  }
+}
+
+/// File names need not be UTF-8, JSON must be.
+void print_json(const nlohmann::ordered_json& j) {
+  fmt::print("{}\n", j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
 /// Of a plan or a scene: what was in the source and is not in the result, with reason.
@@ -58,6 +81,7 @@ void print_report(const BakeSummary& s, const std::filesystem::path& out) {
     fmt::print("{} cells on the GPUs of {} ranks; ", s.cells_on_device, s.ranks_with_device);
   fmt::print("stages read {:.2f} s, kernels {:.2f} s, write {:.2f} s: {} sets the pace\n", s.read_s, s.kernel_s,
              s.write_s, slowest_stage(s));
+  print_slowest(s.status.slowest);
   fmt::print("peak memory {} (kernels {})\n", readable_bytes(s.peak_process_bytes),
              readable_bytes(s.peak_kernel_bytes));
   fmt::print("{}\n", (out / "scene.xml").string());
@@ -85,11 +109,12 @@ void print_json_report(const BakeSummary& s, const std::filesystem::path& out) {
   j["seconds"] = {
       {"survey", s.survey_s}, {"bake", s.bake_s}, {"read", s.read_s}, {"kernels", s.kernel_s}, {"write", s.write_s}};
   j["slowest_stage"] = slowest_stage(s);
+  add_slowest(s.status.slowest, j);
   j["peak_process_bytes"] = s.peak_process_bytes;
   j["peak_kernel_bytes"] = s.peak_kernel_bytes;
   j["bad_uv"] = s.bad_uv;
   add_left_out(s.scene, j);
-  fmt::print("{}\n", j.dump(2));
+  print_json(j);
 }
 
 void print_report(const BakePlan& plan) {
@@ -120,7 +145,7 @@ void print_json_report(const BakePlan& plan) {
                          {"triangles", job.triangles},
                          {"fingerprint", job.fingerprint.hex()}});
   add_left_out(plan, j);
-  fmt::print("{}\n", j.dump(2));
+  print_json(j);
 }
 
 void print_losses(const std::vector<SceneLoss>& losses) {

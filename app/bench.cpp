@@ -5,7 +5,7 @@
 
 #include "app/bake_options.h"
 #include "app/commands.h"
-#include "app/progress.h"
+#include "app/status_text.h"
 #include "bench/bake_bench.h"
 #include "bench/kernel_bench.h"
 #include "bench/schedule_bench.h"

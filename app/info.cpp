@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "app/commands.h"
-#include "app/progress.h"
+#include "app/status_text.h"
 #include "format/scene_totals.h"
 
 namespace gigabake::app {

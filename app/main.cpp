@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   app::add_sample(program, exit_code);
   app::add_plan(program, exit_code);
   app::add_bake(program, exit_code);
+  app::add_status(program, exit_code);
   app::add_info(program, exit_code);
   app::add_verify(program, exit_code);
   app::add_diff(program, exit_code);

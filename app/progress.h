@@ -1,9 +1,9 @@
-/// What a bake says while it runs: a bar on a terminal, plain lines in a log. On standard error.
+/// What a bake says while it runs, on standard error.
 #pragma once
 
 #include <chrono>
-#include <string>
 
+#include "app/progress_line.h"
 #include "cluster/bake.h"
 
 namespace gigabake::app {
@@ -11,22 +11,18 @@ namespace gigabake::app {
 class Progress {
  public:
   Progress();
-  /// Callbacks that point at this object.
+  /// Callbacks that point at this object: what was opened, surveyed and planned, how far the cells are and
+  /// which of them went wrong.
   BakeProgress callbacks();
 
  private:
-  using Clock = std::chrono::steady_clock;
-
-  void start_phase();
-  void show(const char* what, std::size_t done, std::size_t all);
+  void opened(const SceneSources& sources);
+  void surveyed(std::size_t done, std::size_t all);
   void planned(const BakePlan& plan);
-  void cell_done(const CellReport& report, const CellJob& job, std::size_t done, std::size_t all);
+  void cell_done(const CellReport& report, const CellJob& job);
 
-  bool terminal_;
-  Clock::time_point start_, last_shown_;
+  ProgressLine line_;
+  std::chrono::steady_clock::time_point start_;
 };
-
-/// 1536 as "1.5 KiB".
-std::string readable_bytes(std::uint64_t bytes);
 
 }  // namespace gigabake::app

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "app/commands.h"
-#include "app/progress.h"
+#include "app/status_text.h"
 #include "app/text_values.h"
 
 namespace gigabake::app {

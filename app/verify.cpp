@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "app/commands.h"
-#include "app/progress.h"
+#include "app/status_text.h"
 
 namespace gigabake::app {
 

@@ -12,6 +12,7 @@
 #include "format/parameters.h"
 #include "format/scene_xml.h"
 #include "format/source.h"
+#include "scheduler/bake_status.h"
 #include "scheduler/plan.h"
 #include "worker/backend.h"
 
@@ -25,24 +26,27 @@ struct BakeRequest {
   std::uint64_t memory_bytes = 0;  ///< of each rank; 0: no bound
   bool keep_going = true;          ///< after a tile or cell failed
   Backend backend = Backend::automatic;
-  std::vector<int> gpus;         ///< devices of each host to use; empty: all
-  double stall_s = 60;           ///< a bake process that does nothing for so long hangs
-  double cell_timeout_s = 3600;  ///< longest time for one cell
-  double silence_s = 60;         ///< a rank that nothing is heard of for so long is lost
+  std::vector<int> gpus;          ///< devices of each host to use; empty: all
+  double stall_s = 60;            ///< a bake process that does nothing for so long hangs
+  double cell_timeout_s = 3600;   ///< longest time for one cell
+  double silence_s = 60;          ///< a rank that nothing is heard of for so long is lost
+  std::filesystem::path metrics;  ///< rank 0's status as Prometheus reads it; empty: none
 };
 
 /// Told to rank 0 alone, in the order in which it happens.
 struct BakeProgress {
   std::function<void(const SceneSources&)> opened;
-  std::function<void(std::size_t done, std::size_t all)> surveyed;
+  std::function<void(std::size_t done, std::size_t all)> surveyed;  ///< of a plan; a bake's status has it
   std::function<void(const BakePlan&)> planned;
-  std::function<void(const CellReport&, const CellJob&, std::size_t done, std::size_t all)> cell_done;
+  std::function<void(const BakeStatus&)> status;  ///< ten times a second
+  std::function<void(const CellReport&, const CellJob&)> cell_done;
   std::function<void(const std::string&)> noted;  ///< one line that somebody should read, though the bake goes on
 };
 
 /// Stage seconds are sums over cells; stages of consecutive cells overlap.
 struct BakeSummary {
   SceneDescription scene;
+  BakeStatus status;  ///< at the end
   double survey_s = 0, bake_s = 0, read_s = 0, kernel_s = 0, write_s = 0;
   std::uint64_t peak_kernel_bytes = 0;   ///< of the largest cell
   std::uint64_t bad_uv = 0;              ///< in the cells of this run: one that crosses cells counts in each

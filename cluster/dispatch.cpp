@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <chrono>
 #include <set>
+#include <string>
 #include <utility>
 #include <variant>
 
+#include "cluster/collective.h"
 #include "cluster/tags.h"
 #include "format/bytes.h"
 
@@ -16,27 +18,23 @@ constexpr std::chrono::milliseconds longest_wait{2};
 
 double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-std::uint64_t peak_of(const Message& alive) {
-  std::uint64_t peak_bytes = 0;
-  ByteReader(alive.bytes, "sign of life").get(peak_bytes);
-  return peak_bytes;
-}
-
 /// Does what the schedule decides, and tells it what happened.
 class Master {
  public:
   Master(MpiSession& mpi, const std::vector<CellJob>& jobs, BakeProcess& process, const ScheduleOptions& options,
-         const DispatchEvents& events)
+         DispatchWatcher& watcher)
       : mpi_(mpi),
         jobs_(jobs),
         process_(process),
-        events_(events),
+        watcher_(watcher),
         schedule_(jobs, options),
-        deaths_(std::size_t(mpi.ranks())) {}
+        deaths_(std::size_t(mpi.ranks())),
+        hosts_(std::size_t(mpi.ranks())) {}
 
   DispatchResult run(const std::vector<std::uint32_t>& already_done) {
     for (const std::uint32_t job : already_done) schedule_.already_done(job);
     for (int rank = 0; rank < mpi_.ranks(); ++rank) schedule_.heard_from(rank, now_s());
+    watcher_.joined(0, host_name());
     try {
       while (!schedule_.is_over()) {
         step();
@@ -55,22 +53,17 @@ class Master {
 
  private:
   void step() {
-    if (!result_.is_drained && events_.should_drain()) drain();
+    if (!watcher_.turn()) schedule_.stop();
     give_out();
     while (auto event = process_.poll()) take(*event);
     while (auto message = mpi_.poll()) take(*message);
     schedule_.heard_from(0, now_s());
     for (const int rank : schedule_.silent(now_s())) {
       lost_.insert(rank);
-      events_.on_lost(rank);
+      watcher_.lost(rank);
       something_came_back_ = true;
     }
     for (const std::uint32_t job : schedule_.take_set_aside()) set_aside(job);
-  }
-
-  void drain() {
-    result_.is_drained = true;
-    schedule_.stop();
   }
 
   /// A round gives each rank one cell, so that the costliest are shared out; 0 last, for it has most to do.
@@ -89,7 +82,7 @@ class Master {
   }
 
   void give(int rank, const Assignment& assignment) {
-    events_.on_start(assignment.job, rank);
+    watcher_.handed_out(assignment.job, rank);
     if (rank == 0) return process_.submit(jobs_[assignment.job], assignment.attempt);
     ByteWriter writer;
     writer.put(deaths_[std::size_t(rank)]);
@@ -111,39 +104,51 @@ class Master {
       take(message.from, answer.report, answer.attempt);
     }
     if (message.tag == tag_died) bury(message.from, std::string(message.bytes.begin(), message.bytes.end()));
-    if (message.tag == tag_alive) result_.peak_bytes = std::max(result_.peak_bytes, peak_of(message));
+    if (message.tag == tag_alive) look_at_life(message);
   }
 
   void hear(int rank) {
     schedule_.heard_from(rank, now_s());
-    if (lost_.erase(rank) != 0) something_came_back_ = true;
+    if (lost_.erase(rank) == 0) return;
+    something_came_back_ = true;
+    watcher_.joined(rank, hosts_[std::size_t(rank)]);
+  }
+
+  void look_at_life(const Message& message) {
+    std::uint64_t peak_bytes = 0;
+    std::string host;
+    ByteReader reader(message.bytes, "sign of life");
+    reader.get(peak_bytes), reader.get(host);
+    result_.peak_bytes = std::max(result_.peak_bytes, peak_bytes);
+    std::string& known = hosts_[std::size_t(message.from)];
+    if (known.empty()) watcher_.joined(message.from, host);
+    known = host;
   }
 
   void bury(int rank, const std::string& why) {
     ++deaths_[std::size_t(rank)];
     schedule_.process_died(rank, why, now_s());
-    events_.on_death(rank, why);
+    watcher_.process_died(rank, why);
     something_came_back_ = true;
   }
 
   void take(int rank, const CellReport& report, std::uint32_t attempt) {
     something_came_back_ = true;
-    if (report.outcome == CellOutcome::failed)
-      schedule_.failed(rank, report.id, attempt, report.error, now_s());
-    else if (schedule_.finished(rank, report.id, attempt, now_s()) == Verdict::accepted)
-      decide(report, rank);
+    const bool failed = report.outcome == CellOutcome::failed;
+    const Verdict verdict = failed ? schedule_.failed(rank, report.id, attempt, report.error, now_s())
+                                   : schedule_.finished(rank, report.id, attempt, now_s());
+    if (verdict == Verdict::stale) return;
+    if (failed) return watcher_.attempt_failed(report.id);
+    if (!watcher_.finished(report)) schedule_.stop();
+    result_.reports.push_back(report);
   }
 
   void set_aside(std::uint32_t job) {
     CellReport report;
     report.id = job;
     report.error = schedule_.error(job);
-    decide(report, 0);
-  }
-
-  void decide(const CellReport& report, int rank) {
-    if (!events_.on_report(report, rank)) schedule_.stop();
-    result_.reports.push_back(report);
+    if (!watcher_.set_aside(report)) schedule_.stop();
+    result_.reports.push_back(std::move(report));
   }
 
   void stop_all() {
@@ -153,9 +158,10 @@ class Master {
   MpiSession& mpi_;
   const std::vector<CellJob>& jobs_;
   BakeProcess& process_;
-  const DispatchEvents& events_;
+  DispatchWatcher& watcher_;
   Schedule schedule_;
   std::vector<std::uint32_t> deaths_;  ///< of each rank's bake process, as far as rank 0 has heard
+  std::vector<std::string> hosts_;     ///< of each rank, once it has said so
   std::set<int> lost_;
   DispatchResult result_;
   bool something_came_back_ = true;
@@ -165,8 +171,8 @@ class Master {
 
 DispatchResult dispatch(MpiSession& mpi, const std::vector<CellJob>& jobs,
                         const std::vector<std::uint32_t>& already_done, BakeProcess& process,
-                        const ScheduleOptions& options, const DispatchEvents& events) {
-  return Master(mpi, jobs, process, options, events).run(already_done);
+                        const ScheduleOptions& options, DispatchWatcher& watcher) {
+  return Master(mpi, jobs, process, options, watcher).run(already_done);
 }
 
 }  // namespace gigabake

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,23 +12,31 @@
 
 namespace gigabake {
 
-/// What rank 0 wants to know while it goes on. Each is called on its one thread.
-struct DispatchEvents {
-  std::function<void(std::uint32_t job, int rank)> on_start = [](std::uint32_t, int) {};
-  /// A cell is decided: baked, empty, or failed for good. False: hand out nothing more.
-  std::function<bool(const CellReport&, int rank)> on_report;
+/// Who is told what happens, on rank 0's one thread.
+class DispatchWatcher {
+ public:
+  virtual ~DispatchWatcher() = default;
+
+  /// Every few milliseconds. False: hand out nothing more, finish what is out.
+  virtual bool turn() = 0;
+  /// A rank is there, or there again.
+  virtual void joined(int rank, const std::string& host) = 0;
+  virtual void handed_out(std::uint32_t job, int rank) = 0;
+  /// A cell is baked or empty. False: as turn().
+  virtual bool finished(const CellReport& report) = 0;
+  /// An attempt failed; the cell is tried again, unless set_aside() follows.
+  virtual void attempt_failed(std::uint32_t job) = 0;
+  /// A cell failed for good; the report says why. False: as turn().
+  virtual bool set_aside(const CellReport& report) = 0;
   /// A rank's bake process is gone; its cells are tried again.
-  std::function<void(int rank, const std::string& why)> on_death = [](int, const std::string&) {};
+  virtual void process_died(int rank, const std::string& why) = 0;
   /// Nothing was heard of a rank for too long; its cells are tried elsewhere.
-  std::function<void(int rank)> on_lost = [](int) {};
-  /// Asked all the time. True: hand out nothing more, finish what is out.
-  std::function<bool()> should_drain = [] { return false; };
+  virtual void lost(int rank) = 0;
 };
 
 struct DispatchResult {
   std::vector<CellReport> reports;  ///< in the order in which they came; a job without one was not baked
   JobCounts counts;
-  bool is_drained = false;       ///< should_drain() said so before all was handed out
   std::vector<int> lost_ranks;   ///< that were still lost at the end: no collective call may follow
   std::uint64_t peak_bytes = 0;  ///< of the largest bake process
 };
@@ -38,7 +45,7 @@ struct DispatchResult {
 /// Exact   Each job is reported at most once, whatever dies or comes back late.
 DispatchResult dispatch(MpiSession& mpi, const std::vector<CellJob>& jobs,
                         const std::vector<std::uint32_t>& already_done, BakeProcess& process,
-                        const ScheduleOptions& options, const DispatchEvents& events);
+                        const ScheduleOptions& options, DispatchWatcher& watcher);
 
 /// Every other rank: bakes what it is given until told to stop.
 void work(MpiSession& mpi, BakeProcess& process);

@@ -1,6 +1,7 @@
 #include <chrono>
 #include <variant>
 
+#include "cluster/collective.h"
 #include "cluster/dispatch.h"
 #include "cluster/tags.h"
 #include "format/bytes.h"
@@ -52,6 +53,7 @@ class Worker {
   void show_life() {
     ByteWriter writer;
     writer.put(process_.peak_bytes());
+    writer.put(host_name());
     mpi_.send(0, tag_alive, writer.take());
     shown_ = Clock::now();
   }

@@ -62,14 +62,15 @@ Publication::~Publication() {
   if (!published_) ::unlink(aside_.c_str());
 }
 
-void Publication::publish() {
-  flush_to_disk(aside_, O_RDONLY);
+void Publication::publish(Durability durability) {
+  const bool flush = durability == Durability::across_power_loss;
+  if (flush) flush_to_disk(aside_, O_RDONLY);
   if (::rename(aside_.c_str(), target_.c_str()) != 0) fail(target_, "rename into place");
   published_ = true;
-  flush_to_disk(folder_of(target_), O_RDONLY | O_DIRECTORY);
+  if (flush) flush_to_disk(folder_of(target_), O_RDONLY | O_DIRECTORY);
 }
 
-void publish_file(const std::filesystem::path& target, std::string_view content) {
+void publish_file(const std::filesystem::path& target, std::string_view content, Durability durability) {
   Publication file(target);
   {
     const Descriptor out(file.aside(), O_WRONLY | O_TRUNC);
@@ -81,7 +82,7 @@ void publish_file(const std::filesystem::path& target, std::string_view content)
       content.remove_prefix(std::size_t(written));
     }
   }
-  file.publish();
+  file.publish(durability);
 }
 
 }  // namespace gigabake

@@ -6,6 +6,9 @@
 
 namespace gigabake {
 
+/// Whether a published file outlives a loss of power. Readers never see half a file while the machine is up.
+enum class Durability { across_power_loss, while_up };
+
 /// Holds the name to write to. Unless publish() succeeds, the destructor removes what was written there.
 class Publication {
  public:
@@ -18,8 +21,9 @@ class Publication {
   /// In the target's folder, so that the rename is atomic; exists and is empty.
   const std::filesystem::path& aside() const { return aside_; }
 
-  /// fsync, rename over the target, fsync the folder. Errors  InputError: path and the system's reason.
-  void publish();
+  /// fsync, rename over the target, fsync the folder; while_up: the rename alone.
+  /// Errors  InputError: path and the system's reason.
+  void publish(Durability durability = Durability::across_power_loss);
 
  private:
   std::filesystem::path target_, aside_;
@@ -27,6 +31,7 @@ class Publication {
 };
 
 /// Publishes a small file in one call. Errors  InputError.
-void publish_file(const std::filesystem::path& target, std::string_view content);
+void publish_file(const std::filesystem::path& target, std::string_view content,
+                  Durability durability = Durability::across_power_loss);
 
 }  // namespace gigabake

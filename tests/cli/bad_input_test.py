@@ -277,7 +277,7 @@ class BadInput(unittest.TestCase):
         self.assertIn("cell c_0_0_0", result.stderr.splitlines()[-1])
         self.assertIn("No space left", result.stderr.splitlines()[-1])
         self.expect_no_leftovers()
-        self.assertEqual(list(self.out.iterdir()), [])
+        self.assertEqual([p.name for p in self.out.iterdir()], ["status.json"])  # which says why
 
     def test_a_bake_that_fails_leaves_the_previous_scene(self):
         self.assertEqual(self.bake(self.good).returncode, 0)

@@ -50,6 +50,14 @@ TEST(Publish, ReplacesAFileAndLeavesNothingElse) {
   EXPECT_EQ(files_in(folder), 1u);
 }
 
+TEST(Publish, ReplacesAFileThatNeedNotOutliveALossOfPower) {
+  const TempFolder folder;
+  publish_file(folder / "status.json", "first", Durability::while_up);
+  publish_file(folder / "status.json", "second", Durability::while_up);
+  EXPECT_EQ(content(folder / "status.json"), "second");
+  EXPECT_EQ(files_in(folder), 1u);
+}
+
 TEST(Publish, GivesTheRightsThatTheUsersMaskAllows) {
   const TempFolder folder;
   const mode_t mask = ::umask(027);

@@ -1,0 +1,51 @@
+#include "scheduler/bake_status.h"
+
+#include <array>
+#include <fstream>
+
+#include "format/error.h"
+#include "format/publish.h"
+
+namespace gigabake {
+namespace {
+
+constexpr std::size_t most_status_bytes = std::size_t(64) << 20;
+
+/// To its end, wherever that is by now. Errors  InputError.
+std::string text_of(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) throw InputError(file, "", "no such file");
+  if (!std::filesystem::is_regular_file(file, error)) throw InputError(file, "", "expected a regular file");
+  std::ifstream in(file, std::ios::binary);
+  std::string text;
+  std::array<char, 65536> part;
+  while (in.read(part.data(), part.size()) || in.gcount() > 0) {
+    text.append(part.data(), std::size_t(in.gcount()));
+    if (text.size() > most_status_bytes) throw InputError(file, "", "is too large for the status of a bake");
+  }
+  if (!in.eof()) throw InputError(file, "", "cannot be read");
+  return text;
+}
+
+}  // namespace
+
+std::string_view name_of(BakeState state) {
+  constexpr std::array<std::string_view, 8> names = {"surveying", "baking",     "draining", "publishing",
+                                                     "complete",  "incomplete", "drained",  "failed"};
+  return names.at(std::size_t(state));
+}
+
+bool is_over(BakeState state) { return state >= BakeState::complete; }
+
+std::filesystem::path status_file(const std::filesystem::path& out) { return out / "status.json"; }
+
+void write_status(const std::filesystem::path& out, const BakeStatus& status) {
+  publish_file(status_file(out), to_json(status) + "\n", Durability::while_up);
+}
+
+BakeStatus read_status(const std::filesystem::path& out) {
+  const std::filesystem::path file = status_file(out);
+  return status_from_json(file, text_of(file));
+}
+
+}  // namespace gigabake

@@ -1,0 +1,144 @@
+#!/usr/bin/env python3
+"""cluster/gigabake.sbatch on a real Slurm of three nodes on this machine: it bakes, outlives a node's daemon, sweeps.
+
+Usage: slurm_test.py GIGABAKE SOURCE_DIR
+
+Skipped without root, without Slurm (apt-get install slurm-wlm munge bc), and without GIGABAKE_SHARED, the folder whose
+tools/slurm_local.sh brings the nodes up.
+"""
+import json
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli"))
+import harness  # noqa: E402  (lies in another folder)
+
+SKIPPED = 77
+CONTROLLER_PORT = 16817  # as slurm_local.sh has it
+
+
+def why_not():
+    if os.geteuid() != 0:
+        return "only root may start Slurm's daemons"
+    missing = [name for name in ("slurmctld", "slurmd", "munged", "sbatch", "bc") if shutil.which(name) is None]
+    if missing:
+        return f"{', '.join(missing)} not installed"
+    if not (Path(os.environ.get("GIGABAKE_SHARED", "/nowhere")) / "tools/slurm_local.sh").exists():
+        return "GIGABAKE_SHARED names no folder with tools/slurm_local.sh"
+    with socket.socket() as probe:
+        if probe.connect_ex(("127.0.0.1", CONTROLLER_PORT)) == 0:
+            return "another Slurm is running here"
+    return None
+
+
+class Slurm(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.root = Path(cls.folder.name)
+        slurm = cls.root / "slurm"
+        cls.environment = {**os.environ, **harness.MPI_ENVIRONMENT, "SLURM_LOCAL_DIR": str(slurm),
+                           "SLURM_CONF": str(slurm / "slurm.conf"), "GIGABAKE": str(PROGRAM.executable)}
+        del cls.environment["OMPI_MCA_plm_rsh_agent"]  # Slurm starts the ranks
+        cls.tool("up", "3")
+        PROGRAM.succeed("sample", cls.root / "sample", "--size", 128, "--seed", 5)
+        cls.source = cls.root / "sample/tileset.json"
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.tool("down")
+        cls.folder.cleanup()
+
+    @classmethod
+    def tool(cls, *arguments):
+        script = Path(os.environ["GIGABAKE_SHARED"]) / "tools/slurm_local.sh"
+        # Its daemons outlive it and must not hold on to a pipe.
+        subprocess.run(["bash", script, *arguments], env=cls.environment, stdout=subprocess.DEVNULL,
+                       stderr=subprocess.DEVNULL, timeout=60, check=True)
+
+    def run_tool(self, *command):
+        result = subprocess.run(list(map(str, command)), env=self.environment, capture_output=True, text=True,
+                                timeout=30, check=False)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result.stdout
+
+    def submit(self, out, voxel_size, *options):
+        """The job's number."""
+        return self.run_tool("sbatch", "--parsable", "--nodes", 3, "--ntasks-per-node", 1, "-o",
+                             self.root / "job.%A.%a.log", *options, SOURCE / "cluster/gigabake.sbatch", "bake",
+                             self.source, "-o", out, "--voxel-size", voxel_size, "--cell-voxels", 128).strip()
+
+    def field(self, job, name):
+        text = self.run_tool("scontrol", "show", "job", job)
+        return text.split(f" {name}=" if f" {name}=" in text else f"{name}=")[1].split()[0]
+
+    def wait_until(self, condition, what, limit_s=180):
+        end = time.monotonic() + limit_s
+        while not condition():
+            self.assertLess(time.monotonic(), end, f"{what}\n{self.logs()}")
+            time.sleep(0.1)
+
+    def logs(self):
+        return "".join(path.read_text() for path in self.root.glob("job.*.log"))
+
+    def finish(self, job):
+        ended = ("COMPLETED", "FAILED", "CANCELLED", "TIMEOUT", "NODE_FAIL")
+        self.wait_until(lambda: self.field(job, "JobState") in ended, "the job does not end")
+        self.assertEqual(self.field(job, "JobState"), "COMPLETED", self.logs())
+
+    def daemons(self, job):
+        """mpirun's on the nodes of a job."""
+        for path in Path("/proc").glob("[0-9]*/environ"):
+            try:
+                words = path.read_bytes().split(b"\0")
+                is_daemon = (path.parent / "comm").read_text().strip() == "orted"
+            except OSError:
+                continue
+            if is_daemon and f"SLURM_JOB_ID={job}".encode() in words and \
+                    f"SLURM_CONF={self.environment['SLURM_CONF']}".encode() in words:
+                yield int(path.parent.name)
+
+    def status(self, out):
+        return json.loads((out / "status.json").read_text())
+
+    def test_three_nodes_bake_what_one_does(self):
+        out = self.root / "three"
+        self.finish(self.submit(out, 0.25))
+        self.assertEqual((self.status(out)["state"], self.status(out)["ranks"]), ("complete", 3))
+        alone = PROGRAM.bake(self.source, self.root / "alone", 0.25, "--cell-voxels", 128)
+        self.assertEqual(PROGRAM.info(out / "scene.xml")["content_hash"], alone["content_hash"])
+
+    def test_a_dead_node_requeues_the_job_and_it_ends_whole(self):
+        out = self.root / "dead"
+        job = self.submit(out, 0.04)
+        self.wait_until(lambda: len(list(out.glob("shards/c_*.h5"))) > 2, "no cell is baked")
+        os.kill(next(self.daemons(job)), 9)
+        self.finish(job)
+        self.assertEqual(self.field(job, "Restarts"), "1", self.logs())
+        self.assertIn("the launch died", self.logs())
+        PROGRAM.succeed("verify", out / "scene.xml")
+        alone = PROGRAM.bake(self.source, self.root / "undisturbed", 0.04, "--cell-voxels", 128)
+        self.assertEqual(PROGRAM.info(out / "scene.xml")["content_hash"], alone["content_hash"])
+
+    def test_an_array_sweeps_a_parameter(self):
+        job = self.submit(self.root / "sweep/%a", "0.%a", "--array", "4,8")
+        sizes = {}
+        for task in (4, 8):
+            self.wait_until((self.root / f"sweep/{task}/scene.xml").exists, f"task {task} of {job} does not end")
+            sizes[task] = PROGRAM.info(self.root / f"sweep/{task}/scene.xml")["voxels"]
+        self.assertGreater(sizes[4], 2 * sizes[8])
+
+
+if __name__ == "__main__":
+    if reason := why_not():
+        print(f"skipped: {reason}")
+        sys.exit(SKIPPED)
+    PROGRAM, SOURCE = harness.Gigabake(str(Path(sys.argv[1]).resolve())), Path(sys.argv[2]).resolve()
+    unittest.main(argv=sys.argv[:1], verbosity=2)
