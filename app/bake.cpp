@@ -29,6 +29,9 @@ void add_bake(CLI::App& app, int& exit_code) {
   command->add_option("-o,--out", options->out, "folder of the result: scene.xml and shards/")->required();
   command->add_flag("--keep-going,!--no-keep-going", options->keep_going,
                     "bake the rest after a tile or cell failed (default), or stop there and publish nothing");
+  command->add_flag(
+      "--prune", options->prune,
+      "remove shards that the new scene does not have; without, they stay for a return to earlier settings");
   command->callback(
       [options, &exit_code] { exit_code = on_all_ranks([&](MpiSession& mpi) { return run(*options, mpi); }); });
 }

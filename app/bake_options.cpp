@@ -70,6 +70,7 @@ BakeRequest BakeOptions::request() const {
   if (memory_bytes != 0 && memory_bytes < (std::uint64_t(64) << 20))
     throw UsageError("--memory: expected at least 64M, or 0 for no bound");
   r.keep_going = keep_going;
+  r.prune = prune;
   r.backend = choice<Backend>("--backend",
                               {{"auto", Backend::automatic}, {"cpu", Backend::cpu}, {"cuda", Backend::cuda}}, backend);
   r.gpus = gpus;

@@ -13,7 +13,7 @@ struct BakeOptions {
   std::string source, out, voxel_size, surface = "area", mip = "coverage", lattice_origin, origin, up, backend = "auto";
   std::vector<int> gpus;
   std::uint32_t cell_voxels = 1024;
-  bool local = false, no_normals = false, keep_going = true, json = false;
+  bool local = false, no_normals = false, keep_going = true, prune = false, json = false;
   int threads = 0;
   std::uint64_t memory_bytes = std::uint64_t(4) << 30;
 

@@ -108,6 +108,8 @@ void bake_as_master(MpiSession& mpi, const BakeRequest& request, const SceneSour
   out.expect_shards(summary.scene);
   refuse(request, summary.scene.losses, summary.scene.cells.empty());
   out.publish(summary.scene);
+  if (request.prune) summary.pruned = out.remove_orphans(summary.scene);
+  summary.orphans = out.orphans(summary.scene);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "cluster/collective.h"
 #include "cluster/mpi_session.h"
+#include "cluster/output_folder.h"
 #include "format/parameters.h"
 #include "format/scene_xml.h"
 #include "format/source.h"
@@ -25,6 +26,7 @@ struct BakeRequest {
   std::uint64_t memory_bytes = 0;  ///< of each rank; 0: no bound
   bool keep_going = true;          ///< after a tile or cell failed
   Backend backend = Backend::automatic;
+  bool prune = false;     ///< remove shards that the new scene does not have
   std::vector<int> gpus;  ///< devices of each host to use; empty: all
 };
 
@@ -47,13 +49,15 @@ struct BakeSummary {
   int ranks_with_device = 0;
   std::string no_device;  ///< why rank 0 has none
   int ranks = 1, threads = 1;
+  OrphanShards orphans;  ///< kept in OUT, though the scene does not have them
+  OrphanShards pruned;   ///< removed from OUT
 };
 
 /// Collective. Scene and sums are rank 0's; other ranks get empty ones.
-/// OUT/scene.xml is replaced last, then shards that it does not name are removed.
+/// OUT is locked meanwhile. OUT/scene.xml is replaced last; shards that it does not name stay unless request.prune.
 /// Errors  CollectiveFailure, and OUT/scene.xml is as it was: a source that cannot be opened or has no triangles, an
-/// OUT
-///         that cannot be written, nothing that could be baked, or any loss without keep_going.
+///         OUT that cannot be written or that another bake holds, nothing that could be baked, or any loss without
+///         keep_going.
 BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress);
 
 /// Collective: survey and plan alone; the plan is rank 0's. Errors  CollectiveFailure, as bake().
