@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "app/progress.h"
 #include "scheduler/estimate.h"
@@ -44,16 +45,20 @@ void add_left_out(const Counts& c, nlohmann::ordered_json& j) {
   for (const SceneLoss& l : c.losses) j["losses"].push_back({{"name", l.name}, {"reason", l.reason}});
 }
 
-/// "12 of 400 cells to bake: 3 new cell, 9 inputs changed".
+/// "12 of 400 cells to bake: 3 new, 9 changed inputs; 0 to check, 388 unchanged".
 void print_counts(const PriorResults& prior) {
   const auto counts = prior.counts();
   const auto of = [&](PriorReason r) { return counts[std::size_t(r)]; };
-  std::string reasons;
-  for (const PriorReason r : {PriorReason::new_cell, PriorReason::inputs_changed, PriorReason::shard_missing})
-    if (of(r) != 0) reasons += fmt::format("{} {} {}", reasons.empty() ? ":" : ",", of(r), text(r));
-  fmt::print("{} of {} cells to bake{}; {} to check, {} unchanged\n",
-             prior.reasons.size() - of(PriorReason::unchanged) - of(PriorReason::to_be_checked), prior.reasons.size(),
-             reasons, of(PriorReason::to_be_checked), of(PriorReason::unchanged));
+  std::size_t to_bake = 0;
+  std::string why;
+  for (const auto& [reason, words] :
+       {std::pair(PriorReason::new_cell, "new"), std::pair(PriorReason::inputs_changed, "changed inputs"),
+        std::pair(PriorReason::shard_missing, "missing shards")}) {
+    to_bake += of(reason);
+    if (of(reason) != 0) why += fmt::format("{} {} {}", why.empty() ? ":" : ",", of(reason), words);
+  }
+  fmt::print("{} of {} cells to bake{}; {} to check, {} unchanged\n", to_bake, prior.reasons.size(), why,
+             of(PriorReason::to_be_checked), of(PriorReason::unchanged));
 }
 
 }  // namespace

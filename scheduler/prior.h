@@ -41,7 +41,7 @@ struct PriorResults {
 };
 
 /// Exact   A function of plan, journal and the stamps under `out`; writes nothing, needs no lock.
-/// Cost    Opens a file for each cell (4 µs a cell and thread on a local disk).
+/// Cost    Opens a file for each cell: a million in 4.6 s on two threads and a local disk.
 PriorResults find_prior(const BakePlan& plan, const JournalContent& journal, const std::filesystem::path& out,
                         int threads);
 
