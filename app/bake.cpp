@@ -9,6 +9,11 @@
 namespace gigabake::app {
 namespace {
 
+int exit_code_of(const BakeSummary& summary) {
+  if (summary.is_drained) return drained;
+  return summary.scene.losses.empty() ? complete : cells_failed;
+}
+
 int run(const BakeOptions& options, MpiSession& mpi) {
   const BakeRequest request = options.request();
   Progress progress;
@@ -16,7 +21,9 @@ int run(const BakeOptions& options, MpiSession& mpi) {
   if (mpi.rank() != 0) return complete;
   options.json ? print_json_report(summary, request.out) : print_report(summary, request.out);
   print_losses(summary.scene.losses);
-  return summary.scene.losses.empty() ? complete : cells_failed;
+  const int exit_code = exit_code_of(summary);
+  if (summary.lost_ranks != 0) mpi.abort(exit_code);  // a rank that hangs would never join the end
+  return exit_code;
 }
 
 }  // namespace
@@ -29,9 +36,12 @@ void add_bake(CLI::App& app, int& exit_code) {
   command->add_option("-o,--out", options->out, "folder of the result: scene.xml and shards/")->required();
   command->add_flag("--keep-going,!--no-keep-going", options->keep_going,
                     "bake the rest after a tile or cell failed (default), or stop there and publish nothing");
-  command->add_flag(
-      "--prune", options->prune,
-      "remove shards that the new scene does not have; without, they stay for a return to earlier settings");
+  command->add_flag("--prune", options->prune,
+                    "once the scene is whole, remove shards that it does not have; without, they stay for a return to "
+                    "earlier settings");
+  command->add_option("--stall", options->stall_s, "seconds without any work after which a bake process hangs (60)");
+  command->add_option("--cell-timeout", options->cell_timeout_s, "most seconds for one cell (3600)");
+  command->add_option("--silence", options->silence_s, "seconds after which a rank that is not heard of is lost (60)");
   command->callback(
       [options, &exit_code] { exit_code = on_all_ranks([&](MpiSession& mpi) { return run(*options, mpi); }); });
 }

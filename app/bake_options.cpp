@@ -18,6 +18,11 @@ T choice(const char* option, const std::map<std::string, T>& values, const std::
   throw UsageError(fmt::format("{}: expected one of {}, got '{}'", option, all, text));
 }
 
+double seconds(const char* option, double s, double least) {
+  if (s >= least && s <= 1e6) return s;
+  throw UsageError(fmt::format("{}: expected {:g} to 1e6 seconds, got {:g}", option, least, s));
+}
+
 }  // namespace
 
 void BakeOptions::add_to(CLI::App& command) {
@@ -71,6 +76,9 @@ BakeRequest BakeOptions::request() const {
     throw UsageError("--memory: expected at least 64M, or 0 for no bound");
   r.keep_going = keep_going;
   r.prune = prune;
+  r.stall_s = seconds("--stall", stall_s, 1);
+  r.cell_timeout_s = seconds("--cell-timeout", cell_timeout_s, 1);
+  r.silence_s = seconds("--silence", silence_s, 10);
   r.backend = choice<Backend>("--backend",
                               {{"auto", Backend::automatic}, {"cpu", Backend::cpu}, {"cuda", Backend::cuda}}, backend);
   r.gpus = gpus;

@@ -6,7 +6,7 @@
 namespace gigabake::app {
 
 /// Exit codes, the same for every command (docs/cluster.md).
-enum ExitCode : int { complete = 0, failed = 1, usage = 2, cells_failed = 3 };
+enum ExitCode : int { complete = 0, failed = 1, usage = 2, cells_failed = 3, drained = 75 };
 
 /// Each adds its sub-command to `app`; its callback sets `exit_code` and throws UsageError or InputError.
 void add_sample(CLI::App& app, int& exit_code);
@@ -18,5 +18,7 @@ void add_diff(CLI::App& app, int& exit_code);
 void add_export(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);
 void add_bench(CLI::App& app, int& exit_code);
+/// Not listed: a rank's supervisor starts it. It ends the process.
+void add_bake_process(CLI::App& app);
 
 }  // namespace gigabake::app

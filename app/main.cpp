@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   app::add_export(program, exit_code);
   app::add_render(program, exit_code);
   app::add_bench(program, exit_code);
+  app::add_bake_process(program);
 
   try {
     program.parse(argc, argv);

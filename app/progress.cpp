@@ -45,6 +45,7 @@ BakeProgress Progress::callbacks() {
   p.cell_done = [this](const CellReport& report, const CellJob& job, std::size_t done, std::size_t all) {
     cell_done(report, job, done, all);
   };
+  p.noted = [this](const std::string& line) { fmt::print(stderr, "{}{}\n", terminal_ ? "\r\033[K" : "", line); };
   return p;
 }
 

@@ -59,7 +59,7 @@ BakeBench bench_bake(const BakeBenchRequest& request) {
   if (std::filesystem::exists(request.out / "scene.xml"))
     throw InputError(request.out, "", "holds a scene; a benchmark would replace its shards, choose another folder");
   const SceneSources sources = open_sources(request.scene.source, request.scene.source_options);
-  const DeviceChoice device = choose_device(request.backend, {}, 0);
+  const DeviceChoice device = choose_device({request.backend});
   std::vector<CellJob> jobs = plan_cells(sources, request.scene);
   if (jobs.size() > request.most_cells) jobs.resize(request.most_cells);
   BakeBench b;

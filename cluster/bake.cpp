@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <memory>
+#include <numeric>
 #include <optional>
+#include <stdexcept>
 #include <sys/resource.h>
+#include <variant>
 
 #include "cluster/dispatch.h"
+#include "cluster/drain.h"
 #include "cluster/output_folder.h"
 #include "cluster/survey.h"
 #include "format/error.h"
@@ -24,10 +27,23 @@ int threads_of(const MpiSession& mpi, const BakeRequest& request) {
   return request.threads > 0 ? request.threads : mpi.cores();
 }
 
-std::int64_t peak_process_bytes() {
+BakeProcessOptions process_options(const BakeRequest& request) {
+  BakeProcessOptions options;
+  options.stall_s = request.stall_s;
+  options.cell_timeout_s = request.cell_timeout_s;
+  return options;
+}
+
+ScheduleOptions schedule_options(const BakeRequest& request) {
+  ScheduleOptions options;
+  options.silence_s = request.silence_s;
+  return options;
+}
+
+std::uint64_t peak_bytes_here() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  return std::int64_t(usage.ru_maxrss) * 1024;
+  return std::uint64_t(usage.ru_maxrss) * 1024;
 }
 
 SceneSources open_together(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress) {
@@ -37,11 +53,12 @@ SceneSources open_together(MpiSession& mpi, const BakeRequest& request, const Ba
   return sources;
 }
 
-BakePlan survey_and_plan(MpiSession& mpi, const BakeRequest& request, const SceneSources& sources,
+BakePlan survey_and_plan(MpiSession& mpi, const BakeRequest& request, const SceneSources& sources, BakeProcess& process,
                          const BakeProgress& progress) {
+  std::vector<std::uint32_t> tiles(sources.tiles.size());
+  std::iota(tiles.begin(), tiles.end(), 0u);
   std::vector<TileSurvey> surveys =
-      survey_tiles(mpi, sources, request.parameters, threads_of(mpi, request),
-                   [&](std::size_t done) { progress.surveyed(done, sources.tiles.size()); });
+      survey_tiles(mpi, tiles, process, [&](std::size_t done) { progress.surveyed(done, sources.tiles.size()); });
   BakePlan plan;
   all_or_none(mpi, [&] {
     if (mpi.rank() != 0) return;
@@ -50,6 +67,28 @@ BakePlan survey_and_plan(MpiSession& mpi, const BakeRequest& request, const Scen
     progress.planned(plan);
   });
   return plan;
+}
+
+WorkerSetup setup_of(const MpiSession& mpi, const BakeRequest& request, const SceneSources& sources) {
+  WorkerSetup setup;
+  setup.source = request.source;
+  setup.source_options = request.source_options;
+  setup.parameters = request.parameters;
+  setup.worker = {threads_of(mpi, request), request.memory_bytes, request.out};
+  setup.device = {request.backend, request.gpus, mpi.rank_on_host()};
+  setup.tiles = std::uint32_t(sources.tiles.size());
+  return setup;
+}
+
+/// Waits for the process to have its device.
+DeviceChoice device_of(BakeProcess& process) {
+  constexpr std::chrono::milliseconds longest_wait{50};
+  for (process.prepare(); !process.device(); process.wait(longest_wait))
+    if (const auto event = process.poll())
+      if (const auto* died = std::get_if<BakeProcess::Died>(&*event))
+        throw std::runtime_error("the process that bakes ended before it began: " + died->why);
+  if (!process.device()->error.empty()) throw std::runtime_error(process.device()->error);
+  return process.device()->choice;
 }
 
 /// Losses that leave the previous scene in place.
@@ -63,14 +102,13 @@ void refuse(const BakeRequest& request, const std::vector<SceneLoss>& losses, bo
 }
 
 /// A rank without a device beside others that have one says so: its cells take longer.
-DeviceChoice choose_device_together(MpiSession& mpi, const BakeRequest& request, BakeSummary& summary) {
+void choose_devices(MpiSession& mpi, BakeProcess& process, BakeSummary& summary) {
   DeviceChoice choice;
-  all_or_none(mpi, [&] { choice = choose_device(request.backend, request.gpus, mpi.rank_on_host()); });
+  all_or_none(mpi, [&] { choice = device_of(process); });
   summary.ranks_with_device = int(mpi.sum_of(choice.device.has_value() ? 1 : 0));
   summary.no_device = choice.reason;
   if (summary.ranks_with_device != 0 && !choice.device && !choice.reason.empty())
     std::fprintf(stderr, "rank %d on %s uses the CPU: %s\n", mpi.rank(), host_name().c_str(), choice.reason.c_str());
-  return choice;
 }
 
 /// mpirun binds each of few ranks to one core unless told otherwise.
@@ -93,37 +131,78 @@ void add_times(const std::vector<CellReport>& reports, BakeSummary& summary) {
   }
 }
 
-void bake_as_master(MpiSession& mpi, const BakeRequest& request, const SceneSources& sources, const BakePlan& plan,
-                    const OutputFolder& out, const MakePipeline& make_pipeline, const BakeProgress& progress,
-                    BakeSummary& summary) {
-  std::size_t done = 0;
-  const auto on_report = [&](const CellReport& r) {
-    progress.cell_done(r, plan.jobs[r.id], ++done, plan.jobs.size());
-    return request.keep_going || r.outcome != CellOutcome::failed;
-  };
-  const std::vector<CellReport> reports = dispatch(mpi, plan.jobs, make_pipeline, on_report);
-  summary.cells_planned = plan.jobs.size();
-  add_times(reports, summary);
-  summary.scene = merge(plan, reports, sources.origin, request.parameters);
-  out.expect_shards(summary.scene);
-  refuse(request, summary.scene.losses, summary.scene.cells.empty());
-  out.publish(summary.scene);
-  if (request.prune) summary.pruned = out.remove_orphans(summary.scene);
-  summary.orphans = out.orphans(summary.scene);
-}
+/// What rank 0 does while cells are baked, and after.
+class MasterBake {
+ public:
+  MasterBake(const BakeRequest& request, const SceneSources& sources, const BakePlan& plan, const OutputFolder& out,
+             const BakeProgress& progress, BakeSummary& summary)
+      : request_(request), sources_(sources), plan_(plan), out_(out), progress_(progress), summary_(summary) {}
+
+  void run(MpiSession& mpi, BakeProcess& process) {
+    DispatchResult result = dispatch(mpi, plan_.jobs, {}, process, schedule_options(request_), events());
+    summary_.cells_planned = plan_.jobs.size();
+    summary_.is_drained = result.is_drained && result.counts.abandoned != 0;
+    summary_.lost_ranks = result.lost_ranks.size();
+    summary_.peak_process_bytes = std::max(result.peak_bytes, peak_bytes_here());
+    add_times(result.reports, summary_);
+    summary_.scene = merge(plan_, result.reports, sources_.origin, request_.parameters);
+    publish();
+  }
+
+ private:
+  DispatchEvents events() {
+    DispatchEvents e;
+    e.on_report = [this](const CellReport& r, int) {
+      progress_.cell_done(r, plan_.jobs[r.id], ++done_, plan_.jobs.size());
+      return request_.keep_going || r.outcome != CellOutcome::failed;
+    };
+    e.on_death = [this](int rank, const std::string& why) {
+      ++summary_.process_deaths;
+      progress_.noted("the bake process of rank " + std::to_string(rank) + " is started again: " + why);
+    };
+    e.on_lost = [this](int rank) {
+      progress_.noted("nothing heard of rank " + std::to_string(rank) + "; its cells are baked elsewhere");
+    };
+    e.should_drain = is_drain_asked;
+    return e;
+  }
+
+  void publish() {
+    out_.expect_shards(summary_.scene);
+    if (summary_.is_drained && out_.has_whole_scene()) return;  // until this one is whole, too
+    refuse(request_, summary_.scene.losses, summary_.scene.cells.empty() && !summary_.is_drained);
+    if (!summary_.scene.cells.empty()) out_.publish(summary_.scene);
+    if (request_.prune && summary_.scene.losses.empty()) summary_.pruned = out_.remove_orphans(summary_.scene);
+    summary_.orphans = out_.orphans(summary_.scene);
+  }
+
+  const BakeRequest& request_;
+  const SceneSources& sources_;
+  const BakePlan& plan_;
+  const OutputFolder& out_;
+  const BakeProgress& progress_;
+  BakeSummary& summary_;
+  std::size_t done_ = 0;
+};
 
 }  // namespace
 
 BakePlan plan_bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress) {
-  return survey_and_plan(mpi, request, open_together(mpi, request, progress), progress);
+  end_with_mpirun();
+  const SceneSources sources = open_together(mpi, request, progress);
+  BakeRequest on_cpu = request;
+  on_cpu.backend = Backend::cpu;  // a survey needs no device
+  BakeProcess process(setup_of(mpi, on_cpu, sources), process_options(request));
+  return survey_and_plan(mpi, request, sources, process, progress);
 }
 
 BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress) {
   const auto start = Clock::now();
+  watch_for_drain();
+  end_with_mpirun();
   BakeSummary summary;
   summary.ranks = mpi.ranks();
   summary.threads = threads_of(mpi, request);
-  const DeviceChoice device = choose_device_together(mpi, request, summary);
   warn_of_binding(mpi, request);
   const SceneSources sources = open_together(mpi, request, progress);
   std::optional<OutputFolder> out;
@@ -131,20 +210,25 @@ BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress
     if (mpi.rank() == 0) out.emplace(request.out, request.source);
   });
   all_or_none(mpi, [&] { expect_output_folder(request.out); });
-  const BakePlan plan = survey_and_plan(mpi, request, sources, progress);
+  BakeProcess process(setup_of(mpi, request, sources), process_options(request));
+  choose_devices(mpi, process, summary);
+  const BakePlan plan = survey_and_plan(mpi, request, sources, process, progress);
   all_or_none(mpi, [&] { refuse(request, plan.losses, mpi.rank() == 0 && plan.jobs.empty()); });
   summary.survey_s = seconds_since(start);
   const auto planned = Clock::now();
-  const MakePipeline make_pipeline = [&] {
-    return std::make_unique<CellPipeline>(
-        sources, request.parameters, WorkerOptions{summary.threads, request.memory_bytes, request.out, device.device});
-  };
-  if (mpi.rank() != 0) work(mpi, make_pipeline);
-  all_or_none(mpi, [&] {
-    if (mpi.rank() == 0) bake_as_master(mpi, request, sources, plan, *out, make_pipeline, progress, summary);
-  });
+  std::optional<std::string> failure;
+  if (mpi.rank() != 0) work(mpi, process);
+  try {
+    if (mpi.rank() == 0) MasterBake(request, sources, plan, *out, progress, summary).run(mpi, process);
+  } catch (const std::exception& e) {
+    failure = e.what();
+  }
+  if (summary.lost_ranks != 0) {
+    if (failure) throw std::runtime_error(*failure);
+  } else {
+    fail_together(mpi, failure);
+  }
   summary.bake_s = seconds_since(planned);
-  summary.peak_process_bytes = std::uint64_t(mpi.max_of(peak_process_bytes()));
   return summary;
 }
 

@@ -26,8 +26,11 @@ struct BakeRequest {
   std::uint64_t memory_bytes = 0;  ///< of each rank; 0: no bound
   bool keep_going = true;          ///< after a tile or cell failed
   Backend backend = Backend::automatic;
-  bool prune = false;     ///< remove shards that the new scene does not have
-  std::vector<int> gpus;  ///< devices of each host to use; empty: all
+  bool prune = false;            ///< remove shards that the new scene does not have, where it misses nothing
+  std::vector<int> gpus;         ///< devices of each host to use; empty: all
+  double stall_s = 60;           ///< a bake process that does nothing for so long hangs
+  double cell_timeout_s = 3600;  ///< longest time for one cell
+  double silence_s = 60;         ///< a rank that nothing is heard of for so long is lost
 };
 
 /// Told to rank 0 alone, in the order in which it happens.
@@ -36,6 +39,7 @@ struct BakeProgress {
   std::function<void(std::size_t done, std::size_t all)> surveyed;
   std::function<void(const BakePlan&)> planned;
   std::function<void(const CellReport&, const CellJob&, std::size_t done, std::size_t all)> cell_done;
+  std::function<void(const std::string&)> noted;  ///< one line that somebody should read, though the bake goes on
 };
 
 /// Stage seconds are sums over cells; stages of consecutive cells overlap.
@@ -44,8 +48,11 @@ struct BakeSummary {
   double survey_s = 0, bake_s = 0, read_s = 0, kernel_s = 0, write_s = 0;
   std::uint64_t peak_kernel_bytes = 0;   ///< of the largest cell
   std::uint64_t bad_uv = 0;              ///< in the cells of this run: one that crosses cells counts in each
-  std::uint64_t peak_process_bytes = 0;  ///< of the largest rank
+  std::uint64_t peak_process_bytes = 0;  ///< of the largest bake process, or rank 0
   std::size_t cells_planned = 0, cells_empty = 0, cells_on_device = 0;
+  std::size_t process_deaths = 0;  ///< of bake processes
+  std::size_t lost_ranks = 0;      ///< that were not heard of again: no collective call may follow
+  bool is_drained = false;         ///< ended on request with cells left
   int ranks_with_device = 0;
   std::string no_device;  ///< why rank 0 has none
   int ranks = 1, threads = 1;

@@ -1,135 +1,172 @@
 #include "cluster/dispatch.h"
 
+#include <algorithm>
 #include <chrono>
-#include <thread>
+#include <set>
+#include <utility>
+#include <variant>
 
 #include "cluster/tags.h"
-#include "scheduler/cell_queue.h"
+#include "format/bytes.h"
 
 namespace gigabake {
 namespace {
 
-/// One cell in each of the pipeline's three stages.
-constexpr std::size_t jobs_per_rank = 3;
+constexpr std::chrono::milliseconds longest_wait{2};
 
-void rest() { std::this_thread::sleep_for(std::chrono::milliseconds(1)); }
+double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-/// A pipeline, or the reason why this rank has none, which every job given to it then fails with.
-class OwnPipeline {
- public:
-  explicit OwnPipeline(const MakePipeline& make_pipeline) {
-    try {
-      pipeline_ = make_pipeline();
-    } catch (const std::exception& e) {
-      why_not_ = e.what();
-    }
-  }
-  void submit(CellJob job) {
-    if (pipeline_) return pipeline_->submit(std::move(job));
-    CellReport report;
-    report.id = job.id;
-    report.error = why_not_;
-    failed_.push_back(std::move(report));
-  }
-  std::optional<CellReport> poll() {
-    if (pipeline_) return pipeline_->poll();
-    if (failed_.empty()) return std::nullopt;
-    CellReport report = std::move(failed_.back());
-    failed_.pop_back();
-    return report;
-  }
+std::uint64_t peak_of(const Message& alive) {
+  std::uint64_t peak_bytes = 0;
+  ByteReader(alive.bytes, "sign of life").get(peak_bytes);
+  return peak_bytes;
+}
 
- private:
-  std::unique_ptr<CellPipeline> pipeline_;
-  std::string why_not_;
-  std::vector<CellReport> failed_;
-};
-
+/// Does what the schedule decides, and tells it what happened.
 class Master {
  public:
-  Master(MpiSession& mpi, const std::vector<CellJob>& jobs, const MakePipeline& make_pipeline,
-         const std::function<bool(const CellReport&)>& on_report)
+  Master(MpiSession& mpi, const std::vector<CellJob>& jobs, BakeProcess& process, const ScheduleOptions& options,
+         const DispatchEvents& events)
       : mpi_(mpi),
         jobs_(jobs),
-        on_report_(on_report),
-        queue_(jobs),
-        own_(make_pipeline),
-        last_(std::size_t(mpi.ranks())) {}
+        process_(process),
+        events_(events),
+        schedule_(jobs, options),
+        deaths_(std::size_t(mpi.ranks())) {}
 
-  std::vector<CellReport> run() {
+  DispatchResult run(const std::vector<std::uint32_t>& already_done) {
+    for (const std::uint32_t job : already_done) schedule_.already_done(job);
+    for (int rank = 0; rank < mpi_.ranks(); ++rank) schedule_.heard_from(rank, now_s());
     try {
-      for (std::size_t round = 0; round < jobs_per_rank; ++round)
-        for (int rank = mpi_.ranks(); rank-- > 0;) give(rank);
-      while (out_ > 0) collect();
+      while (!schedule_.is_over()) {
+        step();
+        process_.wait(longest_wait);
+      }
     } catch (...) {
       stop_all();  // nobody may wait for a master that has given up
       throw;
     }
     stop_all();
-    return std::move(reports_);
+    result_.counts = schedule_.counts();
+    result_.lost_ranks.assign(lost_.begin(), lost_.end());
+    result_.peak_bytes = std::max(result_.peak_bytes, process_.peak_bytes());
+    return std::move(result_);
   }
 
  private:
-  void collect() {
-    bool idle = true;
-    while (auto report = own_.poll()) take(0, std::move(*report)), idle = false;
-    while (auto message = mpi_.poll()) take(message->from, report_from_bytes(message->bytes)), idle = false;
-    if (idle) rest();
+  void step() {
+    if (!result_.is_drained && events_.should_drain()) drain();
+    give_out();
+    while (auto event = process_.poll()) take(*event);
+    while (auto message = mpi_.poll()) take(*message);
+    schedule_.heard_from(0, now_s());
+    for (const int rank : schedule_.silent(now_s())) {
+      lost_.insert(rank);
+      events_.on_lost(rank);
+      something_came_back_ = true;
+    }
+    for (const std::uint32_t job : schedule_.take_set_aside()) set_aside(job);
+  }
+
+  void drain() {
+    result_.is_drained = true;
+    schedule_.stop();
+  }
+
+  /// A round gives each rank one cell, so that the costliest are shared out; 0 last, for it has most to do.
+  void give_out() {
+    if (!std::exchange(something_came_back_, false)) return;
+    for (bool gave = true; gave;) {
+      gave = false;
+      for (int rank = mpi_.ranks(); rank-- > 0;) {
+        if (lost_.contains(rank)) continue;
+        if (const auto assignment = schedule_.next(rank, now_s())) {
+          give(rank, *assignment);
+          gave = true;
+        }
+      }
+    }
+  }
+
+  void give(int rank, const Assignment& assignment) {
+    events_.on_start(assignment.job, rank);
+    if (rank == 0) return process_.submit(jobs_[assignment.job], assignment.attempt);
+    ByteWriter writer;
+    writer.put(deaths_[std::size_t(rank)]);
+    std::vector<std::uint8_t> bytes = writer.take();
+    const std::vector<std::uint8_t> order = to_bytes(BakeOrder{jobs_[assignment.job], assignment.attempt});
+    bytes.insert(bytes.end(), order.begin(), order.end());
+    mpi_.send(rank, tag_job, std::move(bytes));
+  }
+
+  void take(const BakeProcess::Event& event) {
+    if (const auto* baked = std::get_if<BakeProcess::Baked>(&event)) take(0, baked->report, baked->attempt);
+    if (const auto* died = std::get_if<BakeProcess::Died>(&event)) bury(0, died->why);
+  }
+
+  void take(const Message& message) {
+    hear(message.from);
+    if (message.tag == tag_report) {
+      const BakeAnswer answer = answer_from_bytes(message.bytes);
+      take(message.from, answer.report, answer.attempt);
+    }
+    if (message.tag == tag_died) bury(message.from, std::string(message.bytes.begin(), message.bytes.end()));
+    if (message.tag == tag_alive) result_.peak_bytes = std::max(result_.peak_bytes, peak_of(message));
+  }
+
+  void hear(int rank) {
+    schedule_.heard_from(rank, now_s());
+    if (lost_.erase(rank) != 0) something_came_back_ = true;
+  }
+
+  void bury(int rank, const std::string& why) {
+    ++deaths_[std::size_t(rank)];
+    schedule_.process_died(rank, why, now_s());
+    events_.on_death(rank, why);
+    something_came_back_ = true;
+  }
+
+  void take(int rank, const CellReport& report, std::uint32_t attempt) {
+    something_came_back_ = true;
+    if (report.outcome == CellOutcome::failed)
+      schedule_.failed(rank, report.id, attempt, report.error, now_s());
+    else if (schedule_.finished(rank, report.id, attempt, now_s()) == Verdict::accepted)
+      decide(report, rank);
+  }
+
+  void set_aside(std::uint32_t job) {
+    CellReport report;
+    report.id = job;
+    report.error = schedule_.error(job);
+    decide(report, 0);
+  }
+
+  void decide(const CellReport& report, int rank) {
+    if (!events_.on_report(report, rank)) schedule_.stop();
+    result_.reports.push_back(report);
   }
 
   void stop_all() {
     for (int rank = 1; rank < mpi_.ranks(); ++rank) mpi_.send(rank, tag_stop, {});
   }
 
-  void give(int rank) {
-    if (stopped_) return;
-    const auto job = queue_.next(last_[std::size_t(rank)]);
-    if (!job) return;
-    last_[std::size_t(rank)] = job;
-    ++out_;
-    if (rank == 0)
-      own_.submit(jobs_[*job]);
-    else
-      mpi_.send(rank, tag_job, to_bytes(jobs_[*job]));
-  }
-
-  void take(int rank, CellReport report) {
-    --out_;
-    if (!on_report_(report)) stopped_ = true;
-    reports_.push_back(std::move(report));
-    give(rank);
-  }
-
   MpiSession& mpi_;
   const std::vector<CellJob>& jobs_;
-  const std::function<bool(const CellReport&)>& on_report_;
-  CellQueue queue_;
-  OwnPipeline own_;
-  std::vector<std::optional<std::uint32_t>> last_;
-  std::vector<CellReport> reports_;
-  std::size_t out_ = 0;
-  bool stopped_ = false;
+  BakeProcess& process_;
+  const DispatchEvents& events_;
+  Schedule schedule_;
+  std::vector<std::uint32_t> deaths_;  ///< of each rank's bake process, as far as rank 0 has heard
+  std::set<int> lost_;
+  DispatchResult result_;
+  bool something_came_back_ = true;
 };
 
 }  // namespace
 
-std::vector<CellReport> dispatch(MpiSession& mpi, const std::vector<CellJob>& jobs, const MakePipeline& make_pipeline,
-                                 const std::function<bool(const CellReport&)>& on_report) {
-  return Master(mpi, jobs, make_pipeline, on_report).run();
-}
-
-void work(MpiSession& mpi, const MakePipeline& make_pipeline) {
-  OwnPipeline own(make_pipeline);
-  for (bool stop = false; !stop;) {
-    bool idle = true;
-    while (auto message = mpi.poll()) {
-      idle = false;
-      if (message->tag == tag_stop) stop = true;
-      if (message->tag == tag_job) own.submit(job_from_bytes(message->bytes));
-    }
-    while (auto report = own.poll()) mpi.send(0, tag_report, to_bytes(*report)), idle = false;
-    if (idle) rest();
-  }
+DispatchResult dispatch(MpiSession& mpi, const std::vector<CellJob>& jobs,
+                        const std::vector<std::uint32_t>& already_done, BakeProcess& process,
+                        const ScheduleOptions& options, const DispatchEvents& events) {
+  return Master(mpi, jobs, process, options, events).run(already_done);
 }
 
 }  // namespace gigabake

@@ -104,8 +104,10 @@ void MpiSession::send(int to, int tag, std::vector<std::uint8_t> bytes) {
         "MPI_Isend");
 }
 
+void MpiSession::progress() { outbox_->drop_sent(); }
+
 std::optional<Message> MpiSession::poll() {
-  outbox_->drop_sent();
+  progress();
   int arrived = 0;
   MPI_Status status;
   check(MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, MPI_COMM_WORLD, &arrived, &status), "MPI_Iprobe");

@@ -34,6 +34,8 @@ class MpiSession {
   /// Returns at once and keeps the bytes until they are gone: two ranks may send to each other without waiting.
   /// Messages between two ranks arrive in the order in which they were sent.
   void send(int to, int tag, std::vector<std::uint8_t> bytes);
+  /// Moves what was sent on its way; poll() does it too.
+  void progress();
   /// A message if one has arrived; never waits (a waiting receive burns a core).
   std::optional<Message> poll();
   /// The largest value of any rank. Collective.

@@ -85,6 +85,16 @@ void OutputFolder::expect_shards(SceneDescription& scene) const {
   scene.cells.erase(gone, scene.cells.end());
 }
 
+bool OutputFolder::has_whole_scene() const {
+  std::error_code error;
+  if (!fs::is_regular_file(out_ / "scene.xml", error)) return false;
+  try {
+    return read_scene(out_ / "scene.xml").losses.empty();
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 void OutputFolder::publish(const SceneDescription& scene) const {
   write_scene(out_ / "scene.xml", scene);
   remove_leftovers();

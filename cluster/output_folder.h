@@ -28,10 +28,13 @@ class OutputFolder {
   OutputFolder(std::filesystem::path out, const std::filesystem::path& source);
   /// Moves cells whose shard is not in OUT to the losses: a rank may have written to a disk of its own.
   void expect_shards(SceneDescription& scene) const;
+  /// There is a scene.xml, and it misses nothing.
+  bool has_whole_scene() const;
   /// Replaces scene.xml; what killed writers left is removed. Errors  InputError: scene.xml is as it was.
   void publish(const SceneDescription& scene) const;
   OrphanShards orphans(const SceneDescription& scene) const;
-  /// To be called once `scene` is published; the answer is what is gone.
+  /// Once `scene` is published and misses nothing: shards of cells that it misses may be whole and of use to the next
+  /// bake. The answer is what is gone.
   OrphanShards remove_orphans(const SceneDescription& scene) const;
 
   std::filesystem::path journal() const { return out_ / "journal"; }

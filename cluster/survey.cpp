@@ -1,44 +1,107 @@
 #include "cluster/survey.h"
 
+#include <algorithm>
 #include <chrono>
-#include <thread>
+#include <deque>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <variant>
 
 #include "cluster/tags.h"
 #include "format/cell_job.h"
-#include "worker/survey_tile.h"
 
 namespace gigabake {
 namespace {
 
-/// Takes what has arrived; false when nothing had.
-bool collect(MpiSession& mpi, std::vector<TileSurvey>& surveys) {
-  const std::size_t before = surveys.size();
-  while (const auto message = mpi.poll()) surveys.push_back(survey_from_bytes(message->bytes));
-  return surveys.size() != before;
+/// Enough that the process never waits for the next request.
+constexpr std::size_t tiles_in_hand = 4;
+constexpr int strikes = 3;
+constexpr std::chrono::milliseconds longest_wait{5};
+
+/// Which tile the process is asked for next.
+class TileQueue {
+ public:
+  explicit TileQueue(const std::vector<std::uint32_t>& tiles) : waiting_(tiles.begin(), tiles.end()) {}
+
+  bool is_empty() const { return waiting_.empty() && suspects_.empty(); }
+
+  /// A suspect is asked for alone.
+  std::optional<std::uint32_t> next(std::size_t in_hand) {
+    if (alone_ && in_hand != 0) return std::nullopt;
+    alone_ = !suspects_.empty();
+    std::deque<std::uint32_t>& from = alone_ ? suspects_ : waiting_;
+    if (from.empty() || in_hand >= (alone_ ? 1 : tiles_in_hand)) return std::nullopt;
+    const std::uint32_t tile = from.front();
+    from.pop_front();
+    return tile;
+  }
+
+  /// What the process had when it died: all are suspects, one that was alone has a strike. Returns the tile that is
+  /// given up.
+  std::optional<std::uint32_t> put_back(const std::vector<std::uint32_t>& tiles) {
+    if (tiles.size() == 1 && ++strikes_[tiles[0]] >= strikes) return tiles[0];
+    suspects_.insert(suspects_.end(), tiles.begin(), tiles.end());
+    return std::nullopt;
+  }
+
+ private:
+  std::deque<std::uint32_t> waiting_, suspects_;
+  std::unordered_map<std::uint32_t, int> strikes_;
+  bool alone_ = false;
+};
+
+TileSurvey given_up(std::uint32_t tile, const std::string& why) {
+  TileSurvey survey;
+  survey.tile = tile;
+  survey.error = "ends the process that reads it (tried " + std::to_string(strikes) + " times): " + why;
+  return survey;
 }
 
 }  // namespace
 
-std::vector<TileSurvey> survey_tiles(MpiSession& mpi, const SceneSources& sources, const BakeParameters& parameters,
-                                     int threads, const std::function<void(std::size_t)>& on_survey) {
-  const kernels::CpuPolicy policy(threads);
-  const auto tiles = std::uint32_t(sources.tiles.size());
-  std::vector<TileSurvey> surveys;
-  for (auto tile = std::uint32_t(mpi.rank()); tile < tiles; tile += std::uint32_t(mpi.ranks())) {
-    TileSurvey survey = survey_tile(sources, tile, parameters, policy);
-    if (mpi.rank() != 0) {
-      mpi.send(0, tag_survey, to_bytes(survey));
-      continue;
+void survey_here(BakeProcess& process, const std::vector<std::uint32_t>& tiles,
+                 const std::function<void(TileSurvey)>& each, const std::function<void()>& idle) {
+  TileQueue queue(tiles);
+  while (!queue.is_empty() || process.in_hand() != 0) {
+    while (const auto tile = queue.next(process.in_hand())) process.survey(*tile);
+    process.wait(longest_wait);
+    while (auto event = process.poll()) {
+      if (auto* surveyed = std::get_if<BakeProcess::Surveyed>(&*event)) each(std::move(surveyed->survey));
+      if (auto* died = std::get_if<BakeProcess::Died>(&*event))
+        if (const auto tile = queue.put_back(died->tiles)) each(given_up(*tile, died->why));
     }
-    surveys.push_back(std::move(survey));
-    collect(mpi, surveys);
-    on_survey(surveys.size());
+    idle();
   }
-  while (mpi.rank() == 0 && surveys.size() < tiles) {
-    if (collect(mpi, surveys))
-      on_survey(surveys.size());
-    else
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+std::vector<TileSurvey> survey_tiles(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, BakeProcess& process,
+                                     const std::function<void(std::size_t)>& on_survey) {
+  std::vector<std::uint32_t> own;
+  for (std::size_t i = std::size_t(mpi.rank()); i < tiles.size(); i += std::size_t(mpi.ranks()))
+    own.push_back(tiles[i]);
+  std::vector<TileSurvey> surveys;
+  if (mpi.rank() != 0) {
+    survey_here(
+        process, own, [&](const TileSurvey& s) { mpi.send(0, tag_survey, to_bytes(s)); }, [&] { mpi.progress(); });
+    return surveys;
+  }
+  const auto collect = [&] {
+    const std::size_t before = surveys.size();
+    while (const auto message = mpi.poll()) surveys.push_back(survey_from_bytes(message->bytes));
+    if (surveys.size() != before) on_survey(surveys.size());
+  };
+  survey_here(
+      process, own,
+      [&](TileSurvey s) {
+        surveys.push_back(std::move(s));
+        on_survey(surveys.size());
+      },
+      collect);
+  while (surveys.size() < tiles.size()) {
+    collect();
+    process.wait(longest_wait);
   }
   return surveys;
 }

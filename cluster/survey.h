@@ -1,20 +1,26 @@
-/// The parallel survey: every rank looks at its share of the tiles, rank 0 collects.
+/// The parallel survey: every rank's bake process looks at its share of the tiles, rank 0 collects.
 #pragma once
 
 #include <cstddef>
 #include <functional>
 #include <vector>
 
+#include "cluster/bake_process.h"
 #include "cluster/mpi_session.h"
-#include "format/parameters.h"
-#include "format/source.h"
 #include "format/survey.h"
 
 namespace gigabake {
 
-/// Collective. One survey per tile on rank 0, nothing elsewhere. A tile that cannot be read is a survey with an error.
+/// Surveys these tiles in the rank's own bake process. A tile at which the process dies is tried alone, three times in
+/// all; then its survey is an error that says how the process ended.
+/// each: a survey as it comes; idle: called between, at least every few milliseconds.
+void survey_here(BakeProcess& process, const std::vector<std::uint32_t>& tiles,
+                 const std::function<void(TileSurvey)>& each, const std::function<void()>& idle);
+
+/// Collective. tiles: those to survey, the same on every rank. One survey per tile on rank 0, nothing elsewhere. A tile
+/// that cannot be read is a survey with an error.
 /// on_survey: rank 0's; how many surveys are there.
-std::vector<TileSurvey> survey_tiles(MpiSession& mpi, const SceneSources& sources, const BakeParameters& parameters,
-                                     int threads, const std::function<void(std::size_t)>& on_survey);
+std::vector<TileSurvey> survey_tiles(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, BakeProcess& process,
+                                     const std::function<void(std::size_t)>& on_survey);
 
 }  // namespace gigabake

@@ -14,7 +14,8 @@ void each_field_of_cell(Cell& c, const F& f) {
 
 template <class Job, class F>
 void each_field_of_job(Job& j, const F& f) {
-  f(j.id), f(j.name), f(j.lattice_min), f(j.cell_voxels), f(j.tiles), f(j.triangles), f(j.fingerprint);
+  f(j.id), f(j.name), f(j.lattice_min), f(j.cell_voxels), f(j.tiles), f(j.triangles), f(j.fingerprint),
+      f(j.tile_sources);
 }
 
 template <class Report, class F>
@@ -66,6 +67,8 @@ CellJob job_from_bytes(std::span<const std::uint8_t> bytes) {
   CellJob job;
   each_field_of_job(job, [&r](auto& field) { r.get(field); });
   r.expect_end();
+  if (!job.tile_sources.empty() && job.tile_sources.size() != job.tiles.size())
+    throw InputError("cell job", "tile_sources", "expected one for each tile, or none");
   return job;
 }
 

@@ -24,6 +24,7 @@ struct CellJob {
   std::vector<std::uint32_t> tiles;           ///< indices into SceneSources::tiles, ascending
   std::uint64_t triangles = 0;                ///< estimate, for the order of work
   Hash128 fingerprint;
+  std::vector<Hash128> tile_sources;  ///< TileSurvey::source of each of `tiles`; empty: nobody checks what they hold
 };
 
 enum class CellOutcome : std::uint8_t { baked, empty, failed };

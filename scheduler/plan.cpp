@@ -129,12 +129,10 @@ void name_jobs(const std::vector<TileSurvey>& surveys, const SceneSources& sourc
            std::tie(b.lattice_min[2], b.lattice_min[1], b.lattice_min[0]);
   });
   const CellFingerprints fingerprints(parameters, sources.origin);
-  std::vector<Hash128> tile_sources;
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     jobs[i].id = std::uint32_t(i);
-    tile_sources.clear();
-    for (const std::uint32_t tile : jobs[i].tiles) tile_sources.push_back(surveys[tile].source);
-    jobs[i].fingerprint = fingerprints.of(jobs[i], tile_sources);
+    for (const std::uint32_t tile : jobs[i].tiles) jobs[i].tile_sources.push_back(surveys[tile].source);
+    jobs[i].fingerprint = fingerprints.of(jobs[i], jobs[i].tile_sources);
   }
 }
 

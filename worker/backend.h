@@ -10,14 +10,20 @@ namespace gigabake {
 
 enum class Backend : std::uint8_t { automatic, cpu, cuda };
 
+/// What was asked for, of the rank that is the host's `rank_on_host`-th.
+struct DeviceWish {
+  Backend backend = Backend::cpu;
+  std::vector<int> allowed = {};  ///< ordinals to choose from; empty: all
+  int rank_on_host = 0;
+};
+
 struct DeviceChoice {
   std::optional<int> device;  ///< none: the CPU
   std::string reason;         ///< why none, where a device was wanted or would have been taken
 };
 
-/// The device of the rank that is the host's `rank_on_host`-th: ranks take devices in turn, several share one where
-/// there are fewer. allowed: ordinals to choose from; empty: all.
+/// Ranks of a host take its devices in turn; several share one where there are fewer.
 /// Errors  InputError: Backend::cuda and no device; UsageError: an allowed ordinal that the host does not have.
-DeviceChoice choose_device(Backend backend, const std::vector<int>& allowed, int rank_on_host);
+DeviceChoice choose_device(const DeviceWish& wish);
 
 }  // namespace gigabake

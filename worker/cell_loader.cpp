@@ -4,6 +4,8 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "format/error.h"
+#include "format/tile_hash.h"
 #include "worker/lattice.h"
 
 namespace gigabake {
@@ -40,9 +42,13 @@ std::shared_ptr<const kernels::Texture> make_texture(const EncodedImage& encoded
 
 }  // namespace
 
-std::shared_ptr<const LoadedTile> LoadedTile::read(const TileRef& tile, const SceneSources& sources) {
+std::shared_ptr<const LoadedTile> LoadedTile::read(const TileRef& tile, const SceneSources& sources,
+                                                   const std::optional<Hash128>& expected) {
   auto loaded = std::make_shared<LoadedTile>();
   loaded->mesh = read_tile(tile, sources.root, ReadScope::everything);
+  // Compared after it was read: a file that is replaced meanwhile is caught too.
+  if (expected && tile_hash(tile, sources.root) != *expected)
+    throw InputError(tile.path, "", "changed while the bake ran; bake again");
   for (const Primitive& primitive : loaded->mesh.primitives) loaded->bounds.push_back(bounds_of(primitive));
   for (const EncodedImage& image : loaded->mesh.images) loaded->image_hash.push_back(hash_of(image.bytes));
   return loaded;
@@ -98,8 +104,10 @@ void CellLoader::load_tiles(const CellJob& job, LoadedCell& cell) {
   cell.tiles.resize(job.tiles.size());
   policy_.parallel_for(job.tiles.size(), 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
-      const std::uint32_t tile = job.tiles[i];
-      cell.tiles[i] = tiles_.get(tile, [&] { return LoadedTile::read(sources_.tiles.at(tile), sources_); });
+      TileKey key{job.tiles[i], {}};
+      if (!job.tile_sources.empty()) key.source = job.tile_sources.at(i);
+      cell.tiles[i] =
+          tiles_.get(key, [&] { return LoadedTile::read(sources_.tiles.at(key.tile), sources_, key.source); });
     }
   });
 }

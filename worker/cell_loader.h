@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "format/cell_job.h"
@@ -23,8 +24,10 @@ struct LoadedTile {
   std::vector<LocalBounds> bounds;  ///< of each primitive
   std::vector<Hash128> image_hash;  ///< of the encoded bytes: tiles that share an image share its textures
 
-  /// Errors  InputError, as read_tile.
-  static std::shared_ptr<const LoadedTile> read(const TileRef& tile, const SceneSources& sources);
+  /// expected: tile_hash() of what was surveyed; none: whatever the files hold now.
+  /// Errors  InputError, as read_tile; and where the files do not hold what was surveyed.
+  static std::shared_ptr<const LoadedTile> read(const TileRef& tile, const SceneSources& sources,
+                                                const std::optional<Hash128>& expected);
   std::uint64_t bytes() const;
 };
 
@@ -46,7 +49,9 @@ class CellLoader {
   CellLoader(const SceneSources& sources, const BakeParameters& parameters, std::uint64_t cache_bytes, int threads);
 
   /// Instances whose bounds miss the cell are left out, and with them images that nothing else needs.
-  /// Errors  InputError naming the tile or image that cannot be read.
+  /// Exact   What job.tile_sources names, where it names anything: a tile is compared when it is read, and the cache
+  ///         knows which one it holds.
+  /// Errors  InputError naming the tile or image that cannot be read, or the tile that changed since its survey.
   LoadedCell load(const CellJob& job);
 
  private:
@@ -58,6 +63,15 @@ class CellLoader {
   struct TextureKeyHash {
     std::size_t operator()(const TextureKey& key) const { return std::size_t(key.image.lo) + key.recipe.mask_cutoff; }
   };
+  /// A tile that changed is another entry, and the old one ages.
+  struct TileKey {
+    std::uint32_t tile;
+    std::optional<Hash128> source;
+    friend bool operator==(const TileKey&, const TileKey&) = default;
+  };
+  struct TileKeyHash {
+    std::size_t operator()(const TileKey& key) const { return key.tile; }
+  };
   struct WantedTextures;
 
   void load_tiles(const CellJob& job, LoadedCell& cell);
@@ -67,7 +81,7 @@ class CellLoader {
   const SceneSources& sources_;
   const BakeParameters& parameters_;
   kernels::CpuPolicy policy_;
-  LruCache<std::uint32_t, LoadedTile> tiles_;
+  LruCache<TileKey, LoadedTile, TileKeyHash> tiles_;
   LruCache<TextureKey, kernels::Texture, TextureKeyHash> textures_;
 };
 

@@ -41,8 +41,8 @@ void run_stage(CellInHand& cell, double CellReport::*seconds, const Work& work) 
 
 class CellPipeline::Stages {
  public:
-  Stages(SceneSources sources, BakeParameters parameters, const WorkerOptions& options)
-      : stages_(std::move(sources), parameters, options) {
+  Stages(SceneSources sources, BakeParameters parameters, const WorkerOptions& options, std::function<void()> on_report)
+      : stages_(std::move(sources), parameters, options), on_report_(std::move(on_report)) {
     reader_ = std::thread([this] { read_all(); });
     computer_ = std::thread([this] { compute_all(); });
     writer_ = std::thread([this] { write_all(); });
@@ -93,6 +93,7 @@ class CellPipeline::Stages {
   }
 
   void read_all() {
+    stages_.prepare();
     while (auto job = next_job()) {
       auto cell = std::make_unique<CellInHand>(std::move(*job));
       run_stage(*cell, &CellReport::read_s, [this](CellInHand& c) { stages_.read(c); });
@@ -112,12 +113,16 @@ class CellPipeline::Stages {
   void write_all() {
     while (auto cell = computed_.take()) {
       run_stage(**cell, &CellReport::write_s, [this](CellInHand& c) { stages_.write(c); });
-      const std::scoped_lock lock(mutex_);
-      reports_.push_back(std::move((*cell)->report));
+      {
+        const std::scoped_lock lock(mutex_);
+        reports_.push_back(std::move((*cell)->report));
+      }
+      if (on_report_) on_report_();
     }
   }
 
   CellStages stages_;
+  const std::function<void()> on_report_;
   mutable std::mutex mutex_;
   std::condition_variable submitted_;
   std::deque<CellJob> jobs_;
@@ -128,8 +133,9 @@ class CellPipeline::Stages {
   std::thread reader_, computer_, writer_;
 };
 
-CellPipeline::CellPipeline(SceneSources sources, BakeParameters parameters, const WorkerOptions& options)
-    : stages_(std::make_unique<Stages>(std::move(sources), parameters, options)) {}
+CellPipeline::CellPipeline(SceneSources sources, BakeParameters parameters, const WorkerOptions& options,
+                           std::function<void()> on_report)
+    : stages_(std::make_unique<Stages>(std::move(sources), parameters, options, std::move(on_report))) {}
 CellPipeline::~CellPipeline() = default;
 
 void CellPipeline::submit(CellJob job) { stages_->submit(std::move(job)); }

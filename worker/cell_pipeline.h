@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -28,7 +29,9 @@ struct WorkerOptions {
 class CellPipeline {
  public:
   /// Makes OUT/shards. Errors  InputError when that fails.
-  CellPipeline(SceneSources sources, BakeParameters parameters, const WorkerOptions& options);
+  /// on_report: told, on a thread of the pipeline, that poll() has one report more.
+  CellPipeline(SceneSources sources, BakeParameters parameters, const WorkerOptions& options,
+               std::function<void()> on_report = {});
   /// Finishes the cells in hand and drops jobs that wait.
   ~CellPipeline();
   CellPipeline(const CellPipeline&) = delete;

@@ -83,6 +83,18 @@ bool CellStages::on_device(CellInHand& cell, const Step& step) {
   }
 }
 
+void CellStages::prepare() {
+  try {
+    if (options_.cuda_device) make_baker();
+  } catch (const kernels::CudaFailure&) {
+    cuda_.reset();
+  }
+}
+
+void CellStages::make_baker() {
+  if (!cuda_) cuda_ = std::make_unique<kernels::CudaBaker>(*options_.cuda_device, options_.memory_bytes / 4);
+}
+
 void CellStages::read(CellInHand& cell) {
   const std::filesystem::path path = options_.out / shard_path(cell.job);
   const FileStamp before = stamp_of(path).value_or(FileStamp{});
@@ -93,7 +105,7 @@ void CellStages::read(CellInHand& cell) {
   }
   cell.loaded = loader_.load(cell.job);
   on_device(cell, [&] {
-    if (!cuda_) cuda_ = std::make_unique<kernels::CudaBaker>(*options_.cuda_device, options_.memory_bytes / 4);
+    make_baker();
     cell.device_input = cuda_->upload(cell.loaded->input());
   });
 }

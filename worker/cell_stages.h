@@ -32,6 +32,8 @@ class CellStages {
   /// Errors  InputError when OUT/shards cannot be made.
   CellStages(SceneSources sources, BakeParameters parameters, const WorkerOptions& options);
 
+  /// Starts the device's driver, on the thread that will read. What goes wrong shows again at the first cell.
+  void prepare();
   /// Takes over a whole shard of this fingerprint if OUT has one; else loads tiles and textures, to the device too.
   void read(CellInHand& cell);
   /// loaded → volume, on the device if there is one; a cell at which it fails is baked on the CPU, and the report says
@@ -42,6 +44,7 @@ class CellStages {
   void write(CellInHand& cell);
 
  private:
+  void make_baker();
   template <class Step>
   bool on_device(CellInHand& cell, const Step& step);
   void bake_on_cpu(CellInHand& cell) const;
@@ -53,7 +56,7 @@ class CellStages {
   const WorkerOptions options_;
   CellLoader loader_;
   kernels::CpuPolicy policy_;
-  std::unique_ptr<kernels::CudaBaker> cuda_;  ///< made by the first cell, on the thread that reads
+  std::unique_ptr<kernels::CudaBaker> cuda_;  ///< made on the thread that reads
 };
 
 }  // namespace gigabake

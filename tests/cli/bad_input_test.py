@@ -218,6 +218,12 @@ class BadInput(unittest.TestCase):
         self.assertEqual(PROGRAM.run("bake", self.good, "--fast").returncode, 2)
         self.assertEqual(PROGRAM.run().returncode, 2)
 
+    def test_the_bake_process_started_by_hand(self):
+        result = PROGRAM.run("bake-process", 77)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+        self.assertNotIn("bake-process", PROGRAM.run("--help").stdout)
+
     # Where the result goes
 
     def test_out_is_a_file(self):

@@ -8,7 +8,9 @@
 namespace gigabake {
 namespace {
 
-CellJob some_job() { return {7, "c_1_-2_0", {1024, -2048, 8}, 1024, {0, 3, 4000000000u}, 123456789012u, {1, 2}}; }
+CellJob some_job() {
+  return {7, "c_1_-2_0", {1024, -2048, 8}, 1024, {0, 3, 4000000000u}, 123456789012u, {1, 2}, {{3, 4}, {5, 6}, {7, 8}}};
+}
 
 CellReport some_report() {
   CellReport r;
@@ -43,6 +45,15 @@ TEST(CellJob, ComesBackFromItsBytes) {
   EXPECT_EQ(back.tiles, job.tiles);
   EXPECT_EQ(back.triangles, job.triangles);
   EXPECT_EQ(back.fingerprint, job.fingerprint);
+  EXPECT_EQ(back.tile_sources, job.tile_sources);
+}
+
+TEST(CellJob, IsRefusedWhereItKnowsTheSourcesOfSomeTilesOnly) {
+  CellJob job = some_job();
+  job.tile_sources.pop_back();
+  EXPECT_THROW(job_from_bytes(to_bytes(job)), InputError);
+  job.tile_sources.clear();
+  EXPECT_TRUE(job_from_bytes(to_bytes(job)).tile_sources.empty());
 }
 
 TEST(CellReport, ComesBackFromItsBytes) {

@@ -6,7 +6,6 @@
 #include <random>
 #include <set>
 
-#include "scheduler/cell_queue.h"
 #include "scheduler/fingerprint.h"
 #include "scheduler/merge.h"
 
@@ -83,6 +82,15 @@ TEST(MakePlan, HandsEveryTileToEveryCellThatItReaches) {
           ASSERT_EQ(std::count_if(plan.jobs.begin(), plan.jobs.end(), holds), 1)
               << "seed " << seed << " round " << round;
         }
+  }
+}
+
+TEST(MakePlan, TellsEachCellWhatItsTilesHeldWhenTheyWereSurveyed) {
+  std::mt19937 random(seed);
+  const auto surveys = random_surveys(12, random);
+  for (const CellJob& job : make_plan(surveys, sources_of(12), parameters(256)).jobs) {
+    ASSERT_EQ(job.tile_sources.size(), job.tiles.size());
+    for (std::size_t i = 0; i < job.tiles.size(); ++i) EXPECT_EQ(job.tile_sources[i], surveys[job.tiles[i]].source);
   }
 }
 
@@ -166,35 +174,6 @@ TEST(MakePlan, LeavesOutTheEmptyMiddleOfATallStack) {
   surveys[1].tile = 1;
   surveys[1].columns = {{0, 0, 1000000, 1000010, 1}};
   EXPECT_LE(make_plan(surveys, sources_of(2), parameters(64)).jobs.size(), 4u);
-}
-
-TEST(CellQueue, GivesOutEveryJobOnceLargestFirst) {
-  std::mt19937 random(seed);
-  const BakePlan plan = make_plan(random_surveys(40, random), sources_of(40), parameters(64));
-  CellQueue queue(plan.jobs);
-  std::set<std::uint32_t> seen;
-  std::uint64_t last = ~std::uint64_t(0);
-  while (const auto job = queue.next({})) {
-    EXPECT_TRUE(seen.insert(*job).second);
-    EXPECT_LE(plan.jobs[*job].triangles, last);
-    last = plan.jobs[*job].triangles;
-  }
-  EXPECT_EQ(seen.size(), plan.jobs.size());
-}
-
-TEST(CellQueue, PrefersTheNeighbourAmongCellsOfAboutTheSameSize) {
-  std::vector<CellJob> jobs(4);
-  for (std::uint32_t i = 0; i < 4; ++i) jobs[i].lattice_min = {std::int64_t(i) * 64, 0, 0};
-  jobs[0].triangles = 100;
-  jobs[1].triangles = 80;
-  jobs[2].triangles = 10;
-  jobs[3].triangles = 99;
-  CellQueue queue(jobs);
-  EXPECT_EQ(queue.next({}), 0u);
-  EXPECT_EQ(queue.next(0u), 1u);  // next door, although cell 3 is larger
-  EXPECT_EQ(queue.next(1u), 3u);  // cell 2 is next door but small
-  EXPECT_EQ(queue.next(3u), 2u);
-  EXPECT_FALSE(queue.next(2u));
 }
 
 TEST(Merge, ListsCellsThatFailedAndThoseWithoutAReport) {

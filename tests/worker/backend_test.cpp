@@ -9,26 +9,26 @@ namespace gigabake {
 namespace {
 
 TEST(ChooseDevice, TakesNoneForTheCpu) {
-  const DeviceChoice choice = choose_device(Backend::cpu, {}, 0);
+  const DeviceChoice choice = choose_device({Backend::cpu, {}, 0});
   EXPECT_FALSE(choice.device);
   EXPECT_TRUE(choice.reason.empty());
 }
 
 TEST(ChooseDevice, SaysWhyThereIsNone) {
   if (!kernels::cuda_devices().usable.empty()) GTEST_SKIP() << "this machine has a CUDA device";
-  EXPECT_FALSE(choose_device(Backend::automatic, {}, 0).device);
-  EXPECT_FALSE(choose_device(Backend::automatic, {}, 0).reason.empty());
-  EXPECT_THROW(choose_device(Backend::cuda, {}, 0), InputError);
+  EXPECT_FALSE(choose_device({Backend::automatic, {}, 0}).device);
+  EXPECT_FALSE(choose_device({Backend::automatic, {}, 0}).reason.empty());
+  EXPECT_THROW(choose_device({Backend::cuda, {}, 0}), InputError);
 }
 
 TEST(ChooseDevice, GivesRanksTheDevicesInTurn) {
   const std::vector<int> usable = kernels::cuda_devices().usable;
   if (usable.empty()) GTEST_SKIP() << kernels::cuda_devices().reason;
   for (int rank = 0; rank < 5; ++rank) {
-    EXPECT_EQ(choose_device(Backend::automatic, {}, rank).device, usable[std::size_t(rank) % usable.size()]);
-    EXPECT_EQ(choose_device(Backend::cuda, {usable[0]}, rank).device, usable[0]);
+    EXPECT_EQ(choose_device({Backend::automatic, {}, rank}).device, usable[std::size_t(rank) % usable.size()]);
+    EXPECT_EQ(choose_device({Backend::cuda, {usable[0]}, rank}).device, usable[0]);
   }
-  EXPECT_THROW(choose_device(Backend::cuda, {999}, 0), UsageError);
+  EXPECT_THROW(choose_device({Backend::cuda, {999}, 0}), UsageError);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "worker/cell_pipeline.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <fstream>
 #include <gtest/gtest.h>
@@ -10,6 +11,7 @@
 #include "format/content_hash.h"
 #include "format/error.h"
 #include "format/shard.h"
+#include "format/tile_hash.h"
 #include "glb_scene.h"
 #include "worker/survey_tile.h"
 
@@ -49,6 +51,13 @@ class CellPipelineTest : public testing::Test {
       out.push_back(job);
     }
     return out;
+  }
+
+  /// As the plan does it.
+  void know_sources(std::vector<CellJob>& cells) const {
+    for (CellJob& job : cells)
+      for (const std::uint32_t tile : job.tiles)
+        job.tile_sources.push_back(tile_hash(sources.tiles[tile], sources.root));
   }
 
   std::vector<CellReport> run(const std::vector<CellJob>& cells, const std::string& out, int threads = 2,
@@ -175,6 +184,52 @@ TEST_F(CellPipelineTest, CostsABadTileItsCellsAndFinishesTheOthers) {
   }
   EXPECT_GT(baked, 0);
   EXPECT_GT(failed, 0);
+}
+
+TEST_F(CellPipelineTest, FailsTheCellsOfATileThatIsNotWhatWasSurveyed) {
+  auto cells = jobs();
+  know_sources(cells);
+  EXPECT_EQ(hash_of(run(cells, "known")), hash_of(run(jobs(), "unknown")));
+  GlbMesh other = rolling_ground(32, 32, 1);
+  other.image = checkered_png(64);
+  write_glb(folder.path() / "tile1.glb", other);
+  int failed = 0;
+  for (const CellReport& r : run(cells, "changed")) {
+    const bool needs_it = std::ranges::find(cells[r.id].tiles, 1u) != cells[r.id].tiles.end();
+    EXPECT_EQ(r.outcome, needs_it ? CellOutcome::failed : CellOutcome::baked) << r.error;
+    EXPECT_EQ(r.error.find("tile1.glb: changed while the bake ran; bake again") != std::string::npos, needs_it);
+    failed += needs_it;
+  }
+  EXPECT_GT(failed, 0);
+}
+
+TEST_F(CellPipelineTest, TakesATileThatChangedFromItsFileAndNotFromTheCache) {
+  CellPipeline pipeline(sources, parameters, {2, 0, folder.path() / "out"});
+  const auto bake = [&](std::uint64_t fingerprint) {
+    std::vector<CellJob> cells = {jobs()[0]};
+    cells[0].fingerprint = {fingerprint, 1};
+    know_sources(cells);
+    pipeline.submit(cells[0]);
+    std::optional<CellReport> report;
+    while (!(report = pipeline.poll())) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    EXPECT_EQ(report->outcome, CellOutcome::baked) << report->error;
+    return hash_of({*report});
+  };
+  const Hash128 first = bake(1);
+  EXPECT_EQ(bake(2), first);
+  GlbMesh other = rolling_ground(32, 0, 1);
+  other.image = checkered_png(64);
+  write_glb(folder.path() / "tile0.glb", other);
+  EXPECT_NE(bake(3), first);
+}
+
+TEST_F(CellPipelineTest, TellsOfEveryReport) {
+  const auto cells = jobs();
+  std::atomic<std::size_t> told{0};
+  CellPipeline pipeline(sources, parameters, {2, 0, folder.path() / "out"}, [&told] { ++told; });
+  for (const CellJob& job : cells) pipeline.submit(job);
+  while (told < cells.size()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  for (std::size_t i = 0; i < cells.size(); ++i) EXPECT_TRUE(pipeline.poll());
 }
 
 TEST_F(CellPipelineTest, NamesTheImageThatItCannotDecode) {

@@ -1,0 +1,222 @@
+#include "cluster/bake_process.h"
+
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <map>
+#include <random>
+#include <sys/wait.h>
+#include <thread>
+
+#include "bake_scene.h"
+#include "worker/survey_tile.h"
+
+namespace gigabake {
+namespace {
+
+using Died = BakeProcess::Died;
+using Baked = BakeProcess::Baked;
+using Surveyed = BakeProcess::Surveyed;
+using std::chrono::milliseconds;
+
+class BakeProcessTest : public testing::Test {
+ protected:
+  void expect_same_voxels(const CellReport& report, const CellReport& expected) {
+    EXPECT_EQ(report.outcome, CellOutcome::baked) << report.error;
+    EXPECT_EQ(report.cell.name, expected.cell.name);
+    EXPECT_EQ(report.cell.content_hash, expected.cell.content_hash);
+    EXPECT_EQ(report.cell.voxels, expected.cell.voxels);
+  }
+
+  /// Kills it with three cells in hand; the next process bakes them.
+  void dies_of(int signal, const std::string& why) {
+    BakeProcess process(scene.setup("out"), real_program());
+    for (std::uint32_t i = 0; i < 3; ++i) process.submit(jobs[i], 1);
+    ASSERT_TRUE(process.pid());
+    ASSERT_EQ(::kill(*process.pid(), signal), 0);
+    const Died died = expect<Died>(process);
+    EXPECT_EQ(died.why.find(why), 0u) << died.why;
+    ASSERT_EQ(died.cells.size(), 3u);
+    EXPECT_EQ(process.in_hand(), 0u);
+    EXPECT_FALSE(process.pid());
+    const auto expected = scene.baked_here({jobs[0], jobs[1], jobs[2]}, "here");
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_EQ(died.cells[i].job.name, jobs[i].name);
+      process.submit(died.cells[i].job, died.cells[i].attempt + 1);
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Baked baked = expect<Baked>(process);
+      EXPECT_EQ(baked.attempt, 2u);
+      expect_same_voxels(baked.report, expected[i]);
+    }
+  }
+
+  const BakeScene scene;
+  const std::vector<CellJob> jobs = scene.jobs();
+};
+
+TEST_F(BakeProcessTest, BakesWhatThePipelineBakesInThisProcess) {
+  const auto expected = scene.baked_here(jobs, "here");
+  ASSERT_GE(expected.size(), 25u);
+  BakeProcess process(scene.setup("out"), real_program());
+  for (const CellJob& job : jobs) process.submit(job, 1);
+  EXPECT_EQ(process.in_hand(), jobs.size());
+  for (const CellReport& e : expected) expect_same_voxels(expect<Baked>(process).report, e);
+  EXPECT_EQ(process.in_hand(), 0u);
+  EXPECT_GT(process.peak_bytes(), std::uint64_t(1) << 20);
+}
+
+TEST_F(BakeProcessTest, SurveysWhileItBakes) {
+  BakeProcess process(scene.setup("out"), real_program());
+  for (std::uint32_t i = 0; i < 4; ++i) process.survey(i), process.submit(jobs[i], 1);
+  const WorkerSetup setup = scene.setup("");
+  const SceneSources sources = open_sources(setup.source, {});
+  std::size_t surveys = 0, cells = 0;
+  while (surveys + cells < 8) {
+    const BakeProcess::Event event = next_event(process);
+    ASSERT_NE(event.index(), 2u) << std::get<Died>(event).why;
+    if (const auto* surveyed = std::get_if<Surveyed>(&event)) {
+      const TileSurvey here = survey_tile(sources, surveyed->survey.tile, setup.parameters, kernels::CpuPolicy(1));
+      EXPECT_EQ(to_bytes(surveyed->survey), to_bytes(here));
+      ++surveys;
+    } else {
+      EXPECT_EQ(std::get<Baked>(event).report.outcome, CellOutcome::baked);
+      ++cells;
+    }
+  }
+  EXPECT_EQ(surveys, 4u);
+}
+
+TEST_F(BakeProcessTest, HandsBackWhatWasInHandWhenItIsKilled) {
+  dies_of(SIGKILL, "killed by signal 9 (SIGKILL): perhaps the system ran out of memory");
+}
+TEST_F(BakeProcessTest, HandsBackWhatWasInHandWhenItCrashes) {
+#ifdef __SANITIZE_ADDRESS__
+  dies_of(SIGABRT, "killed by signal 6 (SIGABRT)");  // the sanitizer answers SIGSEGV itself
+#else
+  dies_of(SIGSEGV, "killed by signal 11 (SIGSEGV)");
+#endif
+}
+
+TEST_F(BakeProcessTest, TakesAStoppedProcessForHungAndGoesOn) {
+  BakeProcessOptions options = real_program();
+  options.stall_s = 2;
+  BakeProcess process(scene.setup("out"), options);
+  process.survey(0);
+  expect<Surveyed>(process);
+  ASSERT_EQ(::kill(*process.pid(), SIGSTOP), 0);
+  process.submit(jobs[0], 1);
+  const Died died = expect<Died>(process);
+  EXPECT_EQ(died.why, "hung: no CPU time for 2 s in cell " + jobs[0].name);
+  ASSERT_EQ(died.cells.size(), 1u);
+  process.submit(jobs[0], 2);
+  EXPECT_EQ(expect<Baked>(process).report.outcome, CellOutcome::baked);
+}
+
+TEST_F(BakeProcessTest, EndsACellThatTakesTooLong) {
+  BakeProcessOptions options;
+  options.program = scene.script("busy", "while :; do :; done");
+  options.stall_s = 20;
+  options.cell_timeout_s = 2;
+  BakeProcess process(scene.setup("out"), options);
+  process.submit(jobs[3], 1);
+  EXPECT_EQ(expect<Died>(process).why, "not done after 2 s: cell " + jobs[3].name);
+}
+
+TEST_F(BakeProcessTest, LeavesAnIdleProcessAlone) {
+  BakeProcessOptions options = real_program();
+  options.stall_s = 1;
+  BakeProcess process(scene.setup("out"), options);
+  process.survey(0);
+  expect<Surveyed>(process);
+  const auto pid = process.pid();
+  const auto last = std::chrono::steady_clock::now() + milliseconds(2500);
+  while (std::chrono::steady_clock::now() < last) {
+    EXPECT_FALSE(process.poll());
+    process.wait(milliseconds(20));
+  }
+  EXPECT_EQ(process.pid(), pid);
+}
+
+TEST_F(BakeProcessTest, TellsOfADeathWithNothingInHand) {
+  BakeProcess process(scene.setup("out"), real_program());
+  process.survey(0);
+  expect<Surveyed>(process);
+  ASSERT_EQ(::kill(*process.pid(), SIGKILL), 0);
+  const Died died = expect<Died>(process);
+  EXPECT_TRUE(died.cells.empty() && died.tiles.empty());
+}
+
+TEST_F(BakeProcessTest, SurvivesAHostileFileAndNamesIt) {
+  std::ofstream(scene.source() / "tile1.glb", std::ios::trunc) << std::string(1000000, '[');
+  std::ofstream(scene.source() / "tile2.gltf") << std::string(1000000, '[');
+  WorkerSetup setup = scene.setup("out");
+  setup.tiles = 5;
+  BakeProcess process(setup, real_program());
+  int errors = 0;
+  for (std::uint32_t t = 0; t < 5; ++t) process.survey(t);
+  for (int i = 0; i < 5; ++i) errors += !expect<Surveyed>(process).survey.error.empty();
+  EXPECT_EQ(errors, 2);
+}
+
+TEST_F(BakeProcessTest, AnswersEveryRequestWithTheLineWhereItCannotBegin) {
+  const auto refusal = [this](const WorkerSetup& setup) {
+    BakeProcess process(setup, real_program());
+    process.submit(jobs[0], 1);
+    const std::string cell = expect<Baked>(process).report.error;
+    process.survey(99);
+    EXPECT_NE(expect<Surveyed>(process).survey.error, "");
+    return cell;
+  };
+  WorkerSetup setup = scene.setup("out");
+  setup.tiles = 3;
+  EXPECT_NE(refusal(setup).find("changed while the bake ran: it had 3 tiles and has 4"), std::string::npos);
+  setup.source = scene.folder() / "nothing";
+  EXPECT_NE(refusal(setup).find("no such file or folder"), std::string::npos);
+  std::ofstream(scene.folder() / "file") << "in the way";
+  EXPECT_NE(refusal(scene.setup("file")).find("cannot make the folder"), std::string::npos);
+}
+
+/// Feeds three cells at a time and kills at random moments; the seed is in every message.
+TEST_F(BakeProcessTest, BakesEveryCellOnceHoweverOftenItIsKilled) {
+  const std::uint64_t seed = std::random_device{}();
+  std::mt19937_64 rng(seed);
+  const auto here = scene.baked_here(jobs, "here");
+  std::map<std::uint32_t, CellReport> expected, got;
+  for (const CellReport& r : here) expected[r.id] = r;
+  std::deque<BakeOrder> waiting;
+  while (waiting.size() < 30) waiting.push_back({jobs[waiting.size() % jobs.size()], 1});
+  for (std::size_t i = jobs.size(); i < waiting.size(); ++i) waiting[i].job.id += 1000;  // again, under another number
+  BakeProcess process(scene.setup("out"), real_program());
+  int kills = 0, deaths = 0;
+  bool just_died = false;
+  while (got.size() < 30) {
+    for (; process.in_hand() < 3 && !waiting.empty(); waiting.pop_front())
+      process.submit(waiting.front().job, waiting.front().attempt);
+    // Seldom twice without a result between: then it pauses.
+    if (kills < 20 && (just_died ? rng() % 8 == 0 : rng() % 8 != 0)) {
+      std::this_thread::sleep_for(std::chrono::microseconds(rng() % 20000));
+      if (process.pid() && ::kill(*process.pid(), SIGKILL) == 0) ++kills;
+    }
+    const BakeProcess::Event event = next_event(process);
+    just_died = std::holds_alternative<Died>(event);
+    if (const auto* baked = std::get_if<Baked>(&event)) {
+      EXPECT_TRUE(got.emplace(baked->report.id, baked->report).second) << "twice, seed " << seed;
+    } else {
+      const Died& died = std::get<Died>(event);
+      ++deaths;
+      for (const BakeOrder& order : died.cells) waiting.push_back({order.job, order.attempt + 1});
+    }
+  }
+  for (const auto& [id, report] : got) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    expect_same_voxels(report, expected.at(id % 1000));
+  }
+  EXPECT_GT(deaths, 5) << "seed " << seed;
+  RecordProperty("deaths", deaths);
+  EXPECT_LE(deaths, kills) << "seed " << seed;
+}
+
+}  // namespace
+}  // namespace gigabake

@@ -1,0 +1,43 @@
+/// A small scene on disk, the setup of a bake process for it, and stand-ins for a bake process that misbehaves.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cluster/bake_process.h"
+#include "format/cell_job.h"
+#include "tests/worker/glb_scene.h"
+#include "worker/worker_setup.h"
+
+namespace gigabake {
+
+/// Rolling ground of four textured tiles, 64 m square, in cells of 128 voxels of 0.1 m.
+class BakeScene {
+ public:
+  BakeScene();
+
+  const std::filesystem::path& folder() const { return folder_.path(); }
+  std::filesystem::path source() const { return folder() / "terrain"; }
+  /// For a bake into FOLDER/out.
+  WorkerSetup setup(const std::string& out) const;
+  /// As `gigabake bake` plans them, from surveys made here.
+  std::vector<CellJob> jobs() const;
+  /// Of the pipeline in this process.
+  std::vector<CellReport> baked_here(const std::vector<CellJob>& jobs, const std::string& out) const;
+  /// An executable shell script. It gets the arguments "bake-process" and the number of its socket, 3.
+  std::filesystem::path script(const std::string& name, const std::string& commands) const;
+
+ private:
+  ScratchFolder folder_;
+};
+
+/// The program under test in place of /proc/self/exe, which is the test.
+BakeProcessOptions real_program();
+
+/// The next event; a failure and an empty Died where none comes within a minute.
+BakeProcess::Event next_event(BakeProcess& process);
+
+template <class Kind>
+Kind expect(BakeProcess& process);
+
+}  // namespace gigabake

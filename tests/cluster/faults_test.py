@@ -1,0 +1,187 @@
+#!/usr/bin/env python3
+"""What a night does to a bake: processes, ranks and mpirun are killed, stopped or told to drain at random moments,
+shards are damaged between runs. The same command, given again, ends with the voxels of an undisturbed bake, every time.
+
+Usage: faults_test.py GIGABAKE SOURCE_DIR [--faults N] [--seed N]
+"""
+import argparse
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli"))
+import harness
+
+OPTIONS = {"faults": 50, "seed": 20261121}
+BAKE_PROCESS = "gigabake-bake"
+
+
+def descendants(pid):
+    """Every process below pid, as (pid, name)."""
+    children = {}
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            text = stat.read_text()
+        except OSError:
+            continue  # it ended meanwhile
+        name, rest = text[text.index("(") + 1:text.rindex(")")], text[text.rindex(")") + 2:].split()
+        children.setdefault(int(rest[1]), []).append((int(stat.parent.name), name))
+    found, ask = [], [pid]
+    while ask:
+        below = children.get(ask.pop(), [])
+        found += below
+        ask += [child for child, _ in below]
+    return found
+
+
+def rank_of(pid):
+    try:
+        environment = Path(f"/proc/{pid}/environ").read_bytes().split(b"\0")
+    except OSError:
+        return None
+    for line in environment:
+        if line.startswith(b"OMPI_COMM_WORLD_RANK="):
+            return int(line.partition(b"=")[2])
+    return None
+
+
+class Launch:
+    """One `mpirun gigabake bake` under way."""
+
+    def __init__(self, program, arguments, ranks):
+        command = ["mpirun", "-n", str(ranks), program.executable, *map(str, arguments)]
+        self.log = tempfile.TemporaryFile("w+")
+        self.process = subprocess.Popen(command, stdout=self.log, stderr=subprocess.STDOUT, start_new_session=True,
+                                        env=dict(os.environ, **harness.MPI_ENVIRONMENT))
+
+    def pids(self, what):
+        below = descendants(self.process.pid)
+        if what == "bake process":
+            return [pid for pid, name in below if name == BAKE_PROCESS]
+        ranks = {rank_of(pid): pid for pid, name in below if name != BAKE_PROCESS and rank_of(pid) is not None}
+        if what == "rank 0":
+            return [ranks[0]] if 0 in ranks else []
+        return [pid for rank, pid in ranks.items() if rank != 0]
+
+    def wait(self, seconds=180):
+        code = self.process.wait(seconds)
+        self.log.seek(0)
+        with self.log:
+            return code, self.log.read()
+
+
+class Faults(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.program = harness.Gigabake(cls.executable)
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.work = Path(cls.folder.name)
+        cls.program.succeed("sample", cls.work / "terrain", "--size", 256, "--seed", 5)
+        start = time.monotonic()
+        cls.undisturbed = harness.lod_hashes(cls.program.bake(*cls.arguments(cls.work / "whole"), ranks=2))
+        cls.seconds = time.monotonic() - start
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    @classmethod
+    def arguments(cls, out):
+        return cls.work / "terrain/tileset.json", out, 0.25, "--cell-voxels", 64, "--stall", 2, "--threads", 1
+
+    @classmethod
+    def bake(cls, out):
+        source, out, voxel_size, *more = cls.arguments(out)
+        return ["bake", source, "-o", out, "--voxel-size", voxel_size, *more]
+
+    def expect_whole(self, out, ranks, context):
+        """The same command again, if it was not whole already, ends well and right."""
+        code, log = Launch(self.program, self.bake(out), ranks).wait()
+        self.assertEqual(code, 0, f"{context}\n{log}")
+        scene = out / "scene.xml"
+        self.assertEqual(harness.lod_hashes(self.program.info(scene)), self.undisturbed, f"{context}\n{log}")
+        self.program.succeed("verify", scene)
+        self.assertEqual([p for p in out.rglob("*.part")], [], context)
+
+    def inflict(self, launch, fault):
+        """False: the bake was over before."""
+        what, number = fault
+        pids = [launch.process.pid] if what == "mpirun" else launch.pids(what)
+        if launch.process.poll() is not None or not pids:
+            return False
+        os.kill(self.random.choice(pids), number)
+        return True
+
+    def damage(self, out):
+        """One shard, between runs."""
+        shards = sorted((out / "shards").glob("*.h5"))
+        if not shards:
+            return "no shard to damage"
+        shard = self.random.choice(shards)
+        size = shard.stat().st_size
+        how = self.random.choice(["truncated", "flipped", "removed", "emptied"])
+        if how == "removed":
+            shard.unlink()
+        elif how == "emptied":
+            shard.write_bytes(b"")
+        elif how == "truncated":
+            os.truncate(shard, self.random.randrange(size))
+        else:
+            at = self.random.randrange(size)
+            with shard.open("r+b") as file:
+                file.seek(at)
+                old = file.read(1)
+                file.seek(at)
+                file.write(bytes([old[0] ^ (1 << self.random.randrange(8))]))
+        return f"{shard.name} {how}"
+
+    def test_every_fault_is_made_good_by_the_same_command(self):
+        self.random = random.Random(OPTIONS["seed"])
+        kinds = [("bake process", signal.SIGKILL), ("bake process", signal.SIGSEGV), ("bake process", signal.SIGSTOP),
+                 ("worker rank", signal.SIGKILL), ("rank 0", signal.SIGKILL), ("mpirun", signal.SIGKILL),
+                 ("mpirun", signal.SIGUSR1), ("mpirun", signal.SIGTERM)]
+        counts = {}
+        inflicted = 0
+        while inflicted < OPTIONS["faults"]:
+            out = self.work / f"out{inflicted}"
+            fault, ranks = self.random.choice(kinds), self.random.choice([2, 3])
+            launch = Launch(self.program, self.bake(out), ranks)
+            time.sleep(self.random.uniform(0.25, 1) * self.seconds)
+            happened = self.inflict(launch, fault)
+            code, log = launch.wait()
+            context = f"seed {OPTIONS['seed']}, fault {inflicted}: {fault[0]} {fault[1].name}, exit {code}"
+            if happened and fault[0] == "bake process":
+                self.assertEqual(code, 0, f"{context}: a bake goes on without one of its processes\n{log}")
+            if happened and fault[1] == signal.SIGUSR1:
+                self.assertIn(code, (0, 75), f"{context}\n{log}")
+            if self.random.random() < 0.3:
+                context += ", " + self.damage(out)
+            self.expect_whole(out, self.random.choice([1, 2, 3]), context)
+            if happened:
+                inflicted += 1
+                name = f"{fault[0]} {fault[1].name}"
+                counts[name] = counts.get(name, 0) + 1
+            subprocess.run(["rm", "-rf", out], check=True)
+        print(f"seed {OPTIONS['seed']}, {inflicted} faults: {counts}")
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("executable")
+    parser.add_argument("source")
+    parser.add_argument("--faults", type=int, default=OPTIONS["faults"])
+    parser.add_argument("--seed", type=int, default=OPTIONS["seed"])
+    options, rest = parser.parse_known_args()
+    Faults.executable = options.executable
+    OPTIONS.update(faults=options.faults, seed=options.seed)
+    unittest.main(argv=[sys.argv[0], *rest])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,94 @@
+#include "worker/bake_messages.h"
+
+#include <gtest/gtest.h>
+#include <random>
+
+#include "format/error.h"
+
+namespace gigabake {
+namespace {
+
+std::vector<std::uint8_t> random_bytes(std::size_t size, std::mt19937_64& rng) {
+  std::vector<std::uint8_t> bytes(size);
+  for (std::uint8_t& b : bytes) b = std::uint8_t(rng());
+  return bytes;
+}
+
+TEST(FrameReader, FindsEveryMessageHoweverTheBytesArrive) {
+  const std::uint64_t seed = std::random_device{}();
+  std::mt19937_64 rng(seed);
+  for (int round = 0; round < 200; ++round) {
+    std::vector<BakeMessage> sent;
+    std::vector<std::uint8_t> wire;
+    for (int i = 0; i < 5; ++i) {
+      sent.push_back({BakeMessageKind(1 + rng() % 5), random_bytes(rng() % 3 == 0 ? 0 : rng() % 5000, rng)});
+      const auto bytes = frame(sent.back().kind, sent.back().payload);
+      wire.insert(wire.end(), bytes.begin(), bytes.end());
+    }
+    FrameReader reader;
+    std::vector<BakeMessage> got;
+    for (std::size_t at = 0; at < wire.size();) {
+      const std::size_t part = std::min<std::size_t>(1 + rng() % 3000, wire.size() - at);
+      reader.add(std::span(wire).subspan(at, part));
+      at += part;
+      while (auto message = reader.next()) got.push_back(std::move(*message));
+    }
+    ASSERT_EQ(got.size(), sent.size()) << "seed " << seed;
+    for (std::size_t i = 0; i < sent.size(); ++i) {
+      EXPECT_EQ(got[i].kind, sent[i].kind) << "seed " << seed;
+      EXPECT_EQ(got[i].payload, sent[i].payload) << "seed " << seed;
+    }
+  }
+}
+
+TEST(FrameReader, RefusesAFrameWithAnyByteChanged) {
+  const std::vector<std::uint8_t> whole = frame(BakeMessageKind::survey, survey_request(7));
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    std::vector<std::uint8_t> bytes = whole;
+    bytes[i] ^= 0x80;
+    FrameReader reader;
+    reader.add(bytes);
+    try {
+      const auto message = reader.next();  // a longer length waits for the rest
+      EXPECT_TRUE(!message || message->kind != BakeMessageKind::survey) << "byte " << i;
+    } catch (const InputError&) {
+      continue;
+    }
+  }
+}
+
+TEST(FrameReader, RefusesAnAnnouncedLengthThatNobodySends) {
+  std::vector<std::uint8_t> bytes = frame(BakeMessageKind::bake, {});
+  bytes[15] = 0x7f;  // the highest byte of the length
+  FrameReader reader;
+  reader.add(bytes);
+  EXPECT_THROW(reader.next(), InputError);
+}
+
+TEST(BakeOrder, ComesBackFromItsBytesAndSoDoesTheAnswer) {
+  BakeOrder order;
+  order.job.name = "c_1_2_3";
+  order.job.tiles = {4, 5};
+  order.attempt = 3;
+  const BakeOrder back = order_from_bytes(to_bytes(order));
+  EXPECT_EQ(back.job.name, order.job.name);
+  EXPECT_EQ(back.job.tiles, order.job.tiles);
+  EXPECT_EQ(back.attempt, 3u);
+  BakeAnswer answer;
+  answer.report.error = "no";
+  answer.attempt = 4;
+  EXPECT_EQ(answer_from_bytes(to_bytes(answer)).report.error, "no");
+  EXPECT_EQ(answer_from_bytes(to_bytes(answer)).attempt, 4u);
+  EXPECT_EQ(tile_of_request(survey_request(77)), 77u);
+}
+
+TEST(BakeOrder, IsRefusedWhereBytesAreMissing) {
+  const std::vector<std::uint8_t> order = to_bytes(BakeOrder()), answer = to_bytes(BakeAnswer());
+  for (std::size_t size = 0; size < order.size(); ++size)
+    EXPECT_THROW(order_from_bytes(std::span(order).first(size)), InputError) << size;
+  for (std::size_t size = 0; size < answer.size(); ++size)
+    EXPECT_THROW(answer_from_bytes(std::span(answer).first(size)), InputError) << size;
+}
+
+}  // namespace
+}  // namespace gigabake

@@ -1,0 +1,71 @@
+#include "worker/worker_setup.h"
+
+#include <gtest/gtest.h>
+#include <random>
+
+#include "format/error.h"
+
+namespace gigabake {
+namespace {
+
+WorkerSetup some_setup() {
+  WorkerSetup s;
+  s.source = "terrain with ä/tileset.json";
+  s.source_options = {true, Geodetic{47.1, -8.25, 400.5}, UpAxis::x};
+  s.parameters = {0.1, {1.0 / 3, -2, 3e5}, 512, SurfaceRule::thin, MipFilter::box, false};
+  s.worker = {7, std::uint64_t(5) << 33, "/shared/out"};
+  s.device = {Backend::cuda, {4, 1}, 9};
+  s.tiles = 4000000000u;
+  return s;
+}
+
+void expect_equal(const WorkerSetup& a, const WorkerSetup& b) {
+  EXPECT_EQ(a.source, b.source);
+  EXPECT_EQ(a.source_options.local, b.source_options.local);
+  EXPECT_EQ(a.source_options.origin, b.source_options.origin);
+  EXPECT_EQ(a.source_options.scene_up, b.source_options.scene_up);
+  EXPECT_EQ(to_json(a.parameters), to_json(b.parameters));
+  EXPECT_EQ(a.parameters.lattice_origin_m, b.parameters.lattice_origin_m);
+  EXPECT_EQ(a.worker.threads, b.worker.threads);
+  EXPECT_EQ(a.worker.memory_bytes, b.worker.memory_bytes);
+  EXPECT_EQ(a.worker.out, b.worker.out);
+  EXPECT_EQ(a.device.backend, b.device.backend);
+  EXPECT_EQ(a.device.allowed, b.device.allowed);
+  EXPECT_EQ(a.device.rank_on_host, b.device.rank_on_host);
+  EXPECT_EQ(a.tiles, b.tiles);
+}
+
+TEST(WorkerSetup, ComesBackFromItsBytes) {
+  expect_equal(setup_from_bytes(to_bytes(some_setup())), some_setup());
+  WorkerSetup plain;
+  plain.parameters.voxel_size_m = 1;
+  expect_equal(setup_from_bytes(to_bytes(plain)), plain);
+}
+
+TEST(WorkerSetup, IsRefusedWhereBytesAreMissingOrLeftOver) {
+  std::vector<std::uint8_t> bytes = to_bytes(some_setup());
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+    EXPECT_THROW(setup_from_bytes(std::span(bytes).first(size)), InputError) << size;
+  bytes.push_back(0);
+  EXPECT_THROW(setup_from_bytes(bytes), InputError);
+}
+
+TEST(WorkerSetup, OfRandomBytesIsAnErrorOrASetupButNeverACrash) {
+  const std::uint64_t seed = std::random_device{}();
+  std::mt19937_64 rng(seed);
+  const std::vector<std::uint8_t> whole = to_bytes(some_setup());
+  for (int round = 0; round < 20000; ++round) {
+    std::vector<std::uint8_t> bytes = whole;
+    for (std::uint64_t i = 1 + rng() % 8; i-- > 0;) bytes[rng() % bytes.size()] = std::uint8_t(rng());
+    try {
+      EXPECT_GE(setup_from_bytes(bytes).worker.threads, 1) << "seed " << seed;
+    } catch (const InputError&) {
+      continue;
+    } catch (const UsageError&) {
+      continue;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gigabake

@@ -1,0 +1,270 @@
+#include "worker/bake_service.h"
+
+#include <array>
+#include <cerrno>
+#include <condition_variable>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <system_error>
+#include <thread>
+#include <unistd.h>
+
+#include "format/error.h"
+#include "worker/bake_messages.h"
+#include "worker/cell_pipeline.h"
+#include "worker/survey_tile.h"
+#include "worker/worker_setup.h"
+
+namespace gigabake {
+namespace {
+
+[[noreturn]] void fail(const char* call) { throw std::system_error(errno, std::generic_category(), call); }
+
+/// Other threads ring it, one thread polls it.
+class Bell {
+ public:
+  Bell() : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+    if (fd_ < 0) fail("eventfd");
+  }
+  ~Bell() { ::close(fd_); }
+  Bell(const Bell&) = delete;
+  Bell& operator=(const Bell&) = delete;
+  int fd() const { return fd_; }
+  void ring() const {
+    if (::eventfd_write(fd_, 1) != 0 && errno != EAGAIN) fail("eventfd_write");  // EAGAIN: rung often enough
+  }
+  void silence() const {
+    eventfd_t rings = 0;
+    if (::eventfd_read(fd_, &rings) != 0 && errno != EAGAIN) fail("eventfd_read");
+  }
+
+ private:
+  int fd_;
+};
+
+/// Surveys tiles one after the other on a thread of its own.
+class Surveyor {
+ public:
+  Surveyor(const SceneSources& sources, const BakeParameters& parameters, int threads, const Bell& done)
+      : sources_(sources), parameters_(parameters), policy_(threads), done_(done), thread_([this] { run(); }) {}
+  ~Surveyor() {
+    {
+      const std::scoped_lock lock(mutex_);
+      stopping_ = true;
+    }
+    asked_.notify_all();
+    thread_.join();
+  }
+  Surveyor(const Surveyor&) = delete;
+  Surveyor& operator=(const Surveyor&) = delete;
+
+  void submit(std::uint32_t tile) {
+    {
+      const std::scoped_lock lock(mutex_);
+      tiles_.push_back(tile);
+    }
+    asked_.notify_all();
+  }
+
+  std::optional<TileSurvey> poll() {
+    const std::scoped_lock lock(mutex_);
+    if (surveys_.empty()) return std::nullopt;
+    TileSurvey survey = std::move(surveys_.front());
+    surveys_.pop_front();
+    return survey;
+  }
+
+ private:
+  std::optional<std::uint32_t> next_tile() {
+    std::unique_lock lock(mutex_);
+    asked_.wait(lock, [this] { return stopping_ || !tiles_.empty(); });
+    if (stopping_) return std::nullopt;
+    const std::uint32_t tile = tiles_.front();
+    tiles_.pop_front();
+    return tile;
+  }
+
+  void run() {
+    while (const auto tile = next_tile()) {
+      TileSurvey survey = survey_tile(sources_, *tile, parameters_, policy_);
+      {
+        const std::scoped_lock lock(mutex_);
+        surveys_.push_back(std::move(survey));
+      }
+      done_.ring();
+    }
+  }
+
+  const SceneSources& sources_;
+  const BakeParameters& parameters_;
+  const kernels::CpuPolicy policy_;
+  const Bell& done_;
+  std::mutex mutex_;
+  std::condition_variable asked_;
+  std::deque<std::uint32_t> tiles_;
+  std::deque<TileSurvey> surveys_;
+  bool stopping_ = false;
+  std::thread thread_;  ///< last: it uses the others
+};
+
+class BakeServer {
+ public:
+  explicit BakeServer(int fd) : fd_(fd) {}
+
+  int run() {
+    while (receive()) {
+      while (const auto message = inbox_.next()) obey(*message);
+      answer();
+      wait();
+    }
+    return 0;
+  }
+
+ private:
+  void wait() const {
+    std::array<pollfd, 2> ready{pollfd{fd_, POLLIN, 0}, pollfd{done_.fd(), POLLIN, 0}};
+    if (::poll(ready.data(), ready.size(), -1) < 0 && errno != EINTR) fail("poll");
+  }
+
+  /// Takes what has arrived. False: the other side hung up.
+  bool receive() {
+    std::array<std::uint8_t, 65536> part;
+    while (!hung_up_) {
+      const ssize_t got = ::recv(fd_, part.data(), part.size(), MSG_DONTWAIT);
+      if (got > 0) inbox_.add(std::span(part).first(std::size_t(got)));
+      if (got == 0 || (got < 0 && errno == ECONNRESET)) return false;
+      if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) return true;
+      if (got < 0 && errno != EINTR) fail("recv");
+    }
+    return false;
+  }
+
+  void send(BakeMessageKind kind, const std::vector<std::uint8_t>& payload) {
+    const std::vector<std::uint8_t> bytes = frame(kind, payload);
+    for (std::size_t sent = 0; sent < bytes.size() && !hung_up_;) {
+      const ssize_t now = ::send(fd_, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
+      if (now >= 0) sent += std::size_t(now);
+      if (now < 0 && (errno == EPIPE || errno == ECONNRESET)) hung_up_ = true;
+      if (now < 0 && !hung_up_ && errno != EINTR) fail("send");
+    }
+  }
+
+  void obey(const BakeMessage& message) {
+    if ((message.kind == BakeMessageKind::setup) == setup_.has_value())
+      throw InputError("bake message", "kind", "expected the setup, once and first");
+    switch (message.kind) {
+      case BakeMessageKind::setup:
+        return open(setup_from_bytes(message.payload));
+      case BakeMessageKind::survey:
+        return survey(tile_of_request(message.payload));
+      case BakeMessageKind::bake:
+        return bake(order_from_bytes(message.payload));
+      default:
+        throw InputError("bake message", "kind", "expected a request");
+    }
+  }
+
+  void open(WorkerSetup setup) {
+    setup_ = std::move(setup);
+    choose();
+    open_scene();
+    // The driver takes its second while tiles are surveyed.
+    if (setup_->worker.cuda_device) make_pipeline();
+  }
+
+  void choose() {
+    DeviceAnswer answer;
+    try {
+      answer.choice = choose_device(setup_->device);
+      setup_->worker.cuda_device = answer.choice.device;
+    } catch (const std::exception& e) {
+      answer.error = why_not_ = e.what();
+    }
+    send(BakeMessageKind::ready, to_bytes(answer));
+  }
+
+  void open_scene() {
+    if (!why_not_.empty()) return;
+    try {
+      sources_ = open_sources(setup_->source, setup_->source_options);
+      if (sources_.tiles.size() != setup_->tiles)
+        throw InputError(setup_->source, "",
+                         "changed while the bake ran: it had " + std::to_string(setup_->tiles) + " tiles and has " +
+                             std::to_string(sources_.tiles.size()) + "; bake again");
+      surveyor_ = std::make_unique<Surveyor>(sources_, setup_->parameters, setup_->worker.threads, done_);
+    } catch (const std::exception& e) {
+      why_not_ = e.what();
+    }
+  }
+
+  void survey(std::uint32_t tile) {
+    if (surveyor_ && tile < sources_.tiles.size()) return surveyor_->submit(tile);
+    TileSurvey survey;
+    survey.tile = tile;
+    survey.error = surveyor_ ? "there is no tile " + std::to_string(tile) : why_not_;
+    send(BakeMessageKind::surveyed, to_bytes(survey));
+  }
+
+  void make_pipeline() {
+    if (pipeline_ || !why_not_.empty()) return;
+    try {
+      pipeline_ =
+          std::make_unique<CellPipeline>(sources_, setup_->parameters, setup_->worker, [this] { done_.ring(); });
+    } catch (const std::exception& e) {
+      why_not_ = e.what();
+    }
+  }
+
+  void bake(BakeOrder order) {
+    make_pipeline();
+    if (pipeline_) {
+      attempts_.push_back(order.attempt);
+      return pipeline_->submit(std::move(order.job));
+    }
+    BakeAnswer answer;
+    answer.attempt = order.attempt;
+    answer.report.id = order.job.id;
+    answer.report.error = why_not_;
+    send(BakeMessageKind::baked, to_bytes(answer));
+  }
+
+  void answer() {
+    done_.silence();  // before looking: what comes later rings again
+    while (surveyor_) {
+      const auto survey = surveyor_->poll();
+      if (!survey) break;
+      send(BakeMessageKind::surveyed, to_bytes(*survey));
+    }
+    while (pipeline_) {
+      auto report = pipeline_->poll();
+      if (!report) break;
+      send(BakeMessageKind::baked, to_bytes(BakeAnswer{std::move(*report), attempts_.front()}));
+      attempts_.pop_front();
+    }
+  }
+
+  const int fd_;
+  const Bell done_;
+  FrameReader inbox_;
+  bool hung_up_ = false;
+  std::optional<WorkerSetup> setup_;
+  SceneSources sources_;
+  std::string why_not_;  ///< not empty: the answer to every request that needs what could not be made
+  std::unique_ptr<Surveyor> surveyor_;
+  std::unique_ptr<CellPipeline> pipeline_;
+  std::deque<std::uint32_t> attempts_;  ///< of the cells in the pipeline, which keeps their order
+};
+
+}  // namespace
+
+int serve_bakes(int fd) {
+  // Lives until the process ends: destroying it would finish the cells in hand, and nobody waits for them.
+  static BakeServer server(fd);
+  return server.run();
+}
+
+}  // namespace gigabake

@@ -1,0 +1,68 @@
+#include "worker/worker_setup.h"
+
+#include "format/bytes.h"
+#include "format/option_bytes.h"
+
+namespace gigabake {
+namespace {
+
+void put(ByteWriter& writer, const WorkerOptions& options) {
+  writer.put(std::int32_t(options.threads));
+  writer.put(options.memory_bytes);
+  writer.put(options.out.string());
+}
+
+void put(ByteWriter& writer, const DeviceWish& wish) {
+  writer.put(wish.backend);
+  writer.put(wish.allowed);
+  writer.put(wish.rank_on_host);
+}
+
+DeviceWish get_device_wish(ByteReader& reader) {
+  DeviceWish wish;
+  reader.get(wish.backend), reader.get(wish.allowed), reader.get(wish.rank_on_host);
+  if (wish.backend > Backend::cuda) throw InputError("device wish", "backend", "expected automatic, cpu or cuda");
+  if (wish.rank_on_host < 0) throw InputError("device wish", "rank_on_host", "expected 0 or more");
+  return wish;
+}
+
+WorkerOptions get_worker_options(ByteReader& reader) {
+  WorkerOptions options;
+  std::int32_t threads = 0;
+  std::string out;
+  reader.get(threads), reader.get(options.memory_bytes), reader.get(out);
+  if (threads < 1) throw InputError("worker options", "threads", "expected 1 or more");
+  options.threads = threads;
+  options.out = out;
+  return options;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> to_bytes(const WorkerSetup& setup) {
+  ByteWriter w;
+  w.put(setup.source.string());
+  put(w, setup.source_options);
+  put(w, setup.parameters);
+  put(w, setup.worker);
+  put(w, setup.device);
+  w.put(setup.tiles);
+  return w.take();
+}
+
+WorkerSetup setup_from_bytes(std::span<const std::uint8_t> bytes) {
+  ByteReader r(bytes, "worker setup");
+  WorkerSetup setup;
+  std::string source;
+  r.get(source);
+  setup.source = source;
+  setup.source_options = get_source_options(r);
+  setup.parameters = get_parameters(r);
+  setup.worker = get_worker_options(r);
+  setup.device = get_device_wish(r);
+  r.get(setup.tiles);
+  r.expect_end();
+  return setup;
+}
+
+}  // namespace gigabake
