@@ -38,6 +38,9 @@ void add_bake(CLI::App& app, int& exit_code) {
                       "file that Prometheus' node_exporter reads (*.prom), rewritten every second");
   command->add_flag("--keep-going,!--no-keep-going", options->keep_going,
                     "bake the rest after a tile or cell failed (default), or stop there and publish nothing");
+  command->add_flag("--prune", options->prune,
+                    "once the scene is whole, remove shards that it does not have; without, they stay for a return to "
+                    "earlier settings");
   command->add_option("--stall", options->stall_s, "seconds without any work after which a bake process hangs (60)");
   command->add_option("--cell-timeout", options->cell_timeout_s, "most seconds for one cell (3600)");
   command->add_option("--silence", options->silence_s, "seconds after which a rank that is not heard of is lost (60)");

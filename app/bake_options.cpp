@@ -76,6 +76,7 @@ BakeRequest BakeOptions::request() const {
   if (memory_bytes != 0 && memory_bytes < (std::uint64_t(64) << 20))
     throw UsageError("--memory: expected at least 64M, or 0 for no bound");
   r.keep_going = keep_going;
+  r.prune = prune;
   r.stall_s = seconds("--stall", stall_s, 1);
   r.cell_timeout_s = seconds("--cell-timeout", cell_timeout_s, 1);
   r.silence_s = seconds("--silence", silence_s, 10);

@@ -14,7 +14,7 @@ struct BakeOptions {
                                                 backend = "auto";
   std::vector<int> gpus;
   std::uint32_t cell_voxels = 1024;
-  bool local = false, no_normals = false, keep_going = true, json = false;
+  bool local = false, no_normals = false, keep_going = true, prune = false, json = false;
   int threads = 0;
   double stall_s = 60, cell_timeout_s = 3600, silence_s = 60;
   std::uint64_t memory_bytes = std::uint64_t(4) << 30;

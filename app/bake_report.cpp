@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "app/status_text.h"
 #include "scheduler/estimate.h"
@@ -67,6 +68,22 @@ void add_left_out(const Counts& c, nlohmann::ordered_json& j) {
   for (const SceneLoss& l : c.losses) j["losses"].push_back({{"name", l.name}, {"reason", l.reason}});
 }
 
+/// "12 of 400 cells to bake: 3 new, 9 changed inputs; 0 to check, 388 unchanged".
+void print_counts(const PriorResults& prior) {
+  const auto counts = prior.counts();
+  const auto of = [&](PriorReason r) { return counts[std::size_t(r)]; };
+  std::size_t to_bake = 0;
+  std::string why;
+  for (const auto& [reason, words] :
+       {std::pair(PriorReason::new_cell, "new"), std::pair(PriorReason::inputs_changed, "changed inputs"),
+        std::pair(PriorReason::shard_missing, "missing shards")}) {
+    to_bake += of(reason);
+    if (of(reason) != 0) why += fmt::format("{} {} {}", why.empty() ? ":" : ",", of(reason), words);
+  }
+  fmt::print("{} of {} cells to bake{}; {} to check, {} unchanged\n", to_bake, prior.reasons.size(), why,
+             of(PriorReason::to_be_checked), of(PriorReason::unchanged));
+}
+
 }  // namespace
 
 void print_report(const BakeSummary& s, const std::filesystem::path& out) {
@@ -84,6 +101,11 @@ void print_report(const BakeSummary& s, const std::filesystem::path& out) {
   print_slowest(s.status.slowest);
   fmt::print("peak memory {} (kernels {})\n", readable_bytes(s.peak_process_bytes),
              readable_bytes(s.peak_kernel_bytes));
+  if (s.pruned.files != 0)
+    fmt::print("{} shards of earlier bakes removed, {}\n", s.pruned.files, readable_bytes(s.pruned.bytes));
+  if (s.orphans.files != 0)
+    fmt::print("{} shards of earlier bakes kept, {}; --prune removes them\n", s.orphans.files,
+               readable_bytes(s.orphans.bytes));
   fmt::print("{}\n", (out / "scene.xml").string());
 }
 
@@ -94,6 +116,7 @@ void print_json_report(const BakeSummary& s, const std::filesystem::path& out) {
   j["cells"] = s.scene.cells.size();
   j["cells_planned"] = s.cells_planned;
   j["cells_empty"] = s.cells_empty;
+  j["cells_taken_over"] = s.cells_taken_over;
   j["triangles"] = s.scene.triangles;
   j["voxels_lod0"] = t.finest_voxels;
   j["voxels"] = t.voxels;
@@ -113,23 +136,27 @@ void print_json_report(const BakeSummary& s, const std::filesystem::path& out) {
   j["peak_process_bytes"] = s.peak_process_bytes;
   j["peak_kernel_bytes"] = s.peak_kernel_bytes;
   j["bad_uv"] = s.bad_uv;
+  j["orphans"] = {{"shards", s.orphans.files}, {"bytes", s.orphans.bytes}};
+  j["pruned"] = {{"shards", s.pruned.files}, {"bytes", s.pruned.bytes}};
   add_left_out(s.scene, j);
   print_json(j);
 }
 
-void print_report(const BakePlan& plan) {
+void print_report(const BakePlan& plan, const std::optional<PriorResults>& prior) {
   const PlanEstimate e = estimate(plan);
   fmt::print("{} cells, {} triangles, {} of them in the largest cell\n", plan.jobs.size(), plan.triangles,
              e.largest_cell_triangles);
   print_left_out(plan);
   fmt::print("about {} of kernel memory for the largest cell, {:.0f} core seconds in all\n",
              readable_bytes(e.kernel_bytes), e.core_seconds);
+  if (prior) print_counts(*prior);
   for (const CellJob& job : plan.jobs)
-    fmt::print("  {:<24} lattice {} {} {}  {} tiles  {} triangles\n", job.name, job.lattice_min[0], job.lattice_min[1],
-               job.lattice_min[2], job.tiles.size(), job.triangles);
+    fmt::print("  {:<24} lattice {} {} {}  {} tiles  {} triangles{}\n", job.name, job.lattice_min[0],
+               job.lattice_min[1], job.lattice_min[2], job.tiles.size(), job.triangles,
+               prior ? fmt::format("  {}", text(prior->reasons[job.id])) : "");
 }
 
-void print_json_report(const BakePlan& plan) {
+void print_json_report(const BakePlan& plan, const std::optional<PriorResults>& prior) {
   const PlanEstimate e = estimate(plan);
   nlohmann::ordered_json j;
   j["cells"] = plan.jobs.size();
@@ -137,13 +164,19 @@ void print_json_report(const BakePlan& plan) {
   j["estimate"] = {{"largest_cell_triangles", e.largest_cell_triangles},
                    {"kernel_bytes", e.kernel_bytes},
                    {"core_seconds", e.core_seconds}};
+  if (prior) {
+    const auto counts = prior->counts();
+    for (std::size_t r = 0; r < counts.size(); ++r) j["prior"][text(PriorReason(r))] = counts[r];
+  }
   j["jobs"] = nlohmann::ordered_json::array();
-  for (const CellJob& job : plan.jobs)
+  for (const CellJob& job : plan.jobs) {
     j["jobs"].push_back({{"name", job.name},
                          {"lattice_min", job.lattice_min},
                          {"tiles", job.tiles.size()},
                          {"triangles", job.triangles},
                          {"fingerprint", job.fingerprint.hex()}});
+    if (prior) j["jobs"].back()["prior"] = text(prior->reasons[job.id]);
+  }
   add_left_out(plan, j);
   print_json(j);
 }

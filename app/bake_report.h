@@ -2,17 +2,20 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "cluster/bake.h"
+#include "scheduler/prior.h"
 
 namespace gigabake::app {
 
 /// On standard output.
 void print_report(const BakeSummary& summary, const std::filesystem::path& out);
-void print_report(const BakePlan& plan);
+/// prior: what OUT has of the plan; none: nobody asked.
+void print_report(const BakePlan& plan, const std::optional<PriorResults>& prior);
 void print_json_report(const BakeSummary& summary, const std::filesystem::path& out);
-void print_json_report(const BakePlan& plan);
+void print_json_report(const BakePlan& plan, const std::optional<PriorResults>& prior);
 
 /// On standard error, and last: nobody should have to look for what is missing.
 void print_losses(const std::vector<SceneLoss>& losses);

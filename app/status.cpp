@@ -11,6 +11,7 @@
 #include "app/progress_line.h"
 #include "app/status_text.h"
 #include "cluster/collective.h"
+#include "cluster/folder_lock.h"
 #include "cluster/status_feed.h"
 
 namespace gigabake::app {
@@ -37,7 +38,8 @@ bool writer_is_there(const BakeStatus& s) {
 Seen look(const std::string& out) {
   Seen seen{read_status(out), unix_now_s(), false};
   const BakeStatus& s = seen.status;
-  seen.interrupted = !is_over(s.state) && seen.now_s - s.updated_s > silence_s && !writer_is_there(s);
+  seen.interrupted =
+      !is_over(s.state) && seen.now_s - s.updated_s > silence_s && !writer_is_there(s) && !lock_holder(out);
   return seen;
 }
 

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cstdio>
 #include <functional>
-#include <numeric>
+#include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <variant>
@@ -14,6 +14,7 @@
 #include "cluster/master_bake.h"
 #include "cluster/survey.h"
 #include "format/error.h"
+#include "scheduler/survey_cache.h"
 
 namespace gigabake {
 namespace {
@@ -40,12 +41,43 @@ SceneSources open_together(MpiSession& mpi, const BakeRequest& request, const Ba
   return sources;
 }
 
-/// on_survey: rank 0's; how many tiles are surveyed.
-BakePlan survey_and_plan(MpiSession& mpi, const BakeRequest& request, const SceneSources& sources, BakeProcess& process,
-                         const BakeProgress& progress, const std::function<void(std::size_t)>& on_survey) {
-  std::vector<std::uint32_t> tiles(sources.tiles.size());
-  std::iota(tiles.begin(), tiles.end(), 0u);
-  std::vector<TileSurvey> surveys = survey_tiles(mpi, tiles, process, on_survey);
+/// Rank 0's: what is known of the tiles without reading them, and which must be read.
+struct KnownSurveys {
+  std::vector<TileSurvey> surveys;
+  std::vector<std::uint32_t> missing;
+};
+
+/// folder: where an earlier bake may have left its surveys; may be empty.
+KnownSurveys known_surveys(const std::filesystem::path& folder, const SceneSources& sources,
+                           const BakeParameters& parameters, int threads) {
+  KnownSurveys known;
+  std::vector<std::optional<TileSurvey>> cached(sources.tiles.size());
+  if (!folder.empty()) cached = SurveyCache(survey_cache_of(folder)).find_all(sources, parameters, threads);
+  for (std::uint32_t tile = 0; tile < cached.size(); ++tile) {
+    if (cached[tile])
+      known.surveys.push_back(std::move(*cached[tile]));
+    else
+      known.missing.push_back(tile);
+  }
+  return known;
+}
+
+/// The surveys of all tiles, on rank 0. on_survey: rank 0's; how many there are.
+std::vector<TileSurvey> survey(MpiSession& mpi, const BakeRequest& request, const SceneSources& sources,
+                               BakeProcess& process, const std::function<void(std::size_t)>& on_survey) {
+  KnownSurveys known;
+  all_or_none(mpi, [&] {
+    if (mpi.rank() == 0) known = known_surveys(request.out, sources, request.parameters, mpi.cores());
+  });
+  std::vector<TileSurvey> surveys =
+      survey_tiles(mpi, known.missing, process, [&](std::size_t done) { on_survey(known.surveys.size() + done); });
+  std::move(known.surveys.begin(), known.surveys.end(), std::back_inserter(surveys));
+  return surveys;
+}
+
+/// Collective; the plan is rank 0's.
+BakePlan plan_from(MpiSession& mpi, const BakeRequest& request, const SceneSources& sources,
+                   std::vector<TileSurvey> surveys, const BakeProgress& progress) {
   BakePlan plan;
   all_or_none(mpi, [&] {
     if (mpi.rank() != 0) return;
@@ -54,6 +86,16 @@ BakePlan survey_and_plan(MpiSession& mpi, const BakeRequest& request, const Scen
     progress.planned(plan);
   });
   return plan;
+}
+
+/// A cache that cannot be written costs the next bake its time, not this one its result.
+void keep_surveys(const BakeRequest& request, const SceneSources& sources, const std::vector<TileSurvey>& surveys,
+                  const BakeProgress& progress) {
+  try {
+    save_survey_cache(survey_cache_of(request.out), sources, request.parameters, surveys);
+  } catch (const InputError& e) {
+    progress.noted(std::string("the next bake surveys all tiles again: ") + e.what());
+  }
 }
 
 WorkerSetup setup_of(const MpiSession& mpi, const BakeRequest& request, const SceneSources& sources) {
@@ -112,11 +154,14 @@ BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const Bake
   all_or_none(mpi, [&] { expect_output_folder(request.out); });
   BakeProcess process(setup_of(mpi, request, sources), process_options(request));
   choose_devices(mpi, process, summary);
-  const BakePlan plan = survey_and_plan(mpi, request, sources, process, progress, [&](std::size_t done) {
+  std::vector<TileSurvey> surveys = survey(mpi, request, sources, process, [&](std::size_t done) {
     feed->record().surveyed(done, sources.tiles.size());
     feed->turn();
   });
+  const BakePlan plan = plan_from(mpi, request, sources, surveys, progress);
   all_or_none(mpi, [&] { refuse(request, plan.losses, mpi.rank() == 0 && plan.jobs.empty()); });
+  if (mpi.rank() == 0) keep_surveys(request, sources, surveys, progress);
+  surveys.clear();
   summary.survey_s = seconds_since(start);
   const auto planned = Clock::now();
   if (mpi.rank() != 0) work(mpi, process);
@@ -149,8 +194,9 @@ BakePlan plan_bake(MpiSession& mpi, const BakeRequest& request, const BakeProgre
   BakeRequest on_cpu = request;
   on_cpu.backend = Backend::cpu;  // a survey needs no device
   BakeProcess process(setup_of(mpi, on_cpu, sources), process_options(request));
-  return survey_and_plan(mpi, request, sources, process, progress,
-                         [&](std::size_t done) { progress.surveyed(done, sources.tiles.size()); });
+  std::vector<TileSurvey> surveys =
+      survey(mpi, request, sources, process, [&](std::size_t done) { progress.surveyed(done, sources.tiles.size()); });
+  return plan_from(mpi, request, sources, std::move(surveys), progress);
 }
 
 BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress) {

@@ -9,6 +9,7 @@
 
 #include "cluster/collective.h"
 #include "cluster/mpi_session.h"
+#include "cluster/output_folder.h"
 #include "format/parameters.h"
 #include "format/scene_xml.h"
 #include "format/source.h"
@@ -26,6 +27,7 @@ struct BakeRequest {
   std::uint64_t memory_bytes = 0;  ///< of each rank; 0: no bound
   bool keep_going = true;          ///< after a tile or cell failed
   Backend backend = Backend::automatic;
+  bool prune = false;             ///< remove shards that the new scene does not have, where it misses nothing
   std::vector<int> gpus;          ///< devices of each host to use; empty: all
   double stall_s = 60;            ///< a bake process that does nothing for so long hangs
   double cell_timeout_s = 3600;   ///< longest time for one cell
@@ -52,19 +54,22 @@ struct BakeSummary {
   std::uint64_t bad_uv = 0;              ///< in the cells of this run: one that crosses cells counts in each
   std::uint64_t peak_process_bytes = 0;  ///< of the largest bake process, or rank 0
   std::size_t cells_planned = 0, cells_empty = 0, cells_on_device = 0;
-  std::size_t process_deaths = 0;  ///< of bake processes
-  std::size_t lost_ranks = 0;      ///< that were not heard of again: no collective call may follow
-  bool is_drained = false;         ///< ended on request with cells left
+  std::size_t cells_taken_over = 0;  ///< from earlier bakes into OUT
+  std::size_t process_deaths = 0;    ///< of bake processes
+  std::size_t lost_ranks = 0;        ///< that were not heard of again: no collective call may follow
+  bool is_drained = false;           ///< ended on request with cells left
   int ranks_with_device = 0;
   std::string no_device;  ///< why rank 0 has none
   int ranks = 1, threads = 1;
+  OrphanShards orphans;  ///< kept in OUT, though the scene does not have them
+  OrphanShards pruned;   ///< removed from OUT
 };
 
 /// Collective. Scene and sums are rank 0's; other ranks get empty ones.
-/// OUT/scene.xml is replaced last, then shards that it does not name are removed.
+/// OUT is locked meanwhile. OUT/scene.xml is replaced last; shards that it does not name stay unless request.prune.
 /// Errors  CollectiveFailure, and OUT/scene.xml is as it was: a source that cannot be opened or has no triangles, an
-/// OUT
-///         that cannot be written, nothing that could be baked, or any loss without keep_going.
+///         OUT that cannot be written or that another bake holds, nothing that could be baked, or any loss without
+///         keep_going.
 BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress);
 
 /// Collective: survey and plan alone; the plan is rank 0's. Errors  CollectiveFailure, as bake().

@@ -1,6 +1,7 @@
 #include "cluster/master_bake.h"
 
 #include <algorithm>
+#include <iterator>
 #include <string>
 #include <sys/resource.h>
 
@@ -8,6 +9,7 @@
 #include "format/error.h"
 #include "scheduler/estimate.h"
 #include "scheduler/merge.h"
+#include "scheduler/prior.h"
 
 namespace gigabake {
 namespace {
@@ -68,17 +70,46 @@ MasterBake::MasterBake(const BakeRequest& request, const SceneSources& sources, 
       summary_(summary) {}
 
 void MasterBake::run(MpiSession& mpi, BakeProcess& process) {
-  for (const SceneLoss& l : plan_.losses) feed_.record().lost(l.name, l.reason);
-  feed_.record().planned(plan_.jobs, costs_of(plan_), unix_now_s());
-  feed_.publish();
-  const DispatchResult result = dispatch(mpi, plan_.jobs, {}, process, schedule_options(request_), *this);
+  PriorResults prior;
+  {
+    const JournalContent content = read_journal(out_.journal());
+    journal_.emplace(out_.journal(), content);
+    prior = find_prior(plan_, content, request_.out, mpi.cores());
+  }
+  plan_dispatch(prior.done);
+  std::vector<std::uint32_t> already_done;
+  for (const CellReport& r : prior.done) already_done.push_back(r.id);
+  DispatchResult result = dispatch(mpi, plan_.jobs, already_done, process, schedule_options(request_), *this);
+  summary_.cells_taken_over = prior.done.size();
   summary_.cells_planned = plan_.jobs.size();
   summary_.is_drained = is_drain_asked() && result.counts.abandoned != 0;
   summary_.lost_ranks = result.lost_ranks.size();
   summary_.peak_process_bytes = std::max(result.peak_bytes, peak_bytes_here());
   add_times(result.reports, summary_);
+  for (const CellReport& r : prior.done) summary_.bad_uv += r.bad_uv;
+  for (const CellReport& r : prior.done) summary_.cells_empty += r.outcome == CellOutcome::empty;
+  std::move(prior.done.begin(), prior.done.end(), std::back_inserter(result.reports));
   summary_.scene = merge(plan_, result.reports, sources_.origin, request_.parameters);
   publish();
+}
+
+void MasterBake::plan_dispatch(const std::vector<CellReport>& done) {
+  for (const SceneLoss& l : plan_.losses) feed_.record().lost(l.name, l.reason);
+  feed_.record().planned(plan_.jobs, costs_of(plan_), unix_now_s());
+  for (const CellReport& r : done) feed_.record().already_done(r.id);
+  if (!done.empty())
+    progress_.noted(std::to_string(done.size()) + " of " + std::to_string(plan_.jobs.size()) +
+                    " cells are there already");
+  feed_.publish();
+}
+
+/// A journal that cannot be written costs the next bake time: it looks into the shards instead.
+void MasterBake::write_down(const CellReport& report) {
+  try {
+    journal_->append(plan_.jobs[report.id], report);
+  } catch (const InputError& e) {
+    progress_.noted(std::string("the bake goes on without its journal: ") + e.what());
+  }
 }
 
 bool MasterBake::turn() {
@@ -95,6 +126,7 @@ void MasterBake::joined(int rank, const std::string& host) { feed_.record().work
 void MasterBake::handed_out(std::uint32_t job, int rank) { feed_.record().handed_out(job, rank, unix_now_s()); }
 
 bool MasterBake::finished(const CellReport& report) {
+  write_down(report);
   feed_.record().cell_done(report, unix_now_s());
   progress_.cell_done(report, plan_.jobs[report.id]);
   return true;
@@ -126,6 +158,11 @@ void MasterBake::publish() {
   if (summary_.is_drained && out_.has_whole_scene()) return;  // until this one is whole, too
   refuse(request_, summary_.scene.losses, summary_.scene.cells.empty() && !summary_.is_drained);
   if (!summary_.scene.cells.empty()) out_.publish(summary_.scene);
+  if (request_.prune && summary_.scene.losses.empty()) {
+    summary_.pruned = out_.remove_orphans(summary_.scene);
+    journal_->keep_only(plan_.jobs);
+  }
+  summary_.orphans = out_.orphans(summary_.scene);
 }
 
 }  // namespace gigabake

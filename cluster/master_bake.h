@@ -1,12 +1,14 @@
 /// What rank 0 does while cells are baked and after: keeps the status, merges the reports, publishes the scene.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "cluster/bake.h"
 #include "cluster/dispatch.h"
 #include "cluster/output_folder.h"
 #include "cluster/status_feed.h"
+#include "scheduler/journal.h"
 
 namespace gigabake {
 
@@ -19,7 +21,8 @@ class MasterBake : private DispatchWatcher {
   MasterBake(const BakeRequest& request, const SceneSources& sources, const BakePlan& plan, const OutputFolder& out,
              const BakeProgress& progress, StatusFeed& feed, BakeSummary& summary);
 
-  /// Bakes and publishes; the summary is complete. Errors  InputError: OUT/scene.xml is as it was.
+  /// Bakes what earlier bakes have not left in OUT, and publishes; the summary is complete.
+  /// Errors  InputError: OUT/scene.xml is as it was.
   void run(MpiSession& mpi, BakeProcess& process);
 
  private:
@@ -32,6 +35,8 @@ class MasterBake : private DispatchWatcher {
   void process_died(int rank, const std::string& why) override;
   void lost(int rank) override;
 
+  void plan_dispatch(const std::vector<CellReport>& done);
+  void write_down(const CellReport& report);
   void publish();
 
   const BakeRequest& request_;
@@ -41,6 +46,7 @@ class MasterBake : private DispatchWatcher {
   const BakeProgress& progress_;
   StatusFeed& feed_;
   BakeSummary& summary_;
+  std::optional<Journal> journal_;
 };
 
 }  // namespace gigabake

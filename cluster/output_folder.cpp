@@ -1,7 +1,8 @@
 #include "cluster/output_folder.h"
 
 #include <algorithm>
-#include <set>
+#include <string>
+#include <unordered_set>
 #include <utility>
 
 #include "format/error.h"
@@ -23,15 +24,26 @@ bool is_at_or_below(const fs::path& path, const fs::path& folder) {
   return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
 }
 
-bool is_leftover(const std::string& name, const char* of) { return name.starts_with(of) && name.ends_with(".part"); }
+bool is_leftover(const std::string& name) {
+  const auto is_of = [&](const char* file) { return name.starts_with(file); };
+  return name.ends_with(".part") && (is_of(".c_") || is_of(".scene.xml.") || is_of(".journal.") || is_of(".survey."));
+}
 
-template <class Unwanted>
-void remove_files(const fs::path& folder, const Unwanted& unwanted) {
-  std::error_code error;  // what cannot be removed does no harm
+template <class Wanted>
+std::vector<fs::path> files_in(const fs::path& folder, const Wanted& wanted) {
+  std::error_code error;  // what cannot be seen does no harm
   std::vector<fs::path> found;
-  for (const auto& entry : fs::directory_iterator(folder, error))
-    if (unwanted(entry.path().filename().string())) found.push_back(entry.path());
-  for (const fs::path& path : found) fs::remove(path, error);
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    if (wanted(it->path().filename().string())) found.push_back(it->path());
+  return found;
+}
+
+std::vector<fs::path> orphans_in(const fs::path& out, const SceneDescription& scene) {
+  std::unordered_set<std::string> used;
+  for (const SceneCell& c : scene.cells) used.insert(fs::path(c.file).filename().string());
+  return files_in(out / "shards", [&](const std::string& name) {
+    return name.starts_with("c_") && name.ends_with(".h5") && !used.contains(name);
+  });
 }
 
 }  // namespace
@@ -55,7 +67,9 @@ OutputFolder::OutputFolder(fs::path out, const fs::path& source) : out_(std::mov
     throw InputError(out_, "",
                      "lies in the folder that is baked; choose an output folder outside of " + source.string());
   folders_.make(out_);
+  lock_.emplace(out_);
   folders_.make(out_ / "shards");
+  remove_leftovers();
   const Publication scene(out_ / "scene.xml"), shard(out_ / "shards" / "c_0_0_0.h5");  // fails now, not after a night
 }
 
@@ -83,13 +97,37 @@ bool OutputFolder::has_whole_scene() const {
 
 void OutputFolder::publish(const SceneDescription& scene) const {
   write_scene(out_ / "scene.xml", scene);
-  std::set<std::string> used;
-  for (const SceneCell& c : scene.cells) used.insert(fs::path(c.file).filename().string());
-  remove_files(out_ / "shards", [&](const std::string& name) {
-    const bool is_shard = name.starts_with("c_") && name.ends_with(".h5");
-    return (is_shard && !used.contains(name)) || is_leftover(name, ".c_");
-  });
-  remove_files(out_, [](const std::string& name) { return is_leftover(name, ".scene.xml."); });
+  remove_leftovers();
+}
+
+void OutputFolder::remove_leftovers() const {
+  std::error_code error;  // what cannot be removed does no harm
+  for (const fs::path& folder : {out_, out_ / "shards"})
+    for (const fs::path& path : files_in(folder, is_leftover)) fs::remove(path, error);
+}
+
+OrphanShards OutputFolder::orphans(const SceneDescription& scene) const {
+  OrphanShards all;
+  for (const fs::path& path : orphans_in(out_, scene)) {
+    std::error_code error;
+    const std::uint64_t bytes = fs::file_size(path, error);
+    if (error) continue;
+    ++all.files;
+    all.bytes += bytes;
+  }
+  return all;
+}
+
+OrphanShards OutputFolder::remove_orphans(const SceneDescription& scene) const {
+  OrphanShards gone;
+  for (const fs::path& path : orphans_in(out_, scene)) {
+    std::error_code size_error, error;
+    const std::uint64_t bytes = fs::file_size(path, size_error);
+    if (!fs::remove(path, error) || error) continue;
+    ++gone.files;
+    gone.bytes += size_error ? 0 : bytes;
+  }
+  return gone;
 }
 
 void expect_output_folder(const fs::path& out) {

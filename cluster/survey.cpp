@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "cluster/tags.h"
+#include "format/bytes.h"
 #include "format/cell_job.h"
 
 namespace gigabake {
@@ -59,6 +60,34 @@ TileSurvey given_up(std::uint32_t tile, const std::string& why) {
   return survey;
 }
 
+/// Every n-th tile is one rank's.
+std::vector<std::uint32_t> share_of(const std::vector<std::uint32_t>& tiles, int rank, int ranks) {
+  std::vector<std::uint32_t> share;
+  for (std::size_t i = std::size_t(rank); i < tiles.size(); i += std::size_t(ranks)) share.push_back(tiles[i]);
+  return share;
+}
+
+/// Rank 0 tells the others which tiles are theirs.
+std::vector<std::uint32_t> share_out(MpiSession& mpi, const std::vector<std::uint32_t>& tiles,
+                                     const BakeProcess& process) {
+  if (mpi.rank() == 0) {
+    for (int rank = 1; rank < mpi.ranks(); ++rank) {
+      ByteWriter writer;
+      writer.put(share_of(tiles, rank, mpi.ranks()));
+      mpi.send(rank, tag_tiles, writer.take());
+    }
+    return share_of(tiles, 0, mpi.ranks());
+  }
+  std::vector<std::uint32_t> own;
+  while (true) {
+    if (const auto message = mpi.poll()) {
+      ByteReader(message->bytes, "tiles to survey").get(own);
+      return own;
+    }
+    process.wait(longest_wait);
+  }
+}
+
 }  // namespace
 
 void survey_here(BakeProcess& process, const std::vector<std::uint32_t>& tiles,
@@ -78,9 +107,7 @@ void survey_here(BakeProcess& process, const std::vector<std::uint32_t>& tiles,
 
 std::vector<TileSurvey> survey_tiles(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, BakeProcess& process,
                                      const std::function<void(std::size_t)>& on_survey) {
-  std::vector<std::uint32_t> own;
-  for (std::size_t i = std::size_t(mpi.rank()); i < tiles.size(); i += std::size_t(mpi.ranks()))
-    own.push_back(tiles[i]);
+  const std::vector<std::uint32_t> own = share_out(mpi, tiles, process);
   std::vector<TileSurvey> surveys;
   if (mpi.rank() != 0) {
     survey_here(
@@ -88,17 +115,11 @@ std::vector<TileSurvey> survey_tiles(MpiSession& mpi, const std::vector<std::uin
     return surveys;
   }
   const auto collect = [&] {
-    const std::size_t before = surveys.size();
     while (const auto message = mpi.poll()) surveys.push_back(survey_from_bytes(message->bytes));
-    if (surveys.size() != before) on_survey(surveys.size());
+    on_survey(surveys.size());
   };
   survey_here(
-      process, own,
-      [&](TileSurvey s) {
-        surveys.push_back(std::move(s));
-        on_survey(surveys.size());
-      },
-      collect);
+      process, own, [&](TileSurvey s) { surveys.push_back(std::move(s)); }, collect);
   while (surveys.size() < tiles.size()) {
     collect();
     process.wait(longest_wait);

@@ -17,9 +17,8 @@ namespace gigabake {
 void survey_here(BakeProcess& process, const std::vector<std::uint32_t>& tiles,
                  const std::function<void(TileSurvey)>& each, const std::function<void()>& idle);
 
-/// Collective. tiles: those to survey, the same on every rank. One survey per tile on rank 0, nothing elsewhere. A tile
-/// that cannot be read is a survey with an error.
-/// on_survey: rank 0's; how many surveys are there.
+/// Collective. tiles: rank 0's; those to survey. One survey per tile on rank 0, nothing elsewhere. A tile that cannot
+/// be read is a survey with an error. on_survey: rank 0's; how many surveys are there.
 std::vector<TileSurvey> survey_tiles(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, BakeProcess& process,
                                      const std::function<void(std::size_t)>& on_survey);
 

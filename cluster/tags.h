@@ -4,12 +4,13 @@
 namespace gigabake {
 
 enum Tag : int {
-  tag_survey = 1,  ///< worker to master: one TileSurvey
-  tag_job,         ///< master to worker: deaths u32, then one BakeOrder
-  tag_report,      ///< worker to master: one BakeAnswer
-  tag_died,        ///< worker to master: why its bake process is gone with all that it had; it deals with that itself
-  tag_alive,       ///< worker to master: peak bytes u64, host; sent now and then
-  tag_stop,        ///< master to worker: no more jobs
+  tag_tiles = 1,  ///< master to worker: u32 each, the tiles that it is to survey
+  tag_survey,     ///< worker to master: one TileSurvey
+  tag_job,        ///< master to worker: deaths u32, then one BakeOrder
+  tag_report,     ///< worker to master: one BakeAnswer
+  tag_died,       ///< worker to master: why its bake process is gone with all that it had; it deals with that itself
+  tag_alive,      ///< worker to master: peak bytes u64, host; sent now and then
+  tag_stop,       ///< master to worker: no more jobs
 };
 
 }  // namespace gigabake

@@ -47,6 +47,11 @@ class ByteReader {
     std::memcpy(&value, bytes_.data() + at_, sizeof(T));
     at_ += sizeof(T);
   }
+  void get(bool& value) {
+    std::uint8_t byte = 0;
+    get(byte);
+    value = byte != 0;
+  }
   void get(std::string& text) {
     const std::uint64_t size = length(1);
     text.assign(reinterpret_cast<const char*>(bytes_.data()) + at_, size);

@@ -21,7 +21,7 @@ void each_field_of_job(Job& j, const F& f) {
 template <class Report, class F>
 void each_field_of_report(Report& r, const F& f) {
   f(r.id), f(r.outcome), f(r.error), each_field_of_cell(r.cell, f), f(r.read_s), f(r.kernel_s), f(r.write_s),
-      f(r.peak_bytes), f(r.on_device), f(r.bad_uv), f(r.note);
+      f(r.peak_bytes), f(r.on_device), f(r.bad_uv), f(r.note), f(r.shard);
 }
 
 template <class Survey, class F>
@@ -30,7 +30,16 @@ void each_field_of_survey(Survey& s, const F& f) {
       f(s.source), f(s.error);
 }
 
+template <class File, class F>
+void each_field_of_file(File& file, const F& f) {
+  f(file.name), f(file.stamp), f(file.settled);
+}
+
 }  // namespace
+
+std::filesystem::path shard_path(const CellJob& job) {
+  return std::filesystem::path("shards") / (job.name + "-" + job.fingerprint.hex() + ".h5");
+}
 
 std::vector<std::uint8_t> to_bytes(const CellJob& job) {
   ByteWriter w;
@@ -46,7 +55,10 @@ std::vector<std::uint8_t> to_bytes(const CellReport& report) {
 
 std::vector<std::uint8_t> to_bytes(const TileSurvey& survey) {
   ByteWriter w;
-  each_field_of_survey(survey, [&w](const auto& field) { w.put(field); });
+  const auto put = [&w](const auto& field) { w.put(field); };
+  each_field_of_survey(survey, put);
+  put(std::uint64_t(survey.files.size()));
+  for (const StampedFile& file : survey.files) each_field_of_file(file, put);
   return w.take();
 }
 
@@ -71,7 +83,11 @@ CellReport report_from_bytes(std::span<const std::uint8_t> bytes) {
 TileSurvey survey_from_bytes(std::span<const std::uint8_t> bytes) {
   ByteReader r(bytes, "tile survey");
   TileSurvey survey;
-  each_field_of_survey(survey, [&r](auto& field) { r.get(field); });
+  const auto get = [&r](auto& field) { r.get(field); };
+  each_field_of_survey(survey, get);
+  std::uint64_t files = 0;
+  get(files);
+  for (; files > 0; --files) each_field_of_file(survey.files.emplace_back(), get);  // ends with the bytes
   r.expect_end();
   return survey;
 }

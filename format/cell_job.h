@@ -4,10 +4,12 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "format/file_stamp.h"
 #include "format/scene_xml.h"
 #include "format/shard.h"
 #include "format/survey.h"
@@ -37,7 +39,11 @@ struct CellReport {
   bool on_device = false;                        ///< the kernels ran on a GPU
   std::uint64_t bad_uv = 0;                      ///< triangles baked without their unusable texture coordinates
   std::string note;                              ///< one line that somebody should read, though all is well
+  FileStamp shard = {};  ///< of OUT/<cell.file>, taken after it was published or before it was read back, when baked
 };
+
+/// Relative to OUT: shards/<name>-<fingerprint>.h5.
+std::filesystem::path shard_path(const CellJob& job);
 
 std::vector<std::uint8_t> to_bytes(const CellJob& job);
 std::vector<std::uint8_t> to_bytes(const CellReport& report);

@@ -4,9 +4,11 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <span>
 #include <unistd.h>
 #include <utility>
 
+#include "format/descriptor.h"
 #include "format/error.h"
 
 namespace gigabake {
@@ -21,21 +23,6 @@ constexpr int most_attempts = 1000;
 std::filesystem::path folder_of(const std::filesystem::path& path) {
   return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
 }
-
-class Descriptor {
- public:
-  Descriptor(const std::filesystem::path& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  bool is_open() const { return fd_ >= 0; }
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 void flush_to_disk(const std::filesystem::path& path, int flags) {
   const Descriptor file(path, flags);
@@ -74,13 +61,8 @@ void publish_file(const std::filesystem::path& target, std::string_view content,
   Publication file(target);
   {
     const Descriptor out(file.aside(), O_WRONLY | O_TRUNC);
-    if (!out.is_open()) fail(target, "write");
-    while (!content.empty()) {
-      const ssize_t written = ::write(out.get(), content.data(), content.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written <= 0) fail(target, "write");
-      content.remove_prefix(std::size_t(written));
-    }
+    const std::span bytes(reinterpret_cast<const std::uint8_t*>(content.data()), content.size());
+    if (!out.is_open() || !out.write_all(bytes)) fail(target, "write");
   }
   file.publish(durability);
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <fstream>
 
 #include "format/error.h"
 
@@ -66,21 +65,6 @@ bool is_within(const std::filesystem::path& root, const std::filesystem::path& p
 }
 
 }  // namespace
-
-std::vector<std::uint8_t> read_whole_file(const std::filesystem::path& path, std::uint64_t most_bytes) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw InputError(path, "", "no such file");
-  if (!std::filesystem::is_regular_file(path, error)) throw InputError(path, "", "expected a regular file");
-  const std::uint64_t bytes = std::filesystem::file_size(path, error);
-  if (error) throw InputError(path, "", "cannot be read: " + error.message());
-  if (bytes > most_bytes)
-    throw InputError(path, "", "larger than " + std::to_string(most_bytes) + " bytes; split it into tiles");
-  std::vector<std::uint8_t> content(bytes);
-  std::ifstream in(path, std::ios::binary);
-  if (!in.read(reinterpret_cast<char*>(content.data()), std::streamsize(bytes)))
-    throw InputError(path, "", "cannot be read to its end");
-  return content;
-}
 
 Json parse_json(const std::filesystem::path& file, std::span<const std::uint8_t> text) {
   if (text.size() > largest_json_bytes)
@@ -160,9 +144,11 @@ const Json& get_object(const std::filesystem::path& file, const Json& object, co
   return *j;
 }
 
+std::string uri_path(std::string_view uri) { return percent_decoded(uri.substr(0, uri.find_first_of("?#"))); }
+
 std::filesystem::path resolve_uri(const std::filesystem::path& root, const std::filesystem::path& base,
                                   const std::string& key, std::string_view uri) {
-  const std::string text = percent_decoded(uri.substr(0, uri.find_first_of("?#")));
+  const std::string text = uri_path(uri);
   if (text.empty() || text.find('\0') != std::string::npos)
     throw InputError(base, key, "expected the path of a file, got " + in_quotes(uri));
   if (const auto colon = text.find(':'); colon != std::string::npos && colon < text.find('/'))

@@ -10,13 +10,11 @@
 #include <string_view>
 #include <vector>
 
+#include "format/read_file.h"
+
 namespace gigabake {
 
 using Json = nlohmann::json;
-
-/// Errors  InputError: no such file, not a regular file, larger than `most_bytes`, cannot be read.
-std::vector<std::uint8_t> read_whole_file(const std::filesystem::path& path, std::uint64_t most_bytes = std::uint64_t(1)
-                                                                                                        << 32);
 
 /// Errors  InputError: not JSON (with the byte), nested deeper than 128, or longer than 2^28 bytes.
 Json parse_json(const std::filesystem::path& file, std::span<const std::uint8_t> text);
@@ -41,7 +39,10 @@ const Json& get_array(const std::filesystem::path& file, const Json& object, con
 const Json& get_object(const std::filesystem::path& file, const Json& object, const std::string& where,
                        const char* key);
 
-/// The file that `uri`, written in `base`, names: percent-decoded, query and fragment cut off.
+/// The path in `uri`: percent-decoded, query and fragment cut off.
+std::string uri_path(std::string_view uri);
+
+/// The file that `uri`, written in `base`, names by its uri_path().
 /// Errors  InputError: a scheme other than a plain path, an absolute path, or a file (symbolic links followed) outside
 ///         `root`. The file need not exist.
 std::filesystem::path resolve_uri(const std::filesystem::path& root, const std::filesystem::path& base,

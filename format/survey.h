@@ -5,9 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "format/file_stamp.h"
 #include "format/shard.h"
 
 namespace gigabake {
+
+/// Raised whenever survey_tile() would give another answer for the same files, or TileSurvey has other fields: surveys
+/// that were kept from earlier bakes are then made anew.
+inline constexpr std::uint32_t survey_version = 1;
 
 /// One column of N×N voxels that a tile's triangles touch.
 struct ColumnExtent {
@@ -23,8 +28,9 @@ struct TileSurvey {
   std::uint64_t non_finite = 0;       ///< triangles dropped: a vertex is NaN/Inf
   std::uint64_t zero_area = 0;        ///< triangles dropped: no area, in the source or after the snap
   std::uint64_t skipped_points = 0, skipped_lines = 0;
-  Hash128 source;     ///< tile_hash() of what was surveyed
-  std::string error;  ///< one line; not empty: the tile could not be read and has no columns
+  Hash128 source;                       ///< tile_hash() of what was surveyed
+  std::string error;                    ///< one line; not empty: the tile could not be read and has no columns
+  std::vector<StampedFile> files = {};  ///< what tile_hash() read, as it was before anything was read
 };
 
 }  // namespace gigabake

@@ -50,7 +50,4 @@ class CellPipeline {
   std::unique_ptr<Stages> stages_;
 };
 
-/// Relative to OUT: shards/<name>-<fingerprint>.h5.
-std::filesystem::path shard_path(const CellJob& job);
-
 }  // namespace gigabake

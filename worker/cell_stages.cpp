@@ -59,10 +59,6 @@ void decide(CellInHand& cell, CellOutcome outcome) {
 
 }  // namespace
 
-std::filesystem::path shard_path(const CellJob& job) {
-  return std::filesystem::path("shards") / (job.name + "-" + job.fingerprint.hex() + ".h5");
-}
-
 CellInHand::CellInHand(CellJob cell_job) : job(std::move(cell_job)) { report.id = job.id; }
 
 CellStages::CellStages(SceneSources sources, BakeParameters parameters, const WorkerOptions& options)
@@ -101,7 +97,9 @@ void CellStages::make_baker() {
 
 void CellStages::read(CellInHand& cell) {
   const std::filesystem::path path = options_.out / shard_path(cell.job);
+  const FileStamp before = stamp_of(path).value_or(FileStamp{});
   if (const auto shard = published_shard(path, cell.job)) {
+    cell.report.shard = before;
     cell.report.cell = scene_cell(cell.job, *shard, std::filesystem::file_size(path));
     return decide(cell, CellOutcome::baked);
   }
@@ -144,7 +142,9 @@ void CellStages::take_stats(CellInHand& cell) const {
 void CellStages::write(CellInHand& cell) {
   const ShardHeader header = header_of(cell);
   const Shard shard = shard_from_volume(std::exchange(cell.volume, {}), header);
-  const std::uint64_t bytes = write_shard(options_.out / shard_path(cell.job), shard, {options_.threads});
+  const std::filesystem::path path = options_.out / shard_path(cell.job);
+  const std::uint64_t bytes = write_shard(path, shard, {options_.threads});
+  cell.report.shard = stamp_of(path).value_or(FileStamp{});
   cell.report.cell = scene_cell(cell.job, shard, bytes);
   decide(cell, CellOutcome::baked);
 }

@@ -168,6 +168,8 @@ TileSurvey survey_tile(const SceneSources& sources, std::uint32_t tile, const Ba
   survey.tile = tile;
   const TileRef& ref = sources.tiles.at(tile);
   try {
+    // First of all: the files' stamps must be older than everything that is read of them.
+    TileIdentity identity = identify_tile(ref, sources.root);
     const TileMesh mesh = read_tile(ref, sources.root, ReadScope::positions_only);
     survey.triangles = mesh.counts.triangles;
     survey.skipped_points = mesh.counts.skipped_points;
@@ -176,7 +178,8 @@ TileSurvey survey_tile(const SceneSources& sources, std::uint32_t tile, const Ba
     for (const Instance& instance : mesh.instances)
       surveyor.add(mesh.primitives[std::size_t(instance.primitive)], instance);
     surveyor.finish(survey);
-    survey.source = tile_hash(ref, sources.root);
+    survey.source = identity.hash;
+    survey.files = std::move(identity.files);
     return survey;
   } catch (const std::bad_alloc&) {
     return unreadable(tile, ref.path.string() + ": not enough memory to read it");

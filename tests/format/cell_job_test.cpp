@@ -19,11 +19,21 @@ CellReport some_report() {
   r.error = "one line\twith ä";
   r.cell = {"c", "shards/c.h5", {1, 2, -3}, 64, 4, 5, 6, {7, 8, 9, 10}, {11, 12}, {{13, 14}, {15, 16}}};
   r.read_s = 0.1, r.kernel_s = 1e-300, r.write_s = 3, r.peak_bytes = 1ull << 40;
+  r.shard = {5, -6, 7, 8};
   return r;
 }
 
 TileSurvey some_survey() {
-  return {5, {{-1, 2, -300, 400, 17}, {0, 0, 1, 2, 3}}, 1, 2, 3, 4, 5, {6, 7}, "cannot be read"};
+  return {5,
+          {{-1, 2, -300, 400, 17}, {0, 0, 1, 2, 3}},
+          1,
+          2,
+          3,
+          4,
+          5,
+          {6, 7},
+          "cannot be read",
+          {{"a.gltf", {1, 2, 3, 4}, true}, {"b c.bin", {}, false}}};
 }
 
 TEST(CellJob, ComesBackFromItsBytes) {
@@ -56,6 +66,7 @@ TEST(CellReport, ComesBackFromItsBytes) {
   EXPECT_EQ(back.cell.content_hash, report.cell.content_hash);
   EXPECT_EQ(back.kernel_s, report.kernel_s);
   EXPECT_EQ(back.peak_bytes, report.peak_bytes);
+  EXPECT_EQ(back.shard, report.shard);
 }
 
 TEST(TileSurvey, ComesBackFromItsBytes) {
@@ -67,6 +78,11 @@ TEST(TileSurvey, ComesBackFromItsBytes) {
   EXPECT_EQ(back.skipped_lines, survey.skipped_lines);
   EXPECT_EQ(back.source, survey.source);
   EXPECT_EQ(back.error, survey.error);
+  ASSERT_EQ(back.files.size(), 2u);
+  EXPECT_EQ(back.files[0].name, "a.gltf");
+  EXPECT_EQ(back.files[0].stamp, survey.files[0].stamp);
+  EXPECT_TRUE(back.files[0].settled);
+  EXPECT_FALSE(back.files[1].settled);
 }
 
 template <class Read>

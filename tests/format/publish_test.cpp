@@ -1,14 +1,13 @@
 #include "format/publish.h"
 
-#include <csignal>
 #include <fstream>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "format/error.h"
 #include "made_shard.h"
+#include "small_disk.h"
 
 namespace gigabake {
 namespace {
@@ -23,24 +22,6 @@ std::string content(const std::filesystem::path& path) {
 std::size_t files_in(const TempFolder& folder) {
   return std::size_t(std::distance(std::filesystem::directory_iterator(folder.path()), {}));
 }
-
-/// No file may grow beyond so many bytes, as on a full disk; also for the superuser.
-class SmallDisk {
- public:
-  explicit SmallDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit small{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &small);
-  }
-  ~SmallDisk() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-
- private:
-  void (*handler_)(int);
-  rlimit before_{};
-};
 
 TEST(Publish, ReplacesAFileAndLeavesNothingElse) {
   const TempFolder folder;

@@ -154,6 +154,10 @@ TEST_F(CellPipelineTest, TakesOverAWholeShardOfTheSameFingerprint) {
     EXPECT_EQ(second[i].cell.bytes, first[i].cell.bytes);
     EXPECT_EQ(second[i].cell.triangles, first[i].cell.triangles);
     EXPECT_EQ(second[i].kernel_s, 0);
+    EXPECT_EQ(second[i].shard, first[i].shard);
+    if (first[i].outcome == CellOutcome::baked) {
+      EXPECT_EQ(first[i].shard, stamp_of(folder.path() / "out" / first[i].cell.file));
+    }
   }
 }
 

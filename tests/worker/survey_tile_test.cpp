@@ -92,6 +92,16 @@ TEST(SurveyTile, NamesWhatItSurveyedByItsContent) {
   EXPECT_NE(source("a.glb"), source("c.glb"));
 }
 
+TEST(SurveyTile, SaysWhichFilesItReadAsTheyWereBefore) {
+  const ScratchFolder folder;
+  write_glb(folder.path() / "a.glb", rolling_ground(4, 0, 0));
+  const TileSurvey s = survey(folder.path(), "a.glb", fine_lattice());
+  ASSERT_EQ(s.files.size(), 1u);
+  EXPECT_EQ(s.files[0].name, "a.glb");
+  EXPECT_EQ(s.files[0].stamp, stamp_of(folder.path() / "a.glb"));
+  EXPECT_FALSE(s.files[0].settled) << "it was written just now";
+}
+
 TEST(SurveyTile, SaysInOneLineWhyATileCannotBeRead) {
   const ScratchFolder folder;
   std::ofstream(folder.path() / "torn.glb") << "glTF";

@@ -1,0 +1,36 @@
+/// An open file of the system's, closed with its owner.
+#pragma once
+
+#include <cstdint>
+#include <fcntl.h>
+#include <filesystem>
+#include <span>
+#include <unistd.h>
+#include <utility>
+
+namespace gigabake {
+
+class Descriptor {
+ public:
+  Descriptor() = default;
+  /// flags as open(2). errno says why it is not open.
+  Descriptor(const std::filesystem::path& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
+  bool is_open() const { return fd_ >= 0; }
+  int get() const { return fd_; }
+
+  /// All of `bytes`, at the file's position. False: errno says why; a part may have been written.
+  bool write_all(std::span<const std::uint8_t> bytes) const;
+
+ private:
+  int fd_ = -1;
+};
+
+}  // namespace gigabake

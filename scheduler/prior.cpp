@@ -1,0 +1,88 @@
+#include "scheduler/prior.h"
+
+#include <optional>
+
+#include "format/parallel.h"
+
+namespace gigabake {
+namespace {
+
+struct PriorCell {
+  PriorReason reason;
+  std::optional<CellReport> done;
+};
+
+/// As the journal has it, without the run that it came from.
+CellReport taken_over(const CellJob& job, CellReport report) {
+  report.id = job.id;
+  report.read_s = report.kernel_s = report.write_s = 0;
+  report.peak_bytes = 0;
+  report.on_device = false;
+  report.note.clear();
+  return report;
+}
+
+/// A report that is another cell's, whatever its fingerprint says, is of no use.
+bool describes(const SceneCell& cell, const CellJob& job, const FileStamp& shard) {
+  return cell.name == job.name && cell.file == shard_path(job).generic_string() &&
+         cell.lattice_min == job.lattice_min && cell.cell_voxels == job.cell_voxels &&
+         cell.fingerprint == job.fingerprint && cell.bytes == shard.size;
+}
+
+PriorCell prior_cell(const CellJob& job, const JournalContent& journal, const std::filesystem::path& out) {
+  std::optional<CellReport> known = journal.find(job.fingerprint);
+  if (known && known->outcome == CellOutcome::empty)
+    return {PriorReason::unchanged, taken_over(job, std::move(*known))};
+  const std::optional<FileStamp> shard = stamp_of(out / shard_path(job));
+  if (shard != FileStamp{}) {
+    const bool is_trusted = known && known->outcome == CellOutcome::baked && shard && known->shard == *shard &&
+                            describes(known->cell, job, *shard);
+    if (is_trusted) return {PriorReason::unchanged, taken_over(job, std::move(*known))};
+    return {PriorReason::to_be_checked, {}};
+  }
+  if (known) return {PriorReason::shard_missing, {}};
+  return {journal.knows_cell(job.name) ? PriorReason::inputs_changed : PriorReason::new_cell, {}};
+}
+
+}  // namespace
+
+const char* text(PriorReason reason) {
+  switch (reason) {
+    case PriorReason::unchanged:
+      return "unchanged";
+    case PriorReason::to_be_checked:
+      return "shard to be checked";
+    case PriorReason::shard_missing:
+      return "shard missing";
+    case PriorReason::inputs_changed:
+      return "inputs changed";
+    case PriorReason::new_cell:
+      return "new cell";
+  }
+  return "";
+}
+
+std::array<std::size_t, prior_reasons> PriorResults::counts() const {
+  std::array<std::size_t, prior_reasons> out{};
+  for (const PriorReason r : reasons) ++out.at(std::size_t(r));
+  return out;
+}
+
+PriorResults find_prior(const BakePlan& plan, const JournalContent& journal, const std::filesystem::path& out,
+                        int threads) {
+  std::vector<std::optional<CellReport>> done(plan.jobs.size());
+  PriorResults results;
+  results.reasons.resize(plan.jobs.size());
+  parallel_ranges(plan.jobs.size(), 256, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      PriorCell cell = prior_cell(plan.jobs[i], journal, out);
+      results.reasons[i] = cell.reason;
+      done[i] = std::move(cell.done);
+    }
+  });
+  for (std::optional<CellReport>& report : done)
+    if (report) results.done.push_back(std::move(*report));
+  return results;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,133 @@
+#include "scheduler/survey_cache.h"
+
+#define XXH_INLINE_ALL
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <xxhash.h>
+
+#include "format/bytes.h"
+#include "format/cell_job.h"
+#include "format/parallel.h"
+#include "format/publish.h"
+#include "format/read_file.h"
+#include "format/tile_hash.h"
+
+namespace gigabake {
+namespace {
+
+constexpr std::array<char, 16> magic = {'g', 'i', 'g', 'a', 'b', 'a', 'k', 'e', ' ', 's', 'u', 'r', 'v', 'e', 'y', 's'};
+constexpr std::uint64_t largest_file = std::uint64_t(1) << 40;
+
+struct FileHeader {
+  std::array<char, 16> magic;
+  std::uint64_t version, bytes;
+  Hash128 hash;  ///< XXH3 of what follows
+};
+static_assert(sizeof(FileHeader) == 48);
+
+Hash128 hash_of(std::span<const std::uint8_t> bytes) {
+  const XXH128_hash_t h = XXH3_128bits(bytes.data(), bytes.size());
+  return {h.low64, h.high64};
+}
+
+/// All that a survey depends on, but for the content of the files.
+Hash128 key_of(const TileRef& tile, const BakeParameters& p) {
+  ByteWriter w;
+  w.put(survey_version);
+  w.put(tile.name);
+  w.put(tile.kind);
+  w.put(tile.gltf_up);
+  w.put(tile.scene_from_tile.m);
+  w.put(p.voxel_size_m);
+  w.put(p.lattice_origin_m);
+  w.put(p.cell_voxels);
+  w.put(p.surface);
+  return hash_of(w.take());
+}
+
+bool is_worth_keeping(const TileSurvey& survey) {
+  return survey.error.empty() && !survey.files.empty() &&
+         std::all_of(survey.files.begin(), survey.files.end(), [](const StampedFile& f) { return f.settled; });
+}
+
+bool is_as_it_was(const TileRef& tile, const TileSurvey& survey) {
+  return is_worth_keeping(survey) && std::all_of(survey.files.begin(), survey.files.end(), [&](const StampedFile& f) {
+           return stamp_of(path_of(tile, f)) == f.stamp;
+         });
+}
+
+}  // namespace
+
+SurveyCache::SurveyCache(const std::filesystem::path& path) {
+  try {
+    load(path);
+  } catch (const std::exception&) {
+    surveys_.clear();  // a cache that cannot be read costs the surveys, not the bake
+  }
+}
+
+void SurveyCache::load(const std::filesystem::path& path) {
+  bytes_ = read_whole_file(path, largest_file);
+  FileHeader h{};
+  if (bytes_.size() < sizeof h) return;
+  std::memcpy(&h, bytes_.data(), sizeof h);
+  const std::span content = std::span<const std::uint8_t>(bytes_).subspan(sizeof h);
+  if (h.magic != magic || h.version != survey_version || h.bytes != content.size() || h.hash != hash_of(content))
+    return;
+  for (std::size_t at = 0; at < content.size();) {
+    ByteReader r(content.subspan(at), "survey cache");
+    Hash128 key;
+    std::uint64_t bytes = 0;
+    r.get(key);
+    r.get(bytes);
+    at += sizeof key + sizeof bytes;
+    if (bytes > content.size() - at) throw InputError(path, "", "a survey reaches beyond the end", at);
+    surveys_[key] = content.subspan(at, bytes);
+    at += bytes;
+  }
+}
+
+std::optional<TileSurvey> SurveyCache::find(const SceneSources& sources, std::uint32_t tile,
+                                            const BakeParameters& parameters) const {
+  const TileRef& ref = sources.tiles.at(tile);
+  const auto it = surveys_.find(key_of(ref, parameters));
+  if (it == surveys_.end()) return std::nullopt;
+  try {
+    TileSurvey survey = survey_from_bytes(it->second);
+    if (!is_as_it_was(ref, survey)) return std::nullopt;
+    survey.tile = tile;
+    return survey;
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+std::vector<std::optional<TileSurvey>> SurveyCache::find_all(const SceneSources& sources,
+                                                             const BakeParameters& parameters, int threads) const {
+  std::vector<std::optional<TileSurvey>> found(sources.tiles.size());
+  parallel_ranges(found.size(), 64, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) found[i] = find(sources, std::uint32_t(i), parameters);
+  });
+  return found;
+}
+
+void save_survey_cache(const std::filesystem::path& path, const SceneSources& sources, const BakeParameters& parameters,
+                       std::span<const TileSurvey> surveys) {
+  std::string content;
+  const auto put = [&content](const std::vector<std::uint8_t>& bytes) {
+    content.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  };
+  for (const TileSurvey& survey : surveys) {
+    if (!is_worth_keeping(survey)) continue;
+    ByteWriter w;
+    w.put(key_of(sources.tiles.at(survey.tile), parameters));
+    w.put(to_bytes(survey));
+    put(w.take());
+  }
+  const std::span bytes(reinterpret_cast<const std::uint8_t*>(content.data()), content.size());
+  const FileHeader header{magic, survey_version, content.size(), hash_of(bytes)};
+  publish_file(path, std::string(reinterpret_cast<const char*>(&header), sizeof header) + content);
+}
+
+}  // namespace gigabake

@@ -1,0 +1,81 @@
+#!/usr/bin/env python3
+"""What a bake leaves for the next one: `plan -o`, the lock of OUT, `--prune`.
+
+Usage: prior_test.py GIGABAKE SOURCE_DIR
+"""
+import fcntl
+import json
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import harness
+
+SQUARE = ([(0, 0, 0), (3, 0, 0), (0, 0, -3), (3, 0, -3)], [(0, 1, 2), (1, 3, 2)])
+
+
+class Prior(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = Path(folder.name)
+        self.source, self.out = self.root / "square.glb", self.root / "out"
+        harness.write_glb(self.source, *SQUARE)
+
+    def bake(self, *arguments, voxel_size=0.25):
+        return json.loads(PROGRAM.succeed("bake", self.source, "-o", self.out, "--voxel-size", voxel_size,
+                                          "--cell-voxels", 8, "--json", *arguments))
+
+    def plan(self, *arguments):
+        return PROGRAM.succeed("plan", self.source, "-o", self.out, "--voxel-size", 0.25, "--cell-voxels", 8,
+                               *arguments)
+
+    def files(self):
+        return {p.relative_to(self.root): p.stat().st_mtime_ns for p in self.root.rglob("*")}
+
+    def test_a_plan_says_that_all_is_new_and_makes_no_folder(self):
+        self.assertIn("4 of 4 cells to bake: 4 new; 0 to check, 0 unchanged", self.plan())
+        self.assertFalse(self.out.exists())
+
+    def test_a_plan_names_the_reason_of_each_cell_and_writes_nothing(self):
+        self.bake()
+        next((self.out / "shards").glob("c_0_0_*.h5")).unlink()
+        before = self.files()
+        plan = json.loads(self.plan("--json"))
+        self.assertEqual(self.files(), before)
+        self.assertEqual(sum(plan["prior"].values()), 4)
+        reasons = {job["name"]: job["prior"] for job in plan["jobs"]}
+        self.assertIn(reasons["c_0_0_0"], ("new cell", "shard missing"))
+        self.assertIn(reasons["c_1_1_0"], ("shard to be checked", "unchanged"))
+
+    def test_shards_of_earlier_settings_stay_until_they_are_pruned(self):
+        first = self.bake()
+        self.assertEqual(first["orphans"], {"shards": 0, "bytes": 0})
+        second = self.bake(voxel_size=0.5)
+        self.assertEqual(second["orphans"], {"shards": 4, "bytes": first["bytes"]})
+        self.assertEqual(self.bake()["orphans"]["shards"], 1)
+        third = self.bake("--prune")
+        self.assertEqual((third["orphans"]["shards"], third["pruned"]["shards"]), (0, 1))
+        self.assertEqual(len(list((self.out / "shards").glob("*.h5"))), 4)
+        PROGRAM.succeed("verify", self.out / "scene.xml")
+
+    def test_a_second_bake_into_the_same_folder_ends_with_one_line_and_touches_nothing(self):
+        self.bake()
+        with open(self.out / ".lock", "w", encoding="utf-8") as lock:
+            fcntl.lockf(lock, fcntl.LOCK_EX)
+            lock.write("process 7 on elsewhere since noon\n")
+            lock.flush()
+            before = self.files()
+            result = PROGRAM.run("bake", self.source, "-o", self.out, "--voxel-size", 1)
+            self.assertEqual(result.returncode, 1)
+            self.assertEqual(result.stderr.strip().splitlines()[-1],
+                             f"gigabake: {self.out}: is being baked into by process 7 on elsewhere since noon")
+            self.assertEqual(self.files(), before)
+        self.bake()
+        self.assertFalse((self.out / ".lock").exists())
+
+
+if __name__ == "__main__":
+    PROGRAM = harness.Gigabake(sys.argv[1])
+    unittest.main(argv=sys.argv[:1])

@@ -1,0 +1,119 @@
+#include "cluster/output_folder.h"
+
+#include <csignal>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "format/error.h"
+#include "tests/scheduler/made_bake.h"
+
+namespace gigabake {
+namespace {
+
+namespace fs = std::filesystem;
+
+class OutputFolderTest : public ::testing::Test {
+ protected:
+  fs::path out() const { return folder / "out"; }
+  std::string line_of_a_second_bake() const {
+    try {
+      const OutputFolder second(out(), folder / "scene.glb");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  SceneDescription scene_of(const BakePlan& plan) const {
+    SceneDescription scene;
+    scene.voxel_size_m = 1;
+    for (const CellJob& job : plan.jobs) scene.cells.push_back(bake_cell_of_text(job, out()).cell);
+    return scene;
+  }
+
+  TestFolder folder;
+};
+
+TEST_F(OutputFolderTest, HasOneBakeAtATimeAndNamesIt) {
+  EXPECT_EQ(lock_holder(out()), std::nullopt);
+  {
+    const OutputFolder first(out(), folder / "scene.glb");
+    const std::string holder = lock_holder(out()).value();
+    EXPECT_EQ(holder.find("process " + std::to_string(::getpid()) + " on "), 0u) << holder;
+    EXPECT_NE(holder.find(" since 2"), std::string::npos) << holder;
+    write_text(out() / "shards/.c_0_0_0.h5.1-1.part", "somebody writes");
+    const std::string line = line_of_a_second_bake();
+    EXPECT_EQ(line, out().string() + ": is being baked into by " + holder);
+    EXPECT_TRUE(fs::exists(out() / "shards/.c_0_0_0.h5.1-1.part"));
+    EXPECT_EQ(lock_holder(out()), holder);
+  }
+  EXPECT_EQ(lock_holder(out()), std::nullopt);
+  EXPECT_EQ(line_of_a_second_bake(), "");
+}
+
+TEST_F(OutputFolderTest, IsFreeAgainWhenItsHolderWasKilled) {
+  fs::create_directories(out());
+  int ready[2];
+  ASSERT_EQ(::pipe(ready), 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const FolderLock lock(out());
+    if (::write(ready[1], "x", 1) != 1) ::_exit(1);
+    ::pause();
+  }
+  char byte = 0;
+  ASSERT_EQ(::read(ready[0], &byte, 1), 1);
+  EXPECT_EQ(lock_holder(out()).value().find("process " + std::to_string(child) + " on "), 0u);
+  EXPECT_NE(line_of_a_second_bake(), "");
+  ::kill(child, SIGKILL);
+  ASSERT_EQ(::waitpid(child, nullptr, 0), child);
+  EXPECT_TRUE(fs::exists(out() / ".lock"));
+  EXPECT_EQ(lock_holder(out()), std::nullopt);
+  EXPECT_EQ(line_of_a_second_bake(), "");
+  ::close(ready[0]), ::close(ready[1]);
+}
+
+TEST_F(OutputFolderTest, KeepsShardsOfEarlierBakesUntilTheyArePruned) {
+  const OutputFolder folder_held(out(), folder / "scene.glb");
+  scene_of(made_plan(3, 1));
+  const SceneDescription scene = scene_of(made_plan(2, 2));
+  write_text(out() / "shards/notes.txt", "a stranger's");
+  folder_held.publish(scene);
+  const OrphanShards orphans = folder_held.orphans(scene);
+  EXPECT_EQ(orphans.files, 3u);
+  EXPECT_EQ(orphans.bytes, 3 * std::string("shard of c_0_0_0").size());
+  const OrphanShards gone = folder_held.remove_orphans(scene);
+  EXPECT_EQ(gone.files, 3u);
+  EXPECT_EQ(gone.bytes, orphans.bytes);
+  EXPECT_EQ(folder_held.orphans(scene).files, 0u);
+  for (const SceneCell& cell : scene.cells) EXPECT_TRUE(fs::exists(out() / cell.file));
+  EXPECT_TRUE(fs::exists(out() / "shards/notes.txt"));
+}
+
+TEST_F(OutputFolderTest, RemovesWhatKilledWritersLeftWhenItIsOpenedAndWhenItPublishes) {
+  const std::vector<std::string> leftovers = {"shards/.c_0_0_0-ab.h5.9-1.part", ".scene.xml.9-1.part",
+                                              ".journal.9-1.part", ".survey.cache.9-1.part"};
+  const auto write_them = [&] {
+    for (const std::string& name : leftovers) write_text(out() / name, "half");
+  };
+  const auto left = [&] {
+    return std::count_if(leftovers.begin(), leftovers.end(),
+                         [&](const auto& name) { return fs::exists(out() / name); });
+  };
+  write_them();
+  write_text(out() / ".notes.part", "a stranger's");
+  const OutputFolder folder_held(out(), folder / "scene.glb");
+  EXPECT_EQ(left(), 0);
+  write_them();
+  folder_held.publish(scene_of(made_plan(1)));
+  EXPECT_EQ(left(), 0);
+  EXPECT_TRUE(fs::exists(out() / ".notes.part"));
+}
+
+TEST_F(OutputFolderTest, GoesWithWhatItMadeWhereNothingWasBaked) {
+  { const OutputFolder made(folder / "new/out", folder / "scene.glb"); }
+  EXPECT_FALSE(fs::exists(folder / "new"));
+}
+
+}  // namespace
+}  // namespace gigabake

@@ -1,0 +1,242 @@
+#include "scheduler/survey_cache.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <thread>
+
+#include "format/tile_hash.h"
+#include "made_bake.h"
+#include "scheduler/plan.h"
+
+namespace gigabake {
+namespace {
+
+class SurveyCacheTest : public ::testing::Test {
+ protected:
+  /// Two tiles with a buffer each and one image for both, tile 1 placed twice.
+  void SetUp() override {
+    write_tile("a");
+    write_tile("b");
+    write_text(folder / "scene/skin.png", "texels");
+    sources.root = folder / "scene";
+    for (const char* name : {"a", "b", "b"}) {
+      TileRef tile;
+      tile.name = std::string(name) + ".gltf";
+      tile.path = sources.root / tile.name;
+      tile.kind = ContentKind::gltf;
+      tile.scene_from_tile.m[0][3] = double(sources.tiles.size());
+      sources.tiles.push_back(tile);
+    }
+    parameters.voxel_size_m = 0.5;
+  }
+  void write_tile(const std::string& name) const {
+    write_text(folder / "scene" / (name + ".gltf"),
+               R"({"buffers": [{"uri": ")" + name + R"(%20.bin"}], "images": [{"uri": "skin.png"}]})");
+    write_text(folder / "scene" / (name + " .bin"), "positions of " + name);
+  }
+  /// As survey_tile() makes it; `settled` as if the files were old.
+  TileSurvey survey(std::uint32_t tile, bool settled = true) const {
+    TileIdentity identity = identify_tile(sources.tiles[tile], sources.root);
+    TileSurvey s;
+    s.tile = tile;
+    s.columns = {{tile, 0, 0, 8, 5}};
+    s.triangles = 5;
+    s.source = identity.hash;
+    s.files = std::move(identity.files);
+    for (StampedFile& file : s.files) file.settled = file.settled || settled;
+    return s;
+  }
+  void save(bool settled = true) const {
+    save_survey_cache(path(), sources, parameters,
+                      std::vector{survey(0, settled), survey(1, settled), survey(2, settled)});
+  }
+  /// Which tiles need no survey, as "101".
+  std::string found() const {
+    std::string out;
+    for (const auto& s : SurveyCache(path()).find_all(sources, parameters, 2)) out += s ? '1' : '0';
+    return out;
+  }
+  std::filesystem::path path() const { return folder / "survey.cache"; }
+
+  TestFolder folder;
+  SceneSources sources;
+  BakeParameters parameters;
+};
+
+void expect_equal(const TileSurvey& a, const TileSurvey& b) {
+  EXPECT_EQ(a.tile, b.tile);
+  EXPECT_EQ(a.source, b.source);
+  EXPECT_EQ(a.triangles, b.triangles);
+  ASSERT_EQ(a.columns.size(), b.columns.size());
+  EXPECT_EQ(a.columns[0].column_x, b.columns[0].column_x);
+}
+
+TEST_F(SurveyCacheTest, GivesBackTheSurveysOfFilesThatNobodyTouched) {
+  save();
+  EXPECT_EQ(found(), "111");
+  const SurveyCache cache(path());
+  for (std::uint32_t tile = 0; tile < 3; ++tile)
+    expect_equal(cache.find(sources, tile, parameters).value(), survey(tile));
+}
+
+TEST_F(SurveyCacheTest, FindsATileUnderAnotherNumber) {
+  save();
+  std::swap(sources.tiles[0], sources.tiles[2]);
+  EXPECT_EQ(SurveyCache(path()).find(sources, 2, parameters)->tile, 2u);
+}
+
+TEST_F(SurveyCacheTest, AChangedFileOfATileAsksForASurvey) {
+  save();
+  write_text(folder / "scene/b .bin", "positions of c");
+  EXPECT_EQ(found(), "100");
+  save();
+  EXPECT_EQ(found(), "111");
+  write_text(folder / "scene/skin.png", "others");
+  EXPECT_EQ(found(), "000");
+}
+
+TEST_F(SurveyCacheTest, AFileThatVanishesOrAppearsAsksForASurvey) {
+  std::filesystem::remove(folder / "scene/skin.png");
+  save();
+  EXPECT_EQ(found(), "111");
+  write_text(folder / "scene/skin.png", "");
+  EXPECT_EQ(found(), "000");
+  save();
+  std::filesystem::remove(folder / "scene/a .bin");
+  EXPECT_EQ(found(), "011");
+}
+
+TEST_F(SurveyCacheTest, ALinkThatLeadsElsewhereAsksForASurvey) {
+  write_text(folder / "scene/old.png", "same");
+  write_text(folder / "scene/new.png", "size");
+  std::filesystem::remove(folder / "scene/skin.png");
+  std::filesystem::create_symlink("old.png", folder / "scene/skin.png");
+  save();
+  EXPECT_EQ(found(), "111");
+  std::filesystem::remove(folder / "scene/skin.png");
+  std::filesystem::create_symlink("new.png", folder / "scene/skin.png");
+  EXPECT_EQ(found(), "000");
+}
+
+TEST_F(SurveyCacheTest, APathThroughAFolderThatIsNotThereIsNeverTrusted) {
+  write_text(folder / "scene/a.gltf", R"({"images": [{"uri": "absent/../skin.png"}]})");
+  const TileIdentity identity = identify_tile(sources.tiles[0], sources.root);
+  ASSERT_EQ(identity.files.size(), 2u);
+  EXPECT_FALSE(identity.files[1].settled);
+}
+
+TEST_F(SurveyCacheTest, AnEditThatSetsSizeAndTimeBackAsksForASurvey) {
+  save();
+  struct stat before {};
+  ASSERT_EQ(::stat((folder / "scene/a .bin").c_str(), &before), 0);
+  write_text(folder / "scene/a .bin", "POSITIONS of a");
+  const timespec times[2] = {before.st_atim, before.st_mtim};
+  ASSERT_EQ(::utimensat(AT_FDCWD, (folder / "scene/a .bin").c_str(), times, 0), 0);
+  EXPECT_EQ(found(), "011");
+}
+
+TEST_F(SurveyCacheTest, ATouchedFileOfEqualContentIsSurveyedAgainAndGivesTheSameFingerprint) {
+  save();
+  const TileSurvey before = survey(0);
+  const timespec times[2] = {{1000, 0}, {1000, 0}};
+  ASSERT_EQ(::utimensat(AT_FDCWD, (folder / "scene/a.gltf").c_str(), times, 0), 0);
+  EXPECT_EQ(found(), "011");
+  EXPECT_EQ(make_plan({survey(0), survey(1), survey(2)}, sources, parameters).jobs[0].fingerprint,
+            make_plan({before, survey(1), survey(2)}, sources, parameters).jobs[0].fingerprint);
+}
+
+TEST_F(SurveyCacheTest, AMovedTileOrAnotherLatticeAsksForASurvey) {
+  save();
+  sources.tiles[1].scene_from_tile.m[2][3] += 1e-9;
+  EXPECT_EQ(found(), "101");
+  sources.tiles[1].scene_from_tile.m[2][3] = 0;
+  sources.tiles[0].gltf_up = UpAxis::x;
+  EXPECT_EQ(found(), "011");
+  sources.tiles[0].gltf_up = UpAxis::y;
+  parameters.normals = false;  // no matter of surveys
+  parameters.mip = MipFilter::box;
+  EXPECT_EQ(found(), "111");
+  for (const auto& change : std::vector<void (*)(BakeParameters&)>{
+           [](BakeParameters& p) { p.voxel_size_m = 0.25; }, [](BakeParameters& p) { p.lattice_origin_m[1] = 1; },
+           [](BakeParameters& p) { p.cell_voxels = 512; }, [](BakeParameters& p) { p.surface = SurfaceRule::thin; }}) {
+    const BakeParameters before = parameters;
+    change(parameters);
+    EXPECT_EQ(found(), "000");
+    parameters = before;
+  }
+}
+
+TEST_F(SurveyCacheTest, DoesNotKeepWhatWasReadWithinTwoSecondsOfAWrite) {
+  save(false);
+  EXPECT_EQ(found(), "000");
+  EXPECT_EQ(SurveyCache(path()).size(), 0u);
+}
+
+TEST_F(SurveyCacheTest, KeepsWhatWasReadLaterThanThat) {
+  std::this_thread::sleep_for(std::chrono::milliseconds(2100));
+  save(false);
+  EXPECT_EQ(found(), "111");
+}
+
+TEST_F(SurveyCacheTest, DoesNotKeepTilesThatCouldNotBeRead) {
+  TileSurvey failed = survey(0);
+  failed.error = "cannot be read";
+  save_survey_cache(path(), sources, parameters, std::vector{failed, survey(1)});
+  EXPECT_EQ(found(), "010");
+}
+
+TEST_F(SurveyCacheTest, OfAFileThatIsAbsentCutOrForeignIsEmpty) {
+  EXPECT_EQ(found(), "000");
+  save();
+  const std::string whole = read_text(path());
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    write_text(path(), whole.substr(0, size));
+    ASSERT_EQ(SurveyCache(path()).size(), 0u) << size;
+  }
+  write_text(path(), whole + "x");
+  EXPECT_EQ(found(), "000");
+  write_text(path(), "<?xml version=\"1.0\"?>" + whole);
+  EXPECT_EQ(found(), "000");
+  std::filesystem::remove(path());
+  std::filesystem::create_directory(path());
+  EXPECT_EQ(found(), "000");
+}
+
+TEST_F(SurveyCacheTest, WithFlippedBytesIsEmpty) {
+  save();
+  const std::string whole = read_text(path());
+  const std::uint64_t seed = std::random_device{}();
+  std::mt19937_64 random(seed);
+  for (int round = 0; round < 2000; ++round) {
+    std::string damaged = whole;
+    for (std::uint64_t i = 1 + random() % 4; i-- > 0;) damaged[random() % damaged.size()] ^= char(1 + random() % 255);
+    if (damaged == whole) continue;
+    write_text(path(), damaged);
+    ASSERT_EQ(SurveyCache(path()).size(), 0u) << "seed " << seed;
+  }
+}
+
+TEST(FileStamp, IsSettledTwoSecondsAfterTheLastOfItsTimes) {
+  constexpr std::int64_t s = 1'000'000'000;
+  EXPECT_TRUE(is_settled({1, 5 * s, 6 * s, 9}, 8 * s));
+  EXPECT_FALSE(is_settled({1, 5 * s, 6 * s, 9}, 8 * s - 1));
+  EXPECT_FALSE(is_settled({1, 7 * s, 6 * s, 9}, 8 * s));
+  EXPECT_FALSE(is_settled({1, 5 * s, 100 * s, 9}, 8 * s)) << "a change in the future says that clocks differ";
+  EXPECT_TRUE(is_settled({}, 0));
+}
+
+TEST(FileStamp, TellsAbsenceFromIgnorance) {
+  const TestFolder folder;
+  EXPECT_EQ(stamp_of(folder / "absent"), FileStamp{});
+  EXPECT_EQ(stamp_of(folder.path()), FileStamp{});
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_EQ(stamp_of(folder / "pipe"), FileStamp{});
+  std::filesystem::create_symlink("loop", folder / "loop");
+  EXPECT_EQ(stamp_of(folder / "loop"), std::nullopt);
+  EXPECT_FALSE(stamped("loop", folder / "loop").settled);
+  EXPECT_TRUE(stamped("absent", folder / "absent").settled);
+}
+
+}  // namespace
+}  // namespace gigabake
