@@ -69,11 +69,12 @@ class Slurm(unittest.TestCase):
         self.assertEqual(result.returncode, 0, result.stderr)
         return result.stdout
 
-    def submit(self, out, voxel_size, *options):
+    def submit(self, out, voxel_size, *options, cell_voxels=128):
         """The job's number."""
         return self.run_tool("sbatch", "--parsable", "--nodes", 3, "--ntasks-per-node", 1, "-o",
                              self.root / "job.%A.%a.log", *options, SOURCE / "cluster/gigabake.sbatch", "bake",
-                             self.source, "-o", out, "--voxel-size", voxel_size, "--cell-voxels", 128).strip()
+                             self.source, "-o", out, "--voxel-size", voxel_size, "--cell-voxels",
+                             cell_voxels).strip()
 
     def field(self, job, name):
         text = self.run_tool("scontrol", "show", "job", job)
@@ -127,6 +128,20 @@ class Slurm(unittest.TestCase):
         alone = PROGRAM.bake(self.source, self.root / "undisturbed", 0.04, "--cell-voxels", 128)
         self.assertEqual(PROGRAM.info(out / "scene.xml")["content_hash"], alone["content_hash"])
 
+    def test_a_job_that_nears_its_time_limit_drains_and_goes_on_in_the_next(self):
+        out = self.root / "limited"
+        # Slurm looks at its clock twice a minute: the bake must take longer. Many small cells do.
+        job = self.submit(out, 0.05, "--time", "1", "--signal", "B:USR1@55", cell_voxels=16)
+        self.wait_until(lambda: self.field(job, "Restarts") != "0", "the job is not requeued")
+        self.assertIn(self.status(out)["state"], ("drained", "baking", "surveying"), self.logs())
+        # Enough of interruptions: the rest is baked without a limit in the way.
+        self.run_tool("scontrol", "update", f"job={job}", "TimeLimit=30")
+        self.finish(job)
+        PROGRAM.succeed("verify", out / "scene.xml")
+        alone = PROGRAM.bake(self.source, self.root / "unlimited", 0.05, "--cell-voxels", 128)
+        # Levels 0 and 1 are there in cells of any size, and the same.
+        self.assertEqual(harness.lod_hashes(PROGRAM.info(out / "scene.xml"), 2), harness.lod_hashes(alone, 2))
+
     def test_an_array_sweeps_a_parameter(self):
         job = self.submit(self.root / "sweep/%a", "0.%a", "--array", "4,8")
         sizes = {}
@@ -141,4 +156,4 @@ if __name__ == "__main__":
         print(f"skipped: {reason}")
         sys.exit(SKIPPED)
     PROGRAM, SOURCE = harness.Gigabake(str(Path(sys.argv[1]).resolve())), Path(sys.argv[2]).resolve()
-    unittest.main(argv=sys.argv[:1], verbosity=2)
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]], verbosity=2)
