@@ -3,6 +3,7 @@
 
 #include "kernels/cuda_baker.h"
 #include "kernels/cuda_bin.cuh"
+#include "kernels/cuda_download.cuh"
 #include "kernels/cuda_hash.cuh"
 #include "kernels/cuda_input.cuh"
 #include "kernels/cuda_levels.cuh"
@@ -13,6 +14,8 @@ namespace gigabake::kernels {
 namespace {
 
 constexpr int oldest_capability = 8;
+/// The largest level's colours, its normals, and the rest.
+constexpr int download_threads = 3;
 
 /// Times between marks in the stream.
 class StreamClock {
@@ -62,51 +65,6 @@ std::uint64_t quarter_of(int device) {
   cudaDeviceProp p;
   check_cuda(cudaGetDeviceProperties(&p, device), "cudaGetDeviceProperties");
   return p.totalGlobalMem / 4;
-}
-
-template <class To, class T>
-std::vector<To> to_host(cudaStream_t stream, const DeviceArray<T>& array, std::size_t size) {
-  static_assert(sizeof(To) <= sizeof(T) || std::is_integral_v<To>);
-  std::vector<T> host(size);
-  check_cuda(cudaMemcpyAsync(host.data(), array.data(), size * sizeof(T), cudaMemcpyDeviceToHost, stream),
-             "cudaMemcpyAsync (download)");
-  check_cuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize (download)");
-  if constexpr (std::is_same_v<To, T>)
-    return host;
-  else
-    return std::vector<To>(host.begin(), host.end());
-}
-
-/// Voxels stand on the device in one word, on the host byte by byte.
-template <class Byte, class T>
-std::vector<Byte> bytes_to_host(cudaStream_t stream, const DeviceArray<T>& array, std::size_t size) {
-  std::vector<Byte> host(size * sizeof(T));
-  check_cuda(cudaMemcpyAsync(host.data(), array.data(), host.size(), cudaMemcpyDeviceToHost, stream),
-             "cudaMemcpyAsync (download)");
-  check_cuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize (download)");
-  return host;
-}
-
-Level to_host(cudaStream_t stream, const DeviceLevel& d) {
-  Level level;
-  level.key = to_host<std::uint64_t>(stream, d.key, d.bricks);
-  level.mask = to_host<std::uint64_t>(stream, d.mask, 8 * std::size_t(d.bricks));
-  level.first = to_host<std::uint64_t>(stream, d.first, std::size_t(d.bricks) + 1);
-  level.rgba = bytes_to_host<std::uint8_t>(stream, d.rgba, d.voxels);
-  if (d.normal.size() != 0) level.normal = bytes_to_host<std::int8_t>(stream, d.normal, d.voxels);
-  return level;
-}
-
-Nodes to_host(cudaStream_t stream, const DeviceNodes& d) {
-  Nodes nodes;
-  nodes.key = to_host<std::uint64_t>(stream, d.key, d.count);
-  nodes.lod = to_host<std::uint8_t>(stream, d.lod, d.count);
-  nodes.child_mask = to_host<std::uint8_t>(stream, d.child_mask, d.count);
-  nodes.first_child = to_host<std::uint32_t>(stream, d.first_child, d.count);
-  nodes.value = to_host<std::uint32_t>(stream, d.value, d.count);
-  nodes.kind.assign(d.count, NodeKind::brick);
-  nodes.normal.assign(d.count, {});
-  return nodes;
 }
 
 class Volume : public CudaVolume {
@@ -172,17 +130,18 @@ class CudaBaker::Impl {
   CellVolume download(const Volume& volume) {
     start();
     const cudaStream_t stream = download_stream_.handle;
-    CellVolume out;
-    out.stats = volume.cell_stats;
-    if (volume.levels.empty()) return out;
+    if (volume.levels.empty()) {
+      CellVolume empty;
+      empty.stats = volume.cell_stats;
+      return empty;
+    }
     download_clock_.mark(0);
-    out.content_hash = level_hashes(download_heap_, volume.levels, volume.window_min);
+    const std::vector<Sum128> hashes = level_hashes(download_heap_, volume.levels, volume.window_min);
     download_clock_.mark(1);
-    for (const DeviceLevel& level : volume.levels) out.levels.push_back(to_host(stream, level));
-    if (volume.nodes.count != 0)
-      out.nodes = to_host(stream, volume.nodes);
-    else
-      out.nodes = prune(out.levels, host_);
+    CellVolume out = to_host(stream, pinned_, volume.levels, volume.nodes, host_);
+    if (volume.nodes.count == 0) out.nodes = prune(out.levels, host_);
+    out.content_hash = hashes;
+    out.stats = volume.cell_stats;
     out.stats.hash_s = download_clock_.between(0, 1);
     return out;
   }
@@ -222,7 +181,8 @@ class CudaBaker::Impl {
   DeviceTextures textures_;
   BinCapacity bin_capacity_;
   FillRatios fill_ratios_;
-  CpuPolicy host_{1};
+  PinnedBuffer pinned_;
+  CpuPolicy host_{download_threads};
 };
 
 CudaDevices cuda_devices() {

@@ -1,0 +1,101 @@
+#include <functional>
+
+#include "kernels/cuda_download.cuh"
+
+namespace gigabake::kernels {
+namespace {
+
+constexpr std::size_t alignment = 64;
+
+/// Collects what is to be copied; then copies all of it at once and fills the host's arrays from the buffer.
+class Download {
+ public:
+  /// count: of the array's front. to: a vector of T, or of another integer as wide or wider.
+  template <class T, class To>
+  void add(const DeviceArray<T>& from, std::size_t count, std::vector<To>& to) {
+    const std::size_t at = bytes_;
+    bytes_ += (count * sizeof(T) + alignment - 1) / alignment * alignment;
+    copies_.push_back({from.data(), at, count * sizeof(T)});
+    fills_.push_back([at, count, &to](const std::byte* buffer) {
+      const T* values = reinterpret_cast<const T*>(buffer + at);
+      to.assign(values, values + count);
+    });
+  }
+
+  /// As add(), byte by byte.
+  template <class T, class Byte>
+  void add_bytes(const DeviceArray<T>& from, std::size_t count, std::vector<Byte>& to) {
+    const std::size_t at = bytes_, size = count * sizeof(T);
+    bytes_ += (size + alignment - 1) / alignment * alignment;
+    copies_.push_back({from.data(), at, size});
+    fills_.push_back([at, size, &to](const std::byte* buffer) {
+      const Byte* values = reinterpret_cast<const Byte*>(buffer + at);
+      to.assign(values, values + size);
+    });
+  }
+
+  void run(cudaStream_t stream, PinnedBuffer& pinned, const CpuPolicy& policy) const {
+    std::byte* buffer = pinned.reserve(bytes_);
+    for (const Copy& c : copies_)
+      check_cuda(cudaMemcpyAsync(buffer + c.at, c.from, c.bytes, cudaMemcpyDeviceToHost, stream),
+                 "cudaMemcpyAsync (download)");
+    check_cuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize (download)");
+    policy.parallel_for(fills_.size(), 1, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t i = begin; i < end; ++i) fills_[i](buffer);
+    });
+  }
+
+ private:
+  struct Copy {
+    const void* from;
+    std::size_t at, bytes;
+  };
+  std::size_t bytes_ = 0;
+  std::vector<Copy> copies_;
+  std::vector<std::function<void(const std::byte*)>> fills_;
+};
+
+void add(Download& download, const DeviceLevel& d, Level& level) {
+  download.add_bytes(d.rgba, d.voxels, level.rgba);  // the longest first
+  if (d.normal.size() != 0) download.add_bytes(d.normal, d.voxels, level.normal);
+  download.add(d.mask, 8 * std::size_t(d.bricks), level.mask);
+  download.add(d.key, d.bricks, level.key);
+  download.add(d.first, std::size_t(d.bricks) + 1, level.first);
+}
+
+void add(Download& download, const DeviceNodes& d, Nodes& nodes) {
+  download.add(d.key, d.count, nodes.key);
+  download.add(d.lod, d.count, nodes.lod);
+  download.add(d.child_mask, d.count, nodes.child_mask);
+  download.add(d.first_child, d.count, nodes.first_child);
+  download.add(d.value, d.count, nodes.value);
+  nodes.kind.assign(d.count, NodeKind::brick);
+  nodes.normal.assign(d.count, {});
+}
+
+}  // namespace
+
+PinnedBuffer::~PinnedBuffer() { cudaFreeHost(data_); }
+
+std::byte* PinnedBuffer::reserve(std::size_t bytes) {
+  if (bytes <= bytes_) return data_;
+  check_cuda(cudaFreeHost(data_), "cudaFreeHost");
+  data_ = nullptr;
+  bytes_ = 0;
+  check_cuda(cudaMallocHost(&data_, bytes), "cudaMallocHost");
+  bytes_ = bytes;
+  return data_;
+}
+
+CellVolume to_host(cudaStream_t stream, PinnedBuffer& pinned, const std::vector<DeviceLevel>& levels,
+                   const DeviceNodes& nodes, const CpuPolicy& policy) {
+  CellVolume out;
+  out.levels.resize(levels.size());
+  Download download;
+  for (std::size_t lod = 0; lod < levels.size(); ++lod) add(download, levels[lod], out.levels[lod]);
+  if (nodes.count != 0) add(download, nodes, out.nodes);
+  download.run(stream, pinned, policy);
+  return out;
+}
+
+}  // namespace gigabake::kernels
