@@ -16,6 +16,11 @@ MPI_ENVIRONMENT = {
 }
 
 
+def shared_folder(source):
+    """Where the data sets and the tools for clusters on one machine are."""
+    return Path(os.environ.get("GIGABAKE_SHARED") or Path(source) / "../shared").resolve()
+
+
 class Gigabake:
     """The program under test."""
 

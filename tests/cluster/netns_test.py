@@ -4,8 +4,8 @@ goes on without it.
 
 Usage: netns_test.py GIGABAKE SOURCE_DIR
 
-Skipped without root, without network namespaces, and without GIGABAKE_SHARED, the folder whose tools/netns_cluster.sh
-makes the hosts.
+Skipped without root, without network namespaces, and without the tools/netns_cluster.sh that makes the hosts, in
+GIGABAKE_SHARED or ../shared beside the sources.
 """
 import json
 import os
@@ -17,7 +17,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli"))
-import harness  # noqa: E402  (lies in another folder)
+import harness
 
 SKIPPED = 77
 HOSTS = Path("/tmp/netns_mpi")  # where netns_cluster.sh keeps its files
@@ -28,14 +28,14 @@ RSH = '#!/bin/bash\n! grep -qx "$1" "$(dirname "$0")/dead" || exit 255\nexec ' +
 
 
 def tool():
-    return Path(os.environ.get("GIGABAKE_SHARED", "/nowhere")) / "tools/netns_cluster.sh"
+    return harness.shared_folder(sys.argv[2]) / "tools/netns_cluster.sh"
 
 
 def why_not():
     if os.geteuid() != 0:
         return "only root may make network namespaces"
     if not tool().exists():
-        return "GIGABAKE_SHARED names no folder with tools/netns_cluster.sh"
+        return "neither GIGABAKE_SHARED nor ../shared has tools/netns_cluster.sh"
     if HOSTS.exists():
         return "hosts made of network namespaces are up already"
     probe = subprocess.run(["unshare", "--net", "ip", "link", "add", "type", "bridge"], capture_output=True, text=True,

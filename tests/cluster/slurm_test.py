@@ -3,8 +3,8 @@
 
 Usage: slurm_test.py GIGABAKE SOURCE_DIR
 
-Skipped without root, without Slurm (apt-get install slurm-wlm munge bc), and without GIGABAKE_SHARED, the folder whose
-tools/slurm_local.sh brings the nodes up.
+Skipped without root, without Slurm (apt-get install slurm-wlm munge bc), and without the tools/slurm_local.sh that brings
+the nodes up, in GIGABAKE_SHARED or ../shared beside the sources.
 """
 import json
 import os
@@ -18,7 +18,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli"))
-import harness  # noqa: E402  (lies in another folder)
+import harness
 
 SKIPPED = 77
 CONTROLLER_PORT = 16817  # as slurm_local.sh has it
@@ -30,8 +30,8 @@ def why_not():
     missing = [name for name in ("slurmctld", "slurmd", "munged", "sbatch", "bc") if shutil.which(name) is None]
     if missing:
         return f"{', '.join(missing)} not installed"
-    if not (Path(os.environ.get("GIGABAKE_SHARED", "/nowhere")) / "tools/slurm_local.sh").exists():
-        return "GIGABAKE_SHARED names no folder with tools/slurm_local.sh"
+    if not (harness.shared_folder(sys.argv[2]) / "tools/slurm_local.sh").exists():
+        return "neither GIGABAKE_SHARED nor ../shared has tools/slurm_local.sh"
     with socket.socket() as probe:
         if probe.connect_ex(("127.0.0.1", CONTROLLER_PORT)) == 0:
             return "another Slurm is running here"
@@ -58,7 +58,7 @@ class Slurm(unittest.TestCase):
 
     @classmethod
     def tool(cls, *arguments):
-        script = Path(os.environ["GIGABAKE_SHARED"]) / "tools/slurm_local.sh"
+        script = harness.shared_folder(sys.argv[2]) / "tools/slurm_local.sh"
         # Its daemons outlive it and must not hold on to a pipe.
         subprocess.run(["bash", script, *arguments], env=cls.environment, stdout=subprocess.DEVNULL,
                        stderr=subprocess.DEVNULL, timeout=60, check=True)
