@@ -5,6 +5,7 @@
 #include "app/commands.h"
 #include "app/on_all_ranks.h"
 #include "app/progress.h"
+#include "cluster/drain.h"
 
 namespace gigabake::app {
 namespace {
@@ -44,8 +45,10 @@ void add_bake(CLI::App& app, int& exit_code) {
   command->add_option("--stall", options->stall_s, "seconds without any work after which a bake process hangs (60)");
   command->add_option("--cell-timeout", options->cell_timeout_s, "most seconds for one cell (3600)");
   command->add_option("--silence", options->silence_s, "seconds after which a rank that is not heard of is lost (60)");
-  command->callback(
-      [options, &exit_code] { exit_code = on_all_ranks([&](MpiSession& mpi) { return run(*options, mpi); }); });
+  command->callback([options, &exit_code] {
+    watch_for_drain();  // before MPI starts: mpirun passes signals on from the beginning
+    exit_code = on_all_ranks([&](MpiSession& mpi) { return run(*options, mpi); });
+  });
 }
 
 }  // namespace gigabake::app

@@ -79,7 +79,7 @@ BakeRequest BakeOptions::request() const {
   r.prune = prune;
   r.stall_s = seconds("--stall", stall_s, 1);
   r.cell_timeout_s = seconds("--cell-timeout", cell_timeout_s, 1);
-  r.silence_s = seconds("--silence", silence_s, 10);
+  r.silence_s = seconds("--silence", silence_s, 5);
   r.backend = choice<Backend>("--backend",
                               {{"auto", Backend::automatic}, {"cpu", Backend::cpu}, {"cuda", Backend::cuda}}, backend);
   r.gpus = gpus;

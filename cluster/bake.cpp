@@ -21,6 +21,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// What one rank does alone while the others wait (a plan of a million cells) takes longer than a sign of life.
+constexpr double silences_of_patience = 10;
+
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 int threads_of(const MpiSession& mpi, const BakeRequest& request) {
@@ -69,8 +72,8 @@ std::vector<TileSurvey> survey(MpiSession& mpi, const BakeRequest& request, cons
   all_or_none(mpi, [&] {
     if (mpi.rank() == 0) known = known_surveys(request.out, sources, request.parameters, mpi.cores());
   });
-  std::vector<TileSurvey> surveys =
-      survey_tiles(mpi, known.missing, process, [&](std::size_t done) { on_survey(known.surveys.size() + done); });
+  std::vector<TileSurvey> surveys = survey_tiles(mpi, known.missing, process, request.silence_s,
+                                                 [&](std::size_t done) { on_survey(known.surveys.size() + done); });
   std::move(known.surveys.begin(), known.surveys.end(), std::back_inserter(surveys));
   return surveys;
 }
@@ -200,8 +203,8 @@ BakePlan plan_bake(MpiSession& mpi, const BakeRequest& request, const BakeProgre
 }
 
 BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress) {
-  watch_for_drain();
   end_with_mpirun();
+  mpi.set_patience(silences_of_patience * request.silence_s);
   std::optional<StatusFeed> feed;
   if (mpi.rank() == 0) feed.emplace(request.out, mpi.ranks(), request.metrics, progress.status);
   try {

@@ -65,7 +65,7 @@ struct BakeSummary {
   OrphanShards pruned;   ///< removed from OUT
 };
 
-/// Collective. Scene and sums are rank 0's; other ranks get empty ones.
+/// Collective; ends early once is_drain_asked(). Scene and sums are rank 0's; other ranks get empty ones.
 /// OUT is locked meanwhile. OUT/scene.xml is replaced last; shards that it does not name stay unless request.prune.
 /// Errors  CollectiveFailure, and OUT/scene.xml is as it was: a source that cannot be opened or has no triangles, an
 ///         OUT that cannot be written or that another bake holds, nothing that could be baked, or any loss without

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "cluster/collective.h"
+#include "cluster/signs_of_life.h"
 #include "cluster/tags.h"
 #include "format/bytes.h"
 
@@ -115,14 +116,11 @@ class Master {
   }
 
   void look_at_life(const Message& message) {
-    std::uint64_t peak_bytes = 0;
-    std::string host;
-    ByteReader reader(message.bytes, "sign of life");
-    reader.get(peak_bytes), reader.get(host);
-    result_.peak_bytes = std::max(result_.peak_bytes, peak_bytes);
+    const SignOfLife sign = sign_from_bytes(message.bytes);
+    result_.peak_bytes = std::max(result_.peak_bytes, sign.peak_bytes);
     std::string& known = hosts_[std::size_t(message.from)];
-    if (known.empty()) watcher_.joined(message.from, host);
-    known = host;
+    if (known.empty()) watcher_.joined(message.from, sign.host);
+    known = sign.host;
   }
 
   void bury(int rank, const std::string& why) {

@@ -151,6 +151,15 @@ void MasterBake::lost(int rank) {
   progress_.noted("nothing heard of rank " + std::to_string(rank) + "; its cells are baked elsewhere");
 }
 
+/// The scene is published: what the journal still says of removed shards harms nobody.
+void MasterBake::forget_orphans() {
+  try {
+    journal_->keep_only(plan_.jobs);
+  } catch (const InputError& e) {
+    progress_.noted(std::string("the journal keeps what was pruned: ") + e.what());
+  }
+}
+
 void MasterBake::publish() {
   feed_.record().enter(BakeState::publishing);
   feed_.publish();
@@ -160,7 +169,7 @@ void MasterBake::publish() {
   if (!summary_.scene.cells.empty()) out_.publish(summary_.scene);
   if (request_.prune && summary_.scene.losses.empty()) {
     summary_.pruned = out_.remove_orphans(summary_.scene);
-    journal_->keep_only(plan_.jobs);
+    forget_orphans();
   }
   summary_.orphans = out_.orphans(summary_.scene);
 }

@@ -37,6 +37,7 @@ class MasterBake : private DispatchWatcher {
 
   void plan_dispatch(const std::vector<CellReport>& done);
   void write_down(const CellReport& report);
+  void forget_orphans();
   void publish();
 
   const BakeRequest& request_;

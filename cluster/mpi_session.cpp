@@ -32,10 +32,15 @@ bool is_done(MPI_Request& request, const char* call) {
 }
 
 /// Asks often at first and then ever less: a rank that waits costs about 1 % of a core.
-void wait_for(MPI_Request& request, const char* call) {
+void wait_for(MPI_Request& request, double patience_s, const char* call) {
+  const auto start = std::chrono::steady_clock::now();
   for (auto pause = std::chrono::microseconds(20); !is_done(request, call);
-       pause = std::min(pause * 2, std::chrono::microseconds(2000)))
+       pause = std::min(pause * 2, std::chrono::microseconds(2000))) {
     std::this_thread::sleep_for(pause);
+    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > patience_s)
+      throw std::runtime_error(std::string(call) + ": not every rank answered within " +
+                               std::to_string(std::int64_t(patience_s)) + " s; run the same command again");
+  }
 }
 
 struct HostShare {
@@ -56,11 +61,11 @@ HostShare share_of_host(int rank) {
   return {rank_here, fair_share(all, std::size_t(rank_here))};
 }
 
-std::int64_t reduce(std::int64_t value, MPI_Op operation) {
+std::int64_t reduce(std::int64_t value, MPI_Op operation, double patience_s) {
   std::int64_t result = value;
   MPI_Request request = MPI_REQUEST_NULL;
   check(MPI_Iallreduce(&value, &result, 1, MPI_INT64_T, operation, MPI_COMM_WORLD, &request), "MPI_Iallreduce");
-  wait_for(request, "MPI_Iallreduce");
+  wait_for(request, patience_s, "MPI_Iallreduce");
   return result;
 }
 
@@ -119,13 +124,13 @@ std::optional<Message> MpiSession::poll() {
   return m;
 }
 
-std::int64_t MpiSession::max_of(std::int64_t value) { return reduce(value, MPI_MAX); }
-std::int64_t MpiSession::sum_of(std::int64_t value) { return reduce(value, MPI_SUM); }
+std::int64_t MpiSession::max_of(std::int64_t value) { return reduce(value, MPI_MAX, patience_s_); }
+std::int64_t MpiSession::sum_of(std::int64_t value) { return reduce(value, MPI_SUM, patience_s_); }
 
 int MpiSession::from_master(int value) {
   MPI_Request request = MPI_REQUEST_NULL;
   check(MPI_Ibcast(&value, 1, MPI_INT, 0, MPI_COMM_WORLD, &request), "MPI_Ibcast");
-  wait_for(request, "MPI_Ibcast");
+  wait_for(request, patience_s_, "MPI_Ibcast");
   return value;
 }
 

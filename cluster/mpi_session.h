@@ -38,6 +38,9 @@ class MpiSession {
   void progress();
   /// A message if one has arrived; never waits (a waiting receive burns a core).
   std::optional<Message> poll();
+  /// A collective call that takes longer than this throws on every rank that waits: one of them hangs, and MPI would
+  /// wait for it for ever. No other collective call may follow.
+  void set_patience(double patience_s) { patience_s_ = patience_s; }
   /// The largest value of any rank. Collective.
   std::int64_t max_of(std::int64_t value);
   /// The sum of all ranks' values. Collective.
@@ -50,6 +53,7 @@ class MpiSession {
  private:
   struct Outbox;
   std::unique_ptr<Outbox> outbox_;
+  double patience_s_ = 600;
   int rank_ = 0, ranks_ = 1, rank_on_host_ = 0, cores_ = 1;
 };
 

@@ -4,11 +4,13 @@
 #include <chrono>
 #include <deque>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <unordered_map>
 #include <utility>
 #include <variant>
 
+#include "cluster/signs_of_life.h"
 #include "cluster/tags.h"
 #include "format/bytes.h"
 #include "format/cell_job.h"
@@ -67,6 +69,48 @@ std::vector<std::uint32_t> share_of(const std::vector<std::uint32_t>& tiles, int
   return share;
 }
 
+/// What the other ranks send rank 0.
+class SurveyCollector {
+ public:
+  SurveyCollector(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, double silence_s)
+      : mpi_(mpi), silence_s_(silence_s), ranks_(std::size_t(mpi.ranks())) {
+    for (int rank = 0; rank < mpi.ranks(); ++rank)
+      ranks_[std::size_t(rank)] = {share_of(tiles, rank, mpi.ranks()).size(), Clock::now()};
+  }
+
+  void collect() {
+    while (const auto message = mpi_.poll()) {
+      Rank& rank = ranks_[std::size_t(message->from)];
+      rank.heard = Clock::now();
+      if (message->tag != tag_survey) continue;
+      surveys_.push_back(survey_from_bytes(message->bytes));
+      --rank.missing;
+    }
+    for (int rank = 1; rank < mpi_.ranks(); ++rank) expect_life(rank);
+  }
+
+  std::vector<TileSurvey>& surveys() { return surveys_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Rank {
+    std::size_t missing = 0;
+    Clock::time_point heard;
+  };
+
+  void expect_life(int rank) const {
+    const Rank& r = ranks_[std::size_t(rank)];
+    if (r.missing == 0 || std::chrono::duration<double>(Clock::now() - r.heard).count() < silence_s_) return;
+    throw std::runtime_error("nothing heard of rank " + std::to_string(rank) +
+                             " while tiles were surveyed; run the same command again, without its host");
+  }
+
+  MpiSession& mpi_;
+  double silence_s_;
+  std::vector<Rank> ranks_;
+  std::vector<TileSurvey> surveys_;
+};
+
 /// Rank 0 tells the others which tiles are theirs.
 std::vector<std::uint32_t> share_out(MpiSession& mpi, const std::vector<std::uint32_t>& tiles,
                                      const BakeProcess& process) {
@@ -106,25 +150,30 @@ void survey_here(BakeProcess& process, const std::vector<std::uint32_t>& tiles,
 }
 
 std::vector<TileSurvey> survey_tiles(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, BakeProcess& process,
-                                     const std::function<void(std::size_t)>& on_survey) {
+                                     double silence_s, const std::function<void(std::size_t)>& on_survey) {
   const std::vector<std::uint32_t> own = share_out(mpi, tiles, process);
-  std::vector<TileSurvey> surveys;
   if (mpi.rank() != 0) {
+    SignsOfLife signs(mpi, process);
     survey_here(
-        process, own, [&](const TileSurvey& s) { mpi.send(0, tag_survey, to_bytes(s)); }, [&] { mpi.progress(); });
-    return surveys;
+        process, own, [&](const TileSurvey& s) { mpi.send(0, tag_survey, to_bytes(s)); },
+        [&] {
+          signs.show();
+          mpi.progress();
+        });
+    return {};
   }
+  SurveyCollector collector(mpi, tiles, silence_s);
   const auto collect = [&] {
-    while (const auto message = mpi.poll()) surveys.push_back(survey_from_bytes(message->bytes));
-    on_survey(surveys.size());
+    collector.collect();
+    on_survey(collector.surveys().size());
   };
   survey_here(
-      process, own, [&](TileSurvey s) { surveys.push_back(std::move(s)); }, collect);
-  while (surveys.size() < tiles.size()) {
+      process, own, [&](TileSurvey s) { collector.surveys().push_back(std::move(s)); }, collect);
+  while (collector.surveys().size() < tiles.size()) {
     collect();
     process.wait(longest_wait);
   }
-  return surveys;
+  return std::move(collector.surveys());
 }
 
 }  // namespace gigabake

@@ -18,8 +18,10 @@ void survey_here(BakeProcess& process, const std::vector<std::uint32_t>& tiles,
                  const std::function<void(TileSurvey)>& each, const std::function<void()>& idle);
 
 /// Collective. tiles: rank 0's; those to survey. One survey per tile on rank 0, nothing elsewhere. A tile that cannot
-/// be read is a survey with an error. on_survey: rank 0's; how many surveys are there.
+/// be read is a survey with an error. silence_s: rank 0 does not wait longer for a rank that says nothing. on_survey:
+/// rank 0's; how many surveys are there. Errors  std::runtime_error on rank 0: a rank fell silent. No collective call
+/// may follow.
 std::vector<TileSurvey> survey_tiles(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, BakeProcess& process,
-                                     const std::function<void(std::size_t)>& on_survey);
+                                     double silence_s, const std::function<void(std::size_t)>& on_survey);
 
 }  // namespace gigabake

@@ -1,18 +1,15 @@
 #include <chrono>
 #include <variant>
 
-#include "cluster/collective.h"
 #include "cluster/dispatch.h"
+#include "cluster/signs_of_life.h"
 #include "cluster/tags.h"
 #include "format/bytes.h"
 
 namespace gigabake {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr std::chrono::milliseconds longest_wait{2};
-constexpr std::chrono::seconds between_signs_of_life{2};
 
 /// A rank's loop.
 class Worker {
@@ -20,11 +17,10 @@ class Worker {
   Worker(MpiSession& mpi, BakeProcess& process) : mpi_(mpi), process_(process) {}
 
   void run() {
-    show_life();
     while (!stopped_) {
+      signs_.show();
       while (const auto message = mpi_.poll()) obey(*message);
       while (auto event = process_.poll()) report(*event);
-      if (Clock::now() - shown_ >= between_signs_of_life) show_life();
       process_.wait(longest_wait);
     }
   }
@@ -50,19 +46,11 @@ class Worker {
     }
   }
 
-  void show_life() {
-    ByteWriter writer;
-    writer.put(process_.peak_bytes());
-    writer.put(host_name());
-    mpi_.send(0, tag_alive, writer.take());
-    shown_ = Clock::now();
-  }
-
   MpiSession& mpi_;
   BakeProcess& process_;
+  SignsOfLife signs_{mpi_, process_};
   std::uint32_t deaths_ = 0;
   bool stopped_ = false;
-  Clock::time_point shown_{};
 };
 
 }  // namespace

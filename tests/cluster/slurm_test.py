@@ -3,8 +3,8 @@
 
 Usage: slurm_test.py GIGABAKE SOURCE_DIR
 
-Skipped without root, without Slurm (apt-get install slurm-wlm munge bc), and without the tools/slurm_local.sh that brings
-the nodes up, in GIGABAKE_SHARED or ../shared beside the sources.
+Skipped without root, without Slurm (apt-get install slurm-wlm munge bc), and without the tools/slurm_local.sh that
+brings the nodes up, in GIGABAKE_SHARED or ../shared beside the sources.
 """
 import json
 import os
