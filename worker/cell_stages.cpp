@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "format/brick_walk.h"
 #include "format/error.h"
 #include "worker/cell_parameters.h"
 #include "worker/shard_from_volume.h"
@@ -33,7 +34,7 @@ SceneCell scene_cell(const CellJob& job, const Shard& shard, std::uint64_t bytes
   return {job.name,      shard_path(job).generic_string(),
           h.lattice_min, h.cell_voxels,
           h.lods,        bytes,
-          h.triangles,   voxel_counts(shard),
+          h.triangles,   count_voxels(shard),
           h.fingerprint, h.content_hash};
 }
 

@@ -32,16 +32,4 @@ Shard shard_from_volume(kernels::CellVolume volume, ShardHeader header) {
   return shard;
 }
 
-std::vector<std::uint64_t> voxel_counts(const Shard& shard) {
-  std::vector<std::uint64_t> counts;
-  for (const BrickLevel& level : shard.levels) counts.push_back(level.rgba.size() / 4);
-  for (std::size_t n = 0; n < shard.nodes.kind.size(); ++n) {
-    if (shard.nodes.kind[n] == NodeKind::brick) continue;
-    const int lod = shard.nodes.lod[n];
-    const int last = shard.nodes.kind[n] == NodeKind::leaf_constant ? 0 : lod;
-    for (int l = lod; l >= last; --l) counts[std::size_t(l)] += std::uint64_t(brick_voxels) << 3 * (lod - l);
-  }
-  return counts;
-}
-
 }  // namespace gigabake

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "format/brick_walk.h"
 #include "format/content_hash.h"
 
 namespace gigabake {
@@ -45,7 +46,7 @@ TEST(ShardFromVolume, KeepsEveryArrayAndHashesTheVoxels) {
 
 TEST(VoxelCounts, CountStoredVoxelsOfEachLod) {
   const Shard shard = shard_from_volume(bake({0, 0, 0.5f, 8, 0, 0.5f, 0, 8, 0.5f}, 16), {});
-  const auto counts = voxel_counts(shard);
+  const auto counts = count_voxels(shard);
   ASSERT_EQ(counts.size(), 2u);
   EXPECT_EQ(counts[0], 36u);  // 1 + 2 + … + 8
   EXPECT_EQ(counts[1], 10u);  // 1 + 2 + 3 + 4
@@ -55,7 +56,7 @@ TEST(VoxelCounts, CountTheVoxelsThatConstantNodesStandFor) {
   std::vector<float> position;
   for (int layer = 0; layer < 16; ++layer) add_floor(position, 16, float(layer) + 0.5f);
   const Shard shard = shard_from_volume(bake(position, 16), {});
-  EXPECT_EQ(voxel_counts(shard), (std::vector<std::uint64_t>{4096, 512}));
+  EXPECT_EQ(count_voxels(shard), (std::vector<std::uint64_t>{4096, 512}));
 }
 
 }  // namespace
