@@ -91,7 +91,8 @@ void print_report(const BakeSummary& s, const std::filesystem::path& out) {
   fmt::print("{} cells ({} empty), {} triangles, {} voxels at lod 0, {} in all, {} on disk\n", s.scene.cells.size(),
              s.cells_empty, s.scene.triangles, t.finest_voxels, t.voxels, readable_bytes(t.bytes));
   print_left_out(s.scene);
-  if (s.process_deaths != 0) fmt::print("bake processes that were started again: {}\n", s.process_deaths);
+  if (s.status.process_restarts != 0)
+    fmt::print("bake processes that were started again: {}\n", s.status.process_restarts);
   if (s.bad_uv != 0) fmt::print("{} triangles have texture coordinates that are no numbers; baked as if 0\n", s.bad_uv);
   fmt::print("survey {:.2f} s, bake {:.2f} s on {} ranks × {} threads; ", s.survey_s, s.bake_s, s.ranks, s.threads);
   if (s.ranks_with_device != 0)
@@ -125,7 +126,7 @@ void print_json_report(const BakeSummary& s, const std::filesystem::path& out) {
   j["threads"] = s.threads;
   j["ranks_with_device"] = s.ranks_with_device;
   j["cells_on_device"] = s.cells_on_device;
-  j["process_deaths"] = s.process_deaths;
+  j["process_deaths"] = s.status.process_restarts;
   j["lost_ranks"] = s.lost_ranks;
   j["drained"] = s.is_drained;
   if (!s.no_device.empty()) j["no_device"] = s.no_device;

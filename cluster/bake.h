@@ -55,7 +55,6 @@ struct BakeSummary {
   std::uint64_t peak_process_bytes = 0;  ///< of the largest bake process, or rank 0
   std::size_t cells_planned = 0, cells_empty = 0, cells_on_device = 0;
   std::size_t cells_taken_over = 0;  ///< from earlier bakes into OUT
-  std::size_t process_deaths = 0;    ///< of bake processes
   std::size_t lost_ranks = 0;        ///< that were not heard of again: no collective call may follow
   bool is_drained = false;           ///< ended on request with cells left
   int ranks_with_device = 0;

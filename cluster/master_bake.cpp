@@ -85,10 +85,8 @@ void MasterBake::run(MpiSession& mpi, BakeProcess& process) {
   summary_.is_drained = is_drain_asked() && result.counts.abandoned != 0;
   summary_.lost_ranks = result.lost_ranks.size();
   summary_.peak_process_bytes = std::max(result.peak_bytes, peak_bytes_here());
-  add_times(result.reports, summary_);
-  for (const CellReport& r : prior.done) summary_.bad_uv += r.bad_uv;
-  for (const CellReport& r : prior.done) summary_.cells_empty += r.outcome == CellOutcome::empty;
   std::move(prior.done.begin(), prior.done.end(), std::back_inserter(result.reports));
+  add_times(result.reports, summary_);  // what was taken over took no time
   summary_.scene = merge(plan_, result.reports, sources_.origin, request_.parameters);
   publish();
 }
@@ -141,7 +139,6 @@ bool MasterBake::set_aside(const CellReport& report) {
 }
 
 void MasterBake::process_died(int rank, const std::string& why) {
-  ++summary_.process_deaths;
   feed_.record().process_died(rank, unix_now_s());
   progress_.noted("the bake process of rank " + std::to_string(rank) + " is started again: " + why);
 }

@@ -1,9 +1,7 @@
 #include "bake_scene.h"
 
-#include <chrono>
 #include <fstream>
 #include <gtest/gtest.h>
-#include <thread>
 
 #include "scheduler/plan.h"
 #include "worker/survey_tile.h"
@@ -42,15 +40,7 @@ std::vector<CellJob> BakeScene::jobs() const {
 std::vector<CellReport> BakeScene::baked_here(const std::vector<CellJob>& jobs, const std::string& out) const {
   const WorkerSetup s = setup(out);
   CellPipeline pipeline(open_sources(s.source, s.source_options), s.parameters, s.worker);
-  for (const CellJob& job : jobs) pipeline.submit(job);
-  std::vector<CellReport> reports;
-  while (pipeline.in_flight() != 0) {
-    if (auto report = pipeline.poll())
-      reports.push_back(std::move(*report));
-    else
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return reports;
+  return bake_all(pipeline, jobs);
 }
 
 std::filesystem::path BakeScene::script(const std::string& name, const std::string& commands) const {

@@ -63,15 +63,7 @@ class CellPipelineTest : public testing::Test {
   std::vector<CellReport> run(const std::vector<CellJob>& cells, const std::string& out, int threads = 2,
                               std::uint64_t memory = 0, std::optional<int> device = {}) const {
     CellPipeline pipeline(sources, parameters, {threads, memory, folder.path() / out, device});
-    for (const CellJob& job : cells) pipeline.submit(job);
-    std::vector<CellReport> reports;
-    while (pipeline.in_flight() != 0) {
-      if (auto report = pipeline.poll())
-        reports.push_back(std::move(*report));
-      else
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return reports;
+    return bake_all(pipeline, cells);
   }
 
   static Hash128 hash_of(const std::vector<CellReport>& reports) {

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <png.h>
+#include <thread>
 #include <unistd.h>
+#include <utility>
 
 namespace gigabake {
 namespace {
@@ -147,6 +150,18 @@ SceneSources sources_of(const std::filesystem::path& folder, const std::vector<s
     sources.tiles.push_back(tile);
   }
   return sources;
+}
+
+std::vector<CellReport> bake_all(CellPipeline& pipeline, const std::vector<CellJob>& jobs) {
+  for (const CellJob& job : jobs) pipeline.submit(job);
+  std::vector<CellReport> reports;
+  while (pipeline.in_flight() != 0) {
+    if (auto report = pipeline.poll())
+      reports.push_back(std::move(*report));
+    else
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return reports;
 }
 
 }  // namespace gigabake

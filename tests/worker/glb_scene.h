@@ -9,6 +9,7 @@
 
 #include "format/parameters.h"
 #include "format/source.h"
+#include "worker/cell_pipeline.h"
 
 namespace gigabake {
 
@@ -40,6 +41,9 @@ GlbMesh rolling_ground(int n, double east_m, double north_m);
 std::vector<std::uint8_t> checkered_png(int n);
 
 void write_glb(const std::filesystem::path& path, const GlbMesh& mesh);
+
+/// The reports of all jobs, in the order in which they come.
+std::vector<CellReport> bake_all(CellPipeline& pipeline, const std::vector<CellJob>& jobs);
 
 /// The files as tiles of a local scene.
 SceneSources sources_of(const std::filesystem::path& folder, const std::vector<std::string>& files);
