@@ -1,0 +1,80 @@
+/// One eye on one scene: frames for a window, a browser or files.
+///
+/// A frame is drawn from what is here; what its rays miss is asked for and comes in later frames, nearest first. Until
+/// then the finest ancestor that is here stands for it. A frame that misses nothing is `complete` and then the same
+/// bytes whatever the budgets, the path that led here and the number of threads.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "format/scene_xml.h"
+#include "viewer/camera.h"
+#include "viewer/picture.h"
+#include "viewer/sky.h"
+
+namespace gigabake {
+
+enum class ViewMode : std::uint8_t {
+  lit,     ///< sun, sky and air
+  albedo,  ///< the surface's own colour
+};
+
+/// Names of the modes, in their order: "lit", …
+const std::vector<std::string>& view_mode_names();
+
+struct View {
+  CameraOptions camera;
+  ViewMode mode = ViewMode::lit;
+  Background background;
+};
+
+struct FrameStats {
+  double cast_s = 0;          ///< rays
+  double upload_s = 0;        ///< bricks and nodes into the pools
+  double total_s = 0;         ///< the call
+  std::uint64_t wanted = 0;   ///< bricks and node tiles that rays missed in this frame
+  std::uint64_t uploads = 0;  ///< bricks and node tiles that came in for this frame
+  std::uint64_t pages_loading = 0;
+  std::uint64_t bytes_held = 0, bytes_allowed = 0;  ///< pools and pages together; allowed: UINT64_MAX is no bound
+  bool complete = false;
+};
+
+struct Frame {
+  Picture picture;
+  FrameStats stats;
+};
+
+class FrameRenderer {
+ public:
+  struct Options {
+    int threads = 0;                                      ///< 0: all cores
+    std::uint64_t memory_bytes = std::uint64_t(1) << 30;  ///< UINT64_MAX: no bound
+  };
+
+  /// Errors  InputError: no such scene, or one that lay_out_cells() refuses; UsageError: options out of range.
+  FrameRenderer(const std::filesystem::path& scene_path, const Options& options);
+  ~FrameRenderer();
+
+  const SceneDescription& scene() const;
+
+  /// What camera options mean where eye or target are left open: the whole scene, from the south-east.
+  /// Errors  as make_camera().
+  CameraOptions framed(const CameraOptions& options) const;
+
+  /// upload_s: the time that new data may take out of the frame; at least one brick comes in.
+  /// Errors  UsageError: as make_camera(). Damaged shards are no error: see problems().
+  Frame draw(const View& view, double upload_s);
+
+  /// One line for each shard that is missing or damaged, so far; its parts are drawn as their ancestors.
+  std::vector<std::string> problems() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace gigabake
