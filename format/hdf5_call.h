@@ -46,4 +46,8 @@ struct Hdf5Call {
   [[noreturn]] void fail(const char* name) const;
 };
 
+/// HDF5 prints its errors by itself unless told not to, thread by thread: to be called on every thread, before any
+/// other call.
+void calm_hdf5(const Hdf5Call& call);
+
 }  // namespace gigabake

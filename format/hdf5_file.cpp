@@ -21,15 +21,6 @@ Hdf5Id access_properties(const Hdf5Call& call) {
   return access;
 }
 
-/// HDF5 prints its errors by itself unless told not to, thread by thread. And it would load a filter that we do not
-/// call, only to store the comment in it: then the same shard had other bytes on another machine. And at the program's
-/// end it would flush, and crash over, a file that a full disk kept it from closing; we close every file ourselves.
-void calm_hdf5(const Hdf5Call& call) {
-  static const herr_t once [[maybe_unused]] = H5dont_atexit();  // the second time it leaves an error on the stack
-  call("H5Eset_auto2", H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr));
-  call("H5PLset_loading_state", H5PLset_loading_state(0));
-}
-
 }  // namespace
 
 std::int64_t hdf5_type(Hdf5Type type) {
@@ -153,6 +144,12 @@ std::string Hdf5File::read_text(const char* name) const {
   call("H5Aread", H5Aread(attribute.get(), type.get(), text.data()));
   text.resize(std::min(text.find('\0'), text.size()));
   return text;
+}
+
+int Hdf5File::descriptor() const {
+  void* handle = nullptr;
+  Hdf5Call{path_, ""}("H5Fget_vfd_handle", H5Fget_vfd_handle(file_.get(), H5P_DEFAULT, &handle));
+  return *static_cast<const int*>(handle);
 }
 
 void Hdf5File::close() { Hdf5Call{path_, ""}("H5Fclose", file_.close()); }

@@ -20,10 +20,11 @@ struct Hdf5Column {
   Hdf5Type type;
   std::size_t width;  ///< elements a row; 1: the dataset has one dimension
   std::size_t row_bytes() const { return width * element_bytes(type); }
+  int dimensions() const { return width == 1 ? 1 : 2; }
 };
 
 /// Errors  All members throw InputError: file, object, what failed.
-/// Cost    HDF5 serves one thread at a time; chunks are compressed and decompressed outside of it.
+/// Cost    HDF5 serves one thread at a time; chunks are compressed outside of it, and read past it (hdf5_rows.h).
 class Hdf5File {
  public:
   /// called: what messages call the file, where it is to get another name once it is whole.
@@ -33,10 +34,7 @@ class Hdf5File {
   void make_group(const std::string& name);
   /// Chunked, each chunk as chunk_codec.h, compressed by `threads`.
   void write_column(const Hdf5Column& column, const void* data, std::size_t rows, int threads);
-  /// Rows of the dataset, after its shape and type were compared with `column` and its size with what is stored.
-  std::size_t column_rows(const Hdf5Column& column) const;
-  /// data: room for column_rows() rows.
-  void read_column(const Hdf5Column& column, void* data, std::size_t rows) const;
+  Hdf5Id open_column(const Hdf5Column& column) const;
   /// As stored: compressed, without HDF5's own index.
   std::uint64_t stored_bytes(const Hdf5Column& column) const;
 
@@ -47,12 +45,15 @@ class Hdf5File {
   void read_attribute(const char* name, Hdf5Type type, void* data, std::size_t count) const;
   std::string read_text(const char* name) const;  ///< a fixed-length string of at most 64 KiB
 
+  const std::filesystem::path& path() const { return path_; }
+  /// The system's own handle of the open file, HDF5's still: for pread.
+  int descriptor() const;
+
   void close();
   [[noreturn]] void fail(const std::string& object, const std::string& message) const;
 
  private:
   Hdf5File(std::filesystem::path path, Hdf5Id file);
-  Hdf5Id open_column(const Hdf5Column& column) const;
   void write_raw_attribute(const char* name, std::int64_t type, const void* data, std::size_t count);
 
   std::filesystem::path path_;

@@ -47,6 +47,15 @@ struct NodeTable {
   std::vector<std::array<std::int8_t, 2>> normal;  ///< of constant nodes, octahedral; zero otherwise
 };
 
+/// One row of it. Its key and level follow from the way down to it.
+struct NodeRow {
+  std::uint32_t first_child = 0xffffffffu;  ///< row in the whole table
+  std::uint32_t value = 0;                  ///< brick number in its whole level, or rgba
+  std::int8_t normal[2] = {0, 0};
+  NodeKind kind = NodeKind::brick;
+  std::uint8_t child_mask = 0;
+};
+
 /// Packed bricks of one level, Morton order. Voxel (x,y,z) of a brick is bit x+8y of word z.
 /// Voxels of a brick follow each other by rising bit number, words first.
 struct BrickLevel {
@@ -54,6 +63,14 @@ struct BrickLevel {
   std::vector<std::uint64_t> first;  ///< bricks+1: where a brick's voxels start
   std::vector<std::uint8_t> rgba;    ///< 4 per voxel: sRGB colour, coverage
   std::vector<std::int8_t> normal;   ///< 2 per voxel: octahedral; empty where the channel is off
+};
+
+/// Some bricks of a level: as BrickLevel, with `first` counted from the block's own voxels.
+struct BrickBlock {
+  std::vector<std::uint64_t> mask;   ///< 8 per brick
+  std::vector<std::uint32_t> first;  ///< bricks+1
+  std::vector<std::uint8_t> rgba;    ///< 4 per voxel
+  std::vector<std::int8_t> normal;   ///< 2 per voxel; empty where the channel is off
 };
 
 struct ShardHeader {

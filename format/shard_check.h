@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <vector>
 
 #include "format/shard.h"
@@ -22,5 +23,13 @@ void check_level(const std::filesystem::path& path, const ShardHeader& header, c
 /// ignored.
 std::vector<std::uint64_t> brick_counts(const ShardHeader& header, const std::vector<std::uint8_t>& lod,
                                         const std::vector<NodeKind>& kind);
+
+/// Bricks from `first_brick` of a level on: `first` rises by the number of each mask's bits, which is never 0.
+/// Range  8 words of mask a brick; one entry of `first` more than bricks.
+void check_bricks(const std::filesystem::path& path, int lod, std::uint64_t first_brick,
+                  std::span<const std::uint64_t> mask, std::span<const std::uint64_t> first);
+/// Voxels from `first_voxel` of a level on: alpha is never 0.
+void check_coverage(const std::filesystem::path& path, int lod, std::uint64_t first_voxel,
+                    std::span<const std::uint8_t> rgba);
 
 }  // namespace gigabake

@@ -1,85 +1,26 @@
-#include <sstream>
-
 #include "format/error.h"
+#include "format/hdf5_rows.h"
 #include "format/shard.h"
 #include "format/shard_check.h"
+#include "format/shard_header.h"
 #include "format/shard_layout.h"
 #include "format/shard_reader.h"
 
 namespace gigabake {
 namespace {
 
-template <class T>
-T scalar(const Hdf5File& file, const char* name, Hdf5Type type) {
-  T value{};
-  file.read_attribute(name, type, &value, 0);
-  return value;
-}
-
-std::vector<Hash128> hashes(const Hdf5File& file, const char* name) {
-  std::vector<Hash128> out;
-  std::istringstream words(file.read_text(name));
-  for (std::string word; words >> word;) {
-    const auto h = Hash128::from_hex(word);
-    if (!h) file.fail(name, "expected 32 hexadecimal digits, got '" + word + "'");
-    out.push_back(*h);
-  }
-  return out;
-}
-
-void check_format(const Hdf5File& file) {
-  if (file.read_text("format") != shard_format) file.fail("format", "not a gigabake shard");
-  const auto version = scalar<std::int32_t>(file, "version", Hdf5Type::i32);
-  if (version != shard_version)
-    file.fail("version", "expected " + std::to_string(shard_version) + ", got " + std::to_string(version) +
-                             "; another gigabake wrote this shard");
-  if (scalar<std::uint32_t>(file, "brick_edge", Hdf5Type::u32) != brick_edge) file.fail("brick_edge", "expected 8");
-}
-
-bool read_channels(const Hdf5File& file) {
-  const std::string channels = file.read_text("channels");
-  if (channels != "rgba" && channels != "rgba normal")
-    file.fail("channels", "expected 'rgba' or 'rgba normal', got '" + channels + "'");
-  return channels == "rgba normal";
-}
-
-ShardHeader read_header(const Hdf5File& file, const std::filesystem::path& path) {
-  check_format(file);
-  ShardHeader h;
-  h.generator = file.read_text("generator");
-  h.cell = file.read_text("cell");
-  file.read_attribute("lattice_min", Hdf5Type::i64, h.lattice_min.data(), 3);
-  h.cell_voxels = scalar<std::uint32_t>(file, "cell_voxels", Hdf5Type::u32);
-  h.voxel_size_m = scalar<double>(file, "voxel_size_m", Hdf5Type::f64);
-  file.read_attribute("lattice_origin_m", Hdf5Type::f64, h.lattice_origin_m.data(), 3);
-  h.lods = scalar<std::uint32_t>(file, "lods", Hdf5Type::u32);
-  if (file.has_attribute("origin")) {
-    double origin[3];
-    file.read_attribute("origin", Hdf5Type::f64, origin, 3);
-    h.origin = Geodetic{origin[0], origin[1], origin[2]};
-  }
-  const std::vector<Hash128> fingerprint = hashes(file, "fingerprint");
-  if (fingerprint.size() != 1) file.fail("fingerprint", "expected one hash");
-  h.fingerprint = fingerprint[0];
-  h.content_hash = hashes(file, "content_hash");
-  h.has_normals = read_channels(file);
-  h.triangles = scalar<std::uint64_t>(file, "triangles", Hdf5Type::u64);
-  check_header(path, h);
-  return h;
-}
-
 /// Fills `out`, of whose items `row_bytes / sizeof(T)` make a row.
 template <class T>
 void read_rows(const Hdf5File& file, const Hdf5Column& column, std::vector<T>& out) {
-  const std::size_t rows = file.column_rows(column);
-  out.resize(rows * column.row_bytes() / sizeof(T));
-  file.read_column(column, out.data(), rows);
+  const Hdf5Rows rows(file, column);
+  out.resize(rows.rows() * column.row_bytes() / sizeof(T));
+  rows.read(0, rows.rows(), out.data());
 }
 
 }  // namespace
 
 ShardReader::ShardReader(const std::filesystem::path& path)
-    : path_(path), file_(Hdf5File::open(path)), header_(read_header(file_, path)) {}
+    : path_(path), file_(Hdf5File::open(path)), header_(read_header(file_)) {}
 
 NodeTable ShardReader::nodes() const {
   const NodeColumns columns;

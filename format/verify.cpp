@@ -10,6 +10,7 @@
 #include "format/content_hash.h"
 #include "format/error.h"
 #include "format/parallel.h"
+#include "format/shard_of_scene.h"
 #include "format/shard_reader.h"
 
 namespace gigabake {
@@ -27,19 +28,6 @@ class Faults {
  private:
   std::filesystem::path file_;
 };
-
-void check_against_scene(const ShardHeader& h, const SceneDescription& scene, const SceneCell& cell, Faults& faults) {
-  faults.expect(h.cell == cell.name, "cell", "is '" + h.cell + "', scene.xml says '" + cell.name + "'");
-  faults.expect(h.lattice_min == cell.lattice_min && h.cell_voxels == cell.cell_voxels && h.lods == cell.lods,
-                "lattice_min", "is another window of the lattice than scene.xml says");
-  faults.expect(h.voxel_size_m == scene.voxel_size_m, "voxel_size_m", "differs from scene.xml");
-  faults.expect(h.lattice_origin_m == scene.lattice_origin_m, "lattice_origin_m", "differs from scene.xml");
-  faults.expect(h.origin == scene.origin, "origin", "differs from scene.xml");
-  faults.expect(h.has_normals == scene.has_normals, "channels", "differ from scene.xml");
-  faults.expect(h.triangles == cell.triangles, "triangles", "differ from scene.xml");
-  faults.expect(h.fingerprint == cell.fingerprint, "fingerprint", "differs from scene.xml: a shard of another bake");
-  faults.expect(h.content_hash == cell.content_hash, "content_hash", "differs from scene.xml");
-}
 
 void check_voxels(const Shard& shard, const SceneCell& cell, Faults& faults) {
   const std::vector<std::uint64_t> voxels = count_voxels(shard);
@@ -70,7 +58,8 @@ std::vector<std::string> check_cell(const SceneDescription& scene, const SceneCe
   try {
     const ShardReader reader(path);
     if (const auto shard = read_whole(reader, faults)) check_voxels(*shard, cell, faults);
-    check_against_scene(reader.header(), scene, cell, faults);
+    for (const auto& [attribute, what] : differences_from_scene(reader.header(), scene, cell))
+      faults.expect(false, attribute, what);
     const std::uint64_t bytes = std::filesystem::file_size(path);
     faults.expect(bytes == cell.bytes, "Bytes",
                   "the file has " + std::to_string(bytes) + ", scene.xml says " + std::to_string(cell.bytes));

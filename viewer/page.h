@@ -23,28 +23,11 @@ struct PageKey {
   friend auto operator<=>(const PageKey&, const PageKey&) = default;
 };
 
-/// A row of NodeTable (format/shard.h). The row's key follows from the way down to it.
-struct NodeRow {
-  std::uint32_t first_child = 0xffffffffu;  ///< row in the whole table
-  std::uint32_t value = 0;                  ///< brick number in its whole level, or rgba
-  std::int8_t normal[2] = {0, 0};
-  NodeKind kind = NodeKind::brick;
-  std::uint8_t child_mask = 0;
-};
-
-/// Bricks of one level: as BrickLevel, with `first` counted from the block's own voxels.
-struct BrickBlock {
-  std::vector<std::uint64_t> mask;   ///< 8 per brick
-  std::vector<std::uint32_t> first;  ///< bricks+1
-  std::vector<std::uint8_t> rgba;    ///< 4 per voxel
-  std::vector<std::int8_t> normal;   ///< 2 per voxel; empty where the channel is off
-};
-
 struct Page {
   std::vector<NodeRow> rows;  ///< empty, or
-  BrickBlock bricks;
+  BrickBlock bricks;          ///< (format/shard.h)
 
-  std::uint64_t bytes() const;
+  std::uint64_t bytes() const;  ///< of memory
 };
 
 /// Reads one page; called from several threads at once.
@@ -52,7 +35,10 @@ struct Page {
 /// Errors  InputError: no such shard, damaged, not of this scene, or no such block.
 using PageSource = std::function<Page(const PageKey&)>;
 
-/// From the shards that `scene`, read from `scene_path`, lists. Keeps a bounded number of files open. Borrows `scene`.
+/// How many shards are open at once; the longest unused is closed. Processes may have 1024 files open.
+inline constexpr std::size_t most_open_shards = 256;
+
+/// From the shards that `scene`, read from `scene_path`, lists. Borrows `scene`.
 PageSource pages_from_shards(const std::filesystem::path& scene_path, const SceneDescription& scene);
 
 }  // namespace gigabake

@@ -128,7 +128,7 @@ TEST(Shard, IsRefusedWhereItsPartsDoNotFitEachOther) {
       {"key is outside the cell", [](Shard& s) { s.nodes.key[2] = 8; }},
       {"kind is unknown", [](Shard& s) { s.nodes.kind[2] = NodeKind(3); }},
       {"first_child is out of order", [](Shard& s) { s.nodes.first_child[0] = 2; }},
-      {"first_child is out of order", [](Shard& s) { s.nodes.child_mask[0] = 0xff; }},
+      {"has more children than there are rows", [](Shard& s) { s.nodes.child_mask[0] = 0xff; }},
       {"is not the child its parent says", [](Shard& s) { s.nodes.child_mask[0] = 0x21; }},
       {"has no parent", [](Shard& s) { s.nodes.child_mask[0] = 1; }},
       {"value is not its level's next brick", [](Shard& s) { s.nodes.value[1] = 7; }},

@@ -1,0 +1,24 @@
+#include "format/shard_of_scene.h"
+
+namespace gigabake {
+
+std::vector<HeaderDifference> differences_from_scene(const ShardHeader& header, const SceneDescription& scene,
+                                                     const SceneCell& cell) {
+  std::vector<HeaderDifference> found;
+  const auto expect = [&](bool holds, const char* attribute, const std::string& what) {
+    if (!holds) found.push_back({attribute, what});
+  };
+  expect(header.cell == cell.name, "cell", "is '" + header.cell + "', scene.xml says '" + cell.name + "'");
+  expect(header.lattice_min == cell.lattice_min && header.cell_voxels == cell.cell_voxels && header.lods == cell.lods,
+         "lattice_min", "is another window of the lattice than scene.xml says");
+  expect(header.voxel_size_m == scene.voxel_size_m, "voxel_size_m", "differs from scene.xml");
+  expect(header.lattice_origin_m == scene.lattice_origin_m, "lattice_origin_m", "differs from scene.xml");
+  expect(header.origin == scene.origin, "origin", "differs from scene.xml");
+  expect(header.has_normals == scene.has_normals, "channels", "differ from scene.xml");
+  expect(header.triangles == cell.triangles, "triangles", "differ from scene.xml");
+  expect(header.fingerprint == cell.fingerprint, "fingerprint", "differs from scene.xml: a shard of another bake");
+  expect(header.content_hash == cell.content_hash, "content_hash", "differs from scene.xml");
+  return found;
+}
+
+}  // namespace gigabake
