@@ -59,25 +59,35 @@ void append_block(std::vector<std::uint8_t>& out, const std::uint8_t* raw, std::
   out.resize(at + 4 + stored);
 }
 
-bool decode_frame(std::span<const std::uint8_t> in, std::span<std::uint8_t> raw) {
-  if (in.size() < 12 || big_endian(in.data(), 8) != raw.size()) return false;
+/// The first raw.size() bytes of a block of `size`.
+bool decode_block(std::span<const std::uint8_t> stored, std::size_t size, std::span<std::uint8_t> raw) {
+  if (stored.size() > size) return false;
+  if (stored.size() == size) {
+    std::memcpy(raw.data(), stored.data(), raw.size());
+    return true;
+  }
+  const auto* from = reinterpret_cast<const char*>(stored.data());
+  auto* to = reinterpret_cast<char*>(raw.data());
+  const int most = int(raw.size());
+  return most == (raw.size() == size ? LZ4_decompress_safe(from, to, int(stored.size()), most)
+                                     : LZ4_decompress_safe_partial(from, to, int(stored.size()), most, most));
+}
+
+bool decode_frame(std::span<const std::uint8_t> in, std::size_t chunk_bytes, std::span<std::uint8_t> raw) {
+  if (in.size() < 12 || big_endian(in.data(), 8) != chunk_bytes) return false;
   const std::size_t block = big_endian(in.data() + 8, 4);
-  if (block == 0 && !raw.empty()) return false;
+  if (block == 0 && chunk_bytes > 0) return false;
   in = in.subspan(12);
-  while (!raw.empty()) {
-    const std::size_t size = std::min(block, raw.size());
+  for (; !raw.empty(); chunk_bytes -= std::min(block, chunk_bytes)) {
+    const std::size_t size = std::min(block, chunk_bytes), wanted = std::min(size, raw.size());
     if (in.size() < 4) return false;
     const std::size_t stored = big_endian(in.data(), 4);
-    if (stored > in.size() - 4 || stored > size) return false;
-    if (stored == size)
-      std::memcpy(raw.data(), in.data() + 4, size);
-    else if (LZ4_decompress_safe(reinterpret_cast<const char*>(in.data() + 4), reinterpret_cast<char*>(raw.data()),
-                                 int(stored), int(size)) != int(size))
-      return false;
+    if (stored > in.size() - 4 || !decode_block(in.subspan(4, stored), size, raw.first(wanted))) return false;
     in = in.subspan(4 + stored);
-    raw = raw.subspan(size);
+    raw = raw.subspan(wanted);
+    if (wanted < size) return true;
   }
-  return in.empty();
+  return chunk_bytes > 0 || in.empty();
 }
 
 }  // namespace
@@ -94,12 +104,12 @@ std::vector<std::uint8_t> encode_chunk(std::span<const std::uint8_t> raw) {
   return out;
 }
 
-bool decode_chunk(std::span<const std::uint8_t> stored, std::span<std::uint8_t> raw) {
+bool decode_chunk(std::span<const std::uint8_t> stored, std::size_t chunk_bytes, std::span<std::uint8_t> raw) {
   if (stored.size() < 4) return false;
   const auto frame = stored.first(stored.size() - 4);
   std::uint32_t sum = 0;
   for (int i = 0; i < 4; ++i) sum |= std::uint32_t(stored[frame.size() + std::size_t(i)]) << (8 * i);
-  return fletcher32(frame) == sum && decode_frame(frame, raw);
+  return fletcher32(frame) == sum && decode_frame(frame, chunk_bytes, raw);
 }
 
 }  // namespace gigabake

@@ -14,7 +14,9 @@ namespace gigabake {
 
 std::vector<std::uint8_t> encode_chunk(std::span<const std::uint8_t> raw);
 
-/// Fills `raw`. False where the checksum is wrong or the frame does not decode to exactly raw.size() bytes.
-bool decode_chunk(std::span<const std::uint8_t> stored, std::span<std::uint8_t> raw);
+/// Fills `raw` with the first bytes of a chunk of `chunk_bytes`. Range  raw.size() ≤ chunk_bytes.
+/// Cost    The checksum is of the whole chunk; only what is asked for is unpacked.
+/// False where the checksum is wrong or the frame is none of so many bytes.
+bool decode_chunk(std::span<const std::uint8_t> stored, std::size_t chunk_bytes, std::span<std::uint8_t> raw);
 
 }  // namespace gigabake

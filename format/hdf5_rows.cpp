@@ -107,7 +107,8 @@ void Hdf5Rows::read_chunk(std::uint64_t index, std::span<std::uint8_t> raw) cons
   std::vector<std::uint8_t> stored(chunk.bytes);
   if (!read_bytes(descriptor_, chunk.offset, stored))
     fail_chunk(index, errno == 0 ? "the file ends before it" : std::strerror(errno));
-  if (!decode_chunk(stored, raw)) fail_chunk(index, "the checksum is wrong: the file is damaged");
+  if (!decode_chunk(stored, chunk_rows_ * column_.row_bytes(), raw))
+    fail_chunk(index, "the checksum is wrong: the file is damaged");
 }
 
 void Hdf5Rows::read(std::uint64_t first, std::uint64_t count, void* to) const {
@@ -117,12 +118,12 @@ void Hdf5Rows::read(std::uint64_t first, std::uint64_t count, void* to) const {
   for (const std::uint64_t end = first + count; first < end;) {
     const std::uint64_t index = first / chunk_rows_, begin = index * chunk_rows_;
     const std::uint64_t rows = std::min(end, begin + chunk_rows_) - first;
-    if (rows == chunk_rows_) {
+    if (first == begin) {
       read_chunk(index, {out, rows * row_bytes});
     } else {
-      part.resize(chunk_rows_ * row_bytes);
+      part.resize((first - begin + rows) * row_bytes);
       read_chunk(index, part);
-      std::copy_n(part.begin() + std::ptrdiff_t((first - begin) * row_bytes), rows * row_bytes, out);
+      std::copy_n(part.end() - std::ptrdiff_t(rows * row_bytes), rows * row_bytes, out);
     }
     out += rows * row_bytes;
     first += rows;

@@ -20,7 +20,7 @@ class Hdf5Rows {
   std::uint64_t rows() const { return rows_; }
 
   /// Any number of threads. Space  `to` has room for `count` rows; first + count ≤ rows().
-  /// Cost    Reads whole chunks, those that the range touches; the bytes of two more are in memory.
+  /// Cost    Reads whole chunks, those that the range touches; unpacks each up to the range's end.
   /// Errors  InputError: a chunk is missing, lies outside of the file, or its checksum is wrong.
   void read(std::uint64_t first, std::uint64_t count, void* to) const;
 
@@ -29,6 +29,7 @@ class Hdf5Rows {
     std::uint64_t offset = 0, bytes = 0;
   };
   Chunk find_chunk(std::uint64_t index) const;
+  /// The first bytes of chunk `index`, as many as `raw` has.
   void read_chunk(std::uint64_t index, std::span<std::uint8_t> raw) const;
   [[noreturn]] void fail_chunk(std::uint64_t index, const char* message) const;
 

@@ -38,6 +38,10 @@ void ResidentPages::add(const PageKey& key, Page page, std::uint64_t page_bytes)
   bytes_ += page_bytes;
 }
 
+bool ResidentPages::longer_unused_above(const Candidate& a, const Candidate& b) {
+  return std::tie(a.used, a.key) > std::tie(b.used, b.key);
+}
+
 void ResidentPages::list_unused() {
   candidates_.clear();
   candidate_bytes_ = 0;
@@ -53,6 +57,7 @@ void ResidentPages::list_unused() {
 
 void ResidentPages::let_go(std::uint64_t bytes) {
   while (bytes_ > bytes && !candidates_.empty()) {
+    std::pop_heap(candidates_.begin(), candidates_.end(), longer_unused_above);
     Candidate candidate = candidates_.back();
     candidates_.pop_back();
     Resident& resident = *candidate.resident;

@@ -49,10 +49,11 @@ class ResidentPages {
     PageKey key;
     Resident* resident;
   };
+  static bool longer_unused_above(const Candidate& a, const Candidate& b);
 
   std::uint64_t pass_ = 0, bytes_ = 0, candidate_bytes_ = 0;
   std::unordered_map<PageKey, Resident, PageKeyHash> residents_;
-  std::vector<Candidate> candidates_;  ///< the longest unused last
+  std::vector<Candidate> candidates_;  ///< a heap, the longest unused on top
   std::vector<PageKey> gone_;
 };
 
