@@ -51,8 +51,7 @@ void ResidentPages::list_unused() {
     candidates_.push_back({used, key, &resident});
     candidate_bytes_ += resident.bytes;
   }
-  std::sort(candidates_.begin(), candidates_.end(),
-            [](const Candidate& a, const Candidate& b) { return std::tie(a.used, a.key) > std::tie(b.used, b.key); });
+  std::make_heap(candidates_.begin(), candidates_.end(), longer_unused_above);
 }
 
 void ResidentPages::let_go(std::uint64_t bytes) {
