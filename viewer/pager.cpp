@@ -71,6 +71,7 @@ struct Pager::State {
   std::condition_variable arrived;
   std::vector<PageKey> queue;  ///< from `next` on
   std::size_t next = 0;
+  bool first_of_call = false;  ///< nothing read yet of this queue: one page may exceed memory, or some passes never end
   std::uint64_t reading = 0;
   std::unordered_set<PageKey, PageKeyHash> in_hand;  ///< being read, or arrived
   std::vector<Arrival> arrivals;
@@ -90,9 +91,9 @@ Pager::State::~State() {
   for (std::jthread& reader : readers) reader.request_stop();
 }
 
-/// One page is always read, so that a pass that needs more than there is memory for ends.
+/// Pages being read count for nothing: nobody knows their size yet.
 bool Pager::State::may_read() const {
-  return (reading == 0 && arrivals.empty()) || bytes() - pages.candidate_bytes() < memory_bytes;
+  return (first_of_call && reading == 0 && arrivals.empty()) || bytes() - pages.candidate_bytes() < memory_bytes;
 }
 
 void Pager::State::read_on(const std::stop_token& stop) {
@@ -104,6 +105,7 @@ void Pager::State::read_on(const std::stop_token& stop) {
       continue;
     }
     const PageKey key = queue[next++];
+    first_of_call = false;
     in_hand.insert(key);
     ++reading;
     lock.unlock();
@@ -160,6 +162,7 @@ void Pager::want(const std::vector<PageKey>& most_urgent_first) {
   s.pages.list_unused();
   s.queue.clear();
   s.next = 0;
+  s.first_of_call = true;
   std::unordered_set<PageKey, PageKeyHash> seen = s.in_hand;
   for (const PageKey& key : most_urgent_first)
     if (!s.pages.has(key) && !s.damaged.contains(key) && seen.insert(key).second) s.queue.push_back(key);

@@ -29,19 +29,21 @@ class Pager {
   ~Pager();  ///< waits for the pages being read
 
   /// Takes in what has arrived and makes room: pages that nobody found since the last call go, the longest unused
-  /// first, until the rest keeps within memory_bytes. So memory exceeds the bound only by what one pass needs at once
-  /// and by the pages being read.
+  /// first, until the rest keeps within memory_bytes. What has arrived stays until the pass ends. So memory exceeds the
+  /// bound only by what one pass needs at once and by the pages being read.
   /// Returns whether anything arrived, damage included.
   bool begin_pass();
 
-  /// Null where it is not here. Marks it as used. Valid until the next begin_pass(). Any number of threads.
+  /// Null where it is not here. Marks it as used. Valid until the next begin_pass(), and so is the answer null. Any
+  /// number of threads, without a lock, beside everything but begin_pass().
   const Page* find(const PageKey& key) const;
 
-  /// Nothing to wait for: the page cannot be read. Any number of threads.
+  /// Nothing to wait for: the page cannot be read. It is not tried again. Threads as find().
   bool is_damaged(const PageKey& key) const;
 
   /// Replaces what was wanted before; pages that are being read go on. Those here or damaged are skipped, and those
-  /// that would not fit beside what the last pass used, but for the first, wait for a later call.
+  /// that would not fit beside what the last pass used, but for the first, wait for a later call. To be called at the
+  /// end of a pass: what it has not found by now may make room before the next one begins.
   void want(const std::vector<PageKey>& most_urgent_first);
 
   /// Until something has arrived for begin_pass(), or nothing is queued.
@@ -49,7 +51,7 @@ class Pager {
 
   PagerCounts counts() const;
 
-  /// One line for each page that could not be read, and why.
+  /// One line for each page that could not be read, and why; lines that are the same once.
   std::vector<std::string> problems() const;
 
  private:

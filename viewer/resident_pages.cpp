@@ -34,7 +34,7 @@ void ResidentPages::begin_pass() {
 }
 
 void ResidentPages::add(const PageKey& key, Page page, std::uint64_t page_bytes) {
-  residents_.try_emplace(key, std::move(page), page_bytes, pass_);
+  residents_.try_emplace(key, std::move(page), page_bytes, pass_ - 1);
   bytes_ += page_bytes;
 }
 

@@ -23,11 +23,12 @@ class ResidentPages {
   const Page* find(const PageKey& key) const;
   bool has(const PageKey& key) const;  ///< without keeping it
 
-  /// What has been let go is forgotten; what is found or added from now on is of a new pass.
+  /// What has been let go is forgotten; what is found from now on is of a new pass.
   void begin_pass();
+  /// As if the last pass had found it. To be called between begin_pass() and the pass.
   void add(const PageKey& key, Page page, std::uint64_t page_bytes);
 
-  /// Lists what the pass has not found so far: the candidates of let_go().
+  /// Lists what the pass has not found so far: the candidates of let_go(), until the next call.
   void list_unused();
   /// Candidates go, the longest unused first, until those here take no more than `bytes`, or none is left. One that was
   /// found in the meantime stays.
