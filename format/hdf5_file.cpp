@@ -16,6 +16,7 @@ constexpr std::size_t largest_text = 64 << 10;
 Hdf5Id access_properties(const Hdf5Call& call) {
   Hdf5Id access = call.id("H5Pcreate", H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   call("H5Pset_libver_bounds", H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110));
+  call("H5Pset_fapl_sec2", H5Pset_fapl_sec2(access.get()));  // plain files: descriptor() relies on it
   call("H5Pset_fclose_degree", H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG));
   call("H5Pset_file_locking", H5Pset_file_locking(access.get(), false, true));
   return access;
