@@ -1,20 +1,16 @@
+#include <algorithm>
 #include <array>
 #include <charconv>
-#include <chrono>
-#include <cmath>
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "app/commands.h"
 #include "app/text_values.h"
 #include "format/error.h"
-#include "viewer/camera.h"
-#include "viewer/page_cache.h"
-#include "viewer/picture.h"
+#include "viewer/frame_renderer.h"
 #include "viewer/png.h"
 
 namespace gigabake::app {
@@ -22,11 +18,10 @@ namespace {
 
 struct RenderArguments {
   std::string scene, picture;
-  std::string eye, target, up, size = "1280x720", background = "sky";
+  std::string eye, target, up, size = "1280x720", background = "sky", mode = "lit";
   double fovy_deg = 40, lod_bias = 0;
   int threads = 0;
   std::uint64_t memory_bytes = std::uint64_t(1) << 30;
-  bool albedo = false;
 };
 
 /// Whole numbers between single separators, and nothing else.
@@ -80,29 +75,30 @@ CameraOptions camera_options(const RenderArguments& a) {
   return camera;
 }
 
-void run(const RenderArguments& a) {
-  const auto start = std::chrono::steady_clock::now();
-  const CameraOptions camera_wanted = camera_options(a);
-  const Background background = background_option(a.background);
-  PageCache::Options options{a.albedo ? kernels::unlit() : afternoon_light(),
-                             a.memory_bytes != 0 ? a.memory_bytes : UINT64_MAX};
-  if (a.threads < 0 || a.threads > 1024) throw UsageError("--threads: expected 1 to 1024, or 0 for all cores");
+ViewMode mode_option(const std::string& text) {
+  const std::vector<std::string>& names = view_mode_names();
+  const auto found = std::find(names.begin(), names.end(), text);
+  if (found != names.end()) return ViewMode(found - names.begin());
+  throw UsageError(fmt::format("--mode: expected one of {}, got '{}'", fmt::join(names, ", "), text));
+}
 
-  const SceneDescription scene = read_scene(a.scene);
-  const kernels::CpuPolicy policy(a.threads > 0 ? a.threads : int(std::thread::hardware_concurrency()));
-  const CellReader reader = read_from_shards(a.scene, scene);
-  PageCache pages(scene, a.scene, reader, options, policy);
-  kernels::CastCamera camera = make_camera(camera_wanted, scene, reader);
-  if (background.sky && !a.albedo) camera.haze = air(pages.scene());
-  write_png(a.picture, render(pages, camera, background, policy));
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  fmt::print("{}: {}x{} in {:.2f} s; {} pages read, {:.0f} MB held\n", a.picture, camera.width, camera.height, seconds,
-             pages.counts().loads, double(pages.counts().peak_bytes) / 1e6);
+int run(const RenderArguments& a) {
+  const View view{camera_options(a), mode_option(a.mode), background_option(a.background)};
+  FrameRenderer::Options options;
+  options.threads = a.threads;
+  options.memory_bytes = a.memory_bytes != 0 ? a.memory_bytes : UINT64_MAX;
+  FrameRenderer renderer(a.scene, options);
+  const Frame frame = renderer.draw_exact(view);
+  write_png(a.picture, frame.picture);
+  fmt::print("{}: {}x{} in {:.2f} s; {} uploads, {:.0f} MB held\n", a.picture, frame.picture.width,
+             frame.picture.height, frame.stats.total_s, frame.stats.uploads, double(frame.stats.bytes_held) / 1e6);
+  for (const std::string& problem : renderer.problems()) fmt::print(stderr, "gigabake: drawn coarser: {}\n", problem);
+  return renderer.problems().empty() ? complete : cells_failed;
 }
 
 }  // namespace
 
-void add_render(CLI::App& app, int&) {
+void add_render(CLI::App& app, int& exit_code) {
   const auto a = std::make_shared<RenderArguments>();
   CLI::App& command = *app.add_subcommand("render", "One picture of a baked scene, straight from its shards");
   command.add_option("SCENE", a->scene, "scene.xml of a bake")->required();
@@ -113,12 +109,13 @@ void add_render(CLI::App& app, int&) {
   command.add_option("--fovy", a->fovy_deg, "vertical field of view, degrees")->capture_default_str();
   command.add_option("--size", a->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   command.add_option("--background", a->background, "sky, or R,G,B[,A]: sRGB, 0 to 255 each")->capture_default_str();
-  command.add_flag("--albedo", a->albedo, "the surface's own colour, without light and air");
+  command.add_option("--mode", a->mode, fmt::format("what is shown: {}", fmt::join(view_mode_names(), ", ")))
+      ->capture_default_str();
   command.add_option("--lod-bias", a->lod_bias, "levels coarser than a pixel")->capture_default_str();
   command.add_option("--threads", a->threads, "CPU threads (all cores)");
-  command.add_option("--memory", a->memory_bytes, "bytes of voxels to hold, as 512M or 4G; 0: no bound (1G)")
+  command.add_option("--memory", a->memory_bytes, "bytes of voxels to hold, as 512M or 4G; 0: half of the host's (1G)")
       ->transform(CLI::AsSizeValue(false));
-  command.callback([a] { run(*a); });
+  command.callback([a, &exit_code] { exit_code = run(*a); });
 }
 
 }  // namespace gigabake::app

@@ -2,8 +2,8 @@
 ///
 /// A ray walks a fixed sequence of points: on level l they lie half a voxel of l apart, and l is the level whose voxels
 /// are at most a pixel wide at that distance. Which points are looked at, and what is seen there, depends on the ray
-/// and the voxels alone; empty space is only stepped over. So neither the cells, nor which pages are here, nor the
-/// order of rays shows in the picture.
+/// and the voxels alone; empty space is only stepped over. So neither the cells, nor what was here when, nor the order
+/// of rays shows in the picture, once everything that the rays want has come.
 ///
 /// Space   Lod-0 voxels of the scene's lattice; distances in them too.
 /// Exact   IEEE float and double, no transcendental functions: host and device return the same bits.
@@ -20,12 +20,23 @@
 
 namespace gigabake::kernels {
 
-class CpuPolicy;
-
 /// Light that reaches the eye from the air before the surface: 1 - e^(-distance · per_voxel) of it.
 struct CastHaze {
   float rgb[3] = {0, 0, 0};
   float per_voxel = 0;
+};
+
+/// What a ray makes of what is there.
+enum class CastPaint : std::int32_t {
+  shaded,  ///< the voxels' radiance
+  lod,     ///< one colour a level
+  cell,    ///< one colour a cell
+  waits,   ///< red where something finer was asked for
+};
+
+struct CastLook {
+  bool waits = false;  ///< a ray stops at what is not here; else coarser bricks stand for it
+  CastPaint paint = CastPaint::shaded;
 };
 
 struct CastCamera {
@@ -35,15 +46,18 @@ struct CastCamera {
   std::int32_t width = 0, height = 0;
   double lod1_depth = 0;  ///< depth (along forward) from which voxels of lod 1 are at most a pixel wide; > 0
   CastHaze haze;
+  CastLook look;
 };
 
 /// A ray on its way. What was not finished goes on from here.
 struct CastRay {
   float rgb[3] = {0, 0, 0};  ///< linear, premultiplied
   float transmittance = 1;
-  std::int64_t step = 0;  ///< next point of the level
-  std::int32_t lod = -1;  ///< -1: finished
-  std::uint32_t missing = no_page;
+  float depth = no_depth;  ///< distance at which half of the light is gone
+  std::int32_t lod = -1;   ///< -1: finished
+  std::int64_t step = 0;   ///< next point of the level
+
+  static constexpr float no_depth = 3e38f;
 };
 
 /// A pixel's line of sight.
@@ -112,67 +126,31 @@ GB_HD CastRay start_ray(const CastScene& scene, const CastLine& line) {
   return ray;
 }
 
-/// The part of an empty box where the field is zero: what lies beyond a side reaches half a voxel in.
+/// Where the field is zero.
 struct EmptyBox {
   double min[3], max[3];
-
-  GB_HD bool contains(const double p[3]) const {
-    return p[0] >= min[0] && p[0] <= max[0] && p[1] >= min[1] && p[1] <= max[1] && p[2] >= min[2] && p[2] <= max[2];
-  }
 };
 
-GB_HD EmptyBox without_rim(const CastPlace& place, int lod) {
-  const double rim = 0.5 * double(std::int64_t(1) << lod);
+GB_HD EmptyBox empty_box(const CastPlace& place) {
   EmptyBox box;
   for (int a = 0; a < 3; ++a) {
-    box.min[a] = double(place.min[a]) + rim;
-    box.max[a] = double(place.max[a]) - rim;
+    box.min[a] = place.min[a] + place.half;
+    box.max[a] = place.max[a] + place.half + place.beyond;
   }
   return box;
 }
 
-/// The same for an empty box together with its empty neighbour beyond the one side that p is near.
-GB_HD bool find_joint_box(const CastScene& scene, int lod, const double p[3], const std::int64_t v[3],
-                          const CastPlace& here, CastPlace& there, EmptyBox& box) {
-  const double rim = 0.5 * double(std::int64_t(1) << lod);
-  std::int64_t beyond[3] = {v[0], v[1], v[2]};
-  int axis = -1;
-  for (int a = 0; a < 3; ++a) {
-    const bool low = p[a]<double(here.min[a]) + rim, high = p[a]> double(here.max[a]) - rim;
-    if (!low && !high) continue;
-    if (axis >= 0) return false;
-    axis = a;
-    beyond[a] = low ? here.min[a] - 1 : here.max[a];
-  }
-  if (!there.contains(beyond)) there = locate(scene, lod, beyond, here);
-  if (!there.empty() || there.missing != no_page) return false;
-  for (int a = 0; a < 3; ++a) {
-    const bool joined_low = a == axis ? here.min[a] > there.min[a] : here.min[a] < there.min[a];
-    const bool joined_high = a == axis ? here.max[a] < there.max[a] : here.max[a] > there.max[a];
-    box.min[a] = double(joined_low ? there.min[a] : here.min[a]) + rim;
-    box.max[a] = double(joined_high ? there.max[a] : here.max[a]) - rim;
-  }
-  return box.contains(p);
-}
-
-/// Half of a brick along each axis, around p, where the field is zero: the voxels of that half and those next to it in
-/// the brick are not there. False where some are, or where p lies in the brick's rim.
-GB_HD bool find_empty_octant(const CastPlace& place, int lod, const double p[3], EmptyBox& box) {
-  const double edge = double(std::int64_t(1) << lod), per_edge = 1 / edge;
-  int first[3], last[3];
-  for (int a = 0; a < 3; ++a) {
-    const double between_centres = (p[a] - double(place.min[a])) * per_edge - 0.5;
-    if (between_centres < 0 || between_centres > brick_edge - 1) return false;
-    first[a] = between_centres < 4 ? 0 : 4;
-    last[a] = between_centres < 4 ? 4 : 7;
-    box.min[a] = double(place.min[a]) + (first[a] + 0.5) * edge;
-    box.max[a] = double(place.min[a]) + (last[a] + 0.5) * edge;
-  }
-  const std::uint64_t in_row = first[0] == 0 ? 0x1f : 0xf0;
-  const std::uint64_t rows = first[1] == 0 ? 0x0000000101010101 : 0x0101010100000000;
+/// Half of a brick along each axis, around the point: false where the field is not zero in all of it.
+GB_HD bool find_empty_octant(const CastMask& mask, const CastPlace& place, const CastPoint& point, EmptyBox& box) {
+  const int first[3] = {point.base[0] & 4, point.base[1] & 4, point.base[2] & 4};
   std::uint64_t seen = 0;
-  for (int z = first[2]; z <= last[2]; ++z) seen |= place.brick->mask[z];
-  return (seen & in_row * rows) == 0;
+  for (int z = 0; z < 4; ++z) seen |= mask.word[first[2] + z];
+  if ((seen >> (first[0] + 8 * first[1]) & 0x0f0f0f0f) != 0) return false;
+  for (int a = 0; a < 3; ++a) {
+    box.min[a] = place.corner[a] + place.half + first[a] * (2 * place.half);
+    box.max[a] = box.min[a] + 4 * (2 * place.half);
+  }
+  return true;
 }
 
 /// The first point that may lie outside of the box. A millionth of a step guards against rounding: a point too many
@@ -189,12 +167,37 @@ GB_HD std::int64_t step_beyond(const CastLine& line, const EmptyBox& box, const 
   return step > double(ray.step + 1) ? std::int64_t(step) : ray.step + 1;
 }
 
-GB_HD void composite(const CastSample& s, double distance, const CastHaze& haze, CastRay& ray) {
+/// Six colours and their darker and lighter relations.
+GB_HD float painted(std::uint32_t n, int channel) {
+  const std::uint32_t hue = n % 6, tone = n / 6 % 3;
+  const bool lit = channel == 0 ? hue == 0 || hue == 1 || hue == 5 : (channel == 1 ? hue >= 1 && hue <= 3 : hue >= 3);
+  return (lit ? 0.9f : 0.1f) * (1 - 0.3f * float(tone));
+}
+
+/// Radiance of a sample: its own, or paint that its own brightness lets the shape show in.
+GB_HD void radiance_of(const CastSample& s, const CastPlace& place, CastPaint paint, float rgb[3]) {
+  const float scale = 2 / s.c[3];
+  for (int k = 0; k < 3; ++k) rgb[k] = s.c[k] * scale;
+  if (paint == CastPaint::shaded) return;
+  const float grey = 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
+  const std::uint32_t n = paint == CastPaint::lod    ? std::uint32_t(place.lod)
+                          : paint == CastPaint::cell ? place.cell * 2654435761u >> 20
+                                                     : (place.waits ? 0u : 2u);
+  for (int k = 0; k < 3; ++k) rgb[k] = painted(n, k) * (0.25f + grey);
+}
+
+/// The point stands for half a voxel of the ray's level; a coarser brick's extinction is spread over more of them.
+GB_HD void composite(const CastSample& s, const CastPlace& place, double distance, const CastHaze& haze,
+                     CastPaint paint, CastRay& ray) {
   const float seen = exp_minus(float(distance) * haze.per_voxel);
-  const float opacity = 1 - exp_minus(s.c[3] * (0.5f * opaque_extinction));  // points lie half a voxel apart
-  const float weight = ray.transmittance * opacity, radiance = 2 / s.c[3];
-  for (int k = 0; k < 3; ++k) ray.rgb[k] += weight * (s.c[k] * radiance * seen + haze.rgb[k] * (1 - seen));
+  const float part = float(step_length(ray.lod) / (2 * place.half));
+  const float opacity = 1 - exp_minus(s.c[3] * (part * opaque_extinction));
+  const float weight = ray.transmittance * opacity;
+  float rgb[3];
+  radiance_of(s, place, paint, rgb);
+  for (int k = 0; k < 3; ++k) ray.rgb[k] += weight * (rgb[k] * seen + haze.rgb[k] * (1 - seen));
   ray.transmittance *= 1 - opacity;
+  if (ray.transmittance < 0.5f && ray.depth == CastRay::no_depth) ray.depth = float(distance);
 }
 
 /// What is still to come would not show: the ray ends as if the last surface were opaque.
@@ -205,45 +208,26 @@ GB_HD void finish_opaque(CastRay& ray) {
   ray.lod = -1;
 }
 
-/// Where a ray is, and where it just was or is about to be: neighbouring points share them.
-struct CastPlaces {
-  CastPlace here, there;
-
-  GB_HD void move_to(const CastScene& scene, int lod, const std::int64_t v[3]) {
-    if (here.contains(v)) return;
-    const CastPlace left = here;
-    here = there.contains(v) ? there : locate(scene, lod, v, left);
-    there = left;
-  }
-};
-
-/// Looks at one point and goes on to the next one worth looking at. False: a page is missing.
+/// Looks at one point and goes on to the next one worth looking at. False: the ray waits for what is not here.
 GB_HD bool step_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, double distance,
-                    CastPlaces& places, CastRay& ray) {
+                    CastPlace& place, CastRay& ray) {
   double p[3];
-  std::int64_t v[3];
-  for (int a = 0; a < 3; ++a) {
-    p[a] = line.origin[a] + line.direction[a] * distance;
-    v[a] = std::int64_t(std::floor(p[a]));
+  for (int a = 0; a < 3; ++a) p[a] = line.origin[a] + line.direction[a] * distance;
+  if (!place.contains(p)) place = locate(scene, ray.lod, p, camera.look.waits, place);
+  if (place.waits && camera.look.waits) return false;
+  if (!is_here(place.brick)) {
+    ray.step = step_beyond(line, empty_box(place), ray);
+    return true;
   }
-  places.move_to(scene, ray.lod, v);
-  ray.missing = places.here.missing;
-  if (ray.missing != no_page) return false;
-  EmptyBox box;
-  if (places.here.empty()) {
-    box = without_rim(places.here, ray.lod);
-    if (box.contains(p) || find_joint_box(scene, ray.lod, p, v, places.here, places.there, box)) {
-      ray.step = step_beyond(line, box, ray);
-      return true;
+  const CastPoint point = point_in_brick(place, p);
+  const CastMask& mask = scene.masks[place.brick];
+  if (!is_zero(mask, point)) {
+    const CastSample sample = interpolate(scene.voxels + std::size_t(slot_voxels) * place.brick, point);
+    if (sample.c[3] > 0) {
+      composite(sample, place, distance, camera.haze, camera.look.paint, ray);
+      if (ray.transmittance < 1.0f / 1024) finish_opaque(ray);
     }
-  }
-  CastSample sample;
-  ray.missing = sample_field(scene, ray.lod, p, places.here, places.there, sample);
-  if (ray.missing != no_page) return false;
-  if (sample.c[3] > 0) {
-    composite(sample, distance, camera.haze, ray);
-    if (ray.transmittance < 1.0f / 1024) finish_opaque(ray);
-  } else if (places.here.brick != nullptr && find_empty_octant(places.here, ray.lod, p, box)) {
+  } else if (EmptyBox box; place.lod == ray.lod && find_empty_octant(mask, place, point, box)) {
     ray.step = step_beyond(line, box, ray);
     return true;
   }
@@ -251,9 +235,9 @@ GB_HD bool step_ray(const CastScene& scene, const CastCamera& camera, const Cast
   return true;
 }
 
-/// Goes on until the ray is finished (lod = -1) or a page is missing.
+/// Goes on until the ray is finished (lod = -1) or waits.
 GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, CastRay& ray) {
-  CastPlaces places;
+  CastPlace place;
   while (ray.lod >= 0) {
     const double distance = lod_start(line, ray.lod) + (double(ray.step) + 0.5) * step_length(ray.lod);
     if (distance > line.leave) {
@@ -261,8 +245,8 @@ GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const Cast
     } else if (ray.lod + 1 < scene.lods && distance >= lod_start(line, ray.lod + 1)) {
       ++ray.lod;
       ray.step = 0;
-      places = CastPlaces();
-    } else if (!step_ray(scene, camera, line, distance, places, ray)) {
+      place = CastPlace();
+    } else if (!step_ray(scene, camera, line, distance, place, ray)) {
       return;
     }
   }
@@ -272,13 +256,5 @@ GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const Cast
 struct CastTile {
   int x = 0, y = 0, width = 0, height = 0;
 };
-
-/// Starts every ray of the tile.
-void start_rays(const CastScene& scene, const CastCamera& camera, const CastTile& tile, Span<CastRay> rays,
-                const CpuPolicy& policy);
-
-/// Casts every ray of the tile that is not finished.
-void cast_rays(const CastScene& scene, const CastCamera& camera, const CastTile& tile, Span<CastRay> rays,
-               const CpuPolicy& policy);
 
 }  // namespace gigabake::kernels

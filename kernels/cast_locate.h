@@ -1,6 +1,7 @@
-/// Where in a scene a voxel lies: the brick or constant that holds it, or the empty box around it.
+/// Where in a scene a point lies: the brick that holds its field, or the box around it where the field is zero.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #if !defined(__CUDA_ARCH__)
@@ -12,14 +13,6 @@
 
 namespace gigabake::kernels {
 
-GB_HD int count_bits(std::uint64_t v) {
-#if defined(__CUDA_ARCH__)
-  return __popcll(v);
-#else
-  return __builtin_popcountll(v);
-#endif
-}
-
 /// Index of the highest set bit; v ≠ 0.
 GB_HD int highest_bit(std::uint64_t v) {
 #if defined(__CUDA_ARCH__)
@@ -29,14 +22,18 @@ GB_HD int highest_bit(std::uint64_t v) {
 #endif
 }
 
-/// Every ray writes the same number, so the order does not matter.
-GB_HD void mark_used(const CastScene& scene, std::uint32_t page) {
+/// Every ray of a pass writes the same number, so the order does not matter.
+GB_HD void stamp(std::uint32_t* at, std::uint32_t pass) {
 #if defined(__CUDA_ARCH__)
-  scene.page_used[page] = scene.pass;
+  if (*at != pass) *at = pass;
 #else
-  const std::atomic_ref<std::uint32_t> used(scene.page_used[page]);
-  if (used.load(std::memory_order_relaxed) != scene.pass) used.store(scene.pass, std::memory_order_relaxed);
+  const std::atomic_ref<std::uint32_t> mark(*at);
+  if (mark.load(std::memory_order_relaxed) != pass) mark.store(pass, std::memory_order_relaxed);
 #endif
+}
+
+GB_HD void want(const CastScene& scene, std::uint32_t node, Want what) {
+  stamp(scene.marks.wanted + 2 * std::size_t(node) + std::size_t(what), scene.pass);
 }
 
 GB_HD std::uint64_t spread_bits_2d(std::uint64_t v) {
@@ -49,20 +46,9 @@ GB_HD std::uint64_t spread_bits_2d(std::uint64_t v) {
 
 GB_HD std::uint64_t column_key(std::uint32_t x, std::uint32_t y) { return spread_bits_2d(x) | spread_bits_2d(y) << 1; }
 
-/// The answer holds for every voxel of the box [min, max). Neither brick nor constant: nothing is there.
-struct CastPlace {
-  std::int64_t min[3] = {0, 0, 0}, max[3] = {0, 0, 0};
-  std::uint32_t cell = no_page;          ///< that holds it; no_page: none
-  std::int64_t cell_min[3] = {0, 0, 0};  ///< its corner, which the levels are aligned with; 0 outside of all cells
-  const CastBrick* brick = nullptr;
-  const CastVoxel* voxels = nullptr;    ///< of the brick's level
-  const CastVoxel* constant = nullptr;  ///< instead of a brick: the value of every voxel
-  std::uint32_t missing = no_page;      ///< not no_page: unknown before this page is here
-
-  GB_HD bool contains(const std::int64_t v[3]) const {
-    return v[0] >= min[0] && v[0] < max[0] && v[1] >= min[1] && v[1] < max[1] && v[2] >= min[2] && v[2] < max[2];
-  }
-  GB_HD bool empty() const { return brick == nullptr && constant == nullptr; }
+/// Voxels [min, max).
+struct VoxelBox {
+  std::int64_t min[3], max[3];
 };
 
 /// Index of the first column whose key is ≥ key.
@@ -80,7 +66,7 @@ GB_HD std::size_t lower_column(const CastScene& scene, std::uint64_t key) {
 
 /// The largest aligned square of columns around an absent one that holds no column: no other column shares its prefix.
 GB_HD void set_empty_square(const CastScene& scene, std::uint64_t key, std::size_t next, const std::int64_t column[2],
-                            CastPlace& place) {
+                            VoxelBox& box) {
   int size_bits = 31;
   for (int side = 0; side < 2; ++side) {
     if (side == 0 ? next == 0 : next == scene.column_key.size) continue;
@@ -90,107 +76,168 @@ GB_HD void set_empty_square(const CastScene& scene, std::uint64_t key, std::size
   }
   for (int a = 0; a < 2; ++a) {
     const std::int64_t low = scene.column_min[a] + (column[a] >> size_bits << size_bits);
-    place.min[a] = low * (std::int64_t(1) << scene.cell_bits);
-    place.max[a] = (low + (std::int64_t(1) << size_bits)) * (std::int64_t(1) << scene.cell_bits);
+    box.min[a] = low * (std::int64_t(1) << scene.cell_bits);
+    box.max[a] = (low + (std::int64_t(1) << size_bits)) * (std::int64_t(1) << scene.cell_bits);
   }
 }
 
-/// True and the cell's index where a cell holds the voxel; else `place` is the empty box around it.
-GB_HD bool find_cell(const CastScene& scene, const std::int64_t v[3], CastPlace& place, std::uint32_t& cell) {
+/// True and the cell's index where a cell holds the voxel; else `box` is the empty box around it.
+GB_HD bool find_cell(const CastScene& scene, const std::int64_t v[3], std::uint32_t& cell, VoxelBox& box) {
   for (int a = 0; a < 3; ++a) {
-    place.min[a] = -far_voxel;
-    place.max[a] = far_voxel;
+    box.min[a] = -far_voxel;
+    box.max[a] = far_voxel;
   }
   std::int64_t column[2];
   for (int a = 0; a < 2; ++a) {
     column[a] = (v[a] >> scene.cell_bits) - scene.column_min[a];
     const std::int64_t edge = std::int64_t(1) << scene.cell_bits;
     if (column[a] < 0) {
-      place.max[a] = scene.column_min[a] * edge;
+      box.max[a] = scene.column_min[a] * edge;
       return false;
     }
     if (column[a] >= scene.column_count[a]) {
-      place.min[a] = (scene.column_min[a] + scene.column_count[a]) * edge;
+      box.min[a] = (scene.column_min[a] + scene.column_count[a]) * edge;
       return false;
     }
   }
   const std::uint64_t key = column_key(std::uint32_t(column[0]), std::uint32_t(column[1]));
   const std::size_t found = lower_column(scene, key);
   if (found == scene.column_key.size || scene.column_key[found] != key) {
-    set_empty_square(scene, key, found, column, place);
+    set_empty_square(scene, key, found, column, box);
     return false;
   }
   for (int a = 0; a < 2; ++a) {
-    place.min[a] = v[a] >> scene.cell_bits << scene.cell_bits;
-    place.max[a] = place.min[a] + (std::int64_t(1) << scene.cell_bits);
+    box.min[a] = v[a] >> scene.cell_bits << scene.cell_bits;
+    box.max[a] = box.min[a] + (std::int64_t(1) << scene.cell_bits);
   }
   for (cell = scene.column_first[found]; cell < scene.column_first[found + 1]; ++cell) {
     const std::int64_t low = scene.cells[cell].min[2], high = low + (std::int64_t(1) << scene.cell_bits);
     if (v[2] < low) {
-      place.max[2] = low;
+      box.max[2] = low;
       return false;
     }
     if (v[2] < high) return true;
-    place.min[2] = high;
+    box.min[2] = high;
   }
   return false;
 }
 
-GB_HD void set_node_box(const CastCell& cell, const std::uint32_t local[3], int lod, CastPlace& place) {
+inline constexpr std::uint32_t no_cell = 0xffffffffu;
+
+/// The answer holds for points p whose lowest voxel centre, p - half, lies in [min, max).
+struct CastPlace {
+  double min[3] = {0, 0, 0}, max[3] = {0, 0, 0};
+  double half = 0;                  ///< half an edge of the brick's voxels
+  double corner[3] = {0, 0, 0};     ///< of the brick
+  std::uint32_t brick = empty_ref;  ///< slot; empty_ref: the field of this level is zero
+  double beyond = 0;                ///< where it is, it is so for this much more on the upper sides
+  std::int32_t lod = 0;             ///< of the brick: the one asked for, or coarser where that is not here
+  std::uint32_t cell = no_cell;     ///< that holds it
+  bool waits = false;               ///< something finer will be here
+
+  GB_HD bool contains(const double p[3]) const {
+    bool inside = true;
+    for (int a = 0; a < 3; ++a) {
+      const double v = p[a] - half;
+      inside = inside & (v >= min[a]) & (v < max[a]);
+    }
+    return inside;
+  }
+};
+
+/// Where a descent ended.
+struct CastDescent {
+  std::uint32_t node;
+  int lod;
+};
+
+/// From a cell's root towards the node of level `lod` that holds voxel v; ends early at what is empty or not here.
+GB_HD CastDescent descend(const CastScene& scene, std::uint32_t cell, int lod, const std::uint32_t local[3]) {
+  CastDescent at{cell, scene.lods - 1};
+  while (at.lod > lod) {
+    const CastNode node = scene.nodes[at.node];
+    if (node.brick == empty_ref || !is_here(node.children)) break;
+    const int bit = 2 + at.lod;
+    at.node = 8 * node.children + ((local[0] >> bit & 1) | (local[1] >> bit & 1) << 1 | (local[2] >> bit & 1) << 2);
+    --at.lod;
+  }
+  stamp(scene.marks.tile_used + at.node / 8, scene.pass);
+  return at;
+}
+
+/// The box of the node of level `lod` that holds the voxel.
+GB_HD void set_node_box(const CastCell& cell, const std::uint32_t local[3], int lod, double min[3], double max[3]) {
   for (int a = 0; a < 3; ++a) {
-    place.min[a] = cell.min[a] + std::int64_t(local[a] >> (3 + lod) << (3 + lod));
-    place.max[a] = place.min[a] + (std::int64_t(brick_edge) << lod);
+    const std::int64_t low = cell.min[a] + std::int64_t(local[a] >> (3 + lod) << (3 + lod));
+    min[a] = double(low);
+    max[a] = double(low + (std::int64_t(brick_edge) << lod));
   }
 }
 
-/// Down from the root to the node of level `lod`, or to the coarser node where the tree ends.
-GB_HD void descend(const CastScene& scene, std::uint32_t index, int lod, const std::int64_t v[3], CastPlace& place) {
-  const CastCell& cell = scene.cells[index];
-  if (cell.nodes == nullptr) {
-    place.missing = node_page(index);
-    return;
-  }
-  mark_used(scene, node_page(index));
-  std::uint32_t local[3];
-  for (int a = 0; a < 3; ++a) {
-    local[a] = std::uint32_t(v[a] - cell.min[a]);
-    place.cell_min[a] = cell.min[a];
-  }
-  const CastNode* node = cell.nodes;
-  int l = scene.lods - 1;
-  for (; l > lod && node->kind != CastNodeKind::leaf_constant; --l) {
-    const int child =
-        int(local[0] >> (2 + l) & 1) | int(local[1] >> (2 + l) & 1) << 1 | int(local[2] >> (2 + l) & 1) << 2;
-    if ((node->child_mask >> child & 1) == 0) return set_node_box(cell, local, l - 1, place);
-    node = cell.nodes + node->first_child + count_bits(node->child_mask & ((1u << child) - 1));
-  }
-  set_node_box(cell, local, l, place);
-  if (node->kind != CastNodeKind::brick) {
-    place.constant = cell.constants + node->value;
-    return;
-  }
-  const CastLevel& level = cell.level[lod];
-  if (level.bricks == nullptr) {
-    place.missing = level_page(index, lod);
-    return;
-  }
-  mark_used(scene, level_page(index, lod));
-  place.brick = level.bricks + node->value;
-  place.voxels = level.voxels;
+/// A brick stands for all that is finer and not here: for a box of the level asked for, since beyond it more may be.
+GB_HD void set_brick(const CastScene& scene, const CastDescent& at, const std::uint32_t local[3], int lod,
+                     CastPlace& place) {
+  const CastCell& cell = scene.cells[place.cell];
+  double max[3];
+  set_node_box(cell, local, at.lod, place.corner, max);
+  set_node_box(cell, local, lod, place.min, place.max);
+  place.lod = at.lod;
+  place.brick = scene.nodes[at.node].brick;
+  stamp(scene.marks.slot_used + place.brick, scene.pass);
 }
 
-/// v: any lod-0 voxel inside the wanted voxel of level `lod`. last: an earlier answer, whose cell is tried first.
-GB_HD CastPlace locate(const CastScene& scene, int lod, const std::int64_t v[3], const CastPlace& last) {
+/// Notes what of this node a ray of level `lod` misses. True where it is worth waiting for.
+GB_HD bool ask_for(const CastScene& scene, const CastDescent& at, int lod) {
+  const CastNode node = scene.nodes[at.node];
+  const Want what = at.lod > lod ? Want::children : Want::brick;
+  if ((what == Want::children ? node.children : node.brick) != absent_ref) return false;
+  want(scene, at.node, what);
+  return true;
+}
+
+/// The field of level `lod` around p; where what holds it is not here, a coarser one, unless `patient`: then the answer
+/// says no more than that the ray waits. last: an earlier answer, whose cell is tried first.
+/// Cost  A descent of `lods` dependent reads; one more for each level that is not here.
+GB_HD CastPlace locate(const CastScene& scene, int lod, const double p[3], bool patient, const CastPlace& last) {
   CastPlace place;
   place.cell = last.cell;
-  const bool same_cell =
-      last.cell != no_page &&
-      (((v[0] - last.cell_min[0]) | (v[1] - last.cell_min[1]) | (v[2] - last.cell_min[2])) >> scene.cell_bits) == 0;
-  if (same_cell || find_cell(scene, v, place, place.cell))
-    descend(scene, place.cell, lod, v, place);
-  else
-    place.cell = no_page;
-  return place;
+  for (int level = lod;; ++level) {
+    place.half = 0.5 * double(std::int64_t(1) << level);
+    std::int64_t v[3];
+    std::uint32_t local[3];
+    for (int a = 0; a < 3; ++a) v[a] = std::int64_t(std::floor(p[a] - place.half));
+    VoxelBox box;
+    const std::int64_t* corner = place.cell == no_cell ? v : scene.cells[place.cell].min;
+    const bool same_cell =
+        place.cell != no_cell && ((v[0] - corner[0]) | (v[1] - corner[1]) | (v[2] - corner[2])) >> scene.cell_bits == 0;
+    if (!same_cell && !find_cell(scene, v, place.cell, box)) {
+      place.cell = no_cell;
+      for (int a = 0; a < 3; ++a) {
+        place.min[a] = double(box.min[a]);
+        place.max[a] = double(box.max[a]);
+      }
+      return place;
+    }
+    for (int a = 0; a < 3; ++a) local[a] = std::uint32_t(v[a] - scene.cells[place.cell].min[a]);
+    const CastDescent at = descend(scene, place.cell, level, local);
+    const std::uint32_t brick = scene.nodes[at.node].brick;
+    if (brick == empty_ref) {
+      set_node_box(scene.cells[place.cell], local, at.lod, place.min, place.max);
+      place.beyond = double((std::int64_t(1) << at.lod) - (std::int64_t(1) << level));
+      return place;
+    }
+    place.waits |= ask_for(scene, at, level);
+    if (patient && place.waits) return place;
+    if (at.lod == level && is_here(brick)) {
+      set_brick(scene, at, local, lod, place);
+      return place;
+    }
+    if (level == scene.lods - 1) {  // not even the root is here
+      set_node_box(scene.cells[place.cell], local, level, place.min, place.max);
+      return place;
+    }
+    level = at.lod == level ? level : at.lod - 1;
+  }
 }
 
 }  // namespace gigabake::kernels

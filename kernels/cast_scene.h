@@ -1,7 +1,13 @@
-/// A paged scene as the ray caster borrows it: columns of cells, each an oct-tree whose levels may or may not be here.
+/// A paged scene as the ray caster borrows it: columns of cells, each an oct-tree whose nodes and bricks stand in two
+/// pools of fixed size and may or may not be here.
 ///
-/// A page is what comes and goes as one: the node table of a cell, or one level of a cell. What is not here has a null
-/// pointer; a ray that needs it stops and names the page (cast.h). Coordinates are lod-0 voxels of the scene's lattice.
+/// The trees here are of *fields*, not of voxels: a voxel's field reaches from its centre to its neighbours' centres,
+/// so a node holds what lies between the centre of its lowest voxel and one voxel beyond its highest. It exists where
+/// it or one of its seven upper neighbours has a voxel, and its brick carries their lowest layers as a border. Then a
+/// point needs one brick, and what is empty is empty to its rim.
+///
+/// Coordinates are lod-0 voxels of the scene's lattice.
+/// Source  Crassin et al. 2009, "GigaVoxels" (node pool, brick pool, borders, rays that ask for what they miss).
 #pragma once
 
 #include <cstdint>
@@ -11,9 +17,9 @@
 namespace gigabake::kernels {
 
 inline constexpr int max_cast_lods = 11;                          ///< cells of up to 8192 voxels
-inline constexpr std::uint32_t no_page = 0xffffffffu;             ///< as a request: nothing is missing
 inline constexpr float opaque_extinction = 12;                    ///< of coverage 255, per voxel: e^-12 is nothing
 inline constexpr std::int64_t far_voxel = std::int64_t(1) << 52;  ///< beyond every scene; exact in a double
+inline constexpr int slot_edge = 9, slot_voxels = slot_edge * slot_edge * slot_edge;
 
 /// What a voxel adds to a ray, 65535 = 1. Premultiplied, so that voxels that are not there need no case of their own.
 /// [0…2] linear RGB radiance / 2 × [3]. [3] extinction per voxel / opaque_extinction.
@@ -23,33 +29,34 @@ struct CastVoxel {
   std::uint16_t c[4];
 };
 
-/// Voxel (x,y,z) is bit x+8y of word z; its value is voxels[first + its rank among the set bits].
-struct CastBrick {
-  std::uint64_t mask[8];
-  std::uint64_t before;  ///< bits 9(z-1)…: how many bits are set in the words below word z = 1…7
-  std::uint64_t first;
-};
+/// A reference to a tile or a slot, or why there is none.
+inline constexpr std::uint32_t empty_ref = 0xffffffffu;   ///< there is nothing: the field is zero
+inline constexpr std::uint32_t absent_ref = 0xfffffffeu;  ///< not here yet
+inline constexpr std::uint32_t lost_ref = 0xfffffffdu;    ///< will never be here: coarser bricks stand for it
+GB_HD bool is_here(std::uint32_t ref) { return ref < lost_ref; }
 
-enum class CastNodeKind : std::uint8_t { brick = 0, constant = 1, leaf_constant = 2 };
-
+/// Eight of them, x | y<<1 | z<<2, are a tile. Node n of tile t is node 8t + n. brick = empty_ref: so is all below.
 struct CastNode {
-  std::uint32_t first_child = 0;  ///< index of the lowest stored child; the others follow
-  std::uint32_t value = 0;        ///< brick in its level, or index into the cell's constants
-  std::uint8_t child_mask = 0;    ///< bit x | y<<1 | z<<2
-  CastNodeKind kind = CastNodeKind::brick;
+  std::uint32_t children = absent_ref;  ///< tile
+  std::uint32_t brick = absent_ref;     ///< slot
 };
 
-struct CastLevel {
-  const CastBrick* bricks = nullptr;
-  const CastVoxel* voxels = nullptr;
+/// Bit x + 8y of word z: the field is not zero everywhere between the centres of voxels (x,y,z) and (x,y,z) + 1.
+struct CastMask {
+  std::uint64_t word[8];
 };
 
 struct CastCell {
-  std::int64_t min[3] = {};              ///< x and y multiples of the cell's edge
-  const CastNode* nodes = nullptr;       ///< [0] is the root
-  const CastVoxel* constants = nullptr;  ///< here where the nodes are
-  CastLevel level[max_cast_lods];
+  std::int64_t min[3] = {};  ///< x and y multiples of the cell's edge. The root of cell c is node c
 };
+
+/// What rays tell whoever fills the pools: stamps, `pass` where it happened in this pass.
+struct CastMarks {
+  std::uint32_t* tile_used = nullptr;  ///< by tile: rays ended their descent in it
+  std::uint32_t* slot_used = nullptr;
+  std::uint32_t* wanted = nullptr;  ///< [2·node + Want]
+};
+enum class Want : std::uint32_t { brick = 0, children = 1 };
 
 struct CastScene {
   Span<const CastCell> cells;              ///< column by column, upwards in each, without overlap
@@ -59,15 +66,13 @@ struct CastScene {
   std::int64_t column_count[2] = {};       ///< per axis; at most 2^31
   std::int32_t cell_bits = 0;              ///< a cell's edge is 2^cell_bits voxels
   std::int32_t lods = 0;
-  double min[3] = {}, max[3] = {};     ///< a box around all cells
-  std::uint32_t* page_used = nullptr;  ///< per page: the latest pass that looked at it
+  double min[3] = {}, max[3] = {};  ///< a box around all voxels
+
+  const CastNode* nodes = nullptr;
+  const CastMask* masks = nullptr;    ///< by slot
+  const CastVoxel* voxels = nullptr;  ///< slot_voxels a slot, x fastest
+  CastMarks marks;
   std::uint32_t pass = 0;
 };
-
-GB_HD std::uint32_t node_page(std::uint32_t cell) { return cell * (max_cast_lods + 1); }
-GB_HD std::uint32_t level_page(std::uint32_t cell, int lod) { return node_page(cell) + 1 + std::uint32_t(lod); }
-GB_HD std::uint32_t cell_of_page(std::uint32_t page) { return page / (max_cast_lods + 1); }
-/// -1: the node table.
-GB_HD int lod_of_page(std::uint32_t page) { return int(page % (max_cast_lods + 1)) - 1; }
 
 }  // namespace gigabake::kernels

@@ -1,5 +1,6 @@
 // The CUDA backend of a build without nvcc: no devices, and a reason.
 #ifndef GIGABAKE_HAS_CUDA
+#include "kernels/caster.h"
 #include "kernels/cuda_baker.h"
 
 namespace gigabake::kernels {
@@ -8,6 +9,10 @@ class CudaInput {};
 class CudaBaker::Impl {};
 
 CudaDevices cuda_devices() { return {{}, "this gigabake was built without CUDA (no nvcc was found)"}; }
+
+std::unique_ptr<Caster> make_cuda_caster(const CastScene&, const PoolSizes&, int) {
+  throw CudaFailure(cuda_devices().reason);
+}
 
 double device_copy_rate(int) { throw CudaFailure(cuda_devices().reason); }
 

@@ -7,6 +7,7 @@
 #include "kernels/cuda_hash.cuh"
 #include "kernels/cuda_input.cuh"
 #include "kernels/cuda_levels.cuh"
+#include "kernels/cuda_stream.cuh"
 #include "kernels/cuda_voxelize.cuh"
 #include "kernels/prune.h"
 
@@ -40,17 +41,6 @@ class StreamClock {
  private:
   cudaStream_t stream_;
   std::array<cudaEvent_t, 6> events_{};
-};
-
-struct Stream {
-  cudaStream_t handle = nullptr;
-  explicit Stream(int device) {
-    check_cuda(cudaSetDevice(device), "cudaSetDevice");
-    check_cuda(cudaStreamCreateWithFlags(&handle, cudaStreamNonBlocking), "cudaStreamCreate");
-  }
-  ~Stream() { cudaStreamDestroy(handle); }
-  Stream(const Stream&) = delete;
-  Stream& operator=(const Stream&) = delete;
 };
 
 /// Freed memory stays with the pool: giving it back to the driver between cells costs more than all kernels.

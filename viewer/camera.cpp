@@ -1,11 +1,11 @@
 #include "viewer/camera.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <string>
 
-#include "format/brick_walk.h"
 #include "format/error.h"
 
 namespace gigabake {
@@ -72,26 +72,51 @@ Axes look(const Vector& forward, const std::optional<Point<Scene>>& up) {
 /// From the south-east, about 30° above the ground.
 const Vector oblique_view{-0.62, 0.60, -0.505};
 
-/// Calls visit(lowest corner, edge) for every box of the finest nodes there are, in voxels.
+/// A scene of more cells is framed by their boxes alone.
+constexpr std::size_t most_cells_read = 256;
+
+/// Calls visit(lowest corner, edge) for the boxes of the finest nodes that the rows know of, in voxels.
 template <class Visit>
-void for_each_occupied_box(const SceneDescription& scene, const CellReader& reader, const Visit& visit) {
-  for (std::size_t c = 0; c < scene.cells.size(); ++c) {
-    const auto& cell_min = scene.cells[c].lattice_min;
-    const NodeTable nodes = reader.nodes(c);
-    for (std::size_t n = 0; n < nodes.key.size(); ++n) {
-      if (nodes.child_mask[n] != 0) continue;
-      const BrickPosition at = brick_position(nodes.key[n]);
-      const double edge = std::ldexp(brick_edge, nodes.lod[n]);
-      visit(Vector{double(cell_min[0]) + at.x * edge, double(cell_min[1]) + at.y * edge,
-                   double(cell_min[2]) + at.z * edge},
-            edge);
-    }
+void visit_nodes(const std::vector<NodeRow>& rows, std::size_t row, const Vector& corner, double edge,
+                 const Visit& visit) {
+  const NodeRow& node = rows[row];
+  const auto children = std::size_t(std::popcount(node.child_mask));
+  if (children == 0 || node.first_child + children > rows.size()) return visit(corner, edge);
+  std::size_t next = node.first_child;
+  for (int child = 0; child < 8; ++child) {
+    if ((node.child_mask >> child & 1) == 0) continue;
+    const double half = edge / 2;
+    visit_nodes(rows, next++, corner + Vector{child & 1 ? half : 0, child & 2 ? half : 0, child & 4 ? half : 0}, half,
+                visit);
   }
 }
 
-Vector middle_of(const SceneDescription& scene, const CellReader& reader) {
+/// None of a cell that cannot be read: its box will do, and whoever draws it says what is wrong with it.
+std::vector<NodeRow> first_rows(const SceneDescription& scene, std::size_t cell, const PageSource& pages) {
+  if (scene.cells.size() > most_cells_read) return {};
+  try {
+    return pages({std::uint32_t(cell), -1, 0}).rows;
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+template <class Visit>
+void for_each_occupied_box(const SceneDescription& scene, const PageSource& pages, const Visit& visit) {
+  for (std::size_t c = 0; c < scene.cells.size(); ++c) {
+    const SceneCell& cell = scene.cells[c];
+    const Vector corner{double(cell.lattice_min[0]), double(cell.lattice_min[1]), double(cell.lattice_min[2])};
+    const std::vector<NodeRow> rows = first_rows(scene, c, pages);
+    if (rows.empty())
+      visit(corner, double(cell.cell_voxels));
+    else
+      visit_nodes(rows, 0, corner, double(cell.cell_voxels), visit);
+  }
+}
+
+Vector middle_of(const SceneDescription& scene, const PageSource& pages) {
   Vector low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-  for_each_occupied_box(scene, reader, [&](const Vector& corner, double edge) {
+  for_each_occupied_box(scene, pages, [&](const Vector& corner, double edge) {
     for (std::size_t a = 0; a < 3; ++a) {
       low[a] = std::min(low[a], corner[a]);
       high[a] = std::max(high[a], corner[a] + edge);
@@ -123,11 +148,11 @@ struct FrustumSides {
 };
 
 /// Where the camera stands to see everything, as near as it can. With a target it looks straight at that.
-Vector framing_eye(const SceneDescription& scene, const CellReader& reader, const std::optional<Vector>& target,
+Vector framing_eye(const SceneDescription& scene, const PageSource& pages, const std::optional<Vector>& target,
                    const Axes& axes, double tan_x, double tan_y) {
   constexpr double margin = 0.96;
   FrustumSides sides[2] = {{axes.right, axes.forward, tan_x * margin}, {axes.up, axes.forward, tan_y * margin}};
-  for_each_occupied_box(scene, reader, [&](const Vector& corner, double edge) {
+  for_each_occupied_box(scene, pages, [&](const Vector& corner, double edge) {
     for (FrustumSides& s : sides) s.include(corner + Vector{edge / 2, edge / 2, edge / 2}, edge / 2);
   });
   double depth = HUGE_VAL;
@@ -144,7 +169,7 @@ void set(double out[3], const Vector& v) { std::copy(v.begin(), v.end(), out); }
 
 }  // namespace
 
-kernels::CastCamera make_camera(const CameraOptions& options, const SceneDescription& scene, const CellReader& reader) {
+kernels::CastCamera make_camera(const CameraOptions& options, const SceneDescription& scene, const PageSource& pages) {
   check_options(options);
   const double tan_y = std::tan(options.fovy_deg * (std::numbers::pi / 360));
   const double tan_x = tan_y * options.width / options.height;
@@ -153,9 +178,9 @@ kernels::CastCamera make_camera(const CameraOptions& options, const SceneDescrip
   if (options.eye_m) eye = to_voxels(*options.eye_m, scene, "--eye");
   Vector forward = unit(oblique_view);
   if (!eye) {
-    eye = framing_eye(scene, reader, target, look(forward, options.up), tan_x, tan_y);
+    eye = framing_eye(scene, pages, target, look(forward, options.up), tan_x, tan_y);
   } else {
-    if (!target) target = middle_of(scene, reader);
+    if (!target) target = middle_of(scene, pages);
     if (*target == *eye) throw UsageError("--target: the same place as --eye; there is no direction to look");
     forward = unit(*target - *eye);
   }

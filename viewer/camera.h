@@ -7,7 +7,7 @@
 #include "format/frames.h"
 #include "format/scene_xml.h"
 #include "kernels/cast.h"
-#include "viewer/cell_reader.h"
+#include "viewer/page.h"
 
 namespace gigabake {
 
@@ -20,8 +20,8 @@ struct CameraOptions {
   double lod_bias = 0;  ///< levels coarser (or finer, below 0) than a pixel
 };
 
-/// Cost    Where eye or target are left open, one read of every cell's node table, one at a time.
-/// Errors  UsageError naming the option: not finite, no direction, sizes or angles out of range; InputError.
-kernels::CastCamera make_camera(const CameraOptions& options, const SceneDescription& scene, const CellReader& reader);
+/// Cost    Where eye or target are left open, one read of up to 256 cells' first page of nodes, one at a time.
+/// Errors  UsageError naming the option: not finite, no direction, sizes or angles out of range.
+kernels::CastCamera make_camera(const CameraOptions& options, const SceneDescription& scene, const PageSource& pages);
 
 }  // namespace gigabake

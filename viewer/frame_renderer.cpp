@@ -2,14 +2,21 @@
 
 #include <array>
 #include <chrono>
-#include <optional>
 #include <thread>
+#include <utility>
 
 #include "format/error.h"
-#include "viewer/page_cache.h"
 
 namespace gigabake {
 namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+Clock::time_point from_now(double seconds) {
+  return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
 
 Point<Scene> to_scene_m(const SceneDescription& scene, const double voxels[3]) {
   std::array<double, 3> m;
@@ -17,14 +24,53 @@ Point<Scene> to_scene_m(const SceneDescription& scene, const double voxels[3]) {
   return {m[0], m[1], m[2]};
 }
 
-double since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+/// Pages of so many times their budget are read before a view counts as one that needs more than there is room for.
+constexpr std::uint64_t pages_over = 4;
+
+/// What a mode needs of the pools' bricks.
+struct Filling {
+  Surface surface;
+  bool lit;
+  friend bool operator==(const Filling&, const Filling&) = default;
+};
+
+Filling filling_of(ViewMode mode) {
+  switch (mode) {
+    case ViewMode::albedo:
+      return {Surface::colour, false};
+    case ViewMode::normal:
+      return {Surface::normal, false};
+    case ViewMode::coverage:
+      return {Surface::coverage, false};
+    default:
+      return {Surface::colour, true};
+  }
+}
+
+kernels::CastPaint paint_of(ViewMode mode) {
+  switch (mode) {
+    case ViewMode::lod:
+      return kernels::CastPaint::lod;
+    case ViewMode::cell:
+      return kernels::CastPaint::cell;
+    case ViewMode::requests:
+      return kernels::CastPaint::waits;
+    default:
+      return kernels::CastPaint::shaded;
+  }
+}
+
+bool same_picture(const View& a, const View& b) {
+  const CameraOptions &c = a.camera, &d = b.camera;
+  return a.mode == b.mode && c.eye_m == d.eye_m && c.target_m == d.target_m && c.up == d.up &&
+         c.fovy_deg == d.fovy_deg && c.width == d.width && c.height == d.height && c.lod_bias == d.lod_bias &&
+         c.eye_m.has_value();
 }
 
 }  // namespace
 
 const std::vector<std::string>& view_mode_names() {
-  static const std::vector<std::string> names{"lit", "albedo"};
+  static const std::vector<std::string> names{"lit", "albedo", "normal", "coverage", "lod", "cell", "requests"};
   return names;
 }
 
@@ -33,67 +79,141 @@ struct FrameRenderer::State {
   Options options;
   SceneDescription scene;
   kernels::CpuPolicy policy;
-  CellReader reader;
-  std::array<std::optional<PageCache>, 2> pages;  ///< by mode
+  PageSource source;
+  Filling filling{};
+  std::unique_ptr<SceneStream> stream;
+  std::vector<std::uint32_t> wanted;  ///< by the last frame
+  View last;
+  std::uint64_t bytes_read_before = 0;  ///< when `last` was first drawn
+  bool starved = false;
 
-  State(const std::filesystem::path& scene_path, const Options& wanted)
+  State(const SceneDescription& described, const std::filesystem::path& scene_path, const Options& wishes)
       : path(scene_path),
-        options(wanted),
-        scene(read_scene(scene_path)),
-        policy(wanted.threads > 0 ? wanted.threads : int(std::thread::hardware_concurrency())),
-        reader(read_from_shards(scene_path, scene)) {}
+        options(wishes),
+        scene(described),
+        policy(wishes.threads > 0 ? wishes.threads : int(std::thread::hardware_concurrency())) {}
 
-  PageCache& pages_of(ViewMode mode) {
-    std::optional<PageCache>& found = pages[std::size_t(mode)];
-    if (!found) {
-      const kernels::CastLight light = mode == ViewMode::lit ? afternoon_light() : kernels::unlit();
-      found.emplace(scene, path, reader, PageCache::Options{light, options.memory_bytes}, policy);
-    }
-    return *found;
+  void fill(const Filling& wish) {
+    if (stream && wish == filling) return;
+    filling = wish;
+    stream.reset();  // before the next takes its memory
+    stream = std::make_unique<SceneStream>(
+        scene, path, source,
+        SceneStream::Options{wish.lit ? afternoon_light() : kernels::unlit(), wish.surface, options.memory_bytes,
+                             policy.threads(), options.cuda_device, options.device_bytes},
+        policy);
+    wanted.clear();
+    last = {};
+  }
+
+  /// Pools that are full of what this view uses, or pages that make each other go: nothing that a view needs is read
+  /// several times over where there is room for it.
+  bool is_starved(const SceneStream::Served& served) const {
+    const std::uint64_t read = stream->page_counts().bytes_read - bytes_read_before;
+    return served.is_full || read / pages_over > stream->page_bytes_allowed();
+  }
+
+  void look_at(const View& view) {
+    if (same_picture(view, last)) return;
+    last = view;
+    starved = false;
+    bytes_read_before = stream->page_counts().bytes_read;
+  }
+
+  kernels::CastCamera camera_of(const View& view) const {
+    kernels::CastCamera camera = make_camera(view.camera, scene, source);
+    if (view.background.sky && view.mode == ViewMode::lit) camera.haze = air(stream->layout().scene);
+    camera.look.paint = paint_of(view.mode);
+    return camera;
+  }
+
+  void tell(FrameStats& stats, std::uint64_t uploads_before, Clock::time_point start) const {
+    stats.total_s = since(start);
+    stats.uploads = stream->counts().uploads - uploads_before;
+    stats.pages_loading = stream->page_counts().queued;
+    stats.bytes_held = stream->bytes_held();
+    stats.bytes_allowed = stream->bytes_allowed();
+    stats.starved = starved;
+  }
+
+  void cast_once(const View& view, const kernels::CastCamera& camera, Picture& picture) {
+    kernels::Caster& caster = stream->caster();
+    caster.start(camera, {0, 0, camera.width, camera.height});
+    const std::size_t pixels = std::size_t(camera.width) * std::size_t(camera.height);
+    caster.cast(0, pixels);
+    wanted = caster.wanted();
+    picture.width = camera.width;
+    picture.height = camera.height;
+    picture.rgba.resize(4 * pixels);
+    picture.depth.resize(pixels);
+    caster.resolve(to_cast(view.background), picture.rgba.data(), picture.depth.data());
   }
 };
 
-FrameRenderer::FrameRenderer(const std::filesystem::path& scene_path, const Options& options) {
+FrameRenderer::FrameRenderer(const SceneDescription& scene, const std::filesystem::path& scene_path,
+                             const PageSource& pages, const Options& options) {
   if (options.threads < 0 || options.threads > 1024)
     throw UsageError("--threads: expected 1 to 1024, or 0 for all cores");
-  state_ = std::make_unique<State>(scene_path, options);
+  state_ = std::make_unique<State>(scene, scene_path, options);
+  state_->source = pages ? pages : pages_from_shards(scene_path, state_->scene);
+  state_->fill(filling_of(ViewMode::lit));
 }
+
+FrameRenderer::FrameRenderer(const std::filesystem::path& scene_path, const Options& options)
+    : FrameRenderer(read_scene(scene_path), scene_path, {}, options) {}
 
 FrameRenderer::~FrameRenderer() = default;
 
 const SceneDescription& FrameRenderer::scene() const { return state_->scene; }
 
 CameraOptions FrameRenderer::framed(const CameraOptions& options) const {
-  const kernels::CastCamera camera = make_camera(options, state_->scene, state_->reader);
+  const kernels::CastCamera camera = make_camera(options, state_->scene, state_->source);
   CameraOptions out = options;
   out.eye_m = to_scene_m(state_->scene, camera.eye);
-  if (!out.target_m) {
-    const PageCache& pages = state_->pages_of(ViewMode::lit);
-    double along = 0, target[3];
-    for (int a = 0; a < 3; ++a)
-      along += ((pages.scene().min[a] + pages.scene().max[a]) / 2 - camera.eye[a]) * camera.forward[a];
-    for (int a = 0; a < 3; ++a) target[a] = camera.eye[a] + camera.forward[a] * (along > 1 ? along : 1);
-    out.target_m = to_scene_m(state_->scene, target);
-  }
+  if (out.target_m) return out;
+  const kernels::CastScene& scene = state_->stream->layout().scene;
+  double along = 0, target[3];
+  for (int a = 0; a < 3; ++a) along += ((scene.min[a] + scene.max[a]) / 2 - camera.eye[a]) * camera.forward[a];
+  for (int a = 0; a < 3; ++a) target[a] = camera.eye[a] + camera.forward[a] * (along > 1 ? along : 1);
+  out.target_m = to_scene_m(state_->scene, target);
   return out;
 }
 
-Frame FrameRenderer::draw(const View& view, double) {
-  const auto start = std::chrono::steady_clock::now();
-  PageCache& pages = state_->pages_of(view.mode);
-  kernels::CastCamera camera = make_camera(view.camera, state_->scene, state_->reader);
-  if (view.background.sky && view.mode == ViewMode::lit) camera.haze = air(pages.scene());
+Frame FrameRenderer::draw(const View& view, double upload_s) {
+  State& s = *state_;
+  const auto start = Clock::now();
+  s.fill(filling_of(view.mode));
+  s.look_at(view);
+  if (s.starved) return draw_exact(view);
+  const kernels::CastCamera camera = s.camera_of(view);
+  const std::uint64_t uploads_before = s.stream->counts().uploads;
   Frame frame;
-  const std::uint64_t loads_before = pages.counts().loads;
-  frame.picture = render(pages, camera, view.background, state_->policy);
-  frame.stats.total_s = frame.stats.cast_s = since(start);
-  frame.stats.uploads = pages.counts().loads - loads_before;
-  frame.stats.bytes_held = pages.counts().peak_bytes;
-  frame.stats.bytes_allowed = state_->options.memory_bytes;
-  frame.stats.complete = true;
+  s.stream->begin_pass();
+  s.starved = s.is_starved(s.stream->serve(s.wanted, camera.eye, from_now(upload_s), false));
+  frame.stats.upload_s = since(start);
+  s.cast_once(view, camera, frame.picture);
+  frame.stats.cast_s = since(start) - frame.stats.upload_s;
+  frame.stats.wanted = s.wanted.size();
+  frame.stats.complete = s.wanted.empty();
+  s.tell(frame.stats, uploads_before, start);
   return frame;
 }
 
-std::vector<std::string> FrameRenderer::problems() const { return {}; }
+Frame FrameRenderer::draw_exact(const View& view) {
+  State& s = *state_;
+  const auto start = Clock::now();
+  s.fill(filling_of(view.mode));
+  s.look_at(view);
+  const std::uint64_t uploads_before = s.stream->counts().uploads;
+  Frame frame;
+  frame.picture = render(*s.stream, s.camera_of(view), view.background);
+  s.wanted.clear();
+  frame.stats.cast_s = since(start);
+  frame.stats.complete = true;
+  s.tell(frame.stats, uploads_before, start);
+  return frame;
+}
+
+std::vector<std::string> FrameRenderer::problems() const { return state_->stream->problems(); }
 
 }  // namespace gigabake

@@ -3,24 +3,33 @@
 /// A frame is drawn from what is here; what its rays miss is asked for and comes in later frames, nearest first. Until
 /// then the finest ancestor that is here stands for it. A frame that misses nothing is `complete` and then the same
 /// bytes whatever the budgets, the path that led here and the number of threads.
+///
+/// Modes that show another property of voxels fill the pools anew.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "format/scene_xml.h"
 #include "viewer/camera.h"
+#include "viewer/page.h"
 #include "viewer/picture.h"
 #include "viewer/sky.h"
 
 namespace gigabake {
 
 enum class ViewMode : std::uint8_t {
-  lit,     ///< sun, sky and air
-  albedo,  ///< the surface's own colour
+  lit,       ///< sun, sky and air
+  albedo,    ///< the surface's own colour
+  normal,    ///< x, y, z from -1 to 1 as red, green, blue
+  coverage,  ///< black to white
+  lod,       ///< one colour a level
+  cell,      ///< one colour a cell
+  requests,  ///< red where something finer was asked for, green elsewhere
 };
 
 /// Names of the modes, in their order: "lit", …
@@ -41,6 +50,7 @@ struct FrameStats {
   std::uint64_t pages_loading = 0;
   std::uint64_t bytes_held = 0, bytes_allowed = 0;  ///< pools and pages together; allowed: UINT64_MAX is no bound
   bool complete = false;
+  bool starved = false;  ///< the pools are too small for what this view uses
 };
 
 struct Frame {
@@ -52,11 +62,16 @@ class FrameRenderer {
  public:
   struct Options {
     int threads = 0;                                      ///< 0: all cores
-    std::uint64_t memory_bytes = std::uint64_t(1) << 30;  ///< UINT64_MAX: no bound
+    std::uint64_t memory_bytes = std::uint64_t(1) << 30;  ///< as SceneStream::Options, and so on
+    std::optional<int> cuda_device;
+    std::uint64_t device_bytes = std::uint64_t(4) << 30;
   };
 
   /// Errors  InputError: no such scene, or one that lay_out_cells() refuses; UsageError: options out of range.
   FrameRenderer(const std::filesystem::path& scene_path, const Options& options);
+  /// A scene whose pages come from elsewhere than its shards. scene_path: for messages.
+  FrameRenderer(const SceneDescription& scene, const std::filesystem::path& scene_path, const PageSource& pages,
+                const Options& options);
   ~FrameRenderer();
 
   const SceneDescription& scene() const;
@@ -65,9 +80,13 @@ class FrameRenderer {
   /// Errors  as make_camera().
   CameraOptions framed(const CameraOptions& options) const;
 
-  /// upload_s: the time that new data may take out of the frame; at least one brick comes in.
+  /// One pass of rays over what is here. upload_s: the time that new data may take out of the frame; some always comes
+  /// in. Where the pools are too small for a view, the second frame of it is drawn as by draw_exact().
   /// Errors  UsageError: as make_camera(). Damaged shards are no error: see problems().
   Frame draw(const View& view, double upload_s);
+
+  /// As many passes as it takes: complete, whatever the pools hold.
+  Frame draw_exact(const View& view);
 
   /// One line for each shard that is missing or damaged, so far; its parts are drawn as their ancestors.
   std::vector<std::string> problems() const;

@@ -75,7 +75,7 @@ struct Pager::State {
   std::uint64_t reading = 0;
   std::unordered_set<PageKey, PageKeyHash> in_hand;  ///< being read, or arrived
   std::vector<Arrival> arrivals;
-  std::uint64_t arrived_bytes = 0, reads = 0, peak_bytes = 0;
+  std::uint64_t arrived_bytes = 0, reads = 0, peak_bytes = 0, bytes_read = 0;
   std::vector<std::string> problems;
   std::unordered_set<std::string> known_problems;
   std::vector<std::jthread> readers;
@@ -120,6 +120,7 @@ void Pager::State::read_on(const std::stop_token& stop) {
 void Pager::State::take(Arrival arrival) {
   if (arrival.page) {
     ++reads;
+    bytes_read += arrival.bytes;
     arrived_bytes += arrival.bytes;
     pages.let_go(memory_bytes - std::min(memory_bytes, arrived_bytes));
     peak_bytes = std::max(peak_bytes, bytes());
@@ -178,7 +179,7 @@ void Pager::wait() {
 PagerCounts Pager::counts() const {
   const State& s = *state_;
   const std::scoped_lock lock(s.mutex);
-  return {s.reads, s.bytes(), s.peak_bytes, s.queued()};
+  return {s.reads, s.bytes(), s.peak_bytes, s.queued(), s.bytes_read};
 }
 
 std::vector<std::string> Pager::problems() const {

@@ -15,6 +15,7 @@ struct PagerCounts {
   std::uint64_t bytes = 0;       ///< of the pages here now
   std::uint64_t peak_bytes = 0;  ///< most at once
   std::uint64_t queued = 0;      ///< wanted, not read yet, those being read included
+  std::uint64_t bytes_read = 0;  ///< of all pages read so far
 };
 
 /// One thread calls it, but for find().

@@ -1,75 +1,58 @@
 #include "viewer/picture.h"
 
 #include <algorithm>
-#include <cmath>
-
-#include "kernels/tables.h"
 
 namespace gigabake {
 namespace {
 
-/// Rays wait together for what they miss: enough of them to share a page, few enough to need few.
+/// Rays wait together for what they miss: enough of them to share it, few enough to need little.
 constexpr int tile_edge = 256;
 
-struct BackgroundColour {
-  std::array<float, 3> rgb;  ///< linear, premultiplied
-  float alpha;
-};
-
-BackgroundColour behind(const Background& background, const kernels::CastLine& line, const kernels::Tables& tables) {
-  if (background.sky) return {sky_colour({line.direction[0], line.direction[1], line.direction[2]}), 1};
-  BackgroundColour colour{{}, float(background.rgba[3]) / 255};
-  for (std::size_t k = 0; k < 3; ++k)
-    colour.rgb[k] = float(tables.linear_from_srgb[background.rgba[k]]) / 65535 * colour.alpha;
-  return colour;
-}
-
-void write_pixel(const kernels::CastRay& ray, const BackgroundColour& back, const kernels::Tables& tables,
-                 std::uint8_t out[4]) {
-  const float alpha = 1 - ray.transmittance * (1 - back.alpha);
-  for (std::size_t k = 0; k < 3; ++k) {
-    const float premultiplied = ray.rgb[k] + ray.transmittance * back.rgb[k];
-    const float straight = alpha > 0 ? std::min(premultiplied / alpha, 1.0f) : 0;
-    out[k] = tables.srgb_from_linear[std::size_t(straight * 65535 + 0.5f)];
-  }
-  out[3] = std::uint8_t(alpha * 255 + 0.5f);
-}
-
-/// Casts the tile's rays until each is finished, loading what they miss in between.
-void finish_rays(PageCache& pages, const kernels::CastCamera& camera, const kernels::CastTile& tile,
-                 kernels::Span<kernels::CastRay> rays, const kernels::CpuPolicy& policy) {
-  kernels::start_rays(pages.scene(), camera, tile, rays, policy);
-  for (;;) {
-    pages.begin_pass();
-    kernels::cast_rays(pages.scene(), camera, tile, rays, policy);
-    std::vector<std::uint32_t> missing;
-    for (std::size_t i = 0; i < rays.size; ++i)
-      if (rays[i].lod >= 0) missing.push_back(rays[i].missing);
-    if (missing.empty()) return;
-    pages.load(std::move(missing));
+/// Casts the tile's rays until each is finished, putting in what they miss in between. Where the pools do not hold what
+/// they use together, fewer at a time.
+void finish_rays(SceneStream& stream, const kernels::CastCamera& camera, const kernels::CastTile& tile) {
+  kernels::Caster& caster = stream.caster();
+  caster.start(camera, tile);
+  const std::size_t rays = std::size_t(tile.width) * std::size_t(tile.height);
+  for (std::size_t begin = 0, many = rays; begin < rays;) {
+    const std::size_t end = std::min(begin + many, rays);
+    if (caster.cast(begin, end) == 0) {
+      begin = end;
+      many *= 2;
+      continue;
+    }
+    const SceneStream::Served served =
+        stream.serve(caster.wanted(), camera.eye, std::chrono::steady_clock::time_point::max(), true);
+    if (served.evicted_used && many > 1) many /= 2;
+    if (served.uploads == 0) stream.wait();
+    stream.begin_pass();
   }
 }
 
 }  // namespace
 
-Picture render(PageCache& pages, const kernels::CastCamera& camera, const Background& background,
-               const kernels::CpuPolicy& policy) {
-  const kernels::Tables tables = kernels::TableStore::host().view();
-  Picture picture{camera.width, camera.height, {}};
-  picture.rgba.resize(std::size_t(4) * std::size_t(camera.width) * std::size_t(camera.height));
-  std::vector<kernels::CastRay> rays;
+Picture render(SceneStream& stream, const kernels::CastCamera& camera, const Background& background) {
+  kernels::CastCamera patient = camera;
+  patient.look.waits = true;
+  Picture picture{camera.width, camera.height, {}, {}};
+  const auto width = std::size_t(camera.width);
+  picture.rgba.resize(4 * width * std::size_t(camera.height));
+  picture.depth.resize(width * std::size_t(camera.height));
+  std::vector<std::uint8_t> rgba;
+  std::vector<float> depth;
   for (int y = 0; y < camera.height; y += tile_edge)
     for (int x = 0; x < camera.width; x += tile_edge) {
       const kernels::CastTile tile{x, y, std::min(tile_edge, camera.width - x), std::min(tile_edge, camera.height - y)};
-      rays.resize(std::size_t(tile.width) * std::size_t(tile.height));
-      finish_rays(pages, camera, tile, {rays.data(), rays.size()}, policy);
-      for (int row = 0; row < tile.height; ++row)
-        for (int column = 0; column < tile.width; ++column) {
-          const kernels::CastLine line = kernels::line_of_sight(pages.scene(), camera, x + column, y + row);
-          write_pixel(rays[std::size_t(row) * std::size_t(tile.width) + std::size_t(column)],
-                      behind(background, line, tables), tables,
-                      &picture.rgba[4 * (std::size_t(y + row) * std::size_t(camera.width) + std::size_t(x + column))]);
-        }
+      finish_rays(stream, patient, tile);
+      const auto across = std::size_t(tile.width);
+      rgba.resize(4 * across * std::size_t(tile.height));
+      depth.resize(across * std::size_t(tile.height));
+      stream.caster().resolve(to_cast(background), rgba.data(), depth.data());
+      for (int row = 0; row < tile.height; ++row) {
+        const std::size_t from = std::size_t(row) * across, to = std::size_t(y + row) * width + std::size_t(x);
+        std::copy_n(&rgba[4 * from], 4 * across, &picture.rgba[4 * to]);
+        std::copy_n(&depth[from], across, &picture.depth[to]);
+      }
     }
   return picture;
 }

@@ -3,17 +3,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "kernels/tables.h"
+
 namespace gigabake {
 namespace {
 
 constexpr std::array<float, 3> horizon{0.60f, 0.70f, 0.80f}, zenith{0.13f, 0.29f, 0.60f}, nadir{0.28f, 0.34f, 0.40f};
 constexpr double sun_azimuth_deg = 225, sun_elevation_deg = 42;
-
-std::array<float, 3> mix(const std::array<float, 3>& a, const std::array<float, 3>& b, float t) {
-  std::array<float, 3> r;
-  for (std::size_t k = 0; k < 3; ++k) r[k] = a[k] + (b[k] - a[k]) * t;
-  return r;
-}
 
 }  // namespace
 
@@ -33,18 +29,26 @@ kernels::CastLight afternoon_light() {
   return light;
 }
 
-std::array<float, 3> sky_colour(const std::array<double, 3>& direction) {
-  const double z = direction[2];
-  if (z >= 0) return mix(horizon, zenith, float(1 - (1 - z) * (1 - z)));
-  return mix(horizon, nadir, float(-z));
-}
-
 kernels::CastHaze air(const kernels::CastScene& scene) {
   kernels::CastHaze haze;
   for (int k = 0; k < 3; ++k) haze.rgb[k] = horizon[std::size_t(k)];
   haze.per_voxel =
       float(0.1 / std::hypot(scene.max[0] - scene.min[0], scene.max[1] - scene.min[1], scene.max[2] - scene.min[2]));
   return haze;
+}
+
+kernels::CastBackground to_cast(const Background& background) {
+  kernels::CastBackground out;
+  out.has_sky = background.sky;
+  out.alpha = float(background.rgba[3]) / 255;
+  const kernels::Tables tables = kernels::TableStore::host().view();
+  for (std::size_t k = 0; k < 3; ++k) {
+    out.sky.horizon[k] = horizon[k];
+    out.sky.zenith[k] = zenith[k];
+    out.sky.nadir[k] = nadir[k];
+    out.rgb[k] = float(tables.linear_from_srgb[background.rgba[k]]) / 65535 * out.alpha;
+  }
+  return out;
 }
 
 }  // namespace gigabake

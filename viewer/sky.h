@@ -4,15 +4,13 @@
 #include <array>
 
 #include "kernels/cast.h"
+#include "kernels/cast_pixel.h"
 #include "kernels/cast_shade.h"
 
 namespace gigabake {
 
 /// Mid-afternoon: the sun in the south-west, 42° high, and a blue sky. Flat ground keeps its own brightness.
 kernels::CastLight afternoon_light();
-
-/// Linear RGB of the sky in a direction (unit, z up); below the horizon a haze that darkens downwards.
-std::array<float, 3> sky_colour(const std::array<double, 3>& direction);
 
 /// Air that hides a tenth of what lies as far away as the scene is wide.
 kernels::CastHaze air(const kernels::CastScene& scene);
@@ -22,5 +20,7 @@ struct Background {
   bool sky = true;
   std::array<std::uint8_t, 4> rgba{};  ///< where not sky: sRGB, straight alpha
 };
+
+kernels::CastBackground to_cast(const Background& background);
 
 }  // namespace gigabake

@@ -111,7 +111,7 @@ class Render(unittest.TestCase):
 
     def test_albedo_light_and_level_show(self):
         lit = self.render("lit.png", "--background", "9,9,9")
-        self.assertNotEqual(self.render("albedo.png", "--background", "9,9,9", "--albedo"), lit)
+        self.assertNotEqual(self.render("albedo.png", "--background", "9,9,9", "--mode", "albedo"), lit)
         self.assertNotEqual(self.render("coarse.png", "--background", "9,9,9", "--lod-bias", 2), lit)
         coarse, fine = read_png(self.root / "coarse.png"), read_png(self.root / "lit.png")
         self.assertEqual(fine.shape[2], 3)
@@ -141,15 +141,27 @@ class Render(unittest.TestCase):
         self.refuse("--background", "1,2,256", expect="--background")
         self.refuse("--threads", "-1", expect="--threads")
 
-    def test_a_scene_that_is_not_whole_is_named(self):
+    def test_a_scene_that_is_not_there_is_named(self):
         self.refuse(scene=self.root / "missing.xml", code=1, expect="missing.xml")
+
+    def test_a_cell_that_cannot_be_read_is_left_out_and_named_and_the_exit_code_says_so(self):
         broken = self.root / "broken"
-        GIGABAKE.succeed("bake", self.root / "sample" / "tileset.json", "-o", broken, "--voxel-size", 1)
-        shard = next((broken / "shards").glob("*.h5"))
+        GIGABAKE.succeed("bake", self.root / "sample" / "tileset.json", "-o", broken, "--voxel-size", 1,
+                         "--cell-voxels", 32)
+        camera = ("--eye", "60,-70,50", "--target", "0,0,0", "--size", "120x80")
+        whole = self.root / "whole.png"
+        GIGABAKE.succeed("render", broken / "scene.xml", "-o", whole, *camera)
+        shard = max((broken / "shards").glob("*.h5"), key=lambda path: path.stat().st_size)
         shard.write_bytes(shard.read_bytes()[:5000])
-        self.refuse(scene=broken / "scene.xml", code=1, expect=shard.name)
-        shard.unlink()
-        self.refuse(scene=broken / "scene.xml", code=1, expect=shard.name)
+        for damage in ("truncated", "missing"):
+            picture = self.root / f"{damage}.png"
+            result = GIGABAKE.run("render", broken / "scene.xml", "-o", picture, *camera)
+            self.assertEqual(result.returncode, 3, result.stderr)
+            self.assertEqual(len(result.stderr.strip().splitlines()), 1, result.stderr)
+            self.assertIn(shard.name, result.stderr)
+            same = (read_png(picture) == read_png(whole)).all(axis=2).mean()
+            self.assertTrue(0.5 < same < 1, same)
+            shard.unlink(missing_ok=True)
 
 
 if __name__ == "__main__":

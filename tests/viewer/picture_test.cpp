@@ -231,7 +231,7 @@ TEST(Picture, IsTheSameForAnyNumberOfThreadsAndAnyMemory) {
   const Picture expected = take(scene, options);
   for (const int threads : {1, 3}) {
     options.threads = threads;
-    for (const std::uint64_t memory : {std::uint64_t(1), std::uint64_t(200000), std::uint64_t(1) << 30}) {
+    for (const std::uint64_t memory : {std::uint64_t(300000), std::uint64_t(2000000), std::uint64_t(1) << 30}) {
       options.memory_bytes = memory;
       EXPECT_EQ(take(scene, options).rgba, expected.rgba) << threads << " threads, " << memory << " bytes";
     }

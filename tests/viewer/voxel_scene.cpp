@@ -1,5 +1,6 @@
 #include "voxel_scene.h"
 
+#include <algorithm>
 #include <bit>
 #include <string>
 
@@ -74,6 +75,32 @@ NodeTable to_table(const kernels::Nodes& nodes) {
   return table;
 }
 
+std::vector<NodeRow> rows_of(const NodeTable& table, std::uint32_t block) {
+  std::vector<NodeRow> rows;
+  const std::size_t begin = std::size_t(block) * nodes_per_block;
+  for (std::size_t n = begin; n < std::min(begin + nodes_per_block, table.key.size()); ++n)
+    rows.push_back({table.first_child[n],
+                    table.value[n],
+                    {table.normal[n][0], table.normal[n][1]},
+                    table.kind[n],
+                    table.child_mask[n]});
+  return rows;
+}
+
+BrickBlock bricks_of(const BrickLevel& level, std::uint32_t block) {
+  BrickBlock out;
+  const std::size_t begin = std::size_t(block) * bricks_per_block;
+  const std::size_t end = std::min(begin + bricks_per_block, level.first.size() - 1);
+  for (std::size_t b = begin; b <= end; ++b) out.first.push_back(std::uint32_t(level.first[b] - level.first[begin]));
+  out.mask.assign(level.mask.begin() + std::ptrdiff_t(8 * begin), level.mask.begin() + std::ptrdiff_t(8 * end));
+  out.rgba.assign(level.rgba.begin() + std::ptrdiff_t(4 * level.first[begin]),
+                  level.rgba.begin() + std::ptrdiff_t(4 * level.first[end]));
+  if (!level.normal.empty())
+    out.normal.assign(level.normal.begin() + std::ptrdiff_t(2 * level.first[begin]),
+                      level.normal.begin() + std::ptrdiff_t(2 * level.first[end]));
+  return out;
+}
+
 }  // namespace
 
 void VoxelScene::add_cell(const Painter& paint, const std::array<std::int64_t, 3>& lattice_min, Nodes nodes) {
@@ -100,9 +127,16 @@ void VoxelScene::add_cells(const Painter& paint, const std::array<std::int64_t, 
       for (std::int64_t x = 0; x < edge; x += cell_voxels_) add_cell(paint, {min[0] + x, min[1] + y, min[2] + z});
 }
 
-CellReader VoxelScene::reader() const {
-  return {[this](std::size_t cell) { return shards_[cell].nodes; },
-          [this](std::size_t cell, int lod) { return shards_[cell].levels[std::size_t(lod)]; }};
+PageSource VoxelScene::pages() const {
+  return [this](const PageKey& key) {
+    const Shard& shard = shards_.at(key.cell);
+    Page page;
+    if (key.lod < 0)
+      page.rows = rows_of(shard.nodes, key.block);
+    else
+      page.bricks = bricks_of(shard.levels.at(std::size_t(key.lod)), key.block);
+    return page;
+  };
 }
 
 PictureOptions view(const std::array<double, 3>& eye_m, const std::array<double, 3>& target_m, int edge) {
@@ -115,8 +149,11 @@ PictureOptions view(const std::array<double, 3>& eye_m, const std::array<double,
 
 Picture take(const VoxelScene& scene, const PictureOptions& options) {
   const kernels::CpuPolicy policy(options.threads);
-  PageCache pages(scene.description(), "scene.xml", scene.reader(), {options.light, options.memory_bytes}, policy);
-  return render(pages, make_camera(options.camera, scene.description(), scene.reader()), options.background, policy);
+  SceneStream::Options wishes;
+  wishes.light = options.light;
+  wishes.memory_bytes = options.memory_bytes;
+  SceneStream stream(scene.description(), "scene.xml", scene.pages(), wishes, policy);
+  return render(stream, make_camera(options.camera, scene.description(), scene.pages()), options.background);
 }
 
 }  // namespace gigabake

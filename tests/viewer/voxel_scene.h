@@ -10,6 +10,7 @@
 #include "format/scene_xml.h"
 #include "format/shard.h"
 #include "viewer/camera.h"
+#include "viewer/page.h"
 #include "viewer/picture.h"
 
 namespace gigabake {
@@ -37,7 +38,7 @@ class VoxelScene {
   const SceneDescription& description() const { return description_; }
   std::vector<Shard>& shards() { return shards_; }
   /// Borrows this.
-  CellReader reader() const;
+  PageSource pages() const;
 
  private:
   std::uint32_t cell_voxels_;

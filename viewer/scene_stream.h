@@ -1,0 +1,96 @@
+/// A scene that fits nowhere, streamed to where rays are cast: what they want is read, filled and put into the pools,
+/// most urgent first.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "format/scene_xml.h"
+#include "kernels/caster.h"
+#include "viewer/cell_layout.h"
+#include "viewer/pager.h"
+#include "viewer/pool_books.h"
+#include "viewer/shading.h"
+#include "viewer/voxel_lookup.h"
+
+namespace gigabake {
+
+struct StreamCounts {
+  std::uint64_t uploads = 0;  ///< bricks and node tiles put into the pools
+  std::uint64_t evictions_of_used = 0;
+};
+
+class SceneStream {
+ public:
+  struct Options {
+    kernels::CastLight light;
+    Surface surface = Surface::colour;
+    std::uint64_t memory_bytes = std::uint64_t(1) << 30;  ///< of pools and pages together; UINT64_MAX: half of the host
+    int page_threads = 2;
+    std::optional<int>
+        cuda_device;  ///< cast there (an ordinal of cuda_devices()); the pools are then not of memory_bytes
+    std::uint64_t device_bytes = std::uint64_t(4) << 30;  ///< of those pools
+  };
+
+  /// What one call of serve() did.
+  struct Served {
+    std::uint64_t uploads = 0;
+    bool evicted_used = false;  ///< the pools do not hold what one pass of the rays uses
+    bool is_full = false;       ///< something was left out, since all in the pools is in use
+  };
+
+  /// Borrows policy. scene_path: for messages.
+  /// Errors  InputError as lay_out_cells(); UsageError: less memory than the scene's roots take; CudaFailure, from all
+  ///         members that have to do with the caster.
+  SceneStream(const SceneDescription& scene, const std::filesystem::path& scene_path, PageSource source,
+              const Options& options, const kernels::CpuPolicy& policy);
+
+  kernels::Caster& caster() { return *caster_; }
+  const CellLayout& layout() const { return layout_; }
+
+  /// Puts in what rays wanted (Caster::wanted()), as far as its pages are here, until the deadline; at least one batch.
+  /// What lacks pages is asked of the pager. eye: lod-0 voxels; near and coarse goes first.
+  Served serve(const std::vector<std::uint32_t>& wanted, const double eye[3],
+               std::chrono::steady_clock::time_point deadline, bool may_evict_used);
+
+  /// Takes in what was read since.
+  void begin_pass() { pager_.begin_pass(); }
+  /// Until something was read, or nothing is being read.
+  void wait() { pager_.wait(); }
+
+  /// Pools, wherever they are, and pages.
+  std::uint64_t bytes_allowed() const { return pool_bytes_ + page_bytes_; }
+  std::uint64_t bytes_held() const { return pool_bytes_ + pager_.counts().bytes; }
+  std::uint64_t page_bytes_allowed() const { return page_bytes_; }
+  PagerCounts page_counts() const { return pager_.counts(); }
+  const StreamCounts& counts() const { return counts_; }
+  /// One line for each page that could not be read.
+  std::vector<std::string> problems() const { return pager_.problems(); }
+
+ private:
+  struct Answer;
+
+  void answer(std::uint32_t want, Answer& out, kernels::CastBrick& brick) const;
+  bool enter(std::uint32_t want, const Answer& answer, const kernels::CastBrick& brick);
+  std::vector<std::uint32_t> by_urgency(const std::vector<std::uint32_t>& wanted, const double eye[3]) const;
+
+  const kernels::CpuPolicy& policy_;
+  std::uint64_t page_bytes_, pool_bytes_;
+  CellLayout layout_;
+  Shading shading_;
+  Pager pager_;
+  VoxelLookup lookup_;
+  PoolBooks books_;
+  std::unique_ptr<kernels::Caster> caster_;
+  std::vector<std::uint32_t> new_slots_;
+  std::vector<kernels::CastBrick> new_bricks_;
+  StreamCounts counts_;
+};
+
+}  // namespace gigabake
