@@ -167,6 +167,14 @@ GB_HD std::int64_t step_beyond(const CastLine& line, const EmptyBox& box, const 
   return step > double(ray.step + 1) ? std::int64_t(step) : ray.step + 1;
 }
 
+/// In a brick that is coarser than the ray, points lie half a voxel of the brick apart, as far as it stands.
+GB_HD std::int64_t steps_in_coarser(const CastLine& line, const CastPlace& place, const CastRay& ray) {
+  EmptyBox box = empty_box(place);
+  const std::int64_t inside = step_beyond(line, box, ray) - ray.step;
+  const std::int64_t wide = std::int64_t(1) << (place.lod - ray.lod);
+  return inside < wide ? inside : wide;
+}
+
 /// Six colours and their darker and lighter relations.
 GB_HD float painted(std::uint32_t n, int channel) {
   const std::uint32_t hue = n % 6, tone = n / 6 % 3;
@@ -186,11 +194,11 @@ GB_HD void radiance_of(const CastSample& s, const CastPlace& place, CastPaint pa
   for (int k = 0; k < 3; ++k) rgb[k] = painted(n, k) * (0.25f + grey);
 }
 
-/// The point stands for half a voxel of the ray's level; a coarser brick's extinction is spread over more of them.
-GB_HD void composite(const CastSample& s, const CastPlace& place, double distance, const CastHaze& haze,
-                     CastPaint paint, CastRay& ray) {
+/// The sample stands for `steps` points of the ray's level.
+GB_HD void composite(const CastSample& s, const CastPlace& place, std::int64_t steps, double distance,
+                     const CastHaze& haze, CastPaint paint, CastRay& ray) {
   const float seen = exp_minus(float(distance) * haze.per_voxel);
-  const float part = float(step_length(ray.lod) / (2 * place.half));
+  const float part = float(double(steps) * step_length(ray.lod) / (2 * place.half));
   const float opacity = 1 - exp_minus(s.c[3] * (part * opaque_extinction));
   const float weight = ray.transmittance * opacity;
   float rgb[3];
@@ -219,19 +227,20 @@ GB_HD bool step_ray(const CastScene& scene, const CastCamera& camera, const Cast
     ray.step = step_beyond(line, empty_box(place), ray);
     return true;
   }
+  const std::int64_t steps = place.lod == ray.lod ? 1 : steps_in_coarser(line, place, ray);
   const CastPoint point = point_in_brick(place, p);
   const CastMask& mask = scene.masks[place.brick];
   if (!is_zero(mask, point)) {
     const CastSample sample = interpolate(scene.voxels + std::size_t(slot_voxels) * place.brick, point);
     if (sample.c[3] > 0) {
-      composite(sample, place, distance, camera.haze, camera.look.paint, ray);
+      composite(sample, place, steps, distance, camera.haze, camera.look.paint, ray);
       if (ray.transmittance < 1.0f / 1024) finish_opaque(ray);
     }
   } else if (EmptyBox box; place.lod == ray.lod && find_empty_octant(mask, place, point, box)) {
     ray.step = step_beyond(line, box, ray);
     return true;
   }
-  ++ray.step;
+  ray.step += steps;
   return true;
 }
 

@@ -174,13 +174,13 @@ GB_HD void set_node_box(const CastCell& cell, const std::uint32_t local[3], int 
   }
 }
 
-/// A brick stands for all that is finer and not here: for a box of the level asked for, since beyond it more may be.
-GB_HD void set_brick(const CastScene& scene, const CastDescent& at, const std::uint32_t local[3], int lod,
+/// A brick stands for what is finer and not here: in a box of level `known`, since beyond it more may be.
+GB_HD void set_brick(const CastScene& scene, const CastDescent& at, const std::uint32_t local[3], int known,
                      CastPlace& place) {
   const CastCell& cell = scene.cells[place.cell];
   double max[3];
   set_node_box(cell, local, at.lod, place.corner, max);
-  set_node_box(cell, local, lod, place.min, place.max);
+  set_node_box(cell, local, known, place.min, place.max);
   place.lod = at.lod;
   place.brick = scene.nodes[at.node].brick;
   stamp(scene.marks.slot_used + place.brick, scene.pass);
@@ -201,6 +201,7 @@ GB_HD bool ask_for(const CastScene& scene, const CastDescent& at, int lod) {
 GB_HD CastPlace locate(const CastScene& scene, int lod, const double p[3], bool patient, const CastPlace& last) {
   CastPlace place;
   place.cell = last.cell;
+  int known = -1;  // where the first descent ended: nothing finer is here in that node
   for (int level = lod;; ++level) {
     place.half = 0.5 * double(std::int64_t(1) << level);
     std::int64_t v[3];
@@ -226,10 +227,11 @@ GB_HD CastPlace locate(const CastScene& scene, int lod, const double p[3], bool 
       place.beyond = double((std::int64_t(1) << at.lod) - (std::int64_t(1) << level));
       return place;
     }
+    if (known < 0) known = at.lod;
     place.waits |= ask_for(scene, at, level);
     if (patient && place.waits) return place;
     if (at.lod == level && is_here(brick)) {
-      set_brick(scene, at, local, lod, place);
+      set_brick(scene, at, local, known, place);
       return place;
     }
     if (level == scene.lods - 1) {  // not even the root is here
