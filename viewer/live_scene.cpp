@@ -35,11 +35,12 @@ double LiveScene::now_s() const {
 
 // What viewers call.
 
-std::optional<LiveScene::ViewerId> LiveScene::add_viewer() {
+std::optional<LiveScene::ViewerId> LiveScene::add_viewer(const Steering& first) {
   const std::lock_guard lock(mutex_);
   if (viewers_.size() >= options_.most_viewers) return std::nullopt;
   const auto viewer = std::make_shared<Viewer>();
   viewer->id = ViewerId(++ids_);
+  viewer->settings = first;
   if (home_) show_home(*viewer);
   viewers_.push_back(viewer);
   wake_drawing_.notify_all();

@@ -60,8 +60,8 @@ class LiveScene {
   LiveScene(const LiveScene&) = delete;
   LiveScene& operator=(const LiveScene&) = delete;
 
-  /// Nothing where most_viewers look already.
-  std::optional<ViewerId> add_viewer();
+  /// first: its steering as soon as there is a scene. Nothing where most_viewers look already.
+  std::optional<ViewerId> add_viewer(const Steering& first = {});
   void remove_viewer(ViewerId id);
 
   /// All of these: nothing, or false, where there is no such viewer.

@@ -26,6 +26,7 @@ constexpr double picture_s = 20, stream_look_s = 1;
 /// What is on its way to a slow client is old when it comes.
 constexpr int send_buffer_bytes = 1 << 17;
 constexpr const char* json_type = "application/json";
+const std::string part_head = "--frame\r\nContent-Type: image/jpeg\r\n\r\n";
 
 void answer(Response& response, int status, const std::string& why) {
   response.status = status;
@@ -74,12 +75,11 @@ class PictureStream {
     const auto frame = scene_.frame_after(viewer_, number_, stream_look_s);
     if (!frame) return true;
     const std::string jpeg = encode_jpeg(frame->frame.picture, frame->full ? resting_quality : moving_quality);
-    // Browsers show a part when they see the next one's boundary: it is sent right behind, not with the next picture.
-    const std::string part =
-        fmt::format("{}Content-Type: image/jpeg\r\nContent-Length: {}\r\nX-Frame: {}\r\n\r\n{}\r\n--frame\r\n",
-                    number_ == 0 ? "--frame\r\n" : "", jpeg.size(), frame->number, jpeg);
+    // Browsers show a part when they have read the head of the next: it is sent right behind, not with the next
+    // picture.
+    const std::string parts = (number_ == 0 ? part_head : "") + jpeg + "\r\n" + part_head;
     number_ = frame->number;
-    return sink.write(part.data(), part.size());
+    return sink.write(parts.data(), parts.size());
   }
 
  private:
@@ -187,7 +187,7 @@ struct StreamServer::State {
       response.set_content(web_style.data(), web_style.size(), "text/css; charset=utf-8");
     });
     http.Get("/bake", [this](const Request&, Response& response) { response.set_content(bake_status(), json_type); });
-    http.Post("/viewers", [this](const Request&, Response& response) { open(response); });
+    http.Post("/viewers", [this](const Request& request, Response& response) { open(request, response); });
   }
 
   void set_viewer_routes() {
@@ -213,8 +213,8 @@ struct StreamServer::State {
     return bake = options.bake_status();
   }
 
-  void open(Response& response) {
-    const auto key = sessions.open();
+  void open(const Request& request, Response& response) {
+    const auto key = sessions.open(steering_from_json(request.body));
     if (!key) return answer(response, 503, "as many look already as this server takes; try again later");
     response.status = 201;
     response.set_content(

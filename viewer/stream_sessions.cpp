@@ -19,10 +19,10 @@ void StreamSessions::drop_those_that_left() {
   });
 }
 
-std::optional<std::string> StreamSessions::open() {
+std::optional<std::string> StreamSessions::open(const Steering& first) {
   const std::lock_guard lock(mutex_);
   drop_those_that_left();
-  const auto viewer = scene_.add_viewer();
+  const auto viewer = scene_.add_viewer(first);
   if (!viewer) return std::nullopt;
   const std::string key = random_key();
   sessions_[key] = {*viewer, Clock::now(), 0};

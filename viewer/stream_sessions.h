@@ -17,8 +17,8 @@ class StreamSessions {
  public:
   explicit StreamSessions(LiveScene& scene) : scene_(scene) {}
 
-  /// Nothing where the scene takes no more viewers, even without those that left.
-  std::optional<std::string> open();
+  /// first: as the page opens. Nothing where the scene takes no more viewers, even without those that left.
+  std::optional<std::string> open(const Steering& first);
   /// Its viewer, which stays a while longer.
   std::optional<LiveScene::ViewerId> touch(const std::string& key);
 

@@ -34,11 +34,10 @@ const forViewer = (path) => `${path}?viewer=${viewer}`;
 
 async function join() {
   viewer = null;
-  const welcome = await ask('viewers', {});
+  const welcome = await ask('viewers', {size: wantedSize()});
   viewer = welcome.viewer;
   offer('mode', welcome.modes);
   offer('style', welcome.styles);
-  steer({size: wantedSize()});
   picture.src = forViewer('stream');
 }
 
