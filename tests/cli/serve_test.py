@@ -76,7 +76,8 @@ class Serve(unittest.TestCase):
     def open_page(self, server):
         program = chromium.find()
         if program is None:
-            self.skipTest("there is no Chromium that starts (Debian: apt install chromium)")
+            print("skipped:", self.id(), "- there is no Chromium that starts (Debian: apt install chromium)")
+            self.skipTest("no Chromium")
         page = chromium.Page(program, server.url, *SIZE)
         self.addCleanup(page.close)
         return page
