@@ -1,6 +1,7 @@
+#include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,7 +30,7 @@ struct RenderArguments {
   int threads = 0;
   std::uint64_t memory_bytes = std::uint64_t(1) << 30;
   bool albedo = false;
-  std::string path, stats;
+  std::string path, stats, mode;
   int frames = 0;
   double fps = 0, upload_ms = 20;
   bool live = false;
@@ -87,9 +88,18 @@ std::vector<double> frame_times(const RenderArguments& a, const CameraPath& path
   return a.frames != 0 ? times_of_frames(path, a.frames) : times_at_rate(path, a.fps);
 }
 
+ViewMode mode_option(const RenderArguments& a) {
+  if (a.mode.empty()) return a.albedo ? ViewMode::albedo : ViewMode::lit;
+  const std::vector<std::string>& names = view_mode_names();
+  const auto found = std::find(names.begin(), names.end(), a.mode);
+  if (found == names.end() || a.albedo)
+    throw UsageError(fmt::format("--mode: expected one of {}, and no --albedo beside it", fmt::join(names, ", ")));
+  return ViewMode(found - names.begin());
+}
+
 void run_path(const RenderArguments& a) {
   if (!(a.upload_ms > 0 && a.upload_ms <= 60000)) throw UsageError("--upload-ms: expected 0 to 60000 milliseconds");
-  const View view{camera_options(a), a.albedo ? ViewMode::albedo : ViewMode::lit, background_option(a.background)};
+  const View view{camera_options(a), mode_option(a), background_option(a.background)};
   numbered_file(a.picture, 0);
   FrameRenderer renderer(a.scene, {a.threads, a.memory_bytes != 0 ? a.memory_bytes : UINT64_MAX});
   const CameraPath path = read_camera_path(a.path, renderer.scene().origin);
@@ -108,8 +118,8 @@ void run_path(const RenderArguments& a) {
 
 /// Options that mean something along a path only.
 void check_alone(const RenderArguments& a) {
-  if (a.frames != 0 || a.fps != 0 || a.live || !a.stats.empty())
-    throw UsageError("--frames, --fps, --live and --stats: expected a --path beside them");
+  if (a.frames != 0 || a.fps != 0 || a.live || !a.stats.empty() || !a.mode.empty())
+    throw UsageError("--frames, --fps, --live, --stats and --mode: expected a --path beside them");
 }
 
 }  // namespace
@@ -133,6 +143,7 @@ void add_render(CLI::App& app, int&) {
   command.add_option("--path", a->path, "camera path, JSON (docs/viewer.md); instead of --eye and --target");
   command.add_option("--frames", a->frames, "so many, evenly along the path");
   command.add_option("--fps", a->fps, "so many for each second of the path");
+  command.add_option("--mode", a->mode, fmt::format("{} (lit)", fmt::join(view_mode_names(), ", ")));
   command.add_option("--stats", a->stats, "JSON file to write: what each frame of the path took");
   command.add_flag("--live", a->live, "each frame once, complete or not, as somebody passing sees it");
   command.add_option("--upload-ms", a->upload_ms, "time for new data in each frame of --live")->capture_default_str();

@@ -13,6 +13,18 @@ find_library(GB_IMGUI_LIBRARY imgui)
 find_library(GB_STB_LIBRARY stb)  # its fonts
 find_library(GB_GL_LIBRARY GL)
 if(glfw3_FOUND AND GB_IMGUI_INCLUDE AND GB_IMGUI_LIBRARY AND GB_STB_LIBRARY AND GB_GL_LIBRARY)
+  include(CheckCXXSourceCompiles)
+  set(CMAKE_REQUIRED_INCLUDES ${GB_IMGUI_INCLUDE})
+  set(CMAKE_REQUIRED_LIBRARIES ${GB_IMGUI_LIBRARY} ${GB_STB_LIBRARY} glfw ${GB_GL_LIBRARY})
+  check_cxx_source_compiles("
+    #include <backends/imgui_impl_glfw.h>
+    #include <backends/imgui_impl_opengl2.h>
+    int main() { return ImGui_ImplGlfw_InitForOpenGL(nullptr, true) && ImGui_ImplOpenGL2_Init() ? 0 : 1; }"
+    GIGABAKE_IMGUI_LINKS)
+  unset(CMAKE_REQUIRED_INCLUDES)
+  unset(CMAKE_REQUIRED_LIBRARIES)
+endif()
+if(GIGABAKE_IMGUI_LINKS)
   set(GIGABAKE_HAS_WINDOW TRUE)
   add_library(gb_window INTERFACE)
   add_library(gb::window ALIAS gb_window)

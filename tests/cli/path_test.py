@@ -65,6 +65,14 @@ class Paths(unittest.TestCase):
                              "--fovy", repr(frame["fovy_deg"]), "--size", SIZE)
             self.assertEqual((self.frames / f"{number:03}.png").read_bytes(), (self.root / "one.png").read_bytes())
 
+    def test_modes_show(self):
+        path = self.path({"time_s": 0, "eye": [60, -70, 40], "target": [0, 0, 0]})
+        pictures = []
+        for mode in ("lit", "albedo"):
+            self.along(path, "--frames", 1, "--mode", mode)
+            pictures.append((self.frames / "000.png").read_bytes())
+        self.assertNotEqual(*pictures)
+
     def test_frames_by_rate_and_live(self):
         path = self.path({"time_s": 5, "eye": [60, -70, 40], "target": [0, 0, 0]},
                          {"time_s": 6, "eye": [70, 10, 30], "target": [0, 0, 0]})
@@ -86,6 +94,7 @@ class Paths(unittest.TestCase):
         self.refuse(2, "--frames or --fps", "--path", good, "--frames", 2, "--fps", 2)
         self.refuse(2, "--frames", "--path", good, "--frames", -1)
         self.refuse(2, "--path", "--frames", 2)
+        self.refuse(2, "--mode: expected one of lit, albedo", "--path", good, "--frames", 1, "--mode", "x-ray")
         self.refuse(2, "%04d", "--path", good, "--frames", 1, "-o", self.root / "refused.png")
         self.refuse(1, "none.json", "--path", self.root / "none.json", "--frames", 1)
         bad = self.path({"time_s": 0, "eye": [60, -70], "target": [0, 0, 0]})

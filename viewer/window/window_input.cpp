@@ -68,7 +68,9 @@ bool WindowInput::take_touched() { return std::exchange(touched_, false); }
 
 void WindowInput::key(int key, int action, int modifiers) {
   touch();
-  slow_ = (modifiers & GLFW_MOD_SHIFT) != 0;
+  // Of Shift itself X11 tells the modifiers as they were before.
+  const bool is_shift = key == GLFW_KEY_LEFT_SHIFT || key == GLFW_KEY_RIGHT_SHIFT;
+  slow_ = is_shift ? action != GLFW_RELEASE : (modifiers & GLFW_MOD_SHIFT) != 0;
   if (action == GLFW_RELEASE) held_.erase(key);
   if (action != GLFW_PRESS || ImGui::GetIO().WantTextInput) return;
   if (walks.count(key) != 0 || swings.count(key) != 0) held_.insert(key);
