@@ -84,12 +84,12 @@ class Serve(unittest.TestCase):
 
     def shown(self, page):
         """What the page shows at rest, without its bar, and its state."""
-        page.wait_for(f"{RESTS} && shownState.frame && shownState.frame.full && !Object.keys(pending).length")
-        state = page.evaluate("shownState")
         page.evaluate("document.getElementById('bar').style.visibility = 'hidden'")
-        expected, deadline = self.rendered(state), time.monotonic() + 60
-        while True:  # the stream's last picture is some milliseconds behind the state
-            image = read_png(page.screenshot())[..., :3]
+        deadline = time.monotonic() + 60
+        while True:  # the picture is some milliseconds behind the state, and the state behind the hands
+            page.wait_for(f"{RESTS} && shownState.frame && shownState.frame.full && !Object.keys(pending).length")
+            state = page.evaluate("shownState")
+            expected, image = self.rendered(state), read_png(page.screenshot())[..., :3]
             if numpy.abs(image - expected).mean() < 4 or time.monotonic() > deadline:
                 return image, expected, state
             time.sleep(0.2)

@@ -46,13 +46,18 @@ std::string HttpClient::receive(std::size_t most, double silence_s) {
   return out;
 }
 
-std::string HttpClient::answer() {
+std::string HttpClient::receive_until(const std::string& ending) {
   std::string out;
-  while (out.find("\r\n\r\n") == std::string::npos) {
+  while (!out.ends_with(ending)) {
     const std::string more = receive(1, 30);
-    if (more.empty()) return out;
+    if (more.empty()) break;
     out += more;
   }
+  return out;
+}
+
+std::string HttpClient::answer() {
+  const std::string out = receive_until("\r\n\r\n");
   const std::size_t at = out.find("Content-Length: ");
   return at == std::string::npos ? out : out + receive(std::stoul(out.substr(at + 16)), 30);
 }

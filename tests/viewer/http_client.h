@@ -16,6 +16,8 @@ class HttpClient {
   bool send(const std::string& bytes);
   /// Until the server closes, `most` bytes are there or it has been silent for `silence_s`.
   std::string receive(std::size_t most, double silence_s = 2);
+  /// Until that comes, or nothing for half a minute.
+  std::string receive_until(const std::string& ending);
   /// One whole answer with a Content-Length, head and body; what there is of it where it does not come.
   std::string answer();
 
