@@ -22,6 +22,8 @@ int main(int argc, char** argv) {
   app::add_diff(program, exit_code);
   app::add_export(program, exit_code);
   app::add_render(program, exit_code);
+  app::add_view(program, exit_code);
+  app::add_serve(program, exit_code);
   app::add_bench(program, exit_code);
   app::add_bake_process(program);
 

@@ -1,16 +1,19 @@
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <fmt/format.h>
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "app/commands.h"
+#include "app/renderer_options.h"
 #include "app/text_values.h"
 #include "format/error.h"
+#include "format/publish.h"
+#include "viewer/camera_path.h"
 #include "viewer/frame_renderer.h"
+#include "viewer/path_frames.h"
 #include "viewer/png.h"
 
 namespace gigabake::app {
@@ -18,32 +21,14 @@ namespace {
 
 struct RenderArguments {
   std::string scene, picture;
-  std::string eye, target, up, size = "1280x720", background = "sky", mode = "lit";
+  std::string eye, target, up, size = "1280x720", background = "sky";
   double fovy_deg = 40, lod_bias = 0;
-  int threads = 0;
-  std::uint64_t memory_bytes = std::uint64_t(1) << 30;
+  RendererArguments renderer;
+  std::string path, stats, mode = "lit";
+  int frames = 0;
+  double fps = 0, upload_ms = 20;
+  bool live = false;
 };
-
-/// Whole numbers between single separators, and nothing else.
-std::optional<std::vector<int>> integers(const std::string& text, char separator) {
-  std::vector<int> out;
-  const char *at = text.data(), *end = at + text.size();
-  for (;; ++at) {
-    int value = 0;
-    const auto [next, error] = std::from_chars(at, end, value);
-    if (error != std::errc() || next == at) return std::nullopt;
-    out.push_back(value);
-    at = next;
-    if (at == end) return out;
-    if (*at != separator) return std::nullopt;
-  }
-}
-
-std::optional<Point<Scene>> point_option(const std::string& text, const char* option) {
-  if (text.empty()) return std::nullopt;
-  const std::array<double, 3> v = triple(option, "X,Y,Z as three finite numbers", text);
-  return Point<Scene>{v[0], v[1], v[2]};
-}
 
 Background background_option(const std::string& text) {
   if (text == "sky") return {};
@@ -66,10 +51,7 @@ CameraOptions camera_options(const RenderArguments& a) {
   camera.eye_m = point_option(a.eye, "--eye");
   camera.target_m = point_option(a.target, "--target");
   camera.up = point_option(a.up, "--up");
-  const auto size = integers(a.size, 'x');
-  if (!size || size->size() != 2) throw UsageError(fmt::format("--size: expected WIDTHxHEIGHT, got '{}'", a.size));
-  camera.width = (*size)[0];
-  camera.height = (*size)[1];
+  std::tie(camera.width, camera.height) = size_option(a.size);
   camera.fovy_deg = a.fovy_deg;
   camera.lod_bias = a.lod_bias;
   return camera;
@@ -82,40 +64,86 @@ ViewMode mode_option(const std::string& text) {
   throw UsageError(fmt::format("--mode: expected one of {}, got '{}'", fmt::join(names, ", "), text));
 }
 
+View view_of(const RenderArguments& a) {
+  View view;
+  view.camera = camera_options(a);
+  view.mode = mode_option(a.mode);
+  view.background = background_option(a.background);
+  return view;
+}
+
+/// What was drawn coarser than it should be, and the exit code for that.
+int tell_problems(const FrameRenderer& renderer) {
+  for (const std::string& problem : renderer.problems()) fmt::print(stderr, "gigabake: drawn coarser: {}\n", problem);
+  return renderer.problems().empty() ? complete : cells_failed;
+}
+
 int run(const RenderArguments& a) {
-  const View view{camera_options(a), mode_option(a.mode), background_option(a.background)};
-  FrameRenderer::Options options;
-  options.threads = a.threads;
-  options.memory_bytes = a.memory_bytes != 0 ? a.memory_bytes : UINT64_MAX;
-  FrameRenderer renderer(a.scene, options);
+  const View view = view_of(a);
+  FrameRenderer renderer(a.scene, renderer_options(a.renderer));
   const Frame frame = renderer.draw_exact(view);
   write_png(a.picture, frame.picture);
   fmt::print("{}: {}x{} in {:.2f} s; {} uploads, {:.0f} MB held\n", a.picture, frame.picture.width,
              frame.picture.height, frame.stats.total_s, frame.stats.uploads, double(frame.stats.bytes_held) / 1e6);
-  for (const std::string& problem : renderer.problems()) fmt::print(stderr, "gigabake: drawn coarser: {}\n", problem);
-  return renderer.problems().empty() ? complete : cells_failed;
+  return tell_problems(renderer);
+}
+
+std::vector<double> frame_times(const RenderArguments& a, const CameraPath& path) {
+  if ((a.frames != 0) == (a.fps != 0)) throw UsageError("--path: expected either --frames or --fps beside it");
+  return a.frames != 0 ? times_of_frames(path, a.frames) : times_at_rate(path, a.fps);
+}
+
+int run_path(const RenderArguments& a) {
+  if (!(a.upload_ms > 0 && a.upload_ms <= 60000)) throw UsageError("--upload-ms: expected 0 to 60000 milliseconds");
+  const View view = view_of(a);
+  numbered_file(a.picture, 0);
+  FrameRenderer renderer(a.scene, renderer_options(a.renderer));
+  const CameraPath path = read_camera_path(a.path, renderer.scene().origin);
+  std::vector<PathFrame> frames;
+  draw_path(renderer, path, view, frame_times(a, path), a.live ? Finish::live : Finish::complete, a.upload_ms / 1e3,
+            [&](const PathFrame& frame, const Picture& picture) {
+              write_png(numbered_file(a.picture, frame.number), picture);
+              frames.push_back(frame);
+            });
+  if (!a.stats.empty()) publish_file(a.stats, to_json(frames));
+  std::size_t incomplete = 0;
+  for (const PathFrame& frame : frames) incomplete += frame.stats.complete ? 0 : 1;
+  fmt::print("{} frames{}\n", frames.size(), incomplete > 0 ? fmt::format(", {} of them incomplete", incomplete) : "");
+  return tell_problems(renderer);
+}
+
+/// Options that mean something along a path only.
+void check_alone(const RenderArguments& a) {
+  if (a.frames != 0 || a.fps != 0 || a.live || !a.stats.empty())
+    throw UsageError("--frames, --fps, --live and --stats: expected a --path beside them");
 }
 
 }  // namespace
 
 void add_render(CLI::App& app, int& exit_code) {
   const auto a = std::make_shared<RenderArguments>();
-  CLI::App& command = *app.add_subcommand("render", "One picture of a baked scene, straight from its shards");
+  CLI::App& command = *app.add_subcommand("render", "Pictures of a baked scene: one, or many along a path");
   command.add_option("SCENE", a->scene, "scene.xml of a bake")->required();
-  command.add_option("-o,--output", a->picture, "PNG file to write")->required();
+  command.add_option("-o,--output", a->picture, "PNG file to write; along a path frames/%04d.png or alike")->required();
   command.add_option("--eye", a->eye, "X,Y,Z: camera, scene metres (south-east of the target, all in view)");
   command.add_option("--target", a->target, "X,Y,Z: what the camera looks at (the middle of the scene)");
   command.add_option("--up", a->up, "X,Y,Z: direction that is up in the picture (0,0,1)");
   command.add_option("--fovy", a->fovy_deg, "vertical field of view, degrees")->capture_default_str();
   command.add_option("--size", a->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   command.add_option("--background", a->background, "sky, or R,G,B[,A]: sRGB, 0 to 255 each")->capture_default_str();
-  command.add_option("--mode", a->mode, fmt::format("what is shown: {}", fmt::join(view_mode_names(), ", ")))
-      ->capture_default_str();
   command.add_option("--lod-bias", a->lod_bias, "levels coarser than a pixel")->capture_default_str();
-  command.add_option("--threads", a->threads, "CPU threads (all cores)");
-  command.add_option("--memory", a->memory_bytes, "bytes of voxels to hold, as 512M or 4G; 0: half of the host's (1G)")
-      ->transform(CLI::AsSizeValue(false));
-  command.callback([a, &exit_code] { exit_code = run(*a); });
+  add_renderer_options(command, a->renderer);
+  command.add_option("--path", a->path, "camera path, JSON (docs/viewer.md); instead of --eye and --target");
+  command.add_option("--frames", a->frames, "so many, evenly along the path");
+  command.add_option("--fps", a->fps, "so many for each second of the path");
+  command.add_option("--mode", a->mode, fmt::format("what is shown: {}", fmt::join(view_mode_names(), ", ")));
+  command.add_option("--stats", a->stats, "JSON file to write: what each frame of the path took");
+  command.add_flag("--live", a->live, "each frame once, complete or not, as somebody passing sees it");
+  command.add_option("--upload-ms", a->upload_ms, "time for new data in each frame of --live")->capture_default_str();
+  command.callback([a, &exit_code] {
+    if (a->path.empty()) check_alone(*a);
+    exit_code = a->path.empty() ? run(*a) : run_path(*a);
+  });
 }
 
 }  // namespace gigabake::app

@@ -1,47 +1,24 @@
-#include <cerrno>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "app/bake_look.h"
 #include "app/commands.h"
 #include "app/progress_line.h"
 #include "app/status_text.h"
-#include "cluster/collective.h"
-#include "cluster/folder_lock.h"
-#include "cluster/status_feed.h"
 
 namespace gigabake::app {
 namespace {
 
-constexpr double silence_s = 15, look_every_s = 1;
+constexpr double look_every_s = 1;
 
 struct StatusOptions {
   std::string out;
   bool json = false, follow = false;
 };
-
-struct Seen {
-  BakeStatus status;
-  double now_s = 0;
-  bool interrupted = false;  ///< it says that it goes on, and nobody is there any more
-};
-
-/// Of another host nobody can tell.
-bool writer_is_there(const BakeStatus& s) {
-  return s.host == host_name() && s.pid > 0 && (::kill(pid_t(s.pid), 0) == 0 || errno == EPERM);
-}
-
-Seen look(const std::string& out) {
-  Seen seen{read_status(out), unix_now_s(), false};
-  const BakeStatus& s = seen.status;
-  seen.interrupted =
-      !is_over(s.state) && seen.now_s - s.updated_s > silence_s && !writer_is_there(s) && !lock_holder(out);
-  return seen;
-}
 
 /// As the bake's own where it is over; 0 while it goes on.
 int exit_code_of(const Seen& seen) {

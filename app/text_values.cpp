@@ -28,6 +28,32 @@ std::array<double, 3> triple(const char* option, const char* form, const std::st
   return v;
 }
 
+std::optional<std::vector<int>> integers(const std::string& text, char separator) {
+  std::vector<int> out;
+  const char *at = text.data(), *end = at + text.size();
+  for (;; ++at) {
+    int value = 0;
+    const auto [next, error] = std::from_chars(at, end, value);
+    if (error != std::errc() || next == at) return std::nullopt;
+    out.push_back(value);
+    at = next;
+    if (at == end) return out;
+    if (*at != separator) return std::nullopt;
+  }
+}
+
+std::optional<Point<Scene>> point_option(const std::string& text, const char* option) {
+  if (text.empty()) return std::nullopt;
+  const std::array<double, 3> v = triple(option, "X,Y,Z as three finite numbers", text);
+  return Point<Scene>{v[0], v[1], v[2]};
+}
+
+std::pair<int, int> size_option(const std::string& text) {
+  const auto size = integers(text, 'x');
+  if (!size || size->size() != 2) throw UsageError(fmt::format("--size: expected WIDTHxHEIGHT, got '{}'", text));
+  return {(*size)[0], (*size)[1]};
+}
+
 Geodetic geodetic(const char* option, const std::string& text) {
   const auto v = triple(option, "LAT,LON,HEIGHT in degrees and metres", text);
   if (std::fabs(v[0]) > 90 || std::fabs(v[1]) > 360)

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "format/frames.h"
 
@@ -13,6 +16,12 @@ namespace gigabake::app {
 double number(const char* option, std::string_view text);
 /// Three finite numbers with commas between; `form` says what they are.
 std::array<double, 3> triple(const char* option, const char* form, const std::string& text);
+/// Whole numbers between single separators; nothing where there is anything else.
+std::optional<std::vector<int>> integers(const std::string& text, char separator);
+/// X,Y,Z in scene metres; nothing where it is empty.
+std::optional<Point<Scene>> point_option(const std::string& text, const char* option);
+/// --size: WIDTHxHEIGHT.
+std::pair<int, int> size_option(const std::string& text);
 Geodetic geodetic(const char* option, const std::string& text);
 
 }  // namespace gigabake::app

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "format/error.h"
+#include "kernels/cuda_error.h"
 
 namespace gigabake {
 namespace {
@@ -86,6 +87,7 @@ struct FrameRenderer::State {
   View last;
   std::uint64_t bytes_read_before = 0;  ///< when `last` was first drawn
   bool starved = false;
+  std::vector<std::string> problems;  ///< besides those of pages
 
   State(const SceneDescription& described, const std::filesystem::path& scene_path, const Options& wishes)
       : path(scene_path),
@@ -97,11 +99,20 @@ struct FrameRenderer::State {
     if (stream && wish == filling) return;
     filling = wish;
     stream.reset();  // before the next takes its memory
-    stream = std::make_unique<SceneStream>(
-        scene, path, source,
-        SceneStream::Options{wish.lit ? afternoon_light() : kernels::unlit(), wish.surface, options.memory_bytes,
-                             policy.threads(), options.cuda_device, options.device_bytes},
-        policy);
+    SceneStream::Options wishes{wish.lit ? afternoon_light() : kernels::unlit(),
+                                wish.surface,
+                                options.memory_bytes,
+                                policy.threads(),
+                                options.cuda_device,
+                                options.device_bytes};
+    try {
+      stream = std::make_unique<SceneStream>(scene, path, source, wishes, policy);
+    } catch (const kernels::CudaFailure& failure) {
+      if (options.device_required) throw;
+      problems.push_back(std::string("the CPU casts rays: ") + failure.what());
+      wishes.cuda_device = options.cuda_device = {};
+      stream = std::make_unique<SceneStream>(scene, path, source, wishes, policy);
+    }
     wanted.clear();
     last = {};
   }
@@ -214,6 +225,10 @@ Frame FrameRenderer::draw_exact(const View& view) {
   return frame;
 }
 
-std::vector<std::string> FrameRenderer::problems() const { return state_->stream->problems(); }
+std::vector<std::string> FrameRenderer::problems() const {
+  std::vector<std::string> all = state_->problems;
+  for (std::string& problem : state_->stream->problems()) all.push_back(std::move(problem));
+  return all;
+}
 
 }  // namespace gigabake

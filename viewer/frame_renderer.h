@@ -64,6 +64,7 @@ class FrameRenderer {
     int threads = 0;                                      ///< 0: all cores
     std::uint64_t memory_bytes = std::uint64_t(1) << 30;  ///< as SceneStream::Options, and so on
     std::optional<int> cuda_device;
+    bool device_required = false;  ///< else the CPU casts where the device has too little memory left; see problems()
     std::uint64_t device_bytes = std::uint64_t(4) << 30;
   };
 

@@ -1,10 +1,10 @@
 #include "viewer/png.h"
 
 #include <png.h>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "format/error.h"
 #include "format/publish.h"
 
 namespace gigabake {
@@ -25,21 +25,25 @@ std::vector<std::uint8_t> without_alpha(const std::vector<std::uint8_t>& rgba) {
 
 }  // namespace
 
-void write_png(const std::filesystem::path& path, const Picture& picture) {
-  Publication publication(path);
+std::string encode_png(const Picture& picture) {
   const bool opaque = is_opaque(picture);
   const std::vector<std::uint8_t> rgb = opaque ? without_alpha(picture.rgba) : std::vector<std::uint8_t>();
+  const std::uint8_t* pixels = opaque ? rgb.data() : picture.rgba.data();
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
   image.width = png_uint_32(picture.width);
   image.height = png_uint_32(picture.height);
   image.format = opaque ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA;
-  const int written = png_image_write_to_file(&image, publication.aside().c_str(), 0,
-                                              opaque ? rgb.data() : picture.rgba.data(), 0, nullptr);
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
+  std::string bytes(size, '\0');
+  const int written = png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels, 0, nullptr);
   const std::string message = image.message;
   png_image_free(&image);
-  if (written == 0) throw InputError(path, "", "cannot write the picture: " + message);
-  publication.publish();
+  if (written == 0) throw std::runtime_error("cannot make a PNG: " + message);
+  bytes.resize(size);
+  return bytes;
 }
+
+void write_png(const std::filesystem::path& path, const Picture& picture) { publish_file(path, encode_png(picture)); }
 
 }  // namespace gigabake

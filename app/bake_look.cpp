@@ -1,0 +1,47 @@
+#include "app/bake_look.h"
+
+#include <cerrno>
+#include <csignal>
+#include <nlohmann/json.hpp>
+
+#include "app/status_text.h"
+#include "cluster/collective.h"
+#include "cluster/folder_lock.h"
+#include "cluster/status_feed.h"
+#include "format/error.h"
+
+namespace gigabake::app {
+namespace {
+
+constexpr double silence_s = 15;
+
+/// Of another host nobody can tell.
+bool writer_is_there(const BakeStatus& s) {
+  return s.host == host_name() && s.pid > 0 && (::kill(pid_t(s.pid), 0) == 0 || errno == EPERM);
+}
+
+}  // namespace
+
+Seen look(const std::string& out) {
+  Seen seen{read_status(out), unix_now_s(), false};
+  const BakeStatus& s = seen.status;
+  seen.interrupted =
+      !is_over(s.state) && seen.now_s - s.updated_s > silence_s && !writer_is_there(s) && !lock_holder(out);
+  return seen;
+}
+
+std::string bake_status_json(const std::string& out) {
+  try {
+    const Seen seen = look(out);
+    const std::string line = seen.interrupted ? "interrupted: nobody bakes this any more" : one_line(seen.status);
+    return nlohmann::ordered_json{{"state", name_of(seen.status.state)},
+                                  {"interrupted", seen.interrupted},
+                                  {"line", line},
+                                  {"share_done", share_done(seen.status)}}
+        .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  } catch (const InputError&) {
+    return "null";
+  }
+}
+
+}  // namespace gigabake::app

@@ -1,0 +1,31 @@
+#include "app/renderer_options.h"
+
+#include "format/error.h"
+#include "worker/backend.h"
+
+namespace gigabake::app {
+
+void add_renderer_options(CLI::App& command, RendererArguments& a) {
+  command.add_option("--backend", a.backend, "where rays are cast: auto (a GPU where there is one), cpu or cuda")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"auto", "cpu", "cuda"}));
+  command.add_option("--threads", a.threads, "CPU threads (all cores)");
+  command.add_option("--memory", a.memory_bytes, "bytes of voxels to hold, as 512M or 4G; 0: half of the host's (1G)")
+      ->transform(CLI::AsSizeValue(false));
+  command.add_option("--gpu-memory", a.device_bytes, "bytes of voxels to hold on a GPU besides (4G)")
+      ->transform(CLI::AsSizeValue(false));
+}
+
+FrameRenderer::Options renderer_options(const RendererArguments& a) {
+  if (a.threads < 0 || a.threads > 1024) throw UsageError("--threads: expected 1 to 1024, or 0 for all cores");
+  FrameRenderer::Options options;
+  options.threads = a.threads;
+  options.memory_bytes = a.memory_bytes != 0 ? a.memory_bytes : UINT64_MAX;
+  options.device_bytes = a.device_bytes;
+  options.device_required = a.backend == "cuda";
+  if (a.backend != "cpu")
+    options.cuda_device = choose_device({a.backend == "cuda" ? Backend::cuda : Backend::automatic}).device;
+  return options;
+}
+
+}  // namespace gigabake::app

@@ -1,0 +1,179 @@
+#include "bench/frame_bench.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "viewer/frame_renderer.h"
+
+namespace gigabake::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::uint64_t most_frames = 100000;
+
+double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+double at_share(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  return values[std::min(values.size() - 1, std::size_t(share * double(values.size())))];
+}
+
+/// Of the sRGB bytes; infinite where they are the same.
+double psnr_db(const Picture& a, const Picture& b) {
+  double squared = 0;
+  for (std::size_t i = 0; i < a.rgba.size(); ++i) squared += std::pow(double(a.rgba[i]) - double(b.rgba[i]), 2);
+  if (squared == 0) return std::numeric_limits<double>::infinity();
+  return 10 * std::log10(255.0 * 255.0 * double(a.rgba.size()) / squared);
+}
+
+FrameRenderer::Options options_of(const FrameBenchRequest& request) {
+  FrameRenderer::Options options;
+  options.threads = request.threads;
+  options.memory_bytes = request.memory_bytes;
+  options.cuda_device = request.device;
+  options.device_bytes = request.device_bytes;
+  return options;
+}
+
+/// Middle and extent of the scene, and the height of the ground in its middle.
+struct Stage {
+  Point<Scene> middle_m;
+  double width_m = 0, ground_m = 0, voxel_m = 0;
+};
+
+View looking(const Point<Scene>& eye_m, const Point<Scene>& target_m, const FrameBenchRequest& request) {
+  View view;
+  view.camera.eye_m = eye_m;
+  view.camera.target_m = target_m;
+  view.camera.width = request.width;
+  view.camera.height = request.height;
+  return view;
+}
+
+Stage measure(FrameRenderer& renderer, const FrameBenchRequest& request) {
+  const SceneDescription& scene = renderer.scene();
+  std::array<double, 3> low{}, high{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    low[a] = std::numeric_limits<double>::infinity();
+    high[a] = -low[a];
+    for (const SceneCell& cell : scene.cells) {
+      const double corner = scene.lattice_origin_m[a] + double(cell.lattice_min[a]) * scene.voxel_size_m;
+      low[a] = std::min(low[a], corner);
+      high[a] = std::max(high[a], corner + cell.cell_voxels * scene.voxel_size_m);
+    }
+  }
+  Stage stage{{(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2},
+              std::max(high[0] - low[0], high[1] - low[1]),
+              (low[2] + high[2]) / 2,
+              scene.voxel_size_m};
+  const Point<Scene> above{stage.middle_m.x, stage.middle_m.y, high[2] + stage.width_m * 0.1};
+  FrameBenchRequest small = request;
+  small.width = small.height = 33;
+  const Frame down = renderer.draw_exact(looking(above, {above.x, above.y, above.z - 1}, small));
+  const float depth = down.picture.depth[33 * 16 + 16];
+  if (depth < kernels::CastRay::no_depth) stage.ground_m = above.z - double(depth) * stage.voxel_m;
+  return stage;
+}
+
+struct NamedView {
+  std::string name;
+  View view;
+};
+
+std::vector<NamedView> fixed_views(const Stage& s, const FrameBenchRequest& request) {
+  const double w = s.width_m, x = s.middle_m.x, y = s.middle_m.y, g = s.ground_m;
+  return {{"nadir", looking({x, y, g + w}, {x, y, g}, request)},
+          {"oblique", looking({x + 0.6 * w, y - 0.6 * w, g + 0.5 * w}, {x, y, g}, request)},
+          {"grazing", looking({x + 0.1 * w, y - 0.45 * w, g + 0.06 * w}, {x, y + 0.4 * w, g}, request)},
+          {"ground level", looking({x, y, g + 20 * s.voxel_m}, {x + w, y + 0.3 * w, g + 20 * s.voxel_m}, request)},
+          {"inside", looking({x, y, g - 4 * s.voxel_m}, {x + w, y, g}, request)}};
+}
+
+FrameBenchView bench_view(const NamedView& named, const FrameBenchRequest& request) {
+  FrameRenderer renderer(request.scene, options_of(request));
+  FrameBenchView result{named.name, 0, 0, 0, 0, 0, 0, 0, false};
+  Picture first;
+  const auto start = Clock::now();
+  Frame frame;
+  while (!frame.stats.complete && result.frames_to_complete < most_frames) {
+    frame = renderer.draw(named.view, request.upload_s);
+    ++result.frames_to_complete;
+    result.uploads += frame.stats.uploads;
+    if (first.rgba.empty() && frame.stats.uploads > 0) first = frame.picture;
+  }
+  result.complete_s = since(start);
+  result.first_psnr_db = first.rgba.empty() ? 0 : psnr_db(first, frame.picture);
+  std::vector<double> times, casts;
+  for (int i = 0; i < request.repeats; ++i) {
+    const Frame again = renderer.draw(named.view, request.upload_s);
+    times.push_back(again.stats.total_s);
+    casts.push_back(again.stats.cast_s);
+  }
+  result.best_s = at_share(times, 0);
+  result.median_s = at_share(times, 0.5);
+  result.best_cast_s = at_share(casts, 0);
+  result.same_as_exact = renderer.draw_exact(named.view).picture.rgba == frame.picture.rgba;
+  return result;
+}
+
+/// Once around the middle, low over the ground and up again; the eye moves a tenth of the scene's width in 20 frames.
+View on_flight(const Stage& s, double share, const FrameBenchRequest& request) {
+  const double angle = 2 * std::numbers::pi * share, w = s.width_m;
+  const double up = 0.05 + 0.1 * (1 + std::cos(3 * angle));
+  return looking(
+      {s.middle_m.x + 0.4 * w * std::cos(angle), s.middle_m.y + 0.4 * w * std::sin(angle), s.ground_m + up * w},
+      {s.middle_m.x + 0.2 * w * std::cos(angle + 1), s.middle_m.y + 0.2 * w * std::sin(angle + 1), s.ground_m},
+      request);
+}
+
+FlightBench bench_flight(const Stage& stage, const FrameBenchRequest& request) {
+  FrameRenderer renderer(request.scene, options_of(request)), exact(request.scene, options_of(request));
+  FlightBench flight;
+  flight.frames = request.flight_frames;
+  std::vector<double> times, errors;
+  const int every = std::max(1, request.flight_frames / std::max(1, request.exact_frames));
+  for (int i = 0; i < request.flight_frames; ++i) {
+    const View view = on_flight(stage, double(i) / request.flight_frames, request);
+    const Frame frame = renderer.draw(view, request.upload_s);
+    times.push_back(frame.stats.total_s);
+    flight.uploads += frame.stats.uploads;
+    flight.peak_bytes = std::max(flight.peak_bytes, frame.stats.bytes_held);
+    flight.allowed_bytes = frame.stats.bytes_allowed;
+    if (i % every == every - 1)
+      errors.push_back(std::min(100.0, psnr_db(frame.picture, exact.draw_exact(view).picture)));
+  }
+  flight.median_s = at_share(times, 0.5);
+  flight.p99_s = at_share(times, 0.99);
+  flight.worst_s = at_share(times, 1);
+  for (const double error : errors) flight.mean_psnr_db += error / double(errors.size());
+  flight.worst_psnr_db = errors.empty() ? 0 : at_share(errors, 0);
+  return flight;
+}
+
+}  // namespace
+
+bool FrameBench::failed() const {
+  return std::any_of(views.begin(), views.end(), [](const FrameBenchView& v) { return !v.same_as_exact; });
+}
+
+FrameBench bench_frames(const FrameBenchRequest& request) {
+  FrameBench bench;
+  bench.backend = request.device ? "cuda" : "cpu";
+  bench.width = request.width;
+  bench.height = request.height;
+  Stage stage;
+  {
+    FrameRenderer scout(request.scene, options_of(request));
+    stage = measure(scout, request);
+  }
+  for (const NamedView& named : fixed_views(stage, request)) bench.views.push_back(bench_view(named, request));
+  if (request.flight_frames > 0) bench.flight = bench_flight(stage, request);
+  return bench;
+}
+
+}  // namespace gigabake::bench

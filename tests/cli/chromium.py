@@ -1,0 +1,116 @@
+"""A headless Chromium that a test steers through its debugging pipe; needs the browser and nothing else."""
+import base64
+import json
+import os
+import select
+import shutil
+import subprocess
+import tempfile
+import time
+
+NAMES = ("chromium", "chromium-browser", "google-chrome")
+OPTIONS = ("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync",
+           "--disable-background-networking", "--disable-component-update", "--hide-scrollbars",
+           "--disable-dev-shm-usage", "--remote-debugging-pipe")
+ANSWER_S = 120
+
+
+def find():
+    """The browser's program; None where there is none that starts."""
+    for name in NAMES:
+        program = shutil.which(name)
+        if not program:
+            continue
+        try:
+            version = subprocess.run([program, "--version"], capture_output=True, timeout=60, check=False)
+        except (OSError, subprocess.TimeoutExpired):
+            continue
+        if version.returncode == 0:  # Ubuntu's is a message about a snap
+            return program
+    return None
+
+
+class Page:
+    """One page of a browser of its own."""
+
+    def __init__(self, program, url, width, height):
+        self.profile = tempfile.TemporaryDirectory()
+        read_end, to_browser = os.pipe()
+        from_browser, write_end = os.pipe()
+        # The browser reads commands from descriptor 3 and writes answers to 4.
+        wrapper = f'exec "$@" 3<&{read_end} 4>&{write_end}'
+        command = ["bash", "-c", wrapper, "bash", program, *OPTIONS, f"--user-data-dir={self.profile.name}"]
+        self.process = subprocess.Popen(command, pass_fds=(read_end, write_end), stdout=subprocess.DEVNULL,
+                                        stderr=subprocess.DEVNULL)
+        os.close(read_end)
+        os.close(write_end)
+        self.to_browser, self.from_browser = to_browser, from_browser
+        self.buffer, self.number, self.session = b"", 0, None
+        target = self.command("Target.createTarget", url="about:blank")["targetId"]
+        self.session = self.command("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        self.command("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1,
+                     mobile=False)
+        self.command("Page.enable")
+        self.command("Page.navigate", url=url)
+
+    def close(self):
+        self.process.terminate()
+        self.process.wait()
+        os.close(self.to_browser)
+        os.close(self.from_browser)
+        self.profile.cleanup()
+
+    def command(self, method, **parameters):
+        self.number += 1
+        message = {"id": self.number, "method": method, "params": parameters}
+        if self.session:
+            message["sessionId"] = self.session
+        os.write(self.to_browser, json.dumps(message).encode() + b"\0")
+        deadline = time.monotonic() + ANSWER_S
+        while True:
+            answer = self._receive(deadline)
+            if answer.get("id") == self.number:
+                assert "error" not in answer, (method, answer)
+                return answer["result"]
+
+    def _receive(self, deadline):
+        while b"\0" not in self.buffer:
+            ready, _, _ = select.select([self.from_browser], [], [], max(0, deadline - time.monotonic()))
+            data = os.read(self.from_browser, 1 << 20) if ready else b""
+            assert data, "the browser does not answer"
+            self.buffer += data
+        message, self.buffer = self.buffer.split(b"\0", 1)
+        return json.loads(message)
+
+    def evaluate(self, expression):
+        result = self.command("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True)
+        assert "exceptionDetails" not in result, (expression, result)
+        return result["result"].get("value")
+
+    def wait_for(self, expression, seconds=ANSWER_S):
+        deadline = time.monotonic() + seconds
+        while not self.evaluate(expression):
+            assert time.monotonic() < deadline, f"never came true: {expression}"
+            time.sleep(0.05)
+
+    def mouse(self, kind, x, y, **more):
+        self.command("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
+
+    def drag(self, start, end, button="left"):
+        buttons = {"left": 1, "right": 2}[button]
+        self.mouse("mousePressed", *start, button=button, buttons=buttons, clickCount=1)
+        for step in range(1, 6):
+            x, y = (start[k] + (end[k] - start[k]) * step / 5 for k in (0, 1))
+            self.mouse("mouseMoved", x, y, button=button, buttons=buttons)
+        self.mouse("mouseReleased", *end, button=button, clickCount=1)
+
+    def key(self, code, seconds=0.0):
+        """Presses a key by its place, as "KeyW", and holds it."""
+        letter = code.removeprefix("Key")
+        key = {"code": code, "key": letter.lower(), "windowsVirtualKeyCode": ord(letter[0])}
+        self.command("Input.dispatchKeyEvent", type="keyDown", **key)
+        time.sleep(seconds)
+        self.command("Input.dispatchKeyEvent", type="keyUp", **key)
+
+    def screenshot(self):
+        return base64.b64decode(self.command("Page.captureScreenshot", format="png")["data"])

@@ -1,0 +1,197 @@
+#!/usr/bin/env python3
+"""gigabake serve: a browser flies through a scene, sees what render draws, and watches a bake that goes on.
+
+Usage: serve_test.py GIGABAKE SOURCE_DIR
+"""
+import json
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import urllib.error
+import urllib.request
+from pathlib import Path
+
+import numpy
+
+import chromium
+import harness
+from png_file import read_png
+
+SIZE = (320, 200)
+RESTS = "document.body.dataset.resting === 'true'"
+
+
+class Server:
+    """gigabake serve, until it is closed."""
+
+    def __init__(self, *arguments):
+        command = [GIGABAKE.executable, "serve", *map(str, arguments)]
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.url = self.process.stdout.readline().strip()
+        assert self.url.startswith("http://"), self.process.communicate()
+
+    def close(self):
+        self.process.terminate()
+        self.process.communicate()
+
+    def ask(self, path, body=None):
+        """Status and content."""
+        request = urllib.request.Request(self.url + path)
+        if body is not None:
+            request.data = json.dumps(body).encode()
+            request.add_header("Content-Type", "application/json")
+        try:
+            with urllib.request.urlopen(request, timeout=120) as answer:
+                return answer.status, answer.read()
+        except urllib.error.HTTPError as failure:
+            with failure:
+                return failure.code, failure.read()
+
+
+class Serve(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.root = Path(cls.folder.name)
+        GIGABAKE.succeed("sample", cls.root / "sample", "--size", 96, "--tiles", 2)
+        cls.bake(cls.root / "out")
+        cls.scene = cls.root / "out" / "scene.xml"
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    @classmethod
+    def bake(cls, out):
+        GIGABAKE.succeed("bake", cls.root / "sample" / "tileset.json", "-o", out, "--voxel-size", 0.25,
+                         "--cell-voxels", 128)
+
+    def serve(self, *arguments):
+        server = Server(*arguments, "--port", 0)
+        self.addCleanup(server.close)
+        return server
+
+    def open_page(self, server):
+        program = chromium.find()
+        if program is None:
+            print("skipped:", self.id(), "- there is no Chromium that starts (Debian: apt install chromium)")
+            self.skipTest("no Chromium")
+        page = chromium.Page(program, server.url, *SIZE)
+        self.addCleanup(page.close)
+        return page
+
+    def shown(self, page):
+        """What the page shows at rest, without its bar, and its state."""
+        page.evaluate("document.getElementById('bar').style.visibility = 'hidden'")
+        deadline = time.monotonic() + 60
+        while True:  # the picture is some milliseconds behind the state, and the state behind the hands
+            page.wait_for(f"{RESTS} && shownState.frame && shownState.frame.full && !Object.keys(pending).length")
+            state = page.evaluate("shownState")
+            expected, image = self.rendered(state), read_png(page.screenshot())[..., :3]
+            if numpy.abs(image - expected).mean() < 4 or time.monotonic() > deadline:
+                return image, expected, state
+            time.sleep(0.2)
+
+    def rendered(self, state):
+        """What render draws for the page's camera."""
+        path = self.root / "rendered.png"
+        camera = ["--eye=" + ",".join(map(repr, state["eye"])), "--target=" + ",".join(map(repr, state["target"]))]
+        GIGABAKE.succeed("render", self.scene, "-o", path, "--size", "{}x{}".format(*state["size"]), *camera,
+                         *(["--albedo"] if state["mode"] == "albedo" else []))
+        return read_png(path)[..., :3]
+
+    def test_a_browser_flies_and_sees_what_render_draws(self):
+        page = self.open_page(self.serve(self.scene))
+        page.wait_for("typeof shownState !== 'undefined' && shownState && shownState.frame")
+        moves = [
+            ("nothing", lambda: None),
+            ("drag", lambda: page.drag((100, 100), (180, 90))),
+            ("wheel", lambda: page.mouse("mouseWheel", 160, 100, deltaX=0, deltaY=-300)),
+            ("right drag", lambda: page.drag((100, 100), (120, 130), "right")),
+            ("mode", lambda: page.key("KeyM")),
+            ("style", lambda: page.key("KeyO")),
+            ("walk", lambda: page.key("KeyW", 0.4)),
+            ("home", lambda: page.key("KeyH")),
+        ]
+        seen = {}
+        for name, move in moves:
+            before = page.evaluate("JSON.stringify([shownState.eye, shownState.target, shownState.mode])")
+            move()
+            if name not in ("nothing", "style"):
+                page.wait_for("JSON.stringify([shownState.eye, shownState.target, shownState.mode]) !== "
+                              + json.dumps(before))
+            image, expected, state = self.shown(page)
+            self.assertEqual(image.shape, (SIZE[1], SIZE[0], 3))
+            self.assertLess(numpy.abs(image - expected).mean(), 4, name)
+            seen[name] = image, state
+        before = seen["nothing"][0]
+        for name in ("drag", "wheel", "right drag", "mode", "walk"):
+            self.assertGreater(numpy.abs(seen[name][0] - before).mean(), 4, name)
+            before = seen[name][0]
+        self.assertLess(self.distance(seen["wheel"][1]), self.distance(seen["drag"][1]))
+        self.assertEqual(seen["mode"][1]["mode"], "albedo")
+        self.assertEqual(seen["home"][1]["eye"], seen["nothing"][1]["eye"])
+
+    def distance(self, state):
+        return numpy.linalg.norm(numpy.subtract(state["eye"], state["target"]))
+
+    def test_the_picture_button_gives_the_bytes_of_render(self):
+        server = self.serve(self.scene)
+        key = json.loads(server.ask("viewers", {"size": SIZE, "turn": [0.2, 0.05]})[1])["viewer"]
+        status, picture = server.ask(f"picture.png?viewer={key}")
+        state = json.loads(server.ask(f"state?viewer={key}")[1])
+        self.assertEqual(status, 200)
+        self.rendered(state)
+        self.assertEqual(picture, (self.root / "rendered.png").read_bytes())
+
+    def test_a_bake_is_watched_until_its_scene_appears_and_when_it_is_replaced(self):
+        out = self.root / "watched"
+        out.mkdir()
+        server = self.serve(out / "scene.xml")
+        self.assertEqual(server.ask("bake"), (200, b"null"))
+        key = json.loads(server.ask("viewers", {})[1])["viewer"]
+        self.assertFalse(json.loads(server.ask(f"state?viewer={key}")[1])["scene"])
+        page = self.open_page(server)
+        page.wait_for("document.getElementById('message').textContent.includes('no scene yet')")
+        self.bake(out)
+        page.wait_for("shownState && shownState.scene && shownState.frame")
+        status, text = server.ask("bake")
+        self.assertEqual((status, json.loads(text)["state"]), (200, "complete"))
+        self.assertEqual(server.ask(f"picture.png?viewer={key}")[0], 200)
+        page.wait_for("document.getElementById('message').hidden")
+
+    def test_the_token_in_the_address_opens_the_page_and_nothing_else_does(self):
+        server = self.serve(self.scene, "--token", "correct-horse-battery")
+        self.assertTrue(server.url.endswith("/?token=correct-horse-battery"))
+        page = self.open_page(server)
+        page.wait_for("typeof shownState !== 'undefined' && shownState && shownState.frame")
+        self.assertEqual(page.evaluate("location.search"), "")
+        server.url = server.url.split("?")[0]
+        self.assertEqual(server.ask("")[0], 401)
+        self.assertEqual(server.ask("?token=correct-horse-batterx")[0], 401)
+        self.assertEqual(server.ask("viewers", {})[0], 401)
+
+    def test_beyond_this_machine_a_token_is_made_up(self):
+        server = self.serve(self.scene, "--bind", "0.0.0.0")
+        self.assertRegex(server.url, r"^http://0\.0\.0\.0:\d+/\?token=[0-9a-f]{32}$")
+
+    def test_options_that_make_no_server_are_named(self):
+        for arguments, code, expected in (
+                ((self.scene, "--token", "short"), 2, "--token"),
+                ((self.scene, "--port", 70000), 2, "--port"),
+                ((self.scene, "--bind", "no.such.host.invalid"), 1, "no.such.host.invalid"),
+                ((self.scene, "--frame-ms", 0), 2, "--frame-ms"),
+                ((self.scene, "--viewers", 0), 2, "--viewers"),
+                ((self.scene, "--eye", "1,2"), 2, "--eye"),
+                ((self.root / "nowhere" / "scene.xml",), 1, "nowhere")):
+            result = GIGABAKE.run("serve", *arguments, timeout=60)
+            self.assertEqual(result.returncode, code, result)
+            self.assertIn(expected, result.stderr)
+            self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+
+
+if __name__ == "__main__":
+    GIGABAKE = harness.Gigabake(sys.argv[1])
+    unittest.main(argv=sys.argv[:1])

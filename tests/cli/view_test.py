@@ -1,0 +1,212 @@
+#!/usr/bin/env python3
+"""gigabake view, on a screen in memory: keys and mouse steer it, and what it shows is what render draws.
+
+Usage: view_test.py GIGABAKE SOURCE_DIR
+"""
+import json
+import os
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+import numpy
+
+import harness
+from png_file import read_png
+
+SIZE = (320, 240)
+SKIPPED = 77
+WAIT_S = 60
+
+
+class Screen:
+    """An X server without a screen, and hands that type on it."""
+
+    def __init__(self, folder):
+        read_end, write_end = os.pipe()
+        self.process = subprocess.Popen(
+            ["Xvfb", "-displayfd", str(write_end), "-screen", "0", "{}x{}x24".format(*SIZE), "-fbdir", str(folder)],
+            pass_fds=(write_end,), stderr=subprocess.DEVNULL)
+        os.close(write_end)
+        with os.fdopen(read_end) as number:
+            self.environment = dict(os.environ, DISPLAY=":" + number.readline().strip(), LIBGL_ALWAYS_SOFTWARE="1")
+        self.memory = Path(folder) / "Xvfb_screen0"
+
+    def close(self):
+        self.process.terminate()
+        self.process.wait()
+
+    def hands(self, *actions):
+        result = subprocess.run(["xdotool", *map(str, actions)], env=self.environment, capture_output=True, text=True,
+                                timeout=WAIT_S, check=False)
+        return result.stdout.split()
+
+    def image(self):
+        """What is shown, from the server's memory: the XWD format, 32 bits a pixel."""
+        data = self.memory.read_bytes()
+        fields = struct.unpack(">25I", data[:100])
+        header, width, height, bits, row_bytes, colours = (fields[k] for k in (0, 4, 5, 11, 12, 19))
+        assert bits == 32, bits
+        rows = numpy.frombuffer(data, "u1", row_bytes * height, header + 12 * colours).reshape(height, row_bytes)
+        return rows[:, :4 * width].reshape(height, width, 4)[..., 2::-1].astype(int)
+
+
+class View(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.root = Path(cls.folder.name)
+        GIGABAKE.succeed("sample", cls.root / "sample", "--size", 96, "--tiles", 2)
+        GIGABAKE.succeed("bake", cls.root / "sample" / "tileset.json", "-o", cls.root / "out", "--voxel-size", 0.25,
+                         "--cell-voxels", 128)
+        cls.scene = cls.root / "out" / "scene.xml"
+        if "without windows" in cls.without_display().stderr:
+            print("skipped: this gigabake was built without windows")
+            raise unittest.SkipTest("this gigabake was built without windows")
+
+    @classmethod
+    def without_display(cls):
+        environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
+        return subprocess.run([GIGABAKE.executable, "view", str(cls.scene)], env=environment, capture_output=True,
+                              text=True, timeout=WAIT_S, check=False)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def open_window(self, *arguments):
+        folder = Path(tempfile.mkdtemp(dir=self.root))
+        self.screen = Screen(folder)
+        self.addCleanup(self.screen.close)
+        self.saved = folder
+        self.process = subprocess.Popen(
+            [GIGABAKE.executable, "view", str(self.scene), "--size", "{}x{}".format(*SIZE), "-o", str(folder),
+             *arguments], env=self.screen.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.addCleanup(self.end)
+        window = self.wait_for(lambda: self.screen.hands("search", "--onlyvisible", "--name", "gigabake"))[0]
+        self.screen.hands("windowmove", window, 0, 0)
+
+        def focus():  # no window manager does it
+            self.screen.hands("windowfocus", window)
+            return self.screen.hands("getwindowfocus", "-f") == [window]
+
+        self.wait_for(focus)
+
+    def end(self):
+        if self.process.poll() is None:
+            self.process.kill()
+        self.process.communicate()
+
+    def wait_for(self, condition):
+        deadline = time.monotonic() + WAIT_S
+        while True:
+            result = condition()
+            if result:
+                return result
+            self.assertIsNone(self.process.poll(), "the window has closed")
+            self.assertLess(time.monotonic(), deadline, "waited in vain")
+            time.sleep(0.05)
+
+    def keep(self, key, kind):
+        """The file that a key saves."""
+        before = set(self.saved.glob(f"gigabake-*.{kind}"))
+        self.screen.hands("key", key)
+        new = self.wait_for(lambda: set(self.saved.glob(f"gigabake-*.{kind}")) - before)
+        return new.pop()
+
+    def hold(self, key, seconds):
+        self.screen.hands("keydown", key)
+        time.sleep(seconds)
+        self.screen.hands("keyup", key)
+
+    def picture(self):
+        return read_png(self.keep("p", "png"))[..., :3]
+
+    def rendered(self, *options):
+        path = self.root / "rendered.png"
+        GIGABAKE.succeed("render", self.scene, "-o", path, "--size", "{}x{}".format(*SIZE), *options)
+        return path
+
+    def test_the_saved_picture_has_the_bytes_of_render_and_is_on_the_screen(self):
+        camera = ("--eye=60,-70,50", "--target=0,0,0")
+        self.open_window(*camera)
+        saved, expected = self.keep("p", "png"), self.rendered(*camera)
+        self.assertEqual(saved.read_bytes(), expected.read_bytes())
+        image = read_png(expected)[..., :3]
+        self.screen.hands("key", "F1")  # the panel goes
+        self.wait_for(lambda: numpy.abs(self.screen.image() - image).mean() < 1)
+        self.screen.hands("key", "F1")
+        self.wait_for(lambda: numpy.abs(self.screen.image() - image).mean() > 1)
+
+    def test_keys_and_mouse_steer(self):
+        self.open_window()
+        moves = [
+            ("walk", lambda: self.hold("w", 0.5)),
+            ("turn", lambda: self.hold("Right", 0.5)),
+            ("drag", lambda: self.screen.hands("mousemove", 260, 200, "mousedown", 1, "mousemove", 280, 205,
+                                               "mousemove", 300, 210, "mouseup", 1)),
+            ("wheel", lambda: self.screen.hands("click", 4, "click", 4, "click", 4)),
+            ("mode", lambda: self.screen.hands("key", "m")),
+            ("level", lambda: self.screen.hands("key", "plus", "key", "plus", "key", "plus", "key", "plus")),
+            ("home", lambda: self.screen.hands("key", "h")),
+        ]
+        self.screen.hands("key", "F1")  # the panel would take the mouse
+        start = before = self.picture()
+        for name, move in moves:
+            move()
+            after = self.picture()
+            self.assertGreater(numpy.abs(after - before).mean(), 1, name)
+            before = after
+        self.assertGreater(numpy.abs(before - start).mean(), 1)  # mode and level are not the camera's
+
+    def test_a_recorded_path_can_be_rendered(self):
+        self.open_window()
+        self.picture()
+        self.screen.hands("key", "r")
+        self.hold("d", 1.2)
+        end = self.keep("p", "png")
+        path = self.keep("r", "json")
+        keyframes = json.loads(path.read_text())["keyframes"]
+        self.assertGreaterEqual(len(keyframes), 3)
+        GIGABAKE.succeed("render", self.scene, "-o", self.root / "path-%d.png", "--path", path, "--frames", 2,
+                         "--size", "{}x{}".format(*SIZE))
+        self.assertNotEqual((self.root / "path-0.png").read_bytes(), (self.root / "path-1.png").read_bytes())
+        self.assertEqual((self.root / "path-1.png").read_bytes(), end.read_bytes())
+
+    def test_escape_closes(self):
+        self.open_window()
+        self.picture()
+        self.screen.hands("key", "Escape")
+        self.assertEqual(self.process.wait(timeout=WAIT_S), 0)
+
+    def test_without_a_display_it_says_what_to_do_instead(self):
+        result = self.without_display()
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("gigabake serve", result.stderr)
+        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+
+    def test_a_scene_that_is_none_is_named(self):
+        result = GIGABAKE.run("view", self.root / "missing.xml")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("missing.xml", result.stderr)
+
+
+def reason_to_skip():
+    for program in ("Xvfb", "xdotool"):
+        if not shutil.which(program):
+            return f"{program} is not installed (Debian: xvfb, xdotool)"
+    return None
+
+
+if __name__ == "__main__":
+    GIGABAKE = harness.Gigabake(sys.argv[1])
+    REASON = reason_to_skip()
+    if REASON:
+        print("skipped:", REASON)
+        sys.exit(SKIPPED)
+    unittest.main(argv=sys.argv[:1])

@@ -1,0 +1,35 @@
+/// Bytes over a socket: a client that may be as rude as it likes.
+#pragma once
+
+#include <string>
+
+namespace gigabake {
+
+class HttpClient {
+ public:
+  explicit HttpClient(int port);
+  ~HttpClient();
+  HttpClient(const HttpClient&) = delete;
+  HttpClient& operator=(const HttpClient&) = delete;
+
+  /// False where the server has closed.
+  bool send(const std::string& bytes);
+  /// Until the server closes, `most` bytes are there or it has been silent for `silence_s`.
+  std::string receive(std::size_t most, double silence_s = 2);
+  /// Until that comes, or nothing for half a minute.
+  std::string receive_until(const std::string& ending);
+  /// One whole answer with a Content-Length, head and body; what there is of it where it does not come.
+  std::string answer();
+
+ private:
+  int socket_ = -1;
+};
+
+/// One request on a connection of its own. head: further lines, each with its \r\n.
+std::string ask(int port, const std::string& method, const std::string& target, const std::string& head = "",
+                const std::string& body = "");
+/// Of an answer; 0 where there is none.
+int status_of(const std::string& answer);
+std::string body_of(const std::string& answer);
+
+}  // namespace gigabake

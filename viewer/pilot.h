@@ -1,0 +1,86 @@
+/// What a viewer's hands ask for, and what is to be drawn for it: when, where from and how large.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "viewer/camera_rig.h"
+#include "viewer/frame_pace.h"
+#include "viewer/frame_renderer.h"
+
+namespace gigabake {
+
+/// From a window's or a browser's events. Members left alone change nothing.
+struct Steering {
+  std::array<double, 2> turn{}, pan{};  ///< right and up, in picture heights, as CameraRig has them
+  double zoom = 0;                      ///< notches, as CameraRig::zoom()
+  bool home = false;
+  std::optional<std::array<double, 3>> walk;   ///< keys held from now on: forward, right, up, each −1 to 1
+  std::optional<std::array<double, 2>> swing;  ///< keys held from now on: turns right and up, heights a second
+  std::optional<CameraPose> pose;
+  std::optional<CameraRig::Style> style;
+  std::optional<ViewMode> mode;
+  std::optional<double> lod_bias;
+  std::optional<double> upload_s;
+  std::optional<std::array<int, 2>> size;  ///< of the full picture
+
+  bool moves() const;
+};
+
+/// A value that decides; others draw. Small pictures while it moves, the full one as soon as it rests, nothing once
+/// that one is complete. Times are any clock's seconds that never run back. Range   Whatever is steered: size within 16
+/// and 4096 a side, lod_bias within ±16, upload_s within 0.1 ms and 1 s.
+class Pilot {
+ public:
+  static constexpr double rest_s = 0.25;       ///< after the last movement
+  static constexpr double longest_hold_s = 1;  ///< held keys that nobody confirms are let go
+
+  struct Order {
+    View view;
+    bool full = false;
+    double share = 1, upload_s = 0;
+  };
+
+  /// home: with eye and target. frame_s: what a frame should take while moving.
+  Pilot(const CameraOptions& home, double frame_s);
+
+  void steer(const Steering& steering, double now_s);
+  /// The scene is another one: everything is drawn again. The pose stays where the viewer has moved, else it is home.
+  void new_scene(const CameraOptions& home);
+
+  /// What to draw now; nothing where the last frame says it all. Moves on by the keys held.
+  std::optional<Order> next(double now_s);
+  /// Asked right after next() said nothing: when to ask again if nobody steers; HUGE_VAL: never.
+  double ask_again_s() const;
+  /// An order was carried out.
+  void drawn(const Order& order, const FrameStats& stats);
+  /// An order could not be: it is not tried again before something changes.
+  void failed();
+
+  /// The last order was full and complete, or failed, and nothing has changed since.
+  bool rests() const { return done_ && !stale_; }
+
+  const CameraRig& rig() const { return rig_; }
+  const View& full_view() const { return view_; }
+  double upload_s() const { return upload_s_; }
+
+ private:
+  void apply_settings(const Steering& s);
+  void advance(double now_s);
+  bool holds() const;
+
+  CameraRig rig_;
+  FramePace pace_;
+  View view_;  ///< full size; the eye is the rig's
+  double upload_s_ = 0.02;
+  std::array<double, 3> walk_{};
+  std::array<double, 2> swing_{};
+  double held_s_ = 0, advanced_s_ = 0, moved_s_ = -HUGE_VAL;
+  bool at_home_ = true;
+  bool stale_ = true;        ///< something changed since the last order
+  bool small_done_ = false;  ///< the small picture of this pose is complete
+  bool done_ = false;        ///< the full one is
+  double ask_again_s_ = 0;
+};
+
+}  // namespace gigabake

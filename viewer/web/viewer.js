@@ -1,0 +1,267 @@
+// Turns hands into steering and shows what comes back. The server casts; this page only asks.
+'use strict';
+
+const SEND_MS = 33;      // between two steerings
+const HOLD_MS = 300;     // held keys are confirmed that often; the server lets go after a second
+const STATE_MS = 500;
+const LONGEST_EDGE = 4096;
+
+const element = (id) => document.getElementById(id);
+const picture = element('picture');
+
+let viewer = null;       // the key of this page's camera
+let pending = {};        // steering that is not sent yet
+let sending = false;
+const held = new Set();  // codes of the keys that are down
+let slow = false;        // Shift
+let heldSent = 0;        // when the held keys were told last
+let shownState = null;
+
+// Talking to the server.
+
+async function ask(path, steering) {
+  const options = steering === undefined ? {} : {
+    method: 'POST', headers: {'Content-Type': 'application/json'}, body: JSON.stringify(steering),
+  };
+  const answer = await fetch(path, options);
+  if (answer.ok) return answer.json();
+  const failure = new Error((await answer.json().catch(() => ({}))).error || answer.statusText);
+  failure.status = answer.status;
+  throw failure;
+}
+
+const forViewer = (path) => `${path}?viewer=${viewer}`;
+
+async function join() {
+  viewer = null;
+  const welcome = await ask('viewers', {size: wantedSize()});
+  viewer = welcome.viewer;
+  offer('mode', welcome.modes);
+  offer('style', welcome.styles);
+  picture.src = forViewer('stream');
+}
+
+function offer(id, names) {
+  element(id).replaceChildren(...names.map((name) => new Option(name, name)));
+}
+
+function wantedSize() {
+  const scale = Math.min(window.devicePixelRatio || 1, LONGEST_EDGE / Math.max(innerWidth, innerHeight, 1));
+  return [Math.max(1, Math.round(innerWidth * scale)), Math.max(1, Math.round(innerHeight * scale))];
+}
+
+// Movements add up until they are sent; settings replace each other.
+function steer(steering) {
+  for (const [key, value] of Object.entries(steering)) {
+    const adds = key === 'turn' || key === 'pan';
+    if (adds && pending[key]) pending[key] = pending[key].map((v, i) => v + value[i]);
+    else if (key === 'zoom' && pending.zoom) pending.zoom += value;
+    else pending[key] = value;
+  }
+}
+
+async function send() {
+  if (!viewer || sending) return;
+  if (held.size && performance.now() - heldSent > HOLD_MS) hold();
+  if (!Object.keys(pending).length) return;
+  const steering = pending;
+  pending = {};
+  sending = true;
+  try {
+    show(await ask(forViewer('steer'), steering));
+  } catch (failure) {
+    await lost(failure);
+  }
+  sending = false;
+}
+
+async function look() {
+  try {
+    if (!viewer) await join();
+    const state = await ask(forViewer('state'));
+    show(state);
+    tell(state, state.scene && !state.problem ? null : await ask('bake'));
+  } catch (failure) {
+    await lost(failure);
+  }
+  setTimeout(look, STATE_MS);
+}
+
+// A server that was started again knows this page no more.
+async function lost(failure) {
+  document.body.dataset.resting = 'false';
+  if (failure.status === 404) viewer = null;
+  message(failure.status ? failure.message : 'The server does not answer.');
+}
+
+// Showing.
+
+function show(state) {
+  shownState = state;
+  document.body.dataset.resting = String(state.resting);
+  for (const id of ['mode', 'style'])
+    if (document.activeElement !== element(id)) element(id).value = state[id];
+  if (document.activeElement !== element('lod')) element('lod').value = state.lod_bias;
+  element('stats').textContent = state.frame ? statsLine(state) : '';
+}
+
+function statsLine(state) {
+  const {stats, size, frames_per_s: rate} = state.frame;
+  const megabytes = (bytes) => (bytes / 1e6).toFixed(0);
+  const allowed = stats.bytes_allowed === null ? '' : ` of ${megabytes(stats.bytes_allowed)}`;
+  const parts = [`${size[0]}×${size[1]}`, `${(stats.total_s * 1000).toFixed(0)} ms`,
+    `${megabytes(stats.bytes_held)}${allowed} MB`];
+  if (rate > 0 && !state.resting) parts.push(`${rate.toFixed(1)} fps`);
+  if (!stats.complete) parts.push(`${stats.wanted} wanted, ${stats.pages_loading} loading`);
+  if (state.problems) parts.push(`${state.problems} shards damaged`);
+  return parts.join(' · ');
+}
+
+function tell(state, bake) {
+  const lines = [];
+  if (!state.scene) lines.push(bake ? 'The scene is not baked yet.' : 'There is no scene yet.');
+  if (bake && bake.line) lines.push(bake.line);
+  if (state.problem && (state.scene || !bake)) lines.push(state.problem);
+  message(lines.join('\n'));
+}
+
+function message(text) {
+  element('message').hidden = !text;
+  element('message').textContent = text;
+}
+
+async function save() {
+  try {
+    const answer = await fetch(forViewer('picture.png'));
+    if (!answer.ok) throw new Error((await answer.json()).error);
+    const link = document.createElement('a');
+    link.href = URL.createObjectURL(await answer.blob());
+    link.download = 'gigabake.png';
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+  } catch (failure) {
+    message(failure.message);
+  }
+}
+
+// Mouse and touch.
+
+const pointers = new Map();
+
+function middle() {
+  const all = [...pointers.values()];
+  const mean = (k) => all.reduce((sum, p) => sum + p[k], 0) / all.length;
+  const spread = all.length < 2 ? 0 : Math.hypot(all[0].x - all[1].x, all[0].y - all[1].y);
+  return {x: mean('x'), y: mean('y'), spread};
+}
+
+picture.addEventListener('pointerdown', (event) => {
+  picture.setPointerCapture(event.pointerId);
+  pointers.set(event.pointerId, {x: event.clientX, y: event.clientY, button: event.button});
+  document.activeElement.blur();
+  event.preventDefault();
+});
+
+picture.addEventListener('pointermove', (event) => {
+  const pointer = pointers.get(event.pointerId);
+  if (!pointer) return;
+  const before = middle();
+  pointer.x = event.clientX;
+  pointer.y = event.clientY;
+  const now = middle();
+  const moved = [(now.x - before.x) / innerHeight, (before.y - now.y) / innerHeight];
+  const pans = pointers.size > 1 || pointer.button !== 0 || event.shiftKey;
+  steer(pans ? {pan: moved} : {turn: moved});
+  if (before.spread > 0 && now.spread > 0) steer({zoom: Math.log(now.spread / before.spread) / Math.log(1 / 0.9)});
+});
+
+for (const end of ['pointerup', 'pointercancel'])
+  picture.addEventListener(end, (event) => pointers.delete(event.pointerId));
+
+picture.addEventListener('wheel', (event) => {
+  const notches = event.deltaY / (event.deltaMode === 0 ? 100 : 3);
+  steer({zoom: Math.max(-10, Math.min(10, -notches))});
+  event.preventDefault();
+}, {passive: false});
+
+picture.addEventListener('contextmenu', (event) => event.preventDefault());
+
+// Keys.
+
+const WALK = {KeyW: [1, 0, 0], KeyS: [-1, 0, 0], KeyD: [0, 1, 0], KeyA: [0, -1, 0], KeyE: [0, 0, 1], KeyQ: [0, 0, -1]};
+const SWING = {ArrowRight: [0.3, 0], ArrowLeft: [-0.3, 0], ArrowUp: [0, 0.3], ArrowDown: [0, -0.3]};
+
+function total(moves, zero) {
+  return [...held].reduce((sum, code) => moves[code] ? sum.map((v, i) => v + moves[code][i]) : sum, zero)
+      .map((v) => slow ? v / 5 : v);
+}
+
+function hold() {
+  heldSent = performance.now();
+  steer({walk: total(WALK, [0, 0, 0]), swing: total(SWING, [0, 0])});
+}
+
+function next(id) {
+  const options = [...element(id).options].map((option) => option.value);
+  steer({[id]: options[(options.indexOf(shownState ? shownState[id] : '') + 1) % options.length]});
+}
+
+function toggleHelp() {
+  element('keys').hidden = !element('keys').hidden;
+}
+
+const ONCE = {
+  KeyO: () => next('style'),
+  KeyM: () => next('mode'),
+  KeyH: () => steer({home: true}),
+  KeyP: save,
+  Slash: toggleHelp,
+  Equal: () => lodBy(0.5),
+  NumpadAdd: () => lodBy(0.5),
+  Minus: () => lodBy(-0.5),
+  NumpadSubtract: () => lodBy(-0.5),
+};
+
+function lodBy(levels) {
+  const bias = (shownState ? shownState.lod_bias : 0) + levels;
+  steer({lod_bias: Math.max(-16, Math.min(16, bias))});
+}
+
+addEventListener('keydown', (event) => {
+  if (event.ctrlKey || event.metaKey || event.altKey || event.target.tagName === 'SELECT') return;
+  slow = event.shiftKey;
+  if (WALK[event.code] || SWING[event.code]) {
+    event.preventDefault();
+    if (event.repeat) return;
+    held.add(event.code);
+    hold();
+  } else if (ONCE[event.code] && !event.repeat) {
+    ONCE[event.code]();
+  }
+});
+
+addEventListener('keyup', (event) => {
+  slow = event.shiftKey;
+  if (held.delete(event.code)) hold();
+});
+
+addEventListener('blur', () => {
+  held.clear();
+  hold();
+});
+
+addEventListener('resize', () => steer({size: wantedSize()}));
+
+// The bar.
+
+element('mode').addEventListener('change', (event) => { steer({mode: event.target.value}); event.target.blur(); });
+element('style').addEventListener('change', (event) => { steer({style: event.target.value}); event.target.blur(); });
+element('lod').addEventListener('input', (event) => steer({lod_bias: Number(event.target.value)}));
+element('lod').addEventListener('change', (event) => event.target.blur());
+element('home').addEventListener('click', () => steer({home: true}));
+element('save').addEventListener('click', save);
+element('help').addEventListener('click', toggleHelp);
+
+if (location.search.includes('token=')) history.replaceState(null, '', location.pathname);
+setInterval(send, SEND_MS);
+look();

@@ -1,0 +1,69 @@
+#include "viewer/window/panel.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include "viewer/steering_json.h"
+
+namespace gigabake {
+namespace {
+
+void line(const std::string& text) { ImGui::TextUnformatted(text.data(), text.data() + text.size()); }
+
+std::string megabytes(std::uint64_t bytes) {
+  return bytes == UINT64_MAX ? "no bound" : fmt::format("{:.0f} MB", double(bytes) / 1e6);
+}
+
+void show_numbers(const LiveFrame& f) {
+  const FrameStats& s = f.frame.stats;
+  line(fmt::format("{} x {}{}", f.frame.picture.width, f.frame.picture.height, s.complete ? ", complete" : ""));
+  line(fmt::format("{:.1f} fps, {:.1f} ms a frame", f.frames_per_s, s.total_s * 1e3));
+  line(fmt::format("rays {:.1f} ms, uploads {:.1f} ms", s.cast_s * 1e3, s.upload_s * 1e3));
+  line(fmt::format("{} wanted, {} uploaded, {} pages loading", s.wanted, s.uploads, s.pages_loading));
+  line(fmt::format("{} held of {}", megabytes(s.bytes_held), megabytes(s.bytes_allowed)));
+}
+
+/// The name chosen, or the current one.
+std::size_t choose(const char* label, const std::vector<std::string>& names, std::size_t current) {
+  std::size_t chosen = current;
+  if (!ImGui::BeginCombo(label, names[current].c_str())) return chosen;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (ImGui::Selectable(names[i].c_str(), i == current)) chosen = i;
+  ImGui::EndCombo();
+  return chosen;
+}
+
+void show_choices(const ViewerState& state, Steering& out) {
+  const std::size_t mode = choose("mode (M)", view_mode_names(), std::size_t(state.full_view.mode));
+  if (mode != std::size_t(state.full_view.mode)) out.mode = ViewMode(mode);
+  const std::size_t style = choose("move (O)", style_names(), std::size_t(state.style));
+  if (style != std::size_t(state.style)) out.style = CameraRig::Style(style);
+  float lod_bias = float(state.full_view.camera.lod_bias), upload_ms = float(state.upload_s * 1e3);
+  if (ImGui::SliderFloat("lod bias (+ -)", &lod_bias, -2, 6, "%.1f")) out.lod_bias = lod_bias;
+  if (ImGui::SliderFloat("upload ms", &upload_ms, 0.1f, 200, "%.1f")) out.upload_s = upload_ms / 1e3;
+  line(fmt::format("speed {:.1f} m/s (wheel in flight)", state.speed_m_per_s));
+}
+
+}  // namespace
+
+PanelAnswer show_panel(const ViewerState& state, const LiveFrame* frame, bool recording, const std::string& said) {
+  PanelAnswer out;
+  ImGui::SetNextWindowPos({8, 8}, ImGuiCond_Once);
+  ImGui::Begin("gigabake (F1)", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
+  if (frame) show_numbers(*frame);
+  if (state.has_scene) {
+    show_choices(state, out.steering);
+    out.steering.home = ImGui::Button("Home (H)");
+    ImGui::SameLine();
+    out.save_picture = ImGui::Button("Picture (P)");
+    ImGui::SameLine();
+    out.record = ImGui::Button(recording ? "Stop recording (R)" : "Record path (R)");
+  }
+  if (state.problems > 0) line(fmt::format("{} shards are missing or damaged", state.problems));
+  if (!state.problem.empty()) line(state.problem);
+  if (!said.empty()) line(said);
+  ImGui::End();
+  return out;
+}
+
+}  // namespace gigabake

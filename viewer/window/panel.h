@@ -1,0 +1,18 @@
+/// The panel in a window: numbers of the last frame, and what can be chosen.
+#pragma once
+
+#include <string>
+
+#include "viewer/live_scene.h"
+
+namespace gigabake {
+
+struct PanelAnswer {
+  Steering steering;
+  bool save_picture = false, record = false;
+};
+
+/// Between ImGui::NewFrame() and ImGui::Render(). frame may be nullptr; said: the last thing saved or failed.
+PanelAnswer show_panel(const ViewerState& state, const LiveFrame* frame, bool recording, const std::string& said);
+
+}  // namespace gigabake

@@ -1,0 +1,55 @@
+#include "viewer/window/screen_picture.h"
+
+#include <GLFW/glfw3.h>
+
+namespace gigabake {
+namespace {
+
+/// OpenGL 1.2, which its 1.1 headers lack.
+constexpr GLint clamp_to_edge = 0x812F;
+
+}  // namespace
+
+ScreenPicture::ScreenPicture() {
+  glGenTextures(1, &texture_);
+  glBindTexture(GL_TEXTURE_2D, texture_);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, clamp_to_edge);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, clamp_to_edge);
+}
+
+ScreenPicture::~ScreenPicture() { glDeleteTextures(1, &texture_); }
+
+void ScreenPicture::set(const Picture& picture) {
+  glBindTexture(GL_TEXTURE_2D, texture_);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, picture.width, picture.height, 0, GL_RGBA, GL_UNSIGNED_BYTE,
+               picture.rgba.data());
+  is_set_ = true;
+}
+
+void ScreenPicture::draw(int width, int height) const {
+  glViewport(0, 0, width, height);
+  glClearColor(0, 0, 0, 1);
+  glClear(GL_COLOR_BUFFER_BIT);
+  if (!is_set_) return;
+  glMatrixMode(GL_PROJECTION);
+  glLoadIdentity();
+  glMatrixMode(GL_MODELVIEW);
+  glLoadIdentity();
+  glDisable(GL_BLEND);
+  glEnable(GL_TEXTURE_2D);
+  glBindTexture(GL_TEXTURE_2D, texture_);
+  glColor4f(1, 1, 1, 1);
+  glBegin(GL_TRIANGLE_STRIP);  // row 0 of the picture is the upper one
+  for (const int corner : {0, 1, 2, 3}) {
+    const float right = float(corner % 2), down = float(corner / 2);
+    glTexCoord2f(right, down);
+    glVertex2f(2 * right - 1, 1 - 2 * down);
+  }
+  glEnd();
+  glDisable(GL_TEXTURE_2D);
+}
+
+}  // namespace gigabake

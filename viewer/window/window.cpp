@@ -1,0 +1,230 @@
+#include "viewer/window/window.h"
+
+#include <GLFW/glfw3.h>
+#include <algorithm>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl2.h>
+#include <fmt/format.h>
+#include <imgui.h>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "format/publish.h"
+#include "viewer/camera_path.h"
+#include "viewer/png.h"
+#include "viewer/window/panel.h"
+#include "viewer/window/screen_picture.h"
+#include "viewer/window/window_input.h"
+
+namespace gigabake {
+namespace {
+
+constexpr double held_look_s = 1.0 / 60, idle_look_s = 0.5;
+/// Dear ImGui answers an event in the frame after, and settles in the next.
+constexpr int redraws_after_event = 3;
+constexpr int most_files = 9999;
+
+[[noreturn]] void fail_at(const char* what) {
+  const char* why = nullptr;
+  glfwGetError(&why);
+  throw std::runtime_error(
+      fmt::format("{}: {}; gigabake serve shows the scene in a browser", what, why ? why : "unknown reason"));
+}
+
+struct Glfw {
+  Glfw() {
+    if (glfwInit() != GLFW_TRUE) fail_at("no display");
+  }
+  ~Glfw() { glfwTerminate(); }
+  Glfw(const Glfw&) = delete;
+  Glfw& operator=(const Glfw&) = delete;
+};
+
+GLFWwindow* open_window(const WindowOptions& options, const std::string& title) {
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 2);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 1);
+  GLFWwindow* window = glfwCreateWindow(options.width, options.height, title.c_str(), nullptr, nullptr);
+  if (!window) fail_at("no window with OpenGL 2.1");
+  glfwMakeContextCurrent(window);
+  glfwSwapInterval(1);
+  return window;
+}
+
+struct Gui {
+  explicit Gui(GLFWwindow* window) {
+    ImGui::CreateContext();
+    ImGui::GetIO().IniFilename = nullptr;
+    ImGui_ImplGlfw_InitForOpenGL(window, true);
+    ImGui_ImplOpenGL2_Init();
+  }
+  ~Gui() {
+    ImGui_ImplOpenGL2_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+  }
+  Gui(const Gui&) = delete;
+  Gui& operator=(const Gui&) = delete;
+};
+
+/// The first that is free: gigabake-0001.png and on.
+std::filesystem::path free_name(const std::filesystem::path& folder, const char* kind) {
+  for (int i = 1; i <= most_files; ++i) {
+    std::filesystem::path path = folder / fmt::format("gigabake-{:04}.{}", i, kind);
+    if (!std::filesystem::exists(path)) return path;
+  }
+  throw std::runtime_error(
+      fmt::format("{}: {} files gigabake-*.{} are there already", folder.string(), most_files, kind));
+}
+
+class Window {
+ public:
+  Window(const std::filesystem::path& scene, LiveScene::Options scene_options, const WindowOptions& options)
+      : options_(options),
+        window_(open_window(options, "gigabake " + scene.string())),
+        input_(window_),
+        gui_(window_),
+        scene_(scene, std::move(scene_options)),
+        viewer_(scene_.add_viewer().value()) {}
+
+  void run() {
+    int redraws = redraws_after_event;
+    while (glfwWindowShouldClose(window_) == 0) {
+      glfwWaitEventsTimeout(redraws > 0 || input_.holds() ? held_look_s : idle_look_s);
+      obey();
+      const bool news = take_frame();
+      finish_picture();
+      if (recorder_) recorder_->see(state().pose, glfwGetTime());
+      redraws = input_.take_touched() || news ? redraws_after_event : std::max(redraws - 1, 0);
+      if (redraws > 0) draw();
+    }
+  }
+
+ private:
+  ViewerState state() const { return scene_.state(viewer_).value(); }
+
+  void obey() {
+    Steering steering = input_.take_steering();
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(window_, &width, &height);
+    if (width > 0 && height > 0 && std::array{width, height} != size_) steering.size = size_ = {width, height};
+    for (const WindowCommand command : input_.take_commands()) obey(command, steering);
+    const bool settings = steering.mode || steering.style || steering.lod_bias || steering.size;
+    if (steering.moves() || settings || steering.walk || steering.swing) scene_.steer(viewer_, steering);
+  }
+
+  void obey(WindowCommand command, Steering& steering) {
+    const ViewerState now = state();
+    const std::size_t modes = view_mode_names().size();
+    const bool orbits = now.style == CameraRig::Style::orbit;
+    switch (command) {
+      case WindowCommand::next_mode:
+        steering.mode = ViewMode((std::size_t(now.full_view.mode) + 1) % modes);
+        break;
+      case WindowCommand::next_style:
+        steering.style = orbits ? CameraRig::Style::fly : CameraRig::Style::orbit;
+        break;
+      case WindowCommand::coarser:
+        steering.lod_bias = now.full_view.camera.lod_bias + 0.5;
+        break;
+      case WindowCommand::finer:
+        steering.lod_bias = now.full_view.camera.lod_bias - 0.5;
+        break;
+      case WindowCommand::save_picture:
+        wants_picture_ = true;
+        break;
+      case WindowCommand::record:
+        toggle_recording();
+        break;
+      case WindowCommand::toggle_panel:
+        shows_panel_ = !shows_panel_;
+        break;
+      case WindowCommand::close:
+        glfwSetWindowShouldClose(window_, GLFW_TRUE);
+        break;
+    }
+  }
+
+  bool take_frame() {
+    const auto newer = scene_.frame_after(viewer_, frame_ ? frame_->number : 0, 0);
+    if (!newer) return false;
+    frame_ = newer;
+    picture_.set(frame_->frame.picture);
+    return true;
+  }
+
+  void say(const std::string& text) {
+    said_ = text;
+    options_.told(text);
+    input_.touch();
+  }
+
+  void finish_picture() {
+    if (!wants_picture_) return;
+    const auto full = scene_.full_frame(viewer_, 0);
+    if (!full) return;
+    wants_picture_ = false;
+    save("png", [&](const auto& path) { write_png(path, full->frame.picture); });
+  }
+
+  void toggle_recording() {
+    if (!recorder_) {
+      recorder_.emplace();
+      return say("recording");
+    }
+    const auto path = std::exchange(recorder_, std::nullopt)->path();
+    if (path) save("json", [&](const auto& file) { publish_file(file, to_json(*path)); });
+  }
+
+  template <class Write>
+  void save(const char* kind, const Write& write) {
+    try {
+      const std::filesystem::path path = free_name(options_.output, kind);
+      write(path);
+      say("saved " + path.string());
+    } catch (const std::exception& e) {
+      say(e.what());
+    }
+  }
+
+  void draw() {
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(window_, &width, &height);
+    picture_.draw(width, height);
+    ImGui_ImplOpenGL2_NewFrame();
+    ImGui_ImplGlfw_NewFrame();
+    ImGui::NewFrame();
+    PanelAnswer answer;
+    if (shows_panel_) answer = show_panel(state(), frame_.get(), recorder_.has_value(), said_);
+    ImGui::Render();
+    ImGui_ImplOpenGL2_RenderDrawData(ImGui::GetDrawData());
+    glfwSwapBuffers(window_);
+    const Steering& s = answer.steering;
+    if (s.home || s.mode || s.style || s.lod_bias || s.upload_s) scene_.steer(viewer_, s);
+    if (answer.save_picture) wants_picture_ = true;
+    if (answer.record) toggle_recording();
+  }
+
+  const WindowOptions options_;
+  GLFWwindow* window_;
+  WindowInput input_;
+  Gui gui_;
+  ScreenPicture picture_;
+  LiveScene scene_;
+  const LiveScene::ViewerId viewer_;
+  LiveScene::FramePtr frame_;
+  std::array<int, 2> size_{};
+  std::optional<PathRecorder> recorder_;
+  std::string said_;
+  bool wants_picture_ = false, shows_panel_ = true;
+};
+
+}  // namespace
+
+void show_window(const std::filesystem::path& scene, LiveScene::Options scene_options, const WindowOptions& options) {
+  const Glfw glfw;
+  scene_options.changed = [] { glfwPostEmptyEvent(); };
+  Window(scene, std::move(scene_options), options).run();
+}
+
+}  // namespace gigabake

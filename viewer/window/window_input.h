@@ -1,0 +1,48 @@
+/// What mouse and keys of a window ask for.
+#pragma once
+
+#include <set>
+
+#include "viewer/pilot.h"
+
+struct GLFWwindow;
+
+namespace gigabake {
+
+enum class WindowCommand { next_mode, next_style, coarser, finer, save_picture, record, toggle_panel, close };
+
+/// Listens to a window from its construction on; make it before Dear ImGui takes its callbacks, which pass events on.
+class WindowInput {
+ public:
+  explicit WindowInput(GLFWwindow* window);
+  ~WindowInput();
+  WindowInput(const WindowInput&) = delete;
+  WindowInput& operator=(const WindowInput&) = delete;
+
+  /// All movements since the last call, and the keys held.
+  Steering take_steering();
+  /// Keys pressed since the last call.
+  std::vector<WindowCommand> take_commands();
+  bool holds() const { return !held_.empty(); }
+  /// Anything at all happened since the last call.
+  bool take_touched();
+
+  void key(int key, int action, int modifiers);
+  void button(int button, int action);
+  void cursor(double x, double y);
+  void scroll(double notches);
+  void touch() { touched_ = true; }
+
+ private:
+  double window_height() const;
+
+  GLFWwindow* window_;
+  Steering pending_;
+  std::vector<WindowCommand> commands_;
+  std::set<int> held_;  ///< keys that walk or turn
+  std::set<int> buttons_;
+  double x_ = 0, y_ = 0;
+  bool slow_ = false, told_held_ = false, touched_ = true;
+};
+
+}  // namespace gigabake
