@@ -10,28 +10,22 @@ constexpr std::size_t alignment = 64;
 /// Collects what is to be copied; then copies all of it at once and fills the host's arrays from the buffer.
 class Download {
  public:
-  /// count: of the array's front. to: a vector of T, or of another integer as wide or wider.
-  template <class T, class To>
-  void add(const DeviceArray<T>& from, std::size_t count, std::vector<To>& to) {
-    const std::size_t at = bytes_;
-    bytes_ += (count * sizeof(T) + alignment - 1) / alignment * alignment;
-    copies_.push_back({from.data(), at, count * sizeof(T)});
-    fills_.push_back([at, count, &to](const std::byte* buffer) {
-      const T* values = reinterpret_cast<const T*>(buffer + at);
-      to.assign(values, values + count);
-    });
-  }
-
-  /// As add(), byte by byte.
-  template <class T, class Byte>
-  void add_bytes(const DeviceArray<T>& from, std::size_t count, std::vector<Byte>& to) {
+  /// count: of the array's front. to: a vector of Unit, or of another integer as wide or wider. Unit: what the bytes
+  /// are taken for on the host.
+  template <class Unit, class T, class To>
+  void add_as(const DeviceArray<T>& from, std::size_t count, std::vector<To>& to) {
     const std::size_t at = bytes_, size = count * sizeof(T);
     bytes_ += (size + alignment - 1) / alignment * alignment;
     copies_.push_back({from.data(), at, size});
     fills_.push_back([at, size, &to](const std::byte* buffer) {
-      const Byte* values = reinterpret_cast<const Byte*>(buffer + at);
-      to.assign(values, values + size);
+      const Unit* values = reinterpret_cast<const Unit*>(buffer + at);
+      to.assign(values, values + size / sizeof(Unit));
     });
+  }
+
+  template <class T, class To>
+  void add(const DeviceArray<T>& from, std::size_t count, std::vector<To>& to) {
+    add_as<T>(from, count, to);
   }
 
   void run(cudaStream_t stream, PinnedBuffer& pinned, const CpuPolicy& policy) const {
@@ -56,8 +50,8 @@ class Download {
 };
 
 void add(Download& download, const DeviceLevel& d, Level& level) {
-  download.add_bytes(d.rgba, d.voxels, level.rgba);  // the longest first
-  if (d.normal.size() != 0) download.add_bytes(d.normal, d.voxels, level.normal);
+  download.add_as<std::uint8_t>(d.rgba, d.voxels, level.rgba);  // the longest first
+  if (d.normal.size() != 0) download.add_as<std::int8_t>(d.normal, d.voxels, level.normal);
   download.add(d.mask, 8 * std::size_t(d.bricks), level.mask);
   download.add(d.key, d.bricks, level.key);
   download.add(d.first, std::size_t(d.bricks) + 1, level.first);

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "kernels/cuda_bits.cuh"
 #include "kernels/cuda_cut.cuh"
 #include "kernels/cuda_items.cuh"
 #include "kernels/cuda_sums.cuh"
@@ -149,26 +150,6 @@ __device__ void read_item(const FillView& view, std::uint32_t first_brick, std::
                                   std::int32_t(at.z) << brick_subvoxel_bits};
   const std::uint32_t batch_pair = view.bricks.start[view.begin];
   cut_item(view.input, window_triangle(view.input, view.bricks.triangle[batch_pair + pair]), corner, where, out);
-}
-
-/// The n-th set bit, in as many steps for one as for all.
-__device__ inline int nth_bit(std::uint64_t bits, int n) {
-  auto word = std::uint32_t(bits);
-  int at = 0, below = __popc(word);
-  if (n >= below) {
-    n -= below;
-    at = 32;
-    word = std::uint32_t(bits >> 32);
-  }
-#pragma unroll
-  for (int half = 16; half != 0; half /= 2) {
-    below = __popc(word & ((1u << half) - 1));
-    if (n < below) continue;
-    n -= below;
-    at += half;
-    word >>= half;
-  }
-  return at;
 }
 
 /// prefix[] of the chunk's items; returns the number of fragments. By the whole block.

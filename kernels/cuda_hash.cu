@@ -1,3 +1,4 @@
+#include "kernels/cuda_bits.cuh"
 #include "kernels/cuda_hash.cuh"
 #include "kernels/morton.h"
 
@@ -22,17 +23,8 @@ __device__ int voxel_bit(std::uint32_t word, int before, int rank) {
 #pragma unroll
   for (int half = 8; half != 0; half /= 2)
     if (__shfl_sync(~0u, before, at + half) <= rank) at += half;
-  std::uint32_t bits = __shfl_sync(~0u, word, at);
-  int n = rank - __shfl_sync(~0u, before, at), bit = 32 * at;
-#pragma unroll
-  for (int half = 16; half != 0; half /= 2) {
-    const int below = __popc(bits & ((1u << half) - 1));
-    if (n < below) continue;
-    n -= below;
-    bit += half;
-    bits >>= half;
-  }
-  return bit;
+  const std::uint32_t bits = __shfl_sync(~0u, word, at);
+  return 32 * at + nth_bit(bits, rank - __shfl_sync(~0u, before, at));
 }
 
 __device__ Sum128 brick_hash(const HashView& level, std::uint32_t brick, int lane) {
