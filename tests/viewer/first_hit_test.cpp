@@ -1,0 +1,314 @@
+// First hits against steps of double precision from voxel to voxel.
+#include <cmath>
+#include <gtest/gtest.h>
+#include <random>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "bench/first_hit_reference.h"
+#include "kernels/first_hit_cast.h"
+#include "viewer/first_hit_scene.h"
+#include "voxel_scene.h"
+
+namespace gigabake {
+namespace {
+
+using bench::Agreement;
+using kernels::FirstHit;
+using kernels::FirstHitRay;
+
+constexpr unsigned seed = 20261121;
+
+FirstHitScene build(VoxelScene& voxels, int lod = 0) {
+  FirstHitBuilder builder(lod);
+  for (std::size_t c = 0; c < voxels.shards().size(); ++c)
+    builder.add_cell(voxels.description().cells[c].lattice_min, voxels.shards()[c].nodes,
+                     voxels.shards()[c].levels[std::size_t(lod)]);
+  return builder.finish();
+}
+
+/// Promised in kernels/first_hit.h.
+double rounding_of(const FirstHitScene& scene) { return double(1 << scene.view.tree.bits) * 0x1p-20; }
+
+std::vector<FirstHit> cast(const FirstHitScene& scene, const std::vector<FirstHitRay>& rays) {
+  const kernels::CpuPolicy policy(2);
+  std::vector<FirstHit> hits(rays.size());
+  kernels::cast_first_hits(scene.view, {rays.data(), rays.size()}, {{hits.data(), hits.size()}, {}}, policy);
+  return hits;
+}
+
+/// How rays agree with the reference; a wrong one fails the test.
+struct Score {
+  int same = 0, close = 0, met = 0;
+};
+
+Score score(const FirstHitScene& scene, const Painter& paint, const std::vector<FirstHitRay>& rays,
+            const std::vector<FirstHit>& hits) {
+  const auto exists = [&](const bench::Voxel& v) {
+    return paint(scene.lattice_min[0] + v[0], scene.lattice_min[1] + v[1], scene.lattice_min[2] + v[2]).has_value();
+  };
+  Score s;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const Agreement agreement = bench::compare(scene.view.tree, rays[i], hits[i], rounding_of(scene), exists);
+    const FirstHitRay& r = rays[i];
+    EXPECT_NE(agreement, Agreement::wrong)
+        << "ray " << i << " of seed " << seed << " from " << r.origin[0] << " " << r.origin[1] << " " << r.origin[2]
+        << " to " << r.direction[0] << " " << r.direction[1] << " " << r.direction[2];
+    s.same += agreement == Agreement::same;
+    s.close += agreement == Agreement::within_rounding;
+    s.met += hits[i].look != kernels::no_look;
+  }
+  return s;
+}
+
+Score score(const FirstHitScene& scene, const Painter& paint, const std::vector<FirstHitRay>& rays) {
+  return score(scene, paint, rays, cast(scene, rays));
+}
+
+FirstHitRay ray(const std::array<double, 3>& origin, const std::array<double, 3>& direction) {
+  const double length = std::hypot(direction[0], direction[1], direction[2]);
+  FirstHitRay r;
+  for (std::size_t a = 0; a < 3; ++a) {
+    r.origin[a] = origin[a];
+    r.direction[a] = float(direction[a] / length);
+  }
+  return r;
+}
+
+/// Origins in the box [low, high)³ of the lattice, directions anywhere.
+std::vector<FirstHitRay> random_rays(std::size_t count, double low, double high) {
+  std::mt19937_64 generator(seed);
+  std::uniform_real_distribution<double> place(low, high);
+  std::normal_distribution<double> towards;
+  std::vector<FirstHitRay> rays;
+  while (rays.size() < count)
+    rays.push_back(ray({place(generator), place(generator), place(generator)},
+                       {towards(generator), towards(generator), towards(generator)}));
+  return rays;
+}
+
+std::uint64_t hash(std::int64_t x, std::int64_t y, std::int64_t z) {
+  std::uint64_t h = std::uint64_t((x * 73856093) ^ (y * 19349663) ^ (z * 83492791)) * 0x9e3779b97f4a7c15ull;
+  return h ^ h >> 29;
+}
+
+/// One voxel in `sparsity` of the cube [0, 64)³, of its own colour.
+Painter dust(std::uint64_t sparsity) {
+  return [sparsity](std::int64_t x, std::int64_t y, std::int64_t z) -> std::optional<Paint> {
+    const bool inside = x >= 0 && y >= 0 && z >= 0 && x < 64 && y < 64 && z < 64;
+    if (!inside || hash(x, y, z) % sparsity != 0) return {};
+    return Paint{{std::uint8_t(x), std::uint8_t(y), std::uint8_t(z), 255}, {std::int8_t(x), std::int8_t(y)}};
+  };
+}
+
+TEST(FirstHit, AgreesWithTheReferenceForRandomRaysThroughDust) {
+  for (const std::uint64_t sparsity : {2u, 20u, 400u, 20000u}) {
+    SCOPED_TRACE(sparsity);
+    VoxelScene voxels(32);
+    voxels.add_cells(dust(sparsity), {0, 0, 0}, 64);
+    const Score s = score(build(voxels), dust(sparsity), random_rays(20000, -20, 84));
+    EXPECT_LT(s.close, 20);
+    EXPECT_GT(s.met, 20);
+  }
+}
+
+TEST(FirstHit, MeetsTheVoxelItStartsInAtDistanceZero) {
+  VoxelScene voxels(32);
+  voxels.add_cells(dust(2), {0, 0, 0}, 64);
+  const FirstHitScene scene = build(voxels);
+  std::vector<FirstHitRay> rays;
+  for (const FirstHitRay& r : random_rays(20000, 0, 64)) {
+    bool inside = dust(2)(std::int64_t(r.origin[0]), std::int64_t(r.origin[1]), std::int64_t(r.origin[2])).has_value();
+    for (const double o : r.origin) inside = inside && std::fabs(o - std::round(o)) > rounding_of(scene);
+    if (inside) rays.push_back(r);
+  }
+  const std::vector<FirstHit> hits = cast(scene, rays);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    EXPECT_EQ(hits[i].distance, 0);
+    for (std::size_t a = 0; a < 3; ++a)
+      EXPECT_EQ(scene.lattice_min[a] + std::int64_t(hits[i].voxel >> 21 * a & 0x1fffff),
+                std::int64_t(rays[i].origin[a]));
+  }
+}
+
+TEST(FirstHit, AgreesForRaysAlongAxesFacesEdgesAndThroughCorners) {
+  VoxelScene voxels(32);
+  voxels.add_cells(dust(200), {0, 0, 0}, 64);
+  const FirstHitScene scene = build(voxels);
+  std::mt19937_64 generator(seed);
+  std::uniform_int_distribution<int> place(-8, 72), side(-1, 1), half(0, 1);
+  std::vector<FirstHitRay> rays;
+  while (rays.size() < 30000) {
+    std::array<double, 3> origin{}, direction{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      origin[a] = place(generator) + 0.5 * half(generator);
+      direction[a] = side(generator);
+    }
+    if (direction != std::array<double, 3>{}) rays.push_back(ray(origin, direction));
+  }
+  EXPECT_GT(score(scene, dust(200), rays).met, 3000);
+}
+
+TEST(FirstHit, AnAxisParallelRayOnAFaceBelongsToTheUpperVoxel) {
+  const Painter two = [](std::int64_t x, std::int64_t y, std::int64_t z) -> std::optional<Paint> {
+    if (z != 9 || y != 9 || (x != 4 && x != 5)) return {};
+    return Paint{};
+  };
+  VoxelScene voxels(32);
+  voxels.add_cell(two, {0, 0, 0});
+  const FirstHitScene scene = build(voxels);
+  const std::vector<FirstHit> hits =
+      cast(scene, {ray({5, 9.5, 30}, {0, 0, -1}), ray({6, 9.5, 30}, {0, 0, -1}), ray({4, 9.5, -3}, {0, 0, 1})});
+  EXPECT_EQ(scene.lattice_min[0] + std::int64_t(hits[0].voxel & 0x1fffff), 5);
+  EXPECT_EQ(hits[0].distance, 20);
+  EXPECT_EQ(hits[1].look, kernels::no_look);
+  EXPECT_EQ(scene.lattice_min[0] + std::int64_t(hits[2].voxel & 0x1fffff), 4);
+  EXPECT_EQ(hits[2].distance, 12);
+}
+
+/// A stair: voxels that touch by edges only.
+TEST(FirstHit, DoesNotSlipBetweenVoxelsThatShareAnEdge) {
+  const Painter stair = [](std::int64_t x, std::int64_t y, std::int64_t z) -> std::optional<Paint> {
+    if (x + y != 63 || z < 0 || z >= 64 || x < 0 || y < 0) return {};
+    return Paint{};
+  };
+  VoxelScene voxels(32);
+  voxels.add_cells(stair, {0, 0, 0}, 64);
+  const FirstHitScene scene = build(voxels);
+  std::mt19937_64 generator(seed);
+  std::uniform_int_distribution<int> edge(8, 55);
+  std::uniform_real_distribution<double> tiny(-1e-4, 1e-4), height(20, 40), away(5, 2000), up(-0.1, 0.1);
+  std::vector<FirstHitRay> rays;
+  for (int i = 0; i < 50000; ++i) {
+    const double x = edge(generator), y = 64 - x, z = height(generator), far = away(generator);
+    const double wobble = tiny(generator), rise = up(generator) / far;
+    const std::array<double, 3> direction{1, 1 + wobble / far, rise};
+    rays.push_back(ray({x - far, y - far * direction[1], z - far * rise}, direction));
+  }
+  for (const FirstHit& hit : cast(scene, rays)) ASSERT_NE(hit.look, kernels::no_look);
+}
+
+TEST(FirstHit, AgreesForOriginsFarAway) {
+  VoxelScene voxels(32);
+  voxels.add_cells(dust(20), {0, 0, 0}, 64);
+  const FirstHitScene scene = build(voxels);
+  for (const double away : {1e3, 1e5, 1e7}) {
+    SCOPED_TRACE(away);
+    std::vector<FirstHitRay> rays;
+    const std::vector<FirstHitRay> through = random_rays(5000, 10, 54);
+    for (FirstHitRay r : through) {
+      for (std::size_t a = 0; a < 3; ++a) r.origin[a] -= away * double(r.direction[a]);
+      rays.push_back(r);
+    }
+    EXPECT_GT(score(scene, dust(20), rays).met, 4000);
+  }
+}
+
+TEST(FirstHit, StopsAtTheEndOfARay) {
+  VoxelScene voxels(32);
+  voxels.add_cells(dust(400), {0, 0, 0}, 64);
+  const FirstHitScene scene = build(voxels);
+  std::vector<FirstHitRay> rays = random_rays(5000, -20, 84);
+  const std::vector<FirstHit> whole = cast(scene, rays);
+  for (std::size_t i = 0; i < rays.size(); ++i) rays[i].end = i % 2 == 0 ? whole[i].distance + 0.01f : 20;
+  const std::vector<FirstHit> cut = cast(scene, rays);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const bool expected = whole[i].look != kernels::no_look && whole[i].distance <= rays[i].end;
+    EXPECT_EQ(cut[i].look, expected ? whole[i].look : kernels::no_look) << i;
+  }
+}
+
+TEST(FirstHit, NamesTheColourAndNormalOfTheVoxelItMet) {
+  VoxelScene voxels(32);
+  voxels.add_cells(dust(20), {0, 0, 0}, 64);
+  const FirstHitScene scene = build(voxels);
+  for (const FirstHit& hit : cast(scene, random_rays(5000, -20, 84))) {
+    if (hit.look == kernels::no_look) continue;
+    const kernels::FirstHitLook& look = scene.looks[hit.look];
+    std::int64_t v[3];
+    for (std::size_t a = 0; a < 3; ++a) v[a] = scene.lattice_min[a] + std::int64_t(hit.voxel >> 21 * a & 0x1fffff);
+    EXPECT_EQ(look.rgba, std::uint32_t(v[0] | v[1] << 8 | v[2] << 16 | 255 << 24));
+    EXPECT_EQ(look.normal[0], v[0]);
+    EXPECT_EQ(look.normal[1], v[1]);
+  }
+}
+
+/// Solid ground: constants of all sizes, at corners that no large node of the tree shares.
+TEST(FirstHit, MeetsConstantNodes) {
+  const Painter solid = [](std::int64_t x, std::int64_t y, std::int64_t z) -> std::optional<Paint> {
+    if (z < 8 || z >= 40 || x < 0 || x >= 128 || y < 0 || y >= 64) return {};
+    return Paint{{1, 2, 3, 255}, {4, 5}};
+  };
+  VoxelScene voxels(64);
+  voxels.add_cell(solid, {0, 0, 8});
+  voxels.add_cell(solid, {64, 0, -16});
+  const FirstHitScene scene = build(voxels);
+  EXPECT_EQ(scene.voxels, 128u * 64 * 32);
+  EXPECT_LT(scene.nodes.size(), 3000u);
+  const std::vector<FirstHitRay> rays = random_rays(20000, -40, 120);
+  EXPECT_GT(score(scene, solid, rays).met, 3000);
+  for (const FirstHit& hit : cast(scene, rays))
+    if (hit.look != kernels::no_look) {
+      EXPECT_EQ(scene.looks[hit.look].rgba, 0xff030201u);
+    }
+}
+
+/// Hills between z 30 and 60, 128 voxels wide.
+std::optional<Paint> hills(std::int64_t x, std::int64_t y, std::int64_t z) {
+  if (x < 0 || y < 0 || x >= 128 || y >= 128) return {};
+  const double height = 45 + 8 * std::sin(double(x) / 9) + 6 * std::cos(double(y) / 7);
+  if (std::fabs(double(z) - height) > 1.5) return {};
+  return Paint{};
+}
+
+kernels::FirstHitCamera camera(const std::array<double, 3>& eye, const std::array<double, 3>& target,
+                               double half_height, bool parallel) {
+  kernels::FirstHitCamera c;
+  const std::array<double, 3> to{target[0] - eye[0], target[1] - eye[1], target[2] - eye[2]};
+  const double length = std::hypot(to[0], to[1], to[2]), level = std::hypot(to[0], to[1]);
+  c.width = 163;
+  c.height = 97;
+  c.per_column = 2.0f / float(c.width);
+  c.per_row = 2.0f / float(c.height);
+  const double f[3] = {to[0] / length, to[1] / length, to[2] / length};
+  const double r[3] = {to[1] / level, -to[0] / level, 0};
+  const double u[3] = {r[1] * f[2], -r[0] * f[2], r[0] * f[1] - r[1] * f[0]};
+  for (int a = 0; a < 3; ++a) {
+    c.eye[a] = eye[std::size_t(a)];
+    c.forward[a] = float(f[a]);
+    (parallel ? c.across : c.right)[a] = float(r[a] * half_height * c.width / c.height);
+    (parallel ? c.upward : c.up)[a] = float(u[a] * half_height);
+  }
+  return c;
+}
+
+TEST(FirstHit, BeamsSkipNoVoxel) {
+  VoxelScene voxels(64);
+  voxels.add_cells(hills, {0, 0, 0}, 128);
+  const FirstHitScene scene = build(voxels);
+  const kernels::CpuPolicy policy(2);
+  std::set<int> tiles;
+  for (const kernels::FirstHitCamera& c :
+       {camera({200, -70, 120}, {64, 64, 45}, 40, true), camera({200, -70, 120}, {64, 64, 45}, 90, true),
+        camera({200, -70, 120}, {64, 64, 45}, 0.3, false), camera({-300, -350, 60}, {64, 64, 45}, 0.2, false),
+        camera({64, 64, 50}, {100, 90, 45}, 0.6, false), camera({64, 64, 20}, {100, 90, 45}, 0.9, false),
+        camera({64, 64, 900}, {64.1, 64, 45}, 500, true)}) {
+    tiles.insert(kernels::plan_beams(scene.view, c).tile);
+    std::vector<FirstHit> hits(std::size_t(c.width) * std::size_t(c.height));
+    kernels::cast_first_hits(scene.view, c, {{hits.data(), hits.size()}, {}}, policy);
+    std::vector<FirstHitRay> rays;
+    for (int i = 0; i < c.width * c.height; ++i)
+      rays.push_back(kernels::camera_ray(c, float(i % c.width) + 0.5f, float(i / c.width) + 0.5f));
+    EXPECT_LT(score(scene, hills, rays, hits).close, 20);
+  }
+  EXPECT_EQ(tiles, (std::set<int>{0, 4, 8}));
+}
+
+TEST(FirstHit, AnEmptySceneIsNotMet) {
+  const FirstHitScene scene = FirstHitBuilder(0).finish();
+  for (const FirstHit& hit : cast(scene, random_rays(10, -1, 1))) EXPECT_EQ(hit.look, kernels::no_look);
+}
+
+}  // namespace
+}  // namespace gigabake
