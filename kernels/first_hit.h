@@ -152,7 +152,7 @@ enum class FirstHitState : std::uint8_t { walking, met, missed };
 
 /// False where nothing can be met. start: nothing is nearer than this distance.
 GB_HD bool begin_walk(const FirstHitTree& tree, const FirstHitRay& ray, float start, FirstHitWalk& walk) {
-  if (!enter_box(tree, ray, start, walk.line)) return false;
+  if (tree.nodes.empty() || !enter_box(tree, ray, start, walk.line)) return false;
   for (int a = 0; a < 3; ++a) walk.p[a] = bits_of(walk.line.origin[a]);
   walk.t = 0;
   walk.scale = 21;
@@ -236,7 +236,7 @@ GB_HD FirstHit met(const FirstHitTree& tree, const FirstHitWalk& w) {
 template <class Stack>
 GB_HD FirstHit first_hit(const FirstHitTree& tree, const FirstHitRay& ray, float start, Stack stack) {
   FirstHitWalk walk;
-  if (tree.nodes.empty() || !begin_walk(tree, ray, start, walk)) return {};
+  if (!begin_walk(tree, ray, start, walk)) return {};
   FirstHitState state = FirstHitState::walking;
   while (state == FirstHitState::walking) state = advance(tree, walk, stack);
   return state == FirstHitState::met ? met(tree, walk) : FirstHit{};
