@@ -114,7 +114,7 @@ double ground_height(const kernels::FirstHitTree& tree, const Box& box) {
   down.origin[2] += box.half[2];
   down.direction[2] = -1;
   std::uint32_t slots[kernels::first_hit_stack];
-  const kernels::FirstHit hit = kernels::first_hit(tree, down, 0, static_cast<std::uint32_t*>(slots));
+  const kernels::FirstHit hit = kernels::first_hit(tree, down, 0, kernels::FirstHitSlots<1>{slots});
   return hit.look == kernels::no_look ? 0 : box.half[2] - double(hit.distance);
 }
 

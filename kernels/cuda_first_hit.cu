@@ -12,11 +12,8 @@ constexpr int pixels_x = 16, pixels_y = 8;
 constexpr int refill_at = 8;  ///< so many idle rays of a warp are replaced together
 constexpr int moves_between_refills = 4;
 
-/// A ray's slots, `threads` apart: neighbours' lie side by side.
-struct SharedStack {
-  std::uint32_t* slots;
-  __device__ std::uint32_t& operator[](int i) const { return slots[unsigned(i) * threads]; }
-};
+/// A ray's slots; those of neighbours lie side by side.
+using SharedStack = FirstHitSlots<threads>;
 
 struct DeviceResult {
   FirstHit* hits;
@@ -37,19 +34,19 @@ __global__ void __launch_bounds__(64) cast_beams(const __grid_constant__ FirstHi
   std::uint32_t slots[first_hit_stack];
   const int column = int(blockIdx.x * 8 + threadIdx.x % 8), row = int(blockIdx.y * 8 + threadIdx.x / 8);
   if (column >= beams.columns || row >= beams.rows) return;
-  starts[row * beams.columns + column] = beam_start(beams, camera, column, row, static_cast<std::uint32_t*>(slots));
+  starts[row * beams.columns + column] = beam_start(beams, camera, column, row, FirstHitSlots<1>{slots});
 }
 
 /// starts: null without beams.
 __global__ void __launch_bounds__(threads)
     cast_pixels(const __grid_constant__ FirstHitTree tree, const __grid_constant__ FirstHitCamera camera,
-                const float* starts, int tile, int columns, DeviceResult result) {
+                const float* starts, int tile_bits, int columns, DeviceResult result) {
   __shared__ std::uint32_t slots[first_hit_stack * threads];
   const int lane = int(threadIdx.x % 32), warp = int(threadIdx.x / 32);
   const int x = int(blockIdx.x) * pixels_x + warp % 2 * 8 + lane % 8;
   const int y = int(blockIdx.y) * pixels_y + warp / 2 * 4 + lane / 8;
   if (x >= camera.width || y >= camera.height) return;
-  const float start = starts == nullptr ? 0 : starts[y / tile * columns + x / tile];
+  const float start = starts == nullptr ? 0 : starts[(y >> tile_bits) * columns + (x >> tile_bits)];
   result.set(std::size_t(y) * std::size_t(camera.width) + std::size_t(x),
              pixel_hit(tree, camera, x, y, start, SharedStack{slots + threadIdx.x}));
 }
@@ -179,7 +176,7 @@ class CudaFirstHits::Impl {
       check_launch("cast_beams");
     }
     cast_pixels<<<dim3(grid_of(unsigned(camera.width), pixels_x), grid_of(unsigned(camera.height), pixels_y)), threads,
-                  0, stream_.get()>>>(scene_.tree, camera, beams.tile == 0 ? nullptr : starts_.data(), beams.tile,
+                  0, stream_.get()>>>(scene_.tree, camera, beams.tile == 0 ? nullptr : starts_.data(), beams.tile_bits,
                                       beams.columns, result);
     check_launch("cast_pixels");
     return watch_.stop(stream_.get());

@@ -10,10 +10,7 @@ namespace {
 
 constexpr std::size_t rays_per_range = 1024;
 
-struct Stack {
-  std::uint32_t* slots;
-  std::uint32_t& operator[](int i) const { return slots[i]; }
-};
+using Stack = FirstHitSlots<1>;
 
 double squared_length(const float v[3]) { return double(v[0]) * v[0] + double(v[1]) * v[1] + double(v[2]) * v[2]; }
 
@@ -41,7 +38,7 @@ void look_up(const FirstHitView& scene, const FirstHitResult& result, std::size_
 }  // namespace
 
 FirstHitBeams plan_beams(const FirstHitView& scene, const FirstHitCamera& camera) {
-  constexpr int tiles[2] = {4, 8};
+  constexpr int tile_bits[2] = {2, 3};
   constexpr double farthest = 32;  // edges: up to there the slack covers what rounding adds
   const FirstHitTree& tree = scene.tree;
   double squared = 0;
@@ -49,11 +46,13 @@ FirstHitBeams plan_beams(const FirstHitView& scene, const FirstHitCamera& camera
   for (int i = 0; i < 2; ++i) {
     FirstHitBeams beams;
     beams.slack = tree.edge * 0x1p-15f;
-    const double limit = std::fmin(beam_limit(camera, tiles[i], double(scene.shells[i].reach) - double(beams.slack)),
-                                   farthest * double(tree.edge));
+    const double limit =
+        std::fmin(beam_limit(camera, 1 << tile_bits[i], double(scene.shells[i].reach) - double(beams.slack)),
+                  farthest * double(tree.edge));
     if (scene.shells[i].tree.nodes.empty() || limit < std::sqrt(squared)) continue;
     beams.shell = scene.shells[i].tree;
-    beams.tile = tiles[i];
+    beams.tile_bits = tile_bits[i];
+    beams.tile = 1 << tile_bits[i];
     beams.columns = (camera.width + beams.tile - 1) / beams.tile;
     beams.rows = (camera.height + beams.tile - 1) / beams.tile;
     beams.limit = float(limit) * (1 - 0x1p-20f);
@@ -77,7 +76,7 @@ void cast_first_hits(const FirstHitView& scene, const FirstHitCamera& camera, co
     for (std::size_t i = begin; i < end; ++i) {
       const auto x = int(i % width), y = int(i / width);
       const float start =
-          beams.tile == 0 ? 0 : starts[std::size_t(y / beams.tile) * columns + std::size_t(x / beams.tile)];
+          beams.tile == 0 ? 0 : starts[std::size_t(y >> beams.tile_bits) * columns + std::size_t(x >> beams.tile_bits)];
       result.hits[i] = pixel_hit(scene.tree, camera, x, y, start, Stack{slots});
       look_up(scene, result, i);
     }

@@ -22,7 +22,8 @@
 
 namespace gigabake::kernels {
 
-inline constexpr int first_hit_stack = 8;  ///< inner levels of the deepest tree
+inline constexpr int least_stacked = 7, most_stacked = 21;  ///< scales of the inner levels of the deepest tree
+inline constexpr int first_hit_stack = (most_stacked - least_stacked) / 2 + 1;
 inline constexpr std::uint32_t no_look = 0xffffffffu;
 
 struct FirstHitRay {
@@ -83,12 +84,22 @@ GB_HD std::uint32_t set_bits(std::uint64_t v) {
 }
 
 /// v ≠ 0.
-GB_HD int top_bit(std::uint32_t v) {
+GB_HD std::uint32_t top_bit(std::uint32_t v) {
 #if defined(__CUDA_ARCH__)
-  return 31 - __clz(int(v));
+  return std::uint32_t(31 - __clz(int(v)));
 #else
-  return 31 - __builtin_clz(v);
+  return std::uint32_t(31 - __builtin_clz(v));
 #endif
+}
+
+/// Bit 0 and on: the bits of v from `shift` on; shift < 64.
+GB_HD std::uint32_t bits_from(std::uint64_t v, std::uint32_t shift) {
+  auto bits = std::uint32_t(v >> shift);
+#if defined(__CUDA_ARCH__)
+  asm(""
+      : "+r"(bits));  // one instruction; tested as it stands the compiler would shift the test's 64 bits the other way
+#endif
+  return bits;
 }
 
 GB_HD FirstHitNode load_node(const FirstHitTree& tree, std::uint32_t index) {
@@ -99,6 +110,18 @@ GB_HD FirstHitNode load_node(const FirstHitTree& tree, std::uint32_t index) {
   return tree.nodes.data[index];
 #endif
 }
+
+/// Slots that lie `stride` apart.
+template <unsigned stride>
+struct FirstHitSlots {
+  std::uint32_t* slots;
+  GB_HD std::uint32_t& operator()(std::uint32_t scale) const {
+    if constexpr (stride % 2 == 0)  // a multiplication, where halving would come first
+      return slots[scale * (stride / 2) - least_stacked * (stride / 2)];
+    else
+      return slots[(scale - least_stacked) / 2 * stride];
+  }
+};
 
 /// A ray from where it enters the box on, every axis rising. Unit: the cube.
 struct FirstHitLine {
@@ -143,19 +166,19 @@ struct FirstHitWalk {
   FirstHitLine line;
   std::uint32_t p[3];
   float t;
-  std::int32_t scale;
-  std::uint32_t index;  ///< of the node; in the end of what was met
+  std::uint32_t scale;  ///< odd
+  std::uint32_t index;  ///< of the node
   FirstHitNode node;
 };
 
-enum class FirstHitState : std::uint8_t { walking, met, missed };
+enum class FirstHitState : std::int32_t { walking, met, missed };
 
 /// False where nothing can be met. start: nothing is nearer than this distance.
 GB_HD bool begin_walk(const FirstHitTree& tree, const FirstHitRay& ray, float start, FirstHitWalk& walk) {
   if (tree.nodes.empty() || !enter_box(tree, ray, start, walk.line)) return false;
   for (int a = 0; a < 3; ++a) walk.p[a] = bits_of(walk.line.origin[a]);
   walk.t = 0;
-  walk.scale = 21;
+  walk.scale = most_stacked;
   walk.index = 0;
   walk.node = load_node(tree, 0);
   return true;
@@ -169,7 +192,7 @@ GB_HD std::uint32_t child_at(const FirstHitWalk& w) {
 /// Across the empty cell that holds p, or the 2×2×2 cells around it where all of them are empty.
 /// Returns the bits in which places before and behind the crossed face differ, and lower ones.
 GB_HD std::uint32_t cross_cell(FirstHitWalk& w, std::uint32_t child) {
-  const bool all_empty = (std::uint32_t(w.node.mask >> (child & 42)) & 0x00330033u) == 0;
+  const bool all_empty = (bits_from(w.node.mask, child & 42) & 0x00330033u) == 0;
   const std::uint32_t inside = (1u << (w.scale + (all_empty ? 1 : 0))) - 1;
   std::uint32_t last[3], p[3];  // last: the cell's highest point
   float ends[3];
@@ -192,29 +215,26 @@ GB_HD std::uint32_t cross_cell(FirstHitWalk& w, std::uint32_t child) {
 
 /// Down where the child exists, then on where the next one does not: two moves in one go, so that the rays of a warp
 /// seldom wait for each other.
-/// stack: stack[i], i < first_hit_stack, is a std::uint32_t of this ray's.
+/// stack: stack(scale), an std::uint32_t& of this ray's for each odd scale from least_stacked to most_stacked.
 template <class Stack>
 GB_HD FirstHitState advance(const FirstHitTree& tree, FirstHitWalk& w, Stack stack) {
-  const int voxel_scale = 23 - tree.bits;
   const std::uint32_t first = child_at(w);
-  if (const std::uint64_t rest = w.node.mask >> first; (rest & 1) != 0) {
-    const std::uint32_t found = w.node.end - set_bits(rest);
-    if (w.scale == voxel_scale) {
-      w.index = found;
-      return w.t > w.line.leave ? FirstHitState::missed : FirstHitState::met;
-    }
-    stack[w.scale / 2 - 3] = w.index;
-    w.index = found;
+  const bool exists = (bits_from(w.node.mask, first) & 1) != 0;
+  if (exists && w.scale == std::uint32_t(23 - tree.bits))
+    return w.t > w.line.leave ? FirstHitState::missed : FirstHitState::met;
+  if (exists) {
+    stack(w.scale) = w.index;
+    w.index = w.node.end - set_bits(w.node.mask >> first);
     w.scale -= 2;
     w.node = load_node(tree, w.index);
   }
   const std::uint32_t child = child_at(w);
-  if ((w.node.mask >> child & 1) == 0) {
-    const int top = top_bit(cross_cell(w, child));
+  if ((bits_from(w.node.mask, child) & 1) == 0) {
+    const std::uint32_t top = top_bit(cross_cell(w, child));
     if (top < w.scale + 2) return FirstHitState::walking;
     if (top > 22 || w.t > w.line.leave) return FirstHitState::missed;
-    w.scale = top - (top - voxel_scale) % 2;
-    w.index = stack[w.scale / 2 - 3];
+    w.scale = (top - 1) | 1;
+    w.index = stack(w.scale);
     w.node = load_node(tree, w.index);
   }
   return FirstHitState::walking;
@@ -225,11 +245,11 @@ GB_HD FirstHit met(const FirstHitTree& tree, const FirstHitWalk& w) {
   FirstHit hit;
   const std::uint32_t most = (1u << tree.bits) - 1;
   for (int a = 0; a < 3; ++a) {
-    const std::uint32_t v = w.p[a] >> (23 - tree.bits) & most;
+    const std::uint32_t v = w.p[a] >> w.scale & most;
     hit.voxel |= std::uint64_t((w.line.mirror >> 2 * a & 1) != 0 ? most - v : v) << 21 * a;
   }
   hit.distance = (w.line.enter + w.t) * tree.edge;
-  hit.look = w.index;
+  hit.look = w.node.end - set_bits(w.node.mask >> child_at(w));
   return hit;
 }
 

@@ -39,6 +39,7 @@ GB_HD FirstHitRay camera_ray(const FirstHitCamera& camera, float x, float y) {
 struct FirstHitBeams {
   FirstHitTree shell;
   std::int32_t tile = 0;               ///< pixels, an edge of a tile; 0: beams are not worth their time
+  std::int32_t tile_bits = 0;          ///< log2 of tile
   std::int32_t columns = 0, rows = 0;  ///< of tiles
   float limit = 0;                     ///< distance up to which a tile's rays keep together
   float slack = 0;                     ///< what rounding may shorten a distance by
