@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <stdexcept>
 
 #include "kernels/cuda_first_hit.h"
 #include "kernels/cuda_memory.cuh"
@@ -11,6 +12,7 @@ constexpr unsigned whole_warp = ~0u;
 constexpr int pixels_x = 16, pixels_y = 8;
 constexpr int refill_at = 8;  ///< so many idle rays of a warp are replaced together
 constexpr int moves_between_refills = 4;
+constexpr std::size_t most_rays = std::size_t(1) << 31;
 
 /// A ray's slots; those of neighbours lie side by side.
 using SharedStack = FirstHitSlots<threads>;
@@ -159,6 +161,7 @@ class CudaFirstHits::Impl {
   }
 
   void upload(Span<const FirstHitRay> rays) {
+    if (rays.size > most_rays) throw std::length_error("more than 2^31 rays at once");
     check_cuda(cudaSetDevice(device_), "cudaSetDevice");
     rays_ = copy_to_device(heap_, rays);
     check_cuda(cudaStreamSynchronize(stream_.get()), "cudaStreamSynchronize (rays)");

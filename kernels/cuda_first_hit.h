@@ -22,7 +22,7 @@ class CudaFirstHits {
   CudaFirstHits(const CudaFirstHits&) = delete;
   CudaFirstHits& operator=(const CudaFirstHits&) = delete;
 
-  /// For cast().
+  /// For cast(). Errors  std::length_error: more than 2^31 rays.
   void upload(Span<const FirstHitRay> rays);
 
   /// looks: those of what is met are fetched too. The results stay on the device until the next cast; returns the

@@ -17,7 +17,7 @@ struct alignas(16) FirstHitNode {
 };
 
 /// What a voxel looks like.
-struct FirstHitLook {
+struct alignas(8) FirstHitLook {
   std::uint32_t rgba = 0;      ///< sRGB colour and coverage, bytes from the lowest
   std::int8_t normal[2] = {};  ///< octahedral
   std::int8_t unused[2] = {};

@@ -36,9 +36,12 @@ std::vector<kernels::FirstHitRay> random_rays(std::size_t count, double low, dou
   std::uniform_real_distribution<double> place(low, high);
   std::normal_distribution<double> towards;
   std::vector<kernels::FirstHitRay> rays;
-  while (rays.size() < count)
-    rays.push_back(ray({place(generator), place(generator), place(generator)},
-                       {towards(generator), towards(generator), towards(generator)}));
+  while (rays.size() < count) {
+    std::array<double, 3> origin, direction;
+    for (double& o : origin) o = place(generator);
+    for (double& d : direction) d = towards(generator);
+    rays.push_back(ray(origin, direction));
+  }
   return rays;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <random>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -225,6 +226,65 @@ TEST(FirstHit, BeamsSkipNoVoxel) {
     EXPECT_LT(score(scene, hills, rays, hits).close, 20);
   }
   EXPECT_EQ(tiles, (std::set<int>{0, 4, 8}));
+}
+
+TEST(FirstHit, AgreesInTheWidestScene) {
+  const auto twice = [](std::int64_t x, std::int64_t y, std::int64_t z) { return dust(20)(x & 0x1ffff, y, z); };
+  VoxelScene voxels(32);
+  voxels.add_cells(twice, {0, 0, 0}, 64);
+  voxels.add_cells(twice, {1 << 17, 0, 0}, 64);
+  const FirstHitScene scene = build(voxels);
+  EXPECT_EQ(scene.view.tree.bits, kernels::most_first_hit_bits);
+  std::vector<FirstHitRay> rays = random_rays(300, 0, 64);
+  for (std::size_t i = 0; i < rays.size(); i += 3)
+    rays[i] = ray({100, rays[i].origin[1], rays[i].origin[2]}, {1, 0.0002 * double(rays[i].direction[1]), 1e-6});
+  const Score s = score(scene, twice, rays);
+  EXPECT_GT(s.met, 200);
+  EXPECT_GT(s.same, 240);
+}
+
+TEST(FirstHit, RefusesAWiderScene) {
+  FirstHitBuilder builder(0);
+  VoxelScene voxels(32);
+  voxels.add_cells(dust(20), {0, 0, 0}, 64);
+  builder.add_cell({0, 0, 0}, voxels.shards()[0].nodes, voxels.shards()[0].levels[0]);
+  builder.add_cell({(1 << 18) - 32, 0, 0}, voxels.shards()[0].nodes, voxels.shards()[0].levels[0]);
+  EXPECT_THROW(builder.finish(), std::length_error);
+}
+
+TEST(FirstHit, RefusesCellsThatNoTreeOfTheLodHolds) {
+  FirstHitBuilder builder(2);
+  VoxelScene voxels(64);
+  voxels.add_cell(dust(20), {0, 0, 0});
+  builder.add_cell({0, 0, 0}, voxels.shards()[0].nodes, voxels.shards()[0].levels[2]);
+  EXPECT_THROW(builder.add_cell({64, 0, 8}, voxels.shards()[0].nodes, voxels.shards()[0].levels[2]),
+               std::invalid_argument);
+}
+
+/// Against the level's own bricks: level 1 has a voxel wherever level 0 has one of its eight.
+TEST(FirstHit, MeetsTheVoxelsOfACoarserLod) {
+  VoxelScene voxels(32);
+  voxels.add_cells(dust(300), {0, 0, 0}, 64);
+  const FirstHitScene scene = build(voxels, 1);
+  const auto coarse = [&](std::int64_t x, std::int64_t y, std::int64_t z) -> std::optional<Paint> {
+    for (int i = 0; i < 8; ++i)
+      if (dust(300)(2 * x + (i & 1), 2 * y + (i >> 1 & 1), 2 * z + (i >> 2))) return Paint{};
+    return {};
+  };
+  const std::vector<FirstHitRay> rays = random_rays(5000, -20, 84);
+  const std::vector<FirstHit> hits = cast(scene, rays);
+  int met = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    met += hits[i].look != kernels::no_look;
+    EXPECT_NE(bench::compare(scene.view.tree, rays[i], hits[i], rounding_of(scene),
+                             [&](const bench::Voxel& v) {
+                               return coarse(scene.lattice_min[0] / 2 + v[0], scene.lattice_min[1] / 2 + v[1],
+                                             scene.lattice_min[2] / 2 + v[2])
+                                   .has_value();
+                             }),
+              Agreement::wrong);
+  }
+  EXPECT_GT(met, 500);
 }
 
 TEST(FirstHit, AnEmptySceneIsNotMet) {
