@@ -45,6 +45,21 @@ def schedules_survive_failures(gigabake, _):
     assert bench["lost_workers"] >= 1 and bench["retries"] >= 2 * bench["failed"], bench
 
 
+def first_hits_are_timed_and_compared(gigabake, work):
+    gigabake.bake(work / "sample/tileset.json", work / "rays", 0.5, "--cell-voxels", 64)
+    options = ("bench", "render", work / "rays/scene.xml", "--size", "64x40", "--repeats", 1, "--backend", "cpu")
+    bench = json.loads(gigabake.succeed(*options, "--json"))["first_hit"]
+    assert len(bench["views"]) == 9 and bench["voxels"] > 1000, bench
+    for view in bench["views"]:
+        assert view["differ"] == view["wrong"] == 0 and view["reference_rays"] > 2000, view
+        assert 0 < view["backends"][0]["best_s"] <= view["backends"][0]["median_s"], view
+    assert sum(view["hits"] for view in bench["views"]) > 1000, bench
+    assert "close, perspective" in gigabake.succeed(*options, "--lod", 1, "--reference-rays", 0)
+    for size in ("64", "0x40", "64x40x3"):
+        result = gigabake.run("bench", "render", work / "rays/scene.xml", "--size", size)
+        assert result.returncode == 2 and "--size" in result.stderr, result
+
+
 def a_scene_is_not_overwritten(gigabake, work):
     scene = work / "scene"
     gigabake.bake(work / "sample/tileset.json", scene, 1)
@@ -61,7 +76,7 @@ def main():
         gigabake.succeed("sample", work / "sample", "--size", 96)
         for test in (kernels_are_timed_with_their_hash, bakes_are_timed_alone_and_overlapped,
                      schedules_are_near_the_least_possible_time, schedules_survive_failures,
-                     a_scene_is_not_overwritten):
+                     first_hits_are_timed_and_compared, a_scene_is_not_overwritten):
             print(test.__name__, flush=True)
             test(gigabake, work)
 

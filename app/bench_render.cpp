@@ -1,0 +1,122 @@
+#include <charconv>
+#include <fmt/format.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "app/commands.h"
+#include "app/status_text.h"
+#include "bench/first_hit_bench.h"
+#include "format/error.h"
+#include "worker/backend.h"
+
+namespace gigabake::app {
+namespace {
+
+struct RenderBenchOptions {
+  std::string scene, size = "1920x1080", backend = "auto";
+  int repeats = 20, threads = 0, lod = 0;
+  std::size_t reference_rays = 2000;
+  bool json = false;
+};
+
+void parse_size(const std::string& text, bench::FirstHitBenchRequest& request) {
+  const char *at = text.data(), *end = at + text.size();
+  const auto [separator, width_error] = std::from_chars(at, end, request.width);
+  const bool has_height = width_error == std::errc() && separator != end && *separator == 'x';
+  const auto [rest, height_error] = std::from_chars(has_height ? separator + 1 : end, end, request.height);
+  if (!has_height || height_error != std::errc() || rest != end || request.width < 1 || request.height < 1 ||
+      request.width > 16384 || request.height > 16384)
+    throw UsageError(fmt::format("--size: expected WIDTHxHEIGHT of 1 to 16384 pixels, got '{}'", text));
+}
+
+bench::FirstHitBenchRequest request_of(const RenderBenchOptions& options) {
+  bench::FirstHitBenchRequest request;
+  request.scene = options.scene;
+  request.lod = options.lod;
+  parse_size(options.size, request);
+  request.repeats = options.repeats;
+  request.threads = options.threads > 0 ? options.threads : int(std::thread::hardware_concurrency());
+  request.cpu = options.backend != "cuda";
+  if (options.backend != "cpu")
+    request.device = choose_device({options.backend == "cuda" ? Backend::cuda : Backend::automatic}).device;
+  request.reference_rays = options.reference_rays;
+  return request;
+}
+
+double mrays_per_s(const bench::FirstHitRow& row, double seconds) { return 1e-6 * double(row.rays) / seconds; }
+
+void print_text(const bench::FirstHitBench& b) {
+  fmt::print("first hits, lod {}: {} voxels, {} nodes, {} ({} with colours and normals), built in {:.2f} s\n", b.lod,
+             b.voxels, b.nodes, readable_bytes(b.tree_bytes), readable_bytes(b.bytes), b.build_s);
+  fmt::print("{}×{} rays; Mrays/s\n\n", b.width, b.height);
+  fmt::print("{:<20} {:>5} {:>4}  {:<7} {:>9} {:>9} {:>12} {:>9} {:>7} {:>8} {:>5}\n", "view", "hit", "beam", "backend",
+             "best", "median", "with colour", "median", "differ", "rounded", "wrong");
+  for (const bench::FirstHitRow& row : b.rows)
+    for (const bench::FirstHitTimes& t : row.times)
+      fmt::print("{:<20} {:>4.0f}% {:>4}  {:<7} {:>9.1f} {:>9.1f} {:>12.1f} {:>9.1f} {:>7} {:>8} {:>5}\n", row.view,
+                 100 * double(row.hits) / double(row.rays), row.beam_tile, t.backend, mrays_per_s(row, t.best_s),
+                 mrays_per_s(row, t.median_s), mrays_per_s(row, t.best_with_looks_s),
+                 mrays_per_s(row, t.median_with_looks_s), row.differ, row.within_rounding, row.wrong);
+  fmt::print(
+      "\ndiffer: hits that are not the same bits on both backends; rounded, wrong: of {} hits a view that were\n"
+      "compared with steps in double precision, those right within 2^-20 of the tree's edge, and not even so\n",
+      b.rows.empty() ? 0 : b.rows[0].reference_rays);
+}
+
+void print_json(const bench::FirstHitBench& b) {
+  nlohmann::ordered_json j{{"bench", "render"}, {"width", b.width}, {"height", b.height}};
+  nlohmann::ordered_json first{{"lod", b.lod},     {"voxels", b.voxels},
+                               {"nodes", b.nodes}, {"tree_bytes", b.tree_bytes},
+                               {"bytes", b.bytes}, {"build_s", b.build_s}};
+  first["views"] = nlohmann::ordered_json::array();
+  for (const bench::FirstHitRow& row : b.rows) {
+    nlohmann::ordered_json view{{"view", row.view},
+                                {"rays", row.rays},
+                                {"hits", row.hits},
+                                {"beam_tile", row.beam_tile},
+                                {"differ", row.differ},
+                                {"reference_rays", row.reference_rays},
+                                {"within_rounding", row.within_rounding},
+                                {"wrong", row.wrong}};
+    for (const bench::FirstHitTimes& t : row.times)
+      view["backends"].push_back({{"backend", t.backend},
+                                  {"best_s", t.best_s},
+                                  {"median_s", t.median_s},
+                                  {"best_with_looks_s", t.best_with_looks_s},
+                                  {"median_with_looks_s", t.median_with_looks_s}});
+    first["views"].push_back(view);
+  }
+  j["first_hit"] = first;
+  fmt::print("{}\n", j.dump(2));
+}
+
+int run(const RenderBenchOptions& options) {
+  const bench::FirstHitBench b = bench::bench_first_hits(request_of(options));
+  options.json ? print_json(b) : print_text(b);
+  return b.failed() ? failed : complete;
+}
+
+}  // namespace
+
+void add_bench_render(CLI::App& bench, int& exit_code) {
+  auto* command = bench.add_subcommand("render", "Rays through a whole baked scene in memory, from fixed views");
+  auto options = std::make_shared<RenderBenchOptions>();
+  command->add_option("SCENE", options->scene, "scene.xml of a bake")->required();
+  command->add_option("--size", options->size, "WIDTHxHEIGHT in pixels, and as many random rays")
+      ->capture_default_str();
+  command->add_option("--repeats", options->repeats, "runs of each view; at most three on the CPU")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
+  command->add_option("--backend", options->backend, "auto (CPU, and a GPU where there is one), cpu or cuda")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"auto", "cpu", "cuda"}));
+  command->add_option("--threads", options->threads, "CPU threads (all cores)")->check(CLI::Range(1, 1024));
+  command->add_option("--lod", options->lod, "the finest level that is kept")->check(CLI::Range(0, 10));
+  command->add_option("--reference-rays", options->reference_rays, "of each view, that are checked")
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "print JSON");
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace gigabake::app

@@ -1,0 +1,22 @@
+// First hits on a device in a build without nvcc: there is none.
+#ifndef GIGABAKE_HAS_CUDA
+#include "kernels/cuda_baker.h"
+#include "kernels/cuda_first_hit.h"
+
+namespace gigabake::kernels {
+
+class CudaFirstHits::Impl {};
+
+CudaFirstHits::CudaFirstHits(int, const FirstHitView&) { throw CudaFailure(cuda_devices().reason); }
+CudaFirstHits::~CudaFirstHits() = default;
+
+// No object exists to call these on.
+void CudaFirstHits::upload(Span<const FirstHitRay>) { throw CudaFailure(cuda_devices().reason); }
+double CudaFirstHits::cast(const FirstHitCamera&, bool) { throw CudaFailure(cuda_devices().reason); }
+double CudaFirstHits::cast(bool) { throw CudaFailure(cuda_devices().reason); }
+std::vector<FirstHit> CudaFirstHits::hits() const { throw CudaFailure(cuda_devices().reason); }
+std::vector<FirstHitLook> CudaFirstHits::looks() const { throw CudaFailure(cuda_devices().reason); }
+std::uint64_t CudaFirstHits::device_bytes() const { throw CudaFailure(cuda_devices().reason); }
+
+}  // namespace gigabake::kernels
+#endif
