@@ -4,18 +4,23 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "app/bench_frames.h"
 #include "app/commands.h"
+#include "app/renderer_options.h"
 #include "app/status_text.h"
 #include "bench/first_hit_bench.h"
 #include "format/error.h"
-#include "worker/backend.h"
 
 namespace gigabake::app {
 namespace {
 
+using app::print_text;
+using app::to_json;
+
 struct RenderBenchOptions {
-  std::string scene, size = "1920x1080", backend = "auto";
-  int repeats = 20, threads = 0, lod = 0;
+  std::string scene, size = "1920x1080", what = "all";
+  RendererArguments renderer;
+  int repeats = 20, lod = 0, flight_frames = 200;
   std::size_t reference_rays = 2000;
   bool json = false;
 };
@@ -36,10 +41,10 @@ bench::FirstHitBenchRequest request_of(const RenderBenchOptions& options) {
   request.lod = options.lod;
   parse_size(options.size, request);
   request.repeats = options.repeats;
-  request.threads = options.threads > 0 ? options.threads : int(std::thread::hardware_concurrency());
-  request.cpu = options.backend != "cuda";
-  if (options.backend != "cpu")
-    request.device = choose_device({options.backend == "cuda" ? Backend::cuda : Backend::automatic}).device;
+  const FrameRenderer::Options renderer = renderer_options(options.renderer);
+  request.threads = renderer.threads > 0 ? renderer.threads : int(std::thread::hardware_concurrency());
+  request.cpu = options.renderer.backend != "cuda";
+  request.device = renderer.cuda_device;
   request.reference_rays = options.reference_rays;
   return request;
 }
@@ -64,8 +69,7 @@ void print_text(const bench::FirstHitBench& b) {
       b.rows.empty() ? 0 : b.rows[0].reference_rays);
 }
 
-void print_json(const bench::FirstHitBench& b) {
-  nlohmann::ordered_json j{{"bench", "render"}, {"width", b.width}, {"height", b.height}};
+nlohmann::ordered_json to_json(const bench::FirstHitBench& b) {
   nlohmann::ordered_json first{{"lod", b.lod},     {"voxels", b.voxels},
                                {"nodes", b.nodes}, {"tree_bytes", b.tree_bytes},
                                {"bytes", b.bytes}, {"build_s", b.build_s}};
@@ -87,20 +91,43 @@ void print_json(const bench::FirstHitBench& b) {
                                   {"median_with_looks_s", t.median_with_looks_s}});
     first["views"].push_back(view);
   }
-  j["first_hit"] = first;
-  fmt::print("{}\n", j.dump(2));
+  return first;
+}
+
+bench::FrameBenchRequest frames_of(const RenderBenchOptions& options, const bench::FirstHitBenchRequest& rays) {
+  const FrameRenderer::Options renderer = renderer_options(options.renderer);
+  bench::FrameBenchRequest request;
+  request.scene = options.scene;
+  request.width = rays.width;
+  request.height = rays.height;
+  request.repeats = options.repeats;
+  request.threads = renderer.threads;
+  request.memory_bytes = renderer.memory_bytes;
+  request.device = renderer.cuda_device;
+  request.device_bytes = renderer.device_bytes;
+  request.flight_frames = options.flight_frames;
+  return request;
 }
 
 int run(const RenderBenchOptions& options) {
-  const bench::FirstHitBench b = bench::bench_first_hits(request_of(options));
-  options.json ? print_json(b) : print_text(b);
-  return b.failed() ? failed : complete;
+  const bench::FirstHitBenchRequest request = request_of(options);
+  nlohmann::ordered_json j{{"bench", "render"}, {"width", request.width}, {"height", request.height}};
+  bool all_right = true;
+  const auto tell = [&](const char* key, const auto& result) {
+    all_right = all_right && !result.failed();
+    j[key] = to_json(result);
+    if (!options.json) print_text(result);
+  };
+  if (options.what != "frames") tell("first_hit", bench::bench_first_hits(request));
+  if (options.what != "first-hits") tell("frames", bench::bench_frames(frames_of(options, request)));
+  if (options.json) fmt::print("{}\n", j.dump(2));
+  return all_right ? complete : failed;
 }
 
 }  // namespace
 
 void add_bench_render(CLI::App& bench, int& exit_code) {
-  auto* command = bench.add_subcommand("render", "Rays through a whole baked scene in memory, from fixed views");
+  auto* command = bench.add_subcommand("render", "Rays and frames from fixed views, and a flight");
   auto options = std::make_shared<RenderBenchOptions>();
   command->add_option("SCENE", options->scene, "scene.xml of a bake")->required();
   command->add_option("--size", options->size, "WIDTHxHEIGHT in pixels, and as many random rays")
@@ -108,10 +135,13 @@ void add_bench_render(CLI::App& bench, int& exit_code) {
   command->add_option("--repeats", options->repeats, "runs of each view; at most three on the CPU")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
-  command->add_option("--backend", options->backend, "auto (CPU, and a GPU where there is one), cpu or cuda")
+  command->add_option("--what", options->what, "first-hits, frames or all")
       ->capture_default_str()
-      ->check(CLI::IsMember({"auto", "cpu", "cuda"}));
-  command->add_option("--threads", options->threads, "CPU threads (all cores)")->check(CLI::Range(1, 1024));
+      ->check(CLI::IsMember({"first-hits", "frames", "all"}));
+  command->add_option("--flight", options->flight_frames, "frames of the flight")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 100000));
+  add_renderer_options(*command, options->renderer);
   command->add_option("--lod", options->lod, "the finest level that is kept")->check(CLI::Range(0, 10));
   command->add_option("--reference-rays", options->reference_rays, "of each view, that are checked")
       ->capture_default_str();

@@ -218,10 +218,10 @@ GB_HD void finish_opaque(CastRay& ray) {
 
 /// Looks at one point and goes on to the next one worth looking at. False: the ray waits for what is not here.
 GB_HD bool step_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, double distance,
-                    CastPlace& place, CastRay& ray) {
+                    CastPlace& place, CastPath& path, CastRay& ray) {
   double p[3];
   for (int a = 0; a < 3; ++a) p[a] = line.origin[a] + line.direction[a] * distance;
-  if (!place.contains(p)) place = locate(scene, ray.lod, p, camera.look.waits, place);
+  if (!place.contains(p)) place = locate(scene, ray.lod, p, camera.look.waits, place, path);
   if (place.waits && camera.look.waits) return false;
   if (!is_here(place.brick)) {
     ray.step = step_beyond(line, empty_box(place), ray);
@@ -247,6 +247,7 @@ GB_HD bool step_ray(const CastScene& scene, const CastCamera& camera, const Cast
 /// Goes on until the ray is finished (lod = -1) or waits.
 GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, CastRay& ray) {
   CastPlace place;
+  CastPath path;
   while (ray.lod >= 0) {
     const double distance = lod_start(line, ray.lod) + (double(ray.step) + 0.5) * step_length(ray.lod);
     if (distance > line.leave) {
@@ -255,7 +256,7 @@ GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const Cast
       ++ray.lod;
       ray.step = 0;
       place = CastPlace();
-    } else if (!step_ray(scene, camera, line, distance, place, ray)) {
+    } else if (!step_ray(scene, camera, line, distance, place, path, ray)) {
       return;
     }
   }

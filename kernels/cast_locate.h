@@ -151,16 +151,39 @@ struct CastDescent {
   int lod;
 };
 
-/// From a cell's root towards the node of level `lod` that holds voxel v; ends early at what is empty or not here.
-GB_HD CastDescent descend(const CastScene& scene, std::uint32_t cell, int lod, const std::uint32_t local[3]) {
-  CastDescent at{cell, scene.lods - 1};
+/// The latest way down: the next one starts where the two part.
+struct CastPath {
+  std::uint32_t cell = no_cell;
+  std::uint32_t local[3] = {0, 0, 0};  ///< where it led, lod-0 voxels from the cell's corner
+  std::int32_t lowest = 0;             ///< level it ended at
+  std::uint32_t node[max_cast_lods];   ///< by level, from `lowest` on
+};
+
+/// The lowest level of the path that a way to this voxel shares.
+GB_HD int shared_level(const CastPath& path, std::uint32_t cell, const std::uint32_t local[3], int top) {
+  if (cell != path.cell) return top;
+  const std::uint32_t differ = (local[0] ^ path.local[0]) | (local[1] ^ path.local[1]) | (local[2] ^ path.local[2]);
+  const int level = differ < brick_edge ? 0 : highest_bit(differ) - 2;
+  return level > path.lowest ? level : path.lowest;
+}
+
+/// From a cell's root towards the node of level `lod` that holds the voxel; ends early at what is empty or not here.
+GB_HD CastDescent descend(const CastScene& scene, std::uint32_t cell, int lod, const std::uint32_t local[3],
+                          CastPath& path) {
+  const int top = scene.lods - 1, shared = shared_level(path, cell, local, top);
+  CastDescent at{cell, shared > lod ? shared : lod};
+  if (at.lod < top) at.node = path.node[at.lod];
+  path.node[at.lod] = at.node;
   while (at.lod > lod) {
     const CastNode node = scene.nodes[at.node];
     if (node.brick == empty_ref || !is_here(node.children)) break;
     const int bit = 2 + at.lod;
     at.node = 8 * node.children + ((local[0] >> bit & 1) | (local[1] >> bit & 1) << 1 | (local[2] >> bit & 1) << 2);
-    --at.lod;
+    path.node[--at.lod] = at.node;
   }
+  path.cell = cell;
+  path.lowest = at.lod;
+  for (int a = 0; a < 3; ++a) path.local[a] = local[a];
   stamp(scene.marks.tile_used + at.node / 8, scene.pass);
   return at;
 }
@@ -196,9 +219,10 @@ GB_HD bool ask_for(const CastScene& scene, const CastDescent& at, int lod) {
 }
 
 /// The field of level `lod` around p; where what holds it is not here, a coarser one, unless `patient`: then the answer
-/// says no more than that the ray waits. last: an earlier answer, whose cell is tried first.
-/// Cost  A descent of `lods` dependent reads; one more for each level that is not here.
-GB_HD CastPlace locate(const CastScene& scene, int lod, const double p[3], bool patient, const CastPlace& last) {
+/// says no more than that the ray waits. last: an earlier answer, whose cell is tried first. path: of the same pass.
+/// Cost  A descent from where the path parts, a dependent read a level; one more for each level that is not here.
+GB_HD CastPlace locate(const CastScene& scene, int lod, const double p[3], bool patient, const CastPlace& last,
+                       CastPath& path) {
   CastPlace place;
   place.cell = last.cell;
   int known = -1;  // where the first descent ended: nothing finer is here in that node
@@ -220,7 +244,7 @@ GB_HD CastPlace locate(const CastScene& scene, int lod, const double p[3], bool 
       return place;
     }
     for (int a = 0; a < 3; ++a) local[a] = std::uint32_t(v[a] - scene.cells[place.cell].min[a]);
-    const CastDescent at = descend(scene, place.cell, level, local);
+    const CastDescent at = descend(scene, place.cell, level, local, path);
     const std::uint32_t brick = scene.nodes[at.node].brick;
     if (brick == empty_ref) {
       set_node_box(scene.cells[place.cell], local, at.lod, place.min, place.max);

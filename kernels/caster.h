@@ -47,7 +47,7 @@ class Caster {
   /// One pass: goes on with rays [begin, end) of the tile that are not finished. Returns how many still are not.
   virtual std::size_t cast(std::size_t begin, std::size_t end) = 0;
 
-  /// What rays of the last pass missed: 2·node + Want, ascending.
+  /// What rays of the last pass missed: 2·node + Want, in no order.
   virtual std::vector<std::uint32_t> wanted() = 0;
 
   /// Number of the last pass; stamps are compared with it.

@@ -5,6 +5,7 @@
 #include "kernels/caster.h"
 #include "kernels/cuda_input.cuh"
 #include "kernels/cuda_memory.cuh"
+#include "kernels/cuda_pinned.cuh"
 #include "kernels/cuda_stream.cuh"
 
 namespace gigabake::kernels {
@@ -118,10 +119,14 @@ class CudaCaster final : public Caster {
   void put_bricks(const std::vector<std::uint32_t>& slots, const std::vector<CastBrick>& bricks) override {
     if (slots.empty()) return;
     use_device();
-    const DeviceArray<std::uint32_t> to = copy_of(slots);
-    const DeviceArray<CastBrick> from = copy_of(bricks);
-    scatter_bricks<<<unsigned(slots.size()), 128, 0, stream_.handle>>>(to.data(), from.data(), masks_.data(),
-                                                                       voxels_.data());
+    if (new_slots_.size() < slots.size()) {
+      new_slots_ = DeviceArray<std::uint32_t>(heap_, slots.size());
+      new_bricks_ = DeviceArray<CastBrick>(heap_, slots.size());
+    }
+    upload(new_slots_.data(), slots);
+    upload(new_bricks_.data(), bricks);
+    scatter_bricks<<<unsigned(slots.size()), 128, 0, stream_.handle>>>(new_slots_.data(), new_bricks_.data(),
+                                                                       masks_.data(), voxels_.data());
     check_launch("scatter_bricks");
     finish("scatter_bricks");
   }
@@ -174,7 +179,6 @@ class CudaCaster final : public Caster {
     download(&count, count_.data(), 1);
     std::vector<std::uint32_t> list(std::min<std::size_t>(count, want_list_.size()));
     download(list.data(), want_list_.data(), list.size());
-    std::sort(list.begin(), list.end());
     return list;
   }
 
@@ -224,12 +228,25 @@ class CudaCaster final : public Caster {
     return array;
   }
 
+  /// Returns when it is there.
+  template <class T>
+  void upload(T* device, const std::vector<T>& host) {
+    const std::size_t bytes = host.size() * sizeof(T);
+    std::byte* on_its_way = pinned_.reserve(bytes);
+    std::memcpy(on_its_way, host.data(), bytes);
+    check_cuda(cudaMemcpyAsync(device, on_its_way, bytes, cudaMemcpyHostToDevice, stream_.handle), "cudaMemcpyAsync");
+    finish("cudaMemcpyAsync");
+  }
+
   /// Returns when it is here.
   template <class T>
   void download(T* host, const T* device, std::size_t count) {
-    check_cuda(cudaMemcpyAsync(host, device, count * sizeof(T), cudaMemcpyDeviceToHost, stream_.handle),
-               "cudaMemcpyAsync");
+    if (count == 0) return;
+    const std::size_t bytes = count * sizeof(T);
+    std::byte* arrived = pinned_.reserve(bytes);
+    check_cuda(cudaMemcpyAsync(arrived, device, bytes, cudaMemcpyDeviceToHost, stream_.handle), "cudaMemcpyAsync");
     finish("cudaMemcpyAsync");
+    std::memcpy(host, arrived, bytes);
   }
 
   const std::vector<std::uint32_t>& read_back(const DeviceArray<std::uint32_t>& marks,
@@ -257,6 +274,9 @@ class CudaCaster final : public Caster {
   CastCamera camera_;
   CastTile tile_;
   DeviceArray<CastRay> rays_;
+  DeviceArray<std::uint32_t> new_slots_;
+  DeviceArray<CastBrick> new_bricks_;
+  PinnedBuffer pinned_;
   DeviceArray<float> depth_;
   DeviceArray<std::uint8_t> rgba_;
   std::vector<std::uint32_t> host_tile_used_, host_slot_used_;

@@ -69,18 +69,6 @@ void add(Download& download, const DeviceNodes& d, Nodes& nodes) {
 
 }  // namespace
 
-PinnedBuffer::~PinnedBuffer() { cudaFreeHost(data_); }
-
-std::byte* PinnedBuffer::reserve(std::size_t bytes) {
-  if (bytes <= bytes_) return data_;
-  check_cuda(cudaFreeHost(data_), "cudaFreeHost");
-  data_ = nullptr;
-  bytes_ = 0;
-  check_cuda(cudaMallocHost(&data_, bytes), "cudaMallocHost");
-  bytes_ = bytes;
-  return data_;
-}
-
 CellVolume to_host(cudaStream_t stream, PinnedBuffer& pinned, const std::vector<DeviceLevel>& levels,
                    const DeviceNodes& nodes, const CpuPolicy& policy) {
   CellVolume out;

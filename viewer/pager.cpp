@@ -56,6 +56,7 @@ struct Pager::State {
   bool may_read() const;
   void read_on(const std::stop_token& stop);
   void take(Arrival arrival);
+  void list_unused_above(std::uint64_t limit);
   std::uint64_t bytes() const { return pages.bytes() + arrived_bytes; }
   std::uint64_t queued() const { return (queue.size() - next) + reading; }
 
@@ -130,6 +131,14 @@ void Pager::State::take(Arrival arrival) {
   arrivals.push_back(std::move(arrival));
 }
 
+/// Every page is looked at, so only where some may have to go.
+void Pager::State::list_unused_above(std::uint64_t limit) {
+  if (bytes() > limit)
+    pages.list_unused();
+  else
+    pages.list_none();
+}
+
 Pager::Pager(PageSource source, const Options& options) : state_(std::make_unique<State>(std::move(source), options)) {}
 
 Pager::~Pager() = default;
@@ -137,7 +146,7 @@ Pager::~Pager() = default;
 bool Pager::begin_pass() {
   State& s = *state_;
   const std::scoped_lock lock(s.mutex);
-  s.pages.list_unused();
+  s.list_unused_above(s.memory_bytes);
   s.pages.begin_pass();
   for (Arrival& arrival : s.arrivals) {
     s.in_hand.erase(arrival.key);
@@ -160,7 +169,7 @@ bool Pager::is_damaged(const PageKey& key) const { return state_->damaged.contai
 void Pager::want(const std::vector<PageKey>& most_urgent_first) {
   State& s = *state_;
   const std::scoped_lock lock(s.mutex);
-  s.pages.list_unused();
+  s.list_unused_above(s.memory_bytes / 8 * 7);
   s.queue.clear();
   s.next = 0;
   s.first_of_call = true;

@@ -42,9 +42,13 @@ bool ResidentPages::longer_unused_above(const Candidate& a, const Candidate& b) 
   return std::tie(a.used, a.key) > std::tie(b.used, b.key);
 }
 
-void ResidentPages::list_unused() {
+void ResidentPages::list_none() {
   candidates_.clear();
   candidate_bytes_ = 0;
+}
+
+void ResidentPages::list_unused() {
+  list_none();
   for (auto& [key, resident] : residents_) {
     const std::uint64_t used = resident.used.load(std::memory_order_relaxed);
     if (used == gone || used == pass_) continue;

@@ -30,6 +30,7 @@ class ResidentPages {
 
   /// Lists what the pass has not found so far: the candidates of let_go(), until the next call.
   void list_unused();
+  void list_none();
   /// Candidates go, the longest unused first, until those here take no more than `bytes`, or none is left. One that was
   /// found in the meantime stays.
   void let_go(std::uint64_t bytes);

@@ -13,8 +13,8 @@ using kernels::Want;
 
 /// Wants that are answered side by side before the clock is looked at and the pools are filled.
 constexpr std::size_t wants_per_batch = 256;
-/// Wants looked at in one call: more would only be asked of the pager in vain.
-constexpr std::size_t most_wants = 16384;
+/// Wants looked at in one call, the most urgent ones: more would only be asked of the pager in vain.
+constexpr std::size_t most_wants = 8192;
 constexpr std::uint32_t least_slots = 16;
 
 std::uint32_t node_of(std::uint32_t want) { return want / 2; }
@@ -75,21 +75,26 @@ SceneStream::SceneStream(const SceneDescription& scene, const std::filesystem::p
 /// Near and coarse first: what stands for most pixels.
 std::vector<std::uint32_t> SceneStream::by_urgency(const std::vector<std::uint32_t>& wanted,
                                                    const double eye[3]) const {
-  std::vector<std::pair<double, std::uint32_t>> ranked;
-  for (const std::uint32_t want : wanted) {
-    const kernels::VoxelBox box = box_of(books_.place_of(node_of(want)), layout_);
-    double squared = 1;
-    for (int a = 0; a < 3; ++a) {
-      const double to_middle = (double(box.min[a]) + double(box.max[a])) / 2 - eye[a];
-      squared += to_middle * to_middle;
+  std::vector<std::pair<double, std::uint32_t>> ranked(wanted.size());
+  policy_.parallel_for(wanted.size(), 2048, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const kernels::VoxelBox box = box_of(books_.place_of(node_of(wanted[i])), layout_);
+      double squared = 1;
+      for (int a = 0; a < 3; ++a) {
+        const double to_middle = (double(box.min[a]) + double(box.max[a])) / 2 - eye[a];
+        squared += to_middle * to_middle;
+      }
+      const double edge = double(box.max[0] - box.min[0]);
+      ranked[i] = {-edge * edge / squared, wanted[i]};
     }
-    const double edge = double(box.max[0] - box.min[0]);
-    ranked.emplace_back(-edge * edge / squared, want);
+  });
+  if (ranked.size() > most_wants) {
+    std::nth_element(ranked.begin(), ranked.begin() + most_wants, ranked.end());
+    ranked.resize(most_wants);
   }
   std::sort(ranked.begin(), ranked.end());
   std::vector<std::uint32_t> sorted;
   for (const auto& [urgency, want] : ranked) sorted.push_back(want);
-  if (sorted.size() > most_wants) sorted.resize(most_wants);
   return sorted;
 }
 
