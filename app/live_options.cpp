@@ -10,7 +10,7 @@ void add_live_options(CLI::App& command, LiveArguments& a) {
   command.add_option("--eye", a.eye, "X,Y,Z: camera at first, scene metres (south-east of the target, all in view)");
   command.add_option("--target", a.target, "X,Y,Z: what it looks at (the middle of the scene)");
   command.add_option("--fovy", a.fovy_deg, "vertical field of view, degrees")->capture_default_str();
-  command.add_option("--lod-bias", a.lod_bias, "levels coarser than a pixel")->capture_default_str();
+  command.add_option("--pixel-error", a.pixel_error, "pixels that a voxel may be wide")->capture_default_str();
   command.add_option("--frame-ms", a.frame_ms, "what a frame should take while the camera moves")
       ->capture_default_str();
   add_renderer_options(command, a.renderer);
@@ -18,14 +18,14 @@ void add_live_options(CLI::App& command, LiveArguments& a) {
 
 LiveScene::Options live_options(const LiveArguments& a) {
   if (!(a.fovy_deg >= 0.01 && a.fovy_deg <= 170)) throw UsageError("--fovy: expected 0.01 to 170 degrees");
-  if (!(a.lod_bias >= -16 && a.lod_bias <= 16)) throw UsageError("--lod-bias: expected -16 to 16 levels");
+  check_pixel_error(a.pixel_error);
   if (!(a.frame_ms >= 1 && a.frame_ms <= 10000)) throw UsageError("--frame-ms: expected 1 to 10000 milliseconds");
   LiveScene::Options out;
   out.renderer = renderer_options(a.renderer);
   out.camera.eye_m = point_option(a.eye, "--eye");
   out.camera.target_m = point_option(a.target, "--target");
   out.camera.fovy_deg = a.fovy_deg;
-  out.camera.lod_bias = a.lod_bias;
+  out.camera.pixel_error = a.pixel_error;
   out.frame_s = a.frame_ms / 1000;
   return out;
 }

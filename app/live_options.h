@@ -11,7 +11,7 @@ namespace gigabake::app {
 
 struct LiveArguments {
   std::string scene, eye, target;
-  double fovy_deg = 40, lod_bias = 0, frame_ms = 60;
+  double fovy_deg = 40, pixel_error = 1, frame_ms = 60;
   RendererArguments renderer;
 };
 

@@ -12,6 +12,7 @@
 #include "format/error.h"
 #include "format/publish.h"
 #include "viewer/camera_path.h"
+#include "viewer/exr.h"
 #include "viewer/frame_renderer.h"
 #include "viewer/path_frames.h"
 #include "viewer/png.h"
@@ -20,9 +21,9 @@ namespace gigabake::app {
 namespace {
 
 struct RenderArguments {
-  std::string scene, picture;
+  std::string scene, picture, depth;
   std::string eye, target, up, size = "1280x720", background = "sky";
-  double fovy_deg = 40, lod_bias = 0;
+  double fovy_deg = 40, pixel_error = 1;
   RendererArguments renderer;
   std::string path, stats, mode = "lit";
   int frames = 0;
@@ -53,7 +54,7 @@ CameraOptions camera_options(const RenderArguments& a) {
   camera.up = point_option(a.up, "--up");
   std::tie(camera.width, camera.height) = size_option(a.size);
   camera.fovy_deg = a.fovy_deg;
-  camera.lod_bias = a.lod_bias;
+  camera.pixel_error = a.pixel_error;
   return camera;
 }
 
@@ -64,8 +65,14 @@ ViewMode mode_option(const std::string& text) {
   throw UsageError(fmt::format("--mode: expected one of {}, got '{}'", fmt::join(names, ", "), text));
 }
 
+bool is_exr(const std::string& name) { return name.ends_with(".exr"); }
+
 View view_of(const RenderArguments& a) {
+  if (!a.depth.empty() && !is_exr(a.depth))
+    throw UsageError(fmt::format("--depth: expected a name that ends in .exr, got '{}'", a.depth));
+  if (a.depth == a.picture) throw UsageError("--depth: expected another file than -o, which holds depth already");
   View view;
+  if (is_exr(a.picture)) view.light = PictureLight::linear_too;
   view.camera = camera_options(a);
   view.mode = mode_option(a.mode);
   view.background = background_option(a.background);
@@ -78,11 +85,21 @@ int tell_problems(const FrameRenderer& renderer) {
   return renderer.problems().empty() ? complete : cells_failed;
 }
 
+/// name_of: of the files, by what -o and --depth say.
+template <class NameOf>
+void write_files(const RenderArguments& a, const Picture& picture, double voxel_size_m, const NameOf& name_of) {
+  if (is_exr(a.picture))
+    write_exr(name_of(a.picture), picture, ExrChannels::light_and_depth, voxel_size_m);
+  else
+    write_png(name_of(a.picture), picture);
+  if (!a.depth.empty()) write_exr(name_of(a.depth), picture, ExrChannels::depth, voxel_size_m);
+}
+
 int run(const RenderArguments& a) {
   const View view = view_of(a);
   FrameRenderer renderer(a.scene, renderer_options(a.renderer));
   const Frame frame = renderer.draw_exact(view);
-  write_png(a.picture, frame.picture);
+  write_files(a, frame.picture, renderer.scene().voxel_size_m, [](const std::string& name) { return name; });
   fmt::print("{}: {}x{} in {:.2f} s; {} uploads, {:.0f} MB held\n", a.picture, frame.picture.width,
              frame.picture.height, frame.stats.total_s, frame.stats.uploads, double(frame.stats.bytes_held) / 1e6);
   return tell_problems(renderer);
@@ -96,13 +113,15 @@ std::vector<double> frame_times(const RenderArguments& a, const CameraPath& path
 int run_path(const RenderArguments& a) {
   if (!(a.upload_ms > 0 && a.upload_ms <= 60000)) throw UsageError("--upload-ms: expected 0 to 60000 milliseconds");
   const View view = view_of(a);
-  numbered_file(a.picture, 0);
+  numbered_file(a.picture, 0, "-o");
+  if (!a.depth.empty()) numbered_file(a.depth, 0, "--depth");
   FrameRenderer renderer(a.scene, renderer_options(a.renderer));
   const CameraPath path = read_camera_path(a.path, renderer.scene().origin);
   std::vector<PathFrame> frames;
   draw_path(renderer, path, view, frame_times(a, path), a.live ? Finish::live : Finish::complete, a.upload_ms / 1e3,
             [&](const PathFrame& frame, const Picture& picture) {
-              write_png(numbered_file(a.picture, frame.number), picture);
+              write_files(a, picture, renderer.scene().voxel_size_m,
+                          [&](const std::string& name) { return numbered_file(name, frame.number); });
               frames.push_back(frame);
             });
   if (!a.stats.empty()) publish_file(a.stats, to_json(frames));
@@ -124,14 +143,16 @@ void add_render(CLI::App& app, int& exit_code) {
   const auto a = std::make_shared<RenderArguments>();
   CLI::App& command = *app.add_subcommand("render", "Pictures of a baked scene: one, or many along a path");
   command.add_option("SCENE", a->scene, "scene.xml of a bake")->required();
-  command.add_option("-o,--output", a->picture, "PNG file to write; along a path frames/%04d.png or alike")->required();
+  command.add_option("-o,--output", a->picture, "PNG or OpenEXR file (.exr) to write; along a path frames/%04d.png or alike")
+      ->required();
+  command.add_option("--depth", a->depth, "OpenEXR file to write besides: distances, metres; along a path as -o");
   command.add_option("--eye", a->eye, "X,Y,Z: camera, scene metres (south-east of the target, all in view)");
   command.add_option("--target", a->target, "X,Y,Z: what the camera looks at (the middle of the scene)");
   command.add_option("--up", a->up, "X,Y,Z: direction that is up in the picture (0,0,1)");
   command.add_option("--fovy", a->fovy_deg, "vertical field of view, degrees")->capture_default_str();
   command.add_option("--size", a->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   command.add_option("--background", a->background, "sky, or R,G,B[,A]: sRGB, 0 to 255 each")->capture_default_str();
-  command.add_option("--lod-bias", a->lod_bias, "levels coarser than a pixel")->capture_default_str();
+  command.add_option("--pixel-error", a->pixel_error, "pixels that a voxel may be wide")->capture_default_str();
   add_renderer_options(command, a->renderer);
   command.add_option("--path", a->path, "camera path, JSON (docs/viewer.md); instead of --eye and --target");
   command.add_option("--frames", a->frames, "so many, evenly along the path");

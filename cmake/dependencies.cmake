@@ -5,6 +5,7 @@ find_package(fmt REQUIRED)
 find_package(spdlog REQUIRED)
 find_package(PNG REQUIRED)
 find_package(JPEG REQUIRED)
+find_package(OpenEXR CONFIG REQUIRED)
 
 # gb_find(NAME header library… [SUFFIXES folders]): an interface target for packages without a usable CMake config.
 function(gb_find name header)

@@ -69,12 +69,10 @@ class CpuCaster final : public Caster {
   const std::vector<std::uint32_t>& tile_stamps() override { return tile_used_; }
   const std::vector<std::uint32_t>& slot_stamps() override { return slot_used_; }
 
-  void resolve(const CastBackground& background, std::uint8_t* rgba, float* depth) override {
+  void resolve(const CastBackground& background, const CastPixels& out) override {
     const Tables tables = TableStore::host().view();
     for_each_ray(0, rays_.size(), [&](const CastLine& line, CastRay& ray) {
-      const auto i = std::size_t(&ray - rays_.data());
-      write_pixel(ray, line, background, tables, rgba + 4 * i);
-      if (depth != nullptr) depth[i] = ray.depth;
+      write_pixel(ray, line, background, tables, std::size_t(&ray - rays_.data()), out);
     });
   }
 

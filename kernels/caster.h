@@ -55,9 +55,8 @@ class Caster {
   virtual const std::vector<std::uint32_t>& tile_stamps() = 0;
   virtual const std::vector<std::uint32_t>& slot_stamps() = 0;
 
-  /// Pixels of the tile's rays: sRGB, straight alpha; and, where depth is not null, distances in voxels
-  /// (CastRay::no_depth where half of the light comes through). Rows of the tile one after the other.
-  virtual void resolve(const CastBackground& background, std::uint8_t* rgba, float* depth) = 0;
+  /// Pixels of the tile's rays, into the host's memory.
+  virtual void resolve(const CastBackground& background, const CastPixels& out) = 0;
 };
 
 /// scene: cells and columns, which are borrowed and stay as they are; pools and marks are the caster's own. All nodes

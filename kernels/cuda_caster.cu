@@ -51,15 +51,11 @@ __global__ void __launch_bounds__(threads)
 }
 
 __global__ void write_pixels(CastScene scene, CastCamera camera, CastTile tile, const CastRay* rays,
-                             CastBackground background, Tables tables, std::uint8_t* rgba, float* depth) {
+                             CastBackground background, Tables tables, CastPixels out) {
   int x, y;
   if (!pixel_of_thread(tile, x, y)) return;
   const std::size_t i = std::size_t(y) * std::size_t(tile.width) + std::size_t(x);
-  const CastRay ray = rays[i];
-  std::uint8_t pixel[4];
-  write_pixel(ray, line_of_sight(scene, camera, tile.x + x, tile.y + y), background, tables, pixel);
-  for (int k = 0; k < 4; ++k) rgba[4 * i + k] = pixel[k];
-  depth[i] = ray.depth;
+  write_pixel(rays[i], line_of_sight(scene, camera, tile.x + x, tile.y + y), background, tables, i, out);
 }
 
 /// A block a brick.
@@ -186,18 +182,17 @@ class CudaCaster final : public Caster {
   const std::vector<std::uint32_t>& tile_stamps() override { return read_back(tile_used_, host_tile_used_); }
   const std::vector<std::uint32_t>& slot_stamps() override { return read_back(slot_used_, host_slot_used_); }
 
-  void resolve(const CastBackground& background, std::uint8_t* rgba, float* depth) override {
+  void resolve(const CastBackground& background, const CastPixels& out) override {
     use_device();
     const std::size_t rays = ray_count();
-    if (depth_.size() < rays) {
-      depth_ = DeviceArray<float>(heap_, rays);
-      rgba_ = DeviceArray<std::uint8_t>(heap_, 4 * rays);
-    }
+    const CastPixels here{room_for(out.srgb, srgb_, 4 * rays), room_for(out.linear, linear_, 4 * rays),
+                          room_for(out.depth, depth_, rays)};
     write_pixels<<<grid_of_tile(tile_), threads, 0, stream_.handle>>>(scene_, camera_, tile_, rays_.data(), background,
-                                                                      tables_.view(), rgba_.data(), depth_.data());
+                                                                      tables_.view(), here);
     check_launch("write_pixels");
-    download(rgba, rgba_.data(), 4 * rays);
-    if (depth != nullptr) download(depth, depth_.data(), rays);
+    if (out.srgb != nullptr) download(out.srgb, here.srgb, 4 * rays);
+    if (out.linear != nullptr) download(out.linear, here.linear, 4 * rays);
+    if (out.depth != nullptr) download(out.depth, here.depth, rays);
   }
 
  private:
@@ -219,6 +214,14 @@ class CudaCaster final : public Caster {
   template <class T>
   DeviceArray<T> copy_of(const std::vector<T>& host) {
     return copy(Span<const T>{host.data(), host.size()});
+  }
+
+  /// Where on the device `size` values that are wanted at `host` are made; null where none are wanted.
+  template <class T>
+  T* room_for(const T* host, DeviceArray<T>& array, std::size_t size) {
+    if (host == nullptr) return nullptr;
+    if (array.size() < size) array = DeviceArray<T>(heap_, size);
+    return array.data();
   }
 
   template <class T>
@@ -277,8 +280,8 @@ class CudaCaster final : public Caster {
   DeviceArray<std::uint32_t> new_slots_;
   DeviceArray<CastBrick> new_bricks_;
   PinnedBuffer pinned_;
-  DeviceArray<float> depth_;
-  DeviceArray<std::uint8_t> rgba_;
+  DeviceArray<float> linear_, depth_;
+  DeviceArray<std::uint8_t> srgb_;
   std::vector<std::uint32_t> host_tile_used_, host_slot_used_;
 };
 

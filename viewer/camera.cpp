@@ -33,7 +33,7 @@ void check_options(const CameraOptions& o) {
     throw UsageError("--size: " + std::to_string(o.width) + "x" + std::to_string(o.height) +
                      " is no picture; expected 1 to 32768 a side and at most 2^28 pixels");
   if (!(o.fovy_deg >= 0.01 && o.fovy_deg <= 170)) throw UsageError("--fovy: expected 0.01 to 170 degrees");
-  if (!(o.lod_bias >= -16 && o.lod_bias <= 16)) throw UsageError("--lod-bias: expected -16 to 16 levels");
+  check_pixel_error(o.pixel_error);
 }
 
 /// Scene metres to voxels.
@@ -169,6 +169,11 @@ void set(double out[3], const Vector& v) { std::copy(v.begin(), v.end(), out); }
 
 }  // namespace
 
+void check_pixel_error(double pixel_error) {
+  if (!(pixel_error >= finest_pixel_error && pixel_error <= coarsest_pixel_error))
+    throw UsageError("--pixel-error: expected 2^-16 to 2^16 pixels");
+}
+
 kernels::CastCamera make_camera(const CameraOptions& options, const SceneDescription& scene, const PageSource& pages) {
   check_options(options);
   const double tan_y = std::tan(options.fovy_deg * (std::numbers::pi / 360));
@@ -193,7 +198,7 @@ kernels::CastCamera make_camera(const CameraOptions& options, const SceneDescrip
   set(camera.up, axes.up * tan_y);
   camera.width = options.width;
   camera.height = options.height;
-  camera.lod1_depth = std::exp2(1 - options.lod_bias) * options.height / (2 * tan_y);
+  camera.lod1_depth = 2 / options.pixel_error * options.height / (2 * tan_y);
   return camera;
 }
 

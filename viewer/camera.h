@@ -11,13 +11,19 @@
 
 namespace gigabake {
 
+/// Sixteen levels finer or coarser than a pixel.
+inline constexpr double finest_pixel_error = 0x1p-16, coarsest_pixel_error = 0x1p16;
+
+/// Errors  UsageError: not within these two.
+void check_pixel_error(double pixel_error);
+
 struct CameraOptions {
   std::optional<Point<Scene>> eye_m;     ///< default: in the south-east, just far enough to see the whole scene
   std::optional<Point<Scene>> target_m;  ///< default: the middle of what there is
   std::optional<Point<Scene>> up;        ///< default: z; north where the camera looks straight up or down
   double fovy_deg = 40;
   int width = 1280, height = 720;
-  double lod_bias = 0;  ///< levels coarser (or finer, below 0) than a pixel
+  double pixel_error = 1;  ///< pixels that a voxel may be wide; finest_pixel_error to coarsest_pixel_error
 };
 
 /// Cost    Where eye or target are left open, one read of up to 256 cells' first page of nodes, one at a time.

@@ -64,7 +64,7 @@ kernels::CastPaint paint_of(ViewMode mode) {
 bool same_picture(const View& a, const View& b) {
   const CameraOptions &c = a.camera, &d = b.camera;
   return a.mode == b.mode && c.eye_m == d.eye_m && c.target_m == d.target_m && c.up == d.up &&
-         c.fovy_deg == d.fovy_deg && c.width == d.width && c.height == d.height && c.lod_bias == d.lod_bias &&
+         c.fovy_deg == d.fovy_deg && c.width == d.width && c.height == d.height && c.pixel_error == d.pixel_error &&
          c.eye_m.has_value();
 }
 
@@ -150,14 +150,10 @@ struct FrameRenderer::State {
   void cast_once(const View& view, const kernels::CastCamera& camera, Picture& picture) {
     kernels::Caster& caster = stream->caster();
     caster.start(camera, {0, 0, camera.width, camera.height});
-    const std::size_t pixels = std::size_t(camera.width) * std::size_t(camera.height);
-    caster.cast(0, pixels);
+    caster.cast(0, std::size_t(camera.width) * std::size_t(camera.height));
     wanted = caster.wanted();
-    picture.width = camera.width;
-    picture.height = camera.height;
-    picture.rgba.resize(4 * pixels);
-    picture.depth.resize(pixels);
-    caster.resolve(to_cast(view.background), picture.rgba.data(), picture.depth.data());
+    picture = blank_picture(camera.width, camera.height, view.light);
+    caster.resolve(to_cast(view.background), pixels_of(picture));
   }
 };
 
@@ -217,7 +213,7 @@ Frame FrameRenderer::draw_exact(const View& view) {
   s.look_at(view);
   const std::uint64_t uploads_before = s.stream->counts().uploads;
   Frame frame;
-  frame.picture = render(*s.stream, s.camera_of(view), view.background);
+  frame.picture = render(*s.stream, s.camera_of(view), view.background, view.light);
   s.wanted.clear();
   frame.stats.cast_s = since(start);
   frame.stats.complete = true;

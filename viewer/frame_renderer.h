@@ -39,6 +39,7 @@ struct View {
   CameraOptions camera;
   ViewMode mode = ViewMode::lit;
   Background background;
+  PictureLight light = PictureLight::srgb;
 };
 
 struct FrameStats {

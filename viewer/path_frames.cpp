@@ -40,9 +40,9 @@ std::vector<double> times_at_rate(const CameraPath& path, double frames_per_s) {
   return out;
 }
 
-std::filesystem::path numbered_file(const std::string& pattern, std::size_t number) {
-  const auto fail = [] {
-    throw UsageError("-o: expected a name with one %d or %04d for the number of the frame, as frames/%04d.png");
+std::filesystem::path numbered_file(const std::string& pattern, std::size_t number, const std::string& option) {
+  const auto fail = [&] {
+    throw UsageError(option + ": expected a name with one %d or %04d for the number of the frame, as frames/%04d.png");
   };
   const std::size_t at = pattern.find('%');
   if (at == std::string::npos || pattern.find('%', at + 1) != std::string::npos) fail();

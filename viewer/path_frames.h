@@ -16,8 +16,9 @@ std::vector<double> times_of_frames(const CameraPath& path, int frames);
 /// frames_per_s of them, from the first keyframe on, up to the last.
 std::vector<double> times_at_rate(const CameraPath& path, double frames_per_s);
 
-/// "frames/%04d.png" and 7 as "frames/0007.png". Errors  UsageError: not exactly one %d or %0Nd with N from 1 to 9.
-std::filesystem::path numbered_file(const std::string& pattern, std::size_t number);
+/// "frames/%04d.png" and 7 as "frames/0007.png". option: for the message.
+/// Errors  UsageError: not exactly one %d or %0Nd with N from 1 to 9.
+std::filesystem::path numbered_file(const std::string& pattern, std::size_t number, const std::string& option = "-o");
 
 struct PathFrame {
   std::size_t number = 0;

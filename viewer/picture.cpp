@@ -29,30 +29,47 @@ void finish_rays(SceneStream& stream, const kernels::CastCamera& camera, const k
   }
 }
 
+/// The tile's rows into those of the whole picture.
+template <class T>
+void put_rows(const std::vector<T>& part, const kernels::CastTile& tile, int picture_width, std::vector<T>& whole) {
+  if (part.empty()) return;
+  const std::size_t per_pixel = part.size() / (std::size_t(tile.width) * std::size_t(tile.height));
+  const std::size_t row_size = per_pixel * std::size_t(tile.width);
+  for (int row = 0; row < tile.height; ++row) {
+    const std::size_t to = std::size_t(tile.y + row) * std::size_t(picture_width) + std::size_t(tile.x);
+    std::copy_n(&part[std::size_t(row) * row_size], row_size, &whole[per_pixel * to]);
+  }
+}
+
 }  // namespace
 
-Picture render(SceneStream& stream, const kernels::CastCamera& camera, const Background& background) {
+Picture blank_picture(int width, int height, PictureLight light) {
+  Picture picture{width, height, {}};
+  const std::size_t pixels = std::size_t(width) * std::size_t(height);
+  picture.rgba.resize(4 * pixels);
+  picture.depth.resize(pixels);
+  if (light == PictureLight::linear_too) picture.linear.resize(4 * pixels);
+  return picture;
+}
+
+kernels::CastPixels pixels_of(Picture& picture) {
+  return {picture.rgba.data(), picture.linear.empty() ? nullptr : picture.linear.data(), picture.depth.data()};
+}
+
+Picture render(SceneStream& stream, const kernels::CastCamera& camera, const Background& background,
+               PictureLight light) {
   kernels::CastCamera patient = camera;
   patient.look.waits = true;
-  Picture picture{camera.width, camera.height, {}, {}};
-  const auto width = std::size_t(camera.width);
-  picture.rgba.resize(4 * width * std::size_t(camera.height));
-  picture.depth.resize(width * std::size_t(camera.height));
-  std::vector<std::uint8_t> rgba;
-  std::vector<float> depth;
+  Picture picture = blank_picture(camera.width, camera.height, light);
   for (int y = 0; y < camera.height; y += tile_edge)
     for (int x = 0; x < camera.width; x += tile_edge) {
       const kernels::CastTile tile{x, y, std::min(tile_edge, camera.width - x), std::min(tile_edge, camera.height - y)};
       finish_rays(stream, patient, tile);
-      const auto across = std::size_t(tile.width);
-      rgba.resize(4 * across * std::size_t(tile.height));
-      depth.resize(across * std::size_t(tile.height));
-      stream.caster().resolve(to_cast(background), rgba.data(), depth.data());
-      for (int row = 0; row < tile.height; ++row) {
-        const std::size_t from = std::size_t(row) * across, to = std::size_t(y + row) * width + std::size_t(x);
-        std::copy_n(&rgba[4 * from], 4 * across, &picture.rgba[4 * to]);
-        std::copy_n(&depth[from], across, &picture.depth[to]);
-      }
+      Picture part = blank_picture(tile.width, tile.height, light);
+      stream.caster().resolve(to_cast(background), pixels_of(part));
+      put_rows(part.rgba, tile, camera.width, picture.rgba);
+      put_rows(part.depth, tile, camera.width, picture.depth);
+      put_rows(part.linear, tile, camera.width, picture.linear);
     }
   return picture;
 }

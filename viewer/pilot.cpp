@@ -7,7 +7,7 @@ namespace gigabake {
 namespace {
 
 constexpr int least_edge = 16, most_edge = 4096;
-constexpr double most_lod_bias = 16, least_upload_s = 1e-4, most_upload_s = 1;
+constexpr double least_upload_s = 1e-4, most_upload_s = 1;
 
 CameraPose pose_of(const CameraOptions& camera) {
   return {camera.eye_m.value_or(Point<Scene>{}), camera.target_m.value_or(Point<Scene>{})};
@@ -68,13 +68,13 @@ void Pilot::apply_settings(const Steering& s) {
   if (s.upload_s && std::isfinite(*s.upload_s)) upload_s_ = std::clamp(*s.upload_s, least_upload_s, most_upload_s);
   const View before = view_;
   if (s.mode && std::size_t(*s.mode) < view_mode_names().size()) view_.mode = *s.mode;
-  if (s.lod_bias && std::isfinite(*s.lod_bias))
-    view_.camera.lod_bias = std::clamp(*s.lod_bias, -most_lod_bias, most_lod_bias);
+  if (s.pixel_error && std::isfinite(*s.pixel_error))
+    view_.camera.pixel_error = std::clamp(*s.pixel_error, finest_pixel_error, coarsest_pixel_error);
   if (s.size) {
     view_.camera.width = std::clamp((*s.size)[0], least_edge, most_edge);
     view_.camera.height = std::clamp((*s.size)[1], least_edge, most_edge);
   }
-  stale_ |= before.mode != view_.mode || before.camera.lod_bias != view_.camera.lod_bias ||
+  stale_ |= before.mode != view_.mode || before.camera.pixel_error != view_.camera.pixel_error ||
             before.camera.width != view_.camera.width || before.camera.height != view_.camera.height;
 }
 

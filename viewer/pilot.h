@@ -20,7 +20,7 @@ struct Steering {
   std::optional<CameraPose> pose;
   std::optional<CameraRig::Style> style;
   std::optional<ViewMode> mode;
-  std::optional<double> lod_bias;
+  std::optional<double> pixel_error;
   std::optional<double> upload_s;
   std::optional<std::array<int, 2>> size;  ///< of the full picture
 
@@ -29,7 +29,7 @@ struct Steering {
 
 /// A value that decides; others draw. Small pictures while it moves, the full one as soon as it rests, nothing once
 /// that one is complete. Times are any clock's seconds that never run back. Range   Whatever is steered: size within 16
-/// and 4096 a side, lod_bias within ±16, upload_s within 0.1 ms and 1 s.
+/// and 4096 a side, pixel_error within 2^±16, upload_s within 0.1 ms and 1 s.
 class Pilot {
  public:
   static constexpr double rest_s = 0.25;       ///< after the last movement

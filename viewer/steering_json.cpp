@@ -23,7 +23,7 @@ Steering steering_from_json(std::string_view text) {
   const nlohmann::json json = parse_object("steering", text);
   const JsonMembers members("steering", json, "");
   members.only(
-      {"turn", "pan", "zoom", "home", "walk", "swing", "pose", "style", "mode", "lod_bias", "upload_ms", "size"});
+      {"turn", "pan", "zoom", "home", "walk", "swing", "pose", "style", "mode", "pixel_error", "upload_ms", "size"});
   Steering out;
   out.turn = members.numbers<2>("turn", -most_heights, most_heights).value_or(out.turn);
   out.pan = members.numbers<2>("pan", -most_heights, most_heights).value_or(out.pan);
@@ -34,7 +34,7 @@ Steering steering_from_json(std::string_view text) {
   if (const auto pose = members.numbers<6>("pose", -farthest_m, farthest_m)) out.pose = pose_of(*pose);
   if (const auto style = members.choice("style", style_names())) out.style = CameraRig::Style(*style);
   if (const auto mode = members.choice("mode", view_mode_names())) out.mode = ViewMode(*mode);
-  out.lod_bias = members.number("lod_bias", -16, 16);
+  out.pixel_error = members.number("pixel_error", finest_pixel_error, coarsest_pixel_error);
   if (const auto upload_ms = members.number("upload_ms", 0.1, 1000)) out.upload_s = *upload_ms / 1000;
   if (const auto size = members.numbers<2>("size", 1, largest_edge)) out.size = {int((*size)[0]), int((*size)[1])};
   return out;
@@ -52,7 +52,7 @@ std::string to_json(const ViewerState& state, const LiveFrame* frame) {
                               {"size", {view.camera.width, view.camera.height}},
                               {"style", style_names()[std::size_t(state.style)]},
                               {"mode", view_mode_names()[std::size_t(view.mode)]},
-                              {"lod_bias", view.camera.lod_bias},
+                              {"pixel_error", view.camera.pixel_error},
                               {"upload_ms", state.upload_s * 1000},
                               {"speed_m_per_s", state.speed_m_per_s},
                               {"frame", nullptr}};

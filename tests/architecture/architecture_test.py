@@ -26,7 +26,7 @@ RESERVED = [
     (r"thread|future|mutex|condition_variable", r"(?!kernels/)|kernels/policy\.cpp",
      "of kernels/, only the policy has threads"),
     (r"fstream|filesystem|iostream|cstdio", r"(?!kernels/)", "kernels/ knows no files"),
-    (r"tiny_gltf\.h|hdf5\.h|pugixml\.hpp|png\.h|jpeglib\.h", r"format/|viewer/.*\.cpp|tests/",
+    (r"tiny_gltf\.h|hdf5\.h|pugixml\.hpp|png\.h|jpeglib\.h|(OpenEXR|Imath)/.*", r"format/|viewer/.*\.cpp|tests/",
      "files are format's business"),
 ]
 

@@ -72,7 +72,7 @@ class Render(unittest.TestCase):
     def test_albedo_light_and_level_show(self):
         lit = self.render("lit.png", "--background", "9,9,9")
         self.assertNotEqual(self.render("albedo.png", "--background", "9,9,9", "--mode", "albedo"), lit)
-        self.assertNotEqual(self.render("coarse.png", "--background", "9,9,9", "--lod-bias", 2), lit)
+        self.assertNotEqual(self.render("coarse.png", "--background", "9,9,9", "--pixel-error", 4), lit)
         coarse, fine = read_png(self.root / "coarse.png"), read_png(self.root / "lit.png")
         self.assertEqual(fine.shape[2], 3)
         self.assertLess(numpy.abs(coarse - fine).mean(), 12)  # the same terrain, less sharp

@@ -80,16 +80,16 @@ TEST(Camera, RefusesPicturesThatAreNone) {
   }
 }
 
-TEST(Camera, RefusesAnglesAndLevelsOutOfRange) {
+TEST(Camera, RefusesAnglesAndPixelErrorsOutOfRange) {
   for (const double bad : {nan, 0.0, -40.0, 180.0, 1e9, infinity}) {
     CameraOptions options = looking_down();
     options.fovy_deg = bad;
     EXPECT_THAT(complaint(options), testing::StartsWith("--fovy: "));
   }
-  for (const double bad : {nan, -17.0, 17.0, infinity}) {
+  for (const double bad : {nan, 0.0, -1.0, 0x1p-17, 0x1p17, infinity}) {
     CameraOptions options = looking_down();
-    options.lod_bias = bad;
-    EXPECT_THAT(complaint(options), testing::StartsWith("--lod-bias: "));
+    options.pixel_error = bad;
+    EXPECT_THAT(complaint(options), testing::StartsWith("--pixel-error: "));
   }
 }
 

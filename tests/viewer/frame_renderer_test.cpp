@@ -66,7 +66,7 @@ TEST(FrameRenderer, ShowsCoarserBricksWhileFinerOnesAreMissing) {
   FrameRenderer renderer = renderer_of(scene, std::uint64_t(1) << 28);
   const View near = looking({128, 128, 60}, {128.1, 128, 12}, 40);
   View far = near;
-  far.camera.lod_bias = 3;
+  far.camera.pixel_error = 8;
   draw_until_complete(renderer, far);
   const Frame first = renderer.draw(near, 0);
   EXPECT_FALSE(first.stats.complete);

@@ -97,15 +97,15 @@ TEST(Picture, ShowsTheSilhouetteOfASolidBall) {
 TEST(Picture, HasNoCrackInAClosedSurfaceOnAnyLevel) {
   VoxelScene scene(32);
   scene.add_cells(ball.shell(), {0, 0, 0}, 64);
-  for (const double bias : {-1.0, 0.0, 1.0, 2.0, 3.0})
+  for (const double error : {0.5, 1.0, 2.0, 4.0, 8.0})
     for (const Vector& eye : {Vector{150, -60, 90}, Vector{32.3, 33.1, 250}, Vector{-120, -110, -130}}) {
       PictureOptions options = view(eye, {31, 32, 30}, 120);
-      options.camera.lod_bias = bias;
-      SCOPED_TRACE(testing::Message() << "bias " << bias << ", eye " << eye[0]);
+      options.camera.pixel_error = error;
+      SCOPED_TRACE(testing::Message() << "pixel error " << error << ", eye " << eye[0]);
       // Voxels of the level that a ball this far away is shown with.
       const double pixel_m = 2 * std::tan(20 * std::numbers::pi / 180) / 120 * 220;
-      const double voxel_m = std::exp2(std::floor(std::log2(pixel_m) + 1)) * std::exp2(std::max(0.0, bias));
-      expect_silhouette(take(scene, options), options.camera, ball, std::min(voxel_m, 8.0), bias > 0 ? 250 : 255);
+      const double voxel_m = std::exp2(std::floor(std::log2(pixel_m) + 1)) * std::max(1.0, error);
+      expect_silhouette(take(scene, options), options.camera, ball, std::min(voxel_m, 8.0), error > 1 ? 250 : 255);
     }
 }
 
@@ -216,10 +216,10 @@ TEST(Picture, ShowsConstantNodesAsTheBricksTheyStandFor) {
   const std::vector<NodeKind>& kinds = pruned.shards()[0].nodes.kind;
   ASSERT_GT(std::count(kinds.begin(), kinds.end(), NodeKind::leaf_constant), 0);
   ASSERT_GT(std::count(kinds.begin(), kinds.end(), NodeKind::constant), 0);
-  for (const double bias : {0.0, 1.0, 2.0}) {
+  for (const double error : {1.0, 2.0, 4.0}) {
     PictureOptions options = view({-60, -50, 70}, {32, 32, 20});
-    options.camera.lod_bias = bias;
-    EXPECT_EQ(take(pruned, options).rgba, take(bricks, options).rgba) << "bias " << bias;
+    options.camera.pixel_error = error;
+    EXPECT_EQ(take(pruned, options).rgba, take(bricks, options).rgba) << "pixel error " << error;
   }
 }
 
@@ -247,11 +247,11 @@ TEST(Picture, HasNoGapBetweenColumnsWhoseCoarseLevelsAreNotAligned) {
   for (const std::int64_t x : {0, 256}) scene.add_cell(slope, {x, 0, x == 0 ? -88 : 40});
   PictureOptions options = view({255, 128, 8000}, {255, 128, 0}, 64);
   options.camera.fovy_deg = 1.5;
-  for (const double bias : {-2.0, 2.0, 2.8}) {
-    options.camera.lod_bias = bias;
+  for (const double error : {0.25, 4.0, 7.0}) {
+    options.camera.pixel_error = error;
     const Picture picture = take(scene, options);
     for (int y = 4; y < 60; ++y)
-      for (int x = 4; x < 60; ++x) ASSERT_GT(alpha_at(picture, x, y), 250) << x << "," << y << " bias " << bias;
+      for (int x = 4; x < 60; ++x) ASSERT_GT(alpha_at(picture, x, y), 250) << x << "," << y << " pixel error " << error;
   }
 }
 

@@ -168,7 +168,7 @@ TEST(Pilot, AsksForSoundPicturesWhateverIsSteered) {
     s.zoom = any();
     s.walk = std::array<double, 3>{any(), any(), any()};
     s.swing = std::array<double, 2>{any(), any()};
-    s.lod_bias = any();
+    s.pixel_error = any();
     s.upload_s = any();
     s.mode = ViewMode(random() % 256);
     s.size = std::array<int, 2>{int(random()), int(random())};
@@ -178,7 +178,7 @@ TEST(Pilot, AsksForSoundPicturesWhateverIsSteered) {
     ASSERT_TRUE(order.has_value());
     const CameraOptions& c = order->view.camera;
     ASSERT_TRUE(c.width >= 1 && c.width <= 4096 && c.height >= 1 && c.height <= 4096);
-    ASSERT_TRUE(std::fabs(c.lod_bias) <= 16 && order->upload_s >= 1e-4 && order->upload_s <= 1);
+    ASSERT_TRUE(c.pixel_error >= 0x1p-16 && c.pixel_error <= 0x1p16 && order->upload_s >= 1e-4 && order->upload_s <= 1);
     ASSERT_LT(std::size_t(order->view.mode), view_mode_names().size());
     ASSERT_FALSE(*c.eye_m == *c.target_m);
     pilot.drawn(*order, took(any(), random() % 2 == 0));

@@ -101,7 +101,7 @@ function show(state) {
   document.body.dataset.resting = String(state.resting);
   for (const id of ['mode', 'style'])
     if (document.activeElement !== element(id)) element(id).value = state[id];
-  if (document.activeElement !== element('lod')) element('lod').value = state.lod_bias;
+  if (document.activeElement !== element('error')) element('error').value = Math.log2(state.pixel_error);
   element('stats').textContent = state.frame ? statsLine(state) : '';
 }
 
@@ -216,15 +216,16 @@ const ONCE = {
   KeyH: () => steer({home: true}),
   KeyP: save,
   Slash: toggleHelp,
-  Equal: () => lodBy(0.5),
-  NumpadAdd: () => lodBy(0.5),
-  Minus: () => lodBy(-0.5),
-  NumpadSubtract: () => lodBy(-0.5),
+  Equal: () => halfLevels(1),
+  NumpadAdd: () => halfLevels(1),
+  Minus: () => halfLevels(-1),
+  NumpadSubtract: () => halfLevels(-1),
 };
 
-function lodBy(levels) {
-  const bias = (shownState ? shownState.lod_bias : 0) + levels;
-  steer({lod_bias: Math.max(-16, Math.min(16, bias))});
+// To a power of the square root of 2, so that as many back lead to the same picture.
+function halfLevels(coarser) {
+  const now = Math.round(2 * Math.log2(shownState ? shownState.pixel_error : 1));
+  steer({pixel_error: 2 ** (Math.max(-32, Math.min(32, now + coarser)) / 2)});
 }
 
 addEventListener('keydown', (event) => {
@@ -256,8 +257,8 @@ addEventListener('resize', () => steer({size: wantedSize()}));
 
 element('mode').addEventListener('change', (event) => { steer({mode: event.target.value}); event.target.blur(); });
 element('style').addEventListener('change', (event) => { steer({style: event.target.value}); event.target.blur(); });
-element('lod').addEventListener('input', (event) => steer({lod_bias: Number(event.target.value)}));
-element('lod').addEventListener('change', (event) => event.target.blur());
+element('error').addEventListener('input', (event) => steer({pixel_error: 2 ** Number(event.target.value)}));
+element('error').addEventListener('change', (event) => event.target.blur());
 element('home').addEventListener('click', () => steer({home: true}));
 element('save').addEventListener('click', save);
 element('help').addEventListener('click', toggleHelp);

@@ -38,8 +38,9 @@ void show_choices(const ViewerState& state, Steering& out) {
   if (mode != std::size_t(state.full_view.mode)) out.mode = ViewMode(mode);
   const std::size_t style = choose("move (O)", style_names(), std::size_t(state.style));
   if (style != std::size_t(state.style)) out.style = CameraRig::Style(style);
-  float lod_bias = float(state.full_view.camera.lod_bias), upload_ms = float(state.upload_s * 1e3);
-  if (ImGui::SliderFloat("lod bias (+ -)", &lod_bias, -2, 6, "%.1f")) out.lod_bias = lod_bias;
+  float pixel_error = float(state.full_view.camera.pixel_error), upload_ms = float(state.upload_s * 1e3);
+  if (ImGui::SliderFloat("pixel error (+ -)", &pixel_error, 0.25f, 64, "%.2f", ImGuiSliderFlags_Logarithmic))
+    out.pixel_error = pixel_error;
   if (ImGui::SliderFloat("upload ms", &upload_ms, 0.1f, 200, "%.1f")) out.upload_s = upload_ms / 1e3;
   line(fmt::format("speed {:.1f} m/s (wheel in flight)", state.speed_m_per_s));
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl2.h>
+#include <cmath>
 #include <fmt/format.h>
 #include <imgui.h>
 #include <optional>
@@ -67,6 +68,11 @@ struct Gui {
   Gui& operator=(const Gui&) = delete;
 };
 
+/// To a power of the square root of 2, so that as many back lead to the same picture.
+double half_levels(double pixel_error, int coarser) {
+  return std::exp2((std::round(2 * std::log2(pixel_error)) + coarser) / 2);
+}
+
 /// The first that is free: gigabake-0001.png and on.
 std::filesystem::path free_name(const std::filesystem::path& folder, const char* kind) {
   for (int i = 1; i <= most_files; ++i) {
@@ -109,7 +115,7 @@ class Window {
     glfwGetFramebufferSize(window_, &width, &height);
     if (width > 0 && height > 0 && std::array{width, height} != size_) steering.size = size_ = {width, height};
     for (const WindowCommand command : input_.take_commands()) obey(command, steering);
-    const bool settings = steering.mode || steering.style || steering.lod_bias || steering.size;
+    const bool settings = steering.mode || steering.style || steering.pixel_error || steering.size;
     if (steering.moves() || settings || steering.walk || steering.swing) scene_.steer(viewer_, steering);
   }
 
@@ -125,10 +131,10 @@ class Window {
         steering.style = orbits ? CameraRig::Style::fly : CameraRig::Style::orbit;
         break;
       case WindowCommand::coarser:
-        steering.lod_bias = now.full_view.camera.lod_bias + 0.5;
+        steering.pixel_error = half_levels(now.full_view.camera.pixel_error, 1);
         break;
       case WindowCommand::finer:
-        steering.lod_bias = now.full_view.camera.lod_bias - 0.5;
+        steering.pixel_error = half_levels(now.full_view.camera.pixel_error, -1);
         break;
       case WindowCommand::save_picture:
         wants_picture_ = true;
@@ -200,7 +206,7 @@ class Window {
     ImGui_ImplOpenGL2_RenderDrawData(ImGui::GetDrawData());
     glfwSwapBuffers(window_);
     const Steering& s = answer.steering;
-    if (s.home || s.mode || s.style || s.lod_bias || s.upload_s) scene_.steer(viewer_, s);
+    if (s.home || s.mode || s.style || s.pixel_error || s.upload_s) scene_.steer(viewer_, s);
     if (answer.save_picture) wants_picture_ = true;
     if (answer.record) toggle_recording();
   }
