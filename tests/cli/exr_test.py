@@ -106,7 +106,8 @@ class Exr(unittest.TestCase):
         refused.mkdir()
         path = self.root / "path.json"
         for code, expect, options in (
-                (2, "--depth: expected a name that ends in .exr", ("-o", refused / "p.png", "--depth", refused / "d.png")),
+                (2, "--depth: expected a name that ends in .exr", ("-o", refused / "p.png",
+                                                                   "--depth", refused / "d.png")),
                 (2, "--depth: expected another file", ("-o", refused / "p.exr", "--depth", refused / "p.exr")),
                 (2, "--depth: expected a name with one %d", ("-o", refused / "%d.png", "--depth", refused / "d.exr",
                                                              "--path", path, "--frames", 1)),

@@ -59,7 +59,7 @@ class Memory(unittest.TestCase):
             frames, resident = self.fly(memory)
             held = max(frame["bytes_held"] for frame in frames)
             uploads = sum(frame["uploads"] for frame in frames)
-            print(f"memory {memory / MIB:.0f} MiB of a scene of {scene_bytes / MIB:.0f} MiB: {held / MIB:.2f} MiB held, "
+            print(f"memory {memory / MIB:.0f} MiB, scene {scene_bytes / MIB:.0f} MiB: {held / MIB:.2f} MiB held, "
                   f"{resident / MIB:.1f} MiB resident, {uploads} uploads")
             self.assertLessEqual(frames[0]["bytes_allowed"], memory)
             self.assertLessEqual(held, memory + HELD_SLACK)
