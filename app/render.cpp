@@ -143,7 +143,8 @@ void add_render(CLI::App& app, int& exit_code) {
   const auto a = std::make_shared<RenderArguments>();
   CLI::App& command = *app.add_subcommand("render", "Pictures of a baked scene: one, or many along a path");
   command.add_option("SCENE", a->scene, "scene.xml of a bake")->required();
-  command.add_option("-o,--output", a->picture, "PNG or OpenEXR file (.exr) to write; along a path frames/%04d.png or alike")
+  command
+      .add_option("-o,--output", a->picture, "PNG or OpenEXR (.exr) to write; along a path frames/%04d.png or alike")
       ->required();
   command.add_option("--depth", a->depth, "OpenEXR file to write besides: distances, metres; along a path as -o");
   command.add_option("--eye", a->eye, "X,Y,Z: camera, scene metres (south-east of the target, all in view)");

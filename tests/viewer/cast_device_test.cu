@@ -29,7 +29,7 @@ Picture draw(const VoxelScene& scene, const std::array<double, 3>& eye, std::uin
   SceneStream stream(scene.description(), "scene.xml", scene.pages(), options, policy);
   kernels::CastCamera camera = make_camera(view(eye, {30, 31, 29.5}, 200).camera, scene.description(), scene.pages());
   camera.haze = air(stream.layout().scene);
-  return render(stream, camera, {});
+  return render(stream, camera, {}, PictureLight::linear_too);
 }
 
 TEST(CastOnDevice, ReturnsTheSameBitsAsOnTheHostForAnyPool) {
@@ -44,6 +44,7 @@ TEST(CastOnDevice, ReturnsTheSameBitsAsOnTheHostForAnyPool) {
       const Picture device = draw(scene, eye, pool, devices.usable[0]);
       EXPECT_EQ(host.rgba, device.rgba) << pool;
       EXPECT_EQ(host.depth, device.depth) << pool;
+      EXPECT_EQ(host.linear, device.linear) << pool;
     }
   }
 }

@@ -113,12 +113,17 @@ TEST_F(ExrTest, HoldsTheDistanceOfAPlaneWithinHalfAVoxelAndInfinityBesideIt) {
     std::size_t seen = 0, missed = 0;
     for (int y = 0; y < 64; ++y)
       for (int x = 0; x < 64; ++x) {
-        const double right = edge * ((x + 0.5) / 32 - 1), up = edge * (1 - (y + 0.5) / 32), down = height - 7.5;
+        const double right = edge * ((x + 0.5) / 32 - 1), up = edge * (1 - (y + 0.5) / 32);
+        const double down = height - 8;                                        // to the upper faces
         const double off = std::fmax(std::fabs(right), std::fabs(up)) * down;  // from the middle, on the plane
         const float z = exr.z[std::size_t(64 * y + x)];
         const double stretch = std::hypot(1, right, up);  // of a height along the ray
-        if (off < 30) ASSERT_NEAR(z / 0.25, down * stretch, 0.5 * stretch) << x << "," << y << " from " << height;
-        if (off > 34) ASSERT_EQ(z, HUGE_VALF) << x << "," << y << " from " << height;
+        if (off < 30) {
+          ASSERT_NEAR(z / 0.25, down * stretch, 0.5 * stretch) << x << "," << y << " from " << height;
+        }
+        if (off > 34) {
+          ASSERT_EQ(z, HUGE_VALF) << x << "," << y << " from " << height;
+        }
         seen += off < 30 ? 1 : 0;
         missed += off > 34 ? 1 : 0;
       }

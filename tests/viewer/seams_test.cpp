@@ -36,8 +36,7 @@ const Place places[] = {
     {{20, 30, 75}, {90, 100, 30}, 1},      // near, level 0
     {{100, 92, 85}, {128, 140, 20}, 4},    // near, levels 0 to 2 across borders
     {{128, 120, 95}, {128, 128, 20}, 16},  // near, levels 2 and 3
-    {{-500, -420, 420}, {128, 128, 0}, 1},
-    {{-500, -420, 420}, {128, 128, 0}, 2.5},  // far, level 3
+    {{-500, -420, 420}, {128, 128, 0}, 1}, {{-500, -420, 420}, {128, 128, 0}, 2.5},  // far, level 3
 };
 
 FrameRenderer renderer_of(const VoxelScene& scene) {

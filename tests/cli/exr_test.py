@@ -1,0 +1,124 @@
+#!/usr/bin/env python3
+"""render -o P.exr and --depth: the light that the PNG shows, and distances as the geometry has them.
+
+Usage: exr_test.py GIGABAKE SOURCE_DIR
+"""
+import json
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy
+
+import harness
+from exr_file import read_exr
+from png_file import read_png
+
+SIZE = (150, 100)
+VOXEL_M = 0.25
+
+
+def srgb_codes(linear):
+    """IEC 61966-2-1, 0 to 255, not rounded."""
+    linear = numpy.clip(linear, 0, 1)
+    return 255 * numpy.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+
+
+class Exr(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.root = Path(cls.folder.name)
+        GIGABAKE.succeed("sample", cls.root / "sample", "--size", 64, "--tiles", 1)
+        GIGABAKE.bake(cls.root / "sample" / "tileset.json", cls.root / "out", VOXEL_M)
+        cls.scene = cls.root / "out" / "scene.xml"
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def render(self, name, *options, scene=None):
+        path = self.root / name
+        GIGABAKE.succeed("render", scene or self.scene, "-o", path, "--size", f"{SIZE[0]}x{SIZE[1]}", *options)
+        return path
+
+    def test_its_light_is_what_the_png_shows(self):
+        for background in ("sky", "20,180,250,77"):
+            image = read_exr(self.render("p.exr", "--background", background))
+            shown = read_png(self.render("p.png", "--background", background))
+            self.assertEqual(sorted(image), ["A", "B", "G", "R", "Z"])
+            self.assertEqual({name: image[name].dtype.itemsize for name in "RGBAZ"},
+                             {"R": 2, "G": 2, "B": 2, "A": 2, "Z": 4})
+            alpha = image["A"].astype(float)
+            for k, name in enumerate("RGB"):
+                difference = numpy.abs(srgb_codes(image[name] / alpha) - shown[..., k])
+                self.assertLess(difference.max(), 0.7, name)  # rounding, and 11 bits of a half
+            if background != "sky":
+                self.assertLess(numpy.abs(255 * alpha - shown[..., 3]).max(), 0.6)
+
+    def test_equal_pictures_are_equal_files(self):
+        expected = self.render("first.exr").read_bytes()
+        for options in (), ("--threads", 1), ("--memory", "1M"):
+            self.assertEqual(self.render("again.exr", *options).read_bytes(), expected)
+
+    def test_depth_alone_stands_beside_a_picture(self):
+        both = read_exr(self.render("both.exr"))
+        self.render("beside.png", "--depth", self.root / "depth.exr")
+        depth = read_exr(self.root / "depth.exr")
+        self.assertEqual(list(depth), ["Z"])
+        self.assertTrue((depth["Z"] == both["Z"]).all())
+        self.assertTrue(numpy.isinf(depth["Z"]).any() and numpy.isfinite(depth["Z"]).any())
+        self.assertEqual((self.root / "beside.png").read_bytes(), self.render("alone.png").read_bytes())
+
+    def test_distances_to_a_plane_are_right_within_half_a_voxel(self):
+        # A 250th below the upper face of its voxels, which is where half of the light is gone.
+        height, edge = 1.249, 20
+        corners = [(x, height, z) for x in (-edge, edge) for z in (-edge, edge)]
+        harness.write_glb(self.root / "plane.glb", corners, [0, 1, 2, 2, 1, 3], [(90, 90, 90, 255)] * 4)
+        GIGABAKE.bake(self.root / "plane.glb", self.root / "plane", VOXEL_M, "--local")
+        eye = numpy.array([0.1, 0.2, 17.3])
+        self.render("plane.png", f"--eye={','.join(map(str, eye))}", "--target=0.1,0.2,0", "--fovy", 60,
+                    "--depth", self.root / "plane.exr", scene=self.root / "plane" / "scene.xml")
+        z = read_exr(self.root / "plane.exr")["Z"]
+        scale = numpy.tan(numpy.radians(30)) * 2 / SIZE[1]
+        right = (numpy.arange(SIZE[0]) + 0.5 - SIZE[0] / 2) * scale
+        up = (SIZE[1] / 2 - numpy.arange(SIZE[1]) - 0.5) * scale
+        stretch = numpy.sqrt(1 + right[None, :] ** 2 + up[:, None] ** 2)
+        down = z / stretch - (eye[2] - height)
+        self.assertLess(numpy.abs(down).max(), VOXEL_M / 2 + 1e-3, (down.min(), down.max()))
+
+    def test_a_path_has_a_file_of_each_kind_for_each_frame(self):
+        path = self.root / "path.json"
+        path.write_text(json.dumps({"keyframes": [
+            {"time_s": 0, "eye": [30, -35, 20], "target": [0, 0, 0]},
+            {"time_s": 1, "eye": [35, 5, 15], "target": [0, 0, 0]}]}))
+        frames = self.root / "frames"
+        frames.mkdir()
+        self.render("frames/%02d.exr", "--path", path, "--frames", 2, "--depth", frames / "z%02d.exr")
+        self.assertEqual(sorted(p.name for p in frames.iterdir()), ["00.exr", "01.exr", "z00.exr", "z01.exr"])
+        single = self.render("one.exr", "--eye=30,-35,20", "--target=0,0,0")
+        self.assertEqual((frames / "00.exr").read_bytes(), single.read_bytes())
+        self.assertTrue((read_exr(frames / "z01.exr")["Z"] == read_exr(frames / "01.exr")["Z"]).all())
+
+    def test_what_is_wrong_is_named_and_nothing_is_left_behind(self):
+        refused = self.root / "refused"
+        refused.mkdir()
+        path = self.root / "path.json"
+        for code, expect, options in (
+                (2, "--depth: expected a name that ends in .exr", ("-o", refused / "p.png",
+                                                                   "--depth", refused / "d.png")),
+                (2, "--depth: expected another file", ("-o", refused / "p.exr", "--depth", refused / "p.exr")),
+                (2, "--depth: expected a name with one %d", ("-o", refused / "%d.png", "--depth", refused / "d.exr",
+                                                             "--path", path, "--frames", 1)),
+                (1, "missing", ("-o", refused / "missing" / "p.exr"))):
+            result = GIGABAKE.run("render", self.scene, *options)
+            self.assertEqual(result.returncode, code, result)
+            self.assertIn(expect, result.stderr)
+            self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+            self.assertEqual(list(refused.iterdir()), [])
+
+
+if __name__ == "__main__":
+    GIGABAKE = harness.Gigabake(sys.argv[1])
+    unittest.main(argv=sys.argv[:1])

@@ -1,0 +1,78 @@
+#!/usr/bin/env python3
+"""One scene baked as one cell and as four by four: the pictures tell no difference, however much memory they take.
+
+Usage: seams_test.py GIGABAKE SOURCE_DIR
+"""
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy
+
+import harness
+from png_file import read_png
+
+# Camera, pixel error: levels up to 3, which all bakes have on one grid (docs/decisions.md, 10).
+VIEWS = {
+    "near": (("--eye=10,-15,25", "--target=0,0,5"), 1),
+    "near and coarse": (("--eye=10,-15,25", "--target=0,0,5"), 4),
+    "near and coarser": (("--eye=10,-15,25", "--target=0,0,5"), 16),
+    "far": (("--eye=100,-110,70", "--target=0,0,0"), 1),
+    "far and coarse": (("--eye=100,-110,70", "--target=0,0,0"), 4),
+}
+
+
+class Seams(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.root = Path(cls.folder.name)
+        GIGABAKE.succeed("sample", cls.root / "sample", "--size", 96, "--tiles", 2)
+        cls.scenes = {}
+        for name, cell_voxels in (("one", 512), ("sixteen", 128)):
+            GIGABAKE.bake(cls.root / "sample" / "tileset.json", cls.root / name, 0.25, "--cell-voxels", cell_voxels,
+                          "--lattice-origin=-64,-64,0")
+            cls.scenes[name] = cls.root / name / "scene.xml"
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def render(self, scene, *options):
+        picture = self.root / "p.png"
+        GIGABAKE.succeed("render", self.scenes[scene], "-o", picture, "--size", "320x180", "--background", "0,0,0,0",
+                         *options)
+        return picture
+
+    def test_one_cell_and_sixteen_are_what_was_baked(self):
+        cells = {name: GIGABAKE.info(scene)["cells"] for name, scene in self.scenes.items()}
+        self.assertEqual(cells, {"one": 1, "sixteen": 16})
+
+    def test_no_seam_is_seen_between_cells_in_any_mode_from_near_and_far(self):
+        for name, (camera, pixel_error) in VIEWS.items():
+            for mode in ("lit", "normal", "coverage", "lod", "albedo"):
+                options = (*camera, "--pixel-error", pixel_error, "--mode", mode)
+                one = read_png(self.render("one", *options))
+                sixteen = read_png(self.render("sixteen", *options))
+                self.assertGreater(one.std(), 5)
+                self.assertLessEqual(numpy.abs(one - sixteen).max(), 2, f"{name}, {mode}")
+
+    def test_the_memory_does_not_show_and_too_little_is_refused_in_one_line(self):
+        for scene in self.scenes:
+            for camera, pixel_error in (VIEWS["near"], VIEWS["far and coarse"]):
+                options = (*camera, "--pixel-error", pixel_error)
+                expected = self.render(scene, *options).read_bytes()
+                for memory in ("300K", "1M", "3M", "20M", "0"):
+                    picture = self.render(scene, *options, "--memory", memory)
+                    self.assertEqual(picture.read_bytes(), expected, f"{scene}, {memory}")
+            for memory in ("1", "1000", "20K"):
+                result = GIGABAKE.run("render", self.scenes[scene], "-o", self.root / "refused.png", "--memory", memory)
+                self.assertEqual(result.returncode, 2, result)
+                self.assertRegex(result.stderr, r"^gigabake: --memory: the roots of \d+ cells alone need \d+K\n$")
+                self.assertFalse((self.root / "refused.png").exists())
+
+
+if __name__ == "__main__":
+    GIGABAKE = harness.Gigabake(sys.argv[1])
+    unittest.main(argv=sys.argv[:1])
