@@ -99,7 +99,7 @@ class Serve(unittest.TestCase):
         path = self.root / "rendered.png"
         camera = ["--eye=" + ",".join(map(repr, state["eye"])), "--target=" + ",".join(map(repr, state["target"]))]
         GIGABAKE.succeed("render", self.scene, "-o", path, "--size", "{}x{}".format(*state["size"]), *camera,
-                         *(["--albedo"] if state["mode"] == "albedo" else []))
+                         "--mode", state["mode"], "--pixel-error", state["pixel_error"])
         return read_png(path)[..., :3]
 
     def test_a_browser_flies_and_sees_what_render_draws(self):
@@ -154,7 +154,7 @@ class Serve(unittest.TestCase):
         key = json.loads(server.ask("viewers", {})[1])["viewer"]
         self.assertFalse(json.loads(server.ask(f"state?viewer={key}")[1])["scene"])
         page = self.open_page(server)
-        page.wait_for("document.getElementById('message').textContent.includes('no scene yet')")
+        page.wait_for("document.getElementById('message')?.textContent.includes('no scene yet')")
         self.bake(out)
         page.wait_for("shownState && shownState.scene && shownState.frame")
         status, text = server.ask("bake")
