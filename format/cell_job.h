@@ -19,7 +19,7 @@ namespace gigabake {
 struct CellJob {
   std::uint32_t id = 0;                       ///< index into BakePlan::jobs
   std::string name;                           ///< "c_X_Y_Z": column and stack index
-  std::array<std::int64_t, 3> lattice_min{};  ///< lod-0 voxels; x, y multiples of N, z a multiple of 8
+  std::array<std::int64_t, 3> lattice_min{};  ///< lod-0 voxels; x, y multiples of N, z of the coarsest level's voxel
   std::uint32_t cell_voxels = 0;              ///< N
   std::vector<std::uint32_t> tiles;           ///< indices into SceneSources::tiles, ascending
   std::uint64_t triangles = 0;                ///< estimate, for the order of work

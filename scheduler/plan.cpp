@@ -139,10 +139,12 @@ void name_jobs(const std::vector<TileSurvey>& surveys, const SceneSources& sourc
 }  // namespace
 
 CellStack stack_over(std::int64_t z_min, std::int64_t z_end, std::int64_t cell_voxels) {
+  // A voxel of the coarsest level: then every level of every cell lies on one grid.
+  const std::int64_t step = std::max<std::int64_t>(brick_edge, cell_voxels / brick_edge);
   for (std::int64_t cells = (z_end - z_min + cell_voxels - 1) / cell_voxels;; ++cells) {
     const std::int64_t spare = cells * cell_voxels - (z_end - z_min);
-    std::int64_t start = floor_to(z_min - spare / 2, brick_edge);
-    if (start + cells * cell_voxels < z_end) start += brick_edge;
+    std::int64_t start = floor_to(z_min - spare / 2, step);
+    if (start + cells * cell_voxels < z_end) start += step;
     if (start <= z_min && start + cells * cell_voxels >= z_end) return {start, cells};
   }
 }

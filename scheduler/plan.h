@@ -21,8 +21,8 @@ struct BakePlan {
 /// A tile that needs more cells than these is lost with a line that says so: its unit is wrong, or one vertex is.
 inline constexpr std::int64_t most_cells_of_a_tile = std::int64_t(1) << 21;
 
-/// surveys: one for each of sources.tiles. A stack is centred on its column's height and starts at a multiple of 8
-/// voxels, so that lod 0 to 3 lie on the lattice; cells that no tile reaches are left out.
+/// surveys: one for each of sources.tiles. A stack is centred on its column's height and starts at a multiple of the
+/// coarsest level's voxel, so that every level of every cell lies on one grid; cells that no tile reaches are left out.
 BakePlan make_plan(std::vector<TileSurvey> surveys, const SceneSources& sources, const BakeParameters& parameters);
 
 /// Lowest voxel and number of cells of the stack over [z_min, z_end). Range  z_min < z_end.
