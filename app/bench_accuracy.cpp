@@ -17,7 +17,7 @@ namespace {
 struct AccuracyOptions {
   BakeOptions bake;
   std::string json, markdown, size = "160x120";
-  int samples = 64;
+  int samples = 64, repeats = 3;
 };
 
 bench::AccuracyBenchRequest request_of(const AccuracyOptions& options) {
@@ -28,6 +28,7 @@ bench::AccuracyBenchRequest request_of(const AccuracyOptions& options) {
   r.out = bake.out;
   r.backend = bake.backend;
   r.samples = options.samples;
+  r.repeats = options.repeats;
   std::tie(r.width, r.height) = size_option(options.size);
   if (std::min(r.width, r.height) < 8 || std::max(r.width, r.height) > 4096)
     throw UsageError("--size: expected 8 to 4096 pixels a side");
@@ -68,6 +69,9 @@ void add_bench_accuracy(CLI::App& bench, int& exit_code) {
   command->add_option("--samples", o->samples, "rays of the reference, a pixel")
       ->capture_default_str()
       ->check(CLI::Range(1, 65536));
+  command->add_option("--repeats", o->repeats, "bakes of each setting; the fastest counts")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
   command->add_option("--size", o->size, "WIDTHxHEIGHT of the largest pictures")->capture_default_str();
   command->add_option("--json", o->json, "JSON file to write: all figures");
   command->add_option("--markdown", o->markdown, "Markdown file to write: the tables that are printed");

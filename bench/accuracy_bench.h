@@ -20,6 +20,7 @@ struct AccuracyBenchRequest {
   /// A folder for each setting, whose shards are replaced, and pictures.
   std::filesystem::path out;
   Backend backend = Backend::automatic;
+  int repeats = 3;                ///< bakes of each setting; the fastest counts
   int samples = 64;               ///< of the reference, a pixel
   int width = 160, height = 120;  ///< of the largest pictures
 };
