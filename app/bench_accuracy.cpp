@@ -36,8 +36,6 @@ bench::AccuracyBenchRequest request_of(const AccuracyOptions& options) {
 }
 
 int run(const AccuracyOptions& options) {
-  if (!bench::ReferenceCaster::is_built())
-    throw UsageError("bench accuracy: this gigabake was built without Embree; install libembree-dev and build again");
   const bench::AccuracyBench b = bench::bench_accuracy(
       request_of(options), [](const std::string& setting) { fmt::print(stderr, "{}\n", setting); });
   const std::string markdown = to_markdown(b);

@@ -8,7 +8,7 @@ struct ReferenceCaster::State {};
 bool ReferenceCaster::is_built() { return false; }
 
 ReferenceCaster::ReferenceCaster(const SceneSources&, const BakeParameters&, int) {
-  throw UsageError("bench accuracy: built without Embree; install libembree-dev and build again");
+  throw UsageError("bench accuracy: this gigabake was built without Embree; install libembree-dev and build again");
 }
 
 ReferenceCaster::~ReferenceCaster() = default;
