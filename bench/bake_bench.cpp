@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <memory>
-#include <thread>
 
 #include "format/error.h"
-#include "worker/cell_pipeline.h"
 
 namespace gigabake::bench {
 namespace {
@@ -18,21 +16,6 @@ std::unique_ptr<CellPipeline> make_pipeline(const SceneSources& sources, const B
   return std::make_unique<CellPipeline>(
       sources, request.scene.parameters,
       WorkerOptions{request.scene.threads, request.scene.memory_bytes, request.out, device});
-}
-
-/// All jobs, at most `in_flight` of them at a time.
-std::vector<CellReport> run(CellPipeline& pipeline, const std::vector<CellJob>& jobs, std::size_t in_flight) {
-  std::vector<CellReport> reports;
-  for (std::size_t next = 0; reports.size() < jobs.size();) {
-    while (next < jobs.size() && pipeline.in_flight() < in_flight) pipeline.submit(jobs[next++]);
-    if (auto report = pipeline.poll()) {
-      if (report->outcome == CellOutcome::failed) throw InputError(jobs[report->id].name, "", report->error);
-      reports.push_back(std::move(*report));
-    } else {
-      std::this_thread::sleep_for(std::chrono::microseconds(200));
-    }
-  }
-  return reports;
 }
 
 StageSeconds stages(const std::vector<CellReport>& reports) {
@@ -65,17 +48,17 @@ BakeBench bench_bake(const BakeBenchRequest& request) {
     throw InputError(request.out, "", "holds a scene; a benchmark would replace its shards, choose another folder");
   const SceneSources sources = open_sources(request.scene.source, request.scene.source_options);
   const DeviceChoice device = choose_device({request.backend});
-  std::vector<CellJob> jobs = plan_cells(sources, request.scene);
+  std::vector<CellJob> jobs = plan_scene(sources, request.scene).jobs;
   if (jobs.size() > request.most_cells) jobs.resize(request.most_cells);
   BakeBench b;
   b.backend = device.device ? "cuda" : "cpu";
-  const std::vector<CellReport> one_by_one = run(*make_pipeline(sources, request, device.device), jobs, 1);
+  const std::vector<CellReport> one_by_one = bake_cells(*make_pipeline(sources, request, device.device), jobs, 1);
   b.alone = stages(one_by_one);
   // As in a bake, a device's driver starts while tiles are surveyed.
   const std::unique_ptr<CellPipeline> pipeline = make_pipeline(sources, request, device.device);
-  plan_cells(sources, request.scene);
+  plan_scene(sources, request.scene);
   const auto start = Clock::now();
-  const std::vector<CellReport> together = run(*pipeline, jobs, cells_in_flight);
+  const std::vector<CellReport> together = bake_cells(*pipeline, jobs, cells_in_flight);
   b.bake_s = seconds_since(start);
   b.overlapped = stages(together);
   b.cells = together.size();

@@ -1,19 +1,35 @@
 #include "bench/bench_scene.h"
 
+#include <thread>
+
 #include "format/error.h"
 #include "kernels/policy.h"
 #include "worker/survey_tile.h"
 
 namespace gigabake::bench {
 
-std::vector<CellJob> plan_cells(const SceneSources& sources, const BenchScene& scene) {
+BakePlan plan_scene(const SceneSources& sources, const BenchScene& scene) {
   const kernels::CpuPolicy policy(scene.threads);
   std::vector<TileSurvey> surveys;
   for (std::uint32_t t = 0; t < sources.tiles.size(); ++t)
     surveys.push_back(survey_tile(sources, t, scene.parameters, policy));
   BakePlan plan = make_plan(std::move(surveys), sources, scene.parameters);
   if (plan.jobs.empty()) throw InputError(scene.source, "", "holds no triangles to bake");
-  return std::move(plan.jobs);
+  return plan;
+}
+
+std::vector<CellReport> bake_cells(CellPipeline& pipeline, const std::vector<CellJob>& jobs, std::size_t in_flight) {
+  std::vector<CellReport> reports;
+  for (std::size_t next = 0; reports.size() < jobs.size();) {
+    while (next < jobs.size() && pipeline.in_flight() < in_flight) pipeline.submit(jobs[next++]);
+    if (auto report = pipeline.poll()) {
+      if (report->outcome == CellOutcome::failed) throw InputError(jobs[report->id].name, "", report->error);
+      reports.push_back(std::move(*report));
+    } else {
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+    }
+  }
+  return reports;
 }
 
 }  // namespace gigabake::bench

@@ -1,4 +1,5 @@
-/// What the benchmarks have in common: a scene, its plan made in this process, and what one stop watch says.
+/// What the benchmarks have in common: a scene, its plan made in this process, cells baked in it, and what one stop
+/// watch says.
 #pragma once
 
 #include <chrono>
@@ -9,6 +10,7 @@
 #include "format/parameters.h"
 #include "format/source.h"
 #include "scheduler/plan.h"
+#include "worker/cell_pipeline.h"
 
 namespace gigabake::bench {
 
@@ -21,7 +23,10 @@ struct BenchScene {
 };
 
 /// Errors  InputError: as a bake of it; no triangles.
-std::vector<CellJob> plan_cells(const SceneSources& sources, const BenchScene& scene);
+BakePlan plan_scene(const SceneSources& sources, const BenchScene& scene);
+
+/// All jobs, at most `in_flight` of them at a time. Errors  InputError: a cell that failed.
+std::vector<CellReport> bake_cells(CellPipeline& pipeline, const std::vector<CellJob>& jobs, std::size_t in_flight);
 
 using Clock = std::chrono::steady_clock;
 

@@ -15,7 +15,7 @@ namespace gigabake::bench {
 namespace {
 
 CellJob largest_cell(const SceneSources& sources, const BenchScene& scene) {
-  const std::vector<CellJob> jobs = plan_cells(sources, scene);
+  const std::vector<CellJob> jobs = plan_scene(sources, scene).jobs;
   return *std::max_element(jobs.begin(), jobs.end(),
                            [](const CellJob& a, const CellJob& b) { return a.triangles < b.triangles; });
 }

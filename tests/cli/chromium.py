@@ -34,7 +34,7 @@ class Page:
     """One page of a browser of its own."""
 
     def __init__(self, program, url, width, height):
-        self.profile = tempfile.TemporaryDirectory()
+        self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)  # its helpers write on for a moment
         read_end, to_browser = os.pipe()
         from_browser, write_end = os.pipe()
         # The browser reads commands from descriptor 3 and writes answers to 4.

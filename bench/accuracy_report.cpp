@@ -1,0 +1,163 @@
+#include "bench/accuracy_report.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace gigabake::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const PictureError& e) {
+  return {{"psnr_black_db", e.psnr_black_db},
+          {"psnr_white_db", e.psnr_white_db},
+          {"silhouette_iou", e.silhouette_iou},
+          {"coverage_bias", e.coverage_bias},
+          {"holes", e.holes},
+          {"rms_colour", e.rms_colour},
+          {"delta_e", e.delta_e},
+          {"flip", e.flip}};
+}
+
+Json to_json(const AccuracySetting& s) {
+  Json j{{"name", s.name},
+         {"surface", s.surface},
+         {"mip", s.mip},
+         {"normals", s.parameters.normals},
+         {"voxel_size_m", s.parameters.voxel_size_m},
+         {"bake_s", s.bake_s},
+         {"voxels", s.voxels},
+         {"voxels_per_s", s.voxels_per_s()},
+         {"bytes", s.bytes},
+         {"bytes_per_voxel", s.bytes_per_voxel()},
+         {"render_s", s.render_s},
+         {"mean", to_json(s.mean)}};
+  for (const ViewError& view : s.views) {
+    Json one = to_json(view.error);
+    one["view"] = view.view;
+    one["render_s"] = view.render_s;
+    j["views"].push_back(one);
+  }
+  return j;
+}
+
+std::string errors_row(const PictureError& e) {
+  return fmt::format("{:.3f} | {:.1f} | {:.1f} | {:+.3f} | {:.3f} | {:.3f} | {:.3f} | {:.1f}", e.flip, e.psnr_black_db,
+                     e.psnr_white_db, e.coverage_bias, e.holes, e.silhouette_iou, e.rms_colour, e.delta_e);
+}
+constexpr char error_heads[] = "FLIP | PSNR black, dB | white, dB | coverage bias | holes | IoU | RMS colour | ΔE";
+constexpr char error_rules[] = "--- | --- | --- | --- | --- | --- | --- | ---";
+
+const ViewError& at(const AccuracySetting& setting, const std::string& view) {
+  return *std::find_if(setting.views.begin(), setting.views.end(), [&](const ViewError& v) { return v.view == view; });
+}
+
+std::string settings_table(const AccuracyBench& bench) {
+  std::string out = fmt::format(
+      "| setting | bake, s | million voxels/s | voxels | MB | bytes/voxel | render, s | {} |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | {} |\n",
+      error_heads, error_rules);
+  for (const AccuracySetting& s : bench.settings)
+    out += fmt::format("| {} | {:.2f} | {:.2f} | {} | {:.2f} | {:.2f} | {:.2f} | {} |\n", s.name, s.bake_s,
+                       1e-6 * s.voxels_per_s(), s.voxels, 1e-6 * double(s.bytes), s.bytes_per_voxel(), s.render_s,
+                       errors_row(s.mean));
+  return out;
+}
+
+std::string views_table(const AccuracySetting& setting) {
+  std::string out = fmt::format("| {}, view and voxels a pixel | render, s | {} |\n| --- | --- | {} |\n", setting.name,
+                                error_heads, error_rules);
+  for (const ViewError& v : setting.views)
+    out += fmt::format("| {} | {:.2f} | {} |\n", v.view, v.render_s, errors_row(v.error));
+  return out;
+}
+
+std::string goals_table(const AccuracyBench& bench) {
+  std::string heads = "| lod 4, a voxel a pixel |", rules = "| --- |";
+  std::vector<std::string> rows;
+  for (const AccuracySetting& s : bench.settings) {
+    if (s.parameters.voxel_size_m != bench.voxel_size_m || !s.parameters.normals) continue;
+    heads += " " + s.name + " |";
+    rules += " --- |";
+    const std::vector<AccuracyGoal> goals = goals_of(s);
+    rows.resize(goals.size());
+    for (std::size_t i = 0; i < goals.size(); ++i) {
+      if (rows[i].empty()) rows[i] = "| " + goals[i].text + " |";
+      rows[i] += fmt::format(" {:.3f}{} |", goals[i].measured, goals[i].holds() ? " ✓" : "");
+    }
+  }
+  std::string out = heads + "\n" + rules + "\n";
+  for (const std::string& row : rows) out += row + "\n";
+  return out;
+}
+
+}  // namespace
+
+std::vector<AccuracyGoal> goals_of(const AccuracySetting& setting) {
+  constexpr double most_holes = 0.02, most_bias = 0.02, most_flip = 0.10;
+  std::vector<AccuracyGoal> goals{{"nadir: holes ≤ 0.02", at(setting, "nadir 16").error.holes, most_holes}};
+  for (const char* direction : {"nadir", "oblique", "grazing"})
+    goals.push_back({std::string(direction) + ": coverage bias within ±0.02",
+                     std::fabs(at(setting, std::string(direction) + " 16").error.coverage_bias), most_bias});
+  for (const char* direction : {"nadir", "oblique", "grazing"})
+    goals.push_back(
+        {std::string(direction) + ": FLIP ≤ 0.10", at(setting, std::string(direction) + " 16").error.flip, most_flip});
+  return goals;
+}
+
+std::string to_json(const AccuracyBench& bench) {
+  Json j{{"bench", "accuracy"},
+         {"backend", bench.backend},
+         {"voxel_size_m", bench.voxel_size_m},
+         {"samples", bench.samples},
+         {"reference_s", bench.reference_s}};
+  for (const AccuracyView& v : bench.views)
+    j["views"].push_back({{"name", v.name()},
+                          {"direction", v.direction},
+                          {"voxels_per_pixel", v.voxels_per_pixel},
+                          {"width", v.camera.width},
+                          {"height", v.camera.height}});
+  for (const AccuracySetting& s : bench.settings) j["settings"].push_back(to_json(s));
+  for (const AccuracyGoal& goal : goals_of(bench.settings.front()))
+    j["goals"].push_back(
+        {{"goal", goal.text}, {"measured", goal.measured}, {"bound", goal.bound}, {"holds", goal.holds()}});
+  return j.dump(2) + "\n";
+}
+
+std::string to_markdown(const AccuracyBench& bench) {
+  return fmt::format(
+             "Means over {} views, {:g} m voxels, {} rays a pixel in the reference; the bias is its magnitude.\n\n",
+             bench.views.size(), bench.voxel_size_m, bench.samples) +
+         settings_table(bench) + "\n" + views_table(bench.settings.front()) + "\n" + goals_table(bench);
+}
+
+std::vector<NamedPlot> plots_of(const AccuracyBench& bench) {
+  struct Cost {
+    const char *file, *axis;
+    double (*of)(const AccuracySetting&);
+  };
+  constexpr Cost costs[] = {
+      {"flip-bytes-per-voxel.svg", "bytes per voxel, all levels",
+       [](const AccuracySetting& s) { return s.bytes_per_voxel(); }},
+      {"flip-bytes.svg", "MB on disk", [](const AccuracySetting& s) { return 1e-6 * double(s.bytes); }},
+      {"flip-bake-time.svg", "bake, seconds", [](const AccuracySetting& s) { return s.bake_s; }}};
+  constexpr std::array<std::pair<const char*, const char*>, 3> colours{
+      {{"area", "#1b6ca8"}, {"conservative", "#c8553d"}, {"thin", "#4f8a3c"}}};
+  std::vector<NamedPlot> plots;
+  for (const Cost& cost : costs) {
+    Plot plot{"Mean FLIP over all views: towards the lower left is better", cost.axis, "FLIP", {}};
+    for (const auto& [surface, colour] : colours) {
+      PlotSeries series{surface, colour, {}};
+      for (const AccuracySetting& s : bench.settings)
+        if (s.surface == surface) series.points.push_back({cost.of(s), s.mean.flip, s.name});
+      plot.series.push_back(series);
+    }
+    plots.push_back({cost.file, plot});
+  }
+  return plots;
+}
+
+}  // namespace gigabake::bench

@@ -1,0 +1,23 @@
+#include "bench/reference_caster.h"
+#include "format/error.h"
+
+namespace gigabake::bench {
+
+struct ReferenceCaster::State {};
+
+bool ReferenceCaster::is_built() { return false; }
+
+ReferenceCaster::ReferenceCaster(const SceneSources&, const BakeParameters&, int) {
+  throw UsageError("bench accuracy: this gigabake was built without Embree; install libembree-dev and build again");
+}
+
+ReferenceCaster::~ReferenceCaster() = default;
+
+// No caster can be made, so none of these runs.
+const LatticeBox& ReferenceCaster::box() const { throw UsageError("bench accuracy: built without Embree"); }
+LinearPicture ReferenceCaster::draw(const kernels::CastCamera&, int) const { return {}; }
+std::optional<double> ReferenceCaster::first_hit(const std::array<double, 3>&, const std::array<double, 3>&) const {
+  return {};
+}
+
+}  // namespace gigabake::bench

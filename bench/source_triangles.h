@@ -1,0 +1,57 @@
+/// All triangles of a source at once, placed in a bake's lattice but neither snapped nor filtered, with the materials
+/// and texels that a bake gives them.
+///
+/// Space   Lod-0 voxels of the lattice. Positions go there in double, and to float only as distances from `middle`.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "format/parameters.h"
+#include "format/source.h"
+#include "worker/cell_loader.h"
+
+namespace gigabake::bench {
+
+struct LatticeBox {
+  std::array<double, 3> min{}, max{};
+};
+
+/// Where a ray meets a triangle: barycentric weights of its second and third vertex.
+struct TrianglePoint {
+  std::uint32_t part = 0, triangle = 0;
+  float second = 0, third = 0;
+};
+
+class SourceTriangles {
+ public:
+  /// Cost    Memory for every tile and image of the source at once.
+  /// Errors  InputError: a tile or image that cannot be read; no triangles.
+  SourceTriangles(const SceneSources& sources, const BakeParameters& lattice, int threads);
+
+  std::size_t parts() const { return cell_.parts.size(); }
+  /// 3 per triangle, each < the vertex count.
+  kernels::Span<const std::uint32_t> indices(std::size_t part) const { return cell_.parts[part].index; }
+  /// 3 per vertex, relative to middle(); not finite where the source's are not.
+  std::vector<float> positions(std::size_t part) const;
+  const LatticeBox& box() const { return box_; }
+  const std::array<double, 3>& middle() const { return middle_; }
+
+  /// Linear, premultiplied: the bilinear texel, the vertex colours and the base colour at the point; alpha as the
+  /// material's mode makes it. Both sides look alike, as they do to a bake.
+  std::array<float, 4> colour(const TrianglePoint& at) const;
+
+ private:
+  std::array<double, 3> to_lattice(const kernels::PartView& part, std::size_t vertex) const;
+  void measure();
+
+  LoadedCell cell_;
+  double voxel_size_m_;
+  std::array<double, 3> lattice_origin_m_;
+  LatticeBox box_;
+  std::array<double, 3> middle_{};
+};
+
+}  // namespace gigabake::bench

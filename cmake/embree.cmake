@@ -1,0 +1,17 @@
+# Decides whether `gigabake bench accuracy` has a reference: sets GIGABAKE_EMBREE to Embree's version, or 0, and makes
+# gb::embree. Without, the command says so.
+set(GIGABAKE_EMBREE 0)
+foreach(version 4 3)
+  find_path(GB_EMBREE${version}_INCLUDE embree${version}/rtcore.h)
+  find_library(GB_EMBREE${version}_LIBRARY embree${version})
+  if(GB_EMBREE${version}_INCLUDE AND GB_EMBREE${version}_LIBRARY)
+    set(GIGABAKE_EMBREE ${version})
+    add_library(gb_embree INTERFACE)
+    add_library(gb::embree ALIAS gb_embree)
+    target_include_directories(gb_embree SYSTEM INTERFACE ${GB_EMBREE${version}_INCLUDE})
+    target_link_libraries(gb_embree INTERFACE ${GB_EMBREE${version}_LIBRARY})
+    message(STATUS "Reference for bench accuracy: Embree ${version}")
+    return()
+  endif()
+endforeach()
+message(STATUS "Reference for bench accuracy: none, expected libembree-dev to be installed")

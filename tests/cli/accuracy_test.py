@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+"""`bench accuracy` holds pictures of voxels against pictures of the triangles.
+
+Usage: accuracy_test.py GIGABAKE SOURCE_DIR
+"""
+import json
+import math
+import sys
+import tempfile
+from pathlib import Path
+
+from harness import Gigabake
+
+DIRECTIONS = ("nadir", "oblique", "grazing")
+SCALES = ("0.25", "1", "4", "16")
+
+
+def measure(gigabake, work):
+    arguments = ("bench", "accuracy", work / "sample/tileset.json", "-o", work / "out", "--voxel-size", 0.5,
+                 "--cell-voxels", 128, "--repeats", 1, "--samples", 9, "--size", "64x48", "--backend", "cpu",
+                 "--json", work / "accuracy.json", "--markdown", work / "accuracy.md")
+    result = gigabake.run(*arguments)
+    if "without Embree" in result.stderr:
+        print(f"skipped: {result.stderr.strip()}")
+        sys.exit(77)
+    assert result.returncode == 0, result
+    return json.loads((work / "accuracy.json").read_text())
+
+
+def view_of(setting, name):
+    return next(view for view in setting["views"] if view["view"] == name)
+
+
+def every_setting_has_its_costs(bench):
+    names = [setting["name"] for setting in bench["settings"]]
+    assert len(set(names)) == len(names) == 20 and names[0] == "area-coverage", names
+    for setting in bench["settings"]:
+        assert setting["bake_s"] > 0 and setting["voxels_per_s"] > 0 and setting["render_s"] > 0, setting
+        assert 3 < setting["bytes_per_voxel"] < 100, setting
+        assert setting["voxel_size_m"] == (1 if "-x2" in setting["name"] else 0.5), setting
+
+
+def every_error_is_sane(bench):
+    for setting in bench["settings"]:
+        assert [view["view"] for view in setting["views"]] == [f"{d} {s}" for d in DIRECTIONS for s in SCALES], setting
+        for view in setting["views"]:
+            assert all(math.isfinite(value) for key, value in view.items() if key != "view"), view
+            assert 5 < view["psnr_black_db"] <= 100 and 5 < view["psnr_white_db"] <= 100, view
+            for share in ("silhouette_iou", "holes", "flip", "rms_colour"):
+                assert 0 <= view[share] <= 1, view
+            assert -1 <= view["coverage_bias"] <= 1, view
+
+
+def smaller_voxels_are_not_worse(bench):
+    fine, coarse = (next(s for s in bench["settings"] if s["name"] == name)
+                    for name in ("area-coverage", "area-coverage-x2"))
+    for name in (f"{direction} {scale}" for direction in DIRECTIONS for scale in ("0.25", "1")):
+        assert view_of(fine, name)["flip"] <= view_of(coarse, name)["flip"] + 0.005, name
+
+
+def ground_seen_from_above_is_right(bench):
+    """The case with least to argue about: lod 0, no silhouettes."""
+    view = view_of(bench["settings"][0], "nadir 0.25")
+    assert view["flip"] < 0.1 and view["psnr_white_db"] > 25 and view["holes"] < 0.001, view
+
+
+def normals_cost_bytes_and_do_not_show(bench):
+    lit, unlit = (next(s for s in bench["settings"] if s["name"] == name)
+                  for name in ("area-coverage", "area-coverage-no-normals"))
+    assert unlit["bytes"] < lit["bytes"] and unlit["mean"] == lit["mean"], (lit, unlit)
+
+
+def goals_are_judged(bench):
+    for goal in bench["goals"]:
+        assert goal["holds"] == (goal["measured"] <= goal["bound"]), goal
+    assert len(bench["goals"]) == 7, bench["goals"]
+
+
+def tables_plots_and_pictures_are_there(work, bench):
+    table = (work / "accuracy.md").read_text()
+    for setting in bench["settings"]:
+        assert f"| {setting['name']} |" in table, setting["name"]
+        assert (work / "out" / setting["name"] / "oblique-16.png").is_file()
+    assert (work / "out/reference/nadir-0.25.png").is_file()
+    for plot in ("flip-bytes-per-voxel", "flip-bytes", "flip-bake-time"):
+        assert "area-coverage" in (work / "out" / f"{plot}.svg").read_text()
+
+
+def odd_sizes_are_refused(gigabake, work):
+    result = gigabake.run("bench", "accuracy", work / "sample/tileset.json", "-o", work / "no", "--voxel-size", 0.5,
+                          "--size", "4x4")
+    assert result.returncode == 2 and "--size: expected 8 to 4096" in result.stderr, result
+
+
+def main():
+    gigabake = Gigabake(sys.argv[1])
+    with tempfile.TemporaryDirectory() as folder:
+        work = Path(folder)
+        gigabake.succeed("sample", work / "sample", "--size", 64, "--seed", 7)
+        bench = measure(gigabake, work)
+        for test in (every_setting_has_its_costs, every_error_is_sane, smaller_voxels_are_not_worse,
+                     ground_seen_from_above_is_right, normals_cost_bytes_and_do_not_show, goals_are_judged):
+            print(test.__name__, flush=True)
+            test(bench)
+        tables_plots_and_pictures_are_there(work, bench)
+        odd_sizes_are_refused(gigabake, work)
+
+
+if __name__ == "__main__":
+    main()
