@@ -34,11 +34,6 @@ enum class CastPaint : std::int32_t {
   waits,   ///< red where something finer was asked for
 };
 
-struct CastLook {
-  bool waits = false;  ///< a ray stops at what is not here; else coarser bricks stand for it
-  CastPaint paint = CastPaint::shaded;
-};
-
 struct CastCamera {
   double eye[3] = {};
   double forward[3] = {};            ///< unit
@@ -46,7 +41,7 @@ struct CastCamera {
   std::int32_t width = 0, height = 0;
   double lod1_depth = 0;  ///< depth (along forward) from which voxels of lod 1 are at most a pixel wide; > 0
   CastHaze haze;
-  CastLook look;
+  CastPaint paint = CastPaint::shaded;
 };
 
 /// A ray on its way. What was not finished goes on from here.
@@ -216,13 +211,14 @@ GB_HD void finish_opaque(CastRay& ray) {
   ray.lod = -1;
 }
 
-/// Looks at one point and goes on to the next one worth looking at. False: the ray waits for what is not here.
-GB_HD bool step_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, double distance,
-                    CastPlace& place, CastPath& path, CastRay& ray) {
+/// Looks at one point and goes on to the next one worth looking at. False: the ray, being patient, waits for what is
+/// not here; others let coarser bricks stand for it.
+GB_HD bool step_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
+                    double distance, CastPlace& place, CastPath& path, CastRay& ray) {
   double p[3];
   for (int a = 0; a < 3; ++a) p[a] = line.origin[a] + line.direction[a] * distance;
-  if (!place.contains(p)) place = locate(scene, ray.lod, p, camera.look.waits, place, path);
-  if (place.waits && camera.look.waits) return false;
+  if (!place.contains(p)) place = locate(scene, ray.lod, p, patient, place, path);
+  if (place.waits && patient) return false;
   if (!is_here(place.brick)) {
     ray.step = step_beyond(line, empty_box(place), ray);
     return true;
@@ -233,7 +229,7 @@ GB_HD bool step_ray(const CastScene& scene, const CastCamera& camera, const Cast
   if (!is_zero(mask, point)) {
     const CastSample sample = interpolate(scene.voxels + std::size_t(slot_voxels) * place.brick, point);
     if (sample.c[3] > 0) {
-      composite(sample, place, steps, distance, camera.haze, camera.look.paint, ray);
+      composite(sample, place, steps, distance, camera.haze, camera.paint, ray);
       if (ray.transmittance < 1.0f / 1024) finish_opaque(ray);
     }
   } else if (EmptyBox box; place.lod == ray.lod && find_empty_octant(mask, place, point, box)) {
@@ -245,7 +241,8 @@ GB_HD bool step_ray(const CastScene& scene, const CastCamera& camera, const Cast
 }
 
 /// Goes on until the ray is finished (lod = -1) or waits.
-GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, CastRay& ray) {
+GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
+                    CastRay& ray) {
   CastPlace place;
   CastPath path;
   while (ray.lod >= 0) {
@@ -256,7 +253,7 @@ GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const Cast
       ++ray.lod;
       ray.step = 0;
       place = CastPlace();
-    } else if (!step_ray(scene, camera, line, distance, place, path, ray)) {
+    } else if (!step_ray(scene, camera, line, patient, distance, place, path, ray)) {
       return;
     }
   }

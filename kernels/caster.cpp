@@ -47,12 +47,12 @@ class CpuCaster final : public Caster {
     for_each_ray(0, rays_.size(), [&](const CastLine& line, CastRay& ray) { ray = start_ray(scene_, line); });
   }
 
-  std::size_t cast(std::size_t begin, std::size_t end) override {
+  std::size_t cast(std::size_t begin, std::size_t end, bool patient) override {
     ++scene_.pass;
     std::atomic<std::size_t> unfinished{0};
     for_each_ray(begin, end, [&](const CastLine& line, CastRay& ray) {
       if (ray.lod < 0) return;
-      cast_ray(scene_, camera_, line, ray);
+      cast_ray(scene_, camera_, line, patient, ray);
       if (ray.lod >= 0) unfinished.fetch_add(1, std::memory_order_relaxed);
     });
     return unfinished;

@@ -44,8 +44,9 @@ class Caster {
   /// Starts the rays of a rectangle of the picture; forgets those before.
   virtual void start(const CastCamera& camera, const CastTile& tile) = 0;
 
-  /// One pass: goes on with rays [begin, end) of the tile that are not finished. Returns how many still are not.
-  virtual std::size_t cast(std::size_t begin, std::size_t end) = 0;
+  /// One pass: goes on with rays [begin, end) of the tile that are not finished. Returns how many still are not:
+  /// patient ones stop at what is not here, others end.
+  virtual std::size_t cast(std::size_t begin, std::size_t end, bool patient) = 0;
 
   /// What rays of the last pass missed: 2·node + Want, in no order.
   virtual std::vector<std::uint32_t> wanted() = 0;

@@ -38,14 +38,14 @@ __global__ void start_rays(CastScene scene, CastCamera camera, CastTile tile, Ca
 
 __global__ void __launch_bounds__(threads)
     cast_rays(CastScene scene, CastCamera camera, CastTile tile, CastRay* rays, std::size_t begin, std::size_t end,
-              unsigned long long* unfinished) {
+              bool patient, unsigned long long* unfinished) {
   int x, y;
   if (!pixel_of_thread(tile, x, y)) return;
   const std::size_t i = std::size_t(y) * std::size_t(tile.width) + std::size_t(x);
   if (i < begin || i >= end) return;
   CastRay ray = rays[i];
   if (ray.lod < 0) return;
-  cast_ray(scene, camera, line_of_sight(scene, camera, tile.x + x, tile.y + y), ray);
+  cast_ray(scene, camera, line_of_sight(scene, camera, tile.x + x, tile.y + y), patient, ray);
   rays[i] = ray;
   if (ray.lod >= 0) atomicAdd(unfinished, 1ull);
 }
@@ -152,12 +152,12 @@ class CudaCaster final : public Caster {
     check_launch("start_rays");
   }
 
-  std::size_t cast(std::size_t begin, std::size_t end) override {
+  std::size_t cast(std::size_t begin, std::size_t end, bool patient) override {
     use_device();
     ++scene_.pass;
     unfinished_.clear_to_zero();
     cast_rays<<<grid_of_tile(tile_), threads, 0, stream_.handle>>>(scene_, camera_, tile_, rays_.data(), begin, end,
-                                                                   unfinished_.data());
+                                                                   patient, unfinished_.data());
     check_launch("cast_rays");
     unsigned long long unfinished = 0;
     download(&unfinished, unfinished_.data(), 1);

@@ -85,6 +85,9 @@ struct FrameRenderer::State {
   std::unique_ptr<SceneStream> stream;
   std::vector<std::uint32_t> wanted;  ///< by the last frame
   View last;
+  std::uint32_t frame_pass = 0;         ///< the first of the last frame
+  bool put_in = false;                  ///< anything, by the last call
+  double upload_s = 0;                  ///< of this frame
   std::uint64_t bytes_read_before = 0;  ///< when `last` was first drawn
   bool starved = false;
   std::vector<std::string> problems;  ///< besides those of pages
@@ -134,7 +137,7 @@ struct FrameRenderer::State {
   kernels::CastCamera camera_of(const View& view) const {
     kernels::CastCamera camera = make_camera(view.camera, scene, source);
     if (view.background.sky && view.mode == ViewMode::lit) camera.haze = air(stream->layout().scene);
-    camera.look.paint = paint_of(view.mode);
+    camera.paint = paint_of(view.mode);
     return camera;
   }
 
@@ -147,11 +150,31 @@ struct FrameRenderer::State {
     stats.starved = starved;
   }
 
-  void cast_once(const View& view, const kernels::CastCamera& camera, Picture& picture) {
+  void put_in_wanted(const kernels::CastCamera& camera, Clock::time_point deadline) {
+    const auto start = Clock::now();
+    stream->begin_pass();
+    const SceneStream::Served served = stream->serve(wanted, camera.eye, deadline, {frame_pass, true});
+    starved = starved || is_starved(served);
+    put_in = served.uploads > 0;
+    upload_s += since(start);
+  }
+
+  /// Rays wait for what comes in within the time, and go on where they stopped: several levels in one frame, at the
+  /// cost of little more than one cast. Then coarser bricks stand for what is still missing.
+  void cast(const View& view, const kernels::CastCamera& camera, Clock::time_point deadline, Picture& picture) {
     kernels::Caster& caster = stream->caster();
+    const std::size_t rays = std::size_t(camera.width) * std::size_t(camera.height);
     caster.start(camera, {0, 0, camera.width, camera.height});
-    caster.cast(0, std::size_t(camera.width) * std::size_t(camera.height));
-    wanted = caster.wanted();
+    std::size_t waiting = caster.cast(0, rays, true);
+    frame_pass = caster.pass();
+    while (waiting > 0 && !starved && Clock::now() < deadline) {
+      wanted = caster.wanted();
+      put_in_wanted(camera, deadline);
+      if (!put_in) break;
+      waiting = caster.cast(0, rays, true);
+    }
+    if (waiting > 0) caster.cast(0, rays, false);
+    wanted = waiting > 0 ? caster.wanted() : std::vector<std::uint32_t>();
     picture = blank_picture(camera.width, camera.height, view.light);
     caster.resolve(to_cast(view.background), pixels_of(picture));
   }
@@ -195,11 +218,11 @@ Frame FrameRenderer::draw(const View& view, double upload_s) {
   const kernels::CastCamera camera = s.camera_of(view);
   const std::uint64_t uploads_before = s.stream->counts().uploads;
   Frame frame;
-  s.stream->begin_pass();
-  s.starved = s.is_starved(s.stream->serve(s.wanted, camera.eye, from_now(upload_s), false));
-  frame.stats.upload_s = since(start);
-  s.cast_once(view, camera, frame.picture);
-  frame.stats.cast_s = since(start) - frame.stats.upload_s;
+  s.upload_s = 0;
+  s.put_in_wanted(camera, from_now(upload_s));
+  s.cast(view, camera, from_now(upload_s - since(start)), frame.picture);
+  frame.stats.upload_s = s.upload_s;
+  frame.stats.cast_s = since(start) - s.upload_s;
   frame.stats.wanted = s.wanted.size();
   frame.stats.complete = s.wanted.empty();
   s.tell(frame.stats, uploads_before, start);

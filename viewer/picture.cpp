@@ -16,13 +16,13 @@ void finish_rays(SceneStream& stream, const kernels::CastCamera& camera, const k
   const std::size_t rays = std::size_t(tile.width) * std::size_t(tile.height);
   for (std::size_t begin = 0, many = rays; begin < rays;) {
     const std::size_t end = std::min(begin + many, rays);
-    if (caster.cast(begin, end) == 0) {
+    if (caster.cast(begin, end, true) == 0) {
       begin = end;
       many *= 2;
       continue;
     }
     const SceneStream::Served served =
-        stream.serve(caster.wanted(), camera.eye, std::chrono::steady_clock::time_point::max(), true);
+        stream.serve(caster.wanted(), camera.eye, std::chrono::steady_clock::time_point::max(), {caster.pass(), false});
     if (served.evicted_used && many > 1) many /= 2;
     if (served.uploads == 0) stream.wait();
     stream.begin_pass();
@@ -58,13 +58,11 @@ kernels::CastPixels pixels_of(Picture& picture) {
 
 Picture render(SceneStream& stream, const kernels::CastCamera& camera, const Background& background,
                PictureLight light) {
-  kernels::CastCamera patient = camera;
-  patient.look.waits = true;
   Picture picture = blank_picture(camera.width, camera.height, light);
   for (int y = 0; y < camera.height; y += tile_edge)
     for (int x = 0; x < camera.width; x += tile_edge) {
       const kernels::CastTile tile{x, y, std::min(tile_edge, camera.width - x), std::min(tile_edge, camera.height - y)};
-      finish_rays(stream, patient, tile);
+      finish_rays(stream, camera, tile);
       Picture part = blank_picture(tile.width, tile.height, light);
       stream.caster().resolve(to_cast(background), pixels_of(part));
       put_rows(part.rgba, tile, camera.width, picture.rgba);

@@ -44,8 +44,9 @@ bool PoolBooks::is_settled(std::uint32_t node) const {
   return tile.used && (node < cells_ || tile.round != round_);
 }
 
-void PoolBooks::begin_round(bool may_evict_used) {
+void PoolBooks::begin_round(std::uint32_t used_since, bool may_evict_used) {
   ++round_;
+  used_since_ = used_since;
   may_evict_used_ = may_evict_used;
   evicted_used_ = false;
 }
@@ -107,12 +108,12 @@ void PoolBooks::release_tile(std::uint32_t tile) {
 
 /// candidates: last use, and who.
 std::vector<std::uint32_t> PoolBooks::oldest(std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates,
-                                             std::uint32_t pass, std::size_t most) {
+                                             std::size_t most) {
   std::sort(candidates.begin(), candidates.end());
   std::vector<std::uint32_t> gone;
   for (const auto& [stamp, who] : candidates) {
-    if (gone.size() >= most || (stamp == pass && !(may_evict_used_ && gone.empty()))) break;
-    evicted_used_ |= stamp == pass;
+    if (gone.size() >= most || (stamp >= used_since_ && !(may_evict_used_ && gone.empty()))) break;
+    evicted_used_ |= stamp >= used_since_;
     gone.push_back(who);
   }
   return gone;
@@ -125,8 +126,7 @@ bool PoolBooks::free_some_tiles(std::uint32_t stays, kernels::Caster& caster) {
   for (std::uint32_t t = root_tiles(cells_); t < tiles_.size(); ++t)
     if (tiles_[t].used && tiles_[t].children_here == 0 && tiles_[t].round != round_ && t != stays)
       candidates.emplace_back(last_use(stamps[t], tiles_[t].born), t);
-  for (const std::uint32_t t : oldest(std::move(candidates), caster.pass(), 1 + tiles_.size() / parts_of_pool))
-    release_tile(t);
+  for (const std::uint32_t t : oldest(std::move(candidates), 1 + tiles_.size() / parts_of_pool)) release_tile(t);
   return !free_tiles_.empty();
 }
 
@@ -136,8 +136,7 @@ bool PoolBooks::free_some_slots(kernels::Caster& caster) {
   for (std::uint32_t s = 0; s < slots_.size(); ++s)
     if (slots_[s].used && slots_[s].round != round_ && !(roots_stay_ && slots_[s].owner < cells_))
       candidates.emplace_back(last_use(stamps[s], slots_[s].born), s);
-  for (const std::uint32_t s : oldest(std::move(candidates), caster.pass(), 1 + slots_.size() / parts_of_pool))
-    release_slot(s);
+  for (const std::uint32_t s : oldest(std::move(candidates), 1 + slots_.size() / parts_of_pool)) release_slot(s);
   return !free_slots_.empty();
 }
 

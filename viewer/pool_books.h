@@ -23,10 +23,10 @@ class PoolBooks {
   /// Whether the node's tile is in use, and was so before this round.
   bool is_settled(std::uint32_t node) const;
 
-  /// From here on, what is taken stays until the next round. may_evict_used: also what rays of the last pass used may
-  /// go, where nothing else can.
-  void begin_round(bool may_evict_used);
-  /// Whether anything went that rays of the last pass used.
+  /// From here on, what is taken stays until the next round. What rays used in pass `used_since` or later stays too,
+  /// unless it may go where nothing else can.
+  void begin_round(std::uint32_t used_since, bool may_evict_used);
+  /// Whether anything went that was used.
   bool evicted_used() const { return evicted_used_; }
 
   /// caster: asked what the rays of the last pass used, where room must be made. False where none can be made.
@@ -59,8 +59,7 @@ class PoolBooks {
   bool free_some_slots(kernels::Caster& caster);
   void release_tile(std::uint32_t tile);
   void release_slot(std::uint32_t slot);
-  std::vector<std::uint32_t> oldest(std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates, std::uint32_t pass,
-                                    std::size_t most);
+  std::vector<std::uint32_t> oldest(std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates, std::size_t most);
 
   std::size_t cells_;
   std::int32_t lods_;
@@ -70,7 +69,7 @@ class PoolBooks {
   std::vector<Slot> slots_;
   std::vector<std::uint32_t> free_tiles_, free_slots_;
   std::vector<kernels::NodeChange> changes_;
-  std::uint32_t round_ = 0;
+  std::uint32_t round_ = 0, used_since_ = 0;
   bool may_evict_used_ = false, evicted_used_ = false;
 };
 

@@ -126,13 +126,13 @@ bool SceneStream::enter(std::uint32_t want, const Answer& answer, const kernels:
 }
 
 SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& wanted, const double eye[3],
-                                       std::chrono::steady_clock::time_point deadline, bool may_evict_used) {
+                                       std::chrono::steady_clock::time_point deadline, const Keep& keep) {
   Served served;
   std::vector<PageKey> missing;
   const std::vector<std::uint32_t> wants = by_urgency(wanted, eye);
   std::vector<Answer> answers;
   std::vector<kernels::CastBrick> bricks(std::min(wants.size(), wants_per_batch));
-  books_.begin_round(may_evict_used);
+  books_.begin_round(keep.used_since, !keep.all);
   for (std::size_t from = 0; from < wants.size() && !served.is_full; from += wants_per_batch) {
     if (from != 0 && std::chrono::steady_clock::now() >= deadline) break;
     const std::size_t count = std::min(wants.size() - from, wants_per_batch);

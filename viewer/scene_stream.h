@@ -38,6 +38,13 @@ class SceneStream {
     std::uint64_t device_bytes = std::uint64_t(4) << 30;  ///< of those pools
   };
 
+  /// What stays in the pools: what rays used in this pass of theirs or a later one, where `all`; else only as long as
+  /// anything else can go.
+  struct Keep {
+    std::uint32_t used_since = 0;
+    bool all = true;
+  };
+
   /// What one call of serve() did.
   struct Served {
     std::uint64_t uploads = 0;
@@ -57,7 +64,7 @@ class SceneStream {
   /// Puts in what rays wanted (Caster::wanted()), as far as its pages are here, until the deadline; at least one batch.
   /// What lacks pages is asked of the pager. eye: lod-0 voxels; near and coarse goes first.
   Served serve(const std::vector<std::uint32_t>& wanted, const double eye[3],
-               std::chrono::steady_clock::time_point deadline, bool may_evict_used);
+               std::chrono::steady_clock::time_point deadline, const Keep& keep);
 
   /// Takes in what was read since.
   void begin_pass() { pager_.begin_pass(); }
