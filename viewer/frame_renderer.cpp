@@ -150,26 +150,28 @@ struct FrameRenderer::State {
     stats.starved = starved;
   }
 
-  void put_in_wanted(const kernels::CastCamera& camera, Clock::time_point deadline) {
+  /// budget_s: of this frame.
+  void put_in_wanted(const kernels::CastCamera& camera, double budget_s) {
     const auto start = Clock::now();
     stream->begin_pass();
-    const SceneStream::Served served = stream->serve(wanted, camera.eye, deadline, {frame_pass, true});
+    const SceneStream::Served served =
+        stream->serve(wanted, camera.eye, from_now(budget_s - upload_s), {frame_pass, true});
     starved = starved || is_starved(served);
     put_in = served.uploads > 0;
     upload_s += since(start);
   }
 
-  /// Rays wait for what comes in within the time, and go on where they stopped: several levels in one frame, at the
-  /// cost of little more than one cast. Then coarser bricks stand for what is still missing.
-  void cast(const View& view, const kernels::CastCamera& camera, Clock::time_point deadline, Picture& picture) {
+  /// Rays wait for what comes in within the time for uploads, and go on where they stopped: several levels in one
+  /// frame, at the cost of little more than one cast. Then coarser bricks stand for what is still missing.
+  void cast(const View& view, const kernels::CastCamera& camera, double budget_s, Picture& picture) {
     kernels::Caster& caster = stream->caster();
     const std::size_t rays = std::size_t(camera.width) * std::size_t(camera.height);
     caster.start(camera, {0, 0, camera.width, camera.height});
     std::size_t waiting = caster.cast(0, rays, true);
     frame_pass = caster.pass();
-    while (waiting > 0 && !starved && Clock::now() < deadline) {
+    while (waiting > 0 && !starved && upload_s < budget_s) {
       wanted = caster.wanted();
-      put_in_wanted(camera, deadline);
+      put_in_wanted(camera, budget_s);
       if (!put_in) break;
       waiting = caster.cast(0, rays, true);
     }
@@ -219,8 +221,8 @@ Frame FrameRenderer::draw(const View& view, double upload_s) {
   const std::uint64_t uploads_before = s.stream->counts().uploads;
   Frame frame;
   s.upload_s = 0;
-  s.put_in_wanted(camera, from_now(upload_s));
-  s.cast(view, camera, from_now(upload_s - since(start)), frame.picture);
+  s.put_in_wanted(camera, upload_s);
+  s.cast(view, camera, upload_s, frame.picture);
   frame.stats.upload_s = s.upload_s;
   frame.stats.cast_s = since(start) - s.upload_s;
   frame.stats.wanted = s.wanted.size();
