@@ -8,6 +8,8 @@ namespace {
 
 constexpr int least_edge = 16, most_edge = 4096;
 constexpr double least_upload_s = 1e-4, most_upload_s = 1;
+/// At rest nobody waits for the next frame, but for the last one.
+constexpr double resting_upload_s = 0.25;
 
 CameraPose pose_of(const CameraOptions& camera) {
   return {camera.eye_m.value_or(Point<Scene>{}), camera.target_m.value_or(Point<Scene>{})};
@@ -103,7 +105,7 @@ std::optional<Pilot::Order> Pilot::next(double now_s) {
   const bool moving = holds() || now_s < moved_s_ + rest_s;
   ask_again_s_ = moving ? moved_s_ + rest_s : HUGE_VAL;
   if (done_ || (moving && small_done_)) return std::nullopt;
-  Order order{view_, !moving, moving ? pace_.share() : 1, upload_s_};
+  Order order{view_, !moving, moving ? pace_.share() : 1, moving ? upload_s_ : std::max(upload_s_, resting_upload_s)};
   order.full = order.share >= 1;
   order.view.camera.eye_m = rig_.pose().eye_m;
   order.view.camera.target_m = rig_.pose().target_m;

@@ -22,7 +22,7 @@ using httplib::Request, httplib::Response;
 constexpr int moving_quality = 75, resting_quality = 92;
 constexpr std::size_t connections = 96, requests_a_connection = 1000;
 constexpr int patience_s = 5;  ///< with a client that neither sends nor takes
-constexpr double picture_s = 20, stream_look_s = 1;
+constexpr double picture_s = 60, stream_look_s = 1;
 /// What is on its way to a slow client is old when it comes.
 constexpr int send_buffer_bytes = 1 << 17;
 constexpr const char* json_type = "application/json";
