@@ -1,13 +1,14 @@
-#include <charconv>
 #include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <tuple>
 
 #include "app/bench_frames.h"
 #include "app/commands.h"
 #include "app/renderer_options.h"
 #include "app/status_text.h"
+#include "app/text_values.h"
 #include "bench/first_hit_bench.h"
 #include "format/error.h"
 
@@ -26,22 +27,17 @@ struct RenderBenchOptions {
 };
 
 void parse_size(const std::string& text, bench::FirstHitBenchRequest& request) {
-  const char *at = text.data(), *end = at + text.size();
-  const auto [separator, width_error] = std::from_chars(at, end, request.width);
-  const bool has_height = width_error == std::errc() && separator != end && *separator == 'x';
-  const auto [rest, height_error] = std::from_chars(has_height ? separator + 1 : end, end, request.height);
-  if (!has_height || height_error != std::errc() || rest != end || request.width < 1 || request.height < 1 ||
-      request.width > 16384 || request.height > 16384)
+  std::tie(request.width, request.height) = size_option(text);
+  if (request.width < 1 || request.height < 1 || request.width > 16384 || request.height > 16384)
     throw UsageError(fmt::format("--size: expected WIDTHxHEIGHT of 1 to 16384 pixels, got '{}'", text));
 }
 
-bench::FirstHitBenchRequest request_of(const RenderBenchOptions& options) {
+bench::FirstHitBenchRequest request_of(const RenderBenchOptions& options, const FrameRenderer::Options& renderer) {
   bench::FirstHitBenchRequest request;
   request.scene = options.scene;
   request.lod = options.lod;
   parse_size(options.size, request);
   request.repeats = options.repeats;
-  const FrameRenderer::Options renderer = renderer_options(options.renderer);
   request.threads = renderer.threads > 0 ? renderer.threads : int(std::thread::hardware_concurrency());
   request.cpu = options.renderer.backend != "cuda";
   request.device = renderer.cuda_device;
@@ -94,8 +90,8 @@ nlohmann::ordered_json to_json(const bench::FirstHitBench& b) {
   return first;
 }
 
-bench::FrameBenchRequest frames_of(const RenderBenchOptions& options, const bench::FirstHitBenchRequest& rays) {
-  const FrameRenderer::Options renderer = renderer_options(options.renderer);
+bench::FrameBenchRequest frames_of(const RenderBenchOptions& options, const FrameRenderer::Options& renderer,
+                                   const bench::FirstHitBenchRequest& rays) {
   bench::FrameBenchRequest request;
   request.scene = options.scene;
   request.width = rays.width;
@@ -110,7 +106,8 @@ bench::FrameBenchRequest frames_of(const RenderBenchOptions& options, const benc
 }
 
 int run(const RenderBenchOptions& options) {
-  const bench::FirstHitBenchRequest request = request_of(options);
+  const FrameRenderer::Options renderer = renderer_options(options.renderer);  // asks the driver for devices: once
+  const bench::FirstHitBenchRequest request = request_of(options, renderer);
   nlohmann::ordered_json j{{"bench", "render"}, {"width", request.width}, {"height", request.height}};
   bool all_right = true;
   const auto tell = [&](const char* key, const auto& result) {
@@ -119,7 +116,7 @@ int run(const RenderBenchOptions& options) {
     if (!options.json) print_text(result);
   };
   if (options.what != "frames") tell("first_hit", bench::bench_first_hits(request));
-  if (options.what != "first-hits") tell("frames", bench::bench_frames(frames_of(options, request)));
+  if (options.what != "first-hits") tell("frames", bench::bench_frames(frames_of(options, renderer, request)));
   if (options.json) fmt::print("{}\n", j.dump(2));
   return all_right ? complete : failed;
 }

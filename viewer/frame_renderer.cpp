@@ -143,7 +143,7 @@ struct FrameRenderer::State {
 
   void tell(FrameStats& stats, std::uint64_t uploads_before, Clock::time_point start) const {
     stats.total_s = since(start);
-    stats.uploads = stream->counts().uploads - uploads_before;
+    stats.uploads = stream->uploads() - uploads_before;
     stats.pages_loading = stream->page_counts().queued;
     stats.bytes_held = stream->bytes_held();
     stats.bytes_allowed = stream->bytes_allowed();
@@ -218,7 +218,7 @@ Frame FrameRenderer::draw(const View& view, double upload_s) {
   s.look_at(view);
   if (s.starved) return draw_exact(view);
   const kernels::CastCamera camera = s.camera_of(view);
-  const std::uint64_t uploads_before = s.stream->counts().uploads;
+  const std::uint64_t uploads_before = s.stream->uploads();
   Frame frame;
   s.upload_s = 0;
   s.put_in_wanted(camera, upload_s);
@@ -236,7 +236,7 @@ Frame FrameRenderer::draw_exact(const View& view) {
   const auto start = Clock::now();
   s.fill(filling_of(view.mode));
   s.look_at(view);
-  const std::uint64_t uploads_before = s.stream->counts().uploads;
+  const std::uint64_t uploads_before = s.stream->uploads();
   Frame frame;
   frame.picture = render(*s.stream, s.camera_of(view), view.background, view.light);
   s.wanted.clear();

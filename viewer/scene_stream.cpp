@@ -156,8 +156,7 @@ SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& wanted,
   caster_->put_nodes(books_.take_changes());
   pager_.want(missing);
   served.evicted_used = books_.evicted_used();
-  counts_.uploads += served.uploads;
-  counts_.evictions_of_used += served.evicted_used ? 1 : 0;
+  uploads_ += served.uploads;
   return served;
 }
 

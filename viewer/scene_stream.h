@@ -21,11 +21,6 @@
 
 namespace gigabake {
 
-struct StreamCounts {
-  std::uint64_t uploads = 0;  ///< bricks and node tiles put into the pools
-  std::uint64_t evictions_of_used = 0;
-};
-
 class SceneStream {
  public:
   struct Options {
@@ -76,7 +71,7 @@ class SceneStream {
   std::uint64_t bytes_held() const { return pool_bytes_ + pager_.counts().bytes; }
   std::uint64_t page_bytes_allowed() const { return page_bytes_; }
   PagerCounts page_counts() const { return pager_.counts(); }
-  const StreamCounts& counts() const { return counts_; }
+  std::uint64_t uploads() const { return uploads_; }  ///< bricks and node tiles put into the pools so far
   /// One line for each page that could not be read.
   std::vector<std::string> problems() const { return pager_.problems(); }
 
@@ -97,7 +92,7 @@ class SceneStream {
   std::unique_ptr<kernels::Caster> caster_;
   std::vector<std::uint32_t> new_slots_;
   std::vector<kernels::CastBrick> new_bricks_;
-  StreamCounts counts_;
+  std::uint64_t uploads_ = 0;
 };
 
 }  // namespace gigabake
