@@ -25,7 +25,8 @@ void print_json(const SceneDifference& d) {
                            {"recoloured", l.recoloured},
                            {"largest_rgba", l.largest},
                            {"mean_rgba", l.mean},
-                           {"turned", l.turned}});
+                           {"turned", l.turned},
+                           {"refaced", l.refaced}});
     j["cells"].push_back(c);
   }
   fmt::print("{}\n", j.dump(2));
@@ -42,11 +43,10 @@ void print_text(const SceneDifference& d) {
     fmt::print("{}\n", place(cell));
     for (const LevelDifference& l : cell.levels)
       fmt::print(
-          "  lod {:<2} {} voxels only in A, {} only in B; of {} in both {} differ in colour (r g b alpha by at most "
-          "{}, "
-          "on average {:.2f}), {} in their normal\n",
+          "  lod {:<2} {} voxels only in A, {} only in B; of {} in both {} differ in colour (r g b alpha by at most {}, on "
+          "average {:.2f}), {} in their normal, {} in coverage along an axis\n",
           l.lod, l.only_in_a, l.only_in_b, l.both, l.recoloured, fmt::join(l.largest, " "), fmt::join(l.mean, " "),
-          l.turned);
+          l.turned, l.refaced);
   }
   fmt::print("lods {}: {}\n", fmt::join(d.compared, " "),
              d.same() ? std::string("the same voxels") : fmt::format("{} places differ", d.cells.size()));

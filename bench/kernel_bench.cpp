@@ -56,6 +56,7 @@ std::string hash_of(kernels::CellVolume volume, const CellJob& job) {
   header.lattice_min = job.lattice_min;
   header.cell_voxels = job.cell_voxels;
   header.has_normals = !volume.levels.empty() && !volume.levels[0].normal.empty();
+  header.has_facing = volume.levels.size() > 1 && !volume.levels[1].facing.empty();
   if (volume.levels.empty()) return "empty";
   Hash128 all;
   for (const Hash128& lod : content_hash(shard_from_volume(std::move(volume), header))) all += lod;

@@ -16,18 +16,21 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "hashes are defined over little-endian integers");
 
 constexpr std::size_t nodes_per_range = 4096;
-constexpr std::size_t record_bytes = 34;
+constexpr std::size_t record_bytes = 34, facing_record_bytes = 40;
 
 void put_record(unsigned char* to, std::int32_t lod, const std::array<std::int64_t, 3>& corner_lattice,
-                const std::uint8_t* rgba, const std::int8_t* normal) {
+                const std::uint8_t* rgba, const std::int8_t* normal, const std::uint8_t* facing) {
   std::memcpy(to, &lod, 4);
   std::memcpy(to + 4, corner_lattice.data(), 24);
   std::memcpy(to + 28, rgba, 4);
   std::memcpy(to + 32, normal, 2);
+  if (facing == nullptr) return;
+  std::memcpy(to + 34, facing, 3);
+  std::memset(to + 37, 0, 3);
 }
 
-Hash128 hash_record(const unsigned char* record) {
-  const XXH128_hash_t h = XXH3_128bits(record, record_bytes);
+Hash128 hash_record(const unsigned char* record, bool has_facing) {
+  const XXH128_hash_t h = XXH3_128bits(record, has_facing ? facing_record_bytes : record_bytes);
   return {h.low64, h.high64};
 }
 
@@ -37,11 +40,14 @@ class LevelSum {
  public:
   LevelSum(int lod, const std::array<std::int64_t, 3>& lattice_min) : lod_(lod), min_(lattice_min) {}
 
-  void add(std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {
+  /// facing: null for all voxels of the level, or for none.
+  void add(std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal,
+           const std::uint8_t* facing) {
     put_record(
-        &records_[record_bytes * count_], lod_,
+        &records_[facing_record_bytes * count_], lod_,
         {min_[0] + (std::int64_t(x) << lod_), min_[1] + (std::int64_t(y) << lod_), min_[2] + (std::int64_t(z) << lod_)},
-        rgba, normal);
+        rgba, normal, facing);
+    has_facing_ = facing != nullptr;
     if (++count_ == batch) flush();
   }
   Hash128 value() {
@@ -52,7 +58,7 @@ class LevelSum {
  private:
   static constexpr std::size_t batch = 256;
   void flush() {
-    for (std::size_t i = 0; i < count_; ++i) sum_ += hash_record(&records_[record_bytes * i]);
+    for (std::size_t i = 0; i < count_; ++i) sum_ += hash_record(&records_[facing_record_bytes * i], has_facing_);
     count_ = 0;
   }
 
@@ -60,13 +66,16 @@ class LevelSum {
   std::array<std::int64_t, 3> min_;
   Hash128 sum_;
   std::size_t count_ = 0;
-  std::array<unsigned char, batch * record_bytes> records_;
+  bool has_facing_ = false;
+  std::array<unsigned char, batch * facing_record_bytes> records_;
 };
 
 /// Adds what node `n` stands for on its own level and, for a constant branch, on those below.
 void add_node(const Shard& s, std::size_t n, std::vector<LevelSum>& sums) {
   const auto add_to = [&sums](int lod) {
-    return [&sum = sums[std::size_t(lod)]](auto... voxel) { sum.add(voxel...); };
+    return [&sum = sums[std::size_t(lod)]](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
+                                           const std::int8_t* normal,
+                                           const std::uint8_t* facing) { sum.add(x, y, z, rgba, normal, facing); };
   };
   const int lod = s.nodes.lod[n];
   if (s.nodes.kind[n] == NodeKind::brick)
@@ -78,10 +87,10 @@ void add_node(const Shard& s, std::size_t n, std::vector<LevelSum>& sums) {
 }  // namespace
 
 Hash128 voxel_hash(int lod, std::array<std::int64_t, 3> corner_lattice, const std::uint8_t rgba[4],
-                   const std::int8_t normal[2]) {
-  unsigned char record[record_bytes];
-  put_record(record, lod, corner_lattice, rgba, normal);
-  return hash_record(record);
+                   const std::int8_t normal[2], const std::uint8_t* facing) {
+  unsigned char record[facing_record_bytes];
+  put_record(record, lod, corner_lattice, rgba, normal, facing);
+  return hash_record(record, facing != nullptr);
 }
 
 std::vector<Hash128> content_hash(const Shard& shard, int threads) {

@@ -38,6 +38,7 @@ class DifferenceSum {
   void add_both(const VoxelValue& a, const VoxelValue& b) {
     ++d_.both;
     d_.turned += std::memcmp(a.normal, b.normal, 2) != 0;
+    d_.refaced += a.facing != nullptr && b.facing != nullptr && std::memcmp(a.facing, b.facing, 3) != 0;
     if (std::memcmp(a.rgba, b.rgba, 4) == 0) return;
     ++d_.recoloured;
     for (std::size_t c = 0; c < 4; ++c) {
@@ -81,7 +82,8 @@ PairResult compare_level(const OpenCell& a, const BrickLevel& level_a, const Ope
   };
   for_each_voxel_of_level(
       a.nodes, level_a, lod,
-      [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {
+      [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal,
+          const std::uint8_t* facing) {
         ++r.a.all;
         const Corner corner = corner_of(a.min, x, y, z);
         if (!box.holds(corner)) return;
@@ -89,7 +91,7 @@ PairResult compare_level(const OpenCell& a, const BrickLevel& level_a, const Ope
         const auto in_voxels = [&](std::size_t c) { return std::uint32_t((corner[c] - b.min[c]) >> lod); };
         VoxelValue other;
         if (in_b.find(in_voxels(0), in_voxels(1), in_voxels(2), other))
-          sum.add_both({rgba, normal}, other);
+          sum.add_both({rgba, normal, facing}, other);
         else
           sum.add_only_in_a(1);
       });

@@ -15,9 +15,10 @@ struct LevelDifference {
   std::uint64_t only_in_a = 0, only_in_b = 0, both = 0;
   std::uint64_t recoloured = 0;  ///< of `both`: r, g, b or alpha differ
   std::uint64_t turned = 0;      ///< of `both`: the normal differs
+  std::uint64_t refaced = 0;     ///< of `both`: the coverage along an axis differs, where both scenes have it
   std::array<int, 4> largest{};  ///< |a − b| of 8-bit r, g, b, alpha
   std::array<double, 4> mean{};  ///< of |a − b| over `recoloured`
-  bool any() const { return only_in_a + only_in_b + recoloured + turned != 0; }
+  bool any() const { return only_in_a + only_in_b + recoloured + turned + refaced != 0; }
 };
 
 struct CellDifference {

@@ -8,6 +8,7 @@
 #include <pugixml.hpp>
 #include <sstream>
 
+#include "format/channels.h"
 #include "format/error.h"
 #include "format/publish.h"
 
@@ -158,7 +159,8 @@ void read_header(const Attributes& a, SceneDescription& scene) {
     const auto o = a.triple<double>("Origin");
     scene.origin = Geodetic{o[0], o[1], o[2]};
   }
-  scene.has_normals = a.text("Channels").find("normal") != std::string::npos;
+  if (!parse_channels(a.text("Channels"), scene.has_normals, scene.has_facing))
+    a.fail("Channels", "expected 'rgba', then perhaps 'normal' and 'facing'");
   scene.parameters = a.text("Parameters");
   scene.triangles = a.value<std::uint64_t>("Triangles");
   scene.non_finite = a.value<std::uint64_t>("NonFinite");
@@ -178,7 +180,7 @@ pugi::xml_node append_group(pugi::xml_document& document, const SceneDescription
   if (scene.origin)
     set(g, "Origin",
         fmt::format("{} {} {}", scene.origin->latitude_deg, scene.origin->longitude_deg, scene.origin->height_m));
-  set(g, "Channels", scene.has_normals ? "rgba normal" : "rgba");
+  set(g, "Channels", channel_names(scene.has_normals, scene.has_facing));
   set(g, "Parameters", scene.parameters);
   set(g, "Triangles", number(scene.triangles));
   set(g, "NonFinite", number(scene.non_finite));

@@ -44,7 +44,8 @@ struct NodeTable {
   std::vector<std::uint32_t>
       first_child;                   ///< node index of the lowest stored child; the others follow. 0xffffffff: none
   std::vector<std::uint32_t> value;  ///< brick index, or rgba as bytes r,g,b,a from the lowest
-  std::vector<std::array<std::int8_t, 2>> normal;  ///< of constant nodes, octahedral; zero otherwise
+  std::vector<std::array<std::int8_t, 2>> normal;   ///< of constant nodes, octahedral; zero otherwise
+  std::vector<std::array<std::uint8_t, 3>> facing;  ///< of constant nodes of lod 1 and up; empty where the channel is off
 };
 
 /// One row of it. Its key and level follow from the way down to it.
@@ -52,6 +53,7 @@ struct NodeRow {
   std::uint32_t first_child = 0xffffffffu;  ///< row in the whole table
   std::uint32_t value = 0;                  ///< brick number in its whole level, or rgba
   std::int8_t normal[2] = {0, 0};
+  std::uint8_t facing[3] = {0, 0, 0};
   NodeKind kind = NodeKind::brick;
   std::uint8_t child_mask = 0;
 };
@@ -63,6 +65,8 @@ struct BrickLevel {
   std::vector<std::uint64_t> first;  ///< bricks+1: where a brick's voxels start
   std::vector<std::uint8_t> rgba;    ///< 4 per voxel: sRGB colour, coverage
   std::vector<std::int8_t> normal;   ///< 2 per voxel: octahedral; empty where the channel is off
+  /// 3 per voxel: coverage that a view along x, y, z sees. Empty at lod 0, where it is alpha, and where the channel is off.
+  std::vector<std::uint8_t> facing;
 };
 
 /// Some bricks of a level: as BrickLevel, with `first` counted from the block's own voxels.
@@ -71,6 +75,7 @@ struct BrickBlock {
   std::vector<std::uint32_t> first;  ///< bricks+1
   std::vector<std::uint8_t> rgba;    ///< 4 per voxel
   std::vector<std::int8_t> normal;   ///< 2 per voxel; empty where the channel is off
+  std::vector<std::uint8_t> facing;  ///< 3 per voxel; empty at lod 0 and where the channel is off
 };
 
 struct ShardHeader {
@@ -85,6 +90,7 @@ struct ShardHeader {
   Hash128 fingerprint;                ///< of everything the cell was baked from
   std::vector<Hash128> content_hash;  ///< per lod; the sum over voxels, see content_hash.h
   bool has_normals = true;
+  bool has_facing = false;
   std::uint64_t triangles = 0;  ///< triangles that touched the cell
 };
 

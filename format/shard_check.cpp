@@ -46,7 +46,8 @@ void check_nodes(const std::filesystem::path& path, const ShardHeader& header, c
   const BrokenRule table{path, "/nodes"};
   const std::size_t count = n.key.size();
   table.expect(n.lod.size() == count && n.kind.size() == count && n.child_mask.size() == count &&
-                   n.first_child.size() == count && n.value.size() == count && n.normal.size() == count,
+                   n.first_child.size() == count && n.value.size() == count && n.normal.size() == count &&
+                   n.facing.size() == (header.has_facing ? count : 0),
                0, "columns differ in length");
   NodeWalk walk(path, header, count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -64,6 +65,7 @@ void check_level(const std::filesystem::path& path, const ShardHeader& header, c
   table.expect(bricks == bricks_of_nodes, bricks, "there are not as many bricks as nodes of this level");
   table.expect(level.first.size() == bricks + 1 && level.first[0] == 0, 0, "first does not fit mask");
   table.expect(level.normal.size() == (header.has_normals ? 2 * voxels : 0), 0, "normal does not fit rgba");
+  table.expect(level.facing.size() == (header.has_facing && lod > 0 ? 3 * voxels : 0), 0, "facing does not fit rgba");
   check_bricks(path, lod, 0, level.mask, level.first);
   table.expect(level.first[bricks] == voxels, bricks, "first does not end at the number of voxels");
   check_coverage(path, lod, 0, level.rgba);

@@ -2,6 +2,7 @@
 
 #include <sstream>
 
+#include "format/channels.h"
 #include "format/shard_check.h"
 #include "format/shard_layout.h"
 
@@ -35,11 +36,10 @@ void check_format(const Hdf5File& file) {
   if (scalar<std::uint32_t>(file, "brick_edge", Hdf5Type::u32) != brick_edge) file.fail("brick_edge", "expected 8");
 }
 
-bool read_channels(const Hdf5File& file) {
+void read_channels(const Hdf5File& file, ShardHeader& h) {
   const std::string channels = file.read_text("channels");
-  if (channels != "rgba" && channels != "rgba normal")
-    file.fail("channels", "expected 'rgba' or 'rgba normal', got '" + channels + "'");
-  return channels == "rgba normal";
+  if (!parse_channels(channels, h.has_normals, h.has_facing))
+    file.fail("channels", "expected 'rgba', then perhaps 'normal' and 'facing', got '" + channels + "'");
 }
 
 }  // namespace
@@ -63,7 +63,7 @@ ShardHeader read_header(const Hdf5File& file) {
   if (fingerprint.size() != 1) file.fail("fingerprint", "expected one hash");
   h.fingerprint = fingerprint[0];
   h.content_hash = hashes(file, "content_hash");
-  h.has_normals = read_channels(file);
+  read_channels(file, h);
   h.triangles = scalar<std::uint64_t>(file, "triangles", Hdf5Type::u64);
   check_header(file.path(), h);
   return h;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "format/hdf5_file.h"
+#include "format/shard.h"
 
 namespace gigabake {
 
@@ -19,21 +20,32 @@ struct NodeColumns {
   Hdf5Column first_child{"/nodes/first_child", Hdf5Type::u32, 1};
   Hdf5Column value{"/nodes/value", Hdf5Type::u32, 1};
   Hdf5Column normal{"/nodes/normal", Hdf5Type::i8, 2};
-  std::vector<Hdf5Column> all() const { return {key, lod, kind, child_mask, first_child, value, normal}; }
+  Hdf5Column facing{"/nodes/facing", Hdf5Type::u8, 3};
+  std::vector<Hdf5Column> all(const ShardHeader& header) const {
+    std::vector<Hdf5Column> columns{key, lod, kind, child_mask, first_child, value, normal};
+    if (header.has_facing) columns.push_back(facing);
+    return columns;
+  }
 };
 
 struct LevelColumns {
-  explicit LevelColumns(int lod) : LevelColumns("/lod_" + std::to_string(lod)) {}
-  explicit LevelColumns(std::string name)
+  explicit LevelColumns(int lod) : LevelColumns(lod, "/lod_" + std::to_string(lod)) {}
+  LevelColumns(int lod, std::string name)
       : group(std::move(name)),
+        has_facing(lod > 0),
         mask{group + "/mask", Hdf5Type::u64, 8},
         first{group + "/first", Hdf5Type::u64, 1},
         rgba{group + "/rgba", Hdf5Type::u8, 4},
-        normal{group + "/normal", Hdf5Type::i8, 2} {}
+        normal{group + "/normal", Hdf5Type::i8, 2},
+        facing{group + "/facing", Hdf5Type::u8, 3} {}
   std::string group;
-  Hdf5Column mask, first, rgba, normal;
-  std::vector<Hdf5Column> all(bool has_normals) const {
-    return has_normals ? std::vector{mask, first, rgba, normal} : std::vector{mask, first, rgba};
+  bool has_facing;  ///< where the shard has the channel
+  Hdf5Column mask, first, rgba, normal, facing;
+  std::vector<Hdf5Column> all(const ShardHeader& header) const {
+    std::vector<Hdf5Column> columns{mask, first, rgba};
+    if (header.has_normals) columns.push_back(normal);
+    if (header.has_facing && has_facing) columns.push_back(facing);
+    return columns;
   }
 };
 

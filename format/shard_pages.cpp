@@ -46,9 +46,12 @@ struct ShardPages::Nodes {
                 read_all<std::uint8_t>(child_mask)) {
     for (const Hdf5Rows* column : {&first_child, &value, &normal})
       if (column->rows() != outline.rows()) file.fail("/nodes", "columns differ in length");
+    if (header.has_facing) facing.emplace(file, columns.facing);
+    if (facing && facing->rows() != outline.rows()) file.fail("/nodes", "columns differ in length");
   }
 
   Hdf5Rows kind, child_mask, first_child, value, normal;
+  std::optional<Hdf5Rows> facing;
   ShardOutline outline;
 };
 
@@ -56,14 +59,16 @@ struct ShardPages::Level {
   Level(const Hdf5File& file, const ShardHeader& header, const LevelColumns& columns, std::uint64_t bricks_of_nodes)
       : bricks(bricks_of_nodes), mask(file, columns.mask), first(file, columns.first), rgba(file, columns.rgba) {
     if (header.has_normals) normal.emplace(file, columns.normal);
+    if (header.has_facing && columns.has_facing) facing.emplace(file, columns.facing);
     if (mask.rows() != bricks) file.fail(columns.group, "there are not as many bricks as nodes of this level");
     if (first.rows() != bricks + 1) file.fail(columns.group, "first does not fit mask");
     if (normal && normal->rows() != rgba.rows()) file.fail(columns.group, "normal does not fit rgba");
+    if (facing && facing->rows() != rgba.rows()) file.fail(columns.group, "facing does not fit rgba");
   }
 
   std::uint64_t bricks;
   Hdf5Rows mask, first, rgba;
-  std::optional<Hdf5Rows> normal;
+  std::optional<Hdf5Rows> normal, facing;
 };
 
 ShardPages::ShardPages(const std::filesystem::path& path)
@@ -101,12 +106,15 @@ std::vector<NodeRow> ShardPages::nodes(std::uint64_t first, std::uint32_t count)
   const auto first_child = read_range<std::uint32_t>(columns.first_child, first, rows);
   const auto value = read_range<std::uint32_t>(columns.value, first, rows);
   const auto normal = read_range<std::int8_t>(columns.normal, first, rows, 2);
+  const auto facing =
+      columns.facing ? read_range<std::uint8_t>(*columns.facing, first, rows, 3) : std::vector<std::uint8_t>(3 * rows);
   std::vector<NodeRow> out(rows);
   for (std::size_t i = 0; i < kind.size(); ++i) {
     if (begin + i >= first) {
       const std::size_t to = begin + i - first;
       walk.check_links(kind[i], child_mask[i], first_child[to], value[to]);
-      out[to] = {first_child[to], value[to], {normal[2 * to], normal[2 * to + 1]}, kind[i], child_mask[i]};
+      out[to] = {first_child[to], value[to], {normal[2 * to], normal[2 * to + 1]}, {}, kind[i], child_mask[i]};
+      std::copy_n(&facing[3 * to], 3, out[to].facing);
     }
     walk.step(walk.place().lod, kind[i], child_mask[i]);
   }
@@ -133,6 +141,7 @@ BrickBlock ShardPages::level(int lod, std::uint64_t first, std::uint32_t count) 
   block.rgba = read_range<std::uint8_t>(columns.rgba, begin, voxels, 4);
   check_coverage(file_.path(), lod, begin, block.rgba);
   if (columns.normal) block.normal = read_range<std::int8_t>(*columns.normal, begin, voxels, 2);
+  if (columns.facing) block.facing = read_range<std::uint8_t>(*columns.facing, begin, voxels, 3);
   return block;
 }
 

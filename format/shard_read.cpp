@@ -32,6 +32,7 @@ NodeTable ShardReader::nodes() const {
   read_rows(file_, columns.first_child, n.first_child);
   read_rows(file_, columns.value, n.value);
   read_rows(file_, columns.normal, n.normal);
+  if (header_.has_facing) read_rows(file_, columns.facing, n.facing);
   check_nodes(path_, header_, n);
   return n;
 }
@@ -55,6 +56,7 @@ BrickLevel ShardReader::read_level(int lod, std::uint64_t bricks) const {
   read_rows(file_, columns.first, level.first);
   read_rows(file_, columns.rgba, level.rgba);
   if (header_.has_normals) read_rows(file_, columns.normal, level.normal);
+  if (header_.has_facing && columns.has_facing) read_rows(file_, columns.facing, level.facing);
   check_level(path_, header_, level, lod, bricks);
   return level;
 }
@@ -68,13 +70,13 @@ Shard ShardReader::all() const {
 
 std::uint64_t ShardReader::level_bytes(int lod) const {
   std::uint64_t bytes = 0;
-  for (const Hdf5Column& column : LevelColumns(lod).all(header_.has_normals)) bytes += file_.stored_bytes(column);
+  for (const Hdf5Column& column : LevelColumns(lod).all(header_)) bytes += file_.stored_bytes(column);
   return bytes;
 }
 
 std::uint64_t ShardReader::node_bytes() const {
   std::uint64_t bytes = 0;
-  for (const Hdf5Column& column : NodeColumns().all()) bytes += file_.stored_bytes(column);
+  for (const Hdf5Column& column : NodeColumns().all(header_)) bytes += file_.stored_bytes(column);
   return bytes;
 }
 
@@ -88,9 +90,9 @@ std::vector<std::string> ShardReader::unreadable_columns() const {
       faults.emplace_back(error.what());
     }
   };
-  for (const Hdf5Column& column : NodeColumns().all()) try_column(column);
+  for (const Hdf5Column& column : NodeColumns().all(header_)) try_column(column);
   for (int lod = 0; lod < int(header_.lods); ++lod)
-    for (const Hdf5Column& column : LevelColumns(lod).all(header_.has_normals)) try_column(column);
+    for (const Hdf5Column& column : LevelColumns(lod).all(header_)) try_column(column);
   return faults;
 }
 

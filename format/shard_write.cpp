@@ -1,4 +1,5 @@
 
+#include "format/channels.h"
 #include "format/publish.h"
 #include "format/shard.h"
 #include "format/shard_layout.h"
@@ -26,7 +27,7 @@ void write_header(Hdf5File& file, const ShardHeader& h) {
   std::string hashes;
   for (const Hash128& hash : h.content_hash) hashes += (hashes.empty() ? "" : " ") + hash.hex();
   file.write_attribute("content_hash", hashes);
-  file.write_attribute("channels", h.has_normals ? "rgba normal" : "rgba");
+  file.write_attribute("channels", channel_names(h.has_normals, h.has_facing));
   file.write_attribute("triangles", Hdf5Type::u64, &h.triangles, 0);
 }
 
@@ -36,7 +37,7 @@ void write_rows(Hdf5File& file, const Hdf5Column& column, const std::vector<T>& 
   file.write_column(column, values.data(), values.size() * sizeof(T) / column.row_bytes(), threads);
 }
 
-void write_nodes(Hdf5File& file, const NodeTable& n, int threads) {
+void write_nodes(Hdf5File& file, const ShardHeader& header, const NodeTable& n, int threads) {
   const NodeColumns columns;
   file.make_group("/nodes");
   write_rows(file, columns.key, n.key, threads);
@@ -46,15 +47,17 @@ void write_nodes(Hdf5File& file, const NodeTable& n, int threads) {
   write_rows(file, columns.first_child, n.first_child, threads);
   write_rows(file, columns.value, n.value, threads);
   write_rows(file, columns.normal, n.normal, threads);
+  if (header.has_facing) write_rows(file, columns.facing, n.facing, threads);
 }
 
-void write_level(Hdf5File& file, const BrickLevel& level, int lod, bool has_normals, int threads) {
+void write_level(Hdf5File& file, const ShardHeader& header, const BrickLevel& level, int lod, int threads) {
   const LevelColumns columns(lod);
   file.make_group(columns.group);
   write_rows(file, columns.mask, level.mask, threads);
   write_rows(file, columns.first, level.first, threads);
   write_rows(file, columns.rgba, level.rgba, threads);
-  if (has_normals) write_rows(file, columns.normal, level.normal, threads);
+  if (header.has_normals) write_rows(file, columns.normal, level.normal, threads);
+  if (header.has_facing && columns.has_facing) write_rows(file, columns.facing, level.facing, threads);
 }
 
 }  // namespace
@@ -64,9 +67,9 @@ std::uint64_t write_shard(const std::filesystem::path& path, const Shard& shard,
   {
     Hdf5File file = Hdf5File::create(publication.aside(), path);
     write_header(file, shard.header);
-    write_nodes(file, shard.nodes, options.threads);
+    write_nodes(file, shard.header, shard.nodes, options.threads);
     for (std::size_t lod = 0; lod < shard.levels.size(); ++lod)
-      write_level(file, shard.levels[lod], int(lod), shard.header.has_normals, options.threads);
+      write_level(file, shard.header, shard.levels[lod], int(lod), options.threads);
     file.close();
   }
   const std::uint64_t bytes = std::filesystem::file_size(publication.aside());

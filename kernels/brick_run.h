@@ -18,6 +18,8 @@ class BrickRun {
     rgba_.insert(rgba_.end(), v.rgba, v.rgba + 4);
     if (normals_) normal_.insert(normal_.end(), v.normal, v.normal + 2);
   }
+  /// Of the voxel pushed last; of all voxels or of none.
+  void push_facing(const std::uint8_t facing[3]) { facing_.insert(facing_.end(), facing, facing + 3); }
   /// Closes the brick whose voxels were pushed since the last call.
   void push_brick(std::uint64_t key, const std::uint64_t mask[8]) {
     key_.push_back(key);
@@ -33,6 +35,7 @@ class BrickRun {
   std::vector<std::uint64_t> key_, mask_;
   std::vector<std::uint8_t> rgba_;
   std::vector<std::int8_t> normal_;
+  std::vector<std::uint8_t> facing_;
 };
 
 /// Moves the runs' bricks, in order, to the level's end; frees the runs.

@@ -13,7 +13,9 @@
 namespace gigabake::kernels {
 
 struct CastSample {
-  float c[4] = {0, 0, 0, 0};  ///< as CastVoxel, 1 = 1
+  float c[cast_channels] = {};  ///< as CastVoxel, 1 = 1
+
+  GB_HD float mean_coverage() const { return ((c[3] + c[4]) + c[5]) * (1.0f / 3); }
 };
 
 /// A point of a brick, in its voxels: between the centres of `base` and base + 1.
@@ -42,7 +44,7 @@ GB_HD bool is_zero(const CastMask& mask, const CastPoint& point) {
 GB_HD CastSample interpolate(const CastVoxel* voxels, const CastPoint& point) {
   const CastVoxel* corner = voxels + point.base[0] + slot_edge * (point.base[1] + slot_edge * point.base[2]);
   CastSample r;
-  for (int k = 0; k < 4; ++k) {
+  for (int k = 0; k < cast_channels; ++k) {
     float row[4];
     for (int i = 0; i < 4; ++i) {
       const CastVoxel* at = corner + slot_edge * (i & 1) + slot_edge * slot_edge * (i >> 1);

@@ -17,17 +17,15 @@
 namespace gigabake::kernels {
 
 inline constexpr int max_cast_lods = 11;                          ///< cells of up to 8192 voxels
-inline constexpr float opaque_extinction = 12;                    ///< of coverage 255, per voxel: e^-12 is nothing
 inline constexpr std::int64_t far_voxel = std::int64_t(1) << 52;  ///< beyond every scene; exact in a double
 inline constexpr int slot_edge = 9, slot_voxels = slot_edge * slot_edge * slot_edge;
 
 /// What a voxel adds to a ray, 65535 = 1. Premultiplied, so that voxels that are not there need no case of their own.
-/// [0…2] linear RGB radiance / 2 × [3]. [3] extinction per voxel / opaque_extinction.
-/// Extinction, not coverage, is what interpolates: a layer of voxels of coverage a, wherever its voxels' centres lie,
-/// then lets exactly 1-a of the light behind it through. Interpolated coverage would let e^-2 through an opaque layer.
+/// [0…2] linear RGB radiance / 2 × the mean of [3…5]. [3…5] coverage that a view along x, y, z sees.
 struct CastVoxel {
-  std::uint16_t c[4];
+  std::uint16_t c[6];
 };
+inline constexpr int cast_channels = 6;
 
 /// A reference to a tile or a slot, or why there is none.
 inline constexpr std::uint32_t empty_ref = 0xffffffffu;   ///< there is nothing: the field is zero

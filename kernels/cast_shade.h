@@ -23,12 +23,12 @@ GB_HD CastLight unlit() { return CastLight{}; }
 /// Round half up, at most 65535. Range: v ≥ 0.
 GB_HD std::uint16_t to_unorm16(float v) { return std::uint16_t(v >= 65535 ? 65535 : v + 0.5f); }
 
-/// normal: octahedral, or null where the scene has none: lit from everywhere. extinction: [256] by coverage, 65535 =
-/// opaque_extinction. Exact: IEEE float.
+/// normal: octahedral, or null where the scene has none: lit from everywhere. coverage: along x, y, z, 65535 = 1.
+/// Exact: IEEE float.
 GB_HD CastVoxel shade_voxel(const std::uint8_t rgba[4], const std::int8_t* normal, const CastLight& light,
-                            const Tables& tables, const std::uint16_t* extinction) {
+                            const Tables& tables, const std::uint16_t coverage[3]) {
   CastVoxel voxel;
-  voxel.c[3] = extinction[rgba[3]];
+  for (int a = 0; a < 3; ++a) voxel.c[3 + a] = coverage[a];
   float facing_sun = 0, up = 1;
   if (normal != nullptr) {
     const std::int16_t* n = tables.unit_normal + 4 * (std::uint8_t(normal[0]) | std::uint8_t(normal[1]) << 8);
@@ -36,7 +36,8 @@ GB_HD CastVoxel shade_voxel(const std::uint8_t rgba[4], const std::int8_t* norma
     facing_sun = dot > 0 ? dot * (1.0f / 32767) : 0;
     up = 0.5f + n[2] * (0.5f / 32767);
   }
-  const float weight = float(voxel.c[3]) * (0.5f / 65535);  // radiance is kept halved, see CastVoxel
+  const int sum = (coverage[0] + coverage[1]) + coverage[2];
+  const float weight = float(sum) * (0.5f / (3 * 65535));  // radiance is kept halved, see CastVoxel
   for (int k = 0; k < 3; ++k) {
     const float irradiance = light.sun[k] * facing_sun + (light.sky[k] * up + light.ground[k] * (1 - up));
     voxel.c[k] = to_unorm16(float(tables.linear_from_srgb[rgba[k]]) * irradiance * weight);

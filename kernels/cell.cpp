@@ -37,7 +37,8 @@ std::uint64_t pairs_per_batch(const CellParameters& parameters, std::uint64_t tr
 }
 
 std::uint64_t bytes_of(const Level& l) {
-  return 8 * (l.key.capacity() + l.mask.capacity() + l.first.capacity()) + l.rgba.capacity() + l.normal.capacity();
+  return 8 * (l.key.capacity() + l.mask.capacity() + l.first.capacity()) + l.rgba.capacity() + l.normal.capacity() +
+         l.facing.capacity();
 }
 
 std::uint64_t bytes_of(const std::vector<Level>& levels) {
@@ -85,8 +86,8 @@ CellVolume bake_cell(const CellInput& input, const CellParameters& parameters, c
   const int lods = std::bit_width(parameters.window_voxels / std::uint32_t(brick_edge));
   {
     const StageClock clock(volume.stats.mip_s);
-    while (int(volume.levels.size()) < lods)
-      volume.levels.push_back(coarser_level(volume.levels.back(), parameters.mip, parameters.normals, policy));
+    for (Level& level : coarser_levels(volume.levels[0], lods, parameters.mip, parameters.normals, policy))
+      volume.levels.push_back(std::move(level));
   }
   volume.stats.peak_bytes = std::max(volume.stats.peak_bytes, 2 * bytes_of(volume.levels));
   {

@@ -52,6 +52,9 @@ struct Level {
   std::vector<std::uint64_t> first;  ///< bricks+1
   std::vector<std::uint8_t> rgba;    ///< 4 per voxel
   std::vector<std::int8_t> normal;   ///< 2 per voxel, or empty
+  /// 3 per voxel: coverage that a view along x, y, z sees. Empty at lod 0, where it is alpha along each, and without
+  /// MipFilter::coverage.
+  std::vector<std::uint8_t> facing;
 };
 
 enum class NodeKind : std::uint8_t { brick = 0, constant = 1, leaf_constant = 2 };
@@ -65,6 +68,7 @@ struct Nodes {
   std::vector<std::uint32_t> first_child;
   std::vector<std::uint32_t> value;
   std::vector<std::array<std::int8_t, 2>> normal;
+  std::vector<std::array<std::uint8_t, 3>> facing;  ///< of constant nodes of levels that have it, else zeros
 };
 
 struct CellStats {

@@ -24,8 +24,14 @@ Sum128 brick_hash(const Level& level, std::size_t brick, int lod, const std::int
       std::uint16_t normal = 0;
       std::memcpy(&rgba, &level.rgba[4 * i], 4);
       if (!level.normal.empty()) std::memcpy(&normal, &level.normal[2 * i], 2);
-      sum.add(hash_voxel(lod, corner[0] + (std::int64_t(bit & 7) << lod), corner[1] + (std::int64_t(bit >> 3) << lod),
-                         corner[2] + (std::int64_t(z) << lod), rgba, normal));
+      const std::int64_t at_x = corner[0] + (std::int64_t(bit & 7) << lod),
+                         at_y = corner[1] + (std::int64_t(bit >> 3) << lod), at_z = corner[2] + (std::int64_t(z) << lod);
+      if (level.facing.empty()) {
+        sum.add(hash_voxel(lod, at_x, at_y, at_z, rgba, normal));
+      } else {
+        const std::uint8_t* f = &level.facing[3 * i];
+        sum.add(hash_voxel(lod, at_x, at_y, at_z, rgba, normal, f[0] | f[1] << 8 | f[2] << 16));
+      }
     }
   return sum;
 }

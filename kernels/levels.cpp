@@ -1,6 +1,8 @@
 #include "kernels/levels.h"
 
+#include <algorithm>
 #include <bit>
+#include <memory>
 
 #include "kernels/brick_run.h"
 #include "kernels/mip.h"
@@ -23,6 +25,7 @@ std::vector<std::size_t> parent_starts(const Level& fine) {
 struct OpenBrick {
   const std::uint64_t* mask;
   Voxel voxel[brick_voxels];
+  std::size_t index[brick_voxels];  ///< in the level
 };
 
 void open_brick(const Level& level, std::size_t brick, OpenBrick& out) {
@@ -30,9 +33,11 @@ void open_brick(const Level& level, std::size_t brick, OpenBrick& out) {
   std::size_t from = level.first[brick];
   for (int word = 0; word < 8; ++word)
     for (std::uint64_t rest = out.mask[word]; rest != 0; rest &= rest - 1, ++from) {
-      Voxel& v = out.voxel[64 * word + std::countr_zero(rest)];
+      const int at = 64 * word + std::countr_zero(rest);
+      Voxel& v = out.voxel[at];
       for (int c = 0; c < 4; ++c) v.rgba[c] = level.rgba[4 * from + c];
       for (int c = 0; c < 2; ++c) v.normal[c] = level.normal.empty() ? std::int8_t(0) : level.normal[2 * from + c];
+      out.index[at] = from;
     }
 }
 
@@ -43,13 +48,58 @@ std::uint8_t present_octants(const std::uint64_t rows[4], int x) {
   return std::uint8_t(present);
 }
 
+/// The 2×2×2 voxels below one, x | y<<1 | z<<2; null where there is none.
+struct Children {
+  const Voxel* voxel[8];
+  std::size_t index[8];
+};
+
+/// What see_children() asks, of a level with rasters (kernels/facing.h), or of lod 0.
+struct ChildRasters {
+  const Children& children;
+  const std::uint8_t* rasters;  ///< of the level
+  int edge;
+
+  template <int N>
+  CellRun<N> cells(int child, int axis, int run) const {
+    CellRun<N> out = {};
+    if (children.voxel[child] == nullptr) return out;
+    if constexpr (N == 1) {
+      out.cell[0] = children.voxel[child]->rgba[3];
+    } else {
+      const std::size_t at = children.index[child] * std::size_t(raster_bytes(edge));
+      std::copy_n(rasters + at + axis * edge * edge + N * run, N, out.cell);
+    }
+    return out;
+  }
+};
+
+FacingSums see(const Children& children, const std::uint8_t* rasters, int edge, std::uint8_t* raster) {
+  const ChildRasters from{children, rasters, edge};
+  if (edge == 1) return see_children<1>(from, raster);
+  if (edge == 2) return see_children<2>(from, raster);
+  return edge == 4 ? see_children<4>(from, raster) : see_children<8>(from, raster);
+}
+
+/// Consecutive bricks with what the level above needs of them.
+struct LevelRun {
+  BrickRun bricks;
+  std::vector<std::uint8_t> rasters;
+};
+
 class ParentBuilder {
  public:
-  ParentBuilder(const Level& fine, MipFilter filter)
-      : fine_(fine), filter_(filter), tables_(TableStore::host().view()) {}
+  /// rasters: of `fine`; empty at lod 0.
+  ParentBuilder(const Level& fine, int lod, const std::vector<std::uint8_t>& rasters, MipFilter filter)
+      : fine_(fine),
+        rasters_(rasters.data()),
+        edge_(raster_edge(lod - 1)),
+        raster_bytes_(raster_bytes(raster_edge(lod))),
+        filter_(filter),
+        tables_(TableStore::host().view()) {}
 
   /// children [begin, end) of `fine` share one parent.
-  void build(std::size_t begin, std::size_t end, BrickRun& run) {
+  void build(std::size_t begin, std::size_t end, LevelRun& run) {
     for (std::size_t child = begin; child < end; ++child) {
       open_brick(fine_, child, open_);
       fill_octant(int(fine_.key[child] & 7));
@@ -66,53 +116,120 @@ class ParentBuilder {
         const std::uint64_t low = open_.mask[2 * z] >> (16 * y), high = open_.mask[2 * z + 1] >> (16 * y);
         const std::uint64_t rows[4] = {low & 255, low >> 8 & 255, high & 255, high >> 8 & 255};
         if ((rows[0] | rows[1] | rows[2] | rows[3]) == 0) continue;
-        fill_row(rows, &open_.voxel[64 * 2 * z + 8 * 2 * y], base + 8 * y + 64 * z);
+        fill_row(rows, 64 * 2 * z + 8 * 2 * y, base + 8 * y + 64 * z);
       }
   }
 
   /// from: the child voxel (0, 2y, 2z); to: parent voxel (0, y, z) of this octant.
-  void fill_row(const std::uint64_t rows[4], const Voxel* from, int to) {
+  void fill_row(const std::uint64_t rows[4], int from, int to) {
     for (int x = 0; x < 4; ++x) {
-      VoxelOctet octet;
-      octet.present = present_octants(rows, x);
-      if (octet.present == 0) continue;
-      for (int c = 0; c < 8; ++c)
-        if (octet.present >> c & 1) octet.child[c] = from[2 * x + (c & 1) + 8 * (c >> 1 & 1) + 64 * (c >> 2)];
+      const std::uint8_t present = present_octants(rows, x);
+      if (present == 0) continue;
+      Children children;
+      for (int c = 0; c < 8; ++c) {
+        const int at = from + 2 * x + (c & 1) + 8 * (c >> 1 & 1) + 64 * (c >> 2);
+        children.voxel[c] = (present >> c & 1) != 0 ? &open_.voxel[at] : nullptr;
+        children.index[c] = open_.index[at];
+      }
       const int voxel = to + x;
-      parent_[voxel] = mip(octet, filter_, tables_);
       mask_[voxel >> 6] |= std::uint64_t(1) << (voxel & 63);
+      if (filter_ == MipFilter::coverage)
+        filter_by_view(children, voxel);
+      else
+        filter_by_mean(children, voxel);
     }
   }
 
-  void pack(std::uint64_t key, BrickRun& run) {
+  void filter_by_view(const Children& children, int voxel) {
+    const FacingSums seen = see(children, rasters_, edge_, raster_[voxel]);
+    CoarseVoxel& out = parent_[voxel];
+    for (int a = 0; a < 3; ++a) out.facing[a] = seen.facing(a, edge_);
+    MipSums sums;
+    for (int c = 0; c < 8; ++c)
+      if (children.voxel[c] != nullptr) sums.add(*children.voxel[c], seen.weight(c, edge_), tables_);
+    for (int c = 0; c < 8 && sums.weight == 0; ++c)  // too faint to be seen
+      if (children.voxel[c] != nullptr) sums.add(*children.voxel[c], 1, tables_);
+    out.voxel = sums.voxel(largest(out.facing), tables_);
+  }
+
+  void filter_by_mean(const Children& children, int voxel) {
+    MipSums sums;
+    for (const Voxel* child : children.voxel)
+      if (child != nullptr) sums.add(*child, child->rgba[3], tables_);
+    parent_[voxel].voxel = sums.voxel(mean_coverage(sums.weight, filter_, tables_), tables_);
+  }
+
+  void pack(std::uint64_t key, LevelRun& run) {
     for (int word = 0; word < 8; ++word)
-      for (std::uint64_t rest = mask_[word]; rest != 0; rest &= rest - 1)
-        run.push_voxel(parent_[64 * word + std::countr_zero(rest)]);
-    run.push_brick(key, mask_);
+      for (std::uint64_t rest = mask_[word]; rest != 0; rest &= rest - 1) {
+        const int voxel = 64 * word + std::countr_zero(rest);
+        run.bricks.push_voxel(parent_[voxel].voxel);
+        if (filter_ != MipFilter::coverage) continue;
+        run.bricks.push_facing(parent_[voxel].facing);
+        run.rasters.insert(run.rasters.end(), raster_[voxel], raster_[voxel] + raster_bytes_);
+      }
+    run.bricks.push_brick(key, mask_);
     for (std::uint64_t& word : mask_) word = 0;
   }
 
   const Level& fine_;
+  const std::uint8_t* rasters_;
+  int edge_, raster_bytes_;
   MipFilter filter_;
   Tables tables_;
   OpenBrick open_;
-  Voxel parent_[brick_voxels];
+  CoarseVoxel parent_[brick_voxels];
+  std::uint8_t raster_[brick_voxels][3 * most_raster_edge * most_raster_edge];
   std::uint64_t mask_[8] = {};
 };
 
-}  // namespace
+/// A level, and the rasters of its voxels where its filter needs them.
+struct FilteredLevel {
+  Level level;
+  std::vector<std::uint8_t> rasters;
+};
 
-Level coarser_level(const Level& fine, MipFilter filter, bool normals, const CpuPolicy& policy) {
+void join_rasters(std::vector<LevelRun>& runs, const CpuPolicy& policy, std::vector<std::uint8_t>& rasters) {
+  std::vector<std::size_t> at{0};
+  for (const LevelRun& run : runs) at.push_back(at.back() + run.rasters.size());
+  rasters.resize(at.back());
+  policy.parallel_for(runs.size(), 4, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t r = begin; r < end; ++r) {
+      std::copy(runs[r].rasters.begin(), runs[r].rasters.end(), rasters.begin() + std::ptrdiff_t(at[r]));
+      runs[r].rasters = {};
+    }
+  });
+}
+
+FilteredLevel coarser_level(const Level& fine, int lod, const std::vector<std::uint8_t>& rasters, MipFilter filter,
+                            bool normals, const CpuPolicy& policy) {
   const std::vector<std::size_t> starts = parent_starts(fine);
   const std::size_t parents = starts.size() - 1;
-  std::vector<BrickRun> runs((parents + parents_per_run - 1) / parents_per_run, BrickRun(normals));
+  std::vector<LevelRun> runs((parents + parents_per_run - 1) / parents_per_run, {BrickRun(normals), {}});
   policy.parallel_for(parents, parents_per_run, [&](std::size_t begin, std::size_t end, int) {
-    ParentBuilder builder(fine, filter);
-    for (std::size_t p = begin; p < end; ++p) builder.build(starts[p], starts[p + 1], runs[p / parents_per_run]);
+    const auto builder = std::make_unique<ParentBuilder>(fine, lod, rasters, filter);
+    for (std::size_t p = begin; p < end; ++p) builder->build(starts[p], starts[p + 1], runs[p / parents_per_run]);
   });
-  Level level;
-  append(level, runs, policy);
-  return level;
+  FilteredLevel out;
+  join_rasters(runs, policy, out.rasters);
+  std::vector<BrickRun> bricks;
+  for (LevelRun& run : runs) bricks.push_back(std::move(run.bricks));
+  append(out.level, bricks, policy);
+  return out;
+}
+
+}  // namespace
+
+std::vector<Level> coarser_levels(const Level& finest, int lods, MipFilter filter, bool normals,
+                                  const CpuPolicy& policy) {
+  std::vector<Level> levels;
+  std::vector<std::uint8_t> rasters;
+  for (int lod = 1; lod < lods; ++lod) {
+    FilteredLevel next = coarser_level(lod == 1 ? finest : levels.back(), lod, rasters, filter, normals, policy);
+    levels.push_back(std::move(next.level));
+    rasters = std::move(next.rasters);
+  }
+  return levels;
 }
 
 }  // namespace gigabake::kernels

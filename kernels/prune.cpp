@@ -15,9 +15,10 @@ struct Verdict {
   NodeKind kind = NodeKind::brick;
   std::uint32_t rgba = 0;
   std::array<std::int8_t, 2> normal{};
+  std::array<std::uint8_t, 3> facing{};  ///< at lod 0, and where levels have none, alpha
   bool stored = true;  ///< false below a leaf-constant node
 
-  bool same_value(const Verdict& o) const { return rgba == o.rgba && normal == o.normal; }
+  bool same_value(const Verdict& o) const { return rgba == o.rgba && normal == o.normal && facing == o.facing; }
 };
 using Verdicts = std::vector<Verdict>;
 
@@ -40,10 +41,13 @@ Verdict judge_brick(const Level& level, std::size_t b) {
   for (std::size_t i = first + 1; i < first + brick_voxels; ++i) {
     if (std::memcmp(&level.rgba[4 * i], &level.rgba[4 * first], 4) != 0) return v;
     if (!level.normal.empty() && std::memcmp(&level.normal[2 * i], &level.normal[2 * first], 2) != 0) return v;
+    if (!level.facing.empty() && std::memcmp(&level.facing[3 * i], &level.facing[3 * first], 3) != 0) return v;
   }
   v.kind = NodeKind::constant;
   for (int c = 0; c < 4; ++c) v.rgba |= std::uint32_t(level.rgba[4 * first + c]) << (8 * c);
   if (!level.normal.empty()) v.normal = {level.normal[2 * first], level.normal[2 * first + 1]};
+  for (std::size_t a = 0; a < 3; ++a)
+    v.facing[a] = level.facing.empty() ? level.rgba[4 * first + 3] : level.facing[3 * first + a];
   return v;
 }
 
@@ -92,6 +96,7 @@ void add_level_nodes(const Level& level, const Verdicts& verdicts, std::size_t l
     nodes.first_child.push_back(no_child);
     nodes.value.push_back(value);
     nodes.normal.push_back(v.normal);
+    nodes.facing.push_back(level.facing.empty() ? std::array<std::uint8_t, 3>{} : v.facing);
   }
 }
 
@@ -117,6 +122,8 @@ void remove_constant_bricks(Level& level, const Verdicts& verdicts) {
     kept.rgba.insert(kept.rgba.end(), level.rgba.begin() + 4 * first, level.rgba.begin() + 4 * end);
     if (!level.normal.empty())
       kept.normal.insert(kept.normal.end(), level.normal.begin() + 2 * first, level.normal.begin() + 2 * end);
+    if (!level.facing.empty())
+      kept.facing.insert(kept.facing.end(), level.facing.begin() + 3 * first, level.facing.begin() + 3 * end);
     kept.first.push_back(kept.rgba.size() / 4);
   }
   level = std::move(kept);

@@ -66,7 +66,7 @@ class BrickFiller {
   }
 
   void fill_constant(const SlotPart& part, const VoxelPlace& place) {
-    const kernels::CastVoxel voxel = shading_(lod_, place.rgba.data(), place.normal.data());
+    const kernels::CastVoxel voxel = shading_(lod_, place.rgba.data(), place.normal.data(), place.has_facing ? place.facing.data() : nullptr);
     for (int z = part.begin[2]; z < part.end[2]; ++z)
       for (int y = part.begin[1]; y < part.end[1]; ++y)
         for (int x = part.begin[0]; x < part.end[0]; ++x) put(x, y, z, voxel);
@@ -97,7 +97,8 @@ class BrickFiller {
       const int x = part.begin[0] + std::countr_zero(rest) - from_x;
       if (x < part.begin[0] || x >= part.end[0]) continue;
       const std::int8_t* normal = block.normal.empty() ? nullptr : &block.normal[2 * std::size_t(rank)];
-      put(x, y, z, shading_(lod_, &block.rgba[4 * std::size_t(rank)], normal));
+      const std::uint8_t* facing = block.facing.empty() ? nullptr : &block.facing[3 * std::size_t(rank)];
+      put(x, y, z, shading_(lod_, &block.rgba[4 * std::size_t(rank)], normal, facing));
     }
   }
 

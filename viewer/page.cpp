@@ -8,7 +8,8 @@ namespace gigabake {
 
 std::uint64_t Page::bytes() const {
   return sizeof(Page) + rows.size() * sizeof(NodeRow) + bricks.mask.size() * sizeof(std::uint64_t) +
-         bricks.first.size() * sizeof(std::uint32_t) + bricks.rgba.size() + bricks.normal.size();
+         bricks.first.size() * sizeof(std::uint32_t) + bricks.rgba.size() + bricks.normal.size() +
+         bricks.facing.size();
 }
 
 PageSource pages_from_shards(const std::filesystem::path& scene_path, const SceneDescription& scene) {

@@ -13,22 +13,22 @@ namespace gigabake {
 /// What of a voxel is shown.
 enum class Surface : std::uint8_t { colour, normal, coverage };
 
-/// The coverage filter stores the mean of what three views along the axes see. Ground is seen face on, but two of the
-/// three look along it: where a flat opaque layer has coverage 1 on lod 0 it has 0.67 on lod 1, 0.52 on lod 2, and so
-/// on. That share is put back, so that ground does not grow transparent with distance; what was translucent on lod 0
-/// stays as it was.
+/// A voxel's coverage along each axis is its facing; where it has none, at lod 0 and with filters without directions, it
+/// is its alpha along all three. The coverage filter of scenes of version 1 stored the mean of the three: ground is seen
+/// face on, but two of the three look along it. There that share is put back, so that ground does not grow transparent.
 class Shading {
  public:
   Shading(const kernels::CastLight& light, const SceneDescription& scene, Surface surface = Surface::colour);
 
-  /// normal: octahedral; not read where the scene has none.
-  kernels::CastVoxel operator()(int lod, const std::uint8_t rgba[4], const std::int8_t* normal) const;
+  /// normal: octahedral; not read where the scene has none. facing: null where the level has none.
+  kernels::CastVoxel operator()(int lod, const std::uint8_t rgba[4], const std::int8_t* normal,
+                                const std::uint8_t* facing) const;
 
  private:
   kernels::CastLight light_;
   Surface surface_;
   bool has_normals_;
-  std::array<std::array<std::uint16_t, 256>, kernels::max_cast_lods> extinction_;  ///< by lod and coverage
+  std::array<std::array<std::uint16_t, 256>, kernels::max_cast_lods> coverage_;  ///< without facing: by lod and alpha
 };
 
 }  // namespace gigabake

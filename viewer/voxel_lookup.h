@@ -26,7 +26,9 @@ struct VoxelPlace {
   const BrickBlock* block = nullptr;  ///< of a brick: where it is, valid until the pager's next pass
   std::size_t brick = 0;              ///< in the block
   std::array<std::uint8_t, 4> rgba{};
-  std::array<std::int8_t, 2> normal{};  ///< of a constant
+  std::array<std::int8_t, 2> normal{};
+  std::array<std::uint8_t, 3> facing{};  ///< all three of a constant
+  bool has_facing = false;
 };
 
 /// Questions may be asked from several threads at once, between two passes of the pager.

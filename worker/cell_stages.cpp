@@ -161,6 +161,7 @@ ShardHeader CellStages::header_of(const CellInHand& cell) const {
   h.origin = sources_.origin;
   h.fingerprint = cell.job.fingerprint;
   h.has_normals = parameters_.normals;
+  h.has_facing = parameters_.mip == MipFilter::coverage;
   h.triangles = cell.volume.stats.triangles;
   return h;
 }

@@ -12,7 +12,7 @@ static_assert(int(NodeKind::brick) == int(kernels::NodeKind::brick) &&
 NodeTable to_table(kernels::Nodes nodes) {
   NodeTable table{std::move(nodes.key),        std::move(nodes.lod),         {},
                   std::move(nodes.child_mask), std::move(nodes.first_child), std::move(nodes.value),
-                  std::move(nodes.normal)};
+                  std::move(nodes.normal),     std::move(nodes.facing)};
   table.kind.reserve(nodes.kind.size());
   for (const kernels::NodeKind kind : nodes.kind) table.kind.push_back(NodeKind(kind));
   return table;
@@ -26,7 +26,9 @@ Shard shard_from_volume(kernels::CellVolume volume, ShardHeader header) {
   shard.nodes = to_table(std::move(volume.nodes));
   for (kernels::Level& level : volume.levels)
     shard.levels.push_back(
-        {std::move(level.mask), std::move(level.first), std::move(level.rgba), std::move(level.normal)});
+        {std::move(level.mask), std::move(level.first), std::move(level.rgba), std::move(level.normal),
+         std::move(level.facing)});
+  if (!shard.header.has_facing) shard.nodes.facing.clear();
   shard.header.lods = std::uint32_t(shard.levels.size());
   for (const kernels::Sum128& hash : volume.content_hash) shard.header.content_hash.push_back({hash.lo, hash.hi});
   return shard;
