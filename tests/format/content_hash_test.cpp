@@ -63,7 +63,7 @@ TEST(ContentHash, DoesNotShowHowCellsAreCutNorHowManyThreadsHash) {
   EXPECT_EQ(whole, sum) << "seed " << seed;
 }
 
-TEST(ContentHash, TellsLevelPlaceColourAlphaAndNormalApart) {
+TEST(ContentHash, TellsLevelPlaceColourAlphaNormalAndFacingApart) {
   const Voxel voxel{{8, -16, 24}, {1, 2, 3, 4}, {5, 6}};
   const auto hash = [](int lod, const Voxel& v) { return voxel_hash(lod, v.at, v.rgba.data(), v.normal.data()); };
   const Hash128 h = hash(0, voxel);
@@ -81,6 +81,10 @@ TEST(ContentHash, TellsLevelPlaceColourAlphaAndNormalApart) {
   Voxel turned = voxel;
   ++turned.normal[1];
   EXPECT_NE(h, hash(0, turned));
+  const std::uint8_t facing[3] = {0, 0, 0}, other[3] = {0, 1, 0};
+  const Hash128 faced = voxel_hash(1, voxel.at, voxel.rgba.data(), voxel.normal.data(), facing);
+  EXPECT_NE(faced, hash(1, voxel));
+  EXPECT_NE(faced, voxel_hash(1, voxel.at, voxel.rgba.data(), voxel.normal.data(), other));
 }
 
 TEST(ContentHash, OfAConstantBranchIsThatOfTheVoxelsItStandsFor) {
@@ -90,8 +94,8 @@ TEST(ContentHash, OfAConstantBranchIsThatOfTheVoxelsItStandsFor) {
       for (std::int64_t x = 0; x < 16; ++x) solid.push_back({{x, y, z}, {10, 20, 30, 255}, {3, 4}});
   const Shard written_out = made::shard_of(solid, {0, 0, 0}, 16);
   Shard constant = written_out;
-  constant.nodes = {{0}, {1}, {NodeKind::leaf_constant}, {0}, {0xffffffffu}, {0xff1e140au}, {{3, 4}}};
-  for (BrickLevel& level : constant.levels) level = {{}, {0}, {}, {}};
+  constant.nodes = {{0}, {1}, {NodeKind::leaf_constant}, {0}, {0xffffffffu}, {0xff1e140au}, {{3, 4}}, {}};
+  for (BrickLevel& level : constant.levels) level = {{}, {0}, {}, {}, {}};
   EXPECT_EQ(content_hash(written_out), content_hash(constant));
 }
 

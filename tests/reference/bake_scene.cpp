@@ -69,15 +69,18 @@ void expand_brick(const Level& level, std::size_t brick, const Voxel& corner, Vo
     BakedVoxel value;
     std::copy_n(&level.rgba[4 * at], 4, value.rgba.begin());
     if (!level.normal.empty()) std::copy_n(&level.normal[2 * at], 2, value.normal.begin());
+    if (!level.facing.empty()) std::copy_n(&level.facing[3 * at], 3, value.facing.begin());
     out[{corner[0] + bit % 8, corner[1] + bit / 8 % 8, corner[2] + bit / 64}] = value;
     ++at;
   }
 }
 
-void expand_constant(const Nodes& nodes, std::size_t node, const Voxel& corner, std::int64_t edge, VoxelMap& out) {
+void expand_constant(const Nodes& nodes, std::size_t node, const Voxel& corner, std::int64_t edge, int lod,
+                     VoxelMap& out) {
   BakedVoxel value;
   for (int c = 0; c < 4; ++c) value.rgba[c] = std::uint8_t(nodes.value[node] >> (8 * c));
   if (!nodes.normal.empty()) value.normal = nodes.normal[node];
+  if (lod > 0) value.facing = nodes.facing[node];
   for (std::int64_t z = 0; z < edge; ++z)
     for (std::int64_t y = 0; y < edge; ++y)
       for (std::int64_t x = 0; x < edge; ++x) out[{corner[0] + x, corner[1] + y, corner[2] + z}] = value;
@@ -162,7 +165,7 @@ VoxelMap voxels_at(const CellVolume& volume, const CellParameters& parameters, i
     if (nodes.kind[n] == NodeKind::brick)
       expand_brick(volume.levels[lod], nodes.value[n], corner, out);
     else
-      expand_constant(nodes, n, corner, std::int64_t(brick_edge) << down, out);
+      expand_constant(nodes, n, corner, std::int64_t(brick_edge) << down, lod, out);
   }
   return out;
 }
@@ -175,12 +178,13 @@ std::set<Voxel> positions_of(const VoxelMap& voxels) {
 
 bool same_bits(const CellVolume& a, const CellVolume& b) {
   const auto same_level = [](const Level& x, const Level& y) {
-    return x.key == y.key && x.mask == y.mask && x.first == y.first && x.rgba == y.rgba && x.normal == y.normal;
+    return x.key == y.key && x.mask == y.mask && x.first == y.first && x.rgba == y.rgba && x.normal == y.normal &&
+           x.facing == y.facing;
   };
   const Nodes &m = a.nodes, &n = b.nodes;
   return std::equal(a.levels.begin(), a.levels.end(), b.levels.begin(), b.levels.end(), same_level) && m.key == n.key &&
          m.lod == n.lod && m.kind == n.kind && m.child_mask == n.child_mask && m.first_child == n.first_child &&
-         m.value == n.value && m.normal == n.normal;
+         m.value == n.value && m.normal == n.normal && m.facing == n.facing;
 }
 
 const CpuPolicy& policy_of(int threads) {

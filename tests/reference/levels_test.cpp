@@ -12,71 +12,170 @@ namespace {
 
 using namespace gigabake::kernels;
 
-struct Octet {
-  std::array<double, 8> alpha{};  ///< 0 … 1, child x + 2y + 4z
-  double visible = 0;
-  std::array<double, 3> colour{};
-  Direction normal{};
+/// What a voxel shows along each axis, in cells: of the plane of the other two axes, the lower of them first.
+struct Raster {
+  int edge = 1;
+  std::array<std::vector<int>, 3> cells;
+  int at(int axis, int u, int v) const { return cells[std::size_t(axis)][std::size_t(u + edge * v)]; }
 };
+using Rasters = std::map<Voxel, Raster>;
 
-std::map<Voxel, Octet> octets_of(const VoxelMap& fine) {
-  std::map<Voxel, Octet> out;
-  for (const auto& [p, v] : fine) {
-    Octet& o = out[{p[0] >> 1, p[1] >> 1, p[2] >> 1}];
-    const double alpha = v.rgba[3] / 255.0;
-    o.alpha[std::size_t((p[0] & 1) + 2 * (p[1] & 1) + 4 * (p[2] & 1))] = alpha;
-    o.visible += alpha;
-    const Direction n = direction_of(v.normal);
-    for (int c = 0; c < 3; ++c) {
-      o.colour[c] += alpha * linear_of(v.rgba[c] / 255.0);
-      o.normal[c] += alpha * n[c];
-    }
+Raster blank_raster(int edge) {
+  Raster r;
+  r.edge = edge;
+  for (auto& cells : r.cells) cells.assign(std::size_t(edge * edge), 0);
+  return r;
+}
+
+Rasters rasters_of_finest(const VoxelMap& voxels) {
+  Rasters out;
+  for (const auto& [p, v] : voxels) {
+    Raster r = blank_raster(1);
+    for (auto& cells : r.cells) cells[0] = v.rgba[3];
+    out[p] = r;
   }
   return out;
 }
 
-/// What a view along an axis sees of two voxels one behind the other, averaged over axes and columns.
-double directional_coverage(const std::array<double, 8>& a) {
-  double sum = 0;
-  for (int x = 0; x < 2; ++x)
-    for (int y = 0; y < 2; ++y) {
-      sum += 1 - (1 - a[x + 2 * y]) * (1 - a[x + 2 * y + 4]);
-      sum += 1 - (1 - a[x + 4 * y]) * (1 - a[x + 4 * y + 2]);
-      sum += 1 - (1 - a[2 * x + 4 * y]) * (1 - a[2 * x + 4 * y + 1]);
+/// (a/b rounded half up), for what is not negative.
+int rounded(int a, int b) { return (2 * a + b) / (2 * b); }
+
+struct Octet {
+  std::array<const BakedVoxel*, 8> child{};  ///< x + 2y + 4z
+  std::array<const Raster*, 8> raster{};
+};
+
+/// A parent's raster before it is made smaller, and what of each child the six sides see.
+struct Views {
+  Raster fine;
+  std::array<long, 8> seen{};
+};
+
+Views look_at(const Octet& o) {
+  int edge = 1;
+  for (const Raster* r : o.raster)
+    if (r != nullptr) edge = r->edge;
+  Views views{blank_raster(2 * edge), {}};
+  for (int axis = 0; axis < 3; ++axis)
+    for (std::size_t low = 0; low < 8; ++low) {
+      if ((low >> axis & 1) != 0) continue;
+      const std::size_t high = low + (std::size_t(1) << axis);
+      const int across[2] = {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2};
+      const int u0 = edge * int(low >> across[0] & 1), v0 = edge * int(low >> across[1] & 1);
+      for (int v = 0; v < edge; ++v)
+        for (int u = 0; u < edge; ++u) {
+          const int a = o.raster[low] == nullptr ? 0 : o.raster[low]->at(axis, u, v);
+          const int b = o.raster[high] == nullptr ? 0 : o.raster[high]->at(axis, u, v);
+          const int either = a + b - rounded(a * b, 255);
+          views.fine.cells[std::size_t(axis)][std::size_t(u0 + u + 2 * edge * (v0 + v))] = either;
+          views.seen[low] += a + either - b;
+          views.seen[high] += b + either - a;
+        }
     }
-  return sum / 12;
+  return views;
 }
 
-double filtered_alpha(const Octet& o, MipFilter filter) {
-  if (filter == MipFilter::coverage) return directional_coverage(o.alpha);
-  const double mean = o.visible / 8;
-  return filter == MipFilter::box ? mean : std::pow(mean, 1 - mean);
+Raster stored_raster(const Raster& fine) {
+  if (fine.edge <= 8) return fine;
+  Raster out = blank_raster(8);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (int v = 0; v < 8; ++v)
+      for (int u = 0; u < 8; ++u) {
+        const int a = int(axis);
+        out.cells[axis][std::size_t(u + 8 * v)] =
+            rounded(fine.at(a, 2 * u, 2 * v) + fine.at(a, 2 * u + 1, 2 * v) + fine.at(a, 2 * u, 2 * v + 1) +
+                        fine.at(a, 2 * u + 1, 2 * v + 1),
+                    4);
+      }
+  return out;
 }
 
-void expect_parent(const BakedVoxel& parent, const Octet& o, MipFilter filter) {
-  const double alpha = std::max(1.0, 255 * filtered_alpha(o, filter));
-  ASSERT_LE(std::abs(parent.rgba[3] - alpha), 0.5 + 1e-9) << "alpha";
-  // The table of linear values has 16 bits: at worst 0.05 codes, where sRGB is steepest, for each of two roundings.
-  for (int c = 0; c < 3; ++c) ASSERT_LE(code_error(parent.rgba[c], o.colour[c] / o.visible), 0.6) << "channel " << c;
-  const double length =
-      std::sqrt(o.normal[0] * o.normal[0] + o.normal[1] * o.normal[1] + o.normal[2] * o.normal[2]) / o.visible;
-  if (length > 1e-2) {
-    ASSERT_LE(angle_deg(direction_of(parent.normal), o.normal), octahedral_error_deg + 0.05);
+std::map<Voxel, Octet> octets_of(const VoxelMap& fine, const Rasters& rasters) {
+  std::map<Voxel, Octet> out;
+  for (const auto& [p, v] : fine) {
+    Octet& o = out[{p[0] >> 1, p[1] >> 1, p[2] >> 1}];
+    const auto child = std::size_t((p[0] & 1) + 2 * (p[1] & 1) + 4 * (p[2] & 1));
+    o.child[child] = &v;
+    o.raster[child] = &rasters.at(p);
   }
+  return out;
+}
+
+/// Colour and normal: the children's mean with these weights.
+void expect_mean(const BakedVoxel& parent, const Octet& o, const std::array<double, 8>& weight) {
+  double sum = 0;
+  std::array<double, 3> colour{};
+  Direction normal{};
+  for (std::size_t c = 0; c < 8; ++c) {
+    if (o.child[c] == nullptr) continue;
+    const Direction n = direction_of(o.child[c]->normal);
+    sum += weight[c];
+    for (std::size_t k = 0; k < 3; ++k) {
+      colour[k] += weight[c] * linear_of(o.child[c]->rgba[k] / 255.0);
+      normal[k] += weight[c] * n[k];
+    }
+  }
+  // The table of linear values has 16 bits: at worst 0.05 codes, where sRGB is steepest, for each of two roundings.
+  for (std::size_t c = 0; c < 3; ++c) ASSERT_LE(code_error(parent.rgba[c], colour[c] / sum), 0.6) << "channel " << c;
+  const double length = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]) / sum;
+  if (length > 1e-2) {
+    ASSERT_LE(angle_deg(direction_of(parent.normal), normal), octahedral_error_deg + 0.05);
+  }
+}
+
+void expect_parent_by_mean(const BakedVoxel& parent, const Octet& o, MipFilter filter) {
+  std::array<double, 8> alpha{};
+  double mean = 0;
+  for (std::size_t c = 0; c < 8; ++c) {
+    alpha[c] = o.child[c] == nullptr ? 0 : o.child[c]->rgba[3] / 255.0;
+    mean += alpha[c] / 8;
+  }
+  const double expected = 255 * (filter == MipFilter::box ? mean : std::pow(mean, 1 - mean));
+  ASSERT_LE(std::abs(parent.rgba[3] - std::max(1.0, expected)), 0.5 + 1e-9) << "alpha";
+  expect_mean(parent, o, alpha);
+}
+
+void expect_parent_by_view(const BakedVoxel& parent, const Octet& o, const Views& views) {
+  const int edge = views.fine.edge;
+  int largest = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    int sum = 0;
+    for (const int cell : views.fine.cells[axis]) sum += cell;
+    const int facing = std::max(1, rounded(sum, edge * edge));
+    ASSERT_EQ(int(parent.facing[axis]), facing) << "axis " << axis;
+    largest = std::max(largest, facing);
+  }
+  ASSERT_EQ(int(parent.rgba[3]), largest) << "alpha";
+  const long six_sides = 6L * (edge / 2) * (edge / 2);
+  std::array<double, 8> weight{};
+  double sum = 0;
+  for (std::size_t c = 0; c < 8; ++c) sum += weight[c] = double((views.seen[c] + six_sides - 1) / six_sides);
+  if (sum == 0) weight.fill(1);
+  expect_mean(parent, o, weight);
 }
 
 void expect_levels(const BakeScene& scene, const CellVolume& volume) {
   VoxelMap fine = voxels_at(volume, scene.parameters, 0);
+  Rasters rasters = rasters_of_finest(fine);
   for (int lod = 1; lod < int(volume.levels.size()); ++lod) {
     const VoxelMap coarse = voxels_at(volume, scene.parameters, lod);
-    const auto octets = octets_of(fine);
+    const auto octets = octets_of(fine, rasters);
+    Rasters coarse_rasters;
     ASSERT_EQ(coarse.size(), octets.size()) << "lod " << lod;
     for (const auto& [position, octet] : octets) {
       ASSERT_TRUE(coarse.count(position)) << "lod " << lod;
-      expect_parent(coarse.at(position), octet, scene.parameters.mip);
+      if (scene.parameters.mip == MipFilter::coverage) {
+        const Views views = look_at(octet);
+        expect_parent_by_view(coarse.at(position), octet, views);
+        coarse_rasters[position] = stored_raster(views.fine);
+      } else {
+        expect_parent_by_mean(coarse.at(position), octet, scene.parameters.mip);
+        coarse_rasters[position] = blank_raster(1);
+      }
       if (testing::Test::HasFatalFailure()) return;
     }
     fine = coarse;
+    rasters = std::move(coarse_rasters);
   }
 }
 

@@ -42,8 +42,9 @@ std::vector<kernels::Level> paint_levels(const Painter& paint, const std::array<
     const BrickPosition at = brick_position(key);
     paint_brick(paint, {min[0] + at.x * 8, min[1] + at.y * 8, min[2] + at.z * 8}, key, levels[0]);
   }
-  while (levels.size() < std::size_t(std::bit_width(edge / 8)))
-    levels.push_back(kernels::coarser_level(levels.back(), kernels::MipFilter::coverage, true, one_thread()));
+  for (kernels::Level& level : kernels::coarser_levels(levels[0], std::bit_width(edge / 8), kernels::MipFilter::coverage,
+                                                       true, one_thread()))
+    levels.push_back(std::move(level));
   return levels;
 }
 
@@ -60,6 +61,7 @@ kernels::Nodes nodes_of_bricks(const std::vector<kernels::Level>& levels) {
       nodes.first_child.push_back(0xffffffff);
       nodes.value.push_back(std::uint32_t(b));
       nodes.normal.push_back({0, 0});
+      nodes.facing.push_back({0, 0, 0});
       for (std::size_t p = 0; p + 1 < nodes.key.size(); ++p) {
         if (nodes.lod[p] != lod + 1 || nodes.key[p] != key >> 3) continue;
         if (nodes.child_mask[p] == 0) nodes.first_child[p] = std::uint32_t(nodes.key.size() - 1);
@@ -70,7 +72,7 @@ kernels::Nodes nodes_of_bricks(const std::vector<kernels::Level>& levels) {
 }
 
 NodeTable to_table(const kernels::Nodes& nodes) {
-  NodeTable table{nodes.key, nodes.lod, {}, nodes.child_mask, nodes.first_child, nodes.value, nodes.normal};
+  NodeTable table{nodes.key, nodes.lod, {}, nodes.child_mask, nodes.first_child, nodes.value, nodes.normal, nodes.facing};
   for (const kernels::NodeKind kind : nodes.kind) table.kind.push_back(NodeKind(kind));
   return table;
 }
@@ -82,6 +84,7 @@ std::vector<NodeRow> rows_of(const NodeTable& table, std::uint32_t block) {
     rows.push_back({table.first_child[n],
                     table.value[n],
                     {table.normal[n][0], table.normal[n][1]},
+                    {table.facing[n][0], table.facing[n][1], table.facing[n][2]},
                     table.kind[n],
                     table.child_mask[n]});
   return rows;
@@ -98,6 +101,9 @@ BrickBlock bricks_of(const BrickLevel& level, std::uint32_t block) {
   if (!level.normal.empty())
     out.normal.assign(level.normal.begin() + std::ptrdiff_t(2 * level.first[begin]),
                       level.normal.begin() + std::ptrdiff_t(2 * level.first[end]));
+  if (!level.facing.empty())
+    out.facing.assign(level.facing.begin() + std::ptrdiff_t(3 * level.first[begin]),
+                      level.facing.begin() + std::ptrdiff_t(3 * level.first[end]));
   return out;
 }
 
@@ -108,7 +114,7 @@ void VoxelScene::add_cell(const Painter& paint, const std::array<std::int64_t, 3
   if (levels[0].key.empty()) return;
   Shard shard;
   shard.nodes = to_table(nodes == Nodes::pruned ? kernels::prune(levels, one_thread()) : nodes_of_bricks(levels));
-  for (kernels::Level& level : levels) shard.levels.push_back({level.mask, level.first, level.rgba, level.normal});
+  for (kernels::Level& level : levels) shard.levels.push_back({level.mask, level.first, level.rgba, level.normal, level.facing});
   shards_.push_back(std::move(shard));
   SceneCell cell;
   cell.name = "c_" + std::to_string(shards_.size());
@@ -117,6 +123,7 @@ void VoxelScene::add_cell(const Painter& paint, const std::array<std::int64_t, 3
   cell.cell_voxels = cell_voxels_;
   cell.lods = std::uint32_t(levels.size());
   description_.voxel_size_m = 1;
+  description_.has_facing = true;
   description_.parameters = to_json(BakeParameters{.voxel_size_m = 1});
   description_.cells.push_back(cell);
 }

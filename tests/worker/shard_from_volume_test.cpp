@@ -31,6 +31,7 @@ TEST(ShardFromVolume, KeepsEveryArrayAndHashesTheVoxels) {
   const auto volume = bake(position, 32);
   ShardHeader header;
   header.cell_voxels = 32;
+  header.has_facing = true;
   const Shard shard = shard_from_volume(volume, header);
   ASSERT_EQ(shard.levels.size(), 3u);
   EXPECT_EQ(shard.header.lods, 3u);
@@ -40,6 +41,8 @@ TEST(ShardFromVolume, KeepsEveryArrayAndHashesTheVoxels) {
   for (std::size_t l = 0; l < 3; ++l) {
     EXPECT_EQ(shard.levels[l].mask, volume.levels[l].mask);
     EXPECT_EQ(shard.levels[l].rgba, volume.levels[l].rgba);
+    EXPECT_EQ(shard.levels[l].facing, volume.levels[l].facing);
+    EXPECT_EQ(shard.levels[l].facing.size(), l == 0 ? 0 : volume.levels[l].rgba.size() / 4 * 3);
   }
   EXPECT_EQ(shard.header.content_hash, content_hash(shard));
 }

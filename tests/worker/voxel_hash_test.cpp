@@ -25,6 +25,12 @@ TEST(HashVoxel, IsTheLibrarysHashOfTheRecordForRandomVoxels) {
     const kernels::Sum128 ours =
         kernels::hash_voxel(lod, corner[0], corner[1], corner[2], std::uint32_t(value), std::uint16_t(value >> 32));
     ASSERT_EQ((Hash128{ours.lo, ours.hi}), library) << "seed " << seed << " item " << i;
+    const std::uint64_t more = random();
+    const std::uint8_t facing[3] = {std::uint8_t(more), std::uint8_t(more >> 8), std::uint8_t(more >> 16)};
+    const Hash128 library_too = voxel_hash(lod, corner, rgba, normal, facing);
+    const kernels::Sum128 ours_too = kernels::hash_voxel(lod, corner[0], corner[1], corner[2], std::uint32_t(value),
+                                                         std::uint16_t(value >> 32), std::uint32_t(more & 0xffffff));
+    ASSERT_EQ((Hash128{ours_too.lo, ours_too.hi}), library_too) << "facing, seed " << seed << " item " << i;
   }
 }
 
