@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "format/codec.h"
 #include "format/frames.h"
 
 namespace gigabake {
@@ -95,7 +96,8 @@ struct Shard {
 };
 
 struct ShardWriteOptions {
-  int threads = 1;  ///< LZ4 compressors
+  int threads = 1;  ///< compressors
+  Codec codec = Codec::lz4;
 };
 
 /// Writes aside, flushes, fsyncs, renames, fsyncs the folder. Returns the file's size in bytes.

@@ -9,15 +9,16 @@
 namespace gigabake {
 
 inline constexpr char shard_format[] = "gigabake-shard";
-inline constexpr std::int32_t shard_version = 1;
+inline constexpr std::int32_t shard_version = 2;
+inline constexpr std::int32_t oldest_shard_version = 1;
 
 struct NodeColumns {
-  Hdf5Column key{"/nodes/key", Hdf5Type::u64, 1};
+  Hdf5Column key{"/nodes/key", Hdf5Type::u64, 1, BytePlanes::yes};
   Hdf5Column lod{"/nodes/lod", Hdf5Type::u8, 1};
   Hdf5Column kind{"/nodes/kind", Hdf5Type::u8, 1};
   Hdf5Column child_mask{"/nodes/child_mask", Hdf5Type::u8, 1};
-  Hdf5Column first_child{"/nodes/first_child", Hdf5Type::u32, 1};
-  Hdf5Column value{"/nodes/value", Hdf5Type::u32, 1};
+  Hdf5Column first_child{"/nodes/first_child", Hdf5Type::u32, 1, BytePlanes::yes};
+  Hdf5Column value{"/nodes/value", Hdf5Type::u32, 1, BytePlanes::yes};
   Hdf5Column normal{"/nodes/normal", Hdf5Type::i8, 2};
   std::vector<Hdf5Column> all() const { return {key, lod, kind, child_mask, first_child, value, normal}; }
 };
@@ -27,7 +28,7 @@ struct LevelColumns {
   explicit LevelColumns(std::string name)
       : group(std::move(name)),
         mask{group + "/mask", Hdf5Type::u64, 8},
-        first{group + "/first", Hdf5Type::u64, 1},
+        first{group + "/first", Hdf5Type::u64, 1, BytePlanes::yes},
         rgba{group + "/rgba", Hdf5Type::u8, 4},
         normal{group + "/normal", Hdf5Type::i8, 2} {}
   std::string group;
