@@ -32,6 +32,8 @@ void BakeOptions::add_to(CLI::App& command) {
       ->capture_default_str();
   command.add_option("--mip", mip, "filter of coarser levels: coverage, thesis or box")->capture_default_str();
   command.add_flag("--no-normals", no_normals, "store no normals");
+  command.add_option("--codec", codec, "how shards are compressed: lz4 (fast) or deflate (a quarter smaller)")
+      ->capture_default_str();
   command.add_option("--cell-voxels", cell_voxels, "edge of a cell in voxels, a power of two from 8 to 8192")
       ->capture_default_str();
   command.add_option("--lattice-origin", lattice_origin,
@@ -69,6 +71,7 @@ BakeRequest BakeOptions::request() const {
   r.parameters.mip = choice<MipFilter>(
       "--mip", {{"coverage", MipFilter::coverage}, {"thesis", MipFilter::thesis}, {"box", MipFilter::box}}, mip);
   r.parameters.normals = !no_normals;
+  r.parameters.codec = choice<Codec>("--codec", {{"lz4", Codec::lz4}, {"deflate", Codec::deflate}}, codec);
   check(r.parameters);
   if (threads < 0 || threads > 1024) throw UsageError("--threads: expected 1 to 1024, or 0 for all cores");
   r.threads = threads;

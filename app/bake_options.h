@@ -11,7 +11,7 @@ namespace gigabake::app {
 /// Text as typed; request() turns it into values.
 struct BakeOptions {
   std::string source, out, metrics, voxel_size, surface = "area", mip = "coverage", lattice_origin, origin, up,
-                                                backend = "auto";
+                                                backend = "auto", codec = "lz4";
   std::vector<int> gpus;
   std::uint32_t cell_voxels = 1024;
   bool local = false, no_normals = false, keep_going = true, prune = false, json = false;

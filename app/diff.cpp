@@ -43,7 +43,8 @@ void print_text(const SceneDifference& d) {
     fmt::print("{}\n", place(cell));
     for (const LevelDifference& l : cell.levels)
       fmt::print(
-          "  lod {:<2} {} voxels only in A, {} only in B; of {} in both {} differ in colour (r g b alpha by at most {}, on "
+          "  lod {:<2} {} voxels only in A, {} only in B; of {} in both {} differ in colour (r g b alpha by at most "
+          "{}, on "
           "average {:.2f}), {} in their normal, {} in coverage along an axis\n",
           l.lod, l.only_in_a, l.only_in_b, l.both, l.recoloured, fmt::join(l.largest, " "), fmt::join(l.mean, " "),
           l.turned, l.refaced);

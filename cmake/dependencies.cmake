@@ -23,6 +23,7 @@ endfunction()
 
 gb_find(hdf5 hdf5.h LIBS hdf5_serial hdf5 SUFFIXES hdf5/serial)
 gb_find(lz4 lz4.h LIBS lz4)
+gb_find(deflate libdeflate.h LIBS deflate)
 gb_find(tinygltf tiny_gltf.h LIBS tinygltf)
 gb_find(geographiclib GeographicLib/LocalCartesian.hpp LIBS GeographicLib Geographic)
 gb_find(pugixml pugixml.hpp LIBS pugixml)

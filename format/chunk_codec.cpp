@@ -2,12 +2,17 @@
 
 #include <algorithm>
 #include <cstring>
+#include <libdeflate.h>
 #include <lz4.h>
+#include <memory>
+#include <new>
 
 namespace gigabake {
 namespace {
 
 constexpr std::size_t block_bytes = std::size_t(1) << 20;
+/// The fastest that still finds repetitions: the next ones take twice the time for a fourteenth of the bytes.
+constexpr int deflate_level = 1;
 
 void put_big_endian(std::vector<std::uint8_t>& out, std::uint64_t value, int bytes) {
   for (int i = bytes - 1; i >= 0; --i) out.push_back(std::uint8_t(value >> (8 * i)));
@@ -90,26 +95,81 @@ bool decode_frame(std::span<const std::uint8_t> in, std::size_t chunk_bytes, std
   return chunk_bytes > 0 || in.empty();
 }
 
-}  // namespace
-
-std::vector<std::uint8_t> encode_chunk(std::span<const std::uint8_t> raw) {
+std::vector<std::uint8_t> encode_frame(std::span<const std::uint8_t> raw) {
   const std::size_t block = std::min(block_bytes, raw.size());
   std::vector<std::uint8_t> out;
   put_big_endian(out, raw.size(), 8);
   put_big_endian(out, block, 4);
   for (std::size_t at = 0; at < raw.size(); at += block)
     append_block(out, raw.data() + at, std::min(block, raw.size() - at));
+  return out;
+}
+
+using Compressor = std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)>;
+using Decompressor = std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)>;
+
+std::vector<std::uint8_t> encode_zlib(std::span<const std::uint8_t> raw) {
+  const Compressor compressor(libdeflate_alloc_compressor(deflate_level), libdeflate_free_compressor);
+  if (!compressor) throw std::bad_alloc();
+  std::vector<std::uint8_t> out(libdeflate_zlib_compress_bound(compressor.get(), raw.size()));
+  out.resize(libdeflate_zlib_compress(compressor.get(), raw.data(), raw.size(), out.data(), out.size()));
+  return out;
+}
+
+bool decode_zlib(std::span<const std::uint8_t> in, std::span<std::uint8_t> raw) {
+  const Decompressor decompressor(libdeflate_alloc_decompressor(), libdeflate_free_decompressor);
+  if (!decompressor) throw std::bad_alloc();
+  return libdeflate_zlib_decompress(decompressor.get(), in.data(), in.size(), raw.data(), raw.size(), nullptr) ==
+         LIBDEFLATE_SUCCESS;
+}
+
+std::vector<std::uint8_t> shuffle(std::span<const std::uint8_t> raw, std::size_t element) {
+  const std::size_t elements = raw.size() / element;
+  std::vector<std::uint8_t> out(raw.size());
+  for (std::size_t i = 0; i < elements; ++i)
+    for (std::size_t b = 0; b < element; ++b) out[b * elements + i] = raw[i * element + b];
+  return out;
+}
+
+/// The first elements, as many as `raw` holds.
+void unshuffle(std::span<const std::uint8_t> in, std::size_t element, std::span<std::uint8_t> raw) {
+  const std::size_t elements = in.size() / element;
+  for (std::size_t i = 0; i < raw.size() / element; ++i)
+    for (std::size_t b = 0; b < element; ++b) raw[i * element + b] = in[b * elements + i];
+}
+
+bool unpack(std::span<const std::uint8_t> in, Codec codec, std::size_t chunk_bytes, std::span<std::uint8_t> raw) {
+  if (codec == Codec::lz4) return decode_frame(in, chunk_bytes, raw);
+  if (raw.size() == chunk_bytes) return decode_zlib(in, raw);
+  std::vector<std::uint8_t> whole(chunk_bytes);
+  if (!decode_zlib(in, whole)) return false;
+  std::copy_n(whole.begin(), raw.size(), raw.begin());
+  return true;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> encode_chunk(std::span<const std::uint8_t> raw, const ChunkFilters& filters) {
+  std::vector<std::uint8_t> shuffled;
+  if (filters.shuffled_bytes > 1) raw = shuffled = shuffle(raw, filters.shuffled_bytes);
+  std::vector<std::uint8_t> out = filters.codec == Codec::lz4 ? encode_frame(raw) : encode_zlib(raw);
   const std::uint32_t sum = fletcher32(out);
   for (int i = 0; i < 4; ++i) out.push_back(std::uint8_t(sum >> (8 * i)));
   return out;
 }
 
-bool decode_chunk(std::span<const std::uint8_t> stored, std::size_t chunk_bytes, std::span<std::uint8_t> raw) {
+bool decode_chunk(std::span<const std::uint8_t> stored, const ChunkFilters& filters, std::size_t chunk_bytes,
+                  std::span<std::uint8_t> raw) {
   if (stored.size() < 4) return false;
-  const auto frame = stored.first(stored.size() - 4);
+  const auto packed = stored.first(stored.size() - 4);
   std::uint32_t sum = 0;
-  for (int i = 0; i < 4; ++i) sum |= std::uint32_t(stored[frame.size() + std::size_t(i)]) << (8 * i);
-  return fletcher32(frame) == sum && decode_frame(frame, chunk_bytes, raw);
+  for (int i = 0; i < 4; ++i) sum |= std::uint32_t(stored[packed.size() + std::size_t(i)]) << (8 * i);
+  if (fletcher32(packed) != sum) return false;
+  if (filters.shuffled_bytes <= 1) return unpack(packed, filters.codec, chunk_bytes, raw);
+  std::vector<std::uint8_t> shuffled(chunk_bytes);
+  if (!unpack(packed, filters.codec, chunk_bytes, shuffled)) return false;
+  unshuffle(shuffled, filters.shuffled_bytes, raw);
+  return true;
 }
 
 }  // namespace gigabake

@@ -80,21 +80,22 @@ PairResult compare_level(const OpenCell& a, const BrickLevel& level_a, const Ope
     return Corner{min[0] + (std::int64_t(x) << lod), min[1] + (std::int64_t(y) << lod),
                   min[2] + (std::int64_t(z) << lod)};
   };
-  for_each_voxel_of_level(
-      a.nodes, level_a, lod,
-      [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal,
-          const std::uint8_t* facing) {
-        ++r.a.all;
-        const Corner corner = corner_of(a.min, x, y, z);
-        if (!box.holds(corner)) return;
-        ++r.a.inside;
-        const auto in_voxels = [&](std::size_t c) { return std::uint32_t((corner[c] - b.min[c]) >> lod); };
-        VoxelValue other;
-        if (in_b.find(in_voxels(0), in_voxels(1), in_voxels(2), other))
-          sum.add_both({rgba, normal, facing}, other);
-        else
-          sum.add_only_in_a(1);
-      });
+  for_each_voxel_of_level(a.nodes, level_a, lod,
+                          [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
+                              const std::int8_t* normal, const std::uint8_t* facing) {
+                            ++r.a.all;
+                            const Corner corner = corner_of(a.min, x, y, z);
+                            if (!box.holds(corner)) return;
+                            ++r.a.inside;
+                            const auto in_voxels = [&](std::size_t c) {
+                              return std::uint32_t((corner[c] - b.min[c]) >> lod);
+                            };
+                            VoxelValue other;
+                            if (in_b.find(in_voxels(0), in_voxels(1), in_voxels(2), other))
+                              sum.add_both({rgba, normal, facing}, other);
+                            else
+                              sum.add_only_in_a(1);
+                          });
   for_each_voxel_of_level(
       b.nodes, level_b, lod,
       [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t*, const std::int8_t*) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <hdf5.h>
+#include <string_view>
 #include <type_traits>
 
 #include "format/error.h"
@@ -11,17 +12,23 @@ namespace {
 
 static_assert(std::is_same_v<hid_t, std::int64_t> && std::is_same_v<herr_t, int>);
 
-/// Keeps what the call that failed first said: the walk goes from the innermost function outwards.
-herr_t keep_innermost(unsigned depth, const H5E_error2_t* error, void* reason) {
-  if (depth == 0 && error->desc != nullptr) *static_cast<std::string*>(reason) = error->desc;
+constexpr std::string_view system_message = "error message = '";
+
+/// Keeps what the call that failed first said, or the system's own message: the walk goes from the innermost function
+/// outwards, and passes a filter that HDF5 missed and did not need.
+herr_t keep_reason(unsigned depth, const H5E_error2_t* error, void* kept) {
+  auto& reason = *static_cast<std::string*>(kept);
+  if (error->desc == nullptr) return 0;
+  const std::string_view desc = error->desc;
+  if (depth == 0 || (desc.find(system_message) != desc.npos && reason.find(system_message) == std::string::npos))
+    reason = desc;
   return 0;
 }
 
 /// HDF5 puts the system's message among the call's arguments, and a line break into its time stamp.
 std::string shortened(std::string reason) {
-  const std::string_view key = "error message = '";
-  if (const std::size_t at = reason.find(key); at != std::string::npos) {
-    reason.erase(0, at + key.size());
+  if (const std::size_t at = reason.find(system_message); at != std::string::npos) {
+    reason.erase(0, at + system_message.size());
     reason.resize(std::min(reason.find('\''), reason.size()));
   }
   std::replace(reason.begin(), reason.end(), '\n', ' ');
@@ -32,7 +39,7 @@ std::string shortened(std::string reason) {
 
 void Hdf5Call::fail(const char* name) const {
   std::string reason;
-  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_innermost, &reason);
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_reason, &reason);
   throw InputError(file, object, std::string(name) + " failed" + (reason.empty() ? "" : ": " + shortened(reason)));
 }
 

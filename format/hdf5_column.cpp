@@ -10,7 +10,6 @@
 namespace gigabake {
 namespace {
 
-constexpr H5Z_filter_t lz4_filter = 32004;
 // Pages of 128 KiB read well from disks; HDF5 slows down beyond a few thousand chunks, so large columns get larger
 // ones.
 constexpr std::size_t chunk_bytes = 128 << 10, most_chunks = 1024, chunks_in_hand = 64;
@@ -20,24 +19,33 @@ std::size_t rows_per_chunk(std::size_t rows, std::size_t row_bytes) {
   return std::clamp<std::size_t>(wanted, 1, rows);
 }
 
-Hdf5Id creation_properties(const Hdf5Call& call, const Hdf5Column& column, std::size_t rows) {
+ChunkFilters filters_of(const Hdf5Column& column, Codec codec) {
+  return {codec, column.planes == BytePlanes::yes ? element_bytes(column.type) : 1};
+}
+
+Hdf5Id creation_properties(const Hdf5Call& call, const Hdf5Column& column, std::size_t rows, Codec codec) {
   Hdf5Id create = call.id("H5Pcreate", H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   call("H5Pset_obj_track_times", H5Pset_obj_track_times(create.get(), false));
   if (rows == 0) return create;
   const hsize_t chunk[2] = {rows_per_chunk(rows, column.row_bytes()), column.width};
   call("H5Pset_chunk", H5Pset_chunk(create.get(), column.dimensions(), chunk));
-  call("H5Pset_filter", H5Pset_filter(create.get(), lz4_filter, H5Z_FLAG_OPTIONAL, 0, nullptr));
+  if (column.planes == BytePlanes::yes) call("H5Pset_shuffle", H5Pset_shuffle(create.get()));
+  if (codec == Codec::lz4)
+    call("H5Pset_filter", H5Pset_filter(create.get(), lz4_filter, H5Z_FLAG_OPTIONAL, 0, nullptr));
+  else
+    call("H5Pset_deflate", H5Pset_deflate(create.get(), 1));
   call("H5Pset_fletcher32", H5Pset_fletcher32(create.get()));
   return create;
 }
 
 /// Chunk `index` of the data, zeros after its end: stored chunks are always whole.
-std::vector<std::uint8_t> encode_rows(std::span<const std::uint8_t> data, std::size_t whole_bytes, std::size_t index) {
+std::vector<std::uint8_t> encode_rows(std::span<const std::uint8_t> data, std::size_t whole_bytes, std::size_t index,
+                                      const ChunkFilters& filters) {
   const auto rest = data.subspan(index * whole_bytes);
-  if (rest.size() >= whole_bytes) return encode_chunk(rest.first(whole_bytes));
+  if (rest.size() >= whole_bytes) return encode_chunk(rest.first(whole_bytes), filters);
   std::vector<std::uint8_t> padded(whole_bytes, 0);
   std::copy(rest.begin(), rest.end(), padded.begin());
-  return encode_chunk(padded);
+  return encode_chunk(padded, filters);
 }
 
 }  // namespace
@@ -51,11 +59,11 @@ Hdf5Id Hdf5File::open_column(const Hdf5Column& column) const {
   return call.id("H5Dopen2", H5Dopen2(file_.get(), column.name.c_str(), access.get()), H5Dclose);
 }
 
-void Hdf5File::write_column(const Hdf5Column& column, const void* data, std::size_t rows, int threads) {
+void Hdf5File::write_column(const Hdf5Column& column, const void* data, std::size_t rows, Codec codec, int threads) {
   const Hdf5Call call{path_, column.name};
   const hsize_t shape[2] = {rows, column.width};
   const Hdf5Id space = call.id("H5Screate_simple", H5Screate_simple(column.dimensions(), shape, nullptr), H5Sclose);
-  const Hdf5Id properties = creation_properties(call, column, rows);
+  const Hdf5Id properties = creation_properties(call, column, rows, codec);
   const Hdf5Id set = call.id("H5Dcreate2",
                              H5Dcreate2(file_.get(), column.name.c_str(), hdf5_type(column.type), space.get(),
                                         H5P_DEFAULT, properties.get(), H5P_DEFAULT),
@@ -67,7 +75,7 @@ void Hdf5File::write_column(const Hdf5Column& column, const void* data, std::siz
   for (std::size_t first = 0; first < chunks; first += chunks_in_hand) {
     std::vector<std::vector<std::uint8_t>> encoded(std::min(chunks_in_hand, chunks - first));
     parallel_ranges(encoded.size(), 1, threads, [&](std::size_t i, std::size_t) {
-      encoded[i] = encode_rows(bytes, per_chunk * column.row_bytes(), first + i);
+      encoded[i] = encode_rows(bytes, per_chunk * column.row_bytes(), first + i, filters_of(column, codec));
     });
     for (std::size_t i = 0; i < encoded.size(); ++i) {
       const hsize_t offset[2] = {(first + i) * per_chunk, 0};

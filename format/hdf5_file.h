@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "format/chunk_codec.h"
 #include "format/hdf5_call.h"
 
 namespace gigabake {
@@ -14,11 +15,15 @@ enum class Hdf5Type : std::uint8_t { u8, i8, u32, i32, u64, i64, f64 };
 
 std::size_t element_bytes(Hdf5Type type);
 
+/// Whether a column's chunks are written byte plane by byte plane: for numbers that rise or are small.
+enum class BytePlanes : std::uint8_t { no, yes };
+
 /// One array of fixed-width rows.
 struct Hdf5Column {
   std::string name;  ///< "/lod_0/mask"
   Hdf5Type type;
   std::size_t width;  ///< elements a row; 1: the dataset has one dimension
+  BytePlanes planes = BytePlanes::no;
   std::size_t row_bytes() const { return width * element_bytes(type); }
   int dimensions() const { return width == 1 ? 1 : 2; }
 };
@@ -33,7 +38,7 @@ class Hdf5File {
 
   void make_group(const std::string& name);
   /// Chunked, each chunk as chunk_codec.h, compressed by `threads`.
-  void write_column(const Hdf5Column& column, const void* data, std::size_t rows, int threads);
+  void write_column(const Hdf5Column& column, const void* data, std::size_t rows, Codec codec, int threads);
   Hdf5Id open_column(const Hdf5Column& column) const;
   /// As stored: compressed, without HDF5's own index.
   std::uint64_t stored_bytes(const Hdf5Column& column) const;

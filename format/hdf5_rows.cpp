@@ -15,12 +15,35 @@ namespace gigabake {
 namespace {
 
 constexpr std::uint64_t largest_chunk = std::uint64_t(1) << 31;
-constexpr std::uint64_t lz4_best_ratio = 255;
+
+/// How many bytes one stored byte can stand for.
+std::uint64_t best_ratio(Codec codec) { return codec == Codec::lz4 ? 255 : 1032; }
 
 std::uint64_t size_of_file(const Hdf5File& file) {
   struct stat status {};
   if (::fstat(file.descriptor(), &status) != 0) file.fail("", std::string("fstat failed: ") + std::strerror(errno));
   return std::uint64_t(status.st_size);
+}
+
+/// What chunk_codec.h can undo: LZ4 or deflate, before it byte planes or not, after it the checksum.
+ChunkFilters checked_filters(const Hdf5File& file, const Hdf5Column& column, const Hdf5Id& set) {
+  const Hdf5Call call{file.path(), column.name};
+  const Hdf5Id properties = call.id("H5Dget_create_plist", H5Dget_create_plist(set.get()), H5Pclose);
+  std::vector<H5Z_filter_t> found;
+  const int count = call("H5Pget_nfilters", H5Pget_nfilters(properties.get()));
+  for (int i = 0; i < count; ++i) {
+    unsigned flags = 0, config = 0;
+    std::size_t values = 0;
+    found.push_back(call("H5Pget_filter2",
+                         H5Pget_filter2(properties.get(), unsigned(i), &flags, &values, nullptr, 0, nullptr, &config)));
+  }
+  for (const Codec codec : {Codec::lz4, Codec::deflate}) {
+    const H5Z_filter_t packed = codec == Codec::lz4 ? lz4_filter : H5Z_FILTER_DEFLATE;
+    if (found == std::vector{packed, H5Z_FILTER_FLETCHER32}) return {codec, 1};
+    if (found == std::vector{H5Z_FILTER_SHUFFLE, packed, H5Z_FILTER_FLETCHER32})
+      return {codec, element_bytes(column.type)};
+  }
+  file.fail(column.name, "is not stored with the filters that were expected");
 }
 
 /// A damaged shape must not make us allocate more than the stored bytes can unpack to.
@@ -38,7 +61,8 @@ std::uint64_t checked_rows(const Hdf5File& file, const Hdf5Column& column, const
     file.fail(column.name, "has another type than expected");
   const std::uint64_t stored = H5Dget_storage_size(set.get());
   if (stored > file_bytes) file.fail(column.name, "says that more of it is stored than the file has bytes");
-  if (shape[0] > stored * lz4_best_ratio / column.row_bytes())
+  if (shape[0] == 0) return 0;
+  if (shape[0] > stored * best_ratio(checked_filters(file, column, set).codec) / column.row_bytes())
     file.fail(column.name, "says it has " + std::to_string(shape[0]) + " rows, more than what is stored can hold");
   return shape[0];
 }
@@ -78,7 +102,9 @@ Hdf5Rows::Hdf5Rows(const Hdf5File& file, const Hdf5Column& column)
       descriptor_(file.descriptor()),
       file_bytes_(size_of_file(file)),
       rows_(checked_rows(file, column, set_, file_bytes_)) {
-  if (rows_ > 0) chunk_rows_ = checked_chunk_rows(file, column, set_, rows_);
+  if (rows_ == 0) return;
+  filters_ = checked_filters(file, column, set_);
+  chunk_rows_ = checked_chunk_rows(file, column, set_, rows_);
 }
 
 void Hdf5Rows::fail_chunk(std::uint64_t index, const char* message) const {
@@ -107,7 +133,7 @@ void Hdf5Rows::read_chunk(std::uint64_t index, std::span<std::uint8_t> raw) cons
   std::vector<std::uint8_t> stored(chunk.bytes);
   if (!read_bytes(descriptor_, chunk.offset, stored))
     fail_chunk(index, errno == 0 ? "the file ends before it" : std::strerror(errno));
-  if (!decode_chunk(stored, chunk_rows_ * column_.row_bytes(), raw))
+  if (!decode_chunk(stored, filters_, chunk_rows_ * column_.row_bytes(), raw))
     fail_chunk(index, "the checksum is wrong: the file is damaged");
 }
 

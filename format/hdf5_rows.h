@@ -37,6 +37,7 @@ class Hdf5Rows {
   Hdf5Column column_;
   Hdf5Id set_;
   int descriptor_;
+  ChunkFilters filters_;
   std::uint64_t file_bytes_, rows_, chunk_rows_ = 0;
   mutable std::mutex mutex_;
   mutable std::unordered_map<std::uint64_t, Chunk> chunks_;  ///< those found so far

@@ -7,6 +7,8 @@
 
 namespace gigabake {
 
+inline constexpr int lz4_filter = 32004;  ///< as The HDF Group registered it
+
 /// Borrowed from the library: never closed.
 std::int64_t hdf5_type(Hdf5Type type);
 

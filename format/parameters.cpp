@@ -17,6 +17,7 @@ NLOHMANN_JSON_SERIALIZE_ENUM(SurfaceRule, {{SurfaceRule::area, "area"},
 NLOHMANN_JSON_SERIALIZE_ENUM(MipFilter, {{MipFilter::coverage, "coverage"},
                                          {MipFilter::thesis, "thesis"},
                                          {MipFilter::box, "box"}})
+NLOHMANN_JSON_SERIALIZE_ENUM(Codec, {{Codec::lz4, "lz4"}, {Codec::deflate, "deflate"}})
 
 namespace {
 
@@ -37,6 +38,7 @@ std::string to_json(const BakeParameters& p) {
   j["surface"] = p.surface;
   j["mip"] = p.mip;
   j["normals"] = p.normals;
+  j["codec"] = p.codec;
   return j.dump();
 }
 
@@ -50,6 +52,9 @@ BakeParameters parameters_from_json(const std::string& json) {
     get_named(j, "surface", p.surface);
     get_named(j, "mip", p.mip);
     j.at("normals").get_to(p.normals);
+    // Scenes of version 1 say nothing of what came after them.
+    p.codec = Codec::lz4;
+    if (j.contains("codec")) get_named(j, "codec", p.codec);
   } catch (const nlohmann::json::exception& e) {
     throw InputError("parameters", "", e.what());
   }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "format/codec.h"
 #include "format/frames.h"
 
 namespace gigabake {
@@ -20,6 +21,7 @@ struct BakeParameters {
   SurfaceRule surface = SurfaceRule::area;
   MipFilter mip = MipFilter::coverage;
   bool normals = true;
+  Codec codec = Codec::lz4;
 };
 
 /// One line of JSON with fixed key order and shortest round-trip numbers: equal parameters give equal text.

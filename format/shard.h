@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "format/codec.h"
 #include "format/frames.h"
 
 namespace gigabake {
@@ -44,8 +45,9 @@ struct NodeTable {
   std::vector<std::uint32_t>
       first_child;                   ///< node index of the lowest stored child; the others follow. 0xffffffff: none
   std::vector<std::uint32_t> value;  ///< brick index, or rgba as bytes r,g,b,a from the lowest
-  std::vector<std::array<std::int8_t, 2>> normal;   ///< of constant nodes, octahedral; zero otherwise
-  std::vector<std::array<std::uint8_t, 3>> facing;  ///< of constant nodes of lod 1 and up; empty where the channel is off
+  std::vector<std::array<std::int8_t, 2>> normal;  ///< of constant nodes, octahedral; zero otherwise
+  std::vector<std::array<std::uint8_t, 3>>
+      facing;  ///< of constant nodes of lod 1 and up; empty where the channel is off
 };
 
 /// One row of it. Its key and level follow from the way down to it.
@@ -65,7 +67,8 @@ struct BrickLevel {
   std::vector<std::uint64_t> first;  ///< bricks+1: where a brick's voxels start
   std::vector<std::uint8_t> rgba;    ///< 4 per voxel: sRGB colour, coverage
   std::vector<std::int8_t> normal;   ///< 2 per voxel: octahedral; empty where the channel is off
-  /// 3 per voxel: coverage that a view along x, y, z sees. Empty at lod 0, where it is alpha, and where the channel is off.
+  /// 3 per voxel: coverage that a view along x, y, z sees. Empty at lod 0, where it is alpha, and where the channel is
+  /// off.
   std::vector<std::uint8_t> facing;
 };
 
@@ -101,7 +104,8 @@ struct Shard {
 };
 
 struct ShardWriteOptions {
-  int threads = 1;  ///< LZ4 compressors
+  int threads = 1;  ///< compressors
+  Codec codec = Codec::lz4;
 };
 
 /// Writes aside, flushes, fsyncs, renames, fsyncs the folder. Returns the file's size in bytes.

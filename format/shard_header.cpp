@@ -30,9 +30,9 @@ std::vector<Hash128> hashes(const Hdf5File& file, const char* name) {
 void check_format(const Hdf5File& file) {
   if (file.read_text("format") != shard_format) file.fail("format", "not a gigabake shard");
   const auto version = scalar<std::int32_t>(file, "version", Hdf5Type::i32);
-  if (version != shard_version)
-    file.fail("version", "expected " + std::to_string(shard_version) + ", got " + std::to_string(version) +
-                             "; another gigabake wrote this shard");
+  if (version < oldest_shard_version || version > shard_version)
+    file.fail("version", "expected " + std::to_string(oldest_shard_version) + " to " + std::to_string(shard_version) +
+                             ", got " + std::to_string(version) + "; another gigabake wrote this shard");
   if (scalar<std::uint32_t>(file, "brick_edge", Hdf5Type::u32) != brick_edge) file.fail("brick_edge", "expected 8");
 }
 

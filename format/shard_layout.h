@@ -10,15 +10,16 @@
 namespace gigabake {
 
 inline constexpr char shard_format[] = "gigabake-shard";
-inline constexpr std::int32_t shard_version = 1;
+inline constexpr std::int32_t shard_version = 2;
+inline constexpr std::int32_t oldest_shard_version = 1;
 
 struct NodeColumns {
-  Hdf5Column key{"/nodes/key", Hdf5Type::u64, 1};
+  Hdf5Column key{"/nodes/key", Hdf5Type::u64, 1, BytePlanes::yes};
   Hdf5Column lod{"/nodes/lod", Hdf5Type::u8, 1};
   Hdf5Column kind{"/nodes/kind", Hdf5Type::u8, 1};
   Hdf5Column child_mask{"/nodes/child_mask", Hdf5Type::u8, 1};
-  Hdf5Column first_child{"/nodes/first_child", Hdf5Type::u32, 1};
-  Hdf5Column value{"/nodes/value", Hdf5Type::u32, 1};
+  Hdf5Column first_child{"/nodes/first_child", Hdf5Type::u32, 1, BytePlanes::yes};
+  Hdf5Column value{"/nodes/value", Hdf5Type::u32, 1, BytePlanes::yes};
   Hdf5Column normal{"/nodes/normal", Hdf5Type::i8, 2};
   Hdf5Column facing{"/nodes/facing", Hdf5Type::u8, 3};
   std::vector<Hdf5Column> all(const ShardHeader& header) const {
@@ -34,7 +35,7 @@ struct LevelColumns {
       : group(std::move(name)),
         has_facing(lod > 0),
         mask{group + "/mask", Hdf5Type::u64, 8},
-        first{group + "/first", Hdf5Type::u64, 1},
+        first{group + "/first", Hdf5Type::u64, 1, BytePlanes::yes},
         rgba{group + "/rgba", Hdf5Type::u8, 4},
         normal{group + "/normal", Hdf5Type::i8, 2},
         facing{group + "/facing", Hdf5Type::u8, 3} {}

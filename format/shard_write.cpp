@@ -33,31 +33,34 @@ void write_header(Hdf5File& file, const ShardHeader& h) {
 
 /// As many rows as `values` fill.
 template <class T>
-void write_rows(Hdf5File& file, const Hdf5Column& column, const std::vector<T>& values, int threads) {
-  file.write_column(column, values.data(), values.size() * sizeof(T) / column.row_bytes(), threads);
+void write_rows(Hdf5File& file, const Hdf5Column& column, const std::vector<T>& values,
+                const ShardWriteOptions& options) {
+  file.write_column(column, values.data(), values.size() * sizeof(T) / column.row_bytes(), options.codec,
+                    options.threads);
 }
 
-void write_nodes(Hdf5File& file, const ShardHeader& header, const NodeTable& n, int threads) {
+void write_nodes(Hdf5File& file, const ShardHeader& header, const NodeTable& n, const ShardWriteOptions& options) {
   const NodeColumns columns;
   file.make_group("/nodes");
-  write_rows(file, columns.key, n.key, threads);
-  write_rows(file, columns.lod, n.lod, threads);
-  write_rows(file, columns.kind, n.kind, threads);
-  write_rows(file, columns.child_mask, n.child_mask, threads);
-  write_rows(file, columns.first_child, n.first_child, threads);
-  write_rows(file, columns.value, n.value, threads);
-  write_rows(file, columns.normal, n.normal, threads);
-  if (header.has_facing) write_rows(file, columns.facing, n.facing, threads);
+  write_rows(file, columns.key, n.key, options);
+  write_rows(file, columns.lod, n.lod, options);
+  write_rows(file, columns.kind, n.kind, options);
+  write_rows(file, columns.child_mask, n.child_mask, options);
+  write_rows(file, columns.first_child, n.first_child, options);
+  write_rows(file, columns.value, n.value, options);
+  write_rows(file, columns.normal, n.normal, options);
+  if (header.has_facing) write_rows(file, columns.facing, n.facing, options);
 }
 
-void write_level(Hdf5File& file, const ShardHeader& header, const BrickLevel& level, int lod, int threads) {
+void write_level(Hdf5File& file, const ShardHeader& header, const BrickLevel& level, int lod,
+                 const ShardWriteOptions& options) {
   const LevelColumns columns(lod);
   file.make_group(columns.group);
-  write_rows(file, columns.mask, level.mask, threads);
-  write_rows(file, columns.first, level.first, threads);
-  write_rows(file, columns.rgba, level.rgba, threads);
-  if (header.has_normals) write_rows(file, columns.normal, level.normal, threads);
-  if (header.has_facing && columns.has_facing) write_rows(file, columns.facing, level.facing, threads);
+  write_rows(file, columns.mask, level.mask, options);
+  write_rows(file, columns.first, level.first, options);
+  write_rows(file, columns.rgba, level.rgba, options);
+  if (header.has_normals) write_rows(file, columns.normal, level.normal, options);
+  if (header.has_facing && columns.has_facing) write_rows(file, columns.facing, level.facing, options);
 }
 
 }  // namespace
@@ -67,9 +70,9 @@ std::uint64_t write_shard(const std::filesystem::path& path, const Shard& shard,
   {
     Hdf5File file = Hdf5File::create(publication.aside(), path);
     write_header(file, shard.header);
-    write_nodes(file, shard.header, shard.nodes, options.threads);
+    write_nodes(file, shard.header, shard.nodes, options);
     for (std::size_t lod = 0; lod < shard.levels.size(); ++lod)
-      write_level(file, shard.header, shard.levels[lod], int(lod), options.threads);
+      write_level(file, shard.header, shard.levels[lod], int(lod), options);
     file.close();
   }
   const std::uint64_t bytes = std::filesystem::file_size(publication.aside());

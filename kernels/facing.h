@@ -1,10 +1,10 @@
 /// What views along the axes see of a coarser voxel, and of each of its children.
 ///
-/// A voxel's *raster* is what it shows along x, y and z: its content projected onto the face across each axis, in cells of
-/// 0…255: one cell at lod 0 (its coverage), 2×2 at lod 1, 4×4, and 8×8 from lod 3 on, where a cell is the mean of four.
-/// Children one behind the other hide each other cell by cell. So coverage is exact for opaque voxels up to lod 3, and
-/// beyond it two sheets are mistaken for each other only within an eighth of a voxel. Coverage alone cannot know: half of
-/// a voxel behind half of a voxel hides nothing of what is behind both, or all of it.
+/// A voxel's *raster* is what it shows along x, y and z: its content projected onto the face across each axis, in cells
+/// of 0…255: one cell at lod 0 (its coverage), 2×2 at lod 1, 4×4, and 8×8 from lod 3 on, where a cell is the mean of
+/// four. Children one behind the other hide each other cell by cell. So coverage is exact for opaque voxels up to lod
+/// 3, and beyond it two sheets are mistaken for each other only within an eighth of a voxel. Coverage alone cannot
+/// know: half of a voxel behind half of a voxel hides nothing of what is behind both, or all of it.
 ///
 /// Exact   Integers: host and device return the same bits.
 #pragma once
@@ -103,9 +103,9 @@ GB_HD void put(const CellRun<N>& run, const RasterPiece& piece, std::uint8_t* ra
 }
 
 template <int Edge>
-inline constexpr int run_cells = Edge < 4 ? Edge * Edge : 16;
+inline constexpr int run_cells = Edge < 4 ? Edge* Edge : 16;
 template <int Edge>
-inline constexpr int runs_per_column = Edge * Edge / run_cells<Edge>;
+inline constexpr int runs_per_column = Edge* Edge / run_cells<Edge>;
 
 /// children: gives run `run` of an axis of a child's raster; zeros where there is none. raster: the parent's, which is
 /// written whole.

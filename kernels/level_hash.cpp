@@ -25,7 +25,8 @@ Sum128 brick_hash(const Level& level, std::size_t brick, int lod, const std::int
       std::memcpy(&rgba, &level.rgba[4 * i], 4);
       if (!level.normal.empty()) std::memcpy(&normal, &level.normal[2 * i], 2);
       const std::int64_t at_x = corner[0] + (std::int64_t(bit & 7) << lod),
-                         at_y = corner[1] + (std::int64_t(bit >> 3) << lod), at_z = corner[2] + (std::int64_t(z) << lod);
+                         at_y = corner[1] + (std::int64_t(bit >> 3) << lod),
+                         at_z = corner[2] + (std::int64_t(z) << lod);
       if (level.facing.empty()) {
         sum.add(hash_voxel(lod, at_x, at_y, at_z, rgba, normal));
       } else {

@@ -5,8 +5,8 @@
 
 #include <cstdint>
 
-#include "kernels/octahedral.h"
 #include "kernels/facing.h"
+#include "kernels/octahedral.h"
 #include "kernels/resolve.h"
 #include "kernels/tables.h"
 #include "kernels/types.h"

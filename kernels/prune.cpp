@@ -16,7 +16,7 @@ struct Verdict {
   std::uint32_t rgba = 0;
   std::array<std::int8_t, 2> normal{};
   std::array<std::uint8_t, 3> facing{};  ///< at lod 0, and where levels have none, alpha
-  bool stored = true;  ///< false below a leaf-constant node
+  bool stored = true;                    ///< false below a leaf-constant node
 
   bool same_value(const Verdict& o) const { return rgba == o.rgba && normal == o.normal && facing == o.facing; }
 };

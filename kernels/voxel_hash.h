@@ -1,7 +1,8 @@
 /// The identity of one voxel, summed over a level: what format/content_hash.h defines, from registers.
 ///
 /// Exact   XXH3-128 (seed 0) of the 34-byte record: lod (int32), lowest corner in lod-0 voxels of the lattice
-///         (3 × int64), rgba, normal, little endian. Of levels that have it, facing and three zeros follow. Unsigned arithmetic: host and device return the same bits.
+///         (3 × int64), rgba, normal, little endian. Of levels that have it, facing and three zeros follow. Unsigned
+///         arithmetic: host and device return the same bits.
 /// Source  github.com/Cyan4973/xxHash, doc/xxhash_spec.md, XXH3 for inputs of 17 to 128 bytes.
 #pragma once
 

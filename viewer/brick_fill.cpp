@@ -66,7 +66,8 @@ class BrickFiller {
   }
 
   void fill_constant(const SlotPart& part, const VoxelPlace& place) {
-    const kernels::CastVoxel voxel = shading_(lod_, place.rgba.data(), place.normal.data(), place.has_facing ? place.facing.data() : nullptr);
+    const kernels::CastVoxel voxel =
+        shading_(lod_, place.rgba.data(), place.normal.data(), place.has_facing ? place.facing.data() : nullptr);
     for (int z = part.begin[2]; z < part.end[2]; ++z)
       for (int y = part.begin[1]; y < part.end[1]; ++y)
         for (int x = part.begin[0]; x < part.end[0]; ++x) put(x, y, z, voxel);

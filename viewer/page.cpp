@@ -8,8 +8,7 @@ namespace gigabake {
 
 std::uint64_t Page::bytes() const {
   return sizeof(Page) + rows.size() * sizeof(NodeRow) + bricks.mask.size() * sizeof(std::uint64_t) +
-         bricks.first.size() * sizeof(std::uint32_t) + bricks.rgba.size() + bricks.normal.size() +
-         bricks.facing.size();
+         bricks.first.size() * sizeof(std::uint32_t) + bricks.rgba.size() + bricks.normal.size() + bricks.facing.size();
 }
 
 PageSource pages_from_shards(const std::filesystem::path& scene_path, const SceneDescription& scene) {

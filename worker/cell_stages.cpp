@@ -144,7 +144,7 @@ void CellStages::write(CellInHand& cell) {
   const ShardHeader header = header_of(cell);
   const Shard shard = shard_from_volume(std::exchange(cell.volume, {}), header);
   const std::filesystem::path path = options_.out / shard_path(cell.job);
-  const std::uint64_t bytes = write_shard(path, shard, {options_.threads});
+  const std::uint64_t bytes = write_shard(path, shard, {options_.threads, parameters_.codec});
   cell.report.shard = stamp_of(path).value_or(FileStamp{});
   cell.report.cell = scene_cell(cell.job, shard, bytes);
   decide(cell, CellOutcome::baked);

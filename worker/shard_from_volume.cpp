@@ -25,9 +25,8 @@ Shard shard_from_volume(kernels::CellVolume volume, ShardHeader header) {
   shard.header = std::move(header);
   shard.nodes = to_table(std::move(volume.nodes));
   for (kernels::Level& level : volume.levels)
-    shard.levels.push_back(
-        {std::move(level.mask), std::move(level.first), std::move(level.rgba), std::move(level.normal),
-         std::move(level.facing)});
+    shard.levels.push_back({std::move(level.mask), std::move(level.first), std::move(level.rgba),
+                            std::move(level.normal), std::move(level.facing)});
   if (!shard.header.has_facing) shard.nodes.facing.clear();
   shard.header.lods = std::uint32_t(shard.levels.size());
   for (const kernels::Sum128& hash : volume.content_hash) shard.header.content_hash.push_back({hash.lo, hash.hi});

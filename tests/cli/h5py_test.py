@@ -133,16 +133,30 @@ class ShardsByH5py(unittest.TestCase):
         for path in self.shards:
             with h5py.File(path) as shard:
                 self.assertEqual(shard.attrs["format"], b"gigabake-shard")
-                self.assertEqual(shard.attrs["version"], 1)
+                self.assertEqual(shard.attrs["version"], 2)
                 self.assertEqual(shard.attrs["voxel_size_m"], VOXEL_M)
                 self.assertEqual(shard.attrs["cell_voxels"], 8 << (shard.attrs["lods"] - 1))
                 self.assertEqual(len(shard.attrs["content_hash"].split()), shard.attrs["lods"])
+
+    def test_deflate_needs_no_plugin_and_holds_the_same(self):
+        PROGRAM.bake(self.root / "scene.glb", self.root / "deflated", VOXEL_M, "--cell-voxels", 64, "--codec",
+                     "deflate")
+        for path in self.shards:
+            packed = next((self.root / "deflated/shards").glob(path.name.split("-")[0] + "-*.h5"))
+            with h5py.File(path) as shard, h5py.File(packed) as other:
+                self.assertEqual(other["lod_0/mask"].compression, "gzip")
+                self.assertEqual(set(shard), set(other))
+                for group in shard:
+                    for name in shard[group]:
+                        numpy.testing.assert_array_equal(shard[group][name], other[group][name])
 
     def test_columns_are_lz4_chunks_with_a_checksum(self):
         with h5py.File(self.shards[0]) as shard:
             for name in ("lod_0/mask", "lod_0/first", "lod_0/rgba", "lod_0/normal", "nodes/key"):
                 self.assertIn("32004", shard[name]._filters, name)
                 self.assertTrue(shard[name].fletcher32, name)
+            for name in ("lod_0/first", "nodes/key", "nodes/first_child", "nodes/value"):
+                self.assertTrue(shard[name].shuffle, name)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t no_child = 0xffffffffu;
 
-void add_brick(std::mt19937_64& rng, bool normals, BrickLevel& level) {
+void add_brick(std::mt19937_64& rng, bool normals, bool facing, BrickLevel& level) {
   std::uint64_t voxels = 0;
   for (int word = 0; word < 8; ++word) {
     const std::uint64_t mask = word == 3 ? rng() | 1 : rng() & rng() & rng();
@@ -25,6 +25,7 @@ void add_brick(std::mt19937_64& rng, bool normals, BrickLevel& level) {
     for (int c = 0; c < 3; ++c) level.rgba.push_back(std::uint8_t(rng()));
     level.rgba.push_back(std::uint8_t(1 + rng() % 255));
     for (int c = 0; c < 2 && normals; ++c) level.normal.push_back(std::int8_t(int(rng() % 255) - 127));
+    for (int c = 0; c < 3 && facing; ++c) level.facing.push_back(std::uint8_t(1 + rng() % 255));
   }
 }
 
@@ -36,6 +37,7 @@ void add_node(NodeTable& n, std::uint64_t key, int lod, NodeKind kind) {
   n.first_child.push_back(no_child);
   n.value.push_back(0);
   n.normal.push_back({0, 0});
+  n.facing.push_back({0, 0, 0});
 }
 
 /// No leaf-constant nodes far up: they stand for too many voxels to test with.
@@ -50,10 +52,12 @@ void grow(std::mt19937_64& rng, const ShardShape& shape, std::size_t i, Shard& s
   const int lod = n.lod[i];
   if (n.kind[i] == NodeKind::brick) {
     n.value[i] = std::uint32_t(s.levels[std::size_t(lod)].mask.size() / 8);
-    add_brick(rng, shape.normals, s.levels[std::size_t(lod)]);
+    add_brick(rng, shape.normals, shape.facing && lod > 0, s.levels[std::size_t(lod)]);
   } else {
     n.value[i] = std::uint32_t(rng()) | 0x01000000u;
     if (shape.normals) n.normal[i] = {std::int8_t(rng() % 127), std::int8_t(rng() % 127)};
+    if (shape.facing && lod > 0)
+      n.facing[i] = {std::uint8_t(1 + rng() % 255), std::uint8_t(1 + rng() % 255), std::uint8_t(1 + rng() % 255)};
   }
   if (lod == 0 || n.kind[i] == NodeKind::leaf_constant) return;
   n.first_child[i] = std::uint32_t(n.key.size());
@@ -133,12 +137,14 @@ Shard random_shard(std::mt19937_64& rng, const ShardShape& shape) {
   Shard s;
   s.header = header_of(shape.lods);
   s.header.has_normals = shape.normals;
+  s.header.has_facing = shape.facing;
   for (std::int64_t& x : s.header.lattice_min) x = 8 * (std::int64_t(rng() % 2000) - 1000);
   if (rng() % 2 == 0) s.header.origin = Geodetic{48.123456789, -11.5, double(rng() % 1000) / 7};
   s.levels.resize(std::size_t(shape.lods));
   for (BrickLevel& level : s.levels) level.first = {0};
   add_node(s.nodes, 0, shape.lods - 1, random_kind(rng, shape.lods - 1, true));
   for (std::size_t i = 0; i < s.nodes.key.size(); ++i) grow(rng, shape, i, s);
+  if (!shape.facing) s.nodes.facing.clear();
   return with_content_hash(std::move(s));
 }
 
@@ -159,13 +165,15 @@ Shard small_shard() {
              {0x41, 0, 0},
              {1, no_child, no_child},
              {0, 0, 0xff204080u},
-             {{0, 0}, {0, 0}, {5, -7}}};
+             {{0, 0}, {0, 0}, {5, -7}},
+             {}};
   s.levels.resize(2);
   s.levels[0] = {{0, 0, 5, 0, 0, 0, 0, std::uint64_t(1) << 63},
                  {0, 3},
                  {1, 2, 3, 255, 4, 5, 6, 128, 7, 8, 9, 1},
-                 {0, 0, -127, 0, 64, 63}};
-  s.levels[1] = {{3, 0, 0, 0, 0, 0, 0, 0}, {0, 2}, {2, 3, 4, 200, 128, 64, 32, 255}, {1, 1, 5, -7}};
+                 {0, 0, -127, 0, 64, 63},
+                 {}};
+  s.levels[1] = {{3, 0, 0, 0, 0, 0, 0, 0}, {0, 2}, {2, 3, 4, 200, 128, 64, 32, 255}, {1, 1, 5, -7}, {}};
   return with_content_hash(std::move(s));
 }
 
@@ -190,6 +198,7 @@ Shard shard_of(const std::vector<Voxel>& voxels, std::array<std::int64_t, 3> lat
   s.header.cell = "c_" + std::to_string(lattice_min[0]) + "_" + std::to_string(lattice_min[1]) + "_" +
                   std::to_string(lattice_min[2]);
   s.nodes = nodes_of(levels);
+  s.nodes.facing.clear();
   s.levels.resize(std::size_t(lods));
   for (std::size_t lod = 0; lod < levels.size(); ++lod) add_level(levels[lod], s.levels[lod]);
   return with_content_hash(std::move(s));
@@ -224,16 +233,16 @@ std::string difference(const Shard& a, const Shard& b) {
   if (h.generator != g.generator || h.cell != g.cell || h.lattice_min != g.lattice_min ||
       h.cell_voxels != g.cell_voxels || h.voxel_size_m != g.voxel_size_m || h.lattice_origin_m != g.lattice_origin_m ||
       h.origin != g.origin || h.lods != g.lods || h.fingerprint != g.fingerprint || h.content_hash != g.content_hash ||
-      h.has_normals != g.has_normals || h.triangles != g.triangles)
+      h.has_normals != g.has_normals || h.has_facing != g.has_facing || h.triangles != g.triangles)
     return "headers differ";
   const NodeTable &n = a.nodes, &m = b.nodes;
   if (n.key != m.key || n.lod != m.lod || n.kind != m.kind || n.child_mask != m.child_mask ||
-      n.first_child != m.first_child || n.value != m.value || n.normal != m.normal)
+      n.first_child != m.first_child || n.value != m.value || n.normal != m.normal || n.facing != m.facing)
     return "nodes differ";
   if (a.levels.size() != b.levels.size()) return "numbers of levels differ";
   for (std::size_t lod = 0; lod < a.levels.size(); ++lod) {
     const BrickLevel &l = a.levels[lod], &k = b.levels[lod];
-    if (l.mask != k.mask || l.first != k.first || l.rgba != k.rgba || l.normal != k.normal)
+    if (l.mask != k.mask || l.first != k.first || l.rgba != k.rgba || l.normal != k.normal || l.facing != k.facing)
       return "levels differ at lod " + std::to_string(lod);
   }
   return "";

@@ -29,6 +29,7 @@ class TempFolder {
 struct ShardShape {
   int lods = 3;
   bool normals = true;
+  bool facing = true;     ///< lod 1 and up
   int most_children = 8;  ///< of a node
 };
 

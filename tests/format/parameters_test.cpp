@@ -20,6 +20,7 @@ TEST(BakeParameters, ComeBackFromTheirText) {
     p.surface = SurfaceRule(rng() % 3);
     p.mip = MipFilter(rng() % 3);
     p.normals = rng() % 2 == 0;
+    p.codec = Codec(rng() % 2);
     const BakeParameters q = parameters_from_json(to_json(p));
     EXPECT_EQ(p.voxel_size_m, q.voxel_size_m) << "seed " << seed;
     EXPECT_EQ(p.lattice_origin_m, q.lattice_origin_m) << "seed " << seed;
@@ -27,6 +28,7 @@ TEST(BakeParameters, ComeBackFromTheirText) {
     EXPECT_EQ(p.surface, q.surface);
     EXPECT_EQ(p.mip, q.mip);
     EXPECT_EQ(p.normals, q.normals);
+    EXPECT_EQ(p.codec, q.codec);
     EXPECT_EQ(to_json(p), to_json(q));
   }
 }
@@ -35,7 +37,14 @@ TEST(BakeParameters, AreOneLineInAFixedOrder) {
   BakeParameters p;
   p.voxel_size_m = 0.1;
   EXPECT_EQ(to_json(p), R"({"voxel_size_m":0.1,"lattice_origin_m":[0.0,0.0,0.0],"cell_voxels":1024,"surface":"area",)"
-                        R"("mip":"coverage","normals":true})");
+                        R"("mip":"coverage","normals":true,"codec":"lz4"})");
+}
+
+TEST(BakeParameters, OfTheFirstScenesAreReadAsWhatWasTheOnlyWayThen) {
+  const BakeParameters p = parameters_from_json(
+      R"({"voxel_size_m":0.1,"lattice_origin_m":[0.0,0.0,0.0],"cell_voxels":1024,"surface":"area","mip":"coverage",)"
+      R"("normals":true})");
+  EXPECT_EQ(p.codec, Codec::lz4);
 }
 
 TEST(BakeParameters, AreRefusedWhereTheTextIsNotTheirs) {

@@ -20,7 +20,7 @@ TEST(Shard, ComesBackAsItWasWritten) {
   const TempFolder folder;
   for (int round = 0; round < 24; ++round) {
     const Shard shard = made::random_shard(rng, {1 + round % 4, round % 3 != 0, 6});
-    const std::uint64_t bytes = write_shard(folder / "s.h5", shard, {1 + round % 3});
+    const std::uint64_t bytes = write_shard(folder / "s.h5", shard, {1 + round % 3, Codec(round / 2 % 2)});
     EXPECT_EQ(bytes, std::filesystem::file_size(folder / "s.h5"));
     EXPECT_EQ(made::difference(shard, read_shard(folder / "s.h5")), "") << "seed " << seed << ", round " << round;
   }
@@ -31,12 +31,13 @@ TEST(Shard, IsTheSameFileHoweverManyThreadsCompressIt) {
   std::mt19937_64 rng(seed);
   const TempFolder folder;
   const Shard shard = made::random_shard(rng, {5, true, 5});
-  const auto written = [&](int threads) {
-    write_shard(folder / "s.h5", shard, {threads});
+  const auto written = [&](int threads, Codec codec) {
+    write_shard(folder / "s.h5", shard, {threads, codec});
     std::ifstream file(folder / "s.h5", std::ios::binary);
     return std::string(std::istreambuf_iterator<char>(file), {});
   };
-  EXPECT_EQ(written(1), written(3)) << "seed " << seed;
+  EXPECT_EQ(written(1, Codec::lz4), written(3, Codec::lz4)) << "seed " << seed;
+  EXPECT_EQ(written(1, Codec::deflate), written(3, Codec::deflate)) << "seed " << seed;
 }
 
 TEST(Shard, ComesBackWhereColumnsHaveManyChunks) {

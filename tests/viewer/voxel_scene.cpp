@@ -42,8 +42,8 @@ std::vector<kernels::Level> paint_levels(const Painter& paint, const std::array<
     const BrickPosition at = brick_position(key);
     paint_brick(paint, {min[0] + at.x * 8, min[1] + at.y * 8, min[2] + at.z * 8}, key, levels[0]);
   }
-  for (kernels::Level& level : kernels::coarser_levels(levels[0], std::bit_width(edge / 8), kernels::MipFilter::coverage,
-                                                       true, one_thread()))
+  for (kernels::Level& level :
+       kernels::coarser_levels(levels[0], std::bit_width(edge / 8), kernels::MipFilter::coverage, true, one_thread()))
     levels.push_back(std::move(level));
   return levels;
 }
@@ -72,7 +72,8 @@ kernels::Nodes nodes_of_bricks(const std::vector<kernels::Level>& levels) {
 }
 
 NodeTable to_table(const kernels::Nodes& nodes) {
-  NodeTable table{nodes.key, nodes.lod, {}, nodes.child_mask, nodes.first_child, nodes.value, nodes.normal, nodes.facing};
+  NodeTable table{nodes.key,         nodes.lod,   {},           nodes.child_mask,
+                  nodes.first_child, nodes.value, nodes.normal, nodes.facing};
   for (const kernels::NodeKind kind : nodes.kind) table.kind.push_back(NodeKind(kind));
   return table;
 }
@@ -114,7 +115,8 @@ void VoxelScene::add_cell(const Painter& paint, const std::array<std::int64_t, 3
   if (levels[0].key.empty()) return;
   Shard shard;
   shard.nodes = to_table(nodes == Nodes::pruned ? kernels::prune(levels, one_thread()) : nodes_of_bricks(levels));
-  for (kernels::Level& level : levels) shard.levels.push_back({level.mask, level.first, level.rgba, level.normal, level.facing});
+  for (kernels::Level& level : levels)
+    shard.levels.push_back({level.mask, level.first, level.rgba, level.normal, level.facing});
   shards_.push_back(std::move(shard));
   SceneCell cell;
   cell.name = "c_" + std::to_string(shards_.size());
