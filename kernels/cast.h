@@ -218,13 +218,14 @@ GB_HD float stop_light(const CastSample& s, const float across[3], float part, i
 GB_HD void composite(const CastSample& s, const CastLine& line, const CastPlace& place, std::int64_t steps,
                      double distance, const CastHaze& haze, CastPaint paint, CastRay& ray) {
   const float seen = exp_minus(float(distance) * haze.per_voxel);
-  const float part = float(double(steps) * step_length(ray.lod) / (2 * place.half));
-  const float weight = stop_light(s, line.across, part, place.lod, ray);
+  const double way = double(steps) * step_length(ray.lod);
+  const float weight = stop_light(s, line.across, float(way / (2 * place.half)), place.lod, ray);
   float rgb[3];
   radiance_of(s, place, paint, rgb);
   for (int k = 0; k < 3; ++k) ray.rgb[k] += weight * (rgb[k] * seen + haze.rgb[k] * (1 - seen));
+  if (ray.depth == CastRay::no_depth && ray.transmittance - weight < 0.5f)
+    ray.depth = float(distance) + float(way) * ((ray.transmittance - 0.5f) / weight - 0.5f);
   ray.transmittance -= weight;
-  if (ray.transmittance < 0.5f && ray.depth == CastRay::no_depth) ray.depth = float(distance);
 }
 
 /// What is still to come would not show: the ray ends as if the last surface were opaque.

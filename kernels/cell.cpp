@@ -86,8 +86,8 @@ CellVolume bake_cell(const CellInput& input, const CellParameters& parameters, c
   const int lods = std::bit_width(parameters.window_voxels / std::uint32_t(brick_edge));
   {
     const StageClock clock(volume.stats.mip_s);
-    for (Level& level : coarser_levels(volume.levels[0], lods, parameters.mip, parameters.normals, policy))
-      volume.levels.push_back(std::move(level));
+    LevelRasters rasters;
+    add_coarser_levels(volume.levels, rasters, lods, parameters.mip, parameters.normals, policy);
   }
   volume.stats.peak_bytes = std::max(volume.stats.peak_bytes, 2 * bytes_of(volume.levels));
   {

@@ -90,7 +90,7 @@ struct LevelRun {
 class ParentBuilder {
  public:
   /// rasters: of `fine`; empty at lod 0.
-  ParentBuilder(const Level& fine, int lod, const std::vector<std::uint8_t>& rasters, MipFilter filter)
+  ParentBuilder(const Level& fine, int lod, const LevelRasters& rasters, MipFilter filter)
       : fine_(fine),
         rasters_(rasters.data()),
         edge_(raster_edge(lod - 1)),
@@ -186,10 +186,10 @@ class ParentBuilder {
 /// A level, and the rasters of its voxels where its filter needs them.
 struct FilteredLevel {
   Level level;
-  std::vector<std::uint8_t> rasters;
+  LevelRasters rasters;
 };
 
-void join_rasters(std::vector<LevelRun>& runs, const CpuPolicy& policy, std::vector<std::uint8_t>& rasters) {
+void join_rasters(std::vector<LevelRun>& runs, const CpuPolicy& policy, LevelRasters& rasters) {
   std::vector<std::size_t> at{0};
   for (const LevelRun& run : runs) at.push_back(at.back() + run.rasters.size());
   rasters.resize(at.back());
@@ -201,8 +201,8 @@ void join_rasters(std::vector<LevelRun>& runs, const CpuPolicy& policy, std::vec
   });
 }
 
-FilteredLevel coarser_level(const Level& fine, int lod, const std::vector<std::uint8_t>& rasters, MipFilter filter,
-                            bool normals, const CpuPolicy& policy) {
+FilteredLevel coarser_level(const Level& fine, int lod, const LevelRasters& rasters, MipFilter filter, bool normals,
+                            const CpuPolicy& policy) {
   const std::vector<std::size_t> starts = parent_starts(fine);
   const std::size_t parents = starts.size() - 1;
   std::vector<LevelRun> runs((parents + parents_per_run - 1) / parents_per_run, {BrickRun(normals), {}});
@@ -220,16 +220,13 @@ FilteredLevel coarser_level(const Level& fine, int lod, const std::vector<std::u
 
 }  // namespace
 
-std::vector<Level> coarser_levels(const Level& finest, int lods, MipFilter filter, bool normals,
-                                  const CpuPolicy& policy) {
-  std::vector<Level> levels;
-  std::vector<std::uint8_t> rasters;
-  for (int lod = 1; lod < lods; ++lod) {
-    FilteredLevel next = coarser_level(lod == 1 ? finest : levels.back(), lod, rasters, filter, normals, policy);
+void add_coarser_levels(std::vector<Level>& levels, LevelRasters& rasters, int lods, MipFilter filter, bool normals,
+                        const CpuPolicy& policy) {
+  while (int(levels.size()) < lods) {
+    FilteredLevel next = coarser_level(levels.back(), int(levels.size()), rasters, filter, normals, policy);
     levels.push_back(std::move(next.level));
     rasters = std::move(next.rasters);
   }
-  return levels;
 }
 
 }  // namespace gigabake::kernels

@@ -145,7 +145,7 @@ TEST(Diff, SeesVoxelsInAConstantBranchAsThoseThatAreWrittenOut) {
   std::vector<Voxel> solid;
   for (std::int64_t i = 0; i < 4096; ++i) solid.push_back({{i % 16, i / 16 % 16, i / 256}, {10, 20, 30, 255}, {3, 4}});
   Shard constant = made::shard_of(solid, {0, 0, 0}, 16);
-  constant.nodes = {{0}, {1}, {NodeKind::leaf_constant}, {0}, {0xffffffffu}, {0xff1e140au}, {{3, 4}}};
+  constant.nodes = {{0}, {1}, {NodeKind::leaf_constant}, {0}, {0xffffffffu}, {0xff1e140au}, {{3, 4}}, {}};
   for (BrickLevel& level : constant.levels) level = {{}, {0}, {}, {}, {}};
   solid[100].rgba[0] = 200;
   made::write_scene_of(folder / "a/scene.xml", {constant});

@@ -219,6 +219,8 @@ SceneDescription write_scene_of(const std::filesystem::path& scene_xml, const st
     cell.bytes = write_shard(scene_xml.parent_path() / cell.file, s, {1});
     scene.cells.push_back(cell);
     scene.voxel_size_m = h.voxel_size_m;
+    scene.has_normals = h.has_normals;
+    scene.has_facing = h.has_facing;
     scene.lattice_origin_m = h.lattice_origin_m;
     scene.origin = h.origin;
     scene.has_normals = h.has_normals;

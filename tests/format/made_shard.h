@@ -29,8 +29,8 @@ class TempFolder {
 struct ShardShape {
   int lods = 3;
   bool normals = true;
-  bool facing = true;     ///< lod 1 and up
   int most_children = 8;  ///< of a node
+  bool facing = true;     ///< lod 1 and up
 };
 
 /// Any consistent shard: bricks, constant and leaf-constant nodes, voxels of all colours. content_hash is filled.

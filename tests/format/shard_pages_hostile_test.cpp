@@ -34,6 +34,7 @@ Shard put_together(const ShardPages& pages, const Shard& written) {
     s.nodes.first_child.push_back(row.first_child);
     s.nodes.value.push_back(row.value);
     s.nodes.normal.push_back({row.normal[0], row.normal[1]});
+    if (s.header.has_facing) s.nodes.facing.push_back({row.facing[0], row.facing[1], row.facing[2]});
   }
   for (int lod = 0; lod < int(s.header.lods); ++lod) {
     BrickLevel& level = s.levels.emplace_back();
@@ -45,6 +46,7 @@ Shard put_together(const ShardPages& pages, const Shard& written) {
       level.mask.insert(level.mask.end(), block.mask.begin(), block.mask.end());
       level.rgba.insert(level.rgba.end(), block.rgba.begin(), block.rgba.end());
       level.normal.insert(level.normal.end(), block.normal.begin(), block.normal.end());
+      level.facing.insert(level.facing.end(), block.facing.begin(), block.facing.end());
     }
   }
   return s;

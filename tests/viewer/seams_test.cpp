@@ -73,7 +73,11 @@ TEST(Seams, LeaveNoHoleInDepthFromNearAndFar) {
   for (const Place& place : places) {
     PictureOptions options = view(place.eye_m, place.target_m, 160);
     options.camera.pixel_error = place.pixel_error;
-    EXPECT_EQ(take(one, options).depth, take(sixteen, options).depth) << "pixel error " << place.pixel_error;
+    const std::vector<float> a = take(one, options).depth, b = take(sixteen, options).depth;
+    float largest = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+      if (a[i] != b[i]) largest = std::max(largest, std::fabs(a[i] - b[i]));
+    EXPECT_LE(largest, 1e-3f) << "voxels, pixel error " << place.pixel_error;
   }
 }
 
