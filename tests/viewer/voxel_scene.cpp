@@ -42,9 +42,9 @@ std::vector<kernels::Level> paint_levels(const Painter& paint, const std::array<
     const BrickPosition at = brick_position(key);
     paint_brick(paint, {min[0] + at.x * 8, min[1] + at.y * 8, min[2] + at.z * 8}, key, levels[0]);
   }
-  for (kernels::Level& level :
-       kernels::coarser_levels(levels[0], std::bit_width(edge / 8), kernels::MipFilter::coverage, true, one_thread()))
-    levels.push_back(std::move(level));
+  kernels::LevelRasters rasters;
+  kernels::add_coarser_levels(levels, rasters, std::bit_width(edge / 8), kernels::MipFilter::coverage, true,
+                              one_thread());
   return levels;
 }
 
