@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "format/hdf5_file.h"
+#include "format/shared_values.h"
+#include "format/voxel_channel.h"
 
 namespace gigabake {
 
@@ -28,14 +30,18 @@ struct LevelColumns {
   explicit LevelColumns(std::string name)
       : group(std::move(name)),
         mask{group + "/mask", Hdf5Type::u64, 8},
-        first{group + "/first", Hdf5Type::u64, 1, BytePlanes::yes},
-        rgba{group + "/rgba", Hdf5Type::u8, 4},
-        normal{group + "/normal", Hdf5Type::i8, 2} {}
+        first{group + "/first", Hdf5Type::u64, 1, BytePlanes::yes} {}
   std::string group;
-  Hdf5Column mask, first, rgba, normal;
-  std::vector<Hdf5Column> all(bool has_normals) const {
-    return has_normals ? std::vector{mask, first, rgba, normal} : std::vector{mask, first, rgba};
-  }
+  Hdf5Column mask, first;
+};
+
+/// share and first are there where voxels share values (shared_values.h).
+struct ChannelColumns {
+  ChannelColumns(const std::string& group, const VoxelChannel& channel)
+      : value{group + "/" + channel.name, channel.type, channel.width},
+        share{value.name + "_share", Hdf5Type::u8, share_bytes},
+        first{value.name + "_first", Hdf5Type::u64, 1, BytePlanes::yes} {}
+  Hdf5Column value, share, first;
 };
 
 }  // namespace gigabake

@@ -10,6 +10,7 @@
 
 #include "format/hdf5_file.h"
 #include "format/shard.h"
+#include "format/voxel_channel.h"
 
 namespace gigabake {
 
@@ -42,6 +43,7 @@ class ShardPages {
 
   Hdf5File file_;
   ShardHeader header_;
+  std::vector<VoxelChannel> channels_;
   mutable std::mutex mutex_;
   mutable std::unique_ptr<Nodes> nodes_;                ///< from the first use on
   mutable std::vector<std::unique_ptr<Level>> levels_;  ///< by lod, likewise

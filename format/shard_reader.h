@@ -8,6 +8,7 @@
 
 #include "format/hdf5_file.h"
 #include "format/shard.h"
+#include "format/voxel_channel.h"
 
 namespace gigabake {
 
@@ -30,10 +31,12 @@ class ShardReader {
 
  private:
   BrickLevel read_level(int lod, std::uint64_t bricks) const;
+  std::vector<Hdf5Column> level_columns(int lod) const;
 
   std::filesystem::path path_;
   Hdf5File file_;
   ShardHeader header_;
+  std::vector<VoxelChannel> channels_;
 };
 
 }  // namespace gigabake

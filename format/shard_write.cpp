@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <bit>
 
 #include "format/publish.h"
 #include "format/shard.h"
@@ -50,13 +52,49 @@ void write_nodes(Hdf5File& file, const NodeTable& n, const ShardWriteOptions& op
   write_rows(file, columns.normal, n.normal, options);
 }
 
-void write_level(Hdf5File& file, const BrickLevel& level, int lod, bool has_normals, const ShardWriteOptions& options) {
+/// What a reader will demand. Where it does not hold the arrays are written as they stand, for readers to refuse.
+bool is_consistent(const BrickLevel& level, const std::vector<VoxelChannel>& channels) {
+  const std::size_t bricks = level.mask.size() / 8;
+  if (level.mask.size() % 8 != 0 || level.first.size() != bricks + 1 || level.first[0] != 0) return false;
+  for (std::size_t b = 0; b < bricks; ++b) {
+    std::uint64_t voxels = 0;
+    for (std::size_t w = 0; w < 8; ++w) voxels += std::uint64_t(std::popcount(level.mask[8 * b + w]));
+    if (level.first[b + 1] != level.first[b] + voxels) return false;
+  }
+  return std::all_of(channels.begin(), channels.end(), [&](const VoxelChannel& channel) {
+    return array_bytes(channel, level) == level.first.back() * bytes_a_voxel(channel.array);
+  });
+}
+
+SharedValues unshared_values(const BrickLevel& level, const VoxelChannel& channel) {
+  SharedValues out;
+  const auto bytes = bytes_of(channel, level);
+  for (std::size_t v = 0; v < array_bytes(channel, level) / bytes.stride; ++v)
+    out.value.insert(out.value.end(), bytes[v], bytes[v] + channel.width);
+  return out;
+}
+
+void write_channel(Hdf5File& file, const ChannelColumns& columns, const SharedValues& values,
+                   const ShardWriteOptions& options) {
+  write_rows(file, columns.value, values.value, options);
+  if (values.share.empty()) return;
+  write_rows(file, columns.share, values.share, options);
+  write_rows(file, columns.first, values.first, options);
+}
+
+void write_level(Hdf5File& file, const BrickLevel& level, int lod, const std::vector<VoxelChannel>& channels,
+                 const ShardWriteOptions& options) {
   const LevelColumns columns(lod);
   file.make_group(columns.group);
   write_rows(file, columns.mask, level.mask, options);
   write_rows(file, columns.first, level.first, options);
-  write_rows(file, columns.rgba, level.rgba, options);
-  if (has_normals) write_rows(file, columns.normal, level.normal, options);
+  const bool consistent = is_consistent(level, channels);
+  for (const VoxelChannel& channel : channels)
+    write_channel(file, {columns.group, channel},
+                  consistent
+                      ? share_values(level.mask, level.first, bytes_of(channel, level), channel.width, options.threads)
+                      : unshared_values(level, channel),
+                  options);
 }
 
 }  // namespace
@@ -67,8 +105,9 @@ std::uint64_t write_shard(const std::filesystem::path& path, const Shard& shard,
     Hdf5File file = Hdf5File::create(publication.aside(), path);
     write_header(file, shard.header);
     write_nodes(file, shard.nodes, options);
+    const std::vector<VoxelChannel> channels = stored_channels(shard_version, shard.header);
     for (std::size_t lod = 0; lod < shard.levels.size(); ++lod)
-      write_level(file, shard.levels[lod], int(lod), shard.header.has_normals, options);
+      write_level(file, shard.levels[lod], int(lod), channels, options);
     file.close();
   }
   const std::uint64_t bytes = std::filesystem::file_size(publication.aside());

@@ -30,6 +30,7 @@ struct ShardShape {
   int lods = 3;
   bool normals = true;
   int most_children = 8;  ///< of a node
+  bool alike = false;     ///< neighbours often are, so that values are shared
 };
 
 /// Any consistent shard: bricks, constant and leaf-constant nodes, voxels of all colours. content_hash is filled.
