@@ -31,8 +31,12 @@ void BakeOptions::add_to(CLI::App& command) {
   command.add_option("--surface", surface, "which voxels a triangle occupies: area, conservative or thin")
       ->capture_default_str();
   command.add_option("--mip", mip, "filter of coarser levels: coverage, thesis or box")->capture_default_str();
-  command.add_flag("--no-normals", no_normals, "store no normals");
-  command.add_option("--codec", codec, "how shards are compressed: lz4 (fast) or deflate (a quarter smaller)")
+  command.add_option("--channels", channels, "what voxels say: rgba, or rgba,normal")->capture_default_str();
+  command
+      .add_option("--max-error", max_error,
+                  "how far a voxel may be off, in codes of 255 (normals: chord/2): more is stored once, less exactly")
+      ->capture_default_str();
+  command.add_option("--codec", codec, "how shards are compressed: deflate, or lz4 (larger and faster)")
       ->capture_default_str();
   command.add_option("--cell-voxels", cell_voxels, "edge of a cell in voxels, a power of two from 8 to 8192")
       ->capture_default_str();
@@ -70,7 +74,8 @@ BakeRequest BakeOptions::request() const {
       {{"area", SurfaceRule::area}, {"conservative", SurfaceRule::conservative}, {"thin", SurfaceRule::thin}}, surface);
   r.parameters.mip = choice<MipFilter>(
       "--mip", {{"coverage", MipFilter::coverage}, {"thesis", MipFilter::thesis}, {"box", MipFilter::box}}, mip);
-  r.parameters.normals = !no_normals;
+  r.parameters.normals = choice<bool>("--channels", {{"rgba", false}, {"rgba,normal", true}}, channels);
+  r.parameters.max_error = max_error;
   r.parameters.codec = choice<Codec>("--codec", {{"lz4", Codec::lz4}, {"deflate", Codec::deflate}}, codec);
   check(r.parameters);
   if (threads < 0 || threads > 1024) throw UsageError("--threads: expected 1 to 1024, or 0 for all cores");

@@ -11,10 +11,11 @@ namespace gigabake::app {
 /// Text as typed; request() turns it into values.
 struct BakeOptions {
   std::string source, out, metrics, voxel_size, surface = "area", mip = "coverage", lattice_origin, origin, up,
-                                                backend = "auto", codec = "lz4";
+                                                backend = "auto", codec = "deflate", channels = "rgba,normal";
   std::vector<int> gpus;
   std::uint32_t cell_voxels = 1024;
-  bool local = false, no_normals = false, keep_going = true, prune = false, json = false;
+  bool local = false, keep_going = true, prune = false, json = false;
+  std::uint32_t max_error = 0;
   int threads = 0;
   double stall_s = 60, cell_timeout_s = 3600, silence_s = 60;
   std::uint64_t memory_bytes = std::uint64_t(4) << 30;

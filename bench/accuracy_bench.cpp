@@ -36,6 +36,8 @@ AccuracySetting make_setting(const BakeParameters& parameters, const Surface& su
   setting.parameters.mip = mip.filter;
   setting.parameters.voxel_size_m *= coarser;
   setting.parameters.normals = true;
+  setting.parameters.max_error = 0;
+  setting.parameters.codec = Codec::deflate;
   return setting;
 }
 
@@ -48,6 +50,14 @@ std::vector<AccuracySetting> all_settings(const BakeParameters& parameters) {
     settings.back().name += "-no-normals";
     settings.back().parameters.normals = false;
   }
+  for (const std::uint32_t codes : {1, 2, 4, 8, 16}) {
+    settings.push_back(make_setting(parameters, surfaces[0], mips[0], 1));
+    settings.back().name += "-error-" + std::to_string(codes);
+    settings.back().parameters.max_error = codes;
+  }
+  settings.push_back(make_setting(parameters, surfaces[0], mips[0], 1));
+  settings.back().name += "-lz4";
+  settings.back().parameters.codec = Codec::lz4;
   return settings;
 }
 

@@ -57,7 +57,8 @@ struct AccuracyBench {
 /// Told of each setting before it is baked.
 using AccuracyProgress = std::function<void(const std::string& setting)>;
 
-/// Every surface rule with every filter, at the voxel size and at twice that; and area with coverage without normals.
+/// Every surface rule with every filter, at the voxel size and at twice that; and area with coverage without normals,
+/// with several largest errors, and with LZ4.
 /// All settings are seen from the same cameras.
 /// Errors  as a bake, and as ReferenceCaster's.
 AccuracyBench bench_accuracy(const AccuracyBenchRequest& request, const AccuracyProgress& progress);

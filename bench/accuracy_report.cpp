@@ -27,6 +27,8 @@ Json to_json(const AccuracySetting& s) {
          {"surface", s.surface},
          {"mip", s.mip},
          {"normals", s.parameters.normals},
+         {"max_error", s.parameters.max_error},
+         {"codec", s.parameters.codec == Codec::lz4 ? "lz4" : "deflate"},
          {"voxel_size_m", s.parameters.voxel_size_m},
          {"bake_s", s.bake_s},
          {"voxels", s.voxels},
@@ -79,7 +81,7 @@ std::string goals_table(const AccuracyBench& bench) {
   std::string heads = "| lod 4, a voxel a pixel |", rules = "| --- |";
   std::vector<std::string> rows;
   for (const AccuracySetting& s : bench.settings) {
-    if (s.parameters.voxel_size_m != bench.voxel_size_m || !s.parameters.normals) continue;
+    if (s.parameters.voxel_size_m != bench.voxel_size_m || s.name != s.surface + "-" + s.mip) continue;
     heads += " " + s.name + " |";
     rules += " --- |";
     const std::vector<AccuracyGoal> goals = goals_of(s);

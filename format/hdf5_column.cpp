@@ -84,6 +84,12 @@ void Hdf5File::write_column(const Hdf5Column& column, const void* data, std::siz
   }
 }
 
+bool Hdf5File::has_column(const Hdf5Column& column) const {
+  const Hdf5Call call{path_, column.name};
+  calm_hdf5(call);
+  return call("H5Lexists", H5Lexists(file_.get(), column.name.c_str(), H5P_DEFAULT)) > 0;
+}
+
 std::uint64_t Hdf5File::stored_bytes(const Hdf5Column& column) const {
   return H5Dget_storage_size(open_column(column).get());
 }

@@ -40,6 +40,7 @@ class Hdf5File {
   /// Chunked, each chunk as chunk_codec.h, compressed by `threads`.
   void write_column(const Hdf5Column& column, const void* data, std::size_t rows, Codec codec, int threads);
   Hdf5Id open_column(const Hdf5Column& column) const;
+  bool has_column(const Hdf5Column& column) const;  ///< whose group is there
   /// As stored: compressed, without HDF5's own index.
   std::uint64_t stored_bytes(const Hdf5Column& column) const;
 

@@ -38,6 +38,7 @@ std::string to_json(const BakeParameters& p) {
   j["surface"] = p.surface;
   j["mip"] = p.mip;
   j["normals"] = p.normals;
+  j["max_error"] = p.max_error;
   j["codec"] = p.codec;
   return j.dump();
 }
@@ -54,6 +55,7 @@ BakeParameters parameters_from_json(const std::string& json) {
     j.at("normals").get_to(p.normals);
     // Scenes of version 1 say nothing of what came after them.
     p.codec = Codec::lz4;
+    if (j.contains("max_error")) j.at("max_error").get_to(p.max_error);
     if (j.contains("codec")) get_named(j, "codec", p.codec);
   } catch (const nlohmann::json::exception& e) {
     throw InputError("parameters", "", e.what());
@@ -67,6 +69,8 @@ void check(const BakeParameters& p) {
     throw UsageError("--voxel-size: expected 1e-6 to 1e6 metres, got " + std::to_string(p.voxel_size_m));
   if (!std::has_single_bit(p.cell_voxels) || p.cell_voxels < 8 || p.cell_voxels > 8192)
     throw UsageError("--cell-voxels: expected a power of two from 8 to 8192, got " + std::to_string(p.cell_voxels));
+  if (p.max_error > 127)
+    throw UsageError("--max-error: expected 0 to 127 codes of 255, got " + std::to_string(p.max_error));
   for (const double x : p.lattice_origin_m)
     if (!std::isfinite(x)) throw UsageError("--lattice-origin: expected three finite numbers in metres");
 }

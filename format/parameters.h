@@ -21,7 +21,8 @@ struct BakeParameters {
   SurfaceRule surface = SurfaceRule::area;
   MipFilter mip = MipFilter::coverage;
   bool normals = true;
-  Codec codec = Codec::lz4;
+  std::uint32_t max_error = 0;  ///< codes of 255 that a voxel may be off what was baked, 0 … 127 (docs/accuracy.md)
+  Codec codec = Codec::deflate;
 };
 
 /// One line of JSON with fixed key order and shortest round-trip numbers: equal parameters give equal text.

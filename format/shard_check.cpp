@@ -58,17 +58,13 @@ void check_nodes(const std::filesystem::path& path, const ShardHeader& header, c
   for (std::size_t i = 0; i < count; ++i) check_keys_of_children(table, n, i);
 }
 
-void check_level(const std::filesystem::path& path, const ShardHeader& header, const BrickLevel& level, int lod,
-                 std::uint64_t bricks_of_nodes) {
+void check_bricks_of_level(const std::filesystem::path& path, const BrickLevel& level, int lod,
+                           std::uint64_t bricks_of_nodes) {
   const BrokenRule table{path, level_name(lod)};
-  const std::size_t bricks = level.mask.size() / 8, voxels = level.rgba.size() / 4;
+  const std::size_t bricks = level.mask.size() / 8;
   table.expect(bricks == bricks_of_nodes, bricks, "there are not as many bricks as nodes of this level");
   table.expect(level.first.size() == bricks + 1 && level.first[0] == 0, 0, "first does not fit mask");
-  table.expect(level.normal.size() == (header.has_normals ? 2 * voxels : 0), 0, "normal does not fit rgba");
-  table.expect(level.facing.size() == (header.has_facing && lod > 0 ? 3 * voxels : 0), 0, "facing does not fit rgba");
   check_bricks(path, lod, 0, level.mask, level.first);
-  table.expect(level.first[bricks] == voxels, bricks, "first does not end at the number of voxels");
-  check_coverage(path, lod, 0, level.rgba);
 }
 
 std::vector<std::uint64_t> brick_counts(const ShardHeader& header, const std::vector<std::uint8_t>& lod,

@@ -14,10 +14,9 @@ namespace gigabake {
 void check_header(const std::filesystem::path& path, const ShardHeader& header);
 /// Level by level from the root, Morton order, every child linked from exactly one parent, bricks numbered in order.
 void check_nodes(const std::filesystem::path& path, const ShardHeader& header, const NodeTable& nodes);
-/// The level has the bricks that its nodes say, arrays agree in length, `first` counts the mask's bits, alpha is never
-/// 0.
-void check_level(const std::filesystem::path& path, const ShardHeader& header, const BrickLevel& level, int lod,
-                 std::uint64_t bricks_of_nodes);
+/// The level has the bricks that its nodes say, and `first` counts the masks' bits, from 0 on.
+void check_bricks_of_level(const std::filesystem::path& path, const BrickLevel& level, int lod,
+                           std::uint64_t bricks_of_nodes);
 
 /// How many brick nodes there are of each level. Range  both columns of one length; lods beyond the header's are
 /// ignored.

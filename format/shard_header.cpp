@@ -27,15 +27,6 @@ std::vector<Hash128> hashes(const Hdf5File& file, const char* name) {
   return out;
 }
 
-void check_format(const Hdf5File& file) {
-  if (file.read_text("format") != shard_format) file.fail("format", "not a gigabake shard");
-  const auto version = scalar<std::int32_t>(file, "version", Hdf5Type::i32);
-  if (version < oldest_shard_version || version > shard_version)
-    file.fail("version", "expected " + std::to_string(oldest_shard_version) + " to " + std::to_string(shard_version) +
-                             ", got " + std::to_string(version) + "; another gigabake wrote this shard");
-  if (scalar<std::uint32_t>(file, "brick_edge", Hdf5Type::u32) != brick_edge) file.fail("brick_edge", "expected 8");
-}
-
 void read_channels(const Hdf5File& file, ShardHeader& h) {
   const std::string channels = file.read_text("channels");
   if (!parse_channels(channels, h.has_normals, h.has_facing))
@@ -44,8 +35,18 @@ void read_channels(const Hdf5File& file, ShardHeader& h) {
 
 }  // namespace
 
+std::int32_t read_version(const Hdf5File& file) {
+  if (file.read_text("format") != shard_format) file.fail("format", "not a gigabake shard");
+  const auto version = scalar<std::int32_t>(file, "version", Hdf5Type::i32);
+  if (version < oldest_shard_version || version > shard_version)
+    file.fail("version", "expected " + std::to_string(oldest_shard_version) + " to " + std::to_string(shard_version) +
+                             ", got " + std::to_string(version) + "; another gigabake wrote this shard");
+  return version;
+}
+
 ShardHeader read_header(const Hdf5File& file) {
-  check_format(file);
+  read_version(file);
+  if (scalar<std::uint32_t>(file, "brick_edge", Hdf5Type::u32) != brick_edge) file.fail("brick_edge", "expected 8");
   ShardHeader h;
   h.generator = file.read_text("generator");
   h.cell = file.read_text("cell");

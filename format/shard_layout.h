@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "format/hdf5_file.h"
-#include "format/shard.h"
+#include "format/shared_values.h"
+#include "format/voxel_channel.h"
 
 namespace gigabake {
 
@@ -30,24 +31,22 @@ struct NodeColumns {
 };
 
 struct LevelColumns {
-  explicit LevelColumns(int lod) : LevelColumns(lod, "/lod_" + std::to_string(lod)) {}
-  LevelColumns(int lod, std::string name)
+  explicit LevelColumns(int lod) : LevelColumns("/lod_" + std::to_string(lod)) {}
+  explicit LevelColumns(std::string name)
       : group(std::move(name)),
-        has_facing(lod > 0),
         mask{group + "/mask", Hdf5Type::u64, 8},
-        first{group + "/first", Hdf5Type::u64, 1, BytePlanes::yes},
-        rgba{group + "/rgba", Hdf5Type::u8, 4},
-        normal{group + "/normal", Hdf5Type::i8, 2},
-        facing{group + "/facing", Hdf5Type::u8, 3} {}
+        first{group + "/first", Hdf5Type::u64, 1, BytePlanes::yes} {}
   std::string group;
-  bool has_facing;  ///< where the shard has the channel
-  Hdf5Column mask, first, rgba, normal, facing;
-  std::vector<Hdf5Column> all(const ShardHeader& header) const {
-    std::vector<Hdf5Column> columns{mask, first, rgba};
-    if (header.has_normals) columns.push_back(normal);
-    if (header.has_facing && has_facing) columns.push_back(facing);
-    return columns;
-  }
+  Hdf5Column mask, first;
+};
+
+/// share and first are there where voxels share values (shared_values.h).
+struct ChannelColumns {
+  ChannelColumns(const std::string& group, const VoxelChannel& channel)
+      : value{group + "/" + channel.name, channel.type, channel.width},
+        share{value.name + "_share", Hdf5Type::u8, share_bytes},
+        first{value.name + "_first", Hdf5Type::u64, 1, BytePlanes::yes} {}
+  Hdf5Column value, share, first;
 };
 
 }  // namespace gigabake

@@ -1,8 +1,10 @@
 #include "format/shard_pages.h"
 
 #include <algorithm>
+#include <deque>
 #include <optional>
 
+#include "format/channel_rows.h"
 #include "format/error.h"
 #include "format/hdf5_rows.h"
 #include "format/shard_check.h"
@@ -56,23 +58,22 @@ struct ShardPages::Nodes {
 };
 
 struct ShardPages::Level {
-  Level(const Hdf5File& file, const ShardHeader& header, const LevelColumns& columns, std::uint64_t bricks_of_nodes)
-      : bricks(bricks_of_nodes), mask(file, columns.mask), first(file, columns.first), rgba(file, columns.rgba) {
-    if (header.has_normals) normal.emplace(file, columns.normal);
-    if (header.has_facing && columns.has_facing) facing.emplace(file, columns.facing);
+  Level(const Hdf5File& file, const std::vector<VoxelChannel>& of_voxels, const LevelColumns& columns,
+        std::uint64_t bricks_of_nodes)
+      : bricks(bricks_of_nodes), mask(file, columns.mask), first(file, columns.first) {
     if (mask.rows() != bricks) file.fail(columns.group, "there are not as many bricks as nodes of this level");
     if (first.rows() != bricks + 1) file.fail(columns.group, "first does not fit mask");
-    if (normal && normal->rows() != rgba.rows()) file.fail(columns.group, "normal does not fit rgba");
-    if (facing && facing->rows() != rgba.rows()) file.fail(columns.group, "facing does not fit rgba");
+    voxels = read_range<std::uint64_t>(first, bricks, 1)[0];
+    for (const VoxelChannel& channel : of_voxels) channels.emplace_back(file, columns.group, channel, bricks, voxels);
   }
 
-  std::uint64_t bricks;
-  Hdf5Rows mask, first, rgba;
-  std::optional<Hdf5Rows> normal, facing;
+  std::uint64_t bricks, voxels = 0;
+  Hdf5Rows mask, first;
+  std::deque<ChannelRows> channels;
 };
 
 ShardPages::ShardPages(const std::filesystem::path& path)
-    : file_(Hdf5File::open(path)), header_(read_header(file_)), levels_(header_.lods) {}
+    : file_(Hdf5File::open(path)), header_(read_header(file_)), version_(read_version(file_)), levels_(header_.lods) {}
 
 ShardPages::~ShardPages() = default;
 
@@ -88,7 +89,7 @@ const ShardPages::Level& ShardPages::open_level(int lod) const {
   const std::uint64_t bricks = open_nodes().outline.bricks(lod);
   const std::scoped_lock lock(mutex_);
   std::unique_ptr<Level>& level = levels_[std::size_t(lod)];
-  if (!level) level = std::make_unique<Level>(file_, header_, columns, bricks);
+  if (!level) level = std::make_unique<Level>(file_, stored_channels(version_, header_, lod), columns, bricks);
   return *level;
 }
 
@@ -132,16 +133,13 @@ BrickBlock ShardPages::level(int lod, std::uint64_t first, std::uint32_t count) 
   const std::uint64_t begin = starts.front(), voxels = starts.back() - begin;
   const BrokenRule table{file_.path(), name};
   table.expect(first > 0 || begin == 0, 0, "first does not begin at 0");
-  table.expect(begin <= columns.rgba.rows() && voxels <= columns.rgba.rows() - begin, first,
+  table.expect(begin <= columns.voxels && voxels <= columns.voxels - begin, first,
                "first goes beyond the number of voxels");
-  table.expect(first + bricks < columns.bricks || starts.back() == columns.rgba.rows(), columns.bricks,
-               "first does not end at the number of voxels");
   block.first.reserve(starts.size());
   for (const std::uint64_t start : starts) block.first.push_back(std::uint32_t(start - begin));
-  block.rgba = read_range<std::uint8_t>(columns.rgba, begin, voxels, 4);
+  for (const ChannelRows& channel : columns.channels)
+    channel.read(first, block.mask, begin, voxels, make_room(channel.channel(), voxels, block));
   check_coverage(file_.path(), lod, begin, block.rgba);
-  if (columns.normal) block.normal = read_range<std::int8_t>(*columns.normal, begin, voxels, 2);
-  if (columns.facing) block.facing = read_range<std::uint8_t>(*columns.facing, begin, voxels, 3);
   return block;
 }
 

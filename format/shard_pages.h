@@ -42,6 +42,7 @@ class ShardPages {
 
   Hdf5File file_;
   ShardHeader header_;
+  std::int32_t version_;
   mutable std::mutex mutex_;
   mutable std::unique_ptr<Nodes> nodes_;                ///< from the first use on
   mutable std::vector<std::unique_ptr<Level>> levels_;  ///< by lod, likewise

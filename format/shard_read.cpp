@@ -1,3 +1,4 @@
+#include "format/channel_rows.h"
 #include "format/error.h"
 #include "format/hdf5_rows.h"
 #include "format/shard.h"
@@ -20,7 +21,7 @@ void read_rows(const Hdf5File& file, const Hdf5Column& column, std::vector<T>& o
 }  // namespace
 
 ShardReader::ShardReader(const std::filesystem::path& path)
-    : path_(path), file_(Hdf5File::open(path)), header_(read_header(file_)) {}
+    : path_(path), file_(Hdf5File::open(path)), header_(read_header(file_)), version_(read_version(file_)) {}
 
 NodeTable ShardReader::nodes() const {
   const NodeColumns columns;
@@ -54,10 +55,13 @@ BrickLevel ShardReader::read_level(int lod, std::uint64_t bricks) const {
   BrickLevel level;
   read_rows(file_, columns.mask, level.mask);
   read_rows(file_, columns.first, level.first);
-  read_rows(file_, columns.rgba, level.rgba);
-  if (header_.has_normals) read_rows(file_, columns.normal, level.normal);
-  if (header_.has_facing && columns.has_facing) read_rows(file_, columns.facing, level.facing);
-  check_level(path_, header_, level, lod, bricks);
+  check_bricks_of_level(path_, level, lod, bricks);
+  const std::uint64_t voxels = level.first.back();
+  for (const VoxelChannel& channel : stored_channels(version_, header_, lod)) {
+    const ChannelRows rows(file_, columns.group, channel, bricks, voxels);
+    rows.read(0, level.mask, 0, voxels, make_room(channel, voxels, level));
+  }
+  check_coverage(path_, lod, 0, level.rgba);
   return level;
 }
 
@@ -68,9 +72,21 @@ Shard ShardReader::all() const {
   return shard;
 }
 
+std::vector<Hdf5Column> ShardReader::level_columns(int lod) const {
+  const LevelColumns columns(lod);
+  std::vector<Hdf5Column> all{columns.mask, columns.first};
+  for (const VoxelChannel& channel : stored_channels(version_, header_, lod)) {
+    const ChannelColumns of_channel(columns.group, channel);
+    all.push_back(of_channel.value);
+    for (const Hdf5Column& column : {of_channel.share, of_channel.first})
+      if (file_.has_column(column)) all.push_back(column);
+  }
+  return all;
+}
+
 std::uint64_t ShardReader::level_bytes(int lod) const {
   std::uint64_t bytes = 0;
-  for (const Hdf5Column& column : LevelColumns(lod).all(header_)) bytes += file_.stored_bytes(column);
+  for (const Hdf5Column& column : level_columns(lod)) bytes += file_.stored_bytes(column);
   return bytes;
 }
 
@@ -92,7 +108,7 @@ std::vector<std::string> ShardReader::unreadable_columns() const {
   };
   for (const Hdf5Column& column : NodeColumns().all(header_)) try_column(column);
   for (int lod = 0; lod < int(header_.lods); ++lod)
-    for (const Hdf5Column& column : LevelColumns(lod).all(header_)) try_column(column);
+    for (const Hdf5Column& column : level_columns(lod)) try_column(column);
   return faults;
 }
 

@@ -30,10 +30,12 @@ class ShardReader {
 
  private:
   BrickLevel read_level(int lod, std::uint64_t bricks) const;
+  std::vector<Hdf5Column> level_columns(int lod) const;
 
   std::filesystem::path path_;
   Hdf5File file_;
   ShardHeader header_;
+  std::int32_t version_;
 };
 
 }  // namespace gigabake

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <bit>
 
 #include "format/channels.h"
 #include "format/publish.h"
@@ -52,15 +54,49 @@ void write_nodes(Hdf5File& file, const ShardHeader& header, const NodeTable& n, 
   if (header.has_facing) write_rows(file, columns.facing, n.facing, options);
 }
 
-void write_level(Hdf5File& file, const ShardHeader& header, const BrickLevel& level, int lod,
+/// What a reader will demand. Where it does not hold the arrays are written as they stand, for readers to refuse.
+bool is_consistent(const BrickLevel& level, const std::vector<VoxelChannel>& channels) {
+  const std::size_t bricks = level.mask.size() / 8;
+  if (level.mask.size() % 8 != 0 || level.first.size() != bricks + 1 || level.first[0] != 0) return false;
+  for (std::size_t b = 0; b < bricks; ++b) {
+    std::uint64_t voxels = 0;
+    for (std::size_t w = 0; w < 8; ++w) voxels += std::uint64_t(std::popcount(level.mask[8 * b + w]));
+    if (level.first[b + 1] != level.first[b] + voxels) return false;
+  }
+  return std::all_of(channels.begin(), channels.end(), [&](const VoxelChannel& channel) {
+    return array_bytes(channel, level) == level.first.back() * bytes_a_voxel(channel.array);
+  });
+}
+
+SharedValues unshared_values(const BrickLevel& level, const VoxelChannel& channel) {
+  SharedValues out;
+  const auto bytes = bytes_of(channel, level);
+  for (std::size_t v = 0; v < array_bytes(channel, level) / bytes.stride; ++v)
+    out.value.insert(out.value.end(), bytes[v], bytes[v] + channel.width);
+  return out;
+}
+
+void write_channel(Hdf5File& file, const ChannelColumns& columns, const SharedValues& values,
+                   const ShardWriteOptions& options) {
+  write_rows(file, columns.value, values.value, options);
+  if (values.share.empty()) return;
+  write_rows(file, columns.share, values.share, options);
+  write_rows(file, columns.first, values.first, options);
+}
+
+void write_level(Hdf5File& file, const BrickLevel& level, int lod, const std::vector<VoxelChannel>& channels,
                  const ShardWriteOptions& options) {
   const LevelColumns columns(lod);
   file.make_group(columns.group);
   write_rows(file, columns.mask, level.mask, options);
   write_rows(file, columns.first, level.first, options);
-  write_rows(file, columns.rgba, level.rgba, options);
-  if (header.has_normals) write_rows(file, columns.normal, level.normal, options);
-  if (header.has_facing && columns.has_facing) write_rows(file, columns.facing, level.facing, options);
+  const bool consistent = is_consistent(level, channels);
+  for (const VoxelChannel& channel : channels)
+    write_channel(file, {columns.group, channel},
+                  consistent
+                      ? share_values(level.mask, level.first, bytes_of(channel, level), channel.width, options.threads)
+                      : unshared_values(level, channel),
+                  options);
 }
 
 }  // namespace
@@ -72,7 +108,7 @@ std::uint64_t write_shard(const std::filesystem::path& path, const Shard& shard,
     write_header(file, shard.header);
     write_nodes(file, shard.header, shard.nodes, options);
     for (std::size_t lod = 0; lod < shard.levels.size(); ++lod)
-      write_level(file, shard.header, shard.levels[lod], int(lod), options);
+      write_level(file, shard.levels[lod], int(lod), stored_channels(shard_version, shard.header, int(lod)), options);
     file.close();
   }
   const std::uint64_t bytes = std::filesystem::file_size(publication.aside());

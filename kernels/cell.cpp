@@ -4,6 +4,7 @@
 #include <bit>
 #include <chrono>
 
+#include "kernels/approximate.h"
 #include "kernels/bin.h"
 #include "kernels/level_hash.h"
 #include "kernels/levels.h"
@@ -90,6 +91,10 @@ CellVolume bake_cell(const CellInput& input, const CellParameters& parameters, c
     add_coarser_levels(volume.levels, rasters, lods, parameters.mip, parameters.normals, policy);
   }
   volume.stats.peak_bytes = std::max(volume.stats.peak_bytes, 2 * bytes_of(volume.levels));
+  {
+    const StageClock clock(volume.stats.prune_s);
+    approximate(volume.levels, parameters.max_error, policy);
+  }
   {
     const StageClock clock(volume.stats.hash_s);
     volume.content_hash = level_hashes(volume.levels, parameters.window_min, policy);

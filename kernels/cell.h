@@ -42,6 +42,7 @@ struct CellParameters {
   SurfaceRule surface = SurfaceRule::area;
   MipFilter mip = MipFilter::coverage;
   bool normals = true;
+  std::uint32_t max_error = 0;     ///< codes of 255 that a stored voxel may be off (approximate.h); ≤ 127
   std::uint64_t memory_bytes = 0;  ///< working memory to aim for; bricks are cut into batches. 0: no bound
 };
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 
+#include "kernels/approximate.h"
 #include "kernels/cuda_baker.h"
 #include "kernels/cuda_bin.cuh"
 #include "kernels/cuda_download.cuh"
@@ -9,6 +10,7 @@
 #include "kernels/cuda_levels.cuh"
 #include "kernels/cuda_stream.cuh"
 #include "kernels/cuda_voxelize.cuh"
+#include "kernels/level_hash.h"
 #include "kernels/prune.h"
 
 namespace gigabake::kernels {
@@ -64,6 +66,7 @@ class Volume : public CudaVolume {
   std::vector<DeviceLevel> levels;
   DeviceNodes nodes;
   std::int64_t window_min[3] = {};
+  std::uint32_t max_error = 0;
   CellStats cell_stats;
 };
 
@@ -125,6 +128,7 @@ class CudaBaker::Impl {
       empty.stats = volume.cell_stats;
       return empty;
     }
+    if (volume.max_error != 0) return download_approximate(volume);
     download_clock_.mark(0);
     const std::vector<Sum128> hashes = level_hashes(download_heap_, volume.levels, volume.window_min);
     download_clock_.mark(1);
@@ -137,6 +141,16 @@ class CudaBaker::Impl {
   }
 
  private:
+  /// What voxels have in common, hash and nodes are the host's affair here.
+  CellVolume download_approximate(const Volume& volume) {
+    CellVolume out = to_host(download_stream_.handle, pinned_, volume.levels, {}, host_);
+    approximate(out.levels, volume.max_error, host_);
+    out.content_hash = level_hashes(out.levels, volume.window_min, host_);
+    out.nodes = prune(out.levels, host_);
+    out.stats = volume.cell_stats;
+    return out;
+  }
+
   void start() { check_cuda(cudaSetDevice(device_), "cudaSetDevice"); }
 
   void bake_levels(InputView& input, bool textured, const CellParameters& parameters, Volume& volume) {
@@ -152,6 +166,7 @@ class CudaBaker::Impl {
         voxelize(bake_heap_, input, window, std::move(lists), parameters.normals, textured, fill_ratios_, stats);
     clock_.mark(3);
     if (finest.bricks == 0) return;
+    volume.max_error = parameters.max_error;
     std::copy(std::begin(parameters.window_min), std::end(parameters.window_min), volume.window_min);
     std::vector<DeviceLevel> coarser =
         coarser_levels(bake_heap_, tables_.view(), finest, window.levels + 1, parameters.mip, parameters.normals);

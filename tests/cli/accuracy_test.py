@@ -33,10 +33,10 @@ def view_of(setting, name):
 
 def every_setting_has_its_costs(bench):
     names = [setting["name"] for setting in bench["settings"]]
-    assert len(set(names)) == len(names) == 20 and names[0] == "area-coverage", names
+    assert len(set(names)) == len(names) == 26 and names[0] == "area-coverage", names
     for setting in bench["settings"]:
         assert setting["bake_s"] > 0 and setting["voxels_per_s"] > 0 and setting["render_s"] > 0, setting
-        assert 3 < setting["bytes_per_voxel"] < 100, setting
+        assert 1.5 < setting["bytes_per_voxel"] < 100, setting
         assert setting["voxel_size_m"] == (1 if "-x2" in setting["name"] else 0.5), setting
 
 
@@ -70,6 +70,17 @@ def normals_cost_bytes_and_do_not_show(bench):
     assert unlit["bytes"] < lit["bytes"] and unlit["mean"] == lit["mean"], (lit, unlit)
 
 
+def a_larger_error_costs_fewer_bytes_and_shows_little(bench):
+    exact, *others = (next(s for s in bench["settings"] if s["name"] == "area-coverage" + suffix)
+                      for suffix in ("", "-error-1", "-error-2", "-error-4", "-error-8", "-error-16"))
+    assert exact["max_error"] == 0, exact
+    before = exact
+    for setting in others:
+        assert setting["bytes"] < before["bytes"] and setting["voxels"] == exact["voxels"], (before, setting)
+        assert setting["mean"]["flip"] < exact["mean"]["flip"] + 1.2 * setting["max_error"] / 255, setting
+        before = setting
+
+
 def goals_are_judged(bench):
     for goal in bench["goals"]:
         assert goal["holds"] == (goal["measured"] <= goal["bound"]), goal
@@ -99,7 +110,8 @@ def main():
         gigabake.succeed("sample", work / "sample", "--size", 64, "--seed", 7)
         bench = measure(gigabake, work)
         for test in (every_setting_has_its_costs, every_error_is_sane, smaller_voxels_are_not_worse,
-                     ground_seen_from_above_is_right, normals_cost_bytes_and_do_not_show, goals_are_judged):
+                     ground_seen_from_above_is_right, normals_cost_bytes_and_do_not_show,
+                     a_larger_error_costs_fewer_bytes_and_shows_little, goals_are_judged):
             print(test.__name__, flush=True)
             test(bench)
         tables_plots_and_pictures_are_there(work, bench)

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t no_child = 0xffffffffu;
 
-void add_brick(std::mt19937_64& rng, bool normals, bool facing, BrickLevel& level) {
+void add_brick(std::mt19937_64& rng, const ShardShape& shape, int lod, BrickLevel& level) {
   std::uint64_t voxels = 0;
   for (int word = 0; word < 8; ++word) {
     const std::uint64_t mask = word == 3 ? rng() | 1 : rng() & rng() & rng();
@@ -21,11 +21,20 @@ void add_brick(std::mt19937_64& rng, bool normals, bool facing, BrickLevel& leve
     voxels += std::uint64_t(std::popcount(mask));
   }
   level.first.push_back(level.first.back() + voxels);
+  const std::uint64_t run = shape.alike ? 1 + rng() % 2000 : 1;
+  std::array<std::uint8_t, 4> rgba{};
+  std::array<std::int8_t, 2> normal{};
+  std::array<std::uint8_t, 3> facing{};
   for (std::uint64_t v = 0; v < voxels; ++v) {
-    for (int c = 0; c < 3; ++c) level.rgba.push_back(std::uint8_t(rng()));
-    level.rgba.push_back(std::uint8_t(1 + rng() % 255));
-    for (int c = 0; c < 2 && normals; ++c) level.normal.push_back(std::int8_t(int(rng() % 255) - 127));
-    for (int c = 0; c < 3 && facing; ++c) level.facing.push_back(std::uint8_t(1 + rng() % 255));
+    if (v % run == 0) {
+      for (int c = 0; c < 3; ++c) rgba[std::size_t(c)] = std::uint8_t(rng());
+      rgba[3] = std::uint8_t(1 + rng() % 255);
+      for (int c = 0; c < 2; ++c) normal[std::size_t(c)] = std::int8_t(int(rng() % 255) - 127);
+      for (std::uint8_t& f : facing) f = std::uint8_t(1 + rng() % 255);
+    }
+    level.rgba.insert(level.rgba.end(), rgba.begin(), rgba.end());
+    if (shape.normals) level.normal.insert(level.normal.end(), normal.begin(), normal.end());
+    if (shape.facing && lod > 0) level.facing.insert(level.facing.end(), facing.begin(), facing.end());
   }
 }
 
@@ -52,7 +61,7 @@ void grow(std::mt19937_64& rng, const ShardShape& shape, std::size_t i, Shard& s
   const int lod = n.lod[i];
   if (n.kind[i] == NodeKind::brick) {
     n.value[i] = std::uint32_t(s.levels[std::size_t(lod)].mask.size() / 8);
-    add_brick(rng, shape.normals, shape.facing && lod > 0, s.levels[std::size_t(lod)]);
+    add_brick(rng, shape, lod, s.levels[std::size_t(lod)]);
   } else {
     n.value[i] = std::uint32_t(rng()) | 0x01000000u;
     if (shape.normals) n.normal[i] = {std::int8_t(rng() % 127), std::int8_t(rng() % 127)};

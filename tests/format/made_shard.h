@@ -30,6 +30,7 @@ struct ShardShape {
   int lods = 3;
   bool normals = true;
   int most_children = 8;  ///< of a node
+  bool alike = false;     ///< neighbours often are, so that values are shared
   bool facing = true;     ///< lod 1 and up
 };
 

@@ -20,6 +20,7 @@ TEST(BakeParameters, ComeBackFromTheirText) {
     p.surface = SurfaceRule(rng() % 3);
     p.mip = MipFilter(rng() % 3);
     p.normals = rng() % 2 == 0;
+    p.max_error = std::uint32_t(rng() % 128);
     p.codec = Codec(rng() % 2);
     const BakeParameters q = parameters_from_json(to_json(p));
     EXPECT_EQ(p.voxel_size_m, q.voxel_size_m) << "seed " << seed;
@@ -28,6 +29,7 @@ TEST(BakeParameters, ComeBackFromTheirText) {
     EXPECT_EQ(p.surface, q.surface);
     EXPECT_EQ(p.mip, q.mip);
     EXPECT_EQ(p.normals, q.normals);
+    EXPECT_EQ(p.max_error, q.max_error);
     EXPECT_EQ(p.codec, q.codec);
     EXPECT_EQ(to_json(p), to_json(q));
   }
@@ -37,7 +39,7 @@ TEST(BakeParameters, AreOneLineInAFixedOrder) {
   BakeParameters p;
   p.voxel_size_m = 0.1;
   EXPECT_EQ(to_json(p), R"({"voxel_size_m":0.1,"lattice_origin_m":[0.0,0.0,0.0],"cell_voxels":1024,"surface":"area",)"
-                        R"("mip":"coverage","normals":true,"codec":"lz4"})");
+                        R"("mip":"coverage","normals":true,"max_error":0,"codec":"deflate"})");
 }
 
 TEST(BakeParameters, OfTheFirstScenesAreReadAsWhatWasTheOnlyWayThen) {
@@ -45,6 +47,7 @@ TEST(BakeParameters, OfTheFirstScenesAreReadAsWhatWasTheOnlyWayThen) {
       R"({"voxel_size_m":0.1,"lattice_origin_m":[0.0,0.0,0.0],"cell_voxels":1024,"surface":"area","mip":"coverage",)"
       R"("normals":true})");
   EXPECT_EQ(p.codec, Codec::lz4);
+  EXPECT_EQ(p.max_error, 0u);
 }
 
 TEST(BakeParameters, AreRefusedWhereTheTextIsNotTheirs) {
@@ -77,6 +80,7 @@ TEST(BakeParameters, NameTheOptionThatIsOutOfRange) {
     EXPECT_EQ(told([bad](BakeParameters& p) { p.voxel_size_m = bad; }).find("--voxel-size: "), 0u) << bad;
   for (const std::uint32_t bad : {0u, 4u, 100u, 16384u})
     EXPECT_EQ(told([bad](BakeParameters& p) { p.cell_voxels = bad; }).find("--cell-voxels: "), 0u) << bad;
+  EXPECT_EQ(told([](BakeParameters& p) { p.max_error = 128; }).find("--max-error: "), 0u);
   EXPECT_EQ(told([](BakeParameters& p) { p.lattice_origin_m[1] = INFINITY; }).find("--lattice-origin: "), 0u);
 }
 

@@ -175,14 +175,18 @@ TEST(ShardPages, AreRefusedWhereTheyDoNotFitTheRest) {
          s.levels[0].first = {0, 3, 3};
        }},
       {"first does not count the mask's bits", [](Shard& s) { s.levels[0].mask[0] = 1; }},
-      {"first does not count the mask's bits", [](Shard& s) { s.levels[0].first[1] = std::uint64_t(1) << 60; }},
-      {"first does not begin at 0",
+      {"rgb does not fit first", [](Shard& s) { s.levels[0].first[1] = std::uint64_t(1) << 60; }},
+      {"rgb does not fit first",
        [](Shard& s) {
          s.levels[0].first = {1, 4};
        }},
-      {"first goes beyond", [](Shard& s) { s.levels[0].rgba.resize(8), s.levels[0].normal.resize(4); }},
-      {"first does not end at the number",
-       [](Shard& s) { s.levels[0].rgba.resize(16, 1), s.levels[0].normal.resize(8); }},
+      {"first does not begin at 0",
+       [](Shard& s) {
+         s.levels[0].first = {1, 4};
+         s.levels[0].rgba.resize(16, 1), s.levels[0].normal.resize(8);
+       }},
+      {"rgb does not fit first", [](Shard& s) { s.levels[0].rgba.resize(8), s.levels[0].normal.resize(4); }},
+      {"rgb does not fit first", [](Shard& s) { s.levels[0].rgba.resize(16, 1), s.levels[0].normal.resize(8); }},
       {"a voxel without coverage", [](Shard& s) { s.levels[0].rgba[3] = 0; }},
       {"normal does not fit", [](Shard& s) { s.levels[0].normal.resize(4); }},
   };

@@ -19,11 +19,22 @@ TEST(Shard, ComesBackAsItWasWritten) {
   std::mt19937_64 rng(seed);
   const TempFolder folder;
   for (int round = 0; round < 24; ++round) {
-    const Shard shard = made::random_shard(rng, {1 + round % 4, round % 3 != 0, 6});
+    const Shard shard = made::random_shard(rng, {1 + round % 4, round % 3 != 0, 6, round % 5 < 3});
     const std::uint64_t bytes = write_shard(folder / "s.h5", shard, {1 + round % 3, Codec(round / 2 % 2)});
     EXPECT_EQ(bytes, std::filesystem::file_size(folder / "s.h5"));
     EXPECT_EQ(made::difference(shard, read_shard(folder / "s.h5")), "") << "seed " << seed << ", round " << round;
   }
+}
+
+TEST(Shard, StoresOnceWhatNeighboursHaveInCommon) {
+  std::mt19937_64 rng(5);
+  const TempFolder folder;
+  const Shard noisy = made::random_shard(rng, {4, true, 6}), calm = made::random_shard(rng, {4, true, 6, true});
+  const auto bytes_a_voxel = [&](const Shard& shard) {
+    write_shard(folder / "s.h5", shard, {1});
+    return double(ShardReader(folder / "s.h5").level_bytes(0)) / double(shard.levels[0].rgba.size() / 4);
+  };
+  EXPECT_LT(3 * bytes_a_voxel(calm), bytes_a_voxel(noisy));
 }
 
 TEST(Shard, IsTheSameFileHoweverManyThreadsCompressIt) {
@@ -136,8 +147,7 @@ TEST(Shard, IsRefusedWhereItsPartsDoNotFitEachOther) {
       {"not as many bricks", [](Shard& s) { s.nodes.kind[1] = NodeKind::constant; }},
       {"first does not count the mask's bits", [](Shard& s) { s.levels[0].mask[0] = 1; }},
       {"first does not count the mask's bits", [](Shard& s) { s.levels[0].first[1] = std::uint64_t(1) << 60; }},
-      {"first does not end at the number",
-       [](Shard& s) { s.levels[0].rgba.resize(16, 1), s.levels[0].normal.resize(8); }},
+      {"rgb does not fit first", [](Shard& s) { s.levels[0].rgba.resize(16, 1), s.levels[0].normal.resize(8); }},
       {"a voxel without coverage", [](Shard& s) { s.levels[0].rgba[3] = 0; }},
       {"normal does not fit", [](Shard& s) { s.levels[0].normal.resize(4); }},
       {"content_hash has not one entry", [](Shard& s) { s.header.content_hash.pop_back(); }},

@@ -78,6 +78,17 @@ TEST_F(CudaBakerTest, BakesCellAfterCellWithFewTexturesInItsCache) {
       expect_same_bits(cell, cell.parameters(SurfaceRule::area, MipFilter::coverage, true));
 }
 
+TEST_F(CudaBakerTest, BakesTheSameBitsAsTheCpuWhereVoxelsMayBeOff) {
+  std::list<test::TestCell> cells = test::all_cells();
+  for (test::TestCell& cell : cells)
+    for (const std::uint32_t codes : {1u, 6u, 40u}) {
+      SCOPED_TRACE(cell.name + ", error " + std::to_string(codes));
+      CellParameters parameters = cell.parameters(SurfaceRule::area, MipFilter::coverage, true);
+      parameters.max_error = codes;
+      expect_same_bits(cell, parameters);
+    }
+}
+
 TEST_F(CudaBakerTest, BakesACellWithoutTriangles) {
   test::TestCell cell;
   cell.materials.push_back({});

@@ -1,0 +1,38 @@
+/// What voxels have in common is stored once: the values of one channel of a level, with what says which voxel has
+/// which.
+///
+/// A brick has 8 octants of 4×4×4 voxels, an octant 8 groups of 2×2×2; those are numbered x + 2y + 4z in their parent.
+/// A brick, octant or group whose voxels are all alike has one value, in the place of its first voxel.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "format/voxel_channel.h"
+
+namespace gigabake {
+
+/// Of a brick: byte o < 8, bit g: group g of octant o has one value. Byte 8, bit o: octant o has. Byte 9: 1 where the
+/// whole brick has, else 0.
+inline constexpr std::size_t share_bytes = 10;
+
+struct SharedValues {
+  std::vector<std::uint8_t> value;   ///< `width` bytes each: one for each voxel, or for all, or as `share` says
+  std::vector<std::uint8_t> share;   ///< share_bytes a brick, or empty
+  std::vector<std::uint64_t> first;  ///< with it, bricks+1: where a brick's values begin
+};
+
+/// Shared by groups where that spares a quarter of the bytes; one value where all voxels are alike.
+/// Range  mask and first as in BrickLevel, consistent.
+SharedValues share_values(std::span<const std::uint64_t> mask, std::span<const std::uint64_t> first,
+                          ChannelBytes<const std::uint8_t> bytes, std::size_t width, int threads);
+
+/// How many values a brick has. mask: 8 words; share: share_bytes.
+std::size_t count_values(const std::uint64_t* mask, const std::uint8_t* share);
+
+/// Gives each voxel of the brick its value. Range  value: count_values(); to: as many voxels as mask has bits.
+void spread_values(const std::uint64_t* mask, const std::uint8_t* share, const std::uint8_t* value, std::size_t width,
+                   ChannelBytes<std::uint8_t> to);
+
+}  // namespace gigabake
