@@ -42,7 +42,7 @@ struct CellParameters {
   SurfaceRule surface = SurfaceRule::area;
   MipFilter mip = MipFilter::coverage;
   bool normals = true;
-  std::uint64_t memory_bytes = 0;  ///< working memory to aim for; bricks are cut into batches. 0: no bound
+  std::uint64_t memory_bytes = 0;  ///< to aim for; bricks are cut into batches. 0: no bound
 };
 
 /// As format/shard.h's BrickLevel, with the key of each brick.

@@ -117,6 +117,7 @@ class DeviceInput {
   DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTextures& textures, const Tables& tables);
   InputView view() const;
   bool is_textured() const { return !held_.empty(); }
+  std::uint64_t bytes() const { return arrays_.bytes(); }  ///< without textures
 
  private:
   std::uint32_t vertex_count_ = 0, triangle_count_ = 0;

@@ -2,7 +2,6 @@
 #include <cub/device/device_scan.cuh>
 #include <cub/device/device_select.cuh>
 #include <limits>
-#include <stdexcept>
 #include <thrust/iterator/counting_iterator.h>
 
 #include "kernels/cuda_fill.cuh"
@@ -276,8 +275,7 @@ DeviceLevel without_empty(DeviceHeap& heap, const BrickLists& lists, Filled fill
 constexpr std::uint64_t pairs_per_batch = std::uint64_t(1) << 19, voxels_per_batch = std::uint64_t(3) << 19;
 
 std::uint32_t counted_32(std::uint64_t n) {
-  if (n > std::numeric_limits<std::uint32_t>::max())
-    throw std::length_error("a cell of more than 2^32-1 voxels; use a smaller --cell-voxels");
+  if (n > std::numeric_limits<std::uint32_t>::max()) throw DeviceFull("more than 2^32-1 voxels");
   return std::uint32_t(n);
 }
 

@@ -25,7 +25,7 @@ struct FillRatios {
 };
 
 /// lists: consumed. No brick of the result is empty; no voxel of it invisible.
-/// Errors  CudaFailure; std::length_error beyond 2^32-1 voxels.
+/// Errors  CudaFailure; DeviceFull beyond 2^32-1 voxels too.
 DeviceLevel voxelize(DeviceHeap& heap, const InputView& input, const WindowView& window, BrickLists lists, bool normals,
                      bool textured, FillRatios& ratios, CellStats& stats);
 
