@@ -34,7 +34,7 @@ struct CellBake::Cell {
   InputView input;
   WindowView window;
   const CellParameters& parameters;
-  bool textured;
+  bool plain;
   std::uint64_t limit;
 };
 
@@ -60,7 +60,7 @@ void CellBake::bake(const DeviceInput& uploaded, const CellParameters& parameter
   std::copy(std::begin(parameters.window_min), std::end(parameters.window_min), out.window_min);
   const InputView input = uploaded.view();
   if (input.triangle_count == 0) return;
-  Cell cell{input, window_view(parameters), parameters, uploaded.is_textured(),
+  Cell cell{input, window_view(parameters), parameters, uploaded.is_plain(),
             limit_of(parameters.memory_bytes, uploaded.bytes())};
   heap_.limit_to(0);
   clock_.mark(0);
@@ -80,7 +80,7 @@ std::vector<DeviceLevel> CellBake::levels_of(const Cell& cell, KeyRange range, i
   clock_.mark(3);
   DeviceLevel finest;
   if (lists.bricks != 0)
-    finest = voxelize(heap_, cell.input, cell.window, std::move(lists), cell.parameters.normals, cell.textured,
+    finest = voxelize(heap_, cell.input, cell.window, std::move(lists), cell.parameters.normals, cell.plain,
                       fill_ratios_, stats);
   clock_.mark(4);
   std::vector<DeviceLevel> levels;

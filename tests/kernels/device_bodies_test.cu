@@ -112,7 +112,10 @@ struct TouchBody {
   }
   GB_HD Slabs operator()(const WindowTriangle& t, const Tables&) const {
     Slabs out;
-    is_narrow(t) ? touch<std::int64_t>(t, out) : touch<__int128>(t, out);
+    if (is_small(t))
+      touch<std::int32_t>(t, out);
+    else
+      is_narrow(t) ? touch<std::int64_t>(t, out) : touch<__int128>(t, out);
     return out;
   }
 };
@@ -120,7 +123,7 @@ struct TouchBody {
 TEST(DeviceBodies, TouchTheSameVoxelsAsOnTheCpu) { expect_same_bits<Slabs>(random_triangles(20000), TouchBody{}); }
 
 struct Measured {
-  std::int64_t weight[8];
+  std::int64_t weight[8], linear[8][3];
   std::uint16_t rgba[8][4];
   std::int16_t normal[4];
 };
@@ -145,12 +148,13 @@ struct MeasureBody {
       CellMoments m{0, 0, 0};
       for (int e = 0; e < polygon.count; ++e) {
         const int f = e + 1 == polygon.count ? 0 : e + 1;
-        add_edge<true>(polygon.u[e] - u, polygon.v[e] - v, polygon.u[f] - u, polygon.v[f] - v, edge_slope(polygon, e),
-                       m);
+        add_edge<true>(polygon.u[e] - u, polygon.v[e] - v, polygon.v[f] - v, plane.line[polygon.line[e]], m);
       }
-      out.weight[i] = weight_of(m.area, plane.area_scale);
+      out.weight[i] = weight_of(m.area, plane.weight_scale);
       const Rgba16 rgba = shade(surface, plane, fragment_centroid(plane, m, u, v), m.area, tables);
       for (int c = 0; c < 4; ++c) out.rgba[i][c] = rgba.c[c];
+      const Fragment linear = linear_fragment(make_linear_colour(surface, plane), u, v, m, plane.weight_scale, surface.normal);
+      for (int c = 0; c < 3; ++c) out.linear[i][c] = linear.colour[c];
     }
     return out;
   }
@@ -169,10 +173,12 @@ std::vector<Sums> random_sums(int count) {
   std::vector<Sums> out(std::size_t(count), Sums{});
   for (Sums& s : out)
     for (int f = 0; f < 3; ++f) {
-      Fragment fragment{std::int64_t(random() >> (28 + random() % 36)) + 1, {}, {}};
-      for (int c = 0; c < 4; ++c) fragment.rgba[c] = std::uint16_t(random());
-      for (int c = 0; c < 3; ++c) fragment.normal[c] = std::int16_t(random() % 65535 - 32767);
-      accumulate(s.sum, fragment);
+      const std::int64_t weight = std::int64_t(random() >> (28 + random() % 36)) + 1;
+      std::uint16_t rgba[4];
+      std::int16_t normal[3];
+      for (std::uint16_t& c : rgba) c = std::uint16_t(random());
+      for (std::int16_t& c : normal) c = std::int16_t(random() % 65535 - 32767);
+      accumulate(s.sum, fragment_of_colour(weight, rgba, normal));
     }
   return out;
 }
