@@ -113,7 +113,7 @@ kernels::CellVolume time_cuda(const KernelBenchRequest& request, int device, con
       },
       times);
   const auto download = Clock::now();
-  kernels::CellVolume volume = baker.download(*baked);
+  kernels::CellVolume volume = baker.download(std::move(baked));
   times.transfer_s += seconds_since(download);
   times.stats.hash_s = volume.stats.hash_s;
   return volume;

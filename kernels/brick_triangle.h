@@ -3,7 +3,8 @@
 ///
 /// Space   Brick sub-voxels, axes permuted cyclically: w is the dominant axis of the normal, u and v follow it.
 ///         Voxel i is the half-open [256 i, 256 (i+1)).
-/// Exact   Integers only; I is std::int64_t while every extent is ≤ narrow_extent, else __int128: the same bits.
+/// Exact   Integers only; I is std::int32_t while every extent is ≤ small_extent, std::int64_t while it is
+///         ≤ narrow_extent, else __int128: the same bits.
 /// Source  Akenine-Möller 2001, "Fast 3D Triangle-Box Overlap Testing" (13 axes), with open or closed sets; tie rules
 ///         in docs/accuracy.md.
 #pragma once
@@ -14,6 +15,9 @@
 
 namespace gigabake::kernels {
 
+/// Largest extent of a triangle, in sub-voxels, for which 32-bit integers cannot overflow in edge functions and normals
+/// (below 2^30); plane values take 64.
+inline constexpr std::int64_t small_extent = 1 << 14;
 /// Largest extent of a triangle, in sub-voxels, for which 64-bit integers cannot overflow: edge functions stay below
 /// 2^41, plane values below 2^61.
 inline constexpr std::int64_t narrow_extent = 1 << 19;
@@ -32,6 +36,16 @@ struct BrickTriangle {
   I p[3][3];  ///< [vertex][u, v, w]
   I n[3];     ///< (p1-p0) × (p2-p0); |n[2]| is the largest and not zero
   int axis;   ///< which of x, y, z is w; u = (axis+1)%3, v = (axis+2)%3
+};
+
+/// What plane values are computed in.
+template <class I>
+struct PlaneInteger {
+  using type = I;
+};
+template <>
+struct PlaneInteger<std::int32_t> {
+  using type = std::int64_t;
 };
 
 /// Inclusive range of voxels in the brick; empty when first > last.
@@ -119,14 +133,14 @@ GB_HD EdgeFunctions<I> edge_functions(const BrickTriangle<I>& t, int a, int b, I
     if (normal < 0) ea = -ea, eb = -eb;
     I value = -(ea * t.p[i][a] + eb * t.p[i][b]);
     if (test == CellTest::centre_inside)
-      value += (ea + eb) * (subvoxels / 2);
+      value += (ea + eb) * I(subvoxels / 2);
     else
-      value += (larger<I>(ea, 0) + larger<I>(eb, 0)) * subvoxels;  // the cell's most inward corner
+      value += (larger<I>(ea, 0) + larger<I>(eb, 0)) * I(subvoxels);  // the cell's most inward corner
     // Integers: > 0 is ≥ 1. An edge that projects to a point bounds nothing.
     if (test == CellTest::open_overlap && (ea != 0 || eb != 0)) value -= 1;
     r.value[i] = value;
-    r.step_a[i] = ea * subvoxels;
-    r.step_b[i] = eb * subvoxels;
+    r.step_a[i] = ea * I(subvoxels);
+    r.step_b[i] = eb * I(subvoxels);
   }
   return r;
 }
@@ -163,11 +177,12 @@ GB_HD std::uint64_t spread_row(std::uint64_t mask, int k) {
 /// Drops the cells of slab w whose cube the triangle's plane misses.
 template <class I>
 GB_HD std::uint64_t cut_by_plane(const BrickTriangle<I>& t, std::uint64_t cells, int w, bool closed) {
-  const I nu = t.n[0] * subvoxels, nv = t.n[1] * subvoxels, nw = t.n[2] * subvoxels;
-  const I at_corner = nw * w - (t.n[0] * t.p[0][0] + t.n[1] * t.p[0][1] + t.n[2] * t.p[0][2]);
-  const I slack = closed ? 0 : 1;  // open: min < 0 < max
-  const I low = smaller<I>(nu, 0) + smaller<I>(nv, 0) + smaller<I>(nw, 0) + slack;
-  const I high = larger<I>(nu, 0) + larger<I>(nv, 0) + larger<I>(nw, 0) - slack;
+  using P = typename PlaneInteger<I>::type;
+  const P nu = P(t.n[0]) * subvoxels, nv = P(t.n[1]) * subvoxels, nw = P(t.n[2]) * subvoxels;
+  const P at_corner = nw * w - (P(t.n[0]) * P(t.p[0][0]) + P(t.n[1]) * P(t.p[0][1]) + P(t.n[2]) * P(t.p[0][2]));
+  const P slack = closed ? 0 : 1;  // open: min < 0 < max
+  const P low = smaller<P>(nu, 0) + smaller<P>(nv, 0) + smaller<P>(nw, 0) + slack;
+  const P high = larger<P>(nu, 0) + larger<P>(nv, 0) + larger<P>(nw, 0) - slack;
   std::uint64_t kept = 0;
   for (std::uint64_t rest = cells; rest != 0; rest &= rest - 1) {
 #if defined(__CUDA_ARCH__)
@@ -175,7 +190,9 @@ GB_HD std::uint64_t cut_by_plane(const BrickTriangle<I>& t, std::uint64_t cells,
 #else
     const int cell = __builtin_ctzll(rest);
 #endif
-    const I value = at_corner + nu * (cell & 7) + nv * (cell >> 3);
+    // The normal's own width times a small number: one instruction on a device.
+    const P value =
+        at_corner + P(t.n[0]) * P(I((cell & 7) << subvoxel_bits)) + P(t.n[1]) * P(I((cell >> 3) << subvoxel_bits));
     if (value + low <= 0 && value + high >= 0) kept |= rest & (~rest + 1);
   }
   return kept;
@@ -212,15 +229,16 @@ GB_HD void crossed_along(const BrickTriangle<I>& t, int c, Set&& set) {
   const int a = (c + 1) % 3, b = (c + 2) % 3;
   const VoxelRange ra = extent_voxels(t, a, true), rb = extent_voxels(t, b, true), rc = extent_voxels(t, c, true);
   const std::uint64_t inside = passing_cells(edge_functions(t, a, b, t.n[c], CellTest::centre_inside), ra, rb);
-  const I sign = t.n[c] < 0 ? -1 : 1;
+  using P = typename PlaneInteger<I>::type;
+  const P sign = t.n[c] < 0 ? -1 : 1;
   for (int j = rb.first; j <= rb.last; ++j)
     for (int i = ra.first; i <= ra.last; ++i) {
       if ((inside >> (i + 8 * j) & 1) == 0) continue;
       for (int k = rc.first; k <= rc.last; ++k) {
-        const I bottom =
-            sign * (t.n[a] * (subvoxels * i + subvoxels / 2 - t.p[0][a]) +
-                    t.n[b] * (subvoxels * j + subvoxels / 2 - t.p[0][b]) + t.n[c] * (subvoxels * k - t.p[0][c]));
-        if (bottom <= 0 && bottom + sign * t.n[c] * subvoxels > 0) set(i, j, k);
+        const P bottom =
+            sign * (P(t.n[a]) * (subvoxels * i + subvoxels / 2 - t.p[0][a]) +
+                    P(t.n[b]) * (subvoxels * j + subvoxels / 2 - t.p[0][b]) + P(t.n[c]) * (subvoxels * k - t.p[0][c]));
+        if (bottom <= 0 && bottom + sign * P(t.n[c]) * subvoxels > 0) set(i, j, k);
       }
     }
 }

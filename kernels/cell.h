@@ -43,7 +43,7 @@ struct CellParameters {
   MipFilter mip = MipFilter::coverage;
   bool normals = true;
   std::uint32_t max_error = 0;     ///< codes of 255 that a stored voxel may be off (approximate.h); ≤ 127
-  std::uint64_t memory_bytes = 0;  ///< working memory to aim for; bricks are cut into batches. 0: no bound
+  std::uint64_t memory_bytes = 0;  ///< to aim for; bricks are cut into batches. 0: no bound
 };
 
 /// As format/shard.h's BrickLevel, with the key of each brick.

@@ -14,11 +14,7 @@ struct CellLanes {
 };
 
 /// Exact  The same bits as add_edge() called cell by cell, whatever the processor.
-void measure_areas(const SlabPolygon& polygon, CellLanes& lanes);
-void measure_moments(const SlabPolygon& polygon, CellLanes& lanes);
-
-/// vertex_mean() at each lane's centroid, after measure_moments(). Meaningless where has_centroid() is false.
-void mean_vertex_colours(const Surface& surface, const TrianglePlane& plane, const CellLanes& lanes,
-                         double mean[4][64]);
+void measure_areas(const TrianglePlane& plane, const SlabPolygon& polygon, CellLanes& lanes);
+void measure_moments(const TrianglePlane& plane, const SlabPolygon& polygon, CellLanes& lanes);
 
 }  // namespace gigabake::kernels

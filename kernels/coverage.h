@@ -19,9 +19,17 @@
 
 namespace gigabake::kernels {
 
+/// A straight line in (u, v), by both of its slopes. One that is level or upright has a slope of 0 where the other has
+/// none: nothing is computed from the other.
+struct Line {
+  double du_dv, dv_du;
+};
+
 /// A triangle's slab polygon, projected on (u, v); counter-clockwise if its normal's w is positive, else clockwise.
+/// Edge i goes from corner i to the next on TrianglePlane::line[line[i]].
 struct SlabPolygon {
   double u[5], v[5];
+  int line[5];
   int count;
 };
 
@@ -30,8 +38,20 @@ struct TrianglePlane {
   double u[3], v[3], w[3];    ///< vertices in voxels from the anchor
   std::int64_t anchor[3];     ///< (u, v, w) voxel of the lowest corner, relative to the brick
   double inverse_twice_area;  ///< of the projection, signed: the products of u and v round it away on long slivers
-  double area_scale;          ///< surface area per projected (u, v) area, signed: makes clockwise areas positive
+  double weight_scale;        ///< weight per projected (u, v) area, signed: makes clockwise areas positive
+  Line line[4];               ///< of the three edges, and of any cut by a plane w = constant
+  double du_dw[3], dv_dw[3];  ///< along the edges; meaningless where an edge does not change w
 };
+inline constexpr int cut_line = 3;
+
+/// One division for both slopes of a line along (du, dv).
+GB_HD Line line_along(double du, double dv) {
+  const double product = du * dv, inverse = 1 / (product != 0 ? product : 1);
+  return {du * du * inverse, dv * dv * inverse};
+}
+
+/// Fragment weights: areas in multiples of 2^-36 voxel², at least one.
+inline constexpr int weight_bits = 36;
 
 template <class I>
 GB_HD TrianglePlane make_plane(const BrickTriangle<I>& t) {
@@ -43,27 +63,23 @@ GB_HD TrianglePlane make_plane(const BrickTriangle<I>& t) {
     r.anchor[c] = std::int64_t(anchor);
     for (int i = 0; i < 3; ++i) out[c][i] = double(std::int64_t(t.p[i][c] - anchor * subvoxels)) / double(subvoxels);
   }
-  const double nu = double(t.n[0]), nv = double(t.n[1]), nw = double(t.n[2]);
-  r.inverse_twice_area = double(subvoxels * subvoxels) / nw;
-  r.area_scale = std::sqrt((nu * nu + nv * nv) + nw * nw) / nw;
+  const double nu = double(t.n[0]), nv = double(t.n[1]), nw = double(t.n[2]), inverse = 1 / nw;
+  r.inverse_twice_area = double(subvoxels * subvoxels) * inverse;
+  r.weight_scale = std::sqrt((nu * nu + nv * nv) + nw * nw) * inverse * double(std::int64_t(1) << weight_bits);
+  for (int p = 0; p < 3; ++p) {
+    const int q = p == 2 ? 0 : p + 1;
+    const double du = r.u[q] - r.u[p], dv = r.v[q] - r.v[p], dw = r.w[q] - r.w[p], per_w = 1 / (dw != 0 ? dw : 1);
+    r.line[p] = line_along(du, dv);
+    r.du_dw[p] = du * per_w;
+    r.dv_dw[p] = dv * per_w;
+  }
+  r.line[cut_line] = line_along(-nv, nu);
   return r;
 }
 
-struct CutPoint {
-  double u, v;
-};
-
-/// Where edge p→q meets w = at; the same point from either end. Meaningless where it does not.
-GB_HD CutPoint cross_edge(const TrianglePlane& t, int p, int q, double at) {
-  const bool falls = t.w[q] < t.w[p];
-  const int a = falls ? q : p, b = falls ? p : q;
-  const double share = (at - t.w[a]) / (t.w[b] - t.w[a]);
-  return {t.u[a] + (t.u[b] - t.u[a]) * share, t.v[a] + (t.v[b] - t.v[a]) * share};
-}
-
 /// The corners of the part of the triangle with slab ≤ w ≤ slab+1 (voxels from the anchor), as seen along w, at most
-/// five: add(u, v). Crossings are computed whether they are there or not, so that neighbours in a warp do not wait for
-/// each other.
+/// five: add(u, v, line of the edge that starts there). Crossings are computed whether they are there or not, so that
+/// neighbours in a warp do not wait for each other.
 template <class Add>
 GB_HD void cut_slab(const TrianglePlane& t, double slab, const Add& add) {
   const double low = slab, high = slab + 1;
@@ -75,21 +91,22 @@ GB_HD void cut_slab(const TrianglePlane& t, double slab, const Add& add) {
     const double wp = t.w[p], wq = t.w[q];
     const bool crosses_low = (wp < low) != (wq < low) && wp != low && wq != low;
     const bool crosses_high = (wp > high) != (wq > high) && wp != high && wq != high;
-    const CutPoint at_low = cross_edge(t, p, q, low), at_high = cross_edge(t, p, q, high);
     const bool rising = wp < wq;
-    if (wp >= low && wp <= high) add(t.u[p], t.v[p]);
-    if (crosses_low && rising) add(at_low.u, at_low.v);
-    if (crosses_high) add(at_high.u, at_high.v);
-    if (crosses_low && !rising) add(at_low.u, at_low.v);
+    const bool leaves = (wp == high && rising) || (wp == low && wq < wp);
+    if (wp >= low && wp <= high) add(t.u[p], t.v[p], leaves ? cut_line : p);
+    if (crosses_low && rising) add(t.u[p] + (low - wp) * t.du_dw[p], t.v[p] + (low - wp) * t.dv_dw[p], p);
+    if (crosses_high) add(t.u[p] + (high - wp) * t.du_dw[p], t.v[p] + (high - wp) * t.dv_dw[p], rising ? cut_line : p);
+    if (crosses_low && !rising) add(t.u[p] + (low - wp) * t.du_dw[p], t.v[p] + (low - wp) * t.dv_dw[p], cut_line);
   }
 }
 
 GB_HD SlabPolygon cut_slab(const TrianglePlane& t, double slab) {
   SlabPolygon r;
   r.count = 0;
-  cut_slab(t, slab, [&r](double u, double v) {
+  cut_slab(t, slab, [&r](double u, double v, int line) {
     r.u[r.count] = u;
     r.v[r.count] = v;
+    r.line[r.count] = line;
     ++r.count;
   });
   return r;
@@ -101,42 +118,33 @@ struct CellMoments {
 };
 
 GB_HD double clamp01(double x) { return x < 0 ? 0 : (x > 1 ? 1 : x); }
-GB_HD double at_least(double x, double low) { return x < low ? low : x; }
+GB_HD double at_most(double x, double high) { return x > high ? high : x; }
 
-/// Adds edge a→b of a polygon. (au, av), (bu, bv): relative to the cell; slope: du/dv of the whole edge, 0 if level.
+/// Adds a polygon's edge on `line` from (au, av) to v = bv, relative to the cell. Of its dv in the cell's range of v, a
+/// part has u inside the cell, one beyond u = 1, one below 0, each by dv/du; where that is steep, rounding moves their
+/// borders, and so each part is taken as what the others leave where u is far from the border's.
 template <bool with_moments>
-GB_HD void add_edge(double au, double av, double bu, double bv, double slope, CellMoments& sum) {
+GB_HD void add_edge(double au, double av, double bv, const Line& line, CellMoments& sum) {
   const double va = clamp01(av), vb = clamp01(bv);
-  const double ua = au + (va - av) * slope, ub = bu + (vb - bv) * slope;
-  const double dv = vb - va, du = ub - ua;
+  const double ua = au + (va - av) * line.du_dv, ub = au + (vb - av) * line.du_dv;
   const double ca = clamp01(ua), cb = clamp01(ub);
-  const double inverse = 1 / (du != 0 ? du : 1);
-  const double inside = du != 0 ? (cb - ca) * inverse : 1;                            // share of dv with 0 < u < 1
-  const double beyond = du != 0 ? (at_least(ub, 1) - at_least(ua, 1)) * inverse : 0;  // share with u ≥ 1
-  const double dv_in = dv * inside, dv_hi = dv * beyond;
+  const double dv = vb - va;
+  const double dv_in = ca == ua && cb == ub ? dv : (cb - ca) * line.dv_du;
+  const double dv_lo = (at_most(ub, 0) - at_most(ua, 0)) * line.dv_du;
+  const double dv_hi = ua > 1 || ub > 1 ? (dv - dv_in) - dv_lo : 0;
   sum.area += (ca + cb) * 0.5 * dv_in + dv_hi;
   if constexpr (with_moments) {
-    const double dv_lo = dv - dv_in - dv_hi;
-    const double v_in = va + (du < 0 ? dv_hi : dv_lo), v_out = v_in + dv_in;
-    const double v_hi = du < 0 ? va : v_out, v_top = v_hi + dv_hi;
+    const bool falls = ub < ua;
+    const double v_in = va + (falls ? dv_hi : dv_lo), v_out = v_in + dv_in;
+    const double v_hi = falls ? va : v_out, v_top = v_hi + dv_hi;
     sum.u += (ca * ca + ca * cb + cb * cb) * (1.0 / 6) * dv_in + 0.5 * dv_hi;
     sum.v += (ca * (2 * v_in + v_out) + cb * (v_in + 2 * v_out)) * (1.0 / 6) * dv_in + 0.5 * dv_hi * (v_hi + v_top);
   }
 }
 
-/// Slope du/dv that add_edge needs of polygon edge i.
-GB_HD double edge_slope(const SlabPolygon& p, int i) {
-  const int j = i + 1 == p.count ? 0 : i + 1;
-  const double dv = p.v[j] - p.v[i];
-  return dv != 0 ? (p.u[j] - p.u[i]) / dv : 0;
-}
-
-/// Fragment weights: areas in multiples of 2^-36 voxel², at least one.
-inline constexpr int weight_bits = 36;
-
-GB_HD std::int64_t weight_of(double projected_area, double area_scale) {
-  const double area = projected_area * area_scale * double(std::int64_t(1) << weight_bits);
-  return area < 1 ? 1 : std::int64_t(std::floor(area + 0.5));
+GB_HD std::int64_t weight_of(double projected_area, double weight_scale) {
+  const double weight = projected_area * weight_scale;
+  return weight < 1 ? 1 : std::int64_t(std::floor(weight + 0.5));
 }
 
 }  // namespace gigabake::kernels

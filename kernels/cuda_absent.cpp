@@ -25,7 +25,7 @@ std::shared_ptr<const CudaInput> CudaBaker::upload(const CellInput&) { throw Cud
 std::unique_ptr<CudaVolume> CudaBaker::bake(const CudaInput&, const CellParameters&) {
   throw CudaFailure(cuda_devices().reason);
 }
-CellVolume CudaBaker::download(const CudaVolume&) { throw CudaFailure(cuda_devices().reason); }
+CellVolume CudaBaker::download(std::unique_ptr<CudaVolume>) { throw CudaFailure(cuda_devices().reason); }
 
 }  // namespace gigabake::kernels
 #endif

@@ -28,7 +28,7 @@ double device_copy_rate(int device);
 /// A cell's triangles and textures on the device.
 class CudaInput;
 
-/// A baked cell on the device.
+/// A baked cell, on the device unless it came in parts.
 class CudaVolume {
  public:
   virtual ~CudaVolume() = default;
@@ -48,17 +48,19 @@ class CudaBaker {
   CudaBaker(const CudaBaker&) = delete;
   CudaBaker& operator=(const CudaBaker&) = delete;
 
-  /// Exact   The same volume as kernels::bake_cell(input, parameters, any policy), but for stats.batches, peak_bytes
-  ///         (device memory here) and times.
-  /// Errors  CudaFailure: out of device memory, a lost device. The baker is as good as new afterwards, or every
-  ///         further call fails.
+  /// parameters.memory_bytes: of device memory, for the cell's triangles, working arrays and result. A cell that needs
+  /// more, or more than the device has left, is baked and downloaded part by part.
+  /// Exact   The same volume as kernels::bake_cell(input, parameters, any policy), whatever the memory, but for
+  ///         stats.batches (parts here), peak_bytes (device memory here) and times.
+  /// Errors  CudaFailure: input or the smallest part does not fit the device, or the device is lost. The baker is as
+  ///         good as new afterwards, or every further call fails.
   CellVolume bake_cell(const CellInput& input, const CellParameters& parameters);
 
   /// The three steps of bake_cell(). The input's arrays must live until upload() returns.
   std::shared_ptr<const CudaInput> upload(const CellInput& input);
   std::unique_ptr<CudaVolume> bake(const CudaInput& input, const CellParameters& parameters);
-  /// volume: of this baker.
-  CellVolume download(const CudaVolume& volume);
+  /// volume: of this baker. It leaves the device.
+  CellVolume download(std::unique_ptr<CudaVolume> volume);
 
  private:
   class Impl;

@@ -3,7 +3,6 @@
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_select.cuh>
 #include <limits>
-#include <stdexcept>
 #include <thrust/iterator/counting_iterator.h>
 
 #include "kernels/cuda_bin.cuh"
@@ -43,31 +42,57 @@ std::uint64_t descend_large(DeviceHeap& heap, const InputView& input, const Wind
   return longest;
 }
 
-/// A window of one brick has no tree to descend: its large triangles are pairs of their own.
-RawPairs find_pairs(DeviceHeap& heap, const InputView& input, const WindowView& window, BinCapacity& capacity) {
-  for (;;) {
-    RawPairs raw{DeviceArray<std::uint32_t>(heap, capacity.pairs), DeviceArray<std::uint32_t>(heap, capacity.pairs)};
-    DeviceArray<LargeItem> items(heap, 2 * capacity.nodes);
-    DeviceArray<PairCounters> counters(heap, 1);
+/// What one try writes to. With units, only their counts are wanted.
+struct PairRoom {
+  RawPairs raw;
+  DeviceArray<LargeItem> items;
+  DeviceArray<PairCounters> counters;
+
+  PairRoom(DeviceHeap& heap, const BinCapacity& capacity)
+      : raw{DeviceArray<std::uint32_t>(heap, capacity.pairs), DeviceArray<std::uint32_t>(heap, capacity.pairs)},
+        items(heap, 2 * capacity.nodes),
+        counters(heap, 1) {
     counters.clear_to_zero();
-    const PairSink sink{raw.key.data(), raw.triangle.data(),
-                        raw.key.size(), {items.data(), items.data() + capacity.nodes},
-                        capacity.nodes, counters.data()};
-    pair_kernel<<<grid_of(input.triangle_count, pair_threads), pair_threads, 0, heap.stream()>>>(input, window, sink);
-    check_launch("pair_kernel");
-    raw.counted = read(heap, counters);
-    std::uint64_t nodes = raw.counted.items[0];
-    if (nodes != 0 && nodes <= capacity.nodes) {
-      nodes = std::max(nodes, descend_large(heap, input, window, sink, counters));
-      raw.counted = read(heap, counters);
-    }
-    const bool fits = raw.counted.pairs <= capacity.pairs && nodes <= capacity.nodes;
-    if (raw.counted.pairs > std::numeric_limits<std::uint32_t>::max())
-      throw std::length_error("a cell of more than 2^32-1 triangle-brick pairs; use a smaller --cell-voxels");
-    if (fits) return raw;
-    capacity.pairs = std::max<std::uint64_t>(capacity.pairs, raw.counted.pairs + raw.counted.pairs / 16);
+  }
+  PairSink sink(KeyRange range) const {
+    const std::size_t half = items.size() / 2;
+    return {range, raw.key.data(), raw.triangle.data(), raw.key.size(), nullptr, 0, {items.data(), items.data() + half},
+            half,  counters.data()};
+  }
+};
+
+/// A window of one brick has no tree to descend: its large triangles are pairs of their own. Returns how long queues
+/// had to be; room.raw.counted says how many pairs there are.
+std::uint64_t find_pairs(DeviceHeap& heap, const InputView& input, const WindowView& window, const PairSink& sink,
+                         PairRoom& room) {
+  pair_kernel<<<grid_of(input.triangle_count, pair_threads), pair_threads, 0, heap.stream()>>>(input, window, sink);
+  check_launch("pair_kernel");
+  room.raw.counted = read(heap, room.counters);
+  std::uint64_t nodes = room.raw.counted.items[0];
+  if (nodes == 0 || nodes > sink.item_capacity) return nodes;
+  nodes = std::max(nodes, descend_large(heap, input, window, sink, room.counters));
+  room.raw.counted = read(heap, room.counters);
+  return nodes;
+}
+
+RawPairs pairs_in(DeviceHeap& heap, const InputView& input, const WindowView& window, KeyRange range,
+                  BinCapacity& capacity) {
+  for (;;) {
+    PairRoom room(heap, capacity);
+    const std::uint64_t nodes = find_pairs(heap, input, window, room.sink(range), room), pairs = room.raw.counted.pairs;
+    if (pairs > std::numeric_limits<std::uint32_t>::max()) throw DeviceFull("more than 2^32-1 triangle-brick pairs");
+    if (pairs <= capacity.pairs && nodes <= capacity.nodes) return std::move(room.raw);
+    capacity.pairs = std::max(capacity.pairs, pairs + pairs / 16);
     capacity.nodes = std::max(capacity.nodes, nodes + nodes / 16);
   }
+}
+
+void add_triangle_counts(const PairCounters& counted, CellStats& stats) {
+  stats.triangles += counted.triangles;
+  stats.non_finite += counted.non_finite;
+  stats.zero_area += counted.zero_area;
+  stats.oversized += counted.oversized;
+  stats.bad_uv += counted.bad_uv;
 }
 
 struct StartsBrick {
@@ -102,15 +127,36 @@ DeviceArray<SnappedVertex> snap_vertices(DeviceHeap& heap, const InputView& inpu
   return out;
 }
 
-BrickLists bin_triangles(DeviceHeap& heap, const InputView& input, const WindowView& window, BinCapacity& capacity,
-                         CellStats& stats) {
-  RawPairs raw = find_pairs(heap, input, window, capacity);
+std::vector<std::uint64_t> pairs_by_unit(DeviceHeap& heap, const InputView& input, const WindowView& window,
+                                         int unit_level, CellStats& stats) {
+  const std::size_t units = std::size_t(1) << 3 * (window.levels - unit_level);
+  DeviceArray<unsigned long long> counts(heap, units);
+  BinCapacity capacity{0};
+  for (;;) {
+    PairRoom room(heap, capacity);
+    counts.clear_to_zero();
+    PairSink sink = room.sink(all_keys(window));
+    sink.unit_pairs = counts.data();
+    sink.unit_bits = 3 * unit_level;
+    const std::uint64_t nodes = find_pairs(heap, input, window, sink, room);
+    if (nodes > capacity.nodes) {
+      capacity.nodes = nodes + nodes / 16;
+      continue;
+    }
+    add_triangle_counts(room.raw.counted, stats);
+    std::vector<std::uint64_t> host(units);
+    check_cuda(cudaMemcpyAsync(host.data(), counts.data(), counts.bytes(), cudaMemcpyDeviceToHost, heap.stream()),
+               "cudaMemcpyAsync (unit counts)");
+    check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (unit counts)");
+    return host;
+  }
+}
+
+BrickLists bin_triangles(DeviceHeap& heap, const InputView& input, const WindowView& window, KeyRange range,
+                         BinCapacity& capacity, CellStats& stats) {
+  RawPairs raw = pairs_in(heap, input, window, range, capacity);
   const auto pairs = std::uint32_t(raw.counted.pairs);
-  stats.triangles += raw.counted.triangles;
-  stats.non_finite += raw.counted.non_finite;
-  stats.zero_area += raw.counted.zero_area;
-  stats.oversized += raw.counted.oversized;
-  stats.bad_uv += raw.counted.bad_uv;
+  add_triangle_counts(raw.counted, stats);
   stats.pairs += pairs;
   BrickLists lists;
   if (pairs == 0) return lists;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "kernels/cell.h"
 #include "kernels/cuda_input.cuh"
@@ -25,6 +26,12 @@ WindowView window_view(const CellParameters& parameters);
 /// Snapped positions of all vertices, part after part.
 DeviceArray<SnappedVertex> snap_vertices(DeviceHeap& heap, const InputView& input, const WindowView& window);
 
+/// Bricks by Morton key, [first, end).
+struct KeyRange {
+  std::uint32_t first, end;
+};
+inline KeyRange all_keys(const WindowView& window) { return {0, std::uint32_t(1) << 3 * window.levels}; }
+
 /// Triangles by brick: brick b has key[b] and triangle[start[b]] … triangle[start[b + 1]]. Keys ascend.
 struct BrickLists {
   DeviceArray<std::uint32_t> key, start, triangle;
@@ -36,9 +43,16 @@ struct BinCapacity {
   std::uint64_t pairs = std::uint64_t(1) << 20, nodes = std::uint64_t(1) << 16;
 };
 
-/// input.vertices: from snap_vertices(). Adds to stats.triangles, non_finite, zero_area, oversized, bad_uv, pairs.
-/// Errors  CudaFailure; std::length_error beyond 2^32-1 pairs.
-BrickLists bin_triangles(DeviceHeap& heap, const InputView& input, const WindowView& window, BinCapacity& capacity,
-                         CellStats& stats);
+/// The bricks of `range` alone. input.vertices: from snap_vertices(). Adds to stats.triangles, non_finite, zero_area,
+/// oversized, bad_uv, which are of all triangles whatever the range, and to stats.pairs.
+/// Errors  CudaFailure; DeviceFull beyond 2^32-1 pairs too.
+BrickLists bin_triangles(DeviceHeap& heap, const InputView& input, const WindowView& window, KeyRange range,
+                         BinCapacity& capacity, CellStats& stats);
+
+/// Pairs of each node of the oct-tree `unit_level` levels above the bricks, by Morton key. Adds to stats as
+/// bin_triangles() does, but for pairs.
+/// Errors  CudaFailure.
+std::vector<std::uint64_t> pairs_by_unit(DeviceHeap& heap, const InputView& input, const WindowView& window,
+                                         int unit_level, CellStats& stats);
 
 }  // namespace gigabake::kernels

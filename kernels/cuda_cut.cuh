@@ -17,151 +17,199 @@ template <bool is_hard>
 using PlaneCoordinate = std::conditional_t<is_hard, double, std::int32_t>;
 
 /// An item, ready to be measured.
-template <bool is_hard>
 struct CutItem {
-  double u[5], v[5], slope[5];  ///< the slab's polygon
-  double inverse_twice_area, area_scale;
-  PlaneCoordinate<is_hard> plane_u[3], plane_v[3];
+  double u[5], v[5];  ///< the slab's polygon
+  Line line[4];
+  double weight_scale;
   std::uint64_t cells;
+  std::uint64_t edges_of_row;  ///< a byte for each row v of the brick: the polygon's edges that reach into it
   std::int32_t anchor_u, anchor_v;
   std::uint32_t part;
   std::int16_t normal[3];
-  std::uint16_t vertex_rgba[3][4];
+  std::uint16_t edge_lines;  ///< SlabPolygon::line, two bits each
   std::uint8_t corners, axis, slab, brick;
 };
 
-template <bool is_hard, bool textured>
-struct FillItem : CutItem<is_hard> {};
+enum class Look : std::uint8_t { flat, linear, varying };
+
+/// What shade() needs besides.
 template <bool is_hard>
-struct FillItem<is_hard, true> : CutItem<is_hard> {
+struct VaryingLook {
+  PlaneCoordinate<is_hard> plane_u[3], plane_v[3];
+  double inverse_twice_area;
+  std::uint16_t vertex_rgba[3][4];
   TextureMap map;
 };
 
-template <bool is_hard, bool textured>
-__device__ void read_attributes(const InputView& in, const DevicePart& part, std::uint32_t index,
-                                const TrianglePlane& plane, FillItem<is_hard, textured>& out) {
-  if (part.rgba == nullptr && !textured) return;
-  std::uint32_t v[3];
-  vertices_of(part, index, v);
-  if (part.rgba != nullptr)
+/// plain: of a cell without textures whose materials are all opaque.
+template <bool is_hard, bool plain>
+struct FillItem : CutItem {
+  LinearColour colour;  ///< of a flat look: `low` alone
+  Look look;
+};
+template <bool is_hard>
+struct FillItem<is_hard, false> : CutItem {
+  union {
+    LinearColour colour;
+    VaryingLook<is_hard> varying;
+  };
+  Look look;
+};
+
+/// The triangle's surface, but for its texture and the map of it.
+__device__ inline Surface surface_of_triangle(const InputView& in, const DevicePart& part, std::uint32_t index,
+                                              const std::int16_t normal[3]) {
+  Surface s;
+  s.material = in.materials[part.material];
+  if (!part.textured) s.material.texture = -1;
+  for (int c = 0; c < 3; ++c) s.normal[c] = normal[c];
+  s.has_vertex_rgba = part.rgba != nullptr;
+  if (s.has_vertex_rgba) {
+    std::uint32_t v[3];
+    vertices_of(part, index, v);
     for (int i = 0; i < 3; ++i)
-      for (int c = 0; c < 4; ++c) out.vertex_rgba[i][c] = part.rgba[4 * std::size_t(v[i]) + c];
-  if constexpr (textured) {
-    if (!part.textured) return;
-    float uv[6];
-    for (int i = 0; i < 6; ++i) uv[i] = part.uv[2 * std::size_t(v[i / 2]) + i % 2];
-    if (!usable_uv(uv))
-      for (float& x : uv) x = 0;
-    const TextureView& texture = in.textures[in.materials[part.material].texture];
-    out.map = make_texture_map(plane, uv, texture.width, texture.height);
+      for (int c = 0; c < 4; ++c) s.vertex_rgba[i][c] = part.rgba[4 * std::size_t(v[i]) + c];
   }
-}
-
-template <class I, bool is_hard>
-__device__ TrianglePlane plane_in(const WindowTriangle& w, const std::int32_t corner[3], CutItem<is_hard>& out) {
-  const BrickTriangle<I> t = make_brick_triangle<I>(w, corner);
-  geometric_normal(t, out.normal);
-  return make_plane(t);
+  return s;
 }
 
 template <bool is_hard>
-__device__ TrianglePlane plane_of(const WindowTriangle& w, const std::int32_t corner[3], CutItem<is_hard>& out) {
-  if constexpr (is_hard)
-    if (!is_narrow(w)) return plane_in<__int128>(w, corner, out);
-  return plane_in<std::int64_t>(w, corner, out);
-}
-
-template <bool is_hard>
-__device__ void cut_polygon(const TrianglePlane& plane, double slab, CutItem<is_hard>& out) {
-  int corners = 0;
-  cut_slab(plane, slab, [&](double u, double v) {
-    out.u[corners] = u;
-    out.v[corners] = v;
-    ++corners;
-  });
-  out.corners = std::uint8_t(corners);
-#pragma unroll
-  for (int e = 0; e < 5; ++e) {  // all five by all lanes: a loop of as many as there are corners would part them
-    const int f = e + 1 >= corners ? 0 : e + 1;
-    const double dv = out.v[f] - out.v[e];
-    out.slope[e] = dv != 0 ? (out.u[f] - out.u[e]) / dv : 0;  // as edge_slope()
-  }
-}
-
-/// Cuts an item from the triangle of a pair. corner: the brick's; where: as in ItemView.
-template <bool is_hard, bool textured>
-__device__ void cut_item(const InputView& in, const WindowTriangle& w, const std::int32_t corner[3],
-                         std::uint32_t where, FillItem<is_hard, textured>& out) {
-  const TrianglePlane plane = plane_of(w, corner, static_cast<CutItem<is_hard>&>(out));
-  out.axis = std::uint8_t(where >> 3 & 3);
-  out.slab = std::uint8_t(where & 7);
-  out.part = w.part;
-  out.anchor_u = std::int32_t(plane.anchor[0]);
-  out.anchor_v = std::int32_t(plane.anchor[1]);
-  out.inverse_twice_area = plane.inverse_twice_area;
-  out.area_scale = plane.area_scale;
+__device__ void set_varying(const InputView& in, const DevicePart& part, std::uint32_t index, const Surface& surface,
+                            const TrianglePlane& plane, VaryingLook<is_hard>& out) {
   for (int c = 0; c < 3; ++c) {
     out.plane_u[c] = PlaneCoordinate<is_hard>(plane.u[c] * double(subvoxels));
     out.plane_v[c] = PlaneCoordinate<is_hard>(plane.v[c] * double(subvoxels));
+    for (int k = 0; k < 4; ++k) out.vertex_rgba[c][k] = surface.vertex_rgba[c][k];
   }
-  cut_polygon(plane, double(std::int64_t(where & 7) - plane.anchor[2]), static_cast<CutItem<is_hard>&>(out));
-  read_attributes(in, in.parts[w.part], w.index, plane, out);
+  out.inverse_twice_area = plane.inverse_twice_area;
+  if (!part.textured) return;
+  std::uint32_t v[3];
+  vertices_of(part, index, v);
+  float uv[6];
+  for (int i = 0; i < 6; ++i) uv[i] = part.uv[2 * std::size_t(v[i / 2]) + i % 2];
+  if (!usable_uv(uv))
+    for (float& x : uv) x = 0;
+  const TextureView& texture = in.textures[surface.material.texture];
+  out.map = make_texture_map(plane, uv, texture.width, texture.height);
 }
 
-/// Area and moments of a cell, edge after edge as kernels/cell_lanes.h does them. Edges beside the cell's range of v
-/// add nothing but zeros; lanes skip their own, so that a warp makes as many steps as its busiest lane.
-template <bool with_moments, bool is_hard>
-__device__ CellMoments measure(const CutItem<is_hard>& item, double u, double v) {
-  unsigned edges = 0;
-  for (int e = 0; e < item.corners; ++e) {
-    const int f = e + 1 == item.corners ? 0 : e + 1;
-    if (clamp01(item.v[e] - v) != clamp01(item.v[f] - v)) edges |= 1u << e;
+template <bool is_hard, bool plain>
+__device__ void set_look(const InputView& in, const DevicePart& part, std::uint32_t index, const TrianglePlane& plane,
+                         FillItem<is_hard, plain>& out) {
+  const Surface surface = surface_of_triangle(in, part, index, out.normal);
+  if (surface.is_linear() && !part.textured) {
+    out.look = Look::linear;
+    out.colour = make_linear_colour(surface, plane);
+  } else if (plain) {
+    out.look = Look::flat;
+    for (int c = 0; c < 3; ++c) out.colour.low[c] = surface.material.base_rgba[c];
+  } else if constexpr (!plain) {
+    out.look = Look::varying;
+    set_varying(in, part, index, surface, plane, out.varying);
   }
+}
+
+/// Byte r of the result is 1 for the rows [first, last] of the brick.
+__device__ inline std::uint64_t row_bytes(int first, int last) {
+  first = larger(first, 0);
+  last = smaller(last, brick_edge - 1);
+  return first > last ? 0 : 0x0101010101010101ull << 8 * first & 0x0101010101010101ull >> 8 * (brick_edge - 1 - last);
+}
+
+__device__ inline void cut_polygon(const TrianglePlane& plane, double slab, CutItem& out) {
+  int corners = 0;
+  unsigned lines = 0;
+  cut_slab(plane, slab, [&](double u, double v, int line) {
+    out.u[corners] = u;
+    out.v[corners] = v;
+    lines |= unsigned(line) << 2 * corners;
+    ++corners;
+  });
+  out.corners = std::uint8_t(corners);
+  out.edge_lines = std::uint16_t(lines);
+  std::uint64_t edges = 0;
+#pragma unroll
+  for (int e = 0; e < 5; ++e) {  // all five by all lanes: a loop of as many as there are corners would part them
+    const double a = out.v[e], b = out.v[e + 1 >= corners ? 0 : e + 1];
+    const int first = __double2int_rd(smaller(a, b)), last = __double2int_rd(larger(a, b));
+    if (e < corners && a != b) edges |= row_bytes(first + out.anchor_v, last + out.anchor_v) << e;
+  }
+  out.edges_of_row = edges;
+}
+
+template <class I, bool is_hard, bool plain>
+__device__ void cut_triangle(const InputView& in, const WindowTriangle& w, const std::int32_t corner[3],
+                             std::uint32_t where, FillItem<is_hard, plain>& out) {
+  const BrickTriangle<I> t = make_brick_triangle<I>(w, corner);
+  geometric_normal(t, out.normal);
+  const TrianglePlane plane = make_plane(t);
+  for (int i = 0; i < 4; ++i) out.line[i] = plane.line[i];
+  out.anchor_u = std::int32_t(plane.anchor[0]);
+  out.anchor_v = std::int32_t(plane.anchor[1]);
+  out.weight_scale = plane.weight_scale;
+  cut_polygon(plane, double(std::int64_t(where & 7) - plane.anchor[2]), out);
+  set_look(in, in.parts[w.part], w.index, plane, out);
+}
+
+/// Cuts an item from the triangle of a pair. corner: the brick's; where: as in ItemView.
+template <bool is_hard, bool plain>
+__device__ void cut_item(const InputView& in, const WindowTriangle& w, const std::int32_t corner[3],
+                         std::uint32_t where, FillItem<is_hard, plain>& out) {
+  out.axis = std::uint8_t(where >> 3 & 3);
+  out.slab = std::uint8_t(where & 7);
+  out.part = w.part;
+  if constexpr (is_hard)
+    if (!is_narrow(w)) return cut_triangle<__int128>(in, w, corner, where, out);
+  cut_triangle<std::int64_t>(in, w, corner, where, out);
+}
+
+/// Area and moments of the cell in `row` of the brick, edge after edge as kernels/cell_lanes.h does them. Edges beside
+/// the row would add nothing but zeros.
+__device__ inline CellMoments measure(const CutItem& item, double u, double v, int row) {
   CellMoments m{0, 0, 0};
-  for (; edges != 0; edges &= edges - 1) {
+  for (unsigned edges = unsigned(item.edges_of_row >> 8 * row) & 31; edges != 0; edges &= edges - 1) {
     const int e = __ffs(int(edges)) - 1, f = e + 1 == item.corners ? 0 : e + 1;
-    add_edge<with_moments>(item.u[e] - u, item.v[e] - v, item.u[f] - u, item.v[f] - v, item.slope[e], m);
+    add_edge<true>(item.u[e] - u, item.v[e] - v, item.v[f] - v, item.line[item.edge_lines >> 2 * e & 3], m);
   }
   return m;
 }
 
-template <bool is_hard, bool textured>
-__device__ Surface surface_of(const InputView& in, const FillItem<is_hard, textured>& item) {
+template <bool is_hard>
+__device__ Rgba16 shade_varying(const InputView& in, const CutItem& item, const VaryingLook<is_hard>& look,
+                                const CellMoments& m, double u, double v) {
   const DevicePart& part = in.parts[item.part];
   Surface s;
   s.material = in.materials[part.material];
   s.has_vertex_rgba = part.rgba != nullptr;
-  for (int i = 0; i < 3; ++i) {
-    s.normal[i] = item.normal[i];
-    for (int c = 0; c < 4; ++c) s.vertex_rgba[i][c] = item.vertex_rgba[i][c];
+  for (int i = 0; i < 3; ++i)
+    for (int c = 0; c < 4; ++c) s.vertex_rgba[i][c] = look.vertex_rgba[i][c];
+  if (part.textured) {
+    s.texture = &in.textures[s.material.texture];
+    s.map = look.map;
+  } else {
+    s.material.texture = -1;
   }
-  s.texture = nullptr;
-  if constexpr (textured) {
-    if (part.textured) {
-      s.texture = &in.textures[s.material.texture];
-      s.map = item.map;
-    }
-  }
-  if (s.texture == nullptr) s.material.texture = -1;
-  return s;
-}
-
-template <bool is_hard, bool textured>
-__device__ Fragment fragment_of(const InputView& in, const FillItem<is_hard, textured>& item, int cell) {
-  const double u = double((cell & 7) - item.anchor_u), v = double((cell >> 3) - item.anchor_v);
-  const Surface surface = surface_of(in, item);
+  if (!s.varies()) return shade(s, {}, {0, 0}, 0, in.tables);
   TrianglePlane plane;
   for (int c = 0; c < 3; ++c) {
-    plane.u[c] = double(item.plane_u[c]) / double(subvoxels);
-    plane.v[c] = double(item.plane_v[c]) / double(subvoxels);
+    plane.u[c] = double(look.plane_u[c]) / double(subvoxels);
+    plane.v[c] = double(look.plane_v[c]) / double(subvoxels);
   }
-  plane.inverse_twice_area = item.inverse_twice_area;
-  if (!surface.varies())
-    return make_fragment(surface, shade(surface, plane, {0, 0}, 0, in.tables),
-                         weight_of(measure<false>(item, u, v).area, item.area_scale));
-  const CellMoments m = measure<true>(item, u, v);
-  return make_fragment(surface, shade(surface, plane, fragment_centroid(plane, m, u, v), m.area, in.tables),
-                       weight_of(m.area, item.area_scale));
+  plane.inverse_twice_area = look.inverse_twice_area;
+  return shade(s, plane, fragment_centroid(plane, m, u, v), m.area, in.tables);
+}
+
+template <bool is_hard, bool plain>
+__device__ Fragment fragment_of(const InputView& in, const FillItem<is_hard, plain>& item, int cell) {
+  const double u = double((cell & 7) - item.anchor_u), v = double((cell >> 3) - item.anchor_v);
+  const CellMoments m = measure(item, u, v, cell >> 3);
+  if (item.look == Look::linear) return linear_fragment(item.colour, u, v, m, item.weight_scale, item.normal);
+  Rgba16 rgba{{0, 0, 0, 65535}};
+  if constexpr (plain)
+    for (int c = 0; c < 3; ++c) rgba.c[c] = item.colour.low[c];
+  else
+    rgba = shade_varying(in, item, item.varying, m, u, v);
+  return fragment_of_colour(weight_of(m.area, item.weight_scale), rgba.c, item.normal);
 }
 
 }  // namespace gigabake::kernels

@@ -10,6 +10,9 @@
 
 namespace gigabake::kernels {
 
+/// The largest level's colours, its normals, and the rest.
+inline constexpr int download_threads = 3;
+
 /// Levels and, where there are any, nodes: everything into `pinned`, then into the host's arrays, on the threads of
 /// `policy`: most of the time goes into the first touch of new memory.
 /// Errors  CudaFailure.

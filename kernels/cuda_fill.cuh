@@ -55,16 +55,19 @@ __device__ inline bool items_fit(const FillView& view) {
          view.bricks.start[view.end] - view.bricks.start[view.begin] <= view.items.pairs;
 }
 
-/// How wide integers are: easy bricks have at most fragments_before_flush triangles, all of them narrow.
-template <bool is_hard>
+/// How wide integers are: easy bricks have at most fragments_before_flush triangles, all of them narrow. As many slots
+/// as leave room for four blocks in a multiprocessor's shared memory (three, where not plain).
+template <bool is_hard, bool plain>
 struct FillWidth {
-  static constexpr int words = is_hard ? 3 : 2, slots = is_hard ? 256 : 432;
+  static constexpr int words = is_hard ? 3 : 2, slots = is_hard ? 256 : 320,
+                       channels = plain ? opaque_sum_count : sum_count;
 };
 
-template <bool is_hard, bool textured>
+template <bool is_hard, bool plain>
 struct FillShared {
-  VoxelSums<FillWidth<is_hard>::words, FillWidth<is_hard>::slots> sums;
-  FillItem<is_hard, textured> item[fill_threads];
+  using Width = FillWidth<is_hard, plain>;
+  VoxelSums<Width::words, Width::slots, Width::channels> sums;
+  FillItem<is_hard, plain> item[fill_threads];
   std::uint32_t prefix[fill_threads];  ///< inclusive, of the items' cells
   std::uint32_t warp_cells[fill_threads / 32];
   unsigned mask[mask_words];                  ///< bit voxel % 32 of word voxel / 32, brick after brick
@@ -90,18 +93,33 @@ __device__ inline int brick_of_item(const std::uint32_t start[bricks_per_block +
   return brick;
 }
 
+/// The voxels of layer z of a brick, bit x + 8 y, that cells of one slab are. axis: x or y.
+__device__ inline std::uint64_t layer_of_cells(std::uint64_t cells, int axis, int slab, int z) {
+  if (axis == 0) return spread_row(cells, z) & 0x0101010101010101ull << slab;               // u is y, v is z
+  return ((cells >> z & 0x0101010101010101ull) * 0x0102040810204080ull) >> 56 << 8 * slab;  // u is z, v is x
+}
+
+__device__ inline void mark_layer(unsigned* mask, std::uint64_t layer) {
+  const auto low = std::uint32_t(layer), high = std::uint32_t(layer >> 32);
+  if (low != 0) atomicOr(mask, low);
+  if (high != 0) atomicOr(mask + 1, high);
+}
+
 /// Marks the voxels of the items' cells. True where an item of this thread is wide.
 template <class Shared>
 __device__ bool mark_voxels(const ItemView& items, ItemRange range, Shared& shared) {
   bool is_wide = false;
   for (std::uint32_t i = range.begin + threadIdx.x; i < range.end; i += fill_threads) {
     const std::uint32_t where = items.where[i];
-    const int axis = int(where >> 3 & 3), slab = int(where & 7), word = 16 * brick_of_item(shared.start, where >> 6);
+    const std::uint64_t cells = items.cells[i];
+    const int axis = int(where >> 3 & 3), slab = int(where & 7);
+    unsigned* mask = shared.mask + 16 * brick_of_item(shared.start, where >> 6);
     is_wide |= (where >> 5 & 1) != 0;
-    for (std::uint64_t rest = items.cells[i]; rest != 0; rest &= rest - 1) {
-      const int voxel = voxel_of_cell(axis, slab, __ffsll(static_cast<long long>(rest)) - 1);
-      atomicOr(&shared.mask[word + (voxel >> 5)], 1u << (voxel & 31));
+    if (axis == 2) {
+      mark_layer(mask + 2 * slab, cells);
+      continue;
     }
+    for (int z = 0; z < brick_edge; ++z) mark_layer(mask + 2 * z, layer_of_cells(cells, axis, slab, z));
   }
   return is_wide;
 }
@@ -139,9 +157,9 @@ __device__ int count_voxels(Shared& shared) {
 }
 
 /// One lane's item, from its triangle.
-template <bool is_hard, bool textured>
+template <bool is_hard, bool plain>
 __device__ void read_item(const FillView& view, std::uint32_t first_brick, std::uint32_t i,
-                          const FillShared<is_hard, textured>& shared, FillItem<is_hard, textured>& out) {
+                          const FillShared<is_hard, plain>& shared, FillItem<is_hard, plain>& out) {
   const std::uint32_t where = view.items.where[i], pair = where >> 6;
   out.brick = std::uint8_t(brick_of_item(shared.start, pair));
   out.cells = view.items.cells[i];
@@ -176,9 +194,9 @@ __device__ inline int item_of(const std::uint32_t prefix[fill_threads], std::uin
 }
 
 /// An item a thread, or none: cut, then measured and added cell by cell, to the slots from `round` on.
-template <bool is_hard, bool textured>
+template <bool is_hard, bool plain>
 __device__ std::uint32_t add_chunk(const FillView& view, std::uint32_t first_brick, std::uint32_t mine, int round,
-                                   FillShared<is_hard, textured>& shared) {
+                                   FillShared<is_hard, plain>& shared) {
   __syncthreads();  // the last chunk's items are done with
   std::uint32_t cells = 0;
   if (mine != no_item) {
@@ -188,11 +206,11 @@ __device__ std::uint32_t add_chunk(const FillView& view, std::uint32_t first_bri
   const std::uint32_t total = scan_cells(cells, shared);
   for (std::uint32_t f = threadIdx.x; f < total; f += fill_threads) {
     const int at = item_of(shared.prefix, f);
-    const FillItem<is_hard, textured>& item = shared.item[at];
+    const FillItem<is_hard, plain>& item = shared.item[at];
     const int cell = nth_bit(item.cells, int(f - (at == 0 ? 0 : shared.prefix[at - 1])));
     const int voxel = voxel_of_cell(item.axis, item.slab, cell), word = 16 * item.brick + (voxel >> 5);
     const int slot = shared.below[word] + __popc(shared.mask[word] & ((1u << (voxel & 31)) - 1)) - round;
-    if (slot < 0 || slot >= FillWidth<is_hard>::slots) continue;
+    if (slot < 0 || slot >= FillWidth<is_hard, plain>::slots) continue;
     shared.sums.add(slot, fragment_of(view.input, item, cell));
   }
   return total;
@@ -205,9 +223,9 @@ struct Round {
 };
 
 /// All items of the round's bricks, a chunk of as many as there are threads at a time, over the ends of groups.
-template <bool is_hard, bool textured>
+template <bool is_hard, bool plain>
 __device__ std::uint32_t add_items(const FillView& view, std::uint32_t first_brick, const Round& round,
-                                   FillShared<is_hard, textured>& shared) {
+                                   FillShared<is_hard, plain>& shared) {
   std::uint32_t fragments = 0;
   ItemWalk walk(view.items, shared.start[round.brick], shared.start[round.end],
                 view.bricks.start[view.end] - view.bricks.start[view.begin]);
@@ -309,10 +327,10 @@ __device__ int round_end(int brick, int bricks, const Shared& shared) {
 
 /// Bricks [brick, end) of the block, in more than one round where they have more voxels than there are slots; returns
 /// their fragments.
-template <bool is_hard, bool textured>
+template <bool is_hard, bool plain>
 __device__ std::uint32_t fill_bricks_of_round(const FillView& view, BrickSpan span, std::uint64_t* mask, int brick,
-                                              int end, FillShared<is_hard, textured>& shared) {
-  constexpr int slots = FillWidth<is_hard>::slots;
+                                              int end, FillShared<is_hard, plain>& shared) {
+  constexpr int slots = FillWidth<is_hard, plain>::slots;
   const int last = shared.below[16 * end];
   std::uint32_t fragments = 0;
   for (int first = shared.below[16 * brick]; first < last; first += slots) {
@@ -329,9 +347,9 @@ __device__ std::uint32_t fill_bricks_of_round(const FillView& view, BrickSpan sp
 }
 
 /// The bricks of one block. False, and nothing written: they need wider integers.
-template <bool is_hard, bool textured>
-__device__ bool fill_bricks(const FillView& view, BrickSpan span, FillShared<is_hard, textured>& shared) {
-  constexpr int slots = FillWidth<is_hard>::slots;
+template <bool is_hard, bool plain>
+__device__ bool fill_bricks(const FillView& view, BrickSpan span, FillShared<is_hard, plain>& shared) {
+  constexpr int slots = FillWidth<is_hard, plain>::slots;
   if (!open_bricks(view, span, shared) && !is_hard) return false;
   const int voxels = count_voxels(shared);
   if (threadIdx.x == 0) shared.staged_at = atomicAdd(&view.counters->staged, unsigned(voxels));

@@ -11,6 +11,7 @@ struct HashView {
   const std::uint32_t *key, *first, *rgba;
   const std::uint64_t* mask;
   const std::uint16_t* normal;  ///< or null
+  const std::uint8_t* facing;   ///< or null
   std::uint32_t bricks;
   std::int64_t corner[3];
   int lod;
@@ -43,11 +44,17 @@ __device__ Sum128 brick_hash(const HashView& level, std::uint32_t brick, int lan
   for (std::uint32_t step = first; step < end; step += 32) {
     const std::uint32_t i = step + std::uint32_t(lane);
     const int bit = voxel_bit(word, before, int(i - first));
-    if (i < end)
-      sum.add(hash_voxel(level.lod, level.corner[0] + (std::int64_t(at.x * 8 + (bit & 7)) << level.lod),
-                         level.corner[1] + (std::int64_t(at.y * 8 + (bit >> 3 & 7)) << level.lod),
-                         level.corner[2] + (std::int64_t(at.z * 8 + (bit >> 6)) << level.lod), level.rgba[i],
-                         level.normal == nullptr ? std::uint16_t(0) : level.normal[i]));
+    if (i >= end) continue;
+    const std::int64_t x = level.corner[0] + (std::int64_t(at.x * 8 + (bit & 7)) << level.lod),
+                       y = level.corner[1] + (std::int64_t(at.y * 8 + (bit >> 3 & 7)) << level.lod),
+                       z = level.corner[2] + (std::int64_t(at.z * 8 + (bit >> 6)) << level.lod);
+    const std::uint16_t normal = level.normal == nullptr ? std::uint16_t(0) : level.normal[i];
+    if (level.facing == nullptr) {
+      sum.add(hash_voxel(level.lod, x, y, z, level.rgba[i], normal));
+    } else {
+      const std::uint8_t* f = level.facing + 3 * std::size_t(i);
+      sum.add(hash_voxel(level.lod, x, y, z, level.rgba[i], normal, std::uint32_t(f[0] | f[1] << 8 | f[2] << 16)));
+    }
   }
   return sum;
 }
@@ -80,6 +87,7 @@ std::vector<Sum128> level_hashes(DeviceHeap& heap, const std::vector<DeviceLevel
                         l.rgba.data(),
                         l.mask.data(),
                         l.normal.size() == 0 ? nullptr : l.normal.data(),
+                        l.facing.size() == 0 ? nullptr : l.facing.data(),
                         l.bricks,
                         {window_min[0], window_min[1], window_min[2]},
                         int(lod)};

@@ -159,6 +159,9 @@ DeviceInput::DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTexture
     views.push_back(held_.back()->view);
   }
   textures_ = upload(heap, views.data(), views.size());
+  is_plain_ = views.empty();
+  for (std::size_t i = 0; i < input.materials.size; ++i)
+    is_plain_ = is_plain_ && input.materials[i].alpha_mode == AlphaMode::opaque;
   check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (upload)");  // the host's arrays may go now
 }
 

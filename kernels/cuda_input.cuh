@@ -116,10 +116,13 @@ class DeviceInput {
   /// Errors  CudaFailure; std::length_error beyond 2^32-1 vertices or triangles.
   DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTextures& textures, const Tables& tables);
   InputView view() const;
-  bool is_textured() const { return !held_.empty(); }
+  /// No textures, and all materials are opaque.
+  bool is_plain() const { return is_plain_; }
+  std::uint64_t bytes() const { return arrays_.bytes(); }  ///< without textures
 
  private:
   std::uint32_t vertex_count_ = 0, triangle_count_ = 0;
+  bool is_plain_ = true;
   Tables tables_;
   DeviceArray<std::uint8_t> arrays_;
   DeviceArray<DevicePart> parts_;

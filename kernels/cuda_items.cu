@@ -38,6 +38,7 @@ __device__ std::uint32_t touch_pair(const InputView& in, SurfaceRule rule, const
   const std::int32_t corner[3] = {std::int32_t(at.x) << brick_subvoxel_bits, std::int32_t(at.y) << brick_subvoxel_bits,
                                   std::int32_t(at.z) << brick_subvoxel_bits};
   const WindowTriangle w = window_triangle(in, bricks.triangle[pair]);
+  if (is_small(w)) return touch<std::int32_t>(w, corner, rule, slabs);
   return is_narrow(w) ? touch<std::int64_t>(w, corner, rule, slabs) : touch<__int128>(w, corner, rule, slabs);
 }
 

@@ -95,10 +95,16 @@ __device__ Voxel voxel_at(const LevelView& level, std::uint32_t i) {
   return v;
 }
 
-/// The parent of the 2×2×2 voxels of a brick from (2x, 2y, 2z). before: voxels of the brick below slab 2z.
-__device__ Voxel parent_of(const LevelView& level, std::uint32_t brick, std::uint32_t before, int x, int y, int z,
-                           MipFilter filter, const Tables& tables) {
-  MipSums sums;
+/// The 2×2×2 voxels below one, x | y<<1 | z<<2.
+struct Children {
+  std::uint32_t at[8];  ///< in their level; none: there is none
+  static constexpr std::uint32_t none = UINT32_MAX;
+};
+
+/// Those of a brick from (2x, 2y, 2z). before: voxels of the brick below slab 2z.
+__device__ Children children_of(const LevelView& level, std::uint32_t brick, std::uint32_t before, int x, int y,
+                                int z) {
+  Children children;
   const std::uint64_t* mask = level.mask + 8 * std::size_t(brick);
   std::uint32_t first = level.first[brick] + before;
 #pragma unroll
@@ -110,24 +116,80 @@ __device__ Voxel parent_of(const LevelView& level, std::uint32_t brick, std::uin
       std::uint32_t at = first + std::uint32_t(__popcll(word & ((std::uint64_t(1) << bit) - 1)));
 #pragma unroll
       for (int dx = 0; dx < 2; ++dx)
-        if ((word >> (bit + dx) & 1) != 0) sums.add(dx | dy << 1 | dz << 2, voxel_at(level, at++), tables);
+        children.at[dx | dy << 1 | dz << 2] = (word >> (bit + dx) & 1) != 0 ? at++ : Children::none;
     }
     first += std::uint32_t(__popcll(word));
   }
-  return sums.voxel(filter, tables);
+  return children;
+}
+
+/// What see_children() asks, of a level with rasters (kernels/facing.h), or of lod 0.
+template <int Edge>
+struct ChildRasters {
+  const Children& children;
+  const std::uint32_t* rgba;
+  const std::uint8_t* rasters;
+
+  template <int N>
+  __device__ CellRun<N> cells(int child, int axis, int run) const {
+    CellRun<N> out = {};
+    const std::uint32_t at = children.at[child];
+    if (at == Children::none) return out;
+    if constexpr (N == 1)
+      out.cell[0] = std::uint8_t(rgba[at] >> 24);
+    else
+      out = reinterpret_cast<const CellRun<N>*>(rasters +
+                                                std::size_t(raster_bytes(Edge)) * at)[axis * Edge * Edge / N + run];
+    return out;
+  }
+};
+
+/// Where a voxel's facing and raster go.
+struct ViewOut {
+  std::uint8_t *facing, *raster;
+};
+
+/// Edge: of the children's rasters.
+template <int Edge>
+__device__ Voxel filter_by_view(const LevelView& level, const Children& children, const std::uint8_t* rasters,
+                                const Tables& tables, const ViewOut& out) {
+  const FacingSums seen = see_children<Edge>(ChildRasters<Edge>{children, level.rgba, rasters}, out.raster);
+  std::uint8_t facing[3];
+  for (int a = 0; a < 3; ++a) out.facing[a] = facing[a] = seen.facing(a, Edge);
+  MipSums sums;
+  for (int c = 0; c < 8; ++c)
+    if (children.at[c] != Children::none) sums.add(voxel_at(level, children.at[c]), seen.weight(c, Edge), tables);
+  for (int c = 0; c < 8 && sums.weight == 0; ++c)  // too faint to be seen
+    if (children.at[c] != Children::none) sums.add(voxel_at(level, children.at[c]), 1, tables);
+  return sums.voxel(largest(facing), tables);
+}
+
+__device__ Voxel filter_by_mean(const LevelView& level, const Children& children, MipFilter filter,
+                                const Tables& tables) {
+  MipSums sums;
+#pragma unroll
+  for (int c = 0; c < 8; ++c) {
+    if (children.at[c] == Children::none) continue;
+    const Voxel v = voxel_at(level, children.at[c]);
+    sums.add(v, v.rgba[3], tables);
+  }
+  return sums.voxel(mean_coverage(sums.weight, filter, tables), tables);
 }
 
 struct ParentView {
   const std::uint32_t *start, *first;
   const std::uint64_t* mask;
   std::uint32_t* rgba;
-  std::uint16_t* normal;  ///< or null
+  std::uint16_t* normal;           ///< or null
+  std::uint8_t *facing, *rasters;  ///< or null, without MipFilter::coverage
   std::uint32_t parents;
 };
 
-/// One warp a parent: its voxels are listed, then filtered side by side.
-__global__ void __launch_bounds__(128, 8)
-    filter_parents(LevelView fine, ParentView out, MipFilter filter, Tables tables) {
+/// One warp a parent: its voxels are listed, then filtered side by side. Edge: of the rasters of `fine`, which are null
+/// at lod 0; 0: a filter without views.
+template <int Edge>
+__global__ void __launch_bounds__(128, Edge == 0 ? 8 : 4)
+    filter_parents(LevelView fine, const std::uint8_t* rasters, ParentView out, MipFilter filter, Tables tables) {
   __shared__ std::uint16_t lists[4][brick_voxels];
   __shared__ std::uint32_t children[4][8];
   __shared__ std::uint16_t before[4][32];  // [child][slab pair]: voxels of the child below
@@ -159,8 +221,16 @@ __global__ void __launch_bounds__(128, 8)
   for (std::uint32_t i = std::uint32_t(lane); i < below; i += 32) {
     const int voxel = lists[warp][i], x = voxel & 7, y = voxel >> 3 & 7, z = voxel >> 6;
     const int octant = x >> 2 | (y >> 2) << 1 | (z >> 2) << 2;
-    const Voxel v = parent_of(fine, children[warp][octant], before[warp][4 * octant + (z & 3)], x & 3, y & 3, z & 3,
-                              filter, tables);
+    const Children below_it =
+        children_of(fine, children[warp][octant], before[warp][4 * octant + (z & 3)], x & 3, y & 3, z & 3);
+    Voxel v;
+    if constexpr (Edge == 0) {
+      v = filter_by_mean(fine, below_it, filter, tables);
+    } else {
+      const std::size_t to = first + i;
+      constexpr int bytes = raster_bytes(Edge < most_raster_edge ? 2 * Edge : most_raster_edge);
+      v = filter_by_view<Edge>(fine, below_it, rasters, tables, {out.facing + 3 * to, out.rasters + bytes * to});
+    }
     out.rgba[first + i] = std::uint32_t(v.rgba[0]) | std::uint32_t(v.rgba[1]) << 8 | std::uint32_t(v.rgba[2]) << 16 |
                           std::uint32_t(v.rgba[3]) << 24;
     if (out.normal != nullptr)
@@ -232,6 +302,17 @@ class LevelBuilder {
   DeviceArray<std::uint32_t> selected_;
 };
 
+void launch_filter(DeviceHeap& heap, const LevelView& fine, const std::uint8_t* rasters, const ParentView& out,
+                   int edge, MipFilter filter, const Tables& tables) {
+  const auto kernel = edge == 0   ? filter_parents<0>
+                      : edge == 1 ? filter_parents<1>
+                      : edge == 2 ? filter_parents<2>
+                      : edge == 4 ? filter_parents<4>
+                                  : filter_parents<8>;
+  kernel<<<grid_of(out.parents, 4), 128, 0, heap.stream()>>>(fine, rasters, out, filter, tables);
+  check_launch("filter_parents");
+}
+
 void read_voxel_counts(DeviceHeap& heap, std::vector<Parents>& levels) {
   for (Parents& p : levels)
     check_cuda(cudaMemcpyAsync(&p.level.voxels, p.level.first.data() + p.level.bricks, sizeof p.level.voxels,
@@ -279,31 +360,34 @@ __global__ void make_nodes(LevelView level, const std::uint32_t* below_key, std:
 
 }  // namespace
 
-std::vector<DeviceLevel> coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceLevel& finest, int lods,
-                                        MipFilter filter, bool normals) {
+LevelsAbove coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceLevel& finest, int lods,
+                           MipFilter filter, bool normals) {
   std::vector<Parents> built;
   const LevelCounts counts = ancestor_counts(heap, finest, lods);
   LevelBuilder builder(heap, finest.bricks);
   for (int l = 1; l < lods; ++l)
     built.push_back(builder.parents_of(l == 1 ? finest : built.back().level, counts.bricks[l]));
   read_voxel_counts(heap, built);
-  std::vector<DeviceLevel> levels;
+  LevelsAbove above;
   for (Parents& p : built) {
+    const int edge = raster_edge(int(above.levels.size()));
     DeviceLevel& level = p.level;
     level.rgba = DeviceArray<std::uint32_t>(heap, level.voxels);
     if (normals) level.normal = DeviceArray<std::uint16_t>(heap, level.voxels);
-    const ParentView out{p.start.data(),
-                         level.first.data(),
-                         level.mask.data(),
-                         level.rgba.data(),
-                         normals ? level.normal.data() : nullptr,
-                         level.bricks};
-    filter_parents<<<grid_of(level.bricks, 4), 128, 0, heap.stream()>>>(
-        view_of(levels.empty() ? finest : levels.back()), out, filter, tables);
-    check_launch("filter_parents");
-    levels.push_back(std::move(level));
+    DeviceArray<std::uint8_t> rasters;
+    if (filter == MipFilter::coverage) {
+      level.facing = DeviceArray<std::uint8_t>(heap, 3 * std::size_t(level.voxels));
+      const auto bytes = std::size_t(raster_bytes(raster_edge(int(above.levels.size()) + 1)));
+      rasters = DeviceArray<std::uint8_t>(heap, bytes * level.voxels);
+    }
+    const ParentView out{p.start.data(),      level.first.data(),  level.mask.data(), level.rgba.data(),
+                         level.normal.data(), level.facing.data(), rasters.data(),    level.bricks};
+    const LevelView fine = view_of(above.levels.empty() ? finest : above.levels.back());
+    launch_filter(heap, fine, above.rasters.data(), out, filter == MipFilter::coverage ? edge : 0, filter, tables);
+    above.levels.push_back(std::move(level));
+    above.rasters = std::move(rasters);
   }
-  return levels;
+  return above;
 }
 
 DeviceNodes brick_nodes(DeviceHeap& heap, const std::vector<DeviceLevel>& levels) {

@@ -8,10 +8,16 @@
 
 namespace gigabake::kernels {
 
-/// All levels above `finest`, up to the one of the window's single brick.
+struct LevelsAbove {
+  std::vector<DeviceLevel> levels;    ///< from lod 1 on
+  DeviceArray<std::uint8_t> rasters;  ///< of the last one (kernels/facing.h); empty without MipFilter::coverage
+};
+
+/// The levels [1, lods).
+/// Cost    With MipFilter::coverage 24 bytes a voxel of lod 1 of working memory.
 /// Errors  CudaFailure.
-std::vector<DeviceLevel> coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceLevel& finest, int lods,
-                                        MipFilter filter, bool normals);
+LevelsAbove coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceLevel& finest, int lods,
+                           MipFilter filter, bool normals);
 
 /// Nodes, on the device, where every one of them is a brick.
 struct DeviceNodes {

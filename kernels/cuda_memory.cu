@@ -12,14 +12,24 @@ void check_cuda(cudaError_t code, const char* call) {
 }
 
 void* DeviceHeap::take(std::size_t bytes) {
+  if (limit_ != 0 && live_ + bytes > limit_)
+    throw DeviceFull(std::to_string(live_ + bytes) + " bytes where " + std::to_string(limit_) + " are allowed");
   void* data = nullptr;
-  check_cuda(cudaMallocAsync(&data, std::max<std::size_t>(bytes, 1), stream_), "cudaMallocAsync");
+  const cudaError_t code = cudaMallocAsync(&data, std::max<std::size_t>(bytes, 1), stream_);
+  if (code == cudaErrorMemoryAllocation) {
+    cudaGetLastError();
+    throw DeviceFull("cudaMallocAsync: no " + std::to_string(bytes) + " bytes are left on the device");
+  }
+  check_cuda(code, "cudaMallocAsync");
+  live_ += bytes;
   books_.add(std::int64_t(bytes));
   return data;
 }
 
 void DeviceHeap::give(void* data, std::size_t bytes) noexcept {
-  if (data != nullptr) cudaFreeAsync(data, stream_);
+  if (data == nullptr) return;
+  cudaFreeAsync(data, stream_);
+  live_ -= bytes;
   books_.add(-std::int64_t(bytes));
 }
 

@@ -14,6 +14,12 @@ namespace gigabake::kernels {
 /// Errors  CudaFailure, naming the call.
 void check_cuda(cudaError_t code, const char* call);
 
+/// More than a heap's limit, more than the device has left, or more than 32-bit indices count. Less at a time may fit.
+class DeviceFull : public CudaFailure {
+ public:
+  using CudaFailure::CudaFailure;
+};
+
 /// Device bytes of all of a baker's heaps.
 class DeviceBooks {
  public:
@@ -36,15 +42,19 @@ class DeviceHeap {
  public:
   DeviceHeap(cudaStream_t stream, DeviceBooks& books) : stream_(stream), books_(books) {}
 
-  /// Errors  CudaFailure: out of device memory.
+  /// Errors  DeviceFull.
   void* take(std::size_t bytes);
   void give(void* data, std::size_t bytes) noexcept;
+  /// Live bytes that take() does not go beyond; what is live already may be more. 0: whatever the device has.
+  void limit_to(std::uint64_t bytes) { limit_ = bytes; }
 
   cudaStream_t stream() const { return stream_; }
 
  private:
   cudaStream_t stream_;
   DeviceBooks& books_;
+  std::atomic<std::uint64_t> live_{0};  ///< arrays may be freed by another thread than the one that bakes
+  std::uint64_t limit_ = 0;
 };
 
 /// An array of the device, freed in stream order. Not initialised.

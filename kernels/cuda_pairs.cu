@@ -90,11 +90,15 @@ __device__ std::int64_t brick_count(const BrickBox& box) {
          (box.last[2] - box.first[2] + 1);
 }
 
-__device__ void push_box(const PairSink& sink, std::uint64_t at, const BrickBox& box, std::uint32_t triangle) {
+/// The keys of the box's bricks that are in the range.
+template <class Visit>
+__device__ void visit_keys(const BrickBox& box, KeyRange range, const Visit& visit) {
   for (std::int32_t z = box.first[2]; z <= box.last[2]; ++z)
     for (std::int32_t y = box.first[1]; y <= box.last[1]; ++y)
-      for (std::int32_t x = box.first[0]; x <= box.last[0]; ++x)
-        push_pair(sink, at++, std::uint32_t(morton(std::uint32_t(x), std::uint32_t(y), std::uint32_t(z))), triangle);
+      for (std::int32_t x = box.first[0]; x <= box.last[0]; ++x) {
+        const auto key = std::uint32_t(morton(std::uint32_t(x), std::uint32_t(y), std::uint32_t(z)));
+        if (key >= range.first && key < range.end) visit(key);
+      }
 }
 
 }  // namespace
@@ -137,9 +141,8 @@ __global__ void __launch_bounds__(pair_threads) pair_kernel(InputView in, Window
     fate = fate_of(in, part, window, v, t);
     bad_uv = fate == Fate::kept && part.textured && has_bad_uv(part, v);
     if (fate == Fate::kept && brick_box(t, window.rule, window.bricks, box)) {
-      const std::int64_t bricks = brick_count(box);
-      is_large = bricks > most_direct_bricks;
-      pairs = is_large ? 0 : std::uint32_t(bricks);
+      is_large = brick_count(box) > most_direct_bricks;
+      if (!is_large) visit_keys(box, sink.range, [&](std::uint32_t) { ++pairs; });
     }
   }
   count(&counts.kept, fate == Fate::kept);
@@ -158,8 +161,8 @@ __global__ void __launch_bounds__(pair_threads) pair_kernel(InputView in, Window
     add_count(&sink.counters->oversized, counts.oversized);
     add_count(&sink.counters->bad_uv, counts.bad_uv);
   }
-  const std::uint64_t at = first_pair + before;
-  if (pairs != 0) push_box(sink, at, box, i);
+  std::uint64_t at = first_pair + before;
+  if (pairs != 0) visit_keys(box, sink.range, [&](std::uint32_t key) { push_pair(sink, at++, key, i); });
   if (is_large) push_item(sink, 0, {i, 0});
 }
 
@@ -172,6 +175,7 @@ __global__ void descend_kernel(InputView in, WindowView window, PairSink sink, i
     const BrickCoordinate child = demorton(key);
     const std::int32_t node[3] = {std::int32_t(child.x), std::int32_t(child.y), std::int32_t(child.z)};
     const int below = level - 1;
+    if (key << 3 * below >= sink.range.end || (key + 1) << 3 * below <= sink.range.first) continue;
     const WindowTriangle t = window_triangle(in, item.triangle);
     BrickBox box;
     bool meets = brick_box(t, window.rule, window.bricks, box);

@@ -22,15 +22,19 @@ struct PairCounters {
 };
 
 struct PairSink {
+  KeyRange range;  ///< bricks beside it get no pairs
   std::uint32_t* key;
   std::uint32_t* triangle;
   std::uint64_t capacity;
+  unsigned long long* unit_pairs;  ///< null, or counts pairs by key >> unit_bits
+  int unit_bits;
   LargeItem* items[2];
   std::uint64_t item_capacity;
   PairCounters* counters;
 };
 
 __device__ inline void push_pair(const PairSink& sink, std::uint64_t at, std::uint32_t key, std::uint32_t triangle) {
+  if (sink.unit_pairs != nullptr) atomicAdd(&sink.unit_pairs[key >> sink.unit_bits], 1ull);
   if (at >= sink.capacity) return;
   sink.key[at] = key;
   sink.triangle[at] = triangle;

@@ -14,17 +14,18 @@
 namespace gigabake::kernels {
 
 /// words 2: 64 bits, for bricks of at most fragments_before_flush triangles. words 3: 96 bits, for 2^32 triangles.
-template <int words, int slots>
+/// channels: opaque_sum_count where all is opaque, else sum_count.
+template <int words, int slots, int channels>
 struct VoxelSums {
   using Total = std::conditional_t<words == 2, std::int64_t, __int128>;
 
-  unsigned word[words][sum_count][slots];  ///< channel by channel: neighbours in a warp use different banks
+  unsigned word[words][channels][slots];  ///< channel by channel: neighbours in a warp use different banks
 
   /// By all threads of a block.
   __device__ void clear(int thread, int threads, int used_slots) {
     for (int slot = thread; slot < used_slots; slot += threads)
       for (int w = 0; w < words; ++w)
-        for (int c = 0; c < sum_count; ++c) word[w][c][slot] = 0;
+        for (int c = 0; c < channels; ++c) word[w][c][slot] = 0;
   }
 
   __device__ void add(int channel, int slot, std::int64_t value) {
@@ -43,12 +44,15 @@ struct VoxelSums {
   }
 
   __device__ void add(int slot, const Fragment& f) {
-    contribute(f, [&](Sum channel, std::int64_t value) { add(channel, slot, value); });
+    contribute(f, [&](Sum channel, std::int64_t value) {
+      if (channel < channels) add(channel, slot, value);
+    });
   }
 
   __device__ bool resolve_slot(int slot, const Tables& tables, Voxel& out) const {
     Total s[sum_count];
-    for (int c = 0; c < sum_count; ++c) {
+    s[sum_clear] = 0;
+    for (int c = 0; c < channels; ++c) {
       const std::int64_t low = std::int64_t(std::uint64_t(word[1][c][slot]) << 32 | word[0][c][slot]);
       if constexpr (words == 2)
         s[c] = low;

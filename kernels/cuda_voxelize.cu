@@ -2,7 +2,6 @@
 #include <cub/device/device_scan.cuh>
 #include <cub/device/device_select.cuh>
 #include <limits>
-#include <stdexcept>
 #include <thrust/iterator/counting_iterator.h>
 
 #include "kernels/cuda_fill.cuh"
@@ -32,10 +31,10 @@ __global__ void find_heavy_bricks(FillView view) {
 }
 
 /// Heavy bricks, a block each, then groups of the others.
-template <bool textured>
-__global__ void __launch_bounds__(fill_threads, textured ? 3 : 4) fill_easy_bricks(FillView view) {
+template <bool plain>
+__global__ void __launch_bounds__(fill_threads, plain ? 4 : 3) fill_easy_bricks(FillView view) {
   extern __shared__ __align__(16) unsigned char raw[];
-  auto& shared = *reinterpret_cast<FillShared<false, textured>*>(raw);
+  auto& shared = *reinterpret_cast<FillShared<false, plain>*>(raw);
   if (!items_fit(view)) return;
   BrickSpan span(0, 0);
   if (blockIdx.x < view.heavy_capacity) {
@@ -50,10 +49,10 @@ __global__ void __launch_bounds__(fill_threads, textured ? 3 : 4) fill_easy_bric
     view.hard[atomicAdd(&view.counters->hard, 1u)] = span.word();
 }
 
-template <bool textured>
+template <bool plain>
 __global__ void __launch_bounds__(fill_threads) fill_hard_bricks(FillView view) {
   extern __shared__ __align__(16) unsigned char raw[];
-  auto& shared = *reinterpret_cast<FillShared<true, textured>*>(raw);
+  auto& shared = *reinterpret_cast<FillShared<true, plain>*>(raw);
   for (std::uint32_t i = blockIdx.x; items_fit(view) && i < view.counters->hard; i += gridDim.x) {
     __syncthreads();
     fill_bricks(view, BrickSpan(view.hard[i]), shared);
@@ -112,20 +111,20 @@ void allow_shared(Kernel kernel, std::size_t bytes) {
              "cudaFuncSetAttribute");
 }
 
-template <bool textured>
+template <bool plain>
 void launch_fill(const FillView& view, SurfaceRule rule, cudaStream_t stream) {
-  constexpr std::size_t bytes = sizeof(FillShared<false, textured>), hard_bytes = sizeof(FillShared<true, textured>);
-  allow_shared(fill_easy_bricks<textured>, bytes);
-  allow_shared(fill_hard_bricks<textured>, hard_bytes);
+  constexpr std::size_t bytes = sizeof(FillShared<false, plain>), hard_bytes = sizeof(FillShared<true, plain>);
+  allow_shared(fill_easy_bricks<plain>, bytes);
+  allow_shared(fill_hard_bricks<plain>, hard_bytes);
   find_items<<<item_blocks, pairs_per_group, 0, stream>>>(view.input, rule, view.bricks, view.begin, view.end,
                                                           view.items);
   check_launch("find_items");
   const unsigned groups = grid_of(view.end - view.begin, bricks_per_block);
   find_heavy_bricks<<<grid_of(groups, threads), threads, 0, stream>>>(view);
   check_launch("find_heavy_bricks");
-  fill_easy_bricks<textured><<<view.heavy_capacity + groups, fill_threads, bytes, stream>>>(view);
+  fill_easy_bricks<plain><<<view.heavy_capacity + groups, fill_threads, bytes, stream>>>(view);
   check_launch("fill_easy_bricks");
-  fill_hard_bricks<textured><<<hard_blocks, fill_threads, hard_bytes, stream>>>(view);
+  fill_hard_bricks<plain><<<hard_blocks, fill_threads, hard_bytes, stream>>>(view);
   check_launch("fill_hard_bricks");
 }
 
@@ -146,11 +145,11 @@ struct FillSizes {
 /// Bricks, batch by batch, through items and a stage of limited size.
 class Filler {
  public:
-  Filler(DeviceHeap& heap, const InputView& input, SurfaceRule rule, const BrickLists& lists, bool normals,
-         bool textured, const FillSizes& sizes)
+  Filler(DeviceHeap& heap, const InputView& input, SurfaceRule rule, const BrickLists& lists, bool normals, bool plain,
+         const FillSizes& sizes)
       : heap_(heap),
         rule_(rule),
-        textured_(textured),
+        plain_(plain),
         sizes_(sizes),
         stage_rgba_(heap, sizes.stage_voxels),
         staged_(heap, lists.bricks),
@@ -210,7 +209,7 @@ class Filler {
   void fill_batch() {
     const cudaStream_t stream = heap_.stream();
     check_cuda(cudaMemsetAsync(view_.counters, 0, offsetof(FillView::Counters, most_items), stream), "cudaMemsetAsync");
-    textured_ ? launch_fill<true>(view_, rule_, stream) : launch_fill<false>(view_, rule_, stream);
+    plain_ ? launch_fill<true>(view_, rule_, stream) : launch_fill<false>(view_, rule_, stream);
     std::size_t bytes = temporary_bytes_;
     scan(temporary_.data(), bytes, view_.begin, view_.end);
     unstage<<<grid_of(32 * std::uint64_t(view_.end - view_.begin), threads), threads, 0, stream>>>(
@@ -228,7 +227,7 @@ class Filler {
 
   DeviceHeap& heap_;
   SurfaceRule rule_;
-  bool textured_;
+  bool plain_;
   FillSizes sizes_;
   DeviceArray<std::uint32_t> stage_rgba_, staged_, staged_at_, heavy_, hard_, where_, first_, group_end_;
   DeviceArray<std::uint64_t> cells_;
@@ -276,8 +275,7 @@ DeviceLevel without_empty(DeviceHeap& heap, const BrickLists& lists, Filled fill
 constexpr std::uint64_t pairs_per_batch = std::uint64_t(1) << 19, voxels_per_batch = std::uint64_t(3) << 19;
 
 std::uint32_t counted_32(std::uint64_t n) {
-  if (n > std::numeric_limits<std::uint32_t>::max())
-    throw std::length_error("a cell of more than 2^32-1 voxels; use a smaller --cell-voxels");
+  if (n > std::numeric_limits<std::uint32_t>::max()) throw DeviceFull("more than 2^32-1 voxels");
   return std::uint32_t(n);
 }
 
@@ -324,10 +322,10 @@ void learn(const Filled& filled, const BrickLists& lists, const FillSizes& sizes
 }  // namespace
 
 DeviceLevel voxelize(DeviceHeap& heap, const InputView& input, const WindowView& window, BrickLists lists, bool normals,
-                     bool textured, FillRatios& ratios, CellStats& stats) {
+                     bool plain, FillRatios& ratios, CellStats& stats) {
   FillSizes sizes = first_sizes(lists, ratios);
   for (;;) {
-    Filled filled = Filler(heap, input, window.rule, lists, normals, textured, sizes).fill(lists.bricks);
+    Filled filled = Filler(heap, input, window.rule, lists, normals, plain, sizes).fill(lists.bricks);
     if (!fits(filled, sizes)) continue;
     stats.fragments += filled.counted.fragments;
     learn(filled, lists, sizes, ratios);

@@ -13,9 +13,12 @@ struct DeviceLevel {
   DeviceArray<std::uint64_t> mask;        ///< 8 per brick
   DeviceArray<std::uint32_t> rgba;        ///< four bytes, red lowest
   DeviceArray<std::uint16_t> normal;      ///< two bytes, or empty
+  DeviceArray<std::uint8_t> facing;       ///< three a voxel, or empty
   std::uint32_t bricks = 0, voxels = 0;
 
-  std::uint64_t bytes() const { return key.bytes() + first.bytes() + mask.bytes() + rgba.bytes() + normal.bytes(); }
+  std::uint64_t bytes() const {
+    return key.bytes() + first.bytes() + mask.bytes() + rgba.bytes() + normal.bytes() + facing.bytes();
+  }
 };
 
 /// What earlier cells had: the next one is given that much room, and tried again where it has more.
@@ -24,10 +27,10 @@ struct FillRatios {
   double pairs_spread = 1, voxels_spread = 1;  ///< the fullest batch over the mean one
 };
 
-/// lists: consumed. No brick of the result is empty; no voxel of it invisible.
-/// Errors  CudaFailure; std::length_error beyond 2^32-1 voxels.
+/// lists: consumed. plain: no textures, and all materials are opaque. No brick of the result is empty; no voxel of it
+/// invisible. Errors  CudaFailure; DeviceFull beyond 2^32-1 voxels too.
 DeviceLevel voxelize(DeviceHeap& heap, const InputView& input, const WindowView& window, BrickLists lists, bool normals,
-                     bool textured, FillRatios& ratios, CellStats& stats);
+                     bool plain, FillRatios& ratios, CellStats& stats);
 
 /// A scan's or selection's room, as cub asks for it.
 using TemporaryStorage = DeviceArray<std::uint8_t>;

@@ -39,20 +39,23 @@ Sum128 brick_hash(const Level& level, std::size_t brick, int lod, const std::int
 
 }  // namespace
 
+Sum128 level_hash(const Level& level, int lod, const std::int64_t window_min[3], const CpuPolicy& policy) {
+  std::vector<Sum128> of_thread(std::size_t(policy.threads()));
+  policy.parallel_for(level.key.size(), bricks_per_range, [&](std::size_t begin, std::size_t end, int thread) {
+    Sum128 sum;
+    for (std::size_t b = begin; b < end; ++b) sum.add(brick_hash(level, b, lod, window_min));
+    of_thread[std::size_t(thread)].add(sum);
+  });
+  Sum128 all;
+  for (const Sum128& sum : of_thread) all.add(sum);
+  return all;
+}
+
 std::vector<Sum128> level_hashes(const std::vector<Level>& levels, const std::int64_t window_min[3],
                                  const CpuPolicy& policy) {
   std::vector<Sum128> hashes;
-  for (std::size_t lod = 0; lod < levels.size(); ++lod) {
-    std::vector<Sum128> of_thread(std::size_t(policy.threads()));
-    policy.parallel_for(levels[lod].key.size(), bricks_per_range, [&](std::size_t begin, std::size_t end, int thread) {
-      Sum128 sum;
-      for (std::size_t b = begin; b < end; ++b) sum.add(brick_hash(levels[lod], b, int(lod), window_min));
-      of_thread[std::size_t(thread)].add(sum);
-    });
-    Sum128 all;
-    for (const Sum128& sum : of_thread) all.add(sum);
-    hashes.push_back(all);
-  }
+  for (std::size_t lod = 0; lod < levels.size(); ++lod)
+    hashes.push_back(level_hash(levels[lod], int(lod), window_min, policy));
   return hashes;
 }
 

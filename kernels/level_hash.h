@@ -8,8 +8,11 @@
 
 namespace gigabake::kernels {
 
-/// Per lod, the sum of hash_voxel() over its voxels. window_min: CellParameters::window_min.
+/// The sum of hash_voxel() over the voxels of one level. window_min: CellParameters::window_min.
 /// Cost   About 6 ns a voxel and thread.
+Sum128 level_hash(const Level& level, int lod, const std::int64_t window_min[3], const CpuPolicy& policy);
+
+/// Per lod.
 std::vector<Sum128> level_hashes(const std::vector<Level>& levels, const std::int64_t window_min[3],
                                  const CpuPolicy& policy);
 

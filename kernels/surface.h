@@ -33,6 +33,10 @@ struct Surface {
 
   /// False: the same colour everywhere; no fragment needs its centroid.
   GB_HD bool varies() const { return texture != nullptr || has_vertex_rgba; }
+  /// Opaque, coloured by its vertices: LinearColour says all.
+  GB_HD bool is_linear() const {
+    return texture == nullptr && has_vertex_rgba && material.alpha_mode == AlphaMode::opaque;
+  }
 };
 
 GB_HD bool usable_uv(const float uv[6]) {
@@ -116,10 +120,57 @@ GB_HD Rgba16 shade(const Surface& s, const TrianglePlane& t, Point2 centroid, do
 }
 
 GB_HD Fragment make_fragment(const Surface& s, const Rgba16& rgba, std::int64_t weight) {
-  Fragment f;
-  f.weight = weight;
-  for (int c = 0; c < 4; ++c) f.rgba[c] = rgba.c[c];
-  for (int c = 0; c < 3; ++c) f.normal[c] = s.normal[c];
+  return fragment_of_colour(weight, rgba.c, s.normal);
+}
+
+/// Red, green and blue as linear functions of (u, v) from the anchor, in weights: their integral over a fragment is
+/// what it adds to a voxel's sums, and its centroid need not be known.
+struct LinearColour {
+  double at_anchor[3], per_u[3], per_v[3];
+  std::uint16_t low[3], high[3];  ///< of the vertices, 65535 = 1
+};
+
+GB_HD LinearColour make_linear_colour(const Surface& s, const TrianglePlane& t) {
+  const double u1 = t.u[1] - t.u[0], v1 = t.v[1] - t.v[0], u2 = t.u[2] - t.u[0], v2 = t.v[2] - t.v[0];
+  LinearColour r;
+  for (int c = 0; c < 3; ++c) {
+    const double scale = double(s.material.base_rgba[c]) * (1.0 / 65535) * t.weight_scale;
+    const std::uint16_t a = s.vertex_rgba[0][c], b = s.vertex_rgba[1][c], d = s.vertex_rgba[2][c];
+    const double to_b = double(b - a) * scale * t.inverse_twice_area,
+                 to_d = double(d - a) * scale * t.inverse_twice_area;
+    r.per_u[c] = to_b * v2 - to_d * v1;
+    r.per_v[c] = to_d * u1 - to_b * u2;
+    r.at_anchor[c] = double(a) * scale - (r.per_u[c] * t.u[0] + r.per_v[c] * t.v[0]);
+    r.low[c] = scale16(s.material.base_rgba[c], smaller(smaller(a, b), d));
+    r.high[c] = scale16(s.material.base_rgba[c], larger(larger(a, b), d));
+  }
+  return r;
+}
+
+/// The integral over the part of cell (u, v) that `m` measures. Rounding may lead beyond the range of weights.
+GB_HD double integral_of(const LinearColour& l, int c, double u, double v, const CellMoments& m) {
+  return ((l.at_anchor[c] + l.per_u[c] * u) + l.per_v[c] * v) * m.area + (l.per_u[c] * m.u + l.per_v[c] * m.v);
+}
+
+/// For a fragment too small to be measured: the colour at the cell's centre, or the nearest that the triangle has.
+GB_HD std::uint16_t colour_near(const LinearColour& l, int c, double u, double v, double weight_scale) {
+  const double at_centre = ((l.at_anchor[c] + l.per_u[c] * (u + 0.5)) + l.per_v[c] * (v + 0.5)) / weight_scale;
+  const double low = l.low[c], high = l.high[c];
+  return std::uint16_t(at_centre > low ? (at_centre < high ? at_centre : high) : low);
+}
+
+GB_HD Fragment linear_fragment(const LinearColour& l, double u, double v, const CellMoments& m, double weight_scale,
+                               const std::int16_t normal[3]) {
+  Fragment f{weight_of(m.area, weight_scale), 0, {0, 0, 0}, {normal[0], normal[1], normal[2]}};
+  if (!has_centroid(m.area)) {
+    for (int c = 0; c < 3; ++c) f.colour[c] = f.weight * colour_near(l, c, u, v, weight_scale);
+    return f;
+  }
+  const double most = double(f.weight) * 65535;
+  for (int c = 0; c < 3; ++c) {
+    const double x = integral_of(l, c, u, v, m);
+    f.colour[c] = std::int64_t(std::floor((x > 0 ? (x < most ? x : most) : 0) + 0.5));
+  }
   return f;
 }
 

@@ -55,14 +55,17 @@ GB_HD bool meets_cube(const WindowTriangle& t, const std::int64_t corner[3], std
   return true;
 }
 
-GB_HD bool is_narrow(const WindowTriangle& t) {
+GB_HD bool extends_at_most(const WindowTriangle& t, std::int64_t extent) {
   for (int c = 0; c < 3; ++c) {
     const std::int64_t lo = smaller(smaller(t.p[0][c], t.p[1][c]), t.p[2][c]);
     const std::int64_t hi = larger(larger(t.p[0][c], t.p[1][c]), t.p[2][c]);
-    if (hi - lo > narrow_extent) return false;
+    if (hi - lo > extent) return false;
   }
   return true;
 }
+
+GB_HD bool is_narrow(const WindowTriangle& t) { return extends_at_most(t, narrow_extent); }
+GB_HD bool is_small(const WindowTriangle& t) { return extends_at_most(t, small_extent); }
 
 /// Children of an oct-tree node that the triangle may touch, down to bricks; level 0 is a brick. `visit` takes the key.
 template <class Visit>

@@ -74,7 +74,12 @@ class BrickWalker {
                                     std::int32_t(brick.z) << brick_subvoxel_bits};
     for (const Pair* pair = begin; pair != end; ++pair) {
       const WindowTriangle& t = triangles_[triangle_of(*pair)];
-      is_narrow(t) ? add_triangle<std::int64_t>(t, corner) : add_triangle<__int128>(t, corner);
+      if (is_small(t))
+        add_triangle<std::int32_t>(t, corner);
+      else if (is_narrow(t))
+        add_triangle<std::int64_t>(t, corner);
+      else
+        add_triangle<__int128>(t, corner);
     }
     sums_.resolve_to(run, key, tables_);
   }
@@ -90,6 +95,7 @@ class BrickWalker {
     if ((slab[0] | slab[1] | slab[2] | slab[3] | slab[4] | slab[5] | slab[6] | slab[7]) == 0) return;
     const TrianglePlane plane = make_plane(t);
     const Surface surface = triangle_surface(parts_[w.part], w, t, plane);
+    if (surface.is_linear()) linear_ = make_linear_colour(surface, plane);
     for (int i = 0; i < 8; ++i)
       if (slab[i] != 0) add_slab(plane, surface, t.axis, i, slab[i]);
     sums_.end_triangle();
@@ -109,26 +115,30 @@ class BrickWalker {
       ++lanes_.count;
     }
     const SlabPolygon polygon = cut_slab(plane, double(w - plane.anchor[2]));
-    surface.varies() ? measure_moments(polygon, lanes_) : measure_areas(polygon, lanes_);
-    add_cells(plane, surface, voxel);
+    surface.varies() ? measure_moments(plane, polygon, lanes_) : measure_areas(plane, polygon, lanes_);
+    if (surface.is_linear())
+      add_linear_cells(plane, surface, voxel);
+    else
+      add_cells(plane, surface, voxel);
     fragments_ += std::uint64_t(lanes_.count);
   }
 
+  CellMoments moments_of(int lane) const { return {lanes_.area[lane], lanes_.moment_u[lane], lanes_.moment_v[lane]}; }
+
+  void add_linear_cells(const TrianglePlane& plane, const Surface& surface, const int voxel[64]) {
+    for (int i = 0; i < lanes_.count; ++i)
+      sums_.add(voxel[i],
+                linear_fragment(linear_, lanes_.u[i], lanes_.v[i], moments_of(i), plane.weight_scale, surface.normal));
+  }
+
   void add_cells(const TrianglePlane& plane, const Surface& surface, const int voxel[64]) {
-    const bool side_by_side = surface.has_vertex_rgba && surface.texture == nullptr;
-    if (side_by_side) mean_vertex_colours(surface, plane, lanes_, means_);
     Rgba16 rgba;
     if (!surface.varies()) rgba = shade(surface, plane, {0, 0}, 0, tables_);
     for (int i = 0; i < lanes_.count; ++i) {
-      if (side_by_side && has_centroid(lanes_.area[i])) {
-        const double mean[4] = {means_[0][i], means_[1][i], means_[2][i], means_[3][i]};
-        rgba = shade_untextured(surface, mean);
-      } else if (surface.varies()) {
-        const CellMoments moments{lanes_.area[i], lanes_.moment_u[i], lanes_.moment_v[i]};
-        rgba =
-            shade(surface, plane, fragment_centroid(plane, moments, lanes_.u[i], lanes_.v[i]), moments.area, tables_);
-      }
-      sums_.add(voxel[i], make_fragment(surface, rgba, weight_of(lanes_.area[i], plane.area_scale)));
+      if (surface.varies())
+        rgba = shade(surface, plane, fragment_centroid(plane, moments_of(i), lanes_.u[i], lanes_.v[i]), lanes_.area[i],
+                     tables_);
+      sums_.add(voxel[i], make_fragment(surface, rgba, weight_of(lanes_.area[i], plane.weight_scale)));
     }
   }
 
@@ -138,7 +148,7 @@ class BrickWalker {
   Tables tables_;
   BrickSums sums_;
   CellLanes lanes_;
-  alignas(64) double means_[4][64];
+  LinearColour linear_;  ///< of the triangle in hand, where its surface is linear
   std::uint64_t fragments_ = 0;
 };
 

@@ -113,10 +113,10 @@ void CellStages::read(CellInHand& cell) {
 
 void CellStages::compute(CellInHand& cell) {
   const bool baked = on_device(cell, [&] {
-    const std::unique_ptr<kernels::CudaVolume> volume =
+    std::unique_ptr<kernels::CudaVolume> volume =
         cuda_->bake(*cell.device_input, cell_parameters(cell.job, parameters_, kernel_bytes(options_)));
     cell.device_input.reset();
-    cell.volume = cuda_->download(*volume);
+    cell.volume = cuda_->download(std::move(volume));
     cell.report.on_device = true;
   });
   if (!baked) bake_on_cpu(cell);

@@ -27,6 +27,7 @@ using Path = std::filesystem::path;
 
 constexpr double voxels_along = 300;  ///< the scene's longest edge
 constexpr std::size_t most_cells = 12;
+constexpr std::uint64_t few_bytes = std::uint64_t(4) << 20;  ///< of device memory: larger cells come in parts
 
 Path shared_data() {
   if (const char* path = std::getenv("GIGABAKE_SHARED")) return Path(path) / "data";
@@ -117,11 +118,14 @@ class OnBothBackends {
       for (const MipFilter filter : {MipFilter::coverage, MipFilter::thesis, MipFilter::box}) {
         parameters.surface = rule;
         parameters.mip = filter;
-        const kernels::CellParameters p = cell_parameters(job, parameters, 0);
-        EXPECT_EQ(hashes(kernels::bake_cell(cell.input(), p, policy_), job, parameters),
-                  hashes(baker_->bake_cell(cell.input(), p), job, parameters))
-            << job.name << ", rule " << int(rule) << ", filter " << int(filter);
-        ++outcome.comparisons;
+        const std::vector<Hash128> host =
+            hashes(kernels::bake_cell(cell.input(), cell_parameters(job, parameters, 0), policy_), job, parameters);
+        for (const std::uint64_t bytes : {std::uint64_t(0), few_bytes}) {
+          EXPECT_EQ(host,
+                    hashes(baker_->bake_cell(cell.input(), cell_parameters(job, parameters, bytes)), job, parameters))
+              << job.name << ", rule " << int(rule) << ", filter " << int(filter) << ", bytes " << bytes;
+          ++outcome.comparisons;
+        }
       }
   }
 

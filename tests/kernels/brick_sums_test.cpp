@@ -9,7 +9,9 @@ namespace {
 const Tables tables = TableStore::host().view();
 
 Fragment fragment(std::int64_t weight, std::uint16_t red, std::uint16_t alpha) {
-  return {weight, {red, 0, 0, alpha}, {0, 0, 32767}};
+  const std::uint16_t rgba[4] = {red, 0, 0, alpha};
+  const std::int16_t up[3] = {0, 0, 32767};
+  return fragment_of_colour(weight, rgba, up);
 }
 
 Level resolved(BrickSums& sums) {

@@ -1,6 +1,7 @@
 // The CUDA backend bakes whole cells to the same bits as the CPU. Skipped, with the reason, where there is no GPU.
 #include "kernels/cuda_baker.h"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 
 #include "cuda_scenes.h"
@@ -25,6 +26,7 @@ void expect_equal(const CellVolume& host, const CellVolume& device) {
   EXPECT_EQ(host.nodes.first_child, device.nodes.first_child);
   EXPECT_EQ(host.nodes.value, device.nodes.value);
   EXPECT_EQ(host.nodes.normal, device.nodes.normal);
+  EXPECT_EQ(host.nodes.facing, device.nodes.facing);
   EXPECT_EQ(host.content_hash, device.content_hash);
 }
 
@@ -87,6 +89,41 @@ TEST_F(CudaBakerTest, BakesTheSameBitsAsTheCpuWhereVoxelsMayBeOff) {
       parameters.max_error = codes;
       expect_same_bits(cell, parameters);
     }
+}
+
+TEST_F(CudaBakerTest, BakesTheSameBitsInPartsOfAnySize) {
+  std::list<test::TestCell> cells = test::all_cells();
+  std::uint64_t most_parts = 0;
+  for (test::TestCell& cell : cells)
+    for (const auto& [rule, filter] :
+         {std::pair(SurfaceRule::area, MipFilter::coverage), std::pair(SurfaceRule::conservative, MipFilter::thesis),
+          std::pair(SurfaceRule::thin, MipFilter::box)}) {
+      CellParameters parameters = cell.parameters(rule, filter, true);
+      const CellInput input = cell.input();
+      const CellVolume host = bake_cell(input, parameters, policy_);
+      for (const std::uint64_t bytes : {std::uint64_t(1), std::uint64_t(1) << 18, std::uint64_t(1) << 22}) {
+        SCOPED_TRACE(cell.name + ", rule " + std::to_string(int(rule)) + ", bytes " + std::to_string(bytes));
+        parameters.memory_bytes = bytes;
+        const CellVolume device = baker_->bake_cell(input, parameters);
+        most_parts = std::max(most_parts, device.stats.batches);
+        expect_equal_counts(host.stats, device.stats);
+        expect_equal(host, device);
+      }
+    }
+  EXPECT_GT(most_parts, 100u);
+}
+
+TEST_F(CudaBakerTest, KeepsToItsMemory) {
+  test::TestCell cell = test::ground("large", 2048, 512, false, true);
+  CellParameters parameters = cell.parameters(SurfaceRule::area, MipFilter::coverage, true);
+  const CellVolume at_once = baker_->bake_cell(cell.input(), parameters);
+  EXPECT_EQ(at_once.stats.batches, 1u);
+  parameters.memory_bytes = at_once.stats.peak_bytes / 4;
+  const CellVolume in_parts = baker_->bake_cell(cell.input(), parameters);
+  constexpr std::uint64_t tables = std::uint64_t(1) << 20;
+  EXPECT_LE(in_parts.stats.peak_bytes, parameters.memory_bytes + tables);
+  EXPECT_GT(in_parts.stats.batches, 1u);
+  expect_equal(at_once, in_parts);
 }
 
 TEST_F(CudaBakerTest, BakesACellWithoutTriangles) {

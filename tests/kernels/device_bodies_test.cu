@@ -112,7 +112,10 @@ struct TouchBody {
   }
   GB_HD Slabs operator()(const WindowTriangle& t, const Tables&) const {
     Slabs out;
-    is_narrow(t) ? touch<std::int64_t>(t, out) : touch<__int128>(t, out);
+    if (is_small(t))
+      touch<std::int32_t>(t, out);
+    else
+      is_narrow(t) ? touch<std::int64_t>(t, out) : touch<__int128>(t, out);
     return out;
   }
 };
@@ -120,7 +123,7 @@ struct TouchBody {
 TEST(DeviceBodies, TouchTheSameVoxelsAsOnTheCpu) { expect_same_bits<Slabs>(random_triangles(20000), TouchBody{}); }
 
 struct Measured {
-  std::int64_t weight[8];
+  std::int64_t weight[8], linear[8][3];
   std::uint16_t rgba[8][4];
   std::int16_t normal[4];
 };
@@ -145,12 +148,14 @@ struct MeasureBody {
       CellMoments m{0, 0, 0};
       for (int e = 0; e < polygon.count; ++e) {
         const int f = e + 1 == polygon.count ? 0 : e + 1;
-        add_edge<true>(polygon.u[e] - u, polygon.v[e] - v, polygon.u[f] - u, polygon.v[f] - v, edge_slope(polygon, e),
-                       m);
+        add_edge<true>(polygon.u[e] - u, polygon.v[e] - v, polygon.v[f] - v, plane.line[polygon.line[e]], m);
       }
-      out.weight[i] = weight_of(m.area, plane.area_scale);
+      out.weight[i] = weight_of(m.area, plane.weight_scale);
       const Rgba16 rgba = shade(surface, plane, fragment_centroid(plane, m, u, v), m.area, tables);
       for (int c = 0; c < 4; ++c) out.rgba[i][c] = rgba.c[c];
+      const Fragment linear =
+          linear_fragment(make_linear_colour(surface, plane), u, v, m, plane.weight_scale, surface.normal);
+      for (int c = 0; c < 3; ++c) out.linear[i][c] = linear.colour[c];
     }
     return out;
   }
@@ -169,10 +174,12 @@ std::vector<Sums> random_sums(int count) {
   std::vector<Sums> out(std::size_t(count), Sums{});
   for (Sums& s : out)
     for (int f = 0; f < 3; ++f) {
-      Fragment fragment{std::int64_t(random() >> (28 + random() % 36)) + 1, {}, {}};
-      for (int c = 0; c < 4; ++c) fragment.rgba[c] = std::uint16_t(random());
-      for (int c = 0; c < 3; ++c) fragment.normal[c] = std::int16_t(random() % 65535 - 32767);
-      accumulate(s.sum, fragment);
+      const std::int64_t weight = std::int64_t(random() >> (28 + random() % 36)) + 1;
+      std::uint16_t rgba[4];
+      std::int16_t normal[3];
+      for (std::uint16_t& c : rgba) c = std::uint16_t(random());
+      for (std::int16_t& c : normal) c = std::int16_t(random() % 65535 - 32767);
+      accumulate(s.sum, fragment_of_colour(weight, rgba, normal));
     }
   return out;
 }
@@ -192,30 +199,55 @@ struct ResolveBody {
 
 TEST(DeviceBodies, ResolveToTheSameVoxelsAsOnTheCpu) { expect_same_bits<Resolved>(random_sums(50000), ResolveBody{}); }
 
-struct Mips {
-  Voxel filter[3];
+struct Filtered {
+  Voxel by_mean[2], by_view;
+  std::uint8_t facing[3], raster[3 * 16];
 };
 
-struct MipBody {
-  GB_HD Mips operator()(const VoxelOctet& octet, const Tables& tables) const {
-    Mips out;
-    for (int f = 0; f < 3; ++f) out.filter[f] = mip(octet, MipFilter(f), tables);
+/// Eight voxels of lod 1, those of weight 0 absent, with their rasters.
+struct FilterCase {
+  Voxel child[8];
+  std::uint8_t raster[8][3 * 4];
+
+  template <int N>
+  GB_HD CellRun<N> cells(int c, int axis, int) const {
+    CellRun<N> out = {};
+    for (int i = 0; i < N && child[c].rgba[3] != 0; ++i) out.cell[i] = raster[c][4 * axis + i];
+    return out;
+  }
+};
+
+struct FilterBody {
+  GB_HD Filtered operator()(const FilterCase& from, const Tables& tables) const {
+    Filtered out;
+    const FacingSums seen = see_children<2>(from, out.raster);
+    MipSums by_mean, by_view;
+    for (int c = 0; c < 8; ++c) {
+      by_mean.add(from.child[c], from.child[c].rgba[3], tables);
+      by_view.add(from.child[c], seen.weight(c, 2), tables);
+    }
+    out.by_mean[0] = by_mean.voxel(mean_coverage(by_mean.weight, MipFilter::thesis, tables), tables);
+    out.by_mean[1] = by_mean.voxel(mean_coverage(by_mean.weight, MipFilter::box, tables), tables);
+    for (int a = 0; a < 3; ++a) out.facing[a] = seen.facing(a, 2);
+    out.by_view = by_view.voxel(largest(out.facing), tables);
     return out;
   }
 };
 
 TEST(DeviceBodies, FilterTheSameLevelsAsOnTheCpu) {
   std::mt19937 random(seed);
-  std::vector<VoxelOctet> octets(50000);
-  for (VoxelOctet& o : octets) {
-    o.present = std::uint8_t(1 + random() % 255);
-    for (Voxel& v : o.child) {
+  std::vector<FilterCase> cases(50000);
+  for (FilterCase& f : cases) {
+    for (Voxel& v : f.child) {
       for (std::uint8_t& x : v.rgba) x = std::uint8_t(random());
-      if (v.rgba[3] == 0) v.rgba[3] = 255;
+      if (random() % 3 == 0) v.rgba[3] = 0;
       for (std::int8_t& x : v.normal) x = std::int8_t(int(random() % 255) - 127);
     }
+    f.child[random() % 8].rgba[3] = 255;
+    for (auto& raster : f.raster)
+      for (std::uint8_t& cell : raster) cell = std::uint8_t(1 + random() % 255);
   }
-  expect_same_bits<Mips>(octets, MipBody{});
+  expect_same_bits<Filtered>(cases, FilterBody{});
 }
 
 struct Placed {

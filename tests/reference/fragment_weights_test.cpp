@@ -40,12 +40,12 @@ std::map<Voxel, Weighed> weigh(const Triangle& t, const Window& brick) {
     lanes.count = 1;
     lanes.u[0] = double(i % 8 - plane.anchor[0]);
     lanes.v[0] = double(i / 8 % 8 - plane.anchor[1]);
-    measure_moments(cut_slab(plane, double(i / 64 - plane.anchor[2])), lanes);
+    measure_moments(plane, cut_slab(plane, double(i / 64 - plane.anchor[2])), lanes);
     Voxel v = brick.min;
     v[b.axis] += i / 64;
     v[(b.axis + 1) % 3] += i % 8;
     v[(b.axis + 2) % 3] += i / 8 % 8;
-    out[v] = {weight_of(lanes.area[0], plane.area_scale),
+    out[v] = {weight_of(lanes.area[0], plane.weight_scale),
               {lanes.moment_u[0] / lanes.area[0], lanes.moment_v[0] / lanes.area[0]},
               b.axis};
   }

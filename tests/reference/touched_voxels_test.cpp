@@ -32,10 +32,10 @@ std::set<Voxel> touched(const Triangle& t, SurfaceRule rule, const Window& brick
   return out;
 }
 
-bool is_narrow(const Triangle& t, const Window& brick) {
+bool is_within(const Triangle& t, const Window& brick, std::int64_t extent) {
   for (const auto& v : t)
     for (int r = 0; r < 3; ++r)
-      if (std::abs(v[r] - brick.min[r] * subvoxels) > narrow_extent / 2) return false;
+      if (std::abs(v[r] - brick.min[r] * subvoxels) > extent / 2) return false;
   return true;
 }
 
@@ -57,8 +57,11 @@ TEST_P(TouchedVoxels, AgreesWithExactClippingForEveryRule) {
     for (const SurfaceRule rule : {SurfaceRule::area, SurfaceRule::conservative, SurfaceRule::thin}) {
       const std::set<Voxel> expected = occupied(t, pieces, rule);
       ASSERT_EQ(touched<__int128>(t, rule, brick), expected) << "128 bits" << describe(seed, i, t, rule);
-      if (is_narrow(t, brick)) {
+      if (is_within(t, brick, narrow_extent)) {
         ASSERT_EQ(touched<std::int64_t>(t, rule, brick), expected) << "64 bits" << describe(seed, i, t, rule);
+      }
+      if (is_within(t, brick, small_extent)) {
+        ASSERT_EQ(touched<std::int32_t>(t, rule, brick), expected) << "32 bits" << describe(seed, i, t, rule);
       }
     }
   }
