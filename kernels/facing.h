@@ -17,9 +17,9 @@ namespace gigabake::kernels {
 
 inline constexpr int most_raster_edge = 8;
 /// Cells along an edge of a raster.
-GB_HD int raster_edge(int lod) { return lod < 3 ? 1 << lod : most_raster_edge; }
+GB_HD constexpr int raster_edge(int lod) { return lod < 3 ? 1 << lod : most_raster_edge; }
 /// Of the three axes' cells. Cell (u, v) of an axis, u along the lower of the other two, is u + edge·v.
-GB_HD int raster_bytes(int edge) { return 3 * edge * edge; }
+GB_HD constexpr int raster_bytes(int edge) { return 3 * edge * edge; }
 
 /// x/255, to the nearest. Range  x ≤ 255².
 GB_HD std::uint32_t over_255(std::uint32_t x) {

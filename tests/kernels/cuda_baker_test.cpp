@@ -18,6 +18,7 @@ void expect_equal(const CellVolume& host, const CellVolume& device) {
     ASSERT_EQ(h.first, d.first) << "lod " << l;
     ASSERT_EQ(h.rgba, d.rgba) << "lod " << l;
     ASSERT_EQ(h.normal, d.normal) << "lod " << l;
+    ASSERT_EQ(h.facing, d.facing) << "lod " << l;
   }
   EXPECT_EQ(host.nodes.key, device.nodes.key);
   EXPECT_EQ(host.nodes.lod, device.nodes.lod);
