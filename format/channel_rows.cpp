@@ -1,7 +1,7 @@
 #include "format/channel_rows.h"
 
-#include <algorithm>
 #include <bit>
+#include <cstring>
 #include <vector>
 
 #include "format/broken_rule.h"
@@ -40,7 +40,9 @@ void ChannelRows::read(std::uint64_t brick, std::span<const std::uint64_t> mask,
   const bool is_constant = value_.rows() != voxels_;
   if (!is_constant && width == to.stride) return value_.read(first_voxel, voxels, to.first);
   const auto value = read_rows<std::uint8_t>(value_, is_constant ? 0 : first_voxel, is_constant ? 1 : voxels, width);
-  for (std::size_t v = 0; v < voxels; ++v) std::copy_n(&value[is_constant ? 0 : v * width], width, to[v]);
+  with_known_width(width, [&](auto known) {
+    for (std::size_t v = 0; v < voxels; ++v) std::memcpy(to[v], value.data() + (is_constant ? 0 : v * known), known);
+  });
 }
 
 void ChannelRows::read_shared(std::uint64_t brick, std::span<const std::uint64_t> mask,

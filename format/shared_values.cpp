@@ -66,7 +66,8 @@ struct Alike {
   const std::uint8_t* value = nullptr;  ///< of the first voxel
   bool holds = true;
 
-  void add(const std::uint8_t* other, bool others_hold, std::size_t width) {
+  template <class Width>
+  void add(const std::uint8_t* other, bool others_hold, Width width) {
     if (value == nullptr) value = other;
     holds &= others_hold && std::memcmp(value, other, width) == 0;
   }
@@ -75,8 +76,10 @@ struct Alike {
 void find_shares(const std::uint64_t* mask, ChannelBytes<const std::uint8_t> bytes, std::size_t width,
                  std::uint8_t* share) {
   std::array<Alike, groups> group{};
-  std::size_t voxel = 0;
-  for_each_group_of_voxels(mask, [&](std::uint8_t g) { group[g].add(bytes[voxel++], true, width); });
+  with_known_width(width, [&](auto known) {
+    std::size_t voxel = 0;
+    for_each_group_of_voxels(mask, [&](std::uint8_t g) { group[g].add(bytes[voxel++], true, known); });
+  });
   Alike brick;
   for (unsigned o = 0; o < 8; ++o) {
     Alike octant;
@@ -102,7 +105,9 @@ bool all_alike(ChannelBytes<const std::uint8_t> bytes, std::size_t width, std::s
 void copy_values(ChannelBytes<const std::uint8_t> bytes, std::size_t width, std::size_t voxels,
                  std::vector<std::uint8_t>& value) {
   value.resize(voxels * width);
-  for (std::size_t v = 0; v < voxels; ++v) std::copy_n(bytes[v], width, &value[v * width]);
+  with_known_width(width, [&](auto known) {
+    for (std::size_t v = 0; v < voxels; ++v) std::memcpy(&value[v * known], bytes[v], known);
+  });
 }
 
 }  // namespace
@@ -148,8 +153,10 @@ std::size_t count_values(const std::uint64_t* mask, const std::uint8_t* share) {
 
 void spread_values(const std::uint64_t* mask, const std::uint8_t* share, const std::uint8_t* value, std::size_t width,
                    ChannelBytes<std::uint8_t> to) {
-  for_each_value(mask, share, [&](std::size_t voxel, std::size_t number, bool) {
-    std::copy_n(value + number * width, width, to[voxel]);
+  with_known_width(width, [&](auto known) {
+    for_each_value(mask, share, [&](std::size_t voxel, std::size_t number, bool) {
+      std::memcpy(to[voxel], value + number * known, known);
+    });
   });
 }
 
