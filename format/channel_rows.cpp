@@ -1,7 +1,7 @@
 #include "format/channel_rows.h"
 
-#include <algorithm>
 #include <bit>
+#include <cstring>
 #include <vector>
 
 #include "format/broken_rule.h"
@@ -40,7 +40,9 @@ void ChannelRows::read(std::uint64_t brick, std::span<const std::uint64_t> mask,
   const bool is_constant = value_.rows() != voxels_;
   if (!is_constant && width == to.stride) return value_.read(first_voxel, voxels, to.first);
   const auto value = read_rows<std::uint8_t>(value_, is_constant ? 0 : first_voxel, is_constant ? 1 : voxels, width);
-  for (std::size_t v = 0; v < voxels; ++v) std::copy_n(&value[is_constant ? 0 : v * width], width, to[v]);
+  with_known_width(width, [&](auto known) {
+    for (std::size_t v = 0; v < voxels; ++v) std::memcpy(to[v], value.data() + (is_constant ? 0 : v * known), known);
+  });
 }
 
 void ChannelRows::read_shared(std::uint64_t brick, std::span<const std::uint64_t> mask,
@@ -51,16 +53,16 @@ void ChannelRows::read_shared(std::uint64_t brick, std::span<const std::uint64_t
   const BrokenRule table{file_.path(), columns_.first.name};
   table.expect(brick > 0 || first[0] == 0, 0, "does not begin at 0");
   for (std::size_t b = 0; b < bricks; ++b)
-    table.expect(share[share_bytes * b + 9] <= 1 &&
-                     first[b + 1] == first[b] + count_values(&mask[8 * b], &share[share_bytes * b]),
-                 brick + b, "does not count the values that are shared");
+    table.expect(first[b + 1] > first[b] && first[b + 1] - first[b] <= brick_voxels, brick + b,
+                 "does not count the values that are shared");
   table.expect(first.back() <= value_.rows() && (brick + bricks + 1 < first_->rows() || first.back() == value_.rows()),
                brick + bricks, "does not end at the number of values");
   const auto value = read_rows<std::uint8_t>(value_, first[0], first.back() - first[0], width);
   std::size_t voxel = 0;
   for (std::size_t b = 0; b < bricks; ++b) {
-    spread_values(&mask[8 * b], &share[share_bytes * b], value.data() + (first[b] - first[0]) * width, width,
-                  {to[voxel], to.stride});
+    const std::span values(value.data() + (first[b] - first[0]) * width, (first[b + 1] - first[b]) * width);
+    const bool fits = spread_values(&mask[8 * b], &share[share_bytes * b], values, width, {to[voxel], to.stride});
+    table.expect(fits && share[share_bytes * b + 9] <= 1, brick + b, "does not count the values that are shared");
     for (std::size_t w = 0; w < 8; ++w) voxel += std::size_t(std::popcount(mask[8 * b + w]));
   }
 }

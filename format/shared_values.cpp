@@ -32,6 +32,12 @@ void for_each_group_of_voxels(const std::uint64_t* mask, const Visit& visit) {
       visit(group_of_voxel[64 * z + unsigned(std::countr_zero(rest))]);
 }
 
+std::size_t count_voxels(const std::uint64_t* mask) {
+  int bits = 0;
+  for (std::size_t z = 0; z < brick_edge; ++z) bits += std::popcount(mask[z]);
+  return std::size_t(bits);
+}
+
 /// For each group of voxels the lowest one with which it shares, or `own`.
 std::array<std::uint8_t, groups> leaders(const std::uint8_t* share) {
   std::array<std::uint8_t, groups> leader{};
@@ -66,7 +72,8 @@ struct Alike {
   const std::uint8_t* value = nullptr;  ///< of the first voxel
   bool holds = true;
 
-  void add(const std::uint8_t* other, bool others_hold, std::size_t width) {
+  template <class Width>
+  void add(const std::uint8_t* other, bool others_hold, Width width) {
     if (value == nullptr) value = other;
     holds &= others_hold && std::memcmp(value, other, width) == 0;
   }
@@ -75,8 +82,10 @@ struct Alike {
 void find_shares(const std::uint64_t* mask, ChannelBytes<const std::uint8_t> bytes, std::size_t width,
                  std::uint8_t* share) {
   std::array<Alike, groups> group{};
-  std::size_t voxel = 0;
-  for_each_group_of_voxels(mask, [&](std::uint8_t g) { group[g].add(bytes[voxel++], true, width); });
+  with_known_width(width, [&](auto known) {
+    std::size_t voxel = 0;
+    for_each_group_of_voxels(mask, [&](std::uint8_t g) { group[g].add(bytes[voxel++], true, known); });
+  });
   Alike brick;
   for (unsigned o = 0; o < 8; ++o) {
     Alike octant;
@@ -102,7 +111,9 @@ bool all_alike(ChannelBytes<const std::uint8_t> bytes, std::size_t width, std::s
 void copy_values(ChannelBytes<const std::uint8_t> bytes, std::size_t width, std::size_t voxels,
                  std::vector<std::uint8_t>& value) {
   value.resize(voxels * width);
-  for (std::size_t v = 0; v < voxels; ++v) std::copy_n(bytes[v], width, &value[v * width]);
+  with_known_width(width, [&](auto known) {
+    for (std::size_t v = 0; v < voxels; ++v) std::memcpy(&value[v * known], bytes[v], known);
+  });
 }
 
 }  // namespace
@@ -146,11 +157,23 @@ std::size_t count_values(const std::uint64_t* mask, const std::uint8_t* share) {
   return for_each_value(mask, share, [](std::size_t, std::size_t, bool) {});
 }
 
-void spread_values(const std::uint64_t* mask, const std::uint8_t* share, const std::uint8_t* value, std::size_t width,
-                   ChannelBytes<std::uint8_t> to) {
-  for_each_value(mask, share, [&](std::size_t voxel, std::size_t number, bool) {
-    std::copy_n(value + number * width, width, to[voxel]);
+bool spread_values(const std::uint64_t* mask, const std::uint8_t* share, std::span<const std::uint8_t> value,
+                   std::size_t width, ChannelBytes<std::uint8_t> to) {
+  const std::size_t values = value.size() / width;
+  if (values == 0) return false;
+  std::size_t count = 0;
+  with_known_width(width, [&](auto known) {
+    if (share[9] != 0) {  // most bricks of an opaque channel
+      const std::size_t voxels = count_voxels(mask);
+      for (std::size_t v = 0; v < voxels; ++v) std::memcpy(to[v], value.data(), known);
+      count = 1;
+      return;
+    }
+    count = for_each_value(mask, share, [&](std::size_t voxel, std::size_t number, bool) {
+      std::memcpy(to[voxel], &value[std::min(number, values - 1) * known], known);
+    });
   });
+  return count == values;
 }
 
 }  // namespace gigabake

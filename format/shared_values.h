@@ -31,8 +31,9 @@ SharedValues share_values(std::span<const std::uint64_t> mask, std::span<const s
 /// How many values a brick has. mask: 8 words; share: share_bytes.
 std::size_t count_values(const std::uint64_t* mask, const std::uint8_t* share);
 
-/// Gives each voxel of the brick its value. Range  value: count_values(); to: as many voxels as mask has bits.
-void spread_values(const std::uint64_t* mask, const std::uint8_t* share, const std::uint8_t* value, std::size_t width,
-                   ChannelBytes<std::uint8_t> to);
+/// Gives each voxel of the brick its value. Range  to: as many voxels as mask has bits.
+/// False where `value` does not hold count_values() values of `width` bytes; then voxels have any.
+bool spread_values(const std::uint64_t* mask, const std::uint8_t* share, std::span<const std::uint8_t> value,
+                   std::size_t width, ChannelBytes<std::uint8_t> to);
 
 }  // namespace gigabake

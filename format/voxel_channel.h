@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "format/hdf5_file.h"
@@ -40,6 +41,22 @@ struct ChannelBytes {
   std::size_t stride;
   Byte* operator[](std::size_t voxel) const { return first + voxel * stride; }
 };
+
+/// body(width) with a width that the compiler knows, for those that there are: copies of 1 to 4 bytes are instructions
+/// then, not calls.
+template <class Body>
+void with_known_width(std::size_t width, const Body& body) {
+  switch (width) {
+    case 1:
+      return body(std::integral_constant<std::size_t, 1>());
+    case 2:
+      return body(std::integral_constant<std::size_t, 2>());
+    case 3:
+      return body(std::integral_constant<std::size_t, 3>());
+    default:
+      return body(width);
+  }
+}
 
 inline std::size_t bytes_a_voxel(VoxelArray array) {
   return array == VoxelArray::rgba ? 4 : array == VoxelArray::normal ? 2 : 3;

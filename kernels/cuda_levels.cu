@@ -149,18 +149,40 @@ struct ViewOut {
   std::uint8_t *facing, *raster;
 };
 
+/// Small rasters are made in registers.
+template <int Edge>
+__device__ FacingSums view(const LevelView& level, const Children& children, const std::uint8_t* rasters,
+                           std::uint8_t* raster) {
+  const ChildRasters<Edge> from{children, level.rgba, rasters};
+  if constexpr (Edge >= 4) {
+    return see_children<Edge>(from, raster);
+  } else {
+    constexpr int words = raster_bytes(2 * Edge) / 4;
+    alignas(16) std::uint8_t cells[4 * words];
+    const FacingSums seen = see_children<Edge>(from, cells);
+#pragma unroll
+    for (int w = 0; w < words; ++w)
+      reinterpret_cast<std::uint32_t*>(raster)[w] = reinterpret_cast<const std::uint32_t*>(cells)[w];
+    return seen;
+  }
+}
+
 /// Edge: of the children's rasters.
 template <int Edge>
 __device__ Voxel filter_by_view(const LevelView& level, const Children& children, const std::uint8_t* rasters,
                                 const Tables& tables, const ViewOut& out) {
-  const FacingSums seen = see_children<Edge>(ChildRasters<Edge>{children, level.rgba, rasters}, out.raster);
+  const FacingSums seen = view<Edge>(level, children, rasters, out.raster);
   std::uint8_t facing[3];
   for (int a = 0; a < 3; ++a) out.facing[a] = facing[a] = seen.facing(a, Edge);
   MipSums sums;
+#pragma unroll
   for (int c = 0; c < 8; ++c)
     if (children.at[c] != Children::none) sums.add(voxel_at(level, children.at[c]), seen.weight(c, Edge), tables);
-  for (int c = 0; c < 8 && sums.weight == 0; ++c)  // too faint to be seen
-    if (children.at[c] != Children::none) sums.add(voxel_at(level, children.at[c]), 1, tables);
+  if (sums.weight == 0) {  // too faint to be seen
+#pragma unroll
+    for (int c = 0; c < 8; ++c)
+      if (children.at[c] != Children::none) sums.add(voxel_at(level, children.at[c]), 1, tables);
+  }
   return sums.voxel(largest(facing), tables);
 }
 

@@ -27,7 +27,7 @@ GB_HD std::uint32_t over_255(std::uint32_t x) {
   return (x + (x >> 8)) >> 8;
 }
 
-/// Cells of two rasters that stand one behind the other. N: 1, 4 or 16; two rows of an 8×8 raster, else all of it.
+/// Cells of a raster that stand side by side. Of a column N = 1, 4 or 16: two rows of an 8×8 raster, else all of it.
 template <int N>
 struct CellRun {
   alignas(N) std::uint8_t cell[N];
@@ -36,6 +36,7 @@ struct CellRun {
 /// What is covered by either, and the sums of all three.
 template <int N>
 GB_HD void cover(const CellRun<N>& low, const CellRun<N>& high, CellRun<N>& either, std::uint32_t sums[3]) {
+  GB_UNROLL
   for (int i = 0; i < N; ++i) {
     const std::uint32_t a = low.cell[i], b = high.cell[i], both = a + b - over_255(a * b);
     either.cell[i] = std::uint8_t(both);
@@ -75,55 +76,71 @@ struct FacingSums {
   }
 };
 
-/// Which cells of the parent's raster a run of a column's cells becomes: rows of `width` cells from `first`.
-struct RasterPiece {
-  int first, width, rows;
-};
-
-/// edge: of the children's rasters; the parent's has edge 2·edge, or 8. run: which one of the column.
-GB_HD RasterPiece raster_piece(int edge, int axis, int column, int run) {
-  const int width = edge < most_raster_edge ? edge : most_raster_edge / 2, stride = 2 * width;
-  const int u = width * (column & 1), v = width * (column >> 1) + run;
-  return {axis * stride * stride + u + stride * v, width, edge < most_raster_edge ? edge : 1};
-}
-
-/// Puts a run of covered cells where it belongs in the parent's raster.
-template <int Edge, int N>
-GB_HD void put(const CellRun<N>& run, const RasterPiece& piece, std::uint8_t* raster) {
-  const int stride = 2 * piece.width;
-  for (int row = 0; row < piece.rows; ++row)
-    for (int i = 0; i < piece.width; ++i) {
-      std::uint32_t cell = 0;
-      if constexpr (Edge < most_raster_edge)
-        cell = run.cell[i + Edge * row];
-      else
-        cell = (run.cell[2 * i] + run.cell[2 * i + 1] + run.cell[2 * i + 8] + run.cell[2 * i + 9] + 2u) / 4;
-      raster[piece.first + i + stride * row] = std::uint8_t(cell);
-    }
-}
-
 template <int Edge>
 inline constexpr int run_cells = Edge < 4 ? Edge* Edge : 16;
 template <int Edge>
 inline constexpr int runs_per_column = Edge* Edge / run_cells<Edge>;
 
+/// The rows of the parent's raster that a run of a column's cells becomes. Edge: of the children's rasters; the
+/// parent's has edge 2·Edge, or 8.
+template <int Edge>
+struct RasterRows {
+  static constexpr int width = Edge < most_raster_edge ? Edge : most_raster_edge / 2;
+  static constexpr int stride = 2 * width, rows = Edge < most_raster_edge ? Edge : 1;
+
+  /// Where the first row begins. run: which one of the column.
+  GB_HD static int first(int axis, int column, int run) {
+    return axis * stride * stride + width * (column & 1) + stride * (width * (column >> 1) + run);
+  }
+};
+
+/// At once where a device can. Range  to: a multiple of N from a raster's beginning.
+template <int N>
+GB_HD void store_cells(const CellRun<N>& run, std::uint8_t* to) {
+#if defined(__CUDA_ARCH__)
+  *reinterpret_cast<CellRun<N>*>(to) = run;
+#else
+  for (int i = 0; i < N; ++i) to[i] = run.cell[i];
+#endif
+}
+
+/// Puts a run of covered cells where it belongs in the parent's raster.
+template <int Edge>
+GB_HD void put(const CellRun<run_cells<Edge>>& run, std::uint8_t* to) {
+  using Rows = RasterRows<Edge>;
+  GB_UNROLL
+  for (int row = 0; row < Rows::rows; ++row) {
+    CellRun<Rows::width> cells;
+    GB_UNROLL
+    for (int i = 0; i < Rows::width; ++i) {
+      if constexpr (Edge < most_raster_edge)
+        cells.cell[i] = run.cell[i + Edge * row];
+      else
+        cells.cell[i] =
+            std::uint8_t((run.cell[2 * i] + run.cell[2 * i + 1] + run.cell[2 * i + 8] + run.cell[2 * i + 9] + 2u) / 4);
+    }
+    store_cells(cells, to + Rows::stride * row);
+  }
+}
+
 /// children: gives run `run` of an axis of a child's raster; zeros where there is none. raster: the parent's, which is
-/// written whole.
+/// written whole, and aligned to 16 bytes on a device.
 template <int Edge, class Children>
 GB_HD FacingSums see_children(const Children& children, std::uint8_t* raster) {
   FacingSums result;
-  for (int axis = 0; axis < 3; ++axis)
-    for (int column = 0; column < 4; ++column) {
-      const int low = low_child(axis, column), high = low | 1 << axis;
-      std::uint32_t sums[3] = {};
-      for (int run = 0; run < runs_per_column<Edge>; ++run) {
-        CellRun<run_cells<Edge>> either;
-        cover(children.template cells<run_cells<Edge>>(low, axis, run),
-              children.template cells<run_cells<Edge>>(high, axis, run), either, sums);
-        put<Edge>(either, raster_piece(Edge, axis, column, run), raster);
-      }
-      result.add(axis, column, sums);
+  GB_UNROLL
+  for (int axis = 0; axis < 3; ++axis) GB_UNROLL
+  for (int column = 0; column < 4; ++column) {
+    const int low = low_child(axis, column), high = low | 1 << axis;
+    std::uint32_t sums[3] = {};
+    for (int run = 0; run < runs_per_column<Edge>; ++run) {
+      CellRun<run_cells<Edge>> either;
+      cover(children.template cells<run_cells<Edge>>(low, axis, run),
+            children.template cells<run_cells<Edge>>(high, axis, run), either, sums);
+      put<Edge>(either, raster + RasterRows<Edge>::first(axis, column, run));
     }
+    result.add(axis, column, sums);
+  }
   return result;
 }
 

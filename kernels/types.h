@@ -10,6 +10,13 @@
 #define GB_HD inline
 #endif
 
+/// A loop that a device must unroll, so that arrays which it indexes can be registers.
+#if defined(__CUDA_ARCH__)
+#define GB_UNROLL _Pragma("unroll")
+#else
+#define GB_UNROLL
+#endif
+
 namespace gigabake::kernels {
 
 /// Borrowed, contiguous. Trivially copyable: passes to a device by value.

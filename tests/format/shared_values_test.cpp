@@ -39,9 +39,11 @@ Made made_bricks(std::mt19937_64& rng, std::size_t bricks, std::size_t width) {
 
 std::vector<std::uint8_t> spread(const Made& made, const SharedValues& shared, std::size_t width) {
   std::vector<std::uint8_t> out(made.bytes.size());
-  for (std::size_t b = 0; b + 1 < made.first.size(); ++b)
-    spread_values(&made.mask[8 * b], &shared.share[share_bytes * b], &shared.value[shared.first[b] * width], width,
-                  {&out[made.first[b] * width], width});
+  for (std::size_t b = 0; b + 1 < made.first.size(); ++b) {
+    const std::span values(&shared.value[shared.first[b] * width], (shared.first[b + 1] - shared.first[b]) * width);
+    EXPECT_TRUE(spread_values(&made.mask[8 * b], &shared.share[share_bytes * b], values, width,
+                              {&out[made.first[b] * width], width}));
+  }
   return out;
 }
 
@@ -86,9 +88,11 @@ TEST(SharedValues, OfANewBrickOctantOrGroupStandWhereItsFirstVoxelWould) {
   share[8] = 1 << 5;
   EXPECT_EQ(count_values(mask, share), 2u);
   std::uint8_t out[6];
-  const std::uint8_t value[2] = {4, 9};
-  spread_values(mask, share, value, 1, {out, 1});
+  const std::vector<std::uint8_t> value{4, 9};
+  EXPECT_TRUE(spread_values(mask, share, value, 1, {out, 1}));
   EXPECT_TRUE(std::equal(out, out + 6, std::initializer_list<std::uint8_t>{4, 4, 4, 4, 9, 9}.begin()));
+  for (const std::size_t wrong : {0, 1, 3})
+    EXPECT_FALSE(spread_values(mask, share, std::vector<std::uint8_t>(wrong), 1, {out, 1})) << wrong;
   share[9] = 1;
   EXPECT_EQ(count_values(mask, share), 1u);
 }

@@ -201,7 +201,8 @@ TEST(DeviceBodies, ResolveToTheSameVoxelsAsOnTheCpu) { expect_same_bits<Resolved
 
 struct Filtered {
   Voxel by_mean[2], by_view;
-  std::uint8_t facing[3], raster[3 * 16];
+  std::uint8_t facing[3];
+  alignas(16) std::uint8_t raster[3 * 16];
 };
 
 /// Eight voxels of lod 1, those of weight 0 absent, with their rasters.
