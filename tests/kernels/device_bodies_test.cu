@@ -202,7 +202,7 @@ TEST(DeviceBodies, ResolveToTheSameVoxelsAsOnTheCpu) { expect_same_bits<Resolved
 struct Filtered {
   Voxel by_mean[2], by_view;
   std::uint8_t facing[3];
-  alignas(16) std::uint8_t raster[3 * 16];
+  std::uint8_t raster[3 * 16];
 };
 
 /// Eight voxels of lod 1, those of weight 0 absent, with their rasters.
@@ -221,7 +221,9 @@ struct FilterCase {
 struct FilterBody {
   GB_HD Filtered operator()(const FilterCase& from, const Tables& tables) const {
     Filtered out;
-    const FacingSums seen = see_children<2>(from, out.raster);
+    alignas(16) std::uint8_t raster[3 * 16];
+    const FacingSums seen = see_children<2>(from, raster);
+    for (int i = 0; i < 3 * 16; ++i) out.raster[i] = raster[i];
     MipSums by_mean, by_view;
     for (int c = 0; c < 8; ++c) {
       by_mean.add(from.child[c], from.child[c].rgba[3], tables);
