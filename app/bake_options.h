@@ -22,6 +22,7 @@ struct BakeOptions {
   void add_to(CLI::App& command);
   /// Errors  UsageError: what was expected of which option.
   BakeRequest request() const;
+  Backend wanted_backend() const;
 };
 
 }  // namespace gigabake::app
