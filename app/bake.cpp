@@ -21,6 +21,7 @@ int run(const BakeOptions& options, MpiSession& mpi) {
   const BakeSummary summary = bake(mpi, request, progress.callbacks());
   if (mpi.rank() != 0) return complete;
   options.json ? print_json_report(summary, request.out) : print_report(summary, request.out);
+  warn_of(summary.precision);
   print_losses(summary.scene.losses);
   const int exit_code = exit_code_of(summary);
   if (summary.lost_ranks != 0) mpi.abort(exit_code);  // a rank that hangs would never join the end

@@ -60,6 +60,15 @@ void print_left_out(const Counts& c) {
     fmt::print("skipped: {} points and {} lines, which have no surface\n", c.skipped_points, c.skipped_lines);
 }
 
+void add_precision(const SourcePrecision& p, nlohmann::ordered_json& j) {
+  nlohmann::ordered_json& out = j["source_precision"];
+  out = {{"wanted_m", p.wanted_m},
+         {"largest_spacing_m", p.largest_spacing_m},
+         {"coarse_sources", p.coarse_sources},
+         {"coarse", nlohmann::ordered_json::array()}};
+  for (const CoarseSource& c : p.coarse) out["coarse"].push_back({{"name", c.name}, {"spacing_m", c.spacing_m}});
+}
+
 template <class Counts>
 void add_left_out(const Counts& c, nlohmann::ordered_json& j) {
   j["dropped"] = {{"non_finite", c.non_finite}, {"zero_area", c.zero_area}};
@@ -139,6 +148,7 @@ void print_json_report(const BakeSummary& s, const std::filesystem::path& out) {
   j["bad_uv"] = s.bad_uv;
   j["orphans"] = {{"shards", s.orphans.files}, {"bytes", s.orphans.bytes}};
   j["pruned"] = {{"shards", s.pruned.files}, {"bytes", s.pruned.bytes}};
+  add_precision(s.precision, j);
   add_left_out(s.scene, j);
   print_json(j);
 }
@@ -178,8 +188,22 @@ void print_json_report(const BakePlan& plan, const std::optional<PriorResults>& 
                          {"fingerprint", job.fingerprint.hex()}});
     if (prior) j["jobs"].back()["prior"] = text(prior->reasons[job.id]);
   }
+  add_precision(plan.precision, j);
   add_left_out(plan, j);
   print_json(j);
+}
+
+void warn_of(const SourcePrecision& precision) {
+  std::fflush(stdout);
+  if (precision.coarse.empty()) return;
+  const CoarseSource& worst = precision.coarse[0];
+  const std::uint64_t more = precision.coarse_sources - 1;
+  fmt::print(
+      stderr,
+      "warning: {} stores positions in steps of up to {:.3g} m, but voxels are {:.6g} m{}; its vertices are off by "
+      "up to half a step. Write them relative to a centre (a tile's transform, RTC_CENTER) or with more bits\n",
+      worst.name, worst.spacing_m, precision.wanted_m * 4,
+      more == 0 ? "" : fmt::format("; and {} more source{}", more, more == 1 ? "" : "s"));
 }
 
 void print_losses(const std::vector<SceneLoss>& losses) {

@@ -48,6 +48,7 @@ struct BakeProgress {
 /// Stage seconds are sums over cells; stages of consecutive cells overlap.
 struct BakeSummary {
   SceneDescription scene;
+  SourcePrecision precision;
   BakeStatus status;  ///< at the end
   double survey_s = 0, bake_s = 0, read_s = 0, kernel_s = 0, write_s = 0;
   std::uint64_t peak_kernel_bytes = 0;   ///< of the largest cell

@@ -33,7 +33,8 @@ TileSurvey some_survey() {
           5,
           {6, 7},
           "cannot be read",
-          {{"a.gltf", {1, 2, 3, 4}, true}, {"b c.bin", {}, false}}};
+          {{"a.gltf", {1, 2, 3, 4}, true}, {"b c.bin", {}, false}},
+          0.5};
 }
 
 TEST(CellJob, ComesBackFromItsBytes) {
@@ -78,6 +79,7 @@ TEST(TileSurvey, ComesBackFromItsBytes) {
   EXPECT_EQ(back.skipped_lines, survey.skipped_lines);
   EXPECT_EQ(back.source, survey.source);
   EXPECT_EQ(back.error, survey.error);
+  EXPECT_EQ(back.spacing_m, 0.5);
   ASSERT_EQ(back.files.size(), 2u);
   EXPECT_EQ(back.files[0].name, "a.gltf");
   EXPECT_EQ(back.files[0].stamp, survey.files[0].stamp);
