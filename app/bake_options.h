@@ -10,8 +10,8 @@ namespace gigabake::app {
 
 /// Text as typed; request() turns it into values.
 struct BakeOptions {
-  std::string source, out, metrics, voxel_size, surface = "area", mip = "coverage", lattice_origin, origin, up,
-                                                backend = "auto";
+  std::string source, out, metrics, report, voxel_size, surface = "area", mip = "coverage", lattice_origin, origin, up,
+                                                        backend = "auto";
   std::vector<int> gpus;
   std::uint32_t cell_voxels = 1024;
   bool local = false, no_normals = false, keep_going = true, prune = false, json = false;
