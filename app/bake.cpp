@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <memory>
 
 #include "app/bake_options.h"
@@ -6,6 +7,7 @@
 #include "app/on_all_ranks.h"
 #include "app/progress.h"
 #include "cluster/drain.h"
+#include "format/publish.h"
 
 namespace gigabake::app {
 namespace {
@@ -20,8 +22,11 @@ int run(const BakeOptions& options, MpiSession& mpi) {
   Progress progress;
   const BakeSummary summary = bake(mpi, request, progress.callbacks());
   if (mpi.rank() != 0) return complete;
-  options.json ? print_json_report(summary, request.out) : print_report(summary, request.out);
+  const std::string report = json_report(summary, request.out);
+  options.json ? fmt::print("{}", report) : print_report(summary, request.out);
+  warn_of(summary.precision);
   print_losses(summary.scene.losses);
+  if (!options.report.empty()) publish_file(options.report, report);
   const int exit_code = exit_code_of(summary);
   if (summary.lost_ranks != 0) mpi.abort(exit_code);  // a rank that hangs would never join the end
   return exit_code;
@@ -37,6 +42,7 @@ void add_bake(CLI::App& app, int& exit_code) {
   command->add_option("-o,--out", options->out, "folder of the result: scene.xml and shards/")->required();
   command->add_option("--metrics", options->metrics,
                       "file that Prometheus' node_exporter reads (*.prom), rewritten every second");
+  command->add_option("--report", options->report, "file for what --json prints: counts, times, accuracy figures");
   command->add_flag("--keep-going,!--no-keep-going", options->keep_going,
                     "bake the rest after a tile or cell failed (default), or stop there and publish nothing");
   command->add_flag("--prune", options->prune,

@@ -55,6 +55,11 @@ void BakeOptions::add_to(CLI::App& command) {
   command.add_flag("--json", json, "print the answer as JSON");
 }
 
+Backend BakeOptions::wanted_backend() const {
+  return choice<Backend>("--backend", {{"auto", Backend::automatic}, {"cpu", Backend::cpu}, {"cuda", Backend::cuda}},
+                         backend);
+}
+
 BakeRequest BakeOptions::request() const {
   BakeRequest r;
   r.source = source;
@@ -88,8 +93,7 @@ BakeRequest BakeOptions::request() const {
   r.stall_s = seconds("--stall", stall_s, 1);
   r.cell_timeout_s = seconds("--cell-timeout", cell_timeout_s, 1);
   r.silence_s = seconds("--silence", silence_s, 5);
-  r.backend = choice<Backend>("--backend",
-                              {{"auto", Backend::automatic}, {"cpu", Backend::cpu}, {"cuda", Backend::cuda}}, backend);
+  r.backend = wanted_backend();
   r.gpus = gpus;
   return r;
 }

@@ -10,8 +10,8 @@ namespace gigabake::app {
 
 /// Text as typed; request() turns it into values.
 struct BakeOptions {
-  std::string source, out, metrics, voxel_size, surface = "area", mip = "coverage", lattice_origin, origin, up,
-                                                backend = "auto", codec = "deflate", channels = "rgba,normal";
+  std::string source, out, metrics, report, voxel_size, surface = "area", mip = "coverage", lattice_origin, origin, up,
+                                                        backend = "auto", codec = "deflate", channels = "rgba,normal";
   std::vector<int> gpus;
   std::uint32_t cell_voxels = 1024;
   bool local = false, keep_going = true, prune = false, json = false;
@@ -23,6 +23,7 @@ struct BakeOptions {
   void add_to(CLI::App& command);
   /// Errors  UsageError: what was expected of which option.
   BakeRequest request() const;
+  Backend wanted_backend() const;
 };
 
 }  // namespace gigabake::app

@@ -1,8 +1,10 @@
 #include "app/bake_report.h"
 
+#include <cmath>
 #include <cstdio>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <utility>
 
 #include "app/status_text.h"
@@ -12,6 +14,7 @@ namespace gigabake::app {
 namespace {
 
 constexpr std::size_t slow_cells_printed = 3;
+constexpr int subvoxels = 256;  ///< to a voxel's edge: the lattice to which vertices are snapped
 
 /// Totals over the scene's cells.
 struct Totals {
@@ -47,8 +50,8 @@ void add_slowest(const std::vector<SlowCell>& cells, nlohmann::ordered_json& j) 
 }
 
 /// File names need not be UTF-8, JSON must be.
-void print_json(const nlohmann::ordered_json& j) {
-  fmt::print("{}\n", j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+std::string text_of(const nlohmann::ordered_json& j) {
+  return j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 /// Of a plan or a scene: what was in the source and is not in the result, with reason.
@@ -58,6 +61,34 @@ void print_left_out(const Counts& c) {
     fmt::print("dropped: {} triangles with NaN or infinite vertices, {} without area\n", c.non_finite, c.zero_area);
   if (c.skipped_points + c.skipped_lines != 0)
     fmt::print("skipped: {} points and {} lines, which have no surface\n", c.skipped_points, c.skipped_lines);
+}
+
+void add_precision(const SourcePrecision& p, nlohmann::ordered_json& j) {
+  nlohmann::ordered_json& out = j["source_precision"];
+  out = {{"wanted_m", p.wanted_m},
+         {"largest_spacing_m", p.largest_spacing_m},
+         {"coarse_sources", p.coarse_sources},
+         {"coarse", nlohmann::ordered_json::array()}};
+  for (const CoarseSource& c : p.coarse) out["coarse"].push_back({{"name", c.name}, {"spacing_m", c.spacing_m}});
+}
+
+/// What is known of the scene's errors without looking at it again; docs/accuracy.md says what each number is.
+void add_accuracy(const BakeSummary& s, nlohmann::ordered_json& j) {
+  const double half_step_m = s.scene.voxel_size_m / (2 * subvoxels);
+  j["snap_error_bound_m"] = {{"axis", half_step_m}, {"distance", std::numbers::sqrt3 * half_step_m}};
+  add_precision(s.precision, j);
+  j["levels"] = nlohmann::ordered_json::array();
+  for (std::size_t lod = 0; lod < s.levels.size(); ++lod) {
+    const LevelSummary& level = s.levels[lod];
+    const std::uint64_t voxels = level.voxels();
+    j["levels"].push_back({{"lod", lod},
+                           {"voxel_size_m", std::ldexp(s.scene.voxel_size_m, int(lod))},
+                           {"voxels", voxels},
+                           {"bytes", level.stored_bytes},
+                           {"bytes_per_voxel", voxels == 0 ? 0 : double(level.stored_bytes) / double(voxels)},
+                           {"mean_coverage", level.mean_coverage()},
+                           {"coverage", level.coverage}});
+  }
 }
 
 template <class Counts>
@@ -110,7 +141,7 @@ void print_report(const BakeSummary& s, const std::filesystem::path& out) {
   fmt::print("{}\n", (out / "scene.xml").string());
 }
 
-void print_json_report(const BakeSummary& s, const std::filesystem::path& out) {
+std::string json_report(const BakeSummary& s, const std::filesystem::path& out) {
   const Totals t(s.scene);
   nlohmann::ordered_json j;
   j["scene"] = (out / "scene.xml").string();
@@ -139,8 +170,9 @@ void print_json_report(const BakeSummary& s, const std::filesystem::path& out) {
   j["bad_uv"] = s.bad_uv;
   j["orphans"] = {{"shards", s.orphans.files}, {"bytes", s.orphans.bytes}};
   j["pruned"] = {{"shards", s.pruned.files}, {"bytes", s.pruned.bytes}};
+  add_accuracy(s, j);
   add_left_out(s.scene, j);
-  print_json(j);
+  return text_of(j);
 }
 
 void print_report(const BakePlan& plan, const std::optional<PriorResults>& prior) {
@@ -178,8 +210,22 @@ void print_json_report(const BakePlan& plan, const std::optional<PriorResults>& 
                          {"fingerprint", job.fingerprint.hex()}});
     if (prior) j["jobs"].back()["prior"] = text(prior->reasons[job.id]);
   }
+  add_precision(plan.precision, j);
   add_left_out(plan, j);
-  print_json(j);
+  fmt::print("{}", text_of(j));
+}
+
+void warn_of(const SourcePrecision& precision) {
+  std::fflush(stdout);
+  if (precision.coarse.empty()) return;
+  const CoarseSource& worst = precision.coarse[0];
+  const std::uint64_t more = precision.coarse_sources - 1;
+  fmt::print(
+      stderr,
+      "warning: {} stores positions in steps of up to {:.3g} m, but voxels are {:.6g} m{}; its vertices are off by "
+      "up to half a step. Write them relative to a centre (a tile's transform, RTC_CENTER) or with more bits\n",
+      worst.name, worst.spacing_m, precision.wanted_m * 4,
+      more == 0 ? "" : fmt::format("; and {} more source{}", more, more == 1 ? "" : "s"));
 }
 
 void print_losses(const std::vector<SceneLoss>& losses) {

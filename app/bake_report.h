@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "cluster/bake.h"
@@ -14,8 +15,12 @@ namespace gigabake::app {
 void print_report(const BakeSummary& summary, const std::filesystem::path& out);
 /// prior: what OUT has of the plan; none: nobody asked.
 void print_report(const BakePlan& plan, const std::optional<PriorResults>& prior);
-void print_json_report(const BakeSummary& summary, const std::filesystem::path& out);
+std::string json_report(const BakeSummary& summary, const std::filesystem::path& out);
 void print_json_report(const BakePlan& plan, const std::optional<PriorResults>& prior);
+
+/// On standard error: that sources cannot say where their vertices are as finely as voxels are small. Nothing where
+/// they can.
+void warn_of(const SourcePrecision& precision);
 
 /// On standard error, and last: nobody should have to look for what is missing.
 void print_losses(const std::vector<SceneLoss>& losses);

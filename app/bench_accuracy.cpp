@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
 #include <fmt/format.h>
 #include <memory>
 #include <thread>
@@ -8,6 +10,7 @@
 #include "app/commands.h"
 #include "app/text_values.h"
 #include "bench/accuracy_report.h"
+#include "bench/hard_report.h"
 #include "format/error.h"
 #include "format/publish.h"
 
@@ -17,14 +20,18 @@ namespace {
 struct AccuracyOptions {
   BakeOptions bake;
   std::string json, markdown, size = "160x120";
-  int samples = 64, repeats = 3;
+  int samples = 64, repeats = 3, million_triangles = 17;
+  bool hard = false;
 };
+
+int threads_of(const BakeOptions& bake) {
+  return bake.threads > 0 ? bake.threads : std::max(1, int(std::thread::hardware_concurrency()));
+}
 
 bench::AccuracyBenchRequest request_of(const AccuracyOptions& options) {
   const BakeRequest bake = options.bake.request();
   bench::AccuracyBenchRequest r;
-  const int threads = bake.threads > 0 ? bake.threads : std::max(1, int(std::thread::hardware_concurrency()));
-  r.scene = {bake.source, bake.source_options, bake.parameters, threads, bake.memory_bytes};
+  r.scene = {bake.source, bake.source_options, bake.parameters, threads_of(options.bake), bake.memory_bytes};
   r.out = bake.out;
   r.backend = bake.backend;
   r.samples = options.samples;
@@ -35,7 +42,47 @@ bench::AccuracyBenchRequest request_of(const AccuracyOptions& options) {
   return r;
 }
 
+/// A folder that goes, unless a name was given.
+class HardFolder {
+ public:
+  explicit HardFolder(const std::string& name) : path_(name), is_kept_(!name.empty()) {
+    if (is_kept_) return;
+    std::string made = (std::filesystem::temp_directory_path() / "gigabake-hard-XXXXXX").string();
+    if (mkdtemp(made.data()) == nullptr) throw InputError(made, "", "cannot make the folder; name one with -o");
+    path_ = made;
+  }
+  ~HardFolder() {
+    std::error_code ignored;
+    if (!is_kept_) std::filesystem::remove_all(path_, ignored);
+  }
+  HardFolder(const HardFolder&) = delete;
+  HardFolder& operator=(const HardFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+  bool is_kept_;
+};
+
+int run_hard(const AccuracyOptions& options) {
+  if (!options.bake.source.empty()) throw UsageError("--hard has scenes of its own: expected no SCENE");
+  const HardFolder folder(options.bake.out);
+  const bench::HardBenchRequest request{folder.path(), options.bake.wanted_backend(), threads_of(options.bake),
+                                        options.million_triangles};
+  const bench::HardBench b = bench_hard(request, [](const bench::HardResult& r) {
+    if (!r.holds()) fmt::print(stderr, "{} FAILS\n", r.name);
+  });
+  const std::string markdown = to_markdown(b);
+  if (!options.json.empty()) publish_file(options.json, to_json(b));
+  if (!options.markdown.empty()) publish_file(options.markdown, markdown);
+  fmt::print("{}", markdown);
+  return b.holds() ? complete : failed;
+}
+
 int run(const AccuracyOptions& options) {
+  if (options.hard) return run_hard(options);
+  if (options.bake.source.empty() || options.bake.out.empty() || options.bake.voxel_size.empty())
+    throw UsageError("expected SCENE, -o and --voxel-size, or --hard");
   const bench::AccuracyBench b = bench::bench_accuracy(
       request_of(options), [](const std::string& setting) { fmt::print(stderr, "{}\n", setting); });
   const std::string markdown = to_markdown(b);
@@ -54,10 +101,16 @@ void add_bench_accuracy(CLI::App& bench, int& exit_code) {
       bench.add_subcommand("accuracy", "Speed against error: many settings, each against pictures of the triangles");
   auto o = std::make_shared<AccuracyOptions>();
   BakeOptions& bake = o->bake;
-  command->add_option("SCENE", bake.source, "as bake takes it")->required();
-  command->add_option("-o,--out", bake.out, "folder for bakes, pictures and plots, which are replaced")->required();
-  command->add_option("--voxel-size", bake.voxel_size, "metres; half of the settings have voxels of twice that")
-      ->required();
+  command->add_option("SCENE", bake.source, "as bake takes it");
+  command->add_option("-o,--out", bake.out, "folder for bakes, pictures and plots, which are replaced");
+  command->add_option("--voxel-size", bake.voxel_size, "metres; half of the settings have voxels of twice that");
+  command->add_flag("--hard", o->hard,
+                    "the suite of hard cases instead, which needs no SCENE: exit code 1 where a claimed bound fails");
+  command
+      ->add_option("--million-triangles", o->million_triangles,
+                   "of the hard case that has all of them in one voxel, in millions")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
   command->add_option("--cell-voxels", bake.cell_voxels, "edge of a cell in voxels, a power of two from 8 to 8192")
       ->capture_default_str();
   command->add_option("--up", bake.up, "axis that points up in the source: x, y or z (tilesets z, mesh files y)");

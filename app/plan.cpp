@@ -23,6 +23,7 @@ int run(const BakeOptions& options, MpiSession& mpi) {
   if (mpi.rank() != 0) return complete;
   const std::optional<PriorResults> prior = prior_of(plan, request, mpi);
   options.json ? print_json_report(plan, prior) : print_report(plan, prior);
+  warn_of(plan.precision);
   print_losses(plan.losses);
   return plan.losses.empty() ? complete : cells_failed;
 }

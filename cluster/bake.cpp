@@ -165,6 +165,7 @@ BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const Bake
   all_or_none(mpi, [&] { refuse(request, plan.losses, mpi.rank() == 0 && plan.jobs.empty()); });
   if (mpi.rank() == 0) keep_surveys(request, sources, surveys, progress);
   surveys.clear();
+  summary.precision = plan.precision;
   summary.survey_s = seconds_since(start);
   const auto planned = Clock::now();
   if (mpi.rank() != 0) work(mpi, process);

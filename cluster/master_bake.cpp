@@ -87,6 +87,8 @@ void MasterBake::run(MpiSession& mpi, BakeProcess& process) {
   summary_.peak_process_bytes = std::max(result.peak_bytes, peak_bytes_here());
   std::move(prior.done.begin(), prior.done.end(), std::back_inserter(result.reports));
   add_times(result.reports, summary_);  // what was taken over took no time
+  for (const CellReport& r : result.reports)
+    if (r.outcome == CellOutcome::baked) add_levels(r.levels, summary_.levels);
   summary_.scene = merge(plan_, result.reports, sources_.origin, request_.parameters);
   publish();
 }

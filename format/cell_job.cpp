@@ -21,13 +21,13 @@ void each_field_of_job(Job& j, const F& f) {
 template <class Report, class F>
 void each_field_of_report(Report& r, const F& f) {
   f(r.id), f(r.outcome), f(r.error), each_field_of_cell(r.cell, f), f(r.read_s), f(r.kernel_s), f(r.write_s),
-      f(r.peak_bytes), f(r.on_device), f(r.bad_uv), f(r.note), f(r.shard);
+      f(r.peak_bytes), f(r.on_device), f(r.bad_uv), f(r.note), f(r.levels), f(r.shard);
 }
 
 template <class Survey, class F>
 void each_field_of_survey(Survey& s, const F& f) {
   f(s.tile), f(s.columns), f(s.triangles), f(s.non_finite), f(s.zero_area), f(s.skipped_points), f(s.skipped_lines),
-      f(s.source), f(s.error);
+      f(s.source), f(s.error), f(s.spacing_m);
 }
 
 template <class File, class F>

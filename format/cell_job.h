@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "format/file_stamp.h"
+#include "format/level_summary.h"
 #include "format/scene_xml.h"
 #include "format/shard.h"
 #include "format/survey.h"
@@ -39,6 +40,7 @@ struct CellReport {
   bool on_device = false;                        ///< the kernels ran on a GPU
   std::uint64_t bad_uv = 0;                      ///< triangles baked without their unusable texture coordinates
   std::string note;                              ///< one line that somebody should read, though all is well
+  std::vector<LevelSummary> levels = {};         ///< per lod, when baked
   FileStamp shard = {};  ///< of OUT/<cell.file>, taken after it was published or before it was read back, when baked
 };
 

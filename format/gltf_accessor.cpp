@@ -79,6 +79,14 @@ int component_count(const tinygltf::Model& model, int accessor) {
   return tinygltf::GetNumComponentsInType(std::uint32_t(model.accessors[std::size_t(accessor)].type));
 }
 
+float quantization_step(const tinygltf::Model& model, int accessor) {
+  const tinygltf::Accessor& a = model.accessors[std::size_t(accessor)];
+  if (a.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT) return 0;
+  if (!a.normalized) return 1;
+  const std::int32_t one = 1;  // little-endian: the smallest positive value of any integer type
+  return float_at(reinterpret_cast<const unsigned char*>(&one), a.componentType, true);
+}
+
 std::vector<float> read_floats(const tinygltf::Model& model, int accessor, int components, float missing) {
   const tinygltf::Accessor& a = model.accessors[std::size_t(accessor)];
   const int stored = std::min(components, component_count(model, accessor));

@@ -112,6 +112,7 @@ class TileReader {
       throw InputError(tile_.path, at, std::to_string(order.size()) + " vertices are no whole number of triangles");
     Primitive out;
     out.position = read_floats(model_, position->second, 3);
+    out.position_step = quantization_step(model_, position->second);
     out.index = triangle_list(order, mode);
     out.material = p.material >= 0 ? p.material : int(model_.materials.size());
     if (everything_) read_appearance(p, at, vertices, out);

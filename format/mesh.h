@@ -31,7 +31,8 @@ struct Material {
 
 /// A triangle list; every index is < the vertex count (checked at load); strips and fans are expanded.
 struct Primitive {
-  std::vector<float> position;       ///< 3 per vertex, Local metres, may hold NaN/Inf (dropped and counted at snap)
+  std::vector<float> position;  ///< 3 per vertex, Local metres, may hold NaN/Inf (dropped and counted at snap)
+  float position_step = 0;  ///< between neighbouring values that the file could say, where it says integers; 0: floats
   std::vector<std::uint32_t> index;  ///< 3 per triangle, counter-clockwise seen from outside
   std::vector<float> uv;  ///< 2 per vertex, or empty; the set the base colour uses, KHR_texture_transform applied
   std::vector<std::uint16_t> rgba;  ///< 4 per vertex, linear, 65535 = 1, or empty

@@ -12,7 +12,7 @@ namespace gigabake {
 
 /// Raised whenever survey_tile() would give another answer for the same files, or TileSurvey has other fields: surveys
 /// that were kept from earlier bakes are then made anew.
-inline constexpr std::uint32_t survey_version = 1;
+inline constexpr std::uint32_t survey_version = 2;
 
 /// One column of N×N voxels that a tile's triangles touch.
 struct ColumnExtent {
@@ -31,6 +31,8 @@ struct TileSurvey {
   Hash128 source;                       ///< tile_hash() of what was surveyed
   std::string error;                    ///< one line; not empty: the tile could not be read and has no columns
   std::vector<StampedFile> files = {};  ///< what tile_hash() read, as it was before anything was read
+  /// Largest distance in the scene, over the tile's vertices, between neighbouring positions that its file could say.
+  double spacing_m = 0;
 };
 
 }  // namespace gigabake

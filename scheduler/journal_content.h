@@ -28,7 +28,7 @@ std::vector<std::uint8_t> journal_record(const JournalEntry& entry);
 std::string_view journal_header();
 
 /// A journal's bytes and where its records are in them. Later records of a fingerprint replace earlier ones.
-/// Cost    400 bytes a cell; reports are decoded when asked for.
+/// Cost    900 bytes a cell; reports are decoded when asked for.
 /// Errors  None: the records end at the first that is torn, damaged or foreign, and a file with another header has
 /// none.
 class JournalContent {

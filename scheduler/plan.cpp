@@ -154,6 +154,7 @@ BakePlan make_plan(std::vector<TileSurvey> surveys, const SceneSources& sources,
   refuse_spread_tiles(surveys, parameters.cell_voxels);
   BakePlan plan;
   add_counts(surveys, sources, plan);
+  plan.precision = source_precision(surveys, sources, parameters.voxel_size_m);
   add_columns(surveys, parameters.cell_voxels, plan.jobs);
   name_jobs(surveys, sources, parameters, plan.jobs);
   return plan;

@@ -9,12 +9,14 @@
 #include "format/parameters.h"
 #include "format/source.h"
 #include "format/survey.h"
+#include "scheduler/source_precision.h"
 
 namespace gigabake {
 
 struct BakePlan {
   std::vector<CellJob> jobs;  ///< by lattice_min z, y, x; jobs[i].id is i
   std::uint64_t triangles = 0, non_finite = 0, zero_area = 0, skipped_points = 0, skipped_lines = 0;
+  SourcePrecision precision;
   std::vector<SceneLoss> losses;  ///< what the source lacks, then tiles that could not be read or placed
 };
 

@@ -6,6 +6,7 @@
 
 #include "format/brick_walk.h"
 #include "format/error.h"
+#include "format/shard_reader.h"
 #include "worker/cell_parameters.h"
 #include "worker/shard_from_volume.h"
 
@@ -36,6 +37,13 @@ SceneCell scene_cell(const CellJob& job, const Shard& shard, std::uint64_t bytes
           h.lods,        bytes,
           h.triangles,   count_voxels(shard),
           h.fingerprint, h.content_hash};
+}
+
+std::vector<LevelSummary> levels_of(const Shard& shard, const std::filesystem::path& path) {
+  std::vector<LevelSummary> levels = summarize_levels(shard);
+  const ShardReader stored(path);
+  for (std::size_t lod = 0; lod < levels.size(); ++lod) levels[lod].stored_bytes = stored.level_bytes(int(lod));
+  return levels;
 }
 
 /// The shard that an earlier run left, if it is whole and what the job asks for.
@@ -102,6 +110,7 @@ void CellStages::read(CellInHand& cell) {
   if (const auto shard = published_shard(path, cell.job)) {
     cell.report.shard = before;
     cell.report.cell = scene_cell(cell.job, *shard, std::filesystem::file_size(path));
+    cell.report.levels = levels_of(*shard, path);
     return decide(cell, CellOutcome::baked);
   }
   cell.loaded = loader_.load(cell.job);
@@ -147,6 +156,7 @@ void CellStages::write(CellInHand& cell) {
   const std::uint64_t bytes = write_shard(path, shard, {options_.threads, parameters_.codec});
   cell.report.shard = stamp_of(path).value_or(FileStamp{});
   cell.report.cell = scene_cell(cell.job, shard, bytes);
+  cell.report.levels = levels_of(shard, path);
   decide(cell, CellOutcome::baked);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <new>
 #include <unordered_map>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "kernels/snap.h"
 #include "worker/column_span.h"
 #include "worker/lattice.h"
+#include "worker/position_spacing.h"
 
 namespace gigabake {
 namespace {
@@ -80,6 +82,15 @@ std::vector<SnappedVertex> snap_vertices(const Primitive& primitive, const Insta
   return out;
 }
 
+/// Of what stays on the lattice: a triangle with another vertex is dropped.
+LocalReach reach_of(const Primitive& primitive, const std::vector<SnappedVertex>& vertices) {
+  LocalReach reach{};
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    for (std::size_t axis = 0; vertices[i].valid && axis < 3; ++axis)
+      reach[axis] = std::max(reach[axis], std::fabs(primitive.position[3 * i + axis]));
+  return reach;
+}
+
 class TileSurveyor {
  public:
   TileSurveyor(const TileRef& tile, const BakeParameters& parameters, const kernels::CpuPolicy& policy)
@@ -91,6 +102,7 @@ class TileSurveyor {
 
   void add(const Primitive& primitive, const Instance& instance) {
     const std::vector<SnappedVertex> vertices = snap_vertices(primitive, instance, parameters_, policy_);
+    spacing_m_ = std::max(spacing_m_, position_spacing_m(primitive, instance, reach_of(primitive, vertices)));
     policy_.parallel_for(primitive.index.size() / 3, triangles_per_range,
                          [&](std::size_t begin, std::size_t end, int thread) {
                            for (std::size_t t = begin; t < end; ++t)
@@ -99,6 +111,7 @@ class TileSurveyor {
   }
 
   void finish(TileSurvey& survey) const {
+    survey.spacing_m = spacing_m_;
     for (const ThreadSurvey& thread : threads_) {
       survey.non_finite += thread.non_finite;
       survey.zero_area += thread.zero_area;
@@ -151,6 +164,7 @@ class TileSurveyor {
   const kernels::CpuPolicy& policy_;
   ColumnGrid grid_;
   std::vector<ThreadSurvey> threads_;
+  double spacing_m_ = 0;
 };
 
 TileSurvey unreadable(std::uint32_t tile, std::string reason) {

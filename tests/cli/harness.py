@@ -51,7 +51,7 @@ def lod_hashes(info, lods=None):
     return [lod["content_hash"] for lod in info["lods"]][:lods]
 
 
-def write_glb(path, positions, indices, colours=None, translation=(0, 0, 0)):
+def write_glb(path, positions, indices, colours=None, translation=(0, 0, 0), material=None):
     """Triangles in glTF's axes. positions: n × 3 floats; colours: n × 4 bytes, linear."""
     positions = numpy.asarray(positions, "<f4")
     indices = numpy.asarray(indices, "<u4").reshape(-1)
@@ -73,6 +73,9 @@ def write_glb(path, positions, indices, colours=None, translation=(0, 0, 0)):
         "meshes": [{"primitives": [{"attributes": attributes, "indices": 1}]}],
         "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": len(binary)}],
     }
+    if material is not None:
+        document["materials"] = [material]
+        document["meshes"][0]["primitives"][0]["material"] = 0
     write_glb_document(path, document, binary)
 
 

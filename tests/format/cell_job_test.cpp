@@ -20,6 +20,7 @@ CellReport some_report() {
   r.cell = {"c", "shards/c.h5", {1, 2, -3}, 64, 4, 5, 6, {7, 8, 9, 10}, {11, 12}, {{13, 14}, {15, 16}}};
   r.read_s = 0.1, r.kernel_s = 1e-300, r.write_s = 3, r.peak_bytes = 1ull << 40;
   r.shard = {5, -6, 7, 8};
+  r.levels = {{{1, 2, 3, 4, 5}, 6, 7}, {{0, 0, 0, 0, 1ull << 40}, 8, 9}};
   return r;
 }
 
@@ -33,7 +34,8 @@ TileSurvey some_survey() {
           5,
           {6, 7},
           "cannot be read",
-          {{"a.gltf", {1, 2, 3, 4}, true}, {"b c.bin", {}, false}}};
+          {{"a.gltf", {1, 2, 3, 4}, true}, {"b c.bin", {}, false}},
+          0.5};
 }
 
 TEST(CellJob, ComesBackFromItsBytes) {
@@ -67,6 +69,7 @@ TEST(CellReport, ComesBackFromItsBytes) {
   EXPECT_EQ(back.kernel_s, report.kernel_s);
   EXPECT_EQ(back.peak_bytes, report.peak_bytes);
   EXPECT_EQ(back.shard, report.shard);
+  EXPECT_EQ(back.levels, report.levels);
 }
 
 TEST(TileSurvey, ComesBackFromItsBytes) {
@@ -78,6 +81,7 @@ TEST(TileSurvey, ComesBackFromItsBytes) {
   EXPECT_EQ(back.skipped_lines, survey.skipped_lines);
   EXPECT_EQ(back.source, survey.source);
   EXPECT_EQ(back.error, survey.error);
+  EXPECT_EQ(back.spacing_m, 0.5);
   ASSERT_EQ(back.files.size(), 2u);
   EXPECT_EQ(back.files[0].name, "a.gltf");
   EXPECT_EQ(back.files[0].stamp, survey.files[0].stamp);

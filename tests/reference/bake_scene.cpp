@@ -135,6 +135,14 @@ Part& BakeScene::add_mesh(const std::vector<Triangle>& mesh, std::uint32_t mater
   return add_part(std::move(part));
 }
 
+Part& BakeScene::add_painted(const Painted& painted) {
+  Part& part = add_triangle(painted.triangle, add_colour(painted.colour, painted.mode));
+  if (painted.vertex_colours)
+    for (const Rgba16& colour : *painted.vertex_colours)
+      part.rgba.insert(part.rgba.end(), colour.begin(), colour.end());
+  return part;
+}
+
 void BakeScene::set_window(const Voxel& min, std::uint32_t edge) {
   std::copy(min.begin(), min.end(), parameters.window_min);
   parameters.window_voxels = edge;

@@ -6,7 +6,7 @@
 #include <deque>
 #include <map>
 
-#include "exact_clip.h"
+#include "bench/exact/painted.h"
 #include "kernels/cell.h"
 
 namespace gigabake::reference {
@@ -18,9 +18,6 @@ struct BakedVoxel {
   friend bool operator==(const BakedVoxel&, const BakedVoxel&) = default;
 };
 using VoxelMap = std::map<Voxel, BakedVoxel>;
-
-using Rgba16 = std::array<std::uint16_t, 4>;
-inline constexpr Rgba16 white16{65535, 65535, 65535, 65535};
 
 /// What a PartView borrows, owned. The map starts as the identity.
 struct Part {
@@ -52,6 +49,9 @@ class BakeScene {
 
   void set_window(const Voxel& min, std::uint32_t edge);
   Window window() const;
+
+  /// A part and a material of its own.
+  Part& add_painted(const Painted& painted);
 
   std::deque<Part>& parts() { return parts_; }
   kernels::CellVolume bake(int threads = 1) const;

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "exact_clip.h"
+#include "bench/exact/exact_clip.h"
 #include "triangle_families.h"
 
 namespace gigabake::reference {

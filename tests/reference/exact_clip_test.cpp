@@ -1,5 +1,5 @@
 /// The reference tested against truths that need no clipper: witnesses, sums and figures known in closed form.
-#include "exact_clip.h"
+#include "bench/exact/exact_clip.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

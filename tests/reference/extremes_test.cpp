@@ -2,7 +2,7 @@
 /// triangle.
 #include <gtest/gtest.h>
 
-#include "painted.h"
+#include "bake_scene.h"
 #include "print.h"
 
 namespace gigabake::reference {

@@ -1,5 +1,5 @@
 /// Every hard case through bake_cell() and through the exact reference: both must give what was worked out by hand.
-#include "hard_cases.h"
+#include "bench/exact/hard_cases.h"
 
 #include <fstream>
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "appearance.h"
+#include "bake_scene.h"
 
 namespace gigabake::reference {
 

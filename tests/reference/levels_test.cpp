@@ -2,9 +2,8 @@
 /// expanded, against levels that were never pruned.
 #include <gtest/gtest.h>
 
-#include "appearance.h"
+#include "bake_scene.h"
 #include "closed_meshes.h"
-#include "painted.h"
 #include "print.h"
 
 namespace gigabake::reference {
@@ -207,7 +206,7 @@ TEST_P(Levels, AreTheFiltersOfTheLevelBelowForRandomTranslucentScenes) {
       const auto at = [&](std::int64_t low) { return uniform(rng, low * 256, (low + 64) * 256); };
       Triangle t;
       for (auto& v : t) v = {at(-32), at(64), at(-64)};
-      if (has_area(t)) add_to(scene, {t, colour, i % 2 ? AlphaMode::blend : AlphaMode::opaque, {}});
+      if (has_area(t)) scene.add_painted({t, colour, i % 2 ? AlphaMode::blend : AlphaMode::opaque, {}});
     }
     expect_levels(scene, scene.bake());
     if (HasFatalFailure()) return;

@@ -4,7 +4,7 @@
 #include <sstream>
 #include <string>
 
-#include "exact_clip.h"
+#include "bench/exact/exact_clip.h"
 
 namespace gigabake::reference {
 

@@ -2,7 +2,7 @@
 /// the colour, alpha and normal of each, against exact pieces.
 #include <gtest/gtest.h>
 
-#include "painted.h"
+#include "bake_scene.h"
 #include "print.h"
 #include "triangle_families.h"
 
@@ -48,7 +48,7 @@ class RandomScenes : public testing::TestWithParam<Family> {
     BakeScene scene;
     scene.set_window(window.min, std::uint32_t(window.edge));
     scene.parameters.surface = rule;
-    for (const Painted& p : painted) add_to(scene, p);
+    for (const Painted& p : painted) scene.add_painted(p);
     VoxelMap baked = voxels_at(scene.bake(), scene.parameters, 0);
     for (const auto& [position, expected] : expected_voxels(painted, rule, window)) {
       SCOPED_TRACE("voxel " + std::to_string(position[0]) + " " + std::to_string(position[1]) + " " +

@@ -2,7 +2,7 @@
 /// voxel's part of the surface. Bounds: docs/accuracy.md.
 #include <gtest/gtest.h>
 
-#include "painted.h"
+#include "bake_scene.h"
 #include "triangle_families.h"
 
 namespace gigabake::reference {

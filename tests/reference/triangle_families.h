@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "exact_clip.h"
+#include "bench/exact/exact_clip.h"
 
 namespace gigabake::reference {
 

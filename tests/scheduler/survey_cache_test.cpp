@@ -42,6 +42,7 @@ class SurveyCacheTest : public ::testing::Test {
     s.tile = tile;
     s.columns = {{tile, 0, 0, 8, 5}};
     s.triangles = 5;
+    s.spacing_m = 0.125;
     s.source = identity.hash;
     s.files = std::move(identity.files);
     for (StampedFile& file : s.files) file.settled = file.settled || settled;
@@ -68,6 +69,7 @@ void expect_equal(const TileSurvey& a, const TileSurvey& b) {
   EXPECT_EQ(a.tile, b.tile);
   EXPECT_EQ(a.source, b.source);
   EXPECT_EQ(a.triangles, b.triangles);
+  EXPECT_EQ(a.spacing_m, b.spacing_m);
   ASSERT_EQ(a.columns.size(), b.columns.size());
   EXPECT_EQ(a.columns[0].column_x, b.columns[0].column_x);
 }

@@ -5,7 +5,8 @@
 #include <map>
 #include <optional>
 
-#include "appearance.h"
+#include "bench/exact/appearance.h"
+#include "bench/exact/exact_clip.h"
 
 namespace gigabake::reference {
 
@@ -27,8 +28,6 @@ struct ExpectedVoxel {
   /// Length of the mean normal: how sure its direction is.
   double certainty() const;
 };
-
-void add_to(BakeScene& scene, const Painted& painted);
 
 /// Every voxel of the window that some triangle occupies, visible or not.
 std::map<Voxel, ExpectedVoxel> expected_voxels(const std::vector<Painted>& scene, kernels::SurfaceRule rule,

@@ -1,4 +1,4 @@
-#include "painted.h"
+#include "bench/exact/painted.h"
 
 #include <algorithm>
 
@@ -36,12 +36,6 @@ std::array<double, 4> colour_on(const Painted& p, const Piece& piece) {
 
 double ExpectedVoxel::certainty() const {
   return std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]) / visible;
-}
-
-void add_to(BakeScene& scene, const Painted& painted) {
-  Part& part = scene.add_triangle(painted.triangle, scene.add_colour(painted.colour, painted.mode));
-  if (!painted.vertex_colours) return;
-  for (const Rgba16& colour : *painted.vertex_colours) part.rgba.insert(part.rgba.end(), colour.begin(), colour.end());
 }
 
 std::map<Voxel, ExpectedVoxel> expected_voxels(const std::vector<Painted>& scene, kernels::SurfaceRule rule,

@@ -1,17 +1,18 @@
 /// Colours and directions as a stored voxel means them, computed from the standards, not from kernels/tables.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <numbers>
 
-#include "bake_scene.h"
-
 namespace gigabake::reference {
 
 using Direction = std::array<double, 3>;
+using Rgba16 = std::array<std::uint16_t, 4>;  ///< linear, straight alpha
+inline constexpr Rgba16 white16{65535, 65535, 65535, 65535};
 
 /// IEC 61966-2-1, both ways; 0 … 1.
 inline double linear_of(double srgb) { return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4); }

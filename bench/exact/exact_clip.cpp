@@ -1,4 +1,4 @@
-#include "exact_clip.h"
+#include "bench/exact/exact_clip.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "exact_clip.h"
+#include "bench/exact/exact_clip.h"
 
 namespace gigabake::reference {
 

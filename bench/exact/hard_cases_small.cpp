@@ -1,4 +1,4 @@
-#include "hard_cases.h"
+#include "bench/exact/hard_cases.h"
 
 namespace gigabake::reference {
 namespace {

@@ -1,0 +1,10 @@
+#include "bench/hard_bench.h"
+#include "format/error.h"
+
+namespace gigabake::bench {
+
+HardBench bench_hard(const HardBenchRequest&, const std::function<void(const HardResult&)>&) {
+  throw UsageError("bench accuracy --hard: this gigabake was built without GMP; install libgmp-dev and build again");
+}
+
+}  // namespace gigabake::bench

@@ -1,0 +1,63 @@
+/// A hard scene as its files say it: meshes below nodes below tiles, z up.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "bench/exact/painted.h"
+#include "format/frames.h"
+#include "format/mesh.h"
+
+namespace gigabake::bench {
+
+struct HardMesh {
+  std::vector<float> position;       ///< 3 a vertex
+  std::vector<std::uint32_t> index;  ///< 3 a triangle
+  std::vector<float> uv;             ///< 2 a vertex, or empty
+  std::vector<std::uint16_t> rgba;   ///< 4 a vertex, linear, or empty
+  int material = 0;
+};
+
+struct HardNode {
+  int mesh = 0;
+  Affine<Local, Local> map;  ///< the node's matrix
+};
+
+struct HardMaterial {
+  reference::Rgba16 base = reference::white16;
+  AlphaMode mode = AlphaMode::opaque;
+  int image = -1;
+};
+
+struct HardTile {
+  std::vector<HardMesh> meshes;
+  std::vector<HardNode> nodes;
+  std::vector<HardMaterial> materials{HardMaterial()};
+  std::vector<Image> images;       ///< PNG in the file
+  Affine<World, World> transform;  ///< of the tile, in tileset.json
+};
+
+/// A 3D Tiles tileset. On the earth: transforms lead to ECEF.
+struct HardScene {
+  std::vector<HardTile> tiles;
+  bool on_earth = false;
+  std::optional<Geodetic> origin;  ///< --origin; none: the source's own
+};
+
+/// Adds mesh and node: any integer coordinates up to 2^52 of `unit_m` metres, a power of two, exactly.
+void add_triangle(HardTile& tile, const reference::Triangle& t, double unit_m, int material = 0);
+/// One mesh; coordinates below 2^24 units.
+void add_mesh(HardTile& tile, const std::vector<reference::Triangle>& mesh, double unit_m, int material = 0);
+/// A mesh and a material of its own for each.
+void add_painted(HardTile& tile, const reference::Painted& painted, double unit_m);
+
+Affine<Local, Local> scaled(double x, double y, double z);
+
+/// Writes tileset.json and a GLB a tile. Indices take a byte each where that is enough. Returns the tileset's path.
+/// Errors  InputError: the folder cannot be written.
+std::filesystem::path write_scene(const std::filesystem::path& folder, const HardScene& scene);
+
+}  // namespace gigabake::bench

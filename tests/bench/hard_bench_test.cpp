@@ -1,0 +1,93 @@
+/// The suite of hard cases holds here, and would notice where it did not.
+#include "bench/hard_bench.h"
+
+#include <gtest/gtest.h>
+
+#include "bench/hard/hard_case.h"
+#include "bench/hard_report.h"
+#include "tests/worker/glb_scene.h"
+
+namespace gigabake::bench {
+namespace {
+
+const HardFigure& figure(const HardResult& result, const std::string& name) {
+  for (const HardFigure& f : result.figures)
+    if (f.name == name) return f;
+  throw std::runtime_error("no figure " + name + " in " + result.name + ": " + result.error);
+}
+
+TEST(HardSuite, EveryBoundHoldsOnTheCpu) {
+  const ScratchFolder folder;
+  std::size_t cases = 0;
+  const HardBench bench = bench_hard({folder.path(), Backend::cpu, 2, 1}, [&](const HardResult& r) {
+    ++cases;
+    EXPECT_EQ(r.error, "") << r.name;
+    for (const HardFigure& f : r.figures) EXPECT_LE(f.measured, f.bound) << r.name << ": " << f.name << ", " << f.unit;
+  });
+  EXPECT_TRUE(bench.holds());
+  EXPECT_EQ(bench.cases.size(), cases);
+  EXPECT_GE(cases, 200u);
+}
+
+class HardSuiteNotices : public testing::Test {
+ protected:
+  HardSuiteNotices() : hard(lattice_case("broken", "", "")) {
+    add_triangle(hard.scenes[0].tiles[0], {{{10, 10, 10}, {1110, 20, 30}, {30, 1100, 90}}}, lattice_unit_m);
+    hard.expected = [this] { return reference::expected_voxels({wanted}, kernels::SurfaceRule::area, hard.window); };
+  }
+  HardResult result() const { return run_hard_case(hard, folder.path() / "case", {{}, 1}); }
+
+  ScratchFolder folder;
+  HardCase hard;
+  reference::Painted wanted{
+      {{{10, 10, 10}, {1110, 20, 30}, {30, 1100, 90}}}, reference::white16, kernels::AlphaMode::opaque, {}};
+};
+
+TEST_F(HardSuiteNotices, NothingWhereNothingIsWrong) { EXPECT_TRUE(result().holds()); }
+
+TEST_F(HardSuiteNotices, VoxelsThatAreMissingOrTooMany) {
+  wanted.triangle[1] = {1110, 20, 330};
+  const HardResult r = result();
+  EXPECT_FALSE(r.holds());
+  EXPECT_GT(figure(r, "missed").measured, 0);
+  EXPECT_GT(figure(r, "extra").measured, 0);
+}
+
+TEST_F(HardSuiteNotices, AColourThatIsOffByOneCode) {
+  wanted.colour = {64900, 65535, 65535, 65535};
+  EXPECT_FALSE(figure(result(), "colour").holds());
+}
+
+TEST_F(HardSuiteNotices, ANormalThatPointsTheOtherWay) {
+  std::swap(wanted.triangle[1], wanted.triangle[2]);
+  EXPECT_GT(figure(result(), "normal").measured, 179);
+}
+
+TEST_F(HardSuiteNotices, AnAlphaOfHalf) {
+  wanted.mode = kernels::AlphaMode::blend;
+  wanted.colour[3] = 32768;
+  EXPECT_FALSE(figure(result(), "alpha").holds());
+}
+
+TEST_F(HardSuiteNotices, AWayToWriteTheSceneThatShows) {
+  hard.scenes.push_back(hard.scenes[0]);
+  hard.scenes[1].tiles[0].meshes[0].position[0] += 500;
+  EXPECT_EQ(figure(result(), "differ in a bit").measured, 1);
+}
+
+TEST_F(HardSuiteNotices, ACellThatFails) {
+  hard.parameters.voxel_size_m = 1e-12;
+  const HardResult r = result();
+  EXPECT_FALSE(r.holds());
+}
+
+TEST(HardSuiteReport, NamesWhatFails) {
+  HardBench bench{"cpu", {{"good", "group", "", 1, {{"missed", "voxels", 0, 0}}, {}}}};
+  EXPECT_NE(to_markdown(bench).find("every bound holds"), std::string::npos);
+  bench.cases.push_back({"bad", "ties, area", "", 1, {{"missed", "voxels", 2, 0}}, {}});
+  EXPECT_NE(to_markdown(bench).find("| `bad` | 1 | 2 ≤ 0 **fails** |"), std::string::npos) << to_markdown(bench);
+  EXPECT_NE(to_json(bench).find("\"holds\": false"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace gigabake::bench

@@ -1,0 +1,59 @@
+#include "scheduler/source_precision.h"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <random>
+
+namespace gigabake {
+namespace {
+
+/// Forty placements of thirty files; file f's last placement is the coarsest, 2^-f m.
+struct Placements {
+  SceneSources sources;
+  std::vector<TileSurvey> surveys;
+  Placements() {
+    for (std::uint32_t t = 0; t < 40; ++t) {
+      sources.tiles.emplace_back().name = "file" + std::to_string(t % 30);
+      TileSurvey& s = surveys.emplace_back();
+      s.tile = t;
+      s.spacing_m = std::ldexp(t < 30 && t + 30 < 40 ? 0.5 : 1.0, -int(t % 30));
+    }
+  }
+};
+
+TEST(SourcePrecision, ListsEachSourceOnceCoarsestFirstUpToAQuarterOfAVoxel) {
+  const Placements p;
+  const SourcePrecision precision = source_precision(p.surveys, p.sources, std::ldexp(1.0, -5));
+  EXPECT_EQ(precision.wanted_m, std::ldexp(1.0, -7));
+  EXPECT_EQ(precision.largest_spacing_m, 1);
+  ASSERT_EQ(precision.coarse_sources, 7u) << "a spacing of just a quarter is fine enough";
+  for (std::size_t i = 0; i < 7; ++i) {
+    EXPECT_EQ(precision.coarse[i].name, "file" + std::to_string(i));
+    EXPECT_EQ(precision.coarse[i].spacing_m, std::ldexp(1.0, -int(i)));
+  }
+}
+
+TEST(SourcePrecision, CountsAllAndListsSixteen) {
+  const Placements p;
+  const SourcePrecision precision = source_precision(p.surveys, p.sources, 1e-12);
+  EXPECT_EQ(precision.coarse_sources, 30u);
+  EXPECT_EQ(precision.coarse.size(), SourcePrecision::most_listed);
+}
+
+TEST(SourcePrecision, IsTheSameForAnyOrderOfSurveys) {
+  Placements p;
+  const SourcePrecision first = source_precision(p.surveys, p.sources, 0.01);
+  std::shuffle(p.surveys.begin(), p.surveys.end(), std::mt19937(3));
+  const SourcePrecision second = source_precision(p.surveys, p.sources, 0.01);
+  ASSERT_EQ(first.coarse.size(), second.coarse.size());
+  for (std::size_t i = 0; i < first.coarse.size(); ++i) EXPECT_EQ(first.coarse[i].name, second.coarse[i].name);
+}
+
+TEST(SourcePrecision, SaysNothingOfFineSources) {
+  const Placements p;
+  EXPECT_TRUE(source_precision(p.surveys, p.sources, 4).coarse.empty());
+}
+
+}  // namespace
+}  // namespace gigabake
