@@ -4,7 +4,8 @@
 /// the integrand clamped to the cell, ∮ clamp(u) dv over the slab polygon's edges is the area inside the cell's u
 /// range, and clamping v as well restricts it to the cell. No branch depends on the cell, so cells are lanes.
 ///
-/// Space   Voxels relative to the triangle's anchor (the voxel of its lowest corner): a fragment's numbers depend on the
+/// Space   Voxels relative to the triangle's anchor (the voxel of its lowest corner): a fragment's numbers depend on
+/// the
 ///         triangle and on the voxel relative to it, never on bricks, cells or the lattice's origin.
 /// Exact   IEEE double without contraction: host and device return the same bits. Error of an area: below 1e-9 voxel²
 ///         for triangles up to 10⁶ voxels wide, 1e-14 for triangles of some voxels.
@@ -54,13 +55,14 @@ inline constexpr int weight_bits = 36;
 
 template <class I>
 GB_HD TrianglePlane make_plane(const BrickTriangle<I>& t) {
+  using D = typename Coordinate<I>::type;
   TrianglePlane r;
   double* out[3] = {r.u, r.v, r.w};
   for (int c = 0; c < 3; ++c) {
     const I lo = smaller(smaller(t.p[0][c], t.p[1][c]), t.p[2][c]);
     const I anchor = floor_voxel(lo);
     r.anchor[c] = std::int64_t(anchor);
-    for (int i = 0; i < 3; ++i) out[c][i] = double(std::int64_t(t.p[i][c] - anchor * subvoxels)) / double(subvoxels);
+    for (int i = 0; i < 3; ++i) out[c][i] = double(D(t.p[i][c] - anchor * subvoxels)) / double(subvoxels);
   }
   const double nu = double(t.n[0]), nv = double(t.n[1]), nw = double(t.n[2]), inverse = 1 / nw;
   r.inverse_twice_area = double(subvoxels * subvoxels) * inverse;
@@ -94,8 +96,7 @@ GB_HD void cut_slab(const TrianglePlane& t, double slab, const Add& add) {
     const bool leaves = (wp == high && rising) || (wp == low && wq < wp);
     if (wp >= low && wp <= high) add(t.u[p], t.v[p], leaves ? cut_line : p);
     if (crosses_low && rising) add(t.u[p] + (low - wp) * t.du_dw[p], t.v[p] + (low - wp) * t.dv_dw[p], p);
-    if (crosses_high)
-      add(t.u[p] + (high - wp) * t.du_dw[p], t.v[p] + (high - wp) * t.dv_dw[p], rising ? cut_line : p);
+    if (crosses_high) add(t.u[p] + (high - wp) * t.du_dw[p], t.v[p] + (high - wp) * t.dv_dw[p], rising ? cut_line : p);
     if (crosses_low && !rising) add(t.u[p] + (low - wp) * t.du_dw[p], t.v[p] + (low - wp) * t.dv_dw[p], cut_line);
   }
 }

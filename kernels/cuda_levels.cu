@@ -9,7 +9,8 @@ namespace gigabake::kernels {
 namespace {
 
 constexpr unsigned threads = 256;
-constexpr int most_levels = 11;  ///< of a window of 8192 voxels
+constexpr std::uint32_t few_parents = 4096;  ///< fewer do not fill a device with a warp each
+constexpr int most_levels = 11;              ///< of a window of 8192 voxels
 
 struct LevelView {
   const std::uint32_t *key, *first;
@@ -125,14 +126,15 @@ struct ParentView {
   std::uint32_t parents;
 };
 
-/// One warp a parent: its voxels are listed, then filtered side by side.
+/// `warps` warps a parent: its voxels are listed by each, then filtered side by side.
+template <int warps>
 __global__ void __launch_bounds__(128, 8)
     filter_parents(LevelView fine, ParentView out, MipFilter filter, Tables tables) {
   __shared__ std::uint16_t lists[4][brick_voxels];
   __shared__ std::uint32_t children[4][8];
   __shared__ std::uint16_t before[4][32];  // [child][slab pair]: voxels of the child below
   const int lane = int(threadIdx.x & 31), warp = int(threadIdx.x / 32);
-  const std::uint32_t p = blockIdx.x * 4 + std::uint32_t(warp);
+  const std::uint32_t p = (blockIdx.x * 4 + std::uint32_t(warp)) / warps;
   if (p >= out.parents) return;
   const std::uint32_t begin = out.start[p], end = p + 1 == out.parents ? fine.bricks : out.start[p + 1];
   if (begin + std::uint32_t(lane / 4) < end) {
@@ -156,7 +158,7 @@ __global__ void __launch_bounds__(128, 8)
   }
   __syncwarp();
   const std::uint32_t first = out.first[p];
-  for (std::uint32_t i = std::uint32_t(lane); i < below; i += 32) {
+  for (std::uint32_t i = std::uint32_t(lane + 32 * (warp % warps)); i < below; i += 32 * warps) {
     const int voxel = lists[warp][i], x = voxel & 7, y = voxel >> 3 & 7, z = voxel >> 6;
     const int octant = x >> 2 | (y >> 2) << 1 | (z >> 2) << 2;
     const Voxel v = parent_of(fine, children[warp][octant], before[warp][4 * octant + (z & 3)], x & 3, y & 3, z & 3,
@@ -298,8 +300,11 @@ std::vector<DeviceLevel> coarser_levels(DeviceHeap& heap, const Tables& tables, 
                          level.rgba.data(),
                          normals ? level.normal.data() : nullptr,
                          level.bricks};
-    filter_parents<<<grid_of(level.bricks, 4), 128, 0, heap.stream()>>>(
-        view_of(levels.empty() ? finest : levels.back()), out, filter, tables);
+    const LevelView fine = view_of(levels.empty() ? finest : levels.back());
+    if (level.bricks > few_parents)
+      filter_parents<1><<<grid_of(level.bricks, 4), 128, 0, heap.stream()>>>(fine, out, filter, tables);
+    else
+      filter_parents<4><<<level.bricks, 128, 0, heap.stream()>>>(fine, out, filter, tables);
     check_launch("filter_parents");
     levels.push_back(std::move(level));
   }

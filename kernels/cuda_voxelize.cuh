@@ -24,8 +24,8 @@ struct FillRatios {
   double pairs_spread = 1, voxels_spread = 1;  ///< the fullest batch over the mean one
 };
 
-/// lists: consumed. plain: no textures, and all materials are opaque. No brick of the result is empty; no voxel of it invisible.
-/// Errors  CudaFailure; DeviceFull beyond 2^32-1 voxels too.
+/// lists: consumed. plain: no textures, and all materials are opaque. No brick of the result is empty; no voxel of it
+/// invisible. Errors  CudaFailure; DeviceFull beyond 2^32-1 voxels too.
 DeviceLevel voxelize(DeviceHeap& heap, const InputView& input, const WindowView& window, BrickLists lists, bool normals,
                      bool plain, FillRatios& ratios, CellStats& stats);
 

@@ -123,8 +123,8 @@ GB_HD Fragment make_fragment(const Surface& s, const Rgba16& rgba, std::int64_t 
   return fragment_of_colour(weight, rgba.c, s.normal);
 }
 
-/// Red, green and blue as linear functions of (u, v) from the anchor, in weights: their integral over a fragment is what
-/// it adds to a voxel's sums, and its centroid need not be known.
+/// Red, green and blue as linear functions of (u, v) from the anchor, in weights: their integral over a fragment is
+/// what it adds to a voxel's sums, and its centroid need not be known.
 struct LinearColour {
   double at_anchor[3], per_u[3], per_v[3];
   std::uint16_t low[3], high[3];  ///< of the vertices, 65535 = 1
@@ -136,7 +136,8 @@ GB_HD LinearColour make_linear_colour(const Surface& s, const TrianglePlane& t) 
   for (int c = 0; c < 3; ++c) {
     const double scale = double(s.material.base_rgba[c]) * (1.0 / 65535) * t.weight_scale;
     const std::uint16_t a = s.vertex_rgba[0][c], b = s.vertex_rgba[1][c], d = s.vertex_rgba[2][c];
-    const double to_b = double(b - a) * scale * t.inverse_twice_area, to_d = double(d - a) * scale * t.inverse_twice_area;
+    const double to_b = double(b - a) * scale * t.inverse_twice_area,
+                 to_d = double(d - a) * scale * t.inverse_twice_area;
     r.per_u[c] = to_b * v2 - to_d * v1;
     r.per_v[c] = to_d * u1 - to_b * u2;
     r.at_anchor[c] = double(a) * scale - (r.per_u[c] * t.u[0] + r.per_v[c] * t.v[0]);

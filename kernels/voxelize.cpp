@@ -127,8 +127,8 @@ class BrickWalker {
 
   void add_linear_cells(const TrianglePlane& plane, const Surface& surface, const int voxel[64]) {
     for (int i = 0; i < lanes_.count; ++i)
-      sums_.add(voxel[i], linear_fragment(linear_, lanes_.u[i], lanes_.v[i], moments_of(i), plane.weight_scale,
-                                          surface.normal));
+      sums_.add(voxel[i],
+                linear_fragment(linear_, lanes_.u[i], lanes_.v[i], moments_of(i), plane.weight_scale, surface.normal));
   }
 
   void add_cells(const TrianglePlane& plane, const Surface& surface, const int voxel[64]) {

@@ -153,7 +153,8 @@ struct MeasureBody {
       out.weight[i] = weight_of(m.area, plane.weight_scale);
       const Rgba16 rgba = shade(surface, plane, fragment_centroid(plane, m, u, v), m.area, tables);
       for (int c = 0; c < 4; ++c) out.rgba[i][c] = rgba.c[c];
-      const Fragment linear = linear_fragment(make_linear_colour(surface, plane), u, v, m, plane.weight_scale, surface.normal);
+      const Fragment linear =
+          linear_fragment(make_linear_colour(surface, plane), u, v, m, plane.weight_scale, surface.normal);
       for (int c = 0; c < 3; ++c) out.linear[i][c] = linear.colour[c];
     }
     return out;
