@@ -48,6 +48,16 @@ struct PlaneInteger<std::int32_t> {
   using type = std::int64_t;
 };
 
+/// What coordinates and their differences fit into.
+template <class I>
+struct Coordinate {
+  using type = std::int32_t;
+};
+template <>
+struct Coordinate<__int128> {
+  using type = std::int64_t;
+};
+
 /// Inclusive range of voxels in the brick; empty when first > last.
 struct VoxelRange {
   int first, last;
@@ -84,18 +94,20 @@ GB_HD T unpermuted(const T uvw[3], int axis, int c) {
 /// corner: the brick's lowest corner in window sub-voxels. The triangle has area (checked when it was snapped).
 template <class I>
 GB_HD BrickTriangle<I> make_brick_triangle(const WindowTriangle& t, const std::int32_t corner[3]) {
-  I q[3][3], n[3];
+  using D = typename Coordinate<I>::type;
+  D q[3][3];
+  I n[3];
   for (int i = 0; i < 3; ++i)
-    for (int c = 0; c < 3; ++c) q[i][c] = I(t.p[i][c]) - I(corner[c]);
+    for (int c = 0; c < 3; ++c) q[i][c] = D(t.p[i][c]) - D(corner[c]);
   for (int c = 0; c < 3; ++c) {
     const int a = (c + 1) % 3, b = (c + 2) % 3;
-    n[c] = (q[1][a] - q[0][a]) * (q[2][b] - q[0][b]) - (q[1][b] - q[0][b]) * (q[2][a] - q[0][a]);
+    n[c] = I(q[1][a] - q[0][a]) * I(q[2][b] - q[0][b]) - I(q[1][b] - q[0][b]) * I(q[2][a] - q[0][a]);
   }
   const I m[3] = {n[0] < 0 ? -n[0] : n[0], n[1] < 0 ? -n[1] : n[1], n[2] < 0 ? -n[2] : n[2]};
   BrickTriangle<I> r;
   r.axis = m[2] >= m[1] ? (m[2] >= m[0] ? 2 : 0) : (m[1] >= m[0] ? 1 : 0);
   for (int c = 0; c < 3; ++c) {
-    for (int i = 0; i < 3; ++i) r.p[i][c] = permuted(q[i], r.axis, c);
+    for (int i = 0; i < 3; ++i) r.p[i][c] = I(permuted(q[i], r.axis, c));
     r.n[c] = permuted(n, r.axis, c);
   }
   return r;
@@ -181,8 +193,9 @@ GB_HD std::uint64_t cut_by_plane(const BrickTriangle<I>& t, std::uint64_t cells,
   const P nu = P(t.n[0]) * subvoxels, nv = P(t.n[1]) * subvoxels, nw = P(t.n[2]) * subvoxels;
   const P at_corner = nw * w - (P(t.n[0]) * P(t.p[0][0]) + P(t.n[1]) * P(t.p[0][1]) + P(t.n[2]) * P(t.p[0][2]));
   const P slack = closed ? 0 : 1;  // open: min < 0 < max
-  const P low = smaller<P>(nu, 0) + smaller<P>(nv, 0) + smaller<P>(nw, 0) + slack;
-  const P high = larger<P>(nu, 0) + larger<P>(nv, 0) + larger<P>(nw, 0) - slack;
+  // The cell's lowest corner passes from least to most.
+  const P most = -(at_corner + smaller<P>(nu, 0) + smaller<P>(nv, 0) + smaller<P>(nw, 0) + slack);
+  const P least = -(at_corner + larger<P>(nu, 0) + larger<P>(nv, 0) + larger<P>(nw, 0) - slack);
   std::uint64_t kept = 0;
   for (std::uint64_t rest = cells; rest != 0; rest &= rest - 1) {
 #if defined(__CUDA_ARCH__)
@@ -191,9 +204,8 @@ GB_HD std::uint64_t cut_by_plane(const BrickTriangle<I>& t, std::uint64_t cells,
     const int cell = __builtin_ctzll(rest);
 #endif
     // The normal's own width times a small number: one instruction on a device.
-    const P value =
-        at_corner + P(t.n[0]) * P(I((cell & 7) << subvoxel_bits)) + P(t.n[1]) * P(I((cell >> 3) << subvoxel_bits));
-    if (value + low <= 0 && value + high >= 0) kept |= rest & (~rest + 1);
+    const P value = P(t.n[0]) * P(I((cell & 7) << subvoxel_bits)) + P(t.n[1]) * P(I((cell >> 3) << subvoxel_bits));
+    if (value >= least && value <= most) kept |= rest & (~rest + 1);
   }
   return kept;
 }

@@ -55,13 +55,14 @@ inline constexpr int weight_bits = 36;
 
 template <class I>
 GB_HD TrianglePlane make_plane(const BrickTriangle<I>& t) {
+  using D = typename Coordinate<I>::type;
   TrianglePlane r;
   double* out[3] = {r.u, r.v, r.w};
   for (int c = 0; c < 3; ++c) {
     const I lo = smaller(smaller(t.p[0][c], t.p[1][c]), t.p[2][c]);
     const I anchor = floor_voxel(lo);
     r.anchor[c] = std::int64_t(anchor);
-    for (int i = 0; i < 3; ++i) out[c][i] = double(std::int64_t(t.p[i][c] - anchor * subvoxels)) / double(subvoxels);
+    for (int i = 0; i < 3; ++i) out[c][i] = double(D(t.p[i][c] - anchor * subvoxels)) / double(subvoxels);
   }
   const double nu = double(t.n[0]), nv = double(t.n[1]), nw = double(t.n[2]), inverse = 1 / nw;
   r.inverse_twice_area = double(subvoxels * subvoxels) * inverse;

@@ -16,6 +16,8 @@ namespace gigabake::kernels {
 template <bool is_hard>
 using PlaneCoordinate = std::conditional_t<is_hard, double, std::int32_t>;
 
+enum class Look : std::uint8_t { flat, linear, varying };
+
 /// An item, ready to be measured.
 struct CutItem {
   double u[5], v[5];  ///< the slab's polygon
@@ -24,19 +26,18 @@ struct CutItem {
   std::uint64_t cells;
   std::uint64_t edges_of_row;  ///< a byte for each row v of the brick: the polygon's edges that reach into it
   std::int32_t anchor_u, anchor_v;
-  std::uint32_t part;
   std::int16_t normal[3];
   std::uint16_t edge_lines;  ///< SlabPolygon::line, two bits each
   std::uint8_t corners, axis, slab, brick;
+  Look look;
 };
-
-enum class Look : std::uint8_t { flat, linear, varying };
 
 /// What shade() needs besides.
 template <bool is_hard>
 struct VaryingLook {
   PlaneCoordinate<is_hard> plane_u[3], plane_v[3];
   double inverse_twice_area;
+  std::uint32_t part;
   std::uint16_t vertex_rgba[3][4];
   TextureMap map;
 };
@@ -45,7 +46,6 @@ struct VaryingLook {
 template <bool is_hard, bool plain>
 struct FillItem : CutItem {
   LinearColour colour;  ///< of a flat look: `low` alone
-  Look look;
 };
 template <bool is_hard>
 struct FillItem<is_hard, false> : CutItem {
@@ -53,7 +53,6 @@ struct FillItem<is_hard, false> : CutItem {
     LinearColour colour;
     VaryingLook<is_hard> varying;
   };
-  Look look;
 };
 
 /// The triangle's surface, but for its texture and the map of it.
@@ -94,9 +93,10 @@ __device__ void set_varying(const InputView& in, const DevicePart& part, std::ui
 }
 
 template <bool is_hard, bool plain>
-__device__ void set_look(const InputView& in, const DevicePart& part, std::uint32_t index, const TrianglePlane& plane,
+__device__ void set_look(const InputView& in, const WindowTriangle& w, const TrianglePlane& plane,
                          FillItem<is_hard, plain>& out) {
-  const Surface surface = surface_of_triangle(in, part, index, out.normal);
+  const DevicePart& part = in.parts[w.part];
+  const Surface surface = surface_of_triangle(in, part, w.index, out.normal);
   if (surface.is_linear() && !part.textured) {
     out.look = Look::linear;
     out.colour = make_linear_colour(surface, plane);
@@ -105,7 +105,8 @@ __device__ void set_look(const InputView& in, const DevicePart& part, std::uint3
     for (int c = 0; c < 3; ++c) out.colour.low[c] = surface.material.base_rgba[c];
   } else if constexpr (!plain) {
     out.look = Look::varying;
-    set_varying(in, part, index, surface, plane, out.varying);
+    out.varying.part = w.part;
+    set_varying(in, part, w.index, surface, plane, out.varying);
   }
 }
 
@@ -148,7 +149,7 @@ __device__ void cut_triangle(const InputView& in, const WindowTriangle& w, const
   out.anchor_v = std::int32_t(plane.anchor[1]);
   out.weight_scale = plane.weight_scale;
   cut_polygon(plane, double(std::int64_t(where & 7) - plane.anchor[2]), out);
-  set_look(in, in.parts[w.part], w.index, plane, out);
+  set_look(in, w, plane, out);
 }
 
 /// Cuts an item from the triangle of a pair. corner: the brick's; where: as in ItemView.
@@ -157,7 +158,6 @@ __device__ void cut_item(const InputView& in, const WindowTriangle& w, const std
                          std::uint32_t where, FillItem<is_hard, plain>& out) {
   out.axis = std::uint8_t(where >> 3 & 3);
   out.slab = std::uint8_t(where & 7);
-  out.part = w.part;
   if constexpr (is_hard)
     if (!is_narrow(w)) return cut_triangle<__int128>(in, w, corner, where, out);
   cut_triangle<std::int64_t>(in, w, corner, where, out);
@@ -175,9 +175,9 @@ __device__ inline CellMoments measure(const CutItem& item, double u, double v, i
 }
 
 template <bool is_hard>
-__device__ Rgba16 shade_varying(const InputView& in, const CutItem& item, const VaryingLook<is_hard>& look,
-                                const CellMoments& m, double u, double v) {
-  const DevicePart& part = in.parts[item.part];
+__device__ Rgba16 shade_varying(const InputView& in, const VaryingLook<is_hard>& look, const CellMoments& m, double u,
+                                double v) {
+  const DevicePart& part = in.parts[look.part];
   Surface s;
   s.material = in.materials[part.material];
   s.has_vertex_rgba = part.rgba != nullptr;
@@ -208,7 +208,7 @@ __device__ Fragment fragment_of(const InputView& in, const FillItem<is_hard, pla
   if constexpr (plain)
     for (int c = 0; c < 3; ++c) rgba.c[c] = item.colour.low[c];
   else
-    rgba = shade_varying(in, item, item.varying, m, u, v);
+    rgba = shade_varying(in, item.varying, m, u, v);
   return fragment_of_colour(weight_of(m.area, item.weight_scale), rgba.c, item.normal);
 }
 

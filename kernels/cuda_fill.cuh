@@ -16,6 +16,7 @@
 namespace gigabake::kernels {
 
 inline constexpr int bricks_per_block = 8, fill_threads = 128;
+inline constexpr int fill_items = 96;  ///< that a block has in hand at a time
 inline constexpr int mask_words = 16 * bricks_per_block;
 
 /// A batch's bricks and where their voxels go.
@@ -56,10 +57,10 @@ __device__ inline bool items_fit(const FillView& view) {
 }
 
 /// How wide integers are: easy bricks have at most fragments_before_flush triangles, all of them narrow. As many slots
-/// as leave room for four blocks in a multiprocessor's shared memory (three, where not plain).
+/// as leave room for `blocks` in a multiprocessor's shared memory.
 template <bool is_hard, bool plain>
 struct FillWidth {
-  static constexpr int words = is_hard ? 3 : 2, slots = is_hard ? 256 : 320,
+  static constexpr int words = is_hard ? 3 : 2, slots = is_hard ? 256 : 304, blocks = plain ? 5 : 4,
                        channels = plain ? opaque_sum_count : sum_count;
 };
 
@@ -67,8 +68,8 @@ template <bool is_hard, bool plain>
 struct FillShared {
   using Width = FillWidth<is_hard, plain>;
   VoxelSums<Width::words, Width::slots, Width::channels> sums;
-  FillItem<is_hard, plain> item[fill_threads];
-  std::uint32_t prefix[fill_threads];  ///< inclusive, of the items' cells
+  FillItem<is_hard, plain> item[fill_items];
+  std::uint32_t prefix[fill_items];  ///< inclusive, of the items' cells
   std::uint32_t warp_cells[fill_threads / 32];
   unsigned mask[mask_words];                  ///< bit voxel % 32 of word voxel / 32, brick after brick
   std::uint16_t below[mask_words + 1];        ///< voxels in the words before
@@ -91,6 +92,20 @@ __device__ inline int brick_of_item(const std::uint32_t start[bricks_per_block +
 #pragma unroll
   for (int b = 1; b < bricks_per_block; ++b) brick += pair >= start[b];
   return brick;
+}
+
+/// Bit r: row r of the cells has any.
+__device__ inline unsigned rows_of(std::uint64_t cells) {
+  constexpr std::uint64_t low_bits = 0x7f7f7f7f7f7f7f7full;
+  const std::uint64_t any = (((cells & low_bits) + low_bits) | cells) >> 7 & 0x0101010101010101ull;
+  return unsigned((any * 0x0102040810204080ull) >> 56);
+}
+
+/// Bit c: column c of the cells has any.
+__device__ inline unsigned columns_of(std::uint64_t cells) {
+  unsigned any = unsigned(cells) | unsigned(cells >> 32);
+  any |= any >> 16;
+  return (any | any >> 8) & 255;
 }
 
 /// The voxels of layer z of a brick, bit x + 8 y, that cells of one slab are. axis: x or y.
@@ -119,7 +134,10 @@ __device__ bool mark_voxels(const ItemView& items, ItemRange range, Shared& shar
       mark_layer(mask + 2 * slab, cells);
       continue;
     }
-    for (int z = 0; z < brick_edge; ++z) mark_layer(mask + 2 * z, layer_of_cells(cells, axis, slab, z));
+    for (unsigned layers = axis == 0 ? rows_of(cells) : columns_of(cells); layers != 0; layers &= layers - 1) {
+      const int z = __ffs(int(layers)) - 1;
+      mark_layer(mask + 2 * z, layer_of_cells(cells, axis, slab, z));
+    }
   }
   return is_wide;
 }
@@ -179,17 +197,17 @@ __device__ std::uint32_t scan_cells(std::uint32_t cells, Shared& shared) {
   if (lane == 31) shared.warp_cells[warp] = sum;
   __syncthreads();
   for (int w = 0; w < warp; ++w) sum += shared.warp_cells[w];
-  shared.prefix[threadIdx.x] = sum;
+  if (threadIdx.x < fill_items) shared.prefix[threadIdx.x] = sum;
   __syncthreads();
-  return shared.prefix[fill_threads - 1];
+  return shared.prefix[fill_items - 1];
 }
 
 /// The item that fragment f of the chunk belongs to.
-__device__ inline int item_of(const std::uint32_t prefix[fill_threads], std::uint32_t f) {
+__device__ inline int item_of(const std::uint32_t prefix[fill_items], std::uint32_t f) {
   int at = 0;
 #pragma unroll
-  for (int half = int(std::bit_ceil(unsigned(fill_threads))) / 2; half != 0; half /= 2)
-    if (at + half <= fill_threads && prefix[at + half - 1] <= f) at += half;
+  for (int half = int(std::bit_ceil(unsigned(fill_items))) / 2; half != 0; half /= 2)
+    if (at + half <= fill_items && prefix[at + half - 1] <= f) at += half;
   return at;
 }
 
@@ -231,8 +249,8 @@ __device__ std::uint32_t add_items(const FillView& view, std::uint32_t first_bri
                 view.bricks.start[view.end] - view.bricks.start[view.begin]);
   while (walk.has_more()) {
     std::uint32_t mine = no_item;
-    for (std::uint32_t taken = 0; taken < fill_threads && walk.has_more();) {
-      const ItemRange range = walk.take(fill_threads - taken);
+    for (std::uint32_t taken = 0; taken < fill_items && walk.has_more();) {
+      const ItemRange range = walk.take(fill_items - taken);
       const std::uint32_t i = threadIdx.x - taken;  // wraps where this thread has an item already
       if (i < range.end - range.begin) mine = range.begin + i;
       taken += range.end - range.begin;
@@ -320,7 +338,7 @@ __device__ int round_end(int brick, int bricks, const Shared& shared) {
   int end = brick + 1;
   for (; end < bricks; ++end) {
     items += shared.items[end];
-    if (items > fill_threads || shared.below[16 * end + 16] - shared.below[16 * brick] > slots) break;
+    if (items > fill_items || shared.below[16 * end + 16] - shared.below[16 * brick] > slots) break;
   }
   return end;
 }

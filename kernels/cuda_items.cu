@@ -17,6 +17,19 @@ __device__ std::uint32_t brick_of_pair(const std::uint32_t* start, std::uint32_t
   return begin;
 }
 
+/// The same by a whole warp: three loads one after the other instead of fifteen.
+__device__ std::uint32_t brick_of_pair_by_warp(const std::uint32_t* start, std::uint32_t begin, std::uint32_t end,
+                                               std::uint32_t pair) {
+  const std::uint32_t lane = threadIdx.x & 31;
+  while (end - begin > 1) {
+    const std::uint32_t step = (end - begin + 31) / 32, at = begin + lane * step;
+    const unsigned not_beyond = __ballot_sync(~0u, at < end && start[at] <= pair);
+    begin += (unsigned(__popc(not_beyond)) - 1) * step;
+    end = smaller(begin + step, end);
+  }
+  return begin;
+}
+
 /// A thread's eight slabs, in shared memory: which of them are written is decided at run time.
 struct ThreadSlabs {
   std::uint64_t* first;
@@ -44,8 +57,9 @@ __device__ std::uint32_t touch_pair(const InputView& in, SurfaceRule rule, const
 
 }  // namespace
 
-__global__ void __launch_bounds__(pairs_per_group) find_items(InputView in, SurfaceRule rule, BricksView bricks,
-                                                              std::uint32_t begin, std::uint32_t end, ItemView items) {
+__global__ void __launch_bounds__(pairs_per_group, 3)
+    find_items(InputView in, SurfaceRule rule, BricksView bricks, std::uint32_t begin, std::uint32_t end,
+               ItemView items) {
   using Scan = cub::BlockScan<std::uint32_t, int(pairs_per_group)>;
   __shared__ typename Scan::TempStorage scan;
   __shared__ std::uint32_t group_first, group_bricks[2];
@@ -55,11 +69,11 @@ __global__ void __launch_bounds__(pairs_per_group) find_items(InputView in, Surf
   for (std::uint32_t group = blockIdx.x; group * pairs_per_group < pairs; group += gridDim.x) {
     const std::uint32_t pair = group * pairs_per_group + threadIdx.x;
     std::uint32_t mine = 0, before = 0, all = 0, where = 0;
-    // One warp finds the group's first and last brick; the others search between.
-    if (threadIdx.x < 2)
-      group_bricks[threadIdx.x] =
-          brick_of_pair(bricks.start, begin, end,
-                        first_pair + smaller(group * pairs_per_group + (pairs_per_group - 1) * threadIdx.x, pairs - 1));
+    // Two warps find the group's first and last brick; then all search between.
+    if (const unsigned warp = threadIdx.x / 32; warp < 2)
+      group_bricks[warp] = brick_of_pair_by_warp(
+          bricks.start, begin, end,
+          first_pair + smaller(group * pairs_per_group + (pairs_per_group - 1) * warp, pairs - 1));
     __syncthreads();
     if (pair < pairs) {
       where = touch_pair(in, rule, bricks, group_bricks[0], group_bricks[1] + 1, first_pair + pair, slabs) | pair << 6;

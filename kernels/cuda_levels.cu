@@ -9,7 +9,8 @@ namespace gigabake::kernels {
 namespace {
 
 constexpr unsigned threads = 256;
-constexpr int most_levels = 11;  ///< of a window of 8192 voxels
+constexpr std::uint32_t few_parents = 4096;  ///< fewer do not fill a device with a warp each
+constexpr int most_levels = 11;              ///< of a window of 8192 voxels
 
 struct LevelView {
   const std::uint32_t *key, *first;
@@ -149,12 +150,19 @@ struct ViewOut {
   std::uint8_t *facing, *raster;
 };
 
-/// Small rasters are made in registers.
+/// Small rasters are made in registers, by one thread; 8×8 cells by a warp, a run each.
 template <int Edge>
 __device__ FacingSums view(const LevelView& level, const Children& children, const std::uint8_t* rasters,
                            std::uint8_t* raster) {
   const ChildRasters<Edge> from{children, level.rgba, rasters};
-  if constexpr (Edge >= 4) {
+  if constexpr (Edge == most_raster_edge) {
+    FacingSums seen;
+    for (int k = int(threadIdx.x & 31); k < 12 * runs_per_column<Edge>; k += 32)
+      see_run<Edge>(from, k / 16, k / 4 % 4, k % 4, raster, seen);
+    for (std::uint32_t& sum : seen.covered) sum = __reduce_add_sync(~0u, sum);
+    for (std::uint32_t& sum : seen.seen) sum = __reduce_add_sync(~0u, sum);
+    return seen;
+  } else if constexpr (Edge == 4) {
     return see_children<Edge>(from, raster);
   } else {
     constexpr int words = raster_bytes(2 * Edge) / 4;
@@ -173,6 +181,7 @@ __device__ Voxel filter_by_view(const LevelView& level, const Children& children
                                 const Tables& tables, const ViewOut& out) {
   const FacingSums seen = view<Edge>(level, children, rasters, out.raster);
   std::uint8_t facing[3];
+#pragma unroll
   for (int a = 0; a < 3; ++a) out.facing[a] = facing[a] = seen.facing(a, Edge);
   MipSums sums;
 #pragma unroll
@@ -207,16 +216,17 @@ struct ParentView {
   std::uint32_t parents;
 };
 
-/// One warp a parent: its voxels are listed, then filtered side by side. Edge: of the rasters of `fine`, which are null
-/// at lod 0; 0: a filter without views.
-template <int Edge>
+/// Where it is few parents, `warps` warps each: the voxels are listed by each, then filtered side by side; those whose
+/// children have large rasters by a whole warp. Edge: of the rasters of `fine`, which are null at lod 0; 0: a filter
+/// without views.
+template <int Edge, int warps>
 __global__ void __launch_bounds__(128, Edge == 0 ? 8 : 4)
     filter_parents(LevelView fine, const std::uint8_t* rasters, ParentView out, MipFilter filter, Tables tables) {
   __shared__ std::uint16_t lists[4][brick_voxels];
   __shared__ std::uint32_t children[4][8];
   __shared__ std::uint16_t before[4][32];  // [child][slab pair]: voxels of the child below
   const int lane = int(threadIdx.x & 31), warp = int(threadIdx.x / 32);
-  const std::uint32_t p = blockIdx.x * 4 + std::uint32_t(warp);
+  const std::uint32_t of_grid = blockIdx.x * 4 + std::uint32_t(warp), p = of_grid / warps;
   if (p >= out.parents) return;
   const std::uint32_t begin = out.start[p], end = p + 1 == out.parents ? fine.bricks : out.start[p + 1];
   if (begin + std::uint32_t(lane / 4) < end) {
@@ -240,7 +250,9 @@ __global__ void __launch_bounds__(128, Edge == 0 ? 8 : 4)
   }
   __syncwarp();
   const std::uint32_t first = out.first[p];
-  for (std::uint32_t i = std::uint32_t(lane); i < below; i += 32) {
+  constexpr bool by_warp = Edge == most_raster_edge;
+  const std::uint32_t begin_at = of_grid % warps * (by_warp ? 1 : 32) + std::uint32_t(by_warp ? 0 : lane);
+  for (std::uint32_t i = begin_at; i < below; i += warps * (by_warp ? 1 : 32)) {
     const int voxel = lists[warp][i], x = voxel & 7, y = voxel >> 3 & 7, z = voxel >> 6;
     const int octant = x >> 2 | (y >> 2) << 1 | (z >> 2) << 2;
     const Children below_it =
@@ -253,6 +265,7 @@ __global__ void __launch_bounds__(128, Edge == 0 ? 8 : 4)
       constexpr int bytes = raster_bytes(Edge < most_raster_edge ? 2 * Edge : most_raster_edge);
       v = filter_by_view<Edge>(fine, below_it, rasters, tables, {out.facing + 3 * to, out.rasters + bytes * to});
     }
+    if (by_warp && lane != 0) continue;
     out.rgba[first + i] = std::uint32_t(v.rgba[0]) | std::uint32_t(v.rgba[1]) << 8 | std::uint32_t(v.rgba[2]) << 16 |
                           std::uint32_t(v.rgba[3]) << 24;
     if (out.normal != nullptr)
@@ -324,15 +337,25 @@ class LevelBuilder {
   DeviceArray<std::uint32_t> selected_;
 };
 
+template <int Edge>
 void launch_filter(DeviceHeap& heap, const LevelView& fine, const std::uint8_t* rasters, const ParentView& out,
-                   int edge, MipFilter filter, const Tables& tables) {
-  const auto kernel = edge == 0   ? filter_parents<0>
-                      : edge == 1 ? filter_parents<1>
-                      : edge == 2 ? filter_parents<2>
-                      : edge == 4 ? filter_parents<4>
-                                  : filter_parents<8>;
-  kernel<<<grid_of(out.parents, 4), 128, 0, heap.stream()>>>(fine, rasters, out, filter, tables);
+                   MipFilter filter, const Tables& tables) {
+  constexpr int most_warps = Edge == most_raster_edge ? 16 : 4;
+  const bool few = Edge == most_raster_edge || out.parents <= few_parents;
+  const auto kernel = few ? filter_parents<Edge, most_warps> : filter_parents<Edge, 1>;
+  const unsigned blocks = grid_of(std::uint64_t(out.parents) * (few ? most_warps : 1), 4);
+  kernel<<<blocks, 128, 0, heap.stream()>>>(fine, rasters, out, filter, tables);
   check_launch("filter_parents");
+}
+
+/// lod: of the parents.
+void launch_filter(DeviceHeap& heap, const LevelView& fine, const std::uint8_t* rasters, const ParentView& out, int lod,
+                   MipFilter filter, const Tables& tables) {
+  if (filter != MipFilter::coverage) return launch_filter<0>(heap, fine, nullptr, out, filter, tables);
+  if (lod == 1) return launch_filter<1>(heap, fine, nullptr, out, filter, tables);
+  if (lod == 2) return launch_filter<2>(heap, fine, rasters, out, filter, tables);
+  if (lod == 3) return launch_filter<4>(heap, fine, rasters, out, filter, tables);
+  launch_filter<8>(heap, fine, rasters, out, filter, tables);
 }
 
 void read_voxel_counts(DeviceHeap& heap, std::vector<Parents>& levels) {
@@ -392,20 +415,20 @@ LevelsAbove coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceL
   read_voxel_counts(heap, built);
   LevelsAbove above;
   for (Parents& p : built) {
-    const int edge = raster_edge(int(above.levels.size()));
+    const int lod = int(above.levels.size()) + 1;
     DeviceLevel& level = p.level;
     level.rgba = DeviceArray<std::uint32_t>(heap, level.voxels);
     if (normals) level.normal = DeviceArray<std::uint16_t>(heap, level.voxels);
     DeviceArray<std::uint8_t> rasters;
     if (filter == MipFilter::coverage) {
       level.facing = DeviceArray<std::uint8_t>(heap, 3 * std::size_t(level.voxels));
-      const auto bytes = std::size_t(raster_bytes(raster_edge(int(above.levels.size()) + 1)));
+      const auto bytes = std::size_t(raster_bytes(raster_edge(lod)));
       rasters = DeviceArray<std::uint8_t>(heap, bytes * level.voxels);
     }
     const ParentView out{p.start.data(),      level.first.data(),  level.mask.data(), level.rgba.data(),
                          level.normal.data(), level.facing.data(), rasters.data(),    level.bricks};
     const LevelView fine = view_of(above.levels.empty() ? finest : above.levels.back());
-    launch_filter(heap, fine, above.rasters.data(), out, filter == MipFilter::coverage ? edge : 0, filter, tables);
+    launch_filter(heap, fine, above.rasters.data(), out, lod, filter, tables);
     above.levels.push_back(std::move(level));
     above.rasters = std::move(rasters);
   }

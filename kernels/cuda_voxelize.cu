@@ -32,7 +32,7 @@ __global__ void find_heavy_bricks(FillView view) {
 
 /// Heavy bricks, a block each, then groups of the others.
 template <bool plain>
-__global__ void __launch_bounds__(fill_threads, plain ? 4 : 3) fill_easy_bricks(FillView view) {
+__global__ void __launch_bounds__(fill_threads, FillWidth<false, plain>::blocks) fill_easy_bricks(FillView view) {
   extern __shared__ __align__(16) unsigned char raw[];
   auto& shared = *reinterpret_cast<FillShared<false, plain>*>(raw);
   if (!items_fit(view)) return;

@@ -123,24 +123,27 @@ GB_HD void put(const CellRun<run_cells<Edge>>& run, std::uint8_t* to) {
   }
 }
 
-/// children: gives run `run` of an axis of a child's raster; zeros where there is none. raster: the parent's, which is
-/// written whole, and aligned to 16 bytes on a device.
+/// One run of a column of children, into the parent's raster and the sums.
+/// children: gives run `run` of an axis of a child's raster; zeros where there is none.
+template <int Edge, class Children>
+GB_HD void see_run(const Children& children, int axis, int column, int run, std::uint8_t* raster, FacingSums& out) {
+  const int low = low_child(axis, column), high = low | 1 << axis;
+  std::uint32_t sums[3] = {};
+  CellRun<run_cells<Edge>> either;
+  cover(children.template cells<run_cells<Edge>>(low, axis, run),
+        children.template cells<run_cells<Edge>>(high, axis, run), either, sums);
+  put<Edge>(either, raster + RasterRows<Edge>::first(axis, column, run));
+  out.add(axis, column, sums);
+}
+
+/// raster: the parent's, which is written whole, and aligned to 16 bytes on a device.
 template <int Edge, class Children>
 GB_HD FacingSums see_children(const Children& children, std::uint8_t* raster) {
   FacingSums result;
   GB_UNROLL
   for (int axis = 0; axis < 3; ++axis) GB_UNROLL
-  for (int column = 0; column < 4; ++column) {
-    const int low = low_child(axis, column), high = low | 1 << axis;
-    std::uint32_t sums[3] = {};
-    for (int run = 0; run < runs_per_column<Edge>; ++run) {
-      CellRun<run_cells<Edge>> either;
-      cover(children.template cells<run_cells<Edge>>(low, axis, run),
-            children.template cells<run_cells<Edge>>(high, axis, run), either, sums);
-      put<Edge>(either, raster + RasterRows<Edge>::first(axis, column, run));
-    }
-    result.add(axis, column, sums);
-  }
+  for (int column = 0; column < 4; ++column)
+    for (int run = 0; run < runs_per_column<Edge>; ++run) see_run<Edge>(children, axis, column, run, raster, result);
   return result;
 }
 
