@@ -1,8 +1,10 @@
 #include <fmt/format.h>
+#include <functional>
 #include <memory>
 
 #include "app/commands.h"
 #include "format/error.h"
+#include "format/nanovdb.h"
 #include "format/ply.h"
 
 namespace gigabake::app {
@@ -13,18 +15,40 @@ struct ExportOptions {
   int lod = 0;
 };
 
+struct ExportFormat {
+  const char* name;
+  /// Returns the number of voxels of the level.
+  std::function<std::uint64_t(const ExportOptions&)> write;
+};
+
+const ExportFormat formats[] = {
+    {"ply", [](const ExportOptions& o) { return export_ply(o.scene, o.lod, o.out); }},
+    {"nvdb", [](const ExportOptions& o) { return export_nanovdb(o.scene, o.lod, o.out); }},
+};
+
+std::string format_names() {
+  std::string names;
+  for (const ExportFormat& f : formats) names += (names.empty() ? "" : ", ") + std::string(f.name);
+  return names;
+}
+
+const ExportFormat& format_of(const std::string& name) {
+  for (const ExportFormat& f : formats)
+    if (f.name == name) return f;
+  throw UsageError("--to: expected one of " + format_names() + ", got '" + name + "'");
+}
+
 }  // namespace
 
 void add_export(CLI::App& app, int&) {
   auto* command = app.add_subcommand("export", "Write a baked scene's voxels in another format");
   auto o = std::make_shared<ExportOptions>();
   command->add_option("SCENE", o->scene, "OUT/scene.xml")->required();
-  command->add_option("--to", o->format, "ply")->required();
+  command->add_option("--to", o->format, format_names())->required();
   command->add_option("-o,--out", o->out, "file to write")->required();
   command->add_option("--lod", o->lod, "level to write")->capture_default_str()->check(CLI::Range(0, 10));
   command->callback([o] {
-    if (o->format != "ply") throw UsageError("--to: expected ply, got '" + o->format + "'");
-    const std::uint64_t voxels = export_ply(o->scene, o->lod, o->out);
+    const std::uint64_t voxels = format_of(o->format).write(*o);
     fmt::print("{} voxels of lod {} in {}\n", voxels, o->lod, o->out);
   });
 }
