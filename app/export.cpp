@@ -4,6 +4,7 @@
 
 #include "app/commands.h"
 #include "format/error.h"
+#include "format/gigavoxel.h"
 #include "format/nanovdb.h"
 #include "format/ply.h"
 
@@ -24,6 +25,10 @@ struct ExportFormat {
 const ExportFormat formats[] = {
     {"ply", [](const ExportOptions& o) { return export_ply(o.scene, o.lod, o.out); }},
     {"nvdb", [](const ExportOptions& o) { return export_nanovdb(o.scene, o.lod, o.out); }},
+    {"gigavoxel-xml",
+     [](const ExportOptions& o) { return export_gigavoxel(o.scene, o.lod, o.out, GigavoxelTreeFile::xml); }},
+    {"gigavoxel-binary",
+     [](const ExportOptions& o) { return export_gigavoxel(o.scene, o.lod, o.out, GigavoxelTreeFile::binary); }},
 };
 
 std::string format_names() {
@@ -45,8 +50,10 @@ void add_export(CLI::App& app, int&) {
   auto o = std::make_shared<ExportOptions>();
   command->add_option("SCENE", o->scene, "OUT/scene.xml")->required();
   command->add_option("--to", o->format, format_names())->required();
-  command->add_option("-o,--out", o->out, "file to write")->required();
-  command->add_option("--lod", o->lod, "level to write")->capture_default_str()->check(CLI::Range(0, 10));
+  command->add_option("-o,--out", o->out, "file to write; new folder for the formats of many files")->required();
+  command->add_option("--lod", o->lod, "level to write; gigavoxel: the finest")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 10));
   command->callback([o] {
     const std::uint64_t voxels = format_of(o->format).write(*o);
     fmt::print("{} voxels of lod {} in {}\n", voxels, o->lod, o->out);
