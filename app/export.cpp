@@ -7,6 +7,7 @@
 #include "format/gigavoxel.h"
 #include "format/nanovdb.h"
 #include "format/ply.h"
+#include "format/voxel_tileset.h"
 
 namespace gigabake::app {
 namespace {
@@ -25,6 +26,7 @@ struct ExportFormat {
 const ExportFormat formats[] = {
     {"ply", [](const ExportOptions& o) { return export_ply(o.scene, o.lod, o.out); }},
     {"nvdb", [](const ExportOptions& o) { return export_nanovdb(o.scene, o.lod, o.out); }},
+    {"3dtiles", [](const ExportOptions& o) { return export_3dtiles(o.scene, o.lod, o.out); }},
     {"gigavoxel-xml",
      [](const ExportOptions& o) { return export_gigavoxel(o.scene, o.lod, o.out, GigavoxelTreeFile::xml); }},
     {"gigavoxel-binary",
@@ -51,7 +53,7 @@ void add_export(CLI::App& app, int&) {
   command->add_option("SCENE", o->scene, "OUT/scene.xml")->required();
   command->add_option("--to", o->format, format_names())->required();
   command->add_option("-o,--out", o->out, "file to write; new folder for the formats of many files")->required();
-  command->add_option("--lod", o->lod, "level to write; gigavoxel: the finest")
+  command->add_option("--lod", o->lod, "level to write; 3dtiles and gigavoxel: the finest")
       ->capture_default_str()
       ->check(CLI::Range(0, 10));
   command->callback([o] {
