@@ -6,6 +6,7 @@
 #include "format/error.h"
 #include "format/gigavoxel.h"
 #include "format/nanovdb.h"
+#include "format/openvdb/openvdb_export.h"
 #include "format/ply.h"
 #include "format/voxel_tileset.h"
 
@@ -26,6 +27,7 @@ struct ExportFormat {
 const ExportFormat formats[] = {
     {"ply", [](const ExportOptions& o) { return export_ply(o.scene, o.lod, o.out); }},
     {"nvdb", [](const ExportOptions& o) { return export_nanovdb(o.scene, o.lod, o.out); }},
+    {"vdb", [](const ExportOptions& o) { return export_openvdb(o.scene, o.lod, o.out, openvdb_memory_bytes()); }},
     {"3dtiles", [](const ExportOptions& o) { return export_3dtiles(o.scene, o.lod, o.out); }},
     {"gigavoxel-xml",
      [](const ExportOptions& o) { return export_gigavoxel(o.scene, o.lod, o.out, GigavoxelTreeFile::xml); }},

@@ -1,5 +1,6 @@
 #include "format/voxel_tile.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -9,6 +10,7 @@
 #include "format/error.h"
 #include "format/octahedral.h"
 #include "format/output_file.h"
+#include "format/srgb.h"
 
 namespace gigabake {
 namespace {
@@ -22,20 +24,6 @@ constexpr std::uint32_t glb_magic = 0x46546c67, json_chunk = 0x4e4f534a, binary_
 std::size_t place_in_gltf(std::size_t voxel) {
   const std::size_t x = voxel & 7, y = voxel >> 3 & 7, z = voxel >> 6;
   return x + 8 * (z + 8 * (7 - y));
-}
-
-std::array<double, 256> linear_of_srgb() {
-  std::array<double, 256> linear{};
-  for (std::size_t byte = 0; byte < 256; ++byte) {
-    const double s = double(byte) / 255;
-    linear[byte] = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
-  }
-  return linear;
-}
-
-std::uint8_t srgb_of(double linear) {
-  const double s = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
-  return std::uint8_t(std::clamp(s, 0.0, 1.0) * 255 + 0.5);
 }
 
 /// Mean over the three axes of what a view along the axis sees.
@@ -54,7 +42,7 @@ struct Octet {
   std::array<double, 3> colour{}, normal{};
 
   void add(std::size_t c, const std::array<std::uint8_t, 4>& rgba, const std::array<float, 3>& n) {
-    static const std::array<double, 256> linear = linear_of_srgb();
+    const std::array<double, 256>& linear = linear_of_srgb();
     alpha[c] = rgba[3];
     weight += rgba[3];
     for (std::size_t i = 0; i < 3; ++i) {
@@ -66,7 +54,7 @@ struct Octet {
   void store(std::array<std::uint8_t, 4>& rgba, std::array<float, 3>& n) const {
     const double length = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
     for (std::size_t i = 0; i < 3; ++i) {
-      rgba[i] = srgb_of(colour[i] / weight);
+      rgba[i] = srgb_byte(colour[i] / weight);
       n[i] = length > 0 ? float(normal[i] / length) : 0.0f;
     }
     rgba[3] = std::uint8_t(covered(alpha));

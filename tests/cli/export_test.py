@@ -208,7 +208,9 @@ class Export(unittest.TestCase):
     def test_a_path_that_cannot_be_written_is_one_line(self):
         (self.path / "full").mkdir(exist_ok=True)
         (self.path / "full/file").write_text("x")
-        for kind in ("ply", "nvdb", "3dtiles", "gigavoxel-xml", "gigavoxel-binary"):
+        without_openvdb = self.program.run("export", self.scene, "--to", "vdb", "-o", self.path / "x").returncode == 2
+        kinds = ["ply", "nvdb", "3dtiles", "gigavoxel-xml", "gigavoxel-binary"] + ["vdb"] * (not without_openvdb)
+        for kind in kinds:
             for out in (self.path / "none/out", self.path / "full"):
                 result = self.program.run("export", self.scene, "--to", kind, "-o", out)
                 self.assertEqual(result.returncode, 1, (kind, out))
