@@ -3,7 +3,6 @@
 #include <memory>
 
 #include "app/commands.h"
-#include "format/error.h"
 #include "format/gigavoxel.h"
 #include "format/nanovdb.h"
 #include "format/openvdb/openvdb_export.h"
@@ -35,16 +34,10 @@ const ExportFormat formats[] = {
      [](const ExportOptions& o) { return export_gigavoxel(o.scene, o.lod, o.out, GigavoxelTreeFile::binary); }},
 };
 
-std::string format_names() {
-  std::string names;
-  for (const ExportFormat& f : formats) names += (names.empty() ? "" : ", ") + std::string(f.name);
+std::vector<std::string> format_names() {
+  std::vector<std::string> names;
+  for (const ExportFormat& f : formats) names.emplace_back(f.name);
   return names;
-}
-
-const ExportFormat& format_of(const std::string& name) {
-  for (const ExportFormat& f : formats)
-    if (f.name == name) return f;
-  throw UsageError("--to: expected one of " + format_names() + ", got '" + name + "'");
 }
 
 }  // namespace
@@ -53,14 +46,14 @@ void add_export(CLI::App& app, int&) {
   auto* command = app.add_subcommand("export", "Write a baked scene's voxels in another format");
   auto o = std::make_shared<ExportOptions>();
   command->add_option("SCENE", o->scene, "OUT/scene.xml")->required();
-  command->add_option("--to", o->format, format_names())->required();
+  command->add_option("--to", o->format, "the format")->required()->check(CLI::IsMember(format_names()));
   command->add_option("-o,--out", o->out, "file to write; new folder for the formats of many files")->required();
   command->add_option("--lod", o->lod, "level to write; 3dtiles and gigavoxel: the finest")
       ->capture_default_str()
       ->check(CLI::Range(0, 10));
   command->callback([o] {
-    const std::uint64_t voxels = format_of(o->format).write(*o);
-    fmt::print("{} voxels of lod {} in {}\n", voxels, o->lod, o->out);
+    for (const ExportFormat& f : formats)
+      if (o->format == f.name) fmt::print("{} voxels of lod {} in {}\n", f.write(*o), o->lod, o->out);
   });
 }
 
