@@ -28,7 +28,7 @@ struct NanovdbInnerNode {
   nanovdb_layout::IndexBox box;  ///< of its voxels
 };
 
-/// 16 bytes a leaf, and 32 an inner node: the only part of an export that grows with the scene.
+/// 16 bytes a leaf (48 while they are added), and 32 an inner node: what of an export grows with the scene.
 class NanovdbTree {
  public:
   /// A block that has voxels, any number of times.
