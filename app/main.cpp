@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include "app/commands.h"
+#include "app/manual.h"
 #include "format/error.h"
 
 using namespace gigabake;
@@ -25,6 +26,8 @@ int main(int argc, char** argv) {
   app::add_view(program, exit_code);
   app::add_serve(program, exit_code);
   app::add_bench(program, exit_code);
+  app::add_man(program);
+  app::add_completion(program);
   app::add_bake_process(program);
 
   try {

@@ -9,7 +9,9 @@
 
 #include "format/brick_walk.h"
 #include "format/error.h"
+#include "format/octahedral.h"
 #include "format/publish.h"
+#include "format/scene_level.h"
 #include "format/scene_xml.h"
 #include "format/shard_reader.h"
 
@@ -17,19 +19,6 @@ namespace gigabake {
 namespace {
 
 constexpr std::size_t vertex_bytes = 3 * 8 + 3 * 4 + 4 + 3 * 4;
-
-/// Source  Cigolle et al. 2014, octahedral unit vectors.
-std::array<float, 3> unit_normal(const std::int8_t oct[2]) {
-  double x = oct[0] / 127.0, y = oct[1] / 127.0;
-  const double z = 1 - std::fabs(x) - std::fabs(y);
-  if (z < 0) {
-    const double folded = (1 - std::fabs(y)) * (x < 0 ? -1 : 1);
-    y = (1 - std::fabs(x)) * (y < 0 ? -1 : 1);
-    x = folded;
-  }
-  const double length = std::sqrt(x * x + y * y + z * z);
-  return {float(x / length), float(y / length), float(z / length)};
-}
 
 std::string header(const SceneDescription& scene, int lod, std::uint64_t voxels) {
   return fmt::format(
@@ -110,22 +99,11 @@ class VertexStream {
   std::size_t used_ = 0;
 };
 
-std::uint64_t voxels_of(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod) {
-  std::uint64_t voxels = 0;
-  for (const SceneCell& c : scene.cells) {
-    if (lod < 0 || std::uint32_t(lod) >= c.lods)
-      throw InputError(scene_xml, "Lods",
-                       fmt::format("there is no lod {}; cell {} has 0 to {}", lod, c.name, c.lods - 1));
-    voxels += c.voxels[std::size_t(lod)];
-  }
-  return voxels;
-}
-
 }  // namespace
 
 std::uint64_t export_ply(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& ply) {
   const SceneDescription scene = read_scene(scene_xml);
-  const std::uint64_t voxels = voxels_of(scene_xml, scene, lod);
+  const std::uint64_t voxels = voxels_of_level(scene_xml, scene, lod);
   Publication publication(ply);
   VertexStream stream(scene, lod, ply, publication.aside());
   stream.write(header(scene, lod, voxels));

@@ -28,6 +28,8 @@ RESERVED = [
     (r"fstream|filesystem|iostream|cstdio", r"(?!kernels/)", "kernels/ knows no files"),
     (r"tiny_gltf\.h|hdf5\.h|pugixml\.hpp|png\.h|jpeglib\.h|(OpenEXR|Imath)/.*", r"format/|viewer/.*\.cpp|tests/",
      "files are format's business"),
+    (r"openvdb/.*", r"format/openvdb/.*\.cpp|tests/", "a build without OpenVDB has the rest"),
+    (r"nanovdb/.*", r"tests/", "format/nanovdb_layout.h says what is needed of it"),
 ]
 
 # What a folder's headers must not carry into the folders above it.

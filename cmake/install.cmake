@@ -1,0 +1,77 @@
+# What `cmake --install` and cpack take along. Components: runtime (the program, its manual and completion), development
+# (gigabake::format and gigabake::kernels for find_package).
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+install(TARGETS gigabake DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
+
+# The program writes its own manual; pages are compressed as distributions want them.
+set(manual ${CMAKE_BINARY_DIR}/manual)
+file(MAKE_DIRECTORY ${manual}/man1 ${manual}/bash ${manual}/zsh ${manual}/fish)
+add_custom_command(
+  OUTPUT ${manual}/written
+  COMMAND gigabake man --all ${manual}/man1
+  COMMAND sh -c "gzip -9nf ${manual}/man1/*.1"
+  COMMAND gigabake completion bash > ${manual}/bash/gigabake
+  COMMAND gigabake completion zsh > ${manual}/zsh/_gigabake
+  COMMAND gigabake completion fish > ${manual}/fish/gigabake.fish
+  COMMAND ${CMAKE_COMMAND} -E touch ${manual}/written
+  DEPENDS gigabake VERBATIM COMMENT "Manual and completion")
+add_custom_target(manual ALL DEPENDS ${manual}/written)
+install(DIRECTORY ${manual}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT runtime)
+install(DIRECTORY ${manual}/bash/ DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT runtime)
+install(DIRECTORY ${manual}/zsh/ DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT runtime)
+install(DIRECTORY ${manual}/fish/ DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT runtime)
+
+# The libraries with all that they stand on, found again where they are used.
+set(exported gigabake_format gigabake_kernels gb_hdf5 gb_lz4 gb_tinygltf gb_geographiclib gb_pugixml gb_xxhash gb_json)
+set_target_properties(gigabake_format PROPERTIES EXPORT_NAME format)
+set_target_properties(gigabake_kernels PROPERTIES EXPORT_NAME kernels)
+install(TARGETS ${exported} EXPORT gigabakeTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
+foreach(folder format kernels)
+  install(DIRECTORY ${CMAKE_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gigabake COMPONENT development
+          FILES_MATCHING PATTERN "*.h" PATTERN "*.cuh" PATTERN sample EXCLUDE PATTERN openvdb EXCLUDE)
+endforeach()
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/gigabake)
+install(EXPORT gigabakeTargets NAMESPACE gigabake:: DESTINATION ${package_folder} COMPONENT development)
+configure_package_config_file(${CMAKE_SOURCE_DIR}/packaging/gigabakeConfig.cmake.in
+                              ${CMAKE_BINARY_DIR}/gigabakeConfig.cmake INSTALL_DESTINATION ${package_folder})
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/gigabakeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_BINARY_DIR}/gigabakeConfig.cmake ${CMAKE_BINARY_DIR}/gigabakeConfigVersion.cmake
+        DESTINATION ${package_folder} COMPONENT development)
+
+# cpack -G DEB: gigabake and gigabake-dev, each with its licence and changes where Debian looks for them.
+file(READ ${CMAKE_SOURCE_DIR}/packaging/changelog changelog)
+file(WRITE ${CMAKE_BINARY_DIR}/packaging/changelog "${changelog}")
+execute_process(COMMAND gzip -9nkf ${CMAKE_BINARY_DIR}/packaging/changelog COMMAND_ERROR_IS_FATAL ANY)
+foreach(package IN ITEMS runtime=gigabake development=gigabake-dev)
+  string(REPLACE "=" ";" package ${package})
+  list(GET package 0 component)
+  list(GET package 1 name)
+  install(FILES ${CMAKE_SOURCE_DIR}/packaging/copyright ${CMAKE_BINARY_DIR}/packaging/changelog.gz
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name} COMPONENT ${component})
+endforeach()
+
+set(CPACK_PACKAGE_NAME gigabake)
+set(CPACK_PACKAGE_CONTACT "The gigabake developers <gigabake@lists.example.org>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "bakes textured terrain into sparse voxel oct-trees")
+set(CPACK_PACKAGE_DESCRIPTION "gigabake turns a textured polygonal terrain into a paged scene of sparse
+voxel oct-trees, on a laptop or on many ranks, and shows the result in a
+window or a browser.")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL runtime development)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME gigabake)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "openmpi-bin, hdf5-filter-plugin")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME gigabake-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libhdf5-dev, liblz4-dev, libpng-dev, zlib1g-dev, libjpeg-dev, libtinygltf-dev, \
+libgeographiclib-dev, libpugixml-dev, nlohmann-json3-dev, libxxhash-dev, libfmt-dev, libspdlog-dev")
+set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "${CPACK_PACKAGE_DESCRIPTION}")
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "gigabake::format and gigabake::kernels for CMake: libraries and headers to
+read and write its files and to run its kernels.")
+include(CPack)

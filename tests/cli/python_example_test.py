@@ -1,0 +1,51 @@
+#!/usr/bin/env python3
+"""The example docs/shard_in_python.py draws a real shard, and what it prints is what info says.
+
+Usage: python_example_test.py GIGABAKE SOURCE_DIR
+"""
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+SKIPPED = 77
+try:
+    import h5py
+    import matplotlib.image
+    import numpy
+except ImportError as error:
+    print(f"skipped: {error} (python3-h5py, python3-matplotlib)")
+    sys.exit(SKIPPED)
+if not h5py.h5z.filter_avail(32004):
+    print("skipped: HDF5's LZ4 filter is not installed (hdf5-filter-plugin)")
+    sys.exit(SKIPPED)
+
+import harness
+
+EXAMPLE = Path(sys.argv[2]) / "docs/shard_in_python.py"
+
+
+class PythonExample(unittest.TestCase):
+    def test_draws_each_level_and_says_what_info_says(self):
+        program = harness.Gigabake(sys.argv[1])
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            program.succeed("sample", folder / "village", "--size", "96", "--seed", "3")
+            info = program.bake(folder / "village/tileset.json", folder / "bake", 0.5)
+            shards = sorted((folder / "bake/shards").glob("*.h5"))
+            for lod in (0, 1):
+                voxels = 0
+                for shard in shards:
+                    picture = folder / f"{shard.stem}.png"
+                    result = subprocess.run(["/usr/bin/python3", EXAMPLE, shard, str(lod), picture], check=True,
+                                            capture_output=True, text=True, timeout=300)
+                    voxels += int(re.search(r"(\d+) voxels in", result.stdout).group(1))
+                    pixels = matplotlib.image.imread(picture)
+                    self.assertGreater(len(numpy.unique(pixels.reshape(-1, pixels.shape[-1]), axis=0)), 20)
+                self.assertEqual(voxels, info["lods"][lod]["voxels"])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)
