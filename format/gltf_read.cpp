@@ -53,7 +53,7 @@ class TileReader {
 
   TileMesh read() {
     read_materials();
-    for (const MeshPlacement& placement : mesh_placements(tile_.path, model_)) place(placement);
+    for_each_placement(tile_.path, model_, [this](const MeshPlacement& placement) { place(placement); });
     if (everything_) keep_images();
     return std::move(out_);
   }
