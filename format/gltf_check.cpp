@@ -16,9 +16,8 @@ std::string item(const char* list, std::size_t i) { return std::string(list) + "
 
 class Checker {
  public:
-  Checker(const std::filesystem::path& root, const std::filesystem::path& file, const Json& gltf,
-          std::uint64_t bin_bytes)
-      : root_(root), file_(file), gltf_(gltf), bin_bytes_(bin_bytes) {}
+  Checker(const SourceFiles& files, const std::filesystem::path& file, const Json& gltf, std::uint64_t bin_bytes)
+      : files_(files), file_(file), gltf_(gltf), bin_bytes_(bin_bytes) {}
 
   void check() const {
     check_asset();
@@ -124,10 +123,9 @@ class Checker {
   }
 
   std::uint64_t size_of_external(const std::string& where, const std::string& uri) const {
-    const std::filesystem::path path = resolve_uri(root_, file_, where + ".uri", uri);
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(path, error)) fail(where + ".uri", "no such file: '" + uri + "'");
-    return std::filesystem::file_size(path, error);
+    const std::filesystem::path path = resolve_uri(files_.root(), file_, where + ".uri", uri);
+    if (!files_.has(path)) fail(where + ".uri", "no such file: '" + uri + "'");
+    return files_.size_of(path);
   }
 
   void check_view(const Json& view, const std::string& where) const {
@@ -199,7 +197,7 @@ class Checker {
     check_reference(image, where, "bufferView", "bufferViews");
     get_text(file_, image, where, "mimeType");
     const auto uri = get_text(file_, image, where, "uri");
-    if (uri && !uri->starts_with("data:")) resolve_uri(root_, file_, where + ".uri", *uri);
+    if (uri && !uri->starts_with("data:")) resolve_uri(files_.root(), file_, where + ".uri", *uri);
   }
 
   void check_texture_use(const Json& owner, const std::string& where, const char* key) const {
@@ -274,7 +272,7 @@ class Checker {
     if (reached.size() != nodes.size()) fail("nodes", "the hierarchy has a cycle");
   }
 
-  const std::filesystem::path& root_;
+  const SourceFiles& files_;
   const std::filesystem::path& file_;
   const Json& gltf_;
   std::uint64_t bin_bytes_;
@@ -282,10 +280,10 @@ class Checker {
 
 }  // namespace
 
-void check_gltf(const std::filesystem::path& root, const std::filesystem::path& file, const Json& gltf,
+void check_gltf(const SourceFiles& files, const std::filesystem::path& file, const Json& gltf,
                 std::uint64_t bin_bytes) {
   if (!gltf.is_object()) throw InputError(file, "", "expected a glTF document, a JSON object");
-  Checker(root, file, gltf, bin_bytes).check();
+  Checker(files, file, gltf, bin_bytes).check();
 }
 
 }  // namespace gigabake

@@ -8,7 +8,7 @@ namespace {
 
 /// What the callbacks need. tinygltf expands paths with the shell's rules and reads any file; ours do not.
 struct LoadContext {
-  const std::filesystem::path& root;
+  const SourceFiles& files;
   const std::filesystem::path& file;
   bool with_images;
   GltfDocument& out;
@@ -22,10 +22,7 @@ bool keep_encoded(tinygltf::Image*, const int index, std::string*, std::string*,
   return true;
 }
 
-bool file_exists(const std::string& path, void*) {
-  std::error_code error;
-  return std::filesystem::is_regular_file(path, error);
-}
+bool file_exists(const std::string& path, void* user) { return static_cast<LoadContext*>(user)->files.has(path); }
 
 std::string same_path(const std::string& path, void*) { return path; }
 
@@ -33,11 +30,11 @@ std::string same_path(const std::string& path, void*) { return path; }
 bool read_inside_root(std::vector<unsigned char>* out, std::string* error, const std::string& path, void* user) {
   const auto& context = *static_cast<LoadContext*>(user);
   try {
-    const std::filesystem::path root = std::filesystem::weakly_canonical(context.root);
+    const std::filesystem::path root = std::filesystem::weakly_canonical(context.files.root());
     const std::filesystem::path target = std::filesystem::weakly_canonical(path);
     if (std::mismatch(root.begin(), root.end(), target.begin(), target.end()).first != root.end())
       throw InputError(path, "", "leaves the source folder");
-    *out = read_whole_file(target);
+    *out = context.files.read(target);
     return true;
   } catch (const std::exception& e) {
     if (error != nullptr) *error += e.what();
@@ -79,18 +76,21 @@ void check_buffers(const std::filesystem::path& file, const Json& json, const ti
 
 GltfDocument load_gltf(const TileRef& tile, const std::filesystem::path& root, bool with_images) {
   GltfDocument out;
-  const ContentContainer container = open_container(tile);
-  const Json json = parse_json(tile.path, container.json);
-  check_gltf(root, tile.path, json, container.bin.size());
-  out.images.resize(get_array(tile.path, json, "", "images").size());
+  const SourceFiles files = files_of(tile, root);
+  ContentContainer container = open_container(tile, files);
+  const std::filesystem::path& file = container.gltf_file;
+  const Json json = parse_json(file, container.json);
+  check_gltf(files, file, json, container.bin.size());
+  out.images.resize(get_array(file, json, "", "images").size());
   out.rtc_center = container.rtc_center;
-  const Json& extensions = get_object(tile.path, json, "", "extensions");
-  const Json& rtc = get_object(tile.path, extensions, "extensions", "CESIUM_RTC");
-  if (const auto center = get_numbers(tile.path, rtc, "extensions.CESIUM_RTC", "center", 3))
+  out.instances = std::move(container.instances);
+  const Json& extensions = get_object(file, json, "", "extensions");
+  const Json& rtc = get_object(file, extensions, "extensions", "CESIUM_RTC");
+  if (const auto center = get_numbers(file, rtc, "extensions.CESIUM_RTC", "center", 3))
     for (std::size_t c = 0; c < 3; ++c) out.rtc_center[c] += (*center)[c];
-  LoadContext context{root, tile.path, with_images, out};
+  LoadContext context{files, file, with_images, out};
   parse(container, context);
-  check_buffers(tile.path, json, out.model);
+  check_buffers(file, json, out.model);
   return out;
 }
 

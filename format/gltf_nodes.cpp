@@ -6,6 +6,7 @@
 
 #include "format/error.h"
 #include "format/gltf_accessor.h"
+#include "format/mesh.h"
 #include "format/transform.h"
 
 namespace gigabake {

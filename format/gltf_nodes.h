@@ -17,9 +17,6 @@ struct MeshPlacement {
   Affine<Gltf, Local> gltf_from_local;
 };
 
-/// A file with more placements is refused: each takes a hundred bytes, and a node may place what takes none.
-inline constexpr std::size_t most_placements = std::size_t(1) << 24;
-
 /// Calls visit() for each, of the default scene (else the first; else all root nodes), parents before children; the
 /// instances of EXT_mesh_gpu_instancing one by one. Errors  InputError: a transform that is not finite, instancing
 /// attributes that differ in length or are of another type, more than most_placements.

@@ -49,7 +49,10 @@ class TileReader {
       : tile_(tile),
         everything_(scope == ReadScope::everything),
         document_(load_gltf(tile, root, everything_)),
-        model_(document_.model) {}
+        model_(document_.model) {
+    const auto& rtc = document_.rtc_center;
+    scene_from_tile_ = tile.scene_from_tile * translation<World, World>(rtc[0], rtc[1], rtc[2]);
+  }
 
   TileMesh read() {
     read_materials();
@@ -74,15 +77,18 @@ class TileReader {
     auto found = meshes_.find(placement.mesh);
     if (found == meshes_.end()) found = meshes_.emplace(placement.mesh, read_mesh(placement.mesh)).first;
     const MeshParts& parts = found->second;
-    out_.counts.triangles += parts.counts.triangles;
-    out_.counts.skipped_points += parts.counts.points;
-    out_.counts.skipped_lines += parts.counts.lines;
-    const auto& rtc = document_.rtc_center;
-    const Affine<Scene, Local> scene_from_local = tile_.scene_from_tile *
-                                                  translation<World, World>(rtc[0], rtc[1], rtc[2]) *
-                                                  z_up_from<World, Gltf>(tile_.gltf_up) * placement.gltf_from_local;
-    if (!scene_from_local.is_finite()) throw InputError(tile_.path, "", "a placement in the scene is not finite");
-    for (const int primitive : parts.primitives) out_.instances.push_back({primitive, scene_from_local});
+    const std::uint64_t times = document_.instances.size();
+    out_.counts.triangles += times * parts.counts.triangles;
+    out_.counts.skipped_points += times * parts.counts.points;
+    out_.counts.skipped_lines += times * parts.counts.lines;
+    if (document_.instances.size() * parts.primitives.size() > most_placements - out_.instances.size())
+      throw InputError(tile_.path, "", "more than 2^24 placements of meshes; split the tile");
+    const Affine<World, Local> model = z_up_from<World, Gltf>(tile_.gltf_up) * placement.gltf_from_local;
+    for (const Affine<World, World>& instance : document_.instances) {
+      const Affine<Scene, Local> scene_from_local = scene_from_tile_ * instance * model;
+      if (!scene_from_local.is_finite()) throw InputError(tile_.path, "", "a placement in the scene is not finite");
+      for (const int primitive : parts.primitives) out_.instances.push_back({primitive, scene_from_local});
+    }
   }
 
   MeshParts read_mesh(int mesh) {
@@ -181,6 +187,7 @@ class TileReader {
   bool everything_;
   GltfDocument document_;
   const tinygltf::Model& model_;
+  Affine<Scene, World> scene_from_tile_;  ///< RTC_CENTER included
   std::vector<SourceMaterial> materials_;
   std::map<int, MeshParts> meshes_;
   TileMesh out_;

@@ -44,6 +44,9 @@ struct Instance {
   Affine<Scene, Local> scene_from_local;  ///< a negative determinant mirrors: winding is restored by the consumer
 };
 
+/// A file with more placements is refused: each takes a hundred bytes, and a node may place what takes none.
+inline constexpr std::size_t most_placements = std::size_t(1) << 24;
+
 /// An image as its file holds it. PNG or JPEG by content.
 struct EncodedImage {
   std::string name;  ///< for messages: "tile.glb: images[2]"

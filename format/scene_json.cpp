@@ -90,7 +90,8 @@ void add_entry(Entry e, SceneSources& out) {
   const Affine<Scene, Scene> place = placement(e, out.origin);
   for (TileRef& tile : e.source.tiles) {
     tile.scene_from_tile = place * tile.scene_from_tile;
-    tile.name = name_in(out.root, tile.path);
+    const std::string part = tile.range == ByteRange() ? "" : tile.name.substr(tile.name.rfind(".cmpt") + 5);
+    tile.name = name_in(out.root, tile.path) + part;
     out.tiles.push_back(std::move(tile));
   }
   for (SkippedSource& lost : e.source.skipped) {

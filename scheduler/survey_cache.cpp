@@ -39,6 +39,8 @@ Hash128 key_of(const TileRef& tile, const BakeParameters& p) {
   w.put(tile.kind);
   w.put(tile.gltf_up);
   w.put(tile.scene_from_tile.m);
+  w.put(tile.world_from_tile.m);
+  w.put(tile.range);
   w.put(p.voxel_size_m);
   w.put(p.lattice_origin_m);
   w.put(p.cell_voxels);
