@@ -28,3 +28,6 @@ function(gb_codec name header library package)
 endfunction()
 
 gb_codec(ZIP zip.h zip libzip-dev)
+gb_codec(DRACO draco/compression/decode.h draco libdraco-dev)
+gb_codec(MESHOPT meshoptimizer.h meshoptimizer libmeshoptimizer-dev)
+gb_codec(WEBP webp/decode.h webp libwebp-dev)

@@ -4,7 +4,9 @@
 #include <map>
 #include <set>
 
+#include "format/codecs.h"
 #include "format/error.h"
+#include "format/gltf_packed_views.h"
 
 namespace gigabake {
 namespace {
@@ -27,6 +29,9 @@ class Checker {
     for_each("images", [&](const Json& i, const std::string& where, std::size_t) { check_image(i, where); });
     for_each("textures", [&](const Json& t, const std::string& where, std::size_t) {
       check_reference(t, where, "source", "images");
+      const Json& extensions = get_object(file_, t, where, "extensions");
+      for (const char* name : {"EXT_texture_webp", "KHR_texture_basisu"})
+        check_reference(get_object(file_, extensions, where, name), where + ".extensions." + name, "source", "images");
       check_reference(t, where, "sampler", "samplers");
     });
     for_each("samplers", [&](const Json& s, const std::string& where, std::size_t) {
@@ -82,6 +87,9 @@ class Checker {
                                              "KHR_materials_unlit",
                                              "KHR_materials_pbrSpecularGlossiness",
                                              "KHR_mesh_quantization",
+                                             "EXT_meshopt_compression",
+                                             "KHR_draco_mesh_compression",
+                                             "EXT_texture_webp",
                                              "CESIUM_RTC",
                                              "EXT_mesh_gpu_instancing",
                                              "KHR_lights_punctual",
@@ -100,6 +108,7 @@ class Checker {
                                              "KHR_xmp_json_ld"};
     for (const Json& e : get_array(file_, gltf_, "", "extensionsRequired")) {
       const std::string name = e.is_string() ? e.get<std::string>() : e.dump();
+      if (const auto why = missing_codec(name)) fail("extensionsRequired", *why);
       if (!known.contains(name)) fail("extensionsRequired", "the extension " + name + " is not supported");
     }
   }
@@ -108,6 +117,7 @@ class Checker {
     const auto bytes = get_index(file_, buffer, where, "byteLength");
     if (!bytes || *bytes == 0) fail(where + ".byteLength", "expected at least 1");
     const auto uri = get_text(file_, buffer, where, "uri");
+    if (is_absent_fallback(file_, buffer, index, bin_bytes_ != 0)) return;
     std::uint64_t there = 0;
     if (!uri) {
       if (index != 0 || bin_bytes_ == 0)
@@ -234,6 +244,9 @@ class Checker {
       const Json& attributes = get_object(file_, primitives[i], at, "attributes");
       for (const auto& [name, index] : attributes.items())
         check_reference(attributes, at + ".attributes", name.c_str(), "accessors");
+      const Json& extensions = get_object(file_, primitives[i], at, "extensions");
+      check_reference(get_object(file_, extensions, at, "KHR_draco_mesh_compression"), at + ".extensions", "bufferView",
+                      "bufferViews");
     }
   }
 

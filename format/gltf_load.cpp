@@ -2,6 +2,8 @@
 
 #include "format/error.h"
 #include "format/gltf_check.h"
+#include "format/gltf_draco.h"
+#include "format/gltf_packed_views.h"
 
 namespace gigabake {
 namespace {
@@ -63,6 +65,25 @@ void parse(const ContentContainer& container, LoadContext& context) {
   if (!loaded) throw InputError(context.file, "", first_line(error));
 }
 
+/// The container with another JSON text; `buffer` owns what it looks at.
+void replace_json(const Json& json, std::vector<std::uint8_t>& buffer, ContentContainer& container) {
+  std::string text = json.dump();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  const auto put = [&](const void* data, std::size_t bytes) {
+    const auto* from = static_cast<const std::uint8_t*>(data);
+    buffer.insert(buffer.end(), from, from + bytes);
+  };
+  const std::uint32_t text_bytes = std::uint32_t(text.size()), bin_bytes = std::uint32_t(container.bin.size());
+  const std::uint32_t whole = 20 + text_bytes + (container.bin.empty() ? 0 : 8 + bin_bytes);
+  const std::uint32_t head[] = {0x46546c67, 2, whole, text_bytes, 0x4e4f534a};  // "glTF", "JSON"
+  const std::uint32_t chunk[] = {bin_bytes, 0x004e4942};                        // "BIN"
+  put(head, sizeof head);
+  put(text.data(), text.size());
+  if (!container.bin.empty()) put(chunk, sizeof chunk), put(container.bin.data(), container.bin.size());
+  container.gltf = buffer;
+  container.json = std::span<const std::uint8_t>(buffer).subspan(20, text_bytes);
+}
+
 /// tinygltf may read less than the document said (a data URI that is no base64, say).
 void check_buffers(const std::filesystem::path& file, const Json& json, const tinygltf::Model& model) {
   const Json& buffers = get_array(file, json, "", "buffers");
@@ -81,6 +102,11 @@ GltfDocument load_gltf(const TileRef& tile, const std::filesystem::path& root, b
   const std::filesystem::path& file = container.gltf_file;
   const Json json = parse_json(file, container.json);
   check_gltf(files, file, json, container.bin.size());
+  const std::vector<PackedView> packed = packed_views(file, json, !container.bin.empty());
+  Json plain = without_packed_views(json, packed);
+  std::vector<std::uint8_t> plain_bytes;
+  const bool has_draco = hide_packed_indices(plain);
+  if (has_draco || !packed.empty()) replace_json(plain, plain_bytes, container);
   out.images.resize(get_array(file, json, "", "images").size());
   out.rtc_center = container.rtc_center;
   out.instances = std::move(container.instances);
@@ -90,7 +116,9 @@ GltfDocument load_gltf(const TileRef& tile, const std::filesystem::path& root, b
     for (std::size_t c = 0; c < 3; ++c) out.rtc_center[c] += (*center)[c];
   LoadContext context{files, file, with_images, out};
   parse(container, context);
-  check_buffers(file, json, out.model);
+  check_buffers(file, plain, out.model);
+  unpack_views(file, packed, out.model);
+  unpack_draco(file, json, out.model);
   return out;
 }
 

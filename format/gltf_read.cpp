@@ -103,10 +103,6 @@ class TileReader {
     if (position == p.attributes.end()) return;  // the specification lets it draw nothing
     if (component_count(model_, position->second) != 3)
       throw InputError(tile_.path, at + ".attributes.POSITION", "expected VEC3");
-    if (p.extensions.contains("KHR_draco_mesh_compression") &&
-        model_.accessors[std::size_t(position->second)].bufferView < 0)
-      throw InputError(tile_.path, at,
-                       "the extension KHR_draco_mesh_compression is not supported, and there is no plain copy");
     const int mode = p.mode < 0 ? TINYGLTF_MODE_TRIANGLES : p.mode;
     const std::size_t vertices = model_.accessors[std::size_t(position->second)].count;
     const std::vector<std::uint32_t> order = vertex_order(p, at, vertices);
