@@ -1,4 +1,5 @@
-// read_tile(): a content file as triangles, materials and encoded images.
+#include "format/gltf_read.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -191,14 +192,8 @@ class TileReader {
 
 }  // namespace
 
-TileMesh read_tile(const TileRef& tile, const std::filesystem::path& root, ReadScope scope) {
-  try {
-    return TileReader(tile, root, scope).read();
-  } catch (const std::bad_alloc&) {
-    throw InputError(tile.path, "", "not enough memory to read this file");
-  } catch (const nlohmann::json::exception& e) {
-    throw InputError(tile.path, "", e.what());
-  }
+TileMesh read_gltf(const TileRef& tile, const std::filesystem::path& root, ReadScope scope) {
+  return TileReader(tile, root, scope).read();
 }
 
 }  // namespace gigabake

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "format/dem_source.h"
 #include "format/error.h"
 #include "format/georeference.h"
 #include "format/scene_json.h"
@@ -28,7 +29,8 @@ std::optional<ContentKind> kind_of(const Path& path) {
   static const std::map<std::string, ContentKind> kinds{{".glb", ContentKind::glb},
                                                         {".gltf", ContentKind::gltf},
                                                         {".b3dm", ContentKind::b3dm},
-                                                        {".i3dm", ContentKind::i3dm}};
+                                                        {".i3dm", ContentKind::i3dm},
+                                                        {".obj", ContentKind::obj}};
   const auto at = kinds.find(lower_extension(path));
   return at == kinds.end() ? std::nullopt : std::optional(at->second);
 }
@@ -122,7 +124,8 @@ SceneSources folder_sources(const Path& folder, const SourceOptions& options) {
     }
   if (error) throw InputError(folder, "", "cannot be listed: " + error.message());
   if (files.empty())
-    throw InputError(folder, "", "holds no .glb, .gltf, .b3dm, .i3dm or .cmpt; name a tileset.json or a scene .json");
+    throw InputError(folder, "",
+                     "holds no .glb, .gltf, .b3dm, .i3dm, .cmpt or .obj; name a tileset.json or a scene .json");
   std::sort(files.begin(), files.end());
   return mesh_sources(folder, files, options);
 }
@@ -139,12 +142,16 @@ SceneSources open_sources(const std::filesystem::path& path, const SourceOptions
     out = json_sources(path, options);
   else if (lower_extension(path) == ".3tz")
     out = archive_sources(path, options);
+  else if (lower_extension(path) == ".tif" || lower_extension(path) == ".tiff")
+    out =
+        dem_sources(folder_of(path), {.dem = path, .ortho = {}, .crs = {}, .nodata = {}, .height_scale = {}}, options);
   else if (is_mesh(path))
     out = mesh_sources(folder_of(path), {path}, options);
   else
-    throw InputError(path, "",
-                     "expected a .glb, .gltf, .b3dm, .i3dm or .cmpt, a folder of them, a tileset.json or its .3tz "
-                     "archive, or a scene .json");
+    throw InputError(
+        path, "",
+        "expected a .glb, .gltf, .b3dm, .i3dm, .cmpt, .obj or .tif, a folder of them, a tileset.json or its .3tz "
+        "archive, or a scene .json");
   for (const TileRef& tile : out.tiles)
     if (!tile.scene_from_tile.is_finite()) throw InputError(tile.path, "transform", "the tile's place is not finite");
   return out;

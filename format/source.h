@@ -16,6 +16,7 @@
 namespace gigabake {
 
 class Archive;
+struct DemTile;
 
 enum class UpAxis : std::uint8_t { y, z, x };
 
@@ -26,7 +27,7 @@ struct SourceOptions {
                                    ///< files (default y, as glTF has it)
 };
 
-enum class ContentKind : std::uint8_t { glb, gltf, b3dm, i3dm };
+enum class ContentKind : std::uint8_t { glb, gltf, b3dm, i3dm, obj, dem };
 
 /// One content file and its place. The same file may be placed several times.
 struct TileRef {
@@ -38,7 +39,8 @@ struct TileRef {
   std::uint64_t bytes = 0;                           ///< file size
   ByteRange range = {};                              ///< the tile's bytes in a composite; default: the whole file
   std::shared_ptr<const Archive> archive = nullptr;  ///< that `path` leads into, or none
-  Affine<World, World> world_from_tile = {};  ///< the tileset's transforms alone: where an i3dm's east and north are
+  Affine<World, World> world_from_tile = {};     ///< the tileset's transforms alone: where an i3dm's east and north are
+  std::shared_ptr<const DemTile> dem = nullptr;  ///< of ContentKind::dem: which cells of the raster
 };
 
 /// Something the source names and the bake does not have: missing file, unsupported kind. Costs exit code 3 unless

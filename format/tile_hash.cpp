@@ -5,7 +5,9 @@
 #include <xxhash.h>
 
 #include "format/content_container.h"
+#include "format/dem.h"
 #include "format/error.h"
+#include "format/obj_read.h"
 
 namespace gigabake {
 namespace {
@@ -47,6 +49,12 @@ class Dependencies {
     digest_.add_file(files_.has(path) ? files_.read(path) : std::vector<std::uint8_t>());
   }
 
+  /// Read as it was resolved: only an absolute path names it surely.
+  void add_file(const std::filesystem::path& path) {
+    read_.push_back(files_.stamp(path.string(), path));
+    digest_.add_file(files_.read(path));
+  }
+
   void add_list(const std::filesystem::path& base, const Json& gltf, const char* list) {
     const Json& items = get_array(base, gltf, "", list);
     for (std::size_t i = 0; i < items.size(); ++i) {
@@ -63,11 +71,50 @@ class Dependencies {
   std::vector<StampedFile>& read_;
 };
 
+template <class T>
+void add_values(const std::vector<T>& values, Digest& digest) {
+  const std::uint64_t count = values.size();
+  digest.add(&count, sizeof count);
+  digest.add(values.data(), values.size() * sizeof(T));
+}
+
+/// A raster's tile is what is made of it: other tiles' pixels do not matter.
+TileIdentity identify_dem(const TileRef& tile, const SourceFiles& files) {
+  TileIdentity out;
+  for (const std::filesystem::path& file : dem_files(tile.dem->raster->options)) {
+    const std::filesystem::path whole = std::filesystem::absolute(file);
+    out.files.push_back(files.stamp(whole.string(), whole));
+  }
+  const DemMesh mesh = read_dem(*tile.dem, true);
+  Digest digest;
+  add_values(mesh.primitive.position, digest);
+  add_values(mesh.primitive.index, digest);
+  for (const EncodedImage& image : mesh.images) digest.add_file(image.bytes);
+  digest.add(tile.scene_from_tile.m.data(), sizeof tile.scene_from_tile.m);
+  out.hash = digest.value();
+  return out;
+}
+
+TileIdentity identify_obj(const TileRef& tile, const SourceFiles& files) {
+  TileIdentity out;
+  Digest digest;
+  Dependencies dependencies(tile, files, digest, out.files);
+  dependencies.add_file(tile.path);
+  out.files[0].name = files.archive() ? out.files[0].name : tile.path.filename().string();
+  for (const std::filesystem::path& file : obj_dependencies(tile, files)) dependencies.add_file(file);
+  digest.add(tile.scene_from_tile.m.data(), sizeof tile.scene_from_tile.m);
+  digest.add(&tile.gltf_up, sizeof tile.gltf_up);
+  out.hash = digest.value();
+  return out;
+}
+
 }  // namespace
 
 TileIdentity identify_tile(const TileRef& tile, const std::filesystem::path& root) {
   TileIdentity out;
   const SourceFiles files = files_of(tile, root);
+  if (tile.kind == ContentKind::dem) return identify_dem(tile, files);
+  if (tile.kind == ContentKind::obj) return identify_obj(tile, files);
   out.files.push_back(files.stamp(tile.path.filename().string(), tile.path));
   const ContentContainer container = open_container(tile, files);
   Digest digest;
