@@ -1,8 +1,12 @@
 #include "format/content_container.h"
 
-#include <cstring>
+#include <cmath>
+#include <string_view>
 
-#include "format/error.h"
+#include "format/byte_cursor.h"
+#include "format/content_magic.h"
+#include "format/feature_table.h"
+#include "format/i3dm_instances.h"
 
 namespace gigabake {
 namespace {
@@ -11,29 +15,9 @@ using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::uint32_t json_chunk = 0x4e4f534a, bin_chunk = 0x004e4942;
 
-/// Reads little-endian words with their place in the file for errors.
-struct Cursor {
-  const std::filesystem::path& file;
-  Bytes whole, rest;
-
-  std::uint64_t at() const { return std::uint64_t(rest.data() - whole.data()); }
-  [[noreturn]] void fail(const std::string& message) const { throw InputError(file, "", message, at()); }
-  std::uint32_t word(const char* what) {
-    std::uint32_t v;
-    std::memcpy(&v, take(4, what).data(), 4);
-    return v;
-  }
-  Bytes take(std::uint64_t bytes, const char* what) {
-    if (bytes > rest.size()) fail(std::string("the file ends inside ") + what);
-    const Bytes taken = rest.first(bytes);
-    rest = rest.subspan(bytes);
-    return taken;
-  }
-};
-
 /// Source  glTF 2.0, "GLB File Format Specification".
 void open_glb(const std::filesystem::path& file, ContentContainer& out) {
-  Cursor in{file, out.file, out.gltf};
+  ByteCursor in{file, out.model_uri.empty() ? Bytes(out.file) : Bytes(out.model), out.gltf};
   in.word("the GLB header");
   const std::uint32_t version = in.word("the GLB header");
   if (version != 2) in.fail("expected GLB version 2, got " + std::to_string(version));
@@ -53,59 +37,114 @@ void open_glb(const std::filesystem::path& file, ContentContainer& out) {
   if (out.json.empty()) in.fail("the GLB has no JSON chunk");
 }
 
-/// Source  3D Tiles 1.0, "Batched 3D Model"; RTC_CENTER in the feature table, inline or in its binary part.
-void open_b3dm(const std::filesystem::path& file, ContentContainer& out) {
-  Cursor in{file, out.file, out.file};
-  in.word("the b3dm header");
-  const std::uint32_t version = in.word("the b3dm header");
-  if (version != 1) in.fail("expected b3dm version 1, got " + std::to_string(version));
-  const std::uint32_t length = in.word("the b3dm header");
-  if (length < 28 || length > out.file.size())
-    in.fail("the b3dm says it has " + std::to_string(length) + " bytes, the file holds " +
-            std::to_string(out.file.size()));
-  std::uint32_t table_bytes[4];
-  for (std::uint32_t& bytes : table_bytes) bytes = in.word("the b3dm header");
-  in.rest = in.rest.first(length - 28);
-  const Bytes feature_json = in.take(table_bytes[0], "the feature table"),
-              feature_bin = in.take(table_bytes[1], "the feature table");
-  in.take(table_bytes[2], "the batch table");
-  in.take(table_bytes[3], "the batch table");
-  out.gltf = in.rest;
-  if (feature_json.empty()) return;
-  const Json table = parse_json(file, feature_json);
-  if (!table.is_object() || !table.contains("RTC_CENTER")) return;
-  const Json& center = table["RTC_CENTER"];
-  if (center.is_object()) {
-    const auto offset = get_index(file, center, "RTC_CENTER", "byteOffset");
-    float v[3];
-    if (!offset || *offset > feature_bin.size() || feature_bin.size() - *offset < sizeof v)
-      throw InputError(file, "RTC_CENTER.byteOffset", "expected three floats inside the feature table");
-    std::memcpy(v, feature_bin.data() + *offset, sizeof v);
-    out.rtc_center = {v[0], v[1], v[2]};
-    for (const double x : out.rtc_center)
-      if (!std::isfinite(x)) throw InputError(file, "RTC_CENTER", "expected 3 finite numbers");
-    return;
+void open_tile_header(ByteCursor& in, const char* kind, std::uint32_t header_bytes) {
+  const std::string header = std::string("the ") + kind + " header";
+  in.word(header.c_str());
+  if (const std::uint32_t version = in.word(header.c_str()); version != 1)
+    in.fail(std::string("expected ") + kind + " version 1, got " + std::to_string(version));
+  const std::uint32_t length = in.word(header.c_str());
+  const std::uint64_t there = in.rest.size() + 12;
+  if (length < header_bytes || length > there)
+    in.fail(std::string("the ") + kind + " says it has " + std::to_string(length) + " bytes, the file holds " +
+            std::to_string(there));
+  in.rest = in.rest.first(length - 12);
+}
+
+/// Of the feature table and of the batch table, JSON and binary part each.
+using TableLengths = std::array<std::uint32_t, 4>;
+
+TableLengths take_lengths(ByteCursor& in) {
+  TableLengths lengths{};
+  for (std::uint32_t& bytes : lengths) bytes = in.word("the tile's header");
+  return lengths;
+}
+
+FeatureTable take_tables(ByteCursor& in, const TableLengths& lengths) {
+  const Bytes json = in.take(lengths[0], "the feature table"), binary = in.take(lengths[1], "the feature table");
+  in.take(lengths[2], "the batch table");
+  in.take(lengths[3], "the batch table");
+  return FeatureTable(in.file, json, binary);
+}
+
+/// Before 1.0 the header had two or three numbers, and what stands in the place of the others today is text: "glTF" or
+/// the beginning of a JSON, as a number larger than any length. Source  CesiumJS, B3dmParser.
+FeatureTable take_b3dm_tables(ByteCursor& in) {
+  constexpr std::uint32_t least_text = 0x22000000;
+  const ByteCursor start = in;
+  const TableLengths lengths = take_lengths(in);
+  if (lengths[2] >= least_text) {  // batch length, batch table
+    in.rest = start.rest.subspan(8);
+    return take_tables(in, {0, 0, lengths[1], 0});
   }
-  const auto v = get_numbers(file, table, "", "RTC_CENTER", 3);
-  if (v) out.rtc_center = {(*v)[0], (*v)[1], (*v)[2]};
+  if (lengths[3] >= least_text) {  // batch table, its binary part, batch length
+    in.rest = start.rest.subspan(12);
+    return take_tables(in, {0, 0, lengths[0], lengths[1]});
+  }
+  return take_tables(in, lengths);
+}
+
+/// Source  3D Tiles 1.0, "Batched 3D Model".
+void open_b3dm(const std::filesystem::path& file, ContentContainer& out) {
+  ByteCursor in{file, out.file, out.content};
+  open_tile_header(in, "b3dm", 28);
+  const FeatureTable table = take_b3dm_tables(in);
+  out.gltf = in.rest;
+  out.rtc_center = table.vector("RTC_CENTER").value_or(std::array<double, 3>{});
+}
+
+/// The URI may be padded with spaces or zeros.
+std::string model_uri_of(Bytes bytes) {
+  const std::string uri(bytes.begin(), bytes.end());
+  return uri.substr(0, uri.find_last_not_of(std::string_view(" \0\t\r\n", 5)) + 1);
+}
+
+/// Source  3D Tiles 1.0, "Instanced 3D Model".
+void open_i3dm(const TileRef& tile, const SourceFiles& files, ContentContainer& out) {
+  ByteCursor in{tile.path, out.file, out.content};
+  open_tile_header(in, "i3dm", 32);
+  const TableLengths lengths = take_lengths(in);
+  const std::uint32_t format = in.word("the i3dm header");
+  if (format > 1) in.fail("expected the i3dm's gltfFormat to be 0 or 1, got " + std::to_string(format));
+  const FeatureTable table = take_tables(in, lengths);
+  out.rtc_center = table.vector("RTC_CENTER").value_or(std::array<double, 3>{});
+  out.instances = i3dm_instances(tile.path, table, tile.world_from_tile, out.rtc_center);
+  out.is_instanced = true;
+  out.gltf = in.rest;
+  if (format == 1) return;
+  out.model_uri = model_uri_of(in.rest);
+  out.gltf_file = resolve_uri(files.root(), tile.path, "glTF URI", out.model_uri);
+  out.model = files.read(out.gltf_file);
+  out.gltf = out.model;
+}
+
+Bytes content_of(const TileRef& tile, Bytes file) {
+  if (tile.range == ByteRange()) return file;
+  if (tile.range.end > file.size() || tile.range.begin > tile.range.end)
+    throw InputError(tile.path, "", "is shorter than it was; it changed meanwhile");
+  return file.subspan(tile.range.begin, tile.range.end - tile.range.begin);
 }
 
 }  // namespace
 
-ContentContainer open_container(const TileRef& tile) {
+SourceFiles files_of(const TileRef& tile, const std::filesystem::path& root) {
+  return tile.archive ? SourceFiles(tile.archive) : SourceFiles(root);
+}
+
+ContentContainer open_container(const TileRef& tile, const SourceFiles& files) {
   ContentContainer out;
-  out.file = read_whole_file(tile.path);
-  out.gltf = out.file;
-  const auto magic_is = [&](const char* magic) {
-    return out.gltf.size() >= 4 && std::memcmp(out.gltf.data(), magic, 4) == 0;
-  };
-  if (magic_is("b3dm")) open_b3dm(tile.path, out);
-  out.is_binary = magic_is("glTF");
+  out.file = files.read(tile.path);
+  out.content = content_of(tile, out.file);
+  out.gltf = out.content;
+  out.gltf_file = tile.path;
+  const ContentMagic magic = content_magic(out.content);
+  if (magic == ContentMagic::b3dm) open_b3dm(tile.path, out);
+  if (magic == ContentMagic::i3dm) open_i3dm(tile, files, out);
+  out.is_binary = content_magic(out.gltf) == ContentMagic::glb;
   if (out.is_binary)
-    open_glb(tile.path, out);
+    open_glb(out.gltf_file, out);
   else
     out.json = out.gltf;
-  if (out.json.empty()) throw InputError(tile.path, "", "holds no glTF");
+  if (out.json.empty()) throw InputError(out.gltf_file, "", "holds no glTF");
   return out;
 }
 

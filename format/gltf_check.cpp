@@ -4,7 +4,9 @@
 #include <map>
 #include <set>
 
+#include "format/codecs.h"
 #include "format/error.h"
+#include "format/gltf_packed_views.h"
 
 namespace gigabake {
 namespace {
@@ -16,9 +18,8 @@ std::string item(const char* list, std::size_t i) { return std::string(list) + "
 
 class Checker {
  public:
-  Checker(const std::filesystem::path& root, const std::filesystem::path& file, const Json& gltf,
-          std::uint64_t bin_bytes)
-      : root_(root), file_(file), gltf_(gltf), bin_bytes_(bin_bytes) {}
+  Checker(const SourceFiles& files, const std::filesystem::path& file, const Json& gltf, std::uint64_t bin_bytes)
+      : files_(files), file_(file), gltf_(gltf), bin_bytes_(bin_bytes) {}
 
   void check() const {
     check_asset();
@@ -28,6 +29,9 @@ class Checker {
     for_each("images", [&](const Json& i, const std::string& where, std::size_t) { check_image(i, where); });
     for_each("textures", [&](const Json& t, const std::string& where, std::size_t) {
       check_reference(t, where, "source", "images");
+      const Json& extensions = get_object(file_, t, where, "extensions");
+      for (const char* name : {"EXT_texture_webp", "KHR_texture_basisu"})
+        check_reference(get_object(file_, extensions, where, name), where + ".extensions." + name, "source", "images");
       check_reference(t, where, "sampler", "samplers");
     });
     for_each("samplers", [&](const Json& s, const std::string& where, std::size_t) {
@@ -83,6 +87,9 @@ class Checker {
                                              "KHR_materials_unlit",
                                              "KHR_materials_pbrSpecularGlossiness",
                                              "KHR_mesh_quantization",
+                                             "EXT_meshopt_compression",
+                                             "KHR_draco_mesh_compression",
+                                             "EXT_texture_webp",
                                              "CESIUM_RTC",
                                              "EXT_mesh_gpu_instancing",
                                              "KHR_lights_punctual",
@@ -101,6 +108,7 @@ class Checker {
                                              "KHR_xmp_json_ld"};
     for (const Json& e : get_array(file_, gltf_, "", "extensionsRequired")) {
       const std::string name = e.is_string() ? e.get<std::string>() : e.dump();
+      if (const auto why = missing_codec(name)) fail("extensionsRequired", *why);
       if (!known.contains(name)) fail("extensionsRequired", "the extension " + name + " is not supported");
     }
   }
@@ -109,6 +117,7 @@ class Checker {
     const auto bytes = get_index(file_, buffer, where, "byteLength");
     if (!bytes || *bytes == 0) fail(where + ".byteLength", "expected at least 1");
     const auto uri = get_text(file_, buffer, where, "uri");
+    if (is_absent_fallback(file_, buffer, index, bin_bytes_ != 0)) return;
     std::uint64_t there = 0;
     if (!uri) {
       if (index != 0 || bin_bytes_ == 0)
@@ -124,10 +133,9 @@ class Checker {
   }
 
   std::uint64_t size_of_external(const std::string& where, const std::string& uri) const {
-    const std::filesystem::path path = resolve_uri(root_, file_, where + ".uri", uri);
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(path, error)) fail(where + ".uri", "no such file: '" + uri + "'");
-    return std::filesystem::file_size(path, error);
+    const std::filesystem::path path = resolve_uri(files_.root(), file_, where + ".uri", uri);
+    if (!files_.has(path)) fail(where + ".uri", "no such file: '" + uri + "'");
+    return files_.size_of(path);
   }
 
   void check_view(const Json& view, const std::string& where) const {
@@ -199,7 +207,7 @@ class Checker {
     check_reference(image, where, "bufferView", "bufferViews");
     get_text(file_, image, where, "mimeType");
     const auto uri = get_text(file_, image, where, "uri");
-    if (uri && !uri->starts_with("data:")) resolve_uri(root_, file_, where + ".uri", *uri);
+    if (uri && !uri->starts_with("data:")) resolve_uri(files_.root(), file_, where + ".uri", *uri);
   }
 
   void check_texture_use(const Json& owner, const std::string& where, const char* key) const {
@@ -236,6 +244,9 @@ class Checker {
       const Json& attributes = get_object(file_, primitives[i], at, "attributes");
       for (const auto& [name, index] : attributes.items())
         check_reference(attributes, at + ".attributes", name.c_str(), "accessors");
+      const Json& extensions = get_object(file_, primitives[i], at, "extensions");
+      check_reference(get_object(file_, extensions, at, "KHR_draco_mesh_compression"), at + ".extensions", "bufferView",
+                      "bufferViews");
     }
   }
 
@@ -274,7 +285,7 @@ class Checker {
     if (reached.size() != nodes.size()) fail("nodes", "the hierarchy has a cycle");
   }
 
-  const std::filesystem::path& root_;
+  const SourceFiles& files_;
   const std::filesystem::path& file_;
   const Json& gltf_;
   std::uint64_t bin_bytes_;
@@ -282,10 +293,10 @@ class Checker {
 
 }  // namespace
 
-void check_gltf(const std::filesystem::path& root, const std::filesystem::path& file, const Json& gltf,
+void check_gltf(const SourceFiles& files, const std::filesystem::path& file, const Json& gltf,
                 std::uint64_t bin_bytes) {
   if (!gltf.is_object()) throw InputError(file, "", "expected a glTF document, a JSON object");
-  Checker(root, file, gltf, bin_bytes).check();
+  Checker(files, file, gltf, bin_bytes).check();
 }
 
 }  // namespace gigabake

@@ -2,13 +2,15 @@
 
 #include "format/error.h"
 #include "format/gltf_check.h"
+#include "format/gltf_draco.h"
+#include "format/gltf_packed_views.h"
 
 namespace gigabake {
 namespace {
 
 /// What the callbacks need. tinygltf expands paths with the shell's rules and reads any file; ours do not.
 struct LoadContext {
-  const std::filesystem::path& root;
+  const SourceFiles& files;
   const std::filesystem::path& file;
   bool with_images;
   GltfDocument& out;
@@ -22,10 +24,7 @@ bool keep_encoded(tinygltf::Image*, const int index, std::string*, std::string*,
   return true;
 }
 
-bool file_exists(const std::string& path, void*) {
-  std::error_code error;
-  return std::filesystem::is_regular_file(path, error);
-}
+bool file_exists(const std::string& path, void* user) { return static_cast<LoadContext*>(user)->files.has(path); }
 
 std::string same_path(const std::string& path, void*) { return path; }
 
@@ -33,11 +32,11 @@ std::string same_path(const std::string& path, void*) { return path; }
 bool read_inside_root(std::vector<unsigned char>* out, std::string* error, const std::string& path, void* user) {
   const auto& context = *static_cast<LoadContext*>(user);
   try {
-    const std::filesystem::path root = std::filesystem::weakly_canonical(context.root);
+    const std::filesystem::path root = std::filesystem::weakly_canonical(context.files.root());
     const std::filesystem::path target = std::filesystem::weakly_canonical(path);
     if (std::mismatch(root.begin(), root.end(), target.begin(), target.end()).first != root.end())
       throw InputError(path, "", "leaves the source folder");
-    *out = read_whole_file(target);
+    *out = context.files.read(target);
     return true;
   } catch (const std::exception& e) {
     if (error != nullptr) *error += e.what();
@@ -66,6 +65,25 @@ void parse(const ContentContainer& container, LoadContext& context) {
   if (!loaded) throw InputError(context.file, "", first_line(error));
 }
 
+/// The container with another JSON text; `buffer` owns what it looks at.
+void replace_json(const Json& json, std::vector<std::uint8_t>& buffer, ContentContainer& container) {
+  std::string text = json.dump();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  const auto put = [&](const void* data, std::size_t bytes) {
+    const auto* from = static_cast<const std::uint8_t*>(data);
+    buffer.insert(buffer.end(), from, from + bytes);
+  };
+  const std::uint32_t text_bytes = std::uint32_t(text.size()), bin_bytes = std::uint32_t(container.bin.size());
+  const std::uint32_t whole = 20 + text_bytes + (container.bin.empty() ? 0 : 8 + bin_bytes);
+  const std::uint32_t head[] = {0x46546c67, 2, whole, text_bytes, 0x4e4f534a};  // "glTF", "JSON"
+  const std::uint32_t chunk[] = {bin_bytes, 0x004e4942};                        // "BIN"
+  put(head, sizeof head);
+  put(text.data(), text.size());
+  if (!container.bin.empty()) put(chunk, sizeof chunk), put(container.bin.data(), container.bin.size());
+  container.gltf = buffer;
+  container.json = std::span<const std::uint8_t>(buffer).subspan(20, text_bytes);
+}
+
 /// tinygltf may read less than the document said (a data URI that is no base64, say).
 void check_buffers(const std::filesystem::path& file, const Json& json, const tinygltf::Model& model) {
   const Json& buffers = get_array(file, json, "", "buffers");
@@ -79,18 +97,28 @@ void check_buffers(const std::filesystem::path& file, const Json& json, const ti
 
 GltfDocument load_gltf(const TileRef& tile, const std::filesystem::path& root, bool with_images) {
   GltfDocument out;
-  const ContentContainer container = open_container(tile);
-  const Json json = parse_json(tile.path, container.json);
-  check_gltf(root, tile.path, json, container.bin.size());
-  out.images.resize(get_array(tile.path, json, "", "images").size());
+  const SourceFiles files = files_of(tile, root);
+  ContentContainer container = open_container(tile, files);
+  const std::filesystem::path& file = container.gltf_file;
+  const Json json = parse_json(file, container.json);
+  check_gltf(files, file, json, container.bin.size());
+  const std::vector<PackedView> packed = packed_views(file, json, !container.bin.empty());
+  Json plain = without_packed_views(json, packed);
+  std::vector<std::uint8_t> plain_bytes;
+  const bool has_draco = hide_packed_indices(plain);
+  if (has_draco || !packed.empty()) replace_json(plain, plain_bytes, container);
+  out.images.resize(get_array(file, json, "", "images").size());
   out.rtc_center = container.rtc_center;
-  const Json& extensions = get_object(tile.path, json, "", "extensions");
-  const Json& rtc = get_object(tile.path, extensions, "extensions", "CESIUM_RTC");
-  if (const auto center = get_numbers(tile.path, rtc, "extensions.CESIUM_RTC", "center", 3))
+  out.instances = std::move(container.instances);
+  const Json& extensions = get_object(file, json, "", "extensions");
+  const Json& rtc = get_object(file, extensions, "extensions", "CESIUM_RTC");
+  if (const auto center = get_numbers(file, rtc, "extensions.CESIUM_RTC", "center", 3))
     for (std::size_t c = 0; c < 3; ++c) out.rtc_center[c] += (*center)[c];
-  LoadContext context{root, tile.path, with_images, out};
+  LoadContext context{files, file, with_images, out};
   parse(container, context);
-  check_buffers(tile.path, json, out.model);
+  check_buffers(file, plain, out.model);
+  unpack_views(file, packed, out.model);
+  unpack_draco(file, json, out.model);
   return out;
 }
 

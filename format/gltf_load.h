@@ -12,8 +12,9 @@ namespace gigabake {
 struct GltfDocument {
   tinygltf::Model model;
   std::vector<std::vector<std::uint8_t>>
-      images;                          ///< encoded bytes; empty where the file is missing or was not asked for
-  std::array<double, 3> rtc_center{};  ///< b3dm's RTC_CENTER plus the CESIUM_RTC extension, z up
+      images;                                   ///< encoded bytes; empty where the file is missing or was not asked for
+  std::array<double, 3> rtc_center{};           ///< b3dm's or i3dm's RTC_CENTER plus the CESIUM_RTC extension, z up
+  std::vector<Affine<World, World>> instances;  ///< as ContentContainer
 };
 
 /// Errors  InputError: everything check_gltf() finds, and what tinygltf refuses.

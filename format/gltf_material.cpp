@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "format/codecs.h"
 #include "format/error.h"
 
 namespace gigabake {
@@ -37,11 +38,15 @@ void apply_texture_transform(const tinygltf::Value& t, SourceMaterial& out) {
 
 void use_texture(const std::filesystem::path& file, const tinygltf::Model& model, int index, SourceMaterial& out) {
   const tinygltf::Texture& texture = model.textures[std::size_t(index)];
-  if (texture.source < 0)
-    throw InputError(file, "textures[" + std::to_string(index) + "].source",
-                     "is missing: only PNG and JPEG images are read");
+  const std::string where = "textures[" + std::to_string(index) + "].source";
   TextureUse& use = out.material.texture;
   use.image = texture.source;
+  // Where there is a plain image too, it is taken: so no texel depends on what gigabake was built with.
+  if (const auto webp = texture.extensions.find("EXT_texture_webp"); use.image < 0 && webp != texture.extensions.end())
+    use.image = webp->second.Has("source") ? webp->second.Get("source").GetNumberAsInt() : -1;
+  if (use.image < 0 && texture.extensions.contains("KHR_texture_basisu"))
+    throw InputError(file, where, *missing_codec("KHR_texture_basisu"));
+  if (use.image < 0) throw InputError(file, where, "is missing: expected a PNG, JPEG or WebP image");
   if (texture.sampler < 0) return;
   const tinygltf::Sampler& sampler = model.samplers[std::size_t(texture.sampler)];
   use.wrap_s = wrap_of(sampler.wrapS);

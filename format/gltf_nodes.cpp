@@ -1,9 +1,12 @@
 #include "format/gltf_nodes.h"
 
 #include <algorithm>
+#include <string>
+#include <vector>
 
 #include "format/error.h"
 #include "format/gltf_accessor.h"
+#include "format/mesh.h"
 #include "format/transform.h"
 
 namespace gigabake {
@@ -35,36 +38,49 @@ std::vector<int> root_nodes(const tinygltf::Model& model) {
   return roots;
 }
 
-/// Transforms of EXT_mesh_gpu_instancing in the node's own frame.
-std::vector<Affine<Local, Local>> instances_of(const std::filesystem::path& file, const tinygltf::Model& model,
-                                               const tinygltf::Node& n) {
-  const auto extension = n.extensions.find("EXT_mesh_gpu_instancing");
-  if (extension == n.extensions.end() || !extension->second.Has("attributes")) return {Affine<Local, Local>()};
-  const tinygltf::Value& attributes = extension->second.Get("attributes");
-  const auto read = [&](const char* name, int components) {
-    return attributes.Has(name) ? read_floats(model, attributes.Get(name).GetNumberAsInt(), components)
-                                : std::vector<float>();
-  };
-  const std::vector<float> t = read("TRANSLATION", 3), q = read("ROTATION", 4), s = read("SCALE", 3);
-  const std::size_t count = std::max({t.size() / 3, q.size() / 4, s.size() / 3});
-  const auto fits = [count](std::size_t items) { return items == 0 || items == count; };
-  if (!fits(t.size() / 3) || !fits(q.size() / 4) || !fits(s.size() / 3))
-    throw InputError(file, "EXT_mesh_gpu_instancing", "TRANSLATION, ROTATION and SCALE differ in length");
-  std::vector<Affine<Local, Local>> out;
-  for (std::size_t i = 0; i < count; ++i) {
+/// The attributes of EXT_mesh_gpu_instancing, or of one instance where a node has none.
+class NodeInstances {
+ public:
+  NodeInstances(const std::filesystem::path& file, const tinygltf::Model& model, const tinygltf::Node& n) {
+    const auto extension = n.extensions.find("EXT_mesh_gpu_instancing");
+    if (extension == n.extensions.end() || !extension->second.Has("attributes")) return;
+    const tinygltf::Value& attributes = extension->second.Get("attributes");
+    const auto read = [&](const char* name, int components) {
+      if (!attributes.Has(name)) return std::vector<float>();
+      const int accessor = attributes.Get(name).GetNumberAsInt();
+      if (component_count(model, accessor) != components)
+        throw InputError(file, "EXT_mesh_gpu_instancing." + std::string(name),
+                         "expected VEC" + std::to_string(components));
+      return read_floats(model, accessor, components);
+    };
+    t_ = read("TRANSLATION", 3), q_ = read("ROTATION", 4), s_ = read("SCALE", 3);
+    count_ = std::max({t_.size() / 3, q_.size() / 4, s_.size() / 3});
+    const auto fits = [this](std::size_t items) { return items == 0 || items == count_; };
+    if (!fits(t_.size() / 3) || !fits(q_.size() / 4) || !fits(s_.size() / 3))
+      throw InputError(file, "EXT_mesh_gpu_instancing", "TRANSLATION, ROTATION and SCALE differ in length");
+  }
+
+  std::size_t count() const { return count_; }
+
+  /// To the node's own frame.
+  Affine<Local, Local> map(std::size_t i) const {
     std::array<double, 3> translation{0, 0, 0}, scale{1, 1, 1};
     std::array<double, 4> rotation{0, 0, 0, 1};
-    if (!t.empty()) std::copy_n(&t[3 * i], 3, translation.begin());
-    if (!q.empty()) std::copy_n(&q[4 * i], 4, rotation.begin());
-    if (!s.empty()) std::copy_n(&s[3 * i], 3, scale.begin());
-    out.push_back(affine_from_trs<Local, Local>(translation, rotation, scale));
+    if (!t_.empty()) std::copy_n(&t_[3 * i], 3, translation.begin());
+    if (!q_.empty()) std::copy_n(&q_[4 * i], 4, rotation.begin());
+    if (!s_.empty()) std::copy_n(&s_[3 * i], 3, scale.begin());
+    return affine_from_trs<Local, Local>(translation, rotation, scale);
   }
-  return out;
-}
+
+ private:
+  std::vector<float> t_, q_, s_;
+  std::size_t count_ = 1;
+};
 
 }  // namespace
 
-std::vector<MeshPlacement> mesh_placements(const std::filesystem::path& file, const tinygltf::Model& model) {
+void for_each_placement(const std::filesystem::path& file, const tinygltf::Model& model,
+                        const std::function<void(const MeshPlacement&)>& visit) {
   struct Pending {
     int node;
     Map parent;
@@ -74,7 +90,7 @@ std::vector<MeshPlacement> mesh_placements(const std::filesystem::path& file, co
     for (auto n = nodes.rbegin(); n != nodes.rend(); ++n) pending.push_back({*n, parent});
   };
   push_all(root_nodes(model), Map());
-  std::vector<MeshPlacement> out;
+  std::size_t placed = 0;
   while (!pending.empty()) {
     const Pending at = pending.back();
     pending.pop_back();
@@ -82,11 +98,14 @@ std::vector<MeshPlacement> mesh_placements(const std::filesystem::path& file, co
     const Map map = at.parent * node_map(node);
     if (!map.is_finite())
       throw InputError(file, "nodes[" + std::to_string(at.node) + "]", "the transform is not finite");
-    if (node.mesh >= 0)
-      for (const auto& instance : instances_of(file, model, node)) out.push_back({node.mesh, map * instance});
     push_all(node.children, map);
+    if (node.mesh < 0) continue;
+    const NodeInstances instances(file, model, node);
+    placed += instances.count();
+    if (placed > most_placements)
+      throw InputError(file, "nodes", "more than 2^24 placements of meshes; split the file");
+    for (std::size_t i = 0; i < instances.count(); ++i) visit({node.mesh, map * instances.map(i)});
   }
-  return out;
 }
 
 }  // namespace gigabake

@@ -1,9 +1,10 @@
 /// Every placement of a mesh in a glTF scene.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <tiny_gltf.h>
-#include <vector>
 
 #include "format/frames.h"
 
@@ -16,8 +17,10 @@ struct MeshPlacement {
   Affine<Gltf, Local> gltf_from_local;
 };
 
-/// Of the default scene (else the first; else all root nodes), parents before children; EXT_mesh_gpu_instancing
-/// written out. Errors  InputError: a transform that is not finite, instancing attributes that differ in length.
-std::vector<MeshPlacement> mesh_placements(const std::filesystem::path& file, const tinygltf::Model& model);
+/// Calls visit() for each, of the default scene (else the first; else all root nodes), parents before children; the
+/// instances of EXT_mesh_gpu_instancing one by one. Errors  InputError: a transform that is not finite, instancing
+/// attributes that differ in length or are of another type, more than most_placements.
+void for_each_placement(const std::filesystem::path& file, const tinygltf::Model& model,
+                        const std::function<void(const MeshPlacement&)>& visit);
 
 }  // namespace gigabake

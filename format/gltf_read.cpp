@@ -1,4 +1,5 @@
-// read_tile(): a content file as triangles, materials and encoded images.
+#include "format/gltf_read.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -49,11 +50,14 @@ class TileReader {
       : tile_(tile),
         everything_(scope == ReadScope::everything),
         document_(load_gltf(tile, root, everything_)),
-        model_(document_.model) {}
+        model_(document_.model) {
+    const auto& rtc = document_.rtc_center;
+    scene_from_tile_ = tile.scene_from_tile * translation<World, World>(rtc[0], rtc[1], rtc[2]);
+  }
 
   TileMesh read() {
     read_materials();
-    for (const MeshPlacement& placement : mesh_placements(tile_.path, model_)) place(placement);
+    for_each_placement(tile_.path, model_, [this](const MeshPlacement& placement) { place(placement); });
     if (everything_) keep_images();
     return std::move(out_);
   }
@@ -74,15 +78,18 @@ class TileReader {
     auto found = meshes_.find(placement.mesh);
     if (found == meshes_.end()) found = meshes_.emplace(placement.mesh, read_mesh(placement.mesh)).first;
     const MeshParts& parts = found->second;
-    out_.counts.triangles += parts.counts.triangles;
-    out_.counts.skipped_points += parts.counts.points;
-    out_.counts.skipped_lines += parts.counts.lines;
-    const auto& rtc = document_.rtc_center;
-    const Affine<Scene, Local> scene_from_local = tile_.scene_from_tile *
-                                                  translation<World, World>(rtc[0], rtc[1], rtc[2]) *
-                                                  z_up_from<World, Gltf>(tile_.gltf_up) * placement.gltf_from_local;
-    if (!scene_from_local.is_finite()) throw InputError(tile_.path, "", "a placement in the scene is not finite");
-    for (const int primitive : parts.primitives) out_.instances.push_back({primitive, scene_from_local});
+    const std::uint64_t times = document_.instances.size();
+    out_.counts.triangles += times * parts.counts.triangles;
+    out_.counts.skipped_points += times * parts.counts.points;
+    out_.counts.skipped_lines += times * parts.counts.lines;
+    if (document_.instances.size() * parts.primitives.size() > most_placements - out_.instances.size())
+      throw InputError(tile_.path, "", "more than 2^24 placements of meshes; split the tile");
+    const Affine<World, Local> model = z_up_from<World, Gltf>(tile_.gltf_up) * placement.gltf_from_local;
+    for (const Affine<World, World>& instance : document_.instances) {
+      const Affine<Scene, Local> scene_from_local = scene_from_tile_ * instance * model;
+      if (!scene_from_local.is_finite()) throw InputError(tile_.path, "", "a placement in the scene is not finite");
+      for (const int primitive : parts.primitives) out_.instances.push_back({primitive, scene_from_local});
+    }
   }
 
   MeshParts read_mesh(int mesh) {
@@ -97,10 +104,6 @@ class TileReader {
     if (position == p.attributes.end()) return;  // the specification lets it draw nothing
     if (component_count(model_, position->second) != 3)
       throw InputError(tile_.path, at + ".attributes.POSITION", "expected VEC3");
-    if (p.extensions.contains("KHR_draco_mesh_compression") &&
-        model_.accessors[std::size_t(position->second)].bufferView < 0)
-      throw InputError(tile_.path, at,
-                       "the extension KHR_draco_mesh_compression is not supported, and there is no plain copy");
     const int mode = p.mode < 0 ? TINYGLTF_MODE_TRIANGLES : p.mode;
     const std::size_t vertices = model_.accessors[std::size_t(position->second)].count;
     const std::vector<std::uint32_t> order = vertex_order(p, at, vertices);
@@ -182,6 +185,7 @@ class TileReader {
   bool everything_;
   GltfDocument document_;
   const tinygltf::Model& model_;
+  Affine<Scene, World> scene_from_tile_;  ///< RTC_CENTER included
   std::vector<SourceMaterial> materials_;
   std::map<int, MeshParts> meshes_;
   TileMesh out_;
@@ -189,14 +193,8 @@ class TileReader {
 
 }  // namespace
 
-TileMesh read_tile(const TileRef& tile, const std::filesystem::path& root, ReadScope scope) {
-  try {
-    return TileReader(tile, root, scope).read();
-  } catch (const std::bad_alloc&) {
-    throw InputError(tile.path, "", "not enough memory to read this file");
-  } catch (const nlohmann::json::exception& e) {
-    throw InputError(tile.path, "", e.what());
-  }
+TileMesh read_gltf(const TileRef& tile, const std::filesystem::path& root, ReadScope scope) {
+  return TileReader(tile, root, scope).read();
 }
 
 }  // namespace gigabake

@@ -1,4 +1,4 @@
-// decode_image(): PNG and JPEG to straight RGBA.
+// decode_image(): PNG, JPEG and WebP to straight RGBA.
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
@@ -10,6 +10,7 @@
 // clang-format on
 #include <png.h>
 
+#include "format/codecs.h"
 #include "format/error.h"
 #include "format/mesh.h"
 
@@ -116,6 +117,11 @@ Image decode_jpeg(const EncodedImage& encoded) {
   return out;
 }
 
+bool is_webp(const std::vector<std::uint8_t>& bytes) {
+  return bytes.size() > 12 && std::memcmp(bytes.data(), "RIFF", 4) == 0 &&
+         std::memcmp(bytes.data() + 8, "WEBP", 4) == 0;
+}
+
 }  // namespace
 
 Image decode_image(const EncodedImage& encoded) {
@@ -128,8 +134,10 @@ Image decode_image(const EncodedImage& encoded) {
     out = decode_png(encoded);
   else if (starts_with(jpeg_magic, sizeof jpeg_magic))
     out = decode_jpeg(encoded);
+  else if (is_webp(encoded.bytes))
+    out = decode_webp(encoded);
   else
-    fail(encoded, "neither PNG nor JPEG");
+    fail(encoded, "neither PNG nor JPEG nor WebP");
   for (std::size_t i = 3; i < out.rgba.size() && !out.has_alpha; i += 4) out.has_alpha = out.rgba[i] != 255;
   return out;
 }

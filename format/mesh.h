@@ -45,7 +45,10 @@ struct Instance {
   Affine<Scene, Local> scene_from_local;  ///< a negative determinant mirrors: winding is restored by the consumer
 };
 
-/// An image as its file holds it. PNG or JPEG by content.
+/// A file with more placements is refused: each takes a hundred bytes, and a node may place what takes none.
+inline constexpr std::size_t most_placements = std::size_t(1) << 24;
+
+/// An image as its file holds it. PNG, JPEG or WebP by content.
 struct EncodedImage {
   std::string name;  ///< for messages: "tile.glb: images[2]"
   std::vector<std::uint8_t> bytes;
@@ -72,7 +75,8 @@ struct Image {
   bool has_alpha = false;          ///< some texel's alpha is below 255
 };
 
-/// Errors  InputError for anything that is not a whole PNG or JPEG, or larger than 2^28 texels.
+/// Errors  InputError for anything that is not a whole PNG, JPEG or WebP (where built with libwebp), or larger than
+/// 2^28 texels.
 Image decode_image(const EncodedImage& image);
 
 }  // namespace gigabake

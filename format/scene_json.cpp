@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "format/dem_source.h"
 #include "format/error.h"
 #include "format/georeference.h"
 #include "format/transform.h"
@@ -18,6 +19,10 @@ bool is_scene(const std::filesystem::path& path) {
   if (lower_extension(path) != ".json" || !std::filesystem::is_regular_file(path, error)) return false;
   const Json json = parse_json(path, read_whole_file(path));
   return json.is_object() && json.contains("gigabake");
+}
+
+std::filesystem::path root_of(const std::filesystem::path& file) {
+  return file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
 }
 
 /// One listed source, opened in its own frame, and where that frame stands.
@@ -54,6 +59,13 @@ void read_place(const std::filesystem::path& file, const Json& place, const std:
 Entry read_entry(const std::filesystem::path& file, const Json& json, std::size_t i, SourceOptions options) {
   Entry e;
   e.where = "sources[" + std::to_string(i) + "]";
+  options.origin.reset();
+  if (json.contains("dem")) {
+    expect_only(file, json, e.where, {"dem", "ortho", "crs", "nodata", "height_scale", "geoid_offset_m", "tile_cells"});
+    e.source = dem_sources(root_of(file), dem_options(file, json, e.where), options);
+    e.position = e.source.origin;
+    return e;
+  }
   const auto path = get_text(file, json, e.where, "path");
   if (!path) throw InputError(file, e.where + ".path", "is missing");
   expect_only(file, json, e.where, {"path", "place", "heading_deg", "scale"});
@@ -63,9 +75,7 @@ Entry read_entry(const std::filesystem::path& file, const Json& json, std::size_
   e.scale = get_number(file, json, e.where, "scale").value_or(1);
   if (!(e.scale > 0)) throw InputError(file, e.where + ".scale", "expected a positive number");
   options.local |= is_placed;
-  options.origin.reset();
-  const std::filesystem::path target =
-      resolve_uri(file.parent_path().empty() ? "." : file.parent_path(), file, e.where + ".path", *path);
+  const std::filesystem::path target = resolve_uri(root_of(file), file, e.where + ".path", *path);
   if (is_scene(target)) throw InputError(file, e.where + ".path", in_quotes(*path) + " is a scene; scenes do not nest");
   e.source = open_sources(target, options);
   if (!is_placed) e.position = e.source.origin;
@@ -90,7 +100,8 @@ void add_entry(Entry e, SceneSources& out) {
   const Affine<Scene, Scene> place = placement(e, out.origin);
   for (TileRef& tile : e.source.tiles) {
     tile.scene_from_tile = place * tile.scene_from_tile;
-    tile.name = name_in(out.root, tile.path);
+    const std::string own = name_in(e.source.root, tile.path);  // what follows says which part of the file it is
+    tile.name = name_in(out.root, tile.path) + tile.name.substr(std::min(own.size(), tile.name.size()));
     out.tiles.push_back(std::move(tile));
   }
   for (SkippedSource& lost : e.source.skipped) {
@@ -110,7 +121,7 @@ SceneSources open_scene_json(const std::filesystem::path& file, const Json& json
   for (std::size_t i = 0; i < list.size(); ++i) entries.push_back(read_entry(file, list[i], i, options));
   if (entries.empty()) throw InputError(file, "sources", "expected at least one source");
   SceneSources out;
-  out.root = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+  out.root = root_of(file);
   for (const Entry& e : entries)
     if (e.position.has_value() != entries[0].position.has_value())
       throw InputError(file, e.where, "local and lon/lat placements cannot share a scene");

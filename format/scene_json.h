@@ -9,7 +9,8 @@
 namespace gigabake {
 
 /// {"gigabake": 1, "sources": [{"path": "…", "place": {"position_m": [x,y,z]} or {"lon_lat_height": [lon,lat,h]},
-///  "heading_deg": 0, "scale": 1}, …]}. Heading turns clockwise from north (y), seen from above. Without "place" a
+///  "heading_deg": 0, "scale": 1}, …]}. Or an elevation raster: {"dem": "…", "ortho": "…", …}, see
+/// dem_options(). Heading turns clockwise from north (y), seen from above. Without "place" a
 /// tileset that stands on the earth stays where it stands.
 /// Errors  InputError as open_sources(); unknown keys, scenes in scenes, local and geodetic placements in one scene.
 SceneSources open_scene_json(const std::filesystem::path& file, const Json& json, const SourceOptions& options);

@@ -4,14 +4,19 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "format/composite.h"
 #include "format/frames.h"
 #include "format/mesh.h"
 
 namespace gigabake {
+
+class Archive;
+struct DemTile;
 
 enum class UpAxis : std::uint8_t { y, z, x };
 
@@ -22,16 +27,20 @@ struct SourceOptions {
                                    ///< files (default y, as glTF has it)
 };
 
-enum class ContentKind : std::uint8_t { glb, gltf, b3dm };
+enum class ContentKind : std::uint8_t { glb, gltf, b3dm, i3dm, obj, dem };
 
 /// One content file and its place. The same file may be placed several times.
 struct TileRef {
   std::filesystem::path path;  ///< readable file inside the source folder
-  std::string name;            ///< path relative to the source root, '/' separated: messages, fingerprints
+  std::string name;            ///< path relative to the source root, '/' separated, and "[i]" in a composite: messages
   ContentKind kind = ContentKind::glb;
-  UpAxis gltf_up = UpAxis::y;            ///< tileset's gltfUpAxis: how content turns to z up
-  Affine<Scene, World> scene_from_tile;  ///< tile transforms, ECEF to scene, `--up`, all composed in double
-  std::uint64_t bytes = 0;               ///< file size
+  UpAxis gltf_up = UpAxis::y;                        ///< tileset's gltfUpAxis: how content turns to z up
+  Affine<Scene, World> scene_from_tile;              ///< tile transforms, ECEF to scene, `--up`, all composed in double
+  std::uint64_t bytes = 0;                           ///< file size
+  ByteRange range = {};                              ///< the tile's bytes in a composite; default: the whole file
+  std::shared_ptr<const Archive> archive = nullptr;  ///< that `path` leads into, or none
+  Affine<World, World> world_from_tile = {};     ///< the tileset's transforms alone: where an i3dm's east and north are
+  std::shared_ptr<const DemTile> dem = nullptr;  ///< of ContentKind::dem: which cells of the raster
 };
 
 /// Something the source names and the bake does not have: missing file, unsupported kind. Costs exit code 3 unless
@@ -49,8 +58,8 @@ struct SceneSources {
   std::vector<SkippedSource> skipped;
 };
 
-/// Reads what stands at `path`: .glb/.gltf, a folder of them (sorted, not recursive into symlinks), a 3D Tiles
-/// tileset .json (1.0 and 1.1), or a scene .json of ours (docs/format.md). Opens no mesh.
+/// Reads what stands at `path`: a content file (docs/format-sources.md), a folder of them (sorted, not recursive into
+/// symlinks), a 3D Tiles tileset .json (1.0 and 1.1) or its .3tz archive, or a scene .json of ours. Opens no mesh.
 /// Georeference: a tileset whose root stands on the WGS84 earth, or a scene .json with lon/lat placements, gets the
 /// ENU frame at `options.origin`, else at the root transform's translation (else its bounding volume's centre).
 /// With refine REPLACE the finest content is taken; where a finest content file is missing the nearest ancestor's

@@ -148,18 +148,22 @@ std::string uri_path(std::string_view uri) { return percent_decoded(uri.substr(0
 
 std::filesystem::path resolve_uri(const std::filesystem::path& root, const std::filesystem::path& base,
                                   const std::string& key, std::string_view uri) {
-  const std::string text = uri_path(uri);
+  return resolve_path(root, base, key, uri_path(uri));
+}
+
+std::filesystem::path resolve_path(const std::filesystem::path& root, const std::filesystem::path& base,
+                                   const std::string& key, const std::string& text) {
   if (text.empty() || text.find('\0') != std::string::npos)
-    throw InputError(base, key, "expected the path of a file, got " + in_quotes(uri));
+    throw InputError(base, key, "expected the path of a file, got " + in_quotes(text));
   if (const auto colon = text.find(':'); colon != std::string::npos && colon < text.find('/'))
-    throw InputError(base, key, "expected a path relative to the file, got " + in_quotes(uri));
+    throw InputError(base, key, "expected a path relative to the file, got " + in_quotes(text));
   const std::filesystem::path relative(text);
   std::error_code error;
   const std::filesystem::path target =
       std::filesystem::weakly_canonical(std::filesystem::absolute(base, error).parent_path() / relative, error);
-  if (error) throw InputError(base, key, in_quotes(uri) + " cannot be resolved: " + error.message());
+  if (error) throw InputError(base, key, in_quotes(text) + " cannot be resolved: " + error.message());
   if (relative.is_absolute() || !is_within(std::filesystem::weakly_canonical(root, error), target))
-    throw InputError(base, key, in_quotes(uri) + " leaves the source folder " + root.string());
+    throw InputError(base, key, in_quotes(text) + " leaves the source folder " + root.string());
   return target;
 }
 

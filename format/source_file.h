@@ -48,6 +48,10 @@ std::string uri_path(std::string_view uri);
 std::filesystem::path resolve_uri(const std::filesystem::path& root, const std::filesystem::path& base,
                                   const std::string& key, std::string_view uri);
 
+/// As resolve_uri(), of a path as other formats write it: without percent signs' meaning.
+std::filesystem::path resolve_path(const std::filesystem::path& root, const std::filesystem::path& base,
+                                   const std::string& key, const std::string& name);
+
 /// ".glb" of "A.GLB".
 std::string lower_extension(const std::filesystem::path& path);
 

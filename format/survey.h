@@ -26,7 +26,8 @@ struct TileSurvey {
   std::vector<ColumnExtent> columns;  ///< sorted by (column_x, column_y), unique
   std::uint64_t triangles = 0;        ///< with instances, all that the file holds
   std::uint64_t non_finite = 0;       ///< triangles dropped: a vertex is NaN/Inf
-  std::uint64_t zero_area = 0;        ///< triangles dropped: no area, in the source or after the snap
+  std::uint64_t zero_area = 0;        ///< triangles dropped: no area, in the source or after the snap; those of
+                                      ///< primitives that were surveyed by boxes are not looked for
   std::uint64_t skipped_points = 0, skipped_lines = 0;
   Hash128 source;                       ///< tile_hash() of what was surveyed
   std::string error;                    ///< one line; not empty: the tile could not be read and has no columns

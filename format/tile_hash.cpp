@@ -5,7 +5,9 @@
 #include <xxhash.h>
 
 #include "format/content_container.h"
+#include "format/dem.h"
 #include "format/error.h"
+#include "format/obj_read.h"
 
 namespace gigabake {
 namespace {
@@ -28,43 +30,103 @@ class Digest {
   std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state_;
 };
 
-/// The stamp is of the name as the tile writes it, the content of the file that resolve_uri() makes of it: where these
-/// differ (a path through a folder that is not there), nobody can tell from a stamp what will be read.
-StampedFile stamped_uri(const TileRef& tile, const std::string& uri, const std::filesystem::path& resolved) {
-  StampedFile file = stamped(uri_path(uri), tile.path.parent_path() / uri_path(uri));
-  if (stamp_of(resolved) != file.stamp) file.settled = false;
-  return file;
+/// Reads what a tile names, and notes what it read.
+class Dependencies {
+ public:
+  Dependencies(const TileRef& tile, const SourceFiles& files, Digest& digest, std::vector<StampedFile>& read)
+      : tile_(tile), files_(files), digest_(digest), read_(read) {}
+
+  /// The stamp is of the name as the tile writes it, the content of the file that resolve_uri() makes of it: where
+  /// these differ (a path through a folder that is not there), nobody can tell from a stamp what will be read.
+  /// base: the file that writes the URI. What is missing is an error where it is needed; as part of the identity it is
+  /// an empty file.
+  void add(const std::filesystem::path& base, const std::string& key, const std::string& uri) {
+    const std::filesystem::path path = resolve_uri(files_.root(), base, key, uri);
+    const std::filesystem::path written = base.parent_path() / uri_path(uri);
+    StampedFile file = files_.stamp(base == tile_.path ? uri_path(uri) : written.string(), written);
+    if (!files_.archive() && stamp_of(path) != file.stamp) file.settled = false;
+    read_.push_back(std::move(file));
+    digest_.add_file(files_.has(path) ? files_.read(path) : std::vector<std::uint8_t>());
+  }
+
+  /// Read as it was resolved: only an absolute path names it surely.
+  void add_file(const std::filesystem::path& path) {
+    read_.push_back(files_.stamp(path.string(), path));
+    digest_.add_file(files_.read(path));
+  }
+
+  void add_list(const std::filesystem::path& base, const Json& gltf, const char* list) {
+    const Json& items = get_array(base, gltf, "", list);
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      const std::string where = std::string(list) + "[" + std::to_string(i) + "]";
+      const auto uri = get_text(base, items[i], where, "uri");
+      if (uri && !uri->starts_with("data:")) add(base, where + ".uri", *uri);
+    }
+  }
+
+ private:
+  const TileRef& tile_;
+  const SourceFiles& files_;
+  Digest& digest_;
+  std::vector<StampedFile>& read_;
+};
+
+template <class T>
+void add_values(const std::vector<T>& values, Digest& digest) {
+  const std::uint64_t count = values.size();
+  digest.add(&count, sizeof count);
+  digest.add(values.data(), values.size() * sizeof(T));
 }
 
-void add_external_files(const TileRef& tile, const std::filesystem::path& root, const Json& gltf, const char* list,
-                        Digest& digest, std::vector<StampedFile>& files) {
-  const Json& items = get_array(tile.path, gltf, "", list);
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    const std::string where = std::string(list) + "[" + std::to_string(i) + "]";
-    const auto uri = get_text(tile.path, items[i], where, "uri");
-    if (!uri || uri->starts_with("data:")) continue;
-    const std::filesystem::path path = resolve_uri(root, tile.path, where + ".uri", *uri);
-    files.push_back(stamped_uri(tile, *uri, path));
-    std::error_code error;
-    // What is missing is an error where it is needed; as part of the identity it is an empty file.
-    digest.add_file(std::filesystem::is_regular_file(path, error) ? read_whole_file(path)
-                                                                  : std::vector<std::uint8_t>());
+/// A raster's tile is what is made of it: other tiles' pixels do not matter.
+TileIdentity identify_dem(const TileRef& tile, const SourceFiles& files) {
+  TileIdentity out;
+  for (const std::filesystem::path& file : dem_files(tile.dem->raster->options)) {
+    const std::filesystem::path whole = std::filesystem::absolute(file);
+    out.files.push_back(files.stamp(whole.string(), whole));
   }
+  const DemMesh mesh = read_dem(*tile.dem, true);
+  Digest digest;
+  add_values(mesh.primitive.position, digest);
+  add_values(mesh.primitive.index, digest);
+  for (const EncodedImage& image : mesh.images) digest.add_file(image.bytes);
+  digest.add(tile.scene_from_tile.m.data(), sizeof tile.scene_from_tile.m);
+  out.hash = digest.value();
+  return out;
+}
+
+TileIdentity identify_obj(const TileRef& tile, const SourceFiles& files) {
+  TileIdentity out;
+  Digest digest;
+  Dependencies dependencies(tile, files, digest, out.files);
+  dependencies.add_file(tile.path);
+  out.files[0].name = files.archive() ? out.files[0].name : tile.path.filename().string();
+  for (const std::filesystem::path& file : obj_dependencies(tile, files)) dependencies.add_file(file);
+  digest.add(tile.scene_from_tile.m.data(), sizeof tile.scene_from_tile.m);
+  digest.add(&tile.gltf_up, sizeof tile.gltf_up);
+  out.hash = digest.value();
+  return out;
 }
 
 }  // namespace
 
 TileIdentity identify_tile(const TileRef& tile, const std::filesystem::path& root) {
   TileIdentity out;
-  out.files.push_back(stamped(tile.path.filename().string(), tile.path));
-  const ContentContainer container = open_container(tile);
+  const SourceFiles files = files_of(tile, root);
+  if (tile.kind == ContentKind::dem) return identify_dem(tile, files);
+  if (tile.kind == ContentKind::obj) return identify_obj(tile, files);
+  out.files.push_back(files.stamp(tile.path.filename().string(), tile.path));
+  const ContentContainer container = open_container(tile, files);
   Digest digest;
-  digest.add_file(container.file);
-  const Json gltf = parse_json(tile.path, container.json);
-  add_external_files(tile, root, gltf, "buffers", digest, out.files);
-  add_external_files(tile, root, gltf, "images", digest, out.files);
+  Dependencies dependencies(tile, files, digest, out.files);
+  digest.add_file(container.content);
+  if (!container.model_uri.empty()) dependencies.add(tile.path, "glTF URI", container.model_uri);
+  const Json gltf = parse_json(container.gltf_file, container.json);
+  dependencies.add_list(container.gltf_file, gltf, "buffers");
+  dependencies.add_list(container.gltf_file, gltf, "images");
   digest.add(tile.scene_from_tile.m.data(), sizeof tile.scene_from_tile.m);
   digest.add(&tile.gltf_up, sizeof tile.gltf_up);
+  if (container.is_instanced) digest.add(tile.world_from_tile.m.data(), sizeof tile.world_from_tile.m);
   out.hash = digest.value();
   return out;
 }

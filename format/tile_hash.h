@@ -16,8 +16,8 @@ struct TileIdentity {
       files;  ///< that were read or missed, the content file first; stamps are older than the reading
 };
 
-/// XXH3-128 of the file, of every file it names (buffers, images), of the placement and the up axis; and which files
-/// these were. Errors  InputError as read_tile().
+/// XXH3-128 of the file (of a composite, of the tile's part), of every file it names (buffers, images), of the
+/// placement and the up axis; and which files these were. Errors  InputError as read_tile().
 TileIdentity identify_tile(const TileRef& tile, const std::filesystem::path& root);
 
 /// The hash alone.

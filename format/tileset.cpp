@@ -1,10 +1,12 @@
 #include "format/tileset.h"
 
 #include <algorithm>
-#include <fstream>
 #include <set>
+#include <type_traits>
 
+#include "format/content_magic.h"
 #include "format/error.h"
+#include "format/implicit_tiling.h"
 #include "format/tileset_anchor.h"
 #include "format/transform.h"
 
@@ -15,6 +17,7 @@ using Path = std::filesystem::path;
 
 constexpr std::size_t deepest_external = 32;
 constexpr std::uint64_t most_tiles = std::uint64_t(1) << 24;
+constexpr std::size_t most_losses = std::size_t(1) << 16;
 /// Text of external tilesets that one bake follows, each counted as at least 16 KiB: files that include others twice
 /// double at every step.
 constexpr std::uint64_t most_external_bytes = std::uint64_t(1) << 32, least_external_bytes = std::uint64_t(1) << 14;
@@ -23,32 +26,18 @@ enum class Refine { add, replace };
 
 /// What a tile inherits.
 struct Context {
+  SourceFiles files;
   Path file;
   UpAxis gltf_up = UpAxis::y;
-  Affine<World, World> world_from_parent;
+  Affine<World, World> world_from_parent = {};
   Refine refine = Refine::replace;
 };
 
-/// The finest contents of a subtree.
+/// The finest contents of a tile and all below it.
 struct Subtree {
   std::vector<TilesetContent> contents;
   bool is_missing_some = false;  ///< a finest content is missing and nothing below stood in for it
 };
-
-enum class Magic { glb, b3dm, json, points, instances, composite, unknown };
-
-Magic magic_of(const Path& path) {
-  char head[4] = {};
-  std::ifstream(path, std::ios::binary).read(head, 4);
-  const std::string_view magic(head, 4);
-  if (magic == "glTF") return Magic::glb;
-  if (magic == "b3dm") return Magic::b3dm;
-  if (magic == "pnts") return Magic::points;
-  if (magic == "i3dm") return Magic::instances;
-  if (magic == "cmpt") return Magic::composite;
-  const auto first = magic.find_first_not_of(" \t\r\n");
-  return first != std::string_view::npos && magic[first] == '{' ? Magic::json : Magic::unknown;
-}
 
 class Reader {
  public:
@@ -97,7 +86,7 @@ class Reader {
   }
 
   Subtree read_tile(const Json& tile, const std::string& where, const Context& parent) {
-    if (++tiles_ > most_tiles) throw InputError(parent.file, where, "the tileset has more than 2^24 tiles");
+    count_tile(parent.file, where);
     Context here = parent;
     if (const auto m = get_numbers(parent.file, tile, where, "transform", 16))
       here.world_from_parent = parent.world_from_parent * affine_from_columns<World, World>(*m);
@@ -106,16 +95,64 @@ class Reader {
     const Json& children = get_array(parent.file, tile, where, "children");
     for (std::size_t i = 0; i < children.size(); ++i)
       join(finer, read_tile(children[i], where + ".children[" + std::to_string(i) + "]", here));
-    if (is_implicit(tile, where, here)) {
-      skip(here, where, "implicit tiling is not supported; convert it to explicit tiles", false);
+    const std::vector<std::string> uris = content_uris(parent.file, tile, where);
+    if (const auto tiling = implicit_tiling(parent.file, tile, where)) {
+      join(finer, read_subtree({*tiling, uris, where, here}, {}));
       return finer;
     }
-    return with_own_content(tile, where, here, std::move(finer));
+    return with_own_content(uris, where, here, std::move(finer));
   }
 
-  static bool is_implicit(const Json& tile, const std::string& where, const Context& here) {
-    return tile.contains("implicitTiling") ||
-           get_object(here.file, tile, where, "extensions").contains("3DTILES_implicit_tiling");
+  /// An implicit root tile: its contents' URIs are templates.
+  struct Implicit {
+    ImplicitTiling tiling;
+    std::vector<std::string> uris;
+    std::string where;
+    Context here;
+  };
+
+  /// Everything below and including the subtree's root, at `place` of the whole.
+  Subtree read_subtree(const Implicit& implicit, const TileCoordinates& place) {
+    const std::string key = implicit.where + ".implicitTiling.subtrees.uri";
+    const SourceFiles& files = implicit.here.files;
+    const std::string uri = filled_template(implicit.tiling.subtrees_uri, place);
+    const Path path = resolve_uri(files.root(), implicit.here.file, key, uri);
+    if (!files.has(path)) {
+      skip(implicit.here, key, in_quotes(uri) + " is missing", false);
+      return {{}, true};
+    }
+    const auto available = or_loss(
+        implicit.here, key, [&] { return SubtreeAvailability(files, path, implicit.tiling, implicit.uris.size()); });
+    if (!available) return {{}, true};
+    if (!available->tile(0)) return {};
+    return read_implicit_tile(implicit, *available, place, {});
+  }
+
+  /// place: of the whole; local: from the subtree's root.
+  Subtree read_implicit_tile(const Implicit& implicit, const SubtreeAvailability& available,
+                             const TileCoordinates& place, const TileCoordinates& local) {
+    const ImplicitTiling& tiling = implicit.tiling;
+    count_tile(implicit.here.file, implicit.where);
+    Subtree finer;
+    const bool has_children = place.level + 1 < tiling.available_levels;
+    for (int child = 0; has_children && child < tiling.children(); ++child) {
+      const TileCoordinates next = local.child(child), next_place = place.child(child);
+      if (next.level < tiling.subtree_levels) {
+        if (available.tile(tiling.index_in_subtree(next)))
+          join(finer, read_implicit_tile(implicit, available, next_place, next));
+      } else if (available.child_subtree(tiling.index_in_level(next))) {
+        join(finer, read_subtree(implicit, next_place));
+      }
+    }
+    std::vector<std::string> uris;
+    for (std::size_t i = 0; i < implicit.uris.size(); ++i)
+      if (available.content(i, tiling.index_in_subtree(local)))
+        uris.push_back(filled_template(implicit.uris[i], place));
+    return with_own_content(uris, implicit.where, implicit.here, std::move(finer));
+  }
+
+  void count_tile(const Path& file, const std::string& where) {
+    if (++tiles_ > most_tiles) throw InputError(file, where, "the tileset has more than 2^24 tiles");
   }
 
   /// The specification demands it of the root; files in use leave it out and mean REPLACE.
@@ -127,8 +164,8 @@ class Reader {
     throw InputError(parent.file, where + ".refine", "expected ADD or REPLACE, got " + in_quotes(*text));
   }
 
-  Subtree with_own_content(const Json& tile, const std::string& where, const Context& here, Subtree finer) {
-    const std::vector<std::string> uris = content_uris(here.file, tile, where);
+  Subtree with_own_content(const std::vector<std::string>& uris, const std::string& where, const Context& here,
+                           Subtree finer) {
     const bool is_leaf = finer.contents.empty() && !finer.is_missing_some;
     if (here.refine == Refine::replace && !is_leaf && !finer.is_missing_some) {
       join(finer, external_only(uris, where, here));
@@ -153,10 +190,11 @@ class Reader {
   Subtree external_only(const std::vector<std::string>& uris, const std::string& where, const Context& here) {
     Subtree found;
     for (const std::string& uri : uris) {
-      const Path path = resolve_uri(root_, here.file, where + ".content.uri", uri);
-      std::error_code error;
-      if (!std::filesystem::is_regular_file(path, error) || magic_of(path) != Magic::json) continue;
-      if (const Json json = read_json(path); is_tileset(json)) join(found, read_document(path, json, here));
+      const Path path = resolve_uri(here.files.root(), here.file, where + ".content.uri", uri);
+      const ContentMagic magic = content_magic(here.files.head_of(path, 4));
+      if (magic == ContentMagic::zip) join(found, read_archive(path, here));
+      if (magic != ContentMagic::json) continue;
+      if (const Json json = read_json(here.files, path); is_tileset(json)) join(found, read_document(path, json, here));
     }
     return found;
   }
@@ -183,38 +221,80 @@ class Reader {
 
   Subtree read_content(const std::string& uri, const std::string& where, const Context& here) {
     const std::string key = where + ".content.uri";
-    const Path path = resolve_uri(root_, here.file, key, uri);
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(path, error)) {
+    const Path path = resolve_uri(here.files.root(), here.file, key, uri);
+    if (!here.files.has(path)) {
       skip(here, key, in_quotes(uri) + " is missing", false);
       return {{}, true};
     }
-    switch (magic_of(path)) {
-      case Magic::glb:
-        return {{content(path, ContentKind::glb, here)}, false};
-      case Magic::b3dm:
-        return {{content(path, ContentKind::b3dm, here)}, false};
-      case Magic::json:
-        if (const Json json = read_json(path); is_tileset(json)) return read_document(path, json, here);
-        return {{content(path, ContentKind::gltf, here)}, false};
-      case Magic::points:
-        skip(here, key, in_quotes(uri) + " holds points, which have no surface", true);
-        return {};
-      case Magic::instances:
-        skip(here, key, in_quotes(uri) + ": instanced models (i3dm) are not supported", false);
-        return {};
-      case Magic::composite:
-        skip(here, key, in_quotes(uri) + ": composite tiles (cmpt) are not supported", false);
-        return {};
-      case Magic::unknown:
-        break;
-    }
-    skip(here, key, in_quotes(uri) + " is neither glTF nor b3dm", false);
-    return {{}, true};
+    const auto head = or_loss(here, key, [&] { return here.files.head_of(path, 4); });
+    if (!head) return {{}, true};
+    const ContentMagic magic = content_magic(*head);
+    if (magic == ContentMagic::zip) return read_archive(path, here);
+    if (magic == ContentMagic::composite) return read_composite(path, uri, key, here);
+    if (magic == ContentMagic::json)
+      if (const Json json = read_json(here.files, path); is_tileset(json)) return read_document(path, json, here);
+    return read_model({path, {}, here.gltf_up, here.world_from_parent, {}, "", here.files.archive()}, magic,
+                      in_quotes(uri), key, here);
   }
 
-  Json read_json(const Path& path) {
-    const std::vector<std::uint8_t> text = read_whole_file(path);
+  /// A content that is no tileset and no composite; `name` in quotes.
+  Subtree read_model(TilesetContent content, ContentMagic magic, const std::string& name, const std::string& key,
+                     const Context& here) {
+    switch (magic) {
+      case ContentMagic::glb:
+        content.kind = ContentKind::glb;
+        return {{std::move(content)}, false};
+      case ContentMagic::b3dm:
+        content.kind = ContentKind::b3dm;
+        return {{std::move(content)}, false};
+      case ContentMagic::i3dm:
+        content.kind = ContentKind::i3dm;
+        return {{std::move(content)}, false};
+      case ContentMagic::json:
+        content.kind = ContentKind::gltf;
+        return {{std::move(content)}, false};
+      case ContentMagic::points:
+        skip(here, key, name + " holds points, which have no surface", true);
+        return {};
+      default:
+        skip(here, key, name + " is neither glTF nor a tile of 3D Tiles", false);
+        return {{}, true};
+    }
+  }
+
+  Subtree read_composite(const Path& path, const std::string& uri, const std::string& key, const Context& here) {
+    const auto parts = or_loss(here, key, [&] { return parts_of_composite(path, here.files.read(path)); });
+    if (!parts) return {{}, true};
+    Subtree found;
+    for (const CompositePart& part : *parts)
+      join(found,
+           read_model({path, {}, here.gltf_up, here.world_from_parent, part.range, part.name, here.files.archive()},
+                      part.magic, in_quotes(uri) + part.name, key, here));
+    return found;
+  }
+
+  /// What `read` returns; where it fails one file is lost, not the tileset.
+  template <class Read>
+  std::optional<std::invoke_result_t<Read>> or_loss(const Context& here, const std::string& key, const Read& read) {
+    try {
+      return read();
+    } catch (const InputError& e) {
+      skip(here, key, e.what(), false);
+      return std::nullopt;
+    }
+  }
+
+  /// An archive in place of a tileset: its tileset.json.
+  Subtree read_archive(const Path& path, const Context& here) {
+    if (here.files.archive()) throw InputError(path, "", "is an archive in an archive; unpack it");
+    Context inside = here;
+    inside.files = SourceFiles(std::make_shared<const Archive>(path));
+    const Path file = path / "tileset.json";
+    return read_document(file, read_json(inside.files, file), inside);
+  }
+
+  Json read_json(const SourceFiles& files, const Path& path) {
+    const std::vector<std::uint8_t> text = files.read(path);
     external_bytes_ += std::max<std::uint64_t>(text.size(), least_external_bytes);
     if (external_bytes_ > most_external_bytes)
       throw InputError(path, "", "external tilesets include each other too often: over 4 GiB, or over 2^18 files");
@@ -222,10 +302,6 @@ class Reader {
   }
 
   static bool is_tileset(const Json& json) { return json.is_object() && json.contains("root"); }
-
-  static TilesetContent content(const Path& path, ContentKind kind, const Context& here) {
-    return {path, kind, here.gltf_up, here.world_from_parent};
-  }
 
   static void join(Subtree& to, Subtree from) {
     if (to.contents.empty())
@@ -236,10 +312,12 @@ class Reader {
   }
 
   void skip(const Context& here, const std::string& key, const std::string& reason, bool informative) {
+    if (out_.skipped.size() == most_losses)
+      throw InputError(here.file, key, "more than 2^16 contents are missing or cannot be read; is the set complete?");
     out_.skipped.push_back({name_in(root_, here.file) + ": " + key, reason, informative});
   }
 
-  Path root_;
+  Path root_;  ///< that names of losses are relative to
   Tileset& out_;
   std::vector<Path> open_files_;  ///< from the first tileset to the one being read
   std::uint64_t tiles_ = 0, external_bytes_ = 0;
@@ -247,9 +325,9 @@ class Reader {
 
 }  // namespace
 
-Tileset open_tileset(const std::filesystem::path& root, const std::filesystem::path& file, const Json& json) {
+Tileset open_tileset(const SourceFiles& files, const std::filesystem::path& file, const Json& json) {
   Tileset tileset;
-  tileset.contents = Reader(root, tileset).read_document(file, json, {}).contents;
+  tileset.contents = Reader(files.root(), tileset).read_document(file, json, {files, file}).contents;
   return tileset;
 }
 

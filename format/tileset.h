@@ -7,6 +7,7 @@
 
 #include "format/source.h"
 #include "format/source_file.h"
+#include "format/source_files.h"
 
 namespace gigabake {
 
@@ -16,6 +17,9 @@ struct TilesetContent {
   ContentKind kind = ContentKind::glb;
   UpAxis gltf_up = UpAxis::y;
   Affine<World, World> world_from_tile;
+  ByteRange range = {};  ///< in a composite
+  std::string part;      ///< "[1]" there
+  std::shared_ptr<const Archive> archive = nullptr;
 };
 
 struct Tileset {
@@ -24,12 +28,13 @@ struct Tileset {
   std::optional<Point<Ecef>> anchor;  ///< where its root stands, if that is on the WGS84 earth
 };
 
-/// Nested and external tilesets are followed. With REPLACE a tile's content counts only where it has no finer one:
+/// Nested and external tilesets are followed, in archives too; implicit tiles are those that their subtrees call
+/// available. With REPLACE a tile's content counts only where it has no finer one:
 /// below; where a finer file is missing, the nearest ancestor's content stands in for all of its descendants, so that
 /// no surface is there twice, and the missing file is listed.
 /// `json`: what `file` holds.
-/// Errors  InputError: malformed JSON, a cycle of external tilesets or more than 2^24 tiles with them, URIs leaving
-///         `root`, extensions that are required and not known.
-Tileset open_tileset(const std::filesystem::path& root, const std::filesystem::path& file, const Json& json);
+/// Errors  InputError: malformed JSON or subtrees, a cycle of external tilesets or more than 2^24 tiles with them, more
+///         than 2^16 losses, URIs leaving files.root(), extensions that are required and not known.
+Tileset open_tileset(const SourceFiles& files, const std::filesystem::path& file, const Json& json);
 
 }  // namespace gigabake

@@ -8,6 +8,7 @@
 
 #include "format/bytes.h"
 #include "format/cell_job.h"
+#include "format/dem.h"
 #include "format/parallel.h"
 #include "format/publish.h"
 #include "format/read_file.h"
@@ -31,6 +32,16 @@ Hash128 hash_of(std::span<const std::uint8_t> bytes) {
   return {h.low64, h.high64};
 }
 
+void put_options(const DemOptions& o, ByteWriter& w) {
+  w.put(o.ortho.string());
+  w.put(o.crs);
+  for (const auto& number : {o.nodata, o.height_scale, std::optional(o.geoid_offset_m)}) {
+    w.put(std::uint8_t(number.has_value()));
+    w.put(number.value_or(0));
+  }
+  w.put(o.tile_cells);
+}
+
 /// All that a survey depends on, but for the content of the files.
 Hash128 key_of(const TileRef& tile, const BakeParameters& p) {
   ByteWriter w;
@@ -39,6 +50,9 @@ Hash128 key_of(const TileRef& tile, const BakeParameters& p) {
   w.put(tile.kind);
   w.put(tile.gltf_up);
   w.put(tile.scene_from_tile.m);
+  w.put(tile.world_from_tile.m);
+  w.put(tile.range);
+  if (tile.dem) put_options(tile.dem->raster->options, w);
   w.put(p.voxel_size_m);
   w.put(p.lattice_origin_m);
   w.put(p.cell_voxels);

@@ -19,22 +19,33 @@ LocalBounds bounds_of(const Primitive& primitive) {
   return b;
 }
 
-bool may_meet(const LocalBounds& bounds, const Instance& instance, const BakeParameters& parameters,
-              const CellBox& cell) {
+SceneBox scene_box(const LocalBounds& bounds, const Instance& instance, const BakeParameters& parameters) {
+  SceneBox box;
+  if (bounds.low[0] > bounds.high[0] || bounds.low[1] > bounds.high[1] || bounds.low[2] > bounds.high[2]) return box;
   for (std::size_t r = 0; r < 3; ++r) {
     const auto& row = instance.scene_from_local.m[r];
     double low = row[3], high = row[3], terms = std::fabs(row[3]) + std::fabs(parameters.lattice_origin_m[r]);
     for (std::size_t c = 0; c < 3; ++c) {
-      if (bounds.low[c] > bounds.high[c]) return false;
       const double a = row[c] * bounds.low[c], b = row[c] * bounds.high[c];
       low += std::min(a, b);
       high += std::max(a, b);
       terms += std::max(std::fabs(a), std::fabs(b));
     }
     const double margin_m = parameters.voxel_size_m + 1e-12 * terms;
+    box.low_m[r] = low - margin_m;
+    box.high_m[r] = high + margin_m;
+  }
+  return box;
+}
+
+bool may_meet(const LocalBounds& bounds, const Instance& instance, const BakeParameters& parameters,
+              const CellBox& cell) {
+  const SceneBox box = scene_box(bounds, instance, parameters);
+  if (box.is_empty()) return false;
+  for (std::size_t r = 0; r < 3; ++r) {
     const auto plane_m = [&](double voxel) { return parameters.lattice_origin_m[r] + voxel * parameters.voxel_size_m; };
-    if (high + margin_m < plane_m(double(cell.lattice_min[r]))) return false;
-    if (low - margin_m > plane_m(double(cell.lattice_min[r]) + cell.cell_voxels)) return false;
+    if (box.high_m[r] < plane_m(double(cell.lattice_min[r]))) return false;
+    if (box.low_m[r] > plane_m(double(cell.lattice_min[r]) + cell.cell_voxels)) return false;
   }
   return true;
 }

@@ -17,13 +17,23 @@ struct LocalBounds {
 
 LocalBounds bounds_of(const Primitive& primitive);
 
+/// Scene metres. low > high: nothing is there.
+struct SceneBox {
+  std::array<double, 3> low_m{1, 1, 1}, high_m{-1, -1, -1};
+  bool is_empty() const { return low_m[0] > high_m[0]; }
+};
+
+/// Holds every voxel that a triangle of the instance can touch, whatever the surface rule.
+/// Exact   Conservative: bounds are transformed in double and grown by a voxel and 1e-12 of the terms that cancel.
+SceneBox scene_box(const LocalBounds& bounds, const Instance& instance, const BakeParameters& parameters);
+
 struct CellBox {
   std::array<std::int64_t, 3> lattice_min{};  ///< lod-0 voxels
   std::uint32_t cell_voxels = 0;
 };
 
 /// False only where no triangle of the instance can touch a voxel of the cell, whatever the surface rule.
-/// Exact   Conservative: bounds are transformed in double and grown by a voxel and 1e-12 of the terms that cancel.
+/// Exact   As scene_box().
 bool may_meet(const LocalBounds& bounds, const Instance& instance, const BakeParameters& parameters,
               const CellBox& cell);
 

@@ -1,9 +1,11 @@
 #include "worker/survey_tile.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <new>
+#include <span>
 #include <unordered_map>
 #include <utility>
 
@@ -11,6 +13,7 @@
 #include "format/tile_hash.h"
 #include "kernels/snap.h"
 #include "worker/column_span.h"
+#include "worker/instance_bounds.h"
 #include "worker/lattice.h"
 #include "worker/position_spacing.h"
 
@@ -21,6 +24,10 @@ constexpr std::uint64_t max_columns = std::uint64_t(1) << 21;
 /// Columns times triangles that one thread may meet, so that a hostile tile ends in seconds.
 constexpr std::uint64_t max_visits = std::uint64_t(1) << 28;
 constexpr std::size_t triangles_per_range = 16384;
+/// A primitive placed so often, with so many triangles in all, is surveyed by the boxes of its placements.
+constexpr std::size_t least_boxed_instances = 16;
+constexpr std::uint64_t most_exact_triangles = std::uint64_t(1) << 20;
+constexpr double farthest_voxel = 0x1p44;  ///< the snap's range is 2^53 sub-voxels
 
 struct ColumnKey {
   std::int64_t x, y;
@@ -43,12 +50,12 @@ void widen(ColumnExtent& column, std::int64_t z_min, std::int64_t z_end, std::ui
 /// What one thread has found. Neighbouring triangles mostly share their column: the last one is at hand.
 class ColumnMap {
  public:
-  void add(std::int64_t x, std::int64_t y, VoxelSpan z) {
+  void add(std::int64_t x, std::int64_t y, VoxelSpan z, std::uint64_t triangles = 1) {
     if (last_ == nullptr || last_->column_x != x || last_->column_y != y) {
       const auto [at, is_new] = columns_.try_emplace(ColumnKey{x, y}, ColumnExtent{x, y, z.first, z.last + 1, 0});
       last_ = &at->second;
     }
-    widen(*last_, z.first, z.last + 1, 1);
+    widen(*last_, z.first, z.last + 1, triangles);
     ++visits_;
   }
   bool is_too_wide() const { return columns_.size() > max_columns || visits_ > max_visits; }
@@ -110,6 +117,24 @@ class TileSurveyor {
                          });
   }
 
+  /// As add(), of all these placements of the primitive, but for triangles that have no area. Those whose box is beyond
+  /// the lattice are looked at one triangle at a time: some may not be.
+  void add_boxes(const Primitive& primitive, std::span<const Instance* const> instances) {
+    const LocalBounds bounds = bounds_of(primitive);
+    const std::uint64_t triangles = primitive.index.size() / 3, non_finite = triangles_not_finite(primitive);
+    std::vector<char> is_far(instances.size(), 0);
+    policy_.parallel_for(instances.size(), 1024, [&](std::size_t begin, std::size_t end, int thread) {
+      ThreadSurvey& found = threads_[std::size_t(thread)];
+      for (std::size_t i = begin; i < end; ++i) {
+        const SceneBox box = scene_box(bounds, *instances[i], parameters_);
+        is_far[i] = !box.is_empty() && !add_box(box, triangles, found.map);
+        if (is_far[i] == 0) found.non_finite += non_finite;
+      }
+    });
+    for (std::size_t i = 0; i < instances.size(); ++i)
+      if (is_far[i] != 0) add(primitive, *instances[i]);
+  }
+
   void finish(TileSurvey& survey) const {
     survey.spacing_m = spacing_m_;
     for (const ThreadSurvey& thread : threads_) {
@@ -121,6 +146,46 @@ class TileSurveyor {
   }
 
  private:
+  static std::uint64_t triangles_not_finite(const Primitive& primitive) {
+    const auto is_finite = [&](std::uint32_t vertex) {
+      const float* p = primitive.position.data() + 3 * std::size_t(vertex);
+      return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+    };
+    std::uint64_t count = 0;
+    for (std::size_t t = 0; t + 2 < primitive.index.size(); t += 3)
+      count += !std::all_of(&primitive.index[t], &primitive.index[t] + 3, is_finite);
+    return count;
+  }
+
+  /// False, with nothing added, where the box reaches beyond the lattice.
+  bool add_box(const SceneBox& box, std::uint64_t triangles, ColumnMap& map) const {
+    std::array<VoxelSpan, 3> voxels;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto voxel = [&](double p_m) {
+        return std::floor((p_m - parameters_.lattice_origin_m[c]) / parameters_.voxel_size_m);
+      };
+      const double first = voxel(box.low_m[c]), last = voxel(box.high_m[c]);
+      if (!(first > -farthest_voxel && last < farthest_voxel)) return false;
+      voxels[c] = {std::int64_t(first), std::int64_t(last)};
+    }
+    const auto columns = [&](VoxelSpan v) { return VoxelSpan{v.first >> grid_.cell_bits, v.last >> grid_.cell_bits}; };
+    const VoxelSpan x = columns(voxels[0]), y = columns(voxels[1]);
+    if (std::uint64_t(x.last - x.first) >= max_columns || std::uint64_t(y.last - y.first) >= max_columns) refuse();
+    for (std::int64_t row = y.first; row <= y.last; ++row)
+      for (std::int64_t column = x.first; column <= x.last; ++column) {
+        map.add(column, row, voxels[2], triangles);
+        if (map.is_too_wide()) refuse();
+      }
+    return true;
+  }
+
+  [[noreturn]] void refuse() const {
+    throw InputError(tile_.path, "",
+                     "its triangles spread over more than " + std::to_string(max_columns) + " columns of " +
+                         std::to_string(parameters_.cell_voxels) +
+                         " voxels; enlarge --voxel-size or --cell-voxels, or check the unit of its coordinates");
+  }
+
   void add_triangle(const std::vector<SnappedVertex>& vertices, const std::uint32_t* index, ThreadSurvey& found) const {
     LatticeTriangle triangle;
     for (int i = 0; i < 3; ++i) {
@@ -137,11 +202,7 @@ class TileSurveyor {
     }
     const bool fits = for_each_column(triangle, grid_, max_columns,
                                       [&](std::int64_t x, std::int64_t y, VoxelSpan z) { found.map.add(x, y, z); });
-    if (!fits || found.map.is_too_wide())
-      throw InputError(tile_.path, "",
-                       "its triangles spread over more than " + std::to_string(max_columns) + " columns of " +
-                           std::to_string(parameters_.cell_voxels) +
-                           " voxels; enlarge --voxel-size or --cell-voxels, or check the unit of its coordinates");
+    if (!fits || found.map.is_too_wide()) refuse();
   }
 
   /// Sorts, and makes one of the columns that several threads found.
@@ -167,6 +228,19 @@ class TileSurveyor {
   double spacing_m_ = 0;
 };
 
+void add_all(const TileMesh& mesh, TileSurveyor& surveyor) {
+  std::vector<std::vector<const Instance*>> placed(mesh.primitives.size());
+  for (const Instance& instance : mesh.instances) placed[std::size_t(instance.primitive)].push_back(&instance);
+  for (std::size_t p = 0; p < placed.size(); ++p) {
+    const Primitive& primitive = mesh.primitives[p];
+    if (placed[p].size() >= least_boxed_instances &&
+        placed[p].size() * std::uint64_t(primitive.index.size() / 3) > most_exact_triangles)
+      surveyor.add_boxes(primitive, placed[p]);
+    else
+      for (const Instance* instance : placed[p]) surveyor.add(primitive, *instance);
+  }
+}
+
 TileSurvey unreadable(std::uint32_t tile, std::string reason) {
   TileSurvey survey;
   survey.tile = tile;
@@ -189,8 +263,7 @@ TileSurvey survey_tile(const SceneSources& sources, std::uint32_t tile, const Ba
     survey.skipped_points = mesh.counts.skipped_points;
     survey.skipped_lines = mesh.counts.skipped_lines;
     TileSurveyor surveyor(ref, parameters, policy);
-    for (const Instance& instance : mesh.instances)
-      surveyor.add(mesh.primitives[std::size_t(instance.primitive)], instance);
+    add_all(mesh, surveyor);
     surveyor.finish(survey);
     survey.source = identity.hash;
     survey.files = std::move(identity.files);

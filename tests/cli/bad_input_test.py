@@ -90,8 +90,8 @@ class BadInput(unittest.TestCase):
         self.expect_refusal(self.root / "empty", "holds no .glb")
 
     def test_file_of_another_kind(self):
-        (self.root / "scene.obj").write_text("v 0 0 0\n")
-        self.expect_refusal(self.root / "scene.obj", "expected a .glb")
+        (self.root / "scene.stl").write_text("solid\n")
+        self.expect_refusal(self.root / "scene.stl", "expected a .glb")
 
     def test_json_that_is_no_scene(self):
         (self.root / "x.json").write_text('{"hello": 1}')

@@ -55,7 +55,8 @@ TEST_P(HostileFiles, EndInSuccessOrInOneClearLine) {
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     const std::string extension = entry.path().extension().string();
     if (entry.is_regular_file() &&
-        (extension == ".gltf" || extension == ".glb" || extension == ".json" || extension == ".b3dm"))
+        (extension == ".gltf" || extension == ".glb" || extension == ".json" || extension == ".b3dm" ||
+         extension == ".i3dm" || extension == ".cmpt" || extension == ".3tz"))
       read_everything(entry.path(), outcome);
   }
   RecordProperty("read", outcome.read);

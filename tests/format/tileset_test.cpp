@@ -116,17 +116,12 @@ TEST_F(TilesetTest, StandsOnTheEarthWhereItsRootDoes) {
   EXPECT_FALSE(open(root, {true, {}, {}}).origin);
 }
 
-TEST_F(TilesetTest, ReportsPointsAsInformativeAndImplicitTilesAsLost) {
+TEST_F(TilesetTest, ReportsPointsAsInformative) {
   folder.write("cloud.pnts", std::string("pnts") + std::string(24, '\0'));
-  Json root = refined(tile("cloud.pnts", Json::array({tile("a.gltf")})), "ADD");
-  SceneSources s = open(root);
+  const Json root = refined(tile("cloud.pnts", Json::array({tile("a.gltf")})), "ADD");
+  const SceneSources s = open(root);
   ASSERT_EQ(s.skipped.size(), 1u);
   EXPECT_TRUE(s.skipped[0].informative);
-  root = refined(tile("a.gltf"), "ADD");
-  root["implicitTiling"] = {{"subdivisionScheme", "QUADTREE"}};
-  s = open(root);
-  ASSERT_EQ(s.skipped.size(), 1u);
-  EXPECT_FALSE(s.skipped[0].informative);
 }
 
 TEST_F(TilesetTest, SceneFilesPlaceSourcesByMetresHeadingAndScale) {

@@ -1,0 +1,34 @@
+# Formats inside sources that need a library of their own. Each is read where its library is found; elsewhere content
+# that needs it is refused by a line that names the package.
+#
+# gb_codec(NAME header library package): the option GIGABAKE_<NAME>, AUTO, ON (fail without) or OFF; sets
+# GIGABAKE_HAS_<NAME> and makes gb::<name>. Extra folders of headers and libraries after SUFFIXES.
+function(gb_codec name header library package)
+  cmake_parse_arguments(ARG "" "" "SUFFIXES" ${ARGN})
+  set(GIGABAKE_${name} AUTO CACHE STRING "${package}: AUTO (where it is found), ON (fail without), OFF")
+  set_property(CACHE GIGABAKE_${name} PROPERTY STRINGS AUTO ON OFF)
+  set(GIGABAKE_HAS_${name} FALSE PARENT_SCOPE)
+  if(GIGABAKE_${name} STREQUAL "OFF")
+    return()
+  endif()
+  find_path(GB_${name}_INCLUDE ${header} PATH_SUFFIXES ${ARG_SUFFIXES})
+  find_library(GB_${name}_LIBRARY ${library})
+  if(GB_${name}_INCLUDE AND GB_${name}_LIBRARY)
+    string(TOLOWER ${name} lower)
+    add_library(gb_${lower} INTERFACE)
+    add_library(gb::${lower} ALIAS gb_${lower})
+    target_include_directories(gb_${lower} SYSTEM INTERFACE ${GB_${name}_INCLUDE})
+    target_link_libraries(gb_${lower} INTERFACE ${GB_${name}_LIBRARY})
+    set(GIGABAKE_HAS_${name} TRUE PARENT_SCOPE)
+  elseif(NOT GIGABAKE_${name} STREQUAL "AUTO")
+    message(FATAL_ERROR "GIGABAKE_${name}=${GIGABAKE_${name}}: expected ${package} to be installed")
+  else()
+    message(STATUS "Sources that need ${package} are refused: it is not installed")
+  endif()
+endfunction()
+
+gb_codec(ZIP zip.h zip libzip-dev)
+gb_codec(DRACO draco/compression/decode.h draco libdraco-dev)
+gb_codec(MESHOPT meshoptimizer.h meshoptimizer libmeshoptimizer-dev)
+gb_codec(WEBP webp/decode.h webp libwebp-dev)
+gb_codec(GDAL gdal_priv.h gdal libgdal-dev SUFFIXES gdal)

@@ -1,0 +1,25 @@
+/// Wavefront OBJ as a tile.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "format/mesh.h"
+#include "format/source.h"
+#include "format/source_files.h"
+
+namespace gigabake {
+
+/// Faces of any number of corners, negative indices, texture coordinates, vertex colours (sRGB, taken where all corners
+/// of a material have them), groups (without meaning here), mtllib and usemtl; points and lines are counted.
+/// Exact   Coordinates are read as doubles. Where some are beyond 10 km the middle of them all, in whole metres,
+/// becomes
+///         the instances' place, and what is left is rounded to floats: projected coordinates keep their millimetres.
+/// Errors  InputError with the line: an index that is none of the vertices', a number that is none, a material file or
+///         an image that is missing.
+TileMesh read_obj(const TileRef& tile, const SourceFiles& files, ReadScope scope);
+
+/// Material files and images that the OBJ names, sorted. Errors  InputError as read_obj().
+std::vector<std::filesystem::path> obj_dependencies(const TileRef& tile, const SourceFiles& files);
+
+}  // namespace gigabake

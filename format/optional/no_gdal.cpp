@@ -1,0 +1,16 @@
+#include "format/dem.h"
+#include "format/error.h"
+
+namespace gigabake {
+
+bool has_gdal() { return false; }
+
+std::vector<DemTile> open_dem(const DemOptions& options) {
+  throw InputError(options.dem, "dem", "this gigabake was built without GDAL; install libgdal-dev and build again");
+}
+
+// No tile can be made, so neither of these runs.
+DemMesh read_dem(const DemTile&, bool) { return {}; }
+std::vector<std::filesystem::path> dem_files(const DemOptions&) { return {}; }
+
+}  // namespace gigabake

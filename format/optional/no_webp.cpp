@@ -1,0 +1,10 @@
+#include "format/codecs.h"
+#include "format/error.h"
+
+namespace gigabake {
+
+bool has_webp() { return false; }
+
+Image decode_webp(const EncodedImage& image) { throw InputError(image.name, "", *missing_codec("EXT_texture_webp")); }
+
+}  // namespace gigabake

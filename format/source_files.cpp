@@ -1,0 +1,52 @@
+#include "format/source_files.h"
+
+#include <fstream>
+
+#include "format/error.h"
+#include "format/source_file.h"
+
+namespace gigabake {
+namespace {
+
+constexpr std::uint64_t largest_file = std::uint64_t(1) << 32;
+
+}  // namespace
+
+bool SourceFiles::has(const std::filesystem::path& file) const {
+  if (archive_) return archive_->size_of(name_in(root_, file)).has_value();
+  std::error_code error;
+  return std::filesystem::is_regular_file(file, error);
+}
+
+std::uint64_t SourceFiles::size_of(const std::filesystem::path& file) const {
+  if (archive_) return archive_->size_of(name_in(root_, file)).value_or(0);
+  std::error_code error;
+  const std::uint64_t bytes = std::filesystem::file_size(file, error);
+  return error ? 0 : bytes;
+}
+
+std::vector<std::uint8_t> SourceFiles::read(const std::filesystem::path& file) const {
+  if (!archive_) return read_whole_file(file, largest_file);
+  const std::string entry = name_in(root_, file);
+  if (archive_->size_of(entry).value_or(0) > largest_file)
+    throw InputError(file, "", "larger than 4 GiB; split it into tiles");
+  return archive_->read(entry, largest_file);
+}
+
+std::vector<std::uint8_t> SourceFiles::head_of(const std::filesystem::path& file, std::uint64_t most_bytes) const {
+  if (!has(file)) return {};
+  if (archive_) return archive_->read(name_in(root_, file), most_bytes);
+  std::vector<std::uint8_t> head(most_bytes);
+  std::ifstream in(file, std::ios::binary);
+  in.read(reinterpret_cast<char*>(head.data()), std::streamsize(most_bytes));
+  head.resize(std::size_t(in.gcount()));
+  return head;
+}
+
+StampedFile SourceFiles::stamp(const std::string& name, const std::filesystem::path& file) const {
+  if (!archive_) return stamped(name, file);
+  const std::filesystem::path whole = std::filesystem::absolute(archive_->file());
+  return stamped(whole.string(), whole);
+}
+
+}  // namespace gigabake
