@@ -24,7 +24,13 @@ install(DIRECTORY ${manual}/zsh/ DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor
 install(DIRECTORY ${manual}/fish/ DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT runtime)
 
 # The libraries with all that they stand on, found again where they are used.
-set(exported gigabake_format gigabake_kernels gb_hdf5 gb_lz4 gb_tinygltf gb_geographiclib gb_pugixml gb_xxhash gb_json)
+set(exported gigabake_format gigabake_kernels gb_hdf5 gb_lz4 gb_deflate gb_tinygltf gb_geographiclib gb_pugixml gb_xxhash
+             gb_json)
+foreach(optional zip draco meshopt webp gdal)
+  if(TARGET gb_${optional})
+    list(APPEND exported gb_${optional})
+  endif()
+endforeach()
 set_target_properties(gigabake_format PROPERTIES EXPORT_NAME format)
 set_target_properties(gigabake_kernels PROPERTIES EXPORT_NAME kernels)
 install(TARGETS ${exported} EXPORT gigabakeTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
@@ -69,8 +75,9 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME gigabake)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "openmpi-bin, hdf5-filter-plugin")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME gigabake-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libhdf5-dev, liblz4-dev, libpng-dev, zlib1g-dev, libjpeg-dev, libtinygltf-dev, \
-libgeographiclib-dev, libpugixml-dev, nlohmann-json3-dev, libxxhash-dev, libfmt-dev, libspdlog-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libhdf5-dev, liblz4-dev, libdeflate-dev, libpng-dev, zlib1g-dev, libjpeg-dev, libtinygltf-dev, \
+libgeographiclib-dev, libpugixml-dev, nlohmann-json3-dev, libxxhash-dev, libfmt-dev, libspdlog-dev, \
+libzip-dev, libdraco-dev, libmeshoptimizer-dev, libwebp-dev, libgdal-dev")
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "${CPACK_PACKAGE_DESCRIPTION}")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "gigabake::format and gigabake::kernels for CMake: libraries and headers to
 read and write its files and to run its kernels.")

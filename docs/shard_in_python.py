@@ -44,16 +44,37 @@ for bit in range(21):
 # %% Voxels: index in the cell, position, colour, normal. Constant nodes (solid blocks) are left out here.
 index = 8 * place[brick] + numpy.stack([x, y, z], axis=1)
 position_m = corner_m + (index + 0.5) * voxel_m
-rgba = level["rgba"][:]
-assert len(rgba) == len(index)
+
+
+
+def values(name):
+    """A channel, a row for each voxel: neighbours that are alike share one on disk (docs/format.md)."""
+    stored = level[name][:].reshape(len(level[name]), -1)
+    if name + "_share" not in level:
+        return stored if len(stored) == len(index) else numpy.repeat(stored, len(index), axis=0)
+    first, share, starts = level["first"][:], level[name + "_share"][:], level[name + "_first"][:]
+    octant = (z >> 2) * 4 + (y >> 2) * 2 + (x >> 2)
+    group = (z >> 1 & 1) * 4 + (y >> 1 & 1) * 2 + (x >> 1 & 1)
+    rows = numpy.zeros(len(index), int)
+    for b in range(len(mask)):
+        number = {}
+        for voxel in range(int(first[b]), int(first[b + 1])):
+            o, g = int(octant[voxel]), int(group[voxel])
+            alike = 0 if share[b, 9] else (o,) if share[b, 8] >> o & 1 else (o, g) if share[b, o] >> g & 1 else voxel + 1
+            rows[voxel] = int(starts[b]) + number.setdefault(alike, len(number))
+    return stored[rows]
+
+
+rgb = values("rgb")
+assert len(rgb) == len(index)
 if "normal" in level:
-    u, v = level["normal"][:].astype(float).T / 127
+    u, v = values("normal").astype(float).T / 127
     w = 1 - abs(u) - abs(v)
     fold = w < 0
     u, v = (numpy.where(fold, (1 - abs(v)) * numpy.where(u < 0, -1, 1), u),
             numpy.where(fold, (1 - abs(u)) * numpy.where(v < 0, -1, 1), v))
     slope_deg = numpy.degrees(numpy.arccos(w / numpy.sqrt(u * u + v * v + w * w)))
-print(f"{len(rgba)} voxels in {len(mask)} bricks, {len(rgba) / len(mask):.0f} a brick")
+print(f"{len(rgb)} voxels in {len(mask)} bricks, {len(rgb) / len(mask):.0f} a brick")
 print(f"heights from {position_m[:, 2].min():.2f} to {position_m[:, 2].max():.2f} m")
 
 # %% A slice from south to north, where the cell is fullest, and two histograms
@@ -61,7 +82,7 @@ slice_x = numpy.bincount(index[:, 0]).argmax()
 cut = index[:, 0] == slice_x
 edge = int(shard.attrs["cell_voxels"]) >> lod
 image = numpy.full((edge, edge, 3), 255, "u1")
-image[index[cut, 2], index[cut, 1]] = rgba[cut, :3]
+image[index[cut, 2], index[cut, 1]] = rgb[cut]
 
 figure, (left, middle, right) = pyplot.subplots(1, 3, figsize=(15, 5))
 low, high = corner_m, corner_m + edge * voxel_m
