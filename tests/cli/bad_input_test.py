@@ -150,8 +150,8 @@ class BadInput(unittest.TestCase):
 
     def test_extension_that_is_required_and_lacking(self):
         def change(document):
-            document["extensionsRequired"] = document["extensionsUsed"] = ["KHR_draco_mesh_compression"]
-        self.expect_refusal(self.changed(change), "KHR_draco_mesh_compression")
+            document["extensionsRequired"] = document["extensionsUsed"] = ["KHR_texture_basisu"]
+        self.expect_refusal(self.changed(change), "KHR_texture_basisu")
 
     def test_image_that_is_missing(self):
         def change(document):
