@@ -10,8 +10,7 @@ namespace {
 
 constexpr unsigned threads = 256;
 constexpr std::uint32_t few_parents = 4096;  ///< fewer do not fill a device with a warp each
-constexpr int most_levels = 11;  ///< of a window of 8192 voxels
-
+constexpr int most_levels = 11;              ///< of a window of 8192 voxels
 struct LevelView {
   const std::uint32_t *key, *first;
   const std::uint64_t* mask;
@@ -124,7 +123,7 @@ __device__ Children children_of(const LevelView& level, std::uint32_t brick, std
   return children;
 }
 
-/// What see_children() asks, of a level with rasters (kernels/facing.h), or of lod 0.
+/// What see_run() asks, of a level with rasters (kernels/facing.h), or of lod 0.
 template <int Edge>
 struct ChildRasters {
   const Children& children;

@@ -26,7 +26,7 @@ def by_h5py(out):
             for lod in range(shard.attrs["lods"]):
                 if lod == len(levels):
                     levels.append({"alphas": [], "bytes": 0})
-                if len(shard[f"lod_{lod}/rgba"]) or any(shard["nodes/kind"][:] != h5py_test.BRICK):
+                if len(shard[f"lod_{lod}/rgb"]) or any(shard["nodes/kind"][:] != h5py_test.BRICK):
                     try:
                         levels[lod]["alphas"].append(h5py_test.level_of(shard, lod)[1][:, 3])
                     except ValueError:  # no voxels
