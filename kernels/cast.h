@@ -52,6 +52,7 @@ struct CastRay {
   float depth = no_depth;  ///< distance at which half of the light is gone
   std::int32_t lod = -1;   ///< -1: finished
   std::int64_t step = 0;   ///< next point of the level
+  bool inside = false;     ///< the last point was in the field of a surface
 
   static constexpr float no_depth = 3e38f;
 };
@@ -165,12 +166,19 @@ GB_HD std::int64_t step_beyond(const CastLine& line, const EmptyBox& box, const 
   return step > double(ray.step + 1) ? std::int64_t(step) : ray.step + 1;
 }
 
-/// In a brick that is coarser than the ray, points lie half a voxel of the brick apart, as far as it stands.
-GB_HD std::int64_t steps_in_coarser(const CastLine& line, const CastPlace& place, const CastRay& ray) {
+/// Where the next level begins at the latest: in the middle of a surface some of its voxels late, since what two levels
+/// show of it apart does not add up.
+GB_HD double lod_end(const CastLine& line, int lod) { return lod_start(line, lod + 1) + 8 * step_length(lod + 1); }
+
+/// In a brick that is coarser than the ray, points lie half a voxel of the brick apart, as far as it stands and the
+/// ray's level goes.
+GB_HD std::int64_t steps_in_coarser(const CastLine& line, const CastPlace& place, const CastRay& ray, double distance) {
   EmptyBox box = empty_box(place);
-  const std::int64_t inside = step_beyond(line, box, ray) - ray.step;
+  std::int64_t steps = step_beyond(line, box, ray) - ray.step;
+  const double to_end = std::ceil((lod_end(line, ray.lod) - distance) / step_length(ray.lod));
+  if (to_end >= 1 && double(steps) > to_end) steps = std::int64_t(to_end);
   const std::int64_t wide = std::int64_t(1) << (place.lod - ray.lod);
-  return inside < wide ? inside : wide;
+  return steps < wide ? steps : wide;
 }
 
 /// Six colours and their darker and lighter relations.
@@ -244,16 +252,18 @@ GB_HD bool step_ray(const CastScene& scene, const CastCamera& camera, const Cast
   for (int a = 0; a < 3; ++a) p[a] = line.origin[a] + line.direction[a] * distance;
   if (!place.contains(p)) place = locate(scene, ray.lod, p, patient, place, path);
   if (place.waits && patient) return false;
+  ray.inside = false;
   if (!is_here(place.brick)) {
     ray.step = step_beyond(line, empty_box(place), ray);
     return true;
   }
-  const std::int64_t steps = place.lod == ray.lod ? 1 : steps_in_coarser(line, place, ray);
+  const std::int64_t steps = place.lod == ray.lod ? 1 : steps_in_coarser(line, place, ray, distance);
   const CastPoint point = point_in_brick(place, p);
   const CastMask& mask = scene.masks[place.brick];
   if (!is_zero(mask, point)) {
     const CastSample sample = interpolate(scene.voxels + std::size_t(slot_voxels) * place.brick, point);
     if (sample.mean_coverage() > 0) {
+      ray.inside = true;
       composite(sample, line, place, steps, distance, camera.haze, camera.paint, ray);
       if (ray.transmittance < 1.0f / 1024) finish_opaque(ray);
     }
@@ -274,9 +284,12 @@ GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const Cast
     const double distance = lod_start(line, ray.lod) + (double(ray.step) + 0.5) * step_length(ray.lod);
     if (distance > line.leave) {
       ray.lod = -1;
-    } else if (ray.lod + 1 < scene.lods && distance >= lod_start(line, ray.lod + 1)) {
+    } else if (ray.lod + 1 < scene.lods &&
+               distance >= (ray.inside ? lod_end(line, ray.lod) : lod_start(line, ray.lod + 1))) {
       ++ray.lod;
-      ray.step = 0;
+      const double step = std::ceil((distance - lod_start(line, ray.lod)) / step_length(ray.lod) - 0.5);
+      ray.step = step > 0 ? std::int64_t(step) : 0;
+      ray.inside = false;
       place = CastPlace();
     } else if (!step_ray(scene, camera, line, patient, distance, place, path, ray)) {
       return;
