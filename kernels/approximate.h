@@ -1,7 +1,8 @@
 /// Variable depth: voxels that differ by no more than they may become alike, so that a shard stores them once.
 ///
-/// A brick has 8 octants of 4×4×4 voxels, an octant 8 groups of 2×2×2. Colour, alpha and normal go each by itself: the
-/// largest of brick, octant and group whose voxels all have a common value within the bound takes that value.
+/// A brick has 8 octants of 4×4×4 voxels, an octant 8 groups of 2×2×2. Colour, alpha, facing and normal go each by
+/// itself: the largest of brick, octant and group whose voxels all have a common value within the bound takes that
+/// value.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +15,8 @@
 namespace gigabake::kernels {
 
 /// Changes the levels' voxels, not which there are.
-/// Exact   No voxel's red, green, blue, alpha or facing changes by more than `codes` of 255, and no normal by a chord
-/// of more
-///         than 2·codes/255, unit vectors as Tables::unit_normal has them. Depends on the brick alone.
+/// Exact   No voxel's red, green, blue, alpha or facing changes by more than `codes` of 255, and no normal by a
+///         chord of more than 2·codes/255, unit vectors as Tables::unit_normal has them. Depends on the brick alone.
 /// Range   codes ≤ 127. 0: nothing changes.
 void approximate(std::vector<Level>& levels, std::uint32_t codes, const CpuPolicy& policy);
 

@@ -210,8 +210,9 @@ GB_HD float crossings(const CastSample& s, const float across[3], int lod) {
 
 /// What of the light behind it `covered` hides. Surface is not mist: pieces of a sheet that lie in two voxels add up to
 /// an opaque one, where e^-x would let a third through. Coarser voxels are as wide as a pixel, and interpolation
-/// spreads their borders over two: the step is steeper there. Source  Vicini, Jakob, Kaplanyan 2021, "A non-exponential
-/// transmittance model for volumetric scene representations".
+/// spreads their borders over two: the step is steeper there.
+///
+/// Source  Vicini, Jakob, Kaplanyan 2021, "A non-exponential transmittance model for volumetric scene representations".
 GB_HD float hidden_by(float covered, int lod) { return lod == 0 ? covered : covered * covered * (3 - 2 * covered); }
 
 /// What of the light that came so far stops at a sample that stands for `part` voxels of its brick's level.

@@ -215,7 +215,7 @@ struct ParentView {
   std::uint32_t parents;
 };
 
-/// Where it is few parents, `warps` warps each: the voxels are listed by each, then filtered side by side; those whose
+/// `warps` warps a parent: the voxels are listed by each, then filtered side by side; those whose
 /// children have large rasters by a whole warp. Edge: of the rasters of `fine`, which are null at lod 0; 0: a filter
 /// without views.
 template <int Edge, int warps>
