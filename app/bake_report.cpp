@@ -8,13 +8,13 @@
 #include <utility>
 
 #include "app/status_text.h"
+#include "kernels/types.h"
 #include "scheduler/estimate.h"
 
 namespace gigabake::app {
 namespace {
 
 constexpr std::size_t slow_cells_printed = 3;
-constexpr int subvoxels = 256;  ///< to a voxel's edge: the lattice to which vertices are snapped
 
 /// Totals over the scene's cells.
 struct Totals {
@@ -74,7 +74,7 @@ void add_precision(const SourcePrecision& p, nlohmann::ordered_json& j) {
 
 /// What is known of the scene's errors without looking at it again; docs/accuracy.md says what each number is.
 void add_accuracy(const BakeSummary& s, nlohmann::ordered_json& j) {
-  const double half_step_m = s.scene.voxel_size_m / (2 * subvoxels);
+  const double half_step_m = s.scene.voxel_size_m / double(2 * kernels::subvoxels);
   j["snap_error_bound_m"] = {{"axis", half_step_m}, {"distance", std::numbers::sqrt3 * half_step_m}};
   add_precision(s.precision, j);
   j["levels"] = nlohmann::ordered_json::array();

@@ -2,7 +2,6 @@
 // filter: the same content hash of every level. Skipped, with the reason, where there is no GPU or no data.
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <iostream>
@@ -15,6 +14,7 @@
 #include "format/source.h"
 #include "kernels/cuda_baker.h"
 #include "scheduler/plan.h"
+#include "tests/shared_data.h"
 #include "worker/cell_loader.h"
 #include "worker/cell_parameters.h"
 #include "worker/shard_from_volume.h"
@@ -29,10 +29,7 @@ constexpr double voxels_along = 300;  ///< the scene's longest edge
 constexpr std::size_t most_cells = 12;
 constexpr std::uint64_t few_bytes = std::uint64_t(4) << 20;  ///< of device memory: larger cells come in parts
 
-Path shared_data() {
-  if (const char* path = std::getenv("GIGABAKE_SHARED")) return Path(path) / "data";
-  return Path(GIGABAKE_SOURCE_DIR) / "../shared/data";
-}
+using test::shared_data;
 
 /// Longest edge of the tiles' box in the scene, metres; 0 where nothing can be read.
 double longest_edge_m(const SceneSources& sources) {

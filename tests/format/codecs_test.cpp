@@ -2,7 +2,6 @@
 #include "format/codecs.h"
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,6 +11,7 @@
 #include "format/read_file.h"
 #include "format/source.h"
 #include "source_scene.h"
+#include "tests/shared_data.h"
 
 namespace gigabake {
 namespace {
@@ -21,10 +21,7 @@ using test::Json;
 using test::SourceFolder;
 using testing::HasSubstr;
 
-Path shared_data() {
-  if (const char* path = std::getenv("GIGABAKE_SHARED")) return Path(path) / "data";
-  return Path(GIGABAKE_SOURCE_DIR) / "../shared/data";
-}
+using test::shared_data;
 
 TileMesh read_first(const Path& file) {
   const SceneSources s = open_sources(file, {});

@@ -21,11 +21,6 @@ using Files = std::vector<std::filesystem::path>;
 
 constexpr GigavoxelTreeFile both_kinds[] = {GigavoxelTreeFile::xml, GigavoxelTreeFile::binary};
 
-std::string bytes_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 void write_bytes(const std::filesystem::path& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
 }
@@ -123,7 +118,7 @@ TEST(Gigavoxel, TheBinaryTreesBytesAreThoseOfTheDocument) {
   const TempFolder folder;
   made::write_scene_of(folder / "scene.xml", {made::small_shard()});
   export_gigavoxel(folder / "scene.xml", 0, folder / "out", GigavoxelTreeFile::binary);
-  const std::string tree = bytes_of(folder / "out/grid_0/tree.gvo");
+  const std::string tree = made::bytes_of(folder / "out/grid_0/tree.gvo");
   ASSERT_EQ(tree.size(), 96 + 2 * 96u);
   EXPECT_EQ(tree.substr(0, 8), "GVOCTREE");
   EXPECT_EQ(value_at<std::uint32_t>(tree, 8), 1u);
@@ -140,7 +135,7 @@ TEST(Gigavoxel, TheBinaryTreesBytesAreThoseOfTheDocument) {
   EXPECT_EQ(value_at<std::uint32_t>(tree, 96 + 9 * 8), 1u << 30);  // child 1: empty
   EXPECT_EQ(value_at<std::uint32_t>(tree, 96 + 14 * 8), 1u << 30);
   EXPECT_EQ(value_at<std::uint32_t>(tree, 100 + 14 * 8), 0xff204080u);
-  const std::string bricks = bytes_of(folder / "out/grid_0/voxels_1.gvb");
+  const std::string bricks = made::bytes_of(folder / "out/grid_0/voxels_1.gvb");
   ASSERT_EQ(bricks.size(), 4 + 7052u);
   EXPECT_EQ(value_at<std::uint64_t>(bricks, 4), 10u);
   EXPECT_EQ(value_at<std::uint32_t>(bricks, 28), 1u);
@@ -152,7 +147,7 @@ TEST(Gigavoxel, AColourInXmlIsTheByteForReadersThatRoundAndForThoseThatCutOff) {
   const TempFolder folder;
   made::write_scene_of(folder / "scene.xml", {made::small_shard()});
   export_gigavoxel(folder / "scene.xml", 0, folder / "out", GigavoxelTreeFile::xml);
-  const std::string xml = bytes_of(folder / "out/grid_0/tree.gvx");
+  const std::string xml = made::bytes_of(folder / "out/grid_0/tree.gvx");
   for (const auto& [key, byte] : {std::pair("ColorR=\"", 0x80), {"ColorG=\"", 0x40}, {"ColorB=\"", 0x20}}) {
     float share = -1;
     for (std::size_t at = 0; (at = xml.find(key, at)) != std::string::npos && share <= 0; ++at)
@@ -231,7 +226,7 @@ TEST(GigavoxelHostile, AnyByteOfAnyFileMayBeWrongOrMissing) {
     const std::filesystem::path tree = gigavoxel_tree_files(out / "scene.gvp").at(0);
     EXPECT_TRUE(is_read(tree));
     for (const std::filesystem::path& file : {tree, out / "grid_0/voxels_2.gvb"}) {
-      const std::string whole = bytes_of(file);
+      const std::string whole = made::bytes_of(file);
       for (int i = 0; i < 200; ++i) {
         std::string bytes = whole;
         if (i % 4 == 0)

@@ -1,6 +1,5 @@
 // Whole files of every kind, a few of their bytes changed at random: read or refused in one line. Run under the
 // sanitizers by ./check.
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
@@ -11,16 +10,14 @@
 #include "format/source.h"
 #include "format/tile_hash.h"
 #include "source_scene.h"
+#include "tests/shared_data.h"
 
 namespace gigabake {
 namespace {
 
 using Path = std::filesystem::path;
 
-Path shared_data() {
-  if (const char* path = std::getenv("GIGABAKE_SHARED")) return Path(path) / "data";
-  return Path(GIGABAKE_SOURCE_DIR) / "../shared/data";
-}
+using test::shared_data;
 
 /// Some bytes replaced, or a piece cut out, or the end cut off; mostly near the front, where the structure is.
 void spoil(std::string& bytes, std::mt19937_64& rng) {

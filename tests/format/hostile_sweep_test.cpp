@@ -1,6 +1,5 @@
 // Every file of the validators' and importers' collections ends in success or in one clear line. Run under the
 // sanitizers by ./check, where any wild read is a failure too.
-#include <cstdlib>
 #include <filesystem>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,16 +7,14 @@
 #include "format/error.h"
 #include "format/source.h"
 #include "format/tile_hash.h"
+#include "tests/shared_data.h"
 
 namespace gigabake {
 namespace {
 
 using Path = std::filesystem::path;
 
-Path shared_data() {
-  if (const char* path = std::getenv("GIGABAKE_SHARED")) return Path(path) / "data";
-  return Path(GIGABAKE_SOURCE_DIR) / "../shared/data";
-}
+using test::shared_data;
 
 struct Outcome {
   int read = 0, refused = 0;

@@ -26,6 +26,9 @@ class TempFolder {
   std::filesystem::path path_;
 };
 
+/// All of a file.
+std::string bytes_of(const std::filesystem::path& path);
+
 struct ShardShape {
   int lods = 3;
   bool normals = true;

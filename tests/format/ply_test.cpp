@@ -24,11 +24,6 @@ struct Vertex {
 
 constexpr std::size_t vertex_bytes = 52;
 
-std::string bytes_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 std::vector<Vertex> vertices_of(const std::string& ply) {
   const std::string end = "end_header\n";
   const std::size_t begin = ply.find(end) + end.size();
@@ -50,7 +45,7 @@ TEST(Ply, HoldsCentreIndexColourAndNormalOfAVoxel) {
   shard.header.lattice_origin_m = {100, 200, 300};
   made::write_scene_of(folder / "scene.xml", {shard});
   EXPECT_EQ(export_ply(folder / "scene.xml", 0, folder / "v.ply"), 1u);
-  const Vertex fine = vertices_of(bytes_of(folder / "v.ply")).at(0);
+  const Vertex fine = vertices_of(made::bytes_of(folder / "v.ply")).at(0);
   EXPECT_EQ(fine.centre_m[0], 100 - 2.5 * 0.25);
   EXPECT_EQ(fine.centre_m[1], 200 + 9.5 * 0.25);
   EXPECT_EQ(fine.centre_m[2], 300 + 17.5 * 0.25);
@@ -63,7 +58,7 @@ TEST(Ply, HoldsCentreIndexColourAndNormalOfAVoxel) {
   EXPECT_EQ(fine.normal[2], 0);
 
   export_ply(folder / "scene.xml", 1, folder / "v.ply");
-  const Vertex coarse = vertices_of(bytes_of(folder / "v.ply")).at(0);
+  const Vertex coarse = vertices_of(made::bytes_of(folder / "v.ply")).at(0);
   EXPECT_EQ(coarse.centre_m[0], 100 - 3 * 0.25);
   EXPECT_EQ(coarse.index[0], -2);
   EXPECT_EQ(coarse.index[1], 4);
@@ -77,7 +72,7 @@ TEST(Ply, NormalsAreUnitVectorsOnBothHalvesOfTheSphere) {
   made::write_scene_of(folder / "scene.xml", {made::shard_of(voxels, {0, 0, 0}, 16)});
   export_ply(folder / "scene.xml", 0, folder / "v.ply");
   bool up = false, down = false;
-  for (const Vertex& v : vertices_of(bytes_of(folder / "v.ply"))) {
+  for (const Vertex& v : vertices_of(made::bytes_of(folder / "v.ply"))) {
     EXPECT_NEAR(std::hypot(v.normal[0], v.normal[1], v.normal[2]), 1, 1e-6);
     up |= v.normal[2] > 0.5f;
     down |= v.normal[2] < -0.5f;
@@ -92,7 +87,7 @@ TEST(Ply, CountsItsVerticesInTheHeader) {
   const SceneDescription scene = made::write_scene_of(folder / "scene.xml", {made::random_shard(rng, {3, true, 6})});
   for (int lod = 0; lod < 3; ++lod) {
     const std::uint64_t voxels = export_ply(folder / "scene.xml", lod, folder / "v.ply");
-    const std::string ply = bytes_of(folder / "v.ply");
+    const std::string ply = made::bytes_of(folder / "v.ply");
     EXPECT_EQ(voxels, scene.cells[0].voxels[std::size_t(lod)]) << "seed " << seed;
     EXPECT_NE(ply.find("element vertex " + std::to_string(voxels) + "\n"), std::string::npos);
     EXPECT_EQ(vertices_of(ply).size(), voxels);

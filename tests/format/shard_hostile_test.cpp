@@ -10,11 +10,6 @@ namespace {
 
 using made::TempFolder;
 
-std::string bytes_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 /// Either an error or exactly what was written; anything else is a lie.
 void expect_error_or_equal(const std::filesystem::path& path, const Shard& written, const std::string& what) {
   try {
@@ -30,7 +25,7 @@ TEST(HostileShard, WithAFlippedBitIsAnErrorOrReadsAsBefore) {
   const TempFolder folder;
   const Shard shard = made::small_shard();
   write_shard(folder / "s.h5", shard, {1});
-  const std::string whole = bytes_of(folder / "s.h5");
+  const std::string whole = made::bytes_of(folder / "s.h5");
   std::fstream file(folder / "s.h5", std::ios::binary | std::ios::in | std::ios::out);
   for (std::size_t at = 0; at < whole.size(); at += 1 + rng() % 4) {
     const int bit = int(rng() % 8);
@@ -48,7 +43,7 @@ TEST(HostileShard, WithAnOverwrittenStretchIsAnErrorOrReadsAsBefore) {
   const TempFolder folder;
   const Shard shard = made::random_shard(rng, {3, true, 3, rng() % 2 == 0});
   write_shard(folder / "s.h5", shard, {1});
-  const std::string whole = bytes_of(folder / "s.h5");
+  const std::string whole = made::bytes_of(folder / "s.h5");
   for (int round = 0; round < 300; ++round) {
     std::string damaged = whole;
     const std::size_t at = rng() % damaged.size(), size = 1 + rng() % 600;

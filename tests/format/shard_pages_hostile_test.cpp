@@ -12,11 +12,6 @@ namespace {
 
 using made::TempFolder;
 
-std::string bytes_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 void append(std::vector<NodeRow>& to, const std::vector<NodeRow>& rows) {
   to.insert(to.end(), rows.begin(), rows.end());
 }
@@ -67,7 +62,7 @@ TEST(HostileShardPages, WithAnyByteChangedAreAnErrorOrReadAsBefore) {
   const TempFolder folder;
   const Shard shard = made::small_shard();
   write_shard(folder / "s.h5", shard, {1});
-  const std::string whole = bytes_of(folder / "s.h5");
+  const std::string whole = made::bytes_of(folder / "s.h5");
   std::fstream file(folder / "s.h5", std::ios::binary | std::ios::in | std::ios::out);
   for (std::size_t at = 0; at < whole.size(); at += 1 + rng() % 3) {
     const char changed = rng() % 2 == 0 ? char(whole[at] ^ (1 << rng() % 8)) : char(rng());
@@ -83,7 +78,7 @@ TEST(HostileShardPages, WithAnOverwrittenStretchAreAnErrorOrReadAsBefore) {
   const TempFolder folder;
   const Shard shard = made::random_shard(rng, {3, true, 3, rng() % 2 == 0});
   write_shard(folder / "s.h5", shard, {1});
-  const std::string whole = bytes_of(folder / "s.h5");
+  const std::string whole = made::bytes_of(folder / "s.h5");
   for (int round = 0; round < 300; ++round) {
     std::string damaged = whole;
     const std::size_t at = rng() % damaged.size(), size = 1 + rng() % 600;

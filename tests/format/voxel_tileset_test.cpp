@@ -18,11 +18,6 @@ namespace {
 
 using made::TempFolder;
 
-std::string bytes_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 struct TileVoxel {
   std::array<std::uint8_t, 4> rgba{};
   std::array<float, 3> normal{};
@@ -32,7 +27,7 @@ using TileVoxels = std::map<std::array<std::int64_t, 3>, TileVoxel>;
 /// A tile's voxels, at their place among all of its level, from the oct-tree's lowest corner.
 void read_tile(const std::filesystem::path& glb, const std::array<std::int64_t, 3>& tile, bool normals,
                TileVoxels& voxels) {
-  const std::string bytes = bytes_of(glb);
+  const std::string bytes = made::bytes_of(glb);
   std::uint32_t json_bytes = 0;
   std::memcpy(&json_bytes, bytes.data() + 12, 4);
   const std::string binary = bytes.substr(20 + json_bytes + 8);
@@ -74,7 +69,7 @@ TEST(VoxelTileset, EveryLevelOfTheShardsComesBackFromItsTiles) {
     const int finest = round % 2;
     EXPECT_EQ(export_3dtiles(folder / "scene.xml", finest, folder / "out"),
               made::voxels_of_scene(folder / "scene.xml", finest).size());
-    const nlohmann::json root = nlohmann::json::parse(bytes_of(folder / "out/tileset.json"))["root"];
+    const nlohmann::json root = nlohmann::json::parse(made::bytes_of(folder / "out/tileset.json"))["root"];
     const std::size_t levels = root["implicitTiling"]["availableLevels"];
     const std::vector<double> box = root["boundingVolume"]["box"];
     for (int lod = finest; lod < 4; ++lod) {
@@ -102,7 +97,7 @@ TEST(VoxelTileset, LevelsAboveTheCellsHaveAVoxelWhereTheLevelBelowHasOne) {
   const TempFolder folder;
   made::write_random_scene(folder / "scene.xml", rng, true);
   export_3dtiles(folder / "scene.xml", 3, folder / "out");
-  const nlohmann::json root = nlohmann::json::parse(bytes_of(folder / "out/tileset.json"))["root"];
+  const nlohmann::json root = nlohmann::json::parse(made::bytes_of(folder / "out/tileset.json"))["root"];
   const std::size_t levels = root["implicitTiling"]["availableLevels"];
   ASSERT_GT(levels, 1u);
   TileVoxels below = read_level(folder / "out", levels - 1, true);

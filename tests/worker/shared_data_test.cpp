@@ -1,7 +1,8 @@
 // Every mesh and tileset of the shared data is surveyed and read, or refused for a reason that is written down in
 // shared_data.txt beside this file. What the program says is printed; a difference fails.
+#include "tests/shared_data.h"
+
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <gmock/gmock.h>
@@ -26,10 +27,7 @@ constexpr const char* all_sets[] = {
     "dem-derived-textured-terrain", "detail-models",          "gltf-compressed",        "gltf-sample-models",
     "gltf-validator-cases",         "mars-terrain-3dtiles",   "nasty-meshes",           "upaxis-tilesets"};
 
-Path shared_data() {
-  if (const char* path = std::getenv("GIGABAKE_SHARED")) return Path(path) / "data";
-  return Path(GIGABAKE_SOURCE_DIR) / "../shared/data";
-}
+using test::shared_data;
 
 /// All but what other files refer to (buffers, images, subtrees, materials) and what describes the set.
 bool is_mesh_or_tileset(const Path& file) {
