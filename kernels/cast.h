@@ -52,7 +52,7 @@ struct CastRay {
   float depth = no_depth;  ///< distance at which half of the light is gone
   std::int32_t lod = -1;   ///< -1: finished
   std::int64_t step = 0;   ///< next point of the level
-  bool inside = false;     ///< the last point was in the field of a surface
+  std::int64_t past = -1;  ///< the point after the last one of this level that lay in a surface
 
   static constexpr float no_depth = 3e38f;
 };
@@ -170,6 +170,20 @@ GB_HD std::int64_t step_beyond(const CastLine& line, const EmptyBox& box, const 
 /// show of it apart does not add up.
 GB_HD double lod_end(const CastLine& line, int lod) { return lod_start(line, lod + 1) + 8 * step_length(lod + 1); }
 
+GB_HD double point_distance(const CastLine& line, int lod, std::int64_t step) {
+  return lod_start(line, lod) + (double(step) + 0.5) * step_length(lod);
+}
+
+/// The next level begins behind the surface that the ray was in, or at its own start: how far empty space was stepped
+/// over has no say in it.
+GB_HD void enter_next_lod(const CastLine& line, CastRay& ray) {
+  const double from = point_distance(line, ray.lod, ray.past) - lod_start(line, ray.lod + 1);
+  ++ray.lod;
+  const double step = std::ceil(from / step_length(ray.lod) - 0.5);
+  ray.step = step > 0 ? std::int64_t(step) : 0;
+  ray.past = -1;
+}
+
 /// In a brick that is coarser than the ray, points lie half a voxel of the brick apart, as far as it stands and the
 /// ray's level goes.
 GB_HD std::int64_t steps_in_coarser(const CastLine& line, const CastPlace& place, const CastRay& ray, double distance) {
@@ -253,7 +267,6 @@ GB_HD bool step_ray(const CastScene& scene, const CastCamera& camera, const Cast
   for (int a = 0; a < 3; ++a) p[a] = line.origin[a] + line.direction[a] * distance;
   if (!place.contains(p)) place = locate(scene, ray.lod, p, patient, place, path);
   if (place.waits && patient) return false;
-  ray.inside = false;
   if (!is_here(place.brick)) {
     ray.step = step_beyond(line, empty_box(place), ray);
     return true;
@@ -264,8 +277,8 @@ GB_HD bool step_ray(const CastScene& scene, const CastCamera& camera, const Cast
   if (!is_zero(mask, point)) {
     const CastSample sample = interpolate(scene.voxels + std::size_t(slot_voxels) * place.brick, point);
     if (sample.mean_coverage() > 0) {
-      ray.inside = true;
       composite(sample, line, place, steps, distance, camera.haze, camera.paint, ray);
+      ray.past = ray.step + steps;
       if (ray.transmittance < 1.0f / 1024) finish_opaque(ray);
     }
   } else if (EmptyBox box; place.lod == ray.lod && find_empty_octant(mask, place, point, box)) {
@@ -282,15 +295,13 @@ GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const Cast
   CastPlace place;
   CastPath path;
   while (ray.lod >= 0) {
-    const double distance = lod_start(line, ray.lod) + (double(ray.step) + 0.5) * step_length(ray.lod);
+    const double distance = point_distance(line, ray.lod, ray.step);
+    const bool in_surface = ray.step == ray.past;
     if (distance > line.leave) {
       ray.lod = -1;
     } else if (ray.lod + 1 < scene.lods &&
-               distance >= (ray.inside ? lod_end(line, ray.lod) : lod_start(line, ray.lod + 1))) {
-      ++ray.lod;
-      const double step = std::ceil((distance - lod_start(line, ray.lod)) / step_length(ray.lod) - 0.5);
-      ray.step = step > 0 ? std::int64_t(step) : 0;
-      ray.inside = false;
+               distance >= (in_surface ? lod_end(line, ray.lod) : lod_start(line, ray.lod + 1))) {
+      enter_next_lod(line, ray);
       place = CastPlace();
     } else if (!step_ray(scene, camera, line, patient, distance, place, path, ray)) {
       return;
