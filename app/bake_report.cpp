@@ -1,5 +1,6 @@
 #include "app/bake_report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fmt/format.h>
@@ -14,7 +15,7 @@
 namespace gigabake::app {
 namespace {
 
-constexpr std::size_t slow_cells_printed = 3;
+constexpr std::size_t slow_cells_printed = 3, losses_printed = 50;
 
 /// Totals over the scene's cells.
 struct Totals {
@@ -232,7 +233,9 @@ void print_losses(const std::vector<SceneLoss>& losses) {
   std::fflush(stdout);
   if (losses.empty()) return;
   fmt::print(stderr, "incomplete, {} missing:\n", losses.size());
-  for (const SceneLoss& l : losses) fmt::print(stderr, "  {}: {}\n", l.name, l.reason);
+  const std::size_t printed = std::min(losses.size(), losses_printed);
+  for (std::size_t i = 0; i < printed; ++i) fmt::print(stderr, "  {}: {}\n", losses[i].name, losses[i].reason);
+  if (printed < losses.size()) fmt::print(stderr, "  and {} more; --json lists them all\n", losses.size() - printed);
 }
 
 }  // namespace gigabake::app

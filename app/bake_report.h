@@ -22,7 +22,7 @@ void print_json_report(const BakePlan& plan, const std::optional<PriorResults>& 
 /// they can.
 void warn_of(const SourcePrecision& precision);
 
-/// On standard error, and last: nobody should have to look for what is missing.
+/// On standard error, and last: nobody should have to look for what is missing. After fifty, how many more.
 void print_losses(const std::vector<SceneLoss>& losses);
 
 }  // namespace gigabake::app

@@ -3,10 +3,12 @@
 
 Usage: serve_test.py GIGABAKE SOURCE_DIR
 """
+import contextlib
 import json
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 import urllib.error
@@ -146,6 +148,23 @@ class Serve(unittest.TestCase):
         self.rendered(state)
         self.assertEqual(picture, (self.root / "rendered.png").read_bytes())
 
+    @contextlib.contextmanager
+    def heard_from(self, server, key):
+        """A viewer that keeps silent for ten seconds has left; this one asks as pages do."""
+        over = threading.Event()
+
+        def ask():
+            while not over.wait(1):
+                server.ask(f"state?viewer={key}")
+
+        asking = threading.Thread(target=ask)
+        asking.start()
+        try:
+            yield
+        finally:
+            over.set()
+            asking.join()
+
     def test_a_bake_is_watched_until_its_scene_appears_and_when_it_is_replaced(self):
         out = self.root / "watched"
         out.mkdir()
@@ -153,13 +172,14 @@ class Serve(unittest.TestCase):
         self.assertEqual(server.ask("bake"), (200, b"null"))
         key = json.loads(server.ask("viewers", {})[1])["viewer"]
         self.assertFalse(json.loads(server.ask(f"state?viewer={key}")[1])["scene"])
-        page = self.open_page(server)
-        page.wait_for("document.getElementById('message')?.textContent.includes('no scene yet')")
-        self.bake(out)
-        page.wait_for("shownState && shownState.scene && shownState.frame")
-        status, text = server.ask("bake")
-        self.assertEqual((status, json.loads(text)["state"]), (200, "complete"))
-        self.assertEqual(server.ask(f"picture.png?viewer={key}")[0], 200)
+        with self.heard_from(server, key):
+            page = self.open_page(server)
+            page.wait_for("document.getElementById('message')?.textContent.includes('no scene yet')")
+            self.bake(out)
+            page.wait_for("shownState && shownState.scene && shownState.frame")
+            status, text = server.ask("bake")
+            self.assertEqual((status, json.loads(text)["state"]), (200, "complete"))
+            self.assertEqual(server.ask(f"picture.png?viewer={key}")[0], 200)
         page.wait_for("document.getElementById('message').hidden")
 
     def test_the_token_in_the_address_opens_the_page_and_nothing_else_does(self):

@@ -140,8 +140,10 @@ class Incremental(unittest.TestCase):
     def test_a_second_bake_of_a_folder_is_refused_and_harms_nothing(self):
         out = self.work / "locked"
         command = ["bake", self.tiles, "-o", out, "--local", "--voxel-size", 0.05, "--cell-voxels", 128]
-        first = subprocess.Popen([self.executable, *map(str, command)], stdout=subprocess.DEVNULL,
-                                 stderr=subprocess.DEVNULL, env=dict(os.environ, **harness.MPI_ENVIRONMENT))
+        log = tempfile.TemporaryFile("w+")
+        self.addCleanup(log.close)
+        first = subprocess.Popen([self.executable, *map(str, command)], stdout=subprocess.DEVNULL, stderr=log,
+                                 env=dict(os.environ, **harness.MPI_ENVIRONMENT))
         while not list(out.glob("shards/c_*.h5")):
             time.sleep(0.01)
             self.assertIsNone(first.poll())
@@ -152,6 +154,9 @@ class Incremental(unittest.TestCase):
         first.send_signal(signal.SIGUSR1)
         self.assertEqual(first.wait(120), 75)
         self.assertEqual(json.loads(self.program.run("status", out, "--json").stdout)["state"], "drained")
+        log.seek(0)
+        told = log.read().partition("incomplete, ")[2].splitlines()
+        self.assertEqual(len(told), 1 + min(int(told[0].split()[0]), 51), "of many cells the first fifty are named")
 
 
 if __name__ == "__main__":

@@ -89,9 +89,9 @@ class Slurm(unittest.TestCase):
     def logs(self):
         return "".join(path.read_text() for path in self.root.glob("job.*.log"))
 
-    def finish(self, job):
+    def finish(self, job, limit_s=180):
         ended = ("COMPLETED", "FAILED", "CANCELLED", "TIMEOUT", "NODE_FAIL")
-        self.wait_until(lambda: self.field(job, "JobState") in ended, "the job does not end")
+        self.wait_until(lambda: self.field(job, "JobState") in ended, "the job does not end", limit_s)
         self.assertEqual(self.field(job, "JobState"), "COMPLETED", self.logs())
 
     def daemons(self, job):
@@ -136,7 +136,7 @@ class Slurm(unittest.TestCase):
         self.assertIn(self.status(out)["state"], ("drained", "baking", "surveying"), self.logs())
         # Enough of interruptions: the rest is baked without a limit in the way.
         self.run_tool("scontrol", "update", f"job={job}", "TimeLimit=30")
-        self.finish(job)
+        self.finish(job, 600)
         PROGRAM.succeed("verify", out / "scene.xml")
         alone = PROGRAM.bake(self.source, self.root / "unlimited", 0.05, "--cell-voxels", 128)
         # Levels 0 and 1 are there in cells of any size, and the same.

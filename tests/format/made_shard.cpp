@@ -168,6 +168,14 @@ Shard with_content_hash(Shard shard) {
   return shard;
 }
 
+Shard constant_shard() {
+  std::mt19937_64 rng(1);
+  Shard shard = random_shard(rng, {2, false, 1});
+  shard.nodes = {{0}, {1}, {NodeKind::leaf_constant}, {0}, {0xffffffffu}, {0xff010203u}, {{0, 0}}, {{9, 9, 9}}};
+  for (BrickLevel& level : shard.levels) level = {{}, {0}, {}, {}, {}};
+  return shard;
+}
+
 Shard small_shard() {
   Shard s;
   s.header = header_of(2);

@@ -46,6 +46,9 @@ Shard with_content_hash(Shard shard);
 /// A cell of 16³ voxels whose every byte is written down here: the content of the golden files.
 Shard small_shard();
 
+/// A cell of one leaf-constant root: two levels without bricks.
+Shard constant_shard();
+
 /// A cell with these voxels and no levels above what its edge asks for; each is there once.
 struct Voxel {
   std::array<std::int64_t, 3> at{};  ///< lod 0, lattice

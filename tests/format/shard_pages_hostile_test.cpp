@@ -1,8 +1,9 @@
 // Parts of damaged shards and of shards that lie under right checksums: an error, or an answer that keeps its promises.
 #include <bit>
-#include <fstream>
 #include <gtest/gtest.h>
+#include <random>
 
+#include "damaged_file.h"
 #include "format/error.h"
 #include "format/shard_pages.h"
 #include "made_shard.h"
@@ -57,19 +58,11 @@ void expect_error_or_equal(const std::filesystem::path& path, const Shard& writt
 }
 
 TEST(HostileShardPages, WithAnyByteChangedAreAnErrorOrReadAsBefore) {
-  const std::uint64_t seed = std::random_device{}();
-  std::mt19937_64 rng(seed);
   const TempFolder folder;
   const Shard shard = made::small_shard();
   write_shard(folder / "s.h5", shard, {1});
-  const std::string whole = made::bytes_of(folder / "s.h5");
-  std::fstream file(folder / "s.h5", std::ios::binary | std::ios::in | std::ios::out);
-  for (std::size_t at = 0; at < whole.size(); at += 1 + rng() % 3) {
-    const char changed = rng() % 2 == 0 ? char(whole[at] ^ (1 << rng() % 8)) : char(rng());
-    file.seekp(std::streamoff(at)).put(changed).flush();
-    expect_error_or_equal(folder / "s.h5", shard, "seed " + std::to_string(seed) + ": byte " + std::to_string(at));
-    file.seekp(std::streamoff(at)).put(whole[at]).flush();
-  }
+  made::for_each_changed_byte(folder / "s.h5", std::random_device{}(),
+                              [&](const std::string& what) { expect_error_or_equal(folder / "s.h5", shard, what); });
 }
 
 TEST(HostileShardPages, WithAnOverwrittenStretchAreAnErrorOrReadAsBefore) {
@@ -78,25 +71,17 @@ TEST(HostileShardPages, WithAnOverwrittenStretchAreAnErrorOrReadAsBefore) {
   const TempFolder folder;
   const Shard shard = made::random_shard(rng, {3, true, 3, rng() % 2 == 0});
   write_shard(folder / "s.h5", shard, {1});
-  const std::string whole = made::bytes_of(folder / "s.h5");
-  for (int round = 0; round < 300; ++round) {
-    std::string damaged = whole;
-    const std::size_t at = rng() % damaged.size(), size = 1 + rng() % 600;
-    for (std::size_t i = at; i < std::min(damaged.size(), at + size); ++i)
-      damaged[i] = round % 3 == 0 ? '\0' : round % 3 == 1 ? '\xff' : char(rng());
-    std::ofstream(folder / "s.h5", std::ios::binary) << damaged;
-    expect_error_or_equal(folder / "s.h5", shard, "seed " + std::to_string(seed) + ", round " + std::to_string(round));
-  }
+  made::for_each_overwritten_stretch(
+      folder / "s.h5", seed, [&](const std::string& what) { expect_error_or_equal(folder / "s.h5", shard, what); });
 }
 
 TEST(HostileShardPages, CutAnywhereAreAnError) {
   const TempFolder folder;
   const Shard shard = made::small_shard();
   write_shard(folder / "s.h5", shard, {1});
-  for (std::uintmax_t size = std::filesystem::file_size(folder / "s.h5"); size-- > 0; size -= size / 97) {
-    std::filesystem::resize_file(folder / "s.h5", size);
-    EXPECT_THROW(put_together(ShardPages(folder / "s.h5"), shard), InputError) << size;
-  }
+  made::for_each_cut(folder / "s.h5", [&](const std::string& what) {
+    EXPECT_THROW(put_together(ShardPages(folder / "s.h5"), shard), InputError) << what;
+  });
 }
 
 TEST(HostileShardPages, CutWhileTheFileIsOpenAreAnError) {

@@ -108,10 +108,7 @@ TEST(ShardPages, GiveTheSameWhereColumnsHaveManyChunksAndManyThreadsReadThem) {
 
 TEST(ShardPages, OfAConstantCellHaveOneNodeAndNoBricks) {
   const TempFolder folder;
-  std::mt19937_64 rng(1);
-  Shard shard = made::random_shard(rng, {2, false, 1});
-  shard.nodes = {{0}, {1}, {NodeKind::leaf_constant}, {0}, {0xffffffffu}, {0xff010203u}, {{0, 0}}, {{9, 9, 9}}};
-  for (BrickLevel& level : shard.levels) level = {{}, {0}, {}, {}, {}};
+  const Shard shard = made::constant_shard();
   write_shard(folder / "s.h5", shard, {1});
   const ShardPages pages(folder / "s.h5");
   EXPECT_EQ(difference(pages.nodes(0, 4096), shard.nodes, 0), "");
