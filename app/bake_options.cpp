@@ -1,9 +1,11 @@
 #include "app/bake_options.h"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <map>
 
 #include "app/text_values.h"
+#include "format/channels.h"
 #include "format/error.h"
 
 namespace gigabake::app {
@@ -23,6 +25,14 @@ double seconds(const char* option, double s, double least) {
   throw UsageError(fmt::format("{}: expected {:g} to 1e6 seconds, got {:g}", option, least, s));
 }
 
+/// As shards name them, with commas.
+void choose_channels(std::string names, BakeParameters& parameters) {
+  const std::string asked = names;
+  std::replace(names.begin(), names.end(), ',', ' ');
+  if (asked.find(' ') != std::string::npos || !parse_channels(names, parameters.normals, parameters.facing))
+    throw UsageError("--channels: expected rgba, then perhaps ,normal and ,facing, got '" + asked + "'");
+}
+
 }  // namespace
 
 void BakeOptions::add_to(CLI::App& command) {
@@ -31,7 +41,12 @@ void BakeOptions::add_to(CLI::App& command) {
   command.add_option("--surface", surface, "which voxels a triangle occupies: area, conservative or thin")
       ->capture_default_str();
   command.add_option("--mip", mip, "filter of coarser levels: coverage, thesis or box")->capture_default_str();
-  command.add_option("--channels", channels, "what voxels say: rgba, or rgba,normal")->capture_default_str();
+  command
+      .add_option(
+          "--channels", channels,
+          "what voxels say: rgba, then perhaps normal, then perhaps facing (coverage along x, y and z, which the "
+          "filter coverage has)")
+      ->capture_default_str();
   command
       .add_option("--max-error", max_error,
                   "how far a voxel may be off, in codes of 255 (normals: chord/2): more is stored once, less exactly")
@@ -79,7 +94,7 @@ BakeRequest BakeOptions::request() const {
       {{"area", SurfaceRule::area}, {"conservative", SurfaceRule::conservative}, {"thin", SurfaceRule::thin}}, surface);
   r.parameters.mip = choice<MipFilter>(
       "--mip", {{"coverage", MipFilter::coverage}, {"thesis", MipFilter::thesis}, {"box", MipFilter::box}}, mip);
-  r.parameters.normals = choice<bool>("--channels", {{"rgba", false}, {"rgba,normal", true}}, channels);
+  choose_channels(channels, r.parameters);
   r.parameters.max_error = max_error;
   r.parameters.codec = choice<Codec>("--codec", {{"lz4", Codec::lz4}, {"deflate", Codec::deflate}}, codec);
   check(r.parameters);

@@ -11,7 +11,8 @@ namespace gigabake::app {
 /// Text as typed; request() turns it into values.
 struct BakeOptions {
   std::string source, out, metrics, report, voxel_size, surface = "area", mip = "coverage", lattice_origin, origin, up,
-                                                        backend = "auto", codec = "deflate", channels = "rgba,normal";
+                                                        backend = "auto", codec = "deflate",
+                                                        channels = "rgba,normal,facing";
   std::vector<int> gpus;
   std::uint32_t cell_voxels = 1024;
   bool local = false, keep_going = true, prune = false, json = false;

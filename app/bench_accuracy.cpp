@@ -21,6 +21,8 @@ struct AccuracyOptions {
   BakeOptions bake;
   std::string json, markdown, size = "160x120";
   int samples = 64, repeats = 3, million_triangles = 17;
+  std::uint64_t voxels = 50000;
+  std::vector<std::string> settings;
   bool hard = false;
 };
 
@@ -35,6 +37,9 @@ bench::AccuracyBenchRequest request_of(const AccuracyOptions& options) {
   r.out = bake.out;
   r.backend = bake.backend;
   r.samples = options.samples;
+  r.only = options.settings;
+  r.sample.voxels = options.voxels;
+  r.sample.points = 4 * options.voxels;
   r.repeats = options.repeats;
   std::tie(r.width, r.height) = size_option(options.size);
   if (std::min(r.width, r.height) < 8 || std::max(r.width, r.height) > 4096)
@@ -120,6 +125,15 @@ void add_bench_accuracy(CLI::App& bench, int& exit_code) {
   command->add_option("--samples", o->samples, "rays of the reference, a pixel")
       ->capture_default_str()
       ->check(CLI::Range(1, 65536));
+  command->add_option("--settings", o->settings, "some of them alone, as area-coverage,thin-coverage-x2 (all)")
+      ->delimiter(',');
+  command
+      ->add_option(
+          "--voxels", o->voxels,
+          "that are held against the triangles, of each setting, at most; and four times as many points of the "
+          "surface")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 10000000));
   command->add_option("--repeats", o->repeats, "bakes of each setting; the fastest counts")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));

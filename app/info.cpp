@@ -54,6 +54,7 @@ Json to_json(const SceneDescription& scene, const StoredBytes& stored) {
   j["lattice_origin_m"] = scene.lattice_origin_m;
   j["origin"] = scene.origin ? to_json(*scene.origin) : Json();
   j["normals"] = scene.has_normals;
+  j["facing"] = scene.has_facing;
   j["parameters"] = Json::parse(scene.parameters, nullptr, false);
   j["content_hash"] = totals.all_content.hex();
   j["lods"] = levels_to_json(totals, stored);

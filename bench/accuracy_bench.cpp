@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 
 #include "format/error.h"
 #include "scheduler/merge.h"
@@ -35,7 +36,7 @@ AccuracySetting make_setting(const BakeParameters& parameters, const Surface& su
   setting.parameters.surface = surface.rule;
   setting.parameters.mip = mip.filter;
   setting.parameters.voxel_size_m *= coarser;
-  setting.parameters.normals = true;
+  setting.parameters.normals = setting.parameters.facing = true;
   setting.parameters.max_error = 0;
   setting.parameters.codec = Codec::deflate;
   return setting;
@@ -55,10 +56,27 @@ std::vector<AccuracySetting> all_settings(const BakeParameters& parameters) {
     settings.back().name += "-error-" + std::to_string(codes);
     settings.back().parameters.max_error = codes;
   }
+  for (const bool normals : {true, false}) {
+    settings.push_back(make_setting(parameters, surfaces[0], mips[0], 1));
+    settings.back().name += normals ? "-no-facing" : "-rgba";
+    settings.back().parameters.normals = normals;
+    settings.back().parameters.facing = false;
+  }
   settings.push_back(make_setting(parameters, surfaces[0], mips[0], 1));
   settings.back().name += "-lz4";
   settings.back().parameters.codec = Codec::lz4;
   return settings;
+}
+
+std::vector<AccuracySetting> chosen_settings(const AccuracyBenchRequest& request) {
+  std::vector<AccuracySetting> all = all_settings(request.scene.parameters), chosen;
+  if (request.only.empty()) return all;
+  for (const std::string& name : request.only)
+    if (std::none_of(all.begin(), all.end(), [&](const AccuracySetting& s) { return s.name == name; }))
+      throw UsageError("--settings: no setting is called '" + name + "'");
+  for (AccuracySetting& s : all)
+    if (std::count(request.only.begin(), request.only.end(), s.name) != 0) chosen.push_back(std::move(s));
+  return chosen;
 }
 
 /// As `gigabake bake`, by one process. The fastest of the calls for one setting counts.
@@ -80,6 +98,29 @@ void bake(const SceneSources& sources, const AccuracyBenchRequest& request, cons
   }
   if (setting.voxels == 0) throw InputError(request.scene.source, "", "no voxel is occupied; choose smaller voxels");
 }
+
+/// Voxels are known by their size and content hash.
+class VoxelErrors {
+ public:
+  VoxelErrors(const ReferenceCaster& caster, const AccuracyBenchRequest& request)
+      : caster_(caster), request_(request) {}
+
+  const VoxelError& of(const std::filesystem::path& scene, const AccuracySetting& setting) {
+    Hash128 hash;
+    for (const SceneCell& cell : read_scene(scene).cells) hash += cell.content_hash.at(0);
+    const auto [known, is_new] = known_.try_emplace({setting.parameters.voxel_size_m, hash.hex()});
+    if (is_new) {
+      const double coarser = setting.parameters.voxel_size_m / request_.scene.parameters.voxel_size_m;
+      known->second = voxel_error(caster_, scene, int(coarser + 0.5), request_.sample, request_.scene.threads);
+    }
+    return known->second;
+  }
+
+ private:
+  const ReferenceCaster& caster_;
+  const AccuracyBenchRequest& request_;
+  std::map<std::pair<double, std::string>, VoxelError> known_;
+};
 
 std::filesystem::path picture_path(const std::filesystem::path& folder, const AccuracyView& view) {
   std::string file = view.name() + ".png";
@@ -117,32 +158,61 @@ void compare(const std::filesystem::path& folder, const AccuracyBench& bench,
   setting.mean = mean_error(errors);
 }
 
+Picture lit_picture(const std::filesystem::path& scene, const AccuracyView& view, int threads) {
+  FrameRenderer::Options options;
+  options.threads = threads;
+  return FrameRenderer(scene, options).draw_exact({view.camera, ViewMode::lit, {false, {0, 0, 0, 0}}}).picture;
+}
+
+/// Light shows what albedo does not.
+std::vector<NormalBits> coarser_normals(const AccuracyBenchRequest& request, const AccuracyBench& bench) {
+  const AccuracySetting& first = bench.settings.front();
+  std::vector<NormalBits> rows =
+      normal_bits(request.out / first.name / "scene.xml", request.out, first.parameters.codec, request.scene.threads);
+  int pictures = 0;
+  for (const AccuracyView& view : bench.views) {
+    if (view.voxels_per_pixel != 1) continue;
+    ++pictures;
+    LinearPicture exact;
+    for (NormalBits& row : rows) {
+      const auto scene = request.out / ("normals-" + std::to_string(row.bits)) / "scene.xml";
+      const LinearPicture lit = to_linear(lit_picture(scene, view, request.scene.threads));
+      if (row.bits == rows.front().bits) exact = lit;
+      row.lit_flip += picture_error(exact, lit).flip;
+    }
+  }
+  for (NormalBits& row : rows) row.lit_flip /= pictures;
+  return rows;
+}
+
 }  // namespace
 
 AccuracyBench bench_accuracy(const AccuracyBenchRequest& request, const AccuracyProgress& progress) {
+  std::vector<AccuracySetting> settings = chosen_settings(request);
   const SceneSources sources = open_sources(request.scene.source, request.scene.source_options);
   const DeviceChoice device = choose_device({request.backend});
   AccuracyBench bench;
   bench.backend = device.device ? "cuda" : "cpu";
   bench.voxel_size_m = request.scene.parameters.voxel_size_m;
   bench.samples = request.samples;
-  std::vector<LinearPicture> references;
-  {
-    progress("reference");
-    const auto start = Clock::now();
-    const ReferenceCaster caster(sources, request.scene.parameters, request.scene.threads);
-    bench.views = accuracy_views(caster, request.scene.parameters, request.width, request.height);
-    references = draw_references(caster, request, bench.views);
-    bench.reference_s = seconds_since(start);
-  }
-  for (AccuracySetting& setting : all_settings(request.scene.parameters)) {
+  progress("reference");
+  const auto start = Clock::now();
+  const ReferenceCaster caster(sources, request.scene.parameters, request.scene.threads);
+  bench.views = accuracy_views(caster, request.scene.parameters, request.width, request.height);
+  const std::vector<LinearPicture> references = draw_references(caster, request, bench.views);
+  bench.reference_s = seconds_since(start);
+  VoxelErrors voxel_errors(caster, request);
+  for (AccuracySetting& setting : settings) {
     progress(setting.name);
     const std::filesystem::path folder = request.out / setting.name;
     setting.bake_s = std::numeric_limits<double>::infinity();
     for (int i = 0; i < request.repeats; ++i) bake(sources, request, device.device, folder, setting);
     compare(folder, bench, references, request.scene.threads, setting);
+    setting.voxel = voxel_errors.of(folder / "scene.xml", setting);
     bench.settings.push_back(std::move(setting));
   }
+  progress("fewer bits a normal");
+  bench.normals = coarser_normals(request, bench);
   return bench;
 }
 

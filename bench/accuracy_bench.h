@@ -1,5 +1,5 @@
-/// Speed against error: bakes a scene with one setting after the other, and holds pictures of each against pictures of
-/// the triangles themselves.
+/// Speed against error: bakes a scene with one setting after the other, and holds its voxels against the triangles
+/// themselves and pictures of each against pictures of them.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,9 @@
 
 #include "bench/accuracy_views.h"
 #include "bench/bench_scene.h"
+#include "bench/normal_bits.h"
 #include "bench/picture_error.h"
+#include "bench/voxel_error.h"
 #include "worker/backend.h"
 
 namespace gigabake::bench {
@@ -23,6 +25,8 @@ struct AccuracyBenchRequest {
   int repeats = 3;                ///< bakes of each setting; the fastest counts
   int samples = 64;               ///< of the reference, a pixel
   int width = 160, height = 120;  ///< of the largest pictures
+  VoxelErrorSample sample;        ///< of the source's surface and of each setting's voxels
+  std::vector<std::string> only;  ///< settings to bake, by their names; empty: all
 };
 
 struct ViewError {
@@ -40,6 +44,7 @@ struct AccuracySetting {
   double render_s = 0;  ///< of all views, with what it takes to read the scene
   std::vector<ViewError> views;
   PictureError mean;  ///< over the views
+  VoxelError voxel;
 
   double voxels_per_s() const { return double(voxels) / bake_s; }
   double bytes_per_voxel() const { return double(bytes) / double(voxels); }
@@ -52,15 +57,16 @@ struct AccuracyBench {
   double reference_s = 0;
   std::vector<AccuracyView> views;
   std::vector<AccuracySetting> settings;
+  std::vector<NormalBits> normals;  ///< of the first setting's shards
 };
 
 /// Told of each setting before it is baked.
 using AccuracyProgress = std::function<void(const std::string& setting)>;
 
 /// Every surface rule with every filter, at the voxel size and at twice that; and area with coverage without normals,
-/// with several largest errors, and with LZ4.
-/// All settings are seen from the same cameras.
-/// Errors  as a bake, and as ReferenceCaster's.
+/// without facing, without either, with several largest errors, and with LZ4.
+/// All settings are seen from the same cameras. Voxels that are the same by their content hashes are looked at once.
+/// Errors  as a bake, and as ReferenceCaster's; UsageError: no setting has such a name.
 AccuracyBench bench_accuracy(const AccuracyBenchRequest& request, const AccuracyProgress& progress);
 
 }  // namespace gigabake::bench

@@ -22,11 +22,38 @@ Json to_json(const PictureError& e) {
           {"flip", e.flip}};
 }
 
+Json to_json(const VoxelError& e) {
+  return {{"points", e.points},
+          {"missed", e.missed},
+          {"missed_by_half", e.missed_by_half},
+          {"missed_by_one", e.missed_by_one},
+          {"voxels", e.voxels},
+          {"extra", e.extra},
+          {"beyond_half", e.beyond_half},
+          {"beyond_whole", e.beyond_whole},
+          {"farthest", e.farthest},
+          {"normal_deg", e.normal_deg},
+          {"normal_99_deg", e.normal_99_deg},
+          {"coloured", e.coloured},
+          {"texels", e.texels},
+          {"alpha_bias", e.alpha_bias},
+          {"rms_alpha", e.rms_alpha},
+          {"rms_colour", e.rms_colour},
+          {"delta_e", e.delta_e}};
+}
+
+Json to_json(const NormalBits& n) {
+  return {{"bits", n.bits},         {"sphere_deg", n.sphere_deg}, {"largest_deg", n.largest_deg},
+          {"mean_deg", n.mean_deg}, {"most_deg", n.most_deg},     {"bytes", n.bytes},
+          {"lit_flip", n.lit_flip}};
+}
+
 Json to_json(const AccuracySetting& s) {
   Json j{{"name", s.name},
          {"surface", s.surface},
          {"mip", s.mip},
          {"normals", s.parameters.normals},
+         {"facing", has_facing(s.parameters)},
          {"max_error", s.parameters.max_error},
          {"codec", s.parameters.codec == Codec::lz4 ? "lz4" : "deflate"},
          {"voxel_size_m", s.parameters.voxel_size_m},
@@ -36,7 +63,8 @@ Json to_json(const AccuracySetting& s) {
          {"bytes", s.bytes},
          {"bytes_per_voxel", s.bytes_per_voxel()},
          {"render_s", s.render_s},
-         {"mean", to_json(s.mean)}};
+         {"mean", to_json(s.mean)},
+         {"voxel_error", to_json(s.voxel)}};
   for (const ViewError& view : s.views) {
     Json one = to_json(view.error);
     one["view"] = view.view;
@@ -69,6 +97,40 @@ std::string settings_table(const AccuracyBench& bench) {
   return out;
 }
 
+/// A row for settings whose voxels are the same: a filter, a codec or coverage along the axes change none of lod 0.
+std::string voxels_table(const AccuracyBench& bench) {
+  std::string out =
+      "| lod 0 | missed | by ½ | by 1 | extra | centre beyond ½ | beyond √3/2 | farthest | normal, mean; 99 %, ° | "
+      "texels | alpha bias | RMS alpha | RMS colour | ΔE |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+  for (const AccuracySetting& s : bench.settings) {
+    const VoxelError& e = s.voxel;
+    if (s.mip != "coverage" || s.parameters.codec != Codec::deflate || !has_facing(s.parameters)) continue;
+    const std::string normal = s.parameters.normals ? fmt::format("{:.2f}; {:.1f}", e.normal_deg, e.normal_99_deg) : "";
+    out += fmt::format(
+        "| {} | {:.5f} | {:.5f} | {:.5f} | {:.5f} | {:.3f} | {:.5f} | {:.3f} | {} | {:.2f} | {:+.4f} | {:.4f} | {:.4f} "
+        "| {:.2f} |\n",
+        s.name, e.missed, e.missed_by_half, e.missed_by_one, e.extra, e.beyond_half, e.beyond_whole, e.farthest, normal,
+        e.texels, e.alpha_bias, e.rms_alpha, e.rms_colour, e.delta_e);
+  }
+  const VoxelError& first = bench.settings.front().voxel;
+  return out + fmt::format("\nOf {}: {} points of the surface, {} voxels, {} of them with surface to compare.\n",
+                           bench.settings.front().name, first.points, first.voxels, first.coloured);
+}
+
+std::string normals_table(const AccuracyBench& bench) {
+  if (bench.normals.empty()) return "";
+  std::string out =
+      "| bits a normal | any direction: mean; largest, ° | from 16 bits: mean; 99 %, ° | MB | bytes/voxel | lit FLIP "
+      "|\n"
+      "| --- | --- | --- | --- | --- | --- |\n";
+  for (const NormalBits& n : bench.normals)
+    out += fmt::format("| {} | {:.2f}; {:.2f} | {:.2f}; {:.2f} | {:.2f} | {:.2f} | {:.4f} |\n", n.bits, n.sphere_deg,
+                       n.largest_deg, n.mean_deg, n.most_deg, 1e-6 * double(n.bytes),
+                       double(n.bytes) / double(bench.settings.front().voxels), n.lit_flip);
+  return out;
+}
+
 std::string views_table(const AccuracySetting& setting) {
   std::string out = fmt::format("| {}, view and voxels a pixel | render, s | {} |\n| --- | --- | {} |\n", setting.name,
                                 error_heads, error_rules);
@@ -95,6 +157,12 @@ std::string goals_table(const AccuracyBench& bench) {
   for (const std::string& row : rows) out += row + "\n";
   return out;
 }
+
+struct PlotOf {
+  const char *file, *title, *x_axis, *y_axis;
+  double (*x)(const AccuracySetting&);
+  double (*y)(const AccuracySetting&);
+};
 
 }  // namespace
 
@@ -123,6 +191,7 @@ std::string to_json(const AccuracyBench& bench) {
                           {"width", v.camera.width},
                           {"height", v.camera.height}});
   for (const AccuracySetting& s : bench.settings) j["settings"].push_back(to_json(s));
+  for (const NormalBits& n : bench.normals) j["normal_bits"].push_back(to_json(n));
   for (const AccuracyGoal& goal : goals_of(bench.settings.front()))
     j["goals"].push_back(
         {{"goal", goal.text}, {"measured", goal.measured}, {"bound", goal.bound}, {"holds", goal.holds()}});
@@ -133,31 +202,33 @@ std::string to_markdown(const AccuracyBench& bench) {
   return fmt::format(
              "Means over {} views, {:g} m voxels, {} rays a pixel in the reference; the bias is its magnitude.\n\n",
              bench.views.size(), bench.voxel_size_m, bench.samples) +
-         settings_table(bench) + "\n" + views_table(bench.settings.front()) + "\n" + goals_table(bench);
+         settings_table(bench) + "\n" + voxels_table(bench) + "\n" + normals_table(bench) + "\n" +
+         views_table(bench.settings.front()) + "\n" + goals_table(bench);
 }
 
 std::vector<NamedPlot> plots_of(const AccuracyBench& bench) {
-  struct Cost {
-    const char *file, *axis;
-    double (*of)(const AccuracySetting&);
-  };
-  constexpr Cost costs[] = {
-      {"flip-bytes-per-voxel.svg", "bytes per voxel, all levels",
-       [](const AccuracySetting& s) { return s.bytes_per_voxel(); }},
-      {"flip-bytes.svg", "MB on disk", [](const AccuracySetting& s) { return 1e-6 * double(s.bytes); }},
-      {"flip-bake-time.svg", "bake, seconds", [](const AccuracySetting& s) { return s.bake_s; }}};
+  constexpr auto megabytes = [](const AccuracySetting& s) { return 1e-6 * double(s.bytes); };
+  constexpr auto flip = [](const AccuracySetting& s) { return s.mean.flip; };
+  static constexpr char flip_title[] = "Mean FLIP over all views: towards the lower left is better";
+  constexpr PlotOf kinds[] = {{"flip-bytes-per-voxel.svg", flip_title, "bytes per voxel, all levels", "FLIP",
+                               [](const AccuracySetting& s) { return s.bytes_per_voxel(); }, flip},
+                              {"flip-bytes.svg", flip_title, "MB on disk", "FLIP", megabytes, flip},
+                              {"flip-bake-time.svg", flip_title, "bake, seconds", "FLIP",
+                               [](const AccuracySetting& s) { return s.bake_s; }, flip},
+                              {"colour-bytes.svg", "Colour of lod 0 against the surface in each voxel", "MB on disk",
+                               "ΔE", megabytes, [](const AccuracySetting& s) { return s.voxel.delta_e; }}};
   constexpr std::array<std::pair<const char*, const char*>, 3> colours{
       {{"area", "#1b6ca8"}, {"conservative", "#c8553d"}, {"thin", "#4f8a3c"}}};
   std::vector<NamedPlot> plots;
-  for (const Cost& cost : costs) {
-    Plot plot{"Mean FLIP over all views: towards the lower left is better", cost.axis, "FLIP", {}};
+  for (const PlotOf& kind : kinds) {
+    Plot plot{kind.title, kind.x_axis, kind.y_axis, {}};
     for (const auto& [surface, colour] : colours) {
       PlotSeries series{surface, colour, {}};
       for (const AccuracySetting& s : bench.settings)
-        if (s.surface == surface) series.points.push_back({cost.of(s), s.mean.flip, s.name});
+        if (s.surface == surface) series.points.push_back({kind.x(s), kind.y(s), s.name});
       plot.series.push_back(series);
     }
-    plots.push_back({cost.file, plot});
+    plots.push_back({kind.file, plot});
   }
   return plots;
 }

@@ -20,14 +20,14 @@ struct AccuracyGoal {
 std::vector<AccuracyGoal> goals_of(const AccuracySetting& setting);
 
 std::string to_json(const AccuracyBench& bench);
-/// Tables: the settings, the first one's views, the goals.
+/// Tables: the settings, their voxels of lod 0, fewer bits a normal, the first one's views, the goals.
 std::string to_markdown(const AccuracyBench& bench);
 
 struct NamedPlot {
   std::string file;  ///< "flip-bake-time.svg"
   Plot plot;
 };
-/// Mean FLIP against bytes per voxel, bytes in all and seconds of the bake.
+/// Mean FLIP against bytes per voxel, bytes in all and seconds of the bake; ΔE of lod 0's voxels against bytes.
 std::vector<NamedPlot> plots_of(const AccuracyBench& bench);
 
 }  // namespace gigabake::bench

@@ -27,6 +27,11 @@ class ReferenceCaster {
 
   /// Around all triangles.
   const LatticeBox& box() const;
+  const SourceTriangles& triangles() const;
+
+  /// Every triangle that comes nearer to p than that, and some that do not; ascending. Any number of threads.
+  /// Range   radius: far above 2^-24 of the box's size.
+  std::vector<TriangleName> near(const std::array<double, 3>& p, double radius) const;
 
   /// Each pixel is the mean of at least `samples` rays, one at random in each square of a grid over it.
   /// Exact   The same for any number of threads, on one machine: pixels seed their own random numbers.

@@ -88,6 +88,33 @@ void SourceTriangles::measure() {
   for (std::size_t a = 0; a < 3; ++a) middle_[a] = std::floor((box_.min[a] + box_.max[a]) / 2);
 }
 
+std::array<std::array<double, 3>, 3> SourceTriangles::corners(std::size_t part, std::size_t triangle) const {
+  const kernels::PartView& view = cell_.parts[part];
+  std::array<std::array<double, 3>, 3> corners;
+  for (std::size_t k = 0; k < 3; ++k) corners[k] = to_lattice(view, view.index[3 * triangle + k]);
+  return corners;
+}
+
+double SourceTriangles::texels(std::size_t part, std::size_t triangle) const {
+  const kernels::PartView& view = cell_.parts[part];
+  const std::int32_t texture = cell_.materials[view.material].texture;
+  if (texture < 0 || view.uv.empty()) return 0;
+  const auto uv = [&](std::size_t corner, std::size_t c) {
+    return double(view.uv[2 * std::size_t(view.index[3 * triangle + corner]) + c]);
+  };
+  const double area = (uv(1, 0) - uv(0, 0)) * (uv(2, 1) - uv(0, 1)) - (uv(2, 0) - uv(0, 0)) * (uv(1, 1) - uv(0, 1));
+  const kernels::TextureView& image = cell_.texture_views[std::size_t(texture)];
+  const double texels = std::fabs(area) / 2 * image.width * image.height;
+  return std::isfinite(texels) ? texels : 0;
+}
+
+bool SourceTriangles::is_mirrored(std::size_t part) const {
+  const double* m = cell_.parts[part].scene_from_local;
+  return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
+             m[2] * (m[4] * m[9] - m[5] * m[8]) <
+         0;
+}
+
 std::vector<float> SourceTriangles::positions(std::size_t part) const {
   const kernels::PartView& view = cell_.parts[part];
   std::vector<float> out;

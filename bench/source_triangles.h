@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -17,6 +18,11 @@ namespace gigabake::bench {
 
 struct LatticeBox {
   std::array<double, 3> min{}, max{};
+};
+
+struct TriangleName {
+  std::uint32_t part = 0, triangle = 0;
+  friend auto operator<=>(const TriangleName&, const TriangleName&) = default;
 };
 
 /// Where a ray meets a triangle: barycentric weights of its second and third vertex.
@@ -36,6 +42,12 @@ class SourceTriangles {
   kernels::Span<const std::uint32_t> indices(std::size_t part) const { return cell_.parts[part].index; }
   /// 3 per vertex, relative to middle(); not finite where the source's are not.
   std::vector<float> positions(std::size_t part) const;
+  /// Of one triangle, in double, in the order of its indices.
+  std::array<std::array<double, 3>, 3> corners(std::size_t part, std::size_t triangle) const;
+  /// Texels of its image that lie in it; 0: it has none.
+  double texels(std::size_t part, std::size_t triangle) const;
+  /// Whether the part is an instance that is a mirror image: outside is then where the left hand points.
+  bool is_mirrored(std::size_t part) const;
   const LatticeBox& box() const { return box_; }
   const std::array<double, 3>& middle() const { return middle_; }
 

@@ -30,6 +30,8 @@ void get_named(const Json& j, const char* key, Enum& value) {
 
 }  // namespace
 
+bool has_facing(const BakeParameters& p) { return p.facing && p.mip == MipFilter::coverage; }
+
 std::string to_json(const BakeParameters& p) {
   Json j;
   j["voxel_size_m"] = p.voxel_size_m;
@@ -40,6 +42,8 @@ std::string to_json(const BakeParameters& p) {
   j["normals"] = p.normals;
   j["max_error"] = p.max_error;
   j["codec"] = p.codec;
+  // Only where it was declined: what was baked before one could decline it keeps its text, and its fingerprints.
+  if (!p.facing) j["facing"] = false;
   return j.dump();
 }
 
@@ -57,6 +61,7 @@ BakeParameters parameters_from_json(const std::string& json) {
     p.codec = Codec::lz4;
     if (j.contains("max_error")) j.at("max_error").get_to(p.max_error);
     if (j.contains("codec")) get_named(j, "codec", p.codec);
+    if (j.contains("facing")) j.at("facing").get_to(p.facing);
   } catch (const nlohmann::json::exception& e) {
     throw InputError("parameters", "", e.what());
   }

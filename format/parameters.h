@@ -21,10 +21,13 @@ struct BakeParameters {
   SurfaceRule surface = SurfaceRule::area;
   MipFilter mip = MipFilter::coverage;
   bool normals = true;
+  bool facing = true;           ///< coverage along each axis, which MipFilter::coverage alone makes: has_facing()
   std::uint32_t max_error = 0;  ///< codes of 255 that a voxel may be off what was baked, 0 … 127 (docs/accuracy.md)
   Codec codec = Codec::deflate;
 };
 
+/// Whether shards of such a bake have the channel `facing`.
+bool has_facing(const BakeParameters& parameters);
 /// One line of JSON with fixed key order and shortest round-trip numbers: equal parameters give equal text.
 std::string to_json(const BakeParameters& parameters);
 /// Errors  InputError: not such JSON; UsageError: as check().

@@ -89,6 +89,7 @@ CellVolume bake_cell(const CellInput& input, const CellParameters& parameters, c
     const StageClock clock(volume.stats.mip_s);
     LevelRasters rasters;
     add_coarser_levels(volume.levels, rasters, lods, parameters.mip, parameters.normals, policy);
+    if (!parameters.facing) drop_facing(volume.levels);
   }
   volume.stats.peak_bytes = std::max(volume.stats.peak_bytes, 2 * bytes_of(volume.levels));
   {

@@ -42,6 +42,7 @@ struct CellParameters {
   SurfaceRule surface = SurfaceRule::area;
   MipFilter mip = MipFilter::coverage;
   bool normals = true;
+  bool facing = true;  ///< keep what MipFilter::coverage finds along each axis; levels are made of it either way
   std::uint32_t max_error = 0;     ///< codes of 255 that a stored voxel may be off (approximate.h); ≤ 127
   std::uint64_t memory_bytes = 0;  ///< to aim for; bricks are cut into batches. 0: no bound
 };
@@ -53,8 +54,8 @@ struct Level {
   std::vector<std::uint64_t> first;  ///< bricks+1
   std::vector<std::uint8_t> rgba;    ///< 4 per voxel
   std::vector<std::int8_t> normal;   ///< 2 per voxel, or empty
-  /// 3 per voxel: coverage that a view along x, y, z sees. Empty at lod 0, where it is alpha along each, and without
-  /// MipFilter::coverage.
+  /// 3 per voxel: coverage that a view along x, y, z sees. Empty at lod 0, where it is alpha along each, without
+  /// MipFilter::coverage and where it was not asked for.
   std::vector<std::uint8_t> facing;
 };
 

@@ -87,6 +87,8 @@ LevelsAbove CellBake::levels_of(const Cell& cell, KeyRange range, int lods, BinC
   LevelsAbove all;
   if (finest.bricks != 0) {
     all = coarser_levels(heap_, tables_, finest, lods, cell.parameters.mip, cell.parameters.normals);
+    if (!cell.parameters.facing)
+      for (DeviceLevel& level : all.levels) level.facing = DeviceArray<std::uint8_t>();
     all.levels.insert(all.levels.begin(), std::move(finest));
   }
   clock_.mark(5);
@@ -134,6 +136,7 @@ void CellBake::bake_in_parts(const Cell& cell, BakedCell& out) {
   std::size_t lod = out.host_levels.size();
   add_coarser_levels(out.host_levels, out.host_rasters, cell.window.levels + 1, cell.parameters.mip,
                      cell.parameters.normals, host_);
+  if (!cell.parameters.facing) drop_facing(out.host_levels);
   for (; lod < out.host_levels.size(); ++lod)
     out.host_hashes.push_back(level_hash(out.host_levels[lod], int(lod), out.window_min, host_));
 }

@@ -229,4 +229,8 @@ void add_coarser_levels(std::vector<Level>& levels, LevelRasters& rasters, int l
   }
 }
 
+void drop_facing(std::vector<Level>& levels) {
+  for (Level& level : levels) level.facing = {};
+}
+
 }  // namespace gigabake::kernels

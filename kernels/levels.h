@@ -17,4 +17,7 @@ using LevelRasters = std::vector<std::uint8_t>;
 void add_coarser_levels(std::vector<Level>& levels, LevelRasters& rasters, int lods, MipFilter filter, bool normals,
                         const CpuPolicy& policy);
 
+/// Leaves alpha alone, the largest of the three, to say what a voxel covers.
+void drop_facing(std::vector<Level>& levels);
+
 }  // namespace gigabake::kernels

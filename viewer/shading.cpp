@@ -25,7 +25,8 @@ Shading::Shading(const kernels::CastLight& light, const SceneDescription& scene,
     : light_(surface == Surface::colour ? light : kernels::unlit()),
       surface_(surface),
       has_normals_(scene.has_normals) {
-  const bool averaged = parameters_from_json(scene.parameters).mip == MipFilter::coverage;
+  // A bake that declined facing stores the largest of the three instead.
+  const bool averaged = has_facing(parameters_from_json(scene.parameters)) && !scene.has_facing;
   for (int lod = 0; lod < kernels::max_cast_lods; ++lod)
     for (int stored = 0; stored < 256; ++stored) {
       double coverage = stored / 255.0;

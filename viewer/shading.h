@@ -13,10 +13,10 @@ namespace gigabake {
 /// What of a voxel is shown.
 enum class Surface : std::uint8_t { colour, normal, coverage };
 
-/// A voxel's coverage along each axis is its facing; where it has none, at lod 0 and with filters without directions,
-/// it is its alpha along all three. The coverage filter of scenes of version 1 stored the mean of the three: ground is
-/// seen face on, but two of the three look along it. There that share is put back, so that ground does not grow
-/// transparent.
+/// A voxel's coverage along each axis is its facing; where it has none, at lod 0, with filters without directions and
+/// in bakes that declined it, it is its alpha along all three. The coverage filter of scenes of version 1 stored the
+/// mean of the three: ground is seen face on, but two of the three look along it. There that share is put back, so that
+/// ground does not grow transparent.
 class Shading {
  public:
   Shading(const kernels::CastLight& light, const SceneDescription& scene, Surface surface = Surface::colour);

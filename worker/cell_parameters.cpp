@@ -18,6 +18,7 @@ kernels::CellParameters cell_parameters(const CellJob& job, const BakeParameters
           : p.mip == MipFilter::box  ? kernels::MipFilter::box
                                      : kernels::MipFilter::coverage;
   c.normals = p.normals;
+  c.facing = has_facing(p);
   c.max_error = p.max_error;
   c.memory_bytes = kernel_bytes;
   return c;

@@ -171,7 +171,7 @@ ShardHeader CellStages::header_of(const CellInHand& cell) const {
   h.origin = sources_.origin;
   h.fingerprint = cell.job.fingerprint;
   h.has_normals = parameters_.normals;
-  h.has_facing = parameters_.mip == MipFilter::coverage;
+  h.has_facing = has_facing(parameters_);
   h.triangles = cell.volume.stats.triangles;
   return h;
 }

@@ -155,6 +155,25 @@ ReferenceCaster::~ReferenceCaster() = default;
 
 const LatticeBox& ReferenceCaster::box() const { return state_->triangles.box(); }
 
+const SourceTriangles& ReferenceCaster::triangles() const { return state_->triangles; }
+
+std::vector<TriangleName> ReferenceCaster::near(const Vector& p, double radius) const {
+  std::vector<TriangleName> found;
+  RTCPointQuery query{};
+  const Vector& middle = state_->triangles.middle();
+  query.x = float(p[0] - middle[0]), query.y = float(p[1] - middle[1]), query.z = float(p[2] - middle[2]);
+  query.radius = float(radius);
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  const auto take = [](RTCPointQueryFunctionArguments* at) {
+    static_cast<std::vector<TriangleName>*>(at->userPtr)->push_back({at->geomID, at->primID});
+    return false;  // the radius stays
+  };
+  rtcPointQuery(state_->scene.get(), &query, &context, take, &found);
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
 LinearPicture ReferenceCaster::draw(const kernels::CastCamera& camera, int samples) const {
   const int grid = int(std::ceil(std::sqrt(double(samples)) - 1e-9));
   LinearPicture picture{camera.width, camera.height, {}};

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""`bench accuracy` holds pictures of voxels against pictures of the triangles.
+"""`bench accuracy` holds voxels against the triangles, and pictures of them against pictures of the triangles.
 
 Usage: accuracy_test.py GIGABAKE SOURCE_DIR
 """
@@ -17,8 +17,8 @@ SCALES = ("0.25", "1", "4", "16")
 
 def measure(gigabake, work):
     arguments = ("bench", "accuracy", work / "sample/tileset.json", "-o", work / "out", "--voxel-size", 0.5,
-                 "--cell-voxels", 128, "--repeats", 1, "--samples", 9, "--size", "64x48", "--backend", "cpu",
-                 "--json", work / "accuracy.json", "--markdown", work / "accuracy.md")
+                 "--cell-voxels", 128, "--repeats", 1, "--samples", 9, "--voxels", 5000, "--size", "64x48", "--backend",
+                 "cpu", "--json", work / "accuracy.json", "--markdown", work / "accuracy.md")
     result = gigabake.run(*arguments)
     if "without Embree" in result.stderr:
         print(f"skipped: {result.stderr.strip()}")
@@ -33,7 +33,7 @@ def view_of(setting, name):
 
 def every_setting_has_its_costs(bench):
     names = [setting["name"] for setting in bench["settings"]]
-    assert len(set(names)) == len(names) == 26 and names[0] == "area-coverage", names
+    assert len(set(names)) == len(names) == 28 and names[0] == "area-coverage", names
     for setting in bench["settings"]:
         assert setting["bake_s"] > 0 and setting["voxels_per_s"] > 0 and setting["render_s"] > 0, setting
         assert 1.5 < setting["bytes_per_voxel"] < 100, setting
@@ -70,6 +70,51 @@ def normals_cost_bytes_and_do_not_show(bench):
     assert unlit["bytes"] < lit["bytes"] and unlit["mean"] == lit["mean"], (lit, unlit)
 
 
+def named(bench, name):
+    return next(s for s in bench["settings"] if s["name"] == name)
+
+
+def facing_costs_bytes_and_shows(bench):
+    whole, flat, plain = (named(bench, "area-coverage" + suffix) for suffix in ("", "-no-facing", "-rgba"))
+    assert whole["facing"] and not flat["facing"] and not named(bench, "area-thesis")["facing"], flat
+    assert plain["bytes"] < flat["bytes"] < whole["bytes"] and flat["voxels"] == whole["voxels"], (flat, whole)
+    assert abs(view_of(flat, "nadir 0.25")["flip"] - view_of(whole, "nadir 0.25")["flip"]) < 0.01, "lod 0 has none"
+    assert flat["mean"]["flip"] > whole["mean"]["flip"], (flat["mean"], whole["mean"])
+
+
+def voxels_are_where_the_surface_is(bench):
+    for setting in bench["settings"]:
+        error = setting["voxel_error"]
+        assert 15000 < error["points"] <= 20000 and 2000 < error["voxels"] <= 5000, (setting["name"], error)
+        assert error["extra"] == error["beyond_whole"] == 0, (setting["name"], error)
+        if setting["surface"] == "thin":  # leaves fall between its centre lines
+            assert 0.01 < error["missed"] < 0.2 and error["missed_by_half"] < 0.01, (setting["name"], error)
+            assert error["beyond_half"] == 0, (setting["name"], error)
+        else:
+            # What is missed are lone texels of an alpha test.
+            assert error["missed"] < 0.001 and error["missed_by_half"] == 0 < error["beyond_half"], setting["name"]
+
+
+def voxels_have_the_colours_and_normals_of_their_surface(bench):
+    exact = named(bench, "area-coverage")["voxel_error"]
+    assert exact["coloured"] > 1000 and exact["delta_e"] < 2 and abs(exact["alpha_bias"]) < 0.01, exact
+    assert 0 < exact["normal_deg"] < exact["normal_99_deg"] < 180, exact
+    assert named(bench, "area-coverage-no-normals")["voxel_error"]["normal_deg"] == 0
+    assert named(bench, "area-coverage-error-16")["voxel_error"]["delta_e"] > exact["delta_e"]
+    for same in ("area-thesis", "area-box", "area-coverage-lz4", "area-coverage-no-facing"):
+        assert named(bench, same)["voxel_error"] == exact, same
+
+
+def fewer_bits_a_normal_cost_angles_and_save_bytes(bench):
+    rows = bench["normal_bits"]
+    assert [row["bits"] for row in rows] == [16, 12, 10, 8, 6], rows
+    assert rows[0]["bytes"] == named(bench, "area-coverage")["bytes"], (rows[0], "written again as it was")
+    assert rows[0]["mean_deg"] < 1e-3 and rows[0]["lit_flip"] == 0 and 0.9 < rows[0]["largest_deg"] < 0.97, rows[0]
+    for finer, coarser in zip(rows, rows[1:]):
+        assert coarser["bytes"] < rows[0]["bytes"] and coarser["lit_flip"] > finer["lit_flip"], (finer, coarser)
+        assert coarser["sphere_deg"] > 1.5 * finer["sphere_deg"] and coarser["mean_deg"] > finer["mean_deg"], coarser
+
+
 def a_larger_error_costs_fewer_bytes_and_shows_little(bench):
     exact, *others = (next(s for s in bench["settings"] if s["name"] == "area-coverage" + suffix)
                       for suffix in ("", "-error-1", "-error-2", "-error-4", "-error-8", "-error-16"))
@@ -93,8 +138,15 @@ def tables_plots_and_pictures_are_there(work, bench):
         assert f"| {setting['name']} |" in table, setting["name"]
         assert (work / "out" / setting["name"] / "oblique-16.png").is_file()
     assert (work / "out/reference/nadir-0.25.png").is_file()
-    for plot in ("flip-bytes-per-voxel", "flip-bytes", "flip-bake-time"):
+    for plot in ("flip-bytes-per-voxel", "flip-bytes", "flip-bake-time", "colour-bytes"):
         assert "area-coverage" in (work / "out" / f"{plot}.svg").read_text()
+
+
+def odd_settings_are_refused(gigabake, work):
+    result = gigabake.run("bench", "accuracy", work / "sample/tileset.json", "-o", work / "no", "--voxel-size", 0.5,
+                          "--settings", "area-coverage,mist")
+    assert result.returncode == 2 and "--settings: no setting is called 'mist'" in result.stderr, result
+    assert not (work / "no").exists()
 
 
 def odd_sizes_are_refused(gigabake, work):
@@ -111,11 +163,15 @@ def main():
         bench = measure(gigabake, work)
         for test in (every_setting_has_its_costs, every_error_is_sane, smaller_voxels_are_not_worse,
                      ground_seen_from_above_is_right, normals_cost_bytes_and_do_not_show,
+                     facing_costs_bytes_and_shows, voxels_are_where_the_surface_is,
+                     voxels_have_the_colours_and_normals_of_their_surface,
+                     fewer_bits_a_normal_cost_angles_and_save_bytes,
                      a_larger_error_costs_fewer_bytes_and_shows_little, goals_are_judged):
             print(test.__name__, flush=True)
             test(bench)
         tables_plots_and_pictures_are_there(work, bench)
         odd_sizes_are_refused(gigabake, work)
+        odd_settings_are_refused(gigabake, work)
 
 
 if __name__ == "__main__":

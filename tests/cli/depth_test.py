@@ -106,15 +106,23 @@ class Depth(unittest.TestCase):
         self.assertGreater(trees, 0.5)
 
     def test_channels_are_those_that_were_asked_for(self):
-        info = self.bake("plain", "--channels", "rgba")
-        self.assertFalse(info["normals"])
-        plain = self.voxels("plain", 0)
+        for channels, normals, facing in (("rgba", False, False), ("rgba,facing", False, True),
+                                          ("rgba,normal", True, False), ("rgba,normal,facing", True, True)):
+            with self.subTest(channels=channels):
+                info = self.bake(channels, "--channels", channels)
+                PROGRAM.succeed("verify", self.root / channels / "scene.xml")
+                self.assertEqual((info["normals"], info["facing"]), (normals, facing))
+                for lod in range(LODS):
+                    numpy.testing.assert_array_equal(self.voxels(channels, lod)["ijk"], self.exact_voxels[lod]["ijk"])
+                    numpy.testing.assert_array_equal(self.voxels(channels, lod)["rgba"],
+                                                     self.exact_voxels[lod]["rgba"])
+        plain = self.voxels("rgba", 0)
         numpy.testing.assert_array_equal(plain["rgba"], self.exact_voxels[0]["rgba"])
         self.assertEqual(numpy.abs(plain["n"]).max(), 0)
 
     def test_odd_values_are_refused(self):
         for option, value in (("--max-error", 128), ("--max-error", -1), ("--max-error", 0.5), ("--channels", "normal"),
-                              ("--codec", "zip")):
+                              ("--channels", "rgba normal"), ("--channels", "rgba,facing,normal"), ("--codec", "zip")):
             result = PROGRAM.run("bake", self.root / "scene.glb", "-o", self.root / "no", "--voxel-size", 1, option,
                                  value)
             self.assertEqual(result.returncode, 2, (option, value, result))

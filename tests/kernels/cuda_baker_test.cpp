@@ -92,6 +92,18 @@ TEST_F(CudaBakerTest, BakesTheSameBitsAsTheCpuWhereVoxelsMayBeOff) {
     }
 }
 
+TEST_F(CudaBakerTest, BakesTheSameBitsAsTheCpuWhereCoverageAlongTheAxesIsNotKept) {
+  std::list<test::TestCell> cells = test::all_cells();
+  for (test::TestCell& cell : cells)
+    for (const std::uint64_t bytes : {std::uint64_t(0), std::uint64_t(1)}) {
+      SCOPED_TRACE(cell.name + ", bytes " + std::to_string(bytes));
+      CellParameters parameters = cell.parameters(SurfaceRule::area, MipFilter::coverage, true);
+      parameters.facing = false;
+      parameters.memory_bytes = bytes;
+      expect_same_bits(cell, parameters);
+    }
+}
+
 TEST_F(CudaBakerTest, BakesTheSameBitsInPartsOfAnySize) {
   std::list<test::TestCell> cells = test::all_cells();
   std::uint64_t most_parts = 0;
