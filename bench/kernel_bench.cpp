@@ -40,12 +40,12 @@ std::uint64_t bytes_of(const kernels::CellInput& input) {
   return bytes;
 }
 
-/// As a device packs it: brick 4 + 64 + 4, voxel 4 + 2, node 14 bytes.
+/// As a device packs it: brick 4 + 64 + 4, voxel 4 + 2 and its facing 3, node 14 bytes.
 void count_output(const kernels::CellVolume& volume, KernelBench& out) {
   for (const kernels::Level& level : volume.levels) {
     out.bricks += level.key.size();
     out.voxels += level.rgba.size() / 4;
-    out.output_bytes += 72 * level.key.size() + level.rgba.size() + level.normal.size();
+    out.output_bytes += 72 * level.key.size() + level.rgba.size() + level.normal.size() + level.facing.size();
   }
   if (!volume.levels.empty()) out.voxels_lod0 = volume.levels[0].rgba.size() / 4;
   out.output_bytes += 14 * volume.nodes.key.size();

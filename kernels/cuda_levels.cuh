@@ -9,12 +9,12 @@
 namespace gigabake::kernels {
 
 struct LevelsAbove {
-  std::vector<DeviceLevel> levels;    ///< from lod 1 on
-  DeviceArray<std::uint8_t> rasters;  ///< of the last one (kernels/facing.h); empty without MipFilter::coverage
+  std::vector<DeviceLevel> levels;     ///< from lod 1 on
+  DeviceArray<std::uint32_t> rasters;  ///< of the last one (kernels/facing.h); empty without MipFilter::coverage
 };
 
 /// The levels [1, lods).
-/// Cost    With MipFilter::coverage 24 bytes a voxel of lod 1 of working memory.
+/// Cost    With MipFilter::coverage 3.75 bytes of working memory a voxel of lod 1 of a surface.
 /// Errors  CudaFailure.
 LevelsAbove coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceLevel& finest, int lods,
                            MipFilter filter, bool normals);

@@ -54,37 +54,37 @@ struct Children {
   std::size_t index[8];
 };
 
-/// What see_children() asks, of a level with rasters (kernels/facing.h), or of lod 0.
+/// What see_children() asks (kernels/facing.h).
 struct ChildRasters {
   const Children& children;
-  const std::uint8_t* rasters;  ///< of the level
+  const std::uint32_t* rasters;  ///< of the level
   int edge;
 
   template <int N>
   CellRun<N> cells(int child, int axis, int run) const {
     CellRun<N> out = {};
     if (children.voxel[child] == nullptr) return out;
-    if constexpr (N == 1) {
-      out.cell[0] = children.voxel[child]->rgba[3];
-    } else {
-      const std::size_t at = children.index[child] * std::size_t(raster_bytes(edge));
-      std::copy_n(rasters + at + axis * edge * edge + N * run, N, out.cell);
-    }
+    const std::size_t at = children.index[child] * std::size_t(raster_words(edge));
+    std::copy_n(rasters + at + axis * edge * edge / 4 + N * run, N, out.word);
     return out;
   }
 };
 
-FacingSums see(const Children& children, const std::uint8_t* rasters, int edge, std::uint8_t* raster) {
+FacingSums see(const Children& children, const std::uint32_t* rasters, int edge, std::uint32_t* raster) {
   const ChildRasters from{children, rasters, edge};
-  if (edge == 1) return see_children<1>(from, raster);
   if (edge == 2) return see_children<2>(from, raster);
-  return edge == 4 ? see_children<4>(from, raster) : see_children<8>(from, raster);
+  if (edge == 4) return see_children<4>(from, raster);
+  if (edge == 8) return see_children<8>(from, raster);
+  std::uint32_t coverage[2] = {};
+  for (int c = 0; c < 8; ++c)
+    if (children.voxel[c] != nullptr) coverage[c / 4] |= std::uint32_t(children.voxel[c]->rgba[3]) << 8 * (c % 4);
+  return see_voxels(coverage[0], coverage[1], raster);
 }
 
 /// Consecutive bricks with what the level above needs of them.
 struct LevelRun {
   BrickRun bricks;
-  std::vector<std::uint8_t> rasters;
+  std::vector<std::uint32_t> rasters;
 };
 
 class ParentBuilder {
@@ -94,7 +94,7 @@ class ParentBuilder {
       : fine_(fine),
         rasters_(rasters.data()),
         edge_(raster_edge(lod - 1)),
-        raster_bytes_(raster_bytes(raster_edge(lod))),
+        raster_words_(raster_words(raster_edge(lod))),
         filter_(filter),
         tables_(TableStore::host().view()) {}
 
@@ -166,20 +166,20 @@ class ParentBuilder {
         run.bricks.push_voxel(parent_[voxel].voxel);
         if (filter_ != MipFilter::coverage) continue;
         run.bricks.push_facing(parent_[voxel].facing);
-        run.rasters.insert(run.rasters.end(), raster_[voxel], raster_[voxel] + raster_bytes_);
+        run.rasters.insert(run.rasters.end(), raster_[voxel], raster_[voxel] + raster_words_);
       }
     run.bricks.push_brick(key, mask_);
     for (std::uint64_t& word : mask_) word = 0;
   }
 
   const Level& fine_;
-  const std::uint8_t* rasters_;
-  int edge_, raster_bytes_;
+  const std::uint32_t* rasters_;
+  int edge_, raster_words_;
   MipFilter filter_;
   Tables tables_;
   OpenBrick open_;
   CoarseVoxel parent_[brick_voxels];
-  std::uint8_t raster_[brick_voxels][3 * most_raster_edge * most_raster_edge];
+  std::uint32_t raster_[brick_voxels][raster_words(most_raster_edge)];
   std::uint64_t mask_[8] = {};
 };
 

@@ -6,7 +6,7 @@
 namespace gigabake::kernels {
 
 /// The rasters of a level's voxels (kernels/facing.h); empty at lod 0 and without MipFilter::coverage.
-using LevelRasters = std::vector<std::uint8_t>;
+using LevelRasters = std::vector<std::uint32_t>;
 
 /// Adds to levels [0, n) those up to `lods`. A level's bricks are the unique parents of the level below; a voxel exists
 /// where one of its eight children does. rasters: of the last level; then of the new last one.

@@ -29,7 +29,14 @@ struct MipSums {
     weight += w;
     for (int k = 0; k < 3; ++k) colour[k] += w * tables.linear_from_srgb[v.rgba[k]];
     const std::int16_t* n = tables.unit_normal + 4 * (std::uint8_t(v.normal[0]) | std::uint8_t(v.normal[1]) << 8);
+#if defined(__CUDA_ARCH__)
+    const short4 all = *reinterpret_cast<const short4*>(n);  // one load
+    normal[0] += std::int32_t(w) * all.x;
+    normal[1] += std::int32_t(w) * all.y;
+    normal[2] += std::int32_t(w) * all.z;
+#else
     for (int k = 0; k < 3; ++k) normal[k] += std::int32_t(w) * n[k];
+#endif
   }
 
   /// Range  weight ≠ 0. The result's alpha is at least 1: what exists does not vanish from a coarser level.

@@ -199,48 +199,65 @@ struct ResolveBody {
 
 TEST(DeviceBodies, ResolveToTheSameVoxelsAsOnTheCpu) { expect_same_bits<Resolved>(random_sums(50000), ResolveBody{}); }
 
+/// Of children whose rasters have this edge.
+template <int Edge>
+constexpr int parent_words = raster_words(Edge < most_raster_edge ? 2 * Edge : most_raster_edge);
+
+template <int Edge>
 struct Filtered {
   Voxel by_mean[2], by_view;
-  std::uint8_t facing[3];
-  std::uint8_t raster[3 * 16];
+  std::uint16_t facing[3];  ///< of 16 bits: there is nothing between members that is compared
+  std::uint32_t raster[parent_words<Edge>];
 };
 
-/// Eight voxels of lod 1, those of weight 0 absent, with their rasters.
+/// Eight voxels, those of coverage 0 absent, with their rasters.
+template <int Edge>
 struct FilterCase {
   Voxel child[8];
-  std::uint8_t raster[8][3 * 4];
+  std::uint32_t raster[8][Edge == 1 ? 1 : raster_words(Edge)];
 
   template <int N>
-  GB_HD CellRun<N> cells(int c, int axis, int) const {
+  GB_HD CellRun<N> cells(int c, int axis, int run) const {
     CellRun<N> out = {};
-    for (int i = 0; i < N && child[c].rgba[3] != 0; ++i) out.cell[i] = raster[c][4 * axis + i];
+    for (int i = 0; i < N && child[c].rgba[3] != 0; ++i) out.word[i] = raster[c][axis * Edge * Edge / 4 + N * run + i];
     return out;
+  }
+
+  GB_HD FacingSums see(std::uint32_t* to) const {
+    if constexpr (Edge == 1) {
+      std::uint32_t coverage[2] = {};
+      for (int c = 0; c < 8; ++c) coverage[c / 4] |= std::uint32_t(child[c].rgba[3]) << 8 * (c % 4);
+      return see_voxels(coverage[0], coverage[1], to);
+    } else {
+      return see_children<Edge>(*this, to);
+    }
   }
 };
 
+template <int Edge>
 struct FilterBody {
-  GB_HD Filtered operator()(const FilterCase& from, const Tables& tables) const {
-    Filtered out;
-    alignas(16) std::uint8_t raster[3 * 16];
-    const FacingSums seen = see_children<2>(from, raster);
-    for (int i = 0; i < 3 * 16; ++i) out.raster[i] = raster[i];
+  GB_HD Filtered<Edge> operator()(const FilterCase<Edge>& from, const Tables& tables) const {
+    Filtered<Edge> out;
+    const FacingSums seen = from.see(out.raster);
     MipSums by_mean, by_view;
     for (int c = 0; c < 8; ++c) {
       by_mean.add(from.child[c], from.child[c].rgba[3], tables);
-      by_view.add(from.child[c], seen.weight(c, 2), tables);
+      by_view.add(from.child[c], seen.weight(c, Edge), tables);
     }
     out.by_mean[0] = by_mean.voxel(mean_coverage(by_mean.weight, MipFilter::thesis, tables), tables);
     out.by_mean[1] = by_mean.voxel(mean_coverage(by_mean.weight, MipFilter::box, tables), tables);
-    for (int a = 0; a < 3; ++a) out.facing[a] = seen.facing(a, 2);
-    out.by_view = by_view.voxel(largest(out.facing), tables);
+    std::uint8_t facing[3];
+    for (int a = 0; a < 3; ++a) out.facing[a] = facing[a] = seen.facing(a, Edge);
+    out.by_view = by_view.voxel(largest(facing), tables);
     return out;
   }
 };
 
-TEST(DeviceBodies, FilterTheSameLevelsAsOnTheCpu) {
+template <int Edge>
+void expect_same_filter() {
   std::mt19937 random(seed);
-  std::vector<FilterCase> cases(50000);
-  for (FilterCase& f : cases) {
+  std::vector<FilterCase<Edge>> cases(20000);
+  for (FilterCase<Edge>& f : cases) {
     for (Voxel& v : f.child) {
       for (std::uint8_t& x : v.rgba) x = std::uint8_t(random());
       if (random() % 3 == 0) v.rgba[3] = 0;
@@ -248,9 +265,16 @@ TEST(DeviceBodies, FilterTheSameLevelsAsOnTheCpu) {
     }
     f.child[random() % 8].rgba[3] = 255;
     for (auto& raster : f.raster)
-      for (std::uint8_t& cell : raster) cell = std::uint8_t(1 + random() % 255);
+      for (std::uint32_t& cells : raster) cells = std::uint32_t(random()) | 0x01010101;
   }
-  expect_same_bits<Filtered>(cases, FilterBody{});
+  expect_same_bits<Filtered<Edge>>(cases, FilterBody<Edge>{});
+}
+
+TEST(DeviceBodies, FilterTheSameLevelsAsOnTheCpu) {
+  expect_same_filter<1>();
+  expect_same_filter<2>();
+  expect_same_filter<4>();
+  expect_same_filter<8>();
 }
 
 struct Placed {
