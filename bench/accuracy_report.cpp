@@ -162,6 +162,7 @@ struct PlotOf {
   const char *file, *title, *x_axis, *y_axis;
   double (*x)(const AccuracySetting&);
   double (*y)(const AccuracySetting&);
+  bool in_voxels = false;  ///< y is, so that voxels of another size have another y
 };
 
 }  // namespace
@@ -216,7 +217,7 @@ std::vector<NamedPlot> plots_of(const AccuracyBench& bench) {
                               {"flip-bake-time.svg", flip_title, "bake, seconds", "FLIP",
                                [](const AccuracySetting& s) { return s.bake_s; }, flip},
                               {"colour-bytes.svg", "Colour of lod 0 against the surface in each voxel", "MB on disk",
-                               "ΔE", megabytes, [](const AccuracySetting& s) { return s.voxel.delta_e; }}};
+                               "ΔE", megabytes, [](const AccuracySetting& s) { return s.voxel.delta_e; }, true}};
   constexpr std::array<std::pair<const char*, const char*>, 3> colours{
       {{"area", "#1b6ca8"}, {"conservative", "#c8553d"}, {"thin", "#4f8a3c"}}};
   std::vector<NamedPlot> plots;
@@ -225,7 +226,8 @@ std::vector<NamedPlot> plots_of(const AccuracyBench& bench) {
     for (const auto& [surface, colour] : colours) {
       PlotSeries series{surface, colour, {}};
       for (const AccuracySetting& s : bench.settings)
-        if (s.surface == surface) series.points.push_back({kind.x(s), kind.y(s), s.name});
+        if (s.surface == surface && !(kind.in_voxels && s.parameters.voxel_size_m != bench.voxel_size_m))
+          series.points.push_back({kind.x(s), kind.y(s), s.name});
       plot.series.push_back(series);
     }
     plots.push_back({kind.file, plot});

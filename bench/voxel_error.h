@@ -1,7 +1,8 @@
 /// How far the voxels of a bake are from the source's triangles: which are missing, which are too many, and how far off
 /// colour, alpha and normal are.
 ///
-/// Nothing of it goes through the kernels: triangles are neither snapped nor filtered, voxels come from the shards.
+/// Neither snap nor bins, weights or pyramids of the kernels are in it: triangles are as the source places them, texels
+/// the finest, and voxels come from the shards.
 #pragma once
 
 #include <cstdint>
