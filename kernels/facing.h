@@ -22,6 +22,12 @@ GB_HD constexpr int raster_edge(int lod) { return lod < 3 ? 1 << lod : most_rast
 /// is u + edge·v. Range  edge ≥ 2.
 GB_HD constexpr int raster_words(int edge) { return 3 * edge * edge / 4; }
 
+/// x/255, to the nearest. Range  x ≤ 255².
+GB_HD std::uint32_t over_255(std::uint32_t x) {
+  x += 128;
+  return (x + (x >> 8)) >> 8;
+}
+
 /// Four cells, a byte each: what is covered by either; a + b - ab/255 of each, to the nearest.
 GB_HD std::uint32_t cover_4(std::uint32_t a, std::uint32_t b) {
   constexpr std::uint32_t bytes = 0x00ff00ff, half = 0x00800080;
@@ -48,10 +54,12 @@ struct alignas(4 * N) CellRun {
   std::uint32_t word[N];
 };
 
-/// What is covered by either; the sums of all three are added to `sums`.
+/// What is covered by either; the sums of all three are added to `sums`. A host does so byte by byte, which its
+/// compiler makes vectors of.
 template <int N>
 GB_HD CellRun<N> cover(const CellRun<N>& low, const CellRun<N>& high, std::uint32_t sums[3]) {
   CellRun<N> either;
+#if defined(__CUDA_ARCH__)
   GB_UNROLL
   for (int w = 0; w < N; ++w) {
     either.word[w] = cover_4(low.word[w], high.word[w]);
@@ -59,6 +67,17 @@ GB_HD CellRun<N> cover(const CellRun<N>& low, const CellRun<N>& high, std::uint3
     sums[1] += sum_4(high.word[w]);
     sums[2] += sum_4(either.word[w]);
   }
+#else
+  const auto *a = reinterpret_cast<const std::uint8_t*>(low.word),
+             *b = reinterpret_cast<const std::uint8_t*>(high.word);
+  auto* both = reinterpret_cast<std::uint8_t*>(either.word);
+  for (int i = 0; i < 4 * N; ++i) {
+    both[i] = std::uint8_t(a[i] + b[i] - over_255(std::uint32_t(a[i]) * b[i]));
+    sums[0] += a[i];
+    sums[1] += b[i];
+    sums[2] += both[i];
+  }
+#endif
   return either;
 }
 

@@ -18,6 +18,11 @@ TEST(Facing, CoversWhatEitherOfTwoCellsCoversForEveryPair) {
       ASSERT_EQ(int(either >> 16 & 255), either_of(255 - int(a), int(a))) << 255 - a << " and " << a;
       ASSERT_EQ(int(either >> 24), 255) << a << " and 255";
       ASSERT_EQ(sum_4(cells), a + b + 255) << "sum of four cells, " << a << " and " << b;
+      std::uint32_t sums[3] = {};
+      ASSERT_EQ(cover(CellRun<1>{{cells}}, CellRun<1>{{others}}, sums).word[0], either) << a << " and " << b;
+      ASSERT_EQ(sums[0], sum_4(cells));
+      ASSERT_EQ(sums[1], sum_4(others));
+      ASSERT_EQ(sums[2], sum_4(either));
     }
 }
 
