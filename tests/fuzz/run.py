@@ -62,9 +62,12 @@ def from_folder(folder):
         for reader, kinds in KINDS.items():
             if path.suffix in kinds and len(seed := with_parts(path)) <= LARGEST_SEED:
                 seeds[reader].append(seed)
-        named = {"status.json": "bake_status", "journal": "journal", "survey.cache": "survey_cache"}
+        named = {"journal": "journal", "survey.cache": "survey_cache"}
         if path.name in named:
             seeds[named[path.name]].append(path.read_bytes())
+        if path.name == "status.json":  # of no particular machine
+            status = json.loads(path.read_bytes())
+            seeds["bake_status"].append(made_seeds.text({**status, "out": "out", "host": "host"}))
     return seeds
 
 
@@ -123,7 +126,7 @@ def fuzz(arguments, reader, seconds):
 
 
 def merge(arguments, reader):
-    """The smallest files first that reach all that the corpus reaches; at most arguments.most_bytes of them."""
+    """Faults, seeds that are made, and of the files that together reach all that was reached the smallest."""
     fresh = arguments.work / "merged" / reader
     shutil.rmtree(fresh, ignore_errors=True)
     fresh.mkdir(parents=True)
@@ -132,12 +135,12 @@ def merge(arguments, reader):
         subprocess.run([program, *LIMITS, "-merge=1", fresh, arguments.work / reader], check=True,
                        capture_output=True, env={**ENVIRONMENT, "TMPDIR": scratch})
     corpus = SOURCE / "tests/fuzz/corpus" / reader
-    found_before = [p for p in corpus.glob("fault-*")]
-    kept = {p.name: p.read_bytes() for p in found_before}
+    kept = {p.name: p.read_bytes() for p in corpus.glob("fault-*")}
+    kept.update({hashlib.sha1(s).hexdigest()[:12]: s for s in made_seeds.made().get(reader, [])})
     total = 0
     for path in sorted(fresh.iterdir(), key=lambda p: (p.stat().st_size, p.name)):
         total += path.stat().st_size
-        if total > arguments.most_bytes and len(kept) > len(found_before):
+        if total > arguments.most_bytes and kept:
             break
         kept[path.name[:12]] = path.read_bytes()
     shutil.rmtree(corpus, ignore_errors=True)
@@ -157,7 +160,7 @@ def main():
     parser.add_argument("--program", type=Path, default=SOURCE / "build/release/gigabake")
     parser.add_argument("--data", type=Path, help="a folder of sources")
     parser.add_argument("--work", type=Path, default=SOURCE / "build/fuzz/work")
-    parser.add_argument("--most-bytes", type=int, default=12_000, help="merge: of one reader's corpus")
+    parser.add_argument("--most-bytes", type=int, default=2_000, help="merge: beside faults and seeds")
     arguments = parser.parse_args()
     readers = arguments.readers or READERS
     if unknown := set(readers) - set(READERS):
