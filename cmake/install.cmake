@@ -1,6 +1,5 @@
 # What `cmake --install` and cpack take along. Components: runtime (the program, its manual and completion), development
 # (gigabake::format and gigabake::kernels for find_package).
-include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 install(TARGETS gigabake DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
@@ -26,7 +25,7 @@ install(DIRECTORY ${manual}/fish/ DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vend
 # The libraries with all that they stand on, found again where they are used.
 set(exported gigabake_format gigabake_kernels gb_hdf5 gb_lz4 gb_deflate gb_tinygltf gb_geographiclib gb_pugixml gb_xxhash
              gb_json)
-foreach(optional zip draco meshopt webp gdal)
+foreach(optional zip draco meshopt webp)
   if(TARGET gb_${optional})
     list(APPEND exported gb_${optional})
   endif()
@@ -41,7 +40,8 @@ endforeach()
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/gigabake)
 install(EXPORT gigabakeTargets NAMESPACE gigabake:: DESTINATION ${package_folder} COMPONENT development)
 configure_package_config_file(${CMAKE_SOURCE_DIR}/packaging/gigabakeConfig.cmake.in
-                              ${CMAKE_BINARY_DIR}/gigabakeConfig.cmake INSTALL_DESTINATION ${package_folder})
+                              ${CMAKE_BINARY_DIR}/gigabakeConfig.cmake INSTALL_DESTINATION ${package_folder}
+                              PATH_VARS GIGABAKE_MODULE_FOLDER)
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/gigabakeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/gigabakeConfig.cmake ${CMAKE_BINARY_DIR}/gigabakeConfigVersion.cmake
         DESTINATION ${package_folder} COMPONENT development)
@@ -59,7 +59,7 @@ foreach(package IN ITEMS runtime=gigabake development=gigabake-dev)
 endforeach()
 
 set(CPACK_PACKAGE_NAME gigabake)
-set(CPACK_PACKAGE_CONTACT "The gigabake developers <gigabake@lists.example.org>")
+set(CPACK_PACKAGE_CONTACT "The gigabake maintainers <maintainers@users.noreply.h-seed-25f34ac8.example>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "bakes textured terrain into sparse voxel oct-trees")
 set(CPACK_PACKAGE_DESCRIPTION "gigabake turns a textured polygonal terrain into a paged scene of sparse
 voxel oct-trees, on a laptop or on many ranks, and shows the result in a
@@ -77,7 +77,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME gigabake-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libhdf5-dev, liblz4-dev, libdeflate-dev, libpng-dev, zlib1g-dev, libjpeg-dev, libtinygltf-dev, \
 libgeographiclib-dev, libpugixml-dev, nlohmann-json3-dev, libxxhash-dev, libfmt-dev, libspdlog-dev, \
-libzip-dev, libdraco-dev, libmeshoptimizer-dev, libwebp-dev, libgdal-dev")
+libzip-dev, libdraco-dev, libmeshoptimizer-dev, libwebp-dev, gigabake (= ${PROJECT_VERSION})")
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "${CPACK_PACKAGE_DESCRIPTION}")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "gigabake::format and gigabake::kernels for CMake: libraries and headers to
 read and write its files and to run its kernels.")

@@ -1,5 +1,10 @@
 # One static library per folder; the include root is the source root, so that #include "format/shard.h" says the folder.
 
+include(GNUInstallDirs)
+# Where modules are installed, and where programs look for them: beside themselves in a build.
+set(GIGABAKE_MODULE_FOLDER ${CMAKE_INSTALL_LIBDIR}/gigabake)
+set(CMAKE_BUILD_RPATH ${CMAKE_BINARY_DIR})
+
 # Contraction and fast-math would let CPU and GPU differ in the last bit.
 set(gb_cxx_options -Wall -Wextra -Wshadow -ffp-contract=off)
 # AVX2 where the machine that builds has it: a quarter of the time, the same bits (nothing is contracted).
@@ -34,6 +39,9 @@ function(gb_options target)
     target_compile_options(${target} PUBLIC "$<$<COMPILE_LANGUAGE:CXX>:-fsanitize=address,undefined;-fno-sanitize-recover=all;-fno-omit-frame-pointer>")
     target_link_options(${target} PUBLIC -fsanitize=address,undefined)
   endif()
+  if(GIGABAKE_FUZZERS)
+    target_compile_options(${target} PUBLIC -fsanitize=fuzzer-no-link)
+  endif()
 endfunction()
 
 function(gb_library name)
@@ -49,6 +57,19 @@ function(gb_library name)
                                                      $<INSTALL_INTERFACE:include/gigabake>)
   target_link_libraries(gigabake_${name} PUBLIC ${ARGN})
   gb_options(gigabake_${name})
+endfunction()
+
+# gb_module(name sources… LIBRARIES libraries…): a part that is loaded when it is needed (format/module.h).
+function(gb_module name)
+  cmake_parse_arguments(ARG "" "" "LIBRARIES" ${ARGN})
+  set(module gigabake_${name}_module)
+  add_library(${module} MODULE ${ARG_UNPARSED_ARGUMENTS})
+  target_include_directories(${module} PRIVATE ${CMAKE_SOURCE_DIR})
+  target_link_libraries(${module} PRIVATE ${ARG_LIBRARIES})
+  gb_options(${module})
+  set_target_properties(${module} PROPERTIES PREFIX "" OUTPUT_NAME gigabake-${name}-${PROJECT_VERSION}
+                                             LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
+  install(TARGETS ${module} DESTINATION ${GIGABAKE_MODULE_FOLDER} COMPONENT runtime)
 endfunction()
 
 # gb_test(folder label libraries…): every tests/<folder>/*.cpp (and *.cu where nvcc is found) is one GoogleTest executable, gigabake_test_<folder>.

@@ -113,7 +113,7 @@ void open_i3dm(const TileRef& tile, const SourceFiles& files, ContentContainer& 
   if (format == 1) return;
   out.model_uri = model_uri_of(in.rest);
   out.gltf_file = resolve_uri(files.root(), tile.path, "glTF URI", out.model_uri);
-  out.model = files.read(out.gltf_file);
+  out.model = files.read_content(out.gltf_file);
   out.gltf = out.model;
 }
 
@@ -132,7 +132,7 @@ SourceFiles files_of(const TileRef& tile, const std::filesystem::path& root) {
 
 ContentContainer open_container(const TileRef& tile, const SourceFiles& files) {
   ContentContainer out;
-  out.file = files.read(tile.path);
+  out.file = files.read_content(tile.path);
   out.content = content_of(tile, out.file);
   out.gltf = out.content;
   out.gltf_file = tile.path;

@@ -41,9 +41,6 @@ struct DemTile {
   std::array<double, 3> offset_m{};  ///< of the tile's own frame in the raster's: whole metres
 };
 
-/// Whether gigabake was built with GDAL.
-bool has_gdal();
-
 /// Reads the raster's head, no elevation. Formats: GeoTIFF (COG), ASCII grid, SRTM HGT, PNG and JPEG with a world file.
 /// Errors  InputError naming the key of the scene file to set: a coordinate system that is missing, unknown, not on the
 ///         earth, or that the raster's numbers do not fit; no raster; built without GDAL.

@@ -44,10 +44,13 @@ bool read_inside_root(std::vector<unsigned char>* out, std::string* error, const
   }
 }
 
+/// tinygltf quotes whole data URIs.
 std::string first_line(const std::string& text) {
+  constexpr std::size_t longest = 200;
   const auto begin = text.find_first_not_of(" \t\r\n");
   if (begin == std::string::npos) return "cannot be read as glTF";
-  return text.substr(begin, text.find_first_of("\r\n", begin) - begin);
+  const std::string line = text.substr(begin, text.find_first_of("\r\n", begin) - begin);
+  return line.size() <= longest ? line : line.substr(0, longest) + "…";
 }
 
 void parse(const ContentContainer& container, LoadContext& context) {

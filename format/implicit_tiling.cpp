@@ -71,7 +71,7 @@ std::string filled_template(const std::string& uri, const TileCoordinates& place
 class SubtreeAvailability::Reader {
  public:
   Reader(const SourceFiles& files, const std::filesystem::path& file) : files_(files), file_(file) {
-    bytes_ = files.read(file);
+    bytes_ = files.read_content(file);
     ByteCursor in{file_, bytes_, bytes_};
     if (bytes_.size() < 4 || in.word("the subtree") != subtree_magic) {
       json_ = parse_json(file, bytes_);

@@ -7,6 +7,7 @@
 #include "format/dem_source.h"
 #include "format/error.h"
 #include "format/georeference.h"
+#include "format/source_files.h"
 #include "format/transform.h"
 
 namespace gigabake {
@@ -17,7 +18,7 @@ constexpr double radians = std::numbers::pi / 180;
 bool is_scene(const std::filesystem::path& path) {
   std::error_code error;
   if (lower_extension(path) != ".json" || !std::filesystem::is_regular_file(path, error)) return false;
-  const Json json = parse_json(path, read_whole_file(path));
+  const Json json = parse_json(path, SourceFiles(path.parent_path()).read_content(path));
   return json.is_object() && json.contains("gigabake");
 }
 
@@ -98,10 +99,17 @@ Affine<Scene, Scene> placement(const Entry& e, const std::optional<Geodetic>& or
 
 void add_entry(Entry e, SceneSources& out) {
   const Affine<Scene, Scene> place = placement(e, out.origin);
+  // Names of the file, which many tiles of a raster or a composite share: finding them asks the system.
+  std::filesystem::path file;
+  std::string own, name;
   for (TileRef& tile : e.source.tiles) {
     tile.scene_from_tile = place * tile.scene_from_tile;
-    const std::string own = name_in(e.source.root, tile.path);  // what follows says which part of the file it is
-    tile.name = name_in(out.root, tile.path) + tile.name.substr(std::min(own.size(), tile.name.size()));
+    if (tile.path != file) {
+      file = tile.path;
+      own = name_in(e.source.root, file);
+      name = name_in(out.root, file);
+    }
+    tile.name = name + tile.name.substr(std::min(own.size(), tile.name.size()));  // which part of the file it is
     out.tiles.push_back(std::move(tile));
   }
   for (SkippedSource& lost : e.source.skipped) {

@@ -49,7 +49,7 @@ void add_mesh_file(const Path& path, const SourceOptions& options, SceneSources&
     out.tiles.push_back(tile);
     return;
   }
-  for (const CompositePart& part : parts_of_composite(path, files.read(path))) {
+  for (const CompositePart& part : parts_of_composite(path, files.read_content(path))) {
     TileRef inner = tile;
     inner.name += part.name;
     inner.range = part.range;
@@ -93,13 +93,13 @@ SceneSources archive_sources(const Path& file, const SourceOptions& options) {
   const SourceFiles files(std::make_shared<const Archive>(file));
   const Path tileset = file / "tileset.json";
   if (!files.has(tileset)) throw InputError(file, "", "holds no tileset.json");
-  const Json json = parse_json(tileset, files.read(tileset));
+  const Json json = parse_json(tileset, files.read_content(tileset));
   if (!json.is_object() || !json.contains("root")) throw InputError(tileset, "root", "is missing");
   return tileset_sources(files, tileset, json, options);
 }
 
 SceneSources json_sources(const Path& file, const SourceOptions& options) {
-  const Json json = parse_json(file, read_whole_file(file));
+  const Json json = parse_json(file, SourceFiles(folder_of(file)).read_content(file));
   if (!json.is_object()) throw InputError(file, "", "expected a tileset.json or a scene .json");
   if (json.contains("gigabake")) return open_scene_json(file, json, options);
   if (json.contains("root")) return tileset_sources(SourceFiles(folder_of(file)), file, json, options);

@@ -1,14 +1,18 @@
 #include "format/source_files.h"
 
+#include <algorithm>
 #include <fstream>
 
 #include "format/error.h"
+#include "format/gzip.h"
 #include "format/source_file.h"
 
 namespace gigabake {
 namespace {
 
 constexpr std::uint64_t largest_file = std::uint64_t(1) << 32;
+/// Of a gzip file, with its header and the name in it.
+constexpr std::size_t gzip_head_bytes = 1024;
 
 }  // namespace
 
@@ -33,13 +37,24 @@ std::vector<std::uint8_t> SourceFiles::read(const std::filesystem::path& file) c
   return archive_->read(entry, largest_file);
 }
 
-std::vector<std::uint8_t> SourceFiles::head_of(const std::filesystem::path& file, std::uint64_t most_bytes) const {
+std::vector<std::uint8_t> SourceFiles::read_content(const std::filesystem::path& file) const {
+  std::vector<std::uint8_t> bytes = read(file);
+  return is_gzip(bytes) ? unpacked_gzip(file, bytes, largest_file) : bytes;
+}
+
+std::vector<std::uint8_t> SourceFiles::content_head(const std::filesystem::path& file, std::size_t most_bytes) const {
   if (!has(file)) return {};
-  if (archive_) return archive_->read(name_in(root_, file), most_bytes);
-  std::vector<std::uint8_t> head(most_bytes);
-  std::ifstream in(file, std::ios::binary);
-  in.read(reinterpret_cast<char*>(head.data()), std::streamsize(most_bytes));
-  head.resize(std::size_t(in.gcount()));
+  std::vector<std::uint8_t> head;
+  if (archive_) {
+    head = archive_->read(name_in(root_, file), gzip_head_bytes);
+  } else {
+    head.resize(gzip_head_bytes);
+    std::ifstream in(file, std::ios::binary);
+    in.read(reinterpret_cast<char*>(head.data()), std::streamsize(head.size()));
+    head.resize(std::size_t(in.gcount()));
+  }
+  if (is_gzip(head)) return unpacked_gzip_head(head, most_bytes);
+  head.resize(std::min(head.size(), most_bytes));
   return head;
 }
 

@@ -27,8 +27,11 @@ class SourceFiles {
   std::uint64_t size_of(const std::filesystem::path& file) const;
   /// Errors  InputError: no such file, larger than 4 GiB, cannot be read.
   std::vector<std::uint8_t> read(const std::filesystem::path& file) const;
-  /// The first bytes, at most `most_bytes`; nothing where there is no file.
-  std::vector<std::uint8_t> head_of(const std::filesystem::path& file, std::uint64_t most_bytes) const;
+  /// As read(), of what servers may keep packed by gzip: tiles, tilesets and subtrees.
+  /// Errors  also as unpacked_gzip(), and where it unpacks to more than 4 GiB.
+  std::vector<std::uint8_t> read_content(const std::filesystem::path& file) const;
+  /// The first bytes of read_content(), at most `most_bytes`; nothing where there is no file.
+  std::vector<std::uint8_t> content_head(const std::filesystem::path& file, std::size_t most_bytes) const;
   /// Of the file, known as `name`; of the archive, by its absolute path, where there is one.
   StampedFile stamp(const std::string& name, const std::filesystem::path& file) const;
 

@@ -191,7 +191,7 @@ class Reader {
     Subtree found;
     for (const std::string& uri : uris) {
       const Path path = resolve_uri(here.files.root(), here.file, where + ".content.uri", uri);
-      const ContentMagic magic = content_magic(here.files.head_of(path, 4));
+      const ContentMagic magic = content_magic(here.files.content_head(path, 4));
       if (magic == ContentMagic::zip) join(found, read_archive(path, here));
       if (magic != ContentMagic::json) continue;
       if (const Json json = read_json(here.files, path); is_tileset(json)) join(found, read_document(path, json, here));
@@ -226,7 +226,7 @@ class Reader {
       skip(here, key, in_quotes(uri) + " is missing", false);
       return {{}, true};
     }
-    const auto head = or_loss(here, key, [&] { return here.files.head_of(path, 4); });
+    const auto head = or_loss(here, key, [&] { return here.files.content_head(path, 4); });
     if (!head) return {{}, true};
     const ContentMagic magic = content_magic(*head);
     if (magic == ContentMagic::zip) return read_archive(path, here);
@@ -263,7 +263,7 @@ class Reader {
   }
 
   Subtree read_composite(const Path& path, const std::string& uri, const std::string& key, const Context& here) {
-    const auto parts = or_loss(here, key, [&] { return parts_of_composite(path, here.files.read(path)); });
+    const auto parts = or_loss(here, key, [&] { return parts_of_composite(path, here.files.read_content(path)); });
     if (!parts) return {{}, true};
     Subtree found;
     for (const CompositePart& part : *parts)
@@ -294,7 +294,7 @@ class Reader {
   }
 
   Json read_json(const SourceFiles& files, const Path& path) {
-    const std::vector<std::uint8_t> text = files.read(path);
+    const std::vector<std::uint8_t> text = files.read_content(path);
     external_bytes_ += std::max<std::uint64_t>(text.size(), least_external_bytes);
     if (external_bytes_ > most_external_bytes)
       throw InputError(path, "", "external tilesets include each other too often: over 4 GiB, or over 2^18 files");

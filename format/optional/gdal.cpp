@@ -6,6 +6,7 @@
 #include "format/dem.h"
 #include "format/error.h"
 #include "format/georeference.h"
+#include "format/optional/gdal_module.h"
 #include "format/optional/gdal_raster.h"
 
 namespace gigabake {
@@ -176,11 +177,7 @@ void add_files(const Path& file, const char* key, std::vector<Path>& out) {
   if (std::find(out.begin(), out.end(), file) == out.end()) out.push_back(file);
 }
 
-}  // namespace
-
-bool has_gdal() { return true; }
-
-std::vector<DemTile> open_dem(const DemOptions& options) {
+std::vector<DemTile> tiles_of(const DemOptions& options) {
   const QuietErrors quiet;
   const Dataset dataset = open_raster(options.dem, "dem");
   const Grid grid = grid_of(options.dem, *dataset);
@@ -210,7 +207,7 @@ std::vector<DemTile> open_dem(const DemOptions& options) {
   return tiles;
 }
 
-DemMesh read_dem(const DemTile& tile, bool with_ortho) {
+DemMesh mesh_of(const DemTile& tile, bool with_ortho) {
   const QuietErrors quiet;
   const DemOptions& o = tile.raster->options;
   const Dataset dataset = open_raster(o.dem, "dem");
@@ -238,7 +235,7 @@ DemMesh read_dem(const DemTile& tile, bool with_ortho) {
   return out;
 }
 
-std::vector<std::filesystem::path> dem_files(const DemOptions& options) {
+std::vector<Path> files_of(const DemOptions& options) {
   const QuietErrors quiet;
   std::vector<Path> out;
   add_files(options.dem, "dem", out);
@@ -246,4 +243,10 @@ std::vector<std::filesystem::path> dem_files(const DemOptions& options) {
   return out;
 }
 
+}  // namespace
 }  // namespace gigabake
+
+const gigabake::GdalModule* gigabake_gdal() {
+  static const gigabake::GdalModule module{gigabake::tiles_of, gigabake::mesh_of, gigabake::files_of};
+  return &module;
+}

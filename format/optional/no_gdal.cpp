@@ -3,8 +3,6 @@
 
 namespace gigabake {
 
-bool has_gdal() { return false; }
-
 std::vector<DemTile> open_dem(const DemOptions& options) {
   throw InputError(options.dem, "dem", "this gigabake was built without GDAL; install libgdal-dev and build again");
 }

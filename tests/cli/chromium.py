@@ -12,6 +12,8 @@ NAMES = ("chromium", "chromium-browser", "google-chrome")
 OPTIONS = ("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync",
            "--disable-background-networking", "--disable-component-update", "--hide-scrollbars",
            "--disable-dev-shm-usage", "--remote-debugging-pipe")
+# WebGL 2 by software.
+WEBGL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 ANSWER_S = 120
 
 
@@ -33,13 +35,13 @@ def find():
 class Page:
     """One page of a browser of its own."""
 
-    def __init__(self, program, url, width, height):
+    def __init__(self, program, url, width, height, options=()):
         self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)  # its helpers write on for a moment
         read_end, to_browser = os.pipe()
         from_browser, write_end = os.pipe()
         # The browser reads commands from descriptor 3 and writes answers to 4.
         wrapper = f'exec "$@" 3<&{read_end} 4>&{write_end}'
-        command = ["bash", "-c", wrapper, "bash", program, *OPTIONS, f"--user-data-dir={self.profile.name}"]
+        command = ["bash", "-c", wrapper, "bash", program, *OPTIONS, *options, f"--user-data-dir={self.profile.name}"]
         self.process = subprocess.Popen(command, pass_fds=(read_end, write_end), stdout=subprocess.DEVNULL,
                                         stderr=subprocess.DEVNULL)
         os.close(read_end)

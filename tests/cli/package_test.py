@@ -31,6 +31,16 @@ class Package(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.path = Path(folder.name)
 
+    def expect_modules_load(self, prefix):
+        """The installed program finds what it loads when it is needed: an error about the raster is GDAL's."""
+        for module in BUILD.glob("gigabake-*.so"):
+            self.assertTrue((prefix / "lib/gigabake" / module.name).exists(), module)
+        if list(BUILD.glob("gigabake-gdal-*.so")):
+            (self.path / "none.tif").write_bytes(b"no raster")
+            told = subprocess.run([prefix / "bin/gigabake", "plan", self.path / "none.tif", "--voxel-size", "1"],
+                                  capture_output=True, text=True, timeout=60, check=False)
+            self.assertIn("expected a GeoTIFF", told.stderr)
+
     def install(self):
         prefix = self.path / "prefix"
         succeed("cmake", "--install", BUILD, "--prefix", prefix)
@@ -39,6 +49,7 @@ class Package(unittest.TestCase):
     def test_the_installed_program_runs_and_has_a_manual_and_completion(self):
         prefix = self.install()
         self.assertIn("gigabake", succeed(prefix / "bin/gigabake", "--version"))
+        self.expect_modules_load(prefix)
         page = gzip.decompress((prefix / "share/man/man1/gigabake-bake.1.gz").read_bytes()).decode()
         self.assertIn("voxel\\-size", page)
         for file in ("bash-completion/completions/gigabake", "zsh/vendor-completions/_gigabake",
@@ -90,6 +101,7 @@ class Package(unittest.TestCase):
         unpacked = self.path / "unpacked"
         succeed("dpkg-deb", "-x", program, unpacked)
         self.assertIn("gigabake", succeed(unpacked / "usr/bin/gigabake", "--version"))
+        self.expect_modules_load(unpacked / "usr")
         if shutil.which("lintian"):
             told = subprocess.run(["lintian", "--fail-on", "none", program, development], capture_output=True,
                                   text=True, timeout=600, check=False, env=dict(os.environ, LC_ALL="C.UTF-8"))

@@ -169,5 +169,13 @@ TEST(GltfRead, NamesWhatIsWrongAndWhere) {
   EXPECT_THAT(refusal(g), HasSubstr("buffers[0].byteLength"));
 }
 
+TEST(GltfRead, ADataUriThatCannotBeDecodedIsNotRepeatedInTheMessage) {
+  Json g = square_gltf();
+  const std::string digits(5000, 'A');
+  g["buffers"][0]["uri"] = "data:application/octet-stream;base64," + digits + ";" + digits;
+  EXPECT_THAT(refusal(g), HasSubstr("data:application"));
+  EXPECT_LT(refusal(g).size(), 500u);
+}
+
 }  // namespace
 }  // namespace gigabake

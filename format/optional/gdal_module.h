@@ -1,0 +1,20 @@
+/// What the module "gdal" does: the functions of format/dem.h.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "format/dem.h"
+
+namespace gigabake {
+
+struct GdalModule {
+  std::vector<DemTile> (*open_dem)(const DemOptions& options);
+  DemMesh (*read_dem)(const DemTile& tile, bool with_ortho);
+  std::vector<std::filesystem::path> (*dem_files)(const DemOptions& options);
+};
+
+}  // namespace gigabake
+
+/// The module's only symbol. Its lifetime is the process's.
+extern "C" const gigabake::GdalModule* gigabake_gdal();

@@ -1,0 +1,68 @@
+// Readers of what a bake writes about itself, and of what its processes tell each other.
+#include <array>
+#include <string>
+
+#include "format/cell_job.h"
+#include "format/error.h"
+#include "scheduler/bake_status.h"
+#include "scheduler/journal_content.h"
+#include "scheduler/survey_cache.h"
+#include "tests/format/source_scene.h"
+#include "tests/fuzz/readers.h"
+#include "worker/bake_messages.h"
+#include "worker/worker_setup.h"
+
+namespace gigabake::fuzz {
+namespace {
+
+void read_frames(Bytes bytes) {
+  FrameReader frames;
+  frames.add(bytes);
+  while (frames.next()) {
+  }
+}
+
+}  // namespace
+
+void journal(Bytes bytes) {
+  const JournalContent content({bytes.begin(), bytes.end()});
+  content.find({});
+  content.knows_cell("c_0_0_0");
+  const JournalContent again(content.compacted([](const Hash128&) { return true; }));
+  if (again.fingerprints() != content.fingerprints()) throw FaultFound("a journal written again has other records");
+}
+
+void survey_cache(Bytes bytes) {
+  static const test::SourceFolder folder;
+  const SurveyCache cache(folder.write("survey.cache", std::string(bytes.begin(), bytes.end())));
+  SceneSources sources;
+  sources.tiles.emplace_back();
+  cache.find(sources, 0, {});
+}
+
+void bake_status(Bytes bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const BakeStatus status = status_from_json("status.json", text);
+  to_prometheus(status);
+  const BakeStatus again = status_from_json("again.json", to_json(status));
+  if (!(status_from_json("third.json", to_json(again)) == again))
+    throw FaultFound("a status that was written is another one");
+}
+
+void bake_messages(Bytes bytes) {
+  using Decoder = void (*)(Bytes);
+  static constexpr std::array<Decoder, 9> decoders{
+      read_frames,
+      [](Bytes b) { device_from_bytes(b); },
+      [](Bytes b) { order_from_bytes(b); },
+      [](Bytes b) { answer_from_bytes(b); },
+      [](Bytes b) { tile_of_request(b); },
+      [](Bytes b) { setup_from_bytes(b); },
+      [](Bytes b) { to_bytes(job_from_bytes(b)); },
+      [](Bytes b) { to_bytes(report_from_bytes(b)); },
+      [](Bytes b) { to_bytes(survey_from_bytes(b)); },
+  };
+  if (!bytes.empty()) decoders[bytes[0] % decoders.size()](bytes.subspan(1));
+}
+
+}  // namespace gigabake::fuzz

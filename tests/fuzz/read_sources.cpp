@@ -1,0 +1,161 @@
+// Readers of sources.
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include "format/content_magic.h"
+#include "format/mesh.h"
+#include "format/read_file.h"
+#include "format/source.h"
+#include "format/tile_hash.h"
+#include "kernels/policy.h"
+#include "tests/format/source_scene.h"
+#include "tests/fuzz/readers.h"
+#include "worker/survey_tile.h"
+
+namespace gigabake::fuzz {
+namespace {
+
+using Path = std::filesystem::path;
+using test::Json;
+using test::SourceFolder;
+
+/// A few bytes of a tileset can place one file a million times.
+constexpr std::size_t tiles_read = 3;
+
+std::string text_of(Bytes bytes) { return {bytes.begin(), bytes.end()}; }
+
+/// A survey of what spreads over millions of columns is refused after seconds, which a fuzzer has not.
+bool is_small(const TileMesh& mesh) {
+  constexpr double most_m = 1e5;
+  constexpr std::size_t most_points = 100'000;
+  std::size_t points = 0;
+  Point<Scene> first{};
+  for (const Instance& i : mesh.instances) {
+    const std::vector<float>& p = mesh.primitives[std::size_t(i.primitive)].position;
+    for (std::size_t v = 0; v + 2 < p.size(); v += 3) {
+      const Point<Scene> at = i.scene_from_local({p[v], p[v + 1], p[v + 2]});
+      if (points++ == 0) first = at;
+      if (std::fabs(at.x - first.x) > most_m || std::fabs(at.y - first.y) > most_m || points > most_points)
+        return false;
+    }
+  }
+  return true;
+}
+
+void read_as_a_bake_does(const Path& file) {
+  static const kernels::CpuPolicy policy(1);
+  BakeParameters parameters;
+  parameters.voxel_size_m = 1;
+  const SceneSources sources = open_sources(file, {});
+  for (std::uint32_t t = 0; t < std::min(tiles_read, sources.tiles.size()); ++t) {
+    const TileRef& tile = sources.tiles[t];
+    identify_tile(tile, sources.root);
+    const TileMesh mesh = read_tile(tile, sources.root, ReadScope::everything);
+    if (is_small(mesh)) survey_tile(sources, t, parameters, policy);
+    for (const Primitive& p : mesh.primitives)
+      for (const std::uint32_t vertex : p.index)
+        if (3 * std::size_t(vertex) >= p.position.size()) throw FaultFound("an index beyond the vertices");
+    for (const EncodedImage& i : mesh.images)
+      if (!i.bytes.empty()) decode_image(i);
+  }
+}
+
+/// A folder with what URIs may name.
+class Neighbours {
+ public:
+  Neighbours() {
+    folder_.write("model.gltf", test::square_gltf());
+    folder_.write("nested.json", test::tileset(test::tile("model.gltf")));
+    folder_.write("set.json", test::tileset(test::tile("model.gltf")));
+    const Json all{{"constant", 1}}, none{{"constant", 0}};
+    folder_.write("all.subtree", Json{{"tileAvailability", all},
+                                      {"contentAvailability", Json::array({all})},
+                                      {"childSubtreeAvailability", none}});
+  }
+  Path with(const std::string& name, Bytes bytes) const { return folder_.write(name, text_of(bytes)); }
+  Path with(const std::string& name, const Json& json) const { return folder_.write(name, json); }
+
+ private:
+  SourceFolder folder_;
+};
+
+const Neighbours& neighbours() {
+  static const Neighbours folder;
+  return folder;
+}
+
+/// All of its subtrees are one file.
+Json implicit_tileset(const char* scheme, int levels) {
+  const Json content{{"uri", "model.gltf"}};
+  Json root = test::tile("");
+  root["contents"] = Json::array({content, content});
+  root["implicitTiling"] = {{"subdivisionScheme", scheme},
+                            {"subtreeLevels", 2},
+                            {"availableLevels", levels},
+                            {"subtrees", {{"uri", "one.subtree"}}}};
+  return test::tileset(root);
+}
+
+}  // namespace
+
+void gltf(Bytes bytes) {
+  const std::vector<Bytes> parts = parts_of(bytes);
+  neighbours().with("data.bin", parts.size() > 1 ? parts[1] : Bytes());
+  const bool is_binary = content_magic(parts[0]) == ContentMagic::glb;
+  read_as_a_bake_does(neighbours().with(is_binary ? "tile.glb" : "tile.gltf", parts[0]));
+}
+
+void tile(Bytes bytes) {
+  const ContentMagic magic = content_magic(bytes);
+  const char* const name = magic == ContentMagic::composite ? "tile.cmpt"
+                           : magic == ContentMagic::i3dm    ? "tile.i3dm"
+                                                            : "tile.b3dm";
+  read_as_a_bake_does(neighbours().with(name, bytes));
+}
+
+void tileset(Bytes bytes) { read_as_a_bake_does(neighbours().with("tileset.json", bytes)); }
+
+void subtree(Bytes bytes) {
+  const std::vector<Bytes> parts = parts_of(bytes);
+  neighbours().with("bits.bin", parts.size() > 1 ? parts[1] : Bytes());
+  neighbours().with("one.subtree", parts[0]);
+  static const Path quadtree = neighbours().with("quadtree.json", implicit_tileset("QUADTREE", 4));
+  static const Path octree = neighbours().with("octree.json", implicit_tileset("OCTREE", 3));
+  for (const Path& file : {quadtree, octree}) open_sources(file, {});
+}
+
+void archive(Bytes bytes) { read_as_a_bake_does(neighbours().with("set.3tz", bytes)); }
+
+void scene_json(Bytes bytes) { read_as_a_bake_does(neighbours().with("scene.json", bytes)); }
+
+void obj(Bytes bytes) {
+  const std::vector<Bytes> parts = parts_of(bytes);
+  neighbours().with("material.mtl", parts.size() > 1 ? parts[1] : Bytes());
+  read_as_a_bake_does(neighbours().with("tile.obj", parts[0]));
+}
+
+void raster(Bytes bytes) {
+  neighbours().with("raster.tif", bytes);
+  static const Path scene = [] {
+    const Json dem{{"dem", "raster.tif"}, {"crs", "EPSG:25832"}, {"height_scale", 1}, {"tile_cells", 16}};
+    return neighbours().with("raster.json", Json{{"gigabake", 1}, {"sources", Json::array({dem})}});
+  }();
+  read_as_a_bake_does(scene);
+}
+
+void orthophoto(Bytes bytes) {
+  neighbours().with("photo.tif", bytes);
+  static const Path scene = [] {
+    std::string grid = "ncols 17\nnrows 17\nxllcorner 500000\nyllcorner 5100000\ncellsize 10\n";
+    for (int i = 0; i < 17 * 17; ++i) grid += std::to_string(i % 5) + (i % 17 == 16 ? "\n" : " ");
+    const Json dem{{"dem", "grid.asc"}, {"ortho", "photo.tif"}, {"crs", "EPSG:25832"}, {"tile_cells", 16}};
+    neighbours().with("grid.asc", Bytes(reinterpret_cast<const std::uint8_t*>(grid.data()), grid.size()));
+    return neighbours().with("photo.json", Json{{"gigabake", 1}, {"sources", Json::array({dem})}});
+  }();
+  read_as_a_bake_does(scene);
+}
+
+void image(Bytes bytes) { decode_image({"image", {bytes.begin(), bytes.end()}}); }
+
+}  // namespace gigabake::fuzz

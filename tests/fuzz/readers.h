@@ -1,0 +1,53 @@
+/// Every reader of bytes that others may have written, called on bytes as the program calls it: what the fuzzers and
+/// the files of tests/fuzz/corpus feed.
+///
+/// Where a reader takes several files the bytes hold them one after the other, each but the first behind `part_mark`.
+/// Errors (all)  InputError or UsageError: refused. FaultFound: what was read breaks a promise of the reader. Anything
+///         else that is thrown is a fault, too.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <string_view>
+#include <vector>
+
+namespace gigabake::fuzz {
+
+using Bytes = std::span<const std::uint8_t>;
+
+inline constexpr std::string_view part_mark = "\n#%part\n";
+std::vector<Bytes> parts_of(Bytes bytes);
+
+struct FaultFound : std::logic_error {
+  using std::logic_error::logic_error;
+};
+
+// Sources: opened, identified, surveyed and read with their images, as a bake does.
+void gltf(Bytes bytes);        ///< GLB or glTF; then data.bin
+void tile(Bytes bytes);        ///< b3dm, i3dm, cmpt; its URIs may name model.glb
+void tileset(Bytes bytes);     ///< a tileset.json; its URIs may name model.glb, nested.json, all.subtree
+void subtree(Bytes bytes);     ///< a subtree, binary or JSON, of two contents; then bits.bin
+void archive(Bytes bytes);     ///< a .3tz
+void scene_json(Bytes bytes);  ///< a scene .json; it may name model.glb, set.json
+void obj(Bytes bytes);         ///< an OBJ; then material.mtl
+void raster(Bytes bytes);      ///< an elevation raster of any format, in EPSG:25832
+void orthophoto(Bytes bytes);  ///< a photo of any format over a raster of 17×17
+void image(Bytes bytes);       ///< PNG, JPEG, WebP
+
+// Results of bakes.
+void shard(Bytes bytes);           ///< as a whole, and page by page
+void scene_xml(Bytes bytes);       ///< and the parameters in it
+void gigavoxel_list(Bytes bytes);  ///< a .gvp
+void gigavoxel_tree(Bytes bytes);  ///< tree.gvx or tree.gvo; then its brick file
+void journal(Bytes bytes);
+void survey_cache(Bytes bytes);
+void bake_status(Bytes bytes);  ///< status.json; what is read is written and read again
+
+// What arrives over sockets, and camera paths.
+void bake_messages(Bytes bytes);  ///< the first byte says which decoder
+void camera_path(Bytes bytes);    ///< what is read is written and read again
+void steering(Bytes bytes);       ///< a browser's JSON, carried out
+void http_head(Bytes bytes);      ///< one value a line
+
+}  // namespace gigabake::fuzz
