@@ -10,7 +10,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::size_t groups = 64, bricks_per_range = 2048;
+constexpr std::size_t groups = 64, bricks_per_range = 2048, voxels_per_range = 1 << 17;
 constexpr std::size_t own = groups;  ///< the voxel has a value of its own
 
 /// 8·octant + group of voxel (x, y, z), by x + 8y + 64z.
@@ -67,39 +67,60 @@ std::size_t for_each_value(const std::uint64_t* mask, const std::uint8_t* share,
   return values;
 }
 
-/// The voxels of a group, octant or brick seen so far.
-struct Alike {
-  const std::uint8_t* value = nullptr;  ///< of the first voxel
-  bool holds = true;
-
-  template <class Width>
-  void add(const std::uint8_t* other, bool others_hold, Width width) {
-    if (value == nullptr) value = other;
-    holds &= others_hold && std::memcmp(value, other, width) == 0;
-  }
+/// The groups of a brick that have voxels.
+struct BrickGroups {
+  std::array<const std::uint8_t*, groups> value;  ///< of the first voxel, where there is one
+  std::array<std::uint8_t, groups> voxels{};
+  std::uint64_t seen = 0, mixed = 0;  ///< a bit a group: has voxels, that differ
 };
 
-void find_shares(const std::uint64_t* mask, ChannelBytes<const std::uint8_t> bytes, std::size_t width,
-                 std::uint8_t* share) {
-  std::array<Alike, groups> group{};
-  with_known_width(width, [&](auto known) {
-    std::size_t voxel = 0;
-    for_each_group_of_voxels(mask, [&](std::uint8_t g) { group[g].add(bytes[voxel++], true, known); });
+template <class Width>
+BrickGroups compare_groups(const std::uint64_t* mask, ChannelBytes<const std::uint8_t> bytes, Width width) {
+  BrickGroups all;
+  std::size_t voxel = 0;
+  for_each_group_of_voxels(mask, [&](std::uint8_t g) {
+    const std::uint8_t* value = bytes[voxel++];
+    const std::uint64_t bit = std::uint64_t(1) << g;
+    if ((all.seen & bit) == 0) all.value[g] = value;
+    all.seen |= bit;
+    if (std::memcmp(all.value[g], value, width) != 0) all.mixed |= bit;
+    ++all.voxels[g];
   });
-  Alike brick;
+  return all;
+}
+
+/// Whether all voxels of these groups are alike.
+template <class Width>
+bool are_alike(const BrickGroups& all, std::uint64_t which, Width width) {
+  if ((all.mixed & which) != 0) return false;
+  const std::uint8_t* value = all.value[std::size_t(std::countr_zero(which))];
+  for (std::uint64_t rest = which & (which - 1); rest != 0; rest &= rest - 1)
+    if (std::memcmp(value, all.value[std::size_t(std::countr_zero(rest))], width) != 0) return false;
+  return true;
+}
+
+/// Returns how many values the brick has.
+template <class Width>
+std::size_t find_shares(const std::uint64_t* mask, ChannelBytes<const std::uint8_t> bytes, Width width,
+                        std::uint8_t* share) {
+  const BrickGroups all = compare_groups(mask, bytes, width);
+  std::size_t values = 0;
   for (unsigned o = 0; o < 8; ++o) {
-    Alike octant;
-    for (unsigned g = 0; g < 8; ++g) {
-      const Alike& of_group = group[8 * o + g];
-      if (of_group.value == nullptr) continue;
-      if (of_group.holds) share[o] |= std::uint8_t(1u << g);
-      octant.add(of_group.value, of_group.holds, width);
+    const std::uint64_t octant = all.seen & std::uint64_t(0xff) << 8 * o;
+    if (octant == 0) continue;
+    share[o] = std::uint8_t((octant & ~all.mixed) >> 8 * o);
+    if (are_alike(all, octant, width)) {
+      share[8] |= std::uint8_t(1u << o);
+      ++values;
+      continue;
     }
-    if (octant.value == nullptr) continue;
-    if (octant.holds) share[8] |= std::uint8_t(1u << o);
-    brick.add(octant.value, octant.holds, width);
+    for (std::uint64_t rest = octant; rest != 0; rest &= rest - 1) {
+      const unsigned g = unsigned(std::countr_zero(rest));
+      values += (all.mixed >> g & 1) != 0 ? all.voxels[g] : 1;
+    }
   }
-  share[9] = brick.holds ? 1 : 0;
+  share[9] = all.seen == 0 || are_alike(all, all.seen, width) ? 1 : 0;
+  return share[9] != 0 ? std::min<std::size_t>(values, 1) : values;
 }
 
 bool all_alike(ChannelBytes<const std::uint8_t> bytes, std::size_t width, std::size_t voxels) {
@@ -108,11 +129,13 @@ bool all_alike(ChannelBytes<const std::uint8_t> bytes, std::size_t width, std::s
   return true;
 }
 
-void copy_values(ChannelBytes<const std::uint8_t> bytes, std::size_t width, std::size_t voxels,
+void copy_values(ChannelBytes<const std::uint8_t> bytes, std::size_t width, std::size_t voxels, int threads,
                  std::vector<std::uint8_t>& value) {
   value.resize(voxels * width);
   with_known_width(width, [&](auto known) {
-    for (std::size_t v = 0; v < voxels; ++v) std::memcpy(&value[v * known], bytes[v], known);
+    parallel_ranges(voxels, voxels_per_range, threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) std::memcpy(&value[v * known], bytes[v], known);
+    });
   });
 }
 
@@ -123,7 +146,7 @@ SharedValues share_values(std::span<const std::uint64_t> mask, std::span<const s
   const std::size_t bricks = first.size() - 1, voxels = first.back();
   SharedValues out;
   if (voxels > 1 && all_alike(bytes, width, voxels)) {
-    copy_values(bytes, width, 1, out.value);
+    copy_values(bytes, width, 1, 1, out.value);
     return out;
   }
   out.share.resize(share_bytes * bricks);
@@ -132,23 +155,27 @@ SharedValues share_values(std::span<const std::uint64_t> mask, std::span<const s
     return ChannelBytes<const std::uint8_t>{bytes[first[b]], bytes.stride};
   };
   parallel_ranges(bricks, bricks_per_range, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b < end; ++b) {
-      find_shares(&mask[8 * b], brick_bytes(b), width, &out.share[share_bytes * b]);
-      out.first[b + 1] = count_values(&mask[8 * b], &out.share[share_bytes * b]);
-    }
+    with_known_width(width, [&](auto known) {
+      for (std::size_t b = begin; b < end; ++b)
+        out.first[b + 1] = find_shares(&mask[8 * b], brick_bytes(b), known, &out.share[share_bytes * b]);
+    });
   });
   for (std::size_t b = 0; b < bricks; ++b) out.first[b + 1] += out.first[b];
   if (4 * (out.first.back() * width + (share_bytes + 2) * bricks) >= 3 * voxels * width) {
     out = {};
-    copy_values(bytes, width, voxels, out.value);
+    copy_values(bytes, width, voxels, threads, out.value);
     return out;
   }
   out.value.resize(out.first.back() * width);
   parallel_ranges(bricks, bricks_per_range, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b < end; ++b)
-      for_each_value(&mask[8 * b], &out.share[share_bytes * b], [&](std::size_t voxel, std::size_t value, bool is_new) {
-        if (is_new) std::copy_n(brick_bytes(b)[voxel], width, &out.value[(out.first[b] + value) * width]);
-      });
+    with_known_width(width, [&](auto known) {
+      for (std::size_t b = begin; b < end; ++b)
+        for_each_value(&mask[8 * b], &out.share[share_bytes * b],
+                       [&](std::size_t voxel, std::size_t value, bool is_new) {
+                         const ChannelBytes<const std::uint8_t> brick = brick_bytes(b);
+                         if (is_new) std::memcpy(&out.value[(out.first[b] + value) * known], brick[voxel], known);
+                       });
+    });
   });
   return out;
 }
