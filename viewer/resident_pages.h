@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "viewer/page.h"
@@ -42,6 +43,8 @@ class ResidentPages {
   static constexpr std::uint64_t gone = std::numeric_limits<std::uint64_t>::max();
 
   struct Resident {
+    Resident(Page its_page, std::uint64_t its_bytes, std::uint64_t last_used)
+        : page(std::move(its_page)), bytes(its_bytes), used(last_used) {}
     Page page;
     std::uint64_t bytes;
     mutable std::atomic<std::uint64_t> used;  ///< the last pass that found it, or gone
