@@ -126,16 +126,18 @@ class Checker {
     } else if (uri->starts_with("data:")) {
       there = (uri->size() - std::min(uri->size(), uri->find(',') + 1)) * 3 / 4 + 3;
     } else {
-      there = size_of_external(where, *uri);
+      there = size_of_external(where, *uri, *bytes);
     }
     if (*bytes > there)
       fail(where + ".byteLength", "says " + std::to_string(*bytes) + " bytes, there are " + std::to_string(there));
   }
 
-  std::uint64_t size_of_external(const std::string& where, const std::string& uri) const {
+  /// At least `wanted` where the file holds that much, perhaps packed.
+  std::uint64_t size_of_external(const std::string& where, const std::string& uri, std::uint64_t wanted) const {
     const std::filesystem::path path = resolve_uri(files_.root(), file_, where + ".uri", uri);
     if (!files_.has(path)) fail(where + ".uri", "no such file: '" + uri + "'");
-    return files_.size_of(path);
+    const std::uint64_t stored = files_.size_of(path);
+    return stored >= wanted ? stored : files_.read_referenced(path).size();
   }
 
   void check_view(const Json& view, const std::string& where) const {

@@ -36,7 +36,7 @@ bool read_inside_root(std::vector<unsigned char>* out, std::string* error, const
     const std::filesystem::path target = std::filesystem::weakly_canonical(path);
     if (std::mismatch(root.begin(), root.end(), target.begin(), target.end()).first != root.end())
       throw InputError(path, "", "leaves the source folder");
-    *out = context.files.read(target);
+    *out = context.files.read_referenced(target);
     return true;
   } catch (const std::exception& e) {
     if (error != nullptr) *error += e.what();

@@ -143,7 +143,7 @@ class SubtreeAvailability::Reader {
     if (index >= buffers.size()) throw InputError(file_, at, "is beyond the list of buffers");
     const auto uri = get_text(file_, buffers[index], at, "uri");
     if (!uri) return binary_;
-    external = files_.read(resolve_uri(files_.root(), file_, at + ".uri", *uri));
+    external = files_.read_referenced(resolve_uri(files_.root(), file_, at + ".uri", *uri));
     return external;
   }
 

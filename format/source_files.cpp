@@ -42,6 +42,16 @@ std::vector<std::uint8_t> SourceFiles::read_content(const std::filesystem::path&
   return is_gzip(bytes) ? unpacked_gzip(file, bytes, largest_file) : bytes;
 }
 
+std::vector<std::uint8_t> SourceFiles::read_referenced(const std::filesystem::path& file) const {
+  std::vector<std::uint8_t> bytes = read(file);
+  if (!is_gzip(bytes)) return bytes;
+  try {
+    return unpacked_gzip(file, bytes, largest_file);
+  } catch (const InputError&) {
+    return bytes;
+  }
+}
+
 std::vector<std::uint8_t> SourceFiles::content_head(const std::filesystem::path& file, std::size_t most_bytes) const {
   if (!has(file)) return {};
   std::vector<std::uint8_t> head;

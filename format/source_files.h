@@ -30,6 +30,9 @@ class SourceFiles {
   /// As read(), of what servers may keep packed by gzip: tiles, tilesets and subtrees.
   /// Errors  also as unpacked_gzip(), and where it unpacks to more than 4 GiB.
   std::vector<std::uint8_t> read_content(const std::filesystem::path& file) const;
+  /// As read(), of what others refer to: buffers and images. Unpacked where it is a whole gzip file whose checksum is
+  /// right; what only begins like one is taken as it is.
+  std::vector<std::uint8_t> read_referenced(const std::filesystem::path& file) const;
   /// The first bytes of read_content(), at most `most_bytes`; nothing where there is no file.
   std::vector<std::uint8_t> content_head(const std::filesystem::path& file, std::size_t most_bytes) const;
   /// Of the file, known as `name`; of the archive, by its absolute path, where there is one.

@@ -8,6 +8,7 @@
 
 #include "format/error.h"
 #include "format/source.h"
+#include "format/source_files.h"
 #include "format/tile_hash.h"
 #include "source_scene.h"
 
@@ -82,6 +83,24 @@ TEST(Gzip, ASetOfPackedFilesIsTheSetThatTheyUnpackTo) {
     EXPECT_EQ(tile_hash(a.tiles[i], a.root), tile_hash(b.tiles[i], b.root));
     EXPECT_EQ(read_tile(b.tiles[i], b.root, ReadScope::everything).counts.triangles, 2u);
   }
+}
+
+TEST(Gzip, ABufferIsUnpackedWhereItIsAGzipFileToItsEndAndElseTakenAsItIs) {
+  Json model = test::square_gltf();
+  model["buffers"][0]["uri"] = "square.bin";
+  const SourceFolder folder;
+  const float corners[] = {0, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, 1};
+  const std::uint16_t indices[] = {0, 2, 1, 0, 3, 2};
+  std::string raw(reinterpret_cast<const char*>(corners), sizeof corners);
+  raw.append(reinterpret_cast<const char*>(indices), sizeof indices);
+  folder.write("square.bin", gzipped(raw));
+  const auto tile = folder.write("square.gltf", model.dump());
+  const SceneSources sources = open_sources(tile, {});
+  EXPECT_EQ(read_tile(sources.tiles.at(0), sources.root, ReadScope::everything).counts.triangles, 2u);
+
+  const std::string alike = std::string("\x1f\x8b\x08", 3) + raw.substr(3);
+  folder.write("square.bin", alike);
+  EXPECT_EQ(SourceFiles(folder.path()).read_referenced(folder.path() / "square.bin"), bytes_of(alike));
 }
 
 TEST(Gzip, UnpacksWhatWasPackedWhateverItsSize) {
