@@ -31,10 +31,11 @@ struct WindowTriangle {
   std::uint32_t index;  ///< triangle of that part
 };
 
-template <class I>
+/// N: what the normal is kept in; double is exact where std::int64_t is enough.
+template <class I, class N = I>
 struct BrickTriangle {
   I p[3][3];  ///< [vertex][u, v, w]
-  I n[3];     ///< (p1-p0) × (p2-p0); |n[2]| is the largest and not zero
+  N n[3];     ///< (p1-p0) × (p2-p0); |n[2]| is the largest and not zero
   int axis;   ///< which of x, y, z is w; u = (axis+1)%3, v = (axis+2)%3
 };
 
@@ -92,19 +93,19 @@ GB_HD T unpermuted(const T uvw[3], int axis, int c) {
 }
 
 /// corner: the brick's lowest corner in window sub-voxels. The triangle has area (checked when it was snapped).
-template <class I>
-GB_HD BrickTriangle<I> make_brick_triangle(const WindowTriangle& t, const std::int32_t corner[3]) {
+template <class I, class N = I>
+GB_HD BrickTriangle<I, N> make_brick_triangle(const WindowTriangle& t, const std::int32_t corner[3]) {
   using D = typename Coordinate<I>::type;
   D q[3][3];
-  I n[3];
+  N n[3];
   for (int i = 0; i < 3; ++i)
     for (int c = 0; c < 3; ++c) q[i][c] = D(t.p[i][c]) - D(corner[c]);
   for (int c = 0; c < 3; ++c) {
     const int a = (c + 1) % 3, b = (c + 2) % 3;
-    n[c] = I(q[1][a] - q[0][a]) * I(q[2][b] - q[0][b]) - I(q[1][b] - q[0][b]) * I(q[2][a] - q[0][a]);
+    n[c] = N(q[1][a] - q[0][a]) * N(q[2][b] - q[0][b]) - N(q[1][b] - q[0][b]) * N(q[2][a] - q[0][a]);
   }
-  const I m[3] = {n[0] < 0 ? -n[0] : n[0], n[1] < 0 ? -n[1] : n[1], n[2] < 0 ? -n[2] : n[2]};
-  BrickTriangle<I> r;
+  const N m[3] = {n[0] < 0 ? -n[0] : n[0], n[1] < 0 ? -n[1] : n[1], n[2] < 0 ? -n[2] : n[2]};
+  BrickTriangle<I, N> r;
   r.axis = m[2] >= m[1] ? (m[2] >= m[0] ? 2 : 0) : (m[1] >= m[0] ? 1 : 0);
   for (int c = 0; c < 3; ++c) {
     for (int i = 0; i < 3; ++i) r.p[i][c] = I(permuted(q[i], r.axis, c));

@@ -15,6 +15,7 @@
 #include <cstdint>
 
 #include "kernels/brick_triangle.h"
+#include "kernels/rounding.h"
 #include "kernels/types.h"
 
 namespace gigabake::kernels {
@@ -53,8 +54,8 @@ GB_HD Line line_along(double du, double dv) {
 /// Fragment weights: areas in multiples of 2^-36 voxel², at least one.
 inline constexpr int weight_bits = 36;
 
-template <class I>
-GB_HD TrianglePlane make_plane(const BrickTriangle<I>& t) {
+template <class I, class N>
+GB_HD TrianglePlane make_plane(const BrickTriangle<I, N>& t) {
   using D = typename Coordinate<I>::type;
   TrianglePlane r;
   double* out[3] = {r.u, r.v, r.w};
@@ -126,9 +127,9 @@ GB_HD double at_most(double x, double high) { return x > high ? high : x; }
 /// borders, and so each part is taken as what the others leave where u is far from the border's.
 template <bool with_moments>
 GB_HD void add_edge(double au, double av, double bv, const Line& line, CellMoments& sum) {
-  const double va = clamp01(av), vb = clamp01(bv);
+  const double va = clamp_unit(av), vb = clamp_unit(bv);
   const double ua = au + (va - av) * line.du_dv, ub = au + (vb - av) * line.du_dv;
-  const double ca = clamp01(ua), cb = clamp01(ub);
+  const double ca = clamp_unit(ua), cb = clamp_unit(ub);
   const double dv = vb - va;
   const double dv_in = ca == ua && cb == ub ? dv : (cb - ca) * line.dv_du;
   const double dv_lo = (at_most(ub, 0) - at_most(ua, 0)) * line.dv_du;
@@ -145,7 +146,7 @@ GB_HD void add_edge(double au, double av, double bv, const Line& line, CellMomen
 
 GB_HD std::int64_t weight_of(double projected_area, double weight_scale) {
   const double weight = projected_area * weight_scale;
-  return weight < 1 ? 1 : std::int64_t(std::floor(weight + 0.5));
+  return weight < 1 ? 1 : floor_to_int64(weight + 0.5);
 }
 
 }  // namespace gigabake::kernels

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <bit>
 #include <cub/device/device_radix_sort.cuh>
+#include <cub/device/device_scan.cuh>
 #include <cub/device/device_select.cuh>
 #include <limits>
 #include <thrust/iterator/counting_iterator.h>
@@ -56,8 +57,16 @@ struct PairRoom {
   }
   PairSink sink(KeyRange range) const {
     const std::size_t half = items.size() / 2;
-    return {range, raw.key.data(), raw.triangle.data(), raw.key.size(), nullptr, 0, {items.data(), items.data() + half},
-            half,  counters.data()};
+    return {range,
+            raw.key.data(),
+            raw.triangle.data(),
+            raw.key.size(),
+            nullptr,
+            nullptr,
+            0,
+            {items.data(), items.data() + half},
+            half,
+            counters.data()};
   }
 };
 
@@ -75,12 +84,18 @@ std::uint64_t find_pairs(DeviceHeap& heap, const InputView& input, const WindowV
   return nodes;
 }
 
+std::uint32_t counted_pairs(const PairCounters& counted) {
+  if (counted.pairs > std::numeric_limits<std::uint32_t>::max())
+    throw DeviceFull("more than 2^32-1 triangle-brick pairs");
+  return std::uint32_t(counted.pairs);
+}
+
 RawPairs pairs_in(DeviceHeap& heap, const InputView& input, const WindowView& window, KeyRange range,
                   BinCapacity& capacity) {
   for (;;) {
     PairRoom room(heap, capacity);
     const std::uint64_t nodes = find_pairs(heap, input, window, room.sink(range), room), pairs = room.raw.counted.pairs;
-    if (pairs > std::numeric_limits<std::uint32_t>::max()) throw DeviceFull("more than 2^32-1 triangle-brick pairs");
+    counted_pairs(room.raw.counted);
     if (pairs <= capacity.pairs && nodes <= capacity.nodes) return std::move(room.raw);
     capacity.pairs = std::max(capacity.pairs, pairs + pairs / 16);
     capacity.nodes = std::max(capacity.nodes, nodes + nodes / 16);
@@ -105,6 +120,136 @@ __global__ void gather_keys(const std::uint32_t* sorted, std::uint32_t* start, s
   const std::uint32_t b = blockIdx.x * blockDim.x + threadIdx.x;
   if (b < bricks) key[b] = sorted[start[b]];
   if (b == bricks) start[b] = pairs;
+}
+
+/// Windows and parts of at most this many bricks have a counter for each; others sort.
+constexpr std::uint32_t most_counted_bricks = 1 << 21;
+
+/// Counts the bricks' pairs, or with `triangle` puts them to their places.
+PairCounters pairs_by_brick(DeviceHeap& heap, const InputView& input, const WindowView& window, KeyRange range,
+                            DeviceArray<std::uint32_t>& brick, DeviceArray<std::uint32_t>* triangle,
+                            BinCapacity& capacity) {
+  for (;;) {
+    PairRoom room(heap, {0, capacity.nodes});
+    PairSink sink = room.sink(range);
+    sink.brick = brick.data();
+    if (triangle == nullptr) {
+      brick.clear_to_zero();
+    } else {
+      sink.triangle = triangle->data();
+      sink.capacity = triangle->size();
+    }
+    const std::uint64_t nodes = find_pairs(heap, input, window, sink, room);
+    if (nodes <= capacity.nodes) return room.raw.counted;
+    capacity.nodes = nodes + nodes / 16;
+  }
+}
+
+struct HasPairs {
+  const std::uint32_t* start;
+  __device__ bool operator()(std::uint32_t i) const { return start[i] != start[i + 1]; }
+};
+
+__global__ void gather_starts(const std::uint32_t* start_of, const std::uint32_t* picked, std::uint32_t bricks,
+                              std::uint32_t pairs, std::uint32_t first_key, std::uint32_t* key, std::uint32_t* start) {
+  const std::uint32_t b = blockIdx.x * blockDim.x + threadIdx.x;
+  if (b == bricks) start[b] = pairs;
+  if (b >= bricks) return;
+  key[b] = first_key + picked[b];
+  start[b] = start_of[picked[b]];
+}
+
+/// Keys and starts of the bricks that have pairs. start_of: of all of the range, and one more.
+BrickLists bricks_with_pairs(DeviceHeap& heap, const DeviceArray<std::uint32_t>& start_of, KeyRange range,
+                             std::uint32_t pairs) {
+  const std::uint32_t n = range.end - range.first;
+  BrickLists lists;
+  DeviceArray<std::uint32_t> picked(heap, n), bricks(heap, 1);
+  const thrust::counting_iterator<std::uint32_t> counting(0);
+  std::size_t bytes = 0;
+  check_cuda(cub::DeviceSelect::If(nullptr, bytes, counting, picked.data(), bricks.data(), n, HasPairs{start_of.data()},
+                                   heap.stream()),
+             "DeviceSelect");
+  DeviceArray<std::uint8_t> temporary(heap, bytes);
+  check_cuda(cub::DeviceSelect::If(temporary.data(), bytes, counting, picked.data(), bricks.data(), n,
+                                   HasPairs{start_of.data()}, heap.stream()),
+             "DeviceSelect");
+  check_cuda(cudaMemcpyAsync(&lists.bricks, bricks.data(), sizeof lists.bricks, cudaMemcpyDeviceToHost, heap.stream()),
+             "cudaMemcpyAsync (bricks)");
+  check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (bricks)");
+  lists.key = DeviceArray<std::uint32_t>(heap, lists.bricks);
+  lists.start = DeviceArray<std::uint32_t>(heap, lists.bricks + 1);
+  gather_starts<<<grid_of(lists.bricks + 1, threads), threads, 0, heap.stream()>>>(
+      start_of.data(), picked.data(), lists.bricks, pairs, range.first, lists.key.data(), lists.start.data());
+  check_launch("gather_starts");
+  return lists;
+}
+
+/// Pairs are counted brick by brick, then put to their places: four bytes a pair, where sorting takes sixteen.
+BrickLists counted_lists(DeviceHeap& heap, const InputView& input, const WindowView& window, KeyRange range,
+                         BinCapacity& capacity, CellStats& stats) {
+  DeviceArray<std::uint32_t> brick(heap, std::size_t(range.end - range.first) + 1);
+  const PairCounters counted = pairs_by_brick(heap, input, window, range, brick, nullptr, capacity);
+  const std::uint32_t pairs = counted_pairs(counted);
+  add_triangle_counts(counted, stats);
+  stats.pairs += pairs;
+  if (pairs == 0) return {};
+  std::size_t bytes = 0;
+  check_cuda(cub::DeviceScan::ExclusiveSum(nullptr, bytes, brick.data(), brick.data(), brick.size(), heap.stream()),
+             "DeviceScan");
+  {
+    DeviceArray<std::uint8_t> temporary(heap, bytes);
+    check_cuda(
+        cub::DeviceScan::ExclusiveSum(temporary.data(), bytes, brick.data(), brick.data(), brick.size(), heap.stream()),
+        "DeviceScan");
+  }
+  BrickLists lists = bricks_with_pairs(heap, brick, range, pairs);
+  lists.triangle = DeviceArray<std::uint32_t>(heap, pairs);
+  pairs_by_brick(heap, input, window, range, brick, &lists.triangle, capacity);
+  return lists;
+}
+
+/// Pairs as they come, with their bricks, sorted by them.
+BrickLists sorted_lists(DeviceHeap& heap, const InputView& input, const WindowView& window, KeyRange range,
+                        BinCapacity& capacity, CellStats& stats) {
+  RawPairs raw = pairs_in(heap, input, window, range, capacity);
+  const auto pairs = std::uint32_t(raw.counted.pairs);
+  add_triangle_counts(raw.counted, stats);
+  stats.pairs += pairs;
+  BrickLists lists;
+  if (pairs == 0) return lists;
+  DeviceArray<std::uint32_t> other_key(heap, pairs), other_triangle(heap, pairs), bricks(heap, 1);
+  cub::DoubleBuffer<std::uint32_t> key(raw.key.data(), other_key.data());
+  cub::DoubleBuffer<std::uint32_t> triangle(raw.triangle.data(), other_triangle.data());
+  const int key_bits = std::max(1, 3 * window.levels);
+  const thrust::counting_iterator<std::uint32_t> counting(0);
+  std::size_t sort_bytes = 0, select_bytes = 0;
+  check_cuda(cub::DeviceRadixSort::SortPairs(nullptr, sort_bytes, key, triangle, pairs, 0, key_bits, heap.stream()),
+             "DeviceRadixSort");
+  check_cuda(cub::DeviceSelect::If(nullptr, select_bytes, counting, other_key.data(), bricks.data(), pairs,
+                                   StartsBrick{raw.key.data()}, heap.stream()),
+             "DeviceSelect");
+  DeviceArray<std::uint8_t> temporary(heap, std::max(sort_bytes, select_bytes));
+  check_cuda(
+      cub::DeviceRadixSort::SortPairs(temporary.data(), sort_bytes, key, triangle, pairs, 0, key_bits, heap.stream()),
+      "DeviceRadixSort");
+  // The sort's other key buffer takes the starts until their number is known.
+  check_cuda(cub::DeviceSelect::If(temporary.data(), select_bytes, counting, key.Alternate(), bricks.data(), pairs,
+                                   StartsBrick{key.Current()}, heap.stream()),
+             "DeviceSelect");
+  check_cuda(cudaMemcpyAsync(&lists.bricks, bricks.data(), sizeof lists.bricks, cudaMemcpyDeviceToHost, heap.stream()),
+             "cudaMemcpyAsync (bricks)");
+  check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (bricks)");
+  lists.key = DeviceArray<std::uint32_t>(heap, lists.bricks);
+  lists.start = DeviceArray<std::uint32_t>(heap, lists.bricks + 1);
+  check_cuda(cudaMemcpyAsync(lists.start.data(), key.Alternate(), lists.bricks * sizeof(std::uint32_t),
+                             cudaMemcpyDeviceToDevice, heap.stream()),
+             "cudaMemcpyAsync (starts)");
+  gather_keys<<<grid_of(lists.bricks + 1, threads), threads, 0, heap.stream()>>>(key.Current(), lists.start.data(),
+                                                                                 lists.bricks, pairs, lists.key.data());
+  check_launch("gather_keys");
+  lists.triangle = std::move(triangle.Current() == raw.triangle.data() ? raw.triangle : other_triangle);
+  return lists;
 }
 
 }  // namespace
@@ -154,44 +299,8 @@ std::vector<std::uint64_t> pairs_by_unit(DeviceHeap& heap, const InputView& inpu
 
 BrickLists bin_triangles(DeviceHeap& heap, const InputView& input, const WindowView& window, KeyRange range,
                          BinCapacity& capacity, CellStats& stats) {
-  RawPairs raw = pairs_in(heap, input, window, range, capacity);
-  const auto pairs = std::uint32_t(raw.counted.pairs);
-  add_triangle_counts(raw.counted, stats);
-  stats.pairs += pairs;
-  BrickLists lists;
-  if (pairs == 0) return lists;
-  DeviceArray<std::uint32_t> other_key(heap, pairs), other_triangle(heap, pairs), bricks(heap, 1);
-  cub::DoubleBuffer<std::uint32_t> key(raw.key.data(), other_key.data());
-  cub::DoubleBuffer<std::uint32_t> triangle(raw.triangle.data(), other_triangle.data());
-  const int key_bits = std::max(1, 3 * window.levels);
-  const thrust::counting_iterator<std::uint32_t> counting(0);
-  std::size_t sort_bytes = 0, select_bytes = 0;
-  check_cuda(cub::DeviceRadixSort::SortPairs(nullptr, sort_bytes, key, triangle, pairs, 0, key_bits, heap.stream()),
-             "DeviceRadixSort");
-  check_cuda(cub::DeviceSelect::If(nullptr, select_bytes, counting, other_key.data(), bricks.data(), pairs,
-                                   StartsBrick{raw.key.data()}, heap.stream()),
-             "DeviceSelect");
-  DeviceArray<std::uint8_t> temporary(heap, std::max(sort_bytes, select_bytes));
-  check_cuda(
-      cub::DeviceRadixSort::SortPairs(temporary.data(), sort_bytes, key, triangle, pairs, 0, key_bits, heap.stream()),
-      "DeviceRadixSort");
-  // The sort's other key buffer takes the starts until their number is known.
-  check_cuda(cub::DeviceSelect::If(temporary.data(), select_bytes, counting, key.Alternate(), bricks.data(), pairs,
-                                   StartsBrick{key.Current()}, heap.stream()),
-             "DeviceSelect");
-  check_cuda(cudaMemcpyAsync(&lists.bricks, bricks.data(), sizeof lists.bricks, cudaMemcpyDeviceToHost, heap.stream()),
-             "cudaMemcpyAsync (bricks)");
-  check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (bricks)");
-  lists.key = DeviceArray<std::uint32_t>(heap, lists.bricks);
-  lists.start = DeviceArray<std::uint32_t>(heap, lists.bricks + 1);
-  check_cuda(cudaMemcpyAsync(lists.start.data(), key.Alternate(), lists.bricks * sizeof(std::uint32_t),
-                             cudaMemcpyDeviceToDevice, heap.stream()),
-             "cudaMemcpyAsync (starts)");
-  gather_keys<<<grid_of(lists.bricks + 1, threads), threads, 0, heap.stream()>>>(key.Current(), lists.start.data(),
-                                                                                 lists.bricks, pairs, lists.key.data());
-  check_launch("gather_keys");
-  lists.triangle = std::move(triangle.Current() == raw.triangle.data() ? raw.triangle : other_triangle);
-  return lists;
+  return range.end - range.first <= most_counted_bricks ? counted_lists(heap, input, window, range, capacity, stats)
+                                                        : sorted_lists(heap, input, window, range, capacity, stats);
 }
 
 }  // namespace gigabake::kernels

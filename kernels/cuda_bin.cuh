@@ -12,9 +12,7 @@
 namespace gigabake::kernels {
 
 /// The window as kernels need it.
-struct WindowView {
-  SnapFrame frame;
-  std::int64_t min[3];
+struct WindowView : SnapWindow {
   std::int64_t subvoxels;  ///< its edge
   std::int32_t bricks;     ///< along its edge
   int levels;              ///< log2(bricks)
@@ -43,7 +41,7 @@ struct BinCapacity {
   std::uint64_t pairs = std::uint64_t(1) << 20, nodes = std::uint64_t(1) << 16;
 };
 
-/// The bricks of `range` alone. input.vertices: from snap_vertices(). Adds to stats.triangles, non_finite, zero_area,
+/// The bricks of `range` alone. input: with vertices or window. Adds to stats.triangles, non_finite, zero_area,
 /// oversized, bad_uv, which are of all triangles whatever the range, and to stats.pairs.
 /// Errors  CudaFailure; DeviceFull beyond 2^32-1 pairs too.
 BrickLists bin_triangles(DeviceHeap& heap, const InputView& input, const WindowView& window, KeyRange range,

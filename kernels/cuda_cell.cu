@@ -11,6 +11,7 @@ namespace {
 
 /// Nodes of this many levels below the root are baked apart if need be; small ones are not worth a launch.
 constexpr int levels_above_units = 5, least_unit_level = 2;
+constexpr double live_share = 1.2;  ///< of input and output; what was learned from another cell is not exact
 
 std::uint64_t limit_of(std::uint64_t memory_bytes, std::uint64_t input_bytes) {
   if (memory_bytes == 0) return 0;
@@ -36,7 +37,8 @@ struct CellBake::Cell {
   WindowView window;
   const CellParameters& parameters;
   bool plain;
-  std::uint64_t limit;
+  std::uint64_t limit;  ///< of what the heap may hold
+  std::uint64_t room;   ///< what it should hold
 };
 
 /// Nodes that are baked whole, and the pairs before each of them.
@@ -62,12 +64,28 @@ void CellBake::bake(const DeviceInput& uploaded, const CellParameters& parameter
   out.max_error = parameters.max_error;
   const InputView input = uploaded.view();
   if (input.triangle_count == 0) return;
-  Cell cell{input, window_view(parameters), parameters, uploaded.is_plain(),
-            limit_of(parameters.memory_bytes, uploaded.bytes())};
+  // All that is live stays within a quarter more than input and output; the last cell's output stands for this one's.
+  const double input_bytes = double(uploaded.bytes_with_textures()),
+               output_bytes = output_per_triangle_ * double(input.triangle_count);
+  Cell cell{input,
+            window_view(parameters),
+            parameters,
+            uploaded.is_plain(),
+            limit_of(parameters.memory_bytes, uploaded.bytes()),
+            std::uint64_t((live_share - 1) * input_bytes + live_share * output_bytes)};
   heap_.limit_to(0);
   clock_.mark(0);
-  const DeviceArray<SnappedVertex> vertices = snap_vertices(heap_, cell.input, cell.window);
-  cell.input.vertices = vertices.data();
+  DeviceArray<SnappedVertex> vertices;
+  const DeviceArray<SnapWindow> window(heap_, 1);
+  const SnapWindow& snapped_to = cell.window;
+  check_cuda(cudaMemcpyAsync(window.data(), &snapped_to, sizeof snapped_to, cudaMemcpyHostToDevice, heap_.stream()),
+             "cudaMemcpyAsync (window)");
+  cell.input.window = window.data();
+  // Vertices are snapped whenever one is asked for, where keeping them would take half of the room there is.
+  if (double(input.vertex_count) * sizeof(SnappedVertex) < 0.1 * (input_bytes + output_bytes)) {
+    vertices = snap_vertices(heap_, cell.input, cell.window);
+    cell.input.vertices = vertices.data();
+  }
   clock_.mark(1);
   heap_.limit_to(cell.limit);
   if (!bake_at_once(cell, out)) bake_in_parts(cell, out);
@@ -81,7 +99,7 @@ LevelsAbove CellBake::levels_of(const Cell& cell, KeyRange range, int lods, BinC
   clock_.mark(3);
   DeviceLevel finest;
   if (lists.bricks != 0)
-    finest = voxelize(heap_, cell.input, cell.window, std::move(lists), cell.parameters.normals, cell.plain,
+    finest = voxelize(heap_, cell.input, cell.room, cell.window, std::move(lists), cell.parameters.normals, cell.plain,
                       fill_ratios_, stats);
   clock_.mark(4);
   LevelsAbove all;
@@ -111,6 +129,9 @@ bool CellBake::bake_at_once(const Cell& cell, BakedCell& out) {
         levels_of(cell, all_keys(cell.window), cell.window.levels + 1, bin_capacity_, stats).levels;
     DeviceNodes nodes;
     if (!levels.empty()) nodes = brick_nodes(heap_, levels);
+    std::uint64_t bytes = 0;
+    for (const DeviceLevel& level : levels) bytes += level.bytes();
+    output_per_triangle_ = double(bytes) / double(cell.input.triangle_count);
     clock_.mark(6);
     out.levels = std::move(levels);
     out.nodes = std::move(nodes);

@@ -62,6 +62,7 @@ class CellBake {
   StreamClock clock_;
   BinCapacity bin_capacity_;
   FillRatios fill_ratios_;
+  double output_per_triangle_ = 50;  ///< bytes
   PinnedBuffer pinned_;
   CpuPolicy host_;
 };

@@ -37,7 +37,9 @@ template <bool is_hard>
 struct VaryingLook {
   PlaneCoordinate<is_hard> plane_u[3], plane_v[3];
   double inverse_twice_area;
-  std::uint32_t part;
+  std::uint32_t material;
+  bool has_vertex_rgba;
+  const TextureView* texture;  ///< or null
   std::uint16_t vertex_rgba[3][4];
   TextureMap map;
 };
@@ -66,8 +68,7 @@ __device__ inline Surface surface_of_triangle(const InputView& in, const DeviceP
   if (s.has_vertex_rgba) {
     std::uint32_t v[3];
     vertices_of(part, index, v);
-    for (int i = 0; i < 3; ++i)
-      for (int c = 0; c < 4; ++c) s.vertex_rgba[i][c] = part.rgba[4 * std::size_t(v[i]) + c];
+    for (int i = 0; i < 3; ++i) copy_texel<8>(part.rgba + 4 * std::size_t(v[i]), s.vertex_rgba[i]);
   }
   return s;
 }
@@ -78,9 +79,14 @@ __device__ void set_varying(const InputView& in, const DevicePart& part, std::ui
   for (int c = 0; c < 3; ++c) {
     out.plane_u[c] = PlaneCoordinate<is_hard>(plane.u[c] * double(subvoxels));
     out.plane_v[c] = PlaneCoordinate<is_hard>(plane.v[c] * double(subvoxels));
-    for (int k = 0; k < 4; ++k) out.vertex_rgba[c][k] = surface.vertex_rgba[c][k];
   }
   out.inverse_twice_area = plane.inverse_twice_area;
+  out.material = part.material;
+  out.has_vertex_rgba = surface.has_vertex_rgba;
+  if (surface.has_vertex_rgba)
+    for (int c = 0; c < 3; ++c)
+      for (int k = 0; k < 4; ++k) out.vertex_rgba[c][k] = surface.vertex_rgba[c][k];
+  out.texture = part.textured ? &in.textures[surface.material.texture] : nullptr;
   if (!part.textured) return;
   std::uint32_t v[3];
   vertices_of(part, index, v);
@@ -88,8 +94,7 @@ __device__ void set_varying(const InputView& in, const DevicePart& part, std::ui
   for (int i = 0; i < 6; ++i) uv[i] = part.uv[2 * std::size_t(v[i / 2]) + i % 2];
   if (!usable_uv(uv))
     for (float& x : uv) x = 0;
-  const TextureView& texture = in.textures[surface.material.texture];
-  out.map = make_texture_map(plane, uv, texture.width, texture.height);
+  out.map = make_texture_map(plane, uv, out.texture->width, out.texture->height);
 }
 
 template <bool is_hard, bool plain>
@@ -105,7 +110,6 @@ __device__ void set_look(const InputView& in, const WindowTriangle& w, const Tri
     for (int c = 0; c < 3; ++c) out.colour.low[c] = surface.material.base_rgba[c];
   } else if constexpr (!plain) {
     out.look = Look::varying;
-    out.varying.part = w.part;
     set_varying(in, part, w.index, surface, plane, out.varying);
   }
 }
@@ -128,20 +132,24 @@ __device__ inline void cut_polygon(const TrianglePlane& plane, double slab, CutI
   });
   out.corners = std::uint8_t(corners);
   out.edge_lines = std::uint16_t(lines);
+  int row[5];  // of each corner, and once around
+#pragma unroll
+  for (int e = 0; e < 5; ++e) row[e] = __double2int_rd(out.v[e]) + out.anchor_v;
   std::uint64_t edges = 0;
 #pragma unroll
   for (int e = 0; e < 5; ++e) {  // all five by all lanes: a loop of as many as there are corners would part them
-    const double a = out.v[e], b = out.v[e + 1 >= corners ? 0 : e + 1];
-    const int first = __double2int_rd(smaller(a, b)), last = __double2int_rd(larger(a, b));
-    if (e < corners && a != b) edges |= row_bytes(first + out.anchor_v, last + out.anchor_v) << e;
+    const bool is_last = e + 1 >= corners;
+    const int next = is_last ? row[0] : row[(e + 1) % 5];
+    if (e < corners && out.v[e] != (is_last ? out.v[0] : out.v[(e + 1) % 5]))
+      edges |= row_bytes(smaller(row[e], next), larger(row[e], next)) << e;
   }
   out.edges_of_row = edges;
 }
 
-template <class I, bool is_hard, bool plain>
+template <class I, class N, bool is_hard, bool plain>
 __device__ void cut_triangle(const InputView& in, const WindowTriangle& w, const std::int32_t corner[3],
                              std::uint32_t where, FillItem<is_hard, plain>& out) {
-  const BrickTriangle<I> t = make_brick_triangle<I>(w, corner);
+  const BrickTriangle<I, N> t = make_brick_triangle<I, N>(w, corner);
   geometric_normal(t, out.normal);
   const TrianglePlane plane = make_plane(t);
   for (int i = 0; i < 4; ++i) out.line[i] = plane.line[i];
@@ -159,8 +167,8 @@ __device__ void cut_item(const InputView& in, const WindowTriangle& w, const std
   out.axis = std::uint8_t(where >> 3 & 3);
   out.slab = std::uint8_t(where & 7);
   if constexpr (is_hard)
-    if (!is_narrow(w)) return cut_triangle<__int128>(in, w, corner, where, out);
-  cut_triangle<std::int64_t>(in, w, corner, where, out);
+    if (!is_narrow(w)) return cut_triangle<__int128, __int128>(in, w, corner, where, out);
+  cut_triangle<std::int32_t, double>(in, w, corner, where, out);
 }
 
 /// Area and moments of the cell in `row` of the brick, edge after edge as kernels/cell_lanes.h does them. Edges beside
@@ -177,18 +185,17 @@ __device__ inline CellMoments measure(const CutItem& item, double u, double v, i
 template <bool is_hard>
 __device__ Rgba16 shade_varying(const InputView& in, const VaryingLook<is_hard>& look, const CellMoments& m, double u,
                                 double v) {
-  const DevicePart& part = in.parts[look.part];
   Surface s;
-  s.material = in.materials[part.material];
-  s.has_vertex_rgba = part.rgba != nullptr;
-  for (int i = 0; i < 3; ++i)
-    for (int c = 0; c < 4; ++c) s.vertex_rgba[i][c] = look.vertex_rgba[i][c];
-  if (part.textured) {
-    s.texture = &in.textures[s.material.texture];
+  s.material = in.materials[look.material];
+  s.has_vertex_rgba = look.has_vertex_rgba;
+  if (look.has_vertex_rgba)
+    for (int i = 0; i < 3; ++i)
+      for (int c = 0; c < 4; ++c) s.vertex_rgba[i][c] = look.vertex_rgba[i][c];
+  s.texture = look.texture;
+  if (look.texture != nullptr)
     s.map = look.map;
-  } else {
+  else
     s.material.texture = -1;
-  }
   if (!s.varies()) return shade(s, {}, {0, 0}, 0, in.tables);
   TrianglePlane plane;
   for (int c = 0; c < 3; ++c) {

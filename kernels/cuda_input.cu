@@ -165,8 +165,14 @@ DeviceInput::DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTexture
   check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (upload)");  // the host's arrays may go now
 }
 
+std::uint64_t DeviceInput::bytes_with_textures() const {
+  std::uint64_t all = bytes();
+  for (const auto& texture : held_) all += texture->texels.bytes();
+  return all;
+}
+
 InputView DeviceInput::view() const {
-  return {parts_.data(), materials_.data(), textures_.data(), nullptr, tables_, std::uint32_t(parts_.size()),
+  return {parts_.data(), materials_.data(), textures_.data(), nullptr, nullptr, tables_, std::uint32_t(parts_.size()),
           vertex_count_, triangle_count_};
 }
 

@@ -32,12 +32,19 @@ struct SnappedVertex {
 };
 inline constexpr std::int32_t not_finite = INT32_MIN, out_of_reach = INT32_MIN + 1;
 
+/// What vertices are snapped to.
+struct SnapWindow {
+  SnapFrame frame;
+  std::int64_t min[3];  ///< the window's lowest corner, lod-0 voxels
+};
+
 /// What kernels get by value.
 struct InputView {
   const DevicePart* parts;
   const MaterialView* materials;
   const TextureView* textures;
-  const SnappedVertex* vertices;
+  const SnappedVertex* vertices;  ///< of all parts; or null: they are snapped whenever one is asked for
+  const SnapWindow* window;
   Tables tables;
   std::uint32_t part_count, vertex_count, triangle_count;
 };
@@ -51,6 +58,31 @@ __device__ inline std::uint32_t part_of(const InputView& in, std::uint32_t i) {
     (in.parts[middle].*first <= i ? low : high) = middle;
   }
   return low;
+}
+
+__device__ inline SnappedVertex snap_vertex(const SnapWindow& window, const DevicePart& part, std::uint32_t vertex) {
+  LatticePoint p;
+  if (!snap(window.frame, part.scene_from_local, part.position + 3 * std::size_t(vertex), p))
+    return {{not_finite, 0, 0}};
+  SnappedVertex s;
+  bool is_far = false;
+  for (int c = 0; c < 3; ++c) {
+    const std::int64_t x = p.v[c] - window.min[c] * subvoxels;
+    is_far |= x > widest_coordinate || x < -widest_coordinate;
+    s.v[c] = std::int32_t(x);
+  }
+  if (is_far) s.v[0] = out_of_reach;
+  return s;
+}
+
+/// One copy for all that a kernel asks for: few cells need it, and instructions crowd their cache.
+__device__ __noinline__ inline SnappedVertex snap_vertex_now(const SnapWindow* window, const DevicePart* part,
+                                                             std::uint32_t vertex) {
+  return snap_vertex(*window, *part, vertex);
+}
+
+__device__ inline SnappedVertex snapped_vertex(const InputView& in, const DevicePart& part, std::uint32_t vertex) {
+  return in.vertices != nullptr ? in.vertices[part.first_vertex + vertex] : snap_vertex_now(in.window, &part, vertex);
 }
 
 /// Vertices (numbered within the part) of the part's triangle, in WindowTriangle's order.
@@ -70,7 +102,7 @@ __device__ inline WindowTriangle window_triangle(const InputView& in, std::uint3
   std::uint32_t v[3];
   vertices_of(part, t.index, v);
   for (int i = 0; i < 3; ++i) {
-    const SnappedVertex p = in.vertices[part.first_vertex + v[i]];
+    const SnappedVertex p = snapped_vertex(in, part, v[i]);
     for (int c = 0; c < 3; ++c) t.p[i][c] = p.v[c];
   }
   return t;
@@ -119,6 +151,7 @@ class DeviceInput {
   /// No textures, and all materials are opaque.
   bool is_plain() const { return is_plain_; }
   std::uint64_t bytes() const { return arrays_.bytes(); }  ///< without textures
+  std::uint64_t bytes_with_textures() const;
 
  private:
   std::uint32_t vertex_count_ = 0, triangle_count_ = 0;

@@ -36,7 +36,7 @@ struct ItemRange {
 class ItemWalk {
  public:
   __device__ ItemWalk(const ItemView& items, std::uint32_t first, std::uint32_t end, std::uint32_t pairs)
-      : items_(items), first_(first), end_(end), pairs_(pairs), group_(first / pairs_per_group) {
+      : items_(&items), first_(first), end_(end), pairs_(pairs), group_(first / pairs_per_group) {
     if (first < end) open_group();  // else there is no pair whose items could be asked for
   }
   __device__ bool has_more() const { return range_.begin < range_.end; }
@@ -53,11 +53,12 @@ class ItemWalk {
     for (; !has_more() && group_ * pairs_per_group < end_; ++group_) {
       const std::uint32_t group_first = group_ * pairs_per_group, next_group = group_first + pairs_per_group;
       const bool ends_group = end_ >= next_group || end_ == pairs_;
-      range_ = {items_.first[larger(first_, group_first)], ends_group ? items_.group_end[group_] : items_.first[end_]};
+      range_ = {items_->first[larger(first_, group_first)],
+                ends_group ? items_->group_end[group_] : items_->first[end_]};
     }
   }
 
-  const ItemView& items_;
+  const ItemView* items_;
   std::uint32_t first_, end_, pairs_, group_;
   ItemRange range_{0, 0};
 };

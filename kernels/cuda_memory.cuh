@@ -48,6 +48,7 @@ class DeviceHeap {
   /// Live bytes that take() does not go beyond; what is live already may be more. 0: whatever the device has.
   void limit_to(std::uint64_t bytes) { limit_ = bytes; }
 
+  std::uint64_t live() const { return live_; }
   cudaStream_t stream() const { return stream_; }
 
  private:

@@ -55,7 +55,7 @@ __device__ Fate fate_of(const InputView& in, const DevicePart& part, const Windo
   SnappedVertex p[3];
   bool is_far = false;
   for (int i = 0; i < 3; ++i) {
-    p[i] = in.vertices[part.first_vertex + v[i]];
+    p[i] = snapped_vertex(in, part, v[i]);
     if (p[i].v[0] == not_finite) return Fate::non_finite;
     is_far |= p[i].v[0] == out_of_reach;
     for (int c = 0; c < 3; ++c) t.p[i][c] = p[i].v[c];
@@ -107,18 +107,7 @@ __global__ void snap_kernel(InputView in, WindowView window, SnappedVertex* out)
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
   if (i >= in.vertex_count) return;
   const DevicePart& part = in.parts[part_of<&DevicePart::first_vertex>(in, i)];
-  LatticePoint p;
-  SnappedVertex s{{not_finite, 0, 0}};
-  if (snap(window.frame, part.scene_from_local, part.position + 3 * std::size_t(i - part.first_vertex), p)) {
-    bool is_far = false;
-    for (int c = 0; c < 3; ++c) {
-      const std::int64_t x = p.v[c] - window.min[c] * subvoxels;
-      is_far |= x > widest_coordinate || x < -widest_coordinate;
-      s.v[c] = std::int32_t(x);
-    }
-    if (is_far) s.v[0] = out_of_reach;
-  }
-  out[i] = s;
+  out[i] = snap_vertex(window, part, i - part.first_vertex);
 }
 
 __global__ void __launch_bounds__(pair_threads) pair_kernel(InputView in, WindowView window, PairSink sink) {

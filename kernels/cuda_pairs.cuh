@@ -21,11 +21,13 @@ struct PairCounters {
   unsigned long long triangles, non_finite, zero_area, oversized, bad_uv;
 };
 
+/// Where pairs go: side by side as they come; or, with `brick`, each to its brick's place; or nowhere, to be counted.
 struct PairSink {
   KeyRange range;  ///< bricks beside it get no pairs
   std::uint32_t* key;
   std::uint32_t* triangle;
   std::uint64_t capacity;
+  std::uint32_t* brick;            ///< null, or [key in the range] pairs so far, or the place of the next one
   unsigned long long* unit_pairs;  ///< null, or counts pairs by key >> unit_bits
   int unit_bits;
   LargeItem* items[2];
@@ -35,8 +37,9 @@ struct PairSink {
 
 __device__ inline void push_pair(const PairSink& sink, std::uint64_t at, std::uint32_t key, std::uint32_t triangle) {
   if (sink.unit_pairs != nullptr) atomicAdd(&sink.unit_pairs[key >> sink.unit_bits], 1ull);
+  if (sink.brick != nullptr) at = atomicAdd(&sink.brick[key - sink.range.first], 1u);
   if (at >= sink.capacity) return;
-  sink.key[at] = key;
+  if (sink.brick == nullptr) sink.key[at] = key;
   sink.triangle[at] = triangle;
 }
 

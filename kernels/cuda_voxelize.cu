@@ -4,53 +4,38 @@
 #include <limits>
 #include <thrust/iterator/counting_iterator.h>
 
-#include "kernels/cuda_fill.cuh"
+#include "kernels/cuda_rounds.cuh"
 #include "kernels/cuda_voxelize.cuh"
 
 namespace gigabake::kernels {
 namespace {
 
-constexpr unsigned threads = 256, item_blocks = 4096, hard_blocks = 512;
-
-__device__ std::uint32_t pairs_of(const FillView& view, std::uint32_t first, std::uint32_t end) {
-  return view.bricks.start[end] - view.bricks.start[first];
-}
-
-/// Bricks of the groups with many triangles, one by one: heavy ones, and those that need wide sums.
-__global__ void find_heavy_bricks(FillView view) {
-  const std::uint32_t first = view.begin + (blockIdx.x * blockDim.x + threadIdx.x) * bricks_per_block;
-  if (first >= view.end || !items_fit(view)) return;
-  const std::uint32_t end = smaller(first + bricks_per_block, view.end);
-  if (pairs_of(view, first, end) <= most_pairs_together) return;
-  for (std::uint32_t b = first; b < end; ++b) {
-    if (pairs_of(view, b, b + 1) <= std::uint32_t(fragments_before_flush))
-      view.heavy[atomicAdd(&view.counters->heavy, 1u)] = BrickSpan(b, 1).word();
-    else
-      view.hard[atomicAdd(&view.counters->hard, 1u)] = BrickSpan(b, 1).word();
-  }
-}
+constexpr unsigned threads = 256, item_blocks = 4096, heavy_blocks = 512, hard_blocks = 512;
 
 /// Heavy bricks, a block each, then groups of the others.
 template <bool plain>
-__global__ void __launch_bounds__(fill_threads, FillWidth<false, plain>::blocks) fill_easy_bricks(FillView view) {
+__global__ void __launch_bounds__(fill_threads, FillWidth<false, plain>::blocks) fill_easy_bricks(BatchView view) {
   extern __shared__ __align__(16) unsigned char raw[];
   auto& shared = *reinterpret_cast<FillShared<false, plain>*>(raw);
   if (!items_fit(view)) return;
-  BrickSpan span(0, 0);
-  if (blockIdx.x < view.heavy_capacity) {
-    if (blockIdx.x >= view.counters->heavy) return;
-    span = BrickSpan(view.heavy[blockIdx.x]);
-  } else {
-    span.first = view.begin + (blockIdx.x - view.heavy_capacity) * bricks_per_block;
-    span.bricks = smaller<std::uint32_t>(bricks_per_block, view.end - span.first);
-    if (pairs_of(view, span.first, span.first + span.bricks) > most_pairs_together) return;
+  // One call for both: a second copy of all that it does would not fit the cache of instructions.
+  const bool is_heavy = blockIdx.x < heavy_blocks;
+  const std::uint32_t group = blockIdx.x - heavy_blocks,
+                      end = is_heavy ? view.counters->heavy : blockIdx.x + view.is_easy[group];
+  for (std::uint32_t i = blockIdx.x; i < end; i += heavy_blocks) {
+    BrickSpan span(view.begin + group * bricks_per_block, 0);
+    if (is_heavy)
+      span = BrickSpan(view.heavy[i]);
+    else
+      span.bricks = smaller<std::uint32_t>(bricks_per_block, view.end - span.first);
+    fill_bricks(view, span, shared);
+    if (!is_heavy) return;
+    __syncthreads();
   }
-  if (!fill_bricks(view, span, shared) && threadIdx.x == 0)
-    view.hard[atomicAdd(&view.counters->hard, 1u)] = span.word();
 }
 
 template <bool plain>
-__global__ void __launch_bounds__(fill_threads) fill_hard_bricks(FillView view) {
+__global__ void __launch_bounds__(fill_threads) fill_hard_bricks(BatchView view) {
   extern __shared__ __align__(16) unsigned char raw[];
   auto& shared = *reinterpret_cast<FillShared<true, plain>*>(raw);
   for (std::uint32_t i = blockIdx.x; items_fit(view) && i < view.counters->hard; i += gridDim.x) {
@@ -60,27 +45,23 @@ __global__ void __launch_bounds__(fill_threads) fill_hard_bricks(FillView view) 
 }
 
 /// A batch's voxels from the stage to their place in the level, without the empty places. One warp a brick.
-__global__ void unstage(FillView view, const std::uint32_t* first, std::uint32_t* rgba, std::uint16_t* normal,
+__global__ void unstage(BatchView view, const std::uint32_t* first, std::uint32_t* rgba, std::uint16_t* normal,
                         std::uint32_t capacity) {
-  if (blockIdx.x == 0 && threadIdx.x == 0) {
-    FillView::Counters& c = *view.counters;
-    c.most_items = larger(c.most_items, c.items);
-    c.most_staged = larger(c.most_staged, c.staged);
-    c.all_staged += c.staged;
-    c.most_pairs = larger(c.most_pairs, view.bricks.start[view.end] - view.bricks.start[view.begin]);
-  }
+  if (blockIdx.x == 0 && threadIdx.x == 0 && items_fit(view))
+    view.counters->most_staged =
+        larger(view.counters->most_staged, view.place[view.end - 1] + view.marked[view.end - 1]);
   const std::uint32_t brick = view.begin + (blockIdx.x * blockDim.x + threadIdx.x) / 32, lane = threadIdx.x & 31;
   if (brick >= view.end || !items_fit(view)) return;
-  const std::uint32_t staged = view.staged[brick], from = view.staged_at[brick];
+  const std::uint32_t staged = view.marked[brick], from = view.place[brick];
   std::uint32_t to = first[brick];
-  if (std::uint64_t(from) + staged > view.stage_capacity || std::uint64_t(to) + view.count[brick] > capacity) return;
+  if (std::uint64_t(from) + staged > view.capacity || std::uint64_t(to) + view.visible[brick] > capacity) return;
   for (std::uint32_t step = 0; step < staged; step += 32) {
-    const std::uint32_t i = step + lane, voxel = i < staged ? view.stage_rgba[from + i] : 0;
+    const std::uint32_t i = step + lane, voxel = i < staged ? view.rgba[from + i] : 0;
     const unsigned who = __ballot_sync(~0u, voxel != 0);
     const std::uint32_t at = to + std::uint32_t(__popc(who & ((1u << lane) - 1)));
     if (voxel != 0) {
       rgba[at] = voxel;
-      if (normal != nullptr) normal[at] = view.stage_normal[from + i];
+      if (normal != nullptr) normal[at] = view.normal[from + i];
     }
     to += std::uint32_t(__popc(who));
   }
@@ -112,17 +93,12 @@ void allow_shared(Kernel kernel, std::size_t bytes) {
 }
 
 template <bool plain>
-void launch_fill(const FillView& view, SurfaceRule rule, cudaStream_t stream) {
+void launch_fill(const BatchView& view, cudaStream_t stream) {
   constexpr std::size_t bytes = sizeof(FillShared<false, plain>), hard_bytes = sizeof(FillShared<true, plain>);
   allow_shared(fill_easy_bricks<plain>, bytes);
   allow_shared(fill_hard_bricks<plain>, hard_bytes);
-  find_items<<<item_blocks, pairs_per_group, 0, stream>>>(view.input, rule, view.bricks, view.begin, view.end,
-                                                          view.items);
-  check_launch("find_items");
   const unsigned groups = grid_of(view.end - view.begin, bricks_per_block);
-  find_heavy_bricks<<<grid_of(groups, threads), threads, 0, stream>>>(view);
-  check_launch("find_heavy_bricks");
-  fill_easy_bricks<plain><<<view.heavy_capacity + groups, fill_threads, bytes, stream>>>(view);
+  fill_easy_bricks<plain><<<heavy_blocks + groups, fill_threads, bytes, stream>>>(view);
   check_launch("fill_easy_bricks");
   fill_hard_bricks<plain><<<hard_blocks, fill_threads, hard_bytes, stream>>>(view);
   check_launch("fill_hard_bricks");
@@ -133,16 +109,16 @@ struct Filled {
   DeviceArray<std::uint64_t> mask;
   DeviceArray<std::uint32_t> count, first, rgba;
   DeviceArray<std::uint16_t> normal;
-  FillView::Counters counted{};
+  BatchCounters counted{};
   std::uint32_t voxels = 0;
 };
 
-/// Sizes of one try.
+/// Sizes of one try. stage_voxels: 0 where all that is marked shows.
 struct FillSizes {
   std::uint32_t voxels, bricks_per_batch, pairs_per_batch, items_per_batch, stage_voxels;
 };
 
-/// Bricks, batch by batch, through items and a stage of limited size.
+/// Bricks, batch by batch, through items of limited number; through a stage where voxels may turn out invisible.
 class Filler {
  public:
   Filler(DeviceHeap& heap, const InputView& input, SurfaceRule rule, const BrickLists& lists, bool normals, bool plain,
@@ -152,8 +128,9 @@ class Filler {
         plain_(plain),
         sizes_(sizes),
         stage_rgba_(heap, sizes.stage_voxels),
-        staged_(heap, lists.bricks),
-        staged_at_(heap, lists.bricks),
+        marked_(heap, plain ? 0 : lists.bricks),
+        place_(heap, plain ? 0 : lists.bricks),
+        items_of_(heap, sizes.bricks_per_batch),
         heavy_(heap, bricks_per_block * (sizes.pairs_per_batch / most_pairs_together + 1)),
         hard_(heap, sizes.bricks_per_batch),
         where_(heap, sizes.items_per_batch),
@@ -161,6 +138,7 @@ class Filler {
         group_end_(heap, sizes.pairs_per_batch / pairs_per_group + 1),
         cells_(heap, sizes.items_per_batch),
         stage_normal_(heap, normals ? sizes.stage_voxels : 0),
+        is_easy_(heap, sizes.bricks_per_batch / bricks_per_block + 1),
         counters_(heap, 1) {
     const std::uint32_t n = lists.bricks;
     out_.mask = DeviceArray<std::uint64_t>(heap_, 8 * std::size_t(n));
@@ -169,6 +147,7 @@ class Filler {
     out_.rgba = DeviceArray<std::uint32_t>(heap_, sizes.voxels);
     if (normals) out_.normal = DeviceArray<std::uint16_t>(heap_, sizes.voxels);
     counters_.clear_to_zero();
+    if (!plain) marked_.clear_to_zero();  // a batch that does not fit leaves them
     out_.count.clear_to_zero();
     out_.first.clear_to_zero();
     view_.input = input;
@@ -176,17 +155,21 @@ class Filler {
     view_.items = {cells_.data(),         where_.data(),         first_.data(),           group_end_.data(),
                    sizes.items_per_batch, sizes.pairs_per_batch, &counters_.data()->items};
     view_.mask = out_.mask.data();
-    view_.count = out_.count.data();
-    view_.staged = staged_.data();
-    view_.staged_at = staged_at_.data();
-    view_.stage_rgba = stage_rgba_.data();
-    view_.stage_normal = normals ? stage_normal_.data() : nullptr;
-    view_.stage_capacity = sizes.stage_voxels;
+    view_.visible = out_.count.data();
+    view_.marked = plain ? out_.count.data() : marked_.data();
+    view_.place = plain ? out_.first.data() : place_.data();
+    view_.items_of = items_of_.data();
+    view_.is_easy = is_easy_.data();
+    view_.rgba = plain ? out_.rgba.data() : stage_rgba_.data();
+    if (normals) view_.normal = plain ? out_.normal.data() : stage_normal_.data();
+    view_.capacity = plain ? sizes.voxels : sizes.stage_voxels;
     view_.counters = counters_.data();
     view_.heavy = heavy_.data();
-    view_.heavy_capacity = std::uint32_t(heavy_.size());
     view_.hard = hard_.data();
-    scan(nullptr, temporary_bytes_, 0, std::min(n, sizes.bricks_per_batch));
+    sum_visible(nullptr, temporary_bytes_, 0, std::min(n, sizes.bricks_per_batch));
+    std::size_t more = 0;
+    place(nullptr, more, 0, std::min(n, sizes.bricks_per_batch));
+    temporary_bytes_ = std::max(temporary_bytes_, more);
     temporary_ = TemporaryStorage(heap, temporary_bytes_);
   }
 
@@ -208,20 +191,39 @@ class Filler {
  private:
   void fill_batch() {
     const cudaStream_t stream = heap_.stream();
-    check_cuda(cudaMemsetAsync(view_.counters, 0, offsetof(FillView::Counters, most_items), stream), "cudaMemsetAsync");
-    plain_ ? launch_fill<true>(view_, rule_, stream) : launch_fill<false>(view_, rule_, stream);
+    check_cuda(cudaMemsetAsync(view_.counters, 0, offsetof(BatchCounters, most_items), stream), "cudaMemsetAsync");
+    find_items<<<item_blocks, pairs_per_group, 0, stream>>>(view_.input, rule_, view_.bricks, view_.begin, view_.end,
+                                                            view_.items);
+    check_launch("find_items");
+    mark_bricks<<<grid_of(view_.end - view_.begin, bricks_per_block), 32 * bricks_per_block, 0, stream>>>(view_);
+    check_launch("mark_bricks");
     std::size_t bytes = temporary_bytes_;
-    scan(temporary_.data(), bytes, view_.begin, view_.end);
+    if (plain_) {
+      sum_visible(temporary_.data(), bytes, view_.begin, view_.end);
+      launch_fill<true>(view_, stream);
+      return;
+    }
+    place(temporary_.data(), bytes, view_.begin, view_.end);
+    launch_fill<false>(view_, stream);
+    bytes = temporary_bytes_;
+    sum_visible(temporary_.data(), bytes, view_.begin, view_.end);
     unstage<<<grid_of(32 * std::uint64_t(view_.end - view_.begin), threads), threads, 0, stream>>>(
         view_, out_.first.data(), out_.rgba.data(), out_.normal.data(), sizes_.voxels);
     check_launch("unstage");
   }
 
   /// first[begin] is there; the batch's other ones, and the next batch's first, follow.
-  void scan(void* temporary, std::size_t& bytes, std::uint32_t begin, std::uint32_t end) {
+  void sum_visible(void* temporary, std::size_t& bytes, std::uint32_t begin, std::uint32_t end) {
     check_cuda(cub::DeviceScan::ExclusiveScan(
                    temporary, bytes, out_.count.data() + begin, out_.first.data() + begin, ::cuda::std::plus<>{},
                    cub::FutureValue<std::uint32_t>(out_.first.data() + begin), int(end - begin + 1), heap_.stream()),
+               "DeviceScan");
+  }
+
+  /// The batch's places in the stage.
+  void place(void* temporary, std::size_t& bytes, std::uint32_t begin, std::uint32_t end) {
+    check_cuda(cub::DeviceScan::ExclusiveSum(temporary, bytes, marked_.data() + begin, place_.data() + begin,
+                                             int(end - begin), heap_.stream()),
                "DeviceScan");
   }
 
@@ -229,12 +231,13 @@ class Filler {
   SurfaceRule rule_;
   bool plain_;
   FillSizes sizes_;
-  DeviceArray<std::uint32_t> stage_rgba_, staged_, staged_at_, heavy_, hard_, where_, first_, group_end_;
+  DeviceArray<std::uint32_t> stage_rgba_, marked_, place_, items_of_, heavy_, hard_, where_, first_, group_end_;
   DeviceArray<std::uint64_t> cells_;
   DeviceArray<std::uint16_t> stage_normal_;
-  DeviceArray<FillView::Counters> counters_;
+  DeviceArray<std::uint8_t> is_easy_;
+  DeviceArray<BatchCounters> counters_;
   Filled out_;
-  FillView view_{};
+  BatchView view_{};
   std::size_t temporary_bytes_ = 0;
   TemporaryStorage temporary_;
 };
@@ -272,7 +275,10 @@ DeviceLevel without_empty(DeviceHeap& heap, const BrickLists& lists, Filled fill
 
 /// Batches of about this many pairs, or voxels: small beside a cell's input and output, and a launch costs little
 /// beside them.
-constexpr std::uint64_t pairs_per_batch = std::uint64_t(1) << 19, voxels_per_batch = std::uint64_t(3) << 19;
+constexpr std::uint64_t least_pairs_per_batch = std::uint64_t(1) << 16, pairs_per_batch = std::uint64_t(1) << 20,
+                        voxels_per_batch = std::uint64_t(3) << 20;
+constexpr double least_bricks_per_batch = 660;
+constexpr double spare = 1.125;  ///< of what is expected, so that it is rarely tried again
 
 std::uint32_t counted_32(std::uint64_t n) {
   if (n > std::numeric_limits<std::uint32_t>::max()) throw DeviceFull("more than 2^32-1 voxels");
@@ -280,27 +286,41 @@ std::uint32_t counted_32(std::uint64_t n) {
 }
 
 std::uint32_t with_room(double wanted, std::uint64_t least) {
-  return counted_32(std::max(std::uint64_t(1.125 * wanted), least));
+  return counted_32(std::max(std::uint64_t(spare * wanted), least));
 }
 
-FillSizes first_sizes(const BrickLists& lists, const FillRatios& ratios) {
+/// Of a batch, whose items and stage take what the cell's voxels leave.
+std::uint64_t pairs_that_fit(const BrickLists& lists, const FillRatios& ratios, bool plain, double room_bytes) {
+  const double pairs = double(lists.triangle.size()), voxel_bytes = sizeof(std::uint32_t) + sizeof(std::uint16_t),
+               item_bytes = sizeof(std::uint64_t) + sizeof(std::uint32_t), mask_bytes = 64 + 2 * sizeof(std::uint32_t);
+  const double kept = mask_bytes * lists.bricks + spare * voxel_bytes * ratios.voxels_per_pair * pairs,
+               of_pair = spare * (ratios.pairs_spread * ratios.items_per_pair * item_bytes + sizeof(std::uint32_t) +
+                                  (plain ? 0 : voxel_bytes * ratios.voxels_per_pair * ratios.voxels_spread));
+  // But enough bricks to keep a device busy: where triangles are much smaller than voxels, a brick takes long.
+  const std::uint64_t least =
+      std::max(least_pairs_per_batch, std::uint64_t(least_bricks_per_batch * pairs / lists.bricks));
+  return std::max(least, std::uint64_t(std::max(0.0, room_bytes - kept) / of_pair));
+}
+
+FillSizes first_sizes(const BrickLists& lists, const FillRatios& ratios, bool plain, double room_bytes) {
   const std::uint64_t pairs = lists.triangle.size(),
-                      batch = std::min({pairs, pairs_per_batch,
+                      batch = std::min({pairs, pairs_per_batch, pairs_that_fit(lists, ratios, plain, room_bytes),
                                         1 + std::uint64_t(double(voxels_per_batch) / ratios.voxels_per_pair)});
   FillSizes s;
   s.bricks_per_batch = std::uint32_t(std::max<std::uint64_t>(1, lists.bricks * batch / pairs));
   s.pairs_per_batch = with_room(double(batch) * ratios.pairs_spread, pairs_per_group);
   s.items_per_batch = with_room(double(batch) * ratios.pairs_spread * ratios.items_per_pair, 1024);
   s.voxels = with_room(double(pairs) * ratios.voxels_per_pair, 1024);
-  s.stage_voxels = std::min(s.voxels, with_room(double(batch) * ratios.voxels_per_pair * ratios.voxels_spread, 1024));
+  s.stage_voxels =
+      plain ? 0 : std::min(s.voxels, with_room(double(batch) * ratios.voxels_per_pair * ratios.voxels_spread, 1024));
   return s;
 }
 
 /// False: it did not fit; sizes are what the next try needs.
 bool fits(const Filled& filled, FillSizes& s) {
-  const FillView::Counters& counted = filled.counted;
+  const BatchCounters& counted = filled.counted;
   const FillSizes tried = s;
-  counted_32(counted.all_staged);
+  counted_32(counted.voxels);
   s.pairs_per_batch = std::max(s.pairs_per_batch, counted.most_pairs);
   s.items_per_batch = std::max(s.items_per_batch, counted.most_items);
   s.voxels = std::max(s.voxels, filled.voxels);
@@ -310,20 +330,21 @@ bool fits(const Filled& filled, FillSizes& s) {
 }
 
 void learn(const Filled& filled, const BrickLists& lists, const FillSizes& sizes, FillRatios& ratios) {
-  const FillView::Counters& counted = filled.counted;
+  const BatchCounters& counted = filled.counted;
   const double pairs = double(lists.triangle.size());
   const double mean_batch = pairs * std::min(1.0, double(sizes.bricks_per_batch) / double(lists.bricks));
   ratios.voxels_per_pair = std::max(0.01, double(filled.voxels) / pairs);
   ratios.items_per_pair = std::max(0.01, double(counted.most_items) / std::max(1.0, double(counted.most_pairs)));
   ratios.pairs_spread = std::max(1.0, double(counted.most_pairs) / mean_batch);
-  ratios.voxels_spread = std::max(1.0, double(counted.most_staged) / (mean_batch * ratios.voxels_per_pair));
+  if (sizes.stage_voxels != 0)
+    ratios.voxels_spread = std::max(1.0, double(counted.most_staged) / (mean_batch * ratios.voxels_per_pair));
 }
 
 }  // namespace
 
-DeviceLevel voxelize(DeviceHeap& heap, const InputView& input, const WindowView& window, BrickLists lists, bool normals,
-                     bool plain, FillRatios& ratios, CellStats& stats) {
-  FillSizes sizes = first_sizes(lists, ratios);
+DeviceLevel voxelize(DeviceHeap& heap, const InputView& input, std::uint64_t room_bytes, const WindowView& window,
+                     BrickLists lists, bool normals, bool plain, FillRatios& ratios, CellStats& stats) {
+  FillSizes sizes = first_sizes(lists, ratios, plain, double(room_bytes) - double(heap.live()));
   for (;;) {
     Filled filled = Filler(heap, input, window.rule, lists, normals, plain, sizes).fill(lists.bricks);
     if (!fits(filled, sizes)) continue;

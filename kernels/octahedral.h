@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "kernels/rounding.h"
 #include "kernels/types.h"
 
 namespace gigabake::kernels {
@@ -23,8 +24,8 @@ GB_HD void encode_octahedral(double x, double y, double z, std::int8_t out[2]) {
     py = (1 - std::fabs(px)) * (py < 0 ? -1.0 : 1.0);
     px = fx;
   }
-  out[0] = std::int8_t(std::floor(px * 127 + 0.5));
-  out[1] = std::int8_t(std::floor(py * 127 + 0.5));
+  out[0] = std::int8_t(floor_to_int32(px * 127 + 0.5));
+  out[1] = std::int8_t(floor_to_int32(py * 127 + 0.5));
 }
 
 /// Unit length.

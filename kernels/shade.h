@@ -35,7 +35,7 @@ struct Rgba16 {
 
 GB_HD std::uint16_t scale16(std::uint32_t a, std::uint32_t b) { return std::uint16_t((a * b + 32767u) / 65535u); }
 
-GB_HD std::int32_t wrap_texel(std::int64_t i, std::int32_t size, Wrap wrap) {
+GB_HD_NOINLINE std::int32_t wrap_texel(std::int64_t i, std::int32_t size, Wrap wrap) {
   if (std::uint64_t(i) < std::uint64_t(size)) return std::int32_t(i);  // nearly always, and a division is dear
   if (wrap == Wrap::clamp_to_edge) return std::int32_t(i < 0 ? 0 : (i >= size ? size - 1 : i));
   const std::int64_t period = wrap == Wrap::repeat ? size : 2 * std::int64_t(size);
@@ -44,27 +44,37 @@ GB_HD std::int32_t wrap_texel(std::int64_t i, std::int32_t size, Wrap wrap) {
   return std::int32_t(r < size ? r : period - 1 - r);
 }
 
+/// Two neighbours, the first at x0 (a whole number), wrapped.
+struct TexelPair {
+  std::int32_t a, b;
+};
+GB_HD TexelPair wrap_pair(double x0, std::int32_t size, Wrap wrap) {
+  if (x0 >= 0 && x0 < size - 1) return {std::int32_t(x0), std::int32_t(x0) + 1};
+  return {wrap_texel(std::int64_t(x0), size, wrap), wrap_texel(std::int64_t(x0) + 1, size, wrap)};
+}
+
 /// A texel in one load. Texels are aligned to their size.
 template <int bytes>
 GB_HD void copy_texel(const void* from, void* to) {
   std::memcpy(to, __builtin_assume_aligned(from, bytes), bytes);
 }
 
-/// Premultiplied linear texel of level l.
-GB_HD void add_texel(const TextureView& t, int l, std::int32_t x, std::int32_t y, std::uint32_t weight,
-                     const Tables& tables, std::uint64_t sum[4]) {
+/// Four premultiplied linear texels of level l. All are asked for before anything is done with the first.
+GB_HD void load_texels(const TextureView& t, int l, const std::size_t at[4], const Tables& tables, Rgba16 out[4]) {
   if (l > 0) {
-    const std::int32_t width = (t.width >> l) > 1 ? t.width >> l : 1;
-    std::uint16_t p[4];
-    copy_texel<8>(t.level[l] + 4 * (std::size_t(y) * width + x), p);
-    for (int c = 0; c < 4; ++c) sum[c] += std::uint64_t(weight) * p[c];
+    const std::uint16_t* level = t.level[l];
+    for (int k = 0; k < 4; ++k) copy_texel<8>(level + 4 * at[k], out[k].c);
     return;
   }
-  std::uint8_t p[4];
-  copy_texel<4>(t.base + 4 * (std::size_t(y) * t.width + x), p);
-  const std::uint32_t alpha = p[3] * 257u;
-  for (int c = 0; c < 3; ++c) sum[c] += std::uint64_t(weight) * scale16(tables.linear_from_srgb[p[c]], alpha);
-  sum[3] += std::uint64_t(weight) * alpha;
+  std::uint8_t p[4][4];
+  for (int k = 0; k < 4; ++k) copy_texel<4>(t.base + 4 * at[k], p[k]);
+  for (int k = 0; k < 4; ++k) {
+    for (int c = 0; c < 3; ++c) out[k].c[c] = tables.linear_from_srgb[p[k][c]];
+    out[k].c[3] = std::uint16_t(p[k][3] * 257u);
+  }
+  if ((p[0][3] & p[1][3] & p[2][3] & p[3][3]) == 255) return;
+  for (int k = 0; k < 4; ++k)
+    for (int c = 0; c < 3; ++c) out[k].c[c] = scale16(out[k].c[c], out[k].c[3]);
 }
 
 /// Texture coordinates are at most 2^20 and images 2^28 wide; only the gradient of a degenerate sliver leads farther.
@@ -86,17 +96,20 @@ GB_HD Rgba16 sample_level(const TextureView& view, const MaterialView& m, int l,
     y0 += fy >= 128 ? 1 : 0;
     fx = fy = 0;
   }
-  std::uint64_t sum[4] = {0, 0, 0, 0};
-  const std::int32_t xa = wrap_texel(std::int64_t(x0), width, m.wrap_s),
-                     xb = wrap_texel(std::int64_t(x0) + 1, width, m.wrap_s);
-  const std::int32_t ya = wrap_texel(std::int64_t(y0), height, m.wrap_t),
-                     yb = wrap_texel(std::int64_t(y0) + 1, height, m.wrap_t);
-  add_texel(view, l, xa, ya, (256 - fx) * (256 - fy), tables, sum);
-  if (fx != 0) add_texel(view, l, xb, ya, fx * (256 - fy), tables, sum);
-  if (fy != 0) add_texel(view, l, xa, yb, (256 - fx) * fy, tables, sum);
-  if (fx != 0 && fy != 0) add_texel(view, l, xb, yb, fx * fy, tables, sum);
+  // Two rows of two texels, also where they weigh nothing. Weights sum up to 2^16.
+  const TexelPair across = wrap_pair(x0, width, m.wrap_s), down = wrap_pair(y0, height, m.wrap_t);
+  const std::size_t upper = std::size_t(down.a) * std::size_t(width), lower = std::size_t(down.b) * std::size_t(width);
+  const std::size_t at[4] = {upper + std::size_t(across.a), upper + std::size_t(across.b),
+                             lower + std::size_t(across.a), lower + std::size_t(across.b)};
+  Rgba16 texel[4];
+  load_texels(view, l, at, tables, texel);
+  const std::uint32_t weight[4] = {(256 - fx) * (256 - fy), fx * (256 - fy), (256 - fx) * fy, fx * fy};
   Rgba16 r;
-  for (int c = 0; c < 4; ++c) r.c[c] = std::uint16_t((sum[c] + 32768) >> 16);
+  for (int c = 0; c < 4; ++c) {
+    std::uint32_t sum = 32768;
+    for (int k = 0; k < 4; ++k) sum += weight[k] * texel[k].c[c];
+    r.c[c] = std::uint16_t(sum >> 16);
+  }
   if (l == 0 && view.mask_cutoff != 0) {  // the alpha test is made on the interpolated texel, as a renderer makes it
     if (r.c[3] < view.mask_cutoff * 257u) return Rgba16{{0, 0, 0, 0}};
     for (int c = 0; c < 3; ++c) {
@@ -147,22 +160,35 @@ GB_HD TextureMap make_texture_map(const TrianglePlane& p, const float uv[6], std
   return r;
 }
 
-/// One probe: trilinear at a footprint `texels` wide. A bilinear kernel on level l has the variance of a box of √3·2^l.
-GB_HD Rgba16 sample_texture(const TextureView& view, const MaterialView& m, double s, double t, double texels,
-                            const Tables& tables) {
+/// The levels that one probe reads: `level`, and where count is 2 the next one too, with weight `coarser` of 256.
+struct LevelBlend {
+  int level, count;
+  std::uint32_t coarser;
+};
+
+/// For a footprint `texels` wide. A bilinear kernel on level l has the variance of a box of √3·2^l.
+GB_HD LevelBlend blend_for(const TextureView& view, double texels) {
   double across = texels * 0.57735026918962576;
   int l = 0;
   while (across >= 2 && l + 1 < view.levels) {
     across *= 0.5;
     ++l;
   }
-  const Rgba16 fine = sample_level(view, m, l, s, t, tables);
-  if (across <= 1 || l + 1 >= view.levels) return fine;
-  const std::uint32_t f = std::uint32_t((across >= 2 ? 1 : across - 1) * 256);
-  if (f == 0) return fine;
-  const Rgba16 coarse = sample_level(view, m, l + 1, s, t, tables);
+  if (across <= 1 || l + 1 >= view.levels) return {l, 1, 0};
+  const std::uint32_t coarser = std::uint32_t((across >= 2 ? 1 : across - 1) * 256);
+  return {l, coarser == 0 ? 1 : 2, coarser};
+}
+
+/// One probe: trilinear.
+GB_HD Rgba16 sample_texture(const TextureView& view, const MaterialView& m, const LevelBlend& blend, double s, double t,
+                            const Tables& tables) {
   Rgba16 r;
-  for (int c = 0; c < 4; ++c) r.c[c] = std::uint16_t((fine.c[c] * (256 - f) + coarse.c[c] * f + 128) >> 8);
+  GB_NO_UNROLL
+  for (int step = 0; step < blend.count; ++step) {
+    const Rgba16 p = sample_level(view, m, blend.level + step, s, t, tables);
+    for (int c = 0; c < 4; ++c)
+      r.c[c] = step == 0 ? p.c[c] : std::uint16_t((r.c[c] * (256 - blend.coarser) + p.c[c] * blend.coarser + 128) >> 8);
+  }
   return r;
 }
 
@@ -170,17 +196,21 @@ GB_HD Rgba16 sample_texture(const TextureView& view, const MaterialView& m, doub
 GB_HD Rgba16 texture_over(const TextureView& view, const MaterialView& m, const TextureMap& map, double u, double v,
                           double area, const Tables& tables) {
   const double size = std::sqrt(area < 1 ? area : 1);  // a fragment smaller than the voxel has the smaller footprint
+  const LevelBlend blend = blend_for(view, map.level_texels * size);
+  const double inverse = 1.0 / map.probes;
   std::uint32_t sum[4] = {0, 0, 0, 0};
+  GB_NO_UNROLL
   for (int i = 0; i < map.probes; ++i) {
-    const double offset = size * ((i + 0.5) / map.probes - 0.5);
+    const double offset = size * ((i + 0.5) * inverse - 0.5);
     const double pu = u + map.along_u * offset, pv = v + map.along_v * offset;
-    const Rgba16 p = sample_texture(view, m, (map.s0 + map.su * pu) + map.sv * pv, (map.t0 + map.tu * pu) + map.tv * pv,
-                                    map.level_texels * size, tables);
+    const Rgba16 p = sample_texture(view, m, blend, (map.s0 + map.su * pu) + map.sv * pv,
+                                    (map.t0 + map.tu * pu) + map.tv * pv, tables);
     for (int c = 0; c < 4; ++c) sum[c] += p.c[c];
   }
+  // Sums are below 2^20: the product's high word is the quotient.
+  const std::uint64_t reciprocal = 0xffffffffu / std::uint32_t(map.probes) + 1ull;
   Rgba16 r;
-  for (int c = 0; c < 4; ++c)
-    r.c[c] = std::uint16_t((sum[c] + std::uint32_t(map.probes) / 2) / std::uint32_t(map.probes));
+  for (int c = 0; c < 4; ++c) r.c[c] = std::uint16_t((sum[c] + std::uint32_t(map.probes) / 2) * reciprocal >> 32);
   return r;
 }
 

@@ -46,11 +46,13 @@ GB_HD bool usable_uv(const float uv[6]) {
 }
 
 /// Unit normal (32767) by the winding, in scene axes.
-template <class I>
-GB_HD void geometric_normal(const BrickTriangle<I>& t, std::int16_t normal[3]) {
+template <class I, class N>
+GB_HD void geometric_normal(const BrickTriangle<I, N>& t, std::int16_t normal[3]) {
   const double n[3] = {double(t.n[0]), double(t.n[1]), double(t.n[2])};
   const double scale = 32767 / std::sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2]);
-  for (int c = 0; c < 3; ++c) normal[c] = std::int16_t(std::floor(unpermuted(n, t.axis, c) * scale + 0.5));
+  const std::int32_t unit[3] = {floor_to_int32(n[0] * scale + 0.5), floor_to_int32(n[1] * scale + 0.5),
+                                floor_to_int32(n[2] * scale + 0.5)};
+  for (int c = 0; c < 3; ++c) normal[c] = std::int16_t(unpermuted(unit, t.axis, c));
 }
 
 struct Barycentric {
@@ -169,7 +171,7 @@ GB_HD Fragment linear_fragment(const LinearColour& l, double u, double v, const 
   const double most = double(f.weight) * 65535;
   for (int c = 0; c < 3; ++c) {
     const double x = integral_of(l, c, u, v, m);
-    f.colour[c] = std::int64_t(std::floor((x > 0 ? (x < most ? x : most) : 0) + 0.5));
+    f.colour[c] = floor_to_int64((x > 0 ? (x < most ? x : most) : 0) + 0.5);
   }
   return f;
 }

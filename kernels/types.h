@@ -6,15 +6,20 @@
 
 #if defined(__CUDACC__)
 #define GB_HD __host__ __device__ inline
+#define GB_HD_NOINLINE __host__ __device__ __noinline__ inline
 #else
 #define GB_HD inline
+#define GB_HD_NOINLINE inline
 #endif
 
-/// A loop that a device must unroll, so that arrays which it indexes can be registers.
+/// A loop that a device must unroll, so that arrays which it indexes can be registers; one whose body it must not
+/// repeat, because a large kernel waits for its instructions.
 #if defined(__CUDA_ARCH__)
 #define GB_UNROLL _Pragma("unroll")
+#define GB_NO_UNROLL _Pragma("unroll 1")
 #else
 #define GB_UNROLL
+#define GB_NO_UNROLL
 #endif
 
 namespace gigabake::kernels {

@@ -1,8 +1,10 @@
-// Writes the benchmark terrain: a fractal height field of 2·quads² triangles with vertex colours on one unit square.
+// Writes the benchmark terrain: a fractal height field of 2·quads² triangles with vertex colours, or with a texture, on
+// one unit square.
 // At --voxel-size 1/2048 it has as many surface voxels as the terrain that the peers' figures in docs/performance.md
 // were measured on: about three for each column.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/core.h>
 #include <vector>
@@ -11,6 +13,7 @@
 #include "format/publish.h"
 #include "format/sample/glb_writer.h"
 #include "format/sample/noise.h"
+#include "format/sample/picture.h"
 
 using namespace gigabake;
 
@@ -18,7 +21,7 @@ namespace {
 
 struct Options {
   std::string out;
-  int quads = 1024;
+  int quads = 1024, texture = 0;
   std::uint32_t seed = 1;
   double roughness = 0.128, persistence = 0.55;
 };
@@ -63,17 +66,45 @@ class HeightField {
   std::vector<double> height_;
 };
 
-sample::GlbMesh mesh_of(const HeightField& field) {
+/// Of height h at (x, y), in quads; 0…1.
+std::array<double, 3> colour_of(double h, double x, double y) {
+  return {sample::clamp01(0.35 + 0.6 * sample::noise(7, x / 40, y / 40)), sample::clamp01(0.45 + 0.9 * h), 90 / 255.0};
+}
+
+double height_between(const HeightField& field, double x, double y) {
+  const int left = int(x), top = int(y);
+  return sample::lerp(sample::lerp(field.at(left, top), field.at(left + 1, top), x - left),
+                      sample::lerp(field.at(left, top + 1), field.at(left + 1, top + 1), x - left), y - top);
+}
+
+/// The same colours, with a grain of two texels.
+sample::Picture picture_of(const HeightField& field, int texels) {
+  sample::Picture picture(texels, texels, 3);
+  const double quads_per_texel = double(field.points() - 1) / texels;
+  for (int y = 0; y < texels; ++y)
+    for (int x = 0; x < texels; ++x) {
+      const double u = (x + 0.5) * quads_per_texel, v = (y + 0.5) * quads_per_texel;
+      const std::array<double, 3> rgb = colour_of(height_between(field, u, v), u, v);
+      const double grain = 0.9 + 0.2 * sample::unit(sample::hash_of(11, x / 2, y / 2));
+      for (int c = 0; c < 3; ++c)
+        picture.at(x, y)[c] = std::uint8_t(255 * sample::clamp01(rgb[std::size_t(c)] * grain));
+    }
+  return picture;
+}
+
+sample::GlbMesh mesh_of(const HeightField& field, bool textured) {
   sample::GlbMesh mesh;
   const int points = field.points(), quads = points - 1;
   for (int y = 0; y < points; ++y)
     for (int x = 0; x < points; ++x) {
       const double h = field.at(x, y);
       mesh.position.insert(mesh.position.end(), {float(double(x) / quads), float(h), float(-double(y) / quads)});
-      const double green = sample::clamp01(0.45 + 0.9 * h),
-                   red = sample::clamp01(0.35 + 0.6 * sample::noise(7, x / 40.0, y / 40.0));
-      mesh.rgba.insert(mesh.rgba.end(),
-                       {std::uint8_t(255 * red), std::uint8_t(255 * green), std::uint8_t(90), std::uint8_t(255)});
+      if (textured) {
+        mesh.uv.insert(mesh.uv.end(), {std::uint16_t(65535 * x / quads), std::uint16_t(65535 * y / quads)});
+        continue;
+      }
+      for (const double c : colour_of(h, x, y)) mesh.rgba.push_back(std::uint8_t(255 * c));
+      mesh.rgba.push_back(255);
     }
   for (int y = 0; y < quads; ++y)
     for (int x = 0; x < quads; ++x) {
@@ -92,6 +123,9 @@ int main(int argc, char** argv) {
   program.add_option("--quads", o.quads, "along an edge, a power of two")
       ->capture_default_str()
       ->check(CLI::Range(2, 8192));
+  program.add_option("--texture", o.texture, "texels along an edge of a JPEG texture; 0: vertex colours")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 16384));
   program.add_option("--seed", o.seed)->capture_default_str();
   program.add_option("--roughness", o.roughness, "of the largest step, of the edge")->capture_default_str();
   program.add_option("--persistence", o.persistence, "roughness of a step over that of twice the step")
@@ -101,8 +135,11 @@ int main(int argc, char** argv) {
     if ((o.quads & (o.quads - 1)) != 0) throw UsageError("--quads: expected a power of two");
     sample::GlbModel model;
     model.name = "fractal terrain";
-    model.materials.push_back({"ground", -1, {1, 1, 1, 1}, 0, false});
-    model.meshes.push_back(mesh_of(HeightField(o)));
+    const HeightField field(o);
+    const bool textured = o.texture != 0;
+    if (textured) model.images.push_back({"image/jpeg", sample::to_jpeg(picture_of(field, o.texture), 90)});
+    model.materials.push_back({"ground", textured ? 0 : -1, {1, 1, 1, 1}, 0, false});
+    model.meshes.push_back(mesh_of(field, textured));
     const std::vector<std::uint8_t> glb = sample::to_glb(model);
     publish_file(o.out, {reinterpret_cast<const char*>(glb.data()), glb.size()});
     fmt::print("{}: {} triangles\n", o.out, model.meshes[0].index.size() / 3);
