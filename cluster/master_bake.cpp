@@ -14,8 +14,8 @@
 namespace gigabake {
 namespace {
 
-/// One cell read, one computed, and where a device bakes two written.
-constexpr int cells_in_hand = 4;
+/// One cell read, one computed, and where a device bakes up to four written.
+constexpr int cells_in_hand = 6;
 
 ScheduleOptions schedule_options(const BakeRequest& request) {
   ScheduleOptions options;
