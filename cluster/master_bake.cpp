@@ -14,12 +14,8 @@
 namespace gigabake {
 namespace {
 
-/// One cell read, one computed, and where a device bakes up to four written.
-constexpr int cells_in_hand = 6;
-
 ScheduleOptions schedule_options(const BakeRequest& request) {
   ScheduleOptions options;
-  options.slots = cells_in_hand;
   options.silence_s = request.silence_s;
   return options;
 }

@@ -14,10 +14,13 @@
 
 namespace gigabake {
 
+/// Of a worker that bakes: one cell read, one computed, and where a device computes up to four written.
+inline constexpr int worker_slots = 6;
+
 struct ScheduleOptions {
-  int strikes = 3;        ///< attempts that may go wrong before a cell is set aside
-  int slots = 3;          ///< cells in hand of one worker: one being read, one computed, one written
-  double silence_s = 60;  ///< a worker that nothing was heard of for longer is lost
+  int strikes = 3;           ///< attempts that may go wrong before a cell is set aside
+  int slots = worker_slots;  ///< cells in hand of one worker
+  double silence_s = 60;     ///< a worker that nothing was heard of for longer is lost
 };
 
 enum class JobState : std::uint8_t {

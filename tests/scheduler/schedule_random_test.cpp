@@ -52,7 +52,7 @@ class Ordeal {
     auto& hand = hands_[worker];
     ASSERT_TRUE(hand.empty() || (!a->alone && !hand.back().alone)) << "a suspect in company";
     hand.push_back(*a);
-    ASSERT_LE(hand.size(), 3u);
+    ASSERT_LE(hand.size(), std::size_t(worker_slots));
     given_.push_back({worker, *a});
   }
 

@@ -78,7 +78,7 @@ TEST(Schedule, SharesOutTheLastCellsSoThatNobodyHoardsWhileOthersIdle) {
   }
   const std::vector<CellJob> jobs = equal_jobs(100);
   Schedule schedule(jobs, {});
-  EXPECT_EQ(cells_in_hand(schedule, 4), (std::vector<int>{3, 3, 3, 3}));
+  EXPECT_EQ(cells_in_hand(schedule, 4), std::vector<int>(4, worker_slots));
 }
 
 TEST(Schedule, QueuesNothingBehindACellThatIsMoreThanAFairShare) {
