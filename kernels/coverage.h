@@ -120,6 +120,19 @@ struct CellMoments {
 };
 
 GB_HD double clamp01(double x) { return x < 0 ? 0 : (x > 1 ? 1 : x); }
+
+/// The same of a finite number; zero may lose its sign. A device goes by the order of bits: comparing and picking
+/// doubles takes longer.
+GB_HD double clamp01_finite(double x) {
+#if defined(__CUDA_ARCH__)
+  constexpr int one = 0x3ff00000;
+  const int high = __double2hiint(x);
+  return __hiloint2double(min(max(high, 0), one), unsigned(high) < unsigned(one) ? __double2loint(x) : 0);
+#else
+  return clamp01(x);
+#endif
+}
+
 GB_HD double at_most(double x, double high) { return x > high ? high : x; }
 
 /// Adds a polygon's edge on `line` from (au, av) to v = bv, relative to the cell. Of its dv in the cell's range of v, a
@@ -127,9 +140,9 @@ GB_HD double at_most(double x, double high) { return x > high ? high : x; }
 /// borders, and so each part is taken as what the others leave where u is far from the border's.
 template <bool with_moments>
 GB_HD void add_edge(double au, double av, double bv, const Line& line, CellMoments& sum) {
-  const double va = clamp_unit(av), vb = clamp_unit(bv);
+  const double va = clamp01_finite(av), vb = clamp01_finite(bv);
   const double ua = au + (va - av) * line.du_dv, ub = au + (vb - av) * line.du_dv;
-  const double ca = clamp_unit(ua), cb = clamp_unit(ub);
+  const double ca = clamp01_finite(ua), cb = clamp01_finite(ub);
   const double dv = vb - va;
   const double dv_in = ca == ua && cb == ub ? dv : (cb - ca) * line.dv_du;
   const double dv_lo = (at_most(ub, 0) - at_most(ua, 0)) * line.dv_du;

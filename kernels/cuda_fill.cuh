@@ -1,7 +1,6 @@
 /// What a block keeps while it turns the items of a few neighbouring bricks into voxels.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 
 #include "kernels/cuda_batch.cuh"
