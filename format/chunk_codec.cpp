@@ -109,7 +109,9 @@ using Compressor = std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_f
 using Decompressor = std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)>;
 
 std::vector<std::uint8_t> encode_zlib(std::span<const std::uint8_t> raw) {
-  const Compressor compressor(libdeflate_alloc_compressor(deflate_level), libdeflate_free_compressor);
+  // A thread keeps its own: it takes longer to allocate than many a chunk to pack.
+  thread_local Compressor compressor(nullptr, libdeflate_free_compressor);
+  if (!compressor) compressor.reset(libdeflate_alloc_compressor(deflate_level));
   if (!compressor) throw std::bad_alloc();
   std::vector<std::uint8_t> out(libdeflate_zlib_compress_bound(compressor.get(), raw.size()));
   out.resize(libdeflate_zlib_compress(compressor.get(), raw.data(), raw.size(), out.data(), out.size()));

@@ -5,7 +5,6 @@
 #include "format/chunk_codec.h"
 #include "format/hdf5_file.h"
 #include "format/hdf5_types.h"
-#include "format/parallel.h"
 
 namespace gigabake {
 namespace {
@@ -59,7 +58,8 @@ Hdf5Id Hdf5File::open_column(const Hdf5Column& column) const {
   return call.id("H5Dopen2", H5Dopen2(file_.get(), column.name.c_str(), access.get()), H5Dclose);
 }
 
-void Hdf5File::write_column(const Hdf5Column& column, const void* data, std::size_t rows, Codec codec, int threads) {
+void Hdf5File::write_column(const Hdf5Column& column, const void* data, std::size_t rows, Codec codec,
+                            const ParallelLoop& loop) {
   const Hdf5Call call{path_, column.name};
   const hsize_t shape[2] = {rows, column.width};
   const Hdf5Id space = call.id("H5Screate_simple", H5Screate_simple(column.dimensions(), shape, nullptr), H5Sclose);
@@ -74,7 +74,7 @@ void Hdf5File::write_column(const Hdf5Column& column, const void* data, std::siz
   const std::size_t chunks = (rows + per_chunk - 1) / per_chunk;
   for (std::size_t first = 0; first < chunks; first += chunks_in_hand) {
     std::vector<std::vector<std::uint8_t>> encoded(std::min(chunks_in_hand, chunks - first));
-    parallel_ranges(encoded.size(), 1, threads, [&](std::size_t i, std::size_t) {
+    loop(encoded.size(), 1, [&](std::size_t i, std::size_t) {
       encoded[i] = encode_rows(bytes, per_chunk * column.row_bytes(), first + i, filters_of(column, codec));
     });
     for (std::size_t i = 0; i < encoded.size(); ++i) {

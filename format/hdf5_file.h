@@ -7,6 +7,7 @@
 
 #include "format/chunk_codec.h"
 #include "format/hdf5_call.h"
+#include "format/parallel_loop.h"
 
 namespace gigabake {
 
@@ -37,8 +38,9 @@ class Hdf5File {
   static Hdf5File open(const std::filesystem::path& path);
 
   void make_group(const std::string& name);
-  /// Chunked, each chunk as chunk_codec.h, compressed by `threads`.
-  void write_column(const Hdf5Column& column, const void* data, std::size_t rows, Codec codec, int threads);
+  /// Chunked, each chunk as chunk_codec.h, compressed in `loop`.
+  void write_column(const Hdf5Column& column, const void* data, std::size_t rows, Codec codec,
+                    const ParallelLoop& loop);
   Hdf5Id open_column(const Hdf5Column& column) const;
   bool has_column(const Hdf5Column& column) const;  ///< whose group is there
   /// As stored: compressed, without HDF5's own index.

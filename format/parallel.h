@@ -1,4 +1,4 @@
-/// A loop over ranges on a few short-lived threads, for the file side's bulk work (hash, compress).
+/// A loop over ranges on a few short-lived threads, for the file side's bulk work (hash, verify).
 #pragma once
 
 #include <algorithm>

@@ -11,6 +11,7 @@
 
 #include "format/codec.h"
 #include "format/frames.h"
+#include "format/parallel_loop.h"
 
 namespace gigabake {
 
@@ -104,7 +105,7 @@ struct Shard {
 };
 
 struct ShardWriteOptions {
-  int threads = 1;  ///< compressors
+  ParallelLoop loop = on_threads(1);  ///< shares and compresses
   Codec codec = Codec::lz4;
 };
 

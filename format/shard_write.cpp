@@ -38,7 +38,7 @@ template <class T>
 void write_rows(Hdf5File& file, const Hdf5Column& column, const std::vector<T>& values,
                 const ShardWriteOptions& options) {
   file.write_column(column, values.data(), values.size() * sizeof(T) / column.row_bytes(), options.codec,
-                    options.threads);
+                    options.loop);
 }
 
 void write_nodes(Hdf5File& file, const ShardHeader& header, const NodeTable& n, const ShardWriteOptions& options) {
@@ -94,7 +94,7 @@ void write_level(Hdf5File& file, const BrickLevel& level, int lod, const std::ve
   for (const VoxelChannel& channel : channels)
     write_channel(file, {columns.group, channel},
                   consistent
-                      ? share_values(level.mask, level.first, bytes_of(channel, level), channel.width, options.threads)
+                      ? share_values(level.mask, level.first, bytes_of(channel, level), channel.width, options.loop)
                       : unshared_values(level, channel),
                   options);
 }

@@ -5,7 +5,6 @@
 #include <bit>
 #include <cstring>
 
-#include "format/parallel.h"
 
 namespace gigabake {
 namespace {
@@ -129,11 +128,11 @@ bool all_alike(ChannelBytes<const std::uint8_t> bytes, std::size_t width, std::s
   return true;
 }
 
-void copy_values(ChannelBytes<const std::uint8_t> bytes, std::size_t width, std::size_t voxels, int threads,
-                 std::vector<std::uint8_t>& value) {
+void copy_values(ChannelBytes<const std::uint8_t> bytes, std::size_t width, std::size_t voxels,
+                 const ParallelLoop& loop, std::vector<std::uint8_t>& value) {
   value.resize(voxels * width);
   with_known_width(width, [&](auto known) {
-    parallel_ranges(voxels, voxels_per_range, threads, [&](std::size_t begin, std::size_t end) {
+    loop(voxels, voxels_per_range, [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v) std::memcpy(&value[v * known], bytes[v], known);
     });
   });
@@ -142,11 +141,11 @@ void copy_values(ChannelBytes<const std::uint8_t> bytes, std::size_t width, std:
 }  // namespace
 
 SharedValues share_values(std::span<const std::uint64_t> mask, std::span<const std::uint64_t> first,
-                          ChannelBytes<const std::uint8_t> bytes, std::size_t width, int threads) {
+                          ChannelBytes<const std::uint8_t> bytes, std::size_t width, const ParallelLoop& loop) {
   const std::size_t bricks = first.size() - 1, voxels = first.back();
   SharedValues out;
   if (voxels > 1 && all_alike(bytes, width, voxels)) {
-    copy_values(bytes, width, 1, 1, out.value);
+    copy_values(bytes, width, 1, loop, out.value);
     return out;
   }
   out.share.resize(share_bytes * bricks);
@@ -154,7 +153,7 @@ SharedValues share_values(std::span<const std::uint64_t> mask, std::span<const s
   const auto brick_bytes = [&](std::size_t b) {
     return ChannelBytes<const std::uint8_t>{bytes[first[b]], bytes.stride};
   };
-  parallel_ranges(bricks, bricks_per_range, threads, [&](std::size_t begin, std::size_t end) {
+  loop(bricks, bricks_per_range, [&](std::size_t begin, std::size_t end) {
     with_known_width(width, [&](auto known) {
       for (std::size_t b = begin; b < end; ++b)
         out.first[b + 1] = find_shares(&mask[8 * b], brick_bytes(b), known, &out.share[share_bytes * b]);
@@ -163,11 +162,11 @@ SharedValues share_values(std::span<const std::uint64_t> mask, std::span<const s
   for (std::size_t b = 0; b < bricks; ++b) out.first[b + 1] += out.first[b];
   if (4 * (out.first.back() * width + (share_bytes + 2) * bricks) >= 3 * voxels * width) {
     out = {};
-    copy_values(bytes, width, voxels, threads, out.value);
+    copy_values(bytes, width, voxels, loop, out.value);
     return out;
   }
   out.value.resize(out.first.back() * width);
-  parallel_ranges(bricks, bricks_per_range, threads, [&](std::size_t begin, std::size_t end) {
+  loop(bricks, bricks_per_range, [&](std::size_t begin, std::size_t end) {
     with_known_width(width, [&](auto known) {
       for (std::size_t b = begin; b < end; ++b)
         for_each_value(&mask[8 * b], &out.share[share_bytes * b],

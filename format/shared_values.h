@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "format/parallel_loop.h"
 #include "format/voxel_channel.h"
 
 namespace gigabake {
@@ -26,7 +27,7 @@ struct SharedValues {
 /// Shared by groups where that spares a quarter of the bytes; one value where all voxels are alike.
 /// Range  mask and first as in BrickLevel, consistent.
 SharedValues share_values(std::span<const std::uint64_t> mask, std::span<const std::uint64_t> first,
-                          ChannelBytes<const std::uint8_t> bytes, std::size_t width, int threads);
+                          ChannelBytes<const std::uint8_t> bytes, std::size_t width, const ParallelLoop& loop);
 
 /// How many values a brick has. mask: 8 words; share: share_bytes.
 std::size_t count_values(const std::uint64_t* mask, const std::uint8_t* share);

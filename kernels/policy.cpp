@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <condition_variable>
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -19,6 +20,9 @@ struct Loop {
   std::atomic<std::size_t> next_range{0};
   std::atomic<bool> failed{false};
   std::exception_ptr error;  ///< written by whoever sets `failed` first
+  std::size_t helpers = 0;   ///< inside; guarded by the pool
+
+  bool has_ranges() const { return next_range < ranges && !failed; }
 
   void run(int thread) {
     for (std::size_t r = next_range++; r < ranges && !failed; r = next_range++) {
@@ -33,8 +37,8 @@ struct Loop {
 
 }  // namespace
 
-/// Helpers sleep on `generation`. A loop opens the door, works itself, shuts the door when no range is left and waits
-/// only for the helpers that came in: one that woke too late costs nothing.
+/// Helpers sleep until a loop is open, enter the one with the fewest of them, and look for another when no range of it is
+/// left. A caller works itself and waits only for the helpers that came in: one that woke too late costs nothing.
 struct CpuPolicy::Pool {
   explicit Pool(int thread_count) : threads(std::max(1, thread_count)) {
     try {
@@ -47,54 +51,58 @@ struct CpuPolicy::Pool {
   ~Pool() { dismiss(); }
 
   void run(Loop& loop) {
-    const std::scoped_lock one_loop_at_a_time(callers);
-    current = &loop;
-    door.store(open);
+    {
+      const std::scoped_lock lock(mutex);
+      loops.push_back(&loop);
+    }
     wake(loop.ranges - 1);
     loop.run(0);
-    for (auto inside = door.fetch_and(~open) & ~open; inside != 0; inside = door.load()) door.wait(inside);
+    std::unique_lock lock(mutex);
+    std::erase(loops, &loop);
+    left.wait(lock, [&] { return loop.helpers == 0; });
   }
 
   const int threads;
 
  private:
-  static constexpr std::uint32_t open = 1u << 31;  ///< the door's other bits count the helpers inside
-
   void wake(std::size_t wanted) {
-    ++generation;
-    if (wanted >= helpers.size()) return generation.notify_all();
-    for (std::size_t i = 0; i < wanted; ++i) generation.notify_one();
+    if (wanted >= helpers.size()) return opened.notify_all();
+    for (std::size_t i = 0; i < wanted; ++i) opened.notify_one();
   }
 
   void help(int thread) {
-    for (std::uint32_t seen = 0;; seen = generation.load()) {
+    std::unique_lock lock(mutex);
+    for (Loop* loop = nullptr;;) {
+      opened.wait(lock, [&] { return stopping || (loop = neediest()) != nullptr; });
       if (stopping) return;
-      if (enter()) {
-        current->run(thread);
-        if (--door == 0) door.notify_all();
-      }
-      generation.wait(seen);
+      ++loop->helpers;
+      lock.unlock();
+      loop->run(thread);
+      lock.lock();
+      if (--loop->helpers == 0) left.notify_all();
     }
   }
 
-  bool enter() {
-    std::uint32_t state = door.load();
-    while (state & open)
-      if (door.compare_exchange_weak(state, state + 1)) return true;
-    return false;
+  Loop* neediest() const {
+    Loop* found = nullptr;
+    for (Loop* loop : loops)
+      if (loop->has_ranges() && (found == nullptr || loop->helpers < found->helpers)) found = loop;
+    return found;
   }
 
   void dismiss() {
-    stopping = true;
-    ++generation;
-    generation.notify_all();
+    {
+      const std::scoped_lock lock(mutex);
+      stopping = true;
+    }
+    opened.notify_all();
     for (auto& helper : helpers) helper.join();
   }
 
-  std::mutex callers;
-  std::atomic<std::uint32_t> generation{0}, door{0};
-  std::atomic<bool> stopping{false};
-  Loop* current = nullptr;  ///< valid while the door is open or somebody is inside
+  std::mutex mutex;  ///< of all below but `helpers`, and of the loops' `helpers`
+  std::condition_variable opened, left;
+  std::vector<Loop*> loops;
+  bool stopping = false;
   std::vector<std::thread> helpers;
 };
 
@@ -113,7 +121,7 @@ void CpuPolicy::parallel_for(std::size_t count, std::size_t grain, const Body& b
     for (std::size_t r = 0; r < ranges; ++r) body(r * grain, std::min(count, (r + 1) * grain), 0);
     return;
   }
-  Loop loop{body, count, grain, ranges, {}, {}, {}};
+  Loop loop{body, count, grain, ranges, {}, {}, {}, {}};
   pool_->run(loop);
   if (loop.error) std::rethrow_exception(loop.error);
 }

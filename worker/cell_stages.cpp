@@ -75,7 +75,8 @@ CellStages::CellStages(SceneSources sources, BakeParameters parameters, const Wo
       parameters_(parameters),
       options_{options.threads, options.memory_bytes, make_shard_folder(options.out), options.cuda_device},
       loader_(sources_, parameters_, cache_bytes(options_), options_.threads),
-      policy_(options_.threads) {}
+      policy_(options_.threads),
+      write_policy_(options_.threads) {}
 
 /// One step of a cell on the device. False: there is none, or it failed, now or earlier; then the CPU bakes the cell.
 template <class Step>
@@ -153,7 +154,10 @@ void CellStages::write(CellInHand& cell) {
   const ShardHeader header = header_of(cell);
   const Shard shard = shard_from_volume(std::exchange(cell.volume, {}), header);
   const std::filesystem::path path = options_.out / shard_path(cell.job);
-  const std::uint64_t bytes = write_shard(path, shard, {options_.threads, parameters_.codec});
+  const ParallelLoop loop = [this](std::size_t count, std::size_t grain, const auto& body) {
+    write_policy_.parallel_for(count, grain, [&](std::size_t begin, std::size_t end, int) { body(begin, end); });
+  };
+  const std::uint64_t bytes = write_shard(path, shard, {loop, parameters_.codec});
   cell.report.shard = stamp_of(path).value_or(FileStamp{});
   cell.report.cell = scene_cell(cell.job, shard, bytes);
   cell.report.levels = levels_of(shard, path);

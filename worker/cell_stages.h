@@ -55,7 +55,7 @@ class CellStages {
   const BakeParameters parameters_;
   const WorkerOptions options_;
   CellLoader loader_;
-  kernels::CpuPolicy policy_;
+  kernels::CpuPolicy policy_, write_policy_;  ///< several cells are written at a time
   std::unique_ptr<kernels::CudaBaker> cuda_;  ///< made on the thread that reads
 };
 

@@ -101,11 +101,11 @@ TEST(Publish, LeavesNoShardBehindWhenTheDiskIsFull) {
   std::mt19937_64 rng(3);
   const TempFolder folder;
   const Shard shard = made::random_shard(rng, {4, true, 6});
-  const std::uint64_t size = write_shard(folder / "whole.h5", shard, {1});
+  const std::uint64_t size = write_shard(folder / "whole.h5", shard, {});
   for (const std::uint64_t room : {std::uint64_t(0), std::uint64_t(100), size / 10, size / 2, size - 1}) {
     const SmallDisk disk(room);
     try {
-      write_shard(folder / "s.h5", shard, {2});
+      write_shard(folder / "s.h5", shard, {on_threads(2)});
       FAIL() << room;
     } catch (const InputError& error) {
       EXPECT_NE(std::string(error.what()).find("/s.h5: "), std::string::npos) << error.what();

@@ -23,7 +23,7 @@ void expect_error_or_equal(const std::filesystem::path& path, const Shard& writt
 TEST(HostileShard, WithAnyByteChangedIsAnErrorOrReadsAsBefore) {
   const TempFolder folder;
   const Shard shard = made::small_shard();
-  write_shard(folder / "s.h5", shard, {1});
+  write_shard(folder / "s.h5", shard, {});
   made::for_each_changed_byte(folder / "s.h5", std::random_device{}(),
                               [&](const std::string& what) { expect_error_or_equal(folder / "s.h5", shard, what); });
 }
@@ -33,14 +33,14 @@ TEST(HostileShard, WithAnOverwrittenStretchIsAnErrorOrReadsAsBefore) {
   std::mt19937_64 rng(seed);
   const TempFolder folder;
   const Shard shard = made::random_shard(rng, {3, true, 3, rng() % 2 == 0});
-  write_shard(folder / "s.h5", shard, {1});
+  write_shard(folder / "s.h5", shard, {});
   made::for_each_overwritten_stretch(
       folder / "s.h5", seed, [&](const std::string& what) { expect_error_or_equal(folder / "s.h5", shard, what); });
 }
 
 TEST(HostileShard, CutAnywhereIsAnError) {
   const TempFolder folder;
-  write_shard(folder / "s.h5", made::small_shard(), {1});
+  write_shard(folder / "s.h5", made::small_shard(), {});
   made::for_each_cut(folder / "s.h5",
                      [&](const std::string& what) { EXPECT_THROW(read_shard(folder / "s.h5"), InputError) << what; });
 }

@@ -60,7 +60,7 @@ void expect_error_or_equal(const std::filesystem::path& path, const Shard& writt
 TEST(HostileShardPages, WithAnyByteChangedAreAnErrorOrReadAsBefore) {
   const TempFolder folder;
   const Shard shard = made::small_shard();
-  write_shard(folder / "s.h5", shard, {1});
+  write_shard(folder / "s.h5", shard, {});
   made::for_each_changed_byte(folder / "s.h5", std::random_device{}(),
                               [&](const std::string& what) { expect_error_or_equal(folder / "s.h5", shard, what); });
 }
@@ -70,7 +70,7 @@ TEST(HostileShardPages, WithAnOverwrittenStretchAreAnErrorOrReadAsBefore) {
   std::mt19937_64 rng(seed);
   const TempFolder folder;
   const Shard shard = made::random_shard(rng, {3, true, 3, rng() % 2 == 0});
-  write_shard(folder / "s.h5", shard, {1});
+  write_shard(folder / "s.h5", shard, {});
   made::for_each_overwritten_stretch(
       folder / "s.h5", seed, [&](const std::string& what) { expect_error_or_equal(folder / "s.h5", shard, what); });
 }
@@ -78,7 +78,7 @@ TEST(HostileShardPages, WithAnOverwrittenStretchAreAnErrorOrReadAsBefore) {
 TEST(HostileShardPages, CutAnywhereAreAnError) {
   const TempFolder folder;
   const Shard shard = made::small_shard();
-  write_shard(folder / "s.h5", shard, {1});
+  write_shard(folder / "s.h5", shard, {});
   made::for_each_cut(folder / "s.h5", [&](const std::string& what) {
     EXPECT_THROW(put_together(ShardPages(folder / "s.h5"), shard), InputError) << what;
   });
@@ -87,7 +87,7 @@ TEST(HostileShardPages, CutAnywhereAreAnError) {
 TEST(HostileShardPages, CutWhileTheFileIsOpenAreAnError) {
   const TempFolder folder;
   const Shard shard = made::small_shard();
-  write_shard(folder / "s.h5", shard, {1});
+  write_shard(folder / "s.h5", shard, {});
   const ShardPages pages(folder / "s.h5");
   EXPECT_EQ(pages.nodes(0, 3).size(), 3u);
   EXPECT_EQ(pages.level(0, 0, 1).first.size(), 2u);
@@ -167,7 +167,7 @@ TEST(HostileShardPages, ThatLieUnderRightChecksumsAreRefusedOrKeepTheirPromises)
     SCOPED_TRACE("seed " + std::to_string(seed) + ", round " + std::to_string(round));
     Shard shard = honest;
     for (std::uint64_t lies = 1 + rng() % 3; lies > 0; --lies) tell_a_lie(rng, shard);
-    write_shard(folder / "s.h5", shard, {1});
+    write_shard(folder / "s.h5", shard, {});
     const ShardPages pages(folder / "s.h5");
     for (std::uint64_t row = 0; row < shard.nodes.key.size(); row += 16)
       expect_answer_or_error([&] { expect_sound(pages.nodes(row, 16), row, pages); });

@@ -73,7 +73,7 @@ TEST(ShardPages, GiveForAnyRangeThatPartOfTheWhole) {
   const TempFolder folder;
   for (int round = 0; round < 24; ++round) {
     const Shard shard = made::random_shard(rng, {1 + round % 5, round % 3 != 0, 1 + round % 8});
-    write_shard(folder / "s.h5", shard, {1});
+    write_shard(folder / "s.h5", shard, {});
     const ShardPages pages(folder / "s.h5");
     EXPECT_EQ(made::difference({shard.header, {}, {}}, {pages.header(), {}, {}}), "");
     EXPECT_EQ(pages.node_rows(), shard.nodes.key.size());
@@ -95,7 +95,7 @@ TEST(ShardPages, GiveTheSameWhereColumnsHaveManyChunksAndManyThreadsReadThem) {
   std::mt19937_64 rng(seed);
   const TempFolder folder;
   const Shard shard = large_shard(rng);
-  write_shard(folder / "s.h5", shard, {2});
+  write_shard(folder / "s.h5", shard, {on_threads(2)});
   const ShardPages pages(folder / "s.h5");
   std::vector<std::jthread> readers;
   for (int t = 0; t < 4; ++t)
@@ -109,7 +109,7 @@ TEST(ShardPages, GiveTheSameWhereColumnsHaveManyChunksAndManyThreadsReadThem) {
 TEST(ShardPages, OfAConstantCellHaveOneNodeAndNoBricks) {
   const TempFolder folder;
   const Shard shard = made::constant_shard();
-  write_shard(folder / "s.h5", shard, {1});
+  write_shard(folder / "s.h5", shard, {});
   const ShardPages pages(folder / "s.h5");
   EXPECT_EQ(difference(pages.nodes(0, 4096), shard.nodes, 0), "");
   EXPECT_EQ(pages.bricks(0) + pages.bricks(1), 0u);
@@ -118,7 +118,7 @@ TEST(ShardPages, OfAConstantCellHaveOneNodeAndNoBricks) {
 
 TEST(ShardPages, SayWhatTheCellDoesNotHave) {
   const TempFolder folder;
-  write_shard(folder / "s.h5", made::small_shard(), {1});
+  write_shard(folder / "s.h5", made::small_shard(), {});
   const ShardPages pages(folder / "s.h5");
   EXPECT_THROW(pages.nodes(3, 1), InputError);
   EXPECT_THROW(pages.nodes(~std::uint64_t(0), 4096), InputError);
@@ -134,7 +134,7 @@ TEST(ShardPages, SayWhatTheCellDoesNotHave) {
 std::string told(const std::filesystem::path& path, const std::function<void(Shard&)>& spoil) {
   Shard shard = made::small_shard();
   spoil(shard);
-  write_shard(path, shard, {1});
+  write_shard(path, shard, {});
   try {
     const ShardPages pages(path);
     for (std::uint64_t row = 0; row < pages.node_rows(); ++row) pages.nodes(row, 1);

@@ -20,7 +20,7 @@ TEST(Shard, ComesBackAsItWasWritten) {
   const TempFolder folder;
   for (int round = 0; round < 24; ++round) {
     const Shard shard = made::random_shard(rng, {1 + round % 4, round % 3 != 0, 6, round % 5 < 3});
-    const std::uint64_t bytes = write_shard(folder / "s.h5", shard, {1 + round % 3, Codec(round / 2 % 2)});
+    const std::uint64_t bytes = write_shard(folder / "s.h5", shard, {on_threads(1 + round % 3), Codec(round / 2 % 2)});
     EXPECT_EQ(bytes, std::filesystem::file_size(folder / "s.h5"));
     EXPECT_EQ(made::difference(shard, read_shard(folder / "s.h5")), "") << "seed " << seed << ", round " << round;
   }
@@ -36,7 +36,7 @@ TEST(Shard, StoresOnceWhatNeighboursHaveInCommon) {
   };
   const Shard noisy = with_voxels({4, true, 6}), calm = with_voxels({4, true, 6, true});
   const auto bytes_a_voxel = [&](const Shard& shard) {
-    write_shard(folder / "s.h5", shard, {1});
+    write_shard(folder / "s.h5", shard, {});
     return double(ShardReader(folder / "s.h5").level_bytes(0)) / double(shard.levels[0].rgba.size() / 4);
   };
   EXPECT_LT(3 * bytes_a_voxel(calm), bytes_a_voxel(noisy));
@@ -48,7 +48,7 @@ TEST(Shard, IsTheSameFileHoweverManyThreadsCompressIt) {
   const TempFolder folder;
   const Shard shard = made::random_shard(rng, {5, true, 5});
   const auto written = [&](int threads, Codec codec) {
-    write_shard(folder / "s.h5", shard, {threads, codec});
+    write_shard(folder / "s.h5", shard, {on_threads(threads), codec});
     std::ifstream file(folder / "s.h5", std::ios::binary);
     return std::string(std::istreambuf_iterator<char>(file), {});
   };
@@ -63,7 +63,7 @@ TEST(Shard, ComesBackWhereColumnsHaveManyChunks) {
   Shard shard;
   do shard = made::random_shard(rng, {8, true, 8});
   while (shard.levels[0].rgba.size() < std::size_t(1) << 20);
-  write_shard(folder / "s.h5", shard, {2});
+  write_shard(folder / "s.h5", shard, {on_threads(2)});
   EXPECT_EQ(made::difference(shard, read_shard(folder / "s.h5")), "") << "seed " << seed;
 }
 
@@ -71,7 +71,7 @@ TEST(Shard, GivesItsPartsOneByOne) {
   std::mt19937_64 rng(1);
   const TempFolder folder;
   const Shard shard = made::random_shard(rng, {3, true, 4});
-  write_shard(folder / "s.h5", shard, {1});
+  write_shard(folder / "s.h5", shard, {});
   Shard parts{read_shard_header(folder / "s.h5"), read_shard_nodes(folder / "s.h5"), {}};
   for (int lod = 0; lod < 3; ++lod) parts.levels.push_back(read_shard_level(folder / "s.h5", lod));
   EXPECT_EQ(made::difference(shard, parts), "");
@@ -82,7 +82,7 @@ TEST(Shard, GivesItsPartsOneByOne) {
 TEST(Shard, WithOneLeafConstantRootHasEmptyLevels) {
   const TempFolder folder;
   const Shard shard = made::constant_shard();
-  write_shard(folder / "s.h5", shard, {1});
+  write_shard(folder / "s.h5", shard, {});
   EXPECT_EQ(made::difference(shard, read_shard(folder / "s.h5")), "");
 }
 
@@ -90,7 +90,7 @@ TEST(Shard, SaysHowManyBytesEachLevelTakes) {
   std::mt19937_64 rng(2);
   const TempFolder folder;
   const Shard shard = made::random_shard(rng, {3, true, 6});
-  const std::uint64_t bytes = write_shard(folder / "s.h5", shard, {1});
+  const std::uint64_t bytes = write_shard(folder / "s.h5", shard, {});
   const ShardReader reader(folder / "s.h5");
   std::uint64_t sum = reader.node_bytes();
   for (int lod = 0; lod < 3; ++lod) sum += reader.level_bytes(lod);
@@ -120,7 +120,7 @@ TEST(Shard, IsNamedWithTheReasonWhereItCannotBeRead) {
 std::string told(const std::filesystem::path& path, const std::function<void(Shard&)>& spoil) {
   Shard shard = made::small_shard();
   spoil(shard);
-  write_shard(path, shard, {1});
+  write_shard(path, shard, {});
   return message_of(path);
 }
 
@@ -162,7 +162,7 @@ TEST(Shard, LevelIsRefusedByItselfWhereNodesAskForOtherBricks) {
   Shard shard = made::small_shard();
   shard.nodes.kind[2] = NodeKind::brick;
   shard.nodes.value[2] = 1;
-  write_shard(folder / "s.h5", shard, {1});
+  write_shard(folder / "s.h5", shard, {});
   EXPECT_NO_THROW(read_shard_nodes(folder / "s.h5"));
   EXPECT_THROW(read_shard_level(folder / "s.h5", 0), InputError);
 }

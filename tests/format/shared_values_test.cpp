@@ -55,7 +55,7 @@ TEST(SharedValues, GiveEveryVoxelItsOwnBytesBack) {
     const std::size_t width = 1 + rng() % 4;
     const Made made = made_bricks(rng, 1 + rng() % 20, width);
     const SharedValues shared =
-        share_values(made.mask, made.first, {made.bytes.data(), width}, width, 1 + int(rng() % 3));
+        share_values(made.mask, made.first, {made.bytes.data(), width}, width, on_threads(1 + int(rng() % 3)));
     if (shared.share.empty()) {
       std::vector<std::uint8_t> plain = shared.value;
       while (shared.value.size() == width && plain.size() < made.bytes.size())
@@ -76,7 +76,7 @@ TEST(SharedValues, GiveEveryVoxelItsOwnBytesBack) {
 TEST(SharedValues, AreOneWhereAllVoxelsAreAlike) {
   const std::vector<std::uint64_t> mask(16, 0xff00ff00ff00ff00u), first{0, 256, 512};
   const std::vector<std::uint8_t> bytes(3 * 512, 77);
-  const SharedValues shared = share_values(mask, first, {bytes.data(), 3}, 3, 1);
+  const SharedValues shared = share_values(mask, first, {bytes.data(), 3}, 3, on_threads(1));
   EXPECT_EQ(shared.value, std::vector<std::uint8_t>(3, 77));
   EXPECT_TRUE(shared.share.empty());
 }

@@ -1,6 +1,8 @@
 #include "kernels/policy.h"
 
+#include <array>
 #include <atomic>
+#include <chrono>
 #include <gtest/gtest.h>
 #include <stdexcept>
 #include <thread>
@@ -53,7 +55,7 @@ TEST_P(CpuPolicyTest, NeverRunsTwoRangesOfOneThreadIndexAtOnce) {
   EXPECT_FALSE(clashed);
 }
 
-TEST_P(CpuPolicyTest, SerializesLoopsOfSeveralCallers) {
+TEST_P(CpuPolicyTest, RunsEveryIndexOfSeveralCallersLoops) {
   const CpuPolicy policy(GetParam());
   std::atomic<std::uint64_t> sum{0};
   std::vector<std::thread> callers;
@@ -64,6 +66,26 @@ TEST_P(CpuPolicyTest, SerializesLoopsOfSeveralCallers) {
     });
   for (auto& caller : callers) caller.join();
   EXPECT_EQ(sum, 3u * 200u * 50u);
+}
+
+/// Each body waits for one of the other loop: were loops run one after the other, neither would end.
+TEST(CpuPolicy, RunsTheLoopsOfTwoCallersAtOnce) {
+  const CpuPolicy policy(2);
+  std::array<std::atomic<bool>, 2> began{};
+  std::array<std::atomic<int>, 2> met{};
+  const auto call = [&](std::size_t own) {
+    policy.parallel_for(8, 1, [&](std::size_t, std::size_t, int) {
+      began[own] = true;
+      const auto late = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+      while (!began[1 - own] && std::chrono::steady_clock::now() < late) std::this_thread::yield();
+      if (began[1 - own]) ++met[own];
+    });
+  };
+  std::thread other([&] { call(1); });
+  call(0);
+  other.join();
+  EXPECT_EQ(met[0], 8);
+  EXPECT_EQ(met[1], 8);
 }
 
 INSTANTIATE_TEST_SUITE_P(Threads, CpuPolicyTest, testing::Values(1, 2, 3, 8));
