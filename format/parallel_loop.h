@@ -1,5 +1,5 @@
-/// A loop over ranges on threads of the caller's choice: a writer of shards loops some hundred times a cell, and threads
-/// that are made for each loop would cost it more than they bring.
+/// A loop over ranges on threads of the caller's choice: a writer of shards loops some hundred times a cell, and
+/// threads that are made for each loop would cost it more than they bring.
 #pragma once
 
 #include <cstddef>

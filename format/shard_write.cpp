@@ -37,8 +37,7 @@ void write_header(Hdf5File& file, const ShardHeader& h) {
 template <class T>
 void write_rows(Hdf5File& file, const Hdf5Column& column, const std::vector<T>& values,
                 const ShardWriteOptions& options) {
-  file.write_column(column, values.data(), values.size() * sizeof(T) / column.row_bytes(), options.codec,
-                    options.loop);
+  file.write_column(column, values.data(), values.size() * sizeof(T) / column.row_bytes(), options.codec, options.loop);
 }
 
 void write_nodes(Hdf5File& file, const ShardHeader& header, const NodeTable& n, const ShardWriteOptions& options) {

@@ -37,8 +37,8 @@ struct Loop {
 
 }  // namespace
 
-/// Helpers sleep until a loop is open, enter the one with the fewest of them, and look for another when no range of it is
-/// left. A caller works itself and waits only for the helpers that came in: one that woke too late costs nothing.
+/// Helpers sleep until a loop is open, enter the one with the fewest of them, and look for another when no range of it
+/// is left. A caller works itself and waits only for the helpers that came in: one that woke too late costs nothing.
 struct CpuPolicy::Pool {
   explicit Pool(int thread_count) : threads(std::max(1, thread_count)) {
     try {

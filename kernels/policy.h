@@ -7,8 +7,8 @@
 
 namespace gigabake::kernels {
 
-/// Runs loops on a fixed set of threads and the caller's, several callers' at once. Move-only; not re-entrant from inside
-/// its own loops.
+/// Runs loops on a fixed set of threads and the caller's, several callers' at once. Move-only; not re-entrant from
+/// inside its own loops.
 class CpuPolicy {
  public:
   explicit CpuPolicy(int threads);

@@ -18,7 +18,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli"))
 import harness
 
-OPTIONS = {"faults": 50, "seed": 20261121}
+OPTIONS = {"faults": 10, "seed": 20261120}
 BAKE_PROCESS = "gigabake-bake"
 
 
