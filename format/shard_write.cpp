@@ -90,11 +90,11 @@ void write_level(Hdf5File& file, const BrickLevel& level, int lod, const std::ve
   write_rows(file, columns.mask, level.mask, options);
   write_rows(file, columns.first, level.first, options);
   const bool consistent = is_consistent(level, channels);
+  const VoxelGroups groups = consistent ? group_voxels(level.mask, level.first, options.loop) : VoxelGroups{};
   for (const VoxelChannel& channel : channels)
     write_channel(file, {columns.group, channel},
-                  consistent
-                      ? share_values(level.mask, level.first, bytes_of(channel, level), channel.width, options.loop)
-                      : unshared_values(level, channel),
+                  consistent ? share_values(groups, level.first, bytes_of(channel, level), channel.width, options.loop)
+                             : unshared_values(level, channel),
                   options);
 }
 

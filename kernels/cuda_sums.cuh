@@ -25,10 +25,21 @@ struct VoxelSums {
     for (unsigned& w : word) w = 0;
   }
 
+  /// Lower words first: each upper one must wait for what its lower one answers, and they wait together.
   __device__ void add(const Fragment& f) {
+    std::uint64_t rest[sum_count];  // what the next word and those above it get
+    bool is_there[sum_count];
+    for (bool& there : is_there) there = false;
     contribute(f, [&](Sum channel, std::int64_t value) {
-      if (channel < channels) add(channel, value);
+      if (channel >= channels) return;
+      is_there[channel] = true;
+      rest[channel] = std::uint64_t(value);
     });
+#pragma unroll
+    for (int w = 0; w < words; ++w)
+#pragma unroll
+      for (int c = 0; c < channels; ++c)
+        if (is_there[c]) add_word(words * c + w, rest[c]);
   }
 
   __device__ bool resolve_to(const Tables& tables, Voxel& out) const {
@@ -46,19 +57,15 @@ struct VoxelSums {
   }
 
  private:
-  __device__ void add(int channel, std::int64_t value) {
-    std::uint64_t rest = std::uint64_t(value);  // what this word and those above it get
-    const std::uint64_t sign = value < 0 ? ~std::uint64_t(0) << 32 : 0;
-#pragma unroll
-    for (int w = 0; w < words; ++w) {
-      const auto part = std::uint32_t(rest);
-      bool carry = false;
-      if (w < 2 || part != 0) {  // the third word is nearly always left alone
-        const std::uint32_t before = atomicAdd(&word[words * channel + w], part);
-        carry = before + part < part;
-      }
-      rest = (rest >> 32 | sign) + (carry ? 1 : 0);
+  __device__ void add_word(int at, std::uint64_t& rest) {
+    const auto part = std::uint32_t(rest);
+    const bool is_third = at % words == 2;
+    bool carry = false;
+    if (!is_third || part != 0) {  // the third word is nearly always left alone
+      const std::uint32_t before = atomicAdd(&word[at], part);
+      carry = before + part < part;
     }
+    rest = std::uint64_t(std::int64_t(rest) >> 32) + (carry ? 1 : 0);
   }
 };
 

@@ -1,6 +1,7 @@
 #include "format/shared_values.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <gtest/gtest.h>
 #include <map>
@@ -47,6 +48,20 @@ std::vector<std::uint8_t> spread(const Made& made, const SharedValues& shared, s
   return out;
 }
 
+SharedValues share(const Made& made, std::size_t width, int threads) {
+  const ParallelLoop loop = on_threads(threads);
+  return share_values(group_voxels(made.mask, made.first, loop), made.first, {made.bytes.data(), width}, width, loop);
+}
+
+/// How many values a brick has: as many as spread_values() takes.
+std::size_t count_values(const std::uint64_t* mask, const std::uint8_t* share) {
+  std::array<std::uint8_t, brick_voxels> out;
+  std::size_t values = 1;
+  while (values <= brick_voxels && !spread_values(mask, share, std::vector<std::uint8_t>(values), 1, {out.data(), 1}))
+    ++values;
+  return values;
+}
+
 TEST(SharedValues, GiveEveryVoxelItsOwnBytesBack) {
   const std::uint64_t seed = std::random_device{}();
   std::mt19937_64 rng(seed);
@@ -54,8 +69,7 @@ TEST(SharedValues, GiveEveryVoxelItsOwnBytesBack) {
   for (int round = 0; round < 200; ++round) {
     const std::size_t width = 1 + rng() % 4;
     const Made made = made_bricks(rng, 1 + rng() % 20, width);
-    const SharedValues shared =
-        share_values(made.mask, made.first, {made.bytes.data(), width}, width, on_threads(1 + int(rng() % 3)));
+    const SharedValues shared = share(made, width, 1 + int(rng() % 3));
     if (shared.share.empty()) {
       std::vector<std::uint8_t> plain = shared.value;
       while (shared.value.size() == width && plain.size() < made.bytes.size())
@@ -74,9 +88,9 @@ TEST(SharedValues, GiveEveryVoxelItsOwnBytesBack) {
 }
 
 TEST(SharedValues, AreOneWhereAllVoxelsAreAlike) {
-  const std::vector<std::uint64_t> mask(16, 0xff00ff00ff00ff00u), first{0, 256, 512};
-  const std::vector<std::uint8_t> bytes(3 * 512, 77);
-  const SharedValues shared = share_values(mask, first, {bytes.data(), 3}, 3, on_threads(1));
+  const Made made{
+      std::vector<std::uint64_t>(16, 0xff00ff00ff00ff00u), {0, 256, 512}, std::vector<std::uint8_t>(3 * 512, 77)};
+  const SharedValues shared = share(made, 3, 1);
   EXPECT_EQ(shared.value, std::vector<std::uint8_t>(3, 77));
   EXPECT_TRUE(shared.share.empty());
 }
