@@ -2,12 +2,11 @@
 #include <bit>
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
-#include <cub/device/device_select.cuh>
 #include <limits>
-#include <thrust/iterator/counting_iterator.h>
 
 #include "kernels/cuda_bin.cuh"
 #include "kernels/cuda_pairs.cuh"
+#include "kernels/cuda_select.cuh"
 
 namespace gigabake::kernels {
 namespace {
@@ -164,19 +163,8 @@ BrickLists bricks_with_pairs(DeviceHeap& heap, const DeviceArray<std::uint32_t>&
                              std::uint32_t pairs) {
   const std::uint32_t n = range.end - range.first;
   BrickLists lists;
-  DeviceArray<std::uint32_t> picked(heap, n), bricks(heap, 1);
-  const thrust::counting_iterator<std::uint32_t> counting(0);
-  std::size_t bytes = 0;
-  check_cuda(cub::DeviceSelect::If(nullptr, bytes, counting, picked.data(), bricks.data(), n, HasPairs{start_of.data()},
-                                   heap.stream()),
-             "DeviceSelect");
-  DeviceArray<std::uint8_t> temporary(heap, bytes);
-  check_cuda(cub::DeviceSelect::If(temporary.data(), bytes, counting, picked.data(), bricks.data(), n,
-                                   HasPairs{start_of.data()}, heap.stream()),
-             "DeviceSelect");
-  check_cuda(cudaMemcpyAsync(&lists.bricks, bricks.data(), sizeof lists.bricks, cudaMemcpyDeviceToHost, heap.stream()),
-             "cudaMemcpyAsync (bricks)");
-  check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (bricks)");
+  const DeviceArray<std::uint32_t> picked(heap, n);
+  lists.bricks = select_indices(heap, n, HasPairs{start_of.data()}, picked.data());
   lists.key = DeviceArray<std::uint32_t>(heap, lists.bricks);
   lists.start = DeviceArray<std::uint32_t>(heap, lists.bricks + 1);
   gather_starts<<<grid_of(lists.bricks + 1, threads), threads, 0, heap.stream()>>>(
@@ -209,6 +197,18 @@ BrickLists counted_lists(DeviceHeap& heap, const InputView& input, const WindowV
   return lists;
 }
 
+void sort_by_key(DeviceHeap& heap, cub::DoubleBuffer<std::uint32_t>& key, cub::DoubleBuffer<std::uint32_t>& value,
+                 std::uint32_t n, int key_bits) {
+  const auto sort = [&](void* temporary, std::size_t& bytes) {
+    check_cuda(cub::DeviceRadixSort::SortPairs(temporary, bytes, key, value, n, 0, key_bits, heap.stream()),
+               "DeviceRadixSort");
+  };
+  std::size_t bytes = 0;
+  sort(nullptr, bytes);
+  const DeviceArray<std::uint8_t> temporary(heap, bytes);
+  sort(temporary.data(), bytes);
+}
+
 /// Pairs as they come, with their bricks, sorted by them.
 BrickLists sorted_lists(DeviceHeap& heap, const InputView& input, const WindowView& window, KeyRange range,
                         BinCapacity& capacity, CellStats& stats) {
@@ -218,28 +218,12 @@ BrickLists sorted_lists(DeviceHeap& heap, const InputView& input, const WindowVi
   stats.pairs += pairs;
   BrickLists lists;
   if (pairs == 0) return lists;
-  DeviceArray<std::uint32_t> other_key(heap, pairs), other_triangle(heap, pairs), bricks(heap, 1);
+  DeviceArray<std::uint32_t> other_key(heap, pairs), other_triangle(heap, pairs);
   cub::DoubleBuffer<std::uint32_t> key(raw.key.data(), other_key.data());
   cub::DoubleBuffer<std::uint32_t> triangle(raw.triangle.data(), other_triangle.data());
-  const int key_bits = std::max(1, 3 * window.levels);
-  const thrust::counting_iterator<std::uint32_t> counting(0);
-  std::size_t sort_bytes = 0, select_bytes = 0;
-  check_cuda(cub::DeviceRadixSort::SortPairs(nullptr, sort_bytes, key, triangle, pairs, 0, key_bits, heap.stream()),
-             "DeviceRadixSort");
-  check_cuda(cub::DeviceSelect::If(nullptr, select_bytes, counting, other_key.data(), bricks.data(), pairs,
-                                   StartsBrick{raw.key.data()}, heap.stream()),
-             "DeviceSelect");
-  DeviceArray<std::uint8_t> temporary(heap, std::max(sort_bytes, select_bytes));
-  check_cuda(
-      cub::DeviceRadixSort::SortPairs(temporary.data(), sort_bytes, key, triangle, pairs, 0, key_bits, heap.stream()),
-      "DeviceRadixSort");
+  sort_by_key(heap, key, triangle, pairs, std::max(1, 3 * window.levels));
   // The sort's other key buffer takes the starts until their number is known.
-  check_cuda(cub::DeviceSelect::If(temporary.data(), select_bytes, counting, key.Alternate(), bricks.data(), pairs,
-                                   StartsBrick{key.Current()}, heap.stream()),
-             "DeviceSelect");
-  check_cuda(cudaMemcpyAsync(&lists.bricks, bricks.data(), sizeof lists.bricks, cudaMemcpyDeviceToHost, heap.stream()),
-             "cudaMemcpyAsync (bricks)");
-  check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (bricks)");
+  lists.bricks = select_indices(heap, pairs, StartsBrick{key.Current()}, key.Alternate());
   lists.key = DeviceArray<std::uint32_t>(heap, lists.bricks);
   lists.start = DeviceArray<std::uint32_t>(heap, lists.bricks + 1);
   check_cuda(cudaMemcpyAsync(lists.start.data(), key.Alternate(), lists.bricks * sizeof(std::uint32_t),

@@ -76,15 +76,16 @@ void CellBake::bake(const DeviceInput& uploaded, const CellParameters& parameter
   heap_.limit_to(0);
   clock_.mark(0);
   DeviceArray<SnappedVertex> vertices;
-  const DeviceArray<SnapWindow> window(heap_, 1);
-  const SnapWindow& snapped_to = cell.window;
-  check_cuda(cudaMemcpyAsync(window.data(), &snapped_to, sizeof snapped_to, cudaMemcpyHostToDevice, heap_.stream()),
-             "cudaMemcpyAsync (window)");
-  cell.input.window = window.data();
-  // Vertices are snapped whenever one is asked for, where keeping them would take half of the room there is.
+  DeviceArray<SnapWindow> window;
   if (double(input.vertex_count) * sizeof(SnappedVertex) < 0.1 * (input_bytes + output_bytes)) {
     vertices = snap_vertices(heap_, cell.input, cell.window);
     cell.input.vertices = vertices.data();
+  } else {  // where keeping them would take half of the room there is, one is snapped whenever it is asked for
+    window = DeviceArray<SnapWindow>(heap_, 1);
+    const SnapWindow& snapped_to = cell.window;
+    check_cuda(cudaMemcpyAsync(window.data(), &snapped_to, sizeof snapped_to, cudaMemcpyHostToDevice, heap_.stream()),
+               "cudaMemcpyAsync (window)");
+    cell.input.window = window.data();
   }
   clock_.mark(1);
   heap_.limit_to(cell.limit);

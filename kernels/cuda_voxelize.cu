@@ -1,10 +1,9 @@
 #include <algorithm>
 #include <cub/device/device_scan.cuh>
-#include <cub/device/device_select.cuh>
 #include <limits>
-#include <thrust/iterator/counting_iterator.h>
 
 #include "kernels/cuda_rounds.cuh"
+#include "kernels/cuda_select.cuh"
 #include "kernels/cuda_voxelize.cuh"
 
 namespace gigabake::kernels {
@@ -29,7 +28,6 @@ __global__ void __launch_bounds__(fill_threads, FillWidth<false, plain>::blocks)
     else
       span.bricks = smaller<std::uint32_t>(bricks_per_block, view.end - span.first);
     fill_bricks(view, span, shared);
-    if (!is_heavy) return;
     __syncthreads();
   }
 }
@@ -245,21 +243,8 @@ class Filler {
 /// Without the bricks that nothing visible is in.
 DeviceLevel without_empty(DeviceHeap& heap, const BrickLists& lists, Filled filled) {
   DeviceLevel level;
-  DeviceArray<std::uint32_t> kept(heap, lists.bricks), kept_count(heap, 1);
-  const thrust::counting_iterator<std::uint32_t> counting(0);
-  const HasVoxels has_voxels{filled.count.data()};
-  std::size_t bytes = 0;
-  check_cuda(cub::DeviceSelect::If(nullptr, bytes, counting, kept.data(), kept_count.data(), lists.bricks, has_voxels,
-                                   heap.stream()),
-             "DeviceSelect");
-  TemporaryStorage temporary(heap, bytes);
-  check_cuda(cub::DeviceSelect::If(temporary.data(), bytes, counting, kept.data(), kept_count.data(), lists.bricks,
-                                   has_voxels, heap.stream()),
-             "DeviceSelect");
-  check_cuda(
-      cudaMemcpyAsync(&level.bricks, kept_count.data(), sizeof level.bricks, cudaMemcpyDeviceToHost, heap.stream()),
-      "cudaMemcpyAsync (kept bricks)");
-  check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (kept bricks)");
+  const DeviceArray<std::uint32_t> kept(heap, lists.bricks);
+  level.bricks = select_indices(heap, lists.bricks, HasVoxels{filled.count.data()}, kept.data());
   level.voxels = filled.voxels;
   level.key = DeviceArray<std::uint32_t>(heap, level.bricks);
   level.first = DeviceArray<std::uint32_t>(heap, level.bricks + 1);
