@@ -109,8 +109,16 @@ class Faults(unittest.TestCase):
         self.program.succeed("verify", scene)
         self.assertEqual([p for p in out.rglob("*.part")], [], context)
 
-    def inflict(self, launch, fault):
-        """False: the bake was over before."""
+    def inflict(self, launch, fault, after_s):
+        """False: the bake was over before, and so long is what a bake takes now: the first may have had less of the
+        machine, and then faults would come too late for ever."""
+        start = time.monotonic()
+        try:
+            launch.process.wait(after_s)
+            type(self).seconds = time.monotonic() - start
+            return False
+        except subprocess.TimeoutExpired:
+            pass
         what, number = fault
         pids = [launch.process.pid] if what == "mpirun" else launch.pids(what)
         if launch.process.poll() is not None or not pids:
@@ -152,8 +160,7 @@ class Faults(unittest.TestCase):
             out = self.work / f"out{inflicted}"
             fault, ranks = self.random.choice(kinds), self.random.choice([2, 3])
             launch = Launch(self.program, self.bake(out), ranks)
-            time.sleep(self.random.uniform(0.25, 1) * self.seconds)
-            happened = self.inflict(launch, fault)
+            happened = self.inflict(launch, fault, self.random.uniform(0.25, 1) * self.seconds)
             code, log = launch.wait()
             context = f"seed {OPTIONS['seed']}, fault {inflicted}: {fault[0]} {fault[1].name}, exit {code}"
             if happened and fault[0] == "bake process":
