@@ -86,7 +86,7 @@ function(gb_test folder label)
   target_link_libraries(gigabake_test_${folder} PRIVATE ${ARGN} GTest::gtest GTest::gmock GTest::gtest_main)
   target_compile_definitions(gigabake_test_${folder} PRIVATE GIGABAKE_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
   gb_options(gigabake_test_${folder})
-  # What is tested is optimized; the tests themselves would take a third longer to compile than they take less to run.
+  # What is tested is optimized; the tests themselves compile a third faster without.
   target_compile_options(gigabake_test_${folder} PRIVATE "$<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Release>>:-O1>")
   gtest_discover_tests(gigabake_test_${folder} TEST_PREFIX ${folder}. PROPERTIES LABELS ${label} TIMEOUT 600
                        DISCOVERY_TIMEOUT 60 DISCOVERY_MODE PRE_TEST)

@@ -185,7 +185,7 @@ SharedValues share_values(const VoxelGroups& groups, std::span<const std::uint64
   const std::size_t bricks = groups.seen.size(), voxels = groups.of_voxel.size();
   SharedValues out;
   if (voxels > 1 && all_alike(bytes, width, voxels, loop)) {
-    copy_values(bytes, width, 1, loop, out.value);
+    out.value.assign(bytes[0], bytes[0] + width);
     return out;
   }
   out.share.resize(share_bytes * bricks);

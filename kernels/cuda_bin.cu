@@ -182,31 +182,14 @@ BrickLists counted_lists(DeviceHeap& heap, const InputView& input, const WindowV
   add_triangle_counts(counted, stats);
   stats.pairs += pairs;
   if (pairs == 0) return {};
-  std::size_t bytes = 0;
-  check_cuda(cub::DeviceScan::ExclusiveSum(nullptr, bytes, brick.data(), brick.data(), brick.size(), heap.stream()),
-             "DeviceScan");
-  {
-    DeviceArray<std::uint8_t> temporary(heap, bytes);
-    check_cuda(
-        cub::DeviceScan::ExclusiveSum(temporary.data(), bytes, brick.data(), brick.data(), brick.size(), heap.stream()),
-        "DeviceScan");
-  }
+  with_temporary(heap, [&](void* temporary, std::size_t& bytes) {
+    check_cuda(cub::DeviceScan::ExclusiveSum(temporary, bytes, brick.data(), brick.data(), brick.size(), heap.stream()),
+               "DeviceScan");
+  });
   BrickLists lists = bricks_with_pairs(heap, brick, range, pairs);
   lists.triangle = DeviceArray<std::uint32_t>(heap, pairs);
   pairs_by_brick(heap, input, window, range, brick, &lists.triangle, capacity);
   return lists;
-}
-
-void sort_by_key(DeviceHeap& heap, cub::DoubleBuffer<std::uint32_t>& key, cub::DoubleBuffer<std::uint32_t>& value,
-                 std::uint32_t n, int key_bits) {
-  const auto sort = [&](void* temporary, std::size_t& bytes) {
-    check_cuda(cub::DeviceRadixSort::SortPairs(temporary, bytes, key, value, n, 0, key_bits, heap.stream()),
-               "DeviceRadixSort");
-  };
-  std::size_t bytes = 0;
-  sort(nullptr, bytes);
-  const DeviceArray<std::uint8_t> temporary(heap, bytes);
-  sort(temporary.data(), bytes);
 }
 
 /// Pairs as they come, with their bricks, sorted by them.
@@ -221,7 +204,11 @@ BrickLists sorted_lists(DeviceHeap& heap, const InputView& input, const WindowVi
   DeviceArray<std::uint32_t> other_key(heap, pairs), other_triangle(heap, pairs);
   cub::DoubleBuffer<std::uint32_t> key(raw.key.data(), other_key.data());
   cub::DoubleBuffer<std::uint32_t> triangle(raw.triangle.data(), other_triangle.data());
-  sort_by_key(heap, key, triangle, pairs, std::max(1, 3 * window.levels));
+  const int key_bits = std::max(1, 3 * window.levels);
+  with_temporary(heap, [&](void* temporary, std::size_t& bytes) {
+    check_cuda(cub::DeviceRadixSort::SortPairs(temporary, bytes, key, triangle, pairs, 0, key_bits, heap.stream()),
+               "DeviceRadixSort");
+  });
   // The sort's other key buffer takes the starts until their number is known.
   lists.bricks = select_indices(heap, pairs, StartsBrick{key.Current()}, key.Alternate());
   lists.key = DeviceArray<std::uint32_t>(heap, lists.bricks);

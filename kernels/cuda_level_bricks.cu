@@ -219,12 +219,10 @@ Counts place_all_voxels(DeviceHeap& heap, const Tree& tree) {
   DeviceArray<std::uint32_t> count(heap, bricks), sum(heap, bricks), total(heap, std::size_t(tree.lods));
   count_voxels<<<grid_of(bricks, threads), threads, 0, heap.stream()>>>(tree, all, bricks, count.data());
   check_launch("count_voxels");
-  std::size_t bytes = 0;
-  check_cuda(cub::DeviceScan::InclusiveSum(nullptr, bytes, count.data(), sum.data(), bricks, heap.stream()),
-             "DeviceScan");
-  TemporaryStorage temporary(heap, bytes);
-  check_cuda(cub::DeviceScan::InclusiveSum(temporary.data(), bytes, count.data(), sum.data(), bricks, heap.stream()),
-             "DeviceScan");
+  with_temporary(heap, [&](void* temporary, std::size_t& bytes) {
+    check_cuda(cub::DeviceScan::InclusiveSum(temporary, bytes, count.data(), sum.data(), bricks, heap.stream()),
+               "DeviceScan");
+  });
   place_voxels<<<grid_of(bricks, threads), threads, 0, heap.stream()>>>(tree, all, bricks, sum.data(), total.data());
   check_launch("place_voxels");
   return read_counts(heap, total);

@@ -88,6 +88,18 @@ class DeviceArray {
   std::size_t size_ = 0;
 };
 
+/// A scan's or selection's room, as cub asks for it.
+using TemporaryStorage = DeviceArray<std::uint8_t>;
+
+/// Runs step(temporary, bytes) of cub: first without room, to be told the bytes, then with it.
+template <class Step>
+void with_temporary(DeviceHeap& heap, const Step& step) {
+  std::size_t bytes = 0;
+  step(nullptr, bytes);
+  const TemporaryStorage temporary(heap, bytes);
+  step(static_cast<void*>(temporary.data()), bytes);
+}
+
 /// Blocks of `threads` that cover `items`; at least one, so that a launch is never empty.
 inline unsigned grid_of(std::uint64_t items, unsigned threads) {
   return unsigned(items == 0 ? 1 : (items + threads - 1) / threads);

@@ -15,14 +15,10 @@ template <class Predicate>
 std::uint32_t select_indices(DeviceHeap& heap, std::uint32_t n, const Predicate& is_wanted, std::uint32_t* to) {
   const thrust::counting_iterator<std::uint32_t> counting(0);
   const DeviceArray<std::uint32_t> count(heap, 1);
-  const auto select = [&](void* temporary, std::size_t& bytes) {
+  with_temporary(heap, [&](void* temporary, std::size_t& bytes) {
     check_cuda(cub::DeviceSelect::If(temporary, bytes, counting, to, count.data(), n, is_wanted, heap.stream()),
                "DeviceSelect");
-  };
-  std::size_t bytes = 0;
-  select(nullptr, bytes);
-  const DeviceArray<std::uint8_t> temporary(heap, bytes);
-  select(temporary.data(), bytes);
+  });
   std::uint32_t selected = 0;
   check_cuda(cudaMemcpyAsync(&selected, count.data(), sizeof selected, cudaMemcpyDeviceToHost, heap.stream()),
              "cudaMemcpyAsync (selected indices)");

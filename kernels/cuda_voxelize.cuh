@@ -33,7 +33,4 @@ struct FillRatios {
 DeviceLevel voxelize(DeviceHeap& heap, const InputView& input, std::uint64_t room_bytes, const WindowView& window,
                      BrickLists lists, bool normals, bool plain, FillRatios& ratios, CellStats& stats);
 
-/// A scan's or selection's room, as cub asks for it.
-using TemporaryStorage = DeviceArray<std::uint8_t>;
-
 }  // namespace gigabake::kernels
