@@ -50,7 +50,8 @@ kernels::Rgba16 texel_at(const kernels::PartView& part, const kernels::MaterialV
     s += weights.of[k] * uv[2 * k];
     t += weights.of[k] * uv[2 * k + 1];
   }
-  return kernels::sample_level(texture, material, 0, s, t, kernels::TableStore::host().view());
+  return kernels::sample_level<false>(texture, material, 0, kernels::fraction_of(s, material.wrap_s),
+                                      kernels::fraction_of(t, material.wrap_t), kernels::TableStore::host().view());
 }
 
 }  // namespace

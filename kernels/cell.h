@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "kernels/material.h"
 #include "kernels/policy.h"
-#include "kernels/shade.h"
 #include "kernels/snap.h"
 #include "kernels/texture.h"
 #include "kernels/types.h"

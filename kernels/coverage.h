@@ -45,9 +45,13 @@ struct TrianglePlane {
 };
 inline constexpr int cut_line = 3;
 
+/// 1/x, and 1 of zero. By a sum: of two quotients a compiler would take the better one after dividing by zero, which a
+/// device does on a slow way of its own.
+GB_HD double inverse_or_one(double x) { return 1 / (x + (x == 0 ? 1.0 : 0.0)); }
+
 /// One division for both slopes of a line along (du, dv).
 GB_HD Line line_along(double du, double dv) {
-  const double product = du * dv, inverse = 1 / (product != 0 ? product : 1);
+  const double inverse = inverse_or_one(du * dv);
   return {du * du * inverse, dv * dv * inverse};
 }
 
@@ -70,7 +74,7 @@ GB_HD TrianglePlane make_plane(const BrickTriangle<I, N>& t) {
   r.weight_scale = std::sqrt((nu * nu + nv * nv) + nw * nw) * inverse * double(std::int64_t(1) << weight_bits);
   for (int p = 0; p < 3; ++p) {
     const int q = p == 2 ? 0 : p + 1;
-    const double du = r.u[q] - r.u[p], dv = r.v[q] - r.v[p], dw = r.w[q] - r.w[p], per_w = 1 / (dw != 0 ? dw : 1);
+    const double du = r.u[q] - r.u[p], dv = r.v[q] - r.v[p], dw = r.w[q] - r.w[p], per_w = inverse_or_one(dw);
     r.line[p] = line_along(du, dv);
     r.du_dw[p] = du * per_w;
     r.dv_dw[p] = dv * per_w;

@@ -15,6 +15,7 @@ struct BatchCounters {
   unsigned items, heavy, hard;                   ///< of this batch
   unsigned most_items, most_pairs, most_staged;  ///< of any batch
   unsigned long long fragments, voxels;          ///< of all; voxels as marked
+  unsigned visible;                              ///< of all, at the end
 };
 
 struct BatchView {

@@ -21,9 +21,7 @@ struct RawPairs {
 
 PairCounters read(DeviceHeap& heap, const DeviceArray<PairCounters>& counters) {
   PairCounters host;
-  check_cuda(cudaMemcpyAsync(&host, counters.data(), sizeof host, cudaMemcpyDeviceToHost, heap.stream()),
-             "cudaMemcpyAsync (pair counters)");
-  check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (pairs)");
+  heap.bring(&host, counters.data(), sizeof host, "counting pairs");
   return host;
 }
 
@@ -261,9 +259,7 @@ std::vector<std::uint64_t> pairs_by_unit(DeviceHeap& heap, const InputView& inpu
     }
     add_triangle_counts(room.raw.counted, stats);
     std::vector<std::uint64_t> host(units);
-    check_cuda(cudaMemcpyAsync(host.data(), counts.data(), counts.bytes(), cudaMemcpyDeviceToHost, heap.stream()),
-               "cudaMemcpyAsync (unit counts)");
-    check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (unit counts)");
+    heap.bring(host.data(), counts.data(), counts.bytes(), "counting pairs of units");
     return host;
   }
 }

@@ -36,7 +36,7 @@ struct CellBake::Cell {
   InputView input;
   WindowView window;
   const CellParameters& parameters;
-  bool plain;
+  CellMaterials materials;
   std::uint64_t limit;  ///< of what the heap may hold
   std::uint64_t room;   ///< what it should hold
 };
@@ -70,7 +70,7 @@ void CellBake::bake(const DeviceInput& uploaded, const CellParameters& parameter
   Cell cell{input,
             window_view(parameters),
             parameters,
-            uploaded.is_plain(),
+            uploaded.materials(),
             limit_of(parameters.memory_bytes, uploaded.bytes()),
             std::uint64_t((live_share - 1) * input_bytes + live_share * output_bytes)};
   heap_.limit_to(0);
@@ -100,8 +100,8 @@ LevelsAbove CellBake::levels_of(const Cell& cell, KeyRange range, int lods, BinC
   clock_.mark(3);
   DeviceLevel finest;
   if (lists.bricks != 0)
-    finest = voxelize(heap_, cell.input, cell.room, cell.window, std::move(lists), cell.parameters.normals, cell.plain,
-                      fill_ratios_, stats);
+    finest = voxelize(heap_, cell.input, cell.room, cell.window, std::move(lists), cell.parameters.normals,
+                      cell.materials, fill_ratios_, stats);
   clock_.mark(4);
   LevelsAbove all;
   if (finest.bricks != 0) {

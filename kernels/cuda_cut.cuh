@@ -32,29 +32,34 @@ struct CutItem {
   Look look;
 };
 
-/// What shade() needs besides.
+/// What a fragment of texture needs besides.
 template <bool is_hard>
-struct VaryingLook {
+struct TexturedLook {
   PlaneCoordinate<is_hard> plane_u[3], plane_v[3];
   double inverse_twice_area;
-  std::uint32_t material;
-  bool has_vertex_rgba;
-  const TextureView* texture;  ///< or null
-  std::uint16_t vertex_rgba[3][4];
   TextureMap map;
+  const TextureView* texture;
+  MaterialView material;
 };
 
-/// plain: of a cell without textures whose materials are all opaque.
-template <bool is_hard, bool plain>
+/// What shade() needs: of any material, textured or not.
+template <bool is_hard>
+struct VaryingLook : TexturedLook<is_hard> {
+  std::uint16_t vertex_rgba[3][4];
+  bool has_vertex_rgba;
+};
+
+template <bool is_hard, CellMaterials materials>
 struct FillItem : CutItem {
-  LinearColour colour;  ///< of a flat look: `low` alone
+  using Varying = std::conditional_t<materials == CellMaterials::any, VaryingLook<is_hard>, TexturedLook<is_hard>>;
+  union {
+    LinearColour colour;  ///< of a flat look: `low` alone
+    Varying varying;
+  };
 };
 template <bool is_hard>
-struct FillItem<is_hard, false> : CutItem {
-  union {
-    LinearColour colour;
-    VaryingLook<is_hard> varying;
-  };
+struct FillItem<is_hard, CellMaterials::plain> : CutItem {
+  LinearColour colour;
 };
 
 /// The triangle's surface, but for its texture and the map of it.
@@ -74,18 +79,14 @@ __device__ inline Surface surface_of_triangle(const InputView& in, const DeviceP
 }
 
 template <bool is_hard>
-__device__ void set_varying(const InputView& in, const DevicePart& part, std::uint32_t index, const Surface& surface,
-                            const TrianglePlane& plane, VaryingLook<is_hard>& out) {
+__device__ void set_textured(const InputView& in, const DevicePart& part, std::uint32_t index, const Surface& surface,
+                             const TrianglePlane& plane, TexturedLook<is_hard>& out) {
   for (int c = 0; c < 3; ++c) {
     out.plane_u[c] = PlaneCoordinate<is_hard>(plane.u[c] * double(subvoxels));
     out.plane_v[c] = PlaneCoordinate<is_hard>(plane.v[c] * double(subvoxels));
   }
   out.inverse_twice_area = plane.inverse_twice_area;
-  out.material = part.material;
-  out.has_vertex_rgba = surface.has_vertex_rgba;
-  if (surface.has_vertex_rgba)
-    for (int c = 0; c < 3; ++c)
-      for (int k = 0; k < 4; ++k) out.vertex_rgba[c][k] = surface.vertex_rgba[c][k];
+  out.material = surface.material;
   out.texture = part.textured ? &in.textures[surface.material.texture] : nullptr;
   if (!part.textured) return;
   std::uint32_t v[3];
@@ -97,20 +98,26 @@ __device__ void set_varying(const InputView& in, const DevicePart& part, std::ui
   out.map = make_texture_map(plane, uv, out.texture->width, out.texture->height);
 }
 
-template <bool is_hard, bool plain>
+template <bool is_hard, CellMaterials materials>
 __device__ void set_look(const InputView& in, const WindowTriangle& w, const TrianglePlane& plane,
-                         FillItem<is_hard, plain>& out) {
+                         FillItem<is_hard, materials>& out) {
   const DevicePart& part = in.parts[w.part];
   const Surface surface = surface_of_triangle(in, part, w.index, out.normal);
   if (surface.is_linear() && !part.textured) {
     out.look = Look::linear;
     out.colour = make_linear_colour(surface, plane);
-  } else if (plain) {
+  } else if (materials == CellMaterials::plain || (materials == CellMaterials::opaque && !part.textured)) {
     out.look = Look::flat;
     for (int c = 0; c < 3; ++c) out.colour.low[c] = surface.material.base_rgba[c];
-  } else if constexpr (!plain) {
+  } else if constexpr (materials != CellMaterials::plain) {
     out.look = Look::varying;
-    set_varying(in, part, w.index, surface, plane, out.varying);
+    set_textured(in, part, w.index, surface, plane, out.varying);
+    if constexpr (materials == CellMaterials::any) {
+      out.varying.has_vertex_rgba = surface.has_vertex_rgba;
+      if (surface.has_vertex_rgba)
+        for (int c = 0; c < 3; ++c)
+          for (int k = 0; k < 4; ++k) out.varying.vertex_rgba[c][k] = surface.vertex_rgba[c][k];
+    }
   }
 }
 
@@ -146,9 +153,9 @@ __device__ inline void cut_polygon(const TrianglePlane& plane, double slab, CutI
   out.edges_of_row = edges;
 }
 
-template <class I, class N, bool is_hard, bool plain>
+template <class I, class N, bool is_hard, CellMaterials materials>
 __device__ void cut_triangle(const InputView& in, const WindowTriangle& w, const std::int32_t corner[3],
-                             std::uint32_t where, FillItem<is_hard, plain>& out) {
+                             std::uint32_t where, FillItem<is_hard, materials>& out) {
   const BrickTriangle<I, N> t = make_brick_triangle<I, N>(w, corner);
   geometric_normal(t, out.normal);
   const TrianglePlane plane = make_plane(t);
@@ -161,9 +168,9 @@ __device__ void cut_triangle(const InputView& in, const WindowTriangle& w, const
 }
 
 /// Cuts an item from the triangle of a pair. corner: the brick's; where: as in ItemView.
-template <bool is_hard, bool plain>
+template <bool is_hard, CellMaterials materials>
 __device__ void cut_item(const InputView& in, const WindowTriangle& w, const std::int32_t corner[3],
-                         std::uint32_t where, FillItem<is_hard, plain>& out) {
+                         std::uint32_t where, FillItem<is_hard, materials>& out) {
   out.axis = std::uint8_t(where >> 3 & 3);
   out.slab = std::uint8_t(where & 7);
   if constexpr (is_hard)
@@ -183,39 +190,53 @@ __device__ inline CellMoments measure(const CutItem& item, double u, double v, i
 }
 
 template <bool is_hard>
-__device__ Rgba16 shade_varying(const InputView& in, const VaryingLook<is_hard>& look, const CellMoments& m, double u,
-                                double v) {
-  Surface s;
-  s.material = in.materials[look.material];
-  s.has_vertex_rgba = look.has_vertex_rgba;
-  if (look.has_vertex_rgba)
-    for (int i = 0; i < 3; ++i)
-      for (int c = 0; c < 4; ++c) s.vertex_rgba[i][c] = look.vertex_rgba[i][c];
-  s.texture = look.texture;
-  if (look.texture != nullptr)
-    s.map = look.map;
-  else
-    s.material.texture = -1;
-  if (!s.varies()) return shade(s, {}, {0, 0}, 0, in.tables);
+__device__ TrianglePlane plane_of(const TexturedLook<is_hard>& look) {
   TrianglePlane plane;
   for (int c = 0; c < 3; ++c) {
     plane.u[c] = double(look.plane_u[c]) / double(subvoxels);
     plane.v[c] = double(look.plane_v[c]) / double(subvoxels);
   }
   plane.inverse_twice_area = look.inverse_twice_area;
-  return shade(s, plane, fragment_centroid(plane, m, u, v), m.area, in.tables);
+  return plane;
 }
 
-template <bool is_hard, bool plain>
-__device__ Fragment fragment_of(const InputView& in, const FillItem<is_hard, plain>& item, int cell) {
+/// Of an opaque material without vertex colours: what shade() says of it.
+template <bool is_hard>
+__device__ Rgba16 shade_item(const Tables& tables, const TexturedLook<is_hard>& look, const CellMoments& m, double u,
+                             double v) {
+  const Point2 p = fragment_centroid(plane_of(look), m, u, v);
+  const Rgba16 texel = texture_over<true>(*look.texture, look.material, look.map, p.u, p.v, std::fabs(m.area), tables);
+  Rgba16 r{{0, 0, 0, 65535}};
+  for (int c = 0; c < 3; ++c) r.c[c] = scale16(texel.c[c], look.material.base_rgba[c]);
+  return r;
+}
+
+template <bool is_hard>
+__device__ Rgba16 shade_item(const Tables& tables, const VaryingLook<is_hard>& look, const CellMoments& m, double u,
+                             double v) {
+  Surface s;
+  s.material = look.material;
+  s.has_vertex_rgba = look.has_vertex_rgba;
+  if (look.has_vertex_rgba)
+    for (int i = 0; i < 3; ++i)
+      for (int c = 0; c < 4; ++c) s.vertex_rgba[i][c] = look.vertex_rgba[i][c];
+  s.texture = look.texture;
+  if (look.texture != nullptr) s.map = look.map;
+  if (!s.varies()) return shade<false>(s, {}, {0, 0}, 0, tables);
+  const TrianglePlane plane = plane_of(look);
+  return shade<false>(s, plane, fragment_centroid(plane, m, u, v), m.area, tables);
+}
+
+template <bool is_hard, CellMaterials materials>
+__device__ Fragment fragment_of(const Tables& tables, const FillItem<is_hard, materials>& item, int cell) {
   const double u = double((cell & 7) - item.anchor_u), v = double((cell >> 3) - item.anchor_v);
   const CellMoments m = measure(item, u, v, cell >> 3);
   if (item.look == Look::linear) return linear_fragment(item.colour, u, v, m, item.weight_scale, item.normal);
   Rgba16 rgba{{0, 0, 0, 65535}};
-  if constexpr (plain)
+  if (materials == CellMaterials::plain || item.look == Look::flat)
     for (int c = 0; c < 3; ++c) rgba.c[c] = item.colour.low[c];
-  else
-    rgba = shade_varying(in, item.varying, m, u, v);
+  else if constexpr (materials != CellMaterials::plain)
+    rgba = shade_item(tables, item.varying, m, u, v);
   return fragment_of_colour(weight_of(m.area, item.weight_scale), rgba.c, item.normal);
 }
 

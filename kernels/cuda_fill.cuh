@@ -17,11 +17,11 @@ inline constexpr int mask_words = 16 * bricks_per_block;
 
 /// How wide integers are: easy bricks have at most fragments_before_flush triangles, all of them narrow. They leave
 /// room for `blocks` in a multiprocessor of 228 KiB.
-template <bool is_hard, bool plain>
+template <bool is_hard, CellMaterials materials>
 struct FillWidth {
-  static constexpr int blocks = is_hard ? 3 : plain ? 5 : 4;
+  static constexpr int blocks = is_hard ? 3 : materials == CellMaterials::any ? 4 : 5;
   static constexpr std::size_t bytes = (228 * 1024 / blocks - 1024) / 128 * 128;  ///< the driver keeps 1 KiB a block
-  using Sums = VoxelSums<is_hard ? 3 : 2, plain ? opaque_sum_count : sum_count>;
+  using Sums = VoxelSums<is_hard ? 3 : 2, all_show(materials) ? opaque_sum_count : sum_count>;
 };
 
 /// What a block knows of its bricks.
@@ -38,11 +38,11 @@ struct BlockBricks {
 
 /// Sums of a round's voxels from below and items from above share what room there is: some bricks have few triangles
 /// for many voxels, others many for few.
-template <bool is_hard, bool plain>
+template <bool is_hard, CellMaterials materials>
 struct FillShared : BlockBricks {
-  using Sums = typename FillWidth<is_hard, plain>::Sums;
-  using Item = FillItem<is_hard, plain>;
-  static constexpr int pool_bytes = (FillWidth<is_hard, plain>::bytes - sizeof(BlockBricks)) / 16 * 16;
+  using Sums = typename FillWidth<is_hard, materials>::Sums;
+  using Item = FillItem<is_hard, materials>;
+  static constexpr int pool_bytes = (FillWidth<is_hard, materials>::bytes - sizeof(BlockBricks)) / 16 * 16;
   static constexpr int least_items = 16;
   static_assert(pool_bytes >= brick_voxels * int(sizeof(Sums)) + least_items * int(sizeof(Item)));
 

@@ -96,9 +96,7 @@ std::vector<Sum128> level_hashes(DeviceHeap& heap, const std::vector<DeviceLevel
     check_launch("hash_level");
   }
   std::vector<Sum128> hashes(levels.size());
-  check_cuda(cudaMemcpyAsync(hashes.data(), sums.data(), sums.bytes(), cudaMemcpyDeviceToHost, heap.stream()),
-             "cudaMemcpyAsync (hashes)");
-  check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (hashes)");
+  heap.bring(hashes.data(), sums.data(), sums.bytes(), "content hashes");
   return hashes;
 }
 

@@ -122,6 +122,22 @@ Tables DeviceTables::view() const {
   return {linear_from_srgb_.data(), srgb_from_linear_.data(), unit_normal_.data(), thesis_alpha_.data()};
 }
 
+bool is_textured(const CellInput& input, const PartView& p) {
+  return input.materials[p.material].texture >= 0 && !p.uv.empty();
+}
+
+CellMaterials materials_in(const CellInput& input) {
+  for (std::size_t i = 0; i < input.materials.size; ++i)
+    if (input.materials[i].alpha_mode != AlphaMode::opaque) return CellMaterials::any;
+  CellMaterials found = CellMaterials::plain;
+  for (std::size_t i = 0; i < input.parts.size; ++i) {
+    if (!is_textured(input, input.parts[i])) continue;
+    if (!input.parts[i].rgba.empty()) return CellMaterials::any;
+    found = CellMaterials::opaque;
+  }
+  return found;
+}
+
 DeviceInput::DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTextures& textures, const Tables& tables)
     : tables_(tables) {
   Layout layout;
@@ -145,7 +161,7 @@ DeviceInput::DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTexture
                  vertex_count_,
                  triangle_count_,
                  is_mirrored(p.scene_from_local),
-                 input.materials[p.material].texture >= 0 && !p.uv.empty()};
+                 is_textured(input, p)};
     std::copy(p.scene_from_local, p.scene_from_local + 12, d.scene_from_local);
     parts.push_back(d);
     vertex_count_ = counted(std::size_t(vertex_count_) + p.position.size / 3, "vertices");
@@ -159,9 +175,7 @@ DeviceInput::DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTexture
     views.push_back(held_.back()->view);
   }
   textures_ = upload(heap, views.data(), views.size());
-  is_plain_ = views.empty();
-  for (std::size_t i = 0; i < input.materials.size; ++i)
-    is_plain_ = is_plain_ && input.materials[i].alpha_mode == AlphaMode::opaque;
+  cell_materials_ = materials_in(input);
   check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (upload)");  // the host's arrays may go now
 }
 

@@ -38,6 +38,15 @@ struct SnapWindow {
   std::int64_t min[3];  ///< the window's lowest corner, lod-0 voxels
 };
 
+/// What a cell's materials ask of those who fill its voxels.
+enum class CellMaterials : std::uint8_t {
+  plain,   ///< opaque and without textures
+  opaque,  ///< opaque; nothing is both textured and coloured by its vertices
+  any
+};
+/// Whether all that is marked shows.
+constexpr bool all_show(CellMaterials m) { return m != CellMaterials::any; }
+
 /// What kernels get by value.
 struct InputView {
   const DevicePart* parts;
@@ -149,13 +158,13 @@ class DeviceInput {
   DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTextures& textures, const Tables& tables);
   InputView view() const;
   /// No textures, and all materials are opaque.
-  bool is_plain() const { return is_plain_; }
+  CellMaterials materials() const { return cell_materials_; }
   std::uint64_t bytes() const { return arrays_.bytes(); }  ///< without textures
   std::uint64_t bytes_with_textures() const;
 
  private:
   std::uint32_t vertex_count_ = 0, triangle_count_ = 0;
-  bool is_plain_ = true;
+  CellMaterials cell_materials_ = CellMaterials::any;
   Tables tables_;
   DeviceArray<std::uint8_t> arrays_;
   DeviceArray<DevicePart> parts_;

@@ -181,9 +181,7 @@ using Counts = std::array<std::uint32_t, most_levels>;
 
 Counts read_counts(DeviceHeap& heap, const DeviceArray<std::uint32_t>& from) {
   Counts counts{};
-  check_cuda(cudaMemcpyAsync(counts.data(), from.data(), from.bytes(), cudaMemcpyDeviceToHost, heap.stream()),
-             "cudaMemcpyAsync (level counts)");
-  check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (level counts)");
+  heap.bring(counts.data(), from.data(), from.bytes(), "counting bricks of levels");
   return counts;
 }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstring>
 #include <string>
 
 #include "kernels/cuda_memory.cuh"
@@ -31,6 +32,13 @@ void DeviceHeap::give(void* data, std::size_t bytes) noexcept {
   cudaFreeAsync(data, stream_);
   live_ -= bytes;
   books_.add(-std::int64_t(bytes));
+}
+
+void DeviceHeap::bring(void* host, const void* device, std::size_t bytes, const char* what) {
+  std::byte* arrived = arrived_.reserve(bytes);
+  check_cuda(cudaMemcpyAsync(arrived, device, bytes, cudaMemcpyDeviceToHost, stream_), what);
+  check_cuda(cudaStreamSynchronize(stream_), what);
+  std::memcpy(host, arrived, bytes);
 }
 
 }  // namespace gigabake::kernels

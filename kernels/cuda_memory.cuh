@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "kernels/cuda_error.h"
+#include "kernels/cuda_pinned.cuh"
 
 namespace gigabake::kernels {
 
@@ -48,6 +49,10 @@ class DeviceHeap {
   /// Live bytes that take() does not go beyond; what is live already may be more. 0: whatever the device has.
   void limit_to(std::uint64_t bytes) { limit_ = bytes; }
 
+  /// Brings to the host what kernels found, once they are done: few bytes, which the host must know to go on. By way of
+  /// page-locked memory, or the driver would make a copy of its own. what: for the line of an error.
+  void bring(void* host, const void* device, std::size_t bytes, const char* what);
+
   std::uint64_t live() const { return live_; }
   cudaStream_t stream() const { return stream_; }
 
@@ -56,6 +61,7 @@ class DeviceHeap {
   DeviceBooks& books_;
   std::atomic<std::uint64_t> live_{0};  ///< arrays may be freed by another thread than the one that bakes
   std::uint64_t limit_ = 0;
+  PinnedBuffer arrived_;
 };
 
 /// An array of the device, freed in stream order. Not initialised.

@@ -71,11 +71,11 @@ __device__ inline NextItem fetch_item(const BatchView& view, std::uint32_t mine,
 }
 
 /// An item a thread, from its triangle.
-template <bool is_hard, bool plain>
+template <bool is_hard, CellMaterials materials>
 __device__ void cut_chunk(const BatchView& view, std::uint32_t first_brick, const NextItem& next,
-                          FillShared<is_hard, plain>& shared) {
+                          FillShared<is_hard, materials>& shared) {
   if (next.cells == 0) return;
-  FillItem<is_hard, plain>& out = shared.item(int(threadIdx.x));
+  FillItem<is_hard, materials>& out = shared.item(int(threadIdx.x));
   out.cells = next.cells;
   out.brick = std::uint8_t(brick_of_item(shared.start, next.where >> 6));
   const BrickCoordinate at = demorton(view.bricks.key[first_brick + out.brick]);
@@ -110,30 +110,31 @@ __device__ inline FragmentPlace place_of(const BlockBricks& shared, std::uint32_
 }
 
 /// The chunk's fragments, cell by cell, measured and added up.
-template <bool is_hard, bool plain>
-__device__ void add_chunk(const BatchView& view, const Round& round, FillShared<is_hard, plain>& shared) {
+template <bool is_hard, CellMaterials materials>
+__device__ void add_chunk(const BatchView& view, const Round& round, FillShared<is_hard, materials>& shared) {
   std::uint32_t total = 0;
   for (const std::uint32_t cells : shared.warp_cells) total += cells;
   for (std::uint32_t f = threadIdx.x; f < total; f += fill_threads) {
     const FragmentPlace place = place_of(shared, f);
-    const FillItem<is_hard, plain>& item = shared.item(place.item);
+    const FillItem<is_hard, materials>& item = shared.item(place.item);
     const int cell = nth_bit(item.cells, place.cell);
     const int voxel = voxel_of_cell(item.axis, item.slab, cell), word = 16 * item.brick + (voxel >> 5);
     const int slot = shared.below[word] + __popc(shared.mask[word] & ((1u << (voxel & 31)) - 1)) - round.first;
-    shared.sums(slot).add(fragment_of(view.input, item, cell));
+    shared.sums(slot).add(fragment_of(view.input.tables, item, cell));
   }
 }
 
 /// The round's voxels to their places. Leaves sums of zero.
-template <bool is_hard, bool plain>
+template <bool is_hard, CellMaterials materials>
 __device__ void resolve_round(const BatchView& view, BrickSpan span, const Round& round,
-                              FillShared<is_hard, plain>& shared) {
+                              FillShared<is_hard, materials>& shared) {
   const std::uint32_t first = shared.first_place + std::uint32_t(round.first);
   for (int slot = int(threadIdx.x); slot < round.used; slot += fill_threads) {
     Voxel out;
     const bool visible = shared.sums(slot).resolve_to(view.input.tables, out);
     shared.sums(slot).clear();
-    if (!plain && !visible) drop_voxel(view.mask + 8 * std::size_t(span.first), round.first + slot, shared);
+    if (!all_show(materials) && !visible)
+      drop_voxel(view.mask + 8 * std::size_t(span.first), round.first + slot, shared);
     const std::uint32_t at = first + std::uint32_t(slot);
     if (at >= view.capacity) continue;  // the host counts, makes room and comes back
     view.rgba[at] = !visible ? 0
@@ -145,8 +146,8 @@ __device__ void resolve_round(const BatchView& view, BrickSpan span, const Round
 }
 
 /// The bricks of one block.
-template <bool is_hard, bool plain>
-__device__ void fill_bricks(const BatchView& view, BrickSpan span, FillShared<is_hard, plain>& shared) {
+template <bool is_hard, CellMaterials materials>
+__device__ void fill_bricks(const BatchView& view, BrickSpan span, FillShared<is_hard, materials>& shared) {
   open_bricks(view, span, shared);
   const std::uint32_t pairs = view.bricks.start[view.end] - view.bricks.start[view.begin];
   Round round{0, 0, 0, 0, 0};
@@ -169,7 +170,7 @@ __device__ void fill_bricks(const BatchView& view, BrickSpan span, FillShared<is
     add_chunk(view, round, shared);
     __syncthreads();
   }
-  if (plain) return;  // all of them show
+  if (all_show(materials)) return;
   __syncthreads();
   close_bricks(view, span, shared);
 }

@@ -20,9 +20,7 @@ std::uint32_t select_indices(DeviceHeap& heap, std::uint32_t n, const Predicate&
                "DeviceSelect");
   });
   std::uint32_t selected = 0;
-  check_cuda(cudaMemcpyAsync(&selected, count.data(), sizeof selected, cudaMemcpyDeviceToHost, heap.stream()),
-             "cudaMemcpyAsync (selected indices)");
-  check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (selected indices)");
+  heap.bring(&selected, count.data(), sizeof selected, "selecting indices");
   return selected;
 }
 

@@ -12,10 +12,10 @@ namespace {
 constexpr unsigned threads = 256, item_blocks = 4096, heavy_blocks = 512, hard_blocks = 512;
 
 /// Heavy bricks, a block each, then groups of the others.
-template <bool plain>
-__global__ void __launch_bounds__(fill_threads, FillWidth<false, plain>::blocks) fill_easy_bricks(BatchView view) {
+template <CellMaterials materials>
+__global__ void __launch_bounds__(fill_threads, FillWidth<false, materials>::blocks) fill_easy_bricks(BatchView view) {
   extern __shared__ __align__(16) unsigned char raw[];
-  auto& shared = *reinterpret_cast<FillShared<false, plain>*>(raw);
+  auto& shared = *reinterpret_cast<FillShared<false, materials>*>(raw);
   if (!items_fit(view)) return;
   // One call for both: a second copy of all that it does would not fit the cache of instructions.
   const bool is_heavy = blockIdx.x < heavy_blocks;
@@ -32,10 +32,10 @@ __global__ void __launch_bounds__(fill_threads, FillWidth<false, plain>::blocks)
   }
 }
 
-template <bool plain>
+template <CellMaterials materials>
 __global__ void __launch_bounds__(fill_threads) fill_hard_bricks(BatchView view) {
   extern __shared__ __align__(16) unsigned char raw[];
-  auto& shared = *reinterpret_cast<FillShared<true, plain>*>(raw);
+  auto& shared = *reinterpret_cast<FillShared<true, materials>*>(raw);
   for (std::uint32_t i = blockIdx.x; items_fit(view) && i < view.counters->hard; i += gridDim.x) {
     __syncthreads();
     fill_bricks(view, BrickSpan(view.hard[i]), shared);
@@ -90,15 +90,15 @@ void allow_shared(Kernel kernel, std::size_t bytes) {
              "cudaFuncSetAttribute");
 }
 
-template <bool plain>
+template <CellMaterials materials>
 void launch_fill(const BatchView& view, cudaStream_t stream) {
-  constexpr std::size_t bytes = sizeof(FillShared<false, plain>), hard_bytes = sizeof(FillShared<true, plain>);
-  allow_shared(fill_easy_bricks<plain>, bytes);
-  allow_shared(fill_hard_bricks<plain>, hard_bytes);
+  constexpr std::size_t bytes = sizeof(FillShared<false, materials>), hard_bytes = sizeof(FillShared<true, materials>);
+  allow_shared(fill_easy_bricks<materials>, bytes);
+  allow_shared(fill_hard_bricks<materials>, hard_bytes);
   const unsigned groups = grid_of(view.end - view.begin, bricks_per_block);
-  fill_easy_bricks<plain><<<heavy_blocks + groups, fill_threads, bytes, stream>>>(view);
+  fill_easy_bricks<materials><<<heavy_blocks + groups, fill_threads, bytes, stream>>>(view);
   check_launch("fill_easy_bricks");
-  fill_hard_bricks<plain><<<hard_blocks, fill_threads, hard_bytes, stream>>>(view);
+  fill_hard_bricks<materials><<<hard_blocks, fill_threads, hard_bytes, stream>>>(view);
   check_launch("fill_hard_bricks");
 }
 
@@ -108,7 +108,6 @@ struct Filled {
   DeviceArray<std::uint32_t> count, first, rgba;
   DeviceArray<std::uint16_t> normal;
   BatchCounters counted{};
-  std::uint32_t voxels = 0;
 };
 
 /// Sizes of one try. stage_voxels: 0 where all that is marked shows.
@@ -119,15 +118,15 @@ struct FillSizes {
 /// Bricks, batch by batch, through items of limited number; through a stage where voxels may turn out invisible.
 class Filler {
  public:
-  Filler(DeviceHeap& heap, const InputView& input, SurfaceRule rule, const BrickLists& lists, bool normals, bool plain,
-         const FillSizes& sizes)
+  Filler(DeviceHeap& heap, const InputView& input, SurfaceRule rule, const BrickLists& lists, bool normals,
+         CellMaterials materials, const FillSizes& sizes)
       : heap_(heap),
         rule_(rule),
-        plain_(plain),
+        materials_(materials),
         sizes_(sizes),
         stage_rgba_(heap, sizes.stage_voxels),
-        marked_(heap, plain ? 0 : lists.bricks),
-        place_(heap, plain ? 0 : lists.bricks),
+        marked_(heap, all_show(materials) ? 0 : lists.bricks),
+        place_(heap, all_show(materials) ? 0 : lists.bricks),
         items_of_(heap, sizes.bricks_per_batch),
         heavy_(heap, bricks_per_block * (sizes.pairs_per_batch / most_pairs_together + 1)),
         hard_(heap, sizes.bricks_per_batch),
@@ -145,7 +144,7 @@ class Filler {
     out_.rgba = DeviceArray<std::uint32_t>(heap_, sizes.voxels);
     if (normals) out_.normal = DeviceArray<std::uint16_t>(heap_, sizes.voxels);
     counters_.clear_to_zero();
-    if (!plain) marked_.clear_to_zero();  // a batch that does not fit leaves them
+    if (!all_show(materials)) marked_.clear_to_zero();  // a batch that does not fit leaves them
     out_.count.clear_to_zero();
     out_.first.clear_to_zero();
     view_.input = input;
@@ -154,13 +153,14 @@ class Filler {
                    sizes.items_per_batch, sizes.pairs_per_batch, &counters_.data()->items};
     view_.mask = out_.mask.data();
     view_.visible = out_.count.data();
-    view_.marked = plain ? out_.count.data() : marked_.data();
-    view_.place = plain ? out_.first.data() : place_.data();
+    const bool at_once = all_show(materials);
+    view_.marked = at_once ? out_.count.data() : marked_.data();
+    view_.place = at_once ? out_.first.data() : place_.data();
     view_.items_of = items_of_.data();
     view_.is_easy = is_easy_.data();
-    view_.rgba = plain ? out_.rgba.data() : stage_rgba_.data();
-    if (normals) view_.normal = plain ? out_.normal.data() : stage_normal_.data();
-    view_.capacity = plain ? sizes.voxels : sizes.stage_voxels;
+    view_.rgba = at_once ? out_.rgba.data() : stage_rgba_.data();
+    if (normals) view_.normal = at_once ? out_.normal.data() : stage_normal_.data();
+    view_.capacity = at_once ? sizes.voxels : sizes.stage_voxels;
     view_.counters = counters_.data();
     view_.heavy = heavy_.data();
     view_.hard = hard_.data();
@@ -176,13 +176,10 @@ class Filler {
       view_.end = std::min(bricks, view_.begin + sizes_.bricks_per_batch);
       fill_batch();
     }
-    check_cuda(
-        cudaMemcpyAsync(&out_.counted, counters_.data(), sizeof out_.counted, cudaMemcpyDeviceToHost, heap_.stream()),
-        "cudaMemcpyAsync (fill counters)");
-    check_cuda(cudaMemcpyAsync(&out_.voxels, out_.first.data() + bricks, sizeof out_.voxels, cudaMemcpyDeviceToHost,
-                               heap_.stream()),
+    check_cuda(cudaMemcpyAsync(&view_.counters->visible, out_.first.data() + bricks, sizeof view_.counters->visible,
+                               cudaMemcpyDeviceToDevice, heap_.stream()),
                "cudaMemcpyAsync (voxel count)");
-    check_cuda(cudaStreamSynchronize(heap_.stream()), "cudaStreamSynchronize (voxelize)");
+    heap_.bring(&out_.counted, counters_.data(), sizeof out_.counted, "filling bricks");
     return std::move(out_);
   }
 
@@ -196,13 +193,16 @@ class Filler {
     mark_bricks<<<grid_of(view_.end - view_.begin, bricks_per_block), 32 * bricks_per_block, 0, stream>>>(view_);
     check_launch("mark_bricks");
     std::size_t bytes = temporary_bytes_;
-    if (plain_) {
+    if (all_show(materials_)) {
       sum_visible(temporary_.data(), bytes, view_.begin, view_.end);
-      launch_fill<true>(view_, stream);
+      if (materials_ == CellMaterials::plain)
+        launch_fill<CellMaterials::plain>(view_, stream);
+      else
+        launch_fill<CellMaterials::opaque>(view_, stream);
       return;
     }
     place(temporary_.data(), bytes, view_.begin, view_.end);
-    launch_fill<false>(view_, stream);
+    launch_fill<CellMaterials::any>(view_, stream);
     bytes = temporary_bytes_;
     sum_visible(temporary_.data(), bytes, view_.begin, view_.end);
     unstage<<<grid_of(32 * std::uint64_t(view_.end - view_.begin), threads), threads, 0, stream>>>(
@@ -227,7 +227,7 @@ class Filler {
 
   DeviceHeap& heap_;
   SurfaceRule rule_;
-  bool plain_;
+  CellMaterials materials_;
   FillSizes sizes_;
   DeviceArray<std::uint32_t> stage_rgba_, marked_, place_, items_of_, heavy_, hard_, where_, first_, group_end_;
   DeviceArray<std::uint64_t> cells_;
@@ -245,7 +245,7 @@ DeviceLevel without_empty(DeviceHeap& heap, const BrickLists& lists, Filled fill
   DeviceLevel level;
   const DeviceArray<std::uint32_t> kept(heap, lists.bricks);
   level.bricks = select_indices(heap, lists.bricks, HasVoxels{filled.count.data()}, kept.data());
-  level.voxels = filled.voxels;
+  level.voxels = filled.counted.visible;
   level.key = DeviceArray<std::uint32_t>(heap, level.bricks);
   level.first = DeviceArray<std::uint32_t>(heap, level.bricks + 1);
   level.mask = DeviceArray<std::uint64_t>(heap, 8 * std::size_t(level.bricks));
@@ -275,21 +275,21 @@ std::uint32_t with_room(double wanted, std::uint64_t least) {
 }
 
 /// Of a batch, whose items and stage take what the cell's voxels leave.
-std::uint64_t pairs_that_fit(const BrickLists& lists, const FillRatios& ratios, bool plain, double room_bytes) {
+std::uint64_t pairs_that_fit(const BrickLists& lists, const FillRatios& ratios, bool at_once, double room_bytes) {
   const double pairs = double(lists.triangle.size()), voxel_bytes = sizeof(std::uint32_t) + sizeof(std::uint16_t),
                item_bytes = sizeof(std::uint64_t) + sizeof(std::uint32_t), mask_bytes = 64 + 2 * sizeof(std::uint32_t);
   const double kept = mask_bytes * lists.bricks + spare * voxel_bytes * ratios.voxels_per_pair * pairs,
                of_pair = spare * (ratios.pairs_spread * ratios.items_per_pair * item_bytes + sizeof(std::uint32_t) +
-                                  (plain ? 0 : voxel_bytes * ratios.voxels_per_pair * ratios.voxels_spread));
+                                  (at_once ? 0 : voxel_bytes * ratios.voxels_per_pair * ratios.voxels_spread));
   // But enough bricks to keep a device busy: where triangles are much smaller than voxels, a brick takes long.
   const std::uint64_t least =
       std::max(least_pairs_per_batch, std::uint64_t(least_bricks_per_batch * pairs / lists.bricks));
   return std::max(least, std::uint64_t(std::max(0.0, room_bytes - kept) / of_pair));
 }
 
-FillSizes first_sizes(const BrickLists& lists, const FillRatios& ratios, bool plain, double room_bytes) {
+FillSizes first_sizes(const BrickLists& lists, const FillRatios& ratios, bool at_once, double room_bytes) {
   const std::uint64_t pairs = lists.triangle.size(),
-                      batch = std::min({pairs, pairs_per_batch, pairs_that_fit(lists, ratios, plain, room_bytes),
+                      batch = std::min({pairs, pairs_per_batch, pairs_that_fit(lists, ratios, at_once, room_bytes),
                                         1 + std::uint64_t(double(voxels_per_batch) / ratios.voxels_per_pair)});
   FillSizes s;
   s.bricks_per_batch = std::uint32_t(std::max<std::uint64_t>(1, lists.bricks * batch / pairs));
@@ -297,7 +297,7 @@ FillSizes first_sizes(const BrickLists& lists, const FillRatios& ratios, bool pl
   s.items_per_batch = with_room(double(batch) * ratios.pairs_spread * ratios.items_per_pair, 1024);
   s.voxels = with_room(double(pairs) * ratios.voxels_per_pair, 1024);
   s.stage_voxels =
-      plain ? 0 : std::min(s.voxels, with_room(double(batch) * ratios.voxels_per_pair * ratios.voxels_spread, 1024));
+      at_once ? 0 : std::min(s.voxels, with_room(double(batch) * ratios.voxels_per_pair * ratios.voxels_spread, 1024));
   return s;
 }
 
@@ -308,7 +308,7 @@ bool fits(const Filled& filled, FillSizes& s) {
   counted_32(counted.voxels);
   s.pairs_per_batch = std::max(s.pairs_per_batch, counted.most_pairs);
   s.items_per_batch = std::max(s.items_per_batch, counted.most_items);
-  s.voxels = std::max(s.voxels, filled.voxels);
+  s.voxels = std::max(s.voxels, filled.counted.visible);
   s.stage_voxels = std::max(s.stage_voxels, counted.most_staged);
   return s.pairs_per_batch == tried.pairs_per_batch && s.items_per_batch == tried.items_per_batch &&
          s.voxels == tried.voxels && s.stage_voxels == tried.stage_voxels;
@@ -318,7 +318,7 @@ void learn(const Filled& filled, const BrickLists& lists, const FillSizes& sizes
   const BatchCounters& counted = filled.counted;
   const double pairs = double(lists.triangle.size());
   const double mean_batch = pairs * std::min(1.0, double(sizes.bricks_per_batch) / double(lists.bricks));
-  ratios.voxels_per_pair = std::max(0.01, double(filled.voxels) / pairs);
+  ratios.voxels_per_pair = std::max(0.01, double(filled.counted.visible) / pairs);
   ratios.items_per_pair = std::max(0.01, double(counted.most_items) / std::max(1.0, double(counted.most_pairs)));
   ratios.pairs_spread = std::max(1.0, double(counted.most_pairs) / mean_batch);
   if (sizes.stage_voxels != 0)
@@ -328,10 +328,10 @@ void learn(const Filled& filled, const BrickLists& lists, const FillSizes& sizes
 }  // namespace
 
 DeviceLevel voxelize(DeviceHeap& heap, const InputView& input, std::uint64_t room_bytes, const WindowView& window,
-                     BrickLists lists, bool normals, bool plain, FillRatios& ratios, CellStats& stats) {
-  FillSizes sizes = first_sizes(lists, ratios, plain, double(room_bytes) - double(heap.live()));
+                     BrickLists lists, bool normals, CellMaterials materials, FillRatios& ratios, CellStats& stats) {
+  FillSizes sizes = first_sizes(lists, ratios, all_show(materials), double(room_bytes) - double(heap.live()));
   for (;;) {
-    Filled filled = Filler(heap, input, window.rule, lists, normals, plain, sizes).fill(lists.bricks);
+    Filled filled = Filler(heap, input, window.rule, lists, normals, materials, sizes).fill(lists.bricks);
     if (!fits(filled, sizes)) continue;
     stats.fragments += filled.counted.fragments;
     learn(filled, lists, sizes, ratios);

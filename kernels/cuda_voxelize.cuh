@@ -27,10 +27,9 @@ struct FillRatios {
   double pairs_spread = 1, voxels_spread = 1;  ///< the fullest batch over the mean one
 };
 
-/// room_bytes: what the heap should hold at most; it decides how large batches are. lists: consumed. plain: no
-/// textures, and all materials are opaque. No brick of the result is empty; no voxel of it invisible. Errors
-/// CudaFailure; DeviceFull beyond 2^32-1 voxels too.
+/// room_bytes: what the heap should hold at most; it decides how large batches are. lists: consumed. No brick of
+/// the result is empty; no voxel of it invisible. Errors CudaFailure; DeviceFull beyond 2^32-1 voxels too.
 DeviceLevel voxelize(DeviceHeap& heap, const InputView& input, std::uint64_t room_bytes, const WindowView& window,
-                     BrickLists lists, bool normals, bool plain, FillRatios& ratios, CellStats& stats);
+                     BrickLists lists, bool normals, CellMaterials materials, FillRatios& ratios, CellStats& stats);
 
 }  // namespace gigabake::kernels

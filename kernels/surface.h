@@ -107,7 +107,8 @@ GB_HD Rgba16 shade_untextured(const Surface& s, const double mean[4]) {
   return factor;
 }
 
-/// Premultiplied linear RGBA of the fragment around `centroid`; projected_area in voxel².
+/// Premultiplied linear RGBA of the fragment around `centroid`; projected_area in voxel². opaque: see texture_over.
+template <bool opaque>
 GB_HD Rgba16 shade(const Surface& s, const TrianglePlane& t, Point2 centroid, double projected_area,
                    const Tables& tables) {
   double mean[4] = {65535, 65535, 65535, 65535};
@@ -117,7 +118,7 @@ GB_HD Rgba16 shade(const Surface& s, const TrianglePlane& t, Point2 centroid, do
   }
   if (s.texture == nullptr) return shade_untextured(s, mean);
   const Rgba16 texel =
-      texture_over(*s.texture, s.material, s.map, centroid.u, centroid.v, std::fabs(projected_area), tables);
+      texture_over<opaque>(*s.texture, s.material, s.map, centroid.u, centroid.v, std::fabs(projected_area), tables);
   return apply_material(s.material, factor_of(s, mean), texel);
 }
 

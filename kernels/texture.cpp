@@ -4,8 +4,8 @@
 #include <atomic>
 #include <utility>
 
+#include "kernels/material.h"
 #include "kernels/policy.h"
-#include "kernels/shade.h"
 #include "kernels/tables.h"
 
 namespace gigabake::kernels {
@@ -15,8 +15,6 @@ std::uint64_t next_id() {
   static std::atomic<std::uint64_t> last{0};
   return ++last;
 }
-
-int level_extent(int size, int level) { return std::max(1, size >> level); }
 
 int level_count(int width, int height) {
   int levels = 1;

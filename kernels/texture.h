@@ -15,7 +15,7 @@ inline constexpr int max_texture_levels = 24;
 
 /// Borrowed pyramid. Level 0 is the image itself (sRGB, straight alpha, 4 bytes a texel); levels ≥ 1 are 4 × uint16
 /// linear, premultiplied; where `mask_cutoff` > 0 their alpha is the share of texels that pass the alpha test.
-/// Level l has max(1, width >> l) × max(1, height >> l) texels.
+/// Level l has level_extent(width, l) × level_extent(height, l) texels. Range  width · height ≤ 2^28.
 struct TextureView {
   const std::uint8_t* base = nullptr;
   const std::uint16_t* level[max_texture_levels] = {};  ///< [0] is unused
@@ -23,6 +23,9 @@ struct TextureView {
   std::uint8_t mask_cutoff = 0;  ///< 0: no alpha test; else texel alpha ≥ cutoff is opaque and less is absent
   std::uint64_t id = 0;          ///< of the Texture, never given twice: a device knows by it what it already holds
 };
+
+/// Texels of a level along one axis, of `size` at level 0.
+GB_HD std::int32_t level_extent(std::int32_t size, int level) { return size >> level > 1 ? size >> level : 1; }
 
 /// What a material makes of the image's alpha channel: it decides the pyramid, so each use has its own Texture.
 enum class TextureAlpha : std::uint8_t { ignore, blend, mask };

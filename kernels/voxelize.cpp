@@ -133,11 +133,14 @@ class BrickWalker {
 
   void add_cells(const TrianglePlane& plane, const Surface& surface, const int voxel[64]) {
     Rgba16 rgba;
-    if (!surface.varies()) rgba = shade(surface, plane, {0, 0}, 0, tables_);
+    const bool varies = surface.varies(), opaque = surface.material.alpha_mode == AlphaMode::opaque;
+    if (!varies) rgba = shade<false>(surface, plane, {0, 0}, 0, tables_);
     for (int i = 0; i < lanes_.count; ++i) {
-      if (surface.varies())
-        rgba = shade(surface, plane, fragment_centroid(plane, moments_of(i), lanes_.u[i], lanes_.v[i]), lanes_.area[i],
-                     tables_);
+      if (varies) {
+        const Point2 centroid = fragment_centroid(plane, moments_of(i), lanes_.u[i], lanes_.v[i]);
+        rgba = opaque ? shade<true>(surface, plane, centroid, lanes_.area[i], tables_)
+                      : shade<false>(surface, plane, centroid, lanes_.area[i], tables_);
+      }
       sums_.add(voxel[i], make_fragment(surface, rgba, weight_of(lanes_.area[i], plane.weight_scale)));
     }
   }

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "format/mesh.h"
-#include "kernels/shade.h"
+#include "kernels/material.h"
 #include "kernels/texture.h"
 
 namespace gigabake {

@@ -1,6 +1,7 @@
 #include "cuda_scenes.h"
 
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <utility>
 
@@ -101,9 +102,10 @@ TestCell ground(std::string name, std::uint32_t window_voxels, int quads, bool u
   return cell;
 }
 
-TestCell textured_ground() {
-  TestCell cell = ground("textured", 64, 24, true, true);
-  cell.materials[0] = material(AlphaMode::blend, cell.add_texture(32, 16, TextureAlpha::blend, 1), Wrap::repeat);
+namespace {
+
+/// The ground, once more above itself for each of the modes and wraps.
+void add_textured_sheets(TestCell& cell, std::initializer_list<AlphaMode> modes) {
   TestCell from = ground("", 64, 10, true, false);
   const CellInput other = from.input();
   const PartView& p = other.parts[0];
@@ -111,7 +113,7 @@ TestCell textured_ground() {
       uv(p.uv.data, p.uv.data + p.uv.size);
   const std::vector<std::uint32_t> index(p.index.data, p.index.data + p.index.size);
   int n = 0;
-  for (const AlphaMode alpha : {AlphaMode::opaque, AlphaMode::mask, AlphaMode::blend})
+  for (const AlphaMode alpha : modes)
     for (const Wrap wrap : {Wrap::repeat, Wrap::mirrored_repeat, Wrap::clamp_to_edge}) {
       const TextureAlpha use = alpha == AlphaMode::opaque ? TextureAlpha::ignore
                                : alpha == AlphaMode::mask ? TextureAlpha::mask
@@ -123,6 +125,30 @@ TestCell textured_ground() {
       cell.add_part(std::move(moved), index, std::uint32_t(cell.materials.size() - 1), uv);
       ++n;
     }
+}
+
+}  // namespace
+
+TestCell textured_ground() {
+  TestCell cell = ground("textured", 64, 24, true, true);
+  cell.materials[0] = material(AlphaMode::blend, cell.add_texture(32, 16, TextureAlpha::blend, 1), Wrap::repeat);
+  add_textured_sheets(cell, {AlphaMode::opaque, AlphaMode::mask, AlphaMode::blend});
+  return cell;
+}
+
+TestCell opaque_ground() {
+  TestCell cell = ground("opaque", 64, 24, false, true);
+  add_textured_sheets(cell, {AlphaMode::opaque});
+  TestCell soup = triangle_soup(9);
+  const CellInput other = soup.input();
+  std::mt19937 random(9);
+  for (std::size_t i = 0; i < other.parts.size; ++i) {  // with a texture, then of one colour
+    const PartView& p = other.parts[i];
+    std::vector<float> uv;
+    for (std::size_t v = 0; i == 0 && v < 2 * p.position.size / 3; ++v) uv.push_back(float(random() % 100) / 10);
+    cell.add_part({p.position.data, p.position.data + p.position.size}, {p.index.data, p.index.data + p.index.size}, 1,
+                  std::move(uv));
+  }
   return cell;
 }
 
@@ -215,6 +241,7 @@ std::list<TestCell> all_cells() {
   cells.push_back(ground("one brick", 8, 3, false, true));
   cells.push_back(ground("fine", 512, 256, false, true));
   cells.push_back(textured_ground());
+  cells.push_back(opaque_ground());
   cells.push_back(triangle_soup(7));
   cells.push_back(triangle_soup(8));
   cells.push_back(crowded_voxel());

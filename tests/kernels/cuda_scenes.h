@@ -48,6 +48,8 @@ class TestCell {
 TestCell ground(std::string name, std::uint32_t window_voxels, int quads, bool uv, bool rgba);
 /// One texture for each alpha mode, repeated, mirrored, clamped, stretched.
 TestCell textured_ground();
+/// Opaque: coloured by its vertices, by textures and by one colour, narrow and wide; nothing by two of them.
+TestCell opaque_ground();
 /// Triangles from a thousandth of a voxel to a hundred thousand voxels wide, some on lattice planes.
 TestCell triangle_soup(unsigned seed);
 /// 5,000 triangles in one voxel, and as many across one brick.
