@@ -115,10 +115,12 @@ WorkerSetup setup_of(const MpiSession& mpi, const BakeRequest& request, const Sc
 /// Waits for the process to have its device.
 DeviceChoice device_of(BakeProcess& process) {
   constexpr std::chrono::milliseconds longest_wait{50};
-  for (process.prepare(); !process.device(); process.wait(longest_wait))
+  for (; !process.device(); process.wait(longest_wait)) {
+    process.prepare();
     if (const auto event = process.poll())
       if (const auto* died = std::get_if<BakeProcess::Died>(&*event))
         throw std::runtime_error("the process that bakes ended before it began: " + died->why);
+  }
   if (!process.device()->error.empty()) throw std::runtime_error(process.device()->error);
   return process.device()->choice;
 }
@@ -156,11 +158,12 @@ BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const Bake
   });
   all_or_none(mpi, [&] { expect_output_folder(request.out); });
   BakeProcess process(setup_of(mpi, request, sources), process_options(request));
-  choose_devices(mpi, process, summary);
+  process.prepare();
   std::vector<TileSurvey> surveys = survey(mpi, request, sources, process, [&](std::size_t done) {
     feed->record().surveyed(done, sources.tiles.size());
     feed->turn();
   });
+  choose_devices(mpi, process, summary);  // after the survey, which a driver's start would only delay
   const BakePlan plan = plan_from(mpi, request, sources, surveys, progress);
   all_or_none(mpi, [&] { refuse(request, plan.losses, mpi.rank() == 0 && plan.jobs.empty()); });
   if (mpi.rank() == 0) keep_surveys(request, sources, surveys, progress);

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <future>
 #include <memory>
 #include <mutex>
 #include <poll.h>
@@ -174,27 +176,41 @@ class BakeServer {
     }
   }
 
+  /// The driver takes its second while tiles are surveyed.
   void open(WorkerSetup setup) {
     setup_ = std::move(setup);
-    choose();
+    chosen_ = choice_.get_future();
+    chooser_ = std::thread([this, wish = setup_->device] {
+      choice_.set_value(answer_to(wish));
+      done_.ring();
+    });
     open_scene();
-    // The driver takes its second while tiles are surveyed.
+  }
+
+  static DeviceAnswer answer_to(const DeviceWish& wish) {
+    DeviceAnswer answer;
+    try {
+      answer.choice = choose_device(wish);
+    } catch (const std::exception& e) {
+      answer.error = e.what();
+    }
+    return answer;
+  }
+
+  bool is_device_known() const {
+    return chosen_.valid() && chosen_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  }
+
+  /// Waits until it is known.
+  void take_device() {
+    const DeviceAnswer answer = chosen_.get();
+    if (!answer.error.empty()) why_not_ = answer.error;
+    setup_->worker.cuda_device = answer.choice.device;
+    send(BakeMessageKind::ready, to_bytes(answer));
     if (setup_->worker.cuda_device) make_pipeline();
   }
 
-  void choose() {
-    DeviceAnswer answer;
-    try {
-      answer.choice = choose_device(setup_->device);
-      setup_->worker.cuda_device = answer.choice.device;
-    } catch (const std::exception& e) {
-      answer.error = why_not_ = e.what();
-    }
-    send(BakeMessageKind::ready, to_bytes(answer));
-  }
-
   void open_scene() {
-    if (!why_not_.empty()) return;
     try {
       sources_ = open_sources(setup_->source, setup_->source_options);
       if (sources_.tiles.size() != setup_->tiles)
@@ -208,10 +224,10 @@ class BakeServer {
   }
 
   void survey(std::uint32_t tile) {
-    if (surveyor_ && tile < sources_.tiles.size()) return surveyor_->submit(tile);
+    if (why_not_.empty() && tile < sources_.tiles.size()) return surveyor_->submit(tile);
     TileSurvey survey;
     survey.tile = tile;
-    survey.error = surveyor_ ? "there is no tile " + std::to_string(tile) : why_not_;
+    survey.error = why_not_.empty() ? "there is no tile " + std::to_string(tile) : why_not_;
     send(BakeMessageKind::surveyed, to_bytes(survey));
   }
 
@@ -226,6 +242,7 @@ class BakeServer {
   }
 
   void bake(BakeOrder order) {
+    if (chosen_.valid()) take_device();
     make_pipeline();
     if (pipeline_) {
       attempts_.emplace_back(order.job.id, order.attempt);
@@ -240,6 +257,7 @@ class BakeServer {
 
   void answer() {
     done_.silence();  // before looking: what comes later rings again
+    if (is_device_known()) take_device();
     while (surveyor_) {
       const auto survey = surveyor_->poll();
       if (!survey) break;
@@ -262,6 +280,9 @@ class BakeServer {
   std::optional<WorkerSetup> setup_;
   SceneSources sources_;
   std::string why_not_;  ///< not empty: the answer to every request that needs what could not be made
+  std::promise<DeviceAnswer> choice_;
+  std::future<DeviceAnswer> chosen_;  ///< valid from the setup until it is taken
+  std::thread chooser_;
   std::unique_ptr<Surveyor> surveyor_;
   std::unique_ptr<CellPipeline> pipeline_;
   std::vector<Attempt> attempts_;  ///< of the cells in the pipeline
