@@ -4,11 +4,10 @@
 #include <memory>
 
 #include "format/error.h"
+#include "scheduler/schedule.h"
 
 namespace gigabake::bench {
 namespace {
-
-constexpr std::size_t cells_in_flight = 4;
 
 std::unique_ptr<CellPipeline> make_pipeline(const SceneSources& sources, const BakeBenchRequest& request,
                                             const std::optional<int>& device) {
@@ -58,7 +57,8 @@ BakeBench bench_bake(const BakeBenchRequest& request) {
   const std::unique_ptr<CellPipeline> pipeline = make_pipeline(sources, request, device.device);
   plan_scene(sources, request.scene);
   const auto start = Clock::now();
-  const std::vector<CellReport> together = bake_cells(*pipeline, jobs, cells_in_flight);
+  const int in_hand = device.device ? device_worker_slots : worker_slots;
+  const std::vector<CellReport> together = bake_cells(*pipeline, jobs, std::size_t(in_hand));
   b.bake_s = seconds_since(start);
   b.overlapped = stages(together);
   b.cells = together.size();

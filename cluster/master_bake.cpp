@@ -14,8 +14,9 @@
 namespace gigabake {
 namespace {
 
-ScheduleOptions schedule_options(const BakeRequest& request) {
+ScheduleOptions schedule_options(const BakeRequest& request, const BakeSummary& summary) {
   ScheduleOptions options;
+  if (summary.ranks_with_device != 0) options.slots = device_worker_slots;
   options.silence_s = request.silence_s;
   return options;
 }
@@ -75,7 +76,7 @@ void MasterBake::run(MpiSession& mpi, BakeProcess& process) {
   plan_dispatch(prior.done);
   std::vector<std::uint32_t> already_done;
   for (const CellReport& r : prior.done) already_done.push_back(r.id);
-  DispatchResult result = dispatch(mpi, plan_.jobs, already_done, process, schedule_options(request_), *this);
+  DispatchResult result = dispatch(mpi, plan_.jobs, already_done, process, schedule_options(request_, summary_), *this);
   summary_.cells_taken_over = prior.done.size();
   summary_.cells_planned = plan_.jobs.size();
   summary_.is_drained = is_drain_asked() && result.counts.abandoned != 0;

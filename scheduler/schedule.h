@@ -14,8 +14,10 @@
 
 namespace gigabake {
 
-/// Of a worker that bakes: one cell read, one computed, and where a device computes up to four written.
+/// Of a worker that bakes: one cell read, one computed, one written, and as many at hand.
 inline constexpr int worker_slots = 6;
+/// Where a device computes, up to eight are written.
+inline constexpr int device_worker_slots = 10;
 
 struct ScheduleOptions {
   int strikes = 3;           ///< attempts that may go wrong before a cell is set aside

@@ -1,6 +1,5 @@
 #include "worker/cell_pipeline.h"
 
-#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -12,18 +11,10 @@
 
 #include "worker/cell_stages.h"
 #include "worker/handoff.h"
+#include "worker/write_crew.h"
 
 namespace gigabake {
 namespace {
-
-/// Cells that are written at a time. A device is faster than what packs its cells, and one cell's packing waits for
-/// itself now and then; where memory is short, it holds fewer of them.
-int writers_for(const WorkerOptions& options) {
-  constexpr std::uint64_t short_of_memory = std::uint64_t(2) << 30;
-  if (!options.cuda_device) return 1;
-  if (options.memory_bytes != 0 && options.memory_bytes < short_of_memory) return 2;
-  return std::clamp(options.threads / 4, 2, 4);
-}
 
 /// Runs one stage on a cell; an exception decides the cell.
 template <class Work>
@@ -56,7 +47,7 @@ class CellPipeline::Stages {
       : stages_(std::move(sources), parameters, options), on_report_(std::move(on_report)) {
     reader_ = std::thread([this] { read_all(); });
     computer_ = std::thread([this] { compute_all(); });
-    for (int w = writers_for(options); w > 0; --w) writers_.emplace_back([this] { write_all(); });
+    for (int w = write_crew_for(options).writers; w > 0; --w) writers_.emplace_back([this] { write_all(); });
   }
 
   ~Stages() {

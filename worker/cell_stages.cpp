@@ -9,6 +9,7 @@
 #include "format/shard_reader.h"
 #include "worker/cell_parameters.h"
 #include "worker/shard_from_volume.h"
+#include "worker/write_crew.h"
 
 namespace gigabake {
 namespace {
@@ -76,7 +77,7 @@ CellStages::CellStages(SceneSources sources, BakeParameters parameters, const Wo
       options_{options.threads, options.memory_bytes, make_shard_folder(options.out), options.cuda_device},
       loader_(sources_, parameters_, cache_bytes(options_), options_.threads),
       policy_(options_.threads),
-      write_policy_(options_.threads) {}
+      write_policy_(write_crew_for(options_).threads) {}
 
 /// One step of a cell on the device. False: there is none, or it failed, now or earlier; then the CPU bakes the cell.
 template <class Step>

@@ -136,13 +136,14 @@ TEST(CellFingerprints, DoNotDependOnTheOrderOfTilesButOnHowOftenEachIsThere) {
   }
 }
 
+/// Until kernel_version is raised, after which every cell is baked again.
 TEST(CellFingerprints, KeepTheirValuesSoThatOldBakesStayValid) {
   const CellFingerprints local(parameters(128), std::nullopt), placed(parameters(128), Geodetic{46.5, 8.25, 600});
   CellJob job;
   job.lattice_min = {-128, 256, 8};
   job.cell_voxels = 128;
-  EXPECT_EQ(local.of(job, {{1, 2}, {3, 4}}).hex(), "0537c585916b49b2af8fbd5ffb1e28f3");
-  EXPECT_EQ(placed.of(job, {{5, 6}}).hex(), "c01ae86de93f5b4e7c0d76ef1e507083");
+  EXPECT_EQ(local.of(job, {{1, 2}, {3, 4}}).hex(), "3c747fa3e319ad89182d7e5510a6da54");
+  EXPECT_EQ(placed.of(job, {{5, 6}}).hex(), "a1be191cf30255ea94e19235f2d5290d");
 }
 
 TEST(MakePlan, ListsWhatTheSourceLacksThenTilesThatCouldNotBeRead) {
