@@ -29,6 +29,10 @@ TEST(WriteCrew, WritesFewCellsAtATimeWhereMemoryIsShort) {
   options.memory_bytes = std::uint64_t(1) << 30;
   EXPECT_EQ(write_crew_for(options).writers, 2);
   EXPECT_EQ(write_crew_for(options).threads, 27);
+  options.memory_bytes = std::uint64_t(2) << 30;
+  EXPECT_EQ(write_crew_for(options).writers, 4);
+  options.memory_bytes = std::uint64_t(1) << 62;
+  EXPECT_EQ(write_crew_for(options).writers, 8);
 }
 
 TEST(WriteCrew, IsOneWriterWithAllThreadsWithoutADevice) {
