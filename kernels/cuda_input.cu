@@ -122,10 +122,6 @@ Tables DeviceTables::view() const {
   return {linear_from_srgb_.data(), srgb_from_linear_.data(), unit_normal_.data(), thesis_alpha_.data()};
 }
 
-bool is_textured(const CellInput& input, const PartView& p) {
-  return input.materials[p.material].texture >= 0 && !p.uv.empty();
-}
-
 CellMaterials materials_in(const CellInput& input) {
   for (std::size_t i = 0; i < input.materials.size; ++i)
     if (input.materials[i].alpha_mode != AlphaMode::opaque) return CellMaterials::any;

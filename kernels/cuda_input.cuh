@@ -157,7 +157,6 @@ class DeviceInput {
   /// Errors  CudaFailure; std::length_error beyond 2^32-1 vertices or triangles.
   DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTextures& textures, const Tables& tables);
   InputView view() const;
-  /// No textures, and all materials are opaque.
   CellMaterials materials() const { return cell_materials_; }
   std::uint64_t bytes() const { return arrays_.bytes(); }  ///< without textures
   std::uint64_t bytes_with_textures() const;

@@ -6,10 +6,8 @@
 
 #if defined(__CUDACC__)
 #define GB_HD __host__ __device__ inline
-#define GB_HD_NOINLINE __host__ __device__ __noinline__ inline
 #else
 #define GB_HD inline
-#define GB_HD_NOINLINE inline
 #endif
 
 /// A loop that a device must unroll, so that arrays which it indexes can be registers; one whose body it must not

@@ -30,7 +30,7 @@ std::vector<PartSurface> part_surfaces(const CellInput& input) {
     PartSurface p{&part, {}, is_mirrored(part.scene_from_local)};
     p.surface.material = input.materials[part.material];
     p.surface.has_vertex_rgba = !part.rgba.empty();
-    if (p.surface.material.texture >= 0 && !part.uv.empty())
+    if (is_textured(input, part))
       p.surface.texture = &input.textures[std::size_t(p.surface.material.texture)];
     else
       p.surface.material.texture = -1;

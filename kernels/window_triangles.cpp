@@ -87,7 +87,7 @@ bool has_bad_uv(const PartView& part, const std::uint32_t v[3]) {
 std::vector<RangeResult> part_triangles(const CellInput& input, std::uint32_t part_index,
                                         const CellParameters& parameters, const CpuPolicy& policy) {
   const PartView& part = input.parts[part_index];
-  const bool textured = input.materials[part.material].texture >= 0 && !part.uv.empty();
+  const bool textured = is_textured(input, part);
   const bool mirrored = is_mirrored(part.scene_from_local);
   const std::vector<WindowVertex> vertices = snap_vertices(part, parameters, policy);
   const std::size_t count = part.index.size / 3;
@@ -107,6 +107,10 @@ std::vector<RangeResult> part_triangles(const CellInput& input, std::uint32_t pa
 }
 
 }  // namespace
+
+bool is_textured(const CellInput& input, const PartView& part) {
+  return input.materials[part.material].texture >= 0 && !part.uv.empty();
+}
 
 bool is_mirrored(const double m[12]) {
   return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +

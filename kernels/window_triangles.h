@@ -16,6 +16,9 @@ std::vector<WindowTriangle> window_triangles(const CellInput& input, const CellP
 /// Negative determinant of the linear part: the instance shows its triangles from behind.
 bool is_mirrored(const double scene_from_local[12]);
 
+/// Whether its texture is read: where there are no coordinates, the material is one without.
+bool is_textured(const CellInput& input, const PartView& part);
+
 /// Vertex indices of a triangle in the order that WindowTriangle::p has them.
 inline void triangle_vertices(const PartView& part, bool mirrored, std::uint32_t triangle, std::uint32_t v[3]) {
   const std::uint32_t* i = part.index.data + 3 * std::size_t(triangle);

@@ -204,7 +204,10 @@ class BakeServer {
   /// Waits until it is known.
   void take_device() {
     const DeviceAnswer answer = chosen_.get();
-    if (!answer.error.empty()) why_not_ = answer.error;
+    if (!answer.error.empty()) {
+      why_not_ = answer.error;
+      surveys_ = false;  // for a bake that will not be
+    }
     setup_->worker.cuda_device = answer.choice.device;
     send(BakeMessageKind::ready, to_bytes(answer));
     if (setup_->worker.cuda_device) make_pipeline();
@@ -218,16 +221,17 @@ class BakeServer {
                          "changed while the bake ran: it had " + std::to_string(setup_->tiles) + " tiles and has " +
                              std::to_string(sources_.tiles.size()) + "; bake again");
       surveyor_ = std::make_unique<Surveyor>(sources_, setup_->parameters, setup_->worker.threads, done_);
+      surveys_ = true;
     } catch (const std::exception& e) {
       why_not_ = e.what();
     }
   }
 
   void survey(std::uint32_t tile) {
-    if (why_not_.empty() && tile < sources_.tiles.size()) return surveyor_->submit(tile);
+    if (surveys_ && tile < sources_.tiles.size()) return surveyor_->submit(tile);
     TileSurvey survey;
     survey.tile = tile;
-    survey.error = why_not_.empty() ? "there is no tile " + std::to_string(tile) : why_not_;
+    survey.error = surveys_ ? "there is no tile " + std::to_string(tile) : why_not_;
     send(BakeMessageKind::surveyed, to_bytes(survey));
   }
 
@@ -284,6 +288,7 @@ class BakeServer {
   std::future<DeviceAnswer> chosen_;  ///< valid from the setup until it is taken
   std::thread chooser_;
   std::unique_ptr<Surveyor> surveyor_;
+  bool surveys_ = false;  ///< takes more tiles
   std::unique_ptr<CellPipeline> pipeline_;
   std::vector<Attempt> attempts_;  ///< of the cells in the pipeline
 };

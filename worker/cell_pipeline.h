@@ -16,7 +16,7 @@
 namespace gigabake {
 
 struct WorkerOptions {
-  int threads = 1;  ///< of each stage
+  int threads = 1;  ///< of each stage; beside a device writing takes what the others leave
   std::uint64_t memory_bytes =
       0;                      ///< to aim for; a quarter caches tiles and textures, half is the kernels'. 0: no bound
   std::filesystem::path out;  ///< the bake's folder; shards go to OUT/shards

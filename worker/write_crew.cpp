@@ -6,12 +6,12 @@
 namespace gigabake {
 
 WriteCrew write_crew_for(const WorkerOptions& options) {
-  constexpr std::uint64_t bytes_a_writer = std::uint64_t(512) << 20;
-  constexpr int least_writers = 2, most_writers = 8, others = 4;  // who read, compute and download
+  constexpr std::uint64_t bytes_a_writer = std::uint64_t(512) << 20, least_writers = 2, most_writers = 8;
+  constexpr int others = 4;  // who read, compute and download
   if (!options.cuda_device) return {1, options.threads};
-  const std::uint64_t room = options.memory_bytes == 0 ? most_writers : options.memory_bytes / bytes_a_writer;
-  const int most = int(std::min<std::uint64_t>(room, most_writers));
-  const int writers = std::max(least_writers, std::min(options.threads / 2, most));
+  const std::uint64_t by_memory = options.memory_bytes == 0 ? most_writers : options.memory_bytes / bytes_a_writer,
+                      by_threads = std::uint64_t(options.threads / 2);
+  const int writers = int(std::clamp(std::min(by_threads, by_memory), least_writers, most_writers));
   return {writers, std::max(1, options.threads - writers - others + 1)};
 }
 

@@ -178,6 +178,15 @@ TEST_F(BakeProcessTest, AnswersEveryRequestWithTheLineWhereItCannotBegin) {
   EXPECT_NE(refusal(scene.setup("file")).find("cannot make the folder"), std::string::npos);
 }
 
+TEST_F(BakeProcessTest, SurveysTilesWhereItCannotBakeCells) {
+  std::ofstream(scene.folder() / "file") << "in the way";
+  BakeProcess process(scene.setup("file"), real_program());
+  process.submit(jobs[0], 1);
+  EXPECT_NE(expect<Baked>(process).report.error, "");
+  process.survey(0);
+  EXPECT_EQ(expect<Surveyed>(process).survey.error, "");
+}
+
 /// Feeds three cells at a time and kills at random moments; the seed is in every message.
 TEST_F(BakeProcessTest, BakesEveryCellOnceHoweverOftenItIsKilled) {
   const std::uint64_t seed = std::random_device{}();

@@ -25,6 +25,29 @@ MaterialView material(AlphaMode alpha, std::int32_t texture, Wrap wrap) {
   return m;
 }
 
+/// The ground, once more above itself for each of the modes and wraps.
+void add_textured_sheets(TestCell& cell, std::initializer_list<AlphaMode> modes) {
+  TestCell from = ground("", 64, 10, true, false);
+  const CellInput other = from.input();
+  const PartView& p = other.parts[0];
+  const std::vector<float> position(p.position.data, p.position.data + p.position.size),
+      uv(p.uv.data, p.uv.data + p.uv.size);
+  const std::vector<std::uint32_t> index(p.index.data, p.index.data + p.index.size);
+  int n = 0;
+  for (const AlphaMode alpha : modes)
+    for (const Wrap wrap : {Wrap::repeat, Wrap::mirrored_repeat, Wrap::clamp_to_edge}) {
+      const TextureAlpha use = alpha == AlphaMode::opaque ? TextureAlpha::ignore
+                               : alpha == AlphaMode::mask ? TextureAlpha::mask
+                                                          : TextureAlpha::blend;
+      cell.materials.push_back(material(alpha, cell.add_texture(7 + 31 * n, 64, use, unsigned(n) + 2), wrap));
+      cell.materials.back().nearest = n % 2 == 1;
+      std::vector<float> moved = position;
+      for (std::size_t i = 2; i < moved.size(); i += 3) moved[i] += float(3 * n - 12);
+      cell.add_part(std::move(moved), index, std::uint32_t(cell.materials.size() - 1), uv);
+      ++n;
+    }
+}
+
 }  // namespace
 
 void TestCell::add_part(std::vector<float> position, std::vector<std::uint32_t> index, std::uint32_t material,
@@ -101,33 +124,6 @@ TestCell ground(std::string name, std::uint32_t window_voxels, int quads, bool u
   cell.add_part(std::move(position), std::move(index), 0, std::move(coordinates), std::move(colours));
   return cell;
 }
-
-namespace {
-
-/// The ground, once more above itself for each of the modes and wraps.
-void add_textured_sheets(TestCell& cell, std::initializer_list<AlphaMode> modes) {
-  TestCell from = ground("", 64, 10, true, false);
-  const CellInput other = from.input();
-  const PartView& p = other.parts[0];
-  const std::vector<float> position(p.position.data, p.position.data + p.position.size),
-      uv(p.uv.data, p.uv.data + p.uv.size);
-  const std::vector<std::uint32_t> index(p.index.data, p.index.data + p.index.size);
-  int n = 0;
-  for (const AlphaMode alpha : modes)
-    for (const Wrap wrap : {Wrap::repeat, Wrap::mirrored_repeat, Wrap::clamp_to_edge}) {
-      const TextureAlpha use = alpha == AlphaMode::opaque ? TextureAlpha::ignore
-                               : alpha == AlphaMode::mask ? TextureAlpha::mask
-                                                          : TextureAlpha::blend;
-      cell.materials.push_back(material(alpha, cell.add_texture(7 + 31 * n, 64, use, unsigned(n) + 2), wrap));
-      cell.materials.back().nearest = n % 2 == 1;
-      std::vector<float> moved = position;
-      for (std::size_t i = 2; i < moved.size(); i += 3) moved[i] += float(3 * n - 12);
-      cell.add_part(std::move(moved), index, std::uint32_t(cell.materials.size() - 1), uv);
-      ++n;
-    }
-}
-
-}  // namespace
 
 TestCell textured_ground() {
   TestCell cell = ground("textured", 64, 24, true, true);
