@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 #include <memory>
 
+#include "app/bake_console.h"
 #include "app/bake_options.h"
 #include "app/bake_report.h"
 #include "app/commands.h"
 #include "app/on_all_ranks.h"
-#include "app/progress.h"
 #include "cluster/drain.h"
 #include "format/publish.h"
 
@@ -17,19 +17,49 @@ int exit_code_of(const BakeSummary& summary) {
   return summary.scene.losses.empty() ? complete : cells_failed;
 }
 
+/// What --quiet leaves of a bake's progress.
+BakeProgress warnings_alone(const Progress& steps) {
+  BakeProgress p;
+  p.steps = steps;
+  p.opened = [](const SceneSources&) {};
+  p.surveyed = [](std::size_t, std::size_t) {};
+  p.planned = [](const BakePlan&) {};
+  p.status = [](const BakeStatus&) {};
+  p.cell_done = [](const CellReport& report, const CellJob& job) {
+    if (!report.note.empty()) fmt::print(stderr, "cell {}: {}\n", job.name, report.note);
+  };
+  p.noted = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
+  return p;
+}
+
 int run(const BakeOptions& options, MpiSession& mpi) {
   const BakeRequest request = options.request();
-  Progress progress;
-  const BakeSummary summary = bake(mpi, request, progress.callbacks());
+  BakeConsole console(mpi.rank() == 0 && !options.quiet ? stderr : nullptr, {is_drain_asked, {}});
+  BakeProgress progress = console.callbacks();
+  const BakeSummary summary = bake(mpi, request, options.quiet ? warnings_alone(progress.steps) : progress);
   if (mpi.rank() != 0) return complete;
   const std::string report = json_report(summary, request.out);
-  options.json ? fmt::print("{}", report) : print_report(summary, request.out);
+  if (options.json)
+    fmt::print("{}", report);
+  else if (!options.quiet)
+    print_report(summary, request.out);
   warn_of(summary.precision);
   print_losses(summary.scene.losses);
   if (!options.report.empty()) publish_file(options.report, report);
   const int exit_code = exit_code_of(summary);
   if (summary.lost_ranks != 0) mpi.abort(exit_code);  // a rank that hangs would never join the end
   return exit_code;
+}
+
+/// Of every rank.
+int run_until_stopped(const BakeOptions& options, MpiSession& mpi) {
+  try {
+    return run(options, mpi);
+  } catch (const Stopped&) {
+    if (mpi.rank() == 0)
+      fmt::print(stderr, "gigabake: asked to end before the first cell; run the same command again to go on\n");
+    return drained;
+  }
 }
 
 }  // namespace
@@ -48,12 +78,13 @@ void add_bake(CLI::App& app, int& exit_code) {
   command->add_flag("--prune", options->prune,
                     "once the scene is whole, remove shards that it does not have; without, they stay for a return to "
                     "earlier settings");
+  command->add_flag("-q,--quiet", options->quiet, "print errors, warnings and what is missing alone");
   command->add_option("--stall", options->stall_s, "seconds without any work after which a bake process hangs (60)");
   command->add_option("--cell-timeout", options->cell_timeout_s, "most seconds for one cell (3600)");
   command->add_option("--silence", options->silence_s, "seconds after which a rank that is not heard of is lost (60)");
   command->callback([options, &exit_code] {
     watch_for_drain();  // before MPI starts: mpirun passes signals on from the beginning
-    exit_code = on_all_ranks([&](MpiSession& mpi) { return run(*options, mpi); });
+    exit_code = on_all_ranks([&](MpiSession& mpi) { return run_until_stopped(*options, mpi); });
   });
 }
 

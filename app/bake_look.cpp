@@ -20,13 +20,19 @@ bool writer_is_there(const BakeStatus& s) {
   return s.host == host_name() && s.pid > 0 && (::kill(pid_t(s.pid), 0) == 0 || errno == EPERM);
 }
 
+/// On this host a process that is gone is seen at once; of another host silence alone tells.
+bool seems_interrupted(const BakeStatus& s, const std::string& out, double now_s) {
+  if (is_over(s.state) || writer_is_there(s) || lock_holder(out)) return false;
+  return s.host == host_name() || now_s - s.updated_s > silence_s;
+}
+
 }  // namespace
 
 Seen look(const std::string& out) {
   Seen seen{read_status(out), unix_now_s(), false};
-  const BakeStatus& s = seen.status;
-  seen.interrupted =
-      !is_over(s.state) && seen.now_s - s.updated_s > silence_s && !writer_is_there(s) && !lock_holder(out);
+  if (!seems_interrupted(seen.status, out, seen.now_s)) return seen;
+  seen.status = read_status(out);  // it may have ended between the two looks: then this says how
+  seen.interrupted = seems_interrupted(seen.status, out, seen.now_s);
   return seen;
 }
 

@@ -2,23 +2,25 @@
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <map>
 
+#include "app/choices.h"
+#include "app/scene_argument.h"
 #include "app/text_values.h"
 #include "format/channels.h"
 #include "format/error.h"
+#include "format/host_limits.h"
 
 namespace gigabake::app {
 namespace {
 
-template <class T>
-T choice(const char* option, const std::map<std::string, T>& values, const std::string& text) {
-  const auto it = values.find(text);
-  if (it != values.end()) return it->second;
-  std::string all;
-  for (const auto& [name, value] : values) all += (all.empty() ? "" : ", ") + name;
-  throw UsageError(fmt::format("{}: expected one of {}, got '{}'", option, all, text));
-}
+const Choices<Backend> backends{{{"auto", Backend::automatic}, {"cpu", Backend::cpu}, {"cuda", Backend::cuda}}};
+const Choices<SurfaceRule> surfaces{
+    {{"area", SurfaceRule::area}, {"conservative", SurfaceRule::conservative}, {"thin", SurfaceRule::thin}}};
+const Choices<MipFilter> mips{
+    {{"coverage", MipFilter::coverage}, {"thesis", MipFilter::thesis}, {"box", MipFilter::box}}};
+const Choices<Codec> codecs{{{"deflate", Codec::deflate}, {"lz4", Codec::lz4}}};
+const Choices<UpAxis> up_axes{{{"x", UpAxis::x}, {"y", UpAxis::y}, {"z", UpAxis::z}}};
+constexpr std::uint64_t most_usual_memory = std::uint64_t(4) << 30;
 
 double seconds(const char* option, double s, double least) {
   if (s >= least && s <= 1e6) return s;
@@ -36,23 +38,26 @@ void choose_channels(std::string names, BakeParameters& parameters) {
 }  // namespace
 
 void BakeOptions::add_to(CLI::App& command) {
-  command.add_option("SCENE", source, ".glb, .gltf, a folder of them, a tileset.json or a scene .json")->required();
+  command.add_option("SCENE", source, "what to bake: see below")->required();
   command.add_option("--voxel-size", voxel_size, "edge of a voxel at the finest level, metres")->required();
-  command.add_option("--surface", surface, "which voxels a triangle occupies: area, conservative or thin")
-      ->capture_default_str();
-  command.add_option("--mip", mip, "filter of coarser levels: coverage, thesis or box")->capture_default_str();
+  command.add_option("--surface", surface, "which voxels a triangle occupies (docs/accuracy.md)")
+      ->capture_default_str()
+      ->check(one_of(surfaces.words()));
+  command.add_option("--mip", mip, "filter of coarser levels (docs/accuracy.md)")
+      ->capture_default_str()
+      ->check(one_of(mips.words()));
   command
-      .add_option(
-          "--channels", channels,
-          "what voxels say: rgba, then perhaps normal, then perhaps facing (coverage along x, y and z, which the "
-          "filter coverage has)")
-      ->capture_default_str();
+      .add_option("--channels", channels,
+                  "what voxels say; facing is coverage along x, y and z, which the filter coverage has")
+      ->capture_default_str()
+      ->check(one_of({"rgba", "rgba,normal", "rgba,facing", "rgba,normal,facing"}));
   command
       .add_option("--max-error", max_error,
                   "how far a voxel may be off, in codes of 255 (normals: chord/2): more is stored once, less exactly")
       ->capture_default_str();
-  command.add_option("--codec", codec, "how shards are compressed: deflate, or lz4 (larger and faster)")
-      ->capture_default_str();
+  command.add_option("--codec", codec, "how shards are compressed; lz4 is larger and faster")
+      ->capture_default_str()
+      ->check(one_of(codecs.words()));
   command.add_option("--cell-voxels", cell_voxels, "edge of a cell in voxels, a power of two from 8 to 8192")
       ->capture_default_str();
   command.add_option("--lattice-origin", lattice_origin,
@@ -60,22 +65,26 @@ void BakeOptions::add_to(CLI::App& command) {
   command.add_option("--origin", origin,
                      "LAT,LON,HEIGHT: where the scene frame stands on the earth (the source's own)");
   command.add_flag("--local", local, "no georeference: the source's own frame, turned to z up");
-  command.add_option("--up", up, "axis that points up in the source: x, y or z (tilesets z, mesh files y)");
+  command.add_option("--up", up, "axis that points up in the source (tilesets z, mesh files y)")
+      ->check(one_of(up_axes.words()));
   command.add_option("--threads", threads, "threads of each rank (the host's cores shared by its ranks)");
-  command.add_option("--memory", memory_bytes, "bytes that each rank aims for, as 512M or 4G; 0: no bound (4G)")
+  command
+      .add_option(
+          "--memory", memory_bytes,
+          "bytes that each rank aims for, as 512M or 4G; 0: no bound (4G, or less where the host, its container "
+          "or its batch job has less than twice that for a rank)")
       ->transform(CLI::AsSizeValue(false));
-  command.add_option("--backend", backend, "where the kernels run: auto (a GPU where there is one), cpu or cuda")
-      ->capture_default_str();
+  command.add_option("--backend", backend, "where the kernels run; auto: on a GPU where there is one")
+      ->capture_default_str()
+      ->check(one_of(backends.words()));
   command.add_option("--gpus", gpus, "devices of each host to use, as 0,2 (all)")->delimiter(',');
   command.add_flag("--json", json, "print the answer as JSON");
 }
 
-Backend BakeOptions::wanted_backend() const {
-  return choice<Backend>("--backend", {{"auto", Backend::automatic}, {"cpu", Backend::cpu}, {"cuda", Backend::cuda}},
-                         backend);
-}
+Backend BakeOptions::wanted_backend() const { return backends.value_of("--backend", backend); }
 
 BakeRequest BakeOptions::request() const {
+  expect_source(source);
   BakeRequest r;
   r.source = source;
   r.out = out;
@@ -83,25 +92,22 @@ BakeRequest BakeOptions::request() const {
   r.source_options.local = local;
   if (!origin.empty()) r.source_options.origin = geodetic("--origin", origin);
   if (local && !origin.empty()) throw UsageError("--local and --origin contradict each other");
-  if (!up.empty())
-    r.source_options.scene_up = choice<UpAxis>("--up", {{"x", UpAxis::x}, {"y", UpAxis::y}, {"z", UpAxis::z}}, up);
+  if (!up.empty()) r.source_options.scene_up = up_axes.value_of("--up", up);
   r.parameters.voxel_size_m = number("--voxel-size", voxel_size);
   if (!lattice_origin.empty())
     r.parameters.lattice_origin_m = triple("--lattice-origin", "X,Y,Z in metres", lattice_origin);
   r.parameters.cell_voxels = cell_voxels;
-  r.parameters.surface = choice<SurfaceRule>(
-      "--surface",
-      {{"area", SurfaceRule::area}, {"conservative", SurfaceRule::conservative}, {"thin", SurfaceRule::thin}}, surface);
-  r.parameters.mip = choice<MipFilter>(
-      "--mip", {{"coverage", MipFilter::coverage}, {"thesis", MipFilter::thesis}, {"box", MipFilter::box}}, mip);
+  r.parameters.surface = surfaces.value_of("--surface", surface);
+  r.parameters.mip = mips.value_of("--mip", mip);
   choose_channels(channels, r.parameters);
   r.parameters.max_error = max_error;
-  r.parameters.codec = choice<Codec>("--codec", {{"lz4", Codec::lz4}, {"deflate", Codec::deflate}}, codec);
+  r.parameters.codec = codecs.value_of("--codec", codec);
   check(r.parameters);
   if (threads < 0 || threads > 1024) throw UsageError("--threads: expected 1 to 1024, or 0 for all cores");
   r.threads = threads;
-  r.memory_bytes = memory_bytes;
-  if (memory_bytes != 0 && memory_bytes < (std::uint64_t(64) << 20))
+  r.memory_is_usual = !memory_bytes;
+  r.memory_bytes = memory_bytes.value_or(usual_memory(most_usual_memory, host_limits().memory_bytes, 1));
+  if (memory_bytes.value_or(0) != 0 && *memory_bytes < (std::uint64_t(64) << 20))
     throw UsageError("--memory: expected at least 64M, or 0 for no bound");
   r.keep_going = keep_going;
   r.prune = prune;

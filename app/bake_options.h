@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 
 #include "cluster/bake.h"
@@ -15,11 +16,11 @@ struct BakeOptions {
                                                         channels = "rgba,normal,facing";
   std::vector<int> gpus;
   std::uint32_t cell_voxels = 1024;
-  bool local = false, keep_going = true, prune = false, json = false;
+  bool local = false, keep_going = true, prune = false, json = false, quiet = false;
   std::uint32_t max_error = 0;
   int threads = 0;
   double stall_s = 60, cell_timeout_s = 3600, silence_s = 60;
-  std::uint64_t memory_bytes = std::uint64_t(4) << 30;
+  std::optional<std::uint64_t> memory_bytes;
 
   void add_to(CLI::App& command);
   /// Errors  UsageError: what was expected of which option.

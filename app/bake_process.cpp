@@ -46,7 +46,7 @@ int run(int fd) {
     fmt::print(stderr, "gigabake: {}\n", e.what());
     return usage;
   } catch (const std::exception& e) {
-    fmt::print(stderr, "gigabake: bake process: {}\n", e.what());
+    fmt::print(stderr, "gigabake: bake process: {}\n", reason_of(e));
     return failed;
   }
 }

@@ -6,16 +6,19 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <span>
 #include <utility>
 
+#include "app/alike.h"
 #include "app/status_text.h"
+#include "format/error.h"
 #include "kernels/types.h"
 #include "scheduler/estimate.h"
 
 namespace gigabake::app {
 namespace {
 
-constexpr std::size_t slow_cells_printed = 3, losses_printed = 50;
+constexpr std::size_t slow_cells_printed = 3, cells_printed = 20;
 
 /// Totals over the scene's cells.
 struct Totals {
@@ -176,28 +179,29 @@ std::string json_report(const BakeSummary& s, const std::filesystem::path& out) 
   return text_of(j);
 }
 
-void print_report(const BakePlan& plan, const std::optional<PriorResults>& prior) {
+void print_report(const BakePlan& plan, const std::optional<PriorResults>& prior, const PlanSizes& sizes) {
   const PlanEstimate e = estimate(plan);
   fmt::print("{} cells, {} triangles, {} of them in the largest cell\n", plan.jobs.size(), plan.triangles,
              e.largest_cell_triangles);
   print_left_out(plan);
-  fmt::print("about {} of kernel memory for the largest cell, {:.0f} core seconds in all\n",
-             readable_bytes(e.kernel_bytes), e.core_seconds);
-  if (prior) print_counts(*prior);
-  for (const CellJob& job : plan.jobs)
+  const std::size_t listed = prior ? plan.jobs.size() : std::min(plan.jobs.size(), cells_printed);
+  for (const CellJob& job : std::span(plan.jobs).first(listed))
     fmt::print("  {:<24} lattice {} {} {}  {} tiles  {} triangles{}\n", job.name, job.lattice_min[0],
                job.lattice_min[1], job.lattice_min[2], job.tiles.size(), job.triangles,
                prior ? fmt::format("  {}", text(prior->reasons[job.id])) : "");
+  if (listed < plan.jobs.size()) fmt::print("  and {} more; --json lists them all\n", plan.jobs.size() - listed);
+  if (prior) print_counts(*prior);
+  fmt::print("about {} of kernel memory for the largest cell\n", readable_bytes(e.kernel_bytes));
+  fmt::print("{}", sizes_text(sizes));
 }
 
-void print_json_report(const BakePlan& plan, const std::optional<PriorResults>& prior) {
+void print_json_report(const BakePlan& plan, const std::optional<PriorResults>& prior, const PlanSizes& sizes) {
   const PlanEstimate e = estimate(plan);
   nlohmann::ordered_json j;
   j["cells"] = plan.jobs.size();
   j["triangles"] = plan.triangles;
-  j["estimate"] = {{"largest_cell_triangles", e.largest_cell_triangles},
-                   {"kernel_bytes", e.kernel_bytes},
-                   {"core_seconds", e.core_seconds}};
+  j["estimate"] = {{"largest_cell_triangles", e.largest_cell_triangles}, {"kernel_bytes", e.kernel_bytes}};
+  add_sizes(sizes, j);
   if (prior) {
     const auto counts = prior->counts();
     for (std::size_t r = 0; r < counts.size(); ++r) j["prior"][text(PriorReason(r))] = counts[r];
@@ -233,9 +237,7 @@ void print_losses(const std::vector<SceneLoss>& losses) {
   std::fflush(stdout);
   if (losses.empty()) return;
   fmt::print(stderr, "incomplete, {} missing:\n", losses.size());
-  const std::size_t printed = std::min(losses.size(), losses_printed);
-  for (std::size_t i = 0; i < printed; ++i) fmt::print(stderr, "  {}: {}\n", losses[i].name, losses[i].reason);
-  if (printed < losses.size()) fmt::print(stderr, "  and {} more; --json lists them all\n", losses.size() - printed);
+  for (const std::string& line : lines_of(losses)) fmt::print(stderr, "  {}\n", as_line(line));
 }
 
 }  // namespace gigabake::app

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/plan_sizes.h"
 #include "cluster/bake.h"
 #include "scheduler/prior.h"
 
@@ -13,10 +14,10 @@ namespace gigabake::app {
 
 /// On standard output.
 void print_report(const BakeSummary& summary, const std::filesystem::path& out);
-/// prior: what OUT has of the plan; none: nobody asked.
-void print_report(const BakePlan& plan, const std::optional<PriorResults>& prior);
+/// prior: what OUT has of the plan; none: nobody asked, and of many cells the first ones are listed.
+void print_report(const BakePlan& plan, const std::optional<PriorResults>& prior, const PlanSizes& sizes);
 std::string json_report(const BakeSummary& summary, const std::filesystem::path& out);
-void print_json_report(const BakePlan& plan, const std::optional<PriorResults>& prior);
+void print_json_report(const BakePlan& plan, const std::optional<PriorResults>& prior, const PlanSizes& sizes);
 
 /// On standard error: that sources cannot say where their vertices are as finely as voxels are small. Nothing where
 /// they can.

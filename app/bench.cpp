@@ -1,14 +1,15 @@
 #include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "app/bake_options.h"
 #include "app/commands.h"
 #include "app/status_text.h"
+#include "app/with_progress.h"
 #include "bench/bake_bench.h"
 #include "bench/kernel_bench.h"
 #include "bench/schedule_bench.h"
+#include "format/host_limits.h"
 #include "kernels/cuda_baker.h"
 
 namespace gigabake::app {
@@ -139,7 +140,7 @@ void print_json(const bench::ScheduleBench& b) {
 }
 
 bench::BenchScene scene_of(const BakeRequest& request) {
-  const int threads = request.threads > 0 ? request.threads : int(std::thread::hardware_concurrency());
+  const int threads = request.threads > 0 ? request.threads : host_limits().cores();
   return {request.source, request.source_options, request.parameters, threads, request.memory_bytes};
 }
 
@@ -161,7 +162,11 @@ int run(const BakeBenchOptions& options) {
   r.out = request.out;
   r.backend = request.backend;
   r.most_cells = options.cells;
-  return print(bench::bench_bake(r), options.bake.json);
+  const bench::BakeBench b = with_progress([&](const Progress& progress) {
+    r.scene.progress = progress;
+    return bench::bench_bake(r);
+  });
+  return print(b, options.bake.json);
 }
 
 void add_bench_bake(CLI::App& bench, int& exit_code) {
@@ -188,7 +193,11 @@ int run(const KernelOptions& options) {
   const bool has_device = !kernels::cuda_devices().usable.empty();
   r.cpu = request.backend != Backend::cuda;
   r.cuda = request.backend == Backend::cuda || (request.backend == Backend::automatic && has_device);
-  return print(bench::bench_kernels(r), options.bake.json);
+  const bench::KernelBench b = while_reading([&](const Progress& progress) {
+    r.scene.progress = progress;
+    return bench::bench_kernels(r);
+  });
+  return print(b, options.bake.json);
 }
 
 void add_bench_kernels(CLI::App& bench, int& exit_code) {
@@ -221,8 +230,13 @@ void add_bench_schedule(CLI::App& bench, int& exit_code) {
   add("--failing-cells", r.failing_cells, 0, 1000000, "cells that end in an error each time");
   add("--killing-cells", r.killing_cells, 0, 1000000, "cells that kill their process each time");
   command->add_flag("--json", options->json, "print JSON");
-  command->callback(
-      [options, &exit_code] { exit_code = print(bench::bench_schedule(options->request), options->json); });
+  command->callback([options, &exit_code] {
+    const bench::ScheduleBench b = while_reading([&](const Progress& progress) {
+      progress.step("scheduling cells that are made up");
+      return bench::bench_schedule(options->request);
+    });
+    exit_code = print(b, options->json);
+  });
 }
 
 }  // namespace

@@ -3,15 +3,17 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <memory>
-#include <thread>
 #include <tuple>
 
 #include "app/bake_options.h"
+#include "app/choices.h"
 #include "app/commands.h"
 #include "app/text_values.h"
+#include "app/with_progress.h"
 #include "bench/accuracy_report.h"
 #include "bench/hard_report.h"
 #include "format/error.h"
+#include "format/host_limits.h"
 #include "format/publish.h"
 
 namespace gigabake::app {
@@ -26,9 +28,7 @@ struct AccuracyOptions {
   bool hard = false;
 };
 
-int threads_of(const BakeOptions& bake) {
-  return bake.threads > 0 ? bake.threads : std::max(1, int(std::thread::hardware_concurrency()));
-}
+int threads_of(const BakeOptions& bake) { return bake.threads > 0 ? bake.threads : host_limits().cores(); }
 
 bench::AccuracyBenchRequest request_of(const AccuracyOptions& options) {
   const BakeRequest bake = options.bake.request();
@@ -74,8 +74,12 @@ int run_hard(const AccuracyOptions& options) {
   const HardFolder folder(options.bake.out);
   const bench::HardBenchRequest request{folder.path(), options.bake.wanted_backend(), threads_of(options.bake),
                                         options.million_triangles};
-  const bench::HardBench b = bench_hard(request, [](const bench::HardResult& r) {
-    if (!r.holds()) fmt::print(stderr, "{} FAILS\n", r.name);
+  const bench::HardBench b = with_progress([&](const Progress& progress) {
+    progress.step("hard cases", 0, "cases");
+    return bench_hard(request, [&](const bench::HardResult& r) {
+      if (!r.holds()) fmt::print(stderr, "{} FAILS\n", r.name);
+      progress.advance();
+    });
   });
   const std::string markdown = to_markdown(b);
   if (!options.json.empty()) publish_file(options.json, to_json(b));
@@ -88,8 +92,11 @@ int run(const AccuracyOptions& options) {
   if (options.hard) return run_hard(options);
   if (options.bake.source.empty() || options.bake.out.empty() || options.bake.voxel_size.empty())
     throw UsageError("expected SCENE, -o and --voxel-size, or --hard");
-  const bench::AccuracyBench b = bench::bench_accuracy(
-      request_of(options), [](const std::string& setting) { fmt::print(stderr, "{}\n", setting); });
+  bench::AccuracyBenchRequest request = request_of(options);
+  const bench::AccuracyBench b = with_progress([&](const Progress& progress) {
+    request.scene.progress = progress;
+    return bench::bench_accuracy(request, [&](const std::string& setting) { progress.step(setting); });
+  });
   const std::string markdown = to_markdown(b);
   if (!options.json.empty()) publish_file(options.json, to_json(b));
   if (!options.markdown.empty()) publish_file(options.markdown, markdown);
@@ -106,7 +113,7 @@ void add_bench_accuracy(CLI::App& bench, int& exit_code) {
       bench.add_subcommand("accuracy", "Speed against error: many settings, each against pictures of the triangles");
   auto o = std::make_shared<AccuracyOptions>();
   BakeOptions& bake = o->bake;
-  command->add_option("SCENE", bake.source, "as bake takes it");
+  command->add_option("SCENE", bake.source, "what to bake: see below");
   command->add_option("-o,--out", bake.out, "folder for bakes, pictures and plots, which are replaced");
   command->add_option("--voxel-size", bake.voxel_size, "metres; half of the settings have voxels of twice that");
   command->add_flag("--hard", o->hard,
@@ -118,15 +125,19 @@ void add_bench_accuracy(CLI::App& bench, int& exit_code) {
       ->check(CLI::Range(1, 1000));
   command->add_option("--cell-voxels", bake.cell_voxels, "edge of a cell in voxels, a power of two from 8 to 8192")
       ->capture_default_str();
-  command->add_option("--up", bake.up, "axis that points up in the source: x, y or z (tilesets z, mesh files y)");
+  command->add_option("--up", bake.up, "axis that points up in the source (tilesets z, mesh files y)")
+      ->check(one_of({"x", "y", "z"}));
   command->add_flag("--local", bake.local, "no georeference: the source's own frame, turned to z up");
   command->add_option("--threads", bake.threads, "all cores unless said otherwise");
-  command->add_option("--backend", bake.backend, "where cells are baked: auto, cpu or cuda")->capture_default_str();
+  command->add_option("--backend", bake.backend, "where cells are baked; auto: on a GPU where there is one")
+      ->capture_default_str()
+      ->check(one_of({"auto", "cpu", "cuda"}));
   command->add_option("--samples", o->samples, "rays of the reference, a pixel")
       ->capture_default_str()
       ->check(CLI::Range(1, 65536));
-  command->add_option("--settings", o->settings, "some of them alone, as area-coverage,thin-coverage-x2 (all)")
-      ->delimiter(',');
+  command->add_option("--settings", o->settings, "some of them alone, with commas between them (all)")
+      ->delimiter(',')
+      ->check(one_of(bench::accuracy_setting_names()));
   command
       ->add_option(
           "--voxels", o->voxels,

@@ -1,16 +1,20 @@
 #include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <thread>
 #include <tuple>
 
 #include "app/bench_frames.h"
+#include "app/bench_live.h"
+#include "app/choices.h"
 #include "app/commands.h"
 #include "app/renderer_options.h"
+#include "app/scene_argument.h"
 #include "app/status_text.h"
 #include "app/text_values.h"
+#include "app/with_progress.h"
 #include "bench/first_hit_bench.h"
 #include "format/error.h"
+#include "format/host_limits.h"
 
 namespace gigabake::app {
 namespace {
@@ -38,7 +42,7 @@ bench::FirstHitBenchRequest request_of(const RenderBenchOptions& options, const 
   request.lod = options.lod;
   parse_size(options.size, request);
   request.repeats = options.repeats;
-  request.threads = renderer.threads > 0 ? renderer.threads : int(std::thread::hardware_concurrency());
+  request.threads = renderer.threads > 0 ? renderer.threads : host_limits().cores();
   request.cpu = options.renderer.backend != "cuda";
   request.device = renderer.cuda_device;
   request.reference_rays = options.reference_rays;
@@ -105,6 +109,16 @@ bench::FrameBenchRequest frames_of(const RenderBenchOptions& options, const Fram
   return request;
 }
 
+bench::LiveBenchRequest live_of(const RenderBenchOptions& options, const FrameRenderer::Options& renderer,
+                                const bench::FirstHitBenchRequest& rays) {
+  bench::LiveBenchRequest request;
+  request.scene = options.scene;
+  request.width = rays.width;
+  request.height = rays.height;
+  request.renderer = renderer;
+  return request;
+}
+
 int run(const RenderBenchOptions& options) {
   const FrameRenderer::Options renderer = renderer_options(options.renderer);  // asks the driver for devices: once
   const bench::FirstHitBenchRequest request = request_of(options, renderer);
@@ -115,8 +129,19 @@ int run(const RenderBenchOptions& options) {
     j[key] = to_json(result);
     if (!options.json) print_text(result);
   };
-  if (options.what != "frames") tell("first_hit", bench::bench_first_hits(request));
-  if (options.what != "first-hits") tell("frames", bench::bench_frames(frames_of(options, renderer, request)));
+  const auto timed = [](const char* name, const auto& work) {
+    return while_reading([&](const Progress& progress) {
+      progress.step(name);
+      return work();
+    });
+  };
+  const auto wants = [&](const char* what) { return options.what == what || options.what == "all"; };
+  if (wants("first-hits"))
+    tell("first_hit", timed("casting rays to the first voxel", [&] { return bench::bench_first_hits(request); }));
+  if (wants("frames"))
+    tell("frames", timed("drawing frames", [&] { return bench::bench_frames(frames_of(options, renderer, request)); }));
+  if (wants("live"))
+    tell("live", timed("moving a viewer", [&] { return bench::bench_live(live_of(options, renderer, request)); }));
   if (options.json) fmt::print("{}\n", j.dump(2));
   return all_right ? complete : failed;
 }
@@ -126,15 +151,15 @@ int run(const RenderBenchOptions& options) {
 void add_bench_render(CLI::App& bench, int& exit_code) {
   auto* command = bench.add_subcommand("render", "Rays and frames from fixed views, and a flight");
   auto options = std::make_shared<RenderBenchOptions>();
-  command->add_option("SCENE", options->scene, "scene.xml of a bake")->required();
+  command->add_option("SCENE", options->scene, "OUT of a bake, or OUT/scene.xml")->required();
   command->add_option("--size", options->size, "WIDTHxHEIGHT in pixels, and as many random rays")
       ->capture_default_str();
   command->add_option("--repeats", options->repeats, "runs of each view; at most three on the CPU")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
-  command->add_option("--what", options->what, "first-hits, frames or all")
+  command->add_option("--what", options->what, "which part")
       ->capture_default_str()
-      ->check(CLI::IsMember({"first-hits", "frames", "all"}));
+      ->check(one_of({"all", "first-hits", "frames", "live"}));
   command->add_option("--flight", options->flight_frames, "frames of the flight")
       ->capture_default_str()
       ->check(CLI::Range(0, 100000));
@@ -143,7 +168,10 @@ void add_bench_render(CLI::App& bench, int& exit_code) {
   command->add_option("--reference-rays", options->reference_rays, "of each view, that are checked")
       ->capture_default_str();
   command->add_flag("--json", options->json, "print JSON");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command->callback([options, &exit_code] {
+    options->scene = scene_argument(options->scene).string();
+    exit_code = run(*options);
+  });
 }
 
 }  // namespace gigabake::app

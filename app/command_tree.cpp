@@ -1,14 +1,9 @@
 #include "app/command_tree.h"
 
+#include "app/choices.h"
+
 namespace gigabake::app {
 namespace {
-
-/// "TEXT:{auto,cpu,cuda}" → auto, cpu, cuda.
-std::vector<std::string> choices_of(const std::string& type) {
-  const std::size_t begin = type.find('{'), end = type.rfind('}');
-  if (begin == std::string::npos || end == std::string::npos) return {};
-  return CLI::detail::split(type.substr(begin + 1, end - begin - 1), ',');
-}
 
 CommandOption option_of(const CLI::Option& option) {
   CommandOption o;
@@ -21,7 +16,7 @@ CommandOption option_of(const CLI::Option& option) {
   if (o.is_positional) o.names = {option.get_name(true)};
   if (option.get_items_expected_max() == 0) return o;
   const std::string type = option.get_type_name();
-  o.choices = choices_of(type);
+  o.choices = choices_in(type);
   o.value = type.substr(0, type.find_first_of(": "));
   if (o.value.empty()) o.value = "VALUE";
   return o;
@@ -53,6 +48,13 @@ std::string Command::name(const char* separator) const {
   std::string text;
   for (const std::string& word : path) text += (text.empty() ? "" : separator) + word;
   return text;
+}
+
+std::vector<std::string> Command::option_names() const {
+  std::vector<std::string> names;
+  for (const CommandOption& o : options)
+    if (!o.is_positional) names.insert(names.end(), o.names.begin(), o.names.end());
+  return names;
 }
 
 Command command_tree(const CLI::App& program, const std::string& name) { return command_of(program, {name}); }

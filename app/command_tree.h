@@ -23,6 +23,8 @@ struct Command {
 
   /// The path with `separator` between its words.
   std::string name(const char* separator = " ") const;
+  /// All of them, with dashes.
+  std::vector<std::string> option_names() const;
 };
 
 /// What is not listed in --help is left out.

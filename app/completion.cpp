@@ -3,27 +3,16 @@
 #include <fmt/format.h>
 #include <utility>
 
+#include "app/choices.h"
+
 namespace gigabake::app {
 namespace {
-
-std::string joined(const std::vector<std::string>& words, const char* separator) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
-  return text;
-}
 
 /// In single quotes, as all three shells take them.
 std::string quoted(const std::string& text) {
   std::string out = "'";
   for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return out + "'";
-}
-
-std::vector<std::string> option_names(const Command& command) {
-  std::vector<std::string> names;
-  for (const CommandOption& o : command.options)
-    if (!o.is_positional) names.insert(names.end(), o.names.begin(), o.names.end());
-  return names;
 }
 
 /// What may follow that is no option and no file: a word and what it is.
@@ -72,7 +61,7 @@ std::string bash_completion(const Command& root) {
       values += "      return ;;\n";
     }
     words += fmt::format("    {}) commands={} options={} ;;\n", quoted(command->name()),
-                         quoted(joined(command_names(*command), " ")), quoted(joined(option_names(*command), " ")));
+                         quoted(joined(command_names(*command), " ")), quoted(joined(command->option_names(), " ")));
   }
   const std::string& name = root.path[0];
   return fmt::format(R"(# bash completion for {0}

@@ -6,11 +6,16 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "app/scene_argument.h"
+#include "app/with_progress.h"
+#include "format/progress.h"
 
 namespace gigabake::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr int diff_same = 0, diff_differs = 1, diff_trouble = 2;
 
 void print_json(const SceneDifference& d) {
   Json j{{"same", d.same()}, {"lods_compared", d.compared}, {"lods_not_compared", d.not_compared}};
@@ -29,7 +34,7 @@ void print_json(const SceneDifference& d) {
                            {"refaced", l.refaced}});
     j["cells"].push_back(c);
   }
-  fmt::print("{}\n", j.dump(2));
+  fmt::print("{}\n", j.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
 std::string place(const CellDifference& cell) {
@@ -49,11 +54,18 @@ void print_text(const SceneDifference& d) {
           l.lod, l.only_in_a, l.only_in_b, l.both, l.recoloured, fmt::join(l.largest, " "), fmt::join(l.mean, " "),
           l.turned, l.refaced);
   }
-  fmt::print("lods {}: {}\n", fmt::join(d.compared, " "),
-             d.same() ? std::string("the same voxels") : fmt::format("{} places differ", d.cells.size()));
+  if (!d.compared.empty() || d.not_compared.empty())
+    fmt::print("lods {}: {}\n", fmt::join(d.compared, " "),
+               d.same() ? std::string("the same voxels") : fmt::format("{} places differ", d.cells.size()));
   if (!d.not_compared.empty())
     fmt::print("lods {}: not compared everywhere; the scenes' cells have other voxels there\n",
                fmt::join(d.not_compared, " "));
+}
+
+/// As diff(1) has it. Scenes of which no level can be compared are not the same.
+int exit_code_of(const SceneDifference& d) {
+  if (!d.same()) return diff_differs;
+  return d.compared.empty() && !d.not_compared.empty() ? diff_trouble : diff_same;
 }
 
 }  // namespace
@@ -61,16 +73,27 @@ void print_text(const SceneDifference& d) {
 void add_diff(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand(
       "diff",
-      "Do two scenes hold the same voxels? Which cells differ, by how much; exit code 0: the same, 1: they differ");
+      "Do two scenes hold the same voxels? Which cells differ, by how much; exit code 0: the same, 1: they differ, 2: "
+      "they cannot be compared");
   auto a = std::make_shared<std::string>(), b = std::make_shared<std::string>();
-  auto json = std::make_shared<bool>(false);
-  command->add_option("A", *a, "A/scene.xml")->required();
-  command->add_option("B", *b, "B/scene.xml")->required();
+  auto json = std::make_shared<bool>(false), quiet = std::make_shared<bool>(false);
+  command->add_option("A", *a, "OUT of a bake, or OUT/scene.xml")->required();
+  command->add_option("B", *b, "the same of another")->required();
   command->add_flag("--json", *json, "print the answer as JSON");
-  command->callback([a, b, json, &exit_code] {
-    const SceneDifference d = diff_scenes(*a, *b);
-    exit_code = d.same() ? complete : failed;
-    *json ? print_json(d) : print_text(d);
+  command->add_flag("-q,--quiet", *quiet, "print nothing: the exit code says whether they differ");
+  command->callback([a, b, json, quiet, &exit_code] {
+    try {
+      const SceneDifference d = while_reading(
+          [&](const Progress& progress) { return diff_scenes(scene_argument(*a), scene_argument(*b), progress); },
+          *quiet ? nullptr : stderr);
+      exit_code = exit_code_of(d);
+      if (!*quiet) *json ? print_json(d) : print_text(d);
+    } catch (const Stopped&) {
+      throw;
+    } catch (const std::exception& error) {
+      fmt::print(stderr, "gigabake: {}\n", error.what());
+      exit_code = diff_trouble;
+    }
   });
 }
 

@@ -6,7 +6,9 @@
 #include <numeric>
 
 #include "app/commands.h"
+#include "app/scene_argument.h"
 #include "app/status_text.h"
+#include "app/with_progress.h"
 #include "format/scene_totals.h"
 
 namespace gigabake::app {
@@ -109,12 +111,18 @@ void add_info(CLI::App& app, int&) {
   auto* command = app.add_subcommand("info", "Levels, voxels, bytes, extents and content hash of a baked scene");
   auto scene = std::make_shared<std::string>();
   auto json = std::make_shared<bool>(false);
-  command->add_option("SCENE", *scene, "OUT/scene.xml")->required();
+  command->add_option("SCENE", *scene, "OUT of a bake, or OUT/scene.xml")->required();
   command->add_flag("--json", *json, "print the answer as JSON");
   command->callback([scene, json] {
-    const SceneDescription description = read_scene(*scene);
-    const StoredBytes stored = stored_bytes(*scene, description);
-    *json ? fmt::print("{}\n", to_json(description, stored).dump(2)) : print_text(description, stored);
+    const std::filesystem::path file = scene_argument(*scene);
+    const SceneDescription description = while_reading([&](const Progress& progress) {
+      progress.step("reading the scene");
+      return read_scene(file);
+    });
+    const StoredBytes stored =
+        while_reading([&](const Progress& progress) { return stored_bytes(file, description, progress); });
+    *json ? fmt::print("{}\n", to_json(description, stored).dump(2, ' ', false, Json::error_handler_t::replace))
+          : print_text(description, stored);
   });
 }
 

@@ -13,6 +13,7 @@ struct LiveArguments {
   std::string scene, eye, target;
   double fovy_deg = 40, pixel_error = 1, frame_ms = 60;
   RendererArguments renderer;
+  LightArguments light;
 };
 
 void add_live_options(CLI::App& command, LiveArguments& arguments);

@@ -2,15 +2,23 @@
 #include <exception>
 #include <fmt/core.h>
 
+#include "app/about.h"
 #include "app/commands.h"
+#include "app/help_sections.h"
 #include "app/manual.h"
+#include "app/out_of_memory.h"
+#include "app/stop_signal.h"
+#include "app/usage_errors.h"
 #include "format/error.h"
+#include "format/progress.h"
 
 using namespace gigabake;
 
 int main(int argc, char** argv) {
+  app::say_so_where_memory_ends();
   CLI::App program{"gigabake bakes textured terrain into a paged scene of sparse voxel oct-trees, and shows it."};
-  program.set_version_flag("--version", "gigabake " GIGABAKE_VERSION);
+  program.set_version_flag("--version", app::about, "version, commit, formats and libraries, and exit");
+  program.set_help_flag("-h,--help", "this help, and exit");
   program.require_subcommand(1);
   int exit_code = app::complete;
   // One line per command, in the order --help lists them.
@@ -26,20 +34,25 @@ int main(int argc, char** argv) {
   app::add_view(program, exit_code);
   app::add_serve(program, exit_code);
   app::add_bench(program, exit_code);
-  app::add_man(program);
   app::add_completion(program);
+  app::add_man(program);
   app::add_bake_process(program);
+  app::add_help_sections(program);
 
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    const int code = program.exit(e);
-    return code == 0 ? app::complete : app::usage;
+    if (e.get_exit_code() == 0) return program.exit(e);  // --help, --version
+    fmt::print(stderr, "{}\n", app::usage_error(program, e));
+    return app::usage;
   } catch (const UsageError& e) {
     fmt::print(stderr, "gigabake: {}\n", e.what());
     return app::usage;
+  } catch (const Stopped&) {
+    fmt::print(stderr, "{}\n", app::stop_line());
+    return app::exit_code_of_stop();
   } catch (const std::exception& e) {
-    fmt::print(stderr, "gigabake: {}\n", e.what());
+    fmt::print(stderr, "gigabake: {}\n", reason_of(e));
     return app::failed;
   }
   return exit_code;

@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include "app/help_sections.h"
+
 namespace gigabake::app {
 namespace {
+
+constexpr std::size_t longest_list_in_head = 60;  // characters
 
 /// Text as troff takes it: no escapes, no requests, and dashes that can be copied into a shell.
 std::string troff(const std::string& text) {
@@ -26,11 +30,21 @@ std::string troff(const std::string& text) {
 std::string bold(const std::string& text) { return "\\fB" + troff(text) + "\\fR"; }
 std::string italic(const std::string& text) { return "\\fI" + troff(text) + "\\fR"; }
 
-std::string value_of(const CommandOption& o) {
-  if (o.choices.empty()) return italic(o.value);
+std::string listed(const CommandOption& o, const char* separator) {
   std::string all;
-  for (const std::string& choice : o.choices) all += (all.empty() ? "" : "|") + choice;
-  return bold(all);
+  for (const std::string& choice : o.choices) all += (all.empty() ? "" : separator) + bold(choice);
+  return all;
+}
+
+/// What stands before a description is one line, however long.
+bool has_long_list(const CommandOption& o) {
+  std::size_t characters = 0;
+  for (const std::string& choice : o.choices) characters += choice.size() + 1;
+  return characters > longest_list_in_head;
+}
+
+std::string value_of(const CommandOption& o) {
+  return o.choices.empty() || has_long_list(o) ? italic(o.value) : listed(o, "|");
 }
 
 std::string names_of(const CommandOption& o) {
@@ -56,8 +70,22 @@ std::string options(const Command& command, bool positionals) {
   for (const CommandOption& o : command.options) {
     if (o.is_positional != positionals) continue;
     std::string body = troff(o.description.empty() ? o.value : o.description);
+    if (has_long_list(o)) body += ": " + listed(o, ", ");
     if (!o.default_value.empty()) body += " [" + troff(o.default_value) + "]";
     text += entry(names_of(o), body);
+  }
+  return text;
+}
+
+/// Lines as they are.
+std::string sections(const Command& command) {
+  std::string text;
+  for (const HelpSection& section : help_sections(command.name())) {
+    std::string title = section.title;
+    for (char& c : title) c = char(std::toupper(static_cast<unsigned char>(c)));
+    text += ".SH " + troff(title) + "\n.nf\n";
+    for (const std::string& line : section.lines) text += troff(line) + "\n";
+    text += ".fi\n";
   }
   return text;
 }
@@ -80,6 +108,7 @@ std::string man_page(const Command& command, const Command& root) {
       page += entry(bold(below.path.back()), troff(below.description) + ": " + bold(below.name("-")) + "(1)");
   }
   page += ".SH OPTIONS\n" + options(command, false);
+  page += sections(command);
   page += ".SH EXIT STATUS\n" + entry("0", "complete") + entry("1", "failed; one line says why") +
           entry("2", "wrong usage") + entry("3", "some cells or sources are missing; the last lines list them") +
           entry("75", "drained: the same command goes on from there");

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 #include <memory>
 
+#include "app/choices.h"
 #include "app/completion.h"
 #include "app/man_page.h"
+#include "app/man_viewer.h"
 #include "format/error.h"
 #include "format/publish.h"
 
@@ -26,16 +28,28 @@ const Command& command_named(const Command& root, const std::vector<std::string>
   return **found;
 }
 
+/// The words that name commands, but for hidden ones.
+std::vector<std::string> command_words(const CLI::App& app) {
+  const Command root = command_tree(app, "gigabake");
+  std::vector<std::string> words;
+  for (const Command* command : all_commands(root))
+    if (command->path.size() > 1 && std::find(words.begin(), words.end(), command->path.back()) == words.end())
+      words.push_back(command->path.back());
+  return words;
+}
+
 }  // namespace
 
 void add_man(CLI::App& app) {
-  auto* command = app.add_subcommand("man", "The manual page of a command: gigabake man bake | man -l -");
+  auto* command = app.add_subcommand(
+      "man", "The manual page of a command; on a terminal formatted and paged, into a pipe or file as man reads it");
   auto o = std::make_shared<ManOptions>();
-  command->add_option("COMMAND", o->command, "the command's words, as bench render; none: gigabake itself");
+  command->add_option("COMMAND", o->command, "the command's words, as bench render; none: gigabake itself")
+      ->check(one_of(command_words(app)));
   command->add_option("--all", o->folder, "folder to write the pages of all commands to, instead");
   command->callback([o, &app] {
     const Command root = command_tree(app, "gigabake");
-    if (o->folder.empty()) return fmt::print("{}", man_page(command_named(root, o->command), root));
+    if (o->folder.empty()) return show_man_page(man_page(command_named(root, o->command), root));
     for (const Command* page : all_commands(root))
       publish_file(std::filesystem::path(o->folder) / man_file(*page), man_page(*page, root), Durability::while_up);
   });
@@ -44,7 +58,7 @@ void add_man(CLI::App& app) {
 void add_completion(CLI::App& app) {
   auto* command = app.add_subcommand("completion", "Completion for a shell: source <(gigabake completion bash)");
   auto shell = std::make_shared<std::string>();
-  command->add_option("SHELL", *shell, "bash, zsh or fish")->required()->check(CLI::IsMember({"bash", "zsh", "fish"}));
+  command->add_option("SHELL", *shell, "which shell")->required()->check(one_of({"bash", "zsh", "fish"}));
   command->callback([shell, &app] {
     const Command root = command_tree(app, "gigabake");
     fmt::print("{}", *shell == "bash"  ? bash_completion(root)

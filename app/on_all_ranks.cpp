@@ -1,15 +1,24 @@
 #include "app/on_all_ranks.h"
 
+#include <cstdlib>
 #include <fmt/core.h>
 
 #include "app/commands.h"
 #include "cluster/collective.h"
+#include "cluster/lone_task.h"
 #include "format/error.h"
 
 namespace gigabake::app {
 
 int on_all_ranks(const std::function<int(MpiSession&)>& work) {
+  const Environment environment = [](const char* name) { return std::getenv(name); };
+  const int tasks = tasks_of_srun(environment);
   MpiSession mpi;
+  if (const auto line = lone_task(mpi.ranks(), tasks)) {
+    const char* task = environment("SLURM_PROCID");
+    if (task == nullptr || std::atoi(task) == 0) fmt::print(stderr, "gigabake: {}\n", *line);
+    return usage;
+  }
   try {
     return mpi.from_master(work(mpi));
   } catch (const CollectiveFailure& e) {
@@ -20,7 +29,7 @@ int on_all_ranks(const std::function<int(MpiSession&)>& work) {
     return usage;
   } catch (const std::exception& e) {
     if (mpi.ranks() == 1) throw;
-    fmt::print(stderr, "gigabake: rank {}: {}\n", mpi.rank(), e.what());
+    fmt::print(stderr, "gigabake: rank {}: {}\n", mpi.rank(), reason_of(e));
     mpi.abort(failed);  // this rank alone failed: the others would wait for it for ever
   }
 }

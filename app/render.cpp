@@ -6,16 +6,20 @@
 #include <tuple>
 #include <vector>
 
+#include "app/choices.h"
 #include "app/commands.h"
+#include "app/picture_file.h"
 #include "app/renderer_options.h"
+#include "app/scene_argument.h"
 #include "app/text_values.h"
+#include "app/with_progress.h"
 #include "format/error.h"
 #include "format/publish.h"
 #include "viewer/camera_path.h"
 #include "viewer/exr.h"
 #include "viewer/frame_renderer.h"
 #include "viewer/path_frames.h"
-#include "viewer/png.h"
+#include "viewer/view_mode_legend.h"
 
 namespace gigabake::app {
 namespace {
@@ -25,10 +29,11 @@ struct RenderArguments {
   std::string eye, target, up, size = "1280x720", background = "sky";
   double fovy_deg = 40, pixel_error = 1;
   RendererArguments renderer;
+  LightArguments light;
   std::string path, stats, mode = "lit";
   int frames = 0;
   double fps = 0, upload_ms = 20;
-  bool live = false;
+  bool live = false, quiet = false;
 };
 
 Background background_option(const std::string& text) {
@@ -58,25 +63,31 @@ CameraOptions camera_options(const RenderArguments& a) {
   return camera;
 }
 
+/// The parser takes nothing else.
 ViewMode mode_option(const std::string& text) {
   const std::vector<std::string>& names = view_mode_names();
-  const auto found = std::find(names.begin(), names.end(), text);
-  if (found != names.end()) return ViewMode(found - names.begin());
-  throw UsageError(fmt::format("--mode: expected one of {}, got '{}'", fmt::join(names, ", "), text));
+  return ViewMode(std::find(names.begin(), names.end(), text) - names.begin());
 }
 
-bool is_exr(const std::string& name) { return name.ends_with(".exr"); }
-
 View view_of(const RenderArguments& a) {
-  if (!a.depth.empty() && !is_exr(a.depth))
+  if (!a.depth.empty() && picture_format("--depth", a.depth) != PictureFormat::exr)
     throw UsageError(fmt::format("--depth: expected a name that ends in .exr, got '{}'", a.depth));
   if (a.depth == a.picture) throw UsageError("--depth: expected another file than -o, which holds depth already");
   View view;
-  if (is_exr(a.picture)) view.light = PictureLight::linear_too;
+  const PictureFormat format = picture_format("-o", a.picture);
+  if (format == PictureFormat::exr) view.light = PictureLight::linear_too;
   view.camera = camera_options(a);
   view.mode = mode_option(a.mode);
   view.background = background_option(a.background);
+  if (format == PictureFormat::jpeg && !view.background.sky && view.background.rgba[3] != 255)
+    throw UsageError("--background: a JPEG is opaque; expected R,G,B, or a .png");
   return view;
+}
+
+FrameRenderer::Options renderer_options_of(const RenderArguments& a) {
+  FrameRenderer::Options options = renderer_options(a.renderer);
+  set_light(a.light, options);
+  return options;
 }
 
 /// What was drawn coarser than it should be, and the exit code for that.
@@ -85,23 +96,33 @@ int tell_problems(const FrameRenderer& renderer) {
   return renderer.problems().empty() ? complete : cells_failed;
 }
 
+/// Of colours that are not the scene's own.
+void tell_legend(ViewMode mode) {
+  if (mode != ViewMode::lit) fmt::print("{}: {}\n", view_mode_names()[std::size_t(mode)], view_mode_legend(mode));
+}
+
 /// name_of: of the files, by what -o and --depth say.
 template <class NameOf>
 void write_files(const RenderArguments& a, const Picture& picture, double voxel_size_m, const NameOf& name_of) {
-  if (is_exr(a.picture))
-    write_exr(name_of(a.picture), picture, ExrChannels::light_and_depth, voxel_size_m);
-  else
-    write_png(name_of(a.picture), picture);
+  write_picture(name_of(a.picture), picture, voxel_size_m);
   if (!a.depth.empty()) write_exr(name_of(a.depth), picture, ExrChannels::depth, voxel_size_m);
 }
 
 int run(const RenderArguments& a) {
   const View view = view_of(a);
-  FrameRenderer renderer(a.scene, renderer_options(a.renderer));
-  const Frame frame = renderer.draw_exact(view);
-  write_files(a, frame.picture, renderer.scene().voxel_size_m, [](const std::string& name) { return name; });
-  fmt::print("{}: {}x{} in {:.2f} s; {} uploads, {:.0f} MB held\n", a.picture, frame.picture.width,
-             frame.picture.height, frame.stats.total_s, frame.stats.uploads, double(frame.stats.bytes_held) / 1e6);
+  FrameRenderer renderer(a.scene, renderer_options_of(a));
+  const auto draw = [&](const Progress& progress) {
+    Frame drawn = renderer.draw_exact(view, progress);
+    progress.step("writing the picture");
+    write_files(a, drawn.picture, renderer.scene().voxel_size_m, [](const std::string& name) { return name; });
+    return drawn;
+  };
+  const Frame frame = with_progress(draw, a.quiet ? nullptr : stderr);
+  if (!a.quiet) {
+    fmt::print("{}: {}x{} in {:.2f} s; {} uploads, {:.0f} MB of voxels held\n", a.picture, frame.picture.width,
+               frame.picture.height, frame.stats.total_s, frame.stats.uploads, double(frame.stats.bytes_held) / 1e6);
+    tell_legend(view.mode);
+  }
   return tell_problems(renderer);
 }
 
@@ -115,19 +136,27 @@ int run_path(const RenderArguments& a) {
   const View view = view_of(a);
   numbered_file(a.picture, 0, "-o");
   if (!a.depth.empty()) numbered_file(a.depth, 0, "--depth");
-  FrameRenderer renderer(a.scene, renderer_options(a.renderer));
+  FrameRenderer renderer(a.scene, renderer_options_of(a));
   const CameraPath path = read_camera_path(a.path, renderer.scene().origin);
   std::vector<PathFrame> frames;
-  draw_path(renderer, path, view, frame_times(a, path), a.live ? Finish::live : Finish::complete, a.upload_ms / 1e3,
-            [&](const PathFrame& frame, const Picture& picture) {
-              write_files(a, picture, renderer.scene().voxel_size_m,
-                          [&](const std::string& name) { return numbered_file(name, frame.number); });
-              frames.push_back(frame);
-            });
+  const auto take = [&](const PathFrame& frame, const Picture& picture) {
+    write_files(a, picture, renderer.scene().voxel_size_m,
+                [&](const std::string& name) { return numbered_file(name, frame.number); });
+    frames.push_back(frame);
+  };
+  const auto draw = [&](const Progress& progress) {
+    draw_path(renderer, path, view, frame_times(a, path), a.live ? Finish::live : Finish::complete, a.upload_ms / 1e3,
+              take, progress);
+  };
+  with_progress(draw, a.quiet ? nullptr : stderr);
   if (!a.stats.empty()) publish_file(a.stats, to_json(frames));
   std::size_t incomplete = 0;
   for (const PathFrame& frame : frames) incomplete += frame.stats.complete ? 0 : 1;
-  fmt::print("{} frames{}\n", frames.size(), incomplete > 0 ? fmt::format(", {} of them incomplete", incomplete) : "");
+  if (!a.quiet) {
+    fmt::print("{} frames{}\n", frames.size(),
+               incomplete > 0 ? fmt::format(", {} of them incomplete", incomplete) : "");
+    tell_legend(view.mode);
+  }
   return tell_problems(renderer);
 }
 
@@ -142,9 +171,11 @@ void check_alone(const RenderArguments& a) {
 void add_render(CLI::App& app, int& exit_code) {
   const auto a = std::make_shared<RenderArguments>();
   CLI::App& command = *app.add_subcommand("render", "Pictures of a baked scene: one, or many along a path");
-  command.add_option("SCENE", a->scene, "scene.xml of a bake")->required();
+  command.add_option("SCENE", a->scene, "OUT of a bake, or OUT/scene.xml")->required();
   command
-      .add_option("-o,--output", a->picture, "PNG or OpenEXR (.exr) to write; along a path frames/%04d.png or alike")
+      .add_option("-o,--output", a->picture,
+                  "picture to write: .png, .jpg or .exr (OpenEXR, linear light and depth); along a path "
+                  "frames/%04d.png or alike")
       ->required();
   command.add_option("--depth", a->depth, "OpenEXR file to write besides: distances, metres; along a path as -o");
   command.add_option("--eye", a->eye, "X,Y,Z: camera, scene metres (south-east of the target, all in view)");
@@ -154,16 +185,21 @@ void add_render(CLI::App& app, int& exit_code) {
   command.add_option("--size", a->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   command.add_option("--background", a->background, "sky, or R,G,B[,A]: sRGB, 0 to 255 each")->capture_default_str();
   command.add_option("--pixel-error", a->pixel_error, "pixels that a voxel may be wide")->capture_default_str();
+  add_light_options(command, a->light);
   add_renderer_options(command, a->renderer);
   command.add_option("--path", a->path, "camera path, JSON (docs/viewer.md); instead of --eye and --target");
   command.add_option("--frames", a->frames, "so many, evenly along the path");
   command.add_option("--fps", a->fps, "so many for each second of the path");
-  command.add_option("--mode", a->mode, fmt::format("what is shown: {}", fmt::join(view_mode_names(), ", ")));
+  command.add_option("--mode", a->mode, "what is shown; what the colours mean: see below")
+      ->capture_default_str()
+      ->check(one_of(view_mode_names()));
   command.add_option("--stats", a->stats, "JSON file to write: what each frame of the path took");
   command.add_flag("--live", a->live, "each frame once, complete or not, as somebody passing sees it");
   command.add_option("--upload-ms", a->upload_ms, "time for new data in each frame of --live")->capture_default_str();
+  command.add_flag("-q,--quiet", a->quiet, "print errors alone");
   command.callback([a, &exit_code] {
     if (a->path.empty()) check_alone(*a);
+    a->scene = scene_argument(a->scene).string();
     exit_code = a->path.empty() ? run(*a) : run_path(*a);
   });
 }

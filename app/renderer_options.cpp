@@ -1,14 +1,32 @@
 #include "app/renderer_options.h"
 
+#include "app/choices.h"
+#include "app/text_values.h"
 #include "format/error.h"
 #include "worker/backend.h"
 
 namespace gigabake::app {
 
+void add_light_options(CLI::App& command, LightArguments& a) {
+  command.add_option("--exposure", a.exposure_stops, "stops: 1 shows twice the light, -1 half of it")
+      ->capture_default_str();
+  command
+      .add_option("--haze", a.haze, "off, or metres at which the air leaves a twentieth of what is there; before a sky")
+      ->capture_default_str();
+}
+
+void set_light(const LightArguments& a, FrameRenderer::Options& options) {
+  if (!(a.exposure_stops >= -16 && a.exposure_stops <= 16)) throw UsageError("--exposure: expected -16 to 16 stops");
+  options.exposure_stops = a.exposure_stops;
+  if (a.haze == "off") return;
+  options.haze_visibility_m = number("--haze", a.haze);
+  if (!(options.haze_visibility_m > 0)) throw UsageError("--haze: expected off, or metres above 0, got " + a.haze);
+}
+
 void add_renderer_options(CLI::App& command, RendererArguments& a) {
-  command.add_option("--backend", a.backend, "where rays are cast: auto (a GPU where there is one), cpu or cuda")
+  command.add_option("--backend", a.backend, "where rays are cast; auto: on a GPU where there is one")
       ->capture_default_str()
-      ->check(CLI::IsMember({"auto", "cpu", "cuda"}));
+      ->check(one_of({"auto", "cpu", "cuda"}));
   command.add_option("--threads", a.threads, "CPU threads (all cores)");
   command.add_option("--memory", a.memory_bytes, "bytes of voxels to hold, as 512M or 4G; 0: half of the host's (1G)")
       ->transform(CLI::AsSizeValue(false));

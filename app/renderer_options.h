@@ -15,6 +15,16 @@ struct RendererArguments {
   std::string backend = "auto";
 };
 
+/// Of lit pictures.
+struct LightArguments {
+  std::string haze = "off";
+  double exposure_stops = 0;
+};
+
+void add_light_options(CLI::App& command, LightArguments& arguments);
+/// Errors  UsageError.
+void set_light(const LightArguments& arguments, FrameRenderer::Options& options);
+
 void add_renderer_options(CLI::App& command, RendererArguments& arguments);
 /// Errors  UsageError; InputError: --backend cuda and no device.
 FrameRenderer::Options renderer_options(const RendererArguments& arguments);

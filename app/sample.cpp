@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "app/commands.h"
 #include "app/status_text.h"
 #include "app/text_values.h"
+#include "format/host_limits.h"
 
 namespace gigabake::app {
 namespace {
@@ -54,7 +54,7 @@ void print_text(const Options& o, const sample::SampleReport& r) {
 
 void run(Options& o) {
   if (!o.origin.empty()) o.sample.origin = geodetic("--origin", o.origin);
-  o.sample.threads = int(std::thread::hardware_concurrency());
+  o.sample.threads = host_limits().cores();
   const sample::SampleReport report = sample::write_sample(o.dir, o.sample);
   o.json ? print_json(o, report) : print_text(o, report);
 }

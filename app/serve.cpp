@@ -6,6 +6,7 @@
 #include "app/bake_look.h"
 #include "app/commands.h"
 #include "app/live_options.h"
+#include "app/scene_argument.h"
 #include "format/error.h"
 #include "viewer/http_guard.h"
 #include "viewer/stream_server.h"
@@ -20,7 +21,7 @@ struct ServeArguments {
 };
 
 void run(ServeArguments& a) {
-  const std::filesystem::path scene = a.live.scene;
+  const std::filesystem::path scene = live_scene_argument(a.live.scene);
   const std::filesystem::path out = scene.has_parent_path() ? scene.parent_path() : ".";
   if (!std::filesystem::is_directory(out))
     throw InputError(out, "", "no such folder; expected OUT/scene.xml of a bake that is done or under way");

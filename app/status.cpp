@@ -8,6 +8,7 @@
 #include "app/bake_look.h"
 #include "app/commands.h"
 #include "app/progress_line.h"
+#include "app/scene_argument.h"
 #include "app/status_text.h"
 
 namespace gigabake::app {
@@ -34,8 +35,8 @@ void print_json(const Seen& seen) {
 }
 
 void print_text(const Seen& seen) {
-  fmt::print("{}", describe(seen.status, seen.now_s));
-  if (seen.interrupted) fmt::print("interrupted: nobody writes this any more; run the same command again to go on\n");
+  fmt::print("{}", describe(seen.status, seen.now_s, seen.interrupted ? Writer::gone : Writer::there));
+  if (seen.interrupted) fmt::print("nobody bakes this any more; run the same command again to go on\n");
   if (seen.status.state == BakeState::drained) fmt::print("run the same command again to go on\n");
 }
 
@@ -70,10 +71,13 @@ void add_status(CLI::App& app, int& exit_code) {
                                      "How a bake is going, from any host that sees its folder; exit code: the bake's "
                                      "own once it is over, 1 if it was interrupted, 0 while it goes on");
   auto options = std::make_shared<StatusOptions>();
-  command->add_option("OUT", options->out, "folder of the bake")->required();
+  command->add_option("OUT", options->out, "folder of the bake, or its scene.xml")->required();
   command->add_flag("--json", options->json, "print the answer as JSON, one line each time");
   command->add_flag("--follow", options->follow, "every second, until the bake ends");
-  command->callback([options, &exit_code] { exit_code = options->follow ? follow(*options) : show(*options); });
+  command->callback([options, &exit_code] {
+    options->out = bake_folder_argument(options->out).string();
+    exit_code = options->follow ? follow(*options) : show(*options);
+  });
 }
 
 }  // namespace gigabake::app

@@ -32,9 +32,12 @@ std::string survey_line(const BakeStatus& s) {
   return line;
 }
 
-std::string head(const BakeStatus& s, double now_s) {
+std::string head(const BakeStatus& s, double now_s, Writer writer) {
   std::string line = fmt::format("{} {}: ", plain(s.out), name_of(s.state));
-  if (is_over(s.state))
+  if (writer == Writer::gone)
+    line = fmt::format("{} interrupted while {}: last heard of {} ago, after {}", plain(s.out), name_of(s.state),
+                       readable_seconds(now_s - s.updated_s), readable_seconds(s.updated_s - s.started_s));
+  else if (is_over(s.state))
     line += fmt::format("ended {} ago after {}", readable_seconds(now_s - s.updated_s),
                         readable_seconds(s.updated_s - s.started_s));
   else
@@ -45,7 +48,8 @@ std::string head(const BakeStatus& s, double now_s) {
   return line;
 }
 
-std::string cells_lines(const BakeStatus& s) {
+std::string cells_lines(const BakeStatus& s, Writer writer) {
+  const bool goes_on = !is_over(s.state) && writer == Writer::there;
   const CellTally& c = s.cells;
   std::string text = fmt::format("cells  {} of {}: {} baked, {} empty, {} taken over; {} in hand, {} wait", settled(c),
                                  c.planned, c.done, c.empty, c.taken_over, c.running, c.pending);
@@ -53,9 +57,9 @@ std::string cells_lines(const BakeStatus& s) {
   if (c.failed_attempts != 0) text += fmt::format("; {} attempts failed", c.failed_attempts);
   text += fmt::format("\nwritten  {} voxels, {}; stages read {:.1f} s, kernels {:.1f} s, write {:.1f} s\n",
                       readable_count(double(s.voxels)), readable_bytes(s.bytes), s.read_s, s.kernel_s, s.write_s);
-  if (!is_over(s.state)) text += "last minute  " + rate(s.recent) + "\n";
+  if (goes_on) text += "last minute  " + rate(s.recent) + "\n";
   text += "overall  " + rate(s.overall) + "\n";
-  if (!is_over(s.state) && s.left_s) text += "time left  about " + readable_seconds(*s.left_s) + "\n";
+  if (goes_on && s.left_s) text += "time left  about " + readable_seconds(*s.left_s) + "\n";
   return text;
 }
 
@@ -125,9 +129,9 @@ std::string one_line(const BakeStatus& s) {
   return line;
 }
 
-std::string describe(const BakeStatus& s, double now_s) {
-  if (s.state == BakeState::surveying) return head(s, now_s) + survey_line(s) + "\n";
-  return head(s, now_s) + cells_lines(s) + trouble_lines(s) + slowest_lines(s);
+std::string describe(const BakeStatus& s, double now_s, Writer writer) {
+  if (s.state == BakeState::surveying) return head(s, now_s, writer) + survey_line(s) + "\n";
+  return head(s, now_s, writer) + cells_lines(s, writer) + trouble_lines(s) + slowest_lines(s);
 }
 
 }  // namespace gigabake::app

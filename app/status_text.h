@@ -19,7 +19,12 @@ std::string readable_seconds(double seconds);
 std::string one_line(const BakeStatus& status);
 /// How much of the phase that one_line() is about has been done, from 0 to 1.
 double share_done(const BakeStatus& status);
+enum class Writer {
+  there,  ///< it goes on, or has said how it ended
+  gone,   ///< nobody writes the status any more, though it says that the bake goes on
+};
+
 /// For people, in several lines. Control characters of names and reasons are replaced. now_s: Unix time.
-std::string describe(const BakeStatus& status, double now_s);
+std::string describe(const BakeStatus& status, double now_s, Writer writer);
 
 }  // namespace gigabake::app

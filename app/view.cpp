@@ -5,6 +5,7 @@
 
 #include "app/commands.h"
 #include "app/live_options.h"
+#include "app/scene_argument.h"
 #include "app/text_values.h"
 #include "format/scene_xml.h"
 #include "viewer/window/window.h"
@@ -17,7 +18,8 @@ struct ViewArguments {
   std::string size = "1280x720", output = ".";
 };
 
-void run(const ViewArguments& a) {
+void run(ViewArguments& a) {
+  a.live.scene = scene_argument(a.live.scene).string();
   LiveScene::Options scene_options = live_options(a.live);
   WindowOptions window;
   std::tie(window.width, window.height) = size_option(a.size);

@@ -88,7 +88,7 @@ void bake(const SceneSources& sources, const AccuracyBenchRequest& request, cons
   const auto start = Clock::now();
   const BakePlan plan = plan_scene(sources, scene);
   CellPipeline pipeline(sources, scene.parameters, WorkerOptions{scene.threads, scene.memory_bytes, out, device});
-  const std::vector<CellReport> reports = bake_cells(pipeline, plan.jobs, cells_in_flight);
+  const std::vector<CellReport> reports = bake_cells(pipeline, plan.jobs, cells_in_flight, scene.progress);
   write_scene(out / "scene.xml", merge(plan, reports, sources.origin, scene.parameters));
   setting.bake_s = std::min(setting.bake_s, seconds_since(start));
   setting.bytes = setting.voxels = 0;
@@ -187,9 +187,15 @@ std::vector<NormalBits> coarser_normals(const AccuracyBenchRequest& request, con
 
 }  // namespace
 
+std::vector<std::string> accuracy_setting_names() {
+  std::vector<std::string> names;
+  for (const AccuracySetting& s : all_settings({})) names.push_back(s.name);
+  return names;
+}
+
 AccuracyBench bench_accuracy(const AccuracyBenchRequest& request, const AccuracyProgress& progress) {
   std::vector<AccuracySetting> settings = chosen_settings(request);
-  const SceneSources sources = open_sources(request.scene.source, request.scene.source_options);
+  const SceneSources sources = open_sources(request.scene.source, request.scene.source_options, request.scene.progress);
   const DeviceChoice device = choose_device({request.backend});
   AccuracyBench bench;
   bench.backend = device.device ? "cuda" : "cpu";

@@ -60,6 +60,9 @@ struct AccuracyBench {
   std::vector<NormalBits> normals;  ///< of the first setting's shards
 };
 
+/// Of all settings, in their order.
+std::vector<std::string> accuracy_setting_names();
+
 /// Told of each setting before it is baked.
 using AccuracyProgress = std::function<void(const std::string& setting)>;
 

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "bench/accuracy_verdict.h"
+
 namespace gigabake::bench {
 namespace {
 
@@ -180,11 +182,8 @@ std::vector<AccuracyGoal> goals_of(const AccuracySetting& setting) {
 }
 
 std::string to_json(const AccuracyBench& bench) {
-  Json j{{"bench", "accuracy"},
-         {"backend", bench.backend},
-         {"voxel_size_m", bench.voxel_size_m},
-         {"samples", bench.samples},
-         {"reference_s", bench.reference_s}};
+  Json j{{"bench", "accuracy"},       {"backend", bench.backend}, {"voxel_size_m", bench.voxel_size_m},
+         {"verdict", verdict(bench)}, {"samples", bench.samples}, {"reference_s", bench.reference_s}};
   for (const AccuracyView& v : bench.views)
     j["views"].push_back({{"name", v.name()},
                           {"direction", v.direction},
@@ -200,11 +199,12 @@ std::string to_json(const AccuracyBench& bench) {
 }
 
 std::string to_markdown(const AccuracyBench& bench) {
-  return fmt::format(
+  return verdict(bench) + "\n" +
+         fmt::format(
              "Means over {} views, {:g} m voxels, {} rays a pixel in the reference; the bias is its magnitude.\n\n",
              bench.views.size(), bench.voxel_size_m, bench.samples) +
          settings_table(bench) + "\n" + voxels_table(bench) + "\n" + normals_table(bench) + "\n" +
-         views_table(bench.settings.front()) + "\n" + goals_table(bench);
+         views_table(bench.settings.front()) + "\n" + goals_table(bench) + "\n" + accuracy_columns();
 }
 
 std::vector<NamedPlot> plots_of(const AccuracyBench& bench) {

@@ -20,7 +20,8 @@ struct AccuracyGoal {
 std::vector<AccuracyGoal> goals_of(const AccuracySetting& setting);
 
 std::string to_json(const AccuracyBench& bench);
-/// Tables: the settings, their voxels of lod 0, fewer bits a normal, the first one's views, the goals.
+/// The verdict, then tables: the settings, their voxels of lod 0, fewer bits a normal, the first one's views, the
+/// goals; then what columns are.
 std::string to_markdown(const AccuracyBench& bench);
 
 struct NamedPlot {

@@ -45,20 +45,24 @@ const char* StageSeconds::slowest_name() const {
 BakeBench bench_bake(const BakeBenchRequest& request) {
   if (std::filesystem::exists(request.out / "scene.xml"))
     throw InputError(request.out, "", "holds a scene; a benchmark would replace its shards, choose another folder");
-  const SceneSources sources = open_sources(request.scene.source, request.scene.source_options);
+  const SceneSources sources = open_sources(request.scene.source, request.scene.source_options, request.scene.progress);
   const DeviceChoice device = choose_device({request.backend});
   std::vector<CellJob> jobs = plan_scene(sources, request.scene).jobs;
   if (jobs.size() > request.most_cells) jobs.resize(request.most_cells);
   BakeBench b;
   b.backend = device.device ? "cuda" : "cpu";
-  const std::vector<CellReport> one_by_one = bake_cells(*make_pipeline(sources, request, device.device), jobs, 1);
+  const Progress& progress = request.scene.progress;
+  progress.step("baking cells one by one", jobs.size(), "cells");
+  const std::vector<CellReport> one_by_one =
+      bake_cells(*make_pipeline(sources, request, device.device), jobs, 1, progress);
   b.alone = stages(one_by_one);
   // As in a bake, a device's driver starts while tiles are surveyed.
   const std::unique_ptr<CellPipeline> pipeline = make_pipeline(sources, request, device.device);
   plan_scene(sources, request.scene);
+  progress.step("baking cells overlapped", jobs.size(), "cells");
   const auto start = Clock::now();
   const int in_hand = device.device ? device_worker_slots : worker_slots;
-  const std::vector<CellReport> together = bake_cells(*pipeline, jobs, std::size_t(in_hand));
+  const std::vector<CellReport> together = bake_cells(*pipeline, jobs, std::size_t(in_hand), progress);
   b.bake_s = seconds_since(start);
   b.overlapped = stages(together);
   b.cells = together.size();

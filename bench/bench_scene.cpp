@@ -13,18 +13,21 @@ BakePlan plan_scene(const SceneSources& sources, const BenchScene& scene) {
   std::vector<TileSurvey> surveys;
   for (std::uint32_t t = 0; t < sources.tiles.size(); ++t)
     surveys.push_back(survey_tile(sources, t, scene.parameters, policy));
-  BakePlan plan = make_plan(std::move(surveys), sources, scene.parameters);
+  BakePlan plan = make_plan(std::move(surveys), sources, scene.parameters, scene.progress);
   if (plan.jobs.empty()) throw InputError(scene.source, "", "holds no triangles to bake");
   return plan;
 }
 
-std::vector<CellReport> bake_cells(CellPipeline& pipeline, const std::vector<CellJob>& jobs, std::size_t in_flight) {
+std::vector<CellReport> bake_cells(CellPipeline& pipeline, const std::vector<CellJob>& jobs, std::size_t in_flight,
+                                   const Progress& progress) {
   std::vector<CellReport> reports;
   for (std::size_t next = 0; reports.size() < jobs.size();) {
+    progress.advance(0);
     while (next < jobs.size() && pipeline.in_flight() < in_flight) pipeline.submit(jobs[next++]);
     if (auto report = pipeline.poll()) {
       if (report->outcome == CellOutcome::failed) throw InputError(jobs[report->id].name, "", report->error);
       reports.push_back(std::move(*report));
+      progress.advance();
     } else {
       std::this_thread::sleep_for(std::chrono::microseconds(200));
     }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "format/parameters.h"
+#include "format/progress.h"
 #include "format/source.h"
 #include "scheduler/plan.h"
 #include "worker/cell_pipeline.h"
@@ -20,13 +21,15 @@ struct BenchScene {
   BakeParameters parameters;
   int threads = 1;
   std::uint64_t memory_bytes = 0;
+  Progress progress = {};
 };
 
 /// Errors  InputError: as a bake of it; no triangles.
 BakePlan plan_scene(const SceneSources& sources, const BenchScene& scene);
 
-/// All jobs, at most `in_flight` of them at a time. Errors  InputError: a cell that failed.
-std::vector<CellReport> bake_cells(CellPipeline& pipeline, const std::vector<CellJob>& jobs, std::size_t in_flight);
+/// All jobs, at most `in_flight` of them at a time. Errors  InputError: a cell that failed; Stopped.
+std::vector<CellReport> bake_cells(CellPipeline& pipeline, const std::vector<CellJob>& jobs, std::size_t in_flight,
+                                   const Progress& progress = {});
 
 using Clock = std::chrono::steady_clock;
 

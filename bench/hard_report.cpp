@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "bench/accuracy_verdict.h"
+
 namespace gigabake::bench {
 namespace {
 
@@ -79,7 +81,8 @@ std::string rows_of_ties(const HardBench& bench) {
 }  // namespace
 
 std::string to_json(const HardBench& bench) {
-  Json j{{"bench", "accuracy --hard"}, {"backend", bench.backend}, {"holds", bench.holds()}};
+  Json j{
+      {"bench", "accuracy --hard"}, {"backend", bench.backend}, {"holds", bench.holds()}, {"verdict", verdict(bench)}};
   j["cases"] = Json::array();
   for (const HardResult& r : bench.cases) {
     Json one{{"name", r.name}, {"group", r.group}, {"what", r.what}, {"voxels", r.voxels}, {"holds", r.holds()}};
@@ -93,7 +96,8 @@ std::string to_json(const HardBench& bench) {
 
 std::string to_markdown(const HardBench& bench) {
   std::string out =
-      "| case | voxels | missed | extra | alpha, codes | colour, codes | linear colour | normal, ° | position, mm | "
+      verdict(bench) +
+      "\n| case | voxels | missed | extra | alpha, codes | colour, codes | linear colour | normal, ° | position, mm | "
       "before the snap, mm | "
       "more |\n"
       "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
@@ -104,7 +108,7 @@ std::string to_markdown(const HardBench& bench) {
       std::count_if(bench.cases.begin(), bench.cases.end(), [](const HardResult& r) { return !r.holds(); });
   out += fmt::format("\n{} cases on {}: {}\n", bench.cases.size(), bench.backend,
                      failed == 0 ? "every bound holds" : fmt::format("{} fail", failed));
-  return out;
+  return out + "\n" + hard_columns();
 }
 
 }  // namespace gigabake::bench

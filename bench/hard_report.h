@@ -8,7 +8,8 @@
 namespace gigabake::bench {
 
 std::string to_json(const HardBench& bench);
-/// A table, in Markdown: a row a case; ties, a row a group unless a bound fails. Then the bounds that do not hold.
+/// The verdict; a table, in Markdown: a row a case; ties, a row a group unless a bound fails. Then the bounds that do
+/// not hold, and what columns are.
 std::string to_markdown(const HardBench& bench);
 
 }  // namespace gigabake::bench

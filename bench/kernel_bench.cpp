@@ -123,7 +123,7 @@ kernels::CellVolume time_cuda(const KernelBenchRequest& request, int device, con
 
 KernelBench bench_kernels(const KernelBenchRequest& request) {
   KernelBench out;
-  const SceneSources sources = open_sources(request.scene.source, request.scene.source_options);
+  const SceneSources sources = open_sources(request.scene.source, request.scene.source_options, request.scene.progress);
   const CellJob job = largest_cell(sources, request.scene);
   CellLoader loader(sources, request.scene.parameters, ~std::uint64_t(0), request.scene.threads);
   const LoadedCell cell = loader.load(job);

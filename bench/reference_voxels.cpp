@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "format/brick_walk.h"
-#include "format/shard_reader.h"
+#include "format/shard_of_scene.h"
 
 namespace gigabake::bench {
 namespace {
@@ -18,7 +18,7 @@ std::uint64_t key_of(std::int64_t x, std::int64_t y, std::int64_t z) {
 ReferenceVoxels::ReferenceVoxels(const SceneDescription& scene, const std::filesystem::path& scene_path, int lod) {
   if (!scene.cells.empty()) origin_ = scene.cells[0].lattice_min;
   for (const SceneCell& cell : scene.cells) {
-    const ShardReader shard(scene_path.parent_path() / cell.file);
+    const ShardReader shard = open_shard_of_scene(scene_path, scene, cell);
     std::array<std::int64_t, 3> corner;
     for (std::size_t a = 0; a < 3; ++a) corner[a] = (cell.lattice_min[a] - origin_[a]) >> lod;
     add_cell(corner, shard.nodes(), shard.level(lod), lod);

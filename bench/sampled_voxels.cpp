@@ -4,7 +4,7 @@
 
 #include "bench/schedule_model.h"
 #include "format/brick_walk.h"
-#include "format/shard_reader.h"
+#include "format/shard_of_scene.h"
 
 namespace gigabake::bench {
 namespace {
@@ -34,7 +34,7 @@ std::vector<SampledVoxel> sample_voxels(const SceneDescription& scene, const std
   OneOfEachRun choice(std::max<std::uint64_t>(1, (voxels + most - 1) / most), seed);
   std::vector<SampledVoxel> sampled;
   for (const SceneCell& cell : scene.cells) {
-    const ShardReader shard(scene_path.parent_path() / cell.file);
+    const ShardReader shard = open_shard_of_scene(scene_path, scene, cell);
     for_each_voxel_of_level(
         shard.nodes(), shard.level(0), 0,
         [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {

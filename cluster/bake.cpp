@@ -12,8 +12,10 @@
 #include "cluster/dispatch.h"
 #include "cluster/drain.h"
 #include "cluster/master_bake.h"
+#include "cluster/rank_setup.h"
 #include "cluster/survey.h"
 #include "format/error.h"
+#include "format/memory_limit.h"
 #include "scheduler/survey_cache.h"
 
 namespace gigabake {
@@ -26,20 +28,10 @@ constexpr double silences_of_patience = 10;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-int threads_of(const MpiSession& mpi, const BakeRequest& request) {
-  return request.threads > 0 ? request.threads : mpi.cores();
-}
-
-BakeProcessOptions process_options(const BakeRequest& request) {
-  BakeProcessOptions options;
-  options.stall_s = request.stall_s;
-  options.cell_timeout_s = request.cell_timeout_s;
-  return options;
-}
-
 SceneSources open_together(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress) {
   SceneSources sources;
-  all_or_none(mpi, [&] { sources = open_sources(request.source, request.source_options); });
+  set_memory_limit(request.memory_bytes);
+  all_or_none(mpi, [&] { sources = open_sources(request.source, request.source_options, progress.steps); });
   if (mpi.rank() == 0) progress.opened(sources);
   return sources;
 }
@@ -52,10 +44,11 @@ struct KnownSurveys {
 
 /// folder: where an earlier bake may have left its surveys; may be empty.
 KnownSurveys known_surveys(const std::filesystem::path& folder, const SceneSources& sources,
-                           const BakeParameters& parameters, int threads) {
+                           const BakeParameters& parameters, int threads, const Progress& progress) {
+  progress.step("looking for tiles that are known");
   KnownSurveys known;
   std::vector<std::optional<TileSurvey>> cached(sources.tiles.size());
-  if (!folder.empty()) cached = SurveyCache(survey_cache_of(folder)).find_all(sources, parameters, threads);
+  if (!folder.empty()) cached = SurveyCache(survey_cache_of(folder)).find_all(sources, parameters, threads, progress);
   for (std::uint32_t tile = 0; tile < cached.size(); ++tile) {
     if (cached[tile])
       known.surveys.push_back(std::move(*cached[tile]));
@@ -65,30 +58,15 @@ KnownSurveys known_surveys(const std::filesystem::path& folder, const SceneSourc
   return known;
 }
 
-/// The surveys of all tiles, on rank 0. on_survey: rank 0's; how many there are.
-std::vector<TileSurvey> survey(MpiSession& mpi, const BakeRequest& request, const SceneSources& sources,
-                               BakeProcess& process, const std::function<void(std::size_t)>& on_survey) {
-  KnownSurveys known;
-  all_or_none(mpi, [&] {
-    if (mpi.rank() == 0) known = known_surveys(request.out, sources, request.parameters, mpi.cores());
-  });
-  std::vector<TileSurvey> surveys = survey_tiles(mpi, known.missing, process, request.silence_s,
-                                                 [&](std::size_t done) { on_survey(known.surveys.size() + done); });
-  std::move(known.surveys.begin(), known.surveys.end(), std::back_inserter(surveys));
-  return surveys;
-}
-
-/// Collective; the plan is rank 0's.
-BakePlan plan_from(MpiSession& mpi, const BakeRequest& request, const SceneSources& sources,
-                   std::vector<TileSurvey> surveys, const BakeProgress& progress) {
-  BakePlan plan;
-  all_or_none(mpi, [&] {
-    if (mpi.rank() != 0) return;
-    plan = make_plan(std::move(surveys), sources, request.parameters);
-    if (plan.jobs.empty() && plan.losses.empty()) throw InputError(request.source, "", "holds no triangles to bake");
-    progress.planned(plan);
-  });
-  return plan;
+std::string no_triangles(const BakePlan& plan) {
+  std::string line = "holds no triangles to bake";
+  if (plan.skipped_points + plan.skipped_lines != 0)
+    line += "; skipped " + std::to_string(plan.skipped_points) + " points and " + std::to_string(plan.skipped_lines) +
+            " lines, which have no surface";
+  if (plan.non_finite + plan.zero_area != 0)
+    line += "; dropped " + std::to_string(plan.non_finite) + " triangles that are not finite and " +
+            std::to_string(plan.zero_area) + " without area";
+  return line;
 }
 
 /// A cache that cannot be written costs the next bake its time, not this one its result.
@@ -101,15 +79,49 @@ void keep_surveys(const BakeRequest& request, const SceneSources& sources, const
   }
 }
 
-WorkerSetup setup_of(const MpiSession& mpi, const BakeRequest& request, const SceneSources& sources) {
-  WorkerSetup setup;
-  setup.source = request.source;
-  setup.source_options = request.source_options;
-  setup.parameters = request.parameters;
-  setup.worker = {threads_of(mpi, request), request.memory_bytes, request.out};
-  setup.device = {request.backend, request.gpus, mpi.rank_on_host()};
-  setup.tiles = std::uint32_t(sources.tiles.size());
-  return setup;
+bool is_stop_asked(const Progress& steps) {
+  try {
+    steps.advance(0);
+    return false;
+  } catch (const Stopped&) {
+    return true;
+  }
+}
+
+/// What a bake that was stopped has surveyed is kept for the next one.
+enum class StoppedSurvey { forget, keep };
+
+/// The surveys of all tiles, on rank 0. on_survey: rank 0's; how many there are. Errors  Stopped.
+std::vector<TileSurvey> survey(MpiSession& mpi, const BakeRequest& request, const SceneSources& sources,
+                               BakeProcess& process, const BakeProgress& progress, StoppedSurvey when_stopped,
+                               const std::function<void(std::size_t)>& on_survey) {
+  KnownSurveys known;
+  all_or_none(mpi, [&] {
+    if (mpi.rank() == 0) known = known_surveys(request.out, sources, request.parameters, mpi.cores(), progress.steps);
+  });
+  bool is_stopped = false;
+  std::vector<TileSurvey> surveys = survey_tiles(mpi, known.missing, process, request.silence_s, [&](std::size_t done) {
+    on_survey(known.surveys.size() + done);
+    is_stopped = is_stop_asked(progress.steps);
+    return !is_stopped;
+  });
+  std::move(known.surveys.begin(), known.surveys.end(), std::back_inserter(surveys));
+  if (is_stopped && when_stopped == StoppedSurvey::keep) keep_surveys(request, sources, surveys, progress);
+  fail_together(mpi, {}, is_stopped);
+  return surveys;
+}
+
+/// Collective; the plan is rank 0's.
+BakePlan plan_from(MpiSession& mpi, const BakeRequest& request, const SceneSources& sources,
+                   std::vector<TileSurvey> surveys, const BakeProgress& progress) {
+  BakePlan plan;
+  all_or_none(mpi, [&] {
+    if (mpi.rank() != 0) return;
+    plan = make_plan(std::move(surveys), sources, request.parameters, progress.steps);
+    if (plan.jobs.empty() && plan.losses.empty()) throw InputError(request.source, "", no_triangles(plan));
+    progress.planned(plan);
+  });
+  return plan;
 }
 
 /// Waits for the process to have its device.
@@ -159,10 +171,11 @@ BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const Bake
   all_or_none(mpi, [&] { expect_output_folder(request.out); });
   BakeProcess process(setup_of(mpi, request, sources), process_options(request));
   process.prepare();
-  std::vector<TileSurvey> surveys = survey(mpi, request, sources, process, [&](std::size_t done) {
-    feed->record().surveyed(done, sources.tiles.size());
-    feed->turn();
-  });
+  std::vector<TileSurvey> surveys =
+      survey(mpi, request, sources, process, progress, StoppedSurvey::keep, [&](std::size_t done) {
+        feed->record().surveyed(done, sources.tiles.size());
+        feed->turn();
+      });
   choose_devices(mpi, process, summary);  // after the survey, which a driver's start would only delay
   const BakePlan plan = plan_from(mpi, request, sources, surveys, progress);
   all_or_none(mpi, [&] { refuse(request, plan.losses, mpi.rank() == 0 && plan.jobs.empty()); });
@@ -171,12 +184,12 @@ BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const Bake
   summary.precision = plan.precision;
   summary.survey_s = seconds_since(start);
   const auto planned = Clock::now();
-  if (mpi.rank() != 0) work(mpi, process);
+  if (mpi.rank() != 0) work(mpi, process, request.silence_s);
   std::optional<std::string> failure;
   try {
     if (mpi.rank() == 0) MasterBake(request, sources, plan, *out, progress, *feed, summary).run(mpi, process);
   } catch (const std::exception& e) {
-    failure = e.what();
+    failure = reason_of(e);
   }
   // A rank that was lost would never take part: the others are ended by whoever catches this.
   if (failure && summary.lost_ranks != 0) throw std::runtime_error(*failure);
@@ -195,19 +208,23 @@ void end_status(StatusFeed& feed, BakeSummary& summary) {
 
 }  // namespace
 
-BakePlan plan_bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress) {
-  end_with_mpirun();
-  const SceneSources sources = open_together(mpi, request, progress);
+PlannedBake plan_bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress) {
+  const auto start = Clock::now();
+  PlannedBake planned;
+  planned.sources = open_together(mpi, request, progress);
+  const SceneSources& sources = planned.sources;
   BakeRequest on_cpu = request;
   on_cpu.backend = Backend::cpu;  // a survey needs no device
   BakeProcess process(setup_of(mpi, on_cpu, sources), process_options(request));
-  std::vector<TileSurvey> surveys =
-      survey(mpi, request, sources, process, [&](std::size_t done) { progress.surveyed(done, sources.tiles.size()); });
-  return plan_from(mpi, request, sources, std::move(surveys), progress);
+  std::vector<TileSurvey> surveys = survey(mpi, request, sources, process, progress, StoppedSurvey::forget,
+                                           [&](std::size_t done) { progress.surveyed(done, sources.tiles.size()); });
+  planned.plan = plan_from(mpi, request, sources, std::move(surveys), progress);
+  all_or_none(mpi, [&] { refuse(request, planned.plan.losses, mpi.rank() == 0 && planned.plan.jobs.empty()); });
+  planned.survey_s = seconds_since(start);
+  return planned;
 }
 
 BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress) {
-  end_with_mpirun();
   mpi.set_patience(silences_of_patience * request.silence_s);
   std::optional<StatusFeed> feed;
   if (mpi.rank() == 0) feed.emplace(request.out, mpi.ranks(), request.metrics, progress.status);
@@ -215,8 +232,11 @@ BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress
     BakeSummary summary = bake_watched(mpi, request, progress, feed);
     if (feed) end_status(*feed, summary);
     return summary;
+  } catch (const Stopped&) {
+    if (feed) feed->stop();
+    throw;
   } catch (const std::exception& e) {
-    if (feed) feed->fail(e.what());
+    if (feed) feed->fail(reason_of(e));
     throw;
   }
 }

@@ -11,6 +11,7 @@
 #include "cluster/mpi_session.h"
 #include "cluster/output_folder.h"
 #include "format/parameters.h"
+#include "format/progress.h"
 #include "format/scene_xml.h"
 #include "format/source.h"
 #include "scheduler/bake_status.h"
@@ -25,6 +26,7 @@ struct BakeRequest {
   BakeParameters parameters;
   int threads = 0;                 ///< of each rank; 0: the host's cores shared by its ranks
   std::uint64_t memory_bytes = 0;  ///< of each rank; 0: no bound
+  bool memory_is_usual = false;    ///< nobody asked for that much: a rank takes less where its host has less for it
   bool keep_going = true;          ///< after a tile or cell failed
   Backend backend = Backend::automatic;
   bool prune = false;             ///< remove shards that the new scene does not have, where it misses nothing
@@ -35,8 +37,9 @@ struct BakeRequest {
   std::filesystem::path metrics;  ///< rank 0's status as Prometheus reads it; empty: none
 };
 
-/// Told to rank 0 alone, in the order in which it happens.
+/// Told to rank 0 alone, in the order in which it happens, but for the steps.
 struct BakeProgress {
+  Progress steps;  ///< of every rank: what it does before the first cell
   std::function<void(const SceneSources&)> opened;
   std::function<void(std::size_t done, std::size_t all)> surveyed;  ///< of a plan; a bake's status has it
   std::function<void(const BakePlan&)> planned;
@@ -66,14 +69,23 @@ struct BakeSummary {
   OrphanShards pruned;   ///< removed from OUT
 };
 
-/// Collective; ends early once is_drain_asked(). Scene and sums are rank 0's; other ranks get empty ones.
-/// OUT is locked meanwhile. OUT/scene.xml is replaced last; shards that it does not name stay unless request.prune.
-/// Errors  CollectiveFailure, and OUT/scene.xml is as it was: a source that cannot be opened or has no triangles, an
+/// Collective; ends early once is_drain_asked(), before the first cell by Stopped on every rank. Scene and sums are
+/// rank 0's; other ranks get empty ones. OUT is locked meanwhile. OUT/scene.xml is replaced last; shards that it does
+/// not name stay unless request.prune. Errors  CollectiveFailure, and OUT/scene.xml is as it was: a source that cannot
+/// be opened or has no triangles, an
 ///         OUT that cannot be written or that another bake holds, nothing that could be baked, or any loss without
 ///         keep_going.
 BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress);
 
-/// Collective: survey and plan alone; the plan is rank 0's. Errors  CollectiveFailure, as bake().
-BakePlan plan_bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress);
+/// What a bake would do.
+struct PlannedBake {
+  BakePlan plan;  ///< rank 0's
+  SceneSources sources;
+  double survey_s = 0;  ///< opening, survey and plan
+};
+
+/// Collective: survey and plan alone. Errors  CollectiveFailure and Stopped, as bake(): what it would refuse
+/// because of its sources is refused here.
+PlannedBake plan_bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress);
 
 }  // namespace gigabake

@@ -13,7 +13,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::chrono::seconds time_to_be_killed{10}, first_pause{1}, longest_pause{60};
+constexpr std::chrono::seconds killed_within{10}, first_pause{1}, longest_pause{60};
 constexpr int deaths_without_pause = 2;
 constexpr int doublings = 6;  // of the pause until it is the longest
 
@@ -144,10 +144,10 @@ void BakeProcess::end(std::optional<std::string> why) {
 }
 
 /// Two bake processes never run side by side: a device's memory may not hold both. One that cannot even be killed is
-/// waited for no longer than time_to_be_killed.
+/// waited for no longer than killed_within.
 void BakeProcess::bury() {
   std::optional<std::string> how = child_->ended();
-  if (!how && Clock::now() - ending_since_ < time_to_be_killed) return;
+  if (!how && Clock::now() - ending_since_ < killed_within) return;
   if (how && how->find("SIGKILL") != std::string::npos) *how += ": perhaps the system ran out of memory";
   peak_bytes_ = std::max(peak_bytes_, child_->peak_bytes());
   if (!how) abandoned_.push_back(std::move(child_));

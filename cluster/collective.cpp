@@ -9,10 +9,12 @@ std::string host_name() {
   return ::gethostname(name, sizeof name - 1) == 0 ? name : "an unnamed host";
 }
 
-void fail_together(MpiSession& mpi, const std::optional<std::string>& line) {
+void fail_together(MpiSession& mpi, const std::optional<std::string>& line, bool is_stopped) {
   const int weight = mpi.ranks() - mpi.rank();  // of several lines the lowest rank's is shown
-  const std::int64_t heaviest = mpi.max_of(line ? weight : 0);
+  const int stop_weight = mpi.ranks() + 1;
+  const std::int64_t heaviest = mpi.max_of(is_stopped ? stop_weight : line ? weight : 0);
   if (heaviest == 0) return;
+  if (heaviest == stop_weight) throw Stopped();
   if (heaviest != weight) throw CollectiveFailure("");
   const std::string who = " (rank " + std::to_string(mpi.rank()) + " on " + host_name() + ")";
   throw CollectiveFailure(mpi.rank() == 0 ? *line : *line + who);

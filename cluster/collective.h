@@ -6,6 +6,8 @@
 #include <string>
 
 #include "cluster/mpi_session.h"
+#include "format/error.h"
+#include "format/progress.h"
 
 namespace gigabake {
 
@@ -19,19 +21,23 @@ class CollectiveFailure : public std::runtime_error {
 /// For messages.
 std::string host_name();
 
-/// Collective. line: why this rank cannot go on. Errors  CollectiveFailure on every rank where any rank has a line.
-void fail_together(MpiSession& mpi, const std::optional<std::string>& line);
+/// Collective. line: why this rank cannot go on; is_stopped: it was asked not to. Errors  On every rank: Stopped where
+/// any rank was stopped; else CollectiveFailure where any has a line.
+void fail_together(MpiSession& mpi, const std::optional<std::string>& line, bool is_stopped = false);
 
-/// Collective. Runs `step` on every rank; what it throws anywhere becomes everybody's CollectiveFailure.
+/// Collective. Runs `step` on every rank; what it throws anywhere becomes everybody's CollectiveFailure, or Stopped.
 template <class Step>
 void all_or_none(MpiSession& mpi, const Step& step) {
   std::optional<std::string> line;
+  bool is_stopped = false;
   try {
     step();
+  } catch (const Stopped&) {
+    is_stopped = true;
   } catch (const std::exception& e) {
-    line = e.what();
+    line = reason_of(e);
   }
-  fail_together(mpi, line);
+  fail_together(mpi, line, is_stopped);
 }
 
 }  // namespace gigabake

@@ -16,6 +16,7 @@ namespace gigabake {
 namespace {
 
 constexpr std::chrono::milliseconds longest_wait{2};
+constexpr double between_signs_s = 1;
 
 double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -55,6 +56,7 @@ class Master {
  private:
   void step() {
     if (!watcher_.turn()) schedule_.stop();
+    show_life();
     give_out();
     while (auto event = process_.poll()) take(*event);
     while (auto message = mpi_.poll()) take(*message);
@@ -65,6 +67,14 @@ class Master {
       something_came_back_ = true;
     }
     for (const std::uint32_t job : schedule_.take_set_aside()) set_aside(job);
+  }
+
+  /// A rank that hears nothing of rank 0 ends the launch.
+  void show_life() {
+    if (now_s() - shown_s_ < between_signs_s) return;
+    shown_s_ = now_s();
+    for (int rank = 1; rank < mpi_.ranks(); ++rank)
+      if (!lost_.contains(rank)) mpi_.send(rank, tag_alive, {});
   }
 
   /// A round gives each rank one cell, so that the costliest are shared out; 0 last, for it has most to do.
@@ -132,8 +142,10 @@ class Master {
 
   void take(int rank, const CellReport& report, std::uint32_t attempt) {
     something_came_back_ = true;
-    const bool failed = report.outcome == CellOutcome::failed;
-    const Verdict verdict = failed ? schedule_.failed(rank, report.id, attempt, report.error, now_s())
+    const bool refused = report.outcome == CellOutcome::refused;
+    const bool failed = refused || report.outcome == CellOutcome::failed;
+    const Retry retry = refused ? Retry::useless : Retry::worth_it;
+    const Verdict verdict = failed ? schedule_.failed(rank, report.id, attempt, report.error, now_s(), retry)
                                    : schedule_.finished(rank, report.id, attempt, now_s());
     if (verdict == Verdict::stale) return;
     if (failed) return watcher_.attempt_failed(report.id);
@@ -162,6 +174,7 @@ class Master {
   std::vector<std::string> hosts_;     ///< of each rank, once it has said so
   std::set<int> lost_;
   DispatchResult result_;
+  double shown_s_ = 0;
   bool something_came_back_ = true;
 };
 

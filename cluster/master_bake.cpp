@@ -112,7 +112,7 @@ void MasterBake::write_down(const CellReport& report) {
 bool MasterBake::turn() {
   if (is_drain_asked() && feed_.record().state() == BakeState::baking) {
     feed_.record().enter(BakeState::draining);
-    progress_.noted("asked to end: the cells in hand are finished, no new ones begun");
+    progress_.noted("asked to end: the cells in hand are finished, no new ones begun; Ctrl-C once more stops at once");
   }
   feed_.turn();
   return !is_drain_asked();

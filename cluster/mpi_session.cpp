@@ -12,7 +12,9 @@
 #include <unistd.h>
 #include <utility>
 
+#include "cluster/drain.h"
 #include "cluster/host_cores.h"
+#include "cluster/time_bound.h"
 
 namespace gigabake {
 namespace {
@@ -44,7 +46,7 @@ void wait_for(MPI_Request& request, double patience_s, const char* call) {
 }
 
 struct HostShare {
-  int rank, cores;
+  int rank, ranks, cores;
 };
 
 /// Collective.
@@ -58,7 +60,9 @@ HostShare share_of_host(int rank) {
   std::vector<CoreSet> all(static_cast<std::size_t>(ranks_here));
   check(MPI_Allgather(&own, sizeof own, MPI_BYTE, all.data(), sizeof own, MPI_BYTE, host), "MPI_Allgather");
   check(MPI_Comm_free(&host), "MPI_Comm_free");
-  return {rank_here, fair_share(all, std::size_t(rank_here))};
+  const HostLimits limits = host_limits();
+  const int of_shared = std::max(1, limits.shared_cores / ranks_here);
+  return {rank_here, ranks_here, std::min({fair_share(all, std::size_t(rank_here)), of_shared, limits.task_cores})};
 }
 
 std::int64_t reduce(std::int64_t value, MPI_Op operation, double patience_s) {
@@ -85,6 +89,10 @@ struct MpiSession::Outbox {
 };
 
 MpiSession::MpiSession() : outbox_(std::make_unique<Outbox>()) {
+  end_with_mpirun();  // before MPI_Init, in which a rank may hang
+  const TimeBound bound(longest_mpi_call_s(), "the start of MPI");
+  // Open MPI's hwloc looks for GPUs through any X screen it finds, and ends the process when that screen goes away.
+  ::setenv("HWLOC_COMPONENTS", "-gl", 0);
   int provided = MPI_THREAD_SINGLE;
   check(MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided), "MPI_Init_thread");
   if (provided < MPI_THREAD_FUNNELED) throw std::runtime_error("MPI_Init_thread: this MPI has no MPI_THREAD_FUNNELED");
@@ -93,12 +101,18 @@ MpiSession::MpiSession() : outbox_(std::make_unique<Outbox>()) {
   check(MPI_Comm_size(MPI_COMM_WORLD, &ranks_), "MPI_Comm_size");
   const HostShare share = share_of_host(rank_);
   rank_on_host_ = share.rank;
+  ranks_on_host_ = share.ranks;
   cores_ = share.cores;
 }
 
-int MpiSession::host_cores() const { return int(std::max<long>(1, ::sysconf(_SC_NPROCESSORS_ONLN))); }
+int MpiSession::host_cores() const {
+  return std::min(host_limits().shared_cores, int(std::max<long>(1, ::sysconf(_SC_NPROCESSORS_ONLN))));
+}
 
-MpiSession::~MpiSession() { MPI_Finalize(); }
+MpiSession::~MpiSession() {
+  const TimeBound bound(longest_mpi_call_s(), "MPI_Finalize");
+  MPI_Finalize();
+}
 
 void MpiSession::send(int to, int tag, std::vector<std::uint8_t> bytes) {
   if (bytes.size() > std::size_t(std::numeric_limits<int>::max()))
@@ -135,6 +149,7 @@ int MpiSession::from_master(int value) {
 }
 
 void MpiSession::abort(int exit_code) {
+  const TimeBound bound(longest_mpi_call_s(), "MPI_Abort");
   MPI_Abort(MPI_COMM_WORLD, exit_code);
   std::abort();
 }

@@ -13,8 +13,9 @@ struct Message {
   std::vector<std::uint8_t> bytes;
 };
 
-/// MPI_Init to MPI_Finalize; without mpirun a world of one rank. One per process.
-/// Errors  std::runtime_error with the MPI call and its own text.
+/// MPI_Init to MPI_Finalize; without mpirun a world of one rank. One per process, which ends with its mpirun.
+/// Errors  std::runtime_error with the MPI call and its own text. A start or an end that takes too long because another
+///         rank died or hangs ends the process: cluster/time_bound.h.
 class MpiSession {
  public:
   MpiSession();
@@ -26,9 +27,10 @@ class MpiSession {
   int ranks() const { return ranks_; }
   /// Counts the ranks of this rank's host.
   int rank_on_host() const { return rank_on_host_; }
-  /// All cores of its host, whoever may use them.
+  int ranks_on_host() const { return ranks_on_host_; }
+  /// All cores of its host that its container or job may use, whichever this rank is bound to.
   int host_cores() const;
-  /// This rank's even share of the cores of its host, at least 1.
+  /// This rank's even share of the cores of its host that its container or job may use, at least 1.
   int cores() const { return cores_; }
 
   /// Returns at once and keeps the bytes until they are gone: two ranks may send to each other without waiting.
@@ -41,6 +43,7 @@ class MpiSession {
   /// A collective call that takes longer than this throws on every rank that waits: one of them hangs, and MPI would
   /// wait for it for ever. No other collective call may follow.
   void set_patience(double patience_s) { patience_s_ = patience_s; }
+  double patience_s() const { return patience_s_; }
   /// The largest value of any rank. Collective.
   std::int64_t max_of(std::int64_t value);
   /// The sum of all ranks' values. Collective.
@@ -54,7 +57,7 @@ class MpiSession {
   struct Outbox;
   std::unique_ptr<Outbox> outbox_;
   double patience_s_ = 600;
-  int rank_ = 0, ranks_ = 1, rank_on_host_ = 0, cores_ = 1;
+  int rank_ = 0, ranks_ = 1, rank_on_host_ = 0, ranks_on_host_ = 1, cores_ = 1;
 };
 
 }  // namespace gigabake

@@ -50,6 +50,11 @@ void StatusFeed::publish() {
   write(status);
 }
 
+void StatusFeed::stop() {
+  record_.enter(BakeState::drained);
+  if (began_) publish();
+}
+
 void StatusFeed::fail(const std::string& reason) {
   record_.fail(reason);
   if (began_) publish();

@@ -26,6 +26,8 @@ class StatusFeed {
   void turn();
   /// Passes the status on at once: the bake enters another state, or ends.
   void publish();
+  /// The bake was asked to end before its first cell. Says so where anything was said before.
+  void stop();
   /// What ended the bake. Says so where anything was said before.
   void fail(const std::string& reason);
 

@@ -82,11 +82,23 @@ class SurveyCollector {
     while (const auto message = mpi_.poll()) {
       Rank& rank = ranks_[std::size_t(message->from)];
       rank.heard = Clock::now();
+      if (message->tag == tag_stop) rank.missing = 0;
       if (message->tag != tag_survey) continue;
       surveys_.push_back(survey_from_bytes(message->bytes));
       --rank.missing;
     }
     for (int rank = 1; rank < mpi_.ranks(); ++rank) expect_life(rank);
+  }
+
+  /// The other ranks survey no more, and nothing of theirs is under way.
+  void stop(BakeProcess& process) {
+    const auto is_busy = [](const Rank& r) { return r.missing != 0; };
+    for (int rank = 1; rank < mpi_.ranks(); ++rank)
+      if (is_busy(ranks_[std::size_t(rank)])) mpi_.send(rank, tag_stop, {});
+    while (std::any_of(ranks_.begin() + 1, ranks_.end(), is_busy)) {
+      collect();
+      process.wait(longest_wait);
+    }
   }
 
   std::vector<TileSurvey>& surveys() { return surveys_; }
@@ -122,20 +134,22 @@ std::vector<std::uint32_t> share_out(MpiSession& mpi, const std::vector<std::uin
     }
     return share_of(tiles, 0, mpi.ranks());
   }
-  std::vector<std::uint32_t> own;
-  while (true) {
+  const auto start = std::chrono::steady_clock::now();
+  while (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() < mpi.patience_s()) {
     if (const auto message = mpi.poll()) {
+      std::vector<std::uint32_t> own;
       ByteReader(message->bytes, "tiles to survey").get(own);
       return own;
     }
     process.wait(longest_wait);
   }
+  throw std::runtime_error("nothing heard of rank 0 before tiles were surveyed; run the same command again");
 }
 
 }  // namespace
 
 void survey_here(BakeProcess& process, const std::vector<std::uint32_t>& tiles,
-                 const std::function<void(TileSurvey)>& each, const std::function<void()>& idle) {
+                 const std::function<void(TileSurvey)>& each, const std::function<bool()>& idle) {
   TileQueue queue(tiles);
   while (!queue.is_empty() || process.in_hand() != 0) {
     while (const auto tile = queue.next(process.in_hand())) process.survey(*tile);
@@ -145,34 +159,44 @@ void survey_here(BakeProcess& process, const std::vector<std::uint32_t>& tiles,
       if (auto* died = std::get_if<BakeProcess::Died>(&*event))
         if (const auto tile = queue.put_back(died->tiles)) each(given_up(*tile, died->why));
     }
-    idle();
+    if (!idle()) return;
   }
 }
 
+namespace {
+
+/// Of every rank but 0. Another word of rank 0 than that it is enough does not come meanwhile.
+void survey_for_master(MpiSession& mpi, BakeProcess& process, const std::vector<std::uint32_t>& tiles) {
+  SignsOfLife signs(mpi, process);
+  survey_here(
+      process, tiles, [&](const TileSurvey& s) { mpi.send(0, tag_survey, to_bytes(s)); },
+      [&] {
+        signs.show();
+        if (const auto message = mpi.poll(); !message || message->tag != tag_stop) return true;
+        mpi.send(0, tag_stop, {});
+        return false;
+      });
+}
+
+}  // namespace
+
 std::vector<TileSurvey> survey_tiles(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, BakeProcess& process,
-                                     double silence_s, const std::function<void(std::size_t)>& on_survey) {
+                                     double silence_s, const std::function<bool(std::size_t)>& on_survey) {
   const std::vector<std::uint32_t> own = share_out(mpi, tiles, process);
   if (mpi.rank() != 0) {
-    SignsOfLife signs(mpi, process);
-    survey_here(
-        process, own, [&](const TileSurvey& s) { mpi.send(0, tag_survey, to_bytes(s)); },
-        [&] {
-          signs.show();
-          mpi.progress();
-        });
+    survey_for_master(mpi, process, own);
     return {};
   }
   SurveyCollector collector(mpi, tiles, silence_s);
   const auto collect = [&] {
     collector.collect();
-    on_survey(collector.surveys().size());
+    return on_survey(collector.surveys().size());
   };
   survey_here(
       process, own, [&](TileSurvey s) { collector.surveys().push_back(std::move(s)); }, collect);
-  while (collector.surveys().size() < tiles.size()) {
-    collect();
-    process.wait(longest_wait);
-  }
+  bool goes_on = collect();
+  for (; goes_on && collector.surveys().size() < tiles.size(); goes_on = collect()) process.wait(longest_wait);
+  if (!goes_on) collector.stop(process);
   return std::move(collector.surveys());
 }
 

@@ -13,15 +13,15 @@ namespace gigabake {
 
 /// Surveys these tiles in the rank's own bake process. A tile at which the process dies is tried alone, three times in
 /// all; then its survey is an error that says how the process ended.
-/// each: a survey as it comes; idle: called between, at least every few milliseconds.
+/// each: a survey as it comes; idle: called between, at least every few milliseconds; false: no more surveys.
 void survey_here(BakeProcess& process, const std::vector<std::uint32_t>& tiles,
-                 const std::function<void(TileSurvey)>& each, const std::function<void()>& idle);
+                 const std::function<void(TileSurvey)>& each, const std::function<bool()>& idle);
 
 /// Collective. tiles: rank 0's; those to survey. One survey per tile on rank 0, nothing elsewhere. A tile that cannot
 /// be read is a survey with an error. silence_s: rank 0 does not wait longer for a rank that says nothing. on_survey:
-/// rank 0's; how many surveys are there. Errors  std::runtime_error on rank 0: a rank fell silent. No collective call
-/// may follow.
+/// rank 0's; how many surveys are there; false: no rank surveys more, and those that are there are returned. Errors
+/// std::runtime_error on rank 0: a rank fell silent. No collective call may follow.
 std::vector<TileSurvey> survey_tiles(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, BakeProcess& process,
-                                     double silence_s, const std::function<void(std::size_t)>& on_survey);
+                                     double silence_s, const std::function<bool(std::size_t)>& on_survey);
 
 }  // namespace gigabake

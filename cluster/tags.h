@@ -9,8 +9,8 @@ enum Tag : int {
   tag_job,        ///< master to worker: deaths u32, then one BakeOrder
   tag_report,     ///< worker to master: one BakeAnswer
   tag_died,       ///< worker to master: why its bake process is gone with all that it had; it deals with that itself
-  tag_alive,      ///< worker to master: peak bytes u64, host; sent now and then
-  tag_stop,       ///< master to worker: no more jobs
+  tag_alive,      ///< worker to master: peak bytes u64, host; master to worker: nothing; sent now and then
+  tag_stop,       ///< master to worker: no more jobs, or no more surveys; worker to master: no survey follows
 };
 
 }  // namespace gigabake

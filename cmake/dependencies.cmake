@@ -31,15 +31,7 @@ gb_find(pugixml pugixml.hpp LIBS pugixml)
 gb_find(xxhash xxhash.h)
 gb_find(json nlohmann/json.hpp)
 gb_find(cli11 CLI/CLI.hpp)
-gb_find(httplib httplib.h LIBS cpp-httplib)
-# Its structures depend on what the library was compiled with.
-find_file(GB_HTTPLIB_PC cpp-httplib.pc PATH_SUFFIXES lib/${CMAKE_LIBRARY_ARCHITECTURE}/pkgconfig lib/pkgconfig
-          share/pkgconfig PATHS /usr /usr/local)
-if(GB_HTTPLIB_PC)
-  file(STRINGS ${GB_HTTPLIB_PC} flags REGEX "^Cflags:")
-  string(REGEX MATCHALL "CPPHTTPLIB_[A-Z_]+" flags "${flags}")
-  target_compile_definitions(gb_httplib INTERFACE ${flags})
-endif()
+gb_find(microhttpd microhttpd.h LIBS microhttpd)
 # The exact reference stands on it; the program without `bench accuracy --hard` does not.
 find_path(GB_GMP_INCLUDE gmpxx.h)
 find_library(GB_GMP_C_LIBRARY gmp)

@@ -26,6 +26,14 @@ set(gb_cuda_options -fmad=false --expt-relaxed-constexpr -lineinfo -Xcompiler=-W
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   list(APPEND gb_cxx_options -Wno-restrict)
 endif()
+# Compiled together, a source file looks like a header whose types differ from file to file.
+if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  list(APPEND gb_cxx_options -Wno-subobject-linkage)
+endif()
+# GCC 13 takes the name of a member, a temporary, for what the reference refers to; 14 no longer warns of it unasked.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 13)
+  list(APPEND gb_cxx_options -Wno-dangling-reference)
+endif()
 if(GIGABAKE_WARNINGS_AS_ERRORS)
   list(APPEND gb_cxx_options -Werror)
   list(APPEND gb_cuda_options -Werror=all-warnings)
@@ -48,6 +56,7 @@ function(gb_library name)
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   if(GIGABAKE_HAS_CUDA)
     file(GLOB cuda_sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cu)
+    set_source_files_properties(${cuda_sources} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   endif()
   if(NOT sources)
     return()
@@ -86,6 +95,8 @@ function(gb_test folder label)
   target_link_libraries(gigabake_test_${folder} PRIVATE ${ARGN} GTest::gtest GTest::gmock GTest::gtest_main)
   target_compile_definitions(gigabake_test_${folder} PRIVATE GIGABAKE_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
   gb_options(gigabake_test_${folder})
+  # Tests of different things use the same short names.
+  set_target_properties(gigabake_test_${folder} PROPERTIES UNITY_BUILD OFF)
   # What is tested is optimized; the tests themselves compile a third faster without.
   target_compile_options(gigabake_test_${folder} PRIVATE "$<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Release>>:-O1>")
   gtest_discover_tests(gigabake_test_${folder} TEST_PREFIX ${folder}. PROPERTIES LABELS ${label} TIMEOUT 600

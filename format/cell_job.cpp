@@ -27,7 +27,7 @@ void each_field_of_report(Report& r, const F& f) {
 template <class Survey, class F>
 void each_field_of_survey(Survey& s, const F& f) {
   f(s.tile), f(s.columns), f(s.triangles), f(s.non_finite), f(s.zero_area), f(s.skipped_points), f(s.skipped_lines),
-      f(s.source), f(s.error), f(s.spacing_m);
+      f(s.source), f(s.error), f(s.spacing_m), f(s.warnings), f(s.too_far), f(s.reach_m);
 }
 
 template <class File, class F>

@@ -28,12 +28,17 @@ struct CellJob {
   std::vector<Hash128> tile_sources;  ///< TileSurvey::source of each of `tiles`; empty: nobody checks what they hold
 };
 
-enum class CellOutcome : std::uint8_t { baked, empty, failed };
+enum class CellOutcome : std::uint8_t {
+  baked,
+  empty,
+  failed,   ///< another try may succeed: no memory, failed I/O
+  refused,  ///< no other try would: bad input, a limit
+};
 
 struct CellReport {
   std::uint32_t id = 0;
   CellOutcome outcome = CellOutcome::failed;
-  std::string error;                             ///< one line when failed
+  std::string error;                             ///< one line when failed or refused
   SceneCell cell;                                ///< as the scene will list it, when baked
   double read_s = 0, kernel_s = 0, write_s = 0;  ///< per stage, wall
   std::uint64_t peak_bytes = 0;                  ///< of the kernels' working memory

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "format/image_size.h"
 #include "format/mesh.h"
 
 namespace gigabake {
@@ -59,6 +60,8 @@ DracoMesh decode_draco(const std::filesystem::path& file, const std::string& whe
 // EXT_texture_webp
 
 bool has_webp();
+/// As the header says.
+ImageSize webp_size(const EncodedImage& image);
 Image decode_webp(const EncodedImage& image);
 
 }  // namespace gigabake

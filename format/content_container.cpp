@@ -3,9 +3,11 @@
 #include <cmath>
 #include <string_view>
 
+#include "format/b3dm_layout.h"
 #include "format/byte_cursor.h"
 #include "format/content_magic.h"
 #include "format/feature_table.h"
+#include "format/gltf_version.h"
 #include "format/i3dm_instances.h"
 
 namespace gigabake {
@@ -20,6 +22,7 @@ void open_glb(const std::filesystem::path& file, ContentContainer& out) {
   ByteCursor in{file, out.model_uri.empty() ? Bytes(out.file) : Bytes(out.model), out.gltf};
   in.word("the GLB header");
   const std::uint32_t version = in.word("the GLB header");
+  if (version == 1) refuse_gltf_1(file);
   if (version != 2) in.fail("expected GLB version 2, got " + std::to_string(version));
   const std::uint32_t length = in.word("the GLB header");
   if (length < 12 || length > out.gltf.size())
@@ -50,9 +53,6 @@ void open_tile_header(ByteCursor& in, const char* kind, std::uint32_t header_byt
   in.rest = in.rest.first(length - 12);
 }
 
-/// Of the feature table and of the batch table, JSON and binary part each.
-using TableLengths = std::array<std::uint32_t, 4>;
-
 TableLengths take_lengths(ByteCursor& in) {
   TableLengths lengths{};
   for (std::uint32_t& bytes : lengths) bytes = in.word("the tile's header");
@@ -66,21 +66,11 @@ FeatureTable take_tables(ByteCursor& in, const TableLengths& lengths) {
   return FeatureTable(in.file, json, binary);
 }
 
-/// Before 1.0 the header had two or three numbers, and what stands in the place of the others today is text: "glTF" or
-/// the beginning of a JSON, as a number larger than any length. Source  CesiumJS, B3dmParser.
 FeatureTable take_b3dm_tables(ByteCursor& in) {
-  constexpr std::uint32_t least_text = 0x22000000;
   const ByteCursor start = in;
-  const TableLengths lengths = take_lengths(in);
-  if (lengths[2] >= least_text) {  // batch length, batch table
-    in.rest = start.rest.subspan(8);
-    return take_tables(in, {0, 0, lengths[1], 0});
-  }
-  if (lengths[3] >= least_text) {  // batch table, its binary part, batch length
-    in.rest = start.rest.subspan(12);
-    return take_tables(in, {0, 0, lengths[0], lengths[1]});
-  }
-  return take_tables(in, lengths);
+  const B3dmLayout layout = b3dm_layout(take_lengths(in));
+  in.rest = start.rest.subspan(layout.header_bytes - 12);
+  return take_tables(in, layout.table_bytes);
 }
 
 /// Source  3D Tiles 1.0, "Batched 3D Model".

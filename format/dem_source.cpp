@@ -6,7 +6,9 @@
 
 namespace gigabake {
 
-SceneSources dem_sources(const std::filesystem::path& root, const DemOptions& dem, const SourceOptions& options) {
+SceneSources dem_sources(const std::filesystem::path& root, const DemOptions& dem, const SourceOptions& options,
+                         const Progress& progress) {
+  progress.step("opening the raster");
   SceneSources out;
   out.root = root;
   const std::vector<DemTile> tiles = open_dem(dem);
@@ -17,7 +19,9 @@ SceneSources dem_sources(const std::filesystem::path& root, const DemOptions& de
     scene_from_raster.m = (scene_from_ecef(*out.origin) * ecef_from_enu(middle)).m;
   const std::string name = name_in(root, dem.dem);
   const std::uint64_t bytes = SourceFiles(root).size_of(dem.dem);
+  progress.step("laying out the raster's tiles", tiles.size(), "tiles");
   for (const DemTile& t : tiles) {
+    progress.advance();
     TileRef tile;
     tile.path = dem.dem;
     tile.name = name + "[" + std::to_string(t.column) + "," + std::to_string(t.row) + "]";

@@ -11,21 +11,25 @@
 #include "format/error.h"
 #include "format/level_lookup.h"
 #include "format/scene_totals.h"
-#include "format/shard_reader.h"
+#include "format/shard_of_scene.h"
 
 namespace gigabake {
 namespace {
 
 using Corner = std::array<std::int64_t, 3>;
 
+struct Side {
+  std::filesystem::path scene_xml;
+  SceneDescription scene;
+};
+
 /// A cell of one scene, read level by level.
 struct OpenCell {
-  OpenCell(const std::filesystem::path& folder, const SceneCell& cell)
-      : reader(folder / cell.file), nodes(reader.nodes()), min(cell.lattice_min), lods(cell.lods) {
-    const ShardHeader& h = reader.header();
-    if (h.lattice_min != cell.lattice_min || h.cell_voxels != cell.cell_voxels)
-      throw InputError(folder / cell.file, "lattice_min", "is another cell than scene.xml says");
-  }
+  OpenCell(const Side& side, const SceneCell& cell)
+      : reader(open_shard_of_scene(side.scene_xml, side.scene, cell)),
+        nodes(reader.nodes()),
+        min(cell.lattice_min),
+        lods(cell.lods) {}
   ShardReader reader;
   NodeTable nodes;
   Corner min;
@@ -115,19 +119,24 @@ bool share_a_grid(const SceneCell& a, const SceneCell& b, int lod) {
   return true;
 }
 
-struct Side {
-  std::filesystem::path folder;
-  SceneDescription scene;
-};
+std::uint64_t bytes_of_scene(const SceneDescription& scene) {
+  std::uint64_t bytes = 0;
+  for (const SceneCell& cell : scene.cells) bytes += cell.bytes;
+  return bytes;
+}
 
 /// Walks A's cells; B's should not be larger, for a cell of B is read once for every cell of A that it overlaps.
 class SceneComparison {
  public:
   SceneComparison(const Side& a, const Side& b) : a_(a), b_(b), finder_(b.scene.cells) {}
 
-  SceneDifference run() {
+  SceneDifference run(const Progress& progress) {
     choose_levels();
-    for (const SceneCell& cell : a_.scene.cells) compare_cell(cell);
+    progress.step("comparing the cells", bytes_of_scene(a_.scene));
+    for (const SceneCell& cell : a_.scene.cells) {
+      compare_cell(cell);
+      progress.advance(cell.bytes);
+    }
     for (std::size_t i = 0; i < b_.scene.cells.size(); ++i) add_rest_of_b(i);
     SceneDifference result;
     for (auto& [names, levels] : differences_) result.cells.push_back({names.first, names.second, std::move(levels)});
@@ -171,12 +180,12 @@ class SceneComparison {
         return;
       }
     }
-    if (!open) open.emplace(a_.folder, cell);
+    if (!open) open.emplace(a_, cell);
     const BrickLevel level = open->reader.level(lod);
     Walked of_a;
     for (const std::size_t i : others) {
       const SceneCell& other = b_.scene.cells[i];
-      const OpenCell open_other(b_.folder, other);
+      const OpenCell open_other(b_, other);
       const LatticeBox box = intersection(window_of(cell), window_of(other));
       const PairResult r = compare_level(*open, level, open_other, box, lod);
       add(cell.name, other.name, r.difference);
@@ -243,11 +252,12 @@ void exchange(SceneDifference& d) {
 
 }  // namespace
 
-SceneDifference diff_scenes(const std::filesystem::path& a, const std::filesystem::path& b) {
-  const Side left{a.parent_path(), read_scene(a)}, right{b.parent_path(), read_scene(b)};
+SceneDifference diff_scenes(const std::filesystem::path& a, const std::filesystem::path& b, const Progress& progress) {
+  progress.step("reading the scenes");
+  const Side left{a, read_scene(a)}, right{b, read_scene(b)};
   expect_comparable(b, left.scene, right.scene);
-  if (largest_cell(left.scene) >= largest_cell(right.scene)) return SceneComparison(left, right).run();
-  SceneDifference difference = SceneComparison(right, left).run();
+  if (largest_cell(left.scene) >= largest_cell(right.scene)) return SceneComparison(left, right).run(progress);
+  SceneDifference difference = SceneComparison(right, left).run(progress);
   exchange(difference);
   return difference;
 }

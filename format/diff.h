@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "format/progress.h"
+
 namespace gigabake {
 
 /// Voxels of one level where a cell of A and a cell of B overlap, or of one cell where the other scene has none.
@@ -40,6 +42,7 @@ struct SceneDifference {
 ///         scene.xml are believed (verify checks them).
 /// Cost    Memory: one level of two cells at a time.
 /// Errors  InputError: unreadable scenes or shards; lattices or channels that differ, so that nothing can be compared.
-SceneDifference diff_scenes(const std::filesystem::path& a, const std::filesystem::path& b);
+SceneDifference diff_scenes(const std::filesystem::path& a, const std::filesystem::path& b,
+                            const Progress& progress = {});
 
 }  // namespace gigabake

@@ -1,27 +1,46 @@
 /// Bad input and failed I/O: one clear line that says where, what was expected and what to do.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace gigabake {
 
+/// A message is a line that a person reads: whatever a file says in it is cut before it gets longer than this, which
+/// leaves room for what a command prints before it.
+inline constexpr std::size_t longest_message_bytes = 240;
+
+/// The line where an allocation failed.
+inline constexpr const char* not_enough_memory =
+    "not enough memory; give the process more, or take fewer ranks on the machine, fewer --threads or smaller tiles";
+
+/// `text` as one line of at most `most_bytes` (at least 8): control characters become spaces, what is too much a "…" at
+/// the end.
+std::string as_line(std::string_view text, std::size_t most_bytes = longest_message_bytes);
+
+/// Text of a file as a message shows it: in quotes, on one line, cut at 100 bytes.
+std::string in_quotes(std::string_view text);
+
+/// What a person should read of an exception: its what(), but where memory ran out, what to do.
+std::string reason_of(const std::exception& error);
+
 /// Thrown for anything wrong in a file or with an operation on it; caught at the cell boundary and in `main`.
-/// `what()` is one line: "FILE: KEY: MESSAGE (at byte N)".
+/// `what()` is one line of at most longest_message_bytes, "FILE: KEY: MESSAGE (at byte N)": where that would be longer,
+/// the file's path loses its beginning, the key its middle and the message its end.
 class InputError : public std::runtime_error {
  public:
   InputError(const std::filesystem::path& file, const std::string& key, const std::string& message,
-             std::optional<std::uint64_t> byte_offset = {})
-      : std::runtime_error(file.string() + (key.empty() ? "" : ": " + key) + ": " + message +
-                           (byte_offset ? " (at byte " + std::to_string(*byte_offset) + ")" : "")) {}
+             std::optional<std::uint64_t> byte_offset = {});
 };
 
-/// Wrong options or a combination of them that means nothing; exit code 2.
+/// Wrong options or a combination of them that means nothing; exit code 2. `what()` as InputError's.
 class UsageError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit UsageError(const std::string& message) : std::runtime_error(as_line(message)) {}
 };
 
 }  // namespace gigabake

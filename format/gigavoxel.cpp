@@ -9,7 +9,7 @@
 #include "format/level_lookup.h"
 #include "format/publish_folder.h"
 #include "format/scene_level.h"
-#include "format/shard_reader.h"
+#include "format/shard_of_scene.h"
 
 namespace gigabake {
 namespace {
@@ -40,8 +40,8 @@ void fill_brick(LevelLookup& lookup, const std::array<std::int64_t, 3>& lowest, 
       }
 }
 
-void write_bricks(OutputFile& out, const ShardHeader& header, const NodeTable& nodes, const BrickLevel& level,
-                  int lod) {
+void write_bricks(OutputFile& out, const ShardHeader& header, const NodeTable& nodes, const BrickLevel& level, int lod,
+                  const Progress& progress) {
   begin_gigavoxel_bricks(out);
   LevelLookup lookup(nodes, level, header.lods, lod);
   GigavoxelBrick brick;
@@ -52,6 +52,7 @@ void write_bricks(OutputFile& out, const ShardHeader& header, const NodeTable& n
     fill_brick(lookup, {8 * std::int64_t(at.x), 8 * std::int64_t(at.y), 8 * std::int64_t(at.z)},
                header.cell_voxels >> lod, header.has_normals, brick);
     write_gigavoxel_brick(out, brick);
+    progress.advance(0);
   }
   out.finish();
 }
@@ -61,8 +62,7 @@ class GigavoxelWriter {
   GigavoxelWriter(const std::filesystem::path& target, const std::filesystem::path& folder, GigavoxelTreeFile kind)
       : target_(target), folder_(folder), kind_(kind) {}
 
-  void write_cell(const std::filesystem::path& shard, int lod, std::size_t number) {
-    const ShardReader reader(shard);
+  void write_cell(const ShardReader& reader, int lod, std::size_t number, const Progress& progress) {
     const ShardHeader& header = reader.header();
     const NodeTable nodes = reader.nodes();
     OutputFile out(target_, folder_ / tree_file(number));
@@ -75,7 +75,7 @@ class GigavoxelWriter {
     for (int level = lod; level < int(header.lods); ++level) {
       const std::size_t depth = header.lods - 1 - std::size_t(level);
       OutputFile bricks(target_, folder_ / cell_folder(number) / gigavoxel_brick_file(depth));
-      write_bricks(bricks, header, nodes, reader.level(level), level);
+      write_bricks(bricks, header, nodes, reader.level(level), level, progress);
     }
   }
 
@@ -112,13 +112,16 @@ class GigavoxelWriter {
 }  // namespace
 
 std::uint64_t export_gigavoxel(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& folder,
-                               GigavoxelTreeFile kind) {
+                               GigavoxelTreeFile kind, const Progress& progress) {
   const SceneDescription scene = read_scene(scene_xml);
   const std::uint64_t voxels = voxels_of_level(scene_xml, scene, lod);
   FolderPublication publication(folder);
   GigavoxelWriter writer(publication.target(), publication.aside(), kind);
-  for (std::size_t number = 0; number < scene.cells.size(); ++number)
-    writer.write_cell(scene_xml.parent_path() / scene.cells[number].file, lod, number);
+  progress.step("writing the cells", voxels);
+  for (std::size_t number = 0; number < scene.cells.size(); ++number) {
+    writer.write_cell(open_shard_of_scene(scene_xml, scene, scene.cells[number]), lod, number, progress);
+    progress.advance(scene.cells[number].voxels[std::size_t(lod)]);
+  }
   writer.write_scene(scene);
   publication.publish();
   return voxels;

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "format/progress.h"
+
 namespace gigabake {
 
 enum class GigavoxelTreeFile { xml, binary };
@@ -14,6 +16,6 @@ enum class GigavoxelTreeFile { xml, binary };
 /// Cost    One level of one cell in memory. Returns the number of voxels of level `lod`.
 /// Errors  InputError: no such level, damaged shards, disk full, the folder is there already. Nothing is left behind.
 std::uint64_t export_gigavoxel(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& folder,
-                               GigavoxelTreeFile kind);
+                               GigavoxelTreeFile kind, const Progress& progress = {});
 
 }  // namespace gigabake

@@ -8,7 +8,6 @@ namespace gigabake {
 namespace {
 
 constexpr std::int32_t uncompressed = 0;
-constexpr std::array<const char*, 3> axes{"X", "Y", "Z"};
 
 /// A colour component as a share of one, so that readers which round find the byte, and readers which cut it off too.
 float share_of(std::uint8_t byte) {
@@ -20,7 +19,8 @@ float share_of(std::uint8_t byte) {
 template <class Values>
 std::string attributes(const char* before, const Values& values, const char* after) {
   std::string text;
-  for (std::size_t c = 0; c < 3; ++c) text += fmt::format(" {}{}{}=\"{}\"", before, axes[c], after, values[c]);
+  for (std::size_t c = 0; c < 3; ++c)
+    text += fmt::format(" {}{}{}=\"{}\"", before, gigavoxel_axes[c], after, values[c]);
   return text;
 }
 

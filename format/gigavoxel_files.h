@@ -13,6 +13,9 @@ namespace gigabake {
 /// As GigaVoxelsOctTree with nested GigaVoxelsNode elements, depth first.
 void write_gigavoxel_xml(OutputFile& out, const GigavoxelTree& tree);
 
+/// As attributes of both XML files end, in the order of coordinates.
+inline constexpr std::array<const char*, 3> gigavoxel_axes{"X", "Y", "Z"};
+
 inline constexpr std::array<char, 8> gigavoxel_magic{'G', 'V', 'O', 'C', 'T', 'R', 'E', 'E'};
 inline constexpr std::uint32_t gigavoxel_version = 1;
 /// First word of a node: constant or not, and its children's block.

@@ -14,18 +14,19 @@ namespace gigabake {
 namespace {
 
 constexpr std::uint32_t most_levels = 16, widest_brick = 256;
-constexpr std::array<const char*, 3> axes{"X", "Y", "Z"};
 
 /// What must hold of any tree, however it is stored.
 void check(const std::filesystem::path& file, const GigavoxelHeader& h) {
   if (h.max_depth < 1 || h.max_depth > most_levels) throw InputError(file, "MaxDepth", "expected 1 to 16 levels");
   for (std::size_t c = 0; c < 3; ++c) {
     if (h.brick[c] < 1 || h.brick[c] > widest_brick)
-      throw InputError(file, fmt::format("Brick{}Size", axes[c]), "expected 1 to 256 voxels");
+      throw InputError(file, fmt::format("Brick{}Size", gigavoxel_axes[c]), "expected 1 to 256 voxels");
     if (std::uint64_t(h.volume[c]) != std::uint64_t(h.brick[c]) << (h.max_depth - 1))
-      throw InputError(file, fmt::format("Volume{}Size", axes[c]), "is not the brick's size doubled for each level");
+      throw InputError(file, fmt::format("Volume{}Size", gigavoxel_axes[c]),
+                       "is not the brick's size doubled for each level");
     if (!std::isfinite(h.corner_m[c]) || !(h.delta_m[c] > 0) || !std::isfinite(h.delta_m[c]))
-      throw InputError(file, fmt::format("Delta{}", axes[c]), "expected finite places and voxels of positive size");
+      throw InputError(file, fmt::format("Delta{}", gigavoxel_axes[c]),
+                       "expected finite places and voxels of positive size");
   }
 }
 
@@ -58,7 +59,7 @@ class XmlTree {
     GigavoxelHeader& h = tree_.header;
     h.max_depth = number<std::uint32_t>(root, "MaxDepth");
     for (std::size_t c = 0; c < 3; ++c) {
-      const std::string axis = axes[c];
+      const std::string axis = gigavoxel_axes[c];
       h.corner_m[c] = number<double>(root, axis);
       h.delta_m[c] = number<double>(root, "Delta" + axis);
       h.volume[c] = number<std::uint32_t>(root, "Volume" + axis + "Size");
@@ -90,7 +91,7 @@ class XmlTree {
       node.value |= std::min(255u, std::uint32_t(share * 255 + 0.5)) << (8 * c);
     }
     for (std::size_t c = 0; c < 3; ++c) {
-      const std::string key = std::string("Gradient") + axes[c];
+      const std::string key = std::string("Gradient") + gigavoxel_axes[c];
       if (element.attribute(key.c_str())) node.gradient[c] = number<std::uint8_t>(element, key);
     }
   }

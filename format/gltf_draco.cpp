@@ -8,7 +8,7 @@
 namespace gigabake {
 namespace {
 
-constexpr const char* extension = "KHR_draco_mesh_compression";
+constexpr const char* draco_extension = "KHR_draco_mesh_compression";
 
 /// Appends the values as a buffer, a view and an accessor; returns the accessor.
 template <class T>
@@ -52,7 +52,7 @@ class Unpacker {
       : file_(file), where_(where), model_(model), primitive_(primitive), most_triangles_(most_triangles) {}
 
   void unpack() {
-    const tinygltf::Value& own = primitive_.extensions.at(extension);
+    const tinygltf::Value& own = primitive_.extensions.at(draco_extension);
     if (!own.Has("bufferView") || !own.Has("attributes")) fail("expected bufferView and attributes");
     const tinygltf::Value& ids = own.Get("attributes");
     for (const auto& [name, accessor] : primitive_.attributes)
@@ -97,7 +97,7 @@ class Unpacker {
 
 bool is_packed_alone(const tinygltf::Model& model, const tinygltf::Primitive& primitive) {
   const auto position = primitive.attributes.find("POSITION");
-  return primitive.extensions.contains(extension) && position != primitive.attributes.end() &&
+  return primitive.extensions.contains(draco_extension) && position != primitive.attributes.end() &&
          model.accessors[std::size_t(position->second)].bufferView < 0;
 }
 
@@ -109,7 +109,7 @@ bool hide_packed_indices(Json& gltf) {
   for (Json& mesh : gltf["meshes"])
     for (Json& primitive : mesh["primitives"])
       if (primitive.contains("indices") && primitive.contains("extensions") &&
-          primitive["extensions"].contains(extension) &&
+          primitive["extensions"].contains(draco_extension) &&
           !gltf["accessors"][primitive["indices"].get<std::size_t>()].contains("bufferView")) {
         primitive.erase("indices");
         found = true;
@@ -122,7 +122,7 @@ void unpack_draco(const std::filesystem::path& file, const Json& gltf, tinygltf:
     for (std::size_t p = 0; p < model.meshes[m].primitives.size(); ++p) {
       if (!is_packed_alone(model, model.meshes[m].primitives[p])) continue;
       const std::string where =
-          "meshes[" + std::to_string(m) + "].primitives[" + std::to_string(p) + "].extensions." + extension;
+          "meshes[" + std::to_string(m) + "].primitives[" + std::to_string(p) + "].extensions." + draco_extension;
       const Json& primitive = gltf["meshes"][m]["primitives"][p];
       if (!primitive.contains("indices")) throw InputError(file, where, "expected indices");
       // A strip's count is of the strip, and what is packed is a list: no more triangles than that.

@@ -4,6 +4,7 @@
 #include "format/gltf_check.h"
 #include "format/gltf_draco.h"
 #include "format/gltf_packed_views.h"
+#include "format/memory_limit.h"
 
 namespace gigabake {
 namespace {
@@ -19,8 +20,9 @@ struct LoadContext {
 bool keep_encoded(tinygltf::Image*, const int index, std::string*, std::string*, int, int, const unsigned char* bytes,
                   int size, void* user) {
   auto& context = *static_cast<LoadContext*>(user);
-  if (context.with_images && index >= 0 && std::size_t(index) < context.out.images.size())
-    context.out.images[std::size_t(index)].assign(bytes, bytes + size);
+  if (index < 0 || std::size_t(index) >= context.out.images.size()) return true;
+  context.out.has_image[std::size_t(index)] = size > 0;
+  if (context.with_images) context.out.images[std::size_t(index)].assign(bytes, bytes + size);
   return true;
 }
 
@@ -87,6 +89,25 @@ void replace_json(const Json& json, std::vector<std::uint8_t>& buffer, ContentCo
   container.json = std::span<const std::uint8_t>(buffer).subspan(20, text_bytes);
 }
 
+/// A pair of braces in the document is hundreds of bytes of the model.
+void claim_model(const std::filesystem::path& file, const Json& gltf) {
+  constexpr std::uint64_t growth = 2;  // of lists, by doubling
+  MemoryClaim memory(file);
+  const auto claim = [&](const char* list, std::uint64_t bytes) {
+    memory.add_items(get_array(file, gltf, "", list).size(), growth * bytes, list, "of them");
+  };
+  claim("nodes", sizeof(tinygltf::Node)), claim("meshes", sizeof(tinygltf::Mesh));
+  claim("materials", sizeof(tinygltf::Material)), claim("accessors", sizeof(tinygltf::Accessor));
+  claim("bufferViews", sizeof(tinygltf::BufferView)), claim("buffers", sizeof(tinygltf::Buffer));
+  claim("textures", sizeof(tinygltf::Texture)), claim("images", sizeof(tinygltf::Image));
+  claim("samplers", sizeof(tinygltf::Sampler)), claim("scenes", sizeof(tinygltf::Scene));
+  claim("animations", sizeof(tinygltf::Animation)), claim("skins", sizeof(tinygltf::Skin));
+  claim("cameras", sizeof(tinygltf::Camera));
+  for (const Json& mesh : get_array(file, gltf, "", "meshes"))
+    memory.add_items(get_array(file, mesh, "meshes", "primitives").size(), growth * sizeof(tinygltf::Primitive),
+                     "meshes", "primitives");
+}
+
 /// tinygltf may read less than the document said (a data URI that is no base64, say).
 void check_buffers(const std::filesystem::path& file, const Json& json, const tinygltf::Model& model) {
   const Json& buffers = get_array(file, json, "", "buffers");
@@ -111,12 +132,14 @@ GltfDocument load_gltf(const TileRef& tile, const std::filesystem::path& root, b
   const bool has_draco = hide_packed_indices(plain);
   if (has_draco || !packed.empty()) replace_json(plain, plain_bytes, container);
   out.images.resize(get_array(file, json, "", "images").size());
+  out.has_image.resize(out.images.size());
   out.rtc_center = container.rtc_center;
   out.instances = std::move(container.instances);
   const Json& extensions = get_object(file, json, "", "extensions");
   const Json& rtc = get_object(file, extensions, "extensions", "CESIUM_RTC");
   if (const auto center = get_numbers(file, rtc, "extensions.CESIUM_RTC", "center", 3))
     for (std::size_t c = 0; c < 3; ++c) out.rtc_center[c] += (*center)[c];
+  claim_model(file, plain);
   LoadContext context{files, file, with_images, out};
   parse(container, context);
   check_buffers(file, plain, out.model);

@@ -13,6 +13,7 @@ struct GltfDocument {
   tinygltf::Model model;
   std::vector<std::vector<std::uint8_t>>
       images;                                   ///< encoded bytes; empty where the file is missing or was not asked for
+  std::vector<char> has_image;                  ///< by image: there are bytes, asked for or not
   std::array<double, 3> rtc_center{};           ///< b3dm's or i3dm's RTC_CENTER plus the CESIUM_RTC extension, z up
   std::vector<Affine<World, World>> instances;  ///< as ContentContainer
 };

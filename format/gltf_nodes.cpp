@@ -6,6 +6,7 @@
 
 #include "format/error.h"
 #include "format/gltf_accessor.h"
+#include "format/memory_limit.h"
 #include "format/mesh.h"
 #include "format/transform.h"
 
@@ -41,7 +42,8 @@ std::vector<int> root_nodes(const tinygltf::Model& model) {
 /// The attributes of EXT_mesh_gpu_instancing, or of one instance where a node has none.
 class NodeInstances {
  public:
-  NodeInstances(const std::filesystem::path& file, const tinygltf::Model& model, const tinygltf::Node& n) {
+  NodeInstances(const std::filesystem::path& file, const tinygltf::Model& model, const tinygltf::Node& n,
+                MemoryClaim& claim) {
     const auto extension = n.extensions.find("EXT_mesh_gpu_instancing");
     if (extension == n.extensions.end() || !extension->second.Has("attributes")) return;
     const tinygltf::Value& attributes = extension->second.Get("attributes");
@@ -51,6 +53,8 @@ class NodeInstances {
       if (component_count(model, accessor) != components)
         throw InputError(file, "EXT_mesh_gpu_instancing." + std::string(name),
                          "expected VEC" + std::to_string(components));
+      claim.add_items(model.accessors[std::size_t(accessor)].count, std::uint64_t(components) * sizeof(float), "nodes",
+                      "instances of a node");
       return read_floats(model, accessor, components);
     };
     t_ = read("TRANSLATION", 3), q_ = read("ROTATION", 4), s_ = read("SCALE", 3);
@@ -90,6 +94,7 @@ void for_each_placement(const std::filesystem::path& file, const tinygltf::Model
     for (auto n = nodes.rbegin(); n != nodes.rend(); ++n) pending.push_back({*n, parent});
   };
   push_all(root_nodes(model), Map());
+  MemoryClaim claim(file);
   std::size_t placed = 0;
   while (!pending.empty()) {
     const Pending at = pending.back();
@@ -100,10 +105,11 @@ void for_each_placement(const std::filesystem::path& file, const tinygltf::Model
       throw InputError(file, "nodes[" + std::to_string(at.node) + "]", "the transform is not finite");
     push_all(node.children, map);
     if (node.mesh < 0) continue;
-    const NodeInstances instances(file, model, node);
+    const NodeInstances instances(file, model, node, claim);
     placed += instances.count();
     if (placed > most_placements)
       throw InputError(file, "nodes", "more than 2^24 placements of meshes; split the file");
+    claim.add_items(instances.count(), placement_bytes, "nodes", "placements of meshes");
     for (std::size_t i = 0; i < instances.count(); ++i) visit({node.mesh, map * instances.map(i)});
   }
 }

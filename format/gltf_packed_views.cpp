@@ -7,11 +7,13 @@
 namespace gigabake {
 namespace {
 
-constexpr const char* extension = "EXT_meshopt_compression";
+constexpr const char* meshopt_extension = "EXT_meshopt_compression";
 /// The vertex codec spends at least 4 bytes on 256 equal ones.
 constexpr std::uint64_t most_packed = 64, slack_bytes = 1 << 16;
 
-std::string where_of(std::size_t view) { return "bufferViews[" + std::to_string(view) + "].extensions." + extension; }
+std::string where_of(std::size_t view) {
+  return "bufferViews[" + std::to_string(view) + "].extensions." + meshopt_extension;
+}
 
 template <class T>
 T named(const std::filesystem::path& file, const Json& json, const std::string& where, const char* key,
@@ -52,7 +54,7 @@ MeshoptStream stream_of(const std::filesystem::path& file, const Json& json, con
 PackedView packed_view(const std::filesystem::path& file, const Json& gltf, std::size_t index) {
   const Json& view = gltf["bufferViews"][index];
   const std::string where = where_of(index);
-  const Json& json = get_object(file, view["extensions"], where, extension);
+  const Json& json = get_object(file, view["extensions"], where, meshopt_extension);
   PackedView out;
   out.view = index;
   out.byte_stride = get_index(file, view, where, "byteStride").value_or(0);
@@ -80,7 +82,7 @@ PackedView packed_view(const std::filesystem::path& file, const Json& gltf, std:
 
 bool is_absent_fallback(const std::filesystem::path& file, const Json& buffer, std::size_t index, bool has_bin) {
   if (buffer.contains("uri") || (index == 0 && has_bin)) return false;
-  const Json& own = get_object(file, get_object(file, buffer, "buffers", "extensions"), "buffers", extension);
+  const Json& own = get_object(file, get_object(file, buffer, "buffers", "extensions"), "buffers", meshopt_extension);
   return own.contains("fallback") && own["fallback"].is_boolean() && own["fallback"].get<bool>();
 }
 
@@ -91,7 +93,7 @@ std::vector<PackedView> packed_views(const std::filesystem::path& file, const Js
   const Json& views = get_array(file, gltf, "", "bufferViews");
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (!is_absent(views[i]["buffer"].get<std::size_t>())) continue;
-    if (!get_object(file, views[i], "bufferViews", "extensions").contains(extension))
+    if (!get_object(file, views[i], "bufferViews", "extensions").contains(meshopt_extension))
       throw InputError(file, "bufferViews[" + std::to_string(i) + "]", "lies in a buffer that has no bytes");
     out.push_back(packed_view(file, gltf, i));
     if (is_absent(out.back().buffer)) throw InputError(file, where_of(i) + ".buffer", "has no bytes");

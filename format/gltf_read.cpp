@@ -9,10 +9,14 @@
 #include "format/gltf_load.h"
 #include "format/gltf_material.h"
 #include "format/gltf_nodes.h"
+#include "format/memory_limit.h"
 #include "format/transform.h"
 
 namespace gigabake {
 namespace {
+
+/// Position, texture coordinates and colour as they are read and as they are kept; indices likewise.
+constexpr std::uint64_t vertex_bytes = 12 + 8 + 16 + 8, corner_bytes = 8;
 
 struct PrimitiveCounts {
   std::uint64_t triangles = 0, points = 0, lines = 0;
@@ -58,7 +62,7 @@ class TileReader {
   TileMesh read() {
     read_materials();
     for_each_placement(tile_.path, model_, [this](const MeshPlacement& placement) { place(placement); });
-    if (everything_) keep_images();
+    keep_images();
     return std::move(out_);
   }
 
@@ -68,7 +72,7 @@ class TileReader {
   }
 
   void read_materials() {
-    for (std::size_t i = 0; everything_ && i < model_.materials.size(); ++i)
+    for (std::size_t i = 0; i < model_.materials.size(); ++i)
       materials_.push_back(source_material(tile_.path, model_, int(i)));
     materials_.resize(model_.materials.size() + 1);  // the last is for primitives that name none
     for (const SourceMaterial& m : materials_) out_.materials.push_back(m.material);
@@ -84,6 +88,7 @@ class TileReader {
     out_.counts.skipped_lines += times * parts.counts.lines;
     if (document_.instances.size() * parts.primitives.size() > most_placements - out_.instances.size())
       throw InputError(tile_.path, "", "more than 2^24 placements of meshes; split the tile");
+    claim_.add_items(times * parts.primitives.size(), placement_bytes, "nodes", "placements of meshes");
     const Affine<World, Local> model = z_up_from<World, Gltf>(tile_.gltf_up) * placement.gltf_from_local;
     for (const Affine<World, World>& instance : document_.instances) {
       const Affine<Scene, Local> scene_from_local = scene_from_tile_ * instance * model;
@@ -106,11 +111,15 @@ class TileReader {
       throw InputError(tile_.path, at + ".attributes.POSITION", "expected VEC3");
     const int mode = p.mode < 0 ? TINYGLTF_MODE_TRIANGLES : p.mode;
     const std::size_t vertices = model_.accessors[std::size_t(position->second)].count;
+    claim_.add_items(vertices, vertex_bytes, at, "vertices");
+    if (p.indices >= 0)
+      claim_.add_items(model_.accessors[std::size_t(p.indices)].count, corner_bytes, at, "corners of triangles");
     const std::vector<std::uint32_t> order = vertex_order(p, at, vertices);
     if (mode == TINYGLTF_MODE_POINTS) parts.counts.points += order.size();
     if (mode >= TINYGLTF_MODE_LINE && mode <= TINYGLTF_MODE_LINE_STRIP)
       parts.counts.lines += line_count(order.size(), mode);
     if (mode < TINYGLTF_MODE_TRIANGLES) return;
+    if (mode != TINYGLTF_MODE_TRIANGLES) claim_.add_items(order.size(), 3 * corner_bytes, at, "corners of a strip");
     if (mode == TINYGLTF_MODE_TRIANGLES && order.size() % 3 != 0)
       throw InputError(tile_.path, at, std::to_string(order.size()) + " vertices are no whole number of triangles");
     Primitive out;
@@ -118,7 +127,7 @@ class TileReader {
     out.position_step = quantization_step(model_, position->second);
     out.index = triangle_list(order, mode);
     out.material = p.material >= 0 ? p.material : int(model_.materials.size());
-    if (everything_) read_appearance(p, at, vertices, out);
+    read_appearance(p, at, vertices, out);
     parts.counts.triangles += out.index.size() / 3;
     parts.primitives.push_back(int(out_.primitives.size()));
     out_.primitives.push_back(std::move(out));
@@ -146,16 +155,15 @@ class TileReader {
     const SourceMaterial& m = materials_[std::size_t(out.material)];
     const auto colour = p.attributes.find("COLOR_0");
     if (colour != p.attributes.end()) {
-      const std::vector<float> rgba = read_floats(model_, colour->second, 4, 1.0f);
-      expect_count(rgba.size() / 4, vertices, at + ".attributes.COLOR_0");
-      out.rgba.resize(rgba.size());
-      std::transform(rgba.begin(), rgba.end(), out.rgba.begin(), unit16);
+      expect_count(colour->second, vertices, at + ".attributes.COLOR_0");
+      if (everything_) read_colours(colour->second, out);
     }
     const std::string set = "TEXCOORD_" + std::to_string(m.texcoord_set);
     const auto uv = p.attributes.find(set);
     if (m.material.texture.image < 0 || uv == p.attributes.end()) return;
+    expect_count(uv->second, vertices, at + ".attributes." + set);
+    if (!everything_) return;
     out.uv = read_floats(model_, uv->second, 2);
-    expect_count(out.uv.size() / 2, vertices, at + ".attributes." + set);
     const auto& t = m.uv_transform;
     for (std::size_t i = 0; i < out.uv.size(); i += 2) {
       const float u = out.uv[i], v = out.uv[i + 1];
@@ -164,18 +172,27 @@ class TileReader {
     }
   }
 
-  void expect_count(std::size_t items, std::size_t vertices, const std::string& at) const {
+  void read_colours(int accessor, Primitive& out) const {
+    const std::vector<float> rgba = read_floats(model_, accessor, 4, 1.0f);
+    out.rgba.resize(rgba.size());
+    std::transform(rgba.begin(), rgba.end(), out.rgba.begin(), unit16);
+  }
+
+  void expect_count(int accessor, std::size_t vertices, const std::string& at) const {
+    const std::size_t items = model_.accessors[std::size_t(accessor)].count;
     if (items != vertices)
       throw InputError(tile_.path, at, std::to_string(items) + " items for " + std::to_string(vertices) + " vertices");
   }
 
+  /// What is missing is known from the survey on, not from the first cell that wants it.
   void keep_images() {
     for (std::size_t i = 0; i < document_.images.size(); ++i) {
       const std::string key = "images[" + std::to_string(i) + "]";
       const bool used = std::any_of(out_.primitives.begin(), out_.primitives.end(), [&](const Primitive& p) {
         return out_.materials[std::size_t(p.material)].texture.image == int(i);
       });
-      if (used && document_.images[i].empty()) throw InputError(tile_.path, key, "the image is missing or empty");
+      if (used && !document_.has_image[i]) throw InputError(tile_.path, key, "the image is missing or empty");
+      if (!everything_) continue;
       out_.images.push_back(
           {tile_.path.string() + ": " + key, used ? std::move(document_.images[i]) : std::vector<std::uint8_t>()});
     }
@@ -183,6 +200,7 @@ class TileReader {
 
   const TileRef& tile_;
   bool everything_;
+  MemoryClaim claim_{tile_.path};
   GltfDocument document_;
   const tinygltf::Model& model_;
   Affine<Scene, World> scene_from_tile_;  ///< RTC_CENTER included

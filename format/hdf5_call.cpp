@@ -45,11 +45,14 @@ void Hdf5Call::fail(const char* name) const {
 
 /// HDF5 would also load a filter that we do not call, only to store the comment in it: then the same shard had other
 /// bytes on another machine. And at the program's end it would flush, and crash over, a file that a full disk kept it
-/// from closing; we close every file ourselves.
+/// from closing; we close every file ourselves. And a shard has its data in itself: where a link leads into another
+/// file, nothing follows it.
 void calm_hdf5(const Hdf5Call& call) {
   static const herr_t once [[maybe_unused]] = H5dont_atexit();  // the second time it leaves an error on the stack
   call("H5Eset_auto2", H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr));
   call("H5PLset_loading_state", H5PLset_loading_state(0));
+  // Once for the process: two threads that look and then unregister would get into each other's way.
+  static const int external_links [[maybe_unused]] = call("H5Lunregister", H5Lunregister(H5L_TYPE_EXTERNAL));
 }
 
 }  // namespace gigabake

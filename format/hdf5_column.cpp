@@ -55,7 +55,13 @@ Hdf5Id Hdf5File::open_column(const Hdf5Column& column) const {
   // Chunks are read and written as they are stored: HDF5's cache of unpacked ones would hold memory and stay empty.
   const Hdf5Id access = call.id("H5Pcreate", H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
   call("H5Pset_chunk_cache", H5Pset_chunk_cache(access.get(), 0, 0, H5D_CHUNK_CACHE_W0_DEFAULT));
-  return call.id("H5Dopen2", H5Dopen2(file_.get(), column.name.c_str(), access.get()), H5Dclose);
+  Hdf5Id set = call.id("H5Dopen2", H5Dopen2(file_.get(), column.name.c_str(), access.get()), H5Dclose);
+  // Asked for its shape, a virtual dataset opens the files that it names.
+  const Hdf5Id create = call.id("H5Dget_create_plist", H5Dget_create_plist(set.get()), H5Pclose);
+  if (call("H5Pget_layout", H5Pget_layout(create.get())) == H5D_VIRTUAL ||
+      call("H5Pget_external_count", H5Pget_external_count(create.get())) != 0)
+    fail(column.name, "has its data in other files; a shard has all of it in itself");
+  return set;
 }
 
 void Hdf5File::write_column(const Hdf5Column& column, const void* data, std::size_t rows, Codec codec,

@@ -5,6 +5,7 @@
 
 #include "format/error.h"
 #include "format/georeference.h"
+#include "format/memory_limit.h"
 #include "format/mesh.h"
 
 namespace gigabake {
@@ -52,6 +53,7 @@ class Instances {
     const auto count = table.count("INSTANCES_LENGTH");
     if (!count) fail("INSTANCES_LENGTH", "is missing");
     if (*count > most_placements) fail("INSTANCES_LENGTH", "more than 2^24 instances; split the tile");
+    MemoryClaim(file).add_items(*count, placement_bytes, "feature table.INSTANCES_LENGTH", "instances");
     count_ = *count;
     read_positions();
     up_ = read_normals("NORMAL_UP", "NORMAL_UP_OCT32P");

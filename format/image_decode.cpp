@@ -1,7 +1,7 @@
 // decode_image(): PNG, JPEG and WebP to straight RGBA.
 #include <csetjmp>
 #include <cstdio>
-#include <cstring>
+#include <string_view>
 
 // jpeglib.h needs <cstdio>, and jerror.h needs it.
 // clang-format off
@@ -12,6 +12,8 @@
 
 #include "format/codecs.h"
 #include "format/error.h"
+#include "format/image_size.h"
+#include "format/memory_limit.h"
 #include "format/mesh.h"
 
 namespace gigabake {
@@ -23,9 +25,14 @@ constexpr std::uint64_t most_texels = std::uint64_t(1) << 28;
   throw InputError(image.name, "", message);
 }
 
-void check_size(const EncodedImage& image, std::uint64_t width, std::uint64_t height) {
-  if (width == 0 || height == 0 || width > most_texels / height)
-    fail(image, "has " + std::to_string(width) + " × " + std::to_string(height) + " texels; expected 1 to 2^28");
+std::string texels_of(const ImageSize& size) {
+  return std::to_string(size.width) + " × " + std::to_string(size.height) + " texels";
+}
+
+ImageSize checked(const EncodedImage& image, const ImageSize& size) {
+  if (size.width == 0 || size.height == 0 || size.width > most_texels / size.height)
+    fail(image, "has " + texels_of(size) + "; expected 1 to 2^28");
+  return size;
 }
 
 /// Frees libpng's state on every way out.
@@ -35,11 +42,14 @@ struct PngReader {
   ~PngReader() { png_image_free(&image); }
 };
 
-Image decode_png(const EncodedImage& encoded) {
-  PngReader reader;
+void begin_png(PngReader& reader, const EncodedImage& encoded) {
   if (png_image_begin_read_from_memory(&reader.image, encoded.bytes.data(), encoded.bytes.size()) == 0)
     fail(encoded, std::string("not a whole PNG: ") + reader.image.message);
-  check_size(encoded, reader.image.width, reader.image.height);
+}
+
+Image decode_png(const EncodedImage& encoded) {
+  PngReader reader;
+  begin_png(reader, encoded);
   reader.image.format = PNG_FORMAT_RGBA;
   Image out{int(reader.image.width), int(reader.image.height), std::vector<std::uint8_t>(PNG_IMAGE_SIZE(reader.image)),
             false};
@@ -77,11 +87,15 @@ struct JpegReader {
   }
 };
 
-bool read_jpeg_header(JpegReader& reader, const EncodedImage& encoded) {
+bool has_jpeg_header(JpegReader& reader, const EncodedImage& encoded) {
   if (setjmp(reader.back) != 0) return false;
   jpeg_mem_src(&reader.state, encoded.bytes.data(), encoded.bytes.size());
   jpeg_read_header(&reader.state, TRUE);
   return true;
+}
+
+void begin_jpeg(JpegReader& reader, const EncodedImage& encoded) {
+  if (!has_jpeg_header(reader, encoded)) fail(encoded, std::string("not a whole JPEG: ") + reader.message);
 }
 
 /// rows: room for `height` rows of width × 4 bytes.
@@ -108,8 +122,7 @@ void rgb_from_inverted_cmyk(std::vector<std::uint8_t>& texels) {
 
 Image decode_jpeg(const EncodedImage& encoded) {
   JpegReader reader;
-  if (!read_jpeg_header(reader, encoded)) fail(encoded, std::string("not a whole JPEG: ") + reader.message);
-  check_size(encoded, reader.state.image_width, reader.state.image_height);
+  begin_jpeg(reader, encoded);
   Image out{int(reader.state.image_width), int(reader.state.image_height), {}, false};
   out.rgba.resize(std::size_t(4) * reader.state.image_width * reader.state.image_height);
   if (!read_jpeg_rows(reader, out.rgba.data())) fail(encoded, std::string("not a whole JPEG: ") + reader.message);
@@ -117,27 +130,41 @@ Image decode_jpeg(const EncodedImage& encoded) {
   return out;
 }
 
-bool is_webp(const std::vector<std::uint8_t>& bytes) {
-  return bytes.size() > 12 && std::memcmp(bytes.data(), "RIFF", 4) == 0 &&
-         std::memcmp(bytes.data() + 8, "WEBP", 4) == 0;
+enum class Encoding { png, jpeg, webp };
+
+Encoding encoding_of(const EncodedImage& encoded) {
+  const std::string_view bytes(reinterpret_cast<const char*>(encoded.bytes.data()), encoded.bytes.size());
+  if (bytes.size() > 12 && bytes.starts_with("\x89PNG")) return Encoding::png;
+  if (bytes.size() > 12 && bytes.starts_with("\xff\xd8\xff")) return Encoding::jpeg;
+  if (bytes.size() > 12 && bytes.starts_with("RIFF") && bytes.substr(8).starts_with("WEBP")) return Encoding::webp;
+  fail(encoded, "neither PNG nor JPEG nor WebP");
+}
+
+ImageSize stated_size(const EncodedImage& encoded, Encoding encoding) {
+  if (encoding == Encoding::webp) return webp_size(encoded);
+  if (encoding == Encoding::png) {
+    PngReader reader;
+    begin_png(reader, encoded);
+    return {reader.image.width, reader.image.height};
+  }
+  JpegReader reader;
+  begin_jpeg(reader, encoded);
+  return {reader.state.image_width, reader.state.image_height};
 }
 
 }  // namespace
 
+ImageSize image_size(const EncodedImage& encoded) {
+  return checked(encoded, stated_size(encoded, encoding_of(encoded)));
+}
+
 Image decode_image(const EncodedImage& encoded) {
-  static constexpr std::uint8_t png_magic[4] = {0x89, 'P', 'N', 'G'}, jpeg_magic[3] = {0xff, 0xd8, 0xff};
-  const auto starts_with = [&](const std::uint8_t* magic, std::size_t size) {
-    return encoded.bytes.size() > size && std::memcmp(encoded.bytes.data(), magic, size) == 0;
-  };
-  Image out;
-  if (starts_with(png_magic, sizeof png_magic))
-    out = decode_png(encoded);
-  else if (starts_with(jpeg_magic, sizeof jpeg_magic))
-    out = decode_jpeg(encoded);
-  else if (is_webp(encoded.bytes))
-    out = decode_webp(encoded);
-  else
-    fail(encoded, "neither PNG nor JPEG nor WebP");
+  const Encoding encoding = encoding_of(encoded);
+  const ImageSize size = checked(encoded, stated_size(encoded, encoding));
+  MemoryClaim(encoded.name, "make it smaller").add(size.texture_bytes(), "", texels_of(size));
+  Image out = encoding == Encoding::png    ? decode_png(encoded)
+              : encoding == Encoding::jpeg ? decode_jpeg(encoded)
+                                           : decode_webp(encoded);
   for (std::size_t i = 3; i < out.rgba.size() && !out.has_alpha; i += 4) out.has_alpha = out.rgba[i] != 255;
   return out;
 }

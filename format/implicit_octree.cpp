@@ -7,7 +7,7 @@
 namespace gigabake {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 /// A row of bits, and how many of them are set.
 struct Bits {
@@ -51,12 +51,12 @@ std::string subtree_file(const TileLevels& tiles, std::uint32_t level, std::uint
   if (level + subtree_levels < tiles.size())
     set_below(tiles[level + subtree_levels], root, subtree_levels, 0, children);
 
-  const Json bits = {{"bitstream", 0}, {"availableCount", available.count}};
-  Json json = {
-      {"buffers", Json::array()},
-      {"bufferViews", Json::array({{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", available.bytes.size()}}})},
+  const OrderedJson bits = {{"bitstream", 0}, {"availableCount", available.count}};
+  OrderedJson json = {
+      {"buffers", OrderedJson::array()},
+      {"bufferViews", OrderedJson::array({{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", available.bytes.size()}}})},
       {"tileAvailability", bits},
-      {"contentAvailability", Json::array({bits})},
+      {"contentAvailability", OrderedJson::array({bits})},
       {"childSubtreeAvailability", {{"constant", 0}}}};
   std::string binary = padded(available.bytes, '\0');
   if (children.count > 0) {

@@ -32,7 +32,8 @@ struct Material {
 /// A triangle list; every index is < the vertex count (checked at load); strips and fans are expanded.
 struct Primitive {
   std::vector<float> position;  ///< 3 per vertex, Local metres, may hold NaN/Inf (dropped and counted at snap)
-  float position_step = 0;  ///< between neighbouring values that the file could say, where it says integers; 0: floats
+  float position_step = 0;  ///< between neighbouring values that the file could say, where these are not the floats of
+                            ///< `position`; 0: they are
   std::vector<std::uint32_t> index;  ///< 3 per triangle, counter-clockwise seen from outside
   std::vector<float> uv;  ///< 2 per vertex, or empty; the set the base colour uses, KHR_texture_transform applied
   std::vector<std::uint16_t> rgba;  ///< 4 per vertex, linear, 65535 = 1, or empty
@@ -45,8 +46,11 @@ struct Instance {
   Affine<Scene, Local> scene_from_local;  ///< a negative determinant mirrors: winding is restored by the consumer
 };
 
-/// A file with more placements is refused: each takes a hundred bytes, and a node may place what takes none.
+/// A file with more placements is refused, and one whose placements take more than --memory allows: a node may place
+/// what takes no bytes in the file.
 inline constexpr std::size_t most_placements = std::size_t(1) << 24;
+/// An Instance and what readers and surveys hold beside it.
+inline constexpr std::size_t placement_bytes = 192;
 
 /// An image as its file holds it. PNG, JPEG or WebP by content.
 struct EncodedImage {
@@ -66,7 +70,12 @@ struct TileMesh {
   std::vector<Material> materials;  ///< at least one
   std::vector<EncodedImage> images;
   TileCounts counts;
+  std::vector<std::string>
+      warnings;  ///< what was taken otherwise than the file has it; one line each, without its name
 };
+
+/// Linear: what has a material or an image that is missing, an sRGB code of 127.
+inline constexpr float grey_without_image = 0.2122f;
 
 /// Decoded, straight alpha, sRGB as stored; row 0 first.
 struct Image {

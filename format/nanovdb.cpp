@@ -41,14 +41,16 @@ IndexBox box_of(const LeafNode<Rgba8>& leaf) {
   return box;
 }
 
-NanovdbTree tree_of(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod) {
+NanovdbTree tree_of(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod,
+                    const Progress& progress) {
   NanovdbTree tree;
-  for_each_block_part(scene_xml, scene, lod, [&](const LevelIndex& lowest, const DenseBrick&) {
+  const auto add = [&](const LevelIndex& lowest, const DenseBrick&) {
     for (const std::int64_t i : lowest)
       if (i != std::int32_t(i))
         throw InputError(scene_xml, "LatticeMin", "NanoVDB has no room for indices beyond 32 bits");
     tree.add(lowest);
-  });
+  };
+  for_each_block_part(scene_xml, scene, lod, add, progress);
   tree.finish();
   return tree;
 }
@@ -119,17 +121,21 @@ class NanovdbWriter {
 
 }  // namespace
 
-std::uint64_t export_nanovdb(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& nvdb) {
+std::uint64_t export_nanovdb(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& nvdb,
+                             const Progress& progress) {
   const SceneDescription scene = read_scene(scene_xml);
   const std::uint64_t voxels = voxels_of_level(scene_xml, scene, lod);
   Publication publication(nvdb);
-  NanovdbTree tree = tree_of(scene_xml, scene, lod);
+  progress.step("finding the bricks", voxels);
+  NanovdbTree tree = tree_of(scene_xml, scene, lod, progress);
   NanovdbWriter writer(tree, {std::ldexp(scene.voxel_size_m, lod), scene.lattice_origin_m, voxels}, scene.has_normals);
   {
     RandomAccessFile file(nvdb, publication.aside(), writer.bytes());
-    for_each_block_part(scene_xml, scene, lod, [&](const LevelIndex& lowest, const DenseBrick& brick) {
+    progress.step("writing the voxels", voxels);
+    const auto write = [&](const LevelIndex& lowest, const DenseBrick& brick) {
       if (!writer.write_leaf(file, lowest, brick)) throw InputError(scene_xml, "", "its shards changed meanwhile");
-    });
+    };
+    for_each_block_part(scene_xml, scene, lod, write, progress);
     writer.write_nodes(file);
   }
   publication.publish();

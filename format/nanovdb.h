@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "format/progress.h"
+
 namespace gigabake {
 
 /// Two grids of class VoxelVolume: "rgba" (RGBA8: sRGB colour, coverage) and, where the scene has normals, "normal"
@@ -13,6 +15,7 @@ namespace gigabake {
 /// Cost    One level of one cell and at most 48 bytes a brick in memory; shards are read twice.
 /// Errors  InputError: no such level, damaged shards, disk full, indices beyond 32 bits. Nothing is left behind.
 /// Returns the number of voxels.
-std::uint64_t export_nanovdb(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& nvdb);
+std::uint64_t export_nanovdb(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& nvdb,
+                             const Progress& progress = {});
 
 }  // namespace gigabake

@@ -36,7 +36,7 @@ void for_each_obj_line(const std::filesystem::path& file, std::span<const std::u
 std::map<std::string, ObjMaterial> read_mtl(const std::filesystem::path& file, std::span<const std::uint8_t> text);
 
 /// Files that an OBJ names by `mtllib`: the whole rest of the line is one name where there is such a file, else each
-/// word is one.
+/// word is one. They may be missing.
 std::vector<std::filesystem::path> material_files(const std::filesystem::path& file, const ObjLine& line,
                                                   const SourceFiles& files);
 

@@ -9,15 +9,17 @@
 
 #include "format/alpha_image.h"
 #include "format/error.h"
+#include "format/mesh_middle.h"
 #include "format/obj_material.h"
 #include "format/polygon.h"
+#include "format/source_file.h"
+#include "format/srgb.h"
 #include "format/transform.h"
 
 namespace gigabake {
 namespace {
 
 constexpr std::size_t most_corners = 65536;
-constexpr double far_m = 10000;
 
 using Vector = std::array<double, 3>;
 
@@ -27,22 +29,26 @@ struct NamedMaterial {
   std::filesystem::path file;
 };
 
-std::map<std::string, NamedMaterial> materials_of(const std::filesystem::path& file, std::span<const std::uint8_t> text,
-                                                  const SourceFiles& files, std::set<std::filesystem::path>* read) {
-  std::map<std::string, NamedMaterial> out;
+/// What the material files of an OBJ say, and which they are.
+struct Materials {
+  std::map<std::string, NamedMaterial> named;
+  std::set<std::filesystem::path> files, missing;
+};
+
+Materials materials_of(const std::filesystem::path& file, std::span<const std::uint8_t> text,
+                       const SourceFiles& files) {
+  Materials out;
   for_each_obj_line(file, text, [&](const ObjLine& line) {
     if (line.word != "mtllib") return;
     for (const std::filesystem::path& mtl : material_files(file, line, files)) {
-      if (read != nullptr) read->insert(mtl);
-      for (auto& [name, material] : read_mtl(mtl, files.read(mtl))) out[name] = {std::move(material), mtl};
+      out.files.insert(mtl);
+      if (!files.has(mtl))
+        out.missing.insert(mtl);
+      else
+        for (auto& [name, material] : read_mtl(mtl, files.read(mtl))) out.named[name] = {std::move(material), mtl};
     }
   });
   return out;
-}
-
-std::uint16_t linear16(double srgb) {
-  const double v = std::isfinite(srgb) ? std::clamp(srgb, 0.0, 1.0) : 0.0;
-  return std::uint16_t(std::lround((v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4)) * 65535));
 }
 
 /// Corners of one material, each pair of position and texture coordinate once.
@@ -60,7 +66,10 @@ class ObjReader {
 
   TileMesh read() {
     const std::vector<std::uint8_t> text = files_.read(file_);
-    if (everything_) materials_ = materials_of(file_, text, files_, nullptr);
+    materials_ = materials_of(file_, text, files_);
+    for (const std::filesystem::path& mtl : materials_.missing)
+      out_.warnings.push_back("its material file " + in_quotes(name_in(files_.root(), mtl)) +
+                              " is missing: what it describes is grey");
     for_each_obj_line(file_, text, [&](const ObjLine& line) { take(line); });
     finish();
     return std::move(out_);
@@ -161,24 +170,8 @@ class ObjReader {
     return at->second;
   }
 
-  Vector middle() const {
-    Vector low{0, 0, 0}, high{0, 0, 0};
-    bool is_far = false, is_first = true;
-    for (const Vector& p : position_) {
-      if (!std::isfinite(p[0] + p[1] + p[2])) continue;
-      for (std::size_t c = 0; c < 3; ++c) {
-        low[c] = is_first ? p[c] : std::min(low[c], p[c]);
-        high[c] = is_first ? p[c] : std::max(high[c], p[c]);
-        is_far |= std::fabs(p[c]) > far_m;
-      }
-      is_first = false;
-    }
-    if (!is_far) return {0, 0, 0};
-    return {std::round((low[0] + high[0]) / 2), std::round((low[1] + high[1]) / 2), std::round((low[2] + high[2]) / 2)};
-  }
-
   void finish() {
-    const Vector at = middle();
+    const Vector at = mesh_middle(position_);
     const Affine<Scene, Local> scene_from_local =
         tile_.scene_from_tile * z_up_from<World, World>(tile_.gltf_up) * translation<World, Local>(at[0], at[1], at[2]);
     for (auto& [name, part] : parts_) {
@@ -191,7 +184,7 @@ class ObjReader {
           for (const double c : *colour_[v]) p.rgba.push_back(linear16(c));
           p.rgba.push_back(65535);
         }
-      p.material = add_material(name);
+      p.material = add_material(name, p.rgba.empty());
       out_.counts.triangles += p.index.size() / 3;
       out_.instances.push_back({int(out_.primitives.size()), scene_from_local});
       out_.primitives.push_back(std::move(p));
@@ -199,9 +192,13 @@ class ObjReader {
     if (out_.materials.empty()) out_.materials.emplace_back();
   }
 
-  int add_material(const std::string& name) {
+  int add_material(const std::string& name, bool is_without_colours) {
     Material material;
-    if (const auto found = materials_.find(name); found != materials_.end()) {
+    const auto found = materials_.named.find(name);
+    if (found == materials_.named.end()) {
+      if (!materials_.missing.empty() && is_without_colours)
+        std::fill_n(material.base_color.begin(), 3, grey_without_image);
+    } else if (everything_) {
       const ObjMaterial& m = found->second.material;
       material.base_color = m.base_color;
       material.texture.image = add_image(found->second);
@@ -233,7 +230,7 @@ class ObjReader {
   const TileRef& tile_;
   const SourceFiles& files_;
   bool everything_;
-  std::map<std::string, NamedMaterial> materials_;
+  Materials materials_;
   std::vector<Vector> position_;
   std::vector<std::optional<Vector>> colour_;
   std::vector<std::array<float, 2>> uv_;
@@ -249,9 +246,23 @@ TileMesh read_obj(const TileRef& tile, const SourceFiles& files, ReadScope scope
   return ObjReader(tile, files, scope).read();
 }
 
+std::vector<Point<Local>> first_obj_vertices(const std::filesystem::path& file, std::span<const std::uint8_t> head) {
+  constexpr std::size_t most = 64;
+  std::size_t whole_lines = head.size();
+  while (whole_lines > 0 && head[whole_lines - 1] != '\n') --whole_lines;
+  std::vector<Point<Local>> out;
+  for_each_obj_line(file, head.first(whole_lines), [&](const ObjLine& line) {
+    if (line.word != "v" || out.size() == most) return;
+    const std::vector<double> v = obj_numbers(line.rest, 3);
+    if (v.size() == 3) out.push_back({v[0], v[1], v[2]});
+  });
+  return out;
+}
+
 std::vector<std::filesystem::path> obj_dependencies(const TileRef& tile, const SourceFiles& files) {
-  std::set<std::filesystem::path> out;
-  for (const auto& [name, m] : materials_of(tile.path, files.read(tile.path), files, &out))
+  const Materials materials = materials_of(tile.path, files.read(tile.path), files);
+  std::set<std::filesystem::path> out = materials.files;
+  for (const auto& [name, m] : materials.named)
     for (const std::string& map : {m.material.color_map, m.material.alpha_map})
       if (!map.empty()) out.insert(map_file(m.file, map, files));
   return {out.begin(), out.end()};

@@ -2,13 +2,14 @@
 
 #include <bit>
 #include <cmath>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "format/error.h"
 
 namespace gigabake {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 // Found by argument-dependent lookup, which does not look into an unnamed namespace.
 NLOHMANN_JSON_SERIALIZE_ENUM(SurfaceRule, {{SurfaceRule::area, "area"},
@@ -23,9 +24,10 @@ namespace {
 
 /// The library takes an unknown name for the first one.
 template <class Enum>
-void get_named(const Json& j, const char* key, Enum& value) {
+void get_named(const OrderedJson& j, const char* key, Enum& value) {
   j.at(key).get_to(value);
-  if (Json(value) != j.at(key)) throw InputError("parameters", key, "unknown value " + j.at(key).dump());
+  if (OrderedJson(value) != j.at(key))
+    throw InputError("parameters", key, "has a value that is unknown; a newer gigabake may have written it");
 }
 
 }  // namespace
@@ -33,7 +35,7 @@ void get_named(const Json& j, const char* key, Enum& value) {
 bool has_facing(const BakeParameters& p) { return p.facing && p.mip == MipFilter::coverage; }
 
 std::string to_json(const BakeParameters& p) {
-  Json j;
+  OrderedJson j;
   j["voxel_size_m"] = p.voxel_size_m;
   j["lattice_origin_m"] = p.lattice_origin_m;
   j["cell_voxels"] = p.cell_voxels;
@@ -50,7 +52,7 @@ std::string to_json(const BakeParameters& p) {
 BakeParameters parameters_from_json(const std::string& json) {
   BakeParameters p;
   try {
-    const Json j = Json::parse(json);
+    const OrderedJson j = OrderedJson::parse(json);
     j.at("voxel_size_m").get_to(p.voxel_size_m);
     j.at("lattice_origin_m").get_to(p.lattice_origin_m);
     j.at("cell_voxels").get_to(p.cell_voxels);
@@ -62,8 +64,8 @@ BakeParameters parameters_from_json(const std::string& json) {
     if (j.contains("max_error")) j.at("max_error").get_to(p.max_error);
     if (j.contains("codec")) get_named(j, "codec", p.codec);
     if (j.contains("facing")) j.at("facing").get_to(p.facing);
-  } catch (const nlohmann::json::exception& e) {
-    throw InputError("parameters", "", e.what());
+  } catch (const nlohmann::json::exception&) {
+    throw InputError("parameters", "", "expected a JSON object with the parameters of a bake, as gigabake writes it");
   }
   check(p);
   return p;
@@ -71,7 +73,7 @@ BakeParameters parameters_from_json(const std::string& json) {
 
 void check(const BakeParameters& p) {
   if (!(p.voxel_size_m >= 1e-6 && p.voxel_size_m <= 1e6))
-    throw UsageError("--voxel-size: expected 1e-6 to 1e6 metres, got " + std::to_string(p.voxel_size_m));
+    throw UsageError(fmt::format("--voxel-size: expected 1e-6 to 1e6 metres, got {:g}", p.voxel_size_m));
   if (!std::has_single_bit(p.cell_voxels) || p.cell_voxels < 8 || p.cell_voxels > 8192)
     throw UsageError("--cell-voxels: expected a power of two from 8 to 8192, got " + std::to_string(p.cell_voxels));
   if (p.max_error > 127)

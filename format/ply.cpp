@@ -13,7 +13,7 @@
 #include "format/publish.h"
 #include "format/scene_level.h"
 #include "format/scene_xml.h"
-#include "format/shard_reader.h"
+#include "format/shard_of_scene.h"
 
 namespace gigabake {
 namespace {
@@ -33,8 +33,8 @@ std::string header(const SceneDescription& scene, int lod, std::uint64_t voxels)
 class VertexStream {
  public:
   VertexStream(const SceneDescription& scene, int lod, const std::filesystem::path& target,
-               const std::filesystem::path& aside)
-      : scene_(scene), lod_(lod), target_(target), out_(aside, std::ios::binary) {}
+               const std::filesystem::path& aside, const Progress& progress)
+      : scene_(scene), lod_(lod), target_(target), progress_(progress), out_(aside, std::ios::binary) {}
 
   void write(std::string_view bytes) {
     errno = 0;
@@ -43,8 +43,7 @@ class VertexStream {
   }
 
   /// Returns the number of voxels.
-  std::uint64_t write_cell(const std::filesystem::path& shard) {
-    const ShardReader reader(shard);
+  std::uint64_t write_cell(const std::filesystem::path& shard, const ShardReader& reader) {
     const NodeTable nodes = reader.nodes();
     const BrickLevel level = reader.level(lod_);
     const std::array<std::int64_t, 3>& low = reader.header().lattice_min;
@@ -88,12 +87,14 @@ class VertexStream {
   }
   void flush() {
     write({buffer_.data(), used_});
+    progress_.advance(used_ / vertex_bytes);
     used_ = 0;
   }
 
   const SceneDescription& scene_;
   int lod_;
   const std::filesystem::path& target_;
+  const Progress& progress_;
   std::ofstream out_;
   std::array<char, vertex_bytes * 4096> buffer_;
   std::size_t used_ = 0;
@@ -101,15 +102,17 @@ class VertexStream {
 
 }  // namespace
 
-std::uint64_t export_ply(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& ply) {
+std::uint64_t export_ply(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& ply,
+                         const Progress& progress) {
   const SceneDescription scene = read_scene(scene_xml);
   const std::uint64_t voxels = voxels_of_level(scene_xml, scene, lod);
   Publication publication(ply);
-  VertexStream stream(scene, lod, ply, publication.aside());
+  progress.step("writing the voxels", voxels);
+  VertexStream stream(scene, lod, ply, publication.aside(), progress);
   stream.write(header(scene, lod, voxels));
   for (const SceneCell& c : scene.cells) {
     const std::filesystem::path shard = scene_xml.parent_path() / c.file;
-    if (stream.write_cell(shard) != c.voxels[std::size_t(lod)])
+    if (stream.write_cell(shard, open_shard_of_scene(scene_xml, scene, c)) != c.voxels[std::size_t(lod)])
       throw InputError(shard, "/lod_" + std::to_string(lod), "has not as many voxels as scene.xml says");
   }
   stream.finish();

@@ -2,32 +2,23 @@
 
 #include <atomic>
 #include <cerrno>
-#include <cstring>
 #include <fcntl.h>
 #include <span>
 #include <unistd.h>
 #include <utility>
 
 #include "format/descriptor.h"
-#include "format/error.h"
+#include "format/publish_place.h"
 
 namespace gigabake {
 namespace {
 
 constexpr int most_attempts = 1000;
 
-[[noreturn]] void fail(const std::filesystem::path& path, const char* what) {
-  throw InputError(path, "", std::string("cannot ") + what + ": " + std::strerror(errno));
-}
-
-std::filesystem::path folder_of(const std::filesystem::path& path) {
-  return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-}
-
 void flush_to_disk(const std::filesystem::path& path, int flags) {
   const Descriptor file(path, flags);
   // Some network file systems cannot sync a folder and say EINVAL: the rename is as durable there as it gets.
-  if (!file.is_open() || (::fsync(file.get()) != 0 && errno != EINVAL)) fail(path, "flush to disk");
+  if (!file.is_open() || (::fsync(file.get()) != 0 && errno != EINVAL)) fail_to(path, "flush to disk");
 }
 
 }  // namespace
@@ -42,7 +33,7 @@ Publication::Publication(std::filesystem::path target) : target_(std::move(targe
     if (file.is_open()) return;
     if (errno != EEXIST) break;
   }
-  fail(target_, "write");
+  fail_to(target_, "write");
 }
 
 Publication::~Publication() {
@@ -52,7 +43,7 @@ Publication::~Publication() {
 void Publication::publish(Durability durability) {
   const bool flush = durability == Durability::across_power_loss;
   if (flush) flush_to_disk(aside_, O_RDONLY);
-  if (::rename(aside_.c_str(), target_.c_str()) != 0) fail(target_, "rename into place");
+  if (::rename(aside_.c_str(), target_.c_str()) != 0) fail_to(target_, "rename into place");
   published_ = true;
   if (flush) flush_to_disk(folder_of(target_), O_RDONLY | O_DIRECTORY);
 }
@@ -62,7 +53,7 @@ void publish_file(const std::filesystem::path& target, std::string_view content,
   {
     const Descriptor out(file.aside(), O_WRONLY | O_TRUNC);
     const std::span bytes(reinterpret_cast<const std::uint8_t*>(content.data()), content.size());
-    if (!out.is_open() || !out.write_all(bytes)) fail(target, "write");
+    if (!out.is_open() || !out.write_all(bytes)) fail_to(target, "write");
   }
   file.publish(durability);
 }

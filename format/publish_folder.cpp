@@ -1,27 +1,14 @@
 #include "format/publish_folder.h"
 
 #include <cerrno>
-#include <cstring>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <utility>
 
 #include "format/descriptor.h"
-#include "format/error.h"
+#include "format/publish_place.h"
 
 namespace gigabake {
-namespace {
-
-[[noreturn]] void fail(const std::filesystem::path& path, const char* what) {
-  throw InputError(path, "", std::string("cannot ") + what + ": " + std::strerror(errno));
-}
-
-std::filesystem::path folder_of(const std::filesystem::path& path) {
-  return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-}
-
-}  // namespace
-
 FolderPublication::FolderPublication(std::filesystem::path target)
     : target_(target.has_filename() ? std::move(target) : target.parent_path()) {
   std::error_code ignored;
@@ -35,7 +22,7 @@ FolderPublication::FolderPublication(std::filesystem::path target)
     if (::mkdir(aside_.c_str(), 0777) == 0) return;
     if (errno != EEXIST) break;
   }
-  fail(target_, "write");
+  fail_to(target_, "write");
 }
 
 FolderPublication::~FolderPublication() {
@@ -45,11 +32,11 @@ FolderPublication::~FolderPublication() {
 
 void FolderPublication::publish() {
   const Descriptor folder(aside_, O_RDONLY | O_DIRECTORY);
-  if (!folder.is_open() || ::syncfs(folder.get()) != 0) fail(target_, "flush to disk");
-  if (::rename(aside_.c_str(), target_.c_str()) != 0) fail(target_, "rename into place");
+  if (!folder.is_open() || ::syncfs(folder.get()) != 0) fail_to(target_, "flush to disk");
+  if (::rename(aside_.c_str(), target_.c_str()) != 0) fail_to(target_, "rename into place");
   published_ = true;
   const Descriptor parent(folder_of(target_), O_RDONLY | O_DIRECTORY);
-  if (!parent.is_open() || (::fsync(parent.get()) != 0 && errno != EINVAL)) fail(target_, "flush to disk");
+  if (!parent.is_open() || (::fsync(parent.get()) != 0 && errno != EINVAL)) fail_to(target_, "flush to disk");
 }
 
 }  // namespace gigabake

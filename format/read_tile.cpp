@@ -4,18 +4,22 @@
 #include "format/error.h"
 #include "format/gltf_read.h"
 #include "format/obj_read.h"
+#include "format/ply_read.h"
+#include "format/stl_read.h"
 
 namespace gigabake {
 
 TileMesh read_tile(const TileRef& tile, const std::filesystem::path& root, ReadScope scope) {
   try {
     if (tile.kind == ContentKind::obj) return read_obj(tile, files_of(tile, root), scope);
+    if (tile.kind == ContentKind::ply) return read_ply(tile, files_of(tile, root), scope);
+    if (tile.kind == ContentKind::stl) return read_stl(tile, files_of(tile, root));
     if (tile.kind == ContentKind::dem) return read_dem_tile(tile, scope);
     return read_gltf(tile, root, scope);
   } catch (const std::bad_alloc&) {
-    throw InputError(tile.path, "", "not enough memory to read this file");
-  } catch (const nlohmann::json::exception& e) {
-    throw InputError(tile.path, "", e.what());
+    throw InputError(tile.path, "", not_enough_memory);
+  } catch (const nlohmann::json::exception&) {
+    throw InputError(tile.path, "", "a member of its JSON has another type than glTF gives it");
   }
 }
 

@@ -8,6 +8,7 @@
 #include "format/error.h"
 #include "format/georeference.h"
 #include "format/source_files.h"
+#include "format/tileset_document.h"
 #include "format/transform.h"
 
 namespace gigabake {
@@ -18,7 +19,7 @@ constexpr double radians = std::numbers::pi / 180;
 bool is_scene(const std::filesystem::path& path) {
   std::error_code error;
   if (lower_extension(path) != ".json" || !std::filesystem::is_regular_file(path, error)) return false;
-  const Json json = parse_json(path, SourceFiles(path.parent_path()).read_content(path));
+  const Json json = parse_tileset(path, SourceFiles(path.parent_path()).read_content(path)).json;
   return json.is_object() && json.contains("gigabake");
 }
 
@@ -57,13 +58,14 @@ void read_place(const std::filesystem::path& file, const Json& place, const std:
 }
 
 /// Without a place of its own a source stands where its file puts it: on the earth, or at the scene's origin.
-Entry read_entry(const std::filesystem::path& file, const Json& json, std::size_t i, SourceOptions options) {
+Entry read_entry(const std::filesystem::path& file, const Json& json, std::size_t i, SourceOptions options,
+                 const Progress& progress) {
   Entry e;
   e.where = "sources[" + std::to_string(i) + "]";
   options.origin.reset();
   if (json.contains("dem")) {
     expect_only(file, json, e.where, {"dem", "ortho", "crs", "nodata", "height_scale", "geoid_offset_m", "tile_cells"});
-    e.source = dem_sources(root_of(file), dem_options(file, json, e.where), options);
+    e.source = dem_sources(root_of(file), dem_options(file, json, e.where), options, progress);
     e.position = e.source.origin;
     return e;
   }
@@ -78,7 +80,7 @@ Entry read_entry(const std::filesystem::path& file, const Json& json, std::size_
   options.local |= is_placed;
   const std::filesystem::path target = resolve_uri(root_of(file), file, e.where + ".path", *path);
   if (is_scene(target)) throw InputError(file, e.where + ".path", in_quotes(*path) + " is a scene; scenes do not nest");
-  e.source = open_sources(target, options);
+  e.source = open_sources(target, options, progress);
   if (!is_placed) e.position = e.source.origin;
   return e;
 }
@@ -112,6 +114,7 @@ void add_entry(Entry e, SceneSources& out) {
     tile.name = name + tile.name.substr(std::min(own.size(), tile.name.size()));  // which part of the file it is
     out.tiles.push_back(std::move(tile));
   }
+  for (const std::string& note : e.source.notes) out.notes.push_back(note);
   for (SkippedSource& lost : e.source.skipped) {
     lost.name = name_in(out.root, e.source.root / lost.name);
     out.skipped.push_back(std::move(lost));
@@ -120,13 +123,14 @@ void add_entry(Entry e, SceneSources& out) {
 
 }  // namespace
 
-SceneSources open_scene_json(const std::filesystem::path& file, const Json& json, const SourceOptions& options) {
+SceneSources open_scene_json(const std::filesystem::path& file, const Json& json, const SourceOptions& options,
+                             const Progress& progress) {
   if (get_index(file, json, "", "gigabake") != 1)
     throw InputError(file, "gigabake", "expected 1, the version of this format");
   expect_only(file, json, "", {"gigabake", "sources"});
   std::vector<Entry> entries;
   const Json& list = get_array(file, json, "", "sources");
-  for (std::size_t i = 0; i < list.size(); ++i) entries.push_back(read_entry(file, list[i], i, options));
+  for (std::size_t i = 0; i < list.size(); ++i) entries.push_back(read_entry(file, list[i], i, options, progress));
   if (entries.empty()) throw InputError(file, "sources", "expected at least one source");
   SceneSources out;
   out.root = root_of(file);
@@ -136,7 +140,11 @@ SceneSources open_scene_json(const std::filesystem::path& file, const Json& json
   if (options.local && entries[0].position)
     throw InputError(file, "sources", "lon/lat placements need a georeference; leave out --local");
   if (!options.local) out.origin = options.origin ? options.origin : entries[0].position;
-  for (Entry& e : entries) add_entry(std::move(e), out);
+  progress.step("placing the sources", entries.size(), "sources");
+  for (Entry& e : entries) {
+    add_entry(std::move(e), out);
+    progress.advance();
+  }
   return out;
 }
 

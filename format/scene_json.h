@@ -13,6 +13,7 @@ namespace gigabake {
 /// dem_options(). Heading turns clockwise from north (y), seen from above. Without "place" a
 /// tileset that stands on the earth stays where it stands.
 /// Errors  InputError as open_sources(); unknown keys, scenes in scenes, local and geodetic placements in one scene.
-SceneSources open_scene_json(const std::filesystem::path& file, const Json& json, const SourceOptions& options);
+SceneSources open_scene_json(const std::filesystem::path& file, const Json& json, const SourceOptions& options,
+                             const Progress& progress);
 
 }  // namespace gigabake

@@ -8,7 +8,7 @@
 
 #include "format/brick_walk.h"
 #include "format/error.h"
-#include "format/shard_reader.h"
+#include "format/shard_of_scene.h"
 
 namespace gigabake {
 namespace {
@@ -89,15 +89,17 @@ std::uint64_t voxels_of_level(const std::filesystem::path& scene_xml, const Scen
 }
 
 void for_each_dense_brick(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod,
-                          const VisitBrick& visit) {
+                          const VisitBrick& visit, const Progress& progress) {
   voxels_of_level(scene_xml, scene, lod);
   for (const SceneCell& c : scene.cells) {
     const std::filesystem::path shard = scene_xml.parent_path() / c.file;
-    const ShardReader reader(shard);
+    const ShardReader reader = open_shard_of_scene(scene_xml, scene, c);
     std::uint64_t voxels = 0;
     for_each_dense_brick(reader.header(), reader.nodes(), reader.level(lod), lod,
                          [&](const LevelIndex& lowest, const DenseBrick& brick) {
-                           voxels += voxels_in(brick);
+                           const std::uint64_t of_brick = voxels_in(brick);
+                           progress.advance(of_brick);
+                           voxels += of_brick;
                            visit(lowest, brick);
                          });
     if (voxels != c.voxels[std::size_t(lod)])
@@ -106,13 +108,14 @@ void for_each_dense_brick(const std::filesystem::path& scene_xml, const SceneDes
 }
 
 void for_each_block_part(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod,
-                         const VisitBrick& visit) {
-  for_each_dense_brick(scene_xml, scene, lod, [&](const LevelIndex& lowest, const DenseBrick& brick) {
+                         const VisitBrick& visit, const Progress& progress) {
+  const auto visit_blocks = [&](const LevelIndex& lowest, const DenseBrick& brick) {
     if (((lowest[0] | lowest[1] | lowest[2]) & 7) == 0)
       visit(lowest, brick);
     else
       visit_parts(lowest, brick, visit);
-  });
+  };
+  for_each_dense_brick(scene_xml, scene, lod, visit_blocks, progress);
 }
 
 }  // namespace gigabake

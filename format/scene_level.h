@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 
+#include "format/progress.h"
 #include "format/scene_xml.h"
 #include "format/shard.h"
 
@@ -36,14 +37,14 @@ void for_each_dense_brick(const ShardHeader& header, const NodeTable& nodes, con
 /// Errors  InputError: a cell has no such level.
 std::uint64_t voxels_of_level(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod);
 
-/// Cell by cell. Cost  One level of one cell in memory.
-/// Errors  InputError: damaged or missing shards, or not as many voxels as scene.xml says.
+/// Cell by cell; advances by voxels. Cost  One level of one cell in memory.
+/// Errors  InputError: damaged or missing shards, or not as many voxels as scene.xml says. Stopped.
 void for_each_dense_brick(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod,
-                          const VisitBrick& visit);
+                          const VisitBrick& visit, const Progress& progress = {});
 
 /// The same voxels cut along the lattice's own blocks of 8³ voxels: `lowest` is a multiple of 8 on each axis. A block
 /// that several bricks reach into is visited once for each, with other voxels every time.
 void for_each_block_part(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod,
-                         const VisitBrick& visit);
+                         const VisitBrick& visit, const Progress& progress = {});
 
 }  // namespace gigabake

@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include "format/error.h"
-#include "format/shard_reader.h"
+#include "format/shard_of_scene.h"
 
 namespace gigabake {
 
@@ -20,15 +19,16 @@ SceneTotals::SceneTotals(const SceneDescription& scene) {
   }
 }
 
-StoredBytes stored_bytes(const std::filesystem::path& scene_xml, const SceneDescription& scene) {
+StoredBytes stored_bytes(const std::filesystem::path& scene_xml, const SceneDescription& scene,
+                         const Progress& progress) {
+  progress.step("looking into the shards", scene.cells.size());
   StoredBytes bytes;
   for (const SceneCell& c : scene.cells) {
-    const std::filesystem::path path = scene_xml.parent_path() / c.file;
-    const ShardReader reader(path);
-    if (reader.header().lods != c.lods) throw InputError(path, "lods", "differs from scene.xml; run gigabake verify");
+    const ShardReader reader = open_shard_of_scene(scene_xml, scene, c);
     bytes.of_lod.resize(std::max<std::size_t>(bytes.of_lod.size(), c.lods), 0);
     for (std::size_t lod = 0; lod < c.lods; ++lod) bytes.of_lod[lod] += reader.level_bytes(int(lod));
     bytes.of_nodes += reader.node_bytes();
+    progress.advance();
   }
   return bytes;
 }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "format/progress.h"
 #include "format/scene_xml.h"
 
 namespace gigabake {
@@ -25,6 +26,7 @@ struct StoredBytes {
 };
 
 /// Cost    Opens every shard, reads no voxels. Errors  InputError: a shard is missing or damaged.
-StoredBytes stored_bytes(const std::filesystem::path& scene_xml, const SceneDescription& scene);
+StoredBytes stored_bytes(const std::filesystem::path& scene_xml, const SceneDescription& scene,
+                         const Progress& progress = {});
 
 }  // namespace gigabake

@@ -12,6 +12,7 @@
 #include "format/composite.h"
 #include "format/frames.h"
 #include "format/mesh.h"
+#include "format/progress.h"
 
 namespace gigabake {
 
@@ -27,7 +28,7 @@ struct SourceOptions {
                                    ///< files (default y, as glTF has it)
 };
 
-enum class ContentKind : std::uint8_t { glb, gltf, b3dm, i3dm, obj, dem };
+enum class ContentKind : std::uint8_t { glb, gltf, b3dm, i3dm, obj, dem, ply, stl };
 
 /// One content file and its place. The same file may be placed several times.
 struct TileRef {
@@ -49,6 +50,7 @@ struct SkippedSource {
   std::string name;    ///< what it was
   std::string reason;  ///< one line
   bool informative = false;
+  std::uint64_t points = 0;  ///< that it holds, of a point cloud
 };
 
 struct SceneSources {
@@ -56,16 +58,20 @@ struct SceneSources {
   std::vector<TileRef> tiles;      ///< in the source's own order; deterministic
   std::optional<Geodetic> origin;  ///< none: local scene
   std::vector<SkippedSource> skipped;
+  std::vector<std::string> notes;  ///< what somebody should know of the sources' places; one line each
 };
 
 /// Reads what stands at `path`: a content file (docs/format-sources.md), a folder of them (sorted, not recursive into
-/// symlinks), a 3D Tiles tileset .json (1.0 and 1.1) or its .3tz archive, or a scene .json of ours. Opens no mesh.
+/// symlinks), a 3D Tiles tileset .json (1.0 and 1.1) or its .3tz archive, or a scene .json of ours. Opens no mesh, but
+/// looks where mesh files outside tilesets stand (format/earth_centred.h).
 /// Georeference: a tileset whose root stands on the WGS84 earth, or a scene .json with lon/lat placements, gets the
-/// ENU frame at `options.origin`, else at the root transform's translation (else its bounding volume's centre).
+/// ENU frame at `options.origin`, else at the root transform's translation (else its bounding volume's centre); mesh
+/// files that hold earth-centred coordinates get it there or at the centre of their bounds.
 /// With refine REPLACE the finest content is taken; where a finest content file is missing the nearest ancestor's
 /// content stands in for it and the loss is listed in `skipped`.
-/// Errors  InputError: unreadable, cyclic, malformed, URI leaving the root, unsupported required extension.
-SceneSources open_sources(const std::filesystem::path& path, const SourceOptions& options);
+/// Errors  InputError: unreadable, cyclic, malformed, URI leaving the root, unsupported required extension. Stopped.
+SceneSources open_sources(const std::filesystem::path& path, const SourceOptions& options,
+                          const Progress& progress = {});
 
 enum class ReadScope : std::uint8_t { positions_only, everything };
 

@@ -9,28 +9,7 @@
 namespace gigabake {
 namespace {
 
-constexpr int deepest_json = 128;
-/// A parsed document takes up to some twenty times its text.
-constexpr std::size_t largest_json_bytes = std::size_t(1) << 28;
 constexpr std::uint64_t largest_index = std::uint64_t(1) << 53;
-
-/// Parsers recurse; this does not.
-void check_nesting(const std::filesystem::path& file, std::span<const std::uint8_t> text) {
-  int depth = 0;
-  bool in_string = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto c = char(text[i]);
-    if (in_string) {
-      if (c == '\\') ++i;
-      if (c == '"') in_string = false;
-      continue;
-    }
-    if (c == '"') in_string = true;
-    if (c == '[' || c == '{') ++depth;
-    if (c == ']' || c == '}') --depth;
-    if (depth > deepest_json) throw InputError(file, "", "JSON nested deeper than 128 levels", i);
-  }
-}
 
 const Json* find(const std::filesystem::path& file, const Json& object, const std::string& where, const char* key) {
   if (!object.is_object()) throw InputError(file, where, "expected a JSON object");
@@ -65,29 +44,6 @@ bool is_within(const std::filesystem::path& root, const std::filesystem::path& p
 }
 
 }  // namespace
-
-Json parse_json(const std::filesystem::path& file, std::span<const std::uint8_t> text) {
-  if (text.size() > largest_json_bytes)
-    throw InputError(file, "", "has more than 2^28 bytes of JSON; split it, or keep buffers in files of their own");
-  check_nesting(file, text);
-  if (text.size() >= 3 && text[0] == 0xef && text[1] == 0xbb && text[2] == 0xbf)
-    throw InputError(file, "", "JSON starts with a byte order mark; save it without");
-  try {
-    return Json::parse(text.begin(), text.end());
-  } catch (const Json::parse_error& e) {
-    throw InputError(file, "", "not valid JSON", std::uint64_t(e.byte));
-  } catch (const Json::exception& e) {
-    throw InputError(file, "", e.what());
-  }
-}
-
-std::string in_quotes(std::string_view text) {
-  std::size_t shown = std::min<std::size_t>(text.size(), 100);
-  while (shown < text.size() && shown > 0 && (text[shown] & 0xc0) == 0x80) --shown;  // whole UTF-8 characters
-  std::string out = "'";
-  for (const char c : text.substr(0, shown)) out += static_cast<unsigned char>(c) < 32 || c == 127 ? '?' : c;
-  return out + (shown < text.size() ? "…'" : "'");
-}
 
 std::optional<std::uint64_t> get_index(const std::filesystem::path& file, const Json& object, const std::string& where,
                                        const char* key) {

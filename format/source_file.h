@@ -1,26 +1,18 @@
-/// Reading files that nobody vouches for: sizes, JSON nesting and paths are looked at before anything uses them.
+/// Reading files that nobody vouches for: sizes, JSON and paths are looked at before anything uses them.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "format/json_parse.h"
 #include "format/read_file.h"
 
 namespace gigabake {
-
-using Json = nlohmann::json;
-
-/// Errors  InputError: not JSON (with the byte), nested deeper than 128, or longer than 2^28 bytes.
-Json parse_json(const std::filesystem::path& file, std::span<const std::uint8_t> text);
-
-/// Text of a file as a message shows it: in quotes, cut at 100 bytes, on one line.
-std::string in_quotes(std::string_view text);
 
 /// A member of the asked type, or nothing where it is absent. An index is written without a fraction or an exponent:
 /// every parser of ours must see the same number. Errors  InputError(file, where.key): another type, or a number that

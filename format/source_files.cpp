@@ -5,6 +5,7 @@
 
 #include "format/error.h"
 #include "format/gzip.h"
+#include "format/memory_limit.h"
 #include "format/source_file.h"
 
 namespace gigabake {
@@ -34,19 +35,20 @@ std::vector<std::uint8_t> SourceFiles::read(const std::filesystem::path& file) c
   const std::string entry = name_in(root_, file);
   if (archive_->size_of(entry).value_or(0) > largest_file)
     throw InputError(file, "", "larger than 4 GiB; split it into tiles");
+  MemoryClaim(file).add_items(archive_->size_of(entry).value_or(0), 1, "", "bytes of the file");
   return archive_->read(entry, largest_file);
 }
 
 std::vector<std::uint8_t> SourceFiles::read_content(const std::filesystem::path& file) const {
   std::vector<std::uint8_t> bytes = read(file);
-  return is_gzip(bytes) ? unpacked_gzip(file, bytes, largest_file) : bytes;
+  return is_gzip(bytes) ? unpacked_gzip(file, bytes, std::min(largest_file, memory_limit())) : bytes;
 }
 
 std::vector<std::uint8_t> SourceFiles::read_referenced(const std::filesystem::path& file) const {
   std::vector<std::uint8_t> bytes = read(file);
   if (!is_gzip(bytes)) return bytes;
   try {
-    return unpacked_gzip(file, bytes, largest_file);
+    return unpacked_gzip(file, bytes, std::min(largest_file, memory_limit()));
   } catch (const InputError&) {
     return bytes;
   }

@@ -22,4 +22,9 @@ std::uint8_t srgb_byte(double linear) {
   return std::uint8_t(std::clamp(s, 0.0, 1.0) * 255 + 0.5);
 }
 
+std::uint16_t linear16(double srgb) {
+  const double v = std::isfinite(srgb) ? std::clamp(srgb, 0.0, 1.0) : 0.0;
+  return std::uint16_t(std::lround((v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4)) * 65535));
+}
+
 }  // namespace gigabake

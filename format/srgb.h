@@ -10,4 +10,7 @@ namespace gigabake {
 const std::array<double, 256>& linear_of_srgb();
 std::uint8_t srgb_byte(double linear);
 
+/// Linear light of an sRGB value from 0 to 1, 65535 = 1. What is beyond is clamped, what is not finite is 0.
+std::uint16_t linear16(double srgb);
+
 }  // namespace gigabake

@@ -7,7 +7,9 @@
 #include "format/content_container.h"
 #include "format/dem.h"
 #include "format/error.h"
+#include "format/gltf_version.h"
 #include "format/obj_read.h"
+#include "format/ply_read.h"
 
 namespace gigabake {
 namespace {
@@ -50,9 +52,10 @@ class Dependencies {
   }
 
   /// Read as it was resolved: only an absolute path names it surely.
+  /// What is missing is an empty file: it may be there the next time.
   void add_file(const std::filesystem::path& path) {
     read_.push_back(files_.stamp(path.string(), path));
-    digest_.add_file(files_.read(path));
+    digest_.add_file(files_.has(path) ? files_.read(path) : std::vector<std::uint8_t>());
   }
 
   void add_list(const std::filesystem::path& base, const Json& gltf, const char* list) {
@@ -95,13 +98,20 @@ TileIdentity identify_dem(const TileRef& tile, const SourceFiles& files) {
   return out;
 }
 
-TileIdentity identify_obj(const TileRef& tile, const SourceFiles& files) {
+/// Files that an OBJ, a PLY or an STL names.
+std::vector<std::filesystem::path> dependencies_of(const TileRef& tile, const SourceFiles& files) {
+  if (tile.kind == ContentKind::obj) return obj_dependencies(tile, files);
+  return tile.kind == ContentKind::ply ? ply_dependencies(tile, files) : std::vector<std::filesystem::path>();
+}
+
+TileIdentity identify_plain_mesh(const TileRef& tile, const SourceFiles& files) {
   TileIdentity out;
   Digest digest;
   Dependencies dependencies(tile, files, digest, out.files);
+  if (!files.has(tile.path)) files.read(tile.path);  // says why
   dependencies.add_file(tile.path);
   out.files[0].name = files.archive() ? out.files[0].name : tile.path.filename().string();
-  for (const std::filesystem::path& file : obj_dependencies(tile, files)) dependencies.add_file(file);
+  for (const std::filesystem::path& file : dependencies_of(tile, files)) dependencies.add_file(file);
   digest.add(tile.scene_from_tile.m.data(), sizeof tile.scene_from_tile.m);
   digest.add(&tile.gltf_up, sizeof tile.gltf_up);
   out.hash = digest.value();
@@ -114,7 +124,8 @@ TileIdentity identify_tile(const TileRef& tile, const std::filesystem::path& roo
   TileIdentity out;
   const SourceFiles files = files_of(tile, root);
   if (tile.kind == ContentKind::dem) return identify_dem(tile, files);
-  if (tile.kind == ContentKind::obj) return identify_obj(tile, files);
+  if (tile.kind == ContentKind::obj || tile.kind == ContentKind::ply || tile.kind == ContentKind::stl)
+    return identify_plain_mesh(tile, files);
   out.files.push_back(files.stamp(tile.path.filename().string(), tile.path));
   const ContentContainer container = open_container(tile, files);
   Digest digest;
@@ -122,6 +133,7 @@ TileIdentity identify_tile(const TileRef& tile, const std::filesystem::path& roo
   digest.add_file(container.content);
   if (!container.model_uri.empty()) dependencies.add(tile.path, "glTF URI", container.model_uri);
   const Json gltf = parse_json(container.gltf_file, container.json);
+  expect_gltf_2(container.gltf_file, gltf);
   dependencies.add_list(container.gltf_file, gltf, "buffers");
   dependencies.add_list(container.gltf_file, gltf, "images");
   digest.add(tile.scene_from_tile.m.data(), sizeof tile.scene_from_tile.m);

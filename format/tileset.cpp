@@ -1,14 +1,17 @@
 #include "format/tileset.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 #include <type_traits>
 
 #include "format/content_magic.h"
 #include "format/error.h"
 #include "format/implicit_tiling.h"
+#include "format/memory_limit.h"
+#include "format/pnts.h"
 #include "format/tileset_anchor.h"
-#include "format/transform.h"
+#include "format/tileset_inclusions.h"
 
 namespace gigabake {
 namespace {
@@ -22,7 +25,8 @@ constexpr std::size_t most_losses = std::size_t(1) << 16;
 /// double at every step.
 constexpr std::uint64_t most_external_bytes = std::uint64_t(1) << 32, least_external_bytes = std::uint64_t(1) << 14;
 
-enum class Refine { add, replace };
+/// A content here, and the tile that it becomes.
+constexpr std::uint64_t content_bytes = sizeof(TilesetContent) + sizeof(TileRef) + 64;
 
 /// What a tile inherits.
 struct Context {
@@ -41,9 +45,10 @@ struct Subtree {
 
 class Reader {
  public:
-  Reader(Path root, Tileset& out) : root_(std::move(root)), out_(out) {}
+  Reader(Path root, Tileset& out, const Progress& progress)
+      : root_(std::move(root)), out_(out), progress_(progress), memory_(root_) {}
 
-  Subtree read_document(const Path& file, const Json& json, Context context) {
+  Subtree read_document(const Path& file, const TilesetDocument& document, Context context) {
     std::error_code error;
     const Path canonical = std::filesystem::weakly_canonical(file, error);
     if (std::find(open_files_.begin(), open_files_.end(), canonical) != open_files_.end())
@@ -51,17 +56,21 @@ class Reader {
     if (open_files_.size() == deepest_external) throw InputError(file, "root", "external tilesets nest deeper than 32");
     const bool is_first = open_files_.empty();
     open_files_.push_back(canonical);
-    check_head(file, json);
+    check_head(file, document);
     context.file = file;
-    context.gltf_up = up_axis(file, get_object(file, json, "", "asset"));
-    if (is_first) out_.anchor = tileset_anchor(file, json["root"]);
-    Subtree found = read_tile(json["root"], "root", context);
+    context.gltf_up = up_axis(file, get_object(file, document.json, "", "asset"));
+    if (is_first) out_.anchor = tileset_anchor(file, document.json["root"]);
+    std::vector<std::string> uris;
+    add_uris_below(*document.root, uris);
+    inclusions_.read(canonical, uris);
+    Subtree found = read_tile(*document.root, "root", context);
     open_files_.pop_back();
     return found;
   }
 
  private:
-  static void check_head(const Path& file, const Json& json) {
+  static void check_head(const Path& file, const TilesetDocument& document) {
+    const Json& json = document.json;
     const Json& asset = get_object(file, json, "", "asset");
     const std::string version = get_text(file, asset, "asset", "version").value_or("");
     if (version != "1.0" && version != "1.1" && version != "0.0")
@@ -70,11 +79,11 @@ class Reader {
                                              "3DTILES_implicit_tiling", "3DTILES_metadata",
                                              "3DTILES_bounding_volume_S2"};
     for (const Json& e : get_array(file, json, "", "extensionsRequired")) {
-      const std::string name = e.is_string() ? e.get<std::string>() : e.dump();
+      const std::string name = e.is_string() ? e.get<std::string>() : "what is no text";
       if (!known.contains(name))
         throw InputError(file, "extensionsRequired", "the extension " + in_quotes(name) + " is not supported");
     }
-    if (!json.contains("root")) throw InputError(file, "root", "is missing");
+    if (!document.root) throw InputError(file, "root", "is missing");
   }
 
   static UpAxis up_axis(const Path& file, const Json& asset) {
@@ -85,22 +94,19 @@ class Reader {
     throw InputError(file, "asset.gltfUpAxis", "expected X, Y or Z, got " + in_quotes(up));
   }
 
-  Subtree read_tile(const Json& tile, const std::string& where, const Context& parent) {
+  Subtree read_tile(const TilesetTile& tile, const std::string& where, const Context& parent) {
     count_tile(parent.file, where);
     Context here = parent;
-    if (const auto m = get_numbers(parent.file, tile, where, "transform", 16))
-      here.world_from_parent = parent.world_from_parent * affine_from_columns<World, World>(*m);
-    here.refine = refine_of(tile, where, parent);
+    if (tile.world_from_tile) here.world_from_parent = parent.world_from_parent * *tile.world_from_tile;
+    here.refine = tile.refine.value_or(parent.refine);
     Subtree finer;
-    const Json& children = get_array(parent.file, tile, where, "children");
-    for (std::size_t i = 0; i < children.size(); ++i)
-      join(finer, read_tile(children[i], where + ".children[" + std::to_string(i) + "]", here));
-    const std::vector<std::string> uris = content_uris(parent.file, tile, where);
-    if (const auto tiling = implicit_tiling(parent.file, tile, where)) {
-      join(finer, read_subtree({*tiling, uris, where, here}, {}));
+    for (std::size_t i = 0; i < tile.children.size(); ++i)
+      join(finer, read_tile(tile.children[i], where + ".children[" + std::to_string(i) + "]", here));
+    if (tile.implicit) {
+      join(finer, read_subtree({*tile.implicit, tile.uris, where, here}, {}));
       return finer;
     }
-    return with_own_content(uris, where, here, std::move(finer));
+    return with_own_content(tile.uris, where, here, std::move(finer));
   }
 
   /// An implicit root tile: its contents' URIs are templates.
@@ -152,16 +158,8 @@ class Reader {
   }
 
   void count_tile(const Path& file, const std::string& where) {
+    progress_.advance();
     if (++tiles_ > most_tiles) throw InputError(file, where, "the tileset has more than 2^24 tiles");
-  }
-
-  /// The specification demands it of the root; files in use leave it out and mean REPLACE.
-  static Refine refine_of(const Json& tile, const std::string& where, const Context& parent) {
-    const auto text = get_text(parent.file, tile, where, "refine");
-    if (!text) return parent.refine;
-    if (*text == "ADD" || *text == "add") return Refine::add;
-    if (*text == "REPLACE" || *text == "replace") return Refine::replace;
-    throw InputError(parent.file, where + ".refine", "expected ADD or REPLACE, got " + in_quotes(*text));
   }
 
   Subtree with_own_content(const std::vector<std::string>& uris, const std::string& where, const Context& here,
@@ -194,34 +192,27 @@ class Reader {
       const ContentMagic magic = content_magic(here.files.content_head(path, 4));
       if (magic == ContentMagic::zip) join(found, read_archive(path, here));
       if (magic != ContentMagic::json) continue;
-      if (const Json json = read_json(here.files, path); is_tileset(json)) join(found, read_document(path, json, here));
+      if (const TilesetDocument inner = read_json(here.files, path); inner.root)
+        join(found, read_document(path, inner, here));
     }
     return found;
   }
 
-  static std::vector<std::string> content_uris(const Path& file, const Json& tile, const std::string& where) {
-    std::vector<std::string> uris;
-    const auto add = [&](const Json& content, const std::string& key) {
-      auto uri = get_text(file, content, key, "uri");
-      if (!uri) uri = get_text(file, content, key, "url");
-      if (!uri) throw InputError(file, key + ".uri", "is missing");
-      uris.push_back(*uri);
-    };
-    if (tile.contains("content") && !tile["content"].is_null()) add(tile["content"], where + ".content");
-    const auto add_all = [&](const Json& list, const std::string& key) {
-      for (std::size_t i = 0; i < list.size(); ++i) add(list[i], key + "[" + std::to_string(i) + "]");
-    };
-    add_all(get_array(file, tile, where, "contents"), where + ".contents");
-    const Json& extensions = get_object(file, tile, where, "extensions");
-    const Json& multiple = get_object(file, extensions, where + ".extensions", "3DTILES_multiple_contents");
-    add_all(get_array(file, multiple, where + ".extensions", "content"), where + ".extensions.content");
-    add_all(get_array(file, multiple, where + ".extensions", "contents"), where + ".extensions.contents");
-    return uris;
+  static void add_uris_below(const TilesetTile& tile, std::vector<std::string>& uris) {
+    uris.insert(uris.end(), tile.uris.begin(), tile.uris.end());
+    for (const TilesetTile& child : tile.children) add_uris_below(child, uris);
+  }
+
+  /// Many tiles of one content are common, and each step to a file asks the system.
+  const Path& resolved(const std::string& uri, const std::string& key, const Context& here) {
+    if (last_.uri != uri || last_.base != here.file || last_.path.empty())
+      last_ = {uri, here.file, resolve_uri(here.files.root(), here.file, key, uri)};
+    return last_.path;
   }
 
   Subtree read_content(const std::string& uri, const std::string& where, const Context& here) {
     const std::string key = where + ".content.uri";
-    const Path path = resolve_uri(here.files.root(), here.file, key, uri);
+    const Path path = resolved(uri, key, here);
     if (!here.files.has(path)) {
       skip(here, key, in_quotes(uri) + " is missing", false);
       return {{}, true};
@@ -232,7 +223,8 @@ class Reader {
     if (magic == ContentMagic::zip) return read_archive(path, here);
     if (magic == ContentMagic::composite) return read_composite(path, uri, key, here);
     if (magic == ContentMagic::json)
-      if (const Json json = read_json(here.files, path); is_tileset(json)) return read_document(path, json, here);
+      if (const TilesetDocument inner = read_json(here.files, path); inner.root)
+        return read_document(path, inner, here);
     return read_model({path, {}, here.gltf_up, here.world_from_parent, {}, "", here.files.archive()}, magic,
                       in_quotes(uri), key, here);
   }
@@ -240,6 +232,7 @@ class Reader {
   /// A content that is no tileset and no composite; `name` in quotes.
   Subtree read_model(TilesetContent content, ContentMagic magic, const std::string& name, const std::string& key,
                      const Context& here) {
+    memory_.add(content_bytes + 2 * content.path.native().size(), key, "the tiles of the tileset");
     switch (magic) {
       case ContentMagic::glb:
         content.kind = ContentKind::glb;
@@ -254,7 +247,7 @@ class Reader {
         content.kind = ContentKind::gltf;
         return {{std::move(content)}, false};
       case ContentMagic::points:
-        skip(here, key, name + " holds points, which have no surface", true);
+        skip_points(content, name, key, here);
         return {};
       default:
         skip(here, key, name + " is neither glTF nor a tile of 3D Tiles", false);
@@ -293,15 +286,13 @@ class Reader {
     return read_document(file, read_json(inside.files, file), inside);
   }
 
-  Json read_json(const SourceFiles& files, const Path& path) {
+  TilesetDocument read_json(const SourceFiles& files, const Path& path) {
     const std::vector<std::uint8_t> text = files.read_content(path);
     external_bytes_ += std::max<std::uint64_t>(text.size(), least_external_bytes);
     if (external_bytes_ > most_external_bytes)
       throw InputError(path, "", "external tilesets include each other too often: over 4 GiB, or over 2^18 files");
-    return parse_json(path, text);
+    return parse_tileset(path, text, progress_);
   }
-
-  static bool is_tileset(const Json& json) { return json.is_object() && json.contains("root"); }
 
   static void join(Subtree& to, Subtree from) {
     if (to.contents.empty())
@@ -309,6 +300,17 @@ class Reader {
     else
       to.contents.insert(to.contents.end(), from.contents.begin(), from.contents.end());
     to.is_missing_some |= from.is_missing_some;
+  }
+
+  void skip_points(const TilesetContent& content, const std::string& name, const std::string& key,
+                   const Context& here) {
+    TileRef tile;
+    tile.path = content.path;
+    tile.range = content.range;
+    tile.archive = content.archive;
+    const SkippedSource points = skipped_points(tile, here.files, name);
+    skip(here, key, name + " " + points.reason, true);
+    out_.skipped.back().points = points.points;
   }
 
   void skip(const Context& here, const std::string& key, const std::string& reason, bool informative) {
@@ -319,15 +321,24 @@ class Reader {
 
   Path root_;  ///< that names of losses are relative to
   Tileset& out_;
+  const Progress& progress_;
+  TilesetInclusions inclusions_;
+  struct {
+    std::string uri;
+    Path base, path;
+  } last_;                        ///< that was resolved
   std::vector<Path> open_files_;  ///< from the first tileset to the one being read
   std::uint64_t tiles_ = 0, external_bytes_ = 0;
+  MemoryClaim memory_;
 };
 
 }  // namespace
 
-Tileset open_tileset(const SourceFiles& files, const std::filesystem::path& file, const Json& json) {
+Tileset open_tileset(const SourceFiles& files, const std::filesystem::path& file, const TilesetDocument& document,
+                     const Progress& progress) {
+  progress.step("reading the tileset", 0, "tiles");
   Tileset tileset;
-  tileset.contents = Reader(files.root(), tileset).read_document(file, json, {files, file}).contents;
+  tileset.contents = Reader(files.root(), tileset, progress).read_document(file, document, {files, file}).contents;
   return tileset;
 }
 

@@ -8,6 +8,7 @@
 #include "format/source.h"
 #include "format/source_file.h"
 #include "format/source_files.h"
+#include "format/tileset_document.h"
 
 namespace gigabake {
 
@@ -32,9 +33,10 @@ struct Tileset {
 /// available. With REPLACE a tile's content counts only where it has no finer one:
 /// below; where a finer file is missing, the nearest ancestor's content stands in for all of its descendants, so that
 /// no surface is there twice, and the missing file is listed.
-/// `json`: what `file` holds.
+/// `document`: what `file` holds.
 /// Errors  InputError: malformed JSON or subtrees, a cycle of external tilesets or more than 2^24 tiles with them, more
-///         than 2^16 losses, URIs leaving files.root(), extensions that are required and not known.
-Tileset open_tileset(const SourceFiles& files, const std::filesystem::path& file, const Json& json);
+///         than 2^16 losses, URIs leaving files.root(), extensions that are required and not known. Stopped.
+Tileset open_tileset(const SourceFiles& files, const std::filesystem::path& file, const TilesetDocument& document,
+                     const Progress& progress = {});
 
 }  // namespace gigabake

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <numeric>
 #include <optional>
-#include <set>
 
 #include "format/brick_walk.h"
-#include "format/cell_window.h"
 #include "format/content_hash.h"
 #include "format/error.h"
 #include "format/parallel.h"
+#include "format/scene_check.h"
 #include "format/shard_of_scene.h"
 #include "format/shard_reader.h"
 
@@ -69,30 +68,30 @@ std::vector<std::string> check_cell(const SceneDescription& scene, const SceneCe
   return faults.lines;
 }
 
-/// Cells are windows of one lattice: no two may overlap, or share a name or a file.
-std::vector<std::string> check_scene(const std::filesystem::path& scene_xml, const SceneDescription& scene) {
-  Faults faults(scene_xml);
-  const CellFinder finder(scene.cells);
-  std::set<std::string> names, files;
-  for (std::size_t i = 0; i < scene.cells.size(); ++i) {
-    const SceneCell& cell = scene.cells[i];
-    faults.expect(names.insert(cell.name).second, cell.name, "another cell has the same name");
-    faults.expect(files.insert(cell.file).second, cell.name, "another cell has the same TreeFile");
-    for (const std::size_t other : finder.overlapping(window_of(cell)))
-      faults.expect(other <= i, cell.name, "overlaps cell " + scene.cells[other].name);
-  }
-  return faults.lines;
+std::vector<std::string> check_scene(const std::filesystem::path& scene_xml, const SceneReading& reading) {
+  std::vector<std::string> lines;
+  for (const auto& faults :
+       {reading.faults, faults_of_parameters(reading), faults_of_cells(reading), overlaps_of_cells(reading.scene)})
+    for (const SceneFault& fault : faults) lines.emplace_back(error_of(scene_xml, fault).what());
+  return lines;
 }
 
 }  // namespace
 
-VerifyResult verify_scene(const std::filesystem::path& scene_xml, int threads) {
-  const SceneDescription scene = read_scene(scene_xml);
+VerifyResult verify_scene(const std::filesystem::path& scene_xml, int threads, const Progress& progress) {
+  progress.step("reading the scene");
+  const SceneReading reading = read_scene_text(scene_xml);
+  const SceneDescription& scene = reading.scene;
   VerifyResult result;
-  result.faults = check_scene(scene_xml, scene);
+  result.has_totals = reading.said.has_value();
+  result.faults = check_scene(scene_xml, reading);
+  std::uint64_t all_bytes = 0;
+  for (const SceneCell& cell : scene.cells) all_bytes += cell.bytes;
+  progress.step("checking the shards", all_bytes);
   std::vector<std::vector<std::string>> of_cell(scene.cells.size());
   parallel_ranges(scene.cells.size(), 1, threads, [&](std::size_t i, std::size_t) {
     of_cell[i] = check_cell(scene, scene.cells[i], scene_xml.parent_path() / scene.cells[i].file);
+    progress.advance(scene.cells[i].bytes);
   });
   for (std::size_t i = 0; i < scene.cells.size(); ++i) {
     const SceneCell& cell = scene.cells[i];

@@ -63,21 +63,23 @@ TilesetCube cube_of(const std::filesystem::path& scene_xml, const SceneDescripti
 class TilesetWriter {
  public:
   TilesetWriter(const std::filesystem::path& target, const std::filesystem::path& folder, const SceneDescription& scene,
-                const TilesetCube& cube)
+                const TilesetCube& cube, const Progress& progress)
       : target_(target),
         folder_(folder),
         scene_(scene),
         cube_(cube),
+        progress_(progress),
         files_(target, folder, scene.has_normals),
         tiles_(cube.levels) {}
 
   /// The tiles of a level that the shards have.
   void write_level(const std::filesystem::path& scene_xml, int lod) {
+    progress_.step(fmt::format("writing the tiles of lod {}", lod), voxels_of_level(scene_xml, scene_, lod));
     Keys& keys = tiles_[cube_.tile_level(lod)];
     bool shared = false;  // whether a tile can be of several bricks
     for (const SceneCell& cell : scene_.cells)
       for (const std::int64_t x : cell.lattice_min) shared |= (x >> lod & 7) != 0;
-    for_each_block_part(scene_xml, scene_, lod, [&](const LevelIndex& lowest, const DenseBrick& part) {
+    const auto add = [&](const LevelIndex& lowest, const DenseBrick& part) {
       const BrickPosition at{tile_place(lowest, 0, lod), tile_place(lowest, 1, lod), tile_place(lowest, 2, lod)};
       const std::uint64_t key = brick_key(at);
       VoxelTile tile;
@@ -85,7 +87,8 @@ class TilesetWriter {
       add_voxels(tile, part, scene_.has_normals);
       write(cube_.tile_level(lod), key, tile);
       keys.push_back(key);
-    });
+    };
+    for_each_block_part(scene_xml, scene_, lod, add, progress_);
     std::sort(keys.begin(), keys.end());
     keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
     add_missing_parents(cube_.tile_level(lod));
@@ -94,7 +97,9 @@ class TilesetWriter {
   /// The tiles above those, each of eight.
   void write_coarser_level(std::uint32_t level) {
     const Keys& below = tiles_[level + 1];
+    progress_.step("writing coarser tiles", below.size());
     for (std::size_t i = 0; i < below.size();) {
+      const std::size_t first = i;
       const std::uint64_t key = below[i] >> 3;
       std::array<std::optional<VoxelTile>, 8> read;
       std::array<const VoxelTile*, 8> children{};
@@ -105,12 +110,14 @@ class TilesetWriter {
       }
       write(level, key, coarser_tile(children));
       tiles_[level].push_back(key);
+      progress_.advance(i - first);
     }
   }
 
   void write_subtrees() const {
     for (std::uint32_t level = 0; level < tiles_.size(); level += subtree_levels)
       for (const std::uint64_t root : tiles_[level]) {
+        progress_.advance(0);
         OutputFile out(target_, folder_ / ("subtrees/" + place(level, root) + ".subtree"));
         out.write(subtree_file(tiles_, level, root));
         out.finish();
@@ -218,19 +225,21 @@ class TilesetWriter {
   const std::filesystem::path& folder_;
   const SceneDescription& scene_;
   TilesetCube cube_;
+  const Progress& progress_;
   VoxelTileFiles files_;
   TileLevels tiles_;
 };
 
 }  // namespace
 
-std::uint64_t export_3dtiles(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& folder) {
+std::uint64_t export_3dtiles(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& folder,
+                             const Progress& progress) {
   const SceneDescription scene = read_scene(scene_xml);
   const std::uint64_t voxels = voxels_of_level(scene_xml, scene, lod);
   if (scene.cells.empty()) throw InputError(scene_xml, "PagedOctTree", "the scene has no cells");
   const TilesetCube cube = cube_of(scene_xml, scene, lod);
   FolderPublication publication(folder);
-  TilesetWriter writer(publication.target(), publication.aside(), scene, cube);
+  TilesetWriter writer(publication.target(), publication.aside(), scene, cube, progress);
   for (int level = lod; level <= cube.coarsest; ++level) writer.write_level(scene_xml, level);
   for (std::uint32_t level = cube.tile_level(cube.coarsest); level > 0; --level) writer.write_coarser_level(level - 1);
   writer.write_subtrees();

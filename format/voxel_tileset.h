@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "format/progress.h"
+
 namespace gigabake {
 
 /// A new folder: tileset.json, one implicit oct-tree over the whole scene (subtrees/), a binary glTF for each 8³ voxels
@@ -13,6 +15,7 @@ namespace gigabake {
 /// Cost    One level of one cell and at most 24 bytes a tile in memory.
 /// Errors  InputError: no such level, damaged shards, disk full, the folder is there already. Nothing is left behind.
 /// Returns the number of voxels of level `lod`.
-std::uint64_t export_3dtiles(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& folder);
+std::uint64_t export_3dtiles(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& folder,
+                             const Progress& progress = {});
 
 }  // namespace gigabake

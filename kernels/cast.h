@@ -26,6 +26,19 @@ struct CastHaze {
   float per_voxel = 0;
 };
 
+/// From light to what a screen shows: light · exposure as it is up to the knee; what is brighter is bent so that it
+/// stays below 1, whites beside each other differ, and there is no edge at the knee.
+struct CastTone {
+  float exposure = 1;
+  float knee = 1;  ///< 0 to 1; 1: light beyond 1 is cut off
+};
+
+/// Rises with light ≥ 0.
+GB_HD float shown_light(const CastTone& tone, float light) {
+  const float exposed = light * tone.exposure, rest = 1 - tone.knee, over = exposed - tone.knee;
+  return over <= 0 || rest <= 0 ? exposed : tone.knee + rest * (over / (over + rest));
+}
+
 /// What a ray makes of what is there.
 enum class CastPaint : std::int32_t {
   shaded,  ///< the voxels' radiance
@@ -41,6 +54,7 @@ struct CastCamera {
   std::int32_t width = 0, height = 0;
   double lod1_depth = 0;  ///< depth (along forward) from which voxels of lod 1 are at most a pixel wide; > 0
   CastHaze haze;
+  CastTone tone;
   CastPaint paint = CastPaint::shaded;
 };
 
@@ -237,12 +251,17 @@ GB_HD float stop_light(const CastSample& s, const float across[3], float part, i
   return before < 1 ? ray.transmittance * ((hidden_by(ray.covered, lod) - before) / (1 - before)) : ray.transmittance;
 }
 
+/// A brick that stands for finer ones which are not here counts as more surface than it holds, the more the coarser it
+/// is: where it borders on one of another level neither holds the whole of a surface that passes through both, and
+/// ground that lets the sky through is worse than an edge that is too thick until the rest comes.
+GB_HD float solidity(const CastPlace& place, const CastRay& ray) { return float(1 + place.lod - ray.lod); }
+
 /// The sample stands for `steps` points of the ray's level.
 GB_HD void composite(const CastSample& s, const CastLine& line, const CastPlace& place, std::int64_t steps,
                      double distance, const CastHaze& haze, CastPaint paint, CastRay& ray) {
   const float seen = exp_minus(float(distance) * haze.per_voxel);
   const double way = double(steps) * step_length(ray.lod);
-  const float weight = stop_light(s, line.across, float(way / (2 * place.half)), place.lod, ray);
+  const float weight = stop_light(s, line.across, solidity(place, ray) * float(way / (2 * place.half)), place.lod, ray);
   float rgb[3];
   radiance_of(s, place, paint, rgb);
   for (int k = 0; k < 3; ++k) ray.rgb[k] += weight * (rgb[k] * seen + haze.rgb[k] * (1 - seen));

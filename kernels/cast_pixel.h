@@ -1,4 +1,4 @@
-/// From a finished ray to a pixel: what is behind it, in linear light; and as straight alpha, sRGB.
+/// From a finished ray to a pixel: what is behind it, in linear light; and as a screen shows it, straight alpha, sRGB.
 #pragma once
 
 #include <cstddef>
@@ -44,13 +44,42 @@ GB_HD CastLinear linear_pixel(const CastRay& ray, const CastLine& line, const Ca
   return out;
 }
 
-GB_HD void write_srgb(const CastLinear& pixel, const Tables& tables, std::uint8_t out[4]) {
-  const float alpha = pixel.rgba[3];
+/// What a screen shows of a channel: straight alpha. A sky is light as the surface is; a colour behind stays itself.
+GB_HD float shown_channel(const CastRay& ray, const CastLinear& light, const CastTone& tone, const CastBackground& back,
+                          int channel) {
+  if (back.has_sky) return shown_light(tone, light.rgba[channel]);
+  const float surface = 1 - ray.transmittance, straight = surface > 0 ? ray.rgb[channel] / surface : 0;
+  const float gain = straight > 0 ? shown_light(tone, straight) / straight : 1;
+  const float shown = ray.rgb[channel] * gain + ray.transmittance * back.rgb[channel];
+  return light.rgba[3] > 0 ? shown / light.rgba[3] : 0;
+}
+
+/// 0 to 63 in an 8 × 8 square of pixels, neighbours far apart.
+/// Source  Bayer 1973.
+GB_HD std::uint32_t dither_rank(std::uint32_t x, std::uint32_t y) {
+  const std::uint32_t d = x ^ y;
+  return (d & 1) << 5 | (y & 1) << 4 | (d & 2) << 2 | (y & 2) << 1 | (d & 4) >> 1 | (y & 4) >> 2;
+}
+
+/// The code below or above, so that the mean over 64 ranks lies as far between the two as the light does.
+GB_HD std::uint8_t dithered_srgb(const Tables& tables, std::uint32_t linear, std::uint32_t rank) {
+  std::uint32_t low = tables.srgb_from_linear[linear];
+  if (tables.linear_from_srgb[low] > linear) --low;
+  if (low == 255) return 255;
+  const std::uint32_t from = tables.linear_from_srgb[low], to = tables.linear_from_srgb[low + 1];
+  return std::uint8_t(low + ((linear - from) * 128 > (to - from) * (2 * rank + 1) ? 1 : 0));
+}
+
+/// A sky's gradient is wider than 8-bit codes are close: it is dithered, surfaces are rounded.
+GB_HD void write_srgb(const CastRay& ray, const CastLinear& light, const CastTone& tone, const CastBackground& back,
+                      const Tables& tables, std::uint32_t rank, std::uint8_t out[4]) {
+  const bool shows_sky = back.has_sky && ray.transmittance > 0;
   for (int k = 0; k < 3; ++k) {
-    const float straight = alpha > 0 ? pixel.rgba[k] / alpha : 0;
-    out[k] = tables.srgb_from_linear[std::size_t((straight < 1 ? straight : 1) * 65535 + 0.5f)];
+    const float shown = shown_channel(ray, light, tone, back, k);
+    const auto linear = std::uint32_t((shown < 1 ? shown : 1) * 65535 + 0.5f);
+    out[k] = shows_sky ? dithered_srgb(tables, linear, rank) : tables.srgb_from_linear[linear];
   }
-  out[3] = std::uint8_t(alpha * 255 + 0.5f);
+  out[3] = std::uint8_t(light.rgba[3] * 255 + 0.5f);
 }
 
 /// Where the pixels of a tile go, its rows one after the other; null: not asked for.
@@ -61,11 +90,14 @@ struct CastPixels {
 };
 
 /// Pixel i of the tile.
-GB_HD void write_pixel(const CastRay& ray, const CastLine& line, const CastBackground& back, const Tables& tables,
-                       std::size_t i, const CastPixels& out) {
-  const CastLinear pixel = linear_pixel(ray, line, back);
-  if (out.srgb != nullptr) write_srgb(pixel, tables, out.srgb + 4 * i);
-  for (std::size_t k = 0; out.linear != nullptr && k < 4; ++k) out.linear[4 * i + k] = pixel.rgba[k];
+GB_HD void write_pixel(const CastRay& ray, const CastLine& line, const CastTone& tone, const CastTile& tile,
+                       const CastBackground& back, const Tables& tables, std::size_t i, const CastPixels& out) {
+  const CastLinear light = linear_pixel(ray, line, back);
+  const auto width = std::size_t(tile.width);
+  const std::uint32_t rank =
+      dither_rank(std::uint32_t(tile.x) + std::uint32_t(i % width), std::uint32_t(tile.y) + std::uint32_t(i / width));
+  if (out.srgb != nullptr) write_srgb(ray, light, tone, back, tables, rank, out.srgb + 4 * i);
+  for (std::size_t k = 0; out.linear != nullptr && k < 4; ++k) out.linear[4 * i + k] = light.rgba[k];
   if (out.depth != nullptr) out.depth[i] = ray.depth;
 }
 

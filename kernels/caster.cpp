@@ -44,18 +44,18 @@ class CpuCaster final : public Caster {
     camera_ = camera;
     tile_ = tile;
     rays_.resize(std::size_t(tile.width) * std::size_t(tile.height));
-    for_each_ray(0, rays_.size(), [&](const CastLine& line, CastRay& ray) { ray = start_ray(scene_, line); });
+    for_each_ray(0, rays_.size(), {}, [&](const CastLine& line, CastRay& ray) { ray = start_ray(scene_, line); });
   }
 
-  std::size_t cast(std::size_t begin, std::size_t end, bool patient) override {
+  std::size_t cast(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
     ++scene_.pass;
     std::atomic<std::size_t> unfinished{0};
-    for_each_ray(begin, end, [&](const CastLine& line, CastRay& ray) {
+    const bool whole = for_each_ray(begin, end, stop, [&](const CastLine& line, CastRay& ray) {
       if (ray.lod < 0) return;
       cast_ray(scene_, camera_, line, patient, ray);
       if (ray.lod >= 0) unfinished.fetch_add(1, std::memory_order_relaxed);
     });
-    return unfinished;
+    return whole ? unfinished.load() : std::max<std::size_t>(unfinished, 1);
   }
 
   std::vector<std::uint32_t> wanted() override {
@@ -71,18 +71,21 @@ class CpuCaster final : public Caster {
 
   void resolve(const CastBackground& background, const CastPixels& out) override {
     const Tables tables = TableStore::host().view();
-    for_each_ray(0, rays_.size(), [&](const CastLine& line, CastRay& ray) {
-      write_pixel(ray, line, background, tables, std::size_t(&ray - rays_.data()), out);
+    for_each_ray(0, rays_.size(), {}, [&](const CastLine& line, CastRay& ray) {
+      write_pixel(ray, line, camera_.tone, tile_, background, tables, std::size_t(&ray - rays_.data()), out);
     });
   }
 
  private:
+  /// False where `stop` ended it before the last block of rays.
   template <class Body>
-  void for_each_ray(std::size_t begin, std::size_t end, const Body& body) {
+  bool for_each_ray(std::size_t begin, std::size_t end, const StopAsked& stop, const Body& body) {
+    std::atomic<bool> stopped{false};
     const auto across = std::size_t(tile_.width + block_edge - 1) / block_edge;
     const auto down = std::size_t(tile_.height + block_edge - 1) / block_edge;
     policy_.parallel_for(across * down, blocks_per_range, [&](std::size_t first, std::size_t last, int) {
-      for (std::size_t b = first; b < last; ++b) {
+      if (stop && !stopped && stop()) stopped = true;
+      for (std::size_t b = first; b < last && !stopped; ++b) {
         const int x0 = int(b % across) * block_edge, y0 = int(b / across) * block_edge;
         for (int y = y0; y < std::min(y0 + block_edge, tile_.height); ++y)
           for (int x = x0; x < std::min(x0 + block_edge, tile_.width); ++x) {
@@ -91,6 +94,7 @@ class CpuCaster final : public Caster {
           }
       }
     });
+    return !stopped;
   }
 
   const CpuPolicy& policy_;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -32,6 +33,9 @@ struct NodeChange {
   CastNode value;
 };
 
+/// Whether work that is under way is to end early. Asked by several threads, every millisecond or so; empty: never.
+using StopAsked = std::function<bool()>;
+
 /// Errors of all members  CudaFailure, from a GPU's.
 class Caster {
  public:
@@ -45,8 +49,9 @@ class Caster {
   virtual void start(const CastCamera& camera, const CastTile& tile) = 0;
 
   /// One pass: goes on with rays [begin, end) of the tile that are not finished. Returns how many still are not:
-  /// patient ones stop at what is not here, others end.
-  virtual std::size_t cast(std::size_t begin, std::size_t end, bool patient) = 0;
+  /// patient ones stop at what is not here, others end. Where `stop` ends the pass early, rays that it has not reached
+  /// stay as they were, the result is above 0, and another pass goes on with the same bits.
+  virtual std::size_t cast(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) = 0;
 
   /// What rays of the last pass missed: 2·node + Want, in no order.
   virtual std::vector<std::uint32_t> wanted() = 0;

@@ -55,7 +55,8 @@ __global__ void write_pixels(CastScene scene, CastCamera camera, CastTile tile, 
   int x, y;
   if (!pixel_of_thread(tile, x, y)) return;
   const std::size_t i = std::size_t(y) * std::size_t(tile.width) + std::size_t(x);
-  write_pixel(rays[i], line_of_sight(scene, camera, tile.x + x, tile.y + y), background, tables, i, out);
+  write_pixel(rays[i], line_of_sight(scene, camera, tile.x + x, tile.y + y), camera.tone, tile, background, tables, i,
+              out);
 }
 
 /// A block a brick.
@@ -152,7 +153,9 @@ class CudaCaster final : public Caster {
     check_launch("start_rays");
   }
 
-  std::size_t cast(std::size_t begin, std::size_t end, bool patient) override {
+  /// A tile's pass takes a few milliseconds at most, so `stop` is asked before it alone.
+  std::size_t cast(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
+    if (stop && stop()) return end - begin;
     use_device();
     ++scene_.pass;
     unfinished_.clear_to_zero();

@@ -55,8 +55,8 @@ Json parsed(const fs::path& file, std::string_view text) {
     return Json::parse(text.begin(), text.end(), shallow);
   } catch (const Json::parse_error& e) {
     throw InputError(file, "", "not valid JSON", std::uint64_t(e.byte));
-  } catch (const Json::exception& e) {
-    throw InputError(file, "", e.what());
+  } catch (const Json::exception&) {
+    throw InputError(file, "", "not valid JSON: holds a number that is out of range");
   }
 }
 

@@ -91,12 +91,14 @@ void BakeStatusRecord::handed_out(std::uint32_t job, int rank, double now_s) {
   w.since_s = now_s;
   w.hand.push_back(job);
   ++status_.cells.running;
+  time_left_.begins(std::size_t(rank), now_s);
 }
 
 void BakeStatusRecord::cell_done(const CellReport& report, double now_s) {
   const std::int32_t holder = cells_.at(report.id).holder;
+  if (holder != nobody && !cells_.at(report.id).settled)
+    time_left_.ends(std::size_t(holder), costs_.at(report.id), now_s);
   if (!settle(report.id, now_s)) return;
-  cost_done_ += costs_.at(report.id);
   report.outcome == CellOutcome::empty ? ++status_.cells.empty : ++status_.cells.done;
   const std::uint64_t voxels = voxels_of(report);
   status_.voxels += voxels;
@@ -169,6 +171,7 @@ void BakeStatusRecord::release(std::uint32_t job, double now_s) {
   Worker& w = worker(cell.holder);
   std::erase(w.hand, job);
   w.since_s = now_s;
+  if (w.hand.empty()) time_left_.rests(std::size_t(cell.holder));
   cell.holder = nobody;
   --status_.cells.running;
 }
@@ -200,8 +203,8 @@ void BakeStatusRecord::note_slow(const CellReport& r, std::int32_t holder) {
 /// Cells differ by orders of magnitude, so it is their cost that is extrapolated.
 std::optional<double> BakeStatusRecord::left_s(double now_s) const {
   if (status_.state == BakeState::complete || status_.state == BakeState::incomplete) return 0;
-  if (status_.state != BakeState::baking || !(cost_done_ > 0) || !(now_s > planned_s_)) return {};
-  return (now_s - planned_s_) * std::max(0.0, cost_left_) / cost_done_;
+  if (status_.state != BakeState::baking) return {};
+  return time_left_.left_s(std::max(0.0, cost_left_), now_s);
 }
 
 }  // namespace gigabake

@@ -8,6 +8,7 @@
 
 #include "format/cell_job.h"
 #include "scheduler/bake_status.h"
+#include "scheduler/time_left.h"
 
 namespace gigabake {
 
@@ -93,7 +94,8 @@ class BakeStatusRecord {
   std::vector<Cell> cells_;
   std::vector<Worker> workers_;  ///< by rank
   RecentWork recent_;
-  double planned_s_ = 0, cost_left_ = 0, cost_done_ = 0;
+  TimeLeft time_left_;  ///< cells in the hands of ranks
+  double planned_s_ = 0, cost_left_ = 0;
 };
 
 }  // namespace gigabake

@@ -1,4 +1,4 @@
-/// What a plan will cost, from its triangles alone.
+/// What a plan will cost, from its triangles alone; scheduler/size_estimate.h knows voxels, bytes and time.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,6 @@ namespace gigabake {
 struct PlanEstimate {
   std::uint64_t largest_cell_triangles = 0;
   std::uint64_t kernel_bytes = 0;  ///< working memory of the largest cell, with no --memory
-  double core_seconds = 0;         ///< reading and writing excluded
 };
 
 /// Exact  Orders of magnitude: cost follows voxels as much as triangles, and nobody has counted those yet.

@@ -1,6 +1,8 @@
 #include "scheduler/plan.h"
 
 #include <algorithm>
+#include <fmt/format.h>
+#include <set>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -100,36 +102,67 @@ void add_column(std::span<const TileColumn> column, std::uint32_t cell_voxels, s
   }
 }
 
-void add_columns(const std::vector<TileSurvey>& surveys, std::uint32_t cell_voxels, std::vector<CellJob>& jobs) {
+void add_columns(const std::vector<TileSurvey>& surveys, std::uint32_t cell_voxels, const Progress& progress,
+                 std::vector<CellJob>& jobs) {
   const std::vector<TileColumn> all = by_column(surveys);
   jobs.reserve(columns_in(all));  // few columns have more than one cell
+  progress.step("planning the cells", all.size());
   for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
     while (end < all.size() && same_column(all[begin], all[end])) ++end;
     add_column(std::span(all).subspan(begin, end - begin), cell_voxels, jobs);
+    progress.advance(end - begin);
   }
 }
 
-void add_counts(const std::vector<TileSurvey>& surveys, const SceneSources& sources, BakePlan& plan) {
-  for (const SkippedSource& s : sources.skipped)
+/// A file that stands in many places is one.
+void add_warnings(const std::vector<TileSurvey>& surveys, const SceneSources& sources, BakePlan& plan) {
+  std::set<std::string> said;
+  for (const TileSurvey& s : surveys)
+    for (const std::string& warning : s.warnings)
+      if (std::string line = sources.tiles[s.tile].name + ": " + warning; said.insert(line).second)
+        plan.warnings.push_back(std::move(line));
+}
+
+/// What a tile loses though it can be read.
+SceneLoss far_loss(const TileSurvey& s, const std::string& tile, double voxel_size_m) {
+  const double needed_m = s.reach_m / double(longest_side_voxels);
+  return {
+      fmt::format("{} triangle{} of tile {}", s.too_far, s.too_far == 1 ? "" : "s", tile),
+      fmt::format("up to {:.3g} voxels ({:.3g} m) long, but at most {} can be baked; mend the vertex that lies so far "
+                  "away, or take --voxel-size {:.3g} or larger",
+                  s.reach_m / voxel_size_m, s.reach_m, longest_side_voxels, needed_m * 1.005)};
+}
+
+void add_counts(const std::vector<TileSurvey>& surveys, const SceneSources& sources, double voxel_size_m,
+                BakePlan& plan) {
+  for (const SkippedSource& s : sources.skipped) {
     if (!s.informative) plan.losses.push_back({s.name, s.reason});
+    plan.skipped_points += s.points;
+  }
   for (const TileSurvey& s : surveys) {
     plan.triangles += s.triangles;
+    plan.tile_triangles.push_back(s.triangles);
+    plan.tile_crossings.push_back(0);
+    for (const ColumnExtent& c : s.columns) plan.tile_crossings.back() += c.crossings;
     plan.non_finite += s.non_finite;
     plan.zero_area += s.zero_area;
     plan.skipped_points += s.skipped_points;
     plan.skipped_lines += s.skipped_lines;
     if (!s.error.empty()) plan.losses.push_back({"tile " + sources.tiles[s.tile].name, s.error});
+    if (s.too_far != 0) plan.losses.push_back(far_loss(s, sources.tiles[s.tile].name, voxel_size_m));
   }
 }
 
 void name_jobs(const std::vector<TileSurvey>& surveys, const SceneSources& sources, const BakeParameters& parameters,
-               std::vector<CellJob>& jobs) {
+               const Progress& progress, std::vector<CellJob>& jobs) {
   std::sort(jobs.begin(), jobs.end(), [](const CellJob& a, const CellJob& b) {
     return std::tie(a.lattice_min[2], a.lattice_min[1], a.lattice_min[0]) <
            std::tie(b.lattice_min[2], b.lattice_min[1], b.lattice_min[0]);
   });
   const CellFingerprints fingerprints(parameters, sources.origin);
+  progress.step("naming the cells", jobs.size());
   for (std::size_t i = 0; i < jobs.size(); ++i) {
+    progress.advance();
     jobs[i].id = std::uint32_t(i);
     for (const std::uint32_t tile : jobs[i].tiles) jobs[i].tile_sources.push_back(surveys[tile].source);
     jobs[i].fingerprint = fingerprints.of(jobs[i], jobs[i].tile_sources);
@@ -149,14 +182,17 @@ CellStack stack_over(std::int64_t z_min, std::int64_t z_end, std::int64_t cell_v
   }
 }
 
-BakePlan make_plan(std::vector<TileSurvey> surveys, const SceneSources& sources, const BakeParameters& parameters) {
+BakePlan make_plan(std::vector<TileSurvey> surveys, const SceneSources& sources, const BakeParameters& parameters,
+                   const Progress& progress) {
+  progress.step("planning");
   std::sort(surveys.begin(), surveys.end(), [](const TileSurvey& a, const TileSurvey& b) { return a.tile < b.tile; });
   refuse_spread_tiles(surveys, parameters.cell_voxels);
   BakePlan plan;
-  add_counts(surveys, sources, plan);
+  add_counts(surveys, sources, parameters.voxel_size_m, plan);
+  add_warnings(surveys, sources, plan);
   plan.precision = source_precision(surveys, sources, parameters.voxel_size_m);
-  add_columns(surveys, parameters.cell_voxels, plan.jobs);
-  name_jobs(surveys, sources, parameters, plan.jobs);
+  add_columns(surveys, parameters.cell_voxels, progress, plan.jobs);
+  name_jobs(surveys, sources, parameters, progress, plan.jobs);
   return plan;
 }
 

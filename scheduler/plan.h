@@ -3,10 +3,12 @@
 /// Exact  A pure function: equal surveys give equal plans, in whatever order they arrived.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "format/cell_job.h"
 #include "format/parameters.h"
+#include "format/progress.h"
 #include "format/source.h"
 #include "format/survey.h"
 #include "scheduler/source_precision.h"
@@ -16,8 +18,12 @@ namespace gigabake {
 struct BakePlan {
   std::vector<CellJob> jobs;  ///< by lattice_min z, y, x; jobs[i].id is i
   std::uint64_t triangles = 0, non_finite = 0, zero_area = 0, skipped_points = 0, skipped_lines = 0;
+  /// Of each of sources.tiles: ColumnExtent::crossings of all its columns.
+  std::vector<std::uint64_t> tile_crossings;
+  std::vector<std::uint64_t> tile_triangles;
   SourcePrecision precision;
-  std::vector<SceneLoss> losses;  ///< what the source lacks, then tiles that could not be read or placed
+  std::vector<std::string> warnings;  ///< of tiles that are baked otherwise than their files have it; one line each
+  std::vector<SceneLoss> losses;      ///< what the source lacks, then tiles that could not be read or placed
 };
 
 /// A tile that needs more cells than these is lost with a line that says so: its unit is wrong, or one vertex is.
@@ -25,7 +31,9 @@ inline constexpr std::int64_t most_cells_of_a_tile = std::int64_t(1) << 21;
 
 /// surveys: one for each of sources.tiles. A stack is centred on its column's height and starts at a multiple of the
 /// coarsest level's voxel, so that every level of every cell lies on one grid; cells that no tile reaches are left out.
-BakePlan make_plan(std::vector<TileSurvey> surveys, const SceneSources& sources, const BakeParameters& parameters);
+/// Errors  Stopped.
+BakePlan make_plan(std::vector<TileSurvey> surveys, const SceneSources& sources, const BakeParameters& parameters,
+                   const Progress& progress = {});
 
 /// Lowest voxel and number of cells of the stack over [z_min, z_end). Range  z_min < z_end.
 struct CellStack {

@@ -128,11 +128,12 @@ Verdict Schedule::finished(int worker, std::uint32_t job, std::uint32_t attempt,
   return Verdict::accepted;
 }
 
-Verdict Schedule::failed(int worker, std::uint32_t job, std::uint32_t attempt, const std::string& error, double now_s) {
+Verdict Schedule::failed(int worker, std::uint32_t job, std::uint32_t attempt, const std::string& error, double now_s,
+                         Retry retry) {
   heard_from(worker, now_s);
   if (!is_current(worker, job, attempt) || job_[job].state != JobState::running) return Verdict::stale;
   take_back(workers_[std::size_t(worker)], job);
-  strike(job, error, now_s);
+  strike(job, error, now_s, retry);
   return Verdict::accepted;
 }
 
@@ -215,12 +216,13 @@ void Schedule::put_back(std::uint32_t job, double now_s) {
   pending_cost_ += cell_cost(jobs_[job]);
 }
 
-void Schedule::strike(std::uint32_t job, const std::string& error, double now_s) {
+void Schedule::strike(std::uint32_t job, const std::string& error, double now_s, Retry retry) {
   Trouble& t = trouble_[job];
   t.error = error;
   const int worker = job_[job].worker;
   if (std::find(t.failed_at.begin(), t.failed_at.end(), worker) == t.failed_at.end()) t.failed_at.push_back(worker);
-  if (++t.strikes < options_.strikes) return put_back(job, now_s);
+  t.is_final = retry == Retry::useless;
+  if (++t.strikes < options_.strikes && !t.is_final) return put_back(job, now_s);
   job_[job].state = JobState::failed;
   ++counts_.failed;
   set_aside_.push_back(job);
@@ -241,6 +243,7 @@ std::string Schedule::error(std::uint32_t job) const {
   const auto trouble = trouble_.find(job);
   if (trouble == trouble_.end() || trouble->second.strikes == 0) return {};
   const Trouble& t = trouble->second;
+  if (t.is_final) return t.error;
   return t.error + (t.strikes == 1 ? " (tried once)" : " (tried " + std::to_string(t.strikes) + " times)");
 }
 

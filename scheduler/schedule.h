@@ -41,6 +41,9 @@ struct Assignment {
   friend bool operator==(const Assignment&, const Assignment&) = default;
 };
 
+/// Whether a cell that failed may come out otherwise another time.
+enum class Retry : std::uint8_t { worth_it, useless };
+
 enum class Verdict : std::uint8_t {
   accepted,
   stale,  ///< of an attempt that does not count any more: nothing has changed
@@ -73,8 +76,10 @@ class Schedule {
 
   /// Accepted: the cell is done. Good news of a lost worker's cell count as long as nobody else was given it.
   Verdict finished(int worker, std::uint32_t job, std::uint32_t attempt, double now_s);
-  /// Accepted: a strike; the cell is tried again, elsewhere if somebody else is left, or set aside.
-  Verdict failed(int worker, std::uint32_t job, std::uint32_t attempt, const std::string& error, double now_s);
+  /// Accepted: a strike; the cell is tried again, elsewhere if somebody else is left, or set aside, at once where
+  /// another try is useless.
+  Verdict failed(int worker, std::uint32_t job, std::uint32_t attempt, const std::string& error, double now_s,
+                 Retry retry = Retry::worth_it);
   /// The process that baked for this worker is gone with all that it had. A cell that was alone with it gets a strike;
   /// several are suspects. The worker itself lives and may be given more.
   void process_died(int worker, const std::string& why, double now_s);
@@ -93,7 +98,7 @@ class Schedule {
   std::size_t out() const { return counts_.running; }
   JobCounts counts() const;
   JobState state(std::uint32_t job) const;
-  /// Of a job in trouble: its last error and how often it went wrong. Empty for others.
+  /// Of a job in trouble: its last error and, unless another try is useless, how often it went wrong. Empty for others.
   std::string error(std::uint32_t job) const;
 
  private:
@@ -105,7 +110,7 @@ class Schedule {
   /// Kept of jobs that went wrong until they are done.
   struct Trouble {
     int strikes = 0, losses = 0;
-    bool suspect = false;
+    bool suspect = false, is_final = false;
     double since_s = 0;          ///< when it came back
     std::vector<int> failed_at;  ///< workers, each once
     std::string error;
@@ -132,7 +137,7 @@ class Schedule {
   void take_back(Worker& w, std::uint32_t job);
   std::vector<std::uint32_t> empty_hand(Worker& w);
   void put_back(std::uint32_t job, double now_s);
-  void strike(std::uint32_t job, const std::string& error, double now_s);
+  void strike(std::uint32_t job, const std::string& error, double now_s, Retry retry = Retry::worth_it);
   void lose(int worker, double now_s);
 
   const std::vector<CellJob>& jobs_;

@@ -118,10 +118,12 @@ std::optional<TileSurvey> SurveyCache::find(const SceneSources& sources, std::ui
 }
 
 std::vector<std::optional<TileSurvey>> SurveyCache::find_all(const SceneSources& sources,
-                                                             const BakeParameters& parameters, int threads) const {
+                                                             const BakeParameters& parameters, int threads,
+                                                             const Progress& progress) const {
   std::vector<std::optional<TileSurvey>> found(sources.tiles.size());
   parallel_ranges(found.size(), 64, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) found[i] = find(sources, std::uint32_t(i), parameters);
+    progress.advance(end - begin);
   });
   return found;
 }

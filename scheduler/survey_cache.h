@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "format/parameters.h"
+#include "format/progress.h"
 #include "format/source.h"
 #include "format/survey.h"
 
@@ -29,7 +30,7 @@ class SurveyCache {
                                  const BakeParameters& parameters) const;
   /// By tile. Cost  Opens each file: 10^5 tiles of two files in 0.4 s on two threads and a local disk.
   std::vector<std::optional<TileSurvey>> find_all(const SceneSources& sources, const BakeParameters& parameters,
-                                                  int threads) const;
+                                                  int threads, const Progress& progress = {}) const;
   std::size_t size() const { return surveys_.size(); }
 
  private:

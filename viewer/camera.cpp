@@ -28,10 +28,7 @@ double length(const Vector& a) { return std::hypot(a[0], a[1], a[2]); }
 Vector unit(const Vector& a) { return a * (1 / length(a)); }
 
 void check_options(const CameraOptions& o) {
-  if (o.width < 1 || o.height < 1 || o.width > largest_edge || o.height > largest_edge ||
-      std::int64_t(o.width) * o.height > most_pixels)
-    throw UsageError("--size: " + std::to_string(o.width) + "x" + std::to_string(o.height) +
-                     " is no picture; expected 1 to 32768 a side and at most 2^28 pixels");
+  check_picture_size(o);
   if (!(o.fovy_deg >= 0.01 && o.fovy_deg <= 170)) throw UsageError("--fovy: expected 0.01 to 170 degrees");
   check_pixel_error(o.pixel_error);
 }
@@ -168,6 +165,13 @@ Vector framing_eye(const SceneDescription& scene, const PageSource& pages, const
 void set(double out[3], const Vector& v) { std::copy(v.begin(), v.end(), out); }
 
 }  // namespace
+
+void check_picture_size(const CameraOptions& o) {
+  if (o.width < 1 || o.height < 1 || o.width > largest_edge || o.height > largest_edge ||
+      std::int64_t(o.width) * o.height > most_pixels)
+    throw UsageError("--size: " + std::to_string(o.width) + "x" + std::to_string(o.height) +
+                     " is no picture; expected 1 to 32768 a side and at most 2^28 pixels");
+}
 
 void check_pixel_error(double pixel_error) {
   if (!(pixel_error >= finest_pixel_error && pixel_error <= coarsest_pixel_error))

@@ -26,6 +26,9 @@ struct CameraOptions {
   double pixel_error = 1;  ///< pixels that a voxel may be wide; finest_pixel_error to coarsest_pixel_error
 };
 
+/// Before memory is taken for a picture. Errors  UsageError: not 1 to 32768 pixels a side, or more than 2^28.
+void check_picture_size(const CameraOptions& options);
+
 /// Cost    Where eye or target are left open, one read of up to 256 cells' first page of nodes, one at a time.
 /// Errors  UsageError naming the option: not finite, no direction, sizes or angles out of range.
 kernels::CastCamera make_camera(const CameraOptions& options, const SceneDescription& scene, const PageSource& pages);

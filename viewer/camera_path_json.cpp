@@ -4,13 +4,14 @@
 #include "format/georeference.h"
 #include "format/read_file.h"
 #include "viewer/camera_path.h"
+#include "viewer/camera_rig.h"
 #include "viewer/json_members.h"
 
 namespace gigabake {
 namespace {
 
 constexpr std::uint64_t most_path_bytes = std::uint64_t(1) << 24;
-constexpr double farthest_m = 1e12, longest_s = 1e6;
+constexpr double longest_s = 1e6;
 
 enum class Coordinates { scene, geographic };
 const std::vector<std::string> coordinate_names{"scene", "geographic"};

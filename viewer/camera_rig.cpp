@@ -8,7 +8,7 @@ namespace gigabake {
 namespace {
 
 constexpr double pi = std::numbers::pi, steepest = CameraRig::steepest_deg * pi / 180;
-constexpr double farthest_m = 1e12, longest_step_s = 0.25, most_notches = 100, most_heights = 100;
+constexpr double longest_step_s = 0.25;
 constexpr double nearest_size_m = 1e-3;
 
 using P = Point<Scene>;

@@ -7,6 +7,11 @@
 
 namespace gigabake {
 
+/// Of any coordinate of a camera.
+inline constexpr double farthest_m = 1e12;
+/// Of one movement: heights of the picture dragged, notches of the wheel.
+inline constexpr double most_heights = 100, most_notches = 100;
+
 /// Where a camera stands and what it looks at. Space  Scene, metres.
 struct CameraPose {
   Point<Scene> eye_m, target_m;

@@ -8,7 +8,7 @@
 
 #include "format/brick_walk.h"
 #include "format/error.h"
-#include "format/shard_reader.h"
+#include "format/shard_of_scene.h"
 #include "viewer/first_hit_tree.h"
 
 namespace gigabake {
@@ -209,7 +209,7 @@ FirstHitScene build_first_hit_scene(const SceneDescription& scene, const std::fi
   try {
     for (const SceneCell& cell : scene.cells) {
       if (lod < 0 || lod >= int(cell.lods)) throw std::invalid_argument("no lod " + std::to_string(lod));
-      const ShardReader shard(scene_path.parent_path() / cell.file);
+      const ShardReader shard = open_shard_of_scene(scene_path, scene, cell);
       builder.add_cell(cell.lattice_min, shard.nodes(), shard.level(lod));
     }
     return builder.finish();

@@ -2,10 +2,10 @@
 
 #include <array>
 #include <chrono>
-#include <thread>
 #include <utility>
 
 #include "format/error.h"
+#include "format/host_limits.h"
 #include "kernels/cuda_error.h"
 
 namespace gigabake {
@@ -18,6 +18,12 @@ double since(Clock::time_point start) { return std::chrono::duration<double>(Clo
 Clock::time_point from_now(double seconds) {
   return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
+
+kernels::StopAsked after(double seconds) {
+  return [end = from_now(seconds)] { return Clock::now() >= end; };
+}
+
+bool is_asked(const kernels::StopAsked& stop) { return stop && stop(); }
 
 Point<Scene> to_scene_m(const SceneDescription& scene, const double voxels[3]) {
   std::array<double, 3> m;
@@ -87,7 +93,9 @@ struct FrameRenderer::State {
   View last;
   std::uint32_t frame_pass = 0;         ///< the first of the last frame
   bool put_in = false;                  ///< anything, by the last call
+  bool was_complete = false;            ///< no ray of the last frame missed anything
   double upload_s = 0;                  ///< of this frame
+  double waited_s = 0;                  ///< before it, for roots
   std::uint64_t bytes_read_before = 0;  ///< when `last` was first drawn
   bool starved = false;
   std::vector<std::string> problems;  ///< besides those of pages
@@ -96,7 +104,7 @@ struct FrameRenderer::State {
       : path(scene_path),
         options(wishes),
         scene(described),
-        policy(wishes.threads > 0 ? wishes.threads : int(std::thread::hardware_concurrency())) {}
+        policy(wishes.threads > 0 ? wishes.threads : host_limits().cores()) {}
 
   void fill(const Filling& wish) {
     if (stream && wish == filling) return;
@@ -136,49 +144,89 @@ struct FrameRenderer::State {
 
   kernels::CastCamera camera_of(const View& view) const {
     kernels::CastCamera camera = make_camera(view.camera, scene, source);
-    if (view.background.sky && view.mode == ViewMode::lit) camera.haze = air(stream->layout().scene);
+    if (view.mode == ViewMode::lit) camera.tone = screen_tone(options.exposure_stops);
+    if (view.background.sky && view.mode == ViewMode::lit)
+      camera.haze = air(options.haze_visibility_m, scene.voxel_size_m);
     camera.paint = paint_of(view.mode);
     return camera;
   }
 
-  void tell(FrameStats& stats, std::uint64_t uploads_before, Clock::time_point start) const {
-    stats.total_s = since(start);
-    stats.uploads = stream->uploads() - uploads_before;
+  void tell(FrameStats& stats) const {
     stats.pages_loading = stream->page_counts().queued;
     stats.bytes_held = stream->bytes_held();
     stats.bytes_allowed = stream->bytes_allowed();
     stats.starved = starved;
   }
 
-  /// budget_s: of this frame.
-  void put_in_wanted(const kernels::CastCamera& camera, double budget_s) {
+  void put_in_wanted(const kernels::CastCamera& camera, const SketchLimits& limits) {
     const auto start = Clock::now();
+    const kernels::StopAsked enough = [over = after(limits.upload_s - upload_s), &limits] {
+      return over() || is_asked(limits.stop);
+    };
     stream->begin_pass();
-    const SceneStream::Served served =
-        stream->serve(wanted, camera.eye, from_now(budget_s - upload_s), {frame_pass, true});
+    const SceneStream::Served served = stream->serve(wanted, camera.eye, enough, {frame_pass, true});
     starved = starved || is_starved(served);
     put_in = served.uploads > 0;
     upload_s += since(start);
   }
 
+  /// The view's rays are not cast before something stands for every cell, or the time is over.
+  void wait_for_roots(const kernels::CastCamera& camera, const SketchLimits& limits) {
+    const auto start = Clock::now();
+    stream->want_roots();
+    const kernels::StopAsked over = after(limits.roots_s);
+    while (stream->lacks_roots() && !over() && !is_asked(limits.stop)) {
+      put_in_wanted(camera, limits);
+      if (!put_in) stream->wait(std::chrono::milliseconds(5));
+    }
+    waited_s = since(start);
+    upload_s = 0;
+  }
+
   /// Rays wait for what comes in within the time for uploads, and go on where they stopped: several levels in one
   /// frame, at the cost of little more than one cast. Then coarser bricks stand for what is still missing.
-  void cast(const View& view, const kernels::CastCamera& camera, double budget_s, Picture& picture) {
+  void cast(const View& view, const kernels::CastCamera& camera, const SketchLimits& limits, Picture& picture) {
     kernels::Caster& caster = stream->caster();
     const std::size_t rays = std::size_t(camera.width) * std::size_t(camera.height);
     caster.start(camera, {0, 0, camera.width, camera.height});
-    std::size_t waiting = caster.cast(0, rays, true);
+    std::size_t waiting = caster.cast(0, rays, true, limits.stop);
     frame_pass = caster.pass();
-    while (waiting > 0 && !starved && upload_s < budget_s) {
+    while (waiting > 0 && !starved && upload_s < limits.upload_s && !is_asked(limits.stop)) {
       wanted = caster.wanted();
-      put_in_wanted(camera, budget_s);
+      put_in_wanted(camera, limits);
       if (!put_in) break;
-      waiting = caster.cast(0, rays, true);
+      waiting = caster.cast(0, rays, true, limits.stop);
     }
-    if (waiting > 0) caster.cast(0, rays, false);
+    if (waiting > 0) caster.cast(0, rays, false, limits.stop);
     wanted = waiting > 0 ? caster.wanted() : std::vector<std::uint32_t>();
     picture = blank_picture(camera.width, camera.height, view.light);
     caster.resolve(to_cast(view.background), pixels_of(picture));
+    was_complete = waiting == 0;
+  }
+
+  /// One pass of rays over what is here and comes in.
+  Frame pass_over(const View& view, const SketchLimits& limits, bool roots_first) {
+    const auto start = Clock::now();
+    const kernels::CastCamera camera = camera_of(view);
+    const std::uint64_t uploads_before = stream->uploads();
+    Frame frame;
+    upload_s = waited_s = 0;
+    if (roots_first) wait_for_roots(camera, limits);
+    put_in_wanted(camera, limits);
+    cast(view, camera, limits, frame.picture);
+    frame.stats.upload_s = waited_s + upload_s;
+    frame.stats.total_s = since(start);
+    frame.stats.cast_s = frame.stats.total_s - frame.stats.upload_s;
+    frame.stats.wanted = wanted.size();
+    frame.stats.uploads = stream->uploads() - uploads_before;
+    frame.stats.complete = was_complete;
+    tell(frame.stats);
+    return frame;
+  }
+
+  void show(const View& view) {
+    fill(filling_of(view.mode));
+    look_at(view);
   }
 };
 
@@ -212,38 +260,56 @@ CameraOptions FrameRenderer::framed(const CameraOptions& options) const {
 }
 
 Frame FrameRenderer::draw(const View& view, double upload_s) {
-  State& s = *state_;
-  const auto start = Clock::now();
-  s.fill(filling_of(view.mode));
-  s.look_at(view);
-  if (s.starved) return draw_exact(view);
-  const kernels::CastCamera camera = s.camera_of(view);
-  const std::uint64_t uploads_before = s.stream->uploads();
-  Frame frame;
-  s.upload_s = 0;
-  s.put_in_wanted(camera, upload_s);
-  s.cast(view, camera, upload_s, frame.picture);
-  frame.stats.upload_s = s.upload_s;
-  frame.stats.cast_s = since(start) - s.upload_s;
-  frame.stats.wanted = s.wanted.size();
-  frame.stats.complete = s.wanted.empty();
-  s.tell(frame.stats, uploads_before, start);
+  state_->show(view);
+  if (state_->starved) return draw_exact(view);
+  return state_->pass_over(view, {upload_s, 0, {}}, false);
+}
+
+Frame FrameRenderer::sketch(const View& view, const SketchLimits& limits) {
+  state_->show(view);
+  return state_->pass_over(view, limits, true);
+}
+
+Frame FrameRenderer::draw_exact(const View& view, const Progress& progress) {
+  FrameInTiles frame = begin(view, nullptr);
+  progress.step("drawing", frame.tiles.size());
+  const auto tile_done = [&] {
+    progress.advance();
+    return false;
+  };
+  go_on(frame, tile_done, {});
+  return {std::move(frame.picture), frame.stats};
+}
+
+FrameInTiles FrameRenderer::begin(const View& view, const Picture* meanwhile) {
+  check_picture_size(view.camera);
+  state_->show(view);
+  FrameInTiles frame;
+  frame.view = view;
+  const int width = view.camera.width, height = view.camera.height;
+  frame.picture =
+      meanwhile ? enlarged(*meanwhile, width, height, view.light) : blank_picture(width, height, view.light);
+  frame.tiles = tiles_of(width, height, state_->stream->tile_edge());
   return frame;
 }
 
-Frame FrameRenderer::draw_exact(const View& view) {
+void FrameRenderer::go_on(FrameInTiles& frame, const kernels::StopAsked& enough, const kernels::StopAsked& stop) {
   State& s = *state_;
   const auto start = Clock::now();
-  s.fill(filling_of(view.mode));
-  s.look_at(view);
-  const std::uint64_t uploads_before = s.stream->uploads();
-  Frame frame;
-  frame.picture = render(*s.stream, s.camera_of(view), view.background, view.light);
+  s.show(frame.view);
   s.wanted.clear();
-  frame.stats.cast_s = since(start);
-  frame.stats.complete = true;
-  s.tell(frame.stats, uploads_before, start);
-  return frame;
+  const std::uint64_t uploads_before = s.stream->uploads();
+  const kernels::CastCamera camera = s.camera_of(frame.view);
+  while (!frame.is_complete()) {
+    if (!render_tile(*s.stream, camera, frame.tiles[frame.done], frame.view.background, stop, frame.picture)) break;
+    ++frame.done;
+    if (enough && enough()) break;
+  }
+  frame.stats.total_s += since(start);
+  frame.stats.cast_s = frame.stats.total_s;
+  frame.stats.uploads += s.stream->uploads() - uploads_before;
+  frame.stats.complete = frame.is_complete();
+  s.tell(frame.stats);
 }
 
 std::vector<std::string> FrameRenderer::problems() const {

@@ -7,6 +7,7 @@
 /// Modes that show another property of voxels fill the pools anew.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -14,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "format/progress.h"
 #include "format/scene_xml.h"
 #include "viewer/camera.h"
 #include "viewer/page.h"
@@ -59,6 +61,24 @@ struct Frame {
   FrameStats stats;
 };
 
+/// A full picture on its way: a value that whoever wants it keeps, so that several may be under way in turns.
+struct FrameInTiles {
+  View view;
+  Picture picture;                       ///< final where tiles are done, elsewhere what stood there before
+  std::vector<kernels::CastTile> tiles;  ///< from the middle outwards
+  std::size_t done = 0;                  ///< of the tiles
+  FrameStats stats;                      ///< times: sums so far
+
+  bool is_complete() const { return done == tiles.size(); }
+};
+
+/// What one sketch() may take.
+struct SketchLimits {
+  double upload_s = 0.02;   ///< for new data; some always comes in
+  double roots_s = 0;       ///< from when it starts, to wait while cells have no brick at all
+  kernels::StopAsked stop;  ///< ends it: the frame is then of no use
+};
+
 class FrameRenderer {
  public:
   struct Options {
@@ -67,6 +87,9 @@ class FrameRenderer {
     std::optional<int> cuda_device;
     bool device_required = false;  ///< else the CPU casts where the device has too little memory left; see problems()
     std::uint64_t device_bytes = std::uint64_t(4) << 30;
+    // Of lit pictures.
+    double haze_visibility_m = HUGE_VAL;  ///< as air(); only before a sky
+    double exposure_stops = 0;            ///< as screen_tone(); linear light stays as it is
   };
 
   /// Errors  InputError: no such scene, or one that lay_out_cells() refuses; UsageError: options out of range.
@@ -87,8 +110,19 @@ class FrameRenderer {
   /// Errors  UsageError: as make_camera(). Damaged shards are no error: see problems().
   Frame draw(const View& view, double upload_s);
 
+  /// As draw(), for an eye that moves: never exact where that would take long, and all cells' roots come first, so that
+  /// something stands for each of them.
+  Frame sketch(const View& view, const SketchLimits& limits);
+
   /// As many passes as it takes: complete, whatever the pools hold.
-  Frame draw_exact(const View& view);
+  Frame draw_exact(const View& view, const Progress& progress = {});
+
+  /// The same picture in pieces. meanwhile: a picture of the same view in any size, to stand where no tile is done yet;
+  /// null: nothing does. go_on() does at least one tile, and others until `enough`, which is asked after each. stop:
+  /// ends it within milliseconds, and the tile in hand is begun anew by the next call. Exact   As draw_exact(),
+  /// whatever was stopped or drawn in between.
+  FrameInTiles begin(const View& view, const Picture* meanwhile);
+  void go_on(FrameInTiles& frame, const kernels::StopAsked& enough, const kernels::StopAsked& stop);
 
   /// One line for each shard that is missing or damaged, so far; its parts are drawn as their ancestors.
   std::vector<std::string> problems() const;

@@ -1,6 +1,7 @@
 #include "viewer/http_guard.h"
 
 #include <algorithm>
+#include <arpa/inet.h>
 #include <charconv>
 #include <random>
 
@@ -19,6 +20,29 @@ bool is_loopback_v4(std::string_view host) {
     dots += c == '.';
   }
   return dots == 3 && digits > 0 && host.starts_with("127.");
+}
+
+/// Nothing, or ":" and the digits of a port.
+bool is_port(std::string_view text) {
+  if (text.empty()) return true;
+  std::uint32_t port = 0;
+  for (const char c : text.substr(1)) {
+    if (!is_digit(c) || port > 65535) return false;
+    port = 10 * port + std::uint32_t(c - '0');
+  }
+  return text.starts_with(':') && port <= 65535;
+}
+
+bool is_ipv6(std::string_view host) {
+  in6_addr address{};
+  return host.find('\0') == std::string_view::npos && ::inet_pton(AF_INET6, std::string(host).c_str(), &address) == 1;
+}
+
+/// A name or IPv4 numbers. Of what RFC 3986 allows in a name only what names of hosts have.
+bool is_name(std::string_view host) {
+  return !host.empty() && host.size() <= 255 && std::all_of(host.begin(), host.end(), [](char c) {
+    return is_digit(c) || is_letter(c) || c == '-' || c == '.' || c == '_';
+  });
 }
 
 std::string lower(std::string_view text) {
@@ -50,9 +74,13 @@ bool is_loopback(std::string_view host) { return lower(host) == "localhost" || h
 std::string_view host_of(std::string_view authority) {
   if (authority.starts_with('[')) {
     const std::size_t end = authority.find(']');
-    return end == std::string_view::npos ? std::string_view() : authority.substr(1, end - 1);
+    if (end == std::string_view::npos || !is_port(authority.substr(end + 1))) return {};
+    const std::string_view host = authority.substr(1, end - 1);
+    return is_ipv6(host) ? host : std::string_view();
   }
-  return authority.substr(0, authority.find(':'));
+  const std::size_t end = std::min(authority.find(':'), authority.size());
+  const std::string_view host = authority.substr(0, end);
+  return is_name(host) && is_port(authority.substr(end)) ? host : std::string_view();
 }
 
 bool equal_in_constant_time(std::string_view secret, std::string_view given) {
@@ -94,7 +122,9 @@ std::string_view cookie(std::string_view header, std::string_view name) {
 std::optional<Refusal> refusal_of(const RequestHead& head, bool local) {
   if (head.method != "GET" && head.method != "HEAD" && head.method != "POST")
     return Refusal{405, "expected GET, HEAD or POST"};
-  if (local && !is_loopback(host_of(head.host)))
+  const std::string_view host = host_of(head.host);
+  if (!local && host.empty()) return Refusal{400, "expected one Host header: a name or an address, and a port"};
+  if (local && !is_loopback(host))
     return Refusal{403, "expected the host localhost; to serve other machines start with --bind and a token"};
   if (!head.origin.empty() && lower(head.origin) != "http://" + lower(head.host) &&
       lower(head.origin) != "https://" + lower(head.host))

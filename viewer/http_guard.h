@@ -11,7 +11,8 @@ namespace gigabake {
 /// "localhost", "::1" or 127.x.y.z: nobody reaches it from another machine.
 bool is_loopback(std::string_view host);
 
-/// The host of a Host header or an authority, without its port and brackets. "[::1]:80" gives "::1".
+/// The host of a Host header: RFC 3986's host [":" port] and nothing else, without its port and brackets. "[::1]:80"
+/// gives "::1"; what is none of these, or has no host, gives "".
 std::string_view host_of(std::string_view authority);
 
 /// Time does not depend on where the texts differ, only on the length of `given`.

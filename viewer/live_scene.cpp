@@ -9,6 +9,8 @@ namespace gigabake {
 namespace {
 
 constexpr double look_every_s = 0.5, wait_for_pages_s = 0.005;
+/// A full picture is drawn for so long at a time, and shown anew as often while it grows.
+constexpr double slice_s = 0.1, show_every_s = 0.25;
 
 std::chrono::duration<double> seconds(double s) { return std::chrono::duration<double>(std::min(s, 3600.0)); }
 
@@ -25,6 +27,7 @@ LiveScene::~LiveScene() {
 void LiveScene::stop() {
   const std::lock_guard lock(mutex_);
   stop_ = true;
+  end_now_ = true;
   wake_drawing_.notify_all();
   wake_viewers_.notify_all();
 }
@@ -49,6 +52,7 @@ std::optional<LiveScene::ViewerId> LiveScene::add_viewer(const Steering& first) 
 
 void LiveScene::remove_viewer(ViewerId id) {
   const std::lock_guard lock(mutex_);
+  if (const auto viewer = find(id); viewer && viewer.get() == for_whom_) end_now_ = true;
   std::erase_if(viewers_, [&](const auto& v) { return v->id == id; });
   wake_viewers_.notify_all();
 }
@@ -64,6 +68,7 @@ bool LiveScene::steer(ViewerId id, const Steering& steering) {
   if (!viewer) return false;
   if (viewer->pilot) {
     viewer->pilot->steer(steering, now_s());
+    if (viewer->pilot->is_stale()) (viewer.get() == for_whom_ ? end_now_ : end_soon_) = true;
   } else if (steering.size) {
     viewer->settings.size = steering.size;
   }
@@ -82,6 +87,7 @@ std::optional<ViewerState> LiveScene::state(ViewerId id) const {
   if (!viewer->pilot) return out;
   const Pilot& pilot = *viewer->pilot;
   out.resting = pilot.rests();
+  out.drawn = viewer->drawn_share;
   out.pose = pilot.rig().pose();
   out.style = pilot.rig().style();
   out.speed_m_per_s = pilot.rig().speed_m_per_s();
@@ -188,6 +194,8 @@ std::shared_ptr<LiveScene::Viewer> LiveScene::next_order(Pilot::Order& order, do
     if (const auto wanted = viewer->pilot->next(now_s())) {
       std::rotate(viewers_.begin(), viewers_.begin() + std::ptrdiff_t(i) + 1, viewers_.end());
       order = *wanted;
+      for_whom_ = order.moving ? nullptr : viewer.get();
+      end_now_ = end_soon_ = false;
       return viewer;
     }
     ask_again_s = std::min(ask_again_s, viewer->pilot->ask_again_s());
@@ -195,24 +203,55 @@ std::shared_ptr<LiveScene::Viewer> LiveScene::next_order(Pilot::Order& order, do
   return nullptr;
 }
 
+/// Nothing where there is nothing new to show.
+std::optional<Frame> LiveScene::carry_out(Viewer& viewer, const Pilot::Order& order) {
+  if (order.in_tiles) return slice(viewer, order);
+  viewer.in_tiles.reset();
+  Frame frame = renderer_->sketch(order.view, {order.upload_s, order.roots_s, [this] { return end_now_.load(); }});
+  if (end_now_) return std::nullopt;
+  return frame;
+}
+
+std::optional<Frame> LiveScene::slice(Viewer& viewer, const Pilot::Order& order) {
+  if (!viewer.in_tiles || viewer.in_tiles_pose != order.pose) {
+    const bool sketched = viewer.frame && viewer.frame_pose == order.pose;
+    viewer.in_tiles = renderer_->begin(order.view, sketched ? &viewer.frame->frame.picture : nullptr);
+    viewer.in_tiles_pose = order.pose;
+  }
+  FrameInTiles& work = *viewer.in_tiles;
+  const double end_s = now_s() + slice_s;
+  renderer_->go_on(
+      work, [&] { return end_soon_ || now_s() >= end_s; }, [this] { return end_now_.load(); });
+  if (work.is_complete()) {
+    Frame frame{std::move(work.picture), work.stats};
+    viewer.in_tiles.reset();
+    return frame;
+  }
+  if (end_now_ || now_s() < viewer.drawn_s + show_every_s) return std::nullopt;
+  return Frame{work.picture, work.stats};
+}
+
 void LiveScene::draw(const std::shared_ptr<Viewer>& viewer, const Pilot::Order& order) {
-  Frame frame;
+  std::optional<Frame> frame;
   std::string problem;
   try {
-    frame = renderer_->draw(order.view, order.upload_s);
+    frame = carry_out(*viewer, order);
   } catch (const std::exception& e) {
     problem = e.what();
   }
-  const bool waits = problem.empty() && !frame.stats.complete && frame.stats.uploads == 0;
+  const bool waits = frame && !order.in_tiles && !frame->stats.complete && frame->stats.uploads == 0;
   const std::uint64_t problems = renderer_->problems().size();
   {
     std::unique_lock lock(mutex_);
+    for_whom_ = nullptr;
     viewer->problem = problem;
     problems_ = problems;
-    if (problem.empty()) {
-      hand_over(*viewer, order, std::move(frame));
-    } else {
+    const auto& work = viewer->in_tiles;
+    viewer->drawn_share = work ? double(work->done) / double(work->tiles.size()) : frame && frame->stats.complete;
+    if (!problem.empty()) {
       viewer->pilot->failed();
+    } else if (frame) {
+      hand_over(*viewer, order, std::move(*frame));
     }
     wake_viewers_.notify_all();
     // Pages are on their way: drawing the same again would only take their cores.
@@ -235,6 +274,7 @@ void LiveScene::hand_over(Viewer& viewer, const Pilot::Order& order, Frame drawn
     frame->frames_per_s = before > 0 ? 0.8 * before + 0.2 / apart_s : 1 / apart_s;
   }
   viewer.frame = frame;
+  viewer.frame_pose = order.pose;
 }
 
 }  // namespace gigabake

@@ -1,6 +1,8 @@
-/// One scene that several viewers look at: a thread draws what each one's Pilot asks for, in turns.
+/// One scene that several viewers look at: a thread draws what each one's Pilot asks for, in turns. A full picture is
+/// drawn in slices: others have their turns in between, and it ends at once when its own viewer moves or leaves.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
@@ -24,8 +26,8 @@ namespace gigabake {
 struct LiveFrame {
   std::uint64_t number = 0;  ///< of this viewer, from 1
   Frame frame;
-  View view;  ///< as it was drawn
-  bool full = false;
+  View view;                ///< as it was drawn
+  bool full = false;        ///< of full size; all of it is final where frame.stats.complete
   double frames_per_s = 0;  ///< of the last ones; 0 where a second or more lies between
 };
 
@@ -39,6 +41,7 @@ struct ViewerState {
   View full_view;
   double speed_m_per_s = 0, upload_s = 0;
   bool resting = false;  ///< the last frame is all there is to see
+  double drawn = 0;      ///< share of the picture under way that is final
 };
 
 /// All members may be called from any thread.
@@ -82,8 +85,13 @@ class LiveScene {
     std::optional<Pilot> pilot;  ///< since there is a scene
     Steering settings;           ///< asked for before that
     FramePtr frame;
-    double drawn_s = -HUGE_VAL;  ///< when the frame was
+    std::uint64_t frame_pose = 0;  ///< of the order that it answers
+    double drawn_s = -HUGE_VAL;    ///< when the frame was
+    double drawn_share = 0;
     std::string problem;
+
+    std::optional<FrameInTiles> in_tiles;  ///< the drawing thread's own, as is
+    std::uint64_t in_tiles_pose = 0;       ///< of the order that it is for
   };
 
   void draw_all();
@@ -91,6 +99,8 @@ class LiveScene {
   void reload();
   std::shared_ptr<Viewer> next_order(Pilot::Order& order, double& ask_again_s);
   void draw(const std::shared_ptr<Viewer>& viewer, const Pilot::Order& order);
+  std::optional<Frame> carry_out(Viewer& viewer, const Pilot::Order& order);
+  std::optional<Frame> slice(Viewer& viewer, const Pilot::Order& order);
   void hand_over(Viewer& viewer, const Pilot::Order& order, Frame frame);
   std::shared_ptr<Viewer> find(ViewerId id) const;
   double now_s() const;
@@ -108,6 +118,10 @@ class LiveScene {
   std::string problem_;
   std::uint64_t problems_ = 0, ids_ = 0;
   bool stop_ = false;
+  const Viewer* for_whom_ = nullptr;  ///< somebody who rests and is being drawn for
+
+  std::atomic<bool> end_now_ = false;   ///< what is being drawn would be thrown away
+  std::atomic<bool> end_soon_ = false;  ///< somebody else moves, and waits for a turn
 
   // The drawing thread's own.
   std::unique_ptr<FrameRenderer> renderer_;

@@ -31,9 +31,7 @@ std::shared_ptr<const ShardPages> OpenShards::open(std::uint32_t cell) const {
   const SceneCell& description = scene_.cells[cell];
   const std::filesystem::path path = scene_path_.parent_path() / description.file;
   auto pages = std::make_shared<const ShardPages>(path);
-  const auto differences = differences_from_scene(pages->header(), scene_, description);
-  if (!differences.empty())
-    throw InputError(path, differences[0].attribute, differences[0].what + "; bake the scene again");
+  expect_shard_of_scene(path, pages->header(), scene_, description);
   return pages;
 }
 

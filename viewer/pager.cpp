@@ -179,10 +179,10 @@ void Pager::want(const std::vector<PageKey>& most_urgent_first) {
   s.wanted.notify_all();
 }
 
-void Pager::wait() {
+bool Pager::wait(std::chrono::milliseconds most) {
   State& s = *state_;
   std::unique_lock lock(s.mutex);
-  s.arrived.wait(lock, [&] { return !s.arrivals.empty() || s.queued() == 0; });
+  return s.arrived.wait_for(lock, most, [&] { return !s.arrivals.empty() || s.queued() == 0; });
 }
 
 PagerCounts Pager::counts() const {

@@ -1,6 +1,7 @@
 /// The pages in memory: read by threads of its own, most urgent first; the longest unused let go.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -47,8 +48,8 @@ class Pager {
   /// end of a pass: what it has not found by now may make room before the next one begins.
   void want(const std::vector<PageKey>& most_urgent_first);
 
-  /// Until something has arrived for begin_pass(), or nothing is queued.
-  void wait();
+  /// Until something has arrived for begin_pass(), or nothing is queued. False: the time was over before.
+  bool wait(std::chrono::milliseconds most = std::chrono::hours(1));
 
   PagerCounts counts() const;
 

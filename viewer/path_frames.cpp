@@ -54,10 +54,11 @@ std::filesystem::path numbered_file(const std::string& pattern, std::size_t numb
   return fmt::format("{}{:0{}}{}", pattern.substr(0, at), number, padded ? width[1] - '0' : 1, pattern.substr(end + 1));
 }
 
-Frame draw_to_the_end(FrameRenderer& renderer, const View& view, int& draws) {
+Frame draw_to_the_end(FrameRenderer& renderer, const View& view, int& draws, const Progress& progress) {
   FrameStats sum;
   draws = 0;
   for (int idle = 0;;) {
+    progress.advance(0);
     Frame frame = renderer.draw(view, full_upload_s);
     ++draws;
     sum.cast_s += frame.stats.cast_s;
@@ -79,7 +80,9 @@ Frame draw_to_the_end(FrameRenderer& renderer, const View& view, int& draws) {
 }
 
 void draw_path(FrameRenderer& renderer, const CameraPath& path, const View& view, const std::vector<double>& times_s,
-               Finish finish, double upload_s, const std::function<void(const PathFrame&, const Picture&)>& take) {
+               Finish finish, double upload_s, const std::function<void(const PathFrame&, const Picture&)>& take,
+               const Progress& progress) {
+  progress.step("drawing", times_s.size(), "frames");
   for (std::size_t i = 0; i < times_s.size(); ++i) {
     PathFrame out;
     View there = view;
@@ -89,12 +92,14 @@ void draw_path(FrameRenderer& renderer, const CameraPath& path, const View& view
     Frame frame;
     try {
       out.draws = 1;
-      frame = finish == Finish::live ? renderer.draw(there, upload_s) : draw_to_the_end(renderer, there, out.draws);
+      frame = finish == Finish::live ? renderer.draw(there, upload_s)
+                                     : draw_to_the_end(renderer, there, out.draws, progress);
     } catch (const UsageError& e) {
       throw UsageError(fmt::format("{} (at {:g} s of the path)", e.what(), times_s[i]));
     }
     out.stats = frame.stats;
     take(out, frame.picture);
+    progress.advance();
   }
 }
 

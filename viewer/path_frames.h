@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "format/progress.h"
 #include "viewer/camera_path.h"
 #include "viewer/frame_renderer.h"
 
@@ -34,12 +35,13 @@ enum class Finish {
 };
 
 /// Draws until the frame is complete, or until many draws in a row bring nothing. Times and uploads are sums.
-Frame draw_to_the_end(FrameRenderer& renderer, const View& view, int& draws);
+Frame draw_to_the_end(FrameRenderer& renderer, const View& view, int& draws, const Progress& progress = {});
 
 /// take(frame, picture) for each time, in their order. upload_s: for each draw of Finish::live.
 /// Errors  as FrameRenderer::draw(), with the time on the path.
 void draw_path(FrameRenderer& renderer, const CameraPath& path, const View& view, const std::vector<double>& times_s,
-               Finish finish, double upload_s, const std::function<void(const PathFrame&, const Picture&)>& take);
+               Finish finish, double upload_s, const std::function<void(const PathFrame&, const Picture&)>& take,
+               const Progress& progress = {});
 
 /// One JSON object: "frames" with the members of FrameStats for each.
 std::string to_json(const std::vector<PathFrame>& frames);

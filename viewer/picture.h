@@ -28,8 +28,18 @@ enum class PictureLight : std::uint8_t {
 
 /// All zeros.
 Picture blank_picture(int width, int height, PictureLight light);
+/// The picture in another size, for want of a better one: colours between pixels, distances of the nearest pixel.
+Picture enlarged(const Picture& picture, int width, int height, PictureLight light);
 /// Borrows.
 kernels::CastPixels pixels_of(Picture& picture);
+
+/// The tiles of a picture, from its middle outwards: what is looked at comes first.
+std::vector<kernels::CastTile> tiles_of(int width, int height, int edge);
+
+/// The pixels of one tile, into the whole picture. False where `stop` ended it: nothing of it is written then.
+/// Exact   As render(), whatever tiles the picture has.
+bool render_tile(SceneStream& stream, const kernels::CastCamera& camera, const kernels::CastTile& tile,
+                 const Background& background, const kernels::StopAsked& stop, Picture& picture);
 
 /// Exact   The same bytes for any number of threads and any memory budget of `stream`. What is damaged is drawn as the
 ///         next coarser level that is not; see SceneStream::problems().

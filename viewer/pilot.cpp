@@ -8,8 +8,10 @@ namespace {
 
 constexpr int least_edge = 16, most_edge = 4096;
 constexpr double least_upload_s = 1e-4, most_upload_s = 1;
-/// At rest nobody waits for the next frame, but for the last one.
-constexpr double resting_upload_s = 0.25;
+/// Sketches have at least so many pixels along their longer edge, whatever they take.
+constexpr double least_sketch_edge = 96;
+/// At rest each picture is so much larger than the one before; those before the full one cost it little.
+constexpr double growth = 2, most_before_full = 0.4;
 
 CameraPose pose_of(const CameraOptions& camera) {
   return {camera.eye_m.value_or(Point<Scene>{}), camera.target_m.value_or(Point<Scene>{})};
@@ -46,6 +48,7 @@ void Pilot::new_scene(const CameraOptions& home) {
   rig_.set_style(style);
   if (!at_home_) rig_.set_pose(pose);
   stale_ = true;
+  any_drawn_ = false;
 }
 
 void Pilot::steer(const Steering& s, double now_s) {
@@ -99,14 +102,31 @@ void Pilot::advance(double now_s) {
   }
 }
 
+/// While it moves as large as the pace allows; at rest that first, then more.
+double Pilot::next_share(bool moving) const {
+  const double least = least_sketch_edge / std::max(view_.camera.width, view_.camera.height);
+  const double share = std::min(1.0, std::max(pace_.share(), least));
+  if (moving || done_share_ == 0) return share;
+  const double larger = std::max(share, done_share_ * growth);
+  return larger > most_before_full ? 1 : larger;
+}
+
 std::optional<Pilot::Order> Pilot::next(double now_s) {
   advance(now_s);
-  if (stale_) small_done_ = done_ = stale_ = false;
+  if (stale_) {
+    done_share_ = 0;
+    done_ = stale_ = false;
+    looked_s_ = now_s;
+    ++pose_;
+  }
   const bool moving = holds() || now_s < moved_s_ + rest_s;
   ask_again_s_ = moving ? moved_s_ + rest_s : HUGE_VAL;
-  if (done_ || (moving && small_done_)) return std::nullopt;
-  Order order{view_, !moving, moving ? pace_.share() : 1, moving ? upload_s_ : std::max(upload_s_, resting_upload_s)};
+  if (done_ || (moving && done_share_ > 0)) return std::nullopt;
+  Order order{view_, false, false, moving, next_share(moving), upload_s_, any_drawn_ ? 0 : first_roots_s, pose_};
   order.full = order.share >= 1;
+  // Where whole frames are quick, sketches get finer everywhere at once until nothing is missing.
+  order.in_tiles = !moving && done_share_ > 0 && (pace_.share() < 1 || done_share_ >= 1);
+  if (!moving) order.upload_s = std::clamp(now_s - looked_s_, upload_s_, std::max(upload_s_, longest_upload_s));
   order.view.camera.eye_m = rig_.pose().eye_m;
   order.view.camera.target_m = rig_.pose().target_m;
   order.view.camera.width = scaled(view_.camera.width, order.share);
@@ -117,8 +137,17 @@ std::optional<Pilot::Order> Pilot::next(double now_s) {
 double Pilot::ask_again_s() const { return ask_again_s_; }
 
 void Pilot::drawn(const Order& order, const FrameStats& stats) {
-  pace_.took(stats.total_s, order.share);
-  if (stats.complete) (order.full ? done_ : small_done_) = true;
+  any_drawn_ = true;
+  if (order.in_tiles) {
+    if (stats.complete) done_share_ = order.share;
+    done_ = stats.complete && order.full;
+    return;
+  }
+  // What comes in at rest takes its time, and says nothing about a frame that moves.
+  pace_.took(stats.total_s - std::max(0.0, stats.upload_s - upload_s_), order.share);
+  const bool nothing_comes = stats.starved || (stats.uploads == 0 && stats.pages_loading == 0);
+  if (stats.complete || nothing_comes) done_share_ = order.share;
+  done_ = stats.complete && order.full;
 }
 
 void Pilot::failed() { done_ = true; }

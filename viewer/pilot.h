@@ -27,18 +27,28 @@ struct Steering {
   bool moves() const;
 };
 
-/// A value that decides; others draw. Small pictures while it moves, the full one as soon as it rests, nothing once
-/// that one is complete. Times are any clock's seconds that never run back. Range   Whatever is steered: size within 16
-/// and 4096 a side, pixel_error within 2^±16, upload_s within 0.1 ms and 1 s.
+/// A value that decides; others draw. Small sketches while it moves; where it rests a small one until it is complete,
+/// then larger ones, the last one of full size, tile by tile; and nothing once that is done. Times are any clock's
+/// seconds that never run back.
+/// Range   Whatever is steered: size within 16 and 4096 a side, pixel_error within 2^±16, upload_s within 0.1 ms and
+///         1 s.
 class Pilot {
  public:
   static constexpr double rest_s = 0.25;       ///< after the last movement
   static constexpr double longest_hold_s = 1;  ///< held keys that nobody confirms are let go
 
+  static constexpr double first_roots_s = 0.7;     ///< that the first picture waits for something to stand everywhere
+  static constexpr double longest_upload_s = 0.5;  ///< in one sketch, however long it rests
+
   struct Order {
     View view;
-    bool full = false;
-    double share = 1, upload_s = 0;
+    bool full = false;       ///< of full size
+    bool in_tiles = false;   ///< each pixel final as it comes, however long that takes; else a sketch
+    bool moving = false;     ///< comes soon and is worth showing even if there is a newer pose by then
+    double share = 1;        ///< of the full width and height
+    double upload_s = 0;     ///< of a sketch: for new data
+    double roots_s = 0;      ///< of a sketch: to wait while cells have nothing to show
+    std::uint64_t pose = 0;  ///< orders of equal number show the same
   };
 
   /// home: with eye and target. frame_s: what a frame should take while moving.
@@ -52,8 +62,10 @@ class Pilot {
   std::optional<Order> next(double now_s);
   /// Asked right after next() said nothing: when to ask again if nobody steers; HUGE_VAL: never.
   double ask_again_s() const;
-  /// An order was carried out.
+  /// An order was carried out, or a part of one in tiles.
   void drawn(const Order& order, const FrameStats& stats);
+  /// Something has changed since the last order: what is drawn for it would be thrown away.
+  bool is_stale() const { return stale_; }
   /// An order could not be: it is not tried again before something changes.
   void failed();
 
@@ -68,6 +80,7 @@ class Pilot {
   void apply_settings(const Steering& s);
   void advance(double now_s);
   bool holds() const;
+  double next_share(bool moving) const;
 
   CameraRig rig_;
   FramePace pace_;
@@ -77,9 +90,12 @@ class Pilot {
   std::array<double, 2> swing_{};
   double held_s_ = 0, advanced_s_ = 0, moved_s_ = -HUGE_VAL;
   bool at_home_ = true;
-  bool stale_ = true;        ///< something changed since the last order
-  bool small_done_ = false;  ///< the small picture of this pose is complete
-  bool done_ = false;        ///< the full one is
+  bool stale_ = true;       ///< something changed since the last order
+  double done_share_ = 0;   ///< the largest picture of this pose that is complete
+  bool done_ = false;       ///< the full one is
+  bool any_drawn_ = false;  ///< of this scene
+  std::uint64_t pose_ = 0;  ///< counts what is shown
+  double looked_s_ = 0;     ///< when it was first ordered
   double ask_again_s_ = 0;
 };
 

@@ -18,6 +18,13 @@ class PoolBooks {
   /// The least tiles with which every ray can go on: the roots' and one way down.
   static std::uint32_t least_tiles(std::size_t cells, int lods);
 
+  /// Whether there is room for the bricks of all roots, which then never go.
+  bool roots_stay() const { return roots_stay_; }
+
+  /// Tiles and slots that hold something.
+  kernels::PoolSizes in_use() const {
+    return {std::uint32_t(tiles_.size() - free_tiles_.size()), std::uint32_t(slots_.size() - free_slots_.size())};
+  }
   const kernels::CastNode& node(std::uint32_t node) const { return nodes_[node]; }
   FieldNode place_of(std::uint32_t node) const;
   /// Whether the node's tile is in use, and was so before this round.

@@ -56,19 +56,30 @@ class SceneStream {
   kernels::Caster& caster() { return *caster_; }
   const CellLayout& layout() const { return layout_; }
 
-  /// Puts in what rays wanted (Caster::wanted()), as far as its pages are here, until the deadline; at least one batch.
+  /// Puts in what rays wanted (Caster::wanted()), as far as its pages are here, until `enough`; at least one batch.
   /// What lacks pages is asked of the pager. eye: lod-0 voxels; near and coarse goes first.
-  Served serve(const std::vector<std::uint32_t>& wanted, const double eye[3],
-               std::chrono::steady_clock::time_point deadline, const Keep& keep);
+  Served serve(const std::vector<std::uint32_t>& wanted, const double eye[3], const kernels::StopAsked& enough,
+               const Keep& keep);
 
   /// Takes in what was read since.
   void begin_pass() { pager_.begin_pass(); }
-  /// Until something was read, or nothing is being read.
-  void wait() { pager_.wait(); }
+  /// Until something was read, or nothing is being read. False: the time was over before.
+  bool wait(std::chrono::milliseconds most) { return pager_.wait(most); }
+
+  /// From now on each serve() puts in the cells' roots, too, whether rays want them or not, where the pools have room
+  /// for all of them: something then stands for every cell, from wherever it is looked at.
+  void want_roots();
+  /// Whether some of them are still to come.
+  bool lacks_roots() const { return !absent_roots_.empty(); }
+
+  /// Rays of so many pixels a side are cast together where a picture is made in tiles: enough to share what they wait
+  /// for and to fill a GPU, few enough to need little and to end soon.
+  int tile_edge() const { return tile_edge_; }
 
   /// Pools, wherever they are, and pages.
   std::uint64_t bytes_allowed() const { return pool_bytes_ + page_bytes_; }
-  std::uint64_t bytes_held() const { return pool_bytes_ + pager_.counts().bytes; }
+  /// What is in use of the pools, and pages.
+  std::uint64_t bytes_held() const { return books_.in_use().bytes() + pager_.counts().bytes; }
   std::uint64_t page_bytes_allowed() const { return page_bytes_; }
   PagerCounts page_counts() const { return pager_.counts(); }
   std::uint64_t uploads() const { return uploads_; }  ///< bricks and node tiles put into the pools so far
@@ -81,15 +92,21 @@ class SceneStream {
   void answer(std::uint32_t want, Answer& out, kernels::CastBrick& brick) const;
   bool enter(std::uint32_t want, const Answer& answer, const kernels::CastBrick& brick);
   std::vector<std::uint32_t> by_urgency(const std::vector<std::uint32_t>& wanted, const double eye[3]) const;
+  bool has_come(std::uint32_t want) const;
+  double urgency(std::uint32_t want, const double eye[3]) const;
+  void forget_roots_that_came();
 
   const kernels::CpuPolicy& policy_;
   std::uint64_t page_bytes_, pool_bytes_;
+  int tile_edge_;
   CellLayout layout_;
   Shading shading_;
   Pager pager_;
   VoxelLookup lookup_;
   PoolBooks books_;
   std::unique_ptr<kernels::Caster> caster_;
+  bool wants_roots_ = false;
+  std::vector<std::uint32_t> absent_roots_;  ///< wants
   std::vector<std::uint32_t> new_slots_;
   std::vector<kernels::CastBrick> new_bricks_;
   std::uint64_t uploads_ = 0;

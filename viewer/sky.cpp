@@ -9,6 +9,7 @@ namespace gigabake {
 namespace {
 
 constexpr std::array<float, 3> horizon{0.60f, 0.70f, 0.80f}, zenith{0.13f, 0.29f, 0.60f}, nadir{0.28f, 0.34f, 0.40f};
+constexpr float knee = 0.6f;
 constexpr double sun_azimuth_deg = 225, sun_elevation_deg = 42;
 
 }  // namespace
@@ -29,13 +30,14 @@ kernels::CastLight afternoon_light() {
   return light;
 }
 
-kernels::CastHaze air(const kernels::CastScene& scene) {
+kernels::CastHaze air(double visibility_m, double voxel_size_m) {
   kernels::CastHaze haze;
   for (int k = 0; k < 3; ++k) haze.rgb[k] = horizon[std::size_t(k)];
-  haze.per_voxel =
-      float(0.1 / std::hypot(scene.max[0] - scene.min[0], scene.max[1] - scene.min[1], scene.max[2] - scene.min[2]));
+  haze.per_voxel = float(std::log(20.0) * voxel_size_m / visibility_m);
   return haze;
 }
+
+kernels::CastTone screen_tone(double stops) { return {float(std::exp2(stops)), knee}; }
 
 kernels::CastBackground to_cast(const Background& background) {
   kernels::CastBackground out;

@@ -9,11 +9,17 @@
 
 namespace gigabake {
 
-/// Mid-afternoon: the sun in the south-west, 42° high, and a blue sky. Flat ground keeps its own brightness.
+/// Mid-afternoon: the sun in the south-west, 42° high, and a blue sky. Flat ground keeps its own brightness; a white
+/// wall that faces the sun is a third brighter than 1.
 kernels::CastLight afternoon_light();
 
-/// Air that hides a tenth of what lies as far away as the scene is wide.
-kernels::CastHaze air(const kernels::CastScene& scene);
+/// Air that leaves a twentieth of what lies visibility_m away (the meteorological optical range). Range  > 0; infinity:
+/// clear.
+kernels::CastHaze air(double visibility_m, double voxel_size_m);
+
+/// How a screen shows that light: as it is up to 0.6, sRGB 203, which is all that ground and trees are; what is
+/// brighter, as white walls in the sun, is bent below 1 instead of cut off. stops: 1 doubles the light.
+kernels::CastTone screen_tone(double stops);
 
 /// What shows where no voxel does.
 struct Background {

@@ -6,7 +6,7 @@
 namespace gigabake {
 namespace {
 
-constexpr double most_heights = 100, most_notches = 100, farthest_m = 1e12, largest_edge = 1 << 15;
+constexpr double largest_edge = 1 << 15;
 
 CameraPose pose_of(const std::array<double, 6>& v) { return {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}; }
 
@@ -46,6 +46,7 @@ std::string to_json(const ViewerState& state, const LiveFrame* frame) {
                               {"problem", state.problem},
                               {"problems", state.problems},
                               {"resting", state.resting},
+                              {"drawn", state.drawn},
                               {"eye", triple(state.pose.eye_m)},
                               {"target", triple(state.pose.target_m)},
                               {"fovy_deg", view.camera.fovy_deg},

@@ -1,13 +1,13 @@
 #include "viewer/stream_server.h"
 
+#include <algorithm>
 #include <fmt/format.h>
-#include <httplib.h>
+#include <iterator>
 #include <mutex>
 #include <nlohmann/json.hpp>
-#include <sys/socket.h>
 
 #include "format/error.h"
-#include "viewer/http_guard.h"
+#include "viewer/http_server.h"
 #include "viewer/jpeg.h"
 #include "viewer/png.h"
 #include "viewer/steering_json.h"
@@ -17,39 +17,30 @@
 namespace gigabake {
 namespace {
 
-using httplib::Request, httplib::Response;
-
 constexpr int moving_quality = 75, resting_quality = 92;
-constexpr std::size_t connections = 96, requests_a_connection = 1000;
-constexpr int patience_s = 5;  ///< with a client that neither sends nor takes
 constexpr double picture_s = 60, stream_look_s = 1;
-/// What is on its way to a slow client is old when it comes.
-constexpr int send_buffer_bytes = 1 << 17;
+constexpr std::chrono::seconds bake_look{1};
 constexpr const char* json_type = "application/json";
 const std::string part_head = "--frame\r\nContent-Type: image/jpeg\r\n\r\n";
 
-void answer(Response& response, int status, const std::string& why) {
-  response.status = status;
-  response.set_content(nlohmann::json{{"error", why}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
-                       json_type);
+HttpReply error_reply(int status, const std::string& why) {
+  return {status, json_type,
+          nlohmann::json{{"error", why}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
 }
 
-RequestHead head_of(const Request& r) {
-  return {r.method,
-          r.get_header_value("Host"),
-          r.get_header_value("Origin"),
-          r.get_header_value("Content-Type"),
-          r.get_header_value("Content-Length"),
-          r.has_header("Transfer-Encoding"),
-          r.has_header("Content-Encoding")};
+HttpReply reply_to(std::exception_ptr problem) {
+  try {
+    std::rethrow_exception(problem);
+  } catch (const InputError& e) {
+    return error_reply(400, e.what());
+  } catch (const std::exception& e) {
+    return error_reply(500, e.what());
+  } catch (...) {
+    return error_reply(500, "failed");
+  }
 }
 
-/// Not SO_REUSEPORT, the library's default: two servers would share a port and its clients.
-void set_socket_options(socket_t socket) {
-  const int yes = 1;
-  ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-  ::setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &send_buffer_bytes, sizeof send_buffer_bytes);
-}
+HttpReply page_part(const char* type, std::string_view text) { return {200, type, std::string(text)}; }
 
 void check_options(const StreamServer::Options& o) {
   if (o.port < 0 || o.port > 65535) throw UsageError("--port: expected 1 to 65535, or 0 for any that is free");
@@ -59,27 +50,26 @@ void check_options(const StreamServer::Options& o) {
 }
 
 /// One stream of a viewer's pictures, as parts that replace each other.
-class PictureStream {
+class PictureStream : public HttpStream {
  public:
   PictureStream(LiveScene& scene, StreamSessions& sessions, std::string key, LiveScene::ViewerId viewer)
       : scene_(scene), sessions_(sessions), key_(std::move(key)), viewer_(viewer) {
     stream_ = sessions_.begin_stream(key_);
   }
-  ~PictureStream() { sessions_.end_stream(key_, stream_); }
+  ~PictureStream() override { sessions_.end_stream(key_, stream_); }
   PictureStream(const PictureStream&) = delete;
   PictureStream& operator=(const PictureStream&) = delete;
 
-  /// The next picture, or nothing for a while. False: the stream is over.
-  bool send(httplib::DataSink& sink) {
-    if (!sessions_.is_streaming(key_, stream_)) return false;
+  std::optional<std::string> next() override {
+    if (!sessions_.is_streaming(key_, stream_)) return std::nullopt;
     const auto frame = scene_.frame_after(viewer_, number_, stream_look_s);
-    if (!frame) return true;
+    if (!frame) return "";
     const std::string jpeg = encode_jpeg(frame->frame.picture, frame->full ? resting_quality : moving_quality);
     // Browsers show a part when they have read the head of the next: it is sent right behind, not with the next
     // picture.
     const std::string parts = (number_ == 0 ? part_head : "") + jpeg + "\r\n" + part_head;
     number_ = frame->number;
-    return sink.write(parts.data(), parts.size());
+    return parts;
   }
 
  private:
@@ -93,159 +83,156 @@ class PictureStream {
 }  // namespace
 
 struct StreamServer::State {
+  using ViewerId = LiveScene::ViewerId;
+
   LiveScene& scene;
   const Options options;
   const bool local;
   StreamSessions sessions;
-  httplib::Server http;
-  int port = 0;
 
-  std::mutex bake_mutex;
+  std::mutex bake_mutex;  ///< guards what follows
   std::string bake = "null";
-  std::chrono::steady_clock::time_point bake_asked{};
+  bool bake_is_asked = false;
+  std::chrono::steady_clock::time_point bake_told{};
 
-  State(LiveScene& s, const Options& o) : scene(s), options(o), local(is_loopback(o.bind)), sessions(s) {
-    set_limits();
-    set_routes();
-    port = options.port == 0 ? http.bind_to_any_port(options.bind)
-                             : (http.bind_to_port(options.bind, options.port) ? options.port : -1);
-    if (port < 0)
-      throw InputError(fmt::format("{}:{}", options.bind, options.port), "",
-                       "cannot listen there; is another server using it? --port 0 takes any that is free");
+  HttpServer http;  ///< last: it calls the rest
+
+  State(LiveScene& s, const Options& o)
+      : scene(s), options(o), local(is_loopback(o.bind)), sessions(s), http(o.bind, o.port, handlers(), o.limits) {}
+
+  HttpServer::Handlers handlers() {
+    HttpServer::Handlers out;
+    out.refuse = [this](const HttpRequest& request) { return refuse(request); };
+    out.answer = [this](const HttpRequest& request) { return answer(request); };
+    out.failed = reply_to;
+    out.headers = {{"Cache-Control", "no-store"},
+                   {"X-Content-Type-Options", "nosniff"},
+                   {"Referrer-Policy", "no-referrer"},
+                   {"Content-Security-Policy", "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'"}};
+    return out;
   }
 
-  std::string cookie_name() const { return fmt::format("gigabake_{}", port); }
+  std::string cookie_name() const { return fmt::format("gigabake_{}", http.port()); }
 
-  bool has_token(const Request& request) const {
+  bool has_token(const HttpRequest& request) const {
     if (options.token.empty()) return true;
-    const std::string bearer = request.get_header_value("Authorization"), cookies = request.get_header_value("Cookie");
-    const std::string_view given = bearer.starts_with("Bearer ") ? std::string_view(bearer).substr(7) : "";
+    const std::string_view bearer = request.authorization;
+    const std::string_view given = bearer.starts_with("Bearer ") ? bearer.substr(7) : "";
     // Each is compared, whatever the others say.
     const bool by_header = equal_in_constant_time(options.token, given);
-    const bool by_query = equal_in_constant_time(options.token, request.get_param_value("token"));
-    const bool by_cookie = equal_in_constant_time(options.token, cookie(cookies, cookie_name()));
+    const bool by_query = equal_in_constant_time(options.token, request.argument("token"));
+    const bool by_cookie = equal_in_constant_time(options.token, cookie(request.cookies, cookie_name()));
     return by_header || by_query || by_cookie;
   }
 
-  void set_limits() {
-    http.new_task_queue = [] { return new httplib::ThreadPool(connections); };
-    http.set_socket_options(set_socket_options);
-    http.set_tcp_nodelay(true);
-    http.set_keep_alive_max_count(requests_a_connection);
-    http.set_keep_alive_timeout(patience_s);
-    http.set_read_timeout(patience_s);
-    http.set_write_timeout(patience_s);
-    http.set_payload_max_length(most_body_bytes);
-    http.set_default_headers(
-        {{"Cache-Control", "no-store"},
-         {"X-Content-Type-Options", "nosniff"},
-         {"Referrer-Policy", "no-referrer"},
-         {"Content-Security-Policy", "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'"}});
+  std::optional<HttpReply> refuse(const HttpRequest& request) const {
+    if (const auto refusal = refusal_of(request.head, local)) return error_reply(refusal->status, refusal->why);
+    if (!has_token(request))
+      return error_reply(401, "expected the token: open the address that the server has printed");
+    return std::nullopt;
   }
 
-  void set_routes() {
-    http.set_pre_routing_handler([this](const Request& request, Response& response) {
-      if (const auto refusal = refusal_of(head_of(request), local)) {
-        answer(response, refusal->status, refusal->why);
-      } else if (!has_token(request)) {
-        answer(response, 401, "expected the token: open the address that the server has printed");
-      } else {
-        return httplib::Server::HandlerResponse::Unhandled;
-      }
-      return httplib::Server::HandlerResponse::Handled;
-    });
-    http.set_error_handler([](const Request&, Response& response) {
-      if (response.body.empty()) answer(response, response.status, "refused");
-    });
-    http.set_exception_handler([](const Request&, Response& response, std::exception_ptr error) {
-      try {
-        std::rethrow_exception(error);
-      } catch (const InputError& e) {
-        answer(response, 400, e.what());
-      } catch (const std::exception& e) {
-        answer(response, 500, e.what());
-      } catch (...) {
-        answer(response, 500, "failed");
-      }
-    });
-    set_page_routes();
-    set_viewer_routes();
-  }
-
-  void set_page_routes() {
-    http.Get("/", [this](const Request&, Response& response) {
-      // So that script, pictures and steering come with it.
-      if (!options.token.empty())
-        response.set_header("Set-Cookie",
-                            fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/", cookie_name(), options.token));
-      response.set_content(web_page.data(), web_page.size(), "text/html; charset=utf-8");
-    });
-    http.Get("/viewer.js", [](const Request&, Response& response) {
-      response.set_content(web_script.data(), web_script.size(), "text/javascript; charset=utf-8");
-    });
-    http.Get("/viewer.css", [](const Request&, Response& response) {
-      response.set_content(web_style.data(), web_style.size(), "text/css; charset=utf-8");
-    });
-    http.Get("/bake", [this](const Request&, Response& response) { response.set_content(bake_status(), json_type); });
-    http.Post("/viewers", [this](const Request& request, Response& response) { open(request, response); });
-  }
-
-  void set_viewer_routes() {
-    using ForViewer = void (State::*)(const Request&, Response&, LiveScene::ViewerId);
-    const auto for_viewer = [this](ForViewer handle) {
-      return [this, handle](const Request& request, Response& response) {
-        const auto viewer = sessions.touch(request.get_param_value("viewer"));
-        if (viewer) return (this->*handle)(request, response, *viewer);
-        answer(response, 404, "expected viewer=KEY as POST /viewers gives it; that one is not known, or has left");
-      };
+  HttpAnswer answer(const HttpRequest& request) {
+    struct Route {
+      const char* path;
+      bool is_post;
+      HttpAnswer (State::*handle)(const HttpRequest&);
     };
-    http.Get("/state", for_viewer(&State::tell_state));
-    http.Get("/stream", for_viewer(&State::stream));
-    http.Get("/picture.png", for_viewer(&State::send_picture));
-    http.Post("/steer", for_viewer(&State::steer));
+    static constexpr Route routes[] = {
+        {"/", false, &State::page},
+        {"/viewer.js", false, &State::script},
+        {"/viewer.css", false, &State::style},
+        {"/bake", false, &State::tell_bake},
+        {"/viewers", true, &State::open},
+        {"/state", false, &State::for_viewer<&State::tell_state>},
+        {"/stream", false, &State::for_viewer<&State::stream>},
+        {"/picture.png", false, &State::for_viewer<&State::picture>},
+        {"/steer", true, &State::for_viewer<&State::steer>},
+    };
+    const bool is_post = request.head.method == "POST";
+    const auto found = std::find_if(std::begin(routes), std::end(routes), [&](const Route& route) {
+      return route.path == request.path && route.is_post == is_post;
+    });
+    return found == std::end(routes) ? error_reply(404, "there is no such page") : (this->*found->handle)(request);
   }
 
-  std::string bake_status() {
+  HttpAnswer page(const HttpRequest&) {
+    HttpReply reply = page_part("text/html; charset=utf-8", web_page);
+    // So that script, pictures and steering come with it.
+    if (!options.token.empty())
+      reply.headers.emplace_back("Set-Cookie",
+                                 fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/", cookie_name(), options.token));
+    return reply;
+  }
+
+  HttpAnswer script(const HttpRequest&) { return page_part("text/javascript; charset=utf-8", web_script); }
+  HttpAnswer style(const HttpRequest&) { return page_part("text/css; charset=utf-8", web_style); }
+
+  /// At most once a second, and by one thread at a time; until it has an answer all others get the one before.
+  HttpAnswer tell_bake(const HttpRequest&) {
     const std::lock_guard lock(bake_mutex);
-    const auto now = std::chrono::steady_clock::now();
-    if (now - bake_asked < std::chrono::seconds(1)) return bake;
-    bake_asked = now;
-    return bake = options.bake_status();
+    if (bake_is_asked || std::chrono::steady_clock::now() - bake_told < bake_look)
+      return HttpReply{200, json_type, bake};
+    bake_is_asked = true;
+    return [this] {
+      const std::string told = bake_status();
+      const std::lock_guard lock_again(bake_mutex);
+      bake_is_asked = false;
+      bake_told = std::chrono::steady_clock::now();
+      return HttpReply{200, json_type, bake = told};
+    };
   }
 
-  void open(const Request& request, Response& response) {
+  std::string bake_status() const {
+    try {
+      return options.bake_status();
+    } catch (const std::exception& problem) {
+      return nlohmann::json{{"error", problem.what()}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    }
+  }
+
+  HttpAnswer open(const HttpRequest& request) {
     const auto key = sessions.open(steering_from_json(request.body));
-    if (!key) return answer(response, 503, "as many look already as this server takes; try again later");
-    response.status = 201;
-    response.set_content(
-        nlohmann::ordered_json{{"viewer", *key}, {"modes", view_mode_names()}, {"styles", style_names()}}.dump(),
-        json_type);
+    if (!key) return error_reply(503, "as many look already as this server takes; try again later");
+    const nlohmann::ordered_json told{{"viewer", *key}, {"modes", view_mode_names()}, {"styles", style_names()}};
+    return HttpReply{201, json_type, told.dump()};
   }
 
-  void tell_state(const Request&, Response& response, LiveScene::ViewerId viewer) {
+  template <HttpAnswer (State::*handle)(const HttpRequest&, ViewerId)>
+  HttpAnswer for_viewer(const HttpRequest& request) {
+    const auto viewer = sessions.touch(request.argument("viewer"));
+    if (viewer) return (this->*handle)(request, *viewer);
+    return error_reply(404, "expected viewer=KEY as POST /viewers gives it; that one is not known, or has left");
+  }
+
+  HttpAnswer tell_state(const HttpRequest&, ViewerId viewer) {
     const auto state = scene.state(viewer);
     const auto frame = scene.frame_after(viewer, 0, 0);
-    if (!state) return answer(response, 404, "that viewer has left");
-    response.set_content(to_json(*state, frame.get()), json_type);
+    if (!state) return error_reply(404, "that viewer has left");
+    return HttpReply{200, json_type, to_json(*state, frame.get())};
   }
 
-  void steer(const Request& request, Response& response, LiveScene::ViewerId viewer) {
+  HttpAnswer steer(const HttpRequest& request, ViewerId viewer) {
     scene.steer(viewer, steering_from_json(request.body));
-    tell_state(request, response, viewer);
+    return tell_state(request, viewer);
   }
 
-  void stream(const Request& request, Response& response, LiveScene::ViewerId viewer) {
-    const auto pictures = std::make_shared<PictureStream>(scene, sessions, request.get_param_value("viewer"), viewer);
-    response.set_chunked_content_provider(
-        "multipart/x-mixed-replace; boundary=frame",
-        [pictures](std::size_t, httplib::DataSink& sink) { return pictures->send(sink); });
+  HttpAnswer stream(const HttpRequest& request, ViewerId viewer) {
+    return HttpStreamReply{"multipart/x-mixed-replace; boundary=frame",
+                           std::make_shared<PictureStream>(scene, sessions, request.argument("viewer"), viewer)};
   }
 
-  void send_picture(const Request&, Response& response, LiveScene::ViewerId viewer) {
-    const auto frame = scene.full_frame(viewer, picture_s);
-    if (!frame) return answer(response, 504, "the picture is not complete yet; hold still and try again");
-    response.set_header("Content-Disposition", "attachment; filename=\"gigabake.png\"");
-    response.set_content(encode_png(frame->frame.picture), "image/png");
+  HttpAnswer picture(const HttpRequest& request, ViewerId viewer) {
+    const std::string key = request.argument("viewer");
+    if (!sessions.begin_picture(key))
+      return error_reply(429, "pictures of this viewer are on their way; wait for them");
+    return [this, viewer, over = std::shared_ptr<void>(nullptr, [this, key](void*) { sessions.end_picture(key); })] {
+      const auto frame = scene.full_frame(viewer, picture_s);
+      if (!frame) return error_reply(504, "the picture is not complete yet; hold still and try again");
+      HttpReply reply{200, "image/png", encode_png(frame->frame.picture)};
+      reply.headers.emplace_back("Content-Disposition", "attachment; filename=\"gigabake.png\"");
+      return reply;
+    };
   }
 };
 
@@ -256,16 +243,16 @@ StreamServer::StreamServer(LiveScene& scene, const Options& options) {
 
 StreamServer::~StreamServer() { stop(); }
 
-int StreamServer::port() const { return state_->port; }
+int StreamServer::port() const { return state_->http.port(); }
 
 std::string StreamServer::url() const {
   const std::string& bind = state_->options.bind;
   const std::string host = bind.find(':') == std::string::npos ? bind : "[" + bind + "]";
   const std::string& token = state_->options.token;
-  return fmt::format("http://{}:{}/{}", host, state_->port, token.empty() ? "" : "?token=" + token);
+  return fmt::format("http://{}:{}/{}", host, port(), token.empty() ? "" : "?token=" + token);
 }
 
-void StreamServer::serve() { state_->http.listen_after_bind(); }
+void StreamServer::serve() { state_->http.serve(); }
 
 void StreamServer::stop() {
   state_->scene.stop();

@@ -1,13 +1,14 @@
 /// A scene in a browser: the page, the pictures and the steering over HTTP (docs/viewer.md).
 ///
 /// Each page has a camera of its own. Whatever a client sends is answered with a status and one line of JSON; nothing
-/// that it sends or leaves unread keeps others waiting for more than some seconds.
+/// that it sends or leaves unread keeps others waiting (viewer/http_server.h).
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <string>
 
+#include "viewer/http_server.h"
 #include "viewer/live_scene.h"
 
 namespace gigabake {
@@ -20,6 +21,7 @@ class StreamServer {
     std::string token;  ///< empty: none is asked for
     /// One JSON value about the bake that writes the scene; asked at most once a second, from any thread.
     std::function<std::string()> bake_status = [] { return std::string("null"); };
+    HttpServer::Limits limits;
   };
   static constexpr std::size_t least_token = 16;
 

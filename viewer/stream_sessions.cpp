@@ -13,7 +13,8 @@ constexpr std::chrono::seconds longest_silence{10};
 void StreamSessions::drop_those_that_left() {
   const auto now = Clock::now();
   std::erase_if(sessions_, [&](const auto& entry) {
-    const bool left = entry.second.stream == 0 && now - entry.second.heard > longest_silence;
+    const bool left =
+        entry.second.stream == 0 && entry.second.pictures == 0 && now - entry.second.heard > longest_silence;
     if (left) scene_.remove_viewer(entry.second.viewer);
     return left;
   });
@@ -25,7 +26,7 @@ std::optional<std::string> StreamSessions::open(const Steering& first) {
   const auto viewer = scene_.add_viewer(first);
   if (!viewer) return std::nullopt;
   const std::string key = random_key();
-  sessions_[key] = {*viewer, Clock::now(), 0};
+  sessions_[key] = {*viewer, Clock::now()};
   return key;
 }
 
@@ -55,6 +56,22 @@ void StreamSessions::end_stream(const std::string& key, std::uint64_t stream) {
   const auto found = sessions_.find(key);
   if (found == sessions_.end() || found->second.stream != stream) return;
   found->second.stream = 0;
+  found->second.heard = Clock::now();
+}
+
+bool StreamSessions::begin_picture(const std::string& key) {
+  const std::lock_guard lock(mutex_);
+  const auto found = sessions_.find(key);
+  if (found == sessions_.end() || found->second.pictures >= most_pictures) return false;
+  ++found->second.pictures;
+  return true;
+}
+
+void StreamSessions::end_picture(const std::string& key) {
+  const std::lock_guard lock(mutex_);
+  const auto found = sessions_.find(key);
+  if (found == sessions_.end()) return;
+  --found->second.pictures;
   found->second.heard = Clock::now();
 }
 

@@ -27,12 +27,18 @@ class StreamSessions {
   bool is_streaming(const std::string& key, std::uint64_t stream);
   void end_stream(const std::string& key, std::uint64_t stream);
 
+  /// A picture is made for it. False: no such key, or most_pictures are being made already.
+  bool begin_picture(const std::string& key);
+  void end_picture(const std::string& key);
+  static constexpr int most_pictures = 2;
+
  private:
   using Clock = std::chrono::steady_clock;
   struct Session {
     LiveScene::ViewerId viewer;
     Clock::time_point heard;
     std::uint64_t stream = 0;  ///< the one that runs; 0: none
+    int pictures = 0;          ///< being made
   };
 
   void drop_those_that_left();

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "format/error.h"
+#include "format/memory_limit.h"
 #include "worker/bake_messages.h"
 #include "worker/cell_pipeline.h"
 #include "worker/survey_tile.h"
@@ -179,6 +180,7 @@ class BakeServer {
   /// The driver takes its second while tiles are surveyed.
   void open(WorkerSetup setup) {
     setup_ = std::move(setup);
+    set_memory_limit(setup_->worker.memory_bytes);
     chosen_ = choice_.get_future();
     chooser_ = std::thread([this, wish = setup_->device] {
       choice_.set_value(answer_to(wish));
@@ -223,7 +225,7 @@ class BakeServer {
       surveyor_ = std::make_unique<Surveyor>(sources_, setup_->parameters, setup_->worker.threads, done_);
       surveys_ = true;
     } catch (const std::exception& e) {
-      why_not_ = e.what();
+      why_not_ = reason_of(e);
     }
   }
 
@@ -241,7 +243,7 @@ class BakeServer {
       pipeline_ =
           std::make_unique<CellPipeline>(sources_, setup_->parameters, setup_->worker, [this] { done_.ring(); });
     } catch (const std::exception& e) {
-      why_not_ = e.what();
+      why_not_ = reason_of(e);
     }
   }
 

@@ -5,7 +5,9 @@
 #include <xxhash.h>
 
 #include "format/error.h"
+#include "format/image_size.h"
 #include "format/tile_hash.h"
+#include "worker/far_triangles.h"
 #include "worker/lattice.h"
 
 namespace gigabake {
@@ -93,6 +95,7 @@ struct CellLoader::WantedTextures {
 
 LoadedCell CellLoader::load(const CellJob& job) {
   LoadedCell cell;
+  cell.memory = MemoryClaim("cell " + job.name, cell_advice);
   load_tiles(job, cell);
   WantedTextures wanted;
   for (const auto& tile : cell.tiles) add_parts(job, *tile, cell, wanted);
@@ -123,18 +126,40 @@ void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, LoadedCel
     cell.materials.push_back(shaded.view);
     return std::int64_t(cell.materials.size()) - 1;
   };
-  const CellBox box{job.lattice_min, job.cell_voxels};
-  for (const Instance& instance : tile.mesh.instances) {
-    const std::size_t p = std::size_t(instance.primitive);
-    const Primitive& primitive = tile.mesh.primitives[p];
-    if (!may_meet(tile.bounds[p], instance, parameters_, box)) continue;
+  for (const Instance* near : instances_near(job, tile, cell.memory)) {
+    const Instance& instance = *near;
+    const Primitive& primitive = tile.mesh.primitives[std::size_t(instance.primitive)];
     std::int64_t& material = cell_material[std::size_t(primitive.material)];
     if (material < 0) material = add_material(tile.mesh.materials[std::size_t(primitive.material)]);
     cell.parts.push_back(part_view(primitive, instance, std::uint32_t(material)));
+    const SceneBox reach = scene_box(tile.bounds[std::size_t(instance.primitive)], instance, parameters_);
+    if (!may_reach_too_far(reach, parameters_)) continue;
+    cell.memory.add_items(primitive.index.size(), sizeof(std::uint32_t), "", "corners of triangles");
+    cell.indices.push_back(index_without_far(primitive, instance, parameters_));
+    cell.parts.back().index = span(cell.indices.back());
   }
 }
 
+/// Of those that come near the cell, each is a part of it, and the kernels hold triangles of every part.
+std::vector<const Instance*> CellLoader::instances_near(const CellJob& job, const LoadedTile& tile,
+                                                        MemoryClaim& memory) const {
+  constexpr std::uint64_t part_bytes = sizeof(kernels::PartView) + 320, triangle_bytes = 128, most_counted = 64;
+  const CellBox box{job.lattice_min, job.cell_voxels};
+  std::vector<const Instance*> near;
+  for (const Instance& instance : tile.mesh.instances) {
+    const std::size_t p = std::size_t(instance.primitive);
+    if (!may_meet(tile.bounds[p], instance, parameters_, box)) continue;
+    const std::uint64_t triangles = tile.mesh.primitives[p].index.size() / 3;
+    memory.add_items(1, part_bytes + triangle_bytes * std::min(triangles, most_counted), "",
+                     "what is placed in the cell");
+    near.push_back(&instance);
+  }
+  return near;
+}
+
 void CellLoader::load_textures(const WantedTextures& wanted, LoadedCell& cell) {
+  for (const WantedTextures::Item& item : wanted.items)
+    cell.memory.add(image_size(*item.image).texture_bytes(), "", "the textures of the cell");
   cell.textures.resize(wanted.items.size());
   policy_.parallel_for(wanted.items.size(), 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "format/cell_job.h"
+#include "format/memory_limit.h"
 #include "format/mesh.h"
 #include "format/parameters.h"
 #include "format/source.h"
@@ -31,10 +32,15 @@ struct LoadedTile {
   std::uint64_t bytes() const;
 };
 
+inline constexpr const char* cell_advice = "take a smaller --cell-voxels";
+
 /// What bake_cell() borrows, and those who own it. Move-only.
 struct LoadedCell {
+  MemoryClaim memory{"cell",
+                     cell_advice};  ///< of instances and textures; what tiles take was claimed as they were read
   std::vector<std::shared_ptr<const LoadedTile>> tiles;
   std::vector<std::shared_ptr<const kernels::Texture>> textures;
+  std::vector<std::vector<std::uint32_t>> indices;  ///< of parts that have triangles which reach too far: without those
   std::vector<kernels::PartView> parts;
   std::vector<kernels::MaterialView> materials;
   std::vector<kernels::TextureView> texture_views;
@@ -48,7 +54,8 @@ class CellLoader {
   /// textures; what cells in hand hold on to comes on top.
   CellLoader(const SceneSources& sources, const BakeParameters& parameters, std::uint64_t cache_bytes, int threads);
 
-  /// Instances whose bounds miss the cell are left out, and with them images that nothing else needs.
+  /// Instances whose bounds miss the cell are left out, and with them images that nothing else needs. So are triangles
+  /// that reach too far (worker/far_triangles.h), whatever the cell.
   /// Exact   What job.tile_sources names, where it names anything: a tile is compared when it is read, and the cache
   ///         knows which one it holds.
   /// Errors  InputError naming the tile or image that cannot be read, or the tile that changed since its survey.
@@ -76,6 +83,7 @@ class CellLoader {
 
   void load_tiles(const CellJob& job, LoadedCell& cell);
   void add_parts(const CellJob& job, const LoadedTile& tile, LoadedCell& cell, WantedTextures& wanted) const;
+  std::vector<const Instance*> instances_near(const CellJob& job, const LoadedTile& tile, MemoryClaim& memory) const;
   void load_textures(const WantedTextures& wanted, LoadedCell& cell);
 
   const SceneSources& sources_;

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "format/io_error.h"
 #include "worker/cell_stages.h"
 #include "worker/handoff.h"
 #include "worker/write_crew.h"
@@ -17,12 +18,13 @@ namespace gigabake {
 namespace {
 
 /// Runs one stage on a cell; an exception decides the cell.
+/// of_input: what bad input means to this stage; who writes has none, and what fails there is I/O.
 template <class Work>
-void run_stage(CellInHand& cell, double CellReport::*seconds, const Work& work) {
+void run_stage(CellInHand& cell, double CellReport::*seconds, CellOutcome of_input, const Work& work) {
   if (cell.decided) return;
   const auto start = std::chrono::steady_clock::now();
-  const auto fail = [&](std::string line) {
-    cell.report.outcome = CellOutcome::failed;
+  const auto fail = [&](std::string line, CellOutcome outcome = CellOutcome::failed) {
+    cell.report.outcome = outcome;
     cell.report.error = std::move(line);
     cell.decided = true;
     cell.loaded.reset();
@@ -33,6 +35,10 @@ void run_stage(CellInHand& cell, double CellReport::*seconds, const Work& work) 
     work(cell);
   } catch (const std::bad_alloc&) {
     fail("not enough memory for this cell; take a smaller --cell-voxels or fewer ranks on the machine");
+  } catch (const IoError& e) {
+    fail(e.what());
+  } catch (const InputError& e) {
+    fail(e.what(), of_input);
   } catch (const std::exception& e) {
     fail(e.what());
   }
@@ -98,7 +104,7 @@ class CellPipeline::Stages {
     stages_.prepare();
     while (auto job = next_job()) {
       auto cell = std::make_unique<CellInHand>(std::move(*job));
-      run_stage(*cell, &CellReport::read_s, [this](CellInHand& c) { stages_.read(c); });
+      run_stage(*cell, &CellReport::read_s, CellOutcome::refused, [this](CellInHand& c) { stages_.read(c); });
       loaded_.give(std::move(cell));
     }
     loaded_.close();
@@ -106,7 +112,7 @@ class CellPipeline::Stages {
 
   void compute_all() {
     while (auto cell = loaded_.take()) {
-      run_stage(**cell, &CellReport::kernel_s, [this](CellInHand& c) { stages_.compute(c); });
+      run_stage(**cell, &CellReport::kernel_s, CellOutcome::refused, [this](CellInHand& c) { stages_.compute(c); });
       computed_.give(std::move(*cell));
     }
     computed_.close();
@@ -114,7 +120,7 @@ class CellPipeline::Stages {
 
   void write_all() {
     while (auto cell = computed_.take()) {
-      run_stage(**cell, &CellReport::write_s, [this](CellInHand& c) { stages_.write(c); });
+      run_stage(**cell, &CellReport::write_s, CellOutcome::failed, [this](CellInHand& c) { stages_.write(c); });
       {
         const std::scoped_lock lock(mutex_);
         reports_.push_back(std::move((*cell)->report));

@@ -26,7 +26,8 @@ struct WorkerOptions {
 /// Jobs are taken in the order of submission, and reported in it too but where a device bakes: there writing is by far
 /// the longest stage, and several cells are written at a time (worker/write_crew.h).
 /// Exact   A shard depends on its job, the sources and the parameters; not on threads, memory or other jobs.
-/// Errors  Whatever goes wrong with a cell becomes its report: `failed` with one line.
+/// Errors  Whatever goes wrong with a cell becomes its report: one line, and `refused` where another try would find the
+///         same, else `failed`.
 class CellPipeline {
  public:
   /// Makes OUT/shards. Errors  InputError when that fails.

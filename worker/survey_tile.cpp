@@ -13,6 +13,7 @@
 #include "format/tile_hash.h"
 #include "kernels/snap.h"
 #include "worker/column_span.h"
+#include "worker/far_triangles.h"
 #include "worker/instance_bounds.h"
 #include "worker/lattice.h"
 #include "worker/position_spacing.h"
@@ -27,6 +28,7 @@ constexpr std::size_t triangles_per_range = 16384;
 /// A primitive placed so often, with so many triangles in all, is surveyed by the boxes of its placements.
 constexpr std::size_t least_boxed_instances = 16;
 constexpr std::uint64_t most_exact_triangles = std::uint64_t(1) << 20;
+constexpr double most_crossings = 0x1p60;  ///< of one triangle or box
 constexpr double farthest_voxel = 0x1p44;  ///< the snap's range is 2^53 sub-voxels
 
 struct ColumnKey {
@@ -41,21 +43,24 @@ struct ColumnKeyHash {
   }
 };
 
-void widen(ColumnExtent& column, std::int64_t z_min, std::int64_t z_end, std::uint64_t triangles) {
-  column.z_min = std::min(column.z_min, z_min);
-  column.z_end = std::max(column.z_end, z_end);
-  column.triangles += triangles;
+/// Of both columns, which are at one place.
+void unite_into(ColumnExtent& column, const ColumnExtent& other) {
+  column.z_min = std::min(column.z_min, other.z_min);
+  column.z_end = std::max(column.z_end, other.z_end);
+  column.triangles += other.triangles;
+  const std::uint64_t room = UINT64_MAX - column.crossings;
+  column.crossings += std::min(room, other.crossings);
 }
 
 /// What one thread has found. Neighbouring triangles mostly share their column: the last one is at hand.
 class ColumnMap {
  public:
-  void add(std::int64_t x, std::int64_t y, VoxelSpan z, std::uint64_t triangles = 1) {
-    if (last_ == nullptr || last_->column_x != x || last_->column_y != y) {
-      const auto [at, is_new] = columns_.try_emplace(ColumnKey{x, y}, ColumnExtent{x, y, z.first, z.last + 1, 0});
-      last_ = &at->second;
+  void add(const ColumnExtent& c) {
+    if (last_ == nullptr || last_->column_x != c.column_x || last_->column_y != c.column_y) {
+      const ColumnExtent empty{c.column_x, c.column_y, c.z_min, c.z_end};
+      last_ = &columns_.try_emplace(ColumnKey{c.column_x, c.column_y}, empty).first->second;
     }
-    widen(*last_, z.first, z.last + 1, triangles);
+    unite_into(*last_, c);
     ++visits_;
   }
   bool is_too_wide() const { return columns_.size() > max_columns || visits_ > max_visits; }
@@ -69,13 +74,40 @@ class ColumnMap {
 
 struct ThreadSurvey {
   ColumnMap map;
-  std::uint64_t non_finite = 0, zero_area = 0;
+  std::vector<ColumnExtent> touched;  ///< by the triangle in hand
+  std::uint64_t non_finite = 0, zero_area = 0, too_far = 0;
+  double reach_m = 0;
 };
 
 struct SnappedVertex {
   kernels::LatticePoint p;
   bool valid;
 };
+
+/// Of a vertex that is not on the lattice: where it would be, or infinite.
+std::array<double, 3> scene_position(const Primitive& primitive, std::uint32_t vertex, const Instance& instance) {
+  const float* local = primitive.position.data() + 3 * std::size_t(vertex);
+  std::array<double, 3> p_m{};
+  for (std::size_t r = 0; r < 3; ++r) {
+    const auto& m = instance.scene_from_local.m[r];
+    p_m[r] = m[0] * local[0] + m[1] * local[1] + m[2] * local[2] + m[3];
+  }
+  return p_m;
+}
+
+/// Longest side of the box of a triangle that is not on the lattice; no number or infinite where a vertex is.
+double side_m(const Primitive& primitive, const std::uint32_t* index, const Instance& instance) {
+  const std::array<std::array<double, 3>, 3> p_m = {scene_position(primitive, index[0], instance),
+                                                    scene_position(primitive, index[1], instance),
+                                                    scene_position(primitive, index[2], instance)};
+  double side = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (!std::isfinite(p_m[0][c] + p_m[1][c] + p_m[2][c])) return HUGE_VAL;
+    const auto [low, high] = std::minmax({p_m[0][c], p_m[1][c], p_m[2][c]});
+    side = std::max(side, high - low);
+  }
+  return side;
+}
 
 std::vector<SnappedVertex> snap_vertices(const Primitive& primitive, const Instance& instance,
                                          const BakeParameters& parameters, const kernels::CpuPolicy& policy) {
@@ -98,6 +130,47 @@ LocalReach reach_of(const Primitive& primitive, const std::vector<SnappedVertex>
   return reach;
 }
 
+/// Twice the areas seen along x, y and z, added: of triangles on the lattice exact as long as doubles hold them.
+double doubled_views(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+  return std::fabs(a[1] * b[2] - a[2] * b[1]) + std::fabs(a[2] * b[0] - a[0] * b[2]) +
+         std::fabs(a[0] * b[1] - a[1] * b[0]);
+}
+
+std::uint64_t crossings_of(const LatticeTriangle& t) {
+  std::array<double, 3> a{}, b{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    a[k] = double(t.p[1][k] - t.p[0][k]);
+    b[k] = double(t.p[2][k] - t.p[0][k]);
+  }
+  return std::uint64_t(std::min(doubled_views(a, b), most_crossings));
+}
+
+/// In its own frame, of triangles that are finite.
+double area_m2(const Primitive& primitive) {
+  double doubled = 0;
+  for (std::size_t t = 0; t + 2 < primitive.index.size(); t += 3) {
+    const float* p[3];
+    for (std::size_t i = 0; i < 3; ++i) p[i] = primitive.position.data() + 3 * std::size_t(primitive.index[t + i]);
+    std::array<double, 3> a{}, b{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      a[k] = double(p[1][k]) - double(p[0][k]);
+      b[k] = double(p[2][k]) - double(p[0][k]);
+    }
+    const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+    const double area = std::sqrt(x * x + y * y + z * z);
+    if (std::isfinite(area)) doubled += area;
+  }
+  return doubled / 2;
+}
+
+/// Exact for placements that scale all axes alike.
+double area_scale(const Instance& instance) {
+  const auto m = row_major(instance.scene_from_local);
+  const double determinant =
+      m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
+  return std::pow(std::fabs(determinant), 2.0 / 3);
+}
+
 class TileSurveyor {
  public:
   TileSurveyor(const TileRef& tile, const BakeParameters& parameters, const kernels::CpuPolicy& policy)
@@ -113,21 +186,26 @@ class TileSurveyor {
     policy_.parallel_for(primitive.index.size() / 3, triangles_per_range,
                          [&](std::size_t begin, std::size_t end, int thread) {
                            for (std::size_t t = begin; t < end; ++t)
-                             add_triangle(vertices, primitive.index.data() + 3 * t, threads_[std::size_t(thread)]);
+                             if (!add_triangle(vertices, primitive.index.data() + 3 * t, threads_[std::size_t(thread)]))
+                               add_off_lattice(side_m(primitive, primitive.index.data() + 3 * t, instance),
+                                               threads_[std::size_t(thread)]);
                          });
   }
 
   /// As add(), of all these placements of the primitive, but for triangles that have no area. Those whose box is beyond
-  /// the lattice are looked at one triangle at a time: some may not be.
+  /// the lattice, or so large that a triangle may reach too far, are looked at one triangle at a time: some may not.
   void add_boxes(const Primitive& primitive, std::span<const Instance* const> instances) {
     const LocalBounds bounds = bounds_of(primitive);
     const std::uint64_t triangles = primitive.index.size() / 3, non_finite = triangles_not_finite(primitive);
+    const double local_area_m2 = area_m2(primitive);
     std::vector<char> is_far(instances.size(), 0);
     policy_.parallel_for(instances.size(), 1024, [&](std::size_t begin, std::size_t end, int thread) {
       ThreadSurvey& found = threads_[std::size_t(thread)];
       for (std::size_t i = begin; i < end; ++i) {
         const SceneBox box = scene_box(bounds, *instances[i], parameters_);
-        is_far[i] = !box.is_empty() && !add_box(box, triangles, found.map);
+        const std::uint64_t crossings = crossings_of_area(local_area_m2 * area_scale(*instances[i]));
+        is_far[i] =
+            may_reach_too_far(box, parameters_) || (!box.is_empty() && !add_box(box, triangles, crossings, found.map));
         if (is_far[i] == 0) found.non_finite += non_finite;
       }
     });
@@ -140,6 +218,8 @@ class TileSurveyor {
     for (const ThreadSurvey& thread : threads_) {
       survey.non_finite += thread.non_finite;
       survey.zero_area += thread.zero_area;
+      survey.too_far += thread.too_far;
+      survey.reach_m = std::max(survey.reach_m, thread.reach_m);
       for (const auto& [key, column] : thread.map.columns()) survey.columns.push_back(column);
     }
     unite(survey.columns);
@@ -157,8 +237,14 @@ class TileSurveyor {
     return count;
   }
 
+  /// Of surface that faces all ways alike: the mean of |x| + |y| + |z| over directions is 3/2.
+  std::uint64_t crossings_of_area(double surface_m2) const {
+    const double voxels = 1.5 * surface_m2 / (parameters_.voxel_size_m * parameters_.voxel_size_m);
+    return std::uint64_t(std::clamp(voxels * crossing_unit, 0.0, most_crossings));
+  }
+
   /// False, with nothing added, where the box reaches beyond the lattice.
-  bool add_box(const SceneBox& box, std::uint64_t triangles, ColumnMap& map) const {
+  bool add_box(const SceneBox& box, std::uint64_t triangles, std::uint64_t crossings, ColumnMap& map) const {
     std::array<VoxelSpan, 3> voxels;
     for (std::size_t c = 0; c < 3; ++c) {
       const auto voxel = [&](double p_m) {
@@ -171,9 +257,10 @@ class TileSurveyor {
     const auto columns = [&](VoxelSpan v) { return VoxelSpan{v.first >> grid_.cell_bits, v.last >> grid_.cell_bits}; };
     const VoxelSpan x = columns(voxels[0]), y = columns(voxels[1]);
     if (std::uint64_t(x.last - x.first) >= max_columns || std::uint64_t(y.last - y.first) >= max_columns) refuse();
+    const std::uint64_t share = crossings / (std::uint64_t(x.last - x.first + 1) * std::uint64_t(y.last - y.first + 1));
     for (std::int64_t row = y.first; row <= y.last; ++row)
       for (std::int64_t column = x.first; column <= x.last; ++column) {
-        map.add(column, row, voxels[2], triangles);
+        map.add({column, row, voxels[2].first, voxels[2].last + 1, triangles, share});
         if (map.is_too_wide()) refuse();
       }
     return true;
@@ -186,23 +273,43 @@ class TileSurveyor {
                          " voxels; enlarge --voxel-size or --cell-voxels, or check the unit of its coordinates");
   }
 
-  void add_triangle(const std::vector<SnappedVertex>& vertices, const std::uint32_t* index, ThreadSurvey& found) const {
+  static void add_off_lattice(double side_m, ThreadSurvey& found) {
+    if (!std::isfinite(side_m)) {
+      ++found.non_finite;
+      return;
+    }
+    ++found.too_far;
+    found.reach_m = std::max(found.reach_m, side_m);
+  }
+
+  /// False, with nothing counted, where a vertex is not on the lattice.
+  bool add_triangle(const std::vector<SnappedVertex>& vertices, const std::uint32_t* index, ThreadSurvey& found) const {
     LatticeTriangle triangle;
     for (int i = 0; i < 3; ++i) {
       const SnappedVertex& v = vertices[index[i]];
-      if (!v.valid) {
-        ++found.non_finite;
-        return;
-      }
+      if (!v.valid) return false;
       std::copy(v.p.v, v.p.v + 3, triangle.p[i]);
     }
     if (!has_area(triangle)) {
       ++found.zero_area;
-      return;
+      return true;
     }
-    const bool fits = for_each_column(triangle, grid_, max_columns,
-                                      [&](std::int64_t x, std::int64_t y, VoxelSpan z) { found.map.add(x, y, z); });
-    if (!fits || found.map.is_too_wide()) refuse();
+    if (const std::int64_t side = side_of(triangle); side > longest_side) {
+      ++found.too_far;
+      found.reach_m = std::max(found.reach_m, double(side) / double(kernels::subvoxels) * parameters_.voxel_size_m);
+      return true;
+    }
+    found.touched.clear();
+    const bool fits = for_each_column(triangle, grid_, max_columns, [&](std::int64_t x, std::int64_t y, VoxelSpan z) {
+      found.touched.push_back({x, y, z.first, z.last + 1, 1});
+    });
+    if (!fits) refuse();
+    for (ColumnExtent& column : found.touched) {
+      column.crossings = crossings_of(triangle) / found.touched.size();
+      found.map.add(column);
+    }
+    if (found.map.is_too_wide()) refuse();
+    return true;
   }
 
   /// Sorts, and makes one of the columns that several threads found.
@@ -213,7 +320,7 @@ class TileSurveyor {
     std::size_t kept = 0;
     for (const ColumnExtent& c : columns) {
       if (kept != 0 && columns[kept - 1].column_x == c.column_x && columns[kept - 1].column_y == c.column_y)
-        widen(columns[kept - 1], c.z_min, c.z_end, c.triangles);
+        unite_into(columns[kept - 1], c);
       else
         columns[kept++] = c;
     }
@@ -258,10 +365,11 @@ TileSurvey survey_tile(const SceneSources& sources, std::uint32_t tile, const Ba
   try {
     // First of all: the files' stamps must be older than everything that is read of them.
     TileIdentity identity = identify_tile(ref, sources.root);
-    const TileMesh mesh = read_tile(ref, sources.root, ReadScope::positions_only);
+    TileMesh mesh = read_tile(ref, sources.root, ReadScope::positions_only);
     survey.triangles = mesh.counts.triangles;
     survey.skipped_points = mesh.counts.skipped_points;
     survey.skipped_lines = mesh.counts.skipped_lines;
+    survey.warnings = std::move(mesh.warnings);
     TileSurveyor surveyor(ref, parameters, policy);
     add_all(mesh, surveyor);
     surveyor.finish(survey);
@@ -269,7 +377,7 @@ TileSurvey survey_tile(const SceneSources& sources, std::uint32_t tile, const Ba
     survey.files = std::move(identity.files);
     return survey;
   } catch (const std::bad_alloc&) {
-    return unreadable(tile, ref.path.string() + ": not enough memory to read it");
+    return unreadable(tile, InputError(ref.path, "", not_enough_memory).what());
   } catch (const std::exception& e) {
     return unreadable(tile, e.what());
   }

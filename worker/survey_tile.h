@@ -16,6 +16,8 @@ namespace gigabake {
 /// Instances  A primitive placed at least 16 times, with more than 2^20 triangles in all, is surveyed by the boxes of
 ///         its placements: columns and heights may then reach a little farther than its triangles, and a column counts
 ///         all triangles of an instance that reaches it.
+/// Too far  A triangle whose box has a side of more than longest_side (worker/far_triangles.h) is left out and counted;
+///         so is one with a vertex beyond the lattice.
 /// Cost    Time follows triangles, boxes and columns; a tile that spreads over more than 2^21 columns is an error.
 /// Errors  None thrown: TileSurvey::error says in one line why the tile has no columns.
 TileSurvey survey_tile(const SceneSources& sources, std::uint32_t tile, const BakeParameters& parameters,

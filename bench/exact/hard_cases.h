@@ -26,6 +26,8 @@ inline std::ostream& operator<<(std::ostream& out, const HardCase& c) { return o
 std::vector<HardCase> small_hard_cases();
 std::vector<HardCase> wide_hard_cases();
 
+inline const std::set<Voxel> none;
+
 /// Voxels low … high, both included.
 std::set<Voxel> cells(const Voxel& low, const Voxel& high);
 std::set<Voxel> operator+(std::set<Voxel> a, const std::set<Voxel>& b);

@@ -3,7 +3,7 @@
 namespace gigabake::reference {
 namespace {
 
-const std::set<Voxel> none, origin{{0, 0, 0}};
+const std::set<Voxel> origin{{0, 0, 0}};
 
 std::set<Voxel> one(std::int64_t x, std::int64_t y, std::int64_t z) { return {{x, y, z}}; }
 

@@ -14,7 +14,7 @@ std::set<Voxel> where(const Predicate& holds) {
   return out;
 }
 
-const std::set<Voxel> none, layer = cells({low, low, 0}, {last, last, 0});
+const std::set<Voxel> layer = cells({low, low, 0}, {last, last, 0});
 
 /// A square of two triangles about the window, z = a·x + b·y + c.
 std::vector<Triangle> sheet(std::int64_t reach, std::int64_t a, std::int64_t b, std::int64_t c) {

@@ -5,6 +5,8 @@
 #include <random>
 
 #include "bench/hard/hard_case.h"
+#include "format/survey.h"
+#include "kernels/brick_triangle.h"
 
 namespace gigabake::bench {
 namespace {
@@ -41,7 +43,8 @@ HardScene scene_of(const std::vector<Painted>& painted) {
 
 /// Slivers between small triangles of about their area in a voxel, so that colour shows what they weigh.
 std::vector<HardCase> slivers() {
-  constexpr std::int64_t far = std::int64_t(1) << 29;
+  // A little less long than a triangle may be, in few bits.
+  constexpr std::int64_t far = (longest_side_voxels / 2 - 2048) * kernels::subvoxels;
   const std::pair<const char*, Triangle> shapes[] = {
       {"sliver-along-x", {{{-far, 100, 100}, {far, 100, 100}, {far, 101, 100}}}},
       {"sliver-on-lattice-edge", {{{-far, 0, 0}, {far, 0, 0}, {far, 1, 0}}}},

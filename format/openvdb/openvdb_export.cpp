@@ -1,9 +1,9 @@
 #include "format/openvdb/openvdb_export.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "format/error.h"
+#include "format/host_limits.h"
 #include "format/module.h"
 #include "format/openvdb/openvdb_module.h"
 #include "format/publish.h"
@@ -26,24 +26,25 @@ std::unique_ptr<OpenvdbGrids> grids_of(const SceneDescription& scene, int lod) {
 
 }  // namespace
 
-std::uint64_t openvdb_memory_bytes() {
-  return std::uint64_t(::sysconf(_SC_PHYS_PAGES)) * std::uint64_t(::sysconf(_SC_PAGESIZE)) / 2;
-}
+std::uint64_t openvdb_memory_bytes() { return host_limits().memory_bytes / 2; }
 
 std::uint64_t export_openvdb(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& vdb,
-                             std::uint64_t most_bytes) {
+                             std::uint64_t most_bytes, const Progress& progress) {
   const SceneDescription scene = read_scene(scene_xml);
   const std::uint64_t voxels = voxels_of_level(scene_xml, scene, lod);
   const std::unique_ptr<OpenvdbGrids> grids = grids_of(scene, lod);
   Publication publication(vdb);
   std::uint64_t parts = 0;
-  for_each_block_part(scene_xml, scene, lod, [&](const LevelIndex& lowest, const DenseBrick& part) {
+  progress.step("gathering the voxels", voxels);
+  const auto add = [&](const LevelIndex& lowest, const DenseBrick& part) {
     grids->add(checked_index(scene_xml, lowest), part);
     if (++parts % 256 == 0 && grids->bytes() > most_bytes)
       throw InputError(scene_xml, "",
                        fmt::format("its grids take more than {} MiB of memory; a coarser --lod or --to nvdb takes less",
                                    most_bytes >> 20));
-  });
+  };
+  for_each_block_part(scene_xml, scene, lod, add, progress);
+  progress.step("writing the grids");
   grids->write(vdb, publication.aside());
   publication.publish();
   return voxels;

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "format/progress.h"
+
 namespace gigabake {
 
 /// Grids "density" (float fog volume: coverage from 0 to 1), "Cd" (Vec3s: colour in linear light) and, where the scene
@@ -16,7 +18,7 @@ namespace gigabake {
 ///         32 bits, too large. Nothing is left behind.
 /// Returns the number of voxels.
 std::uint64_t export_openvdb(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& vdb,
-                             std::uint64_t most_bytes);
+                             std::uint64_t most_bytes, const Progress& progress = {});
 
 /// Half of the memory of this machine.
 std::uint64_t openvdb_memory_bytes();

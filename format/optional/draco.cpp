@@ -4,6 +4,7 @@
 
 #include "format/byte_cursor.h"
 #include "format/codecs.h"
+#include "format/memory_limit.h"
 
 namespace gigabake {
 namespace {
@@ -65,6 +66,8 @@ DracoMesh decode_draco(const std::filesystem::path& file, const std::string& whe
     throw InputError(file, where,
                      "the Draco stream says it has " + std::to_string(*announced) + " triangles, the document " +
                          std::to_string(most_triangles));
+  constexpr std::uint64_t triangle_bytes = 100;  // three corners, as the library holds them and as they come out
+  MemoryClaim(file).add_items(announced.value_or(0), triangle_bytes, where, "triangles packed by Draco");
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(packed.data()), packed.size());
   draco::Decoder decoder;

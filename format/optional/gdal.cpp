@@ -1,13 +1,19 @@
 #include <algorithm>
 #include <cmath>
+#include <gdal_frmts.h>
 #include <limits>
 #include <mutex>
+#include <sstream>
+#include <string_view>
 
 #include "format/dem.h"
 #include "format/error.h"
 #include "format/georeference.h"
+#include "format/memory_limit.h"
+#include "format/optional/crs_text.h"
 #include "format/optional/gdal_module.h"
 #include "format/optional/gdal_raster.h"
+#include "format/optional/proj_files.h"
 
 namespace gigabake {
 namespace {
@@ -17,7 +23,11 @@ void register_drivers() {
   std::call_once(once, [] {
     CPLSetConfigOption("GDAL_CACHEMAX", "64");
     CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");  // writes nothing beside sources
-    GDALAllRegister();
+    confine_proj();
+    // No others: what stands beside a raster (masks, overviews) is opened by whichever driver knows it, and some fetch
+    // what they are told from the network.
+    GDALRegister_GTiff(), GDALRegister_AAIGrid(), GDALRegister_SRTMHGT(), GDALRegister_PNG(), GDALRegister_JPEG();
+    GDALRegister_MEM();
   });
 }
 
@@ -32,16 +42,34 @@ Dataset open_raster(const std::filesystem::path& file, const char* key) {
   return out;
 }
 
+const OGRSpatialReference* plain_crs_of(GDALDataset& dataset) {
+  const OGRSpatialReference* crs = dataset.GetSpatialRef();
+  return crs != nullptr && is_plain_crs(wkt_of(*crs)) ? crs : nullptr;
+}
+
+std::string wkt_of(const OGRSpatialReference& crs) {
+  char* text = nullptr;
+  crs.exportToWkt(&text);
+  std::string out = text != nullptr ? text : "";
+  CPLFree(text);
+  return out;
+}
+
 OGRSpatialReference crs_of(const DemOptions& options, GDALDataset& dataset) {
   OGRSpatialReference crs;
   if (!options.crs.empty()) {
-    if (crs.SetFromUserInput(options.crs.c_str()) != OGRERR_NONE)
-      throw InputError(options.dem, "crs", "is unknown: '" + options.crs + "'; expected EPSG:…, WKT or a PROJ text");
-  } else if (const OGRSpatialReference* own = dataset.GetSpatialRef()) {
+    // GDAL would also fetch an address and open a file.
+    if (!is_plain_crs(options.crs) ||
+        crs.SetFromUserInput(options.crs.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) !=
+            OGRERR_NONE)
+      throw InputError(options.dem, "crs",
+                       "is unknown: " + in_quotes(options.crs) + "; expected EPSG:…, WKT or a PROJ text");
+  } else if (const OGRSpatialReference* own = plain_crs_of(dataset)) {
     crs = *own;
   } else {
     throw InputError(options.dem, "crs",
-                     "the raster has no coordinate system; set it in the scene file, as \"crs\": \"EPSG:25832\"");
+                     "the raster has no coordinate system, or one that leads to files; set it in the scene file, as "
+                     "\"crs\": \"EPSG:25832\"");
   }
   crs.StripVertical();
   crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
@@ -69,6 +97,13 @@ Geodetic geodetic(double lon, double lat, double height_m) {
   return {std::clamp(lat, -90.0, 90.0), std::remainder(lon, 360.0), height_m};
 }
 
+/// Six digits, however large it is.
+std::string short_number(double v) {
+  std::ostringstream text;
+  text << v;
+  return text.str();
+}
+
 /// Metres between two neighbouring pixels at the raster's middle say whether the numbers fit the coordinate system.
 Geodetic checked_origin(const DemRaster& raster, const Grid& grid, const EarthMap& earth) {
   const double c = (raster.columns - 1) / 2.0, r = (raster.rows - 1) / 2.0, e = raster.columns - 1, s = raster.rows - 1;
@@ -85,7 +120,7 @@ Geodetic checked_origin(const DemRaster& raster, const Grid& grid, const EarthMa
     const double pixel_m = std::sqrt((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y) + (a.z - b.z) * (a.z - b.z));
     if (!(pixel_m >= least_pixel_m && pixel_m <= largest_pixel_m))
       throw InputError(raster.options.dem, "crs",
-                       "a pixel would be " + std::to_string(pixel_m) + " m wide in the raster's coordinate system (" +
+                       "a pixel would be " + short_number(pixel_m) + " m wide in the raster's coordinate system (" +
                            earth.name() + "); set the right one in the scene file");
   }
   return geodetic(x[0], y[0], 0);
@@ -98,7 +133,7 @@ double height_scale_of(const DemOptions& options, GDALRasterBand& band) {
     return 1;
   throw InputError(
       options.dem, "height_scale",
-      "the raster's heights are in '" + unit + "'; set the metres of one in the scene file (a foot: 0.3048)");
+      "the raster's heights are in " + in_quotes(unit) + "; set the metres of one in the scene file (a foot: 0.3048)");
 }
 
 /// Heights above the ellipsoid of a window of pixels; NaN where there is no value.
@@ -177,6 +212,32 @@ void add_files(const Path& file, const char* key, std::vector<Path>& out) {
   if (std::find(out.begin(), out.end(), file) == out.end()) out.push_back(file);
 }
 
+/// An ASCII grid says how many numbers follow, and each takes a character and a space.
+void expect_whole_text(const DemRaster& raster, GDALDataset& dataset) {
+  if (std::string_view(dataset.GetDriver()->GetDescription()) != "AAIGrid") return;
+  const std::uint64_t pixels = std::uint64_t(raster.columns) * std::uint64_t(raster.rows);
+  const std::uint64_t bytes = std::filesystem::file_size(raster.options.dem);
+  if (pixels > bytes)
+    throw InputError(raster.options.dem, "dem",
+                     "the grid says it has " + std::to_string(raster.columns) + " × " + std::to_string(raster.rows) +
+                         " values, more than its " + std::to_string(bytes) + " bytes can hold");
+}
+
+/// Of one tile as it is read: heights, places, vertices and triangles of each pixel, and GDAL's own blocks.
+void claim_tile(const DemRaster& raster, GDALDataset& dataset) {
+  constexpr std::uint64_t pixel_bytes = 96, block_value_bytes = 16;
+  int width = 0, height = 0;
+  dataset.GetRasterBand(1)->GetBlockSize(&width, &height);
+  MemoryClaim claim(raster.options.dem, "store it in smaller blocks");
+  claim.add_items(std::uint64_t(width) * std::uint64_t(height), block_value_bytes, "dem", "pixels of a block");
+  const auto edge = [&](int pixels) { return std::uint64_t(std::min(pixels, raster.options.tile_cells + 1)); };
+  MemoryClaim(raster.options.dem, "lower tile_cells in the scene file")
+      .add_items(edge(raster.columns) * edge(raster.rows), pixel_bytes, "tile_cells", "points of a tile");
+}
+
+/// A tile here and as the source of a scene, with its name.
+constexpr std::uint64_t tile_bytes = 800;
+
 std::vector<DemTile> tiles_of(const DemOptions& options) {
   const QuietErrors quiet;
   const Dataset dataset = open_raster(options.dem, "dem");
@@ -187,13 +248,18 @@ std::vector<DemTile> tiles_of(const DemOptions& options) {
   raster->rows = dataset->GetRasterYSize();
   if (raster->columns < 2 || raster->rows < 2)
     throw InputError(options.dem, "dem", "expected at least 2 × 2 pixels, which are the terrain's vertices");
+  expect_whole_text(*raster, *dataset);
   height_scale_of(options, *dataset->GetRasterBand(1));
   const EarthMap earth(options, *dataset);
   raster->origin = checked_origin(*raster, grid, earth);
   if (!options.ortho.empty()) open_raster(options.ortho, "ortho");
   const int edge = options.tile_cells;
+  claim_tile(*raster, *dataset);
   if (std::uint64_t(raster->columns / edge + 1) * std::uint64_t(raster->rows / edge + 1) > most_tiles)
     throw InputError(options.dem, "tile_cells", "more than 2^22 tiles; enlarge it in the scene file");
+  MemoryClaim(options.dem, "enlarge tile_cells in the scene file")
+      .add_items(std::uint64_t(raster->columns / edge + 1) * std::uint64_t(raster->rows / edge + 1), tile_bytes,
+                 "tile_cells", "tiles");
   std::vector<DemTile> tiles;
   for (int row = 0; row < raster->rows - 1; row += edge)
     for (int column = 0; column < raster->columns - 1; column += edge)
@@ -247,6 +313,7 @@ std::vector<Path> files_of(const DemOptions& options) {
 }  // namespace gigabake
 
 const gigabake::GdalModule* gigabake_gdal() {
-  static const gigabake::GdalModule module{gigabake::tiles_of, gigabake::mesh_of, gigabake::files_of};
+  static const gigabake::GdalModule module{gigabake::set_memory_limit, gigabake::tiles_of, gigabake::mesh_of,
+                                           gigabake::files_of};
   return &module;
 }

@@ -1,6 +1,7 @@
 /// What the module "gdal" does: the functions of format/dem.h.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -9,6 +10,8 @@
 namespace gigabake {
 
 struct GdalModule {
+  /// The module has its own format/memory_limit.h. To be called before the others, with the program's limit.
+  void (*set_memory_limit)(std::uint64_t bytes);
   std::vector<DemTile> (*open_dem)(const DemOptions& options);
   DemMesh (*read_dem)(const DemTile& tile, bool with_ortho);
   std::vector<std::filesystem::path> (*dem_files)(const DemOptions& options);

@@ -16,7 +16,8 @@ class OrthoWindow {
   EncodedImage read() const {
     const DemOptions& o = tile_.raster->options;
     const Dataset ortho = open_raster(o.ortho, "ortho");
-    const std::string source_crs = wkt_of(ortho->GetSpatialRef() != nullptr ? *ortho->GetSpatialRef() : earth_.crs());
+    const OGRSpatialReference* own = plain_crs_of(*ortho);
+    const std::string source_crs = wkt_of(own != nullptr ? *own : earth_.crs());
     const std::string crs = wkt_of(earth_.crs());
     const int texels = texels_a_cell(*ortho, source_crs, crs);
     const int width = (tile_.columns + 2 * margin_cells) * texels, height = (tile_.rows + 2 * margin_cells) * texels;
@@ -35,14 +36,6 @@ class OrthoWindow {
   }
 
  private:
-  static std::string wkt_of(const OGRSpatialReference& crs) {
-    char* text = nullptr;
-    crs.exportToWkt(&text);
-    std::string out = text != nullptr ? text : "";
-    CPLFree(text);
-    return out;
-  }
-
   [[noreturn]] void fail(const std::string& message) const {
     throw InputError(tile_.raster->options.ortho, "ortho", message + QuietErrors::last());
   }

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cpl_error.h>
+#include <cstring>
 #include <filesystem>
 #include <gdal_priv.h>
 #include <memory>
 #include <ogr_spatialref.h>
 #include <string>
+#include <unistd.h>
 #include <utility>
 #include <vector>
 
@@ -17,14 +19,23 @@
 
 namespace gigabake {
 
-/// GDAL prints errors unless told otherwise; the last one is asked for instead.
+/// GDAL prints errors unless told otherwise; the last one is asked for instead. What GDAL calls fatal is that memory
+/// ended; it would abort next.
 struct QuietErrors {
-  QuietErrors() { CPLPushErrorHandler(CPLQuietErrorHandler), CPLErrorReset(); }
+  QuietErrors() { CPLPushErrorHandler(end_where_fatal), CPLErrorReset(); }
   ~QuietErrors() { CPLPopErrorHandler(); }
   static std::string last() {
     std::string text = CPLGetLastErrorMsg();
     std::replace(text.begin(), text.end(), '\n', ' ');
     return text.empty() ? "" : ": " + text;
+  }
+
+ private:
+  static void CPL_STDCALL end_where_fatal(CPLErr kind, CPLErrorNum, const char*) {
+    if (kind != CE_Fatal) return;
+    for (const char* part : {"gigabake: ", not_enough_memory, "\n"})
+      if (::write(STDERR_FILENO, part, std::strlen(part)) < 0) break;
+    ::_exit(1);
   }
 };
 
@@ -45,6 +56,11 @@ struct Grid {
   double determinant() const { return g[1] * g[5] - g[2] * g[4]; }
 };
 
+/// The raster's own where it names no files, else nothing.
+const OGRSpatialReference* plain_crs_of(GDALDataset& dataset);
+
+std::string wkt_of(const OGRSpatialReference& crs);
+
 /// The raster's own or that of the options, without its vertical part. Errors  InputError: neither is there, or known.
 OGRSpatialReference crs_of(const DemOptions& options, GDALDataset& dataset);
 
@@ -53,7 +69,7 @@ class EarthMap {
  public:
   EarthMap(const DemOptions& options, GDALDataset& dataset) : options_(options), crs_(crs_of(options, dataset)) {
     OGRSpatialReference wgs84;
-    wgs84.SetFromUserInput("EPSG:4326");
+    wgs84.importFromEPSG(4326);
     wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
     map_.reset(OGRCreateCoordinateTransformation(&crs_, &wgs84));
     if (!map_)

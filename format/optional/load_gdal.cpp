@@ -1,4 +1,5 @@
 // format/dem.h where gigabake was built with GDAL, which takes a tenth of a second and fifty megabytes to load.
+#include "format/memory_limit.h"
 #include "format/module.h"
 #include "format/optional/gdal_module.h"
 
@@ -8,6 +9,7 @@ namespace {
 const GdalModule& gdal() {
   static const GdalModule& module =
       *reinterpret_cast<decltype(&gigabake_gdal)>(module_function("gdal", "gigabake_gdal"))();
+  module.set_memory_limit(memory_limit());
   return module;
 }
 

@@ -20,6 +20,9 @@ struct KitImages {
 };
 KitImages paint_kit(std::uint32_t seed);
 
+/// What the pictures show, which walls and roofs repeat.
+inline constexpr double facade_m = 12, roof_width_m = 14, roof_height_m = 9;
+
 constexpr int jpeg_quality = 88;
 
 /// A corner of a mesh in the tile's frame: metres east, north, up.

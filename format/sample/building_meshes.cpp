@@ -7,7 +7,7 @@
 namespace gigabake::sample {
 namespace {
 
-constexpr double facade_m = 12, roof_width_m = 14, roof_height_m = 9, overhang_m = 0.45;
+constexpr double overhang_m = 0.45;
 
 void add_vertex(GlbMesh& mesh, const Corner& c, const double uv[2]) {
   mesh.position.insert(mesh.position.end(), {float(c.e_m), float(c.u_m), float(-c.n_m)});

@@ -8,7 +8,6 @@ namespace gigabake::sample {
 namespace {
 
 constexpr int texels = 512;
-constexpr double facade_m = 12, roof_width_m = 14, roof_height_m = 9;
 
 /// One storey's window, centred at (0, 0), half a metre and more to each side.
 bool window_colour(double x_m, double y_m, Rgb& c) {

@@ -84,8 +84,19 @@ TEST_F(HardSuiteNotices, ACellThatFails) {
 TEST(HardSuiteReport, NamesWhatFails) {
   HardBench bench{"cpu", {{"good", "group", "", 1, {{"missed", "voxels", 0, 0}}, {}}}};
   EXPECT_NE(to_markdown(bench).find("every bound holds"), std::string::npos);
+  // 2026-11-22: the report begins with its verdict and ends with what its columns are.
+  EXPECT_EQ(
+      to_markdown(bench).find("In all 1 hard cases every claimed bound holds. Nearest to its bound comes missed of "
+                              "`good`: 0 of 0 voxels.\n"),
+      0u)
+      << to_markdown(bench);
+  EXPECT_NE(to_markdown(bench).find("- missed: voxels that"), std::string::npos);
   bench.cases.push_back({"bad", "ties, area", "", 1, {{"missed", "voxels", 2, 0}}, {}});
   EXPECT_NE(to_markdown(bench).find("| `bad` | 1 | 2 ≤ 0 **fails** |"), std::string::npos) << to_markdown(bench);
+  EXPECT_EQ(to_markdown(bench).find("In 1 of 2 hard cases a claimed bound does not hold. Farthest beyond its bound is "
+                                    "missed of `bad`: 2 of 0 voxels.\n"),
+            0u)
+      << to_markdown(bench);
   EXPECT_NE(to_json(bench).find("\"holds\": false"), std::string::npos);
 }
 

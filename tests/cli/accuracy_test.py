@@ -134,6 +134,13 @@ def goals_are_judged(bench):
 
 def tables_plots_and_pictures_are_there(work, bench):
     table = (work / "accuracy.md").read_text()
+    # 2026-11-22: a verdict in two sentences first, and what the columns are.
+    verdict = table.splitlines()[0]
+    assert verdict.startswith("`area-coverage` at 0.5 m is on average FLIP 0."), verdict
+    assert verdict == bench["verdict"].strip() and verdict.count(". ") == 1 and verdict.endswith("."), verdict
+    for column in ("bake, s", "MB", "bytes/voxel", "FLIP", "PSNR", "coverage bias", "holes", "IoU", "RMS colour", "ΔE",
+                   "missed", "extra", "farthest", "normal", "texels", "alpha"):
+        assert column in table.rpartition("\n- setting:")[2], column
     for setting in bench["settings"]:
         assert f"| {setting['name']} |" in table, setting["name"]
         assert (work / "out" / setting["name"] / "oblique-16.png").is_file()
@@ -145,7 +152,7 @@ def tables_plots_and_pictures_are_there(work, bench):
 def odd_settings_are_refused(gigabake, work):
     result = gigabake.run("bench", "accuracy", work / "sample/tileset.json", "-o", work / "no", "--voxel-size", 0.5,
                           "--settings", "area-coverage,mist")
-    assert result.returncode == 2 and "--settings: no setting is called 'mist'" in result.stderr, result
+    assert result.returncode == 2 and "--settings: there is no 'mist'" in result.stderr, result
     assert not (work / "no").exists()
 
 

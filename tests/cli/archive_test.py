@@ -98,4 +98,4 @@ if __name__ == "__main__":
         if "built without libzip" in PROGRAM.run("plan", probe, "--voxel-size", 1).stderr:
             print("skipped: this gigabake was built without libzip")
             sys.exit(77)
-    unittest.main(argv=sys.argv[:1], verbosity=2)
+    harness.main(argv=sys.argv[:1], verbosity=2)

@@ -90,8 +90,8 @@ class BadInput(unittest.TestCase):
         self.expect_refusal(self.root / "empty", "holds no .glb")
 
     def test_file_of_another_kind(self):
-        (self.root / "scene.stl").write_text("solid\n")
-        self.expect_refusal(self.root / "scene.stl", "expected a .glb")
+        (self.root / "scene.fbx").write_text("solid\n")
+        self.expect_refusal(self.root / "scene.fbx", "expected a .glb")
 
     def test_json_that_is_no_scene(self):
         (self.root / "x.json").write_text('{"hello": 1}')
@@ -198,6 +198,39 @@ class BadInput(unittest.TestCase):
         self.expect_loss(self.source, "middle.glb", cells=2)
         self.expect_loss(self.source, "middle.glb", cells=2, ranks=3)
 
+    def with_image(self, uri):
+        def change(document):
+            document["images"] = [{"uri": uri}]
+            document["textures"] = [{"source": 0}]
+            document["materials"] = [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]
+            document["meshes"][0]["primitives"][0]["material"] = 0
+        return self.changed(change).read_bytes()
+
+    def tileset_of(self, *uris):
+        children = [{"geometricError": 0, "boundingVolume": {"sphere": [0, 0, 0, 9]}, "content": {"uri": uri}}
+                    for uri in uris]
+        path = self.source / "tileset.json"
+        path.write_text(json.dumps({
+            "asset": {"version": "1.0"}, "geometricError": 1,
+            "root": {"geometricError": 1, "refine": "ADD", "boundingVolume": {"sphere": [0, 0, 0, 9]},
+                     "children": children}}))
+        return path
+
+    def test_plan_and_bake_end_alike_and_say_each_problem_once(self):
+        """2026-11-22: plan said 3 where a bake said 1, and 0 without an image; losses were said three times."""
+        (self.source / "cut.glb").write_bytes(self.good.read_bytes()[:60])
+        (self.source / "pale.glb").write_bytes(self.with_image("gone.png"))
+        for uris, code, lost in ((["good.glb"], 0, []), (["cut.glb"], 1, ["cut.glb"]), (["pale.glb"], 1, ["pale.glb"]),
+                                 (["none.glb"], 1, ["none.glb"]), (["good.glb", "cut.glb"], 3, ["tile cut.glb"]),
+                                 (["good.glb", "pale.glb", "none.glb"], 3, ["tile pale.glb", "none.glb"])):
+            scene = self.tileset_of(*uris)
+            plan = PROGRAM.run("plan", scene, "--voxel-size", "0.5")
+            bake = self.bake(scene)
+            for result in (plan, bake):
+                self.assertEqual(result.returncode, code, (uris, result.args, result.stderr))
+                for name in lost:
+                    self.assertEqual(sum(name in line for line in result.stderr.splitlines()), 1, result.stderr)
+
     # Options
 
     def test_wrong_options(self):
@@ -290,4 +323,4 @@ class BadInput(unittest.TestCase):
 
 if __name__ == "__main__":
     PROGRAM = harness.Gigabake(sys.argv[1])
-    unittest.main(argv=sys.argv[:1])
+    harness.main(argv=sys.argv[:1])

@@ -108,4 +108,4 @@ if __name__ == "__main__":
     if not CESIUM or not chromium.find():
         print("skipped: no Chromium" if CESIUM else "skipped: GIGABAKE_CESIUM does not name the npm package cesium")
         sys.exit(77)
-    unittest.main(argv=sys.argv[:1], verbosity=2)
+    harness.main(argv=sys.argv[:1], verbosity=2)

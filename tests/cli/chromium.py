@@ -114,5 +114,18 @@ class Page:
         time.sleep(seconds)
         self.command("Input.dispatchKeyEvent", type="keyUp", **key)
 
+    def be_phone(self, width, height):
+        """From now on a phone with a screen of two pixels to one, held upright or across."""
+        upright = height > width
+        self.command("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=2, mobile=True,
+                     screenOrientation={"type": "portraitPrimary" if upright else "landscapePrimary",
+                                        "angle": 0 if upright else 90})
+        self.command("Emulation.setTouchEmulationEnabled", enabled=True)
+
+    def swipe(self, start, end):
+        """One finger."""
+        for kind, points in (("touchStart", [start]), ("touchMove", [end]), ("touchEnd", [])):
+            self.command("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": x, "y": y} for x, y in points])
+
     def screenshot(self):
         return base64.b64decode(self.command("Page.captureScreenshot", format="png")["data"])

@@ -132,4 +132,4 @@ class Depth(unittest.TestCase):
 
 if __name__ == "__main__":
     PROGRAM = harness.Gigabake(sys.argv[1])
-    unittest.main(argv=sys.argv[:1], verbosity=2)
+    harness.main(argv=sys.argv[:1], verbosity=2)

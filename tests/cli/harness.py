@@ -2,10 +2,11 @@
 import json
 import os
 import struct
-import subprocess
 from pathlib import Path
 
 import numpy
+
+from programs import Started, TRANSCRIPT, errors_of, main, run
 
 MPI_ENVIRONMENT = {
     "OMPI_ALLOW_RUN_AS_ROOT": "1",
@@ -13,6 +14,8 @@ MPI_ENVIRONMENT = {
     "OMPI_MCA_plm_rsh_agent": "/bin/false",
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
     "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
+    # Open MPI looks for GPUs through any X screen it finds, and dies with it: another test's, say.
+    "HWLOC_COMPONENTS": "-gl",
 }
 
 
@@ -31,8 +34,7 @@ class Gigabake:
         command = [self.executable, *map(str, arguments)]
         if ranks is not None:
             command = ["mpirun", "-n", str(ranks)] + command
-        return subprocess.run(command, capture_output=True, text=True, timeout=timeout,
-                              env=dict(os.environ, **MPI_ENVIRONMENT), check=False, **options)
+        return run(command, timeout, env=dict(os.environ, **MPI_ENVIRONMENT), **options)
 
     def succeed(self, *arguments, **options):
         result = self.run(*arguments, **options)

@@ -161,4 +161,4 @@ class Invariance(unittest.TestCase):
 
 if __name__ == "__main__":
     PROGRAM = harness.Gigabake(sys.argv[1])
-    unittest.main(argv=sys.argv[:1])
+    harness.main(argv=sys.argv[:1])

@@ -12,6 +12,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import programs
+
 PROGRAM = sys.argv[1]
 # Words that bash would complete, with what must and must not come.
 CASES = [
@@ -22,18 +24,31 @@ CASES = [
     (["bench", "render", "--s"], {"--size"}, {"--surface"}),
     (["completion", ""], {"bash", "zsh", "fish"}, set()),
     (["bake", "scene.glb", "--voxel"], {"--voxel-size"}, set()),
+    # Options with a list of words, of 2026-11-22.
+    (["bake", "--surface", ""], {"area", "conservative", "thin"}, {"--surface"}),
+    (["plan", "--mip", ""], {"coverage", "thesis", "box"}, set()),
+    (["bake", "--codec", "l"], {"lz4"}, {"deflate"}),
+    (["bake", "--up", ""], {"x", "y", "z"}, set()),
+    (["bake", "--channels", "rgba,"], {"rgba,normal", "rgba,facing", "rgba,normal,facing"}, set()),
+    (["bench", "bake", "--backend", "c"], {"cpu", "cuda"}, {"auto"}),
+    (["bench", "accuracy", "--settings", "thin-b"], {"thin-box", "thin-box-x2"}, set()),
+    (["render", "--mode", "co"], {"coverage"}, {"lod"}),
+    (["man", "ben"], {"bench"}, set()),
+    (["man", "bench", "acc"], {"accuracy"}, set()),
 ]
 
 
 def output(*command, **options):
-    return subprocess.run(command, check=True, capture_output=True, text=True, timeout=120, **options).stdout
+    result = programs.run(command, 120, **options)
+    assert result.returncode == 0, f"{command}: exit {result.returncode}\n{result.stdout}\n{result.stderr}"
+    return result.stdout
 
 
 def commands():
     """Each command's words, from --help alone."""
     def below(words):
         yield words
-        listed = output(PROGRAM, *words, "--help").partition("Subcommands:\n")[2]
+        listed = output(PROGRAM, *words, "--help").partition("Subcommands:\n")[2].partition("\n\n")[0]
         for name in re.findall(r"^  (\S+)", listed, re.M):
             yield from below(words + [name])
     return list(below([]))
@@ -119,4 +134,4 @@ class Completion(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1], verbosity=2)
+    programs.main(argv=sys.argv[:1], verbosity=2)

@@ -19,8 +19,7 @@ SOURCE = Path(sys.argv[2]).resolve()
 
 
 def succeed(*command, **options):
-    result = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=900, check=False,
-                            **options)
+    result = harness.run(command, 900, **options)
     assert result.returncode == 0, f"{command}: exit {result.returncode}\n{result.stdout}\n{result.stderr}"
     return result.stdout
 
@@ -110,4 +109,4 @@ class Package(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1], verbosity=2)
+    harness.main(argv=sys.argv[:1], verbosity=2)

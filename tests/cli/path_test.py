@@ -103,4 +103,4 @@ class Paths(unittest.TestCase):
 
 if __name__ == "__main__":
     GIGABAKE = harness.Gigabake(sys.argv[1])
-    unittest.main(argv=sys.argv[:1])
+    harness.main(argv=sys.argv[:1])

@@ -78,4 +78,4 @@ class Prior(unittest.TestCase):
 
 if __name__ == "__main__":
     PROGRAM = harness.Gigabake(sys.argv[1])
-    unittest.main(argv=sys.argv[:1])
+    harness.main(argv=sys.argv[:1])

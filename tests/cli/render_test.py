@@ -126,4 +126,4 @@ class Render(unittest.TestCase):
 
 if __name__ == "__main__":
     GIGABAKE = harness.Gigabake(sys.argv[1])
-    unittest.main(argv=sys.argv[:1])
+    harness.main(argv=sys.argv[:1])

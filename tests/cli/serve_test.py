@@ -5,7 +5,6 @@ Usage: serve_test.py GIGABAKE SOURCE_DIR
 """
 import contextlib
 import json
-import subprocess
 import sys
 import tempfile
 import threading
@@ -29,14 +28,14 @@ class Server:
     """gigabake serve, until it is closed."""
 
     def __init__(self, *arguments):
-        command = [GIGABAKE.executable, "serve", *map(str, arguments)]
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        self.url = self.process.stdout.readline().strip()
-        assert self.url.startswith("http://"), self.process.communicate()
+        self.process = harness.Started([GIGABAKE.executable, "serve", *arguments])
+        while "\n" not in self.process.said() and self.process.poll() is None:
+            time.sleep(0.02)
+        self.url = self.process.said().partition("\n")[0]
+        assert self.url.startswith("http://"), self.process.said()
 
     def close(self):
-        self.process.terminate()
-        self.process.communicate()
+        self.process.end()
 
     def ask(self, path, body=None):
         """Status and content."""
@@ -148,6 +147,42 @@ class Serve(unittest.TestCase):
         self.rendered(state)
         self.assertEqual(picture, (self.root / "rendered.png").read_bytes())
 
+    def boxes(self, page, *names):
+        """Left, top, right and bottom of elements, as far as they are shown."""
+        return page.evaluate("[%s].map((name) => document.getElementById(name).getBoundingClientRect())"
+                             ".map((box) => [box.left, box.top, box.right, box.bottom])" % json.dumps(names)[1:-1])
+
+    def test_the_page_fits_a_phone_that_is_rotated(self):  # 2026-11-22
+        page = self.open_page(self.serve(self.scene))
+        page.wait_for("typeof shownState !== 'undefined' && shownState && shownState.frame")
+        page.key("Slash")
+        for width, height in ((390, 844), (844, 390), (320, 568), (568, 320)):
+            page.be_phone(width, height)
+            page.wait_for(f"JSON.stringify(shownState.size) === '[{2 * width},{2 * height}]'")
+            page.wait_for("shownState.frame.size[0] {} shownState.frame.size[1]".format("<>"[width > height]))
+            bar, keys, picture = self.boxes(page, "bar", "keys", "picture")
+            self.assertEqual(picture, [0, 0, width, height])
+            for left, top, right, bottom in (bar, keys):
+                self.assertTrue(0 <= left < right <= width and 0 <= top < bottom <= height, (bar, keys, width, height))
+            self.assertLessEqual(bar[3], keys[1], "the bar covers the keys")
+            self.assertLess(bar[3], height / 3, "the bar covers the picture")
+        before = page.evaluate("JSON.stringify(shownState.eye)")
+        page.swipe((300, 200), (380, 190))
+        page.wait_for(f"JSON.stringify(shownState.eye) !== {json.dumps(before)}")
+
+    def test_the_page_says_what_loads_and_what_was_saved(self):  # 2026-11-22
+        page = self.open_page(self.serve(self.scene))
+        page.wait_for("typeof shownState !== 'undefined' && shownState && shownState.frame")
+        for drawn, text in ((0, "loading"), (0.456, "loading 45 %")):
+            state = {"scene": True, "resting": False, "problem": "", "drawn": drawn,
+                     "frame": {"stats": {"complete": False}}}
+            self.assertEqual(page.evaluate(f"loadingText({json.dumps(state)})"), text)
+        page.key("KeyP")
+        page.wait_for("document.getElementById('note').textContent.startsWith('Saved gigabake.png, {}×{}')"
+                      .format(*SIZE))
+        page.wait_for(RESTS)
+        page.wait_for("document.getElementById('loading').textContent === ''")
+
     @contextlib.contextmanager
     def heard_from(self, server, key):
         """A viewer that keeps silent for ten seconds has left; this one asks as pages do."""
@@ -214,4 +249,4 @@ class Serve(unittest.TestCase):
 
 if __name__ == "__main__":
     GIGABAKE = harness.Gigabake(sys.argv[1])
-    unittest.main(argv=sys.argv[:1])
+    harness.main(argv=sys.argv[:1])

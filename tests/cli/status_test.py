@@ -126,7 +126,7 @@ class Status(unittest.TestCase):
     def test_exit_codes_are_those_of_the_bake(self):
         for state, code in (("complete", COMPLETE), ("incomplete", CELLS_FAILED), ("drained", DRAINED),
                             ("failed", FAILED), ("baking", 0)):
-            result = self.show(self.folder_with(state=state))
+            result = self.show(self.folder_with(state=state, pid=os.getpid()))
             self.assertEqual(result.returncode, code, result)
             if state != "baking":
                 self.assertEqual(self.show(self.folder_with(state=state), "--follow").returncode, code)
@@ -142,6 +142,15 @@ class Status(unittest.TestCase):
             self.assertIn("same command again", result.stdout)
         self.assertTrue(json.loads(self.show(gone, "--json").stdout)["interrupted"])
 
+    def test_a_process_that_is_gone_is_seen_at_once(self):
+        """Fixed 2026-11-22: after a second Ctrl-C the bake went on for another 15 s, if status was to be believed."""
+        gone = self.folder_with(state="baking", pid=self.ended_process(), host=socket.gethostname())
+        result = self.show(gone)
+        self.assertEqual(result.returncode, FAILED, result)
+        self.assertIn("interrupted while baking", result.stdout)
+        self.assertNotIn("baking: for", result.stdout)
+        self.assertNotIn("left", result.stdout)
+
     def test_a_silent_bake_whose_process_is_there_goes_on(self):
         busy = self.folder_with(state="baking", updated_s=time.time() - 60, pid=os.getpid(), host=socket.gethostname())
         result = self.show(busy)
@@ -153,7 +162,7 @@ class Status(unittest.TestCase):
         self.assertEqual(self.show(there).returncode, FAILED)
 
     def test_follow_says_a_line_a_second_until_the_bake_ends(self):
-        out = self.folder_with(state="baking", cells={**self.status["cells"], "pending": 5, "done": 0})
+        out = self.folder_with(state="baking", pid=os.getpid(), cells={**self.status["cells"], "pending": 5, "done": 0})
 
         def end():
             time.sleep(2.5)
@@ -213,4 +222,4 @@ class Status(unittest.TestCase):
 
 if __name__ == "__main__":
     PROGRAM = harness.Gigabake(sys.argv[1])
-    unittest.main(argv=sys.argv[:1], verbosity=2)
+    harness.main(argv=sys.argv[:1], verbosity=2)

@@ -27,10 +27,11 @@ WAIT_S = 60
 class Screen:
     """An X server without a screen, and hands that type on it."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, size):
         read_end, write_end = os.pipe()
         self.process = subprocess.Popen(
-            ["Xvfb", "-displayfd", str(write_end), "-screen", "0", "{}x{}x24".format(*SIZE), "-fbdir", str(folder)],
+            ["Xvfb", "-displayfd", str(write_end), "-screen", "0", "{}x{}x24".format(*size), "-fbdir", str(folder),
+             "-noreset"],  # else it starts anew when its last client leaves, and takes along who comes just then
             pass_fds=(write_end,), stderr=subprocess.DEVNULL)
         os.close(write_end)
         with os.fdopen(read_end) as number:
@@ -72,23 +73,23 @@ class View(unittest.TestCase):
     @classmethod
     def without_display(cls):
         environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
-        return subprocess.run([GIGABAKE.executable, "view", str(cls.scene)], env=environment, capture_output=True,
-                              text=True, timeout=WAIT_S, check=False)
+        return harness.run([GIGABAKE.executable, "view", cls.scene], WAIT_S, env=environment)
 
     @classmethod
     def tearDownClass(cls):
         cls.folder.cleanup()
 
-    def open_window(self, *arguments):
+    def open_window(self, *arguments, size=SIZE):
         folder = Path(tempfile.mkdtemp(dir=self.root))
-        self.screen = Screen(folder)
+        self.screen = Screen(folder, size)
         self.addCleanup(self.screen.close)
         self.saved = folder
-        self.process = subprocess.Popen(
-            [GIGABAKE.executable, "view", str(self.scene), "--size", "{}x{}".format(*SIZE), "-o", str(folder),
-             *arguments], env=self.screen.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        self.addCleanup(self.end)
-        window = self.wait_for(lambda: self.screen.hands("search", "--onlyvisible", "--name", "gigabake"))[0]
+        self.process = harness.Started(
+            [GIGABAKE.executable, "view", self.scene, "--size", "{}x{}".format(*size), "-o", folder, *arguments],
+            env=self.screen.environment)
+        self.addCleanup(self.process.end)
+        self.window = window = self.wait_for(
+            lambda: self.screen.hands("search", "--onlyvisible", "--name", "gigabake"))[0]
         self.screen.hands("windowmove", window, 0, 0)
 
         def focus():  # no window manager does it
@@ -97,10 +98,8 @@ class View(unittest.TestCase):
 
         self.wait_for(focus)
 
-    def end(self):
-        if self.process.poll() is None:
-            self.process.kill()
-        self.process.communicate()
+    def title(self):
+        return " ".join(self.screen.hands("getwindowname", self.window))
 
     def wait_for(self, condition):
         deadline = time.monotonic() + WAIT_S
@@ -108,8 +107,8 @@ class View(unittest.TestCase):
             result = condition()
             if result:
                 return result
-            self.assertIsNone(self.process.poll(), "the window has closed")
-            self.assertLess(time.monotonic(), deadline, "waited in vain")
+            self.assertIsNone(self.process.poll(), "the window has closed: " + self.process.said())
+            self.assertLess(time.monotonic(), deadline, "waited in vain: " + self.process.said())
             time.sleep(0.05)
 
     def keep(self, key, kind):
@@ -126,6 +125,15 @@ class View(unittest.TestCase):
 
     def picture(self):
         return read_png(self.keep("p", "png"))[..., :3]
+
+    def picture_after(self, move, before):
+        """After as many moves as it takes: of keys that go down and up while the window is busy nothing may come."""
+        def differs():
+            move()
+            after = self.picture()
+            return [after] if numpy.abs(after - before).mean() > 1 else None
+
+        return self.wait_for(differs)[0]
 
     def rendered(self, *options):
         path = self.root / "rendered.png"
@@ -158,17 +166,16 @@ class View(unittest.TestCase):
         self.screen.hands("key", "F1")  # the panel would take the mouse
         start = before = self.picture()
         for name, move in moves:
-            move()
-            after = self.picture()
-            self.assertGreater(numpy.abs(after - before).mean(), 1, name)
-            before = after
+            with self.subTest(name):
+                before = self.picture_after(move, before)
         self.assertGreater(numpy.abs(before - start).mean(), 1)  # mode and level are not the camera's
 
     def test_a_recorded_path_can_be_rendered(self):
         self.open_window()
-        self.picture()
+        seen = self.picture()
         self.screen.hands("key", "r")
-        self.hold("d", 1.2)
+        for _ in range(3):
+            seen = self.picture_after(lambda: self.hold("d", 0.4), seen)
         end = self.keep("p", "png")
         path = self.keep("r", "json")
         keyframes = json.loads(path.read_text())["keyframes"]
@@ -182,7 +189,27 @@ class View(unittest.TestCase):
         self.open_window()
         self.picture()
         self.screen.hands("key", "Escape")
-        self.assertEqual(self.process.wait(timeout=WAIT_S), 0)
+        self.assertEqual(self.process.wait(timeout=WAIT_S), 0, self.process.said())
+        self.assertEqual(self.process.said().splitlines()[-1], "closed: Esc")
+
+    def test_a_full_picture_that_takes_seconds_ends_at_once_with_escape(self):  # 2026-11-22
+        self.open_window("--threads", "1", "--eye=30,-40,30", "--target=0,0,0", size=(1280, 960))
+        self.wait_for(lambda: "% drawn" in self.title())
+        start = time.monotonic()
+        self.screen.hands("key", "Escape")
+        self.assertEqual(self.process.wait(timeout=WAIT_S), 0, self.process.said())
+        closed_s = time.monotonic() - start
+        start = time.monotonic()
+        GIGABAKE.succeed("render", self.scene, "-o", self.root / "large.png", "--threads", "1", "--size", "1280x960",
+                         "--eye=30,-40,30", "--target=0,0,0")
+        self.assertLess(closed_s, 0.75 * (time.monotonic() - start), "as long as the picture takes")
+
+    def test_the_title_says_what_was_saved(self):  # 2026-11-22
+        self.open_window()
+        saved = self.keep("p", "png")
+        self.screen.hands("key", "F1")
+        self.wait_for(lambda: "saved {}, {}x{}".format(saved, *SIZE) in self.title())
+        self.wait_for(lambda: "loading" not in self.title())
 
     def test_without_a_display_it_says_what_to_do_instead(self):
         result = self.without_display()
@@ -209,4 +236,4 @@ if __name__ == "__main__":
     if REASON:
         print("skipped:", REASON)
         sys.exit(SKIPPED)
-    unittest.main(argv=sys.argv[:1])
+    harness.main(argv=sys.argv[:1])

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""What a night does to a bake: processes, ranks and mpirun are killed, stopped or told to drain at random moments,
-shards are damaged between runs. The same command, given again, ends with the voxels of an undisturbed bake, every time.
+"""What a night does to a bake: processes, ranks and mpirun are killed, stopped, starved of memory or told to drain at
+random moments, in the first second too; shards are damaged between runs; a source has a vertex a million kilometres
+away. The same command, given again, ends with the voxels of an undisturbed bake, every time, and nothing hangs.
 
-Usage: faults_test.py GIGABAKE SOURCE_DIR [--faults N] [--seed N]
+Usage: faults_test.py GIGABAKE SOURCE_DIR [--count N] [--seed N|random] [--size METRES]
 """
 import argparse
 import os
 import random
+import resource
 import signal
 import subprocess
 import sys
@@ -18,8 +20,22 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli"))
 import harness
 
-OPTIONS = {"faults": 10, "seed": 20261120}
+OPTIONS = {"count": 10, "seed": 20261120, "size": 256}
 BAKE_PROCESS = "gigabake-bake"
+# What bounds a launch that hangs, and so no fault takes longer than LONGEST_S.
+BOUNDS = {"GIGABAKE_MPI_SECONDS": "8", "GIGABAKE_END_S": "5", "GIGABAKE_QUIET_S": "12", "GIGABAKE_PAUSE_S": "0"}
+LONGEST_S = 120  # ten times what it takes on an idle machine
+NO_MEMORY = "no memory"
+
+# (who, what is done to it, when): "start" is the first half second after it appeared.
+KINDS = [("bake process", signal.SIGKILL, "later"), ("bake process", signal.SIGSEGV, "later"),
+         ("bake process", signal.SIGSTOP, "later"), ("bake process", NO_MEMORY, "later"),
+         ("worker rank", signal.SIGKILL, "later"), ("rank 0", signal.SIGKILL, "later"),
+         ("rank 0", signal.SIGSTOP, "later"), ("mpirun", signal.SIGKILL, "later"), ("mpirun", signal.SIGUSR1, "later"),
+         ("mpirun", signal.SIGTERM, "later"),
+         ("worker rank", signal.SIGKILL, "start"), ("rank 0", signal.SIGKILL, "start"),
+         ("worker rank", signal.SIGSTOP, "start"), ("rank 0", signal.SIGSTOP, "start"),
+         ("bake process", signal.SIGKILL, "start"), ("mpirun", signal.SIGKILL, "start")]
 
 
 def descendants(pid):
@@ -52,16 +68,26 @@ def rank_of(pid):
 
 
 class Launch:
-    """One `mpirun gigabake bake` under way."""
+    """One `gigabake bake` under way: under mpirun, or under the starter that launches again what died or hung."""
 
-    def __init__(self, program, arguments, ranks):
-        command = ["mpirun", "-n", str(ranks), program.executable, *map(str, arguments)]
-        self.log = tempfile.TemporaryFile("w+")
+    def __init__(self, program, arguments, ranks, starter=None):
+        command = ["mpirun", "-n", str(ranks)]
+        if starter:
+            self.hosts = tempfile.NamedTemporaryFile("w", prefix="hosts")
+            self.hosts.write(f"localhost slots={ranks}\n")
+            self.hosts.flush()
+            command = [str(starter), self.hosts.name]
+        command += ([] if starter else [program.executable]) + list(map(str, arguments))
+        self.log = harness.TRANSCRIPT.file(command)
+        self.start = time.monotonic()
+        environment = dict(os.environ, **harness.MPI_ENVIRONMENT, **BOUNDS, GIGABAKE=str(program.executable))
         self.process = subprocess.Popen(command, stdout=self.log, stderr=subprocess.STDOUT, start_new_session=True,
-                                        env=dict(os.environ, **harness.MPI_ENVIRONMENT))
+                                        env=environment)
 
     def pids(self, what):
         below = descendants(self.process.pid)
+        if what == "mpirun":
+            return [self.process.pid]
         if what == "bake process":
             return [pid for pid, name in below if name == BAKE_PROCESS]
         ranks = {rank_of(pid): pid for pid, name in below if name != BAKE_PROCESS and rank_of(pid) is not None}
@@ -69,8 +95,13 @@ class Launch:
             return [ranks[0]] if 0 in ranks else []
         return [pid for rank, pid in ranks.items() if rank != 0]
 
-    def wait(self, seconds=180):
-        code = self.process.wait(seconds)
+    def wait(self, seconds=LONGEST_S):
+        try:
+            code = self.process.wait(seconds)
+        except subprocess.TimeoutExpired:
+            code = f"none after {seconds} s: it hangs"
+            for pid, _ in descendants(self.process.pid) + [(self.process.pid, "")]:
+                os.kill(pid, signal.SIGKILL)
         self.log.seek(0)
         with self.log:
             return code, self.log.read()
@@ -82,10 +113,11 @@ class Faults(unittest.TestCase):
         cls.program = harness.Gigabake(cls.executable)
         cls.folder = tempfile.TemporaryDirectory()
         cls.work = Path(cls.folder.name)
-        cls.program.succeed("sample", cls.work / "terrain", "--size", 256, "--seed", 5)
+        cls.program.succeed("sample", cls.work / "terrain", "--size", OPTIONS["size"], "--seed", 5)
         start = time.monotonic()
         cls.undisturbed = harness.lod_hashes(cls.program.bake(*cls.arguments(cls.work / "whole"), ranks=2))
         cls.seconds = time.monotonic() - start
+        cls.starter = Path(cls.source) / "cluster/gigabake-mpirun"
 
     @classmethod
     def tearDownClass(cls):
@@ -93,7 +125,8 @@ class Faults(unittest.TestCase):
 
     @classmethod
     def arguments(cls, out):
-        return cls.work / "terrain/tileset.json", out, 0.25, "--cell-voxels", 64, "--stall", 2, "--threads", 1
+        return (cls.work / "terrain/tileset.json", out, 0.25, "--cell-voxels", 64, "--stall", 2, "--silence", 5,
+                "--threads", 1)
 
     @classmethod
     def bake(cls, out):
@@ -109,21 +142,32 @@ class Faults(unittest.TestCase):
         self.program.succeed("verify", scene)
         self.assertEqual([p for p in out.rglob("*.part")], [], context)
 
-    def inflict(self, launch, fault, after_s):
+    def inflict(self, launch, kind, after_s):
         """False: the bake was over before, and so long is what a bake takes now: the first may have had less of the
         machine, and then faults would come too late for ever."""
+        who, what, when = kind
         start = time.monotonic()
+        while when == "start" and launch.process.poll() is None and not launch.pids(who):
+            pass
         try:
-            launch.process.wait(after_s)
+            launch.process.wait(self.random.uniform(0, 0.5) if when == "start" else after_s)
             type(self).seconds = time.monotonic() - start
             return False
         except subprocess.TimeoutExpired:
             pass
-        what, number = fault
-        pids = [launch.process.pid] if what == "mpirun" else launch.pids(what)
+        pids = launch.pids(who)
         if launch.process.poll() is not None or not pids:
             return False
-        os.kill(self.random.choice(pids), number)
+        pid = self.random.choice(pids)
+        try:
+            if what == NO_MEMORY:  # little more than it has
+                size = 4096 * int(Path(f"/proc/{pid}/statm").read_text().split()[0])
+                most = size + self.random.randrange(1, 1 << 22)
+                resource.prlimit(pid, resource.RLIMIT_AS, (most, most))
+            else:
+                os.kill(pid, what)
+        except (FileNotFoundError, ProcessLookupError):
+            return False
         return True
 
     def damage(self, out):
@@ -149,38 +193,50 @@ class Faults(unittest.TestCase):
                 file.write(bytes([old[0] ^ (1 << self.random.randrange(8))]))
         return f"{shard.name} {how}"
 
+    def expect_code(self, code, log, kind, context):
+        """Of a launch that had a fault."""
+        who, what, _ = kind
+        if who == "bake process" and what != NO_MEMORY:
+            self.assertEqual(code, 0, f"{context}: a bake goes on without one of its processes\n{log}")
+        elif what == NO_MEMORY:
+            self.assertIn(code, (0, 1, 3), f"{context}\n{log}")
+        elif who != "mpirun":
+            self.assertEqual(code, 0, f"{context}: the starter launches again\n{log}")
+        # A program that is still being loaded knows no signal yet.
+        elif what == signal.SIGUSR1 and "content files" in log:
+            self.assertIn(code, (0, 75), f"{context}\n{log}")
+
     def test_every_fault_is_made_good_by_the_same_command(self):
         self.random = random.Random(OPTIONS["seed"])
-        kinds = [("bake process", signal.SIGKILL), ("bake process", signal.SIGSEGV), ("bake process", signal.SIGSTOP),
-                 ("worker rank", signal.SIGKILL), ("rank 0", signal.SIGKILL), ("mpirun", signal.SIGKILL),
-                 ("mpirun", signal.SIGUSR1), ("mpirun", signal.SIGTERM)]
-        counts = {}
-        inflicted = 0
-        while inflicted < OPTIONS["faults"]:
+        counts, inflicted, slowest = {}, 0, 0.0
+        while inflicted < OPTIONS["count"]:
             out = self.work / f"out{inflicted}"
-            fault, ranks = self.random.choice(kinds), self.random.choice([2, 3])
-            launch = Launch(self.program, self.bake(out), ranks)
-            happened = self.inflict(launch, fault, self.random.uniform(0.25, 1) * self.seconds)
+            kind, ranks = self.random.choice(KINDS), self.random.choice([2, 3])
+            name = f"{kind[0]} {getattr(kind[1], 'name', kind[1])} {kind[2]}"
+            starter = self.starter if kind[0] in ("worker rank", "rank 0") else None
+            launch = Launch(self.program, self.bake(out), ranks, starter)
+            happened = self.inflict(launch, kind, self.random.uniform(0.25, 1) * self.seconds)
             code, log = launch.wait()
-            context = f"seed {OPTIONS['seed']}, fault {inflicted}: {fault[0]} {fault[1].name}, exit {code}"
-            if happened and fault[0] == "bake process":
-                self.assertEqual(code, 0, f"{context}: a bake goes on without one of its processes\n{log}")
-            # A program that is still being loaded knows no signal yet.
-            if happened and fault[1] == signal.SIGUSR1 and "content files" in log:
-                self.assertIn(code, (0, 75), f"{context}\n{log}")
+            seconds = time.monotonic() - launch.start
+            context = f"seed {OPTIONS['seed']}, fault {inflicted}: {name}, exit {code}"
+            self.assertIsInstance(code, int, f"{context}\n{log}")
+            if happened:
+                self.expect_code(code, log, kind, context)
             if self.random.random() < 0.3:
                 context += ", " + self.damage(out)
             self.expect_whole(out, self.random.choice([1, 2, 3]), context)
             if happened:
                 inflicted += 1
-                name = f"{fault[0]} {fault[1].name}"
                 counts[name] = counts.get(name, 0) + 1
+                slowest = max(slowest, seconds)
+                if OPTIONS["count"] > 10:
+                    print(f"{inflicted} {name}: exit {code}, {seconds:.1f} s", flush=True)
             subprocess.run(["rm", "-rf", out], check=True)
-        print(f"seed {OPTIONS['seed']}, {inflicted} faults: {counts}")
+        print(f"seed {OPTIONS['seed']}, {inflicted} faults, the longest took {slowest:.1f} s: {counts}")
 
     def test_a_rank_that_falls_silent_loses_its_cells(self):
         out = self.work / "silent"
-        launch = Launch(self.program, [*self.bake(out), "--silence", 5], 3)
+        launch = Launch(self.program, self.bake(out), 3)
         while launch.process.poll() is None and len(list(out.glob("shards/c_*.h5"))) < 5:
             time.sleep(0.01)
         os.kill(launch.pids("worker rank")[-1], signal.SIGSTOP)
@@ -192,7 +248,7 @@ class Faults(unittest.TestCase):
 
     def test_ranks_that_fall_silent_before_cells_are_baked_end_the_launch(self):
         out = self.work / "silent_survey"
-        launch = Launch(self.program, [*self.bake(out), "--silence", 5], 3)
+        launch = Launch(self.program, self.bake(out), 3)
         ranks = []
         while launch.process.poll() is None and len(ranks) < 2:
             ranks = [pid for pid in launch.pids("worker rank") if descendants(pid)]
@@ -225,12 +281,15 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("executable")
     parser.add_argument("source")
-    parser.add_argument("--faults", type=int, default=OPTIONS["faults"])
-    parser.add_argument("--seed", type=int, default=OPTIONS["seed"])
+    parser.add_argument("--count", "--faults", type=int, default=OPTIONS["count"])
+    parser.add_argument("--seed", default=OPTIONS["seed"], help="a number, or random: another one each time, printed")
+    parser.add_argument("--size", type=int, default=OPTIONS["size"], help="of the terrain: cells follow its square")
     options, rest = parser.parse_known_args()
-    Faults.executable = options.executable
-    OPTIONS.update(faults=options.faults, seed=options.seed)
-    unittest.main(argv=[sys.argv[0], *rest])
+    Faults.executable, Faults.source = options.executable, options.source
+    seed = random.SystemRandom().randrange(1 << 32) if options.seed == "random" else int(options.seed)
+    OPTIONS.update(count=options.count, seed=seed, size=options.size)
+    print(f"seed {seed}", flush=True)
+    harness.main(argv=[sys.argv[0], *rest])
 
 
 if __name__ == "__main__":

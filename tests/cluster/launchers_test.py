@@ -17,13 +17,24 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli"))
 import harness  # noqa: E402  (lies in another folder)
 
-# Each launch takes the next line of `ends`: an exit code, or "wait" for a signal, whose name it writes down.
+# Each launch takes the next line of `ends`: an exit code, "wait" for a signal, whose name it writes down, the state
+# of a bake that ends though mpirun does not, "talk" for a bake that says often that it lives, "mute" for one that says
+# so once, or "lonely" for an mpirun whose ranks are gone.
 MPIRUN = """#!/usr/bin/env bash
 cd "$(dirname "$0")"
 printf '%s\\n' "$*" >>launches
 while [ $# -gt 0 ]; do [ "$1" != --hostfile ] || { cat "$2" >>hosts_seen; echo -- >>hosts_seen; }; shift; done
 end=$(sed -n "$(wc -l <launches)p" ends)
-[ "$end" = wait ] || exit "$end"
+say() { printf '{"state":"%s","reason":""}\\n' "$1" >out/part; mv out/part out/status.json; }
+hang() { sleep 20 >/dev/null 2>&1 & wait; }
+case $end in
+  wait) ;;
+  lonely) trap '' TERM; exec -a mpirun bash -c 'trap "" TERM; read -r _ <>"$0"' lonely ;;
+  complete | incomplete | drained | failed) say baking; sleep 0.2; say "$end"; hang ;;
+  talk) for _ in 1 2 3 4 5 6; do say baking; sleep 0.9; done; exit 0 ;;
+  mute) say baking; hang ;;
+  *) exit "$end" ;;
+esac
 trap 'echo USR1 >>signals; [ -e stubborn ] || exit 75' USR1
 trap 'echo TERM >>signals; exit 143' TERM
 echo >waits
@@ -40,6 +51,8 @@ class Script(unittest.TestCase):
         for name, text in (("mpirun", MPIRUN), ("scontrol", SCONTROL), ("rsh", RSH)):
             (self.root / name).write_text(text)
             (self.root / name).chmod(0o755)
+        (self.root / "out").mkdir()
+        os.mkfifo(self.root / "lonely")
         (self.root / "hostfile").write_text("# the rack\nnode1 slots=4\nnode2 slots=2\n\nnode3 slots=2\n")
 
     def tearDown(self):
@@ -61,7 +74,7 @@ class Script(unittest.TestCase):
         for index, number in enumerate(signals):
             self.wait_for("signals" if index else "waits")
             process.send_signal(number)
-        _, self.errors = process.communicate(timeout=20)
+        self.errors = harness.errors_of(process, 20)
         return process.returncode
 
     def wait_for(self, name):
@@ -69,6 +82,17 @@ class Script(unittest.TestCase):
         while not (self.root / name).exists():
             self.assertLess(time.monotonic(), end, f"no {name}")
             time.sleep(0.02)
+
+    def expect_no_hang(self, run, ends, relaunched):
+        """run: a launch whose bake writes into self.root / "out", to its end; the exit code. Mended on 2026-11-22."""
+        reasons = {"mute": "nothing heard of the bake for 5 s", "lonely": "every rank is gone, but mpirun is not"}
+        (self.root / "out/status.json").write_text('{"state":"complete"}')  # of an earlier bake
+        for end, code in ends:
+            self.assertEqual(run(end, 0, arguments=("bake", "S", "-o", str(self.root / "out")), GIGABAKE_END_S="2",
+                                 GIGABAKE_QUIET_S="5"), code, end)
+            self.assertIn(reasons.get(end, "the bake has ended, but mpirun has not"), self.errors)
+            self.assertEqual(len(self.lines("launches")), 2 if relaunched and end in reasons else 1, end)
+            (self.root / "launches").unlink()
 
     def lines(self, name):
         path = self.root / name
@@ -78,8 +102,9 @@ class Script(unittest.TestCase):
 class Mpirun(Script):
     def run_to_end(self, *ends, **more):
         self.ends(*ends)
-        process = self.start("gigabake-mpirun", self.root / "hostfile", "bake", "S", "-o", "a b", **more)
-        _, self.errors = process.communicate(timeout=20)
+        arguments = more.pop("arguments", ("bake", "S", "-o", "a b"))
+        process = self.start("gigabake-mpirun", self.root / "hostfile", *arguments, **more)
+        self.errors = harness.errors_of(process, 20)
         return process.returncode
 
     def test_gigabakes_own_codes_end_it(self):
@@ -135,10 +160,23 @@ class Mpirun(Script):
         self.assertEqual(self.lines("signals"), ["USR1", "TERM"])
         self.assertEqual(len(self.lines("launches")), 1)
 
+    def test_a_launch_that_hangs_is_killed_and_repeated_unless_its_bake_has_ended(self):
+        self.expect_no_hang(self.run_to_end, [("incomplete", 3), ("mute", 0), ("lonely", 0)], relaunched=True)
+
+    def test_a_launch_that_says_that_it_lives_is_left_alone(self):
+        arguments = ("bake", "S", "--out=" + str(self.root / "out"))
+        self.assertEqual(self.run_to_end("talk", arguments=arguments, GIGABAKE_QUIET_S="4"), 0)
+        self.assertNotIn("killed", self.errors)
+
+    def test_both_starters_end_a_hanging_launch_by_the_same_text(self):
+        starters = [SOURCE / "cluster" / name for name in ("gigabake-mpirun", "gigabake.sbatch")]
+        texts = [starter.read_text().split("\n# ---") for starter in starters]
+        self.assertEqual(*[[part for part in text if part.startswith(" what ends a launch")] for text in texts])
+
     def test_wrong_usage_is_explained(self):
         for arguments in ((), (self.root / "absent", "bake")):
             process = self.start("gigabake-mpirun", *arguments)
-            _, errors = process.communicate(timeout=20)
+            errors = harness.errors_of(process, 20)
             self.assertEqual(process.returncode, 2)
             self.assertTrue(errors)
 
@@ -150,7 +188,7 @@ class Sbatch(Script):
 
     def run_to_end(self, *ends, **more):
         process = self.begin(*ends, **more)
-        _, self.errors = process.communicate(timeout=20)
+        self.errors = harness.errors_of(process, 20)
         return process.returncode
 
     def test_what_is_final_is_not_requeued(self):
@@ -182,9 +220,13 @@ class Sbatch(Script):
         self.assertEqual(self.run_to_end(0, arguments=("bake", "-o", "out/%a"), SLURM_ARRAY_TASK_ID="3"), 0)
         self.assertTrue(self.lines("launches")[0].endswith("gigabake bake -o out/3"))
 
+    def test_a_launch_that_hangs_is_killed_and_requeued_unless_its_bake_has_ended(self):
+        self.expect_no_hang(self.run_to_end, [("complete", 0), ("mute", 124)], relaunched=False)
+        self.assertEqual(len(self.lines("requeues")), 1)
+
     def test_outside_of_slurm_it_says_how_to_start_it(self):
         process = self.start("gigabake.sbatch", "bake")
-        _, errors = process.communicate(timeout=20)
+        errors = harness.errors_of(process, 20)
         self.assertEqual(process.returncode, 2)
         self.assertIn("sbatch", errors)
 
@@ -203,8 +245,7 @@ class Real(unittest.TestCase):
 
     def run_script(self, *command, **more):
         environment = {**os.environ, **harness.MPI_ENVIRONMENT, "GIGABAKE": str(PROGRAM), **more}
-        return subprocess.run([SOURCE / "cluster" / command[0], *map(str, command[1:])], env=environment,
-                              capture_output=True, text=True, timeout=300, check=False)
+        return harness.run([SOURCE / "cluster" / command[0], *command[1:]], 300, env=environment)
 
     def test_a_hostfile_of_this_host_bakes(self):
         (self.root / "hosts").write_text("localhost slots=3\n")
@@ -231,4 +272,4 @@ class Real(unittest.TestCase):
 
 if __name__ == "__main__":
     PROGRAM, SOURCE = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
-    unittest.main(argv=sys.argv[:1], verbosity=2)
+    harness.main(argv=sys.argv[:1], verbosity=2)

@@ -64,8 +64,7 @@ class Slurm(unittest.TestCase):
                        stderr=subprocess.DEVNULL, timeout=60, check=True)
 
     def run_tool(self, *command):
-        result = subprocess.run(list(map(str, command)), env=self.environment, capture_output=True, text=True,
-                                timeout=30, check=False)
+        result = harness.run(command, 30, env=self.environment)
         self.assertEqual(result.returncode, 0, result.stderr)
         return result.stdout
 
@@ -156,4 +155,4 @@ if __name__ == "__main__":
         print(f"skipped: {reason}")
         sys.exit(SKIPPED)
     PROGRAM, SOURCE = harness.Gigabake(str(Path(sys.argv[1]).resolve())), Path(sys.argv[2]).resolve()
-    unittest.main(argv=[sys.argv[0], *sys.argv[3:]], verbosity=2)
+    harness.main(argv=[sys.argv[0], *sys.argv[3:]], verbosity=2)

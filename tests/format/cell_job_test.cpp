@@ -32,10 +32,13 @@ TileSurvey some_survey() {
           3,
           4,
           5,
+          6,
           {6, 7},
           "cannot be read",
           {{"a.gltf", {1, 2, 3, 4}, true}, {"b c.bin", {}, false}},
-          0.5};
+          0.5,
+          {"a warning"},
+          2.5};
 }
 
 TEST(CellJob, ComesBackFromItsBytes) {
@@ -82,6 +85,10 @@ TEST(TileSurvey, ComesBackFromItsBytes) {
   EXPECT_EQ(back.source, survey.source);
   EXPECT_EQ(back.error, survey.error);
   EXPECT_EQ(back.spacing_m, 0.5);
+  EXPECT_EQ(back.columns[0].crossings, survey.columns[0].crossings);
+  EXPECT_EQ(back.too_far, survey.too_far);
+  EXPECT_EQ(back.reach_m, 2.5);
+  EXPECT_EQ(back.warnings, survey.warnings);
   ASSERT_EQ(back.files.size(), 2u);
   EXPECT_EQ(back.files[0].name, "a.gltf");
   EXPECT_EQ(back.files[0].stamp, survey.files[0].stamp);

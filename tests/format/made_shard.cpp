@@ -8,6 +8,7 @@
 
 #include "format/brick_walk.h"
 #include "format/content_hash.h"
+#include "format/parameters.h"
 
 namespace gigabake::made {
 namespace {
@@ -230,7 +231,6 @@ Shard shard_of(const std::vector<Voxel>& voxels, std::array<std::int64_t, 3> lat
 SceneDescription write_scene_of(const std::filesystem::path& scene_xml, const std::vector<Shard>& shards) {
   SceneDescription scene;
   scene.generator = "gigabake test";
-  scene.parameters = "{}";
   std::filesystem::create_directories(scene_xml.parent_path() / "shards");
   for (const Shard& s : shards) {
     const ShardHeader& h = s.header;
@@ -249,6 +249,11 @@ SceneDescription write_scene_of(const std::filesystem::path& scene_xml, const st
     scene.has_normals = h.has_normals;
     scene.triangles += h.triangles;
   }
+  BakeParameters parameters{.voxel_size_m = scene.voxel_size_m, .lattice_origin_m = scene.lattice_origin_m};
+  if (!scene.cells.empty()) parameters.cell_voxels = scene.cells[0].cell_voxels;
+  parameters.normals = scene.has_normals;
+  parameters.facing = scene.has_facing;
+  scene.parameters = to_json(parameters);
   write_scene(scene_xml, scene);
   return scene;
 }

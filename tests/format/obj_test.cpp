@@ -7,31 +7,18 @@
 #include "format/polygon.h"
 #include "format/source.h"
 #include "format/tile_hash.h"
+#include "mesh_file.h"
 #include "source_scene.h"
 
 namespace gigabake {
 namespace {
 
-using test::SourceFolder;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-class Obj : public testing::Test {
+class Obj : public test::MeshFile {
  protected:
-  TileMesh read(const std::string& text, const SourceOptions& options = {}) {
-    sources = open_sources(folder.write("a.obj", text), options);
-    return read_tile(sources.tiles.at(0), sources.root, ReadScope::everything);
-  }
-  std::string refusal(const std::string& text) {
-    try {
-      read(text);
-    } catch (const InputError& e) {
-      return e.what();
-    }
-    return "was read";
-  }
-  SourceFolder folder;
-  SceneSources sources;
+  Obj() : MeshFile("a.obj") {}
   const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 };
 
@@ -83,12 +70,24 @@ TEST_F(Obj, ReadsMaterialsAndTheirImages) {
   EXPECT_NE(tile_hash(sources.tiles[0], sources.root), identity.hash);
 }
 
+/// 2026-11-22: the whole file was refused.
+TEST_F(Obj, IsGreyWithAWarningWhereItsMaterialFileIsMissing) {
+  const TileMesh mesh = read("mtllib gone.mtl\n" + square + "usemtl a\nf 1 2 3\n");
+  EXPECT_THAT(mesh.warnings, ElementsAre(HasSubstr("'gone.mtl' is missing")));
+  EXPECT_EQ(mesh.materials.at(0).base_color[1], grey_without_image);
+  const Hash128 hash = tile_hash(sources.tiles[0], sources.root);
+  folder.write("gone.mtl", std::string("newmtl a\nKd 1 0 0\n"));
+  EXPECT_NE(tile_hash(sources.tiles[0], sources.root), hash);
+  const TileMesh red = read("mtllib gone.mtl\n" + square + "usemtl a\nf 1 2 3\n");
+  EXPECT_THAT(red.materials.at(0).base_color, ElementsAre(1, 0, 0, 1));
+  EXPECT_TRUE(red.warnings.empty());
+}
+
 TEST_F(Obj, SaysWhichLineIsWrong) {
   EXPECT_THAT(refusal(square + "f 1 2 5\n"), HasSubstr("line 5: a corner's index is none of the 4"));
   EXPECT_THAT(refusal(square + "f 1 2\n"), HasSubstr("fewer than three corners"));
   EXPECT_THAT(refusal("v 1 2\n"), HasSubstr("line 1: expected three coordinates"));
   EXPECT_THAT(refusal("f a b c\n"), HasSubstr("expected corners as numbers"));
-  EXPECT_THAT(refusal("mtllib gone.mtl\n"), HasSubstr("gone.mtl' is missing"));
   EXPECT_THAT(refusal("mtllib ../../../etc/passwd\n"), HasSubstr("leaves the source folder"));
   EXPECT_THAT(refusal(std::string("v\0 1", 4)), HasSubstr("expected text"));
   EXPECT_THAT(refusal(square + "f 99999999999999999999 1 2\n"), HasSubstr("expected corners"));

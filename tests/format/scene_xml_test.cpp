@@ -21,7 +21,8 @@ SceneDescription random_scene(std::mt19937_64& rng) {
   s.generator = "gigabake \"<&>\" ä";
   s.voxel_size_m = real();
   s.lattice_origin_m = {real(), -real(), 0.1 + 0.2};
-  if (rng() % 2 == 0) s.origin = Geodetic{real(), -real(), real()};
+  const auto share = [&rng] { return double(rng()) / 0x1p64; };
+  if (rng() % 2 == 0) s.origin = Geodetic{180 * share() - 90, 360 * share() - 180, real()};
   s.has_normals = rng() % 2 == 0;
   s.parameters = R"({"voxel_size_m":0.1,"surface":"area"})";
   s.triangles = rng();
@@ -29,7 +30,7 @@ SceneDescription random_scene(std::mt19937_64& rng) {
   for (std::uint64_t i = rng() % 5; i-- > 0;) {
     SceneCell c{"c_" + std::to_string(i),
                 "shards/c_" + std::to_string(i) + ".h5",
-                {-64, 128, 8},
+                {-64, 128, 64 * std::int64_t(i)},
                 64,
                 4,
                 rng(),
@@ -125,7 +126,7 @@ TEST(SceneXml, IsRefusedWithElementAndAttributeWhereItIsWrong) {
     const char *from, *to, *told;
   } cases[] = {
       {"<OctTreeGroup", "<OctTreeGrouq", "not a scene"},
-      {"Version=\"1\"", "Version=\"2\"", "OctTreeGroup Version: expected 1"},
+      {"Version=\"2\"", "Version=\"3\"", "OctTreeGroup Version: expected 1 to 2"},
       {"VoxelSize=\"0.25\"", "VoxelSize=\"-1\"", "OctTreeGroup VoxelSize: expected a positive"},
       {"VoxelSize=\"0.25\"", "VoxelSize=\"nan\"", "OctTreeGroup VoxelSize: expected finite"},
       {"VoxelSize=\"0.25\"", "VoxelSiz=\"1\"", "OctTreeGroup VoxelSize: is missing"},
@@ -136,7 +137,7 @@ TEST(SceneXml, IsRefusedWithElementAndAttributeWhereItIsWrong) {
       {"LatticeMin=\"-16 32 8\"", "LatticeMin=\"-16 32 7\"", "PagedOctTree LatticeMin: expected multiples of 8"},
       {"LatticeMin=\"-16 32 8\"", "LatticeMin=\"-16 32 99999999999999999999\"", "PagedOctTree LatticeMin"},
       {"Lods=\"2\"", "Lods=\"3\"", "PagedOctTree Lods: does not fit"},
-      {" Voxels=\"", " Voxels=\"5 ", "PagedOctTree Voxels: expected one count"},
+      {"\"12\" Voxels=\"", "\"12\" Voxels=\"5 ", "PagedOctTree Voxels: expected one count"},
       {"Fingerprint=\"", "Fingerprint=\"z", "PagedOctTree Fingerprint: expected 32 hexadecimal"},
   };
   for (const auto& c : cases) {
@@ -144,6 +145,36 @@ TEST(SceneXml, IsRefusedWithElementAndAttributeWhereItIsWrong) {
     try {
       read_scene(folder / "bad.xml");
       ADD_FAILURE() << c.to;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(c.told), std::string::npos) << error.what();
+    }
+  }
+}
+
+// Mended 2026-11-22: a scene that had lost a line, or had one twice, was read as if nothing were wrong.
+TEST(SceneXml, WithALineLostOrDoubledIsRefused) {
+  const TempFolder folder;
+  const std::string text = whole_scene(folder);
+  const std::size_t begin = text.find("  <PagedOctTree"), end = text.find('\n', begin) + 1;
+  const std::string line = text.substr(begin, end - begin);
+  const struct {
+    std::string text, told;
+  } cases[] = {
+      {replaced(text, line, ""), "OctTreeGroup Cells: says 1, but 0 are listed"},
+      {replaced(text, line, line + line), "PagedOctTree c_0_0_0: another cell has the same name"},
+      {replaced(text, "Cells=\"1\"", "Cells=\"2\""), "OctTreeGroup Cells: says 2, but 1 are listed"},
+      {replaced(text, "Voxels=\"515 2\" ContentHash", "Voxels=\"515 3\" ContentHash"), "OctTreeGroup Voxels: are not"},
+      {replaced(text, " Cells=", " Sells="), "OctTreeGroup Cells: is missing"},
+      {replaced(text, "Origin=\"34.4263", "Origin=\"91"), "OctTreeGroup Origin: expected a latitude"},
+      {replaced(text, "Name=\"c_0_0_0\"", "Name=\"\""), "PagedOctTree Name: expected one line"},
+      {replaced(text, "Name=\"c_0_0_0\"", "Name=\"c&#10;0\""), "PagedOctTree Name: expected one line"},
+      {replaced(text, "shards/c_0_0_0.h5", std::string(400, '9')), "PagedOctTree TreeFile: expected one line"},
+  };
+  for (const auto& c : cases) {
+    publish_file(folder / "bad.xml", c.text);
+    try {
+      read_scene(folder / "bad.xml");
+      ADD_FAILURE() << c.told;
     } catch (const InputError& error) {
       EXPECT_NE(std::string(error.what()).find(c.told), std::string::npos) << error.what();
     }

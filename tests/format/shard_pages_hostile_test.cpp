@@ -49,7 +49,7 @@ Shard put_together(const ShardPages& pages, const Shard& written) {
 }
 
 /// Either an error or exactly what was written; anything else is a lie.
-void expect_error_or_equal(const std::filesystem::path& path, const Shard& written, const std::string& what) {
+void expect_error_or_equal_pages(const std::filesystem::path& path, const Shard& written, const std::string& what) {
   try {
     EXPECT_EQ(made::difference(written, put_together(ShardPages(path), written)), "") << what;
   } catch (const InputError& error) {
@@ -61,8 +61,9 @@ TEST(HostileShardPages, WithAnyByteChangedAreAnErrorOrReadAsBefore) {
   const TempFolder folder;
   const Shard shard = made::small_shard();
   write_shard(folder / "s.h5", shard, {});
-  made::for_each_changed_byte(folder / "s.h5", std::random_device{}(),
-                              [&](const std::string& what) { expect_error_or_equal(folder / "s.h5", shard, what); });
+  made::for_each_changed_byte(folder / "s.h5", std::random_device{}(), [&](const std::string& what) {
+    expect_error_or_equal_pages(folder / "s.h5", shard, what);
+  });
 }
 
 TEST(HostileShardPages, WithAnOverwrittenStretchAreAnErrorOrReadAsBefore) {
@@ -71,8 +72,9 @@ TEST(HostileShardPages, WithAnOverwrittenStretchAreAnErrorOrReadAsBefore) {
   const TempFolder folder;
   const Shard shard = made::random_shard(rng, {3, true, 3, rng() % 2 == 0});
   write_shard(folder / "s.h5", shard, {});
-  made::for_each_overwritten_stretch(
-      folder / "s.h5", seed, [&](const std::string& what) { expect_error_or_equal(folder / "s.h5", shard, what); });
+  made::for_each_overwritten_stretch(folder / "s.h5", seed, [&](const std::string& what) {
+    expect_error_or_equal_pages(folder / "s.h5", shard, what);
+  });
 }
 
 TEST(HostileShardPages, CutAnywhereAreAnError) {

@@ -131,7 +131,7 @@ TEST(ShardPages, SayWhatTheCellDoesNotHave) {
 }
 
 /// What is said when a shard that breaks a rule is written, and then read part by part.
-std::string told(const std::filesystem::path& path, const std::function<void(Shard&)>& spoil) {
+std::string told_of_pages(const std::filesystem::path& path, const std::function<void(Shard&)>& spoil) {
   Shard shard = made::small_shard();
   spoil(shard);
   write_shard(path, shard, {});
@@ -187,8 +187,9 @@ TEST(ShardPages, AreRefusedWhereTheyDoNotFitTheRest) {
       {"a voxel without coverage", [](Shard& s) { s.levels[0].rgba[3] = 0; }},
       {"normal does not fit", [](Shard& s) { s.levels[0].normal.resize(4); }},
   };
-  EXPECT_EQ(told(folder / "s.h5", [](Shard&) {}), "");
-  for (const auto& c : cases) EXPECT_NE(told(folder / "s.h5", c.spoil).find(c.rule), std::string::npos) << c.rule;
+  EXPECT_EQ(told_of_pages(folder / "s.h5", [](Shard&) {}), "");
+  for (const auto& c : cases)
+    EXPECT_NE(told_of_pages(folder / "s.h5", c.spoil).find(c.rule), std::string::npos) << c.rule;
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace gigabake::fuzz {
 namespace {
 
-constexpr std::size_t longest_line = 4000;
+constexpr std::size_t longest_line = longest_message_bytes;
 
 std::string fault_of_line(const std::string& line) {
   if (line.empty() || line.find('\n') != std::string::npos || line.size() > longest_line)

@@ -192,6 +192,44 @@ def objs():
             faces + b"f 1 2 3 \\\n4\n"]
 
 
+def plys():
+    """ASCII with all that a face may have, strips, both byte orders, points alone; a far one."""
+    xyz = b"property float x\nproperty float y\nproperty float z\n"
+    faces = b"property list uchar int vertex_indices\n"
+    square_of = b"0 0 0\n1 0 0\n1 1 0\n0 1 1e-3\n"
+    out = [b"ply\nformat ascii 1.0\ncomment TextureFile one.png\nobj_info x\nelement vertex 4\n" + xyz +
+           b"element face 3\n" + faces + b"property list uchar float texcoord\nproperty int texnumber\nend_header\n" +
+           square_of + b"4 0 1 2 3 8 0 0 1 0 1 1 0 1 0\n3 0 1 2 6 0 0 1 0 nan 1 5\n2 0 1 0 0\n" + PART + png(4),
+           b"ply\nformat ascii 1.0\nelement vertex 4\n" + xyz +
+           b"element tristrips 1\nproperty list int int vertex_indices\nend_header\n" + square_of +
+           b"7 0 1 2 3 -1 0 1\n", b"ply\nformat ascii 1.0\nelement vertex 2\n" + xyz + b"end_header\n1 2 3\ninf 0 0\n",
+           b"ply\nformat ascii 1.0\nelement vertex 3\n" + xyz + b"element face 1\n" + faces +
+           b"end_header\n4331297 567964 4633220\n4331298 567964 4633220\n4331297 567965 4633220\n3 0 1 2\n"]
+    for order, name in (("<", b"little"), (">", b"big")):
+        body = struct.pack(f"{order}bHHdd", 2, 1, 2, 3, 4)
+        for v in range(5):
+            body += struct.pack(f"{order}3d4BffH", v % 2, v // 2, 0.5, v * 50, 1, 2, 128, 0.25, 0.75, v)
+        body += struct.pack(f"{order}I5hi", 5, 0, 1, 3, 4, 2, -1)
+        out.append(b"ply\nformat binary_" + name + b"_endian 1.0\ncomment TextureFile one.png\nelement other 1\n"
+                   b"property list char ushort a\nproperty double b\nproperty double c\nelement vertex 5\n"
+                   b"property double x\nproperty double y\nproperty double z\n"
+                   b"property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n"
+                   b"property float s\nproperty float t\n"
+                   b"property ushort id\nelement face 1\nproperty list uint short vertex_index\nproperty int f\n"
+                   b"end_header\n" + body + PART + png(4))
+    return out
+
+
+def stls():
+    facet = b"facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\n"
+    end = b"endloop\nendfacet\nendsolid\n"
+    binary = struct.pack("<I12fH12fH", 2, *range(12), 0, *range(12), 7)
+    return [b"solid one\n" + facet + end + b"solid two\n" + facet + b"vertex 0.5 0.25 nan\n" + end,
+            b"a name".ljust(80, b"\0") + binary, b"solid of bytes".ljust(80) + binary,
+            b"far".ljust(80) + struct.pack("<I12fH", 1, 0, 0, 1, 4331297, 567964, 4633220, 4331298, 567964, 4633220,
+                                           4331297, 567965, 4633220, 0)]
+
+
 def tiff(edge, samples):
     """Little endian, one strip of bytes, a place in EPSG:25832."""
     content = bytes((i * 7) & 63 for i in range(edge * edge * samples))
@@ -239,6 +277,8 @@ def made():
         "archive": archives(),
         "scene_json": scenes(),
         "obj": objs(),
+        "ply": plys(),
+        "stl": stls(),
         "raster": rasters(),
         "orthophoto": [tiff(4, 3), png(4, 2), packed.JPEG],
         "image": [png(4), png(4, 0), packed.JPEG, packed.WEBP, packed.WEBP_LOSSLESS],

@@ -135,6 +135,14 @@ void obj(Bytes bytes) {
   read_as_a_bake_does(neighbours().with("tile.obj", parts[0]));
 }
 
+void ply(Bytes bytes) {
+  const std::vector<Bytes> parts = parts_of(bytes);
+  neighbours().with("one.png", parts.size() > 1 ? parts[1] : Bytes());
+  read_as_a_bake_does(neighbours().with("tile.ply", parts[0]));
+}
+
+void stl(Bytes bytes) { read_as_a_bake_does(neighbours().with("tile.stl", bytes)); }
+
 void raster(Bytes bytes) {
   neighbours().with("raster.tif", bytes);
   static const Path scene = [] {

@@ -31,6 +31,8 @@ void subtree(Bytes bytes);     ///< a subtree, binary or JSON, of two contents; 
 void archive(Bytes bytes);     ///< a .3tz
 void scene_json(Bytes bytes);  ///< a scene .json; it may name model.glb, set.json
 void obj(Bytes bytes);         ///< an OBJ; then material.mtl
+void ply(Bytes bytes);         ///< a PLY mesh; then one.png
+void stl(Bytes bytes);         ///< an STL
 void raster(Bytes bytes);      ///< an elevation raster of any format, in EPSG:25832
 void orthophoto(Bytes bytes);  ///< a photo of any format over a raster of 17×17
 void image(Bytes bytes);       ///< PNG, JPEG, WebP

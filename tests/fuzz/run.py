@@ -26,7 +26,8 @@ import made_seeds
 SOURCE = Path(__file__).resolve().parents[2]
 LARGEST_SEED = 100_000
 KINDS = {"gltf": {".gltf", ".glb"}, "tile": {".b3dm", ".i3dm", ".cmpt"}, "subtree": {".subtree"}, "archive": {".3tz"},
-         "obj": {".obj"}, "image": {".png", ".jpg", ".webp"}, "raster": {".tif", ".asc", ".hgt"},
+         "obj": {".obj"}, "ply": {".ply"}, "stl": {".stl"}, "image": {".png", ".jpg", ".webp"},
+         "raster": {".tif", ".asc", ".hgt"},
          "orthophoto": {".tif", ".jpg"}, "tileset": {".json"}, "scene_json": {".json"}, "shard": {".h5"},
          "scene_xml": {".xml"}, "gigavoxel_list": {".gvp"}, "gigavoxel_tree": {".gvx", ".gvo"}}
 READERS = sorted({*made_seeds.made(), *KINDS})

@@ -137,6 +137,7 @@ TEST(BakeStatusRecord, KeepsTheSlowestCells) {
 
 TEST(BakeStatusRecord, EstimatesTheTimeLeftFromCostAndNotFromCells) {
   Bake b(4, {70, 10, 10, 10});
+  for (std::uint32_t job = 0; job < 4; ++job) b.record.handed_out(job, 0, start_s);
   EXPECT_FALSE(b.record.at(start_s + 7).left_s) << "nobody knows before the first cell";
   b.record.cell_done(baked(0), start_s + 7);
   EXPECT_NEAR(*b.record.at(start_s + 7).left_s, 3, 1e-9);
@@ -151,6 +152,7 @@ TEST(BakeStatusRecord, EstimatesTheTimeLeftFromCostAndNotFromCells) {
 TEST(BakeStatusRecord, TakesWorkOfAnEarlierRunForNoWorkOfThisOne) {
   Bake b(4, {70, 10, 10, 10});
   b.record.already_done(0);
+  for (std::uint32_t job = 1; job < 4; ++job) b.record.handed_out(job, 0, start_s);
   b.record.cell_done(baked(1), start_s + 5);
   const BakeStatus s = b.record.at(start_s + 5);
   EXPECT_NEAR(*s.left_s, 10, 1e-9);

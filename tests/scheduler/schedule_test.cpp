@@ -34,6 +34,18 @@ TEST(Schedule, BakesEveryCellOnceWhenNothingGoesWrong) {
   EXPECT_EQ(schedule.counts(), (JobCounts{0, 0, 500, 0, 0}));
 }
 
+// Mended on 2026-11-22: bad input was tried three times.
+TEST(Schedule, SetsACellAsideAtOnceWhereAnotherTryIsUseless) {
+  const std::vector<CellJob> jobs = equal_jobs(2);
+  Schedule schedule(jobs, {});
+  const auto first = schedule.next(0, 0);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(schedule.failed(0, first->job, first->attempt, "bad input", 0, Retry::useless), Verdict::accepted);
+  EXPECT_EQ(schedule.take_set_aside(), std::vector<std::uint32_t>{first->job});
+  EXPECT_EQ(schedule.error(first->job), "bad input");
+  EXPECT_EQ(schedule.state(first->job), JobState::failed);
+}
+
 TEST(Schedule, IsOverAtOnceWithoutCells) {
   const std::vector<CellJob> none;
   Schedule schedule(none, {});

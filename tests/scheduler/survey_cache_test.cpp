@@ -31,8 +31,8 @@ class SurveyCacheTest : public ::testing::Test {
     parameters.voxel_size_m = 0.5;
   }
   void write_tile(const std::string& name) const {
-    write_text(folder / "scene" / (name + ".gltf"),
-               R"({"buffers": [{"uri": ")" + name + R"(%20.bin"}], "images": [{"uri": "skin.png"}]})");
+    write_text(folder / "scene" / (name + ".gltf"), R"({"asset": {"version": "2.0"}, "buffers": [{"uri": ")" + name +
+                                                        R"(%20.bin"}], "images": [{"uri": "skin.png"}]})");
     write_text(folder / "scene" / (name + " .bin"), "positions of " + name);
   }
   /// As survey_tile() makes it; `settled` as if the files were old.
@@ -122,7 +122,7 @@ TEST_F(SurveyCacheTest, ALinkThatLeadsElsewhereAsksForASurvey) {
 }
 
 TEST_F(SurveyCacheTest, APathThroughAFolderThatIsNotThereIsNeverTrusted) {
-  write_text(folder / "scene/a.gltf", R"({"images": [{"uri": "absent/../skin.png"}]})");
+  write_text(folder / "scene/a.gltf", R"({"asset": {"version": "2.0"}, "images": [{"uri": "absent/../skin.png"}]})");
   const TileIdentity identity = identify_tile(sources.tiles[0], sources.root);
   ASSERT_EQ(identity.files.size(), 2u);
   EXPECT_FALSE(identity.files[1].settled);

@@ -12,8 +12,8 @@ using Style = CameraRig::Style;
 
 const CameraPose home{{60, -80, 50}, {0, 0, 0}};
 
-double distance(const Point<Scene>& a, const Point<Scene>& b) { return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z); }
-double distance(const CameraRig& rig) { return distance(rig.pose().eye_m, rig.pose().target_m); }
+double apart_m(const Point<Scene>& a, const Point<Scene>& b) { return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z); }
+double apart_m(const CameraRig& rig) { return apart_m(rig.pose().eye_m, rig.pose().target_m); }
 double steepness_deg(const CameraPose& p) {
   const double flat = std::hypot(p.target_m.x - p.eye_m.x, p.target_m.y - p.eye_m.y);
   return std::fabs(std::atan2(p.target_m.z - p.eye_m.z, flat)) * 180 / M_PI;
@@ -26,7 +26,7 @@ void expect_sound(const CameraRig& rig, double size_m, const Point<Scene>& middl
   ASSERT_TRUE(std::isfinite(rig.speed_m_per_s()) && rig.speed_m_per_s() > 0);
   ASSERT_FALSE(p.eye_m == p.target_m);
   ASSERT_LE(steepness_deg(p), CameraRig::steepest_deg + 0.01);
-  ASSERT_LE(distance(p.eye_m, middle), CameraRig::farthest_sizes * size_m * (1 + 1e-6));
+  ASSERT_LE(apart_m(p.eye_m, middle), CameraRig::farthest_sizes * size_m * (1 + 1e-6));
 }
 
 /// A hand that knows no limits.
@@ -65,7 +65,7 @@ TEST(CameraRig, StaysSoundWhateverIsAskedOfIt) {
     CameraRig rig(home);
     for (int step = 0; step < 300; ++step) {
       do_something(rig, random);
-      ASSERT_NO_FATAL_FAILURE(expect_sound(rig, distance(home.eye_m, home.target_m), home.target_m));
+      ASSERT_NO_FATAL_FAILURE(expect_sound(rig, apart_m(home.eye_m, home.target_m), home.target_m));
     }
   }
 }
@@ -74,8 +74,8 @@ TEST(CameraRig, FindsAHomeWhereItIsGivenNone) {
   for (const CameraPose& bad :
        {CameraPose{{NAN, 0, 0}, {0, 0, 0}}, CameraPose{{1, 2, 3}, {1, 2, 3}}, CameraPose{{1e300, 0, 0}, {0, 0, 0}}}) {
     const CameraRig rig(bad);
-    EXPECT_GT(distance(rig), 1);
-    EXPECT_LT(distance(rig), 1000);
+    EXPECT_GT(apart_m(rig), 1);
+    EXPECT_LT(apart_m(rig), 1000);
   }
 }
 
@@ -101,17 +101,17 @@ TEST(CameraRig, GivesBackAPoseThatWasSet) {
 
 TEST(CameraRig, OrbitsAroundTheTargetAtOneDistance) {
   CameraRig rig(home);
-  const double before = distance(rig);
+  const double before = apart_m(rig);
   for (int i = 0; i < 1000; ++i) rig.turn(0.013, i % 2 == 0 ? 0.05 : -0.049);
   EXPECT_EQ(rig.pose().target_m.z, rig.pose().target_m.z);
-  EXPECT_NEAR(distance(rig.pose().target_m, home.target_m), 0, 1e-6);
-  EXPECT_NEAR(distance(rig), before, 1e-6);
+  EXPECT_NEAR(apart_m(rig.pose().target_m, home.target_m), 0, 1e-6);
+  EXPECT_NEAR(apart_m(rig), before, 1e-6);
 }
 
 TEST(CameraRig, IsBackAfterAWholeTurn) {
   CameraRig rig(home);
   for (int i = 0; i < 8; ++i) rig.turn(0.25, 0);
-  EXPECT_NEAR(distance(rig.pose().eye_m, home.eye_m), 0, 1e-9);
+  EXPECT_NEAR(apart_m(rig.pose().eye_m, home.eye_m), 0, 1e-9);
 }
 
 TEST(CameraRig, LooksAroundFromWhereItStandsInFlight) {
@@ -119,7 +119,7 @@ TEST(CameraRig, LooksAroundFromWhereItStandsInFlight) {
   rig.set_style(Style::fly);
   rig.turn(0.4, 0.1);
   EXPECT_EQ(rig.pose().eye_m, home.eye_m);
-  EXPECT_GT(distance(rig.pose().target_m, home.target_m), 1);
+  EXPECT_GT(apart_m(rig.pose().target_m, home.target_m), 1);
 }
 
 TEST(CameraRig, DraggingRightTurnsTheViewRightAndDraggingUpLowersTheOrbit) {
@@ -141,17 +141,17 @@ TEST(CameraRig, PanningKeepsWhatIsDraggedUnderTheMouse) {
   rig.pan(0.5, 0.25, 90);  // 90° at 100 m: a picture is 200 m high
   EXPECT_NEAR(rig.pose().target_m.x, -100, 1e-9);
   EXPECT_NEAR(rig.pose().target_m.z, -50, 1e-9);
-  EXPECT_NEAR(distance(rig), 100, 1e-9);
+  EXPECT_NEAR(apart_m(rig), 100, 1e-9);
 }
 
 TEST(CameraRig, ZoomingComesNearerByATenthANotch) {
   CameraRig rig(home);
-  const double before = distance(rig);
+  const double before = apart_m(rig);
   rig.zoom(1);
-  EXPECT_NEAR(distance(rig), before * 0.9, 1e-9);
-  EXPECT_NEAR(distance(rig.pose().target_m, home.target_m), 0, 1e-9);
+  EXPECT_NEAR(apart_m(rig), before * 0.9, 1e-9);
+  EXPECT_NEAR(apart_m(rig.pose().target_m, home.target_m), 0, 1e-9);
   rig.zoom(-1);
-  EXPECT_NEAR(distance(rig), before, 1e-9);
+  EXPECT_NEAR(apart_m(rig), before, 1e-9);
 }
 
 TEST(CameraRig, WalksAsFarAsSpeedAndTimeSayAndFasterInLargerScenes) {
@@ -175,7 +175,7 @@ TEST(CameraRig, StepsAddUpToTheSameWay) {
   CameraRig fine(home), coarse(home);
   for (int i = 0; i < 200; ++i) fine.walk(0.5, 0.3, 0.2, 0.001);
   coarse.walk(0.5, 0.3, 0.2, 0.2);
-  EXPECT_NEAR(distance(fine.pose().eye_m, coarse.pose().eye_m), 0, 1e-6);
+  EXPECT_NEAR(apart_m(fine.pose().eye_m, coarse.pose().eye_m), 0, 1e-6);
 }
 
 }  // namespace

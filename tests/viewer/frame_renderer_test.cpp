@@ -1,6 +1,9 @@
 #include "viewer/frame_renderer.h"
 
+#include <algorithm>
+#include <atomic>
 #include <gtest/gtest.h>
+#include <random>
 
 #include "format/error.h"
 #include "ground_scene.h"
@@ -74,6 +77,81 @@ TEST(FrameRenderer, ShowsCoarserBricksWhileFinerOnesAreMissing) {
   for (std::size_t i = 0; i < first.picture.depth.size(); ++i)
     opaque += first.picture.depth[i] < kernels::CastRay::no_depth ? 1 : 0;
   EXPECT_EQ(opaque, first.picture.depth.size());
+}
+
+// 2026-11-22: a full frame could not be ended, and a window was dead for seconds.
+TEST(FrameRenderer, AFrameInTilesEndsWithinAStepWhenAskedAndComesToTheSameBits) {
+  const VoxelScene scene = wide_ground(64);
+  const View view = looking({-20, -30, 60}, {128, 128, 0}, 260), other = looking({200, 40, 50}, {128, 128, 0}, 90);
+  const Picture expected = renderer_of(scene, std::uint64_t(1) << 28).draw_exact(view).picture;
+  for (const std::uint64_t memory : {std::uint64_t(3000000), std::uint64_t(1) << 28}) {
+    FrameRenderer renderer = renderer_of(scene, memory);
+    FrameInTiles frame = renderer.begin(view, nullptr);
+    ASSERT_GT(frame.tiles.size(), 4u);
+    std::mt19937 random(17);
+    int stops = 0;
+    for (int turn = 0; !frame.is_complete(); ++turn) {
+      const std::size_t before = frame.done;
+      std::atomic<int> asked{0}, after_stop{0};
+      const int allowed = int(random() % 60) + 4 * turn;
+      const auto stop = [&] {
+        after_stop += asked > allowed ? 1 : 0;
+        return asked++ >= allowed;
+      };
+      renderer.go_on(
+          frame, [] { return true; }, stop);
+      EXPECT_LE(frame.done, before + 1);
+      EXPECT_LE(after_stop, 8) << "it went on after it was asked to stop";
+      stops += frame.done == before ? 1 : 0;
+      if (turn % 5 == 0) renderer.sketch(other, {0.001, 0, {}});
+      ASSERT_LT(turn, 3000);
+    }
+    EXPECT_GT(stops, 3) << memory;
+    EXPECT_EQ(frame.picture.rgba, expected.rgba) << memory << " bytes, seed 17";
+    EXPECT_EQ(frame.picture.depth, expected.depth) << memory << " bytes, seed 17";
+    EXPECT_TRUE(frame.stats.complete);
+  }
+}
+
+TEST(FrameRenderer, AStoppedPassOfRaysGoesOnWithTheSameBits) {
+  const VoxelScene scene = wide_ground(64);
+  const kernels::CpuPolicy policy(2);
+  const View view = looking({-20, -30, 60}, {128, 128, 0}, 160);
+  SceneStream stream(scene.description(), "scene.xml", scene.pages(), {}, policy);
+  const kernels::CastCamera camera = make_camera(view.camera, scene.description(), scene.pages());
+  const Picture expected = render(stream, camera, {});  // everything is here now
+  kernels::Caster& caster = stream.caster();
+  caster.start(camera, {0, 0, 160, 160});
+  int passes = 0;
+  for (std::size_t waiting = 1; waiting > 0; ++passes) {
+    std::atomic<int> asked{0};
+    waiting = caster.cast(0, 160 * 160, true, [&] { return asked++ >= 3 + passes; });
+    ASSERT_LT(passes, 1000);
+  }
+  EXPECT_GT(passes, 3);
+  Picture picture = blank_picture(160, 160, PictureLight::srgb);
+  caster.resolve(to_cast({}), pixels_of(picture));
+  EXPECT_EQ(picture.rgba, expected.rgba);
+}
+
+// 2026-11-22: first frames were bare sky, since only what rays had met was asked for.
+TEST(FrameRenderer, AFirstSketchHasASurfaceWhereverTheFinalPictureHas) {
+  const VoxelScene scene = wide_ground(64);
+  for (const auto& eye_m :
+       {std::array{-20.0, -30.0, 60.0}, std::array{128.0, 128.0, 30.0}, std::array{5.0, 5.0, 16.0}}) {
+    View view = looking(eye_m, {140, 150, 10}, 90);
+    view.background = {false, {0, 0, 0, 0}};
+    const Picture last = renderer_of(scene, std::uint64_t(1) << 28).draw_exact(view).picture;
+    FrameRenderer renderer = renderer_of(scene, std::uint64_t(1) << 28);
+    for (int frames = 0;; ++frames) {
+      const Frame frame = renderer.sketch(view, {0.0001, 60, {}});
+      int least = 0;
+      for (std::size_t i = 3; i < last.rgba.size(); i += 4)
+        least = std::min(least, int(frame.picture.rgba[i]) - int(last.rgba[i]));
+      EXPECT_GE(least, -13) << "frame " << frames << " from " << eye_m[0] << ": a twentieth of the light comes through";
+      if (frame.stats.complete) break;
+    }
+  }
 }
 
 TEST(FrameRenderer, DrawsWhatIsDamagedAsItsParentAndSaysSo) {

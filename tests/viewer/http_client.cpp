@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 #include <cmath>
+#include <cstdint>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>

@@ -12,7 +12,7 @@ RequestHead post(const std::string& length) {
   return {"POST", "localhost:8080", "", "application/json", length, false, false};
 }
 
-int status_of(const RequestHead& head, bool local = true) {
+int guard_status(const RequestHead& head, bool local = true) {
   const auto refusal = refusal_of(head, local);
   return refusal ? refusal->status : 200;
 }
@@ -33,41 +33,118 @@ TEST(HttpGuard, FindsTheHostOfAnAuthority) {
   EXPECT_EQ(host_of(""), "");
 }
 
+// 2026-11-22: "[::1].evil" and "localhost:80@evil" passed for this machine.
+TEST(HttpGuard, TakesAHostAndAPortAndNothingElseForAnAuthority) {
+  const std::pair<const char*, const char*> good[] = {
+      {"localhost", "localhost"},
+      {"localhost:", "localhost"},
+      {"localhost:0", "localhost"},
+      {"LOCALHOST:80", "LOCALHOST"},
+      {"127.0.0.1:65535", "127.0.0.1"},
+      {"[::1]", "::1"},
+      {"[::1]:", "::1"},
+      {"[::1]:8080", "::1"},
+      {"[fe80::1:2]:1", "fe80::1:2"},
+      {"gpu-7.example:8080", "gpu-7.example"},
+      {"my_node", "my_node"},
+  };
+  for (const auto& [authority, host] : good) EXPECT_EQ(host_of(authority), host) << authority;
+  for (const char* bad : {"[::1].evil",
+                          "[::1].evil:80",
+                          "[::1]evil",
+                          "[::1]:80.evil",
+                          "[::1]80",
+                          "[::1]@evil",
+                          "[localhost]",
+                          "[]",
+                          "[]:80",
+                          "[::1",
+                          "::1",
+                          "::1]",
+                          "[::1]]",
+                          "[[::1]]",
+                          "[::1%lo]",
+                          "[v1.a]",
+                          "localhost:80@evil",
+                          "localhost@evil",
+                          "user@localhost",
+                          "user:pass@localhost",
+                          "localhost:80:80",
+                          "localhost::80",
+                          "localhost:+80",
+                          "localhost:-1",
+                          "localhost: 80",
+                          "localhost:80 ",
+                          " localhost",
+                          "localhost ",
+                          "localhost\t",
+                          "localhost:65536",
+                          "localhost:00000000000000000080000000",
+                          "localhost:4294967376",
+                          "localhost:http",
+                          "localhost/",
+                          "localhost/evil",
+                          "localhost?evil",
+                          "localhost#evil",
+                          "localhost\\evil",
+                          "localhost,evil",
+                          "localhost, localhost",
+                          "local%68ost",
+                          ":80",
+                          ":",
+                          "@",
+                          "localhost:80/@evil",
+                          "http://localhost",
+                          "//localhost",
+                          "ünï.example"})
+    EXPECT_EQ(host_of(bad), "") << bad;
+  EXPECT_EQ(host_of(std::string_view("localhost\0.evil", 15)), "");
+  EXPECT_EQ(host_of(std::string_view("[::1\0]", 6)), "");
+  EXPECT_EQ(host_of(std::string(256, 'a')), "");
+}
+
+TEST(HttpGuard, RefusesHostsThatAreNoneWhereverItListens) {
+  for (const char* bad : {"", "[::1].evil", "localhost:80@evil", "localhost, evil"}) {
+    EXPECT_EQ(guard_status(get(bad)), 403) << bad;
+    EXPECT_EQ(guard_status(get(bad), false), 400) << bad;
+  }
+}
+
 TEST(HttpGuard, RefusesANameThatSomebodyPointedHere) {
-  EXPECT_EQ(status_of(get("localhost:8080")), 200);
-  EXPECT_EQ(status_of(get("[::1]:8080")), 200);
-  EXPECT_EQ(status_of(get("evil.com:8080")), 403);
-  EXPECT_EQ(status_of(get("")), 403);
-  EXPECT_EQ(status_of(get("gpu-7.example:8080"), false), 200);  // there the token guards
+  EXPECT_EQ(guard_status(get("localhost:8080")), 200);
+  EXPECT_EQ(guard_status(get("[::1]:8080")), 200);
+  EXPECT_EQ(guard_status(get("evil.com:8080")), 403);
+  EXPECT_EQ(guard_status(get("")), 403);
+  EXPECT_EQ(guard_status(get("gpu-7.example:8080"), false), 200);  // there the token guards
 }
 
 TEST(HttpGuard, RefusesRequestsOfOtherPages) {
   RequestHead head = get("localhost:8080");
   head.origin = "http://localhost:8080";
-  EXPECT_EQ(status_of(head), 200);
+  EXPECT_EQ(guard_status(head), 200);
   for (const char* other : {"http://localhost:81", "http://evil.com", "null", "http://localhost:8080.evil.com"}) {
     head.origin = other;
-    EXPECT_EQ(status_of(head), 403) << other;
+    EXPECT_EQ(guard_status(head), 403) << other;
   }
 }
 
 TEST(HttpGuard, TakesSmallJsonBodiesWithALengthOnly) {
-  EXPECT_EQ(status_of(post("2")), 200);
-  EXPECT_EQ(status_of(post(std::to_string(most_body_bytes))), 200);
-  EXPECT_EQ(status_of(post(std::to_string(most_body_bytes + 1))), 413);
-  EXPECT_EQ(status_of(post("99999999999999999999999")), 413);
-  for (const char* bad : {"", "-1", "2x", " 2", "0x2"}) EXPECT_EQ(status_of(post(bad)), 411) << bad;
+  EXPECT_EQ(guard_status(post("2")), 200);
+  EXPECT_EQ(guard_status(post(std::to_string(most_body_bytes))), 200);
+  EXPECT_EQ(guard_status(post(std::to_string(most_body_bytes + 1))), 413);
+  EXPECT_EQ(guard_status(post("99999999999999999999999")), 413);
+  for (const char* bad : {"", "-1", "2x", " 2", "0x2"}) EXPECT_EQ(guard_status(post(bad)), 411) << bad;
   RequestHead head = post("2");
   head.has_transfer_encoding = true;
-  EXPECT_EQ(status_of(head), 411);
+  EXPECT_EQ(guard_status(head), 411);
   head = post("2");
   head.has_content_encoding = true;
-  EXPECT_EQ(status_of(head), 415);
+  EXPECT_EQ(guard_status(head), 415);
   head = post("2");
   head.content_type = "text/plain";
-  EXPECT_EQ(status_of(head), 415);
+  EXPECT_EQ(guard_status(head), 415);
   head.method = "DELETE";
-  EXPECT_EQ(status_of(head), 405);
+  EXPECT_EQ(guard_status(head), 405);
 }
 
 TEST(HttpGuard, ComparesTokensWhole) {

@@ -57,6 +57,56 @@ TEST(LiveScene, EndsWithTheExactPictureOfWhereEachViewerRests) {
             scene.full_frame(second, patience_s)->frame.picture.rgba);
 }
 
+/// The first frame that shows a part of the full picture, not all of it.
+LiveScene::FramePtr wait_for_a_part(const LiveScene& scene, LiveScene::ViewerId viewer) {
+  for (std::uint64_t after = 0;;) {
+    const auto frame = scene.frame_after(viewer, after, patience_s);
+    if (!frame || (frame->full && !frame->frame.stats.complete)) return frame;
+    after = frame->number;
+  }
+}
+
+// 2026-11-22: a full frame was drawn to its end, however long, whatever hands did meanwhile.
+TEST(LiveScene, AFullPictureUnderWayEndsWhenItsViewerMoves) {
+  const made::TempFolder folder;
+  write_hill(folder / "scene.xml");
+  LiveScene::Options options = small_pictures();
+  options.camera.width = options.camera.height = 2048;
+  options.frame_s = 0.02;
+  LiveScene scene(folder / "scene.xml", options);
+  const auto viewer = scene.add_viewer().value();
+  const auto part = wait_for_a_part(scene, viewer);
+  ASSERT_NE(part, nullptr);
+  EXPECT_LT(scene.state(viewer)->drawn, 1);
+  scene.steer(viewer, turn(0.2));
+  const Point<Scene> eye_m = scene.state(viewer)->pose.eye_m;
+  for (std::uint64_t after = part->number;;) {
+    const auto frame = scene.frame_after(viewer, after, patience_s);
+    ASSERT_NE(frame, nullptr);
+    if (frame->view.camera.eye_m == eye_m) break;
+    EXPECT_FALSE(frame->full && frame->frame.stats.complete) << "of a place that was left";
+    after = frame->number;
+  }
+  EXPECT_FALSE(scene.state(viewer)->resting);
+}
+
+TEST(LiveScene, ShowsASmallPictureOfAllBeforePartsOfTheFullOne) {
+  const made::TempFolder folder;
+  write_hill(folder / "scene.xml");
+  LiveScene::Options options = small_pictures();
+  options.camera.width = options.camera.height = 512;
+  options.frame_s = 0.001;
+  LiveScene scene(folder / "scene.xml", options);
+  const auto viewer = scene.add_viewer().value();
+  const auto first = scene.frame_after(viewer, 0, patience_s);
+  ASSERT_NE(first, nullptr);
+  EXPECT_FALSE(first->full);
+  EXPECT_LE(first->frame.picture.width, 512 / 4);
+  const auto last = scene.full_frame(viewer, patience_s);
+  ASSERT_NE(last, nullptr);
+  EXPECT_EQ(last->frame.picture.rgba, exact(folder / "scene.xml", last->view).rgba);
+}
+
 TEST(LiveScene, DrawsNothingWhileNobodyMoves) {
   const made::TempFolder folder;
   write_hill(folder / "scene.xml");

@@ -55,23 +55,87 @@ TEST(Pilot, DrawsTheFullPictureOnceAndThenNothingMore) {
   Pilot pilot(home(), 0.05);
   double now_s = 0;
   const auto orders = fly(pilot, now_s, 10, 0.5);
-  ASSERT_EQ(orders.size(), 1u);
-  EXPECT_TRUE(orders[0].full);
-  EXPECT_EQ(orders[0].view.camera.width, 1280);
+  ASSERT_FALSE(orders.empty());
+  for (const auto& order : orders) EXPECT_EQ(order.full, &order == &orders.back());
+  EXPECT_EQ(orders.back().view.camera.width, 1280);
   EXPECT_TRUE(pilot.rests());
   EXPECT_FALSE(pilot.next(1e6).has_value());
 }
 
+// 2026-11-22: the first picture was as large as the window, and took seconds on two cores.
+TEST(Pilot, BeginsSmallAndGrowsWithoutMuchMoreThanTheFullPictureTakes) {
+  for (const double full_s : {0.3, 1.0, 4.0, 20.0}) {
+    Pilot pilot(home(), 0.06);
+    double now_s = 0, sum_s = 0;
+    const auto orders = fly(pilot, now_s, 100, full_s);
+    EXPECT_LE(orders.front().share, 0.125) << full_s;
+    EXPECT_FALSE(orders.front().in_tiles);
+    EXPECT_GT(orders.front().roots_s, 0) << "nothing stands anywhere yet";
+    for (std::size_t i = 1; i < orders.size(); ++i) {
+      EXPECT_GT(orders[i].share, orders[i - 1].share) << full_s;
+      EXPECT_EQ(orders[i].roots_s, 0) << full_s;
+      EXPECT_EQ(orders[i].pose, orders[0].pose);
+    }
+    for (const auto& order : orders) sum_s += full_s * order.share * order.share;
+    EXPECT_LT(sum_s, 1.25 * full_s) << full_s;
+    EXPECT_TRUE(orders.back().in_tiles) << full_s;
+  }
+}
+
+// 2026-11-22: frames at rest took a quarter of a second for new data and then as long again to cast what was missing.
+TEST(Pilot, GivesNewDataMoreTimeTheLongerItRests) {
+  Pilot pilot(home(), 0.06);
+  double before_s = 0;
+  for (double now_s = 0; now_s < 0.5; now_s += 0.05) {
+    const auto order = pilot.next(now_s);
+    ASSERT_TRUE(order.has_value());
+    EXPECT_FALSE(order->in_tiles);
+    EXPECT_GE(order->upload_s, before_s);
+    EXPECT_NEAR(order->upload_s, std::max(now_s, pilot.upload_s()), 1e-9);
+    before_s = order->upload_s;
+    FrameStats stats = took(0.05, false);
+    stats.uploads = 100;
+    pilot.drawn(*order, stats);
+  }
+  pilot.steer(turn(0.1), 0.6);
+  EXPECT_EQ(pilot.next(0.6)->upload_s, pilot.upload_s());
+}
+
+TEST(Pilot, GoesOnToTilesWhereAPoolIsTooSmallForASketchToBecomeComplete) {
+  Pilot pilot(home(), 0.06);
+  FrameStats stats = took(0.06, false);
+  stats.uploads = 10;
+  stats.starved = true;
+  const auto sketch = pilot.next(0);
+  pilot.drawn(*sketch, stats);
+  EXPECT_TRUE(pilot.next(0.1)->in_tiles);
+}
+
+TEST(Pilot, SketchesWholeFramesWhereTheyAreQuick) {
+  Pilot pilot(home(), 0.06);
+  double now_s = 0;
+  fly(pilot, now_s, 10, 0.004);
+  pilot.steer(turn(0.1), now_s);
+  for (const auto& order : fly(pilot, now_s, now_s + 10, 0.004)) EXPECT_TRUE(order.full && !order.in_tiles);
+  EXPECT_TRUE(pilot.rests());
+}
+
 TEST(Pilot, DrawsAgainUntilTheFrameIsComplete) {
   Pilot pilot(home(), 0.05);
-  for (int i = 0; i < 20; ++i) {
+  int full_orders = 0;
+  for (int i = 0; i < 60; ++i) {
     const auto order = pilot.next(i);
     ASSERT_TRUE(order.has_value());
     EXPECT_FALSE(pilot.rests());
-    pilot.drawn(*order, took(0.1, i == 19));
+    full_orders += order->full ? 1 : 0;
+    FrameStats stats = took(0.1, i % 10 == 9);
+    stats.uploads = 1;
+    pilot.drawn(*order, stats);
+    if (pilot.rests()) break;
   }
   EXPECT_TRUE(pilot.rests());
-  EXPECT_FALSE(pilot.next(20).has_value());
+  EXPECT_GE(full_orders, 10);
+  EXPECT_FALSE(pilot.next(60).has_value());
 }
 
 TEST(Pilot, DrawsSmallWhileItMovesAndFullWhenItRests) {

@@ -9,7 +9,7 @@
 namespace gigabake {
 namespace {
 
-constexpr int edge = 256;
+constexpr int scene_edge = 256;
 
 /// Rolling, painted ground, two voxels thick, and posts on it that cross the borders of cells.
 std::optional<Paint> landscape(std::int64_t x, std::int64_t y, std::int64_t z) {
@@ -22,8 +22,8 @@ std::optional<Paint> landscape(std::int64_t x, std::int64_t y, std::int64_t z) {
 
 VoxelScene cut_into(std::uint32_t cell_voxels) {
   VoxelScene scene(cell_voxels);
-  for (std::int64_t y = 0; y < edge; y += cell_voxels)
-    for (std::int64_t x = 0; x < edge; x += cell_voxels) scene.add_cell(landscape, {x, y, 0});
+  for (std::int64_t y = 0; y < scene_edge; y += cell_voxels)
+    for (std::int64_t x = 0; x < scene_edge; x += cell_voxels) scene.add_cell(landscape, {x, y, 0});
   return scene;
 }
 

@@ -1,5 +1,6 @@
 #include "viewer/stream_server.h"
 
+#include <functional>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -12,6 +13,7 @@
 #include "http_client.h"
 #include "stored_hill.h"
 #include "tests/format/made_shard.h"
+#include "viewer/stream_sessions.h"
 
 namespace gigabake {
 namespace {
@@ -146,6 +148,19 @@ TEST(StreamServer, AnswersStrangersWithAStatus) {
   EXPECT_EQ(served.status("GET", "/"), 200);
 }
 
+// 2026-11-22: as many as asked had a thread each.
+TEST(StreamServer, MakesFewPicturesOfAViewerAtATime) {
+  Served served({}, false);  // no scene: they wait
+  const std::string key = served.viewer(), target = "/picture.png?viewer=" + key;
+  std::vector<std::unique_ptr<HttpClient>> waiting;
+  for (int i = 0; i < StreamSessions::most_pictures; ++i) {
+    waiting.push_back(std::make_unique<HttpClient>(served.port()));
+    waiting.back()->send("GET " + target + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  }
+  EXPECT_EQ(served.status("GET", "/state?viewer=" + key), 200);  // both are heard by now
+  EXPECT_EQ(served.status("GET", target), 429);
+}
+
 TEST(StreamServer, TakesNoMoreViewersThanTheScene) {
   Served served;
   for (int i = 0; i < 4; ++i) EXPECT_EQ(served.status("POST", "/viewers", "", "{}"), 201);
@@ -220,8 +235,36 @@ TEST(StreamServer, AnswersOthersWhileManySayNothingOrListenToNothing) {
   }
   HttpClient deaf(served.port());
   deaf.send("GET /stream?viewer=" + key + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  EXPECT_EQ(served.status("GET", "/picture.png?viewer=" + key), 200);  // there is a scene
   for (int i = 0; i < 20; ++i) EXPECT_EQ(served.steer(key, R"({"turn": [0.1, 0]})")["scene"], true);
   EXPECT_EQ(served.status("GET", "/"), 200);
+}
+
+/// Its state as soon as that is so; what there is after a minute.
+json wait_for(Served& served, const std::string& key, const std::function<bool(const json&)>& good) {
+  json state;
+  for (int i = 0; i < 6000; ++i) {
+    state = served.steer(key, "{}");
+    if (!state["frame"].is_null() && good(state)) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return state;
+}
+
+// 2026-11-22: one viewer of 4096 x 4096 left the others without a frame for 23 s.
+TEST(StreamServer, AViewerOfAVeryLargePictureLeavesTurnsToOthers) {
+  Served served;
+  const std::string large = served.viewer(), small = served.viewer();
+  served.steer(large, R"({"size": [4096, 4096]})");
+  const json under_way = wait_for(served, large, [](const json& s) { return s["frame"]["size"][0] == 4096; });
+  ASSERT_EQ(under_way["frame"]["size"], json({4096, 4096}));
+  for (int i = 0; i < 3; ++i) {
+    const json moved = served.steer(small, R"({"turn": [0.1, 0]})");
+    const std::uint64_t before = moved["frame"].is_null() ? 0 : moved["frame"]["number"].get<std::uint64_t>();
+    const json seen = wait_for(served, small, [&](const json& s) { return s["frame"]["number"] > before; });
+    EXPECT_GT(seen["frame"]["number"], before);
+  }
+  EXPECT_FALSE(served.steer(large, "{}")["resting"]) << "others waited until it was done";
 }
 
 TEST(StreamServer, SurvivesNoise) {

@@ -61,7 +61,7 @@ TEST(SurveyTile, FindsTheSpacingOfItsCoarsestVertexAndIgnoresThoseThatAreDropped
   parameters.cell_voxels = 64;
   const TileSurvey s = survey_tile(sources_of(folder.path(), {"far.glb"}), 0, parameters, kernels::CpuPolicy(2));
   EXPECT_EQ(s.error, "");
-  EXPECT_EQ(s.non_finite, 1u);
+  EXPECT_EQ(s.too_far, 1u);
   EXPECT_EQ(s.spacing_m, 1.0 / 32);
 }
 

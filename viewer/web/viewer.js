@@ -16,6 +16,8 @@ const held = new Set();  // codes of the keys that are down
 let slow = false;        // Shift
 let heldSent = 0;        // when the held keys were told last
 let shownState = null;
+let askedSize = [0, 0];  // of the picture, as the server was told
+let saving = false;      // a picture, as soon as it is complete
 
 // Talking to the server.
 
@@ -34,7 +36,8 @@ const forViewer = (path) => `${path}?viewer=${viewer}`;
 
 async function join() {
   viewer = null;
-  const welcome = await ask('viewers', {size: wantedSize()});
+  askedSize = wantedSize();
+  const welcome = await ask('viewers', {size: askedSize});
   viewer = welcome.viewer;
   offer('mode', welcome.modes);
   offer('style', welcome.styles);
@@ -45,9 +48,18 @@ function offer(id, names) {
   element(id).replaceChildren(...names.map((name) => new Option(name, name)));
 }
 
+// What the picture takes on the screen: a window's inner size is, on a phone, that of before a rotation for a while.
 function wantedSize() {
-  const scale = Math.min(window.devicePixelRatio || 1, LONGEST_EDGE / Math.max(innerWidth, innerHeight, 1));
-  return [Math.max(1, Math.round(innerWidth * scale)), Math.max(1, Math.round(innerHeight * scale))];
+  const {clientWidth: width, clientHeight: height} = picture;
+  const scale = Math.min(window.devicePixelRatio || 1, LONGEST_EDGE / Math.max(width, height, 1));
+  return [Math.max(1, Math.round(width * scale)), Math.max(1, Math.round(height * scale))];
+}
+
+// Asked whenever the layout may have changed, and with each look at the state, whatever events a browser has left out.
+function fit() {
+  const size = wantedSize();
+  const known = pending.size || askedSize;
+  if (size[0] !== known[0] || size[1] !== known[1]) steer({size: askedSize = size});
 }
 
 // Movements add up until they are sent; settings replace each other.
@@ -78,6 +90,7 @@ async function send() {
 async function look() {
   try {
     if (!viewer) await join();
+    fit();
     const state = await ask(forViewer('state'));
     show(state);
     tell(state, state.scene && !state.problem ? null : await ask('bake'));
@@ -103,6 +116,15 @@ function show(state) {
     if (document.activeElement !== element(id)) element(id).value = state[id];
   if (document.activeElement !== element('error')) element('error').value = Math.log2(state.pixel_error);
   element('stats').textContent = state.frame ? statsLine(state) : '';
+  element('loading').textContent = loadingText(state);
+}
+
+// Until all that there is to see is shown.
+function loadingText(state) {
+  if (!state.scene || state.resting || state.problem) return '';
+  if (!state.frame) return 'loading';
+  if (state.frame.stats.complete) return '';
+  return state.drawn > 0 ? `loading ${Math.floor(100 * state.drawn)} %` : 'loading';
 }
 
 function statsLine(state) {
@@ -112,7 +134,7 @@ function statsLine(state) {
   const parts = [`${size[0]}×${size[1]}`, `${(stats.total_s * 1000).toFixed(0)} ms`,
     `${megabytes(stats.bytes_held)}${allowed} MB`];
   if (rate > 0 && !state.resting) parts.push(`${rate.toFixed(1)} fps`);
-  if (!stats.complete) parts.push(`${stats.wanted} wanted, ${stats.pages_loading} loading`);
+  if (!stats.complete && stats.wanted) parts.push(`${stats.wanted} wanted, ${stats.pages_loading} loading`);
   if (state.problems) parts.push(`${state.problems} shards damaged`);
   return parts.join(' · ');
 }
@@ -130,18 +152,41 @@ function message(text) {
   element('message').textContent = text;
 }
 
-async function save() {
-  try {
+let noteTimer = 0;
+
+function note(text, forMs) {
+  element('note').hidden = !text;
+  element('note').textContent = text;
+  clearTimeout(noteTimer);
+  if (forMs) noteTimer = setTimeout(() => note(''), forMs);
+}
+
+// The server answers 504 where the picture takes long: it is asked again until it is there.
+async function fetchPicture() {
+  for (;;) {
     const answer = await fetch(forViewer('picture.png'));
-    if (!answer.ok) throw new Error((await answer.json()).error);
+    if (answer.ok) return answer.blob();
+    if (answer.status !== 504) throw new Error((await answer.json()).error);
+  }
+}
+
+async function save() {
+  if (saving) return;
+  saving = true;
+  note('The picture is saved as soon as it is complete.');
+  try {
+    const blob = await fetchPicture();
+    const head = new DataView(await blob.slice(16, 24).arrayBuffer());  // a PNG's width and height
     const link = document.createElement('a');
-    link.href = URL.createObjectURL(await answer.blob());
+    link.href = URL.createObjectURL(blob);
     link.download = 'gigabake.png';
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+    note(`Saved ${link.download}, ${head.getUint32(0)}×${head.getUint32(4)}, in the browser's downloads.`, 6000);
   } catch (failure) {
-    message(failure.message);
+    note(`Not saved: ${failure.message}`, 10000);
   }
+  saving = false;
 }
 
 // Mouse and touch.
@@ -169,7 +214,7 @@ picture.addEventListener('pointermove', (event) => {
   pointer.x = event.clientX;
   pointer.y = event.clientY;
   const now = middle();
-  const moved = [(now.x - before.x) / innerHeight, (before.y - now.y) / innerHeight];
+  const moved = [(now.x - before.x) / picture.clientHeight, (before.y - now.y) / picture.clientHeight];
   const pans = pointers.size > 1 || pointer.button !== 0 || event.shiftKey;
   steer(pans ? {pan: moved} : {turn: moved});
   if (before.spread > 0 && now.spread > 0) steer({zoom: Math.log(now.spread / before.spread) / Math.log(1 / 0.9)});
@@ -251,7 +296,8 @@ addEventListener('blur', () => {
   hold();
 });
 
-addEventListener('resize', () => steer({size: wantedSize()}));
+new ResizeObserver(fit).observe(picture);
+addEventListener('resize', fit);  // another pixel ratio leaves the layout as it is
 
 // The bar.
 

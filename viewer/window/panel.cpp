@@ -1,5 +1,6 @@
 #include "viewer/window/panel.h"
 
+#include <cmath>
 #include <fmt/format.h>
 #include <imgui.h>
 
@@ -47,10 +48,19 @@ void show_choices(const ViewerState& state, Steering& out) {
 
 }  // namespace
 
+std::string loading_text(const ViewerState& state, const LiveFrame* frame) {
+  if (state.resting || !state.problem.empty()) return "";
+  if (!state.has_scene || !frame) return "loading";
+  if (frame->frame.stats.complete) return "";
+  return state.drawn > 0 ? fmt::format("loading, {:.0f} % drawn", std::floor(100 * state.drawn)) : "loading";
+}
+
 PanelAnswer show_panel(const ViewerState& state, const LiveFrame* frame, bool recording, const std::string& said) {
   PanelAnswer out;
   ImGui::SetNextWindowPos({8, 8}, ImGuiCond_Once);
   ImGui::Begin("gigabake (F1)", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
+  const std::string loading = loading_text(state, frame);
+  line(loading.empty() ? "all is shown" : loading);
   if (frame) show_numbers(*frame);
   if (state.has_scene) {
     show_choices(state, out.steering);

@@ -12,6 +12,9 @@ struct PanelAnswer {
   bool save_picture = false, record = false;
 };
 
+/// What is still to come, as "loading, 45 % drawn"; empty where the frame is all there is to see. frame may be nullptr.
+std::string loading_text(const ViewerState& state, const LiveFrame* frame);
+
 /// Between ImGui::NewFrame() and ImGui::Render(). frame may be nullptr; said: the last thing saved or failed.
 PanelAnswer show_panel(const ViewerState& state, const LiveFrame* frame, bool recording, const std::string& said);
 

@@ -25,6 +25,8 @@ constexpr double held_look_s = 1.0 / 60, idle_look_s = 0.5;
 /// Dear ImGui answers an event in the frame after, and settles in the next.
 constexpr int redraws_after_event = 3;
 constexpr int most_files = 9999;
+/// How long the window's title shows what was said last.
+constexpr double said_s = 15;
 
 [[noreturn]] void fail_at(const char* what) {
   const char* why = nullptr;
@@ -87,7 +89,8 @@ class Window {
  public:
   Window(const std::filesystem::path& scene, LiveScene::Options scene_options, const WindowOptions& options)
       : options_(options),
-        window_(open_window(options, "gigabake " + scene.string())),
+        name_("gigabake " + scene.string()),
+        window_(open_window(options, name_)),
         input_(window_),
         gui_(window_),
         scene_(scene, std::move(scene_options)),
@@ -100,10 +103,12 @@ class Window {
       obey();
       const bool news = take_frame();
       finish_picture();
+      set_title();
       if (recorder_) recorder_->see(state().pose, glfwGetTime());
       redraws = input_.take_touched() || news ? redraws_after_event : std::max(redraws - 1, 0);
       if (redraws > 0) draw();
     }
+    options_.told(std::string("closed: ") + closed_by_);
   }
 
  private:
@@ -137,7 +142,7 @@ class Window {
         steering.pixel_error = half_levels(now.full_view.camera.pixel_error, -1);
         break;
       case WindowCommand::save_picture:
-        wants_picture_ = true;
+        want_picture();
         break;
       case WindowCommand::record:
         toggle_recording();
@@ -146,6 +151,7 @@ class Window {
         shows_panel_ = !shows_panel_;
         break;
       case WindowCommand::close:
+        closed_by_ = "Esc";
         glfwSetWindowShouldClose(window_, GLFW_TRUE);
         break;
     }
@@ -159,10 +165,32 @@ class Window {
     return true;
   }
 
-  void say(const std::string& text) {
+  /// In the window alone.
+  void note(const std::string& text) {
     said_ = text;
-    options_.told(text);
+    said_at_s_ = glfwGetTime();
     input_.touch();
+  }
+
+  void say(const std::string& text) {
+    note(text);
+    options_.told(text);
+  }
+
+  /// What was said last, for a while, and what is still loading: also where the panel is hidden.
+  void set_title() {
+    const std::string loading = loading_text(state(), frame_.get());
+    std::string title = name_;
+    if (!loading.empty()) title += " - " + loading;
+    if (!said_.empty() && glfwGetTime() < said_at_s_ + said_s) title += " - " + said_;
+    if (title == title_) return;
+    title_ = title;
+    glfwSetWindowTitle(window_, title.c_str());
+  }
+
+  void want_picture() {
+    wants_picture_ = true;
+    if (!state().resting) note("the picture is saved as soon as it is complete");
   }
 
   void finish_picture() {
@@ -170,7 +198,9 @@ class Window {
     const auto full = scene_.full_frame(viewer_, 0);
     if (!full) return;
     wants_picture_ = false;
-    save("png", [&](const auto& path) { write_png(path, full->frame.picture); });
+    const Picture& picture = full->frame.picture;
+    save("png", fmt::format(", {}x{}", picture.width, picture.height),
+         [&](const auto& path) { write_png(path, picture); });
   }
 
   void toggle_recording() {
@@ -179,15 +209,15 @@ class Window {
       return say("recording");
     }
     const auto path = std::exchange(recorder_, std::nullopt)->path();
-    if (path) save("json", [&](const auto& file) { publish_file(file, to_json(*path)); });
+    if (path) save("json", "", [&](const auto& file) { publish_file(file, to_json(*path)); });
   }
 
   template <class Write>
-  void save(const char* kind, const Write& write) {
+  void save(const char* kind, const std::string& what, const Write& write) {
     try {
       const std::filesystem::path path = free_name(options_.output, kind);
       write(path);
-      say("saved " + path.string());
+      say("saved " + std::filesystem::absolute(path).lexically_normal().string() + what);
     } catch (const std::exception& e) {
       say(e.what());
     }
@@ -207,11 +237,12 @@ class Window {
     glfwSwapBuffers(window_);
     const Steering& s = answer.steering;
     if (s.home || s.mode || s.style || s.pixel_error || s.upload_s) scene_.steer(viewer_, s);
-    if (answer.save_picture) wants_picture_ = true;
+    if (answer.save_picture) want_picture();
     if (answer.record) toggle_recording();
   }
 
   const WindowOptions options_;
+  const std::string name_;
   GLFWwindow* window_;
   WindowInput input_;
   Gui gui_;
@@ -221,7 +252,9 @@ class Window {
   LiveScene::FramePtr frame_;
   std::array<int, 2> size_{};
   std::optional<PathRecorder> recorder_;
-  std::string said_;
+  const char* closed_by_ = "its window was";
+  std::string said_, title_;
+  double said_at_s_ = 0;
   bool wants_picture_ = false, shows_panel_ = true;
 };
 

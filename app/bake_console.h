@@ -2,26 +2,37 @@
 #pragma once
 
 #include <chrono>
+#include <cstdio>
 
+#include "app/alike.h"
 #include "app/progress_line.h"
+#include "app/step_display.h"
 #include "cluster/bake.h"
 
 namespace gigabake::app {
 
-class Progress {
+class BakeConsole {
  public:
-  Progress();
+  /// steps: where the steps before the first cell are told; null: nowhere.
+  BakeConsole(std::FILE* steps, StopWish stop);
   /// Callbacks that point at this object: what was opened, surveyed and planned, how far the cells are and
   /// which of them went wrong.
   BakeProgress callbacks();
+  /// What follows has standard error for itself.
+  void end_step() { steps_.end_step(); }
 
  private:
   void opened(const SceneSources& sources);
   void surveyed(std::size_t done, std::size_t all);
   void planned(const BakePlan& plan);
   void cell_done(const CellReport& report, const CellJob& job);
+  void note(const std::string& line);
 
+  void say(const std::string& line);
+
+  StepDisplay steps_;
   ProgressLine line_;
+  AlikeLines alike_;
   std::chrono::steady_clock::time_point start_;
 };
 

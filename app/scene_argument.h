@@ -1,0 +1,23 @@
+/// What somebody named on the command line where a baked scene, or a source, is asked for.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace gigabake::app {
+
+/// OUT/scene.xml, for that name itself and for OUT. What is not there, or cannot be told, is given back as it is, and
+/// its reader says so.
+/// Errors  InputError: a source, a shard, or a folder without a scene.xml; says what it is and what to do instead.
+std::filesystem::path scene_argument(const std::string& given);
+
+/// As scene_argument(), of a bake that may be under way: a folder may have no scene.xml yet.
+std::filesystem::path live_scene_argument(const std::string& given);
+
+/// OUT, for that name itself and for OUT/scene.xml. Errors  InputError as scene_argument().
+std::filesystem::path bake_folder_argument(const std::string& given);
+
+/// Errors  InputError: a baked scene or a shard where a source is asked for.
+void expect_source(const std::string& given);
+
+}  // namespace gigabake::app

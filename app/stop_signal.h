@@ -1,0 +1,30 @@
+/// A wish from outside to end: Ctrl-C (SIGINT) or SIGTERM.
+#pragma once
+
+#include <string>
+
+namespace gigabake::app {
+
+/// While it is there, the first of these signals is noted and the second one ends the process as usual. The flag is the
+/// process's: one of them at a time. Errors  std::runtime_error.
+class StopSignals {
+ public:
+  StopSignals();
+  ~StopSignals();
+  StopSignals(const StopSignals&) = delete;
+  StopSignals& operator=(const StopSignals&) = delete;
+};
+
+/// The signal that has come, now or while an earlier one was there; 0: none.
+int stop_signal();
+
+/// What a command that was stopped says last.
+std::string stop_line();
+
+/// As shells have it: 128 and the signal; where another rank was signalled, as for SIGTERM.
+int exit_code_of_stop();
+
+/// Says so and ends the process, without destructors.
+[[noreturn]] void end_as_stopped();
+
+}  // namespace gigabake::app

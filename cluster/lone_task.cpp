@@ -1,0 +1,27 @@
+#include "cluster/lone_task.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace gigabake {
+
+int tasks_of_srun(const Environment& environment) {
+  const auto number = [&](const char* name) {
+    const char* text = environment(name);
+    return text == nullptr ? 1 : std::max(1, std::atoi(text));
+  };
+  if (environment("OMPI_COMM_WORLD_SIZE") != nullptr) return 1;  // mpirun's: a world of one is what it was asked for
+  if (environment("SLURM_STEP_NUM_TASKS") != nullptr) return number("SLURM_STEP_NUM_TASKS");
+  const bool is_batch_script = environment("SLURM_JOB_ID") != nullptr && environment("SLURM_STEP_ID") == nullptr;
+  return is_batch_script ? 1 : number("SLURM_NTASKS");
+}
+
+std::optional<std::string> lone_task(int ranks, int tasks) {
+  if (ranks > 1 || tasks <= 1) return std::nullopt;
+  return "Slurm started " + std::to_string(tasks) +
+         " tasks, but this one finds itself alone: start them with `srun --mpi=pmix` (`srun --mpi=list` names what "
+         "there "
+         "is) or with mpirun; where each is to bake by itself: env -u SLURM_NTASKS -u SLURM_STEP_NUM_TASKS gigabake …";
+}
+
+}  // namespace gigabake

@@ -1,0 +1,34 @@
+#include "cluster/rank_setup.h"
+
+#include "format/host_limits.h"
+
+namespace gigabake {
+
+int threads_of(const MpiSession& mpi, const BakeRequest& request) {
+  return request.threads > 0 ? request.threads : mpi.cores();
+}
+
+BakeProcessOptions process_options(const BakeRequest& request) {
+  BakeProcessOptions options;
+  options.stall_s = request.stall_s;
+  options.cell_timeout_s = request.cell_timeout_s;
+  return options;
+}
+
+std::uint64_t memory_of(const MpiSession& mpi, const BakeRequest& request) {
+  if (!request.memory_is_usual) return request.memory_bytes;
+  return usual_memory(request.memory_bytes, host_limits().memory_bytes, mpi.ranks_on_host());
+}
+
+WorkerSetup setup_of(const MpiSession& mpi, const BakeRequest& request, const SceneSources& sources) {
+  WorkerSetup setup;
+  setup.source = request.source;
+  setup.source_options = request.source_options;
+  setup.parameters = request.parameters;
+  setup.worker = {threads_of(mpi, request), memory_of(mpi, request), request.out};
+  setup.device = {request.backend, request.gpus, mpi.rank_on_host()};
+  setup.tiles = std::uint32_t(sources.tiles.size());
+  return setup;
+}
+
+}  // namespace gigabake

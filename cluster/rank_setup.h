@@ -1,0 +1,15 @@
+/// What a rank tells its bake process.
+#pragma once
+
+#include "cluster/bake.h"
+#include "cluster/bake_process.h"
+#include "worker/worker_setup.h"
+
+namespace gigabake {
+
+/// Of this rank.
+int threads_of(const MpiSession& mpi, const BakeRequest& request);
+WorkerSetup setup_of(const MpiSession& mpi, const BakeRequest& request, const SceneSources& sources);
+BakeProcessOptions process_options(const BakeRequest& request);
+
+}  // namespace gigabake

@@ -1,0 +1,21 @@
+# cmake -DSOURCE=… -DHEADER=… -P commit.cmake: writes the commit that SOURCE is at, where it is the top of a git checkout,
+# to HEADER; an equal header stays as it is, so that nothing compiles again.
+set(commit "")
+find_program(GIT git)
+if(GIT)
+  execute_process(COMMAND ${GIT} -C ${SOURCE} rev-parse --show-toplevel OUTPUT_VARIABLE top ERROR_QUIET
+                  OUTPUT_STRIP_TRAILING_WHITESPACE)
+  get_filename_component(top "${top}" REALPATH)
+  get_filename_component(real "${SOURCE}" REALPATH)
+  if(top STREQUAL real)
+    execute_process(COMMAND ${GIT} -C ${SOURCE} describe --always --abbrev=12 --exclude=* --dirty=\ with\ changes
+                    OUTPUT_VARIABLE commit ERROR_QUIET OUTPUT_STRIP_TRAILING_WHITESPACE)
+  endif()
+endif()
+set(text "#pragma once\n#define GIGABAKE_COMMIT \"${commit}\"\n")
+if(EXISTS ${HEADER})
+  file(READ ${HEADER} before)
+endif()
+if(NOT "${before}" STREQUAL "${text}")
+  file(WRITE ${HEADER} "${text}")
+endif()

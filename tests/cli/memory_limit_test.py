@@ -1,0 +1,128 @@
+#!/usr/bin/env python3
+"""--memory bounds what files claim, and where memory ends all the same the program says so and ends.
+
+Usage: memory_limit_test.py GIGABAKE SOURCE_DIR
+"""
+import json
+import os
+import resource
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+import zlib
+from pathlib import Path
+
+import harness
+
+MEGABYTE = 1 << 20
+
+
+def png_of_one_colour(edge):
+    """One bit a texel: a few kilobytes, whatever its size."""
+    def chunk(kind, content):
+        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+
+    rows = zlib.compress(b"\0" * ((edge + 7) // 8 + 1) * edge, 9)
+    head = struct.pack(">IIBBBBB", edge, edge, 1, 0, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", rows) + chunk(b"IEND", b"")
+
+
+def square(**more):
+    return {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+                          {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"}],
+            "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 12}],
+            "buffers": [{"byteLength": 60}], **more}
+
+
+BINARY = struct.pack("<12f6H", 0, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, 1, 0, 2, 1, 0, 3, 2)
+
+
+# 2026-11-22: what the attacks on 0.1.0 found.
+class MemoryLimitTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.root = Path(self.folder.name)
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def run_limited(self, most_bytes, *command):
+        """Exit code, lines of errors, and the most that one of its processes held."""
+        def limit():
+            resource.setrlimit(resource.RLIMIT_AS, (most_bytes, most_bytes))
+        with subprocess.Popen(list(map(str, command)), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                              env={**os.environ, **harness.MPI_ENVIRONMENT}, preexec_fn=limit) as process:
+            errors = process.stderr.read()
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+        for word in ("terminate called", "bad_alloc", "exception"):
+            self.assertNotIn(word, errors)
+        for line in errors.splitlines():
+            self.assertLessEqual(len(line), 300)
+        return process.returncode, errors, usage.ru_maxrss << 10
+
+    def refuse(self, source, memory_mb, *words):
+        code, errors, held = self.run_limited(8 << 30, PROGRAM.executable, "bake", source, "-o", self.root / "out",
+                                              "--voxel-size", 0.1, "--memory", f"{memory_mb}M", "--threads", 2)
+        self.assertIn(code, (1, 3), errors)
+        for word in ("--memory allows", "raise it", *words):
+            self.assertIn(word, errors)
+        self.assertLess(held, (memory_mb + 200) * MEGABYTE)
+
+    def test_an_image_that_decodes_to_a_gigabyte(self):
+        (self.root / "p.png").write_bytes(png_of_one_colour(12000))
+        self.assertLess((self.root / "p.png").stat().st_size, 100_000)
+        document = square(images=[{"uri": "p.png"}], textures=[{"source": 0}],
+                          materials=[{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}])
+        document["meshes"][0]["primitives"][0]["material"] = 0
+        document["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = 2
+        document["accessors"].append({"componentType": 5126, "count": 4, "type": "VEC2"})
+        harness.write_glb_document(self.root / "a.glb", document, BINARY)
+        self.refuse(self.root / "a.glb", 512, "textures")
+
+    def test_instances_from_nowhere(self):
+        document = square(nodes=[{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {
+            "TRANSLATION": 2}}}}])
+        document["accessors"].append({"componentType": 5126, "count": 1 << 24, "type": "VEC3"})
+        harness.write_glb_document(self.root / "a.glb", document, BINARY)
+        self.refuse(self.root / "a.glb", 512, "placements")
+
+    def test_a_grid_that_is_not_there(self):
+        head = "ncols 100000\nnrows 100000\nxllcorner 8\nyllcorner 46\ncellsize 0.00001\n"
+        (self.root / "d.asc").write_text(head + "1 2\n")
+        source = self.root / "s.json"
+        source.write_text(json.dumps({"gigabake": 1, "sources": [{"dem": "d.asc", "crs": "EPSG:4326"}]}))
+        result = PROGRAM.run("plan", source, "--voxel-size", 1)
+        if "built without GDAL" in result.stderr:
+            self.skipTest("built without GDAL")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("can hold", result.stderr)
+
+    def json_of_lists(self):
+        source = self.root / "t.json"
+        source.write_text('{"asset":{"version":"1.0"},"root":{},"extras":[' + "[]," * 12_000_000 + "0]}")
+        return source
+
+    def test_json_that_takes_more_than_is_allowed(self):
+        code, errors, held = self.run_limited(8 << 30, PROGRAM.executable, "plan", self.json_of_lists(),
+                                              "--voxel-size", 1, "--memory", "256M")
+        self.assertEqual(code, 1)
+        self.assertIn("--memory allows", errors)
+        self.assertLess(held, 600 * MEGABYTE)
+
+    def test_json_where_memory_ends(self):
+        """nlohmann's destructor allocates: it used to end in std::terminate."""
+        command = [PROGRAM.executable, "plan", self.json_of_lists(), "--voxel-size", 1, "--memory", 0]
+        for start in ([], ["mpirun", "-n", 2]):
+            code, errors, _ = self.run_limited(1 << 30, *start, *command)
+            self.assertEqual(code, 1, errors)
+            self.assertIn("not enough memory", errors)
+
+
+if __name__ == "__main__":
+    PROGRAM = harness.Gigabake(sys.argv[1])
+    unittest.main(argv=[sys.argv[0]] + sys.argv[3:], verbosity=2)

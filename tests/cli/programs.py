@@ -1,0 +1,137 @@
+"""What the programs said that a script's tests started: shown where a test fails, kept until the script has passed.
+
+A line and an exit code are not enough to see why something failed once, on another machine, under load.
+"""
+import atexit
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+MOST_SHOWN = 20000
+
+
+def folder():
+    """Testing/programs beside the program under test."""
+    beside = Path(sys.argv[1]).resolve().parent if len(sys.argv) > 1 else Path("/nowhere")
+    try:
+        kept = beside / "Testing" / "programs"
+        kept.mkdir(parents=True, exist_ok=True)
+    except OSError:  # an installed one
+        kept = Path(tempfile.gettempdir())
+    return kept
+
+
+class Transcript:
+    """One file a program, in the order of their starts."""
+
+    def __init__(self):
+        self.files = []
+        self.failed = False
+        atexit.register(self.forget)
+
+    def file(self, command):
+        """An open file for all that the program will say."""
+        name = f"{Path(sys.argv[0]).stem}-{time.time_ns()}-{len(self.files)}.txt"
+        kept = open(folder() / name, "w+", encoding="utf-8", errors="replace")
+        self.files.append((" ".join(map(str, command)), Path(kept.name)))
+        return kept
+
+    def add(self, command, end, *said):
+        with self.file(command) as kept:
+            kept.write(f"[{end}]\n" + "\n".join(as_text(part) for part in said if part))
+
+    def show(self, first):
+        """What those from that one on said."""
+        self.failed = True
+        for command, path in self.files[first:]:
+            said = path.read_text(encoding="utf-8", errors="replace") if path.exists() else ""
+            cut = f"... {len(said) - MOST_SHOWN} characters more in the file\n" if len(said) > MOST_SHOWN else ""
+            print(f"--- {command}\n--- said, and {path} keeps:\n{cut}{said[-MOST_SHOWN:]}", file=sys.stderr, flush=True)
+
+    def forget(self):
+        if not self.failed:
+            for _, path in self.files:
+                path.unlink(missing_ok=True)
+
+
+TRANSCRIPT = Transcript()
+
+
+def as_text(said):
+    return said.decode(errors="replace") if isinstance(said, bytes) else said
+
+
+def run(command, timeout=300, **options):
+    """subprocess.run(), its output as text."""
+    command = list(map(str, command))
+    try:
+        result = subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False, **options)
+    except subprocess.TimeoutExpired as late:
+        TRANSCRIPT.add(command, f"no end within {timeout} s", late.stdout, late.stderr)
+        raise
+    TRANSCRIPT.add(command, f"exit code {result.returncode}", result.stdout, result.stderr)
+    return result
+
+
+def errors_of(process, timeout):
+    """What a process with two pipes said on the second, when it has ended."""
+    try:
+        out, errors = process.communicate(timeout=timeout)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        TRANSCRIPT.add(process.args, f"no end within {timeout} s", *process.communicate())
+        raise
+    TRANSCRIPT.add(process.args, f"exit code {process.returncode}", out, errors)
+    return errors
+
+
+class Started(subprocess.Popen):
+    """A program under way. What it says, errors among it, goes to a file."""
+
+    def __init__(self, command, **options):
+        command = list(map(str, command))
+        with TRANSCRIPT.file(command) as kept:
+            self.path = Path(kept.name)
+            super().__init__(command, stdout=kept, stderr=subprocess.STDOUT, **options)
+
+    def said(self):
+        """So far."""
+        return self.path.read_text(encoding="utf-8", errors="replace")
+
+    def end(self):
+        """Kills it if it still runs."""
+        if self.poll() is None:
+            self.kill()
+        self.wait()
+
+
+class Result(unittest.TextTestResult):
+    """Shows beside a failure what the programs of its test said."""
+
+    first = 0
+
+    def startTest(self, test):
+        self.first = len(TRANSCRIPT.files)
+        super().startTest(test)
+
+    def addFailure(self, test, err):
+        super().addFailure(test, err)
+        TRANSCRIPT.show(self.first)
+
+    def addError(self, test, err):
+        super().addError(test, err)
+        TRANSCRIPT.show(self.first)
+
+    def addSubTest(self, test, subtest, err):
+        super().addSubTest(test, subtest, err)
+        if err is not None:
+            TRANSCRIPT.show(self.first)
+
+
+def main(**options):
+    """unittest.main() for scripts that start programs."""
+    unittest.main(testRunner=unittest.TextTestRunner(resultclass=Result, verbosity=options.pop("verbosity", 1)),
+                  **options)

@@ -1,0 +1,37 @@
+#include "cluster/lone_task.h"
+
+#include <gtest/gtest.h>
+#include <map>
+
+namespace gigabake {
+namespace {
+
+int tasks(const std::map<std::string, std::string>& variables) {
+  return tasks_of_srun([&](const char* name) {
+    const auto it = variables.find(name);
+    return it == variables.end() ? nullptr : it->second.c_str();
+  });
+}
+
+// Mended on 2026-11-22: each of srun's tasks baked the whole scene.
+TEST(LoneTask, IsATaskOfSrunThatFoundNoOthers) {
+  EXPECT_EQ(tasks({{"SLURM_NTASKS", "4"}}), 4);
+  EXPECT_EQ(tasks({{"SLURM_JOB_ID", "7"}, {"SLURM_STEP_ID", "0"}, {"SLURM_STEP_NUM_TASKS", "3"}}), 3);
+  const auto line = lone_task(1, 4);
+  ASSERT_TRUE(line);
+  EXPECT_NE(line->find("srun --mpi=pmix"), std::string::npos);
+  EXPECT_LE(line->size() + std::string("gigabake: ").size(), 300u);
+  EXPECT_FALSE(lone_task(4, 4));
+}
+
+TEST(LoneTask, IsNoneInABatchScriptNorUnderMpirunNorAlone) {
+  EXPECT_EQ(tasks({}), 1);
+  EXPECT_EQ(tasks({{"SLURM_JOB_ID", "7"}, {"SLURM_NTASKS", "4"}, {"SLURM_PROCID", "0"}}), 1);
+  EXPECT_EQ(tasks({{"SLURM_JOB_ID", "7"}, {"SLURM_NTASKS", "4"}, {"OMPI_COMM_WORLD_SIZE", "1"}}), 1);
+  EXPECT_EQ(tasks({{"SLURM_STEP_NUM_TASKS", "3"}, {"OMPI_COMM_WORLD_SIZE", "1"}}), 1);
+  EXPECT_EQ(tasks({{"SLURM_STEP_ID", "0"}, {"SLURM_STEP_NUM_TASKS", "1"}, {"SLURM_NTASKS", "4"}}), 1);
+  EXPECT_EQ(tasks({{"SLURM_NTASKS", "many"}}), 1);
+}
+
+}  // namespace
+}  // namespace gigabake

@@ -1,0 +1,140 @@
+#include "scheduler/size_estimate.h"
+
+#include <algorithm>
+#include <gtest/gtest.h>
+#include <numeric>
+#include <random>
+
+#include "scheduler/piece_order.h"
+
+namespace gigabake {
+namespace {
+
+constexpr std::uint64_t seed = 20261122;
+
+/// Forty tiles of up to sixty columns, of which each has its own voxels to a crossing.
+struct MadeScene {
+  std::vector<TileSurvey> surveys;
+  std::vector<std::vector<double>> voxels;  ///< by tile and column_x
+  SampledScene scene;
+  double all = 0;
+
+  explicit MadeScene(std::mt19937_64& random) {
+    std::uniform_int_distribution<int> columns(1, 60), size(1, 100000);
+    std::normal_distribution<double> ratio(0.8, 0.1);
+    for (std::uint32_t t = 0; t < 40; ++t) {
+      TileSurvey& s = surveys.emplace_back();
+      s.tile = t;
+      voxels.emplace_back();
+      const double kind = ratio(random);
+      for (int x = columns(random); x > 0; --x) {
+        const double crossings = size(random);
+        s.columns.push_back({std::int64_t(voxels[t].size()), 0, 0, 1, 100, std::uint64_t(crossings * crossing_unit)});
+        voxels[t].push_back(crossings * kind * (1 + 0.5 * (ratio(random) - 0.8)));
+        all += voxels[t].back();
+        scene.crossings += crossings;
+      }
+      scene.tile_triangles.push_back(100 * s.columns.size());
+    }
+  }
+
+  std::vector<std::uint64_t> weights() const {
+    std::vector<std::uint64_t> weights;
+    for (const TileSurvey& s : surveys) {
+      weights.push_back(0);
+      for (const ColumnExtent& c : s.columns) weights.back() += c.crossings;
+    }
+    return weights;
+  }
+
+  BakedPiece baked(const Piece& piece) const {
+    const double v = voxels[piece.tile][std::size_t(piece.column.column_x)];
+    const auto lod0 = std::uint64_t(v);
+    return {piece.tile, double(piece.column.crossings) / crossing_unit,
+            lod0,       lod0 * 4 / 3,
+            lod0 * 4,   lod0 * 4 + 20000,
+            1,          0.1,
+            0.2,        0.1};
+  }
+
+  /// From the first `tiles` of the order, the first `pieces`.
+  BakedSample sample(std::size_t tiles, std::size_t pieces, std::uint64_t draw) const {
+    std::vector<TileSurvey> chosen;
+    for (const std::uint32_t t : weighted_order(weights(), draw))
+      if (chosen.size() < tiles) chosen.push_back(surveys[t]);
+    BakedSample sample;
+    for (const Piece& piece : piece_order(chosen, chosen.size() == surveys.size(), draw))
+      if (sample.pieces.size() < pieces) sample.pieces.push_back(baked(piece));
+    sample.wall_s = 0.25 * double(sample.pieces.size());
+    return sample;
+  }
+};
+
+/// All of 2026-11-22.
+TEST(SizeEstimate, IsTheSumWhereAllPiecesWereBaked) {
+  std::mt19937_64 random(seed);
+  const MadeScene made(random);
+  const SizeEstimate e = estimate_size(made.scene, made.sample(40, 1000000, 1));
+  EXPECT_NEAR(double(e.voxels_lod0), made.all, 1e-3 * made.all);
+  EXPECT_NEAR(e.share, 1, 1e-9);
+  EXPECT_NEAR(e.voxels_error, 0, 1e-9);
+}
+
+TEST(SizeEstimate, OfTwentyPiecesIsRightOnAverageAndSeldomFartherOffThanItsError) {
+  std::mt19937_64 random(seed);
+  const MadeScene made(random);
+  double sum = 0;
+  int outside = 0;
+  constexpr int draws = 200;
+  for (int draw = 0; draw < draws; ++draw) {
+    const SizeEstimate e = estimate_size(made.scene, made.sample(10, 20, std::uint64_t(draw) * 1000));
+    sum += double(e.voxels_lod0);
+    outside += std::abs(double(e.voxels_lod0) - made.all) > 3 * e.voxels_error * double(e.voxels_lod0) ? 1 : 0;
+  }
+  EXPECT_NEAR(sum / draws / made.all, 1, 0.02);
+  EXPECT_LT(outside, draws / 10);
+}
+
+TEST(SizeEstimate, CountsShardsAndSharesWorkAmongRanks) {
+  SampledScene scene{1000, {10, 30}, 7, 2};
+  BakedSample sample{{{1, 250, 200, 300, 900, 1900, 1, 1, 2, 1}}, 2};
+  const SizeEstimate e = estimate_size(scene, sample);
+  EXPECT_EQ(e.voxels_lod0, 800u);
+  EXPECT_EQ(e.voxels, 1200u);
+  EXPECT_EQ(e.bytes, 1200u * 3 + 7 * 1000);
+  // 4 s of stages took 2 s; there are 40 triangles to read for 30 that were, and four times the voxels.
+  ASSERT_TRUE(e.bake_s);
+  EXPECT_NEAR(*e.bake_s, 0.5 * (1.0 * 40 / 30 + 3.0 * 4) / 2, 1e-9);
+}
+
+TEST(SizeEstimate, WithoutPiecesGoesByTheSurfaceAndKnowsNoTime) {
+  const SizeEstimate e = estimate_size({3000, {}, 2, 1}, {});
+  EXPECT_EQ(e.voxels_lod0, 3000u);
+  EXPECT_EQ(e.voxels, 4000u);
+  EXPECT_FALSE(e.bake_s);
+}
+
+TEST(PieceOrder, DrawsEachOnceAndHeavyOnesSooner) {
+  std::vector<double> first(3);
+  for (std::uint64_t draw = 0; draw < 3000; ++draw) {
+    const std::vector<std::uint32_t> order = weighted_order({10, 0, 30}, draw);
+    ASSERT_EQ(order.size(), 2u);
+    first[order[0]] += 1;
+  }
+  EXPECT_NEAR(first[2] / 3000, 0.75, 0.04);
+}
+
+TEST(PieceOrder, PiecesAreAsLargeAsMayBeAndNoLargerThanACell) {
+  EXPECT_EQ(piece_voxels(1e9, 1024), 1024u);
+  EXPECT_EQ(piece_voxels(150000, 1024), 256u);
+  EXPECT_EQ(piece_voxels(0, 1024), 64u);
+  EXPECT_EQ(piece_voxels(0, 32), 32u);
+}
+
+TEST(RoundSize, TakesTheNearestHandySize) {
+  for (const auto& [size, expected] : {std::pair(0.23, 0.25), {0.97, 1.0}, {0.0031, 0.003}, {7.3, 8.0}, {12.0, 10.0}})
+    EXPECT_NEAR(round_size(size), expected, 1e-12);
+}
+
+}  // namespace
+}  // namespace gigabake

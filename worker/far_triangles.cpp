@@ -1,0 +1,47 @@
+#include "worker/far_triangles.h"
+
+#include <algorithm>
+
+#include "worker/lattice.h"
+
+namespace gigabake {
+
+std::int64_t side_of(const LatticeTriangle& t) {
+  std::int64_t side = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [low, high] = std::minmax({t.p[0][axis], t.p[1][axis], t.p[2][axis]});
+    side = std::max(side, high - low);
+  }
+  return side;
+}
+
+bool may_reach_too_far(const SceneBox& box, const BakeParameters& parameters) {
+  if (box.is_empty()) return false;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (!(box.high_m[axis] - box.low_m[axis] < double(longest_side_voxels) * parameters.voxel_size_m)) return true;
+  return false;
+}
+
+std::vector<std::uint32_t> index_without_far(const Primitive& primitive, const Instance& instance,
+                                             const BakeParameters& parameters) {
+  const kernels::SnapFrame frame = snap_frame(parameters);
+  const auto scene_from_local = row_major(instance.scene_from_local);
+  std::vector<std::uint32_t> kept;
+  kept.reserve(primitive.index.size());
+  for (std::size_t at = 0; at + 2 < primitive.index.size(); at += 3) {
+    LatticeTriangle triangle;
+    bool valid = true;  // the kernels drop what is not
+    for (std::size_t i = 0; i < 3; ++i) {
+      kernels::LatticePoint p;
+      const float* local = primitive.position.data() + 3 * std::size_t(primitive.index[at + i]);
+      valid = kernels::snap(frame, scene_from_local.data(), local, p) && valid;
+      std::copy(p.v, p.v + 3, triangle.p[i]);
+    }
+    if (valid && side_of(triangle) > longest_side) continue;
+    kept.insert(kept.end(), primitive.index.begin() + std::ptrdiff_t(at),
+                primitive.index.begin() + std::ptrdiff_t(at) + 3);
+  }
+  return kept;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,32 @@
+/// Triangles that reach too far for exact arithmetic. A vertex with a wrong unit makes them; they are left out,
+/// wherever cells are cut, and a survey counts them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "format/mesh.h"
+#include "format/parameters.h"
+#include "format/survey.h"
+#include "kernels/brick_triangle.h"
+#include "worker/column_span.h"
+#include "worker/instance_bounds.h"
+
+namespace gigabake {
+
+/// In sub-voxels: then the vertices of a triangle are within kernels::widest_coordinate of the lowest corner of every
+/// cell that it meets.
+inline constexpr std::int64_t longest_side = longest_side_voxels * kernels::subvoxels;
+static_assert(longest_side + 8192 * kernels::subvoxels == kernels::widest_coordinate);  // the largest cell
+
+/// Longest side of its box, sub-voxels.
+std::int64_t side_of(const LatticeTriangle& triangle);
+
+/// False only where no triangle inside the box reaches too far.
+bool may_reach_too_far(const SceneBox& box, const BakeParameters& parameters);
+
+/// The primitive's index list without the triangles that, so placed, reach too far; others keep their order.
+std::vector<std::uint32_t> index_without_far(const Primitive& primitive, const Instance& instance,
+                                             const BakeParameters& parameters);
+
+}  // namespace gigabake
