@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 #include <gigabake_commit.h>
 
+#include "app/library_versions.h"
 #include "cluster/mpi_version.h"
-#include "format/library_versions.h"
-#include "format/scene_reading.h"
-#include "format/shard_layout.h"
-#include "kernels/cuda_build.h"
+#include "format/scene/scene_reading.h"
+#include "format/shard/shard_layout.h"
+#include "kernels/cuda/build.h"
 
 namespace gigabake::app {
 namespace {

@@ -7,7 +7,7 @@
 #include "app/commands.h"
 #include "app/on_all_ranks.h"
 #include "cluster/drain.h"
-#include "format/publish.h"
+#include "format/system/publish.h"
 
 namespace gigabake::app {
 namespace {

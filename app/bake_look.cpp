@@ -8,7 +8,7 @@
 #include "cluster/collective.h"
 #include "cluster/folder_lock.h"
 #include "cluster/status_feed.h"
-#include "format/error.h"
+#include "lattice/error.h"
 
 namespace gigabake::app {
 namespace {

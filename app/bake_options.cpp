@@ -6,9 +6,9 @@
 #include "app/choices.h"
 #include "app/scene_argument.h"
 #include "app/text_values.h"
-#include "format/channels.h"
-#include "format/error.h"
-#include "format/host_limits.h"
+#include "format/shard/channels.h"
+#include "format/system/host_limits.h"
+#include "lattice/error.h"
 
 namespace gigabake::app {
 namespace {

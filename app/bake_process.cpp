@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "app/commands.h"
-#include "format/error.h"
+#include "lattice/error.h"
 #include "worker/bake_service.h"
 
 namespace gigabake::app {

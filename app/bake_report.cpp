@@ -11,8 +11,8 @@
 
 #include "app/alike.h"
 #include "app/status_text.h"
-#include "format/error.h"
-#include "kernels/types.h"
+#include "lattice/error.h"
+#include "lattice/host_device.h"
 #include "scheduler/estimate.h"
 
 namespace gigabake::app {
@@ -78,7 +78,7 @@ void add_precision(const SourcePrecision& p, nlohmann::ordered_json& j) {
 
 /// What is known of the scene's errors without looking at it again; docs/accuracy.md says what each number is.
 void add_accuracy(const BakeSummary& s, nlohmann::ordered_json& j) {
-  const double half_step_m = s.scene.voxel_size_m / double(2 * kernels::subvoxels);
+  const double half_step_m = s.scene.voxel_size_m / double(2 * subvoxels);
   j["snap_error_bound_m"] = {{"axis", half_step_m}, {"distance", std::numbers::sqrt3 * half_step_m}};
   add_precision(s.precision, j);
   j["levels"] = nlohmann::ordered_json::array();

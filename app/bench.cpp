@@ -9,8 +9,8 @@
 #include "bench/bake_bench.h"
 #include "bench/kernel_bench.h"
 #include "bench/schedule_bench.h"
-#include "format/host_limits.h"
-#include "kernels/cuda_baker.h"
+#include "format/system/host_limits.h"
+#include "kernels/cuda/baker.h"
 
 namespace gigabake::app {
 namespace {

@@ -12,9 +12,9 @@
 #include "app/with_progress.h"
 #include "bench/accuracy_report.h"
 #include "bench/hard_report.h"
-#include "format/error.h"
-#include "format/host_limits.h"
-#include "format/publish.h"
+#include "format/system/host_limits.h"
+#include "format/system/publish.h"
+#include "lattice/error.h"
 
 namespace gigabake::app {
 namespace {

@@ -13,8 +13,8 @@
 #include "app/text_values.h"
 #include "app/with_progress.h"
 #include "bench/first_hit_bench.h"
-#include "format/error.h"
-#include "format/host_limits.h"
+#include "format/system/host_limits.h"
+#include "lattice/error.h"
 
 namespace gigabake::app {
 namespace {

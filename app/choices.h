@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "format/error.h"
+#include "lattice/error.h"
 
 namespace gigabake::app {
 

@@ -1,4 +1,4 @@
-#include "format/diff.h"
+#include "format/scene/diff.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,7 +8,7 @@
 #include "app/commands.h"
 #include "app/scene_argument.h"
 #include "app/with_progress.h"
-#include "format/progress.h"
+#include "lattice/progress.h"
 
 namespace gigabake::app {
 namespace {

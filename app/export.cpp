@@ -7,12 +7,12 @@
 #include "app/commands.h"
 #include "app/scene_argument.h"
 #include "app/with_progress.h"
-#include "format/error.h"
-#include "format/gigavoxel.h"
-#include "format/nanovdb.h"
-#include "format/openvdb/openvdb_export.h"
-#include "format/ply.h"
-#include "format/voxel_tileset.h"
+#include "format/export/gigavoxel.h"
+#include "format/export/nanovdb.h"
+#include "format/export/openvdb/openvdb_export.h"
+#include "format/export/ply.h"
+#include "format/export/voxel_tileset.h"
+#include "lattice/error.h"
 
 namespace gigabake::app {
 namespace {

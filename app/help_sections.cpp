@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <map>
 
-#include "viewer/view_mode_legend.h"
+#include "viewer/live/view_mode_legend.h"
 
 namespace gigabake::app {
 namespace {

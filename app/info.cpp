@@ -9,7 +9,7 @@
 #include "app/scene_argument.h"
 #include "app/status_text.h"
 #include "app/with_progress.h"
-#include "format/scene_totals.h"
+#include "format/scene/scene_totals.h"
 
 namespace gigabake::app {
 namespace {

@@ -1,7 +1,7 @@
 #include "app/live_options.h"
 
 #include "app/text_values.h"
-#include "format/error.h"
+#include "lattice/error.h"
 
 namespace gigabake::app {
 

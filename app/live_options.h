@@ -5,7 +5,7 @@
 #include <string>
 
 #include "app/renderer_options.h"
-#include "viewer/live_scene.h"
+#include "viewer/live/live_scene.h"
 
 namespace gigabake::app {
 

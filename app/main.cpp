@@ -9,8 +9,8 @@
 #include "app/out_of_memory.h"
 #include "app/stop_signal.h"
 #include "app/usage_errors.h"
-#include "format/error.h"
-#include "format/progress.h"
+#include "lattice/error.h"
+#include "lattice/progress.h"
 
 using namespace gigabake;
 

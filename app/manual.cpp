@@ -8,8 +8,8 @@
 #include "app/completion.h"
 #include "app/man_page.h"
 #include "app/man_viewer.h"
-#include "format/error.h"
-#include "format/publish.h"
+#include "format/system/publish.h"
+#include "lattice/error.h"
 
 namespace gigabake::app {
 namespace {

@@ -6,7 +6,7 @@
 #include "app/commands.h"
 #include "cluster/collective.h"
 #include "cluster/lone_task.h"
-#include "format/error.h"
+#include "lattice/error.h"
 
 namespace gigabake::app {
 

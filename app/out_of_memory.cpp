@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include "app/commands.h"
-#include "format/error.h"
+#include "lattice/error.h"
 
 namespace gigabake::app {
 namespace {

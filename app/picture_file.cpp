@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <fmt/format.h>
 
-#include "format/error.h"
-#include "format/publish.h"
-#include "viewer/exr.h"
-#include "viewer/jpeg.h"
-#include "viewer/png.h"
+#include "format/system/publish.h"
+#include "lattice/error.h"
+#include "viewer/pictures/exr.h"
+#include "viewer/pictures/jpeg.h"
+#include "viewer/pictures/png.h"
 
 namespace gigabake::app {
 namespace {
 
-constexpr int jpeg_quality = 92;  // with all of its colour (viewer/jpeg.h)
+constexpr int jpeg_quality = 92;  // with all of its colour (viewer/pictures/jpeg.h)
 
 }  // namespace
 

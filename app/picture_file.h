@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "viewer/picture.h"
+#include "viewer/pictures/picture.h"
 
 namespace gigabake::app {
 

@@ -13,13 +13,13 @@
 #include "app/scene_argument.h"
 #include "app/text_values.h"
 #include "app/with_progress.h"
-#include "format/error.h"
-#include "format/publish.h"
-#include "viewer/camera_path.h"
-#include "viewer/exr.h"
-#include "viewer/frame_renderer.h"
-#include "viewer/path_frames.h"
-#include "viewer/view_mode_legend.h"
+#include "format/system/publish.h"
+#include "lattice/error.h"
+#include "viewer/live/camera_path.h"
+#include "viewer/live/path_frames.h"
+#include "viewer/live/view_mode_legend.h"
+#include "viewer/pictures/exr.h"
+#include "viewer/pictures/frame_renderer.h"
 
 namespace gigabake::app {
 namespace {

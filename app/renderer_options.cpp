@@ -2,7 +2,7 @@
 
 #include "app/choices.h"
 #include "app/text_values.h"
-#include "format/error.h"
+#include "lattice/error.h"
 #include "worker/backend.h"
 
 namespace gigabake::app {

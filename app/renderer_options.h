@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "viewer/frame_renderer.h"
+#include "viewer/pictures/frame_renderer.h"
 
 namespace gigabake::app {
 

@@ -7,7 +7,7 @@
 #include "app/commands.h"
 #include "app/status_text.h"
 #include "app/text_values.h"
-#include "format/host_limits.h"
+#include "format/system/host_limits.h"
 
 namespace gigabake::app {
 namespace {

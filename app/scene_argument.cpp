@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string_view>
 
-#include "format/error.h"
+#include "lattice/error.h"
 
 namespace gigabake::app {
 namespace {

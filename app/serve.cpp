@@ -7,9 +7,9 @@
 #include "app/commands.h"
 #include "app/live_options.h"
 #include "app/scene_argument.h"
-#include "format/error.h"
-#include "viewer/http_guard.h"
-#include "viewer/stream_server.h"
+#include "lattice/error.h"
+#include "viewer/web/http_guard.h"
+#include "viewer/web/stream_server.h"
 
 namespace gigabake::app {
 namespace {

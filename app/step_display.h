@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "app/step_text.h"
-#include "format/progress.h"
+#include "lattice/progress.h"
 
 namespace gigabake::app {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
-#include "format/error.h"
+#include "lattice/error.h"
 
 namespace gigabake::app {
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "format/frames.h"
+#include "lattice/frames.h"
 
 namespace gigabake::app {
 

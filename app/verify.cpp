@@ -1,4 +1,4 @@
-#include "format/verify.h"
+#include "format/scene/verify.h"
 
 #include <fmt/format.h>
 #include <memory>
@@ -8,7 +8,7 @@
 #include "app/scene_argument.h"
 #include "app/status_text.h"
 #include "app/with_progress.h"
-#include "format/host_limits.h"
+#include "format/system/host_limits.h"
 
 namespace gigabake::app {
 

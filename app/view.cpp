@@ -7,7 +7,7 @@
 #include "app/live_options.h"
 #include "app/scene_argument.h"
 #include "app/text_values.h"
-#include "format/scene_xml.h"
+#include "format/scene/scene_xml.h"
 #include "viewer/window/window.h"
 
 namespace gigabake::app {

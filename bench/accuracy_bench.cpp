@@ -4,10 +4,10 @@
 #include <limits>
 #include <map>
 
-#include "format/error.h"
+#include "lattice/error.h"
 #include "scheduler/merge.h"
-#include "viewer/frame_renderer.h"
-#include "viewer/png.h"
+#include "viewer/pictures/frame_renderer.h"
+#include "viewer/pictures/png.h"
 
 namespace gigabake::bench {
 namespace {

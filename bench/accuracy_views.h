@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "bench/reference_caster.h"
-#include "format/parameters.h"
-#include "viewer/camera.h"
+#include "lattice/parameters.h"
+#include "viewer/pictures/camera.h"
 
 namespace gigabake::bench {
 

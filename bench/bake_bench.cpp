@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "format/error.h"
+#include "lattice/error.h"
 #include "scheduler/schedule.h"
 
 namespace gigabake::bench {

@@ -2,17 +2,17 @@
 
 #include <thread>
 
-#include "format/error.h"
-#include "kernels/policy.h"
+#include "lattice/error.h"
+#include "lattice/thread_pool.h"
 #include "worker/survey_tile.h"
 
 namespace gigabake::bench {
 
 BakePlan plan_scene(const SceneSources& sources, const BenchScene& scene) {
-  const kernels::CpuPolicy policy(scene.threads);
+  const ThreadPool pool(scene.threads);
   std::vector<TileSurvey> surveys;
   for (std::uint32_t t = 0; t < sources.tiles.size(); ++t)
-    surveys.push_back(survey_tile(sources, t, scene.parameters, policy));
+    surveys.push_back(survey_tile(sources, t, scene.parameters, pool));
   BakePlan plan = make_plan(std::move(surveys), sources, scene.parameters, scene.progress);
   if (plan.jobs.empty()) throw InputError(scene.source, "", "holds no triangles to bake");
   return plan;

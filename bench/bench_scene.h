@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "format/parameters.h"
-#include "format/progress.h"
-#include "format/source.h"
+#include "format/source/source.h"
+#include "lattice/parameters.h"
+#include "lattice/progress.h"
 #include "scheduler/plan.h"
 #include "worker/cell_pipeline.h"
 

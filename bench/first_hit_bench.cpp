@@ -9,15 +9,15 @@
 #include "bench/first_hit_reference.h"
 #include "bench/first_hit_views.h"
 #include "bench/reference_voxels.h"
-#include "kernels/cuda_first_hit.h"
-#include "viewer/first_hit_scene.h"
+#include "kernels/cast/first_hit_device.h"
+#include "viewer/first_hit/first_hit_scene.h"
 
 namespace gigabake::bench {
 namespace {
 
 constexpr unsigned seed = 20261121;
 constexpr int most_cpu_repeats = 3;
-constexpr double promised_rounding = 0x1p-20;  ///< of the tree's edge: kernels/first_hit.h
+constexpr double promised_rounding = 0x1p-20;  ///< of the tree's edge: kernels/cast/first_hit.h
 
 struct Spread {
   double best, median;
@@ -41,7 +41,7 @@ FirstHitTimes time_view(const char* backend, int repeats, const std::function<do
 class Bench {
  public:
   explicit Bench(const FirstHitBenchRequest& request)
-      : request_(request), description_(read_scene(request.scene)), policy_(request.threads) {
+      : request_(request), description_(read_scene(request.scene)), pool_(request.threads) {
     const auto start = Clock::now();
     scene_ = build_first_hit_scene(description_, request.scene, request.lod);
     build_s_ = seconds_since(start);
@@ -90,9 +90,9 @@ class Bench {
 
   void cast_on_cpu(const FirstHitBenchView& view, const kernels::FirstHitResult& result) const {
     if (view.camera)
-      kernels::cast_first_hits(scene_.view, *view.camera, result, policy_);
+      kernels::cast_first_hits(scene_.view, *view.camera, result, pool_);
     else
-      kernels::cast_first_hits(scene_.view, {rays_.data(), rays_.size()}, result, policy_);
+      kernels::cast_first_hits(scene_.view, {rays_.data(), rays_.size()}, result, pool_);
   }
 
   FirstHitTimes time_cpu(const FirstHitBenchView& view, std::vector<kernels::FirstHit>& hits) const {
@@ -132,7 +132,7 @@ class Bench {
 
   FirstHitBenchRequest request_;
   SceneDescription description_;
-  kernels::CpuPolicy policy_;
+  ThreadPool pool_;
   FirstHitScene scene_;
   double build_s_ = 0;
   std::unique_ptr<kernels::CudaFirstHits> cuda_;

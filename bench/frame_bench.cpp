@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "viewer/frame_renderer.h"
+#include "viewer/pictures/frame_renderer.h"
 
 namespace gigabake::bench {
 namespace {

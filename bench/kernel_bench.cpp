@@ -4,9 +4,9 @@
 #include <functional>
 #include <set>
 
-#include "format/content_hash.h"
-#include "format/error.h"
-#include "kernels/cuda_baker.h"
+#include "format/shard/content_hash.h"
+#include "kernels/cuda/baker.h"
+#include "lattice/error.h"
 #include "worker/cell_loader.h"
 #include "worker/cell_parameters.h"
 #include "worker/shard_from_volume.h"
@@ -77,14 +77,14 @@ void repeat(int repeats, const std::function<double(kernels::CellStats&)>& once,
 
 kernels::CellVolume time_cpu(const KernelBenchRequest& request, const kernels::CellInput& input,
                              const kernels::CellParameters& parameters, BackendTimes& times) {
-  const kernels::CpuPolicy policy(request.scene.threads);
+  const ThreadPool pool(request.scene.threads);
   kernels::CellVolume volume;
   times.backend = "cpu";
   repeat(
       request.repeats,
       [&](kernels::CellStats& stats) {
         const auto start = Clock::now();
-        volume = kernels::bake_cell(input, parameters, policy);
+        volume = kernels::bake_cell(input, parameters, pool);
         stats = volume.stats;
         return seconds_since(start);
       },

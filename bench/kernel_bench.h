@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/bench_scene.h"
-#include "kernels/cell.h"
+#include "kernels/body/cell.h"
 
 namespace gigabake::bench {
 

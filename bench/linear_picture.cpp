@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/tables.h"
+#include "kernels/body/tables.h"
 
 namespace gigabake::bench {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "viewer/picture.h"
+#include "viewer/pictures/picture.h"
 
 namespace gigabake::bench {
 

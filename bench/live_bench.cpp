@@ -6,8 +6,8 @@
 #include <optional>
 #include <thread>
 
-#include "format/error.h"
-#include "viewer/live_scene.h"
+#include "lattice/error.h"
+#include "viewer/live/live_scene.h"
 
 namespace gigabake::bench {
 namespace {

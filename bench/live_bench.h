@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "viewer/frame_renderer.h"
+#include "viewer/pictures/frame_renderer.h"
 
 namespace gigabake::bench {
 

@@ -5,9 +5,9 @@
 #include <numbers>
 
 #include "bench/schedule_model.h"
-#include "format/octahedral.h"
-#include "format/scene_xml.h"
-#include "format/shard.h"
+#include "format/scene/scene_xml.h"
+#include "format/shard/octahedral.h"
+#include "format/shard/shard.h"
 
 namespace gigabake::bench {
 namespace {
@@ -117,7 +117,7 @@ std::vector<NormalBits> normal_bits(const std::filesystem::path& scene, const st
       Shard shard = read_shard(scene.parent_path() / cell.file);
       coarsen(shard, bits, angles);
       std::filesystem::create_directories((folder / cell.file).parent_path());
-      row.bytes += write_shard(folder / cell.file, shard, {on_threads(threads), codec});
+      row.bytes += write_shard(folder / cell.file, shard, {ThreadPool(threads), codec});
     }
     write_scene(folder / "scene.xml", description);
     row.mean_deg = angles.mean();

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "format/codec.h"
+#include "lattice/rules.h"
 
 namespace gigabake::bench {
 

@@ -7,7 +7,7 @@
 
 #include "bench/linear_picture.h"
 #include "bench/source_triangles.h"
-#include "kernels/cast.h"
+#include "kernels/cast/cast.h"
 
 namespace gigabake::bench {
 

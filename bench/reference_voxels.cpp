@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "format/brick_walk.h"
-#include "format/shard_of_scene.h"
+#include "format/scene/shard_of_scene.h"
+#include "format/shard/brick_walk.h"
 
 namespace gigabake::bench {
 namespace {

@@ -8,8 +8,8 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "format/scene_xml.h"
-#include "format/shard.h"
+#include "format/scene/scene_xml.h"
+#include "format/shard/shard.h"
 
 namespace gigabake::bench {
 

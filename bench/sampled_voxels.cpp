@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "bench/schedule_model.h"
-#include "format/brick_walk.h"
-#include "format/shard_of_scene.h"
+#include "format/scene/shard_of_scene.h"
+#include "format/shard/brick_walk.h"
 
 namespace gigabake::bench {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "format/survey.h"
+#include "format/job/survey.h"
 #include "scheduler/schedule.h"
 
 namespace gigabake::bench {

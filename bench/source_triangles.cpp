@@ -5,9 +5,9 @@
 #include <limits>
 #include <numeric>
 
-#include "format/error.h"
-#include "kernels/surface.h"
-#include "kernels/tables.h"
+#include "kernels/body/surface.h"
+#include "kernels/body/tables.h"
+#include "lattice/error.h"
 
 namespace gigabake::bench {
 namespace {

@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "format/parameters.h"
-#include "format/source.h"
+#include "format/source/source.h"
+#include "lattice/parameters.h"
 #include "worker/cell_loader.h"
 
 namespace gigabake::bench {
@@ -39,7 +39,7 @@ class SourceTriangles {
 
   std::size_t parts() const { return cell_.parts.size(); }
   /// 3 per triangle, each < the vertex count.
-  kernels::Span<const std::uint32_t> indices(std::size_t part) const { return cell_.parts[part].index; }
+  Span<const std::uint32_t> indices(std::size_t part) const { return cell_.parts[part].index; }
   /// 3 per vertex, relative to middle(); not finite where the source's are not.
   std::vector<float> positions(std::size_t part) const;
   /// Of one triangle, in double, in the order of its indices.

@@ -11,9 +11,9 @@
 #include "bench/sampled_voxels.h"
 #include "bench/schedule_model.h"
 #include "bench/surface_points.h"
-#include "format/octahedral.h"
-#include "kernels/policy.h"
-#include "kernels/tables.h"
+#include "format/shard/octahedral.h"
+#include "kernels/body/tables.h"
+#include "lattice/thread_pool.h"
 
 namespace gigabake::bench {
 namespace {
@@ -253,7 +253,7 @@ VoxelError voxel_error(const ReferenceCaster& caster, const std::filesystem::pat
   const std::vector<SampledVoxel> voxels = sample_voxels(description, scene, sample.voxels, sample.seed);
   const VoxelJudge judge(caster, coarser, description.has_normals, sample);
   std::vector<Verdict> verdicts(voxels.size());
-  kernels::CpuPolicy(threads).parallel_for(voxels.size(), 256, [&](std::size_t begin, std::size_t end, int) {
+  ThreadPool(threads).parallel_for(voxels.size(), 256, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) verdicts[i] = judge.judge(voxels[i], i);
   });
   sum_up(voxels, verdicts, error);

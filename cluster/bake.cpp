@@ -14,8 +14,8 @@
 #include "cluster/master_bake.h"
 #include "cluster/rank_setup.h"
 #include "cluster/survey.h"
-#include "format/error.h"
-#include "format/memory_limit.h"
+#include "lattice/error.h"
+#include "lattice/memory_limit.h"
 #include "scheduler/survey_cache.h"
 
 namespace gigabake {

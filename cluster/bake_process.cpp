@@ -8,7 +8,7 @@
 #include <system_error>
 #include <utility>
 
-#include "format/error.h"
+#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "cluster/mpi_session.h"
-#include "format/error.h"
-#include "format/progress.h"
+#include "lattice/error.h"
+#include "lattice/progress.h"
 
 namespace gigabake {
 

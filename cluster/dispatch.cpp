@@ -10,7 +10,7 @@
 #include "cluster/collective.h"
 #include "cluster/signs_of_life.h"
 #include "cluster/tags.h"
-#include "format/bytes.h"
+#include "lattice/bytes.h"
 
 namespace gigabake {
 namespace {

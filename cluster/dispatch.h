@@ -7,7 +7,7 @@
 
 #include "cluster/bake_process.h"
 #include "cluster/mpi_session.h"
-#include "format/cell_job.h"
+#include "format/job/cell_job.h"
 #include "scheduler/schedule.h"
 
 namespace gigabake {

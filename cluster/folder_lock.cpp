@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "cluster/collective.h"
-#include "format/error.h"
+#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

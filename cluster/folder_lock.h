@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "format/descriptor.h"
+#include "format/system/descriptor.h"
 
 namespace gigabake {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-#include "format/host_limits.h"
+#include "format/system/host_limits.h"
 
 namespace gigabake {
 

@@ -6,7 +6,7 @@
 #include <sys/resource.h>
 
 #include "cluster/drain.h"
-#include "format/error.h"
+#include "lattice/error.h"
 #include "scheduler/estimate.h"
 #include "scheduler/merge.h"
 #include "scheduler/prior.h"

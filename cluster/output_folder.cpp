@@ -5,8 +5,8 @@
 #include <unordered_set>
 #include <utility>
 
-#include "format/error.h"
-#include "format/publish.h"
+#include "format/system/publish.h"
+#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

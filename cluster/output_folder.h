@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cluster/folder_lock.h"
-#include "format/scene_xml.h"
+#include "format/scene/scene_xml.h"
 
 namespace gigabake {
 

@@ -11,7 +11,7 @@
 
 #include "cluster/rank_setup.h"
 #include "cluster/survey.h"
-#include "format/error.h"
+#include "lattice/error.h"
 #include "scheduler/piece_order.h"
 #include "worker/texel_size.h"
 

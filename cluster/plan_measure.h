@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cluster/bake.h"
-#include "format/progress.h"
+#include "lattice/progress.h"
 #include "scheduler/size_estimate.h"
 
 namespace gigabake {

@@ -1,6 +1,6 @@
 #include "cluster/rank_setup.h"
 
-#include "format/host_limits.h"
+#include "format/system/host_limits.h"
 
 namespace gigabake {
 

@@ -2,7 +2,7 @@
 
 #include "cluster/collective.h"
 #include "cluster/tags.h"
-#include "format/bytes.h"
+#include "lattice/bytes.h"
 
 namespace gigabake {
 namespace {

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "cluster/collective.h"
-#include "format/error.h"
-#include "format/publish.h"
+#include "format/system/publish.h"
+#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

@@ -12,8 +12,8 @@
 
 #include "cluster/signs_of_life.h"
 #include "cluster/tags.h"
-#include "format/bytes.h"
-#include "format/cell_job.h"
+#include "format/job/cell_job.h"
+#include "lattice/bytes.h"
 
 namespace gigabake {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "cluster/bake_process.h"
 #include "cluster/mpi_session.h"
-#include "format/survey.h"
+#include "format/job/survey.h"
 
 namespace gigabake {
 

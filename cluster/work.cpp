@@ -6,7 +6,7 @@
 #include "cluster/dispatch.h"
 #include "cluster/signs_of_life.h"
 #include "cluster/tags.h"
-#include "format/bytes.h"
+#include "lattice/bytes.h"
 
 namespace gigabake {
 namespace {

@@ -23,17 +23,19 @@ install(DIRECTORY ${manual}/zsh/ DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor
 install(DIRECTORY ${manual}/fish/ DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT runtime)
 
 # The libraries with all that they stand on, found again where they are used.
-set(exported gigabake_format gigabake_kernels gb_hdf5 gb_lz4 gb_deflate gb_tinygltf gb_geographiclib gb_pugixml gb_xxhash
+set(exported gigabake_lattice gigabake_georeference gigabake_system gigabake_shard gigabake_scene gigabake_source
+             gigabake_export gigabake_kernels gb_hdf5 gb_lz4 gb_deflate gb_tinygltf gb_geographiclib gb_pugixml gb_xxhash
              gb_json)
 foreach(optional zip draco meshopt webp)
   if(TARGET gb_${optional})
     list(APPEND exported gb_${optional})
   endif()
 endforeach()
-set_target_properties(gigabake_format PROPERTIES EXPORT_NAME format)
-set_target_properties(gigabake_kernels PROPERTIES EXPORT_NAME kernels)
+foreach(room lattice georeference system shard scene source export kernels)
+  set_target_properties(gigabake_${room} PROPERTIES EXPORT_NAME ${room})
+endforeach()
 install(TARGETS ${exported} EXPORT gigabakeTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
-foreach(folder format kernels)
+foreach(folder lattice format kernels)
   install(DIRECTORY ${CMAKE_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gigabake COMPONENT development
           FILES_MATCHING PATTERN "*.h" PATTERN "*.cuh" PATTERN sample EXCLUDE PATTERN openvdb EXCLUDE)
 endforeach()

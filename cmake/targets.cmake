@@ -1,4 +1,4 @@
-# One static library per folder; the include root is the source root, so that #include "format/shard.h" says the folder.
+# One static library per room; the include root is the source root, so that #include "format/shard/shard.h" says the room.
 
 include(GNUInstallDirs)
 # Where modules are installed, and where programs look for them: beside themselves in a build.
@@ -52,10 +52,20 @@ function(gb_options target)
   endif()
 endfunction()
 
+# gb_library(name [RECURSE] [WITHOUT files…] LIBRARIES libraries…): every *.cpp of this folder (and *.cu where nvcc is
+# found), with RECURSE those of its subfolders too, is the static library gigabake_<name>.
 function(gb_library name)
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  cmake_parse_arguments(ARG "RECURSE" "" "WITHOUT;LIBRARIES" ${ARGN})
+  if(ARG_RECURSE)
+    set(glob GLOB_RECURSE)
+  else()
+    set(glob GLOB)
+  endif()
+  file(${glob} sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  list(TRANSFORM ARG_WITHOUT PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+  list(REMOVE_ITEM sources ${ARG_WITHOUT})
   if(GIGABAKE_HAS_CUDA)
-    file(GLOB cuda_sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cu)
+    file(${glob} cuda_sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cu)
     set_source_files_properties(${cuda_sources} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   endif()
   if(NOT sources)
@@ -64,11 +74,11 @@ function(gb_library name)
   add_library(gigabake_${name} STATIC ${sources} ${cuda_sources})
   target_include_directories(gigabake_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>
                                                      $<INSTALL_INTERFACE:include/gigabake>)
-  target_link_libraries(gigabake_${name} PUBLIC ${ARGN})
+  target_link_libraries(gigabake_${name} PUBLIC ${ARG_LIBRARIES})
   gb_options(gigabake_${name})
 endfunction()
 
-# gb_module(name sources… LIBRARIES libraries…): a part that is loaded when it is needed (format/module.h).
+# gb_module(name sources… LIBRARIES libraries…): a part that is loaded when it is needed (format/system/module.h).
 function(gb_module name)
   cmake_parse_arguments(ARG "" "" "LIBRARIES" ${ARGN})
   set(module gigabake_${name}_module)
@@ -81,11 +91,12 @@ function(gb_module name)
   install(TARGETS ${module} DESTINATION ${GIGABAKE_MODULE_FOLDER} COMPONENT runtime)
 endfunction()
 
-# gb_test(folder label libraries…): every tests/<folder>/*.cpp (and *.cu where nvcc is found) is one GoogleTest executable, gigabake_test_<folder>.
+# gb_test(folder label libraries…): every *.cpp below tests/<folder> (and *.cu where nvcc is found) is one GoogleTest executable, gigabake_test_<folder>.
 function(gb_test folder label)
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tests/${folder}/*.cpp)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tests/${folder}/*.cpp)
+  list(FILTER sources EXCLUDE REGEX /libfuzzer/)
   if(GIGABAKE_HAS_CUDA)
-    file(GLOB cuda_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tests/${folder}/*.cu)
+    file(GLOB_RECURSE cuda_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tests/${folder}/*.cu)
     list(APPEND sources ${cuda_sources})
   endif()
   if(NOT sources)

@@ -3,8 +3,8 @@
 #include <array>
 #include <fstream>
 
-#include "format/error.h"
-#include "format/publish.h"
+#include "format/system/publish.h"
+#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

@@ -2,7 +2,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "format/error.h"
+#include "lattice/error.h"
 #include "scheduler/bake_status.h"
 
 namespace gigabake {

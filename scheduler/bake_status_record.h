@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "format/cell_job.h"
+#include "format/job/cell_job.h"
 #include "scheduler/bake_status.h"
 #include "scheduler/time_left.h"
 

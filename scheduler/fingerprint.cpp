@@ -5,7 +5,8 @@
 #include <tuple>
 #include <xxhash.h>
 
-#include "format/bytes.h"
+#include "lattice/bytes.h"
+#include "lattice/kernel_version.h"
 
 namespace gigabake {
 

@@ -4,13 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "format/cell_job.h"
-#include "format/parameters.h"
+#include "format/job/cell_job.h"
+#include "lattice/parameters.h"
 
 namespace gigabake {
-
-/// Raised whenever the kernels or the shard layout would give other bytes for the same inputs.
-inline constexpr std::uint32_t kernel_version = 3;
 
 /// The names of one bake's cells.
 /// Exact  Depends on which tiles there are and how often, not on their order: no result depends on that of triangles.

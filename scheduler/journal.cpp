@@ -4,8 +4,8 @@
 #include <cstring>
 #include <utility>
 
-#include "format/error.h"
-#include "format/publish.h"
+#include "format/system/publish.h"
+#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <filesystem>
 
-#include "format/descriptor.h"
+#include "format/system/descriptor.h"
 #include "scheduler/journal_content.h"
 
 namespace gigabake {

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <xxhash.h>
 
-#include "format/bytes.h"
-#include "format/read_file.h"
+#include "format/system/read_file.h"
+#include "lattice/bytes.h"
 
 namespace gigabake {
 namespace {

@@ -11,7 +11,7 @@
 #include <unordered_set>
 #include <vector>
 
-#include "format/cell_job.h"
+#include "format/job/cell_job.h"
 
 namespace gigabake {
 

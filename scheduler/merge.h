@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "format/cell_job.h"
-#include "format/parameters.h"
+#include "format/job/cell_job.h"
+#include "lattice/parameters.h"
 #include "scheduler/plan.h"
 
 namespace gigabake {

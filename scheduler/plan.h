@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "format/cell_job.h"
-#include "format/parameters.h"
-#include "format/progress.h"
-#include "format/source.h"
-#include "format/survey.h"
+#include "format/job/cell_job.h"
+#include "format/job/survey.h"
+#include "format/source/source.h"
+#include "lattice/parameters.h"
+#include "lattice/progress.h"
 #include "scheduler/source_precision.h"
 
 namespace gigabake {

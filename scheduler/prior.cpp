@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "format/parallel.h"
+#include "lattice/thread_pool.h"
 
 namespace gigabake {
 namespace {
@@ -73,7 +73,7 @@ PriorResults find_prior(const BakePlan& plan, const JournalContent& journal, con
   std::vector<std::optional<CellReport>> done(plan.jobs.size());
   PriorResults results;
   results.reasons.resize(plan.jobs.size());
-  parallel_ranges(plan.jobs.size(), 256, threads, [&](std::size_t begin, std::size_t end) {
+  ThreadPool(threads).parallel_for(plan.jobs.size(), 256, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       PriorCell cell = prior_cell(plan.jobs[i], journal, out);
       results.reasons[i] = cell.reason;

@@ -1,12 +1,12 @@
 /// What earlier bakes into a folder have left of a plan, and why the rest must be done.
 ///
 /// A cell is done where the journal has its fingerprint and its shard bears the stamp of then, to the byte. That is
-/// sound although the stamp was taken right after the shard appeared and so is unsettled (format/file_stamp.h): a shard
-/// is whole when it gets its name, and no bake ever writes into one that has it. It appears by a rename, which makes
-/// another file of it: inode or change time differ. Whoever else writes into OUT is seen by the change time, unless he
-/// does it within a tick of the clock after the bake. A disk that returns other bytes than were written is not seen:
-/// `verify` reads every byte.
-/// A shard that is there and not known so is never trusted: a worker reads it back and takes it over or bakes the cell.
+/// sound although the stamp was taken right after the shard appeared and so is unsettled (format/system/file_stamp.h):
+/// a shard is whole when it gets its name, and no bake ever writes into one that has it. It appears by a rename, which
+/// makes another file of it: inode or change time differ. Whoever else writes into OUT is seen by the change time,
+/// unless he does it within a tick of the clock after the bake. A disk that returns other bytes than were written is
+/// not seen: `verify` reads every byte. A shard that is there and not known so is never trusted: a worker reads it back
+/// and takes it over or bakes the cell.
 #pragma once
 
 #include <array>

@@ -9,7 +9,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "format/cell_job.h"
+#include "format/job/cell_job.h"
 #include "scheduler/work_order.h"
 
 namespace gigabake {

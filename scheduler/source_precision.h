@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "format/source.h"
-#include "format/survey.h"
+#include "format/job/survey.h"
+#include "format/source/source.h"
 
 namespace gigabake {
 

@@ -6,13 +6,13 @@
 #include <cstring>
 #include <xxhash.h>
 
-#include "format/bytes.h"
-#include "format/cell_job.h"
-#include "format/dem.h"
-#include "format/parallel.h"
-#include "format/publish.h"
-#include "format/read_file.h"
-#include "format/tile_hash.h"
+#include "format/job/cell_job.h"
+#include "format/source/raster/dem.h"
+#include "format/source/tile_hash.h"
+#include "format/system/publish.h"
+#include "format/system/read_file.h"
+#include "lattice/bytes.h"
+#include "lattice/thread_pool.h"
 
 namespace gigabake {
 namespace {
@@ -121,7 +121,7 @@ std::vector<std::optional<TileSurvey>> SurveyCache::find_all(const SceneSources&
                                                              const BakeParameters& parameters, int threads,
                                                              const Progress& progress) const {
   std::vector<std::optional<TileSurvey>> found(sources.tiles.size());
-  parallel_ranges(found.size(), 64, threads, [&](std::size_t begin, std::size_t end) {
+  ThreadPool(threads).parallel_for(found.size(), 64, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) found[i] = find(sources, std::uint32_t(i), parameters);
     progress.advance(end - begin);
   });

@@ -8,17 +8,17 @@
 #include <unordered_map>
 #include <vector>
 
-#include "format/parameters.h"
-#include "format/progress.h"
-#include "format/source.h"
-#include "format/survey.h"
+#include "format/job/survey.h"
+#include "format/source/source.h"
+#include "lattice/parameters.h"
+#include "lattice/progress.h"
 
 namespace gigabake {
 
 /// Surveys by what they were made of: name, kind and placement of the tile, and the parameters that shape the lattice.
 /// Exact   A survey is found only where every file that it was made of bears the settled stamp that it had before it
 /// was
-///         read (format/file_stamp.h), absent files included.
+///         read (format/system/file_stamp.h), absent files included.
 /// Errors  None: a file that is absent, damaged, cut or foreign has no surveys.
 class SurveyCache {
  public:

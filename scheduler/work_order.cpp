@@ -4,6 +4,7 @@
 #include <bit>
 #include <tuple>
 
+#include "lattice/morton.h"
 #include "scheduler/estimate.h"
 
 namespace gigabake {

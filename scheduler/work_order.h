@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "format/cell_job.h"
+#include "format/job/cell_job.h"
 #include "scheduler/rank_set.h"
 
 namespace gigabake {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "format/error.h"
-#include "kernels/cuda_baker.h"
+#include "kernels/cuda/baker.h"
+#include "lattice/error.h"
 
 namespace gigabake {
 

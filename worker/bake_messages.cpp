@@ -5,7 +5,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "format/bytes.h"
+#include "lattice/bytes.h"
 
 namespace gigabake {
 namespace {

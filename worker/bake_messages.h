@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "format/cell_job.h"
+#include "format/job/cell_job.h"
 #include "worker/backend.h"
 
 namespace gigabake {

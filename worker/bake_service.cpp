@@ -18,8 +18,8 @@
 #include <utility>
 #include <vector>
 
-#include "format/error.h"
-#include "format/memory_limit.h"
+#include "lattice/error.h"
+#include "lattice/memory_limit.h"
 #include "worker/bake_messages.h"
 #include "worker/cell_pipeline.h"
 #include "worker/survey_tile.h"
@@ -56,7 +56,7 @@ class Bell {
 class Surveyor {
  public:
   Surveyor(const SceneSources& sources, const BakeParameters& parameters, int threads, const Bell& done)
-      : sources_(sources), parameters_(parameters), policy_(threads), done_(done), thread_([this] { run(); }) {}
+      : sources_(sources), parameters_(parameters), pool_(threads), done_(done), thread_([this] { run(); }) {}
   ~Surveyor() {
     {
       const std::scoped_lock lock(mutex_);
@@ -96,7 +96,7 @@ class Surveyor {
 
   void run() {
     while (const auto tile = next_tile()) {
-      TileSurvey survey = survey_tile(sources_, *tile, parameters_, policy_);
+      TileSurvey survey = survey_tile(sources_, *tile, parameters_, pool_);
       {
         const std::scoped_lock lock(mutex_);
         surveys_.push_back(std::move(survey));
@@ -107,7 +107,7 @@ class Surveyor {
 
   const SceneSources& sources_;
   const BakeParameters& parameters_;
-  const kernels::CpuPolicy policy_;
+  const ThreadPool pool_;
   const Bell& done_;
   std::mutex mutex_;
   std::condition_variable asked_;

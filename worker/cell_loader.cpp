@@ -4,9 +4,9 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "format/error.h"
-#include "format/image_size.h"
-#include "format/tile_hash.h"
+#include "format/source/image/image_size.h"
+#include "format/source/tile_hash.h"
+#include "lattice/error.h"
 #include "worker/far_triangles.h"
 #include "worker/lattice.h"
 
@@ -24,7 +24,7 @@ std::uint64_t bytes_of(const std::vector<T>& v) {
 }
 
 template <class T>
-kernels::Span<const T> span(const std::vector<T>& v) {
+Span<const T> span(const std::vector<T>& v) {
   return {v.data(), v.size()};
 }
 
@@ -39,7 +39,7 @@ kernels::PartView part_view(const Primitive& primitive, const Instance& instance
 std::shared_ptr<const kernels::Texture> make_texture(const EncodedImage& encoded, const TextureRecipe& recipe) {
   Image image = decode_image(encoded);
   return std::make_shared<const kernels::Texture>(std::move(image.rgba), image.width, image.height, recipe.alpha,
-                                                  recipe.mask_cutoff, kernels::CpuPolicy(1));
+                                                  recipe.mask_cutoff, ThreadPool(1));
 }
 
 }  // namespace
@@ -69,11 +69,7 @@ kernels::CellInput LoadedCell::input() const { return {span(parts), span(materia
 
 CellLoader::CellLoader(const SceneSources& sources, const BakeParameters& parameters, std::uint64_t cache_bytes,
                        int threads)
-    : sources_(sources),
-      parameters_(parameters),
-      policy_(threads),
-      tiles_(cache_bytes / 2),
-      textures_(cache_bytes / 2) {}
+    : sources_(sources), parameters_(parameters), pool_(threads), tiles_(cache_bytes / 2), textures_(cache_bytes / 2) {}
 
 /// The textures of a cell in the order of their first use, each once.
 struct CellLoader::WantedTextures {
@@ -105,7 +101,7 @@ LoadedCell CellLoader::load(const CellJob& job) {
 
 void CellLoader::load_tiles(const CellJob& job, LoadedCell& cell) {
   cell.tiles.resize(job.tiles.size());
-  policy_.parallel_for(job.tiles.size(), 1, [&](std::size_t begin, std::size_t end, int) {
+  pool_.parallel_for(job.tiles.size(), 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       TileKey key{job.tiles[i], {}};
       if (!job.tile_sources.empty()) key.source = job.tile_sources.at(i);
@@ -161,7 +157,7 @@ void CellLoader::load_textures(const WantedTextures& wanted, LoadedCell& cell) {
   for (const WantedTextures::Item& item : wanted.items)
     cell.memory.add(image_size(*item.image).texture_bytes(), "", "the textures of the cell");
   cell.textures.resize(wanted.items.size());
-  policy_.parallel_for(wanted.items.size(), 1, [&](std::size_t begin, std::size_t end, int) {
+  pool_.parallel_for(wanted.items.size(), 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       const WantedTextures::Item& item = wanted.items[i];
       cell.textures[i] = textures_.get(item.key, [&] { return make_texture(*item.image, item.key.recipe); });

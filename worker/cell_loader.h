@@ -7,12 +7,12 @@
 #include <optional>
 #include <vector>
 
-#include "format/cell_job.h"
-#include "format/memory_limit.h"
-#include "format/mesh.h"
-#include "format/parameters.h"
-#include "format/source.h"
-#include "kernels/cell.h"
+#include "format/job/cell_job.h"
+#include "format/source/mesh.h"
+#include "format/source/source.h"
+#include "kernels/cpu/bake_cell.h"
+#include "lattice/memory_limit.h"
+#include "lattice/parameters.h"
 #include "worker/instance_bounds.h"
 #include "worker/lru_cache.h"
 #include "worker/materials.h"
@@ -88,7 +88,7 @@ class CellLoader {
 
   const SceneSources& sources_;
   const BakeParameters& parameters_;
-  kernels::CpuPolicy policy_;
+  ThreadPool pool_;
   LruCache<TileKey, LoadedTile, TileKeyHash> tiles_;
   LruCache<TextureKey, kernels::Texture, TextureKeyHash> textures_;
 };

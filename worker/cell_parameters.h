@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "format/cell_job.h"
-#include "format/parameters.h"
-#include "kernels/cell.h"
+#include "format/job/cell_job.h"
+#include "kernels/body/cell.h"
+#include "lattice/parameters.h"
 
 namespace gigabake {
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "format/io_error.h"
+#include "format/system/io_error.h"
 #include "worker/cell_stages.h"
 #include "worker/handoff.h"
 #include "worker/write_crew.h"

@@ -9,9 +9,9 @@
 #include <memory>
 #include <optional>
 
-#include "format/cell_job.h"
-#include "format/parameters.h"
-#include "format/source.h"
+#include "format/job/cell_job.h"
+#include "format/source/source.h"
+#include "lattice/parameters.h"
 
 namespace gigabake {
 

@@ -4,10 +4,10 @@
 #include <limits>
 #include <utility>
 
-#include "format/brick_walk.h"
-#include "format/content_hash.h"
-#include "format/error.h"
-#include "format/shard_reader.h"
+#include "format/shard/brick_walk.h"
+#include "format/shard/content_hash.h"
+#include "format/shard/shard_reader.h"
+#include "lattice/error.h"
 #include "worker/cell_parameters.h"
 #include "worker/shard_from_volume.h"
 #include "worker/write_crew.h"
@@ -87,8 +87,8 @@ CellStages::CellStages(SceneSources sources, BakeParameters parameters, const Wo
       parameters_(parameters),
       options_{options.threads, options.memory_bytes, make_shard_folder(options.out), options.cuda_device},
       loader_(sources_, parameters_, cache_bytes(options_), options_.threads),
-      policy_(options_.threads),
-      write_policy_(write_crew_for(options_).threads) {}
+      pool_(options_.threads),
+      write_pool_(write_crew_for(options_).threads) {}
 
 /// One step of a cell on the device. False: there is none, or it failed, now or earlier; then the CPU bakes the cell.
 template <class Step>
@@ -97,7 +97,7 @@ bool CellStages::on_device(CellInHand& cell, const Step& step) {
   try {
     step();
     return true;
-  } catch (const kernels::CudaFailure& e) {
+  } catch (const CudaFailure& e) {
     cell.report.on_device = false;
     cell.report.note = std::string("baked on the CPU, because the GPU failed: ") + e.what();
     cell.device_input.reset();
@@ -108,7 +108,7 @@ bool CellStages::on_device(CellInHand& cell, const Step& step) {
 void CellStages::prepare() {
   try {
     if (options_.cuda_device) make_baker();
-  } catch (const kernels::CudaFailure&) {
+  } catch (const CudaFailure&) {
     cuda_.reset();
   }
 }
@@ -149,7 +149,7 @@ void CellStages::compute(CellInHand& cell) {
 
 void CellStages::bake_on_cpu(CellInHand& cell) const {
   cell.volume =
-      kernels::bake_cell(cell.loaded->input(), cell_parameters(cell.job, parameters_, kernel_bytes(options_)), policy_);
+      kernels::bake_cell(cell.loaded->input(), cell_parameters(cell.job, parameters_, kernel_bytes(options_)), pool_);
 }
 
 void CellStages::take_stats(CellInHand& cell) const {
@@ -166,10 +166,7 @@ void CellStages::write(CellInHand& cell) {
   const ShardHeader header = header_of(cell);
   const Shard shard = shard_from_volume(std::exchange(cell.volume, {}), header);
   const std::filesystem::path path = options_.out / shard_path(cell.job);
-  const ParallelLoop loop = [this](std::size_t count, std::size_t grain, const auto& body) {
-    write_policy_.parallel_for(count, grain, [&](std::size_t begin, std::size_t end, int) { body(begin, end); });
-  };
-  const std::uint64_t bytes = write_shard(path, shard, {loop, parameters_.codec});
+  const std::uint64_t bytes = write_shard(path, shard, {write_pool_, parameters_.codec});
   cell.report.shard = stamp_of(path).value_or(FileStamp{});
   cell.report.cell = scene_cell(cell.job, shard, bytes);
   cell.report.levels = levels_of(shard, path);

@@ -5,10 +5,10 @@
 #include <memory>
 #include <optional>
 
-#include "format/cell_job.h"
-#include "kernels/cell.h"
-#include "kernels/cuda_baker.h"
-#include "kernels/policy.h"
+#include "format/job/cell_job.h"
+#include "kernels/body/cell.h"
+#include "kernels/cuda/baker.h"
+#include "lattice/thread_pool.h"
 #include "worker/cell_loader.h"
 #include "worker/cell_pipeline.h"
 
@@ -55,7 +55,7 @@ class CellStages {
   const BakeParameters parameters_;
   const WorkerOptions options_;
   CellLoader loader_;
-  kernels::CpuPolicy policy_, write_policy_;  ///< several cells are written at a time
+  ThreadPool pool_, write_pool_;              ///< several cells are written at a time
   std::unique_ptr<kernels::CudaBaker> cuda_;  ///< made on the thread that reads
 };
 

@@ -4,7 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "kernels/types.h"
+#include "lattice/brick.h"
+#include "lattice/host_device.h"
 
 namespace gigabake {
 namespace {
@@ -56,14 +57,14 @@ Polygon cut(const Polygon& in, std::size_t axis, Range range) {
 VoxelSpan voxel_span(const LatticeTriangle& t, int axis, bool closed) {
   const auto [lo, hi] = std::minmax({t.p[0][axis], t.p[1][axis], t.p[2][axis]});
   const std::int64_t first = closed ? lo - 1 : lo, last = closed || lo == hi ? hi : hi - 1;
-  return {first >> kernels::subvoxel_bits, last >> kernels::subvoxel_bits};
+  return {first >> subvoxel_bits, last >> subvoxel_bits};
 }
 
 /// A triangle that reaches over several columns.
 class WideTriangle {
  public:
   WideTriangle(const LatticeTriangle& triangle, const ColumnGrid& grid)
-      : t_(triangle), bits_(grid.cell_bits + kernels::subvoxel_bits), z_(voxel_span(triangle, 2, grid.closed)) {
+      : t_(triangle), bits_(grid.cell_bits + subvoxel_bits), z_(voxel_span(triangle, 2, grid.closed)) {
     double extent = 0;
     for (const auto& p : t_.p) {
       std::array<double, 3> v;
@@ -88,8 +89,8 @@ class WideTriangle {
     const Polygon part = cut(row, 0, column_range(column, 0));
     if (part.count == 0) return {1, 0};
     const Range z = range_of(part, 2);
-    return {std::max(z_.first, lattice_floor(z.low - margin_, 2) >> kernels::subvoxel_bits),
-            std::min(z_.last, lattice_floor(z.high + margin_, 2) >> kernels::subvoxel_bits)};
+    return {std::max(z_.first, lattice_floor(z.low - margin_, 2) >> subvoxel_bits),
+            std::min(z_.last, lattice_floor(z.high + margin_, 2) >> subvoxel_bits)};
   }
 
  private:

@@ -24,7 +24,7 @@ bool may_reach_too_far(const SceneBox& box, const BakeParameters& parameters) {
 
 std::vector<std::uint32_t> index_without_far(const Primitive& primitive, const Instance& instance,
                                              const BakeParameters& parameters) {
-  const kernels::SnapFrame frame = snap_frame(parameters);
+  const SnapFrame frame = snap_frame(parameters);
   const auto scene_from_local = row_major(instance.scene_from_local);
   std::vector<std::uint32_t> kept;
   kept.reserve(primitive.index.size());
@@ -32,9 +32,9 @@ std::vector<std::uint32_t> index_without_far(const Primitive& primitive, const I
     LatticeTriangle triangle;
     bool valid = true;  // the kernels drop what is not
     for (std::size_t i = 0; i < 3; ++i) {
-      kernels::LatticePoint p;
+      LatticePoint p;
       const float* local = primitive.position.data() + 3 * std::size_t(primitive.index[at + i]);
-      valid = kernels::snap(frame, scene_from_local.data(), local, p) && valid;
+      valid = snap(frame, scene_from_local.data(), local, p) && valid;
       std::copy(p.v, p.v + 3, triangle.p[i]);
     }
     if (valid && side_of(triangle) > longest_side) continue;

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "format/mesh.h"
-#include "format/parameters.h"
-#include "format/survey.h"
-#include "kernels/brick_triangle.h"
+#include "format/job/survey.h"
+#include "format/source/mesh.h"
+#include "kernels/body/brick_triangle.h"
+#include "lattice/parameters.h"
 #include "worker/column_span.h"
 #include "worker/instance_bounds.h"
 
@@ -16,8 +16,8 @@ namespace gigabake {
 
 /// In sub-voxels: then the vertices of a triangle are within kernels::widest_coordinate of the lowest corner of every
 /// cell that it meets.
-inline constexpr std::int64_t longest_side = longest_side_voxels * kernels::subvoxels;
-static_assert(longest_side + 8192 * kernels::subvoxels == kernels::widest_coordinate);  // the largest cell
+inline constexpr std::int64_t longest_side = longest_side_voxels * subvoxels;
+static_assert(longest_side + 8192 * subvoxels == kernels::widest_coordinate);  // the largest cell
 
 /// Longest side of its box, sub-voxels.
 std::int64_t side_of(const LatticeTriangle& triangle);

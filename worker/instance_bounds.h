@@ -4,8 +4,8 @@
 #include <array>
 #include <cstdint>
 
-#include "format/mesh.h"
-#include "format/parameters.h"
+#include "format/source/mesh.h"
+#include "lattice/parameters.h"
 
 namespace gigabake {
 

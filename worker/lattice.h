@@ -4,13 +4,13 @@
 #include <array>
 #include <cstddef>
 
-#include "format/frames.h"
-#include "format/parameters.h"
-#include "kernels/snap.h"
+#include "lattice/frames.h"
+#include "lattice/parameters.h"
+#include "lattice/snap.h"
 
 namespace gigabake {
 
-inline kernels::SnapFrame snap_frame(const BakeParameters& p) {
+inline SnapFrame snap_frame(const BakeParameters& p) {
   return {p.voxel_size_m, {p.lattice_origin_m[0], p.lattice_origin_m[1], p.lattice_origin_m[2]}};
 }
 

@@ -13,28 +13,28 @@ std::uint16_t to_16_bit(float share) {
   return std::uint16_t(std::lround(std::isfinite(share) ? std::clamp(share, 0.0f, 1.0f) * 65535.0f : 0.0f));
 }
 
-kernels::Wrap to_kernel(Wrap wrap) {
+Wrap to_kernel(Wrap wrap) {
   switch (wrap) {
     case Wrap::mirrored_repeat:
-      return kernels::Wrap::mirrored_repeat;
+      return Wrap::mirrored_repeat;
     case Wrap::clamp_to_edge:
-      return kernels::Wrap::clamp_to_edge;
+      return Wrap::clamp_to_edge;
     case Wrap::repeat:
       break;
   }
-  return kernels::Wrap::repeat;
+  return Wrap::repeat;
 }
 
-kernels::AlphaMode to_kernel(AlphaMode mode) {
+AlphaMode to_kernel(AlphaMode mode) {
   switch (mode) {
     case AlphaMode::mask:
-      return kernels::AlphaMode::mask;
+      return AlphaMode::mask;
     case AlphaMode::blend:
-      return kernels::AlphaMode::blend;
+      return AlphaMode::blend;
     case AlphaMode::opaque:
       break;
   }
-  return kernels::AlphaMode::opaque;
+  return AlphaMode::opaque;
 }
 
 void make_absent(ShadedMaterial& m) {
@@ -46,7 +46,7 @@ void make_absent(ShadedMaterial& m) {
 void set_alpha_test(const Material& material, ShadedMaterial& m) {
   const double factor = material.base_color[3], cutoff = material.alpha_cutoff;
   if (!(cutoff > 0)) {
-    m.view.alpha_mode = kernels::AlphaMode::opaque;
+    m.view.alpha_mode = AlphaMode::opaque;
     return;
   }
   m.view.cutoff = to_16_bit(material.alpha_cutoff);

@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "format/mesh.h"
-#include "kernels/material.h"
-#include "kernels/texture.h"
+#include "format/source/mesh.h"
+#include "kernels/body/material.h"
+#include "kernels/cpu/texture.h"
 
 namespace gigabake {
 

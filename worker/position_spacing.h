@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "format/mesh.h"
+#include "format/source/mesh.h"
 
 namespace gigabake {
 

@@ -1,8 +1,8 @@
-/// The kernels' answer as the shard that holds it. Arrays move; only node kinds and levels' columns change their type.
+/// The kernels' answer as the shard that holds it. Arrays move; nothing is copied.
 #pragma once
 
-#include "format/shard.h"
-#include "kernels/cell.h"
+#include "format/shard/shard.h"
+#include "kernels/body/cell.h"
 
 namespace gigabake {
 

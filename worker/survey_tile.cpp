@@ -9,9 +9,9 @@
 #include <unordered_map>
 #include <utility>
 
-#include "format/error.h"
-#include "format/tile_hash.h"
-#include "kernels/snap.h"
+#include "format/source/tile_hash.h"
+#include "lattice/error.h"
+#include "lattice/snap.h"
 #include "worker/column_span.h"
 #include "worker/far_triangles.h"
 #include "worker/instance_bounds.h"
@@ -80,7 +80,7 @@ struct ThreadSurvey {
 };
 
 struct SnappedVertex {
-  kernels::LatticePoint p;
+  LatticePoint p;
   bool valid;
 };
 
@@ -110,13 +110,13 @@ double side_m(const Primitive& primitive, const std::uint32_t* index, const Inst
 }
 
 std::vector<SnappedVertex> snap_vertices(const Primitive& primitive, const Instance& instance,
-                                         const BakeParameters& parameters, const kernels::CpuPolicy& policy) {
-  const kernels::SnapFrame frame = snap_frame(parameters);
+                                         const BakeParameters& parameters, const ThreadPool& pool) {
+  const SnapFrame frame = snap_frame(parameters);
   const auto scene_from_local = row_major(instance.scene_from_local);
   std::vector<SnappedVertex> out(primitive.position.size() / 3);
-  policy.parallel_for(out.size(), 65536, [&](std::size_t begin, std::size_t end, int) {
+  pool.parallel_for(out.size(), 65536, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i)
-      out[i].valid = kernels::snap(frame, scene_from_local.data(), primitive.position.data() + 3 * i, out[i].p);
+      out[i].valid = snap(frame, scene_from_local.data(), primitive.position.data() + 3 * i, out[i].p);
   });
   return out;
 }
@@ -173,23 +173,23 @@ double area_scale(const Instance& instance) {
 
 class TileSurveyor {
  public:
-  TileSurveyor(const TileRef& tile, const BakeParameters& parameters, const kernels::CpuPolicy& policy)
+  TileSurveyor(const TileRef& tile, const BakeParameters& parameters, const ThreadPool& pool)
       : tile_(tile),
         parameters_(parameters),
-        policy_(policy),
+        pool_(pool),
         grid_{int(std::bit_width(parameters.cell_voxels)) - 1, parameters.surface != SurfaceRule::area},
-        threads_(std::size_t(policy.threads())) {}
+        threads_(std::size_t(pool.threads())) {}
 
   void add(const Primitive& primitive, const Instance& instance) {
-    const std::vector<SnappedVertex> vertices = snap_vertices(primitive, instance, parameters_, policy_);
+    const std::vector<SnappedVertex> vertices = snap_vertices(primitive, instance, parameters_, pool_);
     spacing_m_ = std::max(spacing_m_, position_spacing_m(primitive, instance, reach_of(primitive, vertices)));
-    policy_.parallel_for(primitive.index.size() / 3, triangles_per_range,
-                         [&](std::size_t begin, std::size_t end, int thread) {
-                           for (std::size_t t = begin; t < end; ++t)
-                             if (!add_triangle(vertices, primitive.index.data() + 3 * t, threads_[std::size_t(thread)]))
-                               add_off_lattice(side_m(primitive, primitive.index.data() + 3 * t, instance),
-                                               threads_[std::size_t(thread)]);
-                         });
+    pool_.parallel_for(primitive.index.size() / 3, triangles_per_range,
+                       [&](std::size_t begin, std::size_t end, int thread) {
+                         for (std::size_t t = begin; t < end; ++t)
+                           if (!add_triangle(vertices, primitive.index.data() + 3 * t, threads_[std::size_t(thread)]))
+                             add_off_lattice(side_m(primitive, primitive.index.data() + 3 * t, instance),
+                                             threads_[std::size_t(thread)]);
+                       });
   }
 
   /// As add(), of all these placements of the primitive, but for triangles that have no area. Those whose box is beyond
@@ -199,7 +199,7 @@ class TileSurveyor {
     const std::uint64_t triangles = primitive.index.size() / 3, non_finite = triangles_not_finite(primitive);
     const double local_area_m2 = area_m2(primitive);
     std::vector<char> is_far(instances.size(), 0);
-    policy_.parallel_for(instances.size(), 1024, [&](std::size_t begin, std::size_t end, int thread) {
+    pool_.parallel_for(instances.size(), 1024, [&](std::size_t begin, std::size_t end, int thread) {
       ThreadSurvey& found = threads_[std::size_t(thread)];
       for (std::size_t i = begin; i < end; ++i) {
         const SceneBox box = scene_box(bounds, *instances[i], parameters_);
@@ -296,7 +296,7 @@ class TileSurveyor {
     }
     if (const std::int64_t side = side_of(triangle); side > longest_side) {
       ++found.too_far;
-      found.reach_m = std::max(found.reach_m, double(side) / double(kernels::subvoxels) * parameters_.voxel_size_m);
+      found.reach_m = std::max(found.reach_m, double(side) / double(subvoxels) * parameters_.voxel_size_m);
       return true;
     }
     found.touched.clear();
@@ -329,7 +329,7 @@ class TileSurveyor {
 
   const TileRef& tile_;
   const BakeParameters& parameters_;
-  const kernels::CpuPolicy& policy_;
+  const ThreadPool& pool_;
   ColumnGrid grid_;
   std::vector<ThreadSurvey> threads_;
   double spacing_m_ = 0;
@@ -358,7 +358,7 @@ TileSurvey unreadable(std::uint32_t tile, std::string reason) {
 }  // namespace
 
 TileSurvey survey_tile(const SceneSources& sources, std::uint32_t tile, const BakeParameters& parameters,
-                       const kernels::CpuPolicy& policy) {
+                       const ThreadPool& pool) {
   TileSurvey survey;
   survey.tile = tile;
   const TileRef& ref = sources.tiles.at(tile);
@@ -370,7 +370,7 @@ TileSurvey survey_tile(const SceneSources& sources, std::uint32_t tile, const Ba
     survey.skipped_points = mesh.counts.skipped_points;
     survey.skipped_lines = mesh.counts.skipped_lines;
     survey.warnings = std::move(mesh.warnings);
-    TileSurveyor surveyor(ref, parameters, policy);
+    TileSurveyor surveyor(ref, parameters, pool);
     add_all(mesh, surveyor);
     surveyor.finish(survey);
     survey.source = identity.hash;

@@ -3,10 +3,10 @@
 
 #include <cstdint>
 
-#include "format/parameters.h"
-#include "format/source.h"
-#include "format/survey.h"
-#include "kernels/policy.h"
+#include "format/job/survey.h"
+#include "format/source/source.h"
+#include "lattice/parameters.h"
+#include "lattice/thread_pool.h"
 
 namespace gigabake {
 
@@ -21,6 +21,6 @@ namespace gigabake {
 /// Cost    Time follows triangles, boxes and columns; a tile that spreads over more than 2^21 columns is an error.
 /// Errors  None thrown: TileSurvey::error says in one line why the tile has no columns.
 TileSurvey survey_tile(const SceneSources& sources, std::uint32_t tile, const BakeParameters& parameters,
-                       const kernels::CpuPolicy& policy);
+                       const ThreadPool& pool);
 
 }  // namespace gigabake

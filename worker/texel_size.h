@@ -1,7 +1,7 @@
 /// How large the texels of a source's textures are on its surface.
 #pragma once
 
-#include "format/mesh.h"
+#include "format/source/mesh.h"
 
 namespace gigabake {
 

@@ -1,7 +1,7 @@
 #include "worker/worker_setup.h"
 
-#include "format/bytes.h"
-#include "format/option_bytes.h"
+#include "format/job/option_bytes.h"
+#include "lattice/bytes.h"
 
 namespace gigabake {
 namespace {

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "format/parameters.h"
-#include "format/source.h"
+#include "format/source/source.h"
+#include "lattice/parameters.h"
 #include "worker/backend.h"
 #include "worker/cell_pipeline.h"
 

@@ -1,5 +1,5 @@
 #include "bench/reference_caster.h"
-#include "format/error.h"
+#include "lattice/error.h"
 
 namespace gigabake::bench {
 

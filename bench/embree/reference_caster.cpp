@@ -8,7 +8,7 @@
 
 #include "bench/embree/rtcore.h"
 #include "bench/schedule_model.h"
-#include "kernels/policy.h"
+#include "lattice/thread_pool.h"
 
 namespace gigabake::bench {
 namespace {
@@ -29,7 +29,7 @@ void check(RTCDevice device, const char* call) {
 
 void add_part(RTCDevice device, RTCScene scene, const SourceTriangles& triangles, std::size_t part) {
   const std::vector<float> position = triangles.positions(part);
-  const kernels::Span<const std::uint32_t> index = triangles.indices(part);
+  const Span<const std::uint32_t> index = triangles.indices(part);
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   void* vertices =
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, position.size() / 3);
@@ -78,12 +78,12 @@ constexpr float dark = 1e-4f;
 
 struct ReferenceCaster::State {
   SourceTriangles triangles;
-  kernels::CpuPolicy policy;
+  ThreadPool pool;
   Device device;
   EmbreeScene scene;
 
   State(const SceneSources& sources, const BakeParameters& lattice, int threads)
-      : triangles(sources, lattice, threads), policy(threads) {
+      : triangles(sources, lattice, threads), pool(threads) {
     device.reset(rtcNewDevice(("threads=" + std::to_string(threads)).c_str()));
     if (!device) throw std::runtime_error("rtcNewDevice: Embree error " + std::to_string(rtcGetDeviceError(nullptr)));
     scene.reset(rtcNewScene(device.get()));
@@ -178,7 +178,7 @@ LinearPicture ReferenceCaster::draw(const kernels::CastCamera& camera, int sampl
   const int grid = int(std::ceil(std::sqrt(double(samples)) - 1e-9));
   LinearPicture picture{camera.width, camera.height, {}};
   picture.rgba.resize(4 * picture.pixels());
-  state_->policy.parallel_for(picture.pixels(), 64, [&](std::size_t begin, std::size_t end, int) {
+  state_->pool.parallel_for(picture.pixels(), 64, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto width = std::size_t(camera.width);
       const std::array<float, 4> c = state_->pixel(camera, int(i % width), int(i / width), grid);

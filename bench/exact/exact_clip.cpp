@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lattice/rules.h"
+
 namespace gigabake::reference {
 namespace {
-
-using gigabake::kernels::SurfaceRule;
 
 constexpr std::int64_t voxel_edge = 256;
 

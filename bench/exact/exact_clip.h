@@ -12,7 +12,8 @@
 #include <set>
 #include <vector>
 
-#include "kernels/types.h"
+#include "lattice/host_device.h"
+#include "lattice/rules.h"
 
 namespace gigabake::reference {
 
@@ -52,8 +53,8 @@ bool has_area_in_voxel(const Piece& piece);
 bool crosses_centre_segment(const Triangle& t, const Voxel& voxel);
 
 /// Those of its pieces' voxels that the rule says the triangle occupies. None for a triangle without area.
-std::set<Voxel> occupied(const Triangle& t, const std::vector<Piece>& pieces, gigabake::kernels::SurfaceRule rule);
-std::set<Voxel> occupied(const Triangle& t, gigabake::kernels::SurfaceRule rule, const Window& window);
+std::set<Voxel> occupied(const Triangle& t, const std::vector<Piece>& pieces, SurfaceRule rule);
+std::set<Voxel> occupied(const Triangle& t, SurfaceRule rule, const Window& window);
 
 /// Area in voxel², relative error below 1e-15 · 4. The triangle has area.
 double area_voxel2(const Triangle& t);

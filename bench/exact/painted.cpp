@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "lattice/rules.h"
+
 namespace gigabake::reference {
 namespace {
-
-using kernels::AlphaMode;
 
 constexpr double smallest_weight = 1.0 / 68719476736.0;  // 2^-36 voxel²
 
@@ -38,7 +38,7 @@ double ExpectedVoxel::certainty() const {
   return std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]) / visible;
 }
 
-std::map<Voxel, ExpectedVoxel> expected_voxels(const std::vector<Painted>& scene, kernels::SurfaceRule rule,
+std::map<Voxel, ExpectedVoxel> expected_voxels(const std::vector<Painted>& scene, SurfaceRule rule,
                                                const Window& window) {
   std::map<Voxel, ExpectedVoxel> out;
   for (const Painted& p : scene) {

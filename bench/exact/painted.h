@@ -7,13 +7,14 @@
 
 #include "bench/exact/appearance.h"
 #include "bench/exact/exact_clip.h"
+#include "lattice/rules.h"
 
 namespace gigabake::reference {
 
 struct Painted {
   Triangle triangle;
   Rgba16 colour = white16;  ///< linear, straight
-  kernels::AlphaMode mode = kernels::AlphaMode::opaque;
+  AlphaMode mode = AlphaMode::opaque;
   std::optional<std::array<Rgba16, 3>> vertex_colours;  ///< opaque ones: their mean is the value at the centroid
 };
 
@@ -30,7 +31,7 @@ struct ExpectedVoxel {
 };
 
 /// Every voxel of the window that some triangle occupies, visible or not.
-std::map<Voxel, ExpectedVoxel> expected_voxels(const std::vector<Painted>& scene, kernels::SurfaceRule rule,
+std::map<Voxel, ExpectedVoxel> expected_voxels(const std::vector<Painted>& scene, SurfaceRule rule,
                                                const Window& window);
 
 }  // namespace gigabake::reference

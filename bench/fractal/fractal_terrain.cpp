@@ -9,11 +9,11 @@
 #include <fmt/core.h>
 #include <vector>
 
-#include "format/error.h"
-#include "format/publish.h"
 #include "format/sample/glb_writer.h"
 #include "format/sample/noise.h"
 #include "format/sample/picture.h"
+#include "format/system/publish.h"
+#include "lattice/error.h"
 
 using namespace gigabake;
 

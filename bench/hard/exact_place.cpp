@@ -26,10 +26,8 @@ LongAffine axes_at(const Geodetic& g) {
            {0, cp, sp, ((1 - e2) * n + h) * sp}}};
 }
 
-kernels::AlphaMode mode_of(AlphaMode mode) {
-  return mode == AlphaMode::mask    ? kernels::AlphaMode::mask
-         : mode == AlphaMode::blend ? kernels::AlphaMode::blend
-                                    : kernels::AlphaMode::opaque;
+AlphaMode mode_of(AlphaMode mode) {
+  return mode == AlphaMode::mask ? AlphaMode::mask : mode == AlphaMode::blend ? AlphaMode::blend : AlphaMode::opaque;
 }
 
 LongPoint vertex(const HardMesh& mesh, std::size_t v) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bench/hard/hard_scene.h"
-#include "format/parameters.h"
+#include "lattice/parameters.h"
 
 namespace gigabake::bench {
 

@@ -5,13 +5,12 @@
 #include <random>
 
 #include "bench/hard/hard_case.h"
-#include "format/survey.h"
-#include "kernels/brick_triangle.h"
+#include "format/job/survey.h"
+#include "kernels/body/brick_triangle.h"
 
 namespace gigabake::bench {
 namespace {
 
-using kernels::AlphaMode;
 using reference::LatticeVertex;
 using reference::Painted;
 using reference::Rgba16;
@@ -44,7 +43,7 @@ HardScene scene_of(const std::vector<Painted>& painted) {
 /// Slivers between small triangles of about their area in a voxel, so that colour shows what they weigh.
 std::vector<HardCase> slivers() {
   // A little less long than a triangle may be, in few bits.
-  constexpr std::int64_t far = (longest_side_voxels / 2 - 2048) * kernels::subvoxels;
+  constexpr std::int64_t far = (longest_side_voxels / 2 - 2048) * subvoxels;
   const std::pair<const char*, Triangle> shapes[] = {
       {"sliver-along-x", {{{-far, 100, 100}, {far, 100, 100}, {far, 101, 100}}}},
       {"sliver-on-lattice-edge", {{{-far, 0, 0}, {far, 0, 0}, {far, 1, 0}}}},

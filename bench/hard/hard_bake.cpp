@@ -6,8 +6,8 @@
 
 #include "bench/bench_scene.h"
 #include "bench/hard/exact_place.h"
-#include "format/brick_walk.h"
-#include "format/error.h"
+#include "format/shard/brick_walk.h"
+#include "lattice/error.h"
 #include "worker/lattice.h"
 
 namespace gigabake::bench {
@@ -27,7 +27,7 @@ double distance(const LongPoint& a, const LongPoint& b) {
   return double(hypotl(hypotl(a[0] - b[0], a[1] - b[1]), a[2] - b[2]));
 }
 
-/// The vertex in double, step by step as kernels/snap.h goes.
+/// The vertex in double, step by step as lattice/snap.h goes.
 LongPoint in_double(const std::array<double, 12>& m, const float* local) {
   LongPoint p;
   for (std::size_t r = 0; r < 3; ++r)
@@ -35,7 +35,7 @@ LongPoint in_double(const std::array<double, 12>& m, const float* local) {
   return p;
 }
 
-LongPoint middle_of(const kernels::LatticePoint& at, const BakeParameters& parameters) {
+LongPoint middle_of(const LatticePoint& at, const BakeParameters& parameters) {
   LongPoint p;
   for (std::size_t r = 0; r < 3; ++r)
     p[r] = at.v[r] * (long double)(parameters.voxel_size_m) / 256 + parameters.lattice_origin_m[r];
@@ -53,8 +53,8 @@ void measure_places(const HardScene& scene, const SceneSources& sources, const B
       const std::array<double, 12> m = row_major(instance.scene_from_local);
       const std::vector<float>& position = mesh.primitives[std::size_t(instance.primitive)].position;
       for (std::size_t v = 0; v + 2 < position.size(); v += 3) {
-        kernels::LatticePoint at;
-        if (!kernels::snap(snap_frame(parameters), m.data(), &position[v], at)) continue;
+        LatticePoint at;
+        if (!snap(snap_frame(parameters), m.data(), &position[v], at)) continue;
         const LongPoint p = *placement * LongPoint{position[v], position[v + 1], position[v + 2]};
         out.placement_m = std::max(out.placement_m, distance(in_double(m, &position[v]), p));
         out.position_m = std::max(out.position_m, distance(middle_of(at, parameters), p));

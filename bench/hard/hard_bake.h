@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "bench/hard/hard_case.h"
-#include "format/source.h"
+#include "format/source/source.h"
 
 namespace gigabake::bench {
 

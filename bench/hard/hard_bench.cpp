@@ -5,7 +5,7 @@
 
 #include "bench/hard/exact_place.h"
 #include "bench/hard/hard_bake.h"
-#include "format/error.h"
+#include "lattice/error.h"
 
 namespace gigabake::bench {
 namespace {
@@ -56,10 +56,10 @@ VoxelErrors compare(const StoredVoxels& stored, const ExpectedVoxels& expected, 
   return errors;
 }
 
-kernels::SurfaceRule rule_of(SurfaceRule rule) {
-  return rule == SurfaceRule::thin           ? kernels::SurfaceRule::thin
-         : rule == SurfaceRule::conservative ? kernels::SurfaceRule::conservative
-                                             : kernels::SurfaceRule::area;
+SurfaceRule rule_of(SurfaceRule rule) {
+  return rule == SurfaceRule::thin           ? SurfaceRule::thin
+         : rule == SurfaceRule::conservative ? SurfaceRule::conservative
+                                             : SurfaceRule::area;
 }
 
 ExpectedVoxels expected_of(const HardCase& hard, const SceneSources& sources) {

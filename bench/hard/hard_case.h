@@ -10,8 +10,8 @@
 
 #include "bench/hard/hard_scene.h"
 #include "bench/hard_bench.h"
-#include "format/cell_job.h"
-#include "format/parameters.h"
+#include "format/job/cell_job.h"
+#include "lattice/parameters.h"
 
 namespace gigabake::bench {
 

@@ -2,9 +2,9 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/hard/hard_scene.h"
-#include "format/error.h"
-#include "format/publish.h"
-#include "viewer/png.h"
+#include "format/system/publish.h"
+#include "lattice/error.h"
+#include "viewer/pictures/png.h"
 
 namespace gigabake::bench {
 namespace {

@@ -56,10 +56,8 @@ void add_wide(HardTile& tile, const Triangle& t, double unit_m, int material) {
   add(tile, std::move(mesh), map, material);
 }
 
-AlphaMode mode_of(kernels::AlphaMode mode) {
-  return mode == kernels::AlphaMode::mask    ? AlphaMode::mask
-         : mode == kernels::AlphaMode::blend ? AlphaMode::blend
-                                             : AlphaMode::opaque;
+AlphaMode mode_of(AlphaMode mode) {
+  return mode == AlphaMode::mask ? AlphaMode::mask : mode == AlphaMode::blend ? AlphaMode::blend : AlphaMode::opaque;
 }
 
 }  // namespace

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "bench/exact/painted.h"
-#include "format/frames.h"
-#include "format/mesh.h"
+#include "format/source/mesh.h"
+#include "lattice/frames.h"
 
 namespace gigabake::bench {
 

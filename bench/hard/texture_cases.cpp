@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "bench/hard/hard_case.h"
-#include "format/error.h"
+#include "lattice/error.h"
 
 namespace gigabake::bench {
 namespace {

@@ -5,7 +5,6 @@
 namespace gigabake::bench {
 namespace {
 
-using kernels::AlphaMode;
 using reference::Painted;
 using reference::Rgba16;
 using reference::Triangle;

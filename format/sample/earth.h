@@ -6,7 +6,7 @@
 
 #include <array>
 
-#include "format/frames.h"
+#include "lattice/frames.h"
 
 namespace gigabake::sample {
 

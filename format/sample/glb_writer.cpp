@@ -5,7 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "format/error.h"
+#include "lattice/error.h"
 
 namespace gigabake::sample {
 namespace {

@@ -5,11 +5,11 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 
-#include "format/error.h"
-#include "format/parallel.h"
-#include "format/publish.h"
 #include "format/sample/sample_folder.h"
 #include "format/sample/terrain_tile.h"
+#include "format/system/publish.h"
+#include "lattice/error.h"
+#include "lattice/thread_pool.h"
 
 namespace gigabake::sample {
 namespace {
@@ -48,7 +48,7 @@ class Writer {
     const std::size_t count = std::size_t(o_.tiles) * std::size_t(o_.tiles);
     std::vector<Json> children(count);
     std::mutex mutex;
-    parallel_ranges(count, 1, o_.threads, [&](std::size_t i, std::size_t) {
+    ThreadPool(o_.threads).parallel_for(count, 1, [&](std::size_t i, std::size_t, int) {
       const TilePlan plan = plan_of(i);
       const GlbImage ground = paint_tile(landscape_, plan);
       const TerrainTile tile = write_tile(plan, TileFrame{&earth_}, ground, "tiles/" + name_of(i));

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "format/frames.h"
+#include "lattice/frames.h"
 
 namespace gigabake::sample {
 

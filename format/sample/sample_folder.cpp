@@ -3,7 +3,7 @@
 #include <fstream>
 #include <string>
 
-#include "format/error.h"
+#include "lattice/error.h"
 
 namespace gigabake::sample {
 namespace {

@@ -33,14 +33,14 @@ class HardSuiteNotices : public testing::Test {
  protected:
   HardSuiteNotices() : hard(lattice_case("broken", "", "")) {
     add_triangle(hard.scenes[0].tiles[0], {{{10, 10, 10}, {1110, 20, 30}, {30, 1100, 90}}}, lattice_unit_m);
-    hard.expected = [this] { return reference::expected_voxels({wanted}, kernels::SurfaceRule::area, hard.window); };
+    hard.expected = [this] { return reference::expected_voxels({wanted}, SurfaceRule::area, hard.window); };
   }
   HardResult result() const { return run_hard_case(hard, folder.path() / "case", {{}, 1}); }
 
   ScratchFolder folder;
   HardCase hard;
   reference::Painted wanted{
-      {{{10, 10, 10}, {1110, 20, 30}, {30, 1100, 90}}}, reference::white16, kernels::AlphaMode::opaque, {}};
+      {{{10, 10, 10}, {1110, 20, 30}, {30, 1100, 90}}}, reference::white16, AlphaMode::opaque, {}};
 };
 
 TEST_F(HardSuiteNotices, NothingWhereNothingIsWrong) { EXPECT_TRUE(result().holds()); }
@@ -64,7 +64,7 @@ TEST_F(HardSuiteNotices, ANormalThatPointsTheOtherWay) {
 }
 
 TEST_F(HardSuiteNotices, AnAlphaOfHalf) {
-  wanted.mode = kernels::AlphaMode::blend;
+  wanted.mode = AlphaMode::blend;
   wanted.colour[3] = 32768;
   EXPECT_FALSE(figure(result(), "alpha").holds());
 }

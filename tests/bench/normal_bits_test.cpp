@@ -3,7 +3,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "format/octahedral.h"
+#include "format/shard/octahedral.h"
 
 namespace gigabake::bench {
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "tests/worker/glb_scene.h"
-#include "viewer/png.h"
+#include "viewer/pictures/png.h"
 
 namespace gigabake::bench {
 namespace {

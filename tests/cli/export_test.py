@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy
 
 import harness
+from programs import lines_of
 
 VOXEL_M = 0.5
 
@@ -214,7 +215,7 @@ class Export(unittest.TestCase):
             for out in (self.path / "none/out", self.path / "full"):
                 result = self.program.run("export", self.scene, "--to", kind, "-o", out)
                 self.assertEqual(result.returncode, 1, (kind, out))
-                self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+                self.assertEqual(len(lines_of(result.stderr)), 1, result.stderr)
                 self.assertIn(str(out), result.stderr)
         self.assertEqual([p.name for p in (self.path / "full").iterdir()], ["file"])
         self.assertEqual([p.name for p in self.path.iterdir() if p.name.endswith(".part")], [])

@@ -14,6 +14,7 @@ import numpy
 import harness
 from exr_file import read_exr
 from png_file import read_png
+from programs import lines_of
 
 SIZE = (150, 100)
 VOXEL_M = 0.25
@@ -140,7 +141,7 @@ class Exr(unittest.TestCase):
             result = GIGABAKE.run("render", self.scene, *options)
             self.assertEqual(result.returncode, code, result)
             self.assertIn(expect, result.stderr)
-            self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+            self.assertEqual(len(lines_of(result.stderr)), 1, result.stderr)
             self.assertEqual(list(refused.iterdir()), [])
 
 

@@ -10,6 +10,7 @@ import unittest
 from pathlib import Path
 
 import harness
+from programs import lines_of
 
 SIZE = "160x90"
 STATS = {"cast_s", "upload_s", "total_s", "wanted", "uploads", "pages_loading", "bytes_held", "bytes_allowed",
@@ -46,7 +47,7 @@ class Paths(unittest.TestCase):
         result = GIGABAKE.run("render", self.scene, *options)
         self.assertEqual(result.returncode, code, result)
         self.assertIn(expect, result.stderr)
-        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+        self.assertEqual(len(lines_of(result.stderr)), 1, result.stderr)
         self.assertEqual(list(self.root.glob("refused*")), [])
 
     def test_each_frame_is_the_picture_of_its_camera(self):

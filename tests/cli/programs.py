@@ -3,6 +3,7 @@
 A line and an exit code are not enough to see why something failed once, on another machine, under load.
 """
 import atexit
+import re
 import subprocess
 import sys
 import tempfile
@@ -74,6 +75,14 @@ def run(command, timeout=300, **options):
         raise
     TRANSCRIPT.add(command, f"exit code {result.returncode}", result.stdout, result.stderr)
     return result
+
+
+PROGRESS = re.compile(r"[a-z][a-z ]*: (\d+ %|\d+ of \d+)")
+
+
+def lines_of(stderr):
+    """What a program said, line by line, without how far it was: only a slow machine hears of that."""
+    return [line for line in stderr.strip().splitlines() if not PROGRESS.match(line)]
 
 
 def errors_of(process, timeout):

@@ -12,6 +12,7 @@ import numpy
 
 import harness
 from png_file import read_png
+from programs import lines_of
 
 SIZE = (240, 135)
 
@@ -40,7 +41,7 @@ class Render(unittest.TestCase):
         result = GIGABAKE.run("render", scene or self.scene, "-o", path, *options)
         self.assertEqual(result.returncode, code, (options, result.stdout, result.stderr))
         self.assertIn(expect, result.stderr)
-        self.assertEqual(len(result.stderr.strip().splitlines()), 1, result.stderr)
+        self.assertEqual(len(lines_of(result.stderr)), 1, result.stderr)
         self.assertFalse(path.exists())
 
     def test_the_default_picture_shows_the_whole_terrain_in_front_of_the_sky(self):
@@ -117,7 +118,7 @@ class Render(unittest.TestCase):
             picture = self.root / f"{damage}.png"
             result = GIGABAKE.run("render", broken / "scene.xml", "-o", picture, *camera)
             self.assertEqual(result.returncode, 3, result.stderr)
-            self.assertEqual(len(result.stderr.strip().splitlines()), 1, result.stderr)
+            self.assertEqual(len(lines_of(result.stderr)), 1, result.stderr)
             self.assertIn(shard.name, result.stderr)
             same = (read_png(picture) == read_png(whole)).all(axis=2).mean()
             self.assertTrue(0.5 < same < 1, same)

@@ -19,6 +19,7 @@ import numpy
 import chromium
 import harness
 from png_file import read_png
+from programs import lines_of
 
 SIZE = (320, 200)
 RESTS = "document.body.dataset.resting === 'true'"
@@ -244,7 +245,7 @@ class Serve(unittest.TestCase):
             result = GIGABAKE.run("serve", *arguments, timeout=60)
             self.assertEqual(result.returncode, code, result)
             self.assertIn(expected, result.stderr)
-            self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+            self.assertEqual(len(lines_of(result.stderr)), 1, result.stderr)
 
 
 if __name__ == "__main__":

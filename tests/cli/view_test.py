@@ -18,6 +18,7 @@ import numpy
 
 import harness
 from png_file import read_png
+from programs import lines_of
 
 SIZE = (320, 240)
 SKIPPED = 77
@@ -215,7 +216,7 @@ class View(unittest.TestCase):
         result = self.without_display()
         self.assertEqual(result.returncode, 1)
         self.assertIn("gigabake serve", result.stderr)
-        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+        self.assertEqual(len(lines_of(result.stderr)), 1, result.stderr)
 
     def test_a_scene_that_is_none_is_named(self):
         result = GIGABAKE.run("view", self.root / "missing.xml")

@@ -77,7 +77,7 @@ TEST_F(BakeProcessTest, SurveysWhileItBakes) {
     const BakeProcess::Event event = next_event(process);
     ASSERT_NE(event.index(), 2u) << std::get<Died>(event).why;
     if (const auto* surveyed = std::get_if<Surveyed>(&event)) {
-      const TileSurvey here = survey_tile(sources, surveyed->survey.tile, setup.parameters, kernels::CpuPolicy(1));
+      const TileSurvey here = survey_tile(sources, surveyed->survey.tile, setup.parameters, ThreadPool(1));
       EXPECT_EQ(to_bytes(surveyed->survey), to_bytes(here));
       ++surveys;
     } else {

@@ -30,10 +30,10 @@ WorkerSetup BakeScene::setup(const std::string& out) const {
 std::vector<CellJob> BakeScene::jobs() const {
   const WorkerSetup s = setup("");
   const SceneSources sources = open_sources(s.source, s.source_options);
-  const kernels::CpuPolicy policy(1);
+  const ThreadPool pool(1);
   std::vector<TileSurvey> surveys;
   for (std::uint32_t t = 0; t < sources.tiles.size(); ++t)
-    surveys.push_back(survey_tile(sources, t, s.parameters, policy));
+    surveys.push_back(survey_tile(sources, t, s.parameters, pool));
   return make_plan(surveys, sources, s.parameters).jobs;
 }
 

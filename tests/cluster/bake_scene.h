@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cluster/bake_process.h"
-#include "format/cell_job.h"
+#include "format/job/cell_job.h"
 #include "tests/worker/glb_scene.h"
 #include "worker/worker_setup.h"
 

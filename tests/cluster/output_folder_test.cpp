@@ -5,7 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "format/error.h"
+#include "lattice/error.h"
 #include "tests/scheduler/made_bake.h"
 
 namespace gigabake {

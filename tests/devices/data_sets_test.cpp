@@ -8,11 +8,11 @@
 #include <set>
 #include <thread>
 
-#include "format/content_hash.h"
-#include "format/error.h"
 #include "format/sample/sample.h"
-#include "format/source.h"
-#include "kernels/cuda_baker.h"
+#include "format/shard/content_hash.h"
+#include "format/source/source.h"
+#include "kernels/cuda/baker.h"
+#include "lattice/error.h"
 #include "scheduler/plan.h"
 #include "tests/shared_data.h"
 #include "worker/cell_loader.h"
@@ -93,12 +93,12 @@ class OnBothBackends {
     parameters.cell_voxels = 256;
     std::vector<TileSurvey> surveys;
     for (std::uint32_t t = 0; t < sources.tiles.size(); ++t)
-      surveys.push_back(survey_tile(sources, t, parameters, policy_));
+      surveys.push_back(survey_tile(sources, t, parameters, pool_));
     BakePlan plan = make_plan(std::move(surveys), sources, parameters);
     ++outcome.sources;
     outcome.without_cells += plan.jobs.empty();
     if (plan.jobs.size() > most_cells) plan.jobs.resize(most_cells);
-    CellLoader loader(sources, parameters, std::uint64_t(1) << 30, policy_.threads());
+    CellLoader loader(sources, parameters, std::uint64_t(1) << 30, pool_.threads());
     for (const CellJob& job : plan.jobs) compare_cell(loader, job, parameters, outcome);
   }
 
@@ -116,7 +116,7 @@ class OnBothBackends {
         parameters.surface = rule;
         parameters.mip = filter;
         const std::vector<Hash128> host =
-            hashes(kernels::bake_cell(cell.input(), cell_parameters(job, parameters, 0), policy_), job, parameters);
+            hashes(kernels::bake_cell(cell.input(), cell_parameters(job, parameters, 0), pool_), job, parameters);
         for (const std::uint64_t bytes : {std::uint64_t(0), few_bytes}) {
           EXPECT_EQ(host,
                     hashes(baker_->bake_cell(cell.input(), cell_parameters(job, parameters, bytes)), job, parameters))
@@ -126,7 +126,7 @@ class OnBothBackends {
       }
   }
 
-  kernels::CpuPolicy policy_{int(std::max(1u, std::thread::hardware_concurrency()))};
+  ThreadPool pool_{int(std::max(1u, std::thread::hardware_concurrency()))};
 
  protected:
   std::unique_ptr<kernels::CudaBaker> baker_;

@@ -5,11 +5,11 @@
 #include <gtest/gtest.h>
 #include <random>
 
-#include "format/error.h"
-#include "format/read_file.h"
-#include "format/source.h"
-#include "format/tile_hash.h"
-#include "source_scene.h"
+#include "format/source/source.h"
+#include "format/source/tile_hash.h"
+#include "format/system/read_file.h"
+#include "lattice/error.h"
+#include "tests/format/source/source_scene.h"
 #include "tests/shared_data.h"
 
 namespace gigabake {

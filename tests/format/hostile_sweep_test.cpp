@@ -4,9 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "format/error.h"
-#include "format/source.h"
-#include "format/tile_hash.h"
+#include "format/source/source.h"
+#include "format/source/tile_hash.h"
+#include "lattice/error.h"
 #include "tests/shared_data.h"
 
 namespace gigabake {

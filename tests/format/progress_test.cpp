@@ -1,5 +1,5 @@
 /// Long steps say what is done, and stop wherever they are asked to, with nothing half-written.
-#include "format/progress.h"
+#include "lattice/progress.h"
 
 #include <algorithm>
 #include <atomic>
@@ -10,15 +10,15 @@
 #include <string>
 #include <vector>
 
-#include "format/diff.h"
-#include "format/gigavoxel.h"
-#include "format/nanovdb.h"
-#include "format/ply.h"
-#include "format/scene_totals.h"
-#include "format/source.h"
-#include "format/verify.h"
-#include "format/voxel_tileset.h"
-#include "made_shard.h"
+#include "format/export/gigavoxel.h"
+#include "format/export/nanovdb.h"
+#include "format/export/ply.h"
+#include "format/export/voxel_tileset.h"
+#include "format/scene/diff.h"
+#include "format/scene/scene_totals.h"
+#include "format/scene/verify.h"
+#include "format/source/source.h"
+#include "tests/format/shard/made_shard.h"
 
 namespace gigabake {
 namespace {

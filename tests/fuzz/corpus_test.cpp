@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <ostream>
 
-#include "format/read_file.h"
+#include "format/system/read_file.h"
 #include "tests/fuzz/judge.h"
 
 namespace gigabake::fuzz {

@@ -2,7 +2,7 @@
 
 #include <exception>
 
-#include "format/error.h"
+#include "lattice/error.h"
 
 namespace gigabake::fuzz {
 namespace {

@@ -2,12 +2,12 @@
 #include <array>
 #include <string>
 
-#include "format/cell_job.h"
-#include "format/error.h"
+#include "format/job/cell_job.h"
+#include "lattice/error.h"
 #include "scheduler/bake_status.h"
 #include "scheduler/journal_content.h"
 #include "scheduler/survey_cache.h"
-#include "tests/format/source_scene.h"
+#include "tests/format/source/source_scene.h"
 #include "tests/fuzz/readers.h"
 #include "worker/bake_messages.h"
 #include "worker/worker_setup.h"

@@ -2,13 +2,13 @@
 #include <cstring>
 #include <filesystem>
 
-#include "format/gigavoxel_read.h"
-#include "format/parameters.h"
-#include "format/scene_xml.h"
-#include "format/shard.h"
-#include "format/shard_pages.h"
-#include "format/shard_reader.h"
-#include "tests/format/source_scene.h"
+#include "format/export/gigavoxel_read.h"
+#include "format/scene/scene_xml.h"
+#include "format/shard/shard.h"
+#include "format/shard/shard_pages.h"
+#include "format/shard/shard_reader.h"
+#include "lattice/parameters.h"
+#include "tests/format/source/source_scene.h"
 #include "tests/fuzz/readers.h"
 
 namespace gigabake::fuzz {

@@ -3,13 +3,13 @@
 #include <filesystem>
 #include <string>
 
-#include "format/content_magic.h"
-#include "format/mesh.h"
-#include "format/read_file.h"
-#include "format/source.h"
-#include "format/tile_hash.h"
-#include "kernels/policy.h"
-#include "tests/format/source_scene.h"
+#include "format/source/content_magic.h"
+#include "format/source/mesh.h"
+#include "format/source/source.h"
+#include "format/source/tile_hash.h"
+#include "format/system/read_file.h"
+#include "lattice/thread_pool.h"
+#include "tests/format/source/source_scene.h"
 #include "tests/fuzz/readers.h"
 #include "worker/survey_tile.h"
 
@@ -44,7 +44,7 @@ bool is_small(const TileMesh& mesh) {
 }
 
 void read_as_a_bake_does(const Path& file) {
-  static const kernels::CpuPolicy policy(1);
+  static const ThreadPool pool(1);
   BakeParameters parameters;
   parameters.voxel_size_m = 1;
   const SceneSources sources = open_sources(file, {});
@@ -52,7 +52,7 @@ void read_as_a_bake_does(const Path& file) {
     const TileRef& tile = sources.tiles[t];
     identify_tile(tile, sources.root);
     const TileMesh mesh = read_tile(tile, sources.root, ReadScope::everything);
-    if (is_small(mesh)) survey_tile(sources, t, parameters, policy);
+    if (is_small(mesh)) survey_tile(sources, t, parameters, pool);
     for (const Primitive& p : mesh.primitives)
       for (const std::uint32_t vertex : p.index)
         if (3 * std::size_t(vertex) >= p.position.size()) throw FaultFound("an index beyond the vertices");

@@ -3,10 +3,10 @@
 #include <string_view>
 
 #include "tests/fuzz/readers.h"
-#include "viewer/camera_path.h"
-#include "viewer/http_guard.h"
-#include "viewer/pilot.h"
-#include "viewer/steering_json.h"
+#include "viewer/live/camera_path.h"
+#include "viewer/live/pilot.h"
+#include "viewer/live/steering_json.h"
+#include "viewer/web/http_guard.h"
 
 namespace gigabake::fuzz {
 namespace {

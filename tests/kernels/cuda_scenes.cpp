@@ -5,6 +5,10 @@
 #include <limits>
 #include <utility>
 
+#include "lattice/host_device.h"
+#include "lattice/rules.h"
+#include "lattice/thread_pool.h"
+
 namespace gigabake::kernels::test {
 namespace {
 
@@ -79,7 +83,7 @@ std::int32_t TestCell::add_texture(int width, int height, TextureAlpha alpha, un
   std::mt19937 random(seed);
   std::vector<std::uint8_t> rgba(std::size_t(4) * std::size_t(width) * std::size_t(height));
   for (auto& x : rgba) x = std::uint8_t(random());
-  textures_.emplace_back(std::move(rgba), width, height, alpha, std::uint8_t(128), CpuPolicy(1));
+  textures_.emplace_back(std::move(rgba), width, height, alpha, std::uint8_t(128), ThreadPool(1));
   return std::int32_t(textures_.size()) - 1;
 }
 

@@ -8,7 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "kernels/cell.h"
+#include "kernels/cpu/bake_cell.h"
+#include "kernels/cpu/texture.h"
 
 namespace gigabake::kernels::test {
 

@@ -3,6 +3,12 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "lattice/brick.h"
+#include "lattice/host_device.h"
+#include "lattice/octree.h"
+#include "lattice/rules.h"
+#include "lattice/thread_pool.h"
+
 namespace gigabake::reference {
 
 using namespace gigabake::kernels;
@@ -75,7 +81,7 @@ void expand_brick(const Level& level, std::size_t brick, const Voxel& corner, Vo
   }
 }
 
-void expand_constant(const Nodes& nodes, std::size_t node, const Voxel& corner, std::int64_t edge, int lod,
+void expand_constant(const NodeTable& nodes, std::size_t node, const Voxel& corner, std::int64_t edge, int lod,
                      VoxelMap& out) {
   BakedVoxel value;
   for (int c = 0; c < 4; ++c) value.rgba[c] = std::uint8_t(nodes.value[node] >> (8 * c));
@@ -164,7 +170,7 @@ CellVolume BakeScene::bake(int threads) const {
 
 VoxelMap voxels_at(const CellVolume& volume, const CellParameters& parameters, int lod) {
   VoxelMap out;
-  const Nodes& nodes = volume.nodes;
+  const NodeTable& nodes = volume.nodes;
   for (std::size_t n = 0; n < nodes.key.size(); ++n) {
     const int down = nodes.lod[n] - lod;
     if (down < 0 || (down > 0 && nodes.kind[n] != NodeKind::leaf_constant)) continue;
@@ -189,15 +195,15 @@ bool same_bits(const CellVolume& a, const CellVolume& b) {
     return x.key == y.key && x.mask == y.mask && x.first == y.first && x.rgba == y.rgba && x.normal == y.normal &&
            x.facing == y.facing;
   };
-  const Nodes &m = a.nodes, &n = b.nodes;
+  const NodeTable &m = a.nodes, &n = b.nodes;
   return std::equal(a.levels.begin(), a.levels.end(), b.levels.begin(), b.levels.end(), same_level) && m.key == n.key &&
          m.lod == n.lod && m.kind == n.kind && m.child_mask == n.child_mask && m.first_child == n.first_child &&
          m.value == n.value && m.normal == n.normal && m.facing == n.facing;
 }
 
-const CpuPolicy& policy_of(int threads) {
-  static std::map<int, CpuPolicy> policies;
-  return policies.try_emplace(threads, threads).first->second;
+const ThreadPool& policy_of(int threads) {
+  static std::map<int, ThreadPool> pools;
+  return pools.try_emplace(threads, threads).first->second;
 }
 
 }  // namespace gigabake::reference

@@ -7,7 +7,8 @@
 #include <map>
 
 #include "bench/exact/painted.h"
-#include "kernels/cell.h"
+#include "kernels/cpu/bake_cell.h"
+#include "kernels/cpu/texture.h"
 
 namespace gigabake::reference {
 
@@ -37,7 +38,7 @@ class BakeScene {
 
   /// Returns the material's index. Material 0 is opaque white and always there.
   std::uint32_t add_material(const kernels::MaterialView& material);
-  std::uint32_t add_colour(const Rgba16& linear, kernels::AlphaMode mode = kernels::AlphaMode::opaque);
+  std::uint32_t add_colour(const Rgba16& linear, AlphaMode mode = AlphaMode::opaque);
   /// A material with this square texture (sRGB bytes, straight alpha).
   std::uint32_t add_textured(kernels::MaterialView material, std::vector<std::uint8_t> rgba, int width, int height);
 
@@ -70,6 +71,6 @@ std::set<Voxel> positions_of(const VoxelMap& voxels);
 /// Every array of the answer is equal. Statistics are not compared.
 bool same_bits(const kernels::CellVolume& a, const kernels::CellVolume& b);
 
-const kernels::CpuPolicy& policy_of(int threads);
+const ThreadPool& policy_of(int threads);
 
 }  // namespace gigabake::reference

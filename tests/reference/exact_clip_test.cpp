@@ -4,13 +4,12 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
+#include "lattice/rules.h"
 #include "print.h"
 #include "triangle_families.h"
 
 namespace gigabake::reference {
 namespace {
-
-using gigabake::kernels::SurfaceRule;
 
 /// A window that holds the whole triangle, closed contacts too.
 Window around(const Triangle& t) {

@@ -6,6 +6,7 @@
 
 #include "bake_scene.h"
 #include "hard_values.h"
+#include "lattice/rules.h"
 #include "print.h"
 
 namespace gigabake::reference {

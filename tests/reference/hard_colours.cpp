@@ -1,11 +1,9 @@
 #include "hard_values.h"
 #include "hard_values_scene.h"
+#include "lattice/rules.h"
 
 namespace gigabake::reference {
 namespace {
-
-using gigabake::kernels::AlphaMode;
-using gigabake::kernels::SurfaceRule;
 
 void colours_weigh_by_area() {
   BakeScene scene;

@@ -2,6 +2,7 @@
 
 #include "hard_values.h"
 #include "hard_values_scene.h"
+#include "lattice/rules.h"
 
 namespace gigabake::reference {
 namespace {
@@ -45,7 +46,7 @@ void half_a_turn_turns_the_normal() {
 
 void what_is_invisible_has_no_say_in_the_normal() {
   BakeScene scene;
-  scene.add_mesh(sheet_at(100), scene.add_colour({65535, 65535, 65535, 0}, kernels::AlphaMode::blend));
+  scene.add_mesh(sheet_at(100), scene.add_colour({65535, 65535, 65535, 0}, AlphaMode::blend));
   scene.add_mesh({{{{100, 10, 10}, {100, 200, 10}, {100, 10, 200}}}});
   EXPECT_EQ(only_voxel(scene).normal, (std::array<std::int8_t, 2>{127, 0}));
 }

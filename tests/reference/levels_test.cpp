@@ -4,6 +4,8 @@
 
 #include "bake_scene.h"
 #include "closed_meshes.h"
+#include "lattice/octree.h"
+#include "lattice/rules.h"
 #include "print.h"
 
 namespace gigabake::reference {
@@ -268,8 +270,8 @@ TEST_P(Levels, OfAStripedBlockAreConstantAboveAndBricksBelow) {
   expect_levels(scene, volume);
 }
 
-/// The table's order and links as kernels/cell.h and format/shard.h promise them.
-void expect_tree(const Nodes& nodes, int lods) {
+/// The table's order and links as kernels/body/cell.h and format/shard/shard.h promise them.
+void expect_tree(const NodeTable& nodes, int lods) {
   std::vector<int> visits(nodes.key.size(), 0);
   ASSERT_EQ(nodes.lod[0], lods - 1);
   visits[0] = 1;

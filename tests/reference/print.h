@@ -5,11 +5,12 @@
 #include <string>
 
 #include "bench/exact/exact_clip.h"
+#include "lattice/rules.h"
 
 namespace gigabake::reference {
 
-inline const char* name_of(kernels::SurfaceRule rule) {
-  return rule == kernels::SurfaceRule::area ? "area" : rule == kernels::SurfaceRule::thin ? "thin" : "conservative";
+inline const char* name_of(SurfaceRule rule) {
+  return rule == SurfaceRule::area ? "area" : rule == SurfaceRule::thin ? "thin" : "conservative";
 }
 
 inline std::string text_of(const Triangle& t) {
@@ -18,7 +19,7 @@ inline std::string text_of(const Triangle& t) {
   return out.str();
 }
 
-inline std::string describe(std::uint64_t seed, int number, const Triangle& t, kernels::SurfaceRule rule) {
+inline std::string describe(std::uint64_t seed, int number, const Triangle& t, SurfaceRule rule) {
   return ", " + std::string(name_of(rule)) + ", seed " + std::to_string(seed) + ", case " + std::to_string(number) +
          ", sub-voxels " + text_of(t);
 }

@@ -1,5 +1,5 @@
 /// The snap against exact rationals: how far a vertex moves, and where ties go.
-#include "kernels/snap.h"
+#include "lattice/snap.h"
 
 #include <cmath>
 #include <gmpxx.h>
@@ -11,7 +11,7 @@
 namespace gigabake::reference {
 namespace {
 
-using namespace gigabake::kernels;
+using namespace gigabake;
 
 constexpr double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 

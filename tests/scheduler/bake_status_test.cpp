@@ -8,7 +8,7 @@
 #include <sstream>
 #include <unistd.h>
 
-#include "format/error.h"
+#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

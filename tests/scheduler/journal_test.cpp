@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 #include <thread>
 
-#include "format/error.h"
+#include "lattice/error.h"
 #include "made_bake.h"
-#include "tests/format/small_disk.h"
+#include "tests/format/system/small_disk.h"
 
 namespace gigabake {
 namespace {

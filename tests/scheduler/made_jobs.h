@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "format/cell_job.h"
+#include "format/job/cell_job.h"
 
 namespace gigabake {
 

@@ -5,7 +5,7 @@
 #include <sys/stat.h>
 #include <thread>
 
-#include "format/tile_hash.h"
+#include "format/source/tile_hash.h"
 #include "made_bake.h"
 #include "scheduler/plan.h"
 

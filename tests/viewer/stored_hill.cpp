@@ -1,7 +1,7 @@
 #include "stored_hill.h"
 
-#include "format/parameters.h"
-#include "tests/format/made_shard.h"
+#include "lattice/parameters.h"
+#include "tests/format/shard/made_shard.h"
 
 namespace gigabake {
 

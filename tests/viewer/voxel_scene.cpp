@@ -4,17 +4,17 @@
 #include <bit>
 #include <string>
 
-#include "format/brick_walk.h"
-#include "format/parameters.h"
-#include "kernels/levels.h"
-#include "kernels/prune.h"
+#include "format/shard/brick_walk.h"
+#include "kernels/cpu/levels.h"
+#include "kernels/cpu/prune.h"
+#include "lattice/parameters.h"
 
 namespace gigabake {
 namespace {
 
-const kernels::CpuPolicy& one_thread() {
-  static const kernels::CpuPolicy policy(1);
-  return policy;
+const ThreadPool& one_thread() {
+  static const ThreadPool pool(1);
+  return pool;
 }
 
 void paint_brick(const Painter& paint, const std::array<std::int64_t, 3>& corner, std::uint64_t key,
@@ -43,20 +43,19 @@ std::vector<kernels::Level> paint_levels(const Painter& paint, const std::array<
     paint_brick(paint, {min[0] + at.x * 8, min[1] + at.y * 8, min[2] + at.z * 8}, key, levels[0]);
   }
   kernels::LevelRasters rasters;
-  kernels::add_coarser_levels(levels, rasters, std::bit_width(edge / 8), kernels::MipFilter::coverage, true,
-                              one_thread());
+  kernels::add_coarser_levels(levels, rasters, std::bit_width(edge / 8), MipFilter::coverage, true, one_thread());
   return levels;
 }
 
 /// The tree with a brick in every node.
-kernels::Nodes nodes_of_bricks(const std::vector<kernels::Level>& levels) {
-  kernels::Nodes nodes;
+NodeTable nodes_of_bricks(const std::vector<kernels::Level>& levels) {
+  NodeTable nodes;
   for (std::size_t lod = levels.size(); lod-- > 0;)
     for (std::size_t b = 0; b < levels[lod].key.size(); ++b) {
       const std::uint64_t key = levels[lod].key[b];
       nodes.key.push_back(key);
       nodes.lod.push_back(std::uint8_t(lod));
-      nodes.kind.push_back(kernels::NodeKind::brick);
+      nodes.kind.push_back(NodeKind::brick);
       nodes.child_mask.push_back(0);
       nodes.first_child.push_back(0xffffffff);
       nodes.value.push_back(std::uint32_t(b));
@@ -69,13 +68,6 @@ kernels::Nodes nodes_of_bricks(const std::vector<kernels::Level>& levels) {
       }
     }
   return nodes;
-}
-
-NodeTable to_table(const kernels::Nodes& nodes) {
-  NodeTable table{nodes.key,         nodes.lod,   {},           nodes.child_mask,
-                  nodes.first_child, nodes.value, nodes.normal, nodes.facing};
-  for (const kernels::NodeKind kind : nodes.kind) table.kind.push_back(NodeKind(kind));
-  return table;
 }
 
 std::vector<NodeRow> rows_of(const NodeTable& table, std::uint32_t block) {
@@ -114,9 +106,8 @@ void VoxelScene::add_cell(const Painter& paint, const std::array<std::int64_t, 3
   std::vector<kernels::Level> levels = paint_levels(paint, lattice_min, cell_voxels_);
   if (levels[0].key.empty()) return;
   Shard shard;
-  shard.nodes = to_table(nodes == Nodes::pruned ? kernels::prune(levels, one_thread()) : nodes_of_bricks(levels));
-  for (kernels::Level& level : levels)
-    shard.levels.push_back({level.mask, level.first, level.rgba, level.normal, level.facing});
+  shard.nodes = nodes == Nodes::pruned ? kernels::prune(levels, one_thread()) : nodes_of_bricks(levels);
+  for (kernels::Level& level : levels) shard.levels.push_back(level);
   shards_.push_back(std::move(shard));
   SceneCell cell;
   cell.name = "c_" + std::to_string(shards_.size());
@@ -157,11 +148,11 @@ PictureOptions view(const std::array<double, 3>& eye_m, const std::array<double,
 }
 
 Picture take(const VoxelScene& scene, const PictureOptions& options) {
-  const kernels::CpuPolicy policy(options.threads);
+  const ThreadPool pool(options.threads);
   SceneStream::Options wishes;
   wishes.light = options.light;
   wishes.memory_bytes = options.memory_bytes;
-  SceneStream stream(scene.description(), "scene.xml", scene.pages(), wishes, policy);
+  SceneStream stream(scene.description(), "scene.xml", scene.pages(), wishes, pool);
   return render(stream, make_camera(options.camera, scene.description(), scene.pages()), options.background);
 }
 

@@ -7,11 +7,11 @@
 #include <optional>
 #include <vector>
 
-#include "format/scene_xml.h"
-#include "format/shard.h"
-#include "viewer/camera.h"
-#include "viewer/page.h"
-#include "viewer/picture.h"
+#include "format/scene/scene_xml.h"
+#include "format/shard/shard.h"
+#include "viewer/pictures/camera.h"
+#include "viewer/pictures/picture.h"
+#include "viewer/stream/page.h"
 
 namespace gigabake {
 

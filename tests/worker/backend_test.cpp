@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "format/error.h"
-#include "kernels/cuda_baker.h"
+#include "kernels/cuda/baker.h"
+#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

@@ -8,11 +8,11 @@
 #include <map>
 #include <thread>
 
-#include "format/content_hash.h"
-#include "format/error.h"
-#include "format/shard.h"
-#include "format/tile_hash.h"
+#include "format/shard/content_hash.h"
+#include "format/shard/shard.h"
+#include "format/source/tile_hash.h"
 #include "glb_scene.h"
+#include "lattice/error.h"
 #include "worker/survey_tile.h"
 
 namespace gigabake {
@@ -34,10 +34,10 @@ class CellPipelineTest : public testing::Test {
 
   /// One job per column that the tiles touch; the ground's height fits one cell.
   std::vector<CellJob> jobs() const {
-    const kernels::CpuPolicy policy(1);
+    const ThreadPool pool(1);
     std::map<std::pair<std::int64_t, std::int64_t>, std::vector<std::uint32_t>> columns;
     for (std::uint32_t t = 0; t < sources.tiles.size(); ++t)
-      for (const ColumnExtent& c : survey_tile(sources, t, parameters, policy).columns)
+      for (const ColumnExtent& c : survey_tile(sources, t, parameters, pool).columns)
         columns[{c.column_x, c.column_y}].push_back(t);
     std::vector<CellJob> out;
     for (const auto& [column, tiles] : columns) {

@@ -6,8 +6,8 @@
 #include <random>
 #include <utility>
 
-#include "kernels/cell.h"
-#include "kernels/morton.h"
+#include "kernels/cpu/bake_cell.h"
+#include "lattice/morton.h"
 
 namespace gigabake {
 namespace {
@@ -26,7 +26,7 @@ Columns columns_of(const LatticeTriangle& t, const ColumnGrid& grid) {
 
 /// Voxels of one triangle as the kernels bake it in a window at 0,0,0; vertices must be exact as float.
 template <class Visit>
-void for_each_baked_voxel(const LatticeTriangle& t, kernels::SurfaceRule rule, const Visit& visit) {
+void for_each_baked_voxel(const LatticeTriangle& t, SurfaceRule rule, const Visit& visit) {
   std::vector<float> position;
   for (const auto& p : t.p) position.insert(position.end(), p, p + 3);
   const std::vector<std::uint32_t> index{0, 1, 2};
@@ -39,12 +39,12 @@ void for_each_baked_voxel(const LatticeTriangle& t, kernels::SurfaceRule rule, c
   parameters.frame.voxel_size_m = 256;  // one metre is one sub-voxel
   parameters.window_voxels = 64;
   parameters.surface = rule;
-  static const kernels::CpuPolicy policy(1);
-  const auto volume = kernels::bake_cell({{&part, 1}, {&white, 1}, {}}, parameters, policy);
+  static const ThreadPool pool(1);
+  const auto volume = kernels::bake_cell({{&part, 1}, {&white, 1}, {}}, parameters, pool);
   if (volume.levels.empty()) return;
   const kernels::Level& level = volume.levels[0];
   for (std::size_t b = 0; b < level.key.size(); ++b) {
-    const auto brick = kernels::demorton(level.key[b]);
+    const auto brick = demorton(level.key[b]);
     for (int v = 0; v < 512; ++v)
       if (level.mask[8 * b + std::size_t(v / 64)] >> (v % 64) & 1)
         visit(std::int64_t(8 * brick.x) + v % 8, std::int64_t(8 * brick.y) + v / 8 % 8,
@@ -68,9 +68,8 @@ TEST(ForEachColumn, HoldsEveryVoxelThatTheKernelsOccupyUnderAnySurfaceRule) {
   for (int round = 0; round < 600; ++round) {
     // Steps of 256 and 128 put vertices on voxel corners and centres, where ties are.
     const LatticeTriangle t = random_triangle(rng, 64 * 256 - 256, std::array{1, 128, 256}[std::size_t(round % 3)]);
-    for (const auto rule :
-         {kernels::SurfaceRule::area, kernels::SurfaceRule::conservative, kernels::SurfaceRule::thin}) {
-      const ColumnGrid grid{3 + round % 2, rule != kernels::SurfaceRule::area};
+    for (const auto rule : {SurfaceRule::area, SurfaceRule::conservative, SurfaceRule::thin}) {
+      const ColumnGrid grid{3 + round % 2, rule != SurfaceRule::area};
       const Columns columns = columns_of(t, grid);
       for_each_baked_voxel(t, rule, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
         const auto at = columns.find({x >> grid.cell_bits, y >> grid.cell_bits});

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "format/parameters.h"
-#include "format/source.h"
+#include "format/source/source.h"
+#include "lattice/parameters.h"
 #include "worker/cell_pipeline.h"
 
 namespace gigabake {

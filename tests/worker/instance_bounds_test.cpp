@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "kernels/cell.h"
+#include "kernels/cpu/bake_cell.h"
 #include "worker/lattice.h"
 
 namespace gigabake {
@@ -32,7 +32,7 @@ TEST(MayMeet, IsTrueWheneverTheKernelsFindAVoxel) {
   const std::uint64_t seed = std::random_device{}();
   std::mt19937_64 rng(seed);
   std::uniform_real_distribution<double> unit(-1, 1);
-  const kernels::CpuPolicy policy(1);
+  const ThreadPool pool(1);
   const kernels::MaterialView white;
   int met = 0, missed = 0;
   for (int round = 0; round < 4000; ++round) {
@@ -56,8 +56,8 @@ TEST(MayMeet, IsTrueWheneverTheKernelsFindAVoxel) {
     kernels::CellParameters cell;
     cell.frame = snap_frame(parameters);
     cell.window_voxels = 8;
-    cell.surface = kernels::SurfaceRule::conservative;
-    const bool occupied = !kernels::bake_cell({{&part, 1}, {&white, 1}, {}}, cell, policy).levels.empty();
+    cell.surface = SurfaceRule::conservative;
+    const bool occupied = !kernels::bake_cell({{&part, 1}, {&white, 1}, {}}, cell, pool).levels.empty();
     const bool may = may_meet(bounds_of(primitive), instance, parameters, {{0, 0, 0}, 8});
     EXPECT_TRUE(may || !occupied) << "seed " << seed << ", round " << round;
     met += occupied;

@@ -90,12 +90,12 @@ TEST(Instances, SurveyedByBoxesReachWhereTheirTrianglesReachAndHardlyFarther) {
   const std::uint64_t seed = std::random_device{}();
   SCOPED_TRACE("seed " + std::to_string(seed));
   const Forest forest = random_forest(3000, 300, seed);
-  const kernels::CpuPolicy policy(2);
+  const ThreadPool pool(2);
   const ScratchFolder few, many;
   write_instanced(few.path(), 300, forest.translation, forest.rotation);   // 900 000 triangles: one by one
   write_instanced(many.path(), 400, forest.translation, forest.rotation);  // 1 200 000: by boxes
-  const TileSurvey exact = survey_tile(forest_sources(few.path()), 0, metre_lattice(), policy);
-  const TileSurvey boxed = survey_tile(forest_sources(many.path()), 0, metre_lattice(), policy);
+  const TileSurvey exact = survey_tile(forest_sources(few.path()), 0, metre_lattice(), pool);
+  const TileSurvey boxed = survey_tile(forest_sources(many.path()), 0, metre_lattice(), pool);
   ASSERT_EQ(exact.error + boxed.error, "");
   EXPECT_EQ(boxed.triangles, 1200000u);
   const Columns near = by_place(exact), far = by_place(boxed);
@@ -120,7 +120,7 @@ TEST(Instances, AMillionOfAThousandTrianglesAreSurveyedInSecondsAndBytesEach) {
   write_instanced(folder.path(), 1000, forest.translation, forest.rotation);
   const std::uint64_t before = peak_bytes();
   const auto start = std::chrono::steady_clock::now();
-  const TileSurvey s = survey_tile(forest_sources(folder.path()), 0, metre_lattice(), kernels::CpuPolicy(2));
+  const TileSurvey s = survey_tile(forest_sources(folder.path()), 0, metre_lattice(), ThreadPool(2));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const double bytes = double(peak_bytes() - before) / 1e6;
   std::cout << "a million instances: " << seconds << " s, " << bytes << " bytes each at the peak\n";

@@ -37,7 +37,7 @@ TEST(ShadedMaterial, IgnoresTheImagesAlphaWhenOpaque) {
   const auto m = shaded_material(textured(AlphaMode::opaque));
   EXPECT_EQ(m.image, 3);
   EXPECT_EQ(m.recipe, TextureRecipe{});
-  EXPECT_EQ(m.view.alpha_mode, kernels::AlphaMode::opaque);
+  EXPECT_EQ(m.view.alpha_mode, AlphaMode::opaque);
 }
 
 TEST(ShadedMaterial, KeepsTheImagesAlphaWhenBlended) {
@@ -60,7 +60,7 @@ TEST(ShadedMaterial, TurnsTheCutoffIntoTheLeastTexelThatPasses) {
 
 TEST(ShadedMaterial, IsOpaqueWhereEverythingPassesTheCutoff) {
   const auto m = shaded_material(textured(AlphaMode::mask, 1, 0));
-  EXPECT_EQ(m.view.alpha_mode, kernels::AlphaMode::opaque);
+  EXPECT_EQ(m.view.alpha_mode, AlphaMode::opaque);
   EXPECT_EQ(m.recipe, TextureRecipe{});
 }
 
@@ -79,8 +79,8 @@ TEST(ShadedMaterial, CarriesWrapAndFilterOver) {
   material.texture.wrap_t = Wrap::mirrored_repeat;
   material.texture.nearest = true;
   const auto m = shaded_material(material);
-  EXPECT_EQ(m.view.wrap_s, kernels::Wrap::clamp_to_edge);
-  EXPECT_EQ(m.view.wrap_t, kernels::Wrap::mirrored_repeat);
+  EXPECT_EQ(m.view.wrap_s, Wrap::clamp_to_edge);
+  EXPECT_EQ(m.view.wrap_t, Wrap::mirrored_repeat);
   EXPECT_TRUE(m.view.nearest);
 }
 

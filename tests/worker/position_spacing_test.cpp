@@ -59,7 +59,7 @@ TEST(SurveyTile, FindsTheSpacingOfItsCoarsestVertexAndIgnoresThoseThatAreDropped
   BakeParameters parameters;
   parameters.voxel_size_m = 1;
   parameters.cell_voxels = 64;
-  const TileSurvey s = survey_tile(sources_of(folder.path(), {"far.glb"}), 0, parameters, kernels::CpuPolicy(2));
+  const TileSurvey s = survey_tile(sources_of(folder.path(), {"far.glb"}), 0, parameters, ThreadPool(2));
   EXPECT_EQ(s.error, "");
   EXPECT_EQ(s.too_far, 1u);
   EXPECT_EQ(s.spacing_m, 1.0 / 32);

@@ -2,8 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "format/brick_walk.h"
-#include "format/content_hash.h"
+#include "format/shard/brick_walk.h"
+#include "format/shard/content_hash.h"
+#include "kernels/cpu/bake_cell.h"
 
 namespace gigabake {
 namespace {
@@ -18,7 +19,7 @@ kernels::CellVolume bake(const std::vector<float>& position, std::uint32_t windo
   const kernels::MaterialView white;
   kernels::CellParameters parameters;
   parameters.window_voxels = window_voxels;
-  return kernels::bake_cell({{&part, 1}, {&white, 1}, {}}, parameters, kernels::CpuPolicy(1));
+  return kernels::bake_cell({{&part, 1}, {&white, 1}, {}}, parameters, ThreadPool(1));
 }
 
 void add_floor(std::vector<float>& position, float edge, float z) {

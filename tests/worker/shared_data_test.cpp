@@ -13,8 +13,8 @@
 #include <set>
 #include <sstream>
 
-#include "format/error.h"
-#include "format/source.h"
+#include "format/source/source.h"
+#include "lattice/error.h"
 #include "worker/survey_tile.h"
 
 namespace gigabake {
@@ -57,10 +57,10 @@ struct SetOutcome {
 
 /// Reads a tile as a bake does. Returns why it is lost; empty: it is there.
 std::string try_tile(const SceneSources& sources, std::uint32_t tile, std::uint64_t& triangles) {
-  static const kernels::CpuPolicy policy(2);
+  static const ThreadPool pool(2);
   BakeParameters parameters;
   parameters.voxel_size_m = 1;
-  const TileSurvey survey = survey_tile(sources, tile, parameters, policy);
+  const TileSurvey survey = survey_tile(sources, tile, parameters, pool);
   if (!survey.error.empty()) return survey.error;
   try {
     const TileMesh mesh = read_tile(sources.tiles[tile], sources.root, ReadScope::everything);

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "glb_scene.h"
-#include "kernels/snap.h"
+#include "lattice/snap.h"
 #include "worker/lattice.h"
 
 namespace gigabake {
@@ -22,8 +22,8 @@ BakeParameters fine_lattice() {
 
 TileSurvey survey(const std::filesystem::path& folder, const std::string& file, const BakeParameters& parameters,
                   int threads = 2) {
-  const kernels::CpuPolicy policy(threads);
-  return survey_tile(sources_of(folder, {file}), 0, parameters, policy);
+  const ThreadPool pool(threads);
+  return survey_tile(sources_of(folder, {file}), 0, parameters, pool);
 }
 
 TEST(SurveyTile, HoldsEveryVertexInItsColumnsRangeAndEndsWhereTheGroundEnds) {

@@ -1,10 +1,10 @@
 // The kernels' own arithmetic for a voxel's hash gives what the xxHash library gives for its record.
-#include "kernels/voxel_hash.h"
+#include "lattice/voxel_hash.h"
 
 #include <gtest/gtest.h>
 #include <random>
 
-#include "format/content_hash.h"
+#include "format/shard/content_hash.h"
 
 namespace gigabake {
 namespace {
@@ -22,14 +22,14 @@ TEST(HashVoxel, IsTheLibrarysHashOfTheRecordForRandomVoxels) {
     for (int c = 0; c < 4; ++c) rgba[c] = std::uint8_t(value >> 8 * c);
     for (int c = 0; c < 2; ++c) normal[c] = std::int8_t(std::uint8_t(value >> (32 + 8 * c)));
     const Hash128 library = voxel_hash(lod, corner, rgba, normal);
-    const kernels::Sum128 ours =
-        kernels::hash_voxel(lod, corner[0], corner[1], corner[2], std::uint32_t(value), std::uint16_t(value >> 32));
+    const Hash128 ours =
+        hash_voxel(lod, corner[0], corner[1], corner[2], std::uint32_t(value), std::uint16_t(value >> 32));
     ASSERT_EQ((Hash128{ours.lo, ours.hi}), library) << "seed " << seed << " item " << i;
     const std::uint64_t more = random();
     const std::uint8_t facing[3] = {std::uint8_t(more), std::uint8_t(more >> 8), std::uint8_t(more >> 16)};
     const Hash128 library_too = voxel_hash(lod, corner, rgba, normal, facing);
-    const kernels::Sum128 ours_too = kernels::hash_voxel(lod, corner[0], corner[1], corner[2], std::uint32_t(value),
-                                                         std::uint16_t(value >> 32), std::uint32_t(more & 0xffffff));
+    const Hash128 ours_too = hash_voxel(lod, corner[0], corner[1], corner[2], std::uint32_t(value),
+                                        std::uint16_t(value >> 32), std::uint32_t(more & 0xffffff));
     ASSERT_EQ((Hash128{ours_too.lo, ours_too.hi}), library_too) << "facing, seed " << seed << " item " << i;
   }
 }

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-#include "format/error.h"
+#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
-#include "viewer/steering_json.h"
+#include "viewer/live/steering_json.h"
 
 namespace gigabake {
 namespace {

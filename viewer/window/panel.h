@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "viewer/live_scene.h"
+#include "viewer/live/live_scene.h"
 
 namespace gigabake {
 

@@ -1,7 +1,7 @@
 /// A picture on the screen, through OpenGL 2.1 and nothing newer.
 #pragma once
 
-#include "viewer/picture.h"
+#include "viewer/pictures/picture.h"
 
 namespace gigabake {
 

@@ -11,9 +11,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "format/publish.h"
-#include "viewer/camera_path.h"
-#include "viewer/png.h"
+#include "format/system/publish.h"
+#include "viewer/live/camera_path.h"
+#include "viewer/pictures/png.h"
 #include "viewer/window/panel.h"
 #include "viewer/window/screen_picture.h"
 #include "viewer/window/window_input.h"

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "viewer/live_scene.h"
+#include "viewer/live/live_scene.h"
 
 namespace gigabake {
 

@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "viewer/pilot.h"
+#include "viewer/live/pilot.h"
 
 struct GLFWwindow;
 

@@ -1,5 +1,5 @@
 #include "bench/hard_bench.h"
-#include "format/error.h"
+#include "lattice/error.h"
 
 namespace gigabake::bench {
 

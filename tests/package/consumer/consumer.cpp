@@ -3,9 +3,11 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <format/brick_walk.h>
-#include <format/shard_reader.h>
-#include <kernels/morton.h>
+#include <format/shard/brick_walk.h>
+#include <format/shard/shard_reader.h>
+#include <lattice/morton.h>
+
+#include "lattice/octree.h"
 
 int main(int arguments, char** argument) {
   if (arguments != 3) return 2;
@@ -19,7 +21,7 @@ int main(int arguments, char** argument) {
                                           const std::int8_t*) { voxels += rgba[3] > 0 ? 1 : 0; });
     for (const std::uint64_t key : nodes.key) {
       const gigabake::BrickPosition at = gigabake::brick_position(key);
-      if (gigabake::kernels::morton(at.x, at.y, at.z) != key) return 1;
+      if (morton(at.x, at.y, at.z) != key) return 1;
     }
     std::printf("%llu\n", static_cast<unsigned long long>(voxels));
     return 0;

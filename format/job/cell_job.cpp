@@ -1,0 +1,95 @@
+#include "format/job/cell_job.h"
+
+#include "lattice/bytes.h"
+
+namespace gigabake {
+namespace {
+
+/// One list of fields serves both directions: `f` is ByteWriter::put or ByteReader::get.
+template <class Cell, class F>
+void each_field_of_cell(Cell& c, const F& f) {
+  f(c.name), f(c.file), f(c.lattice_min), f(c.cell_voxels), f(c.lods), f(c.bytes), f(c.triangles), f(c.voxels),
+      f(c.fingerprint), f(c.content_hash);
+}
+
+template <class Job, class F>
+void each_field_of_job(Job& j, const F& f) {
+  f(j.id), f(j.name), f(j.lattice_min), f(j.cell_voxels), f(j.tiles), f(j.triangles), f(j.fingerprint),
+      f(j.tile_sources);
+}
+
+template <class Report, class F>
+void each_field_of_report(Report& r, const F& f) {
+  f(r.id), f(r.outcome), f(r.error), each_field_of_cell(r.cell, f), f(r.read_s), f(r.kernel_s), f(r.write_s),
+      f(r.peak_bytes), f(r.on_device), f(r.bad_uv), f(r.note), f(r.levels), f(r.shard);
+}
+
+template <class Survey, class F>
+void each_field_of_survey(Survey& s, const F& f) {
+  f(s.tile), f(s.columns), f(s.triangles), f(s.non_finite), f(s.zero_area), f(s.skipped_points), f(s.skipped_lines),
+      f(s.source), f(s.error), f(s.spacing_m), f(s.warnings), f(s.too_far), f(s.reach_m);
+}
+
+template <class File, class F>
+void each_field_of_file(File& file, const F& f) {
+  f(file.name), f(file.stamp), f(file.settled);
+}
+
+}  // namespace
+
+std::filesystem::path shard_path(const CellJob& job) {
+  return std::filesystem::path("shards") / (job.name + "-" + job.fingerprint.hex() + ".h5");
+}
+
+std::vector<std::uint8_t> to_bytes(const CellJob& job) {
+  ByteWriter w;
+  each_field_of_job(job, [&w](const auto& field) { w.put(field); });
+  return w.take();
+}
+
+std::vector<std::uint8_t> to_bytes(const CellReport& report) {
+  ByteWriter w;
+  each_field_of_report(report, [&w](const auto& field) { w.put(field); });
+  return w.take();
+}
+
+std::vector<std::uint8_t> to_bytes(const TileSurvey& survey) {
+  ByteWriter w;
+  const auto put = [&w](const auto& field) { w.put(field); };
+  each_field_of_survey(survey, put);
+  put(std::uint64_t(survey.files.size()));
+  for (const StampedFile& file : survey.files) each_field_of_file(file, put);
+  return w.take();
+}
+
+CellJob job_from_bytes(std::span<const std::uint8_t> bytes) {
+  ByteReader r(bytes, "cell job");
+  CellJob job;
+  each_field_of_job(job, [&r](auto& field) { r.get(field); });
+  r.expect_end();
+  if (!job.tile_sources.empty() && job.tile_sources.size() != job.tiles.size())
+    throw InputError("cell job", "tile_sources", "expected one for each tile, or none");
+  return job;
+}
+
+CellReport report_from_bytes(std::span<const std::uint8_t> bytes) {
+  ByteReader r(bytes, "cell report");
+  CellReport report;
+  each_field_of_report(report, [&r](auto& field) { r.get(field); });
+  r.expect_end();
+  return report;
+}
+
+TileSurvey survey_from_bytes(std::span<const std::uint8_t> bytes) {
+  ByteReader r(bytes, "tile survey");
+  TileSurvey survey;
+  const auto get = [&r](auto& field) { r.get(field); };
+  each_field_of_survey(survey, get);
+  std::uint64_t files = 0;
+  get(files);
+  for (; files > 0; --files) each_field_of_file(survey.files.emplace_back(), get);  // ends with the bytes
+  r.expect_end();
+  return survey;
+}
+
+}  // namespace gigabake

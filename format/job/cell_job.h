@@ -1,0 +1,62 @@
+/// A cell as it travels from the plan to a worker rank, and the answer. Values that a test can replay; the byte form is
+/// what goes over MPI and into the journal.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "format/job/survey.h"
+#include "format/scene/scene_xml.h"
+#include "format/shard/level_summary.h"
+#include "format/shard/shard.h"
+#include "format/system/file_stamp.h"
+
+namespace gigabake {
+
+struct CellJob {
+  std::uint32_t id = 0;                       ///< index into BakePlan::jobs
+  std::string name;                           ///< "c_X_Y_Z": column and stack index
+  std::array<std::int64_t, 3> lattice_min{};  ///< lod-0 voxels; x, y multiples of N, z of the coarsest level's voxel
+  std::uint32_t cell_voxels = 0;              ///< N
+  std::vector<std::uint32_t> tiles;           ///< indices into SceneSources::tiles, ascending
+  std::uint64_t triangles = 0;                ///< estimate, for the order of work
+  Hash128 fingerprint;
+  std::vector<Hash128> tile_sources;  ///< TileSurvey::source of each of `tiles`; empty: nobody checks what they hold
+};
+
+enum class CellOutcome : std::uint8_t {
+  baked,
+  empty,
+  failed,   ///< another try may succeed: no memory, failed I/O
+  refused,  ///< no other try would: bad input, a limit
+};
+
+struct CellReport {
+  std::uint32_t id = 0;
+  CellOutcome outcome = CellOutcome::failed;
+  std::string error;                             ///< one line when failed or refused
+  SceneCell cell;                                ///< as the scene will list it, when baked
+  double read_s = 0, kernel_s = 0, write_s = 0;  ///< per stage, wall
+  std::uint64_t peak_bytes = 0;                  ///< of the kernels' working memory
+  bool on_device = false;                        ///< the kernels ran on a GPU
+  std::uint64_t bad_uv = 0;                      ///< triangles baked without their unusable texture coordinates
+  std::string note;                              ///< one line that somebody should read, though all is well
+  std::vector<LevelSummary> levels = {};         ///< per lod, when baked
+  FileStamp shard = {};  ///< of OUT/<cell.file>, taken after it was published or before it was read back, when baked
+};
+
+/// Relative to OUT: shards/<name>-<fingerprint>.h5.
+std::filesystem::path shard_path(const CellJob& job);
+
+std::vector<std::uint8_t> to_bytes(const CellJob& job);
+std::vector<std::uint8_t> to_bytes(const CellReport& report);
+std::vector<std::uint8_t> to_bytes(const TileSurvey& survey);
+CellJob job_from_bytes(std::span<const std::uint8_t> bytes);        ///< Errors InputError when malformed
+CellReport report_from_bytes(std::span<const std::uint8_t> bytes);  ///< Errors InputError when malformed
+TileSurvey survey_from_bytes(std::span<const std::uint8_t> bytes);  ///< Errors InputError when malformed
+
+}  // namespace gigabake

@@ -1,0 +1,54 @@
+/// The cube of the lattice that a cell fills.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "format/scene/scene_xml.h"
+
+namespace gigabake {
+
+/// Half-open box in lod-0 voxels.
+struct LatticeBox {
+  std::array<std::int64_t, 3> min{}, end{};
+
+  bool is_empty() const { return min[0] >= end[0] || min[1] >= end[1] || min[2] >= end[2]; }
+  bool holds(const std::array<std::int64_t, 3>& p) const {
+    for (std::size_t c = 0; c < 3; ++c)
+      if (p[c] < min[c] || p[c] >= end[c]) return false;
+    return true;
+  }
+  friend bool operator==(const LatticeBox&, const LatticeBox&) = default;
+};
+
+inline LatticeBox window_of(const SceneCell& cell) {
+  const std::int64_t edge = cell.cell_voxels;
+  return {cell.lattice_min, {cell.lattice_min[0] + edge, cell.lattice_min[1] + edge, cell.lattice_min[2] + edge}};
+}
+
+inline LatticeBox intersection(const LatticeBox& a, const LatticeBox& b) {
+  LatticeBox r;
+  for (std::size_t c = 0; c < 3; ++c) {
+    r.min[c] = std::max(a.min[c], b.min[c]);
+    r.end[c] = std::min(a.end[c], b.end[c]);
+  }
+  return r;
+}
+
+/// Finds the cells of a scene that overlap a box. Borrows the cells.
+/// Cost  a binary search, then a look at every cell of the same x range.
+class CellFinder {
+ public:
+  explicit CellFinder(const std::vector<SceneCell>& cells);
+  /// Indices into the scene's cells, ascending.
+  std::vector<std::size_t> overlapping(const LatticeBox& box) const;
+
+ private:
+  const std::vector<SceneCell>& cells_;
+  std::vector<std::size_t> by_x_;
+  std::int64_t largest_edge_ = 0;
+};
+
+}  // namespace gigabake

@@ -1,0 +1,265 @@
+#include "format/scene/diff.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "format/scene/cell_window.h"
+#include "format/scene/scene_totals.h"
+#include "format/scene/shard_of_scene.h"
+#include "format/shard/level_lookup.h"
+#include "lattice/error.h"
+
+namespace gigabake {
+namespace {
+
+using Corner = std::array<std::int64_t, 3>;
+
+struct Side {
+  std::filesystem::path scene_xml;
+  SceneDescription scene;
+};
+
+/// A cell of one scene, read level by level.
+struct OpenCell {
+  OpenCell(const Side& side, const SceneCell& cell)
+      : reader(open_shard_of_scene(side.scene_xml, side.scene, cell)),
+        nodes(reader.nodes()),
+        min(cell.lattice_min),
+        lods(cell.lods) {}
+  ShardReader reader;
+  NodeTable nodes;
+  Corner min;
+  std::uint32_t lods;
+};
+
+class DifferenceSum {
+ public:
+  explicit DifferenceSum(int lod) { d_.lod = lod; }
+  void add_both(const VoxelValue& a, const VoxelValue& b) {
+    ++d_.both;
+    d_.turned += std::memcmp(a.normal, b.normal, 2) != 0;
+    d_.refaced += a.facing != nullptr && b.facing != nullptr && std::memcmp(a.facing, b.facing, 3) != 0;
+    if (std::memcmp(a.rgba, b.rgba, 4) == 0) return;
+    ++d_.recoloured;
+    for (std::size_t c = 0; c < 4; ++c) {
+      const int difference = std::abs(int(a.rgba[c]) - int(b.rgba[c]));
+      d_.largest[c] = std::max(d_.largest[c], difference);
+      sum_[c] += std::uint64_t(difference);
+    }
+  }
+  void add_only_in_a(std::uint64_t voxels) { d_.only_in_a += voxels; }
+  void add_only_in_b(std::uint64_t voxels) { d_.only_in_b += voxels; }
+  LevelDifference value() const {
+    LevelDifference d = d_;
+    for (std::size_t c = 0; c < 4 && d.recoloured != 0; ++c) d.mean[c] = double(sum_[c]) / double(d.recoloured);
+    return d;
+  }
+
+ private:
+  LevelDifference d_;
+  std::array<std::uint64_t, 4> sum_{};
+};
+
+/// A level's voxels: all, and those inside the box that was compared.
+struct Walked {
+  std::uint64_t all = 0, inside = 0;
+};
+
+struct PairResult {
+  LevelDifference difference;
+  Walked a, b;
+};
+
+PairResult compare_level(const OpenCell& a, const BrickLevel& level_a, const OpenCell& b, const LatticeBox& box,
+                         int lod) {
+  const BrickLevel level_b = b.reader.level(lod);
+  LevelLookup in_b(b.nodes, level_b, b.lods, lod);
+  PairResult r;
+  DifferenceSum sum(lod);
+  const auto corner_of = [lod](const Corner& min, std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    return Corner{min[0] + (std::int64_t(x) << lod), min[1] + (std::int64_t(y) << lod),
+                  min[2] + (std::int64_t(z) << lod)};
+  };
+  for_each_voxel_of_level(a.nodes, level_a, lod,
+                          [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
+                              const std::int8_t* normal, const std::uint8_t* facing) {
+                            ++r.a.all;
+                            const Corner corner = corner_of(a.min, x, y, z);
+                            if (!box.holds(corner)) return;
+                            ++r.a.inside;
+                            const auto in_voxels = [&](std::size_t c) {
+                              return std::uint32_t((corner[c] - b.min[c]) >> lod);
+                            };
+                            VoxelValue other;
+                            if (in_b.find(in_voxels(0), in_voxels(1), in_voxels(2), other))
+                              sum.add_both({rgba, normal, facing}, other);
+                            else
+                              sum.add_only_in_a(1);
+                          });
+  for_each_voxel_of_level(
+      b.nodes, level_b, lod,
+      [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t*, const std::int8_t*) {
+        ++r.b.all;
+        r.b.inside += box.holds(corner_of(b.min, x, y, z));
+      });
+  sum.add_only_in_b(r.b.inside - sum.value().both);
+  r.difference = sum.value();
+  return r;
+}
+
+/// Voxels of the two levels are the same cubes of the lattice.
+bool share_a_grid(const SceneCell& a, const SceneCell& b, int lod) {
+  if (std::uint32_t(lod) >= std::min(a.lods, b.lods)) return false;
+  for (std::size_t c = 0; c < 3; ++c)
+    if ((a.lattice_min[c] - b.lattice_min[c]) % (std::int64_t(1) << lod) != 0) return false;
+  return true;
+}
+
+std::uint64_t bytes_of_scene(const SceneDescription& scene) {
+  std::uint64_t bytes = 0;
+  for (const SceneCell& cell : scene.cells) bytes += cell.bytes;
+  return bytes;
+}
+
+/// Walks A's cells; B's should not be larger, for a cell of B is read once for every cell of A that it overlaps.
+class SceneComparison {
+ public:
+  SceneComparison(const Side& a, const Side& b) : a_(a), b_(b), finder_(b.scene.cells) {}
+
+  SceneDifference run(const Progress& progress) {
+    choose_levels();
+    progress.step("comparing the cells", bytes_of_scene(a_.scene));
+    for (const SceneCell& cell : a_.scene.cells) {
+      compare_cell(cell);
+      progress.advance(cell.bytes);
+    }
+    for (std::size_t i = 0; i < b_.scene.cells.size(); ++i) add_rest_of_b(i);
+    SceneDifference result;
+    for (auto& [names, levels] : differences_) result.cells.push_back({names.first, names.second, std::move(levels)});
+    for (const int lod : all_levels_) (skipped_.contains(lod) ? result.not_compared : result.compared).push_back(lod);
+    return result;
+  }
+
+ private:
+  void choose_levels() {
+    const SceneTotals a(a_.scene), b(b_.scene);
+    for (std::size_t lod = 0; lod < std::max(a.voxels.size(), b.voxels.size()); ++lod) {
+      all_levels_.push_back(int(lod));
+      if (a_.scene.cells.empty() || b_.scene.cells.empty())
+        open_levels_.push_back(int(lod));
+      else if (lod >= std::min(a.voxels.size(), b.voxels.size()))
+        skipped_.insert(int(lod));
+      else if (a.content_hash[lod] != b.content_hash[lod])
+        open_levels_.push_back(int(lod));
+    }
+  }
+
+  void compare_cell(const SceneCell& cell) {
+    const std::vector<std::size_t> others = finder_.overlapping(window_of(cell));
+    std::optional<OpenCell> open;
+    for (const int lod : open_levels_)
+      if (std::uint32_t(lod) < cell.lods) compare_cell_level(cell, others, lod, open);
+  }
+
+  void compare_cell_level(const SceneCell& cell, const std::vector<std::size_t>& others, int lod,
+                          std::optional<OpenCell>& open) {
+    if (others.empty()) return add_rest(cell.name, "", lod, cell.voxels[std::size_t(lod)], 0);
+    for (const std::size_t i : others) {
+      const SceneCell& other = b_.scene.cells[i];
+      if (!share_a_grid(cell, other, lod)) {
+        skipped_.insert(lod);
+        return;
+      }
+      if (window_of(cell) == window_of(other) &&
+          cell.content_hash[std::size_t(lod)] == other.content_hash[std::size_t(lod)]) {
+        seen_of_b_[{i, lod}] = {1, 1};
+        return;
+      }
+    }
+    if (!open) open.emplace(a_, cell);
+    const BrickLevel level = open->reader.level(lod);
+    Walked of_a;
+    for (const std::size_t i : others) {
+      const SceneCell& other = b_.scene.cells[i];
+      const OpenCell open_other(b_, other);
+      const LatticeBox box = intersection(window_of(cell), window_of(other));
+      const PairResult r = compare_level(*open, level, open_other, box, lod);
+      add(cell.name, other.name, r.difference);
+      of_a = {r.a.all, of_a.inside + r.a.inside};
+      Walked& of_b = seen_of_b_[{i, lod}];
+      of_b = {r.b.all, of_b.inside + r.b.inside};
+    }
+    add_rest(cell.name, "", lod, of_a.all - std::min(of_a.all, of_a.inside), 0);
+  }
+
+  /// What no cell of A overlaps.
+  void add_rest_of_b(std::size_t i) {
+    const SceneCell& cell = b_.scene.cells[i];
+    for (const int lod : open_levels_) {
+      if (std::uint32_t(lod) >= cell.lods || skipped_.contains(lod)) continue;
+      const auto seen = seen_of_b_.find({i, lod});
+      if (seen == seen_of_b_.end())
+        add_rest("", cell.name, lod, 0, cell.voxels[std::size_t(lod)]);
+      else
+        add_rest("", cell.name, lod, 0, seen->second.all - std::min(seen->second.all, seen->second.inside));
+    }
+  }
+
+  void add_rest(const std::string& in_a, const std::string& in_b, int lod, std::uint64_t of_a, std::uint64_t of_b) {
+    DifferenceSum sum(lod);
+    sum.add_only_in_a(of_a);
+    sum.add_only_in_b(of_b);
+    add(in_a, in_b, sum.value());
+  }
+  void add(const std::string& in_a, const std::string& in_b, const LevelDifference& difference) {
+    if (difference.any()) differences_[{in_a, in_b}].push_back(difference);
+  }
+
+  const Side& a_;
+  const Side& b_;
+  CellFinder finder_;
+  std::vector<int> all_levels_, open_levels_;  ///< open: neither skipped nor equal by their hashes
+  std::set<int> skipped_;
+  std::map<std::pair<std::size_t, int>, Walked> seen_of_b_;  ///< by cell of B and lod
+  std::map<std::pair<std::string, std::string>, std::vector<LevelDifference>> differences_;
+};
+
+void expect_comparable(const std::filesystem::path& path, const SceneDescription& a, const SceneDescription& b) {
+  if (a.voxel_size_m != b.voxel_size_m)
+    throw InputError(path, "VoxelSize", "cannot be compared: the other scene's voxels are of another size");
+  if (a.lattice_origin_m != b.lattice_origin_m || a.origin != b.origin)
+    throw InputError(path, "LatticeOrigin", "cannot be compared: the other scene stands on another lattice");
+  if (a.has_normals != b.has_normals)
+    throw InputError(path, "Channels", "cannot be compared: only one of the scenes has normals");
+}
+
+std::uint32_t largest_cell(const SceneDescription& scene) {
+  std::uint32_t largest = 0;
+  for (const SceneCell& c : scene.cells) largest = std::max(largest, c.cell_voxels);
+  return largest;
+}
+
+void exchange(SceneDifference& d) {
+  for (CellDifference& cell : d.cells) {
+    std::swap(cell.cell_in_a, cell.cell_in_b);
+    for (LevelDifference& level : cell.levels) std::swap(level.only_in_a, level.only_in_b);
+  }
+}
+
+}  // namespace
+
+SceneDifference diff_scenes(const std::filesystem::path& a, const std::filesystem::path& b, const Progress& progress) {
+  progress.step("reading the scenes");
+  const Side left{a, read_scene(a)}, right{b, read_scene(b)};
+  expect_comparable(b, left.scene, right.scene);
+  if (largest_cell(left.scene) >= largest_cell(right.scene)) return SceneComparison(left, right).run(progress);
+  SceneDifference difference = SceneComparison(right, left).run(progress);
+  exchange(difference);
+  return difference;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,74 @@
+/// The attributes of one element of a scene.xml, with errors that say which.
+#pragma once
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <initializer_list>
+#include <pugixml.hpp>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "format/scene/scene_reading.h"
+#include "lattice/short_text.h"
+
+namespace gigabake {
+
+/// Errors (all)  InputError: file, element and attribute, what was expected, where the element stands.
+class SceneAttributes {
+ public:
+  /// Borrows `file`.
+  SceneAttributes(const std::filesystem::path& file, pugi::xml_node node) : file_(file), node_(node) {}
+
+  bool has(const char* key) const { return bool(node_.attribute(key)); }
+  std::string text(const char* key) const;
+  template <class T>
+  T value(const char* key) const {
+    const std::vector<T> v = values<T>(key);
+    if (v.size() != 1) fail(key, "expected one number");
+    return v[0];
+  }
+  template <class T>
+  std::array<T, 3> triple(const char* key) const {
+    const std::vector<T> v = values<T>(key);
+    if (v.size() != 3) fail(key, "expected three numbers");
+    return {v[0], v[1], v[2]};
+  }
+  /// Separated by blanks.
+  template <class T>
+  std::vector<T> values(const char* key) const {
+    std::vector<T> out;
+    std::istringstream words(text(key));
+    for (std::string word; words >> word;) {
+      T v{};
+      const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), v);
+      if (error != std::errc() || end != word.data() + word.size())
+        fail(key, "expected numbers, got '" + short_text(word) + "'");
+      if constexpr (std::is_floating_point_v<T>)
+        if (!std::isfinite(v)) fail(key, "expected finite numbers, got '" + short_text(word) + "'");
+      out.push_back(v);
+    }
+    return out;
+  }
+  std::vector<Hash128> hashes(const char* key) const;
+  Hash128 hash(const char* key) const;
+
+  /// Attributes that are not among `known` or stand there twice, elements that are not among `known_elements`, and text
+  /// between elements.
+  std::vector<SceneFault> unknown_parts(std::initializer_list<std::string_view> known,
+                                        std::initializer_list<std::string_view> known_elements) const;
+
+  SceneFault fault(const std::string& key, const std::string& what) const;
+  [[noreturn]] void fail(const char* key, const std::string& what) const;
+
+ private:
+  const std::filesystem::path& file_;
+  pugi::xml_node node_;
+};
+
+}  // namespace gigabake

@@ -1,0 +1,95 @@
+#include "format/scene/scene_check.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string_view>
+#include <unordered_set>
+
+#include "format/scene/cell_window.h"
+#include "format/scene/scene_totals.h"
+#include "lattice/parameters.h"
+#include "lattice/short_text.h"
+
+namespace gigabake {
+namespace {
+
+class SceneFaults {
+ public:
+  void expect(bool holds, const std::string& key, const std::string& message) {
+    if (!holds) all.push_back({key, message, {}});
+  }
+  std::vector<SceneFault> all;
+};
+
+void check_totals(const SceneDescription& scene, const SaidTotals& said, SceneFaults& faults) {
+  const SceneTotals totals(scene);
+  const char* const advice = "; lines were lost, added or changed: bake again";
+  faults.expect(said.cells == scene.cells.size(), "OctTreeGroup Cells",
+                fmt::format("says {}, but {} are listed{}", said.cells, scene.cells.size(), advice));
+  faults.expect(said.voxels == totals.voxels, "OctTreeGroup Voxels",
+                fmt::format("are not the sums of the cells that are listed{}", advice));
+  faults.expect(said.content_hash == totals.all_content, "OctTreeGroup ContentHash",
+                fmt::format("says {}, but the cells that are listed have {}{}", said.content_hash.hex(),
+                            totals.all_content.hex(), advice));
+}
+
+void check_parameters(const BakeParameters& p, const SceneReading& reading, SceneFaults& faults) {
+  const SceneDescription& scene = reading.scene;
+  const auto expect = [&faults](bool holds, const char* key) {
+    faults.expect(holds, "OctTreeGroup Parameters", fmt::format("{} is another than the scene's", key));
+  };
+  expect(p.voxel_size_m == scene.voxel_size_m, "voxel_size_m");
+  expect(p.lattice_origin_m == scene.lattice_origin_m, "lattice_origin_m");
+  expect(p.normals == scene.has_normals, "normals");
+  // Bakes of version 1 did not all know that channel, and do not say so.
+  expect(reading.version < 2 || has_facing(p) == scene.has_facing, "facing");
+  for (const SceneCell& cell : scene.cells)
+    if (cell.cell_voxels != p.cell_voxels) return expect(false, "cell_voxels");
+}
+
+}  // namespace
+
+std::vector<SceneFault> faults_of_cells(const SceneReading& reading) {
+  SceneFaults faults;
+  std::unordered_set<std::string_view> names, files;
+  std::set<std::array<std::int64_t, 3>> places;
+  for (const SceneCell& cell : reading.scene.cells) {
+    const std::string name = "PagedOctTree " + short_text(cell.name);
+    faults.expect(names.insert(cell.name).second, name, "another cell has the same name");
+    faults.expect(files.insert(cell.file).second, name, "another cell has the same TreeFile");
+    faults.expect(places.insert(cell.lattice_min).second, name, "another cell has the same LatticeMin");
+  }
+  if (reading.said) check_totals(reading.scene, *reading.said, faults);
+  return faults.all;
+}
+
+std::vector<SceneFault> overlaps_of_cells(const SceneDescription& scene) {
+  SceneFaults faults;
+  const CellFinder finder(scene.cells);
+  for (std::size_t i = 0; i < scene.cells.size(); ++i)
+    for (const std::size_t other : finder.overlapping(window_of(scene.cells[i])))
+      faults.expect(other <= i || scene.cells[other].lattice_min == scene.cells[i].lattice_min,
+                    "PagedOctTree " + short_text(scene.cells[i].name),
+                    "overlaps cell " + short_text(scene.cells[other].name));
+  return faults.all;
+}
+
+std::vector<SceneFault> faults_of_parameters(const SceneReading& reading) {
+  SceneFaults faults;
+  const char* const key = "OctTreeGroup Parameters";
+  const auto json = nlohmann::json::parse(reading.scene.parameters, nullptr, false);
+  if (!json.is_object()) {
+    faults.expect(false, key, "expected the bake's parameters as JSON");
+    return faults.all;
+  }
+  if (reading.version < 2 && !json.contains("voxel_size_m")) return {};
+  try {
+    check_parameters(parameters_from_json(reading.scene.parameters), reading, faults);
+  } catch (const std::exception&) {
+    faults.expect(false, key, "are not all there, or not within their range; expected those of a bake");
+  }
+  return faults.all;
+}
+
+}  // namespace gigabake

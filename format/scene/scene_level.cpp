@@ -1,0 +1,121 @@
+#include "format/scene/scene_level.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <fmt/format.h>
+#include <map>
+
+#include "format/scene/shard_of_scene.h"
+#include "format/shard/brick_walk.h"
+#include "lattice/error.h"
+
+namespace gigabake {
+namespace {
+
+/// Visits the 8^down bricks of a level that a constant node `down` levels above stands for.
+void visit_constant(const NodeTable& nodes, std::size_t node, int down, const LevelIndex& cell,
+                    const VisitBrick& visit) {
+  const std::uint32_t v = nodes.value[node];
+  const std::uint8_t rgba[4] = {std::uint8_t(v), std::uint8_t(v >> 8), std::uint8_t(v >> 16), std::uint8_t(v >> 24)};
+  DenseBrick brick;
+  for (std::size_t voxel = 0; voxel < brick_voxels; ++voxel) brick.set(voxel, rgba, nodes.normal[node].data());
+  const BrickPosition at = brick_position(nodes.key[node]);
+  const std::int64_t edge = std::int64_t(1) << down;
+  for (std::int64_t z = 0; z < edge; ++z)
+    for (std::int64_t y = 0; y < edge; ++y)
+      for (std::int64_t x = 0; x < edge; ++x)
+        visit({cell[0] + 8 * (at.x * edge + x), cell[1] + 8 * (at.y * edge + y), cell[2] + 8 * (at.z * edge + z)},
+              brick);
+}
+
+std::uint64_t voxels_in(const DenseBrick& brick) {
+  std::uint64_t voxels = 0;
+  for (const std::uint64_t word : brick.mask) voxels += std::uint64_t(std::popcount(word));
+  return voxels;
+}
+
+/// Hands each voxel of a brick that stands off the blocks to the part of its block.
+void visit_parts(const LevelIndex& lowest, const DenseBrick& brick, const VisitBrick& visit) {
+  std::map<LevelIndex, DenseBrick> parts;
+  for (std::size_t voxel = 0; voxel < brick_voxels; ++voxel) {
+    if (!brick.has(voxel)) continue;
+    const LevelIndex at{lowest[0] + std::int64_t(voxel & 7), lowest[1] + std::int64_t(voxel >> 3 & 7),
+                        lowest[2] + std::int64_t(voxel >> 6)};
+    const std::size_t in_block = std::size_t((at[0] & 7) + 8 * (at[1] & 7) + 64 * (at[2] & 7));
+    parts[{at[0] & ~7, at[1] & ~7, at[2] & ~7}].set(in_block, brick.rgba[voxel].data(), brick.normal[voxel].data());
+  }
+  for (const auto& [block, part] : parts) visit(block, part);
+}
+
+}  // namespace
+
+void DenseBrick::set(std::size_t voxel, const std::uint8_t* colour, const std::int8_t* oct) {
+  mask[voxel >> 6] |= std::uint64_t(1) << (voxel & 63);
+  std::memcpy(rgba[voxel].data(), colour, 4);
+  std::memcpy(normal[voxel].data(), oct, 2);
+}
+
+void for_each_dense_brick(const ShardHeader& header, const NodeTable& nodes, const BrickLevel& level, int lod,
+                          const VisitBrick& visit) {
+  LevelIndex cell;
+  for (std::size_t c = 0; c < 3; ++c) cell[c] = header.lattice_min[c] >> lod;
+  for (std::size_t n = 0; n < nodes.key.size() && nodes.lod[n] >= lod; ++n) {
+    const int down = nodes.lod[n] - lod;
+    if (nodes.kind[n] != NodeKind::brick) {
+      if (down == 0 || nodes.kind[n] == NodeKind::leaf_constant) visit_constant(nodes, n, down, cell, visit);
+      continue;
+    }
+    if (down != 0) continue;
+    const BrickPosition at = brick_position(nodes.key[n]);
+    DenseBrick brick;
+    for_each_voxel(level, nodes.value[n], {},
+                   [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
+                       const std::int8_t* normal) { brick.set(x + 8 * y + 64 * z, rgba, normal); });
+    visit({cell[0] + 8 * std::int64_t(at.x), cell[1] + 8 * std::int64_t(at.y), cell[2] + 8 * std::int64_t(at.z)},
+          brick);
+  }
+}
+
+std::uint64_t voxels_of_level(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod) {
+  std::uint64_t voxels = 0;
+  for (const SceneCell& c : scene.cells) {
+    if (lod < 0 || std::uint32_t(lod) >= c.lods)
+      throw InputError(scene_xml, "Lods",
+                       fmt::format("there is no lod {}; cell {} has 0 to {}", lod, c.name, c.lods - 1));
+    voxels += c.voxels[std::size_t(lod)];
+  }
+  return voxels;
+}
+
+void for_each_dense_brick(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod,
+                          const VisitBrick& visit, const Progress& progress) {
+  voxels_of_level(scene_xml, scene, lod);
+  for (const SceneCell& c : scene.cells) {
+    const std::filesystem::path shard = scene_xml.parent_path() / c.file;
+    const ShardReader reader = open_shard_of_scene(scene_xml, scene, c);
+    std::uint64_t voxels = 0;
+    for_each_dense_brick(reader.header(), reader.nodes(), reader.level(lod), lod,
+                         [&](const LevelIndex& lowest, const DenseBrick& brick) {
+                           const std::uint64_t of_brick = voxels_in(brick);
+                           progress.advance(of_brick);
+                           voxels += of_brick;
+                           visit(lowest, brick);
+                         });
+    if (voxels != c.voxels[std::size_t(lod)])
+      throw InputError(shard, fmt::format("/lod_{}", lod), "has not as many voxels as scene.xml says");
+  }
+}
+
+void for_each_block_part(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod,
+                         const VisitBrick& visit, const Progress& progress) {
+  const auto visit_blocks = [&](const LevelIndex& lowest, const DenseBrick& brick) {
+    if (((lowest[0] | lowest[1] | lowest[2]) & 7) == 0)
+      visit(lowest, brick);
+    else
+      visit_parts(lowest, brick, visit);
+  };
+  for_each_dense_brick(scene_xml, scene, lod, visit_blocks, progress);
+}
+
+}  // namespace gigabake

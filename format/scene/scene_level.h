@@ -1,0 +1,50 @@
+/// One level of a scene, brick by brick, as exports need it: dense bricks, constant nodes written out.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+
+#include "format/scene/scene_xml.h"
+#include "format/shard/shard.h"
+#include "lattice/progress.h"
+
+namespace gigabake {
+
+/// Place of a voxel, or of a brick's lowest voxel, on the lattice of its level: voxels of 2^lod from the lattice's
+/// 0,0,0.
+using LevelIndex = std::array<std::int64_t, 3>;
+
+/// Voxel (x, y, z) is bit x + 8y of mask[z] and element x + 8y + 64z.
+struct DenseBrick {
+  std::array<std::uint64_t, 8> mask{};
+  std::array<std::array<std::uint8_t, 4>, brick_voxels> rgba{};   ///< zero where there is no voxel
+  std::array<std::array<std::int8_t, 2>, brick_voxels> normal{};  ///< zero there, and where the shard has no normals
+
+  bool has(std::size_t voxel) const { return (mask[voxel >> 6] >> (voxel & 63) & 1) != 0; }
+  void set(std::size_t voxel, const std::uint8_t* colour, const std::int8_t* oct);
+};
+
+using VisitBrick = std::function<void(const LevelIndex& lowest, const DenseBrick& brick)>;
+
+/// Each brick of one cell's level once, in the nodes' order; those that stand for a larger constant node too.
+/// `lowest` is rounded down where the cell's coarse levels stand off the lattice.
+void for_each_dense_brick(const ShardHeader& header, const NodeTable& nodes, const BrickLevel& level, int lod,
+                          const VisitBrick& visit);
+
+/// The voxels of a scene's level, from scene.xml.
+/// Errors  InputError: a cell has no such level.
+std::uint64_t voxels_of_level(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod);
+
+/// Cell by cell; advances by voxels. Cost  One level of one cell in memory.
+/// Errors  InputError: damaged or missing shards, or not as many voxels as scene.xml says. Stopped.
+void for_each_dense_brick(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod,
+                          const VisitBrick& visit, const Progress& progress = {});
+
+/// The same voxels cut along the lattice's own blocks of 8³ voxels: `lowest` is a multiple of 8 on each axis. A block
+/// that several bricks reach into is visited once for each, with other voxels every time.
+void for_each_block_part(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod,
+                         const VisitBrick& visit, const Progress& progress = {});
+
+}  // namespace gigabake

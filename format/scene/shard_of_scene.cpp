@@ -1,0 +1,45 @@
+#include "format/scene/shard_of_scene.h"
+
+#include "lattice/error.h"
+#include "lattice/short_text.h"
+
+namespace gigabake {
+
+std::vector<HeaderDifference> differences_from_scene(const ShardHeader& header, const SceneDescription& scene,
+                                                     const SceneCell& cell) {
+  std::vector<HeaderDifference> found;
+  const auto expect = [&](bool holds, const char* attribute, const std::string& what) {
+    if (!holds) found.push_back({attribute, what});
+  };
+  expect(header.cell == cell.name, "cell",
+         "is '" + short_text(header.cell) + "', scene.xml says '" + short_text(cell.name) + "'");
+  expect(header.lattice_min == cell.lattice_min && header.cell_voxels == cell.cell_voxels && header.lods == cell.lods,
+         "lattice_min", "is another window of the lattice than scene.xml says");
+  expect(header.voxel_size_m == scene.voxel_size_m, "voxel_size_m", "differs from scene.xml");
+  expect(header.lattice_origin_m == scene.lattice_origin_m, "lattice_origin_m", "differs from scene.xml");
+  expect(header.origin == scene.origin, "origin", "differs from scene.xml");
+  expect(header.has_normals == scene.has_normals && header.has_facing == scene.has_facing, "channels",
+         "differ from scene.xml");
+  expect(header.triangles == cell.triangles, "triangles", "differ from scene.xml");
+  expect(header.fingerprint == cell.fingerprint, "fingerprint", "differs from scene.xml: a shard of another bake");
+  expect(header.content_hash == cell.content_hash, "content_hash", "differs from scene.xml");
+  return found;
+}
+
+void expect_shard_of_scene(const std::filesystem::path& shard, const ShardHeader& header, const SceneDescription& scene,
+                           const SceneCell& cell) {
+  const auto differences = differences_from_scene(header, scene, cell);
+  if (!differences.empty())
+    throw InputError(shard, differences[0].attribute,
+                     differences[0].what + "; gigabake verify names all that is wrong, bake again mends it");
+}
+
+ShardReader open_shard_of_scene(const std::filesystem::path& scene_xml, const SceneDescription& scene,
+                                const SceneCell& cell) {
+  const std::filesystem::path path = scene_xml.parent_path() / cell.file;
+  ShardReader reader(path);
+  expect_shard_of_scene(path, reader.header(), scene, cell);
+  return reader;
+}
+
+}  // namespace gigabake

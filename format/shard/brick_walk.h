@@ -1,0 +1,84 @@
+/// Walks every voxel that a shard stands for, constant nodes written out.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <type_traits>
+#include <vector>
+
+#include "format/shard/shard.h"
+
+namespace gigabake {
+
+/// Position of a node's brick in its level, in bricks.
+struct BrickPosition {
+  std::uint32_t x = 0, y = 0, z = 0;
+};
+
+/// Inverse of the Morton order that NodeTable::key is in.
+BrickPosition brick_position(std::uint64_t key);
+std::uint64_t brick_key(BrickPosition p);
+
+/// Node indices [begin, end) are the level's: nodes stand level by level from the root.
+struct LevelNodes {
+  std::size_t begin = 0, end = 0;
+};
+std::vector<LevelNodes> level_nodes(const NodeTable& nodes, std::uint32_t lods);
+
+/// Voxels per lod, those that constant nodes stand for included.
+std::vector<std::uint64_t> count_voxels(const Shard& shard);
+
+template <class Visit>
+void visit_voxel(const Visit& visit, std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
+                 const std::int8_t* normal, const std::uint8_t* facing) {
+  if constexpr (std::is_invocable_v<Visit, std::uint32_t, std::uint32_t, std::uint32_t, const std::uint8_t*,
+                                    const std::int8_t*, const std::uint8_t*>)
+    visit(x, y, z, rgba, normal, facing);
+  else
+    visit(x, y, z, rgba, normal);
+}
+
+/// visit(x, y, z, rgba, normal), or visit(x, y, z, rgba, normal, facing) where it takes that, for each voxel of one
+/// brick; x, y, z in voxels of the level from the cell's corner. `normal` points at two zeros where the shard has no
+/// normals; `facing` is null where the level has none.
+template <class Visit>
+void for_each_voxel(const BrickLevel& level, std::size_t brick, BrickPosition at, const Visit& visit) {
+  static constexpr std::int8_t no_normal[2] = {0, 0};
+  std::size_t i = level.first[brick];
+  for (std::uint32_t z = 0; z < 8; ++z)
+    for (std::uint64_t rest = level.mask[8 * brick + z]; rest != 0; rest &= rest - 1, ++i) {
+      const auto bit = std::uint32_t(std::countr_zero(rest));
+      visit_voxel(visit, at.x * 8 + (bit & 7), at.y * 8 + (bit >> 3), at.z * 8 + z, &level.rgba[4 * i],
+                  level.normal.empty() ? no_normal : &level.normal[2 * i],
+                  level.facing.empty() ? nullptr : &level.facing[3 * i]);
+    }
+}
+
+/// A constant node's voxels on its own level (`down` = 0) or on a level below it.
+template <class Visit>
+void for_each_constant_voxel(const NodeTable& nodes, std::size_t node, int down, const Visit& visit) {
+  const BrickPosition at = brick_position(nodes.key[node]);
+  const std::uint32_t v = nodes.value[node];
+  const std::uint8_t rgba[4] = {std::uint8_t(v), std::uint8_t(v >> 8), std::uint8_t(v >> 16), std::uint8_t(v >> 24)};
+  const std::uint8_t* facing = nodes.facing.empty() || nodes.lod[node] == down ? nullptr : nodes.facing[node].data();
+  const std::uint32_t edge = 8u << down;
+  for (std::uint32_t z = 0; z < edge; ++z)
+    for (std::uint32_t y = 0; y < edge; ++y)
+      for (std::uint32_t x = 0; x < edge; ++x)
+        visit_voxel(visit, at.x * edge + x, at.y * edge + y, at.z * edge + z, rgba, nodes.normal[node].data(), facing);
+}
+
+/// Every voxel of one level. `level` is that level's bricks.
+template <class Visit>
+void for_each_voxel_of_level(const NodeTable& nodes, const BrickLevel& level, int lod, const Visit& visit) {
+  for (std::size_t n = 0; n < nodes.key.size() && nodes.lod[n] >= lod; ++n) {
+    const int down = nodes.lod[n] - lod;
+    if (nodes.kind[n] == NodeKind::brick) {
+      if (down == 0) for_each_voxel(level, nodes.value[n], brick_position(nodes.key[n]), visit);
+    } else if (down == 0 || nodes.kind[n] == NodeKind::leaf_constant) {
+      for_each_constant_voxel(nodes, n, down, visit);
+    }
+  }
+}
+
+}  // namespace gigabake

@@ -1,0 +1,66 @@
+#include "format/shard/level_summary.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace gigabake {
+namespace {
+
+constexpr std::size_t alphas = 256;
+
+std::size_t bin_of(std::size_t alpha) { return alpha == alphas - 1 ? LevelSummary::bins - 1 : alpha / 64; }
+
+/// Exact counts of each alpha; two tables, because neighbours are alike and would wait for each other's count.
+LevelSummary summary_of(const BrickLevel& level) {
+  std::array<std::array<std::uint64_t, alphas>, 2> counts{};
+  const std::size_t voxels = level.rgba.size() / 4;
+  for (std::size_t i = 0; i < voxels; ++i) ++counts[i & 1][level.rgba[4 * i + 3]];
+  LevelSummary out;
+  for (std::size_t a = 0; a < alphas; ++a) {
+    const std::uint64_t count = counts[0][a] + counts[1][a];
+    out.coverage[bin_of(a)] += count;
+    out.alpha_sum += count * a;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::uint64_t LevelSummary::voxels() const {
+  return std::accumulate(coverage.begin(), coverage.end(), std::uint64_t(0));
+}
+
+double LevelSummary::mean_coverage() const {
+  return voxels() == 0 ? 0 : double(alpha_sum) / (255.0 * double(voxels()));
+}
+
+LevelSummary& LevelSummary::operator+=(const LevelSummary& other) {
+  for (std::size_t b = 0; b < bins; ++b) coverage[b] += other.coverage[b];
+  alpha_sum += other.alpha_sum;
+  stored_bytes += other.stored_bytes;
+  return *this;
+}
+
+std::vector<LevelSummary> summarize_levels(const Shard& shard) {
+  std::vector<LevelSummary> out;
+  for (const BrickLevel& level : shard.levels) out.push_back(summary_of(level));
+  for (std::size_t n = 0; n < shard.nodes.kind.size(); ++n) {
+    if (shard.nodes.kind[n] == NodeKind::brick) continue;
+    const int lod = shard.nodes.lod[n];
+    const int lowest = shard.nodes.kind[n] == NodeKind::leaf_constant ? 0 : lod;
+    const std::uint64_t alpha = shard.nodes.value[n] >> 24;
+    for (int l = lod; l >= lowest; --l) {
+      const std::uint64_t voxels = std::uint64_t(brick_voxels) << 3 * (lod - l);
+      out[std::size_t(l)].coverage[bin_of(alpha)] += voxels;
+      out[std::size_t(l)].alpha_sum += voxels * alpha;
+    }
+  }
+  return out;
+}
+
+void add_levels(const std::vector<LevelSummary>& of, std::vector<LevelSummary>& to) {
+  to.resize(std::max(to.size(), of.size()));
+  for (std::size_t lod = 0; lod < of.size(); ++lod) to[lod] += of[lod];
+}
+
+}  // namespace gigabake

@@ -1,0 +1,77 @@
+/// A shard: one cell's sparse voxel oct-tree in one HDF5 file (layout and byte order: docs/format.md).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lattice/frames.h"
+#include "lattice/hash128.h"
+#include "lattice/octree.h"
+#include "lattice/rules.h"
+#include "lattice/thread_pool.h"
+
+namespace gigabake {
+
+/// One row of a NodeTable. Its key and level follow from the way down to it.
+struct NodeRow {
+  std::uint32_t first_child = 0xffffffffu;  ///< row in the whole table
+  std::uint32_t value = 0;                  ///< brick number in its whole level, or rgba
+  std::int8_t normal[2] = {0, 0};
+  std::uint8_t facing[3] = {0, 0, 0};
+  NodeKind kind = NodeKind::brick;
+  std::uint8_t child_mask = 0;
+};
+
+/// Some bricks of a level: as BrickLevel, with `first` counted from the block's own voxels.
+struct BrickBlock {
+  std::vector<std::uint64_t> mask;   ///< 8 per brick
+  std::vector<std::uint32_t> first;  ///< bricks+1
+  std::vector<std::uint8_t> rgba;    ///< 4 per voxel
+  std::vector<std::int8_t> normal;   ///< 2 per voxel; empty where the channel is off
+  std::vector<std::uint8_t> facing;  ///< 3 per voxel; empty at lod 0 and where the channel is off
+};
+
+struct ShardHeader {
+  std::string generator;                      ///< "gigabake 0.1.0"
+  std::string cell;                           ///< cell name, e.g. "c_3_-2_0"
+  std::array<std::int64_t, 3> lattice_min{};  ///< lod-0 voxel index of the cell's lowest corner
+  std::uint32_t cell_voxels = 0;              ///< edge in lod-0 voxels, a power of two ≥ 8
+  double voxel_size_m = 0;
+  std::array<double, 3> lattice_origin_m{};  ///< scene position of the lattice's 0,0,0 corner
+  std::optional<Geodetic> origin;
+  std::uint32_t lods = 0;             ///< log2(cell_voxels/8)+1
+  Hash128 fingerprint;                ///< of everything the cell was baked from
+  std::vector<Hash128> content_hash;  ///< per lod; the sum over voxels, see content_hash.h
+  bool has_normals = true;
+  bool has_facing = false;
+  std::uint64_t triangles = 0;  ///< triangles that touched the cell
+};
+
+struct Shard {
+  ShardHeader header;
+  NodeTable nodes;
+  std::vector<BrickLevel> levels;  ///< [lod]
+};
+
+struct ShardWriteOptions {
+  const ThreadPool& pool = callers_thread();  ///< shares and compresses
+  Codec codec = Codec::lz4;
+};
+
+/// Writes aside, flushes, fsyncs, renames, fsyncs the folder. Returns the file's size in bytes.
+/// Errors  InputError (path, what failed, errno text); nothing is left behind.
+std::uint64_t write_shard(const std::filesystem::path& path, const Shard& shard, const ShardWriteOptions& options);
+
+ShardHeader read_shard_header(const std::filesystem::path& path);
+NodeTable read_shard_nodes(const std::filesystem::path& path);
+BrickLevel read_shard_level(const std::filesystem::path& path, int lod);
+/// Errors  InputError for anything that is not a whole, consistent shard of a version we know; every index, count and
+///         checksum is checked before use.
+Shard read_shard(const std::filesystem::path& path);
+
+}  // namespace gigabake

@@ -1,0 +1,14 @@
+/// What a shard says of itself: the attributes of its root group.
+#pragma once
+
+#include "format/shard/hdf5_file.h"
+#include "format/shard/shard.h"
+
+namespace gigabake {
+
+/// Errors  InputError: not a shard, of a version that we do not know, or attributes that do not fit each other.
+ShardHeader read_header(const Hdf5File& file);
+/// Of the format. Errors  as read_header().
+std::int32_t read_version(const Hdf5File& file);
+
+}  // namespace gigabake

@@ -1,0 +1,52 @@
+/// Names, types and widths of a shard's columns, in one place for reader and writer.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "format/shard/hdf5_file.h"
+#include "format/shard/shared_values.h"
+#include "format/shard/voxel_channel.h"
+
+namespace gigabake {
+
+inline constexpr char shard_format[] = "gigabake-shard";
+inline constexpr std::int32_t shard_version = 2;
+inline constexpr std::int32_t oldest_shard_version = 1;
+
+struct NodeColumns {
+  Hdf5Column key{"/nodes/key", Hdf5Type::u64, 1, BytePlanes::yes};
+  Hdf5Column lod{"/nodes/lod", Hdf5Type::u8, 1};
+  Hdf5Column kind{"/nodes/kind", Hdf5Type::u8, 1};
+  Hdf5Column child_mask{"/nodes/child_mask", Hdf5Type::u8, 1};
+  Hdf5Column first_child{"/nodes/first_child", Hdf5Type::u32, 1, BytePlanes::yes};
+  Hdf5Column value{"/nodes/value", Hdf5Type::u32, 1, BytePlanes::yes};
+  Hdf5Column normal{"/nodes/normal", Hdf5Type::i8, 2};
+  Hdf5Column facing{"/nodes/facing", Hdf5Type::u8, 3};
+  std::vector<Hdf5Column> all(const ShardHeader& header) const {
+    std::vector<Hdf5Column> columns{key, lod, kind, child_mask, first_child, value, normal};
+    if (header.has_facing) columns.push_back(facing);
+    return columns;
+  }
+};
+
+struct LevelColumns {
+  explicit LevelColumns(int lod) : LevelColumns("/lod_" + std::to_string(lod)) {}
+  explicit LevelColumns(std::string name)
+      : group(std::move(name)),
+        mask{group + "/mask", Hdf5Type::u64, 8},
+        first{group + "/first", Hdf5Type::u64, 1, BytePlanes::yes} {}
+  std::string group;
+  Hdf5Column mask, first;
+};
+
+/// share and first are there where voxels share values (shared_values.h).
+struct ChannelColumns {
+  ChannelColumns(const std::string& group, const VoxelChannel& channel)
+      : value{group + "/" + channel.name, channel.type, channel.width},
+        share{value.name + "_share", Hdf5Type::u8, share_bytes},
+        first{value.name + "_first", Hdf5Type::u64, 1, BytePlanes::yes} {}
+  Hdf5Column value, share, first;
+};
+
+}  // namespace gigabake

@@ -1,0 +1,146 @@
+#include "format/shard/shard_pages.h"
+
+#include <algorithm>
+#include <deque>
+#include <optional>
+
+#include "format/shard/channel_rows.h"
+#include "format/shard/hdf5_rows.h"
+#include "format/shard/shard_check.h"
+#include "format/shard/shard_header.h"
+#include "format/shard/shard_layout.h"
+#include "format/shard/shard_outline.h"
+#include "lattice/error.h"
+
+namespace gigabake {
+namespace {
+
+template <class T>
+std::vector<T> read_range(const Hdf5Rows& column, std::uint64_t first, std::uint64_t count, std::size_t width = 1) {
+  std::vector<T> out(count * width);
+  column.read(first, count, out.data());
+  return out;
+}
+
+template <class T>
+std::vector<T> read_all(const Hdf5Rows& column) {
+  return read_range<T>(column, 0, column.rows());
+}
+
+/// How many of `count` there are from `first` on.
+std::uint64_t clipped(const Hdf5File& file, const std::string& dataset, std::uint64_t first, std::uint64_t count,
+                      std::uint64_t all) {
+  if (first >= all)
+    file.fail(dataset, "has " + std::to_string(all) + " rows; row " + std::to_string(first) + " was asked for");
+  return std::min(count, all - first);
+}
+
+}  // namespace
+
+struct ShardPages::Nodes {
+  Nodes(const Hdf5File& file, const ShardHeader& header, const NodeColumns& columns = {})
+      : kind(file, columns.kind),
+        child_mask(file, columns.child_mask),
+        first_child(file, columns.first_child),
+        value(file, columns.value),
+        normal(file, columns.normal),
+        outline(file.path(), header, read_all<std::uint8_t>(Hdf5Rows(file, columns.lod)), read_all<NodeKind>(kind),
+                read_all<std::uint8_t>(child_mask)) {
+    for (const Hdf5Rows* column : {&first_child, &value, &normal})
+      if (column->rows() != outline.rows()) file.fail("/nodes", "columns differ in length");
+    if (header.has_facing) facing.emplace(file, columns.facing);
+    if (facing && facing->rows() != outline.rows()) file.fail("/nodes", "columns differ in length");
+  }
+
+  Hdf5Rows kind, child_mask, first_child, value, normal;
+  std::optional<Hdf5Rows> facing;
+  ShardOutline outline;
+};
+
+struct ShardPages::Level {
+  Level(const Hdf5File& file, const std::vector<VoxelChannel>& of_voxels, const LevelColumns& columns,
+        std::uint64_t bricks_of_nodes)
+      : bricks(bricks_of_nodes), mask(file, columns.mask), first(file, columns.first) {
+    if (mask.rows() != bricks) file.fail(columns.group, "there are not as many bricks as nodes of this level");
+    if (first.rows() != bricks + 1) file.fail(columns.group, "first does not fit mask");
+    voxels = read_range<std::uint64_t>(first, bricks, 1)[0];
+    for (const VoxelChannel& channel : of_voxels) channels.emplace_back(file, columns.group, channel, bricks, voxels);
+  }
+
+  std::uint64_t bricks, voxels = 0;
+  Hdf5Rows mask, first;
+  std::deque<ChannelRows> channels;
+};
+
+ShardPages::ShardPages(const std::filesystem::path& path)
+    : file_(Hdf5File::open(path)), header_(read_header(file_)), version_(read_version(file_)), levels_(header_.lods) {}
+
+ShardPages::~ShardPages() = default;
+
+const ShardPages::Nodes& ShardPages::open_nodes() const {
+  const std::scoped_lock lock(mutex_);
+  if (!nodes_) nodes_ = std::make_unique<Nodes>(file_, header_);
+  return *nodes_;
+}
+
+const ShardPages::Level& ShardPages::open_level(int lod) const {
+  const LevelColumns columns(lod);
+  if (lod < 0 || std::uint32_t(lod) >= header_.lods) file_.fail(columns.group, "the cell has no such level");
+  const std::uint64_t bricks = open_nodes().outline.bricks(lod);
+  const std::scoped_lock lock(mutex_);
+  std::unique_ptr<Level>& level = levels_[std::size_t(lod)];
+  if (!level) level = std::make_unique<Level>(file_, stored_channels(version_, header_, lod), columns, bricks);
+  return *level;
+}
+
+std::uint64_t ShardPages::node_rows() const { return open_nodes().outline.rows(); }
+
+std::uint64_t ShardPages::bricks(int lod) const { return open_level(lod).bricks; }
+
+std::vector<NodeRow> ShardPages::nodes(std::uint64_t first, std::uint32_t count) const {
+  const Nodes& columns = open_nodes();
+  const std::uint64_t rows = clipped(file_, "/nodes", first, count, columns.outline.rows());
+  NodeWalk walk(file_.path(), columns.outline.place_before(first), columns.outline.rows());
+  const std::uint64_t begin = walk.place().row;
+  const auto kind = read_range<NodeKind>(columns.kind, begin, first + rows - begin);
+  const auto child_mask = read_range<std::uint8_t>(columns.child_mask, begin, first + rows - begin);
+  const auto first_child = read_range<std::uint32_t>(columns.first_child, first, rows);
+  const auto value = read_range<std::uint32_t>(columns.value, first, rows);
+  const auto normal = read_range<std::int8_t>(columns.normal, first, rows, 2);
+  const auto facing =
+      columns.facing ? read_range<std::uint8_t>(*columns.facing, first, rows, 3) : std::vector<std::uint8_t>(3 * rows);
+  std::vector<NodeRow> out(rows);
+  for (std::size_t i = 0; i < kind.size(); ++i) {
+    if (begin + i >= first) {
+      const std::size_t to = begin + i - first;
+      walk.check_links(kind[i], child_mask[i], first_child[to], value[to]);
+      out[to] = {first_child[to], value[to], {normal[2 * to], normal[2 * to + 1]}, {}, kind[i], child_mask[i]};
+      std::copy_n(&facing[3 * to], 3, out[to].facing);
+    }
+    walk.step(walk.place().lod, kind[i], child_mask[i]);
+  }
+  return out;
+}
+
+BrickBlock ShardPages::level(int lod, std::uint64_t first, std::uint32_t count) const {
+  const Level& columns = open_level(lod);
+  const std::string name = LevelColumns(lod).group;
+  const std::uint64_t bricks = clipped(file_, name, first, std::min(count, most_bricks), columns.bricks);
+  BrickBlock block;
+  block.mask = read_range<std::uint64_t>(columns.mask, first, bricks, 8);
+  const auto starts = read_range<std::uint64_t>(columns.first, first, bricks + 1);
+  check_bricks(file_.path(), lod, first, block.mask, starts);
+  const std::uint64_t begin = starts.front(), voxels = starts.back() - begin;
+  const BrokenRule table{file_.path(), name};
+  table.expect(first > 0 || begin == 0, 0, "first does not begin at 0");
+  table.expect(begin <= columns.voxels && voxels <= columns.voxels - begin, first,
+               "first goes beyond the number of voxels");
+  block.first.reserve(starts.size());
+  for (const std::uint64_t start : starts) block.first.push_back(std::uint32_t(start - begin));
+  for (const ChannelRows& channel : columns.channels)
+    channel.read(first, block.mask, begin, voxels, make_room(channel.channel(), voxels, block));
+  check_coverage(file_.path(), lod, begin, block.rgba);
+  return block;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,120 @@
+#include "format/shard/channel_rows.h"
+#include "format/shard/hdf5_rows.h"
+#include "format/shard/shard.h"
+#include "format/shard/shard_check.h"
+#include "format/shard/shard_header.h"
+#include "format/shard/shard_layout.h"
+#include "format/shard/shard_reader.h"
+#include "lattice/error.h"
+
+namespace gigabake {
+namespace {
+
+/// Fills `out`, of whose items `row_bytes / sizeof(T)` make a row.
+template <class T>
+void read_rows(const Hdf5File& file, const Hdf5Column& column, std::vector<T>& out) {
+  const Hdf5Rows rows(file, column);
+  out.resize(rows.rows() * column.row_bytes() / sizeof(T));
+  rows.read(0, rows.rows(), out.data());
+}
+
+}  // namespace
+
+ShardReader::ShardReader(const std::filesystem::path& path)
+    : path_(path), file_(Hdf5File::open(path)), header_(read_header(file_)), version_(read_version(file_)) {}
+
+NodeTable ShardReader::nodes() const {
+  const NodeColumns columns;
+  NodeTable n;
+  read_rows(file_, columns.key, n.key);
+  read_rows(file_, columns.lod, n.lod);
+  read_rows(file_, columns.kind, n.kind);
+  read_rows(file_, columns.child_mask, n.child_mask);
+  read_rows(file_, columns.first_child, n.first_child);
+  read_rows(file_, columns.value, n.value);
+  read_rows(file_, columns.normal, n.normal);
+  if (header_.has_facing) read_rows(file_, columns.facing, n.facing);
+  check_nodes(path_, header_, n);
+  return n;
+}
+
+BrickLevel ShardReader::level(int lod) const {
+  if (lod < 0 || std::uint32_t(lod) >= header_.lods)
+    throw InputError(path_, "/lod_" + std::to_string(lod), "the cell has no such level");
+  const NodeColumns columns;
+  std::vector<std::uint8_t> lods;
+  std::vector<NodeKind> kinds;
+  read_rows(file_, columns.lod, lods);
+  read_rows(file_, columns.kind, kinds);
+  if (lods.size() != kinds.size()) file_.fail("/nodes", "columns differ in length");
+  return read_level(lod, brick_counts(header_, lods, kinds)[std::size_t(lod)]);
+}
+
+BrickLevel ShardReader::read_level(int lod, std::uint64_t bricks) const {
+  const LevelColumns columns(lod);
+  BrickLevel level;
+  read_rows(file_, columns.mask, level.mask);
+  read_rows(file_, columns.first, level.first);
+  check_bricks_of_level(path_, level, lod, bricks);
+  const std::uint64_t voxels = level.first.back();
+  for (const VoxelChannel& channel : stored_channels(version_, header_, lod)) {
+    const ChannelRows rows(file_, columns.group, channel, bricks, voxels);
+    rows.read(0, level.mask, 0, voxels, make_room(channel, voxels, level));
+  }
+  check_coverage(path_, lod, 0, level.rgba);
+  return level;
+}
+
+Shard ShardReader::all() const {
+  Shard shard{header_, nodes(), {}};
+  const std::vector<std::uint64_t> bricks = brick_counts(header_, shard.nodes.lod, shard.nodes.kind);
+  for (int lod = 0; lod < int(header_.lods); ++lod) shard.levels.push_back(read_level(lod, bricks[std::size_t(lod)]));
+  return shard;
+}
+
+std::vector<Hdf5Column> ShardReader::level_columns(int lod) const {
+  const LevelColumns columns(lod);
+  std::vector<Hdf5Column> all{columns.mask, columns.first};
+  for (const VoxelChannel& channel : stored_channels(version_, header_, lod)) {
+    const ChannelColumns of_channel(columns.group, channel);
+    all.push_back(of_channel.value);
+    for (const Hdf5Column& column : {of_channel.share, of_channel.first})
+      if (file_.has_column(column)) all.push_back(column);
+  }
+  return all;
+}
+
+std::uint64_t ShardReader::level_bytes(int lod) const {
+  std::uint64_t bytes = 0;
+  for (const Hdf5Column& column : level_columns(lod)) bytes += file_.stored_bytes(column);
+  return bytes;
+}
+
+std::uint64_t ShardReader::node_bytes() const {
+  std::uint64_t bytes = 0;
+  for (const Hdf5Column& column : NodeColumns().all(header_)) bytes += file_.stored_bytes(column);
+  return bytes;
+}
+
+std::vector<std::string> ShardReader::unreadable_columns() const {
+  std::vector<std::string> faults;
+  const auto try_column = [&](const Hdf5Column& column) {
+    try {
+      std::vector<std::uint8_t> rows;
+      read_rows(file_, column, rows);
+    } catch (const InputError& error) {
+      faults.emplace_back(error.what());
+    }
+  };
+  for (const Hdf5Column& column : NodeColumns().all(header_)) try_column(column);
+  for (int lod = 0; lod < int(header_.lods); ++lod)
+    for (const Hdf5Column& column : level_columns(lod)) try_column(column);
+  return faults;
+}
+
+ShardHeader read_shard_header(const std::filesystem::path& path) { return ShardReader(path).header(); }
+NodeTable read_shard_nodes(const std::filesystem::path& path) { return ShardReader(path).nodes(); }
+BrickLevel read_shard_level(const std::filesystem::path& path, int lod) { return ShardReader(path).level(lod); }
+Shard read_shard(const std::filesystem::path& path) { return ShardReader(path).all(); }
+
+}  // namespace gigabake

@@ -1,0 +1,41 @@
+/// A shard file held open, read part by part.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "format/shard/hdf5_file.h"
+#include "format/shard/shard.h"
+
+namespace gigabake {
+
+/// Every size, count and checksum is checked before what it says is used.
+/// Errors  InputError naming file and dataset, from every member.
+class ShardReader {
+ public:
+  explicit ShardReader(const std::filesystem::path& path);
+
+  const ShardHeader& header() const { return header_; }
+  NodeTable nodes() const;
+  BrickLevel level(int lod) const;  ///< with as many bricks as nodes() has of this level
+  Shard all() const;
+
+  /// As stored on disk: compressed, without HDF5's own index.
+  std::uint64_t level_bytes(int lod) const;
+  std::uint64_t node_bytes() const;
+  /// One message for each dataset that cannot be read. Never throws for damage.
+  std::vector<std::string> unreadable_columns() const;
+
+ private:
+  BrickLevel read_level(int lod, std::uint64_t bricks) const;
+  std::vector<Hdf5Column> level_columns(int lod) const;
+
+  std::filesystem::path path_;
+  Hdf5File file_;
+  ShardHeader header_;
+  std::int32_t version_;
+};
+
+}  // namespace gigabake

@@ -1,0 +1,210 @@
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <cstring>
+
+#include "format/shard/shared_values.h"
+#include "format/shard/voxel_groups.h"
+
+namespace gigabake {
+namespace {
+
+constexpr std::size_t bricks_per_range = 2048, voxels_per_range = 1 << 17;
+
+using Bytes = ChannelBytes<const std::uint8_t>;
+
+/// Byte by byte: three of them copied to a word and read back would wait for the store.
+template <class Width>
+std::uint32_t value_at(const std::uint8_t* bytes, Width width) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < width; ++i) value |= std::uint32_t(bytes[i]) << 8 * i;
+  return value;
+}
+
+/// One channel of a brick.
+struct BrickVoxels {
+  std::span<const std::uint8_t> group;  ///< of each voxel
+  std::uint64_t seen;                   ///< groups that have voxels
+  Bytes bytes;
+};
+
+/// The groups of a brick, by bits, and their first voxels' values.
+struct GroupValues {
+  std::array<std::uint32_t, groups_a_brick> first;
+  std::uint64_t mixed = 0;  ///< groups whose voxels differ
+  std::size_t mixed_voxels = 0;
+};
+
+/// Range  a brick that has voxels.
+template <class Width>
+GroupValues compare_groups(const BrickVoxels& brick, Width width) {
+  GroupValues out;
+  std::array<std::uint32_t, brick_voxels> value;
+  const std::size_t voxels = brick.group.size();
+  const std::uint32_t first = value_at(brick.bytes[0], width);
+  std::uint32_t different = 0;
+  for (std::size_t v = 0; v < voxels; ++v) {
+    value[v] = value_at(brick.bytes[v], width);
+    different |= value[v] ^ first;
+  }
+  if (different == 0) {  // most bricks of an opaque channel
+    out.first.fill(first);
+    return out;
+  }
+  for (std::size_t v = voxels; v-- > 0;) out.first[brick.group[v]] = value[v];  // the first one stays
+  for (std::size_t v = 0; v < voxels; ++v)
+    out.mixed |= std::uint64_t(value[v] != out.first[brick.group[v]]) << brick.group[v];
+  if (out.mixed != 0)
+    for (std::size_t v = 0; v < voxels; ++v) out.mixed_voxels += out.mixed >> brick.group[v] & 1;
+  return out;
+}
+
+/// Whether all voxels of these groups are alike.
+bool are_alike(const GroupValues& values, std::uint64_t which) {
+  if ((values.mixed & which) != 0) return false;
+  const std::uint32_t first = values.first[std::size_t(std::countr_zero(which))];
+  for (std::uint64_t rest = which & (which - 1); rest != 0; rest &= rest - 1)
+    if (values.first[std::size_t(std::countr_zero(rest))] != first) return false;
+  return true;
+}
+
+constexpr std::uint64_t octant_groups(unsigned octant) { return std::uint64_t(0xff) << 8 * octant; }
+
+/// Returns how many values the brick has.
+template <class Width>
+std::size_t find_shares(const BrickVoxels& brick, Width width, std::uint8_t* share) {
+  if (brick.seen == 0) {
+    share[9] = 1;
+    return 0;
+  }
+  const GroupValues all = compare_groups(brick, width);
+  std::size_t values = all.mixed_voxels;
+  for (unsigned o = 0; o < 8; ++o) {
+    const std::uint64_t octant = brick.seen & octant_groups(o);
+    if (octant == 0) continue;
+    share[o] = std::uint8_t((octant & ~all.mixed) >> 8 * o);
+    const bool is_one = are_alike(all, octant);
+    if (is_one) share[8] |= std::uint8_t(1u << o);
+    values += is_one ? 1 : std::size_t(std::popcount(octant & ~all.mixed));
+  }
+  share[9] = are_alike(all, brick.seen) ? 1 : 0;
+  return share[9] != 0 ? 1 : values;
+}
+
+/// The brick's values, as `share` says: of voxels that share, the first one's.
+template <class Width>
+void collect_values(const BrickVoxels& brick, Width width, const std::uint8_t* share, std::span<std::uint8_t> to) {
+  if (share[9] != 0) {
+    std::copy_n(brick.bytes[0], to.size(), to.begin());
+    return;
+  }
+  std::uint64_t by_octant = 0, by_group = 0;
+  for (unsigned o = 0; o < 8; ++o) {
+    if ((share[8] >> o & 1) != 0) by_octant |= octant_groups(o);
+    by_group |= std::uint64_t(share[o]) << 8 * o;
+  }
+  const std::uint64_t sharing = by_octant | by_group;
+  // Every voxel is copied, and the next one over it where it was not new: its branch could not be foretold.
+  std::array<std::uint8_t, 4 * (brick_voxels + 1)> value;
+  std::uint64_t taken = 0;
+  std::size_t values = 0;
+  for (std::size_t v = 0; v < brick.group.size(); ++v) {
+    const unsigned group = brick.group[v];
+    const unsigned leader = (by_octant >> group & 1) != 0 ? group & ~7u : group;
+    const std::uint64_t is_new = ~(sharing >> group & taken >> leader) & 1;
+    taken |= std::uint64_t(1) << leader;
+    std::memcpy(&value[values * width], brick.bytes[v], width);
+    values += is_new;
+  }
+  std::copy_n(value.begin(), to.size(), to.begin());
+}
+
+bool all_alike(Bytes bytes, std::size_t width, std::size_t voxels, const ThreadPool& pool) {
+  std::atomic<bool> differ{false};
+  pool.parallel_for(voxels, voxels_per_range, [&](std::size_t begin, std::size_t end, int) {
+    with_known_width(width, [&](auto known) {
+      const std::uint32_t first = value_at(bytes[0], known);
+      constexpr std::size_t at_a_time = 256;
+      for (std::size_t v = begin; v < end && !differ; v += at_a_time) {
+        std::uint32_t bits = 0;
+        for (std::size_t i = v; i < std::min(end, v + at_a_time); ++i) bits |= value_at(bytes[i], known) ^ first;
+        if (bits != 0) differ = true;
+      }
+    });
+  });
+  return !differ;
+}
+
+void copy_values(Bytes bytes, std::size_t width, std::size_t voxels, const ThreadPool& pool,
+                 std::vector<std::uint8_t>& value) {
+  value.resize(voxels * width);
+  with_known_width(width, [&](auto known) {
+    pool.parallel_for(voxels, voxels_per_range, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t v = begin; v < end; ++v) std::memcpy(&value[v * known], bytes[v], known);
+    });
+  });
+}
+
+/// body(brick, known width, number of the brick) for each.
+template <class Body>
+void for_each_brick(const VoxelGroups& groups, std::span<const std::uint64_t> first, Bytes bytes, std::size_t width,
+                    const ThreadPool& pool, const Body& body) {
+  pool.parallel_for(groups.seen.size(), bricks_per_range, [&](std::size_t begin, std::size_t end, int) {
+    with_known_width(width, [&](auto known) {
+      for (std::size_t b = begin; b < end; ++b)
+        body(BrickVoxels{std::span(groups.of_voxel).subspan(first[b], first[b + 1] - first[b]),
+                         groups.seen[b],
+                         {bytes[first[b]], bytes.stride}},
+             known, b);
+    });
+  });
+}
+
+}  // namespace
+
+VoxelGroups group_voxels(std::span<const std::uint64_t> mask, std::span<const std::uint64_t> first,
+                         const ThreadPool& pool) {
+  VoxelGroups out;
+  out.of_voxel.resize(first.back());
+  out.seen.resize(first.size() - 1);
+  pool.parallel_for(out.seen.size(), bricks_per_range, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t b = begin; b < end; ++b) {
+      std::uint8_t* to = out.of_voxel.data() + first[b];
+      for_each_group_of_voxels(&mask[8 * b], [&](std::uint8_t group) {
+        *to++ = group;
+        out.seen[b] |= std::uint64_t(1) << group;
+      });
+    }
+  });
+  return out;
+}
+
+SharedValues share_values(const VoxelGroups& groups, std::span<const std::uint64_t> first, Bytes bytes,
+                          std::size_t width, const ThreadPool& pool) {
+  const std::size_t bricks = groups.seen.size(), voxels = groups.of_voxel.size();
+  SharedValues out;
+  if (voxels > 1 && all_alike(bytes, width, voxels, pool)) {
+    out.value.assign(bytes[0], bytes[0] + width);
+    return out;
+  }
+  out.share.resize(share_bytes * bricks);
+  out.first.resize(bricks + 1);
+  for_each_brick(groups, first, bytes, width, pool, [&](const BrickVoxels& brick, auto known, std::size_t b) {
+    out.first[b + 1] = find_shares(brick, known, &out.share[share_bytes * b]);
+  });
+  for (std::size_t b = 0; b < bricks; ++b) out.first[b + 1] += out.first[b];
+  if (4 * (out.first.back() * width + (share_bytes + 2) * bricks) >= 3 * voxels * width) {
+    out = {};
+    copy_values(bytes, width, voxels, pool, out.value);
+    return out;
+  }
+  out.value.resize(out.first.back() * width);
+  for_each_brick(groups, first, bytes, width, pool, [&](const BrickVoxels& brick, auto known, std::size_t b) {
+    collect_values(brick, known, &out.share[share_bytes * b],
+                   std::span(out.value).subspan(out.first[b] * width, (out.first[b + 1] - out.first[b]) * width));
+  });
+  return out;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,135 @@
+#include "format/source/gltf/draco_primitive.h"
+
+#include <cstring>
+
+#include "format/source/image/codecs.h"
+#include "lattice/error.h"
+
+namespace gigabake {
+namespace {
+
+constexpr const char* draco_extension = "KHR_draco_mesh_compression";
+
+/// Appends the values as a buffer, a view and an accessor; returns the accessor.
+template <class T>
+int add_accessor(tinygltf::Model& model, const std::vector<T>& values, int type, int component) {
+  tinygltf::Buffer buffer;
+  buffer.data.resize(values.size() * sizeof(T));
+  if (!values.empty()) std::memcpy(buffer.data.data(), values.data(), buffer.data.size());
+  tinygltf::BufferView view;
+  view.buffer = int(model.buffers.size());
+  view.byteLength = buffer.data.size();
+  tinygltf::Accessor accessor;
+  accessor.bufferView = int(model.bufferViews.size());
+  accessor.type = type;
+  accessor.componentType = component;
+  accessor.count = values.size() / std::size_t(tinygltf::GetNumComponentsInType(std::uint32_t(type)));
+  model.buffers.push_back(std::move(buffer));
+  model.bufferViews.push_back(std::move(view));
+  model.accessors.push_back(std::move(accessor));
+  return int(model.accessors.size()) - 1;
+}
+
+float largest_of(int component) {
+  switch (component) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      return 127;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return 255;
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      return 32767;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return 65535;
+    default:
+      return 0;
+  }
+}
+
+class Unpacker {
+ public:
+  Unpacker(const std::filesystem::path& file, const std::string& where, tinygltf::Model& model,
+           tinygltf::Primitive& primitive, std::uint64_t most_triangles)
+      : file_(file), where_(where), model_(model), primitive_(primitive), most_triangles_(most_triangles) {}
+
+  void unpack() {
+    const tinygltf::Value& own = primitive_.extensions.at(draco_extension);
+    if (!own.Has("bufferView") || !own.Has("attributes")) fail("expected bufferView and attributes");
+    const tinygltf::Value& ids = own.Get("attributes");
+    for (const auto& [name, accessor] : primitive_.attributes)
+      if (ids.Has(name)) want(name, accessor, ids.Get(name));
+    const auto bytes = view_bytes(own.Get("bufferView").GetNumberAsInt());
+    DracoMesh mesh = decode_draco(file_, where_, bytes, wanted_, most_triangles_);
+    for (std::size_t i = 0; i < names_.size(); ++i)
+      primitive_.attributes[names_[i]] =
+          add_accessor(model_, mesh.attributes[i], types_[i], TINYGLTF_COMPONENT_TYPE_FLOAT);
+    primitive_.indices = add_accessor(model_, mesh.index, TINYGLTF_TYPE_SCALAR, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT);
+    if (primitive_.mode == TINYGLTF_MODE_TRIANGLE_STRIP) primitive_.mode = TINYGLTF_MODE_TRIANGLES;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& message) const { throw InputError(file_, where_, message); }
+
+  void want(const std::string& name, int accessor, const tinygltf::Value& id) {
+    const tinygltf::Accessor& a = model_.accessors[std::size_t(accessor)];
+    const int components = tinygltf::GetNumComponentsInType(std::uint32_t(a.type));
+    if (!id.IsInt() || id.GetNumberAsInt() < 0) fail("expected the number of an attribute at " + name);
+    if (components < 1 || components > 4) fail(name + ": expected a scalar or a vector");
+    names_.push_back(name);
+    types_.push_back(a.type);
+    wanted_.push_back({std::uint32_t(id.GetNumberAsInt()), std::uint32_t(components),
+                       a.normalized ? largest_of(a.componentType) : 0});
+  }
+
+  std::span<const std::uint8_t> view_bytes(int index) const {
+    const tinygltf::BufferView& view = model_.bufferViews[std::size_t(index)];
+    return {model_.buffers[std::size_t(view.buffer)].data.data() + view.byteOffset, view.byteLength};
+  }
+
+  const std::filesystem::path& file_;
+  const std::string& where_;
+  tinygltf::Model& model_;
+  tinygltf::Primitive& primitive_;
+  std::uint64_t most_triangles_;
+  std::vector<std::string> names_;
+  std::vector<int> types_;
+  std::vector<DracoAttribute> wanted_;
+};
+
+bool is_packed_alone(const tinygltf::Model& model, const tinygltf::Primitive& primitive) {
+  const auto position = primitive.attributes.find("POSITION");
+  return primitive.extensions.contains(draco_extension) && position != primitive.attributes.end() &&
+         model.accessors[std::size_t(position->second)].bufferView < 0;
+}
+
+}  // namespace
+
+bool hide_packed_indices(Json& gltf) {
+  bool found = false;
+  if (!gltf.contains("meshes")) return false;
+  for (Json& mesh : gltf["meshes"])
+    for (Json& primitive : mesh["primitives"])
+      if (primitive.contains("indices") && primitive.contains("extensions") &&
+          primitive["extensions"].contains(draco_extension) &&
+          !gltf["accessors"][primitive["indices"].get<std::size_t>()].contains("bufferView")) {
+        primitive.erase("indices");
+        found = true;
+      }
+  return found;
+}
+
+void unpack_draco(const std::filesystem::path& file, const Json& gltf, tinygltf::Model& model) {
+  for (std::size_t m = 0; m < model.meshes.size(); ++m)
+    for (std::size_t p = 0; p < model.meshes[m].primitives.size(); ++p) {
+      if (!is_packed_alone(model, model.meshes[m].primitives[p])) continue;
+      const std::string where =
+          "meshes[" + std::to_string(m) + "].primitives[" + std::to_string(p) + "].extensions." + draco_extension;
+      const Json& primitive = gltf["meshes"][m]["primitives"][p];
+      if (!primitive.contains("indices")) throw InputError(file, where, "expected indices");
+      // A strip's count is of the strip, and what is packed is a list: no more triangles than that.
+      const Json& indices = gltf["accessors"][primitive["indices"].get<std::size_t>()];
+      const std::uint64_t most = get_index(file, indices, "accessors", "count").value_or(0);
+      Unpacker(file, where, model, model.meshes[m].primitives[p], most).unpack();
+    }
+}
+
+}  // namespace gigabake

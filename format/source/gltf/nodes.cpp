@@ -1,0 +1,117 @@
+#include "format/source/gltf/nodes.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "format/source/gltf/accessor.h"
+#include "format/source/mesh.h"
+#include "lattice/error.h"
+#include "lattice/memory_limit.h"
+#include "lattice/transform.h"
+
+namespace gigabake {
+namespace {
+
+using Map = Affine<Gltf, Local>;
+
+template <std::size_t N>
+std::array<double, N> numbers_or(const std::vector<double>& v, const std::array<double, N>& otherwise) {
+  std::array<double, N> out = otherwise;
+  if (v.size() == N) std::copy(v.begin(), v.end(), out.begin());
+  return out;
+}
+
+Affine<Local, Local> node_map(const tinygltf::Node& n) {
+  if (n.matrix.size() == 16) return affine_from_columns<Local, Local>(n.matrix);
+  return affine_from_trs<Local, Local>(numbers_or<3>(n.translation, {0, 0, 0}), numbers_or<4>(n.rotation, {0, 0, 0, 1}),
+                                       numbers_or<3>(n.scale, {1, 1, 1}));
+}
+
+std::vector<int> root_nodes(const tinygltf::Model& model) {
+  if (!model.scenes.empty()) return model.scenes[std::size_t(std::max(0, model.defaultScene))].nodes;
+  std::vector<bool> is_child(model.nodes.size(), false);
+  for (const tinygltf::Node& n : model.nodes)
+    for (const int child : n.children) is_child[std::size_t(child)] = true;
+  std::vector<int> roots;
+  for (std::size_t i = 0; i < is_child.size(); ++i)
+    if (!is_child[i]) roots.push_back(int(i));
+  return roots;
+}
+
+/// The attributes of EXT_mesh_gpu_instancing, or of one instance where a node has none.
+class NodeInstances {
+ public:
+  NodeInstances(const std::filesystem::path& file, const tinygltf::Model& model, const tinygltf::Node& n,
+                MemoryClaim& claim) {
+    const auto extension = n.extensions.find("EXT_mesh_gpu_instancing");
+    if (extension == n.extensions.end() || !extension->second.Has("attributes")) return;
+    const tinygltf::Value& attributes = extension->second.Get("attributes");
+    const auto read = [&](const char* name, int components) {
+      if (!attributes.Has(name)) return std::vector<float>();
+      const int accessor = attributes.Get(name).GetNumberAsInt();
+      if (component_count(model, accessor) != components)
+        throw InputError(file, "EXT_mesh_gpu_instancing." + std::string(name),
+                         "expected VEC" + std::to_string(components));
+      claim.add_items(model.accessors[std::size_t(accessor)].count, std::uint64_t(components) * sizeof(float), "nodes",
+                      "instances of a node");
+      return read_floats(model, accessor, components);
+    };
+    t_ = read("TRANSLATION", 3), q_ = read("ROTATION", 4), s_ = read("SCALE", 3);
+    count_ = std::max({t_.size() / 3, q_.size() / 4, s_.size() / 3});
+    const auto fits = [this](std::size_t items) { return items == 0 || items == count_; };
+    if (!fits(t_.size() / 3) || !fits(q_.size() / 4) || !fits(s_.size() / 3))
+      throw InputError(file, "EXT_mesh_gpu_instancing", "TRANSLATION, ROTATION and SCALE differ in length");
+  }
+
+  std::size_t count() const { return count_; }
+
+  /// To the node's own frame.
+  Affine<Local, Local> map(std::size_t i) const {
+    std::array<double, 3> translation{0, 0, 0}, scale{1, 1, 1};
+    std::array<double, 4> rotation{0, 0, 0, 1};
+    if (!t_.empty()) std::copy_n(&t_[3 * i], 3, translation.begin());
+    if (!q_.empty()) std::copy_n(&q_[4 * i], 4, rotation.begin());
+    if (!s_.empty()) std::copy_n(&s_[3 * i], 3, scale.begin());
+    return affine_from_trs<Local, Local>(translation, rotation, scale);
+  }
+
+ private:
+  std::vector<float> t_, q_, s_;
+  std::size_t count_ = 1;
+};
+
+}  // namespace
+
+void for_each_placement(const std::filesystem::path& file, const tinygltf::Model& model,
+                        const std::function<void(const MeshPlacement&)>& visit) {
+  struct Pending {
+    int node;
+    Map parent;
+  };
+  std::vector<Pending> pending;
+  const auto push_all = [&pending](const std::vector<int>& nodes, const Map& parent) {
+    for (auto n = nodes.rbegin(); n != nodes.rend(); ++n) pending.push_back({*n, parent});
+  };
+  push_all(root_nodes(model), Map());
+  MemoryClaim claim(file);
+  std::size_t placed = 0;
+  while (!pending.empty()) {
+    const Pending at = pending.back();
+    pending.pop_back();
+    const tinygltf::Node& node = model.nodes[std::size_t(at.node)];
+    const Map map = at.parent * node_map(node);
+    if (!map.is_finite())
+      throw InputError(file, "nodes[" + std::to_string(at.node) + "]", "the transform is not finite");
+    push_all(node.children, map);
+    if (node.mesh < 0) continue;
+    const NodeInstances instances(file, model, node, claim);
+    placed += instances.count();
+    if (placed > most_placements)
+      throw InputError(file, "nodes", "more than 2^24 placements of meshes; split the file");
+    claim.add_items(instances.count(), placement_bytes, "nodes", "placements of meshes");
+    for (std::size_t i = 0; i < instances.count(); ++i) visit({node.mesh, map * instances.map(i)});
+  }
+}
+
+}  // namespace gigabake

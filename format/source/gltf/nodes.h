@@ -1,0 +1,26 @@
+/// Every placement of a mesh in a glTF scene.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <tiny_gltf.h>
+
+#include "lattice/frames.h"
+
+namespace gigabake {
+
+struct Gltf;  ///< Frame: the glTF scene's own, before any turn to z up.
+
+struct MeshPlacement {
+  int mesh = 0;
+  Affine<Gltf, Local> gltf_from_local;
+};
+
+/// Calls visit() for each, of the default scene (else the first; else all root nodes), parents before children; the
+/// instances of EXT_mesh_gpu_instancing one by one. Errors  InputError: a transform that is not finite, instancing
+/// attributes that differ in length or are of another type, more than most_placements.
+void for_each_placement(const std::filesystem::path& file, const tinygltf::Model& model,
+                        const std::function<void(const MeshPlacement&)>& visit);
+
+}  // namespace gigabake

@@ -1,0 +1,130 @@
+#include "format/source/gltf/packed_views.h"
+
+#include <map>
+
+#include "lattice/error.h"
+
+namespace gigabake {
+namespace {
+
+constexpr const char* meshopt_extension = "EXT_meshopt_compression";
+/// The vertex codec spends at least 4 bytes on 256 equal ones.
+constexpr std::uint64_t most_packed = 64, slack_bytes = 1 << 16;
+
+std::string where_of(std::size_t view) {
+  return "bufferViews[" + std::to_string(view) + "].extensions." + meshopt_extension;
+}
+
+template <class T>
+T named(const std::filesystem::path& file, const Json& json, const std::string& where, const char* key,
+        const std::map<std::string, T>& names, const char* otherwise) {
+  const std::string name = get_text(file, json, where, key).value_or(otherwise);
+  const auto at = names.find(name);
+  if (at == names.end()) throw InputError(file, where + "." + key, "is unknown: " + in_quotes(name));
+  return at->second;
+}
+
+MeshoptStream stream_of(const std::filesystem::path& file, const Json& json, const std::string& where) {
+  MeshoptStream s;
+  s.count = get_index(file, json, where, "count").value_or(0);
+  s.stride = get_index(file, json, where, "byteStride").value_or(0);
+  s.mode = named<MeshoptMode>(file, json, where, "mode",
+                              {{"ATTRIBUTES", MeshoptMode::attributes},
+                               {"TRIANGLES", MeshoptMode::triangles},
+                               {"INDICES", MeshoptMode::indices}},
+                              "");
+  s.filter = named<MeshoptFilter>(file, json, where, "filter",
+                                  {{"NONE", MeshoptFilter::none},
+                                   {"OCTAHEDRAL", MeshoptFilter::octahedral},
+                                   {"QUATERNION", MeshoptFilter::quaternion},
+                                   {"EXPONENTIAL", MeshoptFilter::exponential}},
+                                  "NONE");
+  const bool is_index = s.mode != MeshoptMode::attributes;
+  if (is_index ? s.stride != 2 && s.stride != 4 : s.stride == 0 || s.stride > 256 || s.stride % 4 != 0)
+    throw InputError(file, where + ".byteStride",
+                     is_index ? "expected 2 or 4" : "expected a multiple of 4, at most 256");
+  if (s.mode == MeshoptMode::triangles && s.count % 3 != 0)
+    throw InputError(file, where + ".count", "expected a multiple of 3");
+  if ((s.filter == MeshoptFilter::octahedral && s.stride != 4 && s.stride != 8) ||
+      (s.filter == MeshoptFilter::quaternion && s.stride != 8) || (is_index && s.filter != MeshoptFilter::none))
+    throw InputError(file, where + ".filter", "does not go with the mode and the stride");
+  return s;
+}
+
+PackedView packed_view(const std::filesystem::path& file, const Json& gltf, std::size_t index) {
+  const Json& view = gltf["bufferViews"][index];
+  const std::string where = where_of(index);
+  const Json& json = get_object(file, view["extensions"], where, meshopt_extension);
+  PackedView out;
+  out.view = index;
+  out.byte_stride = get_index(file, view, where, "byteStride").value_or(0);
+  const auto buffer = get_index(file, json, where, "buffer");
+  if (!buffer || *buffer >= gltf["buffers"].size())
+    throw InputError(file, where + ".buffer", "expected one of the buffers");
+  out.buffer = *buffer;
+  out.byte_offset = get_index(file, json, where, "byteOffset").value_or(0);
+  out.byte_length = get_index(file, json, where, "byteLength").value_or(0);
+  const std::uint64_t whole = get_index(file, gltf["buffers"][out.buffer], "buffers", "byteLength").value_or(0);
+  if (out.byte_offset > whole || out.byte_length > whole - out.byte_offset || out.byte_length == 0)
+    throw InputError(file, where, "its bytes leave a buffer of " + std::to_string(whole));
+  out.stream = stream_of(file, json, where);
+  const std::uint64_t bytes = get_index(file, view, where, "byteLength").value_or(0);
+  if (out.stream.count > bytes / out.stream.stride || out.stream.count * out.stream.stride != bytes)
+    throw InputError(file, where, "count times byteStride is not the view's byteLength");
+  if (bytes > slack_bytes && (bytes - slack_bytes) / most_packed > out.byte_length)
+    throw InputError(
+        file, where,
+        std::to_string(bytes) + " bytes are more than " + std::to_string(out.byte_length) + " packed ones can hold");
+  return out;
+}
+
+}  // namespace
+
+bool is_absent_fallback(const std::filesystem::path& file, const Json& buffer, std::size_t index, bool has_bin) {
+  if (buffer.contains("uri") || (index == 0 && has_bin)) return false;
+  const Json& own = get_object(file, get_object(file, buffer, "buffers", "extensions"), "buffers", meshopt_extension);
+  return own.contains("fallback") && own["fallback"].is_boolean() && own["fallback"].get<bool>();
+}
+
+std::vector<PackedView> packed_views(const std::filesystem::path& file, const Json& gltf, bool has_bin) {
+  std::vector<PackedView> out;
+  const Json& buffers = get_array(file, gltf, "", "buffers");
+  const auto is_absent = [&](std::size_t i) { return is_absent_fallback(file, buffers[i], i, has_bin); };
+  const Json& views = get_array(file, gltf, "", "bufferViews");
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (!is_absent(views[i]["buffer"].get<std::size_t>())) continue;
+    if (!get_object(file, views[i], "bufferViews", "extensions").contains(meshopt_extension))
+      throw InputError(file, "bufferViews[" + std::to_string(i) + "]", "lies in a buffer that has no bytes");
+    out.push_back(packed_view(file, gltf, i));
+    if (is_absent(out.back().buffer)) throw InputError(file, where_of(i) + ".buffer", "has no bytes");
+  }
+  return out;
+}
+
+Json without_packed_views(Json gltf, const std::vector<PackedView>& packed) {
+  for (const PackedView& p : packed) {
+    Json& view = gltf["bufferViews"][p.view];
+    Json& absent = gltf["buffers"][view["buffer"].get<std::size_t>()];
+    absent = {{"byteLength", 1u}, {"uri", "data:application/octet-stream;base64,AA=="}};
+    view = {{"buffer", p.buffer}, {"byteOffset", p.byte_offset}, {"byteLength", p.byte_length}};
+  }
+  return gltf;
+}
+
+void unpack_views(const std::filesystem::path& file, const std::vector<PackedView>& packed, tinygltf::Model& model) {
+  for (const PackedView& p : packed) {
+    const std::vector<unsigned char>& from = model.buffers[p.buffer].data;
+    if (p.byte_offset + p.byte_length > from.size()) throw InputError(file, where_of(p.view), "leaves its buffer");
+    tinygltf::Buffer buffer;
+    buffer.data =
+        decode_meshopt(file, where_of(p.view), p.stream, {from.data() + p.byte_offset, std::size_t(p.byte_length)});
+    tinygltf::BufferView& view = model.bufferViews[p.view];
+    view.buffer = int(model.buffers.size());
+    view.byteOffset = 0;
+    view.byteLength = buffer.data.size();
+    view.byteStride = p.byte_stride;
+    model.buffers.push_back(std::move(buffer));
+  }
+}
+
+}  // namespace gigabake

@@ -1,0 +1,89 @@
+/// One content file, read: triangles, materials and still-encoded images, in the file's own coordinates with the
+/// affine maps that place them in the scene. Nothing here is snapped, filtered or transformed yet.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "lattice/frames.h"
+#include "lattice/rules.h"
+
+namespace gigabake {
+
+struct TextureUse {
+  int image = -1;  ///< index into TileMesh::images; -1: none
+  Wrap wrap_s = Wrap::repeat, wrap_t = Wrap::repeat;
+  bool nearest = false;  ///< magFilter NEAREST
+};
+
+struct Material {
+  std::array<float, 4> base_color{1, 1, 1, 1};  ///< linear RGB and alpha factor, each clamped to 0…1
+  TextureUse texture;
+  AlphaMode alpha_mode = AlphaMode::opaque;
+  float alpha_cutoff = 0.5f;
+  bool double_sided = false;
+  bool unlit = false;
+};
+
+/// A triangle list; every index is < the vertex count (checked at load); strips and fans are expanded.
+struct Primitive {
+  std::vector<float> position;  ///< 3 per vertex, Local metres, may hold NaN/Inf (dropped and counted at snap)
+  float position_step = 0;  ///< between neighbouring values that the file could say, where these are not the floats of
+                            ///< `position`; 0: they are
+  std::vector<std::uint32_t> index;  ///< 3 per triangle, counter-clockwise seen from outside
+  std::vector<float> uv;  ///< 2 per vertex, or empty; the set the base colour uses, KHR_texture_transform applied
+  std::vector<std::uint16_t> rgba;  ///< 4 per vertex, linear, 65535 = 1, or empty
+  int material = 0;                 ///< index into TileMesh::materials (always valid)
+};
+
+/// One placement of a primitive.
+struct Instance {
+  int primitive = 0;
+  Affine<Scene, Local> scene_from_local;  ///< a negative determinant mirrors: winding is restored by the consumer
+};
+
+/// A file with more placements is refused, and one whose placements take more than --memory allows: a node may place
+/// what takes no bytes in the file.
+inline constexpr std::size_t most_placements = std::size_t(1) << 24;
+/// An Instance and what readers and surveys hold beside it.
+inline constexpr std::size_t placement_bytes = 192;
+
+/// An image as its file holds it. PNG, JPEG or WebP by content.
+struct EncodedImage {
+  std::string name;  ///< for messages: "tile.glb: images[2]"
+  std::vector<std::uint8_t> bytes;
+};
+
+struct TileCounts {
+  std::uint64_t triangles = 0;       ///< with instances
+  std::uint64_t skipped_points = 0;  ///< primitives' points that were not baked
+  std::uint64_t skipped_lines = 0;   ///< likewise line segments
+};
+
+struct TileMesh {
+  std::vector<Primitive> primitives;
+  std::vector<Instance> instances;
+  std::vector<Material> materials;  ///< at least one
+  std::vector<EncodedImage> images;
+  TileCounts counts;
+  std::vector<std::string>
+      warnings;  ///< what was taken otherwise than the file has it; one line each, without its name
+};
+
+/// Linear: what has a material or an image that is missing, an sRGB code of 127.
+inline constexpr float grey_without_image = 0.2122f;
+
+/// Decoded, straight alpha, sRGB as stored; row 0 first.
+struct Image {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgba;  ///< 4 · width · height
+  bool has_alpha = false;          ///< some texel's alpha is below 255
+};
+
+/// Errors  InputError for anything that is not a whole PNG, JPEG or WebP (where built with libwebp), or larger than
+/// 2^28 texels.
+Image decode_image(const EncodedImage& image);
+
+}  // namespace gigabake

@@ -1,0 +1,98 @@
+#include "format/source/mesh/ply_values.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+
+#include "format/source/source_file.h"
+#include "lattice/error.h"
+
+namespace gigabake {
+namespace {
+
+static_assert(std::endian::native == std::endian::little);
+
+template <class T>
+double value_at(const std::array<std::uint8_t, 8>& bytes) {
+  T v;
+  std::memcpy(&v, bytes.data(), sizeof v);
+  return double(v);
+}
+
+}  // namespace
+
+void PlyValues::fail(const std::string& message) const {
+  if (format_ == PlyFormat::ascii) throw InputError(file_, "line " + std::to_string(line_), message);
+  throw InputError(file_, "", message, at_);
+}
+
+double PlyValues::binary(PlyType type) {
+  const std::size_t size = byte_count(type);
+  if (left() < size) fail("the file ends inside its elements");
+  std::array<std::uint8_t, 8> bytes{};
+  for (std::size_t i = 0; i < size; ++i) bytes[i] = bytes_[at_ + (format_ == PlyFormat::big_endian ? size - 1 - i : i)];
+  at_ += size;
+  switch (type) {
+    case PlyType::int8:
+      return value_at<std::int8_t>(bytes);
+    case PlyType::uint8:
+      return value_at<std::uint8_t>(bytes);
+    case PlyType::int16:
+      return value_at<std::int16_t>(bytes);
+    case PlyType::uint16:
+      return value_at<std::uint16_t>(bytes);
+    case PlyType::int32:
+      return value_at<std::int32_t>(bytes);
+    case PlyType::uint32:
+      return value_at<std::uint32_t>(bytes);
+    case PlyType::float32:
+      return value_at<float>(bytes);
+    default:
+      return value_at<double>(bytes);
+  }
+}
+
+double PlyValues::word() {
+  const auto is_blank = [this](std::size_t i) { return bytes_[i] <= ' '; };
+  for (; at_ < bytes_.size() && is_blank(at_); ++at_) line_ += bytes_[at_] == '\n' ? 1 : 0;
+  std::size_t end = at_;
+  while (end < bytes_.size() && !is_blank(end)) ++end;
+  if (end == at_) fail("the file ends inside its elements");
+  std::string_view text(reinterpret_cast<const char*>(bytes_.data()) + at_, end - at_);
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double v = 0;
+  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), v);
+  if (parsed.ptr != text.data() + text.size() || parsed.ec == std::errc::invalid_argument)
+    fail("expected a number, got " + in_quotes(text));
+  if (parsed.ec == std::errc::result_out_of_range && text.find("e-") == text.npos && text.find("E-") == text.npos)
+    v = HUGE_VAL;
+  at_ = end;
+  return v;
+}
+
+std::uint64_t PlyValues::length(const PlyProperty& list) {
+  const double items = number(*list.count);
+  const std::uint64_t item_bytes = format_ == PlyFormat::ascii ? 2 : byte_count(list.type);
+  // In a text the last value needs no space behind it.
+  if (!(items >= 0) || items != std::floor(items) || items * double(item_bytes) > double(left() + 1))
+    fail("expected the length of a list that the file has room for");
+  return std::uint64_t(items);
+}
+
+void PlyValues::skip(const PlyProperty& property) {
+  for (std::uint64_t n = property.count ? length(property) : 1; n > 0; --n) number(property.type);
+}
+
+void PlyValues::expect_room_for(const PlyElement& element) const {
+  std::uint64_t least_bytes = 0;
+  for (const PlyProperty& p : element.properties)
+    least_bytes += format_ == PlyFormat::ascii ? 2 : byte_count(p.count.value_or(p.type));
+  if (least_bytes != 0 && element.count > (left() + 1) / least_bytes)
+    fail("the header says " + std::to_string(element.count) + " elements " + in_quotes(element.name) +
+         ", for which the file has no room");
+}
+
+}  // namespace gigabake

@@ -1,0 +1,94 @@
+#include "format/source/raster/crs_text.h"
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+#include <sstream>
+#include <string_view>
+
+namespace gigabake {
+namespace {
+
+constexpr std::size_t longest_text = std::size_t(1) << 16;
+
+std::string upper(std::string_view text) {
+  std::string out(text);
+  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return char(std::toupper(c)); });
+  return out;
+}
+
+/// AUTHORITY:CODE. An authority is letters, digits and '_'; a code has '.', '+' and '-' besides.
+bool is_code(std::string_view text) {
+  const auto colon = text.find(':');
+  if (colon == 0 || colon == text.npos || colon + 1 == text.size()) return false;
+  const auto is_word = [](std::string_view word, std::string_view more) {
+    return std::all_of(word.begin(), word.end(),
+                       [&](unsigned char c) { return std::isalnum(c) != 0 || more.find(char(c)) != more.npos; });
+  };
+  return is_word(text.substr(0, colon), "_") && is_word(text.substr(colon + 1), "_.+-");
+}
+
+/// Source  PROJ 9, "Projections" and "Parameters of cartographic projections". A "+" may be left out.
+bool is_plain_parameter(std::string_view word) {
+  static const std::set<std::string_view> known{
+      "a",      "alpha",      "axis",   "azi",    "b",       "datum",    "ellps",   "es",      "f",       "gamma",
+      "h",      "k",          "k_0",    "lat_0",  "lat_1",   "lat_2",    "lat_3",   "lat_b",   "lat_t",   "lat_ts",
+      "lon_0",  "lon_1",      "lon_2",  "lon_3",  "lonc",    "lon_wrap", "lsat",    "m",       "M",       "n",
+      "no_cut", "no_defs",    "no_off", "no_rot", "no_uoff", "over",     "path",    "pm",      "proj",    "q",
+      "R",      "R_A",        "R_C",    "R_V",    "R_a",     "R_g",      "R_h",     "R_lat_a", "R_lat_g", "rf",
+      "south",  "south_pole", "sweep",  "tilt",   "title",   "to_meter", "towgs84", "type",    "units",   "vto_meter",
+      "vunits", "W",          "wktext", "x_0",    "y_0",     "zone"};
+  if (word.starts_with('+')) word.remove_prefix(1);
+  const std::string_view name = word.substr(0, word.find('='));
+  if (name == "nadgrids") return word == "nadgrids=@null";  // how Web Mercator says that there is none
+  if (name == "proj" && (word == "proj=pipeline" || word == "proj=defmodel" || word == "proj=tinshift")) return false;
+  return word.empty() || known.contains(name);
+}
+
+bool are_plain_parameters(std::string_view text) {
+  std::istringstream words{std::string(text)};
+  for (std::string word; words >> word;)
+    if (!is_plain_parameter(word)) return false;
+  return true;
+}
+
+/// Every quoted text in which a PROJ text stands, whatever member holds it.
+bool holds_plain_quotes(std::string_view wkt) {
+  for (auto at = wkt.find('"'); at != wkt.npos;) {
+    const auto end = wkt.find('"', at + 1);
+    if (end == wkt.npos) return true;  // GDAL refuses it
+    const std::string_view quoted = wkt.substr(at + 1, end - at - 1);
+    const auto proj = quoted.find('+');
+    if (quoted.find("proj=") != quoted.npos || quoted.find("init=") != quoted.npos)
+      if (proj == quoted.npos || !are_plain_parameters(quoted.substr(proj))) return false;
+    at = wkt.find('"', end + 1);
+  }
+  return true;
+}
+
+bool is_plain_structure(std::string_view text) {
+  return upper(text).find("PARAMETERFILE") == std::string::npos && holds_plain_quotes(text);
+}
+
+/// A keyword and its bracket.
+bool is_wkt(std::string_view text) {
+  const auto bracket = text.find_first_of("[(");
+  return bracket != 0 && bracket != text.npos &&
+         std::all_of(text.begin(), text.begin() + std::ptrdiff_t(bracket),
+                     [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == ' '; });
+}
+
+}  // namespace
+
+bool is_plain_crs(const std::string& text) {
+  if (text.size() > longest_text || text.find('\0') != text.npos) return false;
+  const auto begin = text.find_first_not_of(" \t\r\n");
+  if (begin == text.npos) return false;
+  const std::string_view trimmed = std::string_view(text).substr(begin, text.find_last_not_of(" \t\r\n") + 1 - begin);
+  if (is_code(trimmed)) return true;
+  if (trimmed.starts_with("+") || trimmed.starts_with("proj=")) return are_plain_parameters(trimmed);
+  if (trimmed.starts_with("{") || is_wkt(trimmed)) return is_plain_structure(trimmed);
+  return false;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,23 @@
+// format/source/raster/dem.h where gigabake was built with GDAL, which takes a tenth of a second and fifty megabytes to
+// load.
+#include "format/source/raster/gdal_module.h"
+#include "format/system/module.h"
+#include "lattice/memory_limit.h"
+
+namespace gigabake {
+namespace {
+
+const GdalModule& gdal() {
+  static const GdalModule& module =
+      *reinterpret_cast<decltype(&gigabake_gdal)>(module_function("gdal", "gigabake_gdal"))();
+  module.set_memory_limit(memory_limit());
+  return module;
+}
+
+}  // namespace
+
+std::vector<DemTile> open_dem(const DemOptions& options) { return gdal().open_dem(options); }
+DemMesh read_dem(const DemTile& tile, bool with_ortho) { return gdal().read_dem(tile, with_ortho); }
+std::vector<std::filesystem::path> dem_files(const DemOptions& options) { return gdal().dem_files(options); }
+
+}  // namespace gigabake

@@ -1,0 +1,26 @@
+// read_tile(): whatever holds the tile, as triangles, materials and encoded images.
+#include "format/source/content_container.h"
+#include "format/source/gltf/read.h"
+#include "format/source/mesh/obj_read.h"
+#include "format/source/mesh/ply_read.h"
+#include "format/source/mesh/stl_read.h"
+#include "format/source/raster/dem_source.h"
+#include "lattice/error.h"
+
+namespace gigabake {
+
+TileMesh read_tile(const TileRef& tile, const std::filesystem::path& root, ReadScope scope) {
+  try {
+    if (tile.kind == ContentKind::obj) return read_obj(tile, files_of(tile, root), scope);
+    if (tile.kind == ContentKind::ply) return read_ply(tile, files_of(tile, root), scope);
+    if (tile.kind == ContentKind::stl) return read_stl(tile, files_of(tile, root));
+    if (tile.kind == ContentKind::dem) return read_dem_tile(tile, scope);
+    return read_gltf(tile, root, scope);
+  } catch (const std::bad_alloc&) {
+    throw InputError(tile.path, "", not_enough_memory);
+  } catch (const nlohmann::json::exception&) {
+    throw InputError(tile.path, "", "a member of its JSON has another type than glTF gives it");
+  }
+}
+
+}  // namespace gigabake

@@ -1,0 +1,151 @@
+#include "format/source/scene_json.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "format/source/raster/dem_source.h"
+#include "format/source/source_files.h"
+#include "format/source/tiles/tileset_document.h"
+#include "lattice/error.h"
+#include "lattice/georeference.h"
+#include "lattice/transform.h"
+
+namespace gigabake {
+namespace {
+
+constexpr double radians = std::numbers::pi / 180;
+
+bool is_scene(const std::filesystem::path& path) {
+  std::error_code error;
+  if (lower_extension(path) != ".json" || !std::filesystem::is_regular_file(path, error)) return false;
+  const Json json = parse_tileset(path, SourceFiles(path.parent_path()).read_content(path)).json;
+  return json.is_object() && json.contains("gigabake");
+}
+
+std::filesystem::path root_of(const std::filesystem::path& file) {
+  return file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+}
+
+/// One listed source, opened in its own frame, and where that frame stands.
+struct Entry {
+  std::string where;
+  SceneSources source;
+  std::optional<Geodetic> position;    ///< on the earth, or
+  std::array<double, 3> position_m{};  ///< in the scene
+  double heading_deg = 0, scale = 1;
+};
+
+/// A misspelt key of our own format would place a source silently at the origin.
+void expect_only(const std::filesystem::path& file, const Json& object, const std::string& where,
+                 std::initializer_list<std::string_view> known) {
+  for (const auto& [key, value] : object.items())
+    if (std::find(known.begin(), known.end(), key) == known.end())
+      throw InputError(file, where, "has an unknown key " + in_quotes(key));
+}
+
+void read_place(const std::filesystem::path& file, const Json& place, const std::string& where, Entry& e) {
+  expect_only(file, place, where, {"position_m", "lon_lat_height"});
+  const auto metres = get_numbers(file, place, where, "position_m", 3);
+  const auto degrees = get_numbers(file, place, where, "lon_lat_height", 3);
+  if (metres.has_value() == degrees.has_value())
+    throw InputError(file, where, "expected either position_m or lon_lat_height");
+  if (metres) e.position_m = {(*metres)[0], (*metres)[1], (*metres)[2]};
+  if (!degrees) return;
+  if (std::fabs((*degrees)[0]) > 360 || std::fabs((*degrees)[1]) > 90)
+    throw InputError(file, where + ".lon_lat_height", "expected degrees of longitude and latitude, and metres");
+  e.position = Geodetic{(*degrees)[1], (*degrees)[0], (*degrees)[2]};
+}
+
+/// Without a place of its own a source stands where its file puts it: on the earth, or at the scene's origin.
+Entry read_entry(const std::filesystem::path& file, const Json& json, std::size_t i, SourceOptions options,
+                 const Progress& progress) {
+  Entry e;
+  e.where = "sources[" + std::to_string(i) + "]";
+  options.origin.reset();
+  if (json.contains("dem")) {
+    expect_only(file, json, e.where, {"dem", "ortho", "crs", "nodata", "height_scale", "geoid_offset_m", "tile_cells"});
+    e.source = dem_sources(root_of(file), dem_options(file, json, e.where), options, progress);
+    e.position = e.source.origin;
+    return e;
+  }
+  const auto path = get_text(file, json, e.where, "path");
+  if (!path) throw InputError(file, e.where + ".path", "is missing");
+  expect_only(file, json, e.where, {"path", "place", "heading_deg", "scale"});
+  const bool is_placed = json.contains("place");
+  if (is_placed) read_place(file, get_object(file, json, e.where, "place"), e.where + ".place", e);
+  e.heading_deg = get_number(file, json, e.where, "heading_deg").value_or(0);
+  e.scale = get_number(file, json, e.where, "scale").value_or(1);
+  if (!(e.scale > 0)) throw InputError(file, e.where + ".scale", "expected a positive number");
+  options.local |= is_placed;
+  const std::filesystem::path target = resolve_uri(root_of(file), file, e.where + ".path", *path);
+  if (is_scene(target)) throw InputError(file, e.where + ".path", in_quotes(*path) + " is a scene; scenes do not nest");
+  e.source = open_sources(target, options, progress);
+  if (!is_placed) e.position = e.source.origin;
+  return e;
+}
+
+Affine<Scene, Scene> heading_and_scale(const Entry& e) {
+  const double c = std::cos(e.heading_deg * radians) * e.scale, s = std::sin(e.heading_deg * radians) * e.scale;
+  Affine<Scene, Scene> r;
+  r.m = {{{c, s, 0, 0}, {-s, c, 0, 0}, {0, 0, e.scale, 0}}};
+  return r;
+}
+
+/// From the entry's own z-up frame to the scene.
+Affine<Scene, Scene> placement(const Entry& e, const std::optional<Geodetic>& origin) {
+  if (!e.position || !origin)
+    return translation<Scene, Scene>(e.position_m[0], e.position_m[1], e.position_m[2]) * heading_and_scale(e);
+  return scene_from_ecef(*origin) * ecef_from_enu(*e.position) * heading_and_scale(e);
+}
+
+void add_entry(Entry e, SceneSources& out) {
+  const Affine<Scene, Scene> place = placement(e, out.origin);
+  // Names of the file, which many tiles of a raster or a composite share: finding them asks the system.
+  std::filesystem::path file;
+  std::string own, name;
+  for (TileRef& tile : e.source.tiles) {
+    tile.scene_from_tile = place * tile.scene_from_tile;
+    if (tile.path != file) {
+      file = tile.path;
+      own = name_in(e.source.root, file);
+      name = name_in(out.root, file);
+    }
+    tile.name = name + tile.name.substr(std::min(own.size(), tile.name.size()));  // which part of the file it is
+    out.tiles.push_back(std::move(tile));
+  }
+  for (const std::string& note : e.source.notes) out.notes.push_back(note);
+  for (SkippedSource& lost : e.source.skipped) {
+    lost.name = name_in(out.root, e.source.root / lost.name);
+    out.skipped.push_back(std::move(lost));
+  }
+}
+
+}  // namespace
+
+SceneSources open_scene_json(const std::filesystem::path& file, const Json& json, const SourceOptions& options,
+                             const Progress& progress) {
+  if (get_index(file, json, "", "gigabake") != 1)
+    throw InputError(file, "gigabake", "expected 1, the version of this format");
+  expect_only(file, json, "", {"gigabake", "sources"});
+  std::vector<Entry> entries;
+  const Json& list = get_array(file, json, "", "sources");
+  for (std::size_t i = 0; i < list.size(); ++i) entries.push_back(read_entry(file, list[i], i, options, progress));
+  if (entries.empty()) throw InputError(file, "sources", "expected at least one source");
+  SceneSources out;
+  out.root = root_of(file);
+  for (const Entry& e : entries)
+    if (e.position.has_value() != entries[0].position.has_value())
+      throw InputError(file, e.where, "local and lon/lat placements cannot share a scene");
+  if (options.local && entries[0].position)
+    throw InputError(file, "sources", "lon/lat placements need a georeference; leave out --local");
+  if (!options.local) out.origin = options.origin ? options.origin : entries[0].position;
+  progress.step("placing the sources", entries.size(), "sources");
+  for (Entry& e : entries) {
+    add_entry(std::move(e), out);
+    progress.advance();
+  }
+  return out;
+}
+
+}  // namespace gigabake

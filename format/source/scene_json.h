@@ -1,0 +1,19 @@
+/// A scene .json: sources listed with their placements (docs/format.md).
+#pragma once
+
+#include <filesystem>
+
+#include "format/source/source.h"
+#include "format/source/source_file.h"
+
+namespace gigabake {
+
+/// {"gigabake": 1, "sources": [{"path": "…", "place": {"position_m": [x,y,z]} or {"lon_lat_height": [lon,lat,h]},
+///  "heading_deg": 0, "scale": 1}, …]}. Or an elevation raster: {"dem": "…", "ortho": "…", …}, see
+/// dem_options(). Heading turns clockwise from north (y), seen from above. Without "place" a
+/// tileset that stands on the earth stays where it stands.
+/// Errors  InputError as open_sources(); unknown keys, scenes in scenes, local and geodetic placements in one scene.
+SceneSources open_scene_json(const std::filesystem::path& file, const Json& json, const SourceOptions& options,
+                             const Progress& progress);
+
+}  // namespace gigabake

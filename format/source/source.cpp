@@ -1,0 +1,190 @@
+#include "format/source/source.h"
+
+#include <algorithm>
+#include <map>
+
+#include "format/source/earth_centred.h"
+#include "format/source/raster/dem_source.h"
+#include "format/source/scene_json.h"
+#include "format/source/source_file.h"
+#include "format/source/source_files.h"
+#include "format/source/tiles/pnts.h"
+#include "format/source/tiles/tileset.h"
+#include "lattice/error.h"
+#include "lattice/georeference.h"
+#include "lattice/transform.h"
+
+namespace gigabake {
+namespace {
+
+using Path = std::filesystem::path;
+
+Path folder_of(const Path& file) { return file.has_parent_path() ? file.parent_path() : Path("."); }
+
+/// The source's own frame to the local scene: z up unless told otherwise.
+Affine<Scene, World> local_scene(const SourceOptions& options) {
+  return z_up_from<Scene, World>(options.scene_up.value_or(UpAxis::z));
+}
+
+/// By extension; nothing where the file is no content.
+std::optional<ContentKind> kind_of(const Path& path) {
+  static const std::map<std::string, ContentKind> kinds{{".glb", ContentKind::glb},   {".gltf", ContentKind::gltf},
+                                                        {".b3dm", ContentKind::b3dm}, {".i3dm", ContentKind::i3dm},
+                                                        {".obj", ContentKind::obj},   {".ply", ContentKind::ply},
+                                                        {".stl", ContentKind::stl}};
+  const auto at = kinds.find(lower_extension(path));
+  return at == kinds.end() ? std::nullopt : std::optional(at->second);
+}
+
+/// Of point clouds nothing is baked, but whoever names one is told so.
+bool is_mesh(const Path& path) {
+  const std::string extension = lower_extension(path);
+  return kind_of(path) || extension == ".cmpt" || extension == ".pnts";
+}
+
+void add_mesh_file(const Path& path, const SourceOptions& options, SceneSources& out) {
+  const SourceFiles files(out.root);
+  TileRef tile;
+  tile.path = path;
+  tile.name = name_in(out.root, path);
+  tile.gltf_up = options.scene_up.value_or(UpAxis::y);
+  tile.bytes = files.size_of(path);
+  if (const auto kind = kind_of(path)) {
+    tile.kind = *kind;
+    out.tiles.push_back(tile);
+    return;
+  }
+  if (lower_extension(path) == ".pnts") return out.skipped.push_back(skipped_points(tile, files, tile.name));
+  for (const CompositePart& part : parts_of_composite(path, files.read_content(path))) {
+    TileRef inner = tile;
+    inner.name += part.name;
+    inner.range = part.range;
+    inner.kind = part.magic == ContentMagic::i3dm ? ContentKind::i3dm : ContentKind::b3dm;
+    if (part.magic == ContentMagic::points)
+      out.skipped.push_back(skipped_points(inner, files, inner.name));
+    else
+      out.tiles.push_back(std::move(inner));
+  }
+}
+
+/// Unless its coordinates are earth-centred, a mesh file has no place on the earth of its own; --origin says where its
+/// local frame stands.
+SceneSources mesh_sources(const Path& root, const std::vector<Path>& files, const SourceOptions& options,
+                          const Progress& progress) {
+  SceneSources out;
+  out.root = root;
+  if (!options.local) out.origin = options.origin;
+  progress.step("looking at the files", files.size(), "files");
+  for (const Path& file : files) {
+    add_mesh_file(file, options, out);
+    progress.advance();
+  }
+  place_on_earth(options, out);
+  return out;
+}
+
+SceneSources tileset_sources(const SourceFiles& files, const Path& file, const TilesetDocument& document,
+                             const SourceOptions& options, const Progress& progress) {
+  SceneSources out;
+  out.root = files.root();
+  const Tileset tileset = open_tileset(files, file, document, progress);
+  out.skipped = tileset.skipped;
+  Affine<Scene, World> scene_from_world = local_scene(options);
+  if (!options.local) out.origin = options.origin;
+  if (tileset.anchor && !options.local) {
+    if (!out.origin) out.origin = geodetic_of(*tileset.anchor);
+    scene_from_world.m = scene_from_ecef(*out.origin).m;  // this World is the earth
+  }
+  if (tileset.anchor && options.local)
+    out.notes.push_back(
+        "warning: the tileset stands on the earth; in a local frame (--local, or a place in a scene "
+        ".json) it is tilted and some 6,400 km away");
+  progress.step("looking at the tiles' files", tileset.contents.size(), "tiles");
+  Path named;
+  std::string name;
+  for (const TilesetContent& c : tileset.contents) {
+    progress.advance();
+    if (c.path != named || name.empty()) name = name_in(out.root, named = c.path);
+    out.tiles.push_back({c.path, name + c.part, c.kind, c.gltf_up, scene_from_world * c.world_from_tile,
+                         (c.archive ? SourceFiles(c.archive) : files).size_of(c.path), c.range, c.archive,
+                         c.world_from_tile});
+  }
+  return out;
+}
+
+SceneSources archive_sources(const Path& file, const SourceOptions& options, const Progress& progress) {
+  progress.step("reading the archive");
+  const SourceFiles files(std::make_shared<const Archive>(file));
+  const Path tileset = file / "tileset.json";
+  if (!files.has(tileset)) throw InputError(file, "", "holds no tileset.json");
+  const TilesetDocument document = parse_tileset(tileset, files.read_content(tileset), progress);
+  if (!document.root) throw InputError(tileset, "root", "is missing");
+  return tileset_sources(files, tileset, document, options, progress);
+}
+
+SceneSources json_sources(const Path& file, const SourceOptions& options, const Progress& progress) {
+  progress.step("reading " + file.filename().string());
+  const TilesetDocument document = parse_tileset(file, SourceFiles(folder_of(file)).read_content(file), progress);
+  const Json& json = document.json;
+  if (!json.is_object()) throw InputError(file, "", "expected a tileset.json or a scene .json");
+  if (json.contains("gigabake")) return open_scene_json(file, json, options, progress);
+  if (document.root) return tileset_sources(SourceFiles(folder_of(file)), file, document, options, progress);
+  if (json.contains("meshes") || json.contains("nodes"))
+    return mesh_sources(folder_of(file), {file}, options, progress);
+  throw InputError(file, "", "expected a tileset (\"root\") or a scene (\"gigabake\")");
+}
+
+/// A folder with a tileset.json is that tileset: its tiles have places and several levels of detail.
+SceneSources folder_sources(const Path& folder, const SourceOptions& options, const Progress& progress) {
+  std::vector<Path> files;
+  std::error_code error;
+  if (std::filesystem::is_regular_file(folder / "tileset.json", error))
+    return json_sources(folder / "tileset.json", options, progress);
+  progress.step("listing the folder", 0, "entries");
+  const auto flags = std::filesystem::directory_options::none;
+  for (std::filesystem::recursive_directory_iterator it(folder, flags, error), end; !error && it != end;
+       it.increment(error)) {
+    progress.advance();
+    if (it->is_regular_file(error) && !it->is_symlink(error)) {
+      if (it->path().filename() == "tileset.json")
+        throw InputError(it->path(), "",
+                         "is a tileset inside the folder; name it, or list the sources in a scene .json");
+      if (is_mesh(it->path())) files.push_back(it->path());
+    }
+  }
+  if (error) throw InputError(folder, "", "cannot be listed: " + error.message());
+  if (files.empty())
+    throw InputError(
+        folder, "",
+        "holds no .glb, .gltf, .b3dm, .i3dm, .cmpt, .obj, .ply or .stl; name a tileset.json or a scene .json");
+  std::sort(files.begin(), files.end());
+  return mesh_sources(folder, files, options, progress);
+}
+
+}  // namespace
+
+SceneSources open_sources(const std::filesystem::path& path, const SourceOptions& options, const Progress& progress) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) throw InputError(path, "", "no such file or folder");
+  SceneSources out;
+  if (std::filesystem::is_directory(path, error))
+    out = folder_sources(path, options, progress);
+  else if (lower_extension(path) == ".json")
+    out = json_sources(path, options, progress);
+  else if (lower_extension(path) == ".3tz")
+    out = archive_sources(path, options, progress);
+  else if (lower_extension(path) == ".tif" || lower_extension(path) == ".tiff")
+    out = dem_sources(folder_of(path), {.dem = path, .ortho = {}, .crs = {}, .nodata = {}, .height_scale = {}}, options,
+                      progress);
+  else if (is_mesh(path))
+    out = mesh_sources(folder_of(path), {path}, options, progress);
+  else
+    throw InputError(path, "",
+                     "expected a .glb, .gltf, .b3dm, .i3dm, .cmpt, .obj, .ply, .stl or .tif, a folder, a tileset.json, "
+                     "a .3tz or a scene .json");
+  for (const TileRef& tile : out.tiles)
+    if (!tile.scene_from_tile.is_finite()) throw InputError(tile.path, "transform", "the tile's place is not finite");
+  return out;
+}
+
+}  // namespace gigabake

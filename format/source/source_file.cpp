@@ -1,0 +1,139 @@
+#include "format/source/source_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "lattice/error.h"
+
+namespace gigabake {
+namespace {
+
+constexpr std::uint64_t largest_index = std::uint64_t(1) << 53;
+
+const Json* find(const std::filesystem::path& file, const Json& object, const std::string& where, const char* key) {
+  if (!object.is_object()) throw InputError(file, where, "expected a JSON object");
+  const auto it = object.find(key);
+  return it == object.end() || it->is_null() ? nullptr : &*it;
+}
+
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& where, const char* key,
+                       const std::string& expected) {
+  throw InputError(file, where.empty() ? key : where + "." + key, "expected " + expected);
+}
+
+std::string percent_decoded(std::string_view text) {
+  const auto digit = [](char c) {
+    return c >= '0' && c <= '9' ? c - '0' : (c | 32) >= 'a' && (c | 32) <= 'f' ? (c | 32) - 'a' + 10 : -1;
+  };
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '%' && i + 2 < text.size() && digit(text[i + 1]) >= 0 && digit(text[i + 2]) >= 0) {
+      out += char(digit(text[i + 1]) * 16 + digit(text[i + 2]));
+      i += 2;
+    } else {
+      out += text[i];
+    }
+  }
+  return out;
+}
+
+bool is_within(const std::filesystem::path& root, const std::filesystem::path& path) {
+  const auto end = std::mismatch(root.begin(), root.end(), path.begin(), path.end()).first;
+  return end == root.end();
+}
+
+}  // namespace
+
+std::optional<std::uint64_t> get_index(const std::filesystem::path& file, const Json& object, const std::string& where,
+                                       const char* key) {
+  const Json* j = find(file, object, where, key);
+  if (j == nullptr) return std::nullopt;
+  if (!j->is_number_unsigned() || j->get<std::uint64_t>() > largest_index)
+    fail(file, where, key, "a whole number that is not negative");
+  return j->get<std::uint64_t>();
+}
+
+std::optional<double> get_number(const std::filesystem::path& file, const Json& object, const std::string& where,
+                                 const char* key) {
+  const Json* j = find(file, object, where, key);
+  if (j == nullptr) return std::nullopt;
+  if (!j->is_number() || !std::isfinite(j->get<double>())) fail(file, where, key, "a finite number");
+  return j->get<double>();
+}
+
+std::optional<std::string> get_text(const std::filesystem::path& file, const Json& object, const std::string& where,
+                                    const char* key) {
+  const Json* j = find(file, object, where, key);
+  if (j == nullptr) return std::nullopt;
+  if (!j->is_string()) fail(file, where, key, "a text");
+  return j->get<std::string>();
+}
+
+std::optional<std::vector<double>> get_numbers(const std::filesystem::path& file, const Json& object,
+                                               const std::string& where, const char* key, std::size_t count) {
+  const Json* j = find(file, object, where, key);
+  if (j == nullptr) return std::nullopt;
+  std::vector<double> out;
+  if (j->is_array() && j->size() == count)
+    for (const Json& v : *j)
+      if (v.is_number() && std::isfinite(v.get<double>())) out.push_back(v.get<double>());
+  if (out.size() != count) fail(file, where, key, std::to_string(count) + " finite numbers");
+  return out;
+}
+
+const Json& get_array(const std::filesystem::path& file, const Json& object, const std::string& where,
+                      const char* key) {
+  static const Json empty = Json::array();
+  const Json* j = find(file, object, where, key);
+  if (j == nullptr) return empty;
+  if (!j->is_array()) fail(file, where, key, "an array");
+  return *j;
+}
+
+const Json& get_object(const std::filesystem::path& file, const Json& object, const std::string& where,
+                       const char* key) {
+  static const Json empty = Json::object();
+  const Json* j = find(file, object, where, key);
+  if (j == nullptr) return empty;
+  if (!j->is_object()) fail(file, where, key, "an object");
+  return *j;
+}
+
+std::string uri_path(std::string_view uri) { return percent_decoded(uri.substr(0, uri.find_first_of("?#"))); }
+
+std::filesystem::path resolve_uri(const std::filesystem::path& root, const std::filesystem::path& base,
+                                  const std::string& key, std::string_view uri) {
+  return resolve_path(root, base, key, uri_path(uri));
+}
+
+std::filesystem::path resolve_path(const std::filesystem::path& root, const std::filesystem::path& base,
+                                   const std::string& key, const std::string& text) {
+  if (text.empty() || text.find('\0') != std::string::npos)
+    throw InputError(base, key, "expected the path of a file, got " + in_quotes(text));
+  if (const auto colon = text.find(':'); colon != std::string::npos && colon < text.find('/'))
+    throw InputError(base, key, "expected a path relative to the file, got " + in_quotes(text));
+  const std::filesystem::path relative(text);
+  std::error_code error;
+  const std::filesystem::path target =
+      std::filesystem::weakly_canonical(std::filesystem::absolute(base, error).parent_path() / relative, error);
+  if (error) throw InputError(base, key, in_quotes(text) + " cannot be resolved: " + error.message());
+  if (relative.is_absolute() || !is_within(std::filesystem::weakly_canonical(root, error), target))
+    throw InputError(base, key, in_quotes(text) + " leaves the source folder " + root.string());
+  return target;
+}
+
+std::string lower_extension(const std::filesystem::path& path) {
+  std::string e = path.extension().string();
+  std::transform(e.begin(), e.end(), e.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  return e;
+}
+
+std::string name_in(const std::filesystem::path& root, const std::filesystem::path& path) {
+  std::error_code error;
+  const auto relative =
+      std::filesystem::weakly_canonical(path, error).lexically_relative(std::filesystem::weakly_canonical(root, error));
+  return relative.empty() ? path.generic_string() : relative.generic_string();
+}
+
+}  // namespace gigabake

@@ -1,0 +1,152 @@
+#include "format/source/tile_hash.h"
+
+#define XXH_INLINE_ALL
+#include <memory>
+#include <xxhash.h>
+
+#include "format/source/content_container.h"
+#include "format/source/gltf/version.h"
+#include "format/source/mesh/obj_read.h"
+#include "format/source/mesh/ply_read.h"
+#include "format/source/raster/dem.h"
+#include "lattice/error.h"
+
+namespace gigabake {
+namespace {
+
+class Digest {
+ public:
+  Digest() : state_(XXH3_createState(), XXH3_freeState) { XXH3_128bits_reset(state_.get()); }
+  void add(const void* data, std::size_t bytes) { XXH3_128bits_update(state_.get(), data, bytes); }
+  void add_file(std::span<const std::uint8_t> bytes) {
+    const std::uint64_t size = bytes.size();
+    add(&size, sizeof size);
+    add(bytes.data(), bytes.size());
+  }
+  Hash128 value() const {
+    const XXH128_hash_t h = XXH3_128bits_digest(state_.get());
+    return {h.low64, h.high64};
+  }
+
+ private:
+  std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state_;
+};
+
+/// Reads what a tile names, and notes what it read.
+class Dependencies {
+ public:
+  Dependencies(const TileRef& tile, const SourceFiles& files, Digest& digest, std::vector<StampedFile>& read)
+      : tile_(tile), files_(files), digest_(digest), read_(read) {}
+
+  /// The stamp is of the name as the tile writes it, the content of the file that resolve_uri() makes of it: where
+  /// these differ (a path through a folder that is not there), nobody can tell from a stamp what will be read.
+  /// base: the file that writes the URI. What is missing is an error where it is needed; as part of the identity it is
+  /// an empty file.
+  void add(const std::filesystem::path& base, const std::string& key, const std::string& uri) {
+    const std::filesystem::path path = resolve_uri(files_.root(), base, key, uri);
+    const std::filesystem::path written = base.parent_path() / uri_path(uri);
+    StampedFile file = files_.stamp(base == tile_.path ? uri_path(uri) : written.string(), written);
+    if (!files_.archive() && stamp_of(path) != file.stamp) file.settled = false;
+    read_.push_back(std::move(file));
+    digest_.add_file(files_.has(path) ? files_.read(path) : std::vector<std::uint8_t>());
+  }
+
+  /// Read as it was resolved: only an absolute path names it surely.
+  /// What is missing is an empty file: it may be there the next time.
+  void add_file(const std::filesystem::path& path) {
+    read_.push_back(files_.stamp(path.string(), path));
+    digest_.add_file(files_.has(path) ? files_.read(path) : std::vector<std::uint8_t>());
+  }
+
+  void add_list(const std::filesystem::path& base, const Json& gltf, const char* list) {
+    const Json& items = get_array(base, gltf, "", list);
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      const std::string where = std::string(list) + "[" + std::to_string(i) + "]";
+      const auto uri = get_text(base, items[i], where, "uri");
+      if (uri && !uri->starts_with("data:")) add(base, where + ".uri", *uri);
+    }
+  }
+
+ private:
+  const TileRef& tile_;
+  const SourceFiles& files_;
+  Digest& digest_;
+  std::vector<StampedFile>& read_;
+};
+
+template <class T>
+void add_values(const std::vector<T>& values, Digest& digest) {
+  const std::uint64_t count = values.size();
+  digest.add(&count, sizeof count);
+  digest.add(values.data(), values.size() * sizeof(T));
+}
+
+/// A raster's tile is what is made of it: other tiles' pixels do not matter.
+TileIdentity identify_dem(const TileRef& tile, const SourceFiles& files) {
+  TileIdentity out;
+  for (const std::filesystem::path& file : dem_files(tile.dem->raster->options)) {
+    const std::filesystem::path whole = std::filesystem::absolute(file);
+    out.files.push_back(files.stamp(whole.string(), whole));
+  }
+  const DemMesh mesh = read_dem(*tile.dem, true);
+  Digest digest;
+  add_values(mesh.primitive.position, digest);
+  add_values(mesh.primitive.index, digest);
+  for (const EncodedImage& image : mesh.images) digest.add_file(image.bytes);
+  digest.add(tile.scene_from_tile.m.data(), sizeof tile.scene_from_tile.m);
+  out.hash = digest.value();
+  return out;
+}
+
+/// Files that an OBJ, a PLY or an STL names.
+std::vector<std::filesystem::path> dependencies_of(const TileRef& tile, const SourceFiles& files) {
+  if (tile.kind == ContentKind::obj) return obj_dependencies(tile, files);
+  return tile.kind == ContentKind::ply ? ply_dependencies(tile, files) : std::vector<std::filesystem::path>();
+}
+
+TileIdentity identify_plain_mesh(const TileRef& tile, const SourceFiles& files) {
+  TileIdentity out;
+  Digest digest;
+  Dependencies dependencies(tile, files, digest, out.files);
+  if (!files.has(tile.path)) files.read(tile.path);  // says why
+  dependencies.add_file(tile.path);
+  out.files[0].name = files.archive() ? out.files[0].name : tile.path.filename().string();
+  for (const std::filesystem::path& file : dependencies_of(tile, files)) dependencies.add_file(file);
+  digest.add(tile.scene_from_tile.m.data(), sizeof tile.scene_from_tile.m);
+  digest.add(&tile.gltf_up, sizeof tile.gltf_up);
+  out.hash = digest.value();
+  return out;
+}
+
+}  // namespace
+
+TileIdentity identify_tile(const TileRef& tile, const std::filesystem::path& root) {
+  TileIdentity out;
+  const SourceFiles files = files_of(tile, root);
+  if (tile.kind == ContentKind::dem) return identify_dem(tile, files);
+  if (tile.kind == ContentKind::obj || tile.kind == ContentKind::ply || tile.kind == ContentKind::stl)
+    return identify_plain_mesh(tile, files);
+  out.files.push_back(files.stamp(tile.path.filename().string(), tile.path));
+  const ContentContainer container = open_container(tile, files);
+  Digest digest;
+  Dependencies dependencies(tile, files, digest, out.files);
+  digest.add_file(container.content);
+  if (!container.model_uri.empty()) dependencies.add(tile.path, "glTF URI", container.model_uri);
+  const Json gltf = parse_json(container.gltf_file, container.json);
+  expect_gltf_2(container.gltf_file, gltf);
+  dependencies.add_list(container.gltf_file, gltf, "buffers");
+  dependencies.add_list(container.gltf_file, gltf, "images");
+  digest.add(tile.scene_from_tile.m.data(), sizeof tile.scene_from_tile.m);
+  digest.add(&tile.gltf_up, sizeof tile.gltf_up);
+  if (container.is_instanced) digest.add(tile.world_from_tile.m.data(), sizeof tile.world_from_tile.m);
+  out.hash = digest.value();
+  return out;
+}
+
+Hash128 tile_hash(const TileRef& tile, const std::filesystem::path& root) { return identify_tile(tile, root).hash; }
+
+std::filesystem::path path_of(const TileRef& tile, const StampedFile& file) {
+  return tile.path.parent_path() / file.name;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,20 @@
+#include "format/source/tiles/archive.h"
+#include "lattice/error.h"
+
+namespace gigabake {
+
+struct Archive::State {};
+
+Archive::Archive(const std::filesystem::path& file) : file_(file) {
+  throw InputError(file, "",
+                   "is an archive, and this gigabake was built without libzip; install libzip-dev and build again, or "
+                   "unpack it");
+}
+
+Archive::~Archive() = default;
+
+// No archive can be made, so none of these runs.
+std::optional<std::uint64_t> Archive::size_of(const std::string&) const { return {}; }
+std::vector<std::uint8_t> Archive::read(const std::string&, std::uint64_t) const { return {}; }
+
+}  // namespace gigabake

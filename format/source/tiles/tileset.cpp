@@ -1,0 +1,345 @@
+#include "format/source/tiles/tileset.h"
+
+#include <algorithm>
+#include <iterator>
+#include <set>
+#include <type_traits>
+
+#include "format/source/content_magic.h"
+#include "format/source/tiles/implicit_tiling.h"
+#include "format/source/tiles/pnts.h"
+#include "format/source/tiles/tileset_anchor.h"
+#include "format/source/tiles/tileset_inclusions.h"
+#include "lattice/error.h"
+#include "lattice/memory_limit.h"
+
+namespace gigabake {
+namespace {
+
+using Path = std::filesystem::path;
+
+constexpr std::size_t deepest_external = 32;
+constexpr std::uint64_t most_tiles = std::uint64_t(1) << 24;
+constexpr std::size_t most_losses = std::size_t(1) << 16;
+/// Text of external tilesets that one bake follows, each counted as at least 16 KiB: files that include others twice
+/// double at every step.
+constexpr std::uint64_t most_external_bytes = std::uint64_t(1) << 32, least_external_bytes = std::uint64_t(1) << 14;
+
+/// A content here, and the tile that it becomes.
+constexpr std::uint64_t content_bytes = sizeof(TilesetContent) + sizeof(TileRef) + 64;
+
+/// What a tile inherits.
+struct Context {
+  SourceFiles files;
+  Path file;
+  UpAxis gltf_up = UpAxis::y;
+  Affine<World, World> world_from_parent = {};
+  Refine refine = Refine::replace;
+};
+
+/// The finest contents of a tile and all below it.
+struct Subtree {
+  std::vector<TilesetContent> contents;
+  bool is_missing_some = false;  ///< a finest content is missing and nothing below stood in for it
+};
+
+class Reader {
+ public:
+  Reader(Path root, Tileset& out, const Progress& progress)
+      : root_(std::move(root)), out_(out), progress_(progress), memory_(root_) {}
+
+  Subtree read_document(const Path& file, const TilesetDocument& document, Context context) {
+    std::error_code error;
+    const Path canonical = std::filesystem::weakly_canonical(file, error);
+    if (std::find(open_files_.begin(), open_files_.end(), canonical) != open_files_.end())
+      throw InputError(file, "root", "the tileset includes itself");
+    if (open_files_.size() == deepest_external) throw InputError(file, "root", "external tilesets nest deeper than 32");
+    const bool is_first = open_files_.empty();
+    open_files_.push_back(canonical);
+    check_head(file, document);
+    context.file = file;
+    context.gltf_up = up_axis(file, get_object(file, document.json, "", "asset"));
+    if (is_first) out_.anchor = tileset_anchor(file, document.json["root"]);
+    std::vector<std::string> uris;
+    add_uris_below(*document.root, uris);
+    inclusions_.read(canonical, uris);
+    Subtree found = read_tile(*document.root, "root", context);
+    open_files_.pop_back();
+    return found;
+  }
+
+ private:
+  static void check_head(const Path& file, const TilesetDocument& document) {
+    const Json& json = document.json;
+    const Json& asset = get_object(file, json, "", "asset");
+    const std::string version = get_text(file, asset, "asset", "version").value_or("");
+    if (version != "1.0" && version != "1.1" && version != "0.0")
+      throw InputError(file, "asset.version", "expected 3D Tiles 1.0 or 1.1, got " + in_quotes(version));
+    static const std::set<std::string> known{"3DTILES_content_gltf", "3DTILES_multiple_contents",
+                                             "3DTILES_implicit_tiling", "3DTILES_metadata",
+                                             "3DTILES_bounding_volume_S2"};
+    for (const Json& e : get_array(file, json, "", "extensionsRequired")) {
+      const std::string name = e.is_string() ? e.get<std::string>() : "what is no text";
+      if (!known.contains(name))
+        throw InputError(file, "extensionsRequired", "the extension " + in_quotes(name) + " is not supported");
+    }
+    if (!document.root) throw InputError(file, "root", "is missing");
+  }
+
+  static UpAxis up_axis(const Path& file, const Json& asset) {
+    const std::string up = get_text(file, asset, "asset", "gltfUpAxis").value_or("Y");
+    if (up == "X" || up == "x") return UpAxis::x;
+    if (up == "Z" || up == "z") return UpAxis::z;
+    if (up == "Y" || up == "y") return UpAxis::y;
+    throw InputError(file, "asset.gltfUpAxis", "expected X, Y or Z, got " + in_quotes(up));
+  }
+
+  Subtree read_tile(const TilesetTile& tile, const std::string& where, const Context& parent) {
+    count_tile(parent.file, where);
+    Context here = parent;
+    if (tile.world_from_tile) here.world_from_parent = parent.world_from_parent * *tile.world_from_tile;
+    here.refine = tile.refine.value_or(parent.refine);
+    Subtree finer;
+    for (std::size_t i = 0; i < tile.children.size(); ++i)
+      join(finer, read_tile(tile.children[i], where + ".children[" + std::to_string(i) + "]", here));
+    if (tile.implicit) {
+      join(finer, read_subtree({*tile.implicit, tile.uris, where, here}, {}));
+      return finer;
+    }
+    return with_own_content(tile.uris, where, here, std::move(finer));
+  }
+
+  /// An implicit root tile: its contents' URIs are templates.
+  struct Implicit {
+    ImplicitTiling tiling;
+    std::vector<std::string> uris;
+    std::string where;
+    Context here;
+  };
+
+  /// Everything below and including the subtree's root, at `place` of the whole.
+  Subtree read_subtree(const Implicit& implicit, const TileCoordinates& place) {
+    const std::string key = implicit.where + ".implicitTiling.subtrees.uri";
+    const SourceFiles& files = implicit.here.files;
+    const std::string uri = filled_template(implicit.tiling.subtrees_uri, place);
+    const Path path = resolve_uri(files.root(), implicit.here.file, key, uri);
+    if (!files.has(path)) {
+      skip(implicit.here, key, in_quotes(uri) + " is missing", false);
+      return {{}, true};
+    }
+    const auto available = or_loss(
+        implicit.here, key, [&] { return SubtreeAvailability(files, path, implicit.tiling, implicit.uris.size()); });
+    if (!available) return {{}, true};
+    if (!available->tile(0)) return {};
+    return read_implicit_tile(implicit, *available, place, {});
+  }
+
+  /// place: of the whole; local: from the subtree's root.
+  Subtree read_implicit_tile(const Implicit& implicit, const SubtreeAvailability& available,
+                             const TileCoordinates& place, const TileCoordinates& local) {
+    const ImplicitTiling& tiling = implicit.tiling;
+    count_tile(implicit.here.file, implicit.where);
+    Subtree finer;
+    const bool has_children = place.level + 1 < tiling.available_levels;
+    for (int child = 0; has_children && child < tiling.children(); ++child) {
+      const TileCoordinates next = local.child(child), next_place = place.child(child);
+      if (next.level < tiling.subtree_levels) {
+        if (available.tile(tiling.index_in_subtree(next)))
+          join(finer, read_implicit_tile(implicit, available, next_place, next));
+      } else if (available.child_subtree(tiling.index_in_level(next))) {
+        join(finer, read_subtree(implicit, next_place));
+      }
+    }
+    std::vector<std::string> uris;
+    for (std::size_t i = 0; i < implicit.uris.size(); ++i)
+      if (available.content(i, tiling.index_in_subtree(local)))
+        uris.push_back(filled_template(implicit.uris[i], place));
+    return with_own_content(uris, implicit.where, implicit.here, std::move(finer));
+  }
+
+  void count_tile(const Path& file, const std::string& where) {
+    progress_.advance();
+    if (++tiles_ > most_tiles) throw InputError(file, where, "the tileset has more than 2^24 tiles");
+  }
+
+  Subtree with_own_content(const std::vector<std::string>& uris, const std::string& where, const Context& here,
+                           Subtree finer) {
+    const bool is_leaf = finer.contents.empty() && !finer.is_missing_some;
+    if (here.refine == Refine::replace && !is_leaf && !finer.is_missing_some) {
+      join(finer, external_only(uris, where, here));
+      return finer;
+    }
+    const std::size_t listed = out_.skipped.size();
+    Subtree own;
+    for (const std::string& uri : uris) join(own, read_content(uri, where, here));
+    if (here.refine == Refine::add) {
+      join(own, std::move(finer));
+      own.is_missing_some = false;
+      return own;
+    }
+    if (is_leaf) return own;
+    if (!own.contents.empty() && !own.is_missing_some) return own;  // stands in for its whole subtree
+    out_.skipped.resize(listed);                                    // it was not needed: what is finer stays
+    finer.is_missing_some = true;
+    return finer;
+  }
+
+  /// External tilesets are a way to write children: they count although the tile has finer content of its own.
+  Subtree external_only(const std::vector<std::string>& uris, const std::string& where, const Context& here) {
+    Subtree found;
+    for (const std::string& uri : uris) {
+      const Path path = resolve_uri(here.files.root(), here.file, where + ".content.uri", uri);
+      const ContentMagic magic = content_magic(here.files.content_head(path, 4));
+      if (magic == ContentMagic::zip) join(found, read_archive(path, here));
+      if (magic != ContentMagic::json) continue;
+      if (const TilesetDocument inner = read_json(here.files, path); inner.root)
+        join(found, read_document(path, inner, here));
+    }
+    return found;
+  }
+
+  static void add_uris_below(const TilesetTile& tile, std::vector<std::string>& uris) {
+    uris.insert(uris.end(), tile.uris.begin(), tile.uris.end());
+    for (const TilesetTile& child : tile.children) add_uris_below(child, uris);
+  }
+
+  /// Many tiles of one content are common, and each step to a file asks the system.
+  const Path& resolved(const std::string& uri, const std::string& key, const Context& here) {
+    if (last_.uri != uri || last_.base != here.file || last_.path.empty())
+      last_ = {uri, here.file, resolve_uri(here.files.root(), here.file, key, uri)};
+    return last_.path;
+  }
+
+  Subtree read_content(const std::string& uri, const std::string& where, const Context& here) {
+    const std::string key = where + ".content.uri";
+    const Path path = resolved(uri, key, here);
+    if (!here.files.has(path)) {
+      skip(here, key, in_quotes(uri) + " is missing", false);
+      return {{}, true};
+    }
+    const auto head = or_loss(here, key, [&] { return here.files.content_head(path, 4); });
+    if (!head) return {{}, true};
+    const ContentMagic magic = content_magic(*head);
+    if (magic == ContentMagic::zip) return read_archive(path, here);
+    if (magic == ContentMagic::composite) return read_composite(path, uri, key, here);
+    if (magic == ContentMagic::json)
+      if (const TilesetDocument inner = read_json(here.files, path); inner.root)
+        return read_document(path, inner, here);
+    return read_model({path, {}, here.gltf_up, here.world_from_parent, {}, "", here.files.archive()}, magic,
+                      in_quotes(uri), key, here);
+  }
+
+  /// A content that is no tileset and no composite; `name` in quotes.
+  Subtree read_model(TilesetContent content, ContentMagic magic, const std::string& name, const std::string& key,
+                     const Context& here) {
+    memory_.add(content_bytes + 2 * content.path.native().size(), key, "the tiles of the tileset");
+    switch (magic) {
+      case ContentMagic::glb:
+        content.kind = ContentKind::glb;
+        return {{std::move(content)}, false};
+      case ContentMagic::b3dm:
+        content.kind = ContentKind::b3dm;
+        return {{std::move(content)}, false};
+      case ContentMagic::i3dm:
+        content.kind = ContentKind::i3dm;
+        return {{std::move(content)}, false};
+      case ContentMagic::json:
+        content.kind = ContentKind::gltf;
+        return {{std::move(content)}, false};
+      case ContentMagic::points:
+        skip_points(content, name, key, here);
+        return {};
+      default:
+        skip(here, key, name + " is neither glTF nor a tile of 3D Tiles", false);
+        return {{}, true};
+    }
+  }
+
+  Subtree read_composite(const Path& path, const std::string& uri, const std::string& key, const Context& here) {
+    const auto parts = or_loss(here, key, [&] { return parts_of_composite(path, here.files.read_content(path)); });
+    if (!parts) return {{}, true};
+    Subtree found;
+    for (const CompositePart& part : *parts)
+      join(found,
+           read_model({path, {}, here.gltf_up, here.world_from_parent, part.range, part.name, here.files.archive()},
+                      part.magic, in_quotes(uri) + part.name, key, here));
+    return found;
+  }
+
+  /// What `read` returns; where it fails one file is lost, not the tileset.
+  template <class Read>
+  std::optional<std::invoke_result_t<Read>> or_loss(const Context& here, const std::string& key, const Read& read) {
+    try {
+      return read();
+    } catch (const InputError& e) {
+      skip(here, key, e.what(), false);
+      return std::nullopt;
+    }
+  }
+
+  /// An archive in place of a tileset: its tileset.json.
+  Subtree read_archive(const Path& path, const Context& here) {
+    if (here.files.archive()) throw InputError(path, "", "is an archive in an archive; unpack it");
+    Context inside = here;
+    inside.files = SourceFiles(std::make_shared<const Archive>(path));
+    const Path file = path / "tileset.json";
+    return read_document(file, read_json(inside.files, file), inside);
+  }
+
+  TilesetDocument read_json(const SourceFiles& files, const Path& path) {
+    const std::vector<std::uint8_t> text = files.read_content(path);
+    external_bytes_ += std::max<std::uint64_t>(text.size(), least_external_bytes);
+    if (external_bytes_ > most_external_bytes)
+      throw InputError(path, "", "external tilesets include each other too often: over 4 GiB, or over 2^18 files");
+    return parse_tileset(path, text, progress_);
+  }
+
+  static void join(Subtree& to, Subtree from) {
+    if (to.contents.empty())
+      to.contents = std::move(from.contents);
+    else
+      to.contents.insert(to.contents.end(), from.contents.begin(), from.contents.end());
+    to.is_missing_some |= from.is_missing_some;
+  }
+
+  void skip_points(const TilesetContent& content, const std::string& name, const std::string& key,
+                   const Context& here) {
+    TileRef tile;
+    tile.path = content.path;
+    tile.range = content.range;
+    tile.archive = content.archive;
+    const SkippedSource points = skipped_points(tile, here.files, name);
+    skip(here, key, name + " " + points.reason, true);
+    out_.skipped.back().points = points.points;
+  }
+
+  void skip(const Context& here, const std::string& key, const std::string& reason, bool informative) {
+    if (out_.skipped.size() == most_losses)
+      throw InputError(here.file, key, "more than 2^16 contents are missing or cannot be read; is the set complete?");
+    out_.skipped.push_back({name_in(root_, here.file) + ": " + key, reason, informative});
+  }
+
+  Path root_;  ///< that names of losses are relative to
+  Tileset& out_;
+  const Progress& progress_;
+  TilesetInclusions inclusions_;
+  struct {
+    std::string uri;
+    Path base, path;
+  } last_;                        ///< that was resolved
+  std::vector<Path> open_files_;  ///< from the first tileset to the one being read
+  std::uint64_t tiles_ = 0, external_bytes_ = 0;
+  MemoryClaim memory_;
+};
+
+}  // namespace
+
+Tileset open_tileset(const SourceFiles& files, const std::filesystem::path& file, const TilesetDocument& document,
+                     const Progress& progress) {
+  progress.step("reading the tileset", 0, "tiles");
+  Tileset tileset;
+  tileset.contents = Reader(files.root(), tileset, progress).read_document(file, document, {files, file}).contents;
+  return tileset;
+}
+
+}  // namespace gigabake

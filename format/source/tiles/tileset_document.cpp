@@ -1,0 +1,124 @@
+#include "format/source/tiles/tileset_document.h"
+
+#include "lattice/error.h"
+#include "lattice/memory_limit.h"
+#include "lattice/transform.h"
+
+namespace gigabake {
+namespace {
+
+using Path = std::filesystem::path;
+
+/// The specification demands it of the root; files in use leave it out and mean REPLACE.
+std::optional<Refine> refine_of(const Path& file, const Json& tile, const std::string& where) {
+  const auto text = get_text(file, tile, where, "refine");
+  if (!text) return std::nullopt;
+  if (*text == "ADD" || *text == "add") return Refine::add;
+  if (*text == "REPLACE" || *text == "replace") return Refine::replace;
+  throw InputError(file, where + ".refine", "expected ADD or REPLACE, got " + in_quotes(*text));
+}
+
+std::vector<std::string> content_uris(const Path& file, const Json& tile, const std::string& where) {
+  std::vector<std::string> uris;
+  const auto add = [&](const Json& content, const std::string& key) {
+    auto uri = get_text(file, content, key, "uri");
+    if (!uri) uri = get_text(file, content, key, "url");
+    if (!uri) throw InputError(file, key + ".uri", "is missing");
+    uris.push_back(*uri);
+  };
+  if (tile.contains("content") && !tile["content"].is_null()) add(tile["content"], where + ".content");
+  const auto add_all = [&](const Json& list, const std::string& key) {
+    for (std::size_t i = 0; i < list.size(); ++i) add(list[i], key + "[" + std::to_string(i) + "]");
+  };
+  add_all(get_array(file, tile, where, "contents"), where + ".contents");
+  const Json& extensions = get_object(file, tile, where, "extensions");
+  const Json& multiple = get_object(file, extensions, where + ".extensions", "3DTILES_multiple_contents");
+  add_all(get_array(file, multiple, where + ".extensions", "content"), where + ".extensions.content");
+  add_all(get_array(file, multiple, where + ".extensions", "contents"), where + ".extensions.contents");
+  return uris;
+}
+
+TilesetTile tile_of(const Path& file, const Json& json, const std::string& where) {
+  TilesetTile tile;
+  if (const auto m = get_numbers(file, json, where, "transform", 16))
+    tile.world_from_tile = std::make_unique<const Affine<World, World>>(affine_from_columns<World, World>(*m));
+  tile.refine = refine_of(file, json, where);
+  get_array(file, json, where, "children");  // what has been taken out of it were objects
+  if (!get_array(file, json, where, "children").empty())
+    throw InputError(file, where + ".children", "expected tiles, which are JSON objects");
+  tile.uris = content_uris(file, json, where);
+  if (auto tiling = implicit_tiling(file, json, where))
+    tile.implicit = std::make_unique<const ImplicitTiling>(std::move(*tiling));
+  return tile;
+}
+
+/// Takes tiles out of the document as they are complete: children before their parent.
+class TileCollector {
+ public:
+  explicit TileCollector(const Path& file) : file_(file), memory_(file) {}
+
+  bool fold(const std::vector<OpenJson>& around, Json& complete) {
+    if (!is_tile(around)) return false;
+    const std::size_t depth = around.size() / 2;  // below the root
+    below_.resize(std::max(below_.size(), depth + 2));
+    TilesetTile tile = tile_of(file_, complete, where_of(around));
+    tile.children = std::move(below_[depth + 1]);
+    below_[depth + 1].clear();
+    if (depth > 0 && around.back().items == 0) below_[depth].clear();  // a member that is there twice: the last counts
+    memory_.add(bytes_of(tile), "", "the tiles of the tileset");
+    below_[depth].push_back(std::move(tile));
+    return depth > 0;
+  }
+
+  std::optional<TilesetTile> root() {
+    if (below_.empty() || below_[0].empty()) return std::nullopt;
+    return std::move(below_[0].back());
+  }
+
+ private:
+  /// root, root.children[i], root.children[i].children[j], …
+  static bool is_tile(const std::vector<OpenJson>& around) {
+    if (around.size() % 2 == 0 || around[0].key != "root") return false;
+    for (std::size_t i = around.size() - 1; i >= 2; i -= 2)
+      if (!around[i].value.is_array() || around[i - 1].key != "children") return false;
+    return true;
+  }
+
+  static std::string where_of(const std::vector<OpenJson>& around) {
+    std::string where = "root";
+    for (std::size_t i = 2; i < around.size(); i += 2) where += ".children[" + std::to_string(around[i].items) + "]";
+    return where;
+  }
+
+  static std::uint64_t bytes_of(const TilesetTile& tile) {
+    constexpr std::uint64_t text_bytes = 64;
+    std::uint64_t bytes = 2 * sizeof tile;  // lists grow by doubling
+    for (const std::string& uri : tile.uris) bytes += text_bytes + uri.size();
+    if (tile.world_from_tile) bytes += sizeof *tile.world_from_tile;
+    if (tile.implicit) bytes += sizeof *tile.implicit + tile.implicit->subtrees_uri.size();
+    return bytes;
+  }
+
+  const Path& file_;
+  MemoryClaim memory_;
+  std::vector<std::vector<TilesetTile>> below_;  ///< of each depth: those whose parent is not complete
+};
+
+}  // namespace
+
+TilesetDocument parse_tileset(const std::filesystem::path& file, std::span<const std::uint8_t> text,
+                              const Progress& progress) {
+  TileCollector tiles(file);
+  TilesetDocument out;
+  out.json = parse_json(file, text, [&](const std::vector<OpenJson>& around, Json& complete) {
+    progress.advance(0);
+    return tiles.fold(around, complete);
+  });
+  if (out.json.is_object() && out.json.contains("root")) {
+    if (!out.json["root"].is_object()) throw InputError(file, "root", "expected a JSON object");
+    out.root = tiles.root();
+  }
+  return out;
+}
+
+}  // namespace gigabake

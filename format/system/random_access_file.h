@@ -1,0 +1,37 @@
+/// A file that is written out of order, and read back where a piece of it is not finished.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+#include "format/system/descriptor.h"
+
+namespace gigabake {
+
+/// Errors  InputError of every member: `target`, which messages name, and the system's reason.
+class RandomAccessFile {
+ public:
+  /// Opens `aside`, which exists, and makes it `bytes` long: zeros where nothing is written.
+  RandomAccessFile(std::filesystem::path target, const std::filesystem::path& aside, std::uint64_t bytes);
+
+  void write(std::uint64_t offset, std::span<const std::uint8_t> bytes);
+  void read(std::uint64_t offset, std::span<std::uint8_t> bytes) const;
+
+  template <class T>
+  void write_value(std::uint64_t offset, const T& value) {
+    write(offset, {reinterpret_cast<const std::uint8_t*>(&value), sizeof(T)});
+  }
+  template <class T>
+  void read_value(std::uint64_t offset, T& value) const {
+    read(offset, {reinterpret_cast<std::uint8_t*>(&value), sizeof(T)});
+  }
+
+ private:
+  [[noreturn]] void fail(const char* what) const;
+
+  std::filesystem::path target_;
+  Descriptor file_;
+};
+
+}  // namespace gigabake

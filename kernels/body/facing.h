@@ -1,0 +1,209 @@
+/// What views along the axes see of a coarser voxel, and of each of its children.
+///
+/// A voxel's *raster* is what it shows along x, y and z: its content projected onto the face across each axis, in cells
+/// of 0…255: one cell at lod 0 (its coverage), 2×2 at lod 1, 4×4, and 8×8 from lod 3 on, where a cell is the mean of
+/// four. Children one behind the other hide each other cell by cell. So coverage is exact for opaque voxels up to lod
+/// 3, and beyond it two sheets are mistaken for each other only within an eighth of a voxel. Coverage alone cannot
+/// know: half of a voxel behind half of a voxel hides nothing of what is behind both, or all of it.
+///
+/// Exact   Integers: host and device return the same bits.
+#pragma once
+
+#include <cstdint>
+
+#include "lattice/host_device.h"
+
+namespace gigabake::kernels {
+
+inline constexpr int most_raster_edge = 8;
+/// Cells along an edge of a raster.
+GB_HD constexpr int raster_edge(int lod) { return lod < 3 ? 1 << lod : most_raster_edge; }
+/// Of the three axes' cells, four a word, the first lowest. Cell (u, v) of an axis, u along the lower of the other two,
+/// is u + edge·v. Range  edge ≥ 2.
+GB_HD constexpr int raster_words(int edge) { return 3 * edge * edge / 4; }
+
+/// x/255, to the nearest. Range  x ≤ 255².
+GB_HD std::uint32_t over_255(std::uint32_t x) {
+  x += 128;
+  return (x + (x >> 8)) >> 8;
+}
+
+/// Four cells, a byte each: what is covered by either; a + b - ab/255 of each, to the nearest.
+GB_HD std::uint32_t cover_4(std::uint32_t a, std::uint32_t b) {
+  constexpr std::uint32_t bytes = 0x00ff00ff, half = 0x00800080;
+  const std::uint32_t p = ~a, q = ~b;  // what is not covered: (255-a)(255-b)/255
+  std::uint32_t even = (p & 255) * (q & 255) + (p >> 16 & 255) * (q & 0xff0000) + half;
+  std::uint32_t odd = (p >> 8 & 255) * (q >> 8 & 255) + (p >> 24) * (q >> 8 & 0xff0000) + half;
+  even += even >> 8 & bytes;
+  odd += odd >> 8 & bytes;
+  return ~((even >> 8 & bytes) | (odd & ~bytes));
+}
+
+GB_HD std::uint32_t sum_4(std::uint32_t cells) {
+#if defined(__CUDA_ARCH__)
+  return __dp4a(cells, 0x01010101u, 0u);
+#else
+  return ((cells & 0x00ff00ff) + (cells >> 8 & 0x00ff00ff)) * 0x10001u >> 16;
+#endif
+}
+
+/// Cells of a raster that stand side by side, in N words. Of a column N = 1 or 4: two rows of an 8×8 raster, else all
+/// of it.
+template <int N>
+struct alignas(4 * N) CellRun {
+  std::uint32_t word[N];
+};
+
+/// What is covered by either; the sums of all three are added to `sums`. A host does so byte by byte, which its
+/// compiler makes vectors of.
+template <int N>
+GB_HD CellRun<N> cover(const CellRun<N>& low, const CellRun<N>& high, std::uint32_t sums[3]) {
+  CellRun<N> either;
+#if defined(__CUDA_ARCH__)
+  GB_UNROLL
+  for (int w = 0; w < N; ++w) {
+    either.word[w] = cover_4(low.word[w], high.word[w]);
+    sums[0] += sum_4(low.word[w]);
+    sums[1] += sum_4(high.word[w]);
+    sums[2] += sum_4(either.word[w]);
+  }
+#else
+  const auto *a = reinterpret_cast<const std::uint8_t*>(low.word),
+             *b = reinterpret_cast<const std::uint8_t*>(high.word);
+  auto* both = reinterpret_cast<std::uint8_t*>(either.word);
+  for (int i = 0; i < 4 * N; ++i) {
+    both[i] = std::uint8_t(a[i] + b[i] - over_255(std::uint32_t(a[i]) * b[i]));
+    sums[0] += a[i];
+    sums[1] += b[i];
+    sums[2] += both[i];
+  }
+#endif
+  return either;
+}
+
+/// The voxel's children as its column `column` (0…3) along an axis: the one on the lower side. The other one is
+/// low | 1 << axis.
+GB_HD constexpr int low_child(int axis, int column) {
+  return (column & ((1 << axis) - 1)) | (column >> axis) << (axis + 1);
+}
+
+/// Sums over the cells of all columns that were added.
+struct FacingSums {
+  std::uint32_t covered[3] = {};
+  std::uint32_t seen[8] = {};  ///< of each child, from the six sides
+
+  GB_HD void add(int axis, int column, const std::uint32_t sums[3]) {
+    const int low = low_child(axis, column), high = low | 1 << axis;
+    covered[axis] += sums[2];
+    seen[low] += sums[0] + sums[2] - sums[1];
+    seen[high] += sums[1] + sums[2] - sums[0];
+  }
+
+  /// 1…255: what exists does not vanish. edge: of the children's rasters.
+  GB_HD std::uint8_t facing(int axis, int edge) const {
+    const std::uint32_t cells = 4 * std::uint32_t(edge * edge), mean = (covered[axis] + cells / 2) / cells;
+    return std::uint8_t(mean < 1 ? 1 : mean);
+  }
+  /// How much of a child shows, of 255; 0 only where nothing does.
+  GB_HD std::uint32_t weight(int child, int edge) const {
+    const std::uint32_t cells = 6 * std::uint32_t(edge * edge);
+    return (seen[child] + cells - 1) / cells;
+  }
+};
+
+/// Words of a run. Edge: of the children's rasters, 2, 4 or 8; the parent's has edge 2·Edge, or 8.
+template <int Edge>
+inline constexpr int run_words = Edge == 2 ? 1 : 4;
+template <int Edge>
+inline constexpr int runs_per_column = Edge* Edge / 4 / run_words<Edge>;
+
+/// Means of the 2×2 cells of two rows, each of two cells in a word: bytes 0 and 2.
+GB_HD std::uint32_t means_of(std::uint32_t upper, std::uint32_t lower) {
+  constexpr std::uint32_t bytes = 0x00ff00ff;
+  return ((upper & bytes) + (upper >> 8 & bytes) + (lower & bytes) + (lower >> 8 & bytes) + 0x00020002) >> 2 & bytes;
+}
+
+/// Bytes 0 and 2 of `a`, then of `b`.
+GB_HD std::uint32_t even_bytes(std::uint32_t a, std::uint32_t b) {
+  return (a & 0xff) | (a >> 8 & 0xff00) | (b << 16 & 0xff0000) | (b << 8 & 0xff000000);
+}
+
+/// One run of a column of children, into the parent's raster. sums: of the lower child's cells, the higher one's, and
+/// of what either covers, added to what they are.
+/// children: gives run `run` of an axis of a child's raster; zeros where there is none. Range  Edge: 4 or 8.
+template <int Edge, class Children>
+GB_HD void see_run(const Children& children, int axis, int column, int run, std::uint32_t* raster,
+                   std::uint32_t sums[3]) {
+  const int low = low_child(axis, column), high = low | 1 << axis;
+  const CellRun<4> either =
+      cover(children.template cells<4>(low, axis, run), children.template cells<4>(high, axis, run), sums);
+  std::uint32_t* to = raster + 16 * axis + 8 * (column >> 1) + (column & 1);  // two words a row
+  if constexpr (Edge == 4) {
+    GB_UNROLL
+    for (int row = 0; row < 4; ++row) to[2 * row] = either.word[row];
+  } else {
+    to[2 * run] = even_bytes(means_of(either.word[0], either.word[2]), means_of(either.word[1], either.word[3]));
+  }
+}
+
+/// The same for whole columns of 2×2 cells.
+template <class Children>
+GB_HD FacingSums see_small(const Children& children, std::uint32_t* raster) {
+  FacingSums result;
+  GB_UNROLL
+  for (int axis = 0; axis < 3; ++axis) {
+    std::uint32_t either[4];
+    GB_UNROLL
+    for (int column = 0; column < 4; ++column) {
+      const int low = low_child(axis, column), high = low | 1 << axis;
+      std::uint32_t sums[3] = {};
+      either[column] =
+          cover(children.template cells<1>(low, axis, 0), children.template cells<1>(high, axis, 0), sums).word[0];
+      result.add(axis, column, sums);
+    }
+    GB_UNROLL
+    for (int half = 0; half < 4; half += 2) {  // two columns side by side make two rows
+      raster[4 * axis + half] = (either[half] & 0xffff) | either[half + 1] << 16;
+      raster[4 * axis + half + 1] = either[half] >> 16 | (either[half + 1] & 0xffff0000);
+    }
+  }
+  return result;
+}
+
+/// raster: the parent's, which is written whole.
+template <int Edge, class Children>
+GB_HD FacingSums see_children(const Children& children, std::uint32_t* raster) {
+  if constexpr (Edge == 2) {
+    return see_small(children, raster);
+  } else {
+    FacingSums result;
+    for (int axis = 0; axis < 3; ++axis)
+      for (int column = 0; column < 4; ++column) {
+        std::uint32_t sums[3] = {};
+        for (int run = 0; run < runs_per_column<Edge>; ++run) see_run<Edge>(children, axis, column, run, raster, sums);
+        result.add(axis, column, sums);
+      }
+    return result;
+  }
+}
+
+/// Of eight voxels of lod 0, whose rasters are their coverage: byte c of (lower, upper) is child c's, 0 where there is
+/// none. raster: the parent's.
+GB_HD FacingSums see_voxels(std::uint32_t lower, std::uint32_t upper, std::uint32_t raster[3]) {
+  const std::uint32_t low[3] = {even_bytes(lower, upper), (lower & 0xffff) | upper << 16, lower};
+  const std::uint32_t high[3] = {even_bytes(lower >> 8, upper >> 8), lower >> 16 | (upper & 0xffff0000), upper};
+  FacingSums result;
+  GB_UNROLL
+  for (int axis = 0; axis < 3; ++axis) {
+    raster[axis] = cover_4(low[axis], high[axis]);
+    GB_UNROLL
+    for (int column = 0; column < 4; ++column) {
+      const int at = 8 * column;
+      const std::uint32_t sums[3] = {low[axis] >> at & 255, high[axis] >> at & 255, raster[axis] >> at & 255};
+      result.add(axis, column, sums);
+    }
+  }
+  return result;
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,42 @@
+/// A material's factor, alpha mode and texture, and what it makes of a texel.
+#pragma once
+
+#include <cstdint>
+
+#include "lattice/host_device.h"
+#include "lattice/rules.h"
+
+namespace gigabake::kernels {
+
+struct MaterialView {
+  std::uint16_t base_rgba[4] = {65535, 65535, 65535, 65535};  ///< linear factor, 65535 = 1
+  std::uint16_t cutoff = 32768;                               ///< alpha test of AlphaMode::mask, 65535 = 1
+  AlphaMode alpha_mode = AlphaMode::opaque;
+  Wrap wrap_s = Wrap::repeat, wrap_t = Wrap::repeat;
+  bool nearest = false;
+  std::int32_t texture = -1;  ///< index into CellInput::textures; of TextureAlpha::ignore where alpha_mode is opaque
+};
+
+struct Rgba16 {
+  std::uint16_t c[4];
+};
+
+GB_HD std::uint16_t scale16(std::uint32_t a, std::uint32_t b) { return std::uint16_t((a * b + 32767u) / 65535u); }
+
+/// factor: straight linear RGBA (base colour × vertex colour). texel: premultiplied, or all 65535 without a texture.
+GB_HD Rgba16 apply_material(const MaterialView& m, const Rgba16& factor, const Rgba16& texel) {
+  std::uint32_t alpha = scale16(factor.c[3], texel.c[3]);
+  Rgba16 r = texel;
+  if (m.alpha_mode == AlphaMode::opaque) {
+    alpha = 65535;
+  } else if (m.alpha_mode == AlphaMode::mask) {
+    // A texture made its own test, texel by texel; what is left here is the untextured case.
+    alpha = m.texture >= 0 ? texel.c[3] : (factor.c[3] >= m.cutoff ? 65535 : 0);
+  }
+  const std::uint32_t premultiply = m.alpha_mode == AlphaMode::blend ? factor.c[3] : (alpha == 0 ? 0 : 65535);
+  for (int c = 0; c < 3; ++c) r.c[c] = scale16(scale16(texel.c[c], factor.c[c]), premultiply);
+  r.c[3] = std::uint16_t(alpha);
+  return r;
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,181 @@
+/// A triangle's colour, alpha and normal on one of its fragments.
+///
+/// Space   (u, v) in voxels from the triangle's anchor, as kernels/body/coverage.h.
+/// Exact   IEEE double and integers: host and device return the same bits.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "kernels/body/accumulate.h"
+#include "kernels/body/coverage.h"
+#include "kernels/body/shade.h"
+#include "lattice/rules.h"
+
+namespace gigabake::kernels {
+
+/// Smallest projected area (voxel²) whose centroid is computed as moment over area; below, rounding would decide.
+inline constexpr double smallest_centroid_area = 1e-9;
+/// Texture coordinates beyond this (or NaN/Inf) name no texel; the triangle is baked as if they were 0 and counted.
+inline constexpr double largest_uv = 1 << 20;
+
+struct Point2 {
+  double u, v;
+};
+
+/// What shading needs of one triangle; borrowed views stay valid while it is used.
+struct Surface {
+  MaterialView material;
+  const TextureView* texture = nullptr;
+  TextureMap map{};
+  std::uint16_t vertex_rgba[3][4] = {};
+  bool has_vertex_rgba = false;
+  std::int16_t normal[3] = {};
+
+  /// False: the same colour everywhere; no fragment needs its centroid.
+  GB_HD bool varies() const { return texture != nullptr || has_vertex_rgba; }
+  /// Opaque, coloured by its vertices: LinearColour says all.
+  GB_HD bool is_linear() const {
+    return texture == nullptr && has_vertex_rgba && material.alpha_mode == AlphaMode::opaque;
+  }
+};
+
+GB_HD bool usable_uv(const float uv[6]) {
+  for (int i = 0; i < 6; ++i)
+    if (!(uv[i] >= -largest_uv && uv[i] <= largest_uv)) return false;
+  return true;
+}
+
+/// Unit normal (32767) by the winding, in scene axes.
+template <class I, class N>
+GB_HD void geometric_normal(const BrickTriangle<I, N>& t, std::int16_t normal[3]) {
+  const double n[3] = {double(t.n[0]), double(t.n[1]), double(t.n[2])};
+  const double scale = 32767 / std::sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2]);
+  const std::int32_t unit[3] = {floor_to_int32(n[0] * scale + 0.5), floor_to_int32(n[1] * scale + 0.5),
+                                floor_to_int32(n[2] * scale + 0.5)};
+  for (int c = 0; c < 3; ++c) normal[c] = std::int16_t(unpermuted(unit, t.axis, c));
+}
+
+struct Barycentric {
+  double a, b, c;
+};
+
+/// Barycentric coordinates of p, moved onto the triangle where they lie outside.
+GB_HD Barycentric barycentric(const TrianglePlane& t, Point2 p) {
+  const double u1 = t.u[1] - t.u[0], v1 = t.v[1] - t.v[0], u2 = t.u[2] - t.u[0], v2 = t.v[2] - t.v[0];
+  const double pu = p.u - t.u[0], pv = p.v - t.v[0], inverse = t.inverse_twice_area;
+  const double b = clamp01((pu * v2 - u2 * pv) * inverse), c = clamp01((u1 * pv - pu * v1) * inverse);
+  const double a = clamp01(1 - b - c);
+  const double inverse_sum = 1 / ((a + b) + c);
+  return {a * inverse_sum, b * inverse_sum, c * inverse_sum};
+}
+
+/// Whether the fragment is large enough for moment over area to be its centroid.
+GB_HD bool has_centroid(double projected_area) { return std::fabs(projected_area) >= smallest_centroid_area; }
+
+GB_HD Point2 centroid_of(const CellMoments& m, double cell_u, double cell_v) {
+  const double inverse = 1 / m.area;
+  return {cell_u + clamp01(m.u * inverse), cell_v + clamp01(m.v * inverse)};
+}
+
+/// Where a fragment is shaded: its centroid, or for the thinnest of them the triangle's point at the cell's centre.
+GB_HD Point2 fragment_centroid(const TrianglePlane& t, const CellMoments& m, double cell_u, double cell_v) {
+  if (has_centroid(m.area)) return centroid_of(m, cell_u, cell_v);
+  const Barycentric w = barycentric(t, {cell_u + 0.5, cell_v + 0.5});
+  return {w.a * t.u[0] + w.b * t.u[1] + w.c * t.u[2], w.a * t.v[0] + w.b * t.v[1] + w.c * t.v[2]};
+}
+
+/// A channel's mean of the three vertices: the whole number that is nearest.
+GB_HD double vertex_mean(const Surface& s, int channel, const Barycentric& w) {
+  return std::floor(w.a * s.vertex_rgba[0][channel] + w.b * s.vertex_rgba[1][channel] +
+                    w.c * s.vertex_rgba[2][channel] + 0.5);
+}
+
+/// Straight linear RGBA of base colour and, where there are any, vertex colours' mean.
+GB_HD Rgba16 factor_of(const Surface& s, const double mean[4]) {
+  Rgba16 r;
+  for (int c = 0; c < 4; ++c)
+    r.c[c] = s.has_vertex_rgba ? scale16(s.material.base_rgba[c], std::uint32_t(mean[c])) : s.material.base_rgba[c];
+  return r;
+}
+
+/// Premultiplied linear RGBA of a fragment without texture.
+GB_HD Rgba16 shade_untextured(const Surface& s, const double mean[4]) {
+  Rgba16 factor = factor_of(s, mean);
+  if (s.material.alpha_mode != AlphaMode::opaque)
+    return apply_material(s.material, factor, Rgba16{{65535, 65535, 65535, 65535}});
+  factor.c[3] = 65535;
+  return factor;
+}
+
+/// Premultiplied linear RGBA of the fragment around `centroid`; projected_area in voxel². opaque: see texture_over.
+template <bool opaque>
+GB_HD Rgba16 shade(const Surface& s, const TrianglePlane& t, Point2 centroid, double projected_area,
+                   const Tables& tables) {
+  double mean[4] = {65535, 65535, 65535, 65535};
+  if (s.has_vertex_rgba) {
+    const Barycentric w = barycentric(t, centroid);
+    for (int c = 0; c < 4; ++c) mean[c] = vertex_mean(s, c, w);
+  }
+  if (s.texture == nullptr) return shade_untextured(s, mean);
+  const Rgba16 texel =
+      texture_over<opaque>(*s.texture, s.material, s.map, centroid.u, centroid.v, std::fabs(projected_area), tables);
+  return apply_material(s.material, factor_of(s, mean), texel);
+}
+
+GB_HD Fragment make_fragment(const Surface& s, const Rgba16& rgba, std::int64_t weight) {
+  return fragment_of_colour(weight, rgba.c, s.normal);
+}
+
+/// Red, green and blue as linear functions of (u, v) from the anchor, in weights: their integral over a fragment is
+/// what it adds to a voxel's sums, and its centroid need not be known.
+struct LinearColour {
+  double at_anchor[3], per_u[3], per_v[3];
+  std::uint16_t low[3], high[3];  ///< of the vertices, 65535 = 1
+};
+
+GB_HD LinearColour make_linear_colour(const Surface& s, const TrianglePlane& t) {
+  const double u1 = t.u[1] - t.u[0], v1 = t.v[1] - t.v[0], u2 = t.u[2] - t.u[0], v2 = t.v[2] - t.v[0];
+  LinearColour r;
+  for (int c = 0; c < 3; ++c) {
+    const double scale = double(s.material.base_rgba[c]) * (1.0 / 65535) * t.weight_scale;
+    const std::uint16_t a = s.vertex_rgba[0][c], b = s.vertex_rgba[1][c], d = s.vertex_rgba[2][c];
+    const double to_b = double(b - a) * scale * t.inverse_twice_area,
+                 to_d = double(d - a) * scale * t.inverse_twice_area;
+    r.per_u[c] = to_b * v2 - to_d * v1;
+    r.per_v[c] = to_d * u1 - to_b * u2;
+    r.at_anchor[c] = double(a) * scale - (r.per_u[c] * t.u[0] + r.per_v[c] * t.v[0]);
+    r.low[c] = scale16(s.material.base_rgba[c], smaller(smaller(a, b), d));
+    r.high[c] = scale16(s.material.base_rgba[c], larger(larger(a, b), d));
+  }
+  return r;
+}
+
+/// The integral over the part of cell (u, v) that `m` measures. Rounding may lead beyond the range of weights.
+GB_HD double integral_of(const LinearColour& l, int c, double u, double v, const CellMoments& m) {
+  return ((l.at_anchor[c] + l.per_u[c] * u) + l.per_v[c] * v) * m.area + (l.per_u[c] * m.u + l.per_v[c] * m.v);
+}
+
+/// For a fragment too small to be measured: the colour at the cell's centre, or the nearest that the triangle has.
+GB_HD std::uint16_t colour_near(const LinearColour& l, int c, double u, double v, double weight_scale) {
+  const double at_centre = ((l.at_anchor[c] + l.per_u[c] * (u + 0.5)) + l.per_v[c] * (v + 0.5)) / weight_scale;
+  const double low = l.low[c], high = l.high[c];
+  return std::uint16_t(at_centre > low ? (at_centre < high ? at_centre : high) : low);
+}
+
+GB_HD Fragment linear_fragment(const LinearColour& l, double u, double v, const CellMoments& m, double weight_scale,
+                               const std::int16_t normal[3]) {
+  Fragment f{weight_of(m.area, weight_scale), 0, {0, 0, 0}, {normal[0], normal[1], normal[2]}};
+  if (!has_centroid(m.area)) {
+    for (int c = 0; c < 3; ++c) f.colour[c] = f.weight * colour_near(l, c, u, v, weight_scale);
+    return f;
+  }
+  const double most = double(f.weight) * 65535;
+  for (int c = 0; c < 3; ++c) {
+    const double x = integral_of(l, c, u, v, m);
+    f.colour[c] = floor_to_int64((x > 0 ? (x < most ? x : most) : 0) + 0.5);
+  }
+  return f;
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,35 @@
+/// Lookup tables of the bodies, built once on the host and borrowed by every backend, so that no backend evaluates a
+/// transcendental function of its own.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "lattice/host_device.h"
+
+namespace gigabake::kernels {
+
+/// Borrowed.
+struct Tables {
+  const std::uint16_t* linear_from_srgb = nullptr;  ///< [256]   sRGB 8-bit to linear, 65535 = 1
+  const std::uint8_t* srgb_from_linear = nullptr;   ///< [65536] the nearest sRGB 8-bit code, half up in sRGB
+  const std::int16_t* unit_normal =
+      nullptr;  ///< [65536][4] x, y, z of unit length 32767 by (uint8 ox) | (uint8 oy) << 8
+  const std::uint8_t* thesis_alpha = nullptr;  ///< [2041]  255·a^(1-a) by the sum of eight 8-bit alphas
+};
+
+/// Source  IEC 61966-2-1 (sRGB); Cigolle et al. 2014 (octahedral normals); the thesis's opacity rule a^(1-a).
+class TableStore {
+ public:
+  TableStore();
+  Tables view() const;
+  static const TableStore& host();  ///< built at first use, immutable
+
+ private:
+  std::vector<std::uint16_t> linear_from_srgb_;
+  std::vector<std::uint8_t> srgb_from_linear_;
+  std::vector<std::int16_t> unit_normal_;
+  std::vector<std::uint8_t> thesis_alpha_;
+};
+
+}  // namespace gigabake::kernels

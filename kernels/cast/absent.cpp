@@ -1,0 +1,27 @@
+// Rays on a device in a build without nvcc: there is none.
+#ifndef GIGABAKE_HAS_CUDA
+#include "kernels/cast/caster.h"
+#include "kernels/cast/first_hit_device.h"
+#include "kernels/cuda/baker.h"
+
+namespace gigabake::kernels {
+
+std::unique_ptr<Caster> make_cuda_caster(const CastScene&, const PoolSizes&, int) {
+  throw CudaFailure(cuda_devices().reason);
+}
+
+class CudaFirstHits::Impl {};
+
+CudaFirstHits::CudaFirstHits(int, const FirstHitView&) { throw CudaFailure(cuda_devices().reason); }
+CudaFirstHits::~CudaFirstHits() = default;
+
+// No object exists to call these on.
+void CudaFirstHits::upload(Span<const FirstHitRay>) { throw CudaFailure(cuda_devices().reason); }
+double CudaFirstHits::cast(const FirstHitCamera&, bool) { throw CudaFailure(cuda_devices().reason); }
+double CudaFirstHits::cast(bool) { throw CudaFailure(cuda_devices().reason); }
+std::vector<FirstHit> CudaFirstHits::hits() const { throw CudaFailure(cuda_devices().reason); }
+std::vector<FirstHitLook> CudaFirstHits::looks() const { throw CudaFailure(cuda_devices().reason); }
+std::uint64_t CudaFirstHits::device_bytes() const { throw CudaFailure(cuda_devices().reason); }
+
+}  // namespace gigabake::kernels
+#endif

@@ -1,0 +1,336 @@
+/// Casting rays through a paged scene, front to back.
+///
+/// A ray walks a fixed sequence of points: on level l they lie half a voxel of l apart, and l is the level whose voxels
+/// are at most a pixel wide at that distance. Which points are looked at, and what is seen there, depends on the ray
+/// and the voxels alone; empty space is only stepped over. So neither the cells, nor what was here when, nor the order
+/// of rays shows in the picture, once everything that the rays want has come.
+///
+/// Space   Lod-0 voxels of the scene's lattice; distances in them too.
+/// Exact   IEEE float and double, no transcendental functions: host and device return the same bits.
+/// Source  Crassin et al. 2009, "GigaVoxels" (rays that ask for what they miss).
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "kernels/cast/locate.h"
+#include "kernels/cast/sample.h"
+#include "kernels/cast/scene.h"
+#include "lattice/host_device.h"
+
+namespace gigabake::kernels {
+
+/// Light that reaches the eye from the air before the surface: 1 - e^(-distance · per_voxel) of it.
+struct CastHaze {
+  float rgb[3] = {0, 0, 0};
+  float per_voxel = 0;
+};
+
+/// From light to what a screen shows: light · exposure as it is up to the knee; what is brighter is bent so that it
+/// stays below 1, whites beside each other differ, and there is no edge at the knee.
+struct CastTone {
+  float exposure = 1;
+  float knee = 1;  ///< 0 to 1; 1: light beyond 1 is cut off
+};
+
+/// Rises with light ≥ 0.
+GB_HD float shown_light(const CastTone& tone, float light) {
+  const float exposed = light * tone.exposure, rest = 1 - tone.knee, over = exposed - tone.knee;
+  return over <= 0 || rest <= 0 ? exposed : tone.knee + rest * (over / (over + rest));
+}
+
+/// What a ray makes of what is there.
+enum class CastPaint : std::int32_t {
+  shaded,  ///< the voxels' radiance
+  lod,     ///< one colour a level
+  cell,    ///< one colour a cell
+  waits,   ///< red where something finer was asked for
+};
+
+struct CastCamera {
+  double eye[3] = {};
+  double forward[3] = {};            ///< unit
+  double right[3] = {}, up[3] = {};  ///< from the picture's middle to its edge, where forward ends
+  std::int32_t width = 0, height = 0;
+  double lod1_depth = 0;  ///< depth (along forward) from which voxels of lod 1 are at most a pixel wide; > 0
+  CastHaze haze;
+  CastTone tone;
+  CastPaint paint = CastPaint::shaded;
+};
+
+/// A ray on its way. What was not finished goes on from here.
+struct CastRay {
+  float rgb[3] = {0, 0, 0};  ///< linear, premultiplied
+  float transmittance = 1;
+  float covered = 0;       ///< coverage of all surface so far, added up: 1 is opaque
+  float depth = no_depth;  ///< distance at which half of the light is gone
+  std::int32_t lod = -1;   ///< -1: finished
+  std::int64_t step = 0;   ///< next point of the level
+  std::int64_t past = -1;  ///< the point after the last one of this level that lay in a surface
+
+  static constexpr float no_depth = 3e38f;
+};
+
+/// A pixel's line of sight.
+struct CastLine {
+  double origin[3], direction[3];  ///< unit
+  double inverse[3];               ///< 1 / direction
+  float across[3];                 ///< |direction|
+  double enter, leave;             ///< distances between which the scene's box lies; enter > leave: misses it
+  double lod1_distance;
+};
+
+/// e^-x for x ≥ 0 to 2e-5 relative; less than 2e-7 beyond 16.
+GB_HD float exp_minus(float x) {
+  const float y = (x < 16 ? x : 16) * (-1.0f / 64);
+  float e = 1 + y * (1 + y * (0.5f + y * (1.0f / 6 + y * (1.0f / 24 + y * (1.0f / 120)))));
+  for (int i = 0; i < 6; ++i) e *= e;
+  return e;
+}
+
+GB_HD void clip_to_box(CastLine& line, int axis, double low, double high) {
+  const double o = line.origin[axis], d = line.direction[axis];
+  if (d == 0) {
+    if (o < low || o > high) line.leave = -1;
+    return;
+  }
+  const double a = (low - o) * line.inverse[axis], b = (high - o) * line.inverse[axis];
+  const double nearer = a < b ? a : b, farther = a < b ? b : a;
+  if (nearer > line.enter) line.enter = nearer;
+  if (farther < line.leave) line.leave = farther;
+}
+
+/// Through the middle of pixel (x, y); row 0 is the upper one.
+GB_HD CastLine line_of_sight(const CastScene& scene, const CastCamera& camera, int x, int y) {
+  const double sx = (2 * (x + 0.5)) / camera.width - 1, sy = 1 - (2 * (y + 0.5)) / camera.height;
+  CastLine line;
+  double squared = 0;
+  for (int a = 0; a < 3; ++a) {
+    line.origin[a] = camera.eye[a];
+    line.direction[a] = camera.forward[a] + (camera.right[a] * sx + camera.up[a] * sy);
+    squared += line.direction[a] * line.direction[a];
+  }
+  const double length = std::sqrt(squared), border = double(std::int64_t(1) << scene.lods);
+  line.enter = 0;
+  line.leave = double(far_voxel);
+  line.lod1_distance = camera.lod1_depth * length;
+  for (int a = 0; a < 3; ++a) {
+    line.direction[a] /= length;
+    line.inverse[a] = 1 / line.direction[a];
+    line.across[a] = float(line.direction[a] < 0 ? -line.direction[a] : line.direction[a]);
+    clip_to_box(line, a, scene.min[a] - border, scene.max[a] + border);
+  }
+  return line;
+}
+
+GB_HD double lod_start(const CastLine& line, int lod) {
+  return lod == 0 ? 0 : line.lod1_distance * double(std::int64_t(1) << (lod - 1));
+}
+
+GB_HD double step_length(int lod) { return 0.5 * double(std::int64_t(1) << lod); }
+
+GB_HD CastRay start_ray(const CastScene& scene, const CastLine& line) {
+  CastRay ray;
+  if (!(line.enter <= line.leave)) return ray;
+  ray.lod = 0;
+  while (ray.lod + 1 < scene.lods && line.enter >= lod_start(line, ray.lod + 1)) ++ray.lod;
+  const double step = std::floor((line.enter - lod_start(line, ray.lod)) / step_length(ray.lod) - 0.5);
+  ray.step = step > 0 ? std::int64_t(step) : 0;
+  return ray;
+}
+
+/// Where the field is zero.
+struct EmptyBox {
+  double min[3], max[3];
+};
+
+GB_HD EmptyBox empty_box(const CastPlace& place) {
+  EmptyBox box;
+  for (int a = 0; a < 3; ++a) {
+    box.min[a] = place.min[a] + place.half;
+    box.max[a] = place.max[a] + place.half + place.beyond;
+  }
+  return box;
+}
+
+/// Half of a brick along each axis, around the point: false where the field is not zero in all of it.
+GB_HD bool find_empty_octant(const CastMask& mask, const CastPlace& place, const CastPoint& point, EmptyBox& box) {
+  const int first[3] = {point.base[0] & 4, point.base[1] & 4, point.base[2] & 4};
+  std::uint64_t seen = 0;
+  for (int z = 0; z < 4; ++z) seen |= mask.word[first[2] + z];
+  if ((seen >> (first[0] + 8 * first[1]) & 0x0f0f0f0f) != 0) return false;
+  for (int a = 0; a < 3; ++a) {
+    box.min[a] = place.corner[a] + place.half + first[a] * (2 * place.half);
+    box.max[a] = box.min[a] + 4 * (2 * place.half);
+  }
+  return true;
+}
+
+/// The first point that may lie outside of the box. A millionth of a step guards against rounding: a point too many
+/// costs time, a point too few would show.
+GB_HD std::int64_t step_beyond(const CastLine& line, const EmptyBox& box, const CastRay& ray) {
+  double leave = line.leave + step_length(ray.lod);
+  for (int a = 0; a < 3; ++a) {
+    if (line.direction[a] == 0) continue;
+    const double side = line.direction[a] > 0 ? box.max[a] : box.min[a];
+    const double beyond_side = (side - line.origin[a]) * line.inverse[a];
+    if (beyond_side < leave) leave = beyond_side;
+  }
+  const double step = std::ceil((leave - lod_start(line, ray.lod)) / step_length(ray.lod) - (0.5 + 1e-6));
+  return step > double(ray.step + 1) ? std::int64_t(step) : ray.step + 1;
+}
+
+/// Where the next level begins at the latest: in the middle of a surface some of its voxels late, since what two levels
+/// show of it apart does not add up.
+GB_HD double lod_end(const CastLine& line, int lod) { return lod_start(line, lod + 1) + 8 * step_length(lod + 1); }
+
+GB_HD double point_distance(const CastLine& line, int lod, std::int64_t step) {
+  return lod_start(line, lod) + (double(step) + 0.5) * step_length(lod);
+}
+
+/// The next level begins behind the surface that the ray was in, or at its own start: how far empty space was stepped
+/// over has no say in it.
+GB_HD void enter_next_lod(const CastLine& line, CastRay& ray) {
+  const double from = point_distance(line, ray.lod, ray.past) - lod_start(line, ray.lod + 1);
+  ++ray.lod;
+  const double step = std::ceil(from / step_length(ray.lod) - 0.5);
+  ray.step = step > 0 ? std::int64_t(step) : 0;
+  ray.past = -1;
+}
+
+/// In a brick that is coarser than the ray, points lie half a voxel of the brick apart, as far as it stands and the
+/// ray's level goes.
+GB_HD std::int64_t steps_in_coarser(const CastLine& line, const CastPlace& place, const CastRay& ray, double distance) {
+  EmptyBox box = empty_box(place);
+  std::int64_t steps = step_beyond(line, box, ray) - ray.step;
+  const double to_end = std::ceil((lod_end(line, ray.lod) - distance) / step_length(ray.lod));
+  if (to_end >= 1 && double(steps) > to_end) steps = std::int64_t(to_end);
+  const std::int64_t wide = std::int64_t(1) << (place.lod - ray.lod);
+  return steps < wide ? steps : wide;
+}
+
+/// Six colours and their darker and lighter relations.
+GB_HD float painted(std::uint32_t n, int channel) {
+  const std::uint32_t hue = n % 6, tone = n / 6 % 3;
+  const bool lit = channel == 0 ? hue == 0 || hue == 1 || hue == 5 : (channel == 1 ? hue >= 1 && hue <= 3 : hue >= 3);
+  return (lit ? 0.9f : 0.1f) * (1 - 0.3f * float(tone));
+}
+
+/// Radiance of a sample: its own, or paint that its own brightness lets the shape show in.
+GB_HD void radiance_of(const CastSample& s, const CastPlace& place, CastPaint paint, float rgb[3]) {
+  const float scale = 2 / s.mean_coverage();
+  for (int k = 0; k < 3; ++k) rgb[k] = s.c[k] * scale;
+  if (paint == CastPaint::shaded) return;
+  const float grey = 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
+  const std::uint32_t n = paint == CastPaint::lod    ? std::uint32_t(place.lod)
+                          : paint == CastPaint::cell ? place.cell * 2654435761u >> 20
+                                                     : (place.waits ? 0u : 2u);
+  for (int k = 0; k < 3; ++k) rgb[k] = painted(n, k) * (0.25f + grey);
+}
+
+/// How much surface a ray meets per voxel of its way, from what views along the axes see: |d|·coverage is exact for
+/// sheets across an axis and for boxes, the root of squares for spheres. What coarser voxels hold is mostly sheets.
+GB_HD float crossings(const CastSample& s, const float across[3], int lod) {
+  const float x = s.c[3] * across[0], y = s.c[4] * across[1], z = s.c[5] * across[2];
+  const float box = (x + y) + z;
+  return lod == 0 ? box : 0.75f * box + 0.25f * std::sqrt((x * x + y * y) + z * z);
+}
+
+/// What of the light behind it `covered` hides. Surface is not mist: pieces of a sheet that lie in two voxels add up to
+/// an opaque one, where e^-x would let a third through. Coarser voxels are as wide as a pixel, and interpolation
+/// spreads their borders over two: the step is steeper there.
+///
+/// Source  Vicini, Jakob, Kaplanyan 2021, "A non-exponential transmittance model for volumetric scene representations".
+GB_HD float hidden_by(float covered, int lod) { return lod == 0 ? covered : covered * covered * (3 - 2 * covered); }
+
+/// What of the light that came so far stops at a sample that stands for `part` voxels of its brick's level.
+GB_HD float stop_light(const CastSample& s, const float across[3], float part, int lod, CastRay& ray) {
+  const float covered = ray.covered + crossings(s, across, lod) * part;
+  const float before = hidden_by(ray.covered, lod);
+  ray.covered = covered < 1 ? covered : 1;
+  return before < 1 ? ray.transmittance * ((hidden_by(ray.covered, lod) - before) / (1 - before)) : ray.transmittance;
+}
+
+/// A brick that stands for finer ones which are not here counts as more surface than it holds, the more the coarser it
+/// is: where it borders on one of another level neither holds the whole of a surface that passes through both, and
+/// ground that lets the sky through is worse than an edge that is too thick until the rest comes.
+GB_HD float solidity(const CastPlace& place, const CastRay& ray) { return float(1 + place.lod - ray.lod); }
+
+/// The sample stands for `steps` points of the ray's level.
+GB_HD void composite(const CastSample& s, const CastLine& line, const CastPlace& place, std::int64_t steps,
+                     double distance, const CastHaze& haze, CastPaint paint, CastRay& ray) {
+  const float seen = exp_minus(float(distance) * haze.per_voxel);
+  const double way = double(steps) * step_length(ray.lod);
+  const float weight = stop_light(s, line.across, solidity(place, ray) * float(way / (2 * place.half)), place.lod, ray);
+  float rgb[3];
+  radiance_of(s, place, paint, rgb);
+  for (int k = 0; k < 3; ++k) ray.rgb[k] += weight * (rgb[k] * seen + haze.rgb[k] * (1 - seen));
+  if (ray.depth == CastRay::no_depth && ray.transmittance - weight < 0.5f)
+    ray.depth = float(distance) + float(way) * ((ray.transmittance - 0.5f) / weight - 0.5f);
+  ray.transmittance -= weight;
+}
+
+/// What is still to come would not show: the ray ends as if the last surface were opaque.
+GB_HD void finish_opaque(CastRay& ray) {
+  const float scale = 1 / (1 - ray.transmittance);
+  for (float& channel : ray.rgb) channel *= scale;
+  ray.transmittance = 0;
+  ray.lod = -1;
+}
+
+/// Looks at one point and goes on to the next one worth looking at. False: the ray, being patient, waits for what is
+/// not here; others let coarser bricks stand for it.
+GB_HD bool step_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
+                    double distance, CastPlace& place, CastPath& path, CastRay& ray) {
+  double p[3];
+  for (int a = 0; a < 3; ++a) p[a] = line.origin[a] + line.direction[a] * distance;
+  if (!place.contains(p)) place = locate(scene, ray.lod, p, patient, place, path);
+  if (place.waits && patient) return false;
+  if (!is_here(place.brick)) {
+    ray.step = step_beyond(line, empty_box(place), ray);
+    return true;
+  }
+  const std::int64_t steps = place.lod == ray.lod ? 1 : steps_in_coarser(line, place, ray, distance);
+  const CastPoint point = point_in_brick(place, p);
+  const CastMask& mask = scene.masks[place.brick];
+  if (!is_zero(mask, point)) {
+    const CastSample sample = interpolate(scene.voxels + std::size_t(slot_voxels) * place.brick, point);
+    if (sample.mean_coverage() > 0) {
+      composite(sample, line, place, steps, distance, camera.haze, camera.paint, ray);
+      ray.past = ray.step + steps;
+      if (ray.transmittance < 1.0f / 1024) finish_opaque(ray);
+    }
+  } else if (EmptyBox box; place.lod == ray.lod && find_empty_octant(mask, place, point, box)) {
+    ray.step = step_beyond(line, box, ray);
+    return true;
+  }
+  ray.step += steps;
+  return true;
+}
+
+/// Goes on until the ray is finished (lod = -1) or waits.
+GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
+                    CastRay& ray) {
+  CastPlace place;
+  CastPath path;
+  while (ray.lod >= 0) {
+    const double distance = point_distance(line, ray.lod, ray.step);
+    const bool in_surface = ray.step == ray.past;
+    if (distance > line.leave) {
+      ray.lod = -1;
+    } else if (ray.lod + 1 < scene.lods &&
+               distance >= (in_surface ? lod_end(line, ray.lod) : lod_start(line, ray.lod + 1))) {
+      enter_next_lod(line, ray);
+      place = CastPlace();
+    } else if (!step_ray(scene, camera, line, patient, distance, place, path, ray)) {
+      return;
+    }
+  }
+}
+
+/// A rectangle of the picture: ray i is pixel (x + i mod width, y + i div width).
+struct CastTile {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
+}  // namespace gigabake::kernels

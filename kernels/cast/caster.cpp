@@ -1,0 +1,123 @@
+#include "kernels/cast/caster.h"
+
+#include <algorithm>
+#include <atomic>
+
+#include "kernels/body/tables.h"
+#include "lattice/thread_pool.h"
+
+namespace gigabake::kernels {
+namespace {
+
+constexpr int block_edge = 8;  ///< pixels; neighbours share bricks
+constexpr std::size_t blocks_per_range = 4;
+
+class CpuCaster final : public Caster {
+ public:
+  CpuCaster(const CastScene& scene, const PoolSizes& sizes, const ThreadPool& pool)
+      : pool_(pool),
+        scene_(scene),
+        nodes_(std::size_t(8) * sizes.tiles),
+        masks_(sizes.slots),
+        voxels_(new CastVoxel[std::size_t(slot_voxels) * sizes.slots]),
+        tile_used_(sizes.tiles),
+        slot_used_(sizes.slots),
+        wanted_(std::size_t(16) * sizes.tiles) {
+    scene_.nodes = nodes_.data();
+    scene_.masks = masks_.data();
+    scene_.voxels = voxels_.get();
+    scene_.marks = {tile_used_.data(), slot_used_.data(), wanted_.data()};
+    scene_.pass = 0;
+  }
+
+  void put_bricks(const std::vector<std::uint32_t>& slots, const std::vector<CastBrick>& bricks) override {
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+      masks_[slots[i]] = bricks[i].mask;
+      std::copy_n(bricks[i].voxels, slot_voxels, voxels_.get() + std::size_t(slot_voxels) * slots[i]);
+    }
+  }
+
+  void put_nodes(const std::vector<NodeChange>& changes) override {
+    for (const NodeChange& change : changes) nodes_[change.node] = change.value;
+  }
+
+  void start(const CastCamera& camera, const CastTile& tile) override {
+    camera_ = camera;
+    tile_ = tile;
+    rays_.resize(std::size_t(tile.width) * std::size_t(tile.height));
+    for_each_ray(0, rays_.size(), {}, [&](const CastLine& line, CastRay& ray) { ray = start_ray(scene_, line); });
+  }
+
+  std::size_t cast(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
+    ++scene_.pass;
+    std::atomic<std::size_t> unfinished{0};
+    const bool whole = for_each_ray(begin, end, stop, [&](const CastLine& line, CastRay& ray) {
+      if (ray.lod < 0) return;
+      cast_ray(scene_, camera_, line, patient, ray);
+      if (ray.lod >= 0) unfinished.fetch_add(1, std::memory_order_relaxed);
+    });
+    return whole ? unfinished.load() : std::max<std::size_t>(unfinished, 1);
+  }
+
+  std::vector<std::uint32_t> wanted() override {
+    std::vector<std::uint32_t> found;
+    for (std::size_t i = 0; i < wanted_.size(); ++i)
+      if (wanted_[i] == scene_.pass) found.push_back(std::uint32_t(i));
+    return found;
+  }
+
+  std::uint32_t pass() const override { return scene_.pass; }
+  const std::vector<std::uint32_t>& tile_stamps() override { return tile_used_; }
+  const std::vector<std::uint32_t>& slot_stamps() override { return slot_used_; }
+
+  void resolve(const CastBackground& background, const CastPixels& out) override {
+    const Tables tables = TableStore::host().view();
+    for_each_ray(0, rays_.size(), {}, [&](const CastLine& line, CastRay& ray) {
+      write_pixel(ray, line, camera_.tone, tile_, background, tables, std::size_t(&ray - rays_.data()), out);
+    });
+  }
+
+ private:
+  /// False where `stop` ended it before the last block of rays.
+  template <class Body>
+  bool for_each_ray(std::size_t begin, std::size_t end, const StopAsked& stop, const Body& body) {
+    std::atomic<bool> stopped{false};
+    const auto across = std::size_t(tile_.width + block_edge - 1) / block_edge;
+    const auto down = std::size_t(tile_.height + block_edge - 1) / block_edge;
+    pool_.parallel_for(across * down, blocks_per_range, [&](std::size_t first, std::size_t last, int) {
+      if (stop && !stopped && stop()) stopped = true;
+      for (std::size_t b = first; b < last && !stopped; ++b) {
+        const int x0 = int(b % across) * block_edge, y0 = int(b / across) * block_edge;
+        for (int y = y0; y < std::min(y0 + block_edge, tile_.height); ++y)
+          for (int x = x0; x < std::min(x0 + block_edge, tile_.width); ++x) {
+            const std::size_t i = std::size_t(y) * std::size_t(tile_.width) + std::size_t(x);
+            if (i >= begin && i < end) body(line_of_sight(scene_, camera_, tile_.x + x, tile_.y + y), rays_[i]);
+          }
+      }
+    });
+    return !stopped;
+  }
+
+  const ThreadPool& pool_;
+  CastScene scene_;
+  std::vector<CastNode> nodes_;
+  std::vector<CastMask> masks_;
+  std::unique_ptr<CastVoxel[]> voxels_;  ///< untouched pages cost no memory
+  std::vector<std::uint32_t> tile_used_, slot_used_, wanted_;
+  CastCamera camera_;
+  CastTile tile_;
+  std::vector<CastRay> rays_;
+};
+
+}  // namespace
+
+std::uint64_t PoolSizes::bytes() const {
+  const std::uint64_t tile = 8 * sizeof(CastNode) + (1 + 16) * sizeof(std::uint32_t);
+  return tiles * tile + std::uint64_t(slots) * (sizeof(CastBrick) + sizeof(std::uint32_t));
+}
+
+std::unique_ptr<Caster> make_cpu_caster(const CastScene& scene, const PoolSizes& sizes, const ThreadPool& pool) {
+  return std::make_unique<CpuCaster>(scene, sizes, pool);
+}
+
+}  // namespace gigabake::kernels

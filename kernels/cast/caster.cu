@@ -1,0 +1,297 @@
+#include <algorithm>
+#include <cstring>
+#include <unordered_map>
+
+#include "kernels/cast/caster.h"
+#include "kernels/cuda/input.cuh"
+#include "kernels/cuda/memory.cuh"
+#include "kernels/cuda/pinned.cuh"
+#include "kernels/cuda/stream.cuh"
+
+namespace gigabake::kernels {
+namespace {
+
+constexpr int block_width = 16, block_height = 8;  ///< pixels; a warp is 8×4 of them
+constexpr unsigned threads = block_width * block_height;
+/// Wants told of one pass; what is beyond them is wanted again in the next.
+constexpr std::uint32_t most_wants = 1u << 20;
+
+/// The pixel of this thread in the tile; false outside of it.
+__device__ bool pixel_of_thread(const CastTile& tile, int& x, int& y) {
+  const int across = (tile.width + block_width - 1) / block_width;
+  const int warp = int(threadIdx.x) / 32, lane = int(threadIdx.x) % 32;
+  x = int(blockIdx.x) % across * block_width + warp % 2 * 8 + lane % 8;
+  y = int(blockIdx.x) / across * block_height + warp / 2 * 4 + lane / 8;
+  return x < tile.width && y < tile.height;
+}
+
+unsigned grid_of_tile(const CastTile& tile) {
+  return unsigned((tile.width + block_width - 1) / block_width) *
+         unsigned((tile.height + block_height - 1) / block_height);
+}
+
+__global__ void start_rays(CastScene scene, CastCamera camera, CastTile tile, CastRay* rays) {
+  int x, y;
+  if (!pixel_of_thread(tile, x, y)) return;
+  rays[y * tile.width + x] = start_ray(scene, line_of_sight(scene, camera, tile.x + x, tile.y + y));
+}
+
+__global__ void __launch_bounds__(threads)
+    cast_rays(CastScene scene, CastCamera camera, CastTile tile, CastRay* rays, std::size_t begin, std::size_t end,
+              bool patient, unsigned long long* unfinished) {
+  int x, y;
+  if (!pixel_of_thread(tile, x, y)) return;
+  const std::size_t i = std::size_t(y) * std::size_t(tile.width) + std::size_t(x);
+  if (i < begin || i >= end) return;
+  CastRay ray = rays[i];
+  if (ray.lod < 0) return;
+  cast_ray(scene, camera, line_of_sight(scene, camera, tile.x + x, tile.y + y), patient, ray);
+  rays[i] = ray;
+  if (ray.lod >= 0) atomicAdd(unfinished, 1ull);
+}
+
+__global__ void write_pixels(CastScene scene, CastCamera camera, CastTile tile, const CastRay* rays,
+                             CastBackground background, Tables tables, CastPixels out) {
+  int x, y;
+  if (!pixel_of_thread(tile, x, y)) return;
+  const std::size_t i = std::size_t(y) * std::size_t(tile.width) + std::size_t(x);
+  write_pixel(rays[i], line_of_sight(scene, camera, tile.x + x, tile.y + y), camera.tone, tile, background, tables, i,
+              out);
+}
+
+/// A block a brick.
+__global__ void scatter_bricks(const std::uint32_t* slots, const CastBrick* bricks, CastMask* masks,
+                               CastVoxel* voxels) {
+  const CastBrick& brick = bricks[blockIdx.x];
+  const std::size_t slot = slots[blockIdx.x];
+  for (unsigned i = threadIdx.x; i < slot_voxels; i += blockDim.x) voxels[slot_voxels * slot + i] = brick.voxels[i];
+  if (threadIdx.x < 8) masks[slot].word[threadIdx.x] = brick.mask.word[threadIdx.x];
+}
+
+__global__ void apply_changes(const NodeChange* changes, std::uint32_t count, CastNode* nodes) {
+  const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
+  if (i < count) nodes[changes[i].node] = changes[i].value;
+}
+
+/// In no order.
+__global__ void list_wants(const std::uint32_t* wanted, std::uint32_t size, std::uint32_t pass, std::uint32_t* list,
+                           std::uint32_t* count) {
+  const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
+  if (i >= size || wanted[i] != pass) return;
+  const std::uint32_t at = atomicAdd(count, 1u);
+  if (at < most_wants) list[at] = i;
+}
+
+class CudaCaster final : public Caster {
+ public:
+  CudaCaster(const CastScene& scene, const PoolSizes& sizes, int device)
+      : device_(device),
+        stream_(device),
+        heap_(stream_.handle, books_),
+        tables_(heap_),
+        cells_(copy(scene.cells)),
+        column_key_(copy(scene.column_key)),
+        column_first_(copy(scene.column_first)),
+        nodes_(copy_of(std::vector<CastNode>(std::size_t(8) * sizes.tiles))),
+        masks_(heap_, sizes.slots),
+        voxels_(heap_, std::size_t(slot_voxels) * sizes.slots),
+        tile_used_(zeros<std::uint32_t>(sizes.tiles)),
+        slot_used_(zeros<std::uint32_t>(sizes.slots)),
+        wanted_(zeros<std::uint32_t>(std::size_t(16) * sizes.tiles)),
+        want_list_(heap_, std::min<std::size_t>(wanted_.size(), most_wants)),
+        count_(heap_, 1),
+        unfinished_(heap_, 1),
+        scene_(scene) {
+    scene_.cells = {cells_.data(), cells_.size()};
+    scene_.column_key = {column_key_.data(), column_key_.size()};
+    scene_.column_first = {column_first_.data(), column_first_.size()};
+    scene_.nodes = nodes_.data();
+    scene_.masks = masks_.data();
+    scene_.voxels = voxels_.data();
+    scene_.marks = {tile_used_.data(), slot_used_.data(), wanted_.data()};
+    scene_.pass = 0;
+    finish("making pools");
+  }
+
+  void put_bricks(const std::vector<std::uint32_t>& slots, const std::vector<CastBrick>& bricks) override {
+    if (slots.empty()) return;
+    use_device();
+    if (new_slots_.size() < slots.size()) {
+      new_slots_ = DeviceArray<std::uint32_t>(heap_, slots.size());
+      new_bricks_ = DeviceArray<CastBrick>(heap_, slots.size());
+    }
+    upload(new_slots_.data(), slots);
+    upload(new_bricks_.data(), bricks);
+    scatter_bricks<<<unsigned(slots.size()), 128, 0, stream_.handle>>>(new_slots_.data(), new_bricks_.data(),
+                                                                       masks_.data(), voxels_.data());
+    check_launch("scatter_bricks");
+    finish("scatter_bricks");
+  }
+
+  /// Of several changes to one node the last is the one that holds.
+  void put_nodes(const std::vector<NodeChange>& changes) override {
+    if (changes.empty()) return;
+    use_device();
+    std::unordered_map<std::uint32_t, std::size_t> last;
+    for (std::size_t i = 0; i < changes.size(); ++i) last[changes[i].node] = i;
+    std::vector<NodeChange> unique;
+    for (const auto& [node, i] : last) unique.push_back(changes[i]);
+    const DeviceArray<NodeChange> from = copy_of(unique);
+    apply_changes<<<grid_of(unique.size(), 128), 128, 0, stream_.handle>>>(from.data(), std::uint32_t(unique.size()),
+                                                                           nodes_.data());
+    check_launch("apply_changes");
+    finish("apply_changes");
+  }
+
+  void start(const CastCamera& camera, const CastTile& tile) override {
+    use_device();
+    camera_ = camera;
+    tile_ = tile;
+    const std::size_t rays = ray_count();
+    if (rays_.size() < rays) rays_ = DeviceArray<CastRay>(heap_, rays);
+    start_rays<<<grid_of_tile(tile), threads, 0, stream_.handle>>>(scene_, camera, tile, rays_.data());
+    check_launch("start_rays");
+  }
+
+  /// A tile's pass takes a few milliseconds at most, so `stop` is asked before it alone.
+  std::size_t cast(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
+    if (stop && stop()) return end - begin;
+    use_device();
+    ++scene_.pass;
+    unfinished_.clear_to_zero();
+    cast_rays<<<grid_of_tile(tile_), threads, 0, stream_.handle>>>(scene_, camera_, tile_, rays_.data(), begin, end,
+                                                                   patient, unfinished_.data());
+    check_launch("cast_rays");
+    unsigned long long unfinished = 0;
+    download(&unfinished, unfinished_.data(), 1);
+    return std::size_t(unfinished);
+  }
+
+  std::vector<std::uint32_t> wanted() override {
+    use_device();
+    count_.clear_to_zero();
+    const auto size = std::uint32_t(wanted_.size());
+    list_wants<<<grid_of(size, 256), 256, 0, stream_.handle>>>(wanted_.data(), size, scene_.pass, want_list_.data(),
+                                                               count_.data());
+    check_launch("list_wants");
+    std::uint32_t count = 0;
+    download(&count, count_.data(), 1);
+    std::vector<std::uint32_t> list(std::min<std::size_t>(count, want_list_.size()));
+    download(list.data(), want_list_.data(), list.size());
+    return list;
+  }
+
+  std::uint32_t pass() const override { return scene_.pass; }
+  const std::vector<std::uint32_t>& tile_stamps() override { return read_back(tile_used_, host_tile_used_); }
+  const std::vector<std::uint32_t>& slot_stamps() override { return read_back(slot_used_, host_slot_used_); }
+
+  void resolve(const CastBackground& background, const CastPixels& out) override {
+    use_device();
+    const std::size_t rays = ray_count();
+    const CastPixels here{room_for(out.srgb, srgb_, 4 * rays), room_for(out.linear, linear_, 4 * rays),
+                          room_for(out.depth, depth_, rays)};
+    write_pixels<<<grid_of_tile(tile_), threads, 0, stream_.handle>>>(scene_, camera_, tile_, rays_.data(), background,
+                                                                      tables_.view(), here);
+    check_launch("write_pixels");
+    if (out.srgb != nullptr) download(out.srgb, here.srgb, 4 * rays);
+    if (out.linear != nullptr) download(out.linear, here.linear, 4 * rays);
+    if (out.depth != nullptr) download(out.depth, here.depth, rays);
+  }
+
+ private:
+  std::size_t ray_count() const { return std::size_t(tile_.width) * std::size_t(tile_.height); }
+
+  void use_device() { check_cuda(cudaSetDevice(device_), "cudaSetDevice"); }
+
+  void finish(const char* what) { check_cuda(cudaStreamSynchronize(stream_.handle), what); }
+
+  template <class T>
+  DeviceArray<std::remove_const_t<T>> copy(const Span<T>& host) {
+    DeviceArray<std::remove_const_t<T>> array(heap_, host.size);
+    check_cuda(cudaMemcpyAsync(array.data(), host.data, array.bytes(), cudaMemcpyHostToDevice, stream_.handle),
+               "cudaMemcpyAsync");
+    finish("cudaMemcpyAsync");
+    return array;
+  }
+
+  template <class T>
+  DeviceArray<T> copy_of(const std::vector<T>& host) {
+    return copy(Span<const T>{host.data(), host.size()});
+  }
+
+  /// Where on the device `size` values that are wanted at `host` are made; null where none are wanted.
+  template <class T>
+  T* room_for(const T* host, DeviceArray<T>& array, std::size_t size) {
+    if (host == nullptr) return nullptr;
+    if (array.size() < size) array = DeviceArray<T>(heap_, size);
+    return array.data();
+  }
+
+  template <class T>
+  DeviceArray<T> zeros(std::size_t size) {
+    DeviceArray<T> array(heap_, size);
+    array.clear_to_zero();
+    return array;
+  }
+
+  /// Returns when it is there.
+  template <class T>
+  void upload(T* device, const std::vector<T>& host) {
+    const std::size_t bytes = host.size() * sizeof(T);
+    std::byte* on_its_way = pinned_.reserve(bytes);
+    std::memcpy(on_its_way, host.data(), bytes);
+    check_cuda(cudaMemcpyAsync(device, on_its_way, bytes, cudaMemcpyHostToDevice, stream_.handle), "cudaMemcpyAsync");
+    finish("cudaMemcpyAsync");
+  }
+
+  /// Returns when it is here.
+  template <class T>
+  void download(T* host, const T* device, std::size_t count) {
+    if (count == 0) return;
+    const std::size_t bytes = count * sizeof(T);
+    std::byte* arrived = pinned_.reserve(bytes);
+    check_cuda(cudaMemcpyAsync(arrived, device, bytes, cudaMemcpyDeviceToHost, stream_.handle), "cudaMemcpyAsync");
+    finish("cudaMemcpyAsync");
+    std::memcpy(host, arrived, bytes);
+  }
+
+  const std::vector<std::uint32_t>& read_back(const DeviceArray<std::uint32_t>& marks,
+                                              std::vector<std::uint32_t>& host) {
+    use_device();
+    host.resize(marks.size());
+    download(host.data(), marks.data(), host.size());
+    return host;
+  }
+
+  int device_;
+  Stream stream_;
+  DeviceBooks books_;
+  DeviceHeap heap_;
+  DeviceTables tables_;
+  DeviceArray<CastCell> cells_;
+  DeviceArray<std::uint64_t> column_key_;
+  DeviceArray<std::uint32_t> column_first_;
+  DeviceArray<CastNode> nodes_;
+  DeviceArray<CastMask> masks_;
+  DeviceArray<CastVoxel> voxels_;
+  DeviceArray<std::uint32_t> tile_used_, slot_used_, wanted_, want_list_, count_;
+  DeviceArray<unsigned long long> unfinished_;
+  CastScene scene_;
+  CastCamera camera_;
+  CastTile tile_;
+  DeviceArray<CastRay> rays_;
+  DeviceArray<std::uint32_t> new_slots_;
+  DeviceArray<CastBrick> new_bricks_;
+  PinnedBuffer pinned_;
+  DeviceArray<float> linear_, depth_;
+  DeviceArray<std::uint8_t> srgb_;
+  std::vector<std::uint32_t> host_tile_used_, host_slot_used_;
+};
+
+}  // namespace
+
+std::unique_ptr<Caster> make_cuda_caster(const CastScene& scene, const PoolSizes& sizes, int device) {
+  return std::make_unique<CudaCaster>(scene, sizes, device);
+}
+
+}  // namespace gigabake::kernels

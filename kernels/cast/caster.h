@@ -1,0 +1,77 @@
+/// Where rays are cast: the pools of nodes and bricks, and a frame's rays, on the CPU or on one GPU.
+///
+/// Whoever owns a Caster decides what stands in which tile and slot; the caster only holds it, casts, and tells what
+/// rays used and missed.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "kernels/cast/cast.h"
+#include "kernels/cast/pixel.h"
+#include "lattice/thread_pool.h"
+
+namespace gigabake::kernels {
+
+/// A slot's content.
+struct CastBrick {
+  CastMask mask;
+  CastVoxel voxels[slot_voxels];  ///< x fastest
+};
+
+struct PoolSizes {
+  std::uint32_t tiles = 0, slots = 0;
+
+  /// Of the pools and their marks, on the caster's device.
+  std::uint64_t bytes() const;
+};
+
+struct NodeChange {
+  std::uint32_t node;
+  CastNode value;
+};
+
+/// Whether work that is under way is to end early. Asked by several threads, every millisecond or so; empty: never.
+using StopAsked = std::function<bool()>;
+
+/// Errors of all members  CudaFailure, from a GPU's.
+class Caster {
+ public:
+  virtual ~Caster() = default;
+
+  virtual void put_bricks(const std::vector<std::uint32_t>& slots, const std::vector<CastBrick>& bricks) = 0;
+  /// In their order: later ones hold.
+  virtual void put_nodes(const std::vector<NodeChange>& changes) = 0;
+
+  /// Starts the rays of a rectangle of the picture; forgets those before.
+  virtual void start(const CastCamera& camera, const CastTile& tile) = 0;
+
+  /// One pass: goes on with rays [begin, end) of the tile that are not finished. Returns how many still are not:
+  /// patient ones stop at what is not here, others end. Where `stop` ends the pass early, rays that it has not reached
+  /// stay as they were, the result is above 0, and another pass goes on with the same bits.
+  virtual std::size_t cast(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) = 0;
+
+  /// What rays of the last pass missed: 2·node + Want, in no order.
+  virtual std::vector<std::uint32_t> wanted() = 0;
+
+  /// Number of the last pass; stamps are compared with it.
+  virtual std::uint32_t pass() const = 0;
+  virtual const std::vector<std::uint32_t>& tile_stamps() = 0;
+  virtual const std::vector<std::uint32_t>& slot_stamps() = 0;
+
+  /// Pixels of the tile's rays, into the host's memory.
+  virtual void resolve(const CastBackground& background, const CastPixels& out) = 0;
+};
+
+/// scene: cells and columns, which are borrowed and stay as they are; pools and marks are the caster's own. All nodes
+/// are absent at first. policy: borrowed.
+std::unique_ptr<Caster> make_cpu_caster(const CastScene& scene, const PoolSizes& sizes, const ThreadPool& policy);
+
+/// The same on a GPU; arrays of `scene` are copied. device: an ordinal that cuda_devices() named.
+/// Exact   Bit-identical rays.
+/// Errors  CudaFailure: out of device memory; no CUDA in this build.
+std::unique_ptr<Caster> make_cuda_caster(const CastScene& scene, const PoolSizes& sizes, int device);
+
+}  // namespace gigabake::kernels

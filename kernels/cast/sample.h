@@ -1,0 +1,62 @@
+/// The field that rays integrate: the eight voxels around a point of one level, interpolated.
+///
+/// Where two columns of cells are not aligned at a level (z above lod 3), a voxel of the other cell stands for the
+/// centre that lies in it; so it was put into the brick's border.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/cast/locate.h"
+#include "kernels/cast/scene.h"
+#include "lattice/brick.h"
+#include "lattice/host_device.h"
+
+namespace gigabake::kernels {
+
+struct CastSample {
+  float c[cast_channels] = {};  ///< as CastVoxel, 1 = 1
+
+  GB_HD float mean_coverage() const { return ((c[3] + c[4]) + c[5]) * (1.0f / 3); }
+};
+
+/// A point of a brick, in its voxels: between the centres of `base` and base + 1.
+struct CastPoint {
+  int base[3];       ///< 0…7
+  float between[3];  ///< 0…1
+};
+
+GB_HD CastPoint point_in_brick(const CastPlace& place, const double p[3]) {
+  const double per_edge = 1.0 / double(std::int64_t(1) << place.lod);
+  CastPoint r;
+  for (int a = 0; a < 3; ++a) {
+    const float u = float((p[a] - place.half - place.corner[a]) * per_edge);
+    const int whole = int(u);
+    r.base[a] = whole < brick_edge - 1 ? whole : brick_edge - 1;
+    r.between[a] = u - float(r.base[a]);
+  }
+  return r;
+}
+
+GB_HD bool is_zero(const CastMask& mask, const CastPoint& point) {
+  return (mask.word[point.base[2]] >> (point.base[0] + 8 * point.base[1]) & 1) == 0;
+}
+
+/// x first, then y, then z.
+GB_HD CastSample interpolate(const CastVoxel* voxels, const CastPoint& point) {
+  const CastVoxel* corner = voxels + point.base[0] + slot_edge * (point.base[1] + slot_edge * point.base[2]);
+  CastSample r;
+  for (int k = 0; k < cast_channels; ++k) {
+    float row[4];
+    for (int i = 0; i < 4; ++i) {
+      const CastVoxel* at = corner + slot_edge * (i & 1) + slot_edge * slot_edge * (i >> 1);
+      const float low = at[0].c[k], high = at[1].c[k];
+      row[i] = low + (high - low) * point.between[0];
+    }
+    const float near = row[0] + (row[1] - row[0]) * point.between[1];
+    const float far = row[2] + (row[3] - row[2]) * point.between[1];
+    r.c[k] = (near + (far - near) * point.between[2]) * (1.0f / 65535);
+  }
+  return r;
+}
+
+}  // namespace gigabake::kernels

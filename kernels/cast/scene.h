@@ -1,0 +1,76 @@
+/// A paged scene as the ray caster borrows it: columns of cells, each an oct-tree whose nodes and bricks stand in two
+/// pools of fixed size and may or may not be here.
+///
+/// The trees here are of *fields*, not of voxels: a voxel's field reaches from its centre to its neighbours' centres,
+/// so a node holds what lies between the centre of its lowest voxel and one voxel beyond its highest. It exists where
+/// it or one of its seven upper neighbours has a voxel, and its brick carries their lowest layers as a border. Then a
+/// point needs one brick, and what is empty is empty to its rim.
+///
+/// Coordinates are lod-0 voxels of the scene's lattice.
+/// Source  Crassin et al. 2009, "GigaVoxels" (node pool, brick pool, borders, rays that ask for what they miss).
+#pragma once
+
+#include <cstdint>
+
+#include "lattice/host_device.h"
+
+namespace gigabake::kernels {
+
+inline constexpr int max_cast_lods = 11;                          ///< cells of up to 8192 voxels
+inline constexpr std::int64_t far_voxel = std::int64_t(1) << 52;  ///< beyond every scene; exact in a double
+inline constexpr int slot_edge = 9, slot_voxels = slot_edge * slot_edge * slot_edge;
+
+/// What a voxel adds to a ray, 65535 = 1. Premultiplied, so that voxels that are not there need no case of their own.
+/// [0…2] linear RGB radiance / 2 × the mean of [3…5]. [3…5] coverage that a view along x, y, z sees.
+struct CastVoxel {
+  std::uint16_t c[6];
+};
+inline constexpr int cast_channels = 6;
+
+/// A reference to a tile or a slot, or why there is none.
+inline constexpr std::uint32_t empty_ref = 0xffffffffu;   ///< there is nothing: the field is zero
+inline constexpr std::uint32_t absent_ref = 0xfffffffeu;  ///< not here yet
+inline constexpr std::uint32_t lost_ref = 0xfffffffdu;    ///< will never be here: coarser bricks stand for it
+GB_HD bool is_here(std::uint32_t ref) { return ref < lost_ref; }
+
+/// Eight of them, x | y<<1 | z<<2, are a tile. Node n of tile t is node 8t + n. brick = empty_ref: so is all below.
+struct CastNode {
+  std::uint32_t children = absent_ref;  ///< tile
+  std::uint32_t brick = absent_ref;     ///< slot
+};
+
+/// Bit x + 8y of word z: the field is not zero everywhere between the centres of voxels (x,y,z) and (x,y,z) + 1.
+struct CastMask {
+  std::uint64_t word[8];
+};
+
+struct CastCell {
+  std::int64_t min[3] = {};  ///< x and y multiples of the cell's edge. The root of cell c is node c
+};
+
+/// What rays tell whoever fills the pools: stamps, `pass` where it happened in this pass.
+struct CastMarks {
+  std::uint32_t* tile_used = nullptr;  ///< by tile: rays ended their descent in it
+  std::uint32_t* slot_used = nullptr;
+  std::uint32_t* wanted = nullptr;  ///< [2·node + Want]
+};
+enum class Want : std::uint32_t { brick = 0, children = 1 };
+
+struct CastScene {
+  Span<const CastCell> cells;              ///< column by column, upwards in each, without overlap
+  Span<const std::uint64_t> column_key;    ///< interleaved column coordinates (x lowest bit), ascending
+  Span<const std::uint32_t> column_first;  ///< columns+1: where a column's cells start
+  std::int64_t column_min[2] = {};         ///< subtracted from a column's coordinates before they are interleaved
+  std::int64_t column_count[2] = {};       ///< per axis; at most 2^31
+  std::int32_t cell_bits = 0;              ///< a cell's edge is 2^cell_bits voxels
+  std::int32_t lods = 0;
+  double min[3] = {}, max[3] = {};  ///< a box around all voxels
+
+  const CastNode* nodes = nullptr;
+  const CastMask* masks = nullptr;    ///< by slot
+  const CastVoxel* voxels = nullptr;  ///< slot_voxels a slot, x fastest
+  CastMarks marks;
+  std::uint32_t pass = 0;
+};
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,109 @@
+#include "kernels/cpu/bake_cell.h"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+
+#include "kernels/cpu/approximate.h"
+#include "kernels/cpu/bin.h"
+#include "kernels/cpu/level_hash.h"
+#include "kernels/cpu/levels.h"
+#include "kernels/cpu/prune.h"
+#include "kernels/cpu/voxelize.h"
+#include "kernels/cpu/window_triangles.h"
+#include "lattice/brick.h"
+#include "lattice/thread_pool.h"
+
+namespace gigabake::kernels {
+namespace {
+
+/// Adds the time it lives to a counter.
+class StageClock {
+ public:
+  explicit StageClock(double& seconds) : seconds_(seconds) {}
+  ~StageClock() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  double& seconds_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// A pair stands twice while it is sorted, and its brick's voxels take about as much again before they are joined.
+constexpr std::uint64_t bytes_per_pair = 64;
+constexpr std::uint64_t fewest_pairs_per_batch = 1 << 16;
+constexpr std::uint64_t most_pairs_per_batch = 1 << 26;
+
+std::uint64_t pairs_per_batch(const CellParameters& parameters, std::uint64_t triangle_bytes) {
+  if (parameters.memory_bytes == 0) return most_pairs_per_batch;
+  const std::uint64_t left = parameters.memory_bytes > triangle_bytes ? parameters.memory_bytes - triangle_bytes : 0;
+  return std::clamp(left / bytes_per_pair, fewest_pairs_per_batch, most_pairs_per_batch);
+}
+
+std::uint64_t bytes_of(const Level& l) {
+  return 8 * (l.key.capacity() + l.mask.capacity() + l.first.capacity()) + l.rgba.capacity() + l.normal.capacity() +
+         l.facing.capacity();
+}
+
+std::uint64_t bytes_of(const std::vector<Level>& levels) {
+  std::uint64_t bytes = 0;
+  for (const Level& l : levels) bytes += bytes_of(l);
+  return bytes;
+}
+
+Level finest_level(const CellInput& input, const CellParameters& parameters, const ThreadPool& pool, CellStats& stats) {
+  std::vector<WindowTriangle> triangles;
+  {
+    const StageClock clock(stats.snap_s);
+    triangles = window_triangles(input, parameters, pool, stats);
+  }
+  const std::uint64_t triangle_bytes = triangles.capacity() * sizeof(WindowTriangle);
+  std::vector<Batch> batches;
+  {
+    const StageClock clock(stats.bin_s);
+    batches = plan_batches(triangles, parameters, pairs_per_batch(parameters, triangle_bytes), pool);
+  }
+  Level level;
+  for (const Batch& batch : batches) {
+    std::vector<Pair> pairs;
+    {
+      const StageClock clock(stats.sort_s);
+      pairs = sorted_pairs(triangles, parameters, batch, pool, stats);
+    }
+    const StageClock clock(stats.voxelize_s);
+    voxelize(input, triangles, parameters, pairs, pool, level, stats);
+    stats.peak_bytes =
+        std::max(stats.peak_bytes, triangle_bytes + pairs.capacity() * 2 * sizeof(Pair) + 2 * bytes_of(level));
+  }
+  stats.batches = batches.size();
+  return level;
+}
+
+}  // namespace
+
+CellVolume bake_cell(const CellInput& input, const CellParameters& parameters, const ThreadPool& pool) {
+  CellVolume volume;
+  Level finest = finest_level(input, parameters, pool, volume.stats);
+  if (finest.key.empty()) return volume;
+  volume.levels.push_back(std::move(finest));
+  const int lods = std::bit_width(parameters.window_voxels / std::uint32_t(brick_edge));
+  {
+    const StageClock clock(volume.stats.mip_s);
+    LevelRasters rasters;
+    add_coarser_levels(volume.levels, rasters, lods, parameters.mip, parameters.normals, pool);
+    if (!parameters.facing) drop_facing(volume.levels);
+  }
+  volume.stats.peak_bytes = std::max(volume.stats.peak_bytes, 2 * bytes_of(volume.levels));
+  {
+    const StageClock clock(volume.stats.prune_s);
+    approximate(volume.levels, parameters.max_error, pool);
+  }
+  {
+    const StageClock clock(volume.stats.hash_s);
+    volume.content_hash = level_hashes(volume.levels, parameters.window_min, pool);
+  }
+  const StageClock clock(volume.stats.prune_s);
+  volume.nodes = prune(volume.levels, pool);
+  return volume;
+}
+
+}  // namespace gigabake::kernels

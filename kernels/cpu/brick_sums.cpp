@@ -1,0 +1,51 @@
+#include "kernels/cpu/brick_sums.h"
+
+#include <bit>
+
+#include "lattice/brick.h"
+
+namespace gigabake::kernels {
+namespace {
+
+template <class Body>
+void for_each_bit(const std::uint64_t mask[8], const Body& body) {
+  for (int word = 0; word < 8; ++word)
+    for (std::uint64_t rest = mask[word]; rest != 0; rest &= rest - 1) body(64 * word + std::countr_zero(rest));
+}
+
+}  // namespace
+
+BrickSums::BrickSums() : narrow_store_(std::make_unique<std::array<Narrow, brick_voxels>>()), narrow_(*narrow_store_) {}
+
+void BrickSums::flush() {
+  if (!wide_) wide_ = std::make_unique<std::array<Wide, brick_voxels>>();
+  for_each_bit(mask_, [&](int voxel) {
+    for (int s = 0; s < sum_count; ++s) (*wide_)[voxel][s] += narrow_[voxel][s];
+    narrow_[voxel].fill(0);
+  });
+  triangles_ = 0;
+  flushed_ = true;
+}
+
+void BrickSums::resolve_to(BrickRun& run, std::uint64_t key, const Tables& tables) {
+  if (flushed_) flush();
+  std::uint64_t visible[8] = {};
+  const std::size_t before = run.voxels();
+  for_each_bit(mask_, [&](int voxel) {
+    Voxel v;
+    const bool there =
+        flushed_ ? resolve((*wide_)[voxel].data(), tables, v) : resolve(narrow_[voxel].data(), tables, v);
+    if (there) {
+      run.push_voxel(v);
+      visible[voxel >> 6] |= std::uint64_t(1) << (voxel & 63);
+    }
+    narrow_[voxel].fill(0);
+    if (flushed_) (*wide_)[voxel].fill(0);
+  });
+  if (run.voxels() != before) run.push_brick(key, visible);
+  for (std::uint64_t& word : mask_) word = 0;
+  triangles_ = 0;
+  flushed_ = false;
+}
+
+}  // namespace gigabake::kernels

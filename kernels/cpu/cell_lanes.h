@@ -1,0 +1,20 @@
+/// The CPU's way to run kernels/body/coverage.h and surface.h: the cells of a slab side by side, one a vector lane.
+#pragma once
+
+#include "kernels/body/coverage.h"
+#include "kernels/body/surface.h"
+
+namespace gigabake::kernels {
+
+/// Up to 64 cells of one slab. Lanes beyond `count` up to the next multiple of four are computed and ignored.
+struct CellLanes {
+  alignas(64) double u[64], v[64];                          ///< in: the cell's lowest corner, voxels from the anchor
+  alignas(64) double area[64], moment_u[64], moment_v[64];  ///< out: as CellMoments
+  int count = 0;
+};
+
+/// Exact  The same bits as add_edge() called cell by cell, whatever the processor.
+void measure_areas(const TrianglePlane& plane, const SlabPolygon& polygon, CellLanes& lanes);
+void measure_moments(const TrianglePlane& plane, const SlabPolygon& polygon, CellLanes& lanes);
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,153 @@
+#include "kernels/cpu/prune.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+
+#include "lattice/brick.h"
+#include "lattice/thread_pool.h"
+
+namespace gigabake::kernels {
+namespace {
+
+constexpr std::uint32_t no_child = std::numeric_limits<std::uint32_t>::max();
+
+/// What a brick becomes, before nodes are numbered.
+struct Verdict {
+  NodeKind kind = NodeKind::brick;
+  std::uint32_t rgba = 0;
+  std::array<std::int8_t, 2> normal{};
+  std::array<std::uint8_t, 3> facing{};  ///< at lod 0, and where levels have none, alpha
+  bool stored = true;                    ///< false below a leaf-constant node
+
+  bool same_value(const Verdict& o) const { return rgba == o.rgba && normal == o.normal && facing == o.facing; }
+};
+using Verdicts = std::vector<Verdict>;
+
+/// Range of children in the level below, for each brick of `level`. Every brick has at least one.
+std::vector<std::size_t> child_starts(const Level& level, const Level& below) {
+  std::vector<std::size_t> starts;
+  std::size_t child = 0;
+  for (const std::uint64_t key : level.key) {
+    starts.push_back(child);
+    while (child < below.key.size() && below.key[child] >> 3 == key) ++child;
+  }
+  starts.push_back(child);
+  return starts;
+}
+
+Verdict judge_brick(const Level& level, std::size_t b) {
+  Verdict v;
+  const std::size_t first = level.first[b];
+  if (level.first[b + 1] - first != brick_voxels) return v;
+  for (std::size_t i = first + 1; i < first + brick_voxels; ++i) {
+    if (std::memcmp(&level.rgba[4 * i], &level.rgba[4 * first], 4) != 0) return v;
+    if (!level.normal.empty() && std::memcmp(&level.normal[2 * i], &level.normal[2 * first], 2) != 0) return v;
+    if (!level.facing.empty() && std::memcmp(&level.facing[3 * i], &level.facing[3 * first], 3) != 0) return v;
+  }
+  v.kind = NodeKind::constant;
+  for (int c = 0; c < 4; ++c) v.rgba |= std::uint32_t(level.rgba[4 * first + c]) << (8 * c);
+  if (!level.normal.empty()) v.normal = {level.normal[2 * first], level.normal[2 * first + 1]};
+  for (std::size_t a = 0; a < 3; ++a)
+    v.facing[a] = level.facing.empty() ? level.rgba[4 * first + 3] : level.facing[3 * first + a];
+  return v;
+}
+
+bool branch_is_constant(const Verdict& parent, const Verdicts& below, std::size_t begin, std::size_t end) {
+  if (end - begin != 8) return false;
+  return std::all_of(
+      below.begin() + std::ptrdiff_t(begin), below.begin() + std::ptrdiff_t(end),
+      [&](const Verdict& child) { return child.kind == NodeKind::leaf_constant && child.same_value(parent); });
+}
+
+std::vector<Verdicts> judge(const std::vector<Level>& levels, const ThreadPool& pool) {
+  std::vector<Verdicts> verdicts;
+  for (std::size_t lod = 0; lod < levels.size(); ++lod) {
+    const Level& level = levels[lod];
+    const std::vector<std::size_t> children =
+        lod == 0 ? std::vector<std::size_t>() : child_starts(level, levels[lod - 1]);
+    Verdicts v(level.key.size());
+    pool.parallel_for(v.size(), 256, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t b = begin; b < end; ++b) {
+        v[b] = judge_brick(level, b);
+        if (v[b].kind == NodeKind::constant &&
+            (lod == 0 || branch_is_constant(v[b], verdicts[lod - 1], children[b], children[b + 1])))
+          v[b].kind = NodeKind::leaf_constant;
+      }
+    });
+    for (std::size_t b = 0; lod > 0 && b < v.size(); ++b)
+      if (v[b].kind == NodeKind::leaf_constant)
+        for (std::size_t c = children[b]; c < children[b + 1]; ++c) verdicts[lod - 1][c].stored = false;
+    verdicts.push_back(std::move(v));
+  }
+  return verdicts;
+}
+
+/// Nodes of one level; children are numbered by whoever knows where the next level starts.
+void add_level_nodes(const Level& level, const Verdicts& verdicts, std::size_t lod, NodeTable& nodes) {
+  std::uint32_t brick = 0;
+  for (std::size_t b = 0; b < verdicts.size(); ++b) {
+    const Verdict& v = verdicts[b];
+    const bool is_brick = v.kind == NodeKind::brick;
+    const std::uint32_t value = is_brick ? brick++ : v.rgba;
+    if (!v.stored) continue;
+    nodes.key.push_back(level.key[b]);
+    nodes.lod.push_back(std::uint8_t(lod));
+    nodes.kind.push_back(v.kind);
+    nodes.child_mask.push_back(0);
+    nodes.first_child.push_back(no_child);
+    nodes.value.push_back(value);
+    nodes.normal.push_back(v.normal);
+    nodes.facing.push_back(level.facing.empty() ? std::array<std::uint8_t, 3>{} : v.facing);
+  }
+}
+
+/// Nodes [begin, end) are the parents of [end, nodes.key.size()).
+void link_children(NodeTable& nodes, std::size_t begin, std::size_t end) {
+  std::size_t parent = begin;
+  for (std::size_t child = end; child < nodes.key.size(); ++child) {
+    while (nodes.key[parent] != nodes.key[child] >> 3) ++parent;
+    if (nodes.child_mask[parent] == 0) nodes.first_child[parent] = std::uint32_t(child);
+    nodes.child_mask[parent] |= std::uint8_t(1u << (nodes.key[child] & 7));
+  }
+}
+
+void remove_constant_bricks(Level& level, const Verdicts& verdicts) {
+  if (std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.kind == NodeKind::brick; })) return;
+  Level kept;
+  kept.first.push_back(0);
+  for (std::size_t b = 0; b < verdicts.size(); ++b) {
+    if (verdicts[b].kind != NodeKind::brick) continue;
+    const auto first = std::ptrdiff_t(level.first[b]), end = std::ptrdiff_t(level.first[b + 1]);
+    kept.key.push_back(level.key[b]);
+    kept.mask.insert(kept.mask.end(), &level.mask[8 * b], &level.mask[8 * b] + 8);
+    kept.rgba.insert(kept.rgba.end(), level.rgba.begin() + 4 * first, level.rgba.begin() + 4 * end);
+    if (!level.normal.empty())
+      kept.normal.insert(kept.normal.end(), level.normal.begin() + 2 * first, level.normal.begin() + 2 * end);
+    if (!level.facing.empty())
+      kept.facing.insert(kept.facing.end(), level.facing.begin() + 3 * first, level.facing.begin() + 3 * end);
+    kept.first.push_back(kept.rgba.size() / 4);
+  }
+  level = std::move(kept);
+}
+
+}  // namespace
+
+NodeTable prune(std::vector<Level>& levels, const ThreadPool& pool) {
+  const std::vector<Verdicts> verdicts = judge(levels, pool);
+  NodeTable nodes;
+  std::size_t above = 0;
+  for (std::size_t lod = levels.size(); lod-- > 0;) {
+    const std::size_t begin = nodes.key.size();
+    add_level_nodes(levels[lod], verdicts[lod], lod, nodes);
+    if (nodes.key.size() >= no_child)
+      throw std::length_error("an oct-tree of more than 2^32-1 nodes; use a smaller --cell-voxels");
+    if (begin != 0) link_children(nodes, above, begin);  // the root is nobody's child
+    above = begin;
+  }
+  for (std::size_t lod = 0; lod < levels.size(); ++lod) remove_constant_bricks(levels[lod], verdicts[lod]);
+  return nodes;
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,188 @@
+#include "kernels/cpu/voxelize.h"
+
+#include <bit>
+#include <memory>
+
+#include "kernels/body/surface.h"
+#include "kernels/body/triangle_bricks.h"
+#include "kernels/cpu/brick_run.h"
+#include "kernels/cpu/brick_sums.h"
+#include "kernels/cpu/cell_lanes.h"
+#include "kernels/cpu/window_triangles.h"
+#include "lattice/morton.h"
+#include "lattice/rules.h"
+#include "lattice/thread_pool.h"
+
+namespace gigabake::kernels {
+namespace {
+
+constexpr std::size_t bricks_per_run = 16;
+
+/// Everything of a part that is the same for all its triangles.
+struct PartSurface {
+  const PartView* part;
+  Surface surface;
+  bool mirrored;
+};
+
+std::vector<PartSurface> part_surfaces(const CellInput& input) {
+  std::vector<PartSurface> out;
+  for (std::size_t i = 0; i < input.parts.size; ++i) {
+    const PartView& part = input.parts[i];
+    PartSurface p{&part, {}, is_mirrored(part.scene_from_local)};
+    p.surface.material = input.materials[part.material];
+    p.surface.has_vertex_rgba = !part.rgba.empty();
+    if (is_textured(input, part))
+      p.surface.texture = &input.textures[std::size_t(p.surface.material.texture)];
+    else
+      p.surface.material.texture = -1;
+    out.push_back(p);
+  }
+  return out;
+}
+
+template <class I>
+Surface triangle_surface(const PartSurface& from, const WindowTriangle& w, const BrickTriangle<I>& t,
+                         const TrianglePlane& plane) {
+  Surface s = from.surface;
+  geometric_normal(t, s.normal);
+  if (!s.varies()) return s;
+  std::uint32_t vertex[3];
+  triangle_vertices(*from.part, from.mirrored, w.index, vertex);
+  if (s.has_vertex_rgba)
+    for (int i = 0; i < 3; ++i)
+      for (int c = 0; c < 4; ++c) s.vertex_rgba[i][c] = from.part->rgba[4 * std::size_t(vertex[i]) + c];
+  if (s.texture != nullptr) {
+    float uv[6];
+    for (int i = 0; i < 6; ++i) uv[i] = from.part->uv[2 * std::size_t(vertex[i / 2]) + i % 2];
+    if (!usable_uv(uv))
+      for (float& x : uv) x = 0;
+    s.map = make_texture_map(plane, uv, s.texture->width, s.texture->height);
+  }
+  return s;
+}
+
+/// One thread's tools, kept from brick to brick.
+class BrickWalker {
+ public:
+  BrickWalker(const std::vector<WindowTriangle>& triangles, const std::vector<PartSurface>& parts, SurfaceRule rule)
+      : triangles_(triangles), parts_(parts), rule_(rule), tables_(TableStore::host().view()) {}
+
+  void walk(const Pair* begin, const Pair* end, BrickRun& run) {
+    const std::uint64_t key = brick_of(*begin);
+    const BrickCoordinate brick = demorton(key);
+    const std::int32_t corner[3] = {std::int32_t(brick.x) << brick_subvoxel_bits,
+                                    std::int32_t(brick.y) << brick_subvoxel_bits,
+                                    std::int32_t(brick.z) << brick_subvoxel_bits};
+    for (const Pair* pair = begin; pair != end; ++pair) {
+      const WindowTriangle& t = triangles_[triangle_of(*pair)];
+      if (is_small(t))
+        add_triangle<std::int32_t>(t, corner);
+      else if (is_narrow(t))
+        add_triangle<std::int64_t>(t, corner);
+      else
+        add_triangle<__int128>(t, corner);
+    }
+    sums_.resolve_to(run, key, tables_);
+  }
+
+  std::uint64_t fragments() const { return fragments_; }
+
+ private:
+  template <class I>
+  void add_triangle(const WindowTriangle& w, const std::int32_t corner[3]) {
+    const BrickTriangle<I> t = make_brick_triangle<I>(w, corner);
+    std::uint64_t slab[8];
+    touched_voxels(t, rule_, slab);
+    if ((slab[0] | slab[1] | slab[2] | slab[3] | slab[4] | slab[5] | slab[6] | slab[7]) == 0) return;
+    const TrianglePlane plane = make_plane(t);
+    const Surface surface = triangle_surface(parts_[w.part], w, t, plane);
+    if (surface.is_linear()) linear_ = make_linear_colour(surface, plane);
+    for (int i = 0; i < 8; ++i)
+      if (slab[i] != 0) add_slab(plane, surface, t.axis, i, slab[i]);
+    sums_.end_triangle();
+  }
+
+  /// cells: bit u + 8 v of slab w.
+  void add_slab(const TrianglePlane& plane, const Surface& surface, int axis, int w, std::uint64_t cells) {
+    constexpr int stride[3] = {1, 8, 64};
+    const int stride_u = stride[(axis + 1) % 3], stride_v = stride[(axis + 2) % 3], first = w * stride[axis];
+    int voxel[64];
+    lanes_.count = 0;
+    for (std::uint64_t rest = cells; rest != 0; rest &= rest - 1) {
+      const int cell = std::countr_zero(rest), u = cell & 7, v = cell >> 3;
+      voxel[lanes_.count] = first + u * stride_u + v * stride_v;
+      lanes_.u[lanes_.count] = double(u - plane.anchor[0]);
+      lanes_.v[lanes_.count] = double(v - plane.anchor[1]);
+      ++lanes_.count;
+    }
+    const SlabPolygon polygon = cut_slab(plane, double(w - plane.anchor[2]));
+    surface.varies() ? measure_moments(plane, polygon, lanes_) : measure_areas(plane, polygon, lanes_);
+    if (surface.is_linear())
+      add_linear_cells(plane, surface, voxel);
+    else
+      add_cells(plane, surface, voxel);
+    fragments_ += std::uint64_t(lanes_.count);
+  }
+
+  CellMoments moments_of(int lane) const { return {lanes_.area[lane], lanes_.moment_u[lane], lanes_.moment_v[lane]}; }
+
+  void add_linear_cells(const TrianglePlane& plane, const Surface& surface, const int voxel[64]) {
+    for (int i = 0; i < lanes_.count; ++i)
+      sums_.add(voxel[i],
+                linear_fragment(linear_, lanes_.u[i], lanes_.v[i], moments_of(i), plane.weight_scale, surface.normal));
+  }
+
+  void add_cells(const TrianglePlane& plane, const Surface& surface, const int voxel[64]) {
+    Rgba16 rgba;
+    const bool varies = surface.varies(), opaque = surface.material.alpha_mode == AlphaMode::opaque;
+    if (!varies) rgba = shade<false>(surface, plane, {0, 0}, 0, tables_);
+    for (int i = 0; i < lanes_.count; ++i) {
+      if (varies) {
+        const Point2 centroid = fragment_centroid(plane, moments_of(i), lanes_.u[i], lanes_.v[i]);
+        rgba = opaque ? shade<true>(surface, plane, centroid, lanes_.area[i], tables_)
+                      : shade<false>(surface, plane, centroid, lanes_.area[i], tables_);
+      }
+      sums_.add(voxel[i], make_fragment(surface, rgba, weight_of(lanes_.area[i], plane.weight_scale)));
+    }
+  }
+
+  const std::vector<WindowTriangle>& triangles_;
+  const std::vector<PartSurface>& parts_;
+  SurfaceRule rule_;
+  Tables tables_;
+  BrickSums sums_;
+  CellLanes lanes_;
+  LinearColour linear_;  ///< of the triangle in hand, where its surface is linear
+  std::uint64_t fragments_ = 0;
+};
+
+/// Where each brick's pairs start, and the end.
+std::vector<std::size_t> brick_starts(const std::vector<Pair>& pairs) {
+  std::vector<std::size_t> starts;
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    if (i == 0 || brick_of(pairs[i]) != brick_of(pairs[i - 1])) starts.push_back(i);
+  starts.push_back(pairs.size());
+  return starts;
+}
+
+}  // namespace
+
+void voxelize(const CellInput& input, const std::vector<WindowTriangle>& triangles, const CellParameters& parameters,
+              const std::vector<Pair>& pairs, const ThreadPool& pool, Level& level, CellStats& stats) {
+  const std::vector<PartSurface> parts = part_surfaces(input);
+  const std::vector<std::size_t> starts = brick_starts(pairs);
+  const std::size_t bricks = starts.size() - 1;
+  std::vector<BrickRun> runs((bricks + bricks_per_run - 1) / bricks_per_run, BrickRun(parameters.normals));
+  std::vector<std::unique_ptr<BrickWalker>> walkers(pool.threads());
+  pool.parallel_for(bricks, bricks_per_run, [&](std::size_t begin, std::size_t end, int thread) {
+    if (!walkers[thread]) walkers[thread] = std::make_unique<BrickWalker>(triangles, parts, parameters.surface);
+    for (std::size_t b = begin; b < end; ++b)
+      walkers[thread]->walk(&pairs[starts[b]], pairs.data() + starts[b + 1], runs[b / bricks_per_run]);
+  });
+  for (const auto& walker : walkers)
+    if (walker) stats.fragments += walker->fragments();
+  append(level, runs, pool);
+}
+
+}  // namespace gigabake::kernels

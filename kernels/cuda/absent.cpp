@@ -1,0 +1,26 @@
+// The CUDA backend of a build without nvcc: no devices, and a reason.
+#ifndef GIGABAKE_HAS_CUDA
+#include "kernels/cuda/baker.h"
+
+namespace gigabake::kernels {
+
+class CudaInput {};
+class CudaBaker::Impl {};
+
+CudaDevices cuda_devices() { return {{}, "this gigabake was built without CUDA (no nvcc was found)"}; }
+
+double device_copy_rate(int) { throw CudaFailure(cuda_devices().reason); }
+
+CudaBaker::CudaBaker(int, std::uint64_t) { throw CudaFailure(cuda_devices().reason); }
+CudaBaker::~CudaBaker() = default;
+
+// No object exists to call these on.
+CellVolume CudaBaker::bake_cell(const CellInput&, const CellParameters&) { throw CudaFailure(cuda_devices().reason); }
+std::shared_ptr<const CudaInput> CudaBaker::upload(const CellInput&) { throw CudaFailure(cuda_devices().reason); }
+std::unique_ptr<CudaVolume> CudaBaker::bake(const CudaInput&, const CellParameters&) {
+  throw CudaFailure(cuda_devices().reason);
+}
+CellVolume CudaBaker::download(std::unique_ptr<CudaVolume>) { throw CudaFailure(cuda_devices().reason); }
+
+}  // namespace gigabake::kernels
+#endif

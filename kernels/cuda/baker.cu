@@ -1,0 +1,175 @@
+#include <algorithm>
+
+#include "kernels/cpu/approximate.h"
+#include "kernels/cpu/level_hash.h"
+#include "kernels/cpu/prune.h"
+#include "kernels/cuda/baker.h"
+#include "kernels/cuda/cell.cuh"
+#include "kernels/cuda/download.cuh"
+#include "kernels/cuda/hash.cuh"
+#include "kernels/cuda/input.cuh"
+#include "kernels/cuda/stream.cuh"
+#include "lattice/thread_pool.h"
+
+namespace gigabake::kernels {
+namespace {
+
+constexpr int oldest_capability = 8;
+
+/// Freed memory stays with the pool: giving it back to the driver between cells costs more than all kernels.
+void keep_pool(int device) {
+  cudaMemPool_t pool;
+  check_cuda(cudaDeviceGetDefaultMemPool(&pool, device), "cudaDeviceGetDefaultMemPool");
+  std::uint64_t threshold = UINT64_MAX;
+  check_cuda(cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &threshold), "cudaMemPoolSetAttribute");
+}
+
+std::uint64_t quarter_of(int device) {
+  cudaDeviceProp p;
+  check_cuda(cudaGetDeviceProperties(&p, device), "cudaGetDeviceProperties");
+  return p.totalGlobalMem / 4;
+}
+
+}  // namespace
+
+class CudaInput : public DeviceInput {
+ public:
+  using DeviceInput::DeviceInput;
+};
+
+class CudaBaker::Impl {
+ public:
+  Impl(int device, std::uint64_t texture_bytes)
+      : device_(device),
+        upload_stream_(device),
+        bake_stream_(device),
+        download_stream_(device),
+        download_clock_(download_stream_.handle),
+        upload_heap_(upload_stream_.handle, books_),
+        bake_heap_(bake_stream_.handle, books_),
+        download_heap_(download_stream_.handle, books_),
+        tables_(upload_heap_),
+        textures_(upload_heap_, texture_bytes != 0 ? texture_bytes : quarter_of(device)),
+        bake_(bake_heap_, tables_.view()) {
+    keep_pool(device);
+  }
+
+  std::shared_ptr<const CudaInput> upload(const CellInput& input) {
+    start();
+    return std::make_shared<const CudaInput>(upload_heap_, input, textures_, tables_.view());
+  }
+
+  std::unique_ptr<CudaVolume> bake(const CudaInput& uploaded, const CellParameters& parameters) {
+    start();
+    books_.restart_peak();
+    auto cell = std::make_unique<BakedCell>();
+    bake_.bake(uploaded, parameters, *cell);
+    cell->cell_stats.peak_bytes = books_.peak_bytes();
+    return cell;
+  }
+
+  CellVolume download(std::unique_ptr<BakedCell> cell) {
+    start();
+    if (cell->max_error != 0) return download_approximate(*cell);
+    CellVolume out;
+    if (!cell->levels.empty()) {
+      download_clock_.mark(0);
+      out.content_hash = level_hashes(download_heap_, cell->levels, cell->window_min);
+      download_clock_.mark(1);
+      CellVolume at_once = to_host(download_stream_.handle, pinned_, cell->levels, cell->nodes, host_);
+      out.levels = std::move(at_once.levels);
+      out.nodes = std::move(at_once.nodes);
+      cell->cell_stats.hash_s = download_clock_.between(0, 1);
+    } else {
+      out.levels = std::move(cell->host_levels);
+      out.content_hash = std::move(cell->host_hashes);
+    }
+    if (out.nodes.key.empty() && !out.levels.empty()) out.nodes = prune(out.levels, host_);
+    out.stats = cell->cell_stats;
+    return out;
+  }
+
+ private:
+  /// What voxels have in common, hash and nodes are the host's affair here.
+  CellVolume download_approximate(BakedCell& cell) {
+    CellVolume out;
+    out.levels = cell.levels.empty()
+                     ? std::move(cell.host_levels)
+                     : std::move(to_host(download_stream_.handle, pinned_, cell.levels, {}, host_).levels);
+    approximate(out.levels, cell.max_error, host_);
+    out.content_hash = level_hashes(out.levels, cell.window_min, host_);
+    if (!out.levels.empty()) out.nodes = prune(out.levels, host_);
+    out.stats = cell.cell_stats;
+    return out;
+  }
+
+  void start() { check_cuda(cudaSetDevice(device_), "cudaSetDevice"); }
+
+  int device_;
+  Stream upload_stream_, bake_stream_, download_stream_;
+  StreamClock download_clock_;
+  DeviceBooks books_;
+  DeviceHeap upload_heap_, bake_heap_, download_heap_;
+  DeviceTables tables_;
+  DeviceTextures textures_;
+  CellBake bake_;
+  PinnedBuffer pinned_;
+  ThreadPool host_{download_threads};
+};
+
+CudaDevices cuda_devices() {
+  CudaDevices devices;
+  int count = 0;
+  const cudaError_t code = cudaGetDeviceCount(&count);
+  if (code != cudaSuccess) {
+    cudaGetLastError();
+    devices.reason = cudaGetErrorString(code);
+    return devices;
+  }
+  for (int d = 0; d < count; ++d) {
+    cudaDeviceProp p;
+    check_cuda(cudaGetDeviceProperties(&p, d), "cudaGetDeviceProperties");
+    if (p.major >= oldest_capability)
+      devices.usable.push_back(d);
+    else
+      devices.reason = std::string(p.name) + " has compute capability " + std::to_string(p.major) + "." +
+                       std::to_string(p.minor) + ", 8.0 is the oldest that works";
+  }
+  if (count == 0) devices.reason = "this machine has no CUDA device";
+  return devices;
+}
+
+double device_copy_rate(int device) {
+  constexpr std::size_t bytes = std::size_t(1) << 30;
+  constexpr int copies = 5;
+  const Stream stream(device);
+  DeviceBooks books;
+  DeviceHeap heap(stream.handle, books);
+  const DeviceArray<std::uint8_t> from(heap, bytes), to(heap, bytes);
+  StreamClock clock(stream.handle);
+  for (int i = 0; i <= copies; ++i) {
+    if (i == 1) clock.mark(0);  // the first one warms up
+    check_cuda(cudaMemcpyAsync(to.data(), from.data(), bytes, cudaMemcpyDeviceToDevice, stream.handle),
+               "cudaMemcpyAsync (copy rate)");
+  }
+  clock.mark(1);
+  check_cuda(cudaStreamSynchronize(stream.handle), "cudaStreamSynchronize (copy rate)");
+  return 2.0 * copies * bytes / clock.between(0, 1);
+}
+
+CudaBaker::CudaBaker(int device, std::uint64_t texture_bytes) : impl_(std::make_unique<Impl>(device, texture_bytes)) {}
+CudaBaker::~CudaBaker() = default;
+
+std::shared_ptr<const CudaInput> CudaBaker::upload(const CellInput& input) { return impl_->upload(input); }
+std::unique_ptr<CudaVolume> CudaBaker::bake(const CudaInput& input, const CellParameters& parameters) {
+  return impl_->bake(input, parameters);
+}
+CellVolume CudaBaker::download(std::unique_ptr<CudaVolume> volume) {
+  return impl_->download(std::unique_ptr<BakedCell>(static_cast<BakedCell*>(volume.release())));
+}
+
+CellVolume CudaBaker::bake_cell(const CellInput& input, const CellParameters& parameters) {
+  return download(bake(*upload(input), parameters));
+}
+
+}  // namespace gigabake::kernels

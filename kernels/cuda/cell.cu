@@ -1,0 +1,212 @@
+#include <algorithm>
+
+#include "kernels/cpu/level_hash.h"
+#include "kernels/cpu/levels.h"
+#include "kernels/cuda/cell.cuh"
+#include "kernels/cuda/download.cuh"
+#include "kernels/cuda/hash.cuh"
+
+namespace gigabake::kernels {
+namespace {
+
+/// Nodes of this many levels below the root are baked apart if need be; small ones are not worth a launch.
+constexpr int levels_above_units = 5, least_unit_level = 2;
+constexpr double live_share = 1.2;  ///< of input and output; what was learned from another cell is not exact
+
+std::uint64_t limit_of(std::uint64_t memory_bytes, std::uint64_t input_bytes) {
+  if (memory_bytes == 0) return 0;
+  return std::max({memory_bytes - std::min(memory_bytes, input_bytes), memory_bytes / 4, std::uint64_t(1)});
+}
+
+void append(Level& to, const Level& from) {
+  const std::uint64_t voxels = to.first.empty() ? 0 : to.first.back();
+  if (to.first.empty()) to.first.push_back(0);
+  to.key.insert(to.key.end(), from.key.begin(), from.key.end());
+  to.mask.insert(to.mask.end(), from.mask.begin(), from.mask.end());
+  for (std::size_t b = 1; b < from.first.size(); ++b) to.first.push_back(voxels + from.first[b]);
+  to.rgba.insert(to.rgba.end(), from.rgba.begin(), from.rgba.end());
+  to.normal.insert(to.normal.end(), from.normal.begin(), from.normal.end());
+  to.facing.insert(to.facing.end(), from.facing.begin(), from.facing.end());
+}
+
+}  // namespace
+
+/// What all parts of a cell share.
+struct CellBake::Cell {
+  InputView input;
+  WindowView window;
+  const CellParameters& parameters;
+  CellMaterials materials;
+  std::uint64_t limit;  ///< of what the heap may hold
+  std::uint64_t room;   ///< what it should hold
+};
+
+/// Nodes that are baked whole, and the pairs before each of them.
+struct CellBake::Units {
+  int level;  ///< above the bricks
+  std::vector<std::uint64_t> pairs_before;
+
+  std::uint64_t pairs(std::size_t first, std::size_t end) const { return pairs_before[end] - pairs_before[first]; }
+  /// Inside (first, end), where about half of the pairs are on either side. Range: at least two units.
+  std::size_t middle(std::size_t first, std::size_t end) const {
+    const auto at = pairs_before.begin();
+    const std::uint64_t half = pairs_before[first] + pairs(first, end) / 2;
+    const auto found = std::lower_bound(at + std::ptrdiff_t(first) + 1, at + std::ptrdiff_t(end) - 1, half);
+    return std::size_t(found - at);
+  }
+};
+
+CellBake::CellBake(DeviceHeap& heap, const Tables& tables)
+    : heap_(heap), tables_(tables), clock_(heap.stream()), host_(download_threads) {}
+
+void CellBake::bake(const DeviceInput& uploaded, const CellParameters& parameters, BakedCell& out) {
+  std::copy(std::begin(parameters.window_min), std::end(parameters.window_min), out.window_min);
+  out.max_error = parameters.max_error;
+  const InputView input = uploaded.view();
+  if (input.triangle_count == 0) return;
+  // All that is live stays within a quarter more than input and output; the last cell's output stands for this one's.
+  const double input_bytes = double(uploaded.bytes_with_textures()),
+               output_bytes = output_per_triangle_ * double(input.triangle_count);
+  Cell cell{input,
+            window_view(parameters),
+            parameters,
+            uploaded.materials(),
+            limit_of(parameters.memory_bytes, uploaded.bytes()),
+            std::uint64_t((live_share - 1) * input_bytes + live_share * output_bytes)};
+  heap_.limit_to(0);
+  clock_.mark(0);
+  DeviceArray<SnappedVertex> vertices;
+  DeviceArray<SnapWindow> window;
+  if (double(input.vertex_count) * sizeof(SnappedVertex) < 0.1 * (input_bytes + output_bytes)) {
+    vertices = snap_vertices(heap_, cell.input, cell.window);
+    cell.input.vertices = vertices.data();
+  } else {  // where keeping them would take half of the room there is, one is snapped whenever it is asked for
+    window = DeviceArray<SnapWindow>(heap_, 1);
+    const SnapWindow& snapped_to = cell.window;
+    check_cuda(cudaMemcpyAsync(window.data(), &snapped_to, sizeof snapped_to, cudaMemcpyHostToDevice, heap_.stream()),
+               "cudaMemcpyAsync (window)");
+    cell.input.window = window.data();
+  }
+  clock_.mark(1);
+  heap_.limit_to(cell.limit);
+  if (!bake_at_once(cell, out)) bake_in_parts(cell, out);
+  check_cuda(cudaStreamSynchronize(heap_.stream()), "cudaStreamSynchronize (bake)");
+}
+
+/// The levels [0, lods) of a range. Marks 2 to 5.
+LevelsAbove CellBake::levels_of(const Cell& cell, KeyRange range, int lods, BinCapacity& capacity, CellStats& stats) {
+  clock_.mark(2);
+  BrickLists lists = bin_triangles(heap_, cell.input, cell.window, range, capacity, stats);
+  clock_.mark(3);
+  DeviceLevel finest;
+  if (lists.bricks != 0)
+    finest = voxelize(heap_, cell.input, cell.room, cell.window, std::move(lists), cell.parameters.normals,
+                      cell.materials, fill_ratios_, stats);
+  clock_.mark(4);
+  LevelsAbove all;
+  if (finest.bricks != 0) {
+    all = coarser_levels(heap_, tables_, finest, lods, cell.parameters.mip, cell.parameters.normals);
+    if (!cell.parameters.facing)
+      for (DeviceLevel& level : all.levels) level.facing = DeviceArray<std::uint8_t>();
+    all.levels.insert(all.levels.begin(), std::move(finest));
+  }
+  clock_.mark(5);
+  return all;
+}
+
+void CellBake::count_batch(CellStats& total) const {
+  check_cuda(cudaStreamSynchronize(heap_.stream()), "cudaStreamSynchronize (levels)");
+  total.batches += 1;
+  total.snap_s = clock_.between(0, 1);
+  total.sort_s += clock_.between(2, 3);
+  total.voxelize_s += clock_.between(3, 4);
+  total.mip_s += clock_.between(4, 5);
+}
+
+bool CellBake::bake_at_once(const Cell& cell, BakedCell& out) {
+  try {
+    CellStats stats;
+    std::vector<DeviceLevel> levels =
+        levels_of(cell, all_keys(cell.window), cell.window.levels + 1, bin_capacity_, stats).levels;
+    DeviceNodes nodes;
+    if (!levels.empty()) nodes = brick_nodes(heap_, levels);
+    std::uint64_t bytes = 0;
+    for (const DeviceLevel& level : levels) bytes += level.bytes();
+    output_per_triangle_ = double(bytes) / double(cell.input.triangle_count);
+    clock_.mark(6);
+    out.levels = std::move(levels);
+    out.nodes = std::move(nodes);
+    count_batch(stats);
+    stats.prune_s = clock_.between(5, 6);
+    out.cell_stats = stats;
+    return true;
+  } catch (const DeviceFull&) {
+    return false;
+  }
+}
+
+/// Levels up to the units' on the device, part after part; those above, which are small, from them on the host.
+void CellBake::bake_in_parts(const Cell& cell, BakedCell& out) {
+  Units units{std::clamp(cell.window.levels - levels_above_units, std::min(least_unit_level, cell.window.levels),
+                         cell.window.levels),
+              {0}};
+  heap_.limit_to(0);
+  for (const std::uint64_t pairs : pairs_by_unit(heap_, cell.input, cell.window, units.level, out.cell_stats))
+    units.pairs_before.push_back(units.pairs_before.back() + pairs);
+  bake_units(cell, units, 0, units.pairs_before.size() - 1, out);
+  if (out.host_levels.empty()) return;
+  std::size_t lod = out.host_levels.size();
+  add_coarser_levels(out.host_levels, out.host_rasters, cell.window.levels + 1, cell.parameters.mip,
+                     cell.parameters.normals, host_);
+  if (!cell.parameters.facing) drop_facing(out.host_levels);
+  for (; lod < out.host_levels.size(); ++lod)
+    out.host_hashes.push_back(level_hash(out.host_levels[lod], int(lod), out.window_min, host_));
+}
+
+/// In halves, where all of them do not fit.
+void CellBake::bake_units(const Cell& cell, const Units& units, std::size_t first, std::size_t end, BakedCell& out) {
+  if (units.pairs(first, end) == 0 || bake_part(cell, units, first, end, out)) return;
+  const std::size_t middle = units.middle(first, end);
+  bake_units(cell, units, first, middle, out);
+  bake_units(cell, units, middle, end, out);
+}
+
+/// False: it does not fit, and nothing has changed. One unit fits, or its DeviceFull is the caller's.
+bool CellBake::bake_part(const Cell& cell, const Units& units, std::size_t first, std::size_t end, BakedCell& out) {
+  const bool is_smallest = end - first == 1;
+  heap_.limit_to(is_smallest ? 0 : cell.limit);
+  try {
+    CellStats stats;
+    BinCapacity capacity;
+    capacity.pairs = units.pairs(first, end);
+    const KeyRange keys{std::uint32_t(first << 3 * units.level), std::uint32_t(end << 3 * units.level)};
+    const LevelsAbove part = levels_of(cell, keys, units.level + 1, capacity, stats);
+    if (!part.levels.empty()) take_part(part, out);
+    out.cell_stats.pairs += stats.pairs;
+    out.cell_stats.fragments += stats.fragments;
+    count_batch(out.cell_stats);
+    return true;
+  } catch (const DeviceFull&) {
+    if (is_smallest) throw;
+    return false;
+  }
+}
+
+void CellBake::take_part(const LevelsAbove& device, BakedCell& out) {
+  const std::vector<DeviceLevel>& levels = device.levels;
+  const std::vector<Hash128> hashes = level_hashes(heap_, levels, out.window_min);
+  const CellVolume part = to_host(heap_.stream(), pinned_, levels, DeviceNodes{}, host_);
+  const std::size_t rasters = out.host_rasters.size();
+  out.host_rasters.resize(rasters + device.rasters.size());
+  check_cuda(cudaMemcpy(out.host_rasters.data() + rasters, device.rasters.data(), device.rasters.bytes(),
+                        cudaMemcpyDeviceToHost),
+             "cudaMemcpy (rasters)");
+  out.host_levels.resize(levels.size());
+  out.host_hashes.resize(levels.size());
+  for (std::size_t l = 0; l < levels.size(); ++l) {
+    append(out.host_levels[l], part.levels[l]);
+    out.host_hashes[l] += hashes[l];
+  }
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,244 @@
+/// What a triangle contributes to one slab of a brick, in a form that fragments share, and each fragment's answer.
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+
+#include "kernels/body/accumulate.h"
+#include "kernels/body/coverage.h"
+#include "kernels/body/surface.h"
+#include "kernels/body/triangle_bricks.h"
+#include "kernels/cuda/input.cuh"
+#include "lattice/brick.h"
+
+namespace gigabake::kernels {
+
+/// Vertices of the triangle's plane, in sub-voxels: exact, and for narrow triangles half as long as in double.
+template <bool is_hard>
+using PlaneCoordinate = std::conditional_t<is_hard, double, std::int32_t>;
+
+enum class Look : std::uint8_t { flat, linear, varying };
+
+/// An item, ready to be measured.
+struct CutItem {
+  double u[5], v[5];  ///< the slab's polygon
+  Line line[4];
+  double weight_scale;
+  std::uint64_t cells;
+  std::uint64_t edges_of_row;  ///< a byte for each row v of the brick: the polygon's edges that reach into it
+  std::int32_t anchor_u, anchor_v;
+  std::int16_t normal[3];
+  std::uint16_t edge_lines;  ///< SlabPolygon::line, two bits each
+  std::uint8_t corners, axis, slab, brick;
+  Look look;
+};
+
+/// What a fragment of texture needs besides.
+template <bool is_hard>
+struct TexturedLook {
+  PlaneCoordinate<is_hard> plane_u[3], plane_v[3];
+  double inverse_twice_area;
+  TextureMap map;
+  const TextureView* texture;
+  MaterialView material;
+};
+
+/// What shade() needs: of any material, textured or not.
+template <bool is_hard>
+struct VaryingLook : TexturedLook<is_hard> {
+  std::uint16_t vertex_rgba[3][4];
+  bool has_vertex_rgba;
+};
+
+template <bool is_hard, CellMaterials materials>
+struct FillItem : CutItem {
+  using Varying = std::conditional_t<materials == CellMaterials::any, VaryingLook<is_hard>, TexturedLook<is_hard>>;
+  union {
+    LinearColour colour;  ///< of a flat look: `low` alone
+    Varying varying;
+  };
+};
+template <bool is_hard>
+struct FillItem<is_hard, CellMaterials::plain> : CutItem {
+  LinearColour colour;
+};
+
+/// The triangle's surface, but for its texture and the map of it.
+__device__ inline Surface surface_of_triangle(const InputView& in, const DevicePart& part, std::uint32_t index,
+                                              const std::int16_t normal[3]) {
+  Surface s;
+  s.material = in.materials[part.material];
+  if (!part.textured) s.material.texture = -1;
+  for (int c = 0; c < 3; ++c) s.normal[c] = normal[c];
+  s.has_vertex_rgba = part.rgba != nullptr;
+  if (s.has_vertex_rgba) {
+    std::uint32_t v[3];
+    vertices_of(part, index, v);
+    for (int i = 0; i < 3; ++i) copy_texel<8>(part.rgba + 4 * std::size_t(v[i]), s.vertex_rgba[i]);
+  }
+  return s;
+}
+
+template <bool is_hard>
+__device__ void set_textured(const InputView& in, const DevicePart& part, std::uint32_t index, const Surface& surface,
+                             const TrianglePlane& plane, TexturedLook<is_hard>& out) {
+  for (int c = 0; c < 3; ++c) {
+    out.plane_u[c] = PlaneCoordinate<is_hard>(plane.u[c] * double(subvoxels));
+    out.plane_v[c] = PlaneCoordinate<is_hard>(plane.v[c] * double(subvoxels));
+  }
+  out.inverse_twice_area = plane.inverse_twice_area;
+  out.material = surface.material;
+  out.texture = part.textured ? &in.textures[surface.material.texture] : nullptr;
+  if (!part.textured) return;
+  std::uint32_t v[3];
+  vertices_of(part, index, v);
+  float uv[6];
+  for (int i = 0; i < 6; ++i) uv[i] = part.uv[2 * std::size_t(v[i / 2]) + i % 2];
+  if (!usable_uv(uv))
+    for (float& x : uv) x = 0;
+  out.map = make_texture_map(plane, uv, out.texture->width, out.texture->height);
+}
+
+template <bool is_hard, CellMaterials materials>
+__device__ void set_look(const InputView& in, const WindowTriangle& w, const TrianglePlane& plane,
+                         FillItem<is_hard, materials>& out) {
+  const DevicePart& part = in.parts[w.part];
+  const Surface surface = surface_of_triangle(in, part, w.index, out.normal);
+  if (surface.is_linear() && !part.textured) {
+    out.look = Look::linear;
+    out.colour = make_linear_colour(surface, plane);
+  } else if (materials == CellMaterials::plain || (materials == CellMaterials::opaque && !part.textured)) {
+    out.look = Look::flat;
+    for (int c = 0; c < 3; ++c) out.colour.low[c] = surface.material.base_rgba[c];
+  } else if constexpr (materials != CellMaterials::plain) {
+    out.look = Look::varying;
+    set_textured(in, part, w.index, surface, plane, out.varying);
+    if constexpr (materials == CellMaterials::any) {
+      out.varying.has_vertex_rgba = surface.has_vertex_rgba;
+      if (surface.has_vertex_rgba)
+        for (int c = 0; c < 3; ++c)
+          for (int k = 0; k < 4; ++k) out.varying.vertex_rgba[c][k] = surface.vertex_rgba[c][k];
+    }
+  }
+}
+
+/// Byte r of the result is 1 for the rows [first, last] of the brick.
+__device__ inline std::uint64_t row_bytes(int first, int last) {
+  first = larger(first, 0);
+  last = smaller(last, brick_edge - 1);
+  return first > last ? 0 : 0x0101010101010101ull << 8 * first & 0x0101010101010101ull >> 8 * (brick_edge - 1 - last);
+}
+
+__device__ inline void cut_polygon(const TrianglePlane& plane, double slab, CutItem& out) {
+  int corners = 0;
+  unsigned lines = 0;
+  cut_slab(plane, slab, [&](double u, double v, int line) {
+    out.u[corners] = u;
+    out.v[corners] = v;
+    lines |= unsigned(line) << 2 * corners;
+    ++corners;
+  });
+  out.corners = std::uint8_t(corners);
+  out.edge_lines = std::uint16_t(lines);
+  int row[5];  // of each corner, and once around
+#pragma unroll
+  for (int e = 0; e < 5; ++e) row[e] = __double2int_rd(out.v[e]) + out.anchor_v;
+  std::uint64_t edges = 0;
+#pragma unroll
+  for (int e = 0; e < 5; ++e) {  // all five by all lanes: a loop of as many as there are corners would part them
+    const bool is_last = e + 1 >= corners;
+    const int next = is_last ? row[0] : row[(e + 1) % 5];
+    if (e < corners && out.v[e] != (is_last ? out.v[0] : out.v[(e + 1) % 5]))
+      edges |= row_bytes(smaller(row[e], next), larger(row[e], next)) << e;
+  }
+  out.edges_of_row = edges;
+}
+
+template <class I, class N, bool is_hard, CellMaterials materials>
+__device__ void cut_triangle(const InputView& in, const WindowTriangle& w, const std::int32_t corner[3],
+                             std::uint32_t where, FillItem<is_hard, materials>& out) {
+  const BrickTriangle<I, N> t = make_brick_triangle<I, N>(w, corner);
+  geometric_normal(t, out.normal);
+  const TrianglePlane plane = make_plane(t);
+  for (int i = 0; i < 4; ++i) out.line[i] = plane.line[i];
+  out.anchor_u = std::int32_t(plane.anchor[0]);
+  out.anchor_v = std::int32_t(plane.anchor[1]);
+  out.weight_scale = plane.weight_scale;
+  cut_polygon(plane, double(std::int64_t(where & 7) - plane.anchor[2]), out);
+  set_look(in, w, plane, out);
+}
+
+/// Cuts an item from the triangle of a pair. corner: the brick's; where: as in ItemView.
+template <bool is_hard, CellMaterials materials>
+__device__ void cut_item(const InputView& in, const WindowTriangle& w, const std::int32_t corner[3],
+                         std::uint32_t where, FillItem<is_hard, materials>& out) {
+  out.axis = std::uint8_t(where >> 3 & 3);
+  out.slab = std::uint8_t(where & 7);
+  if constexpr (is_hard)
+    if (!is_narrow(w)) return cut_triangle<__int128, __int128>(in, w, corner, where, out);
+  cut_triangle<std::int32_t, double>(in, w, corner, where, out);
+}
+
+/// Area and moments of the cell in `row` of the brick, edge after edge as kernels/cpu/cell_lanes.h does them. Edges
+/// beside the row would add nothing but zeros.
+__device__ inline CellMoments measure(const CutItem& item, double u, double v, int row) {
+  CellMoments m{0, 0, 0};
+  for (unsigned edges = unsigned(item.edges_of_row >> 8 * row) & 31; edges != 0; edges &= edges - 1) {
+    const int e = __ffs(int(edges)) - 1, f = e + 1 == item.corners ? 0 : e + 1;
+    add_edge<true>(item.u[e] - u, item.v[e] - v, item.v[f] - v, item.line[item.edge_lines >> 2 * e & 3], m);
+  }
+  return m;
+}
+
+template <bool is_hard>
+__device__ TrianglePlane plane_of(const TexturedLook<is_hard>& look) {
+  TrianglePlane plane;
+  for (int c = 0; c < 3; ++c) {
+    plane.u[c] = double(look.plane_u[c]) / double(subvoxels);
+    plane.v[c] = double(look.plane_v[c]) / double(subvoxels);
+  }
+  plane.inverse_twice_area = look.inverse_twice_area;
+  return plane;
+}
+
+/// Of an opaque material without vertex colours: what shade() says of it.
+template <bool is_hard>
+__device__ Rgba16 shade_item(const Tables& tables, const TexturedLook<is_hard>& look, const CellMoments& m, double u,
+                             double v) {
+  const Point2 p = fragment_centroid(plane_of(look), m, u, v);
+  const Rgba16 texel = texture_over<true>(*look.texture, look.material, look.map, p.u, p.v, std::fabs(m.area), tables);
+  Rgba16 r{{0, 0, 0, 65535}};
+  for (int c = 0; c < 3; ++c) r.c[c] = scale16(texel.c[c], look.material.base_rgba[c]);
+  return r;
+}
+
+template <bool is_hard>
+__device__ Rgba16 shade_item(const Tables& tables, const VaryingLook<is_hard>& look, const CellMoments& m, double u,
+                             double v) {
+  Surface s;
+  s.material = look.material;
+  s.has_vertex_rgba = look.has_vertex_rgba;
+  if (look.has_vertex_rgba)
+    for (int i = 0; i < 3; ++i)
+      for (int c = 0; c < 4; ++c) s.vertex_rgba[i][c] = look.vertex_rgba[i][c];
+  s.texture = look.texture;
+  if (look.texture != nullptr) s.map = look.map;
+  if (!s.varies()) return shade<false>(s, {}, {0, 0}, 0, tables);
+  const TrianglePlane plane = plane_of(look);
+  return shade<false>(s, plane, fragment_centroid(plane, m, u, v), m.area, tables);
+}
+
+template <bool is_hard, CellMaterials materials>
+__device__ Fragment fragment_of(const Tables& tables, const FillItem<is_hard, materials>& item, int cell) {
+  const double u = double((cell & 7) - item.anchor_u), v = double((cell >> 3) - item.anchor_v);
+  const CellMoments m = measure(item, u, v, cell >> 3);
+  if (item.look == Look::linear) return linear_fragment(item.colour, u, v, m, item.weight_scale, item.normal);
+  Rgba16 rgba{{0, 0, 0, 65535}};
+  if (materials == CellMaterials::plain || item.look == Look::flat)
+    for (int c = 0; c < 3; ++c) rgba.c[c] = item.colour.low[c];
+  else if constexpr (materials != CellMaterials::plain)
+    rgba = shade_item(tables, item.varying, m, u, v);
+  return fragment_of_colour(weight_of(m.area, item.weight_scale), rgba.c, item.normal);
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,177 @@
+/// Parts of the kernels that filter levels: what a voxel's children are, what they show, and what they make.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/body/mip.h"
+#include "kernels/cuda/mask.cuh"
+#include "lattice/rules.h"
+
+namespace gigabake::kernels {
+
+constexpr int filter_threads = 128;
+
+/// Voxels that are in memory by index.
+struct VoxelArrays {
+  const std::uint32_t* rgba;
+  const std::uint16_t* normal;  ///< or null
+};
+
+/// The 2×2×2 voxels below one, x | y<<1 | z<<2.
+template <class Index>
+struct alignas(8 * sizeof(Index) < 16 ? 8 : 16) Children {
+  Index at[8];  ///< in their array; none: there is none
+  static constexpr Index none = Index(-1);
+};
+
+/// Those that stand in a brick's mask from (2x, 2y) of two slabs, low and high. at_low: what stands before the lower
+/// slab; the other follows it.
+template <class Index>
+__device__ Children<Index> children_in(std::uint64_t low, std::uint64_t high, std::uint32_t at_low, int x, int y) {
+  Children<Index> children;
+#pragma unroll
+  for (int dz = 0; dz < 2; ++dz) {
+    const std::uint64_t word = dz == 0 ? low : high;
+#pragma unroll
+    for (int dy = 0; dy < 2; ++dy) {
+      const int bit = 2 * x + 8 * (2 * y + dy);
+      const auto two = std::uint32_t(word >> bit) & 3;
+      const std::uint32_t at = at_low + bits_below(word, bit);
+      Index* pair = children.at + 2 * dy + 4 * dz;
+      pair[0] = (two & 1) != 0 ? Index(at) : Children<Index>::none;
+      pair[1] = (two & 2) != 0 ? Index(at + (two & 1)) : Children<Index>::none;
+    }
+    at_low += std::uint32_t(__popcll(word));
+  }
+  return children;
+}
+
+/// What see_run() asks (kernels/body/facing.h): of rasters that stand one after the other.
+template <int Edge, class Index>
+struct ChildRasters {
+  const Children<Index>& children;
+  const std::uint32_t* rasters;
+
+  template <int N>
+  __device__ CellRun<N> cells(int child, int axis, int run) const {
+    const Index at = children.at[child];
+    if (at == Children<Index>::none) return {};
+    return reinterpret_cast<const CellRun<N>*>(
+        rasters)[(std::size_t(raster_words(Edge)) * at + axis * Edge * Edge / 4) / N + run];
+  }
+};
+
+/// How much each of eight children has to say, a byte each, and what their parent shows.
+struct Weights {
+  std::uint32_t child[2], facing;
+};
+
+/// Edge: of the children's rasters.
+template <int Edge, class Index>
+__device__ Weights weights_of(const FacingSums& seen, const Children<Index>& children) {
+  Weights w{};
+  std::uint32_t there[2] = {};
+#pragma unroll
+  for (int c = 0; c < 8; ++c)
+    if (children.at[c] != Children<Index>::none) {
+      w.child[c / 4] |= seen.weight(c, Edge) << 8 * (c % 4);
+      there[c / 4] |= 1u << 8 * (c % 4);
+    }
+  if ((w.child[0] | w.child[1]) == 0) w.child[0] = there[0], w.child[1] = there[1];  // too faint to be seen
+#pragma unroll
+  for (int a = 0; a < 3; ++a) w.facing |= std::uint32_t(seen.facing(a, Edge)) << 8 * a;
+  return w;
+}
+
+/// A voxel's FacingSums, as the lanes that look along its columns leave them.
+struct alignas(8) ColumnSums {
+  std::uint16_t covered[3][4];  ///< axis, column
+  std::uint16_t seen[3][8];     ///< axis, child
+
+  __device__ void put(int axis, int column, const std::uint32_t sums[3]) {
+    const int low = low_child(axis, column), high = low | 1 << axis;
+    covered[axis][column] = std::uint16_t(sums[2]);
+    seen[axis][low] = std::uint16_t(sums[0] + sums[2] - sums[1]);
+    seen[axis][high] = std::uint16_t(sums[1] + sums[2] - sums[0]);
+  }
+  __device__ FacingSums total() const {
+    FacingSums sums;
+#pragma unroll
+    for (int axis = 0; axis < 3; ++axis) {
+#pragma unroll
+      for (int column = 0; column < 4; ++column) sums.covered[axis] += covered[axis][column];
+#pragma unroll
+      for (int child = 0; child < 8; ++child) sums.seen[child] += seen[axis][child];
+    }
+    return sums;
+  }
+};
+
+/// A block looks at the children of n voxels: a lane a run of 16 cells. rasters: of the children; to: of the voxels,
+/// 8×8 cells each. Edge: of the children's, 4 or 8.
+template <int Edge, class Index>
+__device__ void see_columns(const Children<Index>* children, int n, const std::uint32_t* rasters, std::uint32_t* to,
+                            ColumnSums* out) {
+  constexpr int runs = runs_per_column<Edge>, lanes = 12 * runs, words = raster_words(most_raster_edge);
+  for (int first = int(threadIdx.x & ~31u); first < n * lanes; first += filter_threads) {  // all lanes of a warp
+    const int i = first + int(threadIdx.x & 31), voxel = i / lanes;
+    const int run = i % runs, column = i / runs % 4, axis = (i - voxel * lanes) / (4 * runs);
+    std::uint32_t sums[3] = {};
+    if (voxel < n)
+      see_run<Edge>(ChildRasters<Edge, Index>{children[voxel], rasters}, axis, column, run,
+                    to + std::size_t(words) * voxel, sums);
+#pragma unroll
+    for (int d = 1; d < runs; d *= 2)
+#pragma unroll
+      for (std::uint32_t& sum : sums) sum += __shfl_xor_sync(~0u, sum, d);
+    if (voxel < n && run == 0) out[voxel].put(axis, column, sums);
+  }
+}
+
+/// facing: x lowest.
+struct FilteredVoxel {
+  std::uint32_t rgba, facing;
+  std::uint16_t normal;
+};
+
+/// by_view: with these weights; else by the children's coverage. Nothing waits for anything but the children's bytes.
+template <bool by_view, class Index>
+__device__ FilteredVoxel filter_children(const VoxelArrays& below, const Children<Index>& children, const Weights& w,
+                                         MipFilter filter, const Tables& tables) {
+  std::uint32_t rgba[8];
+  std::uint16_t normal[8];
+#pragma unroll
+  for (int c = 0; c < 8; ++c) {
+    const bool there = children.at[c] != Children<Index>::none;
+    rgba[c] = there ? below.rgba[children.at[c]] : 0;
+    normal[c] = there && below.normal != nullptr ? below.normal[children.at[c]] : std::uint16_t(0);
+  }
+  MipSums sums;
+#pragma unroll
+  for (int c = 0; c < 8; ++c) {
+    const Voxel v{{std::uint8_t(rgba[c]), std::uint8_t(rgba[c] >> 8), std::uint8_t(rgba[c] >> 16), 0},
+                  {std::int8_t(normal[c] & 255), std::int8_t(normal[c] >> 8)}};
+    sums.add(v, by_view ? w.child[c / 4] >> 8 * (c % 4) & 255 : rgba[c] >> 24, tables);
+  }
+  const std::uint8_t facing[3] = {std::uint8_t(w.facing), std::uint8_t(w.facing >> 8), std::uint8_t(w.facing >> 16)};
+  const Voxel v = sums.voxel(by_view ? largest(facing) : mean_coverage(sums.weight, filter, tables), tables);
+  return {std::uint32_t(v.rgba[0]) | std::uint32_t(v.rgba[1]) << 8 | std::uint32_t(v.rgba[2]) << 16 |
+              std::uint32_t(v.rgba[3]) << 24,
+          w.facing, std::uint16_t(std::uint8_t(v.normal[0]) | std::uint8_t(v.normal[1]) << 8)};
+}
+
+/// Where a level's voxels go.
+struct VoxelsOut {
+  std::uint32_t* rgba;
+  std::uint16_t* normal;  ///< or null
+  std::uint8_t* facing;   ///< or null, without MipFilter::coverage
+
+  __device__ void put(std::size_t i, const FilteredVoxel& v) const {
+    rgba[i] = v.rgba;
+    if (normal != nullptr) normal[i] = v.normal;
+    if (facing == nullptr) return;
+    for (int a = 0; a < 3; ++a) facing[3 * i + a] = std::uint8_t(v.facing >> 8 * a);
+  }
+};
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,176 @@
+/// A cell's triangles, materials and textures on the device.
+#pragma once
+
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "kernels/body/brick_triangle.h"
+#include "kernels/body/cell.h"
+#include "kernels/body/tables.h"
+#include "kernels/cuda/memory.cuh"
+#include "lattice/brick.h"
+
+namespace gigabake::kernels {
+
+/// One instance of one primitive, as PartView; numbers its vertices and triangles through all parts.
+struct DevicePart {
+  const float* position;
+  const std::uint32_t* index;
+  const float* uv;            ///< or null
+  const std::uint16_t* rgba;  ///< or null
+  double scene_from_local[12];
+  std::uint32_t material;
+  std::uint32_t first_vertex, first_triangle;
+  bool mirrored, textured;
+};
+
+/// A vertex in sub-voxels from the window's lowest corner; v[0] says where it is none.
+struct SnappedVertex {
+  std::int32_t v[3];
+};
+inline constexpr std::int32_t not_finite = INT32_MIN, out_of_reach = INT32_MIN + 1;
+
+/// What vertices are snapped to.
+struct SnapWindow {
+  SnapFrame frame;
+  std::int64_t min[3];  ///< the window's lowest corner, lod-0 voxels
+};
+
+/// What a cell's materials ask of those who fill its voxels.
+enum class CellMaterials : std::uint8_t {
+  plain,   ///< opaque and without textures
+  opaque,  ///< opaque; nothing is both textured and coloured by its vertices
+  any
+};
+/// Whether all that is marked shows.
+constexpr bool all_show(CellMaterials m) { return m != CellMaterials::any; }
+
+/// What kernels get by value.
+struct InputView {
+  const DevicePart* parts;
+  const MaterialView* materials;
+  const TextureView* textures;
+  const SnappedVertex* vertices;  ///< of all parts; or null: they are snapped whenever one is asked for
+  const SnapWindow* window;
+  Tables tables;
+  std::uint32_t part_count, vertex_count, triangle_count;
+};
+
+/// The part that owns vertex or triangle `i`, given the parts' first ones.
+template <std::uint32_t DevicePart::*first>
+__device__ inline std::uint32_t part_of(const InputView& in, std::uint32_t i) {
+  std::uint32_t low = 0, high = in.part_count;
+  while (high - low > 1) {
+    const std::uint32_t middle = (low + high) / 2;
+    (in.parts[middle].*first <= i ? low : high) = middle;
+  }
+  return low;
+}
+
+__device__ inline SnappedVertex snap_vertex(const SnapWindow& window, const DevicePart& part, std::uint32_t vertex) {
+  LatticePoint p;
+  if (!snap(window.frame, part.scene_from_local, part.position + 3 * std::size_t(vertex), p))
+    return {{not_finite, 0, 0}};
+  SnappedVertex s;
+  bool is_far = false;
+  for (int c = 0; c < 3; ++c) {
+    const std::int64_t x = p.v[c] - window.min[c] * subvoxels;
+    is_far |= x > widest_coordinate || x < -widest_coordinate;
+    s.v[c] = std::int32_t(x);
+  }
+  if (is_far) s.v[0] = out_of_reach;
+  return s;
+}
+
+/// One copy for all that a kernel asks for: few cells need it, and instructions crowd their cache.
+__device__ __noinline__ inline SnappedVertex snap_vertex_now(const SnapWindow* window, const DevicePart* part,
+                                                             std::uint32_t vertex) {
+  return snap_vertex(*window, *part, vertex);
+}
+
+__device__ inline SnappedVertex snapped_vertex(const InputView& in, const DevicePart& part, std::uint32_t vertex) {
+  return in.vertices != nullptr ? in.vertices[part.first_vertex + vertex] : snap_vertex_now(in.window, &part, vertex);
+}
+
+/// Vertices (numbered within the part) of the part's triangle, in WindowTriangle's order.
+__device__ inline void vertices_of(const DevicePart& part, std::uint32_t triangle, std::uint32_t v[3]) {
+  const std::uint32_t* i = part.index + 3 * std::size_t(triangle);
+  v[0] = i[0];
+  v[1] = part.mirrored ? i[2] : i[1];
+  v[2] = part.mirrored ? i[1] : i[2];
+}
+
+/// triangle: numbered through all parts; one whose vertices are all on the lattice.
+__device__ inline WindowTriangle window_triangle(const InputView& in, std::uint32_t triangle) {
+  WindowTriangle t;
+  t.part = part_of<&DevicePart::first_triangle>(in, triangle);
+  const DevicePart& part = in.parts[t.part];
+  t.index = triangle - part.first_triangle;
+  std::uint32_t v[3];
+  vertices_of(part, t.index, v);
+  for (int i = 0; i < 3; ++i) {
+    const SnappedVertex p = snapped_vertex(in, part, v[i]);
+    for (int c = 0; c < 3; ++c) t.p[i][c] = p.v[c];
+  }
+  return t;
+}
+
+struct DeviceTexture {
+  std::uint64_t id = 0;
+  DeviceArray<std::uint8_t> texels;
+  TextureView view;  ///< with device pointers
+};
+
+/// Textures of recent cells. The longest unused go when the budget is full; cells that hold them keep them alive.
+class DeviceTextures {
+ public:
+  DeviceTextures(DeviceHeap& heap, std::uint64_t budget_bytes) : heap_(heap), budget_(budget_bytes) {}
+  std::shared_ptr<const DeviceTexture> get(const TextureView& host);
+
+ private:
+  using Entry = std::shared_ptr<const DeviceTexture>;
+  void make_room(std::uint64_t bytes);
+
+  DeviceHeap& heap_;
+  std::uint64_t budget_, used_ = 0;
+  std::list<Entry> entries_;  ///< latest use first
+  std::unordered_map<std::uint64_t, std::list<Entry>::iterator> by_id_;
+};
+
+/// TableStore::host() on the device.
+class DeviceTables {
+ public:
+  explicit DeviceTables(DeviceHeap& heap);
+  Tables view() const;
+
+ private:
+  DeviceArray<std::uint16_t> linear_from_srgb_;
+  DeviceArray<std::uint8_t> srgb_from_linear_, thesis_alpha_;
+  DeviceArray<std::int16_t> unit_normal_;
+};
+
+/// One cell's input. Arrays that several parts share are uploaded once.
+class DeviceInput {
+ public:
+  /// Errors  CudaFailure; std::length_error beyond 2^32-1 vertices or triangles.
+  DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTextures& textures, const Tables& tables);
+  InputView view() const;
+  CellMaterials materials() const { return cell_materials_; }
+  std::uint64_t bytes() const { return arrays_.bytes(); }  ///< without textures
+  std::uint64_t bytes_with_textures() const;
+
+ private:
+  std::uint32_t vertex_count_ = 0, triangle_count_ = 0;
+  CellMaterials cell_materials_ = CellMaterials::any;
+  Tables tables_;
+  DeviceArray<std::uint8_t> arrays_;
+  DeviceArray<DevicePart> parts_;
+  DeviceArray<MaterialView> materials_;
+  DeviceArray<TextureView> textures_;
+  std::vector<std::shared_ptr<const DeviceTexture>> held_;
+};
+
+}  // namespace gigabake::kernels

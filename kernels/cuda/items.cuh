@@ -1,0 +1,71 @@
+/// The exact overlap of a batch's pairs: one thread a pair, its answer slab by slab.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/cuda/bin.cuh"
+#include "lattice/host_device.h"
+#include "lattice/rules.h"
+
+namespace gigabake::kernels {
+
+/// Pairs are worked on in groups of a block's size; a group's items stand together, in the order of its pairs.
+inline constexpr unsigned pairs_per_group = 256;
+
+/// An item is what a triangle touches of one slab of a brick: 64 cells across its dominant axis.
+struct ItemView {
+  std::uint64_t* cells;      ///< bit u + 8 v
+  std::uint32_t* where;      ///< pair (of the batch) << 6 | wide << 5 | axis << 3 | slab; wide: needs 128 bits
+  std::uint32_t* first;      ///< [pair of the batch] its first item
+  std::uint32_t* group_end;  ///< [group] where its items end
+  std::uint32_t capacity;    ///< of cells and where
+  std::uint32_t pairs;       ///< capacity of first
+  std::uint32_t* count;      ///< items so far; goes on when they do not fit
+};
+
+/// Bricks and their triangles, as BrickLists.
+struct BricksView {
+  const std::uint32_t *key, *start, *triangle;
+};
+
+/// A stretch of items that stand together.
+struct ItemRange {
+  std::uint32_t begin, end;
+};
+
+/// All items of the pairs [first, end) of a batch of `pairs`, in stretches; by the whole block alike.
+class ItemWalk {
+ public:
+  __device__ ItemWalk(const ItemView& items, std::uint32_t first, std::uint32_t end, std::uint32_t pairs)
+      : items_(&items), first_(first), end_(end), pairs_(pairs), group_(first / pairs_per_group) {
+    if (first < end) open_group();  // else there is no pair whose items could be asked for
+  }
+  __device__ bool has_more() const { return range_.begin < range_.end; }
+  /// The next stretch, of at most so many.
+  __device__ ItemRange take(std::uint32_t most) {
+    const ItemRange taken{range_.begin, range_.begin + smaller(most, range_.end - range_.begin)};
+    range_.begin = taken.end;
+    open_group();
+    return taken;
+  }
+
+ private:
+  __device__ void open_group() {
+    for (; !has_more() && group_ * pairs_per_group < end_; ++group_) {
+      const std::uint32_t group_first = group_ * pairs_per_group, next_group = group_first + pairs_per_group;
+      const bool ends_group = end_ >= next_group || end_ == pairs_;
+      range_ = {items_->first[larger(first_, group_first)],
+                ends_group ? items_->group_end[group_] : items_->first[end_]};
+    }
+  }
+
+  const ItemView* items_;
+  std::uint32_t first_, end_, pairs_, group_;
+  ItemRange range_{0, 0};
+};
+
+/// Items of the bricks [begin, end). Launch with pairs_per_group threads a block and any number of blocks.
+__global__ void find_items(InputView in, SurfaceRule rule, BricksView bricks, std::uint32_t begin, std::uint32_t end,
+                           ItemView items);
+
+}  // namespace gigabake::kernels

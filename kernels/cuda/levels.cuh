@@ -1,0 +1,34 @@
+/// Stages 5 and 6 on the device: coarser levels and the node table.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "kernels/cuda/voxelize.cuh"
+#include "lattice/rules.h"
+
+namespace gigabake::kernels {
+
+struct LevelsAbove {
+  std::vector<DeviceLevel> levels;     ///< from lod 1 on
+  DeviceArray<std::uint32_t> rasters;  ///< of the last one (kernels/body/facing.h); empty without MipFilter::coverage
+};
+
+/// The levels [1, lods).
+/// Cost    With MipFilter::coverage 3.75 bytes of working memory a voxel of lod 1 of a surface.
+/// Errors  CudaFailure.
+LevelsAbove coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceLevel& finest, int lods,
+                           MipFilter filter, bool normals);
+
+/// Nodes, on the device, where every one of them is a brick.
+struct DeviceNodes {
+  DeviceArray<std::uint32_t> key, first_child, value;
+  DeviceArray<std::uint8_t> lod, child_mask;
+  std::uint32_t count = 0;
+};
+
+/// levels: [lod]. Empty where a brick may be constant: prune() then decides on the host.
+/// Errors  CudaFailure; std::length_error beyond 2^32-1 nodes.
+DeviceNodes brick_nodes(DeviceHeap& heap, const std::vector<DeviceLevel>& levels);
+
+}  // namespace gigabake::kernels

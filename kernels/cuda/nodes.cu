@@ -1,0 +1,109 @@
+#include "kernels/cuda/level_bricks.cuh"
+#include "kernels/cuda/levels.cuh"
+#include "lattice/brick.h"
+
+namespace gigabake::kernels {
+namespace {
+
+constexpr unsigned threads = 256;
+
+/// All levels, by lod. The coarsest one's nodes come first.
+struct NodeLevels {
+  const std::uint32_t *key[most_levels], *first[most_levels];
+  std::uint32_t bricks[most_levels], offset[most_levels];
+  int count;
+
+  __device__ int lod_of(std::uint32_t node) const {
+    int lod = count - 1;
+    while (node - offset[lod] >= bricks[lod]) --lod;
+    return lod;
+  }
+};
+
+__global__ void find_full_bricks(NodeLevels levels, std::uint32_t nodes, std::uint32_t* found) {
+  const std::uint32_t node = blockIdx.x * blockDim.x + threadIdx.x;
+  if (node >= nodes) return;
+  const int lod = levels.lod_of(node);
+  const std::uint32_t* first = levels.first[lod] + (node - levels.offset[lod]);
+  if (first[1] - first[0] == brick_voxels) *found = 1;
+}
+
+struct NodeView {
+  std::uint32_t *key, *first_child, *value;
+  std::uint8_t *lod, *child_mask;
+};
+
+__global__ void make_nodes(NodeLevels levels, std::uint32_t nodes, NodeView out) {
+  const std::uint32_t node = blockIdx.x * blockDim.x + threadIdx.x;
+  if (node >= nodes) return;
+  const int lod = levels.lod_of(node);
+  const std::uint32_t brick = node - levels.offset[lod], key = levels.key[lod][brick];
+  out.key[node] = key;
+  out.value[node] = brick;
+  out.lod[node] = std::uint8_t(lod);
+  std::uint32_t first_child = UINT32_MAX;
+  unsigned children = 0;
+  if (lod > 0) {
+    const std::uint32_t *below_key = levels.key[lod - 1], below_bricks = levels.bricks[lod - 1];
+    std::uint32_t low = 0, high = below_bricks;  // the first brick below whose parent is not before this one
+    while (low < high) {
+      const std::uint32_t middle = (low + high) / 2;
+      if (below_key[middle] >> 3 < key)
+        low = middle + 1;
+      else
+        high = middle;
+    }
+    first_child = levels.offset[lod - 1] + low;
+    for (; low < below_bricks && below_key[low] >> 3 == key; ++low) children |= 1u << (below_key[low] & 7);
+  }
+  out.first_child[node] = first_child;
+  out.child_mask[node] = std::uint8_t(children);
+}
+
+/// Errors  std::length_error beyond 2^32-1 nodes.
+std::uint32_t place_levels(const std::vector<DeviceLevel>& levels, NodeLevels& out) {
+  std::uint64_t nodes = 0;
+  out.count = int(levels.size());
+  for (std::size_t l = levels.size(); l-- > 0;) {
+    out.key[l] = levels[l].key.data();
+    out.first[l] = levels[l].first.data();
+    out.bricks[l] = levels[l].bricks;
+    out.offset[l] = std::uint32_t(nodes);
+    nodes += levels[l].bricks;
+  }
+  if (nodes >= UINT32_MAX)
+    throw std::length_error("an oct-tree of more than 2^32-1 nodes; use a smaller --cell-voxels");
+  return std::uint32_t(nodes);
+}
+
+bool any_full_brick(DeviceHeap& heap, const NodeLevels& levels, std::uint32_t nodes) {
+  DeviceArray<std::uint32_t> full(heap, 1);
+  full.clear_to_zero();
+  find_full_bricks<<<grid_of(nodes, threads), threads, 0, heap.stream()>>>(levels, nodes, full.data());
+  check_launch("find_full_bricks");
+  std::uint32_t any_full = 0;
+  heap.bring(&any_full, full.data(), sizeof any_full, "looking for full bricks");
+  return any_full != 0;
+}
+
+}  // namespace
+
+DeviceNodes brick_nodes(DeviceHeap& heap, const std::vector<DeviceLevel>& levels) {
+  NodeLevels placed{};
+  const std::uint32_t count = place_levels(levels, placed);
+  DeviceNodes nodes;
+  if (any_full_brick(heap, placed, count)) return nodes;
+  nodes.count = count;
+  nodes.key = DeviceArray<std::uint32_t>(heap, count);
+  nodes.first_child = DeviceArray<std::uint32_t>(heap, count);
+  nodes.value = DeviceArray<std::uint32_t>(heap, count);
+  nodes.lod = DeviceArray<std::uint8_t>(heap, count);
+  nodes.child_mask = DeviceArray<std::uint8_t>(heap, count);
+  make_nodes<<<grid_of(count, threads), threads, 0, heap.stream()>>>(
+      placed, count,
+      {nodes.key.data(), nodes.first_child.data(), nodes.value.data(), nodes.lod.data(), nodes.child_mask.data()});
+  check_launch("make_nodes");
+  return nodes;
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,87 @@
+/// Plain values as bytes and back, for messages between ranks: little endian, lengths before contents.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "lattice/error.h"
+
+namespace gigabake {
+
+class ByteWriter {
+ public:
+  template <class T>
+  requires std::is_trivially_copyable_v<T>
+  void put(const T& value) {
+    const auto* from = reinterpret_cast<const std::uint8_t*>(&value);
+    bytes_.insert(bytes_.end(), from, from + sizeof(T));
+  }
+  void put(const std::string& text) {
+    put(std::uint64_t(text.size()));
+    bytes_.insert(bytes_.end(), text.begin(), text.end());
+  }
+  template <class T>
+  void put(const std::vector<T>& values) {
+    put(std::uint64_t(values.size()));
+    for (const T& v : values) put(v);
+  }
+  std::vector<std::uint8_t> take() { return std::move(bytes_); }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+};
+
+/// Errors  InputError from any get() that the bytes do not cover, and from expect_end().
+class ByteReader {
+ public:
+  ByteReader(std::span<const std::uint8_t> bytes, const char* what) : bytes_(bytes), what_(what) {}
+
+  template <class T>
+  requires std::is_trivially_copyable_v<T>
+  void get(T& value) {
+    need(sizeof(T));
+    std::memcpy(&value, bytes_.data() + at_, sizeof(T));
+    at_ += sizeof(T);
+  }
+  void get(bool& value) {
+    std::uint8_t byte = 0;
+    get(byte);
+    value = byte != 0;
+  }
+  void get(std::string& text) {
+    const std::uint64_t size = length(1);
+    text.assign(reinterpret_cast<const char*>(bytes_.data()) + at_, size);
+    at_ += size;
+  }
+  template <class T>
+  void get(std::vector<T>& values) {
+    values.resize(length(std::is_trivially_copyable_v<T> ? sizeof(T) : 8));
+    for (T& v : values) get(v);
+  }
+  void expect_end() const {
+    if (at_ != bytes_.size()) fail("has bytes left over");
+  }
+
+ private:
+  [[noreturn]] void fail(const char* message) const { throw InputError(what_, "", message, at_); }
+  void need(std::uint64_t size) const {
+    if (size > bytes_.size() - at_) fail("ends early");
+  }
+  /// A count whose items of at least `item_bytes` each still fit.
+  std::uint64_t length(std::uint64_t item_bytes) {
+    std::uint64_t count = 0;
+    get(count);
+    if (count > (bytes_.size() - at_) / item_bytes) fail("has a length beyond its end");
+    return count;
+  }
+
+  std::span<const std::uint8_t> bytes_;
+  const char* what_;
+  std::size_t at_ = 0;
+};
+
+}  // namespace gigabake

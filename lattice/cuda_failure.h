@@ -1,0 +1,14 @@
+/// What can go wrong on a CUDA device, as an exception: rooms that know nothing of CUDA can catch it.
+#pragma once
+
+#include <stdexcept>
+
+namespace gigabake {
+
+/// No memory left on the device, or the device is lost. The cell can be baked elsewhere.
+class CudaFailure : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace gigabake

@@ -1,0 +1,34 @@
+/// How one body compiles for the host and for a device, and the borrowed array that both take by value.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#if defined(__CUDACC__)
+#define GB_HD __host__ __device__ inline
+#else
+#define GB_HD inline
+#endif
+
+/// A loop that a device must unroll, so that arrays which it indexes can be registers; one whose body it must not
+/// repeat, because a large kernel waits for its instructions.
+#if defined(__CUDA_ARCH__)
+#define GB_UNROLL _Pragma("unroll")
+#define GB_NO_UNROLL _Pragma("unroll 1")
+#else
+#define GB_UNROLL
+#define GB_NO_UNROLL
+#endif
+
+namespace gigabake {
+
+/// Borrowed, contiguous. Trivially copyable: passes to a device by value.
+template <class T>
+struct Span {
+  T* data = nullptr;
+  std::size_t size = 0;
+  GB_HD T& operator[](std::size_t i) const { return data[i]; }
+  GB_HD bool empty() const { return size == 0; }
+};
+
+}  // namespace gigabake

@@ -1,0 +1,35 @@
+/// Everything a bake's result depends on besides its sources; written into scene.xml and hashed into fingerprints.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "lattice/frames.h"
+#include "lattice/rules.h"
+
+namespace gigabake {
+
+struct BakeParameters {
+  double voxel_size_m = 0;                   ///< > 0
+  std::array<double, 3> lattice_origin_m{};  ///< scene position of the lowest corner of voxel 0,0,0
+  std::uint32_t cell_voxels = 1024;          ///< N: a power of two, 8 … 8192
+  SurfaceRule surface = SurfaceRule::area;
+  MipFilter mip = MipFilter::coverage;
+  bool normals = true;
+  bool facing = true;           ///< coverage along each axis, which MipFilter::coverage alone makes: has_facing()
+  std::uint32_t max_error = 0;  ///< codes of 255 that a voxel may be off what was baked, 0 … 127 (docs/accuracy.md)
+  Codec codec = Codec::deflate;
+};
+
+/// Whether shards of such a bake have the channel `facing`.
+bool has_facing(const BakeParameters& parameters);
+/// One line of JSON with fixed key order and shortest round-trip numbers: equal parameters give equal text.
+std::string to_json(const BakeParameters& parameters);
+/// Errors  InputError: not such JSON; UsageError: as check().
+BakeParameters parameters_from_json(const std::string& json);
+/// Errors  UsageError naming the option whose value is out of range.
+void check(const BakeParameters& parameters);
+
+}  // namespace gigabake

@@ -1,0 +1,28 @@
+/// Doubles to whole numbers, downwards: a device has one instruction for it.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "lattice/host_device.h"
+
+namespace gigabake {
+
+/// Range  the result fits.
+GB_HD std::int32_t floor_to_int32(double x) {
+#if defined(__CUDA_ARCH__)
+  return __double2int_rd(x);
+#else
+  return std::int32_t(std::floor(x));
+#endif
+}
+
+GB_HD std::int64_t floor_to_int64(double x) {
+#if defined(__CUDA_ARCH__)
+  return __double2ll_rd(x);
+#else
+  return std::int64_t(std::floor(x));
+#endif
+}
+
+}  // namespace gigabake

@@ -1,0 +1,170 @@
+// Read back with the NanoVDB library, where its headers are installed.
+#include "format/export/nanovdb.h"
+
+#include <fstream>
+#include <gtest/gtest.h>
+
+#include "format/shard/octahedral.h"
+#include "lattice/error.h"
+#include "tests/format/scene/scene_voxels.h"
+#include "tests/format/shard/made_shard.h"
+#include "tests/format/system/small_disk.h"
+
+#if __has_include(<nanovdb/NanoVDB.h>)
+#define GIGABAKE_TEST_NANOVDB
+#include <nanovdb/NanoVDB.h>
+#include <nanovdb/util/GridValidator.h>
+#include <nanovdb/util/IO.h>
+#endif
+
+namespace gigabake {
+namespace {
+
+using made::TempFolder;
+
+TEST(Nanovdb, IsNotWrittenWhereTheSceneHasNoSuchLevelOrAShardIsDamaged) {
+  const TempFolder folder;
+  made::write_scene_of(folder / "scene.xml", {made::small_shard()});
+  EXPECT_THROW(export_nanovdb(folder / "scene.xml", 2, folder / "v.nvdb"), InputError);
+  std::filesystem::resize_file(folder / "shards/c_0_0_0.h5", 100);
+  EXPECT_THROW(export_nanovdb(folder / "scene.xml", 0, folder / "v.nvdb"), InputError);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 2);
+}
+
+TEST(Nanovdb, RefusesIndicesBeyond32Bits) {
+  const TempFolder folder;
+  const std::int64_t far = std::int64_t(1) << 33;
+  made::write_scene_of(folder / "scene.xml", {made::shard_of({{{far, 0, 0}, {1, 1, 1, 1}, {}}}, {far, 0, 0}, 8)});
+  EXPECT_THROW(export_nanovdb(folder / "scene.xml", 0, folder / "v.nvdb"), InputError);
+}
+
+TEST(Nanovdb, LeavesNothingBehindOnAFullDisk) {
+  const TempFolder folder;
+  made::write_scene_of(folder / "scene.xml", {made::small_shard()});
+  {
+    const SmallDisk disk(10000);
+    EXPECT_THROW(export_nanovdb(folder / "scene.xml", 0, folder / "v.nvdb"), InputError);
+  }
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 2);
+}
+
+TEST(Nanovdb, IsTheSameFileEachTime) {
+  const TempFolder folder;
+  std::mt19937_64 rng(5);
+  made::write_random_scene(folder / "scene.xml", rng, true);
+  const auto bytes = [&] {
+    export_nanovdb(folder / "scene.xml", 0, folder / "v.nvdb");
+    std::ifstream file(folder / "v.nvdb", std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  EXPECT_EQ(bytes(), bytes());
+}
+
+#ifdef GIGABAKE_TEST_NANOVDB
+template <class Value, class Visit>
+void for_each_active(const nanovdb::NanoGrid<Value>& grid, const Visit& visit) {
+  for (auto upper = grid.tree().root().beginChild(); upper; ++upper)
+    for (auto lower = upper->beginChild(); lower; ++lower)
+      for (auto leaf = lower->beginChild(); leaf; ++leaf) {
+        for (auto voxel = leaf->beginValueOn(); voxel; ++voxel) {
+          const nanovdb::Coord at = voxel.getCoord();
+          ASSERT_TRUE(leaf->bbox().isInside(at) && lower->bbox().isInside(at) && upper->bbox().isInside(at));
+          visit(std::array<std::int64_t, 3>{at[0], at[1], at[2]}, *voxel);
+        }
+      }
+}
+
+template <class Value>
+void expect_sound(const nanovdb::NanoGrid<Value>& grid, const made::SceneVoxels& voxels) {
+  std::string error = nanovdb::GridValidator<Value>::check(grid, true);
+  EXPECT_EQ(error, "");
+  EXPECT_EQ(grid.activeVoxelCount(), voxels.size());
+  EXPECT_EQ(grid.gridClass(), nanovdb::GridClass::VoxelVolume);
+  EXPECT_TRUE(grid.hasBBox() && grid.isBreadthFirst());
+  std::array<std::int64_t, 3> low = voxels.begin()->first, high = low;
+  for (const auto& [at, voxel] : voxels)
+    for (std::size_t c = 0; c < 3; ++c) {
+      low[c] = std::min(low[c], at[c]);
+      high[c] = std::max(high[c], at[c]);
+    }
+  const nanovdb::CoordBBox box = grid.indexBBox();
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_EQ(box.min()[c], low[std::size_t(c)]);
+    EXPECT_EQ(box.max()[c], high[std::size_t(c)]);
+  }
+}
+
+void expect_same_voxels(const std::filesystem::path& nvdb, const made::SceneVoxels& voxels, bool normals) {
+  const auto grids = nanovdb::io::readGrids(nvdb.string());
+  ASSERT_EQ(grids.size(), normals ? 2u : 1u);
+  const auto* rgba = grids[0].grid<nanovdb::Rgba8>();
+  ASSERT_NE(rgba, nullptr);
+  EXPECT_STREQ(rgba->gridName(), "rgba");
+  expect_sound(*rgba, voxels);
+  std::size_t seen = 0;
+  for_each_active(*rgba, [&](const std::array<std::int64_t, 3>& at, const nanovdb::Rgba8& value) {
+    const std::array<std::uint8_t, 4> bytes{value.r(), value.g(), value.b(), value.a()};
+    ASSERT_TRUE(voxels.contains(at));
+    EXPECT_EQ(voxels.at(at).rgba, bytes);
+    ++seen;
+  });
+  EXPECT_EQ(seen, voxels.size());
+  if (!normals) return;
+  const auto* normal = grids[1].grid<nanovdb::Vec3f>();
+  ASSERT_NE(normal, nullptr);
+  EXPECT_STREQ(normal->gridName(), "normal");
+  expect_sound(*normal, voxels);
+  for_each_active(*normal, [&](const std::array<std::int64_t, 3>& at, const nanovdb::Vec3f& value) {
+    const std::array<float, 3> n{value[0], value[1], value[2]};
+    EXPECT_EQ(n, unit_normal(voxels.at(at).normal.data()));
+  });
+  const auto access = rgba->getAccessor();
+  for (const auto& [at, voxel] : voxels)
+    EXPECT_EQ(access.getValue({int(at[0]), int(at[1]), int(at[2])}).a(), voxel.rgba[3]);
+}
+
+TEST(Nanovdb, TheLibraryReadsTheVoxelsOfEveryLevelOfARandomScene) {
+  for (int round = 0; round < 6; ++round) {
+    const std::uint64_t seed = std::random_device{}();
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 rng(seed);
+    const TempFolder folder;
+    const bool normals = round % 3 != 0;
+    made::write_random_scene(folder / "scene.xml", rng, normals);
+    for (int lod = 0; lod < 4; ++lod) {
+      const made::SceneVoxels voxels = made::voxels_of_scene(folder / "scene.xml", lod);
+      EXPECT_EQ(export_nanovdb(folder / "scene.xml", lod, folder / "v.nvdb"), voxels.size());
+      expect_same_voxels(folder / "v.nvdb", voxels, normals);
+    }
+  }
+}
+
+TEST(Nanovdb, AnIndexMapsToTheLowestCornerOfItsVoxel) {
+  const TempFolder folder;
+  made::write_scene_of(folder / "scene.xml", {made::small_shard()});
+  export_nanovdb(folder / "scene.xml", 1, folder / "v.nvdb");
+  const auto grids = nanovdb::io::readGrids((folder / "v.nvdb").string());
+  const auto& grid = *grids.at(0).grid<nanovdb::Rgba8>();
+  EXPECT_EQ(grid.voxelSize(), nanovdb::Vec3d(0.5));
+  EXPECT_EQ(grid.indexToWorld(nanovdb::Vec3d(-8, 16, 4)), nanovdb::Vec3d(100.5 - 4, -3 + 8, 2));
+  EXPECT_EQ(grid.worldToIndex(nanovdb::Vec3d(100.5 - 4, -3 + 8, 2)), nanovdb::Vec3d(-8, 16, 4));
+  EXPECT_EQ(grid.worldBBox().min(), nanovdb::Vec3d(100.5 - 4, -3 + 8, 2));
+  EXPECT_EQ(grid.worldBBox().max(), nanovdb::Vec3d(100.5 - 3, -3 + 8.5, 2.5));
+}
+
+TEST(Nanovdb, AnyGridCanBeReadByItsName) {
+  const TempFolder folder;
+  made::write_scene_of(folder / "scene.xml", {made::small_shard()});
+  export_nanovdb(folder / "scene.xml", 0, folder / "v.nvdb");
+  EXPECT_TRUE(nanovdb::io::readGrid((folder / "v.nvdb").string(), "rgba").grid<nanovdb::Rgba8>() != nullptr);
+  EXPECT_TRUE(nanovdb::io::readGrid((folder / "v.nvdb").string(), "normal").grid<nanovdb::Vec3f>() != nullptr);
+  EXPECT_EQ(nanovdb::io::readGridMetaData((folder / "v.nvdb").string()).at(1).voxelCount, 515u);
+}
+#else
+TEST(Nanovdb, TheLibraryReadsTheVoxelsOfEveryLevelOfARandomScene) {
+  GTEST_SKIP() << "NanoVDB's headers are not installed (libnanovdb-dev)";
+}
+#endif
+
+}  // namespace
+}  // namespace gigabake

@@ -1,0 +1,162 @@
+#include "format/sample/sample.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "format/source/source.h"
+#include "lattice/error.h"
+
+namespace gigabake::sample {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Folder {
+  fs::path path;
+  Folder() {
+    std::string name = (fs::temp_directory_path() / "gigabake-sample-XXXXXX").string();
+    path = fs::canonical(mkdtemp(name.data()));
+  }
+  ~Folder() { fs::remove_all(path); }
+};
+
+SampleOptions small(int threads = 1) {
+  SampleOptions o;
+  o.size_m = 160;
+  o.tiles = 2;
+  o.ground_step_m = 2;
+  o.texel_m = 1;
+  o.threads = threads;
+  return o;
+}
+
+std::map<std::string, std::string> files_in(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) {
+      std::ifstream in(entry.path(), std::ios::binary);
+      files[entry.path().lexically_relative(folder).string()] = std::string(std::istreambuf_iterator<char>(in), {});
+    }
+  return files;
+}
+
+TEST(Sample, GivesTheSameBytesAgainAndForAnyThreads) {
+  const Folder a, b;
+  write_sample(a.path, small(1));
+  write_sample(b.path, small(2));
+  EXPECT_EQ(files_in(a.path), files_in(b.path));
+  SampleOptions other = small();
+  other.seed = 2;
+  const Folder c;
+  write_sample(c.path, other);
+  EXPECT_NE(files_in(a.path), files_in(c.path));
+}
+
+TEST(Sample, IsATilesetOnTheEarthWhoseTilesReplaceTheOverview) {
+  const Folder f;
+  const SampleReport report = write_sample(f.path, small());
+  const SceneSources s = open_sources(f.path / "tileset.json", {});
+  ASSERT_TRUE(s.origin);
+  EXPECT_NEAR(s.origin->latitude_deg, small().origin.latitude_deg, 1e-9);
+  EXPECT_EQ(s.tiles.size(), 4u);
+  EXPECT_TRUE(s.skipped.empty());
+  std::uint64_t triangles = 0;
+  bool has_mask = false;
+  for (const TileRef& t : s.tiles) {
+    const TileMesh mesh = read_tile(t, s.root, ReadScope::everything);
+    triangles += mesh.counts.triangles;
+    for (const Material& m : mesh.materials)
+      if (m.alpha_mode == AlphaMode::mask && m.texture.image >= 0)
+        has_mask |= decode_image(mesh.images[std::size_t(m.texture.image)]).has_alpha;
+  }
+  EXPECT_EQ(triangles, report.triangles);
+  EXPECT_GT(report.houses, 0u);
+  EXPECT_GT(report.trees, 0u);
+  EXPECT_TRUE(has_mask);
+  EXPECT_EQ(open_sources(f.path / "local", {}).tiles.size(), 4u);
+}
+
+/// A tile's box in the tileset: lowest, then highest east, north, up.
+std::array<double, 6> box_of(const nlohmann::json& tile) {
+  const std::vector<double> b = tile["boundingVolume"]["box"];
+  return {b[0] - b[3], b[1] - b[7], b[2] - b[11], b[0] + b[3], b[1] + b[7], b[2] + b[11]};
+}
+
+void grow(std::array<double, 6>& box, const Point<Scene>& p) {
+  const double at[3] = {p.x, p.y, p.z};
+  for (std::size_t c = 0; c < 3; ++c) {
+    box[c] = std::min(box[c], at[c]);
+    box[c + 3] = std::max(box[c + 3], at[c]);
+  }
+}
+
+std::array<double, 6> bounds_of(const TileMesh& mesh) {
+  std::array<double, 6> box{1e9, 1e9, 1e9, -1e9, -1e9, -1e9};
+  for (const Instance& instance : mesh.instances) {
+    const std::vector<float>& p = mesh.primitives[std::size_t(instance.primitive)].position;
+    for (std::size_t i = 0; i < p.size(); i += 3) grow(box, instance.scene_from_local({p[i], p[i + 1], p[i + 2]}));
+  }
+  return box;
+}
+
+TEST(Sample, GivesEveryTileTheBoxOfItsVerticesAndTheRootABoxAroundThemAll) {
+  const Folder f;
+  write_sample(f.path, small());
+  const auto root = nlohmann::json::parse(std::ifstream(f.path / "tileset.json"))["root"];
+  EXPECT_EQ(root["refine"], "REPLACE");
+  EXPECT_GT(root["geometricError"], 0);
+  const auto whole = box_of(root);
+  const SceneSources s = open_sources(f.path / "tileset.json", {});
+  for (const auto& child : root["children"]) {
+    const auto source = std::find_if(s.tiles.begin(), s.tiles.end(),
+                                     [&](const TileRef& t) { return t.name == child["content"]["uri"]; });
+    ASSERT_NE(source, s.tiles.end());
+    const auto box = box_of(child), vertices = bounds_of(read_tile(*source, s.root, ReadScope::positions_only));
+    for (std::size_t c = 0; c < 6; ++c) {
+      EXPECT_NEAR(box[c], vertices[c], 1e-3) << source->name << " " << c;
+      EXPECT_LE((c < 3 ? 1 : -1) * whole[c], (c < 3 ? 1 : -1) * box[c]) << source->name << " " << c;
+    }
+  }
+}
+
+TEST(Sample, ReplacesAFormerSampleWhole) {
+  const Folder f;
+  const fs::path dir = f.path / "sample";
+  SampleOptions fine = small();
+  fine.tiles = 3;
+  write_sample(dir, fine);
+  write_sample(dir, small());
+  const auto files = files_in(dir);
+  EXPECT_EQ(files.size(), 1u + 5u + 4u);
+  EXPECT_FALSE(files.contains("local/tile_2_2.glb"));
+}
+
+TEST(Sample, TakesOverTheFolderOfARunThatWasKilled) {
+  const Folder f, fresh;
+  fs::create_directories(f.path / ".unfinished-gigabake-sample/tiles");
+  fs::create_directories(f.path / "local");
+  std::ofstream(f.path / "local/tile_7_7.glb") << "old";
+  write_sample(f.path, small());
+  write_sample(fresh.path, small());
+  EXPECT_EQ(files_in(f.path), files_in(fresh.path));
+}
+
+TEST(Sample, RefusesOptionsAndFoldersThatItShouldNotTouch) {
+  const Folder f;
+  SampleOptions o = small();
+  o.size_m = 3;
+  EXPECT_THROW(write_sample(f.path / "new", o), UsageError);
+  EXPECT_FALSE(fs::exists(f.path / "new"));
+  std::ofstream(f.path / "tileset.json") << R"({"asset": {"version": "1.1", "generator": "another program"}})";
+  EXPECT_THROW(write_sample(f.path, small()), InputError);
+  EXPECT_THROW(write_sample(f.path / "tileset.json", small()), InputError);
+  EXPECT_THROW(write_sample(f.path / "tileset.json/below", small()), InputError);
+  EXPECT_EQ(files_in(f.path).size(), 1u);
+}
+
+}  // namespace
+}  // namespace gigabake::sample

@@ -1,0 +1,60 @@
+#include <cstdlib>
+#include <gtest/gtest.h>
+
+#include "format/scene/scene_reading.h"
+#include "format/scene/verify.h"
+#include "made_shard.h"
+
+namespace gigabake {
+namespace {
+
+/// The same scene in every version of the format, each as it was committed when that version was made; today's reader
+/// reads all of them. GIGABAKE_WRITE_GOLDEN=1 writes today's anew.
+struct Version {
+  std::string folder;  ///< of the shards' version, and from 2 on that of scene.xml
+  bool has_totals;
+};
+const Version newest{"version_2_scene_2", true};
+
+std::filesystem::path golden(const Version& version) {
+  return std::filesystem::path(GIGABAKE_SOURCE_DIR) / "tests/format/golden" / version.folder;
+}
+
+class Golden : public testing::TestWithParam<Version> {};
+
+TEST_P(Golden, SceneReadsAsOnTheDayItWasWritten) {
+  const std::filesystem::path folder = golden(GetParam());
+  if (GetParam().folder == newest.folder && std::getenv("GIGABAKE_WRITE_GOLDEN") != nullptr)
+    made::write_scene_of(folder / "scene.xml", {made::small_shard()});
+  const SceneDescription scene = read_scene(folder / "scene.xml");
+  ASSERT_EQ(scene.cells.size(), 1u);
+  EXPECT_EQ(scene.voxel_size_m, 0.25);
+  EXPECT_EQ(scene.lattice_origin_m, (std::array<double, 3>{100.5, -3, 0}));
+  EXPECT_EQ(scene.origin, (Geodetic{34.4263, -119.8404, 2.5}));
+  EXPECT_EQ(scene.cells[0].voxels, (std::vector<std::uint64_t>{515, 2}));
+  EXPECT_EQ(scene.cells[0].fingerprint.hex(), "00000000000000020000000000000001");
+  EXPECT_EQ(made::difference(read_shard(folder / scene.cells[0].file), made::small_shard()), "");
+  const VerifyResult verified = verify_scene(folder / "scene.xml", 1);
+  EXPECT_EQ(verified.faults, std::vector<std::string>());
+  EXPECT_EQ(verified.has_totals, GetParam().has_totals);
+}
+
+INSTANTIATE_TEST_SUITE_P(Versions, Golden,
+                         testing::Values(Version{"version_1", false}, Version{"version_2", false}, newest),
+                         [](const auto& version) { return version.param.folder; });
+
+TEST(GoldenToday, WriterStoresWhatTheNewestVersionStores) {
+  const made::TempFolder folder;
+  const SceneDescription today = made::write_scene_of(folder / "scene.xml", {made::small_shard()});
+  const SceneDescription then = read_scene(golden(newest) / "scene.xml");
+  EXPECT_EQ(made::difference(read_shard(folder / today.cells[0].file), read_shard(golden(newest) / then.cells[0].file)),
+            "");
+  EXPECT_EQ(today.cells[0].content_hash, then.cells[0].content_hash);
+  const SaidTotals said = read_scene_text(folder / "scene.xml").said.value();
+  const SaidTotals said_then = read_scene_text(golden(newest) / "scene.xml").said.value();
+  EXPECT_EQ(said.voxels, said_then.voxels);
+  EXPECT_EQ(said.content_hash, said_then.content_hash);
+}
+
+}  // namespace
+}  // namespace gigabake

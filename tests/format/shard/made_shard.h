@@ -1,0 +1,67 @@
+/// Shards and scenes made for tests, and a folder to put them in.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "format/scene/scene_xml.h"
+#include "format/shard/shard.h"
+
+namespace gigabake::made {
+
+/// An empty folder that goes away with its owner.
+class TempFolder {
+ public:
+  TempFolder();
+  ~TempFolder();
+  TempFolder(const TempFolder&) = delete;
+  TempFolder& operator=(const TempFolder&) = delete;
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// All of a file.
+std::string bytes_of(const std::filesystem::path& path);
+
+struct ShardShape {
+  int lods = 3;
+  bool normals = true;
+  int most_children = 8;  ///< of a node
+  bool alike = false;     ///< neighbours often are, so that values are shared
+  bool facing = true;     ///< lod 1 and up
+};
+
+/// Any consistent shard: bricks, constant and leaf-constant nodes, voxels of all colours. content_hash is filled.
+Shard random_shard(std::mt19937_64& rng, const ShardShape& shape);
+
+/// The shard with the content_hash of its voxels.
+Shard with_content_hash(Shard shard);
+
+/// A cell of 16³ voxels whose every byte is written down here: the content of the golden files.
+Shard small_shard();
+
+/// A cell of one leaf-constant root: two levels without bricks.
+Shard constant_shard();
+
+/// A cell with these voxels and no levels above what its edge asks for; each is there once.
+struct Voxel {
+  std::array<std::int64_t, 3> at{};  ///< lod 0, lattice
+  std::array<std::uint8_t, 4> rgba{};
+  std::array<std::int8_t, 2> normal{};
+};
+/// Levels above the finest repeat the first voxel found below. Voxels outside of the window are left out.
+Shard shard_of(const std::vector<Voxel>& voxels, std::array<std::int64_t, 3> lattice_min, std::uint32_t cell_voxels);
+
+/// Writes the shards beside scene.xml, as a bake does, and returns what scene.xml says.
+SceneDescription write_scene_of(const std::filesystem::path& scene_xml, const std::vector<Shard>& shards);
+
+/// A readable account of the first difference; empty where the shards hold the same.
+std::string difference(const Shard& a, const Shard& b);
+
+}  // namespace gigabake::made

@@ -1,0 +1,49 @@
+#include <gtest/gtest.h>
+#include <random>
+
+#include "damaged_file.h"
+#include "format/shard/shard.h"
+#include "lattice/error.h"
+#include "made_shard.h"
+
+namespace gigabake {
+namespace {
+
+using made::TempFolder;
+
+/// Either an error or exactly what was written; anything else is a lie.
+void expect_error_or_equal(const std::filesystem::path& path, const Shard& written, const std::string& what) {
+  try {
+    EXPECT_EQ(made::difference(written, read_shard(path)), "") << what;
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << what << ": " << error.what();
+  }
+}
+
+TEST(HostileShard, WithAnyByteChangedIsAnErrorOrReadsAsBefore) {
+  const TempFolder folder;
+  const Shard shard = made::small_shard();
+  write_shard(folder / "s.h5", shard, {});
+  made::for_each_changed_byte(folder / "s.h5", std::random_device{}(),
+                              [&](const std::string& what) { expect_error_or_equal(folder / "s.h5", shard, what); });
+}
+
+TEST(HostileShard, WithAnOverwrittenStretchIsAnErrorOrReadsAsBefore) {
+  const std::uint64_t seed = std::random_device{}();
+  std::mt19937_64 rng(seed);
+  const TempFolder folder;
+  const Shard shard = made::random_shard(rng, {3, true, 3, rng() % 2 == 0});
+  write_shard(folder / "s.h5", shard, {});
+  made::for_each_overwritten_stretch(
+      folder / "s.h5", seed, [&](const std::string& what) { expect_error_or_equal(folder / "s.h5", shard, what); });
+}
+
+TEST(HostileShard, CutAnywhereIsAnError) {
+  const TempFolder folder;
+  write_shard(folder / "s.h5", made::small_shard(), {});
+  made::for_each_cut(folder / "s.h5",
+                     [&](const std::string& what) { EXPECT_THROW(read_shard(folder / "s.h5"), InputError) << what; });
+}
+
+}  // namespace
+}  // namespace gigabake

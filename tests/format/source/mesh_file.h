@@ -1,0 +1,36 @@
+/// A mesh file of some text, read as a scene of its own.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <string>
+
+#include "format/source/source.h"
+#include "lattice/error.h"
+#include "source_scene.h"
+
+namespace gigabake::test {
+
+/// A fixture. name: of the file, whose ending says its format.
+class MeshFile : public testing::Test {
+ protected:
+  explicit MeshFile(std::string name) : name_(std::move(name)) {}
+  TileMesh read(const std::string& text, const SourceOptions& options = {}) {
+    sources = open_sources(folder.write(name_, text), options);
+    return read_tile(sources.tiles.at(0), sources.root, ReadScope::everything);
+  }
+  std::string refusal(const std::string& text) {
+    try {
+      read(text);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "was read";
+  }
+  SourceFolder folder;
+  SceneSources sources;
+
+ private:
+  const std::string name_;
+};
+
+}  // namespace gigabake::test

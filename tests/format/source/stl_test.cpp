@@ -1,0 +1,79 @@
+// STL, written here by hand. Of 2026-11-22: before, an STL was no source.
+#include <cstring>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "format/source/source.h"
+#include "lattice/error.h"
+#include "mesh_file.h"
+#include "source_scene.h"
+
+namespace gigabake {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class Stl : public test::MeshFile {
+ protected:
+  Stl() : MeshFile("a.stl") {}
+  /// A facet each of nine numbers, with a normal of nonsense.
+  static std::string binary(const std::string& name, const std::vector<std::array<float, 9>>& facets) {
+    std::string out = name + std::string(80 - name.size(), '\0');
+    const auto count = std::uint32_t(facets.size());
+    out.append(reinterpret_cast<const char*>(&count), 4);
+    for (const auto& f : facets) {
+      const float normal[3] = {7, 8, 9};
+      out.append(reinterpret_cast<const char*>(normal), sizeof normal);
+      out.append(reinterpret_cast<const char*>(f.data()), sizeof f);
+      out.append("\x12\x34", 2);
+    }
+    return out;
+  }
+  const std::array<float, 9> facet{0, 0, 0, 1, 0, 0, 0, 1, 0};
+  const std::string loop = " facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex 0 1 0\n";
+  const std::string end = "  endloop\n endfacet\n";
+};
+
+TEST_F(Stl, ReadsText) {
+  const TileMesh mesh = read("solid a name of my own\n" + loop + end + "endsolid a\nsolid b\n" + loop +
+                             "   VERTEX -1 5e-1 0\n" + end + "endsolid b\n");
+  EXPECT_EQ(mesh.counts.triangles, 3u);
+  EXPECT_THAT(mesh.primitives.at(0).index, testing::SizeIs(9));
+  EXPECT_EQ(mesh.primitives[0].position.size(), 21u);
+  EXPECT_EQ(mesh.primitives[0].position[19], 0.5f);
+  EXPECT_EQ(mesh.instances.at(0).scene_from_local({0, 1, 0}), (Point<Scene>{0, 0, 1})) << "y is up";
+}
+
+TEST_F(Stl, ReadsBinaryThatBeginsWithSolidToo) {
+  for (const char* name : {"exported by something", "solid by something", "solid"}) {
+    const TileMesh mesh = read(binary(name, {facet, {0, 0, 0, 0, 0, 2, 0, 2, 0}}));
+    EXPECT_EQ(mesh.counts.triangles, 2u) << name;
+    EXPECT_THAT(mesh.primitives.at(0).index, ElementsAre(0, 1, 2, 3, 4, 5));
+    EXPECT_EQ(mesh.primitives[0].position[14], 2);
+  }
+  EXPECT_EQ(read(binary("trailing bytes", {facet}) + "more").counts.triangles, 1u);
+}
+
+TEST_F(Stl, KnowsHowCoarseFloatsFarAwayAre) {
+  const TileMesh mesh = read(binary("far", {{5412000, 0, 0, 5412001, 0, 0, 5412000, 1, 0}}));
+  EXPECT_EQ(mesh.primitives.at(0).position_step, 0.5f);
+  EXPECT_EQ(mesh.instances.at(0).scene_from_local({0, 0, 0}).x, 5412001) << "the middle in whole metres";
+}
+
+TEST_F(Stl, SaysWhatIsWrongAndWhere) {
+  EXPECT_THAT(refusal(""), HasSubstr("ends inside the header of a binary STL (at byte 0)"));
+  EXPECT_THAT(
+      refusal(binary("cut", {facet, facet}).substr(0, 150)),
+      HasSubstr("expected 2 triangles as the header says, the file holds 1; it is cut, or no STL (at byte 80)"));
+  EXPECT_THAT(refusal(std::string(80, 'x') + "\xff\xff\xff\xff"), HasSubstr("expected 4294967295 triangles"));
+  EXPECT_THAT(refusal("solid a\n" + loop + end), HasSubstr("expected \"endsolid\""));
+  EXPECT_THAT(refusal("solid a\n" + loop), HasSubstr("expected \"endsolid\""));
+  EXPECT_THAT(refusal("solid a\nouter loop\nvertex 1 2 x\n"), HasSubstr("line 3: expected three coordinates"));
+  EXPECT_THAT(refusal("solid a\nouter loop\nvertex 1 2 3\nendloop\n"),
+              HasSubstr("line 4: a facet of fewer than three"));
+}
+
+}  // namespace
+}  // namespace gigabake

@@ -1,0 +1,43 @@
+#include "kernels/body/tables.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+namespace gigabake::kernels {
+namespace {
+
+const Tables tables = TableStore::host().view();
+
+/// IEC 61966-2-1.
+double srgb_of(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+TEST(Tables, TakeEverySrgbCodeToLinearAndBack) {
+  for (int code = 0; code < 256; ++code) EXPECT_EQ(tables.srgb_from_linear[tables.linear_from_srgb[code]], code);
+  EXPECT_EQ(tables.linear_from_srgb[255], 65535);
+}
+
+TEST(Tables, GiveTheNearestSrgbCodeOfEveryLinearValue) {
+  for (int l = 0; l < 65536; ++l)
+    ASSERT_LE(std::abs(tables.srgb_from_linear[l] - 255 * srgb_of(l / 65535.0)), 0.5001) << l;
+}
+
+TEST(Tables, HaveUnitNormals) {
+  for (int i = 0; i < 65536; ++i) {
+    const std::int16_t* n = tables.unit_normal + 4 * i;
+    ASSERT_NEAR(std::sqrt(double(n[0]) * n[0] + double(n[1]) * n[1] + double(n[2]) * n[2]), 32767, 1) << i;
+  }
+}
+
+TEST(Tables, RaiseMeanAlphaToOneMinusItself) {
+  EXPECT_EQ(tables.thesis_alpha[0], 0);
+  EXPECT_EQ(tables.thesis_alpha[8 * 255], 255);
+  for (int sum = 1; sum < 8 * 255; ++sum) {
+    const double a = sum / 2040.0;
+    ASSERT_LE(std::abs(tables.thesis_alpha[sum] - 255 * std::pow(a, 1 - a)), 0.5001) << sum;
+  }
+}
+
+}  // namespace
+}  // namespace gigabake::kernels

@@ -1,0 +1,54 @@
+// Pictures have the same bits on a GPU and on the CPU. Skipped, with a message, where there is no GPU.
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "kernels/cuda/baker.h"
+#include "tests/viewer/voxel_scene.h"
+#include "viewer/light/sky.h"
+
+namespace gigabake {
+namespace {
+
+/// A translucent, coloured, rough ball that reaches through eight cells.
+std::optional<Paint> rough_ball(std::int64_t x, std::int64_t y, std::int64_t z) {
+  std::uint64_t h = std::uint64_t((x * 73856093) ^ (y * 19349663) ^ (z * 83492791)) * 0x9e3779b97f4a7c15ull;
+  h ^= h >> 29;
+  if (std::hypot(double(x) - 31, double(y) - 33, double(z) - 30) > 27 || (h & 1) != 0) return {};
+  return Paint{{std::uint8_t(h >> 8), std::uint8_t(h >> 16), std::uint8_t(h >> 24), std::uint8_t((h >> 32 & 127) + 1)},
+               {std::int8_t(h >> 40 & 63), std::int8_t(h >> 48 & 63)}};
+}
+
+Picture draw(const VoxelScene& scene, const std::array<double, 3>& eye, std::uint64_t pool_bytes,
+             std::optional<int> device) {
+  const ThreadPool policy(2);
+  SceneStream::Options options;
+  options.light = afternoon_light();
+  options.memory_bytes = std::uint64_t(1) << 26;
+  options.cuda_device = device;
+  options.device_bytes = pool_bytes;
+  SceneStream stream(scene.description(), "scene.xml", scene.pages(), options, policy);
+  kernels::CastCamera camera = make_camera(view(eye, {30, 31, 29.5}, 200).camera, scene.description(), scene.pages());
+  camera.haze = air(600, 1);
+  camera.tone = screen_tone(0.5);
+  return render(stream, camera, {}, PictureLight::linear_too);
+}
+
+TEST(CastOnDevice, ReturnsTheSameBitsAsOnTheHostForAnyPool) {
+  const kernels::CudaDevices devices = kernels::cuda_devices();
+  if (devices.usable.empty()) GTEST_SKIP() << "no GPU: " << devices.reason;
+  VoxelScene scene(32);
+  scene.add_cells(rough_ball, {0, 0, 0}, 64);
+  for (const std::array<double, 3>& eye : {std::array{120.0, -40.0, 80.0}, std::array{31.5, 31.5, 90.0},
+                                           std::array{32.0, 32.0, 32.0}, std::array{900.0, 700.0, 400.0}}) {
+    const Picture host = draw(scene, eye, 0, {});
+    for (const std::uint64_t pool : {std::uint64_t(1) << 19, std::uint64_t(1) << 26}) {
+      const Picture device = draw(scene, eye, pool, devices.usable[0]);
+      EXPECT_EQ(host.rgba, device.rgba) << pool;
+      EXPECT_EQ(host.depth, device.depth) << pool;
+      EXPECT_EQ(host.linear, device.linear) << pool;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gigabake

@@ -1,0 +1,132 @@
+#include "kernels/cpu/approximate.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <random>
+
+namespace gigabake::kernels {
+namespace {
+
+/// Bricks of smooth and of noisy colours, normals all over the sphere or nearly alike.
+Level made_level(std::mt19937_64& rng, std::size_t bricks) {
+  Level level;
+  level.first = {0};
+  for (std::size_t b = 0; b < bricks; ++b) {
+    level.key.push_back(b);
+    const int noise = 1 + int(rng() % 40), tilt = int(rng() % 60);
+    const int base[6] = {int(rng() % 256), int(rng() % 256), int(rng() % 256),
+                         int(rng() % 256), int(rng() % 127), int(rng() % 127)};
+    std::uint64_t voxels = 0;
+    for (int z = 0; z < 8; ++z) {
+      level.mask.push_back(z == 0 ? rng() | 1 : rng() & rng());
+      voxels += std::uint64_t(std::popcount(level.mask.back()));
+    }
+    for (std::uint64_t v = 0; v < voxels; ++v) {
+      for (int c = 0; c < 4; ++c)
+        level.rgba.push_back(std::uint8_t(std::clamp(base[c] + int(rng() % unsigned(noise)), c == 3 ? 1 : 0, 255)));
+      for (int c = 4; c < 6; ++c)
+        level.normal.push_back(std::int8_t(std::clamp(base[c] - int(rng() % unsigned(1 + tilt)), -127, 127)));
+    }
+    level.first.push_back(level.first.back() + voxels);
+  }
+  return level;
+}
+
+double half_chord(const std::int8_t* a, const std::int8_t* b) {
+  double n[3], m[3];
+  decode_octahedral(a, n);
+  decode_octahedral(b, m);
+  return std::hypot(n[0] - m[0], n[1] - m[1], n[2] - m[2]) / 2;
+}
+
+struct Changes {
+  std::size_t colours = 0, alphas = 0, normals = 0;
+};
+
+/// Asserts the bound for every voxel.
+Changes expect_bound(const Level& exact, const Level& off, std::uint32_t codes, std::uint64_t seed) {
+  Changes changes;
+  EXPECT_EQ(exact.mask, off.mask);
+  EXPECT_EQ(exact.first, off.first);
+  for (std::size_t v = 0; v < exact.first.back(); ++v) {
+    for (std::size_t c = 0; c < 4; ++c) {
+      const int difference = std::abs(int(exact.rgba[4 * v + c]) - int(off.rgba[4 * v + c]));
+      EXPECT_LE(difference, int(codes)) << "voxel " << v << ", channel " << c << ", seed " << seed;
+      (c < 3 ? changes.colours : changes.alphas) += difference != 0;
+    }
+    EXPECT_GT(off.rgba[4 * v + 3], 0) << "a voxel vanished, seed " << seed;
+    const double chord = half_chord(&exact.normal[2 * v], &off.normal[2 * v]);
+    EXPECT_LE(chord, codes / 255.0 + 5e-5) << "voxel " << v << ", seed " << seed;
+    changes.normals += chord != 0;
+    if (testing::Test::HasFailure()) return changes;
+  }
+  return changes;
+}
+
+TEST(Approximate, KeepsEveryVoxelWithinTheBound) {
+  const std::uint64_t seed = std::random_device{}();
+  std::mt19937_64 rng(seed);
+  const ThreadPool pool(2);
+  Changes all;
+  for (const std::uint32_t codes : {1u, 2u, 3u, 4u, 8u, 16u, 40u, 127u}) {
+    const Level exact = made_level(rng, 600);
+    std::vector<Level> off{exact};
+    approximate(off, codes, pool);
+    const Changes changes = expect_bound(exact, off[0], codes, seed);
+    all.colours += changes.colours, all.alphas += changes.alphas, all.normals += changes.normals;
+  }
+  EXPECT_GT(all.colours, 1000u);
+  EXPECT_GT(all.alphas, 1000u);
+  EXPECT_GT(all.normals, 1000u);
+}
+
+TEST(Approximate, ChangesNothingWhereNothingMayBeOff) {
+  std::mt19937_64 rng(1);
+  const Level exact = made_level(rng, 50);
+  std::vector<Level> off{exact};
+  approximate(off, 0, ThreadPool(1));
+  EXPECT_EQ(exact.rgba, off[0].rgba);
+  EXPECT_EQ(exact.normal, off[0].normal);
+}
+
+TEST(Approximate, IsTheSameForAnyNumberOfThreads) {
+  std::mt19937_64 rng(2);
+  const Level exact = made_level(rng, 3000);
+  std::vector<Level> one{exact}, three{exact};
+  approximate(one, 6, ThreadPool(1));
+  approximate(three, 6, ThreadPool(3));
+  EXPECT_EQ(one[0].rgba, three[0].rgba);
+  EXPECT_EQ(one[0].normal, three[0].normal);
+}
+
+/// A full brick whose colour rises by one code a voxel along x.
+Level ramp() {
+  Level level;
+  level.key = {0};
+  level.mask.assign(8, ~std::uint64_t(0));
+  level.first = {0, 512};
+  for (int v = 0; v < 512; ++v) {
+    level.rgba.insert(level.rgba.end(), {std::uint8_t(100 + v % 8), 50, 50, 255});
+    level.normal.insert(level.normal.end(), {0, 0});
+  }
+  return level;
+}
+
+TEST(Approximate, TakesTheLargestOfBrickOctantAndGroupThatFits) {
+  const ThreadPool pool(1);
+  const auto reds = [&](std::uint32_t codes) {
+    std::vector<Level> levels{ramp()};
+    approximate(levels, codes, pool);
+    std::vector<int> row;
+    for (std::size_t x = 0; x < 8; ++x) row.push_back(levels[0].rgba[4 * x]);
+    return row;
+  };
+  EXPECT_EQ(reds(1), (std::vector{101, 101, 103, 103, 105, 105, 107, 107})) << "by groups: 100 and 101 in one";
+  EXPECT_EQ(reds(2), (std::vector{102, 102, 102, 102, 106, 106, 106, 106})) << "by octants";
+  EXPECT_EQ(reds(4), (std::vector(8, 104))) << "the whole brick";
+}
+
+}  // namespace
+}  // namespace gigabake::kernels

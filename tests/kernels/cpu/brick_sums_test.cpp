@@ -1,0 +1,72 @@
+/// A brick's sums: exact whatever their number, and clean for the next brick.
+#include "kernels/cpu/brick_sums.h"
+
+#include <gtest/gtest.h>
+
+namespace gigabake::kernels {
+namespace {
+
+const Tables tables = TableStore::host().view();
+
+Fragment fragment(std::int64_t weight, std::uint16_t red, std::uint16_t alpha) {
+  const std::uint16_t rgba[4] = {red, 0, 0, alpha};
+  const std::int16_t up[3] = {0, 0, 32767};
+  return fragment_of_colour(weight, rgba, up);
+}
+
+Level resolved(BrickSums& sums) {
+  std::vector<BrickRun> runs(1);
+  sums.resolve_to(runs[0], 0, tables);
+  Level level;
+  append(level, runs, ThreadPool(1));
+  return level;
+}
+
+/// √2 voxel² is the largest plane section of a voxel; its weight with full colour comes closest to 2^63.
+TEST(BrickSums, TakeAnyNumberOfTheHeaviestFragments) {
+  constexpr std::int64_t heaviest = 97184015999;  // √2 · 2^36
+  BrickSums sums;
+  for (int i = 0; i < 100000; ++i) {
+    sums.add(77, fragment(heaviest, i % 4 == 0 ? 65535 : 0, 65535));
+    sums.end_triangle();
+  }
+  const Level level = resolved(sums);
+  ASSERT_EQ(level.rgba.size(), 4u);
+  EXPECT_EQ(level.rgba[0], tables.srgb_from_linear[16384]);  // a quarter
+  EXPECT_EQ(level.rgba[3], 255);
+}
+
+TEST(BrickSums, AreTheSameBeforeAndAfterMovingToWideOnes) {
+  for (const int count : {fragments_before_flush - 1, fragments_before_flush, 3 * fragments_before_flush + 1}) {
+    BrickSums sums;
+    for (int i = 0; i < count; ++i) {
+      sums.add(5, fragment(1000, 30000, 40000));
+      sums.end_triangle();
+    }
+    const Level level = resolved(sums);
+    EXPECT_EQ(level.rgba[0], tables.srgb_from_linear[49151]) << count;  // 30000 / 40000
+    EXPECT_EQ(level.rgba[3], 156) << count;                             // 40000 / 65535
+  }
+}
+
+TEST(BrickSums, StartTheNextBrickFromZero) {
+  BrickSums sums;
+  for (int i = 0; i < 2 * fragments_before_flush; ++i) {
+    sums.add(9, fragment(1000, 65535, 65535));
+    sums.end_triangle();
+  }
+  resolved(sums);
+  sums.add(9, fragment(1000, 0, 65535));
+  sums.end_triangle();
+  EXPECT_EQ(resolved(sums).rgba, (std::vector<std::uint8_t>{0, 0, 0, 255}));
+}
+
+TEST(BrickSums, LeaveOutABrickOfInvisibleVoxels) {
+  BrickSums sums;
+  sums.add(3, fragment(1000, 0, 100));
+  sums.end_triangle();
+  EXPECT_TRUE(resolved(sums).key.empty());
+}
+
+}  // namespace
+}  // namespace gigabake::kernels

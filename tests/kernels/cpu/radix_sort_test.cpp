@@ -1,0 +1,33 @@
+#include "kernels/cpu/radix_sort.h"
+
+#include <algorithm>
+#include <gtest/gtest.h>
+#include <random>
+
+namespace gigabake::kernels {
+namespace {
+
+/// Bits above the range are zero, as those of brick keys are.
+TEST(RadixSort, IsAStableSortByTheGivenBits) {
+  const std::uint64_t seed = 3;
+  std::mt19937_64 rng(seed);
+  for (const int threads : {1, 2, 5}) {
+    const ThreadPool pool(threads);
+    for (const std::size_t count : {0, 1, 2, 255, 70000})
+      for (const auto& [low, high] : {std::pair{0, 64}, {32, 33}, {32, 59}, {0, 7}, {40, 40}}) {
+        std::vector<std::uint64_t> values(count);
+        for (auto& v : values) v = high == 64 ? rng() : rng() & ((std::uint64_t(1) << high) - 1);
+        std::vector<std::uint64_t> expected = values;
+        const auto key = [low = low, high = high](std::uint64_t v) {
+          return high - low == 64 ? v : (v >> low) & ((std::uint64_t(1) << (high - low)) - 1);
+        };
+        std::stable_sort(expected.begin(), expected.end(), [&](auto a, auto b) { return key(a) < key(b); });
+        radix_sort(values, low, high, pool);
+        ASSERT_EQ(values, expected) << threads << " threads, " << count << " values, bits " << low << "…" << high
+                                    << ", seed " << seed;
+      }
+  }
+}
+
+}  // namespace
+}  // namespace gigabake::kernels

@@ -1,0 +1,150 @@
+// The CUDA backend bakes whole cells to the same bits as the CPU. Skipped, with the reason, where there is no GPU.
+#include <algorithm>
+#include <gtest/gtest.h>
+
+#include "kernels/cpu/bake_cell.h"
+#include "kernels/cuda/baker.h"
+#include "lattice/thread_pool.h"
+#include "tests/kernels/cuda_scenes.h"
+
+namespace gigabake::kernels {
+namespace {
+
+void expect_equal(const CellVolume& host, const CellVolume& device) {
+  ASSERT_EQ(host.levels.size(), device.levels.size());
+  for (std::size_t l = 0; l < host.levels.size(); ++l) {
+    const Level &h = host.levels[l], &d = device.levels[l];
+    ASSERT_EQ(h.key, d.key) << "lod " << l;
+    ASSERT_EQ(h.mask, d.mask) << "lod " << l;
+    ASSERT_EQ(h.first, d.first) << "lod " << l;
+    ASSERT_EQ(h.rgba, d.rgba) << "lod " << l;
+    ASSERT_EQ(h.normal, d.normal) << "lod " << l;
+    ASSERT_EQ(h.facing, d.facing) << "lod " << l;
+  }
+  EXPECT_EQ(host.nodes.key, device.nodes.key);
+  EXPECT_EQ(host.nodes.lod, device.nodes.lod);
+  EXPECT_EQ(host.nodes.kind, device.nodes.kind);
+  EXPECT_EQ(host.nodes.child_mask, device.nodes.child_mask);
+  EXPECT_EQ(host.nodes.first_child, device.nodes.first_child);
+  EXPECT_EQ(host.nodes.value, device.nodes.value);
+  EXPECT_EQ(host.nodes.normal, device.nodes.normal);
+  EXPECT_EQ(host.nodes.facing, device.nodes.facing);
+  EXPECT_EQ(host.content_hash, device.content_hash);
+}
+
+void expect_equal_counts(const CellStats& host, const CellStats& device) {
+  EXPECT_EQ(host.triangles, device.triangles);
+  EXPECT_EQ(host.non_finite, device.non_finite);
+  EXPECT_EQ(host.zero_area, device.zero_area);
+  EXPECT_EQ(host.oversized, device.oversized);
+  EXPECT_EQ(host.bad_uv, device.bad_uv);
+  EXPECT_EQ(host.pairs, device.pairs);
+  EXPECT_EQ(host.fragments, device.fragments);
+}
+
+class CudaBakerTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    const CudaDevices devices = cuda_devices();
+    if (devices.usable.empty()) GTEST_SKIP() << devices.reason;
+    baker_ = std::make_unique<CudaBaker>(devices.usable[0], std::uint64_t(64) << 20);
+  }
+
+  void expect_same_bits(test::TestCell& cell, const CellParameters& parameters) {
+    const CellInput input = cell.input();
+    const CellVolume host = bake_cell(input, parameters, pool_), device = baker_->bake_cell(input, parameters);
+    expect_equal_counts(host.stats, device.stats);
+    expect_equal(host, device);
+  }
+
+  ThreadPool pool_{2};
+  std::unique_ptr<CudaBaker> baker_;
+};
+
+TEST_F(CudaBakerTest, BakesTheSameBitsAsTheCpuForEveryRuleAndFilter) {
+  std::list<test::TestCell> cells = test::all_cells();
+  for (test::TestCell& cell : cells)
+    for (const SurfaceRule rule : {SurfaceRule::area, SurfaceRule::conservative, SurfaceRule::thin})
+      for (const MipFilter filter : {MipFilter::coverage, MipFilter::thesis, MipFilter::box}) {
+        SCOPED_TRACE(cell.name + ", rule " + std::to_string(int(rule)) + ", filter " + std::to_string(int(filter)));
+        expect_same_bits(cell, cell.parameters(rule, filter, filter != MipFilter::box));
+      }
+}
+
+TEST_F(CudaBakerTest, BakesCellAfterCellWithFewTexturesInItsCache) {
+  const CudaDevices devices = cuda_devices();
+  baker_ = std::make_unique<CudaBaker>(devices.usable[0], 1);
+  std::list<test::TestCell> cells;
+  cells.push_back(test::textured_ground());
+  cells.push_back(test::bad_triangles());
+  for (int round = 0; round < 3; ++round)
+    for (test::TestCell& cell : cells)
+      expect_same_bits(cell, cell.parameters(SurfaceRule::area, MipFilter::coverage, true));
+}
+
+TEST_F(CudaBakerTest, BakesTheSameBitsAsTheCpuWhereVoxelsMayBeOff) {
+  std::list<test::TestCell> cells = test::all_cells();
+  for (test::TestCell& cell : cells)
+    for (const std::uint32_t codes : {1u, 6u, 40u}) {
+      SCOPED_TRACE(cell.name + ", error " + std::to_string(codes));
+      CellParameters parameters = cell.parameters(SurfaceRule::area, MipFilter::coverage, true);
+      parameters.max_error = codes;
+      expect_same_bits(cell, parameters);
+    }
+}
+
+TEST_F(CudaBakerTest, BakesTheSameBitsAsTheCpuWhereCoverageAlongTheAxesIsNotKept) {
+  std::list<test::TestCell> cells = test::all_cells();
+  for (test::TestCell& cell : cells)
+    for (const std::uint64_t bytes : {std::uint64_t(0), std::uint64_t(1)}) {
+      SCOPED_TRACE(cell.name + ", bytes " + std::to_string(bytes));
+      CellParameters parameters = cell.parameters(SurfaceRule::area, MipFilter::coverage, true);
+      parameters.facing = false;
+      parameters.memory_bytes = bytes;
+      expect_same_bits(cell, parameters);
+    }
+}
+
+TEST_F(CudaBakerTest, BakesTheSameBitsInPartsOfAnySize) {
+  std::list<test::TestCell> cells = test::all_cells();
+  std::uint64_t most_parts = 0;
+  for (test::TestCell& cell : cells)
+    for (const auto& [rule, filter] :
+         {std::pair(SurfaceRule::area, MipFilter::coverage), std::pair(SurfaceRule::conservative, MipFilter::thesis),
+          std::pair(SurfaceRule::thin, MipFilter::box)}) {
+      CellParameters parameters = cell.parameters(rule, filter, true);
+      const CellInput input = cell.input();
+      const CellVolume host = bake_cell(input, parameters, pool_);
+      for (const std::uint64_t bytes : {std::uint64_t(1), std::uint64_t(1) << 18, std::uint64_t(1) << 22}) {
+        SCOPED_TRACE(cell.name + ", rule " + std::to_string(int(rule)) + ", bytes " + std::to_string(bytes));
+        parameters.memory_bytes = bytes;
+        const CellVolume device = baker_->bake_cell(input, parameters);
+        most_parts = std::max(most_parts, device.stats.batches);
+        expect_equal_counts(host.stats, device.stats);
+        expect_equal(host, device);
+      }
+    }
+  EXPECT_GT(most_parts, 100u);
+}
+
+TEST_F(CudaBakerTest, KeepsToItsMemory) {
+  test::TestCell cell = test::ground("large", 2048, 512, false, true);
+  CellParameters parameters = cell.parameters(SurfaceRule::area, MipFilter::coverage, true);
+  const CellVolume at_once = baker_->bake_cell(cell.input(), parameters);
+  EXPECT_EQ(at_once.stats.batches, 1u);
+  parameters.memory_bytes = at_once.stats.peak_bytes / 4;
+  const CellVolume in_parts = baker_->bake_cell(cell.input(), parameters);
+  constexpr std::uint64_t tables = std::uint64_t(1) << 20;
+  EXPECT_LE(in_parts.stats.peak_bytes, parameters.memory_bytes + tables);
+  EXPECT_GT(in_parts.stats.batches, 1u);
+  expect_equal(at_once, in_parts);
+}
+
+TEST_F(CudaBakerTest, BakesACellWithoutTriangles) {
+  test::TestCell cell;
+  cell.materials.push_back({});
+  expect_same_bits(cell, cell.parameters(SurfaceRule::area, MipFilter::coverage, true));
+}
+
+}  // namespace
+}  // namespace gigabake::kernels

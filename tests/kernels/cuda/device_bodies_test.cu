@@ -1,0 +1,306 @@
+// The kernel bodies run on a GPU and on the CPU and return the same bits. Skipped, with a message, where there is no
+// GPU.
+#include <cstring>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "kernels/body/brick_triangle.h"
+#include "kernels/body/mip.h"
+#include "kernels/body/surface.h"
+#include "kernels/body/triangle_bricks.h"
+#include "lattice/snap.h"
+
+namespace gigabake::kernels {
+namespace {
+
+constexpr unsigned seed = 20240611;
+
+void check(cudaError_t code, const char* call) {
+  if (code != cudaSuccess) throw std::runtime_error(std::string(call) + ": " + cudaGetErrorString(code));
+}
+
+bool has_device() {
+  int count = 0;
+  return cudaGetDeviceCount(&count) == cudaSuccess && count > 0;
+}
+
+template <class T>
+class DeviceArray {
+ public:
+  explicit DeviceArray(const std::vector<T>& host) : size_(host.size()) {
+    check(cudaMalloc(&data_, size_ * sizeof(T)), "cudaMalloc");
+    check(cudaMemcpy(data_, host.data(), size_ * sizeof(T), cudaMemcpyHostToDevice), "cudaMemcpy");
+  }
+  explicit DeviceArray(const T* host, std::size_t size) : DeviceArray(std::vector<T>(host, host + size)) {}
+  ~DeviceArray() { cudaFree(data_); }
+  DeviceArray(const DeviceArray&) = delete;
+  DeviceArray& operator=(const DeviceArray&) = delete;
+  T* data() const { return data_; }
+  std::vector<T> to_host() const {
+    std::vector<T> host(size_);
+    check(cudaMemcpy(host.data(), data_, size_ * sizeof(T), cudaMemcpyDeviceToHost), "cudaMemcpy");
+    return host;
+  }
+
+ private:
+  T* data_ = nullptr;
+  std::size_t size_;
+};
+
+template <class Body, class In, class Out>
+__global__ void run_body(Body body, const In* in, Out* out, int count, Tables tables) {
+  const int i = blockIdx.x * blockDim.x + threadIdx.x;
+  if (i < count) out[i] = body(in[i], tables);
+}
+
+/// out[i] = body(in[i]) on both; the answers are compared as bytes.
+template <class Out, class In, class Body>
+void expect_same_bits(const std::vector<In>& in, Body body) {
+  if (!has_device()) GTEST_SKIP() << "no CUDA device";
+  const Tables host = TableStore::host().view();
+  const DeviceArray<std::uint16_t> linear(host.linear_from_srgb, 256);
+  const DeviceArray<std::uint8_t> srgb(host.srgb_from_linear, 65536);
+  const DeviceArray<std::int16_t> normal(host.unit_normal, 65536 * 4);
+  const DeviceArray<std::uint8_t> thesis(host.thesis_alpha, 2041);
+  const Tables device{linear.data(), srgb.data(), normal.data(), thesis.data()};
+  const DeviceArray<In> device_in(in);
+  const DeviceArray<Out> device_out{std::vector<Out>(in.size())};
+  run_body<<<int(in.size() + 127) / 128, 128>>>(body, device_in.data(), device_out.data(), int(in.size()), device);
+  check(cudaGetLastError(), "run_body launch");
+  check(cudaDeviceSynchronize(), "cudaDeviceSynchronize");
+  const std::vector<Out> from_device = device_out.to_host();
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    Out expected;
+    std::memset(&expected, 0, sizeof(Out));
+    expected = body(in[i], host);
+    ASSERT_EQ(std::memcmp(&expected, &from_device[i], sizeof(Out)), 0) << "item " << i << ", seed " << seed;
+  }
+}
+
+/// Triangles around the brick 0,0,0 of all sizes, many with coordinates on lattice planes.
+std::vector<WindowTriangle> random_triangles(int count) {
+  std::mt19937 random(seed);
+  std::vector<WindowTriangle> out;
+  while (int(out.size()) < count) {
+    const int reach_bits = 6 + int(random() % 22);
+    WindowTriangle t{};
+    for (auto& p : t.p)
+      for (int& x : p) {
+        x = int(random() % 2048) + int(random() % (1u << reach_bits)) - (1 << (reach_bits - 1));
+        if (random() % 4 == 0) x &= ~255;
+      }
+    const BrickTriangle<__int128> b = make_brick_triangle<__int128>(t, t.p[0]);
+    if (b.n[0] != 0 || b.n[1] != 0 || b.n[2] != 0) out.push_back(t);
+  }
+  return out;
+}
+
+struct Slabs {
+  std::uint64_t rule[3][8];
+};
+
+struct TouchBody {
+  template <class I>
+  GB_HD static void touch(const WindowTriangle& t, Slabs& out) {
+    const std::int32_t corner[3] = {0, 0, 0};
+    const BrickTriangle<I> b = make_brick_triangle<I>(t, corner);
+    for (int r = 0; r < 3; ++r) touched_voxels(b, SurfaceRule(r), out.rule[r]);
+  }
+  GB_HD Slabs operator()(const WindowTriangle& t, const Tables&) const {
+    Slabs out;
+    if (is_small(t))
+      touch<std::int32_t>(t, out);
+    else
+      is_narrow(t) ? touch<std::int64_t>(t, out) : touch<__int128>(t, out);
+    return out;
+  }
+};
+
+TEST(DeviceBodies, TouchTheSameVoxelsAsOnTheCpu) { expect_same_bits<Slabs>(random_triangles(20000), TouchBody{}); }
+
+struct Measured {
+  std::int64_t weight[8], linear[8][3];
+  std::uint16_t rgba[8][4];
+  std::int16_t normal[4];
+};
+
+/// Weight and shade of the cells on the brick's diagonal.
+struct MeasureBody {
+  GB_HD Measured operator()(const WindowTriangle& w, const Tables& tables) const {
+    const std::int32_t corner[3] = {0, 0, 0};
+    const BrickTriangle<__int128> t = make_brick_triangle<__int128>(w, corner);
+    const TrianglePlane plane = make_plane(t);
+    Surface surface;
+    surface.has_vertex_rgba = true;
+    for (int i = 0; i < 12; ++i) surface.vertex_rgba[i / 4][i % 4] = std::uint16_t(5461 * i);
+    surface.material.alpha_mode = AlphaMode::blend;
+    geometric_normal(t, surface.normal);
+    Measured out;
+    out.normal[3] = 0;
+    for (int c = 0; c < 3; ++c) out.normal[c] = surface.normal[c];
+    for (int i = 0; i < 8; ++i) {
+      const SlabPolygon polygon = cut_slab(plane, double(i - plane.anchor[2]));
+      const double u = double(i - plane.anchor[0]), v = double(i - plane.anchor[1]);
+      CellMoments m{0, 0, 0};
+      for (int e = 0; e < polygon.count; ++e) {
+        const int f = e + 1 == polygon.count ? 0 : e + 1;
+        add_edge<true>(polygon.u[e] - u, polygon.v[e] - v, polygon.v[f] - v, plane.line[polygon.line[e]], m);
+      }
+      out.weight[i] = weight_of(m.area, plane.weight_scale);
+      const Rgba16 rgba = shade<false>(surface, plane, fragment_centroid(plane, m, u, v), m.area, tables);
+      for (int c = 0; c < 4; ++c) out.rgba[i][c] = rgba.c[c];
+      const Fragment linear =
+          linear_fragment(make_linear_colour(surface, plane), u, v, m, plane.weight_scale, surface.normal);
+      for (int c = 0; c < 3; ++c) out.linear[i][c] = linear.colour[c];
+    }
+    return out;
+  }
+};
+
+TEST(DeviceBodies, MeasureAndShadeTheSameFragmentsAsOnTheCpu) {
+  expect_same_bits<Measured>(random_triangles(20000), MeasureBody{});
+}
+
+struct Sums {
+  std::int64_t sum[sum_count];
+};
+
+std::vector<Sums> random_sums(int count) {
+  std::mt19937_64 random(seed);
+  std::vector<Sums> out(std::size_t(count), Sums{});
+  for (Sums& s : out)
+    for (int f = 0; f < 3; ++f) {
+      const std::int64_t weight = std::int64_t(random() >> (28 + random() % 36)) + 1;
+      std::uint16_t rgba[4];
+      std::int16_t normal[3];
+      for (std::uint16_t& c : rgba) c = std::uint16_t(random());
+      for (std::int16_t& c : normal) c = std::int16_t(random() % 65535 - 32767);
+      accumulate(s.sum, fragment_of_colour(weight, rgba, normal));
+    }
+  return out;
+}
+
+struct Resolved {
+  std::uint8_t there;
+  Voxel voxel;
+};
+
+struct ResolveBody {
+  GB_HD Resolved operator()(const Sums& s, const Tables& tables) const {
+    Resolved r{0, {{0, 0, 0, 0}, {0, 0}}};
+    r.there = resolve(s.sum, tables, r.voxel) ? 1 : 0;
+    return r;
+  }
+};
+
+TEST(DeviceBodies, ResolveToTheSameVoxelsAsOnTheCpu) { expect_same_bits<Resolved>(random_sums(50000), ResolveBody{}); }
+
+/// Of children whose rasters have this edge.
+template <int Edge>
+constexpr int parent_words = raster_words(Edge < most_raster_edge ? 2 * Edge : most_raster_edge);
+
+template <int Edge>
+struct Filtered {
+  Voxel by_mean[2], by_view;
+  std::uint16_t facing[3];  ///< of 16 bits: there is nothing between members that is compared
+  std::uint32_t raster[parent_words<Edge>];
+};
+
+/// Eight voxels, those of coverage 0 absent, with their rasters.
+template <int Edge>
+struct FilterCase {
+  Voxel child[8];
+  std::uint32_t raster[8][Edge == 1 ? 1 : raster_words(Edge)];
+
+  template <int N>
+  GB_HD CellRun<N> cells(int c, int axis, int run) const {
+    CellRun<N> out = {};
+    for (int i = 0; i < N && child[c].rgba[3] != 0; ++i) out.word[i] = raster[c][axis * Edge * Edge / 4 + N * run + i];
+    return out;
+  }
+
+  GB_HD FacingSums see(std::uint32_t* to) const {
+    if constexpr (Edge == 1) {
+      std::uint32_t coverage[2] = {};
+      for (int c = 0; c < 8; ++c) coverage[c / 4] |= std::uint32_t(child[c].rgba[3]) << 8 * (c % 4);
+      return see_voxels(coverage[0], coverage[1], to);
+    } else {
+      return see_children<Edge>(*this, to);
+    }
+  }
+};
+
+template <int Edge>
+struct FilterBody {
+  GB_HD Filtered<Edge> operator()(const FilterCase<Edge>& from, const Tables& tables) const {
+    Filtered<Edge> out;
+    const FacingSums seen = from.see(out.raster);
+    MipSums by_mean, by_view;
+    for (int c = 0; c < 8; ++c) {
+      by_mean.add(from.child[c], from.child[c].rgba[3], tables);
+      by_view.add(from.child[c], seen.weight(c, Edge), tables);
+    }
+    out.by_mean[0] = by_mean.voxel(mean_coverage(by_mean.weight, MipFilter::thesis, tables), tables);
+    out.by_mean[1] = by_mean.voxel(mean_coverage(by_mean.weight, MipFilter::box, tables), tables);
+    std::uint8_t facing[3];
+    for (int a = 0; a < 3; ++a) out.facing[a] = facing[a] = seen.facing(a, Edge);
+    out.by_view = by_view.voxel(largest(facing), tables);
+    return out;
+  }
+};
+
+template <int Edge>
+void expect_same_filter() {
+  std::mt19937 random(seed);
+  std::vector<FilterCase<Edge>> cases(20000);
+  for (FilterCase<Edge>& f : cases) {
+    for (Voxel& v : f.child) {
+      for (std::uint8_t& x : v.rgba) x = std::uint8_t(random());
+      if (random() % 3 == 0) v.rgba[3] = 0;
+      for (std::int8_t& x : v.normal) x = std::int8_t(int(random() % 255) - 127);
+    }
+    f.child[random() % 8].rgba[3] = 255;
+    for (auto& raster : f.raster)
+      for (std::uint32_t& cells : raster) cells = std::uint32_t(random()) | 0x01010101;
+  }
+  expect_same_bits<Filtered<Edge>>(cases, FilterBody<Edge>{});
+}
+
+TEST(DeviceBodies, FilterTheSameLevelsAsOnTheCpu) {
+  expect_same_filter<1>();
+  expect_same_filter<2>();
+  expect_same_filter<4>();
+  expect_same_filter<8>();
+}
+
+struct Placed {
+  float p[3];
+};
+
+struct SnapBody {
+  SnapFrame frame;
+  double scene_from_local[12];
+  GB_HD LatticePoint operator()(const Placed& p, const Tables&) const {
+    LatticePoint out{{0, 0, 0}};
+    if (!snap(frame, scene_from_local, p.p, out)) out.v[0] = out.v[1] = out.v[2] = -1;
+    return out;
+  }
+};
+
+TEST(DeviceBodies, SnapVerticesToTheSamePointsAsOnTheCpu) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> metres(-1e5f, 1e5f);
+  std::vector<Placed> points(100000);
+  for (Placed& p : points)
+    for (float& x : p.p) x = metres(random);
+  SnapBody body{{0.0721, {0.1, -1234.56789, 3.3}},
+                {0.96, -0.28, 1e-7, 1234567.8, 0.28, 0.96, 0, -4321.1, 0, 1e-9, 1.0000001, 7}};
+  expect_same_bits<LatticePoint>(points, body);
+}
+
+}  // namespace
+}  // namespace gigabake::kernels

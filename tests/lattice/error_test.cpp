@@ -1,0 +1,54 @@
+#include "lattice/error.h"
+
+#include <array>
+#include <gtest/gtest.h>
+#include <random>
+
+namespace gigabake {
+namespace {
+
+// 2026-11-22: a number of 2·10^8 digits came back in a message, twice.
+TEST(InputError, IsOneShortLineWhateverAFileSays) {
+  const std::string digits(200'000, '7'), lines = "a\nb\r\tc\x7f";
+  for (const InputError& e :
+       {InputError("scene.json", "sources[0].path", digits), InputError(digits, digits, digits),
+        InputError("scene.json", digits, "expected a number", 123), InputError(lines, lines, lines, 5)}) {
+    const std::string line = e.what();
+    EXPECT_LE(line.size(), longest_message_bytes);
+    EXPECT_EQ(line.find_first_of("\n\r\t\x7f"), std::string::npos) << line;
+  }
+}
+
+TEST(InputError, KeepsTheFileNameBothEndsOfTheKeyAndTheByte) {
+  const std::string folder(500, 'f'), key = "root" + std::string(1000, '.') + "uri";
+  const std::string line = InputError(folder + "/tile.glb", key, "is missing" + std::string(1000, '!'), 77).what();
+  EXPECT_LE(line.size(), longest_message_bytes);
+  for (const char* part : {"/tile.glb: root", "uri: is missing!", "… (at byte 77)"})
+    EXPECT_NE(line.find(part), std::string::npos) << part << " in " << line;
+}
+
+TEST(InputError, IsWholeWhereItIsShort) {
+  EXPECT_STREQ(InputError("a.glb", "nodes[1]", "has a cycle", 9).what(), "a.glb: nodes[1]: has a cycle (at byte 9)");
+}
+
+TEST(AsLine, CutsBetweenCharacters) {
+  const std::uint32_t seed = std::random_device()();
+  std::mt19937 random(seed);
+  for (int i = 0; i < 1000; ++i) {
+    std::string text;
+    while (text.size() < 200) text += std::array{"a", "ü", "–", "🌍"}[random() % 4];
+    const std::size_t most = 8 + random() % 150;
+    const std::string line = as_line(text, most), kept = line.substr(0, line.size() - 3);
+    ASSERT_LE(line.size(), most) << "seed " << seed;
+    ASSERT_TRUE(line.ends_with("…")) << "seed " << seed;
+    ASSERT_TRUE(text.starts_with(kept)) << "seed " << seed;
+    ASSERT_NE(static_cast<unsigned char>(text[kept.size()]) & 0xc0, 0x80) << "seed " << seed;
+  }
+}
+
+TEST(UsageError, IsOneShortLine) {
+  EXPECT_LE(std::string(UsageError("--origin: got " + std::string(5000, '1')).what()).size(), longest_message_bytes);
+}
+
+}  // namespace
+}  // namespace gigabake

@@ -1,0 +1,182 @@
+#include "viewer/live/camera_rig.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <limits>
+#include <random>
+
+namespace gigabake {
+namespace {
+
+using Style = CameraRig::Style;
+
+const CameraPose home{{60, -80, 50}, {0, 0, 0}};
+
+double apart_m(const Point<Scene>& a, const Point<Scene>& b) { return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z); }
+double apart_m(const CameraRig& rig) { return apart_m(rig.pose().eye_m, rig.pose().target_m); }
+double steepness_deg(const CameraPose& p) {
+  const double flat = std::hypot(p.target_m.x - p.eye_m.x, p.target_m.y - p.eye_m.y);
+  return std::fabs(std::atan2(p.target_m.z - p.eye_m.z, flat)) * 180 / M_PI;
+}
+
+void expect_sound(const CameraRig& rig, double size_m, const Point<Scene>& middle) {
+  const CameraPose& p = rig.pose();
+  for (const double v : {p.eye_m.x, p.eye_m.y, p.eye_m.z, p.target_m.x, p.target_m.y, p.target_m.z})
+    ASSERT_TRUE(std::isfinite(v));
+  ASSERT_TRUE(std::isfinite(rig.speed_m_per_s()) && rig.speed_m_per_s() > 0);
+  ASSERT_FALSE(p.eye_m == p.target_m);
+  ASSERT_LE(steepness_deg(p), CameraRig::steepest_deg + 0.01);
+  ASSERT_LE(apart_m(p.eye_m, middle), CameraRig::farthest_sizes * size_m * (1 + 1e-6));
+}
+
+/// A hand that knows no limits.
+double wild(std::mt19937_64& random) {
+  static const double odd[] = {NAN, HUGE_VAL, -HUGE_VAL, 0, -0.0, 1e308, -1e308, 5e-324, 1e-9, 1, -1};
+  const auto pick = random() % 20;
+  return pick < std::size(odd) ? odd[pick] : std::ldexp(double(random() % 2001) - 1000, int(random() % 20) - 16);
+}
+
+void do_something(CameraRig& rig, std::mt19937_64& random) {
+  const auto w = [&] { return wild(random); };
+  switch (random() % 8) {
+    case 0:
+      return rig.turn(w(), w());
+    case 1:
+      return rig.pan(w(), w(), w());
+    case 2:
+      return rig.zoom(w());
+    case 3:
+      return rig.walk(w(), w(), w(), w());
+    case 4:
+      return rig.set_pose({{w(), w(), w()}, {w(), w(), w()}});
+    case 5:
+      return rig.set_style(random() % 2 == 0 ? Style::fly : Style::orbit);
+    case 6:
+      return rig.pan(w(), w(), 40);
+    default:
+      return rig.turn(w() / 8, w() / 8);
+  }
+}
+
+TEST(CameraRig, StaysSoundWhateverIsAskedOfIt) {
+  for (unsigned seed = 1; seed <= 200; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 random(seed);
+    CameraRig rig(home);
+    for (int step = 0; step < 300; ++step) {
+      do_something(rig, random);
+      ASSERT_NO_FATAL_FAILURE(expect_sound(rig, apart_m(home.eye_m, home.target_m), home.target_m));
+    }
+  }
+}
+
+TEST(CameraRig, FindsAHomeWhereItIsGivenNone) {
+  for (const CameraPose& bad :
+       {CameraPose{{NAN, 0, 0}, {0, 0, 0}}, CameraPose{{1, 2, 3}, {1, 2, 3}}, CameraPose{{1e300, 0, 0}, {0, 0, 0}}}) {
+    const CameraRig rig(bad);
+    EXPECT_GT(apart_m(rig), 1);
+    EXPECT_LT(apart_m(rig), 1000);
+  }
+}
+
+TEST(CameraRig, KeepsItsDistanceFromCoordinatesThatSwallowSmallSteps) {
+  CameraRig rig({{1e11, 1e11, 1e-3}, {1e11, 1e11, 0}});
+  rig.zoom(100);
+  rig.zoom(100);
+  EXPECT_FALSE(rig.pose().eye_m == rig.pose().target_m);
+}
+
+TEST(CameraRig, GivesBackAPoseThatWasSet) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> anywhere(-100, 100);
+  for (int i = 0; i < 1000; ++i) {
+    CameraRig rig(home);
+    const CameraPose pose{{anywhere(random), anywhere(random), anywhere(random)},
+                          {anywhere(random), anywhere(random), anywhere(random)}};
+    if (steepness_deg(pose) > CameraRig::steepest_deg - 0.1) continue;
+    rig.set_pose(pose);
+    EXPECT_EQ(rig.pose(), pose);
+  }
+}
+
+TEST(CameraRig, OrbitsAroundTheTargetAtOneDistance) {
+  CameraRig rig(home);
+  const double before = apart_m(rig);
+  for (int i = 0; i < 1000; ++i) rig.turn(0.013, i % 2 == 0 ? 0.05 : -0.049);
+  EXPECT_EQ(rig.pose().target_m.z, rig.pose().target_m.z);
+  EXPECT_NEAR(apart_m(rig.pose().target_m, home.target_m), 0, 1e-6);
+  EXPECT_NEAR(apart_m(rig), before, 1e-6);
+}
+
+TEST(CameraRig, IsBackAfterAWholeTurn) {
+  CameraRig rig(home);
+  for (int i = 0; i < 8; ++i) rig.turn(0.25, 0);
+  EXPECT_NEAR(apart_m(rig.pose().eye_m, home.eye_m), 0, 1e-9);
+}
+
+TEST(CameraRig, LooksAroundFromWhereItStandsInFlight) {
+  CameraRig rig(home);
+  rig.set_style(Style::fly);
+  rig.turn(0.4, 0.1);
+  EXPECT_EQ(rig.pose().eye_m, home.eye_m);
+  EXPECT_GT(apart_m(rig.pose().target_m, home.target_m), 1);
+}
+
+TEST(CameraRig, DraggingRightTurnsTheViewRightAndDraggingUpLowersTheOrbit) {
+  CameraRig rig({{0, -100, 50}, {0, 0, 0}});
+  rig.turn(0.1, 0);
+  EXPECT_LT(rig.pose().eye_m.x, 0);  // the near side follows the mouse to the east
+  rig.go_home();
+  rig.turn(0, 0.05);
+  EXPECT_LT(rig.pose().eye_m.z, 50);
+  rig.go_home();
+  rig.set_style(Style::fly);
+  rig.turn(0.1, 0.1);
+  EXPECT_GT(rig.pose().target_m.x, 0);
+  EXPECT_GT(rig.pose().target_m.z, 0);
+}
+
+TEST(CameraRig, PanningKeepsWhatIsDraggedUnderTheMouse) {
+  CameraRig rig({{0, -100, 0}, {0, 0, 0}});
+  rig.pan(0.5, 0.25, 90);  // 90° at 100 m: a picture is 200 m high
+  EXPECT_NEAR(rig.pose().target_m.x, -100, 1e-9);
+  EXPECT_NEAR(rig.pose().target_m.z, -50, 1e-9);
+  EXPECT_NEAR(apart_m(rig), 100, 1e-9);
+}
+
+TEST(CameraRig, ZoomingComesNearerByATenthANotch) {
+  CameraRig rig(home);
+  const double before = apart_m(rig);
+  rig.zoom(1);
+  EXPECT_NEAR(apart_m(rig), before * 0.9, 1e-9);
+  EXPECT_NEAR(apart_m(rig.pose().target_m, home.target_m), 0, 1e-9);
+  rig.zoom(-1);
+  EXPECT_NEAR(apart_m(rig), before, 1e-9);
+}
+
+TEST(CameraRig, WalksAsFarAsSpeedAndTimeSayAndFasterInLargerScenes) {
+  for (const double scale : {0.01, 1.0, 1000.0}) {
+    CameraRig rig({{0, -100 * scale, 0}, {0, 0, 0}});
+    EXPECT_NEAR(rig.speed_m_per_s(), 25 * scale, 1e-9 * scale);
+    rig.walk(1, 0, 0, 0.1);
+    EXPECT_NEAR(rig.pose().eye_m.y, -97.5 * scale, 1e-9 * scale);
+    EXPECT_NEAR(rig.pose().target_m.y, 2.5 * scale, 1e-9 * scale);
+  }
+}
+
+TEST(CameraRig, APauseIsNoJump) {
+  CameraRig slow(home), paused(home);
+  slow.walk(1, 0, 0, 0.25);
+  paused.walk(1, 0, 0, 3600);
+  EXPECT_EQ(slow.pose(), paused.pose());
+}
+
+TEST(CameraRig, StepsAddUpToTheSameWay) {
+  CameraRig fine(home), coarse(home);
+  for (int i = 0; i < 200; ++i) fine.walk(0.5, 0.3, 0.2, 0.001);
+  coarse.walk(0.5, 0.3, 0.2, 0.2);
+  EXPECT_NEAR(apart_m(fine.pose().eye_m, coarse.pose().eye_m), 0, 1e-6);
+}
+
+}  // namespace
+}  // namespace gigabake

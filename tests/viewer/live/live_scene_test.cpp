@@ -1,0 +1,187 @@
+#include "viewer/live/live_scene.h"
+
+#include <fstream>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/format/shard/made_shard.h"
+#include "tests/viewer/stored_hill.h"
+
+namespace gigabake {
+namespace {
+
+constexpr double patience_s = 60;  ///< far above what anything here takes
+
+LiveScene::Options small_pictures() {
+  LiveScene::Options options;
+  options.renderer.threads = 1;
+  options.camera.width = 96;
+  options.camera.height = 64;
+  options.most_viewers = 3;
+  return options;
+}
+
+Steering turn(double right) {
+  Steering s;
+  s.turn = {right, 0};
+  return s;
+}
+
+Picture exact(const std::filesystem::path& scene, const View& view) {
+  FrameRenderer::Options options;
+  options.threads = 1;
+  FrameRenderer renderer(scene, options);
+  for (;;) {
+    Frame frame = renderer.draw(view, 1);
+    if (frame.stats.complete) return frame.picture;
+  }
+}
+
+TEST(LiveScene, EndsWithTheExactPictureOfWhereEachViewerRests) {
+  const made::TempFolder folder;
+  write_hill(folder / "scene.xml");
+  LiveScene scene(folder / "scene.xml", small_pictures());
+  const auto first = scene.add_viewer().value(), second = scene.add_viewer().value();
+  ASSERT_NE(scene.full_frame(first, patience_s), nullptr);
+  scene.steer(second, turn(0.3));
+  for (const auto viewer : {first, second}) {
+    const auto frame = scene.full_frame(viewer, patience_s);
+    ASSERT_NE(frame, nullptr);
+    View view = frame->view;
+    view.camera.eye_m = scene.state(viewer)->pose.eye_m;
+    view.camera.target_m = scene.state(viewer)->pose.target_m;
+    EXPECT_EQ(frame->frame.picture.width, 96);
+    EXPECT_EQ(frame->frame.picture.rgba, exact(folder / "scene.xml", view).rgba);
+  }
+  EXPECT_NE(scene.full_frame(first, patience_s)->frame.picture.rgba,
+            scene.full_frame(second, patience_s)->frame.picture.rgba);
+}
+
+/// The first frame that shows a part of the full picture, not all of it.
+LiveScene::FramePtr wait_for_a_part(const LiveScene& scene, LiveScene::ViewerId viewer) {
+  for (std::uint64_t after = 0;;) {
+    const auto frame = scene.frame_after(viewer, after, patience_s);
+    if (!frame || (frame->full && !frame->frame.stats.complete)) return frame;
+    after = frame->number;
+  }
+}
+
+// 2026-11-22: a full frame was drawn to its end, however long, whatever hands did meanwhile.
+TEST(LiveScene, AFullPictureUnderWayEndsWhenItsViewerMoves) {
+  const made::TempFolder folder;
+  write_hill(folder / "scene.xml");
+  LiveScene::Options options = small_pictures();
+  options.camera.width = options.camera.height = 2048;
+  options.frame_s = 0.02;
+  LiveScene scene(folder / "scene.xml", options);
+  const auto viewer = scene.add_viewer().value();
+  const auto part = wait_for_a_part(scene, viewer);
+  ASSERT_NE(part, nullptr);
+  EXPECT_LT(scene.state(viewer)->drawn, 1);
+  scene.steer(viewer, turn(0.2));
+  const Point<Scene> eye_m = scene.state(viewer)->pose.eye_m;
+  for (std::uint64_t after = part->number;;) {
+    const auto frame = scene.frame_after(viewer, after, patience_s);
+    ASSERT_NE(frame, nullptr);
+    if (frame->view.camera.eye_m == eye_m) break;
+    EXPECT_FALSE(frame->full && frame->frame.stats.complete) << "of a place that was left";
+    after = frame->number;
+  }
+  EXPECT_FALSE(scene.state(viewer)->resting);
+}
+
+TEST(LiveScene, ShowsASmallPictureOfAllBeforePartsOfTheFullOne) {
+  const made::TempFolder folder;
+  write_hill(folder / "scene.xml");
+  LiveScene::Options options = small_pictures();
+  options.camera.width = options.camera.height = 512;
+  options.frame_s = 0.001;
+  LiveScene scene(folder / "scene.xml", options);
+  const auto viewer = scene.add_viewer().value();
+  const auto first = scene.frame_after(viewer, 0, patience_s);
+  ASSERT_NE(first, nullptr);
+  EXPECT_FALSE(first->full);
+  EXPECT_LE(first->frame.picture.width, 512 / 4);
+  const auto last = scene.full_frame(viewer, patience_s);
+  ASSERT_NE(last, nullptr);
+  EXPECT_EQ(last->frame.picture.rgba, exact(folder / "scene.xml", last->view).rgba);
+}
+
+TEST(LiveScene, DrawsNothingWhileNobodyMoves) {
+  const made::TempFolder folder;
+  write_hill(folder / "scene.xml");
+  LiveScene scene(folder / "scene.xml", small_pictures());
+  const auto viewer = scene.add_viewer().value();
+  const auto full = scene.full_frame(viewer, patience_s);
+  ASSERT_NE(full, nullptr);
+  EXPECT_EQ(scene.frame_after(viewer, full->number, 0.7), nullptr);
+  scene.steer(viewer, Steering{});  // a touch of the mouse that moves nothing
+  EXPECT_EQ(scene.frame_after(viewer, full->number, 0.3), nullptr);
+  EXPECT_TRUE(scene.state(viewer)->resting);
+  scene.steer(viewer, turn(0.01));
+  EXPECT_NE(scene.frame_after(viewer, full->number, patience_s), nullptr);
+}
+
+TEST(LiveScene, WaitsForASceneAndFollowsItsReplacement) {
+  const made::TempFolder folder;
+  LiveScene scene(folder / "scene.xml", small_pictures());
+  const auto viewer = scene.add_viewer().value();
+  EXPECT_EQ(scene.frame_after(viewer, 0, 0.2), nullptr);
+  EXPECT_FALSE(scene.state(viewer)->has_scene);
+  Steering size;
+  size.size = std::array<int, 2>{48, 40};
+  scene.steer(viewer, size);
+
+  write_hill(folder / "scene.xml", {200, 30, 30, 255});
+  const auto red = scene.full_frame(viewer, patience_s);
+  ASSERT_NE(red, nullptr);
+  EXPECT_EQ(red->frame.picture.width, 48);  // what was asked for while there was nothing
+  scene.steer(viewer, turn(0.2));
+  const auto turned = scene.full_frame(viewer, patience_s);
+  const CameraPose pose = scene.state(viewer)->pose;
+
+  write_hill(folder / "scene.xml", {30, 30, 200, 255});
+  const auto blue = scene.frame_after(viewer, turned->number, patience_s);
+  ASSERT_NE(blue, nullptr);
+  EXPECT_NE(scene.full_frame(viewer, patience_s)->frame.picture.rgba, turned->frame.picture.rgba);
+  EXPECT_EQ(scene.state(viewer)->pose, pose);
+}
+
+TEST(LiveScene, SaysWhatIsWrongWithASceneAndGoesOnWhenItIsRight) {
+  const made::TempFolder folder;
+  std::ofstream(folder / "scene.xml") << "<no";
+  LiveScene scene(folder / "scene.xml", small_pictures());
+  const auto viewer = scene.add_viewer().value();
+  for (int i = 0; i < 600 && scene.state(viewer)->problem.empty(); ++i) scene.frame_after(viewer, 0, 0.1);
+  EXPECT_THAT(scene.state(viewer)->problem, testing::HasSubstr("scene.xml"));
+  write_hill(folder / "scene.xml");
+  EXPECT_NE(scene.full_frame(viewer, patience_s), nullptr);
+  EXPECT_EQ(scene.state(viewer)->problem, "");
+}
+
+TEST(LiveScene, TakesNoMoreViewersThanAskedAndForgetsThoseThatLeave) {
+  const made::TempFolder folder;
+  write_hill(folder / "scene.xml");
+  LiveScene scene(folder / "scene.xml", small_pictures());
+  const auto gone = scene.add_viewer().value();
+  scene.add_viewer();
+  scene.add_viewer();
+  EXPECT_FALSE(scene.add_viewer().has_value());
+  scene.remove_viewer(gone);
+  EXPECT_TRUE(scene.add_viewer().has_value());
+  EXPECT_FALSE(scene.steer(gone, {}));
+  EXPECT_FALSE(scene.state(gone).has_value());
+  EXPECT_EQ(scene.frame_after(gone, 0, patience_s), nullptr);
+}
+
+TEST(LiveScene, StoppingEndsEveryWait) {
+  const made::TempFolder folder;
+  LiveScene scene(folder / "scene.xml", small_pictures());
+  const auto viewer = scene.add_viewer().value();
+  std::thread stops([&] { scene.stop(); });
+  EXPECT_EQ(scene.full_frame(viewer, 3600), nullptr);
+  stops.join();
+}
+
+}  // namespace
+}  // namespace gigabake

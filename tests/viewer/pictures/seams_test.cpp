@@ -1,0 +1,85 @@
+// One scene, cut into one cell or into four by four: the pictures tell no difference.
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "tests/viewer/voxel_scene.h"
+#include "viewer/pictures/frame_renderer.h"
+
+namespace gigabake {
+namespace {
+
+constexpr int scene_edge = 256;
+
+/// Rolling, painted ground, two voxels thick, and posts on it that cross the borders of cells.
+std::optional<Paint> landscape(std::int64_t x, std::int64_t y, std::int64_t z) {
+  const double ground = 28 + 12 * std::sin(double(x) / 21) + 9 * std::cos(double(y) / 17);
+  const bool post = x % 32 < 2 && y % 32 < 2 && double(z) < ground + 14;
+  if (double(z) < ground - 2 || (double(z) >= ground && !post)) return {};
+  const auto tilt = std::int8_t(40 * std::cos(double(x) / 21));
+  return Paint{{std::uint8_t(60 + x / 2), std::uint8_t(90 + (x ^ y) % 64), std::uint8_t(200 - y / 2), 255}, {tilt, 0}};
+}
+
+VoxelScene cut_into(std::uint32_t cell_voxels) {
+  VoxelScene scene(cell_voxels);
+  for (std::int64_t y = 0; y < scene_edge; y += cell_voxels)
+    for (std::int64_t x = 0; x < scene_edge; x += cell_voxels) scene.add_cell(landscape, {x, y, 0});
+  return scene;
+}
+
+/// Levels up to 3: the small cells' coarsest.
+struct Place {
+  std::array<double, 3> eye_m, target_m;
+  double pixel_error;
+};
+const Place places[] = {
+    {{20, 30, 75}, {90, 100, 30}, 1},      // near, level 0
+    {{100, 92, 85}, {128, 140, 20}, 4},    // near, levels 0 to 2 across borders
+    {{128, 120, 95}, {128, 128, 20}, 16},  // near, levels 2 and 3
+    {{-500, -420, 420}, {128, 128, 0}, 1}, {{-500, -420, 420}, {128, 128, 0}, 2.5},  // far, level 3
+};
+
+FrameRenderer renderer_of(const VoxelScene& scene) {
+  FrameRenderer::Options options;
+  options.threads = 2;
+  options.memory_bytes = std::uint64_t(1) << 28;
+  return FrameRenderer(scene.description(), "scene.xml", scene.pages(), options);
+}
+
+int largest_difference(const Picture& a, const Picture& b) {
+  int largest = 0;
+  for (std::size_t i = 0; i < a.rgba.size(); ++i) largest = std::max(largest, std::abs(a.rgba[i] - b.rgba[i]));
+  return largest;
+}
+
+TEST(Seams, AreNotSeenBetweenCellsInAnyModeFromNearAndFar) {
+  const VoxelScene one = cut_into(256), sixteen = cut_into(64);
+  ASSERT_EQ(one.description().cells.size(), 1u);
+  ASSERT_EQ(sixteen.description().cells.size(), 16u);
+  FrameRenderer whole = renderer_of(one), parts = renderer_of(sixteen);
+  for (const ViewMode mode :
+       {ViewMode::lit, ViewMode::albedo, ViewMode::normal, ViewMode::coverage, ViewMode::lod, ViewMode::requests})
+    for (const Place& place : places) {
+      View there{view(place.eye_m, place.target_m, 160).camera, mode, {false, {0, 0, 0, 0}}};
+      there.camera.pixel_error = place.pixel_error;
+      EXPECT_LE(largest_difference(whole.draw_exact(there).picture, parts.draw_exact(there).picture), 2)
+          << view_mode_names()[std::size_t(mode)] << " from " << place.eye_m[0] << ", pixel error "
+          << place.pixel_error;
+    }
+}
+
+TEST(Seams, LeaveNoHoleInDepthFromNearAndFar) {
+  const VoxelScene one = cut_into(256), sixteen = cut_into(64);
+  for (const Place& place : places) {
+    PictureOptions options = view(place.eye_m, place.target_m, 160);
+    options.camera.pixel_error = place.pixel_error;
+    const std::vector<float> a = take(one, options).depth, b = take(sixteen, options).depth;
+    float largest = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+      if (a[i] != b[i]) largest = std::max(largest, std::fabs(a[i] - b[i]));
+    EXPECT_LE(largest, 1e-3f) << "voxels, pixel error " << place.pixel_error;
+  }
+}
+
+}  // namespace
+}  // namespace gigabake

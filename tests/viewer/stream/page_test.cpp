@@ -1,0 +1,166 @@
+#include "viewer/stream/page.h"
+
+#include <fstream>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <thread>
+
+#include "lattice/error.h"
+#include "tests/format/shard/made_shard.h"
+#include "viewer/stream/open_shards.h"
+#include "viewer/stream/pager.h"
+
+namespace gigabake {
+namespace {
+
+using made::TempFolder;
+using testing::HasSubstr;
+
+/// Cells side by side, of random content.
+std::vector<Shard> cells(std::mt19937_64& rng, int count) {
+  std::vector<Shard> shards;
+  for (int i = 0; i < count; ++i) {
+    Shard s = made::random_shard(rng, {3, true, 5});
+    s.header.cell = "c_" + std::to_string(i);
+    s.header.lattice_min = {32 * i, 0, 0};
+    s.header.origin = {};
+    shards.push_back(made::with_content_hash(std::move(s)));
+  }
+  return shards;
+}
+
+std::string refusal_of(const PageSource& source, const PageKey& key) {
+  try {
+    source(key);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(PagesFromShards, AreThoseOfTheCellThatTheKeySays) {
+  const std::uint64_t seed = std::random_device{}();
+  std::mt19937_64 rng(seed);
+  const TempFolder folder;
+  const std::vector<Shard> shards = cells(rng, 4);
+  const SceneDescription scene = made::write_scene_of(folder / "scene.xml", shards);
+  const PageSource source = pages_from_shards(folder / "scene.xml", scene);
+  for (std::uint32_t cell = 0; cell < 4; ++cell) {
+    const Shard& shard = shards[cell];
+    const Page nodes = source({cell, -1, 0});
+    EXPECT_EQ(nodes.rows.size(), shard.nodes.key.size()) << "seed " << seed;
+    EXPECT_EQ(nodes.rows[0].value, shard.nodes.value[0]);
+    EXPECT_TRUE(nodes.bricks.mask.empty());
+    EXPECT_GE(nodes.bytes(), nodes.rows.size() * 12);
+    for (int lod = 0; lod < 3; ++lod) {
+      const BrickLevel& level = shard.levels[std::size_t(lod)];
+      if (level.mask.empty()) continue;
+      const Page bricks = source({cell, lod, 0});
+      EXPECT_TRUE(bricks.rows.empty());
+      EXPECT_EQ(bricks.bricks.mask, level.mask);
+      EXPECT_EQ(bricks.bricks.rgba, level.rgba);
+      EXPECT_EQ(bricks.bricks.normal, level.normal);
+    }
+  }
+}
+
+TEST(PagesFromShards, SayWhichPartThereIsNot) {
+  std::mt19937_64 rng(1);
+  const TempFolder folder;
+  const SceneDescription scene = made::write_scene_of(folder / "scene.xml", cells(rng, 2));
+  const PageSource source = pages_from_shards(folder / "scene.xml", scene);
+  EXPECT_THAT(refusal_of(source, {2, -1, 0}), HasSubstr("scene.xml: cell 2: the scene has 2 cells"));
+  EXPECT_THAT(refusal_of(source, {0, 3, 0}), HasSubstr("c_0.h5: /lod_3: the cell has no such level"));
+  EXPECT_THAT(refusal_of(source, {0, -2, 0}), HasSubstr("the cell has no such level"));
+  EXPECT_THAT(refusal_of(source, {0, 0, 0xffffffffu}), HasSubstr("was asked for"));
+  EXPECT_THAT(refusal_of(source, {0, -1, 0xffffffffu}), HasSubstr("was asked for"));
+}
+
+TEST(PagesFromShards, RefuseAShardThatIsNotTheScenes) {
+  std::mt19937_64 rng(2);
+  const TempFolder folder;
+  const SceneDescription scene = made::write_scene_of(folder / "scene.xml", cells(rng, 2));
+  SceneDescription other = scene;
+  other.cells[0].fingerprint = {7, 7};
+  other.cells[1].lattice_min[0] += 8;
+  const PageSource source = pages_from_shards(folder / "scene.xml", other);
+  EXPECT_THAT(refusal_of(source, {0, -1, 0}), HasSubstr("c_0.h5: fingerprint: differs from scene.xml"));
+  EXPECT_THAT(refusal_of(source, {1, 0, 0}), HasSubstr("c_1.h5: lattice_min: is another window"));
+}
+
+TEST(PagesFromShards, DoNotStopWhereAFileIsMissingOrDamaged) {
+  std::mt19937_64 rng(3);
+  const TempFolder folder;
+  const SceneDescription scene = made::write_scene_of(folder / "scene.xml", cells(rng, 4));
+  std::filesystem::remove(folder / "shards" / "c_1.h5");
+  std::ofstream(folder / "shards" / "c_2.h5") << "not a shard";
+  Pager pager(pages_from_shards(folder / "scene.xml", scene), {2, UINT64_MAX});
+  std::vector<PageKey> keys;
+  for (std::uint32_t cell = 0; cell < 4; ++cell)
+    for (int lod = -1; lod < 3; ++lod) keys.push_back({cell, lod, 0});
+  pager.want(keys);
+  do {
+    pager.wait();
+    pager.begin_pass();
+  } while (pager.counts().queued > 0);
+  pager.begin_pass();
+  for (const std::uint32_t cell : {0u, 3u}) EXPECT_NE(pager.find({cell, -1, 0}), nullptr);
+  for (const std::uint32_t cell : {1u, 2u})
+    for (int lod = -1; lod < 3; ++lod) EXPECT_TRUE(pager.is_damaged({cell, lod, 0}));
+  std::size_t of_missing = 0, of_damaged = 0;
+  for (const std::string& problem : pager.problems()) {
+    of_missing += problem.find("c_1.h5: no such file") != std::string::npos;
+    of_damaged += problem.find("c_2.h5: H5Fopen failed") != std::string::npos;
+  }
+  EXPECT_EQ(of_missing, 1u);
+  EXPECT_EQ(of_damaged, 1u);
+}
+
+TEST(OpenShards, CloseTheLongestUnusedAndOpenItAgainWhenAskedFor) {
+  std::mt19937_64 rng(4);
+  const TempFolder folder;
+  const SceneDescription scene = made::write_scene_of(folder / "scene.xml", cells(rng, 3));
+  OpenShards shards(folder / "scene.xml", scene, 2);
+  const std::weak_ptr<const ShardPages> first = shards.get(0), second = shards.get(1);
+  EXPECT_EQ(shards.get(0), first.lock());
+  shards.get(2);
+  EXPECT_FALSE(first.expired());
+  EXPECT_TRUE(second.expired());
+  EXPECT_EQ(shards.get(1)->header().cell, "c_1");
+  EXPECT_TRUE(first.expired());
+}
+
+TEST(OpenShards, StayOpenForWhoHoldsThem) {
+  std::mt19937_64 rng(5);
+  const TempFolder folder;
+  const std::vector<Shard> written = cells(rng, 2);
+  const SceneDescription scene = made::write_scene_of(folder / "scene.xml", written);
+  OpenShards shards(folder / "scene.xml", scene, 1);
+  const auto held = shards.get(0);
+  shards.get(1);
+  std::filesystem::remove(folder / "shards" / "c_0.h5");
+  EXPECT_EQ(held->nodes(0, 4096).size(), written[0].nodes.key.size());
+  EXPECT_THROW(shards.get(0), InputError);
+}
+
+TEST(OpenShards, AreReadByManyThreadsThoughFewAreOpen) {
+  std::mt19937_64 rng(6);
+  const TempFolder folder;
+  const std::vector<Shard> written = cells(rng, 5);
+  const SceneDescription scene = made::write_scene_of(folder / "scene.xml", written);
+  OpenShards shards(folder / "scene.xml", scene, 2);
+  std::vector<std::jthread> readers;
+  for (std::uint64_t t = 0; t < 4; ++t)
+    readers.emplace_back([&, t] {
+      std::mt19937_64 own(t);
+      for (int i = 0; i < 100; ++i) {
+        const auto cell = std::uint32_t(own() % 5);
+        const auto shard = shards.get(cell);
+        EXPECT_EQ(shard->header().cell, "c_" + std::to_string(cell));
+        EXPECT_EQ(shard->nodes(0, 4096).size(), written[cell].nodes.key.size());
+      }
+    });
+}
+
+}  // namespace
+}  // namespace gigabake

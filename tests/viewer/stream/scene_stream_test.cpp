@@ -1,0 +1,113 @@
+#include "viewer/stream/scene_stream.h"
+
+#include <functional>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mutex>
+#include <set>
+
+#include "lattice/error.h"
+#include "tests/viewer/ground_scene.h"
+
+namespace gigabake {
+namespace {
+
+/// A source that keeps a list of what was asked for.
+struct Witness {
+  std::mutex mutex;
+  std::set<std::uint32_t> cells;  ///< of bricks
+  std::set<int> lods;
+  std::multiset<PageKey> pages;
+
+  PageSource watch(const VoxelScene& scene) {
+    return [this, inner = scene.pages()](const PageKey& key) {
+      const std::lock_guard lock(mutex);
+      pages.insert(key);
+      if (key.lod >= 0) {
+        cells.insert(key.cell);
+        lods.insert(key.lod);
+      }
+      return inner(key);
+    };
+  }
+};
+
+Picture take_watched(const VoxelScene& scene, const PictureOptions& options, Witness& witness) {
+  const ThreadPool pool(1);
+  SceneStream::Options wishes;
+  wishes.memory_bytes = options.memory_bytes;
+  SceneStream stream(scene.description(), "scene.xml", witness.watch(scene), wishes, pool);
+  return render(stream, make_camera(options.camera, scene.description(), scene.pages()), options.background);
+}
+
+TEST(SceneStream, ReadsOnlyTheCoarsestBricksOfWhatIsFarAway) {
+  const VoxelScene scene = wide_ground();
+  Witness witness;
+  take_watched(scene, view({64, 64, 4000}, {64, 64, 0}, 300), witness);
+  EXPECT_EQ(witness.cells.size(), 16u);
+  EXPECT_EQ(witness.lods, std::set<int>{2});
+}
+
+TEST(SceneStream, ReadsOnlyTheCellsThatRaysReachAndTheirNeighbours) {
+  const VoxelScene scene = wide_ground();
+  PictureOptions options = view({40, 40, 90}, {40, 40, 0}, 32);
+  options.camera.fovy_deg = 5;
+  Witness witness;
+  take_watched(scene, options, witness);
+  EXPECT_LE(witness.cells.size(), 4u);
+  EXPECT_EQ(witness.lods, std::set<int>{0});
+}
+
+TEST(SceneStream, ReadsEachPageOnceWhereMemoryIsEnoughAndMoreOftenWhereItIsNot) {
+  const VoxelScene scene = wide_ground(64);
+  PictureOptions options = view({-20, -20, 80}, {128, 128, 0}, 300);  // two tiles of rays a side
+  Witness enough, little;
+  const Picture expected = take_watched(scene, options, enough);
+  EXPECT_EQ(std::set<PageKey>(enough.pages.begin(), enough.pages.end()).size(), enough.pages.size());
+  options.memory_bytes = 300000;
+  EXPECT_EQ(take_watched(scene, options, little).rgba, expected.rgba);
+  EXPECT_GT(little.pages.size(), enough.pages.size());
+}
+
+TEST(SceneStream, RefusesLessMemoryThanTheRootsTake) {
+  const VoxelScene scene = wide_ground();
+  PictureOptions options = view({-20, -20, 80}, {64, 64, 0}, 8);
+  options.memory_bytes = 1000;
+  EXPECT_THROW(take(scene, options), UsageError);
+}
+
+/// What lay_out_cells() says to a scene of two cells that was changed.
+std::string layout_complaint(const std::function<void(SceneDescription&)>& change) {
+  VoxelScene scene(32);
+  for (const std::int64_t x : {0, 32}) scene.add_cell(rippled_ground(), {x, 0, 0});
+  SceneDescription description = scene.description();
+  change(description);
+  try {
+    lay_out_cells(description, "here/scene.xml");
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "none";
+}
+TEST(CellLayout, NamesTheCellThatIsWrong) {
+  using testing::HasSubstr;
+  EXPECT_EQ(layout_complaint([](SceneDescription&) {}), "none");
+  EXPECT_THAT(layout_complaint([](SceneDescription& s) { s.cells.clear(); }),
+              HasSubstr("here/scene.xml: the scene has"));
+  EXPECT_THAT(layout_complaint([](SceneDescription& s) { s.cells[1].cell_voxels = 64; }), HasSubstr("cell c_2: "));
+  EXPECT_THAT(layout_complaint([](SceneDescription& s) { s.cells[0].cell_voxels = 33; }), HasSubstr("power of two"));
+  EXPECT_THAT(layout_complaint([](SceneDescription& s) { s.cells[0].cell_voxels = 0; }), HasSubstr("power of two"));
+  EXPECT_THAT(layout_complaint([](SceneDescription& s) { s.cells[0].lods = 40; }), HasSubstr("40 levels"));
+  EXPECT_THAT(layout_complaint([](SceneDescription& s) { s.cells[1].lattice_min[0] = 33; }),
+              HasSubstr("off the lattice"));
+  EXPECT_THAT(layout_complaint([](SceneDescription& s) { s.cells[1].lattice_min[0] = INT64_MIN; }), HasSubstr("2^50"));
+  EXPECT_THAT(layout_complaint([](SceneDescription& s) {
+                s.cells[1].lattice_min = {0, 0, 24};
+              }),
+              HasSubstr("overlaps"));
+  EXPECT_THAT(layout_complaint([](SceneDescription& s) { s.cells[1].lattice_min[0] = std::int64_t(1) << 40; }),
+              HasSubstr("2^31 columns"));
+}
+
+}  // namespace
+}  // namespace gigabake

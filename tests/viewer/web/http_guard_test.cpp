@@ -1,0 +1,183 @@
+#include "viewer/web/http_guard.h"
+
+#include <gtest/gtest.h>
+#include <set>
+
+namespace gigabake {
+namespace {
+
+RequestHead get(const std::string& host) { return {"GET", host, "", "", "", false, false}; }
+
+RequestHead post(const std::string& length) {
+  return {"POST", "localhost:8080", "", "application/json", length, false, false};
+}
+
+int guard_status(const RequestHead& head, bool local = true) {
+  const auto refusal = refusal_of(head, local);
+  return refusal ? refusal->status : 200;
+}
+
+TEST(HttpGuard, KnowsWhatNoOtherMachineCanReach) {
+  for (const char* host : {"localhost", "LocalHost", "127.0.0.1", "127.1.2.3", "::1"})
+    EXPECT_TRUE(is_loopback(host)) << host;
+  for (const char* host : {"", "0.0.0.0", "::", "10.0.0.1", "127.evil.com", "127.0.0.1.evil.com", "localhost.evil.com",
+                           "127.0.0", "127..0.1", "1270.0.0.1", "127.0.0.1 ", "127.0.0.0001"})
+    EXPECT_FALSE(is_loopback(host)) << host;
+}
+
+TEST(HttpGuard, FindsTheHostOfAnAuthority) {
+  EXPECT_EQ(host_of("localhost:8080"), "localhost");
+  EXPECT_EQ(host_of("localhost"), "localhost");
+  EXPECT_EQ(host_of("[::1]:80"), "::1");
+  EXPECT_EQ(host_of("[::1"), "");
+  EXPECT_EQ(host_of(""), "");
+}
+
+// 2026-11-22: "[::1].evil" and "localhost:80@evil" passed for this machine.
+TEST(HttpGuard, TakesAHostAndAPortAndNothingElseForAnAuthority) {
+  const std::pair<const char*, const char*> good[] = {
+      {"localhost", "localhost"},
+      {"localhost:", "localhost"},
+      {"localhost:0", "localhost"},
+      {"LOCALHOST:80", "LOCALHOST"},
+      {"127.0.0.1:65535", "127.0.0.1"},
+      {"[::1]", "::1"},
+      {"[::1]:", "::1"},
+      {"[::1]:8080", "::1"},
+      {"[fe80::1:2]:1", "fe80::1:2"},
+      {"gpu-7.example:8080", "gpu-7.example"},
+      {"my_node", "my_node"},
+  };
+  for (const auto& [authority, host] : good) EXPECT_EQ(host_of(authority), host) << authority;
+  for (const char* bad : {"[::1].evil",
+                          "[::1].evil:80",
+                          "[::1]evil",
+                          "[::1]:80.evil",
+                          "[::1]80",
+                          "[::1]@evil",
+                          "[localhost]",
+                          "[]",
+                          "[]:80",
+                          "[::1",
+                          "::1",
+                          "::1]",
+                          "[::1]]",
+                          "[[::1]]",
+                          "[::1%lo]",
+                          "[v1.a]",
+                          "localhost:80@evil",
+                          "localhost@evil",
+                          "user@localhost",
+                          "user:pass@localhost",
+                          "localhost:80:80",
+                          "localhost::80",
+                          "localhost:+80",
+                          "localhost:-1",
+                          "localhost: 80",
+                          "localhost:80 ",
+                          " localhost",
+                          "localhost ",
+                          "localhost\t",
+                          "localhost:65536",
+                          "localhost:00000000000000000080000000",
+                          "localhost:4294967376",
+                          "localhost:http",
+                          "localhost/",
+                          "localhost/evil",
+                          "localhost?evil",
+                          "localhost#evil",
+                          "localhost\\evil",
+                          "localhost,evil",
+                          "localhost, localhost",
+                          "local%68ost",
+                          ":80",
+                          ":",
+                          "@",
+                          "localhost:80/@evil",
+                          "http://localhost",
+                          "//localhost",
+                          "ünï.example"})
+    EXPECT_EQ(host_of(bad), "") << bad;
+  EXPECT_EQ(host_of(std::string_view("localhost\0.evil", 15)), "");
+  EXPECT_EQ(host_of(std::string_view("[::1\0]", 6)), "");
+  EXPECT_EQ(host_of(std::string(256, 'a')), "");
+}
+
+TEST(HttpGuard, RefusesHostsThatAreNoneWhereverItListens) {
+  for (const char* bad : {"", "[::1].evil", "localhost:80@evil", "localhost, evil"}) {
+    EXPECT_EQ(guard_status(get(bad)), 403) << bad;
+    EXPECT_EQ(guard_status(get(bad), false), 400) << bad;
+  }
+}
+
+TEST(HttpGuard, RefusesANameThatSomebodyPointedHere) {
+  EXPECT_EQ(guard_status(get("localhost:8080")), 200);
+  EXPECT_EQ(guard_status(get("[::1]:8080")), 200);
+  EXPECT_EQ(guard_status(get("evil.com:8080")), 403);
+  EXPECT_EQ(guard_status(get("")), 403);
+  EXPECT_EQ(guard_status(get("gpu-7.example:8080"), false), 200);  // there the token guards
+}
+
+TEST(HttpGuard, RefusesRequestsOfOtherPages) {
+  RequestHead head = get("localhost:8080");
+  head.origin = "http://localhost:8080";
+  EXPECT_EQ(guard_status(head), 200);
+  for (const char* other : {"http://localhost:81", "http://evil.com", "null", "http://localhost:8080.evil.com"}) {
+    head.origin = other;
+    EXPECT_EQ(guard_status(head), 403) << other;
+  }
+}
+
+TEST(HttpGuard, TakesSmallJsonBodiesWithALengthOnly) {
+  EXPECT_EQ(guard_status(post("2")), 200);
+  EXPECT_EQ(guard_status(post(std::to_string(most_body_bytes))), 200);
+  EXPECT_EQ(guard_status(post(std::to_string(most_body_bytes + 1))), 413);
+  EXPECT_EQ(guard_status(post("99999999999999999999999")), 413);
+  for (const char* bad : {"", "-1", "2x", " 2", "0x2"}) EXPECT_EQ(guard_status(post(bad)), 411) << bad;
+  RequestHead head = post("2");
+  head.has_transfer_encoding = true;
+  EXPECT_EQ(guard_status(head), 411);
+  head = post("2");
+  head.has_content_encoding = true;
+  EXPECT_EQ(guard_status(head), 415);
+  head = post("2");
+  head.content_type = "text/plain";
+  EXPECT_EQ(guard_status(head), 415);
+  head.method = "DELETE";
+  EXPECT_EQ(guard_status(head), 405);
+}
+
+TEST(HttpGuard, ComparesTokensWhole) {
+  EXPECT_TRUE(equal_in_constant_time("0123456789abcdef", "0123456789abcdef"));
+  for (const char* wrong :
+       {"", "0", "0123456789abcde", "0123456789abcdeg", "0123456789abcdef0", "0123456789abcdef0123456789abcdef"})
+    EXPECT_FALSE(equal_in_constant_time("0123456789abcdef", wrong)) << wrong;
+  EXPECT_FALSE(equal_in_constant_time("", "a"));
+}
+
+TEST(HttpGuard, MakesKeysThatDiffer) {
+  std::set<std::string> keys;
+  for (int i = 0; i < 1000; ++i) {
+    const std::string key = random_key();
+    EXPECT_EQ(key.size(), 32u);
+    EXPECT_TRUE(is_token(key));
+    keys.insert(key);
+  }
+  EXPECT_EQ(keys.size(), 1000u);
+}
+
+TEST(HttpGuard, ReadsOneCookieAmongOthers) {
+  EXPECT_EQ(cookie("a=1; gigabake_80=xyz; b=2", "gigabake_80"), "xyz");
+  EXPECT_EQ(cookie("gigabake_80=xyz", "gigabake_80"), "xyz");
+  EXPECT_EQ(cookie("gigabake_8080=no;gigabake_80=", "gigabake_80"), "");
+  EXPECT_EQ(cookie(";;; ;=", "gigabake_80"), "");
+  EXPECT_EQ(cookie("", "x"), "");
+}
+
+TEST(HttpGuard, TokensStandInUrlsAsTheyAre) {
+  EXPECT_TRUE(is_token("aZ09-_"));
+  for (const char* bad : {"a b", "a;b", "ü", "a%20", "a&b"}) EXPECT_FALSE(is_token(bad)) << bad;
+}
+
+}  // namespace
+}  // namespace gigabake

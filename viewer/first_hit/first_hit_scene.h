@@ -1,0 +1,82 @@
+/// A whole scene for first-hit rays, built once from its shards.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "format/scene/scene_xml.h"
+#include "format/shard/shard.h"
+#include "kernels/cast/first_hit_tree.h"
+
+namespace gigabake {
+
+struct FirstHitScene {
+  FirstHitScene() = default;
+  FirstHitScene(FirstHitScene&&) = default;  // a copy's view would borrow from the original
+  FirstHitScene& operator=(FirstHitScene&&) = default;
+
+  std::vector<kernels::FirstHitNode> nodes;
+  std::array<std::vector<kernels::FirstHitNode>, 2> shells;  ///< empty where a constant is wider than 64 voxels
+  std::vector<kernels::FirstHitLook> looks;                  ///< of the voxels, and 64 for each constant node
+  kernels::FirstHitView view;                                ///< of the arrays above
+  std::array<std::int64_t, 3> lattice_min{};                 ///< lod-0 voxel at the tree's lowest corner
+  int lod = 0;                                               ///< of the tree's voxels
+  std::uint64_t voxels = 0;
+
+  std::uint64_t tree_bytes() const;  ///< without the looks
+  std::uint64_t bytes() const;
+};
+
+/// Collects cells, in any order.
+class FirstHitBuilder {
+ public:
+  /// lod: the finest level that is kept.
+  explicit FirstHitBuilder(int lod) : lod_(lod) {}
+
+  /// level: the cell's bricks of `lod`.
+  /// Errors  std::invalid_argument: columns that do not fit together; a corner that is no multiple of four voxels of
+  ///         `lod` from the first cell's. std::length_error: 2^32 voxels or more.
+  void add_cell(const std::array<std::int64_t, 3>& lattice_min, const NodeTable& nodes, const BrickLevel& level);
+
+  /// Errors  std::length_error: 2^18 voxels an edge or more.
+  FirstHitScene finish();
+
+ private:
+  using Position = std::array<std::int64_t, 3>;  ///< voxels from the first cell's corner
+
+  struct Leaf {
+    std::array<std::int32_t, 3> at;  ///< in nodes of 4×4×4 voxels
+    kernels::FirstHitNode node;
+  };
+  struct Constant {
+    Position at;
+    std::int64_t edge;
+    std::uint32_t look;
+  };
+  /// Of the cube that will be the root.
+  struct Cube {
+    Position corner, half;  ///< half of the box that holds the voxels
+    int bits = 6;
+  };
+
+  void add_brick(const Position& at, const BrickLevel& level, std::size_t brick);
+  Cube cube() const;
+  void build_nodes(const Cube& cube, FirstHitScene& scene);
+
+  int lod_;
+  bool empty_ = true;
+  std::array<std::int64_t, 3> first_corner_{};
+  std::vector<Leaf> leaves_;
+  std::vector<Constant> constants_;
+  std::vector<kernels::FirstHitLook> looks_;
+  std::uint64_t voxels_ = 0;
+};
+
+/// Cost    Reads the node table and one level of every cell. Memory: 16 bytes for each 4×4×4 voxels that are not all
+///         empty, three times that while it is built, and 8 for each voxel.
+/// Errors  InputError: no such lod; as FirstHitBuilder; shards that cannot be read.
+FirstHitScene build_first_hit_scene(const SceneDescription& scene, const std::filesystem::path& scene_path, int lod);
+
+}  // namespace gigabake

@@ -1,0 +1,50 @@
+#include "viewer/light/shading.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/body/tables.h"
+#include "lattice/parameters.h"
+
+namespace gigabake {
+namespace {
+
+/// The coverage a of a flat layer whose next coarser level is stored as the mean over the axes: (a + 2(a - a²/2)) / 3.
+double facing_coverage_below(double mean) { return mean >= 2.0 / 3 ? 1 : (3 - std::sqrt(9 - 12 * mean)) / 2; }
+
+/// x, y, z from -1 to 1 as red, green, blue.
+void paint_normal(const std::int8_t* normal, std::uint8_t rgba[4]) {
+  const std::size_t code = std::size_t(std::uint8_t(normal[0])) | std::size_t(std::uint8_t(normal[1])) << 8;
+  const std::int16_t* n = kernels::TableStore::host().view().unit_normal + 4 * code;
+  for (int c = 0; c < 3; ++c) rgba[c] = std::uint8_t((n[c] + 32767) * 255 / 65534);
+}
+
+}  // namespace
+
+Shading::Shading(const kernels::CastLight& light, const SceneDescription& scene, Surface surface)
+    : light_(surface == Surface::colour ? light : kernels::unlit()),
+      surface_(surface),
+      has_normals_(scene.has_normals) {
+  // A bake that declined facing stores the largest of the three instead.
+  const bool averaged = has_facing(parameters_from_json(scene.parameters)) && !scene.has_facing;
+  for (int lod = 0; lod < kernels::max_cast_lods; ++lod)
+    for (int stored = 0; stored < 256; ++stored) {
+      double coverage = stored / 255.0;
+      for (int l = 0; l < lod && averaged; ++l) coverage = facing_coverage_below(coverage);
+      coverage_[std::size_t(lod)][std::size_t(stored)] = std::uint16_t(coverage * 65535 + 0.5);
+    }
+}
+
+kernels::CastVoxel Shading::operator()(int lod, const std::uint8_t rgba[4], const std::int8_t* normal,
+                                       const std::uint8_t* facing) const {
+  std::uint16_t coverage[3];
+  for (int a = 0; a < 3; ++a)
+    coverage[a] = facing != nullptr ? std::uint16_t(facing[a] * 257) : coverage_[std::size_t(lod)][rgba[3]];
+  std::uint8_t shown[4] = {rgba[0], rgba[1], rgba[2], rgba[3]};
+  if (surface_ == Surface::coverage) std::fill_n(shown, 3, rgba[3]);
+  if (surface_ == Surface::normal && has_normals_) paint_normal(normal, shown);
+  return kernels::shade_voxel(shown, has_normals_ && surface_ == Surface::colour ? normal : nullptr, light_,
+                              kernels::TableStore::host().view(), coverage);
+}
+
+}  // namespace gigabake

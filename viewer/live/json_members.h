@@ -1,0 +1,60 @@
+/// Members of JSON objects that people or strangers wrote: each is checked when it is read.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "lattice/error.h"
+
+namespace gigabake {
+
+/// Errors  InputError: not a JSON object, with the byte.
+nlohmann::json parse_object(const std::filesystem::path& file, std::string_view text);
+
+/// One object; borrows it.
+/// Errors (all)  InputError: the file, the member and what was expected. A member that is absent is none.
+class JsonMembers {
+ public:
+  /// where: of the object in the file, as "keyframes[3]"; empty: the whole.
+  JsonMembers(std::filesystem::path file, const nlohmann::json& object, std::string where);
+
+  /// No member but these: a misspelt one would be left out silently.
+  void only(std::initializer_list<std::string_view> known) const;
+  std::optional<double> number(const char* key, double least, double most) const;
+  template <std::size_t n>
+  std::optional<std::array<double, n>> numbers(const char* key, double least, double most) const;
+  /// One of the names; its index.
+  std::optional<std::size_t> choice(const char* key, const std::vector<std::string>& names) const;
+  std::optional<bool> flag(const char* key) const;
+  /// The elements of an array; empty where it is absent.
+  nlohmann::json array(const char* key) const;
+  [[noreturn]] void fail(const char* key, const std::string& message) const;
+
+ private:
+  const nlohmann::json* find(const char* key) const;
+  double checked(const char* key, const nlohmann::json& value, double least, double most,
+                 const std::string& expected) const;
+
+  std::filesystem::path file_;
+  const nlohmann::json& object_;
+  std::string where_;
+};
+
+template <std::size_t n>
+std::optional<std::array<double, n>> JsonMembers::numbers(const char* key, double least, double most) const {
+  const nlohmann::json* value = find(key);
+  if (!value) return std::nullopt;
+  const std::string expected = "an array of " + std::to_string(n) + " numbers";
+  if (!value->is_array() || value->size() != n) fail(key, "expected " + expected);
+  std::array<double, n> out;
+  for (std::size_t i = 0; i < n; ++i) out[i] = checked(key, (*value)[i], least, most, expected);
+  return out;
+}
+
+}  // namespace gigabake

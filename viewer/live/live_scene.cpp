@@ -1,0 +1,280 @@
+#include "viewer/live/live_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <utility>
+
+namespace gigabake {
+namespace {
+
+constexpr double look_every_s = 0.5, wait_for_pages_s = 0.005;
+/// A full picture is drawn for so long at a time, and shown anew as often while it grows.
+constexpr double slice_s = 0.1, show_every_s = 0.25;
+
+std::chrono::duration<double> seconds(double s) { return std::chrono::duration<double>(std::min(s, 3600.0)); }
+
+}  // namespace
+
+LiveScene::LiveScene(std::filesystem::path scene_path, Options options)
+    : path_(std::move(scene_path)), options_(std::move(options)), thread_([this] { draw_all(); }) {}
+
+LiveScene::~LiveScene() {
+  stop();
+  thread_.join();
+}
+
+void LiveScene::stop() {
+  const std::lock_guard lock(mutex_);
+  stop_ = true;
+  end_now_ = true;
+  wake_drawing_.notify_all();
+  wake_viewers_.notify_all();
+}
+
+double LiveScene::now_s() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+// What viewers call.
+
+std::optional<LiveScene::ViewerId> LiveScene::add_viewer(const Steering& first) {
+  const std::lock_guard lock(mutex_);
+  if (viewers_.size() >= options_.most_viewers) return std::nullopt;
+  const auto viewer = std::make_shared<Viewer>();
+  viewer->id = ViewerId(++ids_);
+  viewer->settings = first;
+  if (home_) show_home(*viewer);
+  viewers_.push_back(viewer);
+  wake_drawing_.notify_all();
+  return viewer->id;
+}
+
+void LiveScene::remove_viewer(ViewerId id) {
+  const std::lock_guard lock(mutex_);
+  if (const auto viewer = find(id); viewer && viewer.get() == for_whom_) end_now_ = true;
+  std::erase_if(viewers_, [&](const auto& v) { return v->id == id; });
+  wake_viewers_.notify_all();
+}
+
+std::shared_ptr<LiveScene::Viewer> LiveScene::find(ViewerId id) const {
+  const auto found = std::find_if(viewers_.begin(), viewers_.end(), [&](const auto& v) { return v->id == id; });
+  return found == viewers_.end() ? nullptr : *found;
+}
+
+bool LiveScene::steer(ViewerId id, const Steering& steering) {
+  const std::lock_guard lock(mutex_);
+  const auto viewer = find(id);
+  if (!viewer) return false;
+  if (viewer->pilot) {
+    viewer->pilot->steer(steering, now_s());
+    if (viewer->pilot->is_stale()) (viewer.get() == for_whom_ ? end_now_ : end_soon_) = true;
+  } else if (steering.size) {
+    viewer->settings.size = steering.size;
+  }
+  wake_drawing_.notify_all();
+  return true;
+}
+
+std::optional<ViewerState> LiveScene::state(ViewerId id) const {
+  const std::lock_guard lock(mutex_);
+  const auto viewer = find(id);
+  if (!viewer) return std::nullopt;
+  ViewerState out;
+  out.has_scene = home_.has_value();
+  out.problem = problem_.empty() ? viewer->problem : problem_;
+  out.problems = problems_;
+  if (!viewer->pilot) return out;
+  const Pilot& pilot = *viewer->pilot;
+  out.resting = pilot.rests();
+  out.drawn = viewer->drawn_share;
+  out.pose = pilot.rig().pose();
+  out.style = pilot.rig().style();
+  out.speed_m_per_s = pilot.rig().speed_m_per_s();
+  out.full_view = pilot.full_view();
+  out.upload_s = pilot.upload_s();
+  return out;
+}
+
+LiveScene::FramePtr LiveScene::wait_for_frame(ViewerId id, double timeout_s,
+                                              const std::function<bool(const Viewer&)>& good) const {
+  std::unique_lock lock(mutex_);
+  FramePtr found;
+  wake_viewers_.wait_for(lock, seconds(timeout_s), [&] {
+    const auto viewer = find(id);
+    if (viewer && viewer->frame && good(*viewer)) found = viewer->frame;
+    return stop_ || !viewer || found;
+  });
+  return found;
+}
+
+LiveScene::FramePtr LiveScene::frame_after(ViewerId id, std::uint64_t after, double timeout_s) const {
+  return wait_for_frame(id, timeout_s, [&](const Viewer& v) { return v.frame->number > after; });
+}
+
+LiveScene::FramePtr LiveScene::full_frame(ViewerId id, double timeout_s) const {
+  return wait_for_frame(id, timeout_s, [&](const Viewer& v) {
+    return v.pilot->rests() && v.problem.empty() && v.frame->full && v.frame->frame.stats.complete;
+  });
+}
+
+bool LiveScene::has_scene() const {
+  const std::lock_guard lock(mutex_);
+  return home_.has_value();
+}
+
+// The thread that draws.
+
+void LiveScene::draw_all() {
+  for (;;) {
+    reload_if_replaced();
+    Pilot::Order order;
+    double ask_again_s = HUGE_VAL;
+    const auto viewer = next_order(order, ask_again_s);
+    if (viewer) {
+      draw(viewer, order);
+      continue;
+    }
+    std::unique_lock lock(mutex_);
+    if (stop_) return;
+    wake_drawing_.wait_for(lock, seconds(std::clamp(ask_again_s - now_s(), 0.001, look_every_s)));
+  }
+}
+
+void LiveScene::reload_if_replaced() {
+  if (now_s() < looked_s_ + look_every_s) return;
+  looked_s_ = now_s();
+  const std::optional<FileStamp> stamp = stamp_of(path_);
+  if (!stamp) return;
+  if (*stamp == FileStamp{}) {
+    const std::lock_guard lock(mutex_);
+    if (!home_) problem_ = path_.string() + ": not there yet";
+    return;
+  }
+  if (*stamp == stamp_) return;
+  stamp_ = *stamp;
+  reload();
+  options_.changed();
+}
+
+void LiveScene::reload() {
+  std::unique_ptr<FrameRenderer> renderer;
+  CameraOptions home;
+  std::string problem;
+  try {
+    renderer = std::make_unique<FrameRenderer>(path_, options_.renderer);
+    home = renderer->framed(options_.camera);
+  } catch (const std::exception& e) {
+    problem = e.what();
+  }
+  const std::lock_guard lock(mutex_);
+  problem_ = problem;
+  if (!problem.empty()) return;
+  renderer_ = std::move(renderer);
+  home_ = home;
+  for (const auto& viewer : viewers_) show_home(*viewer);
+}
+
+void LiveScene::show_home(Viewer& viewer) {
+  viewer.problem.clear();
+  if (viewer.pilot) {
+    viewer.pilot->new_scene(*home_);
+    return;
+  }
+  viewer.pilot.emplace(*home_, options_.frame_s);
+  viewer.pilot->steer(viewer.settings, now_s());
+}
+
+std::shared_ptr<LiveScene::Viewer> LiveScene::next_order(Pilot::Order& order, double& ask_again_s) {
+  const std::lock_guard lock(mutex_);
+  if (stop_ || !renderer_) return nullptr;
+  for (std::size_t i = 0; i < viewers_.size(); ++i) {
+    const auto viewer = viewers_[i];
+    if (!viewer->pilot) continue;
+    if (const auto wanted = viewer->pilot->next(now_s())) {
+      std::rotate(viewers_.begin(), viewers_.begin() + std::ptrdiff_t(i) + 1, viewers_.end());
+      order = *wanted;
+      for_whom_ = order.moving ? nullptr : viewer.get();
+      end_now_ = end_soon_ = false;
+      return viewer;
+    }
+    ask_again_s = std::min(ask_again_s, viewer->pilot->ask_again_s());
+  }
+  return nullptr;
+}
+
+/// Nothing where there is nothing new to show.
+std::optional<Frame> LiveScene::carry_out(Viewer& viewer, const Pilot::Order& order) {
+  if (order.in_tiles) return slice(viewer, order);
+  viewer.in_tiles.reset();
+  Frame frame = renderer_->sketch(order.view, {order.upload_s, order.roots_s, [this] { return end_now_.load(); }});
+  if (end_now_) return std::nullopt;
+  return frame;
+}
+
+std::optional<Frame> LiveScene::slice(Viewer& viewer, const Pilot::Order& order) {
+  if (!viewer.in_tiles || viewer.in_tiles_pose != order.pose) {
+    const bool sketched = viewer.frame && viewer.frame_pose == order.pose;
+    viewer.in_tiles = renderer_->begin(order.view, sketched ? &viewer.frame->frame.picture : nullptr);
+    viewer.in_tiles_pose = order.pose;
+  }
+  FrameInTiles& work = *viewer.in_tiles;
+  const double end_s = now_s() + slice_s;
+  renderer_->go_on(
+      work, [&] { return end_soon_ || now_s() >= end_s; }, [this] { return end_now_.load(); });
+  if (work.is_complete()) {
+    Frame frame{std::move(work.picture), work.stats};
+    viewer.in_tiles.reset();
+    return frame;
+  }
+  if (end_now_ || now_s() < viewer.drawn_s + show_every_s) return std::nullopt;
+  return Frame{work.picture, work.stats};
+}
+
+void LiveScene::draw(const std::shared_ptr<Viewer>& viewer, const Pilot::Order& order) {
+  std::optional<Frame> frame;
+  std::string problem;
+  try {
+    frame = carry_out(*viewer, order);
+  } catch (const std::exception& e) {
+    problem = e.what();
+  }
+  const bool waits = frame && !order.in_tiles && !frame->stats.complete && frame->stats.uploads == 0;
+  const std::uint64_t problems = renderer_->problems().size();
+  {
+    std::unique_lock lock(mutex_);
+    for_whom_ = nullptr;
+    viewer->problem = problem;
+    problems_ = problems;
+    const auto& work = viewer->in_tiles;
+    viewer->drawn_share = work ? double(work->done) / double(work->tiles.size()) : frame && frame->stats.complete;
+    if (!problem.empty()) {
+      viewer->pilot->failed();
+    } else if (frame) {
+      hand_over(*viewer, order, std::move(*frame));
+    }
+    wake_viewers_.notify_all();
+    // Pages are on their way: drawing the same again would only take their cores.
+    if (waits && !stop_) wake_drawing_.wait_for(lock, seconds(wait_for_pages_s));
+  }
+  options_.changed();
+}
+
+void LiveScene::hand_over(Viewer& viewer, const Pilot::Order& order, Frame drawn) {
+  const auto frame = std::make_shared<LiveFrame>();
+  const double apart_s = now_s() - viewer.drawn_s;
+  viewer.drawn_s = now_s();
+  viewer.pilot->drawn(order, drawn.stats);
+  frame->frame = std::move(drawn);
+  frame->view = order.view;
+  frame->full = order.full;
+  frame->number = viewer.frame ? viewer.frame->number + 1 : 1;
+  if (apart_s < 1) {
+    const double before = viewer.frame ? viewer.frame->frames_per_s : 0;
+    frame->frames_per_s = before > 0 ? 0.8 * before + 0.2 / apart_s : 1 / apart_s;
+  }
+  viewer.frame = frame;
+  viewer.frame_pose = order.pose;
+}
+
+}  // namespace gigabake

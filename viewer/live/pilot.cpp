@@ -1,0 +1,155 @@
+#include "viewer/live/pilot.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gigabake {
+namespace {
+
+constexpr int least_edge = 16, most_edge = 4096;
+constexpr double least_upload_s = 1e-4, most_upload_s = 1;
+/// Sketches have at least so many pixels along their longer edge, whatever they take.
+constexpr double least_sketch_edge = 96;
+/// At rest each picture is so much larger than the one before; those before the full one cost it little.
+constexpr double growth = 2, most_before_full = 0.4;
+
+CameraPose pose_of(const CameraOptions& camera) {
+  return {camera.eye_m.value_or(Point<Scene>{}), camera.target_m.value_or(Point<Scene>{})};
+}
+
+template <std::size_t n>
+bool any(const std::array<double, n>& v) {
+  return std::any_of(v.begin(), v.end(), [](double x) { return x != 0; });
+}
+
+template <std::size_t n>
+std::array<double, n> within_one(std::array<double, n> v) {
+  for (double& x : v) x = std::isfinite(x) ? std::clamp(x, -1.0, 1.0) : 0;
+  return v;
+}
+
+int scaled(int edge, double share) { return std::max(1, int(std::lround(edge * share))); }
+
+}  // namespace
+
+bool Steering::moves() const {
+  return any(turn) || any(pan) || zoom != 0 || home || (walk && any(*walk)) || (swing && any(*swing)) || pose;
+}
+
+Pilot::Pilot(const CameraOptions& home, double frame_s) : rig_(pose_of(home)), pace_(frame_s) {
+  view_.camera = home;
+  view_.camera.up.reset();
+}
+
+void Pilot::new_scene(const CameraOptions& home) {
+  const CameraPose pose = rig_.pose();
+  const CameraRig::Style style = rig_.style();
+  rig_ = CameraRig(pose_of(home));
+  rig_.set_style(style);
+  if (!at_home_) rig_.set_pose(pose);
+  stale_ = true;
+  any_drawn_ = false;
+}
+
+void Pilot::steer(const Steering& s, double now_s) {
+  advance(now_s);
+  apply_settings(s);
+  if (s.pose) rig_.set_pose(*s.pose);
+  if (s.home) rig_.go_home();
+  rig_.turn(s.turn[0], s.turn[1]);
+  rig_.pan(s.pan[0], s.pan[1], view_.camera.fovy_deg);
+  rig_.zoom(s.zoom);
+  if (s.walk) walk_ = within_one(*s.walk);
+  if (s.swing) swing_ = within_one(*s.swing);
+  if (s.walk || s.swing) held_s_ = now_s;
+  if (!s.moves()) return;
+  at_home_ = s.home;
+  moved_s_ = now_s;
+  stale_ = true;
+}
+
+void Pilot::apply_settings(const Steering& s) {
+  if (s.style) rig_.set_style(*s.style);
+  if (s.upload_s && std::isfinite(*s.upload_s)) upload_s_ = std::clamp(*s.upload_s, least_upload_s, most_upload_s);
+  const View before = view_;
+  if (s.mode && std::size_t(*s.mode) < view_mode_names().size()) view_.mode = *s.mode;
+  if (s.pixel_error && std::isfinite(*s.pixel_error))
+    view_.camera.pixel_error = std::clamp(*s.pixel_error, finest_pixel_error, coarsest_pixel_error);
+  if (s.size) {
+    view_.camera.width = std::clamp((*s.size)[0], least_edge, most_edge);
+    view_.camera.height = std::clamp((*s.size)[1], least_edge, most_edge);
+  }
+  stale_ |= before.mode != view_.mode || before.camera.pixel_error != view_.camera.pixel_error ||
+            before.camera.width != view_.camera.width || before.camera.height != view_.camera.height;
+}
+
+bool Pilot::holds() const { return any(walk_) || any(swing_); }
+
+void Pilot::advance(double now_s) {
+  const double dt_s = std::min(now_s, held_s_ + longest_hold_s) - advanced_s_;
+  advanced_s_ = std::max(advanced_s_, now_s);
+  if (!holds()) return;
+  if (dt_s > 0) {
+    rig_.walk(walk_[0], walk_[1], walk_[2], dt_s);
+    rig_.turn(swing_[0] * dt_s, swing_[1] * dt_s);
+    moved_s_ = std::max(moved_s_, std::min(now_s, held_s_ + longest_hold_s));
+    stale_ = true;
+    at_home_ = false;
+  }
+  if (now_s > held_s_ + longest_hold_s) {
+    walk_ = {};
+    swing_ = {};
+  }
+}
+
+/// While it moves as large as the pace allows; at rest that first, then more.
+double Pilot::next_share(bool moving) const {
+  const double least = least_sketch_edge / std::max(view_.camera.width, view_.camera.height);
+  const double share = std::min(1.0, std::max(pace_.share(), least));
+  if (moving || done_share_ == 0) return share;
+  const double larger = std::max(share, done_share_ * growth);
+  return larger > most_before_full ? 1 : larger;
+}
+
+std::optional<Pilot::Order> Pilot::next(double now_s) {
+  advance(now_s);
+  if (stale_) {
+    done_share_ = 0;
+    done_ = stale_ = false;
+    looked_s_ = now_s;
+    ++pose_;
+  }
+  const bool moving = holds() || now_s < moved_s_ + rest_s;
+  ask_again_s_ = moving ? moved_s_ + rest_s : HUGE_VAL;
+  if (done_ || (moving && done_share_ > 0)) return std::nullopt;
+  Order order{view_, false, false, moving, next_share(moving), upload_s_, any_drawn_ ? 0 : first_roots_s, pose_};
+  order.full = order.share >= 1;
+  // Where whole frames are quick, sketches get finer everywhere at once until nothing is missing.
+  order.in_tiles = !moving && done_share_ > 0 && (pace_.share() < 1 || done_share_ >= 1);
+  if (!moving) order.upload_s = std::clamp(now_s - looked_s_, upload_s_, std::max(upload_s_, longest_upload_s));
+  order.view.camera.eye_m = rig_.pose().eye_m;
+  order.view.camera.target_m = rig_.pose().target_m;
+  order.view.camera.width = scaled(view_.camera.width, order.share);
+  order.view.camera.height = scaled(view_.camera.height, order.share);
+  return order;
+}
+
+double Pilot::ask_again_s() const { return ask_again_s_; }
+
+void Pilot::drawn(const Order& order, const FrameStats& stats) {
+  any_drawn_ = true;
+  if (order.in_tiles) {
+    if (stats.complete) done_share_ = order.share;
+    done_ = stats.complete && order.full;
+    return;
+  }
+  // What comes in at rest takes its time, and says nothing about a frame that moves.
+  pace_.took(stats.total_s - std::max(0.0, stats.upload_s - upload_s_), order.share);
+  const bool nothing_comes = stats.starved || (stats.uploads == 0 && stats.pages_loading == 0);
+  if (stats.complete || nothing_comes) done_share_ = order.share;
+  done_ = stats.complete && order.full;
+}
+
+void Pilot::failed() { done_ = true; }
+
+}  // namespace gigabake

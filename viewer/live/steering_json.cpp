@@ -1,0 +1,71 @@
+#include "viewer/live/steering_json.h"
+
+#include "viewer/live/json_members.h"
+#include "viewer/pictures/frame_stats_json.h"
+
+namespace gigabake {
+namespace {
+
+constexpr double largest_edge = 1 << 15;
+
+CameraPose pose_of(const std::array<double, 6>& v) { return {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}; }
+
+nlohmann::ordered_json triple(const Point<Scene>& p) { return {p.x, p.y, p.z}; }
+
+}  // namespace
+
+const std::vector<std::string>& style_names() {
+  static const std::vector<std::string> names{"orbit", "fly"};
+  return names;
+}
+
+Steering steering_from_json(std::string_view text) {
+  const nlohmann::json json = parse_object("steering", text);
+  const JsonMembers members("steering", json, "");
+  members.only(
+      {"turn", "pan", "zoom", "home", "walk", "swing", "pose", "style", "mode", "pixel_error", "upload_ms", "size"});
+  Steering out;
+  out.turn = members.numbers<2>("turn", -most_heights, most_heights).value_or(out.turn);
+  out.pan = members.numbers<2>("pan", -most_heights, most_heights).value_or(out.pan);
+  out.zoom = members.number("zoom", -most_notches, most_notches).value_or(0);
+  out.home = members.flag("home").value_or(false);
+  out.walk = members.numbers<3>("walk", -1, 1);
+  out.swing = members.numbers<2>("swing", -1, 1);
+  if (const auto pose = members.numbers<6>("pose", -farthest_m, farthest_m)) out.pose = pose_of(*pose);
+  if (const auto style = members.choice("style", style_names())) out.style = CameraRig::Style(*style);
+  if (const auto mode = members.choice("mode", view_mode_names())) out.mode = ViewMode(*mode);
+  out.pixel_error = members.number("pixel_error", finest_pixel_error, coarsest_pixel_error);
+  if (const auto upload_ms = members.number("upload_ms", 0.1, 1000)) out.upload_s = *upload_ms / 1000;
+  if (const auto size = members.numbers<2>("size", 1, largest_edge)) out.size = {int((*size)[0]), int((*size)[1])};
+  return out;
+}
+
+std::string to_json(const ViewerState& state, const LiveFrame* frame) {
+  const View& view = state.full_view;
+  nlohmann::ordered_json json{{"scene", state.has_scene},
+                              {"problem", state.problem},
+                              {"problems", state.problems},
+                              {"resting", state.resting},
+                              {"drawn", state.drawn},
+                              {"eye", triple(state.pose.eye_m)},
+                              {"target", triple(state.pose.target_m)},
+                              {"fovy_deg", view.camera.fovy_deg},
+                              {"size", {view.camera.width, view.camera.height}},
+                              {"style", style_names()[std::size_t(state.style)]},
+                              {"mode", view_mode_names()[std::size_t(view.mode)]},
+                              {"pixel_error", view.camera.pixel_error},
+                              {"upload_ms", state.upload_s * 1000},
+                              {"speed_m_per_s", state.speed_m_per_s},
+                              {"frame", nullptr}};
+  if (frame) {
+    json["frame"] = {{"number", frame->number},
+                     {"size", {frame->frame.picture.width, frame->frame.picture.height}},
+                     {"full", frame->full},
+                     {"frames_per_s", frame->frames_per_s},
+                     {"stats", to_json(frame->frame.stats)}};
+  }
+  // Replaced, not thrown at: a path in a message may be no UTF-8.
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace gigabake

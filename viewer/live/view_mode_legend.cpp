@@ -1,0 +1,26 @@
+#include "viewer/live/view_mode_legend.h"
+
+namespace gigabake {
+
+std::string view_mode_legend(ViewMode mode) {
+  switch (mode) {
+    case ViewMode::lit:
+      return "as the eye sees it: sun, sky and air on the surface's colours";
+    case ViewMode::albedo:
+      return "the surface's own colours, without light";
+    case ViewMode::normal:
+      return "where the surface faces: red east, green north, blue up, each from 0 (the other way) to 255";
+    case ViewMode::coverage:
+      return "how much of a voxel is surface: white all of it, black none";
+    case ViewMode::lod:
+      return "level of the voxels: 0 (finest) red, 1 yellow, 2 green, 3 cyan, 4 blue, 5 magenta; from 6 on the same, "
+             "darker";
+    case ViewMode::cell:
+      return "one colour for each cell, that is for each shard; neighbours may share one";
+    case ViewMode::requests:
+      return "red where finer voxels were asked for and are not here yet, green where all is";
+  }
+  return "";
+}
+
+}  // namespace gigabake

@@ -1,0 +1,209 @@
+#include "viewer/pictures/camera.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "lattice/error.h"
+
+namespace gigabake {
+namespace {
+
+using Vector = std::array<double, 3>;
+
+constexpr int largest_edge = 32768;
+constexpr std::int64_t most_pixels = std::int64_t(1) << 28;
+constexpr double farthest_voxel = double(std::int64_t(1) << 40);
+
+Vector operator+(const Vector& a, const Vector& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+Vector operator-(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+Vector operator*(const Vector& a, double s) { return {a[0] * s, a[1] * s, a[2] * s}; }
+double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vector cross(const Vector& a, const Vector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+double length(const Vector& a) { return std::hypot(a[0], a[1], a[2]); }
+Vector unit(const Vector& a) { return a * (1 / length(a)); }
+
+void check_options(const CameraOptions& o) {
+  check_picture_size(o);
+  if (!(o.fovy_deg >= 0.01 && o.fovy_deg <= 170)) throw UsageError("--fovy: expected 0.01 to 170 degrees");
+  check_pixel_error(o.pixel_error);
+}
+
+/// Scene metres to voxels.
+Vector to_voxels(const Point<Scene>& p_scene_m, const SceneDescription& scene, const char* option) {
+  const Vector p_m{p_scene_m.x, p_scene_m.y, p_scene_m.z};
+  Vector v;
+  for (std::size_t a = 0; a < 3; ++a) {
+    v[a] = (p_m[a] - scene.lattice_origin_m[a]) / scene.voxel_size_m;
+    if (!std::isfinite(p_m[a])) throw UsageError(std::string(option) + ": expected three finite numbers");
+    if (!(std::fabs(v[a]) <= farthest_voxel))
+      throw UsageError(std::string(option) + ": more than 2^40 voxels from the scene's origin");
+  }
+  return v;
+}
+
+/// Orthonormal and right-handed: forward, right, up.
+struct Axes {
+  Vector forward, right, up;
+};
+
+Axes look(const Vector& forward, const std::optional<Point<Scene>>& up) {
+  Vector upwards{0, 0, 1};
+  if (up) {
+    upwards = {up->x, up->y, up->z};
+    const double size = length(upwards);
+    if (!std::isfinite(size) || !(size > 0)) throw UsageError("--up: expected a finite direction other than 0,0,0");
+    upwards = unit(upwards);
+  } else if (std::fabs(forward[2]) > 1 - 1e-9) {
+    upwards = {0, 1, 0};
+  }
+  const Vector right = cross(forward, upwards);
+  if (!(length(right) > 1e-9)) throw UsageError("--up: the camera looks along it; choose another direction");
+  return {forward, unit(right), cross(unit(right), forward)};
+}
+
+/// From the south-east, about 30° above the ground.
+const Vector oblique_view{-0.62, 0.60, -0.505};
+
+/// A scene of more cells is framed by their boxes alone.
+constexpr std::size_t most_cells_read = 256;
+
+/// Calls visit(lowest corner, edge) for the boxes of the finest nodes that the rows know of, in voxels.
+template <class Visit>
+void visit_nodes(const std::vector<NodeRow>& rows, std::size_t row, const Vector& corner, double edge,
+                 const Visit& visit) {
+  const NodeRow& node = rows[row];
+  const auto children = std::size_t(std::popcount(node.child_mask));
+  if (children == 0 || node.first_child + children > rows.size()) return visit(corner, edge);
+  std::size_t next = node.first_child;
+  for (int child = 0; child < 8; ++child) {
+    if ((node.child_mask >> child & 1) == 0) continue;
+    const double half = edge / 2;
+    visit_nodes(rows, next++, corner + Vector{child & 1 ? half : 0, child & 2 ? half : 0, child & 4 ? half : 0}, half,
+                visit);
+  }
+}
+
+/// None of a cell that cannot be read: its box will do, and whoever draws it says what is wrong with it.
+std::vector<NodeRow> first_rows(const SceneDescription& scene, std::size_t cell, const PageSource& pages) {
+  if (scene.cells.size() > most_cells_read) return {};
+  try {
+    return pages({std::uint32_t(cell), -1, 0}).rows;
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+template <class Visit>
+void for_each_occupied_box(const SceneDescription& scene, const PageSource& pages, const Visit& visit) {
+  for (std::size_t c = 0; c < scene.cells.size(); ++c) {
+    const SceneCell& cell = scene.cells[c];
+    const Vector corner{double(cell.lattice_min[0]), double(cell.lattice_min[1]), double(cell.lattice_min[2])};
+    const std::vector<NodeRow> rows = first_rows(scene, c, pages);
+    if (rows.empty())
+      visit(corner, double(cell.cell_voxels));
+    else
+      visit_nodes(rows, 0, corner, double(cell.cell_voxels), visit);
+  }
+}
+
+Vector middle_of(const SceneDescription& scene, const PageSource& pages) {
+  Vector low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+  for_each_occupied_box(scene, pages, [&](const Vector& corner, double edge) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], corner[a]);
+      high[a] = std::max(high[a], corner[a] + edge);
+    }
+  });
+  return (low + high) * 0.5;
+}
+
+/// Two opposite sides of the frustum, moved until all there is lies between them: where they cut the plane of depth 0.
+struct FrustumSides {
+  Vector across;  ///< unit, from the low to the high side
+  Vector low_normal, high_normal;
+  double tan;
+  double low = HUGE_VAL, high = -HUGE_VAL;
+
+  FrustumSides(const Vector& unit_across, const Vector& forward, double tangent)
+      : across(unit_across),
+        low_normal(unit_across + forward * tangent),
+        high_normal(unit_across - forward * tangent),
+        tan(tangent) {}
+
+  void include(const Vector& centre, double half_edge) {
+    const auto reach = [&](const Vector& n) {
+      return half_edge * (std::fabs(n[0]) + std::fabs(n[1]) + std::fabs(n[2]));
+    };
+    low = std::min(low, dot(centre, low_normal) - reach(low_normal));
+    high = std::max(high, dot(centre, high_normal) + reach(high_normal));
+  }
+};
+
+/// Where the camera stands to see everything, as near as it can. With a target it looks straight at that.
+Vector framing_eye(const SceneDescription& scene, const PageSource& pages, const std::optional<Vector>& target,
+                   const Axes& axes, double tan_x, double tan_y) {
+  constexpr double margin = 0.96;
+  FrustumSides sides[2] = {{axes.right, axes.forward, tan_x * margin}, {axes.up, axes.forward, tan_y * margin}};
+  for_each_occupied_box(scene, pages, [&](const Vector& corner, double edge) {
+    for (FrustumSides& s : sides) s.include(corner + Vector{edge / 2, edge / 2, edge / 2}, edge / 2);
+  });
+  double depth = HUGE_VAL;
+  Vector eye{};
+  for (const FrustumSides& s : sides) {
+    const double middle = target ? dot(*target, s.across) : (s.low + s.high) / 2;
+    depth = std::min({depth, (s.low - middle) / s.tan, (middle - s.high) / s.tan});
+    eye = eye + s.across * middle;
+  }
+  return eye + axes.forward * depth;
+}
+
+void set(double out[3], const Vector& v) { std::copy(v.begin(), v.end(), out); }
+
+}  // namespace
+
+void check_picture_size(const CameraOptions& o) {
+  if (o.width < 1 || o.height < 1 || o.width > largest_edge || o.height > largest_edge ||
+      std::int64_t(o.width) * o.height > most_pixels)
+    throw UsageError("--size: " + std::to_string(o.width) + "x" + std::to_string(o.height) +
+                     " is no picture; expected 1 to 32768 a side and at most 2^28 pixels");
+}
+
+void check_pixel_error(double pixel_error) {
+  if (!(pixel_error >= finest_pixel_error && pixel_error <= coarsest_pixel_error))
+    throw UsageError("--pixel-error: expected 2^-16 to 2^16 pixels");
+}
+
+kernels::CastCamera make_camera(const CameraOptions& options, const SceneDescription& scene, const PageSource& pages) {
+  check_options(options);
+  const double tan_y = std::tan(options.fovy_deg * (std::numbers::pi / 360));
+  const double tan_x = tan_y * options.width / options.height;
+  std::optional<Vector> target, eye;
+  if (options.target_m) target = to_voxels(*options.target_m, scene, "--target");
+  if (options.eye_m) eye = to_voxels(*options.eye_m, scene, "--eye");
+  Vector forward = unit(oblique_view);
+  if (!eye) {
+    eye = framing_eye(scene, pages, target, look(forward, options.up), tan_x, tan_y);
+  } else {
+    if (!target) target = middle_of(scene, pages);
+    if (*target == *eye) throw UsageError("--target: the same place as --eye; there is no direction to look");
+    forward = unit(*target - *eye);
+  }
+  const Axes axes = look(forward, options.up);
+
+  kernels::CastCamera camera;
+  set(camera.eye, *eye);
+  set(camera.forward, axes.forward);
+  set(camera.right, axes.right * tan_x);
+  set(camera.up, axes.up * tan_y);
+  camera.width = options.width;
+  camera.height = options.height;
+  camera.lod1_depth = 2 / options.pixel_error * options.height / (2 * tan_y);
+  return camera;
+}
+
+}  // namespace gigabake

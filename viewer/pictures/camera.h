@@ -1,0 +1,36 @@
+/// Where a picture is taken from.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "format/scene/scene_xml.h"
+#include "kernels/cast/cast.h"
+#include "lattice/frames.h"
+#include "viewer/stream/page.h"
+
+namespace gigabake {
+
+/// Sixteen levels finer or coarser than a pixel.
+inline constexpr double finest_pixel_error = 0x1p-16, coarsest_pixel_error = 0x1p16;
+
+/// Errors  UsageError: not within these two.
+void check_pixel_error(double pixel_error);
+
+struct CameraOptions {
+  std::optional<Point<Scene>> eye_m;     ///< default: in the south-east, just far enough to see the whole scene
+  std::optional<Point<Scene>> target_m;  ///< default: the middle of what there is
+  std::optional<Point<Scene>> up;        ///< default: z; north where the camera looks straight up or down
+  double fovy_deg = 40;
+  int width = 1280, height = 720;
+  double pixel_error = 1;  ///< pixels that a voxel may be wide; finest_pixel_error to coarsest_pixel_error
+};
+
+/// Before memory is taken for a picture. Errors  UsageError: not 1 to 32768 pixels a side, or more than 2^28.
+void check_picture_size(const CameraOptions& options);
+
+/// Cost    Where eye or target are left open, one read of up to 256 cells' first page of nodes, one at a time.
+/// Errors  UsageError naming the option: not finite, no direction, sizes or angles out of range.
+kernels::CastCamera make_camera(const CameraOptions& options, const SceneDescription& scene, const PageSource& pages);
+
+}  // namespace gigabake

@@ -1,0 +1,321 @@
+#include "viewer/pictures/frame_renderer.h"
+
+#include <array>
+#include <chrono>
+#include <utility>
+
+#include "format/system/host_limits.h"
+#include "lattice/cuda_failure.h"
+#include "lattice/error.h"
+
+namespace gigabake {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+Clock::time_point from_now(double seconds) {
+  return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+kernels::StopAsked after(double seconds) {
+  return [end = from_now(seconds)] { return Clock::now() >= end; };
+}
+
+bool is_asked(const kernels::StopAsked& stop) { return stop && stop(); }
+
+Point<Scene> to_scene_m(const SceneDescription& scene, const double voxels[3]) {
+  std::array<double, 3> m;
+  for (std::size_t a = 0; a < 3; ++a) m[a] = scene.lattice_origin_m[a] + voxels[a] * scene.voxel_size_m;
+  return {m[0], m[1], m[2]};
+}
+
+/// Pages of so many times their budget are read before a view counts as one that needs more than there is room for.
+constexpr std::uint64_t pages_over = 4;
+
+/// What a mode needs of the pools' bricks.
+struct Filling {
+  Surface surface;
+  bool lit;
+  friend bool operator==(const Filling&, const Filling&) = default;
+};
+
+Filling filling_of(ViewMode mode) {
+  switch (mode) {
+    case ViewMode::albedo:
+      return {Surface::colour, false};
+    case ViewMode::normal:
+      return {Surface::normal, false};
+    case ViewMode::coverage:
+      return {Surface::coverage, false};
+    default:
+      return {Surface::colour, true};
+  }
+}
+
+kernels::CastPaint paint_of(ViewMode mode) {
+  switch (mode) {
+    case ViewMode::lod:
+      return kernels::CastPaint::lod;
+    case ViewMode::cell:
+      return kernels::CastPaint::cell;
+    case ViewMode::requests:
+      return kernels::CastPaint::waits;
+    default:
+      return kernels::CastPaint::shaded;
+  }
+}
+
+bool same_picture(const View& a, const View& b) {
+  const CameraOptions &c = a.camera, &d = b.camera;
+  return a.mode == b.mode && c.eye_m == d.eye_m && c.target_m == d.target_m && c.up == d.up &&
+         c.fovy_deg == d.fovy_deg && c.width == d.width && c.height == d.height && c.pixel_error == d.pixel_error &&
+         c.eye_m.has_value();
+}
+
+}  // namespace
+
+const std::vector<std::string>& view_mode_names() {
+  static const std::vector<std::string> names{"lit", "albedo", "normal", "coverage", "lod", "cell", "requests"};
+  return names;
+}
+
+struct FrameRenderer::State {
+  std::filesystem::path path;
+  Options options;
+  SceneDescription scene;
+  ThreadPool policy;
+  PageSource source;
+  Filling filling{};
+  std::unique_ptr<SceneStream> stream;
+  std::vector<std::uint32_t> wanted;  ///< by the last frame
+  View last;
+  std::uint32_t frame_pass = 0;         ///< the first of the last frame
+  bool put_in = false;                  ///< anything, by the last call
+  bool was_complete = false;            ///< no ray of the last frame missed anything
+  double upload_s = 0;                  ///< of this frame
+  double waited_s = 0;                  ///< before it, for roots
+  std::uint64_t bytes_read_before = 0;  ///< when `last` was first drawn
+  bool starved = false;
+  std::vector<std::string> problems;  ///< besides those of pages
+
+  State(const SceneDescription& described, const std::filesystem::path& scene_path, const Options& wishes)
+      : path(scene_path),
+        options(wishes),
+        scene(described),
+        policy(wishes.threads > 0 ? wishes.threads : host_limits().cores()) {}
+
+  void fill(const Filling& wish) {
+    if (stream && wish == filling) return;
+    filling = wish;
+    stream.reset();  // before the next takes its memory
+    SceneStream::Options wishes{wish.lit ? afternoon_light() : kernels::unlit(),
+                                wish.surface,
+                                options.memory_bytes,
+                                policy.threads(),
+                                options.cuda_device,
+                                options.device_bytes};
+    try {
+      stream = std::make_unique<SceneStream>(scene, path, source, wishes, policy);
+    } catch (const CudaFailure& failure) {
+      if (options.device_required) throw;
+      problems.push_back(std::string("the CPU casts rays: ") + failure.what());
+      wishes.cuda_device = options.cuda_device = {};
+      stream = std::make_unique<SceneStream>(scene, path, source, wishes, policy);
+    }
+    wanted.clear();
+    last = {};
+  }
+
+  /// Pools that are full of what this view uses, or pages that make each other go: nothing that a view needs is read
+  /// several times over where there is room for it.
+  bool is_starved(const SceneStream::Served& served) const {
+    const std::uint64_t read = stream->page_counts().bytes_read - bytes_read_before;
+    return served.is_full || read / pages_over > stream->page_bytes_allowed();
+  }
+
+  void look_at(const View& view) {
+    if (same_picture(view, last)) return;
+    last = view;
+    starved = false;
+    bytes_read_before = stream->page_counts().bytes_read;
+  }
+
+  kernels::CastCamera camera_of(const View& view) const {
+    kernels::CastCamera camera = make_camera(view.camera, scene, source);
+    if (view.mode == ViewMode::lit) camera.tone = screen_tone(options.exposure_stops);
+    if (view.background.sky && view.mode == ViewMode::lit)
+      camera.haze = air(options.haze_visibility_m, scene.voxel_size_m);
+    camera.paint = paint_of(view.mode);
+    return camera;
+  }
+
+  void tell(FrameStats& stats) const {
+    stats.pages_loading = stream->page_counts().queued;
+    stats.bytes_held = stream->bytes_held();
+    stats.bytes_allowed = stream->bytes_allowed();
+    stats.starved = starved;
+  }
+
+  void put_in_wanted(const kernels::CastCamera& camera, const SketchLimits& limits) {
+    const auto start = Clock::now();
+    const kernels::StopAsked enough = [over = after(limits.upload_s - upload_s), &limits] {
+      return over() || is_asked(limits.stop);
+    };
+    stream->begin_pass();
+    const SceneStream::Served served = stream->serve(wanted, camera.eye, enough, {frame_pass, true});
+    starved = starved || is_starved(served);
+    put_in = served.uploads > 0;
+    upload_s += since(start);
+  }
+
+  /// The view's rays are not cast before something stands for every cell, or the time is over.
+  void wait_for_roots(const kernels::CastCamera& camera, const SketchLimits& limits) {
+    const auto start = Clock::now();
+    stream->want_roots();
+    const kernels::StopAsked over = after(limits.roots_s);
+    while (stream->lacks_roots() && !over() && !is_asked(limits.stop)) {
+      put_in_wanted(camera, limits);
+      if (!put_in) stream->wait(std::chrono::milliseconds(5));
+    }
+    waited_s = since(start);
+    upload_s = 0;
+  }
+
+  /// Rays wait for what comes in within the time for uploads, and go on where they stopped: several levels in one
+  /// frame, at the cost of little more than one cast. Then coarser bricks stand for what is still missing.
+  void cast(const View& view, const kernels::CastCamera& camera, const SketchLimits& limits, Picture& picture) {
+    kernels::Caster& caster = stream->caster();
+    const std::size_t rays = std::size_t(camera.width) * std::size_t(camera.height);
+    caster.start(camera, {0, 0, camera.width, camera.height});
+    std::size_t waiting = caster.cast(0, rays, true, limits.stop);
+    frame_pass = caster.pass();
+    while (waiting > 0 && !starved && upload_s < limits.upload_s && !is_asked(limits.stop)) {
+      wanted = caster.wanted();
+      put_in_wanted(camera, limits);
+      if (!put_in) break;
+      waiting = caster.cast(0, rays, true, limits.stop);
+    }
+    if (waiting > 0) caster.cast(0, rays, false, limits.stop);
+    wanted = waiting > 0 ? caster.wanted() : std::vector<std::uint32_t>();
+    picture = blank_picture(camera.width, camera.height, view.light);
+    caster.resolve(to_cast(view.background), pixels_of(picture));
+    was_complete = waiting == 0;
+  }
+
+  /// One pass of rays over what is here and comes in.
+  Frame pass_over(const View& view, const SketchLimits& limits, bool roots_first) {
+    const auto start = Clock::now();
+    const kernels::CastCamera camera = camera_of(view);
+    const std::uint64_t uploads_before = stream->uploads();
+    Frame frame;
+    upload_s = waited_s = 0;
+    if (roots_first) wait_for_roots(camera, limits);
+    put_in_wanted(camera, limits);
+    cast(view, camera, limits, frame.picture);
+    frame.stats.upload_s = waited_s + upload_s;
+    frame.stats.total_s = since(start);
+    frame.stats.cast_s = frame.stats.total_s - frame.stats.upload_s;
+    frame.stats.wanted = wanted.size();
+    frame.stats.uploads = stream->uploads() - uploads_before;
+    frame.stats.complete = was_complete;
+    tell(frame.stats);
+    return frame;
+  }
+
+  void show(const View& view) {
+    fill(filling_of(view.mode));
+    look_at(view);
+  }
+};
+
+FrameRenderer::FrameRenderer(const SceneDescription& scene, const std::filesystem::path& scene_path,
+                             const PageSource& pages, const Options& options) {
+  if (options.threads < 0 || options.threads > 1024)
+    throw UsageError("--threads: expected 1 to 1024, or 0 for all cores");
+  state_ = std::make_unique<State>(scene, scene_path, options);
+  state_->source = pages ? pages : pages_from_shards(scene_path, state_->scene);
+  state_->fill(filling_of(ViewMode::lit));
+}
+
+FrameRenderer::FrameRenderer(const std::filesystem::path& scene_path, const Options& options)
+    : FrameRenderer(read_scene(scene_path), scene_path, {}, options) {}
+
+FrameRenderer::~FrameRenderer() = default;
+
+const SceneDescription& FrameRenderer::scene() const { return state_->scene; }
+
+CameraOptions FrameRenderer::framed(const CameraOptions& options) const {
+  const kernels::CastCamera camera = make_camera(options, state_->scene, state_->source);
+  CameraOptions out = options;
+  out.eye_m = to_scene_m(state_->scene, camera.eye);
+  if (out.target_m) return out;
+  const kernels::CastScene& scene = state_->stream->layout().scene;
+  double along = 0, target[3];
+  for (int a = 0; a < 3; ++a) along += ((scene.min[a] + scene.max[a]) / 2 - camera.eye[a]) * camera.forward[a];
+  for (int a = 0; a < 3; ++a) target[a] = camera.eye[a] + camera.forward[a] * (along > 1 ? along : 1);
+  out.target_m = to_scene_m(state_->scene, target);
+  return out;
+}
+
+Frame FrameRenderer::draw(const View& view, double upload_s) {
+  state_->show(view);
+  if (state_->starved) return draw_exact(view);
+  return state_->pass_over(view, {upload_s, 0, {}}, false);
+}
+
+Frame FrameRenderer::sketch(const View& view, const SketchLimits& limits) {
+  state_->show(view);
+  return state_->pass_over(view, limits, true);
+}
+
+Frame FrameRenderer::draw_exact(const View& view, const Progress& progress) {
+  FrameInTiles frame = begin(view, nullptr);
+  progress.step("drawing", frame.tiles.size());
+  const auto tile_done = [&] {
+    progress.advance();
+    return false;
+  };
+  go_on(frame, tile_done, {});
+  return {std::move(frame.picture), frame.stats};
+}
+
+FrameInTiles FrameRenderer::begin(const View& view, const Picture* meanwhile) {
+  check_picture_size(view.camera);
+  state_->show(view);
+  FrameInTiles frame;
+  frame.view = view;
+  const int width = view.camera.width, height = view.camera.height;
+  frame.picture =
+      meanwhile ? enlarged(*meanwhile, width, height, view.light) : blank_picture(width, height, view.light);
+  frame.tiles = tiles_of(width, height, state_->stream->tile_edge());
+  return frame;
+}
+
+void FrameRenderer::go_on(FrameInTiles& frame, const kernels::StopAsked& enough, const kernels::StopAsked& stop) {
+  State& s = *state_;
+  const auto start = Clock::now();
+  s.show(frame.view);
+  s.wanted.clear();
+  const std::uint64_t uploads_before = s.stream->uploads();
+  const kernels::CastCamera camera = s.camera_of(frame.view);
+  while (!frame.is_complete()) {
+    if (!render_tile(*s.stream, camera, frame.tiles[frame.done], frame.view.background, stop, frame.picture)) break;
+    ++frame.done;
+    if (enough && enough()) break;
+  }
+  frame.stats.total_s += since(start);
+  frame.stats.cast_s = frame.stats.total_s;
+  frame.stats.uploads += s.stream->uploads() - uploads_before;
+  frame.stats.complete = frame.is_complete();
+  s.tell(frame.stats);
+}
+
+std::vector<std::string> FrameRenderer::problems() const {
+  std::vector<std::string> all = state_->problems;
+  for (std::string& problem : state_->stream->problems()) all.push_back(std::move(problem));
+  return all;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,134 @@
+#include "viewer/pictures/picture.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace gigabake {
+namespace {
+
+/// How long a wait for pages lasts before `stop` is asked again.
+constexpr std::chrono::milliseconds look_up{10};
+
+/// Casts the tile's rays until each is finished, putting in what they miss in between. Where the pools do not hold what
+/// they use together, fewer at a time. False where `stop` ended it.
+bool finish_rays(SceneStream& stream, const kernels::CastCamera& camera, const kernels::CastTile& tile,
+                 const kernels::StopAsked& stop) {
+  kernels::Caster& caster = stream.caster();
+  caster.start(camera, tile);
+  const std::size_t rays = std::size_t(tile.width) * std::size_t(tile.height);
+  for (std::size_t begin = 0, many = rays; begin < rays;) {
+    const std::size_t end = std::min(begin + many, rays);
+    const std::size_t waiting = caster.cast(begin, end, true, stop);
+    if (stop && stop()) return false;
+    if (waiting == 0) {
+      begin = end;
+      many *= 2;
+      continue;
+    }
+    const SceneStream::Served served = stream.serve(caster.wanted(), camera.eye, stop, {caster.pass(), false});
+    if (served.evicted_used && many > 1) many /= 2;
+    while (served.uploads == 0 && !stream.wait(look_up))
+      if (stop && stop()) return false;
+    stream.begin_pass();
+  }
+  return true;
+}
+
+/// The tile's rows into those of the whole picture.
+template <class T>
+void put_rows(const std::vector<T>& part, const kernels::CastTile& tile, int picture_width, std::vector<T>& whole) {
+  if (part.empty()) return;
+  const std::size_t per_pixel = part.size() / (std::size_t(tile.width) * std::size_t(tile.height));
+  const std::size_t row_size = per_pixel * std::size_t(tile.width);
+  for (int row = 0; row < tile.height; ++row) {
+    const std::size_t to = std::size_t(tile.y + row) * std::size_t(picture_width) + std::size_t(tile.x);
+    std::copy_n(&part[std::size_t(row) * row_size], row_size, &whole[per_pixel * to]);
+  }
+}
+
+/// Between which two pixels of a row that has `from` one lies, where the row is to have `to`; share: of the second,
+/// 256ths.
+struct Between {
+  std::size_t first, second;
+  unsigned share;
+};
+
+std::vector<Between> between(int from, int to) {
+  std::vector<Between> all;
+  for (int i = 0; i < to; ++i) {
+    const double at = std::clamp((i + 0.5) * from / to - 0.5, 0.0, double(from - 1));
+    const auto first = std::size_t(at);
+    all.push_back({first, std::min(first + 1, std::size_t(from - 1)), unsigned(256 * (at - double(first)))});
+  }
+  return all;
+}
+
+}  // namespace
+
+Picture blank_picture(int width, int height, PictureLight light) {
+  Picture picture{width, height, {}};
+  const std::size_t pixels = std::size_t(width) * std::size_t(height);
+  picture.rgba.resize(4 * pixels);
+  picture.depth.resize(pixels);
+  if (light == PictureLight::linear_too) picture.linear.resize(4 * pixels);
+  return picture;
+}
+
+kernels::CastPixels pixels_of(Picture& picture) {
+  return {picture.rgba.data(), picture.linear.empty() ? nullptr : picture.linear.data(), picture.depth.data()};
+}
+
+Picture enlarged(const Picture& picture, int width, int height, PictureLight light) {
+  Picture out = blank_picture(width, height, light);
+  const std::vector<Between> columns = between(picture.width, width), rows = between(picture.height, height);
+  for (std::size_t y = 0, to = 0; y < rows.size(); ++y)
+    for (std::size_t x = 0; x < columns.size(); ++x, ++to) {
+      const Between &c = columns[x], &r = rows[y];
+      const std::size_t upper = r.first * std::size_t(picture.width), lower = r.second * std::size_t(picture.width);
+      const std::uint8_t* corners[4] = {&picture.rgba[4 * (upper + c.first)], &picture.rgba[4 * (upper + c.second)],
+                                        &picture.rgba[4 * (lower + c.first)], &picture.rgba[4 * (lower + c.second)]};
+      for (std::size_t k = 0; k < 4; ++k) {
+        const unsigned above = corners[0][k] * (256 - c.share) + corners[1][k] * c.share;
+        const unsigned below = corners[2][k] * (256 - c.share) + corners[3][k] * c.share;
+        out.rgba[4 * to + k] = std::uint8_t((above * (256 - r.share) + below * r.share + (1u << 15)) >> 16);
+      }
+      out.depth[to] = picture.depth[(r.share < 128 ? upper : lower) + (c.share < 128 ? c.first : c.second)];
+    }
+  return out;
+}
+
+std::vector<kernels::CastTile> tiles_of(int width, int height, int edge) {
+  std::vector<kernels::CastTile> tiles;
+  for (int y = 0; y < height; y += edge)
+    for (int x = 0; x < width; x += edge)
+      tiles.push_back({x, y, std::min(edge, width - x), std::min(edge, height - y)});
+  const auto from_middle = [&](const kernels::CastTile& t) {
+    return std::hypot(2.0 * t.x + t.width - width, 2.0 * t.y + t.height - height);
+  };
+  std::stable_sort(tiles.begin(), tiles.end(),
+                   [&](const auto& a, const auto& b) { return from_middle(a) < from_middle(b); });
+  return tiles;
+}
+
+bool render_tile(SceneStream& stream, const kernels::CastCamera& camera, const kernels::CastTile& tile,
+                 const Background& background, const kernels::StopAsked& stop, Picture& picture) {
+  if (!finish_rays(stream, camera, tile, stop)) return false;
+  Picture part =
+      blank_picture(tile.width, tile.height, picture.linear.empty() ? PictureLight::srgb : PictureLight::linear_too);
+  stream.caster().resolve(to_cast(background), pixels_of(part));
+  put_rows(part.rgba, tile, camera.width, picture.rgba);
+  put_rows(part.depth, tile, camera.width, picture.depth);
+  put_rows(part.linear, tile, camera.width, picture.linear);
+  return true;
+}
+
+Picture render(SceneStream& stream, const kernels::CastCamera& camera, const Background& background,
+               PictureLight light) {
+  Picture picture = blank_picture(camera.width, camera.height, light);
+  for (const kernels::CastTile& tile : tiles_of(camera.width, camera.height, stream.tile_edge()))
+    render_tile(stream, camera, tile, background, {}, picture);
+  return picture;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,156 @@
+#include "viewer/stream/brick_fill.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+namespace gigabake {
+namespace {
+
+using kernels::CastBrick;
+using kernels::slot_edge;
+using kernels::VoxelBox;
+
+/// Rows of nine voxels, x the lowest bit: which of them are there.
+using Rows = std::uint16_t[slot_edge][slot_edge];
+
+/// Voxels [begin, end) of a slot along each axis.
+struct SlotPart {
+  int begin[3], end[3];
+};
+
+class BrickFiller {
+ public:
+  BrickFiller(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup, const Shading& shading,
+              PageGaps& gaps, CastBrick& brick)
+      : lod_(node.lod), corner_(box_of(node, layout)), lookup_(lookup), shading_(shading), gaps_(gaps), brick_(brick) {
+    std::memset(brick_.voxels, 0, sizeof brick_.voxels);
+  }
+
+  /// The brick's own voxels, then its three faces', three edges' and one corner's neighbours.
+  bool fill() {
+    for (int side = 0; side < 8; ++side) {
+      SlotPart part;
+      for (int a = 0; a < 3; ++a) {
+        part.begin[a] = (side >> a & 1) != 0 ? brick_edge : 0;
+        part.end[a] = (side >> a & 1) != 0 ? slot_edge : brick_edge;
+      }
+      fill_part(part);
+    }
+    return set_mask();
+  }
+
+ private:
+  std::int64_t lattice(int a, int slot) const { return corner_.min[a] + (std::int64_t(slot) << lod_); }
+
+  /// Other cells' bricks may begin at any z.
+  void fill_part(SlotPart part) {
+    const int end = part.end[2];
+    while (part.begin[2] < end) {
+      // Centres decide which voxel of a cell that is not aligned stands here.
+      const std::int64_t half = std::int64_t(1) << lod_ >> 1;
+      const std::int64_t v[3] = {lattice(0, part.begin[0]), lattice(1, part.begin[1]),
+                                 lattice(2, part.begin[2]) + half};
+      const VoxelPlace place = lookup_.place(lod_, v, gaps_);
+      part.end[2] = part.begin[2] + 1;
+      while (part.end[2] < end && lattice(2, part.end[2]) + half < place.box.max[2]) ++part.end[2];
+      if (place.kind == VoxelPlace::Kind::constant) fill_constant(part, place);
+      if (place.kind == VoxelPlace::Kind::brick) fill_from_brick(part, place, half);
+      part.begin[2] = part.end[2];
+    }
+  }
+
+  void put(int x, int y, int z, const kernels::CastVoxel& voxel) {
+    brick_.voxels[x + slot_edge * (y + slot_edge * z)] = voxel;
+    rows_[z][y] = std::uint16_t(rows_[z][y] | 1u << x);
+  }
+
+  void fill_constant(const SlotPart& part, const VoxelPlace& place) {
+    const kernels::CastVoxel voxel =
+        shading_(lod_, place.rgba.data(), place.normal.data(), place.has_facing ? place.facing.data() : nullptr);
+    for (int z = part.begin[2]; z < part.end[2]; ++z)
+      for (int y = part.begin[1]; y < part.end[1]; ++y)
+        for (int x = part.begin[0]; x < part.end[0]; ++x) put(x, y, z, voxel);
+  }
+
+  void fill_from_brick(const SlotPart& part, const VoxelPlace& place, std::int64_t half) {
+    const std::uint64_t* mask = &place.block->mask[8 * place.brick];
+    int from[3];
+    for (int a = 0; a < 3; ++a)
+      from[a] = int((lattice(a, part.begin[a]) + (a == 2 ? half : 0) - place.box.min[a]) >> lod_);
+    std::uint32_t before = place.block->first[place.brick];
+    for (int z = 0; z < from[2]; ++z) before += std::uint32_t(std::popcount(mask[z]));
+    for (int z = part.begin[2]; z < part.end[2]; ++z) {
+      const std::uint64_t word = mask[from[2] + z - part.begin[2]];
+      for (int y = part.begin[1]; y < part.end[1]; ++y) {
+        const int row = 8 * (from[1] + y - part.begin[1]);
+        const std::uint32_t rank = before + std::uint32_t(std::popcount(word & ((std::uint64_t(1) << row) - 1)));
+        fill_row(part, y, z, std::uint32_t(word >> row & 255), from[0], *place.block, rank);
+      }
+      before += std::uint32_t(std::popcount(word));
+    }
+  }
+
+  /// stored: the row of the other brick, whose first voxel there has rank `rank` in the block.
+  void fill_row(const SlotPart& part, int y, int z, std::uint32_t stored, int from_x, const BrickBlock& block,
+                std::uint32_t rank) {
+    for (std::uint32_t rest = stored; rest != 0; rest &= rest - 1, ++rank) {
+      const int x = part.begin[0] + std::countr_zero(rest) - from_x;
+      if (x < part.begin[0] || x >= part.end[0]) continue;
+      const std::int8_t* normal = block.normal.empty() ? nullptr : &block.normal[2 * std::size_t(rank)];
+      const std::uint8_t* facing = block.facing.empty() ? nullptr : &block.facing[3 * std::size_t(rank)];
+      put(x, y, z, shading_(lod_, &block.rgba[4 * std::size_t(rank)], normal, facing));
+    }
+  }
+
+  /// A point's field is not zero where one of the eight voxels around it is there.
+  bool set_mask() {
+    std::uint64_t any = 0;
+    for (int z = 0; z < brick_edge; ++z) {
+      std::uint64_t word = 0;
+      for (int y = 0; y < brick_edge; ++y) {
+        const auto four = std::uint32_t(rows_[z][y] | rows_[z][y + 1] | rows_[z + 1][y] | rows_[z + 1][y + 1]);
+        word |= std::uint64_t((four | four >> 1) & 255) << (8 * y);
+      }
+      brick_.mask.word[z] = word;
+      any |= word;
+    }
+    return any != 0;
+  }
+
+  int lod_;
+  VoxelBox corner_;
+  const VoxelLookup& lookup_;
+  const Shading& shading_;
+  PageGaps& gaps_;
+  CastBrick& brick_;
+  Rows rows_ = {};
+};
+
+}  // namespace
+
+VoxelBox box_of(const FieldNode& node, const CellLayout& layout) {
+  VoxelBox box;
+  for (int a = 0; a < 3; ++a) {
+    box.min[a] = layout.cells[node.cell].min[a] + (std::int64_t(node.at[a]) << (node.lod + 3));
+    box.max[a] = box.min[a] + (std::int64_t(brick_edge) << node.lod);
+  }
+  return box;
+}
+
+std::uint8_t children_of(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup, PageGaps& gaps) {
+  unsigned children = 0;
+  for (unsigned octant = 0; octant < 8; ++octant) {
+    VoxelBox box = box_of(node.child(octant), layout);
+    for (std::int64_t& side : box.max) side += std::int64_t(1) << (node.lod - 1);
+    if (lookup.is_occupied(node.lod - 1, box, gaps)) children |= 1u << octant;
+  }
+  return std::uint8_t(children);
+}
+
+bool fill_brick(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup, const Shading& shading,
+                PageGaps& gaps, CastBrick& brick) {
+  return BrickFiller(node, layout, lookup, shading, gaps, brick).fill();
+}
+
+}  // namespace gigabake

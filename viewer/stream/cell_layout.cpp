@@ -1,0 +1,159 @@
+#include "viewer/stream/cell_layout.h"
+
+#include <algorithm>
+#include <bit>
+#include <iterator>
+#include <map>
+#include <utility>
+
+#include "kernels/cast/locate.h"
+#include "lattice/error.h"
+
+namespace gigabake {
+namespace {
+
+constexpr std::int64_t most_columns = std::int64_t(1) << 31;
+constexpr std::size_t most_cells = std::size_t(1) << 28;
+
+/// What is wrong with a scene, without the file it was read from.
+struct Refusal {
+  std::string key, what;
+};
+
+[[noreturn]] void refuse(const SceneCell& cell, const std::string& what) {
+  throw Refusal{"cell " + cell.name, what + "; bake the scene again"};
+}
+
+void check_cell(const SceneCell& cell, const SceneCell& first) {
+  const std::uint32_t edge = cell.cell_voxels;
+  if (!std::has_single_bit(edge) || edge < brick_edge || edge > 8192)
+    refuse(cell, "an edge of " + std::to_string(edge) + " voxels; expected a power of two, 8 to 8192");
+  if (edge != first.cell_voxels)
+    refuse(cell, "an edge of " + std::to_string(edge) + " voxels where cell " + first.name + " has " +
+                     std::to_string(first.cell_voxels));
+  if (cell.lods != std::uint32_t(std::bit_width(edge / brick_edge)))
+    refuse(cell, std::to_string(cell.lods) + " levels; expected " + std::to_string(std::bit_width(edge / brick_edge)));
+  for (const std::int64_t low : cell.lattice_min)
+    if (low < -kernels::far_voxel / 4 || low > kernels::far_voxel / 4) refuse(cell, "it lies beyond 2^50 voxels");
+  if (cell.lattice_min[0] % edge != 0 || cell.lattice_min[1] % edge != 0 || cell.lattice_min[2] % brick_edge != 0)
+    refuse(cell, "its lowest corner is off the lattice of cells");
+}
+
+/// Column coordinates, and the lows of the cells in it.
+using Columns = std::map<std::pair<std::int64_t, std::int64_t>, std::map<std::int64_t, std::uint32_t>>;
+
+Columns columns_of(const SceneDescription& description) {
+  Columns columns;
+  for (std::uint32_t c = 0; c < description.cells.size(); ++c) {
+    const SceneCell& cell = description.cells[c];
+    const std::int64_t edge = cell.cell_voxels, low = cell.lattice_min[2];
+    auto& column = columns[{cell.lattice_min[0] / edge, cell.lattice_min[1] / edge}];
+    const auto above = column.lower_bound(low);
+    if (above != column.end() && above->first < low + edge)
+      refuse(cell, "it overlaps cell " + description.cells[above->second].name);
+    if (above != column.begin() && std::prev(above)->first + edge > low)
+      refuse(cell, "it overlaps cell " + description.cells[std::prev(above)->second].name);
+    column.emplace(low, c);
+  }
+  return columns;
+}
+
+/// Cells of the column's own grid that cover what begins in [low, high) and that no cell covers yet.
+void add_rims(std::int64_t low, std::int64_t high, std::int64_t edge, std::map<std::int64_t, std::uint32_t>& column) {
+  const std::int64_t phase = column.empty() ? low : column.begin()->first;
+  const auto floor_to_grid = [&](std::int64_t z) {
+    const std::int64_t over = (z - phase) % edge;
+    return z - (over < 0 ? over + edge : over);
+  };
+  for (std::int64_t z = floor_to_grid(low); z < high; z += edge) {
+    const auto above = column.lower_bound(z);
+    const bool free_above = above == column.end() || above->first >= z + edge;
+    const bool free_below = above == column.begin() || std::prev(above)->first + edge <= z;
+    if (free_above && free_below) column.emplace(z, rim_cell);
+  }
+}
+
+/// The columns with rim cells: below every cell, and west, south and south-west of it, down to one coarsest voxel.
+Columns with_rims(const Columns& columns, std::int64_t edge) {
+  Columns all = columns;
+  const std::int64_t coarsest_voxel = edge / brick_edge;
+  for (const auto& [at, column] : columns)
+    for (const auto& [low, cell] : column)
+      for (int side = 0; side < 4; ++side)
+        add_rims(low - coarsest_voxel, low + edge, edge, all[{at.first - (side & 1), at.second - (side >> 1)}]);
+  return all;
+}
+
+/// Columns' coordinates start at 0.
+void measure(const SceneDescription& description, const Columns& columns, kernels::CastScene& scene) {
+  const std::int64_t edge = description.cells[0].cell_voxels;
+  for (int a = 0; a < 3; ++a) {
+    std::int64_t low = kernels::far_voxel, high = -kernels::far_voxel;
+    for (const SceneCell& cell : description.cells) {
+      low = std::min(low, cell.lattice_min[std::size_t(a)]);
+      high = std::max(high, cell.lattice_min[std::size_t(a)] + edge);
+    }
+    scene.min[a] = double(low);
+    scene.max[a] = double(high);
+  }
+  for (int a = 0; a < 2; ++a) {
+    std::int64_t low = kernels::far_voxel, high = -kernels::far_voxel;
+    for (const auto& [at, column] : columns) {
+      low = std::min(low, a == 0 ? at.first : at.second);
+      high = std::max(high, a == 0 ? at.first : at.second);
+    }
+    scene.column_min[a] = low;
+    scene.column_count[a] = high - low + 1;
+    if (scene.column_count[a] > most_columns)
+      throw Refusal{"cells", "they are more than 2^31 columns apart; bake fewer sources at once"};
+  }
+}
+
+void add_column(const std::pair<std::int64_t, std::int64_t>& at, const std::map<std::int64_t, std::uint32_t>& column,
+                CellLayout& layout) {
+  layout.column_first.push_back(std::uint32_t(layout.cells.size()));
+  for (const auto& [low, cell] : column) {
+    const std::int64_t edge = std::int64_t(1) << layout.scene.cell_bits;
+    layout.cells.push_back({{at.first * edge, at.second * edge, low}});
+    layout.scene_cell.push_back(cell);
+  }
+}
+
+CellLayout lay_out(const SceneDescription& description) {
+  if (description.cells.empty()) throw Refusal{"", "the scene has no cells: there is nothing to show"};
+  if (description.cells.size() > most_cells)
+    throw Refusal{"cells", "more than a picture can address; use a larger --cell-voxels"};
+  for (const SceneCell& cell : description.cells) check_cell(cell, description.cells[0]);
+  CellLayout layout;
+  kernels::CastScene& scene = layout.scene;
+  scene.cell_bits = std::countr_zero(description.cells[0].cell_voxels);
+  scene.lods = std::int32_t(description.cells[0].lods);
+  const Columns columns = with_rims(columns_of(description), description.cells[0].cell_voxels);
+  measure(description, columns, scene);
+
+  std::map<std::uint64_t, Columns::const_iterator> by_key;
+  for (auto it = columns.begin(); it != columns.end(); ++it)
+    by_key[kernels::column_key(std::uint32_t(it->first.first - scene.column_min[0]),
+                               std::uint32_t(it->first.second - scene.column_min[1]))] = it;
+  for (const auto& [key, it] : by_key) {
+    layout.column_key.push_back(key);
+    add_column(it->first, it->second, layout);
+  }
+  layout.column_first.push_back(std::uint32_t(layout.cells.size()));
+  scene.cells = {layout.cells.data(), layout.cells.size()};
+  scene.column_key = {layout.column_key.data(), layout.column_key.size()};
+  scene.column_first = {layout.column_first.data(), layout.column_first.size()};
+  return layout;
+}
+
+}  // namespace
+
+CellLayout lay_out_cells(const SceneDescription& description, const std::filesystem::path& scene_path) {
+  try {
+    return lay_out(description);
+  } catch (const Refusal& refusal) {
+    throw InputError(scene_path, refusal.key, refusal.what);
+  }
+}
+
+}  // namespace gigabake

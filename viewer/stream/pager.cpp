@@ -1,0 +1,199 @@
+#include "viewer/stream/pager.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <unordered_set>
+#include <utility>
+
+#include "lattice/error.h"
+#include "viewer/stream/resident_pages.h"
+
+namespace gigabake {
+namespace {
+
+struct Arrival {
+  PageKey key;
+  std::optional<Page> page;
+  std::uint64_t bytes = 0;
+  std::string problem;  ///< where there is no page
+};
+
+std::string one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+/// Says which page, where the error does not.
+std::string problem_with(const PageKey& key, const std::string& what) {
+  const std::string part = key.lod < 0 ? "nodes" : "lod " + std::to_string(key.lod);
+  return "cell " + std::to_string(key.cell) + ", " + part + ", block " + std::to_string(key.block) + ": " + what;
+}
+
+Arrival read_page(const PageSource& source, const PageKey& key) {
+  Arrival arrival{key, {}, 0, {}};
+  try {
+    arrival.page = source(key);
+    arrival.bytes = arrival.page->bytes();
+  } catch (const InputError& error) {
+    arrival.problem = one_line(error.what());
+  } catch (const std::exception& error) {
+    arrival.problem = one_line(problem_with(key, error.what()));
+  } catch (...) {
+    arrival.problem = problem_with(key, "cannot be read, for no stated reason");
+  }
+  return arrival;
+}
+
+}  // namespace
+
+struct Pager::State {
+  State(PageSource page_source, const Options& options);
+  ~State();
+
+  bool may_read() const;
+  void read_on(const std::stop_token& stop);
+  void take(Arrival arrival);
+  void list_unused_above(std::uint64_t limit);
+  std::uint64_t bytes() const { return pages.bytes() + arrived_bytes; }
+  std::uint64_t queued() const { return (queue.size() - next) + reading; }
+
+  const PageSource source;
+  const std::uint64_t memory_bytes;
+
+  /// Changed by begin_pass() alone, but for pages that go; so they are looked at without the mutex.
+  ResidentPages pages;
+  std::unordered_set<PageKey, PageKeyHash> damaged;
+
+  mutable std::mutex mutex;  ///< for all below, and for pages that go
+  std::condition_variable_any wanted;
+  std::condition_variable arrived;
+  std::vector<PageKey> queue;  ///< from `next` on
+  std::size_t next = 0;
+  bool first_of_call = false;  ///< nothing read yet of this queue: one page may exceed memory, or some passes never end
+  std::uint64_t reading = 0;
+  std::unordered_set<PageKey, PageKeyHash> in_hand;  ///< being read, or arrived
+  std::vector<Arrival> arrivals;
+  std::uint64_t arrived_bytes = 0, reads = 0, peak_bytes = 0, bytes_read = 0;
+  std::vector<std::string> problems;
+  std::unordered_set<std::string> known_problems;
+  std::vector<std::jthread> readers;
+};
+
+Pager::State::State(PageSource page_source, const Options& options)
+    : source(std::move(page_source)), memory_bytes(options.memory_bytes) {
+  for (int t = 0; t < std::max(1, options.threads); ++t)
+    readers.emplace_back([this](const std::stop_token& stop) { read_on(stop); });
+}
+
+Pager::State::~State() {
+  for (std::jthread& reader : readers) reader.request_stop();
+}
+
+/// Pages being read count for nothing: nobody knows their size yet.
+bool Pager::State::may_read() const {
+  return (first_of_call && reading == 0 && arrivals.empty()) || bytes() - pages.candidate_bytes() < memory_bytes;
+}
+
+void Pager::State::read_on(const std::stop_token& stop) {
+  std::unique_lock lock(mutex);
+  while (wanted.wait(lock, stop, [&] { return next < queue.size(); }) && !stop.stop_requested()) {
+    if (!may_read()) {
+      next = queue.size();
+      arrived.notify_all();
+      continue;
+    }
+    const PageKey key = queue[next++];
+    first_of_call = false;
+    in_hand.insert(key);
+    ++reading;
+    lock.unlock();
+    Arrival arrival = read_page(source, key);
+    lock.lock();
+    --reading;
+    take(std::move(arrival));
+    arrived.notify_all();
+  }
+}
+
+void Pager::State::take(Arrival arrival) {
+  if (arrival.page) {
+    ++reads;
+    bytes_read += arrival.bytes;
+    arrived_bytes += arrival.bytes;
+    pages.let_go(memory_bytes - std::min(memory_bytes, arrived_bytes));
+    peak_bytes = std::max(peak_bytes, bytes());
+  } else if (known_problems.insert(arrival.problem).second) {
+    problems.push_back(arrival.problem);
+  }
+  arrivals.push_back(std::move(arrival));
+}
+
+/// Every page is looked at, so only where some may have to go.
+void Pager::State::list_unused_above(std::uint64_t limit) {
+  if (bytes() > limit)
+    pages.list_unused();
+  else
+    pages.list_none();
+}
+
+Pager::Pager(PageSource source, const Options& options) : state_(std::make_unique<State>(std::move(source), options)) {}
+
+Pager::~Pager() = default;
+
+bool Pager::begin_pass() {
+  State& s = *state_;
+  const std::scoped_lock lock(s.mutex);
+  s.list_unused_above(s.memory_bytes);
+  s.pages.begin_pass();
+  for (Arrival& arrival : s.arrivals) {
+    s.in_hand.erase(arrival.key);
+    if (arrival.page)
+      s.pages.add(arrival.key, std::move(*arrival.page), arrival.bytes);
+    else
+      s.damaged.insert(arrival.key);
+  }
+  const bool anything = !s.arrivals.empty();
+  s.arrivals.clear();
+  s.arrived_bytes = 0;
+  s.pages.let_go(s.memory_bytes);
+  return anything;
+}
+
+const Page* Pager::find(const PageKey& key) const { return state_->pages.find(key); }
+
+bool Pager::is_damaged(const PageKey& key) const { return state_->damaged.contains(key); }
+
+void Pager::want(const std::vector<PageKey>& most_urgent_first) {
+  State& s = *state_;
+  const std::scoped_lock lock(s.mutex);
+  s.list_unused_above(s.memory_bytes / 8 * 7);
+  s.queue.clear();
+  s.next = 0;
+  s.first_of_call = true;
+  std::unordered_set<PageKey, PageKeyHash> seen = s.in_hand;
+  for (const PageKey& key : most_urgent_first)
+    if (!s.pages.has(key) && !s.damaged.contains(key) && seen.insert(key).second) s.queue.push_back(key);
+  s.wanted.notify_all();
+}
+
+bool Pager::wait(std::chrono::milliseconds most) {
+  State& s = *state_;
+  std::unique_lock lock(s.mutex);
+  return s.arrived.wait_for(lock, most, [&] { return !s.arrivals.empty() || s.queued() == 0; });
+}
+
+PagerCounts Pager::counts() const {
+  const State& s = *state_;
+  const std::scoped_lock lock(s.mutex);
+  return {s.reads, s.bytes(), s.peak_bytes, s.queued(), s.bytes_read};
+}
+
+std::vector<std::string> Pager::problems() const {
+  const std::scoped_lock lock(state_->mutex);
+  return state_->problems;
+}
+
+}  // namespace gigabake

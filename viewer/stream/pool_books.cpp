@@ -1,0 +1,143 @@
+#include "viewer/stream/pool_books.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace gigabake {
+namespace {
+
+using kernels::absent_ref;
+using kernels::CastNode;
+using kernels::empty_ref;
+using kernels::lost_ref;
+
+/// Room is made for many at once: one look at all stamps for each sixteenth of a pool.
+constexpr std::size_t parts_of_pool = 16;
+
+std::uint32_t root_tiles(std::size_t cells) { return std::uint32_t((cells + 7) / 8); }
+
+std::uint32_t last_use(std::uint32_t stamp, std::uint32_t born) { return std::max(stamp, born); }
+
+}  // namespace
+
+PoolBooks::PoolBooks(std::size_t cells, int lods, const kernels::PoolSizes& sizes)
+    : cells_(cells),
+      lods_(lods),
+      roots_stay_(cells < sizes.slots / 2),
+      nodes_(std::size_t(8) * sizes.tiles),
+      tiles_(sizes.tiles),
+      slots_(sizes.slots) {
+  for (std::uint32_t t = 0; t < root_tiles(cells); ++t) tiles_[t].used = true;
+  for (std::uint32_t t = sizes.tiles; t-- > root_tiles(cells);) free_tiles_.push_back(t);
+  for (std::uint32_t s = sizes.slots; s-- > 0;) free_slots_.push_back(s);
+}
+
+std::uint32_t PoolBooks::least_tiles(std::size_t cells, int lods) { return root_tiles(cells) + std::uint32_t(lods); }
+
+FieldNode PoolBooks::place_of(std::uint32_t node) const {
+  if (node < cells_) return {node, lods_ - 1, {0, 0, 0}};
+  return tiles_[node / 8].place.child(node % 8);
+}
+
+bool PoolBooks::is_settled(std::uint32_t node) const {
+  const Tile& tile = tiles_[node / 8];
+  return tile.used && (node < cells_ || tile.round != round_);
+}
+
+void PoolBooks::begin_round(std::uint32_t used_since, bool may_evict_used) {
+  ++round_;
+  used_since_ = used_since;
+  may_evict_used_ = may_evict_used;
+  evicted_used_ = false;
+}
+
+void PoolBooks::change(std::uint32_t node, const CastNode& value) {
+  nodes_[node] = value;
+  changes_.push_back({node, value});
+}
+
+std::vector<kernels::NodeChange> PoolBooks::take_changes() { return std::exchange(changes_, {}); }
+
+bool PoolBooks::put_children(std::uint32_t node, std::uint8_t children, kernels::Caster& caster) {
+  if (free_tiles_.empty() && !free_some_tiles(node / 8, caster)) return false;
+  const std::uint32_t t = free_tiles_.back();
+  free_tiles_.pop_back();
+  tiles_[t] = {node, place_of(node), caster.pass(), round_, 0, true};
+  if (node >= cells_) ++tiles_[node / 8].children_here;
+  const bool finest = tiles_[t].place.lod == 1;
+  for (std::uint32_t c = 0; c < 8; ++c) {
+    const bool there = (children >> c & 1) != 0;
+    change(8 * t + c, {there && !finest ? absent_ref : empty_ref, there ? absent_ref : empty_ref});
+  }
+  change(node, {t, nodes_[node].brick});
+  return true;
+}
+
+std::optional<std::uint32_t> PoolBooks::put_brick(std::uint32_t node, kernels::Caster& caster) {
+  if (free_slots_.empty() && !free_some_slots(caster)) return {};
+  const std::uint32_t s = free_slots_.back();
+  free_slots_.pop_back();
+  slots_[s] = {node, caster.pass(), round_, true};
+  change(node, {nodes_[node].children, s});
+  return s;
+}
+
+void PoolBooks::set_empty(std::uint32_t node) { change(node, {nodes_[node].children, empty_ref}); }
+
+void PoolBooks::set_lost(std::uint32_t node, kernels::Want what) {
+  CastNode value = nodes_[node];
+  (what == kernels::Want::brick ? value.brick : value.children) = lost_ref;
+  change(node, value);
+}
+
+void PoolBooks::release_slot(std::uint32_t slot) {
+  change(slots_[slot].owner, {nodes_[slots_[slot].owner].children, absent_ref});
+  slots_[slot].used = false;
+  free_slots_.push_back(slot);
+}
+
+void PoolBooks::release_tile(std::uint32_t tile) {
+  for (std::uint32_t n = 8 * tile; n < 8 * tile + 8; ++n)
+    if (kernels::is_here(nodes_[n].brick)) release_slot(nodes_[n].brick);
+  const std::uint32_t parent = tiles_[tile].parent;
+  change(parent, {absent_ref, nodes_[parent].brick});
+  if (parent >= cells_) --tiles_[parent / 8].children_here;
+  tiles_[tile].used = false;
+  free_tiles_.push_back(tile);
+}
+
+/// candidates: last use, and who.
+std::vector<std::uint32_t> PoolBooks::oldest(std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates,
+                                             std::size_t most) {
+  std::sort(candidates.begin(), candidates.end());
+  std::vector<std::uint32_t> gone;
+  for (const auto& [stamp, who] : candidates) {
+    if (gone.size() >= most || (stamp >= used_since_ && !(may_evict_used_ && gone.empty()))) break;
+    evicted_used_ |= stamp >= used_since_;
+    gone.push_back(who);
+  }
+  return gone;
+}
+
+/// stays: the tile that the new one will hang from.
+bool PoolBooks::free_some_tiles(std::uint32_t stays, kernels::Caster& caster) {
+  const std::vector<std::uint32_t>& stamps = caster.tile_stamps();
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates;
+  for (std::uint32_t t = root_tiles(cells_); t < tiles_.size(); ++t)
+    if (tiles_[t].used && tiles_[t].children_here == 0 && tiles_[t].round != round_ && t != stays)
+      candidates.emplace_back(last_use(stamps[t], tiles_[t].born), t);
+  for (const std::uint32_t t : oldest(std::move(candidates), 1 + tiles_.size() / parts_of_pool)) release_tile(t);
+  return !free_tiles_.empty();
+}
+
+bool PoolBooks::free_some_slots(kernels::Caster& caster) {
+  const std::vector<std::uint32_t>& stamps = caster.slot_stamps();
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates;
+  for (std::uint32_t s = 0; s < slots_.size(); ++s)
+    if (slots_[s].used && slots_[s].round != round_ && !(roots_stay_ && slots_[s].owner < cells_))
+      candidates.emplace_back(last_use(stamps[s], slots_[s].born), s);
+  for (const std::uint32_t s : oldest(std::move(candidates), 1 + slots_.size() / parts_of_pool)) release_slot(s);
+  return !free_slots_.empty();
+}
+
+}  // namespace gigabake

@@ -1,0 +1,193 @@
+#include "viewer/stream/scene_stream.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "format/system/host_limits.h"
+#include "lattice/error.h"
+
+namespace gigabake {
+namespace {
+
+using kernels::Want;
+
+/// Wants that are answered side by side before the clock is looked at and the pools are filled.
+constexpr std::size_t wants_per_batch = 256;
+/// Wants looked at in one call, the most urgent ones: more would only be asked of the pager in vain.
+constexpr std::size_t most_wants = 8192;
+constexpr std::uint32_t least_slots = 16;
+/// What the urgency of a root is multiplied with while no ray has met its cell.
+constexpr double unseen_root = 1.0 / 64;
+constexpr int cpu_tile_edge = 128, device_tile_edge = 1024;
+
+std::uint32_t node_of(std::uint32_t want) { return want / 2; }
+Want what_of(std::uint32_t want) { return Want(want % 2); }
+
+std::uint64_t host_memory() { return host_limits().memory_bytes; }
+
+/// What is not pages: on the host two thirds, since a brick takes some five times there what it takes in a page.
+std::uint64_t bytes_for_pools(const SceneStream::Options& options) {
+  return options.cuda_device ? options.device_bytes : std::min(options.memory_bytes, host_memory() / 2) / 3 * 2;
+}
+
+std::uint64_t bytes_for_pages(const SceneStream::Options& options) {
+  const std::uint64_t bytes = std::min(options.memory_bytes, host_memory() / 2);
+  return options.cuda_device ? bytes : bytes / 3;
+}
+
+kernels::PoolSizes pool_sizes(const CellLayout& layout, std::uint64_t bytes) {
+  const std::uint32_t least = PoolBooks::least_tiles(layout.cells.size(), layout.scene.lods);
+  const std::uint64_t one = kernels::PoolSizes{1, 2}.bytes(), roots = kernels::PoolSizes{least, least_slots}.bytes();
+  if (roots > bytes)
+    throw UsageError("--memory: the roots of " + std::to_string(layout.cells.size()) + " cells alone need " +
+                     std::to_string(roots / 2 * 3 / 1024 + 1) + "K");
+  const auto more = std::uint32_t(std::min<std::uint64_t>((bytes - roots) / one, 1u << 26));
+  return {least + more, least_slots + 2 * more};
+}
+
+std::unique_ptr<kernels::Caster> make_caster(const CellLayout& layout, const kernels::PoolSizes& sizes,
+                                             const SceneStream::Options& options, const ThreadPool& policy) {
+  return options.cuda_device ? kernels::make_cuda_caster(layout.scene, sizes, *options.cuda_device)
+                             : kernels::make_cpu_caster(layout.scene, sizes, policy);
+}
+
+}  // namespace
+
+struct SceneStream::Answer {
+  PageGaps gaps;
+  std::uint8_t children = 0;
+  bool is_empty = false;
+};
+
+SceneStream::SceneStream(const SceneDescription& scene, const std::filesystem::path& scene_path, PageSource source,
+                         const Options& options, const ThreadPool& policy)
+    : policy_(policy),
+      page_bytes_(bytes_for_pages(options)),
+      pool_bytes_(0),
+      tile_edge_(options.cuda_device ? device_tile_edge : cpu_tile_edge),
+      layout_(lay_out_cells(scene, scene_path)),
+      shading_(options.light, scene, options.surface),
+      pager_(std::move(source), {options.page_threads, page_bytes_}),
+      lookup_(layout_, pager_),
+      books_(layout_.cells.size(), layout_.scene.lods, pool_sizes(layout_, bytes_for_pools(options))) {
+  const kernels::PoolSizes sizes = pool_sizes(layout_, bytes_for_pools(options));
+  pool_bytes_ = sizes.bytes();
+  caster_ = make_caster(layout_, sizes, options, policy);
+  new_bricks_.reserve(wants_per_batch);
+}
+
+void SceneStream::want_roots() {
+  if (wants_roots_ || !books_.roots_stay()) return;
+  wants_roots_ = true;
+  for (std::uint32_t root = 0; root < layout_.cells.size(); ++root)
+    absent_roots_.push_back(2 * root + std::uint32_t(Want::brick));
+  forget_roots_that_came();
+}
+
+/// Nothing to do for it: it came since it was wanted.
+bool SceneStream::has_come(std::uint32_t want) const {
+  const kernels::CastNode& node = books_.node(node_of(want));
+  return (what_of(want) == Want::brick ? node.brick : node.children) != kernels::absent_ref;
+}
+
+/// Near and coarse first: what stands for most pixels.
+double SceneStream::urgency(std::uint32_t want, const double eye[3]) const {
+  const kernels::VoxelBox box = box_of(books_.place_of(node_of(want)), layout_);
+  double squared = 1;
+  for (int a = 0; a < 3; ++a) {
+    const double to_middle = (double(box.min[a]) + double(box.max[a])) / 2 - eye[a];
+    squared += to_middle * to_middle;
+  }
+  const double edge = double(box.max[0] - box.min[0]);
+  return edge * edge / squared;
+}
+
+/// What rays want, and roots that nobody has looked at yet as if they were far away.
+std::vector<std::uint32_t> SceneStream::by_urgency(const std::vector<std::uint32_t>& wanted,
+                                                   const double eye[3]) const {
+  std::vector<std::pair<double, std::uint32_t>> ranked(wanted.size() + absent_roots_.size());
+  policy_.parallel_for(ranked.size(), 2048, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const bool is_seen = i < wanted.size();
+      const std::uint32_t want = is_seen ? wanted[i] : absent_roots_[i - wanted.size()];
+      ranked[i] = {-urgency(want, eye) * (is_seen ? 1 : unseen_root), want};
+    }
+  });
+  if (ranked.size() > most_wants) {
+    std::nth_element(ranked.begin(), ranked.begin() + most_wants, ranked.end());
+    ranked.resize(most_wants);
+  }
+  std::sort(ranked.begin(), ranked.end());
+  std::vector<std::uint32_t> sorted;
+  for (const auto& [rank, want] : ranked) sorted.push_back(want);
+  return sorted;
+}
+
+void SceneStream::forget_roots_that_came() {
+  std::erase_if(absent_roots_, [&](std::uint32_t want) { return has_come(want); });
+}
+
+void SceneStream::answer(std::uint32_t want, Answer& out, kernels::CastBrick& brick) const {
+  const FieldNode node = books_.place_of(node_of(want));
+  out.gaps.scene_cell = layout_.scene_cell[node.cell];
+  if (what_of(want) == Want::children)
+    out.children = children_of(node, layout_, lookup_, out.gaps);
+  else
+    out.is_empty = !fill_brick(node, layout_, lookup_, shading_, out.gaps, brick);
+}
+
+/// False where the pool is full.
+bool SceneStream::enter(std::uint32_t want, const Answer& answer, const kernels::CastBrick& brick) {
+  const std::uint32_t node = node_of(want);
+  if (answer.gaps.damaged) {
+    books_.set_lost(node, what_of(want));
+  } else if (what_of(want) == Want::children) {
+    if (!books_.put_children(node, answer.children, *caster_)) return false;
+  } else if (answer.is_empty) {
+    books_.set_empty(node);
+  } else {
+    const std::optional<std::uint32_t> slot = books_.put_brick(node, *caster_);
+    if (!slot) return false;
+    new_slots_.push_back(*slot);
+    new_bricks_.push_back(brick);
+  }
+  return true;
+}
+
+SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& wanted, const double eye[3],
+                                       const kernels::StopAsked& enough, const Keep& keep) {
+  Served served;
+  std::vector<PageKey> missing;
+  const std::vector<std::uint32_t> wants = by_urgency(wanted, eye);
+  std::vector<Answer> answers;
+  std::vector<kernels::CastBrick> bricks(std::min(wants.size(), wants_per_batch));
+  books_.begin_round(keep.used_since, !keep.all);
+  for (std::size_t from = 0; from < wants.size() && !served.is_full; from += wants_per_batch) {
+    if (from != 0 && enough && enough()) break;
+    const std::size_t count = std::min(wants.size() - from, wants_per_batch);
+    answers.assign(count, {});
+    policy_.parallel_for(count, 8, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t i = begin; i < end; ++i) answer(wants[from + i], answers[i], bricks[i]);
+    });
+    for (std::size_t i = 0; i < count; ++i) {
+      missing.insert(missing.end(), answers[i].gaps.missing.begin(), answers[i].gaps.missing.end());
+      if (served.is_full || !answers[i].gaps.missing.empty()) continue;
+      if (!books_.is_settled(node_of(wants[from + i])) || has_come(wants[from + i])) continue;
+      if (enter(wants[from + i], answers[i], bricks[i]))
+        ++served.uploads;
+      else
+        served.is_full = true;
+    }
+    caster_->put_bricks(new_slots_, new_bricks_);
+    new_slots_.clear();
+    new_bricks_.clear();
+  }
+  caster_->put_nodes(books_.take_changes());
+  pager_.want(missing);
+  forget_roots_that_came();
+  served.evicted_used = books_.evicted_used();
+  uploads_ += served.uploads;
+  return served;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,74 @@
+#include "viewer/web/http_body.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <exception>
+#include <poll.h>
+
+namespace gigabake {
+namespace {
+
+/// How soon a maker whose client is slow notices that the server stops.
+constexpr std::chrono::milliseconds stop_look{100};
+
+}  // namespace
+
+void HttpBody::make(const std::atomic<bool>& stopping) {
+  while (wait_until_taken(stopping)) {
+    std::optional<std::string> bytes;
+    try {
+      bytes = stream_->next();
+    } catch (const std::exception&) {  // the stream ends; its client asks again, or what is wrong with the scene
+    }
+    hand_over(std::move(bytes));
+  }
+  hand_over(std::nullopt);
+}
+
+bool HttpBody::wait_until_taken(const std::atomic<bool>& stopping) {
+  std::unique_lock lock(mutex_);
+  while (!suspended_ && !ended_ && !gone_ && !stopping) wake_.wait_for(lock, stop_look);
+  return suspended_ && !ended_ && !gone_ && !stopping;
+}
+
+/// While a connection is suspended, libmicrohttpd does not look at it.
+bool HttpBody::client_has_left() const {
+  pollfd look{socket_, POLLRDHUP, 0};
+  return ::poll(&look, 1, 0) > 0;
+}
+
+void HttpBody::hand_over(std::optional<std::string> bytes) {
+  const std::lock_guard lock(mutex_);
+  ended_ = ended_ || !bytes || (suspended_ && client_has_left());
+  if (bytes && !ended_) {
+    bytes_ = std::move(*bytes);
+    taken_ = 0;
+  }
+  if (!suspended_ || (!ended_ && bytes_.size() == taken_)) return;
+  suspended_ = false;
+  MHD_resume_connection(connection_);
+}
+
+ssize_t HttpBody::take(char* to, std::size_t room) {
+  const std::lock_guard lock(mutex_);
+  if (ended_) return MHD_CONTENT_READER_END_OF_STREAM;
+  const std::size_t count = std::min(room, bytes_.size() - taken_);
+  if (count == 0) {
+    suspended_ = true;
+    MHD_suspend_connection(connection_);
+    wake_.notify_all();
+    return 0;
+  }
+  std::memcpy(to, bytes_.data() + taken_, count);
+  taken_ += count;
+  return ssize_t(count);
+}
+
+void HttpBody::let_go() {
+  const std::lock_guard lock(mutex_);
+  gone_ = true;
+  wake_.notify_all();
+}
+
+}  // namespace gigabake

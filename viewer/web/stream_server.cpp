@@ -1,0 +1,262 @@
+#include "viewer/web/stream_server.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <iterator>
+#include <mutex>
+#include <nlohmann/json.hpp>
+
+#include "lattice/error.h"
+#include "viewer/live/steering_json.h"
+#include "viewer/pictures/jpeg.h"
+#include "viewer/pictures/png.h"
+#include "viewer/web/http_server.h"
+#include "viewer/web/stream_sessions.h"
+#include "viewer/web/web_files.h"
+
+namespace gigabake {
+namespace {
+
+constexpr int moving_quality = 75, resting_quality = 92;
+constexpr double picture_s = 60, stream_look_s = 1;
+constexpr std::chrono::seconds bake_look{1};
+constexpr const char* json_type = "application/json";
+const std::string part_head = "--frame\r\nContent-Type: image/jpeg\r\n\r\n";
+
+HttpReply error_reply(int status, const std::string& why) {
+  return {status, json_type,
+          nlohmann::json{{"error", why}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
+}
+
+HttpReply reply_to(std::exception_ptr problem) {
+  try {
+    std::rethrow_exception(problem);
+  } catch (const InputError& e) {
+    return error_reply(400, e.what());
+  } catch (const std::exception& e) {
+    return error_reply(500, e.what());
+  } catch (...) {
+    return error_reply(500, "failed");
+  }
+}
+
+HttpReply page_part(const char* type, std::string_view text) { return {200, type, std::string(text)}; }
+
+void check_options(const StreamServer::Options& o) {
+  if (o.port < 0 || o.port > 65535) throw UsageError("--port: expected 1 to 65535, or 0 for any that is free");
+  if (!is_token(o.token)) throw UsageError("--token: expected letters, digits, - and _ only");
+  if (o.token.size() < StreamServer::least_token && !(o.token.empty() && is_loopback(o.bind)))
+    throw UsageError(fmt::format("--token: expected at least {} letters or digits", StreamServer::least_token));
+}
+
+/// One stream of a viewer's pictures, as parts that replace each other.
+class PictureStream : public HttpStream {
+ public:
+  PictureStream(LiveScene& scene, StreamSessions& sessions, std::string key, LiveScene::ViewerId viewer)
+      : scene_(scene), sessions_(sessions), key_(std::move(key)), viewer_(viewer) {
+    stream_ = sessions_.begin_stream(key_);
+  }
+  ~PictureStream() override { sessions_.end_stream(key_, stream_); }
+  PictureStream(const PictureStream&) = delete;
+  PictureStream& operator=(const PictureStream&) = delete;
+
+  std::optional<std::string> next() override {
+    if (!sessions_.is_streaming(key_, stream_)) return std::nullopt;
+    const auto frame = scene_.frame_after(viewer_, number_, stream_look_s);
+    if (!frame) return "";
+    const std::string jpeg = encode_jpeg(frame->frame.picture, frame->full ? resting_quality : moving_quality);
+    // Browsers show a part when they have read the head of the next: it is sent right behind, not with the next
+    // picture.
+    const std::string parts = (number_ == 0 ? part_head : "") + jpeg + "\r\n" + part_head;
+    number_ = frame->number;
+    return parts;
+  }
+
+ private:
+  LiveScene& scene_;
+  StreamSessions& sessions_;
+  const std::string key_;
+  const LiveScene::ViewerId viewer_;
+  std::uint64_t stream_ = 0, number_ = 0;
+};
+
+}  // namespace
+
+struct StreamServer::State {
+  using ViewerId = LiveScene::ViewerId;
+
+  LiveScene& scene;
+  const Options options;
+  const bool local;
+  StreamSessions sessions;
+
+  std::mutex bake_mutex;  ///< guards what follows
+  std::string bake = "null";
+  bool bake_is_asked = false;
+  std::chrono::steady_clock::time_point bake_told{};
+
+  HttpServer http;  ///< last: it calls the rest
+
+  State(LiveScene& s, const Options& o)
+      : scene(s), options(o), local(is_loopback(o.bind)), sessions(s), http(o.bind, o.port, handlers(), o.limits) {}
+
+  HttpServer::Handlers handlers() {
+    HttpServer::Handlers out;
+    out.refuse = [this](const HttpRequest& request) { return refuse(request); };
+    out.answer = [this](const HttpRequest& request) { return answer(request); };
+    out.failed = reply_to;
+    out.headers = {{"Cache-Control", "no-store"},
+                   {"X-Content-Type-Options", "nosniff"},
+                   {"Referrer-Policy", "no-referrer"},
+                   {"Content-Security-Policy", "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'"}};
+    return out;
+  }
+
+  std::string cookie_name() const { return fmt::format("gigabake_{}", http.port()); }
+
+  bool has_token(const HttpRequest& request) const {
+    if (options.token.empty()) return true;
+    const std::string_view bearer = request.authorization;
+    const std::string_view given = bearer.starts_with("Bearer ") ? bearer.substr(7) : "";
+    // Each is compared, whatever the others say.
+    const bool by_header = equal_in_constant_time(options.token, given);
+    const bool by_query = equal_in_constant_time(options.token, request.argument("token"));
+    const bool by_cookie = equal_in_constant_time(options.token, cookie(request.cookies, cookie_name()));
+    return by_header || by_query || by_cookie;
+  }
+
+  std::optional<HttpReply> refuse(const HttpRequest& request) const {
+    if (const auto refusal = refusal_of(request.head, local)) return error_reply(refusal->status, refusal->why);
+    if (!has_token(request))
+      return error_reply(401, "expected the token: open the address that the server has printed");
+    return std::nullopt;
+  }
+
+  HttpAnswer answer(const HttpRequest& request) {
+    struct Route {
+      const char* path;
+      bool is_post;
+      HttpAnswer (State::*handle)(const HttpRequest&);
+    };
+    static constexpr Route routes[] = {
+        {"/", false, &State::page},
+        {"/viewer.js", false, &State::script},
+        {"/viewer.css", false, &State::style},
+        {"/bake", false, &State::tell_bake},
+        {"/viewers", true, &State::open},
+        {"/state", false, &State::for_viewer<&State::tell_state>},
+        {"/stream", false, &State::for_viewer<&State::stream>},
+        {"/picture.png", false, &State::for_viewer<&State::picture>},
+        {"/steer", true, &State::for_viewer<&State::steer>},
+    };
+    const bool is_post = request.head.method == "POST";
+    const auto found = std::find_if(std::begin(routes), std::end(routes), [&](const Route& route) {
+      return route.path == request.path && route.is_post == is_post;
+    });
+    return found == std::end(routes) ? error_reply(404, "there is no such page") : (this->*found->handle)(request);
+  }
+
+  HttpAnswer page(const HttpRequest&) {
+    HttpReply reply = page_part("text/html; charset=utf-8", web_page);
+    // So that script, pictures and steering come with it.
+    if (!options.token.empty())
+      reply.headers.emplace_back("Set-Cookie",
+                                 fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/", cookie_name(), options.token));
+    return reply;
+  }
+
+  HttpAnswer script(const HttpRequest&) { return page_part("text/javascript; charset=utf-8", web_script); }
+  HttpAnswer style(const HttpRequest&) { return page_part("text/css; charset=utf-8", web_style); }
+
+  /// At most once a second, and by one thread at a time; until it has an answer all others get the one before.
+  HttpAnswer tell_bake(const HttpRequest&) {
+    const std::lock_guard lock(bake_mutex);
+    if (bake_is_asked || std::chrono::steady_clock::now() - bake_told < bake_look)
+      return HttpReply{200, json_type, bake};
+    bake_is_asked = true;
+    return [this] {
+      const std::string told = bake_status();
+      const std::lock_guard lock_again(bake_mutex);
+      bake_is_asked = false;
+      bake_told = std::chrono::steady_clock::now();
+      return HttpReply{200, json_type, bake = told};
+    };
+  }
+
+  std::string bake_status() const {
+    try {
+      return options.bake_status();
+    } catch (const std::exception& problem) {
+      return nlohmann::json{{"error", problem.what()}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    }
+  }
+
+  HttpAnswer open(const HttpRequest& request) {
+    const auto key = sessions.open(steering_from_json(request.body));
+    if (!key) return error_reply(503, "as many look already as this server takes; try again later");
+    const nlohmann::ordered_json told{{"viewer", *key}, {"modes", view_mode_names()}, {"styles", style_names()}};
+    return HttpReply{201, json_type, told.dump()};
+  }
+
+  template <HttpAnswer (State::*handle)(const HttpRequest&, ViewerId)>
+  HttpAnswer for_viewer(const HttpRequest& request) {
+    const auto viewer = sessions.touch(request.argument("viewer"));
+    if (viewer) return (this->*handle)(request, *viewer);
+    return error_reply(404, "expected viewer=KEY as POST /viewers gives it; that one is not known, or has left");
+  }
+
+  HttpAnswer tell_state(const HttpRequest&, ViewerId viewer) {
+    const auto state = scene.state(viewer);
+    const auto frame = scene.frame_after(viewer, 0, 0);
+    if (!state) return error_reply(404, "that viewer has left");
+    return HttpReply{200, json_type, to_json(*state, frame.get())};
+  }
+
+  HttpAnswer steer(const HttpRequest& request, ViewerId viewer) {
+    scene.steer(viewer, steering_from_json(request.body));
+    return tell_state(request, viewer);
+  }
+
+  HttpAnswer stream(const HttpRequest& request, ViewerId viewer) {
+    return HttpStreamReply{"multipart/x-mixed-replace; boundary=frame",
+                           std::make_shared<PictureStream>(scene, sessions, request.argument("viewer"), viewer)};
+  }
+
+  HttpAnswer picture(const HttpRequest& request, ViewerId viewer) {
+    const std::string key = request.argument("viewer");
+    if (!sessions.begin_picture(key))
+      return error_reply(429, "pictures of this viewer are on their way; wait for them");
+    return [this, viewer, over = std::shared_ptr<void>(nullptr, [this, key](void*) { sessions.end_picture(key); })] {
+      const auto frame = scene.full_frame(viewer, picture_s);
+      if (!frame) return error_reply(504, "the picture is not complete yet; hold still and try again");
+      HttpReply reply{200, "image/png", encode_png(frame->frame.picture)};
+      reply.headers.emplace_back("Content-Disposition", "attachment; filename=\"gigabake.png\"");
+      return reply;
+    };
+  }
+};
+
+StreamServer::StreamServer(LiveScene& scene, const Options& options) {
+  check_options(options);
+  state_ = std::make_unique<State>(scene, options);
+}
+
+StreamServer::~StreamServer() { stop(); }
+
+int StreamServer::port() const { return state_->http.port(); }
+
+std::string StreamServer::url() const {
+  const std::string& bind = state_->options.bind;
+  const std::string host = bind.find(':') == std::string::npos ? bind : "[" + bind + "]";
+  const std::string& token = state_->options.token;
+  return fmt::format("http://{}:{}/{}", host, port(), token.empty() ? "" : "?token=" + token);
+}
+
+void StreamServer::serve() { state_->http.serve(); }
+
+void StreamServer::stop() {
+  state_->scene.stop();
+  state_->http.stop();
+}
+
+}  // namespace gigabake
