@@ -49,19 +49,20 @@ install(FILES ${CMAKE_BINARY_DIR}/gigabakeConfig.cmake ${CMAKE_BINARY_DIR}/gigab
         DESTINATION ${package_folder} COMPONENT development)
 
 # cpack -G DEB: gigabake and gigabake-dev, each with its licence and changes where Debian looks for them.
-file(READ ${CMAKE_SOURCE_DIR}/packaging/changelog changelog)
-file(WRITE ${CMAKE_BINARY_DIR}/packaging/changelog "${changelog}")
-execute_process(COMMAND gzip -9nkf ${CMAKE_BINARY_DIR}/packaging/changelog COMMAND_ERROR_IS_FATAL ANY)
+set(CPACK_PROJECT_CONFIG_FILE ${CMAKE_SOURCE_DIR}/cmake/packager.cmake)
+set(changelog ${CMAKE_BINARY_DIR}/packaging/changelog)
 foreach(package IN ITEMS runtime=gigabake development=gigabake-dev)
   string(REPLACE "=" ";" package ${package})
   list(GET package 0 component)
   list(GET package 1 name)
-  install(FILES ${CMAKE_SOURCE_DIR}/packaging/copyright ${CMAKE_BINARY_DIR}/packaging/changelog.gz
+  install(CODE "include(\"${CPACK_PROJECT_CONFIG_FILE}\")
+    configure_file(\"${CMAKE_SOURCE_DIR}/packaging/changelog\" \"${changelog}\" @ONLY)
+    execute_process(COMMAND gzip -9nkf \"${changelog}\" COMMAND_ERROR_IS_FATAL ANY)" COMPONENT ${component})
+  install(FILES ${CMAKE_SOURCE_DIR}/packaging/copyright ${changelog}.gz
           DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name} COMPONENT ${component})
 endforeach()
 
 set(CPACK_PACKAGE_NAME gigabake)
-set(CPACK_PACKAGE_CONTACT "The gigabake maintainers <maintainers@users.noreply.h-seed-25f34ac8.example>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "bakes textured terrain into sparse voxel oct-trees")
 set(CPACK_PACKAGE_DESCRIPTION "gigabake turns a textured polygonal terrain into a paged scene of sparse
 voxel oct-trees, on a laptop or on many ranks, and shows the result in a

@@ -37,7 +37,7 @@ struct BrickBlock {
 };
 
 struct ShardHeader {
-  std::string generator;                      ///< "gigabake 0.1.0"
+  std::string generator;                      ///< program and version: "gigabake 0.2.0"
   std::string cell;                           ///< cell name, e.g. "c_3_-2_0"
   std::array<std::int64_t, 3> lattice_min{};  ///< lod-0 voxel index of the cell's lowest corner
   std::uint32_t cell_voxels = 0;              ///< edge in lod-0 voxels, a power of two ≥ 8

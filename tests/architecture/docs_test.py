@@ -1,0 +1,79 @@
+#!/usr/bin/env python3
+"""What the documents name is there: paths of the tree, links, headings, and decisions that code and documents refer to.
+
+Usage: docs_test.py SOURCE_DIR
+"""
+import re
+import sys
+from pathlib import Path
+
+FOLDERS = "app bench cluster cmake docs format kernels lattice packaging scheduler tests tools viewer worker".split()
+PATH = re.compile(r"(?<![\w/.-])((?:%s)/[\w./-]*\w)" % "|".join(FOLDERS))
+# NAME stands for a name that the reader chooses.
+NOT_PATHS = re.compile(r".*NAME")
+# Diaries and changes speak of what was.
+PAST = ("docs/lab/", "CHANGELOG.md")
+
+
+def anchors(text):
+    """Of headings, as code hosts make them, and those that are written out."""
+    for heading in re.findall(r"^#+ (.*)$", text, re.M):
+        yield re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
+    yield from re.findall(r'<a id="([^"]+)">', text)
+
+
+def exists(root, name):
+    """`name` may lack its suffix, and one that ends in _ is the beginning of several."""
+    path = root / name
+    rest = "*" if name.endswith("_") else ".*"
+    return path.exists() or any(path.parent.glob(path.name + rest))
+
+
+def link_problems(root, page, text):
+    for target in re.findall(r"\]\(([^)\s]+)\)", text):
+        file, _, anchor = target.partition("#")
+        if "://" in target or target.startswith("mailto:"):
+            continue
+        aim = (page.parent / file).resolve() if file else page
+        if not aim.exists():
+            yield f"links to {target}, which is not there"
+        elif anchor and anchor not in set(anchors(aim.read_text(encoding="utf-8"))):
+            yield f"links to {target}: no such heading"
+
+
+def page_problems(root, page):
+    text = page.read_text(encoding="utf-8")
+    yield from link_problems(root, page, text)
+    if not page.relative_to(root).as_posix().startswith(PAST):
+        for name in sorted(set(PATH.findall(text))):
+            if not exists(root, name) and not NOT_PATHS.match(name):
+                yield f"names {name}, which is not there"
+
+
+def decision_problems(root, decisions):
+    """Code names decisions as (docs/decisions.md, 10)."""
+    for folder in FOLDERS:
+        for path in sorted((root / folder).rglob("*")):
+            if path.suffix in {".h", ".cpp", ".cu", ".cuh", ".py"}:
+                for number in re.findall(r"docs/decisions\.md, (\d+a?)", path.read_text(encoding="utf-8")):
+                    if f"d{number}" not in decisions:
+                        yield f"{path.relative_to(root)}: docs/decisions.md has no entry {number}"
+
+
+def problems(root):
+    for page in sorted([*root.glob("*.md"), *(root / "docs").rglob("*.md")]):
+        for problem in page_problems(root, page):
+            yield f"{page.relative_to(root)}: {problem}"
+    yield from decision_problems(root, set(anchors((root / "docs/decisions.md").read_text(encoding="utf-8"))))
+
+
+def main():
+    found = list(problems(Path(sys.argv[1]).resolve()))
+    for line in found:
+        print(line)
+    print(f"{len(found)} references to nothing")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
