@@ -7,9 +7,9 @@
 
 namespace gigabake {
 
-/// Does what lies within `radius_m` of the point stand on the earth?
-/// Range  true between 12 km below and 100 km above the ellipsoid; the centre of a wide piece of ground lies deeper, by
-///        up to radius²/2R.
+/// Whether something with this centre and this radius can stand on the earth's surface.
+/// Range  true for centres from 12 km below to 100 km above the ellipsoid; the centre of a wide piece of ground lies up
+///        to radius²/2R deeper (R: the earth's radius), which is allowed for.
 bool is_on_earth(const Point<Ecef>& p_ecef_m, double radius_m = 0);
 
 Geodetic geodetic_of(const Point<Ecef>& p_ecef_m);

@@ -1,4 +1,4 @@
-/// 128 bits that stand for content, and their sum, which does not show in which order parts were added.
+/// A 128-bit hash of some content. Hashes of parts can be added, and the sum is the same in whatever order they are.
 #pragma once
 
 #include <cstdint>

@@ -10,8 +10,7 @@
 
 namespace gigabake {
 
-/// Of the process, as the system's own limits are: `--memory`. 0: no bound, as from the start. To be called before
-/// sources are opened.
+/// Sets the limit of the whole process; 0, as at the start: no bound. To be called before sources are opened.
 void set_memory_limit(std::uint64_t bytes);
 /// UINT64_MAX: none.
 std::uint64_t memory_limit();

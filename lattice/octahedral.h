@@ -1,5 +1,5 @@
-/// Unit vectors in two signed bytes. Source: Cigolle et al. 2014, "A Survey of Efficient Representations for
-/// Independent Unit Vectors"; here with plain rounding.
+/// Unit vectors in two signed bytes (octahedral encoding), each rounded to the nearest: at most 0.96° off.
+/// Source  Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors".
 #pragma once
 
 #include <cmath>

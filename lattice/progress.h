@@ -1,7 +1,7 @@
 /// How a long step says how far it is, and how it is stopped.
 ///
-/// Whatever may take longer than a second takes a Progress as its last parameter, begins its steps and says what is
-/// done at least some ten times a second. Whoever is not interested passes nothing.
+/// A function that may run for longer than a second takes a Progress as its last parameter. It names each step when the
+/// step begins, and reports what is done about ten times a second. A caller who is not interested passes nothing.
 #pragma once
 
 #include <cstdint>
@@ -16,15 +16,17 @@ class Stopped : public std::exception {
   const char* what() const noexcept override { return "stopped before the end"; }
 };
 
-/// Who is told. Called by several threads at a time.
+/// Whoever is told how far a step is. Several threads may call it at the same time.
 class ProgressListener {
  public:
   virtual ~ProgressListener() = default;
 
-  /// The step before has ended. name: as a person reads it, "reading the tileset"; total: of its parts, 0 where nobody
-  /// can know; unit: of the parts, in the plural, empty where a share of the total says more.
+  /// A step begins, and the one before it has ended. name: as a person reads it, "reading the tileset"; total: how many
+  /// parts it has, 0 where nobody can know; unit: what the parts are, in the plural, empty where a percentage says
+  /// more.
   virtual void step(const std::string& name, std::uint64_t total, const std::string& unit) = 0;
-  /// So many more parts are done; 0: the step is still at it. Errors  Stopped: by the wish of whoever listens.
+  /// So many more parts are done; 0: none, but the step is still running. Errors  Stopped: the listener wants the step
+  /// to end.
   virtual void advance(std::uint64_t parts) = 0;
 };
 

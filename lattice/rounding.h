@@ -1,4 +1,4 @@
-/// Doubles to whole numbers, downwards: a device has one instruction for it.
+/// Rounds a double down to a whole number; on a device that is one instruction.
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,5 @@
-/// The one loop facility: what runs on several of the host's threads runs through here (docs/decisions.md compares it
-/// with oneTBB).
+/// The one loop facility: every loop that runs on several of the host's threads runs through here. It was compared with
+/// oneTBB (docs/decisions.md, 205).
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,8 @@
 
 namespace gigabake {
 
-/// Runs loops on the threads of the pool and the caller's own, those of several callers at once. Move-only. A loop must
-/// not start another one on the same pool.
+/// Runs loops on the threads of the pool and on the caller's own thread; several callers' loops may run at the same
+/// time. Move-only. The body of a loop must not start another loop on the same pool.
 class ThreadPool {
  public:
   explicit ThreadPool(int threads);
@@ -29,7 +29,7 @@ class ThreadPool {
   std::unique_ptr<Pool> pool_;
 };
 
-/// A pool without threads of its own: its loops run in the caller's.
+/// A pool without threads of its own: its loops run on the caller's thread alone.
 const ThreadPool& callers_thread();
 
 }  // namespace gigabake

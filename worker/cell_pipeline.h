@@ -39,7 +39,7 @@ class CellPipeline {
   CellPipeline(const CellPipeline&) = delete;
   CellPipeline& operator=(const CellPipeline&) = delete;
 
-  /// Returns at once. Four jobs in flight keep all stages busy.
+  /// Returns at once. As many jobs in flight as scheduler/schedule.h keeps with a worker keep all stages busy.
   void submit(CellJob job);
   /// The next report, if one is there.
   std::optional<CellReport> poll();

@@ -7,12 +7,13 @@ namespace gigabake {
 
 struct WriteCrew {
   int writers;  ///< cells at a time, a thread each
-  int threads;  ///< of the pool that their loops share, besides the writers themselves one less
+  int threads;  ///< of the pool that their loops share; the calling writer is one of them, so it starts one less
 };
 
-/// Beside a device packing sets the pace, and a loop that many threads share is shorter than their waking up: so, many
-/// cells by few threads each, and all of them no more than the worker's threads. Where memory is short, few cells.
-/// Without a device kernels want the threads: one cell, whose loops end soon.
+/// Beside a device packing sets the pace. Its loops are so short that waking many threads for one of them takes longer
+/// than the loop: so two to eight cells are packed at a time with few threads each, in all no more than the worker has.
+/// Where memory is short there are fewer cells. Without a device the kernels need the threads, and one cell is packed
+/// at a time.
 WriteCrew write_crew_for(const WorkerOptions& options);
 
 }  // namespace gigabake

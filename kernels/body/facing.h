@@ -54,8 +54,9 @@ struct alignas(4 * N) CellRun {
   std::uint32_t word[N];
 };
 
-/// What is covered by either; the sums of all three are added to `sums`. A host does so byte by byte, which its
-/// compiler makes vectors of.
+/// The union of two coverages, cell by cell: what either of them covers. The sums of `low`, of `high` and of the union
+/// are added to `sums`. On a device four cells are combined at once in a 32-bit word; on a host the loop goes cell by
+/// cell, because compilers turn that into vector instructions.
 template <int N>
 GB_HD CellRun<N> cover(const CellRun<N>& low, const CellRun<N>& high, std::uint32_t sums[3]) {
   CellRun<N> either;

@@ -14,8 +14,8 @@ inline constexpr std::uint32_t most_pairs_together = 512;
 struct BatchCounters {
   unsigned items, heavy, hard;                   ///< of this batch
   unsigned most_items, most_pairs, most_staged;  ///< of any batch
-  unsigned long long fragments, voxels;          ///< of all; voxels as marked
-  unsigned visible;                              ///< of all, at the end
+  unsigned long long fragments, voxels;          ///< of all batches so far; voxels: marked, invisible ones included
+  unsigned visible;  ///< voxels of the whole cell that show; known when the last batch has been filled
 };
 
 struct BatchView {
