@@ -12,7 +12,7 @@ namespace gigabake {
 
 /// Sets the limit of the whole process; 0, as at the start: no bound. To be called before sources are opened.
 void set_memory_limit(std::uint64_t bytes);
-/// UINT64_MAX: none.
+/// The limit in bytes; UINT64_MAX where there is none.
 std::uint64_t memory_limit();
 
 /// "3.2 GB", as people read it.
@@ -31,7 +31,7 @@ class MemoryClaim {
   /// `items` of `item_bytes`, whose product may be too large for a number; what: "placements of meshes".
   /// Cost  A comparison, unless it fails.
   void add_items(std::uint64_t items, std::uint64_t item_bytes, std::string_view key, std::string_view what);
-  /// Of what was added before.
+  /// Takes back bytes that were added before, because they have been freed.
   void give_back(std::uint64_t bytes) { bytes_ -= bytes; }
 
  private:

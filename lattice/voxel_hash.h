@@ -55,7 +55,7 @@ GB_HD Hash128 hash_record(std::uint64_t bytes, std::uint64_t a, std::uint64_t b,
 
 }  // namespace xxh3
 
-/// Of a level without facing. x, y, z: the voxel's lowest corner; rgba: red lowest; normal: its first byte lowest.
+/// On a level without `facing`. x, y, z: the voxel's lowest corner. Lowest bytes: red, and the first of the normal.
 GB_HD Hash128 hash_voxel(std::int32_t lod, std::int64_t x, std::int64_t y, std::int64_t z, std::uint32_t rgba,
                          std::uint16_t normal) {
   const auto ux = std::uint64_t(x), uy = std::uint64_t(y), uz = std::uint64_t(z);
@@ -65,7 +65,7 @@ GB_HD Hash128 hash_voxel(std::int32_t lod, std::int64_t x, std::int64_t y, std::
                            w3 >> 16 | std::uint64_t(normal) << 48);
 }
 
-/// Of a level with it. facing: of x lowest, 24 bits.
+/// On a level with `facing`: 24 bits, of which the lowest byte is coverage along x.
 GB_HD Hash128 hash_voxel(std::int32_t lod, std::int64_t x, std::int64_t y, std::int64_t z, std::uint32_t rgba,
                          std::uint16_t normal, std::uint32_t facing) {
   const auto ux = std::uint64_t(x), uy = std::uint64_t(y), uz = std::uint64_t(z);

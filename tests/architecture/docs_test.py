@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the documents name is there: paths of the tree, links, headings, and decisions that code and documents refer to.
+"""What documents and comments name is there: paths of the tree, links, headings, and decisions.
 
 Usage: docs_test.py SOURCE_DIR
 """
@@ -9,6 +9,7 @@ from pathlib import Path
 
 FOLDERS = "app bench cluster cmake docs format kernels lattice packaging scheduler tests tools viewer worker".split()
 PATH = re.compile(r"(?<![\w/.-])((?:%s)/[\w./-]*\w)" % "|".join(FOLDERS))
+CODE = {".h", ".cpp", ".cu", ".cuh", ".py"}
 # NAME stands for a name that the reader chooses.
 NOT_PATHS = re.compile(r".*NAME")
 # Diaries and changes speak of what was.
@@ -50,12 +51,16 @@ def page_problems(root, page):
                 yield f"names {name}, which is not there"
 
 
-def decision_problems(root, decisions):
-    """Code names decisions as (docs/decisions.md, 10)."""
+def code_problems(root, decisions):
+    """Code names files by their whole path, and decisions as (docs/decisions.md, 10)."""
     for folder in FOLDERS:
         for path in sorted((root / folder).rglob("*")):
-            if path.suffix in {".h", ".cpp", ".cu", ".cuh", ".py"}:
-                for number in re.findall(r"docs/decisions\.md, (\d+a?)", path.read_text(encoding="utf-8")):
+            if path.suffix in CODE and path.name != "docs_test.py":
+                text = path.read_text(encoding="utf-8")
+                for name in sorted(set(PATH.findall(text))):
+                    if Path(name).suffix in CODE | {".md"} and not exists(root, name):
+                        yield f"{path.relative_to(root)}: names {name}, which is not there"
+                for number in re.findall(r"docs/decisions\.md, (\d+a?)", text):
                     if f"d{number}" not in decisions:
                         yield f"{path.relative_to(root)}: docs/decisions.md has no entry {number}"
 
@@ -64,7 +69,7 @@ def problems(root):
     for page in sorted([*root.glob("*.md"), *(root / "docs").rglob("*.md")]):
         for problem in page_problems(root, page):
             yield f"{page.relative_to(root)}: {problem}"
-    yield from decision_problems(root, set(anchors((root / "docs/decisions.md").read_text(encoding="utf-8"))))
+    yield from code_problems(root, set(anchors((root / "docs/decisions.md").read_text(encoding="utf-8"))))
 
 
 def main():
