@@ -7,6 +7,8 @@ import re
 import sys
 from pathlib import Path
 
+from architecture_test import ROOMS
+
 FOLDERS = "app bench cluster cmake docs format kernels lattice packaging scheduler tests tools viewer worker".split()
 PATH = re.compile(r"(?<![\w/.-])((?:%s)/[\w./-]*\w)" % "|".join(FOLDERS))
 CODE = {".h", ".cpp", ".cu", ".cuh", ".py"}
@@ -65,10 +67,24 @@ def code_problems(root, decisions):
                         yield f"{path.relative_to(root)}: docs/decisions.md has no entry {number}"
 
 
+def architecture_problems(root):
+    """docs/architecture.md has every room, and its flow names structs that their headers declare."""
+    text = (root / "docs/architecture.md").read_text(encoding="utf-8")
+    yield from (f"has no row for the room {room}" for room in ROOMS if f"`{room}`" not in text)
+    flow = text.split("## The flow")[1].split("\n## ")[0]
+    for row in re.findall(r"^\| [^|]*→[^|]*\|([^|]*)\|([^|]*)\|", flow, re.M):
+        headers = [root / name for name in re.findall(r"`([\w/]+\.h)`", row[1])]
+        declared = "".join(header.read_text(encoding="utf-8") for header in headers if header.exists())
+        for name in re.findall(r"`([A-Z]\w+)`", row[0]) if headers else []:
+            if not re.search(rf"(struct|class) {name}\b", declared):
+                yield f"says that {name} is declared in {row[1].strip()}"
+
+
 def problems(root):
     for page in sorted([*root.glob("*.md"), *(root / "docs").rglob("*.md")]):
         for problem in page_problems(root, page):
             yield f"{page.relative_to(root)}: {problem}"
+    yield from (f"docs/architecture.md: {problem}" for problem in architecture_problems(root))
     yield from code_problems(root, set(anchors((root / "docs/decisions.md").read_text(encoding="utf-8"))))
 
 
