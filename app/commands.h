@@ -6,7 +6,7 @@
 namespace gigabake::app {
 
 /// Exit codes, the same for every command (docs/cluster.md).
-enum ExitCode : int { complete = 0, failed = 1, usage = 2, cells_failed = 3, drained = 75 };
+enum ExitCode : int { complete = 0, failed = 1, usage = 2, cells_failed = 3, rank_lost = 69, drained = 75 };
 
 /// Each adds its sub-command to `app`; its callback sets `exit_code` and throws UsageError or InputError.
 void add_sample(CLI::App& app, int& exit_code);

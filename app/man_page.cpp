@@ -111,6 +111,8 @@ std::string man_page(const Command& command, const Command& root) {
   page += sections(command);
   page += ".SH EXIT STATUS\n" + entry("0", "complete") + entry("1", "failed; one line says why") +
           entry("2", "wrong usage") + entry("3", "some cells or sources are missing; the last lines list them") +
+          entry("69",
+                "under mpirun: a rank died or fell silent and the launch ended; the same command goes on from there") +
           entry("75", "drained: the same command goes on from there");
   page += ".SH SEE ALSO\n";
   std::string others;

@@ -27,6 +27,9 @@ int on_all_ranks(const std::function<int(MpiSession&)>& work) {
   } catch (const UsageError& e) {  // the arguments are the same on every rank
     if (mpi.rank() == 0) fmt::print(stderr, "gigabake: {}\n", e.what());
     return usage;
+  } catch (const RankLost& e) {
+    fmt::print(stderr, "gigabake: rank {}: {}\n", mpi.rank(), e.what());
+    mpi.abort(rank_lost);  // not 1, which starters take for the bake's own failure and do not launch again
   } catch (const std::exception& e) {
     if (mpi.ranks() == 1) throw;
     fmt::print(stderr, "gigabake: rank {}: {}\n", mpi.rank(), reason_of(e));

@@ -235,6 +235,8 @@ BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress
   } catch (const Stopped&) {
     if (feed) feed->stop();
     throw;
+  } catch (const RankLost&) {
+    throw;  // the launch ends, not the bake: the next launch goes on, and the status says that this one was interrupted
   } catch (const std::exception& e) {
     if (feed) feed->fail(reason_of(e));
     throw;

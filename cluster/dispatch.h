@@ -48,7 +48,7 @@ DispatchResult dispatch(MpiSession& mpi, const std::vector<CellJob>& jobs,
                         const ScheduleOptions& options, DispatchWatcher& watcher);
 
 /// Every other rank: bakes what it is given until told to stop.
-/// Errors  std::runtime_error: nothing heard of rank 0 for four times silence_s (before its first word: for as long as
+/// Errors  RankLost: nothing heard of rank 0 for four times silence_s (before its first word: for as long as
 ///         a collective call waits). No collective call may follow.
 void work(MpiSession& mpi, BakeProcess& process, double silence_s);
 

@@ -19,12 +19,13 @@
 namespace gigabake {
 namespace {
 
+/// Once MPI has started, a call fails where the way to another rank is gone.
 void check(int code, const char* call) {
   if (code == MPI_SUCCESS) return;
   char text[MPI_MAX_ERROR_STRING];
   int length = 0;
   MPI_Error_string(code, text, &length);
-  throw std::runtime_error(std::string(call) + ": " + std::string(text, std::size_t(length)));
+  throw RankLost(std::string(call) + ": " + std::string(text, std::size_t(length)));
 }
 
 bool is_done(MPI_Request& request, const char* call) {
@@ -40,8 +41,8 @@ void wait_for(MPI_Request& request, double patience_s, const char* call) {
        pause = std::min(pause * 2, std::chrono::microseconds(2000))) {
     std::this_thread::sleep_for(pause);
     if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > patience_s)
-      throw std::runtime_error(std::string(call) + ": not every rank answered within " +
-                               std::to_string(std::int64_t(patience_s)) + " s; run the same command again");
+      throw RankLost(std::string(call) + ": not every rank answered within " +
+                     std::to_string(std::int64_t(patience_s)) + " s; run the same command again");
   }
 }
 

@@ -4,9 +4,16 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <vector>
 
 namespace gigabake {
+
+/// Another rank died or hangs, and this launch cannot go on without it; another launch of the same command can.
+class RankLost : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 struct Message {
   int from = 0, tag = 0;
@@ -14,7 +21,7 @@ struct Message {
 };
 
 /// MPI_Init to MPI_Finalize; without mpirun a world of one rank. One per process, which ends with its mpirun.
-/// Errors  std::runtime_error with the MPI call and its own text. A start or an end that takes too long because another
+/// Errors  RankLost with the MPI call and its own text. A start or an end that takes too long because another
 ///         rank died or hangs ends the process: cluster/time_bound.h.
 class MpiSession {
  public:
@@ -40,8 +47,8 @@ class MpiSession {
   void progress();
   /// A message if one has arrived; never waits (a waiting receive burns a core).
   std::optional<Message> poll();
-  /// A collective call that takes longer than this throws on every rank that waits: one of them hangs, and MPI would
-  /// wait for it for ever. No other collective call may follow.
+  /// A collective call that takes longer than this throws RankLost on every rank that waits: one of them hangs, and MPI
+  /// would wait for it for ever. No other collective call may follow.
   void set_patience(double patience_s) { patience_s_ = patience_s; }
   double patience_s() const { return patience_s_; }
   /// The largest value of any rank. Collective.

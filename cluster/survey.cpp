@@ -113,8 +113,8 @@ class SurveyCollector {
   void expect_life(int rank) const {
     const Rank& r = ranks_[std::size_t(rank)];
     if (r.missing == 0 || std::chrono::duration<double>(Clock::now() - r.heard).count() < silence_s_) return;
-    throw std::runtime_error("nothing heard of rank " + std::to_string(rank) +
-                             " while tiles were surveyed; run the same command again, without its host");
+    throw RankLost("nothing heard of rank " + std::to_string(rank) +
+                   " while tiles were surveyed; run the same command again, without its host");
   }
 
   MpiSession& mpi_;
@@ -143,7 +143,7 @@ std::vector<std::uint32_t> share_out(MpiSession& mpi, const std::vector<std::uin
     }
     process.wait(longest_wait);
   }
-  throw std::runtime_error("nothing heard of rank 0 before tiles were surveyed; run the same command again");
+  throw RankLost("nothing heard of rank 0 before tiles were surveyed; run the same command again");
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ void survey_here(BakeProcess& process, const std::vector<std::uint32_t>& tiles,
 /// Collective. tiles: rank 0's; those to survey. One survey per tile on rank 0, nothing elsewhere. A tile that cannot
 /// be read is a survey with an error. silence_s: rank 0 does not wait longer for a rank that says nothing. on_survey:
 /// rank 0's; how many surveys are there; false: no rank surveys more, and those that are there are returned. Errors
-/// std::runtime_error on rank 0: a rank fell silent. No collective call may follow.
+/// RankLost on rank 0: a rank fell silent. No collective call may follow.
 std::vector<TileSurvey> survey_tiles(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, BakeProcess& process,
                                      double silence_s, const std::function<bool(std::size_t)>& on_survey);
 

@@ -1,5 +1,4 @@
 #include <chrono>
-#include <stdexcept>
 #include <string>
 #include <variant>
 
@@ -40,8 +39,8 @@ class Worker {
     turned_ = now;
     const double silent_s = std::chrono::duration<double>(now - heard_).count();
     if (stopped_ || silent_s < longest_silence_s_) return;
-    throw std::runtime_error("nothing heard of rank 0 for " + std::to_string(std::int64_t(silent_s)) +
-                             " s; run the same command again, without its host");
+    throw RankLost("nothing heard of rank 0 for " + std::to_string(std::int64_t(silent_s)) +
+                   " s; run the same command again, without its host");
   }
 
   void obey(const Message& message) {

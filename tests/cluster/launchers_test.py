@@ -114,9 +114,9 @@ class Mpirun(Script):
             self.assertEqual(len(self.lines("launches")), 1, code)
 
     def test_a_launch_that_died_is_repeated(self):
-        self.assertEqual(self.run_to_end(205, 137, 1, 3), 3)
-        self.assertEqual(len(self.lines("launches")), 4)
-        self.assertIn("relaunch 3 of 5", self.errors)
+        self.assertEqual(self.run_to_end(69, 205, 137, 1, 3), 3)
+        self.assertEqual(len(self.lines("launches")), 5)
+        self.assertIn("relaunch 4 of 5", self.errors)
 
     def test_but_not_for_ever(self):
         self.assertEqual(self.run_to_end(205, 205, 205, 0, GIGABAKE_RELAUNCHES="2"), 205)
