@@ -81,7 +81,7 @@ def architecture_problems(root):
 
 
 def problems(root):
-    for page in sorted([*root.glob("*.md"), *(root / "docs").rglob("*.md")]):
+    for page in sorted([*root.glob("*.md"), *root.glob("*.cff"), *(root / "docs").rglob("*.md")]):
         for problem in page_problems(root, page):
             yield f"{page.relative_to(root)}: {problem}"
     yield from (f"docs/architecture.md: {problem}" for problem in architecture_problems(root))
