@@ -5,8 +5,7 @@
 # GIGABAKE_HAS_<NAME> and makes gb::<name>. Extra folders of headers and libraries after SUFFIXES.
 function(gb_codec name header library package)
   cmake_parse_arguments(ARG "" "" "SUFFIXES" ${ARGN})
-  set(GIGABAKE_${name} AUTO CACHE STRING "${package}: AUTO (where it is found), ON (fail without), OFF")
-  set_property(CACHE GIGABAKE_${name} PROPERTY STRINGS AUTO ON OFF)
+  gb_choice(${name} ${package})
   set(GIGABAKE_HAS_${name} FALSE PARENT_SCOPE)
   if(GIGABAKE_${name} STREQUAL "OFF")
     return()

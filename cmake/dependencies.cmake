@@ -21,6 +21,22 @@ function(gb_find name header)
   endif()
 endfunction()
 
+# gb_choice(NAME text): the option GIGABAKE_<NAME>, AUTO, ON or OFF; GIGABAKE_HAS_<NAME>, false until something is found.
+macro(gb_choice name text)
+  set(GIGABAKE_${name} AUTO CACHE STRING "${text}: AUTO (where it is found), ON (fail without), OFF")
+  set_property(CACHE GIGABAKE_${name} PROPERTY STRINGS AUTO ON OFF)
+  set(GIGABAKE_HAS_${name} FALSE)
+endmacro()
+
+# gb_links(variable program INCLUDES folders… LIBS libraries…): sets the variable to whether the program, a text, links.
+include(CheckCXXSourceCompiles)
+function(gb_links variable program)
+  cmake_parse_arguments(ARG "" "" "INCLUDES;LIBS" ${ARGN})
+  set(CMAKE_REQUIRED_INCLUDES ${ARG_INCLUDES})
+  set(CMAKE_REQUIRED_LIBRARIES ${ARG_LIBS})
+  check_cxx_source_compiles("${program}" ${variable})
+endfunction()
+
 gb_find(hdf5 hdf5.h LIBS hdf5_serial hdf5 SUFFIXES hdf5/serial)
 gb_find(lz4 lz4.h LIBS lz4)
 gb_find(deflate libdeflate.h LIBS deflate)

@@ -1,8 +1,6 @@
 # Decides whether `gigabake export --to vdb` is there: sets GIGABAKE_HAS_OPENVDB and makes gb::openvdb. Without, the
 # command says so.
-set(GIGABAKE_OPENVDB AUTO CACHE STRING "gigabake export --to vdb: AUTO (where OpenVDB is found), ON (fail without), OFF")
-set_property(CACHE GIGABAKE_OPENVDB PROPERTY STRINGS AUTO ON OFF)
-set(GIGABAKE_HAS_OPENVDB FALSE)
+gb_choice(OPENVDB "gigabake export --to vdb, with OpenVDB")
 if(GIGABAKE_OPENVDB STREQUAL "OFF")
   return()
 endif()
@@ -12,14 +10,10 @@ find_path(GB_OPENVDB_INCLUDE openvdb/openvdb.h)
 find_library(GB_OPENVDB_LIBRARY openvdb)
 find_package(TBB QUIET CONFIG)
 if(GB_OPENVDB_INCLUDE AND GB_OPENVDB_LIBRARY AND TARGET TBB::tbb)
-  include(CheckCXXSourceCompiles)
-  set(CMAKE_REQUIRED_INCLUDES ${GB_OPENVDB_INCLUDE})
-  set(CMAKE_REQUIRED_LIBRARIES ${GB_OPENVDB_LIBRARY} TBB::tbb Imath::Imath)
-  check_cxx_source_compiles("
+  gb_links(GIGABAKE_OPENVDB_LINKS "
     #include <openvdb/openvdb.h>
-    int main() { openvdb::initialize(); }" GIGABAKE_OPENVDB_LINKS)
-  unset(CMAKE_REQUIRED_INCLUDES)
-  unset(CMAKE_REQUIRED_LIBRARIES)
+    int main() { openvdb::initialize(); }"
+    INCLUDES ${GB_OPENVDB_INCLUDE} LIBS ${GB_OPENVDB_LIBRARY} TBB::tbb Imath::Imath)
 endif()
 if(GIGABAKE_OPENVDB_LINKS)
   set(GIGABAKE_HAS_OPENVDB TRUE)

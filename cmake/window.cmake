@@ -1,7 +1,5 @@
 # Decides whether `gigabake view` has a window: sets GIGABAKE_HAS_WINDOW and makes gb::window. Without, the command says so.
-set(GIGABAKE_WINDOW AUTO CACHE STRING "gigabake view: AUTO (where GLFW, Dear ImGui and OpenGL are found), ON (fail without), OFF")
-set_property(CACHE GIGABAKE_WINDOW PROPERTY STRINGS AUTO ON OFF)
-set(GIGABAKE_HAS_WINDOW FALSE)
+gb_choice(WINDOW "gigabake view, with GLFW, Dear ImGui and OpenGL")
 if(GIGABAKE_WINDOW STREQUAL "OFF")
   return()
 endif()
@@ -13,16 +11,11 @@ find_library(GB_IMGUI_LIBRARY imgui)
 find_library(GB_STB_LIBRARY stb)  # its fonts
 find_library(GB_GL_LIBRARY GL)
 if(glfw3_FOUND AND GB_IMGUI_INCLUDE AND GB_IMGUI_LIBRARY AND GB_STB_LIBRARY AND GB_GL_LIBRARY)
-  include(CheckCXXSourceCompiles)
-  set(CMAKE_REQUIRED_INCLUDES ${GB_IMGUI_INCLUDE})
-  set(CMAKE_REQUIRED_LIBRARIES ${GB_IMGUI_LIBRARY} ${GB_STB_LIBRARY} glfw ${GB_GL_LIBRARY})
-  check_cxx_source_compiles("
+  gb_links(GIGABAKE_IMGUI_LINKS "
     #include <backends/imgui_impl_glfw.h>
     #include <backends/imgui_impl_opengl2.h>
     int main() { return ImGui_ImplGlfw_InitForOpenGL(nullptr, true) && ImGui_ImplOpenGL2_Init() ? 0 : 1; }"
-    GIGABAKE_IMGUI_LINKS)
-  unset(CMAKE_REQUIRED_INCLUDES)
-  unset(CMAKE_REQUIRED_LIBRARIES)
+    INCLUDES ${GB_IMGUI_INCLUDE} LIBS ${GB_IMGUI_LIBRARY} ${GB_STB_LIBRARY} glfw ${GB_GL_LIBRARY})
 endif()
 if(GIGABAKE_IMGUI_LINKS)
   set(GIGABAKE_HAS_WINDOW TRUE)

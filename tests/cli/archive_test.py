@@ -92,10 +92,5 @@ class ArchiveTest(unittest.TestCase):
 
 if __name__ == "__main__":
     PROGRAM = harness.Gigabake(sys.argv[1])
-    with tempfile.TemporaryDirectory() as scratch:
-        probe = Path(scratch) / "probe.3tz"
-        probe.write_bytes(b"")
-        if "built without libzip" in PROGRAM.run("plan", probe, "--voxel-size", 1).stderr:
-            print("skipped: this gigabake was built without libzip")
-            sys.exit(77)
+    harness.skip_without(PROGRAM, "libzip", "probe.3tz")
     harness.main(argv=sys.argv[:1], verbosity=2)

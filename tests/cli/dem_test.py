@@ -145,10 +145,5 @@ class DemTest(unittest.TestCase):
 
 if __name__ == "__main__":
     PROGRAM = harness.Gigabake(sys.argv[1])
-    with tempfile.TemporaryDirectory() as scratch:
-        probe = Path(scratch) / "probe.tif"
-        probe.write_bytes(b"")
-        if "built without GDAL" in PROGRAM.run("plan", probe, "--voxel-size", 1).stderr:
-            print("skipped: this gigabake was built without GDAL")
-            sys.exit(77)
+    harness.skip_without(PROGRAM, "GDAL", "probe.tif")
     harness.main(argv=sys.argv[:1], verbosity=2)

@@ -21,9 +21,7 @@ def ground_and_trees():
     random = numpy.random.default_rng(11)
     x, z = numpy.meshgrid(numpy.arange(GROUND_M * 4 + 1) * VOXEL_M, numpy.arange(GROUND_M * 4 + 1) * VOXEL_M)
     ground = numpy.stack([x, numpy.full_like(x, 0.125), -z], -1).reshape(-1, 3)
-    edge = x.shape[0]
-    corner = (numpy.arange(edge - 1)[:, None] * edge + numpy.arange(edge - 1)).reshape(-1)
-    squares = numpy.stack([corner, corner + 1, corner + edge, corner + 1, corner + edge + 1, corner + edge], -1)
+    squares = harness.squares_of_grid(x.shape[0])
     middles = random.normal(0, 1, (4000, 1, 3)) + numpy.array([8, 8, -8])
     leaves = middles + random.normal(0, 0.15, (4000, 3, 3))
     positions = numpy.concatenate([ground, leaves.reshape(-1, 3)])

@@ -2,6 +2,8 @@
 import json
 import os
 import struct
+import sys
+import tempfile
 from pathlib import Path
 
 import numpy
@@ -47,6 +49,22 @@ class Gigabake:
 
     def info(self, scene):
         return json.loads(self.succeed("info", scene, "--json"))
+
+
+def squares_of_grid(edge):
+    """Corners of the triangles of a grid of edge × edge vertices, row by row."""
+    corner = (numpy.arange(edge - 1)[:, None] * edge + numpy.arange(edge - 1)).reshape(-1)
+    return numpy.stack([corner, corner + 1, corner + edge, corner + 1, corner + edge + 1, corner + edge], -1)
+
+
+def skip_without(program, library, name):
+    """Ends the test where the program was built without the library that an empty source of this name asks for."""
+    with tempfile.TemporaryDirectory() as scratch:
+        probe = Path(scratch) / name
+        probe.write_bytes(b"")
+        if f"built without {library}" in program.run("plan", probe, "--voxel-size", 1).stderr:
+            print(f"skipped: this gigabake was built without {library}")
+            sys.exit(77)
 
 
 def lod_hashes(info, lods=None):

@@ -10,17 +10,13 @@ import tempfile
 import unittest
 from pathlib import Path
 
-SKIPPED = 77
+from h5py_there import h5py, numpy
+
 try:
-    import h5py
     import matplotlib.image
-    import numpy
 except ImportError as error:
-    print(f"skipped: {error} (python3-h5py, python3-matplotlib)")
-    sys.exit(SKIPPED)
-if not h5py.h5z.filter_avail(32004):
-    print("skipped: HDF5's LZ4 filter is not installed (hdf5-filter-plugin)")
-    sys.exit(SKIPPED)
+    print(f"skipped: {error} (python3-matplotlib)")
+    sys.exit(77)
 
 import harness
 

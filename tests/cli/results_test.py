@@ -25,9 +25,7 @@ def bumpy_ground(quads=40):
     grid = numpy.arange(quads + 1) * 0.4
     x, z = numpy.meshgrid(grid, grid)
     positions = numpy.stack([x, numpy.sin(x) * numpy.cos(z), -z], -1).reshape(-1, 3)
-    corner = (numpy.arange(quads)[:, None] * (quads + 1) + numpy.arange(quads)).reshape(-1)
-    next_row = corner + quads + 1
-    indices = numpy.stack([corner, corner + 1, next_row, corner + 1, next_row + 1, next_row], -1)
+    indices = harness.squares_of_grid(quads + 1)
     colours = numpy.random.default_rng(3).integers(0, 256, (len(positions), 4))
     colours[:, 3] = 255
     return positions, indices, colours

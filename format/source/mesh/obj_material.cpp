@@ -52,6 +52,12 @@ std::string map_name(std::string_view rest) {
 
 }  // namespace
 
+std::span<const std::uint8_t> whole_lines(std::span<const std::uint8_t> head) {
+  std::size_t bytes = head.size();
+  while (bytes > 0 && head[bytes - 1] != '\n') --bytes;
+  return head.first(bytes);
+}
+
 void for_each_obj_line(const std::filesystem::path& file, std::span<const std::uint8_t> text,
                        const std::function<void(const ObjLine&)>& visit) {
   const std::string_view all(reinterpret_cast<const char*>(text.data()), text.size());

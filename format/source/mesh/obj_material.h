@@ -32,6 +32,9 @@ struct ObjLine {
 void for_each_obj_line(const std::filesystem::path& file, std::span<const std::uint8_t> text,
                        const std::function<void(const ObjLine&)>& visit);
 
+/// Of a file's beginning the lines that are there to their end.
+std::span<const std::uint8_t> whole_lines(std::span<const std::uint8_t> head);
+
 /// Materials by name. Errors  InputError with the line: a number that is none.
 std::map<std::string, ObjMaterial> read_mtl(const std::filesystem::path& file, std::span<const std::uint8_t> text);
 

@@ -8,7 +8,7 @@
 #include <unordered_map>
 
 #include "format/source/image/alpha_image.h"
-#include "format/source/mesh/mesh_middle.h"
+#include "format/source/mesh/mesh_origin.h"
 #include "format/source/mesh/obj_material.h"
 #include "format/source/mesh/polygon.h"
 #include "format/source/source_file.h"
@@ -171,13 +171,10 @@ class ObjReader {
   }
 
   void finish() {
-    const Vector at = mesh_middle(position_);
-    const Affine<Scene, Local> scene_from_local =
-        tile_.scene_from_tile * z_up_from<World, World>(tile_.gltf_up) * translation<World, Local>(at[0], at[1], at[2]);
+    const MeshOrigin origin(tile_, position_);
     for (auto& [name, part] : parts_) {
       Primitive& p = part.primitive;
-      for (const std::uint32_t v : part.position_of)
-        for (std::size_t c = 0; c < 3; ++c) p.position.push_back(float(position_[v][c] - at[c]));
+      for (const std::uint32_t v : part.position_of) origin.add_vertex(position_[v], p);
       if (!part.has_uv) p.uv.clear();
       if (everything_ && part.has_colour)
         for (const std::uint32_t v : part.position_of) {
@@ -186,7 +183,7 @@ class ObjReader {
         }
       p.material = add_material(name, p.rgba.empty());
       out_.counts.triangles += p.index.size() / 3;
-      out_.instances.push_back({int(out_.primitives.size()), scene_from_local});
+      out_.instances.push_back({int(out_.primitives.size()), origin.scene_from_local()});
       out_.primitives.push_back(std::move(p));
     }
     if (out_.materials.empty()) out_.materials.emplace_back();
@@ -247,12 +244,9 @@ TileMesh read_obj(const TileRef& tile, const SourceFiles& files, ReadScope scope
 }
 
 std::vector<Point<Local>> first_obj_vertices(const std::filesystem::path& file, std::span<const std::uint8_t> head) {
-  constexpr std::size_t most = 64;
-  std::size_t whole_lines = head.size();
-  while (whole_lines > 0 && head[whole_lines - 1] != '\n') --whole_lines;
   std::vector<Point<Local>> out;
-  for_each_obj_line(file, head.first(whole_lines), [&](const ObjLine& line) {
-    if (line.word != "v" || out.size() == most) return;
+  for_each_obj_line(file, whole_lines(head), [&](const ObjLine& line) {
+    if (line.word != "v" || out.size() == most_first_vertices) return;
     const std::vector<double> v = obj_numbers(line.rest, 3);
     if (v.size() == 3) out.push_back({v[0], v[1], v[2]});
   });

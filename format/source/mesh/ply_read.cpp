@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "format/source/content_pieces.h"
-#include "format/source/mesh/mesh_middle.h"
+#include "format/source/mesh/mesh_origin.h"
 #include "format/source/mesh/ply_values.h"
 #include "format/source/mesh/polygon.h"
 #include "format/source/source_file.h"
@@ -273,15 +273,11 @@ class PlyReader {
 
   void finish() {
     if (!has_faces_) out_.counts.skipped_points += vertices_;
-    const Vector at = mesh_middle(position_);
-    const bool is_moved = at != Vector{0, 0, 0};
-    const Affine<Scene, Local> scene_from_local =
-        tile_.scene_from_tile * z_up_from<World, World>(tile_.gltf_up) * translation<World, Local>(at[0], at[1], at[2]);
+    const MeshOrigin origin(tile_, position_);
     for (auto& [texture, part] : parts_) {
       Primitive& p = part.primitive;
-      for (const std::uint32_t v : part.position_of)
-        for (std::size_t c = 0; c < 3; ++c) p.position.push_back(float(position_[v][c] - at[c]));
-      if (is_moved && is_float_) p.position_step = float_step_of(position_);
+      for (const std::uint32_t v : part.position_of) origin.add_vertex(position_[v], p);
+      if (origin.is_moved() && is_float_) p.position_step = float_step_of(position_);
       for (const std::vector<std::uint32_t>& polygon : polygons_[texture]) add_polygon(part, polygon);
       const bool has_vertex_uv = texture == of_vertices && !uv_.empty();
       p.material = add_material(has_vertex_uv ? 0 : texture);
@@ -290,7 +286,7 @@ class PlyReader {
         if (has_vertex_uv) p.uv.insert(p.uv.end(), &uv_[2 * std::size_t(v)], &uv_[2 * std::size_t(v)] + 2);
       }
       out_.counts.triangles += p.index.size() / 3;
-      out_.instances.push_back({int(out_.primitives.size()), scene_from_local});
+      out_.instances.push_back({int(out_.primitives.size()), origin.scene_from_local()});
       out_.primitives.push_back(std::move(p));
     }
     if (out_.materials.empty()) out_.materials.emplace_back();
@@ -342,7 +338,6 @@ TileMesh read_ply(const TileRef& tile, const SourceFiles& files, ReadScope scope
 }
 
 std::vector<Point<Local>> first_ply_vertices(const std::filesystem::path& file, std::span<const std::uint8_t> head) {
-  constexpr std::uint64_t most = 64;
   const PlyHeader header = read_ply_header(file, head);
   PlyValues values(file, head, header);
   std::vector<Point<Local>> out;
@@ -350,7 +345,7 @@ std::vector<Point<Local>> first_ply_vertices(const std::filesystem::path& file, 
     if (e.properties.empty()) continue;
     const VertexLayout layout(e);
     std::vector<double> value(e.properties.size());
-    for (std::uint64_t i = 0; i < std::min(e.count, most); ++i) {
+    for (std::uint64_t i = 0; i < std::min<std::uint64_t>(e.count, most_first_vertices); ++i) {
       for (std::size_t p = 0; p < value.size(); ++p)
         if (e.properties[p].count)
           values.skip(e.properties[p]);
@@ -359,7 +354,7 @@ std::vector<Point<Local>> first_ply_vertices(const std::filesystem::path& file, 
       if (layout.has_position())
         out.push_back({value[*layout.position[0]], value[*layout.position[1]], value[*layout.position[2]]});
     }
-    if (!out.empty() || e.count > most) break;  // the vertices of nearly every file come first
+    if (!out.empty() || e.count > most_first_vertices) break;  // the vertices of nearly every file come first
   }
   return out;
 }

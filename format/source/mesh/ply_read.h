@@ -17,7 +17,7 @@ namespace gigabake {
 /// texcoord, the corners' own texture coordinates, and texnumber, as MeshLab writes them beside "comment TextureFile".
 /// Triangle strips: "tristrips". Everything else is read over. Without a face all vertices are points and counted; a
 /// face of two corners is a line.
-/// Exact   As OBJ (mesh_middle()): the same numbers give the same vertices.
+/// Exact   As OBJ (mesh_origin.h): the same numbers give the same vertices.
 /// Errors  InputError with the line or the byte: a malformed header, elements that the file has no room for, an index
 ///         that is none of the vertices', a file that ends early.
 TileMesh read_ply(const TileRef& tile, const SourceFiles& files, ReadScope scope);

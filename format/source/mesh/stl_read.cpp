@@ -6,7 +6,7 @@
 #include <cstring>
 #include <functional>
 
-#include "format/source/mesh/mesh_middle.h"
+#include "format/source/mesh/mesh_origin.h"
 #include "format/source/mesh/obj_material.h"
 #include "format/source/mesh/polygon.h"
 #include "lattice/error.h"
@@ -118,14 +118,12 @@ TileMesh read_stl(const TileRef& tile, const SourceFiles& files) {
     if (loop.size() == 3) return out.index.insert(out.index.end(), {first, first + 1, first + 2}), void();
     for (const std::uint32_t corner : triangles_of_polygon(loop)) out.index.push_back(first + corner);
   });
-  const Vector at = mesh_middle(position);
-  for (const Vector& p : position)
-    for (std::size_t c = 0; c < 3; ++c) out.position.push_back(float(p[c] - at[c]));
-  if (at != Vector{0, 0, 0} && !is_text(bytes, bytes.size())) out.position_step = float_step_of(position);
+  const MeshOrigin origin(tile, position);
+  for (const Vector& p : position) origin.add_vertex(p, out);
+  if (origin.is_moved() && !is_text(bytes, bytes.size())) out.position_step = float_step_of(position);
   TileMesh mesh;
   mesh.counts.triangles = out.index.size() / 3;
-  mesh.instances.push_back({0, tile.scene_from_tile * z_up_from<World, World>(tile.gltf_up) *
-                                   translation<World, Local>(at[0], at[1], at[2])});
+  mesh.instances.push_back({0, origin.scene_from_local()});
   mesh.primitives.push_back(std::move(out));
   mesh.materials.emplace_back();
   return mesh;
@@ -133,19 +131,16 @@ TileMesh read_stl(const TileRef& tile, const SourceFiles& files) {
 
 std::vector<Point<Local>> first_stl_vertices(const std::filesystem::path& file, StlBytes head,
                                              std::uint64_t file_bytes) {
-  constexpr std::size_t most = 64;
   std::vector<Point<Local>> out;
   const TakeLoop take = [&](std::span<const Vector> loop) {
     for (const Vector& p : loop)
-      if (out.size() < most) out.push_back({p[0], p[1], p[2]});
+      if (out.size() < most_first_vertices) out.push_back({p[0], p[1], p[2]});
   };
   if (!is_text(head, file_bytes)) {
-    for_each_binary_facet(head.first(std::min(head.size(), head_bytes + facet_bytes * most)), take);
+    for_each_binary_facet(head.first(std::min(head.size(), head_bytes + facet_bytes * most_first_vertices)), take);
     return out;
   }
-  std::size_t whole_lines = head.size();
-  while (whole_lines > 0 && head[whole_lines - 1] != '\n') --whole_lines;
-  for_each_text_loop(file, head.first(whole_lines), take);
+  for_each_text_loop(file, whole_lines(head), take);
   return out;
 }
 

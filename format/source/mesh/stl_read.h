@@ -14,7 +14,7 @@ namespace gigabake {
 
 /// ASCII and binary, which may begin with "solid" too: what is as long as its number of triangles says is binary.
 /// Normals, names and attributes are not looked at; a loop of more than three corners is a polygon.
-/// Exact   As OBJ (mesh_middle()): the same numbers give the same vertices.
+/// Exact   As OBJ (mesh_origin.h): the same numbers give the same vertices.
 /// Errors  InputError with the line or the byte: a number that is none, a facet without three corners, a file that is
 ///         cut.
 TileMesh read_stl(const TileRef& tile, const SourceFiles& files);

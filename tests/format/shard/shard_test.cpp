@@ -5,6 +5,7 @@
 #include <functional>
 #include <gtest/gtest.h>
 
+#include "broken_shards.h"
 #include "format/shard/shard_reader.h"
 #include "lattice/error.h"
 #include "made_shard.h"
@@ -126,34 +127,21 @@ std::string told(const std::filesystem::path& path, const std::function<void(Sha
 
 TEST(Shard, IsRefusedWhereItsPartsDoNotFitEachOther) {
   const TempFolder folder;
-  const struct {
-    const char* rule;
-    std::function<void(Shard&)> spoil;
-  } cases[] = {
-      {"lods does not fit", [](Shard& s) { s.header.lods = 3; }},
+  std::vector<made::BrokenShard> cases = made::broken_shards();
+  const std::vector<made::BrokenShard> more = {
       {"cell_voxels is no power", [](Shard& s) { s.header.cell_voxels = 24; }},
       {"voxel_size_m is not positive", [](Shard& s) { s.header.voxel_size_m = NAN; }},
       {"not a multiple of 8", [](Shard& s) { s.header.lattice_min[1] = 4; }},
-      {"columns differ in length", [](Shard& s) { s.nodes.value.pop_back(); }},
       {"keys are out of Morton order",
        [](Shard& s) {
          s.nodes.key = {0, 6, 0};
        }},
       {"key is outside the cell", [](Shard& s) { s.nodes.key[2] = 8; }},
-      {"kind is unknown", [](Shard& s) { s.nodes.kind[2] = NodeKind(3); }},
-      {"first_child is out of order", [](Shard& s) { s.nodes.first_child[0] = 2; }},
-      {"has more children than there are rows", [](Shard& s) { s.nodes.child_mask[0] = 0xff; }},
       {"is not the child its parent says", [](Shard& s) { s.nodes.child_mask[0] = 0x21; }},
-      {"has no parent", [](Shard& s) { s.nodes.child_mask[0] = 1; }},
-      {"value is not its level's next brick", [](Shard& s) { s.nodes.value[1] = 7; }},
-      {"not as many bricks", [](Shard& s) { s.nodes.kind[1] = NodeKind::constant; }},
-      {"first does not count the mask's bits", [](Shard& s) { s.levels[0].mask[0] = 1; }},
       {"first does not count the mask's bits", [](Shard& s) { s.levels[0].first[1] = std::uint64_t(1) << 60; }},
-      {"rgb does not fit first", [](Shard& s) { s.levels[0].rgba.resize(16, 1), s.levels[0].normal.resize(8); }},
-      {"a voxel without coverage", [](Shard& s) { s.levels[0].rgba[3] = 0; }},
-      {"normal does not fit", [](Shard& s) { s.levels[0].normal.resize(4); }},
       {"content_hash has not one entry", [](Shard& s) { s.header.content_hash.pop_back(); }},
   };
+  cases.insert(cases.end(), more.begin(), more.end());
   for (const auto& c : cases) EXPECT_NE(told(folder / "s.h5", c.spoil).find(c.rule), std::string::npos) << c.rule;
 }
 

@@ -21,6 +21,14 @@ LiveScene::Options small_pictures() {
   return options;
 }
 
+/// Of pictures so large that they take a while, drawn in pieces of so long.
+LiveScene::Options large_pictures(int edge, double frame_s) {
+  LiveScene::Options options = small_pictures();
+  options.camera.width = options.camera.height = edge;
+  options.frame_s = frame_s;
+  return options;
+}
+
 Steering turn(double right) {
   Steering s;
   s.turn = {right, 0};
@@ -57,11 +65,13 @@ TEST(LiveScene, EndsWithTheExactPictureOfWhereEachViewerRests) {
             scene.full_frame(second, patience_s)->frame.picture.rgba);
 }
 
-/// The first frame that shows a part of the full picture, not all of it.
-LiveScene::FramePtr wait_for_a_part(const LiveScene& scene, LiveScene::ViewerId viewer) {
-  for (std::uint64_t after = 0;;) {
+/// The first frame after `after` that is as wanted; null where none comes.
+template <class Wanted>
+LiveScene::FramePtr wait_for(const LiveScene& scene, LiveScene::ViewerId viewer, std::uint64_t after,
+                             const Wanted& wanted) {
+  for (;;) {
     const auto frame = scene.frame_after(viewer, after, patience_s);
-    if (!frame || (frame->full && !frame->frame.stats.complete)) return frame;
+    if (!frame || wanted(*frame)) return frame;
     after = frame->number;
   }
 }
@@ -70,33 +80,27 @@ LiveScene::FramePtr wait_for_a_part(const LiveScene& scene, LiveScene::ViewerId 
 TEST(LiveScene, AFullPictureUnderWayEndsWhenItsViewerMoves) {
   const made::TempFolder folder;
   write_hill(folder / "scene.xml");
-  LiveScene::Options options = small_pictures();
-  options.camera.width = options.camera.height = 2048;
-  options.frame_s = 0.02;
-  LiveScene scene(folder / "scene.xml", options);
+  LiveScene scene(folder / "scene.xml", large_pictures(2048, 0.02));
   const auto viewer = scene.add_viewer().value();
-  const auto part = wait_for_a_part(scene, viewer);
+  const auto part =
+      wait_for(scene, viewer, 0, [](const auto& frame) { return frame.full && !frame.frame.stats.complete; });
   ASSERT_NE(part, nullptr);
   EXPECT_LT(scene.state(viewer)->drawn, 1);
   scene.steer(viewer, turn(0.2));
   const Point<Scene> eye_m = scene.state(viewer)->pose.eye_m;
-  for (std::uint64_t after = part->number;;) {
-    const auto frame = scene.frame_after(viewer, after, patience_s);
-    ASSERT_NE(frame, nullptr);
-    if (frame->view.camera.eye_m == eye_m) break;
-    EXPECT_FALSE(frame->full && frame->frame.stats.complete) << "of a place that was left";
-    after = frame->number;
-  }
+  const auto moved = wait_for(scene, viewer, part->number, [&](const auto& frame) {
+    const bool is_there = frame.view.camera.eye_m == eye_m;
+    EXPECT_FALSE(!is_there && frame.full && frame.frame.stats.complete) << "of a place that was left";
+    return is_there;
+  });
+  ASSERT_NE(moved, nullptr);
   EXPECT_FALSE(scene.state(viewer)->resting);
 }
 
 TEST(LiveScene, ShowsASmallPictureOfAllBeforePartsOfTheFullOne) {
   const made::TempFolder folder;
   write_hill(folder / "scene.xml");
-  LiveScene::Options options = small_pictures();
-  options.camera.width = options.camera.height = 512;
-  options.frame_s = 0.001;
-  LiveScene scene(folder / "scene.xml", options);
+  LiveScene scene(folder / "scene.xml", large_pictures(512, 0.001));
   const auto viewer = scene.add_viewer().value();
   const auto first = scene.frame_after(viewer, 0, patience_s);
   ASSERT_NE(first, nullptr);

@@ -1,12 +1,15 @@
-#include "format/source/mesh/mesh_middle.h"
+#include "format/source/mesh/mesh_origin.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-namespace gigabake {
+#include "lattice/transform.h"
 
-std::array<double, 3> mesh_middle(std::span<const std::array<double, 3>> positions) {
+namespace gigabake {
+namespace {
+
+std::array<double, 3> middle_of(std::span<const std::array<double, 3>> positions) {
   constexpr double far_m = 10000;
   std::array<double, 3> low{0, 0, 0}, high{0, 0, 0};
   bool is_far = false, is_first = true;
@@ -21,6 +24,17 @@ std::array<double, 3> mesh_middle(std::span<const std::array<double, 3>> positio
   }
   if (!is_far) return {0, 0, 0};
   return {std::round((low[0] + high[0]) / 2), std::round((low[1] + high[1]) / 2), std::round((low[2] + high[2]) / 2)};
+}
+
+}  // namespace
+
+MeshOrigin::MeshOrigin(const TileRef& tile, std::span<const std::array<double, 3>> positions)
+    : at_(middle_of(positions)),
+      scene_from_local_(tile.scene_from_tile * z_up_from<World, World>(tile.gltf_up) *
+                        translation<World, Local>(at_[0], at_[1], at_[2])) {}
+
+void MeshOrigin::add_vertex(const std::array<double, 3>& position, Primitive& to) const {
+  for (std::size_t c = 0; c < 3; ++c) to.position.push_back(float(position[c] - at_[c]));
 }
 
 float float_step_of(std::span<const std::array<double, 3>> positions) {

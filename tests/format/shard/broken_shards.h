@@ -1,0 +1,33 @@
+/// Ways to spoil made::small_shard() that each break one rule, whether it is then read whole or part by part.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "format/shard/shard.h"
+
+namespace gigabake::made {
+
+struct BrokenShard {
+  const char* rule;  ///< of the message that the reader gives
+  std::function<void(Shard&)> spoil;
+};
+
+inline std::vector<BrokenShard> broken_shards() {
+  return {
+      {"lods does not fit", [](Shard& s) { s.header.lods = 3; }},
+      {"columns differ in length", [](Shard& s) { s.nodes.value.pop_back(); }},
+      {"kind is unknown", [](Shard& s) { s.nodes.kind[2] = NodeKind(3); }},
+      {"first_child is out of order", [](Shard& s) { s.nodes.first_child[0] = 2; }},
+      {"has more children than there are rows", [](Shard& s) { s.nodes.child_mask[0] = 0xff; }},
+      {"has no parent", [](Shard& s) { s.nodes.child_mask[0] = 1; }},
+      {"value is not its level's next brick", [](Shard& s) { s.nodes.value[1] = 7; }},
+      {"not as many bricks", [](Shard& s) { s.nodes.kind[1] = NodeKind::constant; }},
+      {"first does not count the mask's bits", [](Shard& s) { s.levels[0].mask[0] = 1; }},
+      {"rgb does not fit first", [](Shard& s) { s.levels[0].rgba.resize(16, 1), s.levels[0].normal.resize(8); }},
+      {"a voxel without coverage", [](Shard& s) { s.levels[0].rgba[3] = 0; }},
+      {"normal does not fit", [](Shard& s) { s.levels[0].normal.resize(4); }},
+  };
+}
+
+}  // namespace gigabake::made
