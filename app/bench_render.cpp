@@ -12,7 +12,7 @@
 #include "app/status_text.h"
 #include "app/text_values.h"
 #include "app/with_progress.h"
-#include "bench/first_hit_bench.h"
+#include "bench/first_hit/first_hit_bench.h"
 #include "format/system/host_limits.h"
 #include "lattice/error.h"
 
@@ -94,28 +94,22 @@ nlohmann::ordered_json to_json(const bench::FirstHitBench& b) {
   return first;
 }
 
-bench::FrameBenchRequest frames_of(const RenderBenchOptions& options, const FrameRenderer::Options& renderer,
-                                   const bench::FirstHitBenchRequest& rays) {
-  bench::FrameBenchRequest request;
-  request.scene = options.scene;
-  request.width = rays.width;
-  request.height = rays.height;
-  request.repeats = options.repeats;
-  request.threads = renderer.threads;
-  request.memory_bytes = renderer.memory_bytes;
-  request.device = renderer.cuda_device;
-  request.device_bytes = renderer.device_bytes;
-  request.flight_frames = options.flight_frames;
-  return request;
-}
-
-bench::LiveBenchRequest live_of(const RenderBenchOptions& options, const FrameRenderer::Options& renderer,
-                                const bench::FirstHitBenchRequest& rays) {
-  bench::LiveBenchRequest request;
-  request.scene = options.scene;
+/// What the benches of whole pictures have in common.
+template <class Request>
+Request pictures_of(const bench::FirstHitBenchRequest& rays, const FrameRenderer::Options& renderer) {
+  Request request;
+  request.scene = rays.scene;
   request.width = rays.width;
   request.height = rays.height;
   request.renderer = renderer;
+  return request;
+}
+
+bench::FrameBenchRequest frames_of(const RenderBenchOptions& options, const bench::FirstHitBenchRequest& rays,
+                                   const FrameRenderer::Options& renderer) {
+  auto request = pictures_of<bench::FrameBenchRequest>(rays, renderer);
+  request.repeats = options.repeats;
+  request.flight_frames = options.flight_frames;
   return request;
 }
 
@@ -139,9 +133,10 @@ int run(const RenderBenchOptions& options) {
   if (wants("first-hits"))
     tell("first_hit", timed("casting rays to the first voxel", [&] { return bench::bench_first_hits(request); }));
   if (wants("frames"))
-    tell("frames", timed("drawing frames", [&] { return bench::bench_frames(frames_of(options, renderer, request)); }));
+    tell("frames", timed("drawing frames", [&] { return bench::bench_frames(frames_of(options, request, renderer)); }));
   if (wants("live"))
-    tell("live", timed("moving a viewer", [&] { return bench::bench_live(live_of(options, renderer, request)); }));
+    tell("live", timed("moving a viewer",
+                       [&] { return bench::bench_live(pictures_of<bench::LiveBenchRequest>(request, renderer)); }));
   if (options.json) fmt::print("{}\n", j.dump(2));
   return all_right ? complete : failed;
 }

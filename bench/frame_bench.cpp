@@ -31,15 +31,6 @@ double psnr_db(const Picture& a, const Picture& b) {
   return 10 * std::log10(255.0 * 255.0 * double(a.rgba.size()) / squared);
 }
 
-FrameRenderer::Options options_of(const FrameBenchRequest& request) {
-  FrameRenderer::Options options;
-  options.threads = request.threads;
-  options.memory_bytes = request.memory_bytes;
-  options.cuda_device = request.device;
-  options.device_bytes = request.device_bytes;
-  return options;
-}
-
 /// Middle and extent of the scene, and the height of the ground in its middle.
 struct Stage {
   Point<Scene> middle_m;
@@ -95,7 +86,7 @@ std::vector<NamedView> fixed_views(const Stage& s, const FrameBenchRequest& requ
 }
 
 FrameBenchView bench_view(const NamedView& named, const FrameBenchRequest& request) {
-  FrameRenderer renderer(request.scene, options_of(request));
+  FrameRenderer renderer(request.scene, request.renderer);
   FrameBenchView result{named.name, 0, 0, 0, 0, 0, 0, 0, false};
   Picture first;
   const auto start = Clock::now();
@@ -132,7 +123,7 @@ View on_flight(const Stage& s, double share, const FrameBenchRequest& request) {
 }
 
 FlightBench bench_flight(const Stage& stage, const FrameBenchRequest& request) {
-  FrameRenderer renderer(request.scene, options_of(request)), exact(request.scene, options_of(request));
+  FrameRenderer renderer(request.scene, request.renderer), exact(request.scene, request.renderer);
   FlightBench flight;
   flight.frames = request.flight_frames;
   std::vector<double> times, errors;
@@ -163,12 +154,12 @@ bool FrameBench::failed() const {
 
 FrameBench bench_frames(const FrameBenchRequest& request) {
   FrameBench bench;
-  bench.backend = request.device ? "cuda" : "cpu";
+  bench.backend = request.renderer.cuda_device ? "cuda" : "cpu";
   bench.width = request.width;
   bench.height = request.height;
   Stage stage;
   {
-    FrameRenderer scout(request.scene, options_of(request));
+    FrameRenderer scout(request.scene, request.renderer);
     stage = measure(scout, request);
   }
   for (const NamedView& named : fixed_views(stage, request)) bench.views.push_back(bench_view(named, request));

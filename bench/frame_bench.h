@@ -4,9 +4,10 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
+
+#include "viewer/pictures/frame_renderer.h"
 
 namespace gigabake::bench {
 
@@ -14,10 +15,7 @@ struct FrameBenchRequest {
   std::filesystem::path scene;  ///< scene.xml of a bake
   int width = 1920, height = 1080;
   int repeats = 10;  ///< of each camera, once everything is there
-  int threads = 0;   ///< 0: all cores
-  std::uint64_t memory_bytes = std::uint64_t(1) << 30;
-  std::optional<int> device;  ///< of CUDA; else the CPU
-  std::uint64_t device_bytes = std::uint64_t(4) << 30;
+  FrameRenderer::Options renderer;
   double upload_s = 0.008;  ///< of a frame, at most
   int flight_frames = 200;
   int exact_frames = 8;  ///< of the flight, spread evenly, that are compared with exact pictures

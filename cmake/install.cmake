@@ -1,7 +1,5 @@
 # What `cmake --install` and cpack take along. Components: runtime (the program, its manual and completion), development
-# (gigabake::format and gigabake::kernels for find_package).
-include(CMakePackageConfigHelpers)
-
+# (the rooms as libraries for find_package).
 install(TARGETS gigabake DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
 
 # The program writes its own manual; pages are compressed as distributions want them.
@@ -22,31 +20,7 @@ install(DIRECTORY ${manual}/bash/ DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-comp
 install(DIRECTORY ${manual}/zsh/ DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT runtime)
 install(DIRECTORY ${manual}/fish/ DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT runtime)
 
-# The libraries with all that they stand on, found again where they are used.
-set(exported gigabake_lattice gigabake_georeference gigabake_system gigabake_shard gigabake_scene gigabake_source
-             gigabake_export gigabake_kernels gb_hdf5 gb_lz4 gb_deflate gb_tinygltf gb_geographiclib gb_pugixml gb_xxhash
-             gb_json)
-foreach(optional zip draco meshopt webp)
-  if(TARGET gb_${optional})
-    list(APPEND exported gb_${optional})
-  endif()
-endforeach()
-foreach(room lattice georeference system shard scene source export kernels)
-  set_target_properties(gigabake_${room} PROPERTIES EXPORT_NAME ${room})
-endforeach()
-install(TARGETS ${exported} EXPORT gigabakeTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
-foreach(folder lattice format kernels)
-  install(DIRECTORY ${CMAKE_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gigabake COMPONENT development
-          FILES_MATCHING PATTERN "*.h" PATTERN "*.cuh" PATTERN sample EXCLUDE PATTERN openvdb EXCLUDE)
-endforeach()
-set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/gigabake)
-install(EXPORT gigabakeTargets NAMESPACE gigabake:: DESTINATION ${package_folder} COMPONENT development)
-configure_package_config_file(${CMAKE_SOURCE_DIR}/packaging/gigabakeConfig.cmake.in
-                              ${CMAKE_BINARY_DIR}/gigabakeConfig.cmake INSTALL_DESTINATION ${package_folder}
-                              PATH_VARS GIGABAKE_MODULE_FOLDER)
-write_basic_package_version_file(${CMAKE_BINARY_DIR}/gigabakeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${CMAKE_BINARY_DIR}/gigabakeConfig.cmake ${CMAKE_BINARY_DIR}/gigabakeConfigVersion.cmake
-        DESTINATION ${package_folder} COMPONENT development)
+include(cmake/install_rooms.cmake)
 
 # cpack -G DEB: gigabake and gigabake-dev, each with its licence and changes where Debian looks for them.
 set(CPACK_PROJECT_CONFIG_FILE ${CMAKE_SOURCE_DIR}/cmake/packager.cmake)
@@ -78,10 +52,13 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME gigabake)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "openmpi-bin, hdf5-filter-plugin")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME gigabake-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libhdf5-dev, liblz4-dev, libdeflate-dev, libpng-dev, zlib1g-dev, libjpeg-dev, libtinygltf-dev, \
-libgeographiclib-dev, libpugixml-dev, nlohmann-json3-dev, libxxhash-dev, libfmt-dev, libspdlog-dev, \
-libzip-dev, libdraco-dev, libmeshoptimizer-dev, libwebp-dev, gigabake (= ${PROJECT_VERSION})")
+# A reader of shards needs these; whoever links more rooms, what is recommended.
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
+    "libfmt-dev, libhdf5-dev, liblz4-dev, libdeflate-dev, gigabake (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "libpugixml-dev, libgeographiclib-dev, libtinygltf-dev, libpng-dev, \
+zlib1g-dev, libjpeg-dev, libzip-dev, libdraco-dev, libmeshoptimizer-dev, libwebp-dev, libmicrohttpd-dev, libopenexr-dev")
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "${CPACK_PACKAGE_DESCRIPTION}")
-set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "gigabake::format and gigabake::kernels for CMake: libraries and headers to
-read and write its files and to run its kernels.")
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Libraries and headers for CMake, one a room: gigabake::shard and ::scene read
+and write its files, ::source reads meshes and tilesets, ::export writes other
+formats, ::kernels makes voxels, ::viewer makes pictures.")
 include(CPack)

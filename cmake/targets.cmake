@@ -52,10 +52,11 @@ function(gb_options target)
   endif()
 endfunction()
 
-# gb_library(name [RECURSE] [WITHOUT files…] LIBRARIES libraries…): every *.cpp of this folder (and *.cu where nvcc is
-# found), with RECURSE those of its subfolders too, is the static library gigabake_<name>.
+# gb_library(name [RECURSE] [WITHOUT files…] LIBRARIES libraries… [HEADERS libraries…]): every *.cpp of this folder (and
+# *.cu where nvcc is found), with RECURSE those of its subfolders too, is the static library gigabake_<name>. HEADERS are
+# libraries without a binary that only the *.cpp include: who links gigabake_<name> once it is installed needs none of them.
 function(gb_library name)
-  cmake_parse_arguments(ARG "RECURSE" "" "WITHOUT;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "RECURSE" "" "WITHOUT;LIBRARIES;HEADERS" ${ARGN})
   if(ARG_RECURSE)
     set(glob GLOB_RECURSE)
   else()
@@ -74,7 +75,8 @@ function(gb_library name)
   add_library(gigabake_${name} STATIC ${sources} ${cuda_sources})
   target_include_directories(gigabake_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>
                                                      $<INSTALL_INTERFACE:include/gigabake>)
-  target_link_libraries(gigabake_${name} PUBLIC ${ARG_LIBRARIES})
+  list(TRANSFORM ARG_HEADERS REPLACE "(.+)" "$<BUILD_INTERFACE:\\1>")
+  target_link_libraries(gigabake_${name} PUBLIC ${ARG_LIBRARIES} PRIVATE ${ARG_HEADERS})
   gb_options(gigabake_${name})
 endfunction()
 
@@ -103,7 +105,7 @@ function(gb_test folder label)
     return()
   endif()
   add_executable(gigabake_test_${folder} ${sources})
-  target_link_libraries(gigabake_test_${folder} PRIVATE ${ARGN} GTest::gtest GTest::gmock GTest::gtest_main)
+  target_link_libraries(gigabake_test_${folder} PRIVATE ${ARGN} gb::json gb::xxhash GTest::gtest GTest::gmock GTest::gtest_main)
   target_compile_definitions(gigabake_test_${folder} PRIVATE GIGABAKE_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
   gb_options(gigabake_test_${folder})
   # Tests of different things use the same short names.

@@ -2,6 +2,7 @@
 /// Source  Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors".
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -41,6 +42,13 @@ GB_HD void decode_octahedral(const std::int8_t oct[2], double n[3]) {
   n[0] = x / length;
   n[1] = y / length;
   n[2] = z / length;
+}
+
+/// As decode_octahedral(), rounded once to what exports and pictures hold.
+inline std::array<float, 3> unit_normal(const std::int8_t oct[2]) {
+  double n[3];
+  decode_octahedral(oct, n);
+  return {float(n[0]), float(n[1]), float(n[2])};
 }
 
 }  // namespace gigabake

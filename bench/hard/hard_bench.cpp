@@ -1,4 +1,4 @@
-#include "bench/hard_bench.h"
+#include "bench/hard/hard_bench.h"
 
 #include <algorithm>
 #include <numbers>

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/hard/hard_bench.h"
 #include "bench/hard/hard_scene.h"
-#include "bench/hard_bench.h"
 #include "format/job/cell_job.h"
 #include "lattice/parameters.h"
 

@@ -3,8 +3,8 @@
 #include <bit>
 #include <cmath>
 
-#include "format/shard/octahedral.h"
 #include "lattice/error.h"
+#include "lattice/octahedral.h"
 
 namespace gigabake {
 namespace {

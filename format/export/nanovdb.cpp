@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "format/export/nanovdb_grid.h"
-#include "format/shard/octahedral.h"
 #include "format/system/publish.h"
 #include "lattice/error.h"
+#include "lattice/octahedral.h"
 
 namespace gigabake {
 namespace {

@@ -11,9 +11,9 @@
 #include "format/scene/scene_xml.h"
 #include "format/scene/shard_of_scene.h"
 #include "format/shard/brick_walk.h"
-#include "format/shard/octahedral.h"
 #include "format/system/publish.h"
 #include "lattice/error.h"
+#include "lattice/octahedral.h"
 
 namespace gigabake {
 namespace {

@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "format/shard/octahedral.h"
 #include "format/system/output_file.h"
 #include "lattice/error.h"
+#include "lattice/octahedral.h"
 #include "lattice/srgb.h"
 
 namespace gigabake {

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <vector>
 
-#include "format/shard/broken_rule.h"
+#include "format/shard/check/broken_rule.h"
 #include "format/shard/shared_values.h"
 
 namespace gigabake {

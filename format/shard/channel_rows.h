@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "format/shard/hdf5_rows.h"
+#include "format/shard/hdf5/hdf5_rows.h"
 #include "format/shard/shard_layout.h"
 #include "format/shard/voxel_channel.h"
 

@@ -3,7 +3,7 @@
 #include <sstream>
 
 #include "format/shard/channels.h"
-#include "format/shard/shard_check.h"
+#include "format/shard/check/shard_check.h"
 #include "format/shard/shard_layout.h"
 #include "lattice/error.h"
 #include "lattice/short_text.h"

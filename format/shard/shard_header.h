@@ -1,7 +1,7 @@
 /// What a shard says of itself: the attributes of its root group.
 #pragma once
 
-#include "format/shard/hdf5_file.h"
+#include "format/shard/hdf5/hdf5_file.h"
 #include "format/shard/shard.h"
 
 namespace gigabake {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "format/shard/hdf5_file.h"
+#include "format/shard/hdf5/hdf5_file.h"
 #include "format/shard/shared_values.h"
 #include "format/shard/voxel_channel.h"
 

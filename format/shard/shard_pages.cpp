@@ -5,11 +5,11 @@
 #include <optional>
 
 #include "format/shard/channel_rows.h"
-#include "format/shard/hdf5_rows.h"
-#include "format/shard/shard_check.h"
+#include "format/shard/check/shard_check.h"
+#include "format/shard/check/shard_outline.h"
+#include "format/shard/hdf5/hdf5_rows.h"
 #include "format/shard/shard_header.h"
 #include "format/shard/shard_layout.h"
-#include "format/shard/shard_outline.h"
 #include "lattice/error.h"
 
 namespace gigabake {

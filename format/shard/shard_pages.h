@@ -8,7 +8,7 @@
 #include <mutex>
 #include <vector>
 
-#include "format/shard/hdf5_file.h"
+#include "format/shard/hdf5/hdf5_file.h"
 #include "format/shard/shard.h"
 
 namespace gigabake {

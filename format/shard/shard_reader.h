@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "format/shard/hdf5_file.h"
+#include "format/shard/hdf5/hdf5_file.h"
 #include "format/shard/shard.h"
 
 namespace gigabake {

@@ -1,10 +1,10 @@
 /// The suite of hard cases holds here, and would notice where it did not.
-#include "bench/hard_bench.h"
+#include "bench/hard/hard_bench.h"
 
 #include <gtest/gtest.h>
 
 #include "bench/hard/hard_case.h"
-#include "bench/hard_report.h"
+#include "bench/report/hard_report.h"
 #include "tests/worker/glb_scene.h"
 
 namespace gigabake::bench {

@@ -5,6 +5,7 @@ Usage: package_test.py GIGABAKE SOURCE_DIR
 """
 import gzip
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -55,28 +56,63 @@ class Package(unittest.TestCase):
                      "fish/vendor_completions.d/gigabake.fish"):
             self.assertIn("gigabake export", (prefix / "share" / file).read_text())
 
-    def test_anothers_program_finds_the_libraries_and_reads_a_shard(self):
-        prefix = self.install()
-        build = self.path / "consumer"
-        succeed("cmake", "-S", SOURCE / "tests/package/consumer", "-B", build, "-G", "Ninja",
-                f"-DCMAKE_PREFIX_PATH={prefix}")
+    def build(self, name, *settings):
+        """A program of tests/package, against what is installed."""
+        build = self.path / name
+        succeed("cmake", "-S", SOURCE / "tests/package" / name, "-B", build, "-G", "Ninja",
+                f"-DCMAKE_PREFIX_PATH={self.install()}", *settings)
         succeed("cmake", "--build", build)
+        return build / name
+
+    def bake(self):
         program = harness.Gigabake(sys.argv[1])
         program.succeed("sample", self.path / "village", "--size", "64", "--seed", "3")
-        info = program.bake(self.path / "village/tileset.json", self.path / "bake", 0.5)
+        return program.bake(self.path / "village/tileset.json", self.path / "bake", 0.5)
+
+    def test_anothers_program_reads_shards_and_links_little_else(self):
+        reader = self.build("shard_reader", *(f"-DCMAKE_DISABLE_FIND_PACKAGE_{package}=ON"
+                                              for package in ("JPEG", "OpenEXR", "PNG", "ZLIB")))
+        needed = re.findall(r"\(NEEDED\).*\[(.+?)\.so", succeed("readelf", "-d", reader))
+        print("a reader of shards links", *needed)
+        self.assertLessEqual(len(needed), 8)
+        self.assertTrue(set(needed) <= {"libhdf5_serial", "libhdf5", "liblz4", "libdeflate", "libfmt", "libstdc++",
+                                        "libgcc_s", "libm", "libc", "ld-linux-x86-64", "ld-linux-aarch64"}, needed)
+        info = self.bake()
         for lod in (0, 2):
-            voxels = [int(succeed(build / "consumer", shard, lod))
-                      for shard in (self.path / "bake/shards").glob("*.h5")]
+            voxels = [int(succeed(reader, shard, lod)) for shard in (self.path / "bake/shards").glob("*.h5")]
             self.assertEqual(sum(voxels), info["lods"][lod]["voxels"])
 
-    def test_headers_that_are_installed_include_only_what_is_installed(self):
+    def test_anothers_program_bakes_exports_and_draws(self):
+        program = self.build("terrain_program")
+        info = self.bake()
+        baked, exported, drawn = map(int, succeed(
+            program, self.path / "village/tileset.json", self.path / "bake/scene.xml", self.path / "village.ply",
+            self.path / "village.png").split())
+        self.assertGreater(baked, 0.9 * info["lods"][0]["voxels"])
+        self.assertEqual(exported, info["lods"][0]["voxels"])
+        self.assertGreater(drawn, 64)
+        self.assertEqual((self.path / "village.png").read_bytes()[:4], b"\x89PNG")
+
+    def test_a_room_that_is_not_installed_is_named(self):
+        (self.path / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.22)\nproject(x LANGUAGES CXX)\n"
+                                                  "find_package(gigabake REQUIRED COMPONENTS shard attic)\n")
+        told = harness.run(("cmake", "-S", self.path, "-B", self.path / "build",
+                            f"-DCMAKE_PREFIX_PATH={self.install()}"), 100)
+        self.assertNotEqual(told.returncode, 0)
+        self.assertIn("attic", told.stderr)
+
+    def test_the_headers_that_are_listed_are_installed_and_include_only_each_other(self):
         include = self.install() / "include/gigabake"
-        headers = list(include.rglob("*.h"))
-        self.assertGreater(len(headers), 50)
+        headers = sorted(header.relative_to(include).as_posix() for header in include.rglob("*.*"))
+        listed = re.findall(r"^ +([\w/]+\.h)", (SOURCE / "cmake/public_headers.cmake").read_text(), re.M)
+        self.assertEqual(headers, sorted(listed))
         for header in headers:
-            for line in header.read_text().splitlines():
+            for line in (include / header).read_text().splitlines():
                 if line.startswith('#include "'):
-                    self.assertTrue((include / line.split('"')[1]).exists(), f"{header}: {line}")
+                    self.assertIn(line.split('"')[1], listed, f"{header}: {line}")
+        everything = self.path / "everything.cpp"
+        everything.write_text("".join(f"#include <{header}>\n" for header in headers))
+        succeed(os.environ.get("CXX", "c++"), "-std=c++20", "-fsyntax-only", "-I", include, everything)
 
     @unittest.skipUnless(shutil.which("cpack") and shutil.which("dpkg-shlibdeps"), "cpack or dpkg-dev is not installed")
     def test_debian_packages_have_the_files_and_name_the_libraries(self):
@@ -102,7 +138,7 @@ class Package(unittest.TestCase):
         self.assertNotIn(".a\n", files)
         development, = (self.path / "packages").glob("gigabake-dev_*.deb")
         files = succeed("dpkg-deb", "-c", development)
-        for file in ("lib/libgigabake_format.a", "include/gigabake/format/shard_reader.h", "gigabakeConfig.cmake"):
+        for file in ("lib/libgigabake_shard.a", "include/gigabake/format/shard/shard_reader.h", "gigabakeConfig.cmake"):
             self.assertIn(file, files)
         unpacked = self.path / "unpacked"
         succeed("dpkg-deb", "-x", program, unpacked)

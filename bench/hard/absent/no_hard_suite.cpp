@@ -1,4 +1,4 @@
-#include "bench/hard_bench.h"
+#include "bench/hard/hard_bench.h"
 #include "lattice/error.h"
 
 namespace gigabake::bench {

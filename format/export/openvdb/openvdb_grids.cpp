@@ -5,9 +5,9 @@
 #include <unistd.h>
 
 #include "format/export/openvdb/openvdb_module.h"
-#include "format/shard/octahedral.h"
 #include "format/system/descriptor.h"
 #include "lattice/error.h"
+#include "lattice/octahedral.h"
 #include "lattice/srgb.h"
 
 namespace gigabake {

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "format/export/openvdb/openvdb_export.h"
-#include "format/shard/octahedral.h"
 #include "lattice/error.h"
+#include "lattice/octahedral.h"
 #include "lattice/srgb.h"
 #include "tests/format/scene/scene_voxels.h"
 #include "tests/format/shard/made_shard.h"

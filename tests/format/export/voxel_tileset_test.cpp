@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "format/shard/octahedral.h"
 #include "lattice/error.h"
+#include "lattice/octahedral.h"
 #include "tests/format/scene/scene_voxels.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/format/system/small_disk.h"

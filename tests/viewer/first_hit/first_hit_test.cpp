@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/first_hit_reference.h"
+#include "bench/first_hit/first_hit_reference.h"
 #include "first_hit_scenes.h"
 #include "kernels/cast/first_hit_cast.h"
 #include "viewer/first_hit/first_hit_scene.h"

@@ -1,0 +1,225 @@
+#include "bench/accuracy/accuracy_bench.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+#include "lattice/error.h"
+#include "scheduler/merge.h"
+#include "viewer/pictures/frame_renderer.h"
+#include "viewer/pictures/png.h"
+
+namespace gigabake::bench {
+namespace {
+
+constexpr std::size_t cells_in_flight = 4;
+
+struct Surface {
+  SurfaceRule rule;
+  const char* name;
+};
+constexpr Surface surfaces[] = {
+    {SurfaceRule::area, "area"}, {SurfaceRule::conservative, "conservative"}, {SurfaceRule::thin, "thin"}};
+
+struct Mip {
+  MipFilter filter;
+  const char* name;
+};
+constexpr Mip mips[] = {{MipFilter::coverage, "coverage"}, {MipFilter::thesis, "thesis"}, {MipFilter::box, "box"}};
+
+AccuracySetting make_setting(const BakeParameters& parameters, const Surface& surface, const Mip& mip, int coarser) {
+  AccuracySetting setting;
+  setting.surface = surface.name;
+  setting.mip = mip.name;
+  setting.name = setting.surface + "-" + setting.mip + (coarser > 1 ? "-x" + std::to_string(coarser) : "");
+  setting.parameters = parameters;
+  setting.parameters.surface = surface.rule;
+  setting.parameters.mip = mip.filter;
+  setting.parameters.voxel_size_m *= coarser;
+  setting.parameters.normals = setting.parameters.facing = true;
+  setting.parameters.max_error = 0;
+  setting.parameters.codec = Codec::deflate;
+  return setting;
+}
+
+std::vector<AccuracySetting> all_settings(const BakeParameters& parameters) {
+  std::vector<AccuracySetting> settings;
+  for (const int coarser : {1, 2}) {
+    for (const Surface& surface : surfaces)
+      for (const Mip& mip : mips) settings.push_back(make_setting(parameters, surface, mip, coarser));
+    settings.push_back(make_setting(parameters, surfaces[0], mips[0], coarser));
+    settings.back().name += "-no-normals";
+    settings.back().parameters.normals = false;
+  }
+  for (const std::uint32_t codes : {1, 2, 4, 8, 16}) {
+    settings.push_back(make_setting(parameters, surfaces[0], mips[0], 1));
+    settings.back().name += "-error-" + std::to_string(codes);
+    settings.back().parameters.max_error = codes;
+  }
+  for (const bool normals : {true, false}) {
+    settings.push_back(make_setting(parameters, surfaces[0], mips[0], 1));
+    settings.back().name += normals ? "-no-facing" : "-rgba";
+    settings.back().parameters.normals = normals;
+    settings.back().parameters.facing = false;
+  }
+  settings.push_back(make_setting(parameters, surfaces[0], mips[0], 1));
+  settings.back().name += "-lz4";
+  settings.back().parameters.codec = Codec::lz4;
+  return settings;
+}
+
+std::vector<AccuracySetting> chosen_settings(const AccuracyBenchRequest& request) {
+  std::vector<AccuracySetting> all = all_settings(request.scene.parameters), chosen;
+  if (request.only.empty()) return all;
+  for (const std::string& name : request.only)
+    if (std::none_of(all.begin(), all.end(), [&](const AccuracySetting& s) { return s.name == name; }))
+      throw UsageError("--settings: no setting is called '" + name + "'");
+  for (AccuracySetting& s : all)
+    if (std::count(request.only.begin(), request.only.end(), s.name) != 0) chosen.push_back(std::move(s));
+  return chosen;
+}
+
+/// As `gigabake bake`, by one process. The fastest of the calls for one setting counts.
+void bake(const SceneSources& sources, const AccuracyBenchRequest& request, const std::optional<int>& device,
+          const std::filesystem::path& out, AccuracySetting& setting) {
+  std::filesystem::remove_all(out / "shards");
+  BenchScene scene = request.scene;
+  scene.parameters = setting.parameters;
+  const auto start = Clock::now();
+  const BakePlan plan = plan_scene(sources, scene);
+  CellPipeline pipeline(sources, scene.parameters, WorkerOptions{scene.threads, scene.memory_bytes, out, device});
+  const std::vector<CellReport> reports = bake_cells(pipeline, plan.jobs, cells_in_flight, scene.progress);
+  write_scene(out / "scene.xml", merge(plan, reports, sources.origin, scene.parameters));
+  setting.bake_s = std::min(setting.bake_s, seconds_since(start));
+  setting.bytes = setting.voxels = 0;
+  for (const CellReport& report : reports) {
+    setting.bytes += report.cell.bytes;
+    for (const std::uint64_t voxels : report.cell.voxels) setting.voxels += voxels;
+  }
+  if (setting.voxels == 0) throw InputError(request.scene.source, "", "no voxel is occupied; choose smaller voxels");
+}
+
+/// Voxels are known by their size and content hash.
+class VoxelErrors {
+ public:
+  VoxelErrors(const ReferenceCaster& caster, const AccuracyBenchRequest& request)
+      : caster_(caster), request_(request) {}
+
+  const VoxelError& of(const std::filesystem::path& scene, const AccuracySetting& setting) {
+    Hash128 hash;
+    for (const SceneCell& cell : read_scene(scene).cells) hash += cell.content_hash.at(0);
+    const auto [known, is_new] = known_.try_emplace({setting.parameters.voxel_size_m, hash.hex()});
+    if (is_new) {
+      const double coarser = setting.parameters.voxel_size_m / request_.scene.parameters.voxel_size_m;
+      known->second = voxel_error(caster_, scene, int(coarser + 0.5), request_.sample, request_.scene.threads);
+    }
+    return known->second;
+  }
+
+ private:
+  const ReferenceCaster& caster_;
+  const AccuracyBenchRequest& request_;
+  std::map<std::pair<double, std::string>, VoxelError> known_;
+};
+
+std::filesystem::path picture_path(const std::filesystem::path& folder, const AccuracyView& view) {
+  std::string file = view.name() + ".png";
+  std::replace(file.begin(), file.end(), ' ', '-');
+  return folder / file;
+}
+
+std::vector<LinearPicture> draw_references(const ReferenceCaster& caster, const AccuracyBenchRequest& request,
+                                           const std::vector<AccuracyView>& views) {
+  const std::filesystem::path folder = request.out / "reference";
+  std::filesystem::create_directories(folder);
+  std::vector<LinearPicture> references;
+  for (const AccuracyView& view : views) {
+    references.push_back(caster.draw(reference_camera(view, request.scene.parameters), request.samples));
+    write_png(picture_path(folder, view), to_srgb(references.back()));
+  }
+  return references;
+}
+
+void compare(const std::filesystem::path& folder, const AccuracyBench& bench,
+             const std::vector<LinearPicture>& references, int threads, AccuracySetting& setting) {
+  FrameRenderer::Options options;
+  options.threads = threads;
+  FrameRenderer renderer(folder / "scene.xml", options);
+  std::vector<PictureError> errors;
+  for (std::size_t v = 0; v < bench.views.size(); ++v) {
+    const View view{bench.views[v].camera, ViewMode::albedo, {false, {0, 0, 0, 0}}};
+    const Frame frame = renderer.draw_exact(view);
+    errors.push_back(picture_error(references[v], to_linear(frame.picture)));
+    setting.views.push_back({bench.views[v].name(), frame.stats.total_s, errors.back()});
+    setting.render_s += frame.stats.total_s;
+    write_png(picture_path(folder, bench.views[v]), frame.picture);
+  }
+  if (!renderer.problems().empty()) throw InputError(folder, "", renderer.problems().front());
+  setting.mean = mean_error(errors);
+}
+
+Picture lit_picture(const std::filesystem::path& scene, const AccuracyView& view, int threads) {
+  FrameRenderer::Options options;
+  options.threads = threads;
+  return FrameRenderer(scene, options).draw_exact({view.camera, ViewMode::lit, {false, {0, 0, 0, 0}}}).picture;
+}
+
+/// Light shows what albedo does not.
+std::vector<NormalBits> coarser_normals(const AccuracyBenchRequest& request, const AccuracyBench& bench) {
+  const AccuracySetting& first = bench.settings.front();
+  std::vector<NormalBits> rows =
+      normal_bits(request.out / first.name / "scene.xml", request.out, first.parameters.codec, request.scene.threads);
+  int pictures = 0;
+  for (const AccuracyView& view : bench.views) {
+    if (view.voxels_per_pixel != 1) continue;
+    ++pictures;
+    LinearPicture exact;
+    for (NormalBits& row : rows) {
+      const auto scene = request.out / ("normals-" + std::to_string(row.bits)) / "scene.xml";
+      const LinearPicture lit = to_linear(lit_picture(scene, view, request.scene.threads));
+      if (row.bits == rows.front().bits) exact = lit;
+      row.lit_flip += picture_error(exact, lit).flip;
+    }
+  }
+  for (NormalBits& row : rows) row.lit_flip /= pictures;
+  return rows;
+}
+
+}  // namespace
+
+std::vector<std::string> accuracy_setting_names() {
+  std::vector<std::string> names;
+  for (const AccuracySetting& s : all_settings({})) names.push_back(s.name);
+  return names;
+}
+
+AccuracyBench bench_accuracy(const AccuracyBenchRequest& request, const AccuracyProgress& progress) {
+  std::vector<AccuracySetting> settings = chosen_settings(request);
+  const SceneSources sources = open_sources(request.scene.source, request.scene.source_options, request.scene.progress);
+  const DeviceChoice device = choose_device({request.backend});
+  AccuracyBench bench;
+  bench.backend = device.device ? "cuda" : "cpu";
+  bench.voxel_size_m = request.scene.parameters.voxel_size_m;
+  bench.samples = request.samples;
+  progress("reference");
+  const auto start = Clock::now();
+  const ReferenceCaster caster(sources, request.scene.parameters, request.scene.threads);
+  bench.views = accuracy_views(caster, request.scene.parameters, request.width, request.height);
+  const std::vector<LinearPicture> references = draw_references(caster, request, bench.views);
+  bench.reference_s = seconds_since(start);
+  VoxelErrors voxel_errors(caster, request);
+  for (AccuracySetting& setting : settings) {
+    progress(setting.name);
+    const std::filesystem::path folder = request.out / setting.name;
+    setting.bake_s = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < request.repeats; ++i) bake(sources, request, device.device, folder, setting);
+    compare(folder, bench, references, request.scene.threads, setting);
+    setting.voxel = voxel_errors.of(folder / "scene.xml", setting);
+    bench.settings.push_back(std::move(setting));
+  }
+  progress("fewer bits a normal");
+  bench.normals = coarser_normals(request, bench);
+  return bench;
+}
+
+}  // namespace gigabake::bench

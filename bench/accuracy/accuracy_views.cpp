@@ -1,0 +1,107 @@
+#include "bench/accuracy/accuracy_views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <numbers>
+
+namespace gigabake::bench {
+namespace {
+
+using Vector = std::array<double, 3>;
+
+constexpr double fovy_deg = 1;
+constexpr int fewest_pixels = 8;
+
+Vector along(const Vector& from, const Vector& direction, double distance) {
+  return {from[0] + distance * direction[0], from[1] + distance * direction[1], from[2] + distance * direction[2]};
+}
+
+struct Direction {
+  const char* name;
+  double elevation_deg;
+};
+constexpr Direction directions[] = {{"nadir", 90}, {"oblique", 35}, {"grazing", 10}};
+
+/// Towards north-north-west, so that no axis of the lattice is special.
+Vector forward_of(const Direction& direction) {
+  constexpr double azimuth = 0.8;
+  if (direction.elevation_deg == 90) return {0, 0, -1};
+  const double elevation = direction.elevation_deg * std::numbers::pi / 180;
+  return {-std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), -std::sin(elevation)};
+}
+
+/// How far the box reaches along a direction to either side of its middle.
+double reach(const LatticeBox& box, const Vector& direction) {
+  double sum = 0;
+  for (std::size_t a = 0; a < 3; ++a) sum += (box.max[a] - box.min[a]) / 2 * std::fabs(direction[a]);
+  return sum;
+}
+
+Vector middle_of(const LatticeBox& box) {
+  return {(box.min[0] + box.max[0]) / 2, (box.min[1] + box.max[1]) / 2, (box.min[2] + box.max[2]) / 2};
+}
+
+/// Of a line through the middle of the scene, where it first meets a triangle.
+Vector surface_point(const ReferenceCaster& caster, const Vector& forward) {
+  const Vector outside = along(middle_of(caster.box()), forward, -2 * reach(caster.box(), forward) - 1);
+  const auto hit = caster.first_hit(outside, forward);
+  return hit ? along(outside, forward, *hit) : middle_of(caster.box());
+}
+
+int pixels_across(double voxels, double voxels_per_pixel, int most) {
+  return int(std::clamp(std::ceil(voxels / voxels_per_pixel) + 2, double(fewest_pixels), double(most)));
+}
+
+Point<Scene> to_scene_m(const Vector& voxels, const BakeParameters& lattice) {
+  Vector m;
+  for (std::size_t a = 0; a < 3; ++a) m[a] = lattice.lattice_origin_m[a] + voxels[a] * lattice.voxel_size_m;
+  return {m[0], m[1], m[2]};
+}
+
+AccuracyView make_view(const ReferenceCaster& caster, const BakeParameters& lattice, const Direction& direction,
+                       double voxels_per_pixel, int width, int height) {
+  const LatticeBox& box = caster.box();
+  const Vector forward = forward_of(direction);
+  const double level = std::hypot(forward[0], forward[1]);
+  const Vector right = level > 0 ? Vector{forward[1] / level, -forward[0] / level, 0} : Vector{1, 0, 0};
+  const Vector up =
+      level > 0 ? Vector{-forward[2] * forward[0] / level, -forward[2] * forward[1] / level, level} : Vector{0, 1, 0};
+  AccuracyView view;
+  view.direction = direction.name;
+  view.voxels_per_pixel = voxels_per_pixel;
+  view.camera.fovy_deg = fovy_deg;
+  view.camera.width = pixels_across(2 * reach(box, right), voxels_per_pixel, width);
+  view.camera.height = pixels_across(2 * reach(box, up), voxels_per_pixel, height);
+  const bool holds_all = view.camera.width < width && view.camera.height < height;
+  const Vector target = holds_all ? middle_of(box) : surface_point(caster, forward);
+  double to_target = 0;
+  for (std::size_t a = 0; a < 3; ++a) to_target += (target[a] - middle_of(box)[a]) * forward[a];
+  const double to_front = voxels_per_pixel * view.camera.height / (2 * std::tan(fovy_deg * std::numbers::pi / 360));
+  const Vector eye = along(target, forward, -(to_front + reach(box, forward) + to_target));
+  view.camera.eye_m = to_scene_m(eye, lattice);
+  view.camera.target_m = to_scene_m(target, lattice);
+  return view;
+}
+
+}  // namespace
+
+std::string AccuracyView::name() const { return fmt::format("{} {:g}", direction, voxels_per_pixel); }
+
+std::vector<AccuracyView> accuracy_views(const ReferenceCaster& caster, const BakeParameters& lattice, int width,
+                                         int height) {
+  std::vector<AccuracyView> views;
+  for (const Direction& direction : directions)
+    for (const double scale : accuracy_scales)
+      views.push_back(make_view(caster, lattice, direction, scale, width, height));
+  return views;
+}
+
+kernels::CastCamera reference_camera(const AccuracyView& view, const BakeParameters& lattice) {
+  SceneDescription frame;
+  frame.voxel_size_m = lattice.voxel_size_m;
+  frame.lattice_origin_m = lattice.lattice_origin_m;
+  return make_camera(view.camera, frame, {});
+}
+
+}  // namespace gigabake::bench

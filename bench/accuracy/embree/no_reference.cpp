@@ -1,0 +1,25 @@
+#include "bench/accuracy/reference_caster.h"
+#include "lattice/error.h"
+
+namespace gigabake::bench {
+
+struct ReferenceCaster::State {};
+
+bool ReferenceCaster::is_built() { return false; }
+
+ReferenceCaster::ReferenceCaster(const SceneSources&, const BakeParameters&, int) {
+  throw UsageError("bench accuracy: this gigabake was built without Embree; install libembree-dev and build again");
+}
+
+ReferenceCaster::~ReferenceCaster() = default;
+
+// No caster can be made, so none of these runs.
+const LatticeBox& ReferenceCaster::box() const { throw UsageError("bench accuracy: built without Embree"); }
+const SourceTriangles& ReferenceCaster::triangles() const { throw UsageError("bench accuracy: built without Embree"); }
+std::vector<TriangleName> ReferenceCaster::near(const std::array<double, 3>&, double) const { return {}; }
+LinearPicture ReferenceCaster::draw(const kernels::CastCamera&, int) const { return {}; }
+std::optional<double> ReferenceCaster::first_hit(const std::array<double, 3>&, const std::array<double, 3>&) const {
+  return {};
+}
+
+}  // namespace gigabake::bench

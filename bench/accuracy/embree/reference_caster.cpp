@@ -1,0 +1,198 @@
+#include "bench/accuracy/reference_caster.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "bench/accuracy/embree/rtcore.h"
+#include "bench/schedule_model.h"
+#include "lattice/thread_pool.h"
+
+namespace gigabake::bench {
+namespace {
+
+struct Released {
+  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+};
+using Device = std::unique_ptr<std::remove_pointer_t<RTCDevice>, Released>;
+using EmbreeScene = std::unique_ptr<std::remove_pointer_t<RTCScene>, Released>;
+
+using Vector = std::array<double, 3>;
+
+void check(RTCDevice device, const char* call) {
+  const RTCError error = rtcGetDeviceError(device);
+  if (error != RTC_ERROR_NONE) throw std::runtime_error(std::string(call) + ": Embree error " + std::to_string(error));
+}
+
+void add_part(RTCDevice device, RTCScene scene, const SourceTriangles& triangles, std::size_t part) {
+  const std::vector<float> position = triangles.positions(part);
+  const Span<const std::uint32_t> index = triangles.indices(part);
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  void* vertices =
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, position.size() / 3);
+  void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, index.size / 3);
+  check(device, "rtcSetNewGeometryBuffer");
+  std::copy(position.begin(), position.end(), static_cast<float*>(vertices));
+  std::copy_n(index.data, index.size, static_cast<std::uint32_t*>(indices));
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometryByID(scene, geometry, unsigned(part));
+  rtcReleaseGeometry(geometry);
+}
+
+/// Unit directions through a pixel's samples; as kernels::line_of_sight(), but not only through its middle.
+Vector direction_through(const kernels::CastCamera& camera, double x, double y) {
+  const double sx = 2 * x / camera.width - 1, sy = 1 - 2 * y / camera.height;
+  Vector d;
+  for (std::size_t a = 0; a < 3; ++a) d[a] = camera.forward[a] + (camera.right[a] * sx + camera.up[a] * sy);
+  const double length = std::hypot(d[0], d[1], d[2]);
+  for (double& v : d) v /= length;
+  return d;
+}
+
+/// Distance at which a ray enters the box; none where it misses it.
+std::optional<double> entry(const LatticeBox& box, const Vector& origin, const Vector& direction) {
+  double enter = 0, leave = std::numeric_limits<double>::infinity();
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (direction[a] == 0) {
+      if (origin[a] < box.min[a] || origin[a] > box.max[a]) return {};
+      continue;
+    }
+    const double p = (box.min[a] - origin[a]) / direction[a], q = (box.max[a] - origin[a]) / direction[a];
+    enter = std::max(enter, std::min(p, q));
+    leave = std::min(leave, std::max(p, q));
+  }
+  // What touches the box's side may be rounded to miss it.
+  if (enter > leave + 1e-6 * std::fabs(leave)) return {};
+  return enter;
+}
+
+/// Surfaces nearer to each other than this share of their distance from the box's side are one to a ray.
+constexpr float apart = 1e-6f;
+/// Light that is left of a ray when what is behind no longer shows.
+constexpr float dark = 1e-4f;
+
+}  // namespace
+
+struct ReferenceCaster::State {
+  SourceTriangles triangles;
+  ThreadPool pool;
+  Device device;
+  EmbreeScene scene;
+
+  State(const SceneSources& sources, const BakeParameters& lattice, int threads)
+      : triangles(sources, lattice, threads), pool(threads) {
+    device.reset(rtcNewDevice(("threads=" + std::to_string(threads)).c_str()));
+    if (!device) throw std::runtime_error("rtcNewDevice: Embree error " + std::to_string(rtcGetDeviceError(nullptr)));
+    scene.reset(rtcNewScene(device.get()));
+    rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
+    for (std::size_t part = 0; part < triangles.parts(); ++part) add_part(device.get(), scene.get(), triangles, part);
+    rtcCommitScene(scene.get());
+    check(device.get(), "rtcCommitScene");
+  }
+
+  /// Starts where it enters the box, so that float knows distances well.
+  std::optional<RTCRayHit> ray(const Vector& origin, const Vector& direction, double& before_box) const {
+    const std::optional<double> enter = entry(triangles.box(), origin, direction);
+    if (!enter) return {};
+    before_box = std::max(0.0, *enter - 1);
+    RTCRayHit hit{};
+    const auto start = [&](std::size_t a) {
+      return float(origin[a] + direction[a] * before_box - triangles.middle()[a]);
+    };
+    hit.ray.org_x = start(0), hit.ray.org_y = start(1), hit.ray.org_z = start(2);
+    hit.ray.dir_x = float(direction[0]), hit.ray.dir_y = float(direction[1]), hit.ray.dir_z = float(direction[2]);
+    hit.ray.mask = ~0u;
+    return hit;
+  }
+
+  /// Whether there is a triangle beyond tnear.
+  bool next(RTCRayHit& hit) const {
+    hit.ray.tfar = std::numeric_limits<float>::infinity();
+    hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    intersect(scene.get(), hit);
+    return hit.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+  }
+
+  std::array<float, 4> radiance(const Vector& origin, const Vector& direction) const {
+    std::array<float, 4> sum{};
+    double before_box = 0;
+    std::optional<RTCRayHit> hit = ray(origin, direction, before_box);
+    while (hit && sum[3] < 1 - dark && next(*hit)) {
+      const std::array<float, 4> c = triangles.colour({hit->hit.geomID, hit->hit.primID, hit->hit.u, hit->hit.v});
+      const float through = 1 - sum[3];
+      for (std::size_t k = 0; k < 4; ++k) sum[k] += through * c[k];
+      hit->ray.tnear = hit->ray.tfar * (1 + apart) + apart;
+    }
+    return sum;
+  }
+
+  std::array<float, 4> pixel(const kernels::CastCamera& camera, int x, int y, int grid) const {
+    const std::uint64_t seed = std::uint64_t(y) << 32 | std::uint64_t(x);
+    const Vector eye{camera.eye[0], camera.eye[1], camera.eye[2]};
+    std::array<double, 4> sum{};
+    for (int s = 0; s < grid * grid; ++s) {
+      const double across = (s % grid + uniform(seed, 2 * std::uint64_t(s))) / grid,
+                   down = (s / grid + uniform(seed, 2 * std::uint64_t(s) + 1)) / grid;
+      const std::array<float, 4> c = radiance(eye, direction_through(camera, x + across, y + down));
+      for (std::size_t k = 0; k < 4; ++k) sum[k] += c[k];
+    }
+    std::array<float, 4> mean;
+    for (std::size_t k = 0; k < 4; ++k) mean[k] = float(sum[k] / (grid * grid));
+    return mean;
+  }
+};
+
+bool ReferenceCaster::is_built() { return true; }
+
+ReferenceCaster::ReferenceCaster(const SceneSources& sources, const BakeParameters& lattice, int threads)
+    : state_(std::make_unique<State>(sources, lattice, threads)) {}
+
+ReferenceCaster::~ReferenceCaster() = default;
+
+const LatticeBox& ReferenceCaster::box() const { return state_->triangles.box(); }
+
+const SourceTriangles& ReferenceCaster::triangles() const { return state_->triangles; }
+
+std::vector<TriangleName> ReferenceCaster::near(const Vector& p, double radius) const {
+  std::vector<TriangleName> found;
+  RTCPointQuery query{};
+  const Vector& middle = state_->triangles.middle();
+  query.x = float(p[0] - middle[0]), query.y = float(p[1] - middle[1]), query.z = float(p[2] - middle[2]);
+  query.radius = float(radius);
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  const auto take = [](RTCPointQueryFunctionArguments* at) {
+    static_cast<std::vector<TriangleName>*>(at->userPtr)->push_back({at->geomID, at->primID});
+    return false;  // the radius stays
+  };
+  rtcPointQuery(state_->scene.get(), &query, &context, take, &found);
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+LinearPicture ReferenceCaster::draw(const kernels::CastCamera& camera, int samples) const {
+  const int grid = int(std::ceil(std::sqrt(double(samples)) - 1e-9));
+  LinearPicture picture{camera.width, camera.height, {}};
+  picture.rgba.resize(4 * picture.pixels());
+  state_->pool.parallel_for(picture.pixels(), 64, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto width = std::size_t(camera.width);
+      const std::array<float, 4> c = state_->pixel(camera, int(i % width), int(i / width), grid);
+      std::copy(c.begin(), c.end(), picture.rgba.begin() + std::ptrdiff_t(4 * i));
+    }
+  });
+  return picture;
+}
+
+std::optional<double> ReferenceCaster::first_hit(const Vector& origin, const Vector& direction) const {
+  double before_box = 0;
+  std::optional<RTCRayHit> hit = state_->ray(origin, direction, before_box);
+  if (!hit || !state_->next(*hit)) return {};
+  return before_box + double(hit->ray.tfar);
+}
+
+}  // namespace gigabake::bench

@@ -1,0 +1,51 @@
+#include "bench/accuracy/sampled_voxels.h"
+
+#include <algorithm>
+
+#include "bench/schedule_model.h"
+#include "format/scene/shard_of_scene.h"
+#include "format/shard/brick_walk.h"
+
+namespace gigabake::bench {
+namespace {
+
+/// Says of voxel after voxel whether it is the one of its run.
+class OneOfEachRun {
+ public:
+  OneOfEachRun(std::uint64_t run, std::uint64_t seed) : run_(run), seed_(seed) {}
+
+  bool takes_next() {
+    const std::uint64_t place = count_ % run_;
+    if (place == 0) chosen_ = std::uint64_t(uniform(seed_, count_ / run_) * double(run_));
+    ++count_;
+    return place == chosen_;
+  }
+
+ private:
+  std::uint64_t run_, seed_, count_ = 0, chosen_ = 0;
+};
+
+}  // namespace
+
+std::vector<SampledVoxel> sample_voxels(const SceneDescription& scene, const std::filesystem::path& scene_path,
+                                        std::uint64_t most, std::uint64_t seed) {
+  std::uint64_t voxels = 0;
+  for (const SceneCell& cell : scene.cells) voxels += cell.voxels.at(0);
+  OneOfEachRun choice(std::max<std::uint64_t>(1, (voxels + most - 1) / most), seed);
+  std::vector<SampledVoxel> sampled;
+  for (const SceneCell& cell : scene.cells) {
+    const ShardReader shard = open_shard_of_scene(scene_path, scene, cell);
+    for_each_voxel_of_level(
+        shard.nodes(), shard.level(0), 0,
+        [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {
+          if (!choice.takes_next()) return;
+          const std::array<std::int64_t, 3>& corner = cell.lattice_min;
+          sampled.push_back({{corner[0] + x, corner[1] + y, corner[2] + z},
+                             {rgba[0], rgba[1], rgba[2], rgba[3]},
+                             {normal[0], normal[1]}});
+        });
+  }
+  return sampled;
+}
+
+}  // namespace gigabake::bench

@@ -1,0 +1,263 @@
+#include "bench/accuracy/voxel_error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "bench/accuracy/clipped_triangle.h"
+#include "bench/accuracy/colour_spaces.h"
+#include "bench/accuracy/reference_voxels.h"
+#include "bench/accuracy/sampled_voxels.h"
+#include "bench/accuracy/surface_points.h"
+#include "bench/schedule_model.h"
+#include "kernels/body/tables.h"
+#include "lattice/octahedral.h"
+#include "lattice/thread_pool.h"
+
+namespace gigabake::bench {
+namespace {
+
+/// More than a snapped vertex moves, on any axis and in all.
+constexpr double snap = 1.0 / 256;
+constexpr double half_diagonal = 0.8660254037844386;
+constexpr double farthest_looked = 64;
+constexpr double least_area = 1e-4, least_alpha = 0.1;
+
+double sum_of_squares(const Rgb& a, const Rgb& b) {
+  double sum = 0;
+  for (std::size_t c = 0; c < 3; ++c) sum += (a[c] - b[c]) * (a[c] - b[c]);
+  return sum;
+}
+
+/// From a point, in voxels, to the nearest one there is, along the axis where they are farthest apart; 2: none as near
+/// as 1.
+double distance_to_voxels(const ReferenceVoxels& voxels, const Vector& p) {
+  std::array<std::int64_t, 3> in;
+  for (std::size_t a = 0; a < 3; ++a) in[a] = std::int64_t(std::floor(p[a])) - voxels.origin()[a];
+  if (voxels.exists(in)) return 0;
+  double nearest = 2;
+  for (int i = 0; i < 27; ++i) {
+    const int step[3] = {i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1};
+    double distance = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double inside = p[a] - std::floor(p[a]);
+      if (step[a] != 0) distance = std::max(distance, step[a] < 0 ? inside : 1 - inside);
+    }
+    if (distance < nearest && voxels.exists({in[0] + step[0], in[1] + step[1], in[2] + step[2]})) nearest = distance;
+  }
+  return nearest;
+}
+
+void judge_points(const ReferenceVoxels& voxels, const std::vector<Vector>& points, double edge, VoxelError& error) {
+  std::uint64_t missed = 0, by_half = 0, by_one = 0;
+  for (const Vector& p : points) {
+    const double distance = distance_to_voxels(voxels, {p[0] / edge, p[1] / edge, p[2] / edge});
+    missed += distance > snap;
+    by_half += distance > 0.5;
+    by_one += distance > 1;
+  }
+  const double all = double(std::max<std::size_t>(1, points.size()));
+  error.points = points.size();
+  error.missed = double(missed) / all;
+  error.missed_by_half = double(by_half) / all;
+  error.missed_by_one = double(by_one) / all;
+}
+
+struct SourceColour {
+  double alpha = 0, texels = 0;
+  Rgb straight{};
+};
+
+struct Verdict {
+  double distance = farthest_looked;  ///< from the centre
+  bool is_touched = false;
+  std::optional<double> angle_deg;
+  std::optional<SourceColour> source;
+};
+
+/// One voxel against the triangles about it.
+class VoxelJudge {
+ public:
+  VoxelJudge(const ReferenceCaster& caster, double edge, bool has_normals, const VoxelErrorSample& sample)
+      : caster_(caster), source_(caster.triangles()), edge_(edge), has_normals_(has_normals), sample_(sample) {}
+
+  Verdict judge(const SampledVoxel& voxel, std::uint64_t number) const {
+    Vector lowest, centre;
+    for (std::size_t a = 0; a < 3; ++a) {
+      lowest[a] = double(voxel.at[a]) * edge_;
+      centre[a] = lowest[a] + edge_ / 2;
+    }
+    const std::vector<Nearby> nearby = around(centre);
+    Verdict verdict;
+    for (const Nearby& t : nearby) verdict.distance = std::min(verdict.distance, t.distance / edge_);
+    if (has_normals_) verdict.angle_deg = angle(nearby, verdict.distance * edge_, voxel.normal);
+    const double margin = snap * edge_;
+    const Vector wider{lowest[0] - margin, lowest[1] - margin, lowest[2] - margin};
+    verdict.is_touched = std::any_of(nearby.begin(), nearby.end(), [&](const Nearby& t) {
+      return !clip_to_cube(t.corners, wider, edge_ + 2 * margin).empty();
+    });
+    verdict.source = colour(nearby, lowest, number);
+    return verdict;
+  }
+
+ private:
+  struct Nearby {
+    TriangleName name;
+    Corners corners;
+    double distance;  ///< from the voxel's centre
+  };
+  struct Fragment {
+    TriangleName name;
+    std::vector<ClippedCorner> polygon;
+    double area;
+  };
+
+  /// All that come nearer than the voxel's corners, and where there is none the nearest.
+  std::vector<Nearby> around(const Vector& centre) const {
+    std::vector<Nearby> nearby;
+    for (double radius = edge_; nearby.empty() && radius <= farthest_looked * edge_; radius *= 2)
+      for (const TriangleName name : caster_.near(centre, radius)) {
+        const Corners corners = source_.corners(name.part, name.triangle);
+        const Vector n = normal_of(corners);
+        if (!(dot(n, n) > 0)) continue;
+        const double distance = distance_to(corners, centre);
+        if (distance <= radius) nearby.push_back({name, corners, distance});
+      }
+    return nearby;
+  }
+
+  /// To the nearest triangle; of those that are as near, to the one that is least off.
+  std::optional<double> angle(const std::vector<Nearby>& nearby, double nearest,
+                              const std::array<std::int8_t, 2>& stored) const {
+    const std::array<float, 3> n = unit_normal(stored.data());
+    std::optional<double> least;
+    for (const Nearby& t : nearby) {
+      if (t.distance > nearest + snap * edge_) continue;
+      Vector m = normal_of(t.corners);
+      if (source_.is_mirrored(t.name.part)) m = {-m[0], -m[1], -m[2]};
+      const double cosine = (n[0] * m[0] + n[1] * m[1] + n[2] * m[2]) / std::sqrt(dot(m, m));
+      const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
+      if (!least || angle < *least) least = angle;
+    }
+    return least;
+  }
+
+  /// What the voxel ought to hold: the mean over all surface in it.
+  std::optional<SourceColour> colour(const std::vector<Nearby>& nearby, const Vector& lowest,
+                                     std::uint64_t number) const {
+    std::vector<Fragment> fragments;
+    double area = 0;
+    for (const Nearby& t : nearby) {
+      Fragment f{t.name, clip_to_cube(t.corners, lowest, edge_), 0};
+      f.area = area_of(f.polygon);
+      area += f.area;
+      if (f.area > 0) fragments.push_back(std::move(f));
+    }
+    if (area < least_area * edge_ * edge_) return {};
+    SourceColour sum;
+    std::uint64_t drawn = number << 20;
+    for (const Fragment& f : fragments) add(f, area, sum, drawn);
+    for (double& c : sum.straight) c = sum.alpha > 0 ? c / sum.alpha : 0;
+    return sum;
+  }
+
+  void add(const Fragment& f, double area, SourceColour& sum, std::uint64_t& drawn) const {
+    const Vector n = normal_of(source_.corners(f.name.part, f.name.triangle));
+    const double texels_per_area = 2 * source_.texels(f.name.part, f.name.triangle) / std::sqrt(dot(n, n));
+    sum.texels += f.area / area * std::sqrt(texels_per_area) * edge_;
+    const int points = std::max(1, int(std::lround(sample_.texels * f.area / area)));
+    for (int k = 0; k < points; ++k) {
+      const double u = (k + uniform(sample_.seed, drawn++)) / points, v = uniform(sample_.seed, drawn++);
+      const ClippedCorner p = point_in(f.polygon, u, v);
+      const std::array<float, 4> c = source_.colour({f.name.part, f.name.triangle, float(p.second), float(p.third)});
+      const double weight = f.area / area / points;
+      for (std::size_t i = 0; i < 3; ++i) sum.straight[i] += weight * c[i];
+      sum.alpha += weight * c[3];
+    }
+  }
+
+  const ReferenceCaster& caster_;
+  const SourceTriangles& source_;
+  double edge_;
+  bool has_normals_;
+  const VoxelErrorSample& sample_;
+};
+
+/// Shares of a sum.
+class ColourSum {
+ public:
+  void add(const SourceColour& source, const std::array<std::uint8_t, 4>& rgba) {
+    const double alpha = rgba[3] / 255.0;
+    ++voxels_;
+    texels_ += source.texels;
+    bias_ += alpha - source.alpha;
+    alpha_squares_ += (alpha - source.alpha) * (alpha - source.alpha);
+    if (std::min(alpha, source.alpha) < least_alpha) return;
+    ++colours_;
+    Rgb stored;
+    for (std::size_t c = 0; c < 3; ++c)
+      stored[c] = kernels::TableStore::host().view().linear_from_srgb[rgba[c]] / 65535.0;
+    colour_squares_ += sum_of_squares(stored, source.straight) / 3;
+    delta_e_ += std::sqrt(sum_of_squares(cie_lab(stored), cie_lab(source.straight)));
+  }
+  void to(VoxelError& error) const {
+    const double voxels = double(std::max<std::uint64_t>(1, voxels_)),
+                 colours = double(std::max<std::uint64_t>(1, colours_));
+    error.coloured = voxels_;
+    error.texels = texels_ / voxels;
+    error.alpha_bias = bias_ / voxels;
+    error.rms_alpha = std::sqrt(alpha_squares_ / voxels);
+    error.rms_colour = std::sqrt(colour_squares_ / colours);
+    error.delta_e = delta_e_ / colours;
+  }
+
+ private:
+  std::uint64_t voxels_ = 0, colours_ = 0;
+  double texels_ = 0, bias_ = 0, alpha_squares_ = 0, colour_squares_ = 0, delta_e_ = 0;
+};
+
+void add_angles(std::vector<double> angles, VoxelError& error) {
+  if (angles.empty()) return;
+  std::sort(angles.begin(), angles.end());
+  for (const double angle : angles) error.normal_deg += angle / double(angles.size());
+  error.normal_99_deg = angles[std::size_t(0.99 * double(angles.size() - 1))];
+}
+
+void sum_up(const std::vector<SampledVoxel>& voxels, const std::vector<Verdict>& verdicts, VoxelError& error) {
+  const double one = 1.0 / double(std::max<std::size_t>(1, voxels.size()));
+  ColourSum colours;
+  std::vector<double> angles;
+  error.voxels = voxels.size();
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    const Verdict& v = verdicts[i];
+    error.extra += v.is_touched ? 0 : one;
+    error.beyond_half += v.distance > 0.5 + snap ? one : 0;
+    error.beyond_whole += v.distance > half_diagonal + snap ? one : 0;
+    error.farthest = std::max(error.farthest, v.distance);
+    if (v.angle_deg) angles.push_back(*v.angle_deg);
+    if (v.source) colours.add(*v.source, voxels[i].rgba);
+  }
+  colours.to(error);
+  add_angles(std::move(angles), error);
+}
+
+}  // namespace
+
+VoxelError voxel_error(const ReferenceCaster& caster, const std::filesystem::path& scene, int coarser,
+                       const VoxelErrorSample& sample, int threads) {
+  const SceneDescription description = read_scene(scene);
+  VoxelError error;
+  judge_points(ReferenceVoxels(description, scene, 0), surface_points(caster.triangles(), sample.points, sample.seed),
+               coarser, error);
+  const std::vector<SampledVoxel> voxels = sample_voxels(description, scene, sample.voxels, sample.seed);
+  const VoxelJudge judge(caster, coarser, description.has_normals, sample);
+  std::vector<Verdict> verdicts(voxels.size());
+  ThreadPool(threads).parallel_for(voxels.size(), 256, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) verdicts[i] = judge.judge(voxels[i], i);
+  });
+  sum_up(voxels, verdicts, error);
+  return error;
+}
+
+}  // namespace gigabake::bench

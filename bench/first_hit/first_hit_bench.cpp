@@ -1,0 +1,151 @@
+#include "bench/first_hit/first_hit_bench.h"
+
+#include <algorithm>
+#include <cstring>
+#include <functional>
+#include <memory>
+
+#include "bench/accuracy/reference_voxels.h"
+#include "bench/bench_scene.h"
+#include "bench/first_hit/first_hit_reference.h"
+#include "bench/first_hit/first_hit_views.h"
+#include "kernels/cast/first_hit_device.h"
+#include "viewer/first_hit/first_hit_scene.h"
+
+namespace gigabake::bench {
+namespace {
+
+constexpr unsigned seed = 20261121;
+constexpr int most_cpu_repeats = 3;
+constexpr double promised_rounding = 0x1p-20;  ///< of the tree's edge: kernels/cast/first_hit.h
+
+struct Spread {
+  double best, median;
+};
+
+/// once(): runs and returns its seconds.
+Spread repeat(int repeats, const std::function<double()>& once) {
+  once();
+  std::vector<double> s;
+  for (int i = 0; i < repeats; ++i) s.push_back(once());
+  std::sort(s.begin(), s.end());
+  return {s.front(), s[s.size() / 2]};
+}
+
+/// run(looks): casts the view and returns its seconds.
+FirstHitTimes time_view(const char* backend, int repeats, const std::function<double(bool)>& run) {
+  const Spread looks = repeat(repeats, [&] { return run(true); }), plain = repeat(repeats, [&] { return run(false); });
+  return {backend, plain.best, plain.median, looks.best, looks.median};
+}
+
+class Bench {
+ public:
+  explicit Bench(const FirstHitBenchRequest& request)
+      : request_(request), description_(read_scene(request.scene)), pool_(request.threads) {
+    const auto start = Clock::now();
+    scene_ = build_first_hit_scene(description_, request.scene, request.lod);
+    build_s_ = seconds_since(start);
+    if (request.device) cuda_ = std::make_unique<kernels::CudaFirstHits>(*request.device, scene_.view);
+    if (request.reference_rays > 0)
+      reference_ = std::make_unique<ReferenceVoxels>(description_, request.scene, request.lod);
+  }
+
+  FirstHitBench run() {
+    FirstHitBench b{request_.width,
+                    request_.height,
+                    request_.lod,
+                    scene_.voxels,
+                    scene_.nodes.size(),
+                    scene_.tree_bytes(),
+                    scene_.bytes(),
+                    build_s_,
+                    {}};
+    if (scene_.nodes.empty()) return b;
+    for (const FirstHitBenchView& view : first_hit_views(scene_.view.tree, request_.width, request_.height))
+      b.rows.push_back(run(view));
+    return b;
+  }
+
+ private:
+  FirstHitRow run(const FirstHitBenchView& view) {
+    const std::size_t count = std::size_t(request_.width) * std::size_t(request_.height);
+    rays_.clear();
+    if (!view.camera) rays_ = random_rays(scene_.view.tree, count, seed);
+    FirstHitRow row;
+    row.view = view.name;
+    row.rays = count;
+    if (view.camera) row.beam_tile = kernels::plan_beams(scene_.view, *view.camera).tile;
+    std::vector<kernels::FirstHit> hits(count);
+    if (request_.cpu) row.times.push_back(time_cpu(view, hits));
+    if (cuda_) {
+      row.times.push_back(time_cuda(view));
+      const std::vector<kernels::FirstHit> device_hits = cuda_->hits();
+      if (!request_.cpu) cast_on_cpu(view, {{hits.data(), count}, {}});
+      for (std::size_t i = 0; i < count; ++i) row.differ += std::memcmp(&hits[i], &device_hits[i], sizeof hits[i]) != 0;
+    }
+    for (const kernels::FirstHit& hit : hits) row.hits += hit.look != kernels::no_look;
+    if (reference_) check(view, hits, row);
+    return row;
+  }
+
+  void cast_on_cpu(const FirstHitBenchView& view, const kernels::FirstHitResult& result) const {
+    if (view.camera)
+      kernels::cast_first_hits(scene_.view, *view.camera, result, pool_);
+    else
+      kernels::cast_first_hits(scene_.view, {rays_.data(), rays_.size()}, result, pool_);
+  }
+
+  FirstHitTimes time_cpu(const FirstHitBenchView& view, std::vector<kernels::FirstHit>& hits) const {
+    std::vector<kernels::FirstHitLook> looks(hits.size());
+    return time_view("cpu", std::min(request_.repeats, most_cpu_repeats), [&](bool with_looks) {
+      const auto start = Clock::now();
+      cast_on_cpu(view, {{hits.data(), hits.size()}, {looks.data(), with_looks ? looks.size() : 0}});
+      return seconds_since(start);
+    });
+  }
+
+  FirstHitTimes time_cuda(const FirstHitBenchView& view) {
+    if (!view.camera) cuda_->upload({rays_.data(), rays_.size()});
+    return time_view("cuda", request_.repeats, [&](bool with_looks) {
+      return view.camera ? cuda_->cast(*view.camera, with_looks) : cuda_->cast(with_looks);
+    });
+  }
+
+  void check(const FirstHitBenchView& view, const std::vector<kernels::FirstHit>& hits, FirstHitRow& row) const {
+    const kernels::FirstHitTree& tree = scene_.view.tree;
+    const std::size_t step = std::max<std::size_t>(1, hits.size() / request_.reference_rays);
+    std::array<std::int64_t, 3> shift;
+    for (std::size_t a = 0; a < 3; ++a)
+      shift[a] = (scene_.lattice_min[a] - reference_->origin()[a]) / (std::int64_t(1) << request_.lod);
+    for (std::size_t i = 0; i < hits.size(); i += step, ++row.reference_rays) {
+      const auto width = std::size_t(request_.width);
+      const kernels::FirstHitRay ray =
+          view.camera ? kernels::camera_ray(*view.camera, float(i % width) + 0.5f, float(i / width) + 0.5f) : rays_[i];
+      const Agreement agreement =
+          compare(tree, ray, hits[i], promised_rounding * double(1 << tree.bits), [&](const Voxel& v) {
+            return reference_->exists({v[0] + shift[0], v[1] + shift[1], v[2] + shift[2]});
+          });
+      row.within_rounding += agreement == Agreement::within_rounding;
+      row.wrong += agreement == Agreement::wrong;
+    }
+  }
+
+  FirstHitBenchRequest request_;
+  SceneDescription description_;
+  ThreadPool pool_;
+  FirstHitScene scene_;
+  double build_s_ = 0;
+  std::unique_ptr<kernels::CudaFirstHits> cuda_;
+  std::unique_ptr<ReferenceVoxels> reference_;
+  std::vector<kernels::FirstHitRay> rays_;
+};
+
+}  // namespace
+
+bool FirstHitBench::failed() const {
+  return std::any_of(rows.begin(), rows.end(), [](const FirstHitRow& r) { return r.differ != 0 || r.wrong != 0; });
+}
+
+FirstHitBench bench_first_hits(const FirstHitBenchRequest& request) { return Bench(request).run(); }
+
+}  // namespace gigabake::bench

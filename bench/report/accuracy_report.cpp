@@ -1,0 +1,238 @@
+#include "bench/report/accuracy_report.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "bench/report/accuracy_verdict.h"
+
+namespace gigabake::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const PictureError& e) {
+  return {{"psnr_black_db", e.psnr_black_db},
+          {"psnr_white_db", e.psnr_white_db},
+          {"silhouette_iou", e.silhouette_iou},
+          {"coverage_bias", e.coverage_bias},
+          {"holes", e.holes},
+          {"rms_colour", e.rms_colour},
+          {"delta_e", e.delta_e},
+          {"flip", e.flip}};
+}
+
+Json to_json(const VoxelError& e) {
+  return {{"points", e.points},
+          {"missed", e.missed},
+          {"missed_by_half", e.missed_by_half},
+          {"missed_by_one", e.missed_by_one},
+          {"voxels", e.voxels},
+          {"extra", e.extra},
+          {"beyond_half", e.beyond_half},
+          {"beyond_whole", e.beyond_whole},
+          {"farthest", e.farthest},
+          {"normal_deg", e.normal_deg},
+          {"normal_99_deg", e.normal_99_deg},
+          {"coloured", e.coloured},
+          {"texels", e.texels},
+          {"alpha_bias", e.alpha_bias},
+          {"rms_alpha", e.rms_alpha},
+          {"rms_colour", e.rms_colour},
+          {"delta_e", e.delta_e}};
+}
+
+Json to_json(const NormalBits& n) {
+  return {{"bits", n.bits},         {"sphere_deg", n.sphere_deg}, {"largest_deg", n.largest_deg},
+          {"mean_deg", n.mean_deg}, {"most_deg", n.most_deg},     {"bytes", n.bytes},
+          {"lit_flip", n.lit_flip}};
+}
+
+Json to_json(const AccuracySetting& s) {
+  Json j{{"name", s.name},
+         {"surface", s.surface},
+         {"mip", s.mip},
+         {"normals", s.parameters.normals},
+         {"facing", has_facing(s.parameters)},
+         {"max_error", s.parameters.max_error},
+         {"codec", s.parameters.codec == Codec::lz4 ? "lz4" : "deflate"},
+         {"voxel_size_m", s.parameters.voxel_size_m},
+         {"bake_s", s.bake_s},
+         {"voxels", s.voxels},
+         {"voxels_per_s", s.voxels_per_s()},
+         {"bytes", s.bytes},
+         {"bytes_per_voxel", s.bytes_per_voxel()},
+         {"render_s", s.render_s},
+         {"mean", to_json(s.mean)},
+         {"voxel_error", to_json(s.voxel)}};
+  for (const ViewError& view : s.views) {
+    Json one = to_json(view.error);
+    one["view"] = view.view;
+    one["render_s"] = view.render_s;
+    j["views"].push_back(one);
+  }
+  return j;
+}
+
+std::string errors_row(const PictureError& e) {
+  return fmt::format("{:.3f} | {:.1f} | {:.1f} | {:+.3f} | {:.3f} | {:.3f} | {:.3f} | {:.1f}", e.flip, e.psnr_black_db,
+                     e.psnr_white_db, e.coverage_bias, e.holes, e.silhouette_iou, e.rms_colour, e.delta_e);
+}
+constexpr char error_heads[] = "FLIP | PSNR black, dB | white, dB | coverage bias | holes | IoU | RMS colour | ΔE";
+constexpr char error_rules[] = "--- | --- | --- | --- | --- | --- | --- | ---";
+
+const ViewError& at(const AccuracySetting& setting, const std::string& view) {
+  return *std::find_if(setting.views.begin(), setting.views.end(), [&](const ViewError& v) { return v.view == view; });
+}
+
+std::string settings_table(const AccuracyBench& bench) {
+  std::string out = fmt::format(
+      "| setting | bake, s | million voxels/s | voxels | MB | bytes/voxel | render, s | {} |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | {} |\n",
+      error_heads, error_rules);
+  for (const AccuracySetting& s : bench.settings)
+    out += fmt::format("| {} | {:.2f} | {:.2f} | {} | {:.2f} | {:.2f} | {:.2f} | {} |\n", s.name, s.bake_s,
+                       1e-6 * s.voxels_per_s(), s.voxels, 1e-6 * double(s.bytes), s.bytes_per_voxel(), s.render_s,
+                       errors_row(s.mean));
+  return out;
+}
+
+/// A row for settings whose voxels are the same: a filter, a codec or coverage along the axes change none of lod 0.
+std::string voxels_table(const AccuracyBench& bench) {
+  std::string out =
+      "| lod 0 | missed | by ½ | by 1 | extra | centre beyond ½ | beyond √3/2 | farthest | normal, mean; 99 %, ° | "
+      "texels | alpha bias | RMS alpha | RMS colour | ΔE |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+  for (const AccuracySetting& s : bench.settings) {
+    const VoxelError& e = s.voxel;
+    if (s.mip != "coverage" || s.parameters.codec != Codec::deflate || !has_facing(s.parameters)) continue;
+    const std::string normal = s.parameters.normals ? fmt::format("{:.2f}; {:.1f}", e.normal_deg, e.normal_99_deg) : "";
+    out += fmt::format(
+        "| {} | {:.5f} | {:.5f} | {:.5f} | {:.5f} | {:.3f} | {:.5f} | {:.3f} | {} | {:.2f} | {:+.4f} | {:.4f} | {:.4f} "
+        "| {:.2f} |\n",
+        s.name, e.missed, e.missed_by_half, e.missed_by_one, e.extra, e.beyond_half, e.beyond_whole, e.farthest, normal,
+        e.texels, e.alpha_bias, e.rms_alpha, e.rms_colour, e.delta_e);
+  }
+  const VoxelError& first = bench.settings.front().voxel;
+  return out + fmt::format("\nOf {}: {} points of the surface, {} voxels, {} of them with surface to compare.\n",
+                           bench.settings.front().name, first.points, first.voxels, first.coloured);
+}
+
+std::string normals_table(const AccuracyBench& bench) {
+  if (bench.normals.empty()) return "";
+  std::string out =
+      "| bits a normal | any direction: mean; largest, ° | from 16 bits: mean; 99 %, ° | MB | bytes/voxel | lit FLIP "
+      "|\n"
+      "| --- | --- | --- | --- | --- | --- |\n";
+  for (const NormalBits& n : bench.normals)
+    out += fmt::format("| {} | {:.2f}; {:.2f} | {:.2f}; {:.2f} | {:.2f} | {:.2f} | {:.4f} |\n", n.bits, n.sphere_deg,
+                       n.largest_deg, n.mean_deg, n.most_deg, 1e-6 * double(n.bytes),
+                       double(n.bytes) / double(bench.settings.front().voxels), n.lit_flip);
+  return out;
+}
+
+std::string views_table(const AccuracySetting& setting) {
+  std::string out = fmt::format("| {}, view and voxels a pixel | render, s | {} |\n| --- | --- | {} |\n", setting.name,
+                                error_heads, error_rules);
+  for (const ViewError& v : setting.views)
+    out += fmt::format("| {} | {:.2f} | {} |\n", v.view, v.render_s, errors_row(v.error));
+  return out;
+}
+
+std::string goals_table(const AccuracyBench& bench) {
+  std::string heads = "| lod 4, a voxel a pixel |", rules = "| --- |";
+  std::vector<std::string> rows;
+  for (const AccuracySetting& s : bench.settings) {
+    if (s.parameters.voxel_size_m != bench.voxel_size_m || s.name != s.surface + "-" + s.mip) continue;
+    heads += " " + s.name + " |";
+    rules += " --- |";
+    const std::vector<AccuracyGoal> goals = goals_of(s);
+    rows.resize(goals.size());
+    for (std::size_t i = 0; i < goals.size(); ++i) {
+      if (rows[i].empty()) rows[i] = "| " + goals[i].text + " |";
+      rows[i] += fmt::format(" {:.3f}{} |", goals[i].measured, goals[i].holds() ? " ✓" : "");
+    }
+  }
+  std::string out = heads + "\n" + rules + "\n";
+  for (const std::string& row : rows) out += row + "\n";
+  return out;
+}
+
+struct PlotOf {
+  const char *file, *title, *x_axis, *y_axis;
+  double (*x)(const AccuracySetting&);
+  double (*y)(const AccuracySetting&);
+  bool in_voxels = false;  ///< y is, so that voxels of another size have another y
+};
+
+}  // namespace
+
+std::vector<AccuracyGoal> goals_of(const AccuracySetting& setting) {
+  constexpr double most_holes = 0.02, most_bias = 0.02, most_flip = 0.10;
+  std::vector<AccuracyGoal> goals{{"nadir: holes ≤ 0.02", at(setting, "nadir 16").error.holes, most_holes}};
+  for (const char* direction : {"nadir", "oblique", "grazing"})
+    goals.push_back({std::string(direction) + ": coverage bias within ±0.02",
+                     std::fabs(at(setting, std::string(direction) + " 16").error.coverage_bias), most_bias});
+  for (const char* direction : {"nadir", "oblique", "grazing"})
+    goals.push_back(
+        {std::string(direction) + ": FLIP ≤ 0.10", at(setting, std::string(direction) + " 16").error.flip, most_flip});
+  return goals;
+}
+
+std::string to_json(const AccuracyBench& bench) {
+  Json j{{"bench", "accuracy"},       {"backend", bench.backend}, {"voxel_size_m", bench.voxel_size_m},
+         {"verdict", verdict(bench)}, {"samples", bench.samples}, {"reference_s", bench.reference_s}};
+  for (const AccuracyView& v : bench.views)
+    j["views"].push_back({{"name", v.name()},
+                          {"direction", v.direction},
+                          {"voxels_per_pixel", v.voxels_per_pixel},
+                          {"width", v.camera.width},
+                          {"height", v.camera.height}});
+  for (const AccuracySetting& s : bench.settings) j["settings"].push_back(to_json(s));
+  for (const NormalBits& n : bench.normals) j["normal_bits"].push_back(to_json(n));
+  for (const AccuracyGoal& goal : goals_of(bench.settings.front()))
+    j["goals"].push_back(
+        {{"goal", goal.text}, {"measured", goal.measured}, {"bound", goal.bound}, {"holds", goal.holds()}});
+  return j.dump(2) + "\n";
+}
+
+std::string to_markdown(const AccuracyBench& bench) {
+  return verdict(bench) + "\n" +
+         fmt::format(
+             "Means over {} views, {:g} m voxels, {} rays a pixel in the reference; the bias is its magnitude.\n\n",
+             bench.views.size(), bench.voxel_size_m, bench.samples) +
+         settings_table(bench) + "\n" + voxels_table(bench) + "\n" + normals_table(bench) + "\n" +
+         views_table(bench.settings.front()) + "\n" + goals_table(bench) + "\n" + accuracy_columns();
+}
+
+std::vector<NamedPlot> plots_of(const AccuracyBench& bench) {
+  constexpr auto megabytes = [](const AccuracySetting& s) { return 1e-6 * double(s.bytes); };
+  constexpr auto flip = [](const AccuracySetting& s) { return s.mean.flip; };
+  static constexpr char flip_title[] = "Mean FLIP over all views: towards the lower left is better";
+  constexpr PlotOf kinds[] = {{"flip-bytes-per-voxel.svg", flip_title, "bytes per voxel, all levels", "FLIP",
+                               [](const AccuracySetting& s) { return s.bytes_per_voxel(); }, flip},
+                              {"flip-bytes.svg", flip_title, "MB on disk", "FLIP", megabytes, flip},
+                              {"flip-bake-time.svg", flip_title, "bake, seconds", "FLIP",
+                               [](const AccuracySetting& s) { return s.bake_s; }, flip},
+                              {"colour-bytes.svg", "Colour of lod 0 against the surface in each voxel", "MB on disk",
+                               "ΔE", megabytes, [](const AccuracySetting& s) { return s.voxel.delta_e; }, true}};
+  constexpr std::array<std::pair<const char*, const char*>, 3> colours{
+      {{"area", "#1b6ca8"}, {"conservative", "#c8553d"}, {"thin", "#4f8a3c"}}};
+  std::vector<NamedPlot> plots;
+  for (const PlotOf& kind : kinds) {
+    Plot plot{kind.title, kind.x_axis, kind.y_axis, {}};
+    for (const auto& [surface, colour] : colours) {
+      PlotSeries series{surface, colour, {}};
+      for (const AccuracySetting& s : bench.settings)
+        if (s.surface == surface && !(kind.in_voxels && s.parameters.voxel_size_m != bench.voxel_size_m))
+          series.points.push_back({kind.x(s), kind.y(s), s.name});
+      plot.series.push_back(series);
+    }
+    plots.push_back({kind.file, plot});
+  }
+  return plots;
+}
+
+}  // namespace gigabake::bench

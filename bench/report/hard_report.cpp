@@ -1,0 +1,114 @@
+#include "bench/report/hard_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "bench/report/accuracy_verdict.h"
+
+namespace gigabake::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Those that every case may have: a column each.
+constexpr const char* columns[] = {"missed",        "extra",  "alpha",    "colour",
+                                   "linear colour", "normal", "position", "before the snap"};
+
+std::string value_of(const HardFigure& f, double value) {
+  constexpr double nothing = 1e-9;  // what double leaves of an exact zero
+  if (f.unit != "m") return fmt::format("{:.3g}", std::abs(value) < nothing ? 0 : value);
+  return fmt::format("{:.3g}", 1000 * value);  // millimetres
+}
+
+std::string cell_of(const HardFigure& f) {
+  return fmt::format("{} ≤ {}{}", value_of(f, f.measured), value_of(f, f.bound), f.holds() ? "" : " **fails**");
+}
+
+bool has_column(const HardFigure& f) {
+  return std::any_of(std::begin(columns), std::end(columns), [&](const char* name) { return f.name == name; });
+}
+
+std::string row_of(const std::string& name, const HardResult& r) {
+  std::string row = fmt::format("| {} | {} |", name, r.voxels);
+  for (const char* column : columns) {
+    const auto f =
+        std::find_if(r.figures.begin(), r.figures.end(), [&](const HardFigure& x) { return x.name == column; });
+    row += f == r.figures.end() ? " |" : fmt::format(" {} |", cell_of(*f));
+  }
+  std::string more;
+  for (const HardFigure& f : r.figures)
+    if (!has_column(f))
+      more += fmt::format("{}{} {}{}", more.empty() ? "" : "; ", f.name, cell_of(f),
+                          f.unit == "m"    ? " mm"
+                          : f.unit.empty() ? ""
+                                           : " " + f.unit);
+  return fmt::format("{} {}{} |\n", row, r.error, more);
+}
+
+/// The worst of each figure of cases of one group.
+HardResult worst_of(const std::vector<const HardResult*>& group) {
+  HardResult worst = *group[0];
+  worst.voxels = 0;
+  for (const HardResult* r : group) {
+    worst.voxels += r->voxels;
+    for (HardFigure& f : worst.figures)
+      for (const HardFigure& g : r->figures)
+        if (g.name == f.name) f.measured = std::max(f.measured, g.measured);
+  }
+  return worst;
+}
+
+bool is_tie(const HardResult& r) { return r.group.rfind("ties", 0) == 0; }
+
+std::string rows_of_ties(const HardBench& bench) {
+  std::vector<std::string> groups;
+  for (const HardResult& r : bench.cases)
+    if (is_tie(r) && std::find(groups.begin(), groups.end(), r.group) == groups.end()) groups.push_back(r.group);
+  std::string rows;
+  for (const std::string& group : groups) {
+    std::vector<const HardResult*> holding;
+    for (const HardResult& r : bench.cases)
+      if (r.group == group && r.holds()) holding.push_back(&r);
+    if (!holding.empty()) rows += row_of(fmt::format("{}: the worst of {}", group, holding.size()), worst_of(holding));
+  }
+  return rows;
+}
+
+}  // namespace
+
+std::string to_json(const HardBench& bench) {
+  Json j{
+      {"bench", "accuracy --hard"}, {"backend", bench.backend}, {"holds", bench.holds()}, {"verdict", verdict(bench)}};
+  j["cases"] = Json::array();
+  for (const HardResult& r : bench.cases) {
+    Json one{{"name", r.name}, {"group", r.group}, {"what", r.what}, {"voxels", r.voxels}, {"holds", r.holds()}};
+    if (!r.error.empty()) one["error"] = r.error;
+    for (const HardFigure& f : r.figures)
+      one["figures"][f.name] = {{"measured", f.measured}, {"bound", f.bound}, {"unit", f.unit}, {"holds", f.holds()}};
+    j["cases"].push_back(std::move(one));
+  }
+  return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string to_markdown(const HardBench& bench) {
+  std::string out =
+      verdict(bench) +
+      "\n| case | voxels | missed | extra | alpha, codes | colour, codes | linear colour | normal, ° | position, mm | "
+      "before the snap, mm | "
+      "more |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+  out += rows_of_ties(bench);
+  for (const HardResult& r : bench.cases)
+    if (!is_tie(r) || !r.holds()) out += row_of("`" + r.name + "`", r);
+  const auto failed =
+      std::count_if(bench.cases.begin(), bench.cases.end(), [](const HardResult& r) { return !r.holds(); });
+  out += fmt::format("\n{} cases on {}: {}\n", bench.cases.size(), bench.backend,
+                     failed == 0 ? "every bound holds" : fmt::format("{} fail", failed));
+  return out + "\n" + hard_columns();
+}
+
+}  // namespace gigabake::bench

@@ -1,0 +1,55 @@
+# What other programs link: find_package(gigabake COMPONENTS shard) and gigabake::shard, one component a room.
+include(CMakePackageConfigHelpers)
+include(cmake/public_headers.cmake)
+
+# Each room after the rooms that it stands on.
+set(gb_installed_rooms lattice georeference system shard scene source export kernels viewer)
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/gigabake)
+
+# gb_install_room(room): its library, its public headers, and CMake targets for both in gigabake-<room>.cmake, with the
+# libraries found by cmake/dependencies.cmake that it links first. Sets gb_room_table: what the room stands on, read from
+# its target, as gigabakeConfig.cmake needs it.
+set(gb_room_table "")
+set(gb_exported "")
+function(gb_install_room room)
+  set(rooms "")
+  set(packages "")
+  set(exported gigabake_${room})
+  get_target_property(libraries gigabake_${room} LINK_LIBRARIES)
+  foreach(library ${libraries})
+    if(library MATCHES "^gigabake_(.+)$")
+      list(APPEND rooms ${CMAKE_MATCH_1})
+    elseif(library MATCHES "^gb::(.+)$")
+      list(APPEND exported gb_${CMAKE_MATCH_1})
+    elseif(library MATCHES "^([A-Za-z0-9]+)::")
+      list(APPEND packages ${CMAKE_MATCH_1})
+    endif()
+  endforeach()
+  if(gb_exported)
+    list(REMOVE_ITEM exported ${gb_exported})
+  endif()
+  set_target_properties(gigabake_${room} PROPERTIES EXPORT_NAME ${room})
+  install(TARGETS ${exported} EXPORT gigabake-${room} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
+  install(EXPORT gigabake-${room} NAMESPACE gigabake:: DESTINATION ${package_folder} COMPONENT development)
+  foreach(header ${gb_public_headers_${room}})
+    if(NOT EXISTS ${CMAKE_SOURCE_DIR}/${header})
+      message(FATAL_ERROR "cmake/public_headers.cmake: ${header} does not exist")
+    endif()
+    get_filename_component(folder ${header} DIRECTORY)
+    install(FILES ${CMAKE_SOURCE_DIR}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gigabake/${folder}
+            COMPONENT development)
+  endforeach()
+  set(gb_exported ${gb_exported} ${exported} PARENT_SCOPE)
+  set(gb_room_table "${gb_room_table}set(gigabake_${room}_rooms ${rooms})\nset(gigabake_${room}_packages ${packages})\n"
+      PARENT_SCOPE)
+endfunction()
+foreach(room ${gb_installed_rooms})
+  gb_install_room(${room})
+endforeach()
+
+configure_package_config_file(${CMAKE_SOURCE_DIR}/packaging/gigabakeConfig.cmake.in
+                              ${CMAKE_BINARY_DIR}/gigabakeConfig.cmake INSTALL_DESTINATION ${package_folder}
+                              PATH_VARS GIGABAKE_MODULE_FOLDER)
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/gigabakeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_BINARY_DIR}/gigabakeConfig.cmake ${CMAKE_BINARY_DIR}/gigabakeConfigVersion.cmake
+        DESTINATION ${package_folder} COMPONENT development)

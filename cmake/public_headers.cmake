@@ -1,0 +1,102 @@
+# The headers that an installed gigabake offers, room by room; all others are private. A public header includes public
+# headers alone (tests/cli/package_test.py).
+set(gb_public_headers_lattice
+    lattice/brick.h
+    lattice/cuda_failure.h
+    lattice/error.h
+    lattice/frames.h
+    lattice/hash128.h
+    lattice/host_device.h
+    lattice/kernel_version.h
+    lattice/morton.h
+    lattice/octahedral.h
+    lattice/octree.h
+    lattice/parameters.h
+    lattice/progress.h
+    lattice/rounding.h
+    lattice/rules.h
+    lattice/snap.h
+    lattice/srgb.h
+    lattice/thread_pool.h
+    lattice/transform.h)
+set(gb_public_headers_georeference
+    lattice/georeference.h)
+set(gb_public_headers_system
+    format/system/file_stamp.h
+    format/system/io_error.h)
+set(gb_public_headers_shard
+    format/shard/brick_walk.h
+    format/shard/channels.h
+    format/shard/check/shard_check.h
+    format/shard/content_hash.h
+    format/shard/hdf5/chunk_codec.h
+    format/shard/hdf5/hdf5_call.h
+    format/shard/hdf5/hdf5_file.h
+    format/shard/level_lookup.h
+    format/shard/level_summary.h
+    format/shard/shard.h
+    format/shard/shard_pages.h
+    format/shard/shard_reader.h)
+set(gb_public_headers_scene
+    format/scene/cell_window.h
+    format/scene/diff.h
+    format/scene/scene_level.h
+    format/scene/scene_totals.h
+    format/scene/scene_xml.h
+    format/scene/verify.h)
+set(gb_public_headers_source
+    format/source/composite.h
+    format/source/content_magic.h
+    format/source/mesh.h
+    format/source/source.h)
+set(gb_public_headers_export
+    format/export/gigavoxel.h
+    format/export/gigavoxel_read.h
+    format/export/gigavoxel_tree.h
+    format/export/nanovdb.h
+    format/export/ply.h
+    format/export/voxel_tileset.h)
+set(gb_public_headers_kernels
+    kernels/body/cell.h
+    kernels/body/material.h
+    kernels/body/tables.h
+    kernels/body/texture_view.h
+    kernels/cast/cast.h
+    kernels/cast/caster.h
+    kernels/cast/first_hit.h
+    kernels/cast/first_hit_camera.h
+    kernels/cast/first_hit_cast.h
+    kernels/cast/first_hit_device.h
+    kernels/cast/first_hit_tree.h
+    kernels/cast/locate.h
+    kernels/cast/pixel.h
+    kernels/cast/sample.h
+    kernels/cast/scene.h
+    kernels/cast/shade.h
+    kernels/cpu/bake_cell.h
+    kernels/cpu/texture.h
+    kernels/cuda/baker.h
+    kernels/cuda/build.h)
+set(gb_public_headers_viewer
+    viewer/first_hit/first_hit_scene.h
+    viewer/light/shading.h
+    viewer/light/sky.h
+    viewer/live/camera_path.h
+    viewer/live/camera_rig.h
+    viewer/live/frame_pace.h
+    viewer/live/live_scene.h
+    viewer/live/path_frames.h
+    viewer/live/pilot.h
+    viewer/pictures/camera.h
+    viewer/pictures/exr.h
+    viewer/pictures/frame_renderer.h
+    viewer/pictures/jpeg.h
+    viewer/pictures/picture.h
+    viewer/pictures/png.h
+    viewer/stream/brick_fill.h
+    viewer/stream/cell_layout.h
+    viewer/stream/page.h
+    viewer/stream/pager.h
+    viewer/stream/pool_books.h
+    viewer/stream/scene_stream.h
+    viewer/stream/voxel_lookup.h)

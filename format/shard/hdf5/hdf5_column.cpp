@@ -1,0 +1,103 @@
+#include <algorithm>
+#include <hdf5.h>
+#include <vector>
+
+#include "format/shard/hdf5/chunk_codec.h"
+#include "format/shard/hdf5/hdf5_file.h"
+#include "format/shard/hdf5/hdf5_types.h"
+
+namespace gigabake {
+namespace {
+
+// Pages of 128 KiB read well from disks; HDF5 slows down beyond a few thousand chunks, so large columns get larger
+// ones.
+constexpr std::size_t chunk_bytes = 128 << 10, most_chunks = 1024, chunks_in_hand = 64;
+
+std::size_t rows_per_chunk(std::size_t rows, std::size_t row_bytes) {
+  const std::size_t wanted = std::max(chunk_bytes / row_bytes, (rows + most_chunks - 1) / most_chunks);
+  return std::clamp<std::size_t>(wanted, 1, rows);
+}
+
+ChunkFilters filters_of(const Hdf5Column& column, Codec codec) {
+  return {codec, column.planes == BytePlanes::yes ? element_bytes(column.type) : 1};
+}
+
+Hdf5Id creation_properties(const Hdf5Call& call, const Hdf5Column& column, std::size_t rows, Codec codec) {
+  Hdf5Id create = call.id("H5Pcreate", H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  call("H5Pset_obj_track_times", H5Pset_obj_track_times(create.get(), false));
+  if (rows == 0) return create;
+  const hsize_t chunk[2] = {rows_per_chunk(rows, column.row_bytes()), column.width};
+  call("H5Pset_chunk", H5Pset_chunk(create.get(), column.dimensions(), chunk));
+  if (column.planes == BytePlanes::yes) call("H5Pset_shuffle", H5Pset_shuffle(create.get()));
+  if (codec == Codec::lz4)
+    call("H5Pset_filter", H5Pset_filter(create.get(), lz4_filter, H5Z_FLAG_OPTIONAL, 0, nullptr));
+  else
+    call("H5Pset_deflate", H5Pset_deflate(create.get(), 1));
+  call("H5Pset_fletcher32", H5Pset_fletcher32(create.get()));
+  return create;
+}
+
+/// Chunk `index` of the data, zeros after its end: stored chunks are always whole.
+std::vector<std::uint8_t> encode_rows(std::span<const std::uint8_t> data, std::size_t whole_bytes, std::size_t index,
+                                      const ChunkFilters& filters) {
+  const auto rest = data.subspan(index * whole_bytes);
+  if (rest.size() >= whole_bytes) return encode_chunk(rest.first(whole_bytes), filters);
+  std::vector<std::uint8_t> padded(whole_bytes, 0);
+  std::copy(rest.begin(), rest.end(), padded.begin());
+  return encode_chunk(padded, filters);
+}
+
+}  // namespace
+
+Hdf5Id Hdf5File::open_column(const Hdf5Column& column) const {
+  const Hdf5Call call{path_, column.name};
+  calm_hdf5(call);
+  // Chunks are read and written as they are stored: HDF5's cache of unpacked ones would hold memory and stay empty.
+  const Hdf5Id access = call.id("H5Pcreate", H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
+  call("H5Pset_chunk_cache", H5Pset_chunk_cache(access.get(), 0, 0, H5D_CHUNK_CACHE_W0_DEFAULT));
+  Hdf5Id set = call.id("H5Dopen2", H5Dopen2(file_.get(), column.name.c_str(), access.get()), H5Dclose);
+  // Asked for its shape, a virtual dataset opens the files that it names.
+  const Hdf5Id create = call.id("H5Dget_create_plist", H5Dget_create_plist(set.get()), H5Pclose);
+  if (call("H5Pget_layout", H5Pget_layout(create.get())) == H5D_VIRTUAL ||
+      call("H5Pget_external_count", H5Pget_external_count(create.get())) != 0)
+    fail(column.name, "has its data in other files; a shard has all of it in itself");
+  return set;
+}
+
+void Hdf5File::write_column(const Hdf5Column& column, const void* data, std::size_t rows, Codec codec,
+                            const ThreadPool& pool) {
+  const Hdf5Call call{path_, column.name};
+  const hsize_t shape[2] = {rows, column.width};
+  const Hdf5Id space = call.id("H5Screate_simple", H5Screate_simple(column.dimensions(), shape, nullptr), H5Sclose);
+  const Hdf5Id properties = creation_properties(call, column, rows, codec);
+  const Hdf5Id set = call.id("H5Dcreate2",
+                             H5Dcreate2(file_.get(), column.name.c_str(), hdf5_type(column.type), space.get(),
+                                        H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+                             H5Dclose);
+  if (rows == 0) return;
+  const std::span bytes(static_cast<const std::uint8_t*>(data), rows * column.row_bytes());
+  const std::size_t per_chunk = rows_per_chunk(rows, column.row_bytes());
+  const std::size_t chunks = (rows + per_chunk - 1) / per_chunk;
+  for (std::size_t first = 0; first < chunks; first += chunks_in_hand) {
+    std::vector<std::vector<std::uint8_t>> encoded(std::min(chunks_in_hand, chunks - first));
+    pool.parallel_for(encoded.size(), 1, [&](std::size_t i, std::size_t, int) {
+      encoded[i] = encode_rows(bytes, per_chunk * column.row_bytes(), first + i, filters_of(column, codec));
+    });
+    for (std::size_t i = 0; i < encoded.size(); ++i) {
+      const hsize_t offset[2] = {(first + i) * per_chunk, 0};
+      call("H5Dwrite_chunk", H5Dwrite_chunk(set.get(), H5P_DEFAULT, 0, offset, encoded[i].size(), encoded[i].data()));
+    }
+  }
+}
+
+bool Hdf5File::has_column(const Hdf5Column& column) const {
+  const Hdf5Call call{path_, column.name};
+  calm_hdf5(call);
+  return call("H5Lexists", H5Lexists(file_.get(), column.name.c_str(), H5P_DEFAULT)) > 0;
+}
+
+std::uint64_t Hdf5File::stored_bytes(const Hdf5Column& column) const {
+  return H5Dget_storage_size(open_column(column).get());
+}
+
+}  // namespace gigabake

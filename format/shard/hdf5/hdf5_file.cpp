@@ -1,0 +1,158 @@
+#include "format/shard/hdf5/hdf5_file.h"
+
+#include <algorithm>
+#include <hdf5.h>
+
+#include "format/shard/hdf5/hdf5_types.h"
+#include "lattice/error.h"
+
+namespace gigabake {
+namespace {
+
+constexpr std::size_t largest_text = 64 << 10;
+
+/// The newest format of HDF5 1.10 checksums object headers and chunk indexes. Files are never changed once they have
+/// their name, so nobody needs locks, which many cluster file systems lack.
+Hdf5Id access_properties(const Hdf5Call& call) {
+  Hdf5Id access = call.id("H5Pcreate", H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  call("H5Pset_libver_bounds", H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110));
+  call("H5Pset_fapl_sec2", H5Pset_fapl_sec2(access.get()));  // plain files: descriptor() relies on it
+  call("H5Pset_fclose_degree", H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG));
+  call("H5Pset_file_locking", H5Pset_file_locking(access.get(), false, true));
+  return access;
+}
+
+}  // namespace
+
+std::int64_t hdf5_type(Hdf5Type type) {
+  switch (type) {
+    case Hdf5Type::u8:
+      return H5T_STD_U8LE;
+    case Hdf5Type::i8:
+      return H5T_STD_I8LE;
+    case Hdf5Type::u32:
+      return H5T_STD_U32LE;
+    case Hdf5Type::i32:
+      return H5T_STD_I32LE;
+    case Hdf5Type::u64:
+      return H5T_STD_U64LE;
+    case Hdf5Type::i64:
+      return H5T_STD_I64LE;
+    case Hdf5Type::f64:
+      break;
+  }
+  return H5T_IEEE_F64LE;
+}
+
+std::size_t element_bytes(Hdf5Type type) {
+  switch (type) {
+    case Hdf5Type::u8:
+    case Hdf5Type::i8:
+      return 1;
+    case Hdf5Type::u32:
+    case Hdf5Type::i32:
+      return 4;
+    default:
+      return 8;
+  }
+}
+
+Hdf5File::Hdf5File(std::filesystem::path path, Hdf5Id file) : path_(std::move(path)), file_(std::move(file)) {}
+
+Hdf5File Hdf5File::create(const std::filesystem::path& path, const std::filesystem::path& called) {
+  const Hdf5Call call{called, ""};
+  calm_hdf5(call);
+  const Hdf5Id access = access_properties(call);
+  const Hdf5Id properties = call.id("H5Pcreate", H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+  call("H5Pset_obj_track_times", H5Pset_obj_track_times(properties.get(), false));
+  return {called,
+          call.id("H5Fcreate", H5Fcreate(path.c_str(), H5F_ACC_TRUNC, properties.get(), access.get()), H5Fclose)};
+}
+
+Hdf5File Hdf5File::open(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) throw InputError(path, "", "no such file; bake the scene again");
+  const Hdf5Call call{path, ""};
+  calm_hdf5(call);
+  const Hdf5Id access = access_properties(call);
+  return {path, call.id("H5Fopen", H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose)};
+}
+
+void Hdf5File::fail(const std::string& object, const std::string& message) const {
+  throw InputError(path_, object, message);
+}
+
+void Hdf5File::make_group(const std::string& name) {
+  const Hdf5Call call{path_, name};
+  const Hdf5Id properties = call.id("H5Pcreate", H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
+  call("H5Pset_obj_track_times", H5Pset_obj_track_times(properties.get(), false));
+  const Hdf5Id group = call.id(
+      "H5Gcreate2", H5Gcreate2(file_.get(), name.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Gclose);
+}
+
+void Hdf5File::write_raw_attribute(const char* name, std::int64_t type, const void* data, std::size_t count) {
+  const Hdf5Call call{path_, name};
+  const hsize_t size = count;
+  const Hdf5Id space = count == 0 ? call.id("H5Screate", H5Screate(H5S_SCALAR), H5Sclose)
+                                  : call.id("H5Screate_simple", H5Screate_simple(1, &size, nullptr), H5Sclose);
+  const Hdf5Id attribute =
+      call.id("H5Acreate2", H5Acreate2(file_.get(), name, type, space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  call("H5Awrite", H5Awrite(attribute.get(), type, data));
+}
+
+void Hdf5File::write_attribute(const char* name, Hdf5Type type, const void* data, std::size_t count) {
+  write_raw_attribute(name, hdf5_type(type), data, count);
+}
+
+void Hdf5File::write_attribute(const char* name, const std::string& text) {
+  const Hdf5Call call{path_, name};
+  const Hdf5Id type = call.id("H5Tcopy", H5Tcopy(H5T_C_S1), H5Tclose);
+  call("H5Tset_size", H5Tset_size(type.get(), std::max<std::size_t>(1, text.size())));
+  call("H5Tset_strpad", H5Tset_strpad(type.get(), H5T_STR_NULLPAD));
+  const std::string padded = text.empty() ? std::string(1, '\0') : text;
+  write_raw_attribute(name, type.get(), padded.data(), 0);
+}
+
+bool Hdf5File::has_attribute(const char* name) const {
+  return Hdf5Call{path_, name}("H5Aexists", H5Aexists(file_.get(), name)) > 0;
+}
+
+void Hdf5File::read_attribute(const char* name, Hdf5Type type, void* data, std::size_t count) const {
+  if (!has_attribute(name)) fail(name, "is missing; not a gigabake shard?");
+  const Hdf5Call call{path_, name};
+  const Hdf5Id attribute = call.id("H5Aopen", H5Aopen(file_.get(), name, H5P_DEFAULT), H5Aclose);
+  const Hdf5Id space = call.id("H5Aget_space", H5Aget_space(attribute.get()), H5Sclose);
+  const Hdf5Id stored = call.id("H5Aget_type", H5Aget_type(attribute.get()), H5Tclose);
+  const hssize_t elements = call("H5Sget_simple_extent_npoints", H5Sget_simple_extent_npoints(space.get()));
+  if (elements != hssize_t(std::max<std::size_t>(1, count)) ||
+      call("H5Tequal", H5Tequal(stored.get(), hdf5_type(type))) == 0)
+    fail(name, "has another type or size than expected");
+  call("H5Aread", H5Aread(attribute.get(), hdf5_type(type), data));
+}
+
+std::string Hdf5File::read_text(const char* name) const {
+  if (!has_attribute(name)) fail(name, "is missing; not a gigabake shard?");
+  const Hdf5Call call{path_, name};
+  const Hdf5Id attribute = call.id("H5Aopen", H5Aopen(file_.get(), name, H5P_DEFAULT), H5Aclose);
+  const Hdf5Id space = call.id("H5Aget_space", H5Aget_space(attribute.get()), H5Sclose);
+  const Hdf5Id type = call.id("H5Aget_type", H5Aget_type(attribute.get()), H5Tclose);
+  const std::size_t size = H5Tget_size(type.get());
+  if (call("H5Tget_class", H5Tget_class(type.get())) != H5T_STRING || size == 0 || size > largest_text ||
+      call("H5Tis_variable_str", H5Tis_variable_str(type.get())) != 0 ||
+      call("H5Sget_simple_extent_npoints", H5Sget_simple_extent_npoints(space.get())) != 1)
+    fail(name, "is not a fixed-length text");
+  std::string text(size, '\0');
+  call("H5Aread", H5Aread(attribute.get(), type.get(), text.data()));
+  text.resize(std::min(text.find('\0'), text.size()));
+  return text;
+}
+
+int Hdf5File::descriptor() const {
+  void* handle = nullptr;
+  Hdf5Call{path_, ""}("H5Fget_vfd_handle", H5Fget_vfd_handle(file_.get(), H5P_DEFAULT, &handle));
+  return *static_cast<const int*>(handle);
+}
+
+void Hdf5File::close() { Hdf5Call{path_, ""}("H5Fclose", file_.close()); }
+
+}  // namespace gigabake

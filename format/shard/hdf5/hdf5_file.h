@@ -1,0 +1,70 @@
+/// The few things that shards need of HDF5: columns of fixed-width rows and attributes of the root group.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "format/shard/hdf5/chunk_codec.h"
+#include "format/shard/hdf5/hdf5_call.h"
+#include "lattice/thread_pool.h"
+
+namespace gigabake {
+
+/// Little endian, in the file and here.
+enum class Hdf5Type : std::uint8_t { u8, i8, u32, i32, u64, i64, f64 };
+
+std::size_t element_bytes(Hdf5Type type);
+
+/// Whether a column's chunks are written byte plane by byte plane: for numbers that rise or are small.
+enum class BytePlanes : std::uint8_t { no, yes };
+
+/// One array of fixed-width rows.
+struct Hdf5Column {
+  std::string name;  ///< "/lod_0/mask"
+  Hdf5Type type;
+  std::size_t width;  ///< elements a row; 1: the dataset has one dimension
+  BytePlanes planes = BytePlanes::no;
+  std::size_t row_bytes() const { return width * element_bytes(type); }
+  int dimensions() const { return width == 1 ? 1 : 2; }
+};
+
+/// Errors  All members throw InputError: file, object, what failed.
+/// Cost    HDF5 serves one thread at a time; chunks are compressed outside of it, and read past it (hdf5_rows.h).
+class Hdf5File {
+ public:
+  /// called: what messages call the file, where it is to get another name once it is whole.
+  static Hdf5File create(const std::filesystem::path& path, const std::filesystem::path& called);
+  static Hdf5File open(const std::filesystem::path& path);
+
+  void make_group(const std::string& name);
+  /// Chunked, each chunk as chunk_codec.h, compressed by the threads of `pool`.
+  void write_column(const Hdf5Column& column, const void* data, std::size_t rows, Codec codec, const ThreadPool& pool);
+  Hdf5Id open_column(const Hdf5Column& column) const;
+  bool has_column(const Hdf5Column& column) const;  ///< whose group is there
+  /// As stored: compressed, without HDF5's own index.
+  std::uint64_t stored_bytes(const Hdf5Column& column) const;
+
+  void write_attribute(const char* name, Hdf5Type type, const void* data, std::size_t count);  ///< count 0: a scalar
+  void write_attribute(const char* name, const std::string& text);
+  bool has_attribute(const char* name) const;
+  /// Exactly `count` elements (0: a scalar) of `type`.
+  void read_attribute(const char* name, Hdf5Type type, void* data, std::size_t count) const;
+  std::string read_text(const char* name) const;  ///< a fixed-length string of at most 64 KiB
+
+  const std::filesystem::path& path() const { return path_; }
+  /// The system's own handle of the open file, HDF5's still: for pread.
+  int descriptor() const;
+
+  void close();
+  [[noreturn]] void fail(const std::string& object, const std::string& message) const;
+
+ private:
+  Hdf5File(std::filesystem::path path, Hdf5Id file);
+  void write_raw_attribute(const char* name, std::int64_t type, const void* data, std::size_t count);
+
+  std::filesystem::path path_;
+  Hdf5Id file_;
+};
+
+}  // namespace gigabake

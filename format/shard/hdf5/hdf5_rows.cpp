@@ -1,0 +1,159 @@
+#include "format/shard/hdf5/hdf5_rows.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <hdf5.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <vector>
+
+#include "format/shard/hdf5/chunk_codec.h"
+#include "format/shard/hdf5/hdf5_types.h"
+
+namespace gigabake {
+namespace {
+
+constexpr std::uint64_t largest_chunk = std::uint64_t(1) << 31;
+
+/// How many bytes one stored byte can stand for.
+std::uint64_t best_ratio(Codec codec) { return codec == Codec::lz4 ? 255 : 1032; }
+
+std::uint64_t size_of_file(const Hdf5File& file) {
+  struct stat status {};
+  if (::fstat(file.descriptor(), &status) != 0) file.fail("", std::string("fstat failed: ") + std::strerror(errno));
+  return std::uint64_t(status.st_size);
+}
+
+/// What chunk_codec.h can undo: LZ4 or deflate, before it byte planes or not, after it the checksum.
+ChunkFilters checked_filters(const Hdf5File& file, const Hdf5Column& column, const Hdf5Id& set) {
+  const Hdf5Call call{file.path(), column.name};
+  const Hdf5Id properties = call.id("H5Dget_create_plist", H5Dget_create_plist(set.get()), H5Pclose);
+  std::vector<H5Z_filter_t> found;
+  const int count = call("H5Pget_nfilters", H5Pget_nfilters(properties.get()));
+  for (int i = 0; i < count; ++i) {
+    unsigned flags = 0, config = 0;
+    std::size_t values = 0;
+    found.push_back(call("H5Pget_filter2",
+                         H5Pget_filter2(properties.get(), unsigned(i), &flags, &values, nullptr, 0, nullptr, &config)));
+  }
+  for (const Codec codec : {Codec::lz4, Codec::deflate}) {
+    const H5Z_filter_t packed = codec == Codec::lz4 ? lz4_filter : H5Z_FILTER_DEFLATE;
+    if (found == std::vector{packed, H5Z_FILTER_FLETCHER32}) return {codec, 1};
+    if (found == std::vector{H5Z_FILTER_SHUFFLE, packed, H5Z_FILTER_FLETCHER32})
+      return {codec, element_bytes(column.type)};
+  }
+  file.fail(column.name, "is not stored with the filters that were expected");
+}
+
+/// A damaged shape must not make us allocate more than the stored bytes can unpack to.
+std::uint64_t checked_rows(const Hdf5File& file, const Hdf5Column& column, const Hdf5Id& set,
+                           std::uint64_t file_bytes) {
+  const Hdf5Call call{file.path(), column.name};
+  const Hdf5Id space = call.id("H5Dget_space", H5Dget_space(set.get()), H5Sclose);
+  const Hdf5Id type = call.id("H5Dget_type", H5Dget_type(set.get()), H5Tclose);
+  hsize_t shape[2] = {0, 1};
+  if (call("H5Sget_simple_extent_ndims", H5Sget_simple_extent_ndims(space.get())) != column.dimensions())
+    file.fail(column.name, "has another shape than expected");
+  call("H5Sget_simple_extent_dims", H5Sget_simple_extent_dims(space.get(), shape, nullptr));
+  if (shape[1] != column.width) file.fail(column.name, "has another shape than expected");
+  if (call("H5Tequal", H5Tequal(type.get(), hdf5_type(column.type))) == 0)
+    file.fail(column.name, "has another type than expected");
+  const std::uint64_t stored = H5Dget_storage_size(set.get());
+  if (stored > file_bytes) file.fail(column.name, "says that more of it is stored than the file has bytes");
+  if (shape[0] == 0) return 0;
+  if (shape[0] > stored * best_ratio(checked_filters(file, column, set).codec) / column.row_bytes())
+    file.fail(column.name, "says it has " + std::to_string(shape[0]) + " rows, more than what is stored can hold");
+  return shape[0];
+}
+
+/// Rows a chunk; the whole dataset's chunks are alike.
+std::uint64_t checked_chunk_rows(const Hdf5File& file, const Hdf5Column& column, const Hdf5Id& set,
+                                 std::uint64_t rows) {
+  const Hdf5Call call{file.path(), column.name};
+  const Hdf5Id properties = call.id("H5Dget_create_plist", H5Dget_create_plist(set.get()), H5Pclose);
+  hsize_t chunk[2] = {0, column.width};
+  if (call("H5Pget_layout", H5Pget_layout(properties.get())) != H5D_CHUNKED ||
+      call("H5Pget_chunk", H5Pget_chunk(properties.get(), column.dimensions(), chunk)) != column.dimensions() ||
+      chunk[0] == 0 || chunk[0] > rows || chunk[0] > largest_chunk / column.row_bytes() || chunk[1] != column.width)
+    file.fail(column.name, "is not stored in the chunks that were expected");
+  return chunk[0];
+}
+
+/// False where the file ends before, or cannot be read; errno is 0 in the first case.
+bool read_bytes(int descriptor, std::uint64_t offset, std::span<std::uint8_t> to) {
+  while (!to.empty()) {
+    errno = 0;
+    const ssize_t got = ::pread(descriptor, to.data(), to.size(), off_t(offset));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return false;
+    offset += std::uint64_t(got);
+    to = to.subspan(std::size_t(got));
+  }
+  return true;
+}
+
+}  // namespace
+
+Hdf5Rows::Hdf5Rows(const Hdf5File& file, const Hdf5Column& column)
+    : file_(file),
+      column_(column),
+      set_(file.open_column(column)),
+      descriptor_(file.descriptor()),
+      file_bytes_(size_of_file(file)),
+      rows_(checked_rows(file, column, set_, file_bytes_)) {
+  if (rows_ == 0) return;
+  filters_ = checked_filters(file, column, set_);
+  chunk_rows_ = checked_chunk_rows(file, column, set_, rows_);
+}
+
+void Hdf5Rows::fail_chunk(std::uint64_t index, const char* message) const {
+  file_.fail(column_.name, "row " + std::to_string(index * chunk_rows_) + ": " + message + "; bake the cell again");
+}
+
+Hdf5Rows::Chunk Hdf5Rows::find_chunk(std::uint64_t index) const {
+  const std::scoped_lock lock(mutex_);
+  if (const auto found = chunks_.find(index); found != chunks_.end()) return found->second;
+  const Hdf5Call call{file_.path(), column_.name};
+  calm_hdf5(call);
+  const hsize_t row[2] = {index * chunk_rows_, 0};
+  unsigned skipped_filters = 0;
+  haddr_t offset = 0;
+  hsize_t bytes = 0;
+  call("H5Dget_chunk_info_by_coord", H5Dget_chunk_info_by_coord(set_.get(), row, &skipped_filters, &offset, &bytes));
+  const std::uint64_t raw_bytes = chunk_rows_ * column_.row_bytes();
+  if (skipped_filters != 0 || bytes == 0 || bytes > raw_bytes + raw_bytes / 8 + 4096 || bytes > file_bytes_ ||
+      offset > file_bytes_ - bytes)
+    fail_chunk(index, "the chunk is missing or damaged");
+  return chunks_[index] = {offset, bytes};
+}
+
+void Hdf5Rows::read_chunk(std::uint64_t index, std::span<std::uint8_t> raw) const {
+  const Chunk chunk = find_chunk(index);
+  std::vector<std::uint8_t> stored(chunk.bytes);
+  if (!read_bytes(descriptor_, chunk.offset, stored))
+    fail_chunk(index, errno == 0 ? "the file ends before it" : std::strerror(errno));
+  if (!decode_chunk(stored, filters_, chunk_rows_ * column_.row_bytes(), raw))
+    fail_chunk(index, "the checksum is wrong: the file is damaged");
+}
+
+void Hdf5Rows::read(std::uint64_t first, std::uint64_t count, void* to) const {
+  const std::size_t row_bytes = column_.row_bytes();
+  auto* out = static_cast<std::uint8_t*>(to);
+  std::vector<std::uint8_t> part;
+  for (const std::uint64_t end = first + count; first < end;) {
+    const std::uint64_t index = first / chunk_rows_, begin = index * chunk_rows_;
+    const std::uint64_t rows = std::min(end, begin + chunk_rows_) - first;
+    if (first == begin) {
+      read_chunk(index, {out, rows * row_bytes});
+    } else {
+      part.resize((first - begin + rows) * row_bytes);
+      read_chunk(index, part);
+      std::copy_n(part.end() - std::ptrdiff_t(rows * row_bytes), rows * row_bytes, out);
+    }
+    out += rows * row_bytes;
+    first += rows;
+  }
+}
+
+}  // namespace gigabake
