@@ -84,6 +84,8 @@ class Package(unittest.TestCase):
 
     def test_anothers_program_bakes_exports_and_draws(self):
         program = self.build("terrain_program")
+        # 2026-11-22: the folder was taken from a variable that other packages set, too.
+        self.assertIn(str(self.path / "prefix/lib/gigabake"), succeed("readelf", "-d", program))
         info = self.bake()
         baked, exported, drawn = map(int, succeed(
             program, self.path / "village/tileset.json", self.path / "bake/scene.xml", self.path / "village.ply",
