@@ -44,7 +44,7 @@ GB_HD void decode_octahedral(const std::int8_t oct[2], double n[3]) {
   n[2] = z / length;
 }
 
-/// As decode_octahedral(), rounded once to what exports and pictures hold.
+/// As a viewer or an export takes it: computed in double and rounded once.
 inline std::array<float, 3> unit_normal(const std::int8_t oct[2]) {
   double n[3];
   decode_octahedral(oct, n);

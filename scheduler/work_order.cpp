@@ -19,21 +19,13 @@ int cost_class(std::uint64_t cost) {
   return width < 2 ? width : 2 * width + int(cost >> (width - 2) & 1);
 }
 
-std::uint64_t spread_bits(std::uint64_t x) {
-  x = (x | x << 16) & 0x0000ffff0000ffffull;
-  x = (x | x << 8) & 0x00ff00ff00ff00ffull;
-  x = (x | x << 4) & 0x0f0f0f0f0f0f0f0full;
-  x = (x | x << 2) & 0x3333333333333333ull;
-  return (x | x << 1) & 0x5555555555555555ull;
-}
-
 /// Morton code of a cell's column. Columns 2^32 apart fall together, which costs nothing but a preference.
 std::uint64_t place_of(const CellJob& job) {
   const auto column = [&job](std::size_t axis) {
     const std::int64_t index = job.lattice_min[axis] / std::max<std::int64_t>(1, job.cell_voxels);
-    return std::uint64_t(std::uint32_t(index) ^ 0x80000000u);
+    return std::uint32_t(index) ^ 0x80000000u;
   };
-  return spread_bits(column(0)) | spread_bits(column(1)) << 1;
+  return morton(column(0), column(1));
 }
 
 std::size_t shared_tiles(const CellJob& a, const CellJob& b) {

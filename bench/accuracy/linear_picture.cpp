@@ -1,9 +1,9 @@
 #include "bench/accuracy/linear_picture.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "kernels/body/tables.h"
+#include "lattice/srgb.h"
 
 namespace gigabake::bench {
 
@@ -40,9 +40,6 @@ std::vector<Rgb> over(const LinearPicture& picture, double background) {
   return out;
 }
 
-double srgb_code(double linear) {
-  const double v = std::clamp(linear, 0.0, 1.0);
-  return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
-}
+double srgb_code(double linear) { return srgb_from_linear(std::clamp(linear, 0.0, 1.0)); }
 
 }  // namespace gigabake::bench

@@ -30,7 +30,7 @@ void ReferenceVoxels::add_cell(const std::array<std::int64_t, 3>& corner, const 
   for (std::size_t n = 0; n < nodes.key.size(); ++n) {
     const int above = nodes.lod[n] - lod;
     if (above < 0 || (above > 0 && nodes.kind[n] != NodeKind::leaf_constant)) continue;
-    const BrickPosition at = brick_position(nodes.key[n]);
+    const BrickCoordinate at = demorton(nodes.key[n]);
     const int bits = 3 + above;
     const std::uint64_t key =
         key_of((corner[0] >> bits) + at.x, (corner[1] >> bits) + at.y, (corner[2] >> bits) + at.z);

@@ -48,7 +48,7 @@ void write_bricks(OutputFile& out, const ShardHeader& header, const NodeTable& n
   const LevelNodes rows = level_nodes(nodes, header.lods)[std::size_t(lod)];
   for (std::size_t n = rows.begin; n < rows.end; ++n) {
     if (nodes.kind[n] != NodeKind::brick) continue;
-    const BrickPosition at = brick_position(nodes.key[n]);
+    const BrickCoordinate at = demorton(nodes.key[n]);
     fill_brick(lookup, {8 * std::int64_t(at.x), 8 * std::int64_t(at.y), 8 * std::int64_t(at.z)},
                header.cell_voxels >> lod, header.has_normals, brick);
     write_gigavoxel_brick(out, brick);

@@ -14,6 +14,7 @@
 #include "format/system/publish_folder.h"
 #include "lattice/error.h"
 #include "lattice/georeference.h"
+#include "lattice/morton.h"
 
 namespace gigabake {
 namespace {
@@ -80,8 +81,8 @@ class TilesetWriter {
     for (const SceneCell& cell : scene_.cells)
       for (const std::int64_t x : cell.lattice_min) shared |= (x >> lod & 7) != 0;
     const auto add = [&](const LevelIndex& lowest, const DenseBrick& part) {
-      const BrickPosition at{tile_place(lowest, 0, lod), tile_place(lowest, 1, lod), tile_place(lowest, 2, lod)};
-      const std::uint64_t key = brick_key(at);
+      const BrickCoordinate at{tile_place(lowest, 0, lod), tile_place(lowest, 1, lod), tile_place(lowest, 2, lod)};
+      const std::uint64_t key = morton(at.x, at.y, at.z);
       VoxelTile tile;
       if (shared) files_.read(name(cube_.tile_level(lod), key), tile);
       add_voxels(tile, part, scene_.has_normals);
@@ -135,7 +136,7 @@ class TilesetWriter {
     return std::uint32_t((lowest[axis] - (cube_.lowest[axis] >> lod)) / brick_edge);
   }
   static std::string place(std::uint32_t level, std::uint64_t key) {
-    const BrickPosition at = brick_position(key);
+    const BrickCoordinate at = demorton(key);
     return fmt::format("{}/{}/{}/{}", level, at.x, at.y, at.z);
   }
   static std::string name(std::uint32_t level, std::uint64_t key) { return "tiles/" + place(level, key) + ".glb"; }
@@ -149,7 +150,7 @@ class TilesetWriter {
   }
 
   void write(std::uint32_t level, std::uint64_t key, const VoxelTile& tile) const {
-    const BrickPosition at = brick_position(key);
+    const BrickCoordinate at = demorton(key);
     TileBox box{corner_m(), edge_m(level)};
     const std::array<std::uint32_t, 3> number{at.x, at.y, at.z};
     for (std::size_t c = 0; c < 3; ++c) box.centre_m[c] += (number[c] + 0.5) * box.edge_m;

@@ -20,7 +20,7 @@ void visit_constant(const NodeTable& nodes, std::size_t node, int down, const Le
   const std::uint8_t rgba[4] = {std::uint8_t(v), std::uint8_t(v >> 8), std::uint8_t(v >> 16), std::uint8_t(v >> 24)};
   DenseBrick brick;
   for (std::size_t voxel = 0; voxel < brick_voxels; ++voxel) brick.set(voxel, rgba, nodes.normal[node].data());
-  const BrickPosition at = brick_position(nodes.key[node]);
+  const BrickCoordinate at = demorton(nodes.key[node]);
   const std::int64_t edge = std::int64_t(1) << down;
   for (std::int64_t z = 0; z < edge; ++z)
     for (std::int64_t y = 0; y < edge; ++y)
@@ -67,7 +67,7 @@ void for_each_dense_brick(const ShardHeader& header, const NodeTable& nodes, con
       continue;
     }
     if (down != 0) continue;
-    const BrickPosition at = brick_position(nodes.key[n]);
+    const BrickCoordinate at = demorton(nodes.key[n]);
     DenseBrick brick;
     for_each_voxel(level, nodes.value[n], {},
                    [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,

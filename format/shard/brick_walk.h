@@ -7,17 +7,9 @@
 #include <vector>
 
 #include "format/shard/shard.h"
+#include "lattice/morton.h"
 
 namespace gigabake {
-
-/// Position of a node's brick in its level, in bricks.
-struct BrickPosition {
-  std::uint32_t x = 0, y = 0, z = 0;
-};
-
-/// Inverse of the Morton order that NodeTable::key is in.
-BrickPosition brick_position(std::uint64_t key);
-std::uint64_t brick_key(BrickPosition p);
 
 /// Node indices [begin, end) are the level's: nodes stand level by level from the root.
 struct LevelNodes {
@@ -42,7 +34,7 @@ void visit_voxel(const Visit& visit, std::uint32_t x, std::uint32_t y, std::uint
 /// brick; x, y, z in voxels of the level from the cell's corner. `normal` points at two zeros where the shard has no
 /// normals; `facing` is null where the level has none.
 template <class Visit>
-void for_each_voxel(const BrickLevel& level, std::size_t brick, BrickPosition at, const Visit& visit) {
+void for_each_voxel(const BrickLevel& level, std::size_t brick, BrickCoordinate at, const Visit& visit) {
   static constexpr std::int8_t no_normal[2] = {0, 0};
   std::size_t i = level.first[brick];
   for (std::uint32_t z = 0; z < 8; ++z)
@@ -57,7 +49,7 @@ void for_each_voxel(const BrickLevel& level, std::size_t brick, BrickPosition at
 /// A constant node's voxels on its own level (`down` = 0) or on a level below it.
 template <class Visit>
 void for_each_constant_voxel(const NodeTable& nodes, std::size_t node, int down, const Visit& visit) {
-  const BrickPosition at = brick_position(nodes.key[node]);
+  const BrickCoordinate at = demorton(nodes.key[node]);
   const std::uint32_t v = nodes.value[node];
   const std::uint8_t rgba[4] = {std::uint8_t(v), std::uint8_t(v >> 8), std::uint8_t(v >> 16), std::uint8_t(v >> 24)};
   const std::uint8_t* facing = nodes.facing.empty() || nodes.lod[node] == down ? nullptr : nodes.facing[node].data();
@@ -74,7 +66,7 @@ void for_each_voxel_of_level(const NodeTable& nodes, const BrickLevel& level, in
   for (std::size_t n = 0; n < nodes.key.size() && nodes.lod[n] >= lod; ++n) {
     const int down = nodes.lod[n] - lod;
     if (nodes.kind[n] == NodeKind::brick) {
-      if (down == 0) for_each_voxel(level, nodes.value[n], brick_position(nodes.key[n]), visit);
+      if (down == 0) for_each_voxel(level, nodes.value[n], demorton(nodes.key[n]), visit);
     } else if (down == 0 || nodes.kind[n] == NodeKind::leaf_constant) {
       for_each_constant_voxel(nodes, n, down, visit);
     }

@@ -79,7 +79,7 @@ void add_node(const Shard& s, std::size_t n, std::vector<LevelSum>& sums) {
   };
   const int lod = s.nodes.lod[n];
   if (s.nodes.kind[n] == NodeKind::brick)
-    return for_each_voxel(s.levels[std::size_t(lod)], s.nodes.value[n], brick_position(s.nodes.key[n]), add_to(lod));
+    return for_each_voxel(s.levels[std::size_t(lod)], s.nodes.value[n], demorton(s.nodes.key[n]), add_to(lod));
   const int lowest = s.nodes.kind[n] == NodeKind::leaf_constant ? 0 : lod;
   for (int l = lod; l >= lowest; --l) for_each_constant_voxel(s.nodes, n, lod - l, add_to(l));
 }

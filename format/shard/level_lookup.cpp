@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "lattice/morton.h"
+
 namespace gigabake {
 namespace {
 
@@ -33,7 +35,7 @@ std::size_t LevelLookup::find_node(std::uint64_t key) const {
 }
 
 bool LevelLookup::find(std::uint32_t x, std::uint32_t y, std::uint32_t z, VoxelValue& value) {
-  const std::uint64_t key = brick_key({x / 8, y / 8, z / 8});
+  const std::uint64_t key = morton(x / 8, y / 8, z / 8);
   if (key != key_) {
     key_ = key;
     node_ = find_node(key);

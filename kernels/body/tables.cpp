@@ -3,33 +3,31 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/body/cell.h"
 #include "lattice/octahedral.h"
+#include "lattice/srgb.h"
 
 namespace gigabake::kernels {
 namespace {
 
-double linear_of_srgb(double s) { return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4); }
-
 std::vector<std::uint16_t> make_linear_from_srgb() {
-  std::vector<std::uint16_t> table(256);
-  for (int s = 0; s < 256; ++s) table[s] = std::uint16_t(std::floor(linear_of_srgb(s / 255.0) * 65535 + 0.5));
+  std::vector<std::uint16_t> table(srgb_codes);
+  for (int s = 0; s < 256; ++s) table[s] = std::uint16_t(std::floor(linear_from_srgb(s / 255.0) * 65535 + 0.5));
   return table;
 }
 
 /// A code starts where the linear value of the half step below it lies.
 std::vector<std::uint8_t> make_srgb_from_linear() {
-  std::vector<std::uint8_t> table(65536);
+  std::vector<std::uint8_t> table(linear_values);
   int code = 0;
   for (int l = 0; l < 65536; ++l) {
-    while (code < 255 && l >= linear_of_srgb((code + 0.5) / 255.0) * 65535) ++code;
+    while (code < 255 && l >= linear_from_srgb((code + 0.5) / 255.0) * 65535) ++code;
     table[l] = std::uint8_t(code);
   }
   return table;
 }
 
 std::vector<std::int16_t> make_unit_normal() {
-  std::vector<std::int16_t> table(65536 * 4, 0);
+  std::vector<std::int16_t> table(4 * normal_codes, 0);
   for (int i = 0; i < 65536; ++i) {
     const std::int8_t oct[2] = {std::int8_t(std::max(-127, int(std::int8_t(i & 255)))),
                                 std::int8_t(std::max(-127, int(std::int8_t(i >> 8))))};
@@ -41,7 +39,7 @@ std::vector<std::int16_t> make_unit_normal() {
 }
 
 std::vector<std::uint8_t> make_thesis_alpha() {
-  std::vector<std::uint8_t> table(8 * 255 + 1, 0);
+  std::vector<std::uint8_t> table(alpha_sums, 0);
   for (int sum = 1; sum <= 8 * 255; ++sum) {
     const double a = sum / (8 * 255.0);
     table[sum] = std::uint8_t(std::floor(255 * std::pow(a, 1 - a) + 0.5));

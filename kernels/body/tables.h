@@ -2,12 +2,16 @@
 /// transcendental function of its own.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "lattice/host_device.h"
 
 namespace gigabake::kernels {
+
+/// Entries of the tables. A normal's has four numbers.
+inline constexpr std::size_t srgb_codes = 256, linear_values = 65536, normal_codes = 65536, alpha_sums = 8 * 255 + 1;
 
 /// Borrowed.
 struct Tables {

@@ -11,6 +11,7 @@
 #include "kernels/cast/scene.h"
 #include "lattice/brick.h"
 #include "lattice/host_device.h"
+#include "lattice/morton.h"
 
 namespace gigabake::kernels {
 
@@ -36,16 +37,6 @@ GB_HD void stamp(std::uint32_t* at, std::uint32_t pass) {
 GB_HD void want(const CastScene& scene, std::uint32_t node, Want what) {
   stamp(scene.marks.wanted + 2 * std::size_t(node) + std::size_t(what), scene.pass);
 }
-
-GB_HD std::uint64_t spread_bits_2d(std::uint64_t v) {
-  v = (v | v << 16) & 0x0000ffff0000ffffull;
-  v = (v | v << 8) & 0x00ff00ff00ff00ffull;
-  v = (v | v << 4) & 0x0f0f0f0f0f0f0f0full;
-  v = (v | v << 2) & 0x3333333333333333ull;
-  return (v | v << 1) & 0x5555555555555555ull;
-}
-
-GB_HD std::uint64_t column_key(std::uint32_t x, std::uint32_t y) { return spread_bits_2d(x) | spread_bits_2d(y) << 1; }
 
 /// Voxels [min, max).
 struct VoxelBox {
@@ -101,7 +92,7 @@ GB_HD bool find_cell(const CastScene& scene, const std::int64_t v[3], std::uint3
       return false;
     }
   }
-  const std::uint64_t key = column_key(std::uint32_t(column[0]), std::uint32_t(column[1]));
+  const std::uint64_t key = morton(std::uint32_t(column[0]), std::uint32_t(column[1]));
   const std::size_t found = lower_column(scene, key);
   if (found == scene.column_key.size || scene.column_key[found] != key) {
     set_empty_square(scene, key, found, column, box);

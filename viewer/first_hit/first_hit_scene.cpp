@@ -113,7 +113,7 @@ void FirstHitBuilder::add_cell(const std::array<std::int64_t, 3>& lattice_min, c
   }
   for (std::size_t n = 0; n < nodes.key.size(); ++n) {
     if (nodes.lod[n] < lod_ || (nodes.lod[n] > lod_ && nodes.kind[n] != NodeKind::leaf_constant)) continue;
-    const BrickPosition in_cell = brick_position(nodes.key[n]);
+    const BrickCoordinate in_cell = demorton(nodes.key[n]);
     const std::int64_t edge = std::int64_t(brick_edge) << (nodes.lod[n] - lod_);
     const Position at{cell[0] + in_cell.x * edge, cell[1] + in_cell.y * edge, cell[2] + in_cell.z * edge};
     if (looks_.size() + brick_voxels > most_looks) throw std::length_error("2^32 voxels or more; keep a coarser lod");

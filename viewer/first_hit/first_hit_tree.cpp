@@ -4,6 +4,8 @@
 #include <bit>
 #include <stdexcept>
 
+#include "lattice/morton.h"
+
 namespace gigabake {
 namespace {
 
@@ -11,17 +13,9 @@ using kernels::FirstHitNode;
 
 constexpr std::uint64_t every_child = ~std::uint64_t(0);
 
-/// Puts two bits of v at the lowest two of every six.
-std::uint64_t spread_pairs(std::uint64_t v) {
-  std::uint64_t out = 0;
-  for (int pair = 0; 2 * pair < kernels::most_first_hit_bits; ++pair) out |= (v >> 2 * pair & 3) << 6 * pair;
-  return out;
-}
-
 template <class Integer>
 std::uint64_t key_of(const std::array<Integer, 3>& at) {
-  return spread_pairs(std::uint64_t(at[0])) | spread_pairs(std::uint64_t(at[1])) << 2 |
-         spread_pairs(std::uint64_t(at[2])) << 4;
+  return morton_by_pairs(std::uint32_t(at[0]), std::uint32_t(at[1]), std::uint32_t(at[2]));
 }
 
 /// Which children of a node exist.

@@ -8,6 +8,7 @@
 
 #include "kernels/cast/locate.h"
 #include "lattice/error.h"
+#include "lattice/morton.h"
 
 namespace gigabake {
 namespace {
@@ -133,8 +134,8 @@ CellLayout lay_out(const SceneDescription& description) {
 
   std::map<std::uint64_t, Columns::const_iterator> by_key;
   for (auto it = columns.begin(); it != columns.end(); ++it)
-    by_key[kernels::column_key(std::uint32_t(it->first.first - scene.column_min[0]),
-                               std::uint32_t(it->first.second - scene.column_min[1]))] = it;
+    by_key[morton(std::uint32_t(it->first.first - scene.column_min[0]),
+                  std::uint32_t(it->first.second - scene.column_min[1]))] = it;
   for (const auto& [key, it] : by_key) {
     layout.column_key.push_back(key);
     add_column(it->first, it->second, layout);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "lattice/morton.h"
+
 namespace gigabake {
 namespace {
 
@@ -46,7 +48,7 @@ bool any_cell(const CellLayout& layout, const VoxelBox& box, const Visit& visit)
       const std::int64_t column[2] = {x - scene.column_min[0], y - scene.column_min[1]};
       if (column[0] < 0 || column[1] < 0 || column[0] >= scene.column_count[0] || column[1] >= scene.column_count[1])
         continue;
-      const std::uint64_t key = kernels::column_key(std::uint32_t(column[0]), std::uint32_t(column[1]));
+      const std::uint64_t key = morton(std::uint32_t(column[0]), std::uint32_t(column[1]));
       const std::size_t at = kernels::lower_column(scene, key);
       if (at == layout.column_key.size() || layout.column_key[at] != key) continue;
       for (std::uint32_t cell = layout.column_first[at]; cell < layout.column_first[at + 1]; ++cell) {

@@ -2,6 +2,7 @@
 
 #include "lattice/byte_cursor.h"
 #include "lattice/error.h"
+#include "lattice/morton.h"
 
 namespace gigabake {
 namespace {
@@ -21,13 +22,8 @@ std::uint32_t level_count(const std::filesystem::path& file, const Json& object,
 }  // namespace
 
 std::uint64_t ImplicitTiling::index_in_level(const TileCoordinates& local) const {
-  std::uint64_t morton = 0;
-  const int dimensions = is_octree ? 3 : 2;
-  for (std::uint32_t bit = 0; bit < local.level; ++bit) {
-    const std::uint64_t digit = (local.x >> bit & 1) | (local.y >> bit & 1) << 1 | (local.z >> bit & 1) << 2;
-    morton |= digit << (std::uint32_t(dimensions) * bit);
-  }
-  return morton;
+  const auto x = std::uint32_t(local.x), y = std::uint32_t(local.y), z = std::uint32_t(local.z);
+  return is_octree ? morton(x, y, z) : morton(x, y);
 }
 
 std::optional<ImplicitTiling> implicit_tiling(const std::filesystem::path& file, const Json& tile,

@@ -213,7 +213,7 @@ Shard shard_of(const std::vector<Voxel>& voxels, std::array<std::int64_t, 3> lat
     }
     for (int lod = 0; lod < lods && inside; ++lod) {
       const std::uint32_t x = p[0] >> lod, y = p[1] >> lod, z = p[2] >> lod;
-      levels[std::size_t(lod)].insert({{brick_key({x / 8, y / 8, z / 8}), (x & 7) | (y & 7) << 3 | (z & 7) << 6}, v});
+      levels[std::size_t(lod)].insert({{morton(x / 8, y / 8, z / 8), (x & 7) | (y & 7) << 3 | (z & 7) << 6}, v});
     }
   }
   Shard s;

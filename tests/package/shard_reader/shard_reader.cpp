@@ -19,7 +19,7 @@ int main(int arguments, char** argument) {
                                       [&](std::uint32_t, std::uint32_t, std::uint32_t, const std::uint8_t* rgba,
                                           const std::int8_t*) { voxels += rgba[3] > 0 ? 1 : 0; });
     for (const std::uint64_t key : nodes.key) {
-      const gigabake::BrickPosition at = gigabake::brick_position(key);
+      const gigabake::BrickCoordinate at = gigabake::demorton(key);
       if (gigabake::morton(at.x, at.y, at.z) != key) return 1;
     }
     std::printf("%llu\n", static_cast<unsigned long long>(voxels));
