@@ -39,7 +39,7 @@ std::vector<kernels::Level> paint_levels(const Painter& paint, const std::array<
   levels[0].first.push_back(0);
   const std::uint64_t bricks = std::uint64_t(edge / 8) * (edge / 8) * (edge / 8);
   for (std::uint64_t key = 0; key < bricks; ++key) {
-    const BrickPosition at = brick_position(key);
+    const BrickCoordinate at = demorton(key);
     paint_brick(paint, {min[0] + at.x * 8, min[1] + at.y * 8, min[2] + at.z * 8}, key, levels[0]);
   }
   kernels::LevelRasters rasters;
