@@ -61,7 +61,7 @@ BakeBench bench_bake(const BakeBenchRequest& request) {
   plan_scene(sources, request.scene);
   progress.step("baking cells overlapped", jobs.size(), "cells");
   const auto start = Clock::now();
-  const int in_hand = device.device ? device_worker_slots : worker_slots;
+  const int in_hand = slots_of_worker(device.device ? 1 : 0);
   const std::vector<CellReport> together = bake_cells(*pipeline, jobs, std::size_t(in_hand), progress);
   b.bake_s = seconds_since(start);
   b.overlapped = stages(together);

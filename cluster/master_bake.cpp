@@ -5,7 +5,8 @@
 #include <string>
 #include <sys/resource.h>
 
-#include "cluster/drain.h"
+#include "cluster/dispatch.h"
+#include "cluster/mpi_rank_link.h"
 #include "lattice/error.h"
 #include "scheduler/estimate.h"
 #include "scheduler/merge.h"
@@ -14,9 +15,10 @@
 namespace gigabake {
 namespace {
 
-ScheduleOptions schedule_options(const BakeRequest& request, const BakeSummary& summary) {
-  ScheduleOptions options;
-  if (summary.ranks_with_device != 0) options.slots = device_worker_slots;
+DispatchOptions dispatch_options(const BakeRequest& request, const BakeSummary& summary) {
+  DispatchOptions options;
+  options.slots = slots_of_worker(summary.ranks_with_device);
+  options.keep_going = request.keep_going;
   options.silence_s = request.silence_s;
   return options;
 }
@@ -76,12 +78,14 @@ void MasterBake::run(MpiSession& mpi, BakeProcess& process) {
   plan_dispatch(prior.done);
   std::vector<std::uint32_t> already_done;
   for (const CellReport& r : prior.done) already_done.push_back(r.id);
-  DispatchResult result = dispatch(mpi, plan_.jobs, already_done, process, schedule_options(request_, summary_), *this);
+  MpiRankLink link(mpi, process);
+  DispatchLog log(plan_, *journal_, feed_, progress_);
+  DispatchResult result = dispatch(link, plan_.jobs, already_done, dispatch_options(request_, summary_), log);
   summary_.cells_taken_over = prior.done.size();
   summary_.cells_planned = plan_.jobs.size();
-  summary_.is_drained = is_drain_asked() && result.counts.abandoned != 0;
+  summary_.is_drained = result.is_drained;
   summary_.lost_ranks = result.lost_ranks.size();
-  summary_.peak_process_bytes = std::max(result.peak_bytes, peak_bytes_here());
+  summary_.peak_process_bytes = std::max({result.peak_bytes, process.peak_bytes(), peak_bytes_here()});
   std::move(prior.done.begin(), prior.done.end(), std::back_inserter(result.reports));
   add_times(result.reports, summary_);  // what was taken over took no time
   for (const CellReport& r : result.reports)
@@ -98,53 +102,6 @@ void MasterBake::plan_dispatch(const std::vector<CellReport>& done) {
     progress_.noted(std::to_string(done.size()) + " of " + std::to_string(plan_.jobs.size()) +
                     " cells are there already");
   feed_.publish();
-}
-
-/// A journal that cannot be written costs the next bake time: it looks into the shards instead.
-void MasterBake::write_down(const CellReport& report) {
-  try {
-    journal_->append(plan_.jobs[report.id], report);
-  } catch (const InputError& e) {
-    progress_.noted(std::string("the bake goes on without its journal: ") + e.what());
-  }
-}
-
-bool MasterBake::turn() {
-  if (is_drain_asked() && feed_.record().state() == BakeState::baking) {
-    feed_.record().enter(BakeState::draining);
-    progress_.noted("asked to end: the cells in hand are finished, no new ones begun; Ctrl-C once more stops at once");
-  }
-  feed_.turn();
-  return !is_drain_asked();
-}
-
-void MasterBake::joined(int rank, const std::string& host) { feed_.record().worker_joined(rank, host, unix_now_s()); }
-
-void MasterBake::handed_out(std::uint32_t job, int rank) { feed_.record().handed_out(job, rank, unix_now_s()); }
-
-bool MasterBake::finished(const CellReport& report) {
-  write_down(report);
-  feed_.record().cell_done(report, unix_now_s());
-  progress_.cell_done(report, plan_.jobs[report.id]);
-  return true;
-}
-
-void MasterBake::attempt_failed(std::uint32_t job) { feed_.record().attempt_failed(job, unix_now_s()); }
-
-bool MasterBake::set_aside(const CellReport& report) {
-  feed_.record().set_aside(report.id, report.error, unix_now_s());
-  progress_.cell_done(report, plan_.jobs[report.id]);
-  return request_.keep_going;
-}
-
-void MasterBake::process_died(int rank, const std::string& why) {
-  feed_.record().process_died(rank, unix_now_s());
-  progress_.noted("the bake process of rank " + std::to_string(rank) + " is started again: " + why);
-}
-
-void MasterBake::lost(int rank) {
-  feed_.record().worker_lost(rank, unix_now_s());
-  progress_.noted("nothing heard of rank " + std::to_string(rank) + "; its cells are baked elsewhere");
 }
 
 /// The scene is published: what the journal still says of removed shards harms nobody.

@@ -1,11 +1,13 @@
-/// What rank 0 does while cells are baked and after: keeps the status, merges the reports, publishes the scene.
+/// What rank 0 does from the plan to the scene: looks for what is there, has the rest baked, merges the reports,
+/// publishes the scene.
 #pragma once
 
 #include <optional>
 #include <vector>
 
 #include "cluster/bake.h"
-#include "cluster/dispatch.h"
+#include "cluster/bake_process.h"
+#include "cluster/mpi_session.h"
 #include "cluster/output_folder.h"
 #include "cluster/status_feed.h"
 #include "scheduler/journal.h"
@@ -15,7 +17,7 @@ namespace gigabake {
 /// Throws where these losses leave the previous scene in place. Errors  InputError.
 void refuse(const BakeRequest& request, const std::vector<SceneLoss>& losses, bool nothing_baked);
 
-class MasterBake : private DispatchWatcher {
+class MasterBake {
  public:
   /// All of them outlive it.
   MasterBake(const BakeRequest& request, const SceneSources& sources, const BakePlan& plan, const OutputFolder& out,
@@ -26,17 +28,7 @@ class MasterBake : private DispatchWatcher {
   void run(MpiSession& mpi, BakeProcess& process);
 
  private:
-  bool turn() override;
-  void joined(int rank, const std::string& host) override;
-  void handed_out(std::uint32_t job, int rank) override;
-  bool finished(const CellReport& report) override;
-  void attempt_failed(std::uint32_t job) override;
-  bool set_aside(const CellReport& report) override;
-  void process_died(int rank, const std::string& why) override;
-  void lost(int rank) override;
-
   void plan_dispatch(const std::vector<CellReport>& done);
-  void write_down(const CellReport& report);
   void forget_orphans();
   void publish();
 

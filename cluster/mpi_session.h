@@ -7,17 +7,14 @@
 #include <stdexcept>
 #include <vector>
 
+#include "cluster/message.h"
+
 namespace gigabake {
 
 /// Another rank died or hangs, and this launch cannot go on without it; another launch of the same command can.
 class RankLost : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
-};
-
-struct Message {
-  int from = 0, tag = 0;
-  std::vector<std::uint8_t> bytes;
 };
 
 /// MPI_Init to MPI_Finalize; without mpirun a world of one rank. One per process, which ends with its mpirun.

@@ -1,7 +1,6 @@
 #include "cluster/signs_of_life.h"
 
 #include "cluster/collective.h"
-#include "cluster/tags.h"
 #include "lattice/bytes.h"
 
 namespace gigabake {

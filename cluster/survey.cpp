@@ -11,7 +11,6 @@
 #include <variant>
 
 #include "cluster/signs_of_life.h"
-#include "cluster/tags.h"
 #include "format/job/cell_job.h"
 #include "lattice/bytes.h"
 

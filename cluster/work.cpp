@@ -1,11 +1,10 @@
 #include <chrono>
 #include <string>
-#include <variant>
+#include <utility>
 
 #include "cluster/dispatch.h"
+#include "cluster/rank_baker.h"
 #include "cluster/signs_of_life.h"
-#include "cluster/tags.h"
-#include "lattice/bytes.h"
 
 namespace gigabake {
 namespace {
@@ -19,13 +18,13 @@ constexpr double silences_of_the_master = 4;
 class Worker {
  public:
   Worker(MpiSession& mpi, BakeProcess& process, double silence_s)
-      : mpi_(mpi), process_(process), silence_s_(silence_s), longest_silence_s_(mpi.patience_s()) {}
+      : mpi_(mpi), process_(process), baker_(process), silence_s_(silence_s), longest_silence_s_(mpi.patience_s()) {}
 
   void run() {
     while (!stopped_) {
       signs_.show();
       while (const auto message = mpi_.poll()) obey(*message);
-      while (auto event = process_.poll()) report(*event);
+      while (auto answer = baker_.answer()) mpi_.send(0, answer->tag, std::move(answer->bytes));
       expect_master();
       process_.wait(longest_turn);
     }
@@ -47,22 +46,7 @@ class Worker {
     heard_ = Clock::now();
     longest_silence_s_ = silences_of_the_master * silence_s_;  // before its first word it may look through OUT
     if (message.tag == tag_stop) stopped_ = true;
-    if (message.tag != tag_job) return;
-    // Sent before the master knew of the last death: it counts the cell among those that died with the process.
-    std::uint32_t known_deaths = 0;
-    ByteReader(message.bytes, "job").get(known_deaths);
-    if (known_deaths != deaths_) return;
-    BakeOrder order = order_from_bytes(std::span(message.bytes).subspan(sizeof deaths_));
-    process_.submit(std::move(order.job), order.attempt);
-  }
-
-  void report(const BakeProcess::Event& event) {
-    if (const auto* baked = std::get_if<BakeProcess::Baked>(&event))
-      mpi_.send(0, tag_report, to_bytes(BakeAnswer{baked->report, baked->attempt}));
-    if (const auto* died = std::get_if<BakeProcess::Died>(&event)) {
-      ++deaths_;
-      mpi_.send(0, tag_died, {died->why.begin(), died->why.end()});
-    }
+    if (message.tag == tag_job) baker_.obey(message.bytes);
   }
 
   using Clock = std::chrono::steady_clock;
@@ -70,11 +54,11 @@ class Worker {
 
   MpiSession& mpi_;
   BakeProcess& process_;
+  RankBaker baker_;
   const double silence_s_;
   double longest_silence_s_;
   Clock::time_point heard_ = Clock::now(), turned_ = Clock::now();
   SignsOfLife signs_{mpi_, process_};
-  std::uint32_t deaths_ = 0;
   bool stopped_ = false;
 };
 

@@ -19,6 +19,9 @@ inline constexpr int worker_slots = 6;
 /// Where a device computes, up to eight are written.
 inline constexpr int device_worker_slots = 10;
 
+/// devices: how many workers compute on one.
+inline int slots_of_worker(int devices) { return devices != 0 ? device_worker_slots : worker_slots; }
+
 struct ScheduleOptions {
   int strikes = 3;           ///< attempts that may go wrong before a cell is set aside
   int slots = worker_slots;  ///< cells in hand of one worker

@@ -1,5 +1,8 @@
-/// What a message between ranks means.
+/// What goes between ranks, and what it means.
 #pragma once
+
+#include <cstdint>
+#include <vector>
 
 namespace gigabake {
 
@@ -11,6 +14,11 @@ enum Tag : int {
   tag_died,       ///< worker to master: why its bake process is gone with all that it had; it deals with that itself
   tag_alive,      ///< worker to master: peak bytes u64, host; master to worker: nothing; sent now and then
   tag_stop,       ///< master to worker: no more jobs, or no more surveys; worker to master: no survey follows
+};
+
+struct Message {
+  int from = 0, tag = 0;
+  std::vector<std::uint8_t> bytes;
 };
 
 }  // namespace gigabake

@@ -1,0 +1,49 @@
+#include "cluster/dispatch_log.h"
+
+#include "lattice/error.h"
+
+namespace gigabake {
+
+void DispatchLog::draining() {
+  if (feed_.record().state() != BakeState::baking) return;
+  feed_.record().enter(BakeState::draining);
+  progress_.noted("asked to end: the cells in hand are finished, no new ones begun; Ctrl-C once more stops at once");
+}
+
+void DispatchLog::joined(int rank, const std::string& host) { feed_.record().worker_joined(rank, host, unix_now_s()); }
+
+void DispatchLog::handed_out(std::uint32_t job, int rank) { feed_.record().handed_out(job, rank, unix_now_s()); }
+
+void DispatchLog::finished(const CellReport& report) {
+  write_down(report);
+  feed_.record().cell_done(report, unix_now_s());
+  progress_.cell_done(report, plan_.jobs[report.id]);
+}
+
+void DispatchLog::attempt_failed(std::uint32_t job) { feed_.record().attempt_failed(job, unix_now_s()); }
+
+void DispatchLog::set_aside(const CellReport& report) {
+  feed_.record().set_aside(report.id, report.error, unix_now_s());
+  progress_.cell_done(report, plan_.jobs[report.id]);
+}
+
+void DispatchLog::process_died(int rank, const std::string& why) {
+  feed_.record().process_died(rank, unix_now_s());
+  progress_.noted("the bake process of rank " + std::to_string(rank) + " is started again: " + why);
+}
+
+void DispatchLog::lost(int rank) {
+  feed_.record().worker_lost(rank, unix_now_s());
+  progress_.noted("nothing heard of rank " + std::to_string(rank) + "; its cells are baked elsewhere");
+}
+
+/// A journal that cannot be written costs the next bake time: it looks into the shards instead.
+void DispatchLog::write_down(const CellReport& report) {
+  try {
+    journal_.append(plan_.jobs[report.id], report);
+  } catch (const InputError& e) {
+    progress_.noted(std::string("the bake goes on without its journal: ") + e.what());
+  }
+}
+
+}  // namespace gigabake

@@ -1,0 +1,29 @@
+/// The ranks of an MPI launch as dispatch() sees them.
+#pragma once
+
+#include "cluster/mpi_session.h"
+#include "cluster/rank_baker.h"
+#include "cluster/rank_link.h"
+
+namespace gigabake {
+
+/// Rank 0's. What it sends itself goes to its own bake process.
+class MpiRankLink : public RankLink {
+ public:
+  /// Both outlive it.
+  MpiRankLink(MpiSession& mpi, BakeProcess& process) : mpi_(mpi), process_(process), baker_(process) {}
+
+  int ranks() const override { return mpi_.ranks(); }
+  double now_s() const override;
+  bool is_drain_asked() const override;
+  void send(int rank, Tag tag, std::vector<std::uint8_t> bytes) override;
+  std::optional<Message> receive() override;
+  void wait() override;
+
+ private:
+  MpiSession& mpi_;
+  BakeProcess& process_;
+  RankBaker baker_;
+};
+
+}  // namespace gigabake

@@ -1,0 +1,78 @@
+/// Ranks that a test plays: their clock, what they do with cells, and when they die, fall silent or talk nonsense.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "cluster/rank_link.h"
+#include "format/job/cell_job.h"
+
+namespace gigabake {
+
+/// Time passes in wait() alone. A rank works on its cells one after the other and answers when the time has come.
+class ScriptedRanks : public RankLink {
+ public:
+  /// What a rank makes of a cell.
+  enum class Fate { baked, failed, refused, kills_the_process };
+  /// What becomes of a cell's answer on its way.
+  enum class Delivery { once, twice, malformed };
+
+  ScriptedRanks(int ranks, std::uint64_t seed) : ranks_(std::size_t(ranks)), random_(seed) {}
+
+  // The script; each may be changed while dispatch() runs, from at().
+  std::function<Fate(int rank, std::uint32_t job)> fate = [](int, std::uint32_t) { return Fate::baked; };
+  std::function<Delivery(int rank, std::uint32_t job)> delivery = [](int, std::uint32_t) { return Delivery::once; };
+  std::function<void(double now_s)> at = [](double) {};
+  void stall(int rank) { ranks_[std::size_t(rank)].stalled = true; }
+  void wake(int rank) { ranks_[std::size_t(rank)].stalled = false; }
+  void kill_process(int rank);
+  void ask_to_drain() { drain_asked_ = true; }
+
+  // What happened.
+  /// Orders that a rank took, of all attempts.
+  std::size_t orders() const { return orders_; }
+  /// Cells in the hand of a rank's bake process.
+  std::size_t in_hand(int rank) const { return ranks_[std::size_t(rank)].hand.size(); }
+  bool was_told_to_stop(int rank) const { return ranks_[std::size_t(rank)].stopped; }
+  /// The longest time that a rank heard nothing of rank 0.
+  double longest_silence_s(int rank) const { return ranks_[std::size_t(rank)].longest_silence_s; }
+
+  int ranks() const override { return int(ranks_.size()); }
+  double now_s() const override { return now_s_; }
+  bool is_drain_asked() const override { return drain_asked_; }
+  void send(int rank, Tag tag, std::vector<std::uint8_t> bytes) override;
+  std::optional<Message> receive() override;
+  void wait() override;
+
+ private:
+  struct Work {
+    std::uint32_t job = 0, attempt = 0;
+    double done_s = 0;
+  };
+  struct Rank {
+    std::deque<Work> hand;
+    std::deque<std::pair<Tag, std::vector<std::uint8_t>>> inbox;  ///< what a stalled rank has not read yet
+    std::uint32_t deaths = 0;
+    bool stalled = false, stopped = false;
+    double shown_s = -10, heard_s = 0, longest_silence_s = 0;
+  };
+
+  void obey(Rank& rank, Tag tag, const std::vector<std::uint8_t>& bytes);
+  void work(int rank);
+  void answer(int rank, const Work& work);
+  void say(int rank, Tag tag, std::vector<std::uint8_t> bytes) { under_way_.push_back({rank, tag, std::move(bytes)}); }
+
+  std::vector<Rank> ranks_;
+  std::mt19937_64 random_;
+  std::deque<Message> under_way_;
+  double now_s_ = 0;
+  bool drain_asked_ = false;
+  std::size_t orders_ = 0;
+};
+
+}  // namespace gigabake
