@@ -28,11 +28,10 @@ constexpr double silences_of_patience = 10;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-SceneSources open_together(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress) {
-  SceneSources sources;
+SharedSources open_together(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress) {
   set_memory_limit(request.memory_bytes);
-  all_or_none(mpi, [&] { sources = open_sources(request.source, request.source_options, progress.steps); });
-  if (mpi.rank() == 0) progress.opened(sources);
+  SharedSources sources = open_shared_sources(mpi, request.source, request.source_options, progress.steps);
+  if (mpi.rank() == 0) progress.opened(sources.scene);
   return sources;
 }
 
@@ -163,13 +162,14 @@ BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const Bake
   summary.ranks = mpi.ranks();
   summary.threads = threads_of(mpi, request);
   warn_of_binding(mpi, request);
-  const SceneSources sources = open_together(mpi, request, progress);
+  const SharedSources shared = open_together(mpi, request, progress);
+  const SceneSources& sources = shared.scene;
   std::optional<OutputFolder> out;
   all_or_none(mpi, [&] {
     if (mpi.rank() == 0) out.emplace(request.out, request.source);
   });
   all_or_none(mpi, [&] { expect_output_folder(request.out); });
-  BakeProcess process(setup_of(mpi, request, sources), process_options(request));
+  BakeProcess process(setup_of(mpi, request, shared), process_options(request));
   process.prepare();
   std::vector<TileSurvey> surveys =
       survey(mpi, request, sources, process, progress, StoppedSurvey::keep, [&](std::size_t done) {
@@ -212,10 +212,10 @@ PlannedBake plan_bake(MpiSession& mpi, const BakeRequest& request, const BakePro
   const auto start = Clock::now();
   PlannedBake planned;
   planned.sources = open_together(mpi, request, progress);
-  const SceneSources& sources = planned.sources;
+  const SceneSources& sources = planned.sources.scene;
   BakeRequest on_cpu = request;
   on_cpu.backend = Backend::cpu;  // a survey needs no device
-  BakeProcess process(setup_of(mpi, on_cpu, sources), process_options(request));
+  BakeProcess process(setup_of(mpi, on_cpu, planned.sources), process_options(request));
   std::vector<TileSurvey> surveys = survey(mpi, request, sources, process, progress, StoppedSurvey::forget,
                                            [&](std::size_t done) { progress.surveyed(done, sources.tiles.size()); });
   planned.plan = plan_from(mpi, request, sources, std::move(surveys), progress);

@@ -10,6 +10,7 @@
 #include "cluster/collective.h"
 #include "cluster/mpi_session.h"
 #include "cluster/output_folder.h"
+#include "cluster/shared_sources.h"
 #include "format/scene/scene_xml.h"
 #include "format/source/source.h"
 #include "lattice/parameters.h"
@@ -80,7 +81,7 @@ BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress
 /// What a bake would do.
 struct PlannedBake {
   BakePlan plan;  ///< rank 0's
-  SceneSources sources;
+  SharedSources sources;
   double survey_s = 0;  ///< opening, survey and plan
 };
 

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <fmt/format.h>
 #include <poll.h>
+#include <span>
 #include <system_error>
 #include <utility>
 
@@ -14,6 +15,8 @@ namespace gigabake {
 namespace {
 
 constexpr std::chrono::seconds killed_within{10}, first_pause{1}, longest_pause{60};
+/// Of the sources in one message: what the process holds twice while it puts them together.
+constexpr std::size_t part_bytes = std::size_t(1) << 24;
 constexpr int deaths_without_pause = 2;
 constexpr int doublings = 6;  // of the pause until it is the longest
 
@@ -24,7 +27,10 @@ HangWatch::Clock::duration seconds(double s) {
 }  // namespace
 
 BakeProcess::BakeProcess(const WorkerSetup& setup, BakeProcessOptions options)
-    : setup_(to_bytes(setup)), options_(std::move(options)), watch_(seconds(options_.stall_s)) {}
+    : setup_(to_bytes(setup)),
+      sources_(setup.sources),
+      options_(std::move(options)),
+      watch_(seconds(options_.stall_s)) {}
 
 void BakeProcess::prepare() {
   if (!child_ && !is_paused()) start();
@@ -73,11 +79,18 @@ void BakeProcess::start() {
     return report_death(e.what());
   }
   channel_.emplace(child_->socket());
-  channel_->send(BakeMessageKind::setup, setup_);
+  send_setup();
   for (const std::uint32_t tile : tiles_) channel_->send(BakeMessageKind::survey, survey_request(tile));
   for (const BakeOrder& order : cells_) channel_->send(BakeMessageKind::bake, to_bytes(order));
   watch_.start(Clock::now());
   cell_since_ = tile_since_ = watch_.watched();
+}
+
+void BakeProcess::send_setup() {
+  const std::span<const std::uint8_t> sources = *sources_;
+  for (std::size_t at = 0; at < sources.size(); at += part_bytes)
+    channel_->send(BakeMessageKind::sources, sources.subspan(at, std::min(part_bytes, sources.size() - at)));
+  channel_->send(BakeMessageKind::setup, setup_);
 }
 
 void BakeProcess::exchange() {

@@ -50,6 +50,7 @@ class BakeProcess {
   };
   using Event = std::variant<Surveyed, Baked, Died>;
 
+  /// setup.sources is kept: each process that is started gets them.
   BakeProcess(const WorkerSetup& setup, BakeProcessOptions options = {});
   /// Ends the process: see ~ChildProcess.
   ~BakeProcess() = default;
@@ -78,6 +79,7 @@ class BakeProcess {
 
   void work();
   void start();
+  void send_setup();
   void exchange();
   void take(const BakeMessage& message);
   void look_for_hang();
@@ -89,6 +91,7 @@ class BakeProcess {
   std::string oldest() const;
 
   const std::vector<std::uint8_t> setup_;
+  const std::shared_ptr<const std::vector<std::uint8_t>> sources_;
   const BakeProcessOptions options_;
   std::unique_ptr<ChildProcess> child_;
   std::optional<FrameChannel> channel_;                   ///< none while the process is ending

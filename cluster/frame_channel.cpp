@@ -7,7 +7,7 @@
 
 namespace gigabake {
 
-void FrameChannel::send(BakeMessageKind kind, const std::vector<std::uint8_t>& payload) {
+void FrameChannel::send(BakeMessageKind kind, std::span<const std::uint8_t> payload) {
   outbox_.push_back(frame(kind, payload));
   flush();
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "worker/bake_messages.h"
@@ -16,7 +17,7 @@ class FrameChannel {
   explicit FrameChannel(int socket) : socket_(socket) {}
 
   /// Queues the message and sends what the socket takes.
-  void send(BakeMessageKind kind, const std::vector<std::uint8_t>& payload);
+  void send(BakeMessageKind kind, std::span<const std::uint8_t> payload);
   void flush();
   bool has_unsent() const { return !outbox_.empty(); }
   /// The next whole message among those that have arrived. Errors  InputError: the other side talks nonsense.

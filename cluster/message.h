@@ -13,6 +13,7 @@ enum Tag : int {
   tag_report,     ///< worker to master: one BakeAnswer
   tag_died,       ///< worker to master: why its bake process is gone with all that it had; it deals with that itself
   tag_alive,      ///< worker to master: peak bytes u64, host; master to worker: nothing; sent now and then
+  tag_opened,     ///< master to worker: it has opened the source, or cannot
   tag_stop,       ///< master to worker: no more jobs, or no more surveys; worker to master: no survey follows
 };
 

@@ -74,6 +74,13 @@ std::int64_t reduce(std::int64_t value, MPI_Op operation, double patience_s) {
   return result;
 }
 
+/// Rank 0's bytes, to all. Collective.
+void broadcast(void* bytes, std::size_t count, double patience_s) {
+  MPI_Request request = MPI_REQUEST_NULL;
+  check(MPI_Ibcast(bytes, int(count), MPI_BYTE, 0, MPI_COMM_WORLD, &request), "MPI_Ibcast");
+  wait_for(request, patience_s, "MPI_Ibcast");
+}
+
 }  // namespace
 
 /// Messages under way. A list, because MPI holds on to the bytes and the request.
@@ -143,10 +150,18 @@ std::int64_t MpiSession::max_of(std::int64_t value) { return reduce(value, MPI_M
 std::int64_t MpiSession::sum_of(std::int64_t value) { return reduce(value, MPI_SUM, patience_s_); }
 
 int MpiSession::from_master(int value) {
-  MPI_Request request = MPI_REQUEST_NULL;
-  check(MPI_Ibcast(&value, 1, MPI_INT, 0, MPI_COMM_WORLD, &request), "MPI_Ibcast");
-  wait_for(request, patience_s_, "MPI_Ibcast");
+  broadcast(&value, sizeof value, patience_s_);
   return value;
+}
+
+std::vector<std::uint8_t> MpiSession::from_master(std::vector<std::uint8_t> bytes) {
+  constexpr std::size_t part_bytes = std::size_t(1) << 28;  // MPI counts in int; each part has the ranks' patience anew
+  std::uint64_t size = bytes.size();
+  broadcast(&size, sizeof size, patience_s_);
+  bytes.resize(size);
+  for (std::size_t at = 0; at < bytes.size(); at += part_bytes)
+    broadcast(bytes.data() + at, std::min(part_bytes, bytes.size() - at), patience_s_);
+  return bytes;
 }
 
 void MpiSession::abort(int exit_code) {

@@ -54,6 +54,8 @@ class MpiSession {
   std::int64_t sum_of(std::int64_t value);
   /// Rank 0's value. Collective.
   int from_master(int value);
+  /// Rank 0's bytes, however many. Collective.
+  std::vector<std::uint8_t> from_master(std::vector<std::uint8_t> bytes);
   /// Ends all ranks at once.
   [[noreturn]] void abort(int exit_code);
 

@@ -233,7 +233,7 @@ SampledScene scene_at(double voxel_size_m, const MpiSession& mpi, const BakeRequ
 }
 
 WorkerSetup setup_at(double voxel_size_m, double budget_s, const std::filesystem::path& folder, const MpiSession& mpi,
-                     const BakeRequest& request, const SceneSources& sources) {
+                     const BakeRequest& request, const SharedSources& sources) {
   WorkerSetup setup = setup_of(mpi, request, sources);
   setup.parameters.voxel_size_m = voxel_size_m;
   setup.parameters.cell_voxels = piece_voxels(
@@ -278,7 +278,7 @@ void fill_gaps(std::vector<MeasuredSize>& sizes, const MeasuredSize& asked, cons
 
 }  // namespace
 
-PlanMeasure measure_plan(const MpiSession& mpi, const BakeRequest& request, const SceneSources& sources,
+PlanMeasure measure_plan(const MpiSession& mpi, const BakeRequest& request, const SharedSources& sources,
                          const BakePlan& plan, bool measures, const Progress& progress) {
   PlanMeasure out;
   out.ranks = mpi.ranks();
@@ -296,7 +296,7 @@ PlanMeasure measure_plan(const MpiSession& mpi, const BakeRequest& request, cons
                         budget_s, progress);
     sampler.run(order);
     out.sizes[at] = measured(size_m, sampler, scene_at(size_m, mpi, request, plan));
-    if (at == 1) out.texel_m = texels_of(sources, sampler.tiles());
+    if (at == 1) out.texel_m = texels_of(sources.scene, sampler.tiles());
   }
   fill_gaps(out.sizes, out.sizes[1], request);
   return out;

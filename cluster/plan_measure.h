@@ -30,7 +30,7 @@ struct PlanMeasure {
 /// Cost    About four seconds, and at most some twenty: then what was baked so far counts. A driver's start comes on
 ///         top. Shards of at most a few pieces lie in the system's folder for temporary files.
 /// Errors  None of the sources': a size says what was wrong. InputError: no temporary folder can be made. Stopped.
-PlanMeasure measure_plan(const MpiSession& mpi, const BakeRequest& request, const SceneSources& sources,
+PlanMeasure measure_plan(const MpiSession& mpi, const BakeRequest& request, const SharedSources& sources,
                          const BakePlan& plan, bool measures, const Progress& progress = {});
 
 }  // namespace gigabake

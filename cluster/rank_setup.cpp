@@ -20,14 +20,12 @@ std::uint64_t memory_of(const MpiSession& mpi, const BakeRequest& request) {
   return usual_memory(request.memory_bytes, host_limits().memory_bytes, mpi.ranks_on_host());
 }
 
-WorkerSetup setup_of(const MpiSession& mpi, const BakeRequest& request, const SceneSources& sources) {
+WorkerSetup setup_of(const MpiSession& mpi, const BakeRequest& request, const SharedSources& sources) {
   WorkerSetup setup;
-  setup.source = request.source;
-  setup.source_options = request.source_options;
   setup.parameters = request.parameters;
   setup.worker = {threads_of(mpi, request), memory_of(mpi, request), request.out};
   setup.device = {request.backend, request.gpus, mpi.rank_on_host()};
-  setup.tiles = std::uint32_t(sources.tiles.size());
+  setup.sources = sources.bytes;
   return setup;
 }
 

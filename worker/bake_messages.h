@@ -1,6 +1,7 @@
 /// How a supervisor and its bake process talk: frames over a local socket that both sides check.
 ///
-///   supervisor → process   setup (WorkerSetup, once, first), survey (tile, u32), bake (BakeOrder)
+///   supervisor → process   sources (the next part of WorkerSetup::sources, first), setup (WorkerSetup, once, after all
+///                          of them), survey (tile, u32), bake (BakeOrder)
 ///   process → supervisor   ready (DeviceAnswer, once, first), surveyed (TileSurvey), baked (BakeAnswer)
 ///
 /// A frame is magic "GBKE" u32, kind u32, payload bytes u64, XXH3-64 of the payload u64, then the payload; little
@@ -18,7 +19,7 @@
 
 namespace gigabake {
 
-enum class BakeMessageKind : std::uint32_t { setup = 1, survey, bake, ready, surveyed, baked };
+enum class BakeMessageKind : std::uint32_t { setup = 1, survey, bake, ready, surveyed, baked, sources };
 
 struct BakeMessage {
   BakeMessageKind kind = BakeMessageKind::setup;

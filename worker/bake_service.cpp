@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "format/job/source_bytes.h"
 #include "lattice/error.h"
 #include "lattice/memory_limit.h"
 #include "worker/bake_messages.h"
@@ -163,9 +164,12 @@ class BakeServer {
   }
 
   void obey(const BakeMessage& message) {
-    if ((message.kind == BakeMessageKind::setup) == setup_.has_value())
-      throw InputError("bake message", "kind", "expected the setup, once and first");
+    const bool opens = message.kind == BakeMessageKind::setup || message.kind == BakeMessageKind::sources;
+    if (opens == setup_.has_value()) throw InputError("bake message", "kind", "expected the setup, once and first");
     switch (message.kind) {
+      case BakeMessageKind::sources:
+        source_bytes_.insert(source_bytes_.end(), message.payload.begin(), message.payload.end());
+        return;
       case BakeMessageKind::setup:
         return open(setup_from_bytes(message.payload));
       case BakeMessageKind::survey:
@@ -217,11 +221,7 @@ class BakeServer {
 
   void open_scene() {
     try {
-      sources_ = open_sources(setup_->source, setup_->source_options);
-      if (sources_.tiles.size() != setup_->tiles)
-        throw InputError(setup_->source, "",
-                         "changed while the bake ran: it had " + std::to_string(setup_->tiles) + " tiles and has " +
-                             std::to_string(sources_.tiles.size()) + "; bake again");
+      sources_ = sources_from_bytes(std::exchange(source_bytes_, {}));
       surveyor_ = std::make_unique<Surveyor>(sources_, setup_->parameters, setup_->worker.threads, done_);
       surveys_ = true;
     } catch (const std::exception& e) {
@@ -284,6 +284,7 @@ class BakeServer {
   FrameReader inbox_;
   bool hung_up_ = false;
   std::optional<WorkerSetup> setup_;
+  std::vector<std::uint8_t> source_bytes_;  ///< until they are whole
   SceneSources sources_;
   std::string why_not_;  ///< not empty: the answer to every request that needs what could not be made
   std::promise<DeviceAnswer> choice_;

@@ -41,26 +41,18 @@ WorkerOptions get_worker_options(ByteReader& reader) {
 
 std::vector<std::uint8_t> to_bytes(const WorkerSetup& setup) {
   ByteWriter w;
-  w.put(setup.source.string());
-  put(w, setup.source_options);
   put(w, setup.parameters);
   put(w, setup.worker);
   put(w, setup.device);
-  w.put(setup.tiles);
   return w.take();
 }
 
 WorkerSetup setup_from_bytes(std::span<const std::uint8_t> bytes) {
   ByteReader r(bytes, "worker setup");
   WorkerSetup setup;
-  std::string source;
-  r.get(source);
-  setup.source = source;
-  setup.source_options = get_source_options(r);
   setup.parameters = get_parameters(r);
   setup.worker = get_worker_options(r);
   setup.device = get_device_wish(r);
-  r.get(setup.tiles);
   r.expect_end();
   return setup;
 }

@@ -71,7 +71,7 @@ TEST_F(BakeProcessTest, SurveysWhileItBakes) {
   BakeProcess process(scene.setup("out"), real_program());
   for (std::uint32_t i = 0; i < 4; ++i) process.survey(i), process.submit(jobs[i], 1);
   const WorkerSetup setup = scene.setup("");
-  const SceneSources sources = open_sources(setup.source, {});
+  const SceneSources sources = scene.sources();
   std::size_t surveys = 0, cells = 0;
   while (surveys + cells < 8) {
     const BakeProcess::Event event = next_event(process);
@@ -151,9 +151,7 @@ TEST_F(BakeProcessTest, TellsOfADeathWithNothingInHand) {
 TEST_F(BakeProcessTest, SurvivesAHostileFileAndNamesIt) {
   std::ofstream(scene.source() / "tile1.glb", std::ios::trunc) << std::string(1000000, '[');
   std::ofstream(scene.source() / "tile2.gltf") << std::string(1000000, '[');
-  WorkerSetup setup = scene.setup("out");
-  setup.tiles = 5;
-  BakeProcess process(setup, real_program());
+  BakeProcess process(scene.setup("out"), real_program());
   int errors = 0;
   for (std::uint32_t t = 0; t < 5; ++t) process.survey(t);
   for (int i = 0; i < 5; ++i) errors += !expect<Surveyed>(process).survey.error.empty();
@@ -170,10 +168,10 @@ TEST_F(BakeProcessTest, AnswersEveryRequestWithTheLineWhereItCannotBegin) {
     return cell;
   };
   WorkerSetup setup = scene.setup("out");
-  setup.tiles = 3;
-  EXPECT_NE(refusal(setup).find("changed while the bake ran: it had 3 tiles and has 4"), std::string::npos);
-  setup.source = scene.folder() / "nothing";
-  EXPECT_NE(refusal(setup).find("no such file or folder"), std::string::npos);
+  setup.sources = std::make_shared<const std::vector<std::uint8_t>>(setup.sources->begin(), setup.sources->end() - 1);
+  EXPECT_NE(refusal(setup).find("sources"), std::string::npos);
+  setup.sources = std::make_shared<const std::vector<std::uint8_t>>();
+  EXPECT_NE(refusal(setup).find("sources"), std::string::npos);
   std::ofstream(scene.folder() / "file") << "in the way";
   EXPECT_NE(refusal(scene.setup("file")).find("cannot make the folder"), std::string::npos);
 }

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <gtest/gtest.h>
 
+#include "format/job/source_bytes.h"
 #include "scheduler/plan.h"
 #include "worker/survey_tile.h"
 
@@ -19,17 +20,16 @@ BakeScene::BakeScene() {
 
 WorkerSetup BakeScene::setup(const std::string& out) const {
   WorkerSetup setup;
-  setup.source = source();
+  setup.sources = std::make_shared<const std::vector<std::uint8_t>>(to_bytes(sources()));
   setup.parameters.voxel_size_m = 0.1;
   setup.parameters.cell_voxels = 128;
   setup.worker = {2, 0, folder() / out, {}};
-  setup.tiles = 4;
   return setup;
 }
 
 std::vector<CellJob> BakeScene::jobs() const {
   const WorkerSetup s = setup("");
-  const SceneSources sources = open_sources(s.source, s.source_options);
+  const SceneSources sources = this->sources();
   const ThreadPool pool(1);
   std::vector<TileSurvey> surveys;
   for (std::uint32_t t = 0; t < sources.tiles.size(); ++t)
@@ -39,7 +39,7 @@ std::vector<CellJob> BakeScene::jobs() const {
 
 std::vector<CellReport> BakeScene::baked_here(const std::vector<CellJob>& jobs, const std::string& out) const {
   const WorkerSetup s = setup(out);
-  CellPipeline pipeline(open_sources(s.source, s.source_options), s.parameters, s.worker);
+  CellPipeline pipeline(sources(), s.parameters, s.worker);
   return bake_all(pipeline, jobs);
 }
 

@@ -18,6 +18,7 @@ class BakeScene {
 
   const std::filesystem::path& folder() const { return folder_.path(); }
   std::filesystem::path source() const { return folder() / "terrain"; }
+  SceneSources sources() const { return open_sources(source(), {}); }
   /// For a bake into FOLDER/out.
   WorkerSetup setup(const std::string& out) const;
   /// As `gigabake bake` plans them, from surveys made here.

@@ -10,20 +10,13 @@ namespace {
 
 WorkerSetup some_setup() {
   WorkerSetup s;
-  s.source = "terrain with ä/tileset.json";
-  s.source_options = {true, Geodetic{47.1, -8.25, 400.5}, UpAxis::x};
   s.parameters = {0.1, {1.0 / 3, -2, 3e5}, 512, SurfaceRule::thin, MipFilter::box, false};
   s.worker = {7, std::uint64_t(5) << 33, "/shared/out"};
   s.device = {Backend::cuda, {4, 1}, 9};
-  s.tiles = 4000000000u;
   return s;
 }
 
 void expect_equal(const WorkerSetup& a, const WorkerSetup& b) {
-  EXPECT_EQ(a.source, b.source);
-  EXPECT_EQ(a.source_options.local, b.source_options.local);
-  EXPECT_EQ(a.source_options.origin, b.source_options.origin);
-  EXPECT_EQ(a.source_options.scene_up, b.source_options.scene_up);
   EXPECT_EQ(to_json(a.parameters), to_json(b.parameters));
   EXPECT_EQ(a.parameters.lattice_origin_m, b.parameters.lattice_origin_m);
   EXPECT_EQ(a.worker.threads, b.worker.threads);
@@ -32,7 +25,6 @@ void expect_equal(const WorkerSetup& a, const WorkerSetup& b) {
   EXPECT_EQ(a.device.backend, b.device.backend);
   EXPECT_EQ(a.device.allowed, b.device.allowed);
   EXPECT_EQ(a.device.rank_on_host, b.device.rank_on_host);
-  EXPECT_EQ(a.tiles, b.tiles);
 }
 
 TEST(WorkerSetup, ComesBackFromItsBytes) {

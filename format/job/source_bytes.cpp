@@ -1,0 +1,293 @@
+#include "format/job/source_bytes.h"
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "format/source/raster/dem.h"
+#include "format/source/tiles/archive.h"
+#include "lattice/bytes.h"
+
+namespace gigabake {
+namespace {
+
+constexpr const char* what = "sources";
+/// What one tile's name takes over from the one before, at most: with it bytes could ask for any amount of memory.
+constexpr std::size_t most_shared = 4096;
+
+/// What a tile has beside its place.
+enum TileFlag : std::uint8_t { has_range = 1, has_archive = 2, has_raster = 4, all_flags = 7 };
+
+/// Archives or rasters, which many tiles share: each is written once, and tiles say its number.
+template <class Part>
+class Shared {
+ public:
+  void add(const std::shared_ptr<const Part>& part) {
+    if (part && numbers_.emplace(part.get(), std::uint32_t(parts_.size())).second) parts_.push_back(part);
+  }
+  std::uint32_t number(const std::shared_ptr<const Part>& part) const { return numbers_.at(part.get()); }
+  const std::vector<std::shared_ptr<const Part>>& parts() const { return parts_; }
+
+ private:
+  std::map<const Part*, std::uint32_t> numbers_;
+  std::vector<std::shared_ptr<const Part>> parts_;
+};
+
+template <class Value>
+void put_optional(ByteWriter& w, const std::optional<Value>& value) {
+  w.put(std::uint8_t(value.has_value()));
+  if (value) w.put(*value);
+}
+
+[[noreturn]] void refuse(const char* key, const char* expected) {
+  throw InputError(what, key, std::string("expected ") + expected);
+}
+
+bool get_flag(ByteReader& r, const char* key) {
+  std::uint8_t value = 0;
+  r.get(value);
+  if (value > 1) refuse(key, "0 or 1");
+  return value == 1;
+}
+
+template <class Value>
+void get_optional(ByteReader& r, const char* key, std::optional<Value>& value) {
+  value.reset();
+  if (get_flag(r, key)) r.get(value.emplace());
+}
+
+template <class Enum>
+Enum get_enum(ByteReader& r, const char* key, Enum last) {
+  std::uint8_t value = 0;
+  r.get(value);
+  if (value > std::uint8_t(last)) throw InputError(what, key, "unknown: " + std::to_string(value));
+  return Enum(value);
+}
+
+std::filesystem::path get_path(ByteReader& r) {
+  std::string text;
+  r.get(text);
+  return text;
+}
+
+/// The end of the text, and how much of its beginning is that of the one before.
+void put_next(ByteWriter& w, const std::string& before, const std::string& text) {
+  const auto [end, ignored] = std::ranges::mismatch(before, text);
+  const std::size_t shared = std::min(std::size_t(end - before.begin()), most_shared);
+  w.put(std::uint16_t(shared));
+  w.put(text.substr(shared));
+}
+
+void get_next(ByteReader& r, std::string& text) {
+  std::uint16_t shared = 0;
+  std::string rest;
+  r.get(shared), r.get(rest);
+  if (shared > std::min(text.size(), most_shared)) refuse("tile.name", "a beginning that the tile before has");
+  text.resize(shared);
+  text += rest;
+}
+
+constexpr std::size_t place_rows = 3, place_columns = 4;
+
+/// Those numbers of a place that are not the ones before, to the bit: a place is part of a tile's identity.
+template <class Place>
+void put_next_place(ByteWriter& w, const Place& before, const Place& place) {
+  const auto differs = [&](std::size_t row, std::size_t column) {
+    return std::memcmp(&before.m[row][column], &place.m[row][column], sizeof(double)) != 0;
+  };
+  std::uint16_t changed = 0;
+  for (std::size_t i = 0; i < place_rows * place_columns; ++i)
+    if (differs(i / place_columns, i % place_columns)) changed |= std::uint16_t(1u << i);
+  w.put(changed);
+  for (std::size_t i = 0; i < place_rows * place_columns; ++i)
+    if ((changed >> i & 1) != 0) w.put(place.m[i / place_columns][i % place_columns]);
+}
+
+template <class Place>
+void get_next_place(ByteReader& r, Place& place) {
+  std::uint16_t changed = 0;
+  r.get(changed);
+  if (changed >> (place_rows * place_columns) != 0) refuse("tile.place", "twelve numbers");
+  for (std::size_t i = 0; i < place_rows * place_columns; ++i)
+    if ((changed >> i & 1) != 0) r.get(place.m[i / place_columns][i % place_columns]);
+}
+
+void put_raster(ByteWriter& w, const DemRaster& raster) {
+  const DemOptions& o = raster.options;
+  w.put(o.dem.string()), w.put(o.ortho.string()), w.put(o.crs);
+  put_optional(w, o.nodata), put_optional(w, o.height_scale);
+  w.put(o.geoid_offset_m), w.put(std::int32_t(o.tile_cells));
+  w.put(std::int32_t(raster.columns)), w.put(std::int32_t(raster.rows));
+  w.put(raster.origin);
+}
+
+std::shared_ptr<const DemRaster> get_raster(ByteReader& r) {
+  auto raster = std::make_shared<DemRaster>();
+  DemOptions& o = raster->options;
+  o.dem = get_path(r), o.ortho = get_path(r);
+  r.get(o.crs);
+  get_optional(r, "raster.nodata", o.nodata), get_optional(r, "raster.height_scale", o.height_scale);
+  std::int32_t tile_cells = 0, columns = 0, rows = 0;
+  r.get(o.geoid_offset_m), r.get(tile_cells), r.get(columns), r.get(rows), r.get(raster->origin);
+  if (tile_cells < 1 || columns < 2 || rows < 2) refuse("raster", "cells and at least 2 × 2 pixels");
+  o.tile_cells = tile_cells, raster->columns = columns, raster->rows = rows;
+  return raster;
+}
+
+void put_dem(ByteWriter& w, const DemTile& dem, std::uint32_t raster) {
+  w.put(raster);
+  for (const int number : {dem.column, dem.row, dem.columns, dem.rows}) w.put(std::int32_t(number));
+  w.put(dem.offset_m);
+}
+
+/// Whether `cells` cells from `first` on are in a row of so many pixels.
+bool is_inside(std::int32_t first, std::int32_t cells, int pixels) {
+  return first >= 0 && cells >= 1 && first < pixels && cells < pixels - first;
+}
+
+std::shared_ptr<const DemTile> get_dem(ByteReader& r, const std::vector<std::shared_ptr<const DemRaster>>& rasters) {
+  std::uint32_t number = 0;
+  std::int32_t column = 0, row = 0, columns = 0, rows = 0;
+  auto dem = std::make_shared<DemTile>();
+  r.get(number), r.get(column), r.get(row), r.get(columns), r.get(rows), r.get(dem->offset_m);
+  if (number >= rasters.size()) refuse("tile.raster", "the number of a raster");
+  const DemRaster& raster = *rasters[number];
+  if (!is_inside(column, columns, raster.columns) || !is_inside(row, rows, raster.rows))
+    refuse("tile.raster", "cells of the raster");
+  dem->raster = rasters[number];
+  dem->column = column, dem->row = row, dem->columns = columns, dem->rows = rows;
+  return dem;
+}
+
+class TileWriter {
+ public:
+  explicit TileWriter(ByteWriter& w) : w_(w) {}
+
+  void put_shared(const std::vector<TileRef>& tiles) {
+    for (const TileRef& tile : tiles) {
+      archives_.add(tile.archive);
+      if (tile.dem) rasters_.add(tile.dem->raster);
+    }
+    w_.put(std::uint64_t(archives_.parts().size()));
+    for (const auto& archive : archives_.parts()) w_.put(archive->file().string());
+    w_.put(std::uint64_t(rasters_.parts().size()));
+    for (const auto& raster : rasters_.parts()) put_raster(w_, *raster);
+  }
+
+  void put(const TileRef& tile) {
+    w_.put(std::uint8_t(tile.kind)), w_.put(std::uint8_t(tile.gltf_up));
+    w_.put(std::uint8_t((tile.range == ByteRange{} ? 0 : has_range) | (tile.archive ? has_archive : 0) |
+                        (tile.dem ? has_raster : 0)));
+    put_next(w_, path_, tile.path.string());
+    put_next(w_, name_, tile.name);
+    w_.put(tile.bytes);
+    put_next_place(w_, scene_, tile.scene_from_tile);
+    put_next_place(w_, world_, tile.world_from_tile);
+    if (tile.range != ByteRange{}) w_.put(tile.range);
+    if (tile.archive) w_.put(archives_.number(tile.archive));
+    if (tile.dem) put_dem(w_, *tile.dem, rasters_.number(tile.dem->raster));
+    path_ = tile.path.string(), name_ = tile.name, scene_ = tile.scene_from_tile, world_ = tile.world_from_tile;
+  }
+
+ private:
+  ByteWriter& w_;
+  Shared<Archive> archives_;
+  Shared<DemRaster> rasters_;
+  std::string path_, name_;  ///< of the tile before, as the places
+  Affine<Scene, World> scene_;
+  Affine<World, World> world_;
+};
+
+class TileReader {
+ public:
+  explicit TileReader(ByteReader& r) : r_(r) {}
+
+  void get_shared() {
+    std::uint64_t archives = 0, rasters = 0;
+    for (r_.get(archives); archives > 0; --archives) archives_.push_back(std::make_shared<const Archive>(get_path(r_)));
+    for (r_.get(rasters); rasters > 0; --rasters) rasters_.push_back(get_raster(r_));
+  }
+
+  TileRef get() {
+    TileRef tile;
+    std::uint8_t flags = 0;
+    tile.kind = get_enum(r_, "tile.kind", ContentKind::stl);
+    tile.gltf_up = get_enum(r_, "tile.gltf_up", UpAxis::x);
+    r_.get(flags);
+    if (flags > all_flags) refuse("tile.flags", "known ones alone");
+    get_next(r_, path_), get_next(r_, name_);
+    r_.get(tile.bytes);
+    get_next_place(r_, scene_);
+    get_next_place(r_, world_);
+    if (!scene_.is_finite()) refuse("tile.scene_from_tile", "a finite place");
+    if ((flags & has_range) != 0) r_.get(tile.range);
+    if ((flags & has_archive) != 0) tile.archive = get_archive();
+    if ((flags & has_raster) != 0) tile.dem = get_dem(r_, rasters_);
+    if ((tile.kind == ContentKind::dem) != (tile.dem != nullptr)) refuse("tile.raster", "one, of an elevation tile");
+    tile.path = path_, tile.name = name_, tile.scene_from_tile = scene_, tile.world_from_tile = world_;
+    return tile;
+  }
+
+ private:
+  std::shared_ptr<const Archive> get_archive() {
+    std::uint32_t number = 0;
+    r_.get(number);
+    if (number >= archives_.size()) refuse("tile.archive", "the number of an archive");
+    return archives_[number];
+  }
+
+  ByteReader& r_;
+  std::vector<std::shared_ptr<const Archive>> archives_;
+  std::vector<std::shared_ptr<const DemRaster>> rasters_;
+  std::string path_, name_;
+  Affine<Scene, World> scene_;
+  Affine<World, World> world_;
+};
+
+SkippedSource get_skipped(ByteReader& r) {
+  SkippedSource skipped;
+  r.get(skipped.name), r.get(skipped.reason);
+  skipped.informative = get_flag(r, "skipped.informative");
+  r.get(skipped.points);
+  return skipped;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> to_bytes(const SceneSources& sources) {
+  ByteWriter w;
+  w.put(sources.root.string());
+  put_optional(w, sources.origin);
+  TileWriter tiles(w);
+  tiles.put_shared(sources.tiles);
+  w.put(std::uint64_t(sources.tiles.size()));
+  for (const TileRef& tile : sources.tiles) tiles.put(tile);
+  w.put(std::uint64_t(sources.skipped.size()));
+  for (const SkippedSource& skipped : sources.skipped) {
+    w.put(skipped.name), w.put(skipped.reason);
+    w.put(std::uint8_t(skipped.informative)), w.put(skipped.points);
+  }
+  w.put(sources.notes);
+  return w.take();
+}
+
+SceneSources sources_from_bytes(std::span<const std::uint8_t> bytes) {
+  ByteReader r(bytes, what);
+  SceneSources sources;
+  sources.root = get_path(r);
+  get_optional(r, "origin", sources.origin);
+  TileReader tiles(r);
+  tiles.get_shared();
+  std::uint64_t count = 0;
+  // No room is made beforehand for what only a number says.
+  for (r.get(count); count > 0; --count) sources.tiles.push_back(tiles.get());
+  for (r.get(count); count > 0; --count) sources.skipped.push_back(get_skipped(r));
+  r.get(sources.notes);
+  r.expect_end();
+  return sources;
+}
+
+}  // namespace gigabake
