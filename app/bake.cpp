@@ -5,6 +5,7 @@
 #include "app/bake_options.h"
 #include "app/bake_report.h"
 #include "app/commands.h"
+#include "app/flags.h"
 #include "app/on_all_ranks.h"
 #include "cluster/drain.h"
 #include "format/system/publish.h"
@@ -26,9 +27,9 @@ BakeProgress warnings_alone(const Progress& steps) {
   p.planned = [](const BakePlan&) {};
   p.status = [](const BakeStatus&) {};
   p.cell_done = [](const CellReport& report, const CellJob& job) {
-    if (!report.note.empty()) fmt::print(stderr, "cell {}: {}\n", job.name, report.note);
+    if (!report.note.empty()) fmt::print(stderr, "cell {}: {}\n", job.name, with_flags(report.note));
   };
-  p.noted = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
+  p.noted = [](const std::string& line) { fmt::print(stderr, "{}\n", with_flags(line)); };
   return p;
 }
 
@@ -73,15 +74,19 @@ void add_bake(CLI::App& app, int& exit_code) {
   command->add_option("--metrics", options->metrics,
                       "file that Prometheus' node_exporter reads (*.prom), rewritten every second");
   command->add_option("--report", options->report, "file for what --json prints: counts, times, accuracy figures");
-  command->add_flag("--keep-going,!--no-keep-going", options->keep_going,
+  command->add_flag("--keep-going,!--no-keep-going", options->asked.keep_going,
                     "bake the rest after a tile or cell failed (default), or stop there and publish nothing");
-  command->add_flag("--prune", options->prune,
+  command->add_flag("--prune", options->asked.prune,
                     "once the scene is whole, remove shards that it does not have; without, they stay for a return to "
                     "earlier settings");
   command->add_flag("-q,--quiet", options->quiet, "print errors, warnings and what is missing alone");
-  command->add_option("--stall", options->stall_s, "seconds without any work after which a bake process hangs (60)");
-  command->add_option("--cell-timeout", options->cell_timeout_s, "most seconds for one cell (3600)");
-  command->add_option("--silence", options->silence_s, "seconds after which a rank that is not heard of is lost (60)");
+  Patience& patience = options->asked.patience;
+  const auto add_seconds = [command](const char* name, double& seconds, const char* description) {
+    command->add_option(name, seconds, fmt::format("{} ({:g})", description, seconds));
+  };
+  add_seconds("--stall", patience.stall_s, "seconds without any work after which a bake process hangs");
+  add_seconds("--cell-timeout", patience.cell_timeout_s, "most seconds for one cell");
+  add_seconds("--silence", patience.silence_s, "seconds after which a rank that is not heard of is lost");
   command->callback([options, &exit_code] {
     watch_for_drain();  // before MPI starts: mpirun passes signals on from the beginning
     exit_code = on_all_ranks([&](MpiSession& mpi) { return run_until_stopped(*options, mpi); });

@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <utility>
 
+#include "app/flags.h"
+
 namespace gigabake::app {
 namespace {
 
@@ -36,7 +38,7 @@ BakeProgress BakeConsole::callbacks() {
 /// The steps' line and the bake's own share a terminal.
 void BakeConsole::say(const std::string& line) {
   steps_.end_step();
-  line_.say(line);
+  line_.say(with_flags(line));
 }
 
 void BakeConsole::opened(const SceneSources& sources) {

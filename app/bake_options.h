@@ -9,23 +9,17 @@
 
 namespace gigabake::app {
 
-/// Text as typed; request() turns it into values.
+/// The request as the parser fills it, and as typed what is more than one value; request() completes it.
 struct BakeOptions {
-  std::string source, out, metrics, report, voxel_size, surface = "area", mip = "coverage", lattice_origin, origin, up,
-                                                        backend = "auto", codec = "deflate",
-                                                        channels = "rgba,normal,facing";
-  std::vector<int> gpus;
-  std::uint32_t cell_voxels = 1024;
-  bool local = false, keep_going = true, prune = false, json = false, quiet = false;
-  std::uint32_t max_error = 0;
-  int threads = 0;
-  double stall_s = 60, cell_timeout_s = 3600, silence_s = 60;
+  BakeRequest asked;  ///< whose defaults the help says
+  std::string source, out, metrics, report, voxel_size, channels, lattice_origin, origin;
   std::optional<std::uint64_t> memory_bytes;
+  bool json = false, quiet = false;
 
+  BakeOptions();
   void add_to(CLI::App& command);
   /// Errors  UsageError: what was expected of which option.
   BakeRequest request() const;
-  Backend wanted_backend() const;
 };
 
 }  // namespace gigabake::app

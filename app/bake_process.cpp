@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "app/commands.h"
+#include "app/flags.h"
 #include "lattice/error.h"
 #include "worker/bake_service.h"
 
@@ -43,10 +44,10 @@ int run(int fd) {
     take_name();
     return serve_bakes(fd);
   } catch (const UsageError& e) {
-    fmt::print(stderr, "gigabake: {}\n", e.what());
+    fmt::print(stderr, "gigabake: {}\n", said(e));
     return usage;
   } catch (const std::exception& e) {
-    fmt::print(stderr, "gigabake: bake process: {}\n", reason_of(e));
+    fmt::print(stderr, "gigabake: bake process: {}\n", said(e));
     return failed;
   }
 }

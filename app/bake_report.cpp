@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "app/alike.h"
+#include "app/flags.h"
 #include "app/status_text.h"
 #include "lattice/error.h"
 #include "lattice/host_device.h"
@@ -188,7 +189,7 @@ void print_report(const BakePlan& plan, const std::optional<PriorResults>& prior
   for (const CellJob& job : std::span(plan.jobs).first(listed))
     fmt::print("  {:<24} lattice {} {} {}  {} tiles  {} triangles{}\n", job.name, job.lattice_min[0],
                job.lattice_min[1], job.lattice_min[2], job.tiles.size(), job.triangles,
-               prior ? fmt::format("  {}", text(prior->reasons[job.id])) : "");
+               prior ? fmt::format("  {}", name_of(prior->reasons[job.id])) : "");
   if (listed < plan.jobs.size()) fmt::print("  and {} more; --json lists them all\n", plan.jobs.size() - listed);
   if (prior) print_counts(*prior);
   fmt::print("about {} of kernel memory for the largest cell\n", readable_bytes(e.kernel_bytes));
@@ -204,7 +205,7 @@ void print_json_report(const BakePlan& plan, const std::optional<PriorResults>& 
   add_sizes(sizes, j);
   if (prior) {
     const auto counts = prior->counts();
-    for (std::size_t r = 0; r < counts.size(); ++r) j["prior"][text(PriorReason(r))] = counts[r];
+    for (std::size_t r = 0; r < counts.size(); ++r) j["prior"][std::string(name_of(PriorReason(r)))] = counts[r];
   }
   j["jobs"] = nlohmann::ordered_json::array();
   for (const CellJob& job : plan.jobs) {
@@ -213,7 +214,7 @@ void print_json_report(const BakePlan& plan, const std::optional<PriorResults>& 
                          {"tiles", job.tiles.size()},
                          {"triangles", job.triangles},
                          {"fingerprint", job.fingerprint.hex()}});
-    if (prior) j["jobs"].back()["prior"] = text(prior->reasons[job.id]);
+    if (prior) j["jobs"].back()["prior"] = name_of(prior->reasons[job.id]);
   }
   add_precision(plan.precision, j);
   add_left_out(plan, j);
@@ -237,7 +238,7 @@ void print_losses(const std::vector<SceneLoss>& losses) {
   std::fflush(stdout);
   if (losses.empty()) return;
   fmt::print(stderr, "incomplete, {} missing:\n", losses.size());
-  for (const std::string& line : lines_of(losses)) fmt::print(stderr, "  {}\n", as_line(line));
+  for (const std::string& line : lines_of(losses)) fmt::print(stderr, "  {}\n", with_flags(as_line(line)));
 }
 
 }  // namespace gigabake::app

@@ -28,7 +28,7 @@ struct AccuracyOptions {
   bool hard = false;
 };
 
-int threads_of(const BakeOptions& bake) { return bake.threads > 0 ? bake.threads : host_limits().cores(); }
+int threads_of(const BakeOptions& bake) { return bake.asked.threads > 0 ? bake.asked.threads : host_limits().cores(); }
 
 bench::AccuracyBenchRequest request_of(const AccuracyOptions& options) {
   const BakeRequest bake = options.bake.request();
@@ -72,7 +72,7 @@ class HardFolder {
 int run_hard(const AccuracyOptions& options) {
   if (!options.bake.source.empty()) throw UsageError("--hard has scenes of its own: expected no SCENE");
   const HardFolder folder(options.bake.out);
-  const bench::HardBenchRequest request{folder.path(), options.bake.wanted_backend(), threads_of(options.bake),
+  const bench::HardBenchRequest request{folder.path(), options.bake.asked.backend, threads_of(options.bake),
                                         options.million_triangles};
   const bench::HardBench b = with_progress([&](const Progress& progress) {
     progress.step("hard cases", 0, "cases");
@@ -123,15 +123,16 @@ void add_bench_accuracy(CLI::App& bench, int& exit_code) {
                    "of the hard case that has all of them in one voxel, in millions")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
-  command->add_option("--cell-voxels", bake.cell_voxels, "edge of a cell in voxels, a power of two from 8 to 8192")
+  command
+      ->add_option("--cell-voxels", bake.asked.parameters.cell_voxels,
+                   "edge of a cell in voxels, a power of two from 8 to 8192")
       ->capture_default_str();
-  command->add_option("--up", bake.up, "axis that points up in the source (tilesets z, mesh files y)")
-      ->check(one_of({"x", "y", "z"}));
-  command->add_flag("--local", bake.local, "no georeference: the source's own frame, turned to z up");
-  command->add_option("--threads", bake.threads, "all cores unless said otherwise");
-  command->add_option("--backend", bake.backend, "where cells are baked; auto: on a GPU where there is one")
-      ->capture_default_str()
-      ->check(one_of({"auto", "cpu", "cuda"}));
+  add_choice(*command, "--up", bake.asked.source_options.scene_up,
+             "axis that points up in the source (tilesets z, mesh files y)");
+  command->add_flag("--local", bake.asked.source_options.local,
+                    "no georeference: the source's own frame, turned to z up");
+  command->add_option("--threads", bake.asked.threads, "all cores unless said otherwise");
+  add_choice(*command, "--backend", bake.asked.backend, "where cells are baked; auto: on a GPU where there is one");
   command->add_option("--samples", o->samples, "rays of the reference, a pixel")
       ->capture_default_str()
       ->check(CLI::Range(1, 65536));

@@ -43,7 +43,7 @@ bench::FirstHitBenchRequest request_of(const RenderBenchOptions& options, const 
   parse_size(options.size, request);
   request.repeats = options.repeats;
   request.threads = renderer.threads > 0 ? renderer.threads : host_limits().cores();
-  request.cpu = options.renderer.backend != "cuda";
+  request.cpu = options.renderer.backend != Backend::cuda;
   request.device = renderer.cuda_device;
   request.reference_rays = options.reference_rays;
   return request;

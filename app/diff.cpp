@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "app/flags.h"
 #include "app/scene_argument.h"
 #include "app/with_progress.h"
 #include "lattice/progress.h"
@@ -91,7 +92,7 @@ void add_diff(CLI::App& app, int& exit_code) {
     } catch (const Stopped&) {
       throw;
     } catch (const std::exception& error) {
-      fmt::print(stderr, "gigabake: {}\n", error.what());
+      fmt::print(stderr, "gigabake: {}\n", said(error));
       exit_code = diff_trouble;
     }
   });

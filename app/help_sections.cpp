@@ -68,8 +68,8 @@ bool reads_a_scene(const std::string& words) {
 
 Lines legends() {
   Lines lines;
-  for (std::size_t mode = 0; mode < view_mode_names().size(); ++mode)
-    lines.push_back(fmt::format("{:<10}{}", view_mode_names()[mode], view_mode_legend(ViewMode(mode))));
+  for (const ViewMode mode : values_of<ViewMode>())
+    lines.push_back(fmt::format("{:<10}{}", name_of(mode), view_mode_legend(mode)));
   return lines;
 }
 

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "app/commands.h"
+#include "app/flags.h"
 #include "app/scene_argument.h"
 #include "app/status_text.h"
 #include "app/with_progress.h"
@@ -102,7 +103,7 @@ void print_text(const SceneDescription& scene, const StoredBytes& stored) {
   if (dropped + scene.skipped_points + scene.skipped_lines != 0)
     fmt::print("skipped {} points, {} lines, {} triangles that are not finite, {} without area\n", scene.skipped_points,
                scene.skipped_lines, scene.non_finite, scene.zero_area);
-  for (const SceneLoss& l : scene.losses) fmt::print("missing {}: {}\n", l.name, l.reason);
+  for (const SceneLoss& l : scene.losses) fmt::print("missing {}: {}\n", l.name, with_flags(l.reason));
 }
 
 }  // namespace

@@ -11,7 +11,8 @@ namespace gigabake::app {
 
 struct LiveArguments {
   std::string scene, eye, target;
-  double fovy_deg = 40, pixel_error = 1, frame_ms = 60;
+  double fovy_deg = CameraOptions{}.fovy_deg, pixel_error = CameraOptions{}.pixel_error;
+  double frame_ms = 1000 * LiveScene::Options{}.frame_s;
   RendererArguments renderer;
   LightArguments light;
 };

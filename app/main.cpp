@@ -4,6 +4,7 @@
 
 #include "app/about.h"
 #include "app/commands.h"
+#include "app/flags.h"
 #include "app/help_sections.h"
 #include "app/manual.h"
 #include "app/out_of_memory.h"
@@ -46,13 +47,13 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "{}\n", app::usage_error(program, e));
     return app::usage;
   } catch (const UsageError& e) {
-    fmt::print(stderr, "gigabake: {}\n", e.what());
+    fmt::print(stderr, "gigabake: {}\n", app::said(e));
     return app::usage;
   } catch (const Stopped&) {
     fmt::print(stderr, "{}\n", app::stop_line());
     return app::exit_code_of_stop();
   } catch (const std::exception& e) {
-    fmt::print(stderr, "gigabake: {}\n", reason_of(e));
+    fmt::print(stderr, "gigabake: {}\n", app::said(e));
     return app::failed;
   }
   return exit_code;

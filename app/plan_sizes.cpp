@@ -3,6 +3,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "app/flags.h"
 #include "app/status_text.h"
 
 namespace gigabake::app {
@@ -32,13 +33,14 @@ std::string basis(const MeasuredSize& size, const PlanSizes& sizes) {
   if (size.pieces == 0)
     return size.problem.empty()
                ? std::string("from the surface's area alone, nothing was baked; real bakes may be off by half\n")
-               : fmt::format("from the surface's area alone, since nothing could be measured: {}\n", size.problem);
+               : fmt::format("from the surface's area alone, since nothing could be measured: {}\n",
+                             with_flags(size.problem));
   std::string text = fmt::format(
       "measured: {} pieces of {} tiles baked in {:.1f} s by one rank on {}, {:.1f} % of the surface", size.pieces,
       size.tiles, size.wall_s, size.on_device ? "its GPU" : fmt::format("{} threads", sizes.measure.threads),
       100 * size.estimate.share);
   if (size.estimate.share < 1) text += fmt::format("; voxels ± {:.0f} %", std::ceil(200 * size.estimate.voxels_error));
-  return text + (size.problem.empty() ? "\n" : fmt::format("; stopped early: {}\n", size.problem));
+  return text + (size.problem.empty() ? "\n" : fmt::format("; stopped early: {}\n", with_flags(size.problem)));
 }
 
 std::string suggestion(const PlanSizes& sizes) {

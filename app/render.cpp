@@ -8,6 +8,7 @@
 
 #include "app/choices.h"
 #include "app/commands.h"
+#include "app/flags.h"
 #include "app/picture_file.h"
 #include "app/renderer_options.h"
 #include "app/scene_argument.h"
@@ -27,10 +28,11 @@ namespace {
 struct RenderArguments {
   std::string scene, picture, depth;
   std::string eye, target, up, size = "1280x720", background = "sky";
-  double fovy_deg = 40, pixel_error = 1;
+  double fovy_deg = CameraOptions{}.fovy_deg, pixel_error = CameraOptions{}.pixel_error;
   RendererArguments renderer;
   LightArguments light;
-  std::string path, stats, mode = "lit";
+  std::string path, stats;
+  ViewMode mode = ViewMode::lit;
   int frames = 0;
   double fps = 0, upload_ms = 20;
   bool live = false, quiet = false;
@@ -63,12 +65,6 @@ CameraOptions camera_options(const RenderArguments& a) {
   return camera;
 }
 
-/// The parser takes nothing else.
-ViewMode mode_option(const std::string& text) {
-  const std::vector<std::string>& names = view_mode_names();
-  return ViewMode(std::find(names.begin(), names.end(), text) - names.begin());
-}
-
 View view_of(const RenderArguments& a) {
   if (!a.depth.empty() && picture_format("--depth", a.depth) != PictureFormat::exr)
     throw UsageError(fmt::format("--depth: expected a name that ends in .exr, got '{}'", a.depth));
@@ -77,7 +73,7 @@ View view_of(const RenderArguments& a) {
   const PictureFormat format = picture_format("-o", a.picture);
   if (format == PictureFormat::exr) view.light = PictureLight::linear_too;
   view.camera = camera_options(a);
-  view.mode = mode_option(a.mode);
+  view.mode = a.mode;
   view.background = background_option(a.background);
   if (format == PictureFormat::jpeg && !view.background.sky && view.background.rgba[3] != 255)
     throw UsageError("--background: a JPEG is opaque; expected R,G,B, or a .png");
@@ -92,13 +88,14 @@ FrameRenderer::Options renderer_options_of(const RenderArguments& a) {
 
 /// What was drawn coarser than it should be, and the exit code for that.
 int tell_problems(const FrameRenderer& renderer) {
-  for (const std::string& problem : renderer.problems()) fmt::print(stderr, "gigabake: drawn coarser: {}\n", problem);
+  for (const std::string& problem : renderer.problems())
+    fmt::print(stderr, "gigabake: drawn coarser: {}\n", with_flags(problem));
   return renderer.problems().empty() ? complete : cells_failed;
 }
 
 /// Of colours that are not the scene's own.
 void tell_legend(ViewMode mode) {
-  if (mode != ViewMode::lit) fmt::print("{}: {}\n", view_mode_names()[std::size_t(mode)], view_mode_legend(mode));
+  if (mode != ViewMode::lit) fmt::print("{}: {}\n", name_of(mode), view_mode_legend(mode));
 }
 
 /// name_of: of the files, by what -o and --depth say.
@@ -134,8 +131,8 @@ std::vector<double> frame_times(const RenderArguments& a, const CameraPath& path
 int run_path(const RenderArguments& a) {
   if (!(a.upload_ms > 0 && a.upload_ms <= 60000)) throw UsageError("--upload-ms: expected 0 to 60000 milliseconds");
   const View view = view_of(a);
-  numbered_file(a.picture, 0, "-o");
-  if (!a.depth.empty()) numbered_file(a.depth, 0, "--depth");
+  numbered_file(a.picture, 0, "out");
+  if (!a.depth.empty()) numbered_file(a.depth, 0, "depth");
   FrameRenderer renderer(a.scene, renderer_options_of(a));
   const CameraPath path = read_camera_path(a.path, renderer.scene().origin);
   std::vector<PathFrame> frames;
@@ -190,9 +187,7 @@ void add_render(CLI::App& app, int& exit_code) {
   command.add_option("--path", a->path, "camera path, JSON (docs/viewer.md); instead of --eye and --target");
   command.add_option("--frames", a->frames, "so many, evenly along the path");
   command.add_option("--fps", a->fps, "so many for each second of the path");
-  command.add_option("--mode", a->mode, "what is shown; what the colours mean: see below")
-      ->capture_default_str()
-      ->check(one_of(view_mode_names()));
+  add_choice(command, "--mode", a->mode, "what is shown; what the colours mean: see below");
   command.add_option("--stats", a->stats, "JSON file to write: what each frame of the path took");
   command.add_flag("--live", a->live, "each frame once, complete or not, as somebody passing sees it");
   command.add_option("--upload-ms", a->upload_ms, "time for new data in each frame of --live")->capture_default_str();

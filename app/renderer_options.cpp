@@ -3,7 +3,6 @@
 #include "app/choices.h"
 #include "app/text_values.h"
 #include "lattice/error.h"
-#include "worker/backend.h"
 
 namespace gigabake::app {
 
@@ -24,9 +23,7 @@ void set_light(const LightArguments& a, FrameRenderer::Options& options) {
 }
 
 void add_renderer_options(CLI::App& command, RendererArguments& a) {
-  command.add_option("--backend", a.backend, "where rays are cast; auto: on a GPU where there is one")
-      ->capture_default_str()
-      ->check(one_of({"auto", "cpu", "cuda"}));
+  add_choice(command, "--backend", a.backend, "where rays are cast; auto: on a GPU where there is one");
   command.add_option("--threads", a.threads, "CPU threads (all cores)");
   command.add_option("--memory", a.memory_bytes, "bytes of voxels to hold, as 512M or 4G; 0: half of the host's (1G)")
       ->transform(CLI::AsSizeValue(false));
@@ -40,9 +37,8 @@ FrameRenderer::Options renderer_options(const RendererArguments& a) {
   options.threads = a.threads;
   options.memory_bytes = a.memory_bytes != 0 ? a.memory_bytes : UINT64_MAX;
   options.device_bytes = a.device_bytes;
-  options.device_required = a.backend == "cuda";
-  if (a.backend != "cpu")
-    options.cuda_device = choose_device({a.backend == "cuda" ? Backend::cuda : Backend::automatic}).device;
+  options.device_required = a.backend == Backend::cuda;
+  options.cuda_device = choose_device({a.backend}).device;
   return options;
 }
 

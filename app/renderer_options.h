@@ -6,13 +6,15 @@
 #include <string>
 
 #include "viewer/pictures/frame_renderer.h"
+#include "worker/backend.h"
 
 namespace gigabake::app {
 
 struct RendererArguments {
   int threads = 0;
-  std::uint64_t memory_bytes = std::uint64_t(1) << 30, device_bytes = std::uint64_t(4) << 30;
-  std::string backend = "auto";
+  std::uint64_t memory_bytes = FrameRenderer::Options{}.memory_bytes;
+  std::uint64_t device_bytes = FrameRenderer::Options{}.device_bytes;
+  Backend backend = Backend::automatic;
 };
 
 /// Of lit pictures.

@@ -17,7 +17,7 @@ namespace {
 struct ServeArguments {
   LiveArguments live;
   StreamServer::Options server;
-  std::size_t most_viewers = 16;
+  std::size_t most_viewers = LiveScene::Options{}.most_viewers;
 };
 
 void run(ServeArguments& a) {

@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <iterator>
 
+#include "app/flags.h"
+
 namespace gigabake::app {
 namespace {
 
@@ -44,7 +46,7 @@ std::string head(const BakeStatus& s, double now_s, Writer writer) {
     line += fmt::format("for {} now, last heard of {} ago", readable_seconds(now_s - s.started_s),
                         readable_seconds(now_s - s.updated_s));
   line += fmt::format("; {} ranks, rank 0 on {} (process {})\n", s.ranks, plain(s.host), s.pid);
-  if (!s.reason.empty()) line += plain(s.reason) + "\n";
+  if (!s.reason.empty()) line += plain(with_flags(s.reason)) + "\n";
   return line;
 }
 
@@ -71,7 +73,8 @@ std::string trouble_lines(const BakeStatus& s) {
   for (const WorkerStatus& w : s.workers)
     if (w.lost) text += fmt::format("  rank {} on {} is lost\n", w.rank, plain(w.host));
   if (s.failures != 0) text += fmt::format("missing  {}\n", s.failures);
-  for (const BakeFailure& f : s.first_failures) text += fmt::format("  {}: {}\n", plain(f.name), plain(f.line));
+  for (const BakeFailure& f : s.first_failures)
+    text += fmt::format("  {}: {}\n", plain(f.name), plain(with_flags(f.line)));
   if (s.failures > s.first_failures.size() && !s.first_failures.empty())
     text += fmt::format("  and {} more\n", s.failures - s.first_failures.size());
   return text;

@@ -99,11 +99,12 @@ std::vector<TileSurvey> survey(MpiSession& mpi, const BakeRequest& request, cons
     if (mpi.rank() == 0) known = known_surveys(request.out, sources, request.parameters, mpi.cores(), progress.steps);
   });
   bool is_stopped = false;
-  std::vector<TileSurvey> surveys = survey_tiles(mpi, known.missing, process, request.silence_s, [&](std::size_t done) {
-    on_survey(known.surveys.size() + done);
-    is_stopped = is_stop_asked(progress.steps);
-    return !is_stopped;
-  });
+  std::vector<TileSurvey> surveys =
+      survey_tiles(mpi, known.missing, process, request.patience.silence_s, [&](std::size_t done) {
+        on_survey(known.surveys.size() + done);
+        is_stopped = is_stop_asked(progress.steps);
+        return !is_stopped;
+      });
   std::move(known.surveys.begin(), known.surveys.end(), std::back_inserter(surveys));
   if (is_stopped && when_stopped == StoppedSurvey::keep) keep_surveys(request, sources, surveys, progress);
   fail_together(mpi, {}, is_stopped);
@@ -184,7 +185,7 @@ BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const Bake
   summary.precision = plan.precision;
   summary.survey_s = seconds_since(start);
   const auto planned = Clock::now();
-  if (mpi.rank() != 0) work(mpi, process, request.silence_s);
+  if (mpi.rank() != 0) work(mpi, process, request.patience.silence_s);
   std::optional<std::string> failure;
   try {
     if (mpi.rank() == 0) MasterBake(request, sources, plan, *out, progress, *feed, summary).run(mpi, process);
@@ -225,7 +226,7 @@ PlannedBake plan_bake(MpiSession& mpi, const BakeRequest& request, const BakePro
 }
 
 BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress) {
-  mpi.set_patience(silences_of_patience * request.silence_s);
+  mpi.set_patience(silences_of_patience * request.patience.silence_s);
   std::optional<StatusFeed> feed;
   if (mpi.rank() == 0) feed.emplace(request.out, mpi.ranks(), request.metrics, progress.status);
   try {

@@ -16,6 +16,7 @@
 #include "lattice/parameters.h"
 #include "lattice/progress.h"
 #include "scheduler/bake_status.h"
+#include "scheduler/patience.h"
 #include "scheduler/plan.h"
 #include "worker/backend.h"
 
@@ -30,11 +31,9 @@ struct BakeRequest {
   bool memory_is_usual = false;    ///< nobody asked for that much: a rank takes less where its host has less for it
   bool keep_going = true;          ///< after a tile or cell failed
   Backend backend = Backend::automatic;
-  bool prune = false;             ///< remove shards that the new scene does not have, where it misses nothing
-  std::vector<int> gpus;          ///< devices of each host to use; empty: all
-  double stall_s = 60;            ///< a bake process that does nothing for so long hangs
-  double cell_timeout_s = 3600;   ///< longest time for one cell
-  double silence_s = 60;          ///< a rank that nothing is heard of for so long is lost
+  bool prune = false;     ///< remove shards that the new scene does not have, where it misses nothing
+  std::vector<int> gpus;  ///< devices of each host to use; empty: all
+  Patience patience;
   std::filesystem::path metrics;  ///< rank 0's status as Prometheus reads it; empty: none
 };
 

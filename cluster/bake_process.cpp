@@ -30,7 +30,7 @@ BakeProcess::BakeProcess(const WorkerSetup& setup, BakeProcessOptions options)
     : setup_(to_bytes(setup)),
       sources_(setup.sources),
       options_(std::move(options)),
-      watch_(seconds(options_.stall_s)) {}
+      watch_(seconds(options_.patience.stall_s)) {}
 
 void BakeProcess::prepare() {
   if (!child_ && !is_paused()) start();
@@ -136,12 +136,14 @@ void BakeProcess::look_for_hang() {
   const auto now = Clock::now();
   if (now < watch_.next_look()) return;
   watch_.look(now, child_->activity(), channel_->bytes_moved());
-  if (watch_.is_stalled()) return end(fmt::format("hung: no CPU time for {:g} s in {}", options_.stall_s, oldest()));
-  const Clock::duration limit = seconds(options_.cell_timeout_s);
+  if (watch_.is_stalled())
+    return end(fmt::format("hung: no CPU time for {:g} s in {}", options_.patience.stall_s, oldest()));
+  const Clock::duration limit = seconds(options_.patience.cell_timeout_s);
   if (!cells_.empty() && watch_.watched() - cell_since_ >= limit)
-    return end(fmt::format("not done after {:g} s: cell {}", options_.cell_timeout_s, cells_.front().job.name));
+    return end(
+        fmt::format("not done after {:g} s: cell {}", options_.patience.cell_timeout_s, cells_.front().job.name));
   if (!tiles_.empty() && watch_.watched() - tile_since_ >= limit)
-    end(fmt::format("not done after {:g} s: survey of tile {}", options_.cell_timeout_s, tiles_.front()));
+    end(fmt::format("not done after {:g} s: survey of tile {}", options_.patience.cell_timeout_s, tiles_.front()));
 }
 
 std::string BakeProcess::oldest() const {

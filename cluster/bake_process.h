@@ -15,6 +15,7 @@
 #include "cluster/child_process.h"
 #include "cluster/frame_channel.h"
 #include "cluster/hang_watch.h"
+#include "scheduler/patience.h"
 #include "worker/bake_messages.h"
 #include "worker/worker_setup.h"
 
@@ -22,10 +23,7 @@ namespace gigabake {
 
 struct BakeProcessOptions {
   std::filesystem::path program = "/proc/self/exe";  ///< run as PROGRAM bake-process FD
-  /// With something in hand: no CPU time used, nothing read or written and no message for so long is a hang.
-  double stall_s = 60;
-  /// Longest time for one cell, or one survey, from when it is the oldest in hand.
-  double cell_timeout_s = 3600;
+  Patience patience;
 };
 
 /// Runs one process at a time, from the first request on; after a death the next request starts another. From the third

@@ -19,7 +19,7 @@ DispatchOptions dispatch_options(const BakeRequest& request, const BakeSummary& 
   DispatchOptions options;
   options.slots = slots_of_worker(summary.ranks_with_device);
   options.keep_going = request.keep_going;
-  options.silence_s = request.silence_s;
+  options.silence_s = request.patience.silence_s;
   return options;
 }
 
@@ -53,7 +53,7 @@ void refuse(const BakeRequest& request, const std::vector<SceneLoss>& losses, bo
   if (losses.empty() || (request.keep_going && !nothing_baked)) return;
   const std::size_t more = losses.size() - 1;
   throw InputError(request.source, "",
-                   std::string(nothing_baked ? "nothing could be baked" : "stopped (--no-keep-going)") + ": " +
+                   std::string(nothing_baked ? "nothing could be baked" : "stopped (`no_keep_going`)") + ": " +
                        losses[0].name + ": " + losses[0].reason +
                        (more == 0 ? "" : " (and " + std::to_string(more) + " more losses)"));
 }

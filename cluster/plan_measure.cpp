@@ -35,7 +35,7 @@ class TemporaryFolder {
   TemporaryFolder() {
     std::string made = (std::filesystem::temp_directory_path() / "gigabake-plan-XXXXXX").string();
     if (::mkdtemp(made.data()) == nullptr)
-      throw InputError(made, "", "cannot make the folder; --no-measure needs none, and TMPDIR names another place");
+      throw InputError(made, "", "cannot make the folder; `no_measure` needs none, and TMPDIR names another place");
     path_ = made;
   }
   ~TemporaryFolder() {
@@ -100,7 +100,7 @@ class SizeSampler {
   };
 
   static BakeProcessOptions limited(BakeProcessOptions options, double budget_s) {
-    options.cell_timeout_s = std::max(10.0, most_overtime * budget_s);
+    options.patience.cell_timeout_s = std::max(10.0, most_overtime * budget_s);
     return options;
   }
 

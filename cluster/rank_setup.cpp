@@ -10,8 +10,7 @@ int threads_of(const MpiSession& mpi, const BakeRequest& request) {
 
 BakeProcessOptions process_options(const BakeRequest& request) {
   BakeProcessOptions options;
-  options.stall_s = request.stall_s;
-  options.cell_timeout_s = request.cell_timeout_s;
+  options.patience = request.patience;
   return options;
 }
 

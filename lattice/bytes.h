@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lattice/error.h"
+#include "lattice/rules.h"
 
 namespace gigabake {
 
@@ -41,16 +42,26 @@ class ByteReader {
   ByteReader(std::span<const std::uint8_t> bytes, const char* what) : bytes_(bytes), what_(what) {}
 
   template <class T>
-  requires std::is_trivially_copyable_v<T>
-  void get(T& value) {
+  requires(std::is_trivially_copyable_v<T> && !std::is_enum_v<T>) void get(T& value) {
     need(sizeof(T));
     std::memcpy(&value, bytes_.data() + at_, sizeof(T));
     at_ += sizeof(T);
   }
+  /// Errors  InputError that names the number: it is none of the enum's values.
+  template <class Enum>
+  requires std::is_enum_v<Enum>
+  void get(Enum& value) {
+    std::underlying_type_t<Enum> number{};
+    get(number);
+    const std::optional<Enum> known = value_numbered<Enum>(std::uint64_t(number));
+    if (!known) fail("holds " + std::to_string(number) + ", expected the number of one of " + all_names<Enum>());
+    value = *known;
+  }
   void get(bool& value) {
     std::uint8_t byte = 0;
     get(byte);
-    value = byte != 0;
+    if (byte > 1) fail("holds " + std::to_string(byte) + ", expected 0 or 1");
+    value = byte == 1;
   }
   void get(std::string& text) {
     const std::uint64_t size = length(1);
@@ -67,7 +78,7 @@ class ByteReader {
   }
 
  private:
-  [[noreturn]] void fail(const char* message) const { throw InputError(what_, "", message, at_); }
+  [[noreturn]] void fail(const std::string& message) const { throw InputError(what_, "", message, at_); }
   void need(std::uint64_t size) const {
     if (size > bytes_.size() - at_) fail("ends early");
   }

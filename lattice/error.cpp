@@ -60,10 +60,7 @@ std::string as_line(std::string_view text, std::size_t most_bytes) {
   return line;
 }
 
-std::string in_quotes(std::string_view text) {
-  constexpr std::size_t most_quoted_bytes = 60;
-  return "'" + as_line(text, most_quoted_bytes) + "'";
-}
+std::string in_quotes(std::string_view text) { return "'" + as_line(text, longest_quote_bytes) + "'"; }
 
 std::string reason_of(const std::exception& error) {
   const bool is_memory = dynamic_cast<const std::bad_alloc*>(&error) != nullptr ||

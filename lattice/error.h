@@ -16,13 +16,16 @@ inline constexpr std::size_t longest_message_bytes = 240;
 
 /// The line where an allocation failed.
 inline constexpr const char* not_enough_memory =
-    "not enough memory; give the process more, or take fewer ranks on the machine, fewer --threads or smaller tiles";
+    "not enough memory; give the process more, or take fewer ranks on the machine, fewer threads or smaller tiles";
 
 /// `text` as one line of at most `most_bytes` (at least 8): control characters become spaces, what is too much a "…" at
 /// the end.
 std::string as_line(std::string_view text, std::size_t most_bytes = longest_message_bytes);
 
-/// Text of a file as a message shows it: in quotes, on one line, cut at 100 bytes.
+/// Of a file's text in a message.
+inline constexpr std::size_t longest_quote_bytes = 60;
+
+/// Text of a file as a message shows it: in quotes, on one line, at most longest_quote_bytes of it.
 std::string in_quotes(std::string_view text);
 
 /// What a person should read of an exception: its what(), but where memory ran out, what to do.
@@ -38,9 +41,20 @@ class InputError : public std::runtime_error {
 };
 
 /// Wrong options or a combination of them that means nothing; exit code 2. `what()` as InputError's.
+///
+/// A library knows the fields of its structs, not the options of a command line: its messages, also those of other
+/// errors, name a field between backquotes, and app/flags.h puts the option in its place before a person reads it.
 class UsageError : public std::runtime_error {
  public:
   explicit UsageError(const std::string& message) : std::runtime_error(as_line(message)) {}
+  /// "`FIELD`: MESSAGE", where the value of one field is wrong.
+  UsageError(std::string_view field, const std::string& message)
+      : std::runtime_error(as_line("`" + std::string(field) + "`: " + message)), field_(field) {}
+  /// Whose value is wrong; empty where that is no single field.
+  const std::string& field() const { return field_; }
+
+ private:
+  std::string field_;
 };
 
 }  // namespace gigabake

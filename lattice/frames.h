@@ -11,10 +11,16 @@
 #include <cmath>
 #include <cstdint>
 
+#include "lattice/rules.h"
+
 namespace gigabake {
 
 /// The axis of a file that points up; glTF says y, 3D Tiles say z for the tiles themselves.
 enum class UpAxis : std::uint8_t { y, z, x };
+template <>
+constexpr auto names_of<UpAxis>() {
+  return std::to_array<std::string_view>({"y", "z", "x"});
+}
 
 struct Ecef;
 struct Scene;

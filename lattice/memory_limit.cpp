@@ -43,7 +43,7 @@ void MemoryClaim::fail(std::uint64_t sum, std::uint64_t items, std::string_view 
   const std::uint64_t limit = memory_limit();
   throw InputError(
       file_, std::string(key),
-      fmt::format("{}{} would take {} of memory ({} bytes), --memory allows {} ({} bytes); raise it, or {}",
+      fmt::format("{}{} would take {} of memory ({} bytes), `memory_bytes` allows {} ({} bytes); raise it, or {}",
                   items == 1 ? "" : std::to_string(items) + " ", what, readable_size(sum), sum, readable_size(limit),
                   limit, advice_));
 }

@@ -10,7 +10,7 @@
 
 namespace gigabake {
 
-/// Sets the limit of the whole process; 0, as at the start: no bound. To be called before sources are opened.
+/// Sets the limit of the whole process, a bake's memory_bytes; 0, as at the start: no bound. To be called before sources are opened.
 void set_memory_limit(std::uint64_t bytes);
 /// The limit in bytes; UINT64_MAX where there is none.
 std::uint64_t memory_limit();
@@ -21,12 +21,12 @@ std::string readable_size(std::uint64_t bytes);
 /// What one file, or one cell, asks for, summed up.
 class MemoryClaim {
  public:
-  /// advice: what a user can do besides raising --memory.
+  /// advice: what a user can do besides raising that limit.
   explicit MemoryClaim(std::filesystem::path file, const char* advice = "split the file")
       : file_(std::move(file)), advice_(advice) {}
 
   /// what: "20 × 30 texels". Errors  InputError(file, key): the sum is beyond memory_limit(); says how much is wanted,
-  /// how much is allowed, and which option raises it.
+  /// how much is allowed, and which field raises it.
   void add(std::uint64_t bytes, std::string_view key, std::string_view what) { add_items(1, bytes, key, what); }
   /// `items` of `item_bytes`, whose product may be too large for a number; what: "placements of meshes".
   /// Cost  A comparison, unless it fails.

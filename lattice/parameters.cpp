@@ -11,23 +11,16 @@ namespace gigabake {
 
 using OrderedJson = nlohmann::ordered_json;
 
-// Found by argument-dependent lookup, which does not look into an unnamed namespace.
-NLOHMANN_JSON_SERIALIZE_ENUM(SurfaceRule, {{SurfaceRule::area, "area"},
-                                           {SurfaceRule::conservative, "conservative"},
-                                           {SurfaceRule::thin, "thin"}})
-NLOHMANN_JSON_SERIALIZE_ENUM(MipFilter, {{MipFilter::coverage, "coverage"},
-                                         {MipFilter::thesis, "thesis"},
-                                         {MipFilter::box, "box"}})
-NLOHMANN_JSON_SERIALIZE_ENUM(Codec, {{Codec::lz4, "lz4"}, {Codec::deflate, "deflate"}})
-
 namespace {
 
-/// The library takes an unknown name for the first one.
 template <class Enum>
 void get_named(const OrderedJson& j, const char* key, Enum& value) {
-  j.at(key).get_to(value);
-  if (OrderedJson(value) != j.at(key))
-    throw InputError("parameters", key, "has a value that is unknown; a newer gigabake may have written it");
+  const auto& name = j.at(key).get_ref<const std::string&>();
+  const std::optional<Enum> known = value_named<Enum>(name);
+  if (!known)
+    throw InputError("parameters", key,
+                     "is " + in_quotes(name) + ", which is unknown; a newer gigabake may have written it");
+  value = *known;
 }
 
 }  // namespace
@@ -39,11 +32,11 @@ std::string to_json(const BakeParameters& p) {
   j["voxel_size_m"] = p.voxel_size_m;
   j["lattice_origin_m"] = p.lattice_origin_m;
   j["cell_voxels"] = p.cell_voxels;
-  j["surface"] = p.surface;
-  j["mip"] = p.mip;
+  j["surface"] = name_of(p.surface);
+  j["mip"] = name_of(p.mip);
   j["normals"] = p.normals;
   j["max_error"] = p.max_error;
-  j["codec"] = p.codec;
+  j["codec"] = name_of(p.codec);
   // Only where it was declined: what was baked before one could decline it keeps its text, and its fingerprints.
   if (!p.facing) j["facing"] = false;
   return j.dump();
@@ -73,13 +66,13 @@ BakeParameters parameters_from_json(const std::string& json) {
 
 void check(const BakeParameters& p) {
   if (!(p.voxel_size_m >= 1e-6 && p.voxel_size_m <= 1e6))
-    throw UsageError(fmt::format("--voxel-size: expected 1e-6 to 1e6 metres, got {:g}", p.voxel_size_m));
+    throw UsageError("voxel_size_m", fmt::format("expected 1e-6 to 1e6 metres, got {:g}", p.voxel_size_m));
   if (!std::has_single_bit(p.cell_voxels) || p.cell_voxels < 8 || p.cell_voxels > 8192)
-    throw UsageError("--cell-voxels: expected a power of two from 8 to 8192, got " + std::to_string(p.cell_voxels));
+    throw UsageError("cell_voxels", "expected a power of two from 8 to 8192, got " + std::to_string(p.cell_voxels));
   if (p.max_error > 127)
-    throw UsageError("--max-error: expected 0 to 127 codes of 255, got " + std::to_string(p.max_error));
+    throw UsageError("max_error", "expected 0 to 127 codes of 255, got " + std::to_string(p.max_error));
   for (const double x : p.lattice_origin_m)
-    if (!std::isfinite(x)) throw UsageError("--lattice-origin: expected three finite numbers in metres");
+    if (!std::isfinite(x)) throw UsageError("lattice_origin_m", "expected three finite numbers in metres");
 }
 
 }  // namespace gigabake

@@ -29,7 +29,7 @@ bool has_facing(const BakeParameters& parameters);
 std::string to_json(const BakeParameters& parameters);
 /// Errors  InputError: not such JSON; UsageError: as check().
 BakeParameters parameters_from_json(const std::string& json);
-/// Errors  UsageError naming the option whose value is out of range.
+/// Errors  UsageError naming the field whose value is out of range.
 void check(const BakeParameters& parameters);
 
 }  // namespace gigabake

@@ -1,10 +1,12 @@
-/// What a user or a source may choose of a few possibilities. Each name is written once, here: parsers, files, messages
-/// and help all take it from names_of().
+/// What a user or a source may choose of a few possibilities. Each name is written once, beside its enum: parsers,
+/// files, messages and help all take it from names_of(). A name or number that is none of an enum's values is an error
+/// of whoever read it, never another value.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace gigabake {
@@ -35,6 +37,10 @@ constexpr auto names_of<MipFilter>() {
   return std::to_array<std::string_view>({"coverage", "thesis", "box"});
 }
 template <>
+constexpr auto names_of<AlphaMode>() {  // as glTF writes them
+  return std::to_array<std::string_view>({"OPAQUE", "MASK", "BLEND"});
+}
+template <>
 constexpr auto names_of<Codec>() {
   return std::to_array<std::string_view>({"lz4", "deflate"});
 }
@@ -53,6 +59,25 @@ constexpr std::optional<Enum> value_named(std::string_view name) {
   for (std::size_t i = 0; i < names.size(); ++i)
     if (names[i] == name) return Enum(i);
   return std::nullopt;
+}
+
+/// Each value, in order.
+template <class Enum>
+constexpr auto values_of() {
+  std::array<Enum, names_of<Enum>().size()> values{};
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = Enum(i);
+  return values;
+}
+
+/// "area, conservative, thin", for messages and help.
+template <class Enum>
+std::string all_names(std::string_view separator = ", ") {
+  std::string all;
+  for (const std::string_view name : names_of<Enum>()) {
+    if (!all.empty()) all += separator;
+    all += name;
+  }
+  return all;
 }
 
 /// Nothing for a number that is none of its values.

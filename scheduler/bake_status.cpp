@@ -29,12 +29,6 @@ std::string text_of(const std::filesystem::path& file) {
 
 }  // namespace
 
-std::string_view name_of(BakeState state) {
-  constexpr std::array<std::string_view, 8> names = {"surveying", "baking",     "draining", "publishing",
-                                                     "complete",  "incomplete", "drained",  "failed"};
-  return names.at(std::size_t(state));
-}
-
 bool is_over(BakeState state) { return state >= BakeState::complete; }
 
 std::filesystem::path status_file(const std::filesystem::path& out) { return out / "status.json"; }

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "lattice/rules.h"
+
 namespace gigabake {
 
 enum class BakeState : std::uint8_t {
@@ -21,7 +23,11 @@ enum class BakeState : std::uint8_t {
   drained,     ///< stopped when asked to; the same command goes on from there
   failed,      ///< nothing was published: BakeStatus::reason
 };
-std::string_view name_of(BakeState state);
+template <>
+constexpr auto names_of<BakeState>() {
+  return std::to_array<std::string_view>(
+      {"surveying", "baking", "draining", "publishing", "complete", "incomplete", "drained", "failed"});
+}
 /// Nothing more will happen.
 bool is_over(BakeState state);
 

@@ -101,7 +101,7 @@ class Members {
     for (const Json& element : array(key)) values.push_back(text_of(element, key));
     return values;
   }
-  [[noreturn]] void refuse(const char* key, const char* why) const {
+  [[noreturn]] void refuse(const char* key, const std::string& why) const {
     throw InputError(file_, name_of_member(key), why);
   }
 
@@ -128,11 +128,9 @@ class Members {
 
 BakeState state_of(const Members& m) {
   const std::string name = m.text("state");
-  for (auto state = BakeState::surveying;; state = BakeState(int(state) + 1)) {
-    if (name == name_of(state)) return state;
-    if (state == BakeState::failed) break;
-  }
-  m.refuse("state", "names no state of a bake");
+  const std::optional<BakeState> state = value_named<BakeState>(name);
+  if (!state) m.refuse("state", "names no state of a bake: " + in_quotes(name));
+  return *state;
 }
 
 CellTally tally_of(const Members& m) {

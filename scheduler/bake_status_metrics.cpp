@@ -45,7 +45,7 @@ std::string label(const char* key, std::string_view value) { return fmt::format(
 
 void add_state(Exposition& e, const BakeStatus& s) {
   e.head("gigabake_state", "gauge", "1 for the state the bake is in.");
-  for (auto state = BakeState::surveying; state <= BakeState::failed; state = BakeState(int(state) + 1))
+  for (const BakeState state : values_of<BakeState>())
     e.sample("gigabake_state", label("state", name_of(state)), state == s.state);
   e.gauge("gigabake_started_timestamp_seconds", "When the bake started, Unix time.", s.started_s);
   e.gauge("gigabake_updated_timestamp_seconds", "When this was written, Unix time.", s.updated_s);

@@ -9,7 +9,7 @@ namespace gigabake {
 
 struct PlanEstimate {
   std::uint64_t largest_cell_triangles = 0;
-  std::uint64_t kernel_bytes = 0;  ///< working memory of the largest cell, with no --memory
+  std::uint64_t kernel_bytes = 0;  ///< working memory of the largest cell, with no bound on memory
 };
 
 /// Exact  Orders of magnitude: cost follows voxels as much as triangles, and nobody has counted those yet.

@@ -40,7 +40,7 @@ void refuse_spread_tiles(std::vector<TileSurvey>& surveys, std::uint32_t cell_vo
     refused.tile = s.tile;
     refused.error = "needs more than " + std::to_string(most_cells_of_a_tile) + " cells of " +
                     std::to_string(cell_voxels) +
-                    " voxels; enlarge --voxel-size or --cell-voxels, or check the unit of its coordinates";
+                    " voxels; enlarge `voxel_size_m` or `cell_voxels`, or check the unit of its coordinates";
     s = std::move(refused);
   }
 }
@@ -129,7 +129,7 @@ SceneLoss far_loss(const TileSurvey& s, const std::string& tile, double voxel_si
   return {
       fmt::format("{} triangle{} of tile {}", s.too_far, s.too_far == 1 ? "" : "s", tile),
       fmt::format("up to {:.3g} voxels ({:.3g} m) long, but at most {} can be baked; mend the vertex that lies so far "
-                  "away, or take --voxel-size {:.3g} or larger",
+                  "away, or take `voxel_size_m` {:.3g} or larger",
                   s.reach_m / voxel_size_m, s.reach_m, longest_side_voxels, needed_m * 1.005)};
 }
 

@@ -46,22 +46,6 @@ PriorCell prior_cell(const CellJob& job, const JournalContent& journal, const st
 
 }  // namespace
 
-const char* text(PriorReason reason) {
-  switch (reason) {
-    case PriorReason::unchanged:
-      return "unchanged";
-    case PriorReason::to_be_checked:
-      return "shard to be checked";
-    case PriorReason::shard_missing:
-      return "shard missing";
-    case PriorReason::inputs_changed:
-      return "inputs changed";
-    case PriorReason::new_cell:
-      return "new cell";
-  }
-  return "";
-}
-
 std::array<std::size_t, prior_reasons> PriorResults::counts() const {
   std::array<std::size_t, prior_reasons> out{};
   for (const PriorReason r : reasons) ++out.at(std::size_t(r));

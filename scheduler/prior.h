@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "lattice/rules.h"
 #include "scheduler/journal_content.h"
 #include "scheduler/plan.h"
 
@@ -26,10 +27,12 @@ enum class PriorReason : std::uint8_t {
   inputs_changed,  ///< the cell was baked from other tiles, textures or parameters
   new_cell,        ///< the journal has nothing of that name
 };
-inline constexpr std::size_t prior_reasons = 5;
-
-/// "inputs changed", in a list beside the cell's name.
-const char* text(PriorReason reason);
+template <>
+constexpr auto names_of<PriorReason>() {  // in a list beside the cell's name
+  return std::to_array<std::string_view>(
+      {"unchanged", "shard to be checked", "shard missing", "inputs changed", "new cell"});
+}
+inline constexpr std::size_t prior_reasons = names_of<PriorReason>().size();
 
 struct PriorResults {
   std::vector<PriorReason> reasons;  ///< by job

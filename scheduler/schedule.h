@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "format/job/cell_job.h"
+#include "scheduler/patience.h"
 #include "scheduler/work_order.h"
 
 namespace gigabake {
@@ -23,9 +24,9 @@ inline constexpr int device_worker_slots = 10;
 inline int slots_of_worker(int devices) { return devices != 0 ? device_worker_slots : worker_slots; }
 
 struct ScheduleOptions {
-  int strikes = 3;           ///< attempts that may go wrong before a cell is set aside
-  int slots = worker_slots;  ///< cells in hand of one worker
-  double silence_s = 60;     ///< a worker that nothing was heard of for longer is lost
+  int strikes = 3;                          ///< attempts that may go wrong before a cell is set aside
+  int slots = worker_slots;                 ///< cells in hand of one worker
+  double silence_s = Patience{}.silence_s;  ///< a worker that nothing was heard of for longer is lost
 };
 
 enum class JobState : std::uint8_t {

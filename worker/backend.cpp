@@ -11,12 +11,12 @@ DeviceChoice choose_device(const DeviceWish& wish) {
   if (wish.backend == Backend::cpu) return {};
   const kernels::CudaDevices devices = kernels::cuda_devices();
   if (devices.usable.empty()) {
-    if (wish.backend == Backend::cuda) throw InputError("--backend cuda", "", devices.reason);
+    if (wish.backend == Backend::cuda) throw InputError("`backend` cuda", "", devices.reason);
     return {std::nullopt, devices.reason};
   }
   for (const int device : wish.allowed)
     if (std::find(devices.usable.begin(), devices.usable.end(), device) == devices.usable.end())
-      throw UsageError("--gpus: this host has no usable device " + std::to_string(device));
+      throw UsageError("gpus", "this host has no usable device " + std::to_string(device));
   const std::vector<int>& from = wish.allowed.empty() ? devices.usable : wish.allowed;
   return {from[std::size_t(wish.rank_on_host) % from.size()], {}};
 }

@@ -6,9 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "lattice/rules.h"
+
 namespace gigabake {
 
 enum class Backend : std::uint8_t { automatic, cpu, cuda };
+template <>
+constexpr auto names_of<Backend>() {
+  return std::to_array<std::string_view>({"auto", "cpu", "cuda"});
+}
 
 /// What was asked for, of the rank that is the host's `rank_on_host`-th.
 struct DeviceWish {

@@ -32,7 +32,7 @@ struct LoadedTile {
   std::uint64_t bytes() const;
 };
 
-inline constexpr const char* cell_advice = "take a smaller --cell-voxels";
+inline constexpr const char* cell_advice = "take a smaller `cell_voxels`";
 
 /// What bake_cell() borrows, and those who own it. Move-only.
 struct LoadedCell {

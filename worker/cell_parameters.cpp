@@ -11,12 +11,8 @@ kernels::CellParameters cell_parameters(const CellJob& job, const BakeParameters
   c.frame = snap_frame(p);
   std::ranges::copy(job.lattice_min, c.window_min);
   c.window_voxels = job.cell_voxels;
-  c.surface = p.surface == SurfaceRule::thin           ? SurfaceRule::thin
-              : p.surface == SurfaceRule::conservative ? SurfaceRule::conservative
-                                                       : SurfaceRule::area;
-  c.mip = p.mip == MipFilter::thesis ? MipFilter::thesis
-          : p.mip == MipFilter::box  ? MipFilter::box
-                                     : MipFilter::coverage;
+  c.surface = p.surface;
+  c.mip = p.mip;
   c.normals = p.normals;
   c.facing = has_facing(p);
   c.max_error = p.max_error;

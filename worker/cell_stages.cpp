@@ -159,7 +159,7 @@ void CellStages::take_stats(CellInHand& cell) const {
   if (stats.oversized != 0)
     throw InputError(cell.job.name, "",
                      std::to_string(stats.oversized) +
-                         " triangles reach farther than 4194304 voxels from the cell; enlarge --voxel-size");
+                         " triangles reach farther than 4194304 voxels from the cell; enlarge `voxel_size_m`");
 }
 
 void CellStages::write(CellInHand& cell) {

@@ -13,30 +13,6 @@ std::uint16_t to_16_bit(float share) {
   return std::uint16_t(std::lround(std::isfinite(share) ? std::clamp(share, 0.0f, 1.0f) * 65535.0f : 0.0f));
 }
 
-Wrap to_kernel(Wrap wrap) {
-  switch (wrap) {
-    case Wrap::mirrored_repeat:
-      return Wrap::mirrored_repeat;
-    case Wrap::clamp_to_edge:
-      return Wrap::clamp_to_edge;
-    case Wrap::repeat:
-      break;
-  }
-  return Wrap::repeat;
-}
-
-AlphaMode to_kernel(AlphaMode mode) {
-  switch (mode) {
-    case AlphaMode::mask:
-      return AlphaMode::mask;
-    case AlphaMode::blend:
-      return AlphaMode::blend;
-    case AlphaMode::opaque:
-      break;
-  }
-  return AlphaMode::opaque;
-}
-
 void make_absent(ShadedMaterial& m) {
   m.image = -1;
   m.view.base_rgba[3] = 0;
@@ -63,9 +39,9 @@ ShadedMaterial shaded_material(const Material& material) {
   ShadedMaterial m;
   m.image = material.texture.image;
   for (std::size_t c = 0; c < 4; ++c) m.view.base_rgba[c] = to_16_bit(material.base_color[c]);
-  m.view.alpha_mode = to_kernel(material.alpha_mode);
-  m.view.wrap_s = to_kernel(material.texture.wrap_s);
-  m.view.wrap_t = to_kernel(material.texture.wrap_t);
+  m.view.alpha_mode = material.alpha_mode;
+  m.view.wrap_s = material.texture.wrap_s;
+  m.view.wrap_t = material.texture.wrap_t;
   m.view.nearest = material.texture.nearest;
   if (material.alpha_mode == AlphaMode::mask) set_alpha_test(material, m);
   if (material.alpha_mode == AlphaMode::blend && m.image >= 0) m.recipe.alpha = kernels::TextureAlpha::blend;

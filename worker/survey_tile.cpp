@@ -268,7 +268,7 @@ class TileSurveyor {
     throw InputError(tile_.path, "",
                      "its triangles spread over more than " + std::to_string(max_columns) + " columns of " +
                          std::to_string(parameters_.cell_voxels) +
-                         " voxels; enlarge --voxel-size or --cell-voxels, or check the unit of its coordinates");
+                         " voxels; enlarge `voxel_size_m` or `cell_voxels`, or check the unit of its coordinates");
   }
 
   static void add_off_lattice(double side_m, ThreadSurvey& found) {

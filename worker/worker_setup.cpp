@@ -21,7 +21,6 @@ void put(ByteWriter& writer, const DeviceWish& wish) {
 DeviceWish get_device_wish(ByteReader& reader) {
   DeviceWish wish;
   reader.get(wish.backend), reader.get(wish.allowed), reader.get(wish.rank_on_host);
-  if (wish.backend > Backend::cuda) throw InputError("device wish", "backend", "expected automatic, cpu or cuda");
   if (wish.rank_on_host < 0) throw InputError("device wish", "rank_on_host", "expected 0 or more");
   return wish;
 }

@@ -14,27 +14,14 @@ namespace {
 
 constexpr std::size_t cells_in_flight = 4;
 
-struct Surface {
-  SurfaceRule rule;
-  const char* name;
-};
-constexpr Surface surfaces[] = {
-    {SurfaceRule::area, "area"}, {SurfaceRule::conservative, "conservative"}, {SurfaceRule::thin, "thin"}};
-
-struct Mip {
-  MipFilter filter;
-  const char* name;
-};
-constexpr Mip mips[] = {{MipFilter::coverage, "coverage"}, {MipFilter::thesis, "thesis"}, {MipFilter::box, "box"}};
-
-AccuracySetting make_setting(const BakeParameters& parameters, const Surface& surface, const Mip& mip, int coarser) {
+AccuracySetting make_setting(const BakeParameters& parameters, SurfaceRule surface, MipFilter mip, int coarser) {
   AccuracySetting setting;
-  setting.surface = surface.name;
-  setting.mip = mip.name;
+  setting.surface = name_of(surface);
+  setting.mip = name_of(mip);
   setting.name = setting.surface + "-" + setting.mip + (coarser > 1 ? "-x" + std::to_string(coarser) : "");
   setting.parameters = parameters;
-  setting.parameters.surface = surface.rule;
-  setting.parameters.mip = mip.filter;
+  setting.parameters.surface = surface;
+  setting.parameters.mip = mip;
   setting.parameters.voxel_size_m *= coarser;
   setting.parameters.normals = setting.parameters.facing = true;
   setting.parameters.max_error = 0;
@@ -45,24 +32,25 @@ AccuracySetting make_setting(const BakeParameters& parameters, const Surface& su
 std::vector<AccuracySetting> all_settings(const BakeParameters& parameters) {
   std::vector<AccuracySetting> settings;
   for (const int coarser : {1, 2}) {
-    for (const Surface& surface : surfaces)
-      for (const Mip& mip : mips) settings.push_back(make_setting(parameters, surface, mip, coarser));
-    settings.push_back(make_setting(parameters, surfaces[0], mips[0], coarser));
+    for (const SurfaceRule surface : values_of<SurfaceRule>())
+      for (const MipFilter mip : values_of<MipFilter>())
+        settings.push_back(make_setting(parameters, surface, mip, coarser));
+    settings.push_back(make_setting(parameters, SurfaceRule::area, MipFilter::coverage, coarser));
     settings.back().name += "-no-normals";
     settings.back().parameters.normals = false;
   }
   for (const std::uint32_t codes : {1, 2, 4, 8, 16}) {
-    settings.push_back(make_setting(parameters, surfaces[0], mips[0], 1));
+    settings.push_back(make_setting(parameters, SurfaceRule::area, MipFilter::coverage, 1));
     settings.back().name += "-error-" + std::to_string(codes);
     settings.back().parameters.max_error = codes;
   }
   for (const bool normals : {true, false}) {
-    settings.push_back(make_setting(parameters, surfaces[0], mips[0], 1));
+    settings.push_back(make_setting(parameters, SurfaceRule::area, MipFilter::coverage, 1));
     settings.back().name += normals ? "-no-facing" : "-rgba";
     settings.back().parameters.normals = normals;
     settings.back().parameters.facing = false;
   }
-  settings.push_back(make_setting(parameters, surfaces[0], mips[0], 1));
+  settings.push_back(make_setting(parameters, SurfaceRule::area, MipFilter::coverage, 1));
   settings.back().name += "-lz4";
   settings.back().parameters.codec = Codec::lz4;
   return settings;

@@ -26,10 +26,6 @@ LongAffine axes_at(const Geodetic& g) {
            {0, cp, sp, ((1 - e2) * n + h) * sp}}};
 }
 
-AlphaMode mode_of(AlphaMode mode) {
-  return mode == AlphaMode::mask ? AlphaMode::mask : mode == AlphaMode::blend ? AlphaMode::blend : AlphaMode::opaque;
-}
-
 LongPoint vertex(const HardMesh& mesh, std::size_t v) {
   return {mesh.position[3 * v], mesh.position[3 * v + 1], mesh.position[3 * v + 2]};
 }
@@ -125,7 +121,7 @@ std::vector<reference::Painted> painted_triangles(const HardScene& scene, const 
       for (std::size_t t = 0; t < mesh.index.size() / 3; ++t)
         if (auto one = painted(mesh, t, *placement, parameters)) {
           one->colour = material.base;
-          one->mode = mode_of(material.mode);
+          one->mode = material.mode;
           out.push_back(*one);
         }
       ++placement;

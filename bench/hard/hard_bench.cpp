@@ -56,16 +56,10 @@ VoxelErrors compare(const StoredVoxels& stored, const ExpectedVoxels& expected, 
   return errors;
 }
 
-SurfaceRule rule_of(SurfaceRule rule) {
-  return rule == SurfaceRule::thin           ? SurfaceRule::thin
-         : rule == SurfaceRule::conservative ? SurfaceRule::conservative
-                                             : SurfaceRule::area;
-}
-
 ExpectedVoxels expected_of(const HardCase& hard, const SceneSources& sources) {
   if (hard.expected) return hard.expected();
   return reference::expected_voxels(painted_triangles(hard.scenes[0], sources.origin, hard.parameters),
-                                    rule_of(hard.parameters.surface), hard.window);
+                                    hard.parameters.surface, hard.window);
 }
 
 void add_hand_work(const HardCase& hard, const StoredVoxels& stored, HardResult& out) {

@@ -106,10 +106,7 @@ class GlbFile {
     for (const std::uint16_t c : material.base) base.push_back(c / 65535.0);
     Json pbr = {{"baseColorFactor", base}};
     if (material.image >= 0) pbr["baseColorTexture"] = {{"index", material.image}};
-    const char* mode = material.mode == AlphaMode::mask    ? "MASK"
-                       : material.mode == AlphaMode::blend ? "BLEND"
-                                                           : "OPAQUE";
-    json_["materials"].push_back({{"pbrMetallicRoughness", pbr}, {"alphaMode", mode}});
+    json_["materials"].push_back({{"pbrMetallicRoughness", pbr}, {"alphaMode", name_of(material.mode)}});
   }
 
   Json json_;

@@ -56,10 +56,6 @@ void add_wide(HardTile& tile, const Triangle& t, double unit_m, int material) {
   add(tile, std::move(mesh), map, material);
 }
 
-AlphaMode mode_of(AlphaMode mode) {
-  return mode == AlphaMode::mask ? AlphaMode::mask : mode == AlphaMode::blend ? AlphaMode::blend : AlphaMode::opaque;
-}
-
 }  // namespace
 
 Affine<Local, Local> scaled(double x, double y, double z) {
@@ -80,7 +76,7 @@ void add_mesh(HardTile& tile, const std::vector<Triangle>& mesh, double unit_m, 
 }
 
 void add_painted(HardTile& tile, const reference::Painted& painted, double unit_m) {
-  tile.materials.push_back({painted.colour, mode_of(painted.mode), -1});
+  tile.materials.push_back({painted.colour, painted.mode, -1});
   add_triangle(tile, painted.triangle, unit_m, int(tile.materials.size()) - 1);
   if (painted.vertex_colours)
     for (const reference::Rgba16& colour : *painted.vertex_colours)

@@ -57,7 +57,7 @@ Json to_json(const AccuracySetting& s) {
          {"normals", s.parameters.normals},
          {"facing", has_facing(s.parameters)},
          {"max_error", s.parameters.max_error},
-         {"codec", s.parameters.codec == Codec::lz4 ? "lz4" : "deflate"},
+         {"codec", name_of(s.parameters.codec)},
          {"voxel_size_m", s.parameters.voxel_size_m},
          {"bake_s", s.bake_s},
          {"voxels", s.voxels},

@@ -14,6 +14,7 @@
 #include "format/shard/level_summary.h"
 #include "format/shard/shard.h"
 #include "format/system/file_stamp.h"
+#include "lattice/rules.h"
 
 namespace gigabake {
 
@@ -34,6 +35,10 @@ enum class CellOutcome : std::uint8_t {
   failed,   ///< another try may succeed: no memory, failed I/O
   refused,  ///< no other try would: bad input, a limit
 };
+template <>
+constexpr auto names_of<CellOutcome>() {
+  return std::to_array<std::string_view>({"baked", "empty", "failed", "refused"});
+}
 
 struct CellReport {
   std::uint32_t id = 0;

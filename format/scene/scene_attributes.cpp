@@ -23,7 +23,7 @@ std::vector<Hash128> SceneAttributes::hashes(const char* key) const {
   std::istringstream words(text(key));
   for (std::string word; words >> word;) {
     const auto h = Hash128::from_hex(word);
-    if (!h) fail(key, "expected 32 hexadecimal digits, got '" + short_text(word) + "'");
+    if (!h) fail(key, "expected 32 hexadecimal digits, got " + in_quotes(word));
     out.push_back(*h);
   }
   return out;
@@ -41,21 +41,22 @@ std::vector<SceneFault> SceneAttributes::unknown_parts(std::initializer_list<std
   std::set<std::string_view> seen;
   for (const pugi::xml_attribute a : node_.attributes()) {
     const std::string_view name = a.name();
-    if (!is_one_of(name, known)) faults.push_back(fault(short_text(name), "is no attribute of this element"));
-    if (!seen.insert(name).second) faults.push_back(fault(short_text(name), "stands there twice"));
+    if (!is_one_of(name, known))
+      faults.push_back(fault(as_line(name, longest_quote_bytes), "is no attribute of this element"));
+    if (!seen.insert(name).second) faults.push_back(fault(as_line(name, longest_quote_bytes), "stands there twice"));
   }
   for (const pugi::xml_node child : node_.children()) {
     const std::string_view name = child.name();
     if (child.type() != pugi::node_element)
-      faults.push_back(fault("", "holds '" + short_text(child.value()) + "', which is no element"));
+      faults.push_back(fault("", "holds " + in_quotes(child.value()) + ", which is no element"));
     else if (!is_one_of(name, known_elements))
-      faults.push_back(fault(short_text(name), "is no element of this one"));
+      faults.push_back(fault(as_line(name, longest_quote_bytes), "is no element of this one"));
   }
   return faults;
 }
 
 SceneFault SceneAttributes::fault(const std::string& key, const std::string& what) const {
-  const std::string element = short_text(node_.name());
+  const std::string element = as_line(node_.name(), longest_quote_bytes);
   return {key.empty() ? element : element + " " + key, what, std::uint64_t(node_.offset_debug())};
 }
 

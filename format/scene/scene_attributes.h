@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "format/scene/scene_reading.h"
-#include "lattice/short_text.h"
+#include "lattice/error.h"
 
 namespace gigabake {
 
@@ -48,9 +48,9 @@ class SceneAttributes {
       T v{};
       const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), v);
       if (error != std::errc() || end != word.data() + word.size())
-        fail(key, "expected numbers, got '" + short_text(word) + "'");
+        fail(key, "expected numbers, got " + in_quotes(word));
       if constexpr (std::is_floating_point_v<T>)
-        if (!std::isfinite(v)) fail(key, "expected finite numbers, got '" + short_text(word) + "'");
+        if (!std::isfinite(v)) fail(key, "expected finite numbers, got " + in_quotes(word));
       out.push_back(v);
     }
     return out;

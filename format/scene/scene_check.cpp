@@ -8,8 +8,8 @@
 
 #include "format/scene/cell_window.h"
 #include "format/scene/scene_totals.h"
+#include "lattice/error.h"
 #include "lattice/parameters.h"
-#include "lattice/short_text.h"
 
 namespace gigabake {
 namespace {
@@ -55,7 +55,7 @@ std::vector<SceneFault> faults_of_cells(const SceneReading& reading) {
   std::unordered_set<std::string_view> names, files;
   std::set<std::array<std::int64_t, 3>> places;
   for (const SceneCell& cell : reading.scene.cells) {
-    const std::string name = "PagedOctTree " + short_text(cell.name);
+    const std::string name = "PagedOctTree " + as_line(cell.name, longest_quote_bytes);
     faults.expect(names.insert(cell.name).second, name, "another cell has the same name");
     faults.expect(files.insert(cell.file).second, name, "another cell has the same TreeFile");
     faults.expect(places.insert(cell.lattice_min).second, name, "another cell has the same LatticeMin");
@@ -70,8 +70,8 @@ std::vector<SceneFault> overlaps_of_cells(const SceneDescription& scene) {
   for (std::size_t i = 0; i < scene.cells.size(); ++i)
     for (const std::size_t other : finder.overlapping(window_of(scene.cells[i])))
       faults.expect(other <= i || scene.cells[other].lattice_min == scene.cells[i].lattice_min,
-                    "PagedOctTree " + short_text(scene.cells[i].name),
-                    "overlaps cell " + short_text(scene.cells[other].name));
+                    "PagedOctTree " + as_line(scene.cells[i].name, longest_quote_bytes),
+                    "overlaps cell " + as_line(scene.cells[other].name, longest_quote_bytes));
   return faults.all;
 }
 

@@ -78,12 +78,10 @@ void read_place(const SceneAttributes& a, SceneCell& c) {
 SceneCell read_cell(const SceneAttributes& a) {
   SceneCell c;
   c.name = a.text("Name");
-  if (!is_short_line(c.name)) a.fail("Name", "expected one line of 1 to 128 bytes, got '" + short_text(c.name) + "'");
+  if (!is_short_line(c.name)) a.fail("Name", "expected one line of 1 to 128 bytes, got " + in_quotes(c.name));
   c.file = a.text("TreeFile");
-  if (!is_short_line(c.file))
-    a.fail("TreeFile", "expected one line of 1 to 128 bytes, got '" + short_text(c.file) + "'");
-  if (!stays_inside(c.file))
-    a.fail("TreeFile", "expected a path inside the scene's folder, got '" + short_text(c.file) + "'");
+  if (!is_short_line(c.file)) a.fail("TreeFile", "expected one line of 1 to 128 bytes, got " + in_quotes(c.file));
+  if (!stays_inside(c.file)) a.fail("TreeFile", "expected a path inside the scene's folder, got " + in_quotes(c.file));
   read_place(a, c);
   c.bytes = a.value<std::uint64_t>("Bytes");
   c.triangles = a.value<std::uint64_t>("Triangles");

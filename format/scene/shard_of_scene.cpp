@@ -1,7 +1,6 @@
 #include "format/scene/shard_of_scene.h"
 
 #include "lattice/error.h"
-#include "lattice/short_text.h"
 
 namespace gigabake {
 
@@ -11,8 +10,7 @@ std::vector<HeaderDifference> differences_from_scene(const ShardHeader& header, 
   const auto expect = [&](bool holds, const char* attribute, const std::string& what) {
     if (!holds) found.push_back({attribute, what});
   };
-  expect(header.cell == cell.name, "cell",
-         "is '" + short_text(header.cell) + "', scene.xml says '" + short_text(cell.name) + "'");
+  expect(header.cell == cell.name, "cell", "is " + in_quotes(header.cell) + ", scene.xml says " + in_quotes(cell.name));
   expect(header.lattice_min == cell.lattice_min && header.cell_voxels == cell.cell_voxels && header.lods == cell.lods,
          "lattice_min", "is another window of the lattice than scene.xml says");
   expect(header.voxel_size_m == scene.voxel_size_m, "voxel_size_m", "differs from scene.xml");

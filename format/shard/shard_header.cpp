@@ -6,7 +6,6 @@
 #include "format/shard/check/shard_check.h"
 #include "format/shard/shard_layout.h"
 #include "lattice/error.h"
-#include "lattice/short_text.h"
 
 namespace gigabake {
 namespace {
@@ -23,7 +22,7 @@ std::vector<Hash128> hashes(const Hdf5File& file, const char* name) {
   std::istringstream words(file.read_text(name));
   for (std::string word; words >> word;) {
     const auto h = Hash128::from_hex(word);
-    if (!h) file.fail(name, "expected 32 hexadecimal digits, got '" + short_text(word) + "'");
+    if (!h) file.fail(name, "expected 32 hexadecimal digits, got " + in_quotes(word));
     out.push_back(*h);
   }
   return out;
@@ -32,7 +31,7 @@ std::vector<Hash128> hashes(const Hdf5File& file, const char* name) {
 void read_channels(const Hdf5File& file, ShardHeader& h) {
   const std::string channels = file.read_text("channels");
   if (!parse_channels(channels, h.has_normals, h.has_facing))
-    file.fail("channels", "expected 'rgba', then perhaps 'normal' and 'facing', got '" + short_text(channels) + "'");
+    file.fail("channels", "expected 'rgba', then perhaps 'normal' and 'facing', got " + in_quotes(channels));
 }
 
 }  // namespace

@@ -143,7 +143,7 @@ void place_on_earth(const SourceOptions& options, SceneSources& sources) {
   }
   if (options.local) {
     sources.notes.push_back(
-        fmt::format("warning: {} holds earth-centred coordinates; in a local frame (--local, or a place in a scene "
+        fmt::format("warning: {} holds earth-centred coordinates; in a local frame (`local`, or a place in a scene "
                     ".json) they are tilted and some 6,400 km away",
                     some(sources, found.surface)));
     return;

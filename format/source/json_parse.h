@@ -26,7 +26,7 @@ struct OpenJson {
 using JsonFold = std::function<bool(const std::vector<OpenJson>& around, Json& complete)>;
 
 /// Errors  InputError: not JSON (line, byte and what was expected), nested deeper than 128, longer than 2^28 bytes, or
-///         more values than --memory has room for (lattice/memory_limit.h).
+///         more values than memory_limit() has room for (lattice/memory_limit.h).
 Json parse_json(const std::filesystem::path& file, std::span<const std::uint8_t> text, const JsonFold& fold = {});
 
 }  // namespace gigabake

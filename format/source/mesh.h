@@ -44,8 +44,8 @@ struct Instance {
   Affine<Scene, Local> scene_from_local;  ///< a negative determinant mirrors: winding is restored by the consumer
 };
 
-/// A file with more placements is refused, and one whose placements take more than --memory allows: a node may place
-/// what takes no bytes in the file.
+/// A file with more placements is refused, and one whose placements take more than memory_limit() allows: a node may
+/// place what takes no bytes in the file.
 inline constexpr std::size_t most_placements = std::size_t(1) << 24;
 /// An Instance and what readers and surveys hold beside it.
 inline constexpr std::size_t placement_bytes = 192;

@@ -138,7 +138,7 @@ SceneSources open_scene_json(const std::filesystem::path& file, const Json& json
     if (e.position.has_value() != entries[0].position.has_value())
       throw InputError(file, e.where, "local and lon/lat placements cannot share a scene");
   if (options.local && entries[0].position)
-    throw InputError(file, "sources", "lon/lat placements need a georeference; leave out --local");
+    throw InputError(file, "sources", "lon/lat placements need a georeference; leave out `local`");
   if (!options.local) out.origin = options.origin ? options.origin : entries[0].position;
   progress.step("placing the sources", entries.size(), "sources");
   for (Entry& e : entries) {

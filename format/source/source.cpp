@@ -67,8 +67,8 @@ void add_mesh_file(const Path& path, const SourceOptions& options, SceneSources&
   }
 }
 
-/// Unless its coordinates are earth-centred, a mesh file has no place on the earth of its own; --origin says where its
-/// local frame stands.
+/// Unless its coordinates are earth-centred, a mesh file has no place on the earth of its own; SourceOptions::origin
+/// says where its local frame stands.
 SceneSources mesh_sources(const Path& root, const std::vector<Path>& files, const SourceOptions& options,
                           const Progress& progress) {
   SceneSources out;
@@ -97,7 +97,7 @@ SceneSources tileset_sources(const SourceFiles& files, const Path& file, const T
   }
   if (tileset.anchor && options.local)
     out.notes.push_back(
-        "warning: the tileset stands on the earth; in a local frame (--local, or a place in a scene "
+        "warning: the tileset stands on the earth; in a local frame (`local`, or a place in a scene "
         ".json) it is tilted and some 6,400 km away");
   progress.step("looking at the tiles' files", tileset.contents.size(), "tiles");
   Path named;

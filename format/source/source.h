@@ -20,9 +20,9 @@ class Archive;
 struct DemTile;
 
 struct SourceOptions {
-  bool local = false;              ///< --local: no georeference even where the source has one
-  std::optional<Geodetic> origin;  ///< --origin LAT,LON,H: scene origin; default: the source's own (see open_sources)
-  std::optional<UpAxis> scene_up;  ///< --up: the axis that points up in a tileset's own frame (default z) or in mesh
+  bool local = false;              ///< no georeference even where the source has one
+  std::optional<Geodetic> origin;  ///< scene origin; default: the source's own (see open_sources)
+  std::optional<UpAxis> scene_up;  ///< the axis that points up in a tileset's own frame (default z) or in mesh
                                    ///< files (default y, as glTF has it)
 };
 
@@ -33,10 +33,10 @@ struct TileRef {
   std::filesystem::path path;  ///< readable file inside the source folder
   std::string name;            ///< path relative to the source root, '/' separated, and "[i]" in a composite: messages
   ContentKind kind = ContentKind::glb;
-  UpAxis gltf_up = UpAxis::y;                        ///< tileset's gltfUpAxis: how content turns to z up
-  Affine<Scene, World> scene_from_tile;              ///< tile transforms, ECEF to scene, `--up`, all composed in double
-  std::uint64_t bytes = 0;                           ///< file size
-  ByteRange range = {};                              ///< the tile's bytes in a composite; default: the whole file
+  UpAxis gltf_up = UpAxis::y;            ///< tileset's gltfUpAxis: how content turns to z up
+  Affine<Scene, World> scene_from_tile;  ///< tile transforms, ECEF to scene, scene_up, all composed in double
+  std::uint64_t bytes = 0;               ///< file size
+  ByteRange range = {};                  ///< the tile's bytes in a composite; default: the whole file
   std::shared_ptr<const Archive> archive = nullptr;  ///< that `path` leads into, or none
   Affine<World, World> world_from_tile = {};     ///< the tileset's transforms alone: where an i3dm's east and north are
   std::shared_ptr<const DemTile> dem = nullptr;  ///< of ContentKind::dem: which cells of the raster

@@ -45,7 +45,7 @@ inline void set_all_bricks(NodeTable& nodes, std::size_t count) {
 
 /// Errors  std::length_error beyond 2^32-1 nodes.
 inline void check_node_count(std::uint64_t nodes) {
-  if (nodes >= no_child) throw std::length_error("an oct-tree of more than 2^32-1 nodes; use a smaller --cell-voxels");
+  if (nodes >= no_child) throw std::length_error("an oct-tree of more than 2^32-1 nodes; use a smaller `cell_voxels`");
 }
 
 }  // namespace gigabake::kernels

@@ -54,7 +54,7 @@ class Layout {
 
 std::uint32_t counted(std::size_t sum, const char* what) {
   if (sum > std::numeric_limits<std::uint32_t>::max())
-    throw std::length_error(std::string("a cell of more than 2^32-1 ") + what + "; use a smaller --cell-voxels");
+    throw std::length_error(std::string("a cell of more than 2^32-1 ") + what + "; use a smaller `cell_voxels`");
   return std::uint32_t(sum);
 }
 

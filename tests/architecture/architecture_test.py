@@ -56,6 +56,9 @@ RESERVED = [
 # What a folder's headers must not carry into the folders above it.
 HEAVY = r"nlohmann/json\.hpp|tiny_gltf\.h|hdf5\.h|pugixml\.hpp"
 
+# What libraries may say of mpirun and srun, and what separates pictures in a stream.
+OPTIONS_OF_OTHERS = {"--bind-to", "--mpi", "--frame"}
+
 SOURCE = {".h", ".cpp", ".cu", ".cuh"}
 LONGEST_FILE = 400
 LONGEST_LINE = 120
@@ -130,6 +133,14 @@ def text_problems(name, text):
             yield f"line {number} leaves something to do"
 
 
+def option_problems(text):
+    """Libraries know fields; app/ alone knows how its command line calls them (app/flags.h)."""
+    for literal in re.findall(r'"(?:[^"\\\n]|\\.)*"', text):
+        for option in re.findall(r"(?<![\w-])--[a-z][a-z-]+", literal):
+            if option not in OPTIONS_OF_OTHERS:
+                yield f"names the option {option}: a library names the field (lattice/error.h, UsageError)"
+
+
 def header_problems(name, text):
     if not text.startswith("///"):
         yield "does not open with what it is (///)"
@@ -146,6 +157,8 @@ def problems(root):
         found = list(text_problems(name, text))
         if path.suffix in SOURCE:
             found += include_problems(root, name, text)
+            if room_of(name) in ROOMS:
+                found += option_problems(text)
         if path.suffix in {".h", ".cuh"}:
             found += header_problems(name, text)
         if path.suffix in {".cu", ".cuh"} and not name.startswith(("kernels/cuda/", "kernels/cast/", "tests/")):

@@ -19,6 +19,9 @@ import harness
 
 SQUARE = [[0, 0, 0], [4, 0, 0], [4, 0, -4], [0, 0, -4]]
 TWO = [0, 1, 2, 0, 2, 3]
+# A PNG of one red dot.
+DOT = ("data:image/png;base64,"
+       "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR42mP4z8AAAAMBAQD3A0FDAAAAAElFTkSuQmCC")
 
 
 def document_of(glb):
@@ -160,6 +163,21 @@ class BadInput(unittest.TestCase):
             document["materials"] = [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]
             document["meshes"][0]["primitives"][0]["material"] = 0
         self.expect_refusal(self.changed(change), "images[0]")
+
+    def test_words_and_numbers_that_gltf_does_not_have(self):
+        """Of 2026-11-22: another wrapping than glTF's was taken for repetition."""
+        def with_material(document, material, sampler):
+            document["images"] = [{"uri": DOT}]
+            document["samplers"] = [sampler]
+            document["textures"] = [{"source": 0, "sampler": 0}]
+            document["materials"] = [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}, **material}]
+            document["meshes"][0]["primitives"][0]["material"] = 0
+        for material, sampler, words in (({"alphaMode": "FOG"}, {}, ("OPAQUE, MASK, BLEND", "'FOG'")),
+                                         ({}, {"wrapS": 33069}, ("samplers[0].wrapS", "got 33069")),
+                                         ({}, {"wrapT": 1}, ("samplers[0].wrapT", "got 1"))):
+            self.expect_refusal(self.changed(lambda d, m=material, s=sampler: with_material(d, m, s)), *words)
+        good = self.changed(lambda d: with_material(d, {"alphaMode": "BLEND"}, {"wrapS": 33648, "wrapT": 33071}))
+        self.assertEqual(self.bake(good).returncode, 0)
 
     def test_transform_that_overflows(self):
         def change(document):

@@ -32,6 +32,8 @@ CASES = [
     (["bake", "--channels", "rgba,"], {"rgba,normal", "rgba,facing", "rgba,normal,facing"}, set()),
     (["bench", "bake", "--backend", "c"], {"cpu", "cuda"}, {"auto"}),
     (["bench", "accuracy", "--settings", "thin-b"], {"thin-box", "thin-box-x2"}, set()),
+    (["plan", "--backend", ""], {"auto", "cpu", "cuda"}, set()),
+    (["serve", "--backend", "a"], {"auto"}, {"cpu"}),
     (["render", "--mode", "co"], {"coverage"}, {"lod"}),
     (["man", "ben"], {"bench"}, set()),
     (["man", "bench", "acc"], {"accuracy"}, set()),

@@ -101,7 +101,7 @@ TEST_F(BakeProcessTest, HandsBackWhatWasInHandWhenItCrashes) {
 
 TEST_F(BakeProcessTest, TakesAStoppedProcessForHungAndGoesOn) {
   BakeProcessOptions options = real_program();
-  options.stall_s = 2;
+  options.patience.stall_s = 2;
   BakeProcess process(scene.setup("out"), options);
   process.survey(0);
   expect<Surveyed>(process);
@@ -117,8 +117,8 @@ TEST_F(BakeProcessTest, TakesAStoppedProcessForHungAndGoesOn) {
 TEST_F(BakeProcessTest, EndsACellThatTakesTooLong) {
   BakeProcessOptions options;
   options.program = scene.script("busy", "while :; do :; done");
-  options.stall_s = 20;
-  options.cell_timeout_s = 2;
+  options.patience.stall_s = 20;
+  options.patience.cell_timeout_s = 2;
   BakeProcess process(scene.setup("out"), options);
   process.submit(jobs[3], 1);
   EXPECT_EQ(expect<Died>(process).why, "not done after 2 s: cell " + jobs[3].name);
@@ -126,7 +126,7 @@ TEST_F(BakeProcessTest, EndsACellThatTakesTooLong) {
 
 TEST_F(BakeProcessTest, LeavesAnIdleProcessAlone) {
   BakeProcessOptions options = real_program();
-  options.stall_s = 1;
+  options.patience.stall_s = 1;
   BakeProcess process(scene.setup("out"), options);
   process.survey(0);
   expect<Surveyed>(process);

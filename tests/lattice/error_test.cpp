@@ -48,6 +48,14 @@ TEST(AsLine, CutsBetweenCharacters) {
 
 TEST(UsageError, IsOneShortLine) {
   EXPECT_LE(std::string(UsageError("--origin: got " + std::string(5000, '1')).what()).size(), longest_message_bytes);
+  EXPECT_LE(std::string(UsageError("origin", std::string(5000, '1')).what()).size(), longest_message_bytes);
+}
+
+TEST(UsageError, NamesTheFieldThatIsWrong) {
+  const UsageError error("voxel_size_m", "expected 1e-6 to 1e6 metres");
+  EXPECT_EQ(error.field(), "voxel_size_m");
+  EXPECT_STREQ(error.what(), "`voxel_size_m`: expected 1e-6 to 1e6 metres");
+  EXPECT_EQ(UsageError("--local and --origin contradict each other").field(), "");
 }
 
 }  // namespace

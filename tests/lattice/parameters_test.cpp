@@ -64,19 +64,30 @@ TEST(BakeParameters, HaveCoverageAlongTheAxesWhereItIsMadeAndWanted) {
 }
 
 TEST(BakeParameters, AreRefusedWhereTheTextIsNotTheirs) {
-  const std::string good = [] {
-    BakeParameters p;
-    p.voxel_size_m = 1;
-    return to_json(p);
-  }();
   for (const char* bad : {"", "{", "[]", "{}", "null", R"({"voxel_size_m":"1"})"})
     EXPECT_THROW(parameters_from_json(bad), InputError) << bad;
-  std::string unknown = good;
-  unknown.replace(unknown.find("area"), 4, "aria");
-  EXPECT_THROW(parameters_from_json(unknown), InputError);
 }
 
-TEST(BakeParameters, NameTheOptionThatIsOutOfRange) {
+TEST(BakeParameters, NameAValueThatIsUnknown) {
+  BakeParameters good;
+  good.voxel_size_m = 1;
+  const std::string text = to_json(good);
+  for (const char* name : {"area", "coverage", "deflate"}) {
+    std::string unknown = text;
+    unknown.replace(unknown.find(name), std::string(name).size(), "aria");
+    try {
+      parameters_from_json(unknown);
+      ADD_FAILURE() << unknown;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("'aria'"), std::string::npos) << error.what();
+    }
+  }
+  std::string number = text;
+  number.replace(number.find("\"area\""), 6, "0");
+  EXPECT_THROW(parameters_from_json(number), InputError);
+}
+
+TEST(BakeParameters, NameTheFieldThatIsOutOfRange) {
   const auto told = [](auto change) {
     BakeParameters p;
     p.voxel_size_m = 1;
@@ -90,11 +101,11 @@ TEST(BakeParameters, NameTheOptionThatIsOutOfRange) {
   };
   EXPECT_EQ(told([](BakeParameters&) {}), "");
   for (const double bad : {0.0, -1.0, std::nan(""), 1e-7, 1e7, double(INFINITY)})
-    EXPECT_EQ(told([bad](BakeParameters& p) { p.voxel_size_m = bad; }).find("--voxel-size: "), 0u) << bad;
+    EXPECT_EQ(told([bad](BakeParameters& p) { p.voxel_size_m = bad; }).find("`voxel_size_m`: "), 0u) << bad;
   for (const std::uint32_t bad : {0u, 4u, 100u, 16384u})
-    EXPECT_EQ(told([bad](BakeParameters& p) { p.cell_voxels = bad; }).find("--cell-voxels: "), 0u) << bad;
-  EXPECT_EQ(told([](BakeParameters& p) { p.max_error = 128; }).find("--max-error: "), 0u);
-  EXPECT_EQ(told([](BakeParameters& p) { p.lattice_origin_m[1] = INFINITY; }).find("--lattice-origin: "), 0u);
+    EXPECT_EQ(told([bad](BakeParameters& p) { p.cell_voxels = bad; }).find("`cell_voxels`: "), 0u) << bad;
+  EXPECT_EQ(told([](BakeParameters& p) { p.max_error = 128; }).find("`max_error`: "), 0u);
+  EXPECT_EQ(told([](BakeParameters& p) { p.lattice_origin_m[1] = INFINITY; }).find("`lattice_origin_m`: "), 0u);
 }
 
 }  // namespace

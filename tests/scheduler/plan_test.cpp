@@ -165,7 +165,7 @@ TEST(MakePlan, RefusesATileThatNeedsMillionsOfCellsAndBakesTheOthers) {
   surveys[1].columns = {{0, 0, 0, 10, 1}};
   const BakePlan plan = make_plan(surveys, sources_of(2), parameters(64));
   ASSERT_EQ(plan.losses.size(), 1u);
-  EXPECT_NE(plan.losses[0].reason.find("--voxel-size"), std::string::npos) << plan.losses[0].reason;
+  EXPECT_NE(plan.losses[0].reason.find("`voxel_size_m`"), std::string::npos) << plan.losses[0].reason;
   ASSERT_EQ(plan.jobs.size(), 1u);
   EXPECT_EQ(plan.jobs[0].tiles, std::vector<std::uint32_t>{1});
 }

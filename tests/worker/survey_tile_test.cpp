@@ -141,7 +141,7 @@ TEST(SurveyTile, RefusesATileThatSpreadsOverMillionsOfColumns) {
   BakeParameters fine = fine_lattice();
   fine.voxel_size_m = 0.01;
   const TileSurvey s = survey(folder.path(), "world.glb", fine);
-  EXPECT_NE(s.error.find("--voxel-size"), std::string::npos) << s.error;
+  EXPECT_NE(s.error.find("`voxel_size_m`"), std::string::npos) << s.error;
   EXPECT_TRUE(s.columns.empty());
   BakeParameters coarse = fine_lattice();
   coarse.voxel_size_m = 1;

@@ -42,6 +42,23 @@ TEST(WorkerSetup, IsRefusedWhereBytesAreMissingOrLeftOver) {
   EXPECT_THROW(setup_from_bytes(bytes), InputError);
 }
 
+TEST(WorkerSetup, NamesABackendOrAnAxisThatIsUnknown) {
+  const auto told = [](WorkerSetup setup) {
+    try {
+      setup_from_bytes(to_bytes(setup));
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  WorkerSetup setup = some_setup();
+  setup.device.backend = Backend(77);
+  EXPECT_NE(told(setup).find("holds 77, expected the number of one of auto, cpu, cuda"), std::string::npos);
+  setup = some_setup();
+  setup.source_options.scene_up = UpAxis(78);
+  EXPECT_NE(told(setup).find("holds 78, expected the number of one of y, z, x"), std::string::npos);
+}
+
 TEST(WorkerSetup, OfRandomBytesIsAnErrorOrASetupButNeverACrash) {
   const std::uint64_t seed = std::random_device{}();
   std::mt19937_64 rng(seed);

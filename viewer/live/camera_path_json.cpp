@@ -14,13 +14,21 @@ constexpr std::uint64_t most_path_bytes = std::uint64_t(1) << 24;
 constexpr double longest_s = 1e6;
 
 enum class Coordinates { scene, geographic };
-const std::vector<std::string> coordinate_names{"scene", "geographic"};
+
+}  // namespace
+
+template <>
+constexpr auto names_of<Coordinates>() {
+  return std::to_array<std::string_view>({"scene", "geographic"});
+}
+
+namespace {
 
 /// Where a file's triples are.
 class Places {
  public:
   Places(const JsonMembers& path, const std::optional<Geodetic>& origin) {
-    geographic_ = Coordinates(path.choice("coordinates", coordinate_names).value_or(0)) == Coordinates::geographic;
+    geographic_ = path.choice<Coordinates>("coordinates") == Coordinates::geographic;
     if (!geographic_) return;
     if (!origin) path.fail("coordinates", "the scene stands nowhere on the earth; expected scene");
     scene_from_ecef_ = scene_from_ecef(*origin);

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "lattice/frames.h"
+#include "lattice/rules.h"
 
 namespace gigabake {
 
@@ -65,5 +66,9 @@ class CameraRig {
   double yaw_ = 0, pitch_ = 0;  ///< of the view: from east to north, and upwards; radians
   Style style_ = Style::orbit;
 };
+template <>
+constexpr auto names_of<CameraRig::Style>() {
+  return std::to_array<std::string_view>({"orbit", "fly"});
+}
 
 }  // namespace gigabake

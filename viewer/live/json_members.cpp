@@ -56,15 +56,6 @@ std::optional<double> JsonMembers::number(const char* key, double least, double 
   return checked(key, *value, least, most, "a number");
 }
 
-std::optional<std::size_t> JsonMembers::choice(const char* key, const std::vector<std::string>& names) const {
-  const json* value = find(key);
-  if (!value) return std::nullopt;
-  const auto found =
-      value->is_string() ? std::find(names.begin(), names.end(), value->get_ref<const std::string&>()) : names.end();
-  if (found == names.end()) fail(key, fmt::format("expected one of {}", fmt::join(names, ", ")));
-  return std::size_t(found - names.begin());
-}
-
 std::optional<bool> JsonMembers::flag(const char* key) const {
   const json* value = find(key);
   if (!value) return std::nullopt;

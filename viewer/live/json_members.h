@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "lattice/error.h"
+#include "lattice/rules.h"
 
 namespace gigabake {
 
@@ -29,8 +30,9 @@ class JsonMembers {
   std::optional<double> number(const char* key, double least, double most) const;
   template <std::size_t n>
   std::optional<std::array<double, n>> numbers(const char* key, double least, double most) const;
-  /// One of the names; its index.
-  std::optional<std::size_t> choice(const char* key, const std::vector<std::string>& names) const;
+  /// By its name.
+  template <class Enum>
+  std::optional<Enum> choice(const char* key) const;
   std::optional<bool> flag(const char* key) const;
   /// The elements of an array; empty where it is absent.
   nlohmann::json array(const char* key) const;
@@ -45,6 +47,16 @@ class JsonMembers {
   const nlohmann::json& object_;
   std::string where_;
 };
+
+template <class Enum>
+std::optional<Enum> JsonMembers::choice(const char* key) const {
+  const nlohmann::json* value = find(key);
+  if (!value) return std::nullopt;
+  const std::string name = value->is_string() ? value->get<std::string>() : value->dump();
+  const std::optional<Enum> chosen = value_named<Enum>(name);
+  if (!chosen || !value->is_string()) fail(key, "expected one of " + all_names<Enum>() + ", got " + in_quotes(name));
+  return chosen;
+}
 
 template <std::size_t n>
 std::optional<std::array<double, n>> JsonMembers::numbers(const char* key, double least, double most) const {

@@ -23,7 +23,7 @@ nlohmann::ordered_json triple(const std::optional<Point<Scene>>& p) {
 }  // namespace
 
 std::vector<double> times_of_frames(const CameraPath& path, int frames) {
-  if (frames < 1 || frames > most_frames) throw UsageError("--frames: expected 1 to 1000000");
+  if (frames < 1 || frames > most_frames) throw UsageError("frames", "expected 1 to 1000000");
   std::vector<double> out;
   for (int i = 0; i < frames; ++i)
     out.push_back(frames == 1 ? path.first_s()
@@ -32,17 +32,18 @@ std::vector<double> times_of_frames(const CameraPath& path, int frames) {
 }
 
 std::vector<double> times_at_rate(const CameraPath& path, double frames_per_s) {
-  if (!(frames_per_s > 0) || !std::isfinite(frames_per_s)) throw UsageError("--fps: expected a positive number");
+  if (!(frames_per_s > 0) || !std::isfinite(frames_per_s))
+    throw UsageError("frames_per_s", "expected a positive number");
   const double intervals = std::floor((path.last_s() - path.first_s()) * frames_per_s + 1e-6);
-  if (!(intervals < most_frames)) throw UsageError("--fps: more than 1000000 frames along this path");
+  if (!(intervals < most_frames)) throw UsageError("frames_per_s", "more than 1000000 frames along this path");
   std::vector<double> out;
   for (double i = 0; i <= intervals; ++i) out.push_back(std::min(path.first_s() + i / frames_per_s, path.last_s()));
   return out;
 }
 
-std::filesystem::path numbered_file(const std::string& pattern, std::size_t number, const std::string& option) {
+std::filesystem::path numbered_file(const std::string& pattern, std::size_t number, const std::string& field) {
   const auto fail = [&] {
-    throw UsageError(option + ": expected a name with one %d or %04d for the number of the frame, as frames/%04d.png");
+    throw UsageError(field, "expected a name with one %d or %04d for the number of the frame, as frames/%04d.png");
   };
   const std::size_t at = pattern.find('%');
   if (at == std::string::npos || pattern.find('%', at + 1) != std::string::npos) fail();

@@ -19,7 +19,7 @@ std::vector<double> times_at_rate(const CameraPath& path, double frames_per_s);
 
 /// "frames/%04d.png" and 7 as "frames/0007.png". option: for the message.
 /// Errors  UsageError: not exactly one %d or %0Nd with N from 1 to 9.
-std::filesystem::path numbered_file(const std::string& pattern, std::size_t number, const std::string& option = "-o");
+std::filesystem::path numbered_file(const std::string& pattern, std::size_t number, const std::string& field = "out");
 
 struct PathFrame {
   std::size_t number = 0;

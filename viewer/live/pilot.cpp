@@ -72,7 +72,7 @@ void Pilot::apply_settings(const Steering& s) {
   if (s.style) rig_.set_style(*s.style);
   if (s.upload_s && std::isfinite(*s.upload_s)) upload_s_ = std::clamp(*s.upload_s, least_upload_s, most_upload_s);
   const View before = view_;
-  if (s.mode && std::size_t(*s.mode) < view_mode_names().size()) view_.mode = *s.mode;
+  if (s.mode && value_numbered<ViewMode>(std::uint64_t(*s.mode))) view_.mode = *s.mode;
   if (s.pixel_error && std::isfinite(*s.pixel_error))
     view_.camera.pixel_error = std::clamp(*s.pixel_error, finest_pixel_error, coarsest_pixel_error);
   if (s.size) {

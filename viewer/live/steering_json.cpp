@@ -14,11 +14,6 @@ nlohmann::ordered_json triple(const Point<Scene>& p) { return {p.x, p.y, p.z}; }
 
 }  // namespace
 
-const std::vector<std::string>& style_names() {
-  static const std::vector<std::string> names{"orbit", "fly"};
-  return names;
-}
-
 Steering steering_from_json(std::string_view text) {
   const nlohmann::json json = parse_object("steering", text);
   const JsonMembers members("steering", json, "");
@@ -32,8 +27,8 @@ Steering steering_from_json(std::string_view text) {
   out.walk = members.numbers<3>("walk", -1, 1);
   out.swing = members.numbers<2>("swing", -1, 1);
   if (const auto pose = members.numbers<6>("pose", -farthest_m, farthest_m)) out.pose = pose_of(*pose);
-  if (const auto style = members.choice("style", style_names())) out.style = CameraRig::Style(*style);
-  if (const auto mode = members.choice("mode", view_mode_names())) out.mode = ViewMode(*mode);
+  out.style = members.choice<CameraRig::Style>("style");
+  out.mode = members.choice<ViewMode>("mode");
   out.pixel_error = members.number("pixel_error", finest_pixel_error, coarsest_pixel_error);
   if (const auto upload_ms = members.number("upload_ms", 0.1, 1000)) out.upload_s = *upload_ms / 1000;
   if (const auto size = members.numbers<2>("size", 1, largest_edge)) out.size = {int((*size)[0]), int((*size)[1])};
@@ -51,8 +46,8 @@ std::string to_json(const ViewerState& state, const LiveFrame* frame) {
                               {"target", triple(state.pose.target_m)},
                               {"fovy_deg", view.camera.fovy_deg},
                               {"size", {view.camera.width, view.camera.height}},
-                              {"style", style_names()[std::size_t(state.style)]},
-                              {"mode", view_mode_names()[std::size_t(view.mode)]},
+                              {"style", name_of(state.style)},
+                              {"mode", name_of(view.mode)},
                               {"pixel_error", view.camera.pixel_error},
                               {"upload_ms", state.upload_s * 1000},
                               {"speed_m_per_s", state.speed_m_per_s},

@@ -15,6 +15,4 @@ Steering steering_from_json(std::string_view text);
 /// A viewer's state and the numbers of its last frame; frame may be nullptr. One JSON object.
 std::string to_json(const ViewerState& state, const LiveFrame* frame);
 
-const std::vector<std::string>& style_names();
-
 }  // namespace gigabake

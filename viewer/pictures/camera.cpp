@@ -29,19 +29,18 @@ Vector unit(const Vector& a) { return a * (1 / length(a)); }
 
 void check_options(const CameraOptions& o) {
   check_picture_size(o);
-  if (!(o.fovy_deg >= 0.01 && o.fovy_deg <= 170)) throw UsageError("--fovy: expected 0.01 to 170 degrees");
+  if (!(o.fovy_deg >= 0.01 && o.fovy_deg <= 170)) throw UsageError("fovy_deg", "expected 0.01 to 170 degrees");
   check_pixel_error(o.pixel_error);
 }
 
 /// Scene metres to voxels.
-Vector to_voxels(const Point<Scene>& p_scene_m, const SceneDescription& scene, const char* option) {
+Vector to_voxels(const Point<Scene>& p_scene_m, const SceneDescription& scene, const char* name) {
   const Vector p_m{p_scene_m.x, p_scene_m.y, p_scene_m.z};
   Vector v;
   for (std::size_t a = 0; a < 3; ++a) {
     v[a] = (p_m[a] - scene.lattice_origin_m[a]) / scene.voxel_size_m;
-    if (!std::isfinite(p_m[a])) throw UsageError(std::string(option) + ": expected three finite numbers");
-    if (!(std::fabs(v[a]) <= farthest_voxel))
-      throw UsageError(std::string(option) + ": more than 2^40 voxels from the scene's origin");
+    if (!std::isfinite(p_m[a])) throw UsageError(name, "expected three finite numbers");
+    if (!(std::fabs(v[a]) <= farthest_voxel)) throw UsageError(name, "more than 2^40 voxels from the scene's origin");
   }
   return v;
 }
@@ -56,13 +55,13 @@ Axes look(const Vector& forward, const std::optional<Point<Scene>>& up) {
   if (up) {
     upwards = {up->x, up->y, up->z};
     const double size = length(upwards);
-    if (!std::isfinite(size) || !(size > 0)) throw UsageError("--up: expected a finite direction other than 0,0,0");
+    if (!std::isfinite(size) || !(size > 0)) throw UsageError("up", "expected a finite direction other than 0,0,0");
     upwards = unit(upwards);
   } else if (std::fabs(forward[2]) > 1 - 1e-9) {
     upwards = {0, 1, 0};
   }
   const Vector right = cross(forward, upwards);
-  if (!(length(right) > 1e-9)) throw UsageError("--up: the camera looks along it; choose another direction");
+  if (!(length(right) > 1e-9)) throw UsageError("up", "the camera looks along it; choose another direction");
   return {forward, unit(right), cross(unit(right), forward)};
 }
 
@@ -169,13 +168,13 @@ void set(double out[3], const Vector& v) { std::copy(v.begin(), v.end(), out); }
 void check_picture_size(const CameraOptions& o) {
   if (o.width < 1 || o.height < 1 || o.width > largest_edge || o.height > largest_edge ||
       std::int64_t(o.width) * o.height > most_pixels)
-    throw UsageError("--size: " + std::to_string(o.width) + "x" + std::to_string(o.height) +
-                     " is no picture; expected 1 to 32768 a side and at most 2^28 pixels");
+    throw UsageError("size", std::to_string(o.width) + "x" + std::to_string(o.height) +
+                                 " is no picture; expected 1 to 32768 a side and at most 2^28 pixels");
 }
 
 void check_pixel_error(double pixel_error) {
   if (!(pixel_error >= finest_pixel_error && pixel_error <= coarsest_pixel_error))
-    throw UsageError("--pixel-error: expected 2^-16 to 2^16 pixels");
+    throw UsageError("pixel_error", "expected 2^-16 to 2^16 pixels");
 }
 
 kernels::CastCamera make_camera(const CameraOptions& options, const SceneDescription& scene, const PageSource& pages) {
@@ -183,14 +182,14 @@ kernels::CastCamera make_camera(const CameraOptions& options, const SceneDescrip
   const double tan_y = std::tan(options.fovy_deg * (std::numbers::pi / 360));
   const double tan_x = tan_y * options.width / options.height;
   std::optional<Vector> target, eye;
-  if (options.target_m) target = to_voxels(*options.target_m, scene, "--target");
-  if (options.eye_m) eye = to_voxels(*options.eye_m, scene, "--eye");
+  if (options.target_m) target = to_voxels(*options.target_m, scene, "target_m");
+  if (options.eye_m) eye = to_voxels(*options.eye_m, scene, "eye_m");
   Vector forward = unit(oblique_view);
   if (!eye) {
     eye = framing_eye(scene, pages, target, look(forward, options.up), tan_x, tan_y);
   } else {
     if (!target) target = middle_of(scene, pages);
-    if (*target == *eye) throw UsageError("--target: the same place as --eye; there is no direction to look");
+    if (*target == *eye) throw UsageError("target_m", "the same place as `eye_m`; there is no direction to look");
     forward = unit(*target - *eye);
   }
   const Axes axes = look(forward, options.up);

@@ -76,11 +76,6 @@ bool same_picture(const View& a, const View& b) {
 
 }  // namespace
 
-const std::vector<std::string>& view_mode_names() {
-  static const std::vector<std::string> names{"lit", "albedo", "normal", "coverage", "lod", "cell", "requests"};
-  return names;
-}
-
 struct FrameRenderer::State {
   std::filesystem::path path;
   Options options;
@@ -233,7 +228,7 @@ struct FrameRenderer::State {
 FrameRenderer::FrameRenderer(const SceneDescription& scene, const std::filesystem::path& scene_path,
                              const PageSource& pages, const Options& options) {
   if (options.threads < 0 || options.threads > 1024)
-    throw UsageError("--threads: expected 1 to 1024, or 0 for all cores");
+    throw UsageError("threads", "expected 1 to 1024, or 0 for all cores");
   state_ = std::make_unique<State>(scene, scene_path, options);
   state_->source = pages ? pages : pages_from_shards(scene_path, state_->scene);
   state_->fill(filling_of(ViewMode::lit));

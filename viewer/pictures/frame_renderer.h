@@ -17,6 +17,7 @@
 
 #include "format/scene/scene_xml.h"
 #include "lattice/progress.h"
+#include "lattice/rules.h"
 #include "viewer/light/sky.h"
 #include "viewer/pictures/camera.h"
 #include "viewer/pictures/picture.h"
@@ -34,8 +35,10 @@ enum class ViewMode : std::uint8_t {
   requests,  ///< red where something finer was asked for, green elsewhere
 };
 
-/// Names of the modes, in their order: "lit", …
-const std::vector<std::string>& view_mode_names();
+template <>
+constexpr auto names_of<ViewMode>() {
+  return std::to_array<std::string_view>({"lit", "albedo", "normal", "coverage", "lod", "cell", "requests"});
+}
 
 struct View {
   CameraOptions camera;

@@ -123,7 +123,7 @@ void add_column(const std::pair<std::int64_t, std::int64_t>& at, const std::map<
 CellLayout lay_out(const SceneDescription& description) {
   if (description.cells.empty()) throw Refusal{"", "the scene has no cells: there is nothing to show"};
   if (description.cells.size() > most_cells)
-    throw Refusal{"cells", "more than a picture can address; use a larger --cell-voxels"};
+    throw Refusal{"cells", "more than a picture can address; use a larger `cell_voxels`"};
   for (const SceneCell& cell : description.cells) check_cell(cell, description.cells[0]);
   CellLayout layout;
   kernels::CastScene& scene = layout.scene;

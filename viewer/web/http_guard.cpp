@@ -125,7 +125,7 @@ std::optional<Refusal> refusal_of(const RequestHead& head, bool local) {
   const std::string_view host = host_of(head.host);
   if (!local && host.empty()) return Refusal{400, "expected one Host header: a name or an address, and a port"};
   if (local && !is_loopback(host))
-    return Refusal{403, "expected the host localhost; to serve other machines start with --bind and a token"};
+    return Refusal{403, "expected the host localhost; to serve other machines start with `bind` and a token"};
   if (!head.origin.empty() && lower(head.origin) != "http://" + lower(head.host) &&
       lower(head.origin) != "https://" + lower(head.host))
     return Refusal{403, "expected a request of this server's own page"};

@@ -43,10 +43,10 @@ HttpReply reply_to(std::exception_ptr problem) {
 HttpReply page_part(const char* type, std::string_view text) { return {200, type, std::string(text)}; }
 
 void check_options(const StreamServer::Options& o) {
-  if (o.port < 0 || o.port > 65535) throw UsageError("--port: expected 1 to 65535, or 0 for any that is free");
-  if (!is_token(o.token)) throw UsageError("--token: expected letters, digits, - and _ only");
+  if (o.port < 0 || o.port > 65535) throw UsageError("port", "expected 1 to 65535, or 0 for any that is free");
+  if (!is_token(o.token)) throw UsageError("token", "expected letters, digits, - and _ only");
   if (o.token.size() < StreamServer::least_token && !(o.token.empty() && is_loopback(o.bind)))
-    throw UsageError(fmt::format("--token: expected at least {} letters or digits", StreamServer::least_token));
+    throw UsageError("token", fmt::format("expected at least {} letters or digits", StreamServer::least_token));
 }
 
 /// One stream of a viewer's pictures, as parts that replace each other.
@@ -194,7 +194,8 @@ struct StreamServer::State {
   HttpAnswer open(const HttpRequest& request) {
     const auto key = sessions.open(steering_from_json(request.body));
     if (!key) return error_reply(503, "as many look already as this server takes; try again later");
-    const nlohmann::ordered_json told{{"viewer", *key}, {"modes", view_mode_names()}, {"styles", style_names()}};
+    const nlohmann::ordered_json told{
+        {"viewer", *key}, {"modes", names_of<ViewMode>()}, {"styles", names_of<CameraRig::Style>()}};
     return HttpReply{201, json_type, told.dump()};
   }
 

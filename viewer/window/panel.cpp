@@ -24,21 +24,20 @@ void show_numbers(const LiveFrame& f) {
   line(fmt::format("{} held of {}", megabytes(s.bytes_held), megabytes(s.bytes_allowed)));
 }
 
-/// The name chosen, or the current one.
-std::size_t choose(const char* label, const std::vector<std::string>& names, std::size_t current) {
-  std::size_t chosen = current;
-  if (!ImGui::BeginCombo(label, names[current].c_str())) return chosen;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    if (ImGui::Selectable(names[i].c_str(), i == current)) chosen = i;
+/// What was chosen where that is another value than the current one.
+template <class Enum>
+std::optional<Enum> choose(const char* label, Enum current) {
+  std::optional<Enum> chosen;
+  if (!ImGui::BeginCombo(label, std::string(name_of(current)).c_str())) return chosen;
+  for (const Enum value : values_of<Enum>())
+    if (ImGui::Selectable(std::string(name_of(value)).c_str(), value == current) && value != current) chosen = value;
   ImGui::EndCombo();
   return chosen;
 }
 
 void show_choices(const ViewerState& state, Steering& out) {
-  const std::size_t mode = choose("mode (M)", view_mode_names(), std::size_t(state.full_view.mode));
-  if (mode != std::size_t(state.full_view.mode)) out.mode = ViewMode(mode);
-  const std::size_t style = choose("move (O)", style_names(), std::size_t(state.style));
-  if (style != std::size_t(state.style)) out.style = CameraRig::Style(style);
+  if (const auto mode = choose("mode (M)", state.full_view.mode)) out.mode = mode;
+  if (const auto style = choose("move (O)", state.style)) out.style = style;
   float pixel_error = float(state.full_view.camera.pixel_error), upload_ms = float(state.upload_s * 1e3);
   if (ImGui::SliderFloat("pixel error (+ -)", &pixel_error, 0.25f, 64, "%.2f", ImGuiSliderFlags_Logarithmic))
     out.pixel_error = pixel_error;

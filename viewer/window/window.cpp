@@ -126,7 +126,7 @@ class Window {
 
   void obey(WindowCommand command, Steering& steering) {
     const ViewerState now = state();
-    const std::size_t modes = view_mode_names().size();
+    constexpr std::size_t modes = names_of<ViewMode>().size();
     const bool orbits = now.style == CameraRig::Style::orbit;
     switch (command) {
       case WindowCommand::next_mode:

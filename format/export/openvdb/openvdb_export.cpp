@@ -40,7 +40,7 @@ std::uint64_t export_openvdb(const std::filesystem::path& scene_xml, int lod, co
     grids->add(checked_index(scene_xml, lowest), part);
     if (++parts % 256 == 0 && grids->bytes() > most_bytes)
       throw InputError(scene_xml, "",
-                       fmt::format("its grids take more than {} MiB of memory; a coarser --lod or --to nvdb takes less",
+                       fmt::format("its grids take more than {} MiB of memory; a coarser `lod` or `to` nvdb takes less",
                                    most_bytes >> 20));
   };
   for_each_block_part(scene_xml, scene, lod, add, progress);

@@ -232,8 +232,8 @@ class Checker {
     get_numbers(file_, specular, gloss, "diffuseFactor", 4);
     get_number(file_, m, where, "alphaCutoff");
     const std::string mode = get_text(file_, m, where, "alphaMode").value_or("OPAQUE");
-    if (mode != "OPAQUE" && mode != "MASK" && mode != "BLEND")
-      fail(where + ".alphaMode", "expected OPAQUE, MASK or BLEND");
+    if (!value_named<AlphaMode>(mode))
+      fail(where + ".alphaMode", "expected one of " + all_names<AlphaMode>() + ", got " + in_quotes(mode));
   }
 
   void check_mesh(const Json& mesh, const std::string& where) const {

@@ -23,9 +23,19 @@ std::array<float, 2> pair_or(const tinygltf::Value& object, const char* key, std
 
 float clamp01(double v) { return v >= 0 ? float(std::min(v, 1.0)) : 0.0f; }
 
-Wrap wrap_of(int gl) {
-  if (gl == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return Wrap::clamp_to_edge;
-  return gl == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? Wrap::mirrored_repeat : Wrap::repeat;
+/// gl: as glTF writes it, one of OpenGL's numbers.
+Wrap wrap_of(const std::filesystem::path& file, int sampler, const char* key, int gl) {
+  switch (gl) {
+    case TINYGLTF_TEXTURE_WRAP_REPEAT:
+      return Wrap::repeat;
+    case TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT:
+      return Wrap::mirrored_repeat;
+    case TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE:
+      return Wrap::clamp_to_edge;
+  }
+  throw InputError(
+      file, "samplers[" + std::to_string(sampler) + "]." + key,
+      "expected 10497 (repeat), 33648 (mirrored repeat) or 33071 (clamp to edge), got " + std::to_string(gl));
 }
 
 /// Source  KHR_texture_transform: translation · rotation · scale.
@@ -49,8 +59,8 @@ void use_texture(const std::filesystem::path& file, const tinygltf::Model& model
   if (use.image < 0) throw InputError(file, where, "is missing: expected a PNG, JPEG or WebP image");
   if (texture.sampler < 0) return;
   const tinygltf::Sampler& sampler = model.samplers[std::size_t(texture.sampler)];
-  use.wrap_s = wrap_of(sampler.wrapS);
-  use.wrap_t = wrap_of(sampler.wrapT);
+  use.wrap_s = wrap_of(file, texture.sampler, "wrapS", sampler.wrapS);
+  use.wrap_t = wrap_of(file, texture.sampler, "wrapT", sampler.wrapT);
   use.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
 }
 
@@ -88,9 +98,7 @@ SourceMaterial source_material(const std::filesystem::path& file, const tinygltf
     use_specular_glossiness(file, model, gloss->second, out);
   else if (pbr.baseColorTexture.index >= 0)
     use_texture(file, model, pbr.baseColorTexture.index, out);
-  out.material.alpha_mode = m.alphaMode == "MASK"    ? AlphaMode::mask
-                            : m.alphaMode == "BLEND" ? AlphaMode::blend
-                                                     : AlphaMode::opaque;
+  out.material.alpha_mode = value_named<AlphaMode>(m.alphaMode).value();  // check.cpp refuses other names
   out.material.alpha_cutoff = std::isfinite(m.alphaCutoff) ? float(m.alphaCutoff) : 0.5f;
   out.material.double_sided = m.doubleSided;
   out.material.unlit = m.extensions.contains("KHR_materials_unlit");

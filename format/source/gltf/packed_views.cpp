@@ -1,7 +1,5 @@
 #include "format/source/gltf/packed_views.h"
 
-#include <map>
-
 #include "lattice/error.h"
 
 namespace gigabake {
@@ -15,30 +13,22 @@ std::string where_of(std::size_t view) {
   return "bufferViews[" + std::to_string(view) + "].extensions." + meshopt_extension;
 }
 
-template <class T>
-T named(const std::filesystem::path& file, const Json& json, const std::string& where, const char* key,
-        const std::map<std::string, T>& names, const char* otherwise) {
-  const std::string name = get_text(file, json, where, key).value_or(otherwise);
-  const auto at = names.find(name);
-  if (at == names.end()) throw InputError(file, where + "." + key, "is unknown: " + in_quotes(name));
-  return at->second;
+/// otherwise: the name where there is no such member.
+template <class Enum>
+Enum get_named(const std::filesystem::path& file, const Json& json, const std::string& where, const char* key,
+               std::string_view otherwise) {
+  const std::string name = get_text(file, json, where, key).value_or(std::string(otherwise));
+  const std::optional<Enum> value = value_named<Enum>(name);
+  if (!value) throw InputError(file, where + "." + key, "is unknown: " + in_quotes(name));
+  return *value;
 }
 
 MeshoptStream stream_of(const std::filesystem::path& file, const Json& json, const std::string& where) {
   MeshoptStream s;
   s.count = get_index(file, json, where, "count").value_or(0);
   s.stride = get_index(file, json, where, "byteStride").value_or(0);
-  s.mode = named<MeshoptMode>(file, json, where, "mode",
-                              {{"ATTRIBUTES", MeshoptMode::attributes},
-                               {"TRIANGLES", MeshoptMode::triangles},
-                               {"INDICES", MeshoptMode::indices}},
-                              "");
-  s.filter = named<MeshoptFilter>(file, json, where, "filter",
-                                  {{"NONE", MeshoptFilter::none},
-                                   {"OCTAHEDRAL", MeshoptFilter::octahedral},
-                                   {"QUATERNION", MeshoptFilter::quaternion},
-                                   {"EXPONENTIAL", MeshoptFilter::exponential}},
-                                  "NONE");
+  s.mode = get_named<MeshoptMode>(file, json, where, "mode", "");
+  s.filter = get_named<MeshoptFilter>(file, json, where, "filter", name_of(MeshoptFilter::none));
   const bool is_index = s.mode != MeshoptMode::attributes;
   if (is_index ? s.stride != 2 && s.stride != 4 : s.stride == 0 || s.stride > 256 || s.stride % 4 != 0)
     throw InputError(file, where + ".byteStride",

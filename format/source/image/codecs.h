@@ -14,6 +14,7 @@
 
 #include "format/source/image/image_size.h"
 #include "format/source/mesh.h"
+#include "lattice/rules.h"
 
 namespace gigabake {
 
@@ -24,7 +25,15 @@ std::optional<std::string> missing_codec(const std::string& extension);
 // EXT_meshopt_compression
 
 enum class MeshoptMode : std::uint8_t { attributes, triangles, indices };
+template <>
+constexpr auto names_of<MeshoptMode>() {
+  return std::to_array<std::string_view>({"ATTRIBUTES", "TRIANGLES", "INDICES"});
+}
 enum class MeshoptFilter : std::uint8_t { none, octahedral, quaternion, exponential };
+template <>
+constexpr auto names_of<MeshoptFilter>() {
+  return std::to_array<std::string_view>({"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"});
+}
 
 struct MeshoptStream {
   std::uint64_t count = 0, stride = 0;

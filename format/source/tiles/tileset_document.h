@@ -31,7 +31,8 @@ struct TilesetDocument {
 };
 
 /// What `file` holds, be it a tileset or another JSON.
-/// Errors  InputError, as parse_json(); a member of a tile that is malformed; what the tiles take is more than --memory
+/// Errors  InputError, as parse_json(); a member of a tile that is malformed; what the tiles take is more than
+/// memory_limit()
 ///         allows.
 TilesetDocument parse_tileset(const std::filesystem::path& file, std::span<const std::uint8_t> text,
                               const Progress& progress = {});

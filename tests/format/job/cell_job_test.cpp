@@ -75,6 +75,26 @@ TEST(CellReport, ComesBackFromItsBytes) {
   EXPECT_EQ(back.levels, report.levels);
 }
 
+// Until 2026-11-22 a journal's or a rank's byte that is no outcome was taken for one.
+TEST(CellReport, IsRefusedWhereItsOutcomeIsUnknown) {
+  constexpr std::size_t outcome_at = sizeof(CellReport::id);
+  for (const CellOutcome outcome : values_of<CellOutcome>()) {
+    CellReport report = some_report();
+    report.outcome = outcome;
+    EXPECT_EQ(to_bytes(report).at(outcome_at), std::uint8_t(outcome));
+    EXPECT_EQ(report_from_bytes(to_bytes(report)).outcome, outcome);
+  }
+  std::vector<std::uint8_t> bytes = to_bytes(some_report());
+  bytes.at(outcome_at) = 200;
+  try {
+    report_from_bytes(bytes);
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("holds 200, expected the number of one of baked"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(TileSurvey, ComesBackFromItsBytes) {
   const TileSurvey survey = some_survey(), back = survey_from_bytes(to_bytes(survey));
   EXPECT_EQ(back.tile, survey.tile);

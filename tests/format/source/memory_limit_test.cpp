@@ -34,7 +34,7 @@ std::string refusal(const Work& work) {
 }
 
 void expect_memory_line(const std::string& line) {
-  for (const char* part : {"bytes), --memory allows ", "raise it"})
+  for (const char* part : {"bytes), `memory_bytes` allows ", "raise it"})
     EXPECT_NE(line.find(part), std::string::npos) << "no '" << part << "' in: " << line;
 }
 
@@ -57,9 +57,10 @@ TEST(MemoryClaim, SaysHowMuchIsWantedAndAllowedAndWhatRaisesIt) {
   const Limit limit(1 << 20);
   MemoryClaim claim("a.glb");
   claim.add_items(1024, 1024, "nodes", "nodes");
-  EXPECT_EQ(refusal([&] { claim.add_items(3, 1, "nodes", "placements"); }),
-            "a.glb: nodes: 3 placements would take 1.0 MB of memory (1048579 bytes), --memory allows 1.0 MB (1048576 "
-            "bytes); raise it, or split the file");
+  EXPECT_EQ(
+      refusal([&] { claim.add_items(3, 1, "nodes", "placements"); }),
+      "a.glb: nodes: 3 placements would take 1.0 MB of memory (1048579 bytes), `memory_bytes` allows 1.0 MB (1048576 "
+      "bytes); raise it, or split the file");
 }
 
 TEST(MemoryClaim, DoesNotWrapAround) {

@@ -243,7 +243,7 @@ TEST(Pilot, AsksForSoundPicturesWhateverIsSteered) {
     const CameraOptions& c = order->view.camera;
     ASSERT_TRUE(c.width >= 1 && c.width <= 4096 && c.height >= 1 && c.height <= 4096);
     ASSERT_TRUE(c.pixel_error >= 0x1p-16 && c.pixel_error <= 0x1p16 && order->upload_s >= 1e-4 && order->upload_s <= 1);
-    ASSERT_LT(std::size_t(order->view.mode), view_mode_names().size());
+    ASSERT_LT(std::size_t(order->view.mode), names_of<ViewMode>().size());
     ASSERT_FALSE(*c.eye_m == *c.target_m);
     pilot.drawn(*order, took(any(), random() % 2 == 0));
   }

@@ -49,24 +49,24 @@ TEST(Camera, NamesTheOptionThatIsNoPlace) {
   for (const double bad : {nan, infinity, -infinity, 1e300}) {
     CameraOptions options = looking_down();
     options.eye_m->y = bad;
-    EXPECT_THAT(complaint(options), testing::StartsWith("--eye: "));
+    EXPECT_THAT(complaint(options), testing::StartsWith("`eye_m`: "));
     options = looking_down();
     options.target_m->z = bad;
-    EXPECT_THAT(complaint(options), testing::StartsWith("--target: "));
+    EXPECT_THAT(complaint(options), testing::StartsWith("`target_m`: "));
   }
 }
 
 TEST(Camera, RefusesToLookNowhere) {
   CameraOptions options = looking_down();
   options.target_m = options.eye_m;
-  EXPECT_THAT(complaint(options), testing::StartsWith("--target: the same place"));
+  EXPECT_THAT(complaint(options), testing::StartsWith("`target_m`: the same place"));
 }
 
 TEST(Camera, RefusesAnUpDirectionThatIsNone) {
   for (const Point<Scene>& up : {Point<Scene>{0, 0, 0}, {nan, 0, 1}, {infinity, 0, 0}, {0, 0, 1}, {0, 0, -3}}) {
     CameraOptions options = looking_down();
     options.up = up;
-    EXPECT_THAT(complaint(options), testing::StartsWith("--up: "));
+    EXPECT_THAT(complaint(options), testing::StartsWith("`up`: "));
   }
 }
 
@@ -76,7 +76,7 @@ TEST(Camera, RefusesPicturesThatAreNone) {
     CameraOptions options = looking_down();
     options.width = width;
     options.height = height;
-    EXPECT_THAT(complaint(options), testing::StartsWith("--size: ")) << width << "x" << height;
+    EXPECT_THAT(complaint(options), testing::StartsWith("`size`: ")) << width << "x" << height;
   }
 }
 
@@ -84,7 +84,7 @@ TEST(Camera, RefusesAnglesAndPixelErrorsOutOfRange) {
   for (const double bad : {nan, 0.0, -40.0, 180.0, 1e9, infinity}) {
     CameraOptions options = looking_down();
     options.fovy_deg = bad;
-    EXPECT_THAT(complaint(options), testing::StartsWith("--fovy: "));
+    EXPECT_THAT(complaint(options), testing::StartsWith("`fovy_deg`: "));
   }
   for (const double bad : {nan, 0.0, -1.0, 0x1p-17, 0x1p17, infinity}) {
     CameraOptions options = looking_down();

@@ -188,11 +188,11 @@ TEST(FrameRenderer, HasAPictureForEveryMode) {
   FrameRenderer renderer = renderer_of(scene, std::uint64_t(1) << 28);
   View view = looking({-20, -30, 60}, {128, 128, 0}, 64);
   std::vector<std::vector<std::uint8_t>> pictures;
-  for (std::size_t m = 0; m < view_mode_names().size(); ++m) {
-    view.mode = ViewMode(m);
+  for (const ViewMode mode : values_of<ViewMode>()) {
+    view.mode = mode;
     const Frame frame = draw_until_complete(renderer, view);
     EXPECT_TRUE(frame.stats.complete);
-    for (const auto& other : pictures) EXPECT_NE(frame.picture.rgba, other) << view_mode_names()[m];
+    for (const auto& other : pictures) EXPECT_NE(frame.picture.rgba, other) << name_of(mode);
     pictures.push_back(frame.picture.rgba);
   }
 }

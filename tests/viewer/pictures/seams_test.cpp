@@ -63,8 +63,7 @@ TEST(Seams, AreNotSeenBetweenCellsInAnyModeFromNearAndFar) {
       View there{view(place.eye_m, place.target_m, 160).camera, mode, {false, {0, 0, 0, 0}}};
       there.camera.pixel_error = place.pixel_error;
       EXPECT_LE(largest_difference(whole.draw_exact(there).picture, parts.draw_exact(there).picture), 2)
-          << view_mode_names()[std::size_t(mode)] << " from " << place.eye_m[0] << ", pixel error "
-          << place.pixel_error;
+          << name_of(mode) << " from " << place.eye_m[0] << ", pixel error " << place.pixel_error;
     }
 }
 
