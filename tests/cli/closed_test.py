@@ -118,6 +118,7 @@ class ClosedTest(unittest.TestCase):
             result = self.expect_closed(self.scene(dem="d.asc", crs=text), text)
             self.assertEqual(result.returncode, 0, f"{text}: {result.stderr}")
 
+    # 2026-11-22: a raster's own coordinate system did the same.
     def test_crs_of_a_raster_itself(self):
         (self.root / "d.asc").write_text(DEGREES)
         for t in self.addresses()[::2]:

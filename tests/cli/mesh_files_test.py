@@ -131,6 +131,7 @@ class MeshFiles(unittest.TestCase):
         expected = self.hashes(scenes[0])
         self.assertEqual([self.hashes(scene) for scene in scenes[1:]], [expected] * 2)
 
+    # 2026-11-22: a single tile was baked tilted.
     def test_an_earth_centred_tile_alone_is_as_in_its_tileset(self):
         tiles = self.root / "tiles"
         tiles.mkdir()
@@ -181,6 +182,7 @@ class MeshFiles(unittest.TestCase):
             self.assertEqual(result.stderr.count("gone.mtl"), 1, result.stderr)
             self.assertIn("warning: house.obj", result.stderr)
 
+    # 2026-11-22: nothing said how many points were skipped.
     def test_points_alone_are_counted_in_the_refusal(self):
         cloud = self.root / "cloud.ply"
         cloud.write_text("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"

@@ -20,24 +20,34 @@ def read_png(path):
             assert (depth, interlaced) == (8, 0) and colour in (2, 6)
         packed += body if kind == b"IDAT" else b""
         at += 12 + length
-    channels = 3 if colour == 2 else 4
-    rows = numpy.frombuffer(zlib.decompress(packed), "u1").reshape(height, 1 + width * channels)
-    image = numpy.zeros((height + 1, width + 1, channels), int)  # a row and a column of zeros before the first
-    for y in range(height):
-        line = rows[y, 1:].reshape(width, channels).astype(int)
-        kind = rows[y, 0]
-        if kind <= 2:  # whole rows at once: as they are, sums along the row, sums down the columns
-            image[y + 1, 1:] = (line if kind == 0 else line.cumsum(0) if kind == 1 else line + image[y, 1:]) & 255
-            continue
-        for x in range(width):
-            left, up, corner = image[y + 1, x], image[y, x + 1], image[y, x]
-            image[y + 1, x + 1] = (line[x] + predicted(kind, left, up, corner)) & 255
-    return image[1:, 1:]
+    step = 3 if colour == 2 else 4
+    rows = zlib.decompress(packed)
+    stride = 1 + width * step
+    above, pixels = bytes(stride - 1), bytearray()
+    for at in range(0, height * stride, stride):
+        above = unfiltered(rows[at], rows[at + 1:at + stride], above, step)
+        pixels += above
+    return numpy.frombuffer(pixels, "u1").reshape(height, width, step).astype(int)
 
 
-def predicted(kind, left, up, corner):
-    if kind == 3:
-        return (left + up) // 2
-    distance = numpy.abs(numpy.stack([up - corner, left - corner, left + up - 2 * corner]))
-    nearest = distance.argmin(0)  # the first of equals, as Paeth has it
-    return numpy.choose(nearest, [left, up, corner])
+def unfiltered(kind, line, above, step):
+    """A row of bytes, from what is stored of it and the row above. Whole rows at once where the filter allows it;
+    elsewhere byte by byte, in plain integers: ten times as fast as small arrays."""
+    if kind == 0:
+        return line
+    if kind == 1:
+        return (numpy.frombuffer(line, "u1").reshape(-1, step).cumsum(0) & 255).astype("u1").tobytes()
+    if kind == 2:
+        return (numpy.frombuffer(line, "u1") + numpy.frombuffer(above, "u1")).tobytes()  # modulo 256
+    out, above = bytearray(step) + line, bytes(step) + above
+    for i in range(step, len(out)):
+        left, up = out[i - step], above[i]
+        if kind == 3:
+            predicted = left + up >> 1
+        else:  # Paeth: the nearest to left + up - corner, the first of equals
+            corner = above[i - step]
+            to_left, to_up = abs(up - corner), abs(left - corner)
+            to_corner = abs(left + up - 2 * corner)
+            predicted = (left if to_left <= to_up and to_left <= to_corner else up if to_up <= to_corner else corner)
+        out[i] = out[i] + predicted & 255
+    return bytes(out[step:])

@@ -46,6 +46,7 @@ class SceneArgument(unittest.TestCase):
         return [("info", scene), ("verify", scene), ("diff", scene, self.out / "scene.xml"),
                 ("export", scene, "-o", self.root / "v.ply"), ("render", scene, *picture)]
 
+    # 2026-11-22: commands took the scene.xml in it and refused the folder.
     def test_a_folder_is_taken_for_its_scene(self):
         for given in (self.out, f"{self.out}/", self.out / "scene.xml"):
             for command in self.commands_of_a_scene(given):
@@ -87,6 +88,7 @@ class SceneArgument(unittest.TestCase):
             self.refused(2, "gigavoxel-binary", "export", self.out, "-o", self.root / name)
             self.assertFalse((self.root / name).exists())
 
+    # 2026-11-22: where two shards were swapped, an export wrote other voxels and ended with 0.
     def test_an_export_of_a_scene_that_does_not_fit_its_shards_writes_nothing(self):
         bad = self.root / "bad"
         shutil.copytree(self.out, bad)

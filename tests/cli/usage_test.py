@@ -49,6 +49,7 @@ def commands(words=()):
 
 
 class Usage(unittest.TestCase):
+    # 2026-11-22: what was missing was named, and not the mistake.
     def test_a_mistake_is_named_before_what_is_missing_in_one_line(self):
         for words, expected in MISTAKES:
             with self.subTest(words=[word[:40] for word in words]):
@@ -134,6 +135,7 @@ class ManualOnATerminal(unittest.TestCase):
 
 
 class Jpeg(unittest.TestCase):
+    # 2026-11-22: the file was a PNG whose name said .jpg.
     def test_render_writes_a_jpeg_where_the_name_says_so(self):
         with tempfile.TemporaryDirectory() as folder:
             GIGABAKE.succeed("sample", f"{folder}/sample", "--size", 64, "--tiles", 1)

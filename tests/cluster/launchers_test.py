@@ -160,6 +160,7 @@ class Mpirun(Script):
         self.assertEqual(self.lines("signals"), ["USR1", "TERM"])
         self.assertEqual(len(self.lines("launches")), 1)
 
+    # 2026-11-22: mpirun hung after 2 of 50 ranks that died in their first second.
     def test_a_launch_that_hangs_is_killed_and_repeated_unless_its_bake_has_ended(self):
         self.expect_no_hang(self.run_to_end, [("incomplete", 3), ("mute", 0), ("lonely", 0)], relaunched=True)
 

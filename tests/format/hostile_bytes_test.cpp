@@ -10,6 +10,7 @@
 #include "format/system/read_file.h"
 #include "lattice/error.h"
 #include "tests/format/source/source_scene.h"
+#include "tests/random_seed.h"
 #include "tests/shared_data.h"
 
 namespace gigabake {
@@ -57,8 +58,7 @@ class HostileBytes : public testing::TestWithParam<Sample> {};
 TEST_P(HostileBytes, EndInSuccessOrInOneClearLine) {
   const Path original = shared_data() / GetParam().file;
   if (!std::filesystem::exists(original)) GTEST_SKIP() << original << " is absent";
-  const std::uint64_t seed = std::random_device{}();
-  SCOPED_TRACE("seed " + std::to_string(seed));
+  const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   const std::vector<std::uint8_t> bytes = read_whole_file(original);
   const test::SourceFolder folder;

@@ -107,6 +107,15 @@ def tileset_seeds():
     yield Seed("3tz", "a.3tz", {"a.3tz": archive.getvalue()})
 
 
+def mesh_file_seeds():
+    plys = made.plys()
+    for name, content in {"ply in ascii": plys[0], "ply, little endian": plys[4], "ply, big endian": plys[5]}.items():
+        mesh, picture = content.split(made.PART)
+        yield Seed(name, "a.ply", {"a.ply": mesh, "one.png": picture})
+    for name, content in {"stl in ascii": made.stls()[0], "binary stl": made.stls()[1]}.items():
+        yield Seed(name, "a.stl", {"a.stl": content})
+
+
 def other_seeds():
     obj, mtl = made.objs()[0].split(made.PART)
     near, found = obj.replace(b"5e6 4e6 100", b"5 4 1"), mtl.replace(b"gone", b"p")
@@ -127,7 +136,7 @@ def other_seeds():
 
 
 def all_seeds():
-    return [*gltf_seeds(), *tile_seeds(), *tileset_seeds(), *other_seeds()]
+    return [*gltf_seeds(), *tile_seeds(), *tileset_seeds(), *other_seeds(), *mesh_file_seeds()]
 
 
 class TooLong(Exception):

@@ -83,6 +83,7 @@ TEST(TimeLeft, StaysInANarrowBandWhereAFirstPartTakesLongerThanThoseThatFollow) 
     expect_band({4, 160, first_s}, 0.8, 1.6, "first after " + std::to_string(first_s));
 }
 
+/// 2026-11-22: the time left wandered by a factor of two.
 TEST(TimeLeft, StaysInANarrowBandInANoisyBake) {
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     std::mt19937 dice(seed);

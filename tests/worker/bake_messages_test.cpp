@@ -4,6 +4,7 @@
 #include <random>
 
 #include "lattice/error.h"
+#include "tests/random_seed.h"
 
 namespace gigabake {
 namespace {
@@ -15,7 +16,7 @@ std::vector<std::uint8_t> random_bytes(std::size_t size, std::mt19937_64& rng) {
 }
 
 TEST(FrameReader, FindsEveryMessageHoweverTheBytesArrive) {
-  const std::uint64_t seed = std::random_device{}();
+  const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   for (int round = 0; round < 200; ++round) {
     std::vector<BakeMessage> sent;
@@ -33,10 +34,10 @@ TEST(FrameReader, FindsEveryMessageHoweverTheBytesArrive) {
       at += part;
       while (auto message = reader.next()) got.push_back(std::move(*message));
     }
-    ASSERT_EQ(got.size(), sent.size()) << "seed " << seed;
+    ASSERT_EQ(got.size(), sent.size());
     for (std::size_t i = 0; i < sent.size(); ++i) {
-      EXPECT_EQ(got[i].kind, sent[i].kind) << "seed " << seed;
-      EXPECT_EQ(got[i].payload, sent[i].payload) << "seed " << seed;
+      EXPECT_EQ(got[i].kind, sent[i].kind);
+      EXPECT_EQ(got[i].payload, sent[i].payload);
     }
   }
 }

@@ -8,6 +8,7 @@
 
 #include "kernels/cpu/bake_cell.h"
 #include "lattice/morton.h"
+#include "tests/random_seed.h"
 
 namespace gigabake {
 namespace {
@@ -63,7 +64,7 @@ LatticeTriangle random_triangle(std::mt19937_64& rng, std::int64_t extent, std::
 }
 
 TEST(ForEachColumn, HoldsEveryVoxelThatTheKernelsOccupyUnderAnySurfaceRule) {
-  const std::uint64_t seed = std::random_device{}();
+  const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   for (int round = 0; round < 600; ++round) {
     // Steps of 256 and 128 put vertices on voxel corners and centres, where ties are.
@@ -73,16 +74,16 @@ TEST(ForEachColumn, HoldsEveryVoxelThatTheKernelsOccupyUnderAnySurfaceRule) {
       const Columns columns = columns_of(t, grid);
       for_each_baked_voxel(t, rule, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
         const auto at = columns.find({x >> grid.cell_bits, y >> grid.cell_bits});
-        ASSERT_NE(at, columns.end()) << "voxel " << x << ", " << y << "; seed " << seed << ", round " << round;
+        ASSERT_NE(at, columns.end()) << "voxel " << x << ", " << y << ", round " << round;
         EXPECT_TRUE(at->second.first <= z && z <= at->second.last)
-            << "voxel " << x << ", " << y << ", " << z << "; seed " << seed << ", round " << round;
+            << "voxel " << x << ", " << y << ", " << z << ", round " << round;
       });
     }
   }
 }
 
 TEST(ForEachColumn, HoldsPointsOfTrianglesOfAnySizeAndSlope) {
-  const std::uint64_t seed = std::random_device{}();
+  const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   std::uniform_real_distribution<double> unit(0, 1);
   for (int round = 0; round < 1000; ++round) {
@@ -103,9 +104,8 @@ TEST(ForEachColumn, HoldsPointsOfTrianglesOfAnySizeAndSlope) {
         q[c] =
             t.p[0][c] + std::int64_t(std::floor(a * double(t.p[1][c] - t.p[0][c]) + b * double(t.p[2][c] - t.p[0][c])));
       const auto at = columns.find({q[0] >> bits, q[1] >> bits});
-      ASSERT_NE(at, columns.end()) << "seed " << seed << ", round " << round;
-      EXPECT_TRUE(at->second.first <= (q[2] >> 8) && (q[2] >> 8) <= at->second.last)
-          << "seed " << seed << ", round " << round;
+      ASSERT_NE(at, columns.end()) << "round " << round;
+      EXPECT_TRUE(at->second.first <= (q[2] >> 8) && (q[2] >> 8) <= at->second.last) << "round " << round;
     }
   }
 }

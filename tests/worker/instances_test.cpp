@@ -9,6 +9,7 @@
 #include <sys/resource.h>
 
 #include "glb_scene.h"
+#include "tests/random_seed.h"
 #include "worker/cell_loader.h"
 #include "worker/survey_tile.h"
 
@@ -87,8 +88,7 @@ Columns by_place(const TileSurvey& survey) {
 }
 
 TEST(Instances, SurveyedByBoxesReachWhereTheirTrianglesReachAndHardlyFarther) {
-  const std::uint64_t seed = std::random_device{}();
-  SCOPED_TRACE("seed " + std::to_string(seed));
+  const test::RandomSeed seed;
   const Forest forest = random_forest(3000, 300, seed);
   const ThreadPool pool(2);
   const ScratchFolder few, many;

@@ -132,7 +132,8 @@ TEST_P(SharedData, LoadsOrIsRefusedForTheReasonsWrittenDown) {
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is absent";
   const std::string table = table_of(GetParam(), try_set(folder));
   std::cout << table;
-  if (table.find("this gigabake was built without") != std::string::npos)
+  // Only where CMake found a library missing: a reader that says so of itself must not make the test skip.
+  if (!GIGABAKE_READS_EVERYTHING && table.find("this gigabake was built without") != std::string::npos)
     GTEST_SKIP() << "not compared: a library is missing, see the table";
   EXPECT_TRUE(table == written_down(GetParam())) << "tests/worker/shared_data.txt says\n" << written_down(GetParam());
 }

@@ -12,6 +12,7 @@
 #include "tests/format/scene/scene_voxels.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/format/system/small_disk.h"
+#include "tests/random_seed.h"
 
 namespace gigabake {
 namespace {
@@ -76,8 +77,7 @@ void expect_same(const ReadVoxels& read, const made::SceneVoxels& voxels, bool n
 
 TEST(Gigavoxel, AScenesVoxelsComeBackFromBothKindsOfTrees) {
   for (int round = 0; round < 4; ++round) {
-    const std::uint64_t seed = std::random_device{}();
-    SCOPED_TRACE("seed " + std::to_string(seed));
+    const test::RandomSeed seed(round);
     std::mt19937_64 rng(seed);
     const TempFolder folder;
     const bool normals = round != 0;
@@ -215,8 +215,7 @@ bool is_read(const std::filesystem::path& tree_file) {
 }
 
 TEST(GigavoxelHostile, AnyByteOfAnyFileMayBeWrongOrMissing) {
-  const std::uint64_t seed = std::random_device{}();
-  SCOPED_TRACE("seed " + std::to_string(seed));
+  const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   const TempFolder folder;
   made::write_scene_of(folder / "scene.xml", {made::random_shard(rng, {3, true, 2})});

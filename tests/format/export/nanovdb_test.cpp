@@ -9,6 +9,7 @@
 #include "tests/format/scene/scene_voxels.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/format/system/small_disk.h"
+#include "tests/random_seed.h"
 
 #if __has_include(<nanovdb/NanoVDB.h>)
 #define GIGABAKE_TEST_NANOVDB
@@ -125,8 +126,7 @@ void expect_same_voxels(const std::filesystem::path& nvdb, const made::SceneVoxe
 
 TEST(Nanovdb, TheLibraryReadsTheVoxelsOfEveryLevelOfARandomScene) {
   for (int round = 0; round < 6; ++round) {
-    const std::uint64_t seed = std::random_device{}();
-    SCOPED_TRACE("seed " + std::to_string(seed));
+    const test::RandomSeed seed(round);
     std::mt19937_64 rng(seed);
     const TempFolder folder;
     const bool normals = round % 3 != 0;

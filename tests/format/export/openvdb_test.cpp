@@ -10,6 +10,7 @@
 #include "tests/format/scene/scene_voxels.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/format/system/small_disk.h"
+#include "tests/random_seed.h"
 
 #ifdef GIGABAKE_HAS_OPENVDB
 #include <openvdb/openvdb.h>
@@ -58,8 +59,7 @@ void expect_same_voxels(const std::filesystem::path& vdb, const made::SceneVoxel
 
 TEST(Openvdb, TheLibraryReadsTheVoxelsOfEveryLevelOfARandomScene) {
   for (int round = 0; round < 3; ++round) {
-    const std::uint64_t seed = std::random_device{}();
-    SCOPED_TRACE("seed " + std::to_string(seed));
+    const test::RandomSeed seed(round);
     std::mt19937_64 rng(seed);
     const TempFolder folder;
     made::write_random_scene(folder / "scene.xml", rng, round != 0);

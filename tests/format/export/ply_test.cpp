@@ -8,6 +8,7 @@
 
 #include "lattice/error.h"
 #include "tests/format/shard/made_shard.h"
+#include "tests/random_seed.h"
 
 namespace gigabake {
 namespace {
@@ -81,14 +82,14 @@ TEST(Ply, NormalsAreUnitVectorsOnBothHalvesOfTheSphere) {
 }
 
 TEST(Ply, CountsItsVerticesInTheHeader) {
-  const std::uint64_t seed = std::random_device{}();
+  const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   const TempFolder folder;
   const SceneDescription scene = made::write_scene_of(folder / "scene.xml", {made::random_shard(rng, {3, true, 6})});
   for (int lod = 0; lod < 3; ++lod) {
     const std::uint64_t voxels = export_ply(folder / "scene.xml", lod, folder / "v.ply");
     const std::string ply = made::bytes_of(folder / "v.ply");
-    EXPECT_EQ(voxels, scene.cells[0].voxels[std::size_t(lod)]) << "seed " << seed;
+    EXPECT_EQ(voxels, scene.cells[0].voxels[std::size_t(lod)]);
     EXPECT_NE(ply.find("element vertex " + std::to_string(voxels) + "\n"), std::string::npos);
     EXPECT_EQ(vertices_of(ply).size(), voxels);
   }

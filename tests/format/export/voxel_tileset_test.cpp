@@ -12,6 +12,7 @@
 #include "tests/format/scene/scene_voxels.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/format/system/small_disk.h"
+#include "tests/random_seed.h"
 
 namespace gigabake {
 namespace {
@@ -60,8 +61,7 @@ TileVoxels read_level(const std::filesystem::path& folder, std::size_t level, bo
 
 TEST(VoxelTileset, EveryLevelOfTheShardsComesBackFromItsTiles) {
   for (int round = 0; round < 3; ++round) {
-    const std::uint64_t seed = std::random_device{}();
-    SCOPED_TRACE("seed " + std::to_string(seed));
+    const test::RandomSeed seed(round);
     std::mt19937_64 rng(seed);
     const TempFolder folder;
     const bool normals = round != 0;
@@ -91,8 +91,7 @@ TEST(VoxelTileset, EveryLevelOfTheShardsComesBackFromItsTiles) {
 }
 
 TEST(VoxelTileset, LevelsAboveTheCellsHaveAVoxelWhereTheLevelBelowHasOne) {
-  const std::uint64_t seed = std::random_device{}();
-  SCOPED_TRACE("seed " + std::to_string(seed));
+  const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   const TempFolder folder;
   made::write_random_scene(folder / "scene.xml", rng, true);

@@ -6,6 +6,7 @@
 
 #include "lattice/error.h"
 #include "tests/format/shard/made_shard.h"
+#include "tests/random_seed.h"
 
 namespace gigabake {
 namespace {
@@ -66,7 +67,7 @@ TEST(Diff, FindsTheSameVoxelsHoweverCellsAreCut) {
 }
 
 TEST(Diff, CountsWhatChangedHoweverCellsAreCut) {
-  const std::uint64_t seed = std::random_device{}();
+  const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   const TempFolder folder;
   for (int round = 0; round < 4; ++round) {
@@ -93,8 +94,7 @@ TEST(Diff, CountsWhatChangedHoweverCellsAreCut) {
     const std::int64_t edge_a = edges[rng() % 3], edge_b = edges[rng() % 3];
     made::write_scene_of(folder / "a/scene.xml", cut(before, edge_a));
     made::write_scene_of(folder / "b/scene.xml", cut(after, edge_b));
-    SCOPED_TRACE("seed " + std::to_string(seed) + ", cells of " + std::to_string(edge_a) + " and " +
-                 std::to_string(edge_b));
+    SCOPED_TRACE("cells of " + std::to_string(edge_a) + " and " + std::to_string(edge_b));
     const LevelDifference d = sum_of_lod(diff_scenes(folder / "a/scene.xml", folder / "b/scene.xml"), 0);
     EXPECT_EQ(d.only_in_a, expected.only_in_a);
     EXPECT_EQ(d.only_in_b, 0u);

@@ -161,6 +161,7 @@ TEST(Verify, NamesTheAttributeOfEveryEditEvenWhereTheChecksumFits) {
   }
 }
 
+/// 2026-11-22: 56 of 141 edits of a scene.xml were called clean.
 TEST(Verify, SeesAnyEditByTheChecksum) {
   const TempFolder folder;
   made::write_scene_of(folder / "scene.xml", two_cells());

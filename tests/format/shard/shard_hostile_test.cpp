@@ -5,6 +5,7 @@
 #include "format/shard/shard.h"
 #include "lattice/error.h"
 #include "made_shard.h"
+#include "tests/random_seed.h"
 
 namespace gigabake {
 namespace {
@@ -24,12 +25,12 @@ TEST(HostileShard, WithAnyByteChangedIsAnErrorOrReadsAsBefore) {
   const TempFolder folder;
   const Shard shard = made::small_shard();
   write_shard(folder / "s.h5", shard, {});
-  made::for_each_changed_byte(folder / "s.h5", std::random_device{}(),
+  made::for_each_changed_byte(folder / "s.h5", test::RandomSeed(),
                               [&](const std::string& what) { expect_error_or_equal(folder / "s.h5", shard, what); });
 }
 
 TEST(HostileShard, WithAnOverwrittenStretchIsAnErrorOrReadsAsBefore) {
-  const std::uint64_t seed = std::random_device{}();
+  const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   const TempFolder folder;
   const Shard shard = made::random_shard(rng, {3, true, 3, rng() % 2 == 0});

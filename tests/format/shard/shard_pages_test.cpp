@@ -8,6 +8,7 @@
 #include "broken_shards.h"
 #include "lattice/error.h"
 #include "made_shard.h"
+#include "tests/random_seed.h"
 
 namespace gigabake {
 namespace {
@@ -69,7 +70,7 @@ void expect_random_range(const ShardPages& pages, const Shard& shard, std::mt199
 }
 
 TEST(ShardPages, GiveForAnyRangeThatPartOfTheWhole) {
-  const std::uint64_t seed = std::random_device{}();
+  const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   const TempFolder folder;
   for (int round = 0; round < 24; ++round) {
@@ -78,8 +79,7 @@ TEST(ShardPages, GiveForAnyRangeThatPartOfTheWhole) {
     const ShardPages pages(folder / "s.h5");
     EXPECT_EQ(made::difference({shard.header, {}, {}}, {pages.header(), {}, {}}), "");
     EXPECT_EQ(pages.node_rows(), shard.nodes.key.size());
-    for (int range = 0; range < 40; ++range)
-      expect_random_range(pages, shard, rng, "seed " + std::to_string(seed) + ", round " + std::to_string(round));
+    for (int range = 0; range < 40; ++range) expect_random_range(pages, shard, rng, "round " + std::to_string(round));
   }
 }
 
@@ -92,7 +92,7 @@ Shard large_shard(std::mt19937_64& rng) {
 }
 
 TEST(ShardPages, GiveTheSameWhereColumnsHaveManyChunksAndManyThreadsReadThem) {
-  const std::uint64_t seed = std::random_device{}();
+  const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   const TempFolder folder;
   const Shard shard = large_shard(rng);
@@ -103,7 +103,8 @@ TEST(ShardPages, GiveTheSameWhereColumnsHaveManyChunksAndManyThreadsReadThem) {
     readers.emplace_back([&, t] {
       std::mt19937_64 own(seed + std::uint64_t(t));
       for (int range = 0; range < 200; ++range)
-        expect_random_range(pages, shard, own, "seed " + std::to_string(seed) + ", thread " + std::to_string(t));
+        expect_random_range(pages, shard, own,
+                            "seed " + std::to_string(std::uint64_t(seed)) + ", thread " + std::to_string(t));
     });
 }
 

@@ -9,6 +9,7 @@
 #include "format/shard/shard_reader.h"
 #include "lattice/error.h"
 #include "made_shard.h"
+#include "tests/random_seed.h"
 
 namespace gigabake {
 namespace {
@@ -16,14 +17,14 @@ namespace {
 using made::TempFolder;
 
 TEST(Shard, ComesBackAsItWasWritten) {
-  const std::uint64_t seed = std::random_device{}();
+  const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   const TempFolder folder;
   for (int round = 0; round < 24; ++round) {
     const Shard shard = made::random_shard(rng, {1 + round % 4, round % 3 != 0, 6, round % 5 < 3});
     const std::uint64_t bytes = write_shard(folder / "s.h5", shard, {ThreadPool(1 + round % 3), Codec(round / 2 % 2)});
     EXPECT_EQ(bytes, std::filesystem::file_size(folder / "s.h5"));
-    EXPECT_EQ(made::difference(shard, read_shard(folder / "s.h5")), "") << "seed " << seed << ", round " << round;
+    EXPECT_EQ(made::difference(shard, read_shard(folder / "s.h5")), "") << "round " << round;
   }
 }
 
@@ -44,7 +45,7 @@ TEST(Shard, StoresOnceWhatNeighboursHaveInCommon) {
 }
 
 TEST(Shard, IsTheSameFileHoweverManyThreadsCompressIt) {
-  const std::uint64_t seed = std::random_device{}();
+  const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   const TempFolder folder;
   const Shard shard = made::random_shard(rng, {5, true, 5});
@@ -53,19 +54,19 @@ TEST(Shard, IsTheSameFileHoweverManyThreadsCompressIt) {
     std::ifstream file(folder / "s.h5", std::ios::binary);
     return std::string(std::istreambuf_iterator<char>(file), {});
   };
-  EXPECT_EQ(written(1, Codec::lz4), written(3, Codec::lz4)) << "seed " << seed;
-  EXPECT_EQ(written(1, Codec::deflate), written(3, Codec::deflate)) << "seed " << seed;
+  EXPECT_EQ(written(1, Codec::lz4), written(3, Codec::lz4));
+  EXPECT_EQ(written(1, Codec::deflate), written(3, Codec::deflate));
 }
 
 TEST(Shard, ComesBackWhereColumnsHaveManyChunks) {
-  const std::uint64_t seed = std::random_device{}();
+  const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   const TempFolder folder;
   Shard shard;
   do shard = made::random_shard(rng, {8, true, 8});
   while (shard.levels[0].rgba.size() < std::size_t(1) << 20);
   write_shard(folder / "s.h5", shard, {ThreadPool(2)});
-  EXPECT_EQ(made::difference(shard, read_shard(folder / "s.h5")), "") << "seed " << seed;
+  EXPECT_EQ(made::difference(shard, read_shard(folder / "s.h5")), "");
 }
 
 TEST(Shard, GivesItsPartsOneByOne) {

@@ -7,6 +7,8 @@
 #include <map>
 #include <random>
 
+#include "tests/random_seed.h"
+
 namespace gigabake {
 namespace {
 
@@ -63,7 +65,7 @@ std::size_t count_values(const std::uint64_t* mask, const std::uint8_t* share) {
 }
 
 TEST(SharedValues, GiveEveryVoxelItsOwnBytesBack) {
-  const std::uint64_t seed = std::random_device{}();
+  const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   int shared_rounds = 0;
   for (int round = 0; round < 200; ++round) {
@@ -74,7 +76,7 @@ TEST(SharedValues, GiveEveryVoxelItsOwnBytesBack) {
       std::vector<std::uint8_t> plain = shared.value;
       while (shared.value.size() == width && plain.size() < made.bytes.size())
         plain.insert(plain.end(), shared.value.begin(), shared.value.end());
-      EXPECT_EQ(plain, made.bytes) << "seed " << seed;
+      EXPECT_EQ(plain, made.bytes);
       continue;
     }
     ++shared_rounds;
@@ -82,7 +84,7 @@ TEST(SharedValues, GiveEveryVoxelItsOwnBytesBack) {
     EXPECT_LT(shared.value.size() + shared.share.size(), made.bytes.size() * 3 / 4);
     for (std::size_t b = 0; b + 1 < made.first.size(); ++b)
       EXPECT_EQ(shared.first[b + 1] - shared.first[b], count_values(&made.mask[8 * b], &shared.share[share_bytes * b]));
-    EXPECT_EQ(spread(made, shared, width), made.bytes) << "seed " << seed;
+    EXPECT_EQ(spread(made, shared, width), made.bytes);
   }
   EXPECT_GT(shared_rounds, 20);
 }

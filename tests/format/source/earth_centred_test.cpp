@@ -114,6 +114,7 @@ TEST_F(EarthCentred, ATileStandsUprightHoweverItSaysWhereItIs) {
   EXPECT_EQ(open("").tiles.size(), 3u);
 }
 
+/// 2026-11-22: such a tile was baked tilted, in a local frame, without a word.
 TEST_F(EarthCentred, ATileAloneIsWhereItsTilesetPutsIt) {
   write_tile("a.b3dm");
   Json root = test::tile("a.b3dm");
@@ -152,6 +153,7 @@ TEST_F(EarthCentred, InstancesStandWhereEachOfThemHasEastAndNorth) {
   for (const Point<Scene>& p : vertices(s)) EXPECT_NEAR(p.z, 0, 1e-6);  // the model lies on the ground
 }
 
+/// 2026-11-22: --origin printed an origin and left the coordinates 6,400 km away.
 TEST_F(EarthCentred, WhatIsNotUsedSoIsSaid) {
   write_tile("a.b3dm");
   const SceneSources s = open("a.b3dm", {true, {}, {}});

@@ -9,6 +9,7 @@
 #include "lattice/error.h"
 #include "mesh_file.h"
 #include "source_scene.h"
+#include "tests/random_seed.h"
 
 namespace gigabake {
 namespace {
@@ -107,8 +108,7 @@ double area(const std::vector<std::array<double, 3>>& p, const std::vector<std::
 
 /// A star around a point sees all of its border from there, so its area is that of the fan from there.
 TEST(Polygon, TrianglesOfAStarHaveItsAreaWhichOverlapsWouldExceed) {
-  const std::uint64_t seed = std::random_device{}();
-  SCOPED_TRACE("seed " + std::to_string(seed));
+  const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   std::uniform_real_distribution<double> unit(0, 1);
   for (int round = 0; round < 500; ++round) {

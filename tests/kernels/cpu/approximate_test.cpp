@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 #include <random>
 
+#include "tests/random_seed.h"
+
 namespace gigabake::kernels {
 namespace {
 
@@ -46,19 +48,19 @@ struct Changes {
 };
 
 /// Asserts the bound for every voxel.
-Changes expect_bound(const Level& exact, const Level& off, std::uint32_t codes, std::uint64_t seed) {
+Changes expect_bound(const Level& exact, const Level& off, std::uint32_t codes) {
   Changes changes;
   EXPECT_EQ(exact.mask, off.mask);
   EXPECT_EQ(exact.first, off.first);
   for (std::size_t v = 0; v < exact.first.back(); ++v) {
     for (std::size_t c = 0; c < 4; ++c) {
       const int difference = std::abs(int(exact.rgba[4 * v + c]) - int(off.rgba[4 * v + c]));
-      EXPECT_LE(difference, int(codes)) << "voxel " << v << ", channel " << c << ", seed " << seed;
+      EXPECT_LE(difference, int(codes)) << "voxel " << v << ", channel " << c << "";
       (c < 3 ? changes.colours : changes.alphas) += difference != 0;
     }
-    EXPECT_GT(off.rgba[4 * v + 3], 0) << "a voxel vanished, seed " << seed;
+    EXPECT_GT(off.rgba[4 * v + 3], 0) << "a voxel vanished";
     const double chord = half_chord(&exact.normal[2 * v], &off.normal[2 * v]);
-    EXPECT_LE(chord, codes / 255.0 + 5e-5) << "voxel " << v << ", seed " << seed;
+    EXPECT_LE(chord, codes / 255.0 + 5e-5) << "voxel " << v << "";
     changes.normals += chord != 0;
     if (testing::Test::HasFailure()) return changes;
   }
@@ -66,7 +68,7 @@ Changes expect_bound(const Level& exact, const Level& off, std::uint32_t codes, 
 }
 
 TEST(Approximate, KeepsEveryVoxelWithinTheBound) {
-  const std::uint64_t seed = std::random_device{}();
+  const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   const ThreadPool pool(2);
   Changes all;
@@ -74,7 +76,7 @@ TEST(Approximate, KeepsEveryVoxelWithinTheBound) {
     const Level exact = made_level(rng, 600);
     std::vector<Level> off{exact};
     approximate(off, codes, pool);
-    const Changes changes = expect_bound(exact, off[0], codes, seed);
+    const Changes changes = expect_bound(exact, off[0], codes);
     all.colours += changes.colours, all.alphas += changes.alphas, all.normals += changes.normals;
   }
   EXPECT_GT(all.colours, 1000u);

@@ -7,6 +7,7 @@
 
 #include "lattice/error.h"
 #include "tests/format/shard/made_shard.h"
+#include "tests/random_seed.h"
 #include "viewer/stream/open_shards.h"
 #include "viewer/stream/pager.h"
 
@@ -39,7 +40,7 @@ std::string refusal_of(const PageSource& source, const PageKey& key) {
 }
 
 TEST(PagesFromShards, AreThoseOfTheCellThatTheKeySays) {
-  const std::uint64_t seed = std::random_device{}();
+  const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   const TempFolder folder;
   const std::vector<Shard> shards = cells(rng, 4);
@@ -48,7 +49,7 @@ TEST(PagesFromShards, AreThoseOfTheCellThatTheKeySays) {
   for (std::uint32_t cell = 0; cell < 4; ++cell) {
     const Shard& shard = shards[cell];
     const Page nodes = source({cell, -1, 0});
-    EXPECT_EQ(nodes.rows.size(), shard.nodes.key.size()) << "seed " << seed;
+    EXPECT_EQ(nodes.rows.size(), shard.nodes.key.size());
     EXPECT_EQ(nodes.rows[0].value, shard.nodes.value[0]);
     EXPECT_TRUE(nodes.bricks.mask.empty());
     EXPECT_GE(nodes.bytes(), nodes.rows.size() * 12);
