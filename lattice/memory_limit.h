@@ -10,7 +10,8 @@
 
 namespace gigabake {
 
-/// Sets the limit of the whole process, a bake's memory_bytes; 0, as at the start: no bound. To be called before sources are opened.
+/// Sets the limit of the whole process, a bake's memory_bytes; 0, as at the start: no bound. To be called before
+/// sources are opened.
 void set_memory_limit(std::uint64_t bytes);
 /// The limit in bytes; UINT64_MAX where there is none.
 std::uint64_t memory_limit();
