@@ -87,7 +87,7 @@ GB_HD bool meets_window(const T p[3][3], std::int64_t edge) {
 GB_HD Fate fate_of_far(const CellWindow& window, const PartArrays& part, const std::uint32_t v[3]) {
   std::int64_t p[3][3];
   for (int i = 0; i < 3; ++i) {
-    LatticePoint vertex;
+    LatticePoint vertex{};
     snap(window.frame, part.scene_from_local, part.position + 3 * std::size_t(v[i]), vertex);
     for (int c = 0; c < 3; ++c) p[i][c] = vertex.v[c] - window.min[c] * subvoxels;
   }
