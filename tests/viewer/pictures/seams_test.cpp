@@ -11,7 +11,8 @@ namespace gigabake {
 namespace {
 
 constexpr int scene_edge = 256;
-constexpr int edge = 160;  ///< of a picture
+constexpr int edge = 160;        ///< of a picture
+constexpr int least_share = 32;  ///< of its pixels, one in so many at least shows the scene; from afar one in 15 does
 
 /// Rolling, painted ground, two voxels thick, and posts on it that cross the borders of cells.
 std::optional<Paint> landscape(std::int64_t x, std::int64_t y, std::int64_t z) {
@@ -58,7 +59,7 @@ std::size_t covered_pixels(const Picture& picture) {
 int largest_difference(const Picture& a, const Picture& b) {
   EXPECT_EQ(a.rgba.size(), std::size_t(edge) * edge * 4);
   EXPECT_EQ(a.rgba.size(), b.rgba.size());
-  EXPECT_GT(covered_pixels(a), a.rgba.size() / 4 / 8) << "the picture shows next to nothing";
+  EXPECT_GT(covered_pixels(a), a.rgba.size() / 4 / least_share) << "the picture shows next to nothing";
   int largest = 0;
   for (std::size_t i = 0; i < std::min(a.rgba.size(), b.rgba.size()); ++i)
     largest = std::max(largest, std::abs(a.rgba[i] - b.rgba[i]));
@@ -102,7 +103,7 @@ TEST(Seams, LeaveNoHoleInDepthFromNearAndFar) {
       largest = std::max(largest, difference(a[i], b[i]));
     }
     EXPECT_LE(largest, 1e-3f) << "voxels, pixel error " << place.pixel_error;
-    EXPECT_GT(met, a.size() / 8) << "next to nothing of the scene was met; pixel error " << place.pixel_error;
+    EXPECT_GT(met, a.size() / least_share) << "next to nothing of the scene was met; pixel error " << place.pixel_error;
   }
 }
 
