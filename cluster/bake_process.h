@@ -23,7 +23,7 @@ namespace gigabake {
 
 struct BakeProcessOptions {
   std::filesystem::path program = "/proc/self/exe";  ///< run as PROGRAM bake-process FD
-  Patience patience;
+  Patience patience = {};
 };
 
 /// Runs one process at a time, from the first request on; after a death the next request starts another. From the third
