@@ -124,14 +124,20 @@ BakePlan plan_from(MpiSession& mpi, const BakeRequest& request, const SceneSourc
   return plan;
 }
 
-/// Waits for the process to have its device.
-DeviceChoice device_of(BakeProcess& process) {
+/// Waits for the process to have its device. One that dies before is started again, as one that dies later is; after the
+/// third death in a row there is no hope left.
+DeviceChoice device_of(const MpiSession& mpi, BakeProcess& process) {
   constexpr std::chrono::milliseconds longest_wait{50};
-  for (; !process.device(); process.wait(longest_wait)) {
+  constexpr int most_deaths = 3;
+  for (int deaths = 0; !process.device(); process.wait(longest_wait)) {
     process.prepare();
-    if (const auto event = process.poll())
-      if (const auto* died = std::get_if<BakeProcess::Died>(&*event))
-        throw std::runtime_error("the process that bakes ended before it began: " + died->why);
+    const auto event = process.poll();
+    const auto* died = event ? std::get_if<BakeProcess::Died>(&*event) : nullptr;
+    if (died == nullptr) continue;
+    if (++deaths == most_deaths)
+      throw std::runtime_error("the process that bakes ended before it began: " + died->why);
+    std::fprintf(stderr, "rank %d on %s: the process that bakes ended before it began, and is started again: %s\n",
+                 mpi.rank(), host_name().c_str(), died->why.c_str());
   }
   if (!process.device()->error.empty()) throw std::runtime_error(process.device()->error);
   return process.device()->choice;
@@ -140,7 +146,7 @@ DeviceChoice device_of(BakeProcess& process) {
 /// A rank without a device beside others that have one says so: its cells take longer.
 void choose_devices(MpiSession& mpi, BakeProcess& process, BakeSummary& summary) {
   DeviceChoice choice;
-  all_or_none(mpi, [&] { choice = device_of(process); });
+  all_or_none(mpi, [&] { choice = device_of(mpi, process); });
   summary.ranks_with_device = int(mpi.sum_of(choice.device.has_value() ? 1 : 0));
   summary.no_device = choice.reason;
   if (summary.ranks_with_device != 0 && !choice.device && !choice.reason.empty())

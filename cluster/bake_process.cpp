@@ -67,7 +67,7 @@ std::optional<BakeProcess::Event> BakeProcess::poll() {
 void BakeProcess::work() {
   if (!child_ && in_hand() != 0 && !is_paused()) start();
   if (channel_) exchange();
-  if (channel_ && in_hand() != 0) look_for_hang();
+  if (channel_ && is_awaited()) look_for_hang();
   if (child_ && !channel_) bury();
 }
 
@@ -147,7 +147,8 @@ void BakeProcess::look_for_hang() {
 }
 
 std::string BakeProcess::oldest() const {
-  return cells_.empty() ? fmt::format("the survey of tile {}", tiles_.front()) : "cell " + cells_.front().job.name;
+  if (!cells_.empty()) return "cell " + cells_.front().job.name;
+  return tiles_.empty() ? "its start" : fmt::format("the survey of tile {}", tiles_.front());
 }
 
 /// why: none where it ended by itself.
@@ -185,7 +186,7 @@ void BakeProcess::wait(std::chrono::milliseconds longest) const {
   if (!events_.empty()) return;
   Clock::time_point until = Clock::now() + longest;
   if (child_ && !channel_) until = std::min(until, Clock::now() + std::chrono::milliseconds(1));
-  if (channel_ && in_hand() != 0) until = std::min(until, watch_.next_look());
+  if (channel_ && is_awaited()) until = std::min(until, watch_.next_look());
   if (!child_ && in_hand() != 0) until = std::min(until, not_before_);
   const auto rest = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
   pollfd socket{channel_ ? child_->socket() : -1, POLLIN, 0};

@@ -42,7 +42,8 @@ class BakeProcess {
   };
   /// What was in hand, oldest first, goes back to the owner: nobody works on it any more.
   struct Died {
-    std::string why;  ///< "killed by signal 11 (SIGSEGV)", "exit code 1", "hung: no CPU time for 60 s in cell c_0_0_0"
+    std::string why;  ///< "killed by signal 11 (SIGSEGV)", "exit code 1", "hung: no CPU time for 60 s in cell c_0_0_0",
+                      ///< "… in its start"
     std::vector<BakeOrder> cells;
     std::vector<std::uint32_t> tiles;
   };
@@ -86,6 +87,8 @@ class BakeProcess {
   void report_death(std::string why);
   void expect_work();
   bool is_paused() const { return !child_ && Clock::now() < not_before_; }
+  /// One that has not begun is waited for, though nothing is in hand: it may hang as well.
+  bool is_awaited() const { return in_hand() != 0 || !device_; }
   std::string oldest() const;
 
   const std::vector<std::uint8_t> setup_;

@@ -28,6 +28,10 @@ endfunction()
 
 gb_codec(ZIP zip.h zip libzip-dev)
 gb_codec(DRACO draco/compression/decode.h draco libdraco-dev)
+if(TARGET gb_draco)
+  # libdraco brings a tinygltf of its own, of another version: whatever is linked finds the real one first.
+  target_link_libraries(gb_tinygltf INTERFACE gb::draco)
+endif()
 gb_codec(MESHOPT meshoptimizer.h meshoptimizer libmeshoptimizer-dev)
 gb_codec(WEBP webp/decode.h webp libwebp-dev)
 gb_codec(GDAL gdal_priv.h gdal libgdal-dev SUFFIXES gdal)

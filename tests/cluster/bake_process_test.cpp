@@ -115,6 +115,16 @@ TEST_F(BakeProcessTest, TakesAStoppedProcessForHungAndGoesOn) {
   EXPECT_EQ(expect<Baked>(process).report.outcome, CellOutcome::baked);
 }
 
+/// Until 2026-11-22 nobody looked at a process that had not begun and had nothing in hand: all ranks waited for ever.
+TEST_F(BakeProcessTest, TakesAProcessThatStopsBeforeItBeginsForHung) {
+  BakeProcessOptions options;
+  options.program = scene.script("asleep", "exec sleep 600");
+  options.patience.stall_s = 2;
+  BakeProcess process(scene.setup("out"), options);
+  process.prepare();
+  EXPECT_EQ(expect<Died>(process).why, "hung: no CPU time for 2 s in its start");
+}
+
 TEST_F(BakeProcessTest, EndsACellThatTakesTooLong) {
   BakeProcessOptions options;
   options.program = scene.script("busy", "while :; do :; done");

@@ -211,7 +211,7 @@ def edit_shard_attribute(rng, shard):
         shard.attrs.modify(name, numpy.bytes_(bytes(text)))
     else:
         numbers = numpy.array(value)
-        numbers.reshape(-1)[rng.randrange(numbers.size)] += rng.choice((1, 8, -8))
+        numbers.reshape(-1)[rng.randrange(numbers.size)] += numpy.array(rng.choice((1, 8, -8))).astype(numbers.dtype)
         shard.attrs.modify(name, numbers)
     return f"attribute {name} {kind}"
 

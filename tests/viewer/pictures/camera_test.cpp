@@ -89,7 +89,7 @@ TEST(Camera, RefusesAnglesAndPixelErrorsOutOfRange) {
   for (const double bad : {nan, 0.0, -1.0, 0x1p-17, 0x1p17, infinity}) {
     CameraOptions options = looking_down();
     options.pixel_error = bad;
-    EXPECT_THAT(complaint(options), testing::StartsWith("--pixel-error: "));
+    EXPECT_THAT(complaint(options), testing::StartsWith("`pixel_error`: "));
   }
 }
 
