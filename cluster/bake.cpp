@@ -124,8 +124,8 @@ BakePlan plan_from(MpiSession& mpi, const BakeRequest& request, const SceneSourc
   return plan;
 }
 
-/// Waits for the process to have its device. One that dies before is started again, as one that dies later is; after the
-/// third death in a row there is no hope left.
+/// Waits for the process to have its device. One that dies before is started again, as one that dies later is; after
+/// the third death in a row there is no hope left.
 DeviceChoice device_of(const MpiSession& mpi, BakeProcess& process) {
   constexpr std::chrono::milliseconds longest_wait{50};
   constexpr int most_deaths = 3;
@@ -134,8 +134,7 @@ DeviceChoice device_of(const MpiSession& mpi, BakeProcess& process) {
     const auto event = process.poll();
     const auto* died = event ? std::get_if<BakeProcess::Died>(&*event) : nullptr;
     if (died == nullptr) continue;
-    if (++deaths == most_deaths)
-      throw std::runtime_error("the process that bakes ended before it began: " + died->why);
+    if (++deaths == most_deaths) throw std::runtime_error("the process that bakes ended before it began: " + died->why);
     std::fprintf(stderr, "rank %d on %s: the process that bakes ended before it began, and is started again: %s\n",
                  mpi.rank(), host_name().c_str(), died->why.c_str());
   }

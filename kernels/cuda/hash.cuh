@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "kernels/cuda/device_level.cuh"
+#include "kernels/cuda/voxelize.cuh"
 #include "lattice/voxel_hash.h"
 
 namespace gigabake::kernels {

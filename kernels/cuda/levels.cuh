@@ -4,8 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "kernels/body/tables.h"
-#include "kernels/cuda/device_level.cuh"
+#include "kernels/cuda/voxelize.cuh"
 #include "lattice/rules.h"
 
 namespace gigabake::kernels {
