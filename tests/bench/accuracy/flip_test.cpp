@@ -85,7 +85,7 @@ Codes other_speckle(int x, int y) { return speckle(x + 100, y); }
 
 /// The authors' implementation, FLIP.h of github.com/NVlabs/flip at commit 1eb247c (version 1.6), was given these
 /// pictures at 67 pixels per degree on 2026-11-22; it computes in float. The mean that its own test expects of its own
-/// two pictures, 0.159691, is not checked here: they are eight megabytes.
+/// two pictures, 0.159691, is not checked here: they are not part of this project.
 TEST(Flip, AgreesWithTheReferenceImplementation) {
   constexpr int width = 61, height = 47;
   const auto picture = [&](Maker made) {
