@@ -165,6 +165,9 @@ TEST_P(DataSets, HaveTheSameHashesOnCpuAndGpu) {
   }
   std::cout << outcome.sources << " sources, " << outcome.without_cells << " of them without triangles, "
             << outcome.cells << " cells, " << outcome.comparisons << " comparisons\n";
+  // These are there to be refused; whether one has a triangle to bake is not theirs to say.
+  if (GetParam() == std::string("gltf-validator-cases") && outcome.comparisons == 0)
+    GTEST_SKIP() << "all " << files.size() << " files are refused or empty: nothing was compared";
   // Mended on 2026-11-22: sources that all are refused left nothing to compare, and the test passed.
   EXPECT_GT(outcome.comparisons, 0) << folder << " is there, and nothing of its " << files.size()
                                     << " files was compared";
