@@ -27,6 +27,18 @@ std::size_t edits_between(const std::string& a, const std::string& b) {
   return last[b.size()];
 }
 
+/// None for a word of fewer than four characters, which is the beginning of too much.
+std::optional<std::string> only_one_that_begins(const std::string& word, const std::vector<std::string>& known) {
+  constexpr std::size_t fewest_characters = 4;
+  std::optional<std::string> found;
+  for (const std::string& candidate : known) {
+    if (word.size() < fewest_characters || !candidate.starts_with(word)) continue;
+    if (found) return std::nullopt;
+    found = candidate;
+  }
+  return found;
+}
+
 std::string shown(const std::string& word) {
   return "'" + (word.size() <= most_quoted ? word : word.substr(0, most_quoted) + "…") + "'";
 }
@@ -129,7 +141,7 @@ std::optional<std::string> meant_by(const std::string& word, const std::vector<s
     nearest = candidate;
     fewest = edits;
   }
-  return nearest;
+  return nearest ? nearest : only_one_that_begins(word, known);
 }
 
 std::string usage_error(const CLI::App& program, const CLI::ParseError& error) {

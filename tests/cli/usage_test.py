@@ -24,6 +24,7 @@ MISTAKES = [
     ([], "gigabake: expected a command"),
     (["bake", "scene.glb", "--voxle-size", "1"], "unknown option '--voxle-size'; did you mean --voxel-size?"),
     (["bake", "scene.glb", "--voxelsize=1"], "unknown option '--voxelsize'; did you mean --voxel-size?"),
+    (["bake", "scene.glb", "--voxel", "1"], "unknown option '--voxel'; did you mean --voxel-size?"),
     (["bake", "--eye", "1,2,3"], "gigabake bake: unknown option '--eye', which belongs to: render, view, serve"),
     (["--voxel-size", "1", "bake", "scene.glb"], "gigabake: expected --voxel-size behind the command"),
     (["info", "--xyzzy", "a"], "gigabake info: unknown option '--xyzzy'; gigabake info --help lists them"),
