@@ -240,6 +240,21 @@ class Faults(unittest.TestCase):
             subprocess.run(["rm", "-rf", out], check=True)
         print(f"seed {OPTIONS['seed']}, {inflicted} faults, the longest took {slowest:.1f} s: {counts}")
 
+    def test_bake_processes_that_die_before_they_begin_are_started_again(self):
+        """Until 2026-11-22 the first such death ended the bake with exit code 1."""
+        out = self.work / "newborn"
+        launch = Launch(self.program, self.bake(out), 2)
+        killed = set()
+        while launch.process.poll() is None and len(killed) < 2:
+            for pid in set(launch.pids("bake process")) - killed:
+                os.kill(pid, signal.SIGKILL)
+                killed.add(pid)
+        code, log = launch.wait()
+        self.assertEqual(code, 0, log)
+        self.assertEqual(len(killed), 2, log)
+        self.assertEqual(harness.lod_hashes(self.program.info(out / "scene.xml")), self.undisturbed)
+        self.program.succeed("verify", out / "scene.xml")
+
     def test_a_rank_that_falls_silent_loses_its_cells(self):
         out = self.work / "silent"
         launch = Launch(self.program, self.bake(out), 3)
