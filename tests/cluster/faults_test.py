@@ -241,18 +241,17 @@ class Faults(unittest.TestCase):
         print(f"seed {OPTIONS['seed']}, {inflicted} faults, the longest took {slowest:.1f} s: {counts}")
 
     def test_bake_processes_that_die_before_they_begin_are_started_again(self):
-        """Until 2026-11-22 the first such death ended the bake with exit code 1."""
-        out = self.work / "newborn"
-        launch = Launch(self.program, self.bake(out), 2)
+        """Of ranks that have no tile to survey. Until 2026-11-22 such a death ended the bake with exit code 1."""
+        tile, out = self.work / "tile.glb", self.work / "newborn"
+        harness.write_glb(tile, [(0, 0, 0), (8, 0, 0), (0, 0, -8)], [(0, 1, 2)], [(200, 100, 50, 255)] * 3)
+        launch = Launch(self.program, ["bake", tile, "-o", out, "--voxel-size", 0.25, "--cell-voxels", 8], 3)
         killed = set()
-        while launch.process.poll() is None and len(killed) < 2:
-            for pid in set(launch.pids("bake process")) - killed:
+        while launch.process.poll() is None and len(killed) < 2:  # a third death of one rank's may end the bake
+            for pid in sorted(set(launch.pids("bake process")) - killed)[:2 - len(killed)]:
                 os.kill(pid, signal.SIGKILL)
                 killed.add(pid)
         code, log = launch.wait()
-        self.assertEqual(code, 0, log)
-        self.assertEqual(len(killed), 2, log)
-        self.assertEqual(harness.lod_hashes(self.program.info(out / "scene.xml")), self.undisturbed)
+        self.assertEqual((code, len(killed)), (0, 2), log)
         self.program.succeed("verify", out / "scene.xml")
 
     def test_a_rank_that_falls_silent_loses_its_cells(self):
