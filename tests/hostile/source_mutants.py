@@ -26,7 +26,7 @@ import mutations  # noqa: E402
 import source_seeds  # noqa: E402
 
 OUR_EXIT_CODES = {0, 1, 2, 3}
-ENDED_WHEN_ASKED = {75, -signal.SIGTERM}
+ENDED_WHEN_ASKED = {75, 128 + signal.SIGTERM, -signal.SIGTERM}  # a bake, another command, one that was just starting
 LONGEST_LINE, MOST_ERRORS = 300, 50_000
 MOST_BYTES = 3 << 30
 # A mutant may be a scene of a million cells, which takes its time: what has not ended is asked to, and must obey.
