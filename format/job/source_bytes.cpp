@@ -46,25 +46,12 @@ void put_optional(ByteWriter& w, const std::optional<Value>& value) {
   throw InputError(what, key, std::string("expected ") + expected);
 }
 
-bool get_flag(ByteReader& r, const char* key) {
-  std::uint8_t value = 0;
-  r.get(value);
-  if (value > 1) refuse(key, "0 or 1");
-  return value == 1;
-}
-
 template <class Value>
-void get_optional(ByteReader& r, const char* key, std::optional<Value>& value) {
+void get_optional(ByteReader& r, std::optional<Value>& value) {
+  bool is_there = false;
+  r.get(is_there);
   value.reset();
-  if (get_flag(r, key)) r.get(value.emplace());
-}
-
-template <class Enum>
-Enum get_enum(ByteReader& r, const char* key, Enum last) {
-  std::uint8_t value = 0;
-  r.get(value);
-  if (value > std::uint8_t(last)) throw InputError(what, key, "unknown: " + std::to_string(value));
-  return Enum(value);
+  if (is_there) r.get(value.emplace());
 }
 
 std::filesystem::path get_path(ByteReader& r) {
@@ -129,7 +116,7 @@ std::shared_ptr<const DemRaster> get_raster(ByteReader& r) {
   DemOptions& o = raster->options;
   o.dem = get_path(r), o.ortho = get_path(r);
   r.get(o.crs);
-  get_optional(r, "raster.nodata", o.nodata), get_optional(r, "raster.height_scale", o.height_scale);
+  get_optional(r, o.nodata), get_optional(r, o.height_scale);
   std::int32_t tile_cells = 0, columns = 0, rows = 0;
   r.get(o.geoid_offset_m), r.get(tile_cells), r.get(columns), r.get(rows), r.get(raster->origin);
   if (tile_cells < 1 || columns < 2 || rows < 2) refuse("raster", "cells and at least 2 × 2 pixels");
@@ -214,8 +201,7 @@ class TileReader {
   TileRef get() {
     TileRef tile;
     std::uint8_t flags = 0;
-    tile.kind = get_enum(r_, "tile.kind", ContentKind::stl);
-    tile.gltf_up = get_enum(r_, "tile.gltf_up", UpAxis::x);
+    r_.get(tile.kind), r_.get(tile.gltf_up);
     r_.get(flags);
     if (flags > all_flags) refuse("tile.flags", "known ones alone");
     get_next(r_, path_), get_next(r_, name_);
@@ -250,7 +236,7 @@ class TileReader {
 SkippedSource get_skipped(ByteReader& r) {
   SkippedSource skipped;
   r.get(skipped.name), r.get(skipped.reason);
-  skipped.informative = get_flag(r, "skipped.informative");
+  r.get(skipped.informative);
   r.get(skipped.points);
   return skipped;
 }
@@ -278,7 +264,7 @@ SceneSources sources_from_bytes(std::span<const std::uint8_t> bytes) {
   ByteReader r(bytes, what);
   SceneSources sources;
   sources.root = get_path(r);
-  get_optional(r, "origin", sources.origin);
+  get_optional(r, sources.origin);
   TileReader tiles(r);
   tiles.get_shared();
   std::uint64_t count = 0;

@@ -13,6 +13,7 @@
 #include "format/source/mesh.h"
 #include "lattice/frames.h"
 #include "lattice/progress.h"
+#include "lattice/rules.h"
 
 namespace gigabake {
 
@@ -27,6 +28,10 @@ struct SourceOptions {
 };
 
 enum class ContentKind : std::uint8_t { glb, gltf, b3dm, i3dm, obj, dem, ply, stl };
+template <>
+constexpr auto names_of<ContentKind>() {
+  return std::to_array<std::string_view>({"glb", "gltf", "b3dm", "i3dm", "obj", "dem", "ply", "stl"});
+}
 
 /// One content file and its place. The same file may be placed several times.
 struct TileRef {
