@@ -22,6 +22,16 @@
 
 namespace gigabake {
 
+/// `index`, which a device must not turn into a 64-bit offset before it is used. For an index into a table that is only
+/// loaded where something exists: ptxas 13.0 (sm_90) clears the 64-bit offset of what does not exist and reads it
+/// before it is clear, so that the table is read gigabytes beyond its end. Found on 2026-11-23 with compute-sanitizer.
+GB_HD std::uint32_t index_of_32_bits(std::uint32_t index) {
+#if defined(__CUDA_ARCH__)
+  asm("" : "+r"(index));
+#endif
+  return index;
+}
+
 /// Borrowed, contiguous. Trivially copyable: passes to a device by value.
 template <class T>
 struct Span {

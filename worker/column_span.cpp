@@ -111,16 +111,6 @@ class WideTriangle {
 
 }  // namespace
 
-bool has_area(const LatticeTriangle& t) {
-  using Wide = __int128;
-  for (int k = 0; k < 3; ++k) {
-    const int i = (k + 1) % 3, j = (k + 2) % 3;
-    const auto edge = [&](int vertex, int axis) { return Wide(t.p[vertex][axis] - t.p[0][axis]); };
-    if (edge(1, i) * edge(2, j) != edge(1, j) * edge(2, i)) return true;
-  }
-  return false;
-}
-
 bool for_each_column(const LatticeTriangle& triangle, const ColumnGrid& grid, std::uint64_t max_columns,
                      const std::function<void(std::int64_t, std::int64_t, VoxelSpan)>& visit) {
   const auto columns = [&](int axis) {

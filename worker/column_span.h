@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <functional>
 
+#include "kernels/body/triangle_fate.h"
+
 namespace gigabake {
 
 /// Sub-voxels from the lattice origin, |coordinate| ≤ 2^53.
@@ -11,7 +13,7 @@ struct LatticeTriangle {
   std::int64_t p[3][3];
 };
 
-bool has_area(const LatticeTriangle& triangle);
+inline bool has_area(const LatticeTriangle& triangle) { return kernels::has_area<__int128>(triangle.p); }
 
 struct ColumnGrid {
   int cell_bits = 10;   ///< log2 of the cell's edge in voxels

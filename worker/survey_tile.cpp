@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "format/source/tile_hash.h"
+#include "kernels/body/part.h"
 #include "lattice/error.h"
 #include "lattice/snap.h"
 #include "worker/column_span.h"
@@ -165,10 +166,7 @@ double area_m2(const Primitive& primitive) {
 
 /// Exact for placements that scale all axes alike.
 double area_scale(const Instance& instance) {
-  const auto m = row_major(instance.scene_from_local);
-  const double determinant =
-      m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
-  return std::pow(std::fabs(determinant), 2.0 / 3);
+  return std::pow(std::fabs(kernels::determinant(row_major(instance.scene_from_local).data())), 2.0 / 3);
 }
 
 class TileSurveyor {

@@ -128,6 +128,12 @@ GB_HD VoxelRange extent_voxels(const BrickTriangle<I>& t, int c, bool closed) {
   return first > last ? VoxelRange{1, 0} : VoxelRange{int(first), int(last)};
 }
 
+/// The voxel of a brick, x + 8y + 64z, that is cell u + 8v of slab w across `axis`.
+GB_HD int voxel_of_cell(int axis, int slab, int cell) {
+  const int bits_u = axis == 2 ? 0 : 3 * axis + 3, bits_v = axis == 0 ? 6 : 3 * axis - 3;
+  return slab << 3 * axis | (cell & 7) << bits_u | (cell >> 3) << bits_v;
+}
+
 /// The three edge functions of a triangle projected on two axes, evaluated for cell (0,0) and stepped by cells.
 /// A cell passes where all three values are ≥ 0.
 template <class I>

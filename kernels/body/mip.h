@@ -14,11 +14,32 @@
 
 namespace gigabake::kernels {
 
-/// A voxel of a coarser level.
-struct CoarseVoxel {
-  Voxel voxel;             ///< its alpha is the largest of `facing`, with MipFilter::coverage
-  std::uint8_t facing[3];  ///< coverage that a view along x, y, z sees; set by MipFilter::coverage
+/// Whether a filter weighs children by what views along the axes see of them, else by their coverage.
+GB_HD constexpr bool filters_by_view(MipFilter filter) { return filter == MipFilter::coverage; }
+
+/// How much each of eight children has to say, 0 … 255, and what their parent shows along x, y and z; a byte each.
+struct Weights {
+  std::uint32_t child[2], facing;
+
+  GB_HD std::uint32_t of(int c) const { return child[c / 4] >> 8 * (c % 4) & 255; }
+  GB_HD std::uint32_t largest_facing() const {
+    const std::uint32_t x = facing & 255, y = facing >> 8 & 255, z = facing >> 16, xy = x > y ? x : y;
+    return xy > z ? xy : z;
+  }
 };
+
+/// Children say as much as shows of them. Where nothing of any does, because all are too faint, one says as much as
+/// another. there: byte c is 1 where child c exists. edge: of the children's rasters.
+GB_HD Weights weights_of(const FacingSums& seen, int edge, const std::uint32_t there[2]) {
+  Weights w{};
+  GB_UNROLL
+  for (int c = 0; c < 8; ++c)
+    if ((there[c / 4] >> 8 * (c % 4) & 1) != 0) w.child[c / 4] |= seen.weight(c, edge) << 8 * (c % 4);
+  if ((w.child[0] | w.child[1]) == 0) w.child[0] = there[0], w.child[1] = there[1];
+  GB_UNROLL
+  for (int a = 0; a < 3; ++a) w.facing |= std::uint32_t(seen.facing(a, edge)) << 8 * a;
+  return w;
+}
 
 /// What a level's filter keeps of children, other than coverage, each weighted by what it has to say.
 struct MipSums {
@@ -29,7 +50,7 @@ struct MipSums {
   GB_HD void add(const Voxel& v, std::uint32_t w, const Tables& tables) {
     weight += w;
     for (int k = 0; k < 3; ++k) colour[k] += w * tables.linear_from_srgb[v.rgba[k]];
-    const std::int16_t* n = tables.unit_normal + 4 * (std::uint8_t(v.normal[0]) | std::uint8_t(v.normal[1]) << 8);
+    const std::int16_t* n = tables.unit_normal + 4 * index_of_32_bits(pack_normal(v.normal));
 #if defined(__CUDA_ARCH__)
     const short4 all = *reinterpret_cast<const short4*>(n);  // one load
     normal[0] += std::int32_t(w) * all.x;
@@ -55,9 +76,20 @@ GB_HD std::uint32_t mean_coverage(std::uint32_t alpha_sum, MipFilter filter, con
   return filter == MipFilter::thesis ? tables.thesis_alpha[alpha_sum] : (alpha_sum + 4) / 8;
 }
 
-GB_HD std::uint32_t largest(const std::uint8_t facing[3]) {
-  const std::uint8_t xy = facing[0] > facing[1] ? facing[0] : facing[1];
-  return xy > facing[2] ? xy : facing[2];
+/// The voxel above eight, of which those that are not there are zero. by_view: filters_by_view(filter); then `weights`
+/// are weights_of() them, else unused.
+template <bool by_view>
+GB_HD Voxel filter_children(const Voxel children[8], const Weights& weights, MipFilter filter, const Tables& tables) {
+  MipSums sums;
+  GB_UNROLL
+  for (int c = 0; c < 8; ++c) {
+    const std::uint32_t w = by_view ? weights.of(c) : children[c].rgba[3];
+#if !defined(__CUDA_ARCH__)
+    if (w == 0) continue;  // it would add nothing; lanes of a device go together
+#endif
+    sums.add(children[c], w, tables);
+  }
+  return sums.voxel(by_view ? weights.largest_facing() : mean_coverage(sums.weight, filter, tables), tables);
 }
 
 }  // namespace gigabake::kernels

@@ -6,15 +6,11 @@
 
 #include "kernels/body/accumulate.h"
 #include "kernels/body/tables.h"
+#include "kernels/body/voxel.h"
 #include "lattice/host_device.h"
 #include "lattice/octahedral.h"
 
 namespace gigabake::kernels {
-
-struct Voxel {
-  std::uint8_t rgba[4];   ///< sRGB, coverage
-  std::int8_t normal[2];  ///< octahedral
-};
 
 /// The nearest 16-bit value to 65535·part/whole.
 GB_HD std::uint16_t ratio16(double part, double inverse_whole) {

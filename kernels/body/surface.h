@@ -23,6 +23,13 @@ struct Point2 {
   double u, v;
 };
 
+/// How a triangle's colour runs over its fragments.
+enum class Look : std::uint8_t {
+  flat,     ///< the same colour everywhere: no fragment needs its moments
+  linear,   ///< opaque, coloured by its vertices: LinearColour says all
+  varying,  ///< each fragment is shaded at its centroid
+};
+
 /// What shading needs of one triangle; borrowed views stay valid while it is used.
 struct Surface {
   MaterialView material;
@@ -32,11 +39,10 @@ struct Surface {
   bool has_vertex_rgba = false;
   std::int16_t normal[3] = {};
 
-  /// False: the same colour everywhere; no fragment needs its centroid.
-  GB_HD bool varies() const { return texture != nullptr || has_vertex_rgba; }
-  /// Opaque, coloured by its vertices: LinearColour says all.
-  GB_HD bool is_linear() const {
-    return texture == nullptr && has_vertex_rgba && material.alpha_mode == AlphaMode::opaque;
+  GB_HD bool is_opaque() const { return material.alpha_mode == AlphaMode::opaque; }
+  GB_HD Look look() const {
+    if (texture == nullptr && !has_vertex_rgba) return Look::flat;
+    return texture == nullptr && is_opaque() ? Look::linear : Look::varying;
   }
 };
 
@@ -93,19 +99,25 @@ GB_HD double vertex_mean(const Surface& s, int channel, const Barycentric& w) {
 
 /// Straight linear RGBA of base colour and, where there are any, vertex colours' mean.
 GB_HD Rgba16 factor_of(const Surface& s, const double mean[4]) {
-  Rgba16 r;
-  for (int c = 0; c < 4; ++c)
-    r.c[c] = s.has_vertex_rgba ? scale16(s.material.base_rgba[c], std::uint32_t(mean[c])) : s.material.base_rgba[c];
+  Rgba16 r = base_factor(s.material);
+  for (int c = 0; s.has_vertex_rgba && c < 4; ++c) r.c[c] = scale16(r.c[c], std::uint32_t(mean[c]));
   return r;
 }
 
 /// Premultiplied linear RGBA of a fragment without texture.
 GB_HD Rgba16 shade_untextured(const Surface& s, const double mean[4]) {
-  Rgba16 factor = factor_of(s, mean);
-  if (s.material.alpha_mode != AlphaMode::opaque)
-    return apply_material(s.material, factor, Rgba16{{65535, 65535, 65535, 65535}});
-  factor.c[3] = 65535;
-  return factor;
+  const Rgba16 factor = factor_of(s, mean);
+  if (s.is_opaque()) return opaque_colour(factor);
+  return apply_material(s.material, factor, Rgba16{{65535, 65535, 65535, 65535}});
+}
+
+/// Premultiplied linear RGBA of a fragment with texture. factor: straight linear RGBA of what the texture is multiplied
+/// with. opaque: see texture_over.
+template <bool opaque>
+GB_HD Rgba16 shade_textured(const TextureView& texture, const MaterialView& m, const TextureMap& map,
+                            const Rgba16& factor, Point2 centroid, double projected_area, const Tables& tables) {
+  const Rgba16 texel = texture_over<opaque>(texture, m, map, centroid.u, centroid.v, std::fabs(projected_area), tables);
+  return opaque ? apply_opaque(factor, texel) : apply_material(m, factor, texel);
 }
 
 /// Premultiplied linear RGBA of the fragment around `centroid`; projected_area in voxel². opaque: see texture_over.
@@ -118,9 +130,7 @@ GB_HD Rgba16 shade(const Surface& s, const TrianglePlane& t, Point2 centroid, do
     for (int c = 0; c < 4; ++c) mean[c] = vertex_mean(s, c, w);
   }
   if (s.texture == nullptr) return shade_untextured(s, mean);
-  const Rgba16 texel =
-      texture_over<opaque>(*s.texture, s.material, s.map, centroid.u, centroid.v, std::fabs(projected_area), tables);
-  return apply_material(s.material, factor_of(s, mean), texel);
+  return shade_textured<opaque>(*s.texture, s.material, s.map, factor_of(s, mean), centroid, projected_area, tables);
 }
 
 GB_HD Fragment make_fragment(const Surface& s, const Rgba16& rgba, std::int64_t weight) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "kernels/body/brick_triangle.h"
+#include "kernels/body/window.h"
 #include "lattice/host_device.h"
 #include "lattice/morton.h"
 #include "lattice/rules.h"
@@ -12,6 +13,16 @@
 namespace gigabake::kernels {
 
 inline constexpr int brick_subvoxel_bits = 11;  ///< 8 voxels · 256
+/// Triangles whose box has more bricks descend the oct-tree instead.
+inline constexpr int most_direct_bricks = 8;
+
+/// A brick's lowest corner, in window sub-voxels.
+GB_HD void brick_corner(std::uint64_t key, std::int32_t corner[3]) {
+  const BrickCoordinate at = demorton(key);
+  corner[0] = std::int32_t(at.x) << brick_subvoxel_bits;
+  corner[1] = std::int32_t(at.y) << brick_subvoxel_bits;
+  corner[2] = std::int32_t(at.z) << brick_subvoxel_bits;
+}
 
 struct BrickBox {
   std::int32_t first[3], last[3];  ///< inclusive
@@ -28,6 +39,20 @@ GB_HD bool brick_box(const WindowTriangle& t, SurfaceRule rule, std::int32_t win
     if (box.first[c] > box.last[c]) return false;
   }
   return true;
+}
+
+GB_HD std::int64_t brick_count(const BrickBox& box) {
+  return (std::int64_t(box.last[0]) - box.first[0] + 1) * (box.last[1] - box.first[1] + 1) *
+         (box.last[2] - box.first[2] + 1);
+}
+
+/// Calls visit(key) for every brick of the box.
+template <class Visit>
+GB_HD void for_each_key(const BrickBox& box, const Visit& visit) {
+  for (std::int32_t z = box.first[2]; z <= box.last[2]; ++z)
+    for (std::int32_t y = box.first[1]; y <= box.last[1]; ++y)
+      for (std::int32_t x = box.first[0]; x <= box.last[0]; ++x)
+        visit(morton(std::uint32_t(x), std::uint32_t(y), std::uint32_t(z)));
 }
 
 /// Closed triangle meets closed cube [corner, corner+edge]³; the plane and the nine edge axes (boxes were compared).
@@ -68,15 +93,30 @@ GB_HD bool extends_at_most(const WindowTriangle& t, std::int64_t extent) {
 GB_HD bool is_narrow(const WindowTriangle& t) { return extends_at_most(t, narrow_extent); }
 GB_HD bool is_small(const WindowTriangle& t) { return extends_at_most(t, small_extent); }
 
+/// Calls visit(I()) with the narrowest integer I that the triangle's arithmetic fits.
+template <class Visit>
+GB_HD auto with_integer_for(const WindowTriangle& t, const Visit& visit) {
+  if (is_small(t)) return visit(std::int32_t());
+  return is_narrow(t) ? visit(std::int64_t()) : visit(__int128());
+}
+
+/// Whether the triangle may touch the oct-tree node (x, y, z) of 2^level bricks an axis. box: of the triangle.
+GB_HD bool may_touch_node(const WindowTriangle& t, const BrickBox& box, bool narrow, const std::int32_t node[3],
+                          int level) {
+  const std::int64_t edge = std::int64_t(1) << (brick_subvoxel_bits + level);
+  std::int64_t corner[3];
+  for (int c = 0; c < 3; ++c) {
+    if ((node[c] << level) > box.last[c] || ((node[c] + 1) << level) <= box.first[c]) return false;
+    corner[c] = node[c] * edge;
+  }
+  return narrow ? meets_cube<std::int64_t>(t, corner, edge) : meets_cube<__int128>(t, corner, edge);
+}
+
 /// Children of an oct-tree node that the triangle may touch, down to bricks; level 0 is a brick. `visit` takes the key.
 template <class Visit>
 void descend(const WindowTriangle& t, const BrickBox& box, bool narrow, const std::int32_t node[3], int level,
              const Visit& visit) {
-  for (int c = 0; c < 3; ++c)
-    if ((node[c] << level) > box.last[c] || ((node[c] + 1) << level) <= box.first[c]) return;
-  const std::int64_t edge = std::int64_t(1) << (brick_subvoxel_bits + level);
-  const std::int64_t corner[3] = {node[0] * edge, node[1] * edge, node[2] * edge};
-  if (!(narrow ? meets_cube<std::int64_t>(t, corner, edge) : meets_cube<__int128>(t, corner, edge))) return;
+  if (!may_touch_node(t, box, narrow, node, level)) return;
   if (level == 0) {
     visit(morton(std::uint32_t(node[0]), std::uint32_t(node[1]), std::uint32_t(node[2])));
     return;
@@ -90,21 +130,12 @@ void descend(const WindowTriangle& t, const BrickBox& box, bool narrow, const st
 
 /// Calls visit(key) for every brick of the window that the triangle may touch.
 template <class Visit>
-void for_each_brick(const WindowTriangle& t, SurfaceRule rule, std::int32_t window_bricks, int window_levels,
-                    const Visit& visit) {
+void for_each_brick(const WindowTriangle& t, const CellWindow& window, const Visit& visit) {
   BrickBox box;
-  if (!brick_box(t, rule, window_bricks, box)) return;
-  const std::int64_t count = (std::int64_t(box.last[0]) - box.first[0] + 1) * (box.last[1] - box.first[1] + 1) *
-                             (box.last[2] - box.first[2] + 1);
-  if (count > 8) {
-    const std::int32_t root[3] = {0, 0, 0};
-    descend(t, box, is_narrow(t), root, window_levels, visit);
-    return;
-  }
-  for (std::int32_t z = box.first[2]; z <= box.last[2]; ++z)
-    for (std::int32_t y = box.first[1]; y <= box.last[1]; ++y)
-      for (std::int32_t x = box.first[0]; x <= box.last[0]; ++x)
-        visit(morton(std::uint32_t(x), std::uint32_t(y), std::uint32_t(z)));
+  if (!brick_box(t, window.rule, window.bricks, box)) return;
+  if (brick_count(box) <= most_direct_bricks) return for_each_key(box, visit);
+  const std::int32_t root[3] = {0, 0, 0};
+  descend(t, box, is_narrow(t), root, window.levels, visit);
 }
 
 }  // namespace gigabake::kernels

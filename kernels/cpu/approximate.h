@@ -10,6 +10,7 @@
 
 #include "kernels/body/cell.h"
 #include "kernels/body/tables.h"
+#include "kernels/body/voxel.h"
 #include "lattice/octahedral.h"
 #include "lattice/thread_pool.h"
 
@@ -67,7 +68,7 @@ struct NormalRange {
   GB_HD void choose() {
     std::int8_t oct[2];
     encode_octahedral(low[0] + high[0], low[1] + high[1], low[2] + high[2], oct);
-    value = std::uint16_t(std::uint8_t(oct[0]) | std::uint8_t(oct[1]) << 8);
+    value = pack_normal(oct);
   }
 };
 

@@ -1,9 +1,9 @@
 #include "kernels/cpu/bake_cell.h"
 
 #include <algorithm>
-#include <bit>
 #include <chrono>
 
+#include "kernels/body/window.h"
 #include "kernels/cpu/approximate.h"
 #include "kernels/cpu/bin.h"
 #include "kernels/cpu/level_hash.h"
@@ -11,7 +11,6 @@
 #include "kernels/cpu/prune.h"
 #include "kernels/cpu/voxelize.h"
 #include "kernels/cpu/window_triangles.h"
-#include "lattice/brick.h"
 #include "lattice/thread_pool.h"
 
 namespace gigabake::kernels {
@@ -85,7 +84,7 @@ CellVolume bake_cell(const CellInput& input, const CellParameters& parameters, c
   Level finest = finest_level(input, parameters, pool, volume.stats);
   if (finest.key.empty()) return volume;
   volume.levels.push_back(std::move(finest));
-  const int lods = std::bit_width(parameters.window_voxels / std::uint32_t(brick_edge));
+  const int lods = window_of(parameters).levels + 1;
   {
     const StageClock clock(volume.stats.mip_s);
     LevelRasters rasters;

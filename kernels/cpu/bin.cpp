@@ -1,12 +1,10 @@
 #include "kernels/cpu/bin.h"
 
 #include <algorithm>
-#include <bit>
 
 #include "kernels/body/triangle_bricks.h"
+#include "kernels/body/window.h"
 #include "kernels/cpu/radix_sort.h"
-#include "lattice/brick.h"
-#include "lattice/rules.h"
 #include "lattice/thread_pool.h"
 
 namespace gigabake::kernels {
@@ -15,36 +13,24 @@ namespace {
 constexpr std::size_t triangles_per_range = 8192;
 constexpr int bucket_bits = 15;
 
-struct Window {
-  std::int32_t bricks;
-  int levels, key_bits;
-};
-
-Window window_of(const CellParameters& parameters) {
-  const std::int32_t bricks = std::int32_t(parameters.window_voxels / brick_edge);
-  const int levels = std::bit_width(std::uint32_t(bricks)) - 1;
-  return {bricks, levels, 3 * levels};
-}
-
 std::size_t range_count(std::size_t triangles) { return (triangles + triangles_per_range - 1) / triangles_per_range; }
 
 /// Calls visit(key, triangle) for the pairs of one range of triangles.
 template <class Visit>
-void visit_range(const std::vector<WindowTriangle>& triangles, std::size_t range, SurfaceRule rule,
-                 const Window& window, const Visit& visit) {
+void visit_range(const std::vector<WindowTriangle>& triangles, std::size_t range, const CellWindow& window,
+                 const Visit& visit) {
   const std::size_t end = std::min(triangles.size(), (range + 1) * triangles_per_range);
   for (std::size_t t = range * triangles_per_range; t < end; ++t)
-    for_each_brick(triangles[t], rule, window.bricks, window.levels,
-                   [&](std::uint64_t key) { visit(key, std::uint32_t(t)); });
+    for_each_brick(triangles[t], window, [&](std::uint64_t key) { visit(key, std::uint32_t(t)); });
 }
 
-std::vector<std::uint64_t> pairs_per_bucket(const std::vector<WindowTriangle>& triangles, SurfaceRule rule,
-                                            const Window& window, int bucket_shift, const ThreadPool& pool) {
-  const std::size_t buckets = std::size_t(1) << (window.key_bits - bucket_shift);
+std::vector<std::uint64_t> pairs_per_bucket(const std::vector<WindowTriangle>& triangles, const CellWindow& window,
+                                            int bucket_shift, const ThreadPool& pool) {
+  const std::size_t buckets = std::size_t(1) << (key_bits(window) - bucket_shift);
   std::vector<std::vector<std::uint64_t>> counts(pool.threads(), std::vector<std::uint64_t>(buckets, 0));
   pool.parallel_for(range_count(triangles.size()), 1, [&](std::size_t begin, std::size_t end, int thread) {
     for (std::size_t r = begin; r < end; ++r)
-      visit_range(triangles, r, rule, window,
+      visit_range(triangles, r, window,
                   [&](std::uint64_t key, std::uint32_t) { ++counts[thread][key >> bucket_shift]; });
   });
   for (std::size_t i = 1; i < counts.size(); ++i)
@@ -56,9 +42,9 @@ std::vector<std::uint64_t> pairs_per_bucket(const std::vector<WindowTriangle>& t
 
 std::vector<Batch> plan_batches(const std::vector<WindowTriangle>& triangles, const CellParameters& parameters,
                                 std::uint64_t pairs_per_batch, const ThreadPool& pool) {
-  const Window window = window_of(parameters);
-  const int shift = std::max(0, window.key_bits - bucket_bits);
-  const auto counts = pairs_per_bucket(triangles, parameters.surface, window, shift, pool);
+  const CellWindow window = window_of(parameters);
+  const int shift = std::max(0, key_bits(window) - bucket_bits);
+  const auto counts = pairs_per_bucket(triangles, window, shift, pool);
   std::vector<Batch> batches;
   Batch open{0, 0, 0};
   const auto close = [&] {
@@ -78,14 +64,13 @@ std::vector<Batch> plan_batches(const std::vector<WindowTriangle>& triangles, co
 
 std::vector<Pair> sorted_pairs(const std::vector<WindowTriangle>& triangles, const CellParameters& parameters,
                                const Batch& batch, const ThreadPool& pool, CellStats& stats) {
-  const Window window = window_of(parameters);
+  const CellWindow window = window_of(parameters);
   const auto in_batch = [&](std::uint64_t key) { return key >= batch.first_key && key < batch.end_key; };
   std::vector<std::uint64_t> first(range_count(triangles.size()) + 1, 0);
   pool.parallel_for(first.size() - 1, 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t r = begin; r < end; ++r) {
       std::uint64_t n = 0;
-      visit_range(triangles, r, parameters.surface, window,
-                  [&](std::uint64_t key, std::uint32_t) { n += in_batch(key); });
+      visit_range(triangles, r, window, [&](std::uint64_t key, std::uint32_t) { n += in_batch(key); });
       first[r + 1] = n;
     }
   });
@@ -94,13 +79,13 @@ std::vector<Pair> sorted_pairs(const std::vector<WindowTriangle>& triangles, con
   pool.parallel_for(first.size() - 1, 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t r = begin; r < end; ++r) {
       std::uint64_t at = first[r];
-      visit_range(triangles, r, parameters.surface, window, [&](std::uint64_t key, std::uint32_t t) {
+      visit_range(triangles, r, window, [&](std::uint64_t key, std::uint32_t t) {
         if (in_batch(key)) pairs[at++] = make_pair(key, t);
       });
     }
   });
   stats.pairs += pairs.size();
-  radix_sort(pairs, 32, 32 + window.key_bits, pool);
+  radix_sort(pairs, 32, 32 + key_bits(window), pool);
   return pairs;
 }
 

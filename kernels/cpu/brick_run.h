@@ -1,11 +1,12 @@
 /// Packed bricks as one task makes them, and their concatenation into a level.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "kernels/body/cell.h"
-#include "kernels/body/resolve.h"
+#include "kernels/body/voxel.h"
 #include "lattice/thread_pool.h"
 
 namespace gigabake::kernels {
@@ -20,7 +21,9 @@ class BrickRun {
     if (normals_) normal_.insert(normal_.end(), v.normal, v.normal + 2);
   }
   /// Of the voxel pushed last; of all voxels or of none.
-  void push_facing(const std::uint8_t facing[3]) { facing_.insert(facing_.end(), facing, facing + 3); }
+  void push_facing(const std::array<std::uint8_t, 3>& facing) {
+    facing_.insert(facing_.end(), facing.begin(), facing.end());
+  }
   /// Closes the brick whose voxels were pushed since the last call.
   void push_brick(std::uint64_t key, const std::uint64_t mask[8]) {
     key_.push_back(key);

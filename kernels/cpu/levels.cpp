@@ -4,7 +4,9 @@
 #include <bit>
 #include <memory>
 
+#include "kernels/body/mask.h"
 #include "kernels/body/mip.h"
+#include "kernels/body/node.h"
 #include "kernels/cpu/brick_run.h"
 #include "lattice/brick.h"
 #include "lattice/rules.h"
@@ -19,7 +21,7 @@ constexpr std::size_t parents_per_run = 16;
 std::vector<std::size_t> parent_starts(const Level& fine) {
   std::vector<std::size_t> starts;
   for (std::size_t i = 0; i < fine.key.size(); ++i)
-    if (i == 0 || fine.key[i] >> 3 != fine.key[i - 1] >> 3) starts.push_back(i);
+    if (i == 0 || parent_key(fine.key[i]) != parent_key(fine.key[i - 1])) starts.push_back(i);
   starts.push_back(fine.key.size());
   return starts;
 }
@@ -44,17 +46,11 @@ void open_brick(const Level& level, std::size_t brick, OpenBrick& out) {
     }
 }
 
-/// Which of the 2×2×2 voxels from (2x, 2y, 2z) exist, given the four rows (y, z) of 8 bits they stand in.
-std::uint8_t present_octants(const std::uint64_t rows[4], int x) {
-  std::uint64_t present = 0;
-  for (int r = 0; r < 4; ++r) present |= (rows[r] >> (2 * x) & 3) << (2 * r);
-  return std::uint8_t(present);
-}
-
-/// The 2×2×2 voxels below one, x | y<<1 | z<<2; null where there is none.
+/// The 2×2×2 voxels below one, x | y<<1 | z<<2.
 struct Children {
-  const Voxel* voxel[8];
+  Voxel voxel[8];  ///< zero where there is none
   std::size_t index[8];
+  std::uint32_t there[2] = {};  ///< byte c: 1 where child c exists
 };
 
 /// What see_children() asks (kernels/body/facing.h).
@@ -66,7 +62,7 @@ struct ChildRasters {
   template <int N>
   CellRun<N> cells(int child, int axis, int run) const {
     CellRun<N> out = {};
-    if (children.voxel[child] == nullptr) return out;
+    if ((children.there[child / 4] >> 8 * (child % 4) & 1) == 0) return out;
     const std::size_t at = children.index[child] * std::size_t(raster_words(edge));
     std::copy_n(rasters + at + axis * edge * edge / 4 + N * run, N, out.word);
     return out;
@@ -79,8 +75,7 @@ FacingSums see(const Children& children, const std::uint32_t* rasters, int edge,
   if (edge == 4) return see_children<4>(from, raster);
   if (edge == 8) return see_children<8>(from, raster);
   std::uint32_t coverage[2] = {};
-  for (int c = 0; c < 8; ++c)
-    if (children.voxel[c] != nullptr) coverage[c / 4] |= std::uint32_t(children.voxel[c]->rgba[3]) << 8 * (c % 4);
+  for (int c = 0; c < 8; ++c) coverage[c / 4] |= std::uint32_t(children.voxel[c].rgba[3]) << 8 * (c % 4);
   return see_voxels(coverage[0], coverage[1], raster);
 }
 
@@ -105,9 +100,9 @@ class ParentBuilder {
   void build(std::size_t begin, std::size_t end, LevelRun& run) {
     for (std::size_t child = begin; child < end; ++child) {
       open_brick(fine_, child, open_);
-      fill_octant(int(fine_.key[child] & 7));
+      fill_octant(octant_of(fine_.key[child]));
     }
-    pack(fine_.key[begin] >> 3, run);
+    pack(parent_key(fine_.key[begin]), run);
   }
 
  private:
@@ -115,60 +110,40 @@ class ParentBuilder {
   void fill_octant(int octant) {
     const int base = 4 * (octant & 1) + 8 * 4 * (octant >> 1 & 1) + 64 * 4 * (octant >> 2);
     for (int z = 0; z < 4; ++z)
-      for (int y = 0; y < 4; ++y) {
-        const std::uint64_t low = open_.mask[2 * z] >> (16 * y), high = open_.mask[2 * z + 1] >> (16 * y);
-        const std::uint64_t rows[4] = {low & 255, low >> 8 & 255, high & 255, high >> 8 & 255};
-        if ((rows[0] | rows[1] | rows[2] | rows[3]) == 0) continue;
-        fill_row(rows, 64 * 2 * z + 8 * 2 * y, base + 8 * y + 64 * z);
+      for (std::uint64_t rest = parent_slab(open_.mask[2 * z], open_.mask[2 * z + 1]); rest != 0; rest &= rest - 1) {
+        const int at = std::countr_zero(rest);  // x + 8y
+        filter(2 * (at & 7) + 16 * (at >> 3) + 128 * z, base + at + 64 * z);
       }
   }
 
-  /// from: the child voxel (0, 2y, 2z); to: parent voxel (0, y, z) of this octant.
-  void fill_row(const std::uint64_t rows[4], int from, int to) {
-    for (int x = 0; x < 4; ++x) {
-      const std::uint8_t present = present_octants(rows, x);
-      if (present == 0) continue;
-      Children children;
-      for (int c = 0; c < 8; ++c) {
-        const int at = from + 2 * x + (c & 1) + 8 * (c >> 1 & 1) + 64 * (c >> 2);
-        children.voxel[c] = (present >> c & 1) != 0 ? &open_.voxel[at] : nullptr;
-        children.index[c] = open_.index[at];
-      }
-      const int voxel = to + x;
-      mask_[voxel >> 6] |= std::uint64_t(1) << (voxel & 63);
-      if (filter_ == MipFilter::coverage)
-        filter_by_view(children, voxel);
-      else
-        filter_by_mean(children, voxel);
+  /// from: the lowest of the eight voxels of the open child; to: the voxel of the parent.
+  void filter(int from, int to) {
+    Children children;
+    for (int c = 0; c < 8; ++c) {
+      const int at = from + (c & 1) + 8 * (c >> 1 & 1) + 64 * (c >> 2);
+      const bool there = (open_.mask[at >> 6] >> (at & 63) & 1) != 0;
+      children.there[c / 4] |= std::uint32_t(there) << 8 * (c % 4);
+      children.voxel[c] = there ? open_.voxel[at] : Voxel{};
+      children.index[c] = open_.index[at];
     }
-  }
-
-  void filter_by_view(const Children& children, int voxel) {
-    const FacingSums seen = see(children, rasters_, edge_, raster_[voxel]);
-    CoarseVoxel& out = parent_[voxel];
-    for (int a = 0; a < 3; ++a) out.facing[a] = seen.facing(a, edge_);
-    MipSums sums;
-    for (int c = 0; c < 8; ++c)
-      if (children.voxel[c] != nullptr) sums.add(*children.voxel[c], seen.weight(c, edge_), tables_);
-    for (int c = 0; c < 8 && sums.weight == 0; ++c)  // too faint to be seen
-      if (children.voxel[c] != nullptr) sums.add(*children.voxel[c], 1, tables_);
-    out.voxel = sums.voxel(largest(out.facing), tables_);
-  }
-
-  void filter_by_mean(const Children& children, int voxel) {
-    MipSums sums;
-    for (const Voxel* child : children.voxel)
-      if (child != nullptr) sums.add(*child, child->rgba[3], tables_);
-    parent_[voxel].voxel = sums.voxel(mean_coverage(sums.weight, filter_, tables_), tables_);
+    mask_[to >> 6] |= std::uint64_t(1) << (to & 63);
+    if (filters_by_view(filter_)) {
+      const FacingSums seen = see(children, rasters_, edge_, raster_[to]);
+      weights_[to] = weights_of(seen, edge_, children.there);
+      parent_[to] = filter_children<true>(children.voxel, weights_[to], filter_, tables_);
+    } else {
+      parent_[to] = filter_children<false>(children.voxel, {}, filter_, tables_);
+    }
   }
 
   void pack(std::uint64_t key, LevelRun& run) {
     for (int word = 0; word < 8; ++word)
       for (std::uint64_t rest = mask_[word]; rest != 0; rest &= rest - 1) {
         const int voxel = 64 * word + std::countr_zero(rest);
-        run.bricks.push_voxel(parent_[voxel].voxel);
-        if (filter_ != MipFilter::coverage) continue;
-        run.bricks.push_facing(parent_[voxel].facing);
+        run.bricks.push_voxel(parent_[voxel]);
+        if (!filters_by_view(filter_)) continue;
+        const std::uint32_t facing = weights_[voxel].facing;
+        run.bricks.push_facing({byte_of(facing, 0), byte_of(facing, 1), byte_of(facing, 2)});
         run.rasters.insert(run.rasters.end(), raster_[voxel], raster_[voxel] + raster_words_);
       }
     run.bricks.push_brick(key, mask_);
@@ -181,7 +156,8 @@ class ParentBuilder {
   MipFilter filter_;
   Tables tables_;
   OpenBrick open_;
-  CoarseVoxel parent_[brick_voxels];
+  Voxel parent_[brick_voxels];
+  Weights weights_[brick_voxels];  ///< with MipFilter::coverage
   std::uint32_t raster_[brick_voxels][raster_words(most_raster_edge)];
   std::uint64_t mask_[8] = {};
 };

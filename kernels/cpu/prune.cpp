@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
-#include <stdexcept>
 
+#include "kernels/body/node.h"
+#include "kernels/body/voxel.h"
 #include "lattice/brick.h"
 #include "lattice/thread_pool.h"
 
 namespace gigabake::kernels {
 namespace {
-
-constexpr std::uint32_t no_child = std::numeric_limits<std::uint32_t>::max();
 
 /// What a brick becomes, before nodes are numbered.
 struct Verdict {
@@ -31,7 +29,7 @@ std::vector<std::size_t> child_starts(const Level& level, const Level& below) {
   std::size_t child = 0;
   for (const std::uint64_t key : level.key) {
     starts.push_back(child);
-    while (child < below.key.size() && below.key[child] >> 3 == key) ++child;
+    while (child < below.key.size() && parent_key(below.key[child]) == key) ++child;
   }
   starts.push_back(child);
   return starts;
@@ -40,14 +38,14 @@ std::vector<std::size_t> child_starts(const Level& level, const Level& below) {
 Verdict judge_brick(const Level& level, std::size_t b) {
   Verdict v;
   const std::size_t first = level.first[b];
-  if (level.first[b + 1] - first != brick_voxels) return v;
+  if (!is_full(&level.first[b])) return v;
   for (std::size_t i = first + 1; i < first + brick_voxels; ++i) {
     if (std::memcmp(&level.rgba[4 * i], &level.rgba[4 * first], 4) != 0) return v;
     if (!level.normal.empty() && std::memcmp(&level.normal[2 * i], &level.normal[2 * first], 2) != 0) return v;
     if (!level.facing.empty() && std::memcmp(&level.facing[3 * i], &level.facing[3 * first], 3) != 0) return v;
   }
   v.kind = NodeKind::constant;
-  for (int c = 0; c < 4; ++c) v.rgba |= std::uint32_t(level.rgba[4 * first + c]) << (8 * c);
+  v.rgba = pack_rgba(&level.rgba[4 * first]);
   if (!level.normal.empty()) v.normal = {level.normal[2 * first], level.normal[2 * first + 1]};
   for (std::size_t a = 0; a < 3; ++a)
     v.facing[a] = level.facing.empty() ? level.rgba[4 * first + 3] : level.facing[3 * first + a];
@@ -107,9 +105,11 @@ void add_level_nodes(const Level& level, const Verdicts& verdicts, std::size_t l
 void link_children(NodeTable& nodes, std::size_t begin, std::size_t end) {
   std::size_t parent = begin;
   for (std::size_t child = end; child < nodes.key.size(); ++child) {
-    while (nodes.key[parent] != nodes.key[child] >> 3) ++parent;
-    if (nodes.child_mask[parent] == 0) nodes.first_child[parent] = std::uint32_t(child);
-    nodes.child_mask[parent] |= std::uint8_t(1u << (nodes.key[child] & 7));
+    while (nodes.key[parent] != parent_key(nodes.key[child])) ++parent;
+    NodeChildren children{nodes.first_child[parent], nodes.child_mask[parent]};
+    children.add(std::uint32_t(child), nodes.key[child]);
+    nodes.first_child[parent] = children.first;
+    nodes.child_mask[parent] = children.mask;
   }
 }
 
@@ -141,8 +141,7 @@ NodeTable prune(std::vector<Level>& levels, const ThreadPool& pool) {
   for (std::size_t lod = levels.size(); lod-- > 0;) {
     const std::size_t begin = nodes.key.size();
     add_level_nodes(levels[lod], verdicts[lod], lod, nodes);
-    if (nodes.key.size() >= no_child)
-      throw std::length_error("an oct-tree of more than 2^32-1 nodes; use a smaller `cell_voxels`");
+    check_node_count(nodes.key.size());
     if (begin != 0) link_children(nodes, above, begin);  // the root is nobody's child
     above = begin;
   }

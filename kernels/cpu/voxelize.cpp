@@ -3,13 +3,12 @@
 #include <bit>
 #include <memory>
 
+#include "kernels/body/part.h"
 #include "kernels/body/surface.h"
 #include "kernels/body/triangle_bricks.h"
 #include "kernels/cpu/brick_run.h"
 #include "kernels/cpu/brick_sums.h"
 #include "kernels/cpu/cell_lanes.h"
-#include "kernels/cpu/window_triangles.h"
-#include "lattice/morton.h"
 #include "lattice/rules.h"
 #include "lattice/thread_pool.h"
 
@@ -20,23 +19,15 @@ constexpr std::size_t bricks_per_run = 16;
 
 /// Everything of a part that is the same for all its triangles.
 struct PartSurface {
-  const PartView* part;
+  PartArrays part;
   Surface surface;
-  bool mirrored;
 };
 
 std::vector<PartSurface> part_surfaces(const CellInput& input) {
   std::vector<PartSurface> out;
   for (std::size_t i = 0; i < input.parts.size; ++i) {
-    const PartView& part = input.parts[i];
-    PartSurface p{&part, {}, is_mirrored(part.scene_from_local)};
-    p.surface.material = input.materials[part.material];
-    p.surface.has_vertex_rgba = !part.rgba.empty();
-    if (is_textured(input, part))
-      p.surface.texture = &input.textures[std::size_t(p.surface.material.texture)];
-    else
-      p.surface.material.texture = -1;
-    out.push_back(p);
+    const PartArrays part = part_arrays(input, input.parts[i]);
+    out.push_back({part, surface_of(part, input.materials.data, input.textures.data)});
   }
   return out;
 }
@@ -46,19 +37,8 @@ Surface triangle_surface(const PartSurface& from, const WindowTriangle& w, const
                          const TrianglePlane& plane) {
   Surface s = from.surface;
   geometric_normal(t, s.normal);
-  if (!s.varies()) return s;
-  std::uint32_t vertex[3];
-  triangle_vertices(*from.part, from.mirrored, w.index, vertex);
-  if (s.has_vertex_rgba)
-    for (int i = 0; i < 3; ++i)
-      for (int c = 0; c < 4; ++c) s.vertex_rgba[i][c] = from.part->rgba[4 * std::size_t(vertex[i]) + c];
-  if (s.texture != nullptr) {
-    float uv[6];
-    for (int i = 0; i < 6; ++i) uv[i] = from.part->uv[2 * std::size_t(vertex[i / 2]) + i % 2];
-    if (!usable_uv(uv))
-      for (float& x : uv) x = 0;
-    s.map = make_texture_map(plane, uv, s.texture->width, s.texture->height);
-  }
+  if (s.has_vertex_rgba) load_vertex_rgba(from.part, w.index, s.vertex_rgba);
+  if (s.texture != nullptr) s.map = texture_map(from.part, w.index, plane, *s.texture);
   return s;
 }
 
@@ -70,18 +50,11 @@ class BrickWalker {
 
   void walk(const Pair* begin, const Pair* end, BrickRun& run) {
     const std::uint64_t key = brick_of(*begin);
-    const BrickCoordinate brick = demorton(key);
-    const std::int32_t corner[3] = {std::int32_t(brick.x) << brick_subvoxel_bits,
-                                    std::int32_t(brick.y) << brick_subvoxel_bits,
-                                    std::int32_t(brick.z) << brick_subvoxel_bits};
+    std::int32_t corner[3];
+    brick_corner(key, corner);
     for (const Pair* pair = begin; pair != end; ++pair) {
       const WindowTriangle& t = triangles_[triangle_of(*pair)];
-      if (is_small(t))
-        add_triangle<std::int32_t>(t, corner);
-      else if (is_narrow(t))
-        add_triangle<std::int64_t>(t, corner);
-      else
-        add_triangle<__int128>(t, corner);
+      with_integer_for(t, [&]<class I>(I) { add_triangle<I>(t, corner); });
     }
     sums_.resolve_to(run, key, tables_);
   }
@@ -97,7 +70,7 @@ class BrickWalker {
     if ((slab[0] | slab[1] | slab[2] | slab[3] | slab[4] | slab[5] | slab[6] | slab[7]) == 0) return;
     const TrianglePlane plane = make_plane(t);
     const Surface surface = triangle_surface(parts_[w.part], w, t, plane);
-    if (surface.is_linear()) linear_ = make_linear_colour(surface, plane);
+    if (surface.look() == Look::linear) linear_ = make_linear_colour(surface, plane);
     for (int i = 0; i < 8; ++i)
       if (slab[i] != 0) add_slab(plane, surface, t.axis, i, slab[i]);
     sums_.end_triangle();
@@ -105,20 +78,19 @@ class BrickWalker {
 
   /// cells: bit u + 8 v of slab w.
   void add_slab(const TrianglePlane& plane, const Surface& surface, int axis, int w, std::uint64_t cells) {
-    constexpr int stride[3] = {1, 8, 64};
-    const int stride_u = stride[(axis + 1) % 3], stride_v = stride[(axis + 2) % 3], first = w * stride[axis];
+    const Look look = surface.look();
     int voxel[64];
     lanes_.count = 0;
     for (std::uint64_t rest = cells; rest != 0; rest &= rest - 1) {
       const int cell = std::countr_zero(rest), u = cell & 7, v = cell >> 3;
-      voxel[lanes_.count] = first + u * stride_u + v * stride_v;
+      voxel[lanes_.count] = voxel_of_cell(axis, w, cell);
       lanes_.u[lanes_.count] = double(u - plane.anchor[0]);
       lanes_.v[lanes_.count] = double(v - plane.anchor[1]);
       ++lanes_.count;
     }
     const SlabPolygon polygon = cut_slab(plane, double(w - plane.anchor[2]));
-    surface.varies() ? measure_moments(plane, polygon, lanes_) : measure_areas(plane, polygon, lanes_);
-    if (surface.is_linear())
+    look == Look::flat ? measure_areas(plane, polygon, lanes_) : measure_moments(plane, polygon, lanes_);
+    if (look == Look::linear)
       add_linear_cells(plane, surface, voxel);
     else
       add_cells(plane, surface, voxel);
@@ -135,7 +107,7 @@ class BrickWalker {
 
   void add_cells(const TrianglePlane& plane, const Surface& surface, const int voxel[64]) {
     Rgba16 rgba;
-    const bool varies = surface.varies(), opaque = surface.material.alpha_mode == AlphaMode::opaque;
+    const bool varies = surface.look() != Look::flat, opaque = surface.is_opaque();
     if (!varies) rgba = shade<false>(surface, plane, {0, 0}, 0, tables_);
     for (int i = 0; i < lanes_.count; ++i) {
       if (varies) {

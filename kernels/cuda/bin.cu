@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <bit>
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 #include <limits>
@@ -7,7 +6,6 @@
 #include "kernels/cuda/bin.cuh"
 #include "kernels/cuda/pairs.cuh"
 #include "kernels/cuda/select.cuh"
-#include "lattice/brick.h"
 
 namespace gigabake::kernels {
 namespace {
@@ -27,7 +25,7 @@ PairCounters read(DeviceHeap& heap, const DeviceArray<PairCounters>& counters) {
 }
 
 /// From the root to the bricks, all large triangles side by side. Returns the longest queue.
-std::uint64_t descend_large(DeviceHeap& heap, const InputView& input, const WindowView& window, const PairSink& sink,
+std::uint64_t descend_large(DeviceHeap& heap, const InputView& input, const CellWindow& window, const PairSink& sink,
                             const DeviceArray<PairCounters>& counters) {
   std::uint64_t longest = 0;
   int from = 0;
@@ -70,7 +68,7 @@ struct PairRoom {
 
 /// A window of one brick has no tree to descend: its large triangles are pairs of their own. Returns how long queues
 /// had to be; room.raw.counted says how many pairs there are.
-std::uint64_t find_pairs(DeviceHeap& heap, const InputView& input, const WindowView& window, const PairSink& sink,
+std::uint64_t find_pairs(DeviceHeap& heap, const InputView& input, const CellWindow& window, const PairSink& sink,
                          PairRoom& room) {
   pair_kernel<<<grid_of(input.triangle_count, pair_threads), pair_threads, 0, heap.stream()>>>(input, window, sink);
   check_launch("pair_kernel");
@@ -88,7 +86,7 @@ std::uint32_t counted_pairs(const PairCounters& counted) {
   return std::uint32_t(counted.pairs);
 }
 
-RawPairs pairs_in(DeviceHeap& heap, const InputView& input, const WindowView& window, KeyRange range,
+RawPairs pairs_in(DeviceHeap& heap, const InputView& input, const CellWindow& window, KeyRange range,
                   BinCapacity& capacity) {
   for (;;) {
     PairRoom room(heap, capacity);
@@ -98,14 +96,6 @@ RawPairs pairs_in(DeviceHeap& heap, const InputView& input, const WindowView& wi
     capacity.pairs = std::max(capacity.pairs, pairs + pairs / 16);
     capacity.nodes = std::max(capacity.nodes, nodes + nodes / 16);
   }
-}
-
-void add_triangle_counts(const PairCounters& counted, CellStats& stats) {
-  stats.triangles += counted.triangles;
-  stats.non_finite += counted.non_finite;
-  stats.zero_area += counted.zero_area;
-  stats.oversized += counted.oversized;
-  stats.bad_uv += counted.bad_uv;
 }
 
 struct StartsBrick {
@@ -124,7 +114,7 @@ __global__ void gather_keys(const std::uint32_t* sorted, std::uint32_t* start, s
 constexpr std::uint32_t most_counted_bricks = 1 << 21;
 
 /// Counts the bricks' pairs, or with `triangle` puts them to their places.
-PairCounters pairs_by_brick(DeviceHeap& heap, const InputView& input, const WindowView& window, KeyRange range,
+PairCounters pairs_by_brick(DeviceHeap& heap, const InputView& input, const CellWindow& window, KeyRange range,
                             DeviceArray<std::uint32_t>& brick, DeviceArray<std::uint32_t>* triangle,
                             BinCapacity& capacity) {
   for (;;) {
@@ -173,12 +163,12 @@ BrickLists bricks_with_pairs(DeviceHeap& heap, const DeviceArray<std::uint32_t>&
 }
 
 /// Pairs are counted brick by brick, then put to their places: four bytes a pair, where sorting takes sixteen.
-BrickLists counted_lists(DeviceHeap& heap, const InputView& input, const WindowView& window, KeyRange range,
+BrickLists counted_lists(DeviceHeap& heap, const InputView& input, const CellWindow& window, KeyRange range,
                          BinCapacity& capacity, CellStats& stats) {
   DeviceArray<std::uint32_t> brick(heap, std::size_t(range.end - range.first) + 1);
   const PairCounters counted = pairs_by_brick(heap, input, window, range, brick, nullptr, capacity);
   const std::uint32_t pairs = counted_pairs(counted);
-  add_triangle_counts(counted, stats);
+  add_to(stats, counted.triangles);
   stats.pairs += pairs;
   if (pairs == 0) return {};
   with_temporary(heap, [&](void* temporary, std::size_t& bytes) {
@@ -192,20 +182,20 @@ BrickLists counted_lists(DeviceHeap& heap, const InputView& input, const WindowV
 }
 
 /// Pairs as they come, with their bricks, sorted by them.
-BrickLists sorted_lists(DeviceHeap& heap, const InputView& input, const WindowView& window, KeyRange range,
+BrickLists sorted_lists(DeviceHeap& heap, const InputView& input, const CellWindow& window, KeyRange range,
                         BinCapacity& capacity, CellStats& stats) {
   RawPairs raw = pairs_in(heap, input, window, range, capacity);
   const auto pairs = std::uint32_t(raw.counted.pairs);
-  add_triangle_counts(raw.counted, stats);
+  add_to(stats, raw.counted.triangles);
   stats.pairs += pairs;
   BrickLists lists;
   if (pairs == 0) return lists;
   DeviceArray<std::uint32_t> other_key(heap, pairs), other_triangle(heap, pairs);
   cub::DoubleBuffer<std::uint32_t> key(raw.key.data(), other_key.data());
   cub::DoubleBuffer<std::uint32_t> triangle(raw.triangle.data(), other_triangle.data());
-  const int key_bits = std::max(1, 3 * window.levels);
+  const int bits = std::max(1, key_bits(window));
   with_temporary(heap, [&](void* temporary, std::size_t& bytes) {
-    check_cuda(cub::DeviceRadixSort::SortPairs(temporary, bytes, key, triangle, pairs, 0, key_bits, heap.stream()),
+    check_cuda(cub::DeviceRadixSort::SortPairs(temporary, bytes, key, triangle, pairs, 0, bits, heap.stream()),
                "DeviceRadixSort");
   });
   // The sort's other key buffer takes the starts until their number is known.
@@ -224,25 +214,14 @@ BrickLists sorted_lists(DeviceHeap& heap, const InputView& input, const WindowVi
 
 }  // namespace
 
-WindowView window_view(const CellParameters& p) {
-  WindowView w;
-  w.frame = p.frame;
-  for (int c = 0; c < 3; ++c) w.min[c] = p.window_min[c];
-  w.subvoxels = std::int64_t(p.window_voxels) * subvoxels;
-  w.bricks = std::int32_t(p.window_voxels / brick_edge);
-  w.levels = std::bit_width(std::uint32_t(w.bricks)) - 1;
-  w.rule = p.surface;
-  return w;
-}
-
-DeviceArray<SnappedVertex> snap_vertices(DeviceHeap& heap, const InputView& input, const WindowView& window) {
+DeviceArray<SnappedVertex> snap_vertices(DeviceHeap& heap, const InputView& input, const CellWindow& window) {
   DeviceArray<SnappedVertex> out(heap, input.vertex_count);
   snap_kernel<<<grid_of(input.vertex_count, threads), threads, 0, heap.stream()>>>(input, window, out.data());
   check_launch("snap_kernel");
   return out;
 }
 
-std::vector<std::uint64_t> pairs_by_unit(DeviceHeap& heap, const InputView& input, const WindowView& window,
+std::vector<std::uint64_t> pairs_by_unit(DeviceHeap& heap, const InputView& input, const CellWindow& window,
                                          int unit_level, CellStats& stats) {
   const std::size_t units = std::size_t(1) << 3 * (window.levels - unit_level);
   DeviceArray<unsigned long long> counts(heap, units);
@@ -258,14 +237,14 @@ std::vector<std::uint64_t> pairs_by_unit(DeviceHeap& heap, const InputView& inpu
       capacity.nodes = nodes + nodes / 16;
       continue;
     }
-    add_triangle_counts(room.raw.counted, stats);
+    add_to(stats, room.raw.counted.triangles);
     std::vector<std::uint64_t> host(units);
     heap.bring(host.data(), counts.data(), counts.bytes(), "counting pairs of units");
     return host;
   }
 }
 
-BrickLists bin_triangles(DeviceHeap& heap, const InputView& input, const WindowView& window, KeyRange range,
+BrickLists bin_triangles(DeviceHeap& heap, const InputView& input, const CellWindow& window, KeyRange range,
                          BinCapacity& capacity, CellStats& stats) {
   return range.end - range.first <= most_counted_bricks ? counted_lists(heap, input, window, range, capacity, stats)
                                                         : sorted_lists(heap, input, window, range, capacity, stats);

@@ -34,7 +34,7 @@ void append(Level& to, const Level& from) {
 /// What all parts of a cell share.
 struct CellBake::Cell {
   InputView input;
-  WindowView window;
+  CellWindow window;
   const CellParameters& parameters;
   CellMaterials materials;
   std::uint64_t limit;  ///< of what the heap may hold
@@ -68,7 +68,7 @@ void CellBake::bake(const DeviceInput& uploaded, const CellParameters& parameter
   const double input_bytes = double(uploaded.bytes_with_textures()),
                output_bytes = output_per_triangle_ * double(input.triangle_count);
   Cell cell{input,
-            window_view(parameters),
+            window_of(parameters),
             parameters,
             uploaded.materials(),
             limit_of(parameters.memory_bytes, uploaded.bytes()),

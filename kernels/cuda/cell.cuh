@@ -11,9 +11,9 @@
 #include "kernels/cuda/baker.h"
 #include "kernels/cuda/bin.cuh"
 #include "kernels/cuda/clock.cuh"
+#include "kernels/cuda/fill/voxelize.cuh"
 #include "kernels/cuda/levels.cuh"
 #include "kernels/cuda/pinned.cuh"
-#include "kernels/cuda/voxelize.cuh"
 #include "lattice/thread_pool.h"
 #include "lattice/voxel_hash.h"
 

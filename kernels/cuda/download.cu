@@ -1,5 +1,6 @@
 #include <functional>
 
+#include "kernels/body/node.h"
 #include "kernels/cuda/download.cuh"
 #include "lattice/thread_pool.h"
 
@@ -52,8 +53,8 @@ class Download {
 
 void add(Download& download, const DeviceLevel& d, Level& level) {
   download.add_as<std::uint8_t>(d.rgba, d.voxels, level.rgba);  // the longest first
-  if (d.normal.size() != 0) download.add_as<std::int8_t>(d.normal, d.voxels, level.normal);
-  if (d.facing.size() != 0) download.add(d.facing, 3 * std::size_t(d.voxels), level.facing);
+  if (!d.normal.empty()) download.add_as<std::int8_t>(d.normal, d.voxels, level.normal);
+  if (!d.facing.empty()) download.add(d.facing, 3 * std::size_t(d.voxels), level.facing);
   download.add(d.mask, 8 * std::size_t(d.bricks), level.mask);
   download.add(d.key, d.bricks, level.key);
   download.add(d.first, std::size_t(d.bricks) + 1, level.first);
@@ -65,9 +66,7 @@ void add(Download& download, const DeviceNodes& d, NodeTable& nodes) {
   download.add(d.child_mask, d.count, nodes.child_mask);
   download.add(d.first_child, d.count, nodes.first_child);
   download.add(d.value, d.count, nodes.value);
-  nodes.kind.assign(d.count, NodeKind::brick);
-  nodes.normal.assign(d.count, {});
-  nodes.facing.assign(d.count, {});
+  set_all_bricks(nodes, d.count);
 }
 
 }  // namespace

@@ -3,8 +3,9 @@
 
 #include <cstdint>
 
+#include "kernels/body/mask.h"
 #include "kernels/body/mip.h"
-#include "kernels/cuda/mask.cuh"
+#include "kernels/body/voxel.h"
 #include "lattice/rules.h"
 
 namespace gigabake::kernels {
@@ -41,7 +42,7 @@ __device__ Children<Index> children_in(std::uint64_t low, std::uint64_t high, st
       pair[0] = (two & 1) != 0 ? Index(at) : Children<Index>::none;
       pair[1] = (two & 2) != 0 ? Index(at + (two & 1)) : Children<Index>::none;
     }
-    at_low += std::uint32_t(__popcll(word));
+    at_low += std::uint32_t(bit_count(word));
   }
   return children;
 }
@@ -61,26 +62,13 @@ struct ChildRasters {
   }
 };
 
-/// How much each of eight children has to say, a byte each, and what their parent shows.
-struct Weights {
-  std::uint32_t child[2], facing;
-};
-
 /// Edge: of the children's rasters.
 template <int Edge, class Index>
-__device__ Weights weights_of(const FacingSums& seen, const Children<Index>& children) {
-  Weights w{};
+__device__ Weights weights_by_view(const FacingSums& seen, const Children<Index>& children) {
   std::uint32_t there[2] = {};
 #pragma unroll
-  for (int c = 0; c < 8; ++c)
-    if (children.at[c] != Children<Index>::none) {
-      w.child[c / 4] |= seen.weight(c, Edge) << 8 * (c % 4);
-      there[c / 4] |= 1u << 8 * (c % 4);
-    }
-  if ((w.child[0] | w.child[1]) == 0) w.child[0] = there[0], w.child[1] = there[1];  // too faint to be seen
-#pragma unroll
-  for (int a = 0; a < 3; ++a) w.facing |= std::uint32_t(seen.facing(a, Edge)) << 8 * a;
-  return w;
+  for (int c = 0; c < 8; ++c) there[c / 4] |= std::uint32_t(children.at[c] != Children<Index>::none) << 8 * (c % 4);
+  return weights_of(seen, Edge, there);
 }
 
 /// A voxel's FacingSums, as the lanes that look along its columns leave them.
@@ -134,30 +122,19 @@ struct FilteredVoxel {
   std::uint16_t normal;
 };
 
-/// by_view: with these weights; else by the children's coverage. Nothing waits for anything but the children's bytes.
+/// Nothing waits for anything but the children's bytes.
 template <bool by_view, class Index>
-__device__ FilteredVoxel filter_children(const VoxelArrays& below, const Children<Index>& children, const Weights& w,
-                                         MipFilter filter, const Tables& tables) {
-  std::uint32_t rgba[8];
-  std::uint16_t normal[8];
+__device__ FilteredVoxel filter_voxel(const VoxelArrays& below, const Children<Index>& children, const Weights& w,
+                                      MipFilter filter, const Tables& tables) {
+  Voxel voxel[8];
 #pragma unroll
   for (int c = 0; c < 8; ++c) {
     const bool there = children.at[c] != Children<Index>::none;
-    rgba[c] = there ? below.rgba[children.at[c]] : 0;
-    normal[c] = there && below.normal != nullptr ? below.normal[children.at[c]] : std::uint16_t(0);
+    voxel[c] = unpack_voxel(there ? below.rgba[children.at[c]] : 0,
+                            there && below.normal != nullptr ? below.normal[children.at[c]] : std::uint16_t(0));
   }
-  MipSums sums;
-#pragma unroll
-  for (int c = 0; c < 8; ++c) {
-    const Voxel v{{std::uint8_t(rgba[c]), std::uint8_t(rgba[c] >> 8), std::uint8_t(rgba[c] >> 16), 0},
-                  {std::int8_t(normal[c] & 255), std::int8_t(normal[c] >> 8)}};
-    sums.add(v, by_view ? w.child[c / 4] >> 8 * (c % 4) & 255 : rgba[c] >> 24, tables);
-  }
-  const std::uint8_t facing[3] = {std::uint8_t(w.facing), std::uint8_t(w.facing >> 8), std::uint8_t(w.facing >> 16)};
-  const Voxel v = sums.voxel(by_view ? largest(facing) : mean_coverage(sums.weight, filter, tables), tables);
-  return {std::uint32_t(v.rgba[0]) | std::uint32_t(v.rgba[1]) << 8 | std::uint32_t(v.rgba[2]) << 16 |
-              std::uint32_t(v.rgba[3]) << 24,
-          w.facing, std::uint16_t(std::uint8_t(v.normal[0]) | std::uint8_t(v.normal[1]) << 8)};
+  const Voxel v = filter_children<by_view>(voxel, w, filter, tables);
+  return {pack_rgba(v.rgba), w.facing, pack_normal(v.normal)};
 }
 
 /// Where a level's voxels go.
@@ -170,7 +147,7 @@ struct VoxelsOut {
     rgba[i] = v.rgba;
     if (normal != nullptr) normal[i] = v.normal;
     if (facing == nullptr) return;
-    for (int a = 0; a < 3; ++a) facing[3 * i + a] = std::uint8_t(v.facing >> 8 * a);
+    for (int a = 0; a < 3; ++a) facing[3 * i + a] = byte_of(v.facing, a);
   }
 };
 

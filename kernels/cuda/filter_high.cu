@@ -77,8 +77,8 @@ __global__ void __launch_bounds__(filter_threads) filter_high_level(HighLevel in
     }
     if (t < n) {
       Weights w{};
-      if (by_view) w = weights_of<most_raster_edge>(s.sums[t].total(), s.children[t]);
-      in.out.put(first + begin + t, filter_children<by_view>(below, s.children[t], w, in.filter, tables));
+      if (by_view) w = weights_by_view<most_raster_edge>(s.sums[t].total(), s.children[t]);
+      in.out.put(first + begin + t, filter_voxel<by_view>(below, s.children[t], w, in.filter, tables));
     }
     __syncthreads();
   }
@@ -87,7 +87,7 @@ __global__ void __launch_bounds__(filter_threads) filter_high_level(HighLevel in
 }  // namespace
 
 void filter_high(DeviceHeap& heap, const HighLevel& level, const Tables& tables) {
-  const auto kernel = level.filter == MipFilter::coverage ? filter_high_level<true> : filter_high_level<false>;
+  const auto kernel = filters_by_view(level.filter) ? filter_high_level<true> : filter_high_level<false>;
   kernel<<<level.bricks * blocks_per_brick, filter_threads, 0, heap.stream()>>>(level, tables);
   check_launch("filter_high_level");
 }

@@ -1,5 +1,6 @@
 #include "kernels/cuda/filter_low.cuh"
 #include "lattice/brick.h"
+#include "lattice/morton.h"
 #include "lattice/rules.h"
 
 namespace gigabake::kernels {
@@ -120,9 +121,9 @@ __device__ void open_children(const LowLevels& in, LowShared& s) {
 /// Of the voxel at (x, y, z) of the cube of brick b, which has `bits` bits an axis: its index in the level.
 __device__ std::uint32_t index_of(const LowShared& s, int level, int b, int bits, int x, int y, int z) {
   const std::uint32_t key = s.corner[b];
-  x = (every_third(key) << bits | x) & 7;
-  y = (every_third(key >> 1) << bits | y) & 7;
-  z = (every_third(key >> 2) << bits | z) & 7;
+  x = (gather_three_bits(key) << bits | x) & 7;
+  y = (gather_three_bits(key >> 1) << bits | y) & 7;
+  z = (gather_three_bits(key >> 2) << bits | z) & 7;
   return s.before[level][b][z] + bits_below(s.mask[level][b][z], x + 8 * y);
 }
 
@@ -170,7 +171,7 @@ __device__ FacingSums see_finest(const LowLevels& in, const Children<std::uint32
 #pragma unroll
   for (int c = 0; c < 8; ++c)
     if (children.at[c] != Children<std::uint32_t>::none)
-      coverage[c / 4] |= in.fine.rgba[children.at[c]] >> 24 << 8 * (c % 4);
+      coverage[c / 4] |= std::uint32_t(byte_of(in.fine.rgba[children.at[c]], 3)) << 8 * (c % 4);
   return see_voxels(coverage[0], coverage[1], raster);
 }
 
@@ -182,9 +183,9 @@ __device__ void filter_lod_1(const LowLevels& in, const Group& g, const Tables& 
     const std::uint64_t* mask = in.fine.mask + 8 * std::size_t(s.child[b][octant]) + 2 * (z & 3);
     const auto children = children_in<std::uint32_t>(mask[0], mask[1], s.first_0[b][octant][z & 3], x & 3, y & 3);
     Weights w{};
-    if (by_view) w = weights_of<1>(see_finest(in, children, s.raster_1[i]), children);
+    if (by_view) w = weights_by_view<1>(see_finest(in, children, s.raster_1[i]), children);
     in.level[0].out.put(g.first_1 + i,
-                        filter_children<by_view>({in.fine.rgba, in.fine.normal}, children, w, in.filter, tables));
+                        filter_voxel<by_view>({in.fine.rgba, in.fine.normal}, children, w, in.filter, tables));
   }
 }
 
@@ -192,7 +193,7 @@ __device__ void filter_lod_1(const LowLevels& in, const Group& g, const Tables& 
 template <bool by_view>
 __device__ __noinline__ FilteredVoxel filter_slots(const Slots& children, VoxelArrays below, Weights w,
                                                    MipFilter filter, Tables tables) {
-  return filter_children<by_view>(below, children, w, filter, tables);
+  return filter_voxel<by_view>(below, children, w, filter, tables);
 }
 
 /// Voxel `slot`. below: of the level below. level: 1…3, that is lods 2 to 4.
@@ -218,7 +219,7 @@ __device__ void filter_lod_2(const LowLevels& in, const Group& g, const Tables& 
     Weights w{};
     if (by_view) {
       const ChildRasters<2, std::uint16_t> rasters{children, s.raster_1[0]};
-      w = weights_of<2>(see_children<2>(rasters, s.raster_2[i]), children);
+      w = weights_by_view<2>(see_children<2>(rasters, s.raster_2[i]), children);
     }
     filter_slot<by_view>(in, 1, i, below, w, tables, s);
   }
@@ -235,7 +236,7 @@ __device__ void filter_few(const LowLevels& in, int level, int n, int at, int at
   }
   if (const int i = int(threadIdx.x); i < n) {
     Weights w{};
-    if (by_view) w = weights_of<Edge>(s.sums[i].total(), s.children[at + i]);
+    if (by_view) w = weights_by_view<Edge>(s.sums[i].total(), s.children[at + i]);
     filter_slot<by_view>(in, level, at + i, {s.rgba + at_below, s.normal + at_below}, w, tables, s);
   }
   __syncthreads();
@@ -299,7 +300,7 @@ __global__ void __launch_bounds__(filter_threads, blocks)
 }  // namespace
 
 void filter_low(DeviceHeap& heap, const LowLevels& levels, const Tables& tables) {
-  const auto kernel = levels.filter == MipFilter::coverage ? filter_low_levels<true> : filter_low_levels<false>;
+  const auto kernel = filters_by_view(levels.filter) ? filter_low_levels<true> : filter_low_levels<false>;
   kernel<<<grid_of(levels.bricks, most_bricks), filter_threads, 0, heap.stream()>>>(levels, tables);
   check_launch("filter_low_levels");
 }

@@ -1,3 +1,6 @@
+#include <algorithm>
+
+#include "kernels/body/level_voxel.h"
 #include "kernels/cuda/bits.cuh"
 #include "kernels/cuda/hash.cuh"
 #include "lattice/morton.h"
@@ -13,7 +16,7 @@ struct HashView {
   const std::uint16_t* normal;  ///< or null
   const std::uint8_t* facing;   ///< or null
   std::uint32_t bricks;
-  std::int64_t corner[3];
+  std::int64_t window_min[3];
   int lod;
 };
 
@@ -45,22 +48,15 @@ __device__ Hash128 brick_hash(const HashView& level, std::uint32_t brick, int la
     const std::uint32_t i = step + std::uint32_t(lane);
     const int bit = voxel_bit(word, before, int(i - first));
     if (i >= end) continue;
-    const std::int64_t x = level.corner[0] + (std::int64_t(at.x * 8 + (bit & 7)) << level.lod),
-                       y = level.corner[1] + (std::int64_t(at.y * 8 + (bit >> 3 & 7)) << level.lod),
-                       z = level.corner[2] + (std::int64_t(at.z * 8 + (bit >> 6)) << level.lod);
-    const std::uint16_t normal = level.normal == nullptr ? std::uint16_t(0) : level.normal[i];
-    if (level.facing == nullptr) {
-      sum += hash_voxel(level.lod, x, y, z, level.rgba[i], normal);
-    } else {
-      const std::uint8_t* f = level.facing + 3 * std::size_t(i);
-      sum += hash_voxel(level.lod, x, y, z, level.rgba[i], normal, std::uint32_t(f[0] | f[1] << 8 | f[2] << 16));
-    }
+    sum += hash_of_voxel(level.window_min, level.lod, at, bit, level.rgba[i],
+                         level.normal == nullptr ? std::uint16_t(0) : level.normal[i],
+                         level.facing == nullptr ? nullptr : level.facing + 3 * std::size_t(i));
   }
   return sum;
 }
 
 /// A warp a brick.
-__global__ void __launch_bounds__(threads) hash_level(HashView level, Hash128* total) {
+__global__ void __launch_bounds__(threads, 6) hash_level(HashView level, Hash128* total) {
   const int lane = int(threadIdx.x & 31);
   Hash128 sum;
   for (std::uint32_t brick = (blockIdx.x * blockDim.x + threadIdx.x) / 32; brick < level.bricks;
@@ -86,12 +82,12 @@ std::vector<Hash128> level_hashes(DeviceHeap& heap, const std::vector<DeviceLeve
                         l.first.data(),
                         l.rgba.data(),
                         l.mask.data(),
-                        l.normal.size() == 0 ? nullptr : l.normal.data(),
-                        l.facing.size() == 0 ? nullptr : l.facing.data(),
+                        l.normal.empty() ? nullptr : l.normal.data(),
+                        l.facing.empty() ? nullptr : l.facing.data(),
                         l.bricks,
                         {window_min[0], window_min[1], window_min[2]},
                         int(lod)};
-    hash_level<<<smaller(grid_of(32 * std::uint64_t(l.bricks), threads), most_blocks), threads, 0, heap.stream()>>>(
+    hash_level<<<std::min(grid_of(32 * std::uint64_t(l.bricks), threads), most_blocks), threads, 0, heap.stream()>>>(
         view, sums.data() + lod);
     check_launch("hash_level");
   }

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "kernels/cuda/voxelize.cuh"
+#include "kernels/cuda/device_level.cuh"
 #include "lattice/voxel_hash.h"
 
 namespace gigabake::kernels {

@@ -1,11 +1,8 @@
-#include <algorithm>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
 
-#include "kernels/cpu/window_triangles.h"
 #include "kernels/cuda/input.cuh"
-#include "lattice/rules.h"
 
 namespace gigabake::kernels {
 namespace {
@@ -62,7 +59,7 @@ std::uint32_t counted(std::size_t sum, const char* what) {
 }
 
 std::size_t level_bytes(const TextureView& t, int l) {
-  const std::size_t texels = std::size_t(std::max(1, t.width >> l)) * std::size_t(std::max(1, t.height >> l));
+  const std::size_t texels = std::size_t(level_extent(t.width, l)) * std::size_t(level_extent(t.height, l));
   return texels * (l == 0 ? 4 : 8);
 }
 
@@ -113,26 +110,14 @@ void DeviceTextures::make_room(std::uint64_t bytes) {
 
 DeviceTables::DeviceTables(DeviceHeap& heap) {
   const Tables host = TableStore::host().view();
-  linear_from_srgb_ = upload(heap, host.linear_from_srgb, 256);
-  srgb_from_linear_ = upload(heap, host.srgb_from_linear, 65536);
-  unit_normal_ = upload(heap, host.unit_normal, 65536 * 4);
-  thesis_alpha_ = upload(heap, host.thesis_alpha, 8 * 255 + 1);
+  linear_from_srgb_ = upload(heap, host.linear_from_srgb, srgb_codes);
+  srgb_from_linear_ = upload(heap, host.srgb_from_linear, linear_values);
+  unit_normal_ = upload(heap, host.unit_normal, 4 * normal_codes);
+  thesis_alpha_ = upload(heap, host.thesis_alpha, alpha_sums);
 }
 
 Tables DeviceTables::view() const {
   return {linear_from_srgb_.data(), srgb_from_linear_.data(), unit_normal_.data(), thesis_alpha_.data()};
-}
-
-CellMaterials materials_in(const CellInput& input) {
-  for (std::size_t i = 0; i < input.materials.size; ++i)
-    if (input.materials[i].alpha_mode != AlphaMode::opaque) return CellMaterials::any;
-  CellMaterials found = CellMaterials::plain;
-  for (std::size_t i = 0; i < input.parts.size; ++i) {
-    if (!is_textured(input, input.parts[i])) continue;
-    if (!input.parts[i].rgba.empty()) return CellMaterials::any;
-    found = CellMaterials::opaque;
-  }
-  return found;
 }
 
 DeviceInput::DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTextures& textures, const Tables& tables)
@@ -149,17 +134,11 @@ DeviceInput::DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTexture
   std::vector<DevicePart> parts;
   for (std::size_t i = 0; i < input.parts.size; ++i) {
     const PartView& p = input.parts[i];
-    DevicePart d{layout.address(arrays_, p.position),
-                 layout.address(arrays_, p.index),
-                 layout.address(arrays_, p.uv),
-                 layout.address(arrays_, p.rgba),
-                 {},
-                 p.material,
-                 vertex_count_,
-                 triangle_count_,
-                 is_mirrored(p.scene_from_local),
-                 is_textured(input, p)};
-    std::copy(p.scene_from_local, p.scene_from_local + 12, d.scene_from_local);
+    DevicePart d{part_arrays(input, p), vertex_count_, triangle_count_};
+    d.position = layout.address(arrays_, p.position);
+    d.index = layout.address(arrays_, p.index);
+    d.uv = layout.address(arrays_, p.uv);
+    d.rgba = layout.address(arrays_, p.rgba);
     parts.push_back(d);
     vertex_count_ = counted(std::size_t(vertex_count_) + p.position.size / 3, "vertices");
     triangle_count_ = counted(std::size_t(triangle_count_) + p.index.size / 3, "triangles");

@@ -9,44 +9,19 @@
 
 #include "kernels/body/brick_triangle.h"
 #include "kernels/body/cell.h"
+#include "kernels/body/cell_materials.h"
+#include "kernels/body/part.h"
 #include "kernels/body/tables.h"
+#include "kernels/body/triangle_fate.h"
+#include "kernels/body/window.h"
 #include "kernels/cuda/memory.cuh"
-#include "lattice/brick.h"
 
 namespace gigabake::kernels {
 
-/// One instance of one primitive, as PartView; numbers its vertices and triangles through all parts.
-struct DevicePart {
-  const float* position;
-  const std::uint32_t* index;
-  const float* uv;            ///< or null
-  const std::uint16_t* rgba;  ///< or null
-  double scene_from_local[12];
-  std::uint32_t material;
+/// Numbers its vertices and triangles through all parts.
+struct DevicePart : PartArrays {
   std::uint32_t first_vertex, first_triangle;
-  bool mirrored, textured;
 };
-
-/// A vertex in sub-voxels from the window's lowest corner; v[0] says where it is none.
-struct SnappedVertex {
-  std::int32_t v[3];
-};
-inline constexpr std::int32_t not_finite = INT32_MIN, out_of_reach = INT32_MIN + 1;
-
-/// What vertices are snapped to.
-struct SnapWindow {
-  SnapFrame frame;
-  std::int64_t min[3];  ///< the window's lowest corner, lod-0 voxels
-};
-
-/// What a cell's materials ask of those who fill its voxels.
-enum class CellMaterials : std::uint8_t {
-  plain,   ///< opaque and without textures
-  opaque,  ///< opaque; nothing is both textured and coloured by its vertices
-  any
-};
-/// Whether all that is marked shows.
-constexpr bool all_show(CellMaterials m) { return m != CellMaterials::any; }
 
 /// What kernels get by value.
 struct InputView {
@@ -70,21 +45,6 @@ __device__ inline std::uint32_t part_of(const InputView& in, std::uint32_t i) {
   return low;
 }
 
-__device__ inline SnappedVertex snap_vertex(const SnapWindow& window, const DevicePart& part, std::uint32_t vertex) {
-  LatticePoint p;
-  if (!snap(window.frame, part.scene_from_local, part.position + 3 * std::size_t(vertex), p))
-    return {{not_finite, 0, 0}};
-  SnappedVertex s;
-  bool is_far = false;
-  for (int c = 0; c < 3; ++c) {
-    const std::int64_t x = p.v[c] - window.min[c] * subvoxels;
-    is_far |= x > widest_coordinate || x < -widest_coordinate;
-    s.v[c] = std::int32_t(x);
-  }
-  if (is_far) s.v[0] = out_of_reach;
-  return s;
-}
-
 /// One copy for all that a kernel asks for: few cells need it, and instructions crowd their cache.
 __device__ __noinline__ inline SnappedVertex snap_vertex_now(const SnapWindow* window, const DevicePart* part,
                                                              std::uint32_t vertex) {
@@ -95,14 +55,6 @@ __device__ inline SnappedVertex snapped_vertex(const InputView& in, const Device
   return in.vertices != nullptr ? in.vertices[part.first_vertex + vertex] : snap_vertex_now(in.window, &part, vertex);
 }
 
-/// Vertices (numbered within the part) of the part's triangle, in WindowTriangle's order.
-__device__ inline void vertices_of(const DevicePart& part, std::uint32_t triangle, std::uint32_t v[3]) {
-  const std::uint32_t* i = part.index + 3 * std::size_t(triangle);
-  v[0] = i[0];
-  v[1] = part.mirrored ? i[2] : i[1];
-  v[2] = part.mirrored ? i[1] : i[2];
-}
-
 /// triangle: numbered through all parts; one whose vertices are all on the lattice.
 __device__ inline WindowTriangle window_triangle(const InputView& in, std::uint32_t triangle) {
   WindowTriangle t;
@@ -110,7 +62,7 @@ __device__ inline WindowTriangle window_triangle(const InputView& in, std::uint3
   const DevicePart& part = in.parts[t.part];
   t.index = triangle - part.first_triangle;
   std::uint32_t v[3];
-  vertices_of(part, t.index, v);
+  triangle_vertices(part, t.index, v);
   for (int i = 0; i < 3; ++i) {
     const SnappedVertex p = snapped_vertex(in, part, v[i]);
     for (int c = 0; c < 3; ++c) t.p[i][c] = p.v[c];

@@ -1,8 +1,10 @@
 #include <array>
 #include <cub/device/device_scan.cuh>
 
+#include "kernels/body/mask.h"
+#include "kernels/body/window.h"
 #include "kernels/cuda/level_bricks.cuh"
-#include "kernels/cuda/mask.cuh"
+#include "lattice/morton.h"
 
 namespace gigabake::kernels {
 namespace {
@@ -76,7 +78,7 @@ __global__ void clear_masks(Tree tree) {
 
 /// A brick of a level is a voxel three levels above.
 __device__ void set_voxel(std::uint64_t* mask, std::uint32_t key) {
-  const int x = every_third(key), y = every_third(key >> 1), z = every_third(key >> 2);
+  const int x = gather_three_bits(key), y = gather_three_bits(key >> 1), z = gather_three_bits(key >> 2);
   atomicOr(reinterpret_cast<unsigned long long*>(mask + z), 1ull << (x + 8 * y));
 }
 

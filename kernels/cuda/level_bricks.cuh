@@ -5,11 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "kernels/cuda/voxelize.cuh"
+#include "kernels/cuda/device_level.cuh"
 
 namespace gigabake::kernels {
-
-inline constexpr int most_levels = 11;  ///< of a window of 8192 voxels
 
 /// What of a level is read while others are made of it.
 struct LevelView {
@@ -21,7 +19,7 @@ struct LevelView {
 };
 
 inline LevelView view_of(const DeviceLevel& l) {
-  return {l.key.data(), l.first.data(), l.mask.data(), l.rgba.data(), l.normal.size() == 0 ? nullptr : l.normal.data(),
+  return {l.key.data(), l.first.data(), l.mask.data(), l.rgba.data(), l.normal.empty() ? nullptr : l.normal.data(),
           l.bricks};
 }
 

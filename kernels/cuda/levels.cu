@@ -11,12 +11,12 @@ namespace {
 VoxelsOut make_room(DeviceHeap& heap, MipFilter filter, bool normals, DeviceLevel& level) {
   level.rgba = DeviceArray<std::uint32_t>(heap, level.voxels);
   if (normals) level.normal = DeviceArray<std::uint16_t>(heap, level.voxels);
-  if (filter == MipFilter::coverage) level.facing = DeviceArray<std::uint8_t>(heap, 3 * std::size_t(level.voxels));
+  if (filters_by_view(filter)) level.facing = DeviceArray<std::uint8_t>(heap, 3 * std::size_t(level.voxels));
   return {level.rgba.data(), level.normal.data(), level.facing.data()};
 }
 
 DeviceArray<std::uint32_t> room_for_rasters(DeviceHeap& heap, MipFilter filter, int lod, std::uint32_t voxels) {
-  if (filter != MipFilter::coverage) return {};
+  if (!filters_by_view(filter)) return {};
   return {heap, std::size_t(raster_words(raster_edge(lod))) * voxels};
 }
 

@@ -4,7 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "kernels/cuda/voxelize.cuh"
+#include "kernels/body/tables.h"
+#include "kernels/cuda/device_level.cuh"
 #include "lattice/rules.h"
 
 namespace gigabake::kernels {

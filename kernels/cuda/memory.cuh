@@ -84,6 +84,7 @@ class DeviceArray {
 
   T* data() const { return data_; }
   std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
   std::size_t bytes() const { return size_ * sizeof(T); }
 
   void clear_to_zero() { check_cuda(cudaMemsetAsync(data_, 0, bytes(), heap_->stream()), "cudaMemsetAsync"); }

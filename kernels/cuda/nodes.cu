@@ -1,6 +1,7 @@
+#include "kernels/body/node.h"
+#include "kernels/body/window.h"
 #include "kernels/cuda/level_bricks.cuh"
 #include "kernels/cuda/levels.cuh"
-#include "lattice/brick.h"
 
 namespace gigabake::kernels {
 namespace {
@@ -25,7 +26,7 @@ __global__ void find_full_bricks(NodeLevels levels, std::uint32_t nodes, std::ui
   if (node >= nodes) return;
   const int lod = levels.lod_of(node);
   const std::uint32_t* first = levels.first[lod] + (node - levels.offset[lod]);
-  if (first[1] - first[0] == brick_voxels) *found = 1;
+  if (is_full(first)) *found = 1;
 }
 
 struct NodeView {
@@ -41,23 +42,22 @@ __global__ void make_nodes(NodeLevels levels, std::uint32_t nodes, NodeView out)
   out.key[node] = key;
   out.value[node] = brick;
   out.lod[node] = std::uint8_t(lod);
-  std::uint32_t first_child = UINT32_MAX;
-  unsigned children = 0;
+  NodeChildren children;
   if (lod > 0) {
     const std::uint32_t *below_key = levels.key[lod - 1], below_bricks = levels.bricks[lod - 1];
     std::uint32_t low = 0, high = below_bricks;  // the first brick below whose parent is not before this one
     while (low < high) {
       const std::uint32_t middle = (low + high) / 2;
-      if (below_key[middle] >> 3 < key)
+      if (parent_key(below_key[middle]) < key)
         low = middle + 1;
       else
         high = middle;
     }
-    first_child = levels.offset[lod - 1] + low;
-    for (; low < below_bricks && below_key[low] >> 3 == key; ++low) children |= 1u << (below_key[low] & 7);
+    for (; low < below_bricks && parent_key(below_key[low]) == key; ++low)
+      children.add(levels.offset[lod - 1] + low, below_key[low]);
   }
-  out.first_child[node] = first_child;
-  out.child_mask[node] = std::uint8_t(children);
+  out.first_child[node] = children.first;
+  out.child_mask[node] = children.mask;
 }
 
 /// Errors  std::length_error beyond 2^32-1 nodes.
@@ -71,8 +71,7 @@ std::uint32_t place_levels(const std::vector<DeviceLevel>& levels, NodeLevels& o
     out.offset[l] = std::uint32_t(nodes);
     nodes += levels[l].bricks;
   }
-  if (nodes >= UINT32_MAX)
-    throw std::length_error("an oct-tree of more than 2^32-1 nodes; use a smaller `cell_voxels`");
+  check_node_count(nodes);
   return std::uint32_t(nodes);
 }
 

@@ -3,10 +3,9 @@
 
 #include <cstdint>
 
-#include "kernels/body/surface.h"
 #include "kernels/body/triangle_bricks.h"
+#include "kernels/body/triangle_fate.h"
 #include "kernels/cuda/bin.cuh"
-#include "lattice/morton.h"
 
 namespace gigabake::kernels {
 
@@ -18,7 +17,7 @@ struct LargeItem {
 /// Counters go on when an array is full: the host then knows what is needed.
 struct PairCounters {
   unsigned long long pairs, items[2];
-  unsigned long long triangles, non_finite, zero_area, oversized, bad_uv;
+  TriangleCounts<unsigned long long> triangles;
 };
 
 /// Where pairs go: side by side as they come; or, with `brick`, each to its brick's place; or nowhere, to be counted.
@@ -48,14 +47,14 @@ __device__ inline void push_item(const PairSink& sink, int queue, LargeItem item
   if (at < sink.item_capacity) sink.items[queue][at] = item;
 }
 
-__global__ void snap_kernel(InputView in, WindowView window, SnappedVertex* out);
+__global__ void snap_kernel(InputView in, CellWindow window, SnappedVertex* out);
 
 inline constexpr int pair_threads = 256;
 
 /// One thread a triangle, pair_threads a block: small ones are paired at once, large ones go to queue 0 as the root.
-__global__ void __launch_bounds__(pair_threads) pair_kernel(InputView in, WindowView window, PairSink sink);
+__global__ void __launch_bounds__(pair_threads) pair_kernel(InputView in, CellWindow window, PairSink sink);
 
 /// Queue `from` holds items of `level`; their children go to the other queue, or at level 1 to the pairs.
-__global__ void descend_kernel(InputView in, WindowView window, PairSink sink, int from, int level);
+__global__ void descend_kernel(InputView in, CellWindow window, PairSink sink, int from, int level);
 
 }  // namespace gigabake::kernels

@@ -47,9 +47,13 @@ class Bin : public testing::TestWithParam<SurfaceRule> {};
 TEST_P(Bin, FindsEveryBrickThatATriangleTouchesOnce) {
   const std::uint64_t seed = 4;
   Rng rng(seed);
+  CellParameters parameters;
+  parameters.window_voxels = 64;
+  parameters.surface = GetParam();
+  const CellWindow window = window_of(parameters);
   for (const WindowTriangle& t : random_triangles(2000, 64 * 256, rng)) {
     std::multiset<std::uint64_t> found;
-    for_each_brick(t, GetParam(), 8, 3, [&](std::uint64_t key) { found.insert(key); });
+    for_each_brick(t, window, [&](std::uint64_t key) { found.insert(key); });
     for (std::uint64_t key = 0; key < 512; ++key) {
       ASSERT_LE(found.count(key), 1u) << "seed " << seed << " triangle " << t.index;
       if (touches(t, GetParam(), key)) {

@@ -112,10 +112,7 @@ struct TouchBody {
   }
   GB_HD Slabs operator()(const WindowTriangle& t, const Tables&) const {
     Slabs out;
-    if (is_small(t))
-      touch<std::int32_t>(t, out);
-    else
-      is_narrow(t) ? touch<std::int64_t>(t, out) : touch<__int128>(t, out);
+    with_integer_for(t, [&](auto integer) { touch<decltype(integer)>(t, out); });
     return out;
   }
 };
@@ -239,16 +236,13 @@ struct FilterBody {
   GB_HD Filtered<Edge> operator()(const FilterCase<Edge>& from, const Tables& tables) const {
     Filtered<Edge> out;
     const FacingSums seen = from.see(out.raster);
-    MipSums by_mean, by_view;
-    for (int c = 0; c < 8; ++c) {
-      by_mean.add(from.child[c], from.child[c].rgba[3], tables);
-      by_view.add(from.child[c], seen.weight(c, Edge), tables);
-    }
-    out.by_mean[0] = by_mean.voxel(mean_coverage(by_mean.weight, MipFilter::thesis, tables), tables);
-    out.by_mean[1] = by_mean.voxel(mean_coverage(by_mean.weight, MipFilter::box, tables), tables);
-    std::uint8_t facing[3];
-    for (int a = 0; a < 3; ++a) out.facing[a] = facing[a] = seen.facing(a, Edge);
-    out.by_view = by_view.voxel(largest(facing), tables);
+    std::uint32_t there[2] = {};
+    for (int c = 0; c < 8; ++c) there[c / 4] |= std::uint32_t(from.child[c].rgba[3] != 0) << 8 * (c % 4);
+    const Weights weights = weights_of(seen, Edge, there);
+    for (int a = 0; a < 3; ++a) out.facing[a] = byte_of(weights.facing, a);
+    out.by_mean[0] = filter_children<false>(from.child, {}, MipFilter::thesis, tables);
+    out.by_mean[1] = filter_children<false>(from.child, {}, MipFilter::box, tables);
+    out.by_view = filter_children<true>(from.child, weights, MipFilter::coverage, tables);
     return out;
   }
 };

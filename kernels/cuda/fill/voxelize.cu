@@ -2,9 +2,9 @@
 #include <cub/device/device_scan.cuh>
 #include <limits>
 
-#include "kernels/cuda/rounds.cuh"
+#include "kernels/cuda/fill/rounds.cuh"
+#include "kernels/cuda/fill/voxelize.cuh"
 #include "kernels/cuda/select.cuh"
-#include "kernels/cuda/voxelize.cuh"
 #include "lattice/rules.h"
 
 namespace gigabake::kernels {
@@ -328,7 +328,7 @@ void learn(const Filled& filled, const BrickLists& lists, const FillSizes& sizes
 
 }  // namespace
 
-DeviceLevel voxelize(DeviceHeap& heap, const InputView& input, std::uint64_t room_bytes, const WindowView& window,
+DeviceLevel voxelize(DeviceHeap& heap, const InputView& input, std::uint64_t room_bytes, const CellWindow& window,
                      BrickLists lists, bool normals, CellMaterials materials, FillRatios& ratios, CellStats& stats) {
   FillSizes sizes = first_sizes(lists, ratios, all_show(materials), double(room_bytes) - double(heap.live()));
   for (;;) {

@@ -4,12 +4,11 @@
 #include <cstdint>
 
 #include "kernels/body/triangle_bricks.h"
-#include "kernels/cuda/batch.cuh"
 #include "kernels/cuda/bits.cuh"
-#include "kernels/cuda/cut.cuh"
-#include "kernels/cuda/sums.cuh"
+#include "kernels/cuda/fill/batch.cuh"
+#include "kernels/cuda/fill/cut.cuh"
+#include "kernels/cuda/fill/sums.cuh"
 #include "lattice/brick.h"
-#include "lattice/morton.h"
 
 namespace gigabake::kernels {
 

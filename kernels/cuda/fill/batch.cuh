@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "kernels/cuda/items.cuh"
+#include "kernels/cuda/fill/items.cuh"
 
 namespace gigabake::kernels {
 
@@ -46,11 +46,6 @@ struct BrickSpan {
 __device__ inline bool items_fit(const BatchView& view) {
   return view.counters->items <= view.items.capacity &&
          view.bricks.start[view.end] - view.bricks.start[view.begin] <= view.items.pairs;
-}
-
-__device__ inline int voxel_of_cell(int axis, int slab, int cell) {
-  const int bits_u = axis == 2 ? 0 : 3 * axis + 3, bits_v = axis == 0 ? 6 : 3 * axis - 3;
-  return slab << 3 * axis | (cell & 7) << bits_u | (cell >> 3) << bits_v;
 }
 
 /// Which voxels the batch's bricks have, and who fills them. Launch with 32 threads a brick, bricks_per_block a block.

@@ -1,5 +1,5 @@
 #include "kernels/body/accumulate.h"
-#include "kernels/cuda/batch.cuh"
+#include "kernels/cuda/fill/batch.cuh"
 
 namespace gigabake::kernels {
 namespace {

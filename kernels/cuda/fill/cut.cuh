@@ -6,18 +6,18 @@
 
 #include "kernels/body/accumulate.h"
 #include "kernels/body/coverage.h"
+#include "kernels/body/part.h"
 #include "kernels/body/surface.h"
 #include "kernels/body/triangle_bricks.h"
 #include "kernels/cuda/input.cuh"
 #include "lattice/brick.h"
+#include "lattice/rounding.h"
 
 namespace gigabake::kernels {
 
 /// Vertices of the triangle's plane, in sub-voxels: exact, and for narrow triangles half as long as in double.
 template <bool is_hard>
 using PlaneCoordinate = std::conditional_t<is_hard, double, std::int32_t>;
-
-enum class Look : std::uint8_t { flat, linear, varying };
 
 /// An item, ready to be measured.
 struct CutItem {
@@ -30,7 +30,7 @@ struct CutItem {
   std::int16_t normal[3];
   std::uint16_t edge_lines;  ///< SlabPolygon::line, two bits each
   std::uint8_t corners, axis, slab, brick;
-  Look look;
+  Look look;  ///< flat: only where all_show(materials)
 };
 
 /// What a fragment of texture needs besides.
@@ -63,56 +63,33 @@ struct FillItem<is_hard, CellMaterials::plain> : CutItem {
   LinearColour colour;
 };
 
-/// The triangle's surface, but for its texture and the map of it.
-__device__ inline Surface surface_of_triangle(const InputView& in, const DevicePart& part, std::uint32_t index,
-                                              const std::int16_t normal[3]) {
-  Surface s;
-  s.material = in.materials[part.material];
-  if (!part.textured) s.material.texture = -1;
-  for (int c = 0; c < 3; ++c) s.normal[c] = normal[c];
-  s.has_vertex_rgba = part.rgba != nullptr;
-  if (s.has_vertex_rgba) {
-    std::uint32_t v[3];
-    vertices_of(part, index, v);
-    for (int i = 0; i < 3; ++i) copy_texel<8>(part.rgba + 4 * std::size_t(v[i]), s.vertex_rgba[i]);
-  }
-  return s;
-}
-
+/// Vertices and texture of a triangle whose fragments are shaded one by one.
 template <bool is_hard>
-__device__ void set_textured(const InputView& in, const DevicePart& part, std::uint32_t index, const Surface& surface,
-                             const TrianglePlane& plane, TexturedLook<is_hard>& out) {
+__device__ void set_varying(const Surface& surface, const TrianglePlane& plane, TexturedLook<is_hard>& out) {
   for (int c = 0; c < 3; ++c) {
     out.plane_u[c] = PlaneCoordinate<is_hard>(plane.u[c] * double(subvoxels));
     out.plane_v[c] = PlaneCoordinate<is_hard>(plane.v[c] * double(subvoxels));
   }
   out.inverse_twice_area = plane.inverse_twice_area;
   out.material = surface.material;
-  out.texture = part.textured ? &in.textures[surface.material.texture] : nullptr;
-  if (!part.textured) return;
-  std::uint32_t v[3];
-  vertices_of(part, index, v);
-  float uv[6];
-  for (int i = 0; i < 6; ++i) uv[i] = part.uv[2 * std::size_t(v[i / 2]) + i % 2];
-  if (!usable_uv(uv))
-    for (float& x : uv) x = 0;
-  out.map = make_texture_map(plane, uv, out.texture->width, out.texture->height);
+  out.texture = surface.texture;
 }
 
 template <bool is_hard, CellMaterials materials>
 __device__ void set_look(const InputView& in, const WindowTriangle& w, const TrianglePlane& plane,
                          FillItem<is_hard, materials>& out) {
   const DevicePart& part = in.parts[w.part];
-  const Surface surface = surface_of_triangle(in, part, w.index, out.normal);
-  if (surface.is_linear() && !part.textured) {
-    out.look = Look::linear;
+  Surface surface = surface_of(part, in.materials, in.textures);
+  if (surface.has_vertex_rgba) load_vertex_rgba(part, w.index, surface.vertex_rgba);
+  out.look = surface.look();
+  if (out.look == Look::linear) {
     out.colour = make_linear_colour(surface, plane);
-  } else if (materials == CellMaterials::plain || (materials == CellMaterials::opaque && !part.textured)) {
-    out.look = Look::flat;
+  } else if (all_show(materials) && (materials == CellMaterials::plain || out.look == Look::flat)) {
     for (int c = 0; c < 3; ++c) out.colour.low[c] = surface.material.base_rgba[c];
   } else if constexpr (materials != CellMaterials::plain) {
     out.look = Look::varying;
-    set_textured(in, part, w.index, surface, plane, out.varying);
+    set_varying(surface, plane, out.varying);
+    if (surface.texture != nullptr) out.varying.map = texture_map(part, w.index, plane, *surface.texture);
     if constexpr (materials == CellMaterials::any) {
       out.varying.has_vertex_rgba = surface.has_vertex_rgba;
       if (surface.has_vertex_rgba)
@@ -142,7 +119,7 @@ __device__ inline void cut_polygon(const TrianglePlane& plane, double slab, CutI
   out.edge_lines = std::uint16_t(lines);
   int row[5];  // of each corner, and once around
 #pragma unroll
-  for (int e = 0; e < 5; ++e) row[e] = __double2int_rd(out.v[e]) + out.anchor_v;
+  for (int e = 0; e < 5; ++e) row[e] = floor_to_int32(out.v[e]) + out.anchor_v;
   std::uint64_t edges = 0;
 #pragma unroll
   for (int e = 0; e < 5; ++e) {  // all five by all lanes: a loop of as many as there are corners would part them
@@ -201,15 +178,12 @@ __device__ TrianglePlane plane_of(const TexturedLook<is_hard>& look) {
   return plane;
 }
 
-/// Of an opaque material without vertex colours: what shade() says of it.
+/// Of an opaque material without vertex colours.
 template <bool is_hard>
 __device__ Rgba16 shade_item(const Tables& tables, const TexturedLook<is_hard>& look, const CellMoments& m, double u,
                              double v) {
-  const Point2 p = fragment_centroid(plane_of(look), m, u, v);
-  const Rgba16 texel = texture_over<true>(*look.texture, look.material, look.map, p.u, p.v, std::fabs(m.area), tables);
-  Rgba16 r{{0, 0, 0, 65535}};
-  for (int c = 0; c < 3; ++c) r.c[c] = scale16(texel.c[c], look.material.base_rgba[c]);
-  return r;
+  return shade_textured<true>(*look.texture, look.material, look.map, base_factor(look.material),
+                              fragment_centroid(plane_of(look), m, u, v), m.area, tables);
 }
 
 template <bool is_hard>
@@ -223,7 +197,7 @@ __device__ Rgba16 shade_item(const Tables& tables, const VaryingLook<is_hard>& l
       for (int c = 0; c < 4; ++c) s.vertex_rgba[i][c] = look.vertex_rgba[i][c];
   s.texture = look.texture;
   if (look.texture != nullptr) s.map = look.map;
-  if (!s.varies()) return shade<false>(s, {}, {0, 0}, 0, tables);
+  if (s.look() == Look::flat) return shade<false>(s, {}, {0, 0}, 0, tables);
   const TrianglePlane plane = plane_of(look);
   return shade<false>(s, plane, fragment_centroid(plane, m, u, v), m.area, tables);
 }
@@ -233,9 +207,9 @@ __device__ Fragment fragment_of(const Tables& tables, const FillItem<is_hard, ma
   const double u = double((cell & 7) - item.anchor_u), v = double((cell >> 3) - item.anchor_v);
   const CellMoments m = measure(item, u, v, cell >> 3);
   if (item.look == Look::linear) return linear_fragment(item.colour, u, v, m, item.weight_scale, item.normal);
-  Rgba16 rgba{{0, 0, 0, 65535}};
+  Rgba16 rgba;
   if (materials == CellMaterials::plain || item.look == Look::flat)
-    for (int c = 0; c < 3; ++c) rgba.c[c] = item.colour.low[c];
+    rgba = opaque_colour({{item.colour.low[0], item.colour.low[1], item.colour.low[2], 0}});
   else if constexpr (materials != CellMaterials::plain)
     rgba = shade_item(tables, item.varying, m, u, v);
   return fragment_of_colour(weight_of(m.area, item.weight_scale), rgba.c, item.normal);

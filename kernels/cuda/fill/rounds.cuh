@@ -8,7 +8,7 @@
 
 #include <cstdint>
 
-#include "kernels/cuda/fill.cuh"
+#include "kernels/cuda/fill/block.cuh"
 #include "lattice/brick.h"
 
 namespace gigabake::kernels {
@@ -79,9 +79,8 @@ __device__ void cut_chunk(const BatchView& view, std::uint32_t first_brick, cons
   FillItem<is_hard, materials>& out = shared.item(int(threadIdx.x));
   out.cells = next.cells;
   out.brick = std::uint8_t(brick_of_item(shared.start, next.where >> 6));
-  const BrickCoordinate at = demorton(view.bricks.key[first_brick + out.brick]);
-  const std::int32_t corner[3] = {std::int32_t(at.x) << brick_subvoxel_bits, std::int32_t(at.y) << brick_subvoxel_bits,
-                                  std::int32_t(at.z) << brick_subvoxel_bits};
+  std::int32_t corner[3];
+  brick_corner(view.bricks.key[first_brick + out.brick], corner);
   cut_item(view.input, window_triangle(view.input, next.triangle), corner, next.where, out);
 }
 
@@ -138,11 +137,8 @@ __device__ void resolve_round(const BatchView& view, BrickSpan span, const Round
       drop_voxel(view.mask + 8 * std::size_t(span.first), round.first + slot, shared);
     const std::uint32_t at = first + std::uint32_t(slot);
     if (at >= view.capacity) continue;  // the host counts, makes room and comes back
-    view.rgba[at] = !visible ? 0
-                             : std::uint32_t(out.rgba[0]) | std::uint32_t(out.rgba[1]) << 8 |
-                                   std::uint32_t(out.rgba[2]) << 16 | std::uint32_t(out.rgba[3]) << 24;
-    if (view.normal != nullptr && visible)
-      view.normal[at] = std::uint16_t(std::uint8_t(out.normal[0]) | std::uint8_t(out.normal[1]) << 8);
+    view.rgba[at] = visible ? pack_rgba(out.rgba) : 0;
+    if (view.normal != nullptr && visible) view.normal[at] = pack_normal(out.normal);
   }
 }
 

@@ -1,8 +1,7 @@
 #include <cub/block/block_scan.cuh>
 
 #include "kernels/body/triangle_bricks.h"
-#include "kernels/cuda/items.cuh"
-#include "lattice/morton.h"
+#include "kernels/cuda/fill/items.cuh"
 #include "lattice/rules.h"
 
 namespace gigabake::kernels {
@@ -48,12 +47,10 @@ __device__ std::uint32_t touch(const WindowTriangle& w, const std::int32_t corne
 
 __device__ std::uint32_t touch_pair(const InputView& in, SurfaceRule rule, const BricksView& bricks,
                                     std::uint32_t begin, std::uint32_t end, std::uint32_t pair, ThreadSlabs slabs) {
-  const BrickCoordinate at = demorton(bricks.key[brick_of_pair(bricks.start, begin, end, pair)]);
-  const std::int32_t corner[3] = {std::int32_t(at.x) << brick_subvoxel_bits, std::int32_t(at.y) << brick_subvoxel_bits,
-                                  std::int32_t(at.z) << brick_subvoxel_bits};
+  std::int32_t corner[3];
+  brick_corner(bricks.key[brick_of_pair(bricks.start, begin, end, pair)], corner);
   const WindowTriangle w = window_triangle(in, bricks.triangle[pair]);
-  if (is_small(w)) return touch<std::int32_t>(w, corner, rule, slabs);
-  return is_narrow(w) ? touch<std::int64_t>(w, corner, rule, slabs) : touch<__int128>(w, corner, rule, slabs);
+  return with_integer_for(w, [&](auto integer) { return touch<decltype(integer)>(w, corner, rule, slabs); });
 }
 
 }  // namespace

@@ -1,0 +1,33 @@
+/// What a cell's materials ask of those who fill its voxels.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/body/cell.h"
+#include "kernels/body/part.h"
+#include "lattice/rules.h"
+
+namespace gigabake::kernels {
+
+enum class CellMaterials : std::uint8_t {
+  plain,   ///< opaque and without textures
+  opaque,  ///< opaque; nothing is both textured and coloured by its vertices
+  any
+};
+
+/// Whether every voxel that a triangle touches is visible.
+constexpr bool all_show(CellMaterials m) { return m != CellMaterials::any; }
+
+inline CellMaterials materials_in(const CellInput& input) {
+  for (std::size_t i = 0; i < input.materials.size; ++i)
+    if (input.materials[i].alpha_mode != AlphaMode::opaque) return CellMaterials::any;
+  CellMaterials found = CellMaterials::plain;
+  for (std::size_t i = 0; i < input.parts.size; ++i) {
+    if (!is_textured(input, input.parts[i])) continue;
+    if (!input.parts[i].rgba.empty()) return CellMaterials::any;
+    found = CellMaterials::opaque;
+  }
+  return found;
+}
+
+}  // namespace gigabake::kernels

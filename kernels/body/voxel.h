@@ -1,0 +1,39 @@
+/// A voxel as levels store it, and the words that its bytes are moved in.
+#pragma once
+
+#include <cstdint>
+
+#include "lattice/host_device.h"
+
+namespace gigabake::kernels {
+
+struct Voxel {
+  std::uint8_t rgba[4];   ///< sRGB, coverage
+  std::int8_t normal[2];  ///< octahedral
+};
+
+/// Red lowest, as a little-endian machine reads the four bytes.
+GB_HD std::uint32_t pack_rgba(const std::uint8_t rgba[4]) {
+  return std::uint32_t(rgba[0]) | std::uint32_t(rgba[1]) << 8 | std::uint32_t(rgba[2]) << 16 |
+         std::uint32_t(rgba[3]) << 24;
+}
+
+/// The first byte lowest; also the index into Tables::unit_normal.
+GB_HD std::uint16_t pack_normal(const std::int8_t normal[2]) {
+  return std::uint16_t(std::uint8_t(normal[0]) | std::uint8_t(normal[1]) << 8);
+}
+
+/// Of the axis x lowest, 24 bits.
+GB_HD std::uint32_t pack_facing(const std::uint8_t facing[3]) {
+  return std::uint32_t(facing[0]) | std::uint32_t(facing[1]) << 8 | std::uint32_t(facing[2]) << 16;
+}
+
+/// Byte `number`, 0 the lowest.
+GB_HD std::uint8_t byte_of(std::uint32_t word, int number) { return std::uint8_t(word >> 8 * number); }
+
+GB_HD Voxel unpack_voxel(std::uint32_t rgba, std::uint16_t normal) {
+  return {{byte_of(rgba, 0), byte_of(rgba, 1), byte_of(rgba, 2), byte_of(rgba, 3)},
+          {std::int8_t(byte_of(normal, 0)), std::int8_t(byte_of(normal, 1))}};
+}
+
+}  // namespace gigabake::kernels

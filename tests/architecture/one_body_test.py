@@ -1,0 +1,122 @@
+#!/usr/bin/env python3
+"""One body: the device files of kernels/ (*.cu, *.cuh) spread items over lanes, and decide nothing about voxels.
+
+A rule that stands in such a file is one that a machine without a GPU never tests, and one that can differ from the
+CPU's. So these files may not
+  - name a value of a rule's enum (lattice/rules.h, lattice/octree.h): they hand it on, or ask a question of
+    kernels/body, as filters_by_view() or Surface::look();
+  - write the scale of a channel (65535, 32767, 255, 127): what is packed, scaled or opaque is said in kernels/body;
+  - round, or take a root or a power: kernels/body does, and lattice/rounding.h;
+  - compare a channel, a weight or a rule with anything but null.
+What may be compared: counts, places, pointers, and what kernels/body or a template parameter has decided already
+(Fate, Look, CellMaterials, by_view). Comments and texts are not looked at.
+
+Usage: one_body_test.py SOURCE_DIR
+"""
+import re
+import sys
+from pathlib import Path
+
+ENUM_HEADERS = ["lattice/rules.h", "lattice/octree.h"]
+
+SCALES = re.compile(r"(?<![\w.])(65535|32767|255|127)u?(?![\w.])")
+ROUNDING = re.compile(r"\b(floor|ceil|round|lround|llround|trunc|rint|nearbyint|sqrt|rsqrt|cbrt|pow|exp|log)f?\s*\("
+                      r"|\b__(double|float)2\w+\s*\(")
+CHANNEL = (r"(alpha|alpha_mode|coverage|cutoff|weight|facing|rgba|base_rgba|vertex_rgba|normal|clear|wrap_s|wrap_t|mip"
+           r"|filter|rule|surface_rule)")
+# The channel, what is taken of it (an element, a member, a call without arguments), and on either side the comparison.
+OF_CHANNEL = rf"\b{CHANNEL}(\[[^\]]*\]|\.\w+|\(\))*"
+COMPARISON = r"(==|!=|<=|>=|<(?!<)|>(?!>))"
+COMPARED = re.compile(rf"{OF_CHANNEL}\s*(?<![<>-]){COMPARISON}\s*(?!nullptr)[\w(-]"
+                      rf"|(?<!nullptr)\s(?<![<>-]){COMPARISON}\s+([\w:]+\.)*{OF_CHANNEL}")
+
+
+def without_comments(text):
+    """The same lines, without comments and what stands in quotes."""
+    text = re.sub(r'"(\\.|[^"\\\n])*"', '""', text)
+    text = re.sub(r"/\*.*?\*/", lambda m: "\n" * m.group().count("\n"), text, flags=re.S)
+    return re.sub(r"//[^\n]*", "", text)
+
+
+def rule_enums(root):
+    names = []
+    for header in ENUM_HEADERS:
+        names += re.findall(r"enum class (\w+)", (root / header).read_text(encoding="utf-8"))
+    return names
+
+
+def decisions(text, enums):
+    """(line number, what it decides) of each line that decides something."""
+    enum_value = re.compile(rf"\b({'|'.join(enums)})::")
+    for number, line in enumerate(without_comments(text).splitlines(), 1):
+        if found := enum_value.search(line):
+            yield number, f"names a value of {found.group(1)}"
+        if found := SCALES.search(line):
+            yield number, f"writes the scale of a channel, {found.group(1)}"
+        if found := ROUNDING.search(line):
+            yield number, f"rounds or takes a root: {found.group().strip()}"
+        if found := COMPARED.search(line):
+            yield number, f"compares what kernels/body should: {found.group().strip()}"
+
+
+DECIDING = [
+    "const auto kernel = level.filter == MipFilter::coverage ? a : b;",
+    "if (s.material.alpha_mode != mode) return;",
+    "if (filter == wanted) run();",
+    "if (alpha < 1) alpha = 1;",
+    "if (0 < sums.weight) add();",
+    "if (seen.weight[0] == 0) w = 1;",
+    "if (in.rgba[i] >= cut) ++n;",
+    "r.c[3] = 65535;",
+    "const int mean = (sum + 127) / 255;",
+    "x = std::floor(y + 0.5);",
+    "const int row = __double2int_rd(v);",
+]
+SPREADING = [
+    "if (normal != nullptr) normal[at] = view.normal[from + i];",
+    "const bool there = below.normal != nullptr && facing == nullptr;",
+    "for (int c = 0; c < 8; ++c) w = weights_of<2>(seen, children);",
+    "rule<<<grid_of(n, threads), threads, 0, heap.stream()>>>(view);",
+    "DeviceArray<std::uint32_t> rgba(heap, n); // alpha == 255",
+    "fate = fate_of(window, part, v, t.p);",
+    "std::uint32_t coverage[2] = {};",
+    "coverage[c / 4] |= byte_of(word, 3) << 8 * c;",
+    "if (item.look == Look::linear) return linear_fragment(item.colour, item.normal);",
+    "constexpr unsigned threads = 256;",
+    'throw DeviceFull("more than 65535");',
+]
+
+
+def wrong_about_samples(enums):
+    """This test, tested: lines that decide, and lines that do not."""
+    for line in DECIDING:
+        if not list(decisions(line, enums)):
+            yield f"this test does not notice that it decides: {line}"
+    for line in SPREADING:
+        for _, why in decisions(line, enums):
+            yield f"this test takes it for a decision ({why}): {line}"
+
+
+def problems(root):
+    enums = rule_enums(root)
+    if not {"SurfaceRule", "MipFilter", "AlphaMode", "Wrap", "NodeKind"} <= set(enums):
+        yield f"the rules' enums are not where this test looks for them: {', '.join(ENUM_HEADERS)} have {enums}"
+    yield from wrong_about_samples(enums)
+    files = sorted(path for path in (root / "kernels").rglob("*") if path.suffix in {".cu", ".cuh"})
+    if not files:
+        yield "kernels/ has no device files"
+    for path in files:
+        for number, why in decisions(path.read_text(encoding="utf-8"), enums):
+            yield f"{path.relative_to(root).as_posix()}:{number}: {why}"
+
+
+def main():
+    found = list(problems(Path(sys.argv[1])))
+    for line in found:
+        print(line)
+    print(f"{len(found)} decisions in device files")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
