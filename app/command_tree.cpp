@@ -1,6 +1,6 @@
 #include "app/command_tree.h"
 
-#include "app/choices.h"
+#include "app/options/choices.h"
 
 namespace gigabake::app {
 namespace {

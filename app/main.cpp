@@ -2,14 +2,14 @@
 #include <exception>
 #include <fmt/core.h>
 
-#include "app/about.h"
 #include "app/commands.h"
-#include "app/flags.h"
-#include "app/help_sections.h"
-#include "app/manual.h"
-#include "app/out_of_memory.h"
-#include "app/stop_signal.h"
-#include "app/usage_errors.h"
+#include "app/manual/about.h"
+#include "app/manual/help_sections.h"
+#include "app/manual/manual.h"
+#include "app/options/flags.h"
+#include "app/options/usage_errors.h"
+#include "app/process/out_of_memory.h"
+#include "app/process/stop_signal.h"
 #include "lattice/error.h"
 #include "lattice/progress.h"
 

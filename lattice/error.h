@@ -43,7 +43,8 @@ class InputError : public std::runtime_error {
 /// Wrong options or a combination of them that means nothing; exit code 2. `what()` as InputError's.
 ///
 /// A library knows the fields of its structs, not the options of a command line: its messages, also those of other
-/// errors, name a field between backquotes, and app/flags.h puts the option in its place before a person reads it.
+/// errors, name a field between backquotes, and app/options/flags.h puts the option in its place before a person reads
+/// it.
 class UsageError : public std::runtime_error {
  public:
   explicit UsageError(const std::string& message) : std::runtime_error(as_line(message)) {}

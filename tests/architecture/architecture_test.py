@@ -48,7 +48,7 @@ RESERVED = [
     (r"fstream|filesystem|iostream|cstdio", r"(?!kernels/|lattice/)|lattice/(error|memory_limit|byte_cursor)\.(h|cpp)",
      "kernels and lattice know no files"),
     (r"tiny_gltf\.h|hdf5\.h|pugixml\.hpp|png\.h|jpeglib\.h|(OpenEXR|Imath)/.*", 
-     r"format/|viewer/.*\.cpp|app/library_versions\.cpp|tests/", "files are format's business"),
+     r"format/|viewer/.*\.cpp|app/manual/library_versions\.cpp|tests/", "files are format's business"),
     (r"openvdb/.*", r"format/export/openvdb/.*\.cpp|tests/", "a build without OpenVDB has the rest"),
     (r"nanovdb/.*", r"tests/", "format/export/nanovdb_layout.h says what is needed of it"),
 ]
@@ -134,7 +134,7 @@ def text_problems(name, text):
 
 
 def option_problems(text):
-    """Libraries know fields; app/ alone knows how its command line calls them (app/flags.h)."""
+    """Libraries know fields; app/ alone knows how its command line calls them (app/options/flags.h)."""
     for literal in re.findall(r'"(?:[^"\\\n]|\\.)*"', text):
         for option in re.findall(r"(?<![\w-])--[a-z][a-z-]+", literal):
             if option not in OPTIONS_OF_OTHERS:

@@ -1,0 +1,64 @@
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <fmt/core.h>
+#include <memory>
+#include <stdexcept>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "app/commands.h"
+#include "app/options/flags.h"
+#include "lattice/error.h"
+#include "worker/bake_service.h"
+
+namespace gigabake::app {
+namespace {
+
+/// Ends with the process that holds the other end, also where that dies without closing it.
+void follow_supervisor(int fd) {
+  ucred supervisor{};
+  socklen_t size = sizeof supervisor;
+  if (::getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &supervisor, &size) != 0)
+    throw UsageError("bake-process: expected the number of a socket; `gigabake bake` starts it");
+  if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) throw std::runtime_error("bake-process: prctl(PR_SET_PDEATHSIG) failed");
+  if (::getppid() != supervisor.pid) std::_Exit(failed);  // it died before the line above
+}
+
+/// A terminal's or a scheduler's signals are the supervisor's to understand.
+void leave_signals_to_supervisor() {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGPIPE})
+    if (std::signal(signal, SIG_IGN) == SIG_ERR) throw std::runtime_error("bake-process: signal() failed");
+}
+
+/// Started as /proc/self/exe, it would be "exe" in top and in the kernel's log of what ran out of memory.
+void take_name() {
+  if (::prctl(PR_SET_NAME, "gigabake-bake") != 0) throw std::runtime_error("bake-process: prctl(PR_SET_NAME) failed");
+}
+
+int run(int fd) {
+  try {
+    leave_signals_to_supervisor();
+    follow_supervisor(fd);
+    take_name();
+    return serve_bakes(fd);
+  } catch (const UsageError& e) {
+    fmt::print(stderr, "gigabake: {}\n", said(e));
+    return usage;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "gigabake: bake process: {}\n", said(e));
+    return failed;
+  }
+}
+
+}  // namespace
+
+void add_bake_process(CLI::App& app) {
+  auto* command = app.add_subcommand("bake-process", "What `gigabake bake` starts on each rank")->group("");
+  auto fd = std::make_shared<int>(-1);
+  command->add_option("FD", *fd, "number of the socket to the supervisor")->required();
+  command->callback([fd] { std::_Exit(run(*fd)); });  // serve_bakes leaves threads behind
+}
+
+}  // namespace gigabake::app

@@ -1,0 +1,158 @@
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fmt/format.h>
+#include <memory>
+#include <tuple>
+
+#include "app/commands.h"
+#include "app/messages/with_progress.h"
+#include "app/options/bake_options.h"
+#include "app/options/choices.h"
+#include "app/options/text_values.h"
+#include "bench/report/accuracy_report.h"
+#include "bench/report/hard_report.h"
+#include "format/system/host_limits.h"
+#include "format/system/publish.h"
+#include "lattice/error.h"
+
+namespace gigabake::app {
+namespace {
+
+struct AccuracyOptions {
+  BakeOptions bake;
+  std::string json, markdown, size = "160x120";
+  int samples = 64, repeats = 3, million_triangles = 17;
+  std::uint64_t voxels = 50000;
+  std::vector<std::string> settings;
+  bool hard = false;
+};
+
+int threads_of(const BakeOptions& bake) { return bake.asked.threads > 0 ? bake.asked.threads : host_limits().cores(); }
+
+bench::AccuracyBenchRequest request_of(const AccuracyOptions& options) {
+  const BakeRequest bake = options.bake.request();
+  bench::AccuracyBenchRequest r;
+  r.scene = {bake.source, bake.source_options, bake.parameters, threads_of(options.bake), bake.memory_bytes};
+  r.out = bake.out;
+  r.backend = bake.backend;
+  r.samples = options.samples;
+  r.only = options.settings;
+  r.sample.voxels = options.voxels;
+  r.sample.points = 4 * options.voxels;
+  r.repeats = options.repeats;
+  std::tie(r.width, r.height) = size_option(options.size);
+  if (std::min(r.width, r.height) < 8 || std::max(r.width, r.height) > 4096)
+    throw UsageError("--size: expected 8 to 4096 pixels a side");
+  return r;
+}
+
+/// A folder that goes, unless a name was given.
+class HardFolder {
+ public:
+  explicit HardFolder(const std::string& name) : path_(name), is_kept_(!name.empty()) {
+    if (is_kept_) return;
+    std::string made = (std::filesystem::temp_directory_path() / "gigabake-hard-XXXXXX").string();
+    if (mkdtemp(made.data()) == nullptr) throw InputError(made, "", "cannot make the folder; name one with -o");
+    path_ = made;
+  }
+  ~HardFolder() {
+    std::error_code ignored;
+    if (!is_kept_) std::filesystem::remove_all(path_, ignored);
+  }
+  HardFolder(const HardFolder&) = delete;
+  HardFolder& operator=(const HardFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+  bool is_kept_;
+};
+
+int run_hard(const AccuracyOptions& options) {
+  if (!options.bake.source.empty()) throw UsageError("--hard has scenes of its own: expected no SCENE");
+  const HardFolder folder(options.bake.out);
+  const bench::HardBenchRequest request{folder.path(), options.bake.asked.backend, threads_of(options.bake),
+                                        options.million_triangles};
+  const bench::HardBench b = with_progress([&](const Progress& progress) {
+    progress.step("hard cases", 0, "cases");
+    return bench_hard(request, [&](const bench::HardResult& r) {
+      if (!r.holds()) fmt::print(stderr, "{} FAILS\n", r.name);
+      progress.advance();
+    });
+  });
+  const std::string markdown = to_markdown(b);
+  if (!options.json.empty()) publish_file(options.json, to_json(b));
+  if (!options.markdown.empty()) publish_file(options.markdown, markdown);
+  fmt::print("{}", markdown);
+  return b.holds() ? complete : failed;
+}
+
+int run(const AccuracyOptions& options) {
+  if (options.hard) return run_hard(options);
+  if (options.bake.source.empty() || options.bake.out.empty() || options.bake.voxel_size.empty())
+    throw UsageError("expected SCENE, -o and --voxel-size, or --hard");
+  bench::AccuracyBenchRequest request = request_of(options);
+  const bench::AccuracyBench b = with_progress([&](const Progress& progress) {
+    request.scene.progress = progress;
+    return bench::bench_accuracy(request, [&](const std::string& setting) { progress.step(setting); });
+  });
+  const std::string markdown = to_markdown(b);
+  if (!options.json.empty()) publish_file(options.json, to_json(b));
+  if (!options.markdown.empty()) publish_file(options.markdown, markdown);
+  for (const bench::NamedPlot& plot : plots_of(b))
+    publish_file(std::filesystem::path(options.bake.out) / plot.file, to_svg(plot.plot));
+  fmt::print("{}", markdown);
+  return complete;
+}
+
+}  // namespace
+
+void add_bench_accuracy(CLI::App& bench, int& exit_code) {
+  auto* command =
+      bench.add_subcommand("accuracy", "Speed against error: many settings, each against pictures of the triangles");
+  auto o = std::make_shared<AccuracyOptions>();
+  BakeOptions& bake = o->bake;
+  command->add_option("SCENE", bake.source, "what to bake: see below");
+  command->add_option("-o,--out", bake.out, "folder for bakes, pictures and plots, which are replaced");
+  command->add_option("--voxel-size", bake.voxel_size, "metres; half of the settings have voxels of twice that");
+  command->add_flag("--hard", o->hard,
+                    "the suite of hard cases instead, which needs no SCENE: exit code 1 where a claimed bound fails");
+  command
+      ->add_option("--million-triangles", o->million_triangles,
+                   "of the hard case that has all of them in one voxel, in millions")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
+  command
+      ->add_option("--cell-voxels", bake.asked.parameters.cell_voxels,
+                   "edge of a cell in voxels, a power of two from 8 to 8192")
+      ->capture_default_str();
+  add_choice(*command, "--up", bake.asked.source_options.scene_up,
+             "axis that points up in the source (tilesets z, mesh files y)");
+  command->add_flag("--local", bake.asked.source_options.local,
+                    "no georeference: the source's own frame, turned to z up");
+  command->add_option("--threads", bake.asked.threads, "all cores unless said otherwise");
+  add_choice(*command, "--backend", bake.asked.backend, "where cells are baked; auto: on a GPU where there is one");
+  command->add_option("--samples", o->samples, "rays of the reference, a pixel")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 65536));
+  command->add_option("--settings", o->settings, "some of them alone, with commas between them (all)")
+      ->delimiter(',')
+      ->check(one_of(bench::accuracy_setting_names()));
+  command
+      ->add_option(
+          "--voxels", o->voxels,
+          "that are held against the triangles, of each setting, at most; and four times as many points of the "
+          "surface")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 10000000));
+  command->add_option("--repeats", o->repeats, "bakes of each setting; the fastest counts")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
+  command->add_option("--size", o->size, "WIDTHxHEIGHT of the largest pictures")->capture_default_str();
+  command->add_option("--json", o->json, "JSON file to write: all figures");
+  command->add_option("--markdown", o->markdown, "Markdown file to write: the tables that are printed");
+  command->callback([o, &exit_code] { exit_code = run(*o); });
+}
+
+}  // namespace gigabake::app

@@ -1,0 +1,74 @@
+#include <fmt/format.h>
+#include <memory>
+#include <optional>
+
+#include "app/commands.h"
+#include "app/messages/bake_console.h"
+#include "app/messages/bake_report.h"
+#include "app/options/bake_options.h"
+#include "app/process/on_all_ranks.h"
+#include "app/process/stop_signal.h"
+#include "scheduler/prior.h"
+
+namespace gigabake::app {
+namespace {
+
+std::optional<PriorResults> prior_of(const BakePlan& plan, const BakeRequest& request, const MpiSession& mpi) {
+  if (request.out.empty()) return std::nullopt;
+  return find_prior(plan, read_journal(request.out / "journal"), request.out, mpi.cores());
+}
+
+struct PlanOptions {
+  BakeOptions bake;
+  bool measures = true;
+};
+
+int run(const PlanOptions& plan_options, MpiSession& mpi) {
+  const BakeOptions& options = plan_options.bake;
+  const BakeRequest request = options.request();
+  BakeConsole console(mpi.rank() == 0 ? stderr : nullptr, {[] { return stop_signal() != 0; }, {}});
+  const BakeProgress progress = console.callbacks();
+  const PlannedBake planned = plan_bake(mpi, request, progress);
+  if (mpi.rank() != 0) return complete;
+  const BakePlan& plan = planned.plan;
+  const PlanSizes sizes{measure_plan(mpi, request, planned.sources, plan, plan_options.measures, progress.steps),
+                        planned.survey_s};
+  const std::optional<PriorResults> prior = prior_of(plan, request, mpi);
+  console.end_step();
+  options.json ? print_json_report(plan, prior, sizes) : print_report(plan, prior, sizes);
+  warn_of(plan.precision);
+  print_losses(plan.losses);
+  return plan.losses.empty() ? complete : cells_failed;
+}
+
+/// Rank 0 measures alone: the others hear of its end by its exit code.
+int run_until_stopped(const PlanOptions& options, MpiSession& mpi) {
+  try {
+    return run(options, mpi);
+  } catch (const Stopped&) {
+    if (mpi.rank() == 0) fmt::print(stderr, "{}\n", stop_line());
+    return exit_code_of_stop();
+  }
+}
+
+}  // namespace
+
+void add_plan(CLI::App& app, int& exit_code) {
+  auto* command = app.add_subcommand("plan",
+                                     "What a bake would come to: voxels, bytes on disk and minutes, of this voxel "
+                                     "size, half and twice it; and its cells");
+  auto options = std::make_shared<PlanOptions>();
+  options->bake.add_to(*command);
+  command->add_option("-o,--out", options->bake.out,
+                      "folder of an earlier bake: say of each cell whether it would be baked, "
+                      "and why; nothing is written");
+  command->add_flag("--measure,!--no-measure", options->measures,
+                    "bake pieces of the scene for about four seconds, aside (default); without, no time is known, and "
+                    "voxels and bytes only from the surface's area");
+  command->callback([options, &exit_code] {
+    const StopSignals signals;  // before MPI starts: mpirun passes signals on from the beginning
+    exit_code = on_all_ranks([&](MpiSession& mpi) { return run_until_stopped(*options, mpi); });
+  });
+}
+
+}  // namespace gigabake::app

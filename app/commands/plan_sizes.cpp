@@ -1,0 +1,98 @@
+#include "app/commands/plan_sizes.h"
+
+#include <cmath>
+#include <fmt/format.h>
+
+#include "app/messages/status_text.h"
+#include "app/options/flags.h"
+
+namespace gigabake::app {
+namespace {
+
+constexpr std::size_t asked = 1;  // the middle one of PlanMeasure::sizes
+
+std::optional<double> seconds_of(const MeasuredSize& size, const PlanSizes& sizes) {
+  if (!size.estimate.bake_s) return std::nullopt;
+  return *size.estimate.bake_s + sizes.survey_s;
+}
+
+std::string workers(const PlanMeasure& m) {
+  return m.ranks == 1 ? fmt::format("{} threads", m.threads) : fmt::format("{} ranks × {} threads", m.ranks, m.threads);
+}
+
+std::string row(const MeasuredSize& size, bool is_asked, const PlanSizes& sizes) {
+  const std::optional<double> seconds = seconds_of(size, sizes);
+  return fmt::format("  {:>10} {:>12} {:>14}   {}{}\n", fmt::format("{:g} m", size.voxel_size_m),
+                     readable_count(double(size.estimate.voxels_lod0)), readable_bytes(size.estimate.bytes),
+                     seconds ? "about " + readable_seconds(*seconds) : "not measured",
+                     is_asked ? "   <- asked for" : "");
+}
+
+/// What the numbers stand on.
+std::string basis(const MeasuredSize& size, const PlanSizes& sizes) {
+  if (size.pieces == 0)
+    return size.problem.empty()
+               ? std::string("from the surface's area alone, nothing was baked; real bakes may be off by half\n")
+               : fmt::format("from the surface's area alone, since nothing could be measured: {}\n",
+                             with_flags(size.problem));
+  std::string text = fmt::format(
+      "measured: {} pieces of {} tiles baked in {:.1f} s by one rank on {}, {:.1f} % of the surface", size.pieces,
+      size.tiles, size.wall_s, size.on_device ? "its GPU" : fmt::format("{} threads", sizes.measure.threads),
+      100 * size.estimate.share);
+  if (size.estimate.share < 1) text += fmt::format("; voxels ± {:.0f} %", std::ceil(200 * size.estimate.voxels_error));
+  return text + (size.problem.empty() ? "\n" : fmt::format("; stopped early: {}\n", with_flags(size.problem)));
+}
+
+std::string suggestion(const PlanSizes& sizes) {
+  const double texel_m = sizes.measure.texel_m;
+  if (texel_m <= 0) return "";
+  const double wanted_m = round_size(texel_m), asked_m = sizes.measure.sizes[asked].voxel_size_m;
+  const char* verdict = asked_m > 1.5 * wanted_m   ? "coarser ones lose some of it"
+                        : asked_m < wanted_m / 1.5 ? "finer ones sharpen shapes, not colours"
+                                                   : "as asked for";
+  return fmt::format("texels of the textures are about {:.2g} m: voxels of {:g} m show what is in them; {}\n", texel_m,
+                     wanted_m, verdict);
+}
+
+}  // namespace
+
+std::string sizes_text(const PlanSizes& sizes) {
+  const PlanMeasure& m = sizes.measure;
+  std::string text = fmt::format("  {:>10} {:>12} {:>14}   time with {}\n", "voxel size", "voxels", "disk", workers(m));
+  for (std::size_t i = 0; i < m.sizes.size(); ++i) text += row(m.sizes[i], i == asked, sizes);
+  return text + basis(m.sizes[asked], sizes) + suggestion(sizes);
+}
+
+void add_sizes(const PlanSizes& sizes, nlohmann::ordered_json& j) {
+  const PlanMeasure& m = sizes.measure;
+  j["sizes"] = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < m.sizes.size(); ++i) {
+    const MeasuredSize& size = m.sizes[i];
+    nlohmann::ordered_json one{{"voxel_size_m", size.voxel_size_m},
+                               {"asked", i == asked},
+                               {"voxels_lod0", size.estimate.voxels_lod0},
+                               {"voxels", size.estimate.voxels},
+                               {"bytes", size.estimate.bytes},
+                               {"seconds", nullptr},
+                               {"voxels_error", size.estimate.voxels_error},
+                               {"pieces", size.pieces},
+                               {"tiles", size.tiles},
+                               {"surface_share", size.estimate.share},
+                               {"measured_s", size.wall_s},
+                               {"on_device", size.on_device}};
+    if (const auto seconds = seconds_of(size, sizes)) one["seconds"] = *seconds;
+    if (!size.problem.empty()) one["problem"] = size.problem;
+    j["sizes"].push_back(one);
+  }
+  j["survey_s"] = sizes.survey_s;
+  j["ranks"] = m.ranks;
+  j["threads"] = m.threads;
+  j["texel_m"] = nullptr;
+  j["suggested_voxel_size_m"] = nullptr;
+  if (m.texel_m > 0) {
+    j["texel_m"] = m.texel_m;
+    j["suggested_voxel_size_m"] = round_size(m.texel_m);
+  }
+}
+
+}  // namespace gigabake::app

@@ -1,0 +1,202 @@
+#include <algorithm>
+#include <fmt/format.h>
+#include <memory>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "app/commands.h"
+#include "app/messages/with_progress.h"
+#include "app/options/choices.h"
+#include "app/options/flags.h"
+#include "app/options/picture_file.h"
+#include "app/options/renderer_options.h"
+#include "app/options/scene_argument.h"
+#include "app/options/text_values.h"
+#include "format/system/publish.h"
+#include "lattice/error.h"
+#include "viewer/live/camera_path.h"
+#include "viewer/live/path_frames.h"
+#include "viewer/live/view_mode_legend.h"
+#include "viewer/pictures/exr.h"
+#include "viewer/pictures/frame_renderer.h"
+
+namespace gigabake::app {
+namespace {
+
+struct RenderArguments {
+  std::string scene, picture, depth;
+  std::string eye, target, up, size = "1280x720", background = "sky";
+  double fovy_deg = CameraOptions{}.fovy_deg, pixel_error = CameraOptions{}.pixel_error;
+  RendererArguments renderer;
+  LightArguments light;
+  std::string path, stats;
+  ViewMode mode = ViewMode::lit;
+  int frames = 0;
+  double fps = 0, upload_ms = 20;
+  bool live = false, quiet = false;
+};
+
+Background background_option(const std::string& text) {
+  if (text == "sky") return {};
+  const auto v = integers(text, ',');
+  const bool good = v && (v->size() == 3 || v->size() == 4);
+  if (good) {
+    Background background{false, {0, 0, 0, 255}};
+    bool in_range = true;
+    for (std::size_t k = 0; k < v->size(); ++k) {
+      in_range = in_range && (*v)[k] >= 0 && (*v)[k] <= 255;
+      background.rgba[k] = std::uint8_t((*v)[k]);
+    }
+    if (in_range) return background;
+  }
+  throw UsageError(fmt::format("--background: expected sky, R,G,B or R,G,B,A with 0 to 255 each, got '{}'", text));
+}
+
+CameraOptions camera_options(const RenderArguments& a) {
+  CameraOptions camera;
+  camera.eye_m = point_option(a.eye, "--eye");
+  camera.target_m = point_option(a.target, "--target");
+  camera.up = point_option(a.up, "--up");
+  std::tie(camera.width, camera.height) = size_option(a.size);
+  camera.fovy_deg = a.fovy_deg;
+  camera.pixel_error = a.pixel_error;
+  return camera;
+}
+
+View view_of(const RenderArguments& a) {
+  if (!a.depth.empty() && picture_format("--depth", a.depth) != PictureFormat::exr)
+    throw UsageError(fmt::format("--depth: expected a name that ends in .exr, got '{}'", a.depth));
+  if (a.depth == a.picture) throw UsageError("--depth: expected another file than -o, which holds depth already");
+  View view;
+  const PictureFormat format = picture_format("-o", a.picture);
+  if (format == PictureFormat::exr) view.light = PictureLight::linear_too;
+  view.camera = camera_options(a);
+  view.mode = a.mode;
+  view.background = background_option(a.background);
+  if (format == PictureFormat::jpeg && !view.background.sky && view.background.rgba[3] != 255)
+    throw UsageError("--background: a JPEG is opaque; expected R,G,B, or a .png");
+  return view;
+}
+
+FrameRenderer::Options renderer_options_of(const RenderArguments& a) {
+  FrameRenderer::Options options = renderer_options(a.renderer);
+  set_light(a.light, options);
+  return options;
+}
+
+/// What was drawn coarser than it should be, and the exit code for that.
+int tell_problems(const FrameRenderer& renderer) {
+  for (const std::string& problem : renderer.problems())
+    fmt::print(stderr, "gigabake: drawn coarser: {}\n", with_flags(problem));
+  return renderer.problems().empty() ? complete : cells_failed;
+}
+
+/// Of colours that are not the scene's own.
+void tell_legend(ViewMode mode) {
+  if (mode != ViewMode::lit) fmt::print("{}: {}\n", name_of(mode), view_mode_legend(mode));
+}
+
+/// name_of: of the files, by what -o and --depth say.
+template <class NameOf>
+void write_files(const RenderArguments& a, const Picture& picture, double voxel_size_m, const NameOf& name_of) {
+  write_picture(name_of(a.picture), picture, voxel_size_m);
+  if (!a.depth.empty()) write_exr(name_of(a.depth), picture, ExrChannels::depth, voxel_size_m);
+}
+
+int run(const RenderArguments& a) {
+  const View view = view_of(a);
+  FrameRenderer renderer(a.scene, renderer_options_of(a));
+  const auto draw = [&](const Progress& progress) {
+    Frame drawn = renderer.draw_exact(view, progress);
+    progress.step("writing the picture");
+    write_files(a, drawn.picture, renderer.scene().voxel_size_m, [](const std::string& name) { return name; });
+    return drawn;
+  };
+  const Frame frame = with_progress(draw, a.quiet ? nullptr : stderr);
+  if (!a.quiet) {
+    fmt::print("{}: {}x{} in {:.2f} s; {} uploads, {:.0f} MB of voxels held\n", a.picture, frame.picture.width,
+               frame.picture.height, frame.stats.total_s, frame.stats.uploads, double(frame.stats.bytes_held) / 1e6);
+    tell_legend(view.mode);
+  }
+  return tell_problems(renderer);
+}
+
+std::vector<double> frame_times(const RenderArguments& a, const CameraPath& path) {
+  if ((a.frames != 0) == (a.fps != 0)) throw UsageError("--path: expected either --frames or --fps beside it");
+  return a.frames != 0 ? times_of_frames(path, a.frames) : times_at_rate(path, a.fps);
+}
+
+int run_path(const RenderArguments& a) {
+  if (!(a.upload_ms > 0 && a.upload_ms <= 60000)) throw UsageError("--upload-ms: expected 0 to 60000 milliseconds");
+  const View view = view_of(a);
+  numbered_file(a.picture, 0, "out");
+  if (!a.depth.empty()) numbered_file(a.depth, 0, "depth");
+  FrameRenderer renderer(a.scene, renderer_options_of(a));
+  const CameraPath path = read_camera_path(a.path, renderer.scene().origin);
+  std::vector<PathFrame> frames;
+  const auto take = [&](const PathFrame& frame, const Picture& picture) {
+    write_files(a, picture, renderer.scene().voxel_size_m,
+                [&](const std::string& name) { return numbered_file(name, frame.number); });
+    frames.push_back(frame);
+  };
+  const auto draw = [&](const Progress& progress) {
+    draw_path(renderer, path, view, frame_times(a, path), a.live ? Finish::live : Finish::complete, a.upload_ms / 1e3,
+              take, progress);
+  };
+  with_progress(draw, a.quiet ? nullptr : stderr);
+  if (!a.stats.empty()) publish_file(a.stats, to_json(frames));
+  std::size_t incomplete = 0;
+  for (const PathFrame& frame : frames) incomplete += frame.stats.complete ? 0 : 1;
+  if (!a.quiet) {
+    fmt::print("{} frames{}\n", frames.size(),
+               incomplete > 0 ? fmt::format(", {} of them incomplete", incomplete) : "");
+    tell_legend(view.mode);
+  }
+  return tell_problems(renderer);
+}
+
+/// Options that mean something along a path only.
+void check_alone(const RenderArguments& a) {
+  if (a.frames != 0 || a.fps != 0 || a.live || !a.stats.empty())
+    throw UsageError("--frames, --fps, --live and --stats: expected a --path beside them");
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, int& exit_code) {
+  const auto a = std::make_shared<RenderArguments>();
+  CLI::App& command = *app.add_subcommand("render", "Pictures of a baked scene: one, or many along a path");
+  command.add_option("SCENE", a->scene, "OUT of a bake, or OUT/scene.xml")->required();
+  command
+      .add_option("-o,--output", a->picture,
+                  "picture to write: .png, .jpg or .exr (OpenEXR, linear light and depth); along a path "
+                  "frames/%04d.png or alike")
+      ->required();
+  command.add_option("--depth", a->depth, "OpenEXR file to write besides: distances, metres; along a path as -o");
+  command.add_option("--eye", a->eye, "X,Y,Z: camera, scene metres (south-east of the target, all in view)");
+  command.add_option("--target", a->target, "X,Y,Z: what the camera looks at (the middle of the scene)");
+  command.add_option("--up", a->up, "X,Y,Z: direction that is up in the picture (0,0,1)");
+  command.add_option("--fovy", a->fovy_deg, "vertical field of view, degrees")->capture_default_str();
+  command.add_option("--size", a->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
+  command.add_option("--background", a->background, "sky, or R,G,B[,A]: sRGB, 0 to 255 each")->capture_default_str();
+  command.add_option("--pixel-error", a->pixel_error, "pixels that a voxel may be wide")->capture_default_str();
+  add_light_options(command, a->light);
+  add_renderer_options(command, a->renderer);
+  command.add_option("--path", a->path, "camera path, JSON (docs/viewer.md); instead of --eye and --target");
+  command.add_option("--frames", a->frames, "so many, evenly along the path");
+  command.add_option("--fps", a->fps, "so many for each second of the path");
+  add_choice(command, "--mode", a->mode, "what is shown; what the colours mean: see below");
+  command.add_option("--stats", a->stats, "JSON file to write: what each frame of the path took");
+  command.add_flag("--live", a->live, "each frame once, complete or not, as somebody passing sees it");
+  command.add_option("--upload-ms", a->upload_ms, "time for new data in each frame of --live")->capture_default_str();
+  command.add_flag("-q,--quiet", a->quiet, "print errors alone");
+  command.callback([a, &exit_code] {
+    if (a->path.empty()) check_alone(*a);
+    a->scene = scene_argument(a->scene).string();
+    exit_code = a->path.empty() ? run(*a) : run_path(*a);
+  });
+}
+
+}  // namespace gigabake::app

@@ -1,0 +1,81 @@
+#include "format/sample/sample.h"
+
+#include <fmt/format.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/commands.h"
+#include "app/messages/status_text.h"
+#include "app/options/text_values.h"
+#include "format/system/host_limits.h"
+
+namespace gigabake::app {
+namespace {
+
+struct Options {
+  std::string dir, origin;
+  sample::SampleOptions sample;
+  bool json = false;
+};
+
+std::string bake_command(const Options& o, const char* source, const char* more) {
+  return fmt::format("gigabake bake {}/{} --voxel-size {}{} -o OUT", o.dir, source, o.sample.texel_m, more);
+}
+
+constexpr char render_command[] = "gigabake render OUT/scene.xml -o PICTURE.png";
+
+void print_json(const Options& o, const sample::SampleReport& r) {
+  const Geodetic& at = o.sample.origin;
+  const nlohmann::ordered_json j{{"tileset", o.dir + "/tileset.json"},
+                                 {"local", o.dir + "/local"},
+                                 {"tiles", r.tiles},
+                                 {"triangles", r.triangles},
+                                 {"houses", r.houses},
+                                 {"trees", r.trees},
+                                 {"bytes", r.bytes},
+                                 {"origin", {at.latitude_deg, at.longitude_deg, at.height_m}},
+                                 {"min_m", r.min_m},
+                                 {"max_m", r.max_m},
+                                 {"voxel_size_m", o.sample.texel_m},
+                                 {"bake", bake_command(o, "tileset.json", "")},
+                                 {"bake_local", bake_command(o, "local", " --local")},
+                                 {"render", render_command}};
+  fmt::print("{}\n", j.dump(2));
+}
+
+void print_text(const Options& o, const sample::SampleReport& r) {
+  fmt::print("{} tiles, {} triangles, {} houses, {} trees, {}; {:g} × {:g} m, {:.0f} m from lowest to highest\n",
+             r.tiles, r.triangles, r.houses, r.trees, readable_bytes(r.bytes), o.sample.size_m, o.sample.size_m,
+             r.max_m[2] - r.min_m[2]);
+  fmt::print("bake it:        {}\n", bake_command(o, "tileset.json", ""));
+  fmt::print("its flat twin:  {}\n", bake_command(o, "local", " --local"));
+  fmt::print("see it:         {}\n", render_command);
+}
+
+void run(Options& o) {
+  if (!o.origin.empty()) o.sample.origin = geodetic("--origin", o.origin);
+  o.sample.threads = host_limits().cores();
+  const sample::SampleReport report = sample::write_sample(o.dir, o.sample);
+  o.json ? print_json(o, report) : print_text(o, report);
+}
+
+}  // namespace
+
+void add_sample(CLI::App& app, int&) {
+  auto* command =
+      app.add_subcommand("sample", "Write a procedural georeferenced terrain: glTF tiles with a 3D Tiles tileset");
+  auto o = std::make_shared<Options>();
+  command->add_option("DIR", o->dir, "folder to write")->required();
+  command->add_option("--size", o->sample.size_m, "edge of the square map, metres")->capture_default_str();
+  command->add_option("--tiles", o->sample.tiles, "tiles along an edge")->capture_default_str();
+  command->add_option("--ground-step", o->sample.ground_step_m, "edge of the ground's quads, about, metres")
+      ->capture_default_str();
+  command->add_option("--texel", o->sample.texel_m, "texel of the ground's pictures, about, metres")
+      ->capture_default_str();
+  command->add_option("--seed", o->sample.seed, "another seed, another landscape")->capture_default_str();
+  command->add_option("--origin", o->origin, "LAT,LON,HEIGHT of the map's middle (46.9312,8.3017,610)");
+  command->add_flag("--json", o->json, "print the answer as JSON");
+  command->callback([o] { run(*o); });
+}
+
+}  // namespace gigabake::app

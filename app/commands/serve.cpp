@@ -1,0 +1,55 @@
+#include <cstdio>
+#include <filesystem>
+#include <fmt/core.h>
+#include <memory>
+
+#include "app/commands.h"
+#include "app/commands/bake_look.h"
+#include "app/options/live_options.h"
+#include "app/options/scene_argument.h"
+#include "lattice/error.h"
+#include "viewer/web/http_guard.h"
+#include "viewer/web/stream_server.h"
+
+namespace gigabake::app {
+namespace {
+
+struct ServeArguments {
+  LiveArguments live;
+  StreamServer::Options server;
+  std::size_t most_viewers = LiveScene::Options{}.most_viewers;
+};
+
+void run(ServeArguments& a) {
+  const std::filesystem::path scene = live_scene_argument(a.live.scene);
+  const std::filesystem::path out = scene.has_parent_path() ? scene.parent_path() : ".";
+  if (!std::filesystem::is_directory(out))
+    throw InputError(out, "", "no such folder; expected OUT/scene.xml of a bake that is done or under way");
+  LiveScene::Options scene_options = live_options(a.live);
+  if (a.most_viewers < 1 || a.most_viewers > 64) throw UsageError("--viewers: expected 1 to 64");
+  scene_options.most_viewers = a.most_viewers;
+  if (a.server.token.empty() && !is_loopback(a.server.bind)) a.server.token = random_key();
+  a.server.bake_status = [out] { return bake_status_json(out.string()); };
+  LiveScene live(scene, std::move(scene_options));
+  StreamServer server(live, a.server);
+  fmt::print("{}\n", server.url());
+  std::fflush(stdout);
+  server.serve();
+}
+
+}  // namespace
+
+void add_serve(CLI::App& app, int&) {
+  const auto a = std::make_shared<ServeArguments>();
+  CLI::App& command = *app.add_subcommand(
+      "serve", "A baked scene, or one that is being baked, in a browser: prints the address to open");
+  add_live_options(command, a->live);
+  command.add_option("--bind", a->server.bind, "address to listen on; beyond this machine a token is asked for")
+      ->capture_default_str();
+  command.add_option("--port", a->server.port, "port; 0: any that is free")->capture_default_str();
+  command.add_option("--token", a->server.token, "what a browser must know (beyond this machine: made up and printed)");
+  command.add_option("--viewers", a->most_viewers, "how many may look at a time")->capture_default_str();
+  command.callback([a] { run(*a); });
+}
+
+}  // namespace gigabake::app

@@ -1,0 +1,83 @@
+#include <chrono>
+#include <cstdio>
+#include <fmt/format.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "app/commands.h"
+#include "app/commands/bake_look.h"
+#include "app/messages/progress_line.h"
+#include "app/messages/status_text.h"
+#include "app/options/scene_argument.h"
+
+namespace gigabake::app {
+namespace {
+
+constexpr double look_every_s = 1;
+
+struct StatusOptions {
+  std::string out;
+  bool json = false, follow = false;
+};
+
+/// As the bake's own where it is over; 0 while it goes on.
+int exit_code_of(const Seen& seen) {
+  if (seen.interrupted || seen.status.state == BakeState::failed) return failed;
+  if (seen.status.state == BakeState::incomplete) return cells_failed;
+  return seen.status.state == BakeState::drained ? drained : complete;
+}
+
+void print_json(const Seen& seen) {
+  auto j = nlohmann::ordered_json::parse(to_json(seen.status));
+  j["interrupted"] = seen.interrupted;
+  fmt::print("{}\n", j.dump());
+}
+
+void print_text(const Seen& seen) {
+  fmt::print("{}", describe(seen.status, seen.now_s, seen.interrupted ? Writer::gone : Writer::there));
+  if (seen.interrupted) fmt::print("nobody bakes this any more; run the same command again to go on\n");
+  if (seen.status.state == BakeState::drained) fmt::print("run the same command again to go on\n");
+}
+
+int follow(const StatusOptions& options) {
+  ProgressLine line(stdout, 0);
+  for (;; std::this_thread::sleep_for(std::chrono::duration<double>(look_every_s))) {
+    const Seen seen = look(options.out);
+    const bool ended = is_over(seen.status.state) || seen.interrupted;
+    if (options.json) {
+      print_json(seen);
+    } else if (!ended) {
+      line.show(seen.status);
+    } else {
+      line.leave_bar();
+      print_text(seen);
+    }
+    std::fflush(stdout);
+    if (ended) return exit_code_of(seen);
+  }
+}
+
+int show(const StatusOptions& options) {
+  const Seen seen = look(options.out);
+  options.json ? print_json(seen) : print_text(seen);
+  return exit_code_of(seen);
+}
+
+}  // namespace
+
+void add_status(CLI::App& app, int& exit_code) {
+  auto* command = app.add_subcommand("status",
+                                     "How a bake is going, from any host that sees its folder; exit code: the bake's "
+                                     "own once it is over, 1 if it was interrupted, 0 while it goes on");
+  auto options = std::make_shared<StatusOptions>();
+  command->add_option("OUT", options->out, "folder of the bake, or its scene.xml")->required();
+  command->add_flag("--json", options->json, "print the answer as JSON, one line each time");
+  command->add_flag("--follow", options->follow, "every second, until the bake ends");
+  command->callback([options, &exit_code] {
+    options->out = bake_folder_argument(options->out).string();
+    exit_code = options->follow ? follow(*options) : show(*options);
+  });
+}
+
+}  // namespace gigabake::app

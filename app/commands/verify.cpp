@@ -1,0 +1,48 @@
+#include "format/scene/verify.h"
+
+#include <fmt/format.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/commands.h"
+#include "app/messages/status_text.h"
+#include "app/messages/with_progress.h"
+#include "app/options/scene_argument.h"
+#include "format/system/host_limits.h"
+
+namespace gigabake::app {
+
+void add_verify(CLI::App& app, int& exit_code) {
+  auto* command = app.add_subcommand(
+      "verify", "Check every checksum, reference and invariant of a baked scene; exit code 1 on a fault");
+  auto scene = std::make_shared<std::string>();
+  auto json = std::make_shared<bool>(false), quiet = std::make_shared<bool>(false);
+  command->add_option("SCENE", *scene, "OUT of a bake, or OUT/scene.xml")->required();
+  command->add_flag("--json", *json, "print the answer as JSON");
+  command->add_flag("-q,--quiet", *quiet, "print faults alone: nothing where there are none");
+  command->callback([scene, json, quiet, &exit_code] {
+    const std::filesystem::path file = scene_argument(*scene);
+    const auto verify = [&](const Progress& progress) { return verify_scene(file, host_limits().cores(), progress); };
+    const VerifyResult r = while_reading(verify, *quiet ? nullptr : stderr);
+    exit_code = r.faults.empty() ? complete : failed;
+    if (*json) {
+      nlohmann::ordered_json j{{"cells", r.cells},
+                               {"voxels", r.voxels},
+                               {"bytes", r.bytes},
+                               {"has_totals", r.has_totals},
+                               {"faults", r.faults}};
+      // File names need not be UTF-8, JSON must be.
+      fmt::print("{}\n", j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+      return;
+    }
+    for (const std::string& fault : r.faults) fmt::print("{}\n", fault);
+    if (*quiet) return;
+    if (!r.has_totals)
+      fmt::print("{}: carries no totals, as scenes of version 1: a lost cell is not seen; bake again to have them\n",
+                 file.string());
+    fmt::print("{} cells, {} voxels, {}: {}\n", r.cells, r.voxels, readable_bytes(r.bytes),
+               r.faults.empty() ? std::string("whole") : fmt::format("{} faults", r.faults.size()));
+  });
+}
+
+}  // namespace gigabake::app

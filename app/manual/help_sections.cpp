@@ -1,0 +1,104 @@
+#include "app/manual/help_sections.h"
+
+#include <fmt/format.h>
+#include <map>
+
+#include "viewer/live/view_mode_legend.h"
+
+namespace gigabake::app {
+namespace {
+
+using Lines = std::vector<std::string>;
+
+const Lines source_kinds{
+    "a mesh file       .glb, .gltf, .b3dm, .i3dm, .cmpt, .obj, .ply or .stl",
+    "a folder          every mesh file below it",
+    "3D Tiles          tileset.json, or its archive .3tz",
+    "a raster          elevation, .tif (where gigabake was built with GDAL)",
+    "a scene .json     places several of these; docs/format-sources.md has its keys",
+};
+const Lines baked_scene{"the folder OUT of a bake, or its scene.xml"};
+
+/// By the command's words after "gigabake".
+const std::map<std::string, Lines> examples{
+    {"sample", {"gigabake sample village --size 384 --seed 7", "gigabake sample village --json"}},
+    {"plan",
+     {"gigabake plan village/tileset.json --voxel-size 0.25",
+      "gigabake plan village/tileset.json --voxel-size 0.25 -o OUT --json"}},
+    {"bake",
+     {"gigabake bake village/tileset.json --voxel-size 0.25 -o OUT",
+      "gigabake bake scan.obj --voxel-size 0.01 --up z --codec lz4 -o OUT",
+      "mpirun -n 8 gigabake bake city/tileset.json --voxel-size 0.5 --origin 46.93,8.30,610 -o OUT"}},
+    {"status", {"gigabake status OUT", "gigabake status OUT --follow"}},
+    {"info", {"gigabake info OUT", "gigabake info OUT --json"}},
+    {"verify", {"gigabake verify OUT", "gigabake verify OUT --json"}},
+    {"diff", {"gigabake diff OUT OTHER", "gigabake diff OUT OTHER --json"}},
+    {"export", {"gigabake export OUT --lod 2 -o coarse.ply", "gigabake export OUT --to 3dtiles -o tiles"}},
+    {"render",
+     {"gigabake render OUT -o picture.png",
+      "gigabake render OUT -o picture.jpg --eye 175,-215,95 --target 0,0,0 --size 1920x1080",
+      "gigabake render OUT -o levels.png --mode lod",
+      "gigabake render OUT -o frames/%04d.png --path flight.json --fps 25 --stats flight-stats.json"}},
+    {"view", {"gigabake view OUT", "gigabake view OUT --size 1920x1080 -o pictures"}},
+    {"serve", {"gigabake serve OUT", "gigabake serve OUT --port 0", "gigabake serve OUT --bind 0.0.0.0 --viewers 4"}},
+    {"bench", {"gigabake bench kernels village/tileset.json --voxel-size 0.25"}},
+    {"bench kernels", {"gigabake bench kernels village/tileset.json --voxel-size 0.25 --repeats 3"}},
+    {"bench bake", {"gigabake bench bake village/tileset.json --voxel-size 0.25 --cells 4 -o FOLDER"}},
+    {"bench schedule", {"gigabake bench schedule --cells 100000 --workers 100 --deaths 5"}},
+    {"bench render", {"gigabake bench render OUT --size 1280x720 --what frames"}},
+    {"bench accuracy",
+     {"gigabake bench accuracy village/tileset.json --voxel-size 0.5 -o FOLDER --settings area-coverage,thin-coverage",
+      "gigabake bench accuracy --hard"}},
+    {"completion", {"source <(gigabake completion bash)", "gigabake completion fish | source"}},
+    {"man", {"gigabake man", "gigabake man bench render", "gigabake man bake > gigabake-bake.1"}},
+    {"",
+     {"gigabake sample village", "gigabake plan village/tileset.json --voxel-size 0.25",
+      "gigabake bake village/tileset.json --voxel-size 0.25 -o OUT", "gigabake view OUT"}},
+};
+
+bool reads_sources(const std::string& words) {
+  return words == "plan" || words == "bake" || words == "bench kernels" || words == "bench bake" ||
+         words == "bench accuracy";
+}
+
+bool reads_a_scene(const std::string& words) {
+  return words == "info" || words == "verify" || words == "export" || words == "render" || words == "view" ||
+         words == "serve" || words == "bench render";
+}
+
+Lines legends() {
+  Lines lines;
+  for (const ViewMode mode : values_of<ViewMode>())
+    lines.push_back(fmt::format("{:<10}{}", name_of(mode), view_mode_legend(mode)));
+  return lines;
+}
+
+void add_to(CLI::App& app, const std::string& name) {
+  std::string text;
+  for (const HelpSection& section : help_sections(name)) {
+    text += (text.empty() ? "" : "\n") + section.title + ":\n";
+    for (const std::string& line : section.lines) text += "  " + line + "\n";
+  }
+  if (!text.empty()) text.pop_back();  // CLI11 ends the line
+  app.footer(text);
+  for (CLI::App* below : app.get_subcommands([](const CLI::App*) { return true; }))
+    add_to(*below, name + " " + below->get_name());
+}
+
+}  // namespace
+
+std::vector<HelpSection> help_sections(const std::string& command) {
+  const std::size_t space = command.find(' ');
+  const std::string words = space == std::string::npos ? "" : command.substr(space + 1);
+  std::vector<HelpSection> sections;
+  if (reads_sources(words)) sections.push_back({"SCENE may be", source_kinds});
+  if (reads_a_scene(words)) sections.push_back({"SCENE may be", baked_scene});
+  if (words == "render") sections.push_back({"Modes", legends()});
+  const auto found = examples.find(words);
+  if (found != examples.end()) sections.push_back({"Examples", found->second});
+  return sections;
+}
+
+void add_help_sections(CLI::App& program) { add_to(program, "gigabake"); }
+
+}  // namespace gigabake::app

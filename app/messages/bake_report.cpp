@@ -1,0 +1,244 @@
+#include "app/messages/bake_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <span>
+#include <utility>
+
+#include "app/messages/alike.h"
+#include "app/messages/status_text.h"
+#include "app/options/flags.h"
+#include "lattice/error.h"
+#include "lattice/host_device.h"
+#include "scheduler/estimate.h"
+
+namespace gigabake::app {
+namespace {
+
+constexpr std::size_t slow_cells_printed = 3, cells_printed = 20;
+
+/// Totals over the scene's cells.
+struct Totals {
+  std::uint64_t voxels = 0, finest_voxels = 0, bytes = 0;
+  explicit Totals(const SceneDescription& scene) {
+    for (const SceneCell& c : scene.cells) {
+      for (const std::uint64_t v : c.voxels) voxels += v;
+      if (!c.voxels.empty()) finest_voxels += c.voxels[0];
+      bytes += c.bytes;
+    }
+  }
+};
+
+const char* slowest_stage(const BakeSummary& s) {
+  if (s.read_s >= s.kernel_s && s.read_s >= s.write_s) return "read";
+  return s.kernel_s >= s.write_s ? "kernels" : "write";
+}
+
+void print_slowest(const std::vector<SlowCell>& cells) {
+  if (cells.empty()) return;
+  fmt::print("slowest cells");
+  for (std::size_t i = 0; i < cells.size() && i < slow_cells_printed; ++i)
+    fmt::print("{} {} {:.2f} s", i == 0 ? "" : ",", cells[i].name, cells[i].seconds);
+  fmt::print("\n");
+}
+
+void add_slowest(const std::vector<SlowCell>& cells, nlohmann::ordered_json& j) {
+  j["slowest_cells"] = nlohmann::ordered_json::array();
+  for (const SlowCell& c : cells) {
+    j["slowest_cells"].push_back({{"name", c.name}, {"seconds", c.seconds}});
+    if (c.rank) j["slowest_cells"].back()["rank"] = *c.rank;
+  }
+}
+
+/// File names need not be UTF-8, JSON must be.
+std::string text_of(const nlohmann::ordered_json& j) {
+  return j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+/// Of a plan or a scene: what was in the source and is not in the result, with reason.
+template <class Counts>
+void print_left_out(const Counts& c) {
+  if (c.non_finite + c.zero_area != 0)
+    fmt::print("dropped: {} triangles with NaN or infinite vertices, {} without area\n", c.non_finite, c.zero_area);
+  if (c.skipped_points + c.skipped_lines != 0)
+    fmt::print("skipped: {} points and {} lines, which have no surface\n", c.skipped_points, c.skipped_lines);
+}
+
+void add_precision(const SourcePrecision& p, nlohmann::ordered_json& j) {
+  nlohmann::ordered_json& out = j["source_precision"];
+  out = {{"wanted_m", p.wanted_m},
+         {"largest_spacing_m", p.largest_spacing_m},
+         {"coarse_sources", p.coarse_sources},
+         {"coarse", nlohmann::ordered_json::array()}};
+  for (const CoarseSource& c : p.coarse) out["coarse"].push_back({{"name", c.name}, {"spacing_m", c.spacing_m}});
+}
+
+/// What is known of the scene's errors without looking at it again; docs/accuracy.md says what each number is.
+void add_accuracy(const BakeSummary& s, nlohmann::ordered_json& j) {
+  const double half_step_m = s.scene.voxel_size_m / double(2 * subvoxels);
+  j["snap_error_bound_m"] = {{"axis", half_step_m}, {"distance", std::numbers::sqrt3 * half_step_m}};
+  add_precision(s.precision, j);
+  j["levels"] = nlohmann::ordered_json::array();
+  for (std::size_t lod = 0; lod < s.levels.size(); ++lod) {
+    const LevelSummary& level = s.levels[lod];
+    const std::uint64_t voxels = level.voxels();
+    j["levels"].push_back({{"lod", lod},
+                           {"voxel_size_m", std::ldexp(s.scene.voxel_size_m, int(lod))},
+                           {"voxels", voxels},
+                           {"bytes", level.stored_bytes},
+                           {"bytes_per_voxel", voxels == 0 ? 0 : double(level.stored_bytes) / double(voxels)},
+                           {"mean_coverage", level.mean_coverage()},
+                           {"coverage", level.coverage}});
+  }
+}
+
+template <class Counts>
+void add_left_out(const Counts& c, nlohmann::ordered_json& j) {
+  j["dropped"] = {{"non_finite", c.non_finite}, {"zero_area", c.zero_area}};
+  j["skipped"] = {{"points", c.skipped_points}, {"lines", c.skipped_lines}};
+  j["losses"] = nlohmann::ordered_json::array();
+  for (const SceneLoss& l : c.losses) j["losses"].push_back({{"name", l.name}, {"reason", l.reason}});
+}
+
+/// "12 of 400 cells to bake: 3 new, 9 changed inputs; 0 to check, 388 unchanged".
+void print_counts(const PriorResults& prior) {
+  const auto counts = prior.counts();
+  const auto of = [&](PriorReason r) { return counts[std::size_t(r)]; };
+  std::size_t to_bake = 0;
+  std::string why;
+  for (const auto& [reason, words] :
+       {std::pair(PriorReason::new_cell, "new"), std::pair(PriorReason::inputs_changed, "changed inputs"),
+        std::pair(PriorReason::shard_missing, "missing shards")}) {
+    to_bake += of(reason);
+    if (of(reason) != 0) why += fmt::format("{} {} {}", why.empty() ? ":" : ",", of(reason), words);
+  }
+  fmt::print("{} of {} cells to bake{}; {} to check, {} unchanged\n", to_bake, prior.reasons.size(), why,
+             of(PriorReason::to_be_checked), of(PriorReason::unchanged));
+}
+
+}  // namespace
+
+void print_report(const BakeSummary& s, const std::filesystem::path& out) {
+  const Totals t(s.scene);
+  fmt::print("{} cells ({} empty), {} triangles, {} voxels at lod 0, {} in all, {} on disk\n", s.scene.cells.size(),
+             s.cells_empty, s.scene.triangles, t.finest_voxels, t.voxels, readable_bytes(t.bytes));
+  print_left_out(s.scene);
+  if (s.status.process_restarts != 0)
+    fmt::print("bake processes that were started again: {}\n", s.status.process_restarts);
+  if (s.bad_uv != 0) fmt::print("{} triangles have texture coordinates that are no numbers; baked as if 0\n", s.bad_uv);
+  fmt::print("survey {:.2f} s, bake {:.2f} s on {} ranks × {} threads; ", s.survey_s, s.bake_s, s.ranks, s.threads);
+  if (s.ranks_with_device != 0)
+    fmt::print("{} cells on the GPUs of {} ranks; ", s.cells_on_device, s.ranks_with_device);
+  fmt::print("stages read {:.2f} s, kernels {:.2f} s, write {:.2f} s: {} sets the pace\n", s.read_s, s.kernel_s,
+             s.write_s, slowest_stage(s));
+  print_slowest(s.status.slowest);
+  fmt::print("peak memory {} (kernels {})\n", readable_bytes(s.peak_process_bytes),
+             readable_bytes(s.peak_kernel_bytes));
+  if (s.pruned.files != 0)
+    fmt::print("{} shards of earlier bakes removed, {}\n", s.pruned.files, readable_bytes(s.pruned.bytes));
+  if (s.orphans.files != 0)
+    fmt::print("{} shards of earlier bakes kept, {}; --prune removes them\n", s.orphans.files,
+               readable_bytes(s.orphans.bytes));
+  fmt::print("{}\n", (out / "scene.xml").string());
+}
+
+std::string json_report(const BakeSummary& s, const std::filesystem::path& out) {
+  const Totals t(s.scene);
+  nlohmann::ordered_json j;
+  j["scene"] = (out / "scene.xml").string();
+  j["cells"] = s.scene.cells.size();
+  j["cells_planned"] = s.cells_planned;
+  j["cells_empty"] = s.cells_empty;
+  j["cells_taken_over"] = s.cells_taken_over;
+  j["triangles"] = s.scene.triangles;
+  j["voxels_lod0"] = t.finest_voxels;
+  j["voxels"] = t.voxels;
+  j["bytes"] = t.bytes;
+  j["ranks"] = s.ranks;
+  j["threads"] = s.threads;
+  j["ranks_with_device"] = s.ranks_with_device;
+  j["cells_on_device"] = s.cells_on_device;
+  j["process_deaths"] = s.status.process_restarts;
+  j["lost_ranks"] = s.lost_ranks;
+  j["drained"] = s.is_drained;
+  if (!s.no_device.empty()) j["no_device"] = s.no_device;
+  j["seconds"] = {
+      {"survey", s.survey_s}, {"bake", s.bake_s}, {"read", s.read_s}, {"kernels", s.kernel_s}, {"write", s.write_s}};
+  j["slowest_stage"] = slowest_stage(s);
+  add_slowest(s.status.slowest, j);
+  j["peak_process_bytes"] = s.peak_process_bytes;
+  j["peak_kernel_bytes"] = s.peak_kernel_bytes;
+  j["bad_uv"] = s.bad_uv;
+  j["orphans"] = {{"shards", s.orphans.files}, {"bytes", s.orphans.bytes}};
+  j["pruned"] = {{"shards", s.pruned.files}, {"bytes", s.pruned.bytes}};
+  add_accuracy(s, j);
+  add_left_out(s.scene, j);
+  return text_of(j);
+}
+
+void print_report(const BakePlan& plan, const std::optional<PriorResults>& prior, const PlanSizes& sizes) {
+  const PlanEstimate e = estimate(plan);
+  fmt::print("{} cells, {} triangles, {} of them in the largest cell\n", plan.jobs.size(), plan.triangles,
+             e.largest_cell_triangles);
+  print_left_out(plan);
+  const std::size_t listed = prior ? plan.jobs.size() : std::min(plan.jobs.size(), cells_printed);
+  for (const CellJob& job : std::span(plan.jobs).first(listed))
+    fmt::print("  {:<24} lattice {} {} {}  {} tiles  {} triangles{}\n", job.name, job.lattice_min[0],
+               job.lattice_min[1], job.lattice_min[2], job.tiles.size(), job.triangles,
+               prior ? fmt::format("  {}", name_of(prior->reasons[job.id])) : "");
+  if (listed < plan.jobs.size()) fmt::print("  and {} more; --json lists them all\n", plan.jobs.size() - listed);
+  if (prior) print_counts(*prior);
+  fmt::print("about {} of kernel memory for the largest cell\n", readable_bytes(e.kernel_bytes));
+  fmt::print("{}", sizes_text(sizes));
+}
+
+void print_json_report(const BakePlan& plan, const std::optional<PriorResults>& prior, const PlanSizes& sizes) {
+  const PlanEstimate e = estimate(plan);
+  nlohmann::ordered_json j;
+  j["cells"] = plan.jobs.size();
+  j["triangles"] = plan.triangles;
+  j["estimate"] = {{"largest_cell_triangles", e.largest_cell_triangles}, {"kernel_bytes", e.kernel_bytes}};
+  add_sizes(sizes, j);
+  if (prior) {
+    const auto counts = prior->counts();
+    for (std::size_t r = 0; r < counts.size(); ++r) j["prior"][std::string(name_of(PriorReason(r)))] = counts[r];
+  }
+  j["jobs"] = nlohmann::ordered_json::array();
+  for (const CellJob& job : plan.jobs) {
+    j["jobs"].push_back({{"name", job.name},
+                         {"lattice_min", job.lattice_min},
+                         {"tiles", job.tiles.size()},
+                         {"triangles", job.triangles},
+                         {"fingerprint", job.fingerprint.hex()}});
+    if (prior) j["jobs"].back()["prior"] = name_of(prior->reasons[job.id]);
+  }
+  add_precision(plan.precision, j);
+  add_left_out(plan, j);
+  fmt::print("{}", text_of(j));
+}
+
+void warn_of(const SourcePrecision& precision) {
+  std::fflush(stdout);
+  if (precision.coarse.empty()) return;
+  const CoarseSource& worst = precision.coarse[0];
+  const std::uint64_t more = precision.coarse_sources - 1;
+  fmt::print(
+      stderr,
+      "warning: {} stores positions in steps of up to {:.3g} m, but voxels are {:.6g} m{}; its vertices are off by "
+      "up to half a step. Write them relative to a centre (a tile's transform, RTC_CENTER) or with more bits\n",
+      worst.name, worst.spacing_m, precision.wanted_m * 4,
+      more == 0 ? "" : fmt::format("; and {} more source{}", more, more == 1 ? "" : "s"));
+}
+
+void print_losses(const std::vector<SceneLoss>& losses) {
+  std::fflush(stdout);
+  if (losses.empty()) return;
+  fmt::print(stderr, "incomplete, {} missing:\n", losses.size());
+  for (const std::string& line : lines_of(losses)) fmt::print(stderr, "  {}\n", with_flags(as_line(line)));
+}
+
+}  // namespace gigabake::app

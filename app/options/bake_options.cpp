@@ -1,0 +1,108 @@
+#include "app/options/bake_options.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+#include "app/options/choices.h"
+#include "app/options/scene_argument.h"
+#include "app/options/text_values.h"
+#include "format/shard/channels.h"
+#include "format/system/host_limits.h"
+#include "lattice/error.h"
+
+namespace gigabake::app {
+namespace {
+
+constexpr std::uint64_t most_usual_memory = std::uint64_t(4) << 30;
+
+void expect_seconds(const char* option, double s, double least) {
+  if (s >= least && s <= 1e6) return;
+  throw UsageError(fmt::format("{}: expected {:g} to 1e6 seconds, got {:g}", option, least, s));
+}
+
+/// As shards name them, with commas.
+std::string with_commas(std::string names) {
+  std::replace(names.begin(), names.end(), ' ', ',');
+  return names;
+}
+
+void choose_channels(std::string names, BakeParameters& parameters) {
+  const std::string asked = names;
+  std::replace(names.begin(), names.end(), ',', ' ');
+  if (asked.find(' ') != std::string::npos || !parse_channels(names, parameters.normals, parameters.facing))
+    throw UsageError("--channels: expected rgba, then perhaps ,normal and ,facing, got '" + asked + "'");
+}
+
+std::vector<std::string> all_channels() {
+  std::vector<std::string> all;
+  for (const bool has_facing : {false, true})
+    for (const bool has_normals : {false, true}) all.push_back(with_commas(channel_names(has_normals, has_facing)));
+  return all;
+}
+
+}  // namespace
+
+BakeOptions::BakeOptions() : channels(with_commas(channel_names(asked.parameters.normals, asked.parameters.facing))) {}
+
+void BakeOptions::add_to(CLI::App& command) {
+  BakeParameters& p = asked.parameters;
+  command.add_option("SCENE", source, "what to bake: see below")->required();
+  command.add_option("--voxel-size", voxel_size, "edge of a voxel at the finest level, metres")->required();
+  add_choice(command, "--surface", p.surface, "which voxels a triangle occupies (docs/accuracy.md)");
+  add_choice(command, "--mip", p.mip, "filter of coarser levels (docs/accuracy.md)");
+  command
+      .add_option("--channels", channels,
+                  "what voxels say; facing is coverage along x, y and z, which the filter coverage has")
+      ->capture_default_str()
+      ->check(one_of(all_channels()));
+  command
+      .add_option("--max-error", p.max_error,
+                  "how far a voxel may be off, in codes of 255 (normals: chord/2): more is stored once, less exactly")
+      ->capture_default_str();
+  add_choice(command, "--codec", p.codec, "how shards are compressed; lz4 is larger and faster");
+  command.add_option("--cell-voxels", p.cell_voxels, "edge of a cell in voxels, a power of two from 8 to 8192")
+      ->capture_default_str();
+  command.add_option("--lattice-origin", lattice_origin,
+                     "X,Y,Z: scene position of the lattice's corner, metres (0,0,0)");
+  command.add_option("--origin", origin,
+                     "LAT,LON,HEIGHT: where the scene frame stands on the earth (the source's own)");
+  command.add_flag("--local", asked.source_options.local, "no georeference: the source's own frame, turned to z up");
+  add_choice(command, "--up", asked.source_options.scene_up,
+             "axis that points up in the source (tilesets z, mesh files y)");
+  command.add_option("--threads", asked.threads, "threads of each rank (the host's cores shared by its ranks)");
+  command
+      .add_option(
+          "--memory", memory_bytes,
+          "bytes that each rank aims for, as 512M or 4G; 0: no bound (4G, or less where the host, its container "
+          "or its batch job has less than twice that for a rank)")
+      ->transform(CLI::AsSizeValue(false));
+  add_choice(command, "--backend", asked.backend, "where the kernels run; auto: on a GPU where there is one");
+  command.add_option("--gpus", asked.gpus, "devices of each host to use, as 0,2 (all)")->delimiter(',');
+  command.add_flag("--json", json, "print the answer as JSON");
+}
+
+BakeRequest BakeOptions::request() const {
+  expect_source(source);
+  BakeRequest r = asked;
+  r.source = source;
+  r.out = out;
+  r.metrics = metrics;
+  if (!origin.empty()) r.source_options.origin = geodetic("--origin", origin);
+  if (r.source_options.local && !origin.empty()) throw UsageError("--local and --origin contradict each other");
+  r.parameters.voxel_size_m = number("--voxel-size", voxel_size);
+  if (!lattice_origin.empty())
+    r.parameters.lattice_origin_m = triple("--lattice-origin", "X,Y,Z in metres", lattice_origin);
+  choose_channels(channels, r.parameters);
+  check(r.parameters);
+  if (r.threads < 0 || r.threads > 1024) throw UsageError("--threads: expected 1 to 1024, or 0 for all cores");
+  r.memory_is_usual = !memory_bytes;
+  r.memory_bytes = memory_bytes.value_or(usual_memory(most_usual_memory, host_limits().memory_bytes, 1));
+  if (memory_bytes.value_or(0) != 0 && *memory_bytes < (std::uint64_t(64) << 20))
+    throw UsageError("--memory: expected at least 64M, or 0 for no bound");
+  expect_seconds("--stall", r.patience.stall_s, 1);
+  expect_seconds("--cell-timeout", r.patience.cell_timeout_s, 1);
+  expect_seconds("--silence", r.patience.silence_s, 5);
+  return r;
+}
+
+}  // namespace gigabake::app

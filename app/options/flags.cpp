@@ -1,0 +1,64 @@
+#include "app/options/flags.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+namespace gigabake::app {
+namespace {
+
+/// Fields as UsageError and messages name them (lattice/error.h), and the option that sets each.
+constexpr auto flags = std::to_array<std::pair<std::string_view, std::string_view>>({
+    {"backend", "--backend"},
+    {"bind", "--bind"},
+    {"cell_voxels", "--cell-voxels"},
+    {"depth", "--depth"},
+    {"eye_m", "--eye"},
+    {"fovy_deg", "--fovy"},
+    {"frames", "--frames"},
+    {"frames_per_s", "--fps"},
+    {"gpus", "--gpus"},
+    {"ground_step_m", "--ground-step"},
+    {"lattice_origin_m", "--lattice-origin"},
+    {"local", "--local"},
+    {"lod", "--lod"},
+    {"max_error", "--max-error"},
+    {"memory_bytes", "--memory"},
+    {"no_keep_going", "--no-keep-going"},
+    {"no_measure", "--no-measure"},
+    {"origin", "--origin"},
+    {"out", "-o"},
+    {"pixel_error", "--pixel-error"},
+    {"port", "--port"},
+    {"size", "--size"},
+    {"size_m", "--size"},
+    {"target_m", "--target"},
+    {"texel_m", "--texel"},
+    {"threads", "--threads"},
+    {"tiles", "--tiles"},
+    {"to", "--to"},
+    {"token", "--token"},
+    {"up", "--up"},
+    {"voxel_size_m", "--voxel-size"},
+});
+
+}  // namespace
+
+std::string with_flags(const std::string& message) {
+  std::string text;
+  std::size_t at = 0;
+  for (;;) {
+    const std::size_t open = message.find('`', at);
+    const std::size_t close = open == std::string::npos ? open : message.find('`', open + 1);
+    if (close == std::string::npos) return text + message.substr(at);
+    const std::string_view name = std::string_view(message).substr(open + 1, close - open - 1);
+    const auto* const flag = std::find_if(flags.begin(), flags.end(), [&](const auto& f) { return f.first == name; });
+    text += message.substr(at, open - at);
+    // What is no field may be a file's text, whose second mark can be the first of a field.
+    text += flag != flags.end() ? std::string(flag->second) : message.substr(open, close - open);
+    at = flag != flags.end() ? close + 1 : close;
+  }
+}
+
+}  // namespace gigabake::app

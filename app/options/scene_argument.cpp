@@ -1,0 +1,113 @@
+#include "app/options/scene_argument.h"
+
+#include <algorithm>
+#include <array>
+#include <fmt/format.h>
+#include <fstream>
+#include <string_view>
+
+#include "lattice/error.h"
+
+namespace gigabake::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+enum class Named { baked_scene, baked_folder, begun_folder, shard, source, source_folder, unknown };
+
+bool is_file(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error);
+}
+
+bool is_folder(const fs::path& path) {
+  std::error_code error;
+  return fs::is_directory(path, error);
+}
+
+bool has_source_suffix(const fs::path& path) {
+  std::string suffix = path.extension().string();
+  std::transform(suffix.begin(), suffix.end(), suffix.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  constexpr std::array<std::string_view, 13> suffixes{".glb", ".gltf", ".obj",  ".b3dm", ".i3dm", ".cmpt", ".pnts",
+                                                      ".3tz", ".json", ".tiff", ".tif",  ".ply",  ".stl"};
+  return std::find(suffixes.begin(), suffixes.end(), suffix) != suffixes.end();
+}
+
+Named kind_of_folder(const fs::path& folder) {
+  if (is_file(folder / "scene.xml")) return Named::baked_folder;
+  if (is_folder(folder / "shards") || is_file(folder / "journal")) return Named::begun_folder;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    if (has_source_suffix(it->path())) return Named::source_folder;
+  return Named::unknown;
+}
+
+/// By its first bytes, then by its suffix.
+Named kind_of_file(const fs::path& path) {
+  std::string head(1024, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), std::streamsize(head.size()));
+  head.resize(std::size_t(file.gcount()));
+  if (head.starts_with("\x89HDF\r\n\x1a\n")) return Named::shard;
+  if (head.find("<OctTreeGroup") != std::string::npos) return Named::baked_scene;
+  return has_source_suffix(path) ? Named::source : Named::unknown;
+}
+
+Named kind_of(const fs::path& path) {
+  if (is_folder(path)) return kind_of_folder(path);
+  return is_file(path) ? kind_of_file(path) : Named::unknown;
+}
+
+[[noreturn]] void refuse_shard(const fs::path& shard) {
+  const fs::path scene = fs::absolute(shard).lexically_normal().parent_path().parent_path() / "scene.xml";
+  throw InputError(shard, "",
+                   "is an HDF5 file, as the shard of one cell; name the scene that has it" +
+                       (is_file(scene) ? ": " + scene.string() : std::string(", OUT/scene.xml")));
+}
+
+void expect_baked(const fs::path& given, Named kind) {
+  if (kind == Named::shard) refuse_shard(given);
+  if (kind == Named::source || kind == Named::source_folder)
+    throw InputError(given, "",
+                     "is not a scene but a source; bake it first (gigabake bake SOURCE -o OUT --voxel-size 0.25), then "
+                     "name OUT");
+  if (kind == Named::unknown && is_folder(given))
+    throw InputError(given, "", "has no scene.xml; expected OUT of a bake, or OUT/scene.xml");
+}
+
+}  // namespace
+
+std::filesystem::path scene_argument(const std::string& given) {
+  const Named kind = kind_of(given);
+  expect_baked(given, kind);
+  if (kind == Named::begun_folder)
+    throw InputError(given, "", "has no scene.xml yet: no bake has ended there; gigabake status says how it goes");
+  return kind == Named::baked_folder ? fs::path(given) / "scene.xml" : fs::path(given);
+}
+
+std::filesystem::path live_scene_argument(const std::string& given) {
+  const Named kind = kind_of(given);
+  if (kind == Named::unknown && is_folder(given)) return fs::path(given) / "scene.xml";
+  return kind == Named::begun_folder ? fs::path(given) / "scene.xml" : scene_argument(given);
+}
+
+std::filesystem::path bake_folder_argument(const std::string& given) {
+  const Named kind = kind_of(given);
+  if (!is_folder(given)) expect_baked(given, kind);
+  const fs::path folder = fs::path(given).parent_path();
+  return kind != Named::baked_scene ? fs::path(given) : folder.empty() ? fs::path(".") : folder;
+}
+
+void expect_source(const std::string& given) {
+  const Named kind = kind_of(given);
+  if (kind == Named::baked_scene || kind == Named::baked_folder || kind == Named::begun_folder)
+    throw InputError(given, "",
+                     "is not a source but what a bake wrote; name the .glb, tileset.json or folder that was baked, or "
+                     "look at the result with gigabake render or view");
+  if (kind == Named::shard)
+    throw InputError(given, "",
+                     "is not a source but an HDF5 file, as the shard of one baked cell; name the .glb, tileset.json or "
+                     "folder that was baked");
+}
+
+}  // namespace gigabake::app
