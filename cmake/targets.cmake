@@ -117,6 +117,13 @@ function(gb_test folder label)
   set_target_properties(gigabake_test_${folder} PROPERTIES UNITY_BUILD OFF)
   # What is tested is optimized; the tests themselves compile a third faster without.
   target_compile_options(gigabake_test_${folder} PRIVATE "$<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Release>>:-O1>")
+  # GoogleTest is half of what a test compiles: all programs of tests share it, read once.
+  if(folder STREQUAL lattice)
+    target_precompile_headers(gigabake_test_lattice PRIVATE
+      "$<$<COMPILE_LANGUAGE:CXX>:${CMAKE_SOURCE_DIR}/tests/common_headers.h>")
+  else()
+    target_precompile_headers(gigabake_test_${folder} REUSE_FROM gigabake_test_lattice)
+  endif()
   gtest_discover_tests(gigabake_test_${folder} TEST_PREFIX ${folder}. PROPERTIES LABELS ${label} TIMEOUT 600
                        DISCOVERY_TIMEOUT 60 DISCOVERY_MODE PRE_TEST)
 endfunction()
