@@ -8,6 +8,7 @@
 #include "format/export/gigavoxel_files.h"
 #include "format/system/read_file.h"
 #include "lattice/bytes.h"
+#include "lattice/counted.h"
 #include "lattice/error.h"
 
 namespace gigabake {
@@ -162,7 +163,9 @@ GigavoxelTree read_binary(const std::filesystem::path& file, std::span<const std
   check(file, tree.header);
   if (compressed != 0) throw InputError(file, "compressed", "S3TC bricks cannot be read; expected 0");
   if (blocks == 0 || bytes.size() != header_bytes + 96 * std::uint64_t(blocks))
-    throw InputError(file, "blocks", fmt::format("{} blocks do not fill the file's {} bytes", blocks, bytes.size()));
+    throw InputError(
+        file, "blocks",
+        fmt::format("{} not fill the file's {} bytes", counted(blocks, "block does", "blocks do"), bytes.size()));
   tree.nodes.resize(8 * std::size_t(blocks));
   for (GigavoxelNode& node : tree.nodes) {
     std::uint32_t word = 0;
