@@ -52,14 +52,14 @@ BakeBench bench_bake(const BakeBenchRequest& request) {
   BakeBench b;
   b.backend = device.device ? "cuda" : "cpu";
   const Progress& progress = request.scene.progress;
-  progress.step("baking cells one by one", jobs.size(), "cells");
+  progress.step("baking cells one by one", jobs.size(), "cell");
   const std::vector<CellReport> one_by_one =
       bake_cells(*make_pipeline(sources, request, device.device), jobs, 1, progress);
   b.alone = stages(one_by_one);
   // As in a bake, a device's driver starts while tiles are surveyed.
   const std::unique_ptr<CellPipeline> pipeline = make_pipeline(sources, request, device.device);
   plan_scene(sources, request.scene);
-  progress.step("baking cells overlapped", jobs.size(), "cells");
+  progress.step("baking cells overlapped", jobs.size(), "cell");
   const auto start = Clock::now();
   const int in_hand = slots_of_worker(device.device ? 1 : 0);
   const std::vector<CellReport> together = bake_cells(*pipeline, jobs, std::size_t(in_hand), progress);

@@ -14,6 +14,7 @@
 #include "cluster/master_bake.h"
 #include "cluster/rank_setup.h"
 #include "cluster/survey.h"
+#include "lattice/counted.h"
 #include "lattice/error.h"
 #include "lattice/memory_limit.h"
 #include "scheduler/survey_cache.h"
@@ -60,10 +61,10 @@ KnownSurveys known_surveys(const std::filesystem::path& folder, const SceneSourc
 std::string no_triangles(const BakePlan& plan) {
   std::string line = "holds no triangles to bake";
   if (plan.skipped_points + plan.skipped_lines != 0)
-    line += "; skipped " + std::to_string(plan.skipped_points) + " points and " + std::to_string(plan.skipped_lines) +
-            " lines, which have no surface";
+    line += "; skipped " + counted(plan.skipped_points, "point") + " and " + counted(plan.skipped_lines, "line") +
+            ", which have no surface";
   if (plan.non_finite + plan.zero_area != 0)
-    line += "; dropped " + std::to_string(plan.non_finite) + " triangles that are not finite and " +
+    line += "; dropped " + counted(plan.non_finite, "triangle that is", "triangles that are") + " not finite and " +
             std::to_string(plan.zero_area) + " without area";
   return line;
 }

@@ -7,6 +7,7 @@
 
 #include "cluster/dispatch.h"
 #include "cluster/mpi_rank_link.h"
+#include "lattice/counted.h"
 #include "lattice/error.h"
 #include "scheduler/estimate.h"
 #include "scheduler/merge.h"
@@ -55,7 +56,7 @@ void refuse(const BakeRequest& request, const std::vector<SceneLoss>& losses, bo
   throw InputError(request.source, "",
                    std::string(nothing_baked ? "nothing could be baked" : "stopped (`no_keep_going`)") + ": " +
                        losses[0].name + ": " + losses[0].reason +
-                       (more == 0 ? "" : " (and " + std::to_string(more) + " more losses)"));
+                       (more == 0 ? "" : " (and " + counted(more, "more loss", "more losses") + ")"));
 }
 
 MasterBake::MasterBake(const BakeRequest& request, const SceneSources& sources, const BakePlan& plan,
@@ -99,8 +100,8 @@ void MasterBake::plan_dispatch(const std::vector<CellReport>& done) {
   feed_.record().planned(plan_.jobs, costs_of(plan_), unix_now_s());
   for (const CellReport& r : done) feed_.record().already_done(r.id);
   if (!done.empty())
-    progress_.noted(std::to_string(done.size()) + " of " + std::to_string(plan_.jobs.size()) +
-                    " cells are there already");
+    progress_.noted(std::to_string(done.size()) + " of " + counted(plan_.jobs.size(), "cell") +
+                    (done.size() == 1 ? " is" : " are") + " there already");
   feed_.publish();
 }
 

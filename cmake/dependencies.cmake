@@ -28,6 +28,22 @@ macro(gb_choice name text)
   set(GIGABAKE_HAS_${name} FALSE)
 endmacro()
 
+# gb_chosen(NAME found packages INCLUDES folders… LIBS libraries…): what follows a gb_choice. Where it was found, sets
+# GIGABAKE_HAS_<NAME> and makes gb::<name>; elsewhere fails if the choice is ON, by a line that names the packages.
+function(gb_chosen name found packages)
+  cmake_parse_arguments(ARG "" "" "INCLUDES;LIBS" ${ARGN})
+  if(found)
+    string(TOLOWER ${name} lower)
+    add_library(gb_${lower} INTERFACE)
+    add_library(gb::${lower} ALIAS gb_${lower})
+    target_include_directories(gb_${lower} SYSTEM INTERFACE ${ARG_INCLUDES})
+    target_link_libraries(gb_${lower} INTERFACE ${ARG_LIBS})
+    set(GIGABAKE_HAS_${name} TRUE PARENT_SCOPE)
+  elseif(NOT GIGABAKE_${name} STREQUAL "AUTO")
+    message(FATAL_ERROR "GIGABAKE_${name}=${GIGABAKE_${name}}: expected ${packages} to be installed")
+  endif()
+endfunction()
+
 # gb_links(variable program INCLUDES folders… LIBS libraries…): sets the variable to whether the program, a text, links.
 include(CheckCXXSourceCompiles)
 function(gb_links variable program)

@@ -17,12 +17,5 @@ if(glfw3_FOUND AND GB_IMGUI_INCLUDE AND GB_IMGUI_LIBRARY AND GB_STB_LIBRARY AND 
     int main() { return ImGui_ImplGlfw_InitForOpenGL(nullptr, true) && ImGui_ImplOpenGL2_Init() ? 0 : 1; }"
     INCLUDES ${GB_IMGUI_INCLUDE} LIBS ${GB_IMGUI_LIBRARY} ${GB_STB_LIBRARY} glfw ${GB_GL_LIBRARY})
 endif()
-if(GIGABAKE_IMGUI_LINKS)
-  set(GIGABAKE_HAS_WINDOW TRUE)
-  add_library(gb_window INTERFACE)
-  add_library(gb::window ALIAS gb_window)
-  target_include_directories(gb_window SYSTEM INTERFACE ${GB_IMGUI_INCLUDE})
-  target_link_libraries(gb_window INTERFACE ${GB_IMGUI_LIBRARY} ${GB_STB_LIBRARY} glfw ${GB_GL_LIBRARY})
-elseif(NOT GIGABAKE_WINDOW STREQUAL "AUTO")
-  message(FATAL_ERROR "GIGABAKE_WINDOW=${GIGABAKE_WINDOW}: expected libglfw3-dev, libimgui-dev and libgl-dev to be installed")
-endif()
+gb_chosen(WINDOW "${GIGABAKE_IMGUI_LINKS}" "libglfw3-dev, libimgui-dev and libgl-dev"
+          INCLUDES ${GB_IMGUI_INCLUDE} LIBS ${GB_IMGUI_LIBRARY} ${GB_STB_LIBRARY} glfw ${GB_GL_LIBRARY})

@@ -22,8 +22,7 @@ class ProgressListener {
   virtual ~ProgressListener() = default;
 
   /// A step begins, and the one before it has ended. name: as a person reads it, "reading the tileset"; total: how many
-  /// parts it has, 0 where nobody can know; unit: what the parts are, in the plural, empty where a percentage says
-  /// more.
+  /// parts it has, 0 where nobody can know; unit: what one part is, "tile"; empty where a percentage says more.
   virtual void step(const std::string& name, std::uint64_t total, const std::string& unit) = 0;
   /// So many more parts are done; 0: none, but the step is still running. Errors  Stopped: the listener wants the step
   /// to end.

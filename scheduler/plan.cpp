@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "lattice/counted.h"
 #include "scheduler/fingerprint.h"
 
 namespace gigabake {
@@ -127,7 +128,7 @@ void add_warnings(const std::vector<TileSurvey>& surveys, const SceneSources& so
 SceneLoss far_loss(const TileSurvey& s, const std::string& tile, double voxel_size_m) {
   const double needed_m = s.reach_m / double(longest_side_voxels);
   return {
-      fmt::format("{} triangle{} of tile {}", s.too_far, s.too_far == 1 ? "" : "s", tile),
+      fmt::format("{} of tile {}", counted(s.too_far, "triangle"), tile),
       fmt::format("up to {:.3g} voxels ({:.3g} m) long, but at most {} can be baked; mend the vertex that lies so far "
                   "away, or take `voxel_size_m` {:.3g} or larger",
                   s.reach_m / voxel_size_m, s.reach_m, longest_side_voxels, needed_m * 1.005)};

@@ -11,6 +11,7 @@
 #include "bench/schedule_bench.h"
 #include "format/system/host_limits.h"
 #include "kernels/cuda/baker.h"
+#include "lattice/counted.h"
 
 namespace gigabake::app {
 namespace {
@@ -26,7 +27,8 @@ std::vector<Stage> stages(const kernels::CellStats& s) {
 }
 
 void print_text(const bench::KernelBench& b) {
-  fmt::print("cell {}: {} voxels at lod 0, {} in all, {} bricks\n", b.cell, b.voxels_lod0, b.voxels, b.bricks);
+  fmt::print("cell {}: {} at lod 0, {} in all, {}\n", b.cell, counted(b.voxels_lod0, "voxel"), b.voxels,
+             counted(b.bricks, "brick"));
   fmt::print("input {}, output {}", readable_bytes(b.input_bytes), readable_bytes(b.output_bytes));
   if (b.floor_s() > 0)
     fmt::print("; both once at {:.2f} TB/s take {:.4f} ms", b.copy_bytes_per_s * 1e-12, 1e3 * b.floor_s());
@@ -40,8 +42,8 @@ void print_text(const bench::KernelBench& b) {
     for (const Stage& stage : stages(s))
       fmt::print("  {:<10} {:9.3f} ms  {:4.0f} %\n", stage.name, 1e3 * stage.seconds, 100 * stage.seconds / t.total_s);
     if (t.transfer_s > 0) fmt::print("  {:<10} {:9.3f} ms, not counted\n", "transfers", 1e3 * t.transfer_s);
-    fmt::print("  {} triangles, {} pairs, {} fragments; working memory {} ({:.2f} × input and output)\n", s.triangles,
-               s.pairs, s.fragments, readable_bytes(s.peak_bytes),
+    fmt::print("  {}, {}, {}; working memory {} ({:.2f} × input and output)\n", counted(s.triangles, "triangle"),
+               counted(s.pairs, "pair"), counted(s.fragments, "fragment"), readable_bytes(s.peak_bytes),
                double(s.peak_bytes) / double(b.input_bytes + b.output_bytes));
     fmt::print("  content hash {}\n", t.content_hash);
   }
@@ -75,8 +77,8 @@ void print_text(const bench::BakeBench& b) {
   const auto line = [](const char* name, const bench::StageSeconds& s) {
     fmt::print("  {:<11} read {:7.2f} s  kernels {:7.2f} s  write {:7.2f} s\n", name, s.read, s.kernels, s.write);
   };
-  fmt::print("{} cells, kernels on {}: {} triangles, {} voxels, {}\n", b.cells, b.backend, b.triangles, b.voxels,
-             readable_bytes(b.bytes));
+  fmt::print("{}, kernels on {}: {}, {}, {}\n", counted(b.cells, "cell"), b.backend, counted(b.triangles, "triangle"),
+             counted(b.voxels, "voxel"), readable_bytes(b.bytes));
   line("one by one", b.alone);
   line("overlapped", b.overlapped);
   fmt::print("{:.2f} s overlapped, {:.2f} × its slowest stage alone ({}); {:.1f} million voxels/s\n", b.bake_s,
@@ -105,10 +107,11 @@ void print_json(const bench::BakeBench& b) {
 }
 
 void print_text(const bench::ScheduleBench& b) {
-  fmt::print("{} cells, {} workers, seed {}: planned in {:.2f} s\n", b.cells, b.workers, b.seed, b.plan_s);
+  fmt::print("{}, {}, seed {}: planned in {:.2f} s\n", counted(b.cells, "cell"), counted(b.workers, "worker"), b.seed,
+             b.plan_s);
   fmt::print("makespan {:.2f} s, {:.4f} × the least possible {:.2f} s\n", b.makespan_s, b.ratio(), b.lower_bound_s);
-  fmt::print("{} handed out, {} again, {} to a worker that had read a tile of it; {} late results, {} workers lost\n",
-             b.dispatches, b.retries, b.followers, b.stale, b.lost_workers);
+  fmt::print("{} handed out, {} again, {} to a worker that had read a tile of it; {}, {} lost\n", b.dispatches,
+             b.retries, b.followers, counted(b.stale, "late result"), counted(b.lost_workers, "worker"));
   fmt::print("{} done, {} failed, {} abandoned{}\n", b.counts.done, b.counts.failed, b.counts.abandoned,
              b.differ ? ", which DIFFERS from what the workers did" : "");
   fmt::print("{:.0f} dispatches/s of scheduling, peak memory {}\n", b.dispatches_per_s(),

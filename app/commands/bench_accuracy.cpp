@@ -75,7 +75,7 @@ int run_hard(const AccuracyOptions& options) {
   const bench::HardBenchRequest request{folder.path(), options.bake.asked.backend, threads_of(options.bake),
                                         options.million_triangles};
   const bench::HardBench b = with_progress([&](const Progress& progress) {
-    progress.step("hard cases", 0, "cases");
+    progress.step("hard cases", 0, "case");
     return bench_hard(request, [&](const bench::HardResult& r) {
       if (!r.holds()) fmt::print(stderr, "{} FAILS\n", r.name);
       progress.advance();

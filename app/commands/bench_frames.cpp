@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "lattice/counted.h"
+
 namespace gigabake::app {
 namespace {
 
@@ -23,10 +25,10 @@ void print_text(const bench::FrameBench& b) {
   const bench::FlightBench& f = b.flight;
   if (f.frames == 0) return;
   fmt::print(
-      "\nflight of {} frames: median {:.2f} ms, 99 % below {:.2f} ms, worst {:.2f} ms; {} uploads; at most {:.0f} of "
+      "\nflight of {}: median {:.2f} ms, 99 % below {:.2f} ms, worst {:.2f} ms; {}; at most {:.0f} of "
       "{:.0f} MB\nerror of its frames against exact ones: PSNR {:.1f} dB, worst {:.1f} dB\n",
-      f.frames, 1e3 * f.median_s, 1e3 * f.p99_s, 1e3 * f.worst_s, f.uploads, double(f.peak_bytes) / 1e6,
-      double(f.allowed_bytes) / 1e6, f.mean_psnr_db, f.worst_psnr_db);
+      counted(f.frames, "frame"), 1e3 * f.median_s, 1e3 * f.p99_s, 1e3 * f.worst_s, counted(f.uploads, "upload"),
+      double(f.peak_bytes) / 1e6, double(f.allowed_bytes) / 1e6, f.mean_psnr_db, f.worst_psnr_db);
 }
 
 nlohmann::ordered_json to_json(const bench::FrameBench& b) {

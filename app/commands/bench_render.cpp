@@ -14,6 +14,7 @@
 #include "app/options/text_values.h"
 #include "bench/first_hit/first_hit_bench.h"
 #include "format/system/host_limits.h"
+#include "lattice/counted.h"
 #include "lattice/error.h"
 
 namespace gigabake::app {
@@ -52,8 +53,9 @@ bench::FirstHitBenchRequest request_of(const RenderBenchOptions& options, const 
 double mrays_per_s(const bench::FirstHitRow& row, double seconds) { return 1e-6 * double(row.rays) / seconds; }
 
 void print_text(const bench::FirstHitBench& b) {
-  fmt::print("first hits, lod {}: {} voxels, {} nodes, {} ({} with colours and normals), built in {:.2f} s\n", b.lod,
-             b.voxels, b.nodes, readable_bytes(b.tree_bytes), readable_bytes(b.bytes), b.build_s);
+  fmt::print("first hits, lod {}: {}, {}, {} ({} with colours and normals), built in {:.2f} s\n", b.lod,
+             counted(b.voxels, "voxel"), counted(b.nodes, "node"), readable_bytes(b.tree_bytes),
+             readable_bytes(b.bytes), b.build_s);
   fmt::print("{}×{} rays; Mrays/s\n\n", b.width, b.height);
   fmt::print("{:<20} {:>5} {:>4}  {:<7} {:>9} {:>9} {:>12} {:>9} {:>7} {:>8} {:>5}\n", "view", "hit", "beam", "backend",
              "best", "median", "with colour", "median", "differ", "rounded", "wrong");
@@ -64,9 +66,9 @@ void print_text(const bench::FirstHitBench& b) {
                  mrays_per_s(row, t.median_s), mrays_per_s(row, t.best_with_looks_s),
                  mrays_per_s(row, t.median_with_looks_s), row.differ, row.within_rounding, row.wrong);
   fmt::print(
-      "\ndiffer: hits that are not the same bits on both backends; rounded, wrong: of {} hits a view that were\n"
+      "\ndiffer: hits that are not the same bits on both backends; rounded, wrong: of {} a view that were\n"
       "compared with steps in double precision, those right within 2^-20 of the tree's edge, and not even so\n",
-      b.rows.empty() ? 0 : b.rows[0].reference_rays);
+      counted(b.rows.empty() ? 0 : b.rows[0].reference_rays, "hit"));
 }
 
 nlohmann::ordered_json to_json(const bench::FirstHitBench& b) {

@@ -9,6 +9,7 @@
 #include "app/messages/with_progress.h"
 #include "app/options/flags.h"
 #include "app/options/scene_argument.h"
+#include "lattice/counted.h"
 #include "lattice/progress.h"
 
 namespace gigabake::app {
@@ -49,15 +50,15 @@ void print_text(const SceneDifference& d) {
     fmt::print("{}\n", place(cell));
     for (const LevelDifference& l : cell.levels)
       fmt::print(
-          "  lod {:<2} {} voxels only in A, {} only in B; of {} in both {} differ in colour (r g b alpha by at most "
+          "  lod {:<2} {} only in A, {} only in B; of {} in both {} differ in colour (r g b alpha by at most "
           "{}, on "
           "average {:.2f}), {} in their normal, {} in coverage along an axis\n",
-          l.lod, l.only_in_a, l.only_in_b, l.both, l.recoloured, fmt::join(l.largest, " "), fmt::join(l.mean, " "),
-          l.turned, l.refaced);
+          l.lod, counted(l.only_in_a, "voxel"), l.only_in_b, l.both, l.recoloured, fmt::join(l.largest, " "),
+          fmt::join(l.mean, " "), l.turned, l.refaced);
   }
   if (!d.compared.empty() || d.not_compared.empty())
     fmt::print("lods {}: {}\n", fmt::join(d.compared, " "),
-               d.same() ? std::string("the same voxels") : fmt::format("{} places differ", d.cells.size()));
+               d.same() ? std::string("the same voxels") : counted(d.cells.size(), "place differs", "places differ"));
   if (!d.not_compared.empty())
     fmt::print("lods {}: not compared everywhere; the scenes' cells have other voxels there\n",
                fmt::join(d.not_compared, " "));

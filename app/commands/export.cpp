@@ -12,6 +12,7 @@
 #include "format/export/openvdb/openvdb_export.h"
 #include "format/export/ply.h"
 #include "format/export/voxel_tileset.h"
+#include "lattice/counted.h"
 #include "lattice/error.h"
 
 namespace gigabake::app {
@@ -84,7 +85,7 @@ void add_export(CLI::App& app, int&) {
     o->scene = scene_argument(o->scene).string();
     const std::uint64_t voxels = with_progress([&](const Progress& progress) { return format.write(*o, progress); },
                                                o->quiet ? nullptr : stderr);
-    if (!o->quiet) fmt::print("{} voxels of lod {} in {}\n", voxels, o->lod, o->out);
+    if (!o->quiet) fmt::print("{} of lod {} in {}\n", counted(voxels, "voxel"), o->lod, o->out);
   });
 }
 

@@ -11,6 +11,7 @@
 #include "app/options/flags.h"
 #include "app/options/scene_argument.h"
 #include "format/scene/scene_totals.h"
+#include "lattice/counted.h"
 
 namespace gigabake::app {
 namespace {
@@ -92,8 +93,8 @@ void print_place(const SceneDescription& scene) {
 
 void print_text(const SceneDescription& scene, const StoredBytes& stored) {
   const SceneTotals totals(scene);
-  fmt::print("{} cells of {} m voxels, {} triangles, {}\n", scene.cells.size(), scene.voxel_size_m, scene.triangles,
-             readable_bytes(totals.bytes));
+  fmt::print("{} of {} m voxels, {}, {}\n", counted(scene.cells.size(), "cell"), scene.voxel_size_m,
+             counted(scene.triangles, "triangle"), readable_bytes(totals.bytes));
   print_place(scene);
   for (std::size_t lod = 0; lod < totals.voxels.size(); ++lod)
     fmt::print("  lod {:<2} {:>14} voxels {:>10}  {}\n", lod, totals.voxels[lod], readable_bytes(stored.of_lod.at(lod)),
@@ -101,8 +102,9 @@ void print_text(const SceneDescription& scene, const StoredBytes& stored) {
   fmt::print("content hash {}\n", totals.all_content.hex());
   const std::uint64_t dropped = scene.non_finite + scene.zero_area;
   if (dropped + scene.skipped_points + scene.skipped_lines != 0)
-    fmt::print("skipped {} points, {} lines, {} triangles that are not finite, {} without area\n", scene.skipped_points,
-               scene.skipped_lines, scene.non_finite, scene.zero_area);
+    fmt::print("skipped {}, {}, {} not finite, {} without area\n", counted(scene.skipped_points, "point"),
+               counted(scene.skipped_lines, "line"),
+               counted(scene.non_finite, "triangle that is", "triangles that are"), scene.zero_area);
   for (const SceneLoss& l : scene.losses) fmt::print("missing {}: {}\n", l.name, with_flags(l.reason));
 }
 

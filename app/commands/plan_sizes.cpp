@@ -5,6 +5,7 @@
 
 #include "app/messages/status_text.h"
 #include "app/options/flags.h"
+#include "lattice/counted.h"
 
 namespace gigabake::app {
 namespace {
@@ -17,7 +18,8 @@ std::optional<double> seconds_of(const MeasuredSize& size, const PlanSizes& size
 }
 
 std::string workers(const PlanMeasure& m) {
-  return m.ranks == 1 ? fmt::format("{} threads", m.threads) : fmt::format("{} ranks × {} threads", m.ranks, m.threads);
+  return m.ranks == 1 ? counted(m.threads, "thread")
+                      : fmt::format("{} ranks × {}", m.ranks, counted(m.threads, "thread"));
 }
 
 std::string row(const MeasuredSize& size, bool is_asked, const PlanSizes& sizes) {
@@ -35,10 +37,10 @@ std::string basis(const MeasuredSize& size, const PlanSizes& sizes) {
                ? std::string("from the surface's area alone, nothing was baked; real bakes may be off by half\n")
                : fmt::format("from the surface's area alone, since nothing could be measured: {}\n",
                              with_flags(size.problem));
-  std::string text = fmt::format(
-      "measured: {} pieces of {} tiles baked in {:.1f} s by one rank on {}, {:.1f} % of the surface", size.pieces,
-      size.tiles, size.wall_s, size.on_device ? "its GPU" : fmt::format("{} threads", sizes.measure.threads),
-      100 * size.estimate.share);
+  std::string text =
+      fmt::format("measured: {} of {} baked in {:.1f} s by one rank on {}, {:.1f} % of the surface",
+                  counted(size.pieces, "piece"), counted(size.tiles, "tile"), size.wall_s,
+                  size.on_device ? "its GPU" : counted(sizes.measure.threads, "thread"), 100 * size.estimate.share);
   if (size.estimate.share < 1) text += fmt::format("; voxels ± {:.0f} %", std::ceil(200 * size.estimate.voxels_error));
   return text + (size.problem.empty() ? "\n" : fmt::format("; stopped early: {}\n", with_flags(size.problem)));
 }

@@ -15,6 +15,7 @@
 #include "app/options/scene_argument.h"
 #include "app/options/text_values.h"
 #include "format/system/publish.h"
+#include "lattice/counted.h"
 #include "lattice/error.h"
 #include "viewer/live/camera_path.h"
 #include "viewer/live/path_frames.h"
@@ -116,8 +117,9 @@ int run(const RenderArguments& a) {
   };
   const Frame frame = with_progress(draw, a.quiet ? nullptr : stderr);
   if (!a.quiet) {
-    fmt::print("{}: {}x{} in {:.2f} s; {} uploads, {:.0f} MB of voxels held\n", a.picture, frame.picture.width,
-               frame.picture.height, frame.stats.total_s, frame.stats.uploads, double(frame.stats.bytes_held) / 1e6);
+    fmt::print("{}: {}x{} in {:.2f} s; {}, {:.0f} MB of voxels held\n", a.picture, frame.picture.width,
+               frame.picture.height, frame.stats.total_s, counted(frame.stats.uploads, "upload"),
+               double(frame.stats.bytes_held) / 1e6);
     tell_legend(view.mode);
   }
   return tell_problems(renderer);
@@ -150,7 +152,7 @@ int run_path(const RenderArguments& a) {
   std::size_t incomplete = 0;
   for (const PathFrame& frame : frames) incomplete += frame.stats.complete ? 0 : 1;
   if (!a.quiet) {
-    fmt::print("{} frames{}\n", frames.size(),
+    fmt::print("{}{}\n", counted(frames.size(), "frame"),
                incomplete > 0 ? fmt::format(", {} of them incomplete", incomplete) : "");
     tell_legend(view.mode);
   }

@@ -8,6 +8,7 @@
 #include "app/messages/status_text.h"
 #include "app/options/text_values.h"
 #include "format/system/host_limits.h"
+#include "lattice/counted.h"
 
 namespace gigabake::app {
 namespace {
@@ -44,9 +45,9 @@ void print_json(const Options& o, const sample::SampleReport& r) {
 }
 
 void print_text(const Options& o, const sample::SampleReport& r) {
-  fmt::print("{} tiles, {} triangles, {} houses, {} trees, {}; {:g} × {:g} m, {:.0f} m from lowest to highest\n",
-             r.tiles, r.triangles, r.houses, r.trees, readable_bytes(r.bytes), o.sample.size_m, o.sample.size_m,
-             r.max_m[2] - r.min_m[2]);
+  fmt::print("{}, {}, {}, {}, {}; {:g} × {:g} m, {:.0f} m from lowest to highest\n", counted(r.tiles, "tile"),
+             counted(r.triangles, "triangle"), counted(r.houses, "house"), counted(r.trees, "tree"),
+             readable_bytes(r.bytes), o.sample.size_m, o.sample.size_m, r.max_m[2] - r.min_m[2]);
   fmt::print("bake it:        {}\n", bake_command(o, "tileset.json", ""));
   fmt::print("its flat twin:  {}\n", bake_command(o, "local", " --local"));
   fmt::print("see it:         {}\n", render_command);

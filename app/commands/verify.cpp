@@ -9,6 +9,7 @@
 #include "app/messages/with_progress.h"
 #include "app/options/scene_argument.h"
 #include "format/system/host_limits.h"
+#include "lattice/counted.h"
 
 namespace gigabake::app {
 
@@ -40,8 +41,8 @@ void add_verify(CLI::App& app, int& exit_code) {
     if (!r.has_totals)
       fmt::print("{}: carries no totals, as scenes of version 1: a lost cell is not seen; bake again to have them\n",
                  file.string());
-    fmt::print("{} cells, {} voxels, {}: {}\n", r.cells, r.voxels, readable_bytes(r.bytes),
-               r.faults.empty() ? std::string("whole") : fmt::format("{} faults", r.faults.size()));
+    fmt::print("{}, {}, {}: {}\n", counted(r.cells, "cell"), counted(r.voxels, "voxel"), readable_bytes(r.bytes),
+               r.faults.empty() ? std::string("whole") : counted(r.faults.size(), "fault"));
   });
 }
 

@@ -6,14 +6,13 @@
 #include <utility>
 
 #include "app/options/flags.h"
+#include "lattice/counted.h"
 
 namespace gigabake::app {
 namespace {
 
 constexpr double line_every_s = 10;
 constexpr std::size_t warnings_printed = 5;
-
-std::string sources(std::size_t count) { return count == 1 ? "1 source is" : fmt::format("{} sources are", count); }
 
 }  // namespace
 
@@ -42,7 +41,7 @@ void BakeConsole::say(const std::string& line) {
 }
 
 void BakeConsole::opened(const SceneSources& sources) {
-  say(fmt::format("{} content files, {}", sources.tiles.size(),
+  say(fmt::format("{}, {}", counted(sources.tiles.size(), "content file"),
                   sources.origin ? fmt::format("scene origin at latitude {:.7f}°, longitude {:.7f}°, height {:.2f} m",
                                                sources.origin->latitude_deg, sources.origin->longitude_deg,
                                                sources.origin->height_m)
@@ -69,10 +68,10 @@ void BakeConsole::planned(const BakePlan& plan) {
   for (std::size_t i = 0; i < printed; ++i) say("warning: " + plan.warnings[i]);
   if (printed < plan.warnings.size()) say(fmt::format("warning: likewise {} more", plan.warnings.size() - printed));
   if (plan.jobs.empty()) return;  // an error is about to say why
-  say(fmt::format("{} triangles in {} cells", plan.triangles, plan.jobs.size()));
+  say(fmt::format("{} in {}", counted(plan.triangles, "triangle"), counted(plan.jobs.size(), "cell")));
   if (!plan.losses.empty())
-    say(fmt::format("{} missing, not readable or not whole; the last lines list {}", sources(plan.losses.size()),
-                    plan.losses.size() == 1 ? "it" : "them"));
+    say(fmt::format("{} missing, not readable or not whole; the last lines list {}",
+                    counted(plan.losses.size(), "source is", "sources are"), plan.losses.size() == 1 ? "it" : "them"));
 }
 
 void BakeConsole::cell_done(const CellReport& report, const CellJob& job) {

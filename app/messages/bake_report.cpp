@@ -12,6 +12,7 @@
 #include "app/messages/alike.h"
 #include "app/messages/status_text.h"
 #include "app/options/flags.h"
+#include "lattice/counted.h"
 #include "lattice/error.h"
 #include "lattice/host_device.h"
 #include "scheduler/estimate.h"
@@ -63,9 +64,11 @@ std::string text_of(const nlohmann::ordered_json& j) {
 template <class Counts>
 void print_left_out(const Counts& c) {
   if (c.non_finite + c.zero_area != 0)
-    fmt::print("dropped: {} triangles with NaN or infinite vertices, {} without area\n", c.non_finite, c.zero_area);
+    fmt::print("dropped: {} with NaN or infinite vertices, {} without area\n", counted(c.non_finite, "triangle"),
+               c.zero_area);
   if (c.skipped_points + c.skipped_lines != 0)
-    fmt::print("skipped: {} points and {} lines, which have no surface\n", c.skipped_points, c.skipped_lines);
+    fmt::print("skipped: {} and {}, which have no surface\n", counted(c.skipped_points, "point"),
+               counted(c.skipped_lines, "line"));
 }
 
 void add_precision(const SourcePrecision& p, nlohmann::ordered_json& j) {
@@ -116,7 +119,7 @@ void print_counts(const PriorResults& prior) {
     to_bake += of(reason);
     if (of(reason) != 0) why += fmt::format("{} {} {}", why.empty() ? ":" : ",", of(reason), words);
   }
-  fmt::print("{} of {} cells to bake{}; {} to check, {} unchanged\n", to_bake, prior.reasons.size(), why,
+  fmt::print("{} of {} to bake{}; {} to check, {} unchanged\n", to_bake, counted(prior.reasons.size(), "cell"), why,
              of(PriorReason::to_be_checked), of(PriorReason::unchanged));
 }
 
@@ -124,25 +127,29 @@ void print_counts(const PriorResults& prior) {
 
 void print_report(const BakeSummary& s, const std::filesystem::path& out) {
   const Totals t(s.scene);
-  fmt::print("{} cells ({} empty), {} triangles, {} voxels at lod 0, {} in all, {} on disk\n", s.scene.cells.size(),
-             s.cells_empty, s.scene.triangles, t.finest_voxels, t.voxels, readable_bytes(t.bytes));
+  fmt::print("{} ({} empty), {}, {} at lod 0, {} in all, {} on disk\n", counted(s.scene.cells.size(), "cell"),
+             s.cells_empty, counted(s.scene.triangles, "triangle"), counted(t.finest_voxels, "voxel"), t.voxels,
+             readable_bytes(t.bytes));
   print_left_out(s.scene);
   if (s.status.process_restarts != 0)
     fmt::print("bake processes that were started again: {}\n", s.status.process_restarts);
-  if (s.bad_uv != 0) fmt::print("{} triangles have texture coordinates that are no numbers; baked as if 0\n", s.bad_uv);
-  fmt::print("survey {:.2f} s, bake {:.2f} s on {} ranks × {} threads; ", s.survey_s, s.bake_s, s.ranks, s.threads);
+  if (s.bad_uv != 0)
+    fmt::print("{} texture coordinates that are no numbers; baked as if 0\n",
+               counted(s.bad_uv, "triangle has", "triangles have"));
+  fmt::print("survey {:.2f} s, bake {:.2f} s on {} × {}; ", s.survey_s, s.bake_s, counted(s.ranks, "rank"),
+             counted(s.threads, "thread"));
   if (s.ranks_with_device != 0)
-    fmt::print("{} cells on the GPUs of {} ranks; ", s.cells_on_device, s.ranks_with_device);
+    fmt::print("{} on the GPUs of {}; ", counted(s.cells_on_device, "cell"), counted(s.ranks_with_device, "rank"));
   fmt::print("stages read {:.2f} s, kernels {:.2f} s, write {:.2f} s: {} sets the pace\n", s.read_s, s.kernel_s,
              s.write_s, slowest_stage(s));
   print_slowest(s.status.slowest);
   fmt::print("peak memory {} (kernels {})\n", readable_bytes(s.peak_process_bytes),
              readable_bytes(s.peak_kernel_bytes));
   if (s.pruned.files != 0)
-    fmt::print("{} shards of earlier bakes removed, {}\n", s.pruned.files, readable_bytes(s.pruned.bytes));
+    fmt::print("{} of earlier bakes removed, {}\n", counted(s.pruned.files, "shard"), readable_bytes(s.pruned.bytes));
   if (s.orphans.files != 0)
-    fmt::print("{} shards of earlier bakes kept, {}; --prune removes them\n", s.orphans.files,
-               readable_bytes(s.orphans.bytes));
+    fmt::print("{} of earlier bakes kept, {}; --prune removes {}\n", counted(s.orphans.files, "shard"),
+               readable_bytes(s.orphans.bytes), s.orphans.files == 1 ? "it" : "them");
   fmt::print("{}\n", (out / "scene.xml").string());
 }
 
@@ -182,13 +189,13 @@ std::string json_report(const BakeSummary& s, const std::filesystem::path& out) 
 
 void print_report(const BakePlan& plan, const std::optional<PriorResults>& prior, const PlanSizes& sizes) {
   const PlanEstimate e = estimate(plan);
-  fmt::print("{} cells, {} triangles, {} of them in the largest cell\n", plan.jobs.size(), plan.triangles,
-             e.largest_cell_triangles);
+  fmt::print("{}, {}, {} of them in the largest cell\n", counted(plan.jobs.size(), "cell"),
+             counted(plan.triangles, "triangle"), e.largest_cell_triangles);
   print_left_out(plan);
   const std::size_t listed = prior ? plan.jobs.size() : std::min(plan.jobs.size(), cells_printed);
   for (const CellJob& job : std::span(plan.jobs).first(listed))
-    fmt::print("  {:<24} lattice {} {} {}  {} tiles  {} triangles{}\n", job.name, job.lattice_min[0],
-               job.lattice_min[1], job.lattice_min[2], job.tiles.size(), job.triangles,
+    fmt::print("  {:<24} lattice {} {} {}  {}  {}{}\n", job.name, job.lattice_min[0], job.lattice_min[1],
+               job.lattice_min[2], counted(job.tiles.size(), "tile"), counted(job.triangles, "triangle"),
                prior ? fmt::format("  {}", name_of(prior->reasons[job.id])) : "");
   if (listed < plan.jobs.size()) fmt::print("  and {} more; --json lists them all\n", plan.jobs.size() - listed);
   if (prior) print_counts(*prior);
@@ -230,8 +237,7 @@ void warn_of(const SourcePrecision& precision) {
       stderr,
       "warning: {} stores positions in steps of up to {:.3g} m, but voxels are {:.6g} m{}; its vertices are off by "
       "up to half a step. Write them relative to a centre (a tile's transform, RTC_CENTER) or with more bits\n",
-      worst.name, worst.spacing_m, precision.wanted_m * 4,
-      more == 0 ? "" : fmt::format("; and {} more source{}", more, more == 1 ? "" : "s"));
+      worst.name, worst.spacing_m, precision.wanted_m * 4, more == 0 ? "" : "; and " + counted(more, "more source"));
 }
 
 void print_losses(const std::vector<SceneLoss>& losses) {

@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "app/options/flags.h"
+#include "lattice/counted.h"
 
 namespace gigabake::app {
 namespace {
@@ -45,7 +46,7 @@ std::string head(const BakeStatus& s, double now_s, Writer writer) {
   else
     line += fmt::format("for {} now, last heard of {} ago", readable_seconds(now_s - s.started_s),
                         readable_seconds(now_s - s.updated_s));
-  line += fmt::format("; {} ranks, rank 0 on {} (process {})\n", s.ranks, plain(s.host), s.pid);
+  line += fmt::format("; {}, rank 0 on {} (process {})\n", counted(s.ranks, "rank"), plain(s.host), s.pid);
   if (!s.reason.empty()) line += plain(with_flags(s.reason)) + "\n";
   return line;
 }
@@ -56,7 +57,7 @@ std::string cells_lines(const BakeStatus& s, Writer writer) {
   std::string text = fmt::format("cells  {} of {}: {} baked, {} empty, {} taken over; {} in hand, {} wait", settled(c),
                                  c.planned, c.done, c.empty, c.taken_over, c.running, c.pending);
   if (c.set_aside != 0) text += fmt::format("; {} given up", c.set_aside);
-  if (c.failed_attempts != 0) text += fmt::format("; {} attempts failed", c.failed_attempts);
+  if (c.failed_attempts != 0) text += fmt::format("; {} failed", counted(c.failed_attempts, "attempt"));
   text += fmt::format("\nwritten  {} voxels, {}; stages read {:.1f} s, kernels {:.1f} s, write {:.1f} s\n",
                       readable_count(double(s.voxels)), readable_bytes(s.bytes), s.read_s, s.kernel_s, s.write_s);
   if (goes_on) text += "last minute  " + rate(s.recent) + "\n";
@@ -68,8 +69,9 @@ std::string cells_lines(const BakeStatus& s, Writer writer) {
 std::string trouble_lines(const BakeStatus& s) {
   std::string text;
   if (s.process_restarts + s.workers_lost != 0)
-    text += fmt::format("{} bake processes died and were started again, {} workers were lost\n", s.process_restarts,
-                        s.workers_lost);
+    text += fmt::format("{} started again, {} lost\n",
+                        counted(s.process_restarts, "bake process died and was", "bake processes died and were"),
+                        counted(s.workers_lost, "worker was", "workers were"));
   for (const WorkerStatus& w : s.workers)
     if (w.lost) text += fmt::format("  rank {} on {} is lost\n", w.rank, plain(w.host));
   if (s.failures != 0) text += fmt::format("missing  {}\n", s.failures);

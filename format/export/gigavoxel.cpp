@@ -113,8 +113,7 @@ class GigavoxelWriter {
 
 std::uint64_t export_gigavoxel(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& folder,
                                GigavoxelTreeFile kind, const Progress& progress) {
-  const SceneDescription scene = read_scene(scene_xml);
-  const std::uint64_t voxels = voxels_of_level(scene_xml, scene, lod);
+  const auto [scene, voxels] = read_scene_level(scene_xml, lod);
   FolderPublication publication(folder);
   GigavoxelWriter writer(publication.target(), publication.aside(), kind);
   progress.step("writing the cells", voxels);

@@ -67,14 +67,9 @@ void write_gigavoxel_xml(OutputFile& out, const GigavoxelTree& tree) {
 }
 
 void write_gigavoxel_binary(OutputFile& out, const GigavoxelTree& tree) {
-  const GigavoxelHeader& h = tree.header;
   out.put(gigavoxel_magic);
   out.put(gigavoxel_version);
-  out.put(h.max_depth);
-  out.put(h.corner_m);
-  out.put(h.delta_m);
-  out.put(h.volume);
-  out.put(h.brick);
+  for_each_header_field(tree.header, [&](const auto& field) { out.put(field); });
   out.put(uncompressed);
   out.put(std::uint32_t(tree.nodes.size() / 8));
   for (const GigavoxelNode& node : tree.nodes) {

@@ -21,6 +21,16 @@ inline constexpr std::uint32_t gigavoxel_version = 1;
 /// First word of a node: constant or not, and its children's block.
 inline constexpr std::uint32_t gigavoxel_constant_flag = 1u << 30, gigavoxel_block_mask = gigavoxel_constant_flag - 1;
 
+/// The header's fields in the order of a binary file; `field` puts or gets one.
+template <class Header, class Field>
+void for_each_header_field(Header& header, const Field& field) {
+  field(header.max_depth);
+  field(header.corner_m);
+  field(header.delta_m);
+  field(header.volume);
+  field(header.brick);
+}
+
 /// Header, blocks of eight nodes of two words each, gradients of constant nodes.
 void write_gigavoxel_binary(OutputFile& out, const GigavoxelTree& tree);
 

@@ -8,6 +8,7 @@
 #include "format/export/gigavoxel_files.h"
 #include "format/system/read_file.h"
 #include "lattice/bytes.h"
+#include "lattice/counted.h"
 #include "lattice/error.h"
 
 namespace gigabake {
@@ -151,23 +152,20 @@ GigavoxelTree read_binary(const std::filesystem::path& file, std::span<const std
   const std::string name = file.string();
   ByteReader in(bytes, name.c_str());
   GigavoxelTree tree;
-  GigavoxelHeader& h = tree.header;
   std::array<char, 8> magic{};
   std::uint32_t version = 0, compressed = 0, blocks = 0;
   in.get(magic);
   in.get(version);
   if (version != gigavoxel_version) throw InputError(file, "version", "expected 1", 8);
-  in.get(h.max_depth);
-  in.get(h.corner_m);
-  in.get(h.delta_m);
-  in.get(h.volume);
-  in.get(h.brick);
+  for_each_header_field(tree.header, [&](auto& field) { in.get(field); });
   in.get(compressed);
   in.get(blocks);
-  check(file, h);
+  check(file, tree.header);
   if (compressed != 0) throw InputError(file, "compressed", "S3TC bricks cannot be read; expected 0");
   if (blocks == 0 || bytes.size() != header_bytes + 96 * std::uint64_t(blocks))
-    throw InputError(file, "blocks", fmt::format("{} blocks do not fill the file's {} bytes", blocks, bytes.size()));
+    throw InputError(
+        file, "blocks",
+        fmt::format("{} not fill the file's {} bytes", counted(blocks, "block does", "blocks do"), bytes.size()));
   tree.nodes.resize(8 * std::size_t(blocks));
   for (GigavoxelNode& node : tree.nodes) {
     std::uint32_t word = 0;

@@ -123,8 +123,7 @@ class NanovdbWriter {
 
 std::uint64_t export_nanovdb(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& nvdb,
                              const Progress& progress) {
-  const SceneDescription scene = read_scene(scene_xml);
-  const std::uint64_t voxels = voxels_of_level(scene_xml, scene, lod);
+  const auto [scene, voxels] = read_scene_level(scene_xml, lod);
   Publication publication(nvdb);
   progress.step("finding the bricks", voxels);
   NanovdbTree tree = tree_of(scene_xml, scene, lod, progress);

@@ -104,8 +104,7 @@ class VertexStream {
 
 std::uint64_t export_ply(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& ply,
                          const Progress& progress) {
-  const SceneDescription scene = read_scene(scene_xml);
-  const std::uint64_t voxels = voxels_of_level(scene_xml, scene, lod);
+  const auto [scene, voxels] = read_scene_level(scene_xml, lod);
   Publication publication(ply);
   progress.step("writing the voxels", voxels);
   VertexStream stream(scene, lod, ply, publication.aside(), progress);

@@ -235,8 +235,7 @@ class TilesetWriter {
 
 std::uint64_t export_3dtiles(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& folder,
                              const Progress& progress) {
-  const SceneDescription scene = read_scene(scene_xml);
-  const std::uint64_t voxels = voxels_of_level(scene_xml, scene, lod);
+  const auto [scene, voxels] = read_scene_level(scene_xml, lod);
   if (scene.cells.empty()) throw InputError(scene_xml, "PagedOctTree", "the scene has no cells");
   const TilesetCube cube = cube_of(scene_xml, scene, lod);
   FolderPublication publication(folder);

@@ -88,6 +88,12 @@ std::uint64_t voxels_of_level(const std::filesystem::path& scene_xml, const Scen
   return voxels;
 }
 
+SceneLevel read_scene_level(const std::filesystem::path& scene_xml, int lod) {
+  SceneLevel level{read_scene(scene_xml), 0};
+  level.voxels = voxels_of_level(scene_xml, level.scene, lod);
+  return level;
+}
+
 void for_each_dense_brick(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod,
                           const VisitBrick& visit, const Progress& progress) {
   voxels_of_level(scene_xml, scene, lod);

@@ -37,6 +37,15 @@ void for_each_dense_brick(const ShardHeader& header, const NodeTable& nodes, con
 /// Errors  InputError: a cell has no such level.
 std::uint64_t voxels_of_level(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod);
 
+/// A scene, and how many voxels one of its levels has.
+struct SceneLevel {
+  SceneDescription scene;
+  std::uint64_t voxels = 0;
+};
+
+/// What an export of a level begins with. Errors  InputError: scene.xml cannot be read; a cell has no such level.
+SceneLevel read_scene_level(const std::filesystem::path& scene_xml, int lod);
+
 /// Cell by cell; advances by voxels. Cost  One level of one cell in memory.
 /// Errors  InputError: damaged or missing shards, or not as many voxels as scene.xml says. Stopped.
 void for_each_dense_brick(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod,

@@ -9,6 +9,7 @@
 #include "format/shard/brick_walk.h"
 #include "format/shard/content_hash.h"
 #include "format/shard/shard_reader.h"
+#include "lattice/counted.h"
 #include "lattice/error.h"
 #include "lattice/thread_pool.h"
 
@@ -34,7 +35,7 @@ void check_voxels(const Shard& shard, const SceneCell& cell, Faults& faults) {
   for (std::size_t lod = 0; lod < voxels.size(); ++lod) {
     const std::string level = "/lod_" + std::to_string(lod);
     faults.expect(lod < cell.voxels.size() && voxels[lod] == cell.voxels[lod], level,
-                  "holds " + std::to_string(voxels[lod]) + " voxels, scene.xml says otherwise");
+                  "holds " + counted(voxels[lod], "voxel") + ", scene.xml says otherwise");
     faults.expect(hash[lod] == shard.header.content_hash[lod], level,
                   "the voxels are not those of the shard's content_hash");
   }

@@ -10,6 +10,7 @@
 #include "format/shard/hdf5/hdf5_rows.h"
 #include "format/shard/shard_header.h"
 #include "format/shard/shard_layout.h"
+#include "lattice/counted.h"
 #include "lattice/error.h"
 
 namespace gigabake {
@@ -31,7 +32,7 @@ std::vector<T> read_all(const Hdf5Rows& column) {
 std::uint64_t clipped(const Hdf5File& file, const std::string& dataset, std::uint64_t first, std::uint64_t count,
                       std::uint64_t all) {
   if (first >= all)
-    file.fail(dataset, "has " + std::to_string(all) + " rows; row " + std::to_string(first) + " was asked for");
+    file.fail(dataset, "has " + counted(all, "row") + "; row " + std::to_string(first) + " was asked for");
   return std::min(count, all - first);
 }
 

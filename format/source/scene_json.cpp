@@ -140,7 +140,7 @@ SceneSources open_scene_json(const std::filesystem::path& file, const Json& json
   if (options.local && entries[0].position)
     throw InputError(file, "sources", "lon/lat placements need a georeference; leave out `local`");
   if (!options.local) out.origin = options.origin ? options.origin : entries[0].position;
-  progress.step("placing the sources", entries.size(), "sources");
+  progress.step("placing the sources", entries.size(), "source");
   for (Entry& e : entries) {
     add_entry(std::move(e), out);
     progress.advance();

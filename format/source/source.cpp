@@ -74,7 +74,7 @@ SceneSources mesh_sources(const Path& root, const std::vector<Path>& files, cons
   SceneSources out;
   out.root = root;
   if (!options.local) out.origin = options.origin;
-  progress.step("looking at the files", files.size(), "files");
+  progress.step("looking at the files", files.size(), "file");
   for (const Path& file : files) {
     add_mesh_file(file, options, out);
     progress.advance();
@@ -99,7 +99,7 @@ SceneSources tileset_sources(const SourceFiles& files, const Path& file, const T
     out.notes.push_back(
         "warning: the tileset stands on the earth; in a local frame (`local`, or a place in a scene "
         ".json) it is tilted and some 6,400 km away");
-  progress.step("looking at the tiles' files", tileset.contents.size(), "tiles");
+  progress.step("looking at the tiles' files", tileset.contents.size(), "tile");
   Path named;
   std::string name;
   for (const TilesetContent& c : tileset.contents) {
@@ -140,7 +140,7 @@ SceneSources folder_sources(const Path& folder, const SourceOptions& options, co
   std::error_code error;
   if (std::filesystem::is_regular_file(folder / "tileset.json", error))
     return json_sources(folder / "tileset.json", options, progress);
-  progress.step("listing the folder", 0, "entries");
+  progress.step("listing the folder", 0, "name");
   const auto flags = std::filesystem::directory_options::none;
   for (std::filesystem::recursive_directory_iterator it(folder, flags, error), end; !error && it != end;
        it.increment(error)) {

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "lattice/counted.h"
 #include "lattice/error.h"
 
 namespace gigabake {
@@ -78,7 +79,7 @@ std::optional<std::vector<double>> get_numbers(const std::filesystem::path& file
   if (j->is_array() && j->size() == count)
     for (const Json& v : *j)
       if (v.is_number() && std::isfinite(v.get<double>())) out.push_back(v.get<double>());
-  if (out.size() != count) fail(file, where, key, std::to_string(count) + " finite numbers");
+  if (out.size() != count) fail(file, where, key, counted(count, "finite number"));
   return out;
 }
 

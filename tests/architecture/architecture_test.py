@@ -7,6 +7,8 @@ import re
 import sys
 from pathlib import Path
 
+from verdict import verdict
+
 # What a picture of a scene is made of.
 SHOWN = ["lattice", "format/system", "format/shard", "format/scene", "kernels/body", "kernels/cast"]
 # room: the rooms of ours that it may include besides itself. Whoever stands lower may include what stands above.
@@ -167,13 +169,5 @@ def problems(root):
             yield f"{name}: {problem}"
 
 
-def main():
-    found = list(problems(Path(sys.argv[1])))
-    for line in found:
-        print(line)
-    print(f"{len(found)} breaches of the architecture")
-    return 1 if found else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(verdict(problems(Path(sys.argv[1])), "breaches of the architecture"))

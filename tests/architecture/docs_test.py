@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from architecture_test import ROOMS
+from verdict import verdict
 
 FOLDERS = "app bench cluster cmake docs format kernels lattice packaging scheduler tests tools viewer worker".split()
 PATH = re.compile(r"(?<![\w/.-])((?:%s)/[\w./-]*\w)" % "|".join(FOLDERS))
@@ -88,13 +89,5 @@ def problems(root):
     yield from code_problems(root, set(anchors((root / "docs/decisions.md").read_text(encoding="utf-8"))))
 
 
-def main():
-    found = list(problems(Path(sys.argv[1]).resolve()))
-    for line in found:
-        print(line)
-    print(f"{len(found)} references to nothing")
-    return 1 if found else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(verdict(problems(Path(sys.argv[1]).resolve()), "references to nothing"))

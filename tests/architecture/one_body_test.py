@@ -17,6 +17,8 @@ import re
 import sys
 from pathlib import Path
 
+from verdict import verdict
+
 ENUM_HEADERS = ["lattice/rules.h", "lattice/octree.h"]
 
 SCALES = re.compile(r"(?<![\w.])(65535|32767|255|127)u?(?![\w.])")
@@ -110,13 +112,5 @@ def problems(root):
             yield f"{path.relative_to(root).as_posix()}:{number}: {why}"
 
 
-def main():
-    found = list(problems(Path(sys.argv[1])))
-    for line in found:
-        print(line)
-    print(f"{len(found)} decisions in device files")
-    return 1 if found else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(verdict(problems(Path(sys.argv[1])), "decisions in device files"))

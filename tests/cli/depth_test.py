@@ -5,9 +5,6 @@ beside fine trees.
 Usage: depth_test.py GIGABAKE SOURCE_DIR
 """
 import sys
-import tempfile
-import unittest
-from pathlib import Path
 
 import numpy
 
@@ -32,18 +29,13 @@ def ground_and_trees():
     return positions, indices, colours
 
 
-class Depth(unittest.TestCase):
+class Depth(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.root = Path(cls.folder.name)
+        super().setUpClass()
         harness.write_glb(cls.root / "scene.glb", *ground_and_trees())
         cls.exact = cls.bake("exact")
         cls.exact_voxels = [cls.voxels("exact", lod) for lod in range(LODS)]
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
 
     @classmethod
     def bake(cls, name, *arguments):

@@ -7,10 +7,7 @@ import json
 import math
 import struct
 import sys
-import tempfile
-import unittest
 import xml.etree.ElementTree as xml
-from pathlib import Path
 
 import numpy
 
@@ -131,23 +128,18 @@ def ecef(latitude, longitude, height):
             (n * (1 - e2) + height) * math.sin(p)]
 
 
-class Export(unittest.TestCase):
+class Export(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.path = Path(cls.folder.name)
+        super().setUpClass()
         cls.program = harness.Gigabake(sys.argv[1])
-        cls.program.succeed("sample", cls.path / "village", "--size", "96", "--seed", "3")
-        cls.program.bake(cls.path / "village/tileset.json", cls.path / "bake", VOXEL_M, "--cell-voxels", "64")
-        cls.scene = cls.path / "bake/scene.xml"
+        cls.program.succeed("sample", cls.root / "village", "--size", "96", "--seed", "3")
+        cls.program.bake(cls.root / "village/tileset.json", cls.root / "bake", VOXEL_M, "--cell-voxels", "64")
+        cls.scene = cls.root / "bake/scene.xml"
         cls.group = xml.parse(cls.scene).getroot()
 
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
-
     def ply(self, lod):
-        file = self.path / f"{lod}.ply"
+        file = self.root / f"{lod}.ply"
         self.program.succeed("export", self.scene, "--to", "ply", "--lod", lod, "-o", file)
         return harness.read_ply(file)
 
@@ -158,11 +150,11 @@ class Export(unittest.TestCase):
         return order
 
     def test_voxel_3d_tiles_hold_every_level_and_stand_on_the_earth(self):
-        self.program.succeed("export", self.scene, "--to", "3dtiles", "-o", self.path / "tiles")
-        tileset = Tileset(self.path / "tiles")
+        self.program.succeed("export", self.scene, "--to", "3dtiles", "-o", self.root / "tiles")
+        tileset = Tileset(self.root / "tiles")
         levels, box = tileset.tiling["availableLevels"], tileset.root["boundingVolume"]["box"]
         tiles = list(tileset.tiles())
-        self.assertEqual(len(tiles), len(list((self.path / "tiles").rglob("*.glb"))))
+        self.assertEqual(len(tiles), len(list((self.root / "tiles").rglob("*.glb"))))
         self.assertEqual(len(tiles), tileset.document["metadata"]["properties"]["tileCount"])
         known = set(tiles)
         self.assertTrue(all(level == 0 or (level - 1, tuple(p >> 1 for p in place)) in known for level, place in tiles))
@@ -182,7 +174,7 @@ class Export(unittest.TestCase):
         self.assertLess(numpy.abs(transform[:3, :3].T @ transform[:3, :3] - numpy.eye(3)).max(), 1e-12)
 
     def test_gigavoxel_xml_holds_the_voxels(self):
-        out = self.path / "gigavoxel"
+        out = self.root / "gigavoxel"
         self.program.succeed("export", self.scene, "--to", "gigavoxel-xml", "-o", out)
         places, colours, gradients = [], [], []
         for cell, tree in zip(self.group.findall("PagedOctTree"), xml.parse(out / "scene.gvp").getroot()):
@@ -207,21 +199,21 @@ class Export(unittest.TestCase):
         self.assertLess(error.max(), 0.5 / 127.5 + 1e-6)
 
     def test_a_path_that_cannot_be_written_is_one_line(self):
-        (self.path / "full").mkdir(exist_ok=True)
-        (self.path / "full/file").write_text("x")
-        without_openvdb = self.program.run("export", self.scene, "--to", "vdb", "-o", self.path / "x").returncode == 2
+        (self.root / "full").mkdir(exist_ok=True)
+        (self.root / "full/file").write_text("x")
+        without_openvdb = self.program.run("export", self.scene, "--to", "vdb", "-o", self.root / "x").returncode == 2
         kinds = ["ply", "nvdb", "3dtiles", "gigavoxel-xml", "gigavoxel-binary"] + ["vdb"] * (not without_openvdb)
         for kind in kinds:
-            for out in (self.path / "none/out", self.path / "full"):
+            for out in (self.root / "none/out", self.root / "full"):
                 result = self.program.run("export", self.scene, "--to", kind, "-o", out)
                 self.assertEqual(result.returncode, 1, (kind, out))
                 self.assertEqual(len(lines_of(result.stderr)), 1, result.stderr)
                 self.assertIn(str(out), result.stderr)
-        self.assertEqual([p.name for p in (self.path / "full").iterdir()], ["file"])
-        self.assertEqual([p.name for p in self.path.iterdir() if p.name.endswith(".part")], [])
+        self.assertEqual([p.name for p in (self.root / "full").iterdir()], ["file"])
+        self.assertEqual([p.name for p in self.root.iterdir() if p.name.endswith(".part")], [])
 
     def test_an_unknown_format_is_named_with_those_there_are(self):
-        result = self.program.run("export", self.scene, "--to", "obj", "-o", self.path / "x")
+        result = self.program.run("export", self.scene, "--to", "obj", "-o", self.root / "x")
         self.assertEqual(result.returncode, 2)
         self.assertIn("3dtiles", result.stderr)
 

@@ -5,9 +5,6 @@ Usage: exr_test.py GIGABAKE SOURCE_DIR
 """
 import json
 import sys
-import tempfile
-import unittest
-from pathlib import Path
 
 import numpy
 
@@ -37,18 +34,12 @@ def bent(light):
     return numpy.where(light <= 0.6, light, 0.6 + 0.4 * over / (over + 0.4))
 
 
-class Exr(unittest.TestCase):
+class Exr(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.root = Path(cls.folder.name)
-        GIGABAKE.succeed("sample", cls.root / "sample", "--size", 64, "--tiles", 1)
-        GIGABAKE.bake(cls.root / "sample" / "tileset.json", cls.root / "out", VOXEL_M)
+        super().setUpClass()
+        GIGABAKE.bake(GIGABAKE.sample(cls.root / "sample", size=64, tiles=1), cls.root / "out", VOXEL_M)
         cls.scene = cls.root / "out" / "scene.xml"
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
 
     def render(self, name, *options, scene=None):
         path = self.root / name

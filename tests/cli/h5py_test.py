@@ -4,9 +4,6 @@
 Usage: h5py_test.py GIGABAKE SOURCE_DIR
 """
 import sys
-import tempfile
-import unittest
-from pathlib import Path
 
 from h5py_there import h5py, numpy
 
@@ -90,19 +87,14 @@ def unit_vectors(octahedral):
     return vectors / numpy.linalg.norm(vectors, axis=1, keepdims=True)
 
 
-class ShardsByH5py(unittest.TestCase):
+class ShardsByH5py(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.root = Path(cls.folder.name)
+        super().setUpClass()
         harness.write_glb(cls.root / "scene.glb", *slab_and_hills())
         cls.info = PROGRAM.bake(cls.root / "scene.glb", cls.root / "out", VOXEL_M, "--cell-voxels", 64)
         cls.scene = cls.root / "out/scene.xml"
         cls.shards = sorted((cls.root / "out/shards").glob("*.h5"))
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
 
     def decoded(self, lod):
         parts = []

@@ -4,6 +4,7 @@ import os
 import struct
 import sys
 import tempfile
+import unittest
 from pathlib import Path
 
 import numpy
@@ -47,8 +48,23 @@ class Gigabake:
         self.succeed("bake", source, "-o", out, "--voxel-size", voxel_size, *arguments, **options)
         return self.info(Path(out) / "scene.xml")
 
+    def sample(self, folder, size=96, tiles=2):
+        """A small terrain. Returns its tileset."""
+        self.succeed("sample", folder, "--size", size, "--tiles", tiles)
+        return Path(folder) / "tileset.json"
+
     def info(self, scene):
         return json.loads(self.succeed("info", scene, "--json"))
+
+
+class FolderTest(unittest.TestCase):
+    """Tests that share a folder, `root`, which is gone after the last of them."""
+
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.root = Path(folder.name)
 
 
 def squares_of_grid(edge):

@@ -6,9 +6,6 @@ Usage: invariance_test.py GIGABAKE SOURCE_DIR
 import json
 import math
 import sys
-import tempfile
-import unittest
-from pathlib import Path
 
 import numpy
 
@@ -48,11 +45,10 @@ def ecef_from_enu(latitude_deg, longitude_deg, height_m):
     return [-sl, cl, 0, 0, -sp * cl, -sp * sl, cp, 0, cp * cl, cp * sl, sp, 0, *centre, 1]
 
 
-class Invariance(unittest.TestCase):
+class Invariance(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.root = Path(cls.folder.name)
+        super().setUpClass()
         cls.count = 0
         cls.positions, cls.indices, cls.colours = hills()
         cls.one = cls.root / "one.glb"
@@ -62,10 +58,6 @@ class Invariance(unittest.TestCase):
         for k in range(4):
             harness.write_glb(cls.four / f"part{k}.glb", cls.positions, cls.indices[k::4], cls.colours)
         cls.reference = cls.bake(cls.one)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
 
     @classmethod
     def bake(cls, source, *arguments, **options):

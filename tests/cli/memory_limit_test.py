@@ -6,7 +6,6 @@ Usage: memory_limit_test.py GIGABAKE SOURCE_DIR
 import json
 import os
 import resource
-import struct
 import subprocess
 import sys
 import tempfile
@@ -16,29 +15,21 @@ from pathlib import Path
 
 import harness
 
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "fuzz"))
+import made_seeds as made
+
 MEGABYTE = 1 << 20
 
 
 def png_of_one_colour(edge):
     """One bit a texel: a few kilobytes, whatever its size."""
-    def chunk(kind, content):
-        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
-
-    rows = zlib.compress(b"\0" * ((edge + 7) // 8 + 1) * edge, 9)
-    head = struct.pack(">IIBBBBB", edge, edge, 1, 0, 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", rows) + chunk(b"IEND", b"")
+    return made.png_of_rows(edge, 1, 0, zlib.compress(b"\0" * ((edge + 7) // 8 + 1) * edge, 9))
 
 
-def square(**more):
-    return {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
-            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
-            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
-                          {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"}],
-            "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 12}],
-            "buffers": [{"byteLength": 60}], **more}
-
-
-BINARY = struct.pack("<12f6H", 0, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, 1, 0, 2, 1, 0, 3, 2)
+def write_square(path, document):
+    """As GLB: its buffer is the file's own."""
+    document["buffers"] = [{"byteLength": 60}]
+    harness.write_glb_document(path, document, made.POSITIONS + made.INDICES)
 
 
 # 2026-11-22: what the attacks on 0.1.0 found.
@@ -77,20 +68,20 @@ class MemoryLimitTest(unittest.TestCase):
     def test_an_image_that_decodes_to_a_gigabyte(self):
         (self.root / "p.png").write_bytes(png_of_one_colour(12000))
         self.assertLess((self.root / "p.png").stat().st_size, 100_000)
-        document = square(images=[{"uri": "p.png"}], textures=[{"source": 0}],
-                          materials=[{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}])
+        document = made.square(images=[{"uri": "p.png"}], textures=[{"source": 0}],
+                               materials=[{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}])
         document["meshes"][0]["primitives"][0]["material"] = 0
         document["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = 2
         document["accessors"].append({"componentType": 5126, "count": 4, "type": "VEC2"})
-        harness.write_glb_document(self.root / "a.glb", document, BINARY)
+        write_square(self.root / "a.glb", document)
         self.refuse(self.root / "a.glb", 512, "textures")
 
     # 2026-11-22: 844 bytes of instances took more than 5.6 GB.
     def test_instances_from_nowhere(self):
-        document = square(nodes=[{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {
+        document = made.square(nodes=[{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {
             "TRANSLATION": 2}}}}])
         document["accessors"].append({"componentType": 5126, "count": 1 << 24, "type": "VEC3"})
-        harness.write_glb_document(self.root / "a.glb", document, BINARY)
+        write_square(self.root / "a.glb", document)
         self.refuse(self.root / "a.glb", 512, "placements")
 
     # 2026-11-22: a grid of 98 bytes kept the program busy for a minute, without a word.

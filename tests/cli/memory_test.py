@@ -7,9 +7,6 @@ import json
 import os
 import subprocess
 import sys
-import tempfile
-import unittest
-from pathlib import Path
 
 import harness
 
@@ -28,17 +25,11 @@ FLIGHT = [{"time_s": 0, "eye": [45, -60, 25], "target": [0, 0, 5]},
           {"time_s": 3, "eye": [-30, 40, 30], "target": [30, -30, 5]}]
 
 
-class Memory(unittest.TestCase):
+class Memory(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.root = Path(cls.folder.name)
-        GIGABAKE.succeed("sample", cls.root / "sample", "--size", 96, "--tiles", 2)
-        cls.info = GIGABAKE.bake(cls.root / "sample" / "tileset.json", cls.root / "out", 0.06, "--cell-voxels", 512)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
+        super().setUpClass()
+        cls.info = GIGABAKE.bake(GIGABAKE.sample(cls.root / "sample"), cls.root / "out", 0.06, "--cell-voxels", 512)
 
     def fly(self, memory):
         """Statistics of each frame, and the most bytes that the process took of the machine's memory."""

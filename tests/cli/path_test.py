@@ -6,7 +6,6 @@ Usage: path_test.py GIGABAKE SOURCE_DIR
 import json
 import sys
 import tempfile
-import unittest
 from pathlib import Path
 
 import harness
@@ -17,18 +16,12 @@ STATS = {"cast_s", "upload_s", "total_s", "wanted", "uploads", "pages_loading", 
          "complete"}
 
 
-class Paths(unittest.TestCase):
+class Paths(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.root = Path(cls.folder.name)
-        GIGABAKE.succeed("sample", cls.root / "sample", "--size", 96, "--tiles", 2)
-        cls.info = GIGABAKE.bake(cls.root / "sample" / "tileset.json", cls.root / "out", 0.25)
+        super().setUpClass()
+        cls.info = GIGABAKE.bake(GIGABAKE.sample(cls.root / "sample"), cls.root / "out", 0.25)
         cls.scene = cls.root / "out" / "scene.xml"
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
 
     def path(self, *keyframes, **more):
         file = self.root / "path.json"

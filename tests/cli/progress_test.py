@@ -10,10 +10,8 @@ import select
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 import unittest
-from pathlib import Path
 
 import harness
 from programs import lines_of
@@ -33,11 +31,10 @@ def tile(**members):
     return {"boundingVolume": {"sphere": [0, 0, 0, 100]}, "geometricError": 1, "refine": "ADD", **members}
 
 
-class Progress(unittest.TestCase):
+class Progress(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.root = Path(cls.folder.name)
+        super().setUpClass()
         cls.square = cls.root / "square.glb"
         harness.write_glb(cls.square, SQUARE, TWO)
         # Of one file, so that it is long to read and quick to write.
@@ -45,10 +42,6 @@ class Progress(unittest.TestCase):
         text = tileset(tile(children=["CHILD"])).replace('"CHILD"', ",".join([child] * 600000))
         cls.long = cls.root / "tileset.json"
         cls.long.write_text(text)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
 
     def start(self, *arguments, **options):
         options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, **options}

@@ -4,9 +4,6 @@
 Usage: render_test.py GIGABAKE SOURCE_DIR
 """
 import sys
-import tempfile
-import unittest
-from pathlib import Path
 
 import numpy
 
@@ -17,19 +14,12 @@ from programs import lines_of
 SIZE = (240, 135)
 
 
-class Render(unittest.TestCase):
+class Render(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        root = Path(cls.folder.name)
-        GIGABAKE.succeed("sample", root / "sample", "--size", 96, "--tiles", 2)
-        GIGABAKE.succeed("bake", root / "sample" / "tileset.json", "-o", root / "out", "--voxel-size", 0.25,
-                         "--cell-voxels", 128)
-        cls.scene, cls.root = root / "out" / "scene.xml", root
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
+        super().setUpClass()
+        GIGABAKE.bake(GIGABAKE.sample(cls.root / "sample"), cls.root / "out", 0.25, "--cell-voxels", 128)
+        cls.scene = cls.root / "out" / "scene.xml"
 
     def render(self, name, *options, size=SIZE):
         path = self.root / name

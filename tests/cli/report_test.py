@@ -6,9 +6,6 @@ Usage: report_test.py GIGABAKE SOURCE_DIR
 import json
 import math
 import sys
-import tempfile
-import unittest
-from pathlib import Path
 
 import h5py_test  # skips where the shards cannot be read
 import harness
@@ -37,11 +34,10 @@ def by_h5py(out):
     return levels
 
 
-class Report(unittest.TestCase):
+class Report(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.root = Path(cls.folder.name)
+        super().setUpClass()
         positions, indices, colours = h5py_test.slab_and_hills()
         random = numpy.random.default_rng(11)
         ground = len(positions) - 4 * 33
@@ -63,10 +59,6 @@ class Report(unittest.TestCase):
         clean = numpy.nan_to_num(positions).tobytes()
         assert content.count(clean) == 1
         path.write_bytes(content.replace(clean, positions.tobytes()))
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
 
     @classmethod
     def bake(cls, out, **options):

@@ -9,10 +9,8 @@ import resource
 import shutil
 import signal
 import sys
-import tempfile
 import unittest
 import unittest.mock
-from pathlib import Path
 
 import numpy
 
@@ -31,20 +29,15 @@ def bumpy_ground(quads=40):
     return positions, indices, colours
 
 
-class Results(unittest.TestCase):
+class Results(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.root = Path(cls.folder.name)
+        super().setUpClass()
         cls.source = cls.root / "ground.glb"
         harness.write_glb(cls.source, *bumpy_ground())
         cls.info = PROGRAM.bake(cls.source, cls.root / "a", VOXEL_M, "--cell-voxels", 32)
         PROGRAM.bake(cls.source, cls.root / "b", VOXEL_M, "--cell-voxels", 64)
         cls.a, cls.b = cls.root / "a/scene.xml", cls.root / "b/scene.xml"
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
 
     def damaged_copy(self):
         copy = self.root / "damaged"

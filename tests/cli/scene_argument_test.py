@@ -8,7 +8,6 @@ import json
 import os
 import shutil
 import sys
-import tempfile
 import unittest
 import unittest.mock
 from pathlib import Path
@@ -18,20 +17,15 @@ import harness
 TRIANGLE = ([[0, 0, 0], [4, 0, 0], [0, 1, -4]], [0, 1, 2])
 
 
-class SceneArgument(unittest.TestCase):
+class SceneArgument(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.root = Path(cls.folder.name)
+        super().setUpClass()
         cls.source = cls.root / "hill.glb"
         harness.write_glb(cls.source, *TRIANGLE)
         cls.out = cls.root / "out"
         PROGRAM.bake(cls.source, cls.out, 0.25, "--cell-voxels", 8)
         cls.shards = sorted((cls.out / "shards").glob("*.h5"))
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
 
     def refused(self, code, told, *arguments):
         result = PROGRAM.run(*arguments)

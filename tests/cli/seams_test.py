@@ -4,9 +4,6 @@
 Usage: seams_test.py GIGABAKE SOURCE_DIR
 """
 import sys
-import tempfile
-import unittest
-from pathlib import Path
 
 import numpy
 
@@ -28,21 +25,15 @@ def covered(picture):
     return (picture[..., 3] > 0).mean() if picture.shape[2] == 4 else 1
 
 
-class Seams(unittest.TestCase):
+class Seams(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.root = Path(cls.folder.name)
-        GIGABAKE.succeed("sample", cls.root / "sample", "--size", 96, "--tiles", 2)
+        super().setUpClass()
+        source = GIGABAKE.sample(cls.root / "sample")
         cls.scenes = {}
         for name, cell_voxels in (("one", 512), ("sixteen", 128)):
-            GIGABAKE.bake(cls.root / "sample" / "tileset.json", cls.root / name, 0.25, "--cell-voxels", cell_voxels,
-                          "--lattice-origin=-64,-64,0")
+            GIGABAKE.bake(source, cls.root / name, 0.25, "--cell-voxels", cell_voxels, "--lattice-origin=-64,-64,0")
             cls.scenes[name] = cls.root / name / "scene.xml"
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
 
     def render(self, scene, *options, size="320x180"):
         picture = self.root / "p.png"
@@ -84,7 +75,7 @@ class Seams(unittest.TestCase):
             for memory in ("1", "1000", "20K"):
                 result = GIGABAKE.run("render", self.scenes[scene], "-o", self.root / "refused.png", "--memory", memory)
                 self.assertEqual(result.returncode, 2, result)
-                self.assertRegex(result.stderr, r"^gigabake: --memory: the roots of \d+ cells alone need \d+K\n$")
+                self.assertRegex(result.stderr, r"^gigabake: --memory: the roots of \d+ cells? alone need \d+K\n$")
                 self.assertFalse((self.root / "refused.png").exists())
 
 

@@ -6,13 +6,10 @@ Usage: serve_test.py GIGABAKE SOURCE_DIR
 import contextlib
 import json
 import sys
-import tempfile
 import threading
 import time
-import unittest
 import urllib.error
 import urllib.request
-from pathlib import Path
 
 import numpy
 
@@ -52,18 +49,13 @@ class Server:
                 return failure.code, failure.read()
 
 
-class Serve(unittest.TestCase):
+class Serve(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.root = Path(cls.folder.name)
+        super().setUpClass()
         GIGABAKE.succeed("sample", cls.root / "sample", "--size", 96, "--tiles", 2)
         cls.bake(cls.root / "out")
         cls.scene = cls.root / "out" / "scene.xml"
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
 
     @classmethod
     def bake(cls, out):

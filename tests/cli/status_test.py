@@ -12,7 +12,6 @@ import sys
 import tempfile
 import threading
 import time
-import unittest
 from pathlib import Path
 
 import harness
@@ -22,11 +21,10 @@ TWO = [0, 1, 2, 0, 2, 3]
 COMPLETE, FAILED, CELLS_FAILED, DRAINED = 0, 1, 3, 75
 
 
-class Status(unittest.TestCase):
+class Status(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.root = Path(cls.folder.name)
+        super().setUpClass()
         cls.source = cls.root / "source"
         cls.source.mkdir()
         harness.write_glb(cls.source / "good.glb", SQUARE, TWO)
@@ -35,10 +33,6 @@ class Status(unittest.TestCase):
                                "--metrics", cls.metrics, ranks=2)
         assert cls.bake.returncode == 0, cls.bake.stderr
         cls.status = json.loads((cls.out / "status.json").read_text())
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
 
     def folder_with(self, **changes):
         """An OUT whose status is the finished bake's, changed."""

@@ -58,14 +58,11 @@ class Screen:
         return rows[:, :4 * width].reshape(height, width, 4)[..., 2::-1].astype(int)
 
 
-class View(unittest.TestCase):
+class View(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.root = Path(cls.folder.name)
-        GIGABAKE.succeed("sample", cls.root / "sample", "--size", 96, "--tiles", 2)
-        GIGABAKE.succeed("bake", cls.root / "sample" / "tileset.json", "-o", cls.root / "out", "--voxel-size", 0.25,
-                         "--cell-voxels", 128)
+        super().setUpClass()
+        GIGABAKE.bake(GIGABAKE.sample(cls.root / "sample"), cls.root / "out", 0.25, "--cell-voxels", 128)
         cls.scene = cls.root / "out" / "scene.xml"
         if "without windows" in cls.without_display().stderr:
             print("skipped: this gigabake was built without windows")
@@ -75,10 +72,6 @@ class View(unittest.TestCase):
     def without_display(cls):
         environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
         return harness.run([GIGABAKE.executable, "view", cls.scene], WAIT_S, env=environment)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
 
     def open_window(self, *arguments, size=SIZE):
         folder = Path(tempfile.mkdtemp(dir=self.root))

@@ -14,7 +14,6 @@ import subprocess
 import sys
 import tempfile
 import time
-import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli"))
@@ -111,27 +110,22 @@ class Launch:
             return code, self.log.read()
 
 
-class Faults(unittest.TestCase):
+class Faults(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
+        super().setUpClass()
         cls.program = harness.Gigabake(cls.executable)
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.work = Path(cls.folder.name)
-        cls.program.succeed("sample", cls.work / "terrain", "--size", OPTIONS["size"], "--seed", 5)
+        cls.program.succeed("sample", cls.root / "terrain", "--size", OPTIONS["size"], "--seed", 5)
         start = time.monotonic()
-        cls.undisturbed = harness.lod_hashes(cls.program.bake(*cls.arguments(cls.work / "whole"), ranks=2))
+        cls.undisturbed = harness.lod_hashes(cls.program.bake(*cls.arguments(cls.root / "whole"), ranks=2))
         cls.seconds = time.monotonic() - start
         cls.starter = Path(cls.source) / "cluster/gigabake-mpirun"
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
 
     @classmethod
     def arguments(cls, out):
         # A disk that others write to may keep a shard's flush for seconds, three of which would set a cell aside.
         # Mended on 2026-11-22: the stall was 2 s.
-        return (cls.work / "terrain/tileset.json", out, 0.25, "--cell-voxels", 64, "--stall", 10, "--silence", 5,
+        return (cls.root / "terrain/tileset.json", out, 0.25, "--cell-voxels", 64, "--stall", 10, "--silence", 5,
                 "--threads", 1)
 
     @classmethod
@@ -216,7 +210,7 @@ class Faults(unittest.TestCase):
         self.random = random.Random(OPTIONS["seed"])
         counts, inflicted, slowest = {}, 0, 0.0
         while inflicted < OPTIONS["count"]:
-            out = self.work / f"out{inflicted}"
+            out = self.root / f"out{inflicted}"
             kind, ranks = self.random.choice(KINDS), self.random.choice([2, 3])
             name = f"{kind[0]} {getattr(kind[1], 'name', kind[1])} {kind[2]}"
             starter = self.starter if kind[0] in ("worker rank", "rank 0") else None
@@ -242,7 +236,7 @@ class Faults(unittest.TestCase):
 
     def test_bake_processes_that_die_before_they_begin_are_started_again(self):
         """Of ranks that have no tile to survey. Until 2026-11-22 such a death ended the bake with exit code 1."""
-        tile, out = self.work / "tile.glb", self.work / "newborn"
+        tile, out = self.root / "tile.glb", self.root / "newborn"
         harness.write_glb(tile, [(0, 0, 0), (8, 0, 0), (0, 0, -8)], [(0, 1, 2)], [(200, 100, 50, 255)] * 3)
         launch = Launch(self.program, ["bake", tile, "-o", out, "--voxel-size", 0.25, "--cell-voxels", 8], 3)
         killed = set()
@@ -255,7 +249,7 @@ class Faults(unittest.TestCase):
         self.program.succeed("verify", out / "scene.xml")
 
     def test_a_rank_that_falls_silent_loses_its_cells(self):
-        out = self.work / "silent"
+        out = self.root / "silent"
         launch = Launch(self.program, self.bake(out), 3)
         while launch.process.poll() is None and len(list(out.glob("shards/c_*.h5"))) < 5:
             time.sleep(0.01)
@@ -276,7 +270,7 @@ class Faults(unittest.TestCase):
             os.kill(pid, signal.SIGSTOP)
 
     def test_ranks_that_fall_silent_before_cells_are_baked_end_the_launch(self):
-        out = self.work / "silent_survey"
+        out = self.root / "silent_survey"
         launch = Launch(self.program, self.bake(out), 3)
         self.stop_surveying_ranks(launch)
         code, log = launch.wait()
@@ -286,7 +280,7 @@ class Faults(unittest.TestCase):
 
     def test_the_starter_launches_again_where_a_rank_fell_silent_in_the_survey(self):
         """Mended on 2026-11-22: the launch ended with 1, as a bake that cannot succeed does, and stayed ended."""
-        out = self.work / "silent_survey_again"
+        out = self.root / "silent_survey_again"
         launch = Launch(self.program, self.bake(out), 3, self.starter)
         self.stop_surveying_ranks(launch)
         code, log = launch.wait()
@@ -295,7 +289,7 @@ class Faults(unittest.TestCase):
         self.expect_whole(out, 2, "after a launch without that rank")
 
     def test_a_full_disk_costs_cells_and_no_more(self):
-        out = self.work / "small_disk"
+        out = self.root / "small_disk"
         out.mkdir()
         mount = ["mount", "-t", "tmpfs", "-o", "size=4m", "gigabake-test", out]
         if os.geteuid() != 0 or subprocess.run(mount, capture_output=True, check=False).returncode != 0:

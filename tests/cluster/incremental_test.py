@@ -12,9 +12,7 @@ import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
-import unittest
 from pathlib import Path
 
 import numpy
@@ -45,27 +43,22 @@ def tile(random_values, x, y):
     return positions, indices, colours
 
 
-class Incremental(unittest.TestCase):
+class Incremental(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
+        super().setUpClass()
         cls.program = harness.Gigabake(cls.executable)
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.work = Path(cls.folder.name)
-        cls.tiles = cls.work / "tiles"
+        cls.tiles = cls.root / "tiles"
         cls.tiles.mkdir()
         cls.random_values = numpy.random.default_rng(SEED)
         for y in range(ACROSS):
             for x in range(ACROSS):
                 harness.write_glb(cls.tile(x, y), *tile(cls.random_values, x, y))
         time.sleep(SETTLE_S)
-        cls.out = cls.work / "out"
+        cls.out = cls.root / "out"
         start = time.monotonic()
         cls.full = cls.bake(cls.out)
         cls.full_s = time.monotonic() - start
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
 
     @classmethod
     def tile(cls, x, y):
@@ -79,7 +72,7 @@ class Incremental(unittest.TestCase):
     def expect_as_clean(self, *more):
         """The bake over what was there gives what a clean one gives; returns the former's report."""
         report = self.bake(self.out, *more)
-        clean = self.work / "clean"
+        clean = self.root / "clean"
         self.bake(clean, *more)
         same = self.program.run("diff", self.out / "scene.xml", clean / "scene.xml")
         self.assertEqual(same.returncode, 0, same.stdout)
@@ -139,7 +132,7 @@ class Incremental(unittest.TestCase):
         self.bake(self.out)
 
     def test_a_second_bake_of_a_folder_is_refused_and_harms_nothing(self):
-        out = self.work / "locked"
+        out = self.root / "locked"
         command = ["bake", self.tiles, "-o", out, "--local", "--voxel-size", 0.05, "--cell-voxels", 128]
         log = harness.TRANSCRIPT.file(command)
         self.addCleanup(log.close)

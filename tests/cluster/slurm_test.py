@@ -12,9 +12,7 @@ import shutil
 import socket
 import subprocess
 import sys
-import tempfile
 import time
-import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli"))
@@ -38,11 +36,10 @@ def why_not():
     return None
 
 
-class Slurm(unittest.TestCase):
+class Slurm(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.root = Path(cls.folder.name)
+        super().setUpClass()
         slurm = cls.root / "slurm"
         cls.environment = {**os.environ, **harness.MPI_ENVIRONMENT, "SLURM_LOCAL_DIR": str(slurm),
                            "SLURM_CONF": str(slurm / "slurm.conf"), "GIGABAKE": str(PROGRAM.executable)}
@@ -54,7 +51,6 @@ class Slurm(unittest.TestCase):
     @classmethod
     def tearDownClass(cls):
         cls.tool("down")
-        cls.folder.cleanup()
 
     @classmethod
     def tool(cls, *arguments):

@@ -22,16 +22,19 @@ def data_uri(content, kind="application/octet-stream"):
     return f"data:{kind};base64,{base64.b64encode(content).decode()}"
 
 
+def png_of_rows(edge, bits, colour_type, packed_rows):
+    def chunk(kind, content):
+        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+
+    head = struct.pack(">IIBBBBB", edge, edge, bits, colour_type, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", packed_rows) + chunk(b"IEND", b"")
+
+
 def png(edge, colour_type=6):
     channels = {0: 1, 2: 3, 4: 2, 6: 4}[colour_type]
     rows = b"".join(b"\0" + bytes((x * 37 + y * 11 + c) & 255 for x in range(edge) for c in range(channels))
                     for y in range(edge))
-
-    def chunk(kind, content):
-        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
-
-    head = struct.pack(">IIBBBBB", edge, edge, 8, colour_type, 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+    return png_of_rows(edge, 8, colour_type, zlib.compress(rows))
 
 
 def square(**more):

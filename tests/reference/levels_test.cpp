@@ -192,16 +192,23 @@ void fill(BakeScene& scene, const Voxel& low, const Voxel& high, std::uint32_t m
   scene.add_mesh(mesh, material);
 }
 
-class Levels : public testing::TestWithParam<MipFilter> {};
+class Levels : public testing::TestWithParam<MipFilter> {
+ protected:
+  /// Nothing yet, in a window of edge³ voxels from `lowest` on, with the filter under test.
+  static BakeScene empty_scene(const Voxel& lowest, std::uint32_t edge) {
+    BakeScene scene;
+    scene.set_window(lowest, edge);
+    scene.parameters.mip = GetParam();
+    return scene;
+  }
+};
 
 TEST_P(Levels, AreTheFiltersOfTheLevelBelowForRandomTranslucentScenes) {
   const std::uint64_t seed = 91;
   Rng rng(seed);
   for (int i = 0; i < 12; ++i) {
     SCOPED_TRACE("seed " + std::to_string(seed) + ", scene " + std::to_string(i));
-    BakeScene scene;
-    scene.set_window({-32, 64, -64}, 64);
-    scene.parameters.mip = GetParam();
+    BakeScene scene = empty_scene({-32, 64, -64}, 64);
     for (int k = 0; k < 40; ++k) {
       Rgba16 colour;
       for (auto& c : colour) c = std::uint16_t(uniform(rng, 0, 65535));
@@ -216,9 +223,7 @@ TEST_P(Levels, AreTheFiltersOfTheLevelBelowForRandomTranslucentScenes) {
 }
 
 TEST_P(Levels, OfAFilledBlockAreOneLeafAndExpandToEveryVoxel) {
-  BakeScene scene;
-  scene.set_window({0, 0, 0}, 64);
-  scene.parameters.mip = GetParam();
+  BakeScene scene = empty_scene({0, 0, 0}, 64);
   fill(scene, {0, 0, 0}, {64, 64, 64}, scene.add_colour({50000, 20000, 1000, 65535}));
   const CellVolume volume = scene.bake();
   ASSERT_EQ(volume.nodes.kind.size(), 1u);
@@ -230,9 +235,7 @@ TEST_P(Levels, OfAFilledBlockAreOneLeafAndExpandToEveryVoxel) {
 
 /// One triangle of another colour in one voxel: the branches around it stay leaves, the way down to it does not.
 TEST_P(Levels, OfAFilledBlockWithOneOddVoxelKeepTheOddVoxel) {
-  BakeScene scene;
-  scene.set_window({0, 0, 0}, 64);
-  scene.parameters.mip = GetParam();
+  BakeScene scene = empty_scene({0, 0, 0}, 64);
   fill(scene, {0, 0, 0}, {64, 64, 64}, 0);
   const auto red = scene.add_colour({65535, 0, 0, 65535});
   scene.add_mesh({{{{8970, 4362, 10}, {9200, 4370, 10}, {8980, 4590, 10}}}}, red);
@@ -246,9 +249,7 @@ TEST_P(Levels, OfAFilledBlockWithOneOddVoxelKeepTheOddVoxel) {
 }
 
 TEST_P(Levels, OfAHalfFilledWindowExpandToWhatWasThere) {
-  BakeScene scene;
-  scene.set_window({-64, 0, 64}, 64);
-  scene.parameters.mip = GetParam();
+  BakeScene scene = empty_scene({-64, 0, 64}, 64);
   fill(scene, {-64, 0, 64}, {-20, 40, 100}, 0);
   const CellVolume volume = scene.bake();
   EXPECT_EQ(voxels_at(volume, scene.parameters, 0).size(), 44u * 40 * 36);
@@ -257,9 +258,7 @@ TEST_P(Levels, OfAHalfFilledWindowExpandToWhatWasThere) {
 
 /// Layers of two colours: parents are all alike, their children are not.
 TEST_P(Levels, OfAStripedBlockAreConstantAboveAndBricksBelow) {
-  BakeScene scene;
-  scene.set_window({0, 0, 0}, 32);
-  scene.parameters.mip = GetParam();
+  BakeScene scene = empty_scene({0, 0, 0}, 32);
   const std::uint32_t stripes[2] = {scene.add_colour({65535, 0, 0, 65535}), scene.add_colour({0, 65535, 0, 65535})};
   for (std::int64_t z = 0; z < 32; ++z) fill(scene, {0, 0, z}, {32, 32, z + 1}, stripes[z % 2]);
   const CellVolume volume = scene.bake();

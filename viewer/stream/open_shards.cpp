@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "format/scene/shard_of_scene.h"
+#include "lattice/counted.h"
 #include "lattice/error.h"
 
 namespace gigabake {
@@ -38,7 +39,7 @@ std::shared_ptr<const ShardPages> OpenShards::open(std::uint32_t cell) const {
 std::shared_ptr<const ShardPages> OpenShards::get(std::uint32_t cell) {
   if (cell >= scene_.cells.size())
     throw InputError(scene_path_, "cell " + std::to_string(cell),
-                     "the scene has " + std::to_string(scene_.cells.size()) + " cells");
+                     "the scene has " + counted(scene_.cells.size(), "cell"));
   const std::shared_ptr<Shard> shard = entry_of(cell);
   const std::scoped_lock lock(shard->opening);
   if (!shard->pages) shard->pages = open(cell);

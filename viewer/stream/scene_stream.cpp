@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "format/system/host_limits.h"
+#include "lattice/counted.h"
 #include "lattice/error.h"
 
 namespace gigabake {
@@ -39,7 +40,7 @@ kernels::PoolSizes pool_sizes(const CellLayout& layout, std::uint64_t bytes) {
   const std::uint32_t least = PoolBooks::least_tiles(layout.cells.size(), layout.scene.lods);
   const std::uint64_t one = kernels::PoolSizes{1, 2}.bytes(), roots = kernels::PoolSizes{least, least_slots}.bytes();
   if (roots > bytes)
-    throw UsageError("memory_bytes", "the roots of " + std::to_string(layout.cells.size()) + " cells alone need " +
+    throw UsageError("memory_bytes", "the roots of " + counted(layout.cells.size(), "cell") + " alone need " +
                                          std::to_string(roots / 2 * 3 / 1024 + 1) + "K");
   const auto more = std::uint32_t(std::min<std::uint64_t>((bytes - roots) / one, 1u << 26));
   return {least + more, least_slots + 2 * more};

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include "lattice/counted.h"
 #include "viewer/live/steering_json.h"
 
 namespace gigabake {
@@ -20,7 +21,7 @@ void show_numbers(const LiveFrame& f) {
   line(fmt::format("{} x {}{}", f.frame.picture.width, f.frame.picture.height, s.complete ? ", complete" : ""));
   line(fmt::format("{:.1f} fps, {:.1f} ms a frame", f.frames_per_s, s.total_s * 1e3));
   line(fmt::format("rays {:.1f} ms, uploads {:.1f} ms", s.cast_s * 1e3, s.upload_s * 1e3));
-  line(fmt::format("{} wanted, {} uploaded, {} pages loading", s.wanted, s.uploads, s.pages_loading));
+  line(fmt::format("{} wanted, {} uploaded, {} loading", s.wanted, s.uploads, counted(s.pages_loading, "page")));
   line(fmt::format("{} held of {}", megabytes(s.bytes_held), megabytes(s.bytes_allowed)));
 }
 
@@ -69,7 +70,7 @@ PanelAnswer show_panel(const ViewerState& state, const LiveFrame* frame, bool re
     ImGui::SameLine();
     out.record = ImGui::Button(recording ? "Stop recording (R)" : "Record path (R)");
   }
-  if (state.problems > 0) line(fmt::format("{} shards are missing or damaged", state.problems));
+  if (state.problems > 0) line(counted(state.problems, "shard is", "shards are") + " missing or damaged");
   if (!state.problem.empty()) line(state.problem);
   if (!said.empty()) line(said);
   ImGui::End();

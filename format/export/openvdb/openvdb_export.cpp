@@ -30,8 +30,7 @@ std::uint64_t openvdb_memory_bytes() { return host_limits().memory_bytes / 2; }
 
 std::uint64_t export_openvdb(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& vdb,
                              std::uint64_t most_bytes, const Progress& progress) {
-  const SceneDescription scene = read_scene(scene_xml);
-  const std::uint64_t voxels = voxels_of_level(scene_xml, scene, lod);
+  const auto [scene, voxels] = read_scene_level(scene_xml, lod);
   const std::unique_ptr<OpenvdbGrids> grids = grids_of(scene, lod);
   Publication publication(vdb);
   std::uint64_t parts = 0;

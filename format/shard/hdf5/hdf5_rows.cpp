@@ -10,6 +10,7 @@
 
 #include "format/shard/hdf5/chunk_codec.h"
 #include "format/shard/hdf5/hdf5_types.h"
+#include "lattice/counted.h"
 
 namespace gigabake {
 namespace {
@@ -63,7 +64,7 @@ std::uint64_t checked_rows(const Hdf5File& file, const Hdf5Column& column, const
   if (stored > file_bytes) file.fail(column.name, "says that more of it is stored than the file has bytes");
   if (shape[0] == 0) return 0;
   if (shape[0] > stored * best_ratio(checked_filters(file, column, set).codec) / column.row_bytes())
-    file.fail(column.name, "says it has " + std::to_string(shape[0]) + " rows, more than what is stored can hold");
+    file.fail(column.name, "says it has " + counted(shape[0], "row") + ", more than what is stored can hold");
   return shape[0];
 }
 

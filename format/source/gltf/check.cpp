@@ -7,6 +7,7 @@
 #include "format/source/gltf/packed_views.h"
 #include "format/source/gltf/version.h"
 #include "format/source/image/codecs.h"
+#include "lattice/counted.h"
 #include "lattice/error.h"
 
 namespace gigabake {
@@ -173,7 +174,7 @@ class Checker {
     const std::uint64_t step = view.contains("byteStride") ? stride : item_bytes;
     const std::uint64_t offset = get_index(file_, user, where, "byteOffset").value_or(0);
     if (offset > whole || item_bytes > whole - offset || (count - 1) > (whole - offset - item_bytes) / step)
-      fail(where, std::to_string(count) + " items from byte " + std::to_string(offset) + " leave a buffer view of " +
+      fail(where, counted(count, "item") + " from byte " + std::to_string(offset) + " leave a buffer view of " +
                       std::to_string(whole) + " bytes");
   }
 
@@ -190,7 +191,7 @@ class Checker {
     if (a.contains("bufferView"))
       check_range(a, where, count, item_bytes);
     else if (count > most_unbacked_items)
-      fail(where + ".count", std::to_string(count) + " items without a buffer view");
+      fail(where + ".count", counted(count, "item") + " without a buffer view");
     if (a.contains("sparse")) check_sparse(a["sparse"], where + ".sparse", count, item_bytes);
   }
 

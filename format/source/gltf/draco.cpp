@@ -4,6 +4,7 @@
 
 #include "format/source/image/codecs.h"
 #include "lattice/byte_cursor.h"
+#include "lattice/counted.h"
 #include "lattice/memory_limit.h"
 
 namespace gigabake {
@@ -64,7 +65,7 @@ DracoMesh decode_draco(const std::filesystem::path& file, const std::string& whe
   const auto announced = announced_triangles(file, packed);
   if (announced && *announced > most_triangles)
     throw InputError(file, where,
-                     "the Draco stream says it has " + std::to_string(*announced) + " triangles, the document " +
+                     "the Draco stream says it has " + counted(*announced, "triangle") + ", the document " +
                          std::to_string(most_triangles));
   constexpr std::uint64_t triangle_bytes = 100;  // three corners, as the library holds them and as they come out
   MemoryClaim(file).add_items(announced.value_or(0), triangle_bytes, where, "triangles packed by Draco");

@@ -8,6 +8,7 @@
 #include "format/source/gltf/load.h"
 #include "format/source/gltf/material.h"
 #include "format/source/gltf/nodes.h"
+#include "lattice/counted.h"
 #include "lattice/error.h"
 #include "lattice/memory_limit.h"
 #include "lattice/transform.h"
@@ -121,7 +122,8 @@ class TileReader {
     if (mode < TINYGLTF_MODE_TRIANGLES) return;
     if (mode != TINYGLTF_MODE_TRIANGLES) claim_.add_items(order.size(), 3 * corner_bytes, at, "corners of a strip");
     if (mode == TINYGLTF_MODE_TRIANGLES && order.size() % 3 != 0)
-      throw InputError(tile_.path, at, std::to_string(order.size()) + " vertices are no whole number of triangles");
+      throw InputError(tile_.path, at,
+                       counted(order.size(), "vertex is", "vertices are") + " no whole number of triangles");
     Primitive out;
     out.position = read_floats(model_, position->second, 3);
     out.position_step = quantization_step(model_, position->second);
@@ -146,8 +148,8 @@ class TileReader {
     for (std::size_t i = 0; i < order.size(); ++i)
       if (order[i] >= vertices)
         throw InputError(tile_.path, at + ".indices",
-                         "index " + std::to_string(i) + " is " + std::to_string(order[i]) + ", but there are " +
-                             std::to_string(vertices) + " vertices");
+                         "index " + std::to_string(i) + " is " + std::to_string(order[i]) + ", beyond the " +
+                             counted(vertices, "vertex", "vertices"));
     return order;
   }
 
@@ -181,7 +183,7 @@ class TileReader {
   void expect_count(int accessor, std::size_t vertices, const std::string& at) const {
     const std::size_t items = model_.accessors[std::size_t(accessor)].count;
     if (items != vertices)
-      throw InputError(tile_.path, at, std::to_string(items) + " items for " + std::to_string(vertices) + " vertices");
+      throw InputError(tile_.path, at, counted(items, "item") + " for " + counted(vertices, "vertex", "vertices"));
   }
 
   /// What is missing is known from the survey on, not from the first cell that wants it.

@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include "format/source/source_file.h"
+#include "lattice/counted.h"
 #include "lattice/error.h"
 
 namespace gigabake {
@@ -108,7 +109,7 @@ std::map<std::string, ObjMaterial> read_mtl(const std::filesystem::path& file, s
     const auto numbers = [&](std::size_t count) {
       const std::vector<double> v = obj_numbers(line.rest, count);
       if (v.size() != count)
-        throw InputError(file, "line " + std::to_string(line.number), "expected " + std::to_string(count) + " numbers");
+        throw InputError(file, "line " + std::to_string(line.number), "expected " + counted(count, "number"));
       return v;
     };
     const auto unit = [](double v) { return v >= 0 ? float(std::min(v, 1.0)) : 0.0f; };

@@ -10,6 +10,7 @@
 #include "format/source/mesh/ply_values.h"
 #include "format/source/mesh/polygon.h"
 #include "format/source/source_file.h"
+#include "lattice/counted.h"
 #include "lattice/error.h"
 #include "lattice/srgb.h"
 #include "lattice/transform.h"
@@ -167,7 +168,7 @@ class PlyReader {
 
   std::uint32_t index(double v) const {
     if (!(v >= 0 && v < double(vertices_)) || v != std::floor(v))
-      values_.fail("a corner's index is none of the " + std::to_string(vertices_) + " vertices");
+      values_.fail("a corner's index is none of the " + counted(vertices_, "vertex", "vertices"));
     return std::uint32_t(v);
   }
 

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "format/source/source_file.h"
+#include "lattice/counted.h"
 #include "lattice/error.h"
 
 namespace gigabake {
@@ -91,7 +92,7 @@ void PlyValues::expect_room_for(const PlyElement& element) const {
   for (const PlyProperty& p : element.properties)
     least_bytes += format_ == PlyFormat::ascii ? 2 : byte_count(p.count.value_or(p.type));
   if (least_bytes != 0 && element.count > (left() + 1) / least_bytes)
-    fail("the header says " + std::to_string(element.count) + " elements " + in_quotes(element.name) +
+    fail("the header says " + counted(element.count, "element") + " " + in_quotes(element.name) +
          ", for which the file has no room");
 }
 

@@ -9,6 +9,7 @@
 #include "format/source/mesh/mesh_origin.h"
 #include "format/source/mesh/obj_material.h"
 #include "format/source/mesh/polygon.h"
+#include "lattice/counted.h"
 #include "lattice/error.h"
 #include "lattice/transform.h"
 
@@ -62,7 +63,7 @@ void read_binary(const std::filesystem::path& file, StlBytes bytes, const TakeLo
   const std::uint64_t facets = facets_said(bytes), there = (bytes.size() - head_bytes) / facet_bytes;
   if (facets > there)
     throw InputError(file, "",
-                     "expected " + std::to_string(facets) + " triangles as the header says, the file holds " +
+                     "expected " + counted(facets, "triangle") + " as the header says, the file holds " +
                          std::to_string(there) + "; it is cut, or no STL",
                      name_bytes);
   for_each_binary_facet(bytes.first(head_bytes + facet_bytes * facets), take);

@@ -19,7 +19,7 @@ SceneSources dem_sources(const std::filesystem::path& root, const DemOptions& de
     scene_from_raster.m = (scene_from_ecef(*out.origin) * ecef_from_enu(middle)).m;
   const std::string name = name_in(root, dem.dem);
   const std::uint64_t bytes = SourceFiles(root).size_of(dem.dem);
-  progress.step("laying out the raster's tiles", tiles.size(), "tiles");
+  progress.step("laying out the raster's tiles", tiles.size(), "tile");
   for (const DemTile& t : tiles) {
     progress.advance();
     TileRef tile;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "lattice/counted.h"
 #include "lattice/error.h"
 
 namespace gigabake {
@@ -54,7 +55,7 @@ bool FeatureTable::flag(const char* key) const {
 template <class T>
 std::vector<T> FeatureTable::column(const char* key, std::uint64_t items, std::uint64_t components) const {
   if (!has(key)) return {};
-  if (items > binary_.size()) fail(key, std::to_string(items) + " items inside the table");
+  if (items > binary_.size()) fail(key, counted(items, "item") + " inside the table");
   if (!json_[key].is_object()) fail(key, "a byteOffset into the table's binary part");
   const std::uint8_t* from = bytes_at(key, json_[key], items * components * sizeof(T));
   std::vector<T> values(items * components);

@@ -4,6 +4,7 @@
 
 #include "format/source/content_pieces.h"
 #include "format/source/tiles/feature_table.h"
+#include "lattice/counted.h"
 
 namespace gigabake {
 namespace {
@@ -27,7 +28,7 @@ SkippedSource skipped_points(const TileRef& tile, const SourceFiles& files, cons
     out.points = points_in(tile, files);
   } catch (const std::exception&) {  // it would not be baked either way
   }
-  if (out.points != 0) out.reason = "holds " + std::to_string(out.points) + " points, which have no surface";
+  if (out.points != 0) out.reason = "holds " + counted(out.points, "point") + ", which have no surface";
   return out;
 }
 

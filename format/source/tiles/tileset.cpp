@@ -336,7 +336,7 @@ class Reader {
 
 Tileset open_tileset(const SourceFiles& files, const std::filesystem::path& file, const TilesetDocument& document,
                      const Progress& progress) {
-  progress.step("reading the tileset", 0, "tiles");
+  progress.step("reading the tileset", 0, "tile");
   Tileset tileset;
   tileset.contents = Reader(files.root(), tileset, progress).read_document(file, document, {files, file}).contents;
   return tileset;

@@ -29,7 +29,7 @@ TEST(StepText, SaysNothingInTheFirstTwoSeconds) {
 
 TEST(StepText, GivesALogALineEveryTenSecondsWhateverTheSteps) {
   StepText text(0, false);
-  text.begin("reading the tileset", 0, "tiles", 0);
+  text.begin("reading the tileset", 0, "tile", 0);
   EXPECT_EQ(lines(text, 0, 9, 1000), std::vector<std::string>{"reading the tileset: 2000 tiles, 2 s"});
   text.begin("planning", 0, "", 9);
   EXPECT_EQ(lines(text, 9, 31, 0), (std::vector<std::string>{"planning: 3 s", "planning: 13 s"}));
@@ -37,7 +37,7 @@ TEST(StepText, GivesALogALineEveryTenSecondsWhateverTheSteps) {
 
 TEST(StepText, RewritesATerminalsLineTenTimesASecond) {
   StepText text(0, true);
-  text.begin("drawing", 50, "frames", 0);
+  text.begin("drawing", 50, "frame", 0);
   const auto shown = lines(text, 0, 5, 5);
   EXPECT_GE(shown.size(), 25u);
   EXPECT_LE(shown.size(), 31u);
@@ -47,7 +47,7 @@ TEST(StepText, RewritesATerminalsLineTenTimesASecond) {
 TEST(StepText, IsSilentBetweenSteps) {
   StepText text(0, true);
   EXPECT_TRUE(lines(text, 0, 5, 1).empty());
-  text.begin("drawing", 50, "frames", 5);
+  text.begin("drawing", 50, "frame", 5);
   EXPECT_EQ(text.line(1, 5.2), "drawing: 1 of 50 frames");
   text.end();
   EXPECT_FALSE(text.line(2, 9));

@@ -77,18 +77,13 @@ void expect_same(const ReadVoxels& read, const made::SceneVoxels& voxels, bool n
 
 TEST(Gigavoxel, AScenesVoxelsComeBackFromBothKindsOfTrees) {
   for (int round = 0; round < 4; ++round) {
-    const test::RandomSeed seed(round);
-    std::mt19937_64 rng(seed);
-    const TempFolder folder;
-    const bool normals = round != 0;
-    const SceneDescription scene = made::write_random_scene(folder / "scene.xml", rng, normals);
+    const made::RandomScene scene(round);
     const int finest = round % 2;
     for (const GigavoxelTreeFile kind : both_kinds) {
-      const std::filesystem::path out = folder / ("out" + std::to_string(int(kind)));
-      const auto voxels = made::voxels_of_scene(folder / "scene.xml", finest);
-      EXPECT_EQ(export_gigavoxel(folder / "scene.xml", finest, out, kind), voxels.size());
+      const std::filesystem::path out = scene / ("out" + std::to_string(int(kind)));
+      EXPECT_EQ(export_gigavoxel(scene.xml(), finest, out, kind), scene.voxels(finest).size());
       for (int lod = finest; lod < 4; ++lod)
-        expect_same(read_back(out, scene, lod), made::voxels_of_scene(folder / "scene.xml", lod), normals);
+        expect_same(read_back(out, scene.description(), lod), scene.voxels(lod), scene.description().has_normals);
     }
   }
 }

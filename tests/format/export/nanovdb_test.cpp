@@ -9,7 +9,6 @@
 #include "tests/format/scene/scene_voxels.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/format/system/small_disk.h"
-#include "tests/random_seed.h"
 
 #if __has_include(<nanovdb/NanoVDB.h>)
 #define GIGABAKE_TEST_NANOVDB
@@ -126,15 +125,11 @@ void expect_same_voxels(const std::filesystem::path& nvdb, const made::SceneVoxe
 
 TEST(Nanovdb, TheLibraryReadsTheVoxelsOfEveryLevelOfARandomScene) {
   for (int round = 0; round < 6; ++round) {
-    const test::RandomSeed seed(round);
-    std::mt19937_64 rng(seed);
-    const TempFolder folder;
-    const bool normals = round % 3 != 0;
-    made::write_random_scene(folder / "scene.xml", rng, normals);
+    const made::RandomScene scene(round);
     for (int lod = 0; lod < 4; ++lod) {
-      const made::SceneVoxels voxels = made::voxels_of_scene(folder / "scene.xml", lod);
-      EXPECT_EQ(export_nanovdb(folder / "scene.xml", lod, folder / "v.nvdb"), voxels.size());
-      expect_same_voxels(folder / "v.nvdb", voxels, normals);
+      const made::SceneVoxels voxels = scene.voxels(lod);
+      EXPECT_EQ(export_nanovdb(scene.xml(), lod, scene / "v.nvdb"), voxels.size());
+      expect_same_voxels(scene / "v.nvdb", voxels, scene.description().has_normals);
     }
   }
 }

@@ -10,7 +10,6 @@
 #include "tests/format/scene/scene_voxels.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/format/system/small_disk.h"
-#include "tests/random_seed.h"
 
 #ifdef GIGABAKE_HAS_OPENVDB
 #include <openvdb/openvdb.h>
@@ -59,14 +58,11 @@ void expect_same_voxels(const std::filesystem::path& vdb, const made::SceneVoxel
 
 TEST(Openvdb, TheLibraryReadsTheVoxelsOfEveryLevelOfARandomScene) {
   for (int round = 0; round < 3; ++round) {
-    const test::RandomSeed seed(round);
-    std::mt19937_64 rng(seed);
-    const TempFolder folder;
-    made::write_random_scene(folder / "scene.xml", rng, round != 0);
+    const made::RandomScene scene(round);
     for (int lod = 0; lod < 4; ++lod) {
-      const made::SceneVoxels voxels = made::voxels_of_scene(folder / "scene.xml", lod);
-      EXPECT_EQ(export_openvdb(folder / "scene.xml", lod, folder / "v.vdb", enough), voxels.size());
-      expect_same_voxels(folder / "v.vdb", voxels, round != 0);
+      const made::SceneVoxels voxels = scene.voxels(lod);
+      EXPECT_EQ(export_openvdb(scene.xml(), lod, scene / "v.vdb", enough), voxels.size());
+      expect_same_voxels(scene / "v.vdb", voxels, scene.description().has_normals);
     }
   }
 }

@@ -61,29 +61,25 @@ TileVoxels read_level(const std::filesystem::path& folder, std::size_t level, bo
 
 TEST(VoxelTileset, EveryLevelOfTheShardsComesBackFromItsTiles) {
   for (int round = 0; round < 3; ++round) {
-    const test::RandomSeed seed(round);
-    std::mt19937_64 rng(seed);
-    const TempFolder folder;
-    const bool normals = round != 0;
-    const SceneDescription scene = made::write_random_scene(folder / "scene.xml", rng, normals);
+    const made::RandomScene scene(round);
+    const SceneDescription& written = scene.description();
     const int finest = round % 2;
-    EXPECT_EQ(export_3dtiles(folder / "scene.xml", finest, folder / "out"),
-              made::voxels_of_scene(folder / "scene.xml", finest).size());
-    const nlohmann::json root = nlohmann::json::parse(made::bytes_of(folder / "out/tileset.json"))["root"];
+    EXPECT_EQ(export_3dtiles(scene.xml(), finest, scene / "out"), scene.voxels(finest).size());
+    const nlohmann::json root = nlohmann::json::parse(made::bytes_of(scene / "out/tileset.json"))["root"];
     const std::size_t levels = root["implicitTiling"]["availableLevels"];
     const std::vector<double> box = root["boundingVolume"]["box"];
     for (int lod = finest; lod < 4; ++lod) {
-      const double voxel_m = std::ldexp(scene.voxel_size_m, lod);
-      const TileVoxels read = read_level(folder / "out", levels - 1 - std::size_t(lod - finest), normals);
-      const made::SceneVoxels voxels = made::voxels_of_scene(folder / "scene.xml", lod);
+      const double voxel_m = std::ldexp(written.voxel_size_m, lod);
+      const TileVoxels read = read_level(scene / "out", levels - 1 - std::size_t(lod - finest), written.has_normals);
+      const made::SceneVoxels voxels = scene.voxels(lod);
       ASSERT_EQ(read.size(), voxels.size());
       for (const auto& [at, voxel] : voxels) {
         std::array<std::int64_t, 3> from_corner{};
         for (std::size_t c = 0; c < 3; ++c)
-          from_corner[c] = at[c] - std::llround((box[c] - box[3] - scene.lattice_origin_m[c]) / voxel_m);
+          from_corner[c] = at[c] - std::llround((box[c] - box[3] - written.lattice_origin_m[c]) / voxel_m);
         ASSERT_TRUE(read.contains(from_corner));
         EXPECT_EQ(read.at(from_corner).rgba, voxel.rgba);
-        const auto normal = normals ? unit_normal(voxel.normal.data()) : std::array<float, 3>{};
+        const auto normal = written.has_normals ? unit_normal(voxel.normal.data()) : std::array<float, 3>{};
         EXPECT_EQ(read.at(from_corner).normal, normal);
       }
     }

@@ -43,4 +43,9 @@ SceneDescription write_random_scene(const std::filesystem::path& scene_xml, std:
   return write_scene_of(scene_xml, shards);
 }
 
+RandomScene::RandomScene(int round) : seed_(round) {
+  std::mt19937_64 rng(seed_);
+  description_ = write_random_scene(xml(), rng, round % 3 != 0);
+}
+
 }  // namespace gigabake::made

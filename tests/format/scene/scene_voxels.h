@@ -7,6 +7,7 @@
 #include <map>
 
 #include "tests/format/shard/made_shard.h"
+#include "tests/random_seed.h"
 
 namespace gigabake::made {
 
@@ -23,5 +24,22 @@ SceneVoxels voxels_of_scene(const std::filesystem::path& scene_xml, int lod);
 
 /// A scene of several cells that touch, of random shards whose coarse levels stand off the blocks of 8³ voxels.
 SceneDescription write_random_scene(const std::filesystem::path& scene_xml, std::mt19937_64& rng, bool normals);
+
+/// Such a scene in a folder of its own, for one round of a test that tries several. Every third has no normals, the
+/// first among them; while it lives a failure names its seed.
+class RandomScene {
+ public:
+  explicit RandomScene(int round);
+
+  std::filesystem::path operator/(const std::string& name) const { return folder_ / name; }
+  std::filesystem::path xml() const { return folder_ / "scene.xml"; }
+  const SceneDescription& description() const { return description_; }
+  SceneVoxels voxels(int lod) const { return voxels_of_scene(xml(), lod); }
+
+ private:
+  test::RandomSeed seed_;
+  TempFolder folder_;
+  SceneDescription description_;
+};
 
 }  // namespace gigabake::made
