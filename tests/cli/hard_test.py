@@ -26,6 +26,9 @@ def every_bound_holds(gigabake, work):
         assert case["holds"] and "error" not in case, case
         for name, figure in case["figures"].items():
             assert figure["measured"] <= figure["bound"], (case["name"], name, figure)
+    leaks = bench["leaks"]
+    assert len(leaks["scenes"]) == 3 and all(scene["opaque"] and scene["rows"] for scene in leaks["scenes"]), leaks
+    assert leaks["bounded"] or "not yet bounded" in result.stdout, result
     return bench
 
 
