@@ -4,6 +4,7 @@
 
 #include "lattice/error.h"
 #include "lattice/thread_pool.h"
+#include "scheduler/merge.h"
 #include "worker/survey_tile.h"
 
 namespace gigabake::bench {
@@ -32,6 +33,16 @@ std::vector<CellReport> bake_cells(CellPipeline& pipeline, const std::vector<Cel
       std::this_thread::sleep_for(std::chrono::microseconds(200));
     }
   }
+  return reports;
+}
+
+std::vector<CellReport> bake_scene(const SceneSources& sources, const BenchScene& scene,
+                                   const std::optional<int>& device, const std::filesystem::path& out) {
+  constexpr std::size_t cells_in_flight = 4;
+  const BakePlan plan = plan_scene(sources, scene);
+  CellPipeline pipeline(sources, scene.parameters, WorkerOptions{scene.threads, scene.memory_bytes, out, device});
+  std::vector<CellReport> reports = bake_cells(pipeline, plan.jobs, cells_in_flight, scene.progress);
+  write_scene(out / "scene.xml", merge(plan, reports, sources.origin, scene.parameters));
   return reports;
 }
 

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "format/source/source.h"
@@ -30,6 +31,11 @@ BakePlan plan_scene(const SceneSources& sources, const BenchScene& scene);
 /// All jobs, at most `in_flight` of them at a time. Errors  InputError: a cell that failed; Stopped.
 std::vector<CellReport> bake_cells(CellPipeline& pipeline, const std::vector<CellJob>& jobs, std::size_t in_flight,
                                    const Progress& progress = {});
+
+/// As `gigabake bake`, by this process alone: plans, bakes and writes shards and scene.xml into `out`, where no shards
+/// are. Errors  as plan_scene() and bake_cells().
+std::vector<CellReport> bake_scene(const SceneSources& sources, const BenchScene& scene,
+                                   const std::optional<int>& device, const std::filesystem::path& out);
 
 using Clock = std::chrono::steady_clock;
 

@@ -12,6 +12,7 @@
 #include "app/options/text_values.h"
 #include "bench/report/accuracy_report.h"
 #include "bench/report/hard_report.h"
+#include "bench/report/leak_report.h"
 #include "format/system/host_limits.h"
 #include "format/system/publish.h"
 #include "lattice/error.h"
@@ -22,13 +23,20 @@ namespace {
 struct AccuracyOptions {
   BakeOptions bake;
   std::string json, markdown, size = "160x120";
-  int samples = 64, repeats = 3, million_triangles = 17;
+  int samples = 64, repeats = 3, million_triangles = 17, scene_voxels = 1536;
   std::uint64_t voxels = 50000;
   std::vector<std::string> settings;
-  bool hard = false;
+  bool hard = false, leaks = false;
 };
 
 int threads_of(const BakeOptions& bake) { return bake.asked.threads > 0 ? bake.asked.threads : host_limits().cores(); }
+
+std::pair<int, int> picture_size(const AccuracyOptions& options) {
+  const auto [width, height] = size_option(options.size);
+  if (std::min(width, height) < 8 || std::max(width, height) > 4096)
+    throw UsageError("--size: expected 8 to 4096 pixels a side");
+  return {width, height};
+}
 
 bench::AccuracyBenchRequest request_of(const AccuracyOptions& options) {
   const BakeRequest bake = options.bake.request();
@@ -41,27 +49,25 @@ bench::AccuracyBenchRequest request_of(const AccuracyOptions& options) {
   r.sample.voxels = options.voxels;
   r.sample.points = 4 * options.voxels;
   r.repeats = options.repeats;
-  std::tie(r.width, r.height) = size_option(options.size);
-  if (std::min(r.width, r.height) < 8 || std::max(r.width, r.height) > 4096)
-    throw UsageError("--size: expected 8 to 4096 pixels a side");
+  std::tie(r.width, r.height) = picture_size(options);
   return r;
 }
 
 /// A folder that goes, unless a name was given.
-class HardFolder {
+class SuiteFolder {
  public:
-  explicit HardFolder(const std::string& name) : path_(name), is_kept_(!name.empty()) {
+  explicit SuiteFolder(const std::string& name) : path_(name), is_kept_(!name.empty()) {
     if (is_kept_) return;
-    std::string made = (std::filesystem::temp_directory_path() / "gigabake-hard-XXXXXX").string();
+    std::string made = (std::filesystem::temp_directory_path() / "gigabake-suite-XXXXXX").string();
     if (mkdtemp(made.data()) == nullptr) throw InputError(made, "", "cannot make the folder; name one with -o");
     path_ = made;
   }
-  ~HardFolder() {
+  ~SuiteFolder() {
     std::error_code ignored;
     if (!is_kept_) std::filesystem::remove_all(path_, ignored);
   }
-  HardFolder(const HardFolder&) = delete;
-  HardFolder& operator=(const HardFolder&) = delete;
+  SuiteFolder(const SuiteFolder&) = delete;
+  SuiteFolder& operator=(const SuiteFolder&) = delete;
   const std::filesystem::path& path() const { return path_; }
 
  private:
@@ -69,9 +75,18 @@ class HardFolder {
   bool is_kept_;
 };
 
+/// To the terminal, and to files where they are named.
+template <class Bench>
+void publish(const Bench& b, const AccuracyOptions& options) {
+  const std::string markdown = to_markdown(b);
+  if (!options.json.empty()) publish_file(options.json, to_json(b));
+  if (!options.markdown.empty()) publish_file(options.markdown, markdown);
+  fmt::print("{}", markdown);
+}
+
 int run_hard(const AccuracyOptions& options) {
   if (!options.bake.source.empty()) throw UsageError("--hard has scenes of its own: expected no SCENE");
-  const HardFolder folder(options.bake.out);
+  const SuiteFolder folder(options.bake.out);
   const bench::HardBenchRequest request{folder.path(), options.bake.asked.backend, threads_of(options.bake),
                                         options.million_triangles};
   const bench::HardBench b = with_progress([&](const Progress& progress) {
@@ -81,28 +96,47 @@ int run_hard(const AccuracyOptions& options) {
       progress.advance();
     });
   });
-  const std::string markdown = to_markdown(b);
-  if (!options.json.empty()) publish_file(options.json, to_json(b));
-  if (!options.markdown.empty()) publish_file(options.markdown, markdown);
-  fmt::print("{}", markdown);
+  publish(b, options);
   return b.holds() ? complete : failed;
+}
+
+bench::LeakBenchRequest leak_request_of(const AccuracyOptions& options, const std::filesystem::path& folder) {
+  bench::LeakBenchRequest r;
+  r.out = folder;
+  r.keep = !options.bake.out.empty();
+  r.backend = options.bake.asked.backend;
+  r.threads = threads_of(options.bake);
+  r.edge = options.scene_voxels;
+  r.samples = options.samples;
+  std::tie(r.width, r.height) = picture_size(options);
+  return r;
+}
+
+/// It measures; nothing is claimed yet that could fail.
+int run_leaks(const AccuracyOptions& options) {
+  if (!options.bake.source.empty()) throw UsageError("--leaks has scenes of its own: expected no SCENE");
+  const SuiteFolder folder(options.bake.out);
+  const bench::LeakBenchRequest request = leak_request_of(options, folder.path());
+  const bench::LeakBench b = with_progress([&](const Progress& progress) {
+    return bench::bench_leaks(request, [&](const std::string& scene) { progress.step(scene); });
+  });
+  publish(b, options);
+  return complete;
 }
 
 int run(const AccuracyOptions& options) {
   if (options.hard) return run_hard(options);
+  if (options.leaks) return run_leaks(options);
   if (options.bake.source.empty() || options.bake.out.empty() || options.bake.voxel_size.empty())
-    throw UsageError("expected SCENE, -o and --voxel-size, or --hard");
+    throw UsageError("expected SCENE, -o and --voxel-size, or --hard, or --leaks");
   bench::AccuracyBenchRequest request = request_of(options);
   const bench::AccuracyBench b = with_progress([&](const Progress& progress) {
     request.scene.progress = progress;
     return bench::bench_accuracy(request, [&](const std::string& setting) { progress.step(setting); });
   });
-  const std::string markdown = to_markdown(b);
-  if (!options.json.empty()) publish_file(options.json, to_json(b));
-  if (!options.markdown.empty()) publish_file(options.markdown, markdown);
   for (const bench::NamedPlot& plot : plots_of(b))
     publish_file(std::filesystem::path(options.bake.out) / plot.file, to_svg(plot.plot));
-  fmt::print("{}", markdown);
+  publish(b, options);
   return complete;
 }
 
@@ -116,8 +150,20 @@ void add_bench_accuracy(CLI::App& bench, int& exit_code) {
   command->add_option("SCENE", bake.source, "what to bake: see below");
   command->add_option("-o,--out", bake.out, "folder for bakes, pictures and plots, which are replaced");
   command->add_option("--voxel-size", bake.voxel_size, "metres; half of the settings have voxels of twice that");
-  command->add_flag("--hard", o->hard,
-                    "the suite of hard cases instead, which needs no SCENE: exit code 1 where a claimed bound fails");
+  auto* hard = command->add_flag(
+      "--hard", o->hard,
+      "the suite of hard cases instead, which needs no SCENE: exit code 1 where a claimed bound fails");
+  command
+      ->add_flag(
+          "--leaks", o->leaks,
+          "light through opaque surfaces instead, which needs no SCENE: planes, hills, steps, walls, panes, wires "
+          "and a crown from every side and distance")
+      ->excludes(hard);
+  command
+      ->add_option("--scene-voxels", o->scene_voxels,
+                   "how wide the scenes of --leaks are; from afar only scenes are seen that are 24 pixels wide there")
+      ->capture_default_str()
+      ->check(CLI::Range(32, 32768));
   command
       ->add_option("--million-triangles", o->million_triangles,
                    "of the hard case that has all of them in one voxel, in millions")

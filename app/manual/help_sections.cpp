@@ -48,7 +48,7 @@ const std::map<std::string, Lines> examples{
     {"bench render", {"gigabake bench render OUT --size 1280x720 --what frames"}},
     {"bench accuracy",
      {"gigabake bench accuracy village/tileset.json --voxel-size 0.5 -o FOLDER --settings area-coverage,thin-coverage",
-      "gigabake bench accuracy --hard"}},
+      "gigabake bench accuracy --hard", "gigabake bench accuracy --leaks --json leaks.json"}},
     {"completion", {"source <(gigabake completion bash)", "gigabake completion fish | source"}},
     {"man", {"gigabake man", "gigabake man bench render", "gigabake man bake > gigabake-bake.1"}},
     {"",

@@ -5,14 +5,11 @@
 #include <map>
 
 #include "lattice/error.h"
-#include "scheduler/merge.h"
 #include "viewer/pictures/frame_renderer.h"
 #include "viewer/pictures/png.h"
 
 namespace gigabake::bench {
 namespace {
-
-constexpr std::size_t cells_in_flight = 4;
 
 AccuracySetting make_setting(const BakeParameters& parameters, SurfaceRule surface, MipFilter mip, int coarser) {
   AccuracySetting setting;
@@ -67,17 +64,14 @@ std::vector<AccuracySetting> chosen_settings(const AccuracyBenchRequest& request
   return chosen;
 }
 
-/// As `gigabake bake`, by one process. The fastest of the calls for one setting counts.
+/// The fastest of the calls for one setting counts.
 void bake(const SceneSources& sources, const AccuracyBenchRequest& request, const std::optional<int>& device,
           const std::filesystem::path& out, AccuracySetting& setting) {
   std::filesystem::remove_all(out / "shards");
   BenchScene scene = request.scene;
   scene.parameters = setting.parameters;
   const auto start = Clock::now();
-  const BakePlan plan = plan_scene(sources, scene);
-  CellPipeline pipeline(sources, scene.parameters, WorkerOptions{scene.threads, scene.memory_bytes, out, device});
-  const std::vector<CellReport> reports = bake_cells(pipeline, plan.jobs, cells_in_flight, scene.progress);
-  write_scene(out / "scene.xml", merge(plan, reports, sources.origin, scene.parameters));
+  const std::vector<CellReport> reports = bake_scene(sources, scene, device, out);
   setting.bake_s = std::min(setting.bake_s, seconds_since(start));
   setting.bytes = setting.voxels = 0;
   for (const CellReport& report : reports) {
@@ -122,7 +116,7 @@ std::vector<LinearPicture> draw_references(const ReferenceCaster& caster, const 
   std::filesystem::create_directories(folder);
   std::vector<LinearPicture> references;
   for (const AccuracyView& view : views) {
-    references.push_back(caster.draw(reference_camera(view, request.scene.parameters), request.samples));
+    references.push_back(caster.draw(reference_camera(view.camera, request.scene.parameters), request.samples));
     write_png(picture_path(folder, view), to_srgb(references.back()));
   }
   return references;

@@ -10,7 +10,6 @@ namespace {
 
 using Vector = std::array<double, 3>;
 
-constexpr double fovy_deg = 1;
 constexpr int fewest_pixels = 8;
 
 Vector along(const Vector& from, const Vector& direction, double distance) {
@@ -22,14 +21,6 @@ struct Direction {
   double elevation_deg;
 };
 constexpr Direction directions[] = {{"nadir", 90}, {"oblique", 35}, {"grazing", 10}};
-
-/// Towards north-north-west, so that no axis of the lattice is special.
-Vector forward_of(const Direction& direction) {
-  constexpr double azimuth = 0.8;
-  if (direction.elevation_deg == 90) return {0, 0, -1};
-  const double elevation = direction.elevation_deg * std::numbers::pi / 180;
-  return {-std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), -std::sin(elevation)};
-}
 
 /// How far the box reaches along a direction to either side of its middle.
 double reach(const LatticeBox& box, const Vector& direction) {
@@ -53,16 +44,10 @@ int pixels_across(double voxels, double voxels_per_pixel, int most) {
   return int(std::clamp(std::ceil(voxels / voxels_per_pixel) + 2, double(fewest_pixels), double(most)));
 }
 
-Point<Scene> to_scene_m(const Vector& voxels, const BakeParameters& lattice) {
-  Vector m;
-  for (std::size_t a = 0; a < 3; ++a) m[a] = lattice.lattice_origin_m[a] + voxels[a] * lattice.voxel_size_m;
-  return {m[0], m[1], m[2]};
-}
-
 AccuracyView make_view(const ReferenceCaster& caster, const BakeParameters& lattice, const Direction& direction,
                        double voxels_per_pixel, int width, int height) {
   const LatticeBox& box = caster.box();
-  const Vector forward = forward_of(direction);
+  const Vector forward = forward_at(direction.elevation_deg);
   const double level = std::hypot(forward[0], forward[1]);
   const Vector right = level > 0 ? Vector{forward[1] / level, -forward[0] / level, 0} : Vector{1, 0, 0};
   const Vector up =
@@ -70,14 +55,15 @@ AccuracyView make_view(const ReferenceCaster& caster, const BakeParameters& latt
   AccuracyView view;
   view.direction = direction.name;
   view.voxels_per_pixel = voxels_per_pixel;
-  view.camera.fovy_deg = fovy_deg;
+  view.camera.fovy_deg = accuracy_fovy_deg;
   view.camera.width = pixels_across(2 * reach(box, right), voxels_per_pixel, width);
   view.camera.height = pixels_across(2 * reach(box, up), voxels_per_pixel, height);
   const bool holds_all = view.camera.width < width && view.camera.height < height;
   const Vector target = holds_all ? middle_of(box) : surface_point(caster, forward);
   double to_target = 0;
   for (std::size_t a = 0; a < 3; ++a) to_target += (target[a] - middle_of(box)[a]) * forward[a];
-  const double to_front = voxels_per_pixel * view.camera.height / (2 * std::tan(fovy_deg * std::numbers::pi / 360));
+  const double to_front =
+      voxels_per_pixel * view.camera.height / (2 * std::tan(accuracy_fovy_deg * std::numbers::pi / 360));
   const Vector eye = along(target, forward, -(to_front + reach(box, forward) + to_target));
   view.camera.eye_m = to_scene_m(eye, lattice);
   view.camera.target_m = to_scene_m(target, lattice);
@@ -85,6 +71,19 @@ AccuracyView make_view(const ReferenceCaster& caster, const BakeParameters& latt
 }
 
 }  // namespace
+
+std::array<double, 3> forward_at(double elevation_deg) {
+  constexpr double azimuth = 0.8;
+  if (elevation_deg == 90) return {0, 0, -1};
+  const double elevation = elevation_deg * std::numbers::pi / 180;
+  return {-std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), -std::sin(elevation)};
+}
+
+Point<Scene> to_scene_m(const std::array<double, 3>& voxels, const BakeParameters& lattice) {
+  std::array<double, 3> m;
+  for (std::size_t a = 0; a < 3; ++a) m[a] = lattice.lattice_origin_m[a] + voxels[a] * lattice.voxel_size_m;
+  return {m[0], m[1], m[2]};
+}
 
 std::string AccuracyView::name() const { return fmt::format("{} {:g}", direction, voxels_per_pixel); }
 
@@ -97,11 +96,11 @@ std::vector<AccuracyView> accuracy_views(const ReferenceCaster& caster, const Ba
   return views;
 }
 
-kernels::CastCamera reference_camera(const AccuracyView& view, const BakeParameters& lattice) {
+kernels::CastCamera reference_camera(const CameraOptions& camera, const BakeParameters& lattice) {
   SceneDescription frame;
   frame.voxel_size_m = lattice.voxel_size_m;
   frame.lattice_origin_m = lattice.lattice_origin_m;
-  return make_camera(view.camera, frame, {});
+  return make_camera(camera, frame, {});
 }
 
 }  // namespace gigabake::bench

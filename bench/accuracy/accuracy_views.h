@@ -1,6 +1,7 @@
 /// The cameras from which pictures of voxels and of triangles are compared.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,13 @@ std::vector<AccuracyView> accuracy_views(const ReferenceCaster& caster, const Ba
                                          int height);
 
 /// In voxels of `lattice`.
-kernels::CastCamera reference_camera(const AccuracyView& view, const BakeParameters& lattice);
+kernels::CastCamera reference_camera(const CameraOptions& camera, const BakeParameters& lattice);
+
+/// So narrow that rays are nearly parallel.
+inline constexpr double accuracy_fovy_deg = 1;
+/// Where cameras look, from this far above the horizon: towards north-north-west, so that no axis of the lattice is
+/// special.
+std::array<double, 3> forward_at(double elevation_deg);
+Point<Scene> to_scene_m(const std::array<double, 3>& voxels, const BakeParameters& lattice);
 
 }  // namespace gigabake::bench

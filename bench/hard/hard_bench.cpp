@@ -151,13 +151,29 @@ bool HardBench::holds() const {
   return std::all_of(cases.begin(), cases.end(), [](const HardResult& r) { return r.holds(); });
 }
 
+namespace {
+
+LeakBench few_leaks(const HardBenchRequest& hard) {
+  LeakBenchRequest request;
+  request.out = hard.out / "leaks";
+  request.keep = true;
+  request.backend = hard.backend;
+  request.threads = hard.threads;
+  request.suite = LeakSuite::few_planes;
+  request.edge = 400;
+  return bench_leaks(request, [](const std::string&) {});
+}
+
+}  // namespace
+
 HardBench bench_hard(const HardBenchRequest& request, const std::function<void(const HardResult&)>& done) {
   const HardMachine machine{choose_device({request.backend}).device, request.threads};
-  HardBench out{machine.cuda_device ? "cuda" : "cpu", {}};
+  HardBench out{machine.cuda_device ? "cuda" : "cpu", {}, {}};
   for (const HardCase& hard : all_cases(request.million_triangles)) {
     out.cases.push_back(run_hard_case(hard, request.out / file_name(hard.name), machine));
     done(out.cases.back());
   }
+  out.leaks = few_leaks(request);
   return out;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bench/report/accuracy_verdict.h"
+#include "bench/report/leak_report.h"
 
 namespace gigabake::bench {
 namespace {
@@ -91,6 +92,7 @@ std::string to_json(const HardBench& bench) {
       one["figures"][f.name] = {{"measured", f.measured}, {"bound", f.bound}, {"unit", f.unit}, {"holds", f.holds()}};
     j["cases"].push_back(std::move(one));
   }
+  if (!bench.leaks.scenes.empty()) j["leaks"] = Json::parse(to_json(bench.leaks));
   return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -108,7 +110,7 @@ std::string to_markdown(const HardBench& bench) {
       std::count_if(bench.cases.begin(), bench.cases.end(), [](const HardResult& r) { return !r.holds(); });
   out += fmt::format("\n{} cases on {}: {}\n", bench.cases.size(), bench.backend,
                      failed == 0 ? "every bound holds" : fmt::format("{} fail", failed));
-  return out + "\n" + hard_columns();
+  return out + "\n" + hard_columns() + leaks_in_short(bench.leaks);
 }
 
 }  // namespace gigabake::bench

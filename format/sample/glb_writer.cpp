@@ -91,6 +91,7 @@ Json material_of(const GlbMaterial& material) {
     json["alphaMode"] = "MASK";
     json["alphaCutoff"] = material.alpha_cutoff;
   }
+  if (material.blended) json["alphaMode"] = "BLEND";
   if (material.double_sided) json["doubleSided"] = true;
   return json;
 }

@@ -20,6 +20,7 @@ struct GlbMaterial {
   std::array<double, 4> base_color{1, 1, 1, 1};  ///< linear
   double alpha_cutoff = 0;                       ///< > 0: alphaMode MASK
   bool double_sided = false;
+  bool blended = false;  ///< alphaMode BLEND: base_color's alpha counts
 };
 
 /// A triangle list in glTF's axes: y up, metres, counter-clockwise seen from outside.

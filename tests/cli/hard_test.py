@@ -26,6 +26,9 @@ def every_bound_holds(gigabake, work):
         assert case["holds"] and "error" not in case, case
         for name, figure in case["figures"].items():
             assert figure["measured"] <= figure["bound"], (case["name"], name, figure)
+    leaks = bench["leaks"]
+    assert len(leaks["scenes"]) == 3 and all(scene["opaque"] and scene["rows"] for scene in leaks["scenes"]), leaks
+    assert leaks["bounded"] or "not yet bounded" in result.stdout, result
     return bench
 
 
@@ -40,7 +43,7 @@ def the_document_lists_every_case(bench, source):
 
 def wrong_usage_is_refused(gigabake, work):
     for arguments, text in ((("--hard", work), "expected no SCENE"),
-                            ((), "expected SCENE, -o and --voxel-size, or --hard"),
+                            ((), "expected SCENE, -o and --voxel-size, or --hard, or --leaks"),
                             (("--hard", "--backend", "abacus"), "--backend: expected one of")):
         result = gigabake.run("bench", "accuracy", *arguments)
         assert result.returncode == 2 and text in result.stderr, result

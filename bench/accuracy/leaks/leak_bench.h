@@ -1,0 +1,63 @@
+/// Leaks: scenes whose true alpha is known, baked with default settings and looked at from every elevation and
+/// distance.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/accuracy/leaks/leak_error.h"
+#include "bench/accuracy/leaks/leak_eye.h"
+#include "worker/backend.h"
+
+namespace gigabake::bench {
+
+enum class LeakSuite {
+  whole,
+  few_planes,  ///< three planes, three elevations, 4 and 16 voxels a pixel
+};
+
+struct LeakBenchRequest {
+  std::filesystem::path out;  ///< a folder for each scene
+  bool keep = false;          ///< scenes and pictures stay there
+  Backend backend = Backend::automatic;
+  int threads = 1;
+  LeakSuite suite = LeakSuite::whole;
+  int edge = 1536;                ///< how wide scenes are, in voxels: farther views need wider ones
+  int samples = 64;               ///< of the traced reference, a pixel
+  int width = 160, height = 120;  ///< of pictures
+};
+
+/// One picture.
+struct LeakRow {
+  double elevation_deg = 0, voxels_per_pixel = 0;
+  LeakEye eye = LeakEye::anywhere;
+  LeakError error;
+};
+
+struct LeakResult {
+  std::string name, family, what;
+  bool is_opaque = true;  ///< alpha is 1 at every inner pixel
+  std::uint64_t voxels = 0;
+  std::vector<LeakRow> rows;
+  std::string not_measured;  ///< why there are no rows, or empty
+};
+
+struct LeakBench {
+  std::string backend;  ///< "cpu" or "cuda": where cells were baked; pictures are drawn by the CPU
+  int edge = 0, samples = 0;
+  std::vector<LeakResult> scenes;
+  /// No opaque surface lets more light through than docs/accuracy.md allows, in any view.
+  bool is_bounded() const;
+};
+
+/// Told of each scene before it is baked.
+using LeakProgress = std::function<void(const std::string& scene)>;
+
+/// Cost    Bakes some 3·edge² voxels of level 0 a scene, 33 scenes, and draws up to 63 pictures of each.
+/// Errors  As a bake. Without Embree the scenes whose reference is traced say that they are not measured.
+LeakBench bench_leaks(const LeakBenchRequest& request, const LeakProgress& progress);
+
+}  // namespace gigabake::bench

@@ -1,0 +1,271 @@
+#include "bench/accuracy/leaks/leak_scene.h"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <numbers>
+
+#include "format/sample/noise.h"
+
+namespace gigabake::bench {
+namespace {
+
+/// No multiple of a voxel or of its half, quarter, eighth.
+constexpr Vector off_the_lattice{13.371, -7.713, 5.237};
+constexpr double pane_alpha = 0.3;
+
+double radians(double deg) { return deg * std::numbers::pi / 180; }
+
+void add_vertex(sample::GlbMesh& mesh, const Vector& p) {
+  mesh.position.insert(mesh.position.end(), {float(p[0]), float(p[2]), float(-p[1])});
+}
+
+void add_sheet(sample::GlbMesh& mesh, const Sheet& sheet) {
+  const auto first = std::uint32_t(mesh.vertices());
+  const Vector by_u = along(sheet.corner, sheet.u, 1), by_v = along(sheet.corner, sheet.v, 1);
+  for (const Vector& p : {sheet.corner, by_u, by_v}) add_vertex(mesh, p);
+  mesh.index.insert(mesh.index.end(), {first, first + 1, first + 2});
+  if (sheet.shape == SheetShape::triangle) return;
+  add_vertex(mesh, along(by_u, sheet.v, 1));
+  mesh.index.insert(mesh.index.end(), {first + 1, first + 3, first + 2});
+}
+
+sample::GlbMesh mesh_of(const std::vector<Sheet>& sheets) {
+  sample::GlbMesh mesh;
+  for (const Sheet& sheet : sheets) add_sheet(mesh, sheet);
+  return mesh;
+}
+
+LeakScene scene_of(std::string name, std::string family, std::string what, sample::GlbMesh mesh, double alpha) {
+  LeakScene scene;
+  scene.name = std::move(name);
+  scene.family = std::move(family);
+  scene.what = std::move(what);
+  sample::GlbMaterial material{"surface", -1, {0.5, 0.4, 0.3, alpha}, 0, true};
+  material.blended = alpha < 1;
+  scene.model.name = scene.name;
+  scene.model.materials.push_back(material);
+  scene.model.meshes.push_back(std::move(mesh));
+  scene.sheet_alpha = alpha;
+  scene.target = off_the_lattice;
+  return scene;
+}
+
+LeakScene sheets_scene(std::string name, std::string family, std::string what, std::vector<Sheet> sheets,
+                       double alpha = 1) {
+  LeakScene scene = scene_of(std::move(name), std::move(family), std::move(what), mesh_of(sheets), alpha);
+  scene.sheets = std::move(sheets);
+  return scene;
+}
+
+/// Level directions of an azimuth, from east to north: forwards, and to the left of that.
+struct Heading {
+  Vector forward, left;
+  explicit Heading(double azimuth_deg)
+      : forward{std::cos(radians(azimuth_deg)), std::sin(radians(azimuth_deg)), 0}, left{-forward[1], forward[0], 0} {}
+  Vector at(double forwards, double leftwards, double up) const {
+    Vector p = along(along(off_the_lattice, forward, forwards), left, leftwards);
+    p[2] += up;
+    return p;
+  }
+  Vector step(double forwards, double leftwards, double up) const {
+    return along(at(forwards, leftwards, up), off_the_lattice, -1);
+  }
+};
+
+Sheet square(double edge, double slope_deg, double azimuth_deg) {
+  const Heading heading(azimuth_deg);
+  const double level = edge * std::cos(radians(slope_deg)), down = -edge * std::sin(radians(slope_deg));
+  return {heading.at(-level / 2, -edge / 2, -down / 2), heading.step(0, edge, 0), heading.step(level, 0, down)};
+}
+
+/// From 0 at the border of the square to what its waves are in the middle. x, y: 0 to 1.
+double hill_height(double edge, double x, double y) {
+  const double bump = 16 * x * (1 - x) * y * (1 - y);
+  const double waves = 2 + std::sin(7 * x + 3 * y) + std::sin(17 * y - 5 * x + 1);
+  return edge / 24 * bump * waves;
+}
+
+/// The six sides of a bar that begins at `corner`.
+std::vector<Sheet> sides_of(const Vector& corner, const Vector& u, const Vector& v, const Vector& w) {
+  return {{corner, u, v},
+          {corner, u, w},
+          {corner, v, w},
+          {along(corner, w, 1), u, v},
+          {along(corner, v, 1), u, w},
+          {along(corner, u, 1), v, w}};
+}
+
+Vector scaled_by(const Vector& v, double factor) { return {factor * v[0], factor * v[1], factor * v[2]}; }
+
+/// Four long sides without ends, in pieces: among triangles as long as the scene rays would find theirs slowly.
+void add_bar(const Vector& corner, const Vector& length, const Vector& v, const Vector& w, std::vector<Sheet>& bars) {
+  constexpr int pieces = 32;
+  const Vector u = scaled_by(length, 1.0 / pieces);
+  for (int i = 0; i < pieces; ++i) {
+    const Vector from = along(corner, u, i);
+    bars.insert(bars.end(), {{from, u, v}, {from, u, w}, {along(from, w, 1), u, v}, {along(from, v, 1), u, w}});
+  }
+}
+
+/// Anywhere in the ball of radius 1.
+Vector in_ball(sample::Random& random) {
+  for (;;) {
+    const Vector p{random.between(-1, 1), random.between(-1, 1), random.between(-1, 1)};
+    if (std::hypot(p[0], p[1], p[2]) <= 1) return p;
+  }
+}
+
+/// The azimuths of successive scenes lie apart by the golden angle: no two alike, none along an axis.
+double next_azimuth(int& scenes) { return std::fmod(23.7 + 137.508 * scenes++, 360); }
+
+}  // namespace
+
+LeakScene plane_scene(double edge, double slope_deg, double azimuth_deg) {
+  LeakScene scene = sheets_scene(fmt::format("plane-{:g}-at-{:.0f}", slope_deg, azimuth_deg), "planes",
+                                 fmt::format("{:g}° steep, falls towards {:.0f}°", slope_deg, azimuth_deg),
+                                 {square(edge, slope_deg, azimuth_deg)});
+  scene.width = edge;
+  return scene;
+}
+
+LeakScene hill_scene(double edge) {
+  constexpr int quads = 256;
+  const Sheet base = square(edge, 0, 21.3);
+  sample::GlbMesh mesh;
+  for (int j = 0; j <= quads; ++j)
+    for (int i = 0; i <= quads; ++i) {
+      const double x = double(i) / quads, y = double(j) / quads;
+      Vector p = along(along(base.corner, base.u, x), base.v, y);
+      p[2] += hill_height(edge, x, y);
+      add_vertex(mesh, p);
+    }
+  for (std::uint32_t j = 0; j < quads; ++j)
+    for (std::uint32_t i = 0; i < quads; ++i) {
+      const std::uint32_t a = j * (quads + 1) + i, b = a + 1, c = a + quads + 1, d = c + 1;
+      mesh.index.insert(mesh.index.end(), {a, b, d, a, d, c});
+    }
+  LeakScene scene = scene_of("hill", "hills", "waves on a bump, 131,072 triangles", std::move(mesh), 1);
+  scene.sheets = {base};
+  scene.target[2] += hill_height(edge, 0.5, 0.5);
+  scene.width = edge;
+  return scene;
+}
+
+LeakScene steps_scene(const std::string& name, double edge, double tread, double rise) {
+  const Heading heading(31.7);
+  const int steps = int(edge / std::hypot(tread, rise));
+  std::vector<Sheet> sheets;
+  for (int i = 0; i < steps; ++i) {
+    const double from = (i - 0.5 * steps) * tread, up = (i - 0.5 * steps) * rise;
+    sheets.push_back({heading.at(from, -edge / 2, up), heading.step(0, edge, 0), heading.step(0, 0, rise)});
+    sheets.push_back({heading.at(from, -edge / 2, up + rise), heading.step(0, edge, 0), heading.step(tread, 0, 0)});
+  }
+  LeakScene scene =
+      sheets_scene(name, "steps", fmt::format("{} steps, {:g} deep, {:g} high", steps, tread, rise), sheets);
+  scene.width = steps * std::hypot(tread, rise);
+  return scene;
+}
+
+LeakScene wall_scene(const std::string& name, double edge, double thickness) {
+  const Heading heading(38.9);
+  const Vector length = heading.step(edge, 0, 0), up = heading.step(0, 0, edge / 2);
+  std::vector<Sheet> sheets{{heading.at(-edge / 2, 0, -edge / 4), length, up}};
+  if (thickness > 0)
+    sheets = sides_of(heading.at(-edge / 2, -thickness / 2, -edge / 4), length, heading.step(0, thickness, 0), up);
+  LeakScene scene = sheets_scene(
+      name, "thin walls", thickness > 0 ? fmt::format("solid, {:g} thick", thickness) : "one upright sheet", sheets);
+  scene.width = edge / 2;
+  return scene;
+}
+
+LeakScene house_scene(double edge) {
+  const Heading heading(17.9);
+  const double half = edge / 2, side = 0.35 * edge, low = -0.2 * edge, top = 0.1 * edge, ridge = 0.3 * edge;
+  const double eaves = 0.04 * edge, eaves_up = top - eaves * (ridge - top) / side;
+  const Vector up = heading.step(0, 0, top - low);
+  std::vector<Sheet> sheets;
+  for (const double s : {-1.0, 1.0}) {
+    sheets.push_back({heading.at(-half, s * side, low), heading.step(edge, 0, 0), up});
+    sheets.push_back({heading.at(s * half, -side, low), heading.step(0, 2 * side, 0), up});
+    sheets.push_back({heading.at(s * half, -side, top), heading.step(0, 2 * side, 0),
+                      heading.step(0, side, ridge - top), SheetShape::triangle});
+    sheets.push_back({heading.at(-half - eaves, 0, ridge), heading.step(edge + 2 * eaves, 0, 0),
+                      heading.step(0, s * (side + eaves), eaves_up - ridge)});
+  }
+  LeakScene scene = sheets_scene("house", "roofs over walls", "four walls, a saddle roof with eaves", sheets);
+  scene.width = 2 * side;
+  return scene;
+}
+
+LeakScene pane_scene(const std::string& name, double edge, double slope_deg, int layers) {
+  constexpr double apart = 37.3;
+  std::vector<Sheet> sheets;
+  for (int i = 0; i < layers; ++i) {
+    sheets.push_back(square(edge, slope_deg, 161.2));
+    const Vector across = Heading(161.2).step(std::sin(radians(slope_deg)), 0, std::cos(radians(slope_deg)));
+    sheets.back().corner = along(sheets.back().corner, across, apart * i);
+  }
+  LeakScene scene = sheets_scene(
+      name, "panes", fmt::format("{} of alpha {:g}, {:g}° steep", layers, pane_alpha, slope_deg), sheets, pane_alpha);
+  scene.width = edge;
+  return scene;
+}
+
+LeakScene wires_scene(double edge) {
+  constexpr double thick = 2.6, apart = 19.4;
+  const Sheet whole = square(edge, 12, 57.1);
+  const Vector up = Heading(57.1).step(thick * std::sin(radians(12)), 0, thick * std::cos(radians(12)));
+  std::vector<Sheet> bars;
+  for (double from = 0; from + thick <= edge; from += apart)
+    for (const auto& [length, across] : {std::pair(whole.u, whole.v), std::pair(whole.v, whole.u)})
+      add_bar(along(whole.corner, across, from / edge), length, scaled_by(across, thick / edge), up, bars);
+  LeakScene scene = scene_of("wires", "wires", "square bars 2.6 thick and 19.4 apart, 12° steep", mesh_of(bars), 1);
+  scene.truth = LeakTruth::traced;
+  scene.sheets = {whole};
+  scene.width = edge;
+  return scene;
+}
+
+LeakScene crown_scene(double edge) {
+  constexpr double leaf = 12;
+  sample::Random random(20261123);
+  sample::GlbMesh mesh;
+  const int leaves = int(2 * edge * edge / (leaf * leaf));
+  for (int i = 0; i < leaves; ++i) {
+    const Vector middle = along(off_the_lattice, in_ball(random), edge / 2);
+    for (int k = 0; k < 3; ++k) add_vertex(mesh, along(middle, in_ball(random), leaf));
+    for (int k = 0; k < 3; ++k) mesh.index.push_back(std::uint32_t(mesh.index.size()));
+  }
+  LeakScene scene = scene_of("crown", "crowns", fmt::format("{} leaves in a ball", leaves), std::move(mesh), 1);
+  scene.truth = LeakTruth::traced;
+  scene.width = edge / std::numbers::sqrt3;  // of the cube in the ball
+  const double half = scene.width / 2;
+  const Vector corner = along(off_the_lattice, {-half, -half, -half}, 1);
+  scene.sheets = sides_of(corner, {scene.width, 0, 0}, {0, scene.width, 0}, {0, 0, scene.width});
+  return scene;
+}
+
+std::vector<LeakScene> leak_scenes(double edge) {
+  std::vector<LeakScene> scenes;
+  int azimuths = 0;
+  for (const double slope_deg : {0.5, 3., 10., 20., 45., 70., 89.})
+    for (int i = 0; i < 3; ++i) scenes.push_back(plane_scene(edge, slope_deg, next_azimuth(azimuths)));
+  scenes.push_back(hill_scene(edge));
+  scenes.push_back(steps_scene("small-steps", edge, 7.3, 5.1));
+  scenes.push_back(steps_scene("large-steps", edge, 61.7, 43.9));
+  scenes.push_back(wall_scene("wall-of-a-sheet", edge, 0));
+  scenes.push_back(wall_scene("wall-1.6-thick", edge, 1.6));
+  scenes.push_back(house_scene(edge));
+  for (const double slope_deg : {3., 35., 80.})
+    scenes.push_back(pane_scene(fmt::format("pane-{:g}", slope_deg), edge, slope_deg, 1));
+  scenes.push_back(pane_scene("two-panes-70", edge, 70, 2));
+  scenes.push_back(wires_scene(edge));
+  scenes.push_back(crown_scene(edge));
+  return scenes;
+}
+
+std::vector<LeakScene> few_leak_planes(double edge) {
+  return {plane_scene(edge, 3, 23.7), plane_scene(edge, 20, 161.2), plane_scene(edge, 45, 298.7)};
+}
+
+}  // namespace gigabake::bench

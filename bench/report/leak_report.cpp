@@ -1,0 +1,213 @@
+#include "bench/report/leak_report.h"
+
+#include <algorithm>
+#include <compare>
+#include <fmt/format.h>
+#include <map>
+#include <nlohmann/json.hpp>
+
+namespace gigabake::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Of so few pixels a share says little.
+constexpr std::size_t enough_pixels = 100;
+
+Json to_json(const LeakResult& scene) {
+  Json j{{"name", scene.name},
+         {"family", scene.family},
+         {"what", scene.what},
+         {"opaque", scene.is_opaque},
+         {"voxels", scene.voxels}};
+  if (!scene.not_measured.empty()) j["not_measured"] = scene.not_measured;
+  j["rows"] = Json::array();
+  for (const LeakRow& row : scene.rows) {
+    Json one{{"elevation_deg", row.elevation_deg},
+             {"voxels_per_pixel", row.voxels_per_pixel},
+             {"eye", name_of(row.eye)},
+             {"inner_pixels", row.error.inner}};
+    if (row.error.inner > 0)
+      one.update({{"below_99", row.error.below_99},
+                  {"below_90", row.error.below_90},
+                  {"least_alpha", row.error.least},
+                  {"rms_alpha", row.error.rms},
+                  {"bias_alpha", row.error.bias}});
+    j["rows"].push_back(one);
+  }
+  return j;
+}
+
+/// Rows of a table that stand for several pictures: what they come to, and the scene that is the worst among them.
+struct Pooled {
+  LeakError error;
+  std::string worst;
+  double worst_below_99 = 0, worst_rms = 0;
+
+  void add(const LeakResult& scene, const LeakRow& row) {
+    if (row.error.inner == 0) return;
+    const bool is_worse = scene.is_opaque ? row.error.below_99 > worst_below_99 : row.error.rms > worst_rms;
+    if (worst.empty() || is_worse) {
+      worst = scene.name;
+      worst_below_99 = row.error.below_99;
+      worst_rms = row.error.rms;
+    }
+    error = together(error, row.error);
+  }
+};
+
+using Scenes = std::vector<const LeakResult*>;
+
+constexpr char figure_heads[] = "inner pixels | below .99, % | below .9, % | least alpha | RMS | bias |";
+constexpr char figure_rules[] = "--- | --- | --- | --- | --- | --- |";
+
+std::string figures_of(const LeakError& e) {
+  if (e.inner == 0) return "0 | | | | | |";
+  return fmt::format("{} | {:.2f} | {:.2f} | {:.2f} | {:.3f} | {:+.3f} |", e.inner, 100 * e.below_99, 100 * e.below_90,
+                     e.least, e.rms, e.bias);
+}
+
+std::string worst_of(const Pooled& pooled, bool is_opaque) {
+  if (pooled.worst.empty()) return " |";
+  if (is_opaque && pooled.worst_below_99 == 0) return " none leaks |";
+  return is_opaque ? fmt::format(" `{}`: {:.2f} % |", pooled.worst, 100 * pooled.worst_below_99)
+                   : fmt::format(" `{}`: RMS {:.3f} |", pooled.worst, pooled.worst_rms);
+}
+
+/// Views that are the same but for the scene: from above to grazing, from near to far.
+struct ViewKey {
+  double below = 0;  ///< the elevation's negative
+  LeakEye eye = LeakEye::anywhere;
+  double voxels_per_pixel = 0;
+  explicit ViewKey(const LeakRow& row)
+      : below(-row.elevation_deg), eye(row.eye), voxels_per_pixel(row.voxels_per_pixel) {}
+  auto operator<=>(const ViewKey&) const = default;
+};
+
+/// "90, on a lattice plane"
+std::string view_name(const ViewKey& view) {
+  return fmt::format("{:g}{}", -view.below,
+                     view.eye == LeakEye::anywhere ? "" : fmt::format(", {}", name_of(view.eye)));
+}
+
+/// A row a view, over all scenes that were seen so.
+std::string views_table(const Scenes& scenes) {
+  std::map<ViewKey, Pooled> views;
+  for (const LeakResult* scene : scenes)
+    for (const LeakRow& row : scene->rows) views[ViewKey(row)].add(*scene, row);
+  std::string out = fmt::format("| elevation, ° | voxels a pixel | {} worst scene |\n| --- | --- | {} --- |\n",
+                                figure_heads, figure_rules);
+  for (const auto& [view, pooled] : views)
+    out += fmt::format("| {} | {:g} | {}{}\n", view_name(view), view.voxels_per_pixel, figures_of(pooled.error),
+                       worst_of(pooled, scenes.front()->is_opaque));
+  return out;
+}
+
+/// A row a scene, over all its views.
+std::string scenes_table(const Scenes& scenes) {
+  std::string out = fmt::format("| scene | what it is | {}\n| --- | --- | {}\n", figure_heads, figure_rules);
+  for (const LeakResult* scene : scenes) {
+    Pooled pooled;
+    for (const LeakRow& row : scene->rows) pooled.add(*scene, row);
+    const std::string figures = scene->not_measured.empty() ? figures_of(pooled.error)
+                                                            : "not measured: " + scene->not_measured + " | | | | | |";
+    out += fmt::format("| `{}` | {} | {}\n", scene->name, scene->what, figures);
+  }
+  return out;
+}
+
+std::vector<Scenes> families_of(const LeakBench& bench) {
+  std::vector<Scenes> families;
+  for (const LeakResult& scene : bench.scenes) {
+    if (families.empty() || families.back().front()->family != scene.family) families.emplace_back();
+    families.back().push_back(&scene);
+  }
+  return families;
+}
+
+struct WorstLeak {
+  const LeakResult* scene = nullptr;
+  const LeakRow* row = nullptr;
+  std::size_t pictures = 0, bounded = 0;
+};
+
+WorstLeak worst_leak(const LeakBench& bench) {
+  WorstLeak worst;
+  const auto badness = [](const LeakError& e) { return std::pair(e.below_99, 1 - e.least); };
+  for (const LeakResult& scene : bench.scenes)
+    for (const LeakRow& row : scene.rows) {
+      if (!scene.is_opaque || row.error.inner == 0) continue;
+      ++worst.pictures;
+      worst.bounded += is_bounded(row.error);
+      if (row.error.inner < enough_pixels) continue;
+      if (worst.row == nullptr || badness(row.error) > badness(worst.row->error)) {
+        worst.scene = &scene;
+        worst.row = &row;
+      }
+    }
+  return worst;
+}
+
+std::string leak_columns() {
+  return "- inner pixels: those around which, in a square of 7 × 7 pixels, the reference shows nothing but the inside; "
+         "the picture itself has no say\n"
+         "- below .99, .9: share of them whose alpha is more than .01, .1 below the true one, which is 1 where the "
+         "scene is opaque\n"
+         "- least alpha, RMS, bias: of alpha, and of alpha minus the true one, over inner pixels; where the reference "
+         "is traced its own noise is in the RMS\n"
+         "- elevation: of the eye above the horizon; on a lattice plane: straight down from a height that is a "
+         "multiple of 64 voxels, so that all rays sample at one phase; where levels change: a level ends and the next "
+         "begins on the surface, in the middle of the picture\n"
+         "- voxels a pixel: how many voxels of level 0 a pixel is wide; only views in which a scene is at least 24 "
+         "pixels wide are there: `--scene-voxels` makes scenes wider\n";
+}
+
+}  // namespace
+
+std::string verdict(const LeakBench& bench) {
+  const WorstLeak worst = worst_leak(bench);
+  if (worst.row == nullptr) return "No opaque surface shows enough inner pixels to say whether it leaks.\n";
+  const LeakError& e = worst.row->error;
+  const std::string asked = fmt::format("asked are at most {:g} % and {:g}", 100 * most_below_99, least_opaque_alpha);
+  const std::string where = fmt::format("`{}` from {}° at {:g} voxels a pixel", worst.scene->name,
+                                        worst.row->elevation_deg, worst.row->voxels_per_pixel);
+  const std::string figures = fmt::format("{:.1f} % of the inner pixels are below alpha .99 and the least is {:.2f}",
+                                          100 * e.below_99, e.least);
+  if (bench.is_bounded())
+    return fmt::format("Leaks are bounded in all {} pictures of opaque surfaces: the worst is {}, where {} ({}).\n",
+                       worst.pictures, where, figures, asked);
+  return fmt::format(
+      "Leaks are not yet bounded: the worst is {}, where {} ({}; {} of {} pictures of opaque surfaces keep to it).\n",
+      where, figures, asked, worst.bounded, worst.pictures);
+}
+
+std::string to_json(const LeakBench& bench) {
+  Json j{{"bench", "accuracy --leaks"}, {"backend", bench.backend},      {"edge_voxels", bench.edge},
+         {"samples", bench.samples},    {"bounded", bench.is_bounded()}, {"verdict", verdict(bench)}};
+  j["bounds"] = {{"most_below_99", most_below_99}, {"least_alpha", least_opaque_alpha}};
+  j["scenes"] = Json::array();
+  for (const LeakResult& scene : bench.scenes) j["scenes"].push_back(to_json(scene));
+  return j.dump(2) + "\n";
+}
+
+std::string to_markdown(const LeakBench& bench) {
+  std::string out = verdict(bench) + fmt::format("Scenes are {} voxels wide and baked with default settings on {}.\n",
+                                                 bench.edge, bench.backend);
+  for (const Scenes& family : families_of(bench)) {
+    out += fmt::format("\n### {}\n\n", family.front()->family);
+    const bool has_rows = std::any_of(family.begin(), family.end(), [](const auto* s) { return !s->rows.empty(); });
+    if (has_rows) out += views_table(family) + "\n";
+    out += scenes_table(family);
+  }
+  return out + "\n" + leak_columns();
+}
+
+std::string leaks_in_short(const LeakBench& bench) {
+  Scenes all;
+  for (const LeakResult& scene : bench.scenes) all.push_back(&scene);
+  if (all.empty()) return "";
+  return "\n### Leaks of a few opaque planes\n\n" + verdict(bench) +
+         "They have no say in whether the suite holds.\n\n" + views_table(all) + "\n" + leak_columns();
+}
+
+}  // namespace gigabake::bench
