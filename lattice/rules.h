@@ -13,7 +13,7 @@ namespace gigabake {
 
 /// Which voxels a triangle's surface fills, and with how much coverage (docs/accuracy.md).
 enum class SurfaceRule : std::uint8_t { area, conservative, thin };
-/// How a coarser voxel is made of eight finer ones (docs/accuracy.md).
+/// How a coarser voxel is made of finer ones (docs/accuracy.md).
 enum class MipFilter : std::uint8_t { coverage, thesis, box };
 /// What a material's alpha means. Source  glTF 2.0, 3.9.4.
 enum class AlphaMode : std::uint8_t { opaque, mask, blend };

@@ -17,6 +17,10 @@ namespace gigabake::kernels {
 /// Whether a filter weighs children by what views along the axes see of them, else by their coverage.
 GB_HD constexpr bool filters_by_view(MipFilter filter) { return filter == MipFilter::coverage; }
 
+/// Whether a voxel of level `lod` is made of the 64 voxels two levels below it (kernels/body/mip_of_64.h), else of its
+/// eight children.
+GB_HD constexpr bool is_of_64(MipFilter filter, int lod) { return filter == MipFilter::thesis && lod >= 2; }
+
 /// How much each of eight children has to say, 0 … 255, and what their parent shows along x, y and z; a byte each.
 struct Weights {
   std::uint32_t child[2], facing;
@@ -73,7 +77,7 @@ struct MipSums {
 
 /// Coverage by the filters that have no directions; alpha_sum: of the children, absent ones are 0.
 GB_HD std::uint32_t mean_coverage(std::uint32_t alpha_sum, MipFilter filter, const Tables& tables) {
-  return filter == MipFilter::thesis ? tables.thesis_alpha[alpha_sum] : (alpha_sum + 4) / 8;
+  return filter == MipFilter::thesis ? tables.thesis_alpha[8 * alpha_sum] : (alpha_sum + 4) / 8;
 }
 
 /// The voxel above eight, of which those that are not there are zero. by_view: filters_by_view(filter); then `weights`

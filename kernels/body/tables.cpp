@@ -40,8 +40,8 @@ std::vector<std::int16_t> make_unit_normal() {
 
 std::vector<std::uint8_t> make_thesis_alpha() {
   std::vector<std::uint8_t> table(alpha_sums, 0);
-  for (int sum = 1; sum <= 8 * 255; ++sum) {
-    const double a = sum / (8 * 255.0);
+  for (int sum = 1; sum <= 64 * 255; ++sum) {
+    const double a = sum / (64 * 255.0);
     table[sum] = std::uint8_t(std::floor(255 * std::pow(a, 1 - a) + 0.5));
   }
   return table;

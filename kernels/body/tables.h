@@ -11,7 +11,7 @@
 namespace gigabake::kernels {
 
 /// Entries of the tables. A normal's has four numbers.
-inline constexpr std::size_t srgb_codes = 256, linear_values = 65536, normal_codes = 65536, alpha_sums = 8 * 255 + 1;
+inline constexpr std::size_t srgb_codes = 256, linear_values = 65536, normal_codes = 65536, alpha_sums = 64 * 255 + 1;
 
 /// Borrowed.
 struct Tables {
@@ -19,7 +19,7 @@ struct Tables {
   const std::uint8_t* srgb_from_linear = nullptr;   ///< [65536] the nearest sRGB 8-bit code, half up in sRGB
   const std::int16_t* unit_normal =
       nullptr;  ///< [65536][4] x, y, z of unit length 32767 by (uint8 ox) | (uint8 oy) << 8
-  const std::uint8_t* thesis_alpha = nullptr;  ///< [2041]  255·a^(1-a) by the sum of eight 8-bit alphas
+  const std::uint8_t* thesis_alpha = nullptr;  ///< [16321] 255·a^(1-a) by the sum of 64 8-bit alphas
 };
 
 /// Source  IEC 61966-2-1 (sRGB); Cigolle et al. 2014 (octahedral normals); the thesis's opacity rule a^(1-a).

@@ -8,6 +8,7 @@
 #include "kernels/body/mip.h"
 #include "kernels/body/node.h"
 #include "kernels/cpu/brick_run.h"
+#include "kernels/cpu/level_of_64.h"
 #include "lattice/brick.h"
 #include "lattice/rules.h"
 #include "lattice/thread_pool.h"
@@ -202,7 +203,12 @@ FilteredLevel coarser_level(const Level& fine, int lod, const LevelRasters& rast
 void add_coarser_levels(std::vector<Level>& levels, LevelRasters& rasters, int lods, MipFilter filter, bool normals,
                         const ThreadPool& pool) {
   while (int(levels.size()) < lods) {
-    FilteredLevel next = coarser_level(levels.back(), int(levels.size()), rasters, filter, normals, pool);
+    const int lod = int(levels.size());
+    if (is_of_64(filter, lod)) {
+      levels.push_back(level_of_64(levels[std::size_t(lod) - 2], normals, pool));
+      continue;
+    }
+    FilteredLevel next = coarser_level(levels.back(), lod, rasters, filter, normals, pool);
     levels.push_back(std::move(next.level));
     rasters = std::move(next.rasters);
   }

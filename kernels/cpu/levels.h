@@ -1,4 +1,4 @@
-/// Stage 4 of a cell: every coarser level from the packed bricks of the level below it.
+/// Stage 4 of a cell: every coarser level from the packed bricks of a level below it.
 #pragma once
 
 #include "kernels/body/cell.h"
@@ -13,8 +13,9 @@ using LevelRasters = std::vector<std::uint32_t>;
 /// Adds to levels [0, n) those up to `lods`. A level's bricks are the unique parents of the level below; a voxel exists
 /// where one of its eight children does. rasters: of the last level; then of the new last one.
 /// Exact  Colour and normal depend on the stored 8-bit voxels of the level below and on how much of each shows;
-///        coverage on those of lod 0.
-/// Cost   Each level is read once and written once (about a quarter of the one below, for surfaces). With
+///        coverage on those of lod 0. With MipFilter::thesis a level from 2 on depends on those of the level two below.
+/// Cost   Each level is read once (with MipFilter::thesis twice) and written once (about a quarter of the one below,
+/// for surfaces). With
 ///        MipFilter::coverage 12 bytes a voxel of lod 1 besides, and as much in all for each level above.
 void add_coarser_levels(std::vector<Level>& levels, LevelRasters& rasters, int lods, MipFilter filter, bool normals,
                         const ThreadPool& pool);

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "kernels/cuda/filter_64.cuh"
 #include "kernels/cuda/filter_high.cuh"
 #include "kernels/cuda/filter_low.cuh"
 #include "kernels/cuda/levels.cuh"
@@ -20,12 +21,26 @@ DeviceArray<std::uint32_t> room_for_rasters(DeviceHeap& heap, MipFilter filter, 
   return {heap, std::size_t(raster_words(raster_edge(lod))) * voxels};
 }
 
-/// Levels from 5 on. rasters: of lod 4; then of the last one.
-void filter_high_levels(DeviceHeap& heap, const Tables& tables, MipFilter filter,
+/// Those from level 1 on that are made of eight children, as many as are made in one go.
+int low_levels(MipFilter filter, int lods) {
+  int levels = 0;
+  while (levels < most_low_levels && levels + 1 < lods && !is_of_64(filter, levels + 1)) ++levels;
+  return levels;
+}
+
+/// The levels above `low`. rasters: of that level; then of the last one.
+void filter_high_levels(DeviceHeap& heap, const Tables& tables, MipFilter filter, int low, const DeviceLevel& finest,
                         const std::vector<VoxelsOut>& voxels_out, const CoarserBricks& bricks,
                         DeviceArray<std::uint32_t>& rasters) {
-  for (std::size_t l = most_low_levels; l < bricks.levels.size(); ++l) {
+  for (std::size_t l = std::size_t(low); l < bricks.levels.size(); ++l) {
     const DeviceLevel& level = bricks.levels[l];
+    if (is_of_64(filter, int(l) + 1)) {
+      const DeviceLevel& fine = l == 1 ? finest : bricks.levels[l - 2];
+      filter_level_of_64(
+          heap, {view_of(fine), level.key.data(), level.first.data(), level.mask.data(), level.bricks, voxels_out[l]},
+          tables);
+      continue;
+    }
     DeviceArray<std::uint32_t> own = room_for_rasters(heap, filter, int(l) + 1, level.voxels);
     filter_high(heap,
                 {view_of(bricks.levels[l - 1]), bricks.starts[l].data(), level.first.data(), level.mask.data(),
@@ -46,7 +61,7 @@ LevelsAbove coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceL
   for (DeviceLevel& level : bricks.levels) voxels_out.push_back(make_room(heap, filter, normals, level));
   LowLevels low{};
   low.fine = view_of(finest);
-  low.levels = std::min(most_low_levels, lods - 1);
+  low.levels = low_levels(filter, lods);
   for (int l = 0; l < low.levels; ++l) {
     const DeviceLevel& level = bricks.levels[std::size_t(l)];
     low.level[l] = {level.mask.data(), level.first.data(), voxels_out[std::size_t(l)]};
@@ -59,7 +74,7 @@ LevelsAbove coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceL
   low.filter = filter;
   low.rasters = above.rasters.data();
   filter_low(heap, low, tables);
-  filter_high_levels(heap, tables, filter, voxels_out, bricks, above.rasters);
+  filter_high_levels(heap, tables, filter, low.levels, finest, voxels_out, bricks, above.rasters);
   above.levels = std::move(bricks.levels);
   return above;
 }

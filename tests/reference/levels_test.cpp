@@ -41,8 +41,11 @@ Rasters rasters_of_finest(const VoxelMap& voxels) {
 /// (a/b rounded half up), for what is not negative.
 int rounded(int a, int b) { return (2 * a + b) / (2 * b); }
 
+/// What a voxel is made of; null where there is no voxel.
+using Finer = std::vector<const BakedVoxel*>;
+
 struct Octet {
-  std::array<const BakedVoxel*, 8> child{};  ///< x + 2y + 4z
+  Finer child = Finer(8);  ///< x + 2y + 4z
   std::array<const Raster*, 8> raster{};
 };
 
@@ -102,17 +105,24 @@ std::map<Voxel, Octet> octets_of(const VoxelMap& fine, const Rasters& rasters) {
   return out;
 }
 
-/// Colour and normal: the children's mean with these weights.
-void expect_mean(const BakedVoxel& parent, const Octet& o, const std::array<double, 8>& weight) {
+/// The voxels of a level that lie in each voxel `levels` above.
+std::map<Voxel, Finer> finer_of(const VoxelMap& fine, int levels) {
+  std::map<Voxel, Finer> out;
+  for (const auto& [p, v] : fine) out[{p[0] >> levels, p[1] >> levels, p[2] >> levels}].push_back(&v);
+  return out;
+}
+
+/// Colour and normal: the finer voxels' mean with these weights.
+void expect_mean(const BakedVoxel& parent, const Finer& finer, const std::vector<double>& weight) {
   double sum = 0;
   std::array<double, 3> colour{};
   Direction normal{};
-  for (std::size_t c = 0; c < 8; ++c) {
-    if (o.child[c] == nullptr) continue;
-    const Direction n = direction_of(o.child[c]->normal);
+  for (std::size_t c = 0; c < finer.size(); ++c) {
+    if (finer[c] == nullptr) continue;
+    const Direction n = direction_of(finer[c]->normal);
     sum += weight[c];
     for (std::size_t k = 0; k < 3; ++k) {
-      colour[k] += weight[c] * linear_of(o.child[c]->rgba[k] / 255.0);
+      colour[k] += weight[c] * linear_of(finer[c]->rgba[k] / 255.0);
       normal[k] += weight[c] * n[k];
     }
   }
@@ -124,16 +134,17 @@ void expect_mean(const BakedVoxel& parent, const Octet& o, const std::array<doub
   }
 }
 
-void expect_parent_by_mean(const BakedVoxel& parent, const Octet& o, MipFilter filter) {
-  std::array<double, 8> alpha{};
+/// places: for finer voxels in the parent, whether they exist or not.
+void expect_parent_by_mean(const BakedVoxel& parent, const Finer& finer, int places, MipFilter filter) {
+  std::vector<double> alpha;
   double mean = 0;
-  for (std::size_t c = 0; c < 8; ++c) {
-    alpha[c] = o.child[c] == nullptr ? 0 : o.child[c]->rgba[3] / 255.0;
-    mean += alpha[c] / 8;
+  for (const BakedVoxel* v : finer) {
+    alpha.push_back(v->rgba[3] / 255.0);
+    mean += alpha.back() / places;
   }
   const double expected = 255 * (filter == MipFilter::box ? mean : std::pow(mean, 1 - mean));
   ASSERT_LE(std::abs(parent.rgba[3] - std::max(1.0, expected)), 0.5 + 1e-9) << "alpha";
-  expect_mean(parent, o, alpha);
+  expect_mean(parent, finer, alpha);
 }
 
 void expect_parent_by_view(const BakedVoxel& parent, const Octet& o, const Views& views) {
@@ -148,35 +159,50 @@ void expect_parent_by_view(const BakedVoxel& parent, const Octet& o, const Views
   }
   ASSERT_EQ(int(parent.rgba[3]), largest) << "alpha";
   const long six_sides = 6L * (edge / 2) * (edge / 2);
-  std::array<double, 8> weight{};
+  std::vector<double> weight(8);
   double sum = 0;
   for (std::size_t c = 0; c < 8; ++c) sum += weight[c] = double((views.seen[c] + six_sides - 1) / six_sides);
-  if (sum == 0) weight.fill(1);
-  expect_mean(parent, o, weight);
+  if (sum == 0) weight.assign(8, 1);
+  expect_mean(parent, o.child, weight);
+}
+
+/// The level from the one below it, and its rasters from those of the one below.
+void expect_level_by_view(const VoxelMap& fine, const VoxelMap& coarse, Rasters& rasters) {
+  const auto octets = octets_of(fine, rasters);
+  Rasters coarse_rasters;
+  ASSERT_EQ(coarse.size(), octets.size());
+  for (const auto& [position, octet] : octets) {
+    ASSERT_TRUE(coarse.count(position));
+    const Views views = look_at(octet);
+    ASSERT_NO_FATAL_FAILURE(expect_parent_by_view(coarse.at(position), octet, views));
+    coarse_rasters[position] = stored_raster(views.fine);
+  }
+  rasters = std::move(coarse_rasters);
+}
+
+/// The level from the one `levels` below it.
+void expect_level_by_mean(const VoxelMap& fine, int levels, const VoxelMap& coarse, MipFilter filter) {
+  const auto all = finer_of(fine, levels);
+  ASSERT_EQ(coarse.size(), all.size());
+  for (const auto& [position, finer] : all) {
+    ASSERT_TRUE(coarse.count(position));
+    ASSERT_NO_FATAL_FAILURE(expect_parent_by_mean(coarse.at(position), finer, 1 << 3 * levels, filter));
+  }
 }
 
 void expect_levels(const BakeScene& scene, const CellVolume& volume) {
-  VoxelMap fine = voxels_at(volume, scene.parameters, 0);
-  Rasters rasters = rasters_of_finest(fine);
-  for (int lod = 1; lod < int(volume.levels.size()); ++lod) {
-    const VoxelMap coarse = voxels_at(volume, scene.parameters, lod);
-    const auto octets = octets_of(fine, rasters);
-    Rasters coarse_rasters;
-    ASSERT_EQ(coarse.size(), octets.size()) << "lod " << lod;
-    for (const auto& [position, octet] : octets) {
-      ASSERT_TRUE(coarse.count(position)) << "lod " << lod;
-      if (scene.parameters.mip == MipFilter::coverage) {
-        const Views views = look_at(octet);
-        expect_parent_by_view(coarse.at(position), octet, views);
-        coarse_rasters[position] = stored_raster(views.fine);
-      } else {
-        expect_parent_by_mean(coarse.at(position), octet, scene.parameters.mip);
-        coarse_rasters[position] = blank_raster(1);
-      }
-      if (testing::Test::HasFatalFailure()) return;
-    }
-    fine = coarse;
-    rasters = std::move(coarse_rasters);
+  const MipFilter filter = scene.parameters.mip;
+  std::vector<VoxelMap> level{voxels_at(volume, scene.parameters, 0)};
+  Rasters rasters = rasters_of_finest(level[0]);
+  for (std::size_t lod = 1; lod < volume.levels.size(); ++lod) {
+    SCOPED_TRACE("lod " + std::to_string(lod));
+    level.push_back(voxels_at(volume, scene.parameters, int(lod)));
+    const std::size_t below = filter == MipFilter::thesis && lod >= 2 ? 2 : 1;
+    if (filter == MipFilter::coverage)
+      expect_level_by_view(level[lod - 1], level[lod], rasters);
+    else
+      expect_level_by_mean(level[lod - below], int(below), level[lod], filter);
+    if (testing::Test::HasFatalFailure()) return;
   }
 }
 
@@ -203,7 +229,7 @@ class Levels : public testing::TestWithParam<MipFilter> {
   }
 };
 
-TEST_P(Levels, AreTheFiltersOfTheLevelBelowForRandomTranslucentScenes) {
+TEST_P(Levels, AreTheFiltersOfFinerLevelsForRandomTranslucentScenes) {
   const std::uint64_t seed = 91;
   Rng rng(seed);
   for (int i = 0; i < 12; ++i) {
@@ -267,6 +293,45 @@ TEST_P(Levels, OfAStripedBlockAreConstantAboveAndBricksBelow) {
   for (std::size_t n = 0; n < volume.nodes.kind.size(); ++n)
     EXPECT_EQ(volume.nodes.kind[n], volume.nodes.lod[n] == 0 ? NodeKind::brick : NodeKind::constant);
   expect_levels(scene, volume);
+}
+
+/// One layer of opaque voxels across the whole window; all voxels of a level are then alike.
+CellVolume bake_sheet(BakeScene& scene, std::size_t axis, std::int64_t layer, std::int64_t edge) {
+  const std::int64_t h = layer * 256 + 100, far = edge * 256;
+  const auto corner = [&](std::int64_t u, std::int64_t v) {
+    LatticeVertex p{};
+    p[axis] = h, p[(axis + 1) % 3] = u, p[(axis + 2) % 3] = v;
+    return p;
+  };
+  scene.set_window({0, 0, 0}, std::uint32_t(edge));
+  scene.parameters.mip = MipFilter::thesis;
+  scene.add_mesh(
+      {{{corner(0, 0), corner(far, 0), corner(far, far)}}, {{corner(0, 0), corner(far, far), corner(0, far)}}},
+      scene.add_colour({50000, 20000, 1000, 65535}));
+  return scene.bake();
+}
+
+/// 1, ½^½, (16/64)^(1 - 16/64), and from then on m^(1 - m) with a quarter of the value two before as m.
+TEST(LevelsByThesis, OfAFlatOpaqueSheetAreTheThesissInCellsOfEverySize) {
+  const std::array<double, 5> thesis{1, .707, .354, .240, .110};
+  const std::array<int, 7> code{255, 180, 90, 61, 28, 18, 8};
+  for (std::size_t lod = 0; lod < thesis.size(); ++lod)
+    EXPECT_NEAR(code[lod] / 255.0, thesis[lod], .5 / 255 + .0005) << "lod " << lod;
+  for (const std::int64_t edge : {8, 16, 32, 64, 128, 512})
+    for (std::size_t axis = 0; axis < (edge < 512 ? 3 : 1); ++axis) {
+      SCOPED_TRACE("edge " + std::to_string(edge) + ", axis " + std::to_string(axis));
+      BakeScene scene;
+      const CellVolume volume = bake_sheet(scene, axis, edge * 3 / 8, edge);
+      ASSERT_EQ(edge, 8 << (volume.levels.size() - 1));
+      for (std::size_t lod = 0; lod < volume.levels.size(); ++lod) {
+        const VoxelMap voxels = voxels_at(volume, scene.parameters, int(lod));
+        ASSERT_EQ(voxels.size(), std::size_t((edge >> lod) * (edge >> lod))) << "lod " << lod;
+        for (const auto& [position, v] : voxels) {
+          ASSERT_EQ(v.rgba[3], code[lod]) << "lod " << lod;
+          ASSERT_EQ(v.normal, voxels.begin()->second.normal);
+        }
+      }
+    }
 }
 
 /// The table's order and links as kernels/body/cell.h and format/shard/shard.h promise them.

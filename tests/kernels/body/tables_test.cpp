@@ -32,9 +32,9 @@ TEST(Tables, HaveUnitNormals) {
 
 TEST(Tables, RaiseMeanAlphaToOneMinusItself) {
   EXPECT_EQ(tables.thesis_alpha[0], 0);
-  EXPECT_EQ(tables.thesis_alpha[8 * 255], 255);
-  for (int sum = 1; sum < 8 * 255; ++sum) {
-    const double a = sum / 2040.0;
+  EXPECT_EQ(tables.thesis_alpha[64 * 255], 255);
+  for (int sum = 1; sum < 64 * 255; ++sum) {
+    const double a = sum / 16320.0;
     ASSERT_LE(std::abs(tables.thesis_alpha[sum] - 255 * std::pow(a, 1 - a)), 0.5001) << sum;
   }
 }

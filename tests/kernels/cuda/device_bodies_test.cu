@@ -10,6 +10,7 @@
 
 #include "kernels/body/brick_triangle.h"
 #include "kernels/body/mip.h"
+#include "kernels/body/mip_of_64.h"
 #include "kernels/body/surface.h"
 #include "kernels/body/triangle_bricks.h"
 #include "lattice/snap.h"
@@ -62,10 +63,10 @@ template <class Out, class In, class Body>
 void expect_same_bits(const std::vector<In>& in, Body body) {
   if (!has_device()) GTEST_SKIP() << "no CUDA device";
   const Tables host = TableStore::host().view();
-  const DeviceArray<std::uint16_t> linear(host.linear_from_srgb, 256);
-  const DeviceArray<std::uint8_t> srgb(host.srgb_from_linear, 65536);
-  const DeviceArray<std::int16_t> normal(host.unit_normal, 65536 * 4);
-  const DeviceArray<std::uint8_t> thesis(host.thesis_alpha, 2041);
+  const DeviceArray<std::uint16_t> linear(host.linear_from_srgb, srgb_codes);
+  const DeviceArray<std::uint8_t> srgb(host.srgb_from_linear, linear_values);
+  const DeviceArray<std::int16_t> normal(host.unit_normal, 4 * normal_codes);
+  const DeviceArray<std::uint8_t> thesis(host.thesis_alpha, alpha_sums);
   const Tables device{linear.data(), srgb.data(), normal.data(), thesis.data()};
   const DeviceArray<In> device_in(in);
   const DeviceArray<Out> device_out{std::vector<Out>(in.size())};
@@ -269,6 +270,47 @@ TEST(DeviceBodies, FilterTheSameLevelsAsOnTheCpu) {
   expect_same_filter<2>();
   expect_same_filter<4>();
   expect_same_filter<8>();
+}
+
+/// A brick of lod l - 2, with room for all of its voxels.
+struct Brick64 {
+  std::uint64_t mask[8];
+  Voxel voxel[brick_voxels];
+};
+
+struct Of64 {
+  std::uint8_t there[8];
+  Voxel voxel[8];
+};
+
+struct FilterOf64Body {
+  GB_HD Of64 operator()(const Brick64& brick, const Tables& tables) const {
+    Of64 out;
+    for (int octant = 0; octant < 8; ++octant) {
+      out.there[octant] = has_voxels(brick.mask, octant) ? 1 : 0;
+      out.voxel[octant] = Voxel{};
+      if (out.there[octant] == 0) continue;
+      const auto voxel = [&](std::size_t i) { return brick.voxel[i]; };
+      out.voxel[octant] = filter_64(brick.mask, octant, 0, voxel, tables);
+    }
+    return out;
+  }
+};
+
+TEST(DeviceBodies, FilterTheSame64VoxelsAsOnTheCpu) {
+  std::mt19937_64 random(seed);
+  std::vector<Brick64> bricks(5000);
+  for (Brick64& brick : bricks) {
+    for (std::uint64_t& word : brick.mask) word = random() & (random() % 2 != 0 ? random() : random() & random());
+    if (random() % 4 == 0)
+      for (std::uint64_t& word : brick.mask) word &= 0xf0f0f0f;
+    for (Voxel& v : brick.voxel) {
+      for (std::uint8_t& x : v.rgba) x = std::uint8_t(random());
+      v.rgba[3] |= 1;
+      for (std::int8_t& x : v.normal) x = std::int8_t(int(random() % 255) - 127);
+    }
+  }
+  expect_same_bits<Of64>(bricks, FilterOf64Body{});
 }
 
 struct Placed {

@@ -1,0 +1,62 @@
+/// One voxel of a coarser level from the 4×4×4 voxels two levels below it, which are an octant of one brick there:
+/// MipFilter::thesis from level 2 on.
+///
+/// Exact   Integers (colour, coverage) and IEEE double (octahedral encode): host and device return the same bits.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "kernels/body/mask.h"
+#include "kernels/body/mip.h"
+#include "kernels/body/node.h"
+#include "lattice/host_device.h"
+#include "lattice/morton.h"
+
+namespace gigabake::kernels {
+
+/// The brick two levels above that a brick lies in.
+GB_HD std::uint64_t key_two_above(std::uint64_t key) { return parent_key(parent_key(key)); }
+
+/// The voxel of that brick which an octant of the lower brick is: x + 8y + 64z.
+GB_HD int voxel_two_above(std::uint64_t key, int octant) {
+  const std::uint32_t code = std::uint32_t(key & 63) << 3 | std::uint32_t(octant);
+  return gather_three_bits(code) + 8 * gather_three_bits(code >> 1) + 64 * gather_three_bits(code >> 2);
+}
+
+/// The bits of an octant in a slab that it reaches. Those slabs begin at 4·(octant / 4).
+GB_HD std::uint64_t octant_bits(int octant) { return 0x0f0f0f0full << (4 * (octant & 1) + 32 * (octant >> 1 & 1)); }
+
+/// Whether one of an octant's 64 voxels exists, and so the voxel that is made of them.
+GB_HD bool has_voxels(const std::uint64_t mask[8], int octant) {
+  const std::uint64_t* slab = mask + 4 * (octant >> 2);
+  return ((slab[0] | slab[1] | slab[2] | slab[3]) & octant_bits(octant)) != 0;
+}
+
+/// Calls visit(index in the level) for each voxel of an octant. first: index of the brick's first voxel.
+template <class Visit>
+GB_HD void for_each_of_64(const std::uint64_t mask[8], int octant, std::size_t first, const Visit& visit) {
+  const int begin = 4 * (octant >> 2);
+  std::size_t before = first;
+  for (int z = 0; z < begin; ++z) before += std::size_t(bit_count(mask[z]));
+  for (int z = begin; z < begin + 4; ++z) {
+    for (std::uint64_t rest = mask[z] & octant_bits(octant); rest != 0; rest &= rest - 1)
+      visit(before + std::size_t(bit_count(mask[z] & ((rest & (0 - rest)) - 1))));
+    before += std::size_t(bit_count(mask[z]));
+  }
+}
+
+/// What an octant that has voxels makes: means by alpha, and with m the mean alpha of all 64, where those that do not
+/// exist have none, the alpha m^(1 - m). voxel(index in the level): one of them.
+template <class VoxelAt>
+GB_HD Voxel filter_64(const std::uint64_t mask[8], int octant, std::size_t first, const VoxelAt& voxel,
+                      const Tables& tables) {
+  MipSums sums;
+  for_each_of_64(mask, octant, first, [&](std::size_t i) {
+    const Voxel v = voxel(i);
+    sums.add(v, v.rgba[3], tables);
+  });
+  return sums.voxel(tables.thesis_alpha[sums.weight], tables);
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,23 @@
+/// A level on the device from the one two below it, with MipFilter::thesis.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/cuda/filter.cuh"
+#include "kernels/cuda/level_bricks.cuh"
+
+namespace gigabake::kernels {
+
+struct LevelOf64 {
+  LevelView fine;  ///< two levels below
+  const std::uint32_t *key, *first;
+  const std::uint64_t* mask;
+  std::uint32_t bricks;
+  VoxelsOut out;
+};
+
+/// Fills a level.
+/// Errors  CudaFailure.
+void filter_level_of_64(DeviceHeap& heap, const LevelOf64& level, const Tables& tables);
+
+}  // namespace gigabake::kernels
