@@ -10,6 +10,7 @@
 
 #include "kernels/body/brick_triangle.h"
 #include "kernels/body/mip.h"
+#include "kernels/body/part.h"
 #include "kernels/body/surface.h"
 #include "kernels/body/triangle_bricks.h"
 #include "lattice/snap.h"
@@ -135,7 +136,7 @@ struct MeasureBody {
     surface.has_vertex_rgba = true;
     for (int i = 0; i < 12; ++i) surface.vertex_rgba[i / 4][i % 4] = std::uint16_t(5461 * i);
     surface.material.alpha_mode = AlphaMode::blend;
-    geometric_normal(t, surface.normal);
+    snapped_normal(t, surface.normal);
     Measured out;
     out.normal[3] = 0;
     for (int c = 0; c < 3; ++c) out.normal[c] = surface.normal[c];
@@ -162,6 +163,27 @@ struct MeasureBody {
 TEST(DeviceBodies, MeasureAndShadeTheSameFragmentsAsOnTheCpu) {
   expect_same_bits<Measured>(random_triangles(20000), MeasureBody{});
 }
+
+struct Normal {
+  std::int16_t n[4];
+};
+
+/// Of vertices that are not on the lattice, in an instance that shears and mirrors.
+struct NormalBody {
+  GB_HD Normal operator()(const WindowTriangle& w, const Tables&) const {
+    const std::uint32_t index[3] = {0, 1, 2};
+    float position[9];
+    for (int i = 0; i < 9; ++i) position[i] = float(w.p[i / 3][i % 3]) / 7;
+    const PartArrays part{position, index, nullptr, nullptr, {0.9, 0.1, -0.3, 5, 0.2, -1.1, 0.4, 6, 0.3, 0.1, 0.7, 7},
+                          0,        true,  false};
+    const std::int32_t corner[3] = {0, 0, 0};
+    Normal out{{0, 0, 0, 0}};
+    triangle_normal(part, 0, make_brick_triangle<__int128>(w, corner), out.n);
+    return out;
+  }
+};
+
+TEST(DeviceBodies, FindTheSameNormalsAsOnTheCpu) { expect_same_bits<Normal>(random_triangles(20000), NormalBody{}); }
 
 struct Sums {
   std::int64_t sum[sum_count];
