@@ -85,15 +85,16 @@ double share_of_plane(const Block& b) {
   std::size_t along = 0;
   for (std::size_t a = 1; a < 3; ++a)
     if (std::abs(b.normal[a]) > std::abs(b.normal[along])) along = a;
-  int met = 0, crossed = 0;
+  constexpr int lines = 8;  // along an edge of the face across that axis
+  int met = 0;
   const std::size_t u = (along + 1) % 3, v = (along + 2) % 3;
-  for (int i = 0; i < 64; ++i) {
-    const double x = (i % 8 + 0.5) / 8 - 0.5, y = (i / 8 + 0.5) / 8 - 0.5;
-    const double at = (b.offset / block_edge - b.normal[u] * x - b.normal[v] * y) / b.normal[along];
-    ++crossed;
-    met += std::abs(at) <= 0.5;
-  }
-  return met == 0 ? 1 : std::min(1.0, b.facing[along] * crossed / met);
+  for (int j = 0; j < lines; ++j)
+    for (int i = 0; i < lines; ++i) {
+      const double x = (i + 0.5) / lines - 0.5, y = (j + 0.5) / lines - 0.5;
+      const double at = (b.offset / block_edge - b.normal[u] * x - b.normal[v] * y) / b.normal[along];
+      met += std::abs(at) <= 0.5;
+    }
+  return met == 0 ? 1 : std::min(1.0, b.facing[along] * (lines * lines) / met);
 }
 
 }  // namespace

@@ -69,10 +69,11 @@ Picture draw(const ThreadPool& pool, const View& view, int rays, const Alpha& al
   Picture p{view.edge, view.edge, std::vector<double>(edge * edge)};
   pool.parallel_for(p.alpha.size(), edge, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t pixel = begin; pixel < end; ++pixel) {
-      const auto x = double(pixel % edge), y = double(pixel / edge);
+      const std::size_t row = pixel / edge;
+      const auto x = double(pixel % edge), y = double(row);
       double sum = 0;
-      for (int i = 0; i < rays * rays; ++i)
-        sum += alpha(view.ray(x + (i % rays + 0.5) / rays, y + (i / rays + 0.5) / rays));
+      for (int j = 0; j < rays; ++j)
+        for (int i = 0; i < rays; ++i) sum += alpha(view.ray(x + (i + 0.5) / rays, y + (j + 0.5) / rays));
       p.alpha[pixel] = sum / (rays * rays);
     }
   });
