@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "kernels/body/mask.h"
 #include "kernels/cast/first_hit_tree.h"
 #include "lattice/host_device.h"
 
@@ -72,14 +73,6 @@ GB_HD float larger(float a, float b) {
   return fmaxf(a, b);
 #else
   return a > b ? a : b;
-#endif
-}
-
-GB_HD std::uint32_t set_bits(std::uint64_t v) {
-#if defined(__CUDA_ARCH__)
-  return std::uint32_t(__popcll(v));
-#else
-  return std::uint32_t(__builtin_popcountll(v));
 #endif
 }
 
@@ -224,7 +217,7 @@ GB_HD FirstHitState advance(const FirstHitTree& tree, FirstHitWalk& w, Stack sta
     return w.t > w.line.leave ? FirstHitState::missed : FirstHitState::met;
   if (exists) {
     stack(w.scale) = w.index;
-    w.index = w.node.end - set_bits(w.node.mask >> first);
+    w.index = w.node.end - std::uint32_t(bit_count(w.node.mask >> first));
     w.scale -= 2;
     w.node = load_node(tree, w.index);
   }
@@ -249,7 +242,7 @@ GB_HD FirstHit met(const FirstHitTree& tree, const FirstHitWalk& w) {
     hit.voxel |= std::uint64_t((w.line.mirror >> 2 * a & 1) != 0 ? most - v : v) << 21 * a;
   }
   hit.distance = (w.line.enter + w.t) * tree.edge;
-  hit.look = w.node.end - set_bits(w.node.mask >> child_at(w));
+  hit.look = w.node.end - std::uint32_t(bit_count(w.node.mask >> child_at(w)));
   return hit;
 }
 

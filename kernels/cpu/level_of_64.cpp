@@ -6,28 +6,13 @@
 
 #include "kernels/body/mip_of_64.h"
 #include "kernels/cpu/brick_run.h"
+#include "kernels/cpu/level_read.h"
 #include "lattice/brick.h"
 
 namespace gigabake::kernels {
 namespace {
 
 constexpr std::size_t bricks_per_run = 16;
-
-/// Where the bricks of `fine` that lie in one brick two levels above start, and the end.
-std::vector<std::size_t> starts_two_below(const Level& fine) {
-  std::vector<std::size_t> starts;
-  for (std::size_t i = 0; i < fine.key.size(); ++i)
-    if (i == 0 || key_two_above(fine.key[i]) != key_two_above(fine.key[i - 1])) starts.push_back(i);
-  starts.push_back(fine.key.size());
-  return starts;
-}
-
-Voxel voxel_of(const Level& level, std::size_t i) {
-  Voxel v{};
-  for (std::size_t c = 0; c < 4; ++c) v.rgba[c] = level.rgba[4 * i + c];
-  for (std::size_t c = 0; c < 2 && !level.normal.empty(); ++c) v.normal[c] = level.normal[2 * i + c];
-  return v;
-}
 
 /// A brick that is being made.
 struct CoarseBrick {
@@ -42,7 +27,7 @@ void fill_from(const Level& fine, std::size_t brick, const Tables& tables, Coars
     const int to = voxel_two_above(fine.key[brick], octant);
     out.mask[to >> 6] |= std::uint64_t(1) << (to & 63);
     out.voxel[to] = filter_64(
-        mask, octant, fine.first[brick], [&](std::size_t i) { return voxel_of(fine, i); }, tables);
+        mask, octant, fine.first[brick], [&](std::size_t i) { return voxel_at(fine, i); }, tables);
   }
 }
 
@@ -57,7 +42,7 @@ void pack(const CoarseBrick& brick, std::uint64_t key, BrickRun& run) {
 
 Level level_of_64(const Level& fine, bool normals, const ThreadPool& pool) {
   const Tables tables = TableStore::host().view();
-  const std::vector<std::size_t> starts = starts_two_below(fine);
+  const std::vector<std::size_t> starts = starts_below(fine, key_two_above);
   const std::size_t bricks = starts.size() - 1;
   std::vector<BrickRun> runs((bricks + bricks_per_run - 1) / bricks_per_run, BrickRun(normals));
   pool.parallel_for(bricks, bricks_per_run, [&](std::size_t begin, std::size_t end, int) {

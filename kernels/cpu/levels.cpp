@@ -9,6 +9,7 @@
 #include "kernels/body/node.h"
 #include "kernels/cpu/brick_run.h"
 #include "kernels/cpu/level_of_64.h"
+#include "kernels/cpu/level_read.h"
 #include "lattice/brick.h"
 #include "lattice/rules.h"
 #include "lattice/thread_pool.h"
@@ -17,15 +18,6 @@ namespace gigabake::kernels {
 namespace {
 
 constexpr std::size_t parents_per_run = 16;
-
-/// Where each parent's children start in `fine`, and the end.
-std::vector<std::size_t> parent_starts(const Level& fine) {
-  std::vector<std::size_t> starts;
-  for (std::size_t i = 0; i < fine.key.size(); ++i)
-    if (i == 0 || parent_key(fine.key[i]) != parent_key(fine.key[i - 1])) starts.push_back(i);
-  starts.push_back(fine.key.size());
-  return starts;
-}
 
 /// A brick's voxels at their places; the others are stale.
 struct OpenBrick {
@@ -40,9 +32,7 @@ void open_brick(const Level& level, std::size_t brick, OpenBrick& out) {
   for (int word = 0; word < 8; ++word)
     for (std::uint64_t rest = out.mask[word]; rest != 0; rest &= rest - 1, ++from) {
       const int at = 64 * word + std::countr_zero(rest);
-      Voxel& v = out.voxel[at];
-      for (int c = 0; c < 4; ++c) v.rgba[c] = level.rgba[4 * from + c];
-      for (int c = 0; c < 2; ++c) v.normal[c] = level.normal.empty() ? std::int8_t(0) : level.normal[2 * from + c];
+      out.voxel[at] = voxel_at(level, from);
       out.index[at] = from;
     }
 }
@@ -183,7 +173,7 @@ void join_rasters(std::vector<LevelRun>& runs, const ThreadPool& pool, LevelRast
 
 FilteredLevel coarser_level(const Level& fine, int lod, const LevelRasters& rasters, MipFilter filter, bool normals,
                             const ThreadPool& pool) {
-  const std::vector<std::size_t> starts = parent_starts(fine);
+  const std::vector<std::size_t> starts = starts_below(fine, parent_key);
   const std::size_t parents = starts.size() - 1;
   std::vector<LevelRun> runs((parents + parents_per_run - 1) / parents_per_run, {BrickRun(normals), {}});
   pool.parallel_for(parents, parents_per_run, [&](std::size_t begin, std::size_t end, int) {
