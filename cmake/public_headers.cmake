@@ -58,6 +58,7 @@ set(gb_public_headers_export
     format/export/voxel_tileset.h)
 set(gb_public_headers_kernels
     kernels/body/cell.h
+    kernels/body/mask.h
     kernels/body/material.h
     kernels/body/tables.h
     kernels/body/texture_view.h

@@ -77,7 +77,7 @@ def run(command, timeout=300, **options):
     return result
 
 
-PROGRESS = re.compile(r"[a-z][a-z ]*: (\d+ %|\d+ of \d+)")
+PROGRESS = re.compile(r"[a-z][a-z ]*: (\d+ %|\d+ of \d+|\d+ (s|min)\b)")
 
 
 def lines_of(stderr):

@@ -11,6 +11,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import programs
+
 HERE = Path(__file__).resolve().parent
 SCRIPT = """
 import subprocess, sys, time, unittest
@@ -81,6 +83,12 @@ class Programs(unittest.TestCase):
     def test_of_much_the_end_is_shown_and_all_is_kept(self):
         self.run_script(FAILS.replace('"because of this"', '"much " * 10000 + "end"'))
         self.assertTrue(any(text.count("much") == 10000 for text in self.kept()))
+
+    def test_how_far_a_program_was_is_no_line_of_what_it_said(self):
+        # 2026-11-23: on a slow machine "writing the picture: 0 s" stood before the error.
+        said = ("reading the tileset: 30 %\nplanning: 3 of 17 tiles\nwriting the picture: 0 s\n"
+                "sharing: 2 min 5 s\ngigabake: p.exr: cannot write: 5 shards\n")
+        self.assertEqual(programs.lines_of(said), ["gigabake: p.exr: cannot write: 5 shards"])
 
 
 if __name__ == "__main__":
