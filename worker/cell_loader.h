@@ -13,24 +13,11 @@
 #include "kernels/cpu/bake_cell.h"
 #include "lattice/memory_limit.h"
 #include "lattice/parameters.h"
-#include "worker/instance_bounds.h"
 #include "worker/lru_cache.h"
 #include "worker/materials.h"
+#include "worker/tiles/loaded_tile.h"
 
 namespace gigabake {
-
-/// A tile as the cache keeps it.
-struct LoadedTile {
-  TileMesh mesh;
-  std::vector<LocalBounds> bounds;  ///< of each primitive
-  std::vector<Hash128> image_hash;  ///< of the encoded bytes: tiles that share an image share its textures
-
-  /// expected: tile_hash() of what was surveyed; none: whatever the files hold now.
-  /// Errors  InputError, as read_tile; and where the files do not hold what was surveyed.
-  static std::shared_ptr<const LoadedTile> read(const TileRef& tile, const SceneSources& sources,
-                                                const std::optional<Hash128>& expected);
-  std::uint64_t bytes() const;
-};
 
 inline constexpr const char* cell_advice = "take a smaller `cell_voxels`";
 
@@ -39,6 +26,7 @@ struct LoadedCell {
   MemoryClaim memory{"cell",
                      cell_advice};  ///< of instances and textures; what tiles take was claimed as they were read
   std::vector<std::shared_ptr<const LoadedTile>> tiles;
+  std::vector<std::shared_ptr<const Primitive>> meshes;  ///< of parts: as tiles have them, or clusters near the cell
   std::vector<std::shared_ptr<const kernels::Texture>> textures;
   std::vector<std::vector<std::uint32_t>> indices;  ///< of parts that have triangles which reach too far: without those
   std::vector<kernels::PartView> parts;
@@ -54,8 +42,10 @@ class CellLoader {
   /// textures; what cells in hand hold on to comes on top.
   CellLoader(const SceneSources& sources, const BakeParameters& parameters, std::uint64_t cache_bytes, int threads);
 
-  /// Instances whose bounds miss the cell are left out, and with them images that nothing else needs. So are triangles
-  /// that reach too far (worker/far_triangles.h), whatever the cell.
+  /// Instances and clusters whose bounds miss the cell are left out, and with them images that nothing else needs. So
+  /// are triangles that reach too far (worker/far_triangles.h), whatever the cell.
+  /// Cost    Follows what is near the cell, but for a comparison for each instance of its tiles and each cluster of
+  ///         those near.
   /// Exact   What job.tile_sources names, where it names anything: a tile is compared when it is read, and the cache
   ///         knows which one it holds.
   /// Errors  InputError naming the tile or image that cannot be read, or the tile that changed since its survey.
@@ -83,12 +73,14 @@ class CellLoader {
 
   void load_tiles(const CellJob& job, LoadedCell& cell);
   void add_parts(const CellJob& job, const LoadedTile& tile, LoadedCell& cell, WantedTextures& wanted) const;
-  std::vector<const Instance*> instances_near(const CellJob& job, const LoadedTile& tile, MemoryClaim& memory) const;
+  std::shared_ptr<const Primitive> mesh_near(const CellJob& job, const TilePrimitive& primitive,
+                                             const Instance& instance, MemoryClaim& memory) const;
   void load_textures(const WantedTextures& wanted, LoadedCell& cell);
 
   const SceneSources& sources_;
   const BakeParameters& parameters_;
   ThreadPool pool_;
+  ThreadPool tile_pool_;  ///< tiles are read side by side on pool_, and each is cut into clusters on this one
   LruCache<TileKey, LoadedTile, TileKeyHash> tiles_;
   LruCache<TextureKey, kernels::Texture, TextureKeyHash> textures_;
 };

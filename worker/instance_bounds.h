@@ -32,9 +32,7 @@ struct CellBox {
   std::uint32_t cell_voxels = 0;
 };
 
-/// False only where no triangle of the instance can touch a voxel of the cell, whatever the surface rule.
-/// Exact   As scene_box().
-bool may_meet(const LocalBounds& bounds, const Instance& instance, const BakeParameters& parameters,
-              const CellBox& cell);
+/// False only where nothing inside the box (of scene_box()) can touch a voxel of the cell.
+bool may_meet(const SceneBox& box, const BakeParameters& parameters, const CellBox& cell);
 
 }  // namespace gigabake

@@ -1,0 +1,176 @@
+#include "worker/tiles/clusters.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "kernels/cpu/radix_sort.h"
+#include "lattice/morton.h"
+
+namespace gigabake {
+namespace {
+
+constexpr int axis_bits = 10;
+constexpr std::uint32_t no_vertex = UINT32_MAX;
+
+/// Thrice the mean of the corners.
+std::array<double, 3> tripled_centroid(const Primitive& mesh, std::size_t triangle) {
+  std::array<double, 3> sum{};
+  for (std::size_t corner = 0; corner < 3; ++corner) {
+    const float* p = &mesh.position[3 * std::size_t(mesh.index[3 * triangle + corner])];
+    for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] += double(p[axis]);
+  }
+  return sum;
+}
+
+/// From coordinates to 2^axis_bits steps of equal length on all axes.
+struct CurveGrid {
+  std::array<double, 3> low{};
+  double steps_per_unit = 0;
+
+  /// What lies beyond the grid, or is no number, goes to its border.
+  std::uint32_t step(double value, std::size_t axis) const {
+    constexpr double last = (1 << axis_bits) - 1;
+    const double at = (value - low[axis]) * steps_per_unit;
+    return at > 0 ? std::uint32_t(std::min(at, last)) : 0;
+  }
+};
+
+/// Over the place of most triangles: one vertex with a wrong unit must not put all others into one step.
+CurveGrid grid_of(const Primitive& mesh) {
+  constexpr std::size_t samples = 1024;
+  const std::size_t triangles = mesh.index.size() / 3;
+  std::array<std::vector<double>, 3> along;
+  for (std::uint64_t i = 0; i < samples; ++i) {
+    // Scattered: at a regular distance they could all lie in one row of a grid.
+    const std::size_t triangle = std::size_t((i * 0x9e3779b97f4a7c15ull >> 32) * triangles >> 32);
+    const std::array<double, 3> at = tripled_centroid(mesh, triangle);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (std::isfinite(at[axis])) along[axis].push_back(at[axis]);
+  }
+  CurveGrid grid;
+  double extent = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::vector<double>& values = along[axis];
+    if (values.empty()) continue;
+    std::sort(values.begin(), values.end());
+    const double low = values[values.size() / 50], high = values[values.size() - 1 - values.size() / 50];
+    const double margin = (high - low) / 10;
+    grid.low[axis] = low - margin;
+    extent = std::max(extent, high - low + 2 * margin);
+  }
+  if (extent > 0 && std::isfinite(extent)) grid.steps_per_unit = (1 << axis_bits) / extent;
+  return grid;
+}
+
+/// Triangles along the curve; in the low half of each value.
+std::vector<std::uint64_t> along_curve(const Primitive& mesh) {
+  const CurveGrid grid = grid_of(mesh);
+  std::vector<std::uint64_t> order(mesh.index.size() / 3);
+  for (std::size_t t = 0; t < order.size(); ++t) {
+    const std::array<double, 3> at = tripled_centroid(mesh, t);
+    order[t] = morton(grid.step(at[0], 0), grid.step(at[1], 1), grid.step(at[2], 2)) << 32 | t;
+  }
+  kernels::radix_sort(order, 32, 32 + 3 * axis_bits, callers_thread());
+  return order;
+}
+
+template <class T>
+void append(const std::vector<T>& from, std::size_t item, std::size_t size, std::vector<T>& to) {
+  if (!from.empty())
+    to.insert(to.end(), from.begin() + std::ptrdiff_t(item * size), from.begin() + std::ptrdiff_t((item + 1) * size));
+}
+
+class ClusterBuilder {
+ public:
+  explicit ClusterBuilder(const Primitive& mesh) : mesh_(mesh), local_(mesh.position.size() / 3, no_vertex) {}
+
+  Primitive build(std::span<const std::uint64_t> triangles) {
+    Primitive cluster;
+    cluster.material = mesh_.material;
+    cluster.position_step = mesh_.position_step;
+    cluster.index.reserve(3 * triangles.size());
+    for (const std::uint64_t t : triangles)
+      for (std::size_t corner = 0; corner < 3; ++corner)
+        cluster.index.push_back(local_vertex(mesh_.index[3 * std::size_t(std::uint32_t(t)) + corner]));
+    copy_vertices(cluster);
+    return cluster;
+  }
+
+ private:
+  std::uint32_t local_vertex(std::uint32_t vertex) {
+    if (local_[vertex] == no_vertex) {
+      local_[vertex] = std::uint32_t(used_.size());
+      used_.push_back(vertex);
+    }
+    return local_[vertex];
+  }
+
+  void copy_vertices(Primitive& cluster) {
+    cluster.position.reserve(3 * used_.size());
+    if (!mesh_.uv.empty()) cluster.uv.reserve(2 * used_.size());
+    if (!mesh_.rgba.empty()) cluster.rgba.reserve(4 * used_.size());
+    for (const std::uint32_t vertex : used_) {
+      append(mesh_.position, vertex, 3, cluster.position);
+      append(mesh_.uv, vertex, 2, cluster.uv);
+      append(mesh_.rgba, vertex, 4, cluster.rgba);
+      local_[vertex] = no_vertex;
+    }
+    used_.clear();
+  }
+
+  const Primitive& mesh_;
+  std::vector<std::uint32_t> local_;  ///< by vertex of the mesh: its number in the cluster in hand
+  std::vector<std::uint32_t> used_;   ///< vertices of the cluster in hand
+};
+
+/// Halves that differ in one bit of the curve's code, until they are small: runs of equal length would have long tails,
+/// these are boxes.
+template <class Visit>
+void for_each_box(std::span<const std::uint64_t> along_curve, int bit, const Visit& visit) {
+  while (bit < 0 && along_curve.size() > cluster_triangles) {  // all in one step of the grid
+    visit(along_curve.first(cluster_triangles));
+    along_curve = along_curve.subspan(cluster_triangles);
+  }
+  if (along_curve.empty()) return;
+  if (along_curve.size() <= cluster_triangles) return visit(along_curve);
+  const auto middle = std::partition_point(along_curve.begin(), along_curve.end(),
+                                           [bit](std::uint64_t v) { return (v >> (32 + bit) & 1) == 0; });
+  const std::size_t low = std::size_t(middle - along_curve.begin());
+  for_each_box(along_curve.first(low), bit - 1, visit);
+  for_each_box(along_curve.subspan(low), bit - 1, visit);
+}
+
+}  // namespace
+
+std::vector<Primitive> clusters_of(const Primitive& mesh) {
+  if (mesh.index.empty()) return {};
+  ClusterBuilder builder(mesh);
+  std::vector<Primitive> clusters;
+  for_each_box(along_curve(mesh), 3 * axis_bits - 1,
+               [&](std::span<const std::uint64_t> triangles) { clusters.push_back(builder.build(triangles)); });
+  return clusters;
+}
+
+Primitive joined(std::span<const std::shared_ptr<const Primitive>> clusters) {
+  Primitive all;
+  std::size_t vertices = 0, corners = 0;
+  for (const auto& c : clusters) vertices += c->position.size() / 3, corners += c->index.size();
+  if (clusters.empty()) return all;
+  all.material = clusters.front()->material;
+  all.position_step = clusters.front()->position_step;
+  all.position.reserve(3 * vertices);
+  all.index.reserve(corners);
+  if (!clusters.front()->uv.empty()) all.uv.reserve(2 * vertices);
+  if (!clusters.front()->rgba.empty()) all.rgba.reserve(4 * vertices);
+  for (const auto& c : clusters) {
+    const std::uint32_t first = std::uint32_t(all.position.size() / 3);
+    for (const std::uint32_t vertex : c->index) all.index.push_back(first + vertex);
+    all.position.insert(all.position.end(), c->position.begin(), c->position.end());
+    all.uv.insert(all.uv.end(), c->uv.begin(), c->uv.end());
+    all.rgba.insert(all.rgba.end(), c->rgba.begin(), c->rgba.end());
+  }
+  return all;
+}
+
+}  // namespace gigabake
