@@ -38,6 +38,10 @@ struct Primitive {
   int material = 0;                 ///< index into TileMesh::materials (always valid)
 };
 
+/// What is handed over as it is read (PrimitiveSink in source.h) has at most so many triangles, and its own vertices
+/// only.
+inline constexpr std::uint64_t most_part_triangles = std::uint64_t(1) << 20;
+
 /// One placement of a primitive.
 struct Instance {
   int primitive = 0;

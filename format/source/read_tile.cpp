@@ -1,21 +1,48 @@
 // read_tile(): whatever holds the tile, as triangles, materials and encoded images.
+#include <exception>
+
 #include "format/source/content_container.h"
 #include "format/source/gltf/read.h"
 #include "format/source/mesh/obj_read.h"
 #include "format/source/mesh/ply_read.h"
 #include "format/source/mesh/stl_read.h"
+#include "format/source/mesh_parts.h"
 #include "format/source/raster/dem_source.h"
 #include "lattice/error.h"
 
 namespace gigabake {
 
-TileMesh read_tile(const TileRef& tile, const std::filesystem::path& root, ReadScope scope) {
+namespace {
+
+TileMesh read_whole(const TileRef& tile, const std::filesystem::path& root, ReadScope scope) {
+  if (tile.kind == ContentKind::obj) return read_obj(tile, files_of(tile, root), scope);
+  if (tile.kind == ContentKind::ply) return read_ply(tile, files_of(tile, root), scope);
+  if (tile.kind == ContentKind::stl) return read_stl(tile, files_of(tile, root));
+  if (tile.kind == ContentKind::dem) return read_dem_tile(tile, scope);
+  return read_gltf(tile, root, scope);
+}
+
+/// What a sink throws, past the handlers of what a file does to its readers.
+struct SinkFailure {
+  std::exception_ptr error;
+};
+
+}  // namespace
+
+TileMesh read_tile(const TileRef& tile, const std::filesystem::path& root, ReadScope scope, const PrimitiveSink& sink) {
+  const PrimitiveSink guarded = [&sink](std::size_t index, Primitive&& primitive) {
+    try {
+      sink(index, std::move(primitive));
+    } catch (...) {
+      throw SinkFailure{std::current_exception()};
+    }
+  };
   try {
-    if (tile.kind == ContentKind::obj) return read_obj(tile, files_of(tile, root), scope);
-    if (tile.kind == ContentKind::ply) return read_ply(tile, files_of(tile, root), scope);
-    if (tile.kind == ContentKind::stl) return read_stl(tile, files_of(tile, root));
-    if (tile.kind == ContentKind::dem) return read_dem_tile(tile, scope);
-    return read_gltf(tile, root, scope);
+    TileMesh mesh = read_whole(tile, root, scope);
+    if (sink) hand_over_parts(mesh, guarded);
+    return mesh;
+  } catch (const SinkFailure& failure) {
+    std::rethrow_exception(failure.error);
   } catch (const std::bad_alloc&) {
     throw InputError(tile.path, "", not_enough_memory);
   } catch (const nlohmann::json::exception&) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -78,8 +79,16 @@ SceneSources open_sources(const std::filesystem::path& path, const SourceOptions
 
 enum class ReadScope : std::uint8_t { positions_only, everything };
 
+/// Takes each primitive as soon as it is read, in the order of TileMesh::primitives; `index` is its place there.
+using PrimitiveSink = std::function<void(std::size_t index, Primitive&& primitive)>;
+
 /// Reads one content file. Hostile input is checked before any library sees it: nesting, sizes, URIs, views, accessors.
-/// Errors  InputError naming file, key, byte offset, what was expected; names a required extension that we lack.
-TileMesh read_tile(const TileRef& tile, const std::filesystem::path& root, ReadScope scope);
+/// With a sink TileMesh::primitives keeps of each primitive its `material` and `position_step` alone, and a list that
+/// is larger than a part (mesh_parts.h) comes as several primitives, each placed by Instances of its own. Exact   The
+/// triangles, their order within a list, every value and the counts are the same with a sink and without. Errors
+/// InputError naming file, key, byte offset, what was expected; names a required extension that we lack. With a
+///         sink the same, perhaps after some primitives were handed over. What the sink throws passes through.
+TileMesh read_tile(const TileRef& tile, const std::filesystem::path& root, ReadScope scope,
+                   const PrimitiveSink& sink = nullptr);
 
 }  // namespace gigabake

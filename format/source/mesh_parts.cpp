@@ -1,0 +1,122 @@
+#include "format/source/mesh_parts.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace gigabake {
+namespace {
+
+constexpr std::uint32_t word_bits = 64;
+
+/// `width` values of each of the vertices; nothing where the mesh has no such values.
+template <class T>
+std::vector<T> chosen(const std::vector<T>& values, const std::vector<std::uint32_t>& vertices, std::size_t width) {
+  std::vector<T> out;
+  if (values.empty()) return out;
+  out.reserve(vertices.size() * width);
+  for (const std::uint32_t v : vertices) {
+    const auto from = values.begin() + std::ptrdiff_t(v * width);
+    out.insert(out.end(), from, from + std::ptrdiff_t(width));
+  }
+  return out;
+}
+
+Primitive part_of(const Primitive& whole, std::uint64_t first_triangle) {
+  const std::uint64_t triangles = std::min(whole.index.size() / 3 - first_triangle, most_part_triangles);
+  const auto from = whole.index.begin() + std::ptrdiff_t(3 * first_triangle);
+  Primitive out;
+  out.index.assign(from, from + std::ptrdiff_t(3 * triangles));
+  out.position_step = whole.position_step;
+  out.material = whole.material;
+  const UsedVertices used(out.index);
+  used.renumber(out.index);
+  out.position = chosen(whole.position, used.ascending(), 3);
+  out.uv = chosen(whole.uv, used.ascending(), 2);
+  out.rgba = chosen(whole.rgba, used.ascending(), 4);
+  return out;
+}
+
+/// Hands over one primitive and says by how many it came.
+class HandOver {
+ public:
+  explicit HandOver(const PrimitiveSink& sink) : sink_(sink) {}
+
+  int operator()(Primitive&& whole) {
+    const std::size_t before = left_.size();
+    const std::uint64_t triangles = whole.index.size() / 3;
+    if (!comes_in_parts(triangles, whole.position.size() / 3)) {
+      add(std::move(whole));
+    } else {
+      for (std::uint64_t first = 0; first == 0 || first < triangles; first += most_part_triangles)
+        add(part_of(whole, first));
+    }
+    return int(left_.size() - before);
+  }
+
+  std::vector<Primitive> left() { return std::move(left_); }
+
+ private:
+  void add(Primitive&& primitive) {
+    left_.push_back(without_lists(primitive));
+    sink_(left_.size() - 1, std::move(primitive));
+  }
+
+  const PrimitiveSink& sink_;
+  std::vector<Primitive> left_;
+};
+
+}  // namespace
+
+Primitive without_lists(const Primitive& primitive) {
+  Primitive out;
+  out.position_step = primitive.position_step;
+  out.material = primitive.material;
+  return out;
+}
+
+UsedVertices::UsedVertices(std::span<const std::uint32_t> corners) {
+  if (corners.empty()) return;
+  const auto [low, high] = std::minmax_element(corners.begin(), corners.end());
+  first_ = *low;
+  is_used_.resize((*high - first_) / word_bits + 1);
+  before_.resize(is_used_.size());
+  for (const std::uint32_t c : corners)
+    is_used_[(c - first_) / word_bits] |= std::uint64_t(1) << (c - first_) % word_bits;
+  std::uint32_t count = 0;
+  for (std::size_t w = 0; w < is_used_.size(); ++w) {
+    before_[w] = count;
+    count += std::uint32_t(std::popcount(is_used_[w]));
+  }
+  ascending_.reserve(count);
+  for (std::size_t w = 0; w < is_used_.size(); ++w)
+    for (std::uint64_t left = is_used_[w]; left != 0; left &= left - 1)
+      ascending_.push_back(first_ + std::uint32_t(w) * word_bits + std::uint32_t(std::countr_zero(left)));
+}
+
+void UsedVertices::renumber(std::span<std::uint32_t> corners) const {
+  for (std::uint32_t& c : corners) {
+    const std::uint32_t bit = c - first_;
+    const std::uint64_t lower = is_used_[bit / word_bits] & ((std::uint64_t(1) << bit % word_bits) - 1);
+    c = before_[bit / word_bits] + std::uint32_t(std::popcount(lower));
+  }
+}
+
+void hand_over_parts(TileMesh& mesh, const PrimitiveSink& sink) {
+  HandOver hand_over(sink);
+  std::vector<int> first, count;
+  int sum = 0;
+  for (Primitive& primitive : mesh.primitives) {
+    first.push_back(sum);
+    count.push_back(hand_over(std::move(primitive)));
+    sum += count.back();
+    primitive = {};
+  }
+  std::vector<Instance> placed;
+  for (const Instance& instance : mesh.instances)
+    for (int part = 0; part < count[std::size_t(instance.primitive)]; ++part)
+      placed.push_back({first[std::size_t(instance.primitive)] + part, instance.scene_from_local});
+  mesh.instances = std::move(placed);
+  mesh.primitives = hand_over.left();
+}
+
+}  // namespace gigabake

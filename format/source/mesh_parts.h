@@ -1,0 +1,43 @@
+/// Large triangle lists as several primitives, for those who take them one after the other (PrimitiveSink).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "format/source/mesh.h"
+#include "format/source/source.h"
+
+namespace gigabake {
+
+/// Is a list handed over in parts? A part has at most most_part_triangles triangles, in the list's order, and of the
+/// vertices those alone that they use.
+constexpr bool comes_in_parts(std::uint64_t triangles, std::uint64_t vertices) {
+  return triangles > most_part_triangles || vertices > 3 * most_part_triangles;
+}
+
+/// The vertices that some corners use, each once, ascending.
+/// Cost  A bit and a half for each vertex between the first and the last of them, and four bytes for each of them.
+class UsedVertices {
+ public:
+  explicit UsedVertices(std::span<const std::uint32_t> corners);
+
+  const std::vector<std::uint32_t>& ascending() const { return ascending_; }
+  /// Makes the corners' numbers places in ascending().
+  void renumber(std::span<std::uint32_t> corners) const;
+
+ private:
+  std::uint32_t first_ = 0;
+  std::vector<std::uint64_t> is_used_;  ///< a bit a vertex, from first_ on
+  std::vector<std::uint32_t> before_;   ///< used vertices before each word of is_used_
+  std::vector<std::uint32_t> ascending_;
+};
+
+/// What is kept of a primitive that was handed over.
+Primitive without_lists(const Primitive& primitive);
+
+/// Hands over what was read whole, and leaves of it what a sink leaves. Cost  One part beside the mesh.
+void hand_over_parts(TileMesh& mesh, const PrimitiveSink& sink);
+
+}  // namespace gigabake
