@@ -1,6 +1,8 @@
 #include "format/source/content_container.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <string_view>
 
 #include "format/source/content_magic.h"
@@ -9,6 +11,7 @@
 #include "format/source/tiles/feature_table.h"
 #include "format/source/tiles/i3dm_instances.h"
 #include "lattice/byte_cursor.h"
+#include "lattice/memory_limit.h"
 
 namespace gigabake {
 namespace {
@@ -17,9 +20,30 @@ using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::uint32_t json_chunk = 0x4e4f534a, bin_chunk = 0x004e4942;
 
+/// As ByteCursor, of a GLB that may still be in its file.
+struct GlbCursor {
+  const std::filesystem::path& file;
+  SourceBytes rest;
+
+  [[noreturn]] void fail(const std::string& message) const { throw InputError(file, "", message, rest.begin()); }
+
+  SourceBytes take(std::uint64_t bytes, const char* what) {
+    if (bytes > rest.size()) fail(std::string("the file ends inside ") + what);
+    const SourceBytes taken = rest.part(0, bytes);
+    rest = rest.part(bytes, rest.size() - bytes);
+    return taken;
+  }
+  std::uint32_t word(const char* what) {
+    std::uint32_t v;
+    std::vector<std::uint8_t> room;
+    std::memcpy(&v, take(sizeof v, what).look(0, sizeof v, room).data(), sizeof v);
+    return v;
+  }
+};
+
 /// Source  glTF 2.0, "GLB File Format Specification".
 void open_glb(const std::filesystem::path& file, ContentContainer& out) {
-  ByteCursor in{file, out.model_uri.empty() ? Bytes(out.file) : Bytes(out.model), out.gltf};
+  GlbCursor in{file, out.gltf};
   in.word("the GLB header");
   const std::uint32_t version = in.word("the GLB header");
   if (version == 1) refuse_gltf_1(file);
@@ -28,16 +52,18 @@ void open_glb(const std::filesystem::path& file, ContentContainer& out) {
   if (length < 12 || length > out.gltf.size())
     in.fail("the GLB says it has " + std::to_string(length) + " bytes, the file holds " +
             std::to_string(out.gltf.size()));
-  out.gltf = out.gltf.first(length);
-  in.rest = out.gltf.subspan(12);
+  out.gltf = out.gltf.part(0, length);
+  in.rest = out.gltf.part(12, length - 12);
   for (int chunk = 0; in.rest.size() >= 8; ++chunk) {
     const std::uint32_t bytes = in.word("a chunk header"), type = in.word("a chunk header");
-    const Bytes data = in.take(bytes, "a GLB chunk");
+    const SourceBytes data = in.take(bytes, "a GLB chunk");
     if (chunk == 0 && type != json_chunk) in.fail("expected the GLB's first chunk to be JSON");
     if (chunk == 0) out.json = data;
     if (chunk == 1 && type == bin_chunk) out.bin = data;
   }
   if (out.json.empty()) in.fail("the GLB has no JSON chunk");
+  MemoryClaim(file).add_items(out.json.size(), 1, "", "bytes of JSON");
+  out.json = out.json.in_memory();
 }
 
 void open_tile_header(ByteCursor& in, const char* kind, std::uint32_t header_bytes) {
@@ -51,6 +77,11 @@ void open_tile_header(ByteCursor& in, const char* kind, std::uint32_t header_byt
     in.fail(std::string("the ") + kind + " says it has " + std::to_string(length) + " bytes, the file holds " +
             std::to_string(there));
   in.rest = in.rest.first(length - 12);
+}
+
+/// What is left of `content`, which is all that `in` began with.
+SourceBytes rest_of(const SourceBytes& content, const ByteCursor& in) {
+  return content.part(std::uint64_t(in.at()) - content.begin(), in.rest.size());
 }
 
 TableLengths take_lengths(ByteCursor& in) {
@@ -74,11 +105,10 @@ FeatureTable take_b3dm_tables(ByteCursor& in) {
 }
 
 /// Source  3D Tiles 1.0, "Batched 3D Model".
-void open_b3dm(const std::filesystem::path& file, ContentContainer& out) {
-  ByteCursor in{file, out.file, out.content};
+void open_b3dm(ByteCursor in, ContentContainer& out) {
   open_tile_header(in, "b3dm", 28);
   const FeatureTable table = take_b3dm_tables(in);
-  out.gltf = in.rest;
+  out.gltf = rest_of(out.content, in);
   out.rtc_center = table.vector("RTC_CENTER").value_or(std::array<double, 3>{});
 }
 
@@ -89,8 +119,7 @@ std::string model_uri_of(Bytes bytes) {
 }
 
 /// Source  3D Tiles 1.0, "Instanced 3D Model".
-void open_i3dm(const TileRef& tile, const SourceFiles& files, ContentContainer& out) {
-  ByteCursor in{tile.path, out.file, out.content};
+void open_i3dm(const TileRef& tile, const SourceFiles& files, ByteCursor in, ContentContainer& out) {
   open_tile_header(in, "i3dm", 32);
   const TableLengths lengths = take_lengths(in);
   const std::uint32_t format = in.word("the i3dm header");
@@ -99,19 +128,23 @@ void open_i3dm(const TileRef& tile, const SourceFiles& files, ContentContainer& 
   out.rtc_center = table.vector("RTC_CENTER").value_or(std::array<double, 3>{});
   out.instances = i3dm_instances(tile.path, table, tile.world_from_tile, out.rtc_center);
   out.is_instanced = true;
-  out.gltf = in.rest;
+  out.gltf = rest_of(out.content, in);
   if (format == 1) return;
   out.model_uri = model_uri_of(in.rest);
   out.gltf_file = resolve_uri(files.root(), tile.path, "glTF URI", out.model_uri);
-  out.model = files.read_content(out.gltf_file);
-  out.gltf = out.model;
+  out.gltf = files.open_content(out.gltf_file);
 }
 
-Bytes content_of(const TileRef& tile, Bytes file) {
+SourceBytes content_of(const TileRef& tile, const SourceBytes& file) {
   if (tile.range == ByteRange()) return file;
   if (tile.range.end > file.size() || tile.range.begin > tile.range.end)
     throw InputError(tile.path, "", "is shorter than it was; it changed meanwhile");
-  return file.subspan(tile.range.begin, tile.range.end - tile.range.begin);
+  return file.part(tile.range.begin, tile.range.end - tile.range.begin);
+}
+
+ContentMagic magic_of(const SourceBytes& bytes) {
+  std::vector<std::uint8_t> room;
+  return content_magic(bytes.look(0, std::min<std::uint64_t>(bytes.size(), 4), room));
 }
 
 }  // namespace
@@ -122,14 +155,16 @@ SourceFiles files_of(const TileRef& tile, const std::filesystem::path& root) {
 
 ContentContainer open_container(const TileRef& tile, const SourceFiles& files) {
   ContentContainer out;
-  out.file = files.read_content(tile.path);
-  out.content = content_of(tile, out.file);
+  const SourceBytes file = files.open_content(tile.path);
+  out.content = content_of(tile, file);
   out.gltf = out.content;
   out.gltf_file = tile.path;
-  const ContentMagic magic = content_magic(out.content);
-  if (magic == ContentMagic::b3dm) open_b3dm(tile.path, out);
-  if (magic == ContentMagic::i3dm) open_i3dm(tile, files, out);
-  out.is_binary = content_magic(out.gltf) == ContentMagic::glb;
+  const ContentMagic magic = magic_of(out.content);
+  if (magic == ContentMagic::b3dm || magic == ContentMagic::i3dm) {
+    const ByteCursor in{tile.path, file.span(), out.content.span()};
+    magic == ContentMagic::b3dm ? open_b3dm(in, out) : open_i3dm(tile, files, in, out);
+  }
+  out.is_binary = magic_of(out.gltf) == ContentMagic::glb;
   if (out.is_binary)
     open_glb(out.gltf_file, out);
   else

@@ -18,9 +18,11 @@ constexpr bool comes_in_parts(std::uint64_t triangles, std::uint64_t vertices) {
 }
 
 /// The vertices that some corners use, each once, ascending.
-/// Cost  A bit and a half for each vertex between the first and the last of them, and four bytes for each of them.
+/// Cost  bytes_of_64 for every 64 vertices between the first and the last of them, and four bytes for each of them.
 class UsedVertices {
  public:
+  static constexpr std::uint64_t bytes_of_64 = 12;
+
   explicit UsedVertices(std::span<const std::uint32_t> corners);
 
   const std::vector<std::uint32_t>& ascending() const { return ascending_; }

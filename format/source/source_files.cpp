@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "format/source/content_magic.h"
 #include "format/source/gzip.h"
 #include "format/source/source_file.h"
 #include "lattice/error.h"
@@ -42,6 +43,22 @@ std::vector<std::uint8_t> SourceFiles::read(const std::filesystem::path& file) c
 std::vector<std::uint8_t> SourceFiles::read_content(const std::filesystem::path& file) const {
   std::vector<std::uint8_t> bytes = read(file);
   return is_gzip(bytes) ? unpacked_gzip(file, bytes, std::min(largest_file, memory_limit())) : bytes;
+}
+
+SourceBytes SourceFiles::open(const std::filesystem::path& file) const {
+  if (archive_) return SourceBytes(read(file));
+  const auto opened = std::make_shared<const ReadableFile>(file);
+  if (opened->bytes() > largest_file) throw InputError(file, "", "larger than 4 GiB; split it into tiles");
+  return SourceBytes(opened);
+}
+
+SourceBytes SourceFiles::open_content(const std::filesystem::path& file) const {
+  if (!archive_) {
+    const SourceBytes bytes = open(file);
+    std::vector<std::uint8_t> room;
+    if (content_magic(bytes.look(0, std::min<std::uint64_t>(bytes.size(), 4), room)) == ContentMagic::glb) return bytes;
+  }
+  return SourceBytes(read_content(file));
 }
 
 std::vector<std::uint8_t> SourceFiles::read_referenced(const std::filesystem::path& file) const {

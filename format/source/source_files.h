@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "format/source/source_bytes.h"
 #include "format/source/tiles/archive.h"
 #include "format/system/file_stamp.h"
 
@@ -30,6 +31,10 @@ class SourceFiles {
   /// As read(), of what servers may keep packed by gzip: tiles, tilesets and subtrees.
   /// Errors  also as unpacked_gzip(), and where it unpacks to more than 4 GiB.
   std::vector<std::uint8_t> read_content(const std::filesystem::path& file) const;
+  /// What read() reads, not read yet where that is in a folder. Errors  as read().
+  SourceBytes open(const std::filesystem::path& file) const;
+  /// What read_content() reads. A GLB in a folder is not read yet: every other kind is taken apart in memory.
+  SourceBytes open_content(const std::filesystem::path& file) const;
   /// As read(), of what others refer to: buffers and images. Unpacked where it is a whole gzip file whose checksum is
   /// right; what only begins like one is taken as it is.
   std::vector<std::uint8_t> read_referenced(const std::filesystem::path& file) const;

@@ -23,6 +23,12 @@ class Digest {
     add(&size, sizeof size);
     add(bytes.data(), bytes.size());
   }
+  void add_file(const SourceBytes& bytes) {
+    const std::uint64_t size = bytes.size();
+    add(&size, sizeof size);
+    bytes.for_each_block(read_block_bytes,
+                         [this](std::span<const std::uint8_t> block) { add(block.data(), block.size()); });
+  }
   Hash128 value() const {
     const XXH128_hash_t h = XXH3_128bits_digest(state_.get());
     return {h.low64, h.high64};
@@ -48,14 +54,14 @@ class Dependencies {
     StampedFile file = files_.stamp(base == tile_.path ? uri_path(uri) : written.string(), written);
     if (!files_.archive() && stamp_of(path) != file.stamp) file.settled = false;
     read_.push_back(std::move(file));
-    digest_.add_file(files_.has(path) ? files_.read(path) : std::vector<std::uint8_t>());
+    digest_.add_file(files_.has(path) ? files_.open(path) : SourceBytes());
   }
 
   /// Read as it was resolved: only an absolute path names it surely.
   /// What is missing is an empty file: it may be there the next time.
   void add_file(const std::filesystem::path& path) {
     read_.push_back(files_.stamp(path.string(), path));
-    digest_.add_file(files_.has(path) ? files_.read(path) : std::vector<std::uint8_t>());
+    digest_.add_file(files_.has(path) ? files_.open(path) : SourceBytes());
   }
 
   void add_list(const std::filesystem::path& base, const Json& gltf, const char* list) {
@@ -108,7 +114,7 @@ TileIdentity identify_plain_mesh(const TileRef& tile, const SourceFiles& files) 
   TileIdentity out;
   Digest digest;
   Dependencies dependencies(tile, files, digest, out.files);
-  if (!files.has(tile.path)) files.read(tile.path);  // says why
+  if (!files.has(tile.path)) files.open(tile.path);  // says why
   dependencies.add_file(tile.path);
   out.files[0].name = files.archive() ? out.files[0].name : tile.path.filename().string();
   for (const std::filesystem::path& file : dependencies_of(tile, files)) dependencies.add_file(file);
@@ -132,7 +138,7 @@ TileIdentity identify_tile(const TileRef& tile, const std::filesystem::path& roo
   Dependencies dependencies(tile, files, digest, out.files);
   digest.add_file(container.content);
   if (!container.model_uri.empty()) dependencies.add(tile.path, "glTF URI", container.model_uri);
-  const Json gltf = parse_json(container.gltf_file, container.json);
+  const Json gltf = parse_json(container.gltf_file, container.json.span());
   expect_gltf_2(container.gltf_file, gltf);
   dependencies.add_list(container.gltf_file, gltf, "buffers");
   dependencies.add_list(container.gltf_file, gltf, "images");

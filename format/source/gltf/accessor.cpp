@@ -6,10 +6,8 @@
 namespace gigabake {
 namespace {
 
-const unsigned char* view_data(const tinygltf::Model& model, int view, std::size_t offset) {
-  const tinygltf::BufferView& v = model.bufferViews[std::size_t(view)];
-  return model.buffers[std::size_t(v.buffer)].data.data() + v.byteOffset + offset;
-}
+/// Items that lie closer together than this are read with what is between them: asking the system again costs more.
+constexpr std::uint64_t most_gap_bytes = std::uint64_t(1) << 14;
 
 template <class T>
 T load(const unsigned char* from) {
@@ -51,26 +49,13 @@ std::uint32_t index_at(const unsigned char* from, int type) {
   }
 }
 
-/// visit(item, address) for the dense items, then for the sparse ones that replace some of them.
-template <class Visit>
-void for_each_item(const tinygltf::Model& model, const tinygltf::Accessor& a, const Visit& visit) {
-  const auto component = std::size_t(tinygltf::GetComponentSizeInBytes(std::uint32_t(a.componentType)));
-  const std::size_t packed = component * std::size_t(tinygltf::GetNumComponentsInType(std::uint32_t(a.type)));
-  if (a.bufferView >= 0) {
-    const std::size_t stride = model.bufferViews[std::size_t(a.bufferView)].byteStride;
-    const unsigned char* from = view_data(model, a.bufferView, a.byteOffset);
-    for (std::size_t i = 0; i < a.count; ++i) visit(i, from + i * (stride != 0 ? stride : packed));
-  }
-  if (!a.sparse.isSparse) return;
-  const unsigned char* indices =
-      view_data(model, a.sparse.indices.bufferView, std::size_t(a.sparse.indices.byteOffset));
-  const unsigned char* values = view_data(model, a.sparse.values.bufferView, std::size_t(a.sparse.values.byteOffset));
-  const auto index_bytes =
-      std::size_t(tinygltf::GetComponentSizeInBytes(std::uint32_t(a.sparse.indices.componentType)));
-  for (std::size_t i = 0; i < std::size_t(a.sparse.count); ++i) {
-    const std::uint32_t item = index_at(indices + i * index_bytes, a.sparse.indices.componentType);
-    if (item < a.count) visit(item, values + i * packed);
-  }
+std::uint64_t bytes_of_component(int type) {
+  return std::uint64_t(tinygltf::GetComponentSizeInBytes(std::uint32_t(type)));
+}
+
+/// `bytes` of a view from `offset` on.
+SourceBytes piece(const GltfDocument& document, int view, std::uint64_t offset, std::uint64_t bytes) {
+  return document.view_bytes(view).part(offset, bytes);
 }
 
 }  // namespace
@@ -79,39 +64,116 @@ int component_count(const tinygltf::Model& model, int accessor) {
   return tinygltf::GetNumComponentsInType(std::uint32_t(model.accessors[std::size_t(accessor)].type));
 }
 
-float quantization_step(const tinygltf::Model& model, int accessor) {
-  const tinygltf::Accessor& a = model.accessors[std::size_t(accessor)];
-  if (a.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT) return 0;
-  if (!a.normalized) return 1;
-  const std::int32_t one = 1;  // little-endian: the smallest positive value of any integer type
-  return float_at(reinterpret_cast<const unsigned char*>(&one), a.componentType, true);
+AccessorItems::AccessorItems(const std::filesystem::path& file, const GltfDocument& document, int accessor) {
+  const tinygltf::Accessor& a = document.model.accessors[std::size_t(accessor)];
+  count_ = a.count;
+  component_type_ = a.componentType;
+  normalized_ = a.normalized;
+  components_ = component_count(document.model, accessor);
+  item_bytes_ = bytes_of_component(component_type_) * std::uint64_t(components_);
+  if (a.bufferView >= 0) {
+    const std::uint64_t stride = document.model.bufferViews[std::size_t(a.bufferView)].byteStride;
+    stride_ = stride != 0 ? stride : item_bytes_;
+    bytes_ = piece(document, a.bufferView, a.byteOffset, count_ == 0 ? 0 : (count_ - 1) * stride_ + item_bytes_);
+  } else {
+    bytes_ = SourceBytes(std::vector<std::uint8_t>(item_bytes_));  // every item is this one of zeros
+  }
+  if (a.sparse.isSparse) add_sparse(file, document, a);
 }
 
-std::vector<float> read_floats(const tinygltf::Model& model, int accessor, int components, float missing) {
-  const tinygltf::Accessor& a = model.accessors[std::size_t(accessor)];
-  const int stored = std::min(components, component_count(model, accessor));
-  const int bytes = tinygltf::GetComponentSizeInBytes(std::uint32_t(a.componentType));
-  std::vector<float> out(a.count * std::size_t(components), stored < components ? missing : 0.0f);
-  for_each_item(model, a, [&](std::size_t item, const unsigned char* from) {
-    float* to = &out[item * std::size_t(components)];
-    if (a.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT)
-      std::memcpy(to, from, std::size_t(stored) * sizeof(float));
-    else
-      for (int c = 0; c < stored; ++c) to[c] = float_at(from + c * bytes, a.componentType, a.normalized);
-  });
+/// All items in memory, those replaced that the sparse ones replace.
+void AccessorItems::add_sparse(const std::filesystem::path& file, const GltfDocument& document,
+                               const tinygltf::Accessor& a) {
+  const auto replaced = std::uint64_t(a.sparse.count);
+  const int type = a.sparse.indices.componentType;
+  const std::uint64_t index_bytes = bytes_of_component(type);
+  MemoryClaim claim(file);
+  claim.add_items(count_, item_bytes_, "accessors", "items of a sparse one");
+  claim.add_items(replaced, index_bytes + item_bytes_, "accessors", "items of a sparse one");
+  std::vector<std::uint8_t> plain(count_ * item_bytes_);
+  for_each(
+      count_, [](std::size_t i) { return i; },
+      [&](std::size_t i, const unsigned char* from) { std::memcpy(&plain[i * item_bytes_], from, item_bytes_); });
+  const std::vector<std::uint8_t> indices = piece(document, a.sparse.indices.bufferView,
+                                                  std::uint64_t(a.sparse.indices.byteOffset), replaced * index_bytes)
+                                                .copy(),
+                                  values = piece(document, a.sparse.values.bufferView,
+                                                 std::uint64_t(a.sparse.values.byteOffset), replaced * item_bytes_)
+                                               .copy();
+  for (std::uint64_t i = 0; i < replaced; ++i) {
+    const std::uint32_t item = index_at(&indices[i * index_bytes], type);
+    if (item < count_) std::memcpy(&plain[item * item_bytes_], &values[i * item_bytes_], item_bytes_);
+  }
+  bytes_ = SourceBytes(std::move(plain));
+  stride_ = item_bytes_;
+}
+
+bool AccessorItems::is_index() const {
+  return component_type_ == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+         component_type_ == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
+         component_type_ == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+}
+
+float AccessorItems::quantization_step() const {
+  if (component_type_ == TINYGLTF_COMPONENT_TYPE_FLOAT) return 0;
+  if (!normalized_) return 1;
+  const std::int32_t one = 1;  // little-endian: the smallest positive value of any integer type
+  return float_at(reinterpret_cast<const unsigned char*>(&one), component_type_, true);
+}
+
+/// Calls visit(i, address of item item_at(i)). item_at: ascending.
+template <class ItemAt, class Visit>
+void AccessorItems::for_each(std::size_t count, const ItemAt& item_at, const Visit& visit) const {
+  std::vector<std::uint8_t> room;
+  for (std::size_t i = 0; i < count;) {
+    const std::uint64_t begin = item_at(i) * stride_;
+    std::uint64_t last = begin;
+    std::size_t end = i + 1;
+    for (; end < count; ++end) {
+      const std::uint64_t next = item_at(end) * stride_;
+      if (next - last > most_gap_bytes || next + item_bytes_ - begin > read_block_bytes) break;
+      last = next;
+    }
+    const unsigned char* block = bytes_.look(begin, last + item_bytes_ - begin, room).data();
+    for (; i < end; ++i) visit(i, block + (item_at(i) * stride_ - begin));
+  }
+}
+
+template <class ItemAt>
+std::vector<float> AccessorItems::read_floats(std::size_t count, const ItemAt& item_at, int components,
+                                              float missing) const {
+  const int stored = std::min(components, components_);
+  const std::uint64_t component_bytes = bytes_of_component(component_type_);
+  const auto width = std::size_t(components);
+  std::vector<float> out(count * width, stored < components ? missing : 0.0f);
+  const bool is_float = component_type_ == TINYGLTF_COMPONENT_TYPE_FLOAT;
+  if (is_float && stored == 3)  // nearly every file's positions
+    for_each(count, item_at,
+             [&](std::size_t i, const unsigned char* from) { std::memcpy(&out[i * width], from, 3 * sizeof(float)); });
+  else
+    for_each(count, item_at, [&](std::size_t i, const unsigned char* from) {
+      for (int c = 0; c < stored; ++c)
+        out[i * width + std::size_t(c)] =
+            float_at(from + std::uint64_t(c) * component_bytes, component_type_, normalized_);
+    });
   return out;
 }
 
-std::vector<std::uint32_t> read_indices(const tinygltf::Model& model, int accessor) {
-  const tinygltf::Accessor& a = model.accessors[std::size_t(accessor)];
-  std::vector<std::uint32_t> out;
-  if (a.componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE &&
-      a.componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
-      a.componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
-    return out;
-  out.assign(a.count, 0);
-  for_each_item(model, a,
-                [&](std::size_t item, const unsigned char* from) { out[item] = index_at(from, a.componentType); });
+std::vector<float> AccessorItems::floats(int components, float missing) const {
+  return read_floats(
+      count_, [](std::size_t i) { return std::uint64_t(i); }, components, missing);
+}
+
+std::vector<float> AccessorItems::floats_of(std::span<const std::uint32_t> items, int components, float missing) const {
+  return read_floats(
+      items.size(), [items](std::size_t i) { return std::uint64_t(items[i]); }, components, missing);
+}
+
+std::vector<std::uint32_t> AccessorItems::indices(std::uint64_t first, std::uint64_t count) const {
+  std::vector<std::uint32_t> out(count);
+  for_each(
+      count, [first](std::size_t i) { return first + i; },
+      [&](std::size_t i, const unsigned char* from) { out[i] = index_at(from, component_type_); });
   return out;
 }
 

@@ -163,15 +163,18 @@ class Checker {
     return it == bytes.end() ? 0 : it->second;
   }
 
-  /// `count` items of item_bytes, `stride` apart, from `offset` in a view.
-  void check_range(const Json& user, const std::string& where, std::uint64_t count, std::uint64_t item_bytes) const {
+  /// Items are as far apart as the view says, or, those of a sparse accessor, always one behind the other.
+  enum class Spacing { of_view, none };
+
+  /// `count` items of item_bytes, from an offset in a view.
+  void check_range(const Json& user, const std::string& where, std::uint64_t count, std::uint64_t item_bytes,
+                   Spacing spacing) const {
     const auto index = check_reference(user, where, "bufferView", "bufferViews");
     if (!index) fail(where + ".bufferView", "is missing");
     const Json& view = gltf_["bufferViews"][*index];
     const std::uint64_t whole = get_index(file_, view, "bufferViews", "byteLength").value_or(0);
-    const std::uint64_t stride =
-        std::max(get_index(file_, view, "bufferViews", "byteStride").value_or(0), std::uint64_t(1));
-    const std::uint64_t step = view.contains("byteStride") ? stride : item_bytes;
+    const std::uint64_t stride = get_index(file_, view, "bufferViews", "byteStride").value_or(0);
+    const std::uint64_t step = stride != 0 && spacing == Spacing::of_view ? stride : item_bytes;
     const std::uint64_t offset = get_index(file_, user, where, "byteOffset").value_or(0);
     if (offset > whole || item_bytes > whole - offset || (count - 1) > (whole - offset - item_bytes) / step)
       fail(where, counted(count, "item") + " from byte " + std::to_string(offset) + " leave a buffer view of " +
@@ -189,7 +192,7 @@ class Checker {
     if (count == 0 || count > most_accessor_items) fail(where + ".count", "expected 1 to 2^31");
     const std::uint64_t item_bytes = type->second * bytes;
     if (a.contains("bufferView"))
-      check_range(a, where, count, item_bytes);
+      check_range(a, where, count, item_bytes, Spacing::of_view);
     else if (count > most_unbacked_items)
       fail(where + ".count", counted(count, "item") + " without a buffer view");
     if (a.contains("sparse")) check_sparse(a["sparse"], where + ".sparse", count, item_bytes);
@@ -202,8 +205,8 @@ class Checker {
     const std::uint64_t type = get_index(file_, indices, where + ".indices", "componentType").value_or(0);
     if (type != 5121 && type != 5123 && type != 5125)
       fail(where + ".indices.componentType", "expected 5121, 5123 or 5125");
-    check_range(indices, where + ".indices", count, component_bytes(type));
-    check_range(get_object(file_, sparse, where, "values"), where + ".values", count, item_bytes);
+    check_range(indices, where + ".indices", count, component_bytes(type), Spacing::none);
+    check_range(get_object(file_, sparse, where, "values"), where + ".values", count, item_bytes, Spacing::none);
   }
 
   void check_image(const Json& image, const std::string& where) const {

@@ -12,19 +12,18 @@ constexpr const char* draco_extension = "KHR_draco_mesh_compression";
 
 /// Appends the values as a buffer, a view and an accessor; returns the accessor.
 template <class T>
-int add_accessor(tinygltf::Model& model, const std::vector<T>& values, int type, int component) {
-  tinygltf::Buffer buffer;
-  buffer.data.resize(values.size() * sizeof(T));
-  if (!values.empty()) std::memcpy(buffer.data.data(), values.data(), buffer.data.size());
+int add_accessor(GltfDocument& document, const std::vector<T>& values, int type, int component) {
+  std::vector<std::uint8_t> bytes(values.size() * sizeof(T));
+  if (!values.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
   tinygltf::BufferView view;
-  view.buffer = int(model.buffers.size());
-  view.byteLength = buffer.data.size();
+  view.byteLength = bytes.size();
+  view.buffer = document.add_buffer(std::move(bytes));
+  tinygltf::Model& model = document.model;
   tinygltf::Accessor accessor;
   accessor.bufferView = int(model.bufferViews.size());
   accessor.type = type;
   accessor.componentType = component;
   accessor.count = values.size() / std::size_t(tinygltf::GetNumComponentsInType(std::uint32_t(type)));
-  model.buffers.push_back(std::move(buffer));
   model.bufferViews.push_back(std::move(view));
   model.accessors.push_back(std::move(accessor));
   return int(model.accessors.size()) - 1;
@@ -47,9 +46,9 @@ float largest_of(int component) {
 
 class Unpacker {
  public:
-  Unpacker(const std::filesystem::path& file, const std::string& where, tinygltf::Model& model,
+  Unpacker(const std::filesystem::path& file, const std::string& where, GltfDocument& document,
            tinygltf::Primitive& primitive, std::uint64_t most_triangles)
-      : file_(file), where_(where), model_(model), primitive_(primitive), most_triangles_(most_triangles) {}
+      : file_(file), where_(where), document_(document), primitive_(primitive), most_triangles_(most_triangles) {}
 
   void unpack() {
     const tinygltf::Value& own = primitive_.extensions.at(draco_extension);
@@ -57,12 +56,13 @@ class Unpacker {
     const tinygltf::Value& ids = own.Get("attributes");
     for (const auto& [name, accessor] : primitive_.attributes)
       if (ids.Has(name)) want(name, accessor, ids.Get(name));
-    const auto bytes = view_bytes(own.Get("bufferView").GetNumberAsInt());
-    DracoMesh mesh = decode_draco(file_, where_, bytes, wanted_, most_triangles_);
+    const SourceBytes packed = document_.view_bytes(own.Get("bufferView").GetNumberAsInt()).in_memory();
+    DracoMesh mesh = decode_draco(file_, where_, packed.span(), wanted_, most_triangles_);
     for (std::size_t i = 0; i < names_.size(); ++i)
       primitive_.attributes[names_[i]] =
-          add_accessor(model_, mesh.attributes[i], types_[i], TINYGLTF_COMPONENT_TYPE_FLOAT);
-    primitive_.indices = add_accessor(model_, mesh.index, TINYGLTF_TYPE_SCALAR, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT);
+          add_accessor(document_, mesh.attributes[i], types_[i], TINYGLTF_COMPONENT_TYPE_FLOAT);
+    primitive_.indices =
+        add_accessor(document_, mesh.index, TINYGLTF_TYPE_SCALAR, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT);
     if (primitive_.mode == TINYGLTF_MODE_TRIANGLE_STRIP) primitive_.mode = TINYGLTF_MODE_TRIANGLES;
   }
 
@@ -70,7 +70,7 @@ class Unpacker {
   [[noreturn]] void fail(const std::string& message) const { throw InputError(file_, where_, message); }
 
   void want(const std::string& name, int accessor, const tinygltf::Value& id) {
-    const tinygltf::Accessor& a = model_.accessors[std::size_t(accessor)];
+    const tinygltf::Accessor& a = document_.model.accessors[std::size_t(accessor)];
     const int components = tinygltf::GetNumComponentsInType(std::uint32_t(a.type));
     if (!id.IsInt() || id.GetNumberAsInt() < 0) fail("expected the number of an attribute at " + name);
     if (components < 1 || components > 4) fail(name + ": expected a scalar or a vector");
@@ -80,14 +80,9 @@ class Unpacker {
                        a.normalized ? largest_of(a.componentType) : 0});
   }
 
-  std::span<const std::uint8_t> view_bytes(int index) const {
-    const tinygltf::BufferView& view = model_.bufferViews[std::size_t(index)];
-    return {model_.buffers[std::size_t(view.buffer)].data.data() + view.byteOffset, view.byteLength};
-  }
-
   const std::filesystem::path& file_;
   const std::string& where_;
-  tinygltf::Model& model_;
+  GltfDocument& document_;
   tinygltf::Primitive& primitive_;
   std::uint64_t most_triangles_;
   std::vector<std::string> names_;
@@ -117,7 +112,8 @@ bool hide_packed_indices(Json& gltf) {
   return found;
 }
 
-void unpack_draco(const std::filesystem::path& file, const Json& gltf, tinygltf::Model& model) {
+void unpack_draco(const std::filesystem::path& file, const Json& gltf, GltfDocument& document) {
+  tinygltf::Model& model = document.model;
   for (std::size_t m = 0; m < model.meshes.size(); ++m)
     for (std::size_t p = 0; p < model.meshes[m].primitives.size(); ++p) {
       if (!is_packed_alone(model, model.meshes[m].primitives[p])) continue;
@@ -128,7 +124,7 @@ void unpack_draco(const std::filesystem::path& file, const Json& gltf, tinygltf:
       // A strip's count is of the strip, and what is packed is a list: no more triangles than that.
       const Json& indices = gltf["accessors"][primitive["indices"].get<std::size_t>()];
       const std::uint64_t most = get_index(file, indices, "accessors", "count").value_or(0);
-      Unpacker(file, where, model, model.meshes[m].primitives[p], most).unpack();
+      Unpacker(file, where, document, model.meshes[m].primitives[p], most).unpack();
     }
 }
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <filesystem>
-#include <tiny_gltf.h>
 
+#include "format/source/gltf/load.h"
 #include "format/source/source_file.h"
 
 namespace gigabake {
@@ -16,6 +16,6 @@ bool hide_packed_indices(Json& gltf);
 /// a plain copy is, it is read, and the packed one not.
 /// Errors  InputError as decode_draco(); an attribute whose accessor is none.
 /// gltf: the document as it was.
-void unpack_draco(const std::filesystem::path& file, const Json& gltf, tinygltf::Model& model);
+void unpack_draco(const std::filesystem::path& file, const Json& gltf, GltfDocument& document);
 
 }  // namespace gigabake

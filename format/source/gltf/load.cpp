@@ -22,7 +22,8 @@ bool keep_encoded(tinygltf::Image*, const int index, std::string*, std::string*,
   auto& context = *static_cast<LoadContext*>(user);
   if (index < 0 || std::size_t(index) >= context.out.images.size()) return true;
   context.out.has_image[std::size_t(index)] = size > 0;
-  if (context.with_images) context.out.images[std::size_t(index)].assign(bytes, bytes + size);
+  if (context.with_images)
+    context.out.images[std::size_t(index)] = SourceBytes(std::vector<std::uint8_t>(bytes, bytes + size));
   return true;
 }
 
@@ -55,38 +56,33 @@ std::string first_line(const std::string& text) {
   return line.size() <= longest ? line : line.substr(0, longest) + "…";
 }
 
-void parse(const ContentContainer& container, LoadContext& context) {
+/// Every document is given as text: no buffer of a GLB is tinygltf's to copy.
+void parse(std::span<const std::uint8_t> text, LoadContext& context) {
   tinygltf::TinyGLTF loader;
   loader.SetImageLoader(keep_encoded, &context);
   loader.SetFsCallbacks({file_exists, same_path, read_inside_root, nullptr, &context});
   std::string error, warning;
   const std::string base = context.file.has_parent_path() ? context.file.parent_path().string() : ".";
-  const bool loaded = container.is_binary
-                          ? loader.LoadBinaryFromMemory(&context.out.model, &error, &warning, container.gltf.data(),
-                                                        unsigned(container.gltf.size()), base)
-                          : loader.LoadASCIIFromString(&context.out.model, &error, &warning,
-                                                       reinterpret_cast<const char*>(container.json.data()),
-                                                       unsigned(container.json.size()), base);
-  if (!loaded) throw InputError(context.file, "", first_line(error));
+  if (!loader.LoadASCIIFromString(&context.out.model, &error, &warning, reinterpret_cast<const char*>(text.data()),
+                                  unsigned(text.size()), base))
+    throw InputError(context.file, "", first_line(error));
 }
 
-/// The container with another JSON text; `buffer` owns what it looks at.
-void replace_json(const Json& json, std::vector<std::uint8_t>& buffer, ContentContainer& container) {
-  std::string text = json.dump();
-  text.resize((text.size() + 3) / 4 * 4, ' ');
-  const auto put = [&](const void* data, std::size_t bytes) {
-    const auto* from = static_cast<const std::uint8_t*>(data);
-    buffer.insert(buffer.end(), from, from + bytes);
-  };
-  const std::uint32_t text_bytes = std::uint32_t(text.size()), bin_bytes = std::uint32_t(container.bin.size());
-  const std::uint32_t whole = 20 + text_bytes + (container.bin.empty() ? 0 : 8 + bin_bytes);
-  const std::uint32_t head[] = {0x46546c67, 2, whole, text_bytes, 0x4e4f534a};  // "glTF", "JSON"
-  const std::uint32_t chunk[] = {bin_bytes, 0x004e4942};                        // "BIN"
-  put(head, sizeof head);
-  put(text.data(), text.size());
-  if (!container.bin.empty()) put(chunk, sizeof chunk), put(container.bin.data(), container.bin.size());
-  container.gltf = buffer;
-  container.json = std::span<const std::uint8_t>(buffer).subspan(20, text_bytes);
+bool is_in_view(const Json& image) { return image.contains("bufferView") && image["bufferView"].is_number(); }
+
+/// Puts a byte of its own in place of each buffer without a URI, and of each image in a view: tinygltf would look for
+/// them in a copy of the binary chunk. Returns whether there were any.
+bool hide_chunk(Json& gltf) {
+  constexpr const char* byte_of_buffer = "data:application/octet-stream;base64,AA==";
+  constexpr const char* byte_of_image = "data:image/png;base64,AA==";
+  bool found = false;
+  if (gltf.contains("buffers"))
+    for (Json& buffer : gltf["buffers"])
+      if (!buffer.contains("uri")) found = true, buffer = {{"byteLength", 1u}, {"uri", byte_of_buffer}};
+  if (gltf.contains("images"))
+    for (Json& image : gltf["images"])
+      if (is_in_view(image) && !image.contains("uri")) found = true, image = {{"uri", byte_of_image}};
+  return found;
 }
 
 /// A pair of braces in the document is hundreds of bytes of the model.
@@ -109,28 +105,55 @@ void claim_model(const std::filesystem::path& file, const Json& gltf) {
 }
 
 /// tinygltf may read less than the document said (a data URI that is no base64, say).
-void check_buffers(const std::filesystem::path& file, const Json& json, const tinygltf::Model& model) {
-  const Json& buffers = get_array(file, json, "", "buffers");
-  for (std::size_t i = 0; i < buffers.size(); ++i)
-    if (i >= model.buffers.size() ||
-        model.buffers[i].data.size() < get_index(file, buffers[i], "buffers", "byteLength").value_or(0))
+void take_buffers(const std::filesystem::path& file, const Json& gltf, const SourceBytes& bin, GltfDocument& out) {
+  const Json& buffers = get_array(file, gltf, "", "buffers");
+  for (std::size_t i = 0; i < buffers.size(); ++i) {
+    const bool is_bin = i == 0 && !bin.empty() && !buffers[i].contains("uri");
+    const std::uint64_t bytes = get_index(file, buffers[i], "buffers", "byteLength").value_or(0);
+    SourceBytes there = bin;
+    if (!is_bin)
+      there = i < out.model.buffers.size() ? SourceBytes(std::move(out.model.buffers[i].data)) : SourceBytes();
+    if (there.size() < bytes && !is_absent_fallback(file, buffers[i], i, !bin.empty()))
       throw InputError(file, "buffers[" + std::to_string(i) + "]", "holds fewer bytes than its byteLength");
+    out.buffers.push_back(there);
+  }
+  out.model.buffers.clear();
+}
+
+/// Images in views are where these are.
+void take_images(const Json& gltf, bool with_images, GltfDocument& out) {
+  for (std::size_t i = 0; i < out.images.size(); ++i) {
+    const Json& image = gltf["images"][i];
+    if (!is_in_view(image)) continue;
+    const SourceBytes bytes = out.view_bytes(image["bufferView"].get<int>());
+    out.has_image[i] = !bytes.empty();
+    out.images[i] = with_images ? bytes : SourceBytes();
+  }
 }
 
 }  // namespace
+
+SourceBytes GltfDocument::view_bytes(int view) const {
+  const tinygltf::BufferView& v = model.bufferViews[std::size_t(view)];
+  return buffers[std::size_t(v.buffer)].part(v.byteOffset, v.byteLength);
+}
+
+int GltfDocument::add_buffer(std::vector<std::uint8_t> bytes) {
+  buffers.emplace_back(std::move(bytes));
+  return int(buffers.size()) - 1;
+}
 
 GltfDocument load_gltf(const TileRef& tile, const std::filesystem::path& root, bool with_images) {
   GltfDocument out;
   const SourceFiles files = files_of(tile, root);
   ContentContainer container = open_container(tile, files);
   const std::filesystem::path& file = container.gltf_file;
-  const Json json = parse_json(file, container.json);
+  const Json json = parse_json(file, container.json.span());
   check_gltf(files, file, json, container.bin.size());
   const std::vector<PackedView> packed = packed_views(file, json, !container.bin.empty());
   Json plain = without_packed_views(json, packed);
-  std::vector<std::uint8_t> plain_bytes;
-  const bool has_draco = hide_packed_indices(plain);
-  if (has_draco || !packed.empty()) replace_json(plain, plain_bytes, container);
+  const bool has_draco = hide_packed_indices(plain), has_chunk = hide_chunk(plain);
+  const std::string text = has_draco || has_chunk || !packed.empty() ? plain.dump() : std::string();
   out.images.resize(get_array(file, json, "", "images").size());
   out.has_image.resize(out.images.size());
   out.rtc_center = container.rtc_center;
@@ -141,10 +164,13 @@ GltfDocument load_gltf(const TileRef& tile, const std::filesystem::path& root, b
     for (std::size_t c = 0; c < 3; ++c) out.rtc_center[c] += (*center)[c];
   claim_model(file, plain);
   LoadContext context{files, file, with_images, out};
-  parse(container, context);
-  check_buffers(file, plain, out.model);
-  unpack_views(file, packed, out.model);
-  unpack_draco(file, json, out.model);
+  parse(
+      text.empty() ? container.json.span() : std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()),
+      context);
+  take_buffers(file, json, container.bin, out);
+  take_images(json, with_images, out);
+  unpack_views(file, packed, out);
+  unpack_draco(file, json, out);
   return out;
 }
 

@@ -10,14 +10,20 @@
 namespace gigabake {
 
 struct GltfDocument {
-  tinygltf::Model model;
-  std::vector<std::vector<std::uint8_t>>
-      images;                                   ///< encoded bytes; empty where the file is missing or was not asked for
+  tinygltf::Model model;                        ///< without the buffers' bytes
+  std::vector<SourceBytes> buffers;             ///< of the document, then those that were unpacked; what views are in
+  std::vector<SourceBytes> images;              ///< encoded; empty where the file is missing or was not asked for
   std::vector<char> has_image;                  ///< by image: there are bytes, asked for or not
   std::array<double, 3> rtc_center{};           ///< b3dm's or i3dm's RTC_CENTER plus the CESIUM_RTC extension, z up
   std::vector<Affine<World, World>> instances;  ///< as ContentContainer
+
+  /// The bytes of one of the model's views.
+  SourceBytes view_bytes(int view) const;
+  /// Appends a buffer and returns its number.
+  int add_buffer(std::vector<std::uint8_t> bytes);
 };
 
+/// Cost  The binary chunk of a GLB that is a file of its own stays in the file; everything else is in memory.
 /// Errors  InputError: everything check_gltf() finds, and what tinygltf refuses.
 GltfDocument load_gltf(const TileRef& tile, const std::filesystem::path& root, bool with_images);
 

@@ -42,7 +42,7 @@ std::vector<int> root_nodes(const tinygltf::Model& model) {
 /// The attributes of EXT_mesh_gpu_instancing, or of one instance where a node has none.
 class NodeInstances {
  public:
-  NodeInstances(const std::filesystem::path& file, const tinygltf::Model& model, const tinygltf::Node& n,
+  NodeInstances(const std::filesystem::path& file, const GltfDocument& document, const tinygltf::Node& n,
                 MemoryClaim& claim) {
     const auto extension = n.extensions.find("EXT_mesh_gpu_instancing");
     if (extension == n.extensions.end() || !extension->second.Has("attributes")) return;
@@ -50,12 +50,12 @@ class NodeInstances {
     const auto read = [&](const char* name, int components) {
       if (!attributes.Has(name)) return std::vector<float>();
       const int accessor = attributes.Get(name).GetNumberAsInt();
-      if (component_count(model, accessor) != components)
+      const AccessorItems items(file, document, accessor);
+      if (items.components() != components)
         throw InputError(file, "EXT_mesh_gpu_instancing." + std::string(name),
                          "expected VEC" + std::to_string(components));
-      claim.add_items(model.accessors[std::size_t(accessor)].count, std::uint64_t(components) * sizeof(float), "nodes",
-                      "instances of a node");
-      return read_floats(model, accessor, components);
+      claim.add_items(items.count(), std::uint64_t(components) * sizeof(float), "nodes", "instances of a node");
+      return items.floats(components);
     };
     t_ = read("TRANSLATION", 3), q_ = read("ROTATION", 4), s_ = read("SCALE", 3);
     count_ = std::max({t_.size() / 3, q_.size() / 4, s_.size() / 3});
@@ -83,8 +83,9 @@ class NodeInstances {
 
 }  // namespace
 
-void for_each_placement(const std::filesystem::path& file, const tinygltf::Model& model,
+void for_each_placement(const std::filesystem::path& file, const GltfDocument& document,
                         const std::function<void(const MeshPlacement&)>& visit) {
+  const tinygltf::Model& model = document.model;
   struct Pending {
     int node;
     Map parent;
@@ -105,7 +106,7 @@ void for_each_placement(const std::filesystem::path& file, const tinygltf::Model
       throw InputError(file, "nodes[" + std::to_string(at.node) + "]", "the transform is not finite");
     push_all(node.children, map);
     if (node.mesh < 0) continue;
-    const NodeInstances instances(file, model, node, claim);
+    const NodeInstances instances(file, document, node, claim);
     placed += instances.count();
     if (placed > most_placements)
       throw InputError(file, "nodes", "more than 2^24 placements of meshes; split the file");

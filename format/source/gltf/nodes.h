@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
-#include <tiny_gltf.h>
 
+#include "format/source/gltf/load.h"
 #include "lattice/frames.h"
 
 namespace gigabake {
@@ -20,7 +20,7 @@ struct MeshPlacement {
 /// Calls visit() for each, of the default scene (else the first; else all root nodes), parents before children; the
 /// instances of EXT_mesh_gpu_instancing one by one. Errors  InputError: a transform that is not finite, instancing
 /// attributes that differ in length or are of another type, more than most_placements.
-void for_each_placement(const std::filesystem::path& file, const tinygltf::Model& model,
+void for_each_placement(const std::filesystem::path& file, const GltfDocument& document,
                         const std::function<void(const MeshPlacement&)>& visit);
 
 }  // namespace gigabake

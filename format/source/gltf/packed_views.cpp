@@ -101,19 +101,18 @@ Json without_packed_views(Json gltf, const std::vector<PackedView>& packed) {
   return gltf;
 }
 
-void unpack_views(const std::filesystem::path& file, const std::vector<PackedView>& packed, tinygltf::Model& model) {
+void unpack_views(const std::filesystem::path& file, const std::vector<PackedView>& packed, GltfDocument& document) {
+  std::vector<std::uint8_t> room;
   for (const PackedView& p : packed) {
-    const std::vector<unsigned char>& from = model.buffers[p.buffer].data;
+    const SourceBytes& from = document.buffers[p.buffer];
     if (p.byte_offset + p.byte_length > from.size()) throw InputError(file, where_of(p.view), "leaves its buffer");
-    tinygltf::Buffer buffer;
-    buffer.data =
-        decode_meshopt(file, where_of(p.view), p.stream, {from.data() + p.byte_offset, std::size_t(p.byte_length)});
-    tinygltf::BufferView& view = model.bufferViews[p.view];
-    view.buffer = int(model.buffers.size());
+    std::vector<std::uint8_t> plain =
+        decode_meshopt(file, where_of(p.view), p.stream, from.look(p.byte_offset, p.byte_length, room));
+    tinygltf::BufferView& view = document.model.bufferViews[p.view];
     view.byteOffset = 0;
-    view.byteLength = buffer.data.size();
+    view.byteLength = plain.size();
     view.byteStride = p.byte_stride;
-    model.buffers.push_back(std::move(buffer));
+    view.buffer = document.add_buffer(std::move(plain));
   }
 }
 

@@ -4,9 +4,9 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <tiny_gltf.h>
 #include <vector>
 
+#include "format/source/gltf/load.h"
 #include "format/source/image/codecs.h"
 #include "format/source/source_file.h"
 
@@ -31,6 +31,6 @@ std::vector<PackedView> packed_views(const std::filesystem::path& file, const Js
 Json without_packed_views(Json gltf, const std::vector<PackedView>& packed);
 
 /// Appends a buffer for each view, and puts the view there. Errors  InputError as decode_meshopt().
-void unpack_views(const std::filesystem::path& file, const std::vector<PackedView>& packed, tinygltf::Model& model);
+void unpack_views(const std::filesystem::path& file, const std::vector<PackedView>& packed, GltfDocument& document);
 
 }  // namespace gigabake

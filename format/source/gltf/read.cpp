@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "format/source/gltf/accessor.h"
+#include "format/source/gltf/corners.h"
 #include "format/source/gltf/load.h"
 #include "format/source/gltf/material.h"
 #include "format/source/gltf/nodes.h"
+#include "format/source/mesh_parts.h"
 #include "lattice/counted.h"
 #include "lattice/error.h"
 #include "lattice/memory_limit.h"
@@ -29,30 +32,48 @@ struct MeshParts {
   PrimitiveCounts counts;
 };
 
-std::vector<std::uint32_t> triangle_list(const std::vector<std::uint32_t>& order, int mode) {
-  if (mode == TINYGLTF_MODE_TRIANGLES) return order;
-  std::vector<std::uint32_t> out;
-  for (std::size_t i = 0; i + 2 < order.size(); ++i) {
-    const bool fan = mode == TINYGLTF_MODE_TRIANGLE_FAN;
-    const std::size_t odd = fan ? 0 : i % 2;
-    out.push_back(order[i + (fan ? 1 : 0)]);
-    out.push_back(fan ? order[i + 2] : order[i + 1 + odd]);
-    out.push_back(fan ? order[0] : order[i + 2 - odd]);
-  }
-  return out;
-}
-
-std::uint64_t line_count(std::size_t vertices, int mode) {
+std::uint64_t line_count(std::uint64_t vertices, int mode) {
   if (mode == TINYGLTF_MODE_LINE) return vertices / 2;
   return mode == TINYGLTF_MODE_LINE_LOOP ? vertices : (vertices > 0 ? vertices - 1 : 0);
 }
 
 std::uint16_t unit16(float v) { return v > 0 ? std::uint16_t(std::min(v, 1.0f) * 65535.0f + 0.5f) : std::uint16_t(0); }
 
+std::vector<std::uint16_t> linear_colours(const std::vector<float>& rgba) {
+  std::vector<std::uint16_t> out(rgba.size());
+  std::transform(rgba.begin(), rgba.end(), out.begin(), unit16);
+  return out;
+}
+
+/// Where the values of a primitive's vertices are: read all at once, or those of a part.
+struct VertexValues {
+  AccessorItems position;
+  std::optional<AccessorItems> colour, uv;
+  int material = 0;
+};
+
+/// What a primitive takes, given back when it is handed over.
+class HeldClaim {
+ public:
+  explicit HeldClaim(MemoryClaim& claim) : claim_(claim) {}
+  HeldClaim(const HeldClaim&) = delete;
+  ~HeldClaim() { claim_.give_back(bytes_); }
+  void add_items(std::uint64_t items, std::uint64_t item_bytes, const std::string& key, const char* what) {
+    claim_.add_items(items, item_bytes, key, what);
+    bytes_ += items * item_bytes;
+  }
+  void keep() { bytes_ = 0; }
+
+ private:
+  MemoryClaim& claim_;
+  std::uint64_t bytes_ = 0;
+};
+
 class TileReader {
  public:
-  TileReader(const TileRef& tile, const std::filesystem::path& root, ReadScope scope)
+  TileReader(const TileRef& tile, const std::filesystem::path& root, ReadScope scope, const PrimitiveSink& sink)
       : tile_(tile),
+        sink_(sink),
         everything_(scope == ReadScope::everything),
         document_(load_gltf(tile, root, everything_)),
         model_(document_.model) {
@@ -62,7 +83,7 @@ class TileReader {
 
   TileMesh read() {
     read_materials();
-    for_each_placement(tile_.path, model_, [this](const MeshPlacement& placement) { place(placement); });
+    for_each_placement(tile_.path, document_, [this](const MeshPlacement& placement) { place(placement); });
     keep_images();
     return std::move(out_);
   }
@@ -110,78 +131,92 @@ class TileReader {
     if (position == p.attributes.end()) return;  // the specification lets it draw nothing
     if (component_count(model_, position->second) != 3)
       throw InputError(tile_.path, at + ".attributes.POSITION", "expected VEC3");
-    const int mode = p.mode < 0 ? TINYGLTF_MODE_TRIANGLES : p.mode;
-    const std::size_t vertices = model_.accessors[std::size_t(position->second)].count;
-    claim_.add_items(vertices, vertex_bytes, at, "vertices");
-    if (p.indices >= 0)
-      claim_.add_items(model_.accessors[std::size_t(p.indices)].count, corner_bytes, at, "corners of triangles");
-    const std::vector<std::uint32_t> order = vertex_order(p, at, vertices);
-    if (mode == TINYGLTF_MODE_POINTS) parts.counts.points += order.size();
-    if (mode >= TINYGLTF_MODE_LINE && mode <= TINYGLTF_MODE_LINE_STRIP)
-      parts.counts.lines += line_count(order.size(), mode);
-    if (mode < TINYGLTF_MODE_TRIANGLES) return;
-    if (mode != TINYGLTF_MODE_TRIANGLES) claim_.add_items(order.size(), 3 * corner_bytes, at, "corners of a strip");
-    if (mode == TINYGLTF_MODE_TRIANGLES && order.size() % 3 != 0)
-      throw InputError(tile_.path, at,
-                       counted(order.size(), "vertex is", "vertices are") + " no whole number of triangles");
-    Primitive out;
-    out.position = read_floats(model_, position->second, 3);
-    out.position_step = quantization_step(model_, position->second);
-    out.index = triangle_list(order, mode);
-    out.material = p.material >= 0 ? p.material : int(model_.materials.size());
-    read_appearance(p, at, vertices, out);
-    parts.counts.triangles += out.index.size() / 3;
-    parts.primitives.push_back(int(out_.primitives.size()));
-    out_.primitives.push_back(std::move(out));
-  }
-
-  std::vector<std::uint32_t> vertex_order(const tinygltf::Primitive& p, const std::string& at,
-                                          std::size_t vertices) const {
-    std::vector<std::uint32_t> order;
-    if (p.indices < 0) {
-      order.resize(vertices);
-      for (std::size_t i = 0; i < vertices; ++i) order[i] = std::uint32_t(i);
-      return order;
+    const std::uint64_t vertices = model_.accessors[std::size_t(position->second)].count;
+    const Corners corners(tile_.path, document_, p, at, vertices);
+    if (corners.mode() == TINYGLTF_MODE_POINTS) parts.counts.points += corners.drawn();
+    if (corners.mode() >= TINYGLTF_MODE_LINE && corners.mode() <= TINYGLTF_MODE_LINE_STRIP)
+      parts.counts.lines += line_count(corners.drawn(), corners.mode());
+    if (corners.mode() < TINYGLTF_MODE_TRIANGLES) return corners.check();
+    VertexValues values{AccessorItems(tile_.path, document_, position->second), {}, {}, material_of(p)};
+    find_appearance(p, at, values);
+    parts.counts.triangles += corners.triangles();
+    if (!sink_ || !comes_in_parts(corners.triangles(), vertices)) {
+      add_whole(corners, values, at, parts);
+    } else {
+      for (std::uint64_t first = 0; first == 0 || first < corners.triangles(); first += most_part_triangles)
+        add_part(corners, first, values, at, parts);
     }
-    order = read_indices(model_, p.indices);
-    if (order.empty()) throw InputError(tile_.path, at + ".indices", "expected unsigned integers");
-    for (std::size_t i = 0; i < order.size(); ++i)
-      if (order[i] >= vertices)
-        throw InputError(tile_.path, at + ".indices",
-                         "index " + std::to_string(i) + " is " + std::to_string(order[i]) + ", beyond the " +
-                             counted(vertices, "vertex", "vertices"));
-    return order;
   }
 
-  void read_appearance(const tinygltf::Primitive& p, const std::string& at, std::size_t vertices, Primitive& out) {
+  /// The one behind the last is for those that name none.
+  int material_of(const tinygltf::Primitive& p) const {
+    return p.material >= 0 ? p.material : int(model_.materials.size());
+  }
+
+  void find_appearance(const tinygltf::Primitive& p, const std::string& at, VertexValues& out) const {
+    const auto find = [&](const std::string& name, std::optional<AccessorItems>& items) {
+      const auto attribute = p.attributes.find(name);
+      if (attribute == p.attributes.end()) return;
+      expect_count(attribute->second, out.position.count(), at + ".attributes." + name);
+      if (everything_) items.emplace(tile_.path, document_, attribute->second);
+    };
     const SourceMaterial& m = materials_[std::size_t(out.material)];
-    const auto colour = p.attributes.find("COLOR_0");
-    if (colour != p.attributes.end()) {
-      expect_count(colour->second, vertices, at + ".attributes.COLOR_0");
-      if (everything_) read_colours(colour->second, out);
-    }
-    const std::string set = "TEXCOORD_" + std::to_string(m.texcoord_set);
-    const auto uv = p.attributes.find(set);
-    if (m.material.texture.image < 0 || uv == p.attributes.end()) return;
-    expect_count(uv->second, vertices, at + ".attributes." + set);
-    if (!everything_) return;
-    out.uv = read_floats(model_, uv->second, 2);
-    const auto& t = m.uv_transform;
-    for (std::size_t i = 0; i < out.uv.size(); i += 2) {
-      const float u = out.uv[i], v = out.uv[i + 1];
-      out.uv[i] = t[0][0] * u + t[0][1] * v + t[0][2];
-      out.uv[i + 1] = t[1][0] * u + t[1][1] * v + t[1][2];
-    }
+    find("COLOR_0", out.colour);
+    if (m.material.texture.image >= 0) find("TEXCOORD_" + std::to_string(m.texcoord_set), out.uv);
   }
 
-  void read_colours(int accessor, Primitive& out) const {
-    const std::vector<float> rgba = read_floats(model_, accessor, 4, 1.0f);
-    out.rgba.resize(rgba.size());
-    std::transform(rgba.begin(), rgba.end(), out.rgba.begin(), unit16);
+  void add_whole(const Corners& corners, const VertexValues& values, const std::string& at, MeshParts& parts) {
+    HeldClaim claim(claim_);
+    claim.add_items(values.position.count(), vertex_bytes, at, "vertices");
+    claim.add_items(corners.triangles() * 3, corner_bytes, at, "corners of triangles");
+    Primitive out;
+    out.index = corners.of_triangles(0, corners.triangles());
+    out.position = values.position.floats(3);
+    if (values.colour) out.rgba = linear_colours(values.colour->floats(4, 1.0f));
+    if (values.uv) out.uv = transformed(values.uv->floats(2), values.material);
+    add(std::move(out), values, parts);
+    if (!sink_) claim.keep();
   }
 
-  void expect_count(int accessor, std::size_t vertices, const std::string& at) const {
-    const std::size_t items = model_.accessors[std::size_t(accessor)].count;
+  void add_part(const Corners& corners, std::uint64_t first, const VertexValues& values, const std::string& at,
+                MeshParts& parts) {
+    HeldClaim claim(claim_);
+    const std::uint64_t triangles = std::min(corners.triangles() - first, most_part_triangles);
+    claim.add_items(triangles * 3, corner_bytes, at, "corners of triangles");
+    claim.add_items(values.position.count() / 64 + 1, UsedVertices::bytes_of_64, at, "marks of vertices");
+    Primitive out;
+    out.index = corners.of_triangles(first, triangles);
+    const UsedVertices used(out.index);
+    used.renumber(out.index);
+    const std::vector<std::uint32_t>& vertices = used.ascending();
+    claim.add_items(vertices.size(), vertex_bytes, at, "vertices");
+    out.position = values.position.floats_of(vertices, 3);
+    if (values.colour) out.rgba = linear_colours(values.colour->floats_of(vertices, 4, 1.0f));
+    if (values.uv) out.uv = transformed(values.uv->floats_of(vertices, 2), values.material);
+    add(std::move(out), values, parts);
+  }
+
+  void add(Primitive&& primitive, const VertexValues& values, MeshParts& parts) {
+    primitive.position_step = values.position.quantization_step();
+    primitive.material = values.material;
+    parts.primitives.push_back(int(out_.primitives.size()));
+    if (!sink_) return out_.primitives.push_back(std::move(primitive));
+    out_.primitives.push_back(without_lists(primitive));
+    sink_(out_.primitives.size() - 1, std::move(primitive));
+  }
+
+  std::vector<float> transformed(std::vector<float> uv, int material) const {
+    const auto& t = materials_[std::size_t(material)].uv_transform;
+    for (std::size_t i = 0; i < uv.size(); i += 2) {
+      const float u = uv[i], v = uv[i + 1];
+      uv[i] = t[0][0] * u + t[0][1] * v + t[0][2];
+      uv[i + 1] = t[1][0] * u + t[1][1] * v + t[1][2];
+    }
+    return uv;
+  }
+
+  void expect_count(int accessor, std::uint64_t vertices, const std::string& at) const {
+    const std::uint64_t items = model_.accessors[std::size_t(accessor)].count;
     if (items != vertices)
       throw InputError(tile_.path, at, counted(items, "item") + " for " + counted(vertices, "vertex", "vertices"));
   }
@@ -195,12 +230,14 @@ class TileReader {
       });
       if (used && !document_.has_image[i]) throw InputError(tile_.path, key, "the image is missing or empty");
       if (!everything_) continue;
+      claim_.add_items(used ? document_.images[i].size() : 0, 1, key, "bytes of an image");
       out_.images.push_back(
-          {tile_.path.string() + ": " + key, used ? std::move(document_.images[i]) : std::vector<std::uint8_t>()});
+          {tile_.path.string() + ": " + key, used ? document_.images[i].copy() : std::vector<std::uint8_t>()});
     }
   }
 
   const TileRef& tile_;
+  const PrimitiveSink& sink_;
   bool everything_;
   MemoryClaim claim_{tile_.path};
   GltfDocument document_;
@@ -213,8 +250,8 @@ class TileReader {
 
 }  // namespace
 
-TileMesh read_gltf(const TileRef& tile, const std::filesystem::path& root, ReadScope scope) {
-  return TileReader(tile, root, scope).read();
+TileMesh read_gltf(const TileRef& tile, const std::filesystem::path& root, ReadScope scope, const PrimitiveSink& sink) {
+  return TileReader(tile, root, scope, sink).read();
 }
 
 }  // namespace gigabake

@@ -9,6 +9,6 @@
 namespace gigabake {
 
 /// As read_tile(), for every kind of content that holds glTF.
-TileMesh read_gltf(const TileRef& tile, const std::filesystem::path& root, ReadScope scope);
+TileMesh read_gltf(const TileRef& tile, const std::filesystem::path& root, ReadScope scope, const PrimitiveSink& sink);
 
 }  // namespace gigabake
