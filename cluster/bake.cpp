@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <variant>
 
+#include "cluster/bake_scratch.h"
 #include "cluster/dispatch.h"
 #include "cluster/drain.h"
 #include "cluster/master_bake.h"
@@ -176,6 +177,11 @@ BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const Bake
     if (mpi.rank() == 0) out.emplace(request.out, request.source);
   });
   all_or_none(mpi, [&] { expect_output_folder(request.out); });
+  all_or_none(mpi, [&] {
+    if (mpi.rank() != 0) return;
+    if (const auto note = scratch_note(sources, scratch_of(request), memory_of(mpi, request))) progress.noted(*note);
+  });
+  BakeScratch scratch(scratch_of(request));
   BakeProcess process(setup_of(mpi, request, shared), process_options(request));
   process.prepare();
   std::vector<TileSurvey> surveys =
@@ -201,6 +207,7 @@ BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const Bake
   // A rank that was lost would never take part: the others are ended by whoever catches this.
   if (failure && summary.lost_ranks != 0) throw std::runtime_error(*failure);
   if (summary.lost_ranks == 0) fail_together(mpi, failure);
+  if (summary.lost_ranks == 0 && mpi.sum_of(summary.is_drained ? 1 : 0) == 0) scratch.is_not_needed();
   summary.bake_s = seconds_since(planned);
   return summary;
 }
@@ -222,7 +229,9 @@ PlannedBake plan_bake(MpiSession& mpi, const BakeRequest& request, const BakePro
   const SceneSources& sources = planned.sources.scene;
   BakeRequest on_cpu = request;
   on_cpu.backend = Backend::cpu;  // a survey needs no device
-  BakeProcess process(setup_of(mpi, on_cpu, planned.sources), process_options(request));
+  WorkerSetup setup = setup_of(mpi, on_cpu, planned.sources);
+  setup.worker.scratch.clear();  // a plan leaves nothing behind
+  BakeProcess process(std::move(setup), process_options(request));
   std::vector<TileSurvey> surveys = survey(mpi, request, sources, process, progress, StoppedSurvey::forget,
                                            [&](std::size_t done) { progress.surveyed(done, sources.tiles.size()); });
   planned.plan = plan_from(mpi, request, sources, std::move(surveys), progress);

@@ -24,6 +24,7 @@ namespace gigabake {
 
 struct BakeRequest {
   std::filesystem::path source, out;
+  std::filesystem::path scratch;  ///< where large tiles' clusters stand while cells are baked; empty: OUT/scratch
   SourceOptions source_options;
   BakeParameters parameters;
   int threads = 0;                 ///< of each rank; 0: the host's cores shared by its ranks

@@ -1,5 +1,6 @@
 #include "cluster/rank_setup.h"
 
+#include "cluster/bake_scratch.h"
 #include "format/system/host_limits.h"
 
 namespace gigabake {
@@ -22,7 +23,7 @@ std::uint64_t memory_of(const MpiSession& mpi, const BakeRequest& request) {
 WorkerSetup setup_of(const MpiSession& mpi, const BakeRequest& request, const SharedSources& sources) {
   WorkerSetup setup;
   setup.parameters = request.parameters;
-  setup.worker = {threads_of(mpi, request), memory_of(mpi, request), request.out};
+  setup.worker = {threads_of(mpi, request), memory_of(mpi, request), request.out, {}, scratch_of(request)};
   setup.device = {request.backend, request.gpus, mpi.rank_on_host()};
   setup.sources = sources.bytes;
   return setup;

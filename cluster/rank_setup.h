@@ -9,6 +9,7 @@ namespace gigabake {
 
 /// Of this rank.
 int threads_of(const MpiSession& mpi, const BakeRequest& request);
+std::uint64_t memory_of(const MpiSession& mpi, const BakeRequest& request);
 WorkerSetup setup_of(const MpiSession& mpi, const BakeRequest& request, const SharedSources& sources);
 BakeProcessOptions process_options(const BakeRequest& request);
 

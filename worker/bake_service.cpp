@@ -56,8 +56,14 @@ class Bell {
 /// Surveys tiles one after the other on a thread of its own.
 class Surveyor {
  public:
-  Surveyor(const SceneSources& sources, const BakeParameters& parameters, int threads, const Bell& done)
-      : sources_(sources), parameters_(parameters), pool_(threads), done_(done), thread_([this] { run(); }) {}
+  Surveyor(const SceneSources& sources, const WorkerSetup& setup, const Bell& done)
+      : sources_(sources),
+        parameters_(setup.parameters),
+        pool_(setup.worker.threads),
+        store_(sources, setup.parameters, scratch_in(setup.worker.scratch, setup.worker.memory_bytes),
+               setup.worker.threads),
+        done_(done),
+        thread_([this] { run(); }) {}
   ~Surveyor() {
     {
       const std::scoped_lock lock(mutex_);
@@ -97,7 +103,7 @@ class Surveyor {
 
   void run() {
     while (const auto tile = next_tile()) {
-      TileSurvey survey = survey_tile(sources_, *tile, parameters_, pool_);
+      TileSurvey survey = survey_tile(sources_, *tile, parameters_, pool_, &store_);
       {
         const std::scoped_lock lock(mutex_);
         surveys_.push_back(std::move(survey));
@@ -109,6 +115,7 @@ class Surveyor {
   const SceneSources& sources_;
   const BakeParameters& parameters_;
   const ThreadPool pool_;
+  const TileStore store_;
   const Bell& done_;
   std::mutex mutex_;
   std::condition_variable asked_;
@@ -222,7 +229,7 @@ class BakeServer {
   void open_scene() {
     try {
       sources_ = sources_from_bytes(std::exchange(source_bytes_, {}));
-      surveyor_ = std::make_unique<Surveyor>(sources_, setup_->parameters, setup_->worker.threads, done_);
+      surveyor_ = std::make_unique<Surveyor>(sources_, *setup_, done_);
       surveys_ = true;
     } catch (const std::exception& e) {
       why_not_ = reason_of(e);

@@ -6,7 +6,6 @@
 #include "lattice/error.h"
 #include "worker/far_triangles.h"
 #include "worker/lattice.h"
-#include "worker/tiles/clusters.h"
 
 namespace gigabake {
 namespace {
@@ -35,11 +34,11 @@ std::shared_ptr<const kernels::Texture> make_texture(const EncodedImage& encoded
 kernels::CellInput LoadedCell::input() const { return {span(parts), span(materials), span(texture_views)}; }
 
 CellLoader::CellLoader(const SceneSources& sources, const BakeParameters& parameters, std::uint64_t cache_bytes,
-                       int threads)
+                       int threads, TileScratch scratch)
     : sources_(sources),
       parameters_(parameters),
       pool_(threads),
-      tile_pool_(threads),
+      store_(sources, parameters, std::move(scratch), threads),
       tiles_(cache_bytes / 2),
       textures_(cache_bytes / 2) {}
 
@@ -77,58 +76,56 @@ void CellLoader::load_tiles(const CellJob& job, LoadedCell& cell) {
     for (std::size_t i = begin; i < end; ++i) {
       TileKey key{job.tiles[i], {}};
       if (!job.tile_sources.empty()) key.source = job.tile_sources.at(i);
-      cell.tiles[i] = tiles_.get(key, [&] {
-        return LoadedTile::read(sources_.tiles.at(key.tile), sources_, parameters_, key.source, tile_pool_);
-      });
+      cell.tiles[i] = tiles_.get(key, [&] { return store_.load(key.tile, key.source); });
     }
   });
 }
 
 void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, LoadedCell& cell, WantedTextures& wanted) const {
   const CellBox box{job.lattice_min, job.cell_voxels};
-  std::vector<std::int64_t> cell_material(tile.materials().size(), -1);
+  const TileMesh& mesh = tile.mesh();
+  std::vector<std::int64_t> cell_material(mesh.materials.size(), -1);
   const auto add_material = [&](const Material& material) {
     ShadedMaterial shaded = shaded_material(material);
     if (shaded.image >= 0) {
       const std::size_t image = std::size_t(shaded.image);
-      shaded.view.texture = wanted.index_of({tile.image_hashes().at(image), shaded.recipe}, tile.images()[image]);
+      shaded.view.texture = wanted.index_of({tile.image_hashes().at(image), shaded.recipe}, mesh.images[image]);
     }
     cell.materials.push_back(shaded.view);
     return std::int64_t(cell.materials.size()) - 1;
   };
-  for (std::size_t i = 0; i < tile.instances().size(); ++i) {
+  for (std::size_t i = 0; i < mesh.instances.size(); ++i) {
     const SceneBox& reach = tile.instance_boxes()[i];
     if (!may_meet(reach, parameters_, box)) continue;
-    const Instance& instance = tile.instances()[i];
-    const std::size_t p = std::size_t(instance.primitive);
-    std::shared_ptr<const Primitive> mesh = mesh_near(job, tile.primitives()[p], instance, cell.memory);
-    if (mesh == nullptr) continue;
-    std::int64_t& material = cell_material[tile.material_of(p)];
-    if (material < 0) material = add_material(tile.materials()[tile.material_of(p)]);
-    cell.parts.push_back(part_view(*mesh, instance, std::uint32_t(material)));
+    const Instance& instance = mesh.instances[i];
+    std::shared_ptr<const Primitive> near = mesh_near(box, tile, instance, cell.memory);
+    if (near == nullptr) continue;
+    const std::size_t of_tile = std::size_t(mesh.primitives[std::size_t(instance.primitive)].material);
+    std::int64_t& material = cell_material[of_tile];
+    if (material < 0) material = add_material(mesh.materials[of_tile]);
+    cell.parts.push_back(part_view(*near, instance, std::uint32_t(material)));
     if (may_reach_too_far(reach, parameters_)) {
-      cell.memory.add_items(mesh->index.size(), sizeof(std::uint32_t), "", "corners of triangles");
-      cell.indices.push_back(index_without_far(*mesh, instance, parameters_));
+      cell.memory.add_items(near->index.size(), sizeof(std::uint32_t), "", "corners of triangles");
+      cell.indices.push_back(index_without_far(*near, instance, parameters_));
       cell.parts.back().index = span(cell.indices.back());
     }
-    cell.meshes.push_back(std::move(mesh));
+    cell.meshes.push_back(std::move(near));
   }
 }
 
 /// The whole primitive, or of a large one the clusters near the cell; null: nothing is near.
 /// Of what comes near the cell each is a part of it, and the kernels hold triangles of every part.
-std::shared_ptr<const Primitive> CellLoader::mesh_near(const CellJob& job, const TilePrimitive& primitive,
+std::shared_ptr<const Primitive> CellLoader::mesh_near(const CellBox& box, const LoadedTile& tile,
                                                        const Instance& instance, MemoryClaim& memory) const {
   constexpr std::uint64_t part_bytes = sizeof(kernels::PartView) + 320, triangle_bytes = 128, most_counted = 64;
+  const TilePrimitive& primitive = tile.primitives()[std::size_t(instance.primitive)];
   memory.add_items(1, part_bytes + triangle_bytes * std::min(primitive.triangles, most_counted), "",
                    "what is placed in the cell");
-  if (primitive.clusters.size() == 1) return primitive.clusters.front().mesh;
-  const CellBox box{job.lattice_min, job.cell_voxels};
-  std::vector<std::shared_ptr<const Primitive>> near;
+  if (primitive.clusters.size() == 1) return tile.mesh_of({&primitive.clusters.front()});
+  std::vector<const TileCluster*> near;
   for (const TileCluster& cluster : primitive.clusters)
-    if (may_meet(scene_box(cluster.bounds, instance, parameters_), parameters_, box)) near.push_back(cluster.mesh);
-  if (near.size() < 2) return near.empty() ? nullptr : near.front();
-  return std::make_shared<const Primitive>(joined(near));
+    if (may_meet(scene_box(cluster.bounds, instance, parameters_), parameters_, box)) near.push_back(&cluster);
+  return tile.mesh_of(near);
 }
 
 void CellLoader::load_textures(const WantedTextures& wanted, LoadedCell& cell) {

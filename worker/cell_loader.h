@@ -16,6 +16,7 @@
 #include "worker/lru_cache.h"
 #include "worker/materials.h"
 #include "worker/tiles/loaded_tile.h"
+#include "worker/tiles/tile_store.h"
 
 namespace gigabake {
 
@@ -39,8 +40,9 @@ struct LoadedCell {
 class CellLoader {
  public:
   /// `sources` and `parameters` must outlive the loader. Caches keep at most `cache_bytes`, half for tiles and half for
-  /// textures; what cells in hand hold on to comes on top.
-  CellLoader(const SceneSources& sources, const BakeParameters& parameters, std::uint64_t cache_bytes, int threads);
+  /// textures; what cells in hand hold on to comes on top. scratch: for tiles that are larger than its limit.
+  CellLoader(const SceneSources& sources, const BakeParameters& parameters, std::uint64_t cache_bytes, int threads,
+             TileScratch scratch = {});
 
   /// Instances and clusters whose bounds miss the cell are left out, and with them images that nothing else needs. So
   /// are triangles that reach too far (worker/far_triangles.h), whatever the cell.
@@ -73,14 +75,14 @@ class CellLoader {
 
   void load_tiles(const CellJob& job, LoadedCell& cell);
   void add_parts(const CellJob& job, const LoadedTile& tile, LoadedCell& cell, WantedTextures& wanted) const;
-  std::shared_ptr<const Primitive> mesh_near(const CellJob& job, const TilePrimitive& primitive,
-                                             const Instance& instance, MemoryClaim& memory) const;
+  std::shared_ptr<const Primitive> mesh_near(const CellBox& box, const LoadedTile& tile, const Instance& instance,
+                                             MemoryClaim& memory) const;
   void load_textures(const WantedTextures& wanted, LoadedCell& cell);
 
   const SceneSources& sources_;
   const BakeParameters& parameters_;
   ThreadPool pool_;
-  ThreadPool tile_pool_;  ///< tiles are read side by side on pool_, and each is cut into clusters on this one
+  TileStore store_;  ///< with threads of its own: tiles are read side by side on pool_
   LruCache<TileKey, LoadedTile, TileKeyHash> tiles_;
   LruCache<TextureKey, kernels::Texture, TextureKeyHash> textures_;
 };

@@ -85,8 +85,10 @@ CellInHand::CellInHand(CellJob cell_job) : job(std::move(cell_job)) { report.id 
 CellStages::CellStages(SceneSources sources, BakeParameters parameters, const WorkerOptions& options)
     : sources_(std::move(sources)),
       parameters_(parameters),
-      options_{options.threads, options.memory_bytes, make_shard_folder(options.out), options.cuda_device},
-      loader_(sources_, parameters_, cache_bytes(options_), options_.threads),
+      options_{options.threads, options.memory_bytes, make_shard_folder(options.out), options.cuda_device,
+               options.scratch},
+      loader_(sources_, parameters_, cache_bytes(options_), options_.threads,
+              scratch_in(options_.scratch, options_.memory_bytes)),
       pool_(options_.threads),
       write_pool_(write_crew_for(options_).threads) {}
 

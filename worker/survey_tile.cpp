@@ -13,6 +13,7 @@
 #include "kernels/body/part.h"
 #include "lattice/error.h"
 #include "lattice/snap.h"
+#include "worker/column_map.h"
 #include "worker/column_span.h"
 #include "worker/far_triangles.h"
 #include "worker/instance_bounds.h"
@@ -22,56 +23,12 @@
 namespace gigabake {
 namespace {
 
-constexpr std::uint64_t max_columns = std::uint64_t(1) << 21;
-/// Columns times triangles that one thread may meet, so that a hostile tile ends in seconds.
-constexpr std::uint64_t max_visits = std::uint64_t(1) << 28;
 constexpr std::size_t triangles_per_range = 16384;
 /// A primitive placed so often, with so many triangles in all, is surveyed by the boxes of its placements.
 constexpr std::size_t least_boxed_instances = 16;
 constexpr std::uint64_t most_exact_triangles = std::uint64_t(1) << 20;
 constexpr double most_crossings = 0x1p60;  ///< of one triangle or box
 constexpr double farthest_voxel = 0x1p44;  ///< the snap's range is 2^53 sub-voxels
-
-struct ColumnKey {
-  std::int64_t x, y;
-  friend bool operator==(const ColumnKey&, const ColumnKey&) = default;
-};
-
-struct ColumnKeyHash {
-  std::size_t operator()(const ColumnKey& k) const {
-    return std::size_t(std::uint64_t(k.x) * 0x9e3779b97f4a7c15ull ^
-                       std::rotl(std::uint64_t(k.y) * 0xc2b2ae3d27d4eb4full, 32));
-  }
-};
-
-/// Of both columns, which are at one place.
-void unite_into(ColumnExtent& column, const ColumnExtent& other) {
-  column.z_min = std::min(column.z_min, other.z_min);
-  column.z_end = std::max(column.z_end, other.z_end);
-  column.triangles += other.triangles;
-  const std::uint64_t room = UINT64_MAX - column.crossings;
-  column.crossings += std::min(room, other.crossings);
-}
-
-/// What one thread has found. Neighbouring triangles mostly share their column: the last one is at hand.
-class ColumnMap {
- public:
-  void add(const ColumnExtent& c) {
-    if (last_ == nullptr || last_->column_x != c.column_x || last_->column_y != c.column_y) {
-      const ColumnExtent empty{c.column_x, c.column_y, c.z_min, c.z_end};
-      last_ = &columns_.try_emplace(ColumnKey{c.column_x, c.column_y}, empty).first->second;
-    }
-    unite_into(*last_, c);
-    ++visits_;
-  }
-  bool is_too_wide() const { return columns_.size() > max_columns || visits_ > max_visits; }
-  const auto& columns() const { return columns_; }
-
- private:
-  std::unordered_map<ColumnKey, ColumnExtent, ColumnKeyHash> columns_;
-  ColumnExtent* last_ = nullptr;
-  std::uint64_t visits_ = 0;
-};
 
 struct ThreadSurvey {
   ColumnMap map;
@@ -220,7 +177,7 @@ class TileSurveyor {
       survey.reach_m = std::max(survey.reach_m, thread.reach_m);
       for (const auto& [key, column] : thread.map.columns()) survey.columns.push_back(column);
     }
-    unite(survey.columns);
+    unite_columns(survey.columns);
   }
 
  private:
@@ -310,21 +267,6 @@ class TileSurveyor {
     return true;
   }
 
-  /// Sorts, and makes one of the columns that several threads found.
-  static void unite(std::vector<ColumnExtent>& columns) {
-    std::sort(columns.begin(), columns.end(), [](const ColumnExtent& a, const ColumnExtent& b) {
-      return std::pair(a.column_x, a.column_y) < std::pair(b.column_x, b.column_y);
-    });
-    std::size_t kept = 0;
-    for (const ColumnExtent& c : columns) {
-      if (kept != 0 && columns[kept - 1].column_x == c.column_x && columns[kept - 1].column_y == c.column_y)
-        unite_into(columns[kept - 1], c);
-      else
-        columns[kept++] = c;
-    }
-    columns.resize(kept);
-  }
-
   const TileRef& tile_;
   const BakeParameters& parameters_;
   const ThreadPool& pool_;
@@ -333,17 +275,33 @@ class TileSurveyor {
   double spacing_m_ = 0;
 };
 
-void add_all(const TileMesh& mesh, TileSurveyor& surveyor) {
+/// primitive_at: gives a primitive with its triangles.
+template <class PrimitiveAt>
+void add_all(const TileMesh& mesh, const PrimitiveAt& primitive_at, TileSurveyor& surveyor) {
   std::vector<std::vector<const Instance*>> placed(mesh.primitives.size());
   for (const Instance& instance : mesh.instances) placed[std::size_t(instance.primitive)].push_back(&instance);
   for (std::size_t p = 0; p < placed.size(); ++p) {
-    const Primitive& primitive = mesh.primitives[p];
+    if (placed[p].empty()) continue;
+    const std::shared_ptr<const Primitive> held = primitive_at(p);
+    const Primitive& primitive = *held;
     if (placed[p].size() >= least_boxed_instances &&
         placed[p].size() * std::uint64_t(primitive.index.size() / 3) > most_exact_triangles)
       surveyor.add_boxes(primitive, placed[p]);
     else
       for (const Instance* instance : placed[p]) surveyor.add(primitive, *instance);
   }
+}
+
+/// For as long as its owner lives.
+std::shared_ptr<const Primitive> borrowed(const Primitive& primitive) {
+  return {std::shared_ptr<const Primitive>(), &primitive};
+}
+
+void take_counts(const TileMesh& mesh, TileSurvey& survey) {
+  survey.triangles = mesh.counts.triangles;
+  survey.skipped_points = mesh.counts.skipped_points;
+  survey.skipped_lines = mesh.counts.skipped_lines;
+  survey.warnings = mesh.warnings;
 }
 
 TileSurvey unreadable(std::uint32_t tile, std::string reason) {
@@ -356,20 +314,25 @@ TileSurvey unreadable(std::uint32_t tile, std::string reason) {
 }  // namespace
 
 TileSurvey survey_tile(const SceneSources& sources, std::uint32_t tile, const BakeParameters& parameters,
-                       const ThreadPool& pool) {
+                       const ThreadPool& pool, const TileStore* store) {
   TileSurvey survey;
   survey.tile = tile;
   const TileRef& ref = sources.tiles.at(tile);
   try {
     // First of all: the files' stamps must be older than everything that is read of them.
     TileIdentity identity = identify_tile(ref, sources.root);
-    TileMesh mesh = read_tile(ref, sources.root, ReadScope::positions_only);
-    survey.triangles = mesh.counts.triangles;
-    survey.skipped_points = mesh.counts.skipped_points;
-    survey.skipped_lines = mesh.counts.skipped_lines;
-    survey.warnings = std::move(mesh.warnings);
     TileSurveyor surveyor(ref, parameters, pool);
-    add_all(mesh, surveyor);
+    if (store != nullptr && store->may_be_large(tile)) {
+      const std::shared_ptr<const LoadedTile> loaded = store->load(tile, identity.hash);
+      take_counts(loaded->mesh(), survey);
+      add_all(
+          loaded->mesh(), [&](std::size_t p) { return loaded->whole(p); }, surveyor);
+    } else {
+      const TileMesh mesh = read_tile(ref, sources.root, ReadScope::positions_only);
+      take_counts(mesh, survey);
+      add_all(
+          mesh, [&](std::size_t p) { return borrowed(mesh.primitives[p]); }, surveyor);
+    }
     surveyor.finish(survey);
     survey.source = identity.hash;
     survey.files = std::move(identity.files);

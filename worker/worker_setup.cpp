@@ -10,6 +10,7 @@ void put(ByteWriter& writer, const WorkerOptions& options) {
   writer.put(std::int32_t(options.threads));
   writer.put(options.memory_bytes);
   writer.put(options.out.string());
+  writer.put(options.scratch.string());
 }
 
 void put(ByteWriter& writer, const DeviceWish& wish) {
@@ -28,11 +29,12 @@ DeviceWish get_device_wish(ByteReader& reader) {
 WorkerOptions get_worker_options(ByteReader& reader) {
   WorkerOptions options;
   std::int32_t threads = 0;
-  std::string out;
-  reader.get(threads), reader.get(options.memory_bytes), reader.get(out);
+  std::string out, scratch;
+  reader.get(threads), reader.get(options.memory_bytes), reader.get(out), reader.get(scratch);
   if (threads < 1) throw InputError("worker options", "threads", "expected 1 or more");
   options.threads = threads;
   options.out = out;
+  options.scratch = scratch;
   return options;
 }
 

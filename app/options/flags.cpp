@@ -31,6 +31,7 @@ constexpr auto flags = std::to_array<std::pair<std::string_view, std::string_vie
     {"out", "-o"},
     {"pixel_error", "--pixel-error"},
     {"port", "--port"},
+    {"scratch", "--scratch"},
     {"size", "--size"},
     {"size_m", "--size"},
     {"target_m", "--target"},

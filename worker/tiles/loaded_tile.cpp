@@ -1,13 +1,10 @@
 #include "worker/tiles/loaded_tile.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "format/source/tile_hash.h"
-#include "lattice/error.h"
 #include "worker/tiles/clusters.h"
 
 namespace gigabake {
@@ -22,14 +19,8 @@ Hash128 hash_of(const std::vector<std::uint8_t>& bytes) {
 }
 
 template <class T>
-std::uint64_t bytes_of(const std::vector<T>& v) {
+std::uint64_t bytes_held(const std::vector<T>& v) {
   return v.capacity() * sizeof(T);
-}
-
-TilePrimitive whole(Primitive&& mesh) {
-  const LocalBounds bounds = bounds_of(mesh);
-  const std::uint64_t triangles = mesh.index.size() / 3;
-  return {bounds, triangles, {{bounds, std::make_shared<const Primitive>(std::move(mesh))}}};
 }
 
 /// Cells side by side start at multiples of their edge; where a stack of them starts depends on the terrain.
@@ -44,60 +35,70 @@ bool reaches_over_cells(const SceneBox& box, const BakeParameters& p) {
   return box.high_m[2] - box.low_m[2] > edge_m + 2 * margin_m;
 }
 
-}  // namespace
-
-std::shared_ptr<const LoadedTile> LoadedTile::read(const TileRef& tile, const SceneSources& sources,
-                                                   const BakeParameters& parameters,
-                                                   const std::optional<Hash128>& expected, const ThreadPool& pool) {
-  auto loaded = std::make_shared<LoadedTile>();
-  loaded->mesh_ = read_tile(tile, sources.root, ReadScope::everything);
-  for (Primitive& mesh : loaded->mesh_.primitives) {
-    Primitive kept;
-    kept.material = mesh.material;
-    loaded->primitives_.push_back(whole(std::exchange(mesh, std::move(kept))));
+std::vector<TileCluster> in_memory(std::vector<Primitive>&& meshes) {
+  std::vector<TileCluster> clusters;
+  for (Primitive& mesh : meshes) {
+    const LocalBounds bounds = bounds_of(mesh);
+    clusters.push_back({bounds, std::make_shared<const Primitive>(std::move(mesh))});
   }
-  // Compared after it was read: a file that is replaced meanwhile is caught too.
-  if (expected && tile_hash(tile, sources.root) != *expected)
-    throw InputError(tile.path, "", "changed while the bake ran; bake again");
-  for (const EncodedImage& image : loaded->mesh_.images) loaded->image_hash_.push_back(hash_of(image.bytes));
-  loaded->find_boxes(parameters);
-  loaded->cut(parameters, pool);
-  return loaded;
+  return clusters;
 }
 
-void LoadedTile::find_boxes(const BakeParameters& parameters) {
-  boxes_.reserve(mesh_.instances.size());
-  for (const Instance& instance : mesh_.instances)
-    boxes_.push_back(scene_box(primitives_.at(std::size_t(instance.primitive)).bounds, instance, parameters));
+}  // namespace
+
+LoadedTile::LoadedTile(TileDirectory&& directory, std::shared_ptr<const TileFile> file,
+                       const BakeParameters& parameters, const ThreadPool& pool)
+    : directory_(std::move(directory)), file_(std::move(file)) {
+  for (const EncodedImage& image : mesh().images) image_hash_.push_back(hash_of(image.bytes));
+  boxes_.reserve(mesh().instances.size());
+  for (const Instance& instance : mesh().instances)
+    boxes_.push_back(scene_box(primitives().at(std::size_t(instance.primitive)).bounds, instance, parameters));
+  if (file_ == nullptr) cut(parameters, pool);
 }
 
 void LoadedTile::cut(const BakeParameters& parameters, const ThreadPool& pool) {
-  std::vector<char> is_wide(primitives_.size(), 0);
+  std::vector<char> is_wide(primitives().size(), 0);
   for (std::size_t i = 0; i < boxes_.size(); ++i)
-    if (reaches_over_cells(boxes_[i], parameters)) is_wide[std::size_t(mesh_.instances[i].primitive)] = 1;
-  pool.parallel_for(primitives_.size(), 1, [&](std::size_t begin, std::size_t end, int) {
+    if (reaches_over_cells(boxes_[i], parameters)) is_wide[std::size_t(mesh().instances[i].primitive)] = 1;
+  pool.parallel_for(primitives().size(), 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t p = begin; p < end; ++p) {
-      if (is_wide[p] == 0 || primitives_[p].triangles < least_cut_triangles) continue;
-      std::vector<Primitive> meshes = clusters_of(*primitives_[p].clusters.front().mesh);
-      primitives_[p].clusters.clear();
-      for (Primitive& mesh : meshes) {
-        const LocalBounds bounds = bounds_of(mesh);
-        primitives_[p].clusters.push_back({bounds, std::make_shared<const Primitive>(std::move(mesh))});
-      }
+      TilePrimitive& primitive = directory_.primitives[p];
+      if (is_wide[p] == 0 || primitive.triangles < least_cut_triangles) continue;
+      primitive.clusters = in_memory(clusters_of(*primitive.clusters.front().mesh));
     }
   });
 }
 
+std::shared_ptr<const Primitive> LoadedTile::mesh_of(const TileCluster& cluster) const {
+  if (cluster.mesh != nullptr) return cluster.mesh;
+  return std::make_shared<const Primitive>(file_->read(cluster.stored));
+}
+
+std::shared_ptr<const Primitive> LoadedTile::mesh_of(const std::vector<const TileCluster*>& clusters) const {
+  std::vector<std::shared_ptr<const Primitive>> meshes;
+  for (const TileCluster* cluster : clusters) meshes.push_back(mesh_of(*cluster));
+  if (meshes.size() < 2) return meshes.empty() ? nullptr : meshes.front();
+  return std::make_shared<const Primitive>(joined(meshes));
+}
+
+std::shared_ptr<const Primitive> LoadedTile::whole(std::size_t primitive) const {
+  std::vector<const TileCluster*> all;
+  for (const TileCluster& cluster : primitives()[primitive].clusters) all.push_back(&cluster);
+  if (all.empty()) return std::make_shared<const Primitive>();
+  return mesh_of(all);
+}
+
 std::uint64_t LoadedTile::bytes() const {
-  std::uint64_t sum = sizeof(*this) + bytes_of(mesh_.instances) + bytes_of(mesh_.materials) + bytes_of(boxes_) +
-                      bytes_of(image_hash_) + bytes_of(primitives_);
-  for (const TilePrimitive& p : primitives_) {
-    sum += bytes_of(p.clusters);
+  std::uint64_t sum = sizeof(*this) + bytes_held(mesh().instances) + bytes_held(mesh().materials) + bytes_held(boxes_) +
+                      bytes_held(image_hash_) + bytes_held(mesh().primitives) + bytes_held(primitives());
+  for (const TilePrimitive& p : primitives()) {
+    sum += bytes_held(p.clusters);
     for (const TileCluster& c : p.clusters)
-      sum += sizeof(Primitive) + bytes_of(c.mesh->position) + bytes_of(c.mesh->index) + bytes_of(c.mesh->uv) +
-             bytes_of(c.mesh->rgba);
+      if (c.mesh != nullptr)
+        sum += sizeof(Primitive) + bytes_held(c.mesh->position) + bytes_held(c.mesh->index) + bytes_held(c.mesh->uv) +
+               bytes_held(c.mesh->rgba);
   }
-  for (const EncodedImage& image : mesh_.images) sum += sizeof(image) + image.bytes.capacity();
+  for (const EncodedImage& image : mesh().images) sum += sizeof(image) + image.bytes.capacity();
   return sum;
 }
 

@@ -1,0 +1,68 @@
+#include "cluster/bake_scratch.h"
+
+#include <string_view>
+#include <system_error>
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "lattice/counted.h"
+#include "lattice/error.h"
+#include "lattice/memory_limit.h"
+#include "worker/tiles/tile_store.h"
+
+namespace gigabake {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_of_store(const std::string& name) {
+  return (name.starts_with("t_") && (name.ends_with(".clusters") || name.ends_with(".clusters.lock"))) ||
+         (name.starts_with(".t_") && name.ends_with(".part"));
+}
+
+/// Of the disk on which the folder is, or would be.
+std::optional<std::uint64_t> room_at(fs::path folder) {
+  std::error_code error;
+  folder = fs::absolute(folder, error);
+  while (!folder.empty() && !fs::exists(folder, error) && folder != folder.parent_path()) folder = folder.parent_path();
+  const fs::space_info space = fs::space(folder, error);
+  if (error) return std::nullopt;
+  return space.available;
+}
+
+}  // namespace
+
+fs::path scratch_of(const BakeRequest& request) {
+  if (request.out.empty()) return {};
+  if (request.scratch.empty()) return request.out / "scratch";
+  const std::string out = fs::weakly_canonical(fs::absolute(request.out)).string();
+  const XXH128_hash_t h = XXH3_128bits(out.data(), out.size());
+  return request.scratch / ("gigabake-" + Hash128{h.low64, h.high64}.hex());
+}
+
+std::optional<std::string> scratch_note(const SceneSources& sources, const fs::path& folder,
+                                        std::uint64_t memory_bytes) {
+  const std::uint64_t most = scratch_in(folder, memory_bytes).most_tile_bytes;
+  std::uint64_t bytes = 0, tiles = 0;
+  for (const TileRef& tile : sources.tiles)
+    if (tile.bytes > most) ++tiles, bytes += tile.bytes;
+  if (folder.empty() || tiles == 0) return std::nullopt;
+  const std::string wanted = "about " + readable_size(bytes) + " of scratch for " + counted(tiles, "large tile");
+  if (const auto room = room_at(folder); room && *room < bytes)
+    throw InputError(folder, "",
+                     wanted + " do not fit on a disk that has " + readable_size(*room) +
+                         " left; name another folder with `scratch` or raise `memory_bytes`");
+  return wanted + " in " + folder.string() + " while cells are baked";
+}
+
+BakeScratch::~BakeScratch() {
+  if (is_needed_ || folder_.empty()) return;
+  std::error_code error;  // what cannot be removed does no harm
+  for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
+    std::error_code ignored;
+    if (is_of_store(it->path().filename().string())) fs::remove(it->path(), ignored);
+  }
+  fs::remove(folder_, error);
+}
+
+}  // namespace gigabake

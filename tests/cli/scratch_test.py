@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+"""A tile that is larger than the memory is baked from its clusters on scratch, to the same voxels, and leaves nothing.
+
+Usage: scratch_test.py GIGABAKE SOURCE_DIR
+"""
+import contextlib
+import os
+import signal
+import sys
+import time
+from pathlib import Path
+
+import harness
+
+# A tile may take a sixteenth of it in memory; this one takes three times as much.
+MEMORY = "64M"
+VOXEL = 1 / 512
+CELLS = ("--local", "--cell-voxels", "128")
+
+
+class Scratch(harness.FolderTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.tile = cls.root / "terrain.glb"
+        fractal = Path(GIGABAKE.executable).with_name("gigabake_fractal")
+        harness.run([fractal, "--quads", "512", cls.tile], 300)
+        info = GIGABAKE.bake(cls.tile, cls.root / "held", VOXEL, *CELLS, "--memory", "0")
+        cls.hashes = harness.lod_hashes(info)
+
+    def bake(self, name, *options, memory=MEMORY, **more):
+        return GIGABAKE.run("bake", self.tile, "-o", self.root / name, "--voxel-size", VOXEL, *CELLS,
+                            "--memory", memory, *options, **more)
+
+    def expect_whole(self, result, name):
+        self.assertEqual(result.returncode, 0, result)
+        info = GIGABAKE.info(self.root / name / "scene.xml")
+        self.assertEqual(harness.lod_hashes(info), self.hashes)
+        self.assertFalse((self.root / name / "scratch").exists())
+
+    def test_any_number_of_ranks_has_the_voxels_of_a_bake_in_memory(self):
+        for ranks in (None, 2, 3):
+            name = f"ranks{ranks}"
+            result = self.bake(name, ranks=ranks)
+            self.expect_whole(result, name)
+            self.assertIn("of scratch for 1 large tile", result.stderr)
+        self.assertNotIn("scratch", self.bake("much", memory="4G").stderr)
+
+    def test_a_folder_of_ones_own_is_used_and_left_as_it_was(self):
+        scratch = self.root / "of mine"
+        scratch.mkdir()
+        (scratch / "t_notes.txt").write_text("mine")
+        result = self.bake("elsewhere", "--scratch", scratch)
+        self.expect_whole(result, "elsewhere")
+        self.assertIn(str(scratch), result.stderr)
+        self.assertEqual([path.name for path in scratch.iterdir()], ["t_notes.txt"])
+
+    def test_what_a_killed_bake_has_on_scratch_is_used_by_the_next_and_goes_with_it(self):
+        for number, how in ((1, signal.SIGKILL), (2, signal.SIGTERM)):
+            name = f"killed{number}"
+            bake = harness.Started([GIGABAKE.executable, "bake", self.tile, "-o", self.root / name, "--voxel-size",
+                                    VOXEL / 4, "--local", "--cell-voxels", 256, "--memory", MEMORY, "--threads", 1],
+                                   env=dict(os.environ, **harness.MPI_ENVIRONMENT))
+            self.addCleanup(bake.end)
+            scratch = self.root / name / "scratch"
+            while bake.poll() is None and not list(scratch.glob("t_*.clusters")):
+                time.sleep(0.01)
+            bake.send_signal(how)
+            bake.wait()
+            kept = list(scratch.glob("t_*.clusters"))
+            self.assertEqual(len(kept), 1, bake.said())
+            files = {kept[0].stat().st_ino}
+            self.assertNotEqual(bake.returncode, 0)
+            again = harness.Started([GIGABAKE.executable, "bake", self.tile, "-o", self.root / name, "--voxel-size",
+                                     VOXEL, *CELLS, "--memory", MEMORY],
+                                    env=dict(os.environ, **harness.MPI_ENVIRONMENT))
+            self.addCleanup(again.end)
+            with contextlib.suppress(FileNotFoundError):
+                while True:
+                    files.add(kept[0].stat().st_ino)
+            again.wait()
+            self.assertEqual(len(files), 1, "the file was written again")
+            self.assertEqual(again.returncode, 0, again.said())
+            info = GIGABAKE.info(self.root / name / "scene.xml")
+            self.assertEqual(harness.lod_hashes(info), self.hashes)
+            self.assertFalse(scratch.exists())
+
+    def test_a_folder_that_cannot_be_written_is_named_in_one_line(self):
+        file = self.root / "file"
+        file.write_text("no folder")
+        result = self.bake("nowhere", "--scratch", file)
+        self.assertEqual(result.returncode, 1, result)
+        self.assertIn("cannot make the scratch folder", result.stderr)
+        self.assertEqual(sum("gigabake: " in line for line in result.stderr.splitlines()), 1, result.stderr)
+
+
+if __name__ == "__main__":
+    GIGABAKE = harness.Gigabake(sys.argv[1])
+    harness.main(argv=sys.argv[:1])

@@ -1,0 +1,244 @@
+#include "worker/tiles/tile_store.h"
+
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <limits>
+#include <sys/resource.h>
+#include <thread>
+
+#include "../glb_scene.h"
+#include "format/source/tile_hash.h"
+#include "format/system/io_error.h"
+#include "kernels/cpu/bake_cell.h"
+#include "lattice/memory_limit.h"
+#include "worker/cell_loader.h"
+#include "worker/cell_parameters.h"
+#include "worker/survey_tile.h"
+#include "worker/tiles/tile_gatherer.h"
+
+namespace gigabake {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// 32,768 triangles of textured ground, 128 m wide, in cells of 32 m; everything is large beside no memory.
+class TileStoreTest : public testing::Test {
+ protected:
+  TileStoreTest() {
+    parameters.voxel_size_m = 0.25;
+    parameters.cell_voxels = 128;
+    write(rolling_ground(128, 0, 0));
+  }
+
+  void write(GlbMesh mesh) {
+    mesh.image = checkered_png(64);
+    write_glb(folder.path() / "ground.glb", mesh);
+    sources = sources_of(folder.path(), {"ground.glb"});
+  }
+
+  /// JSON has no word for what is not finite: the accessor's bounds stay as they were.
+  void replace_in_file(float mark, float value) const {
+    std::ifstream in(folder.path() / "ground.glb", std::ios::binary);
+    std::string bytes{std::istreambuf_iterator<char>(in), {}};
+    const std::string from(reinterpret_cast<const char*>(&mark), 4), to(reinterpret_cast<const char*>(&value), 4);
+    int count = 0;
+    for (std::size_t at = 0; (at = bytes.find(from, at)) != std::string::npos; ++count) bytes.replace(at, 4, to);
+    ASSERT_EQ(count, 2);
+    std::ofstream(folder.path() / "ground.glb", std::ios::binary) << bytes;
+  }
+
+  Hash128 hash() const { return tile_hash(sources.tiles[0], sources.root); }
+  fs::path scratch() const { return folder.path() / "scratch"; }
+  TileStore store() const { return {sources, parameters, {scratch(), 0}, 2}; }
+  fs::path clusters() const { return scratch() / ("t_" + hash().hex() + ".clusters"); }
+
+  std::vector<Hash128> bake(std::int64_t x, std::int64_t y, TileScratch where) const {
+    CellJob job;
+    job.name = "cell";
+    job.lattice_min = {x, y, -64};
+    job.cell_voxels = 128;
+    job.tiles = {0};
+    job.tile_sources = {hash()};
+    CellLoader loader(sources, parameters, 0, 2, std::move(where));
+    const LoadedCell cell = loader.load(job);
+    return kernels::bake_cell(cell.input(), cell_parameters(job, parameters, 0), callers_thread()).content_hash;
+  }
+
+  /// Files of the folder, without those of the lock.
+  std::vector<std::string> left() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(scratch()))
+      if (entry.path().extension() != ".lock") names.push_back(entry.path().filename().string());
+    return names;
+  }
+
+  ScratchFolder folder;
+  BakeParameters parameters;
+  SceneSources sources;
+};
+
+TEST_F(TileStoreTest, CellsHaveTheSameBitsFromScratch) {
+  int baked = 0;
+  for (std::int64_t y = -128; y < 640; y += 256)
+    for (std::int64_t x = -128; x < 640; x += 128) {
+      const std::vector<Hash128> from_file = bake(x, y, {});
+      EXPECT_EQ(bake(x, y, {scratch(), 0}), from_file) << x << ' ' << y;
+      baked += !from_file.empty();
+    }
+  EXPECT_GT(baked, 6);
+  EXPECT_EQ(left().size(), 1u);
+}
+
+TEST_F(TileStoreTest, ATileIsReadOnce) {
+  const std::vector<Hash128> from_file = bake(0, 0, {});
+  const Hash128 as_it_was = hash();
+  store().load(0, as_it_was);
+  fs::remove(folder.path() / "ground.glb");
+  const auto tile = store().load(0, as_it_was);
+  EXPECT_EQ(tile->mesh().images.size(), 1u);
+  EXPECT_EQ(tile->whole(0)->index.size(), 3u * 32768);
+  EXPECT_LT(tile->bytes(), 200'000u);
+}
+
+TEST_F(TileStoreTest, ASmallTileStaysInMemory) {
+  const TileStore roomy(sources, parameters, {scratch(), std::uint64_t(1) << 30}, 2);
+  EXPECT_FALSE(roomy.may_be_large(0));
+  EXPECT_EQ(roomy.load(0, hash())->whole(0)->index.size(), 3u * 32768);
+  EXPECT_FALSE(fs::exists(scratch()));
+  EXPECT_EQ(scratch_in(scratch(), 0).most_tile_bytes, std::numeric_limits<std::uint64_t>::max());
+}
+
+TEST_F(TileStoreTest, ASurveyIsTheSameFromScratch) {
+  const ThreadPool pool(2);
+  const TileStore clusters_on_disk = store();
+  const TileSurvey a = survey_tile(sources, 0, parameters, pool),
+                   b = survey_tile(sources, 0, parameters, pool, &clusters_on_disk);
+  EXPECT_EQ(a.error + b.error, "");
+  EXPECT_EQ(to_bytes(a), to_bytes(b));
+  EXPECT_EQ(left().size(), 1u);
+}
+
+TEST_F(TileStoreTest, ASurveyIsTheSameOfMeshesThatCannotBeBounded) {
+  for (const float wrong : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e30f}) {
+    constexpr float mark = 0.1234567f;
+    GlbMesh mesh = rolling_ground(128, 0, 0);
+    mesh.position[3 * 700 + 1] = mesh.position[3 * 4000 + 1] = mark;
+    write(mesh);
+    replace_in_file(mark, wrong);
+    const ThreadPool pool(2);
+    const TileStore clusters_on_disk = store();
+    const TileSurvey a = survey_tile(sources, 0, parameters, pool),
+                     b = survey_tile(sources, 0, parameters, pool, &clusters_on_disk);
+    EXPECT_EQ(a.error, b.error);
+    EXPECT_EQ(to_bytes(a), to_bytes(b)) << wrong;
+    EXPECT_GT(a.non_finite + a.too_far, 0u);
+    EXPECT_EQ(bake(0, 0, {scratch(), 0}), bake(0, 0, {})) << wrong;
+  }
+}
+
+TEST_F(TileStoreTest, AFileThatIsCutCountsAsNone) {
+  const std::vector<Hash128> right = bake(0, 0, {});
+  store().load(0, hash());
+  const std::uint64_t whole = fs::file_size(clusters());
+  for (const std::uint64_t size : {std::uint64_t(0), std::uint64_t(39), whole / 2, whole - 1}) {
+    fs::resize_file(clusters(), size);
+    EXPECT_EQ(bake(0, 0, {scratch(), 0}), right) << size;
+    EXPECT_EQ(fs::file_size(clusters()), whole);
+  }
+}
+
+TEST_F(TileStoreTest, AChangedByteIsNamedAndTheNextTryMakesTheFileAnew) {
+  const std::vector<Hash128> right = bake(0, 0, {});
+  store().load(0, hash());
+  std::fstream file(clusters(), std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(100);
+  file.put('!');
+  file.close();
+  const auto tile = store().load(0, hash());
+  try {
+    for (std::size_t p = 0; p < tile->primitives().size(); ++p) tile->whole(p);
+    FAIL() << "took other triangles";
+  } catch (const IoError& e) {
+    EXPECT_NE(std::string(e.what()).find("does not hold what was written"), std::string::npos) << e.what();
+  }
+  EXPECT_TRUE(left().empty());
+  EXPECT_EQ(bake(0, 0, {scratch(), 0}), right);
+}
+
+TEST_F(TileStoreTest, ATileThatChangedSinceItsSurveyLeavesNothing) {
+  Hash128 surveyed = hash();
+  surveyed.lo ^= 1;
+  EXPECT_THROW(store().load(0, surveyed), InputError);
+  EXPECT_TRUE(left().empty());
+}
+
+/// As on a disk that fills up: files end at `bytes`.
+class FilesEndAt {
+ public:
+  explicit FilesEndAt(std::uint64_t bytes) {
+    handler_ = std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FilesEndAt() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+TEST_F(TileStoreTest, ADiskThatFillsUpIsNamedAndNothingHalfWrittenStays) {
+  for (const std::uint64_t bytes : {0, 1000, 300'000}) {
+    const Hash128 expected = hash();
+    const TileStore full = store();
+    const FilesEndAt end(bytes);
+    try {
+      full.load(0, expected);
+      ADD_FAILURE() << "wrote beyond the end";
+    } catch (const IoError& e) {
+      EXPECT_NE(std::string(e.what()).find("cannot write"), std::string::npos) << e.what();
+    }
+    EXPECT_TRUE(left().empty());
+  }
+}
+
+TEST_F(TileStoreTest, AFolderThatCannotBeMadeIsNamed) {
+  std::ofstream(scratch()) << "a file";
+  try {
+    store().load(0, hash());
+    FAIL() << "wrote into a file";
+  } catch (const IoError& e) {
+    EXPECT_NE(std::string(e.what()).find("scratch"), std::string::npos);
+  }
+}
+
+TEST_F(TileStoreTest, SeveralRanksThatWantATileMakeOneFile) {
+  const Hash128 expected = hash();
+  std::vector<std::thread> ranks;
+  for (int rank = 0; rank < 5; ++rank)
+    ranks.emplace_back([&] {
+      const auto tile = store().load(0, expected);
+      EXPECT_EQ(tile->whole(0)->index.size(), 3u * 32768);
+    });
+  for (std::thread& rank : ranks) rank.join();
+  EXPECT_EQ(left().size(), 1u);
+}
+
+TEST(TileGatherer, RefusesWhatMemoryCannotHoldWhereThereIsNoScratch) {
+  set_memory_limit(1 << 20);
+  const ThreadPool pool(1);
+  TileGatherer gatherer("tile.glb", {0, {}}, pool);
+  Primitive mesh;
+  mesh.position.assign(1 << 19, 0.0f);
+  EXPECT_THROW(gatherer.take(std::move(mesh)), InputError);
+  set_memory_limit(0);
+}
+
+}  // namespace
+}  // namespace gigabake

@@ -1,0 +1,76 @@
+/// The columns that a tile's triangles touch, while they are found.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "format/job/survey.h"
+
+namespace gigabake {
+
+inline constexpr std::uint64_t max_columns = std::uint64_t(1) << 21;
+/// Columns times triangles that one thread may meet, so that a hostile tile ends in seconds.
+inline constexpr std::uint64_t max_visits = std::uint64_t(1) << 28;
+
+struct ColumnKey {
+  std::int64_t x, y;
+  friend bool operator==(const ColumnKey&, const ColumnKey&) = default;
+};
+
+struct ColumnKeyHash {
+  std::size_t operator()(const ColumnKey& k) const {
+    return std::size_t(std::uint64_t(k.x) * 0x9e3779b97f4a7c15ull ^
+                       std::rotl(std::uint64_t(k.y) * 0xc2b2ae3d27d4eb4full, 32));
+  }
+};
+
+/// Of both columns, which are at one place.
+inline void unite_into(ColumnExtent& column, const ColumnExtent& other) {
+  column.z_min = std::min(column.z_min, other.z_min);
+  column.z_end = std::max(column.z_end, other.z_end);
+  column.triangles += other.triangles;
+  const std::uint64_t room = UINT64_MAX - column.crossings;
+  column.crossings += std::min(room, other.crossings);
+}
+
+/// What one thread has found. Neighbouring triangles mostly share their column: the last one is at hand.
+class ColumnMap {
+ public:
+  void add(const ColumnExtent& c) {
+    if (last_ == nullptr || last_->column_x != c.column_x || last_->column_y != c.column_y) {
+      const ColumnExtent empty{c.column_x, c.column_y, c.z_min, c.z_end};
+      last_ = &columns_.try_emplace(ColumnKey{c.column_x, c.column_y}, empty).first->second;
+    }
+    unite_into(*last_, c);
+    ++visits_;
+  }
+  bool is_too_wide() const { return columns_.size() > max_columns || visits_ > max_visits; }
+  const auto& columns() const { return columns_; }
+
+ private:
+  std::unordered_map<ColumnKey, ColumnExtent, ColumnKeyHash> columns_;
+  ColumnExtent* last_ = nullptr;
+  std::uint64_t visits_ = 0;
+};
+
+/// Sorts by place, and makes one of the columns that several threads found.
+inline void unite_columns(std::vector<ColumnExtent>& columns) {
+  std::sort(columns.begin(), columns.end(), [](const ColumnExtent& a, const ColumnExtent& b) {
+    return std::pair(a.column_x, a.column_y) < std::pair(b.column_x, b.column_y);
+  });
+  std::size_t kept = 0;
+  for (const ColumnExtent& c : columns) {
+    if (kept != 0 && columns[kept - 1].column_x == c.column_x && columns[kept - 1].column_y == c.column_y)
+      unite_into(columns[kept - 1], c);
+    else
+      columns[kept++] = c;
+  }
+  columns.resize(kept);
+}
+
+}  // namespace gigabake

@@ -1,0 +1,142 @@
+#include "worker/tiles/tile_directory.h"
+
+#include <algorithm>
+
+#include "lattice/bytes.h"
+#include "lattice/error.h"
+
+namespace gigabake {
+namespace {
+
+constexpr const char* directory_name = "directory of a scratch file";
+
+void put_image(ByteWriter& w, const EncodedImage& image) {
+  w.put(image.name);
+  w.put(std::string(image.bytes.begin(), image.bytes.end()));
+}
+
+EncodedImage get_image(ByteReader& r) {
+  EncodedImage image;
+  std::string bytes;
+  r.get(image.name), r.get(bytes);
+  image.bytes.assign(bytes.begin(), bytes.end());
+  return image;
+}
+
+void put_material(ByteWriter& w, const Material& m) {
+  w.put(m.base_color), w.put(m.texture.image), w.put(m.texture.wrap_s), w.put(m.texture.wrap_t);
+  w.put(m.texture.nearest), w.put(m.alpha_mode), w.put(m.alpha_cutoff), w.put(m.double_sided), w.put(m.unlit);
+}
+
+/// Of an enum without names.
+template <class Enum>
+void get_numbered(ByteReader& r, Enum& value, Enum last) {
+  std::uint8_t number = 0;
+  r.get(number);
+  if (number > std::uint8_t(last))
+    throw InputError(directory_name, "", "holds " + std::to_string(number) + ", which is no value");
+  value = Enum(number);
+}
+
+Material get_material(ByteReader& r) {
+  Material m;
+  r.get(m.base_color), r.get(m.texture.image);
+  get_numbered(r, m.texture.wrap_s, Wrap::clamp_to_edge), get_numbered(r, m.texture.wrap_t, Wrap::clamp_to_edge);
+  r.get(m.texture.nearest);
+  get_numbered(r, m.alpha_mode, AlphaMode::blend);
+  r.get(m.alpha_cutoff), r.get(m.double_sided), r.get(m.unlit);
+  return m;
+}
+
+/// Items of these kinds are not plain values: how many, then one after the other.
+template <class T, class Put>
+void put_list(ByteWriter& w, const std::vector<T>& items, const Put& put) {
+  w.put(std::uint64_t(items.size()));
+  for (const T& item : items) put(w, item);
+}
+
+template <class T, class Get>
+void get_list(ByteReader& r, std::vector<T>& items, const Get& get) {
+  std::uint64_t count = 0;
+  r.get(count);
+  for (std::uint64_t i = 0; i < count; ++i) items.push_back(get(r));  // ends early where the bytes do
+}
+
+void put_cluster(ByteWriter& w, const TileCluster& c) {
+  w.put(c.bounds);
+  w.put(c.stored.offset), w.put(c.stored.checksum), w.put(c.stored.bytes);
+}
+
+TileCluster get_cluster(ByteReader& r) {
+  TileCluster c;
+  r.get(c.bounds);
+  r.get(c.stored.offset), r.get(c.stored.checksum), r.get(c.stored.bytes);
+  return c;
+}
+
+void put_primitive(ByteWriter& w, const TilePrimitive& p) {
+  w.put(p.bounds), w.put(p.triangles);
+  put_list(w, p.clusters, put_cluster);
+}
+
+TilePrimitive get_primitive(ByteReader& r) {
+  TilePrimitive p;
+  r.get(p.bounds), r.get(p.triangles);
+  get_list(r, p.clusters, get_cluster);
+  return p;
+}
+
+void put_shell(ByteWriter& w, const Primitive& p) { w.put(std::int32_t(p.material)), w.put(p.position_step); }
+
+Primitive get_shell(ByteReader& r) {
+  Primitive p;
+  std::int32_t material = 0;
+  r.get(material), r.get(p.position_step);
+  p.material = material;
+  return p;
+}
+
+void put_instance(ByteWriter& w, const Instance& i) { w.put(std::int32_t(i.primitive)), w.put(i.scene_from_local); }
+
+Instance get_instance(ByteReader& r) {
+  Instance i;
+  std::int32_t primitive = 0;
+  r.get(primitive), r.get(i.scene_from_local);
+  i.primitive = primitive;
+  return i;
+}
+
+void check(const TileDirectory& d) {
+  const auto within = [](int index, std::size_t size) { return index >= 0 && std::size_t(index) < size; };
+  bool is_right = d.primitives.size() == d.mesh.primitives.size();
+  for (const Instance& i : d.mesh.instances) is_right = is_right && within(i.primitive, d.primitives.size());
+  for (const Primitive& p : d.mesh.primitives) is_right = is_right && within(p.material, d.mesh.materials.size());
+  for (const Material& m : d.mesh.materials)
+    is_right = is_right && (m.texture.image < 0 || within(m.texture.image, d.mesh.images.size()));
+  if (!is_right) throw InputError(directory_name, "", "names what is not there");
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> to_bytes(const TileDirectory& d) {
+  ByteWriter w;
+  put_list(w, d.mesh.primitives, put_shell), put_list(w, d.mesh.instances, put_instance);
+  put_list(w, d.mesh.materials, put_material), put_list(w, d.mesh.images, put_image);
+  w.put(d.mesh.counts), w.put(d.mesh.warnings);
+  put_list(w, d.primitives, put_primitive);
+  return w.take();
+}
+
+TileDirectory directory_from_bytes(std::span<const std::uint8_t> bytes) {
+  ByteReader r(bytes, directory_name);
+  TileDirectory d;
+  get_list(r, d.mesh.primitives, get_shell), get_list(r, d.mesh.instances, get_instance);
+  get_list(r, d.mesh.materials, get_material), get_list(r, d.mesh.images, get_image);
+  r.get(d.mesh.counts), r.get(d.mesh.warnings);
+  get_list(r, d.primitives, get_primitive);
+  r.expect_end();
+  check(d);
+  return d;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,159 @@
+#include "worker/tiles/tile_file.h"
+
+#include <cerrno>
+#include <cstring>
+#include <sys/stat.h>
+#include <system_error>
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "format/system/io_error.h"
+
+namespace gigabake {
+namespace {
+
+constexpr std::uint64_t magic = 0x656c697462676267;  // "gbgbtile"
+
+struct Trailer {
+  std::uint64_t offset = 0, bytes = 0, checksum = 0;  ///< of the directory
+  std::uint64_t version = tile_file_version, mark = magic;
+};
+
+struct ClusterHead {
+  std::uint32_t vertices = 0, corners = 0;
+  std::uint32_t has_uv = 0, has_rgba = 0;
+
+  std::uint64_t bytes() const {
+    return sizeof *this + std::uint64_t(vertices) * (12 + 8 * has_uv + 8 * has_rgba) + 2 * std::uint64_t(corners);
+  }
+};
+
+std::uint64_t checksum_of(std::span<const std::uint8_t> bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
+
+template <class T>
+std::span<const std::uint8_t> raw_bytes(const T& value) {
+  return {reinterpret_cast<const std::uint8_t*>(&value), sizeof value};
+}
+
+template <class T>
+void append_values(const std::vector<T>& values, std::vector<std::uint8_t>& bytes) {
+  const auto* from = reinterpret_cast<const std::uint8_t*>(values.data());
+  bytes.insert(bytes.end(), from, from + values.size() * sizeof(T));
+}
+
+template <class T>
+const std::uint8_t* take(const std::uint8_t* from, std::size_t count, std::vector<T>& values) {
+  values.resize(count);
+  if (count != 0) std::memcpy(values.data(), from, count * sizeof(T));
+  return from + count * sizeof(T);
+}
+
+[[noreturn]] void fail(const std::filesystem::path& path, const char* what, int error) {
+  throw IoError(path, "", std::string("cannot ") + what + ": " + std::strerror(error));
+}
+
+/// False: the file ends early, or errno says why.
+bool read_at(const Descriptor& file, std::uint64_t offset, std::span<std::uint8_t> bytes) {
+  errno = 0;
+  while (!bytes.empty()) {
+    const ssize_t got = ::pread(file.get(), bytes.data(), bytes.size(), off_t(offset));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return false;
+    bytes = bytes.subspan(std::size_t(got));
+    offset += std::uint64_t(got);
+  }
+  return true;
+}
+
+std::uint64_t size_of(const Descriptor& file) {
+  struct stat found {};
+  return ::fstat(file.get(), &found) == 0 ? std::uint64_t(found.st_size) : 0;
+}
+
+Publication publication_of(const std::filesystem::path& target) {
+  try {
+    return Publication(target);
+  } catch (const InputError&) {
+    fail(target, "write", errno);
+  }
+}
+
+}  // namespace
+
+StoredCluster append_cluster(const Primitive& cluster, std::vector<std::uint8_t>& bytes) {
+  const std::size_t begin = bytes.size();
+  const ClusterHead head{std::uint32_t(cluster.position.size() / 3), std::uint32_t(cluster.index.size()),
+                         cluster.uv.empty() ? 0u : 1u, cluster.rgba.empty() ? 0u : 1u};
+  const std::vector<std::uint16_t> index(cluster.index.begin(), cluster.index.end());
+  const auto head_bytes = raw_bytes(head);
+  bytes.insert(bytes.end(), head_bytes.begin(), head_bytes.end());
+  append_values(cluster.position, bytes), append_values(cluster.uv, bytes);
+  append_values(cluster.rgba, bytes), append_values(index, bytes);
+  const auto all = std::span<const std::uint8_t>(bytes).subspan(begin);
+  return {begin, checksum_of(all), std::uint32_t(all.size())};
+}
+
+TileFileWriter::TileFileWriter(std::filesystem::path target)
+    : target_(std::move(target)), publication_(publication_of(target_)), file_(publication_.aside(), O_WRONLY) {
+  if (!file_.is_open()) fail(target_, "write", errno);
+}
+
+std::uint64_t TileFileWriter::append(std::span<const std::uint8_t> bytes) {
+  if (!file_.write_all(bytes)) fail(target_, "write", errno);
+  return std::exchange(bytes_, bytes_ + bytes.size());
+}
+
+void TileFileWriter::publish(std::span<const std::uint8_t> directory) {
+  Trailer trailer;
+  trailer.checksum = checksum_of(directory);
+  trailer.bytes = directory.size();
+  trailer.offset = append(directory);
+  append(raw_bytes(trailer));
+  file_ = Descriptor();
+  publication_.publish(Durability::while_up);
+}
+
+std::shared_ptr<const TileFile> TileFile::open(const std::filesystem::path& path) {
+  auto tile = std::make_shared<TileFile>();
+  tile->path_ = path;
+  tile->file_ = Descriptor(path, O_RDONLY);
+  if (!tile->file_.is_open()) return nullptr;
+  const std::uint64_t size = size_of(tile->file_);
+  Trailer trailer;
+  if (size < sizeof trailer ||
+      !read_at(tile->file_, size - sizeof trailer, {reinterpret_cast<std::uint8_t*>(&trailer), sizeof trailer}))
+    return nullptr;
+  if (trailer.mark != magic || trailer.version != tile_file_version || trailer.offset > size ||
+      trailer.bytes != size - sizeof trailer - trailer.offset)
+    return nullptr;
+  tile->directory_.resize(trailer.bytes);
+  if (!read_at(tile->file_, trailer.offset, tile->directory_) || checksum_of(tile->directory_) != trailer.checksum)
+    return nullptr;
+  return tile;
+}
+
+Primitive TileFile::read(const StoredCluster& cluster) const {
+  std::vector<std::uint8_t> bytes(cluster.bytes);
+  const bool is_read = read_at(file_, cluster.offset, bytes);
+  const int error = errno;
+  if (!is_read && error != 0) fail(path_, "read", error);
+  ClusterHead head;
+  if (is_read && bytes.size() >= sizeof head) std::memcpy(&head, bytes.data(), sizeof head);
+  if (!is_read || checksum_of(bytes) != cluster.checksum || head.bytes() != bytes.size()) {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+    throw IoError(path_, "", "does not hold what was written; the scratch file is made again at the next try",
+                  cluster.offset);
+  }
+  Primitive mesh;
+  std::vector<std::uint16_t> index;
+  const std::uint8_t* from = bytes.data() + sizeof head;
+  from = take(from, 3 * std::size_t(head.vertices), mesh.position);
+  from = take(from, 2 * std::size_t(head.vertices) * head.has_uv, mesh.uv);
+  from = take(from, 4 * std::size_t(head.vertices) * head.has_rgba, mesh.rgba);
+  take(from, head.corners, index);
+  mesh.index.assign(index.begin(), index.end());
+  return mesh;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,94 @@
+#include "worker/tiles/tile_gatherer.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "worker/tiles/clusters.h"
+
+namespace gigabake {
+namespace {
+
+std::uint64_t list_bytes(const Primitive& p) {
+  return 4 * (p.position.size() + p.index.size() + p.uv.size()) + 2 * p.rgba.size();
+}
+
+/// About what a part of a large list takes (most_part_triangles): one for each thread keeps all of them busy.
+constexpr std::uint64_t part_bytes = std::uint64_t(24) << 20;
+
+/// A primitive's clusters as the file will have them.
+struct CutPrimitive {
+  TilePrimitive table;  ///< offsets count from the begin of `bytes`
+  std::vector<std::uint8_t> bytes;
+};
+
+CutPrimitive cut_one(const Primitive& mesh) {
+  CutPrimitive out;
+  out.table.bounds = bounds_of(mesh);
+  out.table.triangles = mesh.index.size() / 3;
+  for (const Primitive& cluster : clusters_of(mesh))
+    out.table.clusters.push_back({bounds_of(cluster), nullptr, append_cluster(cluster, out.bytes)});
+  return out;
+}
+
+}  // namespace
+
+TileGatherer::TileGatherer(const std::filesystem::path& tile, Limit limit, const ThreadPool& pool)
+    : limit_(std::move(limit)), pool_(pool), claim_(tile) {}
+
+TileGatherer::~TileGatherer() {
+  if (cutting_.valid()) cutting_.wait();
+}
+
+void TileGatherer::take(Primitive&& primitive) {
+  const std::uint64_t bytes = list_bytes(primitive);
+  bytes_ += bytes;
+  pending_.push_back(std::move(primitive));
+  if (limit_.scratch_file.empty()) return claim_.add(bytes, "", "triangles");
+  if (!writer_ && bytes_ > limit_.most_bytes) writer_.emplace(limit_.scratch_file);
+  const std::uint64_t enough =
+      std::clamp(limit_.most_bytes / 2, part_bytes, part_bytes * std::uint64_t(pool_.threads()));
+  if (writer_ && bytes_ >= enough) cut_pending();
+}
+
+/// One batch is cut and written while the next is read.
+void TileGatherer::cut_pending() {
+  wait();
+  bytes_ = 0;
+  cutting_ = std::async(std::launch::async, [this, batch = std::exchange(pending_, {})] { cut(batch); });
+}
+
+void TileGatherer::wait() {
+  if (cutting_.valid()) cutting_.get();
+}
+
+void TileGatherer::cut(const std::vector<Primitive>& batch) {
+  std::vector<CutPrimitive> done(batch.size());
+  pool_.parallel_for(batch.size(), 1, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) done[i] = cut_one(batch[i]);
+  });
+  for (CutPrimitive& p : done) {
+    const std::uint64_t begin = writer_->append(p.bytes);
+    for (TileCluster& c : p.table.clusters) c.stored.offset += begin;
+    cut_.push_back(std::move(p.table));
+  }
+}
+
+TileDirectory TileGatherer::finish(TileMesh&& mesh) {
+  TileDirectory all{std::move(mesh), {}};
+  if (writer_) {
+    cut_pending();
+    wait();
+    all.primitives = std::move(cut_);
+    writer_->publish(to_bytes(all));
+    return all;
+  }
+  for (Primitive& p : pending_) {
+    const LocalBounds bounds = bounds_of(p);
+    const std::uint64_t triangles = p.index.size() / 3;
+    all.primitives.push_back({bounds, triangles, {{bounds, std::make_shared<const Primitive>(std::move(p))}}});
+  }
+  pending_.clear();
+  return all;
+}
+
+}  // namespace gigabake
