@@ -7,11 +7,14 @@
 #include <array>
 #include <cmath>
 #include <fmt/core.h>
+#include <limits>
+#include <span>
 #include <vector>
 
 #include "format/sample/glb_writer.h"
 #include "format/sample/noise.h"
 #include "format/sample/picture.h"
+#include "format/system/output_file.h"
 #include "format/system/publish.h"
 #include "lattice/error.h"
 
@@ -92,26 +95,79 @@ sample::Picture picture_of(const HeightField& field, int texels) {
   return picture;
 }
 
-sample::GlbMesh mesh_of(const HeightField& field, bool textured) {
-  sample::GlbMesh mesh;
-  const int points = field.points(), quads = points - 1;
-  for (int y = 0; y < points; ++y)
-    for (int x = 0; x < points; ++x) {
-      const double h = field.at(x, y);
-      mesh.position.insert(mesh.position.end(), {float(double(x) / quads), float(h), float(-double(y) / quads)});
-      if (textured) {
-        mesh.uv.insert(mesh.uv.end(), {std::uint16_t(65535 * x / quads), std::uint16_t(65535 * y / quads)});
-        continue;
+/// One row of values after the other: the height field is all that is held.
+class MeshOfField {
+ public:
+  explicit MeshOfField(const HeightField& field) : field_(field), points_(field.points()), quads_(points_ - 1) {}
+
+  sample::GlbListedMesh listed(bool textured) const {
+    sample::GlbListedMesh out;
+    out.vertices = std::size_t(points_) * std::size_t(points_);
+    out.corners = 6 * std::size_t(quads_) * std::size_t(quads_);
+    out.low = {0, std::numeric_limits<float>::max(), -1};
+    out.high = {1, std::numeric_limits<float>::lowest(), -0.0f};
+    for (int y = 0; y < points_; ++y)
+      for (int x = 0; x < points_; ++x) {
+        out.low[1] = std::min(out.low[1], float(field_.at(x, y)));
+        out.high[1] = std::max(out.high[1], float(field_.at(x, y)));
       }
-      for (const double c : colour_of(h, x, y)) mesh.rgba.push_back(std::uint8_t(255 * c));
-      mesh.rgba.push_back(255);
+    const auto rows = [this](auto row, int count) {
+      return [this, row, count](const auto& put) {
+        for (int y = 0; y < count; ++y) put((this->*row)(y));
+      };
+    };
+    out.position = rows(&MeshOfField::positions, points_);
+    if (textured)
+      out.uv = rows(&MeshOfField::texture_coordinates, points_);
+    else
+      out.rgba = rows(&MeshOfField::colours, points_);
+    out.index = rows(&MeshOfField::corners, quads_);
+    return out;
+  }
+
+ private:
+  std::vector<float> positions(int y) const {
+    std::vector<float> out;
+    for (int x = 0; x < points_; ++x)
+      out.insert(out.end(), {float(double(x) / quads_), float(field_.at(x, y)), float(-double(y) / quads_)});
+    return out;
+  }
+
+  std::vector<std::uint16_t> texture_coordinates(int y) const {
+    std::vector<std::uint16_t> out;
+    for (int x = 0; x < points_; ++x)
+      out.insert(out.end(), {std::uint16_t(65535 * x / quads_), std::uint16_t(65535 * y / quads_)});
+    return out;
+  }
+
+  std::vector<std::uint8_t> colours(int y) const {
+    std::vector<std::uint8_t> out;
+    for (int x = 0; x < points_; ++x) {
+      for (const double c : colour_of(field_.at(x, y), x, y)) out.push_back(std::uint8_t(255 * c));
+      out.push_back(255);
     }
-  for (int y = 0; y < quads; ++y)
-    for (int x = 0; x < quads; ++x) {
-      const auto a = std::uint32_t(y * points + x), b = a + 1, c = a + std::uint32_t(points), d = c + 1;
-      mesh.index.insert(mesh.index.end(), {a, b, d, a, d, c});
+    return out;
+  }
+
+  std::vector<std::uint32_t> corners(int y) const {
+    std::vector<std::uint32_t> out;
+    for (int x = 0; x < quads_; ++x) {
+      const auto a = std::uint32_t(y * points_ + x), b = a + 1, c = a + std::uint32_t(points_), d = c + 1;
+      out.insert(out.end(), {a, b, d, a, d, c});
     }
-  return mesh;
+    return out;
+  }
+
+  const HeightField& field_;
+  int points_, quads_;
+};
+
+void write(const sample::GlbModel& model, const sample::GlbListedMesh& mesh, const std::string& path) {
+  Publication publication(path);
+  OutputFile file(path, publication.aside());
+  write_glb(model, std::span(&mesh, 1), [&](std::span<const std::uint8_t> bytes) { file.write(bytes); });
+  file.finish();
+  publication.publish();
 }
 
 }  // namespace
@@ -139,10 +195,10 @@ int main(int argc, char** argv) {
     const bool textured = o.texture != 0;
     if (textured) model.images.push_back({"image/jpeg", sample::to_jpeg(picture_of(field, o.texture), 90)});
     model.materials.push_back({"ground", textured ? 0 : -1, {1, 1, 1, 1}, 0, false});
-    model.meshes.push_back(mesh_of(field, textured));
-    const std::vector<std::uint8_t> glb = sample::to_glb(model);
-    publish_file(o.out, {reinterpret_cast<const char*>(glb.data()), glb.size()});
-    fmt::print("{}: {} triangles\n", o.out, model.meshes[0].index.size() / 3);
+    const MeshOfField field_mesh(field);
+    const sample::GlbListedMesh mesh = field_mesh.listed(textured);
+    write(model, mesh, o.out);
+    fmt::print("{}: {} triangles\n", o.out, mesh.corners / 3);
   } catch (const std::exception& e) {
     fmt::print(stderr, "gigabake_fractal: {}\n", e.what());
     return 1;

@@ -3,7 +3,8 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,28 @@ struct GlbModel {
   std::vector<GlbMaterial> materials;
   std::vector<GlbImage> images;
 };
+
+/// Values that are made while they are written, piece by piece in their order.
+template <class T>
+using GlbPut = std::function<void(std::span<const T>)>;
+template <class T>
+using GlbList = std::function<void(const GlbPut<T>& put)>;
+
+/// As GlbMesh, of which nothing is held. A list without a function: the mesh has none.
+struct GlbListedMesh {
+  int material = 0;
+  std::size_t vertices = 0, corners = 0;
+  std::array<float, 3> low{}, high{};  ///< of the positions
+  GlbList<float> position;
+  GlbList<std::uint16_t> uv;
+  GlbList<std::uint8_t> rgba;
+  GlbList<std::uint32_t> index;
+};
+
+/// Writes the model with these meshes in place of its own: the same bytes as to_glb() makes of the same values.
+/// Cost  Memory for the images, whatever the meshes' size.
+/// Errors  as to_glb(), before anything is written; what `put` throws.
+void write_glb(const GlbModel& model, std::span<const GlbListedMesh> meshes, const GlbPut<std::uint8_t>& put);
 
 /// The file's bytes. Indices are 16 bit where they fit.
 /// Errors  UsageError where the model exceeds the 4 GiB that a GLB can hold.

@@ -47,16 +47,16 @@ std::vector<std::uint8_t> SourceFiles::read_content(const std::filesystem::path&
 
 SourceBytes SourceFiles::open(const std::filesystem::path& file) const {
   if (archive_) return SourceBytes(read(file));
-  const auto opened = std::make_shared<const ReadableFile>(file);
-  if (opened->bytes() > largest_file) throw InputError(file, "", "larger than 4 GiB; split it into tiles");
-  return SourceBytes(opened);
+  return SourceBytes(std::make_shared<const ReadableFile>(file));
 }
 
 SourceBytes SourceFiles::open_content(const std::filesystem::path& file) const {
   if (!archive_) {
     const SourceBytes bytes = open(file);
     std::vector<std::uint8_t> room;
-    if (content_magic(bytes.look(0, std::min<std::uint64_t>(bytes.size(), 4), room)) == ContentMagic::glb) return bytes;
+    if (bytes.size() <= largest_file &&
+        content_magic(bytes.look(0, std::min<std::uint64_t>(bytes.size(), 4), room)) == ContentMagic::glb)
+      return bytes;
   }
   return SourceBytes(read_content(file));
 }

@@ -31,7 +31,7 @@ class SourceFiles {
   /// As read(), of what servers may keep packed by gzip: tiles, tilesets and subtrees.
   /// Errors  also as unpacked_gzip(), and where it unpacks to more than 4 GiB.
   std::vector<std::uint8_t> read_content(const std::filesystem::path& file) const;
-  /// What read() reads, not read yet where that is in a folder. Errors  as read().
+  /// What read() reads, not read yet where that is in a folder, and then of any length. Errors  as read().
   SourceBytes open(const std::filesystem::path& file) const;
   /// What read_content() reads. A GLB in a folder is not read yet: every other kind is taken apart in memory.
   SourceBytes open_content(const std::filesystem::path& file) const;

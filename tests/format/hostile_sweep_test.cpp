@@ -7,6 +7,7 @@
 #include "format/source/source.h"
 #include "format/source/tile_hash.h"
 #include "lattice/error.h"
+#include "tests/format/source/parts_check.h"
 #include "tests/shared_data.h"
 
 namespace gigabake {
@@ -32,6 +33,7 @@ void read_everything(const Path& file, Outcome& outcome) {
     const SceneSources sources = open_sources(file, {});
     for (const TileRef& tile : sources.tiles) {
       tile_hash(tile, sources.root);
+      test::expect_same_in_parts(tile, sources.root);
       read_tile(tile, sources.root, ReadScope::positions_only);
       for (const EncodedImage& image : read_tile(tile, sources.root, ReadScope::everything).images)
         if (!image.bytes.empty()) decode_image(image);

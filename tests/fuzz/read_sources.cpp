@@ -1,6 +1,7 @@
 // Readers of sources.
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "format/source/content_magic.h"
@@ -8,6 +9,7 @@
 #include "format/source/source.h"
 #include "format/source/tile_hash.h"
 #include "format/system/read_file.h"
+#include "lattice/error.h"
 #include "lattice/thread_pool.h"
 #include "tests/format/source/source_scene.h"
 #include "tests/fuzz/readers.h"
@@ -43,6 +45,25 @@ bool is_small(const TileMesh& mesh) {
   return true;
 }
 
+/// In parts it is the same, whether it can be read or not.
+void read_in_parts(const TileRef& tile, const Path& root) {
+  std::uint64_t triangles = 0;
+  std::optional<TileMesh> whole, parts;
+  try {
+    whole = read_tile(tile, root, ReadScope::everything);
+  } catch (const InputError&) {
+  }
+  try {
+    parts = read_tile(tile, root, ReadScope::everything,
+                      [&](std::size_t, Primitive&& p) { triangles += p.index.size() / 3; });
+  } catch (const InputError&) {
+  }
+  if (whole.has_value() != parts.has_value()) throw FaultFound("parts are read, or refused, and the whole is not");
+  if (!whole) return;
+  for (const Primitive& p : whole->primitives) triangles -= p.index.size() / 3;
+  if (triangles != 0) throw FaultFound("parts of other triangles than the whole has");
+}
+
 void read_as_a_bake_does(const Path& file) {
   static const ThreadPool pool(1);
   BakeParameters parameters;
@@ -51,6 +72,7 @@ void read_as_a_bake_does(const Path& file) {
   for (std::uint32_t t = 0; t < std::min(tiles_read, sources.tiles.size()); ++t) {
     const TileRef& tile = sources.tiles[t];
     identify_tile(tile, sources.root);
+    read_in_parts(tile, sources.root);
     const TileMesh mesh = read_tile(tile, sources.root, ReadScope::everything);
     if (is_small(mesh)) survey_tile(sources, t, parameters, pool);
     for (const Primitive& p : mesh.primitives)

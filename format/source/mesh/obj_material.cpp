@@ -10,25 +10,13 @@
 namespace gigabake {
 namespace {
 
-constexpr std::string_view blank = " \t\r\f\v";
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(blank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(blank) - first + 1);
-}
-
-std::string_view take_word(std::string_view& rest) {
-  const std::string_view word = rest.substr(0, rest.find_first_of(blank));
-  rest = trimmed(rest.substr(word.size()));
-  return word;
-}
-
 bool is_number(std::string_view word) {
   double v = 0;
   const auto end = std::from_chars(word.data(), word.data() + word.size(), v);
   return end.ec == std::errc() && end.ptr == word.data() + word.size();
 }
+
+std::string_view first_word(std::string_view text) { return take_word(text); }
 
 /// "-s 1 1 1 -clamp on name of file.png": options are skipped with what belongs to them.
 std::string map_name(std::string_view rest) {
@@ -41,8 +29,7 @@ std::string map_name(std::string_view rest) {
     if (!is_number(value)) {
       after = next;  // on, off, a channel
     } else {
-      while (is_number(std::string_view(after).substr(0, after.find_first_of(blank))) && !after.empty())
-        take_word(after);
+      while (is_number(first_word(after)) && !after.empty()) take_word(after);
     }
     rest = after;
   }
@@ -52,55 +39,6 @@ std::string map_name(std::string_view rest) {
 }
 
 }  // namespace
-
-std::span<const std::uint8_t> whole_lines(std::span<const std::uint8_t> head) {
-  std::size_t bytes = head.size();
-  while (bytes > 0 && head[bytes - 1] != '\n') --bytes;
-  return head.first(bytes);
-}
-
-void for_each_obj_line(const std::filesystem::path& file, std::span<const std::uint8_t> text,
-                       const std::function<void(const ObjLine&)>& visit) {
-  const std::string_view all(reinterpret_cast<const char*>(text.data()), text.size());
-  if (all.find('\0') != std::string_view::npos)
-    throw InputError(file, "", "expected text in ASCII or UTF-8", all.find('\0'));
-  std::string joined;
-  std::size_t number = 0;
-  for (std::size_t at = 0; at < all.size();) {
-    const std::size_t end = std::min(all.find('\n', at), all.size());
-    std::string_view line = trimmed(all.substr(at, end - at));
-    at = end + 1;
-    ++number;
-    if (!line.empty() && line.back() == '\\') {
-      joined += std::string(line.substr(0, line.size() - 1)) + ' ';
-      if (at < all.size()) continue;
-      line = {};
-    }
-    if (!joined.empty()) {
-      joined += line;
-      line = trimmed(joined);
-    }
-    if (!line.empty() && line[0] != '#') {
-      std::string_view rest = line;
-      const std::string_view word = take_word(rest);
-      visit({number, word, rest});
-    }
-    joined.clear();
-  }
-}
-
-std::vector<double> obj_numbers(std::string_view text, std::size_t most) {
-  std::vector<double> out;
-  while (out.size() < most && !text.empty()) {
-    std::string_view word = take_word(text);
-    if (word.starts_with('+')) word.remove_prefix(1);
-    double v = 0;
-    const auto end = std::from_chars(word.data(), word.data() + word.size(), v);
-    if (end.ec != std::errc() || end.ptr != word.data() + word.size()) break;
-    out.push_back(v);
-  }
-  return out;
-}
 
 std::map<std::string, ObjMaterial> read_mtl(const std::filesystem::path& file, std::span<const std::uint8_t> text) {
   std::map<std::string, ObjMaterial> out;

@@ -2,76 +2,90 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
+#include <limits>
+#include <map>
 #include <optional>
-#include <set>
 #include <unordered_map>
 
-#include "format/source/image/alpha_image.h"
 #include "format/source/mesh/mesh_origin.h"
-#include "format/source/mesh/obj_material.h"
+#include "format/source/mesh/obj_material_table.h"
 #include "format/source/mesh/polygon.h"
-#include "format/source/source_file.h"
+#include "format/source/mesh_parts.h"
 #include "lattice/error.h"
+#include "lattice/memory_limit.h"
 #include "lattice/srgb.h"
-#include "lattice/transform.h"
 
 namespace gigabake {
 namespace {
 
 constexpr std::size_t most_corners = 65536;
+/// A vertex of a primitive with its place in Part::vertex, and a corner.
+constexpr std::uint64_t vertex_bytes = 12 + 8 + 8 + 4 + 56, corner_bytes = 4;
 
 using Vector = std::array<double, 3>;
 
-/// A material of the file with what it was found in.
-struct NamedMaterial {
-  ObjMaterial material;
-  std::filesystem::path file;
+std::size_t words(std::string_view text) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) count += text[i] > ' ' && (i == 0 || text[i - 1] <= ' ') ? 1 : 0;
+  return count;
+}
+
+/// How much there is of everything, known before any of it is kept.
+struct Counts {
+  std::uint64_t positions = 0, uvs = 0, triangles = 0;
 };
 
-/// What the material files of an OBJ say, and which they are.
-struct Materials {
-  std::map<std::string, NamedMaterial> named;
-  std::set<std::filesystem::path> files, missing;
-};
-
-Materials materials_of(const std::filesystem::path& file, std::span<const std::uint8_t> text,
-                       const SourceFiles& files) {
-  Materials out;
+Counts counts_of(const std::filesystem::path& file, const SourceBytes& text, ObjMaterialTable& materials) {
+  Counts out;
   for_each_obj_line(file, text, [&](const ObjLine& line) {
-    if (line.word != "mtllib") return;
-    for (const std::filesystem::path& mtl : material_files(file, line, files)) {
-      out.files.insert(mtl);
-      if (!files.has(mtl))
-        out.missing.insert(mtl);
-      else
-        for (auto& [name, material] : read_mtl(mtl, files.read(mtl))) out.named[name] = {std::move(material), mtl};
-    }
+    if (line.word == "v") ++out.positions;
+    if (line.word == "vt") ++out.uvs;
+    if (line.word == "f") out.triangles += std::max<std::size_t>(words(line.rest), 2) - 2;
+    if (line.word == "mtllib") materials.take(line);
   });
   return out;
 }
 
-/// Corners of one material, each pair of position and texture coordinate once.
+/// Triangles of one material, each pair of position and texture coordinate once.
 struct Part {
   Primitive primitive;
   std::unordered_map<std::uint64_t, std::uint32_t> vertex;
   std::vector<std::uint32_t> position_of;  ///< of each vertex
-  bool has_uv = true, has_colour = true;
+
+  std::uint64_t triangles() const { return primitive.index.size() / 3; }
+  std::uint64_t bytes() const { return position_of.size() * vertex_bytes + primitive.index.size() * corner_bytes; }
 };
+
+/// What all corners of a material have, whichever part they are in.
+struct Common {
+  bool has_uv = true, has_colour = true;
+  int material = 0;  ///< in TileMesh::materials, once all corners are known
+};
+
+/// Without a sink faces are kept as they are met. With one, large files are read twice: only when all faces have been
+/// looked at is it known what their materials' corners have in common.
+enum class Faces { keep, look_at, hand_over };
 
 class ObjReader {
  public:
-  ObjReader(const TileRef& tile, const SourceFiles& files, ReadScope scope)
-      : file_(tile.path), tile_(tile), files_(files), everything_(scope == ReadScope::everything) {}
+  ObjReader(const TileRef& tile, const SourceFiles& files, ReadScope scope, const PrimitiveSink& sink)
+      : file_(tile.path), tile_(tile), files_(files), scope_(scope), sink_(sink), materials_(tile.path, files) {}
 
   TileMesh read() {
-    const std::vector<std::uint8_t> text = files_.read(file_);
-    materials_ = materials_of(file_, text, files_);
-    for (const std::filesystem::path& mtl : materials_.missing)
-      out_.warnings.push_back("its material file " + in_quotes(name_in(files_.root(), mtl)) +
-                              " is missing: what it describes is grey");
-    for_each_obj_line(file_, text, [&](const ObjLine& line) { take(line); });
-    finish();
+    const SourceBytes text = files_.open(file_);
+    const Counts counts = counts_of(file_, text, materials_);
+    out_.warnings = materials_.warnings();
+    claim_.add_items(counts.positions, sizeof(Vector), "", "vertices");
+    claim_.add_items(counts.uvs, sizeof(uv_[0]), "", "texture coordinates");
+    position_.reserve(counts.positions);
+    uv_.reserve(counts.uvs);
+    is_streamed_ = sink_ && counts.triangles > most_part_triangles;
+    read_lines(text, is_streamed_ ? Faces::look_at : Faces::keep);
+    origin_.emplace(tile_, position_);
+    add_materials();
+    if (is_streamed_) read_lines(text, Faces::hand_over);
+    for (auto& [name, part] : parts_) add_primitive(common_.at(name), part);
+    if (sink_ && !is_streamed_) hand_over_parts(out_, sink_);
     return std::move(out_);
   }
 
@@ -80,36 +94,45 @@ class ObjReader {
     throw InputError(file_, "line " + std::to_string(line.number), message);
   }
 
-  void take(const ObjLine& line) {
-    if (line.word == "v") return take_position(line);
-    if (line.word == "vt") return take_uv(line);
-    if (line.word == "f") return take_face(line);
-    if (line.word == "usemtl" && everything_) material_ = line.rest;
-    if (line.word == "p") out_.counts.skipped_points += words(line.rest);
-    if (line.word == "l") out_.counts.skipped_lines += std::max<std::size_t>(words(line.rest), 1) - 1;
+  void read_lines(const SourceBytes& text, Faces faces) {
+    positions_ = uvs_ = 0;
+    material_.clear();
+    for_each_obj_line(file_, text, [&](const ObjLine& line) {
+      if (line.word == "f") return take_face(line, faces);
+      if (line.word == "usemtl" && scope_ == ReadScope::everything) material_ = line.rest;
+      if (line.word == "v") ++positions_;
+      if (line.word == "vt") ++uvs_;
+      if (faces != Faces::hand_over) return take_other(line);
+      if (positions_ > position_.size() || uvs_ > uv_.size()) fail_as_changed(line);
+    });
   }
 
-  static std::size_t words(std::string_view text) {
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < text.size(); ++i) count += text[i] > ' ' && (i == 0 || text[i - 1] <= ' ') ? 1 : 0;
-    return count;
+  void take_other(const ObjLine& line) {
+    if (line.word == "v") return take_position(line);
+    if (line.word == "vt") return take_uv(line);
+    if (line.word == "p") out_.counts.skipped_points += words(line.rest);
+    if (line.word == "l") out_.counts.skipped_lines += std::max<std::size_t>(words(line.rest), 1) - 1;
   }
 
   void take_position(const ObjLine& line) {
     const std::vector<double> v = obj_numbers(line.rest, 7);
     if (v.size() < 3) fail(line, "expected three coordinates");
+    if (position_.size() >= none) fail(line, "more than 2^32 vertices; split the file");
     position_.push_back({v[0], v[1], v[2]});
     if (v.size() >= 6) {
+      if (colour_.empty()) claim_.add_items(position_.capacity(), sizeof(colour_[0]), "", "colours of vertices");
+      colour_.reserve(position_.capacity());
       colour_.resize(position_.size());
       // A fourth number may be a weight, and then three colours follow.
       const std::size_t first = v.size() - 3;
-      colour_.back() = {v[first], v[first + 1], v[first + 2]};
+      colour_.back() = {linear16(v[first]), linear16(v[first + 1]), linear16(v[first + 2]), opaque};
     }
   }
 
   void take_uv(const ObjLine& line) {
     const std::vector<double> v = obj_numbers(line.rest, 2);
     if (v.empty()) fail(line, "expected texture coordinates");
+    if (uv_.size() >= none) fail(line, "more than 2^32 texture coordinates; split the file");
     uv_.push_back({float(v[0]), v.size() > 1 ? float(1 - v[1]) : 1.0f});
   }
 
@@ -117,9 +140,10 @@ class ObjReader {
     std::uint32_t position = 0, uv = none;
   };
   static constexpr std::uint32_t none = ~std::uint32_t(0);
+  static constexpr std::uint16_t opaque = 65535;
 
   /// 1 is the first, -1 the last so far.
-  std::uint32_t index(const ObjLine& line, const char*& at, const char* end, std::size_t count) const {
+  std::uint32_t index(const ObjLine& line, const char*& at, const char* end, std::uint64_t count) const {
     long long i = 0;
     const auto parsed = std::from_chars(at, end, i);
     if (parsed.ec != std::errc()) fail(line, "expected corners as numbers: v, v/vt, v//vn or v/vt/vn");
@@ -130,117 +154,145 @@ class ObjReader {
     return std::uint32_t(i - 1);
   }
 
-  std::vector<Corner> corners_of(const ObjLine& line) const {
-    std::vector<Corner> corners;
+  void read_corners(const ObjLine& line) {
+    corners_.clear();
     const char *at = line.rest.data(), *end = at + line.rest.size();
     while (at < end) {
       Corner c;
-      c.position = index(line, at, end, position_.size());
-      if (at < end && *at == '/' && ++at < end && *at != '/' && *at > ' ') c.uv = index(line, at, end, uv_.size());
+      c.position = index(line, at, end, positions_);
+      if (at < end && *at == '/' && ++at < end && *at != '/' && *at > ' ') c.uv = index(line, at, end, uvs_);
       while (at<end&& * at> ' ') ++at;  // normals are made from triangles
       while (at < end && *at <= ' ') ++at;
-      corners.push_back(c);
-      if (corners.size() > most_corners) fail(line, "a face of more than 65536 corners");
+      if (scope_ != ReadScope::everything) c.uv = none;
+      corners_.push_back(c);
+      if (corners_.size() > most_corners) fail(line, "a face of more than 65536 corners");
     }
-    if (corners.size() < 3) fail(line, "a face of fewer than three corners");
-    return corners;
+    if (corners_.size() < 3) fail(line, "a face of fewer than three corners");
   }
 
-  void take_face(const ObjLine& line) {
-    const std::vector<Corner> corners = corners_of(line);
-    Part& part = parts_[material_];
-    std::vector<Vector> polygon;
-    std::vector<std::uint32_t> vertices;
-    for (const Corner& c : corners) {
-      polygon.push_back(position_[c.position]);
-      vertices.push_back(vertex(part, c));
-    }
-    for (const std::uint32_t corner : triangles_of_polygon(polygon)) part.primitive.index.push_back(vertices[corner]);
+  void take_face(const ObjLine& line, Faces faces) {
+    read_corners(line);
+    if (faces == Faces::hand_over)
+      make_room(line);
+    else
+      look_at_face();
+    if (faces != Faces::look_at) add_face(parts_[material_]);
   }
 
-  std::uint32_t vertex(Part& part, const Corner& c) const {
-    const std::uint32_t uv = everything_ ? c.uv : none;
+  bool has_colour(const Corner& c) const { return c.position < colour_.size() && colour_[c.position][3] == opaque; }
+
+  void look_at_face() {
+    Common& common = common_[material_];
+    for (const Corner& c : corners_) {
+      common.has_uv &= c.uv != none;
+      common.has_colour &= has_colour(c);
+    }
+    out_.counts.triangles += corners_.size() - 2;
+  }
+
+  void add_face(Part& part) {
+    polygon_.clear();
+    vertices_.clear();
+    for (const Corner& c : corners_) {
+      polygon_.push_back(position_[c.position]);
+      vertices_.push_back(vertex(part, c));
+    }
+    for (const std::uint32_t corner : triangles_of_polygon(polygon_)) part.primitive.index.push_back(vertices_[corner]);
+    claim_.add_items(3 * (corners_.size() - 2), corner_bytes, "", "corners of triangles");
+  }
+
+  std::uint32_t vertex(Part& part, const Corner& c) {
     const auto [at, is_new] =
-        part.vertex.try_emplace(std::uint64_t(uv) << 32 | c.position, std::uint32_t(part.position_of.size()));
+        part.vertex.try_emplace(std::uint64_t(c.uv) << 32 | c.position, std::uint32_t(part.position_of.size()));
     if (!is_new) return at->second;
+    claim_.add_items(1, vertex_bytes, "", "more vertices of triangles");
     part.position_of.push_back(c.position);
-    part.has_uv &= uv != none;
-    part.has_colour &= c.position < colour_.size() && colour_[c.position].has_value();
-    if (uv != none) part.primitive.uv.insert(part.primitive.uv.end(), uv_[uv].begin(), uv_[uv].end());
+    if (c.uv != none) part.primitive.uv.insert(part.primitive.uv.end(), uv_[c.uv].begin(), uv_[c.uv].end());
     return at->second;
   }
 
-  void finish() {
-    const MeshOrigin origin(tile_, position_);
-    for (auto& [name, part] : parts_) {
-      Primitive& p = part.primitive;
-      for (const std::uint32_t v : part.position_of) origin.add_vertex(position_[v], p);
-      if (!part.has_uv) p.uv.clear();
-      if (everything_ && part.has_colour)
-        for (const std::uint32_t v : part.position_of) {
-          for (const double c : *colour_[v]) p.rgba.push_back(linear16(c));
-          p.rgba.push_back(65535);
-        }
-      p.material = add_material(name, p.rgba.empty());
-      out_.counts.triangles += p.index.size() / 3;
-      out_.instances.push_back({int(out_.primitives.size()), origin.scene_from_local()});
-      out_.primitives.push_back(std::move(p));
+  /// For the face's triangles: in the part that they belong to, and among all that are held.
+  void make_room(const ObjLine& line) {
+    constexpr std::uint64_t most_held = 2 * most_part_triangles;
+    expect_face_as_it_was(line);
+    const std::uint64_t triangles = corners_.size() - 2;
+    const auto own = parts_.find(material_);
+    if (own != parts_.end() && own->second.triangles() + triangles > most_part_triangles) hand_over(own);
+    if (held_triangles_ + triangles > most_held)
+      hand_over(std::max_element(parts_.begin(), parts_.end(), [](const auto& a, const auto& b) {
+        return a.second.triangles() < b.second.triangles();
+      }));
+    held_triangles_ += triangles;
+  }
+
+  /// Between the two readings others may write the file.
+  void expect_face_as_it_was(const ObjLine& line) const {
+    const auto common = common_.find(material_);
+    if (common == common_.end()) fail_as_changed(line);
+    for (const Corner& c : corners_)
+      if ((common->second.has_uv && c.uv == none) || (common->second.has_colour && !has_colour(c)))
+        fail_as_changed(line);
+  }
+
+  [[noreturn]] void fail_as_changed(const ObjLine& line) const { fail(line, "is not as it was; it changed meanwhile"); }
+
+  void hand_over(std::map<std::string, Part>::iterator part) {
+    held_triangles_ -= part->second.triangles();
+    add_primitive(common_.at(part->first), part->second);
+    parts_.erase(part);
+  }
+
+  /// By name, as they are numbered then.
+  void add_materials() {
+    for (auto& [name, common] : common_) {
+      common.has_colour &= scope_ == ReadScope::everything;
+      common.material = materials_.add(name, common.has_colour, scope_, out_);
     }
     if (out_.materials.empty()) out_.materials.emplace_back();
   }
 
-  int add_material(const std::string& name, bool is_without_colours) {
-    Material material;
-    const auto found = materials_.named.find(name);
-    if (found == materials_.named.end()) {
-      if (!materials_.missing.empty() && is_without_colours)
-        std::fill_n(material.base_color.begin(), 3, grey_without_image);
-    } else if (everything_) {
-      const ObjMaterial& m = found->second.material;
-      material.base_color = m.base_color;
-      material.texture.image = add_image(found->second);
-      if (m.base_color[3] < 1 || !m.alpha_map.empty()) material.alpha_mode = AlphaMode::blend;
-    }
-    out_.materials.push_back(material);
-    return int(out_.materials.size()) - 1;
-  }
-
-  /// The index of the colour map, the alpha map in it; -1 where the material has neither.
-  int add_image(const NamedMaterial& m) {
-    const std::string &color = m.material.color_map, &alpha = m.material.alpha_map;
-    if (color.empty() && alpha.empty()) return -1;
-    const std::string key = m.file.string() + "\n" + color + "\n" + alpha;
-    const auto [at, is_new] = image_.try_emplace(key, int(out_.images.size()));
-    if (!is_new) return at->second;
-    const auto load = [&](const std::string& name) {
-      const std::filesystem::path file = map_file(m.file, name, files_);
-      return EncodedImage{file.string(), files_.read(file)};
-    };
-    if (alpha.empty() || alpha == color)
-      out_.images.push_back(load(color));
-    else
-      out_.images.push_back(with_alpha(color.empty() ? std::nullopt : std::optional(load(color)), load(alpha)));
-    return at->second;
+  void add_primitive(const Common& common, Part& part) {
+    Primitive& p = part.primitive;
+    for (const std::uint32_t v : part.position_of) origin_->add_vertex(position_[v], p);
+    if (!common.has_uv) p.uv.clear();
+    if (common.has_colour)
+      for (const std::uint32_t v : part.position_of) p.rgba.insert(p.rgba.end(), colour_[v].begin(), colour_[v].end());
+    p.material = common.material;
+    out_.instances.push_back({int(out_.primitives.size()), origin_->scene_from_local()});
+    if (!is_streamed_) return out_.primitives.push_back(std::move(p));
+    const std::uint64_t bytes = part.bytes();
+    out_.primitives.push_back(without_lists(p));
+    sink_(out_.primitives.size() - 1, std::move(p));
+    claim_.give_back(bytes);
   }
 
   const std::filesystem::path& file_;
   const TileRef& tile_;
   const SourceFiles& files_;
-  bool everything_;
-  Materials materials_;
+  ReadScope scope_;
+  const PrimitiveSink& sink_;
+  MemoryClaim claim_{file_};
+  ObjMaterialTable materials_;
   std::vector<Vector> position_;
-  std::vector<std::optional<Vector>> colour_;
+  std::vector<std::array<std::uint16_t, 4>> colour_;  ///< linear; a last one that is not `opaque`: the vertex has none
   std::vector<std::array<float, 2>> uv_;
+  std::uint64_t positions_ = 0, uvs_ = 0;  ///< before the line that is read
   std::string material_;
+  std::vector<Corner> corners_;  ///< of the face that is read, and the next two
+  std::vector<Vector> polygon_;
+  std::vector<std::uint32_t> vertices_;
+  std::map<std::string, Common> common_;
   std::map<std::string, Part> parts_;
-  std::map<std::string, int> image_;
+  bool is_streamed_ = false;
+  std::uint64_t held_triangles_ = 0;
+  std::optional<MeshOrigin> origin_;
   TileMesh out_;
 };
 
 }  // namespace
 
-TileMesh read_obj(const TileRef& tile, const SourceFiles& files, ReadScope scope) {
-  return ObjReader(tile, files, scope).read();
+TileMesh read_obj(const TileRef& tile, const SourceFiles& files, ReadScope scope, const PrimitiveSink& sink) {
+  return ObjReader(tile, files, scope, sink).read();
 }
 
 std::vector<Point<Local>> first_obj_vertices(const std::filesystem::path& file, std::span<const std::uint8_t> head) {
@@ -254,12 +306,11 @@ std::vector<Point<Local>> first_obj_vertices(const std::filesystem::path& file, 
 }
 
 std::vector<std::filesystem::path> obj_dependencies(const TileRef& tile, const SourceFiles& files) {
-  const Materials materials = materials_of(tile.path, files.read(tile.path), files);
-  std::set<std::filesystem::path> out = materials.files;
-  for (const auto& [name, m] : materials.named)
-    for (const std::string& map : {m.material.color_map, m.material.alpha_map})
-      if (!map.empty()) out.insert(map_file(m.file, map, files));
-  return {out.begin(), out.end()};
+  ObjMaterialTable materials(tile.path, files);
+  for_each_obj_line(tile.path, files.open(tile.path), [&](const ObjLine& line) {
+    if (line.word == "mtllib") materials.take(line);
+  });
+  return materials.dependencies();
 }
 
 }  // namespace gigabake
