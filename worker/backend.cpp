@@ -7,6 +7,11 @@
 
 namespace gigabake {
 
+int sharers_of_device(int rank, int ranks, int devices) {
+  const int turn = rank % devices;
+  return ranks / devices + (turn < ranks % devices ? 1 : 0);
+}
+
 DeviceChoice choose_device(const DeviceWish& wish) {
   if (wish.backend == Backend::cpu) return {};
   const kernels::CudaDevices devices = kernels::cuda_devices();
@@ -18,7 +23,9 @@ DeviceChoice choose_device(const DeviceWish& wish) {
     if (std::find(devices.usable.begin(), devices.usable.end(), device) == devices.usable.end())
       throw UsageError("gpus", "this host has no usable device " + std::to_string(device));
   const std::vector<int>& from = wish.allowed.empty() ? devices.usable : wish.allowed;
-  return {from[std::size_t(wish.rank_on_host) % from.size()], {}};
+  return {from[std::size_t(wish.rank_on_host) % from.size()],
+          {},
+          sharers_of_device(wish.rank_on_host, wish.ranks_on_host, int(from.size()))};
 }
 
 }  // namespace gigabake

@@ -53,6 +53,7 @@ std::vector<std::uint8_t> to_bytes(const DeviceAnswer& answer) {
   ByteWriter w;
   w.put(std::int32_t(answer.choice.device.value_or(no_device)));
   w.put(answer.choice.reason);
+  w.put(std::int32_t(answer.choice.sharers));
   w.put(answer.error);
   return w.take();
 }
@@ -60,10 +61,12 @@ std::vector<std::uint8_t> to_bytes(const DeviceAnswer& answer) {
 DeviceAnswer device_from_bytes(std::span<const std::uint8_t> bytes) {
   ByteReader r(bytes, "device answer");
   DeviceAnswer answer;
-  std::int32_t device = no_device;
-  r.get(device), r.get(answer.choice.reason), r.get(answer.error);
+  std::int32_t device = no_device, sharers = 1;
+  r.get(device), r.get(answer.choice.reason), r.get(sharers), r.get(answer.error);
   r.expect_end();
   if (device < no_device) throw InputError("device answer", "device", "expected an ordinal");
+  if (sharers < 1) throw InputError("device answer", "sharers", "expected 1 or more");
+  answer.choice.sharers = sharers;
   if (device != no_device) answer.choice.device = device;
   return answer;
 }

@@ -222,6 +222,8 @@ class BakeServer {
       surveys_ = false;  // for a bake that will not be
     }
     setup_->worker.cuda_device = answer.choice.device;
+    // Kernels of ranks that share a device run in turn. While those of one run, the others pack, on all their cores.
+    if (setup_->worker.threads_are_a_share) setup_->worker.threads *= answer.choice.sharers;
     send(BakeMessageKind::ready, to_bytes(answer));
     if (setup_->worker.cuda_device) make_pipeline();
   }

@@ -21,7 +21,9 @@ struct WorkerOptions {
       0;                      ///< to aim for; a quarter caches tiles and textures, half is the kernels'. 0: no bound
   std::filesystem::path out;  ///< the bake's folder; shards go to OUT/shards
   std::optional<int> cuda_device = {};  ///< none: the kernels run on the CPU
-  std::filesystem::path scratch = {};   ///< for tiles that are large beside memory_bytes; none: they stay in memory
+  /// `threads` is this rank's part of the host's cores, and nobody asked for that number.
+  bool threads_are_a_share = false;
+  std::filesystem::path scratch = {};  ///< for tiles that are large beside memory_bytes; none: they stay in memory
 };
 
 /// Jobs are taken in the order of submission, and reported in it too but where a device bakes: there writing is by far

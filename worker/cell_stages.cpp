@@ -25,11 +25,11 @@ std::uint64_t kernel_bytes(const WorkerOptions& options) {
   return options.memory_bytes == 0 ? 0 : std::max(options.memory_bytes / 2, least_kernel_bytes);
 }
 
-std::filesystem::path make_shard_folder(const std::filesystem::path& out) {
+const WorkerOptions& with_shard_folder(const WorkerOptions& options) {
   std::error_code error;
-  std::filesystem::create_directories(out / "shards", error);
-  if (error) throw InputError(out / "shards", "", "cannot make the folder: " + error.message());
-  return out;
+  std::filesystem::create_directories(options.out / "shards", error);
+  if (error) throw InputError(options.out / "shards", "", "cannot make the folder: " + error.message());
+  return options;
 }
 
 SceneCell scene_cell(const CellJob& job, const Shard& shard, std::uint64_t bytes) {
@@ -85,8 +85,7 @@ CellInHand::CellInHand(CellJob cell_job) : job(std::move(cell_job)) { report.id 
 CellStages::CellStages(SceneSources sources, BakeParameters parameters, const WorkerOptions& options)
     : sources_(std::move(sources)),
       parameters_(parameters),
-      options_{options.threads, options.memory_bytes, make_shard_folder(options.out), options.cuda_device,
-               options.scratch},
+      options_(with_shard_folder(options)),
       loader_(sources_, parameters_, cache_bytes(options_), options_.threads,
               scratch_in(options_.scratch, options_.memory_bytes)),
       pool_(options_.threads),

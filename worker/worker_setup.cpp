@@ -8,6 +8,7 @@ namespace {
 
 void put(ByteWriter& writer, const WorkerOptions& options) {
   writer.put(std::int32_t(options.threads));
+  writer.put(options.threads_are_a_share);
   writer.put(options.memory_bytes);
   writer.put(options.out.string());
   writer.put(options.scratch.string());
@@ -17,12 +18,14 @@ void put(ByteWriter& writer, const DeviceWish& wish) {
   writer.put(wish.backend);
   writer.put(wish.allowed);
   writer.put(wish.rank_on_host);
+  writer.put(wish.ranks_on_host);
 }
 
 DeviceWish get_device_wish(ByteReader& reader) {
   DeviceWish wish;
-  reader.get(wish.backend), reader.get(wish.allowed), reader.get(wish.rank_on_host);
+  reader.get(wish.backend), reader.get(wish.allowed), reader.get(wish.rank_on_host), reader.get(wish.ranks_on_host);
   if (wish.rank_on_host < 0) throw InputError("device wish", "rank_on_host", "expected 0 or more");
+  if (wish.ranks_on_host <= wish.rank_on_host) throw InputError("device wish", "ranks_on_host", "expected more");
   return wish;
 }
 
@@ -30,7 +33,8 @@ WorkerOptions get_worker_options(ByteReader& reader) {
   WorkerOptions options;
   std::int32_t threads = 0;
   std::string out, scratch;
-  reader.get(threads), reader.get(options.memory_bytes), reader.get(out), reader.get(scratch);
+  reader.get(threads), reader.get(options.threads_are_a_share), reader.get(options.memory_bytes), reader.get(out),
+      reader.get(scratch);
   if (threads < 1) throw InputError("worker options", "threads", "expected 1 or more");
   options.threads = threads;
   options.out = out;

@@ -14,6 +14,16 @@ TEST(ChooseDevice, TakesNoneForTheCpu) {
   EXPECT_TRUE(choice.reason.empty());
 }
 
+TEST(SharersOfDevice, AreTheRanksThatTakeItInTurn) {
+  for (int devices = 1; devices < 6; ++devices)
+    for (int ranks = 1; ranks < 14; ++ranks)
+      for (int rank = 0; rank < ranks; ++rank) {
+        int takers = 0;
+        for (int other = 0; other < ranks; ++other) takers += other % devices == rank % devices;
+        EXPECT_EQ(sharers_of_device(rank, ranks, devices), takers) << rank << " of " << ranks << ", " << devices;
+      }
+}
+
 TEST(ChooseDevice, SaysWhyThereIsNone) {
   if (!kernels::cuda_devices().usable.empty()) GTEST_SKIP() << "this machine has a CUDA device";
   EXPECT_FALSE(choose_device({Backend::automatic, {}, 0}).device);

@@ -12,8 +12,8 @@ namespace {
 WorkerSetup some_setup() {
   WorkerSetup s;
   s.parameters = {0.1, {1.0 / 3, -2, 3e5}, 512, SurfaceRule::thin, MipFilter::box, false};
-  s.worker = {7, std::uint64_t(5) << 33, "/shared/out"};
-  s.device = {Backend::cuda, {4, 1}, 9};
+  s.worker = {7, std::uint64_t(5) << 33, "/shared/out", {}, true, "/local/scratch"};
+  s.device = {Backend::cuda, {4, 1}, 9, 12};
   return s;
 }
 
@@ -23,9 +23,12 @@ void expect_equal(const WorkerSetup& a, const WorkerSetup& b) {
   EXPECT_EQ(a.worker.threads, b.worker.threads);
   EXPECT_EQ(a.worker.memory_bytes, b.worker.memory_bytes);
   EXPECT_EQ(a.worker.out, b.worker.out);
+  EXPECT_EQ(a.worker.threads_are_a_share, b.worker.threads_are_a_share);
+  EXPECT_EQ(a.worker.scratch, b.worker.scratch);
   EXPECT_EQ(a.device.backend, b.device.backend);
   EXPECT_EQ(a.device.allowed, b.device.allowed);
   EXPECT_EQ(a.device.rank_on_host, b.device.rank_on_host);
+  EXPECT_EQ(a.device.ranks_on_host, b.device.ranks_on_host);
 }
 
 TEST(WorkerSetup, ComesBackFromItsBytes) {
