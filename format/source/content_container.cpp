@@ -54,12 +54,15 @@ void open_glb(const std::filesystem::path& file, ContentContainer& out) {
             std::to_string(out.gltf.size()));
   out.gltf = out.gltf.part(0, length);
   in.rest = out.gltf.part(12, length - 12);
-  for (int chunk = 0; in.rest.size() >= 8; ++chunk) {
+  for (int chunk = 0; in.rest.size() >= 8 || (chunk == 1 && !in.rest.empty()); ++chunk) {
     const std::uint32_t bytes = in.word("a chunk header"), type = in.word("a chunk header");
-    const SourceBytes data = in.take(bytes, "a GLB chunk");
     if (chunk == 0 && type != json_chunk) in.fail("expected the GLB's first chunk to be JSON");
+    if (chunk == 1 && type != bin_chunk) in.fail("expected the GLB's second chunk to be BIN");
+    if (chunk == 1 && (bytes == 0 || bytes % 4 != 0))
+      in.fail("expected the GLB's second chunk to have a multiple of 4 bytes, got " + std::to_string(bytes));
+    const SourceBytes data = in.take(bytes, "a GLB chunk");
     if (chunk == 0) out.json = data;
-    if (chunk == 1 && type == bin_chunk) out.bin = data;
+    if (chunk == 1) out.bin = data;
   }
   if (out.json.empty()) in.fail("the GLB has no JSON chunk");
   MemoryClaim(file).add_items(out.json.size(), 1, "", "bytes of JSON");
