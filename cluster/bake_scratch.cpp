@@ -16,8 +16,11 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_of_store(const std::string& name) {
-  return (name.starts_with("t_") && (name.ends_with(".clusters") || name.ends_with(".clusters.lock"))) ||
-         (name.starts_with(".t_") && name.ends_with(".part"));
+  const auto is_one = [&](const char* begin, const std::string& end) {
+    return (name.starts_with(begin) && (name.ends_with(end) || name.ends_with(end + ".lock"))) ||
+           (name.starts_with(std::string(".") + begin) && name.ends_with(".part"));
+  };
+  return is_one("t_", ".clusters") || is_one("x_", ".texture");
 }
 
 /// Of the disk on which the folder is, or would be.
@@ -52,7 +55,7 @@ std::optional<std::string> scratch_note(const SceneSources& sources, const fs::p
     throw InputError(folder, "",
                      wanted + " do not fit on a disk that has " + readable_size(*room) +
                          " left; name another folder with `scratch` or raise `memory_bytes`");
-  return wanted + " in " + folder.string() + " while cells are baked";
+  return wanted + " in " + folder.string() + " while cells are baked, and 7 bytes a texel of large textures";
 }
 
 BakeScratch::~BakeScratch() {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "format/source/image/image_size.h"
 #include "lattice/error.h"
 #include "worker/far_triangles.h"
 #include "worker/lattice.h"
@@ -22,23 +21,17 @@ kernels::PartView part_view(const Primitive& primitive, const Instance& instance
   return part;
 }
 
-/// Filtering needs no threads of its own: textures are loaded side by side.
-std::shared_ptr<const kernels::Texture> make_texture(const EncodedImage& encoded, const TextureRecipe& recipe) {
-  Image image = decode_image(encoded);
-  return std::make_shared<const kernels::Texture>(std::move(image.rgba), image.width, image.height, recipe.alpha,
-                                                  recipe.mask_cutoff, ThreadPool(1));
-}
-
 }  // namespace
 
 kernels::CellInput LoadedCell::input() const { return {span(parts), span(materials), span(texture_views)}; }
 
 CellLoader::CellLoader(const SceneSources& sources, const BakeParameters& parameters, std::uint64_t cache_bytes,
-                       int threads, TileScratch scratch)
+                       int threads, const TileScratch& scratch)
     : sources_(sources),
       parameters_(parameters),
       pool_(threads),
-      store_(sources, parameters, std::move(scratch), threads),
+      tile_store_(sources, parameters, scratch, threads),
+      texture_store_(scratch.folder, scratch.most_tile_bytes),
       tiles_(cache_bytes / 2),
       textures_(cache_bytes / 2) {}
 
@@ -46,13 +39,15 @@ CellLoader::CellLoader(const SceneSources& sources, const BakeParameters& parame
 struct CellLoader::WantedTextures {
   struct Item {
     TextureKey key;
-    const EncodedImage* image;
+    const LoadedTile* tile;
+    std::size_t image;
   };
   std::vector<Item> items;
 
-  std::int32_t index_of(const TextureKey& key, const EncodedImage& image) {
+  std::int32_t index_of(const LoadedTile& tile, std::size_t image, const TextureRecipe& recipe) {
+    const TextureKey key{tile.images().at(image).hash, recipe};
     const auto [at, is_new] = index_.try_emplace(key, std::int32_t(items.size()));
-    if (is_new) items.push_back({key, &image});
+    if (is_new) items.push_back({key, &tile, image});
     return at->second;
   }
 
@@ -76,7 +71,7 @@ void CellLoader::load_tiles(const CellJob& job, LoadedCell& cell) {
     for (std::size_t i = begin; i < end; ++i) {
       TileKey key{job.tiles[i], {}};
       if (!job.tile_sources.empty()) key.source = job.tile_sources.at(i);
-      cell.tiles[i] = tiles_.get(key, [&] { return store_.load(key.tile, key.source); });
+      cell.tiles[i] = tiles_.get(key, [&] { return tile_store_.load(key.tile, key.source); });
     }
   });
 }
@@ -87,10 +82,7 @@ void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, LoadedCel
   std::vector<std::int64_t> cell_material(mesh.materials.size(), -1);
   const auto add_material = [&](const Material& material) {
     ShadedMaterial shaded = shaded_material(material);
-    if (shaded.image >= 0) {
-      const std::size_t image = std::size_t(shaded.image);
-      shaded.view.texture = wanted.index_of({tile.image_hashes().at(image), shaded.recipe}, mesh.images[image]);
-    }
+    if (shaded.image >= 0) shaded.view.texture = wanted.index_of(tile, std::size_t(shaded.image), shaded.recipe);
     cell.materials.push_back(shaded.view);
     return std::int64_t(cell.materials.size()) - 1;
   };
@@ -129,13 +121,15 @@ std::shared_ptr<const Primitive> CellLoader::mesh_near(const CellBox& box, const
 }
 
 void CellLoader::load_textures(const WantedTextures& wanted, LoadedCell& cell) {
-  for (const WantedTextures::Item& item : wanted.items)
-    cell.memory.add(image_size(*item.image).texture_bytes(), "", "the textures of the cell");
+  const auto bytes = [](const WantedTextures::Item& item) { return item.tile->images()[item.image].texture_bytes; };
+  for (const WantedTextures::Item& item : wanted.items) cell.memory.add(bytes(item), "", "the textures of the cell");
   cell.textures.resize(wanted.items.size());
   pool_.parallel_for(wanted.items.size(), 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       const WantedTextures::Item& item = wanted.items[i];
-      cell.textures[i] = textures_.get(item.key, [&] { return make_texture(*item.image, item.key.recipe); });
+      cell.textures[i] = textures_.get(item.key, [&] {
+        return texture_store_.load(item.key, bytes(item), [&] { return item.tile->encoded(item.image); });
+      });
     }
   });
   for (const auto& texture : cell.textures) cell.texture_views.push_back(texture->view());

@@ -14,8 +14,8 @@
 #include "lattice/memory_limit.h"
 #include "lattice/parameters.h"
 #include "worker/lru_cache.h"
-#include "worker/materials.h"
 #include "worker/tiles/loaded_tile.h"
+#include "worker/tiles/texture_store.h"
 #include "worker/tiles/tile_store.h"
 
 namespace gigabake {
@@ -28,7 +28,7 @@ struct LoadedCell {
                      cell_advice};  ///< of instances and textures; what tiles take was claimed as they were read
   std::vector<std::shared_ptr<const LoadedTile>> tiles;
   std::vector<std::shared_ptr<const Primitive>> meshes;  ///< of parts: as tiles have them, or clusters near the cell
-  std::vector<std::shared_ptr<const kernels::Texture>> textures;
+  std::vector<std::shared_ptr<const CellTexture>> textures;
   std::vector<std::vector<std::uint32_t>> indices;  ///< of parts that have triangles which reach too far: without those
   std::vector<kernels::PartView> parts;
   std::vector<kernels::MaterialView> materials;
@@ -42,7 +42,7 @@ class CellLoader {
   /// `sources` and `parameters` must outlive the loader. Caches keep at most `cache_bytes`, half for tiles and half for
   /// textures; what cells in hand hold on to comes on top. scratch: for tiles that are larger than its limit.
   CellLoader(const SceneSources& sources, const BakeParameters& parameters, std::uint64_t cache_bytes, int threads,
-             TileScratch scratch = {});
+             const TileScratch& scratch = {});
 
   /// Instances and clusters whose bounds miss the cell are left out, and with them images that nothing else needs. So
   /// are triangles that reach too far (worker/far_triangles.h), whatever the cell.
@@ -54,14 +54,6 @@ class CellLoader {
   LoadedCell load(const CellJob& job);
 
  private:
-  struct TextureKey {
-    Hash128 image;
-    TextureRecipe recipe;
-    friend bool operator==(const TextureKey&, const TextureKey&) = default;
-  };
-  struct TextureKeyHash {
-    std::size_t operator()(const TextureKey& key) const { return std::size_t(key.image.lo) + key.recipe.mask_cutoff; }
-  };
   /// A tile that changed is another entry, and the old one ages.
   struct TileKey {
     std::uint32_t tile;
@@ -82,9 +74,10 @@ class CellLoader {
   const SceneSources& sources_;
   const BakeParameters& parameters_;
   ThreadPool pool_;
-  TileStore store_;  ///< with threads of its own: tiles are read side by side on pool_
+  TileStore tile_store_;  ///< with threads of its own: tiles are read side by side on pool_
+  TextureStore texture_store_;
   LruCache<TileKey, LoadedTile, TileKeyHash> tiles_;
-  LruCache<TextureKey, kernels::Texture, TextureKeyHash> textures_;
+  LruCache<TextureKey, CellTexture, TextureKeyHash> textures_;
 };
 
 }  // namespace gigabake

@@ -11,11 +11,6 @@
 namespace gigabake::kernels {
 namespace {
 
-std::uint64_t next_id() {
-  static std::atomic<std::uint64_t> last{0};
-  return ++last;
-}
-
 int level_count(int width, int height) {
   int levels = 1;
   while (levels < max_texture_levels && (std::max(width, height) >> levels) > 0) ++levels;
@@ -71,6 +66,11 @@ void add_base_texel(const std::uint8_t* p, std::uint8_t mask_cutoff, const Table
 
 }  // namespace
 
+std::uint64_t new_texture_id() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
 Texture::Texture(std::vector<std::uint8_t> rgba, int width, int height, TextureAlpha alpha, std::uint8_t mask_cutoff,
                  const ThreadPool& pool)
     : base_(std::move(rgba)),
@@ -78,7 +78,7 @@ Texture::Texture(std::vector<std::uint8_t> rgba, int width, int height, TextureA
       width_(width),
       height_(height),
       mask_cutoff_(alpha == TextureAlpha::mask ? std::max<std::uint8_t>(1, mask_cutoff) : std::uint8_t(0)),
-      id_(next_id()) {
+      id_(new_texture_id()) {
   if (alpha == TextureAlpha::ignore)
     for (std::size_t i = 3; i < base_.size(); i += 4) base_[i] = 255;
   const Tables tables = TableStore::host().view();

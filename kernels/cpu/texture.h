@@ -13,6 +13,9 @@ namespace gigabake::kernels {
 /// What a material makes of the image's alpha channel: it decides the pyramid, so each use has its own Texture.
 enum class TextureAlpha : std::uint8_t { ignore, blend, mask };
 
+/// Never given twice by a process (TextureView::id).
+std::uint64_t new_texture_id();
+
 class Texture {
  public:
   /// rgba: 4·width·height bytes, sRGB colour, straight alpha; TextureAlpha::ignore sets alpha to 255.

@@ -2,8 +2,6 @@
 
 #include <cmath>
 #include <utility>
-#define XXH_INLINE_ALL
-#include <xxhash.h>
 
 #include "worker/tiles/clusters.h"
 
@@ -12,11 +10,6 @@ namespace {
 
 /// A mesh of fewer triangles is not worth cutting.
 constexpr std::uint64_t least_cut_triangles = 4 * cluster_triangles;
-
-Hash128 hash_of(const std::vector<std::uint8_t>& bytes) {
-  const XXH128_hash_t h = XXH3_128bits(bytes.data(), bytes.size());
-  return {h.low64, h.high64};
-}
 
 template <class T>
 std::uint64_t bytes_held(const std::vector<T>& v) {
@@ -49,7 +42,6 @@ std::vector<TileCluster> in_memory(std::vector<Primitive>&& meshes) {
 LoadedTile::LoadedTile(TileDirectory&& directory, std::shared_ptr<const TileFile> file,
                        const BakeParameters& parameters, const ThreadPool& pool)
     : directory_(std::move(directory)), file_(std::move(file)) {
-  for (const EncodedImage& image : mesh().images) image_hash_.push_back(hash_of(image.bytes));
   boxes_.reserve(mesh().instances.size());
   for (const Instance& instance : mesh().instances)
     boxes_.push_back(scene_box(primitives().at(std::size_t(instance.primitive)).bounds, instance, parameters));
@@ -71,7 +63,7 @@ void LoadedTile::cut(const BakeParameters& parameters, const ThreadPool& pool) {
 
 std::shared_ptr<const Primitive> LoadedTile::mesh_of(const TileCluster& cluster) const {
   if (cluster.mesh != nullptr) return cluster.mesh;
-  return std::make_shared<const Primitive>(file_->read(cluster.stored));
+  return std::make_shared<const Primitive>(file_->read_cluster(cluster.stored));
 }
 
 std::shared_ptr<const Primitive> LoadedTile::mesh_of(const std::vector<const TileCluster*>& clusters) const {
@@ -88,9 +80,15 @@ std::shared_ptr<const Primitive> LoadedTile::whole(std::size_t primitive) const 
   return mesh_of(all);
 }
 
+EncodedImage LoadedTile::encoded(std::size_t image) const {
+  EncodedImage encoded = images()[image].encoded;
+  if (file_ != nullptr) encoded.bytes = file_->read(images()[image].stored);
+  return encoded;
+}
+
 std::uint64_t LoadedTile::bytes() const {
   std::uint64_t sum = sizeof(*this) + bytes_held(mesh().instances) + bytes_held(mesh().materials) + bytes_held(boxes_) +
-                      bytes_held(image_hash_) + bytes_held(mesh().primitives) + bytes_held(primitives());
+                      bytes_held(mesh().primitives) + bytes_held(primitives()) + bytes_held(images());
   for (const TilePrimitive& p : primitives()) {
     sum += bytes_held(p.clusters);
     for (const TileCluster& c : p.clusters)
@@ -98,7 +96,7 @@ std::uint64_t LoadedTile::bytes() const {
         sum += sizeof(Primitive) + bytes_held(c.mesh->position) + bytes_held(c.mesh->index) + bytes_held(c.mesh->uv) +
                bytes_held(c.mesh->rgba);
   }
-  for (const EncodedImage& image : mesh().images) sum += sizeof(image) + image.bytes.capacity();
+  for (const TileImage& image : images()) sum += image.encoded.bytes.capacity();
   return sum;
 }
 

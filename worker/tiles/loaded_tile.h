@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "format/source/mesh.h"
-#include "lattice/hash128.h"
 #include "lattice/parameters.h"
 #include "lattice/thread_pool.h"
 #include "worker/instance_bounds.h"
@@ -23,12 +22,13 @@ class LoadedTile {
   LoadedTile(TileDirectory&& directory, std::shared_ptr<const TileFile> file, const BakeParameters& parameters,
              const ThreadPool& pool);
 
-  const TileMesh& mesh() const { return directory_.mesh; }  ///< without the triangles of its primitives
+  const TileMesh& mesh() const { return directory_.mesh; }  ///< without images and the triangles of its primitives
   const std::vector<TilePrimitive>& primitives() const { return directory_.primitives; }
   /// By instance: a box that holds every voxel that it can touch.
   const std::vector<SceneBox>& instance_boxes() const { return boxes_; }
-  /// By image, of the encoded bytes: tiles that share an image share its textures.
-  const std::vector<Hash128>& image_hashes() const { return image_hash_; }
+  const std::vector<TileImage>& images() const { return directory_.images; }
+  /// With its bytes. Errors  As TileFile::read().
+  EncodedImage encoded(std::size_t image) const;
 
   /// Some clusters of a primitive, as one mesh; null: none. Cost  One of them that is in memory is not copied.
   /// Errors  As TileFile::read().
@@ -45,7 +45,6 @@ class LoadedTile {
   TileDirectory directory_;
   std::shared_ptr<const TileFile> file_;
   std::vector<SceneBox> boxes_;
-  std::vector<Hash128> image_hash_;
 };
 
 }  // namespace gigabake

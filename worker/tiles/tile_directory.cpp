@@ -1,7 +1,10 @@
 #include "worker/tiles/tile_directory.h"
 
-#include <algorithm>
+#include <utility>
+#define XXH_INLINE_ALL
+#include <xxhash.h>
 
+#include "format/source/image/image_size.h"
 #include "lattice/bytes.h"
 #include "lattice/error.h"
 
@@ -10,16 +13,25 @@ namespace {
 
 constexpr const char* directory_name = "directory of a scratch file";
 
-void put_image(ByteWriter& w, const EncodedImage& image) {
-  w.put(image.name);
-  w.put(std::string(image.bytes.begin(), image.bytes.end()));
+void put_stored(ByteWriter& w, const StoredBytes& stored) {
+  w.put(stored.offset), w.put(stored.checksum), w.put(stored.bytes);
 }
 
-EncodedImage get_image(ByteReader& r) {
-  EncodedImage image;
-  std::string bytes;
-  r.get(image.name), r.get(bytes);
-  image.bytes.assign(bytes.begin(), bytes.end());
+StoredBytes get_stored(ByteReader& r) {
+  StoredBytes stored;
+  r.get(stored.offset), r.get(stored.checksum), r.get(stored.bytes);
+  return stored;
+}
+
+void put_image(ByteWriter& w, const TileImage& image) {
+  w.put(image.hash), w.put(image.texture_bytes), w.put(image.encoded.name);
+  put_stored(w, image.stored);
+}
+
+TileImage get_image(ByteReader& r) {
+  TileImage image;
+  r.get(image.hash), r.get(image.texture_bytes), r.get(image.encoded.name);
+  image.stored = get_stored(r);
   return image;
 }
 
@@ -64,13 +76,13 @@ void get_list(ByteReader& r, std::vector<T>& items, const Get& get) {
 
 void put_cluster(ByteWriter& w, const TileCluster& c) {
   w.put(c.bounds);
-  w.put(c.stored.offset), w.put(c.stored.checksum), w.put(c.stored.bytes);
+  put_stored(w, c.stored);
 }
 
 TileCluster get_cluster(ByteReader& r) {
   TileCluster c;
   r.get(c.bounds);
-  r.get(c.stored.offset), r.get(c.stored.checksum), r.get(c.stored.bytes);
+  c.stored = get_stored(r);
   return c;
 }
 
@@ -112,16 +124,27 @@ void check(const TileDirectory& d) {
   for (const Instance& i : d.mesh.instances) is_right = is_right && within(i.primitive, d.primitives.size());
   for (const Primitive& p : d.mesh.primitives) is_right = is_right && within(p.material, d.mesh.materials.size());
   for (const Material& m : d.mesh.materials)
-    is_right = is_right && (m.texture.image < 0 || within(m.texture.image, d.mesh.images.size()));
+    is_right = is_right && (m.texture.image < 0 || within(m.texture.image, d.images.size()));
   if (!is_right) throw InputError(directory_name, "", "names what is not there");
 }
 
 }  // namespace
 
+TileImage tile_image(EncodedImage&& encoded) {
+  const XXH128_hash_t h = XXH3_128bits(encoded.bytes.data(), encoded.bytes.size());
+  TileImage image{{h.low64, h.high64}, 0, std::move(encoded)};
+  try {
+    if (!image.encoded.bytes.empty()) image.texture_bytes = image_size(image.encoded).texture_bytes();
+  } catch (const InputError&) {
+    // Who decodes it says why: an image that nothing shows may be damaged.
+  }
+  return image;
+}
+
 std::vector<std::uint8_t> to_bytes(const TileDirectory& d) {
   ByteWriter w;
   put_list(w, d.mesh.primitives, put_shell), put_list(w, d.mesh.instances, put_instance);
-  put_list(w, d.mesh.materials, put_material), put_list(w, d.mesh.images, put_image);
+  put_list(w, d.mesh.materials, put_material), put_list(w, d.images, put_image);
   w.put(d.mesh.counts), w.put(d.mesh.warnings);
   put_list(w, d.primitives, put_primitive);
   return w.take();
@@ -131,7 +154,7 @@ TileDirectory directory_from_bytes(std::span<const std::uint8_t> bytes) {
   ByteReader r(bytes, directory_name);
   TileDirectory d;
   get_list(r, d.mesh.primitives, get_shell), get_list(r, d.mesh.instances, get_instance);
-  get_list(r, d.mesh.materials, get_material), get_list(r, d.mesh.images, get_image);
+  get_list(r, d.mesh.materials, get_material), get_list(r, d.images, get_image);
   r.get(d.mesh.counts), r.get(d.mesh.warnings);
   get_list(r, d.primitives, get_primitive);
   r.expect_end();

@@ -48,10 +48,6 @@ const std::uint8_t* take(const std::uint8_t* from, std::size_t count, std::vecto
   return from + count * sizeof(T);
 }
 
-[[noreturn]] void fail(const std::filesystem::path& path, const char* what, int error) {
-  throw IoError(path, "", std::string("cannot ") + what + ": " + std::strerror(error));
-}
-
 /// False: the file ends early, or errno says why.
 bool read_at(const Descriptor& file, std::uint64_t offset, std::span<std::uint8_t> bytes) {
   errno = 0;
@@ -70,17 +66,9 @@ std::uint64_t size_of(const Descriptor& file) {
   return ::fstat(file.get(), &found) == 0 ? std::uint64_t(found.st_size) : 0;
 }
 
-Publication publication_of(const std::filesystem::path& target) {
-  try {
-    return Publication(target);
-  } catch (const InputError&) {
-    fail(target, "write", errno);
-  }
-}
-
 }  // namespace
 
-StoredCluster append_cluster(const Primitive& cluster, std::vector<std::uint8_t>& bytes) {
+StoredBytes append_cluster(const Primitive& cluster, std::vector<std::uint8_t>& bytes) {
   const std::size_t begin = bytes.size();
   const ClusterHead head{std::uint32_t(cluster.position.size() / 3), std::uint32_t(cluster.index.size()),
                          cluster.uv.empty() ? 0u : 1u, cluster.rgba.empty() ? 0u : 1u};
@@ -90,27 +78,18 @@ StoredCluster append_cluster(const Primitive& cluster, std::vector<std::uint8_t>
   append_values(cluster.position, bytes), append_values(cluster.uv, bytes);
   append_values(cluster.rgba, bytes), append_values(index, bytes);
   const auto all = std::span<const std::uint8_t>(bytes).subspan(begin);
-  return {begin, checksum_of(all), std::uint32_t(all.size())};
+  return {begin, checksum_of(all), all.size()};
 }
 
-TileFileWriter::TileFileWriter(std::filesystem::path target)
-    : target_(std::move(target)), publication_(publication_of(target_)), file_(publication_.aside(), O_WRONLY) {
-  if (!file_.is_open()) fail(target_, "write", errno);
-}
-
-std::uint64_t TileFileWriter::append(std::span<const std::uint8_t> bytes) {
-  if (!file_.write_all(bytes)) fail(target_, "write", errno);
-  return std::exchange(bytes_, bytes_ + bytes.size());
+StoredBytes TileFileWriter::append(std::span<const std::uint8_t> bytes) {
+  return {file_.append(bytes), checksum_of(bytes), bytes.size()};
 }
 
 void TileFileWriter::publish(std::span<const std::uint8_t> directory) {
-  Trailer trailer;
-  trailer.checksum = checksum_of(directory);
-  trailer.bytes = directory.size();
-  trailer.offset = append(directory);
-  append(raw_bytes(trailer));
-  file_ = Descriptor();
-  publication_.publish(Durability::while_up);
+  const StoredBytes stored = append(directory);
+  const Trailer trailer{stored.offset, stored.bytes, stored.checksum};
+  file_.append(raw_bytes(trailer));
+  file_.publish();
 }
 
 std::shared_ptr<const TileFile> TileFile::open(const std::filesystem::path& path) {
@@ -132,19 +111,26 @@ std::shared_ptr<const TileFile> TileFile::open(const std::filesystem::path& path
   return tile;
 }
 
-Primitive TileFile::read(const StoredCluster& cluster) const {
-  std::vector<std::uint8_t> bytes(cluster.bytes);
-  const bool is_read = read_at(file_, cluster.offset, bytes);
-  const int error = errno;
-  if (!is_read && error != 0) fail(path_, "read", error);
+void TileFile::fail_other_bytes(const StoredBytes& stored) const {
+  std::error_code ignored;
+  std::filesystem::remove(path_, ignored);
+  throw IoError(path_, "", "does not hold what was written; the scratch file is made again at the next try",
+                stored.offset);
+}
+
+std::vector<std::uint8_t> TileFile::read(const StoredBytes& stored) const {
+  std::vector<std::uint8_t> bytes(stored.bytes);
+  const bool is_read = read_at(file_, stored.offset, bytes);
+  if (!is_read && errno != 0) throw IoError(path_, "", std::string("cannot read: ") + std::strerror(errno));
+  if (!is_read || checksum_of(bytes) != stored.checksum) fail_other_bytes(stored);
+  return bytes;
+}
+
+Primitive TileFile::read_cluster(const StoredBytes& cluster) const {
+  const std::vector<std::uint8_t> bytes = read(cluster);
   ClusterHead head;
-  if (is_read && bytes.size() >= sizeof head) std::memcpy(&head, bytes.data(), sizeof head);
-  if (!is_read || checksum_of(bytes) != cluster.checksum || head.bytes() != bytes.size()) {
-    std::error_code ignored;
-    std::filesystem::remove(path_, ignored);
-    throw IoError(path_, "", "does not hold what was written; the scratch file is made again at the next try",
-                  cluster.offset);
-  }
+  if (bytes.size() >= sizeof head) std::memcpy(&head, bytes.data(), sizeof head);
+  if (bytes.size() < sizeof head || head.bytes() != bytes.size()) fail_other_bytes(cluster);
   Primitive mesh;
   std::vector<std::uint16_t> index;
   const std::uint8_t* from = bytes.data() + sizeof head;

@@ -67,18 +67,20 @@ void TileGatherer::cut(const std::vector<Primitive>& batch) {
     for (std::size_t i = begin; i < end; ++i) done[i] = cut_one(batch[i]);
   });
   for (CutPrimitive& p : done) {
-    const std::uint64_t begin = writer_->append(p.bytes);
+    const std::uint64_t begin = writer_->append(p.bytes).offset;
     for (TileCluster& c : p.table.clusters) c.stored.offset += begin;
     cut_.push_back(std::move(p.table));
   }
 }
 
 TileDirectory TileGatherer::finish(TileMesh&& mesh) {
-  TileDirectory all{std::move(mesh), {}};
+  TileDirectory all{std::move(mesh), {}, {}};
+  for (EncodedImage& image : std::exchange(all.mesh.images, {})) all.images.push_back(tile_image(std::move(image)));
   if (writer_) {
     cut_pending();
     wait();
     all.primitives = std::move(cut_);
+    for (TileImage& image : all.images) image.stored = writer_->append(std::exchange(image.encoded.bytes, {}));
     writer_->publish(to_bytes(all));
     return all;
   }

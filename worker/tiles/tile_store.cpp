@@ -1,47 +1,19 @@
 #include "worker/tiles/tile_store.h"
 
-#include <cerrno>
-#include <cstring>
-#include <fcntl.h>
 #include <limits>
-#include <system_error>
 #include <utility>
 
 #include "format/source/tile_hash.h"
 #include "format/system/io_error.h"
 #include "lattice/error.h"
+#include "worker/tiles/scratch_publication.h"
 #include "worker/tiles/tile_file.h"
 #include "worker/tiles/tile_gatherer.h"
 
 namespace gigabake {
-namespace {
-
-/// Held until it goes out of scope; a process that dies lets go of it. Others wait.
-class TurnAt {
- public:
-  explicit TurnAt(const std::filesystem::path& file) : file_(file, O_RDWR | O_CREAT) {
-    struct flock whole {};
-    whole.l_type = F_WRLCK;
-    whole.l_whence = SEEK_SET;
-    while (file_.is_open() && ::fcntl(file_.get(), F_OFD_SETLKW, &whole) != 0 && errno == EINTR) {
-    }
-    // Without a lock two ranks may do the same work, and each publishes a whole file.
-  }
-
- private:
-  Descriptor file_;
-};
-
-void make_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw IoError(folder, "", "cannot make the scratch folder: " + error.message());
-}
-
-}  // namespace
 
 TileScratch scratch_in(std::filesystem::path folder, std::uint64_t memory_bytes) {
-  return {std::move(folder), memory_bytes == 0 ? std::numeric_limits<std::uint64_t>::max() : memory_bytes / 16};
+  return {std::move(folder), memory_bytes == 0 ? std::numeric_limits<std::uint64_t>::max() : memory_bytes / 128};
 }
 
 TileStore::TileStore(const SceneSources& sources, const BakeParameters& parameters, TileScratch scratch, int threads)
@@ -56,8 +28,8 @@ std::shared_ptr<const LoadedTile> TileStore::load(std::uint32_t tile, const std:
   const std::filesystem::path file = scratch_.folder / ("t_" + expected->hex() + ".clusters");
   if (auto found = stored(file)) return found;
   if (!may_be_large(tile)) return read(tile, expected, file);
-  make_folder(scratch_.folder);
-  const TurnAt turn(std::filesystem::path(file) += ".lock");
+  make_scratch_folder(scratch_.folder);
+  const ScratchTurn turn(file);
   if (auto found = stored(file)) return found;
   return read(tile, expected, file);
 }

@@ -19,10 +19,11 @@ namespace gigabake {
 
 struct TileScratch {
   std::filesystem::path folder;       ///< none: every tile is held in memory
-  std::uint64_t most_tile_bytes = 0;  ///< of triangles in memory; a tile that has more goes to the folder
+  std::uint64_t most_tile_bytes = 0;  ///< of a tile's triangles, or a texture, in memory; more goes to the folder
 };
 
-/// Of a rank that may use memory_bytes: a tile's triangles may take a sixteenth of it in memory; 0: whatever they take.
+/// Of a rank that may use memory_bytes: a tile's triangles, and a texture, may take a 128th of it in memory; 0:
+/// whatever they take. The caches (CellLoader) then hold sixteen of the largest.
 TileScratch scratch_in(std::filesystem::path folder, std::uint64_t memory_bytes);
 
 class TileStore {

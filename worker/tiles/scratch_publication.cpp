@@ -1,0 +1,63 @@
+#include "worker/tiles/scratch_publication.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <system_error>
+#include <utility>
+
+#include "format/system/io_error.h"
+
+namespace gigabake {
+namespace {
+
+[[noreturn]] void fail_to_write(const std::filesystem::path& path) {
+  throw IoError(path, "", std::string("cannot write: ") + std::strerror(errno));
+}
+
+/// A full disk is no fault of the input's.
+Publication publication_of(const std::filesystem::path& target) {
+  try {
+    return Publication(target);
+  } catch (const InputError&) {
+    fail_to_write(target);
+  }
+}
+
+}  // namespace
+
+ScratchPublication::ScratchPublication(std::filesystem::path target)
+    : target_(std::move(target)), publication_(publication_of(target_)), file_(publication_.aside(), O_WRONLY) {
+  if (!file_.is_open()) fail_to_write(target_);
+}
+
+std::uint64_t ScratchPublication::append(std::span<const std::uint8_t> bytes) {
+  if (!file_.write_all(bytes)) fail_to_write(target_);
+  return std::exchange(bytes_, bytes_ + bytes.size());
+}
+
+void ScratchPublication::publish() {
+  file_ = Descriptor();
+  try {
+    publication_.publish(Durability::while_up);
+  } catch (const InputError&) {
+    fail_to_write(target_);
+  }
+}
+
+void make_scratch_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw IoError(folder, "", "cannot make the scratch folder: " + error.message());
+}
+
+ScratchTurn::ScratchTurn(std::filesystem::path file) : lock_(file += ".lock", O_RDWR | O_CREAT) {
+  struct flock whole {};
+  whole.l_type = F_WRLCK;
+  whole.l_whence = SEEK_SET;
+  while (lock_.is_open() && ::fcntl(lock_.get(), F_OFD_SETLKW, &whole) != 0 && errno == EINTR) {
+  }
+  // Without a lock two ranks may do the same work, and each publishes a whole file.
+}
+
+}  // namespace gigabake
