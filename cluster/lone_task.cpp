@@ -16,6 +16,14 @@ int tasks_of_srun(const Environment& environment) {
   return is_batch_script ? 1 : number("SLURM_NTASKS");
 }
 
+bool is_launched(const Environment& environment) {
+  // mpirun's own; PMIx, which mpirun, prterun and srun speak; PMI-1 and PMI-2; a step of srun that speaks none of them.
+  constexpr const char* of_launchers[] = {
+      "OMPI_COMM_WORLD_SIZE", "PMIX_RANK",  "PMIX_NAMESPACE", "PMI_RANK", "PMI_FD", "PMI_PORT",
+      "SLURM_STEP_ID",        "PALS_RANKID"};
+  return std::ranges::any_of(of_launchers, [&](const char* name) { return environment(name) != nullptr; });
+}
+
 std::optional<std::string> lone_task(int ranks, int tasks) {
   if (ranks > 1 || tasks <= 1) return std::nullopt;
   return "Slurm started " + std::to_string(tasks) +

@@ -41,11 +41,19 @@ SceneCell scene_cell(const CellJob& job, const Shard& shard, std::uint64_t bytes
           h.fingerprint, h.content_hash};
 }
 
-std::vector<LevelSummary> levels_of(const Shard& shard, const std::filesystem::path& path) {
-  std::vector<LevelSummary> levels = summarize_levels(shard);
-  const ShardReader stored(path);
-  for (std::size_t lod = 0; lod < levels.size(); ++lod) levels[lod].stored_bytes = stored.level_bytes(int(lod));
+std::vector<LevelSummary> levels_of(const Shard& shard, const std::vector<std::uint64_t>& stored_bytes,
+                                    const ThreadPool& pool) {
+  std::vector<LevelSummary> levels = summarize_levels(shard, pool);
+  for (std::size_t lod = 0; lod < levels.size(); ++lod) levels[lod].stored_bytes = stored_bytes[lod];
   return levels;
+}
+
+/// Of a shard that an earlier run wrote.
+std::vector<std::uint64_t> stored_level_bytes(const std::filesystem::path& path, std::size_t lods) {
+  const ShardReader stored(path);
+  std::vector<std::uint64_t> bytes;
+  for (std::size_t lod = 0; lod < lods; ++lod) bytes.push_back(stored.level_bytes(int(lod)));
+  return bytes;
 }
 
 /// What a shard says of itself is what this bake would write. Its fingerprint covers all of it, unless it was edited.
@@ -124,7 +132,7 @@ void CellStages::read(CellInHand& cell) {
   if (const auto shard = published_shard(path, cell.job, parameters_, sources_.origin, options_.threads)) {
     cell.report.shard = before;
     cell.report.cell = scene_cell(cell.job, *shard, std::filesystem::file_size(path));
-    cell.report.levels = levels_of(*shard, path);
+    cell.report.levels = levels_of(*shard, stored_level_bytes(path, shard->levels.size()), callers_thread());
     return decide(cell, CellOutcome::baked);
   }
   cell.loaded = loader_.load(cell.job);
@@ -167,10 +175,10 @@ void CellStages::write(CellInHand& cell) {
   const ShardHeader header = header_of(cell);
   const Shard shard = shard_from_volume(std::exchange(cell.volume, {}), header);
   const std::filesystem::path path = options_.out / shard_path(cell.job);
-  const std::uint64_t bytes = write_shard(path, shard, {write_pool_, parameters_.codec});
+  const StoredShard stored = write_shard(path, shard, {write_pool_, parameters_.codec});
   cell.report.shard = stamp_of(path).value_or(FileStamp{});
-  cell.report.cell = scene_cell(cell.job, shard, bytes);
-  cell.report.levels = levels_of(shard, path);
+  cell.report.cell = scene_cell(cell.job, shard, stored.file);
+  cell.report.levels = levels_of(shard, stored.levels, write_pool_);
   decide(cell, CellOutcome::baked);
 }
 

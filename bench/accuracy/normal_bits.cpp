@@ -117,7 +117,7 @@ std::vector<NormalBits> normal_bits(const std::filesystem::path& scene, const st
       Shard shard = read_shard(scene.parent_path() / cell.file);
       coarsen(shard, bits, angles);
       std::filesystem::create_directories((folder / cell.file).parent_path());
-      row.bytes += write_shard(folder / cell.file, shard, {ThreadPool(threads), codec});
+      row.bytes += write_shard(folder / cell.file, shard, {ThreadPool(threads), codec}).file;
     }
     write_scene(folder / "scene.xml", description);
     row.mean_deg = angles.mean();

@@ -6,21 +6,31 @@
 namespace gigabake {
 namespace {
 
-constexpr std::size_t alphas = 256;
+constexpr std::size_t alphas = 256, voxels_per_part = 1 << 18;
 
 std::size_t bin_of(std::size_t alpha) { return alpha == alphas - 1 ? LevelSummary::bins - 1 : alpha / 64; }
 
-/// Exact counts of each alpha; two tables, because neighbours are alike and would wait for each other's count.
-LevelSummary summary_of(const BrickLevel& level) {
+/// Of voxels [begin, end). Exact counts of each alpha; two tables, because neighbours are alike and would wait for each
+/// other's count.
+LevelSummary summary_of(const BrickLevel& level, std::size_t begin, std::size_t end) {
   std::array<std::array<std::uint64_t, alphas>, 2> counts{};
-  const std::size_t voxels = level.rgba.size() / 4;
-  for (std::size_t i = 0; i < voxels; ++i) ++counts[i & 1][level.rgba[4 * i + 3]];
+  for (std::size_t i = begin; i < end; ++i) ++counts[i & 1][level.rgba[4 * i + 3]];
   LevelSummary out;
   for (std::size_t a = 0; a < alphas; ++a) {
     const std::uint64_t count = counts[0][a] + counts[1][a];
     out.coverage[bin_of(a)] += count;
     out.alpha_sum += count * a;
   }
+  return out;
+}
+
+LevelSummary summary_of(const BrickLevel& level, const ThreadPool& pool) {
+  std::vector<LevelSummary> of_thread(std::size_t(pool.threads()));
+  pool.parallel_for(level.rgba.size() / 4, voxels_per_part, [&](std::size_t begin, std::size_t end, int thread) {
+    of_thread[std::size_t(thread)] += summary_of(level, begin, end);
+  });
+  LevelSummary out;
+  for (const LevelSummary& part : of_thread) out += part;
   return out;
 }
 
@@ -41,9 +51,9 @@ LevelSummary& LevelSummary::operator+=(const LevelSummary& other) {
   return *this;
 }
 
-std::vector<LevelSummary> summarize_levels(const Shard& shard) {
+std::vector<LevelSummary> summarize_levels(const Shard& shard, const ThreadPool& pool) {
   std::vector<LevelSummary> out;
-  for (const BrickLevel& level : shard.levels) out.push_back(summary_of(level));
+  for (const BrickLevel& level : shard.levels) out.push_back(summary_of(level, pool));
   for (std::size_t n = 0; n < shard.nodes.kind.size(); ++n) {
     if (shard.nodes.kind[n] == NodeKind::brick) continue;
     const int lod = shard.nodes.lod[n];

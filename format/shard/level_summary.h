@@ -24,8 +24,8 @@ struct LevelSummary {
 };
 
 /// Per lod, without stored_bytes. What constant nodes stand for counts as if it were written out.
-/// Cost    One pass over the alphas, a nanosecond a voxel.
-std::vector<LevelSummary> summarize_levels(const Shard& shard);
+/// Cost    One pass over the alphas, a nanosecond of a core a voxel.
+std::vector<LevelSummary> summarize_levels(const Shard& shard, const ThreadPool& pool = callers_thread());
 
 /// Per lod, up to the highest that either has.
 void add_levels(const std::vector<LevelSummary>& of, std::vector<LevelSummary>& to);

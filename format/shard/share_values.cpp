@@ -136,29 +136,11 @@ bool all_alike(Bytes bytes, std::size_t width, std::size_t voxels, const ThreadP
   return !differ;
 }
 
-void copy_values(Bytes bytes, std::size_t width, std::size_t voxels, const ThreadPool& pool,
-                 std::vector<std::uint8_t>& value) {
-  value.resize(voxels * width);
-  with_known_width(width, [&](auto known) {
-    pool.parallel_for(voxels, voxels_per_range, [&](std::size_t begin, std::size_t end, int) {
-      for (std::size_t v = begin; v < end; ++v) std::memcpy(&value[v * known], bytes[v], known);
-    });
-  });
-}
-
-/// body(brick, known width, number of the brick) for each.
-template <class Body>
-void for_each_brick(const VoxelGroups& groups, std::span<const std::uint64_t> first, Bytes bytes, std::size_t width,
-                    const ThreadPool& pool, const Body& body) {
-  pool.parallel_for(groups.seen.size(), bricks_per_range, [&](std::size_t begin, std::size_t end, int) {
-    with_known_width(width, [&](auto known) {
-      for (std::size_t b = begin; b < end; ++b)
-        body(BrickVoxels{std::span(groups.of_voxel).subspan(first[b], first[b + 1] - first[b]),
-                         groups.seen[b],
-                         {bytes[first[b]], bytes.stride}},
-             known, b);
-    });
-  });
+BrickVoxels brick_voxels_of(const VoxelGroups& groups, std::span<const std::uint64_t> first, Bytes bytes,
+                            std::size_t b) {
+  return {std::span(groups.of_voxel).subspan(first[b], first[b + 1] - first[b]),
+          groups.seen[b],
+          {bytes[first[b]], bytes.stride}};
 }
 
 }  // namespace
@@ -180,31 +162,63 @@ VoxelGroups group_voxels(std::span<const std::uint64_t> mask, std::span<const st
   return out;
 }
 
-SharedValues share_values(const VoxelGroups& groups, std::span<const std::uint64_t> first, Bytes bytes,
-                          std::size_t width, const ThreadPool& pool) {
-  const std::size_t bricks = groups.seen.size(), voxels = groups.of_voxel.size();
-  SharedValues out;
-  if (voxels > 1 && all_alike(bytes, width, voxels, pool)) {
-    out.value.assign(bytes[0], bytes[0] + width);
-    return out;
-  }
-  out.share.resize(share_bytes * bricks);
-  out.first.resize(bricks + 1);
-  for_each_brick(groups, first, bytes, width, pool, [&](const BrickVoxels& brick, auto known, std::size_t b) {
-    out.first[b + 1] = find_shares(brick, known, &out.share[share_bytes * b]);
+SharedValues::SharedValues(Bytes bytes, std::size_t width, std::size_t voxels)
+    : bytes_(bytes), width_(width), count_(voxels) {}
+
+SharedValues::SharedValues(const VoxelGroups& groups, std::span<const std::uint64_t> voxel_first, Bytes bytes,
+                           std::size_t width, const ThreadPool& pool)
+    : SharedValues(bytes, width, groups.of_voxel.size()) {
+  groups_ = &groups;
+  voxel_first_ = voxel_first;
+  if (count_ > 1 && all_alike(bytes_, width_, count_, pool))
+    count_ = 1;
+  else
+    find(pool);
+}
+
+void SharedValues::find(const ThreadPool& pool) {
+  const std::size_t bricks = groups_->seen.size();
+  share_.resize(share_bytes * bricks);
+  first_.resize(bricks + 1);
+  pool.parallel_for(bricks, bricks_per_range, [&](std::size_t begin, std::size_t end, int) {
+    with_known_width(width_, [&](auto known) {
+      for (std::size_t b = begin; b < end; ++b)
+        first_[b + 1] =
+            find_shares(brick_voxels_of(*groups_, voxel_first_, bytes_, b), known, &share_[share_bytes * b]);
+    });
   });
-  for (std::size_t b = 0; b < bricks; ++b) out.first[b + 1] += out.first[b];
-  if (4 * (out.first.back() * width + (share_bytes + 2) * bricks) >= 3 * voxels * width) {
-    out = {};
-    copy_values(bytes, width, voxels, pool, out.value);
-    return out;
+  for (std::size_t b = 0; b < bricks; ++b) first_[b + 1] += first_[b];
+  if (4 * (first_.back() * width_ + (share_bytes + 2) * bricks) < 3 * count_ * width_) {
+    count_ = first_.back();
+  } else {
+    share_ = {};
+    first_ = {};
   }
-  out.value.resize(out.first.back() * width);
-  for_each_brick(groups, first, bytes, width, pool, [&](const BrickVoxels& brick, auto known, std::size_t b) {
-    collect_values(brick, known, &out.share[share_bytes * b],
-                   std::span(out.value).subspan(out.first[b] * width, (out.first[b + 1] - out.first[b]) * width));
+}
+
+void SharedValues::collect(std::uint64_t begin, std::span<std::uint8_t> to) const {
+  if (!share_.empty()) return collect_shared(begin, to);
+  with_known_width(width_, [&](auto known) {
+    const std::size_t values = to.size() / known;
+    for (std::size_t i = 0; i < values; ++i) std::memcpy(&to[i * known], bytes_[begin + i], known);
   });
-  return out;
+}
+
+/// Bricks are collected whole: those at the ends of the piece aside.
+void SharedValues::collect_shared(std::uint64_t begin, std::span<std::uint8_t> to) const {
+  auto b = std::size_t(std::upper_bound(first_.begin(), first_.end(), begin) - first_.begin()) - 1;
+  with_known_width(width_, [&](auto known) {
+    std::array<std::uint8_t, 4 * brick_voxels> aside;
+    for (std::size_t at = 0; at < to.size(); ++b) {
+      const std::size_t values = first_[b + 1] - first_[b], skipped = begin > first_[b] ? begin - first_[b] : 0;
+      const std::size_t wanted = std::min((values - skipped) * known, to.size() - at);
+      const bool is_whole = wanted == values * known;
+      const std::span<std::uint8_t> into = is_whole ? to.subspan(at, wanted) : std::span(aside).first(values * known);
+      collect_values(brick_voxels_of(*groups_, voxel_first_, bytes_, b), known, &share_[share_bytes * b], into);
+      if (!is_whole) std::copy_n(aside.begin() + std::ptrdiff_t(skipped * known), wanted, &to[at]);
+      at += wanted;
+    }
+  });
 }
 
 }  // namespace gigabake

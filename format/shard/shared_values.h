@@ -18,12 +18,6 @@ namespace gigabake {
 /// whole brick has, else 0.
 inline constexpr std::size_t share_bytes = 10;
 
-struct SharedValues {
-  std::vector<std::uint8_t> value;   ///< `width` bytes each: one for each voxel, or for all, or as `share` says
-  std::vector<std::uint8_t> share;   ///< share_bytes a brick, or empty
-  std::vector<std::uint64_t> first;  ///< with it, bricks+1: where a brick's values begin
-};
-
 /// Where a level's voxels are: the same for all of its channels.
 struct VoxelGroups {
   std::vector<std::uint8_t> of_voxel;  ///< 8·octant + group
@@ -35,11 +29,38 @@ struct VoxelGroups {
 VoxelGroups group_voxels(std::span<const std::uint64_t> mask, std::span<const std::uint64_t> first,
                          const ThreadPool& pool);
 
-/// Shared by groups where that spares a quarter of the bytes; one value where all voxels are alike.
-/// Range  groups and first of the same level; 1 ≤ width ≤ 4.
-/// Cost   6 to 9 ns of a core a voxel (the sample at 0.0625 m, finding and copying).
-SharedValues share_values(const VoxelGroups& groups, std::span<const std::uint64_t> first,
-                          ChannelBytes<const std::uint8_t> bytes, std::size_t width, const ThreadPool& pool);
+/// One channel of a level as it is stored: shared by groups where that spares a quarter of the bytes; one value where
+/// all voxels are alike. Which voxels share is found at once; the values are copied when somebody asks for them, piece
+/// by piece, so that nothing holds all of them.
+class SharedValues {
+ public:
+  /// Borrows groups and voxel_first, of the same level, and bytes. Range  1 ≤ width ≤ 4.
+  /// Cost  3 to 5 ns of a core a voxel (the sample at 0.0625 m), and as much to collect.
+  SharedValues(const VoxelGroups& groups, std::span<const std::uint64_t> voxel_first,
+               ChannelBytes<const std::uint8_t> bytes, std::size_t width, const ThreadPool& pool);
+  /// Nothing is shared: a value for each of so many voxels.
+  SharedValues(ChannelBytes<const std::uint8_t> bytes, std::size_t width, std::size_t voxels);
+
+  std::uint64_t count() const { return count_; }                     ///< of values
+  const std::vector<std::uint8_t>& share() const { return share_; }  ///< share_bytes a brick, or empty
+  /// With it, bricks+1: where a brick's values begin.
+  const std::vector<std::uint64_t>& first() const { return first_; }
+
+  /// As many values, from number `begin` on, as fill `to`. Any number of threads.
+  void collect(std::uint64_t begin, std::span<std::uint8_t> to) const;
+
+ private:
+  void find(const ThreadPool& pool);
+  void collect_shared(std::uint64_t begin, std::span<std::uint8_t> to) const;
+
+  const VoxelGroups* groups_ = nullptr;
+  std::span<const std::uint64_t> voxel_first_;
+  ChannelBytes<const std::uint8_t> bytes_;
+  std::size_t width_;
+  std::uint64_t count_;
+  std::vector<std::uint8_t> share_;
+  std::vector<std::uint64_t> first_;
+};
 
 /// Gives each voxel of the brick its value. mask: 8 words; share: share_bytes; to: as many voxels as mask has bits.
 /// False where `value` does not hold as many values of `width` bytes as `share` says; then voxels have any.

@@ -50,12 +50,12 @@ std::uint64_t bytes_of(const std::vector<Level>& levels) {
 }
 
 Level finest_level(const CellInput& input, const CellParameters& parameters, const ThreadPool& pool, CellStats& stats) {
-  std::vector<WindowTriangle> triangles;
+  UnsetArray<WindowTriangle> triangles;
   {
     const StageClock clock(stats.snap_s);
     triangles = window_triangles(input, parameters, pool, stats);
   }
-  const std::uint64_t triangle_bytes = triangles.capacity() * sizeof(WindowTriangle);
+  const std::uint64_t triangle_bytes = triangles.size() * sizeof(WindowTriangle);
   std::vector<Batch> batches;
   {
     const StageClock clock(stats.bin_s);
@@ -63,7 +63,7 @@ Level finest_level(const CellInput& input, const CellParameters& parameters, con
   }
   Level level;
   for (const Batch& batch : batches) {
-    std::vector<Pair> pairs;
+    UnsetArray<Pair> pairs;
     {
       const StageClock clock(stats.sort_s);
       pairs = sorted_pairs(triangles, parameters, batch, pool, stats);
@@ -71,7 +71,7 @@ Level finest_level(const CellInput& input, const CellParameters& parameters, con
     const StageClock clock(stats.voxelize_s);
     voxelize(input, triangles, parameters, pairs, pool, level, stats);
     stats.peak_bytes =
-        std::max(stats.peak_bytes, triangle_bytes + pairs.capacity() * 2 * sizeof(Pair) + 2 * bytes_of(level));
+        std::max(stats.peak_bytes, triangle_bytes + pairs.size() * 2 * sizeof(Pair) + 2 * bytes_of(level));
   }
   stats.batches = batches.size();
   return level;

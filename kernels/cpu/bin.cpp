@@ -17,14 +17,14 @@ std::size_t range_count(std::size_t triangles) { return (triangles + triangles_p
 
 /// Calls visit(key, triangle) for the pairs of one range of triangles.
 template <class Visit>
-void visit_range(const std::vector<WindowTriangle>& triangles, std::size_t range, const CellWindow& window,
+void visit_range(std::span<const WindowTriangle> triangles, std::size_t range, const CellWindow& window,
                  const Visit& visit) {
   const std::size_t end = std::min(triangles.size(), (range + 1) * triangles_per_range);
   for (std::size_t t = range * triangles_per_range; t < end; ++t)
     for_each_brick(triangles[t], window, [&](std::uint64_t key) { visit(key, std::uint32_t(t)); });
 }
 
-std::vector<std::uint64_t> pairs_per_bucket(const std::vector<WindowTriangle>& triangles, const CellWindow& window,
+std::vector<std::uint64_t> pairs_per_bucket(std::span<const WindowTriangle> triangles, const CellWindow& window,
                                             int bucket_shift, const ThreadPool& pool) {
   const std::size_t buckets = std::size_t(1) << (key_bits(window) - bucket_shift);
   std::vector<std::vector<std::uint64_t>> counts(pool.threads(), std::vector<std::uint64_t>(buckets, 0));
@@ -40,7 +40,7 @@ std::vector<std::uint64_t> pairs_per_bucket(const std::vector<WindowTriangle>& t
 
 }  // namespace
 
-std::vector<Batch> plan_batches(const std::vector<WindowTriangle>& triangles, const CellParameters& parameters,
+std::vector<Batch> plan_batches(std::span<const WindowTriangle> triangles, const CellParameters& parameters,
                                 std::uint64_t pairs_per_batch, const ThreadPool& pool) {
   const CellWindow window = window_of(parameters);
   const int shift = std::max(0, key_bits(window) - bucket_bits);
@@ -62,8 +62,8 @@ std::vector<Batch> plan_batches(const std::vector<WindowTriangle>& triangles, co
   return batches;
 }
 
-std::vector<Pair> sorted_pairs(const std::vector<WindowTriangle>& triangles, const CellParameters& parameters,
-                               const Batch& batch, const ThreadPool& pool, CellStats& stats) {
+UnsetArray<Pair> sorted_pairs(std::span<const WindowTriangle> triangles, const CellParameters& parameters,
+                              const Batch& batch, const ThreadPool& pool, CellStats& stats) {
   const CellWindow window = window_of(parameters);
   const auto in_batch = [&](std::uint64_t key) { return key >= batch.first_key && key < batch.end_key; };
   std::vector<std::uint64_t> first(range_count(triangles.size()) + 1, 0);
@@ -75,7 +75,7 @@ std::vector<Pair> sorted_pairs(const std::vector<WindowTriangle>& triangles, con
     }
   });
   for (std::size_t r = 1; r < first.size(); ++r) first[r] += first[r - 1];
-  std::vector<Pair> pairs(first.back());
+  UnsetArray<Pair> pairs(first.back());
   pool.parallel_for(first.size() - 1, 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t r = begin; r < end; ++r) {
       std::uint64_t at = first[r];

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "kernels/body/brick_triangle.h"
 #include "kernels/body/cell.h"
+#include "kernels/cpu/unset_array.h"
 #include "lattice/thread_pool.h"
 
 namespace gigabake::kernels {
@@ -26,11 +28,11 @@ struct Batch {
 
 /// Cuts the window's keys into batches of at most about `pairs_per_batch` pairs (a single 1/32768 of the window may
 /// exceed it). Batches cover all keys, in ascending order; empty ones are left out.
-std::vector<Batch> plan_batches(const std::vector<WindowTriangle>& triangles, const CellParameters& parameters,
+std::vector<Batch> plan_batches(std::span<const WindowTriangle> triangles, const CellParameters& parameters,
                                 std::uint64_t pairs_per_batch, const ThreadPool& pool);
 
 /// The batch's pairs, sorted by brick key.
-std::vector<Pair> sorted_pairs(const std::vector<WindowTriangle>& triangles, const CellParameters& parameters,
-                               const Batch& batch, const ThreadPool& pool, CellStats& stats);
+UnsetArray<Pair> sorted_pairs(std::span<const WindowTriangle> triangles, const CellParameters& parameters,
+                              const Batch& batch, const ThreadPool& pool, CellStats& stats);
 
 }  // namespace gigabake::kernels

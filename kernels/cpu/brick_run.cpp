@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 
 #include "lattice/thread_pool.h"
 
@@ -26,15 +27,35 @@ std::vector<Landing> landings(const std::vector<BrickRun>& runs, Landing at) {
 
 }  // namespace
 
+void BrickRun::push_brick(std::uint64_t key, const std::uint64_t mask[8], std::span<const Voxel> voxels) {
+  key_.push_back(key);
+  mask_.insert(mask_.end(), mask, mask + 8);
+  const std::size_t at = rgba_.size() / 4;
+  rgba_.resize(4 * (at + voxels.size()));
+  if (normals_) normal_.resize(2 * (at + voxels.size()));
+  std::uint8_t* rgba = rgba_.data() + 4 * at;
+  for (std::size_t i = 0; i < voxels.size(); ++i) std::memcpy(rgba + 4 * i, voxels[i].rgba, 4);
+  if (!normals_) return;
+  std::int8_t* normal = normal_.data() + 2 * at;
+  for (std::size_t i = 0; i < voxels.size(); ++i) std::memcpy(normal + 2 * i, voxels[i].normal, 2);
+}
+
+void BrickRun::make_room(Level& level, std::size_t bricks, std::size_t voxels, const ThreadPool& pool) const {
+  // Growing an array fills it with zeros: each on a thread of its own, the largest first.
+  pool.parallel_for(6, 1, [&](std::size_t array, std::size_t, int) {
+    if (array == 0) level.rgba.resize(4 * voxels);
+    if (array == 1 && !facing_.empty()) level.facing.resize(3 * voxels);
+    if (array == 2 && normals_) level.normal.resize(2 * voxels);
+    if (array == 3) level.mask.resize(8 * bricks);
+    if (array == 4) level.first.resize(bricks + 1);
+    if (array == 5) level.key.resize(bricks);
+  });
+}
+
 void append(Level& level, std::vector<BrickRun>& runs, const ThreadPool& pool) {
   if (level.first.empty()) level.first.push_back(0);
   const std::vector<Landing> at = landings(runs, {level.key.size(), level.rgba.size() / 4});
-  level.key.resize(at.back().brick);
-  level.mask.resize(8 * at.back().brick);
-  level.first.resize(at.back().brick + 1);
-  level.rgba.resize(4 * at.back().voxel);
-  if (!runs.empty() && runs.front().normals_) level.normal.resize(2 * at.back().voxel);
-  if (!runs.empty() && !runs.front().facing_.empty()) level.facing.resize(3 * at.back().voxel);
+  if (!runs.empty()) runs.front().make_room(level, at.back().brick, at.back().voxel, pool);
   pool.parallel_for(runs.size(), 4, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t r = begin; r < end; ++r) {
       BrickRun& run = runs[r];

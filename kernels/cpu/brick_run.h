@@ -1,8 +1,8 @@
 /// Packed bricks as one task makes them, and their concatenation into a level.
 #pragma once
 
-#include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "kernels/body/cell.h"
@@ -11,23 +11,16 @@
 
 namespace gigabake::kernels {
 
-/// Consecutive bricks of a level in Morton order; voxels by rising bit number, brick after brick.
+/// Consecutive bricks of a level in Morton order.
 class BrickRun {
  public:
   explicit BrickRun(bool normals = true) : normals_(normals) {}
 
-  void push_voxel(const Voxel& v) {
-    rgba_.insert(rgba_.end(), v.rgba, v.rgba + 4);
-    if (normals_) normal_.insert(normal_.end(), v.normal, v.normal + 2);
-  }
-  /// Of the voxel pushed last; of all voxels or of none.
-  void push_facing(const std::array<std::uint8_t, 3>& facing) {
+  /// voxels: by rising number of their bit in the mask.
+  void push_brick(std::uint64_t key, const std::uint64_t mask[8], std::span<const Voxel> voxels);
+  /// Three bytes a voxel of the brick pushed last; of all bricks or of none.
+  void push_facing(std::span<const std::uint8_t> facing) {
     facing_.insert(facing_.end(), facing.begin(), facing.end());
-  }
-  /// Closes the brick whose voxels were pushed since the last call.
-  void push_brick(std::uint64_t key, const std::uint64_t mask[8]) {
-    key_.push_back(key);
-    mask_.insert(mask_.end(), mask, mask + 8);
   }
   std::size_t voxels() const { return rgba_.size() / 4; }
   std::size_t bricks() const { return key_.size(); }
@@ -35,6 +28,8 @@ class BrickRun {
   friend void append(Level& level, std::vector<BrickRun>& runs, const ThreadPool& pool);
 
  private:
+  void make_room(Level& level, std::size_t bricks, std::size_t voxels, const ThreadPool& pool) const;
+
   bool normals_;
   std::vector<std::uint64_t> key_, mask_;
   std::vector<std::uint8_t> rgba_;

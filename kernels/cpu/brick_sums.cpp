@@ -30,19 +30,19 @@ void BrickSums::flush() {
 void BrickSums::resolve_to(BrickRun& run, std::uint64_t key, const Tables& tables) {
   if (flushed_) flush();
   std::uint64_t visible[8] = {};
-  const std::size_t before = run.voxels();
+  std::array<Voxel, brick_voxels> voxels;
+  std::size_t count = 0;
   for_each_bit(mask_, [&](int voxel) {
-    Voxel v;
-    const bool there =
-        flushed_ ? resolve((*wide_)[voxel].data(), tables, v) : resolve(narrow_[voxel].data(), tables, v);
+    const bool there = flushed_ ? resolve((*wide_)[voxel].data(), tables, voxels[count])
+                                : resolve(narrow_[voxel].data(), tables, voxels[count]);
     if (there) {
-      run.push_voxel(v);
+      ++count;
       visible[voxel >> 6] |= std::uint64_t(1) << (voxel & 63);
     }
     narrow_[voxel].fill(0);
     if (flushed_) (*wide_)[voxel].fill(0);
   });
-  if (run.voxels() != before) run.push_brick(key, visible);
+  if (count != 0) run.push_brick(key, visible, std::span(voxels).first(count));
   for (std::uint64_t& word : mask_) word = 0;
   triangles_ = 0;
   flushed_ = false;

@@ -3,47 +3,53 @@
 namespace gigabake::kernels {
 namespace {
 
-constexpr int lane_group = 4;
+/// The sums of one group: in registers while its edges are added.
+struct GroupMoments {
+  GroupMoments() {
+    for (int i = 0; i < lane_group; ++i) area[i] = u[i] = v[i] = 0;
+  }
+  double area[lane_group], u[lane_group], v[lane_group];
+};
 
-int padded_count(CellLanes& lanes) {
-  const int padded = (lanes.count + lane_group - 1) / lane_group * lane_group;
-  for (int i = lanes.count; i < padded; ++i) lanes.u[i] = lanes.v[i] = 0;
-  for (int i = 0; i < padded; ++i) lanes.area[i] = lanes.moment_u[i] = lanes.moment_v[i] = 0;
-  return padded;
+template <bool with_moments>
+void add_edge_to_group(const TrianglePlane& plane, const SlabPolygon& polygon, int e, const double* u, const double* v,
+                       GroupMoments& sum) {
+  const int f = e + 1 == polygon.count ? 0 : e + 1;
+  const double eu = polygon.u[e], ev = polygon.v[e], fv = polygon.v[f];
+  if (ev == fv) return;  // level edges bound no area in ∮ u dv
+  const Line line = plane.line[polygon.line[e]];
+  for (int i = 0; i < lane_group; ++i) {
+    CellMoments m{sum.area[i], sum.u[i], sum.v[i]};
+    add_edge<with_moments>(eu - u[i], ev - v[i], fv - v[i], line, m);
+    sum.area[i] = m.area;
+    sum.u[i] = m.u;
+    sum.v[i] = m.v;
+  }
+}
+
+template <bool with_moments>
+void measure(const TrianglePlane& plane, const SlabPolygon& polygon, CellLanes& lanes) {
+  for (int i = 0; i < lane_group; ++i) lanes.u[lanes.count + i] = lanes.v[lanes.count + i] = 0;
+  for (int at = 0; at < lanes.count; at += lane_group) {
+    GroupMoments sum;
+    for (int e = 0; e < polygon.count; ++e)
+      add_edge_to_group<with_moments>(plane, polygon, e, lanes.u + at, lanes.v + at, sum);
+    for (int i = 0; i < lane_group; ++i) {
+      lanes.area[at + i] = sum.area[i];
+      lanes.moment_u[at + i] = sum.u[i];
+      lanes.moment_v[at + i] = sum.v[i];
+    }
+  }
 }
 
 }  // namespace
 
 void measure_areas(const TrianglePlane& plane, const SlabPolygon& polygon, CellLanes& lanes) {
-  const int padded = padded_count(lanes);
-  for (int e = 0; e < polygon.count; ++e) {
-    const int f = e + 1 == polygon.count ? 0 : e + 1;
-    const double eu = polygon.u[e], ev = polygon.v[e], fv = polygon.v[f];
-    if (ev == fv) continue;  // level edges bound no area in ∮ u dv
-    const Line line = plane.line[polygon.line[e]];
-    for (int i = 0; i < padded; ++i) {
-      CellMoments m{lanes.area[i], 0, 0};
-      add_edge<false>(eu - lanes.u[i], ev - lanes.v[i], fv - lanes.v[i], line, m);
-      lanes.area[i] = m.area;
-    }
-  }
+  measure<false>(plane, polygon, lanes);
 }
 
 void measure_moments(const TrianglePlane& plane, const SlabPolygon& polygon, CellLanes& lanes) {
-  const int padded = padded_count(lanes);
-  for (int e = 0; e < polygon.count; ++e) {
-    const int f = e + 1 == polygon.count ? 0 : e + 1;
-    const double eu = polygon.u[e], ev = polygon.v[e], fv = polygon.v[f];
-    if (ev == fv) continue;
-    const Line line = plane.line[polygon.line[e]];
-    for (int i = 0; i < padded; ++i) {
-      CellMoments m{lanes.area[i], lanes.moment_u[i], lanes.moment_v[i]};
-      add_edge<true>(eu - lanes.u[i], ev - lanes.v[i], fv - lanes.v[i], line, m);
-      lanes.area[i] = m.area;
-      lanes.moment_u[i] = m.u;
-      lanes.moment_v[i] = m.v;
-    }
-  }
+  measure<true>(plane, polygon, lanes);
 }
 
 }  // namespace gigabake::kernels

@@ -6,9 +6,12 @@
 
 namespace gigabake::kernels {
 
-/// Up to 64 cells of one slab. Lanes beyond `count` up to the next multiple of four are computed and ignored.
+inline constexpr int lane_group = 4;
+
+/// Up to 64 cells of one slab. Lanes beyond `count` up to the next multiple of lane_group are computed and ignored.
 struct CellLanes {
-  alignas(64) double u[64], v[64];                          ///< in: the cell's lowest corner, voxels from the anchor
+  /// In: the cell's lowest corner, voxels from the anchor. After the last cell there is room for a group of zeros.
+  alignas(64) double u[64 + lane_group], v[64 + lane_group];
   alignas(64) double area[64], moment_u[64], moment_v[64];  ///< out: as CellMoments
   int count = 0;
 };

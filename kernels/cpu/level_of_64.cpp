@@ -1,5 +1,6 @@
 #include "kernels/cpu/level_of_64.h"
 
+#include <array>
 #include <bit>
 #include <memory>
 #include <vector>
@@ -12,7 +13,7 @@
 namespace gigabake::kernels {
 namespace {
 
-constexpr std::size_t bricks_per_run = 16;
+constexpr std::size_t coarse_bricks_per_run = 16;
 
 /// A brick that is being made.
 struct CoarseBrick {
@@ -32,10 +33,12 @@ void fill_from(const Level& fine, std::size_t brick, const Tables& tables, Coars
 }
 
 void pack(const CoarseBrick& brick, std::uint64_t key, BrickRun& run) {
+  std::array<Voxel, brick_voxels> voxels;
+  std::size_t count = 0;
   for (int word = 0; word < 8; ++word)
     for (std::uint64_t rest = brick.mask[word]; rest != 0; rest &= rest - 1)
-      run.push_voxel(brick.voxel[64 * word + std::countr_zero(rest)]);
-  run.push_brick(key, brick.mask);
+      voxels[count++] = brick.voxel[64 * word + std::countr_zero(rest)];
+  run.push_brick(key, brick.mask, std::span(voxels).first(count));
 }
 
 }  // namespace
@@ -44,13 +47,13 @@ Level level_of_64(const Level& fine, bool normals, const ThreadPool& pool) {
   const Tables tables = TableStore::host().view();
   const std::vector<std::size_t> starts = starts_below(fine, key_two_above);
   const std::size_t bricks = starts.size() - 1;
-  std::vector<BrickRun> runs((bricks + bricks_per_run - 1) / bricks_per_run, BrickRun(normals));
-  pool.parallel_for(bricks, bricks_per_run, [&](std::size_t begin, std::size_t end, int) {
+  std::vector<BrickRun> runs((bricks + coarse_bricks_per_run - 1) / coarse_bricks_per_run, BrickRun(normals));
+  pool.parallel_for(bricks, coarse_bricks_per_run, [&](std::size_t begin, std::size_t end, int) {
     const auto brick = std::make_unique<CoarseBrick>();
     for (std::size_t b = begin; b < end; ++b) {
       for (std::uint64_t& word : brick->mask) word = 0;
       for (std::size_t child = starts[b]; child < starts[b + 1]; ++child) fill_from(fine, child, tables, *brick);
-      pack(*brick, key_two_above(fine.key[starts[b]]), runs[b / bricks_per_run]);
+      pack(*brick, key_two_above(fine.key[starts[b]]), runs[b / coarse_bricks_per_run]);
     }
   });
   Level out;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <memory>
+#include <span>
 
 #include "kernels/body/mask.h"
 #include "kernels/body/mip.h"
@@ -128,17 +129,26 @@ class ParentBuilder {
   }
 
   void pack(std::uint64_t key, LevelRun& run) {
+    std::size_t count = 0;
     for (int word = 0; word < 8; ++word)
-      for (std::uint64_t rest = mask_[word]; rest != 0; rest &= rest - 1) {
-        const int voxel = 64 * word + std::countr_zero(rest);
-        run.bricks.push_voxel(parent_[voxel]);
-        if (!filters_by_view(filter_)) continue;
-        const std::uint32_t facing = weights_[voxel].facing;
-        run.bricks.push_facing({byte_of(facing, 0), byte_of(facing, 1), byte_of(facing, 2)});
-        run.rasters.insert(run.rasters.end(), raster_[voxel], raster_[voxel] + raster_words_);
-      }
-    run.bricks.push_brick(key, mask_);
+      for (std::uint64_t rest = mask_[word]; rest != 0; rest &= rest - 1)
+        packed_[count++] = std::uint16_t(64 * word + std::countr_zero(rest));
+    const std::span<const std::uint16_t> voxels(packed_, count);
+    for (std::size_t i = 0; i < count; ++i) packed_voxel_[i] = parent_[voxels[i]];
+    run.bricks.push_brick(key, mask_, {packed_voxel_, count});
+    if (filters_by_view(filter_)) pack_views(voxels, run);
     for (std::uint64_t& word : mask_) word = 0;
+  }
+
+  void pack_views(std::span<const std::uint16_t> voxels, LevelRun& run) {
+    const std::size_t words = std::size_t(raster_words_), before = run.rasters.size();
+    std::uint8_t facing[3 * brick_voxels];
+    run.rasters.resize(before + words * voxels.size());
+    for (std::size_t i = 0; i < voxels.size(); ++i) {
+      for (int axis = 0; axis < 3; ++axis) facing[3 * i + axis] = byte_of(weights_[voxels[i]].facing, axis);
+      std::copy_n(raster_[voxels[i]], words, run.rasters.begin() + std::ptrdiff_t(before + words * i));
+    }
+    run.bricks.push_facing({facing, 3 * voxels.size()});
   }
 
   const Level& fine_;
@@ -151,6 +161,8 @@ class ParentBuilder {
   Weights weights_[brick_voxels];  ///< with MipFilter::coverage
   std::uint32_t raster_[brick_voxels][raster_words(most_raster_edge)];
   std::uint64_t mask_[8] = {};
+  std::uint16_t packed_[brick_voxels];  ///< places of the parent's voxels, in order
+  Voxel packed_voxel_[brick_voxels];
 };
 
 /// A level, and the rasters of its voxels where its filter needs them.
@@ -176,8 +188,10 @@ FilteredLevel coarser_level(const Level& fine, int lod, const LevelRasters& rast
   const std::vector<std::size_t> starts = starts_below(fine, parent_key);
   const std::size_t parents = starts.size() - 1;
   std::vector<LevelRun> runs((parents + parents_per_run - 1) / parents_per_run, {BrickRun(normals), {}});
-  pool.parallel_for(parents, parents_per_run, [&](std::size_t begin, std::size_t end, int) {
-    const auto builder = std::make_unique<ParentBuilder>(fine, lod, rasters, filter);
+  std::vector<std::unique_ptr<ParentBuilder>> builders(std::size_t(pool.threads()));
+  pool.parallel_for(parents, parents_per_run, [&](std::size_t begin, std::size_t end, int thread) {
+    auto& builder = builders[std::size_t(thread)];
+    if (!builder) builder = std::make_unique<ParentBuilder>(fine, lod, rasters, filter);
     for (std::size_t p = begin; p < end; ++p) builder->build(starts[p], starts[p + 1], runs[p / parents_per_run]);
   });
   FilteredLevel out;

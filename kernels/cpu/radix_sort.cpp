@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
+#include <vector>
 
 #include "lattice/thread_pool.h"
 
@@ -17,7 +19,7 @@ struct Slices {
   std::size_t end(std::size_t s, std::size_t size) const { return std::min(size, (s + 1) * per_slice); }
 };
 
-void scatter_by_digit(const std::vector<std::uint64_t>& from, std::vector<std::uint64_t>& to, int bit,
+void scatter_by_digit(const UnsetArray<std::uint64_t>& from, UnsetArray<std::uint64_t>& to, int bit,
                       const Slices& slices, const ThreadPool& pool) {
   std::vector<Histogram> offsets(slices.count);
   const auto digit = [bit](std::uint64_t v) { return v >> bit & (digits - 1); };
@@ -43,14 +45,14 @@ void scatter_by_digit(const std::vector<std::uint64_t>& from, std::vector<std::u
 
 }  // namespace
 
-void radix_sort(std::vector<std::uint64_t>& values, int low_bit, int high_bit, const ThreadPool& pool) {
+void radix_sort(UnsetArray<std::uint64_t>& values, int low_bit, int high_bit, const ThreadPool& pool) {
   if (values.size() < 2) return;
   const std::size_t wanted = std::min<std::size_t>(pool.threads(), (values.size() + 4095) / 4096);
   const Slices slices{wanted, (values.size() + wanted - 1) / wanted};
-  std::vector<std::uint64_t> other(values.size());
+  UnsetArray<std::uint64_t> other(values.size());
   for (int bit = low_bit; bit < high_bit; bit += digit_bits) {
     scatter_by_digit(values, other, bit, slices, pool);
-    values.swap(other);
+    std::swap(values, other);
   }
 }
 

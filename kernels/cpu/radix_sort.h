@@ -2,13 +2,13 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
+#include "kernels/cpu/unset_array.h"
 #include "lattice/thread_pool.h"
 
 namespace gigabake::kernels {
 
 /// Sorts by bits [low_bit, high_bit). Cost: one read and one write of `values` per 8 bits, a second buffer of its size.
-void radix_sort(std::vector<std::uint64_t>& values, int low_bit, int high_bit, const ThreadPool& pool);
+void radix_sort(UnsetArray<std::uint64_t>& values, int low_bit, int high_bit, const ThreadPool& pool);
 
 }  // namespace gigabake::kernels

@@ -2,6 +2,8 @@
 
 #include <bit>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "kernels/body/part.h"
 #include "kernels/body/surface.h"
@@ -45,7 +47,7 @@ Surface triangle_surface(const PartSurface& from, const WindowTriangle& w, const
 /// One thread's tools, kept from brick to brick.
 class BrickWalker {
  public:
-  BrickWalker(const std::vector<WindowTriangle>& triangles, const std::vector<PartSurface>& parts, SurfaceRule rule)
+  BrickWalker(std::span<const WindowTriangle> triangles, const std::vector<PartSurface>& parts, SurfaceRule rule)
       : triangles_(triangles), parts_(parts), rule_(rule), tables_(TableStore::host().view()) {}
 
   void walk(const Pair* begin, const Pair* end, BrickRun& run) {
@@ -119,7 +121,7 @@ class BrickWalker {
     }
   }
 
-  const std::vector<WindowTriangle>& triangles_;
+  std::span<const WindowTriangle> triangles_;
   const std::vector<PartSurface>& parts_;
   SurfaceRule rule_;
   Tables tables_;
@@ -130,7 +132,7 @@ class BrickWalker {
 };
 
 /// Where each brick's pairs start, and the end.
-std::vector<std::size_t> brick_starts(const std::vector<Pair>& pairs) {
+std::vector<std::size_t> brick_starts(std::span<const Pair> pairs) {
   std::vector<std::size_t> starts;
   for (std::size_t i = 0; i < pairs.size(); ++i)
     if (i == 0 || brick_of(pairs[i]) != brick_of(pairs[i - 1])) starts.push_back(i);
@@ -140,8 +142,8 @@ std::vector<std::size_t> brick_starts(const std::vector<Pair>& pairs) {
 
 }  // namespace
 
-void voxelize(const CellInput& input, const std::vector<WindowTriangle>& triangles, const CellParameters& parameters,
-              const std::vector<Pair>& pairs, const ThreadPool& pool, Level& level, CellStats& stats) {
+void voxelize(const CellInput& input, std::span<const WindowTriangle> triangles, const CellParameters& parameters,
+              std::span<const Pair> pairs, const ThreadPool& pool, Level& level, CellStats& stats) {
   const std::vector<PartSurface> parts = part_surfaces(input);
   const std::vector<std::size_t> starts = brick_starts(pairs);
   const std::size_t bricks = starts.size() - 1;
@@ -150,7 +152,7 @@ void voxelize(const CellInput& input, const std::vector<WindowTriangle>& triangl
   pool.parallel_for(bricks, bricks_per_run, [&](std::size_t begin, std::size_t end, int thread) {
     if (!walkers[thread]) walkers[thread] = std::make_unique<BrickWalker>(triangles, parts, parameters.surface);
     for (std::size_t b = begin; b < end; ++b)
-      walkers[thread]->walk(&pairs[starts[b]], pairs.data() + starts[b + 1], runs[b / bricks_per_run]);
+      walkers[thread]->walk(pairs.data() + starts[b], pairs.data() + starts[b + 1], runs[b / bricks_per_run]);
   });
   for (const auto& walker : walkers)
     if (walker) stats.fragments += walker->fragments();

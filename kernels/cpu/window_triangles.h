@@ -1,17 +1,15 @@
 /// Stage 1 of a cell: the triangles that may touch the window, transformed, snapped, winding restored.
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "kernels/body/brick_triangle.h"
 #include "kernels/body/cell.h"
+#include "kernels/cpu/unset_array.h"
 #include "lattice/thread_pool.h"
 
 namespace gigabake::kernels {
 
 /// Order follows parts and indices. Counts triangles, non_finite, zero_area, oversized, bad_uv into `stats`.
-std::vector<WindowTriangle> window_triangles(const CellInput& input, const CellParameters& parameters,
-                                             const ThreadPool& pool, CellStats& stats);
+UnsetArray<WindowTriangle> window_triangles(const CellInput& input, const CellParameters& parameters,
+                                            const ThreadPool& pool, CellStats& stats);
 
 }  // namespace gigabake::kernels

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import harness
 
-# A tile may take a sixteenth of it in memory; this one takes three times as much.
+# A tile may take a 128th of it in memory; this one takes twenty times as much.
 MEMORY = "64M"
 VOXEL = 1 / 512
 CELLS = ("--local", "--cell-voxels", "128")

@@ -264,6 +264,13 @@ class Real(unittest.TestCase):
         self.arguments[1] = self.root / "absent"
         self.assertEqual(self.run_script("gigabake-mpirun", self.root / "hosts", *self.arguments).returncode, 1)
 
+    def test_without_a_launcher_no_daemon_is_started_beside_it(self):
+        """Open MPI would look for its orted along PATH, and end where there is none."""
+        environment = {**os.environ, **harness.MPI_ENVIRONMENT, "PATH": str(self.root / "nothing")}
+        result = harness.run([PROGRAM, *self.arguments], 300, env=environment)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(json.loads(result.stdout)["ranks"], 1)
+
     def test_a_batch_script_bakes(self):
         result = self.run_script("gigabake.sbatch", *self.arguments, SLURM_JOB_ID="1", GIGABAKE_MPIRUN="-n 2",
                                  OMPI_MCA_ras="^slurm", OMPI_MCA_plm="^slurm", OMPI_MCA_ess="^slurm")

@@ -33,5 +33,18 @@ TEST(LoneTask, IsNoneInABatchScriptNorUnderMpirunNorAlone) {
   EXPECT_EQ(tasks({{"SLURM_NTASKS", "many"}}), 1);
 }
 
+bool launched(const char* only) {
+  return is_launched([&](const char* name) { return std::string(name) == only ? "1" : nullptr; });
+}
+
+/// A launched rank that took itself for the only one would bake everything; a lone one that did not would take 0.3 s
+/// longer to start.
+TEST(IsLaunched, KnowsTheLaunchersAndNothingElse) {
+  for (const char* name :
+       {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMIX_NAMESPACE", "PMI_RANK", "PMI_FD", "SLURM_STEP_ID"})
+    EXPECT_TRUE(launched(name)) << name;
+  for (const char* name : {"OMPI_MCA_btl", "SLURM_JOB_ID", "HOME", ""}) EXPECT_FALSE(launched(name)) << name;
+}
+
 }  // namespace
 }  // namespace gigabake

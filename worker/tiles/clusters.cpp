@@ -64,9 +64,9 @@ CurveGrid grid_of(const Primitive& mesh) {
 }
 
 /// Triangles along the curve; in the low half of each value.
-std::vector<std::uint64_t> along_curve(const Primitive& mesh) {
+kernels::UnsetArray<std::uint64_t> along_curve(const Primitive& mesh) {
   const CurveGrid grid = grid_of(mesh);
-  std::vector<std::uint64_t> order(mesh.index.size() / 3);
+  kernels::UnsetArray<std::uint64_t> order(mesh.index.size() / 3);
   for (std::size_t t = 0; t < order.size(); ++t) {
     const std::array<double, 3> at = tripled_centroid(mesh, t);
     order[t] = morton(grid.step(at[0], 0), grid.step(at[1], 1), grid.step(at[2], 2)) << 32 | t;
@@ -147,7 +147,8 @@ std::vector<Primitive> clusters_of(const Primitive& mesh) {
   if (mesh.index.empty()) return {};
   ClusterBuilder builder(mesh);
   std::vector<Primitive> clusters;
-  for_each_box(along_curve(mesh), 3 * axis_bits - 1,
+  const kernels::UnsetArray<std::uint64_t> order = along_curve(mesh);
+  for_each_box({order.data(), order.size()}, 3 * axis_bits - 1,
                [&](std::span<const std::uint64_t> triangles) { clusters.push_back(builder.build(triangles)); });
   return clusters;
 }

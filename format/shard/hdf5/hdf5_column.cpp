@@ -1,26 +1,11 @@
-#include <algorithm>
 #include <hdf5.h>
-#include <vector>
 
-#include "format/shard/hdf5/chunk_codec.h"
+#include "format/shard/hdf5/chunk_rows.h"
 #include "format/shard/hdf5/hdf5_file.h"
 #include "format/shard/hdf5/hdf5_types.h"
 
 namespace gigabake {
 namespace {
-
-// Pages of 128 KiB read well from disks; HDF5 slows down beyond a few thousand chunks, so large columns get larger
-// ones.
-constexpr std::size_t chunk_bytes = 128 << 10, most_chunks = 1024, chunks_in_hand = 64;
-
-std::size_t rows_per_chunk(std::size_t rows, std::size_t row_bytes) {
-  const std::size_t wanted = std::max(chunk_bytes / row_bytes, (rows + most_chunks - 1) / most_chunks);
-  return std::clamp<std::size_t>(wanted, 1, rows);
-}
-
-ChunkFilters filters_of(const Hdf5Column& column, Codec codec) {
-  return {codec, column.planes == BytePlanes::yes ? element_bytes(column.type) : 1};
-}
 
 Hdf5Id creation_properties(const Hdf5Call& call, const Hdf5Column& column, std::size_t rows, Codec codec) {
   Hdf5Id create = call.id("H5Pcreate", H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
@@ -35,16 +20,6 @@ Hdf5Id creation_properties(const Hdf5Call& call, const Hdf5Column& column, std::
     call("H5Pset_deflate", H5Pset_deflate(create.get(), 1));
   call("H5Pset_fletcher32", H5Pset_fletcher32(create.get()));
   return create;
-}
-
-/// Chunk `index` of the data, zeros after its end: stored chunks are always whole.
-std::vector<std::uint8_t> encode_rows(std::span<const std::uint8_t> data, std::size_t whole_bytes, std::size_t index,
-                                      const ChunkFilters& filters) {
-  const auto rest = data.subspan(index * whole_bytes);
-  if (rest.size() >= whole_bytes) return encode_chunk(rest.first(whole_bytes), filters);
-  std::vector<std::uint8_t> padded(whole_bytes, 0);
-  std::copy(rest.begin(), rest.end(), padded.begin());
-  return encode_chunk(padded, filters);
 }
 
 }  // namespace
@@ -64,30 +39,15 @@ Hdf5Id Hdf5File::open_column(const Hdf5Column& column) const {
   return set;
 }
 
-void Hdf5File::write_column(const Hdf5Column& column, const void* data, std::size_t rows, Codec codec,
-                            const ThreadPool& pool) {
+Hdf5Id Hdf5File::make_column(const Hdf5Column& column, std::uint64_t rows, Codec codec) {
   const Hdf5Call call{path_, column.name};
   const hsize_t shape[2] = {rows, column.width};
   const Hdf5Id space = call.id("H5Screate_simple", H5Screate_simple(column.dimensions(), shape, nullptr), H5Sclose);
   const Hdf5Id properties = creation_properties(call, column, rows, codec);
-  const Hdf5Id set = call.id("H5Dcreate2",
-                             H5Dcreate2(file_.get(), column.name.c_str(), hdf5_type(column.type), space.get(),
-                                        H5P_DEFAULT, properties.get(), H5P_DEFAULT),
-                             H5Dclose);
-  if (rows == 0) return;
-  const std::span bytes(static_cast<const std::uint8_t*>(data), rows * column.row_bytes());
-  const std::size_t per_chunk = rows_per_chunk(rows, column.row_bytes());
-  const std::size_t chunks = (rows + per_chunk - 1) / per_chunk;
-  for (std::size_t first = 0; first < chunks; first += chunks_in_hand) {
-    std::vector<std::vector<std::uint8_t>> encoded(std::min(chunks_in_hand, chunks - first));
-    pool.parallel_for(encoded.size(), 1, [&](std::size_t i, std::size_t, int) {
-      encoded[i] = encode_rows(bytes, per_chunk * column.row_bytes(), first + i, filters_of(column, codec));
-    });
-    for (std::size_t i = 0; i < encoded.size(); ++i) {
-      const hsize_t offset[2] = {(first + i) * per_chunk, 0};
-      call("H5Dwrite_chunk", H5Dwrite_chunk(set.get(), H5P_DEFAULT, 0, offset, encoded[i].size(), encoded[i].data()));
-    }
-  }
+  return call.id("H5Dcreate2",
+                 H5Dcreate2(file_.get(), column.name.c_str(), hdf5_type(column.type), space.get(), H5P_DEFAULT,
+                            properties.get(), H5P_DEFAULT),
+                 H5Dclose);
 }
 
 bool Hdf5File::has_column(const Hdf5Column& column) const {

@@ -3,7 +3,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "format/shard/hdf5/chunk_codec.h"
 #include "format/shard/hdf5/hdf5_call.h"
@@ -29,6 +32,17 @@ struct Hdf5Column {
   int dimensions() const { return width == 1 ? 1 : 2; }
 };
 
+/// A column that is to be written. The data may still have to be made: then a chunk of it exists while it is packed.
+struct ColumnRows {
+  std::string group;  ///< to make before the column; empty: none
+  Hdf5Column column;
+  std::uint64_t rows;
+  /// Rows [first, first + count), wherever they are, or made in `scratch`. Any number of threads.
+  std::function<std::span<const std::uint8_t>(std::uint64_t first, std::uint64_t count,
+                                              std::vector<std::uint8_t>& scratch)>
+      get;
+};
+
 /// Errors  All members throw InputError: file, object, what failed.
 /// Cost    HDF5 serves one thread at a time; chunks are compressed outside of it, and read past it (hdf5_rows.h).
 class Hdf5File {
@@ -37,9 +51,10 @@ class Hdf5File {
   static Hdf5File create(const std::filesystem::path& path, const std::filesystem::path& called);
   static Hdf5File open(const std::filesystem::path& path);
 
-  void make_group(const std::string& name);
-  /// Chunked, each chunk as chunk_codec.h, compressed by the threads of `pool`.
-  void write_column(const Hdf5Column& column, const void* data, std::size_t rows, Codec codec, const ThreadPool& pool);
+  /// Chunked, each chunk as chunk_codec.h: packed by the threads of `pool`, in one loop over all of them, and stored in
+  /// order, as they become ready, by whichever thread has the next. Returns each column's bytes, compressed, without
+  /// HDF5's own index. Memory: at worst, where the disk is slow, all that is stored.
+  std::vector<std::uint64_t> write_columns(std::span<const ColumnRows> columns, Codec codec, const ThreadPool& pool);
   Hdf5Id open_column(const Hdf5Column& column) const;
   bool has_column(const Hdf5Column& column) const;  ///< whose group is there
   /// As stored: compressed, without HDF5's own index.
@@ -60,7 +75,10 @@ class Hdf5File {
   [[noreturn]] void fail(const std::string& object, const std::string& message) const;
 
  private:
+  friend class ColumnsInOrder;
   Hdf5File(std::filesystem::path path, Hdf5Id file);
+  void make_group(const std::string& name);
+  Hdf5Id make_column(const Hdf5Column& column, std::uint64_t rows, Codec codec);
   void write_raw_attribute(const char* name, std::int64_t type, const void* data, std::size_t count);
 
   std::filesystem::path path_;

@@ -22,7 +22,8 @@ TEST(Shard, ComesBackAsItWasWritten) {
   const TempFolder folder;
   for (int round = 0; round < 24; ++round) {
     const Shard shard = made::random_shard(rng, {1 + round % 4, round % 3 != 0, 6, round % 5 < 3});
-    const std::uint64_t bytes = write_shard(folder / "s.h5", shard, {ThreadPool(1 + round % 3), Codec(round / 2 % 2)});
+    const std::uint64_t bytes =
+        write_shard(folder / "s.h5", shard, {ThreadPool(1 + round % 3), Codec(round / 2 % 2)}).file;
     EXPECT_EQ(bytes, std::filesystem::file_size(folder / "s.h5"));
     EXPECT_EQ(made::difference(shard, read_shard(folder / "s.h5")), "") << "round " << round;
   }
@@ -92,12 +93,16 @@ TEST(Shard, SaysHowManyBytesEachLevelTakes) {
   std::mt19937_64 rng(2);
   const TempFolder folder;
   const Shard shard = made::random_shard(rng, {3, true, 6});
-  const std::uint64_t bytes = write_shard(folder / "s.h5", shard, {});
+  const StoredShard stored = write_shard(folder / "s.h5", shard, {});
   const ShardReader reader(folder / "s.h5");
   std::uint64_t sum = reader.node_bytes();
-  for (int lod = 0; lod < 3; ++lod) sum += reader.level_bytes(lod);
+  for (int lod = 0; lod < 3; ++lod) {
+    sum += reader.level_bytes(lod);
+    EXPECT_EQ(stored.levels[std::size_t(lod)], reader.level_bytes(lod))
+        << "the file need not be read again, lod " << lod;
+  }
   EXPECT_GT(reader.level_bytes(0), reader.level_bytes(2));
-  EXPECT_LT(sum, bytes);
+  EXPECT_LT(sum, stored.file);
   EXPECT_GT(sum, shard.levels[0].rgba.size() / 2) << "random colours do not compress to half";
 }
 

@@ -40,7 +40,13 @@ Made made_bricks(std::mt19937_64& rng, std::size_t bricks, std::size_t width) {
   return made;
 }
 
-std::vector<std::uint8_t> spread(const Made& made, const SharedValues& shared, std::size_t width) {
+/// What a shard stores of a channel.
+struct Stored {
+  std::vector<std::uint8_t> value, share;
+  std::vector<std::uint64_t> first;
+};
+
+std::vector<std::uint8_t> spread(const Made& made, const Stored& shared, std::size_t width) {
   std::vector<std::uint8_t> out(made.bytes.size());
   for (std::size_t b = 0; b + 1 < made.first.size(); ++b) {
     const std::span values(&shared.value[shared.first[b] * width], (shared.first[b + 1] - shared.first[b]) * width);
@@ -50,9 +56,15 @@ std::vector<std::uint8_t> spread(const Made& made, const SharedValues& shared, s
   return out;
 }
 
-SharedValues share(const Made& made, std::size_t width, int threads) {
+/// Pieces of `piece` values each are collected.
+Stored share(const Made& made, std::size_t width, int threads, std::size_t piece = 1u << 30) {
   const ThreadPool pool = ThreadPool(threads);
-  return share_values(group_voxels(made.mask, made.first, pool), made.first, {made.bytes.data(), width}, width, pool);
+  const VoxelGroups groups = group_voxels(made.mask, made.first, pool);
+  const SharedValues shared(groups, made.first, {made.bytes.data(), width}, width, pool);
+  Stored out{std::vector<std::uint8_t>(shared.count() * width), shared.share(), shared.first()};
+  for (std::size_t at = 0; at < shared.count(); at += piece)
+    shared.collect(at, std::span(out.value).subspan(at * width, std::min(piece, shared.count() - at) * width));
+  return out;
 }
 
 /// How many values a brick has: as many as spread_values() takes.
@@ -71,7 +83,7 @@ TEST(SharedValues, GiveEveryVoxelItsOwnBytesBack) {
   for (int round = 0; round < 200; ++round) {
     const std::size_t width = 1 + rng() % 4;
     const Made made = made_bricks(rng, 1 + rng() % 20, width);
-    const SharedValues shared = share(made, width, 1 + int(rng() % 3));
+    const Stored shared = share(made, width, 1 + int(rng() % 3));
     if (shared.share.empty()) {
       std::vector<std::uint8_t> plain = shared.value;
       while (shared.value.size() == width && plain.size() < made.bytes.size())
@@ -89,10 +101,23 @@ TEST(SharedValues, GiveEveryVoxelItsOwnBytesBack) {
   EXPECT_GT(shared_rounds, 20);
 }
 
+/// Chunks of a shard end wherever they are full, within bricks too.
+TEST(SharedValues, AreTheSameCollectedInAnyPieces) {
+  const test::RandomSeed seed;
+  std::mt19937_64 rng(seed);
+  for (int round = 0; round < 100; ++round) {
+    const std::size_t width = 1 + rng() % 4;
+    const Made made = made_bricks(rng, 1 + rng() % 20, width);
+    const std::vector<std::uint8_t> whole = share(made, width, 1).value;
+    for (const std::size_t piece : {std::size_t(1), 1 + std::size_t(rng() % 40), 1 + std::size_t(rng() % 1000)})
+      EXPECT_EQ(share(made, width, 1, piece).value, whole) << "pieces of " << piece;
+  }
+}
+
 TEST(SharedValues, AreOneWhereAllVoxelsAreAlike) {
   const Made made{
       std::vector<std::uint64_t>(16, 0xff00ff00ff00ff00u), {0, 256, 512}, std::vector<std::uint8_t>(3 * 512, 77)};
-  const SharedValues shared = share(made, 3, 1);
+  const Stored shared = share(made, 3, 1);
   EXPECT_EQ(shared.value, std::vector<std::uint8_t>(3, 77));
   EXPECT_TRUE(shared.share.empty());
 }

@@ -101,7 +101,7 @@ TEST(Publish, LeavesNoShardBehindWhenTheDiskIsFull) {
   std::mt19937_64 rng(3);
   const TempFolder folder;
   const Shard shard = made::random_shard(rng, {4, true, 6});
-  const std::uint64_t size = write_shard(folder / "whole.h5", shard, {});
+  const std::uint64_t size = write_shard(folder / "whole.h5", shard, {}).file;
   for (const std::uint64_t room : {std::uint64_t(0), std::uint64_t(100), size / 10, size / 2, size - 1}) {
     const SmallDisk disk(room);
     try {

@@ -1,0 +1,119 @@
+#include <hdf5.h>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "format/shard/hdf5/chunk_codec.h"
+#include "format/shard/hdf5/chunk_rows.h"
+#include "format/shard/hdf5/hdf5_file.h"
+
+namespace gigabake {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+struct ChunkPlace {
+  std::size_t column, number;
+};
+
+std::size_t rows_a_chunk(const ColumnRows& c) { return rows_per_chunk(c.rows, c.column.row_bytes()); }
+
+std::vector<ChunkPlace> all_chunks(std::span<const ColumnRows> columns) {
+  std::vector<ChunkPlace> chunks;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (columns[c].rows == 0) continue;
+    const std::size_t per_chunk = rows_a_chunk(columns[c]), count = (columns[c].rows + per_chunk - 1) / per_chunk;
+    for (std::size_t i = 0; i < count; ++i) chunks.push_back({c, i});
+  }
+  return chunks;
+}
+
+/// Stored chunks are always whole: zeros stand after the data's end.
+Bytes encode(const ColumnRows& from, std::size_t number, Codec codec, Bytes& scratch) {
+  const Hdf5Column& column = from.column;
+  const ChunkFilters filters{codec, column.planes == BytePlanes::yes ? element_bytes(column.type) : 1};
+  const std::size_t per_chunk = rows_a_chunk(from), first = number * per_chunk;
+  const std::size_t rows = std::min<std::size_t>(per_chunk, from.rows - first);
+  const std::span<const std::uint8_t> raw = from.get(first, rows, scratch);
+  if (rows == per_chunk) return encode_chunk(raw, filters);
+  Bytes padded(raw.begin(), raw.end());
+  padded.resize(per_chunk * column.row_bytes(), 0);
+  return encode_chunk(padded, filters);
+}
+
+}  // namespace
+
+/// Chunks come ready in any order; they, their columns and groups reach the file in one, so that it has the same bytes
+/// whoever packed it.
+class ColumnsInOrder {
+ public:
+  ColumnsInOrder(Hdf5File& file, std::span<const ColumnRows> columns, Codec codec)
+      : file_(file), columns_(columns), codec_(codec), chunks_(all_chunks(columns)), ready_(chunks_.size()) {
+    stored_.resize(columns.size());
+  }
+
+  std::vector<std::uint64_t> write(const ThreadPool& pool) {
+    std::vector<Bytes> scratch(std::size_t(pool.threads()));
+    pool.parallel_for(chunks_.size(), 1, [&](std::size_t i, std::size_t, int thread) {
+      give(i, encode(columns_[chunks_[i].column], chunks_[i].number, codec_, scratch[std::size_t(thread)]));
+    });
+    make_columns_up_to(columns_.size());
+    set_.reset();
+    return stored_;
+  }
+
+ private:
+  /// Stores it and what follows it, unless another thread is at that: then that one will.
+  void give(std::size_t chunk, Bytes bytes) {
+    std::unique_lock lock(mutex_);
+    ready_[chunk] = std::move(bytes);
+    if (std::exchange(storing_, true)) return;
+    for (; next_ < ready_.size() && !ready_[next_].empty(); ++next_) {
+      const Bytes taken = std::exchange(ready_[next_], {});
+      lock.unlock();
+      store(chunks_[next_], taken);
+      lock.lock();
+    }
+    storing_ = false;
+  }
+
+  void store(const ChunkPlace& at, const Bytes& bytes) {
+    make_columns_up_to(at.column + 1);
+    const Hdf5Call call{file_.path(), columns_[at.column].column.name};
+    calm_hdf5(call);
+    const hsize_t offset[2] = {at.number * rows_a_chunk(columns_[at.column]), 0};
+    call("H5Dwrite_chunk", H5Dwrite_chunk(set_->get(), H5P_DEFAULT, 0, offset, bytes.size(), bytes.data()));
+    stored_[at.column] += bytes.size();
+  }
+
+  /// Those without rows have no chunks.
+  void make_columns_up_to(std::size_t end) {
+    for (; made_ < end; ++made_) {
+      const ColumnRows& c = columns_[made_];
+      set_.reset();
+      calm_hdf5({file_.path(), c.column.name});
+      if (!c.group.empty()) file_.make_group(c.group);
+      set_.emplace(file_.make_column(c.column, c.rows, codec_));
+    }
+  }
+
+  Hdf5File& file_;
+  const std::span<const ColumnRows> columns_;
+  const Codec codec_;
+  const std::vector<ChunkPlace> chunks_;
+  std::mutex mutex_;          ///< of the next three
+  std::vector<Bytes> ready_;  ///< of each chunk; empty: not yet, or stored
+  std::size_t next_ = 0;      ///< to be stored; whoever stores changes it
+  bool storing_ = false;
+  // Of whoever stores:
+  std::size_t made_ = 0;       ///< columns
+  std::optional<Hdf5Id> set_;  ///< the last of them
+  std::vector<std::uint64_t> stored_;
+};
+
+std::vector<std::uint64_t> Hdf5File::write_columns(std::span<const ColumnRows> columns, Codec codec,
+                                                   const ThreadPool& pool) {
+  return ColumnsInOrder(*this, columns, codec).write(pool);
+}
+
+}  // namespace gigabake
