@@ -2,9 +2,11 @@
 
 #include <algorithm>
 
+#include "format/system/io_error.h"
 #include "lattice/error.h"
 #include "worker/far_triangles.h"
 #include "worker/lattice.h"
+#include "worker/tiles/clusters.h"
 
 namespace gigabake {
 namespace {
@@ -55,7 +57,22 @@ struct CellLoader::WantedTextures {
   std::unordered_map<TextureKey, std::int32_t, TextureKeyHash> index_;
 };
 
+CellLoader::TileKey CellLoader::key_of(const CellJob& job, std::size_t tile) {
+  TileKey key{job.tiles[tile], {}};
+  if (!job.tile_sources.empty()) key.source = job.tile_sources.at(tile);
+  return key;
+}
+
 LoadedCell CellLoader::load(const CellJob& job) {
+  try {
+    return load_whole(job);
+  } catch (const IoError&) {
+    for (std::size_t i = 0; i < job.tiles.size(); ++i) tiles_.drop(key_of(job, i));
+    throw;
+  }
+}
+
+LoadedCell CellLoader::load_whole(const CellJob& job) {
   LoadedCell cell;
   cell.memory = MemoryClaim("cell " + job.name, cell_advice);
   load_tiles(job, cell);
@@ -69,8 +86,7 @@ void CellLoader::load_tiles(const CellJob& job, LoadedCell& cell) {
   cell.tiles.resize(job.tiles.size());
   pool_.parallel_for(job.tiles.size(), 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
-      TileKey key{job.tiles[i], {}};
-      if (!job.tile_sources.empty()) key.source = job.tile_sources.at(i);
+      const TileKey key = key_of(job, i);
       cell.tiles[i] = tiles_.get(key, [&] { return tile_store_.load(key.tile, key.source); });
     }
   });
@@ -117,6 +133,7 @@ std::shared_ptr<const Primitive> CellLoader::mesh_near(const CellBox& box, const
   std::vector<const TileCluster*> near;
   for (const TileCluster& cluster : primitive.clusters)
     if (may_meet(scene_box(cluster.bounds, instance, parameters_), parameters_, box)) near.push_back(&cluster);
+  memory.add_items(near.size(), cluster_bytes, "", "clusters of triangles");
   return tile.mesh_of(near);
 }
 

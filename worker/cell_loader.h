@@ -51,6 +51,8 @@ class CellLoader {
   /// Exact   What job.tile_sources names, where it names anything: a tile is compared when it is read, and the cache
   ///         knows which one it holds.
   /// Errors  InputError naming the tile or image that cannot be read, or the tile that changed since its survey.
+  ///         IoError: scratch that cannot be written, or does not hold what was written; another try reads the tiles
+  ///         anew.
   LoadedCell load(const CellJob& job);
 
  private:
@@ -65,6 +67,8 @@ class CellLoader {
   };
   struct WantedTextures;
 
+  static TileKey key_of(const CellJob& job, std::size_t tile);
+  LoadedCell load_whole(const CellJob& job);
   void load_tiles(const CellJob& job, LoadedCell& cell);
   void add_parts(const CellJob& job, const LoadedTile& tile, LoadedCell& cell, WantedTextures& wanted) const;
   std::shared_ptr<const Primitive> mesh_near(const CellBox& box, const LoadedTile& tile, const Instance& instance,

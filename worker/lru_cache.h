@@ -37,6 +37,16 @@ class LruCache {
     }
   }
 
+  /// The value of `key`, if it is kept, is loaded again the next time. Who holds it keeps it.
+  void drop(const Key& key) {
+    const std::scoped_lock lock(mutex_);
+    const auto at = entries_.find(key);
+    if (at == entries_.end() || !at->second.loaded) return;
+    bytes_ -= at->second.bytes;
+    uses_.erase(at->second.use);
+    entries_.erase(at);
+  }
+
   /// Of the values kept; at most the budget.
   std::uint64_t bytes() const {
     const std::scoped_lock lock(mutex_);

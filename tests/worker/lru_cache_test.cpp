@@ -47,6 +47,17 @@ TEST_F(LruCacheTest, HandsOnButDoesNotKeepWhatExceedsTheBudget) {
   EXPECT_EQ(loads, (std::vector{1, 1}));
 }
 
+TEST_F(LruCacheTest, LoadsAgainWhatWasDropped) {
+  const auto held = get(1);
+  get(2);
+  cache.drop(1);
+  cache.drop(7);
+  EXPECT_EQ(held->id, 1);
+  EXPECT_EQ(cache.bytes(), 10u);
+  get(2), get(1);
+  EXPECT_EQ(loads, (std::vector{1, 2, 1}));
+}
+
 TEST_F(LruCacheTest, LeavesAnEvictedValueToWhoHoldsIt) {
   const auto held = get(1, 30);
   get(2, 30);

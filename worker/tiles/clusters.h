@@ -14,6 +14,8 @@ namespace gigabake {
 
 /// Few enough that a cluster is small beside a cell, so many that its vertices are mostly its own.
 inline constexpr std::size_t cluster_triangles = 512;
+/// About what one takes, joined to others, whose triangles share their corners as those of a terrain do.
+inline constexpr std::uint64_t cluster_bytes = cluster_triangles * (3 * 4 + 28 * 6 / 10);
 
 /// The mesh's triangles in clusters of at most cluster_triangles: those whose centroids share a box of an oct-tree (a
 /// prefix of their Morton codes; Lauterbach et al. 2009). Each cluster is a mesh with its own vertices; material and

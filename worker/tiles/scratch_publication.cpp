@@ -17,6 +17,7 @@ namespace {
 
 /// A full disk is no fault of the input's.
 Publication publication_of(const std::filesystem::path& target) {
+  make_scratch_folder(target.parent_path());
   try {
     return Publication(target);
   } catch (const InputError&) {

@@ -13,6 +13,7 @@ namespace gigabake {
 /// Errors  IoError of every member: the file and the system's reason; what was written is gone.
 class ScratchPublication {
  public:
+  /// Makes the folder where it is missing.
   explicit ScratchPublication(std::filesystem::path target);
   /// The offset at which they stand.
   std::uint64_t append(std::span<const std::uint8_t> bytes);

@@ -177,6 +177,30 @@ TEST_F(TileStoreTest, AChangedByteIsNamedAndTheNextTryMakesTheFileAnew) {
   EXPECT_EQ(bake(0, 0, {scratch(), 0}), right);
 }
 
+TEST_F(TileStoreTest, ARankThatMetAChangedByteReadsTheTileAnewAtItsNextTry) {
+  const std::vector<Hash128> right = bake(0, 0, {});
+  CellJob job;
+  job.name = "cell";
+  job.lattice_min = {0, 0, -64};
+  job.cell_voxels = 128;
+  job.tiles = {0};
+  job.tile_sources = {hash()};
+  CellLoader loader(sources, parameters, std::uint64_t(1) << 28, 2, {scratch(), 0});
+  const LoadedCell first = loader.load(job);
+  std::fstream file(clusters(), std::ios::in | std::ios::out | std::ios::binary);
+  const TileCluster* near = nullptr;
+  for (const TileCluster& c : first.tiles[0]->primitives()[0].clusters)
+    if (c.bounds.low[0] > 2 && c.bounds.high[0] < 30 && c.bounds.low[2] > -30 && c.bounds.high[2] < -2) near = &c;
+  ASSERT_NE(near, nullptr) << "no cluster lies within the cell";
+  file.seekp(std::streamoff(near->stored.offset + 50));
+  file.put('!');
+  file.close();
+  EXPECT_THROW(loader.load(job), IoError);
+  const LoadedCell again = loader.load(job);
+  EXPECT_EQ(kernels::bake_cell(again.input(), cell_parameters(job, parameters, 0), callers_thread()).content_hash,
+            right);
+}
+
 TEST_F(TileStoreTest, ATileThatChangedSinceItsSurveyLeavesNothing) {
   Hash128 surveyed = hash();
   surveyed.lo ^= 1;
@@ -219,6 +243,25 @@ TEST_F(TileStoreTest, SeveralRanksThatWantATileMakeOneFile) {
     });
   for (std::thread& rank : ranks) rank.join();
   EXPECT_EQ(left().size(), 1u);
+}
+
+TEST(TileGatherer, MakesTheFolderWhenATileTurnsOutToBeLarge) {
+  const ScratchFolder folder;
+  const ThreadPool pool(1);
+  const fs::path file = folder.path() / "not/yet/t_0.clusters";
+  TileGatherer gatherer("tile.glb", {100, file}, pool);
+  Primitive mesh;
+  mesh.position.assign(90, 1.0f);
+  mesh.index.assign(30, 7);
+  gatherer.take(std::move(mesh));
+  EXPECT_TRUE(gatherer.is_on_scratch());
+  TileMesh rest;
+  rest.primitives.resize(1);
+  rest.materials.resize(1);
+  const TileDirectory directory = gatherer.finish(std::move(rest));
+  ASSERT_EQ(directory.primitives.size(), 1u);
+  EXPECT_EQ(directory.primitives[0].triangles, 10u);
+  EXPECT_NE(TileFile::open(file), nullptr);
 }
 
 TEST(TileGatherer, RefusesWhatMemoryCannotHoldWhereThereIsNoScratch) {
