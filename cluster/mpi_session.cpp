@@ -79,6 +79,8 @@ std::int64_t reduce(std::int64_t value, MPI_Op operation, double patience_s) {
 /// networks: 0.3 s of a start that takes 0.4. What the environment says already stands; other libraries do not look.
 void expect_no_other_ranks() {
   ::setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+  // All such processes would share one folder below /tmp, and the first to end would remove it beneath the others.
+  ::setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
   ::setenv("OMPI_MCA_pml", "ob1", 0);
   ::setenv("OMPI_MCA_btl", "self", 0);
 }

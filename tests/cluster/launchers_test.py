@@ -271,6 +271,16 @@ class Real(unittest.TestCase):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(json.loads(result.stdout)["ranks"], 1)
 
+    def test_without_a_launcher_open_mpi_makes_no_folder(self):
+        """2026-11-23: all such processes shared one below /tmp, which the first to end removed beneath the others."""
+        file = self.root / "file"
+        file.write_text("no folder can be made here")
+        environment = {**os.environ, **harness.MPI_ENVIRONMENT, "TMPDIR": str(file),
+                       "OMPI_MCA_orte_tmpdir_base": str(file)}
+        result = harness.run([PROGRAM, "plan", self.root / "s.glb", "--voxel-size", 1, "--no-measure"], 300,
+                             env=environment)
+        self.assertEqual(result.returncode, 0, result.stderr)
+
     def test_a_batch_script_bakes(self):
         result = self.run_script("gigabake.sbatch", *self.arguments, SLURM_JOB_ID="1", GIGABAKE_MPIRUN="-n 2",
                                  OMPI_MCA_ras="^slurm", OMPI_MCA_plm="^slurm", OMPI_MCA_ess="^slurm")
