@@ -41,7 +41,7 @@ void write_rows(Hdf5File& file, const Hdf5Column& column, const std::vector<T>& 
 }
 
 void write_nodes(Hdf5File& file, const ShardHeader& header, const NodeTable& n, const ShardWriteOptions& options) {
-  const NodeColumns columns;
+  const NodeColumns columns(shard_version);
   file.make_group("/nodes");
   write_rows(file, columns.key, n.key, options);
   write_rows(file, columns.lod, n.lod, options);

@@ -34,7 +34,7 @@ void append(Level& level, std::vector<BrickRun>& runs, const ThreadPool& pool) {
   level.first.resize(at.back().brick + 1);
   level.rgba.resize(4 * at.back().voxel);
   if (!runs.empty() && runs.front().normals_) level.normal.resize(2 * at.back().voxel);
-  if (!runs.empty() && !runs.front().facing_.empty()) level.facing.resize(3 * at.back().voxel);
+  if (!runs.empty() && !runs.front().facing_.empty()) level.facing.resize(facing_bytes * at.back().voxel);
   pool.parallel_for(runs.size(), 4, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t r = begin; r < end; ++r) {
       BrickRun& run = runs[r];
@@ -42,7 +42,7 @@ void append(Level& level, std::vector<BrickRun>& runs, const ThreadPool& pool) {
       std::copy(run.mask_.begin(), run.mask_.end(), level.mask.begin() + 8 * at[r].brick);
       std::copy(run.rgba_.begin(), run.rgba_.end(), level.rgba.begin() + 4 * at[r].voxel);
       std::copy(run.normal_.begin(), run.normal_.end(), level.normal.begin() + 2 * at[r].voxel);
-      std::copy(run.facing_.begin(), run.facing_.end(), level.facing.begin() + 3 * at[r].voxel);
+      std::copy(run.facing_.begin(), run.facing_.end(), level.facing.begin() + facing_bytes * at[r].voxel);
       std::uint64_t first = at[r].voxel;
       for (std::size_t b = 0; b < run.bricks(); ++b) {
         for (int word = 0; word < 8; ++word) first += std::popcount(run.mask_[8 * b + word]);

@@ -21,9 +21,7 @@ class BrickRun {
     if (normals_) normal_.insert(normal_.end(), v.normal, v.normal + 2);
   }
   /// Of the voxel pushed last; of all voxels or of none.
-  void push_facing(const std::array<std::uint8_t, 3>& facing) {
-    facing_.insert(facing_.end(), facing.begin(), facing.end());
-  }
+  void push_facing(const Facing& facing) { facing_.insert(facing_.end(), facing.begin(), facing.end()); }
   /// Closes the brick whose voxels were pushed since the last call.
   void push_brick(std::uint64_t key, const std::uint64_t mask[8]) {
     key_.push_back(key);
