@@ -1,6 +1,5 @@
 #include "cluster/bake_scratch.h"
 
-#include <string_view>
 #include <system_error>
 #define XXH_INLINE_ALL
 #include <xxhash.h>

@@ -81,12 +81,12 @@ StoredBytes append_cluster(const Primitive& cluster, std::vector<std::uint8_t>& 
   return {begin, checksum_of(all), all.size()};
 }
 
-StoredBytes TileFileWriter::append(std::span<const std::uint8_t> bytes) {
+StoredBytes TileFileWriter::store(std::span<const std::uint8_t> bytes) {
   return {file_.append(bytes), checksum_of(bytes), bytes.size()};
 }
 
 void TileFileWriter::publish(std::span<const std::uint8_t> directory) {
-  const StoredBytes stored = append(directory);
+  const StoredBytes stored = store(directory);
   const Trailer trailer{stored.offset, stored.bytes, stored.checksum};
   file_.append(raw_bytes(trailer));
   file_.publish();

@@ -33,7 +33,10 @@ StoredBytes append_cluster(const Primitive& cluster, std::vector<std::uint8_t>& 
 class TileFileWriter {
  public:
   explicit TileFileWriter(std::filesystem::path target) : file_(std::move(target)) {}
-  StoredBytes append(std::span<const std::uint8_t> bytes);
+  /// Bytes that are read as one.
+  StoredBytes store(std::span<const std::uint8_t> bytes);
+  /// Clusters of append_cluster(), one behind the other; the offset at which they stand.
+  std::uint64_t append_clusters(std::span<const std::uint8_t> bytes) { return file_.append(bytes); }
   void publish(std::span<const std::uint8_t> directory);
 
  private:

@@ -67,7 +67,7 @@ void TileGatherer::cut(const std::vector<Primitive>& batch) {
     for (std::size_t i = begin; i < end; ++i) done[i] = cut_one(batch[i]);
   });
   for (CutPrimitive& p : done) {
-    const std::uint64_t begin = writer_->append(p.bytes).offset;
+    const std::uint64_t begin = writer_->append_clusters(p.bytes);
     for (TileCluster& c : p.table.clusters) c.stored.offset += begin;
     cut_.push_back(std::move(p.table));
   }
@@ -80,7 +80,7 @@ TileDirectory TileGatherer::finish(TileMesh&& mesh) {
     cut_pending();
     wait();
     all.primitives = std::move(cut_);
-    for (TileImage& image : all.images) image.stored = writer_->append(std::exchange(image.encoded.bytes, {}));
+    for (TileImage& image : all.images) image.stored = writer_->store(std::exchange(image.encoded.bytes, {}));
     writer_->publish(to_bytes(all));
     return all;
   }

@@ -9,7 +9,7 @@
 #include "../glb_scene.h"
 #include "format/system/io_error.h"
 #include "lattice/thread_pool.h"
-#include "tests/worker/tiles/files_end_at.h"
+#include "tests/format/system/small_disk.h"
 
 namespace gigabake {
 namespace {
@@ -103,7 +103,7 @@ TEST_F(TextureStoreTest, AFileThatIsCutOrChangedIsMadeAnew) {
 }
 
 TEST_F(TextureStoreTest, ADiskThatFillsUpIsNamedAndNothingHalfWrittenStays) {
-  const test::FilesEndAt end(2000);
+  const SmallDisk end(2000);
   EXPECT_THROW(load(64), IoError);
   for (const auto& entry : fs::directory_iterator(scratch)) EXPECT_EQ(entry.path().extension(), ".lock");
 }

@@ -11,7 +11,7 @@
 #include "format/system/io_error.h"
 #include "kernels/cpu/bake_cell.h"
 #include "lattice/memory_limit.h"
-#include "tests/worker/tiles/files_end_at.h"
+#include "tests/format/system/small_disk.h"
 #include "worker/cell_loader.h"
 #include "worker/cell_parameters.h"
 #include "worker/survey_tile.h"
@@ -53,13 +53,18 @@ class TileStoreTest : public testing::Test {
   TileStore store() const { return {sources, parameters, {scratch(), 0}, 2}; }
   fs::path clusters() const { return scratch() / ("t_" + hash().hex() + ".clusters"); }
 
-  std::vector<Hash128> bake(std::int64_t x, std::int64_t y, TileScratch where) const {
+  CellJob job_at(std::int64_t x, std::int64_t y) const {
     CellJob job;
     job.name = "cell";
     job.lattice_min = {x, y, -64};
     job.cell_voxels = 128;
     job.tiles = {0};
     job.tile_sources = {hash()};
+    return job;
+  }
+
+  std::vector<Hash128> bake(std::int64_t x, std::int64_t y, TileScratch where) const {
+    const CellJob job = job_at(x, y);
     CellLoader loader(sources, parameters, 0, 2, std::move(where));
     const LoadedCell cell = loader.load(job);
     return kernels::bake_cell(cell.input(), cell_parameters(job, parameters, 0), callers_thread()).content_hash;
@@ -179,12 +184,7 @@ TEST_F(TileStoreTest, AChangedByteIsNamedAndTheNextTryMakesTheFileAnew) {
 
 TEST_F(TileStoreTest, ARankThatMetAChangedByteReadsTheTileAnewAtItsNextTry) {
   const std::vector<Hash128> right = bake(0, 0, {});
-  CellJob job;
-  job.name = "cell";
-  job.lattice_min = {0, 0, -64};
-  job.cell_voxels = 128;
-  job.tiles = {0};
-  job.tile_sources = {hash()};
+  const CellJob job = job_at(0, 0);
   CellLoader loader(sources, parameters, std::uint64_t(1) << 28, 2, {scratch(), 0});
   const LoadedCell first = loader.load(job);
   std::fstream file(clusters(), std::ios::in | std::ios::out | std::ios::binary);
@@ -212,7 +212,7 @@ TEST_F(TileStoreTest, ADiskThatFillsUpIsNamedAndNothingHalfWrittenStays) {
   for (const std::uint64_t bytes : {0, 1000, 300'000}) {
     const Hash128 expected = hash();
     const TileStore full = store();
-    const test::FilesEndAt end(bytes);
+    const SmallDisk end(bytes);
     try {
       full.load(0, expected);
       ADD_FAILURE() << "wrote beyond the end";
