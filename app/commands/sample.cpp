@@ -1,20 +1,25 @@
 #include "format/sample/sample.h"
 
+#include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "app/commands.h"
 #include "app/messages/status_text.h"
 #include "app/options/text_values.h"
 #include "format/system/host_limits.h"
 #include "lattice/counted.h"
+#include "lattice/error.h"
 
 namespace gigabake::app {
 namespace {
 
 struct Options {
   std::string dir, origin;
+  std::optional<double> tile_size_m;
   sample::SampleOptions sample;
   bool json = false;
 };
@@ -53,8 +58,16 @@ void print_text(const Options& o, const sample::SampleReport& r) {
   fmt::print("see it:         {}\n", render_command);
 }
 
+int tiles_along(double size_m, double tile_size_m) {
+  const double tiles = std::max(1.0, std::round(size_m / tile_size_m));
+  if (!(tile_size_m > 0 && tiles <= sample::max_sample_tiles))
+    throw UsageError("--tile-size", fmt::format("expected at least a {}th of --size", sample::max_sample_tiles));
+  return int(tiles);
+}
+
 void run(Options& o) {
   if (!o.origin.empty()) o.sample.origin = geodetic("--origin", o.origin);
+  if (o.tile_size_m) o.sample.tiles = tiles_along(o.sample.size_m, *o.tile_size_m);
   o.sample.threads = host_limits().cores();
   const sample::SampleReport report = sample::write_sample(o.dir, o.sample);
   o.json ? print_json(o, report) : print_text(o, report);
@@ -68,7 +81,9 @@ void add_sample(CLI::App& app, int&) {
   auto o = std::make_shared<Options>();
   command->add_option("DIR", o->dir, "folder to write")->required();
   command->add_option("--size", o->sample.size_m, "edge of the square map, metres")->capture_default_str();
-  command->add_option("--tiles", o->sample.tiles, "tiles along an edge")->capture_default_str();
+  auto* tiles = command->add_option("--tiles", o->sample.tiles, "tiles along an edge")->capture_default_str();
+  command->add_option("--tile-size", o->tile_size_m, "edge of a tile, about, metres, instead of --tiles")
+      ->excludes(tiles);
   command->add_option("--ground-step", o->sample.ground_step_m, "edge of the ground's quads, about, metres")
       ->capture_default_str();
   command->add_option("--texel", o->sample.texel_m, "texel of the ground's pictures, about, metres")

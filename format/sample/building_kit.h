@@ -14,7 +14,7 @@ Picture paint_roof(std::uint32_t seed);
 /// Left half leaves, right half needles, with alpha: 255 where there is foliage, 0 between.
 Picture paint_foliage(std::uint32_t seed);
 
-/// The three, encoded: every tile that builds or plants carries them.
+/// The three, encoded, as files beside the tiles: whatever tile builds or plants refers to the same ones.
 struct KitImages {
   GlbImage facade, roof, foliage;
 };

@@ -82,9 +82,9 @@ Picture paint_foliage(std::uint32_t seed) {
 }
 
 KitImages paint_kit(std::uint32_t seed) {
-  return {{"image/jpeg", to_jpeg(paint_facade(seed + 81), jpeg_quality)},
-          {"image/jpeg", to_jpeg(paint_roof(seed + 82), jpeg_quality)},
-          {"image/png", to_png(paint_foliage(seed + 80))}};
+  return {{"image/jpeg", to_jpeg(paint_facade(seed + 81), jpeg_quality), "textures/facade.jpg"},
+          {"image/jpeg", to_jpeg(paint_roof(seed + 82), jpeg_quality), "textures/roof.jpg"},
+          {"image/png", to_png(paint_foliage(seed + 80)), "textures/foliage.png"}};
 }
 
 }  // namespace gigabake::sample

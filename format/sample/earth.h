@@ -14,6 +14,11 @@ struct MapPoint {
   double e_m = 0, n_m = 0;
 };
 
+/// So many steps east and north.
+struct GridSize {
+  int e = 1, n = 1;
+};
+
 struct Enu;
 
 /// Sine and cosine of an angle in degrees.

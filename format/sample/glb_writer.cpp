@@ -122,6 +122,12 @@ Json material_of(const GlbMaterial& material) {
   return json;
 }
 
+Json image_of(Binary& binary, const GlbImage& image) {
+  if (!image.uri.empty()) return {{"uri", image.uri}};
+  const int view = binary.add_view(image.bytes.size(), 0, [&bytes = image.bytes](const PutBytes& put) { put(bytes); });
+  return {{"bufferView", view}, {"mimeType", image.mime}};
+}
+
 void add_images(Json& gltf, Binary& binary, const std::vector<GlbImage>& images) {
   if (images.empty()) return;
   constexpr int clamp_to_edge = 33071, linear = 9729, linear_mipmap_linear = 9987;
@@ -130,9 +136,7 @@ void add_images(Json& gltf, Binary& binary, const std::vector<GlbImage>& images)
                                    {"wrapS", clamp_to_edge},
                                    {"wrapT", clamp_to_edge}}});
   for (std::size_t i = 0; i < images.size(); ++i) {
-    const int view =
-        binary.add_view(images[i].bytes.size(), 0, [&image = images[i].bytes](const PutBytes& put) { put(image); });
-    gltf["images"].push_back({{"bufferView", view}, {"mimeType", images[i].mime}});
+    gltf["images"].push_back(image_of(binary, images[i]));
     gltf["textures"].push_back({{"sampler", 0}, {"source", i}});
   }
 }

@@ -13,6 +13,8 @@ namespace gigabake::sample {
 struct GlbImage {
   std::string mime;  ///< "image/jpeg" or "image/png"
   std::vector<std::uint8_t> bytes;
+  /// Where the image stands as a file, relative to the GLB; empty: the GLB holds `bytes`.
+  std::string uri{};
 };
 
 struct GlbMaterial {

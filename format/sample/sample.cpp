@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
-#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "format/sample/sample_folder.h"
+#include "format/sample/sample_tileset.h"
 #include "format/sample/terrain_tile.h"
 #include "format/system/publish.h"
 #include "lattice/error.h"
@@ -14,13 +18,18 @@
 namespace gigabake::sample {
 namespace {
 
-using Json = nlohmann::ordered_json;
+constexpr int coarse_quads = 64, coarse_texels = 1024;  // at most, along an edge
+/// Along an edge of a block. More children of one tile than its square would be more than viewers like to hold.
+constexpr int block_tiles = 16;
 
-constexpr int overview_quads = 64, overview_texels = 1024;  // at most, along the map's edge
+std::string place_name(const char* what, std::size_t x, std::size_t y) {
+  return what + ("_" + std::to_string(x)) + "_" + std::to_string(y);
+}
 
 void check(const SampleOptions& o) {
   if (!(o.size_m >= 64 && o.size_m <= 1e5)) throw UsageError("size_m", "expected 64 to 100000 metres");
-  if (o.tiles < 1 || o.tiles > 256) throw UsageError("tiles", "expected 1 to 256 along an edge");
+  if (o.tiles < 1 || o.tiles > max_sample_tiles)
+    throw UsageError("tiles", "expected 1 to " + std::to_string(max_sample_tiles) + " along an edge");
   const double tile_m = o.size_m / o.tiles;
   if (!(o.ground_step_m > 0) || tile_m / o.ground_step_m > 4096)
     throw UsageError("ground_step_m", "expected at most 4096 steps along a tile");
@@ -31,119 +40,135 @@ void check(const SampleOptions& o) {
     throw UsageError("origin", "expected a latitude within ±85°, a longitude and a height in metres");
 }
 
-Json box_of(const TerrainTile& t) {
-  Json box = Json::array();
-  for (std::size_t c = 0; c < 3; ++c) box.push_back((t.min_m[c] + t.max_m[c]) / 2);
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    for (std::size_t c = 0; c < 3; ++c) box.push_back(c == axis ? (t.max_m[c] - t.min_m[c]) / 2 : 0.0);
-  return Json{{"box", box}};
-}
-
 class Writer {
  public:
   Writer(const std::filesystem::path& dir, const SampleOptions& o)
-      : dir_(dir), o_(o), landscape_(o.size_m, o.seed), earth_(o.origin) {}
+      : dir_(dir),
+        o_(o),
+        pool_(o.threads),
+        landscape_(o.size_m, o.seed),
+        earth_(o.origin),
+        tiles_(std::size_t(o.tiles)) {}
 
   SampleReport write_all() {
-    const std::size_t count = std::size_t(o_.tiles) * std::size_t(o_.tiles);
-    std::vector<Json> children(count);
-    std::mutex mutex;
-    ThreadPool(o_.threads).parallel_for(count, 1, [&](std::size_t i, std::size_t, int) {
-      const TilePlan plan = plan_of(i);
-      const GlbImage ground = paint_tile(landscape_, plan);
-      const TerrainTile tile = write_tile(plan, TileFrame{&earth_}, ground, "tiles/" + name_of(i));
-      write_tile(plan, TileFrame{}, ground, "local/" + name_of(i));
-      children[i] = {
-          {"boundingVolume", box_of(tile)}, {"geometricError", 0}, {"content", {{"uri", "tiles/" + name_of(i)}}}};
-      const std::scoped_lock lock(mutex);
-      report_.triangles += tile.triangles;
-      report_.houses += tile.houses;
-      report_.trees += tile.trees;
-      ++report_.tiles;
-    });
-    write_tileset(children);
+    write_kit();
+    std::vector<TilesetEntry> tiles(tiles_ * tiles_);
+    pool_.parallel_for(tiles.size(), 1, [&](std::size_t i, std::size_t, int) { tiles[i] = write_fine(i); });
+    write_whole(o_.tiles <= block_tiles ? std::move(tiles) : write_blocks(tiles));
     return report_;
   }
 
  private:
-  std::string name_of(std::size_t i) const {
-    return "tile_" + std::to_string(i % std::size_t(o_.tiles)) + "_" + std::to_string(i / std::size_t(o_.tiles)) +
-           ".glb";
+  void write(const std::string& name, std::span<const std::uint8_t> bytes) {
+    publish_file(dir_ / name, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    const std::scoped_lock lock(mutex_);
+    report_.bytes += bytes.size();
   }
 
-  void count_bytes(std::uint64_t bytes) {
-    const std::scoped_lock lock(bytes_mutex_);
-    report_.bytes += bytes;
+  /// Once for the tiles of either frame.
+  void write_kit() {
+    const KitImages& kit = landscape_.kit;
+    for (const std::string folder : {"tiles/", "local/"})
+      for (const GlbImage* image : {&kit.facade, &kit.roof, &kit.foliage}) write(folder + image->uri, image->bytes);
   }
 
-  TilePlan plan_of(std::size_t i) const {
-    TilePlan plan;
-    plan.edge_m = o_.size_m / o_.tiles;
-    plan.min = {-o_.size_m / 2 + double(i % std::size_t(o_.tiles)) * plan.edge_m,
-                -o_.size_m / 2 + double(i / std::size_t(o_.tiles)) * plan.edge_m};
-    plan.quads = std::max(1, int(plan.edge_m / o_.ground_step_m + 0.5));
-    plan.texels = std::max(16, int(plan.edge_m / o_.texel_m + 0.5));
-    return plan;
-  }
-
-  /// The coarser level: the whole map without what stands on it, with at most a quarter of the tiles' steps.
-  TilePlan plan_of_overview() const {
-    const TilePlan fine = plan_of(0);
-    return {{-o_.size_m / 2, -o_.size_m / 2},
-            o_.size_m,
-            std::clamp(fine.quads * o_.tiles / 4, 1, overview_quads),
-            std::clamp(fine.texels * o_.tiles / 4, 16, overview_texels),
-            false};
-  }
-
-  TerrainTile write_tile(const TilePlan& plan, const TileFrame& frame, const GlbImage& ground,
+  TerrainTile write_mesh(const TilePlan& plan, const TileFrame& frame, const GlbImage& ground,
                          const std::string& name) {
     TerrainTile tile = make_tile(landscape_, frame, plan, ground);
     tile.model.name = std::filesystem::path(name).stem().string();
-    const std::vector<std::uint8_t> glb = to_glb(tile.model);
-    publish_file(dir_ / name, {reinterpret_cast<const char*>(glb.data()), glb.size()});
-    count_bytes(glb.size());
+    write(name, to_glb(tile.model));
     return tile;
   }
 
-  void write_tileset(const std::vector<Json>& children) {
-    const TilePlan plan = plan_of_overview();
-    TerrainTile overview = write_tile(plan, TileFrame{&earth_}, paint_tile(landscape_, plan), "tiles/overview.glb");
-    for (std::size_t c = 0; c < 3; ++c)  // the parent's volume holds its children's: roofs and crowns included
-      for (const Json& child : children) {
-        const Json& box = child["boundingVolume"]["box"];
-        const double centre = box[c], half = box[3 + 4 * c];
-        overview.min_m[c] = std::min(overview.min_m[c], centre - half);
-        overview.max_m[c] = std::max(overview.max_m[c], centre + half);
-      }
+  TilesetEntry write_fine(std::size_t i) {
+    const std::string name = place_name("tile", i % tiles_, i / tiles_) + ".glb";
+    const TilePlan plan = plan_of(i);
+    const GlbImage ground = paint_tile(landscape_, plan);
+    const TerrainTile tile = write_mesh(plan, TileFrame{&earth_}, ground, "tiles/" + name);
+    write_mesh(plan, TileFrame{}, ground, "local/" + name);
+    const std::scoped_lock lock(mutex_);
+    report_.triangles += tile.triangles;
+    report_.houses += tile.houses;
+    report_.trees += tile.trees;
+    ++report_.tiles;
+    return {"tiles/" + name, tile.min_m, tile.max_m, 0};
+  }
+
+  TilePlan plan_of(std::size_t i) const { return plan_of(i % tiles_, i / tiles_, {1, 1}); }
+
+  /// The finest that tiles from (x, y) on show.
+  TilePlan plan_of(std::size_t x, std::size_t y, GridSize tiles) const {
+    const double edge_m = o_.size_m / o_.tiles;
+    const int quads = std::max(1, int(edge_m / o_.ground_step_m + 0.5));
+    const int texels = std::max(16, int(edge_m / o_.texel_m + 0.5));
+    return {{-o_.size_m / 2 + double(x) * edge_m, -o_.size_m / 2 + double(y) * edge_m},
+            {edge_m * tiles.e, edge_m * tiles.n},
+            {quads * tiles.e, quads * tiles.n},
+            {texels * tiles.e, texels * tiles.n}};
+  }
+
+  /// As the tiles, with at most a quarter of their steps, and without what stands on the ground.
+  TilesetEntry write_coarse(TilePlan plan, const std::string& name) {
+    const auto coarser = [](GridSize fine, int least, int most) {
+      return GridSize{std::clamp(fine.e / 4, least, most), std::clamp(fine.n / 4, least, most)};
+    };
+    plan.quads = coarser(plan.quads, 1, coarse_quads);
+    plan.texels = coarser(plan.texels, 16, coarse_texels);
+    plan.with_objects = false;
+    const TerrainTile mesh = write_mesh(plan, TileFrame{&earth_}, paint_tile(landscape_, plan), name);
+    return {name, mesh.min_m, mesh.max_m, std::max(plan.size_m.e_m / plan.quads.e, plan.size_m.n_m / plan.quads.n)};
+  }
+
+  std::vector<TilesetEntry> write_blocks(const std::vector<TilesetEntry>& tiles) {
+    const std::size_t along = (tiles_ + block_tiles - 1) / block_tiles;
+    std::vector<TilesetEntry> blocks(along * along);
+    pool_.parallel_for(blocks.size(), 1,
+                       [&](std::size_t i, std::size_t, int) { blocks[i] = write_block(tiles, i % along, i / along); });
+    return blocks;
+  }
+
+  /// At the map's rim a block has fewer tiles.
+  TilesetEntry write_block(const std::vector<TilesetEntry>& tiles, std::size_t block_x, std::size_t block_y) {
+    const std::string name = "tiles/" + place_name("block", block_x, block_y);
+    const std::size_t x0 = block_x * block_tiles, y0 = block_y * block_tiles;
+    const std::size_t x1 = std::min(tiles_, x0 + block_tiles), y1 = std::min(tiles_, y0 + block_tiles);
+    std::vector<TilesetEntry> children;
+    for (std::size_t y = y0; y < y1; ++y)
+      for (std::size_t x = x0; x < x1; ++x) children.push_back(beside(tiles[y * tiles_ + x]));
+    TilesetEntry block = write_coarse(plan_of(x0, y0, {int(x1 - x0), int(y1 - y0)}), name + ".glb");
+    enclose(children, block);
+    write_json(name + ".json", tileset_of(beside(block), children, nullptr));
+    block.uri = name + ".json";
+    return block;
+  }
+
+  /// As a tileset that stands in tiles/ itself names it.
+  static TilesetEntry beside(TilesetEntry tile) {
+    tile.uri = std::filesystem::path(tile.uri).filename().string();
+    return tile;
+  }
+
+  void write_whole(std::vector<TilesetEntry> children) {
+    TilesetEntry overview = write_coarse(plan_of(0, 0, {o_.tiles, o_.tiles}), "tiles/overview.glb");
+    enclose(children, overview);
     report_.min_m = overview.min_m;
     report_.max_m = overview.max_m;
-    const auto& m = earth_.ecef_from_enu().m;
-    Json transform = Json::array();
-    for (std::size_t column = 0; column < 4; ++column)
-      for (std::size_t row = 0; row < 4; ++row)
-        transform.push_back(row < 3 ? m[row][column] : (column == 3 ? 1.0 : 0.0));
-    const double error_m = o_.size_m / plan.quads;
-    const Json tileset{{"asset", {{"version", "1.1"}, {"generator", sample_generator}}},
-                       {"geometricError", 4 * error_m},
-                       {"root",
-                        {{"transform", transform},
-                         {"boundingVolume", box_of(overview)},
-                         {"geometricError", error_m},
-                         {"refine", "REPLACE"},
-                         {"content", {{"uri", "tiles/overview.glb"}}},
-                         {"children", children}}}};
-    const std::string text = tileset.dump(1);
-    publish_file(dir_ / "tileset.json", text);
-    count_bytes(text.size());
+    write_json("tileset.json", tileset_of(overview, children, &earth_));
+  }
+
+  void write_json(const std::string& name, const nlohmann::ordered_json& json) {
+    const std::string text = json.dump(1);
+    write(name, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }
 
   const std::filesystem::path& dir_;
   const SampleOptions& o_;
-  Landscape landscape_;
-  Earth earth_;
+  const ThreadPool pool_;
+  const Landscape landscape_;
+  const Earth earth_;
+  const std::size_t tiles_;  ///< along an edge
   SampleReport report_;
-  std::mutex bytes_mutex_;
+  std::mutex mutex_;  ///< of report_
 };
 
 }  // namespace

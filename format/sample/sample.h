@@ -9,9 +9,12 @@
 
 namespace gigabake::sample {
 
+/// A million tiles.
+inline constexpr int max_sample_tiles = 1024;
+
 struct SampleOptions {
   double size_m = 384;       ///< edge of the square map, 64 … 100000
-  int tiles = 4;             ///< along an edge, 1 … 256
+  int tiles = 4;             ///< along an edge, 1 … max_sample_tiles
   double ground_step_m = 1;  ///< about: a tile has a whole number of steps
   double texel_m = 0.25;     ///< of the ground's pictures, about
   std::uint32_t seed = 1;
@@ -26,8 +29,11 @@ struct SampleReport {
 };
 
 /// Writes DIR/tileset.json with DIR/tiles/*.glb (georeferenced, one coarser level above the tiles, REPLACE) and
-/// DIR/local/*.glb (the map's own flat frame, for --local). A former sample in DIR is replaced as a whole.
-/// Exact   The same positions, pixels and indices for the same options on every machine; threads do not show. The
+/// DIR/local/*.glb (the map's own flat frame, for --local); what houses and trees show stands once beside the tiles of
+/// each, in textures/. More than 16 tiles along an edge stand in blocks of 16 × 16: each is a tileset of its own
+/// (DIR/tiles/block_X_Y.json) with a coarser level of its own, and the outermost names the blocks. A former sample in
+/// DIR is replaced as a whole. Exact   The same positions, pixels and indices for the same options on every machine;
+/// threads do not show. The
 ///         same bytes where libjpeg and zlib are the same: how tightly they pack is theirs to decide.
 /// Errors  UsageError for options out of range; InputError where DIR holds something else or cannot be written.
 SampleReport write_sample(const std::filesystem::path& dir, const SampleOptions& options);

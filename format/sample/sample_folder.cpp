@@ -12,6 +12,7 @@ namespace fs = std::filesystem;
 
 constexpr char aside_name[] = ".unfinished-gigabake-sample", tileset_name[] = "tileset.json";
 constexpr const char* tile_folders[] = {"tiles", "local"};
+constexpr char texture_folder[] = "textures";
 
 [[noreturn]] void fail(const fs::path& path, const char* what, const std::error_code& error) {
   throw InputError(path, "", std::string(what) + ": " + error.message());
@@ -51,7 +52,7 @@ SampleFolder::SampleFolder(const fs::path& dir) : dir_(dir), aside_(dir / aside_
     made_dir_ = true;
   clear(aside_);
   for (const char* folder : tile_folders) {
-    fs::create_directories(aside_ / folder, error);
+    fs::create_directories(aside_ / folder / texture_folder, error);
     if (!error) continue;
     discard();
     fail(aside_ / folder, "cannot make the folder", error);

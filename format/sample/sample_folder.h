@@ -14,7 +14,7 @@ class SampleFolder {
   SampleFolder(const SampleFolder&) = delete;
   SampleFolder& operator=(const SampleFolder&) = delete;
 
-  /// Where to write tileset.json, tiles/ and local/; both folders exist and are empty.
+  /// Where to write tileset.json, tiles/ and local/; both folders exist, and each has nothing but an empty textures/.
   const std::filesystem::path& aside() const { return aside_; }
 
   /// The former sample goes, tile for tile; the new one takes its place, tileset.json last. Errors  InputError.

@@ -72,14 +72,14 @@ Rgb ground_colour(const Relief& relief, const Settlement& settlement, std::uint3
 }
 
 Picture paint_ground(const Relief& relief, const Settlement& settlement, std::uint32_t seed, MapPoint min,
-                     double edge_m, int texels) {
-  Picture picture(texels, texels, 3);
-  const double texel_m = edge_m / texels;
-  for (int y = 0; y < texels; ++y)
-    for (int x = 0; x < texels; ++x)
+                     MapPoint size_m, GridSize texels) {
+  Picture picture(texels.e, texels.n, 3);
+  const double texel_e_m = size_m.e_m / texels.e, texel_n_m = size_m.n_m / texels.n;
+  for (int y = 0; y < texels.n; ++y)
+    for (int x = 0; x < texels.e; ++x)
       picture.set(x, y,
                   ground_colour(relief, settlement, seed,
-                                {min.e_m + (x + 0.5) * texel_m, min.n_m + edge_m - (y + 0.5) * texel_m}));
+                                {min.e_m + (x + 0.5) * texel_e_m, min.n_m + size_m.n_m - (y + 0.5) * texel_n_m}));
   return picture;
 }
 

@@ -11,6 +11,6 @@ Rgb ground_colour(const Relief& relief, const Settlement& settlement, std::uint3
 
 /// North up; texel centres at half steps, so that neighbouring pictures continue each other.
 Picture paint_ground(const Relief& relief, const Settlement& settlement, std::uint32_t seed, MapPoint min,
-                     double edge_m, int texels);
+                     MapPoint size_m, GridSize texels);
 
 }  // namespace gigabake::sample

@@ -30,7 +30,7 @@ class TileBuilder {
  public:
   TileBuilder(const Landscape& landscape, const TileFrame& frame, const TilePlan& plan, const GlbImage& painted)
       : landscape_(landscape), frame_(frame), plan_(plan), painted_(painted) {
-    const MapPoint middle{plan.min.e_m + plan.edge_m / 2, plan.min.n_m + plan.edge_m / 2};
+    const MapPoint middle{plan.min.e_m + plan.size_m.e_m / 2, plan.min.n_m + plan.size_m.n_m / 2};
     origin_ = frame.place(middle, 0);
     out_.model.meshes.resize(slots);
     for (std::size_t i = 0; i < slots; ++i) out_.model.meshes[i].material = int(i);
@@ -51,22 +51,23 @@ class TileBuilder {
     return {at[0] - origin_[0], at[1] - origin_[1], at[2] - origin_[2]};
   }
   MapPoint grid_point(int x, int y) const {
-    return {plan_.min.e_m + plan_.edge_m * x / plan_.quads, plan_.min.n_m + plan_.edge_m * y / plan_.quads};
+    return {plan_.min.e_m + plan_.size_m.e_m * x / plan_.quads.e, plan_.min.n_m + plan_.size_m.n_m * y / plan_.quads.n};
   }
 
   void add_ground() {
     GlbMesh& mesh = out_.model.meshes[ground];
-    const int points = plan_.quads + 1;
-    for (int y = 0; y < points; ++y)
-      for (int x = 0; x < points; ++x) {
+    const GridSize quads = plan_.quads;
+    for (int y = 0; y <= quads.n; ++y)
+      for (int x = 0; x <= quads.e; ++x) {
         const MapPoint p = grid_point(x, y);
         const Corner c = local(p, landscape_.relief.height_m(p));
         mesh.position.insert(mesh.position.end(), {float(c.e_m), float(c.u_m), float(-c.n_m)});
-        mesh.uv.push_back(std::uint16_t(65535.0 * x / plan_.quads + 0.5));
-        mesh.uv.push_back(std::uint16_t(65535.0 * (plan_.quads - y) / plan_.quads + 0.5));
+        mesh.uv.push_back(std::uint16_t(65535.0 * x / quads.e + 0.5));
+        mesh.uv.push_back(std::uint16_t(65535.0 * (quads.n - y) / quads.n + 0.5));
       }
-    for (int y = 0; y < plan_.quads; ++y)
-      for (int x = 0; x < plan_.quads; ++x) {
+    const int points = quads.e + 1;
+    for (int y = 0; y < quads.n; ++y)
+      for (int x = 0; x < quads.e; ++x) {
         const auto a = std::uint32_t(y * points + x), b = a + 1, c = a + std::uint32_t(points), d = c + 1;
         // Diagonals alternate: no direction of the ground is favoured.
         if ((x + y) % 2 == 0)
@@ -77,7 +78,7 @@ class TileBuilder {
   }
 
   void add_objects() {
-    const MapPoint max{plan_.min.e_m + plan_.edge_m, plan_.min.n_m + plan_.edge_m};
+    const MapPoint max{plan_.min.e_m + plan_.size_m.e_m, plan_.min.n_m + plan_.size_m.n_m};
     for (const House& h : landscape_.settlement.houses()) {
       const MapPoint p = h.centre;
       if (p.e_m >= plan_.min.e_m && p.e_m < max.e_m && p.n_m >= plan_.min.n_m && p.n_m < max.n_m) place_house(h);
@@ -161,7 +162,7 @@ std::array<double, 3> TileFrame::place(MapPoint p, double height_m) const {
 }
 
 GlbImage paint_tile(const Landscape& l, const TilePlan& plan) {
-  const Picture picture = paint_ground(l.relief, l.settlement, l.seed, plan.min, plan.edge_m, plan.texels);
+  const Picture picture = paint_ground(l.relief, l.settlement, l.seed, plan.min, plan.size_m, plan.texels);
   return {"image/jpeg", to_jpeg(picture, jpeg_quality)};
 }
 

@@ -29,11 +29,12 @@ struct TileFrame {
   std::array<double, 3> place(MapPoint p, double height_m) const;
 };
 
+/// A rectangle of the map.
 struct TilePlan {
   MapPoint min;
-  double edge_m = 100;
-  int quads = 100;   ///< along an edge
-  int texels = 512;  ///< of the ground's picture
+  MapPoint size_m{100, 100};
+  GridSize quads{100, 100};
+  GridSize texels{512, 512};  ///< of the ground's picture
   bool with_objects = true;
 };
 

@@ -45,8 +45,15 @@ def suggested_commands_bake_what_was_written(gigabake, work):
     assert lod_hashes(infos[0]) != lod_hashes(infos[1]), "the earth is not flat"
 
 
+def tiles_are_about_as_large_as_asked_for(gigabake, work):
+    said = json.loads(gigabake.succeed("sample", work / "t", "--size", 96, "--tile-size", 30, "--ground-step", 4,
+                                       "--texel", 2, "--json"))
+    assert said["tiles"] == 3 * 3, said
+
+
 def wrong_options_and_others_folders_are_refused(gigabake, work):
-    for options in (("--size", 1), ("--tiles", 0), ("--tiles", 999), ("--texel", 0), ("--ground-step", "nan"),
+    for options in (("--size", 1), ("--tiles", 0), ("--tiles", 9999), ("--texel", 0), ("--ground-step", "nan"),
+                    ("--tile-size", 0), ("--tile-size", 0.01), ("--tile-size", "nan"), ("--tile-size", 48, "--tiles", 2),
                     ("--origin", "91,0,0"), ("--origin", "1,2")):
         result = gigabake.run("sample", work / "none", *options)
         assert result.returncode == 2, (options, result)
@@ -78,6 +85,7 @@ def main():
     gigabake = Gigabake(sys.argv[1])
     with tempfile.TemporaryDirectory() as folder:
         for test in (bytes_are_the_same_again, suggested_commands_bake_what_was_written,
+                     tiles_are_about_as_large_as_asked_for,
                      wrong_options_and_others_folders_are_refused, fractal_terrain_has_the_peers_number_of_voxels):
             print(test.__name__, flush=True)
             test(gigabake, Path(folder))

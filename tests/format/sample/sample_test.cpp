@@ -123,6 +123,64 @@ TEST(Sample, GivesEveryTileTheBoxOfItsVerticesAndTheRootABoxAroundThemAll) {
   }
 }
 
+/// To a millimetre.
+void expect_inside(const std::array<double, 6>& inner, const std::array<double, 6>& outer) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    EXPECT_GE(inner[c], outer[c] - 1e-3);
+    EXPECT_LE(inner[c + 3], outer[c + 3] + 1e-3);
+  }
+}
+
+/// 17 tiles along an edge: one whole block, and three at the rim that are a tile wide.
+TEST(Sample, PutsManyTilesIntoBlocksThatAreTilesetsOfTheirOwn) {
+  const Folder f;
+  SampleOptions o = small(2);
+  o.tiles = 17;
+  o.ground_step_m = 4;
+  o.texel_m = 4;
+  const SampleReport report = write_sample(f.path, o);
+  EXPECT_EQ(report.tiles, 17u * 17u);
+  const SceneSources s = open_sources(f.path / "tileset.json", {});
+  EXPECT_EQ(s.tiles.size(), 17u * 17u) << "the finest, and no coarser mesh beside them";
+  EXPECT_TRUE(s.skipped.empty());
+  std::uint64_t triangles = 0;
+  for (const TileRef& t : s.tiles) triangles += read_tile(t, s.root, ReadScope::positions_only).counts.triangles;
+  EXPECT_EQ(triangles, report.triangles);
+  const auto root = nlohmann::json::parse(std::ifstream(f.path / "tileset.json"))["root"];
+  ASSERT_EQ(root["children"].size(), 4u);
+  std::size_t tiles = 0;
+  for (const auto& child : root["children"]) {
+    expect_inside(box_of(child), box_of(root));
+    EXPECT_LT(child["geometricError"], root["geometricError"]);
+    const std::string uri = child["content"]["uri"];
+    const auto block = nlohmann::json::parse(std::ifstream(f.path / uri))["root"];
+    EXPECT_FALSE(block.contains("transform")) << "the outermost tileset stands on the earth, and what is in it with it";
+    EXPECT_EQ(box_of(block), box_of(child));
+    EXPECT_TRUE(fs::exists(f.path / "tiles" / std::string(block["content"]["uri"])));
+    for (const auto& tile : block["children"]) expect_inside(box_of(tile), box_of(block));
+    tiles += block["children"].size();
+  }
+  EXPECT_EQ(tiles, 17u * 17u);
+  EXPECT_EQ(open_sources(f.path / "local", {}).tiles.size(), 17u * 17u);
+}
+
+TEST(Sample, KeepsWhatHousesShowOnceForAllTiles) {
+  const Folder f;
+  write_sample(f.path, small());
+  const SceneSources s = open_sources(f.path / "tileset.json", {});
+  std::size_t shared = 0;
+  for (const TileRef& t : s.tiles) {
+    std::ifstream in(f.path / t.name, std::ios::binary);
+    const std::string glb(std::istreambuf_iterator<char>(in), {});
+    for (const char* name : {"textures/facade.jpg", "textures/roof.jpg", "textures/foliage.png"}) {
+      if (glb.find(name) == std::string::npos) continue;
+      ++shared;
+      EXPECT_TRUE(fs::exists(f.path / "tiles" / name)) << name;
+    }
+  }
+  EXPECT_GT(shared, 3u);
+}
+
 TEST(Sample, ReplacesAFormerSampleWhole) {
   const Folder f;
   const fs::path dir = f.path / "sample";
@@ -131,7 +189,7 @@ TEST(Sample, ReplacesAFormerSampleWhole) {
   write_sample(dir, fine);
   write_sample(dir, small());
   const auto files = files_in(dir);
-  EXPECT_EQ(files.size(), 1u + 5u + 4u);
+  EXPECT_EQ(files.size(), 1u + 5u + 4u + 2 * 3u) << "tileset, tiles with their overview, flat tiles, what houses show";
   EXPECT_FALSE(files.contains("local/tile_2_2.glb"));
 }
 
