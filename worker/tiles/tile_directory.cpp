@@ -13,12 +13,12 @@ namespace {
 
 constexpr const char* directory_name = "directory of a scratch file";
 
-void put_stored(ByteWriter& w, const StoredBytes& stored) {
+void put_stored(ByteWriter& w, const ScratchBytes& stored) {
   w.put(stored.offset), w.put(stored.checksum), w.put(stored.bytes);
 }
 
-StoredBytes get_stored(ByteReader& r) {
-  StoredBytes stored;
+ScratchBytes get_stored(ByteReader& r) {
+  ScratchBytes stored;
   r.get(stored.offset), r.get(stored.checksum), r.get(stored.bytes);
   return stored;
 }

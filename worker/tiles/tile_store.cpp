@@ -20,7 +20,7 @@ TileStore::TileStore(const SceneSources& sources, const BakeParameters& paramete
     : sources_(sources), parameters_(parameters), scratch_(std::move(scratch)), pool_(threads) {}
 
 bool TileStore::may_be_large(std::uint32_t tile) const {
-  return !scratch_.folder.empty() && sources_.tiles.at(tile).bytes > scratch_.most_tile_bytes;
+  return sources_.tiles.at(tile).bytes > scratch_.most_tile_bytes;
 }
 
 std::shared_ptr<const LoadedTile> TileStore::load(std::uint32_t tile, const std::optional<Hash128>& expected) const {
