@@ -42,15 +42,22 @@ fs::path scratch_of(const BakeRequest& request) {
   return request.scratch / ("gigabake-" + Hash128{h.low64, h.high64}.hex());
 }
 
-std::optional<std::string> scratch_note(const SceneSources& sources, const fs::path& folder,
-                                        std::uint64_t memory_bytes) {
-  const std::uint64_t most = scratch_in(folder, memory_bytes).most_tile_bytes;
-  std::uint64_t bytes = 0, tiles = 0;
+ScratchNeed scratch_need(const SceneSources& sources, std::uint64_t memory_bytes) {
+  const std::uint64_t most = scratch_in({}, memory_bytes).most_tile_bytes;
+  ScratchNeed need;
   for (const TileRef& tile : sources.tiles)
-    if (tile.bytes > most) ++tiles, bytes += tile.bytes;
-  if (folder.empty() || tiles == 0) return std::nullopt;
-  const std::string wanted = "about " + readable_size(bytes) + " of scratch for " + counted(tiles, "large tile");
-  if (const auto room = room_at(folder); room && *room < bytes)
+    if (tile.bytes > most) ++need.tiles, need.bytes += tile.bytes;
+  return need;
+}
+
+std::string scratch_text(const ScratchNeed& need) {
+  return "about " + readable_size(need.bytes) + " of scratch for " + counted(need.tiles, "large tile");
+}
+
+std::optional<std::string> scratch_note(const ScratchNeed& need, const fs::path& folder) {
+  if (folder.empty() || need.tiles == 0) return std::nullopt;
+  const std::string wanted = scratch_text(need);
+  if (const auto room = room_at(folder); room && *room < need.bytes)
     throw InputError(folder, "",
                      wanted + " do not fit on a disk that has " + readable_size(*room) +
                          " left; name another folder with `scratch` or raise `memory_bytes`");
