@@ -37,6 +37,16 @@ std::uint64_t ScratchPublication::append(std::span<const std::uint8_t> bytes) {
   return std::exchange(bytes_, bytes_ + bytes.size());
 }
 
+void ScratchPublication::put(std::uint64_t offset, std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t put = ::pwrite(file_.get(), bytes.data(), bytes.size(), off_t(offset));
+    if (put < 0 && errno == EINTR) continue;
+    if (put <= 0) fail_to_write(target_);
+    bytes = bytes.subspan(std::size_t(put));
+    offset += std::uint64_t(put);
+  }
+}
+
 void ScratchPublication::publish() {
   file_ = Descriptor();
   try {

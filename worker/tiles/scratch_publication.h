@@ -17,6 +17,8 @@ class ScratchPublication {
   explicit ScratchPublication(std::filesystem::path target);
   /// The offset at which they stand.
   std::uint64_t append(std::span<const std::uint8_t> bytes);
+  /// Anywhere; what nothing was put to is 0. Not to be mixed with append().
+  void put(std::uint64_t offset, std::span<const std::uint8_t> bytes);
   /// Not flushed: after a loss of power it may be cut, and is made again.
   void publish();
 
