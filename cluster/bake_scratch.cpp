@@ -1,9 +1,8 @@
 #include "cluster/bake_scratch.h"
 
 #include <system_error>
-#define XXH_INLINE_ALL
-#include <xxhash.h>
 
+#include "format/system/hash_bytes.h"
 #include "lattice/counted.h"
 #include "lattice/error.h"
 #include "lattice/memory_limit.h"
@@ -38,8 +37,8 @@ fs::path scratch_of(const BakeRequest& request) {
   if (request.out.empty()) return {};
   if (request.scratch.empty()) return request.out / "scratch";
   const std::string out = fs::weakly_canonical(fs::absolute(request.out)).string();
-  const XXH128_hash_t h = XXH3_128bits(out.data(), out.size());
-  return request.scratch / ("gigabake-" + Hash128{h.low64, h.high64}.hex());
+  const Hash128 hash = hash_of_bytes({reinterpret_cast<const std::uint8_t*>(out.data()), out.size()});
+  return request.scratch / ("gigabake-" + hash.hex());
 }
 
 ScratchNeed scratch_need(const SceneSources& sources, std::uint64_t memory_bytes) {

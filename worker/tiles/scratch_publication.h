@@ -42,4 +42,15 @@ class ScratchTurn {
   Descriptor lock_;
 };
 
+/// What a scratch file holds: found, or made by the one whose turn it is while the others wait.
+/// find: null where the file is not there. make: writes it.
+template <class Find, class Make>
+auto found_or_made(const std::filesystem::path& file, const Find& find, const Make& make) -> decltype(find()) {
+  if (auto found = find()) return found;
+  make_scratch_folder(file.parent_path());
+  const ScratchTurn turn(file);
+  if (auto found = find()) return found;
+  return make();
+}
+
 }  // namespace gigabake

@@ -37,13 +37,13 @@ std::shared_ptr<const CellTexture> TextureStore::load(const TextureKey& key, std
                                                       const std::function<EncodedImage()>& encoded) {
   if (!is_on_scratch(texture_bytes)) return std::make_shared<const CellTexture>(make_texture(encoded(), key.recipe));
   const std::filesystem::path file = folder_ / file_name(key);
-  if (auto found = stored(key, file)) return found;
-  make_scratch_folder(folder_);
-  const ScratchTurn turn(file);
-  if (auto found = stored(key, file)) return found;
-  write(file, encoded(), key.recipe);
-  if (auto found = stored(key, file, WasWritten::here)) return found;
-  throw IoError(file, "", "is not there, though it was just written; is another bake clearing the folder?");
+  return found_or_made(
+      file, [&] { return stored(key, file); },
+      [&] {
+        write(file, encoded(), key.recipe);
+        if (auto found = stored(key, file, WasWritten::here)) return found;
+        throw IoError(file, "", "is not there, though it was just written; is another bake clearing the folder?");
+      });
 }
 
 bool TextureStore::is_on_scratch(std::uint64_t texture_bytes) const {
