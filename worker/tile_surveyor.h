@@ -27,7 +27,7 @@ class TileSurveyor {
 
   TileSurveyor(const TileRef& tile, const BakeParameters& parameters, const ThreadPool& pool);
 
-  /// A mesh wherever it is placed. `of`: the triangles of the whole primitive, of which the mesh may be a part.
+  /// A mesh wherever it is placed.
   /// Many placements of many triangles are surveyed by their boxes (survey_tile.h).
   void add(const Primitive& mesh, Placements placements);
   /// A primitive of a tile, cluster by cluster. Cost  On each thread one cluster is in memory.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "format/system/io_error.h"
+#include "lattice/memory_limit.h"
 
 namespace gigabake {
 namespace {
@@ -30,6 +31,15 @@ Publication publication_of(const std::filesystem::path& target) {
 ScratchPublication::ScratchPublication(std::filesystem::path target)
     : target_(std::move(target)), publication_(publication_of(target_)), file_(publication_.aside(), O_WRONLY) {
   if (!file_.is_open()) fail_to_write(target_);
+}
+
+void ScratchPublication::expect_room(std::uint64_t bytes) const {
+  std::error_code unknown;
+  const std::filesystem::space_info space = std::filesystem::space(target_.parent_path(), unknown);
+  if (!unknown && space.available < bytes)
+    throw IoError(target_, "",
+                  "would take " + readable_size(bytes) + " of a disk that has " + readable_size(space.available) +
+                      " left; name another folder with `scratch` or raise `memory_bytes`");
 }
 
 std::uint64_t ScratchPublication::append(std::span<const std::uint8_t> bytes) {

@@ -15,6 +15,8 @@ class ScratchPublication {
  public:
   /// Makes the folder where it is missing.
   explicit ScratchPublication(std::filesystem::path target);
+  /// Errors  Already where the disk has less room than so many bytes: what would end half-way is not begun.
+  void expect_room(std::uint64_t bytes) const;
   /// The offset at which they stand.
   std::uint64_t append(std::span<const std::uint8_t> bytes);
   /// Anywhere; what nothing was put to is 0. Not to be mixed with append().

@@ -135,6 +135,7 @@ void write_texture_rows(const std::filesystem::path& target, ImageRows& image, c
   head.mask_cutoff = kernels::effective_cutoff(recipe.alpha, recipe.mask_cutoff);
   head.bytes = head.bytes_before(head.levels);
   ScratchPublication file(target);
+  file.expect_room(sizeof head + head.bytes);
   PyramidWriter pyramid(file, head);
   for (std::uint64_t y = 0; y < image.size().height; ++y) {
     std::vector<std::uint8_t>& row = pyramid.base_row();

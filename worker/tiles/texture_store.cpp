@@ -5,6 +5,7 @@
 
 #include "format/source/image/image_rows.h"
 #include "format/system/io_error.h"
+#include "lattice/memory_limit.h"
 #include "lattice/thread_pool.h"
 #include "worker/tiles/scratch_publication.h"
 #include "worker/tiles/texture_rows.h"
@@ -18,12 +19,15 @@ kernels::Texture make_texture(const EncodedImage& encoded, const TextureRecipe& 
   return {std::move(image.rgba), image.width, image.height, recipe.alpha, recipe.mask_cutoff, callers_thread()};
 }
 
+/// For each column of an image that is decoded in rows: of the image and its levels three each, and the decoder's own.
+constexpr std::uint64_t bytes_of_rows = 64;
+
 /// Row by row where the image comes so; else it must fit into memory.
 void write(const std::filesystem::path& file, const EncodedImage& encoded, const TextureRecipe& recipe) {
-  if (const auto rows = ImageRows::open(encoded))
-    write_texture_rows(file, *rows, recipe);
-  else
-    write_texture(file, make_texture(encoded, recipe).view());
+  const auto rows = ImageRows::open(encoded);
+  if (rows == nullptr) return write_texture(file, make_texture(encoded, recipe).view());
+  MemoryClaim(encoded.name, "make it smaller").add(rows->size().width * bytes_of_rows, "", "rows of the image");
+  write_texture_rows(file, *rows, recipe);
 }
 
 std::string file_name(const TextureKey& key) {
