@@ -179,7 +179,8 @@ BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const Bake
   all_or_none(mpi, [&] { expect_output_folder(request.out); });
   all_or_none(mpi, [&] {
     if (mpi.rank() != 0) return;
-    if (const auto note = scratch_note(sources, scratch_of(request), memory_of(mpi, request))) progress.noted(*note);
+    const ScratchNeed need = scratch_need(sources, memory_of(mpi, request));
+    if (const auto note = scratch_note(need, scratch_of(request))) progress.told(*note);
   });
   BakeScratch scratch(scratch_of(request));
   BakeProcess process(setup_of(mpi, request, shared), process_options(request));
@@ -230,7 +231,7 @@ PlannedBake plan_bake(MpiSession& mpi, const BakeRequest& request, const BakePro
   BakeRequest on_cpu = request;
   on_cpu.backend = Backend::cpu;  // a survey needs no device
   WorkerSetup setup = setup_of(mpi, on_cpu, planned.sources);
-  setup.worker.scratch.clear();  // a plan leaves nothing behind
+  setup.worker.scratch.clear();  // a plan leaves nothing behind: what is large is surveyed part by part
   BakeProcess process(std::move(setup), process_options(request));
   std::vector<TileSurvey> surveys = survey(mpi, request, sources, process, progress, StoppedSurvey::forget,
                                            [&](std::size_t done) { progress.surveyed(done, sources.tiles.size()); });

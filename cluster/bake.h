@@ -46,6 +46,7 @@ struct BakeProgress {
   std::function<void(const BakePlan&)> planned;
   std::function<void(const BakeStatus&)> status;  ///< ten times a second
   std::function<void(const CellReport&, const CellJob&)> cell_done;
+  std::function<void(const std::string&)> told;   ///< one line on what is normal
   std::function<void(const std::string&)> noted;  ///< one line that somebody should read, though the bake goes on
 };
 

@@ -1,9 +1,8 @@
 #include "cluster/bake_scratch.h"
 
 #include <system_error>
-#define XXH_INLINE_ALL
-#include <xxhash.h>
 
+#include "format/system/hash_bytes.h"
 #include "lattice/counted.h"
 #include "lattice/error.h"
 #include "lattice/memory_limit.h"
@@ -38,19 +37,26 @@ fs::path scratch_of(const BakeRequest& request) {
   if (request.out.empty()) return {};
   if (request.scratch.empty()) return request.out / "scratch";
   const std::string out = fs::weakly_canonical(fs::absolute(request.out)).string();
-  const XXH128_hash_t h = XXH3_128bits(out.data(), out.size());
-  return request.scratch / ("gigabake-" + Hash128{h.low64, h.high64}.hex());
+  const Hash128 hash = hash_of_bytes({reinterpret_cast<const std::uint8_t*>(out.data()), out.size()});
+  return request.scratch / ("gigabake-" + hash.hex());
 }
 
-std::optional<std::string> scratch_note(const SceneSources& sources, const fs::path& folder,
-                                        std::uint64_t memory_bytes) {
-  const std::uint64_t most = scratch_in(folder, memory_bytes).most_tile_bytes;
-  std::uint64_t bytes = 0, tiles = 0;
+ScratchNeed scratch_need(const SceneSources& sources, std::uint64_t memory_bytes) {
+  const std::uint64_t most = scratch_in({}, memory_bytes).most_tile_bytes;
+  ScratchNeed need;
   for (const TileRef& tile : sources.tiles)
-    if (tile.bytes > most) ++tiles, bytes += tile.bytes;
-  if (folder.empty() || tiles == 0) return std::nullopt;
-  const std::string wanted = "about " + readable_size(bytes) + " of scratch for " + counted(tiles, "large tile");
-  if (const auto room = room_at(folder); room && *room < bytes)
+    if (tile.bytes > most) ++need.tiles, need.bytes += tile.bytes;
+  return need;
+}
+
+std::string scratch_text(const ScratchNeed& need) {
+  return "about " + readable_size(need.bytes) + " of scratch for " + counted(need.tiles, "large tile");
+}
+
+std::optional<std::string> scratch_note(const ScratchNeed& need, const fs::path& folder) {
+  if (folder.empty() || need.tiles == 0) return std::nullopt;
+  const std::string wanted = scratch_text(need);
+  if (const auto room = room_at(folder); room && *room < need.bytes)
     throw InputError(folder, "",
                      wanted + " do not fit on a disk that has " + readable_size(*room) +
                          " left; name another folder with `scratch` or raise `memory_bytes`");

@@ -100,8 +100,8 @@ void MasterBake::plan_dispatch(const std::vector<CellReport>& done) {
   feed_.record().planned(plan_.jobs, costs_of(plan_), unix_now_s());
   for (const CellReport& r : done) feed_.record().already_done(r.id);
   if (!done.empty())
-    progress_.noted(std::to_string(done.size()) + " of " + counted(plan_.jobs.size(), "cell") +
-                    (done.size() == 1 ? " is" : " are") + " there already");
+    progress_.told(std::to_string(done.size()) + " of " + counted(plan_.jobs.size(), "cell") +
+                   (done.size() == 1 ? " is" : " are") + " there already");
   feed_.publish();
 }
 

@@ -2,18 +2,18 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
 #include <fmt/format.h>
 #include <numeric>
-#include <set>
 #include <utility>
 #include <variant>
 
+#include "cluster/plan_textures.h"
 #include "cluster/rank_setup.h"
 #include "cluster/survey.h"
+#include "cluster/temporary_folder.h"
 #include "lattice/error.h"
 #include "scheduler/piece_order.h"
-#include "worker/texel_size.h"
+#include "worker/tiles/tile_store.h"
 
 namespace gigabake {
 namespace {
@@ -22,33 +22,14 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double asked_size_s = 1.5, other_size_s = 0.75;  ///< baking of each size
 constexpr double most_overtime = 4;                        ///< what is in hand after so many times that is left
-constexpr double texels_s = 0.5, longest_start_s = 30;
+constexpr double longest_start_s = 30;
+constexpr double slowest_cut = 2e7;  ///< bytes a second of a large tile
 constexpr std::size_t most_tiles = 12, pieces_in_hand = 4, pieces_wanted = 10;
 constexpr double voxels_per_thread_s = 4e5;  ///< a guess, for how large pieces are
 constexpr std::uint64_t seed = 20261122;
 constexpr std::chrono::milliseconds longest_nap{5};
 
 double elapsed_s(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string made = (std::filesystem::temp_directory_path() / "gigabake-plan-XXXXXX").string();
-    if (::mkdtemp(made.data()) == nullptr)
-      throw InputError(made, "", "cannot make the folder; `no_measure` needs none, and TMPDIR names another place");
-    path_ = made;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// The cells of a piece's stack; ids from first_id on, and shards whose names nothing else has.
 std::vector<CellJob> jobs_of(const Piece& piece, std::uint32_t cell_voxels, std::uint32_t first_id) {
@@ -71,11 +52,13 @@ std::vector<CellJob> jobs_of(const Piece& piece, std::uint32_t cell_voxels, std:
 /// Bakes pieces at one voxel size.
 class SizeSampler {
  public:
-  SizeSampler(const WorkerSetup& setup, BakeProcessOptions options, double budget_s, const Progress& progress)
+  /// large_bytes: of tiles that must be cut before a piece of them can be baked.
+  SizeSampler(const WorkerSetup& setup, BakeProcessOptions options, double budget_s, std::uint64_t large_bytes,
+              const Progress& progress)
       : setup_(setup),
         budget_s_(budget_s),
         progress_(progress),
-        process_(setup, limited(std::move(options), budget_s)) {
+        process_(setup, limited(std::move(options), budget_s, large_bytes)) {
     process_.prepare();
   }
 
@@ -99,8 +82,8 @@ class SizeSampler {
     bool is_whole = true;
   };
 
-  static BakeProcessOptions limited(BakeProcessOptions options, double budget_s) {
-    options.patience.cell_timeout_s = std::max(10.0, most_overtime * budget_s);
+  static BakeProcessOptions limited(BakeProcessOptions options, double budget_s, std::uint64_t large_bytes) {
+    options.patience.cell_timeout_s = std::max(10.0, most_overtime * budget_s) + double(large_bytes) / slowest_cut;
     return options;
   }
 
@@ -239,22 +222,8 @@ WorkerSetup setup_at(double voxel_size_m, double budget_s, const std::filesystem
   setup.parameters.cell_voxels = piece_voxels(
       voxels_per_thread_s * setup.worker.threads * budget_s / double(pieces_wanted), request.parameters.cell_voxels);
   setup.worker.out = folder;
+  setup.worker.scratch = folder / "scratch";  // one for all sizes: what is large is cut once
   return setup;
-}
-
-/// Tiles that a bake process has read and baked without harm, for as long as there is time.
-double texels_of(const SceneSources& sources, const std::vector<std::uint32_t>& tiles) {
-  TexelSize sum;
-  const auto start = Clock::now();
-  for (const std::uint32_t tile : tiles) {
-    if (elapsed_s(start) > texels_s) break;
-    try {
-      sum.add(texel_size(read_tile(sources.tiles.at(tile), sources.root, ReadScope::everything)));
-    } catch (const std::exception&) {
-      continue;  // it changed meanwhile: the next one says as much
-    }
-  }
-  return sum.mean_m();
 }
 
 MeasuredSize measured(double voxel_size_m, const SizeSampler& sampler, const SampledScene& scene) {
@@ -267,6 +236,19 @@ MeasuredSize measured(double voxel_size_m, const SizeSampler& sampler, const Sam
   size.on_device = sampler.on_device();
   size.problem = sampler.problem();
   return size;
+}
+
+TextureFindings textures_of(const SceneSources& sources, const std::vector<std::uint32_t>& tiles,
+                            const WorkerSetup& setup) {
+  const TileScratch scratch = scratch_in(setup.worker.scratch, setup.worker.memory_bytes);
+  return look_at_textures(sources, tiles, TileStore(sources, setup.parameters, scratch, setup.worker.threads),
+                          scratch.most_tile_bytes);
+}
+
+/// Where a bake keeps what is large, as far as the request says.
+std::filesystem::path scratch_of_bake(const BakeRequest& request) {
+  if (!request.out.empty()) return scratch_of(request);
+  return request.scratch.empty() ? std::filesystem::path("OUT") / "scratch" : request.scratch;
 }
 
 /// Sizes of which nothing could be baked go by the one that was asked for.
@@ -283,20 +265,28 @@ PlanMeasure measure_plan(const MpiSession& mpi, const BakeRequest& request, cons
   PlanMeasure out;
   out.ranks = mpi.ranks();
   out.threads = threads_of(mpi, request);
+  out.scratch = scratch_need(sources.scene, memory_of(mpi, request));
+  out.scratch_folder = scratch_of_bake(request);
   const double asked_m = request.parameters.voxel_size_m;
   for (const double size_m : {asked_m / 2, asked_m, asked_m * 2})
     out.sizes.push_back({size_m, estimate_size(scene_at(size_m, mpi, request, plan), {}), 0, 0, 0, false, ""});
   if (!measures) return out;
+  const TemporaryFolder folder(request.scratch);
+  try {
+    scratch_note(out.scratch, folder.path());
+  } catch (const InputError& no_room) {
+    for (MeasuredSize& size : out.sizes) size.problem = no_room.what();
+    return out;
+  }
   const std::vector<std::uint32_t> order = weighted_order(plan.tile_crossings, seed);
   progress.step("baking pieces");
   for (const std::size_t at : {1, 0, 2}) {
-    const TemporaryFolder folder;
     const double size_m = out.sizes[at].voxel_size_m, budget_s = at == 1 ? asked_size_s : other_size_s;
-    SizeSampler sampler(setup_at(size_m, budget_s, folder.path(), mpi, request, sources), process_options(request),
-                        budget_s, progress);
+    const WorkerSetup setup = setup_at(size_m, budget_s, folder.path(), mpi, request, sources);
+    SizeSampler sampler(setup, process_options(request), budget_s, out.scratch.bytes, progress);
     sampler.run(order);
     out.sizes[at] = measured(size_m, sampler, scene_at(size_m, mpi, request, plan));
-    if (at == 1) out.texel_m = texels_of(sources.scene, sampler.tiles());
+    if (at == 1) out.textures = textures_of(sources.scene, sampler.tiles(), setup);
   }
   fill_gaps(out.sizes, out.sizes[1], request);
   return out;

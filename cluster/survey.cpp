@@ -17,8 +17,8 @@
 namespace gigabake {
 namespace {
 
-/// Enough that the process never waits for the next request.
-constexpr std::size_t tiles_in_hand = 4;
+/// Enough that the process, which surveys four at a time, never waits for the next request.
+constexpr std::size_t tiles_in_hand = 8;
 constexpr int strikes = 3;
 constexpr std::chrono::milliseconds longest_wait{5};
 

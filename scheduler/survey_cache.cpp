@@ -1,14 +1,13 @@
 #include "scheduler/survey_cache.h"
 
-#define XXH_INLINE_ALL
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <xxhash.h>
 
 #include "format/job/cell_job.h"
 #include "format/source/raster/dem.h"
 #include "format/source/tile_hash.h"
+#include "format/system/hash_bytes.h"
 #include "format/system/publish.h"
 #include "format/system/read_file.h"
 #include "lattice/bytes.h"
@@ -26,11 +25,6 @@ struct FileHeader {
   Hash128 hash;  ///< XXH3 of what follows
 };
 static_assert(sizeof(FileHeader) == 48);
-
-Hash128 hash_of(std::span<const std::uint8_t> bytes) {
-  const XXH128_hash_t h = XXH3_128bits(bytes.data(), bytes.size());
-  return {h.low64, h.high64};
-}
 
 void put_options(const DemOptions& o, ByteWriter& w) {
   w.put(o.ortho.string());
@@ -57,7 +51,7 @@ Hash128 key_of(const TileRef& tile, const BakeParameters& p) {
   w.put(p.lattice_origin_m);
   w.put(p.cell_voxels);
   w.put(p.surface);
-  return hash_of(w.take());
+  return hash_of_bytes(w.take());
 }
 
 bool is_worth_keeping(const TileSurvey& survey) {
@@ -87,7 +81,7 @@ void SurveyCache::load(const std::filesystem::path& path) {
   if (bytes_.size() < sizeof h) return;
   std::memcpy(&h, bytes_.data(), sizeof h);
   const std::span content = std::span<const std::uint8_t>(bytes_).subspan(sizeof h);
-  if (h.magic != magic || h.version != survey_version || h.bytes != content.size() || h.hash != hash_of(content))
+  if (h.magic != magic || h.version != survey_version || h.bytes != content.size() || h.hash != hash_of_bytes(content))
     return;
   for (std::size_t at = 0; at < content.size();) {
     ByteReader r(content.subspan(at), "survey cache");
@@ -142,7 +136,7 @@ void save_survey_cache(const std::filesystem::path& path, const SceneSources& so
     put(w.take());
   }
   const std::span bytes(reinterpret_cast<const std::uint8_t*>(content.data()), content.size());
-  const FileHeader header{magic, survey_version, content.size(), hash_of(bytes)};
+  const FileHeader header{magic, survey_version, content.size(), hash_of_bytes(bytes)};
   publish_file(path, std::string(reinterpret_cast<const char*>(&header), sizeof header) + content);
 }
 

@@ -53,7 +53,7 @@ class Bell {
   int fd_;
 };
 
-/// Surveys tiles one after the other on a thread of its own.
+/// Surveys tiles, several small ones at a time: most of what reads one runs on one thread.
 class Surveyor {
  public:
   Surveyor(const SceneSources& sources, const WorkerSetup& setup, const Bell& done)
@@ -62,15 +62,16 @@ class Surveyor {
         pool_(setup.worker.threads),
         store_(sources, setup.parameters, scratch_in(setup.worker.scratch, setup.worker.memory_bytes),
                setup.worker.threads),
-        done_(done),
-        thread_([this] { run(); }) {}
+        done_(done) {
+    for (int t = std::min(most_at_a_time, setup.worker.threads); t > 0; --t) crew_.emplace_back([this] { run(); });
+  }
   ~Surveyor() {
     {
       const std::scoped_lock lock(mutex_);
       stopping_ = true;
     }
     asked_.notify_all();
-    thread_.join();
+    for (std::thread& thread : crew_) thread.join();
   }
   Surveyor(const Surveyor&) = delete;
   Surveyor& operator=(const Surveyor&) = delete;
@@ -101,9 +102,15 @@ class Surveyor {
     return tile;
   }
 
+  TileSurvey survey(std::uint32_t tile) {
+    std::unique_lock one_at_a_time(large_, std::defer_lock);
+    if (sources_.tiles[tile].bytes > small_bytes || store_.may_be_large(tile)) one_at_a_time.lock();
+    return survey_tile(sources_, tile, parameters_, pool_, &store_);
+  }
+
   void run() {
     while (const auto tile = next_tile()) {
-      TileSurvey survey = survey_tile(sources_, *tile, parameters_, pool_, &store_);
+      TileSurvey survey = this->survey(*tile);
       {
         const std::scoped_lock lock(mutex_);
         surveys_.push_back(std::move(survey));
@@ -112,17 +119,22 @@ class Surveyor {
     }
   }
 
+  static constexpr int most_at_a_time = 4;
+  /// Of a tile's file: with larger ones side by side, the process would take several times the memory of one.
+  static constexpr std::uint64_t small_bytes = std::uint64_t(16) << 20;
+
   const SceneSources& sources_;
   const BakeParameters& parameters_;
   const ThreadPool pool_;
   const TileStore store_;
   const Bell& done_;
+  std::mutex large_;  ///< held while a tile is surveyed that is not small
   std::mutex mutex_;
   std::condition_variable asked_;
   std::deque<std::uint32_t> tiles_;
   std::deque<TileSurvey> surveys_;
   bool stopping_ = false;
-  std::thread thread_;  ///< last: it uses the others
+  std::vector<std::thread> crew_;  ///< last: they use the others
 };
 
 /// A cell's id and how often it was tried.

@@ -139,7 +139,8 @@ std::shared_ptr<const Primitive> CellLoader::mesh_near(const CellBox& box, const
 
 void CellLoader::load_textures(const WantedTextures& wanted, LoadedCell& cell) {
   const auto bytes = [](const WantedTextures::Item& item) { return item.tile->images()[item.image].texture_bytes; };
-  for (const WantedTextures::Item& item : wanted.items) cell.memory.add(bytes(item), "", "the textures of the cell");
+  for (const WantedTextures::Item& item : wanted.items)  // of others the system keeps what it has room for
+    if (!texture_store_.is_on_scratch(bytes(item))) cell.memory.add(bytes(item), "", "the textures of the cell");
   cell.textures.resize(wanted.items.size());
   pool_.parallel_for(wanted.items.size(), 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "lattice/brick.h"
 #include "lattice/host_device.h"
 
 namespace gigabake {
@@ -52,12 +51,6 @@ Polygon cut(const Polygon& in, std::size_t axis, double bound, double sign) {
 Polygon cut(const Polygon& in, std::size_t axis, Range range) {
   const Polygon half = cut(in, axis, range.high, 1);
   return half.count == 0 ? half : cut(half, axis, range.low, -1);
-}
-
-VoxelSpan voxel_span(const LatticeTriangle& t, int axis, bool closed) {
-  const auto [lo, hi] = std::minmax({t.p[0][axis], t.p[1][axis], t.p[2][axis]});
-  const std::int64_t first = closed ? lo - 1 : lo, last = closed || lo == hi ? hi : hi - 1;
-  return {first >> subvoxel_bits, last >> subvoxel_bits};
 }
 
 /// A triangle that reaches over several columns.
@@ -113,11 +106,7 @@ class WideTriangle {
 
 bool for_each_column(const LatticeTriangle& triangle, const ColumnGrid& grid, std::uint64_t max_columns,
                      const std::function<void(std::int64_t, std::int64_t, VoxelSpan)>& visit) {
-  const auto columns = [&](int axis) {
-    const VoxelSpan voxels = voxel_span(triangle, axis, grid.closed);
-    return VoxelSpan{voxels.first >> grid.cell_bits, voxels.last >> grid.cell_bits};
-  };
-  const VoxelSpan x = columns(0), y = columns(1);
+  const VoxelSpan x = column_span(triangle, 0, grid), y = column_span(triangle, 1, grid);
   if (x.first == x.last && y.first == y.last) {
     visit(x.first, y.first, voxel_span(triangle, 2, grid.closed));
     return true;

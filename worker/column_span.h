@@ -1,10 +1,12 @@
 /// The columns of the plan that one snapped triangle may touch, and its height range in each.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 
 #include "kernels/body/triangle_fate.h"
+#include "lattice/brick.h"
 
 namespace gigabake {
 
@@ -24,6 +26,20 @@ struct ColumnGrid {
 struct VoxelSpan {
   std::int64_t first, last;
 };
+
+/// Voxels that the triangle's box reaches. Exact.
+inline VoxelSpan voxel_span(const LatticeTriangle& t, int axis, bool closed) {
+  const std::int64_t lo = std::min({t.p[0][axis], t.p[1][axis], t.p[2][axis]});
+  const std::int64_t hi = std::max({t.p[0][axis], t.p[1][axis], t.p[2][axis]});
+  const std::int64_t first = closed ? lo - 1 : lo, last = closed || lo == hi ? hi : hi - 1;
+  return {first >> subvoxel_bits, last >> subvoxel_bits};
+}
+
+/// Columns of its box along x or y.
+inline VoxelSpan column_span(const LatticeTriangle& triangle, int axis, const ColumnGrid& grid) {
+  const VoxelSpan voxels = voxel_span(triangle, axis, grid.closed);
+  return {voxels.first >> grid.cell_bits, voxels.last >> grid.cell_bits};
+}
 
 /// Calls visit(column_x, column_y, z range) for every column in which a surface rule may occupy a voxel, and some
 /// neighbours of those; the z range holds every such voxel. Returns false, having visited some, when there are more

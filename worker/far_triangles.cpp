@@ -6,15 +6,6 @@
 
 namespace gigabake {
 
-std::int64_t side_of(const LatticeTriangle& t) {
-  std::int64_t side = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto [low, high] = std::minmax({t.p[0][axis], t.p[1][axis], t.p[2][axis]});
-    side = std::max(side, high - low);
-  }
-  return side;
-}
-
 bool may_reach_too_far(const SceneBox& box, const BakeParameters& parameters) {
   if (box.is_empty()) return false;
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -32,7 +23,7 @@ std::vector<std::uint32_t> index_without_far(const Primitive& primitive, const I
     LatticeTriangle triangle;
     bool valid = true;  // the kernels drop what is not
     for (std::size_t i = 0; i < 3; ++i) {
-      LatticePoint p;
+      LatticePoint p{};
       const float* local = primitive.position.data() + 3 * std::size_t(primitive.index[at + i]);
       valid = snap(frame, scene_from_local.data(), local, p) && valid;
       std::copy(p.v, p.v + 3, triangle.p[i]);

@@ -2,6 +2,7 @@
 /// wherever cells are cut, and a survey counts them.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -20,7 +21,15 @@ inline constexpr std::int64_t longest_side = longest_side_voxels * subvoxels;
 static_assert(longest_side + 8192 * subvoxels == kernels::widest_coordinate);  // the largest cell
 
 /// Longest side of its box, sub-voxels.
-std::int64_t side_of(const LatticeTriangle& triangle);
+inline std::int64_t side_of(const LatticeTriangle& t) {
+  std::int64_t side = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int64_t low = std::min({t.p[0][axis], t.p[1][axis], t.p[2][axis]});
+    const std::int64_t high = std::max({t.p[0][axis], t.p[1][axis], t.p[2][axis]});
+    side = std::max(side, high - low);
+  }
+  return side;
+}
 
 /// False only where no triangle inside the box reaches too far.
 bool may_reach_too_far(const SceneBox& box, const BakeParameters& parameters);

@@ -14,7 +14,7 @@ namespace gigabake {
 /// Reads the tile's positions and finds its columns of parameters.cell_voxels² voxels, each with a height range that
 /// holds every voxel which parameters.surface can occupy, and with the triangles that may touch it.
 /// store: gives tiles that may be large (TileStore::may_be_large()), so that their clusters are on scratch before the
-/// first cell; null: every tile is read for itself.
+/// first cell; where it has no scratch such a tile is read twice, part by part. Null: every tile is read as a whole.
 /// Exact   Equal for any number of threads, with a store and without.
 /// Instances  A primitive placed at least 16 times, with more than 2^20 triangles in all, is surveyed by the boxes of
 ///         its placements: columns and heights may then reach a little farther than its triangles, and a column counts

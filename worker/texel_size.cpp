@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "format/source/image/image_size.h"
 #include "worker/lattice.h"
 #include "worker/materials.h"
 
@@ -77,8 +78,8 @@ TexelSize texel_size(const TileMesh& mesh) {
     const int image = shaded_material(mesh.materials[std::size_t(primitive.material)]).image;
     if (image < 0 || primitive.uv.empty()) continue;
     if (texels.find(image) == texels.end()) {
-      const Image decoded = decode_image(mesh.images[std::size_t(image)]);
-      texels[image] = double(decoded.width) * double(decoded.height);
+      const ImageSize size = image_size(mesh.images[std::size_t(image)]);
+      texels[image] = double(size.width) * double(size.height);
     }
     sum.add(size_of(primitive, instance, texels[image]));
   }

@@ -15,8 +15,8 @@ struct TexelSize {
   double mean_m() const;
 };
 
-/// Of the first four million triangles, instances included. Cost  Decodes every image that is used. Errors  InputError:
-/// an image that cannot be decoded.
+/// Of the first four million triangles, instances included. Cost  Reads the header of every image that is used.
+/// Errors  InputError: a header that says no size.
 TexelSize texel_size(const TileMesh& mesh);
 
 }  // namespace gigabake

@@ -29,6 +29,7 @@ BakeProgress warnings_alone(const Progress& steps) {
   p.cell_done = [](const CellReport& report, const CellJob& job) {
     if (!report.note.empty()) fmt::print(stderr, "cell {}: {}\n", job.name, with_flags(report.note));
   };
+  p.told = [](const std::string&) {};
   p.noted = [](const std::string& line) { fmt::print(stderr, "{}\n", with_flags(line)); };
   return p;
 }
@@ -71,9 +72,6 @@ void add_bake(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<BakeOptions>();
   options->add_to(*command);
   command->add_option("-o,--out", options->out, "folder of the result: scene.xml and shards/")->required();
-  command->add_option(
-      "--scratch", options->asked.scratch,
-      "folder for tiles and textures that take more than a 128th of --memory, while the bake runs (OUT/scratch)");
   command->add_option("--metrics", options->metrics,
                       "file that Prometheus' node_exporter reads (*.prom), rewritten every second");
   command->add_option("--report", options->report, "file for what --json prints: counts, times, accuracy figures");

@@ -6,6 +6,7 @@
 #include "app/messages/status_text.h"
 #include "app/options/flags.h"
 #include "lattice/counted.h"
+#include "lattice/memory_limit.h"
 
 namespace gigabake::app {
 namespace {
@@ -46,7 +47,7 @@ std::string basis(const MeasuredSize& size, const PlanSizes& sizes) {
 }
 
 std::string suggestion(const PlanSizes& sizes) {
-  const double texel_m = sizes.measure.texel_m;
+  const double texel_m = sizes.measure.textures.texel_m;
   if (texel_m <= 0) return "";
   const double wanted_m = round_size(texel_m), asked_m = sizes.measure.sizes[asked].voxel_size_m;
   const char* verdict = asked_m > 1.5 * wanted_m   ? "coarser ones lose some of it"
@@ -56,13 +57,36 @@ std::string suggestion(const PlanSizes& sizes) {
                      wanted_m, verdict);
 }
 
+/// What the bake keeps on a disk while it runs; nothing where all of it is in memory.
+std::string scratch_line(const PlanMeasure& m) {
+  const std::optional<std::uint64_t>& textures = m.textures.scratch_bytes;
+  std::string line;
+  if (m.scratch.tiles != 0) line = scratch_text(m.scratch);
+  if (textures.value_or(0) != 0)
+    line += (line.empty() ? "about " : " and ") + readable_size(*textures) +
+            (line.empty() ? " of scratch for large textures" : " for large textures");
+  if (line.empty()) return "";
+  line += " in " + m.scratch_folder.string() + " while cells are baked";
+  return line + (textures ? "\n" : ", and 7 bytes a texel of large textures\n");
+}
+
+void add_scratch(const PlanMeasure& m, nlohmann::ordered_json& j) {
+  nlohmann::ordered_json& out = j["scratch"];
+  out = {{"folder", m.scratch_folder.string()},
+         {"large_tiles", m.scratch.tiles},
+         {"tile_bytes", m.scratch.bytes},
+         {"texture_bytes", nullptr},
+         {"bytes", m.scratch.bytes + m.textures.scratch_bytes.value_or(0)}};
+  if (m.textures.scratch_bytes) out["texture_bytes"] = *m.textures.scratch_bytes;
+}
+
 }  // namespace
 
 std::string sizes_text(const PlanSizes& sizes) {
   const PlanMeasure& m = sizes.measure;
   std::string text = fmt::format("  {:>10} {:>12} {:>14}   time with {}\n", "voxel size", "voxels", "disk", workers(m));
   for (std::size_t i = 0; i < m.sizes.size(); ++i) text += row(m.sizes[i], i == asked, sizes);
-  return text + basis(m.sizes[asked], sizes) + suggestion(sizes);
+  return text + basis(m.sizes[asked], sizes) + scratch_line(m) + suggestion(sizes);
 }
 
 void add_sizes(const PlanSizes& sizes, nlohmann::ordered_json& j) {
@@ -91,10 +115,11 @@ void add_sizes(const PlanSizes& sizes, nlohmann::ordered_json& j) {
   j["threads"] = m.threads;
   j["texel_m"] = nullptr;
   j["suggested_voxel_size_m"] = nullptr;
-  if (m.texel_m > 0) {
-    j["texel_m"] = m.texel_m;
-    j["suggested_voxel_size_m"] = round_size(m.texel_m);
+  if (const double texel_m = m.textures.texel_m; texel_m > 0) {
+    j["texel_m"] = texel_m;
+    j["suggested_voxel_size_m"] = round_size(texel_m);
   }
+  add_scratch(m, j);
 }
 
 }  // namespace gigabake::app

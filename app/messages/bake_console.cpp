@@ -30,6 +30,7 @@ BakeProgress BakeConsole::callbacks() {
     line_.show(status);
   };
   p.cell_done = [this](const CellReport& report, const CellJob& job) { cell_done(report, job); };
+  p.told = [this](const std::string& line) { say(line); };
   p.noted = [this](const std::string& line) { note(line); };
   return p;
 }

@@ -76,6 +76,9 @@ void BakeOptions::add_to(CLI::App& command) {
           "bytes that each rank aims for, as 512M or 4G; 0: no bound (4G, or less where the host, its container "
           "or its batch job has less than twice that for a rank)")
       ->transform(CLI::AsSizeValue(false));
+  command.add_option("--scratch", asked.scratch,
+                     "folder for tiles and textures that take more than a 128th of --memory, while the command runs "
+                     "(bake: OUT/scratch; plan: among the system's temporary files)");
   add_choice(command, "--backend", asked.backend, "where the kernels run; auto: on a GPU where there is one");
   command.add_option("--gpus", asked.gpus, "devices of each host to use, as 0,2 (all)")->delimiter(',');
   command.add_flag("--json", json, "print the answer as JSON");

@@ -11,7 +11,7 @@ inline constexpr int max_texture_levels = 24;
 
 /// Level 0 is the image itself (sRGB, straight alpha, 4 bytes a texel); levels ≥ 1 are 4 × uint16 linear,
 /// premultiplied; where `mask_cutoff` > 0 their alpha is the share of texels that pass the alpha test. Level l has
-/// level_extent(width, l) × level_extent(height, l) texels. Range  width · height ≤ 2^28.
+/// level_extent(width, l) × level_extent(height, l) texels. Range  width · height ≤ 2^30.
 struct TextureView {
   const std::uint8_t* base = nullptr;
   const std::uint16_t* level[max_texture_levels] = {};  ///< [0] is unused

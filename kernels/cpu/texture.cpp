@@ -4,12 +4,25 @@
 #include <atomic>
 #include <utility>
 
-#include "kernels/body/material.h"
-#include "kernels/body/tables.h"
+#include "kernels/cpu/texture_halving.h"
 #include "lattice/thread_pool.h"
 
 namespace gigabake::kernels {
 namespace {
+
+/// Halves an image: row_at(y) is a source row, add(texel, weight, sums) takes one of its texels.
+template <class RowAt, class Add>
+std::vector<std::uint16_t> halve(int width, int height, const ThreadPool& pool, const RowAt& row_at, const Add& add) {
+  const int target_width = level_extent(width, 1), target_height = level_extent(height, 1);
+  std::vector<std::uint16_t> out(std::size_t(4) * target_width * target_height);
+  pool.parallel_for(std::size_t(target_height), 16, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t y = begin; y < end; ++y)
+      halve_row({width, height}, int(y), row_at, add, &out[4 * y * std::size_t(target_width)]);
+  });
+  return out;
+}
+
+}  // namespace
 
 int level_count(int width, int height) {
   int levels = 1;
@@ -17,54 +30,9 @@ int level_count(int width, int height) {
   return levels;
 }
 
-/// Source texels of one target texel along one axis. Weights are in 1/target of a texel and sum to `source`: odd sizes
-/// are filtered by exact overlap.
-struct Footprint {
-  std::int64_t first, last;
-  std::int64_t source, target, at;
-
-  Footprint(int source_size, int target_size, int x)
-      : first(std::int64_t(x) * source_size / target_size),
-        last(((std::int64_t(x) + 1) * source_size - 1) / target_size),
-        source(source_size),
-        target(target_size),
-        at(x) {}
-  std::uint64_t weight(std::int64_t i) const {
-    return std::uint64_t(std::min((i + 1) * target, (at + 1) * source) - std::max(i * target, at * source));
-  }
-};
-
-/// Halves an image of any texel source: add(x, y, weight, sums).
-template <class Add>
-std::vector<std::uint16_t> halve(int width, int height, const ThreadPool& pool, const Add& add) {
-  const int target_width = level_extent(width, 1), target_height = level_extent(height, 1);
-  std::vector<std::uint16_t> out(std::size_t(4) * target_width * target_height);
-  const std::uint64_t whole = std::uint64_t(width) * std::uint64_t(height);
-  pool.parallel_for(std::size_t(target_height), 16, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t y = begin; y < end; ++y) {
-      const Footprint rows(height, target_height, int(y));
-      for (int x = 0; x < target_width; ++x) {
-        const Footprint columns(width, target_width, x);
-        std::uint64_t sum[4] = {0, 0, 0, 0};
-        for (std::int64_t j = rows.first; j <= rows.last; ++j)
-          for (std::int64_t i = columns.first; i <= columns.last; ++i)
-            add(i, j, rows.weight(j) * columns.weight(i), sum);
-        for (int c = 0; c < 4; ++c) out[4 * (y * target_width + x) + c] = std::uint16_t((sum[c] + whole / 2) / whole);
-      }
-    }
-  });
-  return out;
+std::uint8_t effective_cutoff(TextureAlpha alpha, std::uint8_t mask_cutoff) {
+  return alpha == TextureAlpha::mask ? std::max<std::uint8_t>(1, mask_cutoff) : std::uint8_t(0);
 }
-
-/// Linear, premultiplied; with an alpha test a texel is opaque or absent.
-void add_base_texel(const std::uint8_t* p, std::uint8_t mask_cutoff, const Tables& tables, std::uint64_t weight,
-                    std::uint64_t sum[4]) {
-  const std::uint32_t alpha = mask_cutoff == 0 ? p[3] * 257u : (p[3] >= mask_cutoff ? 65535u : 0u);
-  for (int c = 0; c < 3; ++c) sum[c] += weight * scale16(tables.linear_from_srgb[p[c]], alpha);
-  sum[3] += weight * alpha;
-}
-
-}  // namespace
 
 std::uint64_t new_texture_id() {
   static std::atomic<std::uint64_t> last{0};
@@ -77,26 +45,20 @@ Texture::Texture(std::vector<std::uint8_t> rgba, int width, int height, TextureA
       levels_(std::size_t(level_count(width, height))),
       width_(width),
       height_(height),
-      mask_cutoff_(alpha == TextureAlpha::mask ? std::max<std::uint8_t>(1, mask_cutoff) : std::uint8_t(0)),
+      mask_cutoff_(effective_cutoff(alpha, mask_cutoff)),
       id_(new_texture_id()) {
-  if (alpha == TextureAlpha::ignore)
-    for (std::size_t i = 3; i < base_.size(); i += 4) base_[i] = 255;
-  const Tables tables = TableStore::host().view();
+  if (alpha == TextureAlpha::ignore) make_opaque(base_.data(), base_.size() / 4);
+  const BaseTexels base_texels(mask_cutoff_);
   for (int l = 1; l < int(levels_.size()); ++l) {
     const int from_width = level_extent(width, l - 1), from_height = level_extent(height, l - 1);
-    if (l == 1) {
+    const std::size_t stride = std::size_t(4) * std::size_t(from_width);
+    if (l == 1)
       levels_[1] = halve(
-          from_width, from_height, pool, [&](std::int64_t x, std::int64_t y, std::uint64_t weight, std::uint64_t* sum) {
-            add_base_texel(&base_[4 * std::size_t(y * from_width + x)], mask_cutoff_, tables, weight, sum);
-          });
-      continue;
-    }
-    const std::vector<std::uint16_t>& fine = levels_[std::size_t(l - 1)];
-    levels_[std::size_t(l)] = halve(from_width, from_height, pool,
-                                    [&](std::int64_t x, std::int64_t y, std::uint64_t weight, std::uint64_t* sum) {
-                                      for (int c = 0; c < 4; ++c)
-                                        sum[c] += weight * fine[4 * std::size_t(y * from_width + x) + std::size_t(c)];
-                                    });
+          from_width, from_height, pool, [&](std::int64_t y) { return &base_[stride * std::size_t(y)]; }, base_texels);
+    else
+      levels_[std::size_t(l)] = halve(
+          from_width, from_height, pool,
+          [&](std::int64_t y) { return &levels_[std::size_t(l - 1)][stride * std::size_t(y)]; }, add_linear_texel);
   }
 }
 

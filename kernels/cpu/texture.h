@@ -13,6 +13,10 @@ namespace gigabake::kernels {
 /// What a material makes of the image's alpha channel: it decides the pyramid, so each use has its own Texture.
 enum class TextureAlpha : std::uint8_t { ignore, blend, mask };
 
+int level_count(int width, int height);
+/// TextureView::mask_cutoff of a texture that is made so.
+std::uint8_t effective_cutoff(TextureAlpha alpha, std::uint8_t mask_cutoff);
+
 /// Never given twice by a process (TextureView::id).
 std::uint64_t new_texture_id();
 

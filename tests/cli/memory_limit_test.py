@@ -21,9 +21,17 @@ import made_seeds as made
 MEGABYTE = 1 << 20
 
 
-def png_of_one_colour(edge):
+# First column and row of each pass of an interlaced PNG, and how far its texels are apart.
+ADAM7 = ((0, 0, 8, 8), (4, 0, 8, 8), (0, 4, 4, 8), (2, 0, 4, 4), (0, 2, 2, 4), (1, 0, 2, 2), (0, 1, 1, 2))
+
+
+def png_of_one_colour(edge, is_interlaced):
     """One bit a texel: a few kilobytes, whatever its size."""
-    return made.png_of_rows(edge, 1, 0, zlib.compress(b"\0" * ((edge + 7) // 8 + 1) * edge, 9))
+    size = 0
+    for x, y, columns, rows in ADAM7 if is_interlaced else ((0, 0, 1, 1),):
+        width, height = -(-(edge - x) // columns), -(-(edge - y) // rows)
+        size += ((width + 7) // 8 + 1) * height
+    return made.png_of_rows(edge, 1, 0, zlib.compress(b"\0" * size, 9), int(is_interlaced))
 
 
 def write_square(path, document):
@@ -56,17 +64,21 @@ class MemoryLimitTest(unittest.TestCase):
             self.assertLessEqual(len(line), 300)
         return process.returncode, errors, usage.ru_maxrss << 10
 
-    def refuse(self, source, memory_mb, *words):
+    def bake(self, source, memory_mb):
+        """Within its memory, whatever comes of it."""
         code, errors, held = self.run_limited(8 << 30, PROGRAM.executable, "bake", source, "-o", self.root / "out",
                                               "--voxel-size", 0.1, "--memory", f"{memory_mb}M", "--threads", 2)
+        self.assertLess(held, (memory_mb + 200) * MEGABYTE)
+        return code, errors
+
+    def refuse(self, source, memory_mb, *words):
+        code, errors = self.bake(source, memory_mb)
         self.assertIn(code, (1, 3), errors)
         for word in ("--memory allows", "raise it", *words):
             self.assertIn(word, errors)
-        self.assertLess(held, (memory_mb + 200) * MEGABYTE)
 
-    # 2026-11-22: a PNG of 800 KB took 1.7 GB.
-    def test_an_image_that_decodes_to_a_gigabyte(self):
-        (self.root / "p.png").write_bytes(png_of_one_colour(12000))
+    def write_square_with_image_of_a_gigabyte(self, is_interlaced):
+        (self.root / "p.png").write_bytes(png_of_one_colour(12000, is_interlaced))
         self.assertLess((self.root / "p.png").stat().st_size, 100_000)
         document = made.square(images=[{"uri": "p.png"}], textures=[{"source": 0}],
                                materials=[{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}])
@@ -74,7 +86,17 @@ class MemoryLimitTest(unittest.TestCase):
         document["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = 2
         document["accessors"].append({"componentType": 5126, "count": 4, "type": "VEC2"})
         write_square(self.root / "a.glb", document)
-        self.refuse(self.root / "a.glb", 512, "textures")
+
+    # 2026-11-22: a PNG of 800 KB took 1.7 GB.
+    def test_an_image_that_decodes_to_a_gigabyte(self):
+        self.write_square_with_image_of_a_gigabyte(is_interlaced=True)
+        self.refuse(self.root / "a.glb", 512, "texels")
+
+    # 2026-11-23: it was refused. Its rows are decoded one after the other, and the pyramid is on scratch.
+    def test_an_image_that_decodes_to_a_gigabyte_in_rows(self):
+        self.write_square_with_image_of_a_gigabyte(is_interlaced=False)
+        code, errors = self.bake(self.root / "a.glb", 512)
+        self.assertEqual(code, 0, errors)
 
     # 2026-11-22: 844 bytes of instances took more than 5.6 GB.
     def test_instances_from_nowhere(self):

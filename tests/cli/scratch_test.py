@@ -4,8 +4,10 @@
 Usage: scratch_test.py GIGABAKE SOURCE_DIR
 """
 import contextlib
+import json
 import os
 import signal
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -45,6 +47,39 @@ class Scratch(harness.FolderTest):
             self.expect_whole(result, name)
             self.assertIn("of scratch for 1 large tile", result.stderr)
         self.assertNotIn("scratch", self.bake("much", memory="4G").stderr)
+
+    # 2026-11-23: it said how much scratch there would be.
+    def test_quiet_is_quiet(self):
+        for _ in range(2):  # the second finds all cells there
+            result = self.bake("quiet", "--quiet")
+            self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""))
+
+    def plan(self, *options, memory=MEMORY):
+        """What it says, and the most bytes that one of its processes took."""
+        command = [GIGABAKE.executable, "plan", self.tile, "--voxel-size", VOXEL, *CELLS, "--memory", memory, *options]
+        with subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+                              env=dict(os.environ, **harness.MPI_ENVIRONMENT)) as process:
+            said = process.stdout.read()
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+        self.assertEqual(process.returncode, 0, said)
+        return said, usage.ru_maxrss * 1024
+
+    # 2026-11-23: it held the positions of the whole tile, and said nothing of scratch.
+    def test_a_plan_says_the_scratch_and_has_the_cells_of_one_in_memory(self):
+        for measure in ("--no-measure", "--measure"):
+            mine = self.root / f"plan{measure}"
+            few, much = (json.loads(self.plan(measure, "--json", "--scratch", mine, memory=memory)[0])
+                         for memory in (MEMORY, "4G"))
+            self.assertEqual(few["jobs"], much["jobs"])
+            size = self.tile.stat().st_size
+            self.assertEqual(few["scratch"], {"folder": str(mine), "large_tiles": 1, "tile_bytes": size,
+                                              "texture_bytes": None if measure == "--no-measure" else 0, "bytes": size})
+            self.assertEqual(much["scratch"]["bytes"], 0)
+            self.assertEqual(list(mine.glob("*")), [])
+        self.assertGreater(few["sizes"][1]["pieces"], 0, few)
+        self.assertRegex(self.plan("--no-measure")[0], r"about \S+ MB of scratch for 1 large tile in OUT/scratch while")
+        self.assertNotIn("scratch", self.plan("--no-measure", memory="4G")[0])
 
     def test_a_folder_of_ones_own_is_used_and_left_as_it_was(self):
         scratch = self.root / "of mine"

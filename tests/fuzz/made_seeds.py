@@ -22,11 +22,11 @@ def data_uri(content, kind="application/octet-stream"):
     return f"data:{kind};base64,{base64.b64encode(content).decode()}"
 
 
-def png_of_rows(edge, bits, colour_type, packed_rows):
+def png_of_rows(edge, bits, colour_type, packed_rows, interlace=0):
     def chunk(kind, content):
         return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
 
-    head = struct.pack(">IIBBBBB", edge, edge, bits, colour_type, 0, 0, 0)
+    head = struct.pack(">IIBBBBB", edge, edge, bits, colour_type, 0, 0, interlace)
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", packed_rows) + chunk(b"IEND", b"")
 
 

@@ -1,10 +1,12 @@
 // Readers of sources.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <optional>
 #include <string>
 
 #include "format/source/content_magic.h"
+#include "format/source/image/image_rows.h"
 #include "format/source/mesh.h"
 #include "format/source/source.h"
 #include "format/source/tile_hash.h"
@@ -186,6 +188,18 @@ void orthophoto(Bytes bytes) {
   read_as_a_bake_does(scene);
 }
 
-void image(Bytes bytes) { decode_image({"image", {bytes.begin(), bytes.end()}}); }
+/// What comes in rows has the texels that it has as a whole, or is refused as well.
+void image(Bytes bytes) {
+  const EncodedImage encoded{"image", {bytes.begin(), bytes.end()}};
+  const Image whole = decode_image(encoded);
+  const auto rows = ImageRows::open(encoded);
+  if (rows == nullptr) return;
+  std::vector<std::uint8_t> row(std::size_t(4) * std::size_t(whole.width));
+  for (std::size_t y = 0; y < std::size_t(whole.height); ++y) {
+    rows->next(row.data());
+    if (!std::equal(row.begin(), row.end(), whole.rgba.data() + y * row.size()))
+      throw FaultFound("a row has other texels than the whole image");
+  }
+}
 
 }  // namespace gigabake::fuzz

@@ -75,26 +75,21 @@ kernels::UnsetArray<std::uint64_t> along_curve(const Primitive& mesh) {
   return order;
 }
 
-template <class T>
-void append(const std::vector<T>& from, std::size_t item, std::size_t size, std::vector<T>& to) {
-  if (!from.empty())
-    to.insert(to.end(), from.begin() + std::ptrdiff_t(item * size), from.begin() + std::ptrdiff_t((item + 1) * size));
-}
-
 class ClusterBuilder {
  public:
-  explicit ClusterBuilder(const Primitive& mesh) : mesh_(mesh), local_(mesh.position.size() / 3, no_vertex) {}
+  explicit ClusterBuilder(const Primitive& mesh) : mesh_(mesh), local_(mesh.position.size() / 3, no_vertex) {
+    cluster_.material = mesh_.material;
+    cluster_.position_step = mesh_.position_step;
+  }
 
-  Primitive build(std::span<const std::uint64_t> triangles) {
-    Primitive cluster;
-    cluster.material = mesh_.material;
-    cluster.position_step = mesh_.position_step;
-    cluster.index.reserve(3 * triangles.size());
+  /// Until the next one is built.
+  const Primitive& build(std::span<const std::uint64_t> triangles) {
+    cluster_.index.clear();
     for (const std::uint64_t t : triangles)
       for (std::size_t corner = 0; corner < 3; ++corner)
-        cluster.index.push_back(local_vertex(mesh_.index[3 * std::size_t(std::uint32_t(t)) + corner]));
-    copy_vertices(cluster);
-    return cluster;
+        cluster_.index.push_back(local_vertex(mesh_.index[3 * std::size_t(std::uint32_t(t)) + corner]));
+    copy_vertices();
+    return cluster_;
   }
 
  private:
@@ -106,22 +101,26 @@ class ClusterBuilder {
     return local_[vertex];
   }
 
-  void copy_vertices(Primitive& cluster) {
-    cluster.position.reserve(3 * used_.size());
-    if (!mesh_.uv.empty()) cluster.uv.reserve(2 * used_.size());
-    if (!mesh_.rgba.empty()) cluster.rgba.reserve(4 * used_.size());
-    for (const std::uint32_t vertex : used_) {
-      append(mesh_.position, vertex, 3, cluster.position);
-      append(mesh_.uv, vertex, 2, cluster.uv);
-      append(mesh_.rgba, vertex, 4, cluster.rgba);
-      local_[vertex] = no_vertex;
-    }
+  void copy_vertices() {
+    gather<3>(mesh_.position, cluster_.position);
+    gather<2>(mesh_.uv, cluster_.uv);
+    gather<4>(mesh_.rgba, cluster_.rgba);
+    for (const std::uint32_t vertex : used_) local_[vertex] = no_vertex;
     used_.clear();
+  }
+
+  template <std::size_t size, class T>
+  void gather(const std::vector<T>& from, std::vector<T>& to) const {
+    if (from.empty()) return;
+    to.resize(used_.size() * size);
+    for (std::size_t i = 0; i < used_.size(); ++i)
+      std::copy_n(from.data() + std::size_t(used_[i]) * size, size, to.data() + i * size);
   }
 
   const Primitive& mesh_;
   std::vector<std::uint32_t> local_;  ///< by vertex of the mesh: its number in the cluster in hand
   std::vector<std::uint32_t> used_;   ///< vertices of the cluster in hand
+  Primitive cluster_;
 };
 
 /// Halves that differ in one bit of the curve's code, until they are small: runs of equal length would have long tails,
@@ -143,13 +142,17 @@ void for_each_box(std::span<const std::uint64_t> along_curve, int bit, const Vis
 
 }  // namespace
 
-std::vector<Primitive> clusters_of(const Primitive& mesh) {
-  if (mesh.index.empty()) return {};
+void for_each_cluster(const Primitive& mesh, const std::function<void(const Primitive&)>& visit) {
+  if (mesh.index.empty()) return;
   ClusterBuilder builder(mesh);
-  std::vector<Primitive> clusters;
   const kernels::UnsetArray<std::uint64_t> order = along_curve(mesh);
   for_each_box({order.data(), order.size()}, 3 * axis_bits - 1,
-               [&](std::span<const std::uint64_t> triangles) { clusters.push_back(builder.build(triangles)); });
+               [&](std::span<const std::uint64_t> triangles) { visit(builder.build(triangles)); });
+}
+
+std::vector<Primitive> clusters_of(const Primitive& mesh) {
+  std::vector<Primitive> clusters;
+  for_each_cluster(mesh, [&](const Primitive& cluster) { clusters.push_back(cluster); });
   return clusters;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -23,6 +24,8 @@ inline constexpr std::uint64_t cluster_bytes = cluster_triangles * (3 * 4 + 28 *
 /// values bit for bit. Range   Any positions: a triangle that is not finite, or far from all others, is in some
 /// cluster. Cost    About 90 ns a triangle of one thread, and 8 bytes a triangle and 4 a vertex beside the result.
 std::vector<Primitive> clusters_of(const Primitive& mesh);
+/// The same clusters in the same order, one at a time: the visitor's until it returns.
+void for_each_cluster(const Primitive& mesh, const std::function<void(const Primitive&)>& visit);
 
 /// Clusters of one mesh as one mesh again, one behind the other.
 Primitive joined(std::span<const std::shared_ptr<const Primitive>> clusters);

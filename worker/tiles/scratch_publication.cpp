@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "format/system/io_error.h"
+#include "lattice/memory_limit.h"
 
 namespace gigabake {
 namespace {
@@ -32,9 +33,28 @@ ScratchPublication::ScratchPublication(std::filesystem::path target)
   if (!file_.is_open()) fail_to_write(target_);
 }
 
+void ScratchPublication::expect_room(std::uint64_t bytes) const {
+  std::error_code unknown;
+  const std::filesystem::space_info space = std::filesystem::space(target_.parent_path(), unknown);
+  if (!unknown && space.available < bytes)
+    throw IoError(target_, "",
+                  "would take " + readable_size(bytes) + " of a disk that has " + readable_size(space.available) +
+                      " left; name another folder with `scratch` or raise `memory_bytes`");
+}
+
 std::uint64_t ScratchPublication::append(std::span<const std::uint8_t> bytes) {
   if (!file_.write_all(bytes)) fail_to_write(target_);
   return std::exchange(bytes_, bytes_ + bytes.size());
+}
+
+void ScratchPublication::put(std::uint64_t offset, std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t put = ::pwrite(file_.get(), bytes.data(), bytes.size(), off_t(offset));
+    if (put < 0 && errno == EINTR) continue;
+    if (put <= 0) fail_to_write(target_);
+    bytes = bytes.subspan(std::size_t(put));
+    offset += std::uint64_t(put);
+  }
 }
 
 void ScratchPublication::publish() {

@@ -11,7 +11,7 @@
 namespace gigabake {
 
 /// Raised whenever the same image would make another pyramid, or one would be stored otherwise.
-inline constexpr std::uint32_t texture_file_version = 1;
+inline constexpr std::uint32_t texture_file_version = 2;
 
 /// Appears whole or not at all. Errors  IoError: the file and the system's reason.
 void write_texture(const std::filesystem::path& target, const kernels::TextureView& texture);

@@ -1,9 +1,14 @@
 #include "worker/tiles/texture_store.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "format/source/image/image_rows.h"
+#include "format/system/io_error.h"
+#include "lattice/memory_limit.h"
 #include "lattice/thread_pool.h"
 #include "worker/tiles/scratch_publication.h"
+#include "worker/tiles/texture_rows.h"
 
 namespace gigabake {
 namespace {
@@ -12,6 +17,17 @@ namespace {
 kernels::Texture make_texture(const EncodedImage& encoded, const TextureRecipe& recipe) {
   Image image = decode_image(encoded);
   return {std::move(image.rgba), image.width, image.height, recipe.alpha, recipe.mask_cutoff, callers_thread()};
+}
+
+/// For each column of an image that is decoded in rows: of the image and its levels three each, and the decoder's own.
+constexpr std::uint64_t bytes_of_rows = 64;
+
+/// Row by row where the image comes so; else it must fit into memory.
+void write(const std::filesystem::path& file, const EncodedImage& encoded, const TextureRecipe& recipe) {
+  const auto rows = ImageRows::open(encoded);
+  if (rows == nullptr) return write_texture(file, make_texture(encoded, recipe).view());
+  MemoryClaim(encoded.name, "make it smaller").add(rows->size().width * bytes_of_rows, "", "rows of the image");
+  write_texture_rows(file, *rows, recipe);
 }
 
 std::string file_name(const TextureKey& key) {
@@ -23,27 +39,30 @@ std::string file_name(const TextureKey& key) {
 
 std::shared_ptr<const CellTexture> TextureStore::load(const TextureKey& key, std::uint64_t texture_bytes,
                                                       const std::function<EncodedImage()>& encoded) {
-  const auto decoded = [&] { return make_texture(encoded(), key.recipe); };
-  if (folder_.empty() || texture_bytes <= most_bytes_) return std::make_shared<const CellTexture>(decoded());
+  if (!is_on_scratch(texture_bytes)) return std::make_shared<const CellTexture>(make_texture(encoded(), key.recipe));
   const std::filesystem::path file = folder_ / file_name(key);
-  if (auto found = stored(key, file)) return found;
-  make_scratch_folder(folder_);
-  const ScratchTurn turn(file);
-  if (auto found = stored(key, file)) return found;
-  kernels::Texture texture = decoded();
-  write_texture(file, texture.view());
-  if (auto found = stored(key, file)) return found;
-  return std::make_shared<const CellTexture>(std::move(texture));  // somebody clears the folder
+  return found_or_made(
+      file, [&] { return stored(key, file); },
+      [&] {
+        write(file, encoded(), key.recipe);
+        if (auto found = stored(key, file, WasWritten::here)) return found;
+        throw IoError(file, "", "is not there, though it was just written; is another bake clearing the folder?");
+      });
 }
 
-std::shared_ptr<const CellTexture> TextureStore::stored(const TextureKey& key, const std::filesystem::path& file) {
+bool TextureStore::is_on_scratch(std::uint64_t texture_bytes) const {
+  return !folder_.empty() && texture_bytes > std::min(most_bytes_, ImageSize::texture_bytes_of(most_texels_at_once));
+}
+
+std::shared_ptr<const CellTexture> TextureStore::stored(const TextureKey& key, const std::filesystem::path& file,
+                                                        WasWritten by) {
   std::optional<std::uint64_t> known;
   {
     const std::scoped_lock lock(mutex_);
     if (const auto found = id_.find(key); found != id_.end()) known = found->second;
   }
   const std::uint64_t id = known ? *known : kernels::new_texture_id();
-  auto texture = TextureFile::open(file, id, known.has_value());
+  auto texture = TextureFile::open(file, id, known.has_value() || by == WasWritten::here);
   if (texture == nullptr) return nullptr;
   const std::scoped_lock lock(mutex_);
   id_.emplace(key, id);

@@ -46,14 +46,19 @@ class TextureStore {
   TextureStore(std::filesystem::path folder, std::uint64_t most_bytes)
       : folder_(std::move(folder)), most_bytes_(most_bytes) {}
 
+  /// Is a texture of so many bytes mapped from scratch? Else it is in memory.
+  bool is_on_scratch(std::uint64_t texture_bytes) const;
   /// texture_bytes: about what it will take. encoded: reads the image, where it must be decoded. A texture that comes
   /// again from scratch has the id that it had. Thread-safe.
-  /// Errors  InputError, as decode_image(). IoError: the scratch folder cannot be written.
+  /// Cost    On scratch, of an image that comes in rows (format/source/image/image_rows.h), some rows of memory.
+  /// Errors  InputError, as decode_image(). IoError: the scratch folder cannot be written, or is cleared meanwhile.
   std::shared_ptr<const CellTexture> load(const TextureKey& key, std::uint64_t texture_bytes,
                                           const std::function<EncodedImage()>& encoded);
 
  private:
-  std::shared_ptr<const CellTexture> stored(const TextureKey& key, const std::filesystem::path& file);
+  enum class WasWritten { before, here };  ///< before: its checksum says whether it is whole
+  std::shared_ptr<const CellTexture> stored(const TextureKey& key, const std::filesystem::path& file,
+                                            WasWritten by = WasWritten::before);
 
   const std::filesystem::path folder_;
   const std::uint64_t most_bytes_;

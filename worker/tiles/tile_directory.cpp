@@ -1,10 +1,9 @@
 #include "worker/tiles/tile_directory.h"
 
 #include <utility>
-#define XXH_INLINE_ALL
-#include <xxhash.h>
 
 #include "format/source/image/image_size.h"
+#include "format/system/hash_bytes.h"
 #include "lattice/bytes.h"
 #include "lattice/error.h"
 
@@ -13,12 +12,12 @@ namespace {
 
 constexpr const char* directory_name = "directory of a scratch file";
 
-void put_stored(ByteWriter& w, const StoredBytes& stored) {
+void put_stored(ByteWriter& w, const ScratchBytes& stored) {
   w.put(stored.offset), w.put(stored.checksum), w.put(stored.bytes);
 }
 
-StoredBytes get_stored(ByteReader& r) {
-  StoredBytes stored;
+ScratchBytes get_stored(ByteReader& r) {
+  ScratchBytes stored;
   r.get(stored.offset), r.get(stored.checksum), r.get(stored.bytes);
   return stored;
 }
@@ -131,8 +130,8 @@ void check(const TileDirectory& d) {
 }  // namespace
 
 TileImage tile_image(EncodedImage&& encoded) {
-  const XXH128_hash_t h = XXH3_128bits(encoded.bytes.data(), encoded.bytes.size());
-  TileImage image{{h.low64, h.high64}, 0, std::move(encoded)};
+  const Hash128 hash = hash_of_bytes(encoded.bytes);
+  TileImage image{hash, 0, std::move(encoded)};
   try {
     if (!image.encoded.bytes.empty()) image.texture_bytes = image_size(image.encoded).texture_bytes();
   } catch (const InputError&) {

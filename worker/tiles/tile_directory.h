@@ -16,7 +16,7 @@ namespace gigabake {
 struct TileCluster {
   LocalBounds bounds;
   std::shared_ptr<const Primitive> mesh;  ///< null: in the tile's scratch file
-  StoredBytes stored = {};
+  ScratchBytes stored = {};
 };
 
 /// A primitive of TileMesh: whole, or in clusters (worker/tiles/clusters.h).
@@ -30,7 +30,7 @@ struct TileImage {
   Hash128 hash;                     ///< of the encoded bytes: tiles that share an image share its textures
   std::uint64_t texture_bytes = 0;  ///< ImageSize::texture_bytes(); 0 where the bytes say nothing sensible
   EncodedImage encoded;             ///< without bytes where they are in the tile's scratch file
-  StoredBytes stored = {};
+  ScratchBytes stored = {};
 };
 
 /// A tile without the triangles of its primitives.

@@ -68,7 +68,7 @@ std::uint64_t size_of(const Descriptor& file) {
 
 }  // namespace
 
-StoredBytes append_cluster(const Primitive& cluster, std::vector<std::uint8_t>& bytes) {
+ScratchBytes append_cluster(const Primitive& cluster, std::vector<std::uint8_t>& bytes) {
   const std::size_t begin = bytes.size();
   const ClusterHead head{std::uint32_t(cluster.position.size() / 3), std::uint32_t(cluster.index.size()),
                          cluster.uv.empty() ? 0u : 1u, cluster.rgba.empty() ? 0u : 1u};
@@ -81,12 +81,12 @@ StoredBytes append_cluster(const Primitive& cluster, std::vector<std::uint8_t>& 
   return {begin, checksum_of(all), all.size()};
 }
 
-StoredBytes TileFileWriter::store(std::span<const std::uint8_t> bytes) {
+ScratchBytes TileFileWriter::store(std::span<const std::uint8_t> bytes) {
   return {file_.append(bytes), checksum_of(bytes), bytes.size()};
 }
 
 void TileFileWriter::publish(std::span<const std::uint8_t> directory) {
-  const StoredBytes stored = store(directory);
+  const ScratchBytes stored = store(directory);
   const Trailer trailer{stored.offset, stored.bytes, stored.checksum};
   file_.append(raw_bytes(trailer));
   file_.publish();
@@ -111,14 +111,14 @@ std::shared_ptr<const TileFile> TileFile::open(const std::filesystem::path& path
   return tile;
 }
 
-void TileFile::fail_other_bytes(const StoredBytes& stored) const {
+void TileFile::fail_other_bytes(const ScratchBytes& stored) const {
   std::error_code ignored;
   std::filesystem::remove(path_, ignored);
   throw IoError(path_, "", "does not hold what was written; the scratch file is made again at the next try",
                 stored.offset);
 }
 
-std::vector<std::uint8_t> TileFile::read(const StoredBytes& stored) const {
+std::vector<std::uint8_t> TileFile::read(const ScratchBytes& stored) const {
   std::vector<std::uint8_t> bytes(stored.bytes);
   const bool is_read = read_at(file_, stored.offset, bytes);
   if (!is_read && errno != 0) throw IoError(path_, "", std::string("cannot read: ") + std::strerror(errno));
@@ -126,7 +126,7 @@ std::vector<std::uint8_t> TileFile::read(const StoredBytes& stored) const {
   return bytes;
 }
 
-Primitive TileFile::read_cluster(const StoredBytes& cluster) const {
+Primitive TileFile::read_cluster(const ScratchBytes& cluster) const {
   const std::vector<std::uint8_t> bytes = read(cluster);
   ClusterHead head;
   if (bytes.size() >= sizeof head) std::memcpy(&head, bytes.data(), sizeof head);

@@ -21,20 +21,20 @@ namespace gigabake {
 inline constexpr std::uint32_t tile_file_version = 1;
 
 /// Where a cluster or an image is in the file.
-struct StoredBytes {
+struct ScratchBytes {
   std::uint64_t offset = 0, checksum = 0, bytes = 0;
 };
 
 /// Appends position, uv, rgba and index to `bytes`; the answer's offset counts from their begin.
 /// Range  At most 65,536 vertices.
-StoredBytes append_cluster(const Primitive& cluster, std::vector<std::uint8_t>& bytes);
+ScratchBytes append_cluster(const Primitive& cluster, std::vector<std::uint8_t>& bytes);
 
 /// Errors  As ScratchPublication.
 class TileFileWriter {
  public:
   explicit TileFileWriter(std::filesystem::path target) : file_(std::move(target)) {}
   /// Bytes that are read as one.
-  StoredBytes store(std::span<const std::uint8_t> bytes);
+  ScratchBytes store(std::span<const std::uint8_t> bytes);
   /// Clusters of append_cluster(), one behind the other; the offset at which they stand.
   std::uint64_t append_clusters(std::span<const std::uint8_t> bytes) { return file_.append(bytes); }
   void publish(std::span<const std::uint8_t> directory);
@@ -52,12 +52,12 @@ class TileFile {
   /// Several threads may read.
   /// Errors  IoError: it cannot be read, or does not hold what was written; the file is removed, so that another try
   ///         makes it anew.
-  std::vector<std::uint8_t> read(const StoredBytes& stored) const;
+  std::vector<std::uint8_t> read(const ScratchBytes& stored) const;
   /// position, uv, rgba and index of one cluster. Errors  As read().
-  Primitive read_cluster(const StoredBytes& cluster) const;
+  Primitive read_cluster(const ScratchBytes& cluster) const;
 
  private:
-  [[noreturn]] void fail_other_bytes(const StoredBytes& stored) const;
+  [[noreturn]] void fail_other_bytes(const ScratchBytes& stored) const;
 
   std::filesystem::path path_;
   Descriptor file_;

@@ -15,18 +15,14 @@ std::uint64_t list_bytes(const Primitive& p) {
 /// About what a part of a large list takes (most_part_triangles): one for each thread keeps all of them busy.
 constexpr std::uint64_t part_bytes = std::uint64_t(24) << 20;
 
-/// A primitive's clusters as the file will have them.
-struct CutPrimitive {
-  TilePrimitive table;  ///< offsets count from the begin of `bytes`
-  std::vector<std::uint8_t> bytes;
-};
-
-CutPrimitive cut_one(const Primitive& mesh) {
-  CutPrimitive out;
-  out.table.bounds = bounds_of(mesh);
-  out.table.triangles = mesh.index.size() / 3;
-  for (const Primitive& cluster : clusters_of(mesh))
-    out.table.clusters.push_back({bounds_of(cluster), nullptr, append_cluster(cluster, out.bytes)});
+/// Its clusters as the file will have them, appended to `bytes`, where offsets count from.
+TilePrimitive cut_one(const Primitive& mesh, std::vector<std::uint8_t>& bytes) {
+  TilePrimitive out;
+  out.bounds = bounds_of(mesh);
+  out.triangles = mesh.index.size() / 3;
+  for_each_cluster(mesh, [&](const Primitive& cluster) {
+    out.clusters.push_back({bounds_of(cluster), nullptr, append_cluster(cluster, bytes)});
+  });
   return out;
 }
 
@@ -62,14 +58,18 @@ void TileGatherer::wait() {
 }
 
 void TileGatherer::cut(const std::vector<Primitive>& batch) {
-  std::vector<CutPrimitive> done(batch.size());
+  std::vector<TilePrimitive> done(batch.size());
+  if (cut_bytes_.size() < batch.size()) cut_bytes_.resize(batch.size());
   pool_.parallel_for(batch.size(), 1, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) done[i] = cut_one(batch[i]);
+    for (std::size_t i = begin; i < end; ++i) {
+      cut_bytes_[i].clear();
+      done[i] = cut_one(batch[i], cut_bytes_[i]);
+    }
   });
-  for (CutPrimitive& p : done) {
-    const std::uint64_t begin = writer_->append_clusters(p.bytes);
-    for (TileCluster& c : p.table.clusters) c.stored.offset += begin;
-    cut_.push_back(std::move(p.table));
+  for (std::size_t i = 0; i < done.size(); ++i) {
+    const std::uint64_t begin = writer_->append_clusters(cut_bytes_[i]);
+    for (TileCluster& c : done[i].clusters) c.stored.offset += begin;
+    cut_.push_back(std::move(done[i]));
   }
 }
 
@@ -79,6 +79,7 @@ TileDirectory TileGatherer::finish(TileMesh&& mesh) {
   if (writer_) {
     cut_pending();
     wait();
+    cut_bytes_.clear();
     all.primitives = std::move(cut_);
     for (TileImage& image : all.images) image.stored = writer_->store(std::exchange(image.encoded.bytes, {}));
     writer_->publish(to_bytes(all));

@@ -46,7 +46,10 @@ class TileGatherer {
   std::vector<Primitive> pending_;  ///< in memory, not yet cut
   std::optional<TileFileWriter> writer_;
   std::vector<TilePrimitive> cut_;  ///< in the file
-  std::future<void> cutting_;       ///< of the last batch
+  /// Of the batch that is being cut, one a primitive: the next batch uses their memory again. To clear new pages took
+  /// a sixth of the time.
+  std::vector<std::vector<std::uint8_t>> cut_bytes_;
+  std::future<void> cutting_;  ///< of the last batch
 };
 
 }  // namespace gigabake

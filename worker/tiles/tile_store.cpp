@@ -20,18 +20,17 @@ TileStore::TileStore(const SceneSources& sources, const BakeParameters& paramete
     : sources_(sources), parameters_(parameters), scratch_(std::move(scratch)), pool_(threads) {}
 
 bool TileStore::may_be_large(std::uint32_t tile) const {
-  return !scratch_.folder.empty() && sources_.tiles.at(tile).bytes > scratch_.most_tile_bytes;
+  return sources_.tiles.at(tile).bytes > scratch_.most_tile_bytes;
 }
 
 std::shared_ptr<const LoadedTile> TileStore::load(std::uint32_t tile, const std::optional<Hash128>& expected) const {
   if (scratch_.folder.empty() || !expected) return read(tile, expected, {});
   const std::filesystem::path file = scratch_.folder / ("t_" + expected->hex() + ".clusters");
-  if (auto found = stored(file)) return found;
-  if (!may_be_large(tile)) return read(tile, expected, file);
-  make_scratch_folder(scratch_.folder);
-  const ScratchTurn turn(file);
-  if (auto found = stored(file)) return found;
-  return read(tile, expected, file);
+  const auto find = [&] { return stored(file); };
+  const auto make = [&] { return read(tile, expected, file); };
+  if (may_be_large(tile)) return found_or_made(file, find, make);
+  const auto found = find();  // a small file of packed triangles
+  return found ? found : make();
 }
 
 std::shared_ptr<const LoadedTile> TileStore::stored(const std::filesystem::path& file) const {

@@ -37,8 +37,9 @@ class TileStore {
   ///         cannot be written, because its disk is full, say.
   std::shared_ptr<const LoadedTile> load(std::uint32_t tile, const std::optional<Hash128>& expected) const;
 
-  /// Does its file say that it may go to scratch?
+  /// Does its file say that it may take more memory than a tile should? It goes to scratch then, where there is one.
   bool may_be_large(std::uint32_t tile) const;
+  bool has_scratch() const { return !scratch_.folder.empty(); }
 
  private:
   std::shared_ptr<const LoadedTile> stored(const std::filesystem::path& file) const;

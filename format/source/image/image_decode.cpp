@@ -1,25 +1,17 @@
 // decode_image(): PNG, JPEG and WebP to straight RGBA.
-#include <csetjmp>
-#include <cstdio>
+#include <png.h>
 #include <string_view>
 
-// jpeglib.h needs <cstdio>, and jerror.h needs it.
-// clang-format off
-#include <jpeglib.h>
-#include <jerror.h>
-// clang-format on
-#include <png.h>
-
 #include "format/source/image/codecs.h"
+#include "format/source/image/encoding.h"
 #include "format/source/image/image_size.h"
+#include "format/source/image/jpeg_reader.h"
 #include "format/source/mesh.h"
 #include "lattice/error.h"
 #include "lattice/memory_limit.h"
 
 namespace gigabake {
 namespace {
-
-constexpr std::uint64_t most_texels = std::uint64_t(1) << 28;
 
 [[noreturn]] void fail(const EncodedImage& image, const std::string& message) {
   throw InputError(image.name, "", message);
@@ -31,8 +23,18 @@ std::string texels_of(const ImageSize& size) {
 
 ImageSize checked(const EncodedImage& image, const ImageSize& size) {
   if (size.width == 0 || size.height == 0 || size.width > most_texels / size.height)
-    fail(image, "has " + texels_of(size) + "; expected 1 to 2^28");
+    fail(image, "has " + texels_of(size) + "; expected 1 to 2^30");
   return size;
+}
+
+/// Before anything of that size is allocated.
+void claim_whole(const EncodedImage& image, const ImageSize& size) {
+  constexpr const char* advice = "make it smaller";
+  if (size.width > most_texels_at_once / size.height)
+    fail(image, "has " + texels_of(size) +
+                    "; more than 2^28 are read row by row, and only where it is on scratch: a PNG that is not "
+                    "interlaced or a JPEG in one scan, in a bake with a bound of `memory_bytes`");
+  MemoryClaim(image.name, advice).add(size.texture_bytes(), "", texels_of(size));
 }
 
 /// Frees libpng's state on every way out.
@@ -58,86 +60,14 @@ Image decode_png(const EncodedImage& encoded) {
   return out;
 }
 
-/// libjpeg reports through callbacks that must not return; a jump leads back here. No C++ object dies on its way.
-struct JpegReader {
-  jpeg_decompress_struct state{};
-  jpeg_error_mgr errors{};
-  std::jmp_buf back{};
-  char message[JMSG_LENGTH_MAX] = {};
-
-  JpegReader() {
-    state.err = jpeg_std_error(&errors);
-    state.client_data = this;
-    errors.error_exit = [](j_common_ptr s) { give_up(s); };
-    errors.emit_message = [](j_common_ptr s, int level) {
-      // A damaged or short file is only a warning to libjpeg; stray bytes between markers are common and harmless.
-      if (level < 0 && s->err->msg_code != JWRN_EXTRANEOUS_DATA) give_up(s);
-    };
-    jpeg_create_decompress(&state);
-  }
-  ~JpegReader() { jpeg_destroy_decompress(&state); }
-  JpegReader(const JpegReader&) = delete;
-  JpegReader& operator=(const JpegReader&) = delete;
-
- private:
-  [[noreturn]] static void give_up(j_common_ptr s) {
-    auto* reader = static_cast<JpegReader*>(s->client_data);
-    s->err->format_message(s, reader->message);
-    std::longjmp(reader->back, 1);
-  }
-};
-
-bool has_jpeg_header(JpegReader& reader, const EncodedImage& encoded) {
-  if (setjmp(reader.back) != 0) return false;
-  jpeg_mem_src(&reader.state, encoded.bytes.data(), encoded.bytes.size());
-  jpeg_read_header(&reader.state, TRUE);
-  return true;
-}
-
-void begin_jpeg(JpegReader& reader, const EncodedImage& encoded) {
-  if (!has_jpeg_header(reader, encoded)) fail(encoded, std::string("not a whole JPEG: ") + reader.message);
-}
-
-/// rows: room for `height` rows of width × 4 bytes.
-bool read_jpeg_rows(JpegReader& reader, std::uint8_t* rows) {
-  if (setjmp(reader.back) != 0) return false;
-  reader.state.out_color_space = reader.state.num_components == 4 ? JCS_CMYK : JCS_EXT_RGBA;
-  jpeg_start_decompress(&reader.state);
-  const std::size_t stride = std::size_t(reader.state.output_width) * 4;
-  while (reader.state.output_scanline < reader.state.output_height) {
-    JSAMPROW row = rows + stride * reader.state.output_scanline;
-    jpeg_read_scanlines(&reader.state, &row, 1);
-  }
-  jpeg_finish_decompress(&reader.state);
-  return true;
-}
-
-/// Adobe writes CMYK inverted: 255 is no ink.
-void rgb_from_inverted_cmyk(std::vector<std::uint8_t>& texels) {
-  for (std::size_t i = 0; i < texels.size(); i += 4) {
-    for (std::size_t c = 0; c < 3; ++c) texels[i + c] = std::uint8_t((texels[i + c] * texels[i + 3] + 127) / 255);
-    texels[i + 3] = 255;
-  }
-}
-
 Image decode_jpeg(const EncodedImage& encoded) {
   JpegReader reader;
-  begin_jpeg(reader, encoded);
+  reader.begin(encoded);
   Image out{int(reader.state.image_width), int(reader.state.image_height), {}, false};
-  out.rgba.resize(std::size_t(4) * reader.state.image_width * reader.state.image_height);
-  if (!read_jpeg_rows(reader, out.rgba.data())) fail(encoded, std::string("not a whole JPEG: ") + reader.message);
-  if (reader.state.num_components == 4) rgb_from_inverted_cmyk(out.rgba);
+  const std::size_t stride = std::size_t(4) * reader.state.image_width;
+  out.rgba.resize(stride * reader.state.image_height);
+  for (std::size_t row = 0; row < std::size_t(out.height); ++row) reader.next_row(encoded, &out.rgba[stride * row]);
   return out;
-}
-
-enum class Encoding { png, jpeg, webp };
-
-Encoding encoding_of(const EncodedImage& encoded) {
-  const std::string_view bytes(reinterpret_cast<const char*>(encoded.bytes.data()), encoded.bytes.size());
-  if (bytes.size() > 12 && bytes.starts_with("\x89PNG")) return Encoding::png;
-  if (bytes.size() > 12 && bytes.starts_with("\xff\xd8\xff")) return Encoding::jpeg;
-  if (bytes.size() > 12 && bytes.starts_with("RIFF") && bytes.substr(8).starts_with("WEBP")) return Encoding::webp;
-  fail(encoded, "neither PNG nor JPEG nor WebP");
 }
 
 ImageSize stated_size(const EncodedImage& encoded, Encoding encoding) {
@@ -148,11 +78,19 @@ ImageSize stated_size(const EncodedImage& encoded, Encoding encoding) {
     return {reader.image.width, reader.image.height};
   }
   JpegReader reader;
-  begin_jpeg(reader, encoded);
+  reader.begin(encoded);
   return {reader.state.image_width, reader.state.image_height};
 }
 
 }  // namespace
+
+Encoding encoding_of(const EncodedImage& encoded) {
+  const std::string_view bytes(reinterpret_cast<const char*>(encoded.bytes.data()), encoded.bytes.size());
+  if (bytes.size() > 12 && bytes.starts_with("\x89PNG")) return Encoding::png;
+  if (bytes.size() > 12 && bytes.starts_with("\xff\xd8\xff")) return Encoding::jpeg;
+  if (bytes.size() > 12 && bytes.starts_with("RIFF") && bytes.substr(8).starts_with("WEBP")) return Encoding::webp;
+  fail(encoded, "neither PNG nor JPEG nor WebP");
+}
 
 ImageSize image_size(const EncodedImage& encoded) {
   return checked(encoded, stated_size(encoded, encoding_of(encoded)));
@@ -161,7 +99,7 @@ ImageSize image_size(const EncodedImage& encoded) {
 Image decode_image(const EncodedImage& encoded) {
   const Encoding encoding = encoding_of(encoded);
   const ImageSize size = checked(encoded, stated_size(encoded, encoding));
-  MemoryClaim(encoded.name, "make it smaller").add(size.texture_bytes(), "", texels_of(size));
+  claim_whole(encoded, size);
   Image out = encoding == Encoding::png    ? decode_png(encoded)
               : encoding == Encoding::jpeg ? decode_jpeg(encoded)
                                            : decode_webp(encoded);

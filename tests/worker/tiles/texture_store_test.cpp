@@ -10,6 +10,7 @@
 #include "format/system/io_error.h"
 #include "lattice/thread_pool.h"
 #include "tests/format/system/small_disk.h"
+#include "worker/tiles/scratch_publication.h"
 
 namespace gigabake {
 namespace {
@@ -106,6 +107,16 @@ TEST_F(TextureStoreTest, ADiskThatFillsUpIsNamedAndNothingHalfWrittenStays) {
   const SmallDisk end(2000);
   EXPECT_THROW(load(64), IoError);
   for (const auto& entry : fs::directory_iterator(scratch)) EXPECT_EQ(entry.path().extension(), ".lock");
+}
+
+/// 2026-11-23: a few bytes of an image may ask for gigabytes.
+TEST_F(TextureStoreTest, WhatTheDiskHasNoRoomForIsNotBegun) {
+  {
+    const ScratchPublication file(scratch / "x_large.texture");
+    file.expect_room(1000);
+    EXPECT_THROW(file.expect_room(std::uint64_t(1) << 60), IoError);
+  }
+  EXPECT_TRUE(fs::is_empty(scratch));
 }
 
 TEST_F(TextureStoreTest, AnImageThatIsNoneIsRefusedAsInMemory) {

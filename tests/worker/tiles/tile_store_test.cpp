@@ -114,13 +114,16 @@ TEST_F(TileStoreTest, ASmallTileStaysInMemory) {
   EXPECT_EQ(scratch_in(scratch(), 0).most_tile_bytes, std::numeric_limits<std::uint64_t>::max());
 }
 
-TEST_F(TileStoreTest, ASurveyIsTheSameFromScratch) {
+TEST_F(TileStoreTest, ASurveyIsTheSameFromScratchAndInParts) {
   const ThreadPool pool(2);
-  const TileStore clusters_on_disk = store();
+  const TileStore clusters_on_disk = store(), nowhere(sources, parameters, {{}, 0}, 2);
   const TileSurvey a = survey_tile(sources, 0, parameters, pool),
-                   b = survey_tile(sources, 0, parameters, pool, &clusters_on_disk);
-  EXPECT_EQ(a.error + b.error, "");
+                   parts = survey_tile(sources, 0, parameters, pool, &nowhere);
+  EXPECT_FALSE(fs::exists(scratch()));
+  const TileSurvey b = survey_tile(sources, 0, parameters, pool, &clusters_on_disk);
+  EXPECT_EQ(a.error + b.error + parts.error, "");
   EXPECT_EQ(to_bytes(a), to_bytes(b));
+  EXPECT_EQ(to_bytes(a), to_bytes(parts));
   EXPECT_EQ(left().size(), 1u);
 }
 
@@ -132,11 +135,13 @@ TEST_F(TileStoreTest, ASurveyIsTheSameOfMeshesThatCannotBeBounded) {
     write(mesh);
     replace_in_file(mark, wrong);
     const ThreadPool pool(2);
-    const TileStore clusters_on_disk = store();
+    const TileStore clusters_on_disk = store(), nowhere(sources, parameters, {{}, 0}, 2);
     const TileSurvey a = survey_tile(sources, 0, parameters, pool),
-                     b = survey_tile(sources, 0, parameters, pool, &clusters_on_disk);
+                     b = survey_tile(sources, 0, parameters, pool, &clusters_on_disk),
+                     parts = survey_tile(sources, 0, parameters, pool, &nowhere);
     EXPECT_EQ(a.error, b.error);
     EXPECT_EQ(to_bytes(a), to_bytes(b)) << wrong;
+    EXPECT_EQ(to_bytes(a), to_bytes(parts)) << wrong;
     EXPECT_GT(a.non_finite + a.too_far, 0u);
     EXPECT_EQ(bake(0, 0, {scratch(), 0}), bake(0, 0, {})) << wrong;
   }

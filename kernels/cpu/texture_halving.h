@@ -1,0 +1,79 @@
+/// How a texture's level becomes the next coarser one: a row at a time, from the rows that it covers.
+///
+/// Exact   Integers: a level is the same whether all of it was there or a few rows at a time.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "kernels/body/material.h"
+#include "kernels/body/tables.h"
+#include "kernels/body/texture_view.h"
+
+namespace gigabake::kernels {
+
+struct LevelExtent {
+  int width, height;
+};
+
+/// Source texels of one target texel along one axis. Weights are in 1/target of a texel and sum to `source`: odd sizes
+/// are filtered by exact overlap.
+struct Footprint {
+  std::int64_t first, last;
+  std::int64_t source, target, at;
+
+  Footprint(int source_size, int target_size, int x)
+      : first(std::int64_t(x) * source_size / target_size),
+        last(((std::int64_t(x) + 1) * source_size - 1) / target_size),
+        source(source_size),
+        target(target_size),
+        at(x) {}
+  std::uint64_t weight(std::int64_t i) const {
+    return std::uint64_t(std::min((i + 1) * target, (at + 1) * source) - std::max(i * target, at * source));
+  }
+};
+
+/// Row y of the next level. row_at(j): the first texel of row j, 4 values each; add(texel, weight, sums): how one of
+/// them counts. out: 4 values a texel.
+template <class RowAt, class Add>
+void halve_row(LevelExtent from, int y, const RowAt& row_at, const Add& add, std::uint16_t* out) {
+  const int target_width = level_extent(from.width, 1);
+  const std::uint64_t whole = std::uint64_t(from.width) * std::uint64_t(from.height);
+  const Footprint rows(from.height, level_extent(from.height, 1), y);
+  for (int x = 0; x < target_width; ++x) {
+    const Footprint columns(from.width, target_width, x);
+    std::uint64_t sum[4] = {0, 0, 0, 0};
+    for (std::int64_t j = rows.first; j <= rows.last; ++j)
+      for (std::int64_t i = columns.first; i <= columns.last; ++i)
+        add(row_at(j) + 4 * i, rows.weight(j) * columns.weight(i), sum);
+    for (int c = 0; c < 4; ++c) out[4 * std::size_t(x) + std::size_t(c)] = std::uint16_t((sum[c] + whole / 2) / whole);
+  }
+}
+
+/// Texels of level 0: linear, premultiplied; with an alpha test a texel is opaque or absent.
+class BaseTexels {
+ public:
+  explicit BaseTexels(std::uint8_t mask_cutoff) : mask_cutoff_(mask_cutoff), tables_(TableStore::host().view()) {}
+  void operator()(const std::uint8_t* p, std::uint64_t weight, std::uint64_t sum[4]) const {
+    const std::uint32_t alpha = mask_cutoff_ == 0 ? p[3] * 257u : (p[3] >= mask_cutoff_ ? 65535u : 0u);
+    for (int c = 0; c < 3; ++c) sum[c] += weight * scale16(tables_.linear_from_srgb[p[c]], alpha);
+    sum[3] += weight * alpha;
+  }
+
+ private:
+  const std::uint8_t mask_cutoff_;
+  const Tables tables_;
+};
+
+/// Texels of other levels.
+inline void add_linear_texel(const std::uint16_t* p, std::uint64_t weight, std::uint64_t sum[4]) {
+  for (int c = 0; c < 4; ++c) sum[c] += weight * p[c];
+}
+
+/// TextureAlpha::ignore.
+inline void make_opaque(std::uint8_t* rgba, std::size_t texels) {
+  for (std::size_t i = 0; i < texels; ++i) rgba[4 * i + 3] = 255;
+}
+
+}  // namespace gigabake::kernels

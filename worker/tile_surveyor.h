@@ -1,0 +1,73 @@
+/// What the triangles of one tile cover, lattice column by lattice column: they are added mesh by mesh, in any order.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "format/job/survey.h"
+#include "format/source/mesh.h"
+#include "format/source/source.h"
+#include "lattice/parameters.h"
+#include "lattice/snap.h"
+#include "lattice/thread_pool.h"
+#include "worker/column_map.h"
+#include "worker/column_span.h"
+#include "worker/position_spacing.h"
+#include "worker/tiles/loaded_tile.h"
+
+namespace gigabake {
+
+/// Exact   The same columns and counts however a mesh is cut, and for any number of threads.
+/// Errors  InputError of every add: the triangles spread over more than max_columns columns.
+class TileSurveyor {
+ public:
+  using Placements = std::span<const Instance* const>;
+
+  TileSurveyor(const TileRef& tile, const BakeParameters& parameters, const ThreadPool& pool);
+
+  /// A mesh wherever it is placed.
+  /// Many placements of many triangles are surveyed by their boxes (survey_tile.h).
+  void add(const Primitive& mesh, Placements placements);
+  /// A primitive of a tile, cluster by cluster. Cost  On each thread one cluster is in memory.
+  void add(const LoadedTile& tile, std::size_t primitive, Placements placements);
+
+  void finish(TileSurvey& survey) const;
+
+ private:
+  struct SnappedVertex {
+    LatticePoint p;
+    bool valid;
+  };
+  struct ThreadSurvey {
+    ColumnMap map;
+    std::vector<ColumnExtent> touched;    ///< by the triangle in hand
+    std::vector<SnappedVertex> vertices;  ///< of the cluster in hand
+    std::vector<LocalReach> reach;        ///< by placement of the primitive in hand
+    std::uint64_t non_finite = 0, zero_area = 0, too_far = 0;
+    double reach_m = 0;
+  };
+
+  void add_placed(const Primitive& mesh, const Instance& instance);
+  void add_cluster(const Primitive& cluster, Placements placements, ThreadSurvey& found) const;
+  void add_boxes(const Primitive& mesh, Placements placements);
+  bool add_box(const SceneBox& box, std::uint64_t triangles, std::uint64_t crossings, ColumnMap& map) const;
+  void add_triangles(const Primitive& mesh, std::span<const std::uint32_t> corners,
+                     std::span<const SnappedVertex> vertices, const Instance& instance, ThreadSurvey& found) const;
+  void add_triangle(const LatticeTriangle& triangle, ThreadSurvey& found) const;
+  void add_wide(const LatticeTriangle& triangle, std::uint64_t crossings, ThreadSurvey& found) const;
+  void snap(const Primitive& mesh, const Instance& instance, std::span<SnappedVertex> out, std::size_t first) const;
+  std::uint64_t crossings_of_area(double surface_m2) const;
+  [[noreturn]] void refuse() const;
+
+  const TileRef& tile_;
+  const BakeParameters& parameters_;
+  const ThreadPool& pool_;
+  const ColumnGrid grid_;
+  std::vector<ThreadSurvey> threads_;
+  std::vector<SnappedVertex> vertices_;  ///< of the mesh in hand
+  double spacing_m_ = 0;
+};
+
+}  // namespace gigabake

@@ -1,0 +1,38 @@
+/// How a texture stands in its scratch file: a head, then its levels, the finest first.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "kernels/body/texture_view.h"
+#include "worker/tiles/texture_file.h"
+
+namespace gigabake {
+
+struct TextureHead {
+  static constexpr std::uint64_t right_magic = 0x7865747462676267;  // "gbgbttex"
+
+  std::uint64_t magic = right_magic, bytes = 0, checksum = 0;
+  std::uint32_t version = texture_file_version;
+  std::int32_t width = 0, height = 0, levels = 0;
+  std::uint32_t mask_cutoff = 0, unused[3] = {};
+
+  std::uint64_t row_bytes(int level) const {
+    return std::uint64_t(kernels::level_extent(width, level)) * (level == 0 ? 4 : 8);
+  }
+  std::uint64_t level_bytes(int level) const {
+    return row_bytes(level) * std::uint64_t(kernels::level_extent(height, level));
+  }
+  /// Of levels [0, end).
+  std::uint64_t bytes_before(int end) const {
+    std::uint64_t sum = 0;
+    for (int l = 0; l < end; ++l) sum += level_bytes(l);
+    return sum;
+  }
+};
+static_assert(sizeof(TextureHead) == 56 && sizeof(TextureHead) % alignof(std::uint16_t) == 0);
+
+/// level_hashes: XXH3_64bits of each level's bytes, so that levels may be written side by side.
+std::uint64_t checksum_of(TextureHead head, std::span<const std::uint64_t> level_hashes);
+
+}  // namespace gigabake
