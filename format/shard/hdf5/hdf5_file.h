@@ -32,7 +32,8 @@ struct Hdf5Column {
   int dimensions() const { return width == 1 ? 1 : 2; }
 };
 
-/// A column that is to be written. The data may still have to be made: then a chunk of it exists while it is packed.
+/// A column that is to be written. The data may still have to be made: then a chunk of it exists while it is packed. Or
+/// somebody has packed it already.
 struct ColumnRows {
   std::string group;  ///< to make before the column; empty: none
   Hdf5Column column;
@@ -41,6 +42,8 @@ struct ColumnRows {
   std::function<std::span<const std::uint8_t>(std::uint64_t first, std::uint64_t count,
                                               std::vector<std::uint8_t>& scratch)>
       get;
+  /// Instead of get: each chunk as it is stored, by the codec that the others are packed with.
+  std::span<const std::span<const std::uint8_t>> stored = {};
 };
 
 /// Errors  All members throw InputError: file, object, what failed.

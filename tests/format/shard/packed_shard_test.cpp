@@ -1,0 +1,142 @@
+// A shard of columns that somebody else has packed is the same file as the shard of the voxels.
+#include "format/shard/packed_shard.h"
+
+#include <gtest/gtest.h>
+#include <list>
+
+#include "format/shard/brick_walk.h"
+#include "format/shard/hdf5/chunk_codec.h"
+#include "format/shard/shard_columns.h"
+#include "lattice/pack/chunk_rows.h"
+#include "tests/format/shard/made_shard.h"
+#include "tests/random_seed.h"
+
+namespace gigabake {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// Owns what a PackedShard borrows.
+class PackedByHand {
+ public:
+  enum class As { raw, stored };
+
+  PackedByHand(const Shard& shard, As as, Codec codec) : as_(as), codec_(codec) {
+    packed.header = shard.header;
+    packed.nodes = shard.nodes;
+    ShardColumns columns(shard.header, shard.nodes);
+    for (const BrickLevel& level : shard.levels) columns.add_level(level, callers_thread());
+    for (const BrickLevel& level : shard.levels) packed.levels.push_back(of_level(level));
+    for (const ColumnRows& column : columns.columns()) take(column);
+  }
+
+  PackedShard packed;
+
+ private:
+  PackedLevel of_level(const BrickLevel& level) const {
+    PackedLevel out;
+    out.voxels = level.rgba.size() / 4;
+    for (std::size_t i = 3; i < level.rgba.size(); i += 4) ++out.alphas[level.rgba[i]];
+    out.channels.resize(packed_channels(packed.header, int(packed.levels.size())).size());
+    return out;
+  }
+
+  PackedColumn* place_of(const std::string& name) {
+    for (std::size_t lod = 0; lod < packed.levels.size(); ++lod) {
+      PackedLevel& level = packed.levels[lod];
+      const LevelColumns names{int(lod)};
+      if (name == names.mask.name) return &level.mask;
+      if (name == names.first.name) return &level.first;
+      const std::vector<VoxelChannel> channels = stored_channels(shard_version, packed.header, int(lod));
+      for (std::size_t c = 0; c < channels.size(); ++c) {
+        const ChannelColumns of_channel(names.group, channels[c]);
+        if (name == of_channel.value.name) return &level.channels[c].value;
+        if (name == of_channel.share.name) return &level.channels[c].share;
+        if (name == of_channel.first.name) return &level.channels[c].first;
+      }
+    }
+    return nullptr;  // of the nodes
+  }
+
+  void take(const ColumnRows& from) {
+    PackedColumn* to = place_of(from.column.name);
+    if (to == nullptr) return;
+    to->rows = from.rows;
+    if (from.rows == 0) return;
+    Bytes scratch;
+    const auto rows = from.get(0, from.rows, scratch);
+    Bytes& raw = kept_.emplace_back(rows.begin(), rows.end());
+    if (as_ == As::raw) {
+      to->raw = raw;
+      return;
+    }
+    const std::size_t bytes = chunk_bytes(from.rows, from.column.row_bytes());
+    raw.resize(bytes * chunk_count(from.rows, from.column.row_bytes()));
+    const ChunkFilters filters{codec_, from.column.planes == BytePlanes::yes ? element_bytes(from.column.type) : 1};
+    for (std::size_t at = 0; at < raw.size(); at += bytes)
+      to->stored.push_back(kept_.emplace_back(encode_chunk(std::span(raw).subspan(at, bytes), filters)));
+  }
+
+  As as_;
+  Codec codec_;
+  std::list<Bytes> kept_;
+};
+
+void expect_same_file(const Shard& shard, PackedByHand::As as, Codec codec) {
+  const made::TempFolder folder;
+  const ThreadPool pool(2);
+  const PackedByHand by_hand(shard, as, codec);
+  const StoredShard voxels = write_shard(folder / "voxels.h5", shard, {pool, codec}),
+                    packed = write_packed_shard(folder / "packed.h5", by_hand.packed, {pool, codec});
+  EXPECT_TRUE(made::bytes_of(folder / "voxels.h5") == made::bytes_of(folder / "packed.h5"));
+  EXPECT_EQ(voxels.file, packed.file);
+  EXPECT_EQ(voxels.levels, packed.levels);
+  EXPECT_EQ(summarize_levels(shard), summarize_levels(by_hand.packed));
+  EXPECT_EQ(count_voxels(shard), count_voxels(by_hand.packed));
+}
+
+TEST(PackedShard, IsTheFileOfItsVoxels) {
+  const test::RandomSeed seed;
+  std::mt19937_64 rng(seed);
+  for (int round = 0; round < 24; ++round) {
+    made::ShardShape shape;
+    shape.lods = 1 + int(rng() % 4);
+    shape.normals = rng() % 2 != 0;
+    shape.facing = rng() % 2 != 0;
+    shape.alike = rng() % 2 != 0;
+    const Shard shard = made::random_shard(rng, shape);
+    const auto as = rng() % 2 != 0 ? PackedByHand::As::raw : PackedByHand::As::stored;
+    expect_same_file(shard, as, rng() % 3 == 0 ? Codec::lz4 : Codec::deflate);
+  }
+}
+
+TEST(PackedShard, OfLevelsWithoutBricksIsTheFileOfItsVoxelsToo) {
+  expect_same_file(made::constant_shard(), PackedByHand::As::stored, Codec::deflate);
+}
+
+/// The rows that a packer makes are those that the file's layout asks for.
+TEST(PackedShard, HasRowsAsItsColumnsAre) {
+  const auto expect_row = [](const Hdf5Column& column, const RowShape& row) {
+    EXPECT_EQ(column.row_bytes(), row.bytes) << column.name;
+    EXPECT_EQ(column.planes == BytePlanes::yes ? element_bytes(column.type) : 1, row.shuffled_bytes) << column.name;
+  };
+  ShardHeader header;
+  header.has_facing = true;
+  const LevelColumns level(1);
+  expect_row(level.mask, mask_row);
+  expect_row(level.first, first_row);
+  const std::vector<ChannelPlace> places = packed_channels(header, 1);
+  const std::vector<VoxelChannel> channels = stored_channels(shard_version, header, 1);
+  ASSERT_EQ(places.size(), channels.size());
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    const ChannelColumns names(level.group, channels[c]);
+    expect_row(names.value, {places[c].width, 1});
+    expect_row(names.share, share_row);
+    expect_row(names.first, first_row);
+    EXPECT_LE(places[c].offset + places[c].width, places[c].stride);
+    EXPECT_LE(places[c].width, widest_value);
+  }
+}
+
+}  // namespace
+}  // namespace gigabake
