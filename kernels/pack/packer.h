@@ -1,0 +1,54 @@
+/// A baked cell's columns, made where its voxels are: what comes down the bus is what a shard's file holds, and the
+/// host has no voxels.
+///
+/// Built without CUDA there are no baked cells on a device, and so nothing to pack.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "kernels/body/cell.h"
+#include "kernels/cuda/baker.h"
+#include "lattice/pack/packed_level.h"
+
+namespace gigabake::kernels {
+
+struct PackRequest {
+  std::vector<std::vector<ChannelPlace>> channels;  ///< [lod]; what each level's columns of values hold
+  std::uint64_t memory_bytes = 0;                   ///< of device memory, for working arrays and columns. 0: no bound
+};
+
+/// A cell without its voxels: what is left of them are columns.
+struct PackedCell {
+  std::vector<PackedLevel> levels;  ///< [lod]; borrow `memory`
+  NodeTable nodes;
+  std::vector<Hash128> content_hash;  ///< [lod]
+  CellStats stats;
+  std::shared_ptr<const void> memory;  ///< page-locked; goes back to the packer with the last who holds it
+};
+
+/// Packs on a stream of its own, beside a CudaBaker of the same device that bakes the next cell.
+class CudaPacker {
+ public:
+  /// Errors  CudaFailure.
+  explicit CudaPacker(int device);
+  ~CudaPacker();
+  CudaPacker(const CudaPacker&) = delete;
+  CudaPacker& operator=(const CudaPacker&) = delete;
+
+  /// None where the cell must come to the host first: one that came in parts, that is to be approximated, that has no
+  /// voxels, or some brick of which may become a constant node; and where the working memory is not to be had. Then
+  /// CudaBaker::download() and the host's packer do it. One call at a time; the volume stays as it is.
+  /// Exact   The columns that format/shard makes of the downloaded volume, by the rules of lattice/pack.
+  /// Cost    On the device once and a half the volume besides itself. Waits for the stream three times.
+  /// Errors  CudaFailure.
+  std::optional<PackedCell> pack(const CudaVolume& volume, const PackRequest& request);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace gigabake::kernels
