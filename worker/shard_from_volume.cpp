@@ -20,7 +20,6 @@ PackedShard shard_from_packed(kernels::PackedCell& cell, ShardHeader header) {
   shard.header = std::move(header);
   shard.nodes = std::move(cell.nodes);
   shard.levels = std::move(cell.levels);
-  if (!shard.header.has_facing) shard.nodes.facing.clear();
   shard.header.lods = std::uint32_t(shard.levels.size());
   shard.header.content_hash = std::move(cell.content_hash);
   return shard;

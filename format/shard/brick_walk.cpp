@@ -1,9 +1,5 @@
 #include "format/shard/brick_walk.h"
 
-#include <utility>
-
-#include "format/shard/packed_shard.h"
-
 namespace gigabake {
 std::vector<LevelNodes> level_nodes(const NodeTable& nodes, std::uint32_t lods) {
   std::vector<LevelNodes> levels(lods);
@@ -19,23 +15,13 @@ std::vector<LevelNodes> level_nodes(const NodeTable& nodes, std::uint32_t lods) 
 std::vector<std::uint64_t> count_voxels(const Shard& shard) {
   std::vector<std::uint64_t> counts;
   for (const BrickLevel& level : shard.levels) counts.push_back(level.rgba.size() / 4);
-  return count_voxels(std::move(counts), shard.nodes);
-}
-
-std::vector<std::uint64_t> count_voxels(const PackedShard& shard) {
-  std::vector<std::uint64_t> counts;
-  for (const PackedLevel& level : shard.levels) counts.push_back(level.voxels);
-  return count_voxels(std::move(counts), shard.nodes);
-}
-
-std::vector<std::uint64_t> count_voxels(std::vector<std::uint64_t> in_bricks, const NodeTable& nodes) {
-  for (std::size_t n = 0; n < nodes.kind.size(); ++n) {
-    if (nodes.kind[n] == NodeKind::brick) continue;
-    const int lod = nodes.lod[n];
-    const int lowest = nodes.kind[n] == NodeKind::leaf_constant ? 0 : lod;
-    for (int l = lod; l >= lowest; --l) in_bricks[std::size_t(l)] += std::uint64_t(brick_voxels) << 3 * (lod - l);
+  for (std::size_t n = 0; n < shard.nodes.kind.size(); ++n) {
+    if (shard.nodes.kind[n] == NodeKind::brick) continue;
+    const int lod = shard.nodes.lod[n];
+    const int lowest = shard.nodes.kind[n] == NodeKind::leaf_constant ? 0 : lod;
+    for (int l = lod; l >= lowest; --l) counts[std::size_t(l)] += std::uint64_t(brick_voxels) << 3 * (lod - l);
   }
-  return in_bricks;
+  return counts;
 }
 
 }  // namespace gigabake

@@ -19,8 +19,6 @@ std::vector<LevelNodes> level_nodes(const NodeTable& nodes, std::uint32_t lods);
 
 /// Voxels per lod, those that constant nodes stand for included.
 std::vector<std::uint64_t> count_voxels(const Shard& shard);
-/// in_bricks: per lod.
-std::vector<std::uint64_t> count_voxels(std::vector<std::uint64_t> in_bricks, const NodeTable& nodes);
 
 template <class Visit>
 void visit_voxel(const Visit& visit, std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,

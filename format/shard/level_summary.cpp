@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "format/shard/packed_shard.h"
-
 namespace gigabake {
 namespace {
 
@@ -78,12 +76,6 @@ std::vector<LevelSummary> summarize_levels(const std::vector<AlphaCounts>& count
     }
   }
   return out;
-}
-
-std::vector<LevelSummary> summarize_levels(const PackedShard& shard) {
-  std::vector<AlphaCounts> counts;
-  for (const PackedLevel& level : shard.levels) counts.push_back(level.alphas);
-  return summarize_levels(counts, shard.nodes);
 }
 
 void add_levels(const std::vector<LevelSummary>& of, std::vector<LevelSummary>& to) {

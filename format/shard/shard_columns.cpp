@@ -28,8 +28,6 @@ bool is_consistent(const BrickLevel& level, const std::vector<VoxelChannel>& cha
 
 }  // namespace
 
-ShardColumns::ShardColumns(const ShardHeader& header, const NodeTable& nodes) : header_(header) { add_nodes(nodes); }
-
 StoredShard ShardColumns::stored_bytes(const std::vector<std::uint64_t>& stored) const {
   StoredShard out;
   out.levels.resize(std::size_t(lods_));
@@ -68,6 +66,12 @@ void ShardColumns::add_nodes(const NodeTable& n) {
   add_array(names.value, n.value);
   add_array(names.normal, n.normal);
   if (header_.has_facing) add_array(names.facing, n.facing);
+}
+
+void ShardColumns::add_nodes(const std::vector<PackedColumn>& nodes) {
+  group_ = "/nodes";
+  const std::vector<Hdf5Column> all = NodeColumns().all(header_);
+  for (std::size_t c = 0; c < all.size(); ++c) add_packed(all[c], nodes.at(c));
 }
 
 LevelColumns ShardColumns::next_level() {

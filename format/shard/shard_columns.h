@@ -18,9 +18,12 @@ namespace gigabake {
 /// Borrows what it is given.
 class ShardColumns {
  public:
-  ShardColumns(const ShardHeader& header, const NodeTable& nodes);
+  explicit ShardColumns(const ShardHeader& header) : header_(header) {}
 
-  /// From lod 0 on. Finds which voxels share a value; where the arrays do not fit each other they are stored as they
+  /// Nodes first, then levels from lod 0 on.
+  void add_nodes(const NodeTable& nodes);
+  void add_nodes(const std::vector<PackedColumn>& nodes);
+  /// Finds which voxels share a value; where the arrays do not fit each other they are stored as they
   /// are, for readers to refuse.
   void add_level(const BrickLevel& level, const ThreadPool& pool);
   void add_level(const PackedLevel& level);
@@ -41,7 +44,6 @@ class ShardColumns {
   void add_array(const Hdf5Column& column, const std::vector<T>& values);
   void add_bytes(const Hdf5Column& column, std::uint64_t rows, const std::uint8_t* bytes);
   void add_packed(const Hdf5Column& column, const PackedColumn& packed);
-  void add_nodes(const NodeTable& nodes);
   void add_channel(const ChannelColumns& names, const SharedValues& values);
   LevelColumns next_level();
   std::vector<VoxelChannel> channels() const;

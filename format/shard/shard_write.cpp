@@ -32,17 +32,17 @@ void write_header(Hdf5File& file, const ShardHeader& h) {
   file.write_attribute("triangles", Hdf5Type::u64, &h.triangles, 0);
 }
 
-/// Writes aside whatever columns `add_levels` gives, and publishes.
-template <class AddLevels>
-StoredShard write_file(const std::filesystem::path& path, const ShardHeader& header, const NodeTable& nodes,
-                       const ShardWriteOptions& options, const AddLevels& add_levels) {
+/// Writes aside whatever columns `add_columns` gives, and publishes.
+template <class AddColumns>
+StoredShard write_file(const std::filesystem::path& path, const ShardHeader& header, const ShardWriteOptions& options,
+                       const AddColumns& add_columns) {
   Publication publication(path);
   StoredShard stored;
   {
     Hdf5File file = Hdf5File::create(publication.aside(), path);
     write_header(file, header);
-    ShardColumns columns(header, nodes);
-    add_levels(columns);
+    ShardColumns columns(header);
+    add_columns(columns);
     stored = columns.stored_bytes(file.write_columns(columns.columns(), options.codec, options.pool));
     file.close();
   }
@@ -54,14 +54,16 @@ StoredShard write_file(const std::filesystem::path& path, const ShardHeader& hea
 }  // namespace
 
 StoredShard write_shard(const std::filesystem::path& path, const Shard& shard, const ShardWriteOptions& options) {
-  return write_file(path, shard.header, shard.nodes, options, [&](ShardColumns& columns) {
+  return write_file(path, shard.header, options, [&](ShardColumns& columns) {
+    columns.add_nodes(shard.nodes);
     for (const BrickLevel& level : shard.levels) columns.add_level(level, options.pool);
   });
 }
 
 StoredShard write_packed_shard(const std::filesystem::path& path, const PackedShard& shard,
                                const ShardWriteOptions& options) {
-  return write_file(path, shard.header, shard.nodes, options, [&](ShardColumns& columns) {
+  return write_file(path, shard.header, options, [&](ShardColumns& columns) {
+    columns.add_nodes(shard.nodes);
     for (const PackedLevel& level : shard.levels) columns.add_level(level);
   });
 }

@@ -192,6 +192,22 @@ __global__ void __launch_bounds__(threads)
     write_channel(levels, at, share, start, out[at.lod].channel[blockIdx.y]);
 }
 
+struct NodesView {
+  const std::uint32_t *key, *first_child, *value;
+  const std::uint8_t *lod, *child_mask;
+  std::uint32_t count;
+};
+
+__global__ void __launch_bounds__(threads) write_nodes(const NodesView nodes, const NodesOut out) {
+  const std::uint32_t n = blockIdx.x * threads + threadIdx.x;
+  if (n >= nodes.count) return;
+  out.key[n] = nodes.key[n];
+  out.first_child[n] = nodes.first_child[n];
+  out.value[n] = nodes.value[n];
+  out.lod[n] = nodes.lod[n];
+  out.child_mask[n] = nodes.child_mask[n];
+}
+
 ChannelView view_of_channel(const DeviceLevel& level, const ChannelPlace& place) {
   const auto view = [&](const auto& array) {
     if (array.empty()) throw std::invalid_argument("a channel that the cell does not have");
@@ -268,6 +284,14 @@ void make_columns(DeviceHeap& heap, const LevelsView& levels, const FoundShares&
   const dim3 grid(grid_of(levels.bricks_in_all, warps), unsigned(levels.channels) + 1);
   write_columns<<<grid, threads, 0, heap.stream()>>>(levels, shares.share.data(), shares.start.data(), places.data());
   check_launch("write_columns");
+}
+
+void make_node_columns(DeviceHeap& heap, const DeviceNodes& nodes, const NodesOut& out) {
+  write_nodes<<<grid_of(nodes.count, threads), threads, 0, heap.stream()>>>(
+      {nodes.key.data(), nodes.first_child.data(), nodes.value.data(), nodes.lod.data(), nodes.child_mask.data(),
+       nodes.count},
+      out);
+  check_launch("write_nodes");
 }
 
 }  // namespace gigabake::kernels

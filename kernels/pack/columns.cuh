@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "kernels/body/window.h"
-#include "kernels/cuda/device_level.cuh"
+#include "kernels/cuda/levels.cuh"
 #include "kernels/pack/packer.h"
 #include "lattice/pack/shared_value.h"
 
@@ -67,5 +67,15 @@ struct LevelOut {
 /// out: [lod]. Errors  CudaFailure.
 void make_columns(DeviceHeap& heap, const LevelsView& levels, const FoundShares& shares,
                   const std::vector<LevelOut>& out);
+
+/// Where the columns of a table of bricks are to be made. Those that are zeros are not made here.
+struct NodesOut {
+  std::uint64_t* key;
+  std::uint32_t *first_child, *value;
+  std::uint8_t *lod, *child_mask;
+};
+
+/// Errors  CudaFailure.
+void make_node_columns(DeviceHeap& heap, const DeviceNodes& nodes, const NodesOut& out);
 
 }  // namespace gigabake::kernels

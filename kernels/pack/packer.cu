@@ -2,7 +2,6 @@
 
 #include "kernels/cuda/cell.cuh"
 #include "kernels/cuda/clock.cuh"
-#include "kernels/cuda/download.cuh"
 #include "kernels/cuda/hash.cuh"
 #include "kernels/cuda/stream.cuh"
 #include "kernels/pack/column_bytes.cuh"
@@ -18,14 +17,25 @@ constexpr std::size_t alignment = 256;
 /// Which columns a cell has, and where each is in one buffer.
 class ColumnPlan {
  public:
-  ColumnPlan(const LevelsView& view, const std::vector<std::vector<ChannelPlace>>& channels, const Findings& found,
-             std::vector<PackedLevel>& levels)
-      : view_(view), found_(found), outs_(levels.size()) {
-    for (std::size_t lod = 0; lod < levels.size(); ++lod) place_level(int(lod), channels[lod], levels[lod]);
+  ColumnPlan(const LevelsView& view, const PackRequest& request, const Findings& found, std::uint32_t nodes,
+             PackedCell& cell)
+      : view_(view), found_(found), outs_(cell.levels.size()) {
+    cell.nodes.resize(request.nodes.size());
+    for (std::size_t c = 0; c < request.nodes.size(); ++c)
+      nodes_.push_back(place(cell.nodes[c], nodes, request.nodes[c]));
+    for (std::size_t lod = 0; lod < cell.levels.size(); ++lod)
+      place_level(int(lod), request.channels[lod], cell.levels[lod]);
   }
 
   std::size_t bytes() const { return bytes_; }
   const std::vector<RawColumn>& columns() const { return columns_; }
+
+  NodesOut nodes(std::uint8_t* raw) const {
+    const auto of = [&](NodeColumn column) { return raw + nodes_.at(std::size_t(column)); };
+    return {reinterpret_cast<std::uint64_t*>(of(NodeColumn::key)),
+            reinterpret_cast<std::uint32_t*>(of(NodeColumn::first_child)),
+            reinterpret_cast<std::uint32_t*>(of(NodeColumn::value)), of(NodeColumn::lod), of(NodeColumn::child_mask)};
+  }
 
   std::vector<LevelOut> outs(std::uint8_t* raw) const {
     std::vector<LevelOut> outs(outs_.size());
@@ -83,6 +93,7 @@ class ColumnPlan {
 
   const LevelsView& view_;
   const Findings& found_;
+  std::vector<std::size_t> nodes_;
   std::vector<Places> outs_;
   std::vector<RawColumn> columns_;
   std::size_t bytes_ = 0;
@@ -116,12 +127,12 @@ class CudaPacker::Impl {
     const auto found = std::make_unique<Findings>();
     const FoundShares shares = find_shares(heap_, view, *found);
     out.levels.resize(cell.levels.size());
-    const ColumnPlan plan(view, request.channels, *found, out.levels);
+    const ColumnPlan plan(view, request, *found, cell.nodes.count, out);
     DeviceArray<std::uint8_t> raw(heap_, plan.bytes());
     raw.clear_to_zero();
     make_columns(heap_, view, shares, plan.outs(raw.data()));
+    make_node_columns(heap_, cell.nodes, plan.nodes(raw.data()));
     out.memory = bring_columns(heap_, raw, plan.columns(), pinned_);
-    out.nodes = to_host(stream_.handle, nodes_pinned_, {}, cell.nodes, host_).nodes;
     out.stats.hash_s = clock_.between(0, 1);
     return out;
   }
@@ -132,8 +143,6 @@ class CudaPacker::Impl {
   DeviceBooks books_;
   DeviceHeap heap_;
   PinnedPool pinned_;
-  PinnedBuffer nodes_pinned_;
-  ThreadPool host_{download_threads};
 };
 
 CudaPacker::CudaPacker(int device) : impl_(std::make_unique<Impl>(device)) {}

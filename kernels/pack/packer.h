@@ -17,13 +17,14 @@ namespace gigabake::kernels {
 
 struct PackRequest {
   std::vector<std::vector<ChannelPlace>> channels;  ///< [lod]; what each level's columns of values hold
+  std::vector<RowShape> nodes;                      ///< of the node table's columns; they begin as NodeColumn says
   std::uint64_t memory_bytes = 0;                   ///< of device memory, for working arrays and columns. 0: no bound
 };
 
 /// A cell without its voxels: what is left of them are columns.
 struct PackedCell {
-  std::vector<PackedLevel> levels;  ///< [lod]; borrow `memory`
-  NodeTable nodes;
+  std::vector<PackedLevel> levels;    ///< [lod]; they and the nodes borrow `memory`
+  std::vector<PackedColumn> nodes;    ///< as they were asked for; all nodes are bricks
   std::vector<Hash128> content_hash;  ///< [lod]
   CellStats stats;
   std::shared_ptr<const void> memory;  ///< page-locked; goes back to the packer with the last who holds it

@@ -28,6 +28,9 @@ struct RowShape {
 };
 inline constexpr RowShape mask_row{64, 1}, first_row{8, 8}, share_row{share_bytes, 1};
 
+/// Where the first columns of a node table stand in a file; what follows them is of constant nodes.
+enum class NodeColumn : std::uint8_t { key, lod, kind, child_mask, first_child, value };
+
 /// A column's bytes. Borrowed. At most one of the two has any.
 struct PackedColumn {
   std::uint64_t rows = 0;

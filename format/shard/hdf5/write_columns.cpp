@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <hdf5.h>
 #include <mutex>
 #include <optional>
@@ -47,6 +48,13 @@ Bytes encode(const ColumnRows& from, std::size_t number, Codec codec, Bytes& scr
   return encode_chunk(padded, filters);
 }
 
+/// What is packed already takes no threads, which would take longer to wake than to hand it on.
+const ThreadPool& threads_for(std::span<const ColumnRows> columns, const ThreadPool& pool) {
+  const bool is_packed =
+      std::all_of(columns.begin(), columns.end(), [](const ColumnRows& c) { return c.rows == 0 || !c.stored.empty(); });
+  return is_packed ? callers_thread() : pool;
+}
+
 Chunk pack(const ColumnRows& from, std::size_t number, Codec codec, Bytes& scratch) {
   if (!from.stored.empty()) return {{}, from.stored[number]};
   return {encode(from, number, codec, scratch), {}};
@@ -63,7 +71,8 @@ class ColumnsInOrder {
     stored_.resize(columns.size());
   }
 
-  std::vector<std::uint64_t> write(const ThreadPool& pool) {
+  std::vector<std::uint64_t> write(const ThreadPool& all_threads) {
+    const ThreadPool& pool = threads_for(columns_, all_threads);
     std::vector<Bytes> scratch(std::size_t(pool.threads()));
     pool.parallel_for(chunks_.size(), 1, [&](std::size_t i, std::size_t, int thread) {
       give(i, pack(columns_[chunks_[i].column], chunks_[i].number, codec_, scratch[std::size_t(thread)]));

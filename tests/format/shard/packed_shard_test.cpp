@@ -1,6 +1,7 @@
 // A shard of columns that somebody else has packed is the same file as the shard of the voxels.
 #include "format/shard/packed_shard.h"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <list>
 
@@ -23,8 +24,9 @@ class PackedByHand {
 
   PackedByHand(const Shard& shard, As as, Codec codec) : as_(as), codec_(codec) {
     packed.header = shard.header;
-    packed.nodes = shard.nodes;
-    ShardColumns columns(shard.header, shard.nodes);
+    packed.nodes.resize(packed_nodes(shard.header).size());
+    ShardColumns columns(shard.header);
+    columns.add_nodes(shard.nodes);
     for (const BrickLevel& level : shard.levels) columns.add_level(level, callers_thread());
     for (const BrickLevel& level : shard.levels) packed.levels.push_back(of_level(level));
     for (const ColumnRows& column : columns.columns()) take(column);
@@ -55,12 +57,13 @@ class PackedByHand {
         if (name == of_channel.first.name) return &level.channels[c].first;
       }
     }
-    return nullptr;  // of the nodes
+    const std::vector<Hdf5Column> nodes = NodeColumns().all(packed.header);
+    const auto of_nodes = std::find_if(nodes.begin(), nodes.end(), [&](const auto& c) { return c.name == name; });
+    return &packed.nodes.at(std::size_t(of_nodes - nodes.begin()));
   }
 
   void take(const ColumnRows& from) {
     PackedColumn* to = place_of(from.column.name);
-    if (to == nullptr) return;
     to->rows = from.rows;
     if (from.rows == 0) return;
     Bytes scratch;
@@ -91,6 +94,8 @@ void expect_same_file(const Shard& shard, PackedByHand::As as, Codec codec) {
   EXPECT_TRUE(made::bytes_of(folder / "voxels.h5") == made::bytes_of(folder / "packed.h5"));
   EXPECT_EQ(voxels.file, packed.file);
   EXPECT_EQ(voxels.levels, packed.levels);
+  const auto is_brick = [](NodeKind kind) { return kind == NodeKind::brick; };
+  if (!std::all_of(shard.nodes.kind.begin(), shard.nodes.kind.end(), is_brick)) return;
   EXPECT_EQ(summarize_levels(shard), summarize_levels(by_hand.packed));
   EXPECT_EQ(count_voxels(shard), count_voxels(by_hand.packed));
 }
@@ -110,6 +115,14 @@ TEST(PackedShard, IsTheFileOfItsVoxels) {
   }
 }
 
+TEST(PackedShard, OfBricksAloneHasTheCountsOfItsVoxels) {
+  const Shard shard = made::shard_of({{{1, 2, 3}, {4, 5, 6, 7}, {8, 9}}, {{40, 50, 60}, {1, 2, 3, 255}, {}}}, {}, 64);
+  expect_same_file(shard, PackedByHand::As::stored, Codec::deflate);
+  const std::vector<std::uint64_t> voxels = count_voxels(PackedByHand(shard, PackedByHand::As::raw, {}).packed);
+  EXPECT_EQ(voxels, count_voxels(shard));
+  EXPECT_EQ(voxels[0], 2u);
+}
+
 TEST(PackedShard, OfLevelsWithoutBricksIsTheFileOfItsVoxelsToo) {
   expect_same_file(made::constant_shard(), PackedByHand::As::stored, Codec::deflate);
 }
@@ -125,14 +138,25 @@ TEST(PackedShard, HasRowsAsItsColumnsAre) {
   const LevelColumns level(1);
   expect_row(level.mask, mask_row);
   expect_row(level.first, first_row);
+  const std::vector<RowShape> nodes = packed_nodes(header);
+  const NodeColumns names;
+  ASSERT_EQ(nodes.size(), names.all(header).size());
+  expect_row(names.key, nodes[std::size_t(NodeColumn::key)]);
+  expect_row(names.lod, nodes[std::size_t(NodeColumn::lod)]);
+  expect_row(names.kind, nodes[std::size_t(NodeColumn::kind)]);
+  expect_row(names.child_mask, nodes[std::size_t(NodeColumn::child_mask)]);
+  expect_row(names.first_child, nodes[std::size_t(NodeColumn::first_child)]);
+  expect_row(names.value, nodes[std::size_t(NodeColumn::value)]);
+  const std::vector<std::string> order{"key", "lod", "kind", "child_mask", "first_child", "value"};
+  for (std::size_t c = 0; c < order.size(); ++c) EXPECT_EQ(names.all(header)[c].name, "/nodes/" + order[c]);
   const std::vector<ChannelPlace> places = packed_channels(header, 1);
   const std::vector<VoxelChannel> channels = stored_channels(shard_version, header, 1);
   ASSERT_EQ(places.size(), channels.size());
   for (std::size_t c = 0; c < channels.size(); ++c) {
-    const ChannelColumns names(level.group, channels[c]);
-    expect_row(names.value, {places[c].width, 1});
-    expect_row(names.share, share_row);
-    expect_row(names.first, first_row);
+    const ChannelColumns of_channel(level.group, channels[c]);
+    expect_row(of_channel.value, {places[c].width, 1});
+    expect_row(of_channel.share, share_row);
+    expect_row(of_channel.first, first_row);
     EXPECT_LE(places[c].offset + places[c].width, places[c].stride);
     EXPECT_LE(places[c].width, widest_value);
   }
