@@ -14,7 +14,7 @@ namespace gigabake::kernels {
 namespace {
 
 /// Chunks of any bytes, not back to back, and packed on a device together.
-class DevicePack : public testing::Test {
+class DeviceDeflate : public testing::Test {
  protected:
   void SetUp() override {
     const CudaDevices devices = cuda_devices();
@@ -30,7 +30,7 @@ class DevicePack : public testing::Test {
   }
 
   void expect_the_hosts_bytes() const {
-    const DevicePacked packed = pack_on_device(device_, raw_, chunks_, 1);
+    const DeviceDeflateed packed = pack_on_device(device_, raw_, chunks_, 1);
     ASSERT_EQ(packed.ends.size(), chunks_.size());
     for (std::size_t c = 0, begin = 0; c < chunks_.size(); begin = packed.ends[c], ++c) {
       const std::span<const std::uint8_t> raw(raw_.data() + chunks_[c].begin, chunks_[c].bytes);
@@ -49,7 +49,7 @@ class DevicePack : public testing::Test {
   std::vector<std::string> names_;
 };
 
-TEST_F(DevicePack, MakesTheHostsBytesWhateverTheBytesAndTheirNumber) {
+TEST_F(DeviceDeflate, MakesTheHostsBytesWhateverTheBytesAndTheirNumber) {
   const test::RandomSeed seed;
   test::Random rng(seed);
   for (const std::size_t size : test::awkward_sizes())
@@ -57,7 +57,7 @@ TEST_F(DevicePack, MakesTheHostsBytesWhateverTheBytesAndTheirNumber) {
   expect_the_hosts_bytes();
 }
 
-TEST_F(DevicePack, MakesTheHostsBytesOfShuffledElements) {
+TEST_F(DeviceDeflate, MakesTheHostsBytesOfShuffledElements) {
   const test::RandomSeed seed;
   test::Random rng(seed);
   for (const std::uint32_t element : {2u, 4u, 8u})
@@ -65,13 +65,13 @@ TEST_F(DevicePack, MakesTheHostsBytesOfShuffledElements) {
   expect_the_hosts_bytes();
 }
 
-TEST_F(DevicePack, MakesTheHostsBytesOfOneChunkOfOneByteAndOfNoChunk) {
+TEST_F(DeviceDeflate, MakesTheHostsBytesOfOneChunkOfOneByteAndOfNoChunk) {
   add("one byte", {7});
   expect_the_hosts_bytes();
   EXPECT_TRUE(pack_on_device(device_, {}, {}, 1).bytes.empty());
 }
 
-TEST_F(DevicePack, RefusesAChunkThatIsTooLarge) {
+TEST_F(DeviceDeflate, RefusesAChunkThatIsTooLarge) {
   chunks_.push_back({0, largest_packed_chunk + 1, 1});
   EXPECT_THROW(pack_on_device(device_, raw_, chunks_, 1), CudaFailure);
 }
