@@ -179,6 +179,7 @@ void CellStages::pack_on_device(CellInHand& cell) {
   for (std::uint32_t edge = header.cell_voxels; edge >= brick_edge; edge /= 2)
     request.channels.push_back(packed_channels(header, int(request.channels.size())));
   request.nodes = packed_nodes(header);
+  request.as = parameters_.codec == Codec::deflate ? kernels::ColumnBytes::stored : kernels::ColumnBytes::raw;
   request.memory_bytes = options_.memory_bytes / 4;
   try {
     cell.packed = packer_->pack(*cell.device_volume, request);

@@ -20,7 +20,12 @@ struct RawColumn {
 
 /// Brings all columns to the host, and tells each of them where it is. Returns what they borrow. Waits for the stream.
 /// Errors  CudaFailure.
-std::shared_ptr<const void> bring_columns(DeviceHeap& heap, const DeviceArray<std::uint8_t>& raw,
-                                          const std::vector<RawColumn>& columns, PinnedPool& pinned);
+std::shared_ptr<const void> bring_raw(DeviceHeap& heap, const DeviceArray<std::uint8_t>& raw,
+                                      const std::vector<RawColumn>& columns, PinnedPool& pinned);
+
+/// As chunks that deflate has compressed here, with their checksums: what a file holds.
+/// Cost    Device memory as pack_chunks().
+std::shared_ptr<const void> bring_stored(DeviceHeap& heap, const DeviceArray<std::uint8_t>& raw,
+                                         const std::vector<RawColumn>& columns, PinnedPool& pinned);
 
 }  // namespace gigabake::kernels

@@ -132,7 +132,8 @@ class CudaPacker::Impl {
     raw.clear_to_zero();
     make_columns(heap_, view, shares, plan.outs(raw.data()));
     make_node_columns(heap_, cell.nodes, plan.nodes(raw.data()));
-    out.memory = bring_columns(heap_, raw, plan.columns(), pinned_);
+    const auto bring = request.as == ColumnBytes::stored ? bring_stored : bring_raw;
+    out.memory = bring(heap_, raw, plan.columns(), pinned_);
     out.stats.hash_s = clock_.between(0, 1);
     return out;
   }

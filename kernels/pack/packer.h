@@ -15,10 +15,17 @@
 
 namespace gigabake::kernels {
 
+/// How columns come to the host.
+enum class ColumnBytes : std::uint8_t {
+  raw,     ///< row after row, for the host to compress
+  stored,  ///< chunk after chunk as a file holds it, compressed by deflate
+};
+
 struct PackRequest {
   std::vector<std::vector<ChannelPlace>> channels;  ///< [lod]; what each level's columns of values hold
   std::vector<RowShape> nodes;                      ///< of the node table's columns; they begin as NodeColumn says
-  std::uint64_t memory_bytes = 0;                   ///< of device memory, for working arrays and columns. 0: no bound
+  ColumnBytes as = ColumnBytes::stored;
+  std::uint64_t memory_bytes = 0;  ///< of device memory, for working arrays and columns. 0: no bound
 };
 
 /// A cell without its voxels: what is left of them are columns.
@@ -42,8 +49,10 @@ class CudaPacker {
   /// None where the cell must come to the host first: one that came in parts, that is to be approximated, that has no
   /// voxels, or some brick of which may become a constant node; and where the working memory is not to be had. Then
   /// CudaBaker::download() and the host's packer do it. One call at a time; the volume stays as it is.
-  /// Exact   The columns that format/shard makes of the downloaded volume, by the rules of lattice/pack.
-  /// Cost    On the device once and a half the volume besides itself. Waits for the stream three times.
+  /// Exact   The columns that format/shard makes of the downloaded volume, by the rules of lattice/pack; stored chunks
+  ///         are its encode_chunk()'s.
+  /// Cost    On the device once more what the columns take, as much again where they are compressed there, and what
+  ///         pack_chunks() works with (kernels/pack/pack_chunks.cuh). Waits for the stream four times.
   /// Errors  CudaFailure.
   std::optional<PackedCell> pack(const CudaVolume& volume, const PackRequest& request);
 

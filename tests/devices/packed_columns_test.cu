@@ -10,6 +10,7 @@
 #include "kernels/cuda/cell.cuh"
 #include "kernels/cuda/stream.cuh"
 #include "kernels/pack/packer.h"
+#include "lattice/pack/chunk_rows.h"
 #include "tests/kernels/cuda_scenes.h"
 #include "tests/random_seed.h"
 #include "worker/shard_from_volume.h"
@@ -32,8 +33,36 @@ kernels::PackRequest request_of(const ShardHeader& header, std::size_t lods) {
   return request;
 }
 
+/// A chunk as the host stores it.
+std::vector<std::uint8_t> stored_chunk(const ColumnRows& column, std::size_t number) {
+  const std::size_t row = column.column.row_bytes(), per_chunk = rows_per_chunk(column.rows, row);
+  const std::size_t first = number * per_chunk, rows = std::min<std::size_t>(per_chunk, column.rows - first);
+  std::vector<std::uint8_t> scratch;
+  const auto raw = column.get(first, rows, scratch);
+  std::vector<std::uint8_t> whole(raw.begin(), raw.end());
+  whole.resize(per_chunk * row);
+  const bool planes = column.column.planes == BytePlanes::yes;
+  return encode_chunk(whole, {Codec::deflate, planes ? element_bytes(column.column.type) : 1});
+}
+
+/// Of chunks as they are stored. Returns the first difference, or nothing.
+std::string stored_difference(const ColumnRows& host, std::span<const std::span<const std::uint8_t>> device,
+                              const ThreadPool& pool) {
+  const std::size_t chunks = chunk_count(host.rows, host.column.row_bytes());
+  if (device.size() != chunks)
+    return std::to_string(chunks) + " chunks, on the device " + std::to_string(device.size());
+  std::vector<std::uint8_t> differs(chunks);
+  pool.parallel_for(chunks, 1, [&](std::size_t i, std::size_t, int) {
+    const std::vector<std::uint8_t> of_host = stored_chunk(host, i);
+    differs[i] = !std::equal(of_host.begin(), of_host.end(), device[i].begin(), device[i].end());
+  });
+  const auto first = std::find(differs.begin(), differs.end(), 1);
+  if (first == differs.end()) return "";
+  return "chunk " + std::to_string(first - differs.begin()) + " of " + std::to_string(chunks) + " differs";
+}
+
 /// The names, rows and bytes of the columns. Returns the first difference, or nothing.
-std::string difference(std::span<const ColumnRows> host, std::span<const ColumnRows> device) {
+std::string difference(std::span<const ColumnRows> host, std::span<const ColumnRows> device, const ThreadPool& pool) {
   if (host.size() != device.size())
     return std::to_string(host.size()) + " columns, on the device " + std::to_string(device.size());
   for (std::size_t c = 0; c < host.size(); ++c) {
@@ -41,8 +70,13 @@ std::string difference(std::span<const ColumnRows> host, std::span<const ColumnR
     if (name != device[c].column.name) return name + ", on the device " + device[c].column.name;
     if (host[c].rows != device[c].rows)
       return name + " has " + std::to_string(host[c].rows) + " rows, on the device " + std::to_string(device[c].rows);
-    std::vector<std::uint8_t> a, b;
     if (host[c].rows == 0) continue;
+    if (!device[c].stored.empty()) {
+      const std::string stored = stored_difference(host[c], device[c].stored, pool);
+      if (!stored.empty()) return name + ": " + stored;
+      continue;
+    }
+    std::vector<std::uint8_t> a, b;
     const auto of_host = host[c].get(0, host[c].rows, a), of_device = device[c].get(0, host[c].rows, b);
     const auto at = std::mismatch(of_host.begin(), of_host.end(), of_device.begin(), of_device.end());
     if (at.first != of_host.end())
@@ -65,19 +99,28 @@ class DevicePack : public testing::Test {
   /// Levels that are on the host and on the device: the host's packer against the device's.
   void expect_same_columns(const ShardHeader& header, const NodeTable& nodes, const std::vector<BrickLevel>& levels,
                            const kernels::CudaVolume& volume) {
-    std::optional<kernels::PackedCell> packed = packer_->pack(volume, request_of(header, levels.size()));
-    ASSERT_TRUE(packed);
+    for (const kernels::ColumnBytes as : {kernels::ColumnBytes::raw, kernels::ColumnBytes::stored}) {
+      kernels::PackRequest request = request_of(header, levels.size());
+      request.as = as;
+      const std::optional<kernels::PackedCell> packed = packer_->pack(volume, request);
+      ASSERT_TRUE(packed);
+      expect_same_columns(header, nodes, levels, *packed);
+    }
+  }
+
+  void expect_same_columns(const ShardHeader& header, const NodeTable& nodes, const std::vector<BrickLevel>& levels,
+                           const kernels::PackedCell& packed) {
     ShardColumns host(header), device(header);
     host.add_nodes(nodes);
-    device.add_nodes(packed->nodes);
+    device.add_nodes(packed.nodes);
     for (const BrickLevel& level : levels) host.add_level(level, pool_);
-    for (const PackedLevel& level : packed->levels) device.add_level(level);
-    EXPECT_EQ(difference(host.columns(), device.columns()), "");
+    for (const PackedLevel& level : packed.levels) device.add_level(level);
+    EXPECT_EQ(difference(host.columns(), device.columns(), pool_), "");
     for (std::size_t l = 0; l < levels.size(); ++l) {
-      EXPECT_EQ(packed->levels[l].voxels, levels[l].first.back());
+      EXPECT_EQ(packed.levels[l].voxels, levels[l].first.back());
       std::array<std::uint64_t, 256> alphas{};
       for (std::size_t i = 3; i < levels[l].rgba.size(); i += 4) ++alphas[levels[l].rgba[i]];
-      EXPECT_EQ(packed->levels[l].alphas, alphas) << "lod " << l;
+      EXPECT_EQ(packed.levels[l].alphas, alphas) << "lod " << l;
     }
   }
 
