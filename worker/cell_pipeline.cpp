@@ -1,5 +1,6 @@
 #include "worker/cell_pipeline.h"
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -57,7 +58,8 @@ class CellPipeline::Stages {
         on_report_(std::move(on_report)) {
     reader_ = std::thread([this] { read_all(); });
     computer_ = std::thread([this] { compute_all(); });
-    if (has_device_) bringer_ = std::thread([this] { bring_all(); });
+    if (has_device_)
+      for (std::size_t b = 0; b < bringers; ++b) bringers_.emplace_back([this, b] { bring_all(b); });
     for (int w = write_crew_for(options).writers; w > 0; --w) writers_.emplace_back([this] { write_all(); });
   }
 
@@ -69,7 +71,7 @@ class CellPipeline::Stages {
     submitted_.notify_all();
     reader_.join();
     computer_.join();
-    if (bringer_.joinable()) bringer_.join();
+    for (std::thread& bringer : bringers_) bringer.join();
     for (std::thread& writer : writers_) writer.join();
   }
 
@@ -122,19 +124,20 @@ class CellPipeline::Stages {
     while (auto cell = loaded_.take()) {
       run_stage(**cell, &CellReport::kernel_s, CellOutcome::refused, [this](CellInHand& c) {
         stages_.compute(c);
-        if (!has_device_) stages_.bring(c);
+        if (!has_device_) stages_.bring(c, 0);
       });
       next.give(std::move(*cell));
     }
     next.close();
   }
 
-  void bring_all() {
+  void bring_all(std::size_t bringer) {
     while (auto cell = computed_.take()) {
-      run_stage(**cell, &CellReport::kernel_s, CellOutcome::refused, [this](CellInHand& c) { stages_.bring(c); });
+      run_stage(**cell, &CellReport::kernel_s, CellOutcome::refused,
+                [this, bringer](CellInHand& c) { stages_.bring(c, bringer); });
       ready_.give(std::move(*cell));
     }
-    ready_.close();
+    if (++done_bringers_ == bringers) ready_.close();
   }
 
   void write_all() {
@@ -158,7 +161,9 @@ class CellPipeline::Stages {
   std::size_t in_flight_ = 0;
   bool stopping_ = false;
   Handoff<std::unique_ptr<CellInHand>> loaded_, computed_, ready_;
-  std::thread reader_, computer_, bringer_;
+  std::thread reader_, computer_;
+  std::atomic<std::size_t> done_bringers_{0};
+  std::vector<std::thread> bringers_;
   std::vector<std::thread> writers_;
 };
 

@@ -129,7 +129,8 @@ void CellStages::prepare() {
 }
 
 void CellStages::make_baker() {
-  if (!packer_) packer_ = std::make_unique<kernels::CudaPacker>(*options_.cuda_device);
+  while (packers_.size() < bringers + 1)
+    packers_.push_back(std::make_unique<kernels::CudaPacker>(*options_.cuda_device));
   if (!cuda_) cuda_ = std::make_unique<kernels::CudaBaker>(*options_.cuda_device, options_.memory_bytes / 4);
 }
 
@@ -157,32 +158,40 @@ void CellStages::compute(CellInHand& cell) {
     cell.report.on_device = true;
   });
   if (!baked) return bake_on_cpu(cell);
-  if (is_alone_on_device(cell.device_volume->stats())) bring(cell);
+  if (is_alone_on_device(cell.device_volume->stats())) bring(cell, bringers);
 }
 
-/// Whether the next cell, if it is as large, would not fit beside this one.
+/// Whether the next cell, if it is as large, would not fit beside those that are brought.
 bool CellStages::is_alone_on_device(const kernels::CellStats& stats) const {
-  return options_.memory_bytes != 0 && 2 * stats.peak_bytes > kernel_bytes(options_);
+  return options_.memory_bytes != 0 && (bringers + 1) * stats.peak_bytes > kernel_bytes(options_);
 }
 
-void CellStages::bring(CellInHand& cell) {
-  if (cell.device_volume) pack_on_device(cell);
+void CellStages::bring(CellInHand& cell, std::size_t bringer) {
+  if (cell.device_volume) pack_on_device(cell, *packers_.at(bringer));
   if (cell.device_volume) bring_volume(cell);
   cell.loaded.reset();
   take_stats(cell);
   if (!cell.packed && cell.volume.levels.empty()) decide(cell, CellOutcome::empty);
 }
 
-void CellStages::pack_on_device(CellInHand& cell) {
+void CellStages::pack_on_device(CellInHand& cell, kernels::CudaPacker& packer) {
   const ShardHeader header = header_of(cell);
   kernels::PackRequest request;
   for (std::uint32_t edge = header.cell_voxels; edge >= brick_edge; edge /= 2)
     request.channels.push_back(packed_channels(header, int(request.channels.size())));
   request.nodes = packed_nodes(header);
   request.as = parameters_.codec == Codec::deflate ? kernels::ColumnBytes::stored : kernels::ColumnBytes::raw;
-  request.memory_bytes = options_.memory_bytes / 4;
   try {
-    cell.packed = packer_->pack(*cell.device_volume, request);
+    {
+      const std::shared_lock lock(packing_);
+      request.memory_bytes = options_.memory_bytes / 4 / bringers;
+      cell.packed = packer.pack(*cell.device_volume, request);
+    }
+    if (!cell.packed) {  // a large one, if it can be packed at all
+      const std::scoped_lock lock(packing_);
+      request.memory_bytes = options_.memory_bytes / 4;
+      cell.packed = packer.pack(*cell.device_volume, request);
+    }
     if (cell.packed) cell.device_volume.reset();
   } catch (const CudaFailure& e) {
     bring_volume(cell);
@@ -192,6 +201,7 @@ void CellStages::pack_on_device(CellInHand& cell) {
 }
 
 void CellStages::bring_volume(CellInHand& cell) {
+  const std::scoped_lock lock(download_);
   if (!on_device(cell, [&] { cell.volume = cuda_->download(std::move(cell.device_volume)); })) bake_on_cpu(cell);
 }
 

@@ -3,7 +3,10 @@
 
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <shared_mutex>
+#include <vector>
 
 #include "format/job/cell_job.h"
 #include "kernels/body/cell.h"
@@ -31,6 +34,9 @@ struct CellInHand {
   const kernels::CellStats& stats() const { return packed ? packed->stats : volume.stats; }
 };
 
+/// How many cells come from a device at a time: a cell's packing leaves most of it idle, and waits for it.
+inline constexpr std::size_t bringers = 3;
+
 /// Each stage may throw; the pipeline turns that into a failed report.
 class CellStages {
  public:
@@ -46,7 +52,8 @@ class CellStages {
   void compute(CellInHand& cell);
   /// What a device holds comes to the host, packed as columns there; where that is not to be had as a volume, for the
   /// host to pack. Decides for `empty` where no voxel is occupied. The next cell is computed meanwhile.
-  void bring(CellInHand& cell);
+  /// bringer: who asks, at most `bringers`; each brings a cell of its own at the same time.
+  void bring(CellInHand& cell, std::size_t bringer);
   /// Volume or columns → shard → report.
   void write(CellInHand& cell);
 
@@ -55,7 +62,7 @@ class CellStages {
   template <class Step>
   bool on_device(CellInHand& cell, const Step& step);
   void bake_on_cpu(CellInHand& cell) const;
-  void pack_on_device(CellInHand& cell);
+  void pack_on_device(CellInHand& cell, kernels::CudaPacker& packer);
   void bring_volume(CellInHand& cell);
   bool is_alone_on_device(const kernels::CellStats& stats) const;
   void take_stats(CellInHand& cell) const;
@@ -67,9 +74,11 @@ class CellStages {
   const BakeParameters parameters_;
   const WorkerOptions options_;
   CellLoader loader_;
-  ThreadPool pool_, write_pool_;              ///< several cells are written at a time
-  std::unique_ptr<kernels::CudaBaker> cuda_;  ///< made on the thread that reads
-  std::unique_ptr<kernels::CudaPacker> packer_;
+  ThreadPool pool_, write_pool_;                               ///< several cells are written at a time
+  std::unique_ptr<kernels::CudaBaker> cuda_;                   ///< made on the thread that reads
+  std::vector<std::unique_ptr<kernels::CudaPacker>> packers_;  ///< of each bringer, and of who computes
+  std::shared_mutex packing_;                                  ///< taken alone by who needs all of its memory
+  std::mutex download_;                                        ///< which the baker does for one at a time
 };
 
 }  // namespace gigabake

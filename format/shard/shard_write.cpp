@@ -1,9 +1,13 @@
+#include <fcntl.h>
+
 #include "format/shard/channels.h"
 #include "format/shard/packed_shard.h"
 #include "format/shard/shard.h"
 #include "format/shard/shard_columns.h"
 #include "format/shard/shard_layout.h"
+#include "format/system/descriptor.h"
 #include "format/system/publish.h"
+#include "format/system/publish_place.h"
 
 namespace gigabake {
 namespace {
@@ -32,40 +36,73 @@ void write_header(Hdf5File& file, const ShardHeader& h) {
   file.write_attribute("triangles", Hdf5Type::u64, &h.triangles, 0);
 }
 
-/// Writes aside whatever columns `add_columns` gives, and publishes.
+/// HDF5 makes the file of a header and of whatever columns `add_columns` gives.
 template <class AddColumns>
-StoredShard write_file(const std::filesystem::path& path, const ShardHeader& header, const ShardWriteOptions& options,
-                       const AddColumns& add_columns) {
-  Publication publication(path);
-  StoredShard stored;
-  {
-    Hdf5File file = Hdf5File::create(publication.aside(), path);
-    write_header(file, header);
-    ShardColumns columns(header);
-    add_columns(columns);
-    stored = columns.stored_bytes(file.write_columns(columns.columns(), options.codec, options.pool));
-    file.close();
-  }
-  stored.file = std::filesystem::file_size(publication.aside());
-  publication.publish();
+StoredShard make_file(Hdf5File file, const ShardHeader& header, const ShardWriteOptions& options,
+                      const AddColumns& add_columns) {
+  write_header(file, header);
+  ShardColumns columns(header);
+  add_columns(columns);
+  const StoredShard stored = columns.stored_bytes(file.write_columns(columns.columns(), options.codec, options.pool));
+  file.close();
   return stored;
+}
+
+/// Larger files are not made in memory first: HDF5 writes them as it goes.
+constexpr std::uint64_t largest_image = std::uint64_t(64) << 20;
+
+std::uint64_t bytes_of(const PackedColumn& column) {
+  std::uint64_t bytes = column.raw.size();
+  for (const std::span<const std::uint8_t> chunk : column.stored) bytes += chunk.size();
+  return bytes;
+}
+
+/// About as many as the file will have, or more where columns come raw.
+std::uint64_t bytes_of(const PackedShard& shard) {
+  std::uint64_t bytes = 0;
+  for (const PackedColumn& column : shard.nodes) bytes += bytes_of(column);
+  for (const PackedLevel& level : shard.levels) {
+    bytes += bytes_of(level.mask) + bytes_of(level.first);
+    for (const PackedChannel& channel : level.channels)
+      bytes += bytes_of(channel.value) + bytes_of(channel.share) + bytes_of(channel.first);
+  }
+  return bytes;
+}
+
+void write_image(const FileImage& image, const std::filesystem::path& aside, const std::filesystem::path& path) {
+  const Descriptor out(aside, O_WRONLY | O_TRUNC);
+  if (!out.is_open() || !out.write_all(image.file())) fail_to(path, "write");
 }
 
 }  // namespace
 
 StoredShard write_shard(const std::filesystem::path& path, const Shard& shard, const ShardWriteOptions& options) {
-  return write_file(path, shard.header, options, [&](ShardColumns& columns) {
-    columns.add_nodes(shard.nodes);
-    for (const BrickLevel& level : shard.levels) columns.add_level(level, options.pool);
-  });
+  Publication publication(path);
+  StoredShard stored =
+      make_file(Hdf5File::create(publication.aside(), path), shard.header, options, [&](ShardColumns& columns) {
+        columns.add_nodes(shard.nodes);
+        for (const BrickLevel& level : shard.levels) columns.add_level(level, options.pool);
+      });
+  stored.file = std::filesystem::file_size(publication.aside());
+  publication.publish();
+  return stored;
 }
 
 StoredShard write_packed_shard(const std::filesystem::path& path, const PackedShard& shard,
                                const ShardWriteOptions& options) {
-  return write_file(path, shard.header, options, [&](ShardColumns& columns) {
-    columns.add_nodes(shard.nodes);
-    for (const PackedLevel& level : shard.levels) columns.add_level(level);
-  });
+  thread_local FileImage image;  // a writer keeps his own
+  Publication publication(path);
+  const bool in_memory = bytes_of(shard) <= largest_image;
+  StoredShard stored =
+      make_file(in_memory ? Hdf5File::create(image, path) : Hdf5File::create(publication.aside(), path), shard.header,
+                options, [&](ShardColumns& columns) {
+                  columns.add_nodes(shard.nodes);
+                  for (const PackedLevel& level : shard.levels) columns.add_level(level);
+                });
+  if (in_memory) write_image(image, publication.aside(), path);
+  stored.file = std::filesystem::file_size(publication.aside());
+  publication.publish();
+  return stored;
 }
 
 }  // namespace gigabake

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "format/shard/hdf5/chunk_codec.h"
+#include "format/shard/hdf5/file_image.h"
 #include "format/shard/hdf5/hdf5_call.h"
 #include "lattice/thread_pool.h"
 
@@ -52,6 +53,9 @@ class Hdf5File {
  public:
   /// called: what messages call the file, where it is to get another name once it is whole.
   static Hdf5File create(const std::filesystem::path& path, const std::filesystem::path& called);
+  /// In memory, of which image.file() is the file once it is closed. Borrows `image`. called: as above, and no other
+  /// open file's.
+  static Hdf5File create(FileImage& image, const std::filesystem::path& called);
   static Hdf5File open(const std::filesystem::path& path);
 
   /// Chunked, each chunk as chunk_codec.h: packed by the threads of `pool`, in one loop over all of them, and stored in

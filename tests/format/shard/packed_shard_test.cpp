@@ -123,6 +123,27 @@ TEST(PackedShard, OfBricksAloneHasTheCountsOfItsVoxels) {
   EXPECT_EQ(voxels[0], 2u);
 }
 
+/// The memory that a file is made in is used again, larger files and smaller ones by turns.
+TEST(PackedShard, OfSeveralMegabytesIsTheFileOfItsVoxels) {
+  const test::RandomSeed seed;
+  std::mt19937_64 rng(seed);
+  for (const std::int64_t height : {64, 2, 96}) {
+    std::vector<made::Voxel> voxels;
+    for (std::int64_t x = 0; x < 64; ++x)
+      for (std::int64_t y = 0; y < 64; ++y)
+        for (std::int64_t z = 0; z < height; ++z) {
+          const std::uint64_t bits = rng();
+          voxels.push_back({{2 * x, 2 * y, z},
+                            {std::uint8_t(bits), std::uint8_t(bits >> 8), std::uint8_t(bits >> 16), 255},
+                            {std::int8_t(bits >> 24), std::int8_t(bits >> 32)}});
+        }
+    const Shard shard = made::shard_of(voxels, {}, 128);
+    const PackedByHand by_hand(shard, PackedByHand::As::stored, Codec::deflate);
+    EXPECT_EQ(by_hand.packed.levels[0].channels[0].value.stored.size() > 4, height > 2);
+    expect_same_file(shard, PackedByHand::As::stored, Codec::deflate);
+  }
+}
+
 TEST(PackedShard, OfLevelsWithoutBricksIsTheFileOfItsVoxelsToo) {
   expect_same_file(made::constant_shard(), PackedByHand::As::stored, Codec::deflate);
 }
