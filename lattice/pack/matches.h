@@ -84,9 +84,9 @@ GB_HD std::uint32_t equal_of_eight(const std::uint8_t* a, const std::uint8_t* b)
 #endif
 }
 
-/// How many bytes are the same, at most `most`, where the first eight are.
-GB_HD std::uint32_t equal_beyond_eight(const std::uint8_t* a, const std::uint8_t* b, std::uint32_t most) {
-  for (std::uint32_t n = 8; n < most; n += 8)
+/// How many bytes are the same, at most `most`.
+GB_HD std::uint32_t equal_bytes(const std::uint8_t* a, const std::uint8_t* b, std::uint32_t most) {
+  for (std::uint32_t n = 0; n < most; n += 8)
     if (const std::uint32_t equal = equal_of_eight(a + n, b + n); equal < 8) return n + equal < most ? n + equal : most;
   return most;
 }
@@ -94,22 +94,15 @@ GB_HD std::uint32_t equal_beyond_eight(const std::uint8_t* a, const std::uint8_t
 /// The longer of both candidates' matches at `here`, the nearer of equals. Range  Distances out of reach are none.
 GB_HD Match best_match(const std::uint8_t* here, std::uint32_t most, std::uint32_t latest_distance,
                        std::uint32_t second_distance) {
-  // Without jumps, for a processor that would guess them wrong: what is out of reach is compared with itself, and is 0.
-  const std::uint32_t first_back = in_reach(latest_distance) ? latest_distance : 0;
-  const std::uint32_t second_back = in_reach(second_distance) ? second_distance : 0;
-  std::uint32_t first = equal_of_eight(here, here - first_back);
-  std::uint32_t second = equal_of_eight(here, here - second_back);
-  first = first_back == 0 ? 0 : first;
-  second = second_back == 0 ? 0 : second;
   if (most > longest_match) most = longest_match;
-  if ((first | second) & 8) {
-    if (first == 8) first = equal_beyond_eight(here, here - first_back, most);
-    if (second == 8) second = equal_beyond_eight(here, here - second_back, most);
+  Match best;
+  if (in_reach(latest_distance)) best = {equal_bytes(here, here - latest_distance, most), latest_distance};
+  if (in_reach(second_distance)) {
+    const std::uint32_t length = equal_bytes(here, here - second_distance, most);
+    if (length > best.length) best = {length, second_distance};
   }
-  first = first < most ? first : most;
-  second = second < most ? second : most;
-  const Match best = second > first ? Match{second, second_back} : Match{first, first_back};
-  return {best.length < shortest_match ? 0 : best.length, best.distance};
+  if (best.length < shortest_match) best.length = 0;
+  return best;
 }
 
 /// The match of `position` where `found` lay in its bucket before it; its bytes end at `end`.

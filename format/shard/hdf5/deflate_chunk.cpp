@@ -107,6 +107,31 @@ void parse_block(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t e
   at.token_count = std::size_t(to - at.tokens.data());
 }
 
+/// What a token begins with, literals and lengths alike: a code, the bits that follow it, and how many both are << 24.
+/// By the token's byte, or 256 and the length: so that writing has no jump to guess wrong.
+using FirstBits = std::array<std::uint32_t, 256 + rules::longest_match + 1>;
+
+void fill_first_bits(const rules::Code* codes, FirstBits& first) {
+  for (std::uint32_t byte = 0; byte < 256; ++byte)
+    first[byte] = rules::code_bits(codes[byte]) | rules::code_length(codes[byte]) << 24;
+  for (std::uint32_t length = rules::shortest_match; length <= rules::longest_match; ++length) {
+    const rules::Bits bits = rules::bits_of_length(length, codes);
+    first[256 + length] = std::uint32_t(bits.bits) | bits.count << 24;
+  }
+}
+
+void write_tokens(const Workplace& at, const FirstBits& first_bits, ByteWriter& writer) {
+  for (std::size_t i = 0; i < at.token_count; ++i) {
+    const rules::Token token = at.tokens[i];
+    const bool literal = rules::is_symbol(token);
+    const std::uint32_t first = first_bits[literal ? token : 256 + (token >> 16)];
+    const rules::Bits second = rules::bits_of_distance(literal ? 1 : token & 0xffff, at.codes.codes);
+    const std::uint32_t count = first >> 24;
+    const std::uint64_t bits = (first & 0xffffff) | (literal ? 0 : second.bits << count);
+    writer.put({bits, count + (literal ? 0 : second.count)});
+  }
+}
+
 void write_block(Workplace& at, bool last, ByteWriter& writer) {
   at.work.used_literals = order(at.counts, rules::literal_symbols, at.work.keys);
   at.work.used_distances =
@@ -114,7 +139,9 @@ void write_block(Workplace& at, bool last, ByteWriter& writer) {
   rules::make_block_codes(at.work, last, at.codes);
   for (std::uint32_t i = 0; 32 * i < at.codes.header_bits; ++i)
     writer.put({at.codes.header[i], std::min(32u, at.codes.header_bits - 32 * i)});
-  for (std::size_t i = 0; i < at.token_count; ++i) writer.put(rules::bits_of(at.tokens[i], at.codes.codes));
+  FirstBits first_bits;
+  fill_first_bits(at.codes.codes, first_bits);
+  write_tokens(at, first_bits, writer);
   writer.put(rules::bits_of(rules::end_of_block, at.codes.codes));
 }
 
