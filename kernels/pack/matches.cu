@@ -81,7 +81,7 @@ __global__ void __launch_bounds__(threads) matches(Batch batch) {
   for (std::uint32_t p = part.begin; p < part.end; p += threads) {
     std::uint32_t& word = batch.words[staged + p];
     const std::uint32_t end = deflate::segment_end(p, block.end);
-    const deflate::Match match = deflate::match_in(word, batch.bytes + staged, p, end);
+    const deflate::Match match = deflate::match_in(word, batch.bytes + staged, p, end, deflate::shortest_match - 1);
     word = deflate::match_token(match.length, match.distance);
   }
 }
@@ -98,7 +98,7 @@ __global__ void __launch_bounds__(32) parse(Batch batch) {
   if (begin < block.end) {
     // A segment has no more tokens than bytes: they go where its matches were read from.
     std::uint32_t *const words = batch.words + staged, *const to = words + begin;
-    const auto match_at = [&](std::uint32_t p, std::uint32_t) { return deflate::match_of(words[p]); };
+    const auto match_at = [&](std::uint32_t p, std::uint32_t, std::uint32_t) { return deflate::match_of(words[p]); };
     const auto add = [&](deflate::Token token) {
       to[tokens++] = token;
       deflate::count_symbols(token, [&](std::uint32_t symbol) { atomicAdd(&counts[symbol], 1u); });

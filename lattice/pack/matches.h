@@ -91,23 +91,30 @@ GB_HD std::uint32_t equal_bytes(const std::uint8_t* a, const std::uint8_t* b, st
   return most;
 }
 
-/// The longer of both candidates' matches at `here`, the nearer of equals. Range  Distances out of reach are none.
+/// `best`, or what lies `distance` back where more bytes of it are the same. Range  best.length ≥ shortest_match - 1.
+/// Most candidates differ in the four bytes that would make them longer, and are let go there.
+GB_HD Match longer_match(const std::uint8_t* here, std::uint32_t most, std::uint32_t distance, const Match& best) {
+  if (!in_reach(distance) || best.length >= most) return best;
+  const std::uint32_t four = best.length + 1 - shortest_match;
+  if (four_bytes(here + four) != four_bytes(here + four - distance)) return best;
+  const std::uint32_t length = equal_bytes(here, here - distance, most);
+  return length > best.length ? Match{length, distance} : best;
+}
+
+/// The longest of both candidates' matches at `here` that is longer than `length`, the nearer of equals.
+/// Range  length ≥ shortest_match - 1. Distances out of reach are none.
 GB_HD Match best_match(const std::uint8_t* here, std::uint32_t most, std::uint32_t latest_distance,
-                       std::uint32_t second_distance) {
+                       std::uint32_t second_distance, std::uint32_t length) {
   if (most > longest_match) most = longest_match;
-  Match best;
-  if (in_reach(latest_distance)) best = {equal_bytes(here, here - latest_distance, most), latest_distance};
-  if (in_reach(second_distance)) {
-    const std::uint32_t length = equal_bytes(here, here - second_distance, most);
-    if (length > best.length) best = {length, second_distance};
-  }
-  if (best.length < shortest_match) best.length = 0;
-  return best;
+  const Match none{length, 0}, first = longer_match(here, most, latest_distance, none);
+  const Match best = longer_match(here, most, second_distance, first);
+  return best.distance == 0 ? Match{} : best;
 }
 
 /// The match of `position` where `found` lay in its bucket before it; its bytes end at `end`.
-GB_HD Match match_in(Bucket found, const std::uint8_t* bytes, std::uint32_t position, std::uint32_t end) {
-  return best_match(bytes + position, end - position, latest(found, position), second_latest(found, position));
+GB_HD Match match_in(Bucket found, const std::uint8_t* bytes, std::uint32_t position, std::uint32_t end,
+                     std::uint32_t length) {
+  return best_match(bytes + position, end - position, latest(found, position), second_latest(found, position), length);
 }
 GB_HD Match match_of(Token token) { return {token >> 16, token & 0xffff}; }
 
@@ -126,37 +133,34 @@ GB_HD std::uint32_t segment_end(std::uint32_t position, std::uint32_t block_end)
 
 /// Whether a literal and then `next` are better than the match `here`: a byte more pays for bits of the distance.
 GB_HD bool better_one_later(const Match& here, const Match& next) {
-  if (next.length == 0) return false;
+  if (next.length <= here.length) return false;
   const int bytes = int(next.length) - int(here.length);
   return 4 * bytes + int(floor_log2(here.distance)) - int(floor_log2(next.distance)) > 2;
 }
 
-/// The tokens of bytes [begin, end), in order, by `add(token)`. `match_at(p, end)` is best_match at p, whose bytes end
-/// there; it is asked for rising positions, and not for all.
+/// The tokens of bytes [begin, end), in order, by `add(token)`. `match_at(p, end, length)` is best_match at p, whose
+/// bytes end there, or any that is no longer than `length`; it is asked for rising positions, and not for all.
 template <class MatchAt, class Add>
 GB_HD void parse_segment(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t end, MatchAt& match_at,
                          Add& add) {
-  Match here = match_at(begin, end);
+  Match here = match_at(begin, end, shortest_match - 1);
   for (std::uint32_t at = begin;;) {
-    Match next;
     if (here.length == 0) {
       add(bytes[at++]);
-      if (at == end) return;
-      here = match_at(at, end);
-      continue;
-    }
-    if (here.length < long_enough && at + 1 < end) {
-      next = match_at(at + 1, end);
-      if (better_one_later(here, next)) {
-        add(bytes[at++]);
-        here = next;
-        continue;
+    } else {
+      if (here.length < long_enough && at + 1 < end) {
+        const Match next = match_at(at + 1, end, here.length);
+        if (better_one_later(here, next)) {
+          add(bytes[at++]);
+          here = next;
+          continue;
+        }
       }
+      add(match_token(here.length, here.distance));
+      at += here.length;
     }
-    add(match_token(here.length, here.distance));
-    at += here.length;
     if (at == end) return;
-    here = match_at(at, end);
+    here = match_at(at, end, shortest_match - 1);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 #include <libdeflate.h>
+#include <memory>
 
 #include "lattice/pack/block_codes.h"
 #include "lattice/pack/matches.h"
@@ -39,6 +40,7 @@ class Candidates {
       for (rules::Bucket& b : at_.table) b = rules::aged(b, begin);
     const std::uint32_t entered = std::max(begin, rules::entered_before(size_, end));
     rules::Bucket* found = at_.found.data();
+#pragma GCC unroll 4
     for (std::uint32_t p = begin; p < entered; ++p) {
       rules::Bucket& entry = at_.table[rules::bucket_of(rules::four_bytes(bytes_ + p))];
       *found++ = entry;
@@ -47,9 +49,9 @@ class Candidates {
     for (std::uint32_t p = entered; p < end; ++p) *found++ = rules::empty_bucket(p);
   }
 
-  rules::Match operator()(std::uint32_t position, std::uint32_t end) const {
+  rules::Match operator()(std::uint32_t position, std::uint32_t end, std::uint32_t length) const {
     const rules::Bucket found = at_.found[position - begin_];
-    return rules::match_in(found, bytes_, position, end);
+    return rules::match_in(found, bytes_, position, end, length);
   }
 
  private:
@@ -121,8 +123,7 @@ void fill_first_bits(const rules::Code* codes, FirstBits& first) {
 }
 
 void write_tokens(const Workplace& at, const FirstBits& first_bits, ByteWriter& writer) {
-  for (std::size_t i = 0; i < at.token_count; ++i) {
-    const rules::Token token = at.tokens[i];
+  for (const rules::Token token : std::span(at.tokens).first(at.token_count)) {
     const bool literal = rules::is_symbol(token);
     const std::uint32_t first = first_bits[literal ? token : 256 + (token >> 16)];
     const rules::Bits second = rules::bits_of_distance(literal ? 1 : token & 0xffff, at.codes.codes);
@@ -148,7 +149,9 @@ void write_block(Workplace& at, bool last, ByteWriter& writer) {
 }  // namespace
 
 std::vector<std::uint8_t> zlib_frame(std::span<const std::uint8_t> bytes, std::size_t room) {
-  thread_local Workplace at;
+  // A thread keeps its own: it takes longer to allocate than many a chunk to pack.
+  thread_local const std::unique_ptr<Workplace> kept = std::make_unique<Workplace>();
+  Workplace& at = *kept;
   const auto size = std::uint32_t(bytes.size());
   // A literal takes 15 bits at most, and a match of four bytes 48.
   at.written.resize(std::max<std::size_t>(at.written.size(),
