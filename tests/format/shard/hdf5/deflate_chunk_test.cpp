@@ -73,8 +73,7 @@ TEST(DeflateChunk, IsReadBackForRandomSizesAndMixtures) {
 TEST(DeflateChunk, TakesHardlyMoreThanLibdeflateOfWhatShardsHold) {
   const test::RandomSeed seed;
   test::Random rng(seed);
-  for (const Bytes& bytes :
-       {test::colours(rng, 1 << 17), test::runs(rng, 1 << 17, 20), test::noise(rng, 1 << 17, 40)})
+  for (const Bytes& bytes : {test::colours(rng, 1 << 17), test::runs(rng, 1 << 17, 20), test::noise(rng, 1 << 17, 40)})
     EXPECT_LE(double(framed(bytes).size()), 1.02 * double(level_1_size(bytes)));
   // What is nearly nothing is nearly nothing, but for a header a block.
   const Bytes alike = test::periodic(rng, 1 << 17, 640);
@@ -97,8 +96,9 @@ TEST(DeflateChunk, MakesTheBytesThatItAlwaysMade) {
   EXPECT_EQ(all.size(), 3657570u);
   EXPECT_EQ(libdeflate_crc32(0, all.data(), all.size()), 4013950785u);
   const std::string small = "voxel voxel voxel voxels";
-  EXPECT_EQ(framed(Bytes(small.begin(), small.end())), (Bytes{0x78, 0x01, 0x65, 0xc4, 0xb1, 0x09, 0x00, 0x00, 0x0c, 0x02, 0xb0, 0x57, 0xfa, 0x5c, 0x37,
-                   0xc1, 0x41, 0x10, 0xcf, 0xf7, 0x00, 0x33, 0xc4, 0xcc, 0xe3, 0x66, 0x15, 0x77, 0x3b, 0x09, 0x8c}));
+  const Bytes frame{0x78, 0x01, 0x65, 0xc4, 0xb1, 0x09, 0x00, 0x00, 0x0c, 0x02, 0xb0, 0x57, 0xfa, 0x5c, 0x37, 0xc1,
+                    0x41, 0x10, 0xcf, 0xf7, 0x00, 0x33, 0xc4, 0xcc, 0xe3, 0x66, 0x15, 0x77, 0x3b, 0x09, 0x8c};
+  EXPECT_EQ(framed(Bytes(small.begin(), small.end())), frame);
 }
 
 /// Candidates as the header says them, found by looking at all earlier positions of a bucket.
