@@ -44,7 +44,7 @@ class Candidates {
     for (std::uint32_t p = begin; p < entered; ++p) {
       rules::Bucket& entry = at_.table[rules::bucket_of(rules::four_bytes(bytes_ + p))];
       *found++ = entry;
-      entry = rules::with_position(entry, p);
+      entry = rules::bucket_with(p);
     }
     for (std::uint32_t p = entered; p < end; ++p) *found++ = rules::empty_bucket(p);
   }
