@@ -110,11 +110,12 @@ GB_HD std::uint32_t segment_end(std::uint32_t position, std::uint32_t block_end)
   return end < block_end ? end : block_end;
 }
 
-/// Whether a literal and then `next` are better than the match `here`: a byte more pays for bits of the distance.
+/// Whether a literal and then `next` are better than the match `here`: no shorter, and a byte more is worth two bits of
+/// the distance.
 GB_HD bool better_one_later(const Match& here, const Match& next) {
-  if (next.length <= here.length) return false;
+  if (next.length < here.length) return false;
   const int bytes = int(next.length) - int(here.length);
-  return 4 * bytes + int(floor_log2(here.distance)) - int(floor_log2(next.distance)) > 2;
+  return 2 * bytes + int(floor_log2(here.distance)) - int(floor_log2(next.distance)) > 2;
 }
 
 /// The tokens of bytes [begin, end), in order, by `add(token)`. `match_at(p, end, length)` is match_in at p, or any
@@ -128,7 +129,7 @@ GB_HD void parse_segment(const std::uint8_t* bytes, std::uint32_t begin, std::ui
       add(bytes[at++]);
     } else {
       if (here.length < long_enough && at + 1 < end) {
-        const Match next = match_at(at + 1, end, here.length);
+        const Match next = match_at(at + 1, end, here.length - 1);
         if (better_one_later(here, next)) {
           add(bytes[at++]);
           here = next;

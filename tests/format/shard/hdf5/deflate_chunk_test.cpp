@@ -93,8 +93,8 @@ TEST(DeflateChunk, MakesTheBytesThatItAlwaysMade) {
       const Bytes frame = framed(made.bytes);
       all.insert(all.end(), frame.begin(), frame.end());
     }
-  EXPECT_EQ(all.size(), 3650195u);
-  EXPECT_EQ(libdeflate_crc32(0, all.data(), all.size()), 1830032192u);
+  EXPECT_EQ(all.size(), 3638771u);
+  EXPECT_EQ(libdeflate_crc32(0, all.data(), all.size()), 906546101u);
   const std::string small = "voxel voxel voxel voxels";
   const Bytes frame{0x78, 0x01, 0x65, 0xc4, 0xb1, 0x09, 0x00, 0x00, 0x0c, 0x02, 0xb0, 0x57, 0xfa, 0x5c, 0x37, 0xc1,
                     0x41, 0x10, 0xcf, 0xf7, 0x00, 0x33, 0xc4, 0xcc, 0xe3, 0x66, 0x15, 0x77, 0x3b, 0x09, 0x8c};
