@@ -25,32 +25,46 @@ __global__ void __launch_bounds__(threads) stage(Batch batch) {
     batch.bytes[chunk.staged + i] = batch.raw[chunk.raw + shuffled_from(i, chunk.bytes, chunk.element_bytes)];
 }
 
-/// What lies in the bucket of each lane's position, from what lay in it before the warp's and from lower lanes.
-__device__ deflate::Bucket bucket_before(deflate::Bucket table, unsigned lower, std::uint32_t warp_position) {
-  if (lower == 0) return table;
-  const unsigned highest = 31u - unsigned(__clz(int(lower)));
-  const unsigned others = lower & ~(1u << highest);
-  if (others != 0) table = deflate::with_position(table, warp_position + 31u - unsigned(__clz(int(others))));
-  return deflate::with_position(table, warp_position + highest);
+/// What a warp enters positions of a chunk in, and where it keeps what lay there before each; null: it keeps nothing.
+struct Entering {
+  deflate::Bucket* table;
+  std::uint32_t* words;
+};
+
+/// One position a lane, those below `end`. What lies in a position's bucket is the highest lower lane with that bucket,
+/// if there is one, and what lay there before the warp's otherwise.
+__device__ void enter_32(std::uint32_t warp_position, std::uint32_t four, std::uint32_t end, const Entering& to) {
+  const std::uint32_t lane = threadIdx.x, position = warp_position + lane;
+  const bool entered = position < end;
+  const std::uint32_t bucket = entered ? deflate::bucket_of(four) : deflate::buckets + lane;
+  const unsigned alike = __match_any_sync(~0u, bucket), mine = 1u << lane, lower = alike & (mine - 1);
+  deflate::Bucket found = entered ? to.table[bucket] : deflate::Bucket(0);
+  if (lower != 0) found = deflate::bucket_with(warp_position + deflate::floor_log2(lower));
+  __syncwarp();
+  if (entered && alike < 2 * std::uint64_t(mine)) to.table[bucket] = deflate::bucket_with(position);
+  if (entered && to.words != nullptr) to.words[position] = found;
+  __syncwarp();
 }
 
-/// A warp enters positions [begin, end) of a chunk, 32 at a time, and keeps what it found from `kept` on.
-__device__ void enter(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t end, bool kept,
-                      deflate::Bucket* table, std::uint32_t* words) {
-  const std::uint32_t lane = threadIdx.x;
-  std::uint32_t ahead = begin + lane < end ? deflate::four_bytes(bytes + begin + lane) : 0;
-  for (std::uint32_t at = begin; at < end; at += 32) {
-    const std::uint32_t position = at + lane, four = ahead;
-    if (position + 32 < end) ahead = deflate::four_bytes(bytes + position + 32);
-    const bool entered = position < end;
-    const std::uint32_t bucket = entered ? deflate::bucket_of(four) : deflate::buckets + lane;
-    const unsigned alike = __match_any_sync(~0u, bucket);
-    const unsigned below = (1u << lane) - 1;
-    const deflate::Bucket found = entered ? bucket_before(table[bucket], alike & below, at) : 0;
-    __syncwarp();
-    if (entered && (alike & ~below) == 1u << lane) table[bucket] = deflate::with_position(found, position);
-    if (entered && kept) words[position] = found;
-    __syncwarp();
+/// A warp enters positions [begin, end), 32 at a time. Their bytes are read 256 ahead: a step that waits for its own
+/// takes as long as memory does.
+__device__ void enter(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t end, const Entering& to) {
+  constexpr std::uint32_t steps = 8;
+  std::uint32_t four[steps], next[steps];
+  const auto read = [&](std::uint32_t at) {
+    GB_UNROLL
+    for (std::uint32_t s = 0; s < steps; ++s) {
+      const std::uint32_t position = at + 32 * s + threadIdx.x;
+      next[s] = position < end ? deflate::four_bytes(bytes + position) : 0;
+    }
+  };
+  read(begin);
+  for (std::uint32_t at = begin; at < end; at += 32 * steps) {
+    GB_UNROLL
+    for (std::uint32_t s = 0; s < steps; ++s) four[s] = next[s];
+    read(at + 32 * steps);
+    GB_UNROLL
+    for (std::uint32_t s = 0; s < steps; ++s) enter_32(at + 32 * s, four[s], end, to);
   }
 }
 
@@ -66,11 +80,11 @@ __global__ void __launch_bounds__(32) candidates(Batch batch) {
   for (std::uint32_t b = lane; b < deflate::buckets; b += 32) table[b] = deflate::empty_bucket(earlier);
   __syncwarp();
   if (earlier < begin) {
-    enter(bytes, earlier, min(begin, end), false, table, words);
+    enter(bytes, earlier, min(begin, end), {table, nullptr});
     for (std::uint32_t b = lane; b < deflate::buckets; b += 32) table[b] = deflate::aged(table[b], begin);
     __syncwarp();
   }
-  enter(bytes, begin, end, true, table, words);
+  enter(bytes, begin, end, {table, words});
   for (std::uint32_t p = max(begin, end) + lane; p < block.end; p += 32) words[p] = deflate::empty_bucket(p);
 }
 
@@ -81,7 +95,8 @@ __global__ void __launch_bounds__(threads) matches(Batch batch) {
   for (std::uint32_t p = part.begin; p < part.end; p += threads) {
     std::uint32_t& word = batch.words[staged + p];
     const std::uint32_t end = deflate::segment_end(p, block.end);
-    const deflate::Match match = deflate::match_in(word, batch.bytes + staged, p, end);
+    const deflate::Match match =
+        deflate::match_in(deflate::Bucket(word), batch.bytes + staged, p, end, deflate::shortest_match - 1);
     word = deflate::match_token(match.length, match.distance);
   }
 }
@@ -98,7 +113,7 @@ __global__ void __launch_bounds__(32) parse(Batch batch) {
   if (begin < block.end) {
     // A segment has no more tokens than bytes: they go where its matches were read from.
     std::uint32_t *const words = batch.words + staged, *const to = words + begin;
-    const auto match_at = [&](std::uint32_t p, std::uint32_t) { return deflate::match_of(words[p]); };
+    const auto match_at = [&](std::uint32_t p, std::uint32_t, std::uint32_t) { return deflate::match_of(words[p]); };
     const auto add = [&](deflate::Token token) {
       to[tokens++] = token;
       deflate::count_symbols(token, [&](std::uint32_t symbol) { atomicAdd(&counts[symbol], 1u); });

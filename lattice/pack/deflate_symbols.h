@@ -32,18 +32,14 @@ struct SymbolAndBits {
 
 /// Range  3 ≤ length ≤ 258.
 GB_HD SymbolAndBits symbol_of_length(std::uint32_t length) {
-  const std::uint32_t above = length - 3;
-  if (length == longest_match) return {285, 0, 0};
-  if (above < 8) return {257 + above, 0, 0};
-  const std::uint32_t bits = floor_log2(above) - 2;
-  return {257 + 4 * bits + (above >> bits), above & ((1u << bits) - 1), bits};
+  const std::uint32_t above = length - 3, bits = floor_log2(above | 4) - 2;
+  const SymbolAndBits found{257 + 4 * bits + (above >> bits), above & ((1u << bits) - 1), bits};
+  return length == longest_match ? SymbolAndBits{285, 0, 0} : found;
 }
 
 /// A number among `block_symbols`. Range  1 ≤ distance ≤ 32768.
 GB_HD SymbolAndBits symbol_of_distance(std::uint32_t distance) {
-  const std::uint32_t above = distance - 1;
-  if (above < 4) return {literal_symbols + above, 0, 0};
-  const std::uint32_t bits = floor_log2(above) - 1;
+  const std::uint32_t above = distance - 1, bits = floor_log2(above | 2) - 1;
   return {literal_symbols + 2 * bits + (above >> bits), above & ((1u << bits) - 1), bits};
 }
 
@@ -72,19 +68,22 @@ struct Bits {
   std::uint32_t count;
 };
 
+GB_HD Bits bits_of_symbol(const SymbolAndBits& s, const Code* codes) {
+  const Code code = codes[s.symbol];
+  return {code_bits(code) | std::uint64_t(s.bits) << code_length(code), code_length(code) + s.bit_count};
+}
+GB_HD Bits bits_of_length(std::uint32_t length, const Code* codes) {
+  return bits_of_symbol(symbol_of_length(length), codes);
+}
+GB_HD Bits bits_of_distance(std::uint32_t distance, const Code* codes) {
+  return bits_of_symbol(symbol_of_distance(distance), codes);
+}
+
 /// What the token is written as. Range  `codes` has block_symbols, and codes for the token's.
 GB_HD Bits bits_of(Token token, const Code* codes) {
   if (is_symbol(token)) return {code_bits(codes[token]), code_length(codes[token])};
-  const SymbolAndBits length = symbol_of_length(token >> 16), distance = symbol_of_distance(token & 0xffff);
-  const Code first = codes[length.symbol], second = codes[distance.symbol];
-  std::uint64_t bits = code_bits(first);
-  std::uint32_t count = code_length(first);
-  bits |= std::uint64_t(length.bits) << count;
-  count += length.bit_count;
-  bits |= std::uint64_t(code_bits(second)) << count;
-  count += code_length(second);
-  bits |= std::uint64_t(distance.bits) << count;
-  return {bits, count + distance.bit_count};
+  const Bits length = bits_of_length(token >> 16, codes), distance = bits_of_distance(token & 0xffff, codes);
+  return {length.bits | distance.bits << length.count, length.count + distance.count};
 }
 
 }  // namespace gigabake::deflate

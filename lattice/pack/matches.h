@@ -1,13 +1,13 @@
 /// Which earlier bytes a position of a chunk may repeat, and how a segment is parsed into literals and matches.
 ///
-/// What repeats is a function of the bytes alone: the candidates of position p are the latest and the second latest
-/// position before p, at most 32,767 back, whose next four bytes fall into the same of 8192 buckets. So they are found
-/// by one pass with a table, or by many at once where each begins 32 KiB earlier. A segment's parse needs nothing of
-/// other segments': its matches end where it does, and reach back beyond where it begins.
+/// What repeats is a function of the bytes alone: the candidate of position p is the latest position before p, at most
+/// 32,767 back, whose next four bytes fall into the same of 16,384 buckets. So it is found by one pass with a table, or
+/// by many at once where each begins 32 KiB earlier. A segment's parse needs nothing of other segments': its matches
+/// end where it does, and reach back beyond where it begins.
 ///
 /// Exact   Integers: host and device give the same tokens.
 /// Range   All bytes may be read `readable_beyond` further than they reach.
-/// Source  The buckets of two are libdeflate's level 1; the figures are in docs/lab/packing.md.
+/// Source  What else was tried: docs/lab/packing.md.
 #pragma once
 
 #include <bit>
@@ -40,28 +40,19 @@ GB_HD std::uint32_t four_bytes(const std::uint8_t* at) {
 #endif
 }
 
-/// The two latest positions of a bucket, modulo 65536: the latest in the low half.
-using Bucket = std::uint32_t;
-inline constexpr std::uint32_t bucket_bits = 13, buckets = 1 << bucket_bits;
+/// The latest position of a bucket, modulo 65536.
+using Bucket = std::uint16_t;
+inline constexpr std::uint32_t bucket_bits = 14, buckets = 1 << bucket_bits;
 GB_HD std::uint32_t bucket_of(std::uint32_t bytes) { return bytes * 0x9E3779B1u >> (32 - bucket_bits); }
-GB_HD Bucket with_position(Bucket bucket, std::uint32_t position) { return bucket << 16 | (position & 0xffff); }
-GB_HD std::uint32_t latest(Bucket bucket, std::uint32_t position) { return (position - bucket) & 0xffff; }
-GB_HD std::uint32_t second_latest(Bucket bucket, std::uint32_t position) {
-  return (position - (bucket >> 16)) & 0xffff;
-}
+GB_HD Bucket bucket_with(std::uint32_t position) { return Bucket(position); }
+GB_HD std::uint32_t distance_to(Bucket bucket, std::uint32_t position) { return (position - bucket) & 0xffff; }
 GB_HD bool in_reach(std::uint32_t distance) { return distance - 1 < longest_distance; }
 
-/// What an empty bucket holds, and one whose positions are out of reach, from the block that begins at `position` on:
-/// out of reach for all of its positions. A table is gone over at the start of each block, before 65,536 come round.
-GB_HD Bucket empty_bucket(std::uint32_t position) {
-  const std::uint32_t never = (position - block_bytes) & 0xffff;
-  return never << 16 | never;
-}
+/// What an empty bucket holds, and one whose position is out of reach, from the block that begins at `position` on: out
+/// of reach for all of its positions. A table is gone over at the start of each block, before 65,536 come round.
+GB_HD Bucket empty_bucket(std::uint32_t position) { return Bucket(position - block_bytes); }
 GB_HD Bucket aged(Bucket bucket, std::uint32_t position) {
-  const Bucket never = empty_bucket(position);
-  if (!in_reach(latest(bucket, position))) bucket = (bucket & 0xffff0000u) | (never & 0xffff);
-  if (!in_reach(second_latest(bucket, position))) bucket = (bucket & 0xffff) | (never & 0xffff0000u);
-  return bucket;
+  return in_reach(distance_to(bucket, position)) ? bucket : empty_bucket(position);
 }
 
 /// length 0: there is none.
@@ -84,37 +75,25 @@ GB_HD std::uint32_t equal_of_eight(const std::uint8_t* a, const std::uint8_t* b)
 #endif
 }
 
-/// How many bytes are the same, at most `most`, where the first eight are.
-GB_HD std::uint32_t equal_beyond_eight(const std::uint8_t* a, const std::uint8_t* b, std::uint32_t most) {
-  for (std::uint32_t n = 8; n < most; n += 8)
+/// How many bytes are the same, at most `most`.
+GB_HD std::uint32_t equal_bytes(const std::uint8_t* a, const std::uint8_t* b, std::uint32_t most) {
+  for (std::uint32_t n = 0; n < most; n += 8)
     if (const std::uint32_t equal = equal_of_eight(a + n, b + n); equal < 8) return n + equal < most ? n + equal : most;
   return most;
 }
 
-/// The longer of both candidates' matches at `here`, the nearer of equals. Range  Distances out of reach are none.
-GB_HD Match best_match(const std::uint8_t* here, std::uint32_t most, std::uint32_t latest_distance,
-                       std::uint32_t second_distance) {
-  // Without jumps, for a processor that would guess them wrong: what is out of reach is compared with itself, and is 0.
-  const std::uint32_t first_back = in_reach(latest_distance) ? latest_distance : 0;
-  const std::uint32_t second_back = in_reach(second_distance) ? second_distance : 0;
-  std::uint32_t first = equal_of_eight(here, here - first_back);
-  std::uint32_t second = equal_of_eight(here, here - second_back);
-  first = first_back == 0 ? 0 : first;
-  second = second_back == 0 ? 0 : second;
-  if (most > longest_match) most = longest_match;
-  if ((first | second) & 8) {
-    if (first == 8) first = equal_beyond_eight(here, here - first_back, most);
-    if (second == 8) second = equal_beyond_eight(here, here - second_back, most);
-  }
-  first = first < most ? first : most;
-  second = second < most ? second : most;
-  const Match best = second > first ? Match{second, second_back} : Match{first, first_back};
-  return {best.length < shortest_match ? 0 : best.length, best.distance};
-}
-
-/// The match of `position` where `found` lay in its bucket before it; its bytes end at `end`.
-GB_HD Match match_in(Bucket found, const std::uint8_t* bytes, std::uint32_t position, std::uint32_t end) {
-  return best_match(bytes + position, end - position, latest(found, position), second_latest(found, position));
+/// The match of `position` with the position that lay in its bucket before it, if it is longer than `length`; it ends
+/// at `end` at the latest. Most candidates differ in the four bytes that would make them so long, and are let go there.
+/// Range  length ≥ shortest_match - 1.
+GB_HD Match match_in(Bucket found, const std::uint8_t* bytes, std::uint32_t position, std::uint32_t end,
+                     std::uint32_t length) {
+  const std::uint32_t distance = distance_to(found, position);
+  const std::uint32_t most = end - position < longest_match ? end - position : longest_match;
+  if (!in_reach(distance) || length >= most) return {};
+  const std::uint8_t *const here = bytes + position, *const tried = here + length + 1 - shortest_match;
+  if (four_bytes(tried) != four_bytes(tried - distance)) return {};
+  const std::uint32_t equal = equal_bytes(here, here - distance, most);
+  return equal > length ? Match{equal, distance} : Match{};
 }
 GB_HD Match match_of(Token token) { return {token >> 16, token & 0xffff}; }
 
@@ -131,39 +110,37 @@ GB_HD std::uint32_t segment_end(std::uint32_t position, std::uint32_t block_end)
   return end < block_end ? end : block_end;
 }
 
-/// Whether a literal and then `next` are better than the match `here`: a byte more pays for bits of the distance.
+/// Whether a literal and then `next` are better than the match `here`: no shorter, and a byte more is worth two bits of
+/// the distance.
 GB_HD bool better_one_later(const Match& here, const Match& next) {
-  if (next.length == 0) return false;
+  if (next.length < here.length) return false;
   const int bytes = int(next.length) - int(here.length);
-  return 4 * bytes + int(floor_log2(here.distance)) - int(floor_log2(next.distance)) > 2;
+  return 2 * bytes + int(floor_log2(here.distance)) - int(floor_log2(next.distance)) > 2;
 }
 
-/// The tokens of bytes [begin, end), in order, by `add(token)`. `match_at(p, end)` is best_match at p, whose bytes end
-/// there; it is asked for rising positions, and not for all.
+/// The tokens of bytes [begin, end), in order, by `add(token)`. `match_at(p, end, length)` is match_in at p, or any
+/// match that is no longer than `length`; it is asked for rising positions, and not for all.
 template <class MatchAt, class Add>
 GB_HD void parse_segment(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t end, MatchAt& match_at,
                          Add& add) {
-  Match here = match_at(begin, end);
+  Match here = match_at(begin, end, shortest_match - 1);
   for (std::uint32_t at = begin;;) {
-    Match next;
     if (here.length == 0) {
       add(bytes[at++]);
-      if (at == end) return;
-      here = match_at(at, end);
-      continue;
-    }
-    if (here.length < long_enough && at + 1 < end) {
-      next = match_at(at + 1, end);
-      if (better_one_later(here, next)) {
-        add(bytes[at++]);
-        here = next;
-        continue;
+    } else {
+      if (here.length < long_enough && at + 1 < end) {
+        const Match next = match_at(at + 1, end, here.length - 1);
+        if (better_one_later(here, next)) {
+          add(bytes[at++]);
+          here = next;
+          continue;
+        }
       }
+      add(match_token(here.length, here.distance));
+      at += here.length;
     }
-    add(match_token(here.length, here.distance));
-    at += here.length;
     if (at == end) return;
-    here = match_at(at, end);
+    here = match_at(at, end, shortest_match - 1);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 #include <libdeflate.h>
+#include <memory>
 
 #include "lattice/pack/block_codes.h"
 #include "lattice/pack/matches.h"
@@ -39,17 +40,18 @@ class Candidates {
       for (rules::Bucket& b : at_.table) b = rules::aged(b, begin);
     const std::uint32_t entered = std::max(begin, rules::entered_before(size_, end));
     rules::Bucket* found = at_.found.data();
+#pragma GCC unroll 4
     for (std::uint32_t p = begin; p < entered; ++p) {
       rules::Bucket& entry = at_.table[rules::bucket_of(rules::four_bytes(bytes_ + p))];
       *found++ = entry;
-      entry = rules::with_position(entry, p);
+      entry = rules::bucket_with(p);
     }
     for (std::uint32_t p = entered; p < end; ++p) *found++ = rules::empty_bucket(p);
   }
 
-  rules::Match operator()(std::uint32_t position, std::uint32_t end) const {
+  rules::Match operator()(std::uint32_t position, std::uint32_t end, std::uint32_t length) const {
     const rules::Bucket found = at_.found[position - begin_];
-    return rules::match_in(found, bytes_, position, end);
+    return rules::match_in(found, bytes_, position, end, length);
   }
 
  private:
@@ -107,6 +109,30 @@ void parse_block(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t e
   at.token_count = std::size_t(to - at.tokens.data());
 }
 
+/// What a token begins with, literals and lengths alike: a code, the bits that follow it, and how many both are << 24.
+/// By the token's byte, or 256 and the length: so that writing has no jump to guess wrong.
+using FirstBits = std::array<std::uint32_t, 256 + rules::longest_match + 1>;
+
+void fill_first_bits(const rules::Code* codes, FirstBits& first) {
+  for (std::uint32_t byte = 0; byte < 256; ++byte)
+    first[byte] = rules::code_bits(codes[byte]) | rules::code_length(codes[byte]) << 24;
+  for (std::uint32_t length = rules::shortest_match; length <= rules::longest_match; ++length) {
+    const rules::Bits bits = rules::bits_of_length(length, codes);
+    first[256 + length] = std::uint32_t(bits.bits) | bits.count << 24;
+  }
+}
+
+void write_tokens(const Workplace& at, const FirstBits& first_bits, ByteWriter& writer) {
+  for (const rules::Token token : std::span(at.tokens).first(at.token_count)) {
+    const bool literal = rules::is_symbol(token);
+    const std::uint32_t first = first_bits[literal ? token : 256 + (token >> 16)];
+    const rules::Bits second = rules::bits_of_distance(literal ? 1 : token & 0xffff, at.codes.codes);
+    const std::uint32_t count = first >> 24;
+    const std::uint64_t bits = (first & 0xffffff) | (literal ? 0 : second.bits << count);
+    writer.put({bits, count + (literal ? 0 : second.count)});
+  }
+}
+
 void write_block(Workplace& at, bool last, ByteWriter& writer) {
   at.work.used_literals = order(at.counts, rules::literal_symbols, at.work.keys);
   at.work.used_distances =
@@ -114,14 +140,18 @@ void write_block(Workplace& at, bool last, ByteWriter& writer) {
   rules::make_block_codes(at.work, last, at.codes);
   for (std::uint32_t i = 0; 32 * i < at.codes.header_bits; ++i)
     writer.put({at.codes.header[i], std::min(32u, at.codes.header_bits - 32 * i)});
-  for (std::size_t i = 0; i < at.token_count; ++i) writer.put(rules::bits_of(at.tokens[i], at.codes.codes));
+  FirstBits first_bits;
+  fill_first_bits(at.codes.codes, first_bits);
+  write_tokens(at, first_bits, writer);
   writer.put(rules::bits_of(rules::end_of_block, at.codes.codes));
 }
 
 }  // namespace
 
 std::vector<std::uint8_t> zlib_frame(std::span<const std::uint8_t> bytes, std::size_t room) {
-  thread_local Workplace at;
+  // A thread keeps its own: it takes longer to allocate than many a chunk to pack.
+  thread_local const std::unique_ptr<Workplace> kept = std::make_unique<Workplace>();
+  Workplace& at = *kept;
   const auto size = std::uint32_t(bytes.size());
   // A literal takes 15 bits at most, and a match of four bytes 48.
   at.written.resize(std::max<std::size_t>(at.written.size(),

@@ -53,13 +53,14 @@ void add_chunks(const std::filesystem::path& path, const Hdf5Id& file, const std
   const ChunkShape shape = shape_of(call, object, properties);
   if (shape.bytes == 0) return;
   const ChunkFilters filters = filters_of(call, properties, shape.element_bytes);
+  const Hdf5Id space = call.id("H5Dget_space", H5Dget_space(object.get()), H5Sclose);
   hsize_t count = 0;
-  call("H5Dget_num_chunks", H5Dget_num_chunks(object.get(), H5S_ALL, &count));
+  call("H5Dget_num_chunks", H5Dget_num_chunks(object.get(), space.get(), &count));
   for (hsize_t i = 0; i < count; ++i) {
     hsize_t offset[2] = {}, bytes = 0;
     unsigned skipped = 0;
     haddr_t address = 0;
-    call("H5Dget_chunk_info", H5Dget_chunk_info(object.get(), H5S_ALL, i, offset, &skipped, &address, &bytes));
+    call("H5Dget_chunk_info", H5Dget_chunk_info(object.get(), space.get(), i, offset, &skipped, &address, &bytes));
     std::vector<std::uint8_t> stored(bytes);
     std::uint32_t mask = 0;
     call("H5Dread_chunk", H5Dread_chunk(object.get(), H5P_DEFAULT, offset, &mask, stored.data()));

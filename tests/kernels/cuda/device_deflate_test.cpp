@@ -1,12 +1,11 @@
 // Packed on a device, chunks have the bytes that the host makes of them. Skipped, with a message, where there is no
 // GPU.
-#include "kernels/pack/device_pack.h"
-
 #include <gtest/gtest.h>
 #include <numeric>
 
 #include "format/shard/hdf5/chunk_codec.h"
 #include "kernels/cuda/baker.h"
+#include "kernels/pack/device_pack.h"
 #include "tests/format/shard/hdf5/made_bytes.h"
 #include "tests/random_seed.h"
 
@@ -30,7 +29,7 @@ class DeviceDeflate : public testing::Test {
   }
 
   void expect_the_hosts_bytes() const {
-    const DeviceDeflateed packed = pack_on_device(device_, raw_, chunks_, 1);
+    const DevicePacked packed = pack_on_device(device_, raw_, chunks_, 1);
     ASSERT_EQ(packed.ends.size(), chunks_.size());
     for (std::size_t c = 0, begin = 0; c < chunks_.size(); begin = packed.ends[c], ++c) {
       const std::span<const std::uint8_t> raw(raw_.data() + chunks_[c].begin, chunks_[c].bytes);
