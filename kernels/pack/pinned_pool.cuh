@@ -30,7 +30,7 @@ class PinnedPool {
 
 /// Rounded up, so that cells of about the same size do not make a buffer grow again and again.
 inline std::size_t roomy(std::size_t bytes) {
-  std::size_t room = std::size_t(1) << 20;
+  std::size_t room = std::size_t(8) << 20;
   while (room < bytes) room += room / 4;
   return room;
 }
