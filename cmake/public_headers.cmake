@@ -30,6 +30,7 @@ set(gb_public_headers_shard
     format/shard/check/shard_check.h
     format/shard/content_hash.h
     format/shard/hdf5/chunk_codec.h
+    format/shard/hdf5/file_image.h
     format/shard/hdf5/hdf5_call.h
     format/shard/hdf5/hdf5_file.h
     format/shard/level_lookup.h

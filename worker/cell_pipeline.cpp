@@ -1,5 +1,6 @@
 #include "worker/cell_pipeline.h"
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -29,6 +30,8 @@ void run_stage(CellInHand& cell, double CellReport::*seconds, CellOutcome of_inp
     cell.decided = true;
     cell.loaded.reset();
     cell.device_input.reset();
+    cell.device_volume.reset();
+    cell.packed.reset();
     cell.volume = {};
   };
   try {
@@ -42,7 +45,7 @@ void run_stage(CellInHand& cell, double CellReport::*seconds, CellOutcome of_inp
   } catch (const std::exception& e) {
     fail(e.what());
   }
-  cell.report.*seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  cell.report.*seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 }  // namespace
@@ -50,9 +53,13 @@ void run_stage(CellInHand& cell, double CellReport::*seconds, CellOutcome of_inp
 class CellPipeline::Stages {
  public:
   Stages(SceneSources sources, BakeParameters parameters, const WorkerOptions& options, std::function<void()> on_report)
-      : stages_(std::move(sources), parameters, options), on_report_(std::move(on_report)) {
+      : stages_(std::move(sources), parameters, options),
+        has_device_(options.cuda_device.has_value()),
+        on_report_(std::move(on_report)) {
     reader_ = std::thread([this] { read_all(); });
     computer_ = std::thread([this] { compute_all(); });
+    if (has_device_)
+      for (std::size_t b = 0; b < bringers; ++b) bringers_.emplace_back([this, b] { bring_all(b); });
     for (int w = write_crew_for(options).writers; w > 0; --w) writers_.emplace_back([this] { write_all(); });
   }
 
@@ -64,6 +71,7 @@ class CellPipeline::Stages {
     submitted_.notify_all();
     reader_.join();
     computer_.join();
+    for (std::thread& bringer : bringers_) bringer.join();
     for (std::thread& writer : writers_) writer.join();
   }
 
@@ -110,16 +118,30 @@ class CellPipeline::Stages {
     loaded_.close();
   }
 
+  /// Without a device nothing has far to come, and who computes hands on to who writes.
   void compute_all() {
+    Handoff<std::unique_ptr<CellInHand>>& next = has_device_ ? computed_ : ready_;
     while (auto cell = loaded_.take()) {
-      run_stage(**cell, &CellReport::kernel_s, CellOutcome::refused, [this](CellInHand& c) { stages_.compute(c); });
-      computed_.give(std::move(*cell));
+      run_stage(**cell, &CellReport::kernel_s, CellOutcome::refused, [this](CellInHand& c) {
+        stages_.compute(c);
+        if (!has_device_) stages_.bring(c, 0);
+      });
+      next.give(std::move(*cell));
     }
-    computed_.close();
+    next.close();
+  }
+
+  void bring_all(std::size_t bringer) {
+    while (auto cell = computed_.take()) {
+      run_stage(**cell, &CellReport::kernel_s, CellOutcome::refused,
+                [this, bringer](CellInHand& c) { stages_.bring(c, bringer); });
+      ready_.give(std::move(*cell));
+    }
+    if (++done_bringers_ == bringers) ready_.close();
   }
 
   void write_all() {
-    while (auto cell = computed_.take()) {
+    while (auto cell = ready_.take()) {
       run_stage(**cell, &CellReport::write_s, CellOutcome::failed, [this](CellInHand& c) { stages_.write(c); });
       {
         const std::scoped_lock lock(mutex_);
@@ -130,6 +152,7 @@ class CellPipeline::Stages {
   }
 
   CellStages stages_;
+  const bool has_device_;
   const std::function<void()> on_report_;
   mutable std::mutex mutex_;
   std::condition_variable submitted_;
@@ -137,8 +160,10 @@ class CellPipeline::Stages {
   std::deque<CellReport> reports_;
   std::size_t in_flight_ = 0;
   bool stopping_ = false;
-  Handoff<std::unique_ptr<CellInHand>> loaded_, computed_;
+  Handoff<std::unique_ptr<CellInHand>> loaded_, computed_, ready_;
   std::thread reader_, computer_;
+  std::atomic<std::size_t> done_bringers_{0};
+  std::vector<std::thread> bringers_;
   std::vector<std::thread> writers_;
 };
 

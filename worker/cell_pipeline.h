@@ -1,5 +1,6 @@
-/// Bakes cells one after the other in three overlapped stages: the next is read and decoded while the kernels compute
-/// this one and the last is compressed and written.
+/// Bakes cells one after the other in overlapped stages: the next is read and decoded while the kernels compute this
+/// one and the last is packed and written. A device packs by itself, beside its kernels, and what it packed comes to
+/// the host in a stage of its own.
 #pragma once
 
 #include <cstddef>

@@ -6,6 +6,7 @@
 
 #include "format/shard/brick_walk.h"
 #include "format/shard/content_hash.h"
+#include "format/shard/packed_shard.h"
 #include "format/shard/shard_reader.h"
 #include "lattice/error.h"
 #include "worker/cell_parameters.h"
@@ -32,7 +33,8 @@ const WorkerOptions& with_shard_folder(const WorkerOptions& options) {
   return options;
 }
 
-SceneCell scene_cell(const CellJob& job, const Shard& shard, std::uint64_t bytes) {
+template <class AnyShard>
+SceneCell scene_cell(const CellJob& job, const AnyShard& shard, std::uint64_t bytes) {
   const ShardHeader& h = shard.header;
   return {job.name,      shard_path(job).generic_string(),
           h.lattice_min, h.cell_voxels,
@@ -41,12 +43,16 @@ SceneCell scene_cell(const CellJob& job, const Shard& shard, std::uint64_t bytes
           h.fingerprint, h.content_hash};
 }
 
-std::vector<LevelSummary> levels_of(const Shard& shard, const std::vector<std::uint64_t>& stored_bytes,
-                                    const ThreadPool& pool) {
-  std::vector<LevelSummary> levels = summarize_levels(shard, pool);
-  for (std::size_t lod = 0; lod < levels.size(); ++lod) levels[lod].stored_bytes = stored_bytes[lod];
+std::vector<LevelSummary> with_stored(std::vector<LevelSummary> levels, const std::vector<std::uint64_t>& stored) {
+  for (std::size_t lod = 0; lod < levels.size(); ++lod) levels[lod].stored_bytes = stored[lod];
   return levels;
 }
+
+std::vector<LevelSummary> summaries(const Shard& shard, const ThreadPool& pool) {
+  return summarize_levels(shard, pool);
+}
+
+std::vector<LevelSummary> summaries(const PackedShard& shard, const ThreadPool&) { return summarize_levels(shard); }
 
 /// Of a shard that an earlier run wrote.
 std::vector<std::uint64_t> stored_level_bytes(const std::filesystem::path& path, std::size_t lods) {
@@ -123,6 +129,8 @@ void CellStages::prepare() {
 }
 
 void CellStages::make_baker() {
+  while (packers_.size() < bringers + 1)
+    packers_.push_back(std::make_unique<kernels::CudaPacker>(*options_.cuda_device));
   if (!cuda_) cuda_ = std::make_unique<kernels::CudaBaker>(*options_.cuda_device, options_.memory_bytes / 4);
 }
 
@@ -132,7 +140,7 @@ void CellStages::read(CellInHand& cell) {
   if (const auto shard = published_shard(path, cell.job, parameters_, sources_.origin, options_.threads)) {
     cell.report.shard = before;
     cell.report.cell = scene_cell(cell.job, *shard, std::filesystem::file_size(path));
-    cell.report.levels = levels_of(*shard, stored_level_bytes(path, shard->levels.size()), callers_thread());
+    cell.report.levels = with_stored(summarize_levels(*shard), stored_level_bytes(path, shard->levels.size()));
     return decide(cell, CellOutcome::baked);
   }
   cell.loaded = loader_.load(cell.job);
@@ -144,16 +152,57 @@ void CellStages::read(CellInHand& cell) {
 
 void CellStages::compute(CellInHand& cell) {
   const bool baked = on_device(cell, [&] {
-    std::unique_ptr<kernels::CudaVolume> volume =
+    cell.device_volume =
         cuda_->bake(*cell.device_input, cell_parameters(cell.job, parameters_, kernel_bytes(options_)));
     cell.device_input.reset();
-    cell.volume = cuda_->download(std::move(volume));
     cell.report.on_device = true;
   });
-  if (!baked) bake_on_cpu(cell);
+  if (!baked) return bake_on_cpu(cell);
+  if (is_alone_on_device(cell.device_volume->stats())) bring(cell, bringers);
+}
+
+/// Whether the next cell, if it is as large, would not fit beside those that are brought.
+bool CellStages::is_alone_on_device(const kernels::CellStats& stats) const {
+  return options_.memory_bytes != 0 && (bringers + 1) * stats.peak_bytes > kernel_bytes(options_);
+}
+
+void CellStages::bring(CellInHand& cell, std::size_t bringer) {
+  if (cell.device_volume) pack_on_device(cell, *packers_.at(bringer));
+  if (cell.device_volume) bring_volume(cell);
   cell.loaded.reset();
   take_stats(cell);
-  if (cell.volume.levels.empty()) decide(cell, CellOutcome::empty);
+  if (!cell.packed && cell.volume.levels.empty()) decide(cell, CellOutcome::empty);
+}
+
+void CellStages::pack_on_device(CellInHand& cell, kernels::CudaPacker& packer) {
+  const ShardHeader header = header_of(cell);
+  kernels::PackRequest request;
+  for (std::uint32_t edge = header.cell_voxels; edge >= brick_edge; edge /= 2)
+    request.channels.push_back(packed_channels(header, int(request.channels.size())));
+  request.nodes = packed_nodes(header);
+  request.as = parameters_.codec == Codec::deflate ? kernels::ColumnBytes::stored : kernels::ColumnBytes::raw;
+  try {
+    {
+      const std::shared_lock lock(packing_);
+      request.memory_bytes = options_.memory_bytes / 4 / bringers;
+      cell.packed = packer.pack(*cell.device_volume, request);
+    }
+    if (!cell.packed) {  // a large one, if it can be packed at all
+      const std::scoped_lock lock(packing_);
+      request.memory_bytes = options_.memory_bytes / 4;
+      cell.packed = packer.pack(*cell.device_volume, request);
+    }
+    if (cell.packed) cell.device_volume.reset();
+  } catch (const CudaFailure& e) {
+    bring_volume(cell);
+    if (cell.report.note.empty())
+      cell.report.note = std::string("packed on the CPU, because the GPU failed: ") + e.what();
+  }
+}
+
+void CellStages::bring_volume(CellInHand& cell) {
+  const std::scoped_lock lock(download_);
+  if (!on_device(cell, [&] { cell.volume = cuda_->download(std::move(cell.device_volume)); })) bake_on_cpu(cell);
 }
 
 void CellStages::bake_on_cpu(CellInHand& cell) const {
@@ -162,7 +211,7 @@ void CellStages::bake_on_cpu(CellInHand& cell) const {
 }
 
 void CellStages::take_stats(CellInHand& cell) const {
-  const kernels::CellStats& stats = cell.volume.stats;
+  const kernels::CellStats& stats = cell.stats();
   cell.report.peak_bytes = stats.peak_bytes;
   cell.report.bad_uv = stats.bad_uv;
   if (stats.oversized != 0)
@@ -173,13 +222,24 @@ void CellStages::take_stats(CellInHand& cell) const {
 
 void CellStages::write(CellInHand& cell) {
   const ShardHeader header = header_of(cell);
-  const Shard shard = shard_from_volume(std::exchange(cell.volume, {}), header);
   const std::filesystem::path path = options_.out / shard_path(cell.job);
-  const StoredShard stored = write_shard(path, shard, {write_pool_, parameters_.codec});
-  cell.report.shard = stamp_of(path).value_or(FileStamp{});
-  cell.report.cell = scene_cell(cell.job, shard, stored.file);
-  cell.report.levels = levels_of(shard, stored.levels, write_pool_);
+  const ShardWriteOptions how{write_pool_, parameters_.codec};
+  if (cell.packed) {
+    const PackedShard shard = shard_from_packed(*cell.packed, header);
+    report_shard(cell, shard, write_packed_shard(path, shard, how));
+    cell.packed.reset();
+  } else {
+    const Shard shard = shard_from_volume(std::exchange(cell.volume, {}), header);
+    report_shard(cell, shard, write_shard(path, shard, how));
+  }
   decide(cell, CellOutcome::baked);
+}
+
+template <class AnyShard>
+void CellStages::report_shard(CellInHand& cell, const AnyShard& shard, const StoredShard& stored) const {
+  cell.report.shard = stamp_of(options_.out / shard_path(cell.job)).value_or(FileStamp{});
+  cell.report.cell = scene_cell(cell.job, shard, stored.file);
+  cell.report.levels = with_stored(summaries(shard, write_pool_), stored.levels);
 }
 
 ShardHeader CellStages::header_of(const CellInHand& cell) const {
@@ -194,7 +254,7 @@ ShardHeader CellStages::header_of(const CellInHand& cell) const {
   h.fingerprint = cell.job.fingerprint;
   h.has_normals = parameters_.normals;
   h.has_facing = has_facing(parameters_);
-  h.triangles = cell.volume.stats.triangles;
+  h.triangles = cell.stats().triangles;
   return h;
 }
 

@@ -3,11 +3,15 @@
 
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <shared_mutex>
+#include <vector>
 
 #include "format/job/cell_job.h"
 #include "kernels/body/cell.h"
 #include "kernels/cuda/baker.h"
+#include "kernels/pack/packer.h"
 #include "lattice/thread_pool.h"
 #include "worker/cell_loader.h"
 #include "worker/cell_pipeline.h"
@@ -23,8 +27,15 @@ struct CellInHand {
   bool decided = false;              ///< the report is final; later stages pass it on
   std::optional<LoadedCell> loaded;  ///< until there is a volume: a device may fail at any step
   std::shared_ptr<const kernels::CudaInput> device_input;
+  std::unique_ptr<kernels::CudaVolume> device_volume;  ///< until it is packed, or on the host
+  std::optional<kernels::PackedCell> packed;           ///< then there is no volume
   kernels::CellVolume volume;
+
+  const kernels::CellStats& stats() const { return packed ? packed->stats : volume.stats; }
 };
+
+/// How many cells come from a device at a time: a cell's packing leaves most of it idle, and waits for it.
+inline constexpr std::size_t bringers = 3;
 
 /// Each stage may throw; the pipeline turns that into a failed report.
 class CellStages {
@@ -37,10 +48,13 @@ class CellStages {
   /// Takes over a whole shard of this fingerprint if OUT has one; else loads tiles and textures, to the device too.
   void read(CellInHand& cell);
   /// loaded → volume, on the device if there is one; a cell at which it fails is baked on the CPU, and the report says
-  /// so. Decides for `empty` where no voxel is occupied. The volume comes back to the host here and not while writing:
-  /// kernels are the shortest stage on a device, writing is the longest.
+  /// so.
   void compute(CellInHand& cell);
-  /// volume → shard → report.
+  /// What a device holds comes to the host, packed as columns there; where that is not to be had as a volume, for the
+  /// host to pack. Decides for `empty` where no voxel is occupied. The next cell is computed meanwhile.
+  /// bringer: who asks, at most `bringers`; each brings a cell of its own at the same time.
+  void bring(CellInHand& cell, std::size_t bringer);
+  /// Volume or columns → shard → report.
   void write(CellInHand& cell);
 
  private:
@@ -48,15 +62,23 @@ class CellStages {
   template <class Step>
   bool on_device(CellInHand& cell, const Step& step);
   void bake_on_cpu(CellInHand& cell) const;
+  void pack_on_device(CellInHand& cell, kernels::CudaPacker& packer);
+  void bring_volume(CellInHand& cell);
+  bool is_alone_on_device(const kernels::CellStats& stats) const;
   void take_stats(CellInHand& cell) const;
   ShardHeader header_of(const CellInHand& cell) const;
+  template <class AnyShard>
+  void report_shard(CellInHand& cell, const AnyShard& shard, const StoredShard& stored) const;
 
   const SceneSources sources_;
   const BakeParameters parameters_;
   const WorkerOptions options_;
   CellLoader loader_;
-  ThreadPool pool_, write_pool_;              ///< several cells are written at a time
-  std::unique_ptr<kernels::CudaBaker> cuda_;  ///< made on the thread that reads
+  ThreadPool pool_, write_pool_;                               ///< several cells are written at a time
+  std::unique_ptr<kernels::CudaBaker> cuda_;                   ///< made on the thread that reads
+  std::vector<std::unique_ptr<kernels::CudaPacker>> packers_;  ///< of each bringer, and of who computes
+  std::shared_mutex packing_;                                  ///< taken alone by who needs all of its memory
+  std::mutex download_;                                        ///< which the baker does for one at a time
 };
 
 }  // namespace gigabake

@@ -15,4 +15,14 @@ Shard shard_from_volume(kernels::CellVolume volume, ShardHeader header) {
   return shard;
 }
 
+PackedShard shard_from_packed(kernels::PackedCell& cell, ShardHeader header) {
+  PackedShard shard;
+  shard.header = std::move(header);
+  shard.nodes = std::move(cell.nodes);
+  shard.levels = std::move(cell.levels);
+  shard.header.lods = std::uint32_t(shard.levels.size());
+  shard.header.content_hash = std::move(cell.content_hash);
+  return shard;
+}
+
 }  // namespace gigabake

@@ -10,10 +10,10 @@ struct WriteCrew {
   int threads;  ///< of the pool that their loops share; the calling writer is one of them, so it starts one less
 };
 
-/// Beside a device packing sets the pace. Its loops are so short that waking many threads for one of them takes longer
-/// than the loop: so two to eight cells are packed at a time with few threads each, in all no more than the worker has.
-/// Where memory is short there are fewer cells. Without a device the kernels need the threads, and one cell is packed
-/// at a time.
+/// Beside a device two to four cells are written at a time, with a pool for what comes to the host unpacked, in all no
+/// more threads than the worker has. What a device has packed is only handed to the system, and HDF5 serves one writer
+/// at a time: more than four wait for each other. Where memory is short there are fewer cells. Without a device the
+/// kernels need the threads, and one cell is packed at a time.
 WriteCrew write_crew_for(const WorkerOptions& options);
 
 }  // namespace gigabake

@@ -45,6 +45,7 @@ const std::map<std::string, Lines> examples{
     {"bench kernels", {"gigabake bench kernels village/tileset.json --voxel-size 0.25 --repeats 3"}},
     {"bench bake", {"gigabake bench bake village/tileset.json --voxel-size 0.25 --cells 4 -o FOLDER"}},
     {"bench schedule", {"gigabake bench schedule --cells 100000 --workers 100 --deaths 5"}},
+    {"bench pack", {"gigabake bench pack OUT/shards --repeats 5"}},
     {"bench render", {"gigabake bench render OUT --size 1280x720 --what frames"}},
     {"bench accuracy",
      {"gigabake bench accuracy village/tileset.json --voxel-size 0.5 -o FOLDER --settings area-coverage,thin-coverage",

@@ -10,27 +10,31 @@ constexpr std::size_t alphas = 256, voxels_per_part = 1 << 18;
 
 std::size_t bin_of(std::size_t alpha) { return alpha == alphas - 1 ? LevelSummary::bins - 1 : alpha / 64; }
 
-/// Of voxels [begin, end). Exact counts of each alpha; two tables, because neighbours are alike and would wait for each
-/// other's count.
-LevelSummary summary_of(const BrickLevel& level, std::size_t begin, std::size_t end) {
-  std::array<std::array<std::uint64_t, alphas>, 2> counts{};
+/// Of voxels [begin, end). Two tables, because neighbours are alike and would wait for each other's count.
+AlphaCounts count_alphas(const BrickLevel& level, std::size_t begin, std::size_t end) {
+  std::array<AlphaCounts, 2> counts{};
   for (std::size_t i = begin; i < end; ++i) ++counts[i & 1][level.rgba[4 * i + 3]];
-  LevelSummary out;
-  for (std::size_t a = 0; a < alphas; ++a) {
-    const std::uint64_t count = counts[0][a] + counts[1][a];
-    out.coverage[bin_of(a)] += count;
-    out.alpha_sum += count * a;
-  }
-  return out;
+  for (std::size_t a = 0; a < alphas; ++a) counts[0][a] += counts[1][a];
+  return counts[0];
 }
 
-LevelSummary summary_of(const BrickLevel& level, const ThreadPool& pool) {
-  std::vector<LevelSummary> of_thread(std::size_t(pool.threads()));
+AlphaCounts count_alphas(const BrickLevel& level, const ThreadPool& pool) {
+  std::vector<AlphaCounts> of_thread(std::size_t(pool.threads()));
   pool.parallel_for(level.rgba.size() / 4, voxels_per_part, [&](std::size_t begin, std::size_t end, int thread) {
-    of_thread[std::size_t(thread)] += summary_of(level, begin, end);
+    const AlphaCounts part = count_alphas(level, begin, end);
+    for (std::size_t a = 0; a < alphas; ++a) of_thread[std::size_t(thread)][a] += part[a];
   });
+  for (std::size_t t = 1; t < of_thread.size(); ++t)
+    for (std::size_t a = 0; a < alphas; ++a) of_thread[0][a] += of_thread[t][a];
+  return of_thread[0];
+}
+
+LevelSummary summary_of(const AlphaCounts& counts) {
   LevelSummary out;
-  for (const LevelSummary& part : of_thread) out += part;
+  for (std::size_t a = 0; a < alphas; ++a) {
+    out.coverage[bin_of(a)] += counts[a];
+    out.alpha_sum += counts[a] * a;
+  }
   return out;
 }
 
@@ -52,13 +56,19 @@ LevelSummary& LevelSummary::operator+=(const LevelSummary& other) {
 }
 
 std::vector<LevelSummary> summarize_levels(const Shard& shard, const ThreadPool& pool) {
+  std::vector<AlphaCounts> counts;
+  for (const BrickLevel& level : shard.levels) counts.push_back(count_alphas(level, pool));
+  return summarize_levels(counts, shard.nodes);
+}
+
+std::vector<LevelSummary> summarize_levels(const std::vector<AlphaCounts>& counts, const NodeTable& nodes) {
   std::vector<LevelSummary> out;
-  for (const BrickLevel& level : shard.levels) out.push_back(summary_of(level, pool));
-  for (std::size_t n = 0; n < shard.nodes.kind.size(); ++n) {
-    if (shard.nodes.kind[n] == NodeKind::brick) continue;
-    const int lod = shard.nodes.lod[n];
-    const int lowest = shard.nodes.kind[n] == NodeKind::leaf_constant ? 0 : lod;
-    const std::uint64_t alpha = shard.nodes.value[n] >> 24;
+  for (const AlphaCounts& level : counts) out.push_back(summary_of(level));
+  for (std::size_t n = 0; n < nodes.kind.size(); ++n) {
+    if (nodes.kind[n] == NodeKind::brick) continue;
+    const int lod = nodes.lod[n];
+    const int lowest = nodes.kind[n] == NodeKind::leaf_constant ? 0 : lod;
+    const std::uint64_t alpha = nodes.value[n] >> 24;
     for (int l = lod; l >= lowest; --l) {
       const std::uint64_t voxels = std::uint64_t(brick_voxels) << 3 * (lod - l);
       out[std::size_t(l)].coverage[bin_of(alpha)] += voxels;

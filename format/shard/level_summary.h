@@ -27,6 +27,12 @@ struct LevelSummary {
 /// Cost    One pass over the alphas, a nanosecond of a core a voxel.
 std::vector<LevelSummary> summarize_levels(const Shard& shard, const ThreadPool& pool = callers_thread());
 
+/// How many bricks' voxels of a level have each alpha.
+using AlphaCounts = std::array<std::uint64_t, 256>;
+
+/// The same of counts per lod that somebody else has made.
+std::vector<LevelSummary> summarize_levels(const std::vector<AlphaCounts>& alphas, const NodeTable& nodes);
+
 /// Per lod, up to the highest that either has.
 void add_levels(const std::vector<LevelSummary>& of, std::vector<LevelSummary>& to);
 

@@ -14,14 +14,6 @@ constexpr std::size_t bricks_per_range = 2048, voxels_per_range = 1 << 17;
 
 using Bytes = ChannelBytes<const std::uint8_t>;
 
-/// Byte by byte: three of them copied to a word and read back would wait for the store.
-template <class Width>
-std::uint32_t value_at(const std::uint8_t* bytes, Width width) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < width; ++i) value |= std::uint32_t(bytes[i]) << 8 * i;
-  return value;
-}
-
 /// One channel of a brick.
 struct BrickVoxels {
   std::span<const std::uint8_t> group;  ///< of each voxel
@@ -30,16 +22,16 @@ struct BrickVoxels {
 };
 
 /// The groups of a brick, by bits, and their first voxels' values.
-struct GroupValues {
+struct BrickGroups {
   std::array<std::uint32_t, groups_a_brick> first;
   std::uint64_t mixed = 0;  ///< groups whose voxels differ
-  std::size_t mixed_voxels = 0;
+  std::uint32_t mixed_voxels = 0;
 };
 
 /// Range  a brick that has voxels.
 template <class Width>
-GroupValues compare_groups(const BrickVoxels& brick, Width width) {
-  GroupValues out;
+BrickGroups compare_groups(const BrickVoxels& brick, Width width) {
+  BrickGroups out;
   std::array<std::uint32_t, brick_voxels> value;
   const std::size_t voxels = brick.group.size();
   const std::uint32_t first = value_at(brick.bytes[0], width);
@@ -56,40 +48,15 @@ GroupValues compare_groups(const BrickVoxels& brick, Width width) {
   for (std::size_t v = 0; v < voxels; ++v)
     out.mixed |= std::uint64_t(value[v] != out.first[brick.group[v]]) << brick.group[v];
   if (out.mixed != 0)
-    for (std::size_t v = 0; v < voxels; ++v) out.mixed_voxels += out.mixed >> brick.group[v] & 1;
+    for (std::size_t v = 0; v < voxels; ++v) out.mixed_voxels += std::uint32_t(out.mixed >> brick.group[v] & 1);
   return out;
 }
-
-/// Whether all voxels of these groups are alike.
-bool are_alike(const GroupValues& values, std::uint64_t which) {
-  if ((values.mixed & which) != 0) return false;
-  const std::uint32_t first = values.first[std::size_t(std::countr_zero(which))];
-  for (std::uint64_t rest = which & (which - 1); rest != 0; rest &= rest - 1)
-    if (values.first[std::size_t(std::countr_zero(rest))] != first) return false;
-  return true;
-}
-
-constexpr std::uint64_t octant_groups(unsigned octant) { return std::uint64_t(0xff) << 8 * octant; }
 
 /// Returns how many values the brick has.
 template <class Width>
 std::size_t find_shares(const BrickVoxels& brick, Width width, std::uint8_t* share) {
-  if (brick.seen == 0) {
-    share[9] = 1;
-    return 0;
-  }
-  const GroupValues all = compare_groups(brick, width);
-  std::size_t values = all.mixed_voxels;
-  for (unsigned o = 0; o < 8; ++o) {
-    const std::uint64_t octant = brick.seen & octant_groups(o);
-    if (octant == 0) continue;
-    share[o] = std::uint8_t((octant & ~all.mixed) >> 8 * o);
-    const bool is_one = are_alike(all, octant);
-    if (is_one) share[8] |= std::uint8_t(1u << o);
-    values += is_one ? 1 : std::size_t(std::popcount(octant & ~all.mixed));
-  }
-  share[9] = are_alike(all, brick.seen) ? 1 : 0;
-  return share[9] != 0 ? 1 : values;
+  const BrickGroups groups = brick.seen == 0 ? BrickGroups{} : compare_groups(brick, width);
+  return share_brick({groups.first.data(), brick.seen, groups.mixed}, groups.mixed_voxels, share);
 }
 
 /// The brick's values, as `share` says: of voxels that share, the first one's.
@@ -99,21 +66,15 @@ void collect_values(const BrickVoxels& brick, Width width, const std::uint8_t* s
     std::copy_n(brick.bytes[0], to.size(), to.begin());
     return;
   }
-  std::uint64_t by_octant = 0, by_group = 0;
-  for (unsigned o = 0; o < 8; ++o) {
-    if ((share[8] >> o & 1) != 0) by_octant |= octant_groups(o);
-    by_group |= std::uint64_t(share[o]) << 8 * o;
-  }
-  const std::uint64_t sharing = by_octant | by_group;
+  const ValueLeaders leaders(share);
   // Every voxel is copied, and the next one over it where it was not new: its branch could not be foretold.
-  std::array<std::uint8_t, 4 * (brick_voxels + 1)> value;
-  std::uint64_t taken = 0;
+  std::array<std::uint8_t, widest_value*(brick_voxels + 1)> value;
+  std::uint64_t led = 0;
   std::size_t values = 0;
   for (std::size_t v = 0; v < brick.group.size(); ++v) {
     const unsigned group = brick.group[v];
-    const unsigned leader = (by_octant >> group & 1) != 0 ? group & ~7u : group;
-    const std::uint64_t is_new = ~(sharing >> group & taken >> leader) & 1;
-    taken |= std::uint64_t(1) << leader;
+    const bool is_new = leaders.is_new(group, led);
+    led |= std::uint64_t(1) << leaders.leader(group);
     std::memcpy(&value[values * width], brick.bytes[v], width);
     values += is_new;
   }
@@ -188,7 +149,7 @@ void SharedValues::find(const ThreadPool& pool) {
     });
   });
   for (std::size_t b = 0; b < bricks; ++b) first_[b + 1] += first_[b];
-  if (4 * (first_.back() * width_ + (share_bytes + 2) * bricks) < 3 * count_ * width_) {
+  if (how_stored(count_, false, first_.back(), bricks, width_) == ValuesStored::shared) {
     count_ = first_.back();
   } else {
     share_ = {};
@@ -208,7 +169,7 @@ void SharedValues::collect(std::uint64_t begin, std::span<std::uint8_t> to) cons
 void SharedValues::collect_shared(std::uint64_t begin, std::span<std::uint8_t> to) const {
   auto b = std::size_t(std::upper_bound(first_.begin(), first_.end(), begin) - first_.begin()) - 1;
   with_known_width(width_, [&](auto known) {
-    std::array<std::uint8_t, 4 * brick_voxels> aside;
+    std::array<std::uint8_t, widest_value * brick_voxels> aside;
     for (std::size_t at = 0; at < to.size(); ++b) {
       const std::size_t values = first_[b + 1] - first_[b], skipped = begin > first_[b] ? begin - first_[b] : 0;
       const std::size_t wanted = std::min((values - skipped) * known, to.size() - at);

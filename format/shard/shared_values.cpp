@@ -10,38 +10,25 @@
 namespace gigabake {
 namespace {
 
-constexpr std::size_t own = groups_a_brick;  ///< the voxel has a value of its own
-
 std::size_t count_voxels(const std::uint64_t* mask) {
   int bits = 0;
   for (std::size_t z = 0; z < brick_edge; ++z) bits += std::popcount(mask[z]);
   return std::size_t(bits);
 }
 
-/// For each group of voxels the lowest one with which it shares, or `own`.
-std::array<std::uint8_t, groups_a_brick> leaders(const std::uint8_t* share) {
-  std::array<std::uint8_t, groups_a_brick> leader{};
-  for (unsigned g = 0; g < groups_a_brick; ++g) {
-    const unsigned octant = g / 8;
-    const bool whole = share[9] != 0, by_octant = (share[8] >> octant & 1) != 0,
-               by_group = (share[octant] >> g % 8 & 1) != 0;
-    leader[g] = std::uint8_t(whole ? 0 : by_octant ? 8 * octant : by_group ? g : own);
-  }
-  return leader;
-}
-
 /// visit(voxel, value): numbers from the brick's first on. Returns the number of values.
 template <class Visit>
 std::size_t for_each_value(const std::uint64_t* mask, const std::uint8_t* share, const Visit& visit) {
-  const std::array<std::uint8_t, groups_a_brick> leader = leaders(share);
-  std::array<std::int16_t, groups_a_brick> value_of;
-  value_of.fill(-1);
+  const ValueLeaders leaders(share);
+  std::array<std::uint16_t, groups_a_brick> value_of;
+  std::uint64_t led = 0;
   std::size_t voxel = 0, values = 0;
   for_each_group_of_voxels(mask, [&](std::uint8_t group) {
-    const std::uint8_t by = leader[group];
-    const std::size_t value = by == own || value_of[by] < 0 ? values++ : std::size_t(value_of[by]);
-    if (by != own) value_of[by] = std::int16_t(value);
-    visit(voxel++, value);
+    const unsigned leader = leaders.leader(group);
+    const bool is_new = leaders.is_new(group, led);
+    if (is_new) value_of[leader] = std::uint16_t(values++);
+    led |= std::uint64_t(1) << leader;
+    visit(voxel++, std::size_t(value_of[leader]));
   });
   return values;
 }

@@ -1,8 +1,5 @@
 /// What voxels have in common is stored once: the values of one channel of a level, with what says which voxel has
-/// which.
-///
-/// A brick has 8 octants of 4×4×4 voxels, an octant 8 groups of 2×2×2; those are numbered x + 2y + 4z in their parent.
-/// A brick, octant or group whose voxels are all alike has one value, in the place of its first voxel.
+/// which. The rules: lattice/pack/shared_value.h.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +7,10 @@
 #include <vector>
 
 #include "format/shard/voxel_channel.h"
+#include "lattice/pack/shared_value.h"
 #include "lattice/thread_pool.h"
 
 namespace gigabake {
-
-/// Of a brick: byte o < 8, bit g: group g of octant o has one value. Byte 8, bit o: octant o has. Byte 9: 1 where the
-/// whole brick has, else 0.
-inline constexpr std::size_t share_bytes = 10;
 
 /// Where a level's voxels are: the same for all of its channels.
 struct VoxelGroups {
@@ -34,7 +28,7 @@ VoxelGroups group_voxels(std::span<const std::uint64_t> mask, std::span<const st
 /// by piece, so that nothing holds all of them.
 class SharedValues {
  public:
-  /// Borrows groups and voxel_first, of the same level, and bytes. Range  1 ≤ width ≤ 4.
+  /// Borrows groups and voxel_first, of the same level, and bytes. Range  1 ≤ width ≤ widest_value.
   /// Cost  3 to 5 ns of a core a voxel (the sample at 0.0625 m), and as much to collect.
   SharedValues(const VoxelGroups& groups, std::span<const std::uint64_t> voxel_first,
                ChannelBytes<const std::uint8_t> bytes, std::size_t width, const ThreadPool& pool);

@@ -8,11 +8,9 @@
 
 #include "format/shard/hdf5/hdf5_file.h"
 #include "format/shard/shard.h"
+#include "lattice/pack/packed_level.h"
 
 namespace gigabake {
-
-/// The arrays of BrickLevel and BrickBlock.
-enum class VoxelArray : std::uint8_t { rgba, normal, facing };
 
 struct VoxelChannel {
   const char* name;    ///< of its column

@@ -24,9 +24,10 @@ ROOMS = {
     "kernels/body": ["lattice"],
     "kernels/cpu": ["lattice", "kernels/body"],
     "kernels/cuda": ["lattice", "kernels/body", "kernels/cpu"],
+    "kernels/pack": ["lattice", "kernels/body", "kernels/cpu", "kernels/cuda"],
     "kernels/cast": ["lattice", "kernels/body", "kernels/cuda"],
     "worker": ["lattice", "format/system", "format/source", "format/shard", "format/job", "kernels/body", "kernels/cpu",
-               "kernels/cuda"],
+               "kernels/cuda", "kernels/pack"],
     "scheduler": ["lattice", "format/system", "format/source", "format/job"],
     "cluster": ["lattice", "format/system", "format/source", "format/scene", "format/job", "scheduler", "worker"],
     "viewer/light": SHOWN,
@@ -43,8 +44,8 @@ JOINTS = ["app", "bench", "tests"]
 # (header, where it may stand, why)
 RESERVED = [
     (r"mpi\.h", r"cluster/|tests/cluster/", "only cluster/ talks MPI"),
-    (r"cuda\w*\.h|cooperative_groups.*|cub/.*|thrust/.*", r"kernels/(cuda|cast)/|tests/",
-     "only kernels/cuda and kernels/cast talk CUDA"),
+    (r"cuda\w*\.h|cooperative_groups.*|cub/.*|thrust/.*", r"kernels/(cuda|cast|pack)/|tests/",
+     "only kernels/cuda, kernels/cast and kernels/pack talk CUDA"),
     (r"thread|future|mutex|condition_variable", r"(?!kernels/|lattice/)|lattice/thread_pool\.cpp",
      "kernels and lattice loop through lattice/thread_pool.h"),
     (r"fstream|filesystem|iostream|cstdio", r"(?!kernels/|lattice/)|lattice/(error|memory_limit|byte_cursor)\.(h|cpp)",
@@ -61,6 +62,7 @@ HEAVY = r"nlohmann/json\.hpp|tiny_gltf\.h|hdf5\.h|pugixml\.hpp"
 # What libraries may say of mpirun and srun, and what separates pictures in a stream.
 OPTIONS_OF_OTHERS = {"--bind-to", "--mpi", "--frame"}
 
+CUDA_FOLDERS = ("kernels/cuda/", "kernels/cast/", "kernels/pack/", "tests/")
 SOURCE = {".h", ".cpp", ".cu", ".cuh"}
 LONGEST_FILE = 400
 LONGEST_LINE = 120
@@ -163,8 +165,8 @@ def problems(root):
                 found += option_problems(text)
         if path.suffix in {".h", ".cuh"}:
             found += header_problems(name, text)
-        if path.suffix in {".cu", ".cuh"} and not name.startswith(("kernels/cuda/", "kernels/cast/", "tests/")):
-            found.append("only kernels/cuda, kernels/cast and tests have CUDA files")
+        if path.suffix in {".cu", ".cuh"} and not name.startswith(CUDA_FOLDERS):
+            found.append("only kernels/cuda, kernels/cast, kernels/pack and tests have CUDA files")
         for problem in found:
             yield f"{name}: {problem}"
 

@@ -29,6 +29,18 @@ def bakes_are_timed_alone_and_overlapped(gigabake, work):
     assert bench["alone_s"][bench["slowest_stage"]] == max(bench["alone_s"].values()), bench
 
 
+def chunks_are_packed_again(gigabake, work):
+    gigabake.bake(work / "sample/tileset.json", work / "packed", 0.5, "--cell-voxels", 128)
+    options = ("bench", "pack", work / "packed/shards", "--repeats", 1)
+    bench = json.loads(gigabake.succeed(*options, "--json"))
+    assert not bench["differ"] and "rgb" in bench["columns"], bench
+    assert 0 < bench["all"]["bytes"] <= 1.05 * bench["all"]["libdeflate_bytes"], bench
+    assert "all packed alike" in gigabake.succeed(*options)
+    (work / "nothing").mkdir()
+    result = gigabake.run("bench", "pack", work / "nothing")
+    assert result.returncode != 0 and "holds no shards" in result.stderr, result
+
+
 def schedules_are_near_the_least_possible_time(gigabake, _):
     size = ("bench", "schedule", "--cells", 20000, "--workers", 50, "--seed", 3)
     bench = json.loads(gigabake.succeed(*size, "--json"))
@@ -74,7 +86,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
         gigabake.succeed("sample", work / "sample", "--size", 96)
-        for test in (kernels_are_timed_with_their_hash, bakes_are_timed_alone_and_overlapped,
+        for test in (kernels_are_timed_with_their_hash, bakes_are_timed_alone_and_overlapped, chunks_are_packed_again,
                      schedules_are_near_the_least_possible_time, schedules_survive_failures,
                      first_hits_are_timed_and_compared, a_scene_is_not_overwritten):
             print(test.__name__, flush=True)

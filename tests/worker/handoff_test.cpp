@@ -26,6 +26,44 @@ TEST(Handoff, PassesEveryValueOnInOrder) {
   between.join();
 }
 
+/// Several cells come from a device at once, each by a thread of its own, and go to several writers.
+TEST(Handoff, TakesEveryValueOfSeveralGiversAtOnce) {
+  constexpr int givers = 3, takers = 4, values = 3000;
+  Handoff<int> handoff;
+  std::atomic<int> done{0};
+  std::vector<std::atomic<int>> taken(givers * values);
+  std::vector<std::thread> threads;
+  for (int g = 0; g < givers; ++g)
+    threads.emplace_back([&, g] {
+      for (int i = 0; i < values; ++i) handoff.give(g * values + i);
+      if (++done == givers) handoff.close();
+    });
+  for (int t = 0; t < takers; ++t)
+    threads.emplace_back([&] {
+      while (const auto value = handoff.take()) ++taken[std::size_t(*value)];
+    });
+  for (std::thread& thread : threads) thread.join();
+  for (const std::atomic<int>& times : taken) ASSERT_EQ(times, 1);
+}
+
+/// A giver is held until its own value is taken, not another's.
+TEST(Handoff, HoldsEachOfSeveralGivers) {
+  Handoff<int> handoff;
+  std::atomic<int> given{0};
+  std::vector<std::thread> givers;
+  for (int g = 0; g < 3; ++g)
+    givers.emplace_back([&] {
+      handoff.give(1);
+      ++given;
+    });
+  for (int taken = 1; taken <= 3; ++taken) {
+    EXPECT_EQ(handoff.take(), 1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    EXPECT_EQ(given, taken);
+  }
+  for (std::thread& giver : givers) giver.join();
+}
+
 TEST(Handoff, HoldsTheGiverUntilTheValueIsTaken) {
   Handoff<int> handoff;
   std::atomic<bool> given{false};

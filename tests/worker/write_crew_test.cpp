@@ -17,7 +17,7 @@ TEST(WriteCrew, LeavesThreadsToTheOtherStagesWhereThereAreEnough) {
   for (int threads = 1; threads <= 256; ++threads) {
     const WriteCrew crew = write_crew_for(beside_device(threads));
     ASSERT_GE(crew.writers, 2) << threads;
-    ASSERT_LE(crew.writers, 8) << threads;
+    ASSERT_LE(crew.writers, 4) << threads;
     ASSERT_GE(crew.threads, 1) << threads;
     if (threads < 8) continue;
     ASSERT_LE(crew.writers + crew.threads - 1, threads - 4) << threads;
@@ -32,7 +32,7 @@ TEST(WriteCrew, WritesFewCellsAtATimeWhereMemoryIsShort) {
   options.memory_bytes = std::uint64_t(2) << 30;
   EXPECT_EQ(write_crew_for(options).writers, 4);
   options.memory_bytes = std::uint64_t(1) << 62;
-  EXPECT_EQ(write_crew_for(options).writers, 8);
+  EXPECT_EQ(write_crew_for(options).writers, 4);
 }
 
 TEST(WriteCrew, IsOneWriterWithAllThreadsWithoutADevice) {

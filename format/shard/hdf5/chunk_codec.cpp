@@ -7,12 +7,13 @@
 #include <memory>
 #include <new>
 
+#include "format/shard/hdf5/deflate_chunk.h"
+#include "lattice/pack/matches.h"
+
 namespace gigabake {
 namespace {
 
 constexpr std::size_t block_bytes = std::size_t(1) << 20, checksum_bytes = 4;
-/// The fastest that still finds repetitions: the next ones take twice the time for a fourteenth of the bytes.
-constexpr int deflate_level = 1;
 
 void put_big_endian(std::vector<std::uint8_t>& out, std::uint64_t value, int bytes) {
   for (int i = bytes - 1; i >= 0; --i) out.push_back(std::uint8_t(value >> (8 * i)));
@@ -105,38 +106,13 @@ std::vector<std::uint8_t> encode_frame(std::span<const std::uint8_t> raw) {
   return out;
 }
 
-using Compressor = std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)>;
 using Decompressor = std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)>;
-
-std::vector<std::uint8_t> encode_zlib(std::span<const std::uint8_t> raw) {
-  // A thread keeps its own: it takes longer to allocate than many a chunk to pack.
-  thread_local Compressor compressor(nullptr, libdeflate_free_compressor);
-  if (!compressor) compressor.reset(libdeflate_alloc_compressor(deflate_level));
-  if (!compressor) throw std::bad_alloc();
-  // And its room, which is as large as the chunk and would else be filled with zeros each time.
-  thread_local std::vector<std::uint8_t> room;
-  room.resize(std::max(room.size(), libdeflate_zlib_compress_bound(compressor.get(), raw.size())));
-  const std::size_t bytes =
-      libdeflate_zlib_compress(compressor.get(), raw.data(), raw.size(), room.data(), room.size());
-  std::vector<std::uint8_t> out;
-  out.reserve(bytes + checksum_bytes);
-  out.assign(room.begin(), room.begin() + std::ptrdiff_t(bytes));
-  return out;
-}
 
 bool decode_zlib(std::span<const std::uint8_t> in, std::span<std::uint8_t> raw) {
   const Decompressor decompressor(libdeflate_alloc_decompressor(), libdeflate_free_decompressor);
   if (!decompressor) throw std::bad_alloc();
   return libdeflate_zlib_decompress(decompressor.get(), in.data(), in.size(), raw.data(), raw.size(), nullptr) ==
          LIBDEFLATE_SUCCESS;
-}
-
-std::vector<std::uint8_t> shuffle(std::span<const std::uint8_t> raw, std::size_t element) {
-  const std::size_t elements = raw.size() / element;
-  std::vector<std::uint8_t> out(raw.size());
-  for (std::size_t i = 0; i < elements; ++i)
-    for (std::size_t b = 0; b < element; ++b) out[b * elements + i] = raw[i * element + b];
-  return out;
 }
 
 /// The first elements, as many as `raw` holds.
@@ -157,10 +133,24 @@ bool unpack(std::span<const std::uint8_t> in, Codec codec, std::size_t chunk_byt
 
 }  // namespace
 
+void shuffle_chunk(std::span<const std::uint8_t> raw, std::size_t element_bytes, std::uint8_t* to) {
+  if (element_bytes <= 1) {
+    std::copy(raw.begin(), raw.end(), to);
+    return;
+  }
+  // shuffled_from() of lattice/pack, in the order that is written.
+  const std::size_t elements = raw.size() / element_bytes;
+  for (std::size_t b = 0; b < element_bytes; ++b)
+    for (std::size_t i = 0; i < elements; ++i) *to++ = raw[i * element_bytes + b];
+}
+
 std::vector<std::uint8_t> encode_chunk(std::span<const std::uint8_t> raw, const ChunkFilters& filters) {
-  std::vector<std::uint8_t> shuffled;
-  if (filters.shuffled_bytes > 1) raw = shuffled = shuffle(raw, filters.shuffled_bytes);
-  std::vector<std::uint8_t> out = filters.codec == Codec::lz4 ? encode_frame(raw) : encode_zlib(raw);
+  // A thread keeps it, or it would be filled with zeros each time.
+  thread_local std::vector<std::uint8_t> ordered;
+  ordered.resize(std::max(ordered.size(), raw.size() + deflate::readable_beyond));
+  shuffle_chunk(raw, filters.shuffled_bytes, ordered.data());
+  const std::span<const std::uint8_t> bytes(ordered.data(), raw.size());
+  std::vector<std::uint8_t> out = filters.codec == Codec::lz4 ? encode_frame(bytes) : zlib_frame(bytes, checksum_bytes);
   const std::uint32_t sum = fletcher32(out);
   for (int i = 0; i < 4; ++i) out.push_back(std::uint8_t(sum >> (8 * i)));
   return out;

@@ -23,6 +23,10 @@ struct ChunkFilters {
   std::size_t shuffled_bytes = 1;
 };
 
+/// A chunk's bytes in the order that they are packed in, to `to`. Range  raw is whole elements; 0 and 1: as they are.
+void shuffle_chunk(std::span<const std::uint8_t> raw, std::size_t element_bytes, std::uint8_t* to);
+
+/// Deflate   As lattice/pack says: a device makes the same bytes (kernels/pack).
 std::vector<std::uint8_t> encode_chunk(std::span<const std::uint8_t> raw, const ChunkFilters& filters);
 
 /// Fills `raw` with the first bytes of a chunk of `chunk_bytes`. Range  raw.size() ≤ chunk_bytes.

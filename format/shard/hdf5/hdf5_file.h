@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "format/shard/hdf5/chunk_codec.h"
+#include "format/shard/hdf5/file_image.h"
 #include "format/shard/hdf5/hdf5_call.h"
 #include "lattice/thread_pool.h"
 
@@ -32,7 +33,8 @@ struct Hdf5Column {
   int dimensions() const { return width == 1 ? 1 : 2; }
 };
 
-/// A column that is to be written. The data may still have to be made: then a chunk of it exists while it is packed.
+/// A column that is to be written. The data may still have to be made: then a chunk of it exists while it is packed. Or
+/// somebody has packed it already.
 struct ColumnRows {
   std::string group;  ///< to make before the column; empty: none
   Hdf5Column column;
@@ -41,6 +43,8 @@ struct ColumnRows {
   std::function<std::span<const std::uint8_t>(std::uint64_t first, std::uint64_t count,
                                               std::vector<std::uint8_t>& scratch)>
       get;
+  /// Instead of get: each chunk as it is stored, by the codec that the others are packed with.
+  std::span<const std::span<const std::uint8_t>> stored = {};
 };
 
 /// Errors  All members throw InputError: file, object, what failed.
@@ -49,6 +53,9 @@ class Hdf5File {
  public:
   /// called: what messages call the file, where it is to get another name once it is whole.
   static Hdf5File create(const std::filesystem::path& path, const std::filesystem::path& called);
+  /// In memory, of which image.file() is the file once it is closed. Borrows `image`. called: as above, and no other
+  /// open file's.
+  static Hdf5File create(FileImage& image, const std::filesystem::path& called);
   static Hdf5File open(const std::filesystem::path& path);
 
   /// Chunked, each chunk as chunk_codec.h: packed by the threads of `pool`, in one loop over all of them, and stored in

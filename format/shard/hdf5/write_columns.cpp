@@ -1,16 +1,24 @@
+#include <algorithm>
 #include <hdf5.h>
 #include <mutex>
 #include <optional>
 #include <utility>
 
 #include "format/shard/hdf5/chunk_codec.h"
-#include "format/shard/hdf5/chunk_rows.h"
 #include "format/shard/hdf5/hdf5_file.h"
+#include "lattice/pack/chunk_rows.h"
 
 namespace gigabake {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
+
+/// A stored chunk: packed here, or by whoever gave the column.
+struct Chunk {
+  Bytes own;
+  std::span<const std::uint8_t> given;
+  std::span<const std::uint8_t> bytes() const { return own.empty() ? given : own; }
+};
 
 struct ChunkPlace {
   std::size_t column, number;
@@ -21,8 +29,7 @@ std::size_t rows_a_chunk(const ColumnRows& c) { return rows_per_chunk(c.rows, c.
 std::vector<ChunkPlace> all_chunks(std::span<const ColumnRows> columns) {
   std::vector<ChunkPlace> chunks;
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    if (columns[c].rows == 0) continue;
-    const std::size_t per_chunk = rows_a_chunk(columns[c]), count = (columns[c].rows + per_chunk - 1) / per_chunk;
+    const std::size_t count = chunk_count(columns[c].rows, columns[c].column.row_bytes());
     for (std::size_t i = 0; i < count; ++i) chunks.push_back({c, i});
   }
   return chunks;
@@ -41,6 +48,18 @@ Bytes encode(const ColumnRows& from, std::size_t number, Codec codec, Bytes& scr
   return encode_chunk(padded, filters);
 }
 
+/// What is packed already takes no threads, which would take longer to wake than to hand it on.
+const ThreadPool& threads_for(std::span<const ColumnRows> columns, const ThreadPool& pool) {
+  const bool is_packed =
+      std::all_of(columns.begin(), columns.end(), [](const ColumnRows& c) { return c.rows == 0 || !c.stored.empty(); });
+  return is_packed ? callers_thread() : pool;
+}
+
+Chunk pack(const ColumnRows& from, std::size_t number, Codec codec, Bytes& scratch) {
+  if (!from.stored.empty()) return {{}, from.stored[number]};
+  return {encode(from, number, codec, scratch), {}};
+}
+
 }  // namespace
 
 /// Chunks come ready in any order; they, their columns and groups reach the file in one, so that it has the same bytes
@@ -52,10 +71,11 @@ class ColumnsInOrder {
     stored_.resize(columns.size());
   }
 
-  std::vector<std::uint64_t> write(const ThreadPool& pool) {
+  std::vector<std::uint64_t> write(const ThreadPool& all_threads) {
+    const ThreadPool& pool = threads_for(columns_, all_threads);
     std::vector<Bytes> scratch(std::size_t(pool.threads()));
     pool.parallel_for(chunks_.size(), 1, [&](std::size_t i, std::size_t, int thread) {
-      give(i, encode(columns_[chunks_[i].column], chunks_[i].number, codec_, scratch[std::size_t(thread)]));
+      give(i, pack(columns_[chunks_[i].column], chunks_[i].number, codec_, scratch[std::size_t(thread)]));
     });
     make_columns_up_to(columns_.size());
     set_.reset();
@@ -64,20 +84,20 @@ class ColumnsInOrder {
 
  private:
   /// Stores it and what follows it, unless another thread is at that: then that one will.
-  void give(std::size_t chunk, Bytes bytes) {
+  void give(std::size_t chunk, Chunk packed) {
     std::unique_lock lock(mutex_);
-    ready_[chunk] = std::move(bytes);
+    ready_[chunk] = std::move(packed);
     if (std::exchange(storing_, true)) return;
-    for (; next_ < ready_.size() && !ready_[next_].empty(); ++next_) {
-      const Bytes taken = std::exchange(ready_[next_], {});
+    for (; next_ < ready_.size() && !ready_[next_].bytes().empty(); ++next_) {
+      const Chunk taken = std::exchange(ready_[next_], {});
       lock.unlock();
-      store(chunks_[next_], taken);
+      store(chunks_[next_], taken.bytes());
       lock.lock();
     }
     storing_ = false;
   }
 
-  void store(const ChunkPlace& at, const Bytes& bytes) {
+  void store(const ChunkPlace& at, std::span<const std::uint8_t> bytes) {
     make_columns_up_to(at.column + 1);
     const Hdf5Call call{file_.path(), columns_[at.column].column.name};
     calm_hdf5(call);
@@ -102,7 +122,7 @@ class ColumnsInOrder {
   const Codec codec_;
   const std::vector<ChunkPlace> chunks_;
   std::mutex mutex_;          ///< of the next three
-  std::vector<Bytes> ready_;  ///< of each chunk; empty: not yet, or stored
+  std::vector<Chunk> ready_;  ///< of each chunk; no bytes: not yet, or stored
   std::size_t next_ = 0;      ///< to be stored; whoever stores changes it
   bool storing_ = false;
   // Of whoever stores:

@@ -1,0 +1,182 @@
+#include "format/shard/hdf5/deflate_chunk.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <libdeflate.h>
+#include <memory>
+
+#include "lattice/pack/block_codes.h"
+#include "lattice/pack/matches.h"
+#include "lattice/pack/stored_chunk.h"
+
+namespace gigabake {
+namespace {
+
+namespace rules = deflate;
+
+struct Workplace {
+  std::array<rules::Bucket, rules::buckets> table;
+  std::array<rules::Bucket, rules::segment_bytes> found;
+  std::array<rules::Token, rules::block_bytes> tokens;
+  std::size_t token_count = 0;
+  std::uint32_t counts[rules::block_symbols];
+  rules::BlockWork work;
+  rules::BlockCodes codes;
+  std::vector<std::uint8_t> written;
+};
+
+/// The candidates of a segment's positions, by one table over all positions. All are entered before any is compared:
+/// this loop has no jump to guess wrong, and comparing need not wait for the table.
+class Candidates {
+ public:
+  Candidates(const std::uint8_t* bytes, std::uint32_t size, Workplace& at) : bytes_(bytes), size_(size), at_(at) {
+    at.table.fill(rules::empty_bucket(0));
+  }
+
+  void begin_segment(std::uint32_t begin, std::uint32_t end) {
+    begin_ = begin;
+    if (begin % rules::block_bytes == 0)
+      for (rules::Bucket& b : at_.table) b = rules::aged(b, begin);
+    const std::uint32_t entered = std::max(begin, rules::entered_before(size_, end));
+    rules::Bucket* found = at_.found.data();
+#pragma GCC unroll 4
+    for (std::uint32_t p = begin; p < entered; ++p) {
+      rules::Bucket& entry = at_.table[rules::bucket_of(rules::four_bytes(bytes_ + p))];
+      *found++ = entry;
+      entry = rules::bucket_with(p);
+    }
+    for (std::uint32_t p = entered; p < end; ++p) *found++ = rules::empty_bucket(p);
+  }
+
+  rules::Match operator()(std::uint32_t position, std::uint32_t end, std::uint32_t length) const {
+    const rules::Bucket found = at_.found[position - begin_];
+    return rules::match_in(found, bytes_, position, end, length);
+  }
+
+ private:
+  const std::uint8_t* bytes_;
+  std::uint32_t size_, begin_ = 0;  ///< of the chunk; the segment's first position
+  Workplace& at_;
+};
+
+/// Bits into bytes, eight at a time. Range  There is room for eight bytes more than are written.
+class ByteWriter {
+ public:
+  explicit ByteWriter(std::uint8_t* to) : begin_(to), to_(to) {}
+  void put(rules::Bits b) {
+    waiting_ |= b.bits << count_;
+    count_ += b.count;
+    std::memcpy(to_, &waiting_, 8);
+    const std::uint32_t whole = count_ / 8;
+    to_ += whole;
+    waiting_ >>= 8 * whole;
+    count_ %= 8;
+  }
+  std::uint64_t bits() const { return std::uint64_t(to_ - begin_) * 8 + count_; }
+  void finish() { std::memcpy(to_, &waiting_, 8); }
+
+ private:
+  std::uint8_t *begin_, *to_;
+  std::uint64_t waiting_ = 0;
+  std::uint32_t count_ = 0;  ///< below 8
+};
+
+/// The keys of an alphabet's symbols that occur, rising.
+std::uint32_t order(std::uint32_t* counts, std::uint32_t symbols, std::uint32_t* keys) {
+  rules::ensure_two(counts, symbols);
+  std::uint32_t used = 0;
+  for (std::uint32_t s = 0; s < symbols; ++s)
+    if (counts[s] != 0) keys[used++] = rules::order_key(counts[s], s);
+  std::sort(keys, keys + used);
+  return used;
+}
+
+void parse_block(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t end, Candidates& candidates,
+                 Workplace& at) {
+  std::fill(std::begin(at.counts), std::end(at.counts), 0u);
+  at.counts[rules::end_of_block] = 1;
+  rules::Token* to = at.tokens.data();
+  const auto add = [&](rules::Token token) {
+    *to++ = token;
+    rules::count_symbols(token, [&](std::uint32_t symbol) { ++at.counts[symbol]; });
+  };
+  for (; begin < end; begin += rules::segment_bytes) {
+    const std::uint32_t segment_end = rules::segment_end(begin, end);
+    candidates.begin_segment(begin, segment_end);
+    rules::parse_segment(bytes, begin, segment_end, candidates, add);
+  }
+  at.token_count = std::size_t(to - at.tokens.data());
+}
+
+/// What a token begins with, literals and lengths alike: a code, the bits that follow it, and how many both are << 24.
+/// By the token's byte, or 256 and the length: so that writing has no jump to guess wrong.
+using FirstBits = std::array<std::uint32_t, 256 + rules::longest_match + 1>;
+
+void fill_first_bits(const rules::Code* codes, FirstBits& first) {
+  for (std::uint32_t byte = 0; byte < 256; ++byte)
+    first[byte] = rules::code_bits(codes[byte]) | rules::code_length(codes[byte]) << 24;
+  for (std::uint32_t length = rules::shortest_match; length <= rules::longest_match; ++length) {
+    const rules::Bits bits = rules::bits_of_length(length, codes);
+    first[256 + length] = std::uint32_t(bits.bits) | bits.count << 24;
+  }
+}
+
+void write_tokens(const Workplace& at, const FirstBits& first_bits, ByteWriter& writer) {
+  for (const rules::Token token : std::span(at.tokens).first(at.token_count)) {
+    const bool literal = rules::is_symbol(token);
+    const std::uint32_t first = first_bits[literal ? token : 256 + (token >> 16)];
+    const rules::Bits second = rules::bits_of_distance(literal ? 1 : token & 0xffff, at.codes.codes);
+    const std::uint32_t count = first >> 24;
+    const std::uint64_t bits = (first & 0xffffff) | (literal ? 0 : second.bits << count);
+    writer.put({bits, count + (literal ? 0 : second.count)});
+  }
+}
+
+void write_block(Workplace& at, bool last, ByteWriter& writer) {
+  at.work.used_literals = order(at.counts, rules::literal_symbols, at.work.keys);
+  at.work.used_distances =
+      order(at.counts + rules::literal_symbols, rules::distance_symbols, at.work.keys + rules::literal_symbols);
+  rules::make_block_codes(at.work, last, at.codes);
+  for (std::uint32_t i = 0; 32 * i < at.codes.header_bits; ++i)
+    writer.put({at.codes.header[i], std::min(32u, at.codes.header_bits - 32 * i)});
+  FirstBits first_bits;
+  fill_first_bits(at.codes.codes, first_bits);
+  write_tokens(at, first_bits, writer);
+  writer.put(rules::bits_of(rules::end_of_block, at.codes.codes));
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> zlib_frame(std::span<const std::uint8_t> bytes, std::size_t room) {
+  // A thread keeps its own: it takes longer to allocate than many a chunk to pack.
+  thread_local const std::unique_ptr<Workplace> kept = std::make_unique<Workplace>();
+  Workplace& at = *kept;
+  const auto size = std::uint32_t(bytes.size());
+  // A literal takes 15 bits at most, and a match of four bytes 48.
+  at.written.resize(std::max<std::size_t>(at.written.size(),
+                                          2 * bytes.size() + rules::blocks_of(size) * 4 * rules::header_words + 64));
+  ByteWriter writer(at.written.data());
+  Candidates candidates(bytes.data(), size, at);
+  const std::uint32_t blocks = rules::blocks_of(size);
+  for (std::uint32_t b = 0; b < blocks; ++b) {
+    const std::uint32_t begin = b * rules::block_bytes;
+    parse_block(bytes.data(), begin, std::min(size, begin + rules::block_bytes), candidates, at);
+    write_block(at, b + 1 == blocks, writer);
+  }
+  writer.finish();
+
+  const std::uint32_t packed = rules::deflate_size(size, writer.bits());
+  std::vector<std::uint8_t> out;
+  out.reserve(rules::zlib_header_bytes + packed + rules::checksum_bytes + room);
+  for (std::uint32_t i = 0; i < rules::zlib_header_bytes; ++i) out.push_back(rules::zlib_header_byte(i));
+  if (rules::stored_as_is(size, writer.bits()))
+    for (std::uint32_t i = 0; i < packed; ++i) out.push_back(rules::stored_byte(bytes.data(), size, i));
+  else
+    out.insert(out.end(), at.written.begin(), at.written.begin() + packed);
+  const std::uint32_t adler = libdeflate_adler32(1, bytes.data(), bytes.size());
+  for (std::uint32_t i = 0; i < rules::checksum_bytes; ++i) out.push_back(rules::adler_byte(adler, i));
+  return out;
+}
+
+}  // namespace gigabake

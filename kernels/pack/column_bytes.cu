@@ -1,0 +1,50 @@
+#include "kernels/pack/column_bytes.cuh"
+#include "kernels/pack/pack_chunks.cuh"
+#include "lattice/pack/chunk_rows.h"
+
+namespace gigabake::kernels {
+namespace {
+
+/// Bytes of the device in a buffer of the host's.
+std::shared_ptr<PinnedBuffer> brought(DeviceHeap& heap, const std::uint8_t* bytes, std::size_t size, PinnedPool& pinned,
+                                      const std::uint8_t*& arrived) {
+  std::shared_ptr<PinnedBuffer> buffer = pinned.take();
+  std::byte* to = buffer->reserve(roomy(size));
+  check_cuda(cudaMemcpyAsync(to, bytes, size, cudaMemcpyDeviceToHost, heap.stream()), "cudaMemcpyAsync (columns)");
+  check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (columns)");
+  arrived = reinterpret_cast<const std::uint8_t*>(to);
+  return buffer;
+}
+
+}  // namespace
+
+std::shared_ptr<const void> bring_raw(DeviceHeap& heap, const DeviceArray<std::uint8_t>& raw,
+                                      const std::vector<RawColumn>& columns, PinnedPool& pinned) {
+  const std::uint8_t* arrived = nullptr;
+  std::shared_ptr<PinnedBuffer> buffer = brought(heap, raw.data(), raw.size(), pinned, arrived);
+  for (const RawColumn& c : columns) c.column->raw = {arrived + c.at, c.column->rows * c.shape.bytes};
+  return buffer;
+}
+
+std::shared_ptr<const void> bring_stored(DeviceHeap& heap, const DeviceArray<std::uint8_t>& raw,
+                                         const std::vector<RawColumn>& columns, PinnedPool& pinned) {
+  std::vector<RawChunk> chunks;
+  for (const RawColumn& c : columns) {
+    const std::size_t bytes = chunk_bytes(c.column->rows, c.shape.bytes);
+    for (std::size_t at = 0; at < c.bytes; at += bytes)
+      chunks.push_back({c.at + at, std::uint32_t(bytes), std::uint32_t(c.shape.shuffled_bytes)});
+  }
+  const PackedChunks packed = pack_chunks(heap, raw.data(), chunks, nullptr);
+  const std::uint8_t* arrived = nullptr;
+  std::shared_ptr<PinnedBuffer> buffer = brought(heap, packed.bytes.data(), packed.ends.back(), pinned, arrived);
+  std::size_t chunk = 0;
+  std::uint64_t begin = 0;
+  for (const RawColumn& c : columns)
+    for (std::size_t n = chunk_count(c.column->rows, c.shape.bytes); n > 0; --n, ++chunk) {
+      c.column->stored.push_back({arrived + begin, packed.ends[chunk] - begin});
+      begin = packed.ends[chunk];
+    }
+  return buffer;
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,156 @@
+#include <algorithm>
+
+#include "kernels/cuda/cell.cuh"
+#include "kernels/cuda/clock.cuh"
+#include "kernels/cuda/hash.cuh"
+#include "kernels/cuda/stream.cuh"
+#include "kernels/pack/column_bytes.cuh"
+#include "kernels/pack/columns.cuh"
+#include "kernels/pack/packer.h"
+#include "lattice/pack/chunk_rows.h"
+
+namespace gigabake::kernels {
+namespace {
+
+constexpr std::size_t alignment = 256;
+
+/// Which columns a cell has, and where each is in one buffer.
+class ColumnPlan {
+ public:
+  ColumnPlan(const LevelsView& view, const PackRequest& request, const Findings& found, std::uint32_t nodes,
+             PackedCell& cell)
+      : view_(view), found_(found), outs_(cell.levels.size()) {
+    cell.nodes.resize(request.nodes.size());
+    for (std::size_t c = 0; c < request.nodes.size(); ++c)
+      nodes_.push_back(place(cell.nodes[c], nodes, request.nodes[c]));
+    for (std::size_t lod = 0; lod < cell.levels.size(); ++lod)
+      place_level(int(lod), request.channels[lod], cell.levels[lod]);
+  }
+
+  std::size_t bytes() const { return bytes_; }
+  const std::vector<RawColumn>& columns() const { return columns_; }
+
+  NodesOut nodes(std::uint8_t* raw) const {
+    const auto of = [&](NodeColumn column) { return raw + nodes_.at(std::size_t(column)); };
+    return {reinterpret_cast<std::uint64_t*>(of(NodeColumn::key)),
+            reinterpret_cast<std::uint32_t*>(of(NodeColumn::first_child)),
+            reinterpret_cast<std::uint32_t*>(of(NodeColumn::value)), of(NodeColumn::lod), of(NodeColumn::child_mask)};
+  }
+
+  std::vector<LevelOut> outs(std::uint8_t* raw) const {
+    std::vector<LevelOut> outs(outs_.size());
+    for (std::size_t lod = 0; lod < outs.size(); ++lod) {
+      const Places& p = outs_[lod];
+      outs[lod].mask = reinterpret_cast<std::uint64_t*>(raw + p.mask);
+      outs[lod].first = reinterpret_cast<std::uint64_t*>(raw + p.first);
+      for (std::size_t c = 0; c < p.channel.size(); ++c)
+        outs[lod].channel[c] = {p.channel[c].stored, raw + p.channel[c].value, raw + p.channel[c].share,
+                                reinterpret_cast<std::uint64_t*>(raw + p.channel[c].first), found_.begin[c][lod]};
+    }
+    return outs;
+  }
+
+ private:
+  struct Places {
+    std::size_t mask, first;
+    struct Channel {
+      ValuesStored stored;
+      std::size_t value = 0, share = 0, first = 0;
+    };
+    std::vector<Channel> channel;
+  };
+
+  std::size_t place(PackedColumn& column, std::uint64_t rows, const RowShape& shape) {
+    column.rows = rows;
+    const std::size_t at = bytes_, bytes = chunk_count(rows, shape.bytes) * chunk_bytes(rows, shape.bytes);
+    columns_.push_back({&column, shape, at, bytes});
+    bytes_ += (bytes + alignment - 1) / alignment * alignment;
+    return at;
+  }
+
+  void place_level(int lod, const std::vector<ChannelPlace>& channels, PackedLevel& level) {
+    const std::uint64_t bricks = view_.bricks[lod];
+    level.voxels = view_.voxels[lod];
+    std::copy(std::begin(found_.alphas[lod]), std::end(found_.alphas[lod]), level.alphas.begin());
+    level.channels.resize(channels.size());
+    Places& places = outs_[std::size_t(lod)];
+    places.mask = place(level.mask, bricks, mask_row);
+    places.first = place(level.first, bricks + 1, first_row);
+    for (std::size_t c = 0; c < channels.size(); ++c)
+      places.channel.push_back(place_channel(lod, int(c), channels[c].width, level.channels[c]));
+  }
+
+  Places::Channel place_channel(int lod, int channel, std::size_t width, PackedChannel& packed) {
+    Places::Channel places{found_.stored(view_, channel, lod)};
+    const std::uint64_t bricks = view_.bricks[lod],
+                        values = values_stored(places.stored, view_.voxels[lod], found_.values[channel][lod]);
+    places.value = place(packed.value, values, {width, 1});
+    if (places.stored != ValuesStored::shared) return places;
+    places.share = place(packed.share, bricks, share_row);
+    places.first = place(packed.first, bricks + 1, first_row);
+    return places;
+  }
+
+  const LevelsView& view_;
+  const Findings& found_;
+  std::vector<std::size_t> nodes_;
+  std::vector<Places> outs_;
+  std::vector<RawColumn> columns_;
+  std::size_t bytes_ = 0;
+};
+
+}  // namespace
+
+class CudaPacker::Impl {
+ public:
+  explicit Impl(int device) : device_(device), stream_(device), clock_(stream_.handle), heap_(stream_.handle, books_) {}
+
+  std::optional<PackedCell> pack(const BakedCell& cell, const PackRequest& request) {
+    if (cell.levels.empty() || cell.nodes.count == 0 || cell.max_error != 0) return std::nullopt;
+    check_cuda(cudaSetDevice(device_), "cudaSetDevice");
+    heap_.limit_to(request.memory_bytes);
+    try {
+      return pack_levels(cell, request);
+    } catch (const DeviceFull&) {
+      return std::nullopt;
+    }
+  }
+
+ private:
+  PackedCell pack_levels(const BakedCell& cell, const PackRequest& request) {
+    PackedCell out;
+    out.stats = cell.cell_stats;
+    clock_.mark(0);
+    out.content_hash = level_hashes(heap_, cell.levels, cell.window_min);
+    clock_.mark(1);
+    const LevelsView view = view_of(cell.levels, request.channels);
+    const auto found = std::make_unique<Findings>();
+    const FoundShares shares = find_shares(heap_, view, *found);
+    out.levels.resize(cell.levels.size());
+    const ColumnPlan plan(view, request, *found, cell.nodes.count, out);
+    DeviceArray<std::uint8_t> raw(heap_, plan.bytes());
+    raw.clear_to_zero();
+    make_columns(heap_, view, shares, plan.outs(raw.data()));
+    make_node_columns(heap_, cell.nodes, plan.nodes(raw.data()));
+    const auto bring = request.as == ColumnBytes::stored ? bring_stored : bring_raw;
+    out.memory = bring(heap_, raw, plan.columns(), pinned_);
+    out.stats.hash_s = clock_.between(0, 1);
+    return out;
+  }
+
+  int device_;
+  Stream stream_;
+  StreamClock clock_;
+  DeviceBooks books_;
+  DeviceHeap heap_;
+  PinnedPool pinned_;
+};
+
+CudaPacker::CudaPacker(int device) : impl_(std::make_unique<Impl>(device)) {}
+CudaPacker::~CudaPacker() = default;
+
+std::optional<PackedCell> CudaPacker::pack(const CudaVolume& volume, const PackRequest& request) {
+  return impl_->pack(static_cast<const BakedCell&>(volume), request);
+}
+
+}  // namespace gigabake::kernels

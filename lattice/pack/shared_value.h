@@ -1,0 +1,141 @@
+/// The rules of shared values: which voxels of a brick have one value, in which order values stand, and when a channel
+/// is stored so. Whoever packs, a loop of the host or a warp of a device, goes by these.
+///
+/// A brick has 8 octants of 4×4×4 voxels, an octant 8 groups of 2×2×2; those are numbered x + 2y + 4z in their parent.
+/// A brick, octant or group whose voxels are all alike has one value, in the place of its first voxel. docs/format.md,
+/// "Shared values".
+/// Exact   Integers: host and device return the same bits.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "lattice/brick.h"
+#include "lattice/host_device.h"
+
+namespace gigabake {
+
+/// Of a brick: byte o < 8, bit g: group g of octant o has one value. Byte 8, bit o: octant o has. Byte 9: 1 where the
+/// whole brick has, else 0.
+inline constexpr std::size_t share_bytes = 10;
+inline constexpr unsigned groups_a_brick = 64, octants_a_brick = 8;
+inline constexpr std::size_t widest_value = 4;  ///< bytes of a voxel's value
+
+/// 8·octant + group of voxel (x, y, z), by x + 8y + 64z.
+GB_HD constexpr unsigned group_of(unsigned voxel) {
+  const unsigned octant = (voxel >> 2 & 1) | (voxel >> 5 & 1) << 1 | (voxel >> 8 & 1) << 2;
+  const unsigned within = (voxel >> 1 & 1) | (voxel >> 4 & 1) << 1 | (voxel >> 7 & 1) << 2;
+  return octants_a_brick * octant + within;
+}
+
+/// The bits of an octant's groups.
+GB_HD constexpr std::uint64_t octant_groups(unsigned octant) { return std::uint64_t(0xff) << 8 * octant; }
+
+/// Byte by byte: three of them copied to a word and read back would wait for the store. Range  width ≤ widest_value.
+template <class Width>
+GB_HD std::uint32_t value_at(const std::uint8_t* bytes, Width width) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < width; ++i) value |= std::uint32_t(bytes[i]) << 8 * i;
+  return value;
+}
+
+GB_HD unsigned lowest_bit(std::uint64_t bits) {
+#if defined(__CUDA_ARCH__)
+  return unsigned(__ffsll((long long)(bits)) - 1);
+#else
+  return unsigned(__builtin_ctzll(bits));
+#endif
+}
+
+GB_HD unsigned bits_in(std::uint64_t bits) {
+#if defined(__CUDA_ARCH__)
+  return unsigned(__popcll(bits));
+#else
+  return unsigned(__builtin_popcountll(bits));
+#endif
+}
+
+/// One channel of a brick, by its groups. Borrowed.
+struct GroupValues {
+  const std::uint32_t* first;  ///< of each group that has voxels, its first voxel's value
+  std::uint64_t seen;          ///< groups that have voxels
+  std::uint64_t mixed;         ///< groups whose voxels differ
+};
+
+/// Whether all voxels of these groups are alike. Range  groups that have voxels, one at least.
+GB_HD bool are_alike(const GroupValues& values, std::uint64_t which) {
+  if ((values.mixed & which) != 0) return false;
+  const std::uint32_t first = values.first[lowest_bit(which)];
+  for (std::uint64_t rest = which & (which - 1); rest != 0; rest &= rest - 1)
+    if (values.first[lowest_bit(rest)] != first) return false;
+  return true;
+}
+
+/// Says in `share`, share_bytes long, which voxels of the brick share a value. mixed_voxels: of mixed groups, each of
+/// which has a value of its own. Returns how many values the brick has.
+GB_HD std::uint32_t share_brick(const GroupValues& values, std::uint32_t mixed_voxels, std::uint8_t* share) {
+  std::uint32_t count = mixed_voxels;
+  std::uint8_t octants = 0;
+  for (unsigned o = 0; o < octants_a_brick; ++o) {
+    const std::uint64_t octant = values.seen & octant_groups(o), alike = octant & ~values.mixed;
+    share[o] = std::uint8_t(alike >> 8 * o);
+    if (octant == 0) continue;
+    const bool is_one = are_alike(values, octant);
+    octants = std::uint8_t(octants | unsigned(is_one) << o);
+    count += is_one ? 1 : bits_in(alike);
+  }
+  share[8] = octants;
+  const bool is_one_brick = values.seen == 0 || are_alike(values, values.seen);
+  share[9] = is_one_brick ? 1 : 0;
+  return values.seen == 0 ? 0 : is_one_brick ? 1 : count;
+}
+
+/// What a brick's `share` says: whose value a voxel has.
+class ValueLeaders {
+ public:
+  GB_HD explicit ValueLeaders(const std::uint8_t* share) : is_one_(share[9] != 0) {
+    for (unsigned o = 0; o < octants_a_brick; ++o) {
+      if ((share[8] >> o & 1) != 0) by_octant_ |= octant_groups(o);
+      sharing_ |= std::uint64_t(share[o]) << 8 * o;
+    }
+    sharing_ = is_one_ ? ~std::uint64_t(0) : sharing_ | by_octant_;
+  }
+
+  /// Of the group's voxels: they, or more than they, have one value.
+  GB_HD bool are_one(unsigned group) const { return (sharing_ >> group & 1) != 0; }
+  /// The same number for all groups that have one value.
+  GB_HD unsigned leader(unsigned group) const {
+    return is_one_ ? 0 : (by_octant_ >> group & 1) != 0 ? group & ~7u : group;
+  }
+  /// Whether a voxel has a value of its own, or is the first of those that share it. led: a bit for the leader of each
+  /// voxel before it.
+  GB_HD bool is_new(unsigned group, std::uint64_t led) const {
+    return (~(sharing_ >> group & led >> leader(group)) & 1) != 0;
+  }
+
+ private:
+  std::uint64_t by_octant_ = 0, sharing_ = 0;
+  bool is_one_;
+};
+
+enum class ValuesStored : std::uint8_t {
+  plain,   ///< a value for each voxel
+  one,     ///< one for all
+  shared,  ///< those that bricks, octants and groups have, and NAME_share and NAME_first
+};
+
+/// How a level's channel is stored: shared where that spares a quarter of the bytes; one value where all are alike.
+/// values: of all bricks, by share_brick(). Of a brick the columns beside the values take about twelve bytes packed.
+GB_HD ValuesStored how_stored(std::uint64_t voxels, bool all_alike, std::uint64_t values, std::uint64_t bricks,
+                              std::size_t width) {
+  if (voxels > 1 && all_alike) return ValuesStored::one;
+  return 4 * (values * width + (share_bytes + 2) * bricks) < 3 * voxels * width ? ValuesStored::shared
+                                                                                : ValuesStored::plain;
+}
+
+/// How many that are. shared: share_brick()'s, of all bricks.
+GB_HD std::uint64_t values_stored(ValuesStored how, std::uint64_t voxels, std::uint64_t shared) {
+  return how == ValuesStored::one ? 1 : how == ValuesStored::shared ? shared : voxels;
+}
+
+}  // namespace gigabake

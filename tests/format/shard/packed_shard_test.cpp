@@ -1,0 +1,187 @@
+// A shard of columns that somebody else has packed is the same file as the shard of the voxels.
+#include "format/shard/packed_shard.h"
+
+#include <algorithm>
+#include <gtest/gtest.h>
+#include <list>
+
+#include "format/shard/brick_walk.h"
+#include "format/shard/hdf5/chunk_codec.h"
+#include "format/shard/shard_columns.h"
+#include "lattice/pack/chunk_rows.h"
+#include "tests/format/shard/made_shard.h"
+#include "tests/random_seed.h"
+
+namespace gigabake {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// Owns what a PackedShard borrows.
+class PackedByHand {
+ public:
+  enum class As { raw, stored };
+
+  PackedByHand(const Shard& shard, As as, Codec codec) : as_(as), codec_(codec) {
+    packed.header = shard.header;
+    packed.nodes.resize(packed_nodes(shard.header).size());
+    ShardColumns columns(shard.header);
+    columns.add_nodes(shard.nodes);
+    for (const BrickLevel& level : shard.levels) columns.add_level(level, callers_thread());
+    for (const BrickLevel& level : shard.levels) packed.levels.push_back(of_level(level));
+    for (const ColumnRows& column : columns.columns()) take(column);
+  }
+
+  PackedShard packed;
+
+ private:
+  PackedLevel of_level(const BrickLevel& level) const {
+    PackedLevel out;
+    out.voxels = level.rgba.size() / 4;
+    for (std::size_t i = 3; i < level.rgba.size(); i += 4) ++out.alphas[level.rgba[i]];
+    out.channels.resize(packed_channels(packed.header, int(packed.levels.size())).size());
+    return out;
+  }
+
+  PackedColumn* place_of(const std::string& name) {
+    for (std::size_t lod = 0; lod < packed.levels.size(); ++lod) {
+      PackedLevel& level = packed.levels[lod];
+      const LevelColumns names{int(lod)};
+      if (name == names.mask.name) return &level.mask;
+      if (name == names.first.name) return &level.first;
+      const std::vector<VoxelChannel> channels = stored_channels(shard_version, packed.header, int(lod));
+      for (std::size_t c = 0; c < channels.size(); ++c) {
+        const ChannelColumns of_channel(names.group, channels[c]);
+        if (name == of_channel.value.name) return &level.channels[c].value;
+        if (name == of_channel.share.name) return &level.channels[c].share;
+        if (name == of_channel.first.name) return &level.channels[c].first;
+      }
+    }
+    const std::vector<Hdf5Column> nodes = NodeColumns().all(packed.header);
+    const auto of_nodes = std::find_if(nodes.begin(), nodes.end(), [&](const auto& c) { return c.name == name; });
+    return &packed.nodes.at(std::size_t(of_nodes - nodes.begin()));
+  }
+
+  void take(const ColumnRows& from) {
+    PackedColumn* to = place_of(from.column.name);
+    to->rows = from.rows;
+    if (from.rows == 0) return;
+    Bytes scratch;
+    const auto rows = from.get(0, from.rows, scratch);
+    Bytes& raw = kept_.emplace_back(rows.begin(), rows.end());
+    if (as_ == As::raw) {
+      to->raw = raw;
+      return;
+    }
+    const std::size_t bytes = chunk_bytes(from.rows, from.column.row_bytes());
+    raw.resize(bytes * chunk_count(from.rows, from.column.row_bytes()));
+    const ChunkFilters filters{codec_, from.column.planes == BytePlanes::yes ? element_bytes(from.column.type) : 1};
+    for (std::size_t at = 0; at < raw.size(); at += bytes)
+      to->stored.push_back(kept_.emplace_back(encode_chunk(std::span(raw).subspan(at, bytes), filters)));
+  }
+
+  As as_;
+  Codec codec_;
+  std::list<Bytes> kept_;
+};
+
+void expect_same_file(const Shard& shard, PackedByHand::As as, Codec codec) {
+  const made::TempFolder folder;
+  const ThreadPool pool(2);
+  const PackedByHand by_hand(shard, as, codec);
+  const StoredShard voxels = write_shard(folder / "voxels.h5", shard, {pool, codec}),
+                    packed = write_packed_shard(folder / "packed.h5", by_hand.packed, {pool, codec});
+  EXPECT_TRUE(made::bytes_of(folder / "voxels.h5") == made::bytes_of(folder / "packed.h5"));
+  EXPECT_EQ(voxels.file, packed.file);
+  EXPECT_EQ(voxels.levels, packed.levels);
+  const auto is_brick = [](NodeKind kind) { return kind == NodeKind::brick; };
+  if (!std::all_of(shard.nodes.kind.begin(), shard.nodes.kind.end(), is_brick)) return;
+  EXPECT_EQ(summarize_levels(shard), summarize_levels(by_hand.packed));
+  EXPECT_EQ(count_voxels(shard), count_voxels(by_hand.packed));
+}
+
+TEST(PackedShard, IsTheFileOfItsVoxels) {
+  const test::RandomSeed seed;
+  std::mt19937_64 rng(seed);
+  for (int round = 0; round < 24; ++round) {
+    made::ShardShape shape;
+    shape.lods = 1 + int(rng() % 4);
+    shape.normals = rng() % 2 != 0;
+    shape.facing = rng() % 2 != 0;
+    shape.alike = rng() % 2 != 0;
+    const Shard shard = made::random_shard(rng, shape);
+    const auto as = rng() % 2 != 0 ? PackedByHand::As::raw : PackedByHand::As::stored;
+    expect_same_file(shard, as, rng() % 3 == 0 ? Codec::lz4 : Codec::deflate);
+  }
+}
+
+TEST(PackedShard, OfBricksAloneHasTheCountsOfItsVoxels) {
+  const Shard shard = made::shard_of({{{1, 2, 3}, {4, 5, 6, 7}, {8, 9}}, {{40, 50, 60}, {1, 2, 3, 255}, {}}}, {}, 64);
+  expect_same_file(shard, PackedByHand::As::stored, Codec::deflate);
+  const std::vector<std::uint64_t> voxels = count_voxels(PackedByHand(shard, PackedByHand::As::raw, {}).packed);
+  EXPECT_EQ(voxels, count_voxels(shard));
+  EXPECT_EQ(voxels[0], 2u);
+}
+
+/// The memory that a file is made in is used again, larger files and smaller ones by turns.
+TEST(PackedShard, OfSeveralMegabytesIsTheFileOfItsVoxels) {
+  const test::RandomSeed seed;
+  std::mt19937_64 rng(seed);
+  for (const std::int64_t height : {64, 2, 96}) {
+    std::vector<made::Voxel> voxels;
+    for (std::int64_t x = 0; x < 64; ++x)
+      for (std::int64_t y = 0; y < 64; ++y)
+        for (std::int64_t z = 0; z < height; ++z) {
+          const std::uint64_t bits = rng();
+          voxels.push_back({{2 * x, 2 * y, z},
+                            {std::uint8_t(bits), std::uint8_t(bits >> 8), std::uint8_t(bits >> 16), 255},
+                            {std::int8_t(bits >> 24), std::int8_t(bits >> 32)}});
+        }
+    const Shard shard = made::shard_of(voxels, {}, 128);
+    const PackedByHand by_hand(shard, PackedByHand::As::stored, Codec::deflate);
+    EXPECT_EQ(by_hand.packed.levels[0].channels[0].value.stored.size() > 4, height > 2);
+    expect_same_file(shard, PackedByHand::As::stored, Codec::deflate);
+  }
+}
+
+TEST(PackedShard, OfLevelsWithoutBricksIsTheFileOfItsVoxelsToo) {
+  expect_same_file(made::constant_shard(), PackedByHand::As::stored, Codec::deflate);
+}
+
+/// The rows that a packer makes are those that the file's layout asks for.
+TEST(PackedShard, HasRowsAsItsColumnsAre) {
+  const auto expect_row = [](const Hdf5Column& column, const RowShape& row) {
+    EXPECT_EQ(column.row_bytes(), row.bytes) << column.name;
+    EXPECT_EQ(column.planes == BytePlanes::yes ? element_bytes(column.type) : 1, row.shuffled_bytes) << column.name;
+  };
+  ShardHeader header;
+  header.has_facing = true;
+  const LevelColumns level(1);
+  expect_row(level.mask, mask_row);
+  expect_row(level.first, first_row);
+  const std::vector<RowShape> nodes = packed_nodes(header);
+  const NodeColumns names;
+  ASSERT_EQ(nodes.size(), names.all(header).size());
+  expect_row(names.key, nodes[std::size_t(NodeColumn::key)]);
+  expect_row(names.lod, nodes[std::size_t(NodeColumn::lod)]);
+  expect_row(names.kind, nodes[std::size_t(NodeColumn::kind)]);
+  expect_row(names.child_mask, nodes[std::size_t(NodeColumn::child_mask)]);
+  expect_row(names.first_child, nodes[std::size_t(NodeColumn::first_child)]);
+  expect_row(names.value, nodes[std::size_t(NodeColumn::value)]);
+  const std::vector<std::string> order{"key", "lod", "kind", "child_mask", "first_child", "value"};
+  for (std::size_t c = 0; c < order.size(); ++c) EXPECT_EQ(names.all(header)[c].name, "/nodes/" + order[c]);
+  const std::vector<ChannelPlace> places = packed_channels(header, 1);
+  const std::vector<VoxelChannel> channels = stored_channels(shard_version, header, 1);
+  ASSERT_EQ(places.size(), channels.size());
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    const ChannelColumns of_channel(level.group, channels[c]);
+    expect_row(of_channel.value, {places[c].width, 1});
+    expect_row(of_channel.share, share_row);
+    expect_row(of_channel.first, first_row);
+    EXPECT_LE(places[c].offset + places[c].width, places[c].stride);
+    EXPECT_LE(places[c].width, widest_value);
+  }
+}
+
+}  // namespace
+}  // namespace gigabake
