@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "kernels/body/material.h"
+#include "kernels/body/nearest_texture.h"
 #include "kernels/body/tables.h"
 #include "lattice/thread_pool.h"
 
@@ -56,12 +57,10 @@ std::vector<std::uint16_t> halve(int width, int height, const ThreadPool& pool, 
   return out;
 }
 
-/// Linear, premultiplied; with an alpha test a texel is opaque or absent.
 void add_base_texel(const std::uint8_t* p, std::uint8_t mask_cutoff, const Tables& tables, std::uint64_t weight,
                     std::uint64_t sum[4]) {
-  const std::uint32_t alpha = mask_cutoff == 0 ? p[3] * 257u : (p[3] >= mask_cutoff ? 65535u : 0u);
-  for (int c = 0; c < 3; ++c) sum[c] += weight * scale16(tables.linear_from_srgb[p[c]], alpha);
-  sum[3] += weight * alpha;
+  const Rgba16 texel = base_texel(p, mask_cutoff, tables.linear_from_srgb);
+  for (int c = 0; c < 4; ++c) sum[c] += weight * texel.c[c];
 }
 
 }  // namespace

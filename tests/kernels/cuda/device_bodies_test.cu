@@ -149,7 +149,8 @@ struct MeasureBody {
         add_edge<true>(polygon.u[e] - u, polygon.v[e] - v, polygon.v[f] - v, plane.line[polygon.line[e]], m);
       }
       out.weight[i] = weight_of(m.area, plane.weight_scale);
-      const Rgba16 rgba = shade<false>(surface, plane, fragment_centroid(plane, m, u, v), m.area, tables);
+      const Rgba16 rgba =
+          shade<false>(surface, plane, fragment_shape(plane, m, u, v, polygon.u, polygon.v, polygon.count), tables);
       for (int c = 0; c < 4; ++c) out.rgba[i][c] = rgba.c[c];
       const Fragment linear =
           linear_fragment(make_linear_colour(surface, plane), u, v, m, plane.weight_scale, surface.normal);
