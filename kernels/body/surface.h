@@ -47,14 +47,21 @@ GB_HD bool usable_uv(const float uv[6]) {
   return true;
 }
 
-/// Unit normal (32767) by the winding, in scene axes.
+GB_HD double dot(const double a[3], const double b[3]) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
+
+/// n at unit length, which is 32767.
+GB_HD void scale_to_unit(const double n[3], std::int16_t unit[3]) {
+  const double scale = 32767 / std::sqrt(dot(n, n));
+  for (int c = 0; c < 3; ++c) unit[c] = std::int16_t(floor_to_int32(n[c] * scale + 0.5));
+}
+
+/// Unit normal of the snapped vertices by their winding, in scene axes.
 template <class I, class N>
-GB_HD void geometric_normal(const BrickTriangle<I, N>& t, std::int16_t normal[3]) {
+GB_HD void snapped_normal(const BrickTriangle<I, N>& t, std::int16_t normal[3]) {
   const double n[3] = {double(t.n[0]), double(t.n[1]), double(t.n[2])};
-  const double scale = 32767 / std::sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2]);
-  const std::int32_t unit[3] = {floor_to_int32(n[0] * scale + 0.5), floor_to_int32(n[1] * scale + 0.5),
-                                floor_to_int32(n[2] * scale + 0.5)};
-  for (int c = 0; c < 3; ++c) normal[c] = std::int16_t(unpermuted(unit, t.axis, c));
+  std::int16_t unit[3];
+  scale_to_unit(n, unit);
+  for (int c = 0; c < 3; ++c) normal[c] = unpermuted(unit, t.axis, c);
 }
 
 struct Barycentric {

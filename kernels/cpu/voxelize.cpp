@@ -38,7 +38,7 @@ template <class I>
 Surface triangle_surface(const PartSurface& from, const WindowTriangle& w, const BrickTriangle<I>& t,
                          const TrianglePlane& plane) {
   Surface s = from.surface;
-  geometric_normal(t, s.normal);
+  triangle_normal(from.part, w.index, t, s.normal);
   if (s.has_vertex_rgba) load_vertex_rgba(from.part, w.index, s.vertex_rgba);
   if (s.texture != nullptr) s.map = texture_map(from.part, w.index, plane, *s.texture);
   return s;

@@ -135,7 +135,7 @@ template <class I, class N, bool is_hard, CellMaterials materials>
 __device__ void cut_triangle(const InputView& in, const WindowTriangle& w, const std::int32_t corner[3],
                              std::uint32_t where, FillItem<is_hard, materials>& out) {
   const BrickTriangle<I, N> t = make_brick_triangle<I, N>(w, corner);
-  geometric_normal(t, out.normal);
+  triangle_normal(in.parts[w.part], w.index, t, out.normal);
   const TrianglePlane plane = make_plane(t);
   for (int i = 0; i < 4; ++i) out.line[i] = plane.line[i];
   out.anchor_u = std::int32_t(plane.anchor[0]);
