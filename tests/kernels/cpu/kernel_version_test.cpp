@@ -26,7 +26,7 @@ TEST(KernelVersion, IsRaisedWithWhateverGivesOtherVoxels) {
     SurfaceRule rule;
     MipFilter filter;
     Hash128 hash;
-  } version_5[] = {{SurfaceRule::area, MipFilter::coverage, {0x2dea68b5db18dace, 0x9e28736f1c901d9b}},
+  } version_5[] = {{SurfaceRule::area, MipFilter::coverage, {0x8193bd7165105793, 0xa176cc188ad4598f}},
                    {SurfaceRule::area, MipFilter::thesis, {0x57490a35bb98c6b8, 0x9934c2a606dc845b}},
                    {SurfaceRule::area, MipFilter::box, {0xb1ec2b42bda99a0b, 0x3cd705b8ddd95d06}},
                    {SurfaceRule::conservative, MipFilter::coverage, {0xb252d2851796dc75, 0x483f72d08cc5e98f}},
