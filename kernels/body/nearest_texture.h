@@ -182,8 +182,9 @@ struct TexelOutline {
   int count;
 };
 
-GB_HD TexelOutline map_outline(const Outline& o, const FragmentMap& map, Point2 centroid) {
-  TexelOutline r;
+/// Into `r`, not as a result: nvcc 13.0 puts a result's corners where `o` lies, and overwrites its fifth before it is
+/// read. Found on 2026-11-23, in colours of a device (DeviceTextures) and then in its PTX.
+GB_HD void map_outline(const Outline& o, const FragmentMap& map, Point2 centroid, TexelOutline& r) {
   r.low_x = r.high_x = r.low_y = r.high_y = 0;
   r.count = o.count;
   for (int i = 0; i < o.count; ++i) {
@@ -195,7 +196,6 @@ GB_HD TexelOutline map_outline(const Outline& o, const FragmentMap& map, Point2 
     r.low_y = smaller(r.low_y, r.y[i]);
     r.high_y = larger(r.high_y, r.y[i]);
   }
-  return r;
 }
 
 /// The finest level with few texels in the outline's box.
@@ -275,7 +275,8 @@ GB_HD_ONE_COPY Rgba16 nearest_over(const TextureView& view, NearestLook look, Fr
   if (!has_centroid(f.area)) return nearest_texel(view, look.wrap_s, look.wrap_t, s_middle, t_middle, linear_from_srgb);
   const double s = in_first_period(s_middle, look.wrap_s), t = in_first_period(t_middle, look.wrap_t);
   const FragmentMap map = fragment_map(look, view.width, view.height);
-  TexelOutline outline = map_outline(outline_of(f), map, {f.centroid.u - f.cell_u, f.centroid.v - f.cell_v});
+  TexelOutline outline;
+  map_outline(outline_of(f), map, {f.centroid.u - f.cell_u, f.centroid.v - f.cell_v}, outline);
   const TexelGrid grid = texel_grid(view, level_for(view, outline), look.wrap_s, look.wrap_t, linear_from_srgb);
   const double width = grid.width, height = grid.height;
   const TexelSpan columns = texels_between(s * width, outline.low_x * width, outline.high_x * width, grid.width),

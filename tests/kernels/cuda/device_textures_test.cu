@@ -73,7 +73,8 @@ struct TextureBody {
     out.centroid_v = f.centroid.v;
     const Outline outline = outline_of(f);
     const FragmentMap map = fragment_map(nearest_look(surface.material, surface.map), texture.width, texture.height);
-    const TexelOutline image = map_outline(outline, map, {f.centroid.u - f.cell_u, f.centroid.v - f.cell_v});
+    TexelOutline image;
+    map_outline(outline, map, {f.centroid.u - f.cell_u, f.centroid.v - f.cell_v}, image);
     const double all[6] = {map.su, map.sv, map.tu, map.tv, surface.map.s0, surface.map.t0};
     for (int i = 0; i < 6; ++i) out.map[i] = no_negative_zero(all[i]);
     out.corners = outline.count;
@@ -150,7 +151,7 @@ void expect_same_colours(bool nearest, int width, int height, TextureAlpha alpha
   for (std::uint8_t& x : texels) x = std::uint8_t(random());
   const Texture texture(std::move(texels), width, height, alpha, 128, ThreadPool(1));
   const TextureOnDevice there(texture.view());
-  const std::vector<TexturedTriangle> in = textured_triangles(20000);
+  const std::vector<TexturedTriangle> in = textured_triangles(60000);
   const auto from_device = run_on_device<ShadedTriangle>(in, TextureBody{there.view(), nearest});
   const TextureBody here{texture.view(), nearest};
   const Tables tables = TableStore::host().view();
