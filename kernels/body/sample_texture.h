@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "kernels/body/brick_triangle.h"
 #include "kernels/body/material.h"
 #include "kernels/body/tables.h"
 #include "kernels/body/texture_view.h"
@@ -91,10 +92,26 @@ GB_HD Rgba16 test_alpha(Rgba16 r, std::uint8_t cutoff) {
   return r;
 }
 
+inline constexpr std::uint32_t rough_shift = 3, rough_least = 64;
+
+/// Whether four neighbours differ so much that a round kernel about a fragment's centroid may miss its mean by some
+/// codes of sRGB: by more than an eighth of the brightest.
+template <bool opaque>
+GB_HD bool are_rough(const Rgba16 texel[4]) {
+  bool rough = false;
+  for (int c = 0; c < (opaque ? 3 : 4); ++c) {
+    const std::uint32_t a = texel[0].c[c], b = texel[1].c[c], d = texel[2].c[c], e = texel[3].c[c];
+    const std::uint32_t high = larger(larger(a, b), larger(d, e)), low = smaller(smaller(a, b), smaller(d, e));
+    rough |= high - low > (high >> rough_shift) + rough_least;
+  }
+  return rough;
+}
+
 /// Around the fractions s and t (fraction_of). opaque: for materials whose alpha is ignored; the result has none.
+/// rough: becomes true where the texels are.
 template <bool opaque>
 GB_HD Rgba16 sample_level(const TextureView& view, const MaterialView& m, int l, std::uint32_t s, std::uint32_t t,
-                          const Tables& tables) {
+                          const Tables& tables, bool& rough) {
   const auto width = std::uint32_t(level_extent(view.width, l)), height = std::uint32_t(level_extent(view.height, l));
   const TexelPair across = neighbours(s, width, m.wrap_s == Wrap::repeat);
   const TexelPair down = neighbours(t, height, m.wrap_t == Wrap::repeat);
@@ -103,6 +120,7 @@ GB_HD Rgba16 sample_level(const TextureView& view, const MaterialView& m, int l,
   const std::uint32_t at[4] = {upper + across.a, upper + across.b, lower + across.a, lower + across.b};
   Rgba16 texel[4];
   load_texels<opaque>(view, l, at, tables, texel);
+  rough |= are_rough<opaque>(texel);
   const std::uint32_t x = across.second, y = down.second,
                       weight[4] = {(256 - x) * (256 - y), x * (256 - y), (256 - x) * y, x * y};
   Rgba16 r{{0, 0, 0, 0}};
@@ -112,6 +130,13 @@ GB_HD Rgba16 sample_level(const TextureView& view, const MaterialView& m, int l,
     r.c[c] = std::uint16_t(sum >> 16);
   }
   return !opaque && l == 0 && view.mask_cutoff != 0 ? test_alpha(r, view.mask_cutoff) : r;
+}
+
+template <bool opaque>
+GB_HD Rgba16 sample_level(const TextureView& view, const MaterialView& m, int l, std::uint32_t s, std::uint32_t t,
+                          const Tables& tables) {
+  bool unused = false;
+  return sample_level<opaque>(view, m, l, s, t, tables, unused);
 }
 
 }  // namespace gigabake::kernels

@@ -85,25 +85,32 @@ GB_HD LevelBlend blend_for(const TextureView& view, float texels) {
   return {at >> 8, std::uint32_t(at) & 255};
 }
 
+/// Whether a clamped image's outermost texel is repeated there: coarser levels repeat what lies inside of it too.
+GB_HD bool is_beyond_edge(double s, Wrap wrap) { return wrap == Wrap::clamp_to_edge && (s < 0 || s > 1); }
+
 /// Mean of the texture over a fragment of the given projected area (voxel²) around (u, v). opaque: for materials whose
-/// alpha is ignored; the result has none.
+/// alpha is ignored; the result has none. rough: whether texels differ so much, over so many of them, that the mean
+/// over the fragment's own outline is wanted instead.
 template <bool opaque>
 GB_HD Rgba16 texture_over(const TextureView& view, const MaterialView& m, const TextureMap& map, double u, double v,
-                          double area, const Tables& tables) {
+                          double area, const Tables& tables, bool& rough) {
   const float size = std::sqrt(float(at_most(area, 1)));  // a fragment smaller than the voxel has the smaller footprint
   const LevelBlend blend = blend_for(view, map.level_texels * size);
   const double s = (map.s0 + map.su * u) + map.sv * v, t = (map.t0 + map.tu * u) + map.tv * v;
   const int two = blend.coarser != 0 ? 1 : 0;  // levels, less one
   std::uint32_t sum[4] = {0, 0, 0, 0};
+  rough = false;
   GB_NO_UNROLL
   for (int i = 0; i < map.probes << two; ++i) {
     const double offset = size * ((float(i >> two) + 0.5f) * map.inverse_probes - 0.5f);
     const int step = i & two;
     const Rgba16 p = sample_level<opaque>(view, m, blend.level + step, fraction_of(s + map.along_s * offset, m.wrap_s),
-                                          fraction_of(t + map.along_t * offset, m.wrap_t), tables);
+                                          fraction_of(t + map.along_t * offset, m.wrap_t), tables, rough);
     const std::uint32_t weight = step != 0 ? blend.coarser : 256 - blend.coarser;
     for (int c = 0; c < 4; ++c) sum[c] += weight * p.c[c];
   }
+  constexpr float least_texels = 0.0625f;  // across a voxel: what is magnified more is all but even over a fragment
+  rough = (rough && map.level_texels >= least_texels) || is_beyond_edge(s, m.wrap_s) || is_beyond_edge(t, m.wrap_t);
   // Sums are below 2^27, quotients of less than 2^20 exact.
   const std::uint32_t half = 128u * std::uint32_t(map.probes);
   Rgba16 r;

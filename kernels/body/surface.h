@@ -9,7 +9,7 @@
 
 #include "kernels/body/accumulate.h"
 #include "kernels/body/coverage.h"
-#include "kernels/body/nearest_texture.h"
+#include "kernels/body/covered_texels.h"
 #include "kernels/body/shade.h"
 #include "lattice/rules.h"
 
@@ -121,9 +121,11 @@ GB_HD Rgba16 shade_untextured(const Surface& s, const double mean[4]) {
 template <bool opaque>
 GB_HD Rgba16 shade_textured(const TextureView& texture, const MaterialView& m, const TextureMap& map,
                             const Rgba16& factor, const FragmentShape& f, const Tables& tables) {
-  const Rgba16 texel =
-      m.nearest ? nearest_over(texture, nearest_look(m, map), f, tables.linear_from_srgb)
-                : texture_over<opaque>(texture, m, map, f.centroid.u, f.centroid.v, std::fabs(f.area), tables);
+  bool by_outline = m.nearest || (!opaque && texture.mask_cutoff != 0);
+  Rgba16 texel;
+  if (!by_outline)
+    texel = texture_over<opaque>(texture, m, map, f.centroid.u, f.centroid.v, std::fabs(f.area), tables, by_outline);
+  if (by_outline) texel = texels_over(texture, texel_look(m, map), f, tables);
   return opaque ? apply_opaque(factor, texel) : apply_material(m, factor, texel);
 }
 

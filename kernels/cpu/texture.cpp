@@ -4,8 +4,8 @@
 #include <atomic>
 #include <utility>
 
+#include "kernels/body/covered_texels.h"
 #include "kernels/body/material.h"
-#include "kernels/body/nearest_texture.h"
 #include "kernels/body/tables.h"
 #include "lattice/thread_pool.h"
 

@@ -80,8 +80,9 @@ TEST(Sampling, FindsOneColourWhereTheTextureHasOne) {
     for (std::size_t c = 0; c < 3; ++c) wanted[c] = scale16(tables.linear_from_srgb[rgba[c]], wanted[3]);
     for (int probes = 1; probes <= 8; ++probes) {
       const double texels = std::uniform_real_distribution<double>(0, 2.0 * size)(rng);
+      bool rough = false;
       const Rgba16 mean = texture_over<false>(view, material, map_of(probes, texels, size), double(rng() % 100) / 7,
-                                              double(rng() % 100) / 7, double(rng() % 8) / 4, tables);
+                                              double(rng() % 100) / 7, double(rng() % 8) / 4, tables, rough);
       for (int c = 0; c < 4; ++c)
         ASSERT_EQ(mean.c[c], wanted[c]) << "channel " << c << ", " << probes << " probes, texture " << i << ", seed "
                                         << seed;
@@ -119,8 +120,9 @@ TEST(Sampling, FindsTheSameColoursWithoutAlpha) {
     const double texels_wide = std::uniform_real_distribution<double>(0, 30)(rng);
     const TextureMap map = map_of(1 + int(rng() % 8), texels_wide, width);
     const double u = double(rng() % 1000) / 7, v = double(rng() % 1000) / 7, area = double(rng() % 9) / 8;
-    const Rgba16 all = texture_over<false>(texture.view(), material, map, u, v, area, tables);
-    const Rgba16 opaque = texture_over<true>(texture.view(), material, map, u, v, area, tables);
+    bool rough = false;
+    const Rgba16 all = texture_over<false>(texture.view(), material, map, u, v, area, tables, rough);
+    const Rgba16 opaque = texture_over<true>(texture.view(), material, map, u, v, area, tables, rough);
     for (int c = 0; c < 3; ++c) ASSERT_EQ(opaque.c[c], all.c[c]) << "texture " << i << ", seed " << seed;
     ASSERT_EQ(all.c[3], 65535);
   }

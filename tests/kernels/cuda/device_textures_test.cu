@@ -72,7 +72,7 @@ struct TextureBody {
     out.centroid_u = f.centroid.u;
     out.centroid_v = f.centroid.v;
     const Outline outline = outline_of(f);
-    const FragmentMap map = fragment_map(nearest_look(surface.material, surface.map), texture.width, texture.height);
+    const FragmentMap map = fragment_map(texel_look(surface.material, surface.map), texture.width, texture.height);
     TexelOutline image;
     map_outline(outline, map, {f.centroid.u - f.cell_u, f.centroid.v - f.cell_v}, image);
     const double all[6] = {map.su, map.sv, map.tu, map.tv, surface.map.s0, surface.map.t0};
@@ -84,7 +84,7 @@ struct TextureBody {
       out.image[2 * i] = no_negative_zero(image.x[i]);
       out.image[2 * i + 1] = no_negative_zero(image.y[i]);
     }
-    out.level = level_for(texture, image);
+    out.level = level_for(texture, nearest, image);
     return out;
   }
 

@@ -1,14 +1,17 @@
-/// What a texture looks like on a fragment where its sampler picks the nearest texel: the mean of the texels that the
-/// fragment covers, each by the area of it that is covered.
+/// What a texture looks like on a fragment, by the fragment's own outline: the mean of what it covers, each texel by
+/// the area of it that is covered. However a sheet is cut into triangles, their fragments add up to the same.
 ///
-/// A texel is a square of one colour, and so is one of a coarser level, which stands in where a fragment covers many.
+/// Where the sampler picks the nearest texel, a texel is a square of one colour. Where it interpolates, what is covered
+/// of a texel, or of a part of it, has the colour at its centroid; an alpha test is made there. A texel of a coarser
+/// level, which stands in where a fragment covers many, is a square of one colour too.
 ///
 /// Space   Texels of one level, relative to the first one that the fragment may meet.
 /// Exact   IEEE double without contraction, then integers: host and device agree. A fragment that covers few texels
-///         (about 7 x 7) has their mean, each weight to 2^-24; one that covers more is wrong by what the coarser texels
-///         along its border hold beyond it. A texture of one colour is that colour, exactly.
+///         (about 7 x 7) has their mean, each weight to 2^-24, and what is interpolated to half a code of sRGB; one
+///         that covers more is wrong by what the coarser texels along its border hold beyond it. A texture of one
+///         colour is that colour, exactly.
 /// Range   |s|, |t| ≤ 2^20; beyond that, where only the gradient of a degenerate sliver leads, any texel is picked.
-/// Cost    At most 130 texels a fragment, each measured against two to nine edges.
+/// Cost    At most some 260 parts of texels a fragment, each measured against two to nine edges.
 #pragma once
 
 #include <cmath>
@@ -68,13 +71,14 @@ GB_HD Outline outline_of(const FragmentShape& f) {
 }
 
 /// What a fragment sees of its texture. Passed by value: a caller that hardly ever asks keeps its registers.
-struct NearestLook {
+struct TexelLook {
   double s0, su, sv, t0, tu, tv;  ///< as TextureMap
   Wrap wrap_s, wrap_t;
+  bool nearest;
 };
 
-GB_HD NearestLook nearest_look(const MaterialView& m, const TextureMap& map) {
-  return {map.s0, map.su, map.sv, map.t0, map.tu, map.tv, m.wrap_s, m.wrap_t};
+GB_HD TexelLook texel_look(const MaterialView& m, const TextureMap& map) {
+  return {map.s0, map.su, map.sv, map.t0, map.tu, map.tv, m.wrap_s, m.wrap_t, m.nearest};
 }
 
 /// s in the first of the images, or pairs of images, that look alike.
@@ -91,8 +95,8 @@ GB_HD std::int32_t wrapped_texel(std::int32_t i, std::int32_t size, Wrap wrap) {
   return at < size ? at : period - 1 - at;
 }
 
-/// The finest level is taken at which no more than so many texels fit into a fragment's box.
-inline constexpr int most_texels_inside = 64;
+/// The finest level is taken at which no more than so many texels, or parts of texels, fit into a fragment's box.
+inline constexpr int most_texels_inside = 64, most_parts_inside = 256;
 
 /// Texels along one axis that a footprint may meet.
 struct TexelSpan {
@@ -105,7 +109,7 @@ struct TexelSpan {
 /// middle: of the fragment on the endless row; it reaches from middle + low to middle + high. Far beyond a clamped
 /// edge the first texel is moved, since all look alike there.
 GB_HD TexelSpan texels_between(double middle, double low, double high, std::int32_t size) {
-  constexpr double most = most_texels_inside + 2;
+  constexpr double most = most_parts_inside + 2;
   const double first = std::floor(middle + low), count = std::ceil(middle + high) - first;
   const double near = first < -most ? -most : at_most(first, 2.0 * size);
   return {std::int32_t(near), std::int32_t(count < 1 ? 1 : at_most(count, most)), middle - first};
@@ -122,36 +126,52 @@ GB_HD Rgba16 base_texel(const std::uint8_t* rgba, std::uint8_t mask_cutoff, cons
   return r;
 }
 
+/// Texels of a level along one axis. A level below 0 has 2^-level texels for each of the image's, between which a
+/// sampler interpolates.
+GB_HD std::int32_t grid_extent(std::int32_t size, int level) {
+  return level < 0 ? size << -level : level_extent(size, level);
+}
+
 /// One level of a texture as the sampler wraps it.
 struct TexelGrid {
   const TextureView* view;
   std::int32_t level, width, height;
   Wrap wrap_s, wrap_t;
-  const std::uint16_t* linear_from_srgb;
+  bool nearest;
+  const Tables* tables;
 
-  /// Texel (x, y) of the endless plane.
+  /// Texel (x, y) of the endless plane; of a level below 0 what is interpolated, and tested, at its middle.
   GB_HD Rgba16 texel(std::int32_t x, std::int32_t y) const {
+    if (level < 0) return interpolated(double(x) + 0.5, double(y) + 0.5);
     const std::size_t at =
         std::size_t(wrapped_texel(y, height, wrap_t)) * std::size_t(width) + wrapped_texel(x, width, wrap_s);
-    if (level == 0) return base_texel(view->base + 4 * at, view->mask_cutoff, linear_from_srgb);
+    if (level == 0) return base_texel(view->base + 4 * at, view->mask_cutoff, tables->linear_from_srgb);
     Rgba16 r;
     copy_texel<8>(view->level[level] + 4 * at, r.c);
     return r;
   }
+
+  /// What a renderer magnifies to at (s, t). Range  level 0 or below.
+  GB_HD Rgba16 sample(double s, double t) const {
+    if (!nearest) return interpolated(s * width, t * height);
+    return texel(texels_between(in_first_period(s, wrap_s) * width, 0, 0, width).first,
+                 texels_between(in_first_period(t, wrap_t) * height, 0, 0, height).first);
+  }
+
+  /// At (x, y) of the endless plane, tested. Range  level 0 or below.
+  GB_HD Rgba16 interpolated(double x, double y) const {
+    MaterialView wraps;
+    wraps.wrap_s = wrap_s;
+    wraps.wrap_t = wrap_t;
+    return sample_level<false>(*view, wraps, 0, fraction_of(x / width, wrap_s), fraction_of(y / height, wrap_t),
+                               *tables);
+  }
 };
 
-GB_HD TexelGrid texel_grid(const TextureView& view, int level, Wrap wrap_s, Wrap wrap_t,
-                           const std::uint16_t* linear_from_srgb) {
-  return {&view,  level,           level_extent(view.width, level), level_extent(view.height, level), wrap_s,
-          wrap_t, linear_from_srgb};
-}
-
-/// The texel at (s, t), as a renderer picks it.
-GB_HD Rgba16 nearest_texel(const TextureView& view, Wrap wrap_s, Wrap wrap_t, double s, double t,
-                           const std::uint16_t* linear_from_srgb) {
-  const TexelGrid grid = texel_grid(view, 0, wrap_s, wrap_t, linear_from_srgb);
-  return grid.texel(texels_between(in_first_period(s, wrap_s) * grid.width, 0, 0, grid.width).first,
-                    texels_between(in_first_period(t, wrap_t) * grid.height, 0, 0, grid.height).first);
+GB_HD TexelGrid texel_grid(const TextureView& view, int level, const TexelLook& look, const Tables& tables) {
+  return {
+      &view,        level,  grid_extent(view.width, level), grid_extent(view.height, level), look.wrap_s, look.wrap_t,
+      look.nearest, &tables};
 }
 
 /// How (s, t) runs over a fragment's (u, v). A map that is flat, as those of colours along a line are, gets a
@@ -160,7 +180,7 @@ struct FragmentMap {
   double su, sv, tu, tv, determinant;
 };
 
-GB_HD FragmentMap fragment_map(const NearestLook& look, double width, double height) {
+GB_HD FragmentMap fragment_map(const TexelLook& look, double width, double height) {
   constexpr double least = 1.0 / 1024;
   double xu = look.su * width, xv = look.sv * width, yu = look.tu * height, yv = look.tv * height;
   const double along_u = xu * xu + yu * yu, along_v = xv * xv + yv * yv, longer = larger(along_u, along_v);
@@ -198,13 +218,23 @@ GB_HD void map_outline(const Outline& o, const FragmentMap& map, Point2 centroid
   }
 }
 
+/// What is interpolated bends in the middle of texels, so halves of them are taken where they are few; an alpha test of
+/// it may turn anywhere.
+inline constexpr int most_halvings = 1, most_halvings_tested = 5;
+
+/// Texels of level `l`, or parts of the image's, in the outline's box.
+GB_HD double texels_inside(const TextureView& view, int l, const TexelOutline& o) {
+  return ((o.high_x - o.low_x) * grid_extent(view.width, l) + 1) *
+         ((o.high_y - o.low_y) * grid_extent(view.height, l) + 1);
+}
+
 /// The finest level with few texels in the outline's box.
-GB_HD int level_for(const TextureView& view, const TexelOutline& o) {
-  const double across = o.high_x - o.low_x, down = o.high_y - o.low_y;
-  int l = 0;
-  while (l + 1 < view.levels &&
-         (across * level_extent(view.width, l) + 1) * (down * level_extent(view.height, l) + 1) > most_texels_inside)
-    ++l;
+GB_HD int level_for(const TextureView& view, bool nearest, const TexelOutline& o) {
+  const bool is_tested = !nearest && view.mask_cutoff != 0,
+             may_halve = !nearest && larger(view.width, view.height) <= 1 << 22;
+  const int most = nearest ? most_texels_inside : most_parts_inside;
+  int l = may_halve ? (is_tested ? -most_halvings_tested : -most_halvings) : 0;
+  while (l + 1 < view.levels && texels_inside(view, l, o) > most) ++l;
   return l;
 }
 
@@ -230,21 +260,25 @@ GB_HD unsigned edges_in_row(const TexelOutline& o, double row) {
   return edges;
 }
 
-/// Edges left of the texel bound nothing of it, and those on its right all that they pass of its row: most do either.
-GB_HD double covered_area(const TexelOutline& o, unsigned edges, double column, double row) {
+/// Of a texel: how much is covered, signed as the outline turns, and where with_moments. Edges left of the texel bound
+/// nothing of it, and those on its right all that they pass of its row: most do either.
+template <bool with_moments>
+GB_HD CellMoments covered_part(const TexelOutline& o, unsigned edges, double column, double row) {
   CellMoments sum{0, 0, 0};
   for (int i = 0; i < o.count; ++i) {
     const int j = i + 1 == o.count ? 0 : i + 1;
     if ((edges >> i & 1) == 0 || larger(o.x[i], o.x[j]) <= column) continue;
-    if (smaller(o.x[i], o.x[j]) >= column + 1)
+    if (!with_moments && smaller(o.x[i], o.x[j]) >= column + 1)
       sum.area += clamp01(o.y[j] - row) - clamp01(o.y[i] - row);
     else
-      add_edge<false>(o.x[i] - column, o.y[i] - row, o.y[j] - row, o.line[i], sum);
+      add_edge<with_moments>(o.x[i] - column, o.y[i] - row, o.y[j] - row, o.line[i], sum);
   }
-  return sum.area;
+  return sum;
 }
 
-/// weight_scale: of a covered texel², signed as the outline turns.
+/// weight_scale: of a covered texel², signed as the outline turns. interpolated: of what is covered of a texel, the
+/// texture at its centroid stands for it, else the texel.
+template <bool interpolated>
 GB_HD Rgba16 mean_of_covered(const TexelGrid& grid, const TexelSpan& columns, const TexelSpan& rows,
                              const TexelOutline& o, double weight_scale) {
   constexpr double most_weight = 1 << 30;  // what is covered adds up to 2^24: only rounding could lead beyond
@@ -252,10 +286,14 @@ GB_HD Rgba16 mean_of_covered(const TexelGrid& grid, const TexelSpan& columns, co
   for (std::int32_t j = 0; j < rows.count; ++j) {
     const unsigned edges = edges_in_row(o, j);
     for (std::int32_t i = 0; i < columns.count; ++i) {
-      const double wanted = at_most(covered_area(o, edges, i, j) * weight_scale, most_weight);
+      const CellMoments part = covered_part<interpolated>(o, edges, i, j);
+      const double wanted = at_most(part.area * weight_scale, most_weight);
       if (wanted < 0.5) continue;
       const auto weight = std::uint64_t(floor_to_int64(wanted + 0.5));
-      const Rgba16 texel = grid.texel(columns.first + i, rows.first + j);
+      const std::int32_t x = columns.first + i, y = rows.first + j;
+      const Rgba16 texel = interpolated
+                               ? grid.interpolated(x + clamp01(part.u / part.area), y + clamp01(part.v / part.area))
+                               : grid.texel(x, y);
       for (int c = 0; c < 4; ++c) sum[c] += weight * texel.c[c];
       weights += weight;
     }
@@ -266,18 +304,17 @@ GB_HD Rgba16 mean_of_covered(const TexelGrid& grid, const TexelSpan& columns, co
   return r;
 }
 
-/// Premultiplied linear mean of the texels that a fragment covers; its centroid's texel where the fragment is too small
-/// to be measured.
-GB_HD_ONE_COPY Rgba16 nearest_over(const TextureView& view, NearestLook look, FragmentShape f,
-                                   const std::uint16_t* linear_from_srgb) {
+/// Premultiplied linear mean of the texture that a fragment covers; what is at its centroid where the fragment is too
+/// small to be measured.
+GB_HD_ONE_COPY Rgba16 texels_over(const TextureView& view, TexelLook look, FragmentShape f, Tables tables) {
   const double s_middle = (look.s0 + look.su * f.centroid.u) + look.sv * f.centroid.v,
                t_middle = (look.t0 + look.tu * f.centroid.u) + look.tv * f.centroid.v;
-  if (!has_centroid(f.area)) return nearest_texel(view, look.wrap_s, look.wrap_t, s_middle, t_middle, linear_from_srgb);
+  if (!has_centroid(f.area)) return texel_grid(view, 0, look, tables).sample(s_middle, t_middle);
   const double s = in_first_period(s_middle, look.wrap_s), t = in_first_period(t_middle, look.wrap_t);
   const FragmentMap map = fragment_map(look, view.width, view.height);
   TexelOutline outline;
   map_outline(outline_of(f), map, {f.centroid.u - f.cell_u, f.centroid.v - f.cell_v}, outline);
-  const TexelGrid grid = texel_grid(view, level_for(view, outline), look.wrap_s, look.wrap_t, linear_from_srgb);
+  const TexelGrid grid = texel_grid(view, level_for(view, look.nearest, outline), look, tables);
   const double width = grid.width, height = grid.height;
   const TexelSpan columns = texels_between(s * width, outline.low_x * width, outline.high_x * width, grid.width),
                   rows = texels_between(t * height, outline.low_y * height, outline.high_y * height, grid.height);
@@ -285,10 +322,13 @@ GB_HD_ONE_COPY Rgba16 nearest_over(const TextureView& view, NearestLook look, Fr
   const bool is_point =
       outline.high_x - outline.low_x < no_size / width && outline.high_y - outline.low_y < no_size / height;
   if (is_point || columns.count * rows.count == 1 || grid.width * grid.height == 1)
-    return grid.texel(columns.middle_texel(), rows.middle_texel());
+    return !look.nearest && grid.level <= 0 ? grid.sample(s, t)
+                                            : grid.texel(columns.middle_texel(), rows.middle_texel());
   place_outline(grid, columns, rows, outline);
   const double covered = f.area * (map.determinant * (width * height));
-  return mean_of_covered(grid, columns, rows, outline, double(1 << 24) / covered);
+  const double weight_scale = double(1 << 24) / covered;
+  return !look.nearest && grid.level <= 0 ? mean_of_covered<true>(grid, columns, rows, outline, weight_scale)
+                                          : mean_of_covered<false>(grid, columns, rows, outline, weight_scale);
 }
 
 }  // namespace gigabake::kernels
