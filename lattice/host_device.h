@@ -10,6 +10,14 @@
 #define GB_HD inline
 #endif
 
+/// A body of which there is one copy that callers jump to: one that few items need, so that those which do not need it
+/// keep their instructions and registers.
+#if defined(__CUDACC__)
+#define GB_HD_ONE_COPY __host__ __device__ __noinline__ inline
+#else
+#define GB_HD_ONE_COPY __attribute__((noinline)) inline
+#endif
+
 /// A loop that a device must unroll, so that arrays which it indexes can be registers; one whose body it must not
 /// repeat, because a large kernel waits for its instructions.
 #if defined(__CUDA_ARCH__)

@@ -124,6 +124,25 @@ struct CellMoments {
   double area, u, v;
 };
 
+struct Point2 {
+  double u, v;
+};
+
+/// Where a fragment lies: what its colour is asked for.
+struct FragmentShape {
+  Point2 centroid;
+  double area;  ///< projected, signed, voxel²
+  double cell_u, cell_v;
+  const double *polygon_u, *polygon_v;  ///< of the slab that it is cut from
+  int corners;
+};
+
+/// Smallest projected area (voxel²) whose centroid is computed as moment over area; below, rounding would decide.
+inline constexpr double smallest_centroid_area = 1e-9;
+
+/// Whether the fragment is large enough for moment over area to be its centroid.
+GB_HD bool has_centroid(double projected_area) { return std::fabs(projected_area) >= smallest_centroid_area; }
+
 GB_HD double clamp01(double x) { return x < 0 ? 0 : (x > 1 ? 1 : x); }
 
 /// The same of a finite number; zero may lose its sign. A device goes by the order of bits: comparing and picking

@@ -55,6 +55,40 @@ GB_HD void triangle_vertices(const PartArrays& part, std::uint32_t triangle, std
   v[2] = part.mirrored ? i[1] : i[2];
 }
 
+/// From one of the part's vertices to another, in the scene's axes.
+GB_HD void scene_edge(const PartArrays& part, std::uint32_t from, std::uint32_t to, double edge[3]) {
+  const float *p = part.position + 3 * std::size_t(from), *q = part.position + 3 * std::size_t(to);
+  const double x = double(q[0]) - double(p[0]), y = double(q[1]) - double(p[1]), z = double(q[2]) - double(p[2]);
+  for (int r = 0; r < 3; ++r) {
+    const double* m = part.scene_from_local + 4 * r;
+    edge[r] = (m[0] * x + m[1] * y) + m[2] * z;
+  }
+}
+
+/// A triangle whose edges make an angle with a smaller sine has no area that rounding would leave alone.
+inline constexpr double least_sine = 1.0 / (std::int64_t(1) << 40);
+
+/// Unit normal (32767) by the winding, in scene axes: of the vertices as the scene has them, before they are snapped;
+/// of the snapped ones, `t`, where the triangle has no area in the scene.
+///
+/// Exact   Within 0.06 degrees wherever the part's matrix shears nothing flat, of slivers too.
+template <class I, class N>
+GB_HD void triangle_normal(const PartArrays& part, std::uint32_t triangle, const BrickTriangle<I, N>& t,
+                           std::int16_t normal[3]) {
+  std::uint32_t v[3];
+  triangle_vertices(part, triangle, v);
+  double a[3], b[3];
+  scene_edge(part, v[0], v[1], a);
+  scene_edge(part, v[0], v[2], b);
+  const double n[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+  constexpr double least = 1e-280, most = 1e280;  // squares that are not all rounding, and finite
+  const double squared = dot(n, n);
+  if (squared > least && squared < most && squared > least_sine * least_sine * (dot(a, a) * dot(b, b)))
+    scale_to_unit(n, normal);
+  else
+    snapped_normal(t, normal);
+}
+
 /// Texture coordinates of the triangle's vertices. False, and zeros, where one of them names no texel: the triangle is
 /// baked so, and counted in CellStats::bad_uv.
 GB_HD bool load_uv(const PartArrays& part, const std::uint32_t v[3], float uv[6]) {

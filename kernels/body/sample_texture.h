@@ -96,12 +96,8 @@ template <bool opaque>
 GB_HD Rgba16 sample_level(const TextureView& view, const MaterialView& m, int l, std::uint32_t s, std::uint32_t t,
                           const Tables& tables) {
   const auto width = std::uint32_t(level_extent(view.width, l)), height = std::uint32_t(level_extent(view.height, l));
-  TexelPair across = neighbours(s, width, m.wrap_s == Wrap::repeat);
-  TexelPair down = neighbours(t, height, m.wrap_t == Wrap::repeat);
-  if (m.nearest && l == 0) {
-    across.second = (across.second & 128) << 1;
-    down.second = (down.second & 128) << 1;
-  }
+  const TexelPair across = neighbours(s, width, m.wrap_s == Wrap::repeat);
+  const TexelPair down = neighbours(t, height, m.wrap_t == Wrap::repeat);
   // Two rows of two texels, also where they weigh nothing. Weights sum up to 2^16.
   const std::uint32_t upper = down.a * width, lower = down.b * width;
   const std::uint32_t at[4] = {upper + across.a, upper + across.b, lower + across.a, lower + across.b};

@@ -9,19 +9,14 @@
 
 #include "kernels/body/accumulate.h"
 #include "kernels/body/coverage.h"
+#include "kernels/body/nearest_texture.h"
 #include "kernels/body/shade.h"
 #include "lattice/rules.h"
 
 namespace gigabake::kernels {
 
-/// Smallest projected area (voxel²) whose centroid is computed as moment over area; below, rounding would decide.
-inline constexpr double smallest_centroid_area = 1e-9;
 /// Texture coordinates beyond this (or NaN/Inf) name no texel; the triangle is baked as if they were 0 and counted.
 inline constexpr double largest_uv = 1 << 20;
-
-struct Point2 {
-  double u, v;
-};
 
 /// How a triangle's colour runs over its fragments.
 enum class Look : std::uint8_t {
@@ -52,14 +47,21 @@ GB_HD bool usable_uv(const float uv[6]) {
   return true;
 }
 
-/// Unit normal (32767) by the winding, in scene axes.
+GB_HD double dot(const double a[3], const double b[3]) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
+
+/// n at unit length, which is 32767.
+GB_HD void scale_to_unit(const double n[3], std::int16_t unit[3]) {
+  const double scale = 32767 / std::sqrt(dot(n, n));
+  for (int c = 0; c < 3; ++c) unit[c] = std::int16_t(floor_to_int32(n[c] * scale + 0.5));
+}
+
+/// Unit normal of the snapped vertices by their winding, in scene axes.
 template <class I, class N>
-GB_HD void geometric_normal(const BrickTriangle<I, N>& t, std::int16_t normal[3]) {
+GB_HD void snapped_normal(const BrickTriangle<I, N>& t, std::int16_t normal[3]) {
   const double n[3] = {double(t.n[0]), double(t.n[1]), double(t.n[2])};
-  const double scale = 32767 / std::sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2]);
-  const std::int32_t unit[3] = {floor_to_int32(n[0] * scale + 0.5), floor_to_int32(n[1] * scale + 0.5),
-                                floor_to_int32(n[2] * scale + 0.5)};
-  for (int c = 0; c < 3; ++c) normal[c] = std::int16_t(unpermuted(unit, t.axis, c));
+  std::int16_t unit[3];
+  scale_to_unit(n, unit);
+  for (int c = 0; c < 3; ++c) normal[c] = unpermuted(unit, t.axis, c);
 }
 
 struct Barycentric {
@@ -76,9 +78,6 @@ GB_HD Barycentric barycentric(const TrianglePlane& t, Point2 p) {
   return {a * inverse_sum, b * inverse_sum, c * inverse_sum};
 }
 
-/// Whether the fragment is large enough for moment over area to be its centroid.
-GB_HD bool has_centroid(double projected_area) { return std::fabs(projected_area) >= smallest_centroid_area; }
-
 GB_HD Point2 centroid_of(const CellMoments& m, double cell_u, double cell_v) {
   const double inverse = 1 / m.area;
   return {cell_u + clamp01(m.u * inverse), cell_v + clamp01(m.v * inverse)};
@@ -89,6 +88,12 @@ GB_HD Point2 fragment_centroid(const TrianglePlane& t, const CellMoments& m, dou
   if (has_centroid(m.area)) return centroid_of(m, cell_u, cell_v);
   const Barycentric w = barycentric(t, {cell_u + 0.5, cell_v + 0.5});
   return {w.a * t.u[0] + w.b * t.u[1] + w.c * t.u[2], w.a * t.v[0] + w.b * t.v[1] + w.c * t.v[2]};
+}
+
+/// (polygon_u, polygon_v): the slab's, which the fragment is cut from.
+GB_HD FragmentShape fragment_shape(const TrianglePlane& t, const CellMoments& m, double cell_u, double cell_v,
+                                   const double* polygon_u, const double* polygon_v, int corners) {
+  return {fragment_centroid(t, m, cell_u, cell_v), m.area, cell_u, cell_v, polygon_u, polygon_v, corners};
 }
 
 /// A channel's mean of the three vertices: the whole number that is nearest.
@@ -115,22 +120,23 @@ GB_HD Rgba16 shade_untextured(const Surface& s, const double mean[4]) {
 /// with. opaque: see texture_over.
 template <bool opaque>
 GB_HD Rgba16 shade_textured(const TextureView& texture, const MaterialView& m, const TextureMap& map,
-                            const Rgba16& factor, Point2 centroid, double projected_area, const Tables& tables) {
-  const Rgba16 texel = texture_over<opaque>(texture, m, map, centroid.u, centroid.v, std::fabs(projected_area), tables);
+                            const Rgba16& factor, const FragmentShape& f, const Tables& tables) {
+  const Rgba16 texel =
+      m.nearest ? nearest_over(texture, nearest_look(m, map), f, tables.linear_from_srgb)
+                : texture_over<opaque>(texture, m, map, f.centroid.u, f.centroid.v, std::fabs(f.area), tables);
   return opaque ? apply_opaque(factor, texel) : apply_material(m, factor, texel);
 }
 
-/// Premultiplied linear RGBA of the fragment around `centroid`; projected_area in voxel². opaque: see texture_over.
+/// Premultiplied linear RGBA of a fragment. opaque: see texture_over.
 template <bool opaque>
-GB_HD Rgba16 shade(const Surface& s, const TrianglePlane& t, Point2 centroid, double projected_area,
-                   const Tables& tables) {
+GB_HD Rgba16 shade(const Surface& s, const TrianglePlane& t, const FragmentShape& f, const Tables& tables) {
   double mean[4] = {65535, 65535, 65535, 65535};
   if (s.has_vertex_rgba) {
-    const Barycentric w = barycentric(t, centroid);
+    const Barycentric w = barycentric(t, f.centroid);
     for (int c = 0; c < 4; ++c) mean[c] = vertex_mean(s, c, w);
   }
   if (s.texture == nullptr) return shade_untextured(s, mean);
-  return shade_textured<opaque>(*s.texture, s.material, s.map, factor_of(s, mean), centroid, projected_area, tables);
+  return shade_textured<opaque>(*s.texture, s.material, s.map, factor_of(s, mean), f, tables);
 }
 
 GB_HD Fragment make_fragment(const Surface& s, const Rgba16& rgba, std::int64_t weight) {

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "kernels/body/material.h"
+#include "kernels/body/nearest_texture.h"
 #include "kernels/body/tables.h"
 #include "kernels/body/texture_view.h"
 
@@ -56,9 +56,8 @@ class BaseTexels {
  public:
   explicit BaseTexels(std::uint8_t mask_cutoff) : mask_cutoff_(mask_cutoff), tables_(TableStore::host().view()) {}
   void operator()(const std::uint8_t* p, std::uint64_t weight, std::uint64_t sum[4]) const {
-    const std::uint32_t alpha = mask_cutoff_ == 0 ? p[3] * 257u : (p[3] >= mask_cutoff_ ? 65535u : 0u);
-    for (int c = 0; c < 3; ++c) sum[c] += weight * scale16(tables_.linear_from_srgb[p[c]], alpha);
-    sum[3] += weight * alpha;
+    const Rgba16 texel = base_texel(p, mask_cutoff_, tables_.linear_from_srgb);
+    for (int c = 0; c < 4; ++c) sum[c] += weight * texel.c[c];
   }
 
  private:

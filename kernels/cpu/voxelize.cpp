@@ -38,7 +38,7 @@ template <class I>
 Surface triangle_surface(const PartSurface& from, const WindowTriangle& w, const BrickTriangle<I>& t,
                          const TrianglePlane& plane) {
   Surface s = from.surface;
-  geometric_normal(t, s.normal);
+  triangle_normal(from.part, w.index, t, s.normal);
   if (s.has_vertex_rgba) load_vertex_rgba(from.part, w.index, s.vertex_rgba);
   if (s.texture != nullptr) s.map = texture_map(from.part, w.index, plane, *s.texture);
   return s;
@@ -95,7 +95,7 @@ class BrickWalker {
     if (look == Look::linear)
       add_linear_cells(plane, surface, voxel);
     else
-      add_cells(plane, surface, voxel);
+      add_cells(plane, polygon, surface, voxel);
     fragments_ += std::uint64_t(lanes_.count);
   }
 
@@ -107,15 +107,15 @@ class BrickWalker {
                 linear_fragment(linear_, lanes_.u[i], lanes_.v[i], moments_of(i), plane.weight_scale, surface.normal));
   }
 
-  void add_cells(const TrianglePlane& plane, const Surface& surface, const int voxel[64]) {
+  void add_cells(const TrianglePlane& plane, const SlabPolygon& polygon, const Surface& surface, const int voxel[64]) {
     Rgba16 rgba;
     const bool varies = surface.look() != Look::flat, opaque = surface.is_opaque();
-    if (!varies) rgba = shade<false>(surface, plane, {0, 0}, 0, tables_);
+    if (!varies) rgba = shade<false>(surface, plane, {}, tables_);
     for (int i = 0; i < lanes_.count; ++i) {
       if (varies) {
-        const Point2 centroid = fragment_centroid(plane, moments_of(i), lanes_.u[i], lanes_.v[i]);
-        rgba = opaque ? shade<true>(surface, plane, centroid, lanes_.area[i], tables_)
-                      : shade<false>(surface, plane, centroid, lanes_.area[i], tables_);
+        const FragmentShape shape =
+            fragment_shape(plane, moments_of(i), lanes_.u[i], lanes_.v[i], polygon.u, polygon.v, polygon.count);
+        rgba = opaque ? shade<true>(surface, plane, shape, tables_) : shade<false>(surface, plane, shape, tables_);
       }
       sums_.add(voxel[i], make_fragment(surface, rgba, weight_of(lanes_.area[i], plane.weight_scale)));
     }

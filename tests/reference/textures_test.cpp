@@ -1,5 +1,5 @@
-/// Textures on voxels against brute force: the bilinear texture, as a renderer magnifies it, sampled densely over the
-/// voxel's part of the surface. Bounds: docs/accuracy.md.
+/// Textures on voxels against brute force: the bilinear or nearest texel, as a renderer magnifies it, sampled densely
+/// over the voxel's part of the surface. Bounds: docs/accuracy.md.
 #include <gtest/gtest.h>
 
 #include "bake_scene.h"
@@ -48,6 +48,13 @@ Linear bilinear(const Picture& p, double s, double t, const MaterialView& m) {
   return {sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3], 1};
 }
 
+Linear nearest(const Picture& p, double s, double t, const MaterialView& m) {
+  const Linear c = texel(p, std::int64_t(std::floor(s * p.width)), std::int64_t(std::floor(t * p.height)), m);
+  if (m.alpha_mode != AlphaMode::mask) return c;
+  if (c[3] < 0.5) return {};
+  return {c[0] / c[3], c[1] / c[3], c[2] / c[3], 1};
+}
+
 /// Texture coordinates as an affine map of sheet coordinates in voxels.
 struct Mapping {
   double s0, sx, sy, t0, tx, ty;
@@ -56,25 +63,29 @@ struct Mapping {
 };
 
 Linear supersampled(const Picture& p, const MaterialView& m, const Mapping& map, int i, int j) {
-  constexpr int samples = 48;
+  const int samples = m.nearest ? 144 : 48;  // what is nearest has sharp borders
   Linear sum{};
   for (int b = 0; b < samples; ++b)
     for (int a = 0; a < samples; ++a) {
       const double x = i + (a + 0.5) / samples, y = j + (b + 0.5) / samples;
-      const Linear c = bilinear(p, map.s(x, y), map.t(x, y), m);
+      const Linear c = (m.nearest ? nearest : bilinear)(p, map.s(x, y), map.t(x, y), m);
       for (int k = 0; k < 4; ++k) sum[k] += c[k] / (samples * samples);
     }
   return sum;
 }
 
 /// A square of 16 × 16 voxels in the middle of a layer of voxels.
-VoxelMap baked_sheet(const Picture& picture, const MaterialView& material, const Mapping& map) {
+std::vector<Triangle> sheet() {
+  const std::int64_t e = sheet_voxels * 256;
+  return {{{{0, 0, 128}, {e, 0, 128}, {e, e, 128}}}, {{{0, 0, 128}, {e, e, 128}, {0, e, 128}}}};
+}
+
+VoxelMap baked_sheet(const Picture& picture, const MaterialView& material, const Mapping& map,
+                     const std::vector<Triangle>& triangles) {
   BakeScene scene;
   scene.set_window({0, 0, 0}, sheet_voxels);
-  const std::int64_t e = sheet_voxels * 256;
-  Part& part = scene.add_mesh({{{{0, 0, 128}, {e, 0, 128}, {e, e, 128}}}, {{{0, 0, 128}, {e, e, 128}, {0, e, 128}}}},
-                              scene.add_textured(material, picture.rgba, picture.width, picture.height));
-  for (std::size_t v = 0; v < 6; ++v) {
+  Part& part = scene.add_mesh(triangles, scene.add_textured(material, picture.rgba, picture.width, picture.height));
+  for (std::size_t v = 0; v < 3 * triangles.size(); ++v) {
     const double x = part.position[3 * v] / 256, y = part.position[3 * v + 1] / 256;
     part.uv.insert(part.uv.end(), {float(map.s(x, y)), float(map.t(x, y))});
   }
@@ -86,8 +97,9 @@ struct Errors {
   double bias[4] = {0, 0, 0, 0};  ///< mean signed error
 };
 
-Errors errors_of(const Picture& picture, const MaterialView& material, const Mapping& map) {
-  const VoxelMap voxels = baked_sheet(picture, material, map);
+Errors errors_of(const Picture& picture, const MaterialView& material, const Mapping& map,
+                 const std::vector<Triangle>& triangles = sheet()) {
+  const VoxelMap voxels = baked_sheet(picture, material, map, triangles);
   Errors e;
   for (int j = 0; j < sheet_voxels; ++j)
     for (int i = 0; i < sheet_voxels; ++i) {
@@ -138,6 +150,11 @@ MaterialView with(AlphaMode mode, Wrap s = Wrap::repeat, Wrap t = Wrap::repeat) 
   return m;
 }
 
+MaterialView nearest_of(MaterialView m) {
+  m.nearest = true;
+  return m;
+}
+
 /// n texels a voxel along both axes of a picture of `size`.
 Mapping scaled(double n, double size) { return {0.013, n / size, 0, 0.029, 0, n / size}; }
 
@@ -145,6 +162,7 @@ std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.nam
 
 std::vector<Case> texture_cases() {
   const auto opaque = with(AlphaMode::opaque), blend = with(AlphaMode::blend), mask = with(AlphaMode::mask);
+  const auto sharp = nearest_of(opaque), sharp_blend = nearest_of(blend), sharp_mask = nearest_of(mask);
   const auto mirror = with(AlphaMode::opaque, Wrap::mirrored_repeat, Wrap::mirrored_repeat);
   const auto clamp = with(AlphaMode::opaque, Wrap::clamp_to_edge, Wrap::clamp_to_edge);
   const double r = std::sqrt(0.5) * 4 / 64;
@@ -168,6 +186,22 @@ std::vector<Case> texture_cases() {
       {"clamp_to_edge", false, 32, 32, clamp, over, 0.16, 0.025, 0.01},
       {"mask_magnified", true, 64, 64, mask, scaled(0.25, 64), 0.6, 0.03, 0.02},
       {"mask_minified", false, 64, 64, mask, scaled(4, 64), 0.26, 0.03, 0.005},
+      {"nearest_magnified_8", true, 64, 64, sharp, scaled(0.125, 64), 0.008, 0.0003, 0.0005},
+      {"nearest_one_texel_a_voxel", true, 64, 64, sharp, scaled(1, 64), 0.007, 0.0012, 0.0005},
+      {"nearest_1_5_texels_a_voxel", true, 64, 64, sharp_blend, scaled(1.5, 64), 0.007, 0.0012, 0.0005},
+      {"nearest_minified_2", true, 64, 64, sharp, scaled(2, 64), 0.007, 0.0013, 0.0005},
+      {"nearest_minified_5", true, 128, 128, sharp_blend, scaled(5, 128), 0.007, 0.0014, 0.0005},
+      {"nearest_minified_11", true, 256, 256, sharp, scaled(11, 256), 0.026, 0.005, 0.0005},
+      {"nearest_minified_40", true, 256, 256, sharp, scaled(40, 256), 0.013, 0.0025, 0.0005},
+      {"nearest_odd_size", true, 37, 51, sharp_blend, odd, 0.007, 0.0014, 0.0005},
+      {"nearest_turned_45_degrees", true, 64, 64, sharp, turned, 0.007, 0.0012, 0.0005},
+      {"nearest_stretched_6", true, 64, 64, sharp, stretched, 0.007, 0.0012, 0.0005},
+      {"nearest_stretched_20_oblique", true, 128, 128, sharp, oblique, 0.013, 0.002, 0.0005},
+      {"nearest_mirrored_repeat", true, 32, 32, nearest_of(mirror), scaled(3, 32), 0.007, 0.0013, 0.0005},
+      {"nearest_clamp_to_edge", true, 32, 32, nearest_of(clamp), over, 0.007, 0.0014, 0.0005},
+      {"nearest_mask_magnified", true, 64, 64, sharp_mask, scaled(0.25, 64), 0.005, 0.0005, 0.0005},
+      {"nearest_mask_1_5", true, 64, 64, sharp_mask, scaled(1.5, 64), 0.006, 0.0012, 0.0005},
+      {"nearest_mask_minified_11", true, 128, 128, sharp_mask, scaled(11, 128), 0.045, 0.0075, 0.0005},
   };
 }
 
@@ -191,7 +225,7 @@ TEST(ConstantTexture, IsItsColourAtEveryScaleExactly) {
   Picture picture{24, 40, {}};
   for (int i = 0; i < 24 * 40; ++i) picture.rgba.insert(picture.rgba.end(), {200, 100, 7, 255});
   for (const double n : {0.01, 0.7, 1.0, 3.3, 17.0, 200.0}) {
-    const VoxelMap voxels = baked_sheet(picture, with(AlphaMode::blend), scaled(n, 24));
+    const VoxelMap voxels = baked_sheet(picture, with(AlphaMode::blend), scaled(n, 24), sheet());
     ASSERT_EQ(voxels.size(), std::size_t(sheet_voxels * sheet_voxels));
     for (const auto& [p, v] : voxels) ASSERT_EQ(v.rgba, (std::array<std::uint8_t, 4>{200, 100, 7, 255})) << n;
   }
@@ -200,10 +234,42 @@ TEST(ConstantTexture, IsItsColourAtEveryScaleExactly) {
 TEST(NearestTexture, IsTheTexelItselfWhereAVoxelLiesInOne) {
   Rng rng(112);
   const Picture picture = noise(4, 4, rng);
-  MaterialView nearest = with(AlphaMode::opaque);
-  nearest.nearest = true;
-  for (const auto& [p, v] : baked_sheet(picture, nearest, {0, 1 / 16.0, 0, 0, 0, 1 / 16.0}))
+  const MaterialView nearest = nearest_of(with(AlphaMode::opaque));
+  for (const auto& [p, v] : baked_sheet(picture, nearest, {0, 1 / 16.0, 0, 0, 0, 1 / 16.0}, sheet()))
     for (int c = 0; c < 3; ++c) ASSERT_EQ(v.rgba[c], picture.rgba[4 * std::size_t(p[1] / 4 * 4 + p[0] / 4) + c]);
+}
+
+/// Seen from above.
+bool turns_left(const LatticeVertex& a, const LatticeVertex& b, const LatticeVertex& c) {
+  return (b[0] - a[0]) * (c[1] - a[1]) > (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+/// The sheet, one triangle after the other cut in three at a point inside it.
+std::vector<Triangle> cut_sheet(std::size_t count, Rng& rng) {
+  std::vector<Triangle> all = sheet();
+  while (all.size() < count) {
+    Triangle& t = all[std::size_t(uniform(rng, 0, std::int64_t(all.size()) - 1))];
+    const std::int64_t b = uniform(rng, 1, 998), c = uniform(rng, 1, 999 - b), a = 1000 - b - c;
+    LatticeVertex inside{};
+    for (std::size_t k = 0; k < 3; ++k) inside[k] = (a * t[0][k] + b * t[1][k] + c * t[2][k]) / 1000;
+    if (!turns_left(t[0], t[1], inside) || !turns_left(t[1], t[2], inside) || !turns_left(t[2], t[0], inside)) continue;
+    const Triangle other[2] = {{{t[1], t[2], inside}}, {{t[2], t[0], inside}}};
+    t[2] = inside;
+    all.insert(all.end(), std::begin(other), std::end(other));
+  }
+  return all;
+}
+
+TEST(NearestTexture, DoesNotShowHowItsSheetIsCutIntoTriangles) {
+  const std::uint64_t seed = 113;
+  Rng rng(seed);
+  const Picture picture = noise(64, 64, rng);
+  for (const AlphaMode mode : {AlphaMode::opaque, AlphaMode::mask})
+    for (const double texels : {0.3, 1.4, 4.0})
+      for (const std::size_t triangles : {8u, 1000u}) {
+        const Errors e = errors_of(picture, nearest_of(with(mode)), scaled(texels, 64), cut_sheet(triangles, rng));
+        EXPECT_LE(e.worst, 0.007) << texels << " texels a voxel, " << triangles << " triangles, seed " << seed;
+      }
 }
 
 }  // namespace

@@ -135,7 +135,7 @@ template <class I, class N, bool is_hard, CellMaterials materials>
 __device__ void cut_triangle(const InputView& in, const WindowTriangle& w, const std::int32_t corner[3],
                              std::uint32_t where, FillItem<is_hard, materials>& out) {
   const BrickTriangle<I, N> t = make_brick_triangle<I, N>(w, corner);
-  geometric_normal(t, out.normal);
+  triangle_normal(in.parts[w.part], w.index, t, out.normal);
   const TrianglePlane plane = make_plane(t);
   for (int i = 0; i < 4; ++i) out.line[i] = plane.line[i];
   out.anchor_u = std::int32_t(plane.anchor[0]);
@@ -180,15 +180,15 @@ __device__ TrianglePlane plane_of(const TexturedLook<is_hard>& look) {
 
 /// Of an opaque material without vertex colours.
 template <bool is_hard>
-__device__ Rgba16 shade_item(const Tables& tables, const TexturedLook<is_hard>& look, const CellMoments& m, double u,
-                             double v) {
+__device__ Rgba16 shade_item(const Tables& tables, const CutItem& item, const TexturedLook<is_hard>& look,
+                             const CellMoments& m, double u, double v) {
   return shade_textured<true>(*look.texture, look.material, look.map, base_factor(look.material),
-                              fragment_centroid(plane_of(look), m, u, v), m.area, tables);
+                              fragment_shape(plane_of(look), m, u, v, item.u, item.v, item.corners), tables);
 }
 
 template <bool is_hard>
-__device__ Rgba16 shade_item(const Tables& tables, const VaryingLook<is_hard>& look, const CellMoments& m, double u,
-                             double v) {
+__device__ Rgba16 shade_item(const Tables& tables, const CutItem& item, const VaryingLook<is_hard>& look,
+                             const CellMoments& m, double u, double v) {
   Surface s;
   s.material = look.material;
   s.has_vertex_rgba = look.has_vertex_rgba;
@@ -197,9 +197,9 @@ __device__ Rgba16 shade_item(const Tables& tables, const VaryingLook<is_hard>& l
       for (int c = 0; c < 4; ++c) s.vertex_rgba[i][c] = look.vertex_rgba[i][c];
   s.texture = look.texture;
   if (look.texture != nullptr) s.map = look.map;
-  if (s.look() == Look::flat) return shade<false>(s, {}, {0, 0}, 0, tables);
+  if (s.look() == Look::flat) return shade<false>(s, {}, {}, tables);
   const TrianglePlane plane = plane_of(look);
-  return shade<false>(s, plane, fragment_centroid(plane, m, u, v), m.area, tables);
+  return shade<false>(s, plane, fragment_shape(plane, m, u, v, item.u, item.v, item.corners), tables);
 }
 
 template <bool is_hard, CellMaterials materials>
@@ -211,7 +211,7 @@ __device__ Fragment fragment_of(const Tables& tables, const FillItem<is_hard, ma
   if (materials == CellMaterials::plain || item.look == Look::flat)
     rgba = opaque_colour({{item.colour.low[0], item.colour.low[1], item.colour.low[2], 0}});
   else if constexpr (materials != CellMaterials::plain)
-    rgba = shade_item(tables, item.varying, m, u, v);
+    rgba = shade_item(tables, item, item.varying, m, u, v);
   return fragment_of_colour(weight_of(m.area, item.weight_scale), rgba.c, item.normal);
 }
 

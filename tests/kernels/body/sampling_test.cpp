@@ -116,7 +116,6 @@ TEST(Sampling, FindsTheSameColoursWithoutAlpha) {
     MaterialView material;
     material.wrap_s = all_wraps[rng() % 3];
     material.wrap_t = all_wraps[rng() % 3];
-    material.nearest = rng() % 4 == 0;
     const double texels_wide = std::uniform_real_distribution<double>(0, 30)(rng);
     const TextureMap map = map_of(1 + int(rng() % 8), texels_wide, width);
     const double u = double(rng() % 1000) / 7, v = double(rng() % 1000) / 7, area = double(rng() % 9) / 8;

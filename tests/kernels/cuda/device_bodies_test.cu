@@ -1,104 +1,22 @@
 // The kernel bodies run on a GPU and on the CPU and return the same bits. Skipped, with a message, where there is no
 // GPU.
-#include <cstring>
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <random>
-#include <stdexcept>
-#include <string>
 #include <vector>
 
 #include "kernels/body/brick_triangle.h"
 #include "kernels/body/mip.h"
 #include "kernels/body/mip_of_64.h"
+#include "kernels/body/part.h"
 #include "kernels/body/surface.h"
 #include "kernels/body/triangle_bricks.h"
 #include "lattice/snap.h"
+#include "tests/kernels/cuda/same_bits.cuh"
 
 namespace gigabake::kernels {
 namespace {
 
-constexpr unsigned seed = 20240611;
-
-void check(cudaError_t code, const char* call) {
-  if (code != cudaSuccess) throw std::runtime_error(std::string(call) + ": " + cudaGetErrorString(code));
-}
-
-bool has_device() {
-  int count = 0;
-  return cudaGetDeviceCount(&count) == cudaSuccess && count > 0;
-}
-
-template <class T>
-class DeviceArray {
- public:
-  explicit DeviceArray(const std::vector<T>& host) : size_(host.size()) {
-    check(cudaMalloc(&data_, size_ * sizeof(T)), "cudaMalloc");
-    check(cudaMemcpy(data_, host.data(), size_ * sizeof(T), cudaMemcpyHostToDevice), "cudaMemcpy");
-  }
-  explicit DeviceArray(const T* host, std::size_t size) : DeviceArray(std::vector<T>(host, host + size)) {}
-  ~DeviceArray() { cudaFree(data_); }
-  DeviceArray(const DeviceArray&) = delete;
-  DeviceArray& operator=(const DeviceArray&) = delete;
-  T* data() const { return data_; }
-  std::vector<T> to_host() const {
-    std::vector<T> host(size_);
-    check(cudaMemcpy(host.data(), data_, size_ * sizeof(T), cudaMemcpyDeviceToHost), "cudaMemcpy");
-    return host;
-  }
-
- private:
-  T* data_ = nullptr;
-  std::size_t size_;
-};
-
-template <class Body, class In, class Out>
-__global__ void run_body(Body body, const In* in, Out* out, int count, Tables tables) {
-  const int i = blockIdx.x * blockDim.x + threadIdx.x;
-  if (i < count) out[i] = body(in[i], tables);
-}
-
-/// out[i] = body(in[i]) on both; the answers are compared as bytes.
-template <class Out, class In, class Body>
-void expect_same_bits(const std::vector<In>& in, Body body) {
-  if (!has_device()) GTEST_SKIP() << "no CUDA device";
-  const Tables host = TableStore::host().view();
-  const DeviceArray<std::uint16_t> linear(host.linear_from_srgb, srgb_codes);
-  const DeviceArray<std::uint8_t> srgb(host.srgb_from_linear, linear_values);
-  const DeviceArray<std::int16_t> normal(host.unit_normal, 4 * normal_codes);
-  const DeviceArray<std::uint8_t> thesis(host.thesis_alpha, alpha_sums);
-  const Tables device{linear.data(), srgb.data(), normal.data(), thesis.data()};
-  const DeviceArray<In> device_in(in);
-  const DeviceArray<Out> device_out{std::vector<Out>(in.size())};
-  run_body<<<int(in.size() + 127) / 128, 128>>>(body, device_in.data(), device_out.data(), int(in.size()), device);
-  check(cudaGetLastError(), "run_body launch");
-  check(cudaDeviceSynchronize(), "cudaDeviceSynchronize");
-  const std::vector<Out> from_device = device_out.to_host();
-  for (std::size_t i = 0; i < in.size(); ++i) {
-    Out expected;
-    std::memset(&expected, 0, sizeof(Out));
-    expected = body(in[i], host);
-    ASSERT_EQ(std::memcmp(&expected, &from_device[i], sizeof(Out)), 0) << "item " << i << ", seed " << seed;
-  }
-}
-
-/// Triangles around the brick 0,0,0 of all sizes, many with coordinates on lattice planes.
-std::vector<WindowTriangle> random_triangles(int count) {
-  std::mt19937 random(seed);
-  std::vector<WindowTriangle> out;
-  while (int(out.size()) < count) {
-    const int reach_bits = 6 + int(random() % 22);
-    WindowTriangle t{};
-    for (auto& p : t.p)
-      for (int& x : p) {
-        x = int(random() % 2048) + int(random() % (1u << reach_bits)) - (1 << (reach_bits - 1));
-        if (random() % 4 == 0) x &= ~255;
-      }
-    const BrickTriangle<__int128> b = make_brick_triangle<__int128>(t, t.p[0]);
-    if (b.n[0] != 0 || b.n[1] != 0 || b.n[2] != 0) out.push_back(t);
-  }
-  return out;
-}
+using namespace test;
 
 struct Slabs {
   std::uint64_t rule[3][8];
@@ -136,7 +54,7 @@ struct MeasureBody {
     surface.has_vertex_rgba = true;
     for (int i = 0; i < 12; ++i) surface.vertex_rgba[i / 4][i % 4] = std::uint16_t(5461 * i);
     surface.material.alpha_mode = AlphaMode::blend;
-    geometric_normal(t, surface.normal);
+    snapped_normal(t, surface.normal);
     Measured out;
     out.normal[3] = 0;
     for (int c = 0; c < 3; ++c) out.normal[c] = surface.normal[c];
@@ -149,7 +67,8 @@ struct MeasureBody {
         add_edge<true>(polygon.u[e] - u, polygon.v[e] - v, polygon.v[f] - v, plane.line[polygon.line[e]], m);
       }
       out.weight[i] = weight_of(m.area, plane.weight_scale);
-      const Rgba16 rgba = shade<false>(surface, plane, fragment_centroid(plane, m, u, v), m.area, tables);
+      const Rgba16 rgba =
+          shade<false>(surface, plane, fragment_shape(plane, m, u, v, polygon.u, polygon.v, polygon.count), tables);
       for (int c = 0; c < 4; ++c) out.rgba[i][c] = rgba.c[c];
       const Fragment linear =
           linear_fragment(make_linear_colour(surface, plane), u, v, m, plane.weight_scale, surface.normal);
@@ -162,6 +81,27 @@ struct MeasureBody {
 TEST(DeviceBodies, MeasureAndShadeTheSameFragmentsAsOnTheCpu) {
   expect_same_bits<Measured>(random_triangles(20000), MeasureBody{});
 }
+
+struct Normal {
+  std::int16_t n[4];
+};
+
+/// Of vertices that are not on the lattice, in an instance that shears and mirrors.
+struct NormalBody {
+  GB_HD Normal operator()(const WindowTriangle& w, const Tables&) const {
+    const std::uint32_t index[3] = {0, 1, 2};
+    float position[9];
+    for (int i = 0; i < 9; ++i) position[i] = float(w.p[i / 3][i % 3]) / 7;
+    const PartArrays part{position, index, nullptr, nullptr, {0.9, 0.1, -0.3, 5, 0.2, -1.1, 0.4, 6, 0.3, 0.1, 0.7, 7},
+                          0,        true,  false};
+    const std::int32_t corner[3] = {0, 0, 0};
+    Normal out{{0, 0, 0, 0}};
+    triangle_normal(part, 0, make_brick_triangle<__int128>(w, corner), out.n);
+    return out;
+  }
+};
+
+TEST(DeviceBodies, FindTheSameNormalsAsOnTheCpu) { expect_same_bits<Normal>(random_triangles(20000), NormalBody{}); }
 
 struct Sums {
   std::int64_t sum[sum_count];
