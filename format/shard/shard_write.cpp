@@ -93,7 +93,7 @@ class ShardColumns {
   }
 
   void add_nodes() {
-    const NodeColumns names;
+    const NodeColumns names(shard_version);
     const NodeTable& n = shard_.nodes;
     group_ = "/nodes";
     add_array(names.key, n.key);

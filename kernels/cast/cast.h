@@ -13,60 +13,27 @@
 #include <cmath>
 #include <cstdint>
 
+#include "kernels/cast/cast_camera.h"
 #include "kernels/cast/locate.h"
 #include "kernels/cast/sample.h"
 #include "kernels/cast/scene.h"
+#include "kernels/cast/sheet.h"
 #include "lattice/host_device.h"
 
 namespace gigabake::kernels {
-
-/// Light that reaches the eye from the air before the surface: 1 - e^(-distance · per_voxel) of it.
-struct CastHaze {
-  float rgb[3] = {0, 0, 0};
-  float per_voxel = 0;
-};
-
-/// From light to what a screen shows: light · exposure as it is up to the knee; what is brighter is bent so that it
-/// stays below 1, whites beside each other differ, and there is no edge at the knee.
-struct CastTone {
-  float exposure = 1;
-  float knee = 1;  ///< 0 to 1; 1: light beyond 1 is cut off
-};
-
-/// Rises with light ≥ 0.
-GB_HD float shown_light(const CastTone& tone, float light) {
-  const float exposed = light * tone.exposure, rest = 1 - tone.knee, over = exposed - tone.knee;
-  return over <= 0 || rest <= 0 ? exposed : tone.knee + rest * (over / (over + rest));
-}
-
-/// What a ray makes of what is there.
-enum class CastPaint : std::int32_t {
-  shaded,  ///< the voxels' radiance
-  lod,     ///< one colour a level
-  cell,    ///< one colour a cell
-  waits,   ///< red where something finer was asked for
-};
-
-struct CastCamera {
-  double eye[3] = {};
-  double forward[3] = {};            ///< unit
-  double right[3] = {}, up[3] = {};  ///< from the picture's middle to its edge, where forward ends
-  std::int32_t width = 0, height = 0;
-  double lod1_depth = 0;  ///< depth (along forward) from which voxels of lod 1 are at most a pixel wide; > 0
-  CastHaze haze;
-  CastTone tone;
-  CastPaint paint = CastPaint::shaded;
-};
 
 /// A ray on its way. What was not finished goes on from here.
 struct CastRay {
   float rgb[3] = {0, 0, 0};  ///< linear, premultiplied
   float transmittance = 1;
-  float covered = 0;       ///< coverage of all surface so far, added up: 1 is opaque
+  float covered = 0;       ///< coverage of all loose surface so far, added up: 1 is opaque
   float depth = no_depth;  ///< distance at which half of the light is gone
   std::int32_t lod = -1;   ///< -1: finished
   std::int64_t step = 0;   ///< next point of the level
   std::int64_t past = -1;  ///< the point after the last one of this level that lay in a surface
+
+  float height = 0;     ///< of the last point above its sheet, lod-0 voxels; 0: it was near none
+  float height_at = 0;  ///< that point's distance
 
   static constexpr float no_depth = 3e38f;
 };
@@ -243,9 +210,9 @@ GB_HD float crossings(const CastSample& s, const float across[3], int lod) {
 /// Source  Vicini, Jakob, Kaplanyan 2021, "A non-exponential transmittance model for volumetric scene representations".
 GB_HD float hidden_by(float covered, int lod) { return lod == 0 ? covered : covered * covered * (3 - 2 * covered); }
 
-/// What of the light that came so far stops at a sample that stands for `part` voxels of its brick's level.
-GB_HD float stop_light(const CastSample& s, const float across[3], float part, int lod, CastRay& ray) {
-  const float covered = ray.covered + crossings(s, across, lod) * part;
+/// What of the light that came so far stops at `more` surface, 1 is opaque, of a brick of level `lod`.
+GB_HD float stop_light(float more, int lod, CastRay& ray) {
+  const float covered = ray.covered + more;
   const float before = hidden_by(ray.covered, lod);
   ray.covered = covered < 1 ? covered : 1;
   return before < 1 ? ray.transmittance * ((hidden_by(ray.covered, lod) - before) / (1 - before)) : ray.transmittance;
@@ -256,18 +223,25 @@ GB_HD float stop_light(const CastSample& s, const float across[3], float part, i
 /// ground that lets the sky through is worse than an edge that is too thick until the rest comes.
 GB_HD float solidity(const CastPlace& place, const CastRay& ray) { return float(1 + place.lod - ray.lod); }
 
-/// The sample stands for `steps` points of the ray's level.
-GB_HD void composite(const CastSample& s, const CastLine& line, const CastPlace& place, std::int64_t steps,
-                     double distance, const CastHaze& haze, CastPaint paint, CastRay& ray) {
-  const float seen = exp_minus(float(distance) * haze.per_voxel);
-  const double way = double(steps) * step_length(ray.lod);
-  const float weight = stop_light(s, line.across, solidity(place, ray) * float(way / (2 * place.half)), place.lod, ray);
+/// `weight` of the light that started stops at the sample, which stands for `way` around `distance`.
+GB_HD void take_light(const CastSample& s, const CastPlace& place, float weight, double distance, double way,
+                      const CastCamera& camera, CastRay& ray) {
+  const float seen = exp_minus(float(distance) * camera.haze.per_voxel);
   float rgb[3];
-  radiance_of(s, place, paint, rgb);
-  for (int k = 0; k < 3; ++k) ray.rgb[k] += weight * (rgb[k] * seen + haze.rgb[k] * (1 - seen));
+  radiance_of(s, place, camera.paint, rgb);
+  for (int k = 0; k < 3; ++k) ray.rgb[k] += weight * (rgb[k] * seen + camera.haze.rgb[k] * (1 - seen));
   if (ray.depth == CastRay::no_depth && ray.transmittance - weight < 0.5f)
     ray.depth = float(distance) + float(way) * ((ray.transmittance - 0.5f) / weight - 0.5f);
   ray.transmittance -= weight;
+}
+
+/// The sample stands for `steps` points of the ray's level.
+GB_HD void composite(const CastSample& s, const CastLine& line, const CastPlace& place, std::int64_t steps,
+                     double distance, const CastCamera& camera, CastRay& ray) {
+  const double way = double(steps) * step_length(ray.lod);
+  const float part = solidity(place, ray) * float(way / (2 * place.half));
+  take_light(s, place, stop_light(crossings(s, line.across, place.lod) * part, place.lod, ray), distance, way, camera,
+             ray);
 }
 
 /// What is still to come would not show: the ray ends as if the last surface were opaque.
@@ -278,31 +252,85 @@ GB_HD void finish_opaque(CastRay& ray) {
   ray.lod = -1;
 }
 
+GB_HD void set_point(const CastLine& line, double distance, double p[3]) {
+  for (int a = 0; a < 3; ++a) p[a] = line.origin[a] + line.direction[a] * distance;
+}
+
+/// How far before this point the ray met the sheet: where its height changed its sign since the last point; or where
+/// the sheet's own slope says, if the last point was near none and the ray leads away from it. Negative: it did not.
+GB_HD double way_since_sheet(const CastSheet& sheet, const CastLine& line, const CastPlace& place, double distance,
+                             const CastRay& ray) {
+  const float height = sheet.height() * float(2 * place.half);
+  if (ray.height * height < 0) return (distance - double(ray.height_at)) * double(height / (height - ray.height));
+  double rises = 0;
+  for (int a = 0; a < 3; ++a) rises += double(sheet.normal[a]) * line.direction[a];
+  if (ray.height != 0 || !(double(height) * rises > 0)) return -1;
+  const double way = double(height) * (127 * double(sheet.sheet)) / rises;
+  return way <= place.half ? way : -1;
+}
+
+/// The ray met a sheet at `met`, before the point of `around`. False: as step_ray().
+GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient, double met,
+                      const CastPlace& around, CastPath& path, CastRay& ray) {
+  double p[3];
+  set_point(line, met, p);
+  const CastPlace place = around.contains(p) ? around : locate(scene, ray.lod, p, patient, around, path);
+  if (place.waits && patient) return false;
+  if (!is_here(place.brick)) return true;
+  const CastPoint point = point_in_brick(place, p);
+  const CastVoxel* voxels = scene.voxels + std::size_t(slot_voxels) * place.brick;
+  const CastSheet sheet = blend_planes(voxels, point);
+  if (!(sheet.sheet > 0)) return true;
+  CastSample sample = sheet_sample(voxels, point);
+  for (int side = -1; side <= 1; side += 2) {
+    double q[3];
+    set_point(line, met + side * place.half, q);
+    const CastPlace at = place.contains(q) ? place : locate(scene, ray.lod, q, patient, place, path);
+    if (at.waits && patient) return false;
+    if (!is_here(at.brick)) continue;
+    const CastSample more = sheet_sample(scene.voxels + std::size_t(slot_voxels) * at.brick, point_in_brick(at, q));
+    for (int k = 0; k < cast_channels; ++k) sample.c[k] += more.c[k];
+  }
+  const float opacity = opacity_of_sheet(voxels, point, sheet);
+  take_light(sample, place, stop_light(opacity, place.lod, ray), met, 0, camera, ray);
+  return true;
+}
+
 /// Looks at one point and goes on to the next one worth looking at. False: the ray, being patient, waits for what is
 /// not here; others let coarser bricks stand for it.
 GB_HD bool step_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
                     double distance, CastPlace& place, CastPath& path, CastRay& ray) {
   double p[3];
-  for (int a = 0; a < 3; ++a) p[a] = line.origin[a] + line.direction[a] * distance;
+  set_point(line, distance, p);
   if (!place.contains(p)) place = locate(scene, ray.lod, p, patient, place, path);
   if (place.waits && patient) return false;
   if (!is_here(place.brick)) {
     ray.step = step_beyond(line, empty_box(place), ray);
+    ray.height = 0;
     return true;
   }
   const std::int64_t steps = place.lod == ray.lod ? 1 : steps_in_coarser(line, place, ray, distance);
   const CastPoint point = point_in_brick(place, p);
   const CastMask& mask = scene.masks[place.brick];
   if (!is_zero(mask, point)) {
-    const CastSample sample = interpolate(scene.voxels + std::size_t(slot_voxels) * place.brick, point);
-    if (sample.mean_coverage() > 0) {
-      composite(sample, line, place, steps, distance, camera.haze, camera.paint, ray);
+    const CastVoxel* voxels = scene.voxels + std::size_t(slot_voxels) * place.brick;
+    const CastField field = field_at(voxels, point, place.lod == ray.lod);
+    const bool is_loose = field.loose.mean_coverage() > 0;
+    if (is_loose || field.sheet.sheet > 0) {
+      const double since = way_since_sheet(field.sheet, line, place, distance, ray);
+      if (since >= 0 && !meet_sheet(scene, camera, line, patient, distance - since, place, path, ray)) return false;
+      ray.height = field.sheet.height() * float(2 * place.half);
+      ray.height_at = float(distance);
+      if (is_loose) composite(field.loose, line, place, steps, distance, camera, ray);
       ray.past = ray.step + steps;
       if (ray.transmittance < 1.0f / 1024) finish_opaque(ray);
     }
   } else if (EmptyBox box; place.lod == ray.lod && find_empty_octant(mask, place, point, box)) {
     ray.step = step_beyond(line, box, ray);
+    ray.height = 0;
     return true;
+  } else {
+    ray.height = 0;
   }
   ray.step += steps;
   return true;

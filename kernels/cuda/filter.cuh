@@ -5,7 +5,9 @@
 
 #include "kernels/body/mask.h"
 #include "kernels/body/mip.h"
+#include "kernels/body/plane.h"
 #include "kernels/body/voxel.h"
+#include "lattice/octree.h"
 #include "lattice/rules.h"
 
 namespace gigabake::kernels {
@@ -116,16 +118,31 @@ __device__ void see_columns(const Children<Index>* children, int n, const std::u
   }
 }
 
+/// The patches of voxels that are in memory by index (kernels/body/patch.h).
+struct PatchesBelow {
+  const Patch* patch;          ///< of the level; null at lod 0
+  const std::uint32_t* index;  ///< of a child: in the level; null: children are numbered as the level is,
+  std::uint32_t first;         ///< from this voxel on
+
+  __device__ Patch at(std::uint32_t child) const {
+    if (patch == nullptr) return {};
+    return patch[index_of_32_bits(index == nullptr ? first + child : index[child])];
+  }
+};
+
 /// facing: x lowest.
 struct FilteredVoxel {
   std::uint32_t rgba, facing;
   std::uint16_t normal;
+  Plane plane;
+  Patch patch;
 };
 
 /// Nothing waits for anything but the children's bytes.
 template <bool by_view, class Index>
-__device__ FilteredVoxel filter_voxel(const VoxelArrays& below, const Children<Index>& children, const Weights& w,
-                                      MipFilter filter, const Tables& tables) {
+__device__ FilteredVoxel filter_voxel(const VoxelArrays& below, const PatchesBelow& patches,
+                                      const Children<Index>& children, const Weights& w, MipFilter filter,
+                                      const Tables& tables) {
   Voxel voxel[8];
 #pragma unroll
   for (int c = 0; c < 8; ++c) {
@@ -134,7 +151,13 @@ __device__ FilteredVoxel filter_voxel(const VoxelArrays& below, const Children<I
                             there && below.normal != nullptr ? below.normal[children.at[c]] : std::uint16_t(0));
   }
   const Voxel v = filter_children<by_view>(voxel, w, filter, tables);
-  return {pack_rgba(v.rgba), w.facing, pack_normal(v.normal)};
+  FilteredVoxel out{pack_rgba(v.rgba), w.facing, pack_normal(v.normal), {}, {}};
+  if (!by_view || below.normal == nullptr) return out;
+  out.patch = join_patches(
+      voxel, [&](int c) { return patches.at(children.at[c]); }, w, v, patches.patch == nullptr, tables);
+  out.plane = plane_of(out.patch, v.normal, w.facing);
+  out.facing = coverage_beside(out.plane, w.facing);
+  return out;
 }
 
 /// Where a level's voxels go.
@@ -142,12 +165,16 @@ struct VoxelsOut {
   std::uint32_t* rgba;
   std::uint16_t* normal;  ///< or null
   std::uint8_t* facing;   ///< or null, without MipFilter::coverage
+  Patch* patch;           ///< or null, without it or normals
 
   __device__ void put(std::size_t i, const FilteredVoxel& v) const {
     rgba[i] = v.rgba;
     if (normal != nullptr) normal[i] = v.normal;
     if (facing == nullptr) return;
-    for (int a = 0; a < 3; ++a) facing[3 * i + a] = byte_of(v.facing, a);
+    std::uint8_t* to = facing + facing_bytes * i;
+    for (int a = 0; a < 3; ++a) to[a] = byte_of(v.facing, a);
+    to[facing_plane] = pack_plane(v.plane);
+    if (patch != nullptr) patch[i] = v.patch;
   }
 };
 

@@ -185,22 +185,22 @@ __device__ void filter_lod_1(const LowLevels& in, const Group& g, const Tables& 
     Weights w{};
     if (by_view) w = weights_by_view<1>(see_finest(in, children, s.raster_1[i]), children);
     in.level[0].out.put(g.first_1 + i,
-                        filter_voxel<by_view>({in.fine.rgba, in.fine.normal}, children, w, in.filter, tables));
+                        filter_voxel<by_view>({in.fine.rgba, in.fine.normal}, {}, children, w, in.filter, tables));
   }
 }
 
 /// One body for all levels that few threads are at: three of them would not fit the instruction cache.
 template <bool by_view>
-__device__ __noinline__ FilteredVoxel filter_slots(const Slots& children, VoxelArrays below, Weights w,
-                                                   MipFilter filter, Tables tables) {
-  return filter_voxel<by_view>(below, children, w, filter, tables);
+__device__ __noinline__ FilteredVoxel filter_slots(const Slots& children, VoxelArrays below, PatchesBelow patches,
+                                                   Weights w, MipFilter filter, Tables tables) {
+  return filter_voxel<by_view>(below, patches, children, w, filter, tables);
 }
 
-/// Voxel `slot`. below: of the level below. level: 1…3, that is lods 2 to 4.
+/// Voxel `slot`. below, patches: of the level below. level: 1…3, that is lods 2 to 4.
 template <bool by_view>
-__device__ void filter_slot(const LowLevels& in, int level, int slot, const VoxelArrays& below, const Weights& w,
-                            const Tables& tables, LowShared& s) {
-  const FilteredVoxel v = filter_slots<by_view>(s.children[slot], below, w, in.filter, tables);
+__device__ void filter_slot(const LowLevels& in, int level, int slot, const VoxelArrays& below,
+                            const PatchesBelow& patches, const Weights& w, const Tables& tables, LowShared& s) {
+  const FilteredVoxel v = filter_slots<by_view>(s.children[slot], below, patches, w, in.filter, tables);
   in.level[level].out.put(s.index[slot], v);
   s.rgba[slot] = v.rgba;
   s.normal[slot] = v.normal;
@@ -221,7 +221,7 @@ __device__ void filter_lod_2(const LowLevels& in, const Group& g, const Tables& 
       const ChildRasters<2, std::uint16_t> rasters{children, s.raster_1[0]};
       w = weights_by_view<2>(see_children<2>(rasters, s.raster_2[i]), children);
     }
-    filter_slot<by_view>(in, 1, i, below, w, tables, s);
+    filter_slot<by_view>(in, 1, i, below, {from.patch, nullptr, g.first_1}, w, tables, s);
   }
 }
 
@@ -237,7 +237,9 @@ __device__ void filter_few(const LowLevels& in, int level, int n, int at, int at
   if (const int i = int(threadIdx.x); i < n) {
     Weights w{};
     if (by_view) w = weights_by_view<Edge>(s.sums[i].total(), s.children[at + i]);
-    filter_slot<by_view>(in, level, at + i, {s.rgba + at_below, s.normal + at_below}, w, tables, s);
+    const VoxelsOut& from = in.level[level - 1].out;
+    filter_slot<by_view>(in, level, at + i, {s.rgba + at_below, from.normal == nullptr ? nullptr : s.normal + at_below},
+                         {from.patch, s.index + at_below, 0}, w, tables, s);
   }
   __syncthreads();
 }

@@ -9,11 +9,12 @@
 namespace gigabake::kernels {
 namespace {
 
-VoxelsOut make_room(DeviceHeap& heap, MipFilter filter, bool normals, DeviceLevel& level) {
+VoxelsOut make_room(DeviceHeap& heap, MipFilter filter, bool normals, DeviceLevel& level, DeviceArray<Patch>& patches) {
   level.rgba = DeviceArray<std::uint32_t>(heap, level.voxels);
   if (normals) level.normal = DeviceArray<std::uint16_t>(heap, level.voxels);
-  if (filters_by_view(filter)) level.facing = DeviceArray<std::uint8_t>(heap, 3 * std::size_t(level.voxels));
-  return {level.rgba.data(), level.normal.data(), level.facing.data()};
+  if (filters_by_view(filter)) level.facing = DeviceArray<std::uint8_t>(heap, facing_bytes * std::size_t(level.voxels));
+  if (filters_by_view(filter) && normals) patches = DeviceArray<Patch>(heap, level.voxels);
+  return {level.rgba.data(), level.normal.data(), level.facing.data(), patches.data()};
 }
 
 DeviceArray<std::uint32_t> room_for_rasters(DeviceHeap& heap, MipFilter filter, int lod, std::uint32_t voxels) {
@@ -44,7 +45,7 @@ void filter_high_levels(DeviceHeap& heap, const Tables& tables, MipFilter filter
     DeviceArray<std::uint32_t> own = room_for_rasters(heap, filter, int(l) + 1, level.voxels);
     filter_high(heap,
                 {view_of(bricks.levels[l - 1]), bricks.starts[l].data(), level.first.data(), level.mask.data(),
-                 level.bricks, voxels_out[l], rasters.data(), own.data(), filter},
+                 level.bricks, voxels_out[l], rasters.data(), own.data(), voxels_out[l - 1].patch, filter},
                 tables);
     rasters = std::move(own);
   }
@@ -58,7 +59,9 @@ LevelsAbove coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceL
   if (lods < 2) return above;
   CoarserBricks bricks = coarser_bricks(heap, finest, lods);
   std::vector<VoxelsOut> voxels_out;
-  for (DeviceLevel& level : bricks.levels) voxels_out.push_back(make_room(heap, filter, normals, level));
+  std::vector<DeviceArray<Patch>> patches(bricks.levels.size());
+  for (std::size_t l = 0; l < bricks.levels.size(); ++l)
+    voxels_out.push_back(make_room(heap, filter, normals, bricks.levels[l], patches[l]));
   LowLevels low{};
   low.fine = view_of(finest);
   low.levels = low_levels(filter, lods);
@@ -75,6 +78,7 @@ LevelsAbove coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceL
   low.rasters = above.rasters.data();
   filter_low(heap, low, tables);
   filter_high_levels(heap, tables, filter, low.levels, finest, voxels_out, bricks, above.rasters);
+  above.patches = std::move(patches.back());
   above.levels = std::move(bricks.levels);
   return above;
 }

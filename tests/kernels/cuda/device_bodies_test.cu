@@ -11,6 +11,7 @@
 #include "kernels/body/brick_triangle.h"
 #include "kernels/body/mip.h"
 #include "kernels/body/mip_of_64.h"
+#include "kernels/body/plane.h"
 #include "kernels/body/surface.h"
 #include "kernels/body/triangle_bricks.h"
 #include "lattice/snap.h"
@@ -271,6 +272,61 @@ TEST(DeviceBodies, FilterTheSameLevelsAsOnTheCpu) {
   expect_same_filter<4>();
   expect_same_filter<8>();
 }
+
+/// Eight voxels, those of coverage 0 absent, with where their surfaces lie.
+struct PatchCase {
+  Voxel child[8], parent;
+  Patch patch[8];
+  std::uint32_t facing;
+};
+
+struct Joined {
+  Patch of_finest, of_coarser;
+  std::uint8_t plane[2], beside[2][3];
+};
+
+struct JoinBody {
+  GB_HD Joined operator()(const PatchCase& from, const Tables& tables) const {
+    Weights weights{};
+    weights.facing = from.facing;
+    for (int c = 0; c < 8; ++c) weights.child[c / 4] |= std::uint32_t(from.child[c].rgba[3]) << 8 * (c % 4);
+    const auto patch = [&](int c) { return from.patch[c]; };
+    Joined out;
+    out.of_finest = join_patches(from.child, [](int) { return Patch(); }, weights, from.parent, true, tables);
+    out.of_coarser = join_patches(from.child, patch, weights, from.parent, false, tables);
+    for (int i = 0; i < 2; ++i) {
+      const Plane plane = plane_of(i == 0 ? out.of_finest : out.of_coarser, from.parent.normal, from.facing);
+      out.plane[i] = pack_plane(plane);
+      for (int a = 0; a < 3; ++a) out.beside[i][a] = byte_of(coverage_beside(plane, from.facing), a);
+    }
+    return out;
+  }
+};
+
+/// Half of the cases are nearly one sheet, as most voxels are; the others are anything.
+std::vector<PatchCase> random_patches(int count) {
+  std::mt19937 random(seed);
+  const auto within = [&](int reach) { return int(random() % unsigned(2 * reach + 1)) - reach; };
+  std::vector<PatchCase> cases(std::size_t(count), PatchCase{});
+  for (PatchCase& f : cases) {
+    const bool flat = random() % 2 != 0;
+    for (std::int8_t& x : f.parent.normal) x = std::int8_t(within(127));
+    for (int c = 0; c < 8; ++c) {
+      for (int a = 0; a < 2; ++a)
+        f.child[c].normal[a] = flat ? f.parent.normal[a] : std::int8_t(within(127));
+      f.child[c].rgba[3] = random() % 3 == 0 ? 0 : std::uint8_t(random());
+      for (std::int16_t& x : f.patch[c].place) x = std::int16_t(within(flat ? 2000 : place_unit));
+      f.patch[c].spread = std::uint16_t(random() % (flat ? 2000 : 65536));
+      f.patch[c].agreement = std::uint16_t(random() % 32768);
+      if (flat) f.patch[c].agreement = Patch::largest_agreement();
+    }
+    f.child[random() % 8].rgba[3] = 255;
+    f.facing = std::uint32_t(random()) & 0xffffff;
+  }
+  return cases;
+}
+
+TEST(DeviceBodies, JoinPatchesToTheSamePlanesAsOnTheCpu) { expect_same_bits<Joined>(random_patches(50000), JoinBody{}); }
 
 /// A brick of lod l - 2, with room for all of its voxels.
 struct Brick64 {

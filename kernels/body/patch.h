@@ -1,0 +1,113 @@
+/// Where the surface in a coarser voxel lies, and how flat it is: what planes are made of (kernels/body/plane.h).
+///
+/// A voxel's *patch* is kept beside its level while coarser ones are made of it, and is not stored. Lengths are in half
+/// edges of the patch's own voxel, from its centre, so that they stay between -1 and 1 whatever the level.
+///
+/// Exact   Integers of 32 bits, rounded once a level; the order of children does not show: host and device return the
+///         same bits.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/body/mip.h"
+#include "kernels/body/tables.h"
+#include "kernels/body/voxel.h"
+#include "lattice/host_device.h"
+
+namespace gigabake::kernels {
+
+struct Patch {
+  std::int16_t place[3] = {};                     ///< mean place of the surface; place_unit = 1
+  std::uint16_t spread = 0;                       ///< mean square of its distance from its plane; 65536 = 1
+  std::uint16_t agreement = largest_agreement();  ///< length of the mean of its unit normals; 32767 = 1
+
+  GB_HD static constexpr std::uint16_t largest_agreement() { return 32767; }
+};
+
+inline constexpr std::int32_t place_unit = 1 << 14;
+
+/// part / whole, to the nearest, half up. Range  whole > 0, 2·|part| + whole < 2^31.
+GB_HD std::int32_t rounded_ratio(std::int32_t part, std::int32_t whole) {
+  const std::int32_t twice = 2 * part + whole, by = 2 * whole;
+  return twice >= 0 ? twice / by : -((by - 1 - twice) / by);
+}
+
+/// Sums over the children of a voxel, each weighted by what shows of it (Weights), as in its colour.
+struct PatchSums {
+  std::int32_t weight = 0, place[3] = {}, normal[3] = {};
+
+  /// A child's place in half edges of the parent, 2·place_unit = 1. Along an axis.
+  GB_HD static std::int32_t place_in_parent(const Patch& patch, int child, int axis) {
+    return ((child >> axis & 1) != 0 ? place_unit : -place_unit) + patch.place[axis];
+  }
+
+  /// unit: of the child's stored normal (Tables::unit_normal). w: 0 … 255.
+  GB_HD void add(const Patch& patch, int child, const std::int16_t* unit, std::int32_t w) {
+    weight += w;
+    for (int a = 0; a < 3; ++a) {
+      place[a] += w * place_in_parent(patch, child, a);
+      normal[a] += w * (std::int32_t(patch.agreement) * unit[a] >> 15);
+    }
+  }
+
+  /// All but `spread`. unit: of the parent's stored normal. Range  weight > 0.
+  GB_HD Patch patch(const std::int16_t* unit) const {
+    Patch out;
+    std::int32_t along = 0;
+    for (int a = 0; a < 3; ++a) {
+      out.place[a] = std::int16_t(rounded_ratio(place[a], 2 * weight));
+      along += (normal[a] / weight) * unit[a];  // Cauchy and Schwarz keep it below 2^30
+    }
+    out.agreement = std::uint16_t(along < 0 ? 0 : along >> 15);
+    return out;
+  }
+};
+
+/// What a child adds to the spread of its parent, 65536 = 1: its own, and how far its place lies from the parent's
+/// plane. At most 4·65536.
+GB_HD std::int32_t spread_in_parent(const Patch& of_child, int child, const Patch& of_parent,
+                                    const std::int16_t* unit) {
+  std::int32_t off = 0;  // 2^22 = a half edge
+  for (int a = 0; a < 3; ++a)
+    off += (unit[a] >> 3) * ((PatchSums::place_in_parent(of_child, child, a) / 2 - of_parent.place[a]) >> 4);
+  off >>= 14;
+  return of_child.spread / 4 + off * off;
+}
+
+/// The unit normal of a voxel, as its two bytes say.
+GB_HD const std::int16_t* unit_normal_of(const std::int8_t normal[2], const Tables& tables) {
+  return tables.unit_normal + 4 * index_of_32_bits(pack_normal(normal));
+}
+
+/// How far the centres of the voxels that a plane meets lie from it, in the mean of squares; 65536: an edge of theirs,
+/// which is half an edge of the voxels above. They are those within half of (|x| + |y| + |z|) of its unit normal. At
+/// lod 0 nothing else is known of where in its voxel the surface lies.
+GB_HD std::int32_t spread_of_centres(const std::int16_t* unit) {
+  std::int32_t reach = 0;
+  for (int a = 0; a < 3; ++a) reach += unit[a] < 0 ? -unit[a] : unit[a];
+  reach >>= 7;
+  return reach * reach / 12;
+}
+
+/// The patch of the voxel above eight. patch(c): of child c, asked only where its weight is not 0. is_finest: children
+/// are of lod 0.
+template <class PatchOf>
+GB_HD Patch join_patches(const Voxel children[8], const PatchOf& patch, const Weights& weights, const Voxel& parent,
+                         bool is_finest, const Tables& tables) {
+  PatchSums sums;
+  GB_UNROLL
+  for (int c = 0; c < 8; ++c)
+    if (weights.of(c) != 0)
+      sums.add(patch(c), c, unit_normal_of(children[c].normal, tables), std::int32_t(weights.of(c)));
+  const std::int16_t* unit = unit_normal_of(parent.normal, tables);
+  Patch out = sums.patch(unit);
+  std::int32_t spread = 0;
+  GB_UNROLL
+  for (int c = 0; c < 8; ++c)
+    if (weights.of(c) != 0) spread += std::int32_t(weights.of(c)) * spread_in_parent(patch(c), c, out, unit);
+  spread = spread / sums.weight - (is_finest ? spread_of_centres(unit) : 0);
+  out.spread = std::uint16_t(spread < 0 ? 0 : (spread > 65535 ? 65535 : spread));
+  return out;
+}
+
+}  // namespace gigabake::kernels
