@@ -32,10 +32,11 @@ struct CastRay {
   std::int64_t step = 0;   ///< next point of the level
   std::int64_t past = -1;  ///< the point after the last one of this level that lay in a surface
 
-  float height = 0;     ///< of the last point above its sheet, lod-0 voxels; 0: it was near none
-  float height_at = 0;  ///< that point's distance
+  float height = no_height;  ///< of the last point above its sheet, lod-0 voxels; no_height: it was near none
+  float height_at = 0;       ///< that point's distance
+  float ahead = 0;           ///< how far behind it the sheet is met, going on as it does there
 
-  static constexpr float no_depth = 3e38f;
+  static constexpr float no_depth = 3e38f, no_height = 3e38f;
 };
 
 /// A pixel's line of sight.
@@ -256,17 +257,36 @@ GB_HD void set_point(const CastLine& line, double distance, double p[3]) {
   for (int a = 0; a < 3; ++a) p[a] = line.origin[a] + line.direction[a] * distance;
 }
 
-/// How far before this point the ray met the sheet: where its height changed its sign since the last point; or where
-/// the sheet's own slope says, if the last point was near none and the ray leads away from it. Negative: it did not.
-GB_HD double way_since_sheet(const CastSheet& sheet, const CastLine& line, const CastPlace& place, double distance,
-                             const CastRay& ray) {
-  const float height = sheet.height() * float(2 * place.half);
-  if (ray.height * height < 0) return (distance - double(ray.height_at)) * double(height / (height - ray.height));
-  double rises = 0;
-  for (int a = 0; a < 3; ++a) rises += double(sheet.normal[a]) * line.direction[a];
-  if (ray.height != 0 || !(double(height) * rises > 0)) return -1;
-  const double way = double(height) * (127 * double(sheet.sheet)) / rises;
-  return way <= place.half ? way : -1;
+/// What the next point must know of the sheet around this one; there is none where sheet.sheet is 0.
+GB_HD void keep_height(const CastSheet& sheet, const CastLine& line, const CastPlace& place, double distance,
+                       CastRay& ray) {
+  ray.height = CastRay::no_height;
+  if (!(sheet.sheet > 0)) return;
+  ray.height = sheet.height() * float(2 * place.half);
+  ray.height_at = float(distance);
+  ray.ahead = float(sheet.way(line.direction) * (2 * place.half));
+}
+
+inline constexpr double met_nowhere = -1;
+
+/// Where between the last point and this one the ray met a sheet: where its height was 0 or changed its sign. A sheet
+/// that lies where the field ends shows no change: where the last point was near none, or this one is, it is met if it
+/// would be when it went on as it does around the other point, no farther from that than points are from each other.
+/// An offset that is rounded to the border of its voxel can lie there; so can the sheet where a level begins.
+GB_HD double sheet_met(const CastSheet& sheet, const CastLine& line, const CastPlace& place, double distance,
+                       const CastRay& ray) {
+  const bool was_near = ray.height != CastRay::no_height, is_near = sheet.sheet > 0;
+  const double step = step_length(ray.lod) * (1 + 1e-6);
+  if (was_near && is_near) {
+    const float height = sheet.height() * float(2 * place.half);
+    if (height == 0) return distance;
+    if (!(ray.height * height < 0)) return met_nowhere;
+    return distance - (distance - double(ray.height_at)) * double(height / (height - ray.height));
+  }
+  if (was_near) return ray.ahead > 0 && ray.ahead <= step ? double(ray.height_at) + double(ray.ahead) : met_nowhere;
+  if (!is_near) return met_nowhere;
+  const double behind = -sheet.way(line.direction) * (2 * place.half);
+  return behind >= 0 && behind <= step ? distance - behind : met_nowhere;
 }
 
 /// The ray met a sheet at `met`, before the point of `around`. False: as step_ray().
@@ -296,6 +316,31 @@ GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const Ca
   return true;
 }
 
+/// Nothing is at this point: a sheet that was met since the last one was so beyond the field's end. False: as step_ray().
+GB_HD bool leave_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
+                       double distance, const CastPlace& place, CastPath& path, CastRay& ray) {
+  const double met = sheet_met({}, line, place, distance, ray);
+  if (met != met_nowhere && !meet_sheet(scene, camera, line, patient, met, place, path, ray)) return false;
+  ray.height = CastRay::no_height;
+  return true;
+}
+
+/// What is at this point, which stands for `steps` of its level. False: as step_ray().
+GB_HD bool add_point(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
+                     double distance, std::int64_t steps, const CastPoint& point, const CastPlace& place,
+                     CastPath& path, CastRay& ray) {
+  const CastVoxel* voxels = scene.voxels + std::size_t(slot_voxels) * place.brick;
+  const CastField field = field_at(voxels, point, place.lod == ray.lod);
+  const bool is_loose = field.loose.mean_coverage() > 0;
+  const double met = sheet_met(field.sheet, line, place, distance, ray);
+  if (met != met_nowhere && !meet_sheet(scene, camera, line, patient, met, place, path, ray)) return false;
+  keep_height(field.sheet, line, place, distance, ray);
+  if (!is_loose && !(field.sheet.sheet > 0)) return true;
+  if (is_loose) composite(field.loose, line, place, steps, distance, camera, ray);
+  ray.past = ray.step + steps;
+  return true;
+}
+
 /// Looks at one point and goes on to the next one worth looking at. False: the ray, being patient, waits for what is
 /// not here; others let coarser bricks stand for it.
 GB_HD bool step_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
@@ -305,32 +350,20 @@ GB_HD bool step_ray(const CastScene& scene, const CastCamera& camera, const Cast
   if (!place.contains(p)) place = locate(scene, ray.lod, p, patient, place, path);
   if (place.waits && patient) return false;
   if (!is_here(place.brick)) {
+    if (!leave_sheet(scene, camera, line, patient, distance, place, path, ray)) return false;
     ray.step = step_beyond(line, empty_box(place), ray);
-    ray.height = 0;
     return true;
   }
   const std::int64_t steps = place.lod == ray.lod ? 1 : steps_in_coarser(line, place, ray, distance);
   const CastPoint point = point_in_brick(place, p);
   const CastMask& mask = scene.masks[place.brick];
   if (!is_zero(mask, point)) {
-    const CastVoxel* voxels = scene.voxels + std::size_t(slot_voxels) * place.brick;
-    const CastField field = field_at(voxels, point, place.lod == ray.lod);
-    const bool is_loose = field.loose.mean_coverage() > 0;
-    if (is_loose || field.sheet.sheet > 0) {
-      const double since = way_since_sheet(field.sheet, line, place, distance, ray);
-      if (since >= 0 && !meet_sheet(scene, camera, line, patient, distance - since, place, path, ray)) return false;
-      ray.height = field.sheet.height() * float(2 * place.half);
-      ray.height_at = float(distance);
-      if (is_loose) composite(field.loose, line, place, steps, distance, camera, ray);
-      ray.past = ray.step + steps;
-      if (ray.transmittance < 1.0f / 1024) finish_opaque(ray);
-    }
+    if (!add_point(scene, camera, line, patient, distance, steps, point, place, path, ray)) return false;
+  } else if (!leave_sheet(scene, camera, line, patient, distance, place, path, ray)) {
+    return false;
   } else if (EmptyBox box; place.lod == ray.lod && find_empty_octant(mask, place, point, box)) {
     ray.step = step_beyond(line, box, ray);
-    ray.height = 0;
     return true;
-  } else {
-    ray.height = 0;
   }
   ray.step += steps;
   return true;
@@ -352,6 +385,8 @@ GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const Cast
       place = CastPlace();
     } else if (!step_ray(scene, camera, line, patient, distance, place, path, ray)) {
       return;
+    } else if (ray.transmittance < 1.0f / 1024) {
+      finish_opaque(ray);
     }
   }
 }

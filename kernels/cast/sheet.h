@@ -26,6 +26,14 @@ struct CastSheet {
 
   /// In voxels; 0 where there is no sheet.
   GB_HD float height() const { return sheet > 0 ? above / (sheet * 254) : 0; }
+
+  /// How far a line from the point goes until it meets the sheet, in voxels, if that goes on as it does here; negative:
+  /// it comes from there. Far beyond all where the line runs along it. Range  sheet > 0.
+  GB_HD double way(const double direction[3]) const {
+    double rises = 0;
+    for (int a = 0; a < 3; ++a) rises += double(normal[a]) * direction[a];
+    return rises == 0 ? 1e30 : double(above) * -0.5 / rises;
+  }
 };
 
 /// What is around a point: the loose surface, and the sheet.
@@ -33,9 +41,6 @@ struct CastField {
   CastSample loose;
   CastSheet sheet;
 };
-
-/// What does not lie all on a sheet is seen by its coverages too.
-GB_HD float loose_part(const CastVoxel& voxel) { return is_all_sheet(voxel.plane) ? 0.0f : 1.0f; }
 
 /// How much of a sheet a voxel holds.
 GB_HD float sheet_part(const CastVoxel& voxel) {
@@ -92,12 +97,48 @@ GB_HD CastSample interpolate_parts(const CastVoxel* voxels, const CastPoint& poi
   return r;
 }
 
+/// How little a voxel's plane has to do with the sheet around it: 0 where their normals are within 30° of each other, 1
+/// beyond 45°. Where two sheets meet, the blended one may lie on neither of them, or nowhere.
+GB_HD float disagreement(const OctahedronPoint& n, const CastSheet& sheet) {
+  float dot = 0, of_voxel = 0, of_sheet = 0;
+  for (int a = 0; a < 3; ++a) {
+    dot += float(n.c[a]) * sheet.normal[a];
+    of_voxel += float(n.c[a] * n.c[a]);
+    of_sheet += sheet.normal[a] * sheet.normal[a];
+  }
+  if (!(dot > 0)) return 1;
+  const float squared = dot * dot, all = of_voxel * of_sheet, left = 3 - 4 * squared / all;
+  return left < 0 ? 0 : (left < 1 ? left : 1);
+}
+
+/// What is seen by its coverages: what does not lie all on a sheet, and sheets that have little to do with the one that
+/// they are blended to. These cover along each axis what their normal says of their largest coverage.
+GB_HD CastSample loose_sample(const CastVoxel* voxels, const CastPoint& point, const CastSheet& sheet) {
+  CastSample r;
+  for_each_corner(voxels, point, [&](const CastVoxel& voxel, float weight, const int*) {
+    float by = weight * (1.0f / 65535), along[3] = {1, 1, 1};
+    if (is_all_sheet(voxel.plane)) {
+      const OctahedronPoint n = octahedron_point(voxel.normal);
+      by *= disagreement(n, sheet);
+      if (by == 0) return;
+      const int most = largest_axis(n);
+      for (int a = 0; a < 3; ++a) along[a] = std::fabs(float(n.c[a]) / float(n.c[most]));
+    }
+    const float mean = ((along[0] + along[1]) + along[2]) * (1.0f / 3);
+    for (int k = 0; k < 3; ++k) {
+      r.c[k] += by * mean * voxel.c[k];
+      r.c[3 + k] += by * along[k] * voxel.c[3 + k];
+    }
+  });
+  return r;
+}
+
 /// is_wanted: of the level that the ray is on. A brick that stands for finer ones is seen by its coverages alone: its
 /// planes may lie on the other side of an eye that is nearer to them than they are wide.
 GB_HD CastField field_at(const CastVoxel* voxels, const CastPoint& point, bool is_wanted) {
   if (!is_wanted || !has_sheet(voxels, point)) return {interpolate(voxels, point), {}};
-  return {interpolate_parts(voxels, point, [](const CastVoxel& v) { return loose_part(v); }),
-          blend_planes(voxels, point)};
+  const CastSheet sheet = blend_planes(voxels, point);
+  return {loose_sample(voxels, point, sheet), sheet};
 }
 
 /// What the sheet looks like: what is loose has no say in it.
@@ -105,16 +146,20 @@ GB_HD CastSample sheet_sample(const CastVoxel* voxels, const CastPoint& point) {
   return interpolate_parts(voxels, point, [](const CastVoxel& v) { return sheet_part(v); });
 }
 
-/// The share of a voxel's plane that is surface, 0 … 1.
-GB_HD float share_of_voxel(const CastVoxel& voxel) {
-  if ((voxel.c[3] | voxel.c[4] | voxel.c[5]) == 0) return 0;
-  return voxel.plane == 0 ? 1 : float(unpack_plane(voxel.plane).share) * (1.0f / most_share);
+/// How much of a sheet over one column of voxels lies in two of them. at: where the sheet meets the column's middle, 0
+/// and 1 being the two centres. reach: how far it goes up and down within the column.
+GB_HD float part_in_pair(float at, float reach) {
+  const float from = at - reach, to = at + reach;
+  const float low = from > -0.5f ? from : -0.5f, high = to < 1.5f ? to : 1.5f;
+  return high > low ? (high - low) / (2 * reach) : 0;
 }
 
+/// A plane is known to a fifteenth of a voxel, and its normal to some degrees.
+inline constexpr float least_reach = 0.125f;
+
 /// How much of the sheet through a point is surface. Voxels around it stand in four columns along the axis that the
-/// sheet is most across; each column has the coverage of its two voxels together, or the larger of their shares where
-/// the sheet is so steep that a third voxel may hold some of it. A column that has none counts where the tangent plane
-/// passes its two voxels well inside: elsewhere the sheet may be in the next one.
+/// sheet is most across. A column's two voxels together hold so much of it as they cover along that axis, which is
+/// exact, of what of the tangent plane lies in them: elsewhere the sheet may be in the next one.
 GB_HD float opacity_of_sheet(const CastVoxel* voxels, const CastPoint& point, const CastSheet& sheet) {
   int along = 0;
   for (int a = 1; a < 3; ++a)
@@ -122,22 +167,19 @@ GB_HD float opacity_of_sheet(const CastVoxel* voxels, const CastPoint& point, co
   const int u = along == 0 ? 1 : 0, v = along == 2 ? 1 : 2;
   const int step[3] = {1, slot_edge, slot_edge * slot_edge};
   const CastVoxel* base = voxels + point.base[0] + slot_edge * (point.base[1] + slot_edge * point.base[2]);
+  const float slope_u = sheet.normal[u] / sheet.normal[along], slope_v = sheet.normal[v] / sheet.normal[along];
+  const float reach = least_reach + 0.5f * (std::fabs(slope_u) + std::fabs(slope_v));
   float there = 0, met = 0;
   for (int column = 0; column < 4; ++column) {
     const int i = column & 1, j = column >> 1;
     const float weight =
         (i != 0 ? point.between[u] : 1 - point.between[u]) * (j != 0 ? point.between[v] : 1 - point.between[v]);
-    const float rise =
-        sheet.normal[u] * (float(i) - point.between[u]) + sheet.normal[v] * (float(j) - point.between[v]);
-    const float at = point.between[along] - rise / sheet.normal[along];  // 0, 1: centres of the column's voxels
+    const float rise = slope_u * (float(i) - point.between[u]) + slope_v * (float(j) - point.between[v]);
+    const float part = part_in_pair(point.between[along] - rise, reach);
     const CastVoxel* low = base + i * step[u] + j * step[v];
-    const CastVoxel& high = low[step[along]];
-    const float together = float(low->c[3 + along] + high.c[3 + along]) * (1.0f / 65535);
-    const float below = at < 1 ? share_of_voxel(*low) : 0, above = at > 0 ? share_of_voxel(high) : 0;
-    const float steep = below > above ? below : above, level = together < 1 ? together : 1;
-    const float share = level > steep ? level : steep;
-    there += weight * share;
-    if (share > 0 || (at > -1.0f / 6 && at < 7.0f / 6)) met += weight;
+    const float together = float(low->c[3 + along] + low[step[along]].c[3 + along]) * (1.0f / 65535);
+    there += weight * (together < part ? together : part);
+    met += weight * part;
   }
   return met > 0 ? there / met : 1;
 }
