@@ -16,13 +16,15 @@
 
 namespace gigabake::kernels {
 
-struct Patch {
-  std::int16_t place[3] = {};                     ///< mean place of the surface; place_unit = 1
-  std::uint16_t spread = 0;                       ///< mean square of its distance from its plane; 65536 = 1
-  std::uint16_t agreement = largest_agreement();  ///< length of the mean of its unit normals; 32767 = 1
-
-  GB_HD static constexpr std::uint16_t largest_agreement() { return 32767; }
+/// Eight bytes, which a GPU reads at once.
+struct alignas(8) Patch {
+  std::int16_t place[3];   ///< mean place of the surface; place_unit = 1
+  std::uint8_t spread;     ///< mean square of its distance from its plane; 256 = 1, and no more than 255
+  std::uint8_t agreement;  ///< length of the mean of its unit normals; 255 = 1
 };
+
+/// Of a voxel of lod 0.
+GB_HD Patch finest_patch() { return {{0, 0, 0}, 0, 255}; }
 
 inline constexpr std::int32_t place_unit = 1 << 14;
 
@@ -46,19 +48,19 @@ struct PatchSums {
     weight += w;
     for (int a = 0; a < 3; ++a) {
       place[a] += w * place_in_parent(patch, child, a);
-      normal[a] += w * (std::int32_t(patch.agreement) * unit[a] >> 15);
+      normal[a] += w * (257 * std::int32_t(patch.agreement) * unit[a] >> 16);
     }
   }
 
   /// All but `spread`. unit: of the parent's stored normal. Range  weight > 0.
   GB_HD Patch patch(const std::int16_t* unit) const {
-    Patch out;
+    Patch out{};
     std::int32_t along = 0;
     for (int a = 0; a < 3; ++a) {
       out.place[a] = std::int16_t(rounded_ratio(place[a], 2 * weight));
       along += (normal[a] / weight) * unit[a];  // Cauchy and Schwarz keep it below 2^30
     }
-    out.agreement = std::uint16_t(along < 0 ? 0 : along >> 15);
+    out.agreement = std::uint8_t(along < 0 ? 0 : ((along >> 15) * 255 + (1 << 14)) >> 15);
     return out;
   }
 };
@@ -71,7 +73,7 @@ GB_HD std::int32_t spread_in_parent(const Patch& of_child, int child, const Patc
   for (int a = 0; a < 3; ++a)
     off += (unit[a] >> 3) * ((PatchSums::place_in_parent(of_child, child, a) / 2 - of_parent.place[a]) >> 4);
   off >>= 14;
-  return of_child.spread / 4 + off * off;
+  return 64 * std::int32_t(of_child.spread) + off * off;
 }
 
 /// The unit normal of a voxel, as its two bytes say.
@@ -105,8 +107,8 @@ GB_HD Patch join_patches(const Voxel children[8], const PatchOf& patch, const We
   GB_UNROLL
   for (int c = 0; c < 8; ++c)
     if (weights.of(c) != 0) spread += std::int32_t(weights.of(c)) * spread_in_parent(patch(c), c, out, unit);
-  spread = spread / sums.weight - (is_finest ? spread_of_centres(unit) : 0);
-  out.spread = std::uint16_t(spread < 0 ? 0 : (spread > 65535 ? 65535 : spread));
+  spread = (spread / sums.weight - (is_finest ? spread_of_centres(unit) : 0) + 128) >> 8;
+  out.spread = std::uint8_t(spread < 0 ? 0 : (spread > 255 ? 255 : spread));
   return out;
 }
 

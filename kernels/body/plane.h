@@ -2,11 +2,11 @@
 ///
 /// The plane is n·x = offset/7, where n is the direction of the voxel's stored normal with |x| + |y| + |z| = 1 (it is
 /// not brought to unit length), and x is a place from the voxel's centre in half edges. So an offset of 7 is a plane
-/// that just touches the cube, whatever its direction. The byte's upper half is offset + 8; then two bits say how much
-/// of the voxel's surface lies on the plane, 3 being all, and two how much of the plane, as far as it lies in the cube,
-/// is surface, 3 being all. 0: there is no sheet.
+/// that just touches the cube, whatever its direction. The byte's lowest two bits say how much of the voxel's surface
+/// lies on the plane, 3 being all; above them is offset + 8. 0: there is no sheet.
 ///
-/// A voxel that is a sheet and nothing else stores no coverage along the axes: its plane says it.
+/// A voxel that is a sheet and nothing else stores no coverage along the axes: its alpha, which is the largest of them,
+/// and its normal say it.
 ///
 /// Exact   Integers of 32 bits: host and device return the same bits.
 /// Source  docs/lab/levels.md (blended planes).
@@ -19,22 +19,21 @@
 
 namespace gigabake::kernels {
 
-inline constexpr int most_coherence = 3, most_share = 4, most_offset = 7;
+inline constexpr int most_coherence = 3, most_offset = 7;
 
 struct Plane {
   std::int32_t offset = 0;     ///< -7 … 7: off by a thirtieth of a voxel, which is a thirtieth of a pixel
   std::int32_t coherence = 0;  ///< how much of the surface lies on it, 0 … 3; 0: there is no sheet
-  std::int32_t share = 1;      ///< of it, as far as it lies in the cube, that is surface, 1 … 4
 };
 
 GB_HD std::uint8_t pack_plane(const Plane& p) {
-  return std::uint8_t(p.coherence == 0 ? 0 : (p.offset + 8) << 4 | p.coherence << 2 | (p.share - 1));
+  return std::uint8_t(p.coherence == 0 ? 0 : (p.offset + 8) << 2 | p.coherence);
 }
 
-/// Any byte is a plane.
-GB_HD Plane unpack_plane(std::uint8_t byte) { return {(byte >> 4) - 8, byte >> 2 & 3, 1 + (byte & 3)}; }
+/// Any byte is a plane, of an offset within ±8: bits that are not of it do not count.
+GB_HD Plane unpack_plane(std::uint8_t byte) { return {(byte >> 2 & 15) - 8, byte & 3}; }
 
-GB_HD bool is_all_sheet(std::uint8_t plane) { return (plane >> 2 & 3) == most_coherence; }
+GB_HD bool is_all_sheet(std::uint8_t plane) { return (plane & 3) == most_coherence; }
 
 /// Of the octahedron |x| + |y| + |z| = 127.
 struct OctahedronPoint {
@@ -66,45 +65,22 @@ GB_HD std::int32_t ramp_256(std::int32_t x, std::int32_t from, std::int32_t to) 
 /// How much a patch is one sheet, 0 … 3: its normals agree (mean of length .65 to .8), and it lies near its plane
 /// (.2 to .12 of an edge off).
 GB_HD int coherence_of(const Patch& patch) {
-  const std::int32_t alike = ramp_256(patch.agreement, 32767 * 13 / 20, 32767 * 4 / 5);
-  const std::int32_t far = ramp_256(patch.spread, 3775, 10486);
+  const std::int32_t alike = ramp_256(patch.agreement, 166, 204);
+  const std::int32_t far = ramp_256(patch.spread, 15, 41);
   return int((most_coherence * alike * (256 - far) + 32768) >> 16);
 }
 
-/// Lines along an axis that meet the plane within the cube, of 64 that stand in a square grid.
-GB_HD int lines_that_meet(const OctahedronPoint& n, std::int32_t offset, int along) {
-  const std::int32_t u = n.c[(along + 1) % 3], v = n.c[(along + 2) % 3];
-  const std::int32_t reach = 8 * most_offset * (n.c[along] < 0 ? -n.c[along] : n.c[along]);
-  int met = 0;
-  for (std::int32_t j = -7; j <= 7; j += 2)
-    for (std::int32_t i = -7; i <= 7; i += 2) {
-      const std::int32_t left = 8 * 127 * offset - most_offset * (u * i + v * j);
-      met += left <= reach && left >= -reach;
-    }
-  return met;
-}
-
-/// Of the plane within the cube, 1 … 4; from three quarters on all, for a plane that is an eighth of a voxel off may
-/// seem to be larger than the surface that it is. coverage: along x, y and z, a byte each.
-GB_HD int share_of(const OctahedronPoint& n, std::int32_t offset, std::uint32_t coverage) {
-  const int along = largest_axis(n);
-  const std::int32_t seen = std::int32_t(coverage >> 8 * along & 255) * 64;
-  const std::int32_t whole = 255 * lines_that_meet(n, offset, along) * 3 / 4;
-  if (seen >= whole) return most_share;
-  const int share = int((2 * most_share * seen + whole) / (2 * whole));
-  return share < 1 ? 1 : share;
-}
-
-/// coverage: as Weights::facing.
-GB_HD Plane plane_of(const Patch& patch, const std::int8_t normal[2], std::uint32_t coverage) {
+/// is_finest: at lod 1, whose children say of a surface only in which voxel it lies. There a third of the offsets tell
+/// as much as all of them, and take fewer bytes of a shard.
+GB_HD Plane plane_of(const Patch& patch, const std::int8_t normal[2], bool is_finest) {
   const int coherence = coherence_of(patch);
   if (coherence == 0) return {};
   const OctahedronPoint n = octahedron_point(normal);
   std::int32_t above = 0;
   for (int a = 0; a < 3; ++a) above += n.c[a] * patch.place[a];
-  std::int32_t offset = rounded_ratio(above >> 4, 127 * (place_unit >> 4) / most_offset);
-  offset = offset < -most_offset ? -most_offset : (offset > most_offset ? most_offset : offset);
-  return {offset, coherence, share_of(n, offset, coverage)};
+  const std::int32_t step = is_finest ? 3 : 1, most = most_offset / step;
+  const std::int32_t steps = rounded_ratio(above >> 4, 127 * (place_unit >> 4) * step / most_offset);
+  return {step * (steps < -most ? -most : (steps > most ? most : steps)), coherence};
 }
 
 /// What of coverage is stored: none where all of the surface is on the plane, which then says it.

@@ -42,10 +42,10 @@ struct CastField {
   CastSheet sheet;
 };
 
-/// How much of a sheet a voxel holds.
+/// How much of a sheet a voxel holds: of a corner of one that it barely holds the place is not well known.
 GB_HD float sheet_part(const CastVoxel& voxel) {
-  const Plane plane = unpack_plane(voxel.plane);
-  return float(plane.coherence * plane.share);
+  const int covered = (voxel.c[3] + voxel.c[4]) + voxel.c[5];
+  return float(unpack_plane(voxel.plane).coherence * covered) * (1.0f / (3 * 65535));
 }
 
 /// visit(voxel, weight, corner) for the voxels around the point that are there. corner: 0 or 1 along each axis.

@@ -133,13 +133,13 @@ class ParentBuilder {
 
   Patch patch_above(const Children& children, int to) const {
     const bool is_finest = surface_.patches.empty();
-    const auto patch = [&](int c) { return is_finest ? Patch() : surface_.patches[children.index[c]]; };
+    const auto patch = [&](int c) { return is_finest ? finest_patch() : surface_.patches[children.index[c]]; };
     return join_patches(children.voxel, patch, weights_[to], parent_[to], is_finest, tables_);
   }
 
   void put_facing(int voxel, std::uint8_t facing[facing_bytes]) const {
     const std::uint32_t all = weights_[voxel].facing;
-    const Plane plane = has_planes_ ? plane_of(patch_[voxel], parent_[voxel].normal, all) : Plane();
+    const Plane plane = has_planes_ ? plane_of(patch_[voxel], parent_[voxel].normal, surface_.patches.empty()) : Plane();
     const std::uint32_t coverage = coverage_beside(plane, all);
     for (std::size_t axis = 0; axis < coverage_bytes; ++axis) facing[axis] = byte_of(coverage, int(axis));
     facing[facing_plane] = pack_plane(plane);

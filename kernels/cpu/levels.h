@@ -20,7 +20,7 @@ struct LevelSurface {
 ///        coverage on those of lod 0. With MipFilter::thesis a level from 2 on depends on those of the level two below.
 /// Cost   Each level is read once (with MipFilter::thesis twice) and written once (about a quarter of the one below,
 /// for surfaces). With
-///        MipFilter::coverage 22 bytes a voxel of lod 1 besides, and about as much in all for each level above.
+///        MipFilter::coverage 20 bytes a voxel of lod 1 besides, and about as much in all for each level above.
 void add_coarser_levels(std::vector<Level>& levels, LevelSurface& surface, int lods, MipFilter filter, bool normals,
                         const ThreadPool& pool);
 

@@ -18,6 +18,7 @@ constexpr int filter_threads = 128;
 struct VoxelArrays {
   const std::uint32_t* rgba;
   const std::uint16_t* normal;  ///< or null
+  const Patch* patch;           ///< (kernels/body/patch.h); null at lod 0, and where nothing asks for it
 };
 
 /// The 2×2×2 voxels below one, x | y<<1 | z<<2.
@@ -118,18 +119,6 @@ __device__ void see_columns(const Children<Index>* children, int n, const std::u
   }
 }
 
-/// The patches of voxels that are in memory by index (kernels/body/patch.h).
-struct PatchesBelow {
-  const Patch* patch;          ///< of the level; null at lod 0
-  const std::uint32_t* index;  ///< of a child: in the level; null: children are numbered as the level is,
-  std::uint32_t first;         ///< from this voxel on
-
-  __device__ Patch at(std::uint32_t child) const {
-    if (patch == nullptr) return {};
-    return patch[index_of_32_bits(index == nullptr ? first + child : index[child])];
-  }
-};
-
 /// facing: x lowest.
 struct FilteredVoxel {
   std::uint32_t rgba, facing;
@@ -140,9 +129,8 @@ struct FilteredVoxel {
 
 /// Nothing waits for anything but the children's bytes.
 template <bool by_view, class Index>
-__device__ FilteredVoxel filter_voxel(const VoxelArrays& below, const PatchesBelow& patches,
-                                      const Children<Index>& children, const Weights& w, MipFilter filter,
-                                      const Tables& tables) {
+__device__ FilteredVoxel filter_voxel(const VoxelArrays& below, const Children<Index>& children, const Weights& w,
+                                      MipFilter filter, const Tables& tables) {
   Voxel voxel[8];
 #pragma unroll
   for (int c = 0; c < 8; ++c) {
@@ -153,9 +141,10 @@ __device__ FilteredVoxel filter_voxel(const VoxelArrays& below, const PatchesBel
   const Voxel v = filter_children<by_view>(voxel, w, filter, tables);
   FilteredVoxel out{pack_rgba(v.rgba), w.facing, pack_normal(v.normal), {}, {}};
   if (!by_view || below.normal == nullptr) return out;
-  out.patch = join_patches(
-      voxel, [&](int c) { return patches.at(children.at[c]); }, w, v, patches.patch == nullptr, tables);
-  out.plane = plane_of(out.patch, v.normal, w.facing);
+  const bool is_finest = below.patch == nullptr;
+  const auto patch = [&](int c) { return is_finest ? finest_patch() : below.patch[children.at[c]]; };
+  out.patch = join_patches(voxel, patch, w, v, is_finest, tables);
+  out.plane = plane_of(out.patch, v.normal, is_finest);
   out.facing = coverage_beside(out.plane, w.facing);
   return out;
 }
@@ -165,7 +154,7 @@ struct VoxelsOut {
   std::uint32_t* rgba;
   std::uint16_t* normal;  ///< or null
   std::uint8_t* facing;   ///< or null, without MipFilter::coverage
-  Patch* patch;           ///< or null, without it or normals
+  Patch* patch;           ///< or null, without it or normals, and where no other launch asks for it
 
   __device__ void put(std::size_t i, const FilteredVoxel& v) const {
     rgba[i] = v.rgba;

@@ -9,12 +9,11 @@
 namespace gigabake::kernels {
 namespace {
 
-VoxelsOut make_room(DeviceHeap& heap, MipFilter filter, bool normals, DeviceLevel& level, DeviceArray<Patch>& patches) {
+VoxelsOut make_room(DeviceHeap& heap, MipFilter filter, bool normals, DeviceLevel& level) {
   level.rgba = DeviceArray<std::uint32_t>(heap, level.voxels);
   if (normals) level.normal = DeviceArray<std::uint16_t>(heap, level.voxels);
   if (filters_by_view(filter)) level.facing = DeviceArray<std::uint8_t>(heap, facing_bytes * std::size_t(level.voxels));
-  if (filters_by_view(filter) && normals) patches = DeviceArray<Patch>(heap, level.voxels);
-  return {level.rgba.data(), level.normal.data(), level.facing.data(), patches.data()};
+  return {level.rgba.data(), level.normal.data(), level.facing.data(), nullptr};
 }
 
 DeviceArray<std::uint32_t> room_for_rasters(DeviceHeap& heap, MipFilter filter, int lod, std::uint32_t voxels) {
@@ -59,12 +58,15 @@ LevelsAbove coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceL
   if (lods < 2) return above;
   CoarserBricks bricks = coarser_bricks(heap, finest, lods);
   std::vector<VoxelsOut> voxels_out;
-  std::vector<DeviceArray<Patch>> patches(bricks.levels.size());
-  for (std::size_t l = 0; l < bricks.levels.size(); ++l)
-    voxels_out.push_back(make_room(heap, filter, normals, bricks.levels[l], patches[l]));
+  for (DeviceLevel& level : bricks.levels) voxels_out.push_back(make_room(heap, filter, normals, level));
   LowLevels low{};
   low.fine = view_of(finest);
   low.levels = low_levels(filter, lods);
+  std::vector<DeviceArray<Patch>> patches(bricks.levels.size());
+  for (std::size_t l = std::size_t(low.levels) - 1; filters_by_view(filter) && normals && l < patches.size(); ++l) {
+    patches[l] = DeviceArray<Patch>(heap, bricks.levels[l].voxels);
+    voxels_out[l].patch = patches[l].data();
+  }
   for (int l = 0; l < low.levels; ++l) {
     const DeviceLevel& level = bricks.levels[std::size_t(l)];
     low.level[l] = {level.mask.data(), level.first.data(), voxels_out[std::size_t(l)]};

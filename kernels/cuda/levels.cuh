@@ -18,7 +18,7 @@ struct LevelsAbove {
 };
 
 /// The levels [1, lods).
-/// Cost    With MipFilter::coverage 17 bytes of working memory a voxel of lod 1 of a surface.
+/// Cost    With MipFilter::coverage 4 bytes of working memory a voxel of lod 1 of a surface.
 /// Errors  CudaFailure.
 LevelsAbove coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceLevel& finest, int lods,
                            MipFilter filter, bool normals);

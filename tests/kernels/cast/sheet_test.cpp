@@ -10,7 +10,7 @@
 namespace gigabake::kernels {
 namespace {
 
-const std::uint8_t whole_sheet = pack_plane({0, most_coherence, most_share});
+const std::uint8_t whole_sheet = pack_plane({0, most_coherence});
 
 struct Slot {
   CastVoxel voxel[slot_voxels] = {};
@@ -58,7 +58,7 @@ std::unique_ptr<Slot> slot_of_plane(const std::int8_t normal[2]) {
         if (std::abs(away) > 1) continue;
         CastVoxel v = opaque_voxel();
         std::copy_n(normal, 2, v.normal);
-        v.plane = pack_plane({int(std::lround(away * most_offset)), most_coherence, most_share});
+        v.plane = pack_plane({int(std::lround(away * most_offset)), most_coherence});
         slot->at(x, y, z) = v;
       }
   return slot;
@@ -121,7 +121,7 @@ TEST(CastSheet, HasTheLooseAloneInWhatIsLoose) {
   EXPECT_EQ(field_at(slot->voxel, middle, true).loose.mean_coverage(), 0) << "all of it is sheet";
   slot->at(3, 3, 3).plane = 0;
   EXPECT_NEAR(field_at(slot->voxel, middle, true).loose.mean_coverage(), 1.0f / 8, 1e-6f);
-  slot->at(4, 3, 3).plane = pack_plane({0, 2, most_share});
+  slot->at(4, 3, 3).plane = pack_plane({0, 2});
   EXPECT_NEAR(field_at(slot->voxel, middle, true).loose.mean_coverage(), 2.0f / 8, 1e-6f) << "what is not all sheet";
 }
 

@@ -292,10 +292,10 @@ struct JoinBody {
     for (int c = 0; c < 8; ++c) weights.child[c / 4] |= std::uint32_t(from.child[c].rgba[3]) << 8 * (c % 4);
     const auto patch = [&](int c) { return from.patch[c]; };
     Joined out;
-    out.of_finest = join_patches(from.child, [](int) { return Patch(); }, weights, from.parent, true, tables);
+    out.of_finest = join_patches(from.child, [](int) { return finest_patch(); }, weights, from.parent, true, tables);
     out.of_coarser = join_patches(from.child, patch, weights, from.parent, false, tables);
     for (int i = 0; i < 2; ++i) {
-      const Plane plane = plane_of(i == 0 ? out.of_finest : out.of_coarser, from.parent.normal, from.facing);
+      const Plane plane = plane_of(i == 0 ? out.of_finest : out.of_coarser, from.parent.normal, i == 0);
       out.plane[i] = pack_plane(plane);
       for (int a = 0; a < 3; ++a) out.beside[i][a] = byte_of(coverage_beside(plane, from.facing), a);
     }
@@ -316,9 +316,8 @@ std::vector<PatchCase> random_patches(int count) {
         f.child[c].normal[a] = flat ? f.parent.normal[a] : std::int8_t(within(127));
       f.child[c].rgba[3] = random() % 3 == 0 ? 0 : std::uint8_t(random());
       for (std::int16_t& x : f.patch[c].place) x = std::int16_t(within(flat ? 2000 : place_unit));
-      f.patch[c].spread = std::uint16_t(random() % (flat ? 2000 : 65536));
-      f.patch[c].agreement = std::uint16_t(random() % 32768);
-      if (flat) f.patch[c].agreement = Patch::largest_agreement();
+      f.patch[c].spread = std::uint8_t(random() % (flat ? 40 : 256));
+      f.patch[c].agreement = std::uint8_t(255 - random() % (flat ? 60 : 256));
     }
     f.child[random() % 8].rgba[3] = 255;
     f.facing = std::uint32_t(random()) & 0xffffff;
