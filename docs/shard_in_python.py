@@ -77,7 +77,7 @@ if "normal" in level:
 if "plane" in level:  # where the voxel's one sheet lies: metres from its centre along the normal
     plane = values("plane")[:, 0].astype(int)
     unit = numpy.sqrt(u * u + v * v + w * w)  # of the normal with |x| + |y| + |z| = 1
-    sheet_m = numpy.where(plane == 0, numpy.nan, ((plane >> 4) - 8) / 7 * voxel_m / 2 / unit)
+    sheet_m = numpy.where(plane == 0, numpy.nan, ((plane >> 2) - 8) / 7 * voxel_m / 2 / unit)
 print(f"{len(rgb)} voxels in {len(mask)} bricks, {len(rgb) / len(mask):.0f} a brick")
 print(f"heights from {position_m[:, 2].min():.2f} to {position_m[:, 2].max():.2f} m")
 

@@ -65,7 +65,7 @@ GB_HD std::int32_t ramp_256(std::int32_t x, std::int32_t from, std::int32_t to) 
 /// How much a patch is one sheet, 0 … 3: its normals agree (mean of length .65 to .8), and it lies near its plane
 /// (.2 to .12 of an edge off).
 GB_HD int coherence_of(const Patch& patch) {
-  const std::int32_t alike = ramp_256(patch.agreement, 166, 204);
+  const std::int32_t alike = ramp_256(patch.agreement, 165, 204);
   const std::int32_t far = ramp_256(patch.spread, 15, 41);
   return int((most_coherence * alike * (256 - far) + 32768) >> 16);
 }

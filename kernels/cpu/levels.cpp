@@ -124,17 +124,23 @@ class ParentBuilder {
     if (filters_by_view(filter_)) {
       const FacingSums seen = see(children, surface_.rasters.data(), edge_, raster_[to]);
       weights_[to] = weights_of(seen, edge_, children.there);
-      parent_[to] = filter_children<true>(children.voxel, weights_[to], filter_, tables_);
-      if (has_planes_) patch_[to] = patch_above(children, to);
+      if (has_planes_)
+        filter_patch(children, to);
+      else
+        parent_[to] = filter_children<true>(children.voxel, weights_[to], filter_, tables_);
     } else {
       parent_[to] = filter_children<false>(children.voxel, {}, filter_, tables_);
     }
   }
 
-  Patch patch_above(const Children& children, int to) const {
+  void filter_patch(const Children& children, int to) {
     const bool is_finest = surface_.patches.empty();
-    const auto patch = [&](int c) { return is_finest ? finest_patch() : surface_.patches[children.index[c]]; };
-    return join_patches(children.voxel, patch, weights_[to], parent_[to], is_finest, tables_);
+    const auto patch = [&](int c) {
+      return is_finest || weights_[to].of(c) == 0 ? finest_patch() : surface_.patches[children.index[c]];
+    };
+    const VoxelPatch made = filter_patches(children.voxel, patch, weights_[to], is_finest, tables_);
+    parent_[to] = made.voxel;
+    patch_[to] = made.patch;
   }
 
   void put_facing(int voxel, std::uint8_t facing[facing_bytes]) const {

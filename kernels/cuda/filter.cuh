@@ -138,15 +138,18 @@ __device__ FilteredVoxel filter_voxel(const VoxelArrays& below, const Children<I
     voxel[c] = unpack_voxel(there ? below.rgba[children.at[c]] : 0,
                             there && below.normal != nullptr ? below.normal[children.at[c]] : std::uint16_t(0));
   }
-  const Voxel v = filter_children<by_view>(voxel, w, filter, tables);
-  FilteredVoxel out{pack_rgba(v.rgba), w.facing, pack_normal(v.normal), {}, {}};
-  if (!by_view || below.normal == nullptr) return out;
+  if (!by_view || below.normal == nullptr) {
+    const Voxel v = filter_children<by_view>(voxel, w, filter, tables);
+    return {pack_rgba(v.rgba), w.facing, pack_normal(v.normal), {}, {}};
+  }
   const bool is_finest = below.patch == nullptr;
-  const auto patch = [&](int c) { return is_finest ? finest_patch() : below.patch[children.at[c]]; };
-  out.patch = join_patches(voxel, patch, w, v, is_finest, tables);
-  out.plane = plane_of(out.patch, v.normal, is_finest);
-  out.facing = coverage_beside(out.plane, w.facing);
-  return out;
+  const auto patch = [&](int c) {
+    return is_finest || children.at[c] == Children<Index>::none ? finest_patch() : below.patch[children.at[c]];
+  };
+  const VoxelPatch made = filter_patches(voxel, patch, w, is_finest, tables);
+  const Plane plane = plane_of(made.patch, made.voxel.normal, is_finest);
+  return {pack_rgba(made.voxel.rgba), coverage_beside(plane, w.facing), pack_normal(made.voxel.normal), plane,
+          made.patch};
 }
 
 /// Where a level's voxels go.

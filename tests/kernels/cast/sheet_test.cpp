@@ -125,5 +125,44 @@ TEST(CastSheet, HasTheLooseAloneInWhatIsLoose) {
   EXPECT_NEAR(field_at(slot->voxel, middle, true).loose.mean_coverage(), 2.0f / 8, 1e-6f) << "what is not all sheet";
 }
 
+TEST(Disagreement, IsOfPlanesThatAreFartherThanThirtyDegreesFromTheSheet) {
+  const OctahedronPoint up{{0, 0, 127}};
+  const auto sheet_at = [](double degrees) {
+    const double slope = degrees * 3.14159265358979 / 180;
+    return CastSheet{1, {float(std::sin(slope)), 0, float(std::cos(slope))}, 0};
+  };
+  EXPECT_EQ(disagreement(up, sheet_at(0)), 0);
+  EXPECT_EQ(disagreement(up, sheet_at(29)), 0);
+  EXPECT_NEAR(disagreement(up, sheet_at(37.76)), 0.5f, 0.01f);
+  EXPECT_EQ(disagreement(up, sheet_at(46)), 1);
+  EXPECT_EQ(disagreement(up, sheet_at(180)), 1);
+}
+
+// Where two sheets meet, the blended one may lie nowhere: then their coverages are what is seen.
+TEST(CastField, CountsSheetsByTheirCoverageWhereTheyDisagree) {
+  const auto slot = std::make_unique<Slot>();
+  for (int z = 0; z < slot_edge; ++z)
+    for (int y = 0; y < slot_edge; ++y)
+      for (int x = 0; x < slot_edge; ++x) {
+        CastVoxel v = opaque_voxel();
+        v.plane = whole_sheet;
+        if (x < 4) v.normal[0] = 127;
+        slot->at(x, y, z) = v;
+      }
+  const CastSample edge = field_at(slot->voxel, {{3, 3, 3}, {0.5f, 0.5f, 0.5f}}, true).loose;
+  EXPECT_NEAR(edge.c[3], 0.5f, 1e-3f);
+  EXPECT_NEAR(edge.c[4], 0, 1e-3f) << "neither covers a view along y";
+  EXPECT_NEAR(edge.c[5], 0.5f, 1e-3f);
+  EXPECT_EQ(field_at(slot->voxel, {{1, 3, 3}, {0.5f, 0.5f, 0.5f}}, true).loose.mean_coverage(), 0);
+}
+
+TEST(PartInPair, IsHowMuchOfAColumnsSheetLiesInTwoVoxels) {
+  EXPECT_EQ(part_in_pair(0.5f, 0.5f), 1);
+  EXPECT_EQ(part_in_pair(0, 0.5f), 1);
+  EXPECT_EQ(part_in_pair(-0.5f, 0.5f), 0.5f);
+  EXPECT_EQ(part_in_pair(1.5f, 0.125f), 0.5f);
+  EXPECT_EQ(part_in_pair(2.5f, 0.5f), 0);
+}
+
 }  // namespace
 }  // namespace gigabake::kernels

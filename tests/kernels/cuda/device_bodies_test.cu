@@ -275,27 +275,28 @@ TEST(DeviceBodies, FilterTheSameLevelsAsOnTheCpu) {
 
 /// Eight voxels, those of coverage 0 absent, with where their surfaces lie.
 struct PatchCase {
-  Voxel child[8], parent;
+  Voxel child[8];
   Patch patch[8];
   std::uint32_t facing;
 };
 
 struct Joined {
-  Patch of_finest, of_coarser;
+  Patch patch[2];
   std::uint8_t plane[2], beside[2][3];
 };
 
+/// Of children of lod 0, and of coarser ones.
 struct JoinBody {
   GB_HD Joined operator()(const PatchCase& from, const Tables& tables) const {
     Weights weights{};
     weights.facing = from.facing;
     for (int c = 0; c < 8; ++c) weights.child[c / 4] |= std::uint32_t(from.child[c].rgba[3]) << 8 * (c % 4);
-    const auto patch = [&](int c) { return from.patch[c]; };
     Joined out;
-    out.of_finest = join_patches(from.child, [](int) { return finest_patch(); }, weights, from.parent, true, tables);
-    out.of_coarser = join_patches(from.child, patch, weights, from.parent, false, tables);
     for (int i = 0; i < 2; ++i) {
-      const Plane plane = plane_of(i == 0 ? out.of_finest : out.of_coarser, from.parent.normal, i == 0);
+      const auto patch = [&](int c) { return i == 0 ? finest_patch() : from.patch[c]; };
+      const VoxelPatch made = filter_patches(from.child, patch, weights, i == 0, tables);
+      const Plane plane = plane_of(made.patch, made.voxel.normal, i == 0);
+      out.patch[i] = made.patch;
       out.plane[i] = pack_plane(plane);
       for (int a = 0; a < 3; ++a) out.beside[i][a] = byte_of(coverage_beside(plane, from.facing), a);
     }
@@ -310,10 +311,9 @@ std::vector<PatchCase> random_patches(int count) {
   std::vector<PatchCase> cases(std::size_t(count), PatchCase{});
   for (PatchCase& f : cases) {
     const bool flat = random() % 2 != 0;
-    for (std::int8_t& x : f.parent.normal) x = std::int8_t(within(127));
+    const std::int8_t normal[2] = {std::int8_t(within(127)), std::int8_t(within(127))};
     for (int c = 0; c < 8; ++c) {
-      for (int a = 0; a < 2; ++a)
-        f.child[c].normal[a] = flat ? f.parent.normal[a] : std::int8_t(within(127));
+      for (int a = 0; a < 2; ++a) f.child[c].normal[a] = flat ? normal[a] : std::int8_t(within(127));
       f.child[c].rgba[3] = random() % 3 == 0 ? 0 : std::uint8_t(random());
       for (std::int16_t& x : f.patch[c].place) x = std::int16_t(within(flat ? 2000 : place_unit));
       f.patch[c].spread = std::uint8_t(random() % (flat ? 40 : 256));
