@@ -28,12 +28,6 @@ GB_HD Patch finest_patch() { return {{0, 0, 0}, 0, 255}; }
 
 inline constexpr std::int32_t place_unit = 1 << 14;
 
-/// part / whole, to the nearest, half up. Range  whole > 0, 2·|part| + whole < 2^31.
-GB_HD std::int32_t rounded_ratio(std::int32_t part, std::int32_t whole) {
-  const std::int32_t twice = 2 * part + whole, by = 2 * whole;
-  return twice >= 0 ? twice / by : -((by - 1 - twice) / by);
-}
-
 /// Sums over the children of a voxel, each weighted by what shows of it (Weights), as in its colour.
 struct PatchSums {
   std::int32_t weight = 0, place[3] = {}, normal[3] = {};

@@ -8,7 +8,7 @@
 #include "kernels/body/mask.h"
 #include "kernels/body/mip.h"
 #include "kernels/body/node.h"
-#include "kernels/body/plane.h"
+#include "kernels/body/plane_fit.h"
 #include "kernels/cpu/brick_run.h"
 #include "kernels/cpu/level_of_64.h"
 #include "kernels/cpu/level_read.h"
@@ -145,7 +145,8 @@ class ParentBuilder {
 
   void put_facing(int voxel, std::uint8_t facing[facing_bytes]) const {
     const std::uint32_t all = weights_[voxel].facing;
-    const Plane plane = has_planes_ ? plane_of(patch_[voxel], parent_[voxel].normal, surface_.patches.empty()) : Plane();
+    const Plane plane =
+        has_planes_ ? plane_of(patch_[voxel], parent_[voxel].normal, surface_.patches.empty()) : Plane();
     const std::uint32_t coverage = coverage_beside(plane, all);
     for (std::size_t axis = 0; axis < coverage_bytes; ++axis) facing[axis] = byte_of(coverage, int(axis));
     facing[facing_plane] = pack_plane(plane);

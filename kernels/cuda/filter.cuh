@@ -5,7 +5,7 @@
 
 #include "kernels/body/mask.h"
 #include "kernels/body/mip.h"
-#include "kernels/body/plane.h"
+#include "kernels/body/plane_fit.h"
 #include "kernels/body/voxel.h"
 #include "lattice/octree.h"
 #include "lattice/rules.h"

@@ -33,7 +33,7 @@ struct LowShared {
   std::uint32_t index[most_above];  ///< in the level
   std::uint32_t rgba[most_above];
   std::uint16_t normal[most_above];
-  Patch patch[at_4];  ///< of lods 2 and 3
+  Patch patch[at_4];                         ///< of lods 2 and 3
   std::uint64_t mask[4][most_bricks][8];     ///< [level]: of the brick, or the one it lies in
   std::uint32_t before[4][most_bricks][8];   ///< voxels of the level before each of its words
   std::uint32_t child[most_bricks][8];       ///< by octant
@@ -218,8 +218,7 @@ __device__ void filter_slot(const LowLevels& in, int level, int slot, const Voxe
 template <bool by_view>
 __device__ void filter_lod_2(const LowLevels& in, const Group& g, const Tables& tables, LowShared& s) {
   const VoxelsOut& from = in.level[0].out;
-  const VoxelArrays below{from.rgba + g.first_1, from.normal == nullptr ? nullptr : from.normal + g.first_1,
-                          s.patch_1};
+  const VoxelArrays below{from.rgba + g.first_1, from.normal == nullptr ? nullptr : from.normal + g.first_1, s.patch_1};
   for (int i = int(threadIdx.x); i < g.n2; i += filter_threads) {
     const int voxel = s.list_2[i], b = voxel >> 6, x = voxel & 3, y = voxel >> 2 & 3, z = voxel >> 4 & 3;
     const Slots children = children_in<std::uint16_t>(s.mask[0][b][2 * z], s.mask[0][b][2 * z + 1],

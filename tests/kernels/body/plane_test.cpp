@@ -1,10 +1,9 @@
-#include "kernels/body/plane.h"
-
 #include <array>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <random>
 
+#include "kernels/body/plane_fit.h"
 #include "kernels/cpu/levels.h"
 #include "lattice/morton.h"
 #include "lattice/octahedral.h"

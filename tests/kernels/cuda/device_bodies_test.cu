@@ -11,7 +11,7 @@
 #include "kernels/body/brick_triangle.h"
 #include "kernels/body/mip.h"
 #include "kernels/body/mip_of_64.h"
-#include "kernels/body/plane.h"
+#include "kernels/body/plane_fit.h"
 #include "kernels/body/surface.h"
 #include "kernels/body/triangle_bricks.h"
 #include "lattice/snap.h"
@@ -325,7 +325,9 @@ std::vector<PatchCase> random_patches(int count) {
   return cases;
 }
 
-TEST(DeviceBodies, JoinPatchesToTheSamePlanesAsOnTheCpu) { expect_same_bits<Joined>(random_patches(50000), JoinBody{}); }
+TEST(DeviceBodies, JoinPatchesToTheSamePlanesAsOnTheCpu) {
+  expect_same_bits<Joined>(random_patches(50000), JoinBody{});
+}
 
 /// A brick of lod l - 2, with room for all of its voxels.
 struct Brick64 {
