@@ -61,9 +61,12 @@ set(gb_public_headers_kernels
     kernels/body/cell.h
     kernels/body/mask.h
     kernels/body/material.h
+    kernels/body/plane.h
     kernels/body/tables.h
     kernels/body/texture_view.h
     kernels/cast/cast.h
+    kernels/cast/cast_camera.h
+    kernels/cast/cast_line.h
     kernels/cast/caster.h
     kernels/cast/first_hit.h
     kernels/cast/first_hit_camera.h
@@ -75,6 +78,7 @@ set(gb_public_headers_kernels
     kernels/cast/sample.h
     kernels/cast/scene.h
     kernels/cast/shade.h
+    kernels/cast/sheet.h
     kernels/cpu/bake_cell.h
     kernels/cpu/texture.h
     kernels/cuda/baker.h

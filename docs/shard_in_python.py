@@ -74,6 +74,10 @@ if "normal" in level:
     u, v = (numpy.where(fold, (1 - abs(v)) * numpy.where(u < 0, -1, 1), u),
             numpy.where(fold, (1 - abs(u)) * numpy.where(v < 0, -1, 1), v))
     slope_deg = numpy.degrees(numpy.arccos(w / numpy.sqrt(u * u + v * v + w * w)))
+if "plane" in level:  # where the voxel's one sheet lies: metres from its centre along the normal
+    plane = values("plane")[:, 0].astype(int)
+    unit = numpy.sqrt(u * u + v * v + w * w)  # of the normal with |x| + |y| + |z| = 1
+    sheet_m = numpy.where(plane == 0, numpy.nan, ((plane >> 2) - 8) / 7 * voxel_m / 2 / unit)
 print(f"{len(rgb)} voxels in {len(mask)} bricks, {len(rgb) / len(mask):.0f} a brick")
 print(f"heights from {position_m[:, 2].min():.2f} to {position_m[:, 2].max():.2f} m")
 

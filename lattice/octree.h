@@ -9,6 +9,11 @@
 
 namespace gigabake {
 
+/// What a voxel of lod 1 and up says of directions, a byte each: its coverage that views along x, y and z see; and the
+/// plane that its surface lies on, if it is one sheet (kernels/body/plane.h).
+inline constexpr std::size_t coverage_bytes = 3, facing_plane = 3, facing_bytes = 4;
+using Facing = std::array<std::uint8_t, facing_bytes>;
+
 enum class NodeKind : std::uint8_t {
   brick = 0,          ///< value: index of its brick in its level
   constant = 1,       ///< all 512 voxels are present and alike; children may differ in detail below. value: rgba
@@ -25,8 +30,7 @@ struct NodeTable {
       first_child;                   ///< node index of the lowest stored child; the others follow. 0xffffffff: none
   std::vector<std::uint32_t> value;  ///< brick index, or rgba as bytes r,g,b,a from the lowest
   std::vector<std::array<std::int8_t, 2>> normal;  ///< of constant nodes, octahedral; zero otherwise
-  std::vector<std::array<std::uint8_t, 3>>
-      facing;  ///< of constant nodes of lod 1 and up; empty where the channel is off
+  std::vector<Facing> facing;  ///< of constant nodes of lod 1 and up; empty where the channel is off
 };
 
 /// Packed bricks of one level, Morton order. Voxel (x,y,z) of a brick is bit x+8y of word z.
@@ -36,8 +40,7 @@ struct BrickLevel {
   std::vector<std::uint64_t> first;  ///< bricks+1: where a brick's voxels start
   std::vector<std::uint8_t> rgba;    ///< 4 per voxel: sRGB colour, coverage
   std::vector<std::int8_t> normal;   ///< 2 per voxel: octahedral; empty where the channel is off
-  /// 3 per voxel: coverage that a view along x, y, z sees. Empty at lod 0, where it is alpha, and where the channel is
-  /// off.
+  /// facing_bytes per voxel. Empty at lod 0, where surface has no directions, and where the channel is off.
   std::vector<std::uint8_t> facing;
 };
 

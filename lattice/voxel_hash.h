@@ -1,7 +1,8 @@
 /// The identity of one voxel, summed over a level: what format/shard/content_hash.h defines, from registers.
 ///
 /// Exact   XXH3-128 (seed 0) of the 34-byte record: lod (int32), lowest corner in lod-0 voxels of the lattice
-///         (3 × int64), rgba, normal, little endian. Of levels that have it, facing and three zeros follow. Unsigned
+///         (3 × int64), rgba, normal, little endian. Of levels that have it, facing (four bytes) and two
+///         zeros follow. Unsigned
 ///         arithmetic: host and device return the same bits.
 /// Source  github.com/Cyan4973/xxHash, doc/xxhash_spec.md, XXH3 for inputs of 17 to 128 bytes.
 #pragma once
@@ -65,7 +66,7 @@ GB_HD Hash128 hash_voxel(std::int32_t lod, std::int64_t x, std::int64_t y, std::
                            w3 >> 16 | std::uint64_t(normal) << 48);
 }
 
-/// On a level with `facing`: 24 bits, of which the lowest byte is coverage along x.
+/// On a level with `facing`: of its bytes the lowest byte is coverage along x.
 GB_HD Hash128 hash_voxel(std::int32_t lod, std::int64_t x, std::int64_t y, std::int64_t z, std::uint32_t rgba,
                          std::uint16_t normal, std::uint32_t facing) {
   const auto ux = std::uint64_t(x), uy = std::uint64_t(y), uz = std::uint64_t(z);

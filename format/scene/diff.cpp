@@ -42,7 +42,7 @@ class DifferenceSum {
   void add_both(const VoxelValue& a, const VoxelValue& b) {
     ++d_.both;
     d_.turned += std::memcmp(a.normal, b.normal, 2) != 0;
-    d_.refaced += a.facing != nullptr && b.facing != nullptr && std::memcmp(a.facing, b.facing, 3) != 0;
+    d_.refaced += a.facing != nullptr && b.facing != nullptr && std::memcmp(a.facing, b.facing, facing_bytes) != 0;
     if (std::memcmp(a.rgba, b.rgba, 4) == 0) return;
     ++d_.recoloured;
     for (std::size_t c = 0; c < 4; ++c) {

@@ -42,7 +42,7 @@ void for_each_voxel(const BrickLevel& level, std::size_t brick, BrickCoordinate 
       const auto bit = std::uint32_t(std::countr_zero(rest));
       visit_voxel(visit, at.x * 8 + (bit & 7), at.y * 8 + (bit >> 3), at.z * 8 + z, &level.rgba[4 * i],
                   level.normal.empty() ? no_normal : &level.normal[2 * i],
-                  level.facing.empty() ? nullptr : &level.facing[3 * i]);
+                  level.facing.empty() ? nullptr : &level.facing[facing_bytes * i]);
     }
 }
 

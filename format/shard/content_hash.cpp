@@ -25,8 +25,8 @@ void put_record(unsigned char* to, std::int32_t lod, const std::array<std::int64
   std::memcpy(to + 28, rgba, 4);
   std::memcpy(to + 32, normal, 2);
   if (facing == nullptr) return;
-  std::memcpy(to + 34, facing, 3);
-  std::memset(to + 37, 0, 3);
+  std::memcpy(to + 34, facing, facing_bytes);
+  to[38] = to[39] = 0;
 }
 
 Hash128 hash_record(const unsigned char* record, bool has_facing) {

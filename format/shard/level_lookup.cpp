@@ -53,7 +53,7 @@ bool LevelLookup::find(std::uint32_t x, std::uint32_t y, std::uint32_t z, VoxelV
   if ((level_.mask[8 * brick + (z & 7)] >> bit & 1) == 0) return false;
   const std::size_t i = level_.first[brick] + rank(&level_.mask[8 * brick], z & 7, bit);
   value = {&level_.rgba[4 * i], level_.normal.empty() ? no_normal : &level_.normal[2 * i],
-           level_.facing.empty() ? nullptr : &level_.facing[3 * i]};
+           level_.facing.empty() ? nullptr : &level_.facing[facing_bytes * i]};
   return true;
 }
 

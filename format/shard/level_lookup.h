@@ -12,7 +12,7 @@ namespace gigabake {
 struct VoxelValue {
   const std::uint8_t* rgba;    ///< 4
   const std::int8_t* normal;   ///< 2; two zeros where the shard has no normals
-  const std::uint8_t* facing;  ///< 3; null where the level has none
+  const std::uint8_t* facing;  ///< facing_bytes; null where the level has none
 };
 
 /// Borrows the nodes and the bricks of level `lod`.

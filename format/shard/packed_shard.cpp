@@ -14,7 +14,7 @@ std::vector<ChannelPlace> packed_channels(const ShardHeader& header, int lod) {
 std::vector<RowShape> packed_nodes(const ShardHeader& header) {
   static_assert(NodeKind() == NodeKind::brick, "zeros are bricks");
   std::vector<RowShape> rows;
-  for (const Hdf5Column& column : NodeColumns().all(header))
+  for (const Hdf5Column& column : NodeColumns(shard_version).all(header))
     rows.push_back({column.row_bytes(), column.planes == BytePlanes::yes ? element_bytes(column.type) : 1});
   return rows;
 }

@@ -22,7 +22,7 @@ struct NodeRow {
   std::uint32_t first_child = 0xffffffffu;  ///< row in the whole table
   std::uint32_t value = 0;                  ///< brick number in its whole level, or rgba
   std::int8_t normal[2] = {0, 0};
-  std::uint8_t facing[3] = {0, 0, 0};
+  std::uint8_t facing[facing_bytes] = {};
   NodeKind kind = NodeKind::brick;
   std::uint8_t child_mask = 0;
 };
@@ -33,7 +33,7 @@ struct BrickBlock {
   std::vector<std::uint32_t> first;  ///< bricks+1
   std::vector<std::uint8_t> rgba;    ///< 4 per voxel
   std::vector<std::int8_t> normal;   ///< 2 per voxel; empty where the channel is off
-  std::vector<std::uint8_t> facing;  ///< 3 per voxel; empty at lod 0 and where the channel is off
+  std::vector<std::uint8_t> facing;  ///< facing_bytes per voxel; empty at lod 0 and where the channel is off
 };
 
 struct ShardHeader {

@@ -56,7 +56,7 @@ void ShardColumns::add_packed(const Hdf5Column& column, const PackedColumn& pack
 }
 
 void ShardColumns::add_nodes(const NodeTable& n) {
-  const NodeColumns names;
+  const NodeColumns names(shard_version);
   group_ = "/nodes";
   add_array(names.key, n.key);
   add_array(names.lod, n.lod);
@@ -70,7 +70,7 @@ void ShardColumns::add_nodes(const NodeTable& n) {
 
 void ShardColumns::add_nodes(const std::vector<PackedColumn>& nodes) {
   group_ = "/nodes";
-  const std::vector<Hdf5Column> all = NodeColumns().all(header_);
+  const std::vector<Hdf5Column> all = NodeColumns(shard_version).all(header_);
   for (std::size_t c = 0; c < all.size(); ++c) add_packed(all[c], nodes.at(c));
 }
 

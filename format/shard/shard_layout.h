@@ -11,10 +11,12 @@
 namespace gigabake {
 
 inline constexpr char shard_format[] = "gigabake-shard";
-inline constexpr std::int32_t shard_version = 2;
+inline constexpr std::int32_t shard_version = 3;
 inline constexpr std::int32_t oldest_shard_version = 1;
 
 struct NodeColumns {
+  explicit NodeColumns(std::int32_t version)
+      : facing{"/nodes/facing", Hdf5Type::u8, version >= 3 ? facing_bytes : coverage_bytes} {}
   Hdf5Column key{"/nodes/key", Hdf5Type::u64, 1, BytePlanes::yes};
   Hdf5Column lod{"/nodes/lod", Hdf5Type::u8, 1};
   Hdf5Column kind{"/nodes/kind", Hdf5Type::u8, 1};
@@ -22,7 +24,7 @@ struct NodeColumns {
   Hdf5Column first_child{"/nodes/first_child", Hdf5Type::u32, 1, BytePlanes::yes};
   Hdf5Column value{"/nodes/value", Hdf5Type::u32, 1, BytePlanes::yes};
   Hdf5Column normal{"/nodes/normal", Hdf5Type::i8, 2};
-  Hdf5Column facing{"/nodes/facing", Hdf5Type::u8, 3};
+  Hdf5Column facing;  ///< versions 1 and 2 know no planes
   std::vector<Hdf5Column> all(const ShardHeader& header) const {
     std::vector<Hdf5Column> columns{key, lod, kind, child_mask, first_child, value, normal};
     if (header.has_facing) columns.push_back(facing);
@@ -39,6 +41,9 @@ struct LevelColumns {
   std::string group;
   Hdf5Column mask, first;
 };
+
+/// The rows of NodeColumns::facing; what a row does not have is zero.
+std::vector<Facing> facing_of_rows(const std::vector<std::uint8_t>& bytes, const Hdf5Column& column);
 
 /// share and first are there where voxels share values (shared_values.h).
 struct ChannelColumns {

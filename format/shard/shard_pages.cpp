@@ -39,8 +39,9 @@ std::uint64_t clipped(const Hdf5File& file, const std::string& dataset, std::uin
 }  // namespace
 
 struct ShardPages::Nodes {
-  Nodes(const Hdf5File& file, const ShardHeader& header, const NodeColumns& columns = {})
-      : kind(file, columns.kind),
+  Nodes(const Hdf5File& file, const ShardHeader& header, const NodeColumns& columns)
+      : facing_column(columns.facing),
+        kind(file, columns.kind),
         child_mask(file, columns.child_mask),
         first_child(file, columns.first_child),
         value(file, columns.value),
@@ -53,6 +54,7 @@ struct ShardPages::Nodes {
     if (facing && facing->rows() != outline.rows()) file.fail("/nodes", "columns differ in length");
   }
 
+  Hdf5Column facing_column;
   Hdf5Rows kind, child_mask, first_child, value, normal;
   std::optional<Hdf5Rows> facing;
   ShardOutline outline;
@@ -80,7 +82,7 @@ ShardPages::~ShardPages() = default;
 
 const ShardPages::Nodes& ShardPages::open_nodes() const {
   const std::scoped_lock lock(mutex_);
-  if (!nodes_) nodes_ = std::make_unique<Nodes>(file_, header_);
+  if (!nodes_) nodes_ = std::make_unique<Nodes>(file_, header_, NodeColumns(version_));
   return *nodes_;
 }
 
@@ -109,14 +111,17 @@ std::vector<NodeRow> ShardPages::nodes(std::uint64_t first, std::uint32_t count)
   const auto value = read_range<std::uint32_t>(columns.value, first, rows);
   const auto normal = read_range<std::int8_t>(columns.normal, first, rows, 2);
   const auto facing =
-      columns.facing ? read_range<std::uint8_t>(*columns.facing, first, rows, 3) : std::vector<std::uint8_t>(3 * rows);
+      columns.facing
+          ? facing_of_rows(read_range<std::uint8_t>(*columns.facing, first, rows, columns.facing_column.row_bytes()),
+                           columns.facing_column)
+          : std::vector<Facing>(rows);
   std::vector<NodeRow> out(rows);
   for (std::size_t i = 0; i < kind.size(); ++i) {
     if (begin + i >= first) {
       const std::size_t to = begin + i - first;
       walk.check_links(kind[i], child_mask[i], first_child[to], value[to]);
       out[to] = {first_child[to], value[to], {normal[2 * to], normal[2 * to + 1]}, {}, kind[i], child_mask[i]};
-      std::copy_n(&facing[3 * to], 3, out[to].facing);
+      std::copy_n(facing[to].begin(), facing_bytes, out[to].facing);
     }
     walk.step(walk.place().lod, kind[i], child_mask[i]);
   }

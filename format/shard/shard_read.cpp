@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "format/shard/channel_rows.h"
 #include "format/shard/check/shard_check.h"
 #include "format/shard/hdf5/hdf5_rows.h"
@@ -18,13 +20,26 @@ void read_rows(const Hdf5File& file, const Hdf5Column& column, std::vector<T>& o
   rows.read(0, rows.rows(), out.data());
 }
 
+std::vector<std::uint8_t> read_bytes(const Hdf5File& file, const Hdf5Column& column) {
+  std::vector<std::uint8_t> bytes;
+  read_rows(file, column, bytes);
+  return bytes;
+}
+
 }  // namespace
+
+std::vector<Facing> facing_of_rows(const std::vector<std::uint8_t>& bytes, const Hdf5Column& column) {
+  const std::size_t width = column.row_bytes();
+  std::vector<Facing> out(bytes.size() / width);
+  for (std::size_t i = 0; i < out.size(); ++i) std::copy_n(&bytes[width * i], width, out[i].begin());
+  return out;
+}
 
 ShardReader::ShardReader(const std::filesystem::path& path)
     : path_(path), file_(Hdf5File::open(path)), header_(read_header(file_)), version_(read_version(file_)) {}
 
 NodeTable ShardReader::nodes() const {
-  const NodeColumns columns;
+  const NodeColumns columns(version_);
   NodeTable n;
   read_rows(file_, columns.key, n.key);
   read_rows(file_, columns.lod, n.lod);
@@ -33,7 +48,7 @@ NodeTable ShardReader::nodes() const {
   read_rows(file_, columns.first_child, n.first_child);
   read_rows(file_, columns.value, n.value);
   read_rows(file_, columns.normal, n.normal);
-  if (header_.has_facing) read_rows(file_, columns.facing, n.facing);
+  if (header_.has_facing) n.facing = facing_of_rows(read_bytes(file_, columns.facing), columns.facing);
   check_nodes(path_, header_, n);
   return n;
 }
@@ -41,7 +56,7 @@ NodeTable ShardReader::nodes() const {
 BrickLevel ShardReader::level(int lod) const {
   if (lod < 0 || std::uint32_t(lod) >= header_.lods)
     throw InputError(path_, "/lod_" + std::to_string(lod), "the cell has no such level");
-  const NodeColumns columns;
+  const NodeColumns columns(version_);
   std::vector<std::uint8_t> lods;
   std::vector<NodeKind> kinds;
   read_rows(file_, columns.lod, lods);
@@ -92,7 +107,7 @@ std::uint64_t ShardReader::level_bytes(int lod) const {
 
 std::uint64_t ShardReader::node_bytes() const {
   std::uint64_t bytes = 0;
-  for (const Hdf5Column& column : NodeColumns().all(header_)) bytes += file_.stored_bytes(column);
+  for (const Hdf5Column& column : NodeColumns(version_).all(header_)) bytes += file_.stored_bytes(column);
   return bytes;
 }
 
@@ -106,7 +121,7 @@ std::vector<std::string> ShardReader::unreadable_columns() const {
       faults.emplace_back(error.what());
     }
   };
-  for (const Hdf5Column& column : NodeColumns().all(header_)) try_column(column);
+  for (const Hdf5Column& column : NodeColumns(version_).all(header_)) try_column(column);
   for (int lod = 0; lod < int(header_.lods); ++lod)
     for (const Hdf5Column& column : level_columns(lod)) try_column(column);
   return faults;

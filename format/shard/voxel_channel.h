@@ -20,6 +20,11 @@ struct VoxelChannel {
   std::size_t offset;  ///< from this byte of a voxel on
 };
 
+/// Whether shards of that version say where a voxel's sheet lies, along its normal. Where they do not, there is none.
+inline bool has_planes(std::int32_t version, const ShardHeader& header) {
+  return version >= 3 && header.has_facing && header.has_normals;
+}
+
 /// What a shard of that version stores of each voxel of a level.
 inline std::vector<VoxelChannel> stored_channels(std::int32_t version, const ShardHeader& header, int lod) {
   std::vector<VoxelChannel> channels;
@@ -28,7 +33,10 @@ inline std::vector<VoxelChannel> stored_channels(std::int32_t version, const Sha
   else
     channels = {{"rgb", Hdf5Type::u8, 3, VoxelArray::rgba, 0}, {"alpha", Hdf5Type::u8, 1, VoxelArray::rgba, 3}};
   if (header.has_normals) channels.push_back({"normal", Hdf5Type::i8, 2, VoxelArray::normal, 0});
-  if (header.has_facing && lod > 0) channels.push_back({"facing", Hdf5Type::u8, 3, VoxelArray::facing, 0});
+  if (header.has_facing && lod > 0) {
+    channels.push_back({"facing", Hdf5Type::u8, coverage_bytes, VoxelArray::facing, 0});
+    if (has_planes(version, header)) channels.push_back({"plane", Hdf5Type::u8, 1, VoxelArray::facing, facing_plane});
+  }
   return channels;
 }
 
@@ -57,7 +65,7 @@ void with_known_width(std::size_t width, const Body& body) {
 }
 
 inline std::size_t bytes_a_voxel(VoxelArray array) {
-  return array == VoxelArray::rgba ? 4 : array == VoxelArray::normal ? 2 : 3;
+  return array == VoxelArray::rgba ? 4 : array == VoxelArray::normal ? 2 : facing_bytes;
 }
 
 /// Calls use(array) with the vector in which the channel stands. Bricks: BrickLevel or BrickBlock.

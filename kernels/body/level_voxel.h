@@ -10,7 +10,7 @@
 
 namespace gigabake::kernels {
 
-/// Voxel x + 8y + 64z of a brick of level `lod`. window_min: CellParameters::window_min. facing: its three, or null
+/// Voxel x + 8y + 64z of a brick of level `lod`. window_min: CellParameters::window_min. facing: its bytes, or null
 /// where the level has none.
 /// Exact   Integers: host and device return the same bits.
 GB_HD Hash128 hash_of_voxel(const std::int64_t window_min[3], int lod, const BrickCoordinate& brick, int voxel,

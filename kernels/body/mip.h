@@ -45,24 +45,33 @@ GB_HD Weights weights_of(const FacingSums& seen, int edge, const std::uint32_t t
   return w;
 }
 
+/// Of length 32767, as Tables has it.
+struct UnitNormal {
+  std::int32_t c[3];
+};
+
+GB_HD UnitNormal unit_normal_of(const std::int8_t normal[2], const Tables& tables) {
+  const std::int16_t* n = tables.unit_normal + 4 * index_of_32_bits(pack_normal(normal));
+#if defined(__CUDA_ARCH__)
+  const short4 all = *reinterpret_cast<const short4*>(n);  // one load
+  return {{all.x, all.y, all.z}};
+#else
+  return {{n[0], n[1], n[2]}};
+#endif
+}
+
 /// What a level's filter keeps of children, other than coverage, each weighted by what it has to say.
 struct MipSums {
   std::uint32_t weight = 0, colour[3] = {};
   std::int32_t normal[3] = {};
 
-  /// w: 0 … 255.
-  GB_HD void add(const Voxel& v, std::uint32_t w, const Tables& tables) {
+  /// w: 0 … 255. n: of the voxel.
+  GB_HD void add(const Voxel& v, const UnitNormal& n, std::uint32_t w, const Tables& tables) {
     weight += w;
-    for (int k = 0; k < 3; ++k) colour[k] += w * tables.linear_from_srgb[v.rgba[k]];
-    const std::int16_t* n = tables.unit_normal + 4 * index_of_32_bits(pack_normal(v.normal));
-#if defined(__CUDA_ARCH__)
-    const short4 all = *reinterpret_cast<const short4*>(n);  // one load
-    normal[0] += std::int32_t(w) * all.x;
-    normal[1] += std::int32_t(w) * all.y;
-    normal[2] += std::int32_t(w) * all.z;
-#else
-    for (int k = 0; k < 3; ++k) normal[k] += std::int32_t(w) * n[k];
-#endif
+    for (int k = 0; k < 3; ++k) {
+      colour[k] += w * tables.linear_from_srgb[v.rgba[k]];
+      normal[k] += std::int32_t(w) * n.c[k];
+    }
   }
 
   /// Range  weight ≠ 0. The result's alpha is at least 1: what exists does not vanish from a coarser level.
@@ -81,9 +90,11 @@ GB_HD std::uint32_t mean_coverage(std::uint32_t alpha_sum, MipFilter filter, con
 }
 
 /// The voxel above eight, of which those that are not there are zero. by_view: filters_by_view(filter); then `weights`
-/// are weights_of() them, else unused.
-template <bool by_view>
-GB_HD Voxel filter_children(const Voxel children[8], const Weights& weights, MipFilter filter, const Tables& tables) {
+/// are weights_of() them, else unused. each(c, w, n): of child c, which has so much to say and that normal; who has
+/// nothing to say may be left out.
+template <bool by_view, class Each>
+GB_HD Voxel filter_children(const Voxel children[8], const Weights& weights, MipFilter filter, const Tables& tables,
+                            const Each& each) {
   MipSums sums;
   GB_UNROLL
   for (int c = 0; c < 8; ++c) {
@@ -91,9 +102,20 @@ GB_HD Voxel filter_children(const Voxel children[8], const Weights& weights, Mip
 #if !defined(__CUDA_ARCH__)
     if (w == 0) continue;  // it would add nothing; lanes of a device go together
 #endif
-    sums.add(children[c], w, tables);
+    const UnitNormal n = unit_normal_of(children[c].normal, tables);
+    sums.add(children[c], n, w, tables);
+    each(c, w, n);
   }
   return sums.voxel(by_view ? weights.largest_facing() : mean_coverage(sums.weight, filter, tables), tables);
+}
+
+struct NothingForEach {
+  GB_HD void operator()(int, std::uint32_t, const UnitNormal&) const {}
+};
+
+template <bool by_view>
+GB_HD Voxel filter_children(const Voxel children[8], const Weights& weights, MipFilter filter, const Tables& tables) {
+  return filter_children<by_view>(children, weights, filter, tables, NothingForEach{});
 }
 
 }  // namespace gigabake::kernels

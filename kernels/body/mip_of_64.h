@@ -54,7 +54,7 @@ GB_HD Voxel filter_64(const std::uint64_t mask[8], int octant, std::size_t first
   MipSums sums;
   for_each_of_64(mask, octant, first, [&](std::size_t i) {
     const Voxel v = voxel(i);
-    sums.add(v, v.rgba[3], tables);
+    sums.add(v, unit_normal_of(v.normal, tables), v.rgba[3], tables);
   });
   return sums.voxel(tables.thesis_alpha[sums.weight], tables);
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "lattice/host_device.h"
+#include "lattice/octree.h"
 
 namespace gigabake::kernels {
 
@@ -23,9 +24,10 @@ GB_HD std::uint16_t pack_normal(const std::int8_t normal[2]) {
   return std::uint16_t(std::uint8_t(normal[0]) | std::uint8_t(normal[1]) << 8);
 }
 
-/// Of the axis x lowest, 24 bits.
-GB_HD std::uint32_t pack_facing(const std::uint8_t facing[3]) {
-  return std::uint32_t(facing[0]) | std::uint32_t(facing[1]) << 8 | std::uint32_t(facing[2]) << 16;
+/// Of the axis x lowest.
+GB_HD std::uint32_t pack_facing(const std::uint8_t facing[facing_bytes]) {
+  return std::uint32_t(facing[0]) | std::uint32_t(facing[1]) << 8 | std::uint32_t(facing[2]) << 16 |
+         std::uint32_t(facing[3]) << 24;
 }
 
 /// Byte `number`, 0 the lowest.

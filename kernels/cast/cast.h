@@ -13,71 +13,31 @@
 #include <cmath>
 #include <cstdint>
 
+#include "kernels/cast/cast_camera.h"
+#include "kernels/cast/cast_line.h"
 #include "kernels/cast/locate.h"
 #include "kernels/cast/sample.h"
 #include "kernels/cast/scene.h"
+#include "kernels/cast/sheet.h"
 #include "lattice/host_device.h"
 
 namespace gigabake::kernels {
-
-/// Light that reaches the eye from the air before the surface: 1 - e^(-distance · per_voxel) of it.
-struct CastHaze {
-  float rgb[3] = {0, 0, 0};
-  float per_voxel = 0;
-};
-
-/// From light to what a screen shows: light · exposure as it is up to the knee; what is brighter is bent so that it
-/// stays below 1, whites beside each other differ, and there is no edge at the knee.
-struct CastTone {
-  float exposure = 1;
-  float knee = 1;  ///< 0 to 1; 1: light beyond 1 is cut off
-};
-
-/// Rises with light ≥ 0.
-GB_HD float shown_light(const CastTone& tone, float light) {
-  const float exposed = light * tone.exposure, rest = 1 - tone.knee, over = exposed - tone.knee;
-  return over <= 0 || rest <= 0 ? exposed : tone.knee + rest * (over / (over + rest));
-}
-
-/// What a ray makes of what is there.
-enum class CastPaint : std::int32_t {
-  shaded,  ///< the voxels' radiance
-  lod,     ///< one colour a level
-  cell,    ///< one colour a cell
-  waits,   ///< red where something finer was asked for
-};
-
-struct CastCamera {
-  double eye[3] = {};
-  double forward[3] = {};            ///< unit
-  double right[3] = {}, up[3] = {};  ///< from the picture's middle to its edge, where forward ends
-  std::int32_t width = 0, height = 0;
-  double lod1_depth = 0;  ///< depth (along forward) from which voxels of lod 1 are at most a pixel wide; > 0
-  CastHaze haze;
-  CastTone tone;
-  CastPaint paint = CastPaint::shaded;
-};
 
 /// A ray on its way. What was not finished goes on from here.
 struct CastRay {
   float rgb[3] = {0, 0, 0};  ///< linear, premultiplied
   float transmittance = 1;
-  float covered = 0;       ///< coverage of all surface so far, added up: 1 is opaque
+  float covered = 0;       ///< coverage of all loose surface so far, added up: 1 is opaque
   float depth = no_depth;  ///< distance at which half of the light is gone
   std::int32_t lod = -1;   ///< -1: finished
   std::int64_t step = 0;   ///< next point of the level
   std::int64_t past = -1;  ///< the point after the last one of this level that lay in a surface
 
-  static constexpr float no_depth = 3e38f;
-};
+  float height = no_height;  ///< of the last point above its sheet, lod-0 voxels; no_height: it was near none
+  float height_at = 0;       ///< that point's distance
+  float ahead = 0;           ///< how far behind it the sheet is met, going on as it does there
 
-/// A pixel's line of sight.
-struct CastLine {
-  double origin[3], direction[3];  ///< unit
-  double inverse[3];               ///< 1 / direction
-  float across[3];                 ///< |direction|
-  double enter, leave;             ///< distances between which the scene's box lies; enter > leave: misses it
-  double lod1_distance;
+  static constexpr float no_depth = 3e38f, no_height = 3e38f;
 };
 
 /// e^-x for x ≥ 0 to 2e-5 relative; less than 2e-7 beyond 16.
@@ -86,41 +46,6 @@ GB_HD float exp_minus(float x) {
   float e = 1 + y * (1 + y * (0.5f + y * (1.0f / 6 + y * (1.0f / 24 + y * (1.0f / 120)))));
   for (int i = 0; i < 6; ++i) e *= e;
   return e;
-}
-
-GB_HD void clip_to_box(CastLine& line, int axis, double low, double high) {
-  const double o = line.origin[axis], d = line.direction[axis];
-  if (d == 0) {
-    if (o < low || o > high) line.leave = -1;
-    return;
-  }
-  const double a = (low - o) * line.inverse[axis], b = (high - o) * line.inverse[axis];
-  const double nearer = a < b ? a : b, farther = a < b ? b : a;
-  if (nearer > line.enter) line.enter = nearer;
-  if (farther < line.leave) line.leave = farther;
-}
-
-/// Through the middle of pixel (x, y); row 0 is the upper one.
-GB_HD CastLine line_of_sight(const CastScene& scene, const CastCamera& camera, int x, int y) {
-  const double sx = (2 * (x + 0.5)) / camera.width - 1, sy = 1 - (2 * (y + 0.5)) / camera.height;
-  CastLine line;
-  double squared = 0;
-  for (int a = 0; a < 3; ++a) {
-    line.origin[a] = camera.eye[a];
-    line.direction[a] = camera.forward[a] + (camera.right[a] * sx + camera.up[a] * sy);
-    squared += line.direction[a] * line.direction[a];
-  }
-  const double length = std::sqrt(squared), border = double(std::int64_t(1) << scene.lods);
-  line.enter = 0;
-  line.leave = double(far_voxel);
-  line.lod1_distance = camera.lod1_depth * length;
-  for (int a = 0; a < 3; ++a) {
-    line.direction[a] /= length;
-    line.inverse[a] = 1 / line.direction[a];
-    line.across[a] = float(line.direction[a] < 0 ? -line.direction[a] : line.direction[a]);
-    clip_to_box(line, a, scene.min[a] - border, scene.max[a] + border);
-  }
-  return line;
 }
 
 GB_HD double lod_start(const CastLine& line, int lod) {
@@ -243,9 +168,9 @@ GB_HD float crossings(const CastSample& s, const float across[3], int lod) {
 /// Source  Vicini, Jakob, Kaplanyan 2021, "A non-exponential transmittance model for volumetric scene representations".
 GB_HD float hidden_by(float covered, int lod) { return lod == 0 ? covered : covered * covered * (3 - 2 * covered); }
 
-/// What of the light that came so far stops at a sample that stands for `part` voxels of its brick's level.
-GB_HD float stop_light(const CastSample& s, const float across[3], float part, int lod, CastRay& ray) {
-  const float covered = ray.covered + crossings(s, across, lod) * part;
+/// What of the light that came so far stops at `more` surface, 1 is opaque, of a brick of level `lod`.
+GB_HD float stop_light(float more, int lod, CastRay& ray) {
+  const float covered = ray.covered + more;
   const float before = hidden_by(ray.covered, lod);
   ray.covered = covered < 1 ? covered : 1;
   return before < 1 ? ray.transmittance * ((hidden_by(ray.covered, lod) - before) / (1 - before)) : ray.transmittance;
@@ -256,18 +181,25 @@ GB_HD float stop_light(const CastSample& s, const float across[3], float part, i
 /// ground that lets the sky through is worse than an edge that is too thick until the rest comes.
 GB_HD float solidity(const CastPlace& place, const CastRay& ray) { return float(1 + place.lod - ray.lod); }
 
-/// The sample stands for `steps` points of the ray's level.
-GB_HD void composite(const CastSample& s, const CastLine& line, const CastPlace& place, std::int64_t steps,
-                     double distance, const CastHaze& haze, CastPaint paint, CastRay& ray) {
-  const float seen = exp_minus(float(distance) * haze.per_voxel);
-  const double way = double(steps) * step_length(ray.lod);
-  const float weight = stop_light(s, line.across, solidity(place, ray) * float(way / (2 * place.half)), place.lod, ray);
+/// `weight` of the light that started stops at the sample, which stands for `way` around `distance`.
+GB_HD void take_light(const CastSample& s, const CastPlace& place, float weight, double distance, double way,
+                      const CastCamera& camera, CastRay& ray) {
+  const float seen = exp_minus(float(distance) * camera.haze.per_voxel);
   float rgb[3];
-  radiance_of(s, place, paint, rgb);
-  for (int k = 0; k < 3; ++k) ray.rgb[k] += weight * (rgb[k] * seen + haze.rgb[k] * (1 - seen));
+  radiance_of(s, place, camera.paint, rgb);
+  for (int k = 0; k < 3; ++k) ray.rgb[k] += weight * (rgb[k] * seen + camera.haze.rgb[k] * (1 - seen));
   if (ray.depth == CastRay::no_depth && ray.transmittance - weight < 0.5f)
     ray.depth = float(distance) + float(way) * ((ray.transmittance - 0.5f) / weight - 0.5f);
   ray.transmittance -= weight;
+}
+
+/// The sample stands for `steps` points of the ray's level.
+GB_HD void composite(const CastSample& s, const CastLine& line, const CastPlace& place, std::int64_t steps,
+                     double distance, const CastCamera& camera, CastRay& ray) {
+  const double way = double(steps) * step_length(ray.lod);
+  const float part = solidity(place, ray) * float(way / (2 * place.half));
+  take_light(s, place, stop_light(crossings(s, line.across, place.lod) * part, place.lod, ray), distance, way, camera,
+             ray);
 }
 
 /// What is still to come would not show: the ray ends as if the last surface were opaque.
@@ -278,15 +210,105 @@ GB_HD void finish_opaque(CastRay& ray) {
   ray.lod = -1;
 }
 
+GB_HD void set_point(const CastLine& line, double distance, double p[3]) {
+  for (int a = 0; a < 3; ++a) p[a] = line.origin[a] + line.direction[a] * distance;
+}
+
+/// What the next point must know of the sheet around this one; there is none where sheet.sheet is 0.
+GB_HD void keep_height(const CastSheet& sheet, const CastLine& line, const CastPlace& place, double distance,
+                       CastRay& ray) {
+  ray.height = CastRay::no_height;
+  if (!(sheet.sheet > 0)) return;
+  ray.height = sheet.height() * float(2 * place.half);
+  ray.height_at = float(distance);
+  ray.ahead = float(sheet.way(line.direction) * (2 * place.half));
+}
+
+inline constexpr double met_nowhere = -1;
+
+/// Where between the last point and this one the ray met a sheet: where its height was 0 or changed its sign. A sheet
+/// that lies where the field ends shows no change: where the last point was near none, or this one is, it is met if it
+/// would be when it went on as it does around the other point, no farther from that than points are from each other.
+/// An offset that is rounded to the border of its voxel can lie there; so can the sheet where a level begins.
+GB_HD double sheet_met(const CastSheet& sheet, const CastLine& line, const CastPlace& place, double distance,
+                       const CastRay& ray) {
+  const bool was_near = ray.height != CastRay::no_height, is_near = sheet.sheet > 0;
+  const double step = step_length(ray.lod) * (1 + 1e-6);
+  if (was_near && is_near) {
+    const float height = sheet.height() * float(2 * place.half);
+    if (height == 0) return distance;
+    if (!(ray.height * height < 0)) return met_nowhere;
+    return distance - (distance - double(ray.height_at)) * double(height / (height - ray.height));
+  }
+  if (was_near) return ray.ahead > 0 && ray.ahead <= step ? double(ray.height_at) + double(ray.ahead) : met_nowhere;
+  if (!is_near) return met_nowhere;
+  const double behind = -sheet.way(line.direction) * (2 * place.half);
+  return behind >= 0 && behind <= step ? distance - behind : met_nowhere;
+}
+
+/// The ray met a sheet at `met`, before the point of `around`. False: as step_ray().
+GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient, double met,
+                      const CastPlace& around, CastPath& path, CastRay& ray) {
+  double p[3];
+  set_point(line, met, p);
+  const CastPlace place = around.contains(p) ? around : locate(scene, ray.lod, p, patient, around, path);
+  if (place.waits && patient) return false;
+  if (!is_here(place.brick)) return true;
+  const CastPoint point = point_in_brick(place, p);
+  const CastVoxel* voxels = scene.voxels + std::size_t(slot_voxels) * place.brick;
+  const CastSheet sheet = blend_planes(voxels, point);
+  if (!(sheet.sheet > 0)) return true;
+  CastSample sample = sheet_sample(voxels, point);
+  for (int side = -1; side <= 1; side += 2) {
+    double q[3];
+    set_point(line, met + side * place.half, q);
+    const CastPlace at = place.contains(q) ? place : locate(scene, ray.lod, q, patient, place, path);
+    if (at.waits && patient) return false;
+    if (!is_here(at.brick)) continue;
+    const CastSample more = sheet_sample(scene.voxels + std::size_t(slot_voxels) * at.brick, point_in_brick(at, q));
+    for (int k = 0; k < cast_channels; ++k) sample.c[k] += more.c[k];
+  }
+  const float opacity = opacity_of_sheet(voxels, point, sheet);
+  take_light(sample, place, stop_light(opacity, place.lod, ray), met, 0, camera, ray);
+  return true;
+}
+
+/// Nothing is at this point: a sheet that was met since the last one was so beyond the field's end. False: as
+/// step_ray().
+GB_HD bool leave_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
+                       double distance, const CastPlace& place, CastPath& path, CastRay& ray) {
+  const double met = sheet_met({}, line, place, distance, ray);
+  if (met != met_nowhere && !meet_sheet(scene, camera, line, patient, met, place, path, ray)) return false;
+  ray.height = CastRay::no_height;
+  return true;
+}
+
+/// What is at this point, which stands for `steps` of its level. False: as step_ray().
+GB_HD bool add_point(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
+                     double distance, std::int64_t steps, const CastPoint& point, const CastPlace& place,
+                     CastPath& path, CastRay& ray) {
+  const CastVoxel* voxels = scene.voxels + std::size_t(slot_voxels) * place.brick;
+  const CastField field = field_at(voxels, point, place.lod == ray.lod);
+  const bool is_loose = field.loose.mean_coverage() > 0;
+  const double met = sheet_met(field.sheet, line, place, distance, ray);
+  if (met != met_nowhere && !meet_sheet(scene, camera, line, patient, met, place, path, ray)) return false;
+  keep_height(field.sheet, line, place, distance, ray);
+  if (!is_loose && !(field.sheet.sheet > 0)) return true;
+  if (is_loose) composite(field.loose, line, place, steps, distance, camera, ray);
+  ray.past = ray.step + steps;
+  return true;
+}
+
 /// Looks at one point and goes on to the next one worth looking at. False: the ray, being patient, waits for what is
 /// not here; others let coarser bricks stand for it.
 GB_HD bool step_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
                     double distance, CastPlace& place, CastPath& path, CastRay& ray) {
   double p[3];
-  for (int a = 0; a < 3; ++a) p[a] = line.origin[a] + line.direction[a] * distance;
+  set_point(line, distance, p);
   if (!place.contains(p)) place = locate(scene, ray.lod, p, patient, place, path);
   if (place.waits && patient) return false;
   if (!is_here(place.brick)) {
+    if (!leave_sheet(scene, camera, line, patient, distance, place, path, ray)) return false;
     ray.step = step_beyond(line, empty_box(place), ray);
     return true;
   }
@@ -294,12 +316,9 @@ GB_HD bool step_ray(const CastScene& scene, const CastCamera& camera, const Cast
   const CastPoint point = point_in_brick(place, p);
   const CastMask& mask = scene.masks[place.brick];
   if (!is_zero(mask, point)) {
-    const CastSample sample = interpolate(scene.voxels + std::size_t(slot_voxels) * place.brick, point);
-    if (sample.mean_coverage() > 0) {
-      composite(sample, line, place, steps, distance, camera.haze, camera.paint, ray);
-      ray.past = ray.step + steps;
-      if (ray.transmittance < 1.0f / 1024) finish_opaque(ray);
-    }
+    if (!add_point(scene, camera, line, patient, distance, steps, point, place, path, ray)) return false;
+  } else if (!leave_sheet(scene, camera, line, patient, distance, place, path, ray)) {
+    return false;
   } else if (EmptyBox box; place.lod == ray.lod && find_empty_octant(mask, place, point, box)) {
     ray.step = step_beyond(line, box, ray);
     return true;
@@ -324,6 +343,8 @@ GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const Cast
       place = CastPlace();
     } else if (!step_ray(scene, camera, line, patient, distance, place, path, ray)) {
       return;
+    } else if (ray.transmittance < 1.0f / 1024) {
+      finish_opaque(ray);
     }
   }
 }

@@ -21,9 +21,12 @@ inline constexpr std::int64_t far_voxel = std::int64_t(1) << 52;  ///< beyond ev
 inline constexpr int slot_edge = 9, slot_voxels = slot_edge * slot_edge * slot_edge;
 
 /// What a voxel adds to a ray, 65535 = 1. Premultiplied, so that voxels that are not there need no case of their own.
-/// [0…2] linear RGB radiance / 2 × the mean of [3…5]. [3…5] coverage that a view along x, y, z sees.
-struct CastVoxel {
+/// [0…2] linear RGB radiance / 2 × the mean of [3…5]. [3…5] coverage that a view along x, y, z sees. The rest is its
+/// plane (kernels/body/plane.h), which needs its octahedral normal.
+struct alignas(16) CastVoxel {
   std::uint16_t c[6];
+  std::int8_t normal[2];
+  std::uint8_t plane;  ///< 0: none
 };
 inline constexpr int cast_channels = 6;
 

@@ -27,7 +27,7 @@ GB_HD std::uint16_t to_unorm16(float v) { return std::uint16_t(v >= 65535 ? 6553
 /// Exact: IEEE float.
 GB_HD CastVoxel shade_voxel(const std::uint8_t rgba[4], const std::int8_t* normal, const CastLight& light,
                             const Tables& tables, const std::uint16_t coverage[3]) {
-  CastVoxel voxel;
+  CastVoxel voxel{};
   for (int a = 0; a < 3; ++a) voxel.c[3 + a] = coverage[a];
   float facing_sun = 0, up = 1;
   if (normal != nullptr) {

@@ -93,7 +93,8 @@ void approximate(std::vector<Level>& levels, std::uint32_t codes, const ThreadPo
         std::uint8_t* rgba = &level.rgba[4 * level.first[b]];
         approximate_codes(brick, rgba, 4, 0, 3, codes);
         approximate_codes(brick, rgba, 4, 3, 4, codes);
-        if (!level.facing.empty()) approximate_codes(brick, &level.facing[3 * level.first[b]], 3, 0, 3, codes);
+        if (!level.facing.empty())
+          approximate_codes(brick, &level.facing[facing_bytes * level.first[b]], int(facing_bytes), 0, 3, codes);
         if (!level.normal.empty()) approximate_normals(brick, &level.normal[2 * level.first[b]], codes);
       }
     });

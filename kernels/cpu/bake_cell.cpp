@@ -87,8 +87,8 @@ CellVolume bake_cell(const CellInput& input, const CellParameters& parameters, c
   const int lods = window_of(parameters).levels + 1;
   {
     const StageClock clock(volume.stats.mip_s);
-    LevelRasters rasters;
-    add_coarser_levels(volume.levels, rasters, lods, parameters.mip, parameters.normals, pool);
+    LevelSurface surface;
+    add_coarser_levels(volume.levels, surface, lods, parameters.mip, parameters.normals, pool);
     if (!parameters.facing) drop_facing(volume.levels);
   }
   volume.stats.peak_bytes = std::max(volume.stats.peak_bytes, 2 * bytes_of(volume.levels));

@@ -18,7 +18,7 @@ class BrickRun {
 
   /// voxels: by rising number of their bit in the mask.
   void push_brick(std::uint64_t key, const std::uint64_t mask[8], std::span<const Voxel> voxels);
-  /// Three bytes a voxel of the brick pushed last; of all bricks or of none.
+  /// facing_bytes a voxel of the brick pushed last; of all bricks or of none.
   void push_facing(std::span<const std::uint8_t> facing) {
     facing_.insert(facing_.end(), facing.begin(), facing.end());
   }

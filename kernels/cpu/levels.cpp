@@ -8,6 +8,7 @@
 #include "kernels/body/mask.h"
 #include "kernels/body/mip.h"
 #include "kernels/body/node.h"
+#include "kernels/body/plane_fit.h"
 #include "kernels/cpu/brick_run.h"
 #include "kernels/cpu/level_of_64.h"
 #include "kernels/cpu/level_read.h"
@@ -74,15 +75,16 @@ FacingSums see(const Children& children, const std::uint32_t* rasters, int edge,
 /// Consecutive bricks with what the level above needs of them.
 struct LevelRun {
   BrickRun bricks;
-  std::vector<std::uint32_t> rasters;
+  LevelSurface surface;
 };
 
 class ParentBuilder {
  public:
-  /// rasters: of `fine`; empty at lod 0.
-  ParentBuilder(const Level& fine, int lod, const LevelRasters& rasters, MipFilter filter)
+  /// surface: of `fine`; empty at lod 0.
+  ParentBuilder(const Level& fine, int lod, const LevelSurface& surface, MipFilter filter)
       : fine_(fine),
-        rasters_(rasters.data()),
+        surface_(surface),
+        has_planes_(!fine.normal.empty()),
         edge_(raster_edge(lod - 1)),
         raster_words_(raster_words(raster_edge(lod))),
         filter_(filter),
@@ -120,12 +122,34 @@ class ParentBuilder {
     }
     mask_[to >> 6] |= std::uint64_t(1) << (to & 63);
     if (filters_by_view(filter_)) {
-      const FacingSums seen = see(children, rasters_, edge_, raster_[to]);
+      const FacingSums seen = see(children, surface_.rasters.data(), edge_, raster_[to]);
       weights_[to] = weights_of(seen, edge_, children.there);
-      parent_[to] = filter_children<true>(children.voxel, weights_[to], filter_, tables_);
+      if (has_planes_)
+        filter_patch(children, to);
+      else
+        parent_[to] = filter_children<true>(children.voxel, weights_[to], filter_, tables_);
     } else {
       parent_[to] = filter_children<false>(children.voxel, {}, filter_, tables_);
     }
+  }
+
+  void filter_patch(const Children& children, int to) {
+    const bool is_finest = surface_.patches.empty();
+    const auto patch = [&](int c) {
+      return is_finest || weights_[to].of(c) == 0 ? finest_patch() : surface_.patches[children.index[c]];
+    };
+    const VoxelPatch made = filter_patches(children.voxel, patch, weights_[to], is_finest, tables_);
+    parent_[to] = made.voxel;
+    patch_[to] = made.patch;
+  }
+
+  void put_facing(int voxel, std::uint8_t facing[facing_bytes]) const {
+    const std::uint32_t all = weights_[voxel].facing;
+    const Plane plane =
+        has_planes_ ? plane_of(patch_[voxel], parent_[voxel].normal, surface_.patches.empty()) : Plane();
+    const std::uint32_t coverage = coverage_beside(plane, all);
+    for (std::size_t axis = 0; axis < coverage_bytes; ++axis) facing[axis] = byte_of(coverage, int(axis));
+    facing[facing_plane] = pack_plane(plane);
   }
 
   void pack(std::uint64_t key, LevelRun& run) {
@@ -141,18 +165,21 @@ class ParentBuilder {
   }
 
   void pack_views(std::span<const std::uint16_t> voxels, LevelRun& run) {
-    const std::size_t words = std::size_t(raster_words_), before = run.rasters.size();
-    std::uint8_t facing[3 * brick_voxels];
-    run.rasters.resize(before + words * voxels.size());
+    std::vector<std::uint32_t>& rasters = run.surface.rasters;
+    const std::size_t words = std::size_t(raster_words_), before = rasters.size();
+    std::uint8_t facing[facing_bytes * brick_voxels];
+    rasters.resize(before + words * voxels.size());
     for (std::size_t i = 0; i < voxels.size(); ++i) {
-      for (int axis = 0; axis < 3; ++axis) facing[3 * i + axis] = byte_of(weights_[voxels[i]].facing, axis);
-      std::copy_n(raster_[voxels[i]], words, run.rasters.begin() + std::ptrdiff_t(before + words * i));
+      put_facing(voxels[i], facing + facing_bytes * i);
+      std::copy_n(raster_[voxels[i]], words, rasters.begin() + std::ptrdiff_t(before + words * i));
+      if (has_planes_) run.surface.patches.push_back(patch_[voxels[i]]);
     }
-    run.bricks.push_facing({facing, 3 * voxels.size()});
+    run.bricks.push_facing({facing, facing_bytes * voxels.size()});
   }
 
   const Level& fine_;
-  const std::uint32_t* rasters_;
+  const LevelSurface& surface_;
+  bool has_planes_;
   int edge_, raster_words_;
   MipFilter filter_;
   Tables tables_;
@@ -160,30 +187,35 @@ class ParentBuilder {
   Voxel parent_[brick_voxels];
   Weights weights_[brick_voxels];  ///< with MipFilter::coverage
   std::uint32_t raster_[brick_voxels][raster_words(most_raster_edge)];
+  Patch patch_[brick_voxels];  ///< with it and with normals
   std::uint64_t mask_[8] = {};
   std::uint16_t packed_[brick_voxels];  ///< places of the parent's voxels, in order
   Voxel packed_voxel_[brick_voxels];
 };
 
-/// A level, and the rasters of its voxels where its filter needs them.
+/// A level, and what of its surface the next one needs.
 struct FilteredLevel {
   Level level;
-  LevelRasters rasters;
+  LevelSurface surface;
 };
 
-void join_rasters(std::vector<LevelRun>& runs, const ThreadPool& pool, LevelRasters& rasters) {
+/// of: the array of a run.
+template <class Item>
+void join(std::vector<LevelRun>& runs, std::vector<Item> LevelSurface::*of, const ThreadPool& pool,
+          std::vector<Item>& all) {
   std::vector<std::size_t> at{0};
-  for (const LevelRun& run : runs) at.push_back(at.back() + run.rasters.size());
-  rasters.resize(at.back());
+  for (const LevelRun& run : runs) at.push_back(at.back() + (run.surface.*of).size());
+  all.resize(at.back());
   pool.parallel_for(runs.size(), 4, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t r = begin; r < end; ++r) {
-      std::copy(runs[r].rasters.begin(), runs[r].rasters.end(), rasters.begin() + std::ptrdiff_t(at[r]));
-      runs[r].rasters = {};
+      std::vector<Item>& part = runs[r].surface.*of;
+      std::copy(part.begin(), part.end(), all.begin() + std::ptrdiff_t(at[r]));
+      part = {};
     }
   });
 }
 
-FilteredLevel coarser_level(const Level& fine, int lod, const LevelRasters& rasters, MipFilter filter, bool normals,
+FilteredLevel coarser_level(const Level& fine, int lod, const LevelSurface& surface, MipFilter filter, bool normals,
                             const ThreadPool& pool) {
   const std::vector<std::size_t> starts = starts_below(fine, parent_key);
   const std::size_t parents = starts.size() - 1;
@@ -191,11 +223,12 @@ FilteredLevel coarser_level(const Level& fine, int lod, const LevelRasters& rast
   std::vector<std::unique_ptr<ParentBuilder>> builders(std::size_t(pool.threads()));
   pool.parallel_for(parents, parents_per_run, [&](std::size_t begin, std::size_t end, int thread) {
     auto& builder = builders[std::size_t(thread)];
-    if (!builder) builder = std::make_unique<ParentBuilder>(fine, lod, rasters, filter);
+    if (!builder) builder = std::make_unique<ParentBuilder>(fine, lod, surface, filter);
     for (std::size_t p = begin; p < end; ++p) builder->build(starts[p], starts[p + 1], runs[p / parents_per_run]);
   });
   FilteredLevel out;
-  join_rasters(runs, pool, out.rasters);
+  join(runs, &LevelSurface::rasters, pool, out.surface.rasters);
+  join(runs, &LevelSurface::patches, pool, out.surface.patches);
   std::vector<BrickRun> bricks;
   for (LevelRun& run : runs) bricks.push_back(std::move(run.bricks));
   append(out.level, bricks, pool);
@@ -204,7 +237,7 @@ FilteredLevel coarser_level(const Level& fine, int lod, const LevelRasters& rast
 
 }  // namespace
 
-void add_coarser_levels(std::vector<Level>& levels, LevelRasters& rasters, int lods, MipFilter filter, bool normals,
+void add_coarser_levels(std::vector<Level>& levels, LevelSurface& surface, int lods, MipFilter filter, bool normals,
                         const ThreadPool& pool) {
   while (int(levels.size()) < lods) {
     const int lod = int(levels.size());
@@ -212,9 +245,9 @@ void add_coarser_levels(std::vector<Level>& levels, LevelRasters& rasters, int l
       levels.push_back(level_of_64(levels[std::size_t(lod) - 2], normals, pool));
       continue;
     }
-    FilteredLevel next = coarser_level(levels.back(), lod, rasters, filter, normals, pool);
+    FilteredLevel next = coarser_level(levels.back(), lod, surface, filter, normals, pool);
     levels.push_back(std::move(next.level));
-    rasters = std::move(next.rasters);
+    surface = std::move(next.surface);
   }
 }
 

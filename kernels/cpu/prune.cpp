@@ -16,8 +16,8 @@ struct Verdict {
   NodeKind kind = NodeKind::brick;
   std::uint32_t rgba = 0;
   std::array<std::int8_t, 2> normal{};
-  std::array<std::uint8_t, 3> facing{};  ///< at lod 0, and where levels have none, alpha
-  bool stored = true;                    ///< false below a leaf-constant node
+  Facing facing{};     ///< at lod 0, and where levels have none, alpha along each axis
+  bool stored = true;  ///< false below a leaf-constant node
 
   bool same_value(const Verdict& o) const { return rgba == o.rgba && normal == o.normal && facing == o.facing; }
 };
@@ -42,13 +42,17 @@ Verdict judge_brick(const Level& level, std::size_t b) {
   for (std::size_t i = first + 1; i < first + brick_voxels; ++i) {
     if (std::memcmp(&level.rgba[4 * i], &level.rgba[4 * first], 4) != 0) return v;
     if (!level.normal.empty() && std::memcmp(&level.normal[2 * i], &level.normal[2 * first], 2) != 0) return v;
-    if (!level.facing.empty() && std::memcmp(&level.facing[3 * i], &level.facing[3 * first], 3) != 0) return v;
+    if (!level.facing.empty() &&
+        std::memcmp(&level.facing[facing_bytes * i], &level.facing[facing_bytes * first], facing_bytes) != 0)
+      return v;
   }
   v.kind = NodeKind::constant;
   v.rgba = pack_rgba(&level.rgba[4 * first]);
   if (!level.normal.empty()) v.normal = {level.normal[2 * first], level.normal[2 * first + 1]};
-  for (std::size_t a = 0; a < 3; ++a)
-    v.facing[a] = level.facing.empty() ? level.rgba[4 * first + 3] : level.facing[3 * first + a];
+  if (level.facing.empty())
+    std::fill_n(v.facing.begin(), 3, level.rgba[4 * first + 3]);
+  else
+    std::copy_n(&level.facing[facing_bytes * first], facing_bytes, v.facing.begin());
   return v;
 }
 
@@ -97,7 +101,7 @@ void add_level_nodes(const Level& level, const Verdicts& verdicts, std::size_t l
     nodes.first_child.push_back(no_child);
     nodes.value.push_back(value);
     nodes.normal.push_back(v.normal);
-    nodes.facing.push_back(level.facing.empty() ? std::array<std::uint8_t, 3>{} : v.facing);
+    nodes.facing.push_back(level.facing.empty() ? Facing{} : v.facing);
   }
 }
 
@@ -126,7 +130,8 @@ void remove_constant_bricks(Level& level, const Verdicts& verdicts) {
     if (!level.normal.empty())
       kept.normal.insert(kept.normal.end(), level.normal.begin() + 2 * first, level.normal.begin() + 2 * end);
     if (!level.facing.empty())
-      kept.facing.insert(kept.facing.end(), level.facing.begin() + 3 * first, level.facing.begin() + 3 * end);
+      kept.facing.insert(kept.facing.end(), level.facing.begin() + std::ptrdiff_t(facing_bytes) * first,
+                         level.facing.begin() + std::ptrdiff_t(facing_bytes) * end);
     kept.first.push_back(kept.rgba.size() / 4);
   }
   level = std::move(kept);

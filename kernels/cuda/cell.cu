@@ -29,6 +29,15 @@ void append(Level& to, const Level& from) {
   to.facing.insert(to.facing.end(), from.facing.begin(), from.facing.end());
 }
 
+template <class T>
+void append(const DeviceArray<T>& from, std::vector<T>& to) {
+  const std::size_t before = to.size();
+  to.resize(before + from.size());
+  if (from.empty()) return;
+  check_cuda(cudaMemcpy(to.data() + before, from.data(), from.bytes(), cudaMemcpyDeviceToHost),
+             "cudaMemcpy (what coarser levels are made of)");
+}
+
 }  // namespace
 
 /// What all parts of a cell share.
@@ -156,7 +165,7 @@ void CellBake::bake_in_parts(const Cell& cell, BakedCell& out) {
   bake_units(cell, units, 0, units.pairs_before.size() - 1, out);
   if (out.host_levels.empty()) return;
   std::size_t lod = out.host_levels.size();
-  add_coarser_levels(out.host_levels, out.host_rasters, cell.window.levels + 1, cell.parameters.mip,
+  add_coarser_levels(out.host_levels, out.host_surface, cell.window.levels + 1, cell.parameters.mip,
                      cell.parameters.normals, host_);
   if (!cell.parameters.facing) drop_facing(out.host_levels);
   for (; lod < out.host_levels.size(); ++lod)
@@ -196,11 +205,8 @@ void CellBake::take_part(const LevelsAbove& device, BakedCell& out) {
   const std::vector<DeviceLevel>& levels = device.levels;
   const std::vector<Hash128> hashes = level_hashes(heap_, levels, out.window_min);
   const CellVolume part = to_host(heap_.stream(), pinned_, levels, DeviceNodes{}, host_);
-  const std::size_t rasters = out.host_rasters.size();
-  out.host_rasters.resize(rasters + device.rasters.size());
-  check_cuda(cudaMemcpy(out.host_rasters.data() + rasters, device.rasters.data(), device.rasters.bytes(),
-                        cudaMemcpyDeviceToHost),
-             "cudaMemcpy (rasters)");
+  append(device.rasters, out.host_surface.rasters);
+  append(device.patches, out.host_surface.patches);
   out.host_levels.resize(levels.size());
   out.host_hashes.resize(levels.size());
   for (std::size_t l = 0; l < levels.size(); ++l) {

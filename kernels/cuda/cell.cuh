@@ -27,7 +27,7 @@ class BakedCell : public CudaVolume {
   std::vector<DeviceLevel> levels;  ///< [lod], of a cell that fits the device
   DeviceNodes nodes;
   std::vector<Level> host_levels;  ///< [lod], of one that came in parts
-  LevelRasters host_rasters;       ///< of the last of them
+  LevelSurface host_surface;       ///< of the last of them
   std::vector<Hash128> host_hashes;
   std::int64_t window_min[3] = {};
   std::uint32_t max_error = 0;

@@ -5,7 +5,9 @@
 
 #include "kernels/body/mask.h"
 #include "kernels/body/mip.h"
+#include "kernels/body/plane_fit.h"
 #include "kernels/body/voxel.h"
+#include "lattice/octree.h"
 #include "lattice/rules.h"
 
 namespace gigabake::kernels {
@@ -16,6 +18,7 @@ constexpr int filter_threads = 128;
 struct VoxelArrays {
   const std::uint32_t* rgba;
   const std::uint16_t* normal;  ///< or null
+  const Patch* patch;           ///< (kernels/body/patch.h); null at lod 0, and where nothing asks for it
 };
 
 /// The 2×2×2 voxels below one, x | y<<1 | z<<2.
@@ -120,6 +123,8 @@ __device__ void see_columns(const Children<Index>* children, int n, const std::u
 struct FilteredVoxel {
   std::uint32_t rgba, facing;
   std::uint16_t normal;
+  Plane plane;
+  Patch patch;
 };
 
 /// Nothing waits for anything but the children's bytes.
@@ -133,8 +138,18 @@ __device__ FilteredVoxel filter_voxel(const VoxelArrays& below, const Children<I
     voxel[c] = unpack_voxel(there ? below.rgba[children.at[c]] : 0,
                             there && below.normal != nullptr ? below.normal[children.at[c]] : std::uint16_t(0));
   }
-  const Voxel v = filter_children<by_view>(voxel, w, filter, tables);
-  return {pack_rgba(v.rgba), w.facing, pack_normal(v.normal)};
+  if (!by_view || below.normal == nullptr) {
+    const Voxel v = filter_children<by_view>(voxel, w, filter, tables);
+    return {pack_rgba(v.rgba), w.facing, pack_normal(v.normal), {}, {}};
+  }
+  const bool is_finest = below.patch == nullptr;
+  const auto patch = [&](int c) {
+    return is_finest || children.at[c] == Children<Index>::none ? finest_patch() : below.patch[children.at[c]];
+  };
+  const VoxelPatch made = filter_patches(voxel, patch, w, is_finest, tables);
+  const Plane plane = plane_of(made.patch, made.voxel.normal, is_finest);
+  return {pack_rgba(made.voxel.rgba), coverage_beside(plane, w.facing), pack_normal(made.voxel.normal), plane,
+          made.patch};
 }
 
 /// Where a level's voxels go.
@@ -142,12 +157,16 @@ struct VoxelsOut {
   std::uint32_t* rgba;
   std::uint16_t* normal;  ///< or null
   std::uint8_t* facing;   ///< or null, without MipFilter::coverage
+  Patch* patch;           ///< or null, without it or normals, and where no other launch asks for it
 
   __device__ void put(std::size_t i, const FilteredVoxel& v) const {
     rgba[i] = v.rgba;
     if (normal != nullptr) normal[i] = v.normal;
     if (facing == nullptr) return;
-    for (int a = 0; a < 3; ++a) facing[3 * i + a] = byte_of(v.facing, a);
+    std::uint8_t* to = facing + facing_bytes * i;
+    for (int a = 0; a < 3; ++a) to[a] = byte_of(v.facing, a);
+    to[facing_plane] = pack_plane(v.plane);
+    if (patch != nullptr) patch[i] = v.patch;
   }
 };
 

@@ -59,7 +59,7 @@ __global__ void __launch_bounds__(filter_threads) filter_high_level(HighLevel in
   __shared__ HighShared<by_view> s;
   const std::uint32_t p = blockIdx.x / blocks_per_brick;
   const int t = int(threadIdx.x), step = together<by_view>;
-  const VoxelArrays below{in.fine.rgba, in.fine.normal};
+  const VoxelArrays below{in.fine.rgba, in.fine.normal, in.patches_below};
   const std::uint32_t first = in.first[p];
   const int voxels = int(in.first[p + 1] - first);
   int begin = int(blockIdx.x % blocks_per_brick) * step;

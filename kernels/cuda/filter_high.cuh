@@ -16,6 +16,7 @@ struct HighLevel {
   VoxelsOut out;
   const std::uint32_t* rasters_below;  ///< null without MipFilter::coverage, as is the next
   std::uint32_t* rasters;
+  const Patch* patches_below;  ///< null without it or normals
   MipFilter filter;
 };
 

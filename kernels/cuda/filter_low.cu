@@ -21,13 +21,19 @@ struct LowShared {
     alignas(16) std::uint32_t raster_3[most_3][raster_words(8)];  ///< when those of lod 1 have served
   };
   alignas(16) std::uint32_t raster_2[most_2][raster_words(4)];
-  alignas(16) std::uint32_t raster_4[most_bricks][raster_words(8)];
-  ColumnSums sums[most_3];
+  union {
+    Patch patch_1[most_1];
+    struct {  ///< when those of lod 1 have served
+      alignas(16) std::uint32_t raster_4[most_bricks][raster_words(8)];
+      ColumnSums sums[most_3];
+    };
+  };
   // Voxels of lod 2, of lod 3 from at_3 on, of lod 4 from at_4 on, each in the order of their bricks of lod 1.
   Slots children[most_above];       ///< counted in their own level
   std::uint32_t index[most_above];  ///< in the level
   std::uint32_t rgba[most_above];
   std::uint16_t normal[most_above];
+  Patch patch[at_4];                         ///< of lods 2 and 3
   std::uint64_t mask[4][most_bricks][8];     ///< [level]: of the brick, or the one it lies in
   std::uint32_t before[4][most_bricks][8];   ///< voxels of the level before each of its words
   std::uint32_t child[most_bricks][8];       ///< by octant
@@ -184,8 +190,10 @@ __device__ void filter_lod_1(const LowLevels& in, const Group& g, const Tables& 
     const auto children = children_in<std::uint32_t>(mask[0], mask[1], s.first_0[b][octant][z & 3], x & 3, y & 3);
     Weights w{};
     if (by_view) w = weights_by_view<1>(see_finest(in, children, s.raster_1[i]), children);
-    in.level[0].out.put(g.first_1 + i,
-                        filter_voxel<by_view>({in.fine.rgba, in.fine.normal}, children, w, in.filter, tables));
+    const FilteredVoxel v =
+        filter_voxel<by_view>({in.fine.rgba, in.fine.normal, nullptr}, children, w, in.filter, tables);
+    in.level[0].out.put(g.first_1 + i, v);
+    if (by_view) s.patch_1[i] = v.patch;
   }
 }
 
@@ -204,12 +212,13 @@ __device__ void filter_slot(const LowLevels& in, int level, int slot, const Voxe
   in.level[level].out.put(s.index[slot], v);
   s.rgba[slot] = v.rgba;
   s.normal[slot] = v.normal;
+  if (by_view && slot < at_4) s.patch[slot] = v.patch;
 }
 
 template <bool by_view>
 __device__ void filter_lod_2(const LowLevels& in, const Group& g, const Tables& tables, LowShared& s) {
   const VoxelsOut& from = in.level[0].out;
-  const VoxelArrays below{from.rgba + g.first_1, from.normal == nullptr ? nullptr : from.normal + g.first_1};
+  const VoxelArrays below{from.rgba + g.first_1, from.normal == nullptr ? nullptr : from.normal + g.first_1, s.patch_1};
   for (int i = int(threadIdx.x); i < g.n2; i += filter_threads) {
     const int voxel = s.list_2[i], b = voxel >> 6, x = voxel & 3, y = voxel >> 2 & 3, z = voxel >> 4 & 3;
     const Slots children = children_in<std::uint16_t>(s.mask[0][b][2 * z], s.mask[0][b][2 * z + 1],
@@ -237,7 +246,9 @@ __device__ void filter_few(const LowLevels& in, int level, int n, int at, int at
   if (const int i = int(threadIdx.x); i < n) {
     Weights w{};
     if (by_view) w = weights_by_view<Edge>(s.sums[i].total(), s.children[at + i]);
-    filter_slot<by_view>(in, level, at + i, {s.rgba + at_below, s.normal + at_below}, w, tables, s);
+    const bool normals = in.level[level].out.normal != nullptr;
+    const VoxelArrays below{s.rgba + at_below, normals ? s.normal + at_below : nullptr, s.patch + at_below};
+    filter_slot<by_view>(in, level, at + i, below, w, tables, s);
   }
   __syncthreads();
 }

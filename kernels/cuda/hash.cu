@@ -50,7 +50,7 @@ __device__ Hash128 brick_hash(const HashView& level, std::uint32_t brick, int la
     if (i >= end) continue;
     sum += hash_of_voxel(level.window_min, level.lod, at, bit, level.rgba[i],
                          level.normal == nullptr ? std::uint16_t(0) : level.normal[i],
-                         level.facing == nullptr ? nullptr : level.facing + 3 * std::size_t(i));
+                         level.facing == nullptr ? nullptr : level.facing + facing_bytes * std::size_t(i));
   }
   return sum;
 }

@@ -12,8 +12,8 @@ namespace {
 VoxelsOut make_room(DeviceHeap& heap, MipFilter filter, bool normals, DeviceLevel& level) {
   level.rgba = DeviceArray<std::uint32_t>(heap, level.voxels);
   if (normals) level.normal = DeviceArray<std::uint16_t>(heap, level.voxels);
-  if (filters_by_view(filter)) level.facing = DeviceArray<std::uint8_t>(heap, 3 * std::size_t(level.voxels));
-  return {level.rgba.data(), level.normal.data(), level.facing.data()};
+  if (filters_by_view(filter)) level.facing = DeviceArray<std::uint8_t>(heap, facing_bytes * std::size_t(level.voxels));
+  return {level.rgba.data(), level.normal.data(), level.facing.data(), nullptr};
 }
 
 DeviceArray<std::uint32_t> room_for_rasters(DeviceHeap& heap, MipFilter filter, int lod, std::uint32_t voxels) {
@@ -44,7 +44,7 @@ void filter_high_levels(DeviceHeap& heap, const Tables& tables, MipFilter filter
     DeviceArray<std::uint32_t> own = room_for_rasters(heap, filter, int(l) + 1, level.voxels);
     filter_high(heap,
                 {view_of(bricks.levels[l - 1]), bricks.starts[l].data(), level.first.data(), level.mask.data(),
-                 level.bricks, voxels_out[l], rasters.data(), own.data(), filter},
+                 level.bricks, voxels_out[l], rasters.data(), own.data(), voxels_out[l - 1].patch, filter},
                 tables);
     rasters = std::move(own);
   }
@@ -62,6 +62,11 @@ LevelsAbove coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceL
   LowLevels low{};
   low.fine = view_of(finest);
   low.levels = low_levels(filter, lods);
+  std::vector<DeviceArray<Patch>> patches(bricks.levels.size());
+  for (std::size_t l = std::size_t(low.levels) - 1; filters_by_view(filter) && normals && l < patches.size(); ++l) {
+    patches[l] = DeviceArray<Patch>(heap, bricks.levels[l].voxels);
+    voxels_out[l].patch = patches[l].data();
+  }
   for (int l = 0; l < low.levels; ++l) {
     const DeviceLevel& level = bricks.levels[std::size_t(l)];
     low.level[l] = {level.mask.data(), level.first.data(), voxels_out[std::size_t(l)]};
@@ -75,6 +80,7 @@ LevelsAbove coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceL
   low.rasters = above.rasters.data();
   filter_low(heap, low, tables);
   filter_high_levels(heap, tables, filter, low.levels, finest, voxels_out, bricks, above.rasters);
+  above.patches = std::move(patches.back());
   above.levels = std::move(bricks.levels);
   return above;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "kernels/body/patch.h"
 #include "kernels/body/tables.h"
 #include "kernels/cuda/device_level.cuh"
 #include "lattice/rules.h"
@@ -13,10 +14,11 @@ namespace gigabake::kernels {
 struct LevelsAbove {
   std::vector<DeviceLevel> levels;     ///< from lod 1 on
   DeviceArray<std::uint32_t> rasters;  ///< of the last one (kernels/body/facing.h); empty without MipFilter::coverage
+  DeviceArray<Patch> patches;          ///< of the last one (kernels/body/patch.h); empty without it or normals
 };
 
 /// The levels [1, lods).
-/// Cost    With MipFilter::coverage 3.75 bytes of working memory a voxel of lod 1 of a surface.
+/// Cost    With MipFilter::coverage 4 bytes of working memory a voxel of lod 1 of a surface.
 /// Errors  CudaFailure.
 LevelsAbove coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceLevel& finest, int lods,
                            MipFilter filter, bool normals);

@@ -75,7 +75,7 @@ void expand_brick(const Level& level, std::size_t brick, const Voxel& corner, Vo
     BakedVoxel value;
     std::copy_n(&level.rgba[4 * at], 4, value.rgba.begin());
     if (!level.normal.empty()) std::copy_n(&level.normal[2 * at], 2, value.normal.begin());
-    if (!level.facing.empty()) std::copy_n(&level.facing[3 * at], 3, value.facing.begin());
+    if (!level.facing.empty()) std::copy_n(&level.facing[facing_bytes * at], facing_bytes, value.facing.begin());
     out[{corner[0] + bit % 8, corner[1] + bit / 8 % 8, corner[2] + bit / 64}] = value;
     ++at;
   }

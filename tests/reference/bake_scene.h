@@ -15,7 +15,7 @@ namespace gigabake::reference {
 struct BakedVoxel {
   std::array<std::uint8_t, 4> rgba{};
   std::array<std::int8_t, 2> normal{};
-  std::array<std::uint8_t, 3> facing{};  ///< zeros where the level has none
+  Facing facing{};  ///< zeros where the level has none
   friend bool operator==(const BakedVoxel&, const BakedVoxel&) = default;
 };
 using VoxelMap = std::map<Voxel, BakedVoxel>;

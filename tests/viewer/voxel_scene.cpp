@@ -42,7 +42,7 @@ std::vector<kernels::Level> paint_levels(const Painter& paint, const std::array<
     const BrickCoordinate at = demorton(key);
     paint_brick(paint, {min[0] + at.x * 8, min[1] + at.y * 8, min[2] + at.z * 8}, key, levels[0]);
   }
-  kernels::LevelRasters rasters;
+  kernels::LevelSurface rasters;
   kernels::add_coarser_levels(levels, rasters, std::bit_width(edge / 8), MipFilter::coverage, true, one_thread());
   return levels;
 }
@@ -60,7 +60,7 @@ NodeTable nodes_of_bricks(const std::vector<kernels::Level>& levels) {
       nodes.first_child.push_back(0xffffffff);
       nodes.value.push_back(std::uint32_t(b));
       nodes.normal.push_back({0, 0});
-      nodes.facing.push_back({0, 0, 0});
+      nodes.facing.push_back({});
       for (std::size_t p = 0; p + 1 < nodes.key.size(); ++p) {
         if (nodes.lod[p] != lod + 1 || nodes.key[p] != key >> 3) continue;
         if (nodes.child_mask[p] == 0) nodes.first_child[p] = std::uint32_t(nodes.key.size() - 1);
@@ -73,13 +73,12 @@ NodeTable nodes_of_bricks(const std::vector<kernels::Level>& levels) {
 std::vector<NodeRow> rows_of(const NodeTable& table, std::uint32_t block) {
   std::vector<NodeRow> rows;
   const std::size_t begin = std::size_t(block) * nodes_per_block;
-  for (std::size_t n = begin; n < std::min(begin + nodes_per_block, table.key.size()); ++n)
-    rows.push_back({table.first_child[n],
-                    table.value[n],
-                    {table.normal[n][0], table.normal[n][1]},
-                    {table.facing[n][0], table.facing[n][1], table.facing[n][2]},
-                    table.kind[n],
-                    table.child_mask[n]});
+  for (std::size_t n = begin; n < std::min(begin + nodes_per_block, table.key.size()); ++n) {
+    NodeRow row{table.first_child[n], table.value[n],     {table.normal[n][0], table.normal[n][1]}, {},
+                table.kind[n],        table.child_mask[n]};
+    std::copy(table.facing[n].begin(), table.facing[n].end(), row.facing);
+    rows.push_back(row);
+  }
   return rows;
 }
 
@@ -95,8 +94,8 @@ BrickBlock bricks_of(const BrickLevel& level, std::uint32_t block) {
     out.normal.assign(level.normal.begin() + std::ptrdiff_t(2 * level.first[begin]),
                       level.normal.begin() + std::ptrdiff_t(2 * level.first[end]));
   if (!level.facing.empty())
-    out.facing.assign(level.facing.begin() + std::ptrdiff_t(3 * level.first[begin]),
-                      level.facing.begin() + std::ptrdiff_t(3 * level.first[end]));
+    out.facing.assign(level.facing.begin() + std::ptrdiff_t(facing_bytes * level.first[begin]),
+                      level.facing.begin() + std::ptrdiff_t(facing_bytes * level.first[end]));
   return out;
 }
 

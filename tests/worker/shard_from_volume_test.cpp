@@ -43,7 +43,7 @@ TEST(ShardFromVolume, KeepsEveryArrayAndHashesTheVoxels) {
     EXPECT_EQ(shard.levels[l].mask, volume.levels[l].mask);
     EXPECT_EQ(shard.levels[l].rgba, volume.levels[l].rgba);
     EXPECT_EQ(shard.levels[l].facing, volume.levels[l].facing);
-    EXPECT_EQ(shard.levels[l].facing.size(), l == 0 ? 0 : volume.levels[l].rgba.size() / 4 * 3);
+    EXPECT_EQ(shard.levels[l].facing.size(), l == 0 ? 0 : volume.levels[l].rgba.size() / 4 * facing_bytes);
   }
   EXPECT_EQ(shard.header.content_hash, content_hash(shard));
 }

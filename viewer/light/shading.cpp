@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/body/plane.h"
 #include "kernels/body/tables.h"
 #include "lattice/parameters.h"
 
@@ -38,13 +39,20 @@ Shading::Shading(const kernels::CastLight& light, const SceneDescription& scene,
 kernels::CastVoxel Shading::operator()(int lod, const std::uint8_t rgba[4], const std::int8_t* normal,
                                        const std::uint8_t* facing) const {
   std::uint16_t coverage[3];
+  // A sheet's plane says how it is seen. Its alpha, along all axes, is for where its brick stands for finer ones.
+  const bool is_sheet = facing != nullptr && kernels::is_all_sheet(facing[facing_plane]);
   for (int a = 0; a < 3; ++a)
-    coverage[a] = facing != nullptr ? std::uint16_t(facing[a] * 257) : coverage_[std::size_t(lod)][rgba[3]];
+    coverage[a] = facing == nullptr ? coverage_[std::size_t(lod)][rgba[3]]
+                                    : std::uint16_t(257 * (is_sheet ? rgba[3] : std::max<int>(facing[a], 1)));
   std::uint8_t shown[4] = {rgba[0], rgba[1], rgba[2], rgba[3]};
   if (surface_ == Surface::coverage) std::fill_n(shown, 3, rgba[3]);
   if (surface_ == Surface::normal && has_normals_) paint_normal(normal, shown);
-  return kernels::shade_voxel(shown, has_normals_ && surface_ == Surface::colour ? normal : nullptr, light_,
-                              kernels::TableStore::host().view(), coverage);
+  kernels::CastVoxel voxel = kernels::shade_voxel(shown, has_normals_ && surface_ == Surface::colour ? normal : nullptr,
+                                                  light_, kernels::TableStore::host().view(), coverage);
+  if (facing == nullptr || normal == nullptr) return voxel;
+  std::copy_n(normal, 2, voxel.normal);
+  voxel.plane = facing[facing_plane];
+  return voxel;
 }
 
 }  // namespace gigabake

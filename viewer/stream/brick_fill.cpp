@@ -98,7 +98,7 @@ class BrickFiller {
       const int x = part.begin[0] + std::countr_zero(rest) - from_x;
       if (x < part.begin[0] || x >= part.end[0]) continue;
       const std::int8_t* normal = block.normal.empty() ? nullptr : &block.normal[2 * std::size_t(rank)];
-      const std::uint8_t* facing = block.facing.empty() ? nullptr : &block.facing[3 * std::size_t(rank)];
+      const std::uint8_t* facing = block.facing.empty() ? nullptr : &block.facing[facing_bytes * std::size_t(rank)];
       put(x, y, z, shading_(lod_, &block.rgba[4 * std::size_t(rank)], normal, facing));
     }
   }

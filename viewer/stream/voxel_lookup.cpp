@@ -96,8 +96,8 @@ void VoxelLookup::set_content(std::uint32_t scene_cell, const NodeRow& found, in
     place.kind = VoxelPlace::Kind::constant;
     for (std::size_t c = 0; c < 4; ++c) place.rgba[c] = std::uint8_t(found.value >> (8 * c));
     std::copy_n(found.normal, 2, place.normal.begin());
-    std::copy_n(found.facing, 3, place.facing.begin());
-    place.has_facing = lod > 0 && found.facing[0] != 0;
+    std::copy_n(found.facing, facing_bytes, place.facing.begin());
+    place.has_facing = lod > 0 && place.facing != Facing{};
     return;
   }
   const Page* page = find_page(pager_, {scene_cell, lod, found.value / bricks_per_block}, gaps);

@@ -27,7 +27,7 @@ struct VoxelPlace {
   std::size_t brick = 0;              ///< in the block
   std::array<std::uint8_t, 4> rgba{};
   std::array<std::int8_t, 2> normal{};
-  std::array<std::uint8_t, 3> facing{};  ///< all three of a constant
+  Facing facing{};  ///< all three of a constant
   bool has_facing = false;
 };
 

@@ -82,7 +82,7 @@ TEST(ContentHash, TellsLevelPlaceColourAlphaNormalAndFacingApart) {
   Voxel turned = voxel;
   ++turned.normal[1];
   EXPECT_NE(h, hash(0, turned));
-  const std::uint8_t facing[3] = {0, 0, 0}, other[3] = {0, 1, 0};
+  const std::uint8_t facing[facing_bytes] = {}, other[facing_bytes] = {0, 0, 0, 1};
   const Hash128 faced = voxel_hash(1, voxel.at, voxel.rgba.data(), voxel.normal.data(), facing);
   EXPECT_NE(faced, hash(1, voxel));
   EXPECT_NE(faced, voxel_hash(1, voxel.at, voxel.rgba.data(), voxel.normal.data(), other));

@@ -13,8 +13,11 @@ namespace {
 struct Version {
   std::string folder;  ///< of the shards' version, and from 2 on that of scene.xml
   bool has_totals;
+  bool has_planes = false;
+
+  Shard shard() const { return has_planes ? made::small_shard_with_planes() : made::small_shard(); }
 };
-const Version newest{"version_2_scene_2", true};
+const Version newest{"version_3_scene_2", true, true};
 
 std::filesystem::path golden(const Version& version) {
   return std::filesystem::path(GIGABAKE_SOURCE_DIR) / "tests/format/golden" / version.folder;
@@ -25,7 +28,7 @@ class Golden : public testing::TestWithParam<Version> {};
 TEST_P(Golden, SceneReadsAsOnTheDayItWasWritten) {
   const std::filesystem::path folder = golden(GetParam());
   if (GetParam().folder == newest.folder && std::getenv("GIGABAKE_WRITE_GOLDEN") != nullptr)
-    made::write_scene_of(folder / "scene.xml", {made::small_shard()});
+    made::write_scene_of(folder / "scene.xml", {GetParam().shard()});
   const SceneDescription scene = read_scene(folder / "scene.xml");
   ASSERT_EQ(scene.cells.size(), 1u);
   EXPECT_EQ(scene.voxel_size_m, 0.25);
@@ -33,19 +36,20 @@ TEST_P(Golden, SceneReadsAsOnTheDayItWasWritten) {
   EXPECT_EQ(scene.origin, (Geodetic{34.4263, -119.8404, 2.5}));
   EXPECT_EQ(scene.cells[0].voxels, (std::vector<std::uint64_t>{515, 2}));
   EXPECT_EQ(scene.cells[0].fingerprint.hex(), "00000000000000020000000000000001");
-  EXPECT_EQ(made::difference(read_shard(folder / scene.cells[0].file), made::small_shard()), "");
+  EXPECT_EQ(made::difference(read_shard(folder / scene.cells[0].file), GetParam().shard()), "");
   const VerifyResult verified = verify_scene(folder / "scene.xml", 1);
   EXPECT_EQ(verified.faults, std::vector<std::string>());
   EXPECT_EQ(verified.has_totals, GetParam().has_totals);
 }
 
 INSTANTIATE_TEST_SUITE_P(Versions, Golden,
-                         testing::Values(Version{"version_1", false}, Version{"version_2", false}, newest),
+                         testing::Values(Version{"version_1", false}, Version{"version_2", false},
+                                         Version{"version_2_scene_2", true}, newest),
                          [](const auto& version) { return version.param.folder; });
 
 TEST(GoldenToday, WriterStoresWhatTheNewestVersionStores) {
   const made::TempFolder folder;
-  const SceneDescription today = made::write_scene_of(folder / "scene.xml", {made::small_shard()});
+  const SceneDescription today = made::write_scene_of(folder / "scene.xml", {newest.shard()});
   const SceneDescription then = read_scene(golden(newest) / "scene.xml");
   EXPECT_EQ(made::difference(read_shard(folder / today.cells[0].file), read_shard(golden(newest) / then.cells[0].file)),
             "");

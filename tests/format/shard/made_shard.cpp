@@ -15,6 +15,14 @@ namespace {
 
 constexpr std::uint32_t no_child = 0xffffffffu;
 
+/// Planes are stored beside normals alone.
+Facing random_facing(std::mt19937_64& rng, const ShardShape& shape) {
+  Facing facing{};
+  for (std::size_t a = 0; a < coverage_bytes; ++a) facing[a] = std::uint8_t(1 + rng() % 255);
+  if (shape.normals) facing[facing_plane] = std::uint8_t((facing[0] ^ facing[1] ^ facing[2]) & 0x3f);
+  return facing;
+}
+
 void add_brick(std::mt19937_64& rng, const ShardShape& shape, int lod, BrickLevel& level) {
   std::uint64_t voxels = 0;
   for (int word = 0; word < 8; ++word) {
@@ -26,13 +34,13 @@ void add_brick(std::mt19937_64& rng, const ShardShape& shape, int lod, BrickLeve
   const std::uint64_t run = shape.alike ? 1 + rng() % 2000 : 1;
   std::array<std::uint8_t, 4> rgba{};
   std::array<std::int8_t, 2> normal{};
-  std::array<std::uint8_t, 3> facing{};
+  Facing facing{};
   for (std::uint64_t v = 0; v < voxels; ++v) {
     if (v % run == 0) {
       for (int c = 0; c < 3; ++c) rgba[std::size_t(c)] = std::uint8_t(rng());
       rgba[3] = std::uint8_t(1 + rng() % 255);
       for (int c = 0; c < 2; ++c) normal[std::size_t(c)] = std::int8_t(int(rng() % 255) - 127);
-      for (std::uint8_t& f : facing) f = std::uint8_t(1 + rng() % 255);
+      facing = random_facing(rng, shape);
     }
     level.rgba.insert(level.rgba.end(), rgba.begin(), rgba.end());
     if (shape.normals) level.normal.insert(level.normal.end(), normal.begin(), normal.end());
@@ -48,7 +56,7 @@ void add_node(NodeTable& n, std::uint64_t key, int lod, NodeKind kind) {
   n.first_child.push_back(no_child);
   n.value.push_back(0);
   n.normal.push_back({0, 0});
-  n.facing.push_back({0, 0, 0});
+  n.facing.push_back({});
 }
 
 /// No leaf-constant nodes far up: they stand for too many voxels to test with.
@@ -67,8 +75,7 @@ void grow(std::mt19937_64& rng, const ShardShape& shape, std::size_t i, Shard& s
   } else {
     n.value[i] = std::uint32_t(rng()) | 0x01000000u;
     if (shape.normals) n.normal[i] = {std::int8_t(rng() % 127), std::int8_t(rng() % 127)};
-    if (shape.facing && lod > 0)
-      n.facing[i] = {std::uint8_t(1 + rng() % 255), std::uint8_t(1 + rng() % 255), std::uint8_t(1 + rng() % 255)};
+    if (shape.facing && lod > 0) n.facing[i] = random_facing(rng, shape);
   }
   if (lod == 0 || n.kind[i] == NodeKind::leaf_constant) return;
   n.first_child[i] = std::uint32_t(n.key.size());
@@ -172,7 +179,7 @@ Shard with_content_hash(Shard shard) {
 Shard constant_shard() {
   std::mt19937_64 rng(1);
   Shard shard = random_shard(rng, {2, false, 1});
-  shard.nodes = {{0}, {1}, {NodeKind::leaf_constant}, {0}, {0xffffffffu}, {0xff010203u}, {{0, 0}}, {{9, 9, 9}}};
+  shard.nodes = {{0}, {1}, {NodeKind::leaf_constant}, {0}, {0xffffffffu}, {0xff010203u}, {{0, 0}}, {{9, 9, 9, 0}}};
   for (BrickLevel& level : shard.levels) level = {{}, {0}, {}, {}, {}};
   return shard;
 }
@@ -198,6 +205,14 @@ Shard small_shard() {
                  {0, 0, -127, 0, 64, 63},
                  {}};
   s.levels[1] = {{3, 0, 0, 0, 0, 0, 0, 0}, {0, 2}, {2, 3, 4, 200, 128, 64, 32, 255}, {1, 1, 5, -7}, {}};
+  return with_content_hash(std::move(s));
+}
+
+Shard small_shard_with_planes() {
+  Shard s = small_shard();
+  s.header.has_facing = true;
+  s.nodes.facing = {{}, {}, {0, 0, 0, 0x23}};
+  s.levels[1].facing = {255, 1, 128, 0x1a, 0, 0, 0, 0x3f};
   return with_content_hash(std::move(s));
 }
 

@@ -46,6 +46,9 @@ Shard with_content_hash(Shard shard);
 /// A cell of 16³ voxels whose every byte is written down here: the content of the golden files.
 Shard small_shard();
 
+/// The same with coverage along the axes and planes, which version 3 is the first to know.
+Shard small_shard_with_planes();
+
 /// A cell of one leaf-constant root: two levels without bricks.
 Shard constant_shard();
 

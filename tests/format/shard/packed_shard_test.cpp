@@ -57,7 +57,7 @@ class PackedByHand {
         if (name == of_channel.first.name) return &level.channels[c].first;
       }
     }
-    const std::vector<Hdf5Column> nodes = NodeColumns().all(packed.header);
+    const std::vector<Hdf5Column> nodes = NodeColumns(shard_version).all(packed.header);
     const auto of_nodes = std::find_if(nodes.begin(), nodes.end(), [&](const auto& c) { return c.name == name; });
     return &packed.nodes.at(std::size_t(of_nodes - nodes.begin()));
   }
@@ -160,7 +160,7 @@ TEST(PackedShard, HasRowsAsItsColumnsAre) {
   expect_row(level.mask, mask_row);
   expect_row(level.first, first_row);
   const std::vector<RowShape> nodes = packed_nodes(header);
-  const NodeColumns names;
+  const NodeColumns names(shard_version);
   ASSERT_EQ(nodes.size(), names.all(header).size());
   expect_row(names.key, nodes[std::size_t(NodeColumn::key)]);
   expect_row(names.lod, nodes[std::size_t(NodeColumn::lod)]);

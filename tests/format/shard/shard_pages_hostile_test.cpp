@@ -31,7 +31,7 @@ Shard put_together(const ShardPages& pages, const Shard& written) {
     s.nodes.first_child.push_back(row.first_child);
     s.nodes.value.push_back(row.value);
     s.nodes.normal.push_back({row.normal[0], row.normal[1]});
-    if (s.header.has_facing) s.nodes.facing.push_back({row.facing[0], row.facing[1], row.facing[2]});
+    if (s.header.has_facing) s.nodes.facing.push_back(std::to_array(row.facing));
   }
   for (int lod = 0; lod < int(s.header.lods); ++lod) {
     BrickLevel& level = s.levels.emplace_back();

@@ -52,7 +52,7 @@ Level two_voxels() {
   level.first = {0, 2};
   level.rgba = {255, 0, 0, 1, 0, 0, 255, 1};
   level.normal = {0, 0, 0, 0};
-  level.facing = {1, 1, 1, 1, 1, 1};
+  level.facing = {1, 1, 1, 0, 1, 1, 1, 0};
   return level;
 }
 
@@ -61,7 +61,7 @@ Level two_voxels() {
 TEST(Levels, TakeTheMeanOfAllChildrenWhereNothingOfAnyShows) {
   std::vector<Level> levels(5);
   levels.back() = two_voxels();
-  LevelRasters rasters(2 * std::size_t(raster_words(most_raster_edge)), 0);
+  LevelSurface rasters{std::vector<std::uint32_t>(2 * std::size_t(raster_words(most_raster_edge)), 0), {}};
   add_coarser_levels(levels, rasters, 6, MipFilter::coverage, true, ThreadPool(1));
   ASSERT_EQ(levels.size(), 6u);
   const std::uint8_t half = tables.srgb_from_linear[(65535 + 1) / 2];

@@ -8,6 +8,7 @@
 #include "kernels/body/mip.h"
 #include "kernels/body/mip_of_64.h"
 #include "kernels/body/part.h"
+#include "kernels/body/plane_fit.h"
 #include "kernels/body/surface.h"
 #include "kernels/body/triangle_bricks.h"
 #include "lattice/snap.h"
@@ -210,6 +211,62 @@ TEST(DeviceBodies, FilterTheSameLevelsAsOnTheCpu) {
   expect_same_filter<2>();
   expect_same_filter<4>();
   expect_same_filter<8>();
+}
+
+/// Eight voxels, those of coverage 0 absent, with where their surfaces lie.
+struct PatchCase {
+  Voxel child[8];
+  Patch patch[8];
+  std::uint32_t facing;
+};
+
+struct Joined {
+  Patch patch[2];
+  std::uint8_t plane[2], beside[2][3];
+};
+
+/// Of children of lod 0, and of coarser ones.
+struct JoinBody {
+  GB_HD Joined operator()(const PatchCase& from, const Tables& tables) const {
+    Weights weights{};
+    weights.facing = from.facing;
+    for (int c = 0; c < 8; ++c) weights.child[c / 4] |= std::uint32_t(from.child[c].rgba[3]) << 8 * (c % 4);
+    Joined out;
+    for (int i = 0; i < 2; ++i) {
+      const auto patch = [&](int c) { return i == 0 ? finest_patch() : from.patch[c]; };
+      const VoxelPatch made = filter_patches(from.child, patch, weights, i == 0, tables);
+      const Plane plane = plane_of(made.patch, made.voxel.normal, i == 0);
+      out.patch[i] = made.patch;
+      out.plane[i] = pack_plane(plane);
+      for (int a = 0; a < 3; ++a) out.beside[i][a] = byte_of(coverage_beside(plane, from.facing), a);
+    }
+    return out;
+  }
+};
+
+/// Half of the cases are nearly one sheet, as most voxels are; the others are anything.
+std::vector<PatchCase> random_patches(int count) {
+  std::mt19937 random(seed);
+  const auto within = [&](int reach) { return int(random() % unsigned(2 * reach + 1)) - reach; };
+  std::vector<PatchCase> cases(std::size_t(count), PatchCase{});
+  for (PatchCase& f : cases) {
+    const bool flat = random() % 2 != 0;
+    const std::int8_t normal[2] = {std::int8_t(within(127)), std::int8_t(within(127))};
+    for (int c = 0; c < 8; ++c) {
+      for (int a = 0; a < 2; ++a) f.child[c].normal[a] = flat ? normal[a] : std::int8_t(within(127));
+      f.child[c].rgba[3] = random() % 3 == 0 ? 0 : std::uint8_t(random());
+      for (std::int16_t& x : f.patch[c].place) x = std::int16_t(within(flat ? 2000 : place_unit));
+      f.patch[c].spread = std::uint8_t(random() % (flat ? 40 : 256));
+      f.patch[c].agreement = std::uint8_t(255 - random() % (flat ? 60 : 256));
+    }
+    f.child[random() % 8].rgba[3] = 255;
+    f.facing = std::uint32_t(random()) & 0xffffff;
+  }
+  return cases;
+}
+
+TEST(DeviceBodies, JoinPatchesToTheSamePlanesAsOnTheCpu) {
+  expect_same_bits<Joined>(random_patches(50000), JoinBody{});
 }
 
 /// A brick of lod l - 2, with room for all of its voxels.

@@ -1,0 +1,121 @@
+/// Where the surface in a coarser voxel lies, and how flat it is: what planes are made of (kernels/body/plane.h).
+///
+/// A voxel's *patch* is kept beside its level while coarser ones are made of it, and is not stored. Lengths are in half
+/// edges of the patch's own voxel, from its centre, so that they stay between -1 and 1 whatever the level.
+///
+/// Exact   Integers of 32 bits, rounded once a level; the order of children does not show: host and device return the
+///         same bits.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/body/mip.h"
+#include "kernels/body/tables.h"
+#include "kernels/body/voxel.h"
+#include "lattice/host_device.h"
+
+namespace gigabake::kernels {
+
+/// Eight bytes, which a GPU reads at once.
+struct alignas(8) Patch {
+  std::int16_t place[3];   ///< mean place of the surface; place_unit = 1
+  std::uint8_t spread;     ///< mean square of its distance from its plane; 256 = 1, and no more than 255
+  std::uint8_t agreement;  ///< length of the mean of its unit normals, and one more; 256 = 1
+};
+
+/// Of a voxel of lod 0.
+GB_HD Patch finest_patch() { return {{0, 0, 0}, 0, 255}; }
+
+inline constexpr std::int32_t place_unit = 1 << 14;
+
+/// Sums over the children of a voxel, each weighted by what shows of it (Weights), as in its colour.
+struct PatchSums {
+  std::int32_t weight = 0, place[3] = {}, normal[3] = {};
+
+  /// A child's place in half edges of the parent, 2·place_unit = 1. Along an axis.
+  GB_HD static std::int32_t place_in_parent(const Patch& patch, int child, int axis) {
+    return ((child >> axis & 1) != 0 ? place_unit : -place_unit) + patch.place[axis];
+  }
+
+  /// n: of the child. w: 0 … 255.
+  GB_HD void add(const Patch& patch, int child, const UnitNormal& n, std::int32_t w) {
+    weight += w;
+    for (int a = 0; a < 3; ++a) {
+      place[a] += w * place_in_parent(patch, child, a);
+      normal[a] += w * ((patch.agreement + 1) * n.c[a] >> 8);
+    }
+  }
+
+  /// 2^31 / weight: one division for all means. Range  weight > 0.
+  GB_HD std::int64_t by_weight() const { return (std::uint32_t(1) << 31) / std::uint32_t(weight); }
+
+  /// All but `spread`. n: of the parent.
+  GB_HD Patch patch(const UnitNormal& n) const {
+    const std::int64_t by = by_weight();
+    Patch out{};
+    std::int32_t along = 0;
+    for (int a = 0; a < 3; ++a) {
+      out.place[a] = std::int16_t((place[a] * by + (std::int64_t(1) << 31)) >> 32);
+      along += std::int32_t(normal[a] * by >> 31) * n.c[a];  // Cauchy and Schwarz keep it below 2^30
+    }
+    const std::int32_t length = (along + (1 << 21)) >> 22;  // 256 = 1
+    out.agreement = std::uint8_t(length < 1 ? 0 : length - 1);
+    return out;
+  }
+};
+
+/// What a child adds to the spread of its parent, 65536 = 1: its own, and how far its place lies from the parent's
+/// plane. At most 4·65536.
+GB_HD std::int32_t spread_in_parent(const Patch& of_child, int child, const Patch& of_parent, const UnitNormal& n) {
+  std::int32_t off = 0;  // 2^22 = a half edge
+  for (int a = 0; a < 3; ++a)
+    off += (n.c[a] >> 3) * ((PatchSums::place_in_parent(of_child, child, a) / 2 - of_parent.place[a]) >> 4);
+  off >>= 14;
+  return 64 * std::int32_t(of_child.spread) + off * off;
+}
+
+/// How far the centres of the voxels that a plane meets lie from it, in the mean of squares; 65536: an edge of theirs,
+/// which is half an edge of the voxels above. They are those within half of (|x| + |y| + |z|) of its unit normal. At
+/// lod 0 nothing else is known of where in its voxel the surface lies.
+GB_HD std::int32_t spread_of_centres(const UnitNormal& n) {
+  std::int32_t reach = 0;
+  for (int a = 0; a < 3; ++a) reach += n.c[a] < 0 ? -n.c[a] : n.c[a];
+  reach >>= 7;
+  return reach * reach / 12;
+}
+
+/// The patch of the voxel above eight. sums: of all that have something to say. patch(c): of child c; anything where
+/// its weight is 0. is_finest: children are of lod 0.
+template <class PatchOf>
+GB_HD Patch join_patches(const PatchSums& sums, const PatchOf& patch, const Weights& weights, const Voxel& parent,
+                         bool is_finest, const Tables& tables) {
+  const UnitNormal n = unit_normal_of(parent.normal, tables);
+  Patch out = sums.patch(n);
+  std::int32_t spread = 0;
+  GB_UNROLL
+  for (int c = 0; c < 8; ++c) spread += std::int32_t(weights.of(c)) * spread_in_parent(patch(c), c, out, n);
+  spread = std::int32_t(spread * sums.by_weight() >> 31) - (is_finest ? spread_of_centres(n) : 0);
+  spread = (spread + 128) >> 8;
+  out.spread = std::uint8_t(spread < 0 ? 0 : (spread > 255 ? 255 : spread));
+  return out;
+}
+
+/// A voxel and its patch, of eight children.
+struct VoxelPatch {
+  Voxel voxel;
+  Patch patch;
+};
+
+/// As filter_children() by view, and join_patches().
+template <class PatchOf>
+GB_HD VoxelPatch filter_patches(const Voxel children[8], const PatchOf& patch, const Weights& weights, bool is_finest,
+                                const Tables& tables) {
+  PatchSums sums;
+  const auto add = [&](int c, std::uint32_t w, const UnitNormal& n) { sums.add(patch(c), c, n, std::int32_t(w)); };
+  VoxelPatch out;
+  out.voxel = filter_children<true>(children, weights, MipFilter::coverage, tables, add);
+  out.patch = join_patches(sums, patch, weights, out.voxel, is_finest, tables);
+  return out;
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,53 @@
+/// Which plane a patch is, if it is one sheet.
+///
+/// Exact   Integers of 32 bits: host and device return the same bits.
+/// Source  docs/lab/levels.md (blended planes).
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/body/patch.h"
+#include "kernels/body/plane.h"
+#include "lattice/host_device.h"
+
+namespace gigabake::kernels {
+
+/// part / whole, to the nearest, half up. Range  whole > 0, 2·|part| + whole < 2^31.
+GB_HD std::int32_t rounded_ratio(std::int32_t part, std::int32_t whole) {
+  const std::int32_t twice = 2 * part + whole, by = 2 * whole;
+  return twice >= 0 ? twice / by : -((by - 1 - twice) / by);
+}
+
+/// 0 below `from`, 256 above `to`, straight between.
+GB_HD std::int32_t ramp_256(std::int32_t x, std::int32_t from, std::int32_t to) {
+  if (x <= from) return 0;
+  return x >= to ? 256 : (x - from) * 256 / (to - from);
+}
+
+/// How much a patch is one sheet, 0 … 3: its normals agree (mean of length .65 to .8), and it lies near its plane
+/// (.2 to .12 of an edge off).
+GB_HD int coherence_of(const Patch& patch) {
+  const std::int32_t alike = ramp_256(patch.agreement, 165, 204);
+  const std::int32_t far = ramp_256(patch.spread, 15, 41);
+  return int((most_coherence * alike * (256 - far) + 32768) >> 16);
+}
+
+/// is_finest: at lod 1, whose children say of a surface only in which voxel it lies. There a third of the offsets tell
+/// as much as all of them, and take fewer bytes of a shard.
+GB_HD Plane plane_of(const Patch& patch, const std::int8_t normal[2], bool is_finest) {
+  const int coherence = coherence_of(patch);
+  if (coherence == 0) return {};
+  const OctahedronPoint n = octahedron_point(normal);
+  std::int32_t above = 0;
+  for (int a = 0; a < 3; ++a) above += n.c[a] * patch.place[a];
+  const std::int32_t step = is_finest ? 3 : 1, most = most_offset / step;
+  const std::int32_t steps = rounded_ratio(above >> 4, 127 * (place_unit >> 4) * step / most_offset);
+  return {step * (steps < -most ? -most : (steps > most ? most : steps)), coherence};
+}
+
+/// What of coverage is stored: none where all of the surface is on the plane, which then says it.
+GB_HD std::uint32_t coverage_beside(const Plane& plane, std::uint32_t coverage) {
+  return plane.coherence == most_coherence ? 0 : coverage;
+}
+
+}  // namespace gigabake::kernels

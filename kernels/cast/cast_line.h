@@ -1,0 +1,60 @@
+/// A pixel's line of sight through a scene.
+///
+/// Space   Lod-0 voxels of the scene's lattice; distances in them too.
+/// Exact   IEEE double: host and device return the same bits.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "kernels/cast/cast_camera.h"
+#include "kernels/cast/scene.h"
+#include "lattice/host_device.h"
+
+namespace gigabake::kernels {
+
+/// A pixel's line of sight.
+struct CastLine {
+  double origin[3], direction[3];  ///< unit
+  double inverse[3];               ///< 1 / direction
+  float across[3];                 ///< |direction|
+  double enter, leave;             ///< distances between which the scene's box lies; enter > leave: misses it
+  double lod1_distance;
+};
+
+GB_HD void clip_to_box(CastLine& line, int axis, double low, double high) {
+  const double o = line.origin[axis], d = line.direction[axis];
+  if (d == 0) {
+    if (o < low || o > high) line.leave = -1;
+    return;
+  }
+  const double a = (low - o) * line.inverse[axis], b = (high - o) * line.inverse[axis];
+  const double nearer = a < b ? a : b, farther = a < b ? b : a;
+  if (nearer > line.enter) line.enter = nearer;
+  if (farther < line.leave) line.leave = farther;
+}
+
+/// Through the middle of pixel (x, y); row 0 is the upper one.
+GB_HD CastLine line_of_sight(const CastScene& scene, const CastCamera& camera, int x, int y) {
+  const double sx = (2 * (x + 0.5)) / camera.width - 1, sy = 1 - (2 * (y + 0.5)) / camera.height;
+  CastLine line;
+  double squared = 0;
+  for (int a = 0; a < 3; ++a) {
+    line.origin[a] = camera.eye[a];
+    line.direction[a] = camera.forward[a] + (camera.right[a] * sx + camera.up[a] * sy);
+    squared += line.direction[a] * line.direction[a];
+  }
+  const double length = std::sqrt(squared), border = double(std::int64_t(1) << scene.lods);
+  line.enter = 0;
+  line.leave = double(far_voxel);
+  line.lod1_distance = camera.lod1_depth * length;
+  for (int a = 0; a < 3; ++a) {
+    line.direction[a] /= length;
+    line.inverse[a] = 1 / line.direction[a];
+    line.across[a] = float(line.direction[a] < 0 ? -line.direction[a] : line.direction[a]);
+    clip_to_box(line, a, scene.min[a] - border, scene.max[a] + border);
+  }
+  return line;
+}
+
+}  // namespace gigabake::kernels

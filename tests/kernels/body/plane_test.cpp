@@ -1,0 +1,189 @@
+#include <array>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <random>
+
+#include "kernels/body/plane_fit.h"
+#include "kernels/cpu/levels.h"
+#include "lattice/morton.h"
+#include "lattice/octahedral.h"
+
+namespace gigabake::kernels {
+namespace {
+
+constexpr int edge = 32;  ///< of the cubes that are filled here, voxels
+
+/// A cube of voxels, where has(x, y, z) of their centres and from there on normal(x, y, z) says which are there.
+template <class Has, class Normal>
+Level filled(const Has& has, const Normal& normal) {
+  Level level;
+  level.first = {0};
+  for (std::uint64_t key = 0; key < 64; ++key) {
+    const BrickCoordinate at = demorton(key);
+    std::uint64_t mask[8] = {};
+    for (int i = 0; i < brick_voxels; ++i) {
+      const double p[3] = {at.x * 8 + (i & 7) + 0.5, at.y * 8 + (i >> 3 & 7) + 0.5, at.z * 8 + (i >> 6) + 0.5};
+      if (!has(p)) continue;
+      mask[i >> 6] |= std::uint64_t(1) << (i & 63);
+      level.rgba.insert(level.rgba.end(), {90, 120, 60, 255});
+      const std::array<std::int8_t, 2> n = normal(p);
+      level.normal.insert(level.normal.end(), n.begin(), n.end());
+    }
+    const std::size_t voxels = level.rgba.size() / 4;
+    if (voxels == level.first.back()) continue;
+    level.key.push_back(key);
+    level.mask.insert(level.mask.end(), mask, mask + 8);
+    level.first.push_back(voxels);
+  }
+  return level;
+}
+
+std::vector<Level> levels_above(Level finest) {
+  std::vector<Level> levels;
+  levels.push_back(std::move(finest));
+  LevelSurface surface;
+  add_coarser_levels(levels, surface, 4, MipFilter::coverage, true, ThreadPool(1));
+  return levels;
+}
+
+/// visit(centre, half edge, voxel number) for each voxel; lengths in voxels of level 0.
+template <class Visit>
+void for_each_voxel_of(const Level& level, int lod, const Visit& visit) {
+  std::size_t v = 0;
+  for (std::size_t b = 0; b < level.key.size(); ++b) {
+    const BrickCoordinate at = demorton(level.key[b]);
+    for (int i = 0; i < brick_voxels; ++i) {
+      if ((level.mask[8 * b + std::size_t(i >> 6)] >> (i & 63) & 1) == 0) continue;
+      const double size = double(1 << lod);
+      const double centre[3] = {(at.x * 8 + (i & 7) + 0.5) * size, (at.y * 8 + (i >> 3 & 7) + 0.5) * size,
+                                (at.z * 8 + (i >> 6) + 0.5) * size};
+      visit(centre, size / 2, v++);
+    }
+  }
+}
+
+struct TestPlane {
+  std::array<double, 3> n;  ///< |x| + |y| + |z| = 1
+  std::array<std::int8_t, 2> octahedral;
+
+  double above(const double p[3]) const {
+    return n[0] * (p[0] - edge / 2.0) + n[1] * (p[1] - edge / 2.0) + n[2] * (p[2] - edge / 2.0);
+  }
+};
+
+TestPlane random_plane(std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  TestPlane p{{normal(random), normal(random), normal(random)}, {}};
+  encode_octahedral(p.n[0], p.n[1], p.n[2], p.octahedral.data());
+  const OctahedronPoint n = octahedron_point(p.octahedral.data());
+  for (std::size_t a = 0; a < 3; ++a) p.n[a] = n.c[a] / 127.0;
+  return p;
+}
+
+/// The voxels that the plane meets: whose centres are no farther than half a voxel's reach along its normal.
+Level plane_voxels(const TestPlane& plane) {
+  return filled([&](const double p[3]) { return std::abs(plane.above(p)) <= 0.5; },
+                [&](const double*) { return plane.octahedral; });
+}
+
+TEST(RoundedRatio, IsTheNearestAndHalfUp) {
+  for (std::int32_t whole = 1; whole < 12; ++whole)
+    for (std::int32_t part = -60; part <= 60; ++part)
+      EXPECT_EQ(rounded_ratio(part, whole), std::int32_t(std::floor(double(part) / whole + 0.5)))
+          << part << " / " << whole;
+}
+
+TEST(OctahedronPoint, IsTheDirectionThatTheBytesEncode) {
+  for (int code = 0; code < 65536; ++code) {
+    const std::int8_t bytes[2] = {std::int8_t(code), std::int8_t(code >> 8)};
+    if (bytes[0] == -128 || bytes[1] == -128) continue;
+    double unit[3];
+    decode_octahedral(bytes, unit);
+    const OctahedronPoint n = octahedron_point(bytes);
+    const double length = std::abs(unit[0]) + std::abs(unit[1]) + std::abs(unit[2]);
+    for (int a = 0; a < 3; ++a) ASSERT_NEAR(n.c[a] / 127.0, unit[a] / length, 1e-9) << code;
+  }
+}
+
+// A voxel of level 0 says of a surface only that it lies in it: so a plane is known to a quarter of a voxel of level 1,
+// and to ever less of coarser ones.
+TEST(Plane, IsWhereTheVoxelsOfAPlaneLie) {
+  const std::uint64_t seed = 20261123;
+  std::mt19937_64 random(seed);
+  for (int i = 0; i < 60; ++i) {
+    const TestPlane plane = random_plane(random);
+    const std::vector<Level> levels = levels_above(plane_voxels(plane));
+    for (int lod = 1; lod < 4; ++lod) {
+      const Level& level = levels[std::size_t(lod)];
+      for_each_voxel_of(level, lod, [&](const double centre[3], double half, std::size_t v) {
+        const std::uint8_t* facing = &level.facing[facing_bytes * v];
+        if (!is_all_sheet(facing[facing_plane])) return;
+        const double offset = -plane.above(centre) / half,
+                     said = unpack_plane(facing[facing_plane]).offset / double(most_offset);
+        ASSERT_NEAR(said, offset, 1.0 / half + (lod == 1 ? 1.5 : 0.5) / most_offset)
+            << "seed " << seed << " plane " << i << " lod " << lod;
+      });
+    }
+  }
+}
+
+TEST(Plane, IsKnownToNearlyAllVoxelsOfAPlane) {
+  std::mt19937_64 random(7);
+  for (int i = 0; i < 40; ++i) {
+    const TestPlane plane = random_plane(random);
+    const std::vector<Level> levels = levels_above(plane_voxels(plane));
+    for (int lod = 2; lod < 4; ++lod) {
+      const Level& level = levels[std::size_t(lod)];
+      int sheets = 0, voxels = 0;
+      for_each_voxel_of(level, lod, [&](const double*, double, std::size_t v) {
+        ++voxels;
+        sheets += is_all_sheet(level.facing[facing_bytes * v + facing_plane]);
+      });
+      EXPECT_GT(sheets, 0.9 * voxels) << "plane " << i << " lod " << lod;
+    }
+  }
+}
+
+TEST(Plane, IsNoneWhereVoxelsFillTheirCubeOrTwoSidesOfAWallCancel) {
+  const std::array<std::int8_t, 2> up = {0, 0}, down = {127, 127};
+  const Level solid = filled([](const double*) { return true; }, [&](const double*) { return up; });
+  const Level wall = filled([](const double p[3]) { return p[2] > 19 && p[2] < 21; },
+                            [&](const double p[3]) { return p[2] > 20 ? up : down; });
+  for (const Level& finest : {solid, wall}) {
+    const std::vector<Level> levels = levels_above(finest);
+    const Level& top = levels[3];
+    for (std::size_t v = 0; v < top.rgba.size() / 4; ++v) {
+      EXPECT_EQ(top.facing[facing_bytes * v + facing_plane], 0) << "voxel " << v;
+    }
+  }
+}
+
+TEST(Plane, IsNoneWithoutNormals) {
+  Level finest = plane_voxels({{0, 0, 1}, {0, 0}});
+  finest.normal.clear();
+  std::vector<Level> levels;
+  levels.push_back(std::move(finest));
+  LevelSurface surface;
+  add_coarser_levels(levels, surface, 4, MipFilter::coverage, false, ThreadPool(1));
+  EXPECT_TRUE(surface.patches.empty());
+  for (std::size_t v = 0; v < levels[3].rgba.size() / 4; ++v) {
+    EXPECT_EQ(levels[3].facing[facing_bytes * v + facing_plane], 0);
+    EXPECT_NE(levels[3].facing[facing_bytes * v], 0) << "coverage says all";
+  }
+}
+
+TEST(Plane, ComesBackFromItsByte) {
+  EXPECT_EQ(pack_plane(Plane()), 0);
+  for (int offset = -most_offset; offset <= most_offset; ++offset)
+    for (int coherence = 1; coherence <= most_coherence; ++coherence) {
+      const std::uint8_t byte = pack_plane({offset, coherence});
+      const Plane again = unpack_plane(byte);
+      EXPECT_NE(byte, 0);
+      EXPECT_EQ(again.offset, offset);
+      EXPECT_EQ(again.coherence, coherence);
+      EXPECT_EQ(is_all_sheet(byte), coherence == most_coherence);
+    }
+}
+
+}  // namespace
+}  // namespace gigabake::kernels

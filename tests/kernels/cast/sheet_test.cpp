@@ -1,0 +1,168 @@
+#include "kernels/cast/sheet.h"
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <gtest/gtest.h>
+#include <memory>
+#include <random>
+
+namespace gigabake::kernels {
+namespace {
+
+const std::uint8_t whole_sheet = pack_plane({0, most_coherence});
+
+struct Slot {
+  CastVoxel voxel[slot_voxels] = {};
+  CastVoxel& at(int x, int y, int z) { return voxel[x + slot_edge * (y + slot_edge * z)]; }
+};
+
+CastVoxel opaque_voxel() { return {{32768, 32768, 32768, 65535, 65535, 65535}, {0, 0}, 0}; }
+
+struct RandomPoints {
+  std::mt19937_64 random{20261123};
+  std::uniform_real_distribution<float> unit{0, 1};
+
+  CastPoint next() {
+    CastPoint p;
+    for (int a = 0; a < 3; ++a) {
+      p.base[a] = int(random() % 8);
+      p.between[a] = unit(random);
+    }
+    return p;
+  }
+};
+
+TEST(CastField, IsInterpolatedAsEverWhereThereIsNoSheet) {
+  RandomPoints points;
+  const auto slot = std::make_unique<Slot>();
+  for (CastVoxel& v : slot->voxel)
+    for (std::uint16_t& c : v.c) c = std::uint16_t(points.random());
+  for (int i = 0; i < 1000; ++i) {
+    const CastPoint p = points.next();
+    const CastField field = field_at(slot->voxel, p, true);
+    const CastSample plain = interpolate(slot->voxel, p);
+    ASSERT_EQ(std::memcmp(&field.loose, &plain, sizeof plain), 0);
+    ASSERT_EQ(field.sheet.height(), 0);
+  }
+}
+
+/// All voxels of a slot lie on one plane through its middle, as far as bytes say it.
+std::unique_ptr<Slot> slot_of_plane(const std::int8_t normal[2]) {
+  auto slot = std::make_unique<Slot>();
+  const OctahedronPoint n = octahedron_point(normal);
+  for (int z = 0; z < slot_edge; ++z)
+    for (int y = 0; y < slot_edge; ++y)
+      for (int x = 0; x < slot_edge; ++x) {
+        const double away = -2 * (n.c[0] * (x - 4) + n.c[1] * (y - 4) + n.c[2] * (z - 4)) / 127.0;
+        if (std::abs(away) > 1) continue;
+        CastVoxel v = opaque_voxel();
+        std::copy_n(normal, 2, v.normal);
+        v.plane = pack_plane({int(std::lround(away * most_offset)), most_coherence});
+        slot->at(x, y, z) = v;
+      }
+  return slot;
+}
+
+TEST(CastSheet, IsWhereThePlaneOfItsVoxelsIs) {
+  RandomPoints points;
+  for (int i = 0; i < 200; ++i) {
+    const std::int8_t normal[2] = {std::int8_t(int(points.random() % 255) - 127),
+                                   std::int8_t(int(points.random() % 255) - 127)};
+    const OctahedronPoint n = octahedron_point(normal);
+    const auto slot = slot_of_plane(normal);
+    for (int k = 0; k < 200; ++k) {
+      const CastPoint p = points.next();
+      const CastSheet sheet = field_at(slot->voxel, p, true).sheet;
+      if (sheet.sheet == 0) continue;
+      double above = 0;
+      for (int a = 0; a < 3; ++a) above += n.c[a] / 127.0 * (p.base[a] + double(p.between[a]) - 4);
+      ASSERT_NEAR(sheet.height(), above, 0.25 / most_offset + 1e-5) << "half of an offset's unit";
+    }
+  }
+}
+
+// What was found on 2026-11-23: coarse levels let light through where a sheet passes from one layer of voxels to the
+// next.
+TEST(CastSheet, IsOpaqueWhereverARayMeetsIt) {
+  RandomPoints points;
+  for (int i = 0; i < 200; ++i) {
+    const std::int8_t normal[2] = {std::int8_t(int(points.random() % 255) - 127),
+                                   std::int8_t(int(points.random() % 255) - 127)};
+    const auto slot = slot_of_plane(normal);
+    for (int k = 0; k < 500; ++k) {
+      const CastPoint p = points.next();
+      const CastSheet sheet = field_at(slot->voxel, p, true).sheet;
+      if (sheet.sheet == 0 || std::abs(sheet.height()) > 0.02f) continue;
+      ASSERT_GE(opacity_of_sheet(slot->voxel, p, sheet), 0.99f);
+    }
+  }
+}
+
+TEST(CastField, HasNoSheetInABrickThatStandsForFinerOnes) {
+  RandomPoints points;
+  const std::int8_t up[2] = {0, 0};
+  const auto slot = slot_of_plane(up);
+  for (int i = 0; i < 1000; ++i) {
+    const CastPoint p = points.next();
+    const CastField field = field_at(slot->voxel, p, false);
+    ASSERT_EQ(field.sheet.height(), 0);
+    ASSERT_EQ(field.loose.mean_coverage(), interpolate(slot->voxel, p).mean_coverage());
+  }
+}
+
+TEST(CastSheet, HasTheLooseAloneInWhatIsLoose) {
+  const auto slot = std::make_unique<Slot>();
+  for (CastVoxel& v : slot->voxel) {
+    v = opaque_voxel();
+    v.plane = whole_sheet;
+  }
+  const CastPoint middle{{3, 3, 3}, {0.5f, 0.5f, 0.5f}};
+  EXPECT_EQ(field_at(slot->voxel, middle, true).loose.mean_coverage(), 0) << "all of it is sheet";
+  slot->at(3, 3, 3).plane = 0;
+  EXPECT_NEAR(field_at(slot->voxel, middle, true).loose.mean_coverage(), 1.0f / 8, 1e-6f);
+  slot->at(4, 3, 3).plane = pack_plane({0, 2});
+  EXPECT_NEAR(field_at(slot->voxel, middle, true).loose.mean_coverage(), 2.0f / 8, 1e-6f) << "what is not all sheet";
+}
+
+TEST(Disagreement, IsOfPlanesThatAreFartherThanThirtyDegreesFromTheSheet) {
+  const OctahedronPoint up{{0, 0, 127}};
+  const auto sheet_at = [](double degrees) {
+    const double slope = degrees * 3.14159265358979 / 180;
+    return CastSheet{1, {float(std::sin(slope)), 0, float(std::cos(slope))}, 0};
+  };
+  EXPECT_EQ(disagreement(up, sheet_at(0)), 0);
+  EXPECT_EQ(disagreement(up, sheet_at(29)), 0);
+  EXPECT_NEAR(disagreement(up, sheet_at(37.76)), 0.5f, 0.01f);
+  EXPECT_EQ(disagreement(up, sheet_at(46)), 1);
+  EXPECT_EQ(disagreement(up, sheet_at(180)), 1);
+}
+
+// Where two sheets meet, the blended one may lie nowhere: then their coverages are what is seen.
+TEST(CastField, CountsSheetsByTheirCoverageWhereTheyDisagree) {
+  const auto slot = std::make_unique<Slot>();
+  for (int z = 0; z < slot_edge; ++z)
+    for (int y = 0; y < slot_edge; ++y)
+      for (int x = 0; x < slot_edge; ++x) {
+        CastVoxel v = opaque_voxel();
+        v.plane = whole_sheet;
+        if (x < 4) v.normal[0] = 127;
+        slot->at(x, y, z) = v;
+      }
+  const CastSample edge = field_at(slot->voxel, {{3, 3, 3}, {0.5f, 0.5f, 0.5f}}, true).loose;
+  EXPECT_NEAR(edge.c[3], 0.5f, 1e-3f);
+  EXPECT_NEAR(edge.c[4], 0, 1e-3f) << "neither covers a view along y";
+  EXPECT_NEAR(edge.c[5], 0.5f, 1e-3f);
+  EXPECT_EQ(field_at(slot->voxel, {{1, 3, 3}, {0.5f, 0.5f, 0.5f}}, true).loose.mean_coverage(), 0);
+}
+
+TEST(PartInPair, IsHowMuchOfAColumnsSheetLiesInTwoVoxels) {
+  EXPECT_EQ(part_in_pair(0.5f, 0.5f), 1);
+  EXPECT_EQ(part_in_pair(0, 0.5f), 1);
+  EXPECT_EQ(part_in_pair(-0.5f, 0.5f), 0.5f);
+  EXPECT_EQ(part_in_pair(1.5f, 0.125f), 0.5f);
+  EXPECT_EQ(part_in_pair(2.5f, 0.5f), 0);
+}
+
+}  // namespace
+}  // namespace gigabake::kernels
