@@ -53,7 +53,8 @@ def tiles_are_about_as_large_as_asked_for(gigabake, work):
 
 def wrong_options_and_others_folders_are_refused(gigabake, work):
     for options in (("--size", 1), ("--tiles", 0), ("--tiles", 9999), ("--texel", 0), ("--ground-step", "nan"),
-                    ("--tile-size", 0), ("--tile-size", 0.01), ("--tile-size", "nan"), ("--tile-size", 48, "--tiles", 2),
+                    ("--tile-size", 0), ("--tile-size", 0.01), ("--tile-size", "nan"),
+                    ("--tile-size", 48, "--tiles", 2),
                     ("--origin", "91,0,0"), ("--origin", "1,2")):
         result = gigabake.run("sample", work / "none", *options)
         assert result.returncode == 2, (options, result)
