@@ -10,21 +10,24 @@ namespace gigabake {
 std::span<const std::uint8_t> FileImage::file() const {
   // HDF5 file format, superblock of version 2 and 3: its number, and the 64-bit address of the file's end.
   constexpr std::size_t version_at = 8, end_at = 28, superblock_bytes = 48;
-  if (room_ < superblock_bytes || bytes_[version_at] < 2) throw std::logic_error("no HDF5 file was made in memory");
+  if (length_ < superblock_bytes || bytes_[version_at] < 2) throw std::logic_error("no HDF5 file was made in memory");
   std::uint64_t end = 0;
   for (std::size_t i = 0; i < 8; ++i) end |= std::uint64_t(bytes_[end_at + i]) << 8 * i;
-  if (end > room_) throw std::logic_error("an HDF5 file in memory is longer than its memory");
+  if (end > length_) throw std::logic_error("an HDF5 file in memory is longer than its memory");
   return {bytes_.get(), std::size_t(end)};
 }
 
 void* FileImage::grow(std::size_t bytes) noexcept {
-  if (bytes <= room_) return bytes_.get();
-  const std::size_t room = std::max(bytes, room_ + room_ / 2);
-  std::unique_ptr<std::uint8_t[]> larger(new (std::nothrow) std::uint8_t[room]);
-  if (!larger) return nullptr;
-  std::copy_n(bytes_.get(), room_, larger.get());
-  bytes_ = std::move(larger);
-  room_ = room;
+  if (bytes > room_) {
+    const std::size_t room = std::max(bytes, room_ + room_ / 2);
+    std::unique_ptr<std::uint8_t[]> larger(new (std::nothrow) std::uint8_t[room]);
+    if (!larger) return nullptr;
+    std::copy_n(bytes_.get(), length_, larger.get());
+    bytes_ = std::move(larger);
+    room_ = room;
+  }
+  if (bytes > length_) std::fill_n(bytes_.get() + length_, bytes - length_, std::uint8_t(0));
+  length_ = bytes;
   return bytes_.get();
 }
 

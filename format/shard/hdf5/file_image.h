@@ -17,12 +17,15 @@ class FileImage {
   /// Exact   Byte for byte what HDF5 would have written to a file.
   std::span<const std::uint8_t> file() const;
 
-  /// Room for so many bytes, with those that are there already; null where there is none. For HDF5.
+  /// What is there is the former file, and none of it shows in the next one.
+  void begin_file() noexcept { length_ = 0; }
+  /// Room for so many bytes of the file that was begun: with those that it has, and zeros after them, as a file of the
+  /// system's has where nobody wrote. Null where there is none. For HDF5.
   void* grow(std::size_t bytes) noexcept;
 
  private:
   std::unique_ptr<std::uint8_t[]> bytes_;
-  std::size_t room_ = 0;
+  std::size_t room_ = 0, length_ = 0;  ///< of bytes_; as far as the file has reached
 };
 
 }  // namespace gigabake

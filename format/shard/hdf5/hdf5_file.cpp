@@ -103,6 +103,7 @@ Hdf5File Hdf5File::create(const std::filesystem::path& path, const std::filesyst
 Hdf5File Hdf5File::create(FileImage& image, const std::filesystem::path& called) {
   const Hdf5Call call{called, ""};
   calm_hdf5(call);
+  image.begin_file();
   return {called, created(call, called, access_to_memory(call, image))};
 }
 

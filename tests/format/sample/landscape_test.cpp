@@ -16,7 +16,7 @@ const Landscape& landscape() {
 }
 
 TerrainTile tile_at(MapPoint min, const TileFrame& frame, bool with_objects = false) {
-  return make_tile(landscape(), frame, {min, 96, 48, 16, with_objects}, {});
+  return make_tile(landscape(), frame, {min, {96, 96}, {48, 48}, {16, 16}, with_objects}, {});
 }
 
 /// East, north, up of every vertex of a mesh, in the tile's frame.
