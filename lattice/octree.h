@@ -14,6 +14,10 @@ namespace gigabake {
 inline constexpr std::size_t coverage_bytes = 3, facing_plane = 3, facing_bytes = 4;
 using Facing = std::array<std::uint8_t, facing_bytes>;
 
+/// Whether a voxel's plane can be this byte: 0 where there is none; else its offset plus 8 (1 to 15) above two bits for
+/// how much of the surface lies on it (1 to 3).
+constexpr bool is_plane(std::uint8_t byte) { return byte == 0 || (byte < 64 && (byte >> 2) != 0 && (byte & 3) != 0); }
+
 enum class NodeKind : std::uint8_t {
   brick = 0,          ///< value: index of its brick in its level
   constant = 1,       ///< all 512 voxels are present and alike; children may differ in detail below. value: rgba

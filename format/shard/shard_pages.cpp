@@ -115,6 +115,7 @@ std::vector<NodeRow> ShardPages::nodes(std::uint64_t first, std::uint32_t count)
           ? facing_of_rows(read_range<std::uint8_t>(*columns.facing, first, rows, columns.facing_column.row_bytes()),
                            columns.facing_column)
           : std::vector<Facing>(rows);
+  check_planes_of_nodes(file_.path(), first, facing);
   std::vector<NodeRow> out(rows);
   for (std::size_t i = 0; i < kind.size(); ++i) {
     if (begin + i >= first) {
@@ -146,6 +147,7 @@ BrickBlock ShardPages::level(int lod, std::uint64_t first, std::uint32_t count) 
   for (const ChannelRows& channel : columns.channels)
     channel.read(first, block.mask, begin, voxels, make_room(channel.channel(), voxels, block));
   check_coverage(file_.path(), lod, begin, block.rgba);
+  check_planes(file_.path(), lod, begin, block.facing);
   return block;
 }
 

@@ -77,6 +77,7 @@ BrickLevel ShardReader::read_level(int lod, std::uint64_t bricks) const {
     rows.read(0, level.mask, 0, voxels, make_room(channel, voxels, level));
   }
   check_coverage(path_, lod, 0, level.rgba);
+  check_planes(path_, lod, 0, level.facing);
   return level;
 }
 

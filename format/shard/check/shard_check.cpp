@@ -9,6 +9,8 @@
 namespace gigabake {
 namespace {
 
+constexpr const char* no_plane = "plane is none of 0 and 5 to 63 with its lowest two bits not 0";
+
 std::string level_name(int lod) { return "/lod_" + std::to_string(lod); }
 
 void check_key(const BrokenRule& table, const ShardHeader& header, const NodeTable& n, std::size_t i) {
@@ -56,6 +58,7 @@ void check_nodes(const std::filesystem::path& path, const ShardHeader& header, c
     check_key(table, header, n, i);
   }
   for (std::size_t i = 0; i < count; ++i) check_keys_of_children(table, n, i);
+  check_planes_of_nodes(path, 0, n.facing);
 }
 
 void check_bricks_of_level(const std::filesystem::path& path, const BrickLevel& level, int lod,
@@ -91,6 +94,20 @@ void check_coverage(const std::filesystem::path& path, int lod, std::uint64_t fi
   const BrokenRule table{path, level_name(lod)};
   for (std::size_t v = 0; 4 * v < rgba.size(); ++v)
     table.expect(rgba[4 * v + 3] != 0, first_voxel + v, "a voxel without coverage");
+}
+
+void check_planes(const std::filesystem::path& path, int lod, std::uint64_t first_voxel,
+                  std::span<const std::uint8_t> facing) {
+  const BrokenRule table{path, level_name(lod)};
+  for (std::size_t v = 0; facing_bytes * v < facing.size(); ++v)
+    table.expect(is_plane(facing[facing_bytes * v + facing_plane]), first_voxel + v, no_plane);
+}
+
+void check_planes_of_nodes(const std::filesystem::path& path, std::uint64_t first_node,
+                           std::span<const Facing> facing) {
+  const BrokenRule table{path, "/nodes"};
+  for (std::size_t i = 0; i < facing.size(); ++i)
+    table.expect(is_plane(facing[i][facing_plane]), first_node + i, no_plane);
 }
 
 }  // namespace gigabake

@@ -30,5 +30,11 @@ void check_bricks(const std::filesystem::path& path, int lod, std::uint64_t firs
 /// Voxels from `first_voxel` of a level on: alpha is never 0.
 void check_coverage(const std::filesystem::path& path, int lod, std::uint64_t first_voxel,
                     std::span<const std::uint8_t> rgba);
+/// Voxels from `first_voxel` of a level on: each plane is one.
+/// Range  facing_bytes a voxel; none where the level has no such channel.
+void check_planes(const std::filesystem::path& path, int lod, std::uint64_t first_voxel,
+                  std::span<const std::uint8_t> facing);
+/// Rows from `first_node` of the nodes on: as voxels.
+void check_planes_of_nodes(const std::filesystem::path& path, std::uint64_t first_node, std::span<const Facing> facing);
 
 }  // namespace gigabake

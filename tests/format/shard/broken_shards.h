@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "format/shard/shard.h"
+#include "made_shard.h"
 
 namespace gigabake::made {
 
@@ -27,6 +28,9 @@ inline std::vector<BrokenShard> broken_shards() {
       {"rgb does not fit first", [](Shard& s) { s.levels[0].rgba.resize(16, 1), s.levels[0].normal.resize(8); }},
       {"a voxel without coverage", [](Shard& s) { s.levels[0].rgba[3] = 0; }},
       {"normal does not fit", [](Shard& s) { s.levels[0].normal.resize(4); }},
+      {"/lod_1: row 1: plane is none", [](Shard& s) { s = small_shard_with_planes(), s.levels[1].facing[7] = 0x3c; }},
+      {"/lod_1: row 0: plane is none", [](Shard& s) { s = small_shard_with_planes(), s.levels[1].facing[3] = 0x43; }},
+      {"/nodes: row 2: plane is none", [](Shard& s) { s = small_shard_with_planes(), s.nodes.facing[2][3] = 3; }},
   };
 }
 

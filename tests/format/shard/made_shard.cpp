@@ -19,7 +19,9 @@ constexpr std::uint32_t no_child = 0xffffffffu;
 Facing random_facing(std::mt19937_64& rng, const ShardShape& shape) {
   Facing facing{};
   for (std::size_t a = 0; a < coverage_bytes; ++a) facing[a] = std::uint8_t(1 + rng() % 255);
-  if (shape.normals) facing[facing_plane] = std::uint8_t((facing[0] ^ facing[1] ^ facing[2]) & 0x3f);
+  if (!shape.normals) return facing;
+  do facing[facing_plane] = std::uint8_t(rng() % 64);
+  while (!is_plane(facing[facing_plane]));
   return facing;
 }
 

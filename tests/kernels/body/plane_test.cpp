@@ -105,6 +105,15 @@ TEST(OctahedronPoint, IsTheDirectionThatTheBytesEncode) {
   }
 }
 
+// What verify calls a plane is what the kernels write, and every byte of it.
+TEST(Plane, IsWrittenAsWhatAShardMayHold) {
+  std::array<bool, 256> written{};
+  for (std::int32_t offset = -most_offset; offset <= most_offset; ++offset)
+    for (std::int32_t coherence = 0; coherence <= most_coherence; ++coherence)
+      written[pack_plane({offset, coherence})] = true;
+  for (int byte = 0; byte < 256; ++byte) EXPECT_EQ(is_plane(std::uint8_t(byte)), written[std::size_t(byte)]) << byte;
+}
+
 // A voxel of level 0 says of a surface only that it lies in it: so a plane is known to a quarter of a voxel of level 1,
 // and to ever less of coarser ones.
 TEST(Plane, IsWhereTheVoxelsOfAPlaneLie) {
