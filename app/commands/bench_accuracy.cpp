@@ -25,7 +25,7 @@ struct AccuracyOptions {
   std::string json, markdown, size = "160x120";
   int samples = 64, repeats = 3, million_triangles = 17, scene_voxels = 1536;
   std::uint64_t voxels = 50000;
-  std::vector<std::string> settings;
+  std::vector<std::string> settings, families;
   bool hard = false, leaks = false;
 };
 
@@ -107,6 +107,7 @@ bench::LeakBenchRequest leak_request_of(const AccuracyOptions& options, const st
   r.backend = options.bake.asked.backend;
   r.threads = threads_of(options.bake);
   r.edge = options.scene_voxels;
+  r.families = options.families;
   r.samples = options.samples;
   std::tie(r.width, r.height) = picture_size(options);
   return r;
@@ -164,6 +165,9 @@ void add_bench_accuracy(CLI::App& bench, int& exit_code) {
                    "how wide the scenes of --leaks are; from afar only scenes are seen that are 24 pixels wide there")
       ->capture_default_str()
       ->check(CLI::Range(32, 32768));
+  command->add_option("--scenes", o->families, "of --leaks, some kinds alone, with commas between them (all)")
+      ->delimiter(',')
+      ->check(one_of(bench::leak_families()));
   command
       ->add_option("--million-triangles", o->million_triangles,
                    "of the hard case that has all of them in one voxel, in millions")

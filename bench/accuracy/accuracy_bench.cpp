@@ -4,7 +4,9 @@
 #include <limits>
 #include <map>
 
+#include "kernels/cast/cast_camera.h"
 #include "lattice/error.h"
+#include "viewer/light/sky.h"
 #include "viewer/pictures/frame_renderer.h"
 #include "viewer/pictures/png.h"
 
@@ -110,20 +112,57 @@ std::filesystem::path picture_path(const std::filesystem::path& folder, const Ac
   return folder / file;
 }
 
-std::vector<LinearPicture> draw_references(const ReferenceCaster& caster, const AccuracyBenchRequest& request,
-                                           const std::vector<AccuracyView>& views) {
+/// What a screen shows of lit surface.
+LinearPicture shown(LinearPicture picture, const kernels::CastTone& tone) {
+  for (std::size_t i = 0; i < picture.pixels(); ++i) {
+    const float alpha = picture.alpha(i);
+    for (std::size_t k = 0; k < 3 && alpha > 0; ++k)
+      picture.rgba[4 * i + k] = alpha * kernels::shown_light(tone, picture.rgba[4 * i + k] / alpha);
+  }
+  return picture;
+}
+
+/// Where voxels are larger than pixels their edges show, most of all in light.
+bool is_also_lit(const AccuracyView& view) { return view.voxels_per_pixel < 1; }
+
+struct References {
+  std::vector<LinearPicture> albedo, lit;  ///< lit: in the order of those views
+};
+
+References draw_references(const ReferenceCaster& caster, const AccuracyBenchRequest& request,
+                           const std::vector<AccuracyView>& views) {
   const std::filesystem::path folder = request.out / "reference";
   std::filesystem::create_directories(folder);
-  std::vector<LinearPicture> references;
+  const kernels::CastTone tone = screen_tone(FrameRenderer::Options().exposure_stops);
+  References references;
   for (const AccuracyView& view : views) {
-    references.push_back(caster.draw(reference_camera(view.camera, request.scene.parameters), request.samples));
-    write_png(picture_path(folder, view), to_srgb(references.back()));
+    const kernels::CastCamera camera = reference_camera(view.camera, request.scene.parameters);
+    references.albedo.push_back(caster.draw(camera, request.samples));
+    write_png(picture_path(folder, view), to_srgb(references.albedo.back()));
+    if (is_also_lit(view))
+      references.lit.push_back(shown(caster.draw(camera, request.samples, afternoon_light()), tone));
   }
   return references;
 }
 
-void compare(const std::filesystem::path& folder, const AccuracyBench& bench,
-             const std::vector<LinearPicture>& references, int threads, AccuracySetting& setting) {
+Picture lit_picture(const std::filesystem::path& scene, const AccuracyView& view, int threads) {
+  FrameRenderer::Options options;
+  options.threads = threads;
+  return FrameRenderer(scene, options).draw_exact({view.camera, ViewMode::lit, {false, {0, 0, 0, 0}}}).picture;
+}
+
+void compare_lit(const std::filesystem::path& folder, const AccuracyBench& bench,
+                 const std::vector<LinearPicture>& references, int threads, AccuracySetting& setting) {
+  auto reference = references.begin();
+  for (std::size_t v = 0; v < bench.views.size(); ++v)
+    if (is_also_lit(bench.views[v])) {
+      const LinearPicture lit = to_linear(lit_picture(folder / "scene.xml", bench.views[v], threads));
+      setting.views[v].lit_flip = picture_error(*reference++, lit).flip;
+    }
+}
+
+void compare(const std::filesystem::path& folder, const AccuracyBench& bench, const References& references, int threads,
+             AccuracySetting& setting) {
   FrameRenderer::Options options;
   options.threads = threads;
   FrameRenderer renderer(folder / "scene.xml", options);
@@ -131,19 +170,14 @@ void compare(const std::filesystem::path& folder, const AccuracyBench& bench,
   for (std::size_t v = 0; v < bench.views.size(); ++v) {
     const View view{bench.views[v].camera, ViewMode::albedo, {false, {0, 0, 0, 0}}};
     const Frame frame = renderer.draw_exact(view);
-    errors.push_back(picture_error(references[v], to_linear(frame.picture)));
-    setting.views.push_back({bench.views[v].name(), frame.stats.total_s, errors.back()});
+    errors.push_back(picture_error(references.albedo[v], to_linear(frame.picture)));
+    setting.views.push_back({bench.views[v].name(), frame.stats.total_s, errors.back(), {}});
     setting.render_s += frame.stats.total_s;
     write_png(picture_path(folder, bench.views[v]), frame.picture);
   }
   if (!renderer.problems().empty()) throw InputError(folder, "", renderer.problems().front());
   setting.mean = mean_error(errors);
-}
-
-Picture lit_picture(const std::filesystem::path& scene, const AccuracyView& view, int threads) {
-  FrameRenderer::Options options;
-  options.threads = threads;
-  return FrameRenderer(scene, options).draw_exact({view.camera, ViewMode::lit, {false, {0, 0, 0, 0}}}).picture;
+  compare_lit(folder, bench, references.lit, threads, setting);
 }
 
 /// Light shows what albedo does not.
@@ -187,7 +221,7 @@ AccuracyBench bench_accuracy(const AccuracyBenchRequest& request, const Accuracy
   const auto start = Clock::now();
   const ReferenceCaster caster(sources, request.scene.parameters, request.scene.threads);
   bench.views = accuracy_views(caster, request.scene.parameters, request.width, request.height);
-  const std::vector<LinearPicture> references = draw_references(caster, request, bench.views);
+  const References references = draw_references(caster, request, bench.views);
   bench.reference_s = seconds_since(start);
   VoxelErrors voxel_errors(caster, request);
   for (AccuracySetting& setting : settings) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,7 @@ struct ViewError {
   std::string view;  ///< AccuracyView::name()
   double render_s = 0;
   PictureError error;
+  std::optional<double> lit_flip;  ///< in the light of `render`, where voxels are larger than pixels
 };
 
 struct AccuracySetting {

@@ -8,12 +8,13 @@
 #include "bench/accuracy/linear_picture.h"
 #include "bench/accuracy/source_triangles.h"
 #include "kernels/cast/cast.h"
+#include "kernels/cast/shade.h"
 
 namespace gigabake::bench {
 
-/// Rays find triangles with Embree 3 or 4. Own colour only, no light, as ViewMode::albedo; alpha modes as a bake takes
-/// them, front to back through whatever is translucent.
-/// Space   Lod-0 voxels of `lattice`; of it only voxel size and origin matter.
+/// Rays find triangles with Embree 3 or 4. Own colour, as ViewMode::albedo, or lit as voxels are, by the outside of
+/// each triangle; alpha modes as a bake takes them, front to back through whatever is translucent. Space   Lod-0 voxels
+/// of `lattice`; of it only voxel size and origin matter.
 class ReferenceCaster {
  public:
   /// Whether gigabake was built with Embree.
@@ -35,7 +36,8 @@ class ReferenceCaster {
 
   /// Each pixel is the mean of at least `samples` rays, one at random in each square of a grid over it.
   /// Exact   The same for any number of threads, on one machine: pixels seed their own random numbers.
-  LinearPicture draw(const kernels::CastCamera& camera, int samples) const;
+  LinearPicture draw(const kernels::CastCamera& camera, int samples,
+                     const kernels::CastLight& light = kernels::unlit()) const;
 
   /// Distance to the first triangle; direction: unit.
   std::optional<double> first_hit(const std::array<double, 3>& origin, const std::array<double, 3>& direction) const;

@@ -120,6 +120,16 @@ bool SourceTriangles::is_mirrored(std::size_t part) const {
          0;
 }
 
+std::array<double, 3> SourceTriangles::outside(std::size_t part, std::size_t triangle) const {
+  const auto p = corners(part, triangle);
+  std::array<double, 3> u, v;
+  for (std::size_t a = 0; a < 3; ++a) u[a] = p[1][a] - p[0][a], v[a] = p[2][a] - p[0][a];
+  const std::array<double, 3> n{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+  const double length = std::hypot(n[0], n[1], n[2]) * (is_mirrored(part) ? -1 : 1);
+  if (!(std::fabs(length) > 0)) return {};
+  return {n[0] / length, n[1] / length, n[2] / length};
+}
+
 std::vector<float> SourceTriangles::positions(std::size_t part) const {
   const kernels::PartView& view = cell_.parts[part];
   std::vector<float> out;

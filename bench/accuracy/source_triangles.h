@@ -48,6 +48,8 @@ class SourceTriangles {
   double texels(std::size_t part, std::size_t triangle) const;
   /// Whether the part is an instance that is a mirror image: outside is then where the left hand points.
   bool is_mirrored(std::size_t part) const;
+  /// Towards its outside, of length 1: by the winding as the instance shows it. All 0 where it has no area.
+  std::array<double, 3> outside(std::size_t part, std::size_t triangle) const;
   const LatticeBox& box() const { return box_; }
   const std::array<double, 3>& middle() const { return middle_; }
 

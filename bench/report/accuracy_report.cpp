@@ -71,6 +71,7 @@ Json to_json(const AccuracySetting& s) {
     Json one = to_json(view.error);
     one["view"] = view.view;
     one["render_s"] = view.render_s;
+    if (view.lit_flip) one["lit_flip"] = *view.lit_flip;
     j["views"].push_back(one);
   }
   return j;
@@ -141,6 +142,19 @@ std::string views_table(const AccuracySetting& setting) {
   return out;
 }
 
+/// Where voxels are larger than pixels.
+std::string lit_table(const AccuracyBench& bench) {
+  std::string heads = "| lit FLIP, view and voxels a pixel |", rules = "| --- |", out;
+  for (const AccuracySetting& s : bench.settings) heads += " " + s.name + " |", rules += " --- |";
+  for (const ViewError& first : bench.settings.front().views) {
+    if (!first.lit_flip) continue;
+    out += "| " + first.view + " |";
+    for (const AccuracySetting& s : bench.settings) out += fmt::format(" {:.4f} |", *at(s, first.view).lit_flip);
+    out += "\n";
+  }
+  return heads + "\n" + rules + "\n" + out;
+}
+
 std::string goals_table(const AccuracyBench& bench) {
   std::string heads = "| lod 4, a voxel a pixel |", rules = "| --- |";
   std::vector<std::string> rows;
@@ -204,7 +218,8 @@ std::string to_markdown(const AccuracyBench& bench) {
              "Means over {} views, {:g} m voxels, {} rays a pixel in the reference; the bias is its magnitude.\n\n",
              bench.views.size(), bench.voxel_size_m, bench.samples) +
          settings_table(bench) + "\n" + voxels_table(bench) + "\n" + normals_table(bench) + "\n" +
-         views_table(bench.settings.front()) + "\n" + goals_table(bench) + "\n" + accuracy_columns();
+         views_table(bench.settings.front()) + "\n" + lit_table(bench) + "\n" + goals_table(bench) + "\n" +
+         accuracy_columns();
 }
 
 std::vector<NamedPlot> plots_of(const AccuracyBench& bench) {

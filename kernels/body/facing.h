@@ -1,7 +1,7 @@
 /// What views along the axes see of a coarser voxel, and of each of its children.
 ///
 /// A voxel's *raster* is what it shows along x, y and z: its content projected onto the face across each axis, in cells
-/// of 0…255: one cell at lod 0 (its coverage), 2×2 at lod 1, 4×4, and 8×8 from lod 3 on, where a cell is the mean of
+/// of 0…255: one cell at lod 0 (AxisCoverage), 2×2 at lod 1, 4×4, and 8×8 from lod 3 on, where a cell is the mean of
 /// four. Children one behind the other hide each other cell by cell. So coverage is exact for opaque voxels up to lod
 /// 3, and beyond it two sheets are mistaken for each other only within an eighth of a voxel. Coverage alone cannot
 /// know: half of a voxel behind half of a voxel hides nothing of what is behind both, or all of it.
@@ -11,6 +11,7 @@
 
 #include <cstdint>
 
+#include "kernels/body/axis_coverage.h"
 #include "lattice/host_device.h"
 
 namespace gigabake::kernels {
@@ -188,11 +189,11 @@ GB_HD FacingSums see_children(const Children& children, std::uint32_t* raster) {
   }
 }
 
-/// Of eight voxels of lod 0, whose rasters are their coverage: byte c of (lower, upper) is child c's, 0 where there is
-/// none. raster: the parent's.
-GB_HD FacingSums see_voxels(std::uint32_t lower, std::uint32_t upper, std::uint32_t raster[3]) {
-  const std::uint32_t low[3] = {even_bytes(lower, upper), (lower & 0xffff) | upper << 16, lower};
-  const std::uint32_t high[3] = {even_bytes(lower >> 8, upper >> 8), lower >> 16 | (upper & 0xffff0000), upper};
+/// Of eight voxels of lod 0, whose rasters are what they cover along each axis. raster: the parent's.
+GB_HD FacingSums see_voxels(const AxisCoverage& c, std::uint32_t raster[3]) {
+  const std::uint32_t *x = c.along[0], *y = c.along[1], *z = c.along[2];
+  const std::uint32_t low[3] = {even_bytes(x[0], x[1]), (y[0] & 0xffff) | y[1] << 16, z[0]};
+  const std::uint32_t high[3] = {even_bytes(x[0] >> 8, x[1] >> 8), y[0] >> 16 | (y[1] & 0xffff0000), z[1]};
   FacingSums result;
   GB_UNROLL
   for (int axis = 0; axis < 3; ++axis) {

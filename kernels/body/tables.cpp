@@ -47,16 +47,26 @@ std::vector<std::uint8_t> make_thesis_alpha() {
   return table;
 }
 
+std::vector<std::uint8_t> make_sheet_coverage() {
+  std::vector<std::uint8_t> table;
+  for (int alpha = 0; alpha < 256; ++alpha)
+    for (int n = 0; n < int(normal_steps); ++n)
+      table.push_back(std::uint8_t(std::floor(255 * (1 - std::pow(1 - alpha / 255.0, n / 127.0)) + 0.5)));
+  return table;
+}
+
 }  // namespace
 
 TableStore::TableStore()
     : linear_from_srgb_(make_linear_from_srgb()),
       srgb_from_linear_(make_srgb_from_linear()),
       unit_normal_(make_unit_normal()),
-      thesis_alpha_(make_thesis_alpha()) {}
+      thesis_alpha_(make_thesis_alpha()),
+      sheet_coverage_(make_sheet_coverage()) {}
 
 Tables TableStore::view() const {
-  return {linear_from_srgb_.data(), srgb_from_linear_.data(), unit_normal_.data(), thesis_alpha_.data()};
+  return {linear_from_srgb_.data(), srgb_from_linear_.data(), unit_normal_.data(), thesis_alpha_.data(),
+          sheet_coverage_.data()};
 }
 
 const TableStore& TableStore::host() {

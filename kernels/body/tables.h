@@ -12,6 +12,7 @@ namespace gigabake::kernels {
 
 /// Entries of the tables. A normal's has four numbers.
 inline constexpr std::size_t srgb_codes = 256, linear_values = 65536, normal_codes = 65536, alpha_sums = 64 * 255 + 1;
+inline constexpr std::size_t normal_steps = 128, sheet_coverages = 256 * normal_steps;
 
 /// Borrowed.
 struct Tables {
@@ -19,7 +20,8 @@ struct Tables {
   const std::uint8_t* srgb_from_linear = nullptr;   ///< [65536] the nearest sRGB 8-bit code, half up in sRGB
   const std::int16_t* unit_normal =
       nullptr;  ///< [65536][4] x, y, z of unit length 32767 by (uint8 ox) | (uint8 oy) << 8
-  const std::uint8_t* thesis_alpha = nullptr;  ///< [16321] 255·a^(1-a) by the sum of 64 8-bit alphas
+  const std::uint8_t* thesis_alpha = nullptr;    ///< [16321] 255·a^(1-a) by the sum of 64 8-bit alphas
+  const std::uint8_t* sheet_coverage = nullptr;  ///< [256][128] 255·(1-(1-a)^n) by 8-bit alpha, then 127·n
 };
 
 /// Source  IEC 61966-2-1 (sRGB); Cigolle et al. 2014 (octahedral normals); the thesis's opacity rule a^(1-a).
@@ -33,7 +35,7 @@ class TableStore {
   std::vector<std::uint16_t> linear_from_srgb_;
   std::vector<std::uint8_t> srgb_from_linear_;
   std::vector<std::int16_t> unit_normal_;
-  std::vector<std::uint8_t> thesis_alpha_;
+  std::vector<std::uint8_t> thesis_alpha_, sheet_coverage_;
 };
 
 }  // namespace gigabake::kernels

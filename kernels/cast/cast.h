@@ -27,7 +27,9 @@ namespace gigabake::kernels {
 struct CastRay {
   float rgb[3] = {0, 0, 0};  ///< linear, premultiplied
   float transmittance = 1;
-  float covered = 0;       ///< coverage of all loose surface so far, added up: 1 is opaque
+  float covered = 0;       ///< coverage of all surface so far, added up: 1 is opaque
+  float before = 0;        ///< the same before the surface that the ray is in began
+  float apart = 0;         ///< from this distance on another surface begins
   float depth = no_depth;  ///< distance at which half of the light is gone
   std::int32_t lod = -1;   ///< -1: finished
   std::int64_t step = 0;   ///< next point of the level
@@ -165,15 +167,41 @@ GB_HD float crossings(const CastSample& s, const float across[3], int lod) {
 /// an opaque one, where e^-x would let a third through. Coarser voxels are as wide as a pixel, and interpolation
 /// spreads their borders over two: the step is steeper there.
 ///
+/// Where surface hides no more than `density` of the light, the step ends there: a sheet shows the alpha that it has.
+///
 /// Source  Vicini, Jakob, Kaplanyan 2021, "A non-exponential transmittance model for volumetric scene representations".
-GB_HD float hidden_by(float covered, int lod) { return lod == 0 ? covered : covered * covered * (3 - 2 * covered); }
+GB_HD float hidden_by(float covered, int lod, float density) {
+  if (lod == 0 || covered >= density) return covered;
+  const float part = covered / density;
+  return density * (part * part * (3 - 2 * part));
+}
 
-/// What of the light that came so far stops at `more` surface, 1 is opaque, of a brick of level `lod`.
-GB_HD float stop_light(float more, int lod, CastRay& ray) {
-  const float covered = ray.covered + more;
-  const float before = hidden_by(ray.covered, lod);
+/// What of the light that came so far stops where the ray has now met `covered` of surface, of a brick of level `lod`.
+GB_HD float stop_light(float covered, int lod, float density, CastRay& ray) {
+  const float before = hidden_by(ray.covered, lod, density);
   ray.covered = covered < 1 ? covered : 1;
-  return before < 1 ? ray.transmittance * ((hidden_by(ray.covered, lod) - before) / (1 - before)) : ray.transmittance;
+  if (before >= 1) return ray.transmittance;
+  const float more = (hidden_by(ray.covered, lod, density) - before) / (1 - before);
+  return more > 0 ? ray.transmittance * more : 0;
+}
+
+/// Pieces of a pane that a ray meets are one until it is so many voxels away from them, across the pane.
+inline constexpr float pane_reach = 2;
+
+/// The ray is in a surface at `distance`, which it leaves so fast. voxel: edge of its voxels.
+GB_HD void stay_in_surface(double distance, float across, float voxel, CastRay& ray) {
+  if (float(distance) >= ray.apart) ray.before = ray.covered;
+  constexpr float slowest = 1.0f / 32;
+  ray.apart = float(distance) + pane_reach * voxel / (across > slowest ? across : slowest);
+}
+
+/// After `more` of a surface that hides no more than `density`: how many of a pane's voxels a ray meets depends on the
+/// slope, and together they hide what the pane does. Pieces of an opaque surface add up.
+GB_HD float covered_in_surface(float more, float density, const CastRay& ray) {
+  const float covered = ray.covered + more;
+  if (density >= 1) return covered;
+  const float most = ray.before + (1 - ray.before) * density;
+  return covered <= most ? covered : (most > ray.covered ? most : ray.covered);
 }
 
 /// A brick that stands for finer ones which are not here counts as more surface than it holds, the more the coarser it
@@ -194,12 +222,13 @@ GB_HD void take_light(const CastSample& s, const CastPlace& place, float weight,
 }
 
 /// The sample stands for `steps` points of the ray's level.
-GB_HD void composite(const CastSample& s, const CastLine& line, const CastPlace& place, std::int64_t steps,
-                     double distance, const CastCamera& camera, CastRay& ray) {
+GB_HD void composite(const CastSample& s, const CastPane& pane, const CastLine& line, const CastPlace& place,
+                     std::int64_t steps, double distance, const CastCamera& camera, CastRay& ray) {
   const double way = double(steps) * step_length(ray.lod);
   const float part = solidity(place, ray) * float(way / (2 * place.half));
-  take_light(s, place, stop_light(crossings(s, line.across, place.lod) * part, place.lod, ray), distance, way, camera,
-             ray);
+  if (pane.density < 1) stay_in_surface(distance, pane.across, float(2 * place.half), ray);
+  const float covered = covered_in_surface(crossings(s, line.across, place.lod) * part, pane.density, ray);
+  take_light(s, place, stop_light(covered, place.lod, 1, ray), distance, way, camera, ray);
 }
 
 /// What is still to come would not show: the ray ends as if the last surface were opaque.
@@ -246,6 +275,14 @@ GB_HD double sheet_met(const CastSheet& sheet, const CastLine& line, const CastP
   return behind >= 0 && behind <= step ? distance - behind : met_nowhere;
 }
 
+/// Between two sheets one behind the other the blended height changes its sign too, from below the first to above the
+/// second: there the ray goes down and the height up, or the other way round.
+GB_HD bool is_between_sheets(const CastSheet& sheet, const CastLine& line, const CastRay& ray) {
+  double rises = 0;
+  for (int a = 0; a < 3; ++a) rises += double(sheet.normal[a]) * line.direction[a];
+  return ray.height != CastRay::no_height && double(ray.height) * rises > 0;
+}
+
 /// The ray met a sheet at `met`, before the point of `around`. False: as step_ray().
 GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient, double met,
                       const CastPlace& around, CastPath& path, CastRay& ray) {
@@ -268,8 +305,13 @@ GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const Ca
     const CastSample more = sheet_sample(scene.voxels + std::size_t(slot_voxels) * at.brick, point_in_brick(at, q));
     for (int k = 0; k < cast_channels; ++k) sample.c[k] += more.c[k];
   }
-  const float opacity = opacity_of_sheet(voxels, point, sheet);
-  take_light(sample, place, stop_light(opacity, place.lod, ray), met, 0, camera, ray);
+  const SheetOpacity seen = opacity_of_sheet(voxels, point, sheet);
+  if (seen.density < 1) {
+    if (is_between_sheets(sheet, line, ray)) return true;
+    stay_in_surface(met, length_along(line.direction, sheet.normal), float(2 * place.half), ray);
+  }
+  const float covered = covered_in_surface(seen.opacity, seen.density, ray);
+  take_light(sample, place, stop_light(covered, place.lod, seen.density, ray), met, 0, camera, ray);
   return true;
 }
 
@@ -288,13 +330,13 @@ GB_HD bool add_point(const CastScene& scene, const CastCamera& camera, const Cas
                      double distance, std::int64_t steps, const CastPoint& point, const CastPlace& place,
                      CastPath& path, CastRay& ray) {
   const CastVoxel* voxels = scene.voxels + std::size_t(slot_voxels) * place.brick;
-  const CastField field = field_at(voxels, point, place.lod == ray.lod);
+  const CastField field = field_at(voxels, point, place.lod, place.lod == ray.lod, line.direction);
   const bool is_loose = field.loose.mean_coverage() > 0;
   const double met = sheet_met(field.sheet, line, place, distance, ray);
   if (met != met_nowhere && !meet_sheet(scene, camera, line, patient, met, place, path, ray)) return false;
   keep_height(field.sheet, line, place, distance, ray);
   if (!is_loose && !(field.sheet.sheet > 0)) return true;
-  if (is_loose) composite(field.loose, line, place, steps, distance, camera, ray);
+  if (is_loose) composite(field.loose, field.pane, line, place, steps, distance, camera, ray);
   ray.past = ray.step + steps;
   return true;
 }

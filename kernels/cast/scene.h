@@ -27,6 +27,7 @@ struct alignas(16) CastVoxel {
   std::uint16_t c[6];
   std::int8_t normal[2];
   std::uint8_t plane;  ///< 0: none
+  std::uint8_t clear;  ///< of lod 0: not 0 where it lets light through
 };
 inline constexpr int cast_channels = 6;
 

@@ -36,10 +36,17 @@ struct CastSheet {
   }
 };
 
+/// What lets light through hides as much of it whichever way a ray goes through.
+struct CastPane {
+  float density = 1;  ///< alpha of the voxels of lod 0 that are there; 1 where all are opaque
+  float across = 1;   ///< how fast a ray leaves it: 1 is straight across, 0 along it
+};
+
 /// What is around a point: the loose surface, and the sheet.
 struct CastField {
   CastSample loose;
   CastSheet sheet;
+  CastPane pane = {};  ///< of the loose surface
 };
 
 /// How much of a sheet a voxel holds: of a corner of one that it barely holds the place is not well known.
@@ -62,11 +69,32 @@ GB_HD void for_each_corner(const CastVoxel* voxels, const CastPoint& point, cons
   }
 }
 
-GB_HD bool has_sheet(const CastVoxel* voxels, const CastPoint& point) {
+/// Whether a voxel around the point has that byte.
+GB_HD bool any_has(std::uint8_t CastVoxel::*byte, const CastVoxel* voxels, const CastPoint& point) {
   const CastVoxel* corner = voxels + point.base[0] + slot_edge * (point.base[1] + slot_edge * point.base[2]);
-  int plane = 0;
-  for (int c = 0; c < 8; ++c) plane |= corner[(c & 1) + slot_edge * ((c >> 1 & 1) + slot_edge * (c >> 2))].plane;
-  return plane != 0;
+  int any = 0;
+  for (int c = 0; c < 8; ++c) any |= corner[(c & 1) + slot_edge * ((c >> 1 & 1) + slot_edge * (c >> 2))].*byte;
+  return any != 0;
+}
+
+/// The length of a vector's part along another one that need not be a unit.
+GB_HD float length_along(const double direction[3], const float n[3]) {
+  const float squared = (n[0] * n[0] + n[1] * n[1]) + n[2] * n[2];
+  if (!(squared > 0)) return 1;
+  const double dot = (direction[0] * double(n[0]) + direction[1] * double(n[1])) + direction[2] * double(n[2]);
+  return std::fabs(float(dot)) / std::sqrt(squared);
+}
+
+GB_HD CastPane pane_at(const CastVoxel* voxels, const CastPoint& point, const double direction[3]) {
+  float there = 0, hidden = 0, across = 0;
+  for_each_corner(voxels, point, [&](const CastVoxel& voxel, float weight, const int*) {
+    const OctahedronPoint n = octahedron_point(voxel.normal);
+    const float to[3] = {float(n.c[0]), float(n.c[1]), float(n.c[2])};
+    there += weight;
+    hidden += weight * voxel.c[3];
+    across += weight * length_along(direction, to);
+  });
+  return there > 0 ? CastPane{hidden / (there * 65535), across / there} : CastPane{};
 }
 
 GB_HD CastSheet blend_planes(const CastVoxel* voxels, const CastPoint& point) {
@@ -133,12 +161,17 @@ GB_HD CastSample loose_sample(const CastVoxel* voxels, const CastPoint& point, c
   return r;
 }
 
-/// is_wanted: of the level that the ray is on. A brick that stands for finer ones is seen by its coverages alone: its
-/// planes may lie on the other side of an eye that is nearer to them than they are wide.
-GB_HD CastField field_at(const CastVoxel* voxels, const CastPoint& point, bool is_wanted) {
-  if (!is_wanted || !has_sheet(voxels, point)) return {interpolate(voxels, point), {}};
+/// lod: of the brick. is_wanted: it is of the level that the ray is on. A brick that stands for finer ones is seen by
+/// its coverages alone: its planes may lie on the other side of an eye that is nearer to them than they are wide.
+GB_HD CastField field_at(const CastVoxel* voxels, const CastPoint& point, int lod, bool is_wanted,
+                         const double direction[3]) {
+  if (lod == 0) {
+    const bool is_clear = any_has(&CastVoxel::clear, voxels, point);
+    return {interpolate(voxels, point), {}, is_clear ? pane_at(voxels, point, direction) : CastPane{}};
+  }
+  if (!is_wanted || !any_has(&CastVoxel::plane, voxels, point)) return {interpolate(voxels, point), {}, {}};
   const CastSheet sheet = blend_planes(voxels, point);
-  return {loose_sample(voxels, point, sheet), sheet};
+  return {loose_sample(voxels, point, sheet), sheet, {}};
 }
 
 /// What the sheet looks like: what is loose has no say in it.
@@ -154,13 +187,22 @@ GB_HD float part_in_pair(float at, float reach) {
   return high > low ? (high - low) / (2 * reach) : 0;
 }
 
+/// How much of a sheet is there, and how much it hides where it is whole.
+struct SheetOpacity {
+  float opacity = 1, density = 1;
+};
+
+/// Columns that hold less of a sheet do not say how dense it is.
+inline constexpr float least_part = 0.25f;
+
 /// A plane is known to a fifteenth of a voxel, and its normal to some degrees.
 inline constexpr float least_reach = 0.125f;
 
 /// How much of the sheet through a point is surface. Voxels around it stand in four columns along the axis that the
 /// sheet is most across. A column's two voxels together hold so much of it as they cover along that axis, which is
-/// exact, of what of the tangent plane lies in them: elsewhere the sheet may be in the next one.
-GB_HD float opacity_of_sheet(const CastVoxel* voxels, const CastPoint& point, const CastSheet& sheet) {
+/// exact, of what of the tangent plane lies in them: elsewhere the sheet may be in the next one. Where no column is
+/// nearly full the sheet lets light through, and is as dense as it is opaque here; else what is missing is its border.
+GB_HD SheetOpacity opacity_of_sheet(const CastVoxel* voxels, const CastPoint& point, const CastSheet& sheet) {
   int along = 0;
   for (int a = 1; a < 3; ++a)
     if (std::fabs(sheet.normal[a]) > std::fabs(sheet.normal[along])) along = a;
@@ -169,7 +211,7 @@ GB_HD float opacity_of_sheet(const CastVoxel* voxels, const CastPoint& point, co
   const CastVoxel* base = voxels + point.base[0] + slot_edge * (point.base[1] + slot_edge * point.base[2]);
   const float slope_u = sheet.normal[u] / sheet.normal[along], slope_v = sheet.normal[v] / sheet.normal[along];
   const float reach = least_reach + 0.5f * (std::fabs(slope_u) + std::fabs(slope_v));
-  float there = 0, met = 0;
+  float there = 0, met = 0, densest = 0;
   for (int column = 0; column < 4; ++column) {
     const int i = column & 1, j = column >> 1;
     const float weight =
@@ -180,8 +222,13 @@ GB_HD float opacity_of_sheet(const CastVoxel* voxels, const CastPoint& point, co
     const float together = float(low->c[3 + along] + low[step[along]].c[3 + along]) * (1.0f / 65535);
     there += weight * (together < part ? together : part);
     met += weight * part;
+    if (part < least_part) continue;
+    const float density = together < part ? together / part : 1;
+    if (density > densest) densest = density;
   }
-  return met > 0 ? there / met : 1;
+  if (!(met > 0)) return {};
+  const float opacity = there / met, full = 4 * densest - 3;
+  return {opacity, full >= 1 || densest == 0 ? 1 : (full > 0 ? opacity + (1 - opacity) * full : opacity)};
 }
 
 }  // namespace gigabake::kernels

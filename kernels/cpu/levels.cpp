@@ -62,14 +62,21 @@ struct ChildRasters {
   }
 };
 
+FacingSums see_finest(const Children& children, bool has_normals, const Tables& tables, std::uint32_t* raster) {
+  AxisCoverage all;
+  for (int c = 0; c < 8; ++c) {
+    std::uint32_t coverage[3];
+    coverage_of_finest(children.voxel[c], has_normals, tables, coverage);
+    all.add(c, coverage);
+  }
+  return see_voxels(all, raster);
+}
+
+/// edge: of the children's rasters, which are not those of lod 0.
 FacingSums see(const Children& children, const std::uint32_t* rasters, int edge, std::uint32_t* raster) {
   const ChildRasters from{children, rasters, edge};
   if (edge == 2) return see_children<2>(from, raster);
-  if (edge == 4) return see_children<4>(from, raster);
-  if (edge == 8) return see_children<8>(from, raster);
-  std::uint32_t coverage[2] = {};
-  for (int c = 0; c < 8; ++c) coverage[c / 4] |= std::uint32_t(children.voxel[c].rgba[3]) << 8 * (c % 4);
-  return see_voxels(coverage[0], coverage[1], raster);
+  return edge == 4 ? see_children<4>(from, raster) : see_children<8>(from, raster);
 }
 
 /// Consecutive bricks with what the level above needs of them.
@@ -122,7 +129,8 @@ class ParentBuilder {
     }
     mask_[to >> 6] |= std::uint64_t(1) << (to & 63);
     if (filters_by_view(filter_)) {
-      const FacingSums seen = see(children, surface_.rasters.data(), edge_, raster_[to]);
+      const FacingSums seen = edge_ == 1 ? see_finest(children, has_planes_, tables_, raster_[to])
+                                         : see(children, surface_.rasters.data(), edge_, raster_[to]);
       weights_[to] = weights_of(seen, edge_, children.there);
       if (has_planes_)
         filter_patch(children, to);

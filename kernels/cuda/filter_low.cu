@@ -170,15 +170,22 @@ __device__ void list_upper_voxels(const LowLevels& in, const Group& g, LowShared
   if (in.levels > 2) s.index[at_3 + slot] = index_of(s, 2, b, 1, x, y, z);
 }
 
-/// What eight voxels of lod 0 show.
-__device__ FacingSums see_finest(const LowLevels& in, const Children<std::uint32_t>& children,
+/// What eight voxels of lod 0 show. Normals are read only of those that let light through.
+__device__ FacingSums see_finest(const LowLevels& in, const Children<std::uint32_t>& children, const Tables& tables,
                                  std::uint32_t raster[3]) {
-  std::uint32_t coverage[2] = {};
+  AxisCoverage all;
 #pragma unroll
-  for (int c = 0; c < 8; ++c)
-    if (children.at[c] != Children<std::uint32_t>::none)
-      coverage[c / 4] |= std::uint32_t(byte_of(in.fine.rgba[children.at[c]], 3)) << 8 * (c % 4);
-  return see_voxels(coverage[0], coverage[1], raster);
+  for (int c = 0; c < 8; ++c) {
+    const std::uint32_t at = children.at[c];
+    if (at == Children<std::uint32_t>::none) continue;
+    const std::uint32_t rgba = in.fine.rgba[at];
+    const bool has_normal = in.fine.normal != nullptr && !is_opaque(rgba);
+    std::uint32_t coverage[3];
+    coverage_of_finest(unpack_voxel(rgba, has_normal ? in.fine.normal[at] : std::uint16_t(0)), has_normal, tables,
+                       coverage);
+    all.add(c, coverage);
+  }
+  return see_voxels(all, raster);
 }
 
 template <bool by_view>
@@ -189,7 +196,7 @@ __device__ void filter_lod_1(const LowLevels& in, const Group& g, const Tables& 
     const std::uint64_t* mask = in.fine.mask + 8 * std::size_t(s.child[b][octant]) + 2 * (z & 3);
     const auto children = children_in<std::uint32_t>(mask[0], mask[1], s.first_0[b][octant][z & 3], x & 3, y & 3);
     Weights w{};
-    if (by_view) w = weights_by_view<1>(see_finest(in, children, s.raster_1[i]), children);
+    if (by_view) w = weights_by_view<1>(see_finest(in, children, tables, s.raster_1[i]), children);
     const FilteredVoxel v =
         filter_voxel<by_view>({in.fine.rgba, in.fine.normal, nullptr}, children, w, in.filter, tables);
     in.level[0].out.put(g.first_1 + i, v);

@@ -5,6 +5,7 @@
 #include "bake_scene.h"
 #include "closed_meshes.h"
 #include "kernels/body/plane.h"
+#include "lattice/octahedral.h"
 #include "lattice/octree.h"
 #include "lattice/rules.h"
 #include "print.h"
@@ -29,11 +30,21 @@ Raster blank_raster(int edge) {
   return r;
 }
 
+/// What a voxel of lod 0 covers along an axis. One that lets light through holds a sheet, which passes through 1/|n|
+/// voxels of a column in the mean, n of |x| + |y| + |z| = 1: so many together cover what the sheet does.
+int coverage_of(const BakedVoxel& v, int axis) {
+  if (v.rgba[3] == 255) return 255;
+  double n[3];
+  decode_octahedral(v.normal.data(), n);
+  const double part = std::abs(n[axis]) / (std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]));
+  return int(std::floor(255 * (1 - std::pow(1 - v.rgba[3] / 255.0, part)) + 0.5));
+}
+
 Rasters rasters_of_finest(const VoxelMap& voxels) {
   Rasters out;
   for (const auto& [p, v] : voxels) {
     Raster r = blank_raster(1);
-    for (auto& cells : r.cells) cells[0] = v.rgba[3];
+    for (int axis = 0; axis < 3; ++axis) r.cells[std::size_t(axis)][0] = coverage_of(v, axis);
     out[p] = r;
   }
   return out;

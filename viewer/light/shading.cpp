@@ -49,9 +49,10 @@ kernels::CastVoxel Shading::operator()(int lod, const std::uint8_t rgba[4], cons
   if (surface_ == Surface::normal && has_normals_) paint_normal(normal, shown);
   kernels::CastVoxel voxel = kernels::shade_voxel(shown, has_normals_ && surface_ == Surface::colour ? normal : nullptr,
                                                   light_, kernels::TableStore::host().view(), coverage);
-  if (facing == nullptr || normal == nullptr) return voxel;
-  std::copy_n(normal, 2, voxel.normal);
-  voxel.plane = facing[facing_plane];
+  if (!has_normals_) return voxel;
+  voxel.clear = std::uint8_t(lod == 0 && rgba[3] < 255 ? 1 : 0);
+  if (voxel.clear != 0 || facing != nullptr) std::copy_n(normal, 2, voxel.normal);
+  if (facing != nullptr) voxel.plane = facing[facing_plane];
   return voxel;
 }
 

@@ -17,7 +17,7 @@ ReferenceCaster::~ReferenceCaster() = default;
 const LatticeBox& ReferenceCaster::box() const { throw UsageError("bench accuracy: built without Embree"); }
 const SourceTriangles& ReferenceCaster::triangles() const { throw UsageError("bench accuracy: built without Embree"); }
 std::vector<TriangleName> ReferenceCaster::near(const std::array<double, 3>&, double) const { return {}; }
-LinearPicture ReferenceCaster::draw(const kernels::CastCamera&, int) const { return {}; }
+LinearPicture ReferenceCaster::draw(const kernels::CastCamera&, int, const kernels::CastLight&) const { return {}; }
 std::optional<double> ReferenceCaster::first_hit(const std::array<double, 3>&, const std::array<double, 3>&) const {
   return {};
 }

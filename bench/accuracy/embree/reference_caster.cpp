@@ -117,12 +117,21 @@ struct ReferenceCaster::State {
     return hit.hit.geomID != RTC_INVALID_GEOMETRY_ID;
   }
 
-  std::array<float, 4> radiance(const Vector& origin, const Vector& direction) const {
+  std::array<float, 4> lit_colour(const RTCHit& hit, const kernels::CastLight& light) const {
+    std::array<float, 4> c = triangles.colour({hit.geomID, hit.primID, hit.u, hit.v});
+    const Vector n = triangles.outside(hit.geomID, hit.primID);
+    const double dot = n[0] * light.to_sun[0] + n[1] * light.to_sun[1] + n[2] * light.to_sun[2], up = (1 + n[2]) / 2;
+    for (std::size_t k = 0; k < 3; ++k)
+      c[k] *= float(light.sun[k] * std::max(dot, 0.0) + light.sky[k] * up + light.ground[k] * (1 - up));
+    return c;
+  }
+
+  std::array<float, 4> radiance(const Vector& origin, const Vector& direction, const kernels::CastLight& light) const {
     std::array<float, 4> sum{};
     double before_box = 0;
     std::optional<RTCRayHit> hit = ray(origin, direction, before_box);
     while (hit && sum[3] < 1 - dark && next(*hit)) {
-      const std::array<float, 4> c = triangles.colour({hit->hit.geomID, hit->hit.primID, hit->hit.u, hit->hit.v});
+      const std::array<float, 4> c = lit_colour(hit->hit, light);
       const float through = 1 - sum[3];
       for (std::size_t k = 0; k < 4; ++k) sum[k] += through * c[k];
       hit->ray.tnear = hit->ray.tfar * (1 + apart) + apart;
@@ -130,14 +139,15 @@ struct ReferenceCaster::State {
     return sum;
   }
 
-  std::array<float, 4> pixel(const kernels::CastCamera& camera, int x, int y, int grid) const {
+  std::array<float, 4> pixel(const kernels::CastCamera& camera, int x, int y, int grid,
+                             const kernels::CastLight& light) const {
     const std::uint64_t seed = std::uint64_t(y) << 32 | std::uint64_t(x);
     const Vector eye{camera.eye[0], camera.eye[1], camera.eye[2]};
     std::array<double, 4> sum{};
     for (int s = 0; s < grid * grid; ++s) {
       const double across = (s % grid + uniform(seed, 2 * std::uint64_t(s))) / grid,
                    down = (s / grid + uniform(seed, 2 * std::uint64_t(s) + 1)) / grid;
-      const std::array<float, 4> c = radiance(eye, direction_through(camera, x + across, y + down));
+      const std::array<float, 4> c = radiance(eye, direction_through(camera, x + across, y + down), light);
       for (std::size_t k = 0; k < 4; ++k) sum[k] += c[k];
     }
     std::array<float, 4> mean;
@@ -174,14 +184,15 @@ std::vector<TriangleName> ReferenceCaster::near(const Vector& p, double radius) 
   return found;
 }
 
-LinearPicture ReferenceCaster::draw(const kernels::CastCamera& camera, int samples) const {
+LinearPicture ReferenceCaster::draw(const kernels::CastCamera& camera, int samples,
+                                    const kernels::CastLight& light) const {
   const int grid = int(std::ceil(std::sqrt(double(samples)) - 1e-9));
   LinearPicture picture{camera.width, camera.height, {}};
   picture.rgba.resize(4 * picture.pixels());
   state_->pool.parallel_for(picture.pixels(), 64, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto width = std::size_t(camera.width);
-      const std::array<float, 4> c = state_->pixel(camera, int(i % width), int(i / width), grid);
+      const std::array<float, 4> c = state_->pixel(camera, int(i % width), int(i / width), grid, light);
       std::copy(c.begin(), c.end(), picture.rgba.begin() + std::ptrdiff_t(4 * i));
     }
   });

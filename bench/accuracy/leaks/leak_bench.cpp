@@ -127,12 +127,21 @@ bool LeakBench::is_bounded() const {
   return true;
 }
 
+std::vector<std::string> leak_families() {
+  std::vector<std::string> families;
+  for (const LeakScene& scene : leak_scenes(32))
+    if (families.empty() || families.back() != scene.family) families.push_back(scene.family);
+  return families;
+}
+
 LeakBench bench_leaks(const LeakBenchRequest& request, const LeakProgress& progress) {
   const std::optional<int> device = choose_device({request.backend}).device;
   LeakBench bench{device ? "cuda" : "cpu", request.edge, request.samples, {}};
   const std::vector<LeakScene> scenes =
       request.suite == LeakSuite::whole ? leak_scenes(request.edge) : few_leak_planes(request.edge);
   for (const LeakScene& scene : scenes) {
+    if (!request.families.empty() && std::count(request.families.begin(), request.families.end(), scene.family) == 0)
+      continue;
     progress(scene.name);
     bench.scenes.push_back(measure(scene, request, device));
   }

@@ -25,9 +25,10 @@ struct LeakBenchRequest {
   Backend backend = Backend::automatic;
   int threads = 1;
   LeakSuite suite = LeakSuite::whole;
-  int edge = 1536;                ///< how wide scenes are, in voxels: farther views need wider ones
-  int samples = 64;               ///< of the traced reference, a pixel
-  int width = 160, height = 120;  ///< of pictures
+  std::vector<std::string> families;  ///< to look at, by their names; empty: all
+  int edge = 1536;                    ///< how wide scenes are, in voxels: farther views need wider ones
+  int samples = 64;                   ///< of the traced reference, a pixel
+  int width = 160, height = 120;      ///< of pictures
 };
 
 /// One picture.
@@ -52,6 +53,9 @@ struct LeakBench {
   /// No opaque surface lets more light through than docs/accuracy.md allows, in any view.
   bool is_bounded() const;
 };
+
+/// Kinds of scenes, in their order.
+std::vector<std::string> leak_families();
 
 /// Told of each scene before it is baked.
 using LeakProgress = std::function<void(const std::string& scene)>;

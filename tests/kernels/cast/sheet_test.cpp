@@ -17,6 +17,8 @@ struct Slot {
   CastVoxel& at(int x, int y, int z) { return voxel[x + slot_edge * (y + slot_edge * z)]; }
 };
 
+constexpr double down[3] = {0, 0, -1};
+
 CastVoxel opaque_voxel() { return {{32768, 32768, 32768, 65535, 65535, 65535}, {0, 0}, 0}; }
 
 struct RandomPoints {
@@ -40,7 +42,7 @@ TEST(CastField, IsInterpolatedAsEverWhereThereIsNoSheet) {
     for (std::uint16_t& c : v.c) c = std::uint16_t(points.random());
   for (int i = 0; i < 1000; ++i) {
     const CastPoint p = points.next();
-    const CastField field = field_at(slot->voxel, p, true);
+    const CastField field = field_at(slot->voxel, p, 1, true, down);
     const CastSample plain = interpolate(slot->voxel, p);
     ASSERT_EQ(std::memcmp(&field.loose, &plain, sizeof plain), 0);
     ASSERT_EQ(field.sheet.height(), 0);
@@ -73,7 +75,7 @@ TEST(CastSheet, IsWhereThePlaneOfItsVoxelsIs) {
     const auto slot = slot_of_plane(normal);
     for (int k = 0; k < 200; ++k) {
       const CastPoint p = points.next();
-      const CastSheet sheet = field_at(slot->voxel, p, true).sheet;
+      const CastSheet sheet = field_at(slot->voxel, p, 1, true, down).sheet;
       if (sheet.sheet == 0) continue;
       double above = 0;
       for (int a = 0; a < 3; ++a) above += n.c[a] / 127.0 * (p.base[a] + double(p.between[a]) - 4);
@@ -92,9 +94,9 @@ TEST(CastSheet, IsOpaqueWhereverARayMeetsIt) {
     const auto slot = slot_of_plane(normal);
     for (int k = 0; k < 500; ++k) {
       const CastPoint p = points.next();
-      const CastSheet sheet = field_at(slot->voxel, p, true).sheet;
+      const CastSheet sheet = field_at(slot->voxel, p, 1, true, down).sheet;
       if (sheet.sheet == 0 || std::abs(sheet.height()) > 0.02f) continue;
-      ASSERT_GE(opacity_of_sheet(slot->voxel, p, sheet), 0.99f);
+      ASSERT_GE(opacity_of_sheet(slot->voxel, p, sheet).opacity, 0.99f);
     }
   }
 }
@@ -105,7 +107,7 @@ TEST(CastField, HasNoSheetInABrickThatStandsForFinerOnes) {
   const auto slot = slot_of_plane(up);
   for (int i = 0; i < 1000; ++i) {
     const CastPoint p = points.next();
-    const CastField field = field_at(slot->voxel, p, false);
+    const CastField field = field_at(slot->voxel, p, 1, false, down);
     ASSERT_EQ(field.sheet.height(), 0);
     ASSERT_EQ(field.loose.mean_coverage(), interpolate(slot->voxel, p).mean_coverage());
   }
@@ -118,11 +120,12 @@ TEST(CastSheet, HasTheLooseAloneInWhatIsLoose) {
     v.plane = whole_sheet;
   }
   const CastPoint middle{{3, 3, 3}, {0.5f, 0.5f, 0.5f}};
-  EXPECT_EQ(field_at(slot->voxel, middle, true).loose.mean_coverage(), 0) << "all of it is sheet";
+  EXPECT_EQ(field_at(slot->voxel, middle, 1, true, down).loose.mean_coverage(), 0) << "all of it is sheet";
   slot->at(3, 3, 3).plane = 0;
-  EXPECT_NEAR(field_at(slot->voxel, middle, true).loose.mean_coverage(), 1.0f / 8, 1e-6f);
+  EXPECT_NEAR(field_at(slot->voxel, middle, 1, true, down).loose.mean_coverage(), 1.0f / 8, 1e-6f);
   slot->at(4, 3, 3).plane = pack_plane({0, 2});
-  EXPECT_NEAR(field_at(slot->voxel, middle, true).loose.mean_coverage(), 2.0f / 8, 1e-6f) << "what is not all sheet";
+  EXPECT_NEAR(field_at(slot->voxel, middle, 1, true, down).loose.mean_coverage(), 2.0f / 8, 1e-6f)
+      << "what is not all sheet";
 }
 
 TEST(Disagreement, IsOfPlanesThatAreFartherThanThirtyDegreesFromTheSheet) {
@@ -149,11 +152,11 @@ TEST(CastField, CountsSheetsByTheirCoverageWhereTheyDisagree) {
         if (x < 4) v.normal[0] = 127;
         slot->at(x, y, z) = v;
       }
-  const CastSample edge = field_at(slot->voxel, {{3, 3, 3}, {0.5f, 0.5f, 0.5f}}, true).loose;
+  const CastSample edge = field_at(slot->voxel, {{3, 3, 3}, {0.5f, 0.5f, 0.5f}}, 1, true, down).loose;
   EXPECT_NEAR(edge.c[3], 0.5f, 1e-3f);
   EXPECT_NEAR(edge.c[4], 0, 1e-3f) << "neither covers a view along y";
   EXPECT_NEAR(edge.c[5], 0.5f, 1e-3f);
-  EXPECT_EQ(field_at(slot->voxel, {{1, 3, 3}, {0.5f, 0.5f, 0.5f}}, true).loose.mean_coverage(), 0);
+  EXPECT_EQ(field_at(slot->voxel, {{1, 3, 3}, {0.5f, 0.5f, 0.5f}}, 1, true, down).loose.mean_coverage(), 0);
 }
 
 TEST(PartInPair, IsHowMuchOfAColumnsSheetLiesInTwoVoxels) {

@@ -162,11 +162,15 @@ struct FilterCase {
     return out;
   }
 
-  GB_HD FacingSums see(std::uint32_t* to) const {
+  GB_HD FacingSums see(const Tables& tables, std::uint32_t* to) const {
     if constexpr (Edge == 1) {
-      std::uint32_t coverage[2] = {};
-      for (int c = 0; c < 8; ++c) coverage[c / 4] |= std::uint32_t(child[c].rgba[3]) << 8 * (c % 4);
-      return see_voxels(coverage[0], coverage[1], to);
+      AxisCoverage all;
+      for (int c = 0; c < 8; ++c) {
+        std::uint32_t coverage[3];
+        coverage_of_finest(child[c], true, tables, coverage);
+        all.add(c, coverage);
+      }
+      return see_voxels(all, to);
     } else {
       return see_children<Edge>(*this, to);
     }
@@ -177,7 +181,7 @@ template <int Edge>
 struct FilterBody {
   GB_HD Filtered<Edge> operator()(const FilterCase<Edge>& from, const Tables& tables) const {
     Filtered<Edge> out;
-    const FacingSums seen = from.see(out.raster);
+    const FacingSums seen = from.see(tables, out.raster);
     std::uint32_t there[2] = {};
     for (int c = 0; c < 8; ++c) there[c / 4] |= std::uint32_t(from.child[c].rgba[3] != 0) << 8 * (c % 4);
     const Weights weights = weights_of(seen, Edge, there);

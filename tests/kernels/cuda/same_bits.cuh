@@ -58,7 +58,7 @@ __global__ void run_body(Body body, const In* in, Out* out, int count, Tables ta
 /// The host's tables on the device.
 class DeviceTables {
  public:
-  Tables view() const { return {linear_.data(), srgb_.data(), normal_.data(), thesis_.data()}; }
+  Tables view() const { return {linear_.data(), srgb_.data(), normal_.data(), thesis_.data(), sheet_.data()}; }
 
  private:
   Tables host_ = TableStore::host().view();
@@ -66,6 +66,7 @@ class DeviceTables {
   DeviceArray<std::uint8_t> srgb_{host_.srgb_from_linear, linear_values};
   DeviceArray<std::int16_t> normal_{host_.unit_normal, 4 * normal_codes};
   DeviceArray<std::uint8_t> thesis_{host_.thesis_alpha, alpha_sums};
+  DeviceArray<std::uint8_t> sheet_{host_.sheet_coverage, sheet_coverages};
 };
 
 template <class Out, class In, class Body>
