@@ -192,16 +192,31 @@ struct SheetOpacity {
   float opacity = 1, density = 1;
 };
 
-/// Columns that hold less of a sheet do not say how dense it is.
-inline constexpr float least_part = 0.25f;
+/// How full the fullest voxel of a sheet is that is no farther than one and a half from the point along each axis, as
+/// far as its brick knows. A border of an opaque sheet has full ones beside it, a pane has none.
+GB_HD float fullest_near(const CastVoxel* voxels, const CastPoint& point, int along) {
+  int low[3], high[3], most = 0;
+  for (int a = 0; a < 3; ++a) {
+    low[a] = point.base[a] > 0 ? point.base[a] - 1 : 0;
+    high[a] = point.base[a] + 2 < slot_edge ? point.base[a] + 2 : slot_edge - 1;
+  }
+  for (int z = low[2]; z <= high[2]; ++z)
+    for (int y = low[1]; y <= high[1]; ++y)
+      for (int x = low[0]; x <= high[0]; ++x) {
+        const CastVoxel& voxel = voxels[x + slot_edge * (y + slot_edge * z)];
+        if (voxel.plane != 0 && voxel.c[3 + along] > most) most = voxel.c[3 + along];
+      }
+  return float(most) * (1.0f / 65535);
+}
 
 /// A plane is known to a fifteenth of a voxel, and its normal to some degrees.
 inline constexpr float least_reach = 0.125f;
 
 /// How much of the sheet through a point is surface. Voxels around it stand in four columns along the axis that the
 /// sheet is most across. A column's two voxels together hold so much of it as they cover along that axis, which is
-/// exact, of what of the tangent plane lies in them: elsewhere the sheet may be in the next one. Where no column is
-/// nearly full the sheet lets light through, and is as dense as it is opaque here; else what is missing is its border.
+/// exact, of what of the tangent plane lies in them: elsewhere the sheet may be in the next one. Where no voxel
+/// near is nearly full the sheet lets light through, and is as dense as it is opaque here; else what is missing is its
+/// border.
 GB_HD SheetOpacity opacity_of_sheet(const CastVoxel* voxels, const CastPoint& point, const CastSheet& sheet) {
   int along = 0;
   for (int a = 1; a < 3; ++a)
@@ -211,7 +226,7 @@ GB_HD SheetOpacity opacity_of_sheet(const CastVoxel* voxels, const CastPoint& po
   const CastVoxel* base = voxels + point.base[0] + slot_edge * (point.base[1] + slot_edge * point.base[2]);
   const float slope_u = sheet.normal[u] / sheet.normal[along], slope_v = sheet.normal[v] / sheet.normal[along];
   const float reach = least_reach + 0.5f * (std::fabs(slope_u) + std::fabs(slope_v));
-  float there = 0, met = 0, densest = 0;
+  float there = 0, met = 0;
   for (int column = 0; column < 4; ++column) {
     const int i = column & 1, j = column >> 1;
     const float weight =
@@ -222,13 +237,12 @@ GB_HD SheetOpacity opacity_of_sheet(const CastVoxel* voxels, const CastPoint& po
     const float together = float(low->c[3 + along] + low[step[along]].c[3 + along]) * (1.0f / 65535);
     there += weight * (together < part ? together : part);
     met += weight * part;
-    if (part < least_part) continue;
-    const float density = together < part ? together / part : 1;
-    if (density > densest) densest = density;
   }
   if (!(met > 0)) return {};
-  const float opacity = there / met, full = 4 * densest - 3;
-  return {opacity, full >= 1 || densest == 0 ? 1 : (full > 0 ? opacity + (1 - opacity) * full : opacity)};
+  const float opacity = there / met;
+  if (opacity >= 1) return {opacity, 1};
+  const float full = 4 * fullest_near(voxels, point, along) - 3;
+  return {opacity, full >= 1 ? 1 : (full > 0 ? opacity + (1 - opacity) * full : opacity)};
 }
 
 }  // namespace gigabake::kernels

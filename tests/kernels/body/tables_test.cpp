@@ -1,5 +1,6 @@
 #include "kernels/body/tables.h"
 
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 
@@ -37,6 +38,18 @@ TEST(Tables, RaiseMeanAlphaToOneMinusItself) {
     const double a = sum / 16320.0;
     ASSERT_LE(std::abs(tables.thesis_alpha[sum] - 255 * std::pow(a, 1 - a)), 0.5001) << sum;
   }
+}
+
+// A sheet passes through 1/n voxels of a column, in the mean.
+TEST(Tables, HaveOfASheetsVoxelsThatTogetherTheyCoverWhatItDoes) {
+  for (int alpha = 0; alpha < 256; ++alpha)
+    for (int n = 1; n < int(normal_steps); ++n) {
+      const double one = tables.sheet_coverage[alpha * int(normal_steps) + n] / 255.0, voxels = 127.0 / n;
+      const double low = std::max(one - 0.501 / 255, 0.0), high = std::min(one + 0.501 / 255, 1.0);
+      ASSERT_LE(1 - std::pow(1 - low, voxels), alpha / 255.0 + 1e-9) << alpha << " " << n;
+      ASSERT_GE(1 - std::pow(1 - high, voxels), alpha / 255.0 - 1e-9) << alpha << " " << n;
+    }
+  for (int n = 1; n < int(normal_steps); ++n) EXPECT_EQ(tables.sheet_coverage[255 * int(normal_steps) + n], 255) << n;
 }
 
 }  // namespace

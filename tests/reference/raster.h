@@ -1,0 +1,49 @@
+/// What voxels show along each axis, written plainly: what levels by view are held against.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "bake_scene.h"
+#include "lattice/octahedral.h"
+
+namespace gigabake::reference {
+
+/// What a voxel shows along each axis, in cells: of the plane of the other two axes, the lower of them first.
+struct Raster {
+  int edge = 1;
+  std::array<std::vector<int>, 3> cells;
+  int at(int axis, int u, int v) const { return cells[std::size_t(axis)][std::size_t(u + edge * v)]; }
+};
+using Rasters = std::map<Voxel, Raster>;
+
+inline Raster blank_raster(int edge) {
+  Raster r;
+  r.edge = edge;
+  for (auto& cells : r.cells) cells.assign(std::size_t(edge * edge), 0);
+  return r;
+}
+
+/// What a voxel of lod 0 covers along an axis. One that lets light through holds a sheet, which passes through 1/|n|
+/// voxels of a column in the mean, n of |x| + |y| + |z| = 1: so many together cover what the sheet does.
+inline int coverage_of(const BakedVoxel& v, int axis) {
+  if (v.rgba[3] == 255) return 255;
+  double n[3];
+  decode_octahedral(v.normal.data(), n);
+  const double part = std::abs(n[axis]) / (std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]));
+  return int(std::floor(255 * (1 - std::pow(1 - v.rgba[3] / 255.0, part)) + 0.5));
+}
+
+inline Rasters rasters_of_finest(const VoxelMap& voxels) {
+  Rasters out;
+  for (const auto& [p, v] : voxels) {
+    Raster r = blank_raster(1);
+    for (int axis = 0; axis < 3; ++axis) r.cells[std::size_t(axis)][0] = coverage_of(v, axis);
+    out[p] = r;
+  }
+  return out;
+}
+
+}  // namespace gigabake::reference
