@@ -19,7 +19,7 @@ struct Slot {
 
 constexpr double down[3] = {0, 0, -1};
 
-CastVoxel opaque_voxel() { return {{32768, 32768, 32768, 65535, 65535, 65535}, {0, 0}, 0}; }
+CastVoxel opaque_voxel() { return {{32768, 32768, 32768, 65535, 65535, 65535}, {0, 0}, 0, 0}; }
 
 struct RandomPoints {
   std::mt19937_64 random{20261123};
