@@ -81,7 +81,8 @@ std::optional<Shard> published_shard(const std::filesystem::path& path, const Ce
   if (!std::filesystem::is_regular_file(path, error)) return std::nullopt;
   try {
     Shard shard = read_shard(path);
-    if (is_of_job(shard.header, job, p, origin) && !shard.above.empty() && content_hash(shard, threads) == shard.header.content_hash)
+    if (is_of_job(shard.header, job, p, origin) && !shard.above.empty() &&
+        content_hash(shard, threads) == shard.header.content_hash)
       return shard;
   } catch (const InputError&) {
     // Damaged: baked again and replaced.

@@ -58,7 +58,7 @@ struct Shard {
   ShardHeader header;
   NodeTable nodes;
   std::vector<BrickLevel> levels;  ///< [lod], from header.first_lod on
-  ParentSource above;              ///< empty in shards before version 4
+  ParentSource above = {};         ///< empty in shards before version 4
 };
 
 struct ShardWriteOptions {
