@@ -18,6 +18,7 @@
 #include "lattice/counted.h"
 #include "lattice/error.h"
 #include "lattice/memory_limit.h"
+#include "scheduler/parents.h"
 #include "scheduler/survey_cache.h"
 
 namespace gigabake {
@@ -191,10 +192,11 @@ BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const Bake
         feed->turn();
       });
   choose_devices(mpi, process, summary);  // after the survey, which a driver's start would only delay
-  const BakePlan plan = plan_from(mpi, request, sources, surveys, progress);
+  BakePlan plan = plan_from(mpi, request, sources, surveys, progress);
   all_or_none(mpi, [&] { refuse(request, plan.losses, mpi.rank() == 0 && plan.jobs.empty()); });
   if (mpi.rank() == 0) keep_surveys(request, sources, surveys, progress);
   surveys.clear();
+  add_parents(plan.jobs);
   summary.precision = plan.precision;
   summary.survey_s = seconds_since(start);
   const auto planned = Clock::now();

@@ -8,6 +8,7 @@
 #include "cluster/collective.h"
 #include "cluster/rank_baker.h"
 #include "cluster/signs_of_life.h"
+#include "scheduler/parents.h"
 
 namespace gigabake {
 namespace {
@@ -19,15 +20,18 @@ class Master {
  public:
   Master(RankLink& link, const std::vector<CellJob>& jobs, const DispatchOptions& options, DispatchLog& log)
       : link_(link),
-        jobs_(jobs),
+        orders_(jobs),
         keep_going_(options.keep_going),
         log_(log),
         schedule_(jobs, options),
         deaths_(std::size_t(link.ranks())),
         hosts_(std::size_t(link.ranks())) {}
 
-  DispatchResult run(const std::vector<std::uint32_t>& already_done) {
-    for (const std::uint32_t job : already_done) schedule_.already_done(job);
+  DispatchResult run(const std::vector<CellReport>& done) {
+    for (const CellReport& report : done) {
+      orders_.is_done(report);
+      schedule_.already_done(report.id);
+    }
     for (int rank = 0; rank < link_.ranks(); ++rank) schedule_.heard_from(rank, link_.now_s());
     log_.joined(0, host_name());
     try {
@@ -86,7 +90,7 @@ class Master {
         if (const auto assignment = schedule_.next(rank, link_.now_s())) {
           log_.handed_out(assignment->job, rank);
           link_.send(rank, tag_job,
-                     order_bytes(deaths_[std::size_t(rank)], jobs_[assignment->job], assignment->attempt));
+                     order_bytes(deaths_[std::size_t(rank)], orders_.order(assignment->job), assignment->attempt));
           gave = true;
         }
       }
@@ -134,7 +138,8 @@ class Master {
                                    : schedule_.finished(rank, report.id, attempt, link_.now_s());
     if (verdict == Verdict::stale) return;
     if (failed) return log_.attempt_failed(report.id);
-    log_.finished(report);
+    orders_.is_done(report);
+    log_.finished(report, orders_.order(report.id));
     result_.reports.push_back(report);
   }
 
@@ -152,7 +157,7 @@ class Master {
   }
 
   RankLink& link_;
-  const std::vector<CellJob>& jobs_;
+  ParentOrders orders_;
   const bool keep_going_;
   DispatchLog& log_;
   Schedule schedule_;
@@ -166,10 +171,9 @@ class Master {
 
 }  // namespace
 
-DispatchResult dispatch(RankLink& link, const std::vector<CellJob>& jobs,
-                        const std::vector<std::uint32_t>& already_done, const DispatchOptions& options,
-                        DispatchLog& log) {
-  return Master(link, jobs, options, log).run(already_done);
+DispatchResult dispatch(RankLink& link, const std::vector<CellJob>& jobs, const std::vector<CellReport>& done,
+                        const DispatchOptions& options, DispatchLog& log) {
+  return Master(link, jobs, options, log).run(done);
 }
 
 }  // namespace gigabake

@@ -26,13 +26,12 @@ struct DispatchResult {
   bool is_drained = false;       ///< ended on request with cells left
 };
 
-/// Rank 0. already_done: jobs that an earlier run has baked. Every other rank is told to stop at the end, also where it
+/// Rank 0. done: what an earlier run has baked. Every other rank is told to stop at the end, also where it
 /// throws.
 /// Exact   Each job is reported at most once, whatever dies or comes back late.
 /// Errors  InputError: a rank's message is malformed.
-DispatchResult dispatch(RankLink& link, const std::vector<CellJob>& jobs,
-                        const std::vector<std::uint32_t>& already_done, const DispatchOptions& options,
-                        DispatchLog& log);
+DispatchResult dispatch(RankLink& link, const std::vector<CellJob>& jobs, const std::vector<CellReport>& done,
+                        const DispatchOptions& options, DispatchLog& log);
 
 /// Every other rank: bakes what it is given until told to stop.
 /// Errors  RankLost: nothing heard of rank 0 for four times silence_s (before its first word: for as long as

@@ -14,8 +14,8 @@ void DispatchLog::joined(int rank, const std::string& host) { feed_.record().wor
 
 void DispatchLog::handed_out(std::uint32_t job, int rank) { feed_.record().handed_out(job, rank, unix_now_s()); }
 
-void DispatchLog::finished(const CellReport& report) {
-  write_down(report);
+void DispatchLog::finished(const CellReport& report, const CellJob& order) {
+  write_down(report, order);
   feed_.record().cell_done(report, unix_now_s());
   progress_.cell_done(report, plan_.jobs[report.id]);
 }
@@ -38,9 +38,9 @@ void DispatchLog::lost(int rank) {
 }
 
 /// A journal that cannot be written costs the next bake time: it looks into the shards instead.
-void DispatchLog::write_down(const CellReport& report) {
+void DispatchLog::write_down(const CellReport& report, const CellJob& order) {
   try {
-    journal_.append(plan_.jobs[report.id], report);
+    journal_.append(order, report);
   } catch (const InputError& e) {
     progress_.noted(std::string("the bake goes on without its journal: ") + e.what());
   }

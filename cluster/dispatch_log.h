@@ -24,8 +24,8 @@ class DispatchLog {
   /// A rank is there, or there again.
   void joined(int rank, const std::string& host);
   void handed_out(std::uint32_t job, int rank);
-  /// A cell is baked or empty.
-  void finished(const CellReport& report);
+  /// A cell is baked or empty. order: the job as it was handed out.
+  void finished(const CellReport& report, const CellJob& order);
   /// An attempt failed; the cell is tried again, unless set_aside() follows.
   void attempt_failed(std::uint32_t job);
   /// A cell failed for good; the report says why.
@@ -36,7 +36,7 @@ class DispatchLog {
   void lost(int rank);
 
  private:
-  void write_down(const CellReport& report);
+  void write_down(const CellReport& report, const CellJob& order);
 
   const BakePlan& plan_;
   Journal& journal_;

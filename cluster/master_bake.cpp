@@ -36,13 +36,13 @@ std::vector<double> costs_of(const BakePlan& plan) {
   return costs;
 }
 
-void add_times(const std::vector<CellReport>& reports, BakeSummary& summary) {
+void add_times(const std::vector<CellReport>& reports, const BakePlan& plan, BakeSummary& summary) {
   for (const CellReport& r : reports) {
     summary.read_s += r.read_s;
     summary.kernel_s += r.kernel_s;
     summary.write_s += r.write_s;
     summary.peak_kernel_bytes = std::max(summary.peak_kernel_bytes, r.peak_bytes);
-    summary.cells_empty += r.outcome == CellOutcome::empty;
+    summary.cells_empty += r.outcome == CellOutcome::empty && r.id < plan.cells();
     summary.cells_on_device += r.on_device;
     summary.bad_uv += r.bad_uv;
   }
@@ -77,20 +77,18 @@ void MasterBake::run(MpiSession& mpi, BakeProcess& process) {
     prior = find_prior(plan_, content, request_.out, mpi.cores());
   }
   plan_dispatch(prior.done);
-  std::vector<std::uint32_t> already_done;
-  for (const CellReport& r : prior.done) already_done.push_back(r.id);
   MpiRankLink link(mpi, process);
   DispatchLog log(plan_, *journal_, feed_, progress_);
-  DispatchResult result = dispatch(link, plan_.jobs, already_done, dispatch_options(request_, summary_), log);
-  summary_.cells_taken_over = prior.done.size();
-  summary_.cells_planned = plan_.jobs.size();
+  DispatchResult result = dispatch(link, plan_.jobs, prior.done, dispatch_options(request_, summary_), log);
+  summary_.cells_taken_over = cells_among(prior.done);
+  summary_.cells_planned = plan_.cells();
   summary_.is_drained = result.is_drained;
   summary_.lost_ranks = result.lost_ranks.size();
   summary_.peak_process_bytes = std::max({result.peak_bytes, process.peak_bytes(), peak_bytes_here()});
   std::move(prior.done.begin(), prior.done.end(), std::back_inserter(result.reports));
-  add_times(result.reports, summary_);  // what was taken over took no time
+  add_times(result.reports, plan_, summary_);  // what was taken over took no time
   for (const CellReport& r : result.reports)
-    if (r.outcome == CellOutcome::baked) add_levels(r.levels, summary_.levels);
+    if (r.outcome == CellOutcome::baked) add_levels(r.levels, plan_.jobs[r.id].first_lod, summary_.levels);
   summary_.scene = merge(plan_, result.reports, sources_.origin, request_.parameters);
   publish();
 }
@@ -99,10 +97,15 @@ void MasterBake::plan_dispatch(const std::vector<CellReport>& done) {
   for (const SceneLoss& l : plan_.losses) feed_.record().lost(l.name, l.reason);
   feed_.record().planned(plan_.jobs, costs_of(plan_), unix_now_s());
   for (const CellReport& r : done) feed_.record().already_done(r.id);
-  if (!done.empty())
-    progress_.told(std::to_string(done.size()) + " of " + counted(plan_.jobs.size(), "cell") +
-                   (done.size() == 1 ? " is" : " are") + " there already");
+  if (const std::size_t cells = cells_among(done); cells != 0)
+    progress_.told(std::to_string(cells) + " of " + counted(plan_.cells(), "cell") + (cells == 1 ? " is" : " are") +
+                   " there already");
   feed_.publish();
+}
+
+std::size_t MasterBake::cells_among(const std::vector<CellReport>& reports) const {
+  return std::size_t(
+      std::count_if(reports.begin(), reports.end(), [this](const CellReport& r) { return r.id < plan_.cells(); }));
 }
 
 /// The scene is published: what the journal still says of removed shards harms nobody.

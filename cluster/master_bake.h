@@ -29,6 +29,7 @@ class MasterBake {
 
  private:
   void plan_dispatch(const std::vector<CellReport>& done);
+  std::size_t cells_among(const std::vector<CellReport>& reports) const;
   void forget_orphans();
   void publish();
 

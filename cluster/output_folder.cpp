@@ -26,7 +26,8 @@ bool is_at_or_below(const fs::path& path, const fs::path& folder) {
 
 bool is_leftover(const std::string& name) {
   const auto is_of = [&](const char* file) { return name.starts_with(file); };
-  return name.ends_with(".part") && (is_of(".c_") || is_of(".scene.xml.") || is_of(".journal.") || is_of(".survey."));
+  return name.ends_with(".part") &&
+         (is_of(".c_") || is_of(".p") || is_of(".scene.xml.") || is_of(".journal.") || is_of(".survey."));
 }
 
 template <class Wanted>
@@ -40,9 +41,10 @@ std::vector<fs::path> files_in(const fs::path& folder, const Wanted& wanted) {
 
 std::vector<fs::path> orphans_in(const fs::path& out, const SceneDescription& scene) {
   std::unordered_set<std::string> used;
-  for (const SceneCell& c : scene.cells) used.insert(fs::path(c.file).filename().string());
+  for (const auto& shards : {&scene.cells, &scene.parents})
+    for (const SceneCell& c : *shards) used.insert(fs::path(c.file).filename().string());
   return files_in(out / "shards", [&](const std::string& name) {
-    return name.starts_with("c_") && name.ends_with(".h5") && !used.contains(name);
+    return (name.starts_with("c_") || name.starts_with("p")) && name.ends_with(".h5") && !used.contains(name);
   });
 }
 
@@ -78,11 +80,14 @@ void OutputFolder::expect_shards(SceneDescription& scene) const {
     std::error_code error;
     return fs::file_size(out_ / cell.file, error) == cell.bytes && !error;
   };
-  const auto gone = std::stable_partition(scene.cells.begin(), scene.cells.end(), is_there);
-  for (auto cell = gone; cell != scene.cells.end(); ++cell)
-    scene.losses.push_back({"cell " + cell->name, cell->file + " is not in " + out_.string() +
-                                                      "; every host must see the same output folder"});
-  scene.cells.erase(gone, scene.cells.end());
+  for (std::vector<SceneCell>* shards : {&scene.cells, &scene.parents}) {
+    const auto gone = std::stable_partition(shards->begin(), shards->end(), is_there);
+    for (auto cell = gone; cell != shards->end(); ++cell)
+      scene.losses.push_back(
+          {(cell->first_lod == 0 ? "cell " : "parent ") + cell->name,
+           cell->file + " is not in " + out_.string() + "; every host must see the same output folder"});
+    shards->erase(gone, shards->end());
+  }
 }
 
 bool OutputFolder::has_whole_scene() const {

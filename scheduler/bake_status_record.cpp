@@ -57,11 +57,12 @@ void BakeStatusRecord::surveyed(std::size_t tiles_done, std::size_t tiles) {
 void BakeStatusRecord::planned(const std::vector<CellJob>& jobs, std::vector<double> costs, double now_s) {
   names_.clear();
   for (const CellJob& job : jobs) names_.push_back(job.name);
+  first_parent_ = std::uint32_t(std::find_if(jobs.begin(), jobs.end(), is_parent) - jobs.begin());
   costs_ = std::move(costs);
   cells_.assign(jobs.size(), {});
   cost_left_ = std::accumulate(costs_.begin(), costs_.end(), 0.0);
   planned_s_ = now_s;
-  status_.cells.planned = jobs.size();
+  status_.cells.planned = first_parent_;
   status_.state = BakeState::baking;
 }
 
@@ -71,7 +72,7 @@ void BakeStatusRecord::lost(const std::string& name, const std::string& line) {
 }
 
 void BakeStatusRecord::already_done(std::uint32_t job) {
-  if (settle(job, planned_s_)) ++status_.cells.taken_over;
+  if (settle(job, planned_s_)) status_.cells.taken_over += is_cell(job);
 }
 
 void BakeStatusRecord::worker_joined(int rank, const std::string& host, double now_s) {
@@ -90,7 +91,7 @@ void BakeStatusRecord::handed_out(std::uint32_t job, int rank, double now_s) {
   w.lost = false;
   w.since_s = now_s;
   w.hand.push_back(job);
-  ++status_.cells.running;
+  status_.cells.running += is_cell(job);
   time_left_.begins(std::size_t(rank), now_s);
 }
 
@@ -99,7 +100,7 @@ void BakeStatusRecord::cell_done(const CellReport& report, double now_s) {
   if (holder != nobody && !cells_.at(report.id).settled)
     time_left_.ends(std::size_t(holder), costs_.at(report.id), now_s);
   if (!settle(report.id, now_s)) return;
-  report.outcome == CellOutcome::empty ? ++status_.cells.empty : ++status_.cells.done;
+  (report.outcome == CellOutcome::empty ? status_.cells.empty : status_.cells.done) += is_cell(report.id);
   const std::uint64_t voxels = voxels_of(report);
   status_.voxels += voxels;
   status_.bytes += report.cell.bytes;
@@ -117,8 +118,8 @@ void BakeStatusRecord::attempt_failed(std::uint32_t job, double now_s) {
 
 void BakeStatusRecord::set_aside(std::uint32_t job, const std::string& line, double now_s) {
   if (!settle(job, now_s)) return;
-  ++status_.cells.set_aside;
-  lost("cell " + names_[job], line);
+  status_.cells.set_aside += is_cell(job);
+  lost((is_cell(job) ? "cell " : "parent ") + names_[job], line);
 }
 
 void BakeStatusRecord::process_died(int rank, double now_s) {
@@ -173,7 +174,7 @@ void BakeStatusRecord::release(std::uint32_t job, double now_s) {
   w.since_s = now_s;
   if (w.hand.empty()) time_left_.rests(std::size_t(cell.holder));
   cell.holder = nobody;
-  --status_.cells.running;
+  status_.cells.running -= is_cell(job);
 }
 
 void BakeStatusRecord::drop_hand(Worker& w, double now_s) {

@@ -85,11 +85,14 @@ class BakeStatusRecord {
   void release(std::uint32_t job, double now_s);
   void drop_hand(Worker& w, double now_s);
   bool settle(std::uint32_t job, double now_s);
+  /// Parents are work as cells are, and are not counted among them.
+  bool is_cell(std::uint32_t job) const { return job < first_parent_; }
   void note_slow(const CellReport& report, std::int32_t holder);
   std::optional<double> left_s(double now_s) const;
 
   BakeStatus status_;               ///< all but what at() works out
-  std::vector<std::string> names_;  ///< of cells
+  std::vector<std::string> names_;  ///< of jobs
+  std::uint32_t first_parent_ = 0;  ///< jobs from here on
   std::vector<double> costs_;
   std::vector<Cell> cells_;
   std::vector<Worker> workers_;  ///< by rank

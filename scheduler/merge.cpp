@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "scheduler/parents.h"
+
 namespace gigabake {
 namespace {
 
@@ -14,13 +16,16 @@ void add_cells(const BakePlan& plan, const std::vector<CellReport>& reports, Sce
     if (r.id < of_job.size()) of_job[r.id] = &r;
   std::vector<SceneLoss> not_baked;
   for (std::size_t i = 0; i < of_job.size(); ++i) {
-    const std::string name = "cell " + plan.jobs[i].name;
+    const CellJob& job = plan.jobs[i];
+    const std::string name = (is_parent(job) ? "parent " : "cell ") + job.name;
     if (of_job[i] == nullptr)
       not_baked.push_back({name, "was not baked"});
     else if (of_job[i]->outcome == CellOutcome::failed)
       scene.losses.push_back({name, of_job[i]->error});
     else if (of_job[i]->outcome == CellOutcome::baked)
-      scene.cells.push_back(of_job[i]->cell);
+      (is_parent(job) ? scene.parents : scene.cells).push_back(of_job[i]->cell);
+    if (of_job[i] != nullptr && is_parent(job) && !is_made_of_all(*of_job[i], job))
+      not_baked.push_back({name, "was made without cells below it that are lost"});
   }
   scene.losses.insert(scene.losses.end(), not_baked.begin(), not_baked.end());
   std::sort(scene.cells.begin(), scene.cells.end(),

@@ -3,6 +3,7 @@
 /// Exact  A pure function: equal surveys give equal plans, in whatever order they arrived.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,8 @@
 namespace gigabake {
 
 struct BakePlan {
-  std::vector<CellJob> jobs;  ///< by lattice_min z, y, x; jobs[i].id is i
+  /// Cells by lattice_min z, y, x; then, once they were added (scheduler/parents.h), parents. jobs[i].id is i.
+  std::vector<CellJob> jobs;
   std::uint64_t triangles = 0, non_finite = 0, zero_area = 0, skipped_points = 0, skipped_lines = 0;
   /// Of each of sources.tiles: ColumnExtent::crossings of all its columns.
   std::vector<std::uint64_t> tile_crossings;
@@ -24,6 +26,11 @@ struct BakePlan {
   SourcePrecision precision;
   std::vector<std::string> warnings;  ///< of tiles that are baked otherwise than their files have it; one line each
   std::vector<SceneLoss> losses;      ///< what the source lacks, then tiles that could not be read or placed
+
+  std::size_t cells() const {
+    return std::size_t(std::partition_point(jobs.begin(), jobs.end(), [](const CellJob& j) { return !is_parent(j); }) -
+                       jobs.begin());
+  }
 };
 
 /// A tile that needs more cells than these is lost with a line that says so: its unit is wrong, or one vertex is.

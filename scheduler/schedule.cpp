@@ -16,9 +16,12 @@ constexpr int most_looked_at = 64;
 }  // namespace
 
 Schedule::Schedule(const std::vector<CellJob>& jobs, const ScheduleOptions& options)
-    : jobs_(jobs), options_(options), order_(jobs), job_(jobs.size()) {
+    : jobs_(jobs), options_(options), order_(jobs), parents_(jobs), job_(jobs.size()) {
   counts_.pending = jobs.size();
-  for (const CellJob& job : jobs) pending_cost_ += cell_cost(job);
+  for (const CellJob& job : jobs) {
+    pending_cost_ += cell_cost(job);
+    if (is_parent(job)) order_.take(job.id);
+  }
 }
 
 void Schedule::already_done(std::uint32_t job) {
@@ -26,6 +29,7 @@ void Schedule::already_done(std::uint32_t job) {
   withdraw(job);
   job_[job].state = JobState::done;
   ++counts_.done;
+  parents_.settled(job, std::nullopt);
 }
 
 /// The worker as it stands in the table; new ones are alive.
@@ -53,6 +57,7 @@ std::optional<Assignment> Schedule::next(int worker, double now_s) {
     if (const auto job = first_allowed(suspects_, worker)) return hand_out(*job, worker, true);
   if (is_kept_free(worker, now_s) || !has_room(w)) return std::nullopt;
   if (const auto job = first_allowed(again_, worker)) return hand_out(*job, worker, false);
+  if (const auto job = parents_.choose(worker)) return hand_out(*job, worker, false);
   if (const auto job = order_.choose(w.last)) return hand_out(*job, worker, false);
   return std::nullopt;
 }
@@ -62,7 +67,8 @@ std::optional<Assignment> Schedule::next(int worker, double now_s) {
 bool Schedule::has_room(const Worker& w) const {
   if (w.hand.empty()) return true;
   if (w.hand.size() >= std::size_t(options_.slots)) return false;
-  return live_ == 1 || (w.hand.size() < counts_.pending / live_ && w.cost <= pending_cost_ / live_);
+  const std::size_t ready = counts_.pending - parents_.waiting();
+  return live_ == 1 || (w.hand.size() < ready / live_ && w.cost <= pending_cost_ / live_);
 }
 
 /// Suspects go to workers with empty hands, and the one whose process died has those. Where it does not come back, a
@@ -101,7 +107,7 @@ Assignment Schedule::hand_out(std::uint32_t job, int worker, bool alone) {
   Worker& w = workers_[std::size_t(worker)];
   w.hand.push_back(job);
   w.cost += cell_cost(jobs_[job]);
-  w.last = job;
+  if (!is_parent(jobs_[job])) w.last = job;
   w.alone = alone;
   if (alone && kept_free_ == worker) kept_free_.reset();
   return {job, ++j.attempt, alone};
@@ -125,6 +131,7 @@ Verdict Schedule::finished(int worker, std::uint32_t job, std::uint32_t attempt,
   job_[job].state = JobState::done;
   ++counts_.done;
   trouble_.erase(job);
+  parents_.settled(job, worker);
   return Verdict::accepted;
 }
 
@@ -185,7 +192,7 @@ std::vector<std::uint32_t> Schedule::take_set_aside() { return std::exchange(set
 void Schedule::withdraw(std::uint32_t job) {
   const auto trouble = trouble_.find(job);
   if (trouble == trouble_.end())
-    order_.take(job);
+    is_parent(jobs_[job]) ? parents_.take(job) : order_.take(job);
   else
     (trouble->second.suspect ? suspects_ : again_).erase(order_.rank(job));
   --counts_.pending;
@@ -226,6 +233,7 @@ void Schedule::strike(std::uint32_t job, const std::string& error, double now_s,
   job_[job].state = JobState::failed;
   ++counts_.failed;
   set_aside_.push_back(job);
+  parents_.settled(job, std::nullopt);
 }
 
 JobCounts Schedule::counts() const {

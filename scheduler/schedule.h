@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "format/job/cell_job.h"
+#include "scheduler/parent_queue.h"
 #include "scheduler/patience.h"
 #include "scheduler/work_order.h"
 
@@ -60,6 +61,8 @@ struct JobCounts {
 
 /// Workers are numbers from 0; one is known, and alive, from the first call that names it: name all of them before the
 /// first next(), so that few cells are shared out well. Time is monotonic seconds of any origin.
+/// A parent is handed out when all of its children are done or set aside; before cells, and if it can be to the worker
+/// that finished the last of them, whose memory still has its file.
 /// Exact   A value: the same calls give the same answers; no clock, no chance.
 /// Ends    A cell is handed out at most 2 + strikes times, so every job ends done, failed or abandoned.
 /// Cost    28 bytes a job, more for those in trouble; a call is O(log jobs), silent() O(workers).
@@ -147,6 +150,7 @@ class Schedule {
   const std::vector<CellJob>& jobs_;
   ScheduleOptions options_;
   WorkOrder order_;       ///< of jobs that were never handed out
+  ParentQueue parents_;   ///< those that were never handed out
   Ranks again_;           ///< pending, tried before
   Ranks suspects_;        ///< pending, to be tried alone
   std::vector<Job> job_;  ///< states as if stop() did not exist

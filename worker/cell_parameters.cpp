@@ -1,6 +1,7 @@
 #include "worker/cell_parameters.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "worker/lattice.h"
 
@@ -18,6 +19,18 @@ kernels::CellParameters cell_parameters(const CellJob& job, const BakeParameters
   c.max_error = p.max_error;
   c.memory_bytes = kernel_bytes;
   return c;
+}
+
+kernels::ParentParameters parent_parameters(const CellJob& job, const BakeParameters& p) {
+  kernels::ParentParameters out;
+  std::ranges::copy(job.lattice_min, out.window_min);
+  out.child_lod = int(job.first_lod) - 1;
+  out.levels = std::countr_zero(job.cell_voxels / brick_edge) - out.child_lod;
+  out.mip = p.mip;
+  out.normals = p.normals;
+  out.facing = has_facing(p);
+  out.max_error = p.max_error;
+  return out;
 }
 
 }  // namespace gigabake

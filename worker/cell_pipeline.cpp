@@ -112,7 +112,9 @@ class CellPipeline::Stages {
     stages_.prepare();
     while (auto job = next_job()) {
       auto cell = std::make_unique<CellInHand>(std::move(*job));
-      run_stage(*cell, &CellReport::read_s, CellOutcome::refused, [this](CellInHand& c) { stages_.read(c); });
+      // What a parent reads was written a moment ago, perhaps by another host: it may yet appear.
+      const CellOutcome of_input = is_parent(cell->job) ? CellOutcome::failed : CellOutcome::refused;
+      run_stage(*cell, &CellReport::read_s, of_input, [this](CellInHand& c) { stages_.read(c); });
       loaded_.give(std::move(cell));
     }
     loaded_.close();

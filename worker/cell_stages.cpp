@@ -8,6 +8,7 @@
 #include "format/shard/content_hash.h"
 #include "format/shard/packed_shard.h"
 #include "format/shard/shard_reader.h"
+#include "kernels/cpu/bake_cell.h"
 #include "lattice/error.h"
 #include "worker/cell_parameters.h"
 #include "worker/shard_from_volume.h"
@@ -40,7 +41,8 @@ SceneCell scene_cell(const CellJob& job, const AnyShard& shard, std::uint64_t by
           h.lattice_min, h.cell_voxels,
           h.lods,        bytes,
           h.triangles,   count_voxels(shard),
-          h.fingerprint, h.content_hash};
+          h.fingerprint, h.content_hash,
+          h.first_lod};
 }
 
 std::vector<LevelSummary> with_stored(std::vector<LevelSummary> levels, const std::vector<std::uint64_t>& stored) {
@@ -66,7 +68,7 @@ std::vector<std::uint64_t> stored_level_bytes(const std::filesystem::path& path,
 bool is_of_job(const ShardHeader& h, const CellJob& job, const BakeParameters& p,
                const std::optional<Geodetic>& origin) {
   return h.fingerprint == job.fingerprint && h.cell == job.name && h.lattice_min == job.lattice_min &&
-         h.cell_voxels == job.cell_voxels && h.voxel_size_m == p.voxel_size_m &&
+         h.cell_voxels == job.cell_voxels && h.first_lod == job.first_lod && h.voxel_size_m == p.voxel_size_m &&
          h.lattice_origin_m == p.lattice_origin_m && h.origin == origin && h.has_normals == p.normals &&
          h.has_facing == has_facing(p);
 }
@@ -79,7 +81,8 @@ std::optional<Shard> published_shard(const std::filesystem::path& path, const Ce
   if (!std::filesystem::is_regular_file(path, error)) return std::nullopt;
   try {
     Shard shard = read_shard(path);
-    if (is_of_job(shard.header, job, p, origin) && content_hash(shard, threads) == shard.header.content_hash)
+    if (is_of_job(shard.header, job, p, origin) && !shard.above.empty() &&
+        content_hash(shard, threads) == shard.header.content_hash)
       return shard;
   } catch (const InputError&) {
     // Damaged: baked again and replaced.
@@ -143,6 +146,7 @@ void CellStages::read(CellInHand& cell) {
     cell.report.levels = with_stored(summarize_levels(*shard), stored_level_bytes(path, shard->levels.size()));
     return decide(cell, CellOutcome::baked);
   }
+  if (is_parent(cell.job)) return read_children(cell);
   cell.loaded = loader_.load(cell.job);
   on_device(cell, [&] {
     make_baker();
@@ -150,7 +154,35 @@ void CellStages::read(CellInHand& cell) {
   });
 }
 
+/// A child that another bake has replaced meanwhile has another file.
+void CellStages::read_children(CellInHand& parent) const {
+  parent.children.resize(parent.job.child_files.size());
+  for (std::size_t c = 0; c < parent.children.size(); ++c) {
+    const ShardReader reader(options_.out / parent.job.child_files[c]);
+    const ShardHeader& h = reader.header();
+    if (shard_file(h.cell, h.fingerprint) != parent.job.child_files[c])
+      throw InputError(options_.out / parent.job.child_files[c], "fingerprint",
+                       "is not that of its name: remove the file and bake again");
+    parent.children[c] = {reader.above(), h.lattice_min};
+    if (parent.children[c].source.empty())
+      throw InputError(options_.out / parent.job.child_files[c], "/above",
+                       "is missing, of which the levels above are made: remove the file and bake again");
+  }
+}
+
+void CellStages::bake_parent(CellInHand& parent) const {
+  std::vector<kernels::ParentChild> children;
+  for (const ChildOfParent& child : parent.children) {
+    kernels::ParentChild& of_kernel = children.emplace_back();
+    of_kernel.source = &child.source;
+    std::ranges::copy(child.lattice_min, of_kernel.lattice_min);
+  }
+  parent.volume = kernels::bake_parent(children, parent_parameters(parent.job, parameters_), pool_);
+  parent.children.clear();
+}
+
 void CellStages::compute(CellInHand& cell) {
+  if (is_parent(cell.job)) return bake_parent(cell);
   const bool baked = on_device(cell, [&] {
     cell.device_volume =
         cuda_->bake(*cell.device_input, cell_parameters(cell.job, parameters_, kernel_bytes(options_)));
@@ -248,6 +280,7 @@ ShardHeader CellStages::header_of(const CellInHand& cell) const {
   h.cell = cell.job.name;
   h.lattice_min = cell.job.lattice_min;
   h.cell_voxels = cell.job.cell_voxels;
+  h.first_lod = cell.job.first_lod;
   h.voxel_size_m = parameters_.voxel_size_m;
   h.lattice_origin_m = parameters_.lattice_origin_m;
   h.origin = sources_.origin;

@@ -1,6 +1,7 @@
 /// What each of the pipeline's stages does with one cell. No threads, no queues: doing, apart from overlapping.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -18,14 +19,21 @@
 
 namespace gigabake {
 
+/// What a parent reads of a child's shard.
+struct ChildOfParent {
+  ParentSource source;
+  std::array<std::int64_t, 3> lattice_min{};
+};
+
 /// A cell on its way through the stages.
 struct CellInHand {
   explicit CellInHand(CellJob cell_job);
 
   CellJob job;
   CellReport report;
-  bool decided = false;              ///< the report is final; later stages pass it on
-  std::optional<LoadedCell> loaded;  ///< until there is a volume: a device may fail at any step
+  bool decided = false;                 ///< the report is final; later stages pass it on
+  std::optional<LoadedCell> loaded;     ///< until there is a volume: a device may fail at any step
+  std::vector<ChildOfParent> children;  ///< of a parent, instead
   std::shared_ptr<const kernels::CudaInput> device_input;
   std::unique_ptr<kernels::CudaVolume> device_volume;  ///< until it is packed, or on the host
   std::optional<kernels::PackedCell> packed;           ///< then there is no volume
@@ -45,10 +53,11 @@ class CellStages {
 
   /// Starts the device's driver, on the thread that will read. What goes wrong shows again at the first cell.
   void prepare();
-  /// Takes over a whole shard of this fingerprint if OUT has one; else loads tiles and textures, to the device too.
+  /// Takes over a whole shard of this fingerprint if OUT has one; else loads tiles and textures, to the device too, or
+  /// of a parent what its children keep for it.
   void read(CellInHand& cell);
-  /// loaded → volume, on the device if there is one; a cell at which it fails is baked on the CPU, and the report says
-  /// so.
+  /// loaded → volume, on the device if there is one and it is no parent; a cell at which it fails is baked on the CPU,
+  /// and the report says so.
   void compute(CellInHand& cell);
   /// What a device holds comes to the host, packed as columns there; where that is not to be had as a volume, for the
   /// host to pack. Decides for `empty` where no voxel is occupied. The next cell is computed meanwhile.
@@ -62,6 +71,8 @@ class CellStages {
   template <class Step>
   bool on_device(CellInHand& cell, const Step& step);
   void bake_on_cpu(CellInHand& cell) const;
+  void read_children(CellInHand& parent) const;
+  void bake_parent(CellInHand& parent) const;
   void pack_on_device(CellInHand& cell, kernels::CudaPacker& packer);
   void bring_volume(CellInHand& cell);
   bool is_alone_on_device(const kernels::CellStats& stats) const;

@@ -12,6 +12,7 @@ Shard shard_from_volume(kernels::CellVolume volume, ShardHeader header) {
   if (!shard.header.has_facing) shard.nodes.facing.clear();
   shard.header.lods = std::uint32_t(shard.levels.size());
   shard.header.content_hash = std::move(volume.content_hash);
+  shard.above = std::move(volume.above);
   return shard;
 }
 
@@ -22,6 +23,7 @@ PackedShard shard_from_packed(kernels::PackedCell& cell, ShardHeader header) {
   shard.levels = std::move(cell.levels);
   shard.header.lods = std::uint32_t(shard.levels.size());
   shard.header.content_hash = std::move(cell.content_hash);
+  shard.above = std::move(cell.above);
   return shard;
 }
 

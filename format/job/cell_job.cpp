@@ -9,13 +9,13 @@ namespace {
 template <class Cell, class F>
 void each_field_of_cell(Cell& c, const F& f) {
   f(c.name), f(c.file), f(c.lattice_min), f(c.cell_voxels), f(c.lods), f(c.bytes), f(c.triangles), f(c.voxels),
-      f(c.fingerprint), f(c.content_hash);
+      f(c.fingerprint), f(c.content_hash), f(c.first_lod);
 }
 
 template <class Job, class F>
 void each_field_of_job(Job& j, const F& f) {
   f(j.id), f(j.name), f(j.lattice_min), f(j.cell_voxels), f(j.tiles), f(j.triangles), f(j.fingerprint),
-      f(j.tile_sources);
+      f(j.tile_sources), f(j.first_lod), f(j.children), f(j.child_files);
 }
 
 template <class Report, class F>
@@ -37,8 +37,10 @@ void each_field_of_file(File& file, const F& f) {
 
 }  // namespace
 
-std::filesystem::path shard_path(const CellJob& job) {
-  return std::filesystem::path("shards") / (job.name + "-" + job.fingerprint.hex() + ".h5");
+std::filesystem::path shard_path(const CellJob& job) { return shard_file(job.name, job.fingerprint); }
+
+std::string shard_file(const std::string& name, const Hash128& fingerprint) {
+  return "shards/" + name + "-" + fingerprint.hex() + ".h5";
 }
 
 std::vector<std::uint8_t> to_bytes(const CellJob& job) {

@@ -18,16 +18,22 @@
 
 namespace gigabake {
 
+/// A cell, or a parent: the levels above a block of cells or of other parents (scheduler/parents.h).
 struct CellJob {
   std::uint32_t id = 0;                       ///< index into BakePlan::jobs
-  std::string name;                           ///< "c_X_Y_Z": column and stack index
+  std::string name;                           ///< "c_X_Y_Z": column and stack index; "pL_X_Y_Z" of a parent
   std::array<std::int64_t, 3> lattice_min{};  ///< lod-0 voxels; x, y multiples of N, z of the coarsest level's voxel
   std::uint32_t cell_voxels = 0;              ///< N
   std::vector<std::uint32_t> tiles;           ///< indices into SceneSources::tiles, ascending
   std::uint64_t triangles = 0;                ///< estimate, for the order of work
   Hash128 fingerprint;
   std::vector<Hash128> tile_sources;  ///< TileSurvey::source of each of `tiles`; empty: nobody checks what they hold
+  std::uint32_t first_lod = 0;        ///< of a parent: its finest level on the lattice. 0: a cell
+  std::vector<std::uint32_t> children = {};   ///< of a parent: jobs that come first, ascending
+  std::vector<std::string> child_files = {};  ///< of one that is handed out: the shards of those that have voxels
 };
+
+inline bool is_parent(const CellJob& job) { return job.first_lod != 0; }
 
 enum class CellOutcome : std::uint8_t {
   baked,
@@ -56,6 +62,7 @@ struct CellReport {
 
 /// Relative to OUT: shards/<name>-<fingerprint>.h5.
 std::filesystem::path shard_path(const CellJob& job);
+std::string shard_file(const std::string& name, const Hash128& fingerprint);
 
 std::vector<std::uint8_t> to_bytes(const CellJob& job);
 std::vector<std::uint8_t> to_bytes(const CellReport& report);

@@ -29,12 +29,24 @@ struct OpenCell {
       : reader(open_shard_of_scene(side.scene_xml, side.scene, cell)),
         nodes(reader.nodes()),
         min(cell.lattice_min),
-        lods(cell.lods) {}
+        lods(cell.lods),
+        first_lod(int(cell.first_lod)) {}
+  BrickLevel level(int lod) const { return reader.level(lod - first_lod); }
+
   ShardReader reader;
   NodeTable nodes;
   Corner min;
   std::uint32_t lods;
+  int first_lod;
 };
+
+bool has_level(const SceneCell& cell, int lod) {
+  return lod >= int(cell.first_lod) && lod < int(cell.first_lod + cell.lods);
+}
+std::uint64_t voxels_of(const SceneCell& cell, int lod) { return cell.voxels[std::size_t(lod) - cell.first_lod]; }
+const Hash128& content_of(const SceneCell& cell, int lod) {
+  return cell.content_hash[std::size_t(lod) - cell.first_lod];
+}
 
 class DifferenceSum {
  public:
@@ -76,15 +88,15 @@ struct PairResult {
 
 PairResult compare_level(const OpenCell& a, const BrickLevel& level_a, const OpenCell& b, const LatticeBox& box,
                          int lod) {
-  const BrickLevel level_b = b.reader.level(lod);
-  LevelLookup in_b(b.nodes, level_b, b.lods, lod);
+  const BrickLevel level_b = b.level(lod);
+  LevelLookup in_b(b.nodes, level_b, b.lods, lod - b.first_lod);
   PairResult r;
   DifferenceSum sum(lod);
   const auto corner_of = [lod](const Corner& min, std::uint32_t x, std::uint32_t y, std::uint32_t z) {
     return Corner{min[0] + (std::int64_t(x) << lod), min[1] + (std::int64_t(y) << lod),
                   min[2] + (std::int64_t(z) << lod)};
   };
-  for_each_voxel_of_level(a.nodes, level_a, lod,
+  for_each_voxel_of_level(a.nodes, level_a, lod - a.first_lod,
                           [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
                               const std::int8_t* normal, const std::uint8_t* facing) {
                             ++r.a.all;
@@ -101,7 +113,7 @@ PairResult compare_level(const OpenCell& a, const BrickLevel& level_a, const Ope
                               sum.add_only_in_a(1);
                           });
   for_each_voxel_of_level(
-      b.nodes, level_b, lod,
+      b.nodes, level_b, lod - b.first_lod,
       [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t*, const std::int8_t*) {
         ++r.b.all;
         r.b.inside += box.holds(corner_of(b.min, x, y, z));
@@ -113,7 +125,7 @@ PairResult compare_level(const OpenCell& a, const BrickLevel& level_a, const Ope
 
 /// Voxels of the two levels are the same cubes of the lattice.
 bool share_a_grid(const SceneCell& a, const SceneCell& b, int lod) {
-  if (std::uint32_t(lod) >= std::min(a.lods, b.lods)) return false;
+  if (!has_level(a, lod) || !has_level(b, lod)) return false;
   for (std::size_t c = 0; c < 3; ++c)
     if ((a.lattice_min[c] - b.lattice_min[c]) % (std::int64_t(1) << lod) != 0) return false;
   return true;
@@ -121,23 +133,53 @@ bool share_a_grid(const SceneCell& a, const SceneCell& b, int lod) {
 
 std::uint64_t bytes_of_scene(const SceneDescription& scene) {
   std::uint64_t bytes = 0;
-  for (const SceneCell& cell : scene.cells) bytes += cell.bytes;
+  for (const auto& shards : {&scene.cells, &scene.parents})
+    for (const SceneCell& cell : *shards) bytes += cell.bytes;
   return bytes;
 }
+
+/// Shards that overlap a window on one level: cells on low levels, parents on those above.
+class ShardFinder {
+ public:
+  explicit ShardFinder(const SceneDescription& scene) : cells_(scene.cells), parents_(scene.parents) {
+    for (const auto& shards : {&scene.cells, &scene.parents})
+      for (const SceneCell& cell : *shards) all_.push_back(&cell);
+    parents_begin_ = scene.cells.size();
+    for (const SceneCell& cell : scene.cells) cell_lods_ = std::max(cell_lods_, int(cell.lods));
+  }
+  /// Cells, then parents.
+  const std::vector<const SceneCell*>& all() const { return all_; }
+  /// Indices into all().
+  std::vector<std::size_t> overlapping(const LatticeBox& window, int lod) const {
+    std::vector<std::size_t> found;
+    if (lod < cell_lods_) found = cells_.overlapping(window);
+    if (found.empty())
+      for (const std::size_t parent : parents_.overlapping(window))
+        if (has_level(*all_[parents_begin_ + parent], lod)) found.push_back(parents_begin_ + parent);
+    return found;
+  }
+
+ private:
+  CellFinder cells_, parents_;
+  std::vector<const SceneCell*> all_;
+  std::size_t parents_begin_ = 0;
+  int cell_lods_ = 0;
+};
 
 /// Walks A's cells; B's should not be larger, for a cell of B is read once for every cell of A that it overlaps.
 class SceneComparison {
  public:
-  SceneComparison(const Side& a, const Side& b) : a_(a), b_(b), finder_(b.scene.cells) {}
+  SceneComparison(const Side& a, const Side& b) : a_(a), b_(b), finder_(b.scene) {}
 
   SceneDifference run(const Progress& progress) {
     choose_levels();
     progress.step("comparing the cells", bytes_of_scene(a_.scene));
-    for (const SceneCell& cell : a_.scene.cells) {
-      compare_cell(cell);
-      progress.advance(cell.bytes);
-    }
-    for (std::size_t i = 0; i < b_.scene.cells.size(); ++i) add_rest_of_b(i);
+    for (const auto& shards : {&a_.scene.cells, &a_.scene.parents})
+      for (const SceneCell& cell : *shards) {
+        compare_cell(cell);
+        progress.advance(cell.bytes);
+      }
+    for (std::size_t i = 0; i < finder_.all().size(); ++i) add_rest_of_b(i);
     SceneDifference result;
     for (auto& [names, levels] : differences_) result.cells.push_back({names.first, names.second, std::move(levels)});
     for (const int lod : all_levels_) (skipped_.contains(lod) ? result.not_compared : result.compared).push_back(lod);
@@ -159,32 +201,30 @@ class SceneComparison {
   }
 
   void compare_cell(const SceneCell& cell) {
-    const std::vector<std::size_t> others = finder_.overlapping(window_of(cell));
     std::optional<OpenCell> open;
     for (const int lod : open_levels_)
-      if (std::uint32_t(lod) < cell.lods) compare_cell_level(cell, others, lod, open);
+      if (has_level(cell, lod)) compare_cell_level(cell, finder_.overlapping(window_of(cell), lod), lod, open);
   }
 
   void compare_cell_level(const SceneCell& cell, const std::vector<std::size_t>& others, int lod,
                           std::optional<OpenCell>& open) {
-    if (others.empty()) return add_rest(cell.name, "", lod, cell.voxels[std::size_t(lod)], 0);
+    if (others.empty()) return add_rest(cell.name, "", lod, voxels_of(cell, lod), 0);
     for (const std::size_t i : others) {
-      const SceneCell& other = b_.scene.cells[i];
+      const SceneCell& other = *finder_.all()[i];
       if (!share_a_grid(cell, other, lod)) {
         skipped_.insert(lod);
         return;
       }
-      if (window_of(cell) == window_of(other) &&
-          cell.content_hash[std::size_t(lod)] == other.content_hash[std::size_t(lod)]) {
+      if (window_of(cell) == window_of(other) && content_of(cell, lod) == content_of(other, lod)) {
         seen_of_b_[{i, lod}] = {1, 1};
         return;
       }
     }
     if (!open) open.emplace(a_, cell);
-    const BrickLevel level = open->reader.level(lod);
+    const BrickLevel level = open->level(lod);
     Walked of_a;
     for (const std::size_t i : others) {
-      const SceneCell& other = b_.scene.cells[i];
+      const SceneCell& other = *finder_.all()[i];
       const OpenCell open_other(b_, other);
       const LatticeBox box = intersection(window_of(cell), window_of(other));
       const PairResult r = compare_level(*open, level, open_other, box, lod);
@@ -198,12 +238,12 @@ class SceneComparison {
 
   /// What no cell of A overlaps.
   void add_rest_of_b(std::size_t i) {
-    const SceneCell& cell = b_.scene.cells[i];
+    const SceneCell& cell = *finder_.all()[i];
     for (const int lod : open_levels_) {
-      if (std::uint32_t(lod) >= cell.lods || skipped_.contains(lod)) continue;
+      if (!has_level(cell, lod) || skipped_.contains(lod)) continue;
       const auto seen = seen_of_b_.find({i, lod});
       if (seen == seen_of_b_.end())
-        add_rest("", cell.name, lod, 0, cell.voxels[std::size_t(lod)]);
+        add_rest("", cell.name, lod, 0, voxels_of(cell, lod));
       else
         add_rest("", cell.name, lod, 0, seen->second.all - std::min(seen->second.all, seen->second.inside));
     }
@@ -221,7 +261,7 @@ class SceneComparison {
 
   const Side& a_;
   const Side& b_;
-  CellFinder finder_;
+  ShardFinder finder_;
   std::vector<int> all_levels_, open_levels_;  ///< open: neither skipped nor equal by their hashes
   std::set<int> skipped_;
   std::map<std::pair<std::size_t, int>, Walked> seen_of_b_;  ///< by cell of B and lod

@@ -5,6 +5,7 @@
 #include <set>
 #include <string_view>
 #include <unordered_set>
+#include <utility>
 
 #include "format/scene/cell_window.h"
 #include "format/scene/scene_totals.h"
@@ -27,6 +28,8 @@ void check_totals(const SceneDescription& scene, const SaidTotals& said, SceneFa
   const char* const advice = "; lines were lost, added or changed: bake again";
   faults.expect(said.cells == scene.cells.size(), "OctTreeGroup Cells",
                 fmt::format("says {}, but {} are listed{}", said.cells, scene.cells.size(), advice));
+  faults.expect(said.parents == scene.parents.size(), "OctTreeGroup Parents",
+                fmt::format("says {}, but {} are listed{}", said.parents, scene.parents.size(), advice));
   faults.expect(said.voxels == totals.voxels, "OctTreeGroup Voxels",
                 fmt::format("are not the sums of the cells that are listed{}", advice));
   faults.expect(said.content_hash == totals.all_content, "OctTreeGroup ContentHash",
@@ -54,6 +57,14 @@ std::vector<SceneFault> faults_of_cells(const SceneReading& reading) {
   SceneFaults faults;
   std::unordered_set<std::string_view> names, files;
   std::set<std::array<std::int64_t, 3>> places;
+  std::set<std::pair<std::uint32_t, std::array<std::int64_t, 3>>> parents;
+  for (const SceneCell& parent : reading.scene.parents) {
+    const std::string name = "PagedOctTree " + as_line(parent.name, longest_quote_bytes);
+    faults.expect(names.insert(parent.name).second, name, "another shard has the same name");
+    faults.expect(files.insert(parent.file).second, name, "another shard has the same TreeFile");
+    faults.expect(parents.insert({parent.first_lod, parent.lattice_min}).second, name,
+                  "another parent has the same FirstLod and LatticeMin");
+  }
   for (const SceneCell& cell : reading.scene.cells) {
     const std::string name = "PagedOctTree " + as_line(cell.name, longest_quote_bytes);
     faults.expect(names.insert(cell.name).second, name, "another cell has the same name");

@@ -66,13 +66,16 @@ bool stays_inside(const std::filesystem::path& p) {
 void read_place(const SceneAttributes& a, SceneCell& c) {
   c.lattice_min = a.triple<std::int64_t>("LatticeMin");
   c.cell_voxels = a.value<std::uint32_t>("CellVoxels");
-  if (!std::has_single_bit(c.cell_voxels) || c.cell_voxels < 8 || c.cell_voxels > 8192)
-    a.fail("CellVoxels", "expected a power of two from 8 to 8192");
+  if (a.has("FirstLod")) c.first_lod = a.value<std::uint32_t>("FirstLod");
+  if (a.has("FirstLod") && (c.first_lod < 1 || c.first_lod > 28)) a.fail("FirstLod", "expected 1 to 28");
+  const std::uint32_t edge = c.cell_voxels >> c.first_lod;
+  if (!std::has_single_bit(c.cell_voxels) || edge < 8 || edge > 8192)
+    a.fail("CellVoxels", "expected a power of two from 8 to 8192 voxels of the finest level");
   for (const std::int64_t x : c.lattice_min)
     if (x % 8 != 0 || x < -(std::int64_t(1) << 52) || x > std::int64_t(1) << 52)
       a.fail("LatticeMin", "expected multiples of 8 within ±2^52");
   c.lods = a.value<std::uint32_t>("Lods");
-  if (c.lods != std::uint32_t(std::bit_width(c.cell_voxels / 8))) a.fail("Lods", "does not fit CellVoxels");
+  if (c.lods != std::uint32_t(std::bit_width(edge / 8))) a.fail("Lods", "does not fit CellVoxels");
 }
 
 SceneCell read_cell(const SceneAttributes& a) {
@@ -150,8 +153,8 @@ class SceneReader {
 
   void read_totals(const SceneAttributes& a) {
     a.hash("Checksum");
-    reading_.said =
-        SaidTotals{a.value<std::uint64_t>("Cells"), a.values<std::uint64_t>("Voxels"), a.hash("ContentHash")};
+    reading_.said = SaidTotals{a.value<std::uint64_t>("Cells"), a.values<std::uint64_t>("Voxels"),
+                               a.hash("ContentHash"), reading_.version >= 3 ? a.value<std::uint64_t>("Parents") : 0};
   }
 
   /// What readers of the thesis's schema look at, and ours do not.
@@ -197,10 +200,11 @@ class SceneReader {
   }
 
   void read_cell_of(const SceneAttributes& a) {
-    reading_.scene.cells.push_back(read_cell(a));
-    check_sphere(a, reading_.scene.cells.back());
+    SceneCell cell = read_cell(a);
+    check_sphere(a, cell);
+    (cell.first_lod == 0 ? reading_.scene.cells : reading_.scene.parents).push_back(std::move(cell));
     faults(a.unknown_parts({"CenterX", "CenterY", "CenterZ", "Radius", "TreeFile", "Name", "LatticeMin", "CellVoxels",
-                            "Lods", "Bytes", "Triangles", "Voxels", "Fingerprint", "ContentHash"},
+                            "FirstLod", "Lods", "Bytes", "Triangles", "Voxels", "Fingerprint", "ContentHash"},
                            {}));
   }
 
@@ -212,7 +216,9 @@ class SceneReader {
                               "NonFinite", "ZeroArea", "SkippedPoints", "SkippedLines", of_version_2...},
                              {"OctTreeGroup", "PagedOctTree", "Loss"}));
     };
-    if (reading_.version >= 2)
+    if (reading_.version >= 3)
+      check("Cells", "Parents", "Voxels", "ContentHash", "Checksum");
+    else if (reading_.version >= 2)
       check("Cells", "Voxels", "ContentHash", "Checksum");
     else
       check();

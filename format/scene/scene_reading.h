@@ -13,7 +13,7 @@
 
 namespace gigabake {
 
-inline constexpr int newest_scene_version = 2;
+inline constexpr int newest_scene_version = 3;
 
 /// Something in a scene.xml that is not as it should be.
 struct SceneFault {
@@ -22,11 +22,12 @@ struct SceneFault {
 };
 InputError error_of(const std::filesystem::path& file, const SceneFault& fault);
 
-/// What the root says of all cells.
+/// What the root says of all cells and parents.
 struct SaidTotals {
   std::uint64_t cells = 0;
   std::vector<std::uint64_t> voxels;  ///< per lod
   Hash128 content_hash;               ///< of all lods
+  std::uint64_t parents = 0;          ///< none before version 3
 };
 
 struct SceneReading {

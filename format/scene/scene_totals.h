@@ -1,4 +1,4 @@
-/// Sums over a scene's cells.
+/// Sums over a scene's cells and parents.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +17,9 @@ struct SceneTotals {
   std::vector<Hash128> content_hash;
   Hash128 all_content;  ///< of all lods
   std::uint64_t bytes = 0;
+
+ private:
+  void add(const SceneCell& cell);
 };
 
 /// Compressed sizes on disk. The rest of the shards' bytes is HDF5's own: headers, indexes, attributes.

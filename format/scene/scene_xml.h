@@ -26,6 +26,7 @@ struct SceneCell {
   std::vector<std::uint64_t> voxels;  ///< per lod
   Hash128 fingerprint;
   std::vector<Hash128> content_hash;  ///< per lod
+  std::uint32_t first_lod = 0;        ///< of the lattice: its own level 0. 0: a cell; else a parent
 };
 
 /// Anything the bake was asked for and could not deliver.
@@ -42,7 +43,8 @@ struct SceneDescription {
   bool has_facing = false;
   std::string parameters;  ///< the bake's parameters as one line of JSON
   std::uint64_t triangles = 0, non_finite = 0, zero_area = 0, skipped_points = 0, skipped_lines = 0;
-  std::vector<SceneCell> cells;  ///< sorted by lattice_min z, y, x
+  std::vector<SceneCell> cells;    ///< sorted by lattice_min z, y, x
+  std::vector<SceneCell> parents;  ///< of the levels above the cells', each after its children
   std::vector<SceneLoss> losses;
 };
 

@@ -36,6 +36,7 @@ void append_cell(pugi::xml_node group, const SceneDescription& scene, const Scen
   set(n, "Name", cell.name);
   set(n, "LatticeMin", joined(cell.lattice_min, number));
   set(n, "CellVoxels", number(cell.cell_voxels));
+  if (cell.first_lod != 0) set(n, "FirstLod", number(cell.first_lod));
   set(n, "Lods", number(cell.lods));
   set(n, "Bytes", number(cell.bytes));
   set(n, "Triangles", number(cell.triangles));
@@ -64,6 +65,7 @@ pugi::xml_node append_group(pugi::xml_document& document, const SceneDescription
   set(g, "SkippedLines", number(scene.skipped_lines));
   const SceneTotals totals(scene);
   set(g, "Cells", number(scene.cells.size()));
+  set(g, "Parents", number(scene.parents.size()));
   set(g, "Voxels", joined(totals.voxels, number));
   set(g, "ContentHash", totals.all_content.hex());
   set(g, "Checksum", Hash128().hex());
@@ -76,6 +78,10 @@ void write_scene(const std::filesystem::path& path, const SceneDescription& scen
   pugi::xml_document document;
   pugi::xml_node group = append_group(document, scene);
   for (const SceneCell& cell : scene.cells) append_cell(group, scene, cell);
+  if (!scene.parents.empty()) {
+    pugi::xml_node parents = group.append_child("OctTreeGroup");
+    for (const SceneCell& parent : scene.parents) append_cell(parents, scene, parent);
+  }
   for (const SceneLoss& loss : scene.losses) {
     pugi::xml_node n = group.append_child("Loss");
     set(n, "Name", loss.name);

@@ -87,16 +87,21 @@ VerifyResult verify_scene(const std::filesystem::path& scene_xml, int threads, c
   result.has_totals = reading.said.has_value();
   result.faults = check_scene(scene_xml, reading);
   std::uint64_t all_bytes = 0;
-  for (const SceneCell& cell : scene.cells) all_bytes += cell.bytes;
+  std::vector<const SceneCell*> shards;
+  for (const auto& listed : {&scene.cells, &scene.parents})
+    for (const SceneCell& cell : *listed) {
+      shards.push_back(&cell);
+      all_bytes += cell.bytes;
+    }
   progress.step("checking the shards", all_bytes);
-  std::vector<std::vector<std::string>> of_cell(scene.cells.size());
-  ThreadPool(threads).parallel_for(scene.cells.size(), 1, [&](std::size_t i, std::size_t, int) {
-    of_cell[i] = check_cell(scene, scene.cells[i], scene_xml.parent_path() / scene.cells[i].file);
-    progress.advance(scene.cells[i].bytes);
+  std::vector<std::vector<std::string>> of_cell(shards.size());
+  ThreadPool(threads).parallel_for(shards.size(), 1, [&](std::size_t i, std::size_t, int) {
+    of_cell[i] = check_cell(scene, *shards[i], scene_xml.parent_path() / shards[i]->file);
+    progress.advance(shards[i]->bytes);
   });
-  for (std::size_t i = 0; i < scene.cells.size(); ++i) {
-    const SceneCell& cell = scene.cells[i];
-    ++result.cells;
+  for (std::size_t i = 0; i < shards.size(); ++i) {
+    const SceneCell& cell = *shards[i];
+    result.cells += cell.first_lod == 0;
     result.bytes += cell.bytes;
     result.voxels += std::accumulate(cell.voxels.begin(), cell.voxels.end(), std::uint64_t(0));
     result.faults.insert(result.faults.end(), of_cell[i].begin(), of_cell[i].end());

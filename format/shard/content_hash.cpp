@@ -100,7 +100,7 @@ std::vector<Hash128> content_hash(const Shard& shard, int threads) {
                                    [&](std::size_t begin, std::size_t end, int) {
                                      std::vector<LevelSum> sums;
                                      for (std::uint32_t lod = 0; lod < shard.header.lods; ++lod)
-                                       sums.emplace_back(int(lod), shard.header.lattice_min);
+                                       sums.emplace_back(int(shard.header.first_lod + lod), shard.header.lattice_min);
                                      for (std::size_t n = begin; n < end; ++n) add_node(shard, n, sums);
                                      const std::scoped_lock lock(mutex);
                                      for (std::size_t lod = 0; lod < sums.size(); ++lod)

@@ -15,6 +15,7 @@ struct PackedShard {
   ShardHeader header;
   std::vector<PackedColumn> nodes;  ///< as packed_nodes() asks for; all of them are bricks
   std::vector<PackedLevel> levels;  ///< [lod]; channels as packed_channels() asks for
+  ParentSource above = {};          ///< as Shard has it
 };
 
 /// What must be packed of each voxel of a level, in this order, for shards as they are written today.

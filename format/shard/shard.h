@@ -12,6 +12,7 @@
 #include "lattice/frames.h"
 #include "lattice/hash128.h"
 #include "lattice/octree.h"
+#include "lattice/parent_source.h"
 #include "lattice/rules.h"
 #include "lattice/thread_pool.h"
 
@@ -41,10 +42,11 @@ struct ShardHeader {
   std::string cell;                           ///< cell name, e.g. "c_3_-2_0"
   std::array<std::int64_t, 3> lattice_min{};  ///< lod-0 voxel index of the cell's lowest corner
   std::uint32_t cell_voxels = 0;              ///< edge in lod-0 voxels, a power of two ≥ 8
+  std::uint32_t first_lod = 0;                ///< of the lattice: its own level 0. 0: a cell; else a parent
   double voxel_size_m = 0;
   std::array<double, 3> lattice_origin_m{};  ///< scene position of the lattice's 0,0,0 corner
   std::optional<Geodetic> origin;
-  std::uint32_t lods = 0;             ///< log2(cell_voxels/8)+1
+  std::uint32_t lods = 0;             ///< log2(cell_voxels/8)+1 less first_lod
   Hash128 fingerprint;                ///< of everything the cell was baked from
   std::vector<Hash128> content_hash;  ///< per lod; the sum over voxels, see content_hash.h
   bool has_normals = true;
@@ -55,7 +57,8 @@ struct ShardHeader {
 struct Shard {
   ShardHeader header;
   NodeTable nodes;
-  std::vector<BrickLevel> levels;  ///< [lod]
+  std::vector<BrickLevel> levels;  ///< [lod], from header.first_lod on
+  ParentSource above = {};         ///< empty in shards before version 4
 };
 
 struct ShardWriteOptions {

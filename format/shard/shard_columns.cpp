@@ -32,7 +32,7 @@ StoredShard ShardColumns::stored_bytes(const std::vector<std::uint64_t>& stored)
   StoredShard out;
   out.levels.resize(std::size_t(lods_));
   for (std::size_t c = 0; c < columns_.size(); ++c)
-    if (lod_[c] != of_nodes) out.levels[std::size_t(lod_[c])] += stored[c];
+    if (lod_[c] != of_no_level) out.levels[std::size_t(lod_[c])] += stored[c];
   return out;
 }
 
@@ -72,6 +72,17 @@ void ShardColumns::add_nodes(const std::vector<PackedColumn>& nodes) {
   group_ = "/nodes";
   const std::vector<Hdf5Column> all = NodeColumns(shard_version).all(header_);
   for (std::size_t c = 0; c < all.size(); ++c) add_packed(all[c], nodes.at(c));
+}
+
+void ShardColumns::add_above(const ParentSource& above) {
+  if (above.empty()) return;
+  const AboveColumns names(int(header_.first_lod + header_.lods) - 1);
+  group_ = "/above";
+  add_array(names.place, above.place);
+  add_array(names.rgba, above.rgba);
+  if (!above.normal.empty()) add_array(names.normal, above.normal);
+  if (!above.raster.empty()) add_array(names.raster, above.raster);
+  if (!above.patch.empty()) add_array(names.patch, above.patch);
 }
 
 LevelColumns ShardColumns::next_level() {

@@ -20,9 +20,10 @@ class ShardColumns {
  public:
   explicit ShardColumns(const ShardHeader& header) : header_(header) {}
 
-  /// Nodes first, then levels from lod 0 on.
+  /// Nodes first, then what levels above are made of, then levels from lod 0 on.
   void add_nodes(const NodeTable& nodes);
   void add_nodes(const std::vector<PackedColumn>& nodes);
+  void add_above(const ParentSource& above);
   /// Finds which voxels share a value; where the arrays do not fit each other they are stored as they
   /// are, for readers to refuse.
   void add_level(const BrickLevel& level, const ThreadPool& pool);
@@ -34,7 +35,7 @@ class ShardColumns {
   StoredShard stored_bytes(const std::vector<std::uint64_t>& stored) const;
 
  private:
-  static constexpr int of_nodes = -1;
+  static constexpr int of_no_level = -1;
 
   void add(const Hdf5Column& column, std::uint64_t rows, decltype(ColumnRows::get) get) {
     columns_.push_back({std::exchange(group_, {}), column, rows, std::move(get)});
@@ -52,7 +53,7 @@ class ShardColumns {
   std::deque<VoxelGroups> groups_;  ///< what is borrowed stays where it is
   std::deque<SharedValues> values_;
   std::vector<ColumnRows> columns_;
-  std::vector<int> lod_;  ///< of each column, or of_nodes
+  std::vector<int> lod_;  ///< of each column, or of_no_level
   std::string group_;     ///< of the next column, where it is the first of it
   int lods_ = 0;
 };

@@ -45,8 +45,15 @@ std::int32_t read_version(const Hdf5File& file) {
   return version;
 }
 
+std::optional<Hash128> read_above_hash(const Hdf5File& file) {
+  if (!file.has_attribute("above_hash")) return std::nullopt;
+  const std::vector<Hash128> hash = hashes(file, "above_hash");
+  if (hash.size() != 1) file.fail("above_hash", "expected one hash");
+  return hash[0];
+}
+
 ShardHeader read_header(const Hdf5File& file) {
-  read_version(file);
+  const std::int32_t version = read_version(file);
   if (scalar<std::uint32_t>(file, "brick_edge", Hdf5Type::u32) != brick_edge) file.fail("brick_edge", "expected 8");
   ShardHeader h;
   h.generator = file.read_text("generator");
@@ -56,6 +63,7 @@ ShardHeader read_header(const Hdf5File& file) {
   h.voxel_size_m = scalar<double>(file, "voxel_size_m", Hdf5Type::f64);
   file.read_attribute("lattice_origin_m", Hdf5Type::f64, h.lattice_origin_m.data(), 3);
   h.lods = scalar<std::uint32_t>(file, "lods", Hdf5Type::u32);
+  if (version >= 4) h.first_lod = scalar<std::uint32_t>(file, "first_lod", Hdf5Type::u32);
   if (file.has_attribute("origin")) {
     double origin[3];
     file.read_attribute("origin", Hdf5Type::f64, origin, 3);

@@ -10,5 +10,7 @@ namespace gigabake {
 ShardHeader read_header(const Hdf5File& file);
 /// Of the format. Errors  as read_header().
 std::int32_t read_version(const Hdf5File& file);
+/// `above_hash`, which a shard has that keeps what levels above are made of. Errors  InputError: malformed.
+std::optional<Hash128> read_above_hash(const Hdf5File& file);
 
 }  // namespace gigabake

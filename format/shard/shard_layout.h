@@ -11,7 +11,7 @@
 namespace gigabake {
 
 inline constexpr char shard_format[] = "gigabake-shard";
-inline constexpr std::int32_t shard_version = 3;
+inline constexpr std::int32_t shard_version = 4;
 inline constexpr std::int32_t oldest_shard_version = 1;
 
 struct NodeColumns {
@@ -40,6 +40,16 @@ struct LevelColumns {
         first{group + "/first", Hdf5Type::u64, 1, BytePlanes::yes} {}
   std::string group;
   Hdf5Column mask, first;
+};
+
+/// ParentSource's. lod: of the shard's coarsest level, on the lattice.
+struct AboveColumns {
+  explicit AboveColumns(int lod) : raster{"/above/raster", Hdf5Type::u8, raster_bytes(lod)} {}
+  Hdf5Column place{"/above/place", Hdf5Type::u8, source_place_bytes};
+  Hdf5Column rgba{"/above/rgba", Hdf5Type::u8, 4};
+  Hdf5Column normal{"/above/normal", Hdf5Type::i8, 2};
+  Hdf5Column raster;
+  Hdf5Column patch{"/above/patch", Hdf5Type::u8, source_patch_bytes};
 };
 
 /// The rows of NodeColumns::facing; what a row does not have is zero.

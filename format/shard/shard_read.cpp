@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "format/shard/above.h"
 #include "format/shard/channel_rows.h"
 #include "format/shard/check/shard_check.h"
 #include "format/shard/hdf5/hdf5_rows.h"
@@ -81,8 +82,23 @@ BrickLevel ShardReader::read_level(int lod, std::uint64_t bricks) const {
   return level;
 }
 
+ParentSource ShardReader::above() const {
+  const auto hash = read_above_hash(file_);
+  if (!hash) return {};
+  const AboveColumns columns(int(header_.first_lod + header_.lods) - 1);
+  ParentSource above;
+  read_rows(file_, columns.place, above.place);
+  read_rows(file_, columns.rgba, above.rgba);
+  if (header_.has_normals) read_rows(file_, columns.normal, above.normal);
+  if (columns.raster.width != 0 && file_.has_column(columns.raster)) read_rows(file_, columns.raster, above.raster);
+  if (file_.has_column(columns.patch)) read_rows(file_, columns.patch, above.patch);
+  check_above(path_, header_, above);
+  if (hash_of(above) != *hash) file_.fail("/above", "is not what above_hash says");
+  return above;
+}
+
 Shard ShardReader::all() const {
-  Shard shard{header_, nodes(), {}};
+  Shard shard{header_, nodes(), {}, above()};
   const std::vector<std::uint64_t> bricks = brick_counts(header_, shard.nodes.lod, shard.nodes.kind);
   for (int lod = 0; lod < int(header_.lods); ++lod) shard.levels.push_back(read_level(lod, bricks[std::size_t(lod)]));
   return shard;
@@ -125,6 +141,11 @@ std::vector<std::string> ShardReader::unreadable_columns() const {
   for (const Hdf5Column& column : NodeColumns(version_).all(header_)) try_column(column);
   for (int lod = 0; lod < int(header_.lods); ++lod)
     for (const Hdf5Column& column : level_columns(lod)) try_column(column);
+  try {
+    above();
+  } catch (const InputError& error) {
+    faults.emplace_back(error.what());
+  }
   return faults;
 }
 

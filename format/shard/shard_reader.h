@@ -20,6 +20,8 @@ class ShardReader {
   const ShardHeader& header() const { return header_; }
   NodeTable nodes() const;
   BrickLevel level(int lod) const;  ///< with as many bricks as nodes() has of this level
+  /// Of what levels above are made; empty where the shard keeps none, as those before version 4.
+  ParentSource above() const;
   Shard all() const;
 
   /// As stored on disk: compressed, without HDF5's own index.

@@ -1,5 +1,6 @@
 #include <fcntl.h>
 
+#include "format/shard/above.h"
 #include "format/shard/channels.h"
 #include "format/shard/packed_shard.h"
 #include "format/shard/shard.h"
@@ -12,7 +13,7 @@
 namespace gigabake {
 namespace {
 
-void write_header(Hdf5File& file, const ShardHeader& h) {
+void write_header(Hdf5File& file, const ShardHeader& h, const ParentSource& above) {
   const auto u32 = [&](const char* name, std::uint32_t v) { file.write_attribute(name, Hdf5Type::u32, &v, 0); };
   file.write_attribute("format", shard_format);
   file.write_attribute("version", Hdf5Type::i32, &shard_version, 0);
@@ -24,6 +25,7 @@ void write_header(Hdf5File& file, const ShardHeader& h) {
   file.write_attribute("lattice_origin_m", Hdf5Type::f64, h.lattice_origin_m.data(), 3);
   u32("brick_edge", brick_edge);
   u32("lods", h.lods);
+  u32("first_lod", h.first_lod);
   if (h.origin) {
     const double origin[3] = {h.origin->latitude_deg, h.origin->longitude_deg, h.origin->height_m};
     file.write_attribute("origin", Hdf5Type::f64, origin, 3);
@@ -32,15 +34,16 @@ void write_header(Hdf5File& file, const ShardHeader& h) {
   std::string hashes;
   for (const Hash128& hash : h.content_hash) hashes += (hashes.empty() ? "" : " ") + hash.hex();
   file.write_attribute("content_hash", hashes);
+  if (!above.empty()) file.write_attribute("above_hash", hash_of(above).hex());
   file.write_attribute("channels", channel_names(h.has_normals, h.has_facing));
   file.write_attribute("triangles", Hdf5Type::u64, &h.triangles, 0);
 }
 
 /// HDF5 makes the file of a header and of whatever columns `add_columns` gives.
 template <class AddColumns>
-StoredShard make_file(Hdf5File file, const ShardHeader& header, const ShardWriteOptions& options,
-                      const AddColumns& add_columns) {
-  write_header(file, header);
+StoredShard make_file(Hdf5File file, const ShardHeader& header, const ParentSource& above,
+                      const ShardWriteOptions& options, const AddColumns& add_columns) {
+  write_header(file, header, above);
   ShardColumns columns(header);
   add_columns(columns);
   const StoredShard stored = columns.stored_bytes(file.write_columns(columns.columns(), options.codec, options.pool));
@@ -78,11 +81,12 @@ void write_image(const FileImage& image, const std::filesystem::path& aside, con
 
 StoredShard write_shard(const std::filesystem::path& path, const Shard& shard, const ShardWriteOptions& options) {
   Publication publication(path);
-  StoredShard stored =
-      make_file(Hdf5File::create(publication.aside(), path), shard.header, options, [&](ShardColumns& columns) {
-        columns.add_nodes(shard.nodes);
-        for (const BrickLevel& level : shard.levels) columns.add_level(level, options.pool);
-      });
+  StoredShard stored = make_file(Hdf5File::create(publication.aside(), path), shard.header, shard.above, options,
+                                 [&](ShardColumns& columns) {
+                                   columns.add_nodes(shard.nodes);
+                                   columns.add_above(shard.above);
+                                   for (const BrickLevel& level : shard.levels) columns.add_level(level, options.pool);
+                                 });
   stored.file = std::filesystem::file_size(publication.aside());
   publication.publish();
   return stored;
@@ -95,8 +99,9 @@ StoredShard write_packed_shard(const std::filesystem::path& path, const PackedSh
   const bool in_memory = bytes_of(shard) <= largest_image;
   StoredShard stored =
       make_file(in_memory ? Hdf5File::create(image, path) : Hdf5File::create(publication.aside(), path), shard.header,
-                options, [&](ShardColumns& columns) {
+                shard.above, options, [&](ShardColumns& columns) {
                   columns.add_nodes(shard.nodes);
+                  columns.add_above(shard.above);
                   for (const PackedLevel& level : shard.levels) columns.add_level(level);
                 });
   if (in_memory) write_image(image, publication.aside(), path);

@@ -25,7 +25,7 @@ inline bool has_planes(std::int32_t version, const ShardHeader& header) {
   return version >= 3 && header.has_facing && header.has_normals;
 }
 
-/// What a shard of that version stores of each voxel of a level.
+/// What a shard of that version stores of each voxel of a level of its own.
 inline std::vector<VoxelChannel> stored_channels(std::int32_t version, const ShardHeader& header, int lod) {
   std::vector<VoxelChannel> channels;
   if (version == 1)
@@ -33,7 +33,7 @@ inline std::vector<VoxelChannel> stored_channels(std::int32_t version, const Sha
   else
     channels = {{"rgb", Hdf5Type::u8, 3, VoxelArray::rgba, 0}, {"alpha", Hdf5Type::u8, 1, VoxelArray::rgba, 3}};
   if (header.has_normals) channels.push_back({"normal", Hdf5Type::i8, 2, VoxelArray::normal, 0});
-  if (header.has_facing && lod > 0) {
+  if (header.has_facing && int(header.first_lod) + lod > 0) {
     channels.push_back({"facing", Hdf5Type::u8, coverage_bytes, VoxelArray::facing, 0});
     if (has_planes(version, header)) channels.push_back({"plane", Hdf5Type::u8, 1, VoxelArray::facing, facing_plane});
   }

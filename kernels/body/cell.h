@@ -2,7 +2,7 @@
 ///
 /// Exact   What a voxel holds depends on the triangles that touch it, their materials, the parameters and its lattice
 ///         position alone. Order of parts and triangles, threads, memory budget and window do not show in any bit
-///         (lod 0…3: window_min a multiple of 2^lod; above, levels are relative to the window).
+///         (where window_min is a multiple of 2^lod; else the level is relative to the window).
 /// Source  docs/accuracy.md: surface rules, tie rules, weights.
 #pragma once
 
@@ -15,6 +15,7 @@
 #include "lattice/hash128.h"
 #include "lattice/host_device.h"
 #include "lattice/octree.h"
+#include "lattice/parent_source.h"
 #include "lattice/rules.h"
 #include "lattice/snap.h"
 
@@ -71,6 +72,7 @@ struct CellVolume {
   std::vector<Level> levels;          ///< [lod]; log2(window_voxels/8)+1; empty when no voxel is occupied
   NodeTable nodes;                    ///< facing: zeros for constant nodes of levels without it
   std::vector<Hash128> content_hash;  ///< [lod]; of all voxels, those that constant nodes stand for included
+  ParentSource above;                 ///< what the levels above are made of; empty when no voxel is occupied
   CellStats stats;
 };
 

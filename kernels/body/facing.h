@@ -13,12 +13,10 @@
 
 #include "kernels/body/axis_coverage.h"
 #include "lattice/host_device.h"
+#include "lattice/parent_source.h"
 
 namespace gigabake::kernels {
 
-inline constexpr int most_raster_edge = 8;
-/// Cells along an edge of a raster.
-GB_HD constexpr int raster_edge(int lod) { return lod < 3 ? 1 << lod : most_raster_edge; }
 /// Of the three axes' cells, four a word, the first lowest. Cell (u, v) of an axis, u along the lower of the other two,
 /// is u + edge·v. Range  edge ≥ 2.
 GB_HD constexpr int raster_words(int edge) { return 3 * edge * edge / 4; }

@@ -8,6 +8,7 @@
 #include "kernels/cpu/bin.h"
 #include "kernels/cpu/level_hash.h"
 #include "kernels/cpu/levels.h"
+#include "kernels/cpu/parent_source.h"
 #include "kernels/cpu/prune.h"
 #include "kernels/cpu/voxelize.h"
 #include "kernels/cpu/window_triangles.h"
@@ -89,6 +90,7 @@ CellVolume bake_cell(const CellInput& input, const CellParameters& parameters, c
     const StageClock clock(volume.stats.mip_s);
     LevelSurface surface;
     add_coarser_levels(volume.levels, surface, lods, parameters.mip, parameters.normals, pool);
+    volume.above = parent_source(volume.levels, lods - 1, surface, parameters.mip);
     if (!parameters.facing) drop_facing(volume.levels);
   }
   volume.stats.peak_bytes = std::max(volume.stats.peak_bytes, 2 * bytes_of(volume.levels));

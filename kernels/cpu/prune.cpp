@@ -137,10 +137,7 @@ void remove_constant_bricks(Level& level, const Verdicts& verdicts) {
   level = std::move(kept);
 }
 
-}  // namespace
-
-NodeTable prune(std::vector<Level>& levels, const ThreadPool& pool) {
-  const std::vector<Verdicts> verdicts = judge(levels, pool);
+NodeTable nodes_of(const std::vector<Level>& levels, const std::vector<Verdicts>& verdicts) {
   NodeTable nodes;
   std::size_t above = 0;
   for (std::size_t lod = levels.size(); lod-- > 0;) {
@@ -150,8 +147,22 @@ NodeTable prune(std::vector<Level>& levels, const ThreadPool& pool) {
     if (begin != 0) link_children(nodes, above, begin);  // the root is nobody's child
     above = begin;
   }
+  return nodes;
+}
+
+}  // namespace
+
+NodeTable prune(std::vector<Level>& levels, const ThreadPool& pool) {
+  const std::vector<Verdicts> verdicts = judge(levels, pool);
+  NodeTable nodes = nodes_of(levels, verdicts);
   for (std::size_t lod = 0; lod < levels.size(); ++lod) remove_constant_bricks(levels[lod], verdicts[lod]);
   return nodes;
+}
+
+NodeTable brick_nodes(const std::vector<Level>& levels) {
+  std::vector<Verdicts> all_bricks;
+  for (const Level& level : levels) all_bricks.emplace_back(level.key.size());
+  return nodes_of(levels, all_bricks);
 }
 
 }  // namespace gigabake::kernels

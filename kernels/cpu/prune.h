@@ -14,4 +14,7 @@ namespace gigabake::kernels {
 /// Errors  std::length_error beyond 2^32-1 nodes.
 NodeTable prune(std::vector<Level>& levels, const ThreadPool& pool);
 
+/// The nodes of levels of which every brick is stored, constant or not. Errors  as prune().
+NodeTable brick_nodes(const std::vector<Level>& levels);
+
 }  // namespace gigabake::kernels

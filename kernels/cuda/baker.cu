@@ -85,6 +85,7 @@ class CudaBaker::Impl {
       out.content_hash = std::move(cell->host_hashes);
     }
     if (out.nodes.key.empty() && !out.levels.empty()) out.nodes = prune(out.levels, host_);
+    out.above = std::move(cell->above);
     out.stats = cell->cell_stats;
     return out;
   }
@@ -99,6 +100,7 @@ class CudaBaker::Impl {
     approximate(out.levels, cell.max_error, host_);
     out.content_hash = level_hashes(out.levels, cell.window_min, host_);
     if (!out.levels.empty()) out.nodes = prune(out.levels, host_);
+    out.above = std::move(cell.above);
     out.stats = cell.cell_stats;
     return out;
   }

@@ -1,7 +1,10 @@
 #include <algorithm>
+#include <span>
 
+#include "kernels/body/mip.h"
 #include "kernels/cpu/level_hash.h"
 #include "kernels/cpu/levels.h"
+#include "kernels/cpu/parent_source.h"
 #include "kernels/cuda/cell.cuh"
 #include "kernels/cuda/download.cuh"
 #include "kernels/cuda/hash.cuh"
@@ -135,8 +138,10 @@ void CellBake::count_batch(CellStats& total) const {
 bool CellBake::bake_at_once(const Cell& cell, BakedCell& out) {
   try {
     CellStats stats;
-    std::vector<DeviceLevel> levels =
-        levels_of(cell, all_keys(cell.window), cell.window.levels + 1, bin_capacity_, stats).levels;
+    const int lods = cell.window.levels + 1;
+    LevelsAbove all = levels_of(cell, all_keys(cell.window), lods, bin_capacity_, stats);
+    ParentSource above = source_of(all, lods - 1, cell.parameters.mip);
+    std::vector<DeviceLevel> levels = std::move(all.levels);
     DeviceNodes nodes;
     if (!levels.empty()) nodes = brick_nodes(heap_, levels);
     std::uint64_t bytes = 0;
@@ -145,6 +150,7 @@ bool CellBake::bake_at_once(const Cell& cell, BakedCell& out) {
     clock_.mark(6);
     out.levels = std::move(levels);
     out.nodes = std::move(nodes);
+    out.above = std::move(above);
     count_batch(stats);
     stats.prune_s = clock_.between(5, 6);
     out.cell_stats = stats;
@@ -152,6 +158,17 @@ bool CellBake::bake_at_once(const Cell& cell, BakedCell& out) {
   } catch (const DeviceFull&) {
     return false;
   }
+}
+
+/// What levels above the cell are made of, as it comes to the host.
+ParentSource CellBake::source_of(const LevelsAbove& all, int lod, MipFilter filter) {
+  if (all.levels.empty()) return {};
+  const std::size_t wanted = is_of_64(filter, lod + 1) ? 2 : 1;
+  std::vector<Level> levels = to_host(heap_.stream(), pinned_, std::span(all.levels).last(wanted), {}, host_).levels;
+  LevelSurface surface;
+  append(all.rasters, surface.rasters);
+  append(all.patches, surface.patches);
+  return parent_source(levels, lod, surface, filter);
 }
 
 /// Levels up to the units' on the device, part after part; those above, which are small, from them on the host.
@@ -167,6 +184,7 @@ void CellBake::bake_in_parts(const Cell& cell, BakedCell& out) {
   std::size_t lod = out.host_levels.size();
   add_coarser_levels(out.host_levels, out.host_surface, cell.window.levels + 1, cell.parameters.mip,
                      cell.parameters.normals, host_);
+  out.above = parent_source(out.host_levels, cell.window.levels, out.host_surface, cell.parameters.mip);
   if (!cell.parameters.facing) drop_facing(out.host_levels);
   for (; lod < out.host_levels.size(); ++lod)
     out.host_hashes.push_back(level_hash(out.host_levels[lod], int(lod), out.window_min, host_));

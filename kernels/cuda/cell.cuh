@@ -29,6 +29,7 @@ class BakedCell : public CudaVolume {
   std::vector<Level> host_levels;  ///< [lod], of one that came in parts
   LevelSurface host_surface;       ///< of the last of them
   std::vector<Hash128> host_hashes;
+  ParentSource above;  ///< on the host, for it is small and travels with the volume whoever packs it
   std::int64_t window_min[3] = {};
   std::uint32_t max_error = 0;
   CellStats cell_stats;
@@ -50,6 +51,7 @@ class CellBake {
   struct Units;
 
   LevelsAbove levels_of(const Cell& cell, KeyRange range, int lods, BinCapacity& capacity, CellStats& stats);
+  ParentSource source_of(const LevelsAbove& all, int lod, MipFilter filter);
   bool bake_at_once(const Cell& cell, BakedCell& out);
   void bake_in_parts(const Cell& cell, BakedCell& out);
   void bake_units(const Cell& cell, const Units& units, std::size_t first, std::size_t end, BakedCell& out);

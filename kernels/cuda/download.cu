@@ -1,4 +1,5 @@
 #include <functional>
+#include <span>
 
 #include "kernels/body/node.h"
 #include "kernels/cuda/download.cuh"
@@ -71,7 +72,7 @@ void add(Download& download, const DeviceNodes& d, NodeTable& nodes) {
 
 }  // namespace
 
-CellVolume to_host(cudaStream_t stream, PinnedBuffer& pinned, const std::vector<DeviceLevel>& levels,
+CellVolume to_host(cudaStream_t stream, PinnedBuffer& pinned, std::span<const DeviceLevel> levels,
                    const DeviceNodes& nodes, const ThreadPool& pool) {
   CellVolume out;
   out.levels.resize(levels.size());

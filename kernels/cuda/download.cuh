@@ -1,6 +1,7 @@
 /// A baked cell's way back to the host.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "kernels/body/cell.h"
@@ -16,7 +17,7 @@ inline constexpr int download_threads = 3;
 /// Levels and, where there are any, nodes: everything into `pinned`, then into the host's arrays, on the threads of
 /// `pool`: most of the time goes into the first touch of new memory.
 /// Errors  CudaFailure.
-CellVolume to_host(cudaStream_t stream, PinnedBuffer& pinned, const std::vector<DeviceLevel>& levels,
+CellVolume to_host(cudaStream_t stream, PinnedBuffer& pinned, std::span<const DeviceLevel> levels,
                    const DeviceNodes& nodes, const ThreadPool& pool);
 
 }  // namespace gigabake::kernels

@@ -120,6 +120,7 @@ class CudaPacker::Impl {
   PackedCell pack_levels(const BakedCell& cell, const PackRequest& request) {
     PackedCell out;
     out.stats = cell.cell_stats;
+    out.above = cell.above;
     clock_.mark(0);
     out.content_hash = level_hashes(heap_, cell.levels, cell.window_min);
     clock_.mark(1);

@@ -33,6 +33,7 @@ struct PackedCell {
   std::vector<PackedLevel> levels;    ///< [lod]; they and the nodes borrow `memory`
   std::vector<PackedColumn> nodes;    ///< as they were asked for; all nodes are bricks
   std::vector<Hash128> content_hash;  ///< [lod]
+  ParentSource above;                 ///< as CellVolume has it
   CellStats stats;
   std::shared_ptr<const void> memory;  ///< page-locked; goes back to the packer with the last who holds it
 };

@@ -48,7 +48,12 @@ class Dispatch : public testing::Test {
       if (now_s > forever_s) throw std::logic_error("it goes on for ever");
       script(now_s);
     };
-    DispatchResult result = dispatch(ranks, plan_.jobs, already_done, options_, log);
+    std::vector<CellReport> done;
+    for (const std::uint32_t job : already_done) {
+      done.emplace_back().id = job;
+      done.back().outcome = CellOutcome::empty;
+    }
+    DispatchResult result = dispatch(ranks, plan_.jobs, done, options_, log);
     journal_.reset();
     return result;
   }

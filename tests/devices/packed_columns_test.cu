@@ -275,6 +275,7 @@ TEST_F(DevicePack, MakesTheHostsColumnsOfEveryRuleFilterAndChannel) {
           std::unique_ptr<kernels::CudaVolume> again = baker_->bake(*input, parameters);
           const kernels::CellVolume host = baker_->download(std::move(again));
           EXPECT_EQ(host.content_hash, columns->content_hash);
+          EXPECT_EQ(host.above, columns->above);
           expect_same_columns(header, host.nodes, std::vector<BrickLevel>(host.levels.begin(), host.levels.end()),
                               *volume);
         }

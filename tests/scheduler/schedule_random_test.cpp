@@ -3,6 +3,7 @@
 #include <map>
 #include <sstream>
 
+#include "scheduler/parents.h"
 #include "scheduler/schedule.h"
 #include "tests/scheduler/made_jobs.h"
 
@@ -49,6 +50,10 @@ class Ordeal {
     log_ << "n" << worker << ' ' << a->job << ' ' << a->attempt << (a->alone ? "!" : "") << '\n';
     ASSERT_LE(++attempts_[a->job], 5u);
     ASSERT_EQ(a->attempt, attempts_[a->job]);
+    for (const std::uint32_t child : jobs_[a->job].children) {
+      const JobState s = schedule_.state(child);
+      ASSERT_TRUE(s == JobState::done || s == JobState::failed) << "parent " << a->job << " before child " << child;
+    }
     auto& hand = hands_[worker];
     ASSERT_TRUE(hand.empty() || (!a->alone && !hand.back().alone)) << "a suspect in company";
     hand.push_back(*a);
@@ -136,7 +141,8 @@ TEST(ScheduleAtRandom, LosesNoCellBakesNoneTwiceAndEnds) {
   for (unsigned seed = first_seed; seed < first_seed + 200; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937 random(seed);
-    const std::vector<CellJob> jobs = made_jobs(1 + random() % 300, random);
+    std::vector<CellJob> jobs = made_jobs(1 + random() % 300, random);
+    if (seed % 2 == 0) add_parents(jobs);
     Ordeal(seed, jobs).run();
     if (testing::Test::HasFailure()) return;
   }
@@ -145,7 +151,8 @@ TEST(ScheduleAtRandom, LosesNoCellBakesNoneTwiceAndEnds) {
 TEST(ScheduleAtRandom, AnswersTheSameCallsAlike) {
   for (unsigned seed = first_seed; seed < first_seed + 20; ++seed) {
     std::mt19937 random(seed);
-    const std::vector<CellJob> jobs = made_jobs(200, random);
+    std::vector<CellJob> jobs = made_jobs(200, random);
+    add_parents(jobs);
     const std::string log = Ordeal(seed, jobs).run();
     EXPECT_EQ(Ordeal(seed, jobs).run(), log) << "seed " << seed;
     EXPECT_GT(log.size(), 1000u);

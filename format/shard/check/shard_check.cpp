@@ -32,14 +32,18 @@ void check_keys_of_children(const BrokenRule& table, const NodeTable& n, std::si
 
 void check_header(const std::filesystem::path& path, const ShardHeader& h) {
   const BrokenRule table{path, "attributes"};
-  table.expect(std::has_single_bit(h.cell_voxels) && h.cell_voxels >= 8 && h.cell_voxels <= 8192, 0,
-               "cell_voxels is no power of two from 8 to 8192");
-  table.expect(h.lods == std::uint32_t(std::bit_width(h.cell_voxels / 8)), 0, "lods does not fit cell_voxels");
+  table.expect(h.first_lod < 32, 0, "first_lod is no level of a lattice");
+  const std::uint32_t edge = h.cell_voxels >> h.first_lod;
+  table.expect(std::has_single_bit(h.cell_voxels) && edge >= 8 && edge <= 8192, 0,
+               "cell_voxels is no power of two from 8 to 8192 voxels of the first level");
+  table.expect(h.lods == std::uint32_t(std::bit_width(edge / 8)), 0, "lods does not fit cell_voxels");
   table.expect(h.voxel_size_m > 0 && std::isfinite(h.voxel_size_m), 0, "voxel_size_m is not positive");
   for (int c = 0; c < 3; ++c) {
     table.expect(std::isfinite(h.lattice_origin_m[std::size_t(c)]), 0, "lattice_origin_m is not finite");
     const std::int64_t low = h.lattice_min[std::size_t(c)];
     table.expect(low % 8 == 0 && std::abs(double(low)) <= 0x1p52, 0, "lattice_min is not a multiple of 8 within 2^52");
+    table.expect(h.first_lod == 0 || low % (std::int64_t(h.cell_voxels) / 8) == 0, 0,
+                 "lattice_min of a parent is no multiple of a voxel of its coarsest level");
   }
   table.expect(h.content_hash.size() == h.lods, 0, "content_hash has not one entry a lod");
 }
@@ -53,6 +57,7 @@ void check_nodes(const std::filesystem::path& path, const ShardHeader& header, c
                0, "columns differ in length");
   NodeWalk walk(path, header, count);
   for (std::size_t i = 0; i < count; ++i) {
+    table.expect(header.first_lod == 0 || n.kind[i] == NodeKind::brick, i, "is a constant node of a parent");
     walk.check_links(n.kind[i], n.child_mask[i], n.first_child[i], n.value[i]);
     walk.step(n.lod[i], n.kind[i], n.child_mask[i]);
     check_key(table, header, n, i);

@@ -13,11 +13,15 @@ namespace {
 struct Version {
   std::string folder;  ///< of the shards' version, and from 2 on that of scene.xml
   bool has_totals;
-  bool has_planes = false;
+  bool has_planes = false, has_above = false;
 
-  Shard shard() const { return has_planes ? made::small_shard_with_planes() : made::small_shard(); }
+  Shard shard() const {
+    Shard shard = has_planes ? made::small_shard_with_planes() : made::small_shard();
+    if (has_above) shard.above = made::small_above();
+    return shard;
+  }
 };
-const Version newest{"version_3_scene_2", true, true};
+const Version newest{"version_4_scene_3", true, true, true};
 
 std::filesystem::path golden(const Version& version) {
   return std::filesystem::path(GIGABAKE_SOURCE_DIR) / "tests/format/golden" / version.folder;
@@ -37,6 +41,7 @@ TEST_P(Golden, SceneReadsAsOnTheDayItWasWritten) {
   EXPECT_EQ(scene.cells[0].voxels, (std::vector<std::uint64_t>{515, 2}));
   EXPECT_EQ(scene.cells[0].fingerprint.hex(), "00000000000000020000000000000001");
   EXPECT_EQ(made::difference(read_shard(folder / scene.cells[0].file), GetParam().shard()), "");
+  EXPECT_EQ(read_shard(folder / scene.cells[0].file).above, GetParam().shard().above);
   const VerifyResult verified = verify_scene(folder / "scene.xml", 1);
   EXPECT_EQ(verified.faults, std::vector<std::string>());
   EXPECT_EQ(verified.has_totals, GetParam().has_totals);
@@ -44,7 +49,8 @@ TEST_P(Golden, SceneReadsAsOnTheDayItWasWritten) {
 
 INSTANTIATE_TEST_SUITE_P(Versions, Golden,
                          testing::Values(Version{"version_1", false}, Version{"version_2", false},
-                                         Version{"version_2_scene_2", true}, newest),
+                                         Version{"version_2_scene_2", true}, Version{"version_3_scene_2", true, true},
+                                         newest),
                          [](const auto& version) { return version.param.folder; });
 
 TEST(GoldenToday, WriterStoresWhatTheNewestVersionStores) {

@@ -218,6 +218,16 @@ Shard small_shard_with_planes() {
   return with_content_hash(std::move(s));
 }
 
+ParentSource small_above() {
+  ParentSource above;
+  above.place = {0, 0, 0, 0, 0, 7, 3, 5};
+  above.rgba = {1, 2, 3, 255, 4, 5, 6, 1};
+  above.normal = {127, 0, -3, 9};
+  for (std::uint8_t i = 0; i < 24; ++i) above.raster.push_back(std::uint8_t(10 * i));
+  above.patch = {0, 64, 1, 0, 255, 255, 17, 200, 0, 0, 0, 0, 0, 0, 3, 4};
+  return above;
+}
+
 Shard shard_of(const std::vector<Voxel>& voxels, std::array<std::int64_t, 3> lattice_min, std::uint32_t cell_voxels) {
   const int lods = std::bit_width(cell_voxels / 8);
   std::vector<SortedVoxels> levels(std::size_t(lods), SortedVoxels{});

@@ -49,6 +49,9 @@ Shard small_shard();
 /// The same with coverage along the axes and planes, which version 3 is the first to know.
 Shard small_shard_with_planes();
 
+/// What the levels above it are made of, which version 4 is the first to keep.
+ParentSource small_above();
+
 /// A cell of one leaf-constant root: two levels without bricks.
 Shard constant_shard();
 

@@ -30,6 +30,7 @@ void expect_equal(const CellVolume& host, const CellVolume& device) {
   EXPECT_EQ(host.nodes.normal, device.nodes.normal);
   EXPECT_EQ(host.nodes.facing, device.nodes.facing);
   EXPECT_EQ(host.content_hash, device.content_hash);
+  EXPECT_EQ(host.above, device.above);
 }
 
 void expect_equal_counts(const CellStats& host, const CellStats& device) {

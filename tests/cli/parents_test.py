@@ -1,0 +1,123 @@
+#!/usr/bin/env python3
+"""Levels above the cells, up to the root: the same however the scene is cut and by whomever it is baked; rebuilt where
+something changed; and what becomes of them where a child is lost or was changed.
+
+Usage: parents_test.py GIGABAKE SOURCE_DIR
+"""
+import shutil
+import sys
+
+import h5py_there
+import harness
+import numpy
+from invariance_test import VOXEL_M, hills
+
+SEED = 20261123
+
+
+class Parents(harness.FolderTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.positions, cls.indices, cls.colours = hills(SEED)
+        cls.four = cls.root / "four"
+        cls.four.mkdir()
+        for k in range(4):
+            harness.write_glb(cls.four / f"part{k}.glb", cls.positions, cls.indices[k::4], cls.colours)
+        cls.fine = cls.bake("fine", "--cell-voxels", 16)
+
+    @classmethod
+    def bake(cls, name, *arguments, **options):
+        return PROGRAM.bake(cls.four, cls.root / name, VOXEL_M, *arguments, **options)
+
+    def expect_same_levels(self, a, b, levels=5):
+        both = min(len(a["lods"]), len(b["lods"]))
+        self.assertGreaterEqual(both, levels)
+        self.assertEqual(harness.lod_hashes(a, both), harness.lod_hashes(b, both), f"seed {SEED}")
+
+    def test_levels_up_to_the_root_for_every_size_of_cells_and_number_of_ranks(self):
+        for cell_voxels, ranks in ((8, 3), (32, 2), (64, 5), (256, 1)):
+            info = self.bake(f"cells{cell_voxels}", "--cell-voxels", cell_voxels, ranks=ranks)
+            self.expect_same_levels(self.fine, info)
+            PROGRAM.succeed("verify", self.root / f"cells{cell_voxels}")
+
+    def test_levels_of_every_filter(self):
+        for options in (("--mip", "thesis"), ("--mip", "box"), ("--channels", "rgba"), ("--codec", "lz4")):
+            few = self.bake("few", "--cell-voxels", 128, *options)
+            many = self.bake("many", "--cell-voxels", 16, *options, ranks=2)
+            self.expect_same_levels(few, many)
+            self.assertEqual(PROGRAM.run("diff", self.root / "few", self.root / "many").returncode, 0, options)
+            for name in ("few", "many"):
+                shutil.rmtree(self.root / name)
+
+    def test_a_lost_shard_comes_back_and_nothing_else_is_written(self):
+        self.bake("again", "--cell-voxels", 16)
+        shards = sorted((self.root / "again/shards").glob("*.h5"))
+        stamps = {p.name: p.stat().st_mtime_ns for p in shards}
+        root = [p for p in shards if p.name.startswith("p")][-1]
+        for lost in (root, shards[0]):
+            lost.unlink()
+            info = self.bake("again", "--cell-voxels", 16)
+            self.assertEqual(info["content_hash"], self.fine["content_hash"])
+        now = {p.name: p.stat().st_mtime_ns for p in shards}
+        self.assertEqual([n for n in stamps if stamps[n] != now[n]], sorted({root.name, shards[0].name}))
+
+    def test_a_damaged_child_is_baked_again_and_its_ancestors_are_those_of_before(self):
+        out = self.root / "damaged"
+        shutil.copytree(self.root / "fine", out)
+        cell = sorted((out / "shards").glob("c_*.h5"))[3]
+        content = bytearray(cell.read_bytes())
+        content[len(content) // 4:len(content) // 2] = bytes(len(content) // 2 - len(content) // 4)
+        cell.write_bytes(content)
+        self.assertEqual(PROGRAM.run("verify", out).returncode, 1)
+        for parent in (out / "shards").glob("p*.h5"):
+            parent.unlink()
+        self.assertEqual(self.bake("damaged", "--cell-voxels", 16)["content_hash"], self.fine["content_hash"])
+        PROGRAM.succeed("verify", out)
+
+    def test_a_lost_cell_leaves_a_hole_in_its_ancestors_that_is_said_until_it_is_there(self):
+        out = self.root / "holed"
+        shutil.copytree(self.root / "fine", out)
+        cell = sorted((out / "shards").glob("c_*.h5"))[3]
+        cell.unlink()
+        (out / "journal").unlink()
+        for parent in (out / "shards").glob("p*.h5"):
+            parent.unlink()
+        cell.mkdir()
+        (cell / "in the way").touch()
+        result = PROGRAM.run("bake", self.four, "-o", out, "--voxel-size", VOXEL_M, "--cell-voxels", 16)
+        self.assertNotEqual(result.returncode, 0)
+        losses = PROGRAM.info(out)["losses"]
+        self.assertEqual(losses[0]["name"], "cell " + cell.name.rsplit("-", 1)[0])
+        of_parents = [loss for loss in losses if loss["name"].startswith("parent p")]
+        self.assertGreaterEqual(len(of_parents), 1)
+        self.assertEqual({loss["reason"] for loss in of_parents}, {"was made without cells below it that are lost"})
+        PROGRAM.succeed("verify", out)
+        shutil.rmtree(cell)
+        self.assertEqual(self.bake("holed", "--cell-voxels", 16)["content_hash"], self.fine["content_hash"])
+        self.assertEqual(PROGRAM.info(out)["losses"], [])
+
+    def test_a_child_that_changed_beneath_its_parent_is_named(self):
+        out = self.root / "changed"
+        shutil.copytree(self.root / "fine", out)
+        with h5py_there.h5py.File(sorted((out / "shards").glob("c_*.h5"))[0], "r+") as file:
+            file.attrs["fingerprint"] = numpy.bytes_(b"0" * 32)
+        result = PROGRAM.run("verify", out)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("fingerprint", result.stdout + result.stderr)
+
+    def test_what_h5py_reads_of_a_shard_is_what_the_format_says(self):
+        for shard in list((self.root / "fine/shards").glob("*.h5"))[:20]:
+            with h5py_there.h5py.File(shard) as file:
+                above, lod = file["above"], int(file.attrs["first_lod"]) + int(file.attrs["lods"]) - 1
+                voxels = len(above["place"])
+                self.assertTrue((above["place"][:, 0] == 0).all())
+                self.assertTrue((above["place"][:, 1:] < 8).all())
+                self.assertEqual(above["rgba"].shape, (voxels, 4))
+                self.assertEqual(above["raster"].shape, (voxels, 3 * min(8, 2**lod) ** 2))
+                self.assertEqual(above["patch"].shape, (voxels, 8))
+
+
+if __name__ == "__main__":
+    PROGRAM = harness.Gigabake(sys.argv[1])
+    harness.main(argv=sys.argv[:1])

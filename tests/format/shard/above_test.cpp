@@ -1,0 +1,117 @@
+#include "format/shard/above.h"
+
+#include <gtest/gtest.h>
+
+#include "format/shard/content_hash.h"
+#include "format/shard/shard_reader.h"
+#include "lattice/error.h"
+#include "made_shard.h"
+#include "tests/random_seed.h"
+
+namespace gigabake {
+namespace {
+
+Shard shard_with(ParentSource above) {
+  Shard shard = made::small_shard_with_planes();
+  shard.above = std::move(above);
+  return shard;
+}
+
+TEST(Above, ComesBackAsItWasWrittenWithEveryCodecAndWithoutChannels) {
+  const made::TempFolder folder;
+  Shard shard = shard_with(made::small_above());
+  for (const Codec codec : values_of<Codec>()) {
+    write_shard(folder / "s.h5", shard, {callers_thread(), codec});
+    EXPECT_EQ(ShardReader(folder / "s.h5").above(), shard.above);
+    EXPECT_EQ(read_shard(folder / "s.h5").above, shard.above);
+  }
+  shard.above.raster.clear(), shard.above.patch.clear();
+  write_shard(folder / "s.h5", shard, {});
+  EXPECT_EQ(ShardReader(folder / "s.h5").above(), shard.above);
+  shard.above = {};
+  write_shard(folder / "s.h5", shard, {});
+  EXPECT_TRUE(ShardReader(folder / "s.h5").above().empty());
+}
+
+TEST(Above, IsRefusedWhereARuleIsBroken) {
+  const made::TempFolder folder;
+  const auto expect_refused = [&](const char* what, const auto& breaks) {
+    ParentSource above = made::small_above();
+    breaks(above);
+    write_shard(folder / "s.h5", shard_with(above), {});
+    EXPECT_THROW(ShardReader(folder / "s.h5").above(), InputError) << what;
+    EXPECT_EQ(ShardReader(folder / "s.h5").unreadable_columns().size(), 1u) << what;
+  };
+  expect_refused("place outside", [](ParentSource& a) { a.place[5] = 8; });
+  expect_refused("level 2", [](ParentSource& a) { a.place[4] = 2; });
+  expect_refused("coarsest last", [](ParentSource& a) { a.place[0] = 1; });
+  expect_refused("no coverage", [](ParentSource& a) { a.rgba[7] = 0; });
+  expect_refused("a place more", [](ParentSource& a) { a.place.insert(a.place.end(), {0, 1, 1, 1}); });
+  expect_refused("a normal less", [](ParentSource& a) { a.normal.resize(2); });
+  expect_refused("a raster less", [](ParentSource& a) { a.raster.resize(12); });
+  expect_refused("a patch more", [](ParentSource& a) { a.patch.resize(24); });
+}
+
+TEST(Above, HashIsOfEveryByte) {
+  const test::RandomSeed seed;
+  std::mt19937_64 random{seed};
+  const ParentSource above = made::small_above();
+  for (int round = 0; round < 50; ++round) {
+    ParentSource other = above;
+    switch (random() % 4) {
+      case 0:
+        ++other.place[random() % other.place.size()];
+        break;
+      case 1:
+        ++other.rgba[random() % other.rgba.size()];
+        break;
+      case 2:
+        ++other.raster[random() % other.raster.size()];
+        break;
+      default:
+        ++other.patch[random() % other.patch.size()];
+    }
+    EXPECT_NE(hash_of(other), hash_of(above));
+  }
+}
+
+/// A parent of cells of 128: its own levels 0 and 1 are levels 5 and 6.
+Shard small_parent() {
+  Shard parent = made::small_shard_with_planes();
+  parent.header.first_lod = 5;
+  parent.header.cell_voxels <<= 5;
+  parent.header.lattice_min = {-512, 1024, 64};
+  for (std::size_t b = 0; b < parent.levels[0].rgba.size() / 4; ++b)
+    parent.levels[0].facing.insert(parent.levels[0].facing.end(), {7, 8, 9, 0x1a});
+  return parent;
+}
+
+TEST(ParentShard, HasFacingOnItsFinestLevelAndItsLevelsPlaceOnTheLattice) {
+  const made::TempFolder folder;
+  Shard parent = small_parent();
+  parent.header.content_hash = content_hash(parent);
+  write_shard(folder / "p.h5", parent, {});
+  const ShardReader reader(folder / "p.h5");
+  EXPECT_EQ(reader.header().first_lod, 5u);
+  EXPECT_EQ(reader.level(0).facing, parent.levels[0].facing);
+  Shard cell = parent;
+  cell.header.first_lod = 0;
+  EXPECT_NE(content_hash(cell), parent.header.content_hash);
+}
+
+TEST(ParentShard, IsRefusedOffItsGridAndOfAnotherNumberOfLevels) {
+  const made::TempFolder folder;
+  const auto expect_refused = [&](const auto& breaks) {
+    Shard parent = small_parent();
+    breaks(parent.header);
+    write_shard(folder / "p.h5", parent, {});
+    EXPECT_THROW(read_shard_header(folder / "p.h5"), InputError);
+  };
+  expect_refused([](ShardHeader& h) { h.lattice_min[2] = 32; });
+  expect_refused([](ShardHeader& h) { h.first_lod = 4; });
+  expect_refused([](ShardHeader& h) { h.first_lod = 40; });
+  expect_refused([](ShardHeader& h) { h.cell_voxels = 1u << 31; });
+}
+
+}  // namespace
+}  // namespace gigabake

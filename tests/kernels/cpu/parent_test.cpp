@@ -1,0 +1,154 @@
+/// Levels above the cells are those that one cell over everything would have, however it is cut into cells and blocks.
+#include "kernels/cpu/parent.h"
+
+#include <array>
+#include <bit>
+#include <gtest/gtest.h>
+#include <random>
+
+#include "kernels/cpu/bake_cell.h"
+#include "lattice/error.h"
+#include "tests/kernels/cuda_scenes.h"
+#include "tests/random_seed.h"
+
+namespace gigabake::kernels {
+namespace {
+
+constexpr std::uint32_t whole_voxels = 128;
+constexpr int whole_lods = 5;
+
+struct ParentRules {
+  MipFilter mip = MipFilter::coverage;
+  bool normals = true, facing = true;
+  std::uint32_t max_error = 0;
+};
+
+CellParameters parameters_of(const test::TestCell& cell, const ParentRules& rules) {
+  CellParameters p = cell.parameters(SurfaceRule::area, rules.mip, rules.normals);
+  p.window_voxels = whole_voxels;
+  p.facing = rules.facing;
+  p.max_error = rules.max_error;
+  return p;
+}
+
+/// A cell or a parent that is there, and where.
+struct Baked {
+  ParentSource source;
+  std::array<std::int64_t, 3> min;
+};
+
+/// Bakes the whole in cells, then block after block up to one, and adds up the hashes of each level.
+class InBlocks {
+ public:
+  InBlocks(test::TestCell& cell, const ParentRules& rules, std::mt19937& random)
+      : input_(cell.input()), parameters_(parameters_of(cell, rules)), random_(random) {}
+
+  /// z_shift: of the cells, in voxels of their coarsest level, 0 … 7.
+  std::vector<Hash128> hashes(std::uint32_t cell_voxels, std::int64_t z_shift) {
+    bake_cells(cell_voxels, z_shift);
+    std::int64_t edge = cell_voxels;
+    while (edge < whole_voxels) {
+      int levels = 1 + int(random_() % 3);
+      while (edge << levels > whole_voxels) --levels;
+      bake_parents(edge, levels);
+      edge <<= levels;
+    }
+    return hash_;
+  }
+  const std::vector<Baked>& baked() const { return baked_; }
+
+ private:
+  void bake_cells(std::uint32_t cell_voxels, std::int64_t z_shift) {
+    const std::int64_t n = cell_voxels, whole = whole_voxels, z_min = (z_shift - 8) * n / 8 % n;
+    for (std::int64_t z = z_min; z < whole; z += n)
+      for (std::int64_t y = 0; y < whole; y += n)
+        for (std::int64_t x = 0; x < whole; x += n) {
+          CellParameters p = parameters_;
+          p.window_voxels = cell_voxels;
+          p.window_min[0] = x, p.window_min[1] = y, p.window_min[2] = z;
+          keep(bake_cell(input_, p, pool_), 0, {x, y, z});
+        }
+  }
+
+  void bake_parents(std::int64_t child_edge, int levels) {
+    std::vector<Baked> below = std::move(baked_);
+    baked_.clear();
+    std::shuffle(below.begin(), below.end(), random_);
+    std::vector<ParentChild> children;
+    for (const Baked& b : below) children.push_back({&b.source, {b.min[0], b.min[1], b.min[2]}});
+    const std::int64_t edge = child_edge << levels, whole = whole_voxels;
+    for (std::int64_t z = 0; z < whole; z += edge)
+      for (std::int64_t y = 0; y < whole; y += edge)
+        for (std::int64_t x = 0; x < whole; x += edge) {
+          ParentParameters p{{x, y, z}, int(std::bit_width(std::uint64_t(child_edge / 8))) - 1, levels};
+          p.mip = parameters_.mip, p.normals = parameters_.normals, p.facing = parameters_.facing;
+          p.max_error = parameters_.max_error;
+          keep(bake_parent(children, p, pool_), p.child_lod + 1, {x, y, z});
+        }
+  }
+
+  void keep(CellVolume volume, int first_lod, const std::array<std::int64_t, 3>& min) {
+    if (volume.levels.empty()) return;
+    hash_.resize(std::max(hash_.size(), std::size_t(first_lod) + volume.content_hash.size()));
+    for (std::size_t l = 0; l < volume.content_hash.size(); ++l)
+      hash_[std::size_t(first_lod) + l] += volume.content_hash[l];
+    baked_.push_back({std::move(volume.above), min});
+  }
+
+  const ThreadPool pool_{2};
+  const CellInput input_;
+  const CellParameters parameters_;
+  std::mt19937& random_;
+  std::vector<Baked> baked_;
+  std::vector<Hash128> hash_;
+};
+
+class ParentLevels : public testing::TestWithParam<ParentRules> {};
+
+TEST_P(ParentLevels, AreThoseOfOneCellOverAllForEverySizeOfCellsAndBlocks) {
+  const gigabake::test::RandomSeed seed;
+  std::mt19937 random{unsigned(seed)};
+  test::TestCell cell = test::ground("", whole_voxels, 30, false, true);
+  CellVolume whole = bake_cell(cell.input(), parameters_of(cell, GetParam()), ThreadPool(2));
+  ASSERT_EQ(whole.content_hash.size(), std::size_t(whole_lods));
+  for (const std::uint32_t edge : {8u, 16u, 32u, 64u}) {
+    // What may be made alike shares a brick, and bricks move with the cells.
+    const std::int64_t z_shift = GetParam().max_error == 0 ? std::int64_t(random() % 8) : 0;
+    InBlocks blocks(cell, GetParam(), random);
+    EXPECT_EQ(blocks.hashes(edge, z_shift), whole.content_hash) << "cells of " << edge << ", shifted by " << z_shift;
+    ASSERT_EQ(blocks.baked().size(), 1u);
+    EXPECT_EQ(blocks.baked()[0].source, whole.above) << "what a level above the root would be made of";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(OfEveryRule, ParentLevels,
+                         testing::Values(ParentRules{}, ParentRules{MipFilter::coverage, false},
+                                         ParentRules{MipFilter::coverage, true, false},
+                                         ParentRules{MipFilter::coverage, true, true, 4},
+                                         ParentRules{MipFilter::thesis}, ParentRules{MipFilter::thesis, false},
+                                         ParentRules{MipFilter::box}, ParentRules{MipFilter::box, true, true, 9}));
+
+TEST(Parent, OfChildrenWithoutVoxelsHasNone) {
+  const ParentSource nothing;
+  const ParentChild child{&nothing, {}};
+  EXPECT_TRUE(bake_parent(std::span(&child, 1), {{}, 3, 3}, ThreadPool(1)).levels.empty());
+}
+
+TEST(Parent, RefusesChildrenThatOverlapOrDoNotFitItsRules) {
+  test::TestCell cell = test::ground("", 64, 10, false, true);
+  const CellVolume volume =
+      bake_cell(cell.input(), cell.parameters(SurfaceRule::area, MipFilter::coverage, true), ThreadPool(1));
+  const ParentChild twice[2] = {{&volume.above, {}}, {&volume.above, {}}};
+  ParentParameters p{{}, 3, 2};
+  EXPECT_NO_THROW(bake_parent(std::span(twice, 1), p, ThreadPool(1)));
+  EXPECT_THROW(bake_parent(twice, p, ThreadPool(1)), InputError);
+  p.mip = MipFilter::thesis;
+  EXPECT_THROW(bake_parent(std::span(twice, 1), p, ThreadPool(1)), InputError);
+  ParentSource torn = volume.above;
+  torn.raster.pop_back();
+  const ParentChild child{&torn, {}};
+  EXPECT_THROW(bake_parent(std::span(&child, 1), {{}, 3, 2}, ThreadPool(1)), InputError);
+}
+
+}  // namespace
+}  // namespace gigabake::kernels

@@ -1,0 +1,170 @@
+#include "scheduler/parents.h"
+
+#include <bit>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <map>
+#include <random>
+#include <set>
+
+#include "scheduler/parent_queue.h"
+#include "tests/random_seed.h"
+
+namespace gigabake {
+namespace {
+
+using testing::ElementsAre;
+
+/// Cells somewhere on the lattice, clusters far apart among them; their stacks begin at any voxel of the coarsest
+/// level.
+std::vector<CellJob> scattered_cells(std::mt19937& random, std::uint32_t cell_voxels) {
+  const std::int64_t n = cell_voxels, step = std::max<std::int64_t>(8, n / 8);
+  std::vector<CellJob> jobs;
+  std::set<std::pair<std::int64_t, std::int64_t>> columns;
+  const int clusters = 1 + int(random() % 3);
+  for (int c = 0; c < clusters; ++c) {
+    const std::int64_t x = std::int64_t(random() % 4001) - 2000, y = std::int64_t(random() % 41) - 20;
+    for (int k = 0; k < 40; ++k) columns.insert({x + std::int64_t(random() % 12), y + std::int64_t(random() % 12)});
+  }
+  for (const auto& [x, y] : columns) {
+    const std::int64_t z = (std::int64_t(random() % 64) - 32) * step;
+    for (std::int64_t level = 0; level < 1 + std::int64_t(random() % 2); ++level) {
+      CellJob& job = jobs.emplace_back();
+      job.id = std::uint32_t(jobs.size() - 1);
+      job.lattice_min = {x * n, y * n, z + level * n};
+      job.cell_voxels = cell_voxels;
+      job.fingerprint = {job.id + 1, 7};
+    }
+  }
+  return jobs;
+}
+
+bool overlap(const CellJob& a, const CellJob& b) {
+  for (std::size_t c = 0; c < 3; ++c)
+    if (a.lattice_min[c] >= b.lattice_min[c] + std::int64_t(b.cell_voxels) ||
+        b.lattice_min[c] >= a.lattice_min[c] + std::int64_t(a.cell_voxels))
+      return false;
+  return true;
+}
+
+int levels_of(const CellJob& parent) { return std::countr_zero(parent.cell_voxels) - int(parent.first_lod) - 2; }
+
+TEST(Parents, LeadToOneRootAndEachHasAllThatItsWindowOverlaps) {
+  for (int round = 0; round < 60; ++round) {
+    const test::RandomSeed seed(round);
+    std::mt19937 random{unsigned(seed)};
+    const std::uint32_t cell_voxels = 8u << random() % 9;
+    std::vector<CellJob> jobs = scattered_cells(random, cell_voxels);
+    const std::size_t cells = jobs.size();
+    add_parents(jobs);
+    std::set<std::string> names;
+    std::vector<std::set<std::uint32_t>> of_tier(32);
+    for (std::size_t i = cells; i < jobs.size(); ++i) {
+      const CellJob& p = jobs[i];
+      ASSERT_EQ(p.id, i);
+      EXPECT_TRUE(names.insert(p.name).second) << p.name;
+      ASSERT_GE(levels_of(p), 1);
+      ASSERT_LE(levels_of(p), most_parent_levels);
+      for (const std::int64_t x : p.lattice_min) EXPECT_EQ(x % (std::int64_t(p.cell_voxels) / 8), 0);
+      for (std::uint32_t j = 0; j < i; ++j) {
+        const bool is_below = jobs[j].cell_voxels >> 3 == std::uint32_t(1) << (p.first_lod - 1);
+        const bool is_child = std::binary_search(p.children.begin(), p.children.end(), j);
+        EXPECT_EQ(is_child, is_below && overlap(jobs[j], p)) << p.name << " and " << j;
+      }
+    }
+    const CellJob& root = jobs.back();
+    for (const CellJob& cell : std::span(jobs).first(cells))
+      for (std::size_t c = 0; c < 3; ++c) {
+        EXPECT_GE(cell.lattice_min[c], root.lattice_min[c]);
+        EXPECT_LE(cell.lattice_min[c] + cell.cell_voxels, root.lattice_min[c] + root.cell_voxels);
+      }
+    for (std::size_t i = cells; i + 1 < jobs.size(); ++i) EXPECT_LT(jobs[i].first_lod, root.first_lod);
+  }
+}
+
+TEST(Parents, OfOneCellAreNone) {
+  std::vector<CellJob> jobs(1);
+  jobs[0].cell_voxels = 64;
+  add_parents(jobs);
+  EXPECT_EQ(jobs.size(), 1u);
+}
+
+TEST(Parents, AreAFewOfAHundredCellsAndNewWhereAChildIs) {
+  std::vector<CellJob> jobs;
+  for (std::uint32_t i = 0; i < 64 * 64; ++i) {
+    jobs.emplace_back();
+    jobs[i].id = i, jobs[i].cell_voxels = 64, jobs[i].fingerprint = {i, 1};
+    jobs[i].lattice_min = {64 * std::int64_t(i % 64), 64 * std::int64_t(i / 64), 0};
+  }
+  std::vector<CellJob> changed = jobs;
+  changed[77].fingerprint = {77, 2};
+  add_parents(jobs);
+  add_parents(changed);
+  EXPECT_EQ(jobs.size(), 64u * 64u + 64u + 1u);
+  std::size_t others = 0;
+  for (std::size_t i = 64 * 64; i < jobs.size(); ++i) others += jobs[i].fingerprint != changed[i].fingerprint;
+  EXPECT_EQ(others, 2u);
+}
+
+class FourCells : public testing::Test {
+ protected:
+  FourCells() : jobs_(4) {
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      jobs_[i].id = i, jobs_[i].name = "c_" + std::to_string(i), jobs_[i].cell_voxels = 64;
+      jobs_[i].fingerprint = {i, 1}, jobs_[i].lattice_min = {1024 * std::int64_t(i / 2) + 64 * (i % 2), 0, 0};
+    }
+    add_parents(jobs_);  // 4 and 5 of two cells each, 6 of both
+  }
+  static CellReport report(const CellJob& job, CellOutcome outcome) {
+    CellReport r;
+    r.id = job.id, r.outcome = outcome, r.cell.fingerprint = job.fingerprint;
+    return r;
+  }
+
+  std::vector<CellJob> jobs_;
+};
+
+TEST_F(FourCells, HaveParentsThatAreOrderedWithTheShardsThatThereAre) {
+  ASSERT_EQ(jobs_.size(), 7u);
+  ParentOrders orders(jobs_);
+  orders.is_done(report(jobs_[0], CellOutcome::baked));
+  orders.is_done(report(jobs_[1], CellOutcome::empty));
+  EXPECT_EQ(orders.order(0).fingerprint, jobs_[0].fingerprint);
+  const CellJob whole = orders.order(4);
+  EXPECT_EQ(whole.fingerprint, jobs_[4].fingerprint);
+  EXPECT_THAT(whole.child_files, ElementsAre(shard_path(jobs_[0]).generic_string()));
+}
+
+TEST_F(FourCells, HaveParentsOfOtherNamesWhereACellIsLost) {
+  ParentOrders orders(jobs_);
+  for (const std::uint32_t cell : {0u, 1u, 3u}) orders.is_done(report(jobs_[cell], CellOutcome::baked));
+  orders.is_done(report(orders.order(4), CellOutcome::baked));
+  const CellJob holed = orders.order(5);
+  EXPECT_NE(holed.fingerprint, jobs_[5].fingerprint);
+  EXPECT_THAT(holed.child_files, ElementsAre(shard_path(jobs_[3]).generic_string()));
+  EXPECT_FALSE(is_made_of_all(report(holed, CellOutcome::baked), jobs_[5]));
+  orders.is_done(report(holed, CellOutcome::baked));
+  const CellJob root = orders.order(6);
+  EXPECT_NE(root.fingerprint, jobs_[6].fingerprint);
+  EXPECT_THAT(root.child_files, ElementsAre(shard_path(jobs_[4]).generic_string(), shard_path(holed).generic_string()));
+}
+
+TEST_F(FourCells, MakeTheirParentReadyForWhoFinishedTheLast) {
+  ParentQueue queue(jobs_);
+  EXPECT_EQ(queue.waiting(), 3u);
+  EXPECT_FALSE(queue.choose(0));
+  queue.settled(0, 1);
+  queue.settled(1, 2);
+  queue.settled(3, 1);
+  queue.settled(2, 3);
+  EXPECT_EQ(queue.waiting(), 1u);
+  EXPECT_EQ(queue.choose(3), 5u);
+  EXPECT_EQ(queue.choose(1), 4u) << "the first where none is its own";
+  queue.take(4);
+  EXPECT_EQ(queue.choose(2), 5u);
+  queue.take(6);  // done by an earlier run
+  EXPECT_EQ(queue.waiting(), 0u);
+}
+
+}  // namespace
+}  // namespace gigabake
