@@ -2,6 +2,7 @@
 
 #include "kernels/cpu/level_hash.h"
 #include "kernels/cpu/levels.h"
+#include "kernels/cuda/approximate.cuh"
 #include "kernels/cuda/cell.cuh"
 #include "kernels/cuda/download.cuh"
 #include "kernels/cuda/hash.cuh"
@@ -137,6 +138,7 @@ bool CellBake::bake_at_once(const Cell& cell, BakedCell& out) {
     CellStats stats;
     std::vector<DeviceLevel> levels =
         levels_of(cell, all_keys(cell.window), cell.window.levels + 1, bin_capacity_, stats).levels;
+    approximate_levels(heap_, tables_, cell.parameters.max_error, levels);
     DeviceNodes nodes;
     if (!levels.empty()) nodes = brick_nodes(heap_, levels);
     std::uint64_t bytes = 0;
@@ -145,6 +147,7 @@ bool CellBake::bake_at_once(const Cell& cell, BakedCell& out) {
     clock_.mark(6);
     out.levels = std::move(levels);
     out.nodes = std::move(nodes);
+    out.max_error = 0;
     count_batch(stats);
     stats.prune_s = clock_.between(5, 6);
     out.cell_stats = stats;

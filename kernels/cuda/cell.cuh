@@ -30,7 +30,7 @@ class BakedCell : public CudaVolume {
   LevelSurface host_surface;       ///< of the last of them
   std::vector<Hash128> host_hashes;
   std::int64_t window_min[3] = {};
-  std::uint32_t max_error = 0;
+  std::uint32_t max_error = 0;  ///< that `host_levels` are still to be approximated to
   CellStats cell_stats;
 };
 
