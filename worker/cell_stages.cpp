@@ -235,7 +235,7 @@ void CellStages::take_stats(CellInHand& cell) const {
 void CellStages::write(CellInHand& cell) {
   const ShardHeader header = header_of(cell);
   const std::filesystem::path path = options_.out / shard_path(cell.job);
-  const ShardWriteOptions how{write_pool_, parameters_.codec};
+  const ShardWriteOptions how{write_pool_, parameters_.codec, image_bytes_for(options_)};
   if (cell.packed) {
     const PackedShard shard = shard_from_packed(*cell.packed, header);
     report_shard(cell, shard, write_packed_shard(path, shard, how));

@@ -49,9 +49,6 @@ StoredShard make_file(Hdf5File file, const ShardHeader& header, const ShardWrite
   return stored;
 }
 
-/// Larger files are not made in memory first: HDF5 writes them as it goes.
-constexpr std::uint64_t largest_image = std::uint64_t(64) << 20;
-
 /// HDF5 serves one thread at a time, call by call, and each call that finds another thread there sleeps and is woken:
 /// a file of two thousand calls takes four writers that meet in each of them four times as long as one after the other.
 std::mutex& hdf5_turn() {
@@ -106,7 +103,7 @@ StoredShard write_packed_shard(const std::filesystem::path& path, const PackedSh
   thread_local FileImage image;  // a writer keeps his own
   Publication publication(path);
   const Ahead ahead(shard);
-  const bool in_memory = ahead.bytes <= largest_image;
+  const bool in_memory = ahead.bytes <= options.image_bytes;
   std::unique_lock turn(hdf5_turn(), std::defer_lock);
   if (in_memory && ahead.is_packed) turn.lock();
   StoredShard stored =
