@@ -11,4 +11,10 @@ class CudaFailure : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// More than is allowed, more than the device has left, or more than 32-bit indices count. Less at a time may fit.
+class DeviceFull : public CudaFailure {
+ public:
+  using CudaFailure::CudaFailure;
+};
+
 }  // namespace gigabake

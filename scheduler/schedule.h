@@ -18,8 +18,8 @@ namespace gigabake {
 
 /// Of a worker that bakes: one cell read, one computed, one written, and as many at hand.
 inline constexpr int worker_slots = 6;
-/// Where a device computes, up to eight are written.
-inline constexpr int device_worker_slots = 10;
+/// Where a device computes: four read, one computed, three brought, four written, and as many at hand as above.
+inline constexpr int device_worker_slots = 15;
 
 /// devices: how many workers compute on one.
 inline int slots_of_worker(int devices) { return devices != 0 ? device_worker_slots : worker_slots; }

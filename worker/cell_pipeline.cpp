@@ -55,7 +55,8 @@ class CellPipeline::Stages {
   Stages(SceneSources sources, BakeParameters parameters, const WorkerOptions& options, std::function<void()> on_report)
       : stages_(std::move(sources), parameters, options),
         has_device_(options.cuda_device.has_value()),
-        on_report_(std::move(on_report)) {
+        on_report_(std::move(on_report)),
+        loaded_(cells_ahead_for(options)) {
     reader_ = std::thread([this] { read_all(); });
     computer_ = std::thread([this] { compute_all(); });
     if (has_device_)
@@ -162,7 +163,8 @@ class CellPipeline::Stages {
   std::deque<CellReport> reports_;
   std::size_t in_flight_ = 0;
   bool stopping_ = false;
-  Handoff<std::unique_ptr<CellInHand>> loaded_, computed_, ready_;
+  Handoff<std::unique_ptr<CellInHand>> loaded_;
+  Handoff<std::unique_ptr<CellInHand>> computed_, ready_;
   std::thread reader_, computer_;
   std::atomic<std::size_t> done_bringers_{0};
   std::vector<std::thread> bringers_;

@@ -199,11 +199,24 @@ bool CellStages::is_alone_on_device(const kernels::CellStats& stats) const {
 }
 
 void CellStages::bring(CellInHand& cell, std::size_t bringer) {
-  if (cell.device_volume) pack_on_device(cell, *packers_.at(bringer));
-  if (cell.device_volume) bring_volume(cell);
+  if (cell.device_volume) bring_from_device(cell, *packers_.at(bringer));
   cell.loaded.reset();
   take_stats(cell);
   if (!cell.packed && cell.volume.levels.empty()) decide(cell, CellOutcome::empty);
+}
+
+void CellStages::bring_from_device(CellInHand& cell, kernels::CudaPacker& packer) {
+  std::string why;  // said last: what a device has failed at is not asked of it again
+  try {
+    pack_on_device(cell, packer);
+  } catch (const DeviceFull& e) {
+    why = std::string("packed on the CPU, because the GPU has not enough memory: ") + e.what();
+  } catch (const CudaFailure& e) {
+    why = std::string("packed on the CPU, because the GPU failed: ") + e.what();
+  }
+  if (cell.packed) return cell.device_volume.reset();
+  bring_volume(cell);
+  if (cell.report.note.empty()) cell.report.note = why;
 }
 
 void CellStages::pack_on_device(CellInHand& cell, kernels::CudaPacker& packer) {
@@ -213,23 +226,22 @@ void CellStages::pack_on_device(CellInHand& cell, kernels::CudaPacker& packer) {
     request.channels.push_back(packed_channels(header, int(request.channels.size())));
   request.nodes = packed_nodes(header);
   request.as = parameters_.codec == Codec::deflate ? kernels::ColumnBytes::stored : kernels::ColumnBytes::raw;
+  pack_beside_others(cell, packer, request);
+}
+
+/// With this bringer's part of the memory; a cell that needs more than that waits for the others, and has all of it.
+void CellStages::pack_beside_others(CellInHand& cell, kernels::CudaPacker& packer, kernels::PackRequest& request) {
+  const std::uint64_t memory = options_.memory_bytes / 4;
   try {
-    {
-      const std::shared_lock lock(packing_);
-      request.memory_bytes = options_.memory_bytes / 4 / bringers;
-      cell.packed = packer.pack(*cell.device_volume, request);
-    }
-    if (!cell.packed) {  // a large one, if it can be packed at all
-      const std::scoped_lock lock(packing_);
-      request.memory_bytes = options_.memory_bytes / 4;
-      cell.packed = packer.pack(*cell.device_volume, request);
-    }
-    if (cell.packed) cell.device_volume.reset();
-  } catch (const CudaFailure& e) {
-    bring_volume(cell);
-    if (cell.report.note.empty())
-      cell.report.note = std::string("packed on the CPU, because the GPU failed: ") + e.what();
+    const std::shared_lock lock(packing_);
+    request.memory_bytes = memory / bringers;
+    cell.packed = packer.pack(*cell.device_volume, request);
+    return;
+  } catch (const DeviceFull&) {
   }
+  const std::scoped_lock lock(packing_);
+  request.memory_bytes = memory;
+  cell.packed = packer.pack(*cell.device_volume, request);
 }
 
 void CellStages::bring_volume(CellInHand& cell) {
@@ -255,7 +267,7 @@ void CellStages::take_stats(CellInHand& cell) const {
 void CellStages::write(CellInHand& cell) {
   const ShardHeader header = header_of(cell);
   const std::filesystem::path path = options_.out / shard_path(cell.job);
-  const ShardWriteOptions how{write_pool_, parameters_.codec};
+  const ShardWriteOptions how{write_pool_, parameters_.codec, image_bytes_for(options_)};
   if (cell.packed) {
     const PackedShard shard = shard_from_packed(*cell.packed, header);
     report_shard(cell, shard, write_packed_shard(path, shard, how));

@@ -73,7 +73,9 @@ class CellStages {
   void bake_on_cpu(CellInHand& cell) const;
   void read_children(CellInHand& parent) const;
   void bake_parent(CellInHand& parent) const;
+  void bring_from_device(CellInHand& cell, kernels::CudaPacker& packer);
   void pack_on_device(CellInHand& cell, kernels::CudaPacker& packer);
+  void pack_beside_others(CellInHand& cell, kernels::CudaPacker& packer, kernels::PackRequest& request);
   void bring_volume(CellInHand& cell);
   bool is_alone_on_device(const kernels::CellStats& stats) const;
   void take_stats(CellInHand& cell) const;

@@ -1,9 +1,11 @@
-/// Where one stage of the pipeline hands a value to the next, hand to hand: nothing waits in between, so that memory
-/// holds no more cells than there are stages.
+/// Where one stage of the pipeline hands values to the next: hand to hand, or with room for a few in between. Memory
+/// holds no more cells than there are stages and places.
 #pragma once
 
 #include <condition_variable>
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -14,14 +16,17 @@ namespace gigabake {
 template <class T>
 class Handoff {
  public:
-  /// Returns when the taker has the value.
+  /// room: how many values may wait for their taker without their giver. 0: hand to hand.
+  explicit Handoff(std::size_t room = 0) : room_(room) {}
+
+  /// Returns when the value is taken, or one of as many as there is room for.
   void give(T value) {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return !value_.has_value(); });  // another giver's
-    value_ = std::move(value);
+    changed_.wait(lock, [this] { return values_.size() <= room_; });  // of several givers one stands at the counter
+    values_.push_back(std::move(value));
     changed_.notify_all();
     const std::uint64_t mine = ++given_;
-    changed_.wait(lock, [this, mine] { return taken_ >= mine; });
+    changed_.wait(lock, [this, mine] { return taken_ + room_ >= mine; });
   }
 
   /// No value follows. To be called by the last giver, once the others have returned.
@@ -34,9 +39,11 @@ class Handoff {
   /// Waits for a value; none when closed.
   std::optional<T> take() {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return value_.has_value() || closed_; });
-    std::optional<T> taken = std::exchange(value_, std::nullopt);
-    taken_ += taken.has_value();
+    changed_.wait(lock, [this] { return !values_.empty() || closed_; });
+    if (values_.empty()) return std::nullopt;
+    std::optional<T> taken = std::move(values_.front());
+    values_.pop_front();
+    ++taken_;
     changed_.notify_all();
     return taken;
   }
@@ -44,7 +51,8 @@ class Handoff {
  private:
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::optional<T> value_;
+  const std::size_t room_;
+  std::deque<T> values_;
   std::uint64_t given_ = 0, taken_ = 0;
   bool closed_ = false;
 };

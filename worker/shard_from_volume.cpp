@@ -20,6 +20,7 @@ PackedShard shard_from_packed(kernels::PackedCell& cell, ShardHeader header) {
   PackedShard shard;
   shard.header = std::move(header);
   shard.nodes = std::move(cell.nodes);
+  shard.constants = std::move(cell.constants);
   shard.levels = std::move(cell.levels);
   shard.header.lods = std::uint32_t(shard.levels.size());
   shard.header.content_hash = std::move(cell.content_hash);

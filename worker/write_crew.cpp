@@ -15,4 +15,16 @@ WriteCrew write_crew_for(const WorkerOptions& options) {
   return {writers, std::max(1, options.threads - writers - others + 1)};
 }
 
+std::size_t cells_ahead_for(const WorkerOptions& options) {
+  constexpr std::uint64_t bytes_a_cell = std::uint64_t(1) << 30, most = 3;
+  if (!options.cuda_device) return 0;
+  return std::size_t(options.memory_bytes == 0 ? most : std::min(most, options.memory_bytes / bytes_a_cell));
+}
+
+std::uint64_t image_bytes_for(const WorkerOptions& options) {
+  constexpr std::uint64_t most = std::uint64_t(64) << 20;
+  if (options.memory_bytes == 0) return most;
+  return std::min(most, options.memory_bytes / 16 / std::uint64_t(write_crew_for(options).writers));
+}
+
 }  // namespace gigabake

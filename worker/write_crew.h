@@ -1,5 +1,8 @@
-/// How many cells a worker packs and writes at a time, and with how many threads.
+/// How many cells a worker has read ahead, how many it packs and writes at a time, and with how many threads.
 #pragma once
+
+#include <cstddef>
+#include <cstdint>
 
 #include "worker/cell_pipeline.h"
 
@@ -15,5 +18,13 @@ struct WriteCrew {
 /// at a time: more than four wait for each other. Where memory is short there are fewer cells. Without a device the
 /// kernels need the threads, and one cell is packed at a time.
 WriteCrew write_crew_for(const WorkerOptions& options);
+
+/// Cells that are read before a device asks for them: a tile's first cell takes as long to read as several take to
+/// bake, and the device would wait for each tile. Where memory is short there are fewer, and without a device none,
+/// because reading and kernels share the threads.
+std::size_t cells_ahead_for(const WorkerOptions& options);
+
+/// Memory in which each writer may make a file: a sixteenth of the worker's for all of them.
+std::uint64_t image_bytes_for(const WorkerOptions& options);
 
 }  // namespace gigabake

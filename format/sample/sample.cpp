@@ -59,8 +59,9 @@ class Writer {
   }
 
  private:
+  /// A sample is made again where power was lost: nothing of it waits for the disk.
   void write(const std::string& name, std::span<const std::uint8_t> bytes) {
-    publish_file(dir_ / name, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    publish_file(dir_ / name, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, Durability::while_up);
     const std::scoped_lock lock(mutex_);
     report_.bytes += bytes.size();
   }

@@ -12,7 +12,7 @@ std::vector<ChannelPlace> packed_channels(const ShardHeader& header, int lod) {
 }
 
 std::vector<RowShape> packed_nodes(const ShardHeader& header) {
-  static_assert(NodeKind() == NodeKind::brick, "zeros are bricks");
+  static_assert(NodeKind() == NodeKind::brick, "a device leaves zeros where all nodes are bricks");
   std::vector<RowShape> rows;
   for (const Hdf5Column& column : NodeColumns(shard_version).all(header))
     rows.push_back({column.row_bytes(), column.planes == BytePlanes::yes ? element_bytes(column.type) : 1});
@@ -22,12 +22,12 @@ std::vector<RowShape> packed_nodes(const ShardHeader& header) {
 std::vector<LevelSummary> summarize_levels(const PackedShard& shard) {
   std::vector<AlphaCounts> counts;
   for (const PackedLevel& level : shard.levels) counts.push_back(level.alphas);
-  return summarize_levels(counts, NodeTable());
+  return summarize_levels(counts, shard.constants);
 }
 
 std::vector<std::uint64_t> count_voxels(const PackedShard& shard) {
   std::vector<std::uint64_t> counts;
-  for (const PackedLevel& level : shard.levels) counts.push_back(level.voxels);
+  for (const LevelSummary& level : summarize_levels(shard)) counts.push_back(level.voxels());
   return counts;
 }
 

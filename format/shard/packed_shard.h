@@ -13,7 +13,8 @@ namespace gigabake {
 
 struct PackedShard {
   ShardHeader header;
-  std::vector<PackedColumn> nodes;  ///< as packed_nodes() asks for; all of them are bricks
+  std::vector<PackedColumn> nodes;  ///< as packed_nodes() asks for
+  NodeTable constants;              ///< of the nodes those that are no bricks: kind, lod and value alone
   std::vector<PackedLevel> levels;  ///< [lod]; channels as packed_channels() asks for
   ParentSource above = {};          ///< as Shard has it
 };
@@ -21,8 +22,7 @@ struct PackedShard {
 /// What must be packed of each voxel of a level, in this order, for shards as they are written today.
 std::vector<ChannelPlace> packed_channels(const ShardHeader& header, int lod);
 
-/// The rows of the node table's columns, in the order of the file, which begins as NodeColumn says. Of a table of
-/// bricks all but those of NodeColumn are zeros, and so is `kind`.
+/// The rows of the node table's columns, in the order of the file, which is NodeColumn's.
 std::vector<RowShape> packed_nodes(const ShardHeader& header);
 
 /// As write_shard().
@@ -34,6 +34,7 @@ StoredShard write_packed_shard(const std::filesystem::path& path, const PackedSh
                                const ShardWriteOptions& options);
 
 std::vector<LevelSummary> summarize_levels(const PackedShard& shard);
+/// Those that constant nodes stand for included.
 std::vector<std::uint64_t> count_voxels(const PackedShard& shard);
 
 }  // namespace gigabake

@@ -64,6 +64,9 @@ struct Shard {
 struct ShardWriteOptions {
   const ThreadPool& pool = callers_thread();  ///< shares and compresses
   Codec codec = Codec::lz4;
+  /// Of memory, besides its columns: a packed shard (packed_shard.h) of no more bytes is made there first, for HDF5
+  /// takes a tenth of the time then; a larger one HDF5 writes as it goes.
+  std::uint64_t image_bytes = std::uint64_t(64) << 20;
 };
 
 /// What a shard takes on disk.

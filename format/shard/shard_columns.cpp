@@ -56,16 +56,10 @@ void ShardColumns::add_packed(const Hdf5Column& column, const PackedColumn& pack
 }
 
 void ShardColumns::add_nodes(const NodeTable& n) {
-  const NodeColumns names(shard_version);
   group_ = "/nodes";
-  add_array(names.key, n.key);
-  add_array(names.lod, n.lod);
-  add_array(names.kind, n.kind);
-  add_array(names.child_mask, n.child_mask);
-  add_array(names.first_child, n.first_child);
-  add_array(names.value, n.value);
-  add_array(names.normal, n.normal);
-  if (header_.has_facing) add_array(names.facing, n.facing);
+  NodeColumns(shard_version).for_each(header_, [&](const Hdf5Column& column, auto array) {
+    add_array(column, n.*array);
+  });
 }
 
 void ShardColumns::add_nodes(const std::vector<PackedColumn>& nodes) {

@@ -25,9 +25,22 @@ struct NodeColumns {
   Hdf5Column value{"/nodes/value", Hdf5Type::u32, 1, BytePlanes::yes};
   Hdf5Column normal{"/nodes/normal", Hdf5Type::i8, 2};
   Hdf5Column facing;  ///< versions 1 and 2 know no planes
+
+  /// visit(column, where a NodeTable has it), in the order of the file.
+  template <class Visit>
+  void for_each(const ShardHeader& header, const Visit& visit) const {
+    visit(key, &NodeTable::key);
+    visit(lod, &NodeTable::lod);
+    visit(kind, &NodeTable::kind);
+    visit(child_mask, &NodeTable::child_mask);
+    visit(first_child, &NodeTable::first_child);
+    visit(value, &NodeTable::value);
+    visit(normal, &NodeTable::normal);
+    if (header.has_facing) visit(facing, &NodeTable::facing);
+  }
   std::vector<Hdf5Column> all(const ShardHeader& header) const {
-    std::vector<Hdf5Column> columns{key, lod, kind, child_mask, first_child, value, normal};
-    if (header.has_facing) columns.push_back(facing);
+    std::vector<Hdf5Column> columns;
+    for_each(header, [&](const Hdf5Column& column, auto) { columns.push_back(column); });
     return columns;
   }
 };

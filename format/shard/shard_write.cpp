@@ -1,4 +1,5 @@
 #include <fcntl.h>
+#include <mutex>
 
 #include "format/shard/above.h"
 #include "format/shard/channels.h"
@@ -51,26 +52,35 @@ StoredShard make_file(Hdf5File file, const ShardHeader& header, const ParentSour
   return stored;
 }
 
-/// Larger files are not made in memory first: HDF5 writes them as it goes.
-constexpr std::uint64_t largest_image = std::uint64_t(64) << 20;
-
-std::uint64_t bytes_of(const PackedColumn& column) {
-  std::uint64_t bytes = column.raw.size();
-  for (const std::span<const std::uint8_t> chunk : column.stored) bytes += chunk.size();
-  return bytes;
+/// HDF5 serves one thread at a time, call by call, and each call that finds another thread there sleeps and is woken:
+/// a file of two thousand calls takes four writers that meet in each of them four times as long as one after the other.
+std::mutex& hdf5_turn() {
+  static std::mutex turn;
+  return turn;
 }
 
-/// About as many as the file will have, or more where columns come raw.
-std::uint64_t bytes_of(const PackedShard& shard) {
-  std::uint64_t bytes = 0;
-  for (const PackedColumn& column : shard.nodes) bytes += bytes_of(column);
+template <class Visit>
+void for_each_column(const PackedShard& shard, const Visit& visit) {
+  for (const PackedColumn& column : shard.nodes) visit(column);
   for (const PackedLevel& level : shard.levels) {
-    bytes += bytes_of(level.mask) + bytes_of(level.first);
-    for (const PackedChannel& channel : level.channels)
-      bytes += bytes_of(channel.value) + bytes_of(channel.share) + bytes_of(channel.first);
+    visit(level.mask), visit(level.first);
+    for (const PackedChannel& c : level.channels) visit(c.value), visit(c.share), visit(c.first);
   }
-  return bytes;
 }
+
+/// What is ahead of who writes a shard.
+struct Ahead {
+  std::uint64_t bytes = 0;  ///< about as many as the file will have, or more where columns come raw
+  bool is_packed = true;    ///< nothing is left to do but to copy
+
+  explicit Ahead(const PackedShard& shard) {
+    for_each_column(shard, [this](const PackedColumn& column) {
+      bytes += column.raw.size();
+      for (const std::span<const std::uint8_t> chunk : column.stored) bytes += chunk.size();
+      is_packed = is_packed && column.raw.empty();
+    });
+  }
+};
 
 void write_image(const FileImage& image, const std::filesystem::path& aside, const std::filesystem::path& path) {
   const Descriptor out(aside, O_WRONLY | O_TRUNC);
@@ -96,7 +106,10 @@ StoredShard write_packed_shard(const std::filesystem::path& path, const PackedSh
                                const ShardWriteOptions& options) {
   thread_local FileImage image;  // a writer keeps his own
   Publication publication(path);
-  const bool in_memory = bytes_of(shard) <= largest_image;
+  const Ahead ahead(shard);
+  const bool in_memory = ahead.bytes <= options.image_bytes;
+  std::unique_lock turn(hdf5_turn(), std::defer_lock);
+  if (in_memory && ahead.is_packed) turn.lock();
   StoredShard stored =
       make_file(in_memory ? Hdf5File::create(image, path) : Hdf5File::create(publication.aside(), path), shard.header,
                 shard.above, options, [&](ShardColumns& columns) {
@@ -104,6 +117,7 @@ StoredShard write_packed_shard(const std::filesystem::path& path, const PackedSh
                   columns.add_above(shard.above);
                   for (const PackedLevel& level : shard.levels) columns.add_level(level);
                 });
+  if (turn.owns_lock()) turn.unlock();
   if (in_memory) write_image(image, publication.aside(), path);
   stored.file = std::filesystem::file_size(publication.aside());
   publication.publish();

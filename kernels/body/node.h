@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <stdexcept>
 
+#include "kernels/body/voxel.h"
 #include "lattice/brick.h"
 #include "lattice/host_device.h"
 #include "lattice/octree.h"
@@ -22,6 +23,39 @@ GB_HD int octant_of(std::uint64_t key) { return int(key & 7); }
 template <class Index>
 GB_HD bool is_full(const Index first[2]) {
   return first[1] - first[0] == Index(brick_voxels);
+}
+
+/// A voxel, to be held against the others of its brick and of the branch below.
+struct CommonVoxel {
+  std::uint32_t rgba = 0, facing = 0;  ///< facing: at lod 0, and where levels have none, alpha along each axis
+  std::uint16_t normal = 0;
+};
+
+/// facing: its bytes, or null where the level has none.
+GB_HD CommonVoxel common_voxel(std::uint32_t rgba, std::uint16_t normal, const std::uint8_t* facing) {
+  const std::uint32_t alpha = byte_of(rgba, 3);
+  return {rgba, facing != nullptr ? pack_facing(facing) : alpha | alpha << 8 | alpha << 16, normal};
+}
+
+GB_HD bool are_alike(const CommonVoxel& a, const CommonVoxel& b) {
+  return a.rgba == b.rgba && a.normal == b.normal && a.facing == b.facing;
+}
+
+/// is_constant: a full brick of which all voxels are alike.
+GB_HD NodeKind kind_of_brick(bool is_constant) { return is_constant ? NodeKind::constant : NodeKind::brick; }
+GB_HD bool stores_voxels(NodeKind kind) { return kind == NodeKind::brick; }
+/// Nothing below it is stored.
+GB_HD bool ends_branch(NodeKind kind) { return kind == NodeKind::leaf_constant; }
+/// Of a constant node. like_all_below: all eight children are there, end their branches and are as the node is; at
+/// lod 0 always.
+GB_HD NodeKind kind_of_constant(bool like_all_below) {
+  return like_all_below ? NodeKind::leaf_constant : NodeKind::constant;
+}
+
+/// What a node's row says of its own: bricks have voxels instead, and nodes of levels without facing have none.
+GB_HD CommonVoxel value_of_node(NodeKind kind, const CommonVoxel& voxel, bool has_facing) {
+  if (stores_voxels(kind)) return {};
+  return {voxel.rgba, has_facing ? voxel.facing : 0, voxel.normal};
 }
 
 /// A node's children stand one behind the other, by rising key.

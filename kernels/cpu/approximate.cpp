@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstring>
 
+#include "kernels/body/approximate.h"
 #include "lattice/brick.h"
 #include "lattice/thread_pool.h"
 

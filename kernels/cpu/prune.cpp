@@ -1,7 +1,6 @@
 #include "kernels/cpu/prune.h"
 
 #include <algorithm>
-#include <cstring>
 
 #include "kernels/body/node.h"
 #include "kernels/body/voxel.h"
@@ -14,12 +13,8 @@ namespace {
 /// What a brick becomes, before nodes are numbered.
 struct Verdict {
   NodeKind kind = NodeKind::brick;
-  std::uint32_t rgba = 0;
-  std::array<std::int8_t, 2> normal{};
-  Facing facing{};     ///< at lod 0, and where levels have none, alpha along each axis
+  CommonVoxel value;
   bool stored = true;  ///< false below a leaf-constant node
-
-  bool same_value(const Verdict& o) const { return rgba == o.rgba && normal == o.normal && facing == o.facing; }
 };
 using Verdicts = std::vector<Verdict>;
 
@@ -35,24 +30,21 @@ std::vector<std::size_t> child_starts(const Level& level, const Level& below) {
   return starts;
 }
 
+CommonVoxel voxel_of(const Level& level, std::size_t i) {
+  return common_voxel(pack_rgba(&level.rgba[4 * i]),
+                      level.normal.empty() ? std::uint16_t(0) : pack_normal(&level.normal[2 * i]),
+                      level.facing.empty() ? nullptr : &level.facing[facing_bytes * i]);
+}
+
 Verdict judge_brick(const Level& level, std::size_t b) {
   Verdict v;
-  const std::size_t first = level.first[b];
   if (!is_full(&level.first[b])) return v;
-  for (std::size_t i = first + 1; i < first + brick_voxels; ++i) {
-    if (std::memcmp(&level.rgba[4 * i], &level.rgba[4 * first], 4) != 0) return v;
-    if (!level.normal.empty() && std::memcmp(&level.normal[2 * i], &level.normal[2 * first], 2) != 0) return v;
-    if (!level.facing.empty() &&
-        std::memcmp(&level.facing[facing_bytes * i], &level.facing[facing_bytes * first], facing_bytes) != 0)
-      return v;
-  }
-  v.kind = NodeKind::constant;
-  v.rgba = pack_rgba(&level.rgba[4 * first]);
-  if (!level.normal.empty()) v.normal = {level.normal[2 * first], level.normal[2 * first + 1]};
-  if (level.facing.empty())
-    std::fill_n(v.facing.begin(), 3, level.rgba[4 * first + 3]);
-  else
-    std::copy_n(&level.facing[facing_bytes * first], facing_bytes, v.facing.begin());
+  const std::size_t first = level.first[b];
+  v.value = voxel_of(level, first);
+  bool is_constant = true;
+  for (std::size_t i = first + 1; is_constant && i < first + brick_voxels; ++i)
+    is_constant = are_alike(v.value, voxel_of(level, i));
+  v.kind = kind_of_brick(is_constant);
   return v;
 }
 
@@ -60,7 +52,7 @@ bool branch_is_constant(const Verdict& parent, const Verdicts& below, std::size_
   if (end - begin != 8) return false;
   return std::all_of(
       below.begin() + std::ptrdiff_t(begin), below.begin() + std::ptrdiff_t(end),
-      [&](const Verdict& child) { return child.kind == NodeKind::leaf_constant && child.same_value(parent); });
+      [&](const Verdict& child) { return ends_branch(child.kind) && are_alike(child.value, parent.value); });
 }
 
 std::vector<Verdicts> judge(const std::vector<Level>& levels, const ThreadPool& pool) {
@@ -73,13 +65,13 @@ std::vector<Verdicts> judge(const std::vector<Level>& levels, const ThreadPool& 
     pool.parallel_for(v.size(), 256, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t b = begin; b < end; ++b) {
         v[b] = judge_brick(level, b);
-        if (v[b].kind == NodeKind::constant &&
-            (lod == 0 || branch_is_constant(v[b], verdicts[lod - 1], children[b], children[b + 1])))
-          v[b].kind = NodeKind::leaf_constant;
+        if (!stores_voxels(v[b].kind))
+          v[b].kind =
+              kind_of_constant(lod == 0 || branch_is_constant(v[b], verdicts[lod - 1], children[b], children[b + 1]));
       }
     });
     for (std::size_t b = 0; lod > 0 && b < v.size(); ++b)
-      if (v[b].kind == NodeKind::leaf_constant)
+      if (ends_branch(v[b].kind))
         for (std::size_t c = children[b]; c < children[b + 1]; ++c) verdicts[lod - 1][c].stored = false;
     verdicts.push_back(std::move(v));
   }
@@ -91,17 +83,18 @@ void add_level_nodes(const Level& level, const Verdicts& verdicts, std::size_t l
   std::uint32_t brick = 0;
   for (std::size_t b = 0; b < verdicts.size(); ++b) {
     const Verdict& v = verdicts[b];
-    const bool is_brick = v.kind == NodeKind::brick;
-    const std::uint32_t value = is_brick ? brick++ : v.rgba;
+    const CommonVoxel value = value_of_node(v.kind, v.value, !level.facing.empty());
+    const std::uint32_t number = stores_voxels(v.kind) ? brick++ : value.rgba;
     if (!v.stored) continue;
     nodes.key.push_back(level.key[b]);
     nodes.lod.push_back(std::uint8_t(lod));
     nodes.kind.push_back(v.kind);
     nodes.child_mask.push_back(0);
     nodes.first_child.push_back(no_child);
-    nodes.value.push_back(value);
-    nodes.normal.push_back(v.normal);
-    nodes.facing.push_back(level.facing.empty() ? Facing{} : v.facing);
+    nodes.value.push_back(number);
+    nodes.normal.push_back({std::int8_t(byte_of(value.normal, 0)), std::int8_t(byte_of(value.normal, 1))});
+    nodes.facing.push_back(
+        {byte_of(value.facing, 0), byte_of(value.facing, 1), byte_of(value.facing, 2), byte_of(value.facing, 3)});
   }
 }
 
@@ -118,11 +111,11 @@ void link_children(NodeTable& nodes, std::size_t begin, std::size_t end) {
 }
 
 void remove_constant_bricks(Level& level, const Verdicts& verdicts) {
-  if (std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.kind == NodeKind::brick; })) return;
+  if (std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return stores_voxels(v.kind); })) return;
   Level kept;
   kept.first.push_back(0);
   for (std::size_t b = 0; b < verdicts.size(); ++b) {
-    if (verdicts[b].kind != NodeKind::brick) continue;
+    if (!stores_voxels(verdicts[b].kind)) continue;
     const auto first = std::ptrdiff_t(level.first[b]), end = std::ptrdiff_t(level.first[b + 1]);
     kept.key.push_back(level.key[b]);
     kept.mask.insert(kept.mask.end(), &level.mask[8 * b], &level.mask[8 * b] + 8);

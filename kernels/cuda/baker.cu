@@ -91,12 +91,10 @@ class CudaBaker::Impl {
   }
 
  private:
-  /// What voxels have in common, hash and nodes are the host's affair here.
+  /// Of a cell that came in parts: coarser levels were made of exact voxels.
   CellVolume download_approximate(BakedCell& cell) {
     CellVolume out;
-    out.levels = cell.levels.empty()
-                     ? std::move(cell.host_levels)
-                     : std::move(to_host(download_stream_.handle, pinned_, cell.levels, {}, host_).levels);
+    out.levels = std::move(cell.host_levels);
     approximate(out.levels, cell.max_error, host_);
     out.content_hash = level_hashes(out.levels, cell.window_min, host_);
     if (!out.levels.empty()) out.nodes = prune(out.levels, host_);

@@ -5,6 +5,7 @@
 #include "kernels/cpu/level_hash.h"
 #include "kernels/cpu/levels.h"
 #include "kernels/cpu/parent_source.h"
+#include "kernels/cuda/approximate.cuh"
 #include "kernels/cuda/cell.cuh"
 #include "kernels/cuda/download.cuh"
 #include "kernels/cuda/hash.cuh"
@@ -142,6 +143,7 @@ bool CellBake::bake_at_once(const Cell& cell, BakedCell& out) {
     LevelsAbove all = levels_of(cell, all_keys(cell.window), lods, bin_capacity_, stats);
     ParentSource above = source_of(all, lods - 1, cell.parameters.mip);
     std::vector<DeviceLevel> levels = std::move(all.levels);
+    approximate_levels(heap_, tables_, cell.parameters.max_error, levels);
     DeviceNodes nodes;
     if (!levels.empty()) nodes = brick_nodes(heap_, levels);
     std::uint64_t bytes = 0;
@@ -151,6 +153,7 @@ bool CellBake::bake_at_once(const Cell& cell, BakedCell& out) {
     out.levels = std::move(levels);
     out.nodes = std::move(nodes);
     out.above = std::move(above);
+    out.max_error = 0;
     count_batch(stats);
     stats.prune_s = clock_.between(5, 6);
     out.cell_stats = stats;

@@ -31,7 +31,7 @@ class BakedCell : public CudaVolume {
   std::vector<Hash128> host_hashes;
   ParentSource above;  ///< on the host, for it is small and travels with the volume whoever packs it
   std::int64_t window_min[3] = {};
-  std::uint32_t max_error = 0;
+  std::uint32_t max_error = 0;  ///< that `host_levels` are still to be approximated to
   CellStats cell_stats;
 };
 

@@ -23,14 +23,17 @@ struct LevelsAbove {
 LevelsAbove coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceLevel& finest, int lods,
                            MipFilter filter, bool normals);
 
-/// Nodes, on the device, where every one of them is a brick.
+/// Nodes on the device. Where every one of them is a brick, what only others have is empty.
 struct DeviceNodes {
   DeviceArray<std::uint32_t> key, first_child, value;
   DeviceArray<std::uint8_t> lod, child_mask;
+  DeviceArray<NodeKind> kind;
+  DeviceArray<std::uint16_t> normal;
+  DeviceArray<std::uint32_t> facing;
   std::uint32_t count = 0;
 };
 
-/// levels: [lod]. Empty where a brick may be constant: prune() then decides on the host.
+/// levels: [lod]. Empty where a brick may be constant: then prune_levels() decides, or prune() on the host.
 /// Errors  CudaFailure; std::length_error beyond 2^32-1 nodes.
 DeviceNodes brick_nodes(DeviceHeap& heap, const std::vector<DeviceLevel>& levels);
 

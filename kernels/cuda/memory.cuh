@@ -15,12 +15,6 @@ namespace gigabake::kernels {
 /// Errors  CudaFailure, naming the call.
 void check_cuda(cudaError_t code, const char* call);
 
-/// More than a heap's limit, more than the device has left, or more than 32-bit indices count. Less at a time may fit.
-class DeviceFull : public CudaFailure {
- public:
-  using CudaFailure::CudaFailure;
-};
-
 /// Device bytes of all of a baker's heaps.
 class DeviceBooks {
  public:

@@ -1,25 +1,10 @@
-#include "kernels/body/node.h"
-#include "kernels/body/window.h"
-#include "kernels/cuda/level_bricks.cuh"
 #include "kernels/cuda/levels.cuh"
+#include "kernels/cuda/node_levels.cuh"
 
 namespace gigabake::kernels {
 namespace {
 
 constexpr unsigned threads = 256;
-
-/// All levels, by lod. The coarsest one's nodes come first.
-struct NodeLevels {
-  const std::uint32_t *key[most_levels], *first[most_levels];
-  std::uint32_t bricks[most_levels], offset[most_levels];
-  int count;
-
-  __device__ int lod_of(std::uint32_t node) const {
-    int lod = count - 1;
-    while (node - offset[lod] >= bricks[lod]) --lod;
-    return lod;
-  }
-};
 
 __global__ void find_full_bricks(NodeLevels levels, std::uint32_t nodes, std::uint32_t* found) {
   const std::uint32_t node = blockIdx.x * blockDim.x + threadIdx.x;
@@ -43,36 +28,10 @@ __global__ void make_nodes(NodeLevels levels, std::uint32_t nodes, NodeView out)
   out.value[node] = brick;
   out.lod[node] = std::uint8_t(lod);
   NodeChildren children;
-  if (lod > 0) {
-    const std::uint32_t *below_key = levels.key[lod - 1], below_bricks = levels.bricks[lod - 1];
-    std::uint32_t low = 0, high = below_bricks;  // the first brick below whose parent is not before this one
-    while (low < high) {
-      const std::uint32_t middle = (low + high) / 2;
-      if (parent_key(below_key[middle]) < key)
-        low = middle + 1;
-      else
-        high = middle;
-    }
-    for (; low < below_bricks && parent_key(below_key[low]) == key; ++low)
-      children.add(levels.offset[lod - 1] + low, below_key[low]);
-  }
+  levels.for_each_child(lod, key,
+                        [&](std::uint32_t child, std::uint32_t child_key) { children.add(child, child_key); });
   out.first_child[node] = children.first;
   out.child_mask[node] = children.mask;
-}
-
-/// Errors  std::length_error beyond 2^32-1 nodes.
-std::uint32_t place_levels(const std::vector<DeviceLevel>& levels, NodeLevels& out) {
-  std::uint64_t nodes = 0;
-  out.count = int(levels.size());
-  for (std::size_t l = levels.size(); l-- > 0;) {
-    out.key[l] = levels[l].key.data();
-    out.first[l] = levels[l].first.data();
-    out.bricks[l] = levels[l].bricks;
-    out.offset[l] = std::uint32_t(nodes);
-    nodes += levels[l].bricks;
-  }
-  check_node_count(nodes);
-  return std::uint32_t(nodes);
 }
 
 bool any_full_brick(DeviceHeap& heap, const NodeLevels& levels, std::uint32_t nodes) {

@@ -195,6 +195,9 @@ __global__ void __launch_bounds__(threads)
 struct NodesView {
   const std::uint32_t *key, *first_child, *value;
   const std::uint8_t *lod, *child_mask;
+  const NodeKind* kind;  ///< or null, with the next two
+  const std::uint16_t* normal;
+  const std::uint32_t* facing;
   std::uint32_t count;
 };
 
@@ -206,6 +209,10 @@ __global__ void __launch_bounds__(threads) write_nodes(const NodesView nodes, co
   out.value[n] = nodes.value[n];
   out.lod[n] = nodes.lod[n];
   out.child_mask[n] = nodes.child_mask[n];
+  if (nodes.kind == nullptr) return;
+  out.kind[n] = nodes.kind[n];
+  out.normal[n] = nodes.normal[n];
+  if (out.facing != nullptr) out.facing[n] = nodes.facing[n];
 }
 
 ChannelView view_of_channel(const DeviceLevel& level, const ChannelPlace& place) {
@@ -226,12 +233,13 @@ ChannelView view_of_channel(const DeviceLevel& level, const ChannelPlace& place)
 
 }  // namespace
 
-LevelsView view_of(const std::vector<DeviceLevel>& levels, const std::vector<std::vector<ChannelPlace>>& channels) {
+LevelsView view_of(const std::vector<const DeviceLevel*>& levels,
+                   const std::vector<std::vector<ChannelPlace>>& channels) {
   LevelsView view{};
   view.levels = int(levels.size());
   std::uint64_t bricks = 0;
   for (std::size_t l = 0; l < levels.size(); ++l) {
-    const DeviceLevel& level = levels[l];
+    const DeviceLevel& level = *levels[l];
     view.mask[l] = level.mask.data();
     view.first[l] = level.first.data();
     view.rgba[l] = level.rgba.data();
@@ -240,7 +248,8 @@ LevelsView view_of(const std::vector<DeviceLevel>& levels, const std::vector<std
     view.offset[l] = std::uint32_t(bricks);
     bricks += level.bricks;
     if (channels.at(l).size() > std::size_t(most_channels)) throw std::length_error("more channels than are packed");
-    for (std::size_t c = 0; c < channels[l].size(); ++c) view.channel[l][c] = view_of_channel(level, channels[l][c]);
+    for (std::size_t c = 0; level.voxels != 0 && c < channels[l].size(); ++c)
+      view.channel[l][c] = view_of_channel(level, channels[l][c]);
     view.channels = std::max(view.channels, int(channels[l].size()));
   }
   if (bricks >> 32 != 0) throw std::length_error("more than 2^32-1 bricks");
@@ -289,7 +298,7 @@ void make_columns(DeviceHeap& heap, const LevelsView& levels, const FoundShares&
 void make_node_columns(DeviceHeap& heap, const DeviceNodes& nodes, const NodesOut& out) {
   write_nodes<<<grid_of(nodes.count, threads), threads, 0, heap.stream()>>>(
       {nodes.key.data(), nodes.first_child.data(), nodes.value.data(), nodes.lod.data(), nodes.child_mask.data(),
-       nodes.count},
+       nodes.kind.data(), nodes.normal.data(), nodes.facing.data(), nodes.count},
       out);
   check_launch("write_nodes");
 }

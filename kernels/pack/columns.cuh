@@ -32,7 +32,8 @@ struct LevelsView {
 };
 
 /// Range  most_channels a level, as many for each as its levels have; std::length_error beyond 2^32-1 bricks.
-LevelsView view_of(const std::vector<DeviceLevel>& levels, const std::vector<std::vector<ChannelPlace>>& channels);
+LevelsView view_of(const std::vector<const DeviceLevel*>& levels,
+                   const std::vector<std::vector<ChannelPlace>>& channels);
 
 /// What the host must know before it can say how large the columns are.
 struct Findings {
@@ -68,11 +69,14 @@ struct LevelOut {
 void make_columns(DeviceHeap& heap, const LevelsView& levels, const FoundShares& shares,
                   const std::vector<LevelOut>& out);
 
-/// Where the columns of a table of bricks are to be made. Those that are zeros are not made here.
+/// Where the columns of a node table are to be made. Those of a table of bricks that are zeros are not made here.
 struct NodesOut {
   std::uint64_t* key;
   std::uint32_t *first_child, *value;
   std::uint8_t *lod, *child_mask;
+  NodeKind* kind;
+  std::uint16_t* normal;
+  std::uint32_t* facing;  ///< or null
 };
 
 /// Errors  CudaFailure.

@@ -1,8 +1,10 @@
 #include <algorithm>
 
+#include "kernels/body/node.h"
 #include "kernels/cuda/cell.cuh"
 #include "kernels/cuda/clock.cuh"
 #include "kernels/cuda/hash.cuh"
+#include "kernels/cuda/prune.cuh"
 #include "kernels/cuda/stream.cuh"
 #include "kernels/pack/column_bytes.cuh"
 #include "kernels/pack/columns.cuh"
@@ -31,10 +33,20 @@ class ColumnPlan {
   const std::vector<RawColumn>& columns() const { return columns_; }
 
   NodesOut nodes(std::uint8_t* raw) const {
-    const auto of = [&](NodeColumn column) { return raw + nodes_.at(std::size_t(column)); };
-    return {reinterpret_cast<std::uint64_t*>(of(NodeColumn::key)),
-            reinterpret_cast<std::uint32_t*>(of(NodeColumn::first_child)),
-            reinterpret_cast<std::uint32_t*>(of(NodeColumn::value)), of(NodeColumn::lod), of(NodeColumn::child_mask)};
+    const auto of = [&]<class T>(NodeColumn column, T*) {
+      const auto number = std::size_t(column);
+      return number < nodes_.size() ? reinterpret_cast<T*>(raw + nodes_[number]) : nullptr;
+    };
+    NodesOut out{};
+    out.key = of(NodeColumn::key, out.key);
+    out.first_child = of(NodeColumn::first_child, out.first_child);
+    out.value = of(NodeColumn::value, out.value);
+    out.lod = of(NodeColumn::lod, out.lod);
+    out.child_mask = of(NodeColumn::child_mask, out.child_mask);
+    out.kind = of(NodeColumn::kind, out.kind);
+    out.normal = of(NodeColumn::normal, out.normal);
+    out.facing = of(NodeColumn::facing, out.facing);
+    return out;
   }
 
   std::vector<LevelOut> outs(std::uint8_t* raw) const {
@@ -70,7 +82,6 @@ class ColumnPlan {
 
   void place_level(int lod, const std::vector<ChannelPlace>& channels, PackedLevel& level) {
     const std::uint64_t bricks = view_.bricks[lod];
-    level.voxels = view_.voxels[lod];
     std::copy(std::begin(found_.alphas[lod]), std::end(found_.alphas[lod]), level.alphas.begin());
     level.channels.resize(channels.size());
     Places& places = outs_[std::size_t(lod)];
@@ -106,37 +117,58 @@ class CudaPacker::Impl {
   explicit Impl(int device) : device_(device), stream_(device), clock_(stream_.handle), heap_(stream_.handle, books_) {}
 
   std::optional<PackedCell> pack(const BakedCell& cell, const PackRequest& request) {
-    if (cell.levels.empty() || cell.nodes.count == 0 || cell.max_error != 0) return std::nullopt;
+    if (cell.levels.empty()) return std::nullopt;
     check_cuda(cudaSetDevice(device_), "cudaSetDevice");
     heap_.limit_to(request.memory_bytes);
-    try {
-      return pack_levels(cell, request);
-    } catch (const DeviceFull&) {
-      return std::nullopt;
-    }
-  }
-
- private:
-  PackedCell pack_levels(const BakedCell& cell, const PackRequest& request) {
     PackedCell out;
     out.stats = cell.cell_stats;
     out.above = cell.above;
     clock_.mark(0);
     out.content_hash = level_hashes(heap_, cell.levels, cell.window_min);
     clock_.mark(1);
-    const LevelsView view = view_of(cell.levels, request.channels);
+    if (cell.nodes.count != 0) {
+      std::vector<const DeviceLevel*> levels;
+      for (const DeviceLevel& level : cell.levels) levels.push_back(&level);
+      pack_levels(levels, cell.nodes, request, out);
+    } else {
+      const PrunedLevels pruned = prune_levels(heap_, cell.levels);
+      if (pruned.has_constants) out.constants = constants_of(pruned.nodes);
+      pack_levels(pruned.levels, pruned.nodes, request, out);
+    }
+    out.stats.hash_s = clock_.between(0, 1);
+    return out;
+  }
+
+ private:
+  void pack_levels(const std::vector<const DeviceLevel*>& levels, const DeviceNodes& nodes, const PackRequest& request,
+                   PackedCell& out) {
+    const LevelsView view = view_of(levels, request.channels);
     const auto found = std::make_unique<Findings>();
     const FoundShares shares = find_shares(heap_, view, *found);
-    out.levels.resize(cell.levels.size());
-    const ColumnPlan plan(view, request, *found, cell.nodes.count, out);
+    out.levels.resize(levels.size());
+    const ColumnPlan plan(view, request, *found, nodes.count, out);
     DeviceArray<std::uint8_t> raw(heap_, plan.bytes());
     raw.clear_to_zero();
     make_columns(heap_, view, shares, plan.outs(raw.data()));
-    make_node_columns(heap_, cell.nodes, plan.nodes(raw.data()));
+    make_node_columns(heap_, nodes, plan.nodes(raw.data()));
     const auto bring = request.as == ColumnBytes::stored ? bring_stored : bring_raw;
     out.memory = bring(heap_, raw, plan.columns(), pinned_);
-    out.stats.hash_s = clock_.between(0, 1);
-    return out;
+  }
+
+  NodeTable constants_of(const DeviceNodes& nodes) {
+    NodeTable all, constants;
+    const auto bring = [&](const auto& from, auto& to) {
+      to.resize(nodes.count);
+      heap_.bring(to.data(), from.data(), from.bytes(), "constant nodes");
+    };
+    bring(nodes.kind, all.kind), bring(nodes.lod, all.lod), bring(nodes.value, all.value);
+    for (std::size_t n = 0; n < nodes.count; ++n) {
+      if (stores_voxels(all.kind[n])) continue;
+      constants.kind.push_back(all.kind[n]);
+      constants.lod.push_back(all.lod[n]);
+      constants.value.push_back(all.value[n]);
+    }
+    return constants;
   }
 
   int device_;

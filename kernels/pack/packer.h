@@ -23,7 +23,7 @@ enum class ColumnBytes : std::uint8_t {
 
 struct PackRequest {
   std::vector<std::vector<ChannelPlace>> channels;  ///< [lod]; what each level's columns of values hold
-  std::vector<RowShape> nodes;                      ///< of the node table's columns; they begin as NodeColumn says
+  std::vector<RowShape> nodes;                      ///< of the node table's columns, as NodeColumn numbers them
   ColumnBytes as = ColumnBytes::stored;
   std::uint64_t memory_bytes = 0;  ///< of device memory, for working arrays and columns. 0: no bound
 };
@@ -31,7 +31,8 @@ struct PackRequest {
 /// A cell without its voxels: what is left of them are columns.
 struct PackedCell {
   std::vector<PackedLevel> levels;    ///< [lod]; they and the nodes borrow `memory`
-  std::vector<PackedColumn> nodes;    ///< as they were asked for; all nodes are bricks
+  std::vector<PackedColumn> nodes;    ///< as they were asked for
+  NodeTable constants;                ///< of the nodes those that are no bricks: kind, lod and value alone
   std::vector<Hash128> content_hash;  ///< [lod]
   ParentSource above;                 ///< as CellVolume has it
   CellStats stats;
@@ -47,14 +48,13 @@ class CudaPacker {
   CudaPacker(const CudaPacker&) = delete;
   CudaPacker& operator=(const CudaPacker&) = delete;
 
-  /// None where the cell must come to the host first: one that came in parts, that is to be approximated, that has no
-  /// voxels, or some brick of which may become a constant node; and where the working memory is not to be had. Then
-  /// CudaBaker::download() and the host's packer do it. One call at a time; the volume stays as it is.
-  /// Exact   The columns that format/shard makes of the downloaded volume, by the rules of lattice/pack; stored chunks
+  /// None where the cell came in parts or has no voxels: what is left of it to do is CudaBaker::download()'s. One call
+  /// at a time; the volume stays as it is. Exact   The columns that format/shard makes of the downloaded volume, by the
+  /// rules of lattice/pack; stored chunks
   ///         are its encode_chunk()'s.
   /// Cost    On the device once more what the columns take, as much again where they are compressed there, and what
   ///         pack_chunks() works with (kernels/pack/pack_chunks.cuh). Waits for the stream four times.
-  /// Errors  CudaFailure.
+  /// Errors  DeviceFull: with more memory, or on the host, it can be packed. CudaFailure.
   std::optional<PackedCell> pack(const CudaVolume& volume, const PackRequest& request);
 
  private:

@@ -28,8 +28,9 @@ struct RowShape {
 };
 inline constexpr RowShape mask_row{64, 1}, first_row{8, 8}, share_row{share_bytes, 1};
 
-/// Where the first columns of a node table stand in a file; what follows them is of constant nodes.
-enum class NodeColumn : std::uint8_t { key, lod, kind, child_mask, first_child, value };
+/// Where the columns of a node table stand in a file. From `normal` on they say something of constant nodes alone, as
+/// `kind` does; `facing` is there where the channel is.
+enum class NodeColumn : std::uint8_t { key, lod, kind, child_mask, first_child, value, normal, facing };
 
 /// A column's bytes. Borrowed. At most one of the two has any.
 struct PackedColumn {
@@ -45,7 +46,6 @@ struct PackedChannel {
 };
 
 struct PackedLevel {
-  std::uint64_t voxels = 0;
   PackedColumn mask, first;
   std::vector<PackedChannel> channels;         ///< in the order of those that were asked for
   std::array<std::uint64_t, 256> alphas = {};  ///< how many voxels have each alpha

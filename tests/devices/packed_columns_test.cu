@@ -7,11 +7,13 @@
 #include "format/shard/packed_shard.h"
 #include "format/shard/shard_columns.h"
 #include "kernels/body/node.h"
+#include "kernels/cpu/prune.h"
 #include "kernels/cuda/cell.cuh"
 #include "kernels/cuda/stream.cuh"
 #include "kernels/pack/packer.h"
 #include "lattice/pack/chunk_rows.h"
 #include "tests/kernels/cuda_scenes.h"
+#include "tests/kernels/made_tree.h"
 #include "tests/random_seed.h"
 #include "worker/shard_from_volume.h"
 
@@ -117,7 +119,6 @@ class DevicePack : public testing::Test {
     for (const PackedLevel& level : packed.levels) device.add_level(level);
     EXPECT_EQ(difference(host.columns(), device.columns(), pool_), "");
     for (std::size_t l = 0; l < levels.size(); ++l) {
-      EXPECT_EQ(packed.levels[l].voxels, levels[l].first.back());
       std::array<std::uint64_t, 256> alphas{};
       for (std::size_t i = 3; i < levels[l].rgba.size(); i += 4) ++alphas[levels[l].rgba[i]];
       EXPECT_EQ(packed.levels[l].alphas, alphas) << "lod " << l;
@@ -254,7 +255,7 @@ TEST_F(DevicePack, MakesTheHostsColumnsOfMoreThanAThousandChunks) {
 
 TEST_F(DevicePack, MakesTheHostsColumnsOfEveryRuleFilterAndChannel) {
   std::list<kernels::test::TestCell> cells = kernels::test::all_cells();
-  int packed = 0, not_packed = 0;
+  int packed = 0, with_constants = 0;
   for (kernels::test::TestCell& cell : cells)
     for (const SurfaceRule rule : {SurfaceRule::area, SurfaceRule::conservative, SurfaceRule::thin})
       for (const MipFilter filter : {MipFilter::coverage, MipFilter::thesis, MipFilter::box})
@@ -262,16 +263,15 @@ TEST_F(DevicePack, MakesTheHostsColumnsOfEveryRuleFilterAndChannel) {
           SCOPED_TRACE(cell.name + ", rule " + std::to_string(int(rule)) + ", filter " + std::to_string(int(filter)));
           kernels::CellParameters parameters = cell.parameters(rule, filter, all_channels);
           parameters.facing = all_channels;
+          parameters.max_error = rule == SurfaceRule::thin ? 3 : 0;
           const auto input = baker_->upload(cell.input());
           std::unique_ptr<kernels::CudaVolume> volume = baker_->bake(*input, parameters);
           const ShardHeader header =
               header_of(all_channels, all_channels && filter == MipFilter::coverage, parameters.window_voxels);
           const std::optional<kernels::PackedCell> columns = packer_->pack(*volume, request_of(header, 12));
-          if (!columns) {
-            ++not_packed;
-            continue;
-          }
+          ASSERT_TRUE(columns);
           ++packed;
+          with_constants += columns->constants.kind.empty() ? 0 : 1;
           std::unique_ptr<kernels::CudaVolume> again = baker_->bake(*input, parameters);
           const kernels::CellVolume host = baker_->download(std::move(again));
           EXPECT_EQ(host.content_hash, columns->content_hash);
@@ -279,33 +279,56 @@ TEST_F(DevicePack, MakesTheHostsColumnsOfEveryRuleFilterAndChannel) {
           expect_same_columns(header, host.nodes, std::vector<BrickLevel>(host.levels.begin(), host.levels.end()),
                               *volume);
         }
-  std::cout << packed << " cells packed on the device, " << not_packed << " left to the host\n";
-  EXPECT_GT(packed, not_packed);
+  std::cout << packed << " cells packed on the device, " << with_constants << " of them with constant nodes\n";
+  EXPECT_GT(with_constants, 0);
 }
 
-TEST_F(DevicePack, LeavesToTheHostWhatDoesNotFitItsMemory) {
+TEST_F(DevicePack, PrunesAsTheHostDoes) {
+  const test::RandomSeed seed;
+  std::mt19937_64 rng(seed);
+  const kernels::Stream stream(device_);
+  kernels::DeviceBooks books;
+  kernels::DeviceHeap heap(stream.handle, books);
+  std::map<NodeKind, std::size_t> nodes_of;
+  for (int round = 0; round < 40 && !HasFailure(); ++round) {
+    SCOPED_TRACE("round " + std::to_string(round));
+    const bool normals = rng() % 3 != 0, facing = rng() % 3 != 0;
+    std::vector<kernels::Level> levels = kernels::test::MadeTree(rng, 1 + rng() % 5, normals, facing).levels();
+    kernels::BakedCell cell;
+    for (const kernels::Level& level : levels) {
+      cell.levels.push_back(on_device(heap, level));
+      cell.levels.back().key =
+          uploaded<std::uint32_t>(heap, std::vector<std::uint32_t>(level.key.begin(), level.key.end()));
+    }
+    ASSERT_EQ(cudaStreamSynchronize(heap.stream()), cudaSuccess);
+    const NodeTable nodes = kernels::prune(levels, pool_);
+    for (const NodeKind kind : nodes.kind) ++nodes_of[kind];
+    const ShardHeader header = header_of(normals, facing, 8u << (levels.size() - 1));
+    NodeTable stored = nodes;
+    if (!facing) stored.facing.clear();
+    expect_same_columns(header, stored, std::vector<BrickLevel>(levels.begin(), levels.end()), cell);
+  }
+  for (const NodeKind kind : {NodeKind::brick, NodeKind::constant, NodeKind::leaf_constant})
+    EXPECT_GT(nodes_of[kind], 100u) << int(kind);
+}
+
+TEST_F(DevicePack, SaysWhatDoesNotFitItsMemory) {
   kernels::test::TestCell cell = kernels::test::ground("small", 256, 64, false, true);
   const kernels::CellParameters parameters = cell.parameters(SurfaceRule::area, MipFilter::coverage, true);
   const std::unique_ptr<kernels::CudaVolume> volume = baker_->bake(*baker_->upload(cell.input()), parameters);
   kernels::PackRequest request = request_of(header_of(true, true, 256), 6);
   ASSERT_TRUE(packer_->pack(*volume, request));
   request.memory_bytes = 1 << 16;
-  EXPECT_FALSE(packer_->pack(*volume, request));
+  EXPECT_THROW(packer_->pack(*volume, request), DeviceFull);
   request.memory_bytes = 0;
   EXPECT_TRUE(packer_->pack(*volume, request));
 }
 
-TEST_F(DevicePack, LeavesToTheHostWhatIsNoVolumeOnTheDevice) {
-  kernels::test::TestCell constant = kernels::test::constant_block();
-  kernels::CellParameters parameters = constant.parameters(SurfaceRule::area, MipFilter::coverage, true);
-  const kernels::PackRequest request = request_of(header_of(true, true, parameters.window_voxels), 12);
-  EXPECT_FALSE(packer_->pack(*baker_->bake(*baker_->upload(constant.input()), parameters), request));
+TEST_F(DevicePack, LeavesToTheHostWhatCameInParts) {
   kernels::test::TestCell ground = kernels::test::ground("parts", 256, 64, false, true);
-  parameters = ground.parameters(SurfaceRule::area, MipFilter::coverage, true);
+  kernels::CellParameters parameters = ground.parameters(SurfaceRule::area, MipFilter::coverage, true);
   parameters.memory_bytes = 1;
-  EXPECT_FALSE(packer_->pack(*baker_->bake(*baker_->upload(ground.input()), parameters), request));
-  parameters.memory_bytes = 0;
-  parameters.max_error = 3;
+  const kernels::PackRequest request = request_of(header_of(true, true, parameters.window_voxels), 12);
   EXPECT_FALSE(packer_->pack(*baker_->bake(*baker_->upload(ground.input()), parameters), request));
 }
 

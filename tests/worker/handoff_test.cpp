@@ -1,5 +1,6 @@
 #include "worker/handoff.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <gtest/gtest.h>
@@ -44,6 +45,27 @@ TEST(Handoff, TakesEveryValueOfSeveralGiversAtOnce) {
     });
   for (std::thread& thread : threads) thread.join();
   for (const std::atomic<int>& times : taken) ASSERT_EQ(times, 1);
+}
+
+/// Who gives is ahead of who takes by the room that there is, and no further; order stays.
+TEST(Handoff, LetsAGiverGoAheadByItsRoom) {
+  constexpr int room = 3, values = 40;
+  Handoff<int> handoff(room);
+  std::atomic<int> given{0};
+  std::thread giver([&] {
+    for (int i = 0; i < values; ++i) {
+      handoff.give(i);
+      given = i + 1;
+    }
+    handoff.close();
+  });
+  for (int taken = 0; taken < values; ++taken) {
+    while (given < std::min(taken + room, values)) std::this_thread::yield();
+    ASSERT_LE(given, taken + room);
+    ASSERT_EQ(handoff.take(), taken);
+  }
+  EXPECT_FALSE(handoff.take());
+  giver.join();
 }
 
 /// A giver is held until its own value is taken, not another's.

@@ -2,6 +2,7 @@
 #include "worker/write_crew.h"
 
 #include <gtest/gtest.h>
+#include <utility>
 
 namespace gigabake {
 namespace {
@@ -33,6 +34,28 @@ TEST(WriteCrew, WritesFewCellsAtATimeWhereMemoryIsShort) {
   EXPECT_EQ(write_crew_for(options).writers, 4);
   options.memory_bytes = std::uint64_t(1) << 62;
   EXPECT_EQ(write_crew_for(options).writers, 4);
+}
+
+TEST(CellsAhead, AreFewWhereMemoryIsShortAndNoneWithoutADevice) {
+  WorkerOptions options = beside_device(16);
+  EXPECT_EQ(cells_ahead_for(options), 3u);
+  for (const auto& [gibibytes, ahead] : {std::pair(0.5, 0u), {1.5, 1u}, {2.0, 2u}, {3.0, 3u}, {64.0, 3u}}) {
+    options.memory_bytes = std::uint64_t(gibibytes * (1 << 30));
+    EXPECT_EQ(cells_ahead_for(options), ahead) << gibibytes;
+  }
+  options.cuda_device.reset();
+  EXPECT_EQ(cells_ahead_for(options), 0u);
+}
+
+TEST(ImageBytes, AreASixteenthOfTheMemoryForAllWriters) {
+  for (const std::uint64_t mebibytes : {64, 1024, 2048, 5000, 1 << 20}) {
+    WorkerOptions options = beside_device(16);
+    options.memory_bytes = mebibytes << 20;
+    const std::uint64_t all = image_bytes_for(options) * std::uint64_t(write_crew_for(options).writers);
+    EXPECT_LE(all, options.memory_bytes / 16) << mebibytes;
+    EXPECT_LE(all, std::uint64_t(256) << 20) << mebibytes;
+  }
+  EXPECT_EQ(image_bytes_for(beside_device(16)), std::uint64_t(64) << 20);
 }
 
 TEST(WriteCrew, IsOneWriterWithAllThreadsWithoutADevice) {

@@ -2,6 +2,7 @@
 #include "format/shard/packed_shard.h"
 
 #include <algorithm>
+#include <deque>
 #include <gtest/gtest.h>
 #include <list>
 
@@ -30,6 +31,12 @@ class PackedByHand {
     for (const BrickLevel& level : shard.levels) columns.add_level(level, callers_thread());
     for (const BrickLevel& level : shard.levels) packed.levels.push_back(of_level(level));
     for (const ColumnRows& column : columns.columns()) take(column);
+    for (std::size_t n = 0; n < shard.nodes.kind.size(); ++n) {
+      if (shard.nodes.kind[n] == NodeKind::brick) continue;
+      packed.constants.kind.push_back(shard.nodes.kind[n]);
+      packed.constants.lod.push_back(shard.nodes.lod[n]);
+      packed.constants.value.push_back(shard.nodes.value[n]);
+    }
   }
 
   PackedShard packed;
@@ -37,7 +44,6 @@ class PackedByHand {
  private:
   PackedLevel of_level(const BrickLevel& level) const {
     PackedLevel out;
-    out.voxels = level.rgba.size() / 4;
     for (std::size_t i = 3; i < level.rgba.size(); i += 4) ++out.alphas[level.rgba[i]];
     out.channels.resize(packed_channels(packed.header, int(packed.levels.size())).size());
     return out;
@@ -92,10 +98,11 @@ void expect_same_file(const Shard& shard, PackedByHand::As as, Codec codec) {
   const StoredShard voxels = write_shard(folder / "voxels.h5", shard, {pool, codec}),
                     packed = write_packed_shard(folder / "packed.h5", by_hand.packed, {pool, codec});
   EXPECT_TRUE(made::bytes_of(folder / "voxels.h5") == made::bytes_of(folder / "packed.h5"));
+  constexpr std::uint64_t no_memory = 0;  // to make the file in
+  write_packed_shard(folder / "as it goes.h5", by_hand.packed, {pool, codec, no_memory});
+  EXPECT_TRUE(made::bytes_of(folder / "voxels.h5") == made::bytes_of(folder / "as it goes.h5"));
   EXPECT_EQ(voxels.file, packed.file);
   EXPECT_EQ(voxels.levels, packed.levels);
-  const auto is_brick = [](NodeKind kind) { return kind == NodeKind::brick; };
-  if (!std::all_of(shard.nodes.kind.begin(), shard.nodes.kind.end(), is_brick)) return;
   EXPECT_EQ(summarize_levels(shard), summarize_levels(by_hand.packed));
   EXPECT_EQ(count_voxels(shard), count_voxels(by_hand.packed));
 }
@@ -115,7 +122,7 @@ TEST(PackedShard, IsTheFileOfItsVoxels) {
   }
 }
 
-TEST(PackedShard, OfBricksAloneHasTheCountsOfItsVoxels) {
+TEST(PackedShard, HasTheCountsOfItsVoxels) {
   const Shard shard = made::shard_of({{{1, 2, 3}, {4, 5, 6, 7}, {8, 9}}, {{40, 50, 60}, {1, 2, 3, 255}, {}}}, {}, 64);
   expect_same_file(shard, PackedByHand::As::stored, Codec::deflate);
   const std::vector<std::uint64_t> voxels = count_voxels(PackedByHand(shard, PackedByHand::As::raw, {}).packed);
@@ -142,6 +149,28 @@ TEST(PackedShard, OfSeveralMegabytesIsTheFileOfItsVoxels) {
     EXPECT_EQ(by_hand.packed.levels[0].channels[0].value.stored.size() > 4, height > 2);
     expect_same_file(shard, PackedByHand::As::stored, Codec::deflate);
   }
+}
+
+/// Four writers take turns with HDF5, and each has its own memory.
+TEST(PackedShard, IsTheSameFileWhereSeveralAreWrittenAtATime) {
+  const test::RandomSeed seed;
+  std::mt19937_64 rng(seed);
+  const made::TempFolder folder;
+  constexpr std::size_t writers = 4, files = 6;
+  std::deque<PackedByHand> packed;
+  for (std::size_t w = 0; w < writers; ++w) {
+    made::ShardShape shape;
+    shape.lods = 1 + int(w);
+    const Shard shard = made::random_shard(rng, shape);
+    packed.emplace_back(shard, PackedByHand::As::stored, Codec::deflate);
+    write_shard(folder / (std::to_string(w) + ".h5"), shard, {callers_thread(), Codec::deflate});
+  }
+  const auto name = [&](std::size_t i) { return folder / ("of " + std::to_string(i) + ".h5"); };
+  ThreadPool(writers).parallel_for(writers * files, 1, [&](std::size_t i, std::size_t, int) {
+    write_packed_shard(name(i), packed[i % writers].packed, {callers_thread(), Codec::deflate});
+  });
+  for (std::size_t i = 0; i < writers * files; ++i)
+    EXPECT_TRUE(made::bytes_of(name(i)) == made::bytes_of(folder / (std::to_string(i % writers) + ".h5"))) << i;
 }
 
 TEST(PackedShard, OfLevelsWithoutBricksIsTheFileOfItsVoxelsToo) {

@@ -1,11 +1,15 @@
 #include "kernels/cpu/approximate.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <random>
+#include <tuple>
 
+#include "kernels/body/approximate.h"
+#include "lattice/brick.h"
 #include "tests/random_seed.h"
 
 namespace gigabake::kernels {
@@ -128,6 +132,43 @@ TEST(Approximate, TakesTheLargestOfBrickOctantAndGroupThatFits) {
   EXPECT_EQ(reds(1), (std::vector{101, 101, 103, 103, 105, 105, 107, 107})) << "by groups: 100 and 101 in one";
   EXPECT_EQ(reds(2), (std::vector{102, 102, 102, 102, 106, 106, 106, 106})) << "by octants";
   EXPECT_EQ(reds(4), (std::vector(8, 104))) << "the whole brick";
+}
+
+/// A device's lanes go from groups to voxels, where the host goes from voxels to groups.
+TEST(Approximate, NumbersTheVoxelsOfAGroupFromItsLowestOn) {
+  std::array<int, brick_voxels> seen{};
+  for (unsigned group = 0; group < groups_a_brick; ++group)
+    for (const unsigned further : {0u, 1u, 8u, 9u, 64u, 65u, 72u, 73u}) {
+      const unsigned voxel = lowest_voxel_of(group) + further;
+      EXPECT_EQ(group_of(voxel), group);
+      EXPECT_EQ(group_share(int(voxel)), int(9 + group));
+      EXPECT_EQ(octant_share(int(9 + group)), int(1 + group / 8));
+      ++seen[voxel];
+    }
+  EXPECT_TRUE(std::ranges::all_of(seen, [](int times) { return times == 1; }));
+}
+
+/// Ranges that are joined, empty ones among them, are the range of all that was added.
+TEST(Approximate, JoinsRangesToThatOfAll) {
+  const test::RandomSeed seed;
+  std::mt19937_64 rng(seed);
+  for (int round = 0; round < 2000; ++round) {
+    CodeRange codes[3], all_codes;
+    NormalRange normals[3], all_normals;
+    for (std::uint64_t n = rng() % 12; n > 0; --n) {
+      const auto part = rng() % 3;
+      const auto code = std::uint8_t(rng());
+      codes[part].add(code), all_codes.add(code);
+      std::int16_t unit[3];
+      for (std::int16_t& axis : unit) axis = std::int16_t(int(rng() % 65535) - 32767);
+      normals[part].add(unit), all_normals.add(unit);
+    }
+    for (const int part : {1, 2}) codes[0].join(codes[part]), normals[0].join(normals[part]);
+    EXPECT_EQ(std::tuple(codes[0].low, codes[0].high, codes[0].sum),
+              std::tuple(all_codes.low, all_codes.high, all_codes.sum));
+    EXPECT_TRUE(std::ranges::equal(normals[0].low, all_normals.low));
+    EXPECT_TRUE(std::ranges::equal(normals[0].high, all_normals.high));
+  }
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "kernels/body/brick_triangle.h"
+#include "kernels/body/coverage.h"
 #include "kernels/body/tables.h"
 #include "kernels/body/window.h"
 
@@ -93,6 +94,16 @@ void expect_same_bits(const std::vector<In>& in, Body body) {
     expected = body(in[i], host);
     ASSERT_EQ(std::memcmp(&expected, &from_device[i], sizeof(Out)), 0) << "item " << i << ", seed " << seed;
   }
+}
+
+/// Of the cell at (u, v) as the polygon covers it.
+GB_HD CellMoments moments_of(const TrianglePlane& plane, const SlabPolygon& polygon, double u, double v) {
+  CellMoments m{0, 0, 0};
+  for (int e = 0; e < polygon.count; ++e) {
+    const int f = e + 1 == polygon.count ? 0 : e + 1;
+    add_edge<true>(polygon.u[e] - u, polygon.v[e] - v, polygon.v[f] - v, plane.line[polygon.line[e]], m);
+  }
+  return m;
 }
 
 /// Triangles around the brick 0,0,0 of all sizes, many with coordinates on lattice planes.

@@ -1,0 +1,59 @@
+/// All bricks of a cell as a tree: for who makes nodes of them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "kernels/body/node.h"
+#include "kernels/body/window.h"
+#include "kernels/cuda/device_level.cuh"
+
+namespace gigabake::kernels {
+
+/// All levels, by lod. As items the bricks of all levels stand one behind the other, the coarsest level's first: in the
+/// order of nodes.
+struct NodeLevels {
+  const std::uint32_t *key[most_levels], *first[most_levels];
+  std::uint32_t bricks[most_levels], offset[most_levels];
+  int count;
+
+  __device__ int lod_of(std::uint32_t item) const {
+    int lod = count - 1;
+    while (item - offset[lod] >= bricks[lod]) --lod;
+    return lod;
+  }
+
+  /// visit(item, its key) for each child of a brick, by rising key. Levels of lod 0 have none.
+  template <class Visit>
+  __device__ void for_each_child(int lod, std::uint32_t brick_key, const Visit& visit) const {
+    if (lod == 0) return;
+    const std::uint32_t *below_key = key[lod - 1], below_bricks = bricks[lod - 1];
+    std::uint32_t low = 0, high = below_bricks;  // the first brick below whose parent is not before this one
+    while (low < high) {
+      const std::uint32_t middle = (low + high) / 2;
+      if (parent_key(below_key[middle]) < brick_key)
+        low = middle + 1;
+      else
+        high = middle;
+    }
+    for (; low < below_bricks && parent_key(below_key[low]) == brick_key; ++low)
+      visit(offset[lod - 1] + low, below_key[low]);
+  }
+};
+
+/// Returns how many items there are. Errors  std::length_error beyond 2^32-1 nodes.
+inline std::uint32_t place_levels(const std::vector<DeviceLevel>& levels, NodeLevels& out) {
+  std::uint64_t items = 0;
+  out.count = int(levels.size());
+  for (std::size_t l = levels.size(); l-- > 0;) {
+    out.key[l] = levels[l].key.data();
+    out.first[l] = levels[l].first.data();
+    out.bricks[l] = levels[l].bricks;
+    out.offset[l] = std::uint32_t(items);
+    items += levels[l].bricks;
+  }
+  check_node_count(items);
+  return std::uint32_t(items);
+}
+
+}  // namespace gigabake::kernels
