@@ -49,10 +49,12 @@ GB_HD OctahedronPoint octahedron_point(const std::int8_t normal[2]) {
   return {{x, y, z}};
 }
 
-GB_HD int largest_axis(const OctahedronPoint& n) {
+/// The largest of |x|, |y| and |z|: at least 43.
+GB_HD std::int32_t largest_of(const OctahedronPoint& n) {
   const std::int32_t x = n.c[0] < 0 ? -n.c[0] : n.c[0], y = n.c[1] < 0 ? -n.c[1] : n.c[1],
                      z = n.c[2] < 0 ? -n.c[2] : n.c[2];
-  return x >= y ? (x >= z ? 0 : 2) : (y >= z ? 1 : 2);
+  const std::int32_t most = x > y ? x : y;
+  return most > z ? most : z;
 }
 
 }  // namespace gigabake::kernels

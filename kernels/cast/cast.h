@@ -37,7 +37,7 @@ struct CastRay {
 
   float height = no_height;  ///< of the last point above its sheet, lod-0 voxels; no_height: it was near none
   float height_at = 0;       ///< that point's distance
-  float ahead = 0;           ///< how far behind it the sheet is met, going on as it does there
+  float rise = 0;            ///< how much higher the ray gets along a lod-0 voxel, going on as it does there
 
   static constexpr float no_depth = 3e38f, no_height = 3e38f;
 };
@@ -143,15 +143,24 @@ GB_HD float painted(std::uint32_t n, int channel) {
   return (lit ? 0.9f : 0.1f) * (1 - 0.3f * float(tone));
 }
 
+/// What paint tells of the brick that a sample is from.
+struct BrickTraits {
+  std::int32_t lod = 0;
+  std::uint32_t cell = no_cell;
+  bool waits = false;
+};
+
+GB_HD BrickTraits traits_of(const CastPlace& place) { return {place.lod, place.cell, place.waits}; }
+
 /// Radiance of a sample: its own, or paint that its own brightness lets the shape show in.
-GB_HD void radiance_of(const CastSample& s, const CastPlace& place, CastPaint paint, float rgb[3]) {
+GB_HD void radiance_of(const CastSample& s, const BrickTraits& brick, CastPaint paint, float rgb[3]) {
   const float scale = 2 / s.mean_coverage();
   for (int k = 0; k < 3; ++k) rgb[k] = s.c[k] * scale;
   if (paint == CastPaint::shaded) return;
   const float grey = 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
-  const std::uint32_t n = paint == CastPaint::lod    ? std::uint32_t(place.lod)
-                          : paint == CastPaint::cell ? place.cell * 2654435761u >> 20
-                                                     : (place.waits ? 0u : 2u);
+  const std::uint32_t n = paint == CastPaint::lod    ? std::uint32_t(brick.lod)
+                          : paint == CastPaint::cell ? brick.cell * 2654435761u >> 20
+                                                     : (brick.waits ? 0u : 2u);
   for (int k = 0; k < 3; ++k) rgb[k] = painted(n, k) * (0.25f + grey);
 }
 
@@ -210,11 +219,11 @@ GB_HD float covered_in_surface(float more, float density, const CastRay& ray) {
 GB_HD float solidity(const CastPlace& place, const CastRay& ray) { return float(1 + place.lod - ray.lod); }
 
 /// `weight` of the light that started stops at the sample, which stands for `way` around `distance`.
-GB_HD void take_light(const CastSample& s, const CastPlace& place, float weight, double distance, double way,
+GB_HD void take_light(const CastSample& s, const BrickTraits& brick, float weight, double distance, double way,
                       const CastCamera& camera, CastRay& ray) {
   const float seen = exp_minus(float(distance) * camera.haze.per_voxel);
   float rgb[3];
-  radiance_of(s, place, camera.paint, rgb);
+  radiance_of(s, brick, camera.paint, rgb);
   for (int k = 0; k < 3; ++k) ray.rgb[k] += weight * (rgb[k] * seen + camera.haze.rgb[k] * (1 - seen));
   if (ray.depth == CastRay::no_depth && ray.transmittance - weight < 0.5f)
     ray.depth = float(distance) + float(way) * ((ray.transmittance - 0.5f) / weight - 0.5f);
@@ -228,8 +237,10 @@ GB_HD void composite(const CastSample& s, const CastPane& pane, const CastLine& 
   const float part = solidity(place, ray) * float(way / (2 * place.half));
   if (pane.density < 1) stay_in_surface(distance, pane.across, float(2 * place.half), ray);
   const float covered = covered_in_surface(crossings(s, line.across, place.lod) * part, pane.density, ray);
-  take_light(s, place, stop_light(covered, place.lod, 1, ray), distance, way, camera, ray);
+  take_light(s, traits_of(place), stop_light(covered, place.lod, 1, ray), distance, way, camera, ray);
 }
+
+inline constexpr float least_light = 1.0f / 1024;
 
 /// What is still to come would not show: the ray ends as if the last surface were opaque.
 GB_HD void finish_opaque(CastRay& ray) {
@@ -250,145 +261,212 @@ GB_HD void keep_height(const CastSheet& sheet, const CastLine& line, const CastP
   if (!(sheet.sheet > 0)) return;
   ray.height = sheet.height() * float(2 * place.half);
   ray.height_at = float(distance);
-  ray.ahead = float(sheet.way(line.direction) * (2 * place.half));
+  ray.rise = sheet.rise(line.direction);
 }
 
 inline constexpr double met_nowhere = -1;
 
-/// Where between the last point and this one the ray met a sheet: where its height was 0 or changed its sign. A sheet
-/// that lies where the field ends shows no change: where the last point was near none, or this one is, it is met if it
-/// would be when it went on as it does around the other point, no farther from that than points are from each other.
-/// An offset that is rounded to the border of its voxel can lie there; so can the sheet where a level begins.
+/// How far behind a point of this height the sheet is met if it goes on as it does there; negative: it was met before.
+/// Far beyond all where the ray runs along it.
+GB_HD float way_to_sheet(float height, float rise) { return rise == 0 ? CastRay::no_height : -height / rise; }
+
+/// Where the ray met a sheet since the last point, if nothing is around this one: where it would be met if it went on
+/// as it does around the last point, no farther from that than points are from each other. A sheet that lies where the
+/// field ends shows no change of sign; an offset that is rounded to the border of its voxel can lie there.
+GB_HD double sheet_left(const CastRay& ray) {
+  if (ray.height == CastRay::no_height) return met_nowhere;
+  const float ahead = way_to_sheet(ray.height, ray.rise);
+  return ahead > 0 && double(ahead) <= step_length(ray.lod) * (1 + 1e-6) ? double(ray.height_at) + double(ahead)
+                                                                         : met_nowhere;
+}
+
+/// Where between the last point and this one the ray met a sheet: where its height was 0 or changed its sign. Where the
+/// last point was near none the sheet can lie behind it too, as where a level begins: as in sheet_left().
 GB_HD double sheet_met(const CastSheet& sheet, const CastLine& line, const CastPlace& place, double distance,
                        const CastRay& ray) {
-  const bool was_near = ray.height != CastRay::no_height, is_near = sheet.sheet > 0;
-  const double step = step_length(ray.lod) * (1 + 1e-6);
-  if (was_near && is_near) {
-    const float height = sheet.height() * float(2 * place.half);
+  if (!(sheet.sheet > 0)) return sheet_left(ray);
+  const float height = sheet.height() * float(2 * place.half);
+  if (ray.height != CastRay::no_height) {
     if (height == 0) return distance;
     if (!(ray.height * height < 0)) return met_nowhere;
     return distance - (distance - double(ray.height_at)) * double(height / (height - ray.height));
   }
-  if (was_near) return ray.ahead > 0 && ray.ahead <= step ? double(ray.height_at) + double(ray.ahead) : met_nowhere;
-  if (!is_near) return met_nowhere;
-  const double behind = -sheet.way(line.direction) * (2 * place.half);
-  return behind >= 0 && behind <= step ? distance - behind : met_nowhere;
+  const float behind = -way_to_sheet(height, sheet.rise(line.direction));
+  return behind >= 0 && double(behind) <= step_length(ray.lod) * (1 + 1e-6) ? distance - double(behind) : met_nowhere;
 }
 
 /// Between two sheets one behind the other the blended height changes its sign too, from below the first to above the
 /// second: there the ray goes down and the height up, or the other way round.
 GB_HD bool is_between_sheets(const CastSheet& sheet, const CastLine& line, const CastRay& ray) {
-  double rises = 0;
-  for (int a = 0; a < 3; ++a) rises += double(sheet.normal[a]) * line.direction[a];
-  return ray.height != CastRay::no_height && double(ray.height) * rises > 0;
+  return ray.height != CastRay::no_height && ray.height * sheet.rise(line.direction) > 0;
 }
 
-/// The ray met a sheet at `met`, before the point of `around`. False: as step_ray().
+/// The ray met a sheet at `met`, before the point of `place`: what it looks like there, half a voxel before and half a
+/// voxel behind, and how much of it is surface. False: the ray, being patient, waits for what is not here.
 GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient, double met,
-                      const CastPlace& around, CastPath& path, CastRay& ray) {
-  double p[3];
-  set_point(line, met, p);
-  const CastPlace place = around.contains(p) ? around : locate(scene, ray.lod, p, patient, around, path);
-  if (place.waits && patient) return false;
-  if (!is_here(place.brick)) return true;
-  const CastPoint point = point_in_brick(place, p);
-  const CastVoxel* voxels = scene.voxels + std::size_t(slot_voxels) * place.brick;
-  const CastSheet sheet = blend_planes(voxels, point);
-  if (!(sheet.sheet > 0)) return true;
-  CastSample sample = sheet_sample(voxels, point);
-  for (int side = -1; side <= 1; side += 2) {
-    double q[3];
-    set_point(line, met + side * place.half, q);
-    const CastPlace at = place.contains(q) ? place : locate(scene, ray.lod, q, patient, place, path);
-    if (at.waits && patient) return false;
-    if (!is_here(at.brick)) continue;
-    const CastSample more = sheet_sample(scene.voxels + std::size_t(slot_voxels) * at.brick, point_in_brick(at, q));
+                      CastPlace place, CastPath& path, CastRay& ray) {
+  CastSample sample;
+  BrickTraits brick;
+  double half = 0;
+  float across = 1;
+  SheetOpacity seen;
+  GB_NO_UNROLL
+  for (int side = 0; side < 3; ++side) {
+    double p[3];
+    set_point(line, side == 0 ? met : (side == 1 ? met - half : met + half), p);
+    if (!place.contains(p)) place = locate(scene, ray.lod, p, patient, place, path);
+    if (place.waits && patient) return false;
+    if (!is_here(place.brick)) {
+      if (side == 0) return true;
+      continue;
+    }
+    const CastVoxel* voxels = scene.voxels + std::size_t(slot_voxels) * place.brick;
+    const CastPoint point = point_in_brick(place, p);
+    const CastCorners corners = load_corners(voxels, point);
+    if (side == 0) {
+      const CastSheet sheet = blend_planes(corners);
+      if (!(sheet.sheet > 0)) return true;
+      seen = opacity_of_sheet(voxels, point, sheet);
+      half = place.half;
+      brick = traits_of(place);
+      if (seen.density < 1 && is_between_sheets(sheet, line, ray)) return true;
+      across = length_along(line.direction, sheet.normal);
+    }
+    const CastSample more = sheet_sample(corners);
+    GB_UNROLL
     for (int k = 0; k < cast_channels; ++k) sample.c[k] += more.c[k];
   }
-  const SheetOpacity seen = opacity_of_sheet(voxels, point, sheet);
-  if (seen.density < 1) {
-    if (is_between_sheets(sheet, line, ray)) return true;
-    stay_in_surface(met, length_along(line.direction, sheet.normal), float(2 * place.half), ray);
-  }
+  if (seen.density < 1) stay_in_surface(met, across, float(2 * half), ray);
   const float covered = covered_in_surface(seen.opacity, seen.density, ray);
-  take_light(sample, place, stop_light(covered, place.lod, seen.density, ray), met, 0, camera, ray);
+  take_light(sample, brick, stop_light(covered, brick.lod, seen.density, ray), met, 0, camera, ray);
   return true;
 }
 
-/// Nothing is at this point: a sheet that was met since the last one was so beyond the field's end. False: as
-/// step_ray().
-GB_HD bool leave_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
-                       double distance, const CastPlace& place, CastPath& path, CastRay& ray) {
-  const double met = sheet_met({}, line, place, distance, ray);
-  if (met != met_nowhere && !meet_sheet(scene, camera, line, patient, met, place, path, ray)) return false;
-  ray.height = CastRay::no_height;
-  return true;
-}
+/// What a ray on its way does next.
+enum class CastTask : std::uint8_t {
+  seek,  ///< go on over points where the field is zero
+  pass,  ///< look at the point where it stands
+  meet,  ///< look at the sheet that it met before the point where it stands
+  none   ///< it is finished, or waits
+};
 
-/// What is at this point, which stands for `steps` of its level. False: as step_ray().
-GB_HD bool add_point(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
-                     double distance, std::int64_t steps, const CastPoint& point, const CastPlace& place,
-                     CastPath& path, CastRay& ray) {
-  const CastVoxel* voxels = scene.voxels + std::size_t(slot_voxels) * place.brick;
-  const CastField field = field_at(voxels, point, place.lod, place.lod == ray.lod, line.direction);
-  const bool is_loose = field.loose.mean_coverage() > 0;
-  const double met = sheet_met(field.sheet, line, place, distance, ray);
-  if (met != met_nowhere && !meet_sheet(scene, camera, line, patient, met, place, path, ray)) return false;
-  keep_height(field.sheet, line, place, distance, ray);
-  if (!is_loose && !(field.sheet.sheet > 0)) return true;
-  if (is_loose) composite(field.loose, field.pane, line, place, steps, distance, camera, ray);
-  ray.past = ray.step + steps;
-  return true;
-}
-
-/// Looks at one point and goes on to the next one worth looking at. False: the ray, being patient, waits for what is
-/// not here; others let coarser bricks stand for it.
-GB_HD bool step_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
-                    double distance, CastPlace& place, CastPath& path, CastRay& ray) {
-  double p[3];
-  set_point(line, distance, p);
-  if (!place.contains(p)) place = locate(scene, ray.lod, p, patient, place, path);
-  if (place.waits && patient) return false;
-  if (!is_here(place.brick)) {
-    if (!leave_sheet(scene, camera, line, patient, distance, place, path, ray)) return false;
-    ray.step = step_beyond(line, empty_box(place), ray);
-    return true;
-  }
-  const std::int64_t steps = place.lod == ray.lod ? 1 : steps_in_coarser(line, place, ray, distance);
-  const CastPoint point = point_in_brick(place, p);
-  const CastMask& mask = scene.masks[place.brick];
-  if (!is_zero(mask, point)) {
-    if (!add_point(scene, camera, line, patient, distance, steps, point, place, path, ray)) return false;
-  } else if (!leave_sheet(scene, camera, line, patient, distance, place, path, ray)) {
-    return false;
-  } else if (EmptyBox box; place.lod == ray.lod && find_empty_octant(mask, place, point, box)) {
-    ray.step = step_beyond(line, box, ray);
-    return true;
-  }
-  ray.step += steps;
-  return true;
-}
-
-/// Goes on until the ray is finished (lod = -1) or waits.
-GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
-                    CastRay& ray) {
+/// A ray on its way, within a pass. What is left of it afterwards is the CastRay. Its CastPath stands beside it: that is
+/// indexed by what a device computes, so it cannot stand in registers as this does.
+struct CastWalk {
+  CastTask task = CastTask::seek;
+  bool is_seen = false;      ///< what it met before the point where it stands has been looked at
+  double distance = 0;       ///< of the point where it stands
+  double met = met_nowhere;  ///< where the sheet is
+  CastPoint point;
   CastPlace place;
-  CastPath path;
-  while (ray.lod >= 0) {
-    const double distance = point_distance(line, ray.lod, ray.step);
+};
+
+/// The ray met a sheet before the point where it stands; what that is like comes first.
+GB_HD bool is_met(double met, CastWalk& walk) {
+  if (walk.is_seen || met == met_nowhere) return false;
+  walk.met = met;
+  walk.task = CastTask::meet;
+  return true;
+}
+
+/// Goes on to the next point where the field is not zero, or to the first one behind a sheet. The ray ends where it
+/// leaves the scene, and where it waits, being patient, for what is not here; others let coarser bricks stand for it.
+GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patient, CastWalk& walk, CastPath& path,
+                        CastRay& ray) {
+  CastPlace& place = walk.place;
+  for (;;) {
+    walk.distance = point_distance(line, ray.lod, ray.step);
     const bool in_surface = ray.step == ray.past;
-    if (distance > line.leave) {
+    if (walk.distance > line.leave) {
       ray.lod = -1;
-    } else if (ray.lod + 1 < scene.lods &&
-               distance >= (in_surface ? lod_end(line, ray.lod) : lod_start(line, ray.lod + 1))) {
+      break;
+    }
+    if (ray.lod + 1 < scene.lods &&
+        walk.distance >= (in_surface ? lod_end(line, ray.lod) : lod_start(line, ray.lod + 1))) {
       enter_next_lod(line, ray);
       place = CastPlace();
-    } else if (!step_ray(scene, camera, line, patient, distance, place, path, ray)) {
-      return;
-    } else if (ray.transmittance < 1.0f / 1024) {
-      finish_opaque(ray);
+      continue;
     }
+    double p[3];
+    set_point(line, walk.distance, p);
+    if (!place.contains(p)) place = locate(scene, ray.lod, p, patient, place, path);
+    if (place.waits && patient) break;
+    const bool is_brick = is_here(place.brick);
+    if (is_brick) {
+      walk.point = point_in_brick(place, p);
+      if (!is_zero(scene.masks[place.brick], walk.point)) {
+        walk.task = CastTask::pass;
+        return;
+      }
+    }
+    if (is_met(sheet_left(ray), walk)) return;
+    walk.is_seen = false;
+    ray.height = CastRay::no_height;
+    EmptyBox box;
+    if (!is_brick)
+      ray.step = step_beyond(line, empty_box(place), ray);
+    else if (place.lod != ray.lod)
+      ray.step += steps_in_coarser(line, place, ray, walk.distance);
+    else if (find_empty_octant(scene.masks[place.brick], place, walk.point, box))
+      ray.step = step_beyond(line, box, ray);
+    else
+      ++ray.step;
   }
+  walk.task = CastTask::none;
+}
+
+/// Adds what is loose at the point where the ray stands, unless it met a sheet before.
+GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const CastLine& line, CastWalk& walk,
+                      CastRay& ray) {
+  const CastPlace& place = walk.place;
+  const CastCorners corners = load_corners(scene.voxels + std::size_t(slot_voxels) * place.brick, walk.point);
+  const CastField field = field_at(corners, place.lod, place.lod == ray.lod, line.direction);
+  if (is_met(sheet_met(field.sheet, line, place, walk.distance, ray), walk)) return;
+  walk.is_seen = false;
+  keep_height(field.sheet, line, place, walk.distance, ray);
+  const std::int64_t steps = place.lod == ray.lod ? 1 : steps_in_coarser(line, place, ray, walk.distance);
+  const bool is_loose = field.loose.mean_coverage() > 0;
+  if (is_loose) composite(field.loose, field.pane, line, place, steps, walk.distance, camera, ray);
+  ray.step += steps;
+  if (is_loose || field.sheet.sheet > 0) ray.past = ray.step;
+  walk.task = ray.transmittance < least_light ? CastTask::none : CastTask::seek;
+}
+
+/// Adds the sheet that the ray met, and goes on at the point behind it.
+GB_HD void pass_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
+                      CastWalk& walk, CastPath& path, CastRay& ray) {
+  const bool is_there = meet_sheet(scene, camera, line, patient, walk.met, walk.place, path, ray);
+  walk.is_seen = true;
+  walk.task = !is_there || ray.transmittance < least_light ? CastTask::none : CastTask::seek;
+}
+
+/// Whether a task is left to any ray of those that a processor takes together. A host takes one; a device a warp, whose
+/// lanes must all be here.
+GB_HD bool any_ray(bool has_task) {
+#if defined(__CUDA_ARCH__)
+  return __any_sync(0xffffffffu, has_task ? 1 : 0) != 0;
+#else
+  return has_task;
+#endif
+}
+
+/// Goes on until the ray is finished (lod = -1) or waits. Rays that a device takes together do the same tasks together:
+/// those that met a sheet wait until all that seek have met one, or are through, since looking at a sheet takes as long
+/// as some dozen steps. On a device all lanes of a warp call this; is_cast: false for those that have no ray.
+GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient, bool is_cast,
+                    CastRay& ray) {
+  CastWalk walk;
+  CastPath path;
+  if (!is_cast || ray.lod < 0) walk.task = CastTask::none;
+  while (any_ray(walk.task != CastTask::none)) {
+    while (any_ray(walk.task == CastTask::seek)) {
+      if (walk.task == CastTask::seek) seek_surface(scene, line, patient, walk, path, ray);
+      if (any_ray(walk.task == CastTask::pass) && walk.task == CastTask::pass)
+        pass_point(scene, camera, line, walk, ray);
+    }
+    if (walk.task == CastTask::meet) pass_sheet(scene, camera, line, patient, walk, path, ray);
+  }
+  if (ray.transmittance < least_light && ray.lod >= 0) finish_opaque(ray);
 }
 
 /// A rectangle of the picture: ray i is pixel (x + i mod width, y + i div width).

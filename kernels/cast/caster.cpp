@@ -53,7 +53,7 @@ class CpuCaster final : public Caster {
     std::atomic<std::size_t> unfinished{0};
     const bool whole = for_each_ray(begin, end, stop, [&](const CastLine& line, CastRay& ray) {
       if (ray.lod < 0) return;
-      cast_ray(scene_, camera_, line, patient, ray);
+      cast_ray(scene_, camera_, line, patient, true, ray);
       if (ray.lod >= 0) unfinished.fetch_add(1, std::memory_order_relaxed);
     });
     return whole ? unfinished.load() : std::max<std::size_t>(unfinished, 1);

@@ -40,12 +40,14 @@ __global__ void __launch_bounds__(threads)
     cast_rays(CastScene scene, CastCamera camera, CastTile tile, CastRay* rays, std::size_t begin, std::size_t end,
               bool patient, unsigned long long* unfinished) {
   int x, y;
-  if (!pixel_of_thread(tile, x, y)) return;
+  bool is_cast = pixel_of_thread(tile, x, y);
   const std::size_t i = std::size_t(y) * std::size_t(tile.width) + std::size_t(x);
-  if (i < begin || i >= end) return;
-  CastRay ray = rays[i];
-  if (ray.lod < 0) return;
-  cast_ray(scene, camera, line_of_sight(scene, camera, tile.x + x, tile.y + y), patient, ray);
+  is_cast = is_cast && i >= begin && i < end;
+  CastRay ray;
+  if (is_cast) ray = rays[i];
+  is_cast = is_cast && ray.lod >= 0;
+  cast_ray(scene, camera, line_of_sight(scene, camera, tile.x + x, tile.y + y), patient, is_cast, ray);
+  if (!is_cast) return;
   rays[i] = ray;
   if (ray.lod >= 0) atomicAdd(unfinished, 1ull);
 }

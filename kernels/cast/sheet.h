@@ -24,15 +24,14 @@ struct CastSheet {
   float normal[3] = {};  ///< weight · how much they are a sheet · octahedral normal, 127 = 1
   float above = 0;       ///< the same of how far the point lies above their planes; 127: half a voxel
 
-  /// In voxels; 0 where there is no sheet.
+  /// How far the point lies above it, in voxels; 0 where there is no sheet.
   GB_HD float height() const { return sheet > 0 ? above / (sheet * 254) : 0; }
 
-  /// How far a line from the point goes until it meets the sheet, in voxels, if that goes on as it does here; negative:
-  /// it comes from there. Far beyond all where the line runs along it. Range  sheet > 0.
-  GB_HD double way(const double direction[3]) const {
-    double rises = 0;
-    for (int a = 0; a < 3; ++a) rises += double(normal[a]) * direction[a];
-    return rises == 0 ? 1e30 : double(above) * -0.5 / rises;
+  /// How much higher a point lies that is a voxel farther along the line. Range  sheet > 0.
+  GB_HD float rise(const double direction[3]) const {
+    const float rises =
+        (normal[0] * float(direction[0]) + normal[1] * float(direction[1])) + normal[2] * float(direction[2]);
+    return rises / (sheet * 127);
   }
 };
 
@@ -49,31 +48,19 @@ struct CastField {
   CastPane pane = {};  ///< of the loose surface
 };
 
+GB_HD int coherence_of(const CastVoxel& voxel) { return unpack_plane(voxel.plane).coherence; }
+
 /// How much of a sheet a voxel holds: of a corner of one that it barely holds the place is not well known.
 GB_HD float sheet_part(const CastVoxel& voxel) {
   const int covered = (voxel.c[3] + voxel.c[4]) + voxel.c[5];
-  return float(unpack_plane(voxel.plane).coherence * covered) * (1.0f / (3 * 65535));
-}
-
-/// visit(voxel, weight, corner) for the voxels around the point that are there. corner: 0 or 1 along each axis.
-template <class Visit>
-GB_HD void for_each_corner(const CastVoxel* voxels, const CastPoint& point, const Visit& visit) {
-  for (int c = 0; c < 8; ++c) {
-    const int corner[3] = {c & 1, c >> 1 & 1, c >> 2};
-    const CastVoxel& voxel = voxels[point.base[0] + corner[0] +
-                                    slot_edge * (point.base[1] + corner[1] + slot_edge * (point.base[2] + corner[2]))];
-    if ((voxel.c[3] | voxel.c[4] | voxel.c[5]) == 0) continue;
-    float weight = 1;
-    for (int a = 0; a < 3; ++a) weight *= corner[a] != 0 ? point.between[a] : 1 - point.between[a];
-    visit(voxel, weight, corner);
-  }
+  return float(coherence_of(voxel) * covered) * (1.0f / (3 * 65535));
 }
 
 /// Whether a voxel around the point has that byte.
-GB_HD bool any_has(std::uint8_t CastVoxel::*byte, const CastVoxel* voxels, const CastPoint& point) {
-  const CastVoxel* corner = voxels + point.base[0] + slot_edge * (point.base[1] + slot_edge * point.base[2]);
+GB_HD bool any_has(std::uint8_t CastVoxel::*byte, const CastCorners& corners) {
   int any = 0;
-  for (int c = 0; c < 8; ++c) any |= corner[(c & 1) + slot_edge * ((c >> 1 & 1) + slot_edge * (c >> 2))].*byte;
+  GB_UNROLL
+  for (int c = 0; c < 8; ++c) any |= corners.voxel[c].*byte;
   return any != 0;
 }
 
@@ -85,43 +72,37 @@ GB_HD float length_along(const double direction[3], const float n[3]) {
   return std::fabs(float(dot)) / std::sqrt(squared);
 }
 
-GB_HD CastPane pane_at(const CastVoxel* voxels, const CastPoint& point, const double direction[3]) {
+GB_HD CastPane pane_at(const CastCorners& corners, const double direction[3]) {
   float there = 0, hidden = 0, across = 0;
-  for_each_corner(voxels, point, [&](const CastVoxel& voxel, float weight, const int*) {
+  GB_UNROLL
+  for (int c = 0; c < 8; ++c) {
+    const CastVoxel& voxel = corners.voxel[c];
+    if ((voxel.c[3] | voxel.c[4] | voxel.c[5]) == 0) continue;
     const OctahedronPoint n = octahedron_point(voxel.normal);
-    const float to[3] = {float(n.c[0]), float(n.c[1]), float(n.c[2])};
+    const float to[3] = {float(n.c[0]), float(n.c[1]), float(n.c[2])}, weight = corners.weight(c);
     there += weight;
     hidden += weight * voxel.c[3];
     across += weight * length_along(direction, to);
-  });
+  }
   return there > 0 ? CastPane{hidden / (there * 65535), across / there} : CastPane{};
 }
 
-GB_HD CastSheet blend_planes(const CastVoxel* voxels, const CastPoint& point) {
+GB_HD CastSheet blend_planes(const CastCorners& corners) {
   CastSheet r;
-  for_each_corner(voxels, point, [&](const CastVoxel& voxel, float weight, const int corner[3]) {
-    if (voxel.plane == 0) return;
+  GB_UNROLL
+  for (int c = 0; c < 8; ++c) {
+    const CastVoxel& voxel = corners.voxel[c];
     const OctahedronPoint n = octahedron_point(voxel.normal);
-    const float by = weight * sheet_part(voxel);
+    const float by = corners.weight(c) * sheet_part(voxel);
     float above = float(unpack_plane(voxel.plane).offset) * (-127.0f / most_offset);
+    GB_UNROLL
     for (int a = 0; a < 3; ++a) {
-      above += float(2 * n.c[a]) * (point.between[a] - float(corner[a]));
+      above += float(2 * n.c[a]) * (corners.between[a] - float(c >> a & 1));
       r.normal[a] += by * float(n.c[a]);
     }
     r.sheet += by;
     r.above += by * above;
-  });
-  return r;
-}
-
-/// Interpolated by weights that are each voxel's own. part(voxel): its weight.
-template <class Part>
-GB_HD CastSample interpolate_parts(const CastVoxel* voxels, const CastPoint& point, const Part& part) {
-  CastSample r;
-  for_each_corner(voxels, point, [&](const CastVoxel& voxel, float weight, const int*) {
-    const float by = weight * part(voxel) * (1.0f / 65535);
-    for (int k = 0; k < cast_channels; ++k) r.c[k] += by * voxel.c[k];
-  });
+  }
   return r;
 }
 
@@ -129,54 +110,68 @@ GB_HD CastSample interpolate_parts(const CastVoxel* voxels, const CastPoint& poi
 /// beyond 45°. Where two sheets meet, the blended one may lie on neither of them, or nowhere.
 GB_HD float disagreement(const OctahedronPoint& n, const CastSheet& sheet) {
   float dot = 0, of_voxel = 0, of_sheet = 0;
+  GB_UNROLL
   for (int a = 0; a < 3; ++a) {
     dot += float(n.c[a]) * sheet.normal[a];
     of_voxel += float(n.c[a] * n.c[a]);
     of_sheet += sheet.normal[a] * sheet.normal[a];
   }
   if (!(dot > 0)) return 1;
-  const float squared = dot * dot, all = of_voxel * of_sheet, left = 3 - 4 * squared / all;
-  return left < 0 ? 0 : (left < 1 ? left : 1);
+  const float squared = 4 * (dot * dot), all = of_voxel * of_sheet;
+  if (squared >= 3 * all) return 0;  // most voxels of a sheet: no division for them
+  const float left = 3 - squared / all;
+  return left < 1 ? left : 1;
 }
 
 /// What is seen by its coverages: what does not lie all on a sheet, and sheets that have little to do with the one that
 /// they are blended to. These cover along each axis what their normal says of their largest coverage.
-GB_HD CastSample loose_sample(const CastVoxel* voxels, const CastPoint& point, const CastSheet& sheet) {
+GB_HD CastSample loose_sample(const CastCorners& corners, const CastSheet& sheet) {
   CastSample r;
-  for_each_corner(voxels, point, [&](const CastVoxel& voxel, float weight, const int*) {
-    float by = weight * (1.0f / 65535), along[3] = {1, 1, 1};
+  GB_UNROLL
+  for (int c = 0; c < 8; ++c) {
+    const CastVoxel& voxel = corners.voxel[c];
+    if ((voxel.c[3] | voxel.c[4] | voxel.c[5]) == 0) continue;
+    float by = corners.weight(c) * (1.0f / 65535), along[3] = {1, 1, 1};
     if (is_all_sheet(voxel.plane)) {
       const OctahedronPoint n = octahedron_point(voxel.normal);
       by *= disagreement(n, sheet);
-      if (by == 0) return;
-      const int most = largest_axis(n);
-      for (int a = 0; a < 3; ++a) along[a] = std::fabs(float(n.c[a]) / float(n.c[most]));
+      if (by == 0) continue;
+      const float most = float(largest_of(n));
+      GB_UNROLL
+      for (int a = 0; a < 3; ++a) along[a] = std::fabs(float(n.c[a])) / most;
     }
     const float mean = ((along[0] + along[1]) + along[2]) * (1.0f / 3);
+    GB_UNROLL
     for (int k = 0; k < 3; ++k) {
       r.c[k] += by * mean * voxel.c[k];
       r.c[3 + k] += by * along[k] * voxel.c[3 + k];
     }
-  });
+  }
   return r;
 }
 
 /// lod: of the brick. is_wanted: it is of the level that the ray is on. A brick that stands for finer ones is seen by
 /// its coverages alone: its planes may lie on the other side of an eye that is nearer to them than they are wide.
-GB_HD CastField field_at(const CastVoxel* voxels, const CastPoint& point, int lod, bool is_wanted,
-                         const double direction[3]) {
+GB_HD CastField field_at(const CastCorners& corners, int lod, bool is_wanted, const double direction[3]) {
   if (lod == 0) {
-    const bool is_clear = any_has(&CastVoxel::clear, voxels, point);
-    return {interpolate(voxels, point), {}, is_clear ? pane_at(voxels, point, direction) : CastPane{}};
+    const bool is_clear = any_has(&CastVoxel::clear, corners);
+    return {interpolate(corners), {}, is_clear ? pane_at(corners, direction) : CastPane{}};
   }
-  if (!is_wanted || !any_has(&CastVoxel::plane, voxels, point)) return {interpolate(voxels, point), {}, {}};
-  const CastSheet sheet = blend_planes(voxels, point);
-  return {loose_sample(voxels, point, sheet), sheet, {}};
+  if (!is_wanted || !any_has(&CastVoxel::plane, corners)) return {interpolate(corners), {}, {}};
+  const CastSheet sheet = blend_planes(corners);
+  return {loose_sample(corners, sheet), sheet, {}};
 }
 
 /// What the sheet looks like: what is loose has no say in it.
-GB_HD CastSample sheet_sample(const CastVoxel* voxels, const CastPoint& point) {
-  return interpolate_parts(voxels, point, [](const CastVoxel& v) { return sheet_part(v); });
+GB_HD CastSample sheet_sample(const CastCorners& corners) {
+  CastSample r;
+  GB_UNROLL
+  for (int c = 0; c < 8; ++c) {
+    const float by = corners.weight(c) * sheet_part(corners.voxel[c]) * (1.0f / 65535);
+    GB_UNROLL
+    for (int k = 0; k < cast_channels; ++k) r.c[k] += by * corners.voxel[c].c[k];
+  }
+  return r;
 }
 
 /// How much of a sheet over one column of voxels lies in two of them. at: where the sheet meets the column's middle, 0
@@ -200,7 +195,8 @@ GB_HD float fullest_near(const CastVoxel* voxels, const CastPoint& point, int al
     low[a] = point.base[a] > 0 ? point.base[a] - 1 : 0;
     high[a] = point.base[a] + 2 < slot_edge ? point.base[a] + 2 : slot_edge - 1;
   }
-  for (int z = low[2]; z <= high[2]; ++z)
+  GB_NO_UNROLL
+  for (int z = low[2]; z <= high[2] && most < 65535; ++z)
     for (int y = low[1]; y <= high[1]; ++y)
       for (int x = low[0]; x <= high[0]; ++x) {
         const CastVoxel& voxel = voxels[x + slot_edge * (y + slot_edge * z)];
@@ -212,29 +208,34 @@ GB_HD float fullest_near(const CastVoxel* voxels, const CastPoint& point, int al
 /// A plane is known to a fifteenth of a voxel, and its normal to some degrees.
 inline constexpr float least_reach = 0.125f;
 
+/// By choices: an array that a device indexes by what it computed does not stand in registers.
+GB_HD float component(const float v[3], int axis) { return axis == 0 ? v[0] : (axis == 1 ? v[1] : v[2]); }
+
 /// How much of the sheet through a point is surface. Voxels around it stand in four columns along the axis that the
 /// sheet is most across. A column's two voxels together hold so much of it as they cover along that axis, which is
 /// exact, of what of the tangent plane lies in them: elsewhere the sheet may be in the next one. Where no voxel
 /// near is nearly full the sheet lets light through, and is as dense as it is opaque here; else what is missing is its
 /// border.
 GB_HD SheetOpacity opacity_of_sheet(const CastVoxel* voxels, const CastPoint& point, const CastSheet& sheet) {
-  int along = 0;
-  for (int a = 1; a < 3; ++a)
-    if (std::fabs(sheet.normal[a]) > std::fabs(sheet.normal[along])) along = a;
+  const float x = std::fabs(sheet.normal[0]), y = std::fabs(sheet.normal[1]), z = std::fabs(sheet.normal[2]);
+  const int along = z > (y > x ? y : x) ? 2 : (y > x ? 1 : 0);
   const int u = along == 0 ? 1 : 0, v = along == 2 ? 1 : 2;
-  const int step[3] = {1, slot_edge, slot_edge * slot_edge};
+  const int step_u = u == 0 ? 1 : slot_edge, step_v = v == 1 ? slot_edge : slot_edge * slot_edge;
+  const int step_along = along == 0 ? 1 : (along == 1 ? slot_edge : slot_edge * slot_edge);
   const CastVoxel* base = voxels + point.base[0] + slot_edge * (point.base[1] + slot_edge * point.base[2]);
-  const float slope_u = sheet.normal[u] / sheet.normal[along], slope_v = sheet.normal[v] / sheet.normal[along];
+  const float most = component(sheet.normal, along), at_u = component(point.between, u),
+              at_v = component(point.between, v), at_along = component(point.between, along);
+  const float slope_u = component(sheet.normal, u) / most, slope_v = component(sheet.normal, v) / most;
   const float reach = least_reach + 0.5f * (std::fabs(slope_u) + std::fabs(slope_v));
   float there = 0, met = 0;
+  GB_UNROLL
   for (int column = 0; column < 4; ++column) {
     const int i = column & 1, j = column >> 1;
-    const float weight =
-        (i != 0 ? point.between[u] : 1 - point.between[u]) * (j != 0 ? point.between[v] : 1 - point.between[v]);
-    const float rise = slope_u * (float(i) - point.between[u]) + slope_v * (float(j) - point.between[v]);
-    const float part = part_in_pair(point.between[along] - rise, reach);
-    const CastVoxel* low = base + i * step[u] + j * step[v];
-    const float together = float(low->c[3 + along] + low[step[along]].c[3 + along]) * (1.0f / 65535);
+    const float weight = (i != 0 ? at_u : 1 - at_u) * (j != 0 ? at_v : 1 - at_v);
+    const float rise = slope_u * (float(i) - at_u) + slope_v * (float(j) - at_v);
+    const float part = part_in_pair(at_along - rise, reach);
+    const CastVoxel* low = base + i * step_u + j * step_v;
+    const float together = float(low->c[3 + along] + low[step_along].c[3 + along]) * (1.0f / 65535);
     there += weight * (together < part ? together : part);
     met += weight * part;
   }
