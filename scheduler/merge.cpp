@@ -15,9 +15,12 @@ void add_cells(const BakePlan& plan, const std::vector<CellReport>& reports, Sce
   for (const CellReport& r : reports)
     if (r.id < of_job.size()) of_job[r.id] = &r;
   std::vector<SceneLoss> not_baked;
+  bool a_cell_is_lost = false;
   for (std::size_t i = 0; i < of_job.size(); ++i) {
     const CellJob& job = plan.jobs[i];
     const std::string name = (is_parent(job) ? "parent " : "cell ") + job.name;
+    a_cell_is_lost |= !is_parent(job) && (of_job[i] == nullptr || of_job[i]->outcome == CellOutcome::failed);
+    if (of_job[i] == nullptr && is_parent(job) && a_cell_is_lost) continue;  // what it waited for is named
     if (of_job[i] == nullptr)
       not_baked.push_back({name, "was not baked"});
     else if (of_job[i]->outcome == CellOutcome::failed)

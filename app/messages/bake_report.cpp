@@ -22,15 +22,16 @@ namespace {
 
 constexpr std::size_t slow_cells_printed = 3, cells_printed = 20;
 
-/// Totals over the scene's cells.
+/// Totals over the scene's cells and parents.
 struct Totals {
   std::uint64_t voxels = 0, finest_voxels = 0, bytes = 0;
   explicit Totals(const SceneDescription& scene) {
-    for (const SceneCell& c : scene.cells) {
-      for (const std::uint64_t v : c.voxels) voxels += v;
-      if (!c.voxels.empty()) finest_voxels += c.voxels[0];
-      bytes += c.bytes;
-    }
+    for (const auto& shards : {&scene.cells, &scene.parents})
+      for (const SceneCell& c : *shards) {
+        for (const std::uint64_t v : c.voxels) voxels += v;
+        if (c.first_lod == 0 && !c.voxels.empty()) finest_voxels += c.voxels[0];
+        bytes += c.bytes;
+      }
   }
 };
 

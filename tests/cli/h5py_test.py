@@ -94,7 +94,7 @@ class ShardsByH5py(harness.FolderTest):
         harness.write_glb(cls.root / "scene.glb", *slab_and_hills())
         cls.info = PROGRAM.bake(cls.root / "scene.glb", cls.root / "out", VOXEL_M, "--cell-voxels", 64)
         cls.scene = cls.root / "out/scene.xml"
-        cls.shards = sorted((cls.root / "out/shards").glob("*.h5"))
+        cls.shards = sorted((cls.root / "out/shards").glob("c_*.h5"))
 
     def decoded(self, lod):
         parts = []
@@ -130,7 +130,7 @@ class ShardsByH5py(harness.FolderTest):
         for path in self.shards:
             with h5py.File(path) as shard:
                 self.assertEqual(shard.attrs["format"], b"gigabake-shard")
-                self.assertEqual(shard.attrs["version"], 3)
+                self.assertEqual(shard.attrs["version"], 4)
                 self.assertEqual(shard.attrs["voxel_size_m"], VOXEL_M)
                 self.assertEqual(shard.attrs["cell_voxels"], 8 << (shard.attrs["lods"] - 1))
                 self.assertEqual(len(shard.attrs["content_hash"].split()), shard.attrs["lods"])

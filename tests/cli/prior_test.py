@@ -53,11 +53,11 @@ class Prior(unittest.TestCase):
         first = self.bake()
         self.assertEqual(first["orphans"], {"shards": 0, "bytes": 0})
         second = self.bake(voxel_size=0.5)
-        self.assertEqual(second["orphans"], {"shards": 4, "bytes": first["bytes"]})
+        self.assertEqual(second["orphans"], {"shards": 5, "bytes": first["bytes"]})
         self.assertEqual(self.bake()["orphans"]["shards"], 1)
         third = self.bake("--prune")
         self.assertEqual((third["orphans"]["shards"], third["pruned"]["shards"]), (0, 1))
-        self.assertEqual(len(list((self.out / "shards").glob("*.h5"))), 4)
+        self.assertEqual(len(list((self.out / "shards").glob("*.h5"))), 5, "four cells and their parent")
         PROGRAM.succeed("verify", self.out / "scene.xml")
 
     def test_a_second_bake_into_the_same_folder_ends_with_one_line_and_touches_nothing(self):

@@ -57,7 +57,7 @@ class Results(harness.FolderTest):
     def test_info_adds_up(self):
         info = self.info
         self.assertEqual(info["triangles"], 3200)
-        self.assertEqual(info["cells"], len(list((self.root / "a/shards").glob("*.h5"))))
+        self.assertEqual(info["cells"], len(list((self.root / "a/shards").glob("c_*.h5"))))
         self.assertEqual(info["bytes"], sum(p.stat().st_size for p in (self.root / "a/shards").glob("*.h5")))
         self.assertEqual(info["voxels"], sum(lod["voxels"] for lod in info["lods"]))
         total = sum(int(lod["content_hash"], 16) for lod in info["lods"]) % 2**128
@@ -131,8 +131,7 @@ class Results(harness.FolderTest):
     def test_diff_compares_by_voxel_where_cells_are_cut_differently(self):
         answer = json.loads(PROGRAM.succeed("diff", self.a, self.b, "--json"))
         self.assertTrue(answer["same"])
-        self.assertEqual(answer["lods_compared"], [0, 1, 2])
-        self.assertEqual(answer["lods_not_compared"], [3])
+        self.assertEqual(answer["lods_compared"], [0, 1, 2, 3], "a cell's level beside its parent's")
 
     def test_diff_says_where_and_by_how_much(self):
         positions, indices, colours = bumpy_ground()
@@ -144,7 +143,8 @@ class Results(harness.FolderTest):
         result = PROGRAM.run("diff", self.a, self.root / "c/scene.xml", "--json")
         self.assertEqual(result.returncode, 1)
         places = json.loads(result.stdout)["cells"]
-        self.assertEqual(len(places), 1, "one vertex changed, in one cell")
+        self.assertEqual(len(places), 2, "one vertex changed, in one cell and the parent above it")
+        self.assertEqual([place["cell_in_a"][0] for place in places], ["c", "p"])
         finest = places[0]["lods"][0]
         self.assertEqual((finest["lod"], finest["only_in_a"], finest["only_in_b"], finest["turned"]), (0, 0, 0, 0))
         self.assertGreater(finest["recoloured"], 0)

@@ -39,7 +39,7 @@ def with_checksum(text):
 
 def as_version_1(text):
     text = re.sub(r' Cells="[^>]*?(?=>)', "", text, count=1)
-    return text.replace('Version="2"', 'Version="1"', 1)
+    return text.replace('Version="3"', 'Version="1"', 1)
 
 
 # scene.xml

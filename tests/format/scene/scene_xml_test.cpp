@@ -41,6 +41,12 @@ SceneDescription random_scene(std::mt19937_64& rng) {
                 {{rng(), rng()}, {1, 2}, {3, 4}, {5, 6}}};
     s.cells.push_back(c);
   }
+  if (s.cells.size() > 1) {
+    SceneCell parent = s.cells[0];
+    parent.name = "p4_0_0_0", parent.file = "shards/p4_0_0_0.h5";
+    parent.first_lod = 4, parent.cell_voxels = 1024;
+    s.parents.push_back(parent);
+  }
   s.losses.push_back({"tile <a>.glb", "cannot be read:\tit \"ends\" early"});
   return s;
 }
@@ -54,6 +60,12 @@ void expect_same(const SceneDescription& a, const SceneDescription& b) {
   EXPECT_EQ(a.parameters, b.parameters);
   EXPECT_EQ(a.triangles, b.triangles);
   EXPECT_EQ(a.skipped_lines, b.skipped_lines);
+  ASSERT_EQ(a.parents.size(), b.parents.size());
+  for (std::size_t i = 0; i < a.parents.size(); ++i) {
+    EXPECT_EQ(a.parents[i].name, b.parents[i].name);
+    EXPECT_EQ(a.parents[i].first_lod, b.parents[i].first_lod);
+    EXPECT_EQ(a.parents[i].content_hash, b.parents[i].content_hash);
+  }
   ASSERT_EQ(a.cells.size(), b.cells.size());
   for (std::size_t i = 0; i < a.cells.size(); ++i) {
     const SceneCell &c = a.cells[i], &d = b.cells[i];
@@ -127,7 +139,11 @@ TEST(SceneXml, IsRefusedWithElementAndAttributeWhereItIsWrong) {
     const char *from, *to, *told;
   } cases[] = {
       {"<OctTreeGroup", "<OctTreeGrouq", "not a scene"},
-      {"Version=\"2\"", "Version=\"3\"", "OctTreeGroup Version: expected 1 to 2"},
+      {"Version=\"3\"", "Version=\"4\"", "OctTreeGroup Version: expected 1 to 3"},
+      {"Parents=\"0\"", "Parents=\"1\"", "OctTreeGroup Parents: says 1, but 0 are listed"},
+      {"Lods=\"2\"", "FirstLod=\"0\" Lods=\"2\"", "PagedOctTree FirstLod: expected 1 to 28"},
+      {"Lods=\"2\"", "FirstLod=\"33\" Lods=\"2\"", "PagedOctTree FirstLod: expected 1 to 28"},
+      {"Lods=\"2\"", "FirstLod=\"2\" Lods=\"2\"", "PagedOctTree CellVoxels: expected a power of two"},
       {"VoxelSize=\"0.25\"", "VoxelSize=\"-1\"", "OctTreeGroup VoxelSize: expected a positive"},
       {"VoxelSize=\"0.25\"", "VoxelSize=\"nan\"", "OctTreeGroup VoxelSize: expected finite"},
       {"VoxelSize=\"0.25\"", "VoxelSiz=\"1\"", "OctTreeGroup VoxelSize: is missing"},
