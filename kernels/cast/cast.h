@@ -420,7 +420,7 @@ GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const Ca
                       CastRay& ray) {
   const CastPlace& place = walk.place;
   const CastCorners corners = load_corners(scene.voxels + std::size_t(slot_voxels) * place.brick, walk.point);
-  const CastField field = field_at(corners, place.lod, place.lod == ray.lod, line.direction);
+  const CastField field = field_at(corners, place.lod == ray.lod, line.direction);
   if (is_met(sheet_met(field.sheet, line, place, walk.distance, ray), walk)) return;
   walk.is_seen = false;
   keep_height(field.sheet, line, place, walk.distance, ray);

@@ -13,6 +13,8 @@ namespace {
 
 constexpr int block_width = 16, block_height = 8;  ///< pixels; a warp is 8×4 of them
 constexpr unsigned threads = block_width * block_height;
+/// Blocks of a multiprocessor: of two to five three were the fastest on an H200, though registers are spilled for them.
+constexpr unsigned min_blocks = 3;
 /// Wants told of one pass; what is beyond them is wanted again in the next.
 constexpr std::uint32_t most_wants = 1u << 20;
 
@@ -36,7 +38,7 @@ __global__ void start_rays(CastScene scene, CastCamera camera, CastTile tile, Ca
   rays[y * tile.width + x] = start_ray(scene, line_of_sight(scene, camera, tile.x + x, tile.y + y));
 }
 
-__global__ void __launch_bounds__(threads)
+__global__ void __launch_bounds__(threads, min_blocks)
     cast_rays(CastScene scene, CastCamera camera, CastTile tile, CastRay* rays, std::size_t begin, std::size_t end,
               bool patient, unsigned long long* unfinished) {
   int x, y;

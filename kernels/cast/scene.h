@@ -21,14 +21,15 @@ inline constexpr std::int64_t far_voxel = std::int64_t(1) << 52;  ///< beyond ev
 inline constexpr int slot_edge = 9, slot_voxels = slot_edge * slot_edge * slot_edge;
 
 /// What a voxel adds to a ray, 65535 = 1. Premultiplied, so that voxels that are not there need no case of their own.
-/// [0…2] linear RGB radiance / 2 × the mean of [3…5]. [3…5] coverage that a view along x, y, z sees. The rest is its
-/// plane (kernels/body/plane.h), which needs its octahedral normal.
+/// [0…2] linear RGB radiance / 2 × the mean of [3…5]. [3…5] coverage that a view along x, y, z sees. The rest is
+/// where its surface lies, in the four bytes that a device multiplies at once.
 struct alignas(16) CastVoxel {
   std::uint16_t c[6];
-  std::int8_t normal[2];
-  std::uint8_t plane;  ///< 0: none
-  std::uint8_t clear;  ///< of lod 0: not 0 where it lets light through
+  std::int8_t normal[3];  ///< where it meets the octahedron |x| + |y| + |z| = 127
+  std::uint8_t plane;     ///< kernels/body/plane.h, 0: none; or clear_plane
 };
+/// Instead of a plane, at lod 0: the voxel lets light through.
+inline constexpr std::uint8_t clear_plane = 64;
 inline constexpr int cast_channels = 6;
 
 /// A reference to a tile or a slot, or why there is none.

@@ -56,12 +56,33 @@ GB_HD float sheet_part(const CastVoxel& voxel) {
   return float(coherence_of(voxel) * covered) * (1.0f / (3 * 65535));
 }
 
-/// Whether a voxel around the point has that byte.
-GB_HD bool any_has(std::uint8_t CastVoxel::*byte, const CastCorners& corners) {
+/// What the planes of the voxels around the point have in common: their bits, together.
+GB_HD int planes_of(const CastCorners& corners) {
   int any = 0;
   GB_UNROLL
-  for (int c = 0; c < 8; ++c) any |= corners.voxel[c].*byte;
-  return any != 0;
+  for (int c = 0; c < 8; ++c) any |= corners.voxel[c].plane;
+  return any;
+}
+
+/// Three signed bytes as a vector x, y, z; the fourth is 0.
+using ByteVector = std::uint32_t;
+
+GB_HD ByteVector byte_vector(int x, int y, int z) {
+  return std::uint32_t(x & 255) | std::uint32_t(y & 255) << 8 | std::uint32_t(z & 255) << 16;
+}
+
+GB_HD ByteVector normal_of(const CastVoxel& voxel) {
+  return byte_vector(voxel.normal[0], voxel.normal[1], voxel.normal[2]);
+}
+
+GB_HD std::int32_t dot(ByteVector a, ByteVector b) {
+#if defined(__CUDA_ARCH__)
+  return __dp4a(int(a), int(b), 0);
+#else
+  std::int32_t sum = 0;
+  for (int i = 0; i < 24; i += 8) sum += std::int8_t(a >> i & 255) * std::int8_t(b >> i & 255);
+  return sum;
+#endif
 }
 
 /// The length of a vector's part along another one that need not be a unit.
@@ -78,8 +99,8 @@ GB_HD CastPane pane_at(const CastCorners& corners, const double direction[3]) {
   for (int c = 0; c < 8; ++c) {
     const CastVoxel& voxel = corners.voxel[c];
     if ((voxel.c[3] | voxel.c[4] | voxel.c[5]) == 0) continue;
-    const OctahedronPoint n = octahedron_point(voxel.normal);
-    const float to[3] = {float(n.c[0]), float(n.c[1]), float(n.c[2])}, weight = corners.weight(c);
+    const float to[3] = {float(voxel.normal[0]), float(voxel.normal[1]), float(voxel.normal[2])};
+    const float weight = corners.weight(c);
     there += weight;
     hidden += weight * voxel.c[3];
     across += weight * length_along(direction, to);
@@ -87,37 +108,54 @@ GB_HD CastPane pane_at(const CastCorners& corners, const double direction[3]) {
   return there > 0 ? CastPane{hidden / (there * 65535), across / there} : CastPane{};
 }
 
+/// Where the point lies between the voxels is rounded to a 127th of one here, so that how far it lies above a plane is
+/// one product of bytes.
 GB_HD CastSheet blend_planes(const CastCorners& corners) {
+  int place[3];
+  GB_UNROLL
+  for (int a = 0; a < 3; ++a) place[a] = int(corners.between[a] * 127 + 0.5f);
+  const ByteVector from_first = byte_vector(place[0], place[1], place[2]);
   CastSheet r;
   GB_UNROLL
   for (int c = 0; c < 8; ++c) {
     const CastVoxel& voxel = corners.voxel[c];
-    const OctahedronPoint n = octahedron_point(voxel.normal);
+    const ByteVector n = normal_of(voxel);
+    const int along = dot(n, from_first) - dot(n, byte_vector(127 * (c & 1), 127 * (c >> 1 & 1), 127 * (c >> 2)));
+    const int above = 2 * most_offset * along - 127 * 127 * unpack_plane(voxel.plane).offset;
     const float by = corners.weight(c) * sheet_part(voxel);
-    float above = float(unpack_plane(voxel.plane).offset) * (-127.0f / most_offset);
     GB_UNROLL
-    for (int a = 0; a < 3; ++a) {
-      above += float(2 * n.c[a]) * (corners.between[a] - float(c >> a & 1));
-      r.normal[a] += by * float(n.c[a]);
-    }
+    for (int a = 0; a < 3; ++a) r.normal[a] += by * float(voxel.normal[a]);
     r.sheet += by;
-    r.above += by * above;
+    r.above += by * float(above);
   }
+  r.above *= 1.0f / (127 * most_offset);
   return r;
+}
+
+/// A sheet's normal, 127 along its largest axis.
+struct SheetNormal {
+  ByteVector bytes;
+  float squared;
+};
+
+GB_HD SheetNormal normal_of(const CastSheet& sheet) {
+  float most = 0;
+  int n[3];
+  GB_UNROLL
+  for (int a = 0; a < 3; ++a) most = std::fabs(sheet.normal[a]) > most ? std::fabs(sheet.normal[a]) : most;
+  const float scale = most > 0 ? 127 / most : 0;
+  GB_UNROLL
+  for (int a = 0; a < 3; ++a) n[a] = int(sheet.normal[a] * scale + (sheet.normal[a] < 0 ? -0.5f : 0.5f));
+  const ByteVector bytes = byte_vector(n[0], n[1], n[2]);
+  return {bytes, float(dot(bytes, bytes))};
 }
 
 /// How little a voxel's plane has to do with the sheet around it: 0 where their normals are within 30° of each other, 1
 /// beyond 45°. Where two sheets meet, the blended one may lie on neither of them, or nowhere.
-GB_HD float disagreement(const OctahedronPoint& n, const CastSheet& sheet) {
-  float dot = 0, of_voxel = 0, of_sheet = 0;
-  GB_UNROLL
-  for (int a = 0; a < 3; ++a) {
-    dot += float(n.c[a]) * sheet.normal[a];
-    of_voxel += float(n.c[a] * n.c[a]);
-    of_sheet += sheet.normal[a] * sheet.normal[a];
-  }
-  if (!(dot > 0)) return 1;
-  const float squared = 4 * (dot * dot), all = of_voxel * of_sheet;
+GB_HD float disagreement(ByteVector normal, const SheetNormal& sheet) {
+  const int along = dot(normal, sheet.bytes);
+  if (along <= 0) return 1;
+  const float squared = 4 * (float(along) * float(along)), all = float(dot(normal, normal)) * sheet.squared;
   if (squared >= 3 * all) return 0;  // most voxels of a sheet: no division for them
   const float left = 3 - squared / all;
   return left < 1 ? left : 1;
@@ -126,6 +164,7 @@ GB_HD float disagreement(const OctahedronPoint& n, const CastSheet& sheet) {
 /// What is seen by its coverages: what does not lie all on a sheet, and sheets that have little to do with the one that
 /// they are blended to. These cover along each axis what their normal says of their largest coverage.
 GB_HD CastSample loose_sample(const CastCorners& corners, const CastSheet& sheet) {
+  const SheetNormal normal = normal_of(sheet);
   CastSample r;
   GB_UNROLL
   for (int c = 0; c < 8; ++c) {
@@ -133,9 +172,9 @@ GB_HD CastSample loose_sample(const CastCorners& corners, const CastSheet& sheet
     if ((voxel.c[3] | voxel.c[4] | voxel.c[5]) == 0) continue;
     float by = corners.weight(c) * (1.0f / 65535), along[3] = {1, 1, 1};
     if (is_all_sheet(voxel.plane)) {
-      const OctahedronPoint n = octahedron_point(voxel.normal);
-      by *= disagreement(n, sheet);
+      by *= disagreement(normal_of(voxel), normal);
       if (by == 0) continue;
+      const OctahedronPoint n{{voxel.normal[0], voxel.normal[1], voxel.normal[2]}};
       const float most = float(largest_of(n));
       GB_UNROLL
       for (int a = 0; a < 3; ++a) along[a] = std::fabs(float(n.c[a])) / most;
@@ -150,14 +189,12 @@ GB_HD CastSample loose_sample(const CastCorners& corners, const CastSheet& sheet
   return r;
 }
 
-/// lod: of the brick. is_wanted: it is of the level that the ray is on. A brick that stands for finer ones is seen by
+/// is_wanted: of the level that the ray is on. A brick that stands for finer ones is seen by
 /// its coverages alone: its planes may lie on the other side of an eye that is nearer to them than they are wide.
-GB_HD CastField field_at(const CastCorners& corners, int lod, bool is_wanted, const double direction[3]) {
-  if (lod == 0) {
-    const bool is_clear = any_has(&CastVoxel::clear, corners);
-    return {interpolate(corners), {}, is_clear ? pane_at(corners, direction) : CastPane{}};
-  }
-  if (!is_wanted || !any_has(&CastVoxel::plane, corners)) return {interpolate(corners), {}, {}};
+GB_HD CastField field_at(const CastCorners& corners, bool is_wanted, const double direction[3]) {
+  const int planes = planes_of(corners);
+  if ((planes & clear_plane) != 0) return {interpolate(corners), {}, pane_at(corners, direction)};
+  if (!is_wanted || planes == 0) return {interpolate(corners), {}, {}};
   const CastSheet sheet = blend_planes(corners);
   return {loose_sample(corners, sheet), sheet, {}};
 }

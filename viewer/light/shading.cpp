@@ -50,9 +50,11 @@ kernels::CastVoxel Shading::operator()(int lod, const std::uint8_t rgba[4], cons
   kernels::CastVoxel voxel = kernels::shade_voxel(shown, has_normals_ && surface_ == Surface::colour ? normal : nullptr,
                                                   light_, kernels::TableStore::host().view(), coverage);
   if (!has_normals_) return voxel;
-  voxel.clear = std::uint8_t(lod == 0 && rgba[3] < 255 ? 1 : 0);
-  if (voxel.clear != 0 || facing != nullptr) std::copy_n(normal, 2, voxel.normal);
   if (facing != nullptr) voxel.plane = facing[facing_plane];
+  if (lod == 0 && rgba[3] < 255) voxel.plane = kernels::clear_plane;
+  if (voxel.plane == 0) return voxel;
+  const kernels::OctahedronPoint n = kernels::octahedron_point(normal);
+  for (int a = 0; a < 3; ++a) voxel.normal[a] = std::int8_t(n.c[a]);
   return voxel;
 }
 
