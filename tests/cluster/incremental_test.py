@@ -94,7 +94,7 @@ class Incremental(harness.FolderTest):
         report = self.bake(self.out)
         seconds = time.monotonic() - start
         ancestors = len(self.parents() - before)
-        self.assertIn(ancestors, (2, 3), "one block, or two where its cell reaches into the next one above, and the root")
+        self.assertIn(ancestors, (2, 3), "one block, or two where its cell reaches into the next, and the root")
         self.assertLessEqual(self.baked(report), 2 * cells_of_a_tile)
         self.assertGreaterEqual(self.baked(report), 1)
         print(f"full {self.full_s:.2f} s of {self.full['cells_planned']} cells; one tile of {ACROSS**2}: "
