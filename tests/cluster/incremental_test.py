@@ -80,15 +80,21 @@ class Incremental(harness.FolderTest):
         shutil.rmtree(clean)
         return report
 
+    def parents(self):
+        return {path.name for path in (self.out / "shards").glob("p*.h5")}
+
     def baked(self, report):
         return report["cells_planned"] - report["cells_taken_over"]
 
     def test_a_touched_tile_costs_its_cells(self):
         cells_of_a_tile = self.full["cells_planned"] / ACROSS**2
         harness.write_glb(self.tile(7, 9), *tile(self.random_values, 7, 9))
+        before = self.parents()
         start = time.monotonic()
         report = self.bake(self.out)
         seconds = time.monotonic() - start
+        ancestors = len(self.parents() - before)
+        self.assertIn(ancestors, (2, 3), "one block, or two where its cell reaches into the next, and the root")
         self.assertLessEqual(self.baked(report), 2 * cells_of_a_tile)
         self.assertGreaterEqual(self.baked(report), 1)
         print(f"full {self.full_s:.2f} s of {self.full['cells_planned']} cells; one tile of {ACROSS**2}: "
