@@ -322,7 +322,7 @@ GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const Ca
     }
     const CastVoxel* voxels = scene.voxels + std::size_t(slot_voxels) * place.brick;
     const CastPoint point = point_in_brick(place, p);
-    const CastCorners corners = load_corners(voxels, point);
+    const CastCorners corners = corners_of(voxels, point);
     if (side == 0) {
       const CastSheet sheet = blend_planes(corners);
       if (!(sheet.sheet > 0)) return true;
@@ -419,7 +419,7 @@ GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patie
 GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const CastLine& line, CastWalk& walk,
                       CastRay& ray) {
   const CastPlace& place = walk.place;
-  const CastCorners corners = load_corners(scene.voxels + std::size_t(slot_voxels) * place.brick, walk.point);
+  const CastCorners corners = corners_of(scene.voxels + std::size_t(slot_voxels) * place.brick, walk.point);
   const CastField field = field_at(corners, place.lod == ray.lod, line.direction);
   if (is_met(sheet_met(field.sheet, line, place, walk.distance, ray), walk)) return;
   walk.is_seen = false;

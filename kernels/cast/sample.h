@@ -41,20 +41,6 @@ GB_HD bool is_zero(const CastMask& mask, const CastPoint& point) {
   return (mask.word[point.base[2]] >> (point.base[0] + 8 * point.base[1]) & 1) == 0;
 }
 
-/// The eight voxels around a point, x | y<<1 | z<<2, and where it lies between them. Loaded once, 16 bytes each: what
-/// is asked of them afterwards is asked of registers.
-struct CastCorners {
-  CastVoxel voxel[8];
-  float between[3];
-
-  /// Of the interpolation between them.
-  GB_HD float weight(int corner) const {
-    const float x = (corner & 1) != 0 ? between[0] : 1 - between[0];
-    const float y = (corner & 2) != 0 ? between[1] : 1 - between[1];
-    return x * y * ((corner & 4) != 0 ? between[2] : 1 - between[2]);
-  }
-};
-
 GB_HD CastVoxel load_voxel(const CastVoxel* at) {
 #if defined(__CUDA_ARCH__)
   const uint4 words = __ldg(reinterpret_cast<const uint4*>(at));
@@ -67,26 +53,40 @@ GB_HD CastVoxel load_voxel(const CastVoxel* at) {
 #endif
 }
 
-GB_HD CastCorners load_corners(const CastVoxel* voxels, const CastPoint& point) {
-  const CastVoxel* base = voxels + point.base[0] + slot_edge * (point.base[1] + slot_edge * point.base[2]);
-  CastCorners r;
-  GB_UNROLL
-  for (int c = 0; c < 8; ++c)
-    r.voxel[c] = load_voxel(base + (c & 1) + slot_edge * (c >> 1 & 1) + slot_edge * slot_edge * (c >> 2));
-  GB_UNROLL
-  for (int a = 0; a < 3; ++a) r.between[a] = point.between[a];
-  return r;
+/// The eight voxels around a point, x | y<<1 | z<<2, and where it lies between them.
+struct CastCorners {
+  const CastVoxel* base;
+  float between[3];
+
+  GB_HD CastVoxel voxel(int corner) const {
+    return load_voxel(base + (corner & 1) + slot_edge * (corner >> 1 & 1) + slot_edge * slot_edge * (corner >> 2));
+  }
+
+  /// Of the interpolation between them.
+  GB_HD float weight(int corner) const {
+    const float x = (corner & 1) != 0 ? between[0] : 1 - between[0];
+    const float y = (corner & 2) != 0 ? between[1] : 1 - between[1];
+    return x * y * ((corner & 4) != 0 ? between[2] : 1 - between[2]);
+  }
+};
+
+GB_HD CastCorners corners_of(const CastVoxel* voxels, const CastPoint& point) {
+  return {voxels + point.base[0] + slot_edge * (point.base[1] + slot_edge * point.base[2]),
+          {point.between[0], point.between[1], point.between[2]}};
 }
 
 /// x first, then y, then z.
 GB_HD CastSample interpolate(const CastCorners& corners) {
+  CastVoxel voxel[8];
+  GB_UNROLL
+  for (int c = 0; c < 8; ++c) voxel[c] = corners.voxel(c);
   CastSample r;
   GB_UNROLL
   for (int k = 0; k < cast_channels; ++k) {
     float row[4];
     GB_UNROLL
     for (int i = 0; i < 4; ++i) {
-      const float low = corners.voxel[2 * i].c[k], high = corners.voxel[2 * i + 1].c[k];
+      const float low = voxel[2 * i].c[k], high = voxel[2 * i + 1].c[k];
       row[i] = low + (high - low) * corners.between[0];
     }
     const float near = row[0] + (row[1] - row[0]) * corners.between[1];

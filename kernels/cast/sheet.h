@@ -60,7 +60,7 @@ GB_HD float sheet_part(const CastVoxel& voxel) {
 GB_HD int planes_of(const CastCorners& corners) {
   int any = 0;
   GB_UNROLL
-  for (int c = 0; c < 8; ++c) any |= corners.voxel[c].plane;
+  for (int c = 0; c < 8; ++c) any |= corners.voxel(c).plane;
   return any;
 }
 
@@ -95,9 +95,9 @@ GB_HD float length_along(const double direction[3], const float n[3]) {
 
 GB_HD CastPane pane_at(const CastCorners& corners, const double direction[3]) {
   float there = 0, hidden = 0, across = 0;
-  GB_UNROLL
+  GB_NO_UNROLL
   for (int c = 0; c < 8; ++c) {
-    const CastVoxel& voxel = corners.voxel[c];
+    const CastVoxel voxel = corners.voxel(c);
     if ((voxel.c[3] | voxel.c[4] | voxel.c[5]) == 0) continue;
     const float to[3] = {float(voxel.normal[0]), float(voxel.normal[1]), float(voxel.normal[2])};
     const float weight = corners.weight(c);
@@ -116,9 +116,9 @@ GB_HD CastSheet blend_planes(const CastCorners& corners) {
   for (int a = 0; a < 3; ++a) place[a] = int(corners.between[a] * 127 + 0.5f);
   const ByteVector from_first = byte_vector(place[0], place[1], place[2]);
   CastSheet r;
-  GB_UNROLL
+  GB_NO_UNROLL
   for (int c = 0; c < 8; ++c) {
-    const CastVoxel& voxel = corners.voxel[c];
+    const CastVoxel voxel = corners.voxel(c);
     const ByteVector n = normal_of(voxel);
     const int along = dot(n, from_first) - dot(n, byte_vector(127 * (c & 1), 127 * (c >> 1 & 1), 127 * (c >> 2)));
     const int above = 2 * most_offset * along - 127 * 127 * unpack_plane(voxel.plane).offset;
@@ -166,9 +166,9 @@ GB_HD float disagreement(ByteVector normal, const SheetNormal& sheet) {
 GB_HD CastSample loose_sample(const CastCorners& corners, const CastSheet& sheet) {
   const SheetNormal normal = normal_of(sheet);
   CastSample r;
-  GB_UNROLL
+  GB_NO_UNROLL
   for (int c = 0; c < 8; ++c) {
-    const CastVoxel& voxel = corners.voxel[c];
+    const CastVoxel voxel = corners.voxel(c);
     if ((voxel.c[3] | voxel.c[4] | voxel.c[5]) == 0) continue;
     float by = corners.weight(c) * (1.0f / 65535), along[3] = {1, 1, 1};
     if (is_all_sheet(voxel.plane)) {
@@ -202,11 +202,12 @@ GB_HD CastField field_at(const CastCorners& corners, bool is_wanted, const doubl
 /// What the sheet looks like: what is loose has no say in it.
 GB_HD CastSample sheet_sample(const CastCorners& corners) {
   CastSample r;
-  GB_UNROLL
+  GB_NO_UNROLL
   for (int c = 0; c < 8; ++c) {
-    const float by = corners.weight(c) * sheet_part(corners.voxel[c]) * (1.0f / 65535);
+    const CastVoxel voxel = corners.voxel(c);
+    const float by = corners.weight(c) * sheet_part(voxel) * (1.0f / 65535);
     GB_UNROLL
-    for (int k = 0; k < cast_channels; ++k) r.c[k] += by * corners.voxel[c].c[k];
+    for (int k = 0; k < cast_channels; ++k) r.c[k] += by * voxel.c[k];
   }
   return r;
 }
@@ -265,7 +266,7 @@ GB_HD SheetOpacity opacity_of_sheet(const CastVoxel* voxels, const CastPoint& po
   const float slope_u = component(sheet.normal, u) / most, slope_v = component(sheet.normal, v) / most;
   const float reach = least_reach + 0.5f * (std::fabs(slope_u) + std::fabs(slope_v));
   float there = 0, met = 0;
-  GB_UNROLL
+  GB_NO_UNROLL
   for (int column = 0; column < 4; ++column) {
     const int i = column & 1, j = column >> 1;
     const float weight = (i != 0 ? at_u : 1 - at_u) * (j != 0 ? at_v : 1 - at_v);

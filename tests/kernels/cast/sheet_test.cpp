@@ -42,8 +42,8 @@ TEST(CastField, IsInterpolatedAsEverWhereThereIsNoSheet) {
     for (std::uint16_t& c : v.c) c = std::uint16_t(points.random());
   for (int i = 0; i < 1000; ++i) {
     const CastPoint p = points.next();
-    const CastField field = field_at(load_corners(slot->voxel, p), true, down);
-    const CastSample plain = interpolate(load_corners(slot->voxel, p));
+    const CastField field = field_at(corners_of(slot->voxel, p), true, down);
+    const CastSample plain = interpolate(corners_of(slot->voxel, p));
     ASSERT_EQ(std::memcmp(&field.loose, &plain, sizeof plain), 0);
     ASSERT_EQ(field.sheet.height(), 0);
   }
@@ -75,7 +75,7 @@ TEST(CastSheet, IsWhereThePlaneOfItsVoxelsIs) {
     const auto slot = slot_of_plane(normal);
     for (int k = 0; k < 200; ++k) {
       const CastPoint p = points.next();
-      const CastSheet sheet = field_at(load_corners(slot->voxel, p), true, down).sheet;
+      const CastSheet sheet = field_at(corners_of(slot->voxel, p), true, down).sheet;
       if (sheet.sheet == 0) continue;
       double above = 0;
       for (int a = 0; a < 3; ++a) above += n.c[a] / 127.0 * (p.base[a] + double(p.between[a]) - 4);
@@ -94,7 +94,7 @@ TEST(CastSheet, IsOpaqueWhereverARayMeetsIt) {
     const auto slot = slot_of_plane(normal);
     for (int k = 0; k < 500; ++k) {
       const CastPoint p = points.next();
-      const CastSheet sheet = field_at(load_corners(slot->voxel, p), true, down).sheet;
+      const CastSheet sheet = field_at(corners_of(slot->voxel, p), true, down).sheet;
       if (sheet.sheet == 0 || std::abs(sheet.height()) > 0.02f) continue;
       ASSERT_GE(opacity_of_sheet(slot->voxel, p, sheet).opacity, 0.99f);
     }
@@ -107,9 +107,9 @@ TEST(CastField, HasNoSheetInABrickThatStandsForFinerOnes) {
   const auto slot = slot_of_plane(up);
   for (int i = 0; i < 1000; ++i) {
     const CastPoint p = points.next();
-    const CastField field = field_at(load_corners(slot->voxel, p), false, down);
+    const CastField field = field_at(corners_of(slot->voxel, p), false, down);
     ASSERT_EQ(field.sheet.height(), 0);
-    ASSERT_EQ(field.loose.mean_coverage(), interpolate(load_corners(slot->voxel, p)).mean_coverage());
+    ASSERT_EQ(field.loose.mean_coverage(), interpolate(corners_of(slot->voxel, p)).mean_coverage());
   }
 }
 
@@ -120,11 +120,11 @@ TEST(CastSheet, HasTheLooseAloneInWhatIsLoose) {
     v.plane = whole_sheet;
   }
   const CastPoint middle{{3, 3, 3}, {0.5f, 0.5f, 0.5f}};
-  EXPECT_EQ(field_at(load_corners(slot->voxel, middle), true, down).loose.mean_coverage(), 0) << "all of it is sheet";
+  EXPECT_EQ(field_at(corners_of(slot->voxel, middle), true, down).loose.mean_coverage(), 0) << "all of it is sheet";
   slot->at(3, 3, 3).plane = 0;
-  EXPECT_NEAR(field_at(load_corners(slot->voxel, middle), true, down).loose.mean_coverage(), 1.0f / 8, 1e-6f);
+  EXPECT_NEAR(field_at(corners_of(slot->voxel, middle), true, down).loose.mean_coverage(), 1.0f / 8, 1e-6f);
   slot->at(4, 3, 3).plane = pack_plane({0, 2});
-  EXPECT_NEAR(field_at(load_corners(slot->voxel, middle), true, down).loose.mean_coverage(), 2.0f / 8, 1e-6f)
+  EXPECT_NEAR(field_at(corners_of(slot->voxel, middle), true, down).loose.mean_coverage(), 2.0f / 8, 1e-6f)
       << "what is not all sheet";
 }
 
@@ -152,11 +152,11 @@ TEST(CastField, CountsSheetsByTheirCoverageWhereTheyDisagree) {
         if (x < 4) std::swap(v.normal[0], v.normal[2]);
         slot->at(x, y, z) = v;
       }
-  const CastSample edge = field_at(load_corners(slot->voxel, {{3, 3, 3}, {0.5f, 0.5f, 0.5f}}), true, down).loose;
+  const CastSample edge = field_at(corners_of(slot->voxel, {{3, 3, 3}, {0.5f, 0.5f, 0.5f}}), true, down).loose;
   EXPECT_NEAR(edge.c[3], 0.5f, 1e-3f);
   EXPECT_NEAR(edge.c[4], 0, 1e-3f) << "neither covers a view along y";
   EXPECT_NEAR(edge.c[5], 0.5f, 1e-3f);
-  EXPECT_EQ(field_at(load_corners(slot->voxel, {{1, 3, 3}, {0.5f, 0.5f, 0.5f}}), true, down).loose.mean_coverage(), 0);
+  EXPECT_EQ(field_at(corners_of(slot->voxel, {{1, 3, 3}, {0.5f, 0.5f, 0.5f}}), true, down).loose.mean_coverage(), 0);
 }
 
 TEST(PartInPair, IsHowMuchOfAColumnsSheetLiesInTwoVoxels) {
