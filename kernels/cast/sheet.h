@@ -193,8 +193,9 @@ GB_HD CastSample loose_sample(const CastCorners& corners, const CastSheet& sheet
 /// its coverages alone: its planes may lie on the other side of an eye that is nearer to them than they are wide.
 GB_HD CastField field_at(const CastCorners& corners, bool is_wanted, const double direction[3]) {
   const int planes = planes_of(corners);
-  if ((planes & clear_plane) != 0) return {interpolate(corners), {}, pane_at(corners, direction)};
-  if (!is_wanted || planes == 0) return {interpolate(corners), {}, {}};
+  const bool is_clear = (planes & clear_plane) != 0;
+  if (planes == 0 || is_clear || !is_wanted)
+    return {interpolate(corners), {}, is_clear ? pane_at(corners, direction) : CastPane{}};
   const CastSheet sheet = blend_planes(corners);
   return {loose_sample(corners, sheet), sheet, {}};
 }
