@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "kernels/body/nearest_texture.h"
+#include "kernels/body/covered_texels.h"
 #include "kernels/body/surface.h"
 #include "kernels/body/tables.h"
 #include "lattice/error.h"
@@ -52,10 +52,8 @@ kernels::Rgba16 texel_at(const kernels::PartView& part, const kernels::MaterialV
     t += weights.of[k] * uv[2 * k + 1];
   }
   const kernels::Tables tables = kernels::TableStore::host().view();
-  if (material.nearest)
-    return kernels::nearest_texel(texture, material.wrap_s, material.wrap_t, s, t, tables.linear_from_srgb);
-  return kernels::sample_level<false>(texture, material, 0, kernels::fraction_of(s, material.wrap_s),
-                                      kernels::fraction_of(t, material.wrap_t), tables);
+  const auto texel = material.nearest ? kernels::nearest_texel : kernels::magnified;
+  return texel(texture, material.wrap_s, material.wrap_t, s, t, tables);
 }
 
 }  // namespace

@@ -1,9 +1,10 @@
-/// What a texture looks like on a fragment: linear, premultiplied 16-bit RGBA, integrated over the fragment's
-/// footprint.
+/// What a texture looks like on a fragment: linear, premultiplied 16-bit RGBA, averaged over the fragment.
 ///
 /// Vertex colours are linear over a triangle, so their value at the fragment's centroid is their exact mean. Textures
-/// are read from the prefiltered pyramid at the level whose bilinear kernel has the variance of the fragment's
-/// footprint, with up to 8 probes along a stretched footprint's long axis.
+/// are probed: up to 8 × 2 bilinear samples of the prefiltered pyramid, which together have the fragment's centroid and
+/// the variances of its points in all directions. So a texture that a parabola describes has its exact mean, and the
+/// fragments of a voxel add up to the same however its surface is cut into triangles. Where texels differ too much for
+/// that, the probes say so, and the mean is that of kernels/body/covered_texels.h.
 ///
 /// Exact   Texel weights are 8-bit integers and sums are integers; positions are IEEE double, sizes IEEE float: host
 ///         and device agree.
@@ -20,23 +21,16 @@
 
 namespace gigabake::kernels {
 
-/// Texture coordinates as an affine function of a triangle's (u, v), and the footprint of one projected voxel.
+/// Texture coordinates as an affine function of a triangle's (u, v).
 struct TextureMap {
   double s0, su, sv, t0, tu, tv;  ///< s = s0 + su·u + sv·v
-  double along_s, along_t;        ///< the footprint's long axis
-  float level_texels;             ///< texels across the part that one probe must cover
-  float inverse_probes;
-  std::uint32_t reciprocal;  ///< of probes, in 2^-31, rounded up
-  std::int32_t probes;
+  float xu, xv, yu, yv;           ///< the same gradients in texels
 };
 
-/// A footprint's parts that one probe each must cover: 1 to 8, each `texels` wide.
-GB_HD void set_probes(int probes, double texels, TextureMap& map) {
+/// A gradient whose square is a float, too.
+GB_HD float texels_of(double gradient) {
   constexpr double beyond_any_image = 1 << 30;
-  map.level_texels = float(at_most(texels, beyond_any_image));
-  map.inverse_probes = 1.0f / float(probes);
-  map.reciprocal = 0x80000000u / std::uint32_t(probes) + 1;
-  map.probes = probes;
+  return float(gradient < -beyond_any_image ? -beyond_any_image : at_most(gradient, beyond_any_image));
 }
 
 /// uv: 3 × (s, t). Range: finite, |s|, |t| ≤ 2^20 (checked by the caller).
@@ -52,62 +46,106 @@ GB_HD TextureMap make_texture_map(const TrianglePlane& p, const float uv[6], std
   r.tv = (t2 * u1 - t1 * u2) * inverse;
   r.s0 = uv[0] - (r.su * p.u[0] + r.sv * p.v[0]);
   r.t0 = uv[1] - (r.tu * p.u[0] + r.tv * p.v[0]);
-  // Singular values of the texels-per-voxel Jacobian.
-  const double xu = r.su * width, xv = r.sv * width, yu = r.tu * height, yv = r.tv * height;
-  const double a = xu * xu + yu * yu, b = xv * xv + yv * yv, c = xu * xv + yu * yv;
-  const double half = (a + b) / 2, root = std::sqrt((a - b) * (a - b) / 4 + c * c);
-  const double length = std::sqrt(half + root), across = std::sqrt(half > root ? half - root : 0);
-  const double wanted = across > length / 8 ? across : length / 8;
-  const double ratio = std::floor(length / (wanted > 1 ? wanted : 1) + 0.5);
-  const int probes = ratio < 1 ? 1 : (ratio > 8 ? 8 : int(ratio));
-  set_probes(probes, length / probes, r);
-  const double du = a >= b ? (a - half) + root : c, dv = a >= b ? c : (b - half) + root;
-  const double norm = std::sqrt(du * du + dv * dv), inverse_norm = inverse_or_one(norm);
-  const double along_u = norm > 0 ? du * inverse_norm : 1, along_v = norm > 0 ? dv * inverse_norm : 0;
-  r.along_s = r.su * along_u + r.sv * along_v;
-  r.along_t = r.tu * along_u + r.tv * along_v;
+  r.xu = texels_of(r.su * width);
+  r.xv = texels_of(r.sv * width);
+  r.yu = texels_of(r.tu * height);
+  r.yv = texels_of(r.tv * height);
   return r;
 }
 
-/// The level that a probe reads, and the next one's weight beside it, of 256.
-struct LevelBlend {
-  int level;
-  std::uint32_t coarser;
+/// A fragment's spread on the texture: variances of its points, texels², along its longer and its shorter axis.
+struct TexelSpread {
+  float longer, shorter;
+  float x, y;  ///< the longer axis' direction
 };
 
-/// For a footprint `texels` wide: finite, ≥ 0. A bilinear kernel on level l has the variance of a box of √3·2^l.
-GB_HD LevelBlend blend_for(const TextureView& view, float texels) {
-  const float across = texels * 0.57735027f;
-  std::int32_t bits;  // exponent, then fraction: above 1, the level and how far it is to the next
-  std::memcpy(&bits, &across, sizeof bits);
-  constexpr std::int32_t one = 0x3f800000;
-  const int reach = bits > one ? (bits - one) >> 15 : 0, most = (view.levels - 1) << 8, at = smaller(reach, most);
-  return {at >> 8, std::uint32_t(at) & 255};
+GB_HD TexelSpread texel_spread(const TextureMap& m, const FragmentShape& f) {
+  const float xx = (m.xu * m.xu * f.uu + 2 * (m.xu * m.xv) * f.uv) + m.xv * m.xv * f.vv,
+              yy = (m.yu * m.yu * f.uu + 2 * (m.yu * m.yv) * f.uv) + m.yv * m.yv * f.vv,
+              xy = (m.xu * m.yu * f.uu + (m.xu * m.yv + m.xv * m.yu) * f.uv) + m.xv * m.yv * f.vv;
+  const float half = (xx + yy) * 0.5f, lean = (xx - yy) * 0.5f, root = std::sqrt(lean * lean + xy * xy);
+  const float x = lean >= 0 ? lean + root : xy, y = lean >= 0 ? xy : root - lean;
+  const float norm = std::sqrt(x * x + y * y), inverse = norm > 0 ? 1 / norm : 0;
+  return {half + root, half > root ? half - root : 0, norm > 0 ? x * inverse : 1, y * inverse};
 }
 
-/// Mean of the texture over a fragment of the given projected area (voxel²) around (u, v). opaque: for materials whose
-/// alpha is ignored; the result has none.
+/// The level whose texels are at most `texels` wide: floor of the logarithm.
+GB_HD int level_of_width(const TextureView& view, float texels) {
+  std::int32_t bits;  // exponent, then fraction
+  std::memcpy(&bits, &texels, sizeof bits);
+  constexpr std::int32_t one = 0x3f800000;
+  return bits > one ? smaller((bits - one) >> 23, view.levels - 1) : 0;
+}
+
+/// Below so many texels a bilinear sample at the centroid is the mean.
+inline constexpr float least_probed_texels = 0.5f;
+inline constexpr int most_probes = 8;
+
+/// Where a fragment is probed: `along` × `across` points on one level, in equal steps (images) about the centroid.
+struct Probes {
+  int level, along, across;
+  float along_s, along_t, across_s, across_t;
+};
+
+/// A box has 12 times its variance as the square of its width. A level's texels have a variance of their own, a box's
+/// and a tent's, which the probes' places leave to them; an image's own texels have none, being what is asked for.
+GB_HD Probes probes_for(const TextureView& view, const TexelSpread& spread) {
+  const float length = std::sqrt(12 * spread.longer), width = std::sqrt(12 * spread.shorter);
+  const float wanted = larger(width * 0.5f, length * (1.0f / most_probes));
+  Probes r;
+  r.level = level_of_width(view, wanted);
+  const float texel = float(1 << r.level), own = r.level > 0 ? texel * texel * 0.25f : 0;
+  const float parts = length / (2 * texel) + 0.5f;
+  r.along = length < least_probed_texels ? 1 : (parts < 2 ? 2 : int(smaller(parts, float(most_probes))));
+  r.across = width < least_probed_texels ? 1 : 2;
+  const float along =
+                  r.along == 1 ? 0 : std::sqrt(12 * larger(spread.longer - own, 0.0f) / float(r.along * r.along - 1)),
+              across = r.across == 1 ? 0 : 2 * std::sqrt(larger(spread.shorter - own, 0.0f));
+  const float image_x = 1 / float(view.width), image_y = 1 / float(view.height);
+  r.along_s = along * spread.x * image_x;
+  r.along_t = along * spread.y * image_y;
+  r.across_s = -across * spread.y * image_x;
+  r.across_t = across * spread.x * image_y;
+  return r;
+}
+
+/// Whether a clamped image's outermost texel is repeated there: coarser levels repeat what lies inside of it too.
+GB_HD bool is_beyond_edge(double s, Wrap wrap) { return wrap == Wrap::clamp_to_edge && (s < 0 || s > 1); }
+
+/// Of probes that found `rough` texels at (s, t), or none: whether the mean by probes would be some codes wrong.
+GB_HD bool is_too_rough(bool rough, const TexelSpread& spread, const MaterialView& m, double s, double t) {
+  constexpr float least_variance =
+      1.0f / (12 * 16 * 16);  // of a sixteenth of a texel: over it a texture is all but even
+  return (rough && spread.longer >= least_variance) || is_beyond_edge(s, m.wrap_s) || is_beyond_edge(t, m.wrap_t);
+}
+
+/// Mean of the texture over a fragment. opaque: for materials whose alpha is ignored; the result has none. rough:
+/// whether texels differ too much for it.
 template <bool opaque>
-GB_HD Rgba16 texture_over(const TextureView& view, const MaterialView& m, const TextureMap& map, double u, double v,
-                          double area, const Tables& tables) {
-  const float size = std::sqrt(float(at_most(area, 1)));  // a fragment smaller than the voxel has the smaller footprint
-  const LevelBlend blend = blend_for(view, map.level_texels * size);
-  const double s = (map.s0 + map.su * u) + map.sv * v, t = (map.t0 + map.tu * u) + map.tv * v;
-  const int two = blend.coarser != 0 ? 1 : 0;  // levels, less one
+GB_HD Rgba16 texture_over(const TextureView& view, const MaterialView& m, const TextureMap& map, const FragmentShape& f,
+                          const Tables& tables, bool& rough) {
+  const TexelSpread spread = texel_spread(map, f);
+  const Probes probes = probes_for(view, spread);
+  const double s = (map.s0 + map.su * f.centroid.u) + map.sv * f.centroid.v,
+               t = (map.t0 + map.tu * f.centroid.u) + map.tv * f.centroid.v;
+  const float first_along = -0.5f * float(probes.along - 1), first_across = -0.5f * float(probes.across - 1);
+  const int shift = probes.across - 1, count = probes.along << shift;
   std::uint32_t sum[4] = {0, 0, 0, 0};
+  rough = false;
   GB_NO_UNROLL
-  for (int i = 0; i < map.probes << two; ++i) {
-    const double offset = size * ((float(i >> two) + 0.5f) * map.inverse_probes - 0.5f);
-    const int step = i & two;
-    const Rgba16 p = sample_level<opaque>(view, m, blend.level + step, fraction_of(s + map.along_s * offset, m.wrap_s),
-                                          fraction_of(t + map.along_t * offset, m.wrap_t), tables);
-    const std::uint32_t weight = step != 0 ? blend.coarser : 256 - blend.coarser;
-    for (int c = 0; c < 4; ++c) sum[c] += weight * p.c[c];
+  for (int i = 0; i < count; ++i) {
+    const float a = first_along + float(i >> shift), b = first_across + float(i & shift);
+    const Rgba16 p = sample_level<opaque>(
+        view, m, probes.level, fraction_of(s + double(a * probes.along_s + b * probes.across_s), m.wrap_s),
+        fraction_of(t + double(a * probes.along_t + b * probes.across_t), m.wrap_t), tables, rough);
+    for (int c = 0; c < 4; ++c) sum[c] += p.c[c];
   }
-  // Sums are below 2^27, quotients of less than 2^20 exact.
-  const std::uint32_t half = 128u * std::uint32_t(map.probes);
+  rough = is_too_rough(rough, spread, m, s, t);
+  // Sums are below 2^20 and there are at most 16 probes: quotients are exact.
+  const std::uint32_t reciprocal = 0x80000000u / std::uint32_t(count) + 1;
   Rgba16 r;
-  for (int c = 0; c < 4; ++c) r.c[c] = std::uint16_t(std::uint64_t((sum[c] + half) >> 8) * map.reciprocal >> 31);
+  for (int c = 0; c < 4; ++c)
+    r.c[c] = std::uint16_t(std::uint64_t(sum[c] + std::uint32_t(count) / 2) * reciprocal >> 31);
   return r;
 }
 

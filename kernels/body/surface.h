@@ -9,7 +9,7 @@
 
 #include "kernels/body/accumulate.h"
 #include "kernels/body/coverage.h"
-#include "kernels/body/nearest_texture.h"
+#include "kernels/body/covered_texels.h"
 #include "kernels/body/shade.h"
 #include "lattice/rules.h"
 
@@ -90,10 +90,23 @@ GB_HD Point2 fragment_centroid(const TrianglePlane& t, const CellMoments& m, dou
   return {w.a * t.u[0] + w.b * t.u[1] + w.c * t.u[2], w.a * t.v[0] + w.b * t.v[1] + w.c * t.v[2]};
 }
 
-/// (polygon_u, polygon_v): the slab's, which the fragment is cut from.
+/// Rounding may lead beyond what points of a unit cell have.
+GB_HD void set_variances(const CellMoments& m, FragmentShape& f) {
+  constexpr double most = 0.25;
+  const double inverse = 1 / m.area, u = m.u * inverse, v = m.v * inverse;
+  const double uu = m.uu * inverse - u * u, vv = m.vv * inverse - v * v, uv = m.uv * inverse - u * v;
+  f.uu = float(uu > 0 ? at_most(uu, most) : 0);
+  f.vv = float(vv > 0 ? at_most(vv, most) : 0);
+  f.uv = float(uv < -most ? -most : at_most(uv, most));
+}
+
+/// m: with second moments. (polygon_u, polygon_v): the slab's, which the fragment is cut from.
 GB_HD FragmentShape fragment_shape(const TrianglePlane& t, const CellMoments& m, double cell_u, double cell_v,
                                    const double* polygon_u, const double* polygon_v, int corners) {
-  return {fragment_centroid(t, m, cell_u, cell_v), m.area, cell_u, cell_v, polygon_u, polygon_v, corners};
+  FragmentShape r{
+      fragment_centroid(t, m, cell_u, cell_v), m.area, 0, 0, 0, cell_u, cell_v, polygon_u, polygon_v, corners};
+  if (has_centroid(m.area)) set_variances(m, r);
+  return r;
 }
 
 /// A channel's mean of the three vertices: the whole number that is nearest.
@@ -116,27 +129,42 @@ GB_HD Rgba16 shade_untextured(const Surface& s, const double mean[4]) {
   return apply_material(s.material, factor, Rgba16{{65535, 65535, 65535, 65535}});
 }
 
+/// How a texture's mean over a fragment is taken: by probes, which may find it too rough for them, or by the fragment's
+/// outline. Two steps, so that a device need not let a warp wait for a few of its lanes.
+enum class Averaging : std::uint8_t { probes, outline };
+
 /// Premultiplied linear RGBA of a fragment with texture. factor: straight linear RGBA of what the texture is multiplied
-/// with. opaque: see texture_over.
+/// with. opaque: see texture_over. rough: the result means nothing, Averaging::outline is wanted.
 template <bool opaque>
 GB_HD Rgba16 shade_textured(const TextureView& texture, const MaterialView& m, const TextureMap& map,
-                            const Rgba16& factor, const FragmentShape& f, const Tables& tables) {
-  const Rgba16 texel =
-      m.nearest ? nearest_over(texture, nearest_look(m, map), f, tables.linear_from_srgb)
-                : texture_over<opaque>(texture, m, map, f.centroid.u, f.centroid.v, std::fabs(f.area), tables);
+                            const Rgba16& factor, const FragmentShape& f, const Tables& tables, Averaging way,
+                            bool& rough) {
+  rough = false;
+  const Rgba16 texel = way == Averaging::outline || m.nearest ? texels_over(texture, texel_look(m, map), f, tables)
+                                                              : texture_over<opaque>(texture, m, map, f, tables, rough);
   return opaque ? apply_opaque(factor, texel) : apply_material(m, factor, texel);
 }
 
-/// Premultiplied linear RGBA of a fragment. opaque: see texture_over.
+/// Premultiplied linear RGBA of a fragment. opaque, rough: as above.
 template <bool opaque>
-GB_HD Rgba16 shade(const Surface& s, const TrianglePlane& t, const FragmentShape& f, const Tables& tables) {
+GB_HD Rgba16 shade(const Surface& s, const TrianglePlane& t, const FragmentShape& f, const Tables& tables,
+                   Averaging way, bool& rough) {
   double mean[4] = {65535, 65535, 65535, 65535};
   if (s.has_vertex_rgba) {
     const Barycentric w = barycentric(t, f.centroid);
     for (int c = 0; c < 4; ++c) mean[c] = vertex_mean(s, c, w);
   }
+  rough = false;
   if (s.texture == nullptr) return shade_untextured(s, mean);
-  return shade_textured<opaque>(*s.texture, s.material, s.map, factor_of(s, mean), f, tables);
+  return shade_textured<opaque>(*s.texture, s.material, s.map, factor_of(s, mean), f, tables, way, rough);
+}
+
+/// The same, whichever way it takes.
+template <bool opaque>
+GB_HD Rgba16 shade(const Surface& s, const TrianglePlane& t, const FragmentShape& f, const Tables& tables) {
+  bool rough = false;
+  const Rgba16 r = shade<opaque>(s, t, f, tables, Averaging::probes, rough);
+  return rough ? shade<opaque>(s, t, f, tables, Averaging::outline, rough) : r;
 }
 
 GB_HD Fragment make_fragment(const Surface& s, const Rgba16& rgba, std::int64_t weight) {

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "kernels/body/nearest_texture.h"
+#include "kernels/body/covered_texels.h"
 #include "kernels/body/tables.h"
 #include "kernels/body/texture_view.h"
 

@@ -80,6 +80,27 @@ std::vector<Triangle> sheet() {
   return {{{{0, 0, 128}, {e, 0, 128}, {e, e, 128}}}, {{{0, 0, 128}, {e, e, 128}, {0, e, 128}}}};
 }
 
+/// Seen from above.
+bool turns_left(const LatticeVertex& a, const LatticeVertex& b, const LatticeVertex& c) {
+  return (b[0] - a[0]) * (c[1] - a[1]) > (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+/// The sheet, one triangle after the other cut in three at a point inside it.
+std::vector<Triangle> cut_sheet(std::size_t count, Rng& rng) {
+  std::vector<Triangle> all = sheet();
+  while (all.size() < count) {
+    Triangle& t = all[std::size_t(uniform(rng, 0, std::int64_t(all.size()) - 1))];
+    const std::int64_t b = uniform(rng, 1, 998), c = uniform(rng, 1, 999 - b), a = 1000 - b - c;
+    LatticeVertex inside{};
+    for (std::size_t k = 0; k < 3; ++k) inside[k] = (a * t[0][k] + b * t[1][k] + c * t[2][k]) / 1000;
+    if (!turns_left(t[0], t[1], inside) || !turns_left(t[1], t[2], inside) || !turns_left(t[2], t[0], inside)) continue;
+    const Triangle other[2] = {{{t[1], t[2], inside}}, {{t[2], t[0], inside}}};
+    t[2] = inside;
+    all.insert(all.end(), std::begin(other), std::end(other));
+  }
+  return all;
+}
+
 VoxelMap baked_sheet(const Picture& picture, const MaterialView& material, const Mapping& map,
                      const std::vector<Triangle>& triangles) {
   BakeScene scene;
@@ -213,6 +234,10 @@ TEST_P(Textures, AreAsBruteForceHasThemWithinTheStatedBound) {
   Rng rng(seed);
   const Picture picture = c.is_noise ? noise(c.width, c.height, rng) : waves(c.width, c.height);
   const Errors e = errors_of(picture, c.material, c.map);
+  const Errors k = errors_of(picture, c.material, c.map, cut_sheet(1000, rng));
+  std::printf("TABLE %-32s worst %.4f mean %.4f bias %.4f | cut %.4f %.4f %.4f\n", c.name, e.worst, e.mean,
+              std::max({std::abs(e.bias[0]), std::abs(e.bias[1]), std::abs(e.bias[2]), std::abs(e.bias[3])}), k.worst,
+              k.mean, std::max({std::abs(k.bias[0]), std::abs(k.bias[1]), std::abs(k.bias[2]), std::abs(k.bias[3])}));
   EXPECT_LE(e.worst, c.worst);
   EXPECT_LE(e.mean, c.mean);
   for (const double bias : e.bias) EXPECT_LE(std::abs(bias), c.bias) << "seed " << seed;
@@ -239,27 +264,6 @@ TEST(NearestTexture, IsTheTexelItselfWhereAVoxelLiesInOne) {
     for (int c = 0; c < 3; ++c) ASSERT_EQ(v.rgba[c], picture.rgba[4 * std::size_t(p[1] / 4 * 4 + p[0] / 4) + c]);
 }
 
-/// Seen from above.
-bool turns_left(const LatticeVertex& a, const LatticeVertex& b, const LatticeVertex& c) {
-  return (b[0] - a[0]) * (c[1] - a[1]) > (b[1] - a[1]) * (c[0] - a[0]);
-}
-
-/// The sheet, one triangle after the other cut in three at a point inside it.
-std::vector<Triangle> cut_sheet(std::size_t count, Rng& rng) {
-  std::vector<Triangle> all = sheet();
-  while (all.size() < count) {
-    Triangle& t = all[std::size_t(uniform(rng, 0, std::int64_t(all.size()) - 1))];
-    const std::int64_t b = uniform(rng, 1, 998), c = uniform(rng, 1, 999 - b), a = 1000 - b - c;
-    LatticeVertex inside{};
-    for (std::size_t k = 0; k < 3; ++k) inside[k] = (a * t[0][k] + b * t[1][k] + c * t[2][k]) / 1000;
-    if (!turns_left(t[0], t[1], inside) || !turns_left(t[1], t[2], inside) || !turns_left(t[2], t[0], inside)) continue;
-    const Triangle other[2] = {{{t[1], t[2], inside}}, {{t[2], t[0], inside}}};
-    t[2] = inside;
-    all.insert(all.end(), std::begin(other), std::end(other));
-  }
-  return all;
-}
-
 TEST(NearestTexture, DoesNotShowHowItsSheetIsCutIntoTriangles) {
   const std::uint64_t seed = 113;
   Rng rng(seed);
@@ -270,6 +274,57 @@ TEST(NearestTexture, DoesNotShowHowItsSheetIsCutIntoTriangles) {
         const Errors e = errors_of(picture, nearest_of(with(mode)), scaled(texels, 64), cut_sheet(triangles, rng));
         EXPECT_LE(e.worst, 0.007) << texels << " texels a voxel, " << triangles << " triangles, seed " << seed;
       }
+}
+
+/// Of one sheet cut in two ways.
+struct Difference {
+  int colour = 0, alpha = 0;  ///< codes
+};
+
+Difference between(const VoxelMap& a, const VoxelMap& b) {
+  Difference most;
+  for (const auto& [p, v] : a) {
+    const auto other = b.find(p);
+    const std::array<std::uint8_t, 4> rgba = other == b.end() ? std::array<std::uint8_t, 4>{} : other->second.rgba;
+    most.alpha = std::max(most.alpha, std::abs(int(v.rgba[3]) - int(rgba[3])));
+    for (std::size_t c = 0; c < 3 && v.rgba[3] > 32 && rgba[3] > 32; ++c)
+      most.colour = std::max(most.colour, std::abs(int(v.rgba[c]) - int(rgba[c])));
+  }
+  return most;
+}
+
+TEST(Texture, DoesNotShowHowItsSheetIsCutIntoTriangles) {
+  const std::uint64_t seed = 114;
+  Rng rng(seed);
+  const Picture fine = noise(4, 4, rng), noisy = noise(64, 64, rng), smooth = waves(64, 64);
+  const struct {
+    const char* name;
+    const Picture& picture;
+    double texels;
+  } sheets[] = {{"noise, 4 x 4 once a voxel", fine, 4},
+                {"noise", noisy, 0.25},
+                {"noise", noisy, 1},
+                {"noise", noisy, 2},
+                {"noise", noisy, 5},
+                {"waves", smooth, 1},
+                {"waves", smooth, 3},
+                {"waves", smooth, 8}};
+  for (const auto& s : sheets)
+    for (const AlphaMode mode : {AlphaMode::opaque, AlphaMode::mask, AlphaMode::blend}) {
+      const Mapping map = scaled(s.texels, s.picture.width);
+      const VoxelMap whole = baked_sheet(s.picture, with(mode), map, sheet());
+      for (const std::size_t triangles : {2u, 8u, 1000u}) {
+        const auto cut = cut_sheet(triangles, rng);
+        const Difference d = between(whole, baked_sheet(s.picture, with(mode), map, cut));
+        const Errors e = errors_of(s.picture, with(mode), map, cut);
+        std::printf("%-26s %5.2f mode %d, %4zu triangles: colour %2d alpha %2d codes; worst %.4f mean %.4f\n", s.name,
+                    s.texels, int(mode), triangles, d.colour, d.alpha, e.worst, e.mean);
+        EXPECT_LE(d.colour, 3) << s.name << ", " << s.texels << " texels a voxel, " << triangles << " triangles, seed "
+                               << seed;
+        EXPECT_LE(d.alpha, 5) << s.name << ", " << s.texels << " texels a voxel, " << triangles << " triangles, seed "
+                              << seed;
+      }
+    }
 }
 
 }  // namespace

@@ -36,13 +36,26 @@ struct BlockBricks {
   std::uint32_t first_place;  ///< of the first brick's voxels; the others' follow
 };
 
+/// Fragments of each warp that probes found too rough: they wait until they are as many as lanes, so that none of these
+/// is idle while an outline is walked around.
+template <CellMaterials materials>
+struct RoughFragments {
+  std::uint16_t rough[fill_threads / 32][64];
+  static constexpr std::size_t bytes = sizeof rough;
+};
+template <>
+struct RoughFragments<CellMaterials::plain> {
+  static constexpr std::size_t bytes = 0;
+};
+
 /// Sums of a round's voxels from below and items from above share what room there is: some bricks have few triangles
 /// for many voxels, others many for few.
 template <bool is_hard, CellMaterials materials>
-struct FillShared : BlockBricks {
+struct FillShared : BlockBricks, RoughFragments<materials> {
   using Sums = typename FillWidth<is_hard, materials>::Sums;
   using Item = FillItem<is_hard, materials>;
-  static constexpr int pool_bytes = (FillWidth<is_hard, materials>::bytes - sizeof(BlockBricks)) / 16 * 16;
+  static constexpr int pool_bytes =
+      (FillWidth<is_hard, materials>::bytes - sizeof(BlockBricks) - RoughFragments<materials>::bytes) / 16 * 16;
   static constexpr int least_items = 16;
   static_assert(pool_bytes >= brick_voxels * int(sizeof(Sums)) + least_items * int(sizeof(Item)));
 

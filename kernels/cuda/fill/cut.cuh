@@ -158,11 +158,12 @@ __device__ void cut_item(const InputView& in, const WindowTriangle& w, const std
 
 /// Area and moments of the cell in `row` of the brick, edge after edge as kernels/cpu/cell_lanes.h does them. Edges
 /// beside the row would add nothing but zeros.
-__device__ inline CellMoments measure(const CutItem& item, double u, double v, int row) {
-  CellMoments m{0, 0, 0};
+template <Moments wanted>
+__device__ CellMoments measure(const CutItem& item, double u, double v, int row) {
+  CellMoments m{};
   for (unsigned edges = unsigned(item.edges_of_row >> 8 * row) & 31; edges != 0; edges &= edges - 1) {
     const int e = __ffs(int(edges)) - 1, f = e + 1 == item.corners ? 0 : e + 1;
-    add_edge<true>(item.u[e] - u, item.v[e] - v, item.v[f] - v, item.line[item.edge_lines >> 2 * e & 3], m);
+    add_edge<wanted>(item.u[e] - u, item.v[e] - v, item.v[f] - v, item.line[item.edge_lines >> 2 * e & 3], m);
   }
   return m;
 }
@@ -181,14 +182,15 @@ __device__ TrianglePlane plane_of(const TexturedLook<is_hard>& look) {
 /// Of an opaque material without vertex colours.
 template <bool is_hard>
 __device__ Rgba16 shade_item(const Tables& tables, const CutItem& item, const TexturedLook<is_hard>& look,
-                             const CellMoments& m, double u, double v) {
+                             const CellMoments& m, double u, double v, Averaging way, bool& rough) {
   return shade_textured<true>(*look.texture, look.material, look.map, base_factor(look.material),
-                              fragment_shape(plane_of(look), m, u, v, item.u, item.v, item.corners), tables);
+                              fragment_shape(plane_of(look), m, u, v, item.u, item.v, item.corners), tables, way,
+                              rough);
 }
 
 template <bool is_hard>
 __device__ Rgba16 shade_item(const Tables& tables, const CutItem& item, const VaryingLook<is_hard>& look,
-                             const CellMoments& m, double u, double v) {
+                             const CellMoments& m, double u, double v, Averaging way, bool& rough) {
   Surface s;
   s.material = look.material;
   s.has_vertex_rgba = look.has_vertex_rgba;
@@ -197,21 +199,24 @@ __device__ Rgba16 shade_item(const Tables& tables, const CutItem& item, const Va
       for (int c = 0; c < 4; ++c) s.vertex_rgba[i][c] = look.vertex_rgba[i][c];
   s.texture = look.texture;
   if (look.texture != nullptr) s.map = look.map;
-  if (s.look() == Look::flat) return shade<false>(s, {}, {}, tables);
+  if (s.look() == Look::flat) return shade<false>(s, {}, {}, tables, way, rough);
   const TrianglePlane plane = plane_of(look);
-  return shade<false>(s, plane, fragment_shape(plane, m, u, v, item.u, item.v, item.corners), tables);
+  return shade<false>(s, plane, fragment_shape(plane, m, u, v, item.u, item.v, item.corners), tables, way, rough);
 }
 
+/// rough: as shade_textured().
 template <bool is_hard, CellMaterials materials>
-__device__ Fragment fragment_of(const Tables& tables, const FillItem<is_hard, materials>& item, int cell) {
+__device__ Fragment fragment_of(const Tables& tables, const FillItem<is_hard, materials>& item, int cell, Averaging way,
+                                bool& rough) {
+  constexpr Moments wanted = materials == CellMaterials::plain ? Moments::first : Moments::second;
   const double u = double((cell & 7) - item.anchor_u), v = double((cell >> 3) - item.anchor_v);
-  const CellMoments m = measure(item, u, v, cell >> 3);
+  const CellMoments m = measure<wanted>(item, u, v, cell >> 3);
   if (item.look == Look::linear) return linear_fragment(item.colour, u, v, m, item.weight_scale, item.normal);
   Rgba16 rgba;
   if (materials == CellMaterials::plain || item.look == Look::flat)
     rgba = opaque_colour({{item.colour.low[0], item.colour.low[1], item.colour.low[2], 0}});
   else if constexpr (materials != CellMaterials::plain)
-    rgba = shade_item(tables, item, item.varying, m, u, v);
+    rgba = shade_item(tables, item, item.varying, m, u, v, way, rough);
   return fragment_of_colour(weight_of(m.area, item.weight_scale), rgba.c, item.normal);
 }
 

@@ -109,18 +109,71 @@ __device__ inline FragmentPlace place_of(const BlockBricks& shared, std::uint32_
   return {32 * warp + at, int(at == 0 ? mine : mine - prefix[at - 1])};
 }
 
+/// A warp's way through the chunk's fragments, a lane each: the next ones, or those that wait for their outlines.
+struct FragmentWalk {
+  std::uint32_t next, total;
+  unsigned waiting = 0;
+
+  __device__ bool has_more() const { return next < total || waiting != 0; }
+  __device__ Averaging way() const { return waiting >= 32 || next >= total ? Averaging::outline : Averaging::probes; }
+};
+
+/// The lane's fragment, or `total`: none.
+template <class Shared>
+__device__ std::uint32_t take_fragment(FragmentWalk& walk, Averaging way, const Shared& shared) {
+  const unsigned lane = threadIdx.x & 31;
+  if (way == Averaging::probes) {
+    const std::uint32_t f = walk.next + lane;
+    walk.next += fill_threads;
+    return smaller(f, walk.total);
+  }
+  const unsigned taken = smaller(walk.waiting, 32u);
+  walk.waiting -= taken;
+  return lane < taken ? shared.rough[threadIdx.x / 32][walk.waiting + lane] : walk.total;
+}
+
+/// By the whole warp.
+template <class Shared>
+__device__ void let_wait(FragmentWalk& walk, std::uint32_t f, bool rough, Shared& shared) {
+  const unsigned who = __ballot_sync(~0u, rough), lane = threadIdx.x & 31;
+  __syncwarp();
+  if (rough) shared.rough[threadIdx.x / 32][walk.waiting + __popc(who & ((1u << lane) - 1))] = std::uint16_t(f);
+  walk.waiting += unsigned(__popc(who));
+  __syncwarp();
+}
+
+template <bool is_hard, CellMaterials materials>
+__device__ bool add_fragment(const BatchView& view, const Round& round, std::uint32_t f, Averaging way,
+                             FillShared<is_hard, materials>& shared) {
+  const FragmentPlace place = place_of(shared, f);
+  const FillItem<is_hard, materials>& item = shared.item(place.item);
+  const int cell = nth_bit(item.cells, place.cell);
+  bool rough = false;
+  const Fragment fragment = fragment_of(view.input.tables, item, cell, way, rough);
+  if (rough) return false;
+  const int voxel = voxel_of_cell(item.axis, item.slab, cell), word = 16 * item.brick + (voxel >> 5);
+  const int slot = shared.below[word] + __popc(shared.mask[word] & ((1u << (voxel & 31)) - 1)) - round.first;
+  shared.sums(slot).add(fragment);
+  return true;
+}
+
 /// The chunk's fragments, cell by cell, measured and added up.
 template <bool is_hard, CellMaterials materials>
 __device__ void add_chunk(const BatchView& view, const Round& round, FillShared<is_hard, materials>& shared) {
   std::uint32_t total = 0;
   for (const std::uint32_t cells : shared.warp_cells) total += cells;
-  for (std::uint32_t f = threadIdx.x; f < total; f += fill_threads) {
-    const FragmentPlace place = place_of(shared, f);
-    const FillItem<is_hard, materials>& item = shared.item(place.item);
-    const int cell = nth_bit(item.cells, place.cell);
-    const int voxel = voxel_of_cell(item.axis, item.slab, cell), word = 16 * item.brick + (voxel >> 5);
-    const int slot = shared.below[word] + __popc(shared.mask[word] & ((1u << (voxel & 31)) - 1)) - round.first;
-    shared.sums(slot).add(fragment_of(view.input.tables, item, cell));
+  if constexpr (materials == CellMaterials::plain) {
+    for (std::uint32_t f = threadIdx.x; f < total; f += fill_threads)
+      add_fragment(view, round, f, Averaging::probes, shared);
+    return;
+  } else {
+    FragmentWalk walk{threadIdx.x & ~31u, total};
+    while (walk.has_more()) {  // one call for both ways: a second copy would not fit the cache of instructions
+      const Averaging way = walk.way();
+      const std::uint32_t f = take_fragment(walk, way, shared);
+      const bool rough = f < total && !add_fragment(view, round, f, way, shared);
+      let_wait(walk, f, rough, shared);
+    }
   }
 }
 

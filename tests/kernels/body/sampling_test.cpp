@@ -21,13 +21,23 @@ Texture filled(int size, const std::array<std::uint8_t, 4>& rgba) {
   return Texture(std::move(texels), size, size, TextureAlpha::blend, 0, ThreadPool(1));
 }
 
-/// `probes` side by side along u, each `texels` wide.
-TextureMap map_of(int probes, double texels, int size) {
+/// Texels a voxel along u and along v of a picture of `size`.
+TextureMap map_of(double texels_u, double texels_v, int size) {
   TextureMap map{};
-  map.su = map.tv = 1.0 / size;
-  map.along_s = map.su;
-  set_probes(probes, texels, map);
+  map.su = texels_u / size;
+  map.tv = texels_v / size;
+  map.xu = float(texels_u);
+  map.yv = float(texels_v);
   return map;
+}
+
+/// A box of any size and place; its outline is not looked at.
+FragmentShape box_at(double u, double v, float width, float height) {
+  return {{u, v}, double(width * height), width * width / 12, 0, height * height / 12, 0, 0, nullptr, nullptr, 0};
+}
+
+FragmentShape any_box(std::mt19937_64& rng) {
+  return box_at(double(rng() % 100) / 7, double(rng() % 100) / 7, float(rng() % 9) / 8, float(rng() % 9) / 8);
 }
 
 /// The texel at whole number i of the endless plane that an image wraps to, by glTF's words.
@@ -78,13 +88,15 @@ TEST(Sampling, FindsOneColourWhereTheTextureHasOne) {
     const TextureView view = texture.view();
     std::uint16_t wanted[4] = {0, 0, 0, std::uint16_t(rgba[3] * 257)};
     for (std::size_t c = 0; c < 3; ++c) wanted[c] = scale16(tables.linear_from_srgb[rgba[c]], wanted[3]);
-    for (int probes = 1; probes <= 8; ++probes) {
-      const double texels = std::uniform_real_distribution<double>(0, 2.0 * size)(rng);
-      const Rgba16 mean = texture_over<false>(view, material, map_of(probes, texels, size), double(rng() % 100) / 7,
-                                              double(rng() % 100) / 7, double(rng() % 8) / 4, tables);
+    for (int k = 0; k < 8; ++k) {
+      const auto texels = [&] { return std::uniform_real_distribution<double>(0, k % 2 == 0 ? 3 : 2.0 * size)(rng); };
+      const TextureMap map = map_of(texels(), texels(), size);
+      const FragmentShape box = any_box(rng);
+      bool rough = true;
+      const Rgba16 mean = texture_over<false>(view, material, map, box, tables, rough);
+      ASSERT_FALSE(rough) << "texture " << i << ", seed " << seed;
       for (int c = 0; c < 4; ++c)
-        ASSERT_EQ(mean.c[c], wanted[c]) << "channel " << c << ", " << probes << " probes, texture " << i << ", seed "
-                                        << seed;
+        ASSERT_EQ(mean.c[c], wanted[c]) << "channel " << c << ", texture " << i << ", seed " << seed;
     }
   }
 }
@@ -95,9 +107,11 @@ TEST(Sampling, MovesFromOneTexelToTheNextInAStraightLine) {
   const Texture texture(std::move(texels), 2, 1, TextureAlpha::ignore, 0, ThreadPool(1));
   const Tables tables = TableStore::host().view();
   for (int step = 0; step <= 256; ++step) {  // from the middle of one to the middle of the other
+    bool rough = false;
     const Rgba16 found =
         sample_level<false>(texture.view(), MaterialView{}, 0, fraction_of(0.25 + step / 512.0, Wrap::repeat),
-                            fraction_of(0.5, Wrap::repeat), tables);
+                            fraction_of(0.5, Wrap::repeat), tables, rough);
+    ASSERT_TRUE(rough);
     ASSERT_EQ(found.c[0], std::uint16_t((std::uint32_t(step) * 65535 * 256 + 32768) >> 16)) << step;
     ASSERT_EQ(found.c[3], 65535);
   }
@@ -116,27 +130,41 @@ TEST(Sampling, FindsTheSameColoursWithoutAlpha) {
     MaterialView material;
     material.wrap_s = all_wraps[rng() % 3];
     material.wrap_t = all_wraps[rng() % 3];
-    const double texels_wide = std::uniform_real_distribution<double>(0, 30)(rng);
-    const TextureMap map = map_of(1 + int(rng() % 8), texels_wide, width);
-    const double u = double(rng() % 1000) / 7, v = double(rng() % 1000) / 7, area = double(rng() % 9) / 8;
-    const Rgba16 all = texture_over<false>(texture.view(), material, map, u, v, area, tables);
-    const Rgba16 opaque = texture_over<true>(texture.view(), material, map, u, v, area, tables);
+    std::uniform_real_distribution<double> a_voxel(0, 30);
+    const TextureMap map = map_of(a_voxel(rng), a_voxel(rng), width);
+    const FragmentShape box = any_box(rng);
+    bool rough[2];
+    const Rgba16 all = texture_over<false>(texture.view(), material, map, box, tables, rough[0]);
+    const Rgba16 opaque = texture_over<true>(texture.view(), material, map, box, tables, rough[1]);
+    ASSERT_EQ(rough[0], rough[1]);
     for (int c = 0; c < 3; ++c) ASSERT_EQ(opaque.c[c], all.c[c]) << "texture " << i << ", seed " << seed;
     ASSERT_EQ(all.c[3], 65535);
   }
 }
 
-TEST(Sampling, ReadsTheLevelThatAFootprintAsksFor) {
-  const Texture texture = filled(64, {1, 2, 3, 255});
-  const TextureView view = texture.view();
-  const auto blend = [&view](float texels) { return blend_for(view, texels); };
-  EXPECT_EQ(blend(1).level, 0);
-  EXPECT_EQ(blend(1).coarser, 0u);
-  EXPECT_EQ(blend(3).level, 0);  // √3 texels is one bilinear kernel, 2·√3 the next level's
-  EXPECT_EQ(blend(3).coarser, std::uint32_t((3 / std::sqrt(3.0) - 1) * 256));
-  EXPECT_EQ(blend(4).level, 1);
-  EXPECT_EQ(blend(1e9).level, view.levels - 1);
-  EXPECT_EQ(blend(1e9).coarser, 0u);
+/// A probe stands for half of the width, in texels at most as wide; the probes' places and the texels' own width add up
+/// to the fragment's variances.
+TEST(Sampling, ProbesHaveTheVariancesOfTheFragment) {
+  constexpr std::uint64_t seed = 44;
+  std::mt19937_64 rng(seed);
+  const Texture texture = filled(1024, {1, 2, 3, 255});
+  for (int i = 0; i < 2000; ++i) {
+    const auto width = [&rng] { return float(std::exp2(std::uniform_real_distribution<double>(-1, 8)(rng))); };
+    const float x = width(), y = width();
+    const TextureMap map = map_of(x, y, 1024);
+    const TexelSpread spread = texel_spread(map, box_at(0.5, 0.5, 1, 1));
+    ASSERT_NEAR(spread.longer * 12, std::max(x, y) * std::max(x, y), 1e-4 * spread.longer * 12) << "seed " << seed;
+    const Probes probes = probes_for(texture.view(), spread);
+    const double texel = std::exp2(probes.level), own = probes.level > 0 ? texel * texel / 4 : 0;
+    ASSERT_LE(texel, std::max({1.0, std::min(x, y) / 2.0, std::max(x, y) / 8.0}) * 1.0001);
+    ASSERT_LE(probes.along * probes.across, 16);
+    const auto variance = [](int count, double step_s, double step_t) {
+      return std::hypot(step_s, step_t) * std::hypot(step_s, step_t) * 1024 * 1024 * (count * count - 1) / 12;
+    };
+    ASSERT_NEAR(variance(probes.along, probes.along_s, probes.along_t) + own, spread.longer, 1e-3 * spread.longer);
+    const double left = std::max(double(spread.shorter) - own, 0.0);
+    ASSERT_NEAR(variance(probes.across, probes.across_s, probes.across_t), left, 1e-3 * spread.shorter);
+  }
 }
 
 }  // namespace

@@ -62,10 +62,10 @@ struct MeasureBody {
     for (int i = 0; i < 8; ++i) {
       const SlabPolygon polygon = cut_slab(plane, double(i - plane.anchor[2]));
       const double u = double(i - plane.anchor[0]), v = double(i - plane.anchor[1]);
-      CellMoments m{0, 0, 0};
+      CellMoments m{};
       for (int e = 0; e < polygon.count; ++e) {
         const int f = e + 1 == polygon.count ? 0 : e + 1;
-        add_edge<true>(polygon.u[e] - u, polygon.v[e] - v, polygon.v[f] - v, plane.line[polygon.line[e]], m);
+        add_edge<Moments::second>(polygon.u[e] - u, polygon.v[e] - v, polygon.v[f] - v, plane.line[polygon.line[e]], m);
       }
       out.weight[i] = weight_of(m.area, plane.weight_scale);
       const Rgba16 rgba =

@@ -51,7 +51,8 @@ struct TexturedTriangle {
 /// What is found of each fragment, step after step, so that a difference says where it begins.
 struct Steps {
   double area, centroid_u, centroid_v, map[6], corner[2 * Outline::most], image[2 * Outline::most];
-  std::int32_t corners, level;
+  float variance[4];
+  std::int32_t corners, level, shift, unused;
   std::uint16_t rgba[4];
 };
 
@@ -72,7 +73,8 @@ struct TextureBody {
     out.centroid_u = f.centroid.u;
     out.centroid_v = f.centroid.v;
     const Outline outline = outline_of(f);
-    const FragmentMap map = fragment_map(nearest_look(surface.material, surface.map), texture.width, texture.height);
+    const TextureMap& m = surface.map;
+    const FragmentMap map = fragment_map(m.su, m.sv, m.tu, m.tv, texture.width, texture.height);
     TexelOutline image;
     map_outline(outline, map, {f.centroid.u - f.cell_u, f.centroid.v - f.cell_v}, image);
     const double all[6] = {map.su, map.sv, map.tu, map.tv, surface.map.s0, surface.map.t0};
@@ -84,7 +86,12 @@ struct TextureBody {
       out.image[2 * i] = no_negative_zero(image.x[i]);
       out.image[2 * i + 1] = no_negative_zero(image.y[i]);
     }
-    out.level = level_for(texture, image);
+    const CoveredGrid grid = grid_for(texture, nearest, image);
+    out.level = grid.level;
+    out.shift = grid.shift;
+    out.variance[0] = f.uu;
+    out.variance[1] = f.uv;
+    out.variance[2] = f.vv;
     return out;
   }
 
@@ -103,10 +110,10 @@ struct TextureBody {
     for (int i = 0; i < fragments; ++i) {
       const SlabPolygon polygon = cut_slab(plane, double(i - plane.anchor[2]));
       const double u = double(i - plane.anchor[0]), v = double(i - plane.anchor[1]);
-      CellMoments m{0, 0, 0};
+      CellMoments m{};
       for (int e = 0; e < polygon.count; ++e) {
         const int f = e + 1 == polygon.count ? 0 : e + 1;
-        add_edge<true>(polygon.u[e] - u, polygon.v[e] - v, polygon.v[f] - v, plane.line[polygon.line[e]], m);
+        add_edge<Moments::second>(polygon.u[e] - u, polygon.v[e] - v, polygon.v[f] - v, plane.line[polygon.line[e]], m);
       }
       if (m.area == 0) continue;
       const FragmentShape shape = fragment_shape(plane, m, u, v, polygon.u, polygon.v, polygon.count);
@@ -120,7 +127,8 @@ struct TextureBody {
 
 std::ostream& operator<<(std::ostream& out, const Steps& s) {
   out << std::hexfloat << "area " << s.area << ", centroid " << s.centroid_u << ' ' << s.centroid_v << ", level "
-      << s.level << "\n  rgba";
+      << s.level << ", shift " << s.shift << ", variances " << s.variance[0] << ' ' << s.variance[1] << ' '
+      << s.variance[2] << "\n  rgba";
   for (const std::uint16_t c : s.rgba) out << ' ' << c;
   out << "\n  map";
   for (const double x : s.map) out << ' ' << x;

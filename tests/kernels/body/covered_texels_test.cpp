@@ -1,5 +1,5 @@
-/// The mean of the texels that a fragment covers, where the sampler picks the nearest.
-#include "kernels/body/nearest_texture.h"
+/// The mean of what a fragment covers of a texture, by its outline.
+#include "kernels/body/covered_texels.h"
 
 #include <array>
 #include <gtest/gtest.h>
@@ -23,11 +23,11 @@ Texture random_texture(int width, int height, TextureAlpha alpha, std::mt19937_6
 /// A fragment that is the whole unit cell.
 struct WholeCell {
   double u[4] = {0, 1, 1, 0}, v[4] = {0, 0, 1, 1};
-  FragmentShape shape() const { return {{0.5, 0.5}, 1, 0, 0, u, v, 4}; }
+  FragmentShape shape() const { return {{0.5, 0.5}, 1, 1.0f / 12, 0, 1.0f / 12, 0, 0, u, v, 4}; }
 };
 
-Rgba16 found(const Texture& texture, const NearestLook& look, const FragmentShape& shape) {
-  return nearest_over(texture.view(), look, shape, TableStore::host().view().linear_from_srgb);
+Rgba16 found(const Texture& texture, const TexelLook& look, const FragmentShape& shape) {
+  return texels_over(texture.view(), look, shape, TableStore::host().view());
 }
 
 /// The texel at whole numbers of the endless plane that an image wraps to, by glTF's words.
@@ -44,7 +44,7 @@ Rgba16 texel_of(const Texture& texture, std::int64_t x, std::int64_t y) {
 }
 
 /// An upright box, whose shares of texels are products.
-std::array<double, 4> mean_in_box(const Texture& texture, const NearestLook& look) {
+std::array<double, 4> mean_in_box(const Texture& texture, const TexelLook& look) {
   const TextureView view = texture.view();
   const double x0 = look.s0 * view.width, x1 = x0 + look.su * view.width, y0 = look.t0 * view.height,
                y1 = y0 + look.tv * view.height;
@@ -59,7 +59,7 @@ std::array<double, 4> mean_in_box(const Texture& texture, const NearestLook& loo
   return sum;
 }
 
-TEST(NearestTexels, AreWeighedByTheAreaThatIsCovered) {
+TEST(CoveredTexels, AreWeighedByTheAreaThatIsCovered) {
   constexpr std::uint64_t seed = 51;
   std::mt19937_64 rng(seed);
   const WholeCell cell;
@@ -68,14 +68,15 @@ TEST(NearestTexels, AreWeighedByTheAreaThatIsCovered) {
     const Texture texture = random_texture(width, height, i % 2 == 0 ? TextureAlpha::blend : TextureAlpha::mask, rng);
     const auto unit = [&rng] { return std::uniform_real_distribution<double>(0, 1)(rng); };
     const double reach = i % 3 == 0 ? 3 : 1000;
-    const NearestLook look{reach * (2 * unit() - 1),
-                           (0.01 + 6.9 * unit()) / width,
-                           0,
-                           reach * (2 * unit() - 1),
-                           0,
-                           (0.01 + 6.9 * unit()) / height,
-                           all_wraps[rng() % 3],
-                           all_wraps[rng() % 3]};
+    const TexelLook look{reach * (2 * unit() - 1),
+                         (0.01 + 6.9 * unit()) / width,
+                         0,
+                         reach * (2 * unit() - 1),
+                         0,
+                         (0.01 + 6.9 * unit()) / height,
+                         all_wraps[rng() % 3],
+                         all_wraps[rng() % 3],
+                         true};
     const Rgba16 mean = found(texture, look, cell.shape());
     const std::array<double, 4> wanted = mean_in_box(texture, look);
     for (std::size_t c = 0; c < 4; ++c)
@@ -83,7 +84,7 @@ TEST(NearestTexels, AreWeighedByTheAreaThatIsCovered) {
   }
 }
 
-TEST(NearestTexels, AreOneColourWhereTheTextureHasOne) {
+TEST(CoveredTexels, AreOneColourWhereTheTextureHasOne) {
   constexpr std::uint64_t seed = 52;
   std::mt19937_64 rng(seed);
   const WholeCell cell;
@@ -96,8 +97,9 @@ TEST(NearestTexels, AreOneColourWhereTheTextureHasOne) {
     const Rgba16 wanted = texel_of(texture, 0, 0);
     const double reach = std::pow(10.0, std::uniform_real_distribution<double>(-12, 12)(rng));
     const auto any = [&rng, reach] { return std::uniform_real_distribution<double>(-reach, reach)(rng); };
-    const Rgba16 mean = found(
-        texture, {any(), any(), any(), any(), any(), any(), all_wraps[rng() % 3], all_wraps[rng() % 3]}, cell.shape());
+    const Rgba16 mean =
+        found(texture, {any(), any(), any(), any(), any(), any(), all_wraps[rng() % 3], all_wraps[rng() % 3], true},
+              cell.shape());
     for (int c = 0; c < 4; ++c) ASSERT_EQ(mean.c[c], wanted.c[c]) << "channel " << c << ", seed " << seed;
   }
 }
@@ -110,25 +112,25 @@ Texture stripes() {
   return Texture(std::move(texels), 4, 1, TextureAlpha::blend, 0, ThreadPool(1));
 }
 
-TEST(NearestTexels, AreOneForATriangleThatLiesOnOnePointOfTheTexture) {
+TEST(CoveredTexels, AreOneForATriangleThatLiesOnOnePointOfTheTexture) {
   const WholeCell cell;
-  EXPECT_EQ(found(stripes(), {0.3, 0, 0, 0.7, 0, 0, Wrap::repeat, Wrap::repeat}, cell.shape()).c[0], 65535);
-  EXPECT_EQ(found(stripes(), {0.25, 0, 0, 0.7, 0, 0, Wrap::repeat, Wrap::repeat}, cell.shape()).c[0], 65535);
-  EXPECT_EQ(found(stripes(), {0.2, 0, 0, 0.7, 0, 0, Wrap::repeat, Wrap::repeat}, cell.shape()).c[0], 0);
+  EXPECT_EQ(found(stripes(), {0.3, 0, 0, 0.7, 0, 0, Wrap::repeat, Wrap::repeat, true}, cell.shape()).c[0], 65535);
+  EXPECT_EQ(found(stripes(), {0.25, 0, 0, 0.7, 0, 0, Wrap::repeat, Wrap::repeat, true}, cell.shape()).c[0], 65535);
+  EXPECT_EQ(found(stripes(), {0.2, 0, 0, 0.7, 0, 0, Wrap::repeat, Wrap::repeat, true}, cell.shape()).c[0], 0);
 }
 
-TEST(NearestTexels, AreAMeanAlongTheLineThatATriangleLiesOn) {
+TEST(CoveredTexels, AreAMeanAlongTheLineThatATriangleLiesOn) {
   const WholeCell cell;  // half a texel along u alone, a quarter of it in the first
   const Rgba16 along_u =
-      found(stripes(), {0.25 - 1.0 / 32, 0.125, 0, 0.5, 0, 0, Wrap::repeat, Wrap::repeat}, cell.shape());
+      found(stripes(), {0.25 - 1.0 / 32, 0.125, 0, 0.5, 0, 0, Wrap::repeat, Wrap::repeat, true}, cell.shape());
   EXPECT_NEAR(along_u.c[0], 0.75 * 65535, 1);
   const Rgba16 along_v =
-      found(stripes(), {0.25 - 1.0 / 32, 0, 0.125, 0.5, 0, 0, Wrap::repeat, Wrap::repeat}, cell.shape());
+      found(stripes(), {0.25 - 1.0 / 32, 0, 0.125, 0.5, 0, 0, Wrap::repeat, Wrap::repeat, true}, cell.shape());
   EXPECT_NEAR(along_v.c[0], 0.75 * 65535, 1);
 }
 
 /// What degenerate triangles ask for names any texel, and never memory beyond the image.
-TEST(NearestTexels, AreOfTheImageWhateverIsAskedFor) {
+TEST(CoveredTexels, AreOfTheImageWhateverIsAskedFor) {
   constexpr std::uint64_t seed = 53;
   std::mt19937_64 rng(seed);
   const Texture texture = random_texture(37, 5, TextureAlpha::blend, rng);
@@ -140,17 +142,17 @@ TEST(NearestTexels, AreOfTheImageWhateverIsAskedFor) {
     if (i % 2 == 0)
       for (double& x : cell.u) x = any();
     const Rgba16 r =
-        found(texture, {any(), any(), any(), any(), any(), any(), all_wraps[rng() % 3], all_wraps[rng() % 3]},
-              {{0.5, 0.5}, i % 3 == 0 ? any() : 1, 0, 0, cell.u, cell.v, 4});
+        found(texture, {any(), any(), any(), any(), any(), any(), all_wraps[rng() % 3], all_wraps[rng() % 3], true},
+              {{0.5, 0.5}, i % 3 == 0 ? any() : 1, 0, 0, 0, 0, 0, cell.u, cell.v, 4});
     for (int c = 0; c < 3; ++c) ASSERT_LE(r.c[c], r.c[3] + 2) << "seed " << seed;
   }
 }
 
 /// A polygon that is the cell's half, beyond it on all other sides.
-TEST(NearestTexels, AreThoseOfTheFragmentNotOfItsCell) {
+TEST(CoveredTexels, AreThoseOfTheFragmentNotOfItsCell) {
   const double u[3] = {0.5, 40, 0.5}, v[3] = {-30, -30, 70};  // a sheet that begins at u = 1/2
-  const FragmentShape shape{{0.75, 0.5}, 0.5, 0, 0, u, v, 3};
-  const NearestLook look{0, 0.5, 0, 0.5, 0, 0.1, Wrap::repeat, Wrap::repeat};  // two texels a voxel
+  const FragmentShape shape{{0.75, 0.5}, 0.5, 0, 0, 0, 0, 0, u, v, 3};
+  const TexelLook look{0, 0.5, 0, 0.5, 0, 0.1, Wrap::repeat, Wrap::repeat, true};  // two texels a voxel
   EXPECT_EQ(found(stripes(), look, shape).c[0], 65535);
 }
 
