@@ -92,31 +92,33 @@ GB_HD Rgba16 test_alpha(Rgba16 r, std::uint8_t cutoff) {
   return r;
 }
 
-/// Whether four neighbours differ so much that a few probes may miss their mean by some codes of sRGB: by more than
-/// three eighths of the brightest, or a sixteenth where a probe stands for many texels. Of an alpha test: whether some
-/// pass and others do not.
+/// Whether four neighbours differ by more than so many sixteenths of the brightest. Of an alpha test: whether some pass
+/// and others do not.
 template <bool opaque>
-GB_HD bool are_rough(const TextureView& t, int l, const Rgba16 texel[4]) {
+GB_HD bool are_rough(const TextureView& t, int l, const Rgba16 texel[4], std::uint32_t sixteenths) {
   constexpr std::uint32_t least = 64;
-  const std::uint32_t sixteenths = l < 2 ? 6 : 1;
   bool rough = false;
   for (int c = 0; c < (opaque ? 3 : 4); ++c) {
     const std::uint32_t a = texel[0].c[c], b = texel[1].c[c], d = texel[2].c[c], e = texel[3].c[c];
     const std::uint32_t high = larger(larger(a, b), larger(d, e)), low = smaller(smaller(a, b), smaller(d, e));
     rough |= 16 * (high - low) > sixteenths * high + 16 * least;
-    if (!opaque && c == 3 && t.mask_cutoff != 0) {
-      const std::uint32_t cutoff = l == 0 ? t.mask_cutoff * 257u : 1;
-      rough |= l == 0 ? (high >= cutoff) != (low >= cutoff) : high != low;
-    }
+    if (opaque || c != 3 || t.mask_cutoff == 0) continue;
+    const std::uint32_t cutoff = t.mask_cutoff * 257u;
+    rough |= l == 0 ? (high >= cutoff) != (low >= cutoff) : high != low;
   }
   return rough;
 }
 
+/// What probes find besides their samples.
+struct Roughness {
+  std::uint32_t sixteenths;  ///< of the brightest of four texels: more than these are too many
+  bool found = false;
+};
+
 /// Around the fractions s and t (fraction_of). opaque: for materials whose alpha is ignored; the result has none.
-/// rough: becomes true where the texels are.
 template <bool opaque>
 GB_HD Rgba16 sample_level(const TextureView& view, const MaterialView& m, int l, std::uint32_t s, std::uint32_t t,
-                          const Tables& tables, bool& rough) {
+                          const Tables& tables, Roughness& rough) {
   const auto width = std::uint32_t(level_extent(view.width, l)), height = std::uint32_t(level_extent(view.height, l));
   const TexelPair across = neighbours(s, width, m.wrap_s == Wrap::repeat);
   const TexelPair down = neighbours(t, height, m.wrap_t == Wrap::repeat);
@@ -125,7 +127,7 @@ GB_HD Rgba16 sample_level(const TextureView& view, const MaterialView& m, int l,
   const std::uint32_t at[4] = {upper + across.a, upper + across.b, lower + across.a, lower + across.b};
   Rgba16 texel[4];
   load_texels<opaque>(view, l, at, tables, texel);
-  rough |= are_rough<opaque>(view, l, texel);
+  rough.found |= are_rough<opaque>(view, l, texel, rough.sixteenths);
   const std::uint32_t x = across.second, y = down.second,
                       weight[4] = {(256 - x) * (256 - y), x * (256 - y), (256 - x) * y, x * y};
   Rgba16 r{{0, 0, 0, 0}};

@@ -1,10 +1,10 @@
 /// What a texture looks like on a fragment: linear, premultiplied 16-bit RGBA, averaged over the fragment.
 ///
 /// Vertex colours are linear over a triangle, so their value at the fragment's centroid is their exact mean. Textures
-/// are probed: up to 8 × 2 bilinear samples of the prefiltered pyramid, which together have the fragment's centroid and
-/// the variances of its points in all directions. So a texture that a parabola describes has its exact mean, and the
-/// fragments of a voxel add up to the same however its surface is cut into triangles. Where texels differ too much for
-/// that, the probes say so, and the mean is that of kernels/body/covered_texels.h.
+/// are probed: 1 × 1 to 8 × 4 bilinear samples of the prefiltered pyramid, which together have the fragment's centroid
+/// and the variances of its points in all directions. So a texture that a parabola describes has its exact mean, and
+/// the fragments of a voxel add up to the same however its surface is cut into triangles. Where texels differ too much
+/// for that, the probes say so, and the mean is that of kernels/body/covered_texels.h.
 ///
 /// Exact   Texel weights are 8-bit integers and sums are integers; positions are IEEE double, sizes IEEE float: host
 ///         and device agree.
@@ -79,28 +79,48 @@ GB_HD int level_of_width(const TextureView& view, float texels) {
 
 /// Below so many texels a bilinear sample at the centroid is the mean.
 inline constexpr float least_probed_texels = 0.5f;
-inline constexpr int most_probes = 8;
+inline constexpr float most_texels_along = 4;  ///< of the level that is probed, at least
 
-/// Where a fragment is probed: `along` × `across` points on one level, in equal steps (images) about the centroid.
+/// As many probes as texels, since tents a texel apart add up to one; at least two.
+GB_HD int probes_over(float length, float texel) {
+  if (length < least_probed_texels) return 1;
+  const float parts = length / texel + 0.5f;
+  return parts < 2 ? 2 : int(parts);
+}
+
+/// Where a fragment is probed: `along` × `across` points on one level, at most 8 × 4, in equal steps (images) about the
+/// centroid.
 struct Probes {
   int level, along, across;
+  std::uint32_t sixteenths;  ///< Roughness that they stand
   float along_s, along_t, across_s, across_t;
 };
+
+/// Of Roughness: what brings the mean about three codes off. Two probes miss less of what is narrow, and what is left
+/// between texels of coarser levels is small but all there is.
+GB_HD std::uint32_t most_sixteenths(int level, float length) {
+  constexpr float narrow = 2.25f;
+  if (level > 0) return 1;
+  return length <= narrow ? 6 : 3;
+}
+
+/// Between so many points in a row, which have the variance.
+GB_HD float step_for(float variance, int points) {
+  return points == 1 ? 0 : std::sqrt(12 * larger(variance, 0.0f) / float(points * points - 1));
+}
 
 /// A box has 12 times its variance as the square of its width. A level's texels have a variance of their own, a box's
 /// and a tent's, which the probes' places leave to them; an image's own texels have none, being what is asked for.
 GB_HD Probes probes_for(const TextureView& view, const TexelSpread& spread) {
   const float length = std::sqrt(12 * spread.longer), width = std::sqrt(12 * spread.shorter);
-  const float wanted = larger(width * 0.5f, length * (1.0f / most_probes));
+  const float wanted = larger(width * 0.5f, length * (1 / most_texels_along));
   Probes r;
   r.level = level_of_width(view, wanted);
   const float texel = float(1 << r.level), own = r.level > 0 ? texel * texel * 0.25f : 0;
-  const float parts = length / (2 * texel) + 0.5f;
-  r.along = length < least_probed_texels ? 1 : (parts < 2 ? 2 : int(smaller(parts, float(most_probes))));
-  r.across = width < least_probed_texels ? 1 : 2;
-  const float along =
-                  r.along == 1 ? 0 : std::sqrt(12 * larger(spread.longer - own, 0.0f) / float(r.along * r.along - 1)),
-              across = r.across == 1 ? 0 : 2 * std::sqrt(larger(spread.shorter - own, 0.0f));
+  r.along = smaller(probes_over(length, texel), 8);
+  r.across = smaller(probes_over(width, texel), 4);
+  r.sixteenths = most_sixteenths(r.level, length);
+  const float along = step_for(spread.longer - own, r.along), across = step_for(spread.shorter - own, r.across);
   const float image_x = 1 / float(view.width), image_y = 1 / float(view.height);
   r.along_s = along * spread.x * image_x;
   r.along_t = along * spread.y * image_y;
@@ -112,11 +132,11 @@ GB_HD Probes probes_for(const TextureView& view, const TexelSpread& spread) {
 /// Whether a clamped image's outermost texel is repeated there: coarser levels repeat what lies inside of it too.
 GB_HD bool is_beyond_edge(double s, Wrap wrap) { return wrap == Wrap::clamp_to_edge && (s < 0 || s > 1); }
 
-/// Of probes that found `rough` texels at (s, t), or none: whether the mean by probes would be some codes wrong.
-GB_HD bool is_too_rough(bool rough, const TexelSpread& spread, const MaterialView& m, double s, double t) {
+/// Of probes about (s, t): whether the mean by probes would be some codes wrong.
+GB_HD bool is_too_rough(const Roughness& rough, const TexelSpread& spread, const MaterialView& m, double s, double t) {
   constexpr float least_variance =
       1.0f / (12 * 16 * 16);  // of a sixteenth of a texel: over it a texture is all but even
-  return (rough && spread.longer >= least_variance) || is_beyond_edge(s, m.wrap_s) || is_beyond_edge(t, m.wrap_t);
+  return (rough.found && spread.longer >= least_variance) || is_beyond_edge(s, m.wrap_s) || is_beyond_edge(t, m.wrap_t);
 }
 
 /// Mean of the texture over a fragment. opaque: for materials whose alpha is ignored; the result has none. rough:
@@ -129,19 +149,23 @@ GB_HD Rgba16 texture_over(const TextureView& view, const MaterialView& m, const 
   const double s = (map.s0 + map.su * f.centroid.u) + map.sv * f.centroid.v,
                t = (map.t0 + map.tu * f.centroid.u) + map.tv * f.centroid.v;
   const float first_along = -0.5f * float(probes.along - 1), first_across = -0.5f * float(probes.across - 1);
-  const int shift = probes.across - 1, count = probes.along << shift;
+  const int count = probes.along * probes.across;
   std::uint32_t sum[4] = {0, 0, 0, 0};
-  rough = false;
+  Roughness found{probes.sixteenths};
+  float a = first_along, b = first_across;
   GB_NO_UNROLL
   for (int i = 0; i < count; ++i) {
-    const float a = first_along + float(i >> shift), b = first_across + float(i & shift);
     const Rgba16 p = sample_level<opaque>(
         view, m, probes.level, fraction_of(s + double(a * probes.along_s + b * probes.across_s), m.wrap_s),
-        fraction_of(t + double(a * probes.along_t + b * probes.across_t), m.wrap_t), tables, rough);
+        fraction_of(t + double(a * probes.along_t + b * probes.across_t), m.wrap_t), tables, found);
     for (int c = 0; c < 4; ++c) sum[c] += p.c[c];
+    a += 1;
+    if (a <= -first_along) continue;
+    a = first_along;
+    b += 1;
   }
-  rough = is_too_rough(rough, spread, m, s, t);
-  // Sums are below 2^20 and there are at most 16 probes: quotients are exact.
+  rough = is_too_rough(found, spread, m, s, t);
+  // Sums are below 2^21 and there are at most 32 probes: quotients are exact.
   const std::uint32_t reciprocal = 0x80000000u / std::uint32_t(count) + 1;
   Rgba16 r;
   for (int c = 0; c < 4; ++c)

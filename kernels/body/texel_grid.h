@@ -108,7 +108,7 @@ GB_HD Rgba16 magnified(const TextureView& view, Wrap wrap_s, Wrap wrap_t, double
   MaterialView wraps;
   wraps.wrap_s = wrap_s;
   wraps.wrap_t = wrap_t;
-  bool unused = false;
+  Roughness unused{16};
   return sample_level<false>(view, wraps, 0, fraction_of(s, wrap_s), fraction_of(t, wrap_t), tables, unused);
 }
 

@@ -129,11 +129,63 @@ TEST(CoveredTexels, AreAMeanAlongTheLineThatATriangleLiesOn) {
   EXPECT_NEAR(along_v.c[0], 0.75 * 65535, 1);
 }
 
+/// The integral of a tent of two texels about 0, from minus infinity.
+double below_tent(double x) {
+  if (x <= -1) return 0;
+  if (x >= 1) return 1;
+  return x < 0 ? 0.5 * (1 + x) * (1 + x) : 1 - 0.5 * (1 - x) * (1 - x);
+}
+
+/// Of what is interpolated, in an upright box: a texel's share is a product of integrals over its tents.
+TEST(CoveredTexels, HaveTheIntegralsOfTheirTentsWhereTheyAreInterpolated) {
+  constexpr std::uint64_t seed = 54;
+  std::mt19937_64 rng(seed);
+  const WholeCell cell;
+  for (int i = 0; i < 1500; ++i) {
+    const int width = 1 + int(rng() % 9), height = 1 + int(rng() % 9);
+    const Texture texture = random_texture(width, height, TextureAlpha::blend, rng);
+    const auto unit = [&rng] { return std::uniform_real_distribution<double>(0, 1)(rng); };
+    const double x0 = 3 * width * (2 * unit() - 1), y0 = 3 * height * (2 * unit() - 1), across = 0.01 + 9 * unit(),
+                 down = 0.01 + 9 * unit();
+    const TexelLook look{x0 / width,           across / width,       0,    y0 / height, 0, down / height,
+                         all_wraps[rng() % 3], all_wraps[rng() % 3], false};
+    std::array<double, 4> wanted{};
+    for (auto y = std::int64_t(y0) - 3; double(y) < y0 + down + 2; ++y)
+      for (auto x = std::int64_t(x0) - 3; double(x) < x0 + across + 2; ++x) {
+        const double cx = double(x) + 0.5, cy = double(y) + 0.5,
+                     share = (below_tent(x0 + across - cx) - below_tent(x0 - cx)) / across *
+                             (below_tent(y0 + down - cy) - below_tent(y0 - cy)) / down;
+        const Rgba16 c = texel_of(texture, wrapped(x, width, look.wrap_s), wrapped(y, height, look.wrap_t));
+        for (std::size_t k = 0; k < 4; ++k) wanted[k] += c.c[k] * share;
+      }
+    const Rgba16 mean = found(texture, look, cell.shape());
+    for (std::size_t c = 0; c < 4 && width * height > 1; ++c)
+      ASSERT_NEAR(mean.c[c], wanted[c], 1.5) << "channel " << c << ", " << i << ", seed " << seed;
+  }
+}
+
+/// Of an alpha test: in three columns of texels alpha rises from 0 to 1, and the test is made on what lies between.
+TEST(CoveredTexels, AreTestedOnWhatIsInterpolated) {
+  std::vector<std::uint8_t> texels;
+  for (const int alpha : {0, 0, 255, 255}) texels.insert(texels.end(), {200, 100, 50, std::uint8_t(alpha)});
+  const Texture texture(std::move(texels), 4, 1, TextureAlpha::mask, 64, ThreadPool(1));
+  const WholeCell cell;
+  // Of a fragment from the first texel's middle to the last one's, alpha is above a quarter from a quarter of the
+  // second gap on.
+  const TexelLook look{0.125, 0.75, 0, 0.5, 0, 0.1, Wrap::clamp_to_edge, Wrap::clamp_to_edge, false};
+  const Rgba16 mean = found(texture, look, cell.shape());
+  const double wanted = (1 + (1 - 64 / 255.0)) / 3;
+  EXPECT_NEAR(mean.c[3], wanted * 65535, 70);
+  const std::uint16_t red = TableStore::host().view().linear_from_srgb[200];
+  EXPECT_NEAR(mean.c[0], wanted * red, 70);
+}
+
 /// What degenerate triangles ask for names any texel, and never memory beyond the image.
 TEST(CoveredTexels, AreOfTheImageWhateverIsAskedFor) {
   constexpr std::uint64_t seed = 53;
   std::mt19937_64 rng(seed);
-  const Texture texture = random_texture(37, 5, TextureAlpha::blend, rng);
+  const Texture textures[] = {random_texture(37, 5, TextureAlpha::blend, rng),
+                              random_texture(37, 5, TextureAlpha::mask, rng)};
   for (int i = 0; i < 20000; ++i) {
     const auto any = [&rng] {
       return std::pow(10.0, std::uniform_real_distribution<double>(-40, 26)(rng)) * (rng() % 2 == 0 ? 1 : -1);
@@ -142,7 +194,8 @@ TEST(CoveredTexels, AreOfTheImageWhateverIsAskedFor) {
     if (i % 2 == 0)
       for (double& x : cell.u) x = any();
     const Rgba16 r =
-        found(texture, {any(), any(), any(), any(), any(), any(), all_wraps[rng() % 3], all_wraps[rng() % 3], true},
+        found(textures[i % 5 == 0 ? 1 : 0],
+              {any(), any(), any(), any(), any(), any(), all_wraps[rng() % 3], all_wraps[rng() % 3], i % 7 < 4},
               {{0.5, 0.5}, i % 3 == 0 ? any() : 1, 0, 0, 0, 0, 0, cell.u, cell.v, 4});
     for (int c = 0; c < 3; ++c) ASSERT_LE(r.c[c], r.c[3] + 2) << "seed " << seed;
   }

@@ -26,11 +26,11 @@ TEST(KernelVersion, IsRaisedWithWhateverGivesOtherVoxels) {
     SurfaceRule rule;
     MipFilter filter;
     Hash128 hash;
-  } version_6[] = {{SurfaceRule::area, MipFilter::coverage, {0xac0347b9b879c1e9, 0x8b19b713870ce8ca}},
-                   {SurfaceRule::area, MipFilter::thesis, {0xbc6f693c7a088a35, 0x6262a62df1e99178}},
-                   {SurfaceRule::area, MipFilter::box, {0x486ce3d7a786c46a, 0xf29bcc2e98bcfc69}},
-                   {SurfaceRule::conservative, MipFilter::coverage, {0x995c779232d7c06e, 0x4b0ded68eb630559}},
-                   {SurfaceRule::thin, MipFilter::coverage, {0xe2b3b836fdb96d53, 0x00b9cec3f02a2596}}};
+  } version_6[] = {{SurfaceRule::area, MipFilter::coverage, {0x844e7864e43a06e5, 0xcac45f1348ac9c69}},
+                   {SurfaceRule::area, MipFilter::thesis, {0x94ba99e7a5c8cf31, 0xa20d4e2db3894517}},
+                   {SurfaceRule::area, MipFilter::box, {0x20b81482d3470966, 0x3246742e5a5cb008}},
+                   {SurfaceRule::conservative, MipFilter::coverage, {0x71a7a83d5e98056a, 0x8ab89568ad02b8f8}},
+                   {SurfaceRule::thin, MipFilter::coverage, {0xf545ab9755505495, 0x08d70beaaf2f9f36}}};
   for (const auto& [rule, filter, hash] : version_6)
     EXPECT_EQ(hash_of_all_cells(rule, filter), hash)
         << name_of(rule) << ", " << name_of(filter) << ": other voxels than this version gave: raise kernel_version";
