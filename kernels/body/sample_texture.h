@@ -92,16 +92,16 @@ GB_HD Rgba16 test_alpha(Rgba16 r, std::uint8_t cutoff) {
   return r;
 }
 
-/// Whether four neighbours differ by more than so many sixteenths of the brightest. Of an alpha test: whether some pass
-/// and others do not.
+/// Whether four neighbours differ by more than so many sixteenths of the brightest, and of a twelfth of white. Of an
+/// alpha test: whether some pass and others do not.
 template <bool opaque>
 GB_HD bool are_rough(const TextureView& t, int l, const Rgba16 texel[4], std::uint32_t sixteenths) {
-  constexpr std::uint32_t least = 64;
+  constexpr std::uint32_t dark = 5243;  // 0.08: a code of sRGB is a larger part of what is darker
   bool rough = false;
   for (int c = 0; c < (opaque ? 3 : 4); ++c) {
     const std::uint32_t a = texel[0].c[c], b = texel[1].c[c], d = texel[2].c[c], e = texel[3].c[c];
     const std::uint32_t high = larger(larger(a, b), larger(d, e)), low = smaller(smaller(a, b), smaller(d, e));
-    rough |= 16 * (high - low) > sixteenths * high + 16 * least;
+    rough |= 16 * (high - low) > sixteenths * (high + dark);
     if (opaque || c != 3 || t.mask_cutoff == 0) continue;
     const std::uint32_t cutoff = t.mask_cutoff * 257u;
     rough |= l == 0 ? (high >= cutoff) != (low >= cutoff) : high != low;
