@@ -8,12 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "format/scene/scene_page.h"
 #include "format/scene/scene_xml.h"
 #include "lattice/error.h"
 
 namespace gigabake {
 
-inline constexpr int newest_scene_version = 2;
+inline constexpr int newest_scene_version = 3;
 
 /// Something in a scene.xml that is not as it should be.
 struct SceneFault {
@@ -30,9 +31,11 @@ struct SaidTotals {
 };
 
 struct SceneReading {
-  SceneDescription scene;
+  SceneDescription scene;            ///< with the cells that scene.xml itself lists
+  std::vector<PageReference> pages;  ///< in their place
   int version = newest_scene_version;
-  std::optional<SaidTotals> said;  ///< nothing in version 1
+  std::optional<SaidTotals> said;     ///< nothing in version 1
+  std::optional<SceneTotals> totals;  ///< all that version 3 says
   /// Parts that we do not know or miss, though no voxel depends on them; a checksum that is wrong.
   std::vector<SceneFault> faults;
 };
@@ -41,8 +44,14 @@ struct SceneReading {
 ///         malformed; shard paths leave the folder.
 SceneReading read_scene_text(const std::filesystem::path& path);
 
-/// The text with the `Checksum` that belongs to it, in place of the one that it has.
-/// Range   text has a `Checksum` of 32 digits, as write_scene() makes it; otherwise it stays as it is.
-std::string with_checksum(std::string text);
+/// A page as it stands there.
+struct PageReading {
+  ScenePage page;
+  std::vector<SceneFault> faults;          ///< as SceneReading::faults
+  std::vector<SceneFault> contradictions;  ///< what read_page() refuses
+};
+/// Errors  InputError: as read_page(), but for contradictions.
+PageReading read_page_text(const std::filesystem::path& scene_xml, const SceneHeader& header,
+                           const PageReference& reference);
 
 }  // namespace gigabake

@@ -2,35 +2,53 @@
 
 #include <algorithm>
 
-#include "format/scene/shard_of_scene.h"
-
 namespace gigabake {
 
-SceneTotals::SceneTotals(const SceneDescription& scene) {
-  for (const SceneCell& c : scene.cells) {
-    voxels.resize(std::max<std::size_t>(voxels.size(), c.lods), 0);
-    content_hash.resize(voxels.size());
-    for (std::size_t lod = 0; lod < c.lods; ++lod) {
-      voxels[lod] += c.voxels[lod];
-      content_hash[lod] += c.content_hash[lod];
-      all_content += c.content_hash[lod];
-    }
-    bytes += c.bytes;
-  }
+namespace {
+
+template <class T>
+void add_each(const std::vector<T>& of, std::vector<T>& to) {
+  to.resize(std::max(to.size(), of.size()));
+  for (std::size_t lod = 0; lod < of.size(); ++lod) to[lod] += of[lod];
 }
 
-StoredBytes stored_bytes(const std::filesystem::path& scene_xml, const SceneDescription& scene,
-                         const Progress& progress) {
-  progress.step("looking into the shards", scene.cells.size());
-  StoredBytes bytes;
-  for (const SceneCell& c : scene.cells) {
-    const ShardReader reader = open_shard_of_scene(scene_xml, scene, c);
-    bytes.of_lod.resize(std::max<std::size_t>(bytes.of_lod.size(), c.lods), 0);
-    for (std::size_t lod = 0; lod < c.lods; ++lod) bytes.of_lod[lod] += reader.level_bytes(int(lod));
-    bytes.of_nodes += reader.node_bytes();
-    progress.advance();
-  }
-  return bytes;
+}  // namespace
+
+SceneTotals::SceneTotals(const std::vector<SceneCell>& all) {
+  for (const SceneCell& cell : all) add(cell);
+}
+
+void SceneTotals::add(const SceneCell& cell) {
+  SceneTotals one;
+  one.cells = 1;
+  one.bytes = cell.bytes;
+  one.voxels = cell.voxels;
+  one.content_hash = cell.content_hash;
+  one.level_bytes = cell.level_bytes;
+  one.node_bytes = cell.node_bytes;
+  one.cell_voxels = cell.cell_voxels;
+  one.window = window_of(cell);
+  add(one);
+}
+
+void SceneTotals::add(const SceneTotals& part) {
+  if (part.cells == 0) return;
+  const bool stored = has_stored() && part.has_stored();
+  cell_voxels = cells == 0 || cell_voxels == part.cell_voxels ? part.cell_voxels : 0;
+  cells += part.cells;
+  bytes += part.bytes;
+  add_each(part.voxels, voxels);
+  add_each(part.content_hash, content_hash);
+  add_each(part.level_bytes, level_bytes);
+  node_bytes += part.node_bytes;
+  if (!stored) level_bytes.clear(), node_bytes = 0;
+  window = hull(window, part.window);
+}
+
+Hash128 SceneTotals::all_content() const {
+  Hash128 all;
+  for (const Hash128& hash : content_hash) all += hash;
+  return all;
 }
 
 }  // namespace gigabake

@@ -1,32 +1,33 @@
-/// Sums over a scene's cells.
+/// Sums over cells: of a scene, or of one of its pages.
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <vector>
 
+#include "format/scene/cell_window.h"
 #include "format/scene/scene_xml.h"
-#include "lattice/progress.h"
 
 namespace gigabake {
 
-/// What scene.xml says. Indexed by lod, up to the highest that any cell has.
+/// What the cells say of themselves. Per lod, up to the highest that any cell has.
 struct SceneTotals {
-  explicit SceneTotals(const SceneDescription& scene);
+  SceneTotals() = default;
+  explicit SceneTotals(const std::vector<SceneCell>& cells);
+  explicit SceneTotals(const SceneDescription& scene) : SceneTotals(scene.cells) {}
+
+  void add(const SceneCell& cell);
+  void add(const SceneTotals& part);
+  Hash128 all_content() const;  ///< of all lods
+  bool has_stored() const { return cells == 0 || !level_bytes.empty(); }
+  friend bool operator==(const SceneTotals&, const SceneTotals&) = default;
+
+  std::uint64_t cells = 0, bytes = 0;
   std::vector<std::uint64_t> voxels;
   std::vector<Hash128> content_hash;
-  Hash128 all_content;  ///< of all lods
-  std::uint64_t bytes = 0;
+  std::vector<std::uint64_t> level_bytes;  ///< empty where a cell lacks it
+  std::uint64_t node_bytes = 0;            ///< 0 where a cell lacks it
+  std::uint32_t cell_voxels = 0;           ///< of all cells; 0 where they have several
+  LatticeBox window;                       ///< of all cells; empty where there are none
 };
-
-/// Compressed sizes on disk. The rest of the shards' bytes is HDF5's own: headers, indexes, attributes.
-struct StoredBytes {
-  std::vector<std::uint64_t> of_lod;
-  std::uint64_t of_nodes = 0;
-};
-
-/// Cost    Opens every shard, reads no voxels. Errors  InputError: a shard is missing or damaged.
-StoredBytes stored_bytes(const std::filesystem::path& scene_xml, const SceneDescription& scene,
-                         const Progress& progress = {});
 
 }  // namespace gigabake

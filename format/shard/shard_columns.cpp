@@ -32,7 +32,7 @@ StoredShard ShardColumns::stored_bytes(const std::vector<std::uint64_t>& stored)
   StoredShard out;
   out.levels.resize(std::size_t(lods_));
   for (std::size_t c = 0; c < columns_.size(); ++c)
-    if (lod_[c] != of_nodes) out.levels[std::size_t(lod_[c])] += stored[c];
+    (lod_[c] == of_nodes ? out.nodes : out.levels[std::size_t(lod_[c])]) += stored[c];
   return out;
 }
 

@@ -17,7 +17,7 @@ struct Version {
 
   Shard shard() const { return has_planes ? made::small_shard_with_planes() : made::small_shard(); }
 };
-const Version newest{"version_3_scene_2", true, true};
+const Version newest{"version_3_scene_3", true, true};
 
 std::filesystem::path golden(const Version& version) {
   return std::filesystem::path(GIGABAKE_SOURCE_DIR) / "tests/format/golden" / version.folder;
@@ -44,7 +44,8 @@ TEST_P(Golden, SceneReadsAsOnTheDayItWasWritten) {
 
 INSTANTIATE_TEST_SUITE_P(Versions, Golden,
                          testing::Values(Version{"version_1", false}, Version{"version_2", false},
-                                         Version{"version_2_scene_2", true}, newest),
+                                         Version{"version_2_scene_2", true}, Version{"version_3_scene_2", true, true},
+                                         newest),
                          [](const auto& version) { return version.param.folder; });
 
 TEST(GoldenToday, WriterStoresWhatTheNewestVersionStores) {

@@ -254,7 +254,10 @@ SceneDescription write_scene_of(const std::filesystem::path& scene_xml, const st
                    h.lods,        0,
                    h.triangles,   count_voxels(s),
                    h.fingerprint, h.content_hash};
-    cell.bytes = write_shard(scene_xml.parent_path() / cell.file, s, {}).file;
+    const StoredShard stored = write_shard(scene_xml.parent_path() / cell.file, s, {});
+    cell.bytes = stored.file;
+    cell.level_bytes = stored.levels;
+    cell.node_bytes = stored.nodes;
     scene.cells.push_back(cell);
     scene.voxel_size_m = h.voxel_size_m;
     scene.has_normals = h.has_normals;
