@@ -127,11 +127,12 @@ std::vector<PageReference> write_pages(const fs::path& scene_xml, const SceneDes
 }
 
 void remove_unused_pages(const fs::path& scene_xml) {
+  std::error_code error;
+  if (!fs::is_directory(scene_xml.parent_path() / page_folder, error)) return;
   const PagedScene scene(scene_xml);
   std::unordered_set<std::string> used;
   scene.for_each_reference(
       [&used](const PageReference& page) { used.insert(fs::path(page.file).filename().string()); });
-  std::error_code error;
   std::vector<fs::path> unused;
   for (fs::directory_iterator it(scene.folder() / page_folder, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
