@@ -5,6 +5,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "format/scene/page_write.h"
 #include "format/system/publish.h"
 #include "lattice/error.h"
 
@@ -102,6 +103,7 @@ bool OutputFolder::has_whole_scene() const {
 
 void OutputFolder::publish(const SceneDescription& scene) const {
   write_scene(out_ / "scene.xml", scene);
+  remove_unused_pages(out_ / "scene.xml");
   remove_leftovers();
 }
 

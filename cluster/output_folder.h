@@ -30,7 +30,8 @@ class OutputFolder {
   void expect_shards(SceneDescription& scene) const;
   /// There is a scene.xml, and it misses nothing.
   bool has_whole_scene() const;
-  /// Replaces scene.xml; what killed writers left is removed. Errors  InputError: scene.xml is as it was.
+  /// Replaces scene.xml; pages of the scene before and what killed writers left are removed. Errors  InputError:
+  /// scene.xml is as it was.
   void publish(const SceneDescription& scene) const;
   OrphanShards orphans(const SceneDescription& scene) const;
   /// Once `scene` is published and misses nothing: shards of cells that it misses may be whole and of use to the next

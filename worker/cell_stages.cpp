@@ -35,13 +35,14 @@ const WorkerOptions& with_shard_folder(const WorkerOptions& options) {
 }
 
 template <class AnyShard>
-SceneCell scene_cell(const CellJob& job, const AnyShard& shard, std::uint64_t bytes) {
+SceneCell scene_cell(const CellJob& job, const AnyShard& shard, const StoredShard& stored) {
   const ShardHeader& h = shard.header;
   return {job.name,      shard_path(job).generic_string(),
           h.lattice_min, h.cell_voxels,
-          h.lods,        bytes,
+          h.lods,        stored.file,
           h.triangles,   count_voxels(shard),
           h.fingerprint, h.content_hash,
+          stored.levels, stored.nodes,
           h.first_lod};
 }
 
@@ -57,11 +58,11 @@ std::vector<LevelSummary> summaries(const Shard& shard, const ThreadPool& pool) 
 std::vector<LevelSummary> summaries(const PackedShard& shard, const ThreadPool&) { return summarize_levels(shard); }
 
 /// Of a shard that an earlier run wrote.
-std::vector<std::uint64_t> stored_level_bytes(const std::filesystem::path& path, std::size_t lods) {
-  const ShardReader stored(path);
-  std::vector<std::uint64_t> bytes;
-  for (std::size_t lod = 0; lod < lods; ++lod) bytes.push_back(stored.level_bytes(int(lod)));
-  return bytes;
+StoredShard stored_shard(const std::filesystem::path& path, std::size_t lods) {
+  const ShardReader reader(path);
+  StoredShard stored{std::filesystem::file_size(path), {}, reader.node_bytes()};
+  for (std::size_t lod = 0; lod < lods; ++lod) stored.levels.push_back(reader.level_bytes(int(lod)));
+  return stored;
 }
 
 /// What a shard says of itself is what this bake would write. Its fingerprint covers all of it, unless it was edited.
@@ -142,8 +143,9 @@ void CellStages::read(CellInHand& cell) {
   const FileStamp before = stamp_of(path).value_or(FileStamp{});
   if (const auto shard = published_shard(path, cell.job, parameters_, sources_.origin, options_.threads)) {
     cell.report.shard = before;
-    cell.report.cell = scene_cell(cell.job, *shard, std::filesystem::file_size(path));
-    cell.report.levels = with_stored(summarize_levels(*shard), stored_level_bytes(path, shard->levels.size()));
+    const StoredShard stored = stored_shard(path, shard->levels.size());
+    cell.report.cell = scene_cell(cell.job, *shard, stored);
+    cell.report.levels = with_stored(summarize_levels(*shard), stored.levels);
     return decide(cell, CellOutcome::baked);
   }
   if (is_parent(cell.job)) return read_children(cell);
@@ -282,7 +284,7 @@ void CellStages::write(CellInHand& cell) {
 template <class AnyShard>
 void CellStages::report_shard(CellInHand& cell, const AnyShard& shard, const StoredShard& stored) const {
   cell.report.shard = stamp_of(options_.out / shard_path(cell.job)).value_or(FileStamp{});
-  cell.report.cell = scene_cell(cell.job, shard, stored.file);
+  cell.report.cell = scene_cell(cell.job, shard, stored);
   cell.report.levels = with_stored(summaries(shard, write_pool_), stored.levels);
 }
 

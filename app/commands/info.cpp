@@ -1,6 +1,4 @@
-#include <algorithm>
 #include <fmt/format.h>
-#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -10,7 +8,7 @@
 #include "app/messages/with_progress.h"
 #include "app/options/flags.h"
 #include "app/options/scene_argument.h"
-#include "format/scene/scene_totals.h"
+#include "format/scene/stored_bytes.h"
 #include "lattice/counted.h"
 
 namespace gigabake::app {
@@ -22,16 +20,32 @@ struct Extent {
   std::array<double, 3> min_m, max_m;
 };
 
+/// What is printed: what scene.xml says of the whole.
+struct Info {
+  SceneHeader scene;
+  SceneTotals totals;
+  StoredBytes stored;
+};
+
+/// Scenes of before version 3 do not say what their shards' columns take.
+Info read_info(const std::filesystem::path& scene_xml, const Progress& progress) {
+  progress.step("reading the scene");
+  const PagedScene scene(scene_xml);
+  const SceneTotals& totals = scene.totals();
+  return {scene.header(), totals,
+          totals.has_stored() ? StoredBytes{totals.level_bytes, totals.node_bytes} : stored_bytes(scene, progress)};
+}
+
 /// Of the cells, scene metres.
-Extent extent_of(const SceneDescription& scene) {
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  Extent e{{inf, inf, inf}, {-inf, -inf, -inf}};
-  for (const SceneCell& c : scene.cells)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double low = scene.lattice_origin_m[k] + double(c.lattice_min[k]) * scene.voxel_size_m;
-      e.min_m[k] = std::min(e.min_m[k], low);
-      e.max_m[k] = std::max(e.max_m[k], low + c.cell_voxels * scene.voxel_size_m);
-    }
+Extent extent_of(const Info& info) {
+  Extent e{};
+  const auto place_m = [&](std::int64_t voxel, std::size_t k) {
+    return info.scene.lattice_origin_m[k] + double(voxel) * info.scene.voxel_size_m;
+  };
+  for (std::size_t k = 0; k < 3; ++k) {
+    e.min_m[k] = place_m(info.totals.window.min[k], k);
+    e.max_m[k] = place_m(info.totals.window.end[k], k);
+  }
   return e;
 }
 
@@ -50,8 +64,8 @@ Json levels_to_json(const SceneTotals& totals, const StoredBytes& stored) {
   return levels;
 }
 
-Json to_json(const SceneDescription& scene, const StoredBytes& stored) {
-  const SceneTotals totals(scene);
+Json to_json(const Info& info) {
+  const auto& [scene, totals, stored] = info;
   Json j;
   j["generator"] = scene.generator;
   j["voxel_size_m"] = scene.voxel_size_m;
@@ -60,9 +74,9 @@ Json to_json(const SceneDescription& scene, const StoredBytes& stored) {
   j["normals"] = scene.has_normals;
   j["facing"] = scene.has_facing;
   j["parameters"] = Json::parse(scene.parameters, nullptr, false);
-  j["content_hash"] = totals.all_content.hex();
+  j["content_hash"] = totals.all_content().hex();
   j["lods"] = levels_to_json(totals, stored);
-  j["cells"] = scene.cells.size();
+  j["cells"] = totals.cells;
   j["triangles"] = scene.triangles;
   j["skipped"] = {{"points", scene.skipped_points},
                   {"lines", scene.skipped_lines},
@@ -71,8 +85,8 @@ Json to_json(const SceneDescription& scene, const StoredBytes& stored) {
   j["voxels"] = std::accumulate(totals.voxels.begin(), totals.voxels.end(), std::uint64_t(0));
   j["bytes"] = totals.bytes;
   j["node_bytes"] = stored.of_nodes;
-  if (!scene.cells.empty()) {
-    const Extent e = extent_of(scene);
+  if (totals.cells != 0) {
+    const Extent e = extent_of(info);
     j["cells_min_m"] = e.min_m;
     j["cells_max_m"] = e.max_m;
   }
@@ -81,25 +95,26 @@ Json to_json(const SceneDescription& scene, const StoredBytes& stored) {
   return j;
 }
 
-void print_place(const SceneDescription& scene) {
+void print_place(const Info& info) {
+  const SceneHeader& scene = info.scene;
   if (scene.origin)
     fmt::print("scene origin {:.9f}° {:.9f}° {:.3f} m\n", scene.origin->latitude_deg, scene.origin->longitude_deg,
                scene.origin->height_m);
-  if (scene.cells.empty()) return;
-  const Extent e = extent_of(scene);
+  if (info.totals.cells == 0) return;
+  const Extent e = extent_of(info);
   fmt::print("cells span {} {} {} to {} {} {} m\n", e.min_m[0], e.min_m[1], e.min_m[2], e.max_m[0], e.max_m[1],
              e.max_m[2]);
 }
 
-void print_text(const SceneDescription& scene, const StoredBytes& stored) {
-  const SceneTotals totals(scene);
-  fmt::print("{} of {} m voxels, {}, {}\n", counted(scene.cells.size(), "cell"), scene.voxel_size_m,
+void print_text(const Info& info) {
+  const auto& [scene, totals, stored] = info;
+  fmt::print("{} of {} m voxels, {}, {}\n", counted(totals.cells, "cell"), scene.voxel_size_m,
              counted(scene.triangles, "triangle"), readable_bytes(totals.bytes));
-  print_place(scene);
+  print_place(info);
   for (std::size_t lod = 0; lod < totals.voxels.size(); ++lod)
     fmt::print("  lod {:<2} {:>14} voxels {:>10}  {}\n", lod, totals.voxels[lod], readable_bytes(stored.of_lod.at(lod)),
                totals.content_hash[lod].hex());
-  fmt::print("content hash {}\n", totals.all_content.hex());
+  fmt::print("content hash {}\n", totals.all_content().hex());
   const std::uint64_t dropped = scene.non_finite + scene.zero_area;
   if (dropped + scene.skipped_points + scene.skipped_lines != 0)
     fmt::print("skipped {}, {}, {} not finite, {} without area\n", counted(scene.skipped_points, "point"),
@@ -118,14 +133,8 @@ void add_info(CLI::App& app, int&) {
   command->add_flag("--json", *json, "print the answer as JSON");
   command->callback([scene, json] {
     const std::filesystem::path file = scene_argument(*scene);
-    const SceneDescription description = while_reading([&](const Progress& progress) {
-      progress.step("reading the scene");
-      return read_scene(file);
-    });
-    const StoredBytes stored =
-        while_reading([&](const Progress& progress) { return stored_bytes(file, description, progress); });
-    *json ? fmt::print("{}\n", to_json(description, stored).dump(2, ' ', false, Json::error_handler_t::replace))
-          : print_text(description, stored);
+    const Info info = while_reading([&](const Progress& progress) { return read_info(file, progress); });
+    *json ? fmt::print("{}\n", to_json(info).dump(2, ' ', false, Json::error_handler_t::replace)) : print_text(info);
   });
 }
 

@@ -204,6 +204,22 @@ void print_report(const BakePlan& plan, const std::optional<PriorResults>& prior
   fmt::print("{}", sizes_text(sizes));
 }
 
+namespace {
+
+/// A line each, as they come: of millions of cells a document would take gigabytes. Names of cells are plain ASCII.
+void print_jobs(const BakePlan& plan, const std::optional<PriorResults>& prior) {
+  for (const CellJob& job : plan.jobs) {
+    fmt::print(
+        "{}\n    {{\"name\": \"{}\", \"lattice_min\": [{}], \"tiles\": {}, \"triangles\": {}, \"fingerprint\": \"{}\"",
+        job.id == 0 ? "" : ",", job.name, fmt::join(job.lattice_min, ", "), job.tiles.size(), job.triangles,
+        job.fingerprint.hex());
+    if (prior) fmt::print(", \"prior\": \"{}\"", name_of(prior->reasons[job.id]));
+    fmt::print("}}");
+  }
+}
+
+}  // namespace
+
 void print_json_report(const BakePlan& plan, const std::optional<PriorResults>& prior, const PlanSizes& sizes) {
   const PlanEstimate e = estimate(plan);
   nlohmann::ordered_json j;
@@ -215,18 +231,13 @@ void print_json_report(const BakePlan& plan, const std::optional<PriorResults>& 
     const auto counts = prior->counts();
     for (std::size_t r = 0; r < counts.size(); ++r) j["prior"][std::string(name_of(PriorReason(r)))] = counts[r];
   }
-  j["jobs"] = nlohmann::ordered_json::array();
-  for (const CellJob& job : plan.jobs) {
-    j["jobs"].push_back({{"name", job.name},
-                         {"lattice_min", job.lattice_min},
-                         {"tiles", job.tiles.size()},
-                         {"triangles", job.triangles},
-                         {"fingerprint", job.fingerprint.hex()}});
-    if (prior) j["jobs"].back()["prior"] = name_of(prior->reasons[job.id]);
-  }
-  add_precision(plan.precision, j);
-  add_left_out(plan, j);
-  fmt::print("{}", text_of(j));
+  nlohmann::ordered_json rest;
+  add_precision(plan.precision, rest);
+  add_left_out(plan, rest);
+  const std::string head = text_of(j), tail = text_of(rest);
+  fmt::print("{},\n  \"jobs\": [", std::string_view(head).substr(0, head.rfind("\n}")));
+  print_jobs(plan, prior);
+  fmt::print("],{}", std::string_view(tail).substr(1));
 }
 
 void warn_of(const SourcePrecision& precision) {

@@ -101,8 +101,8 @@ double share_of_plane(const Block& b) {
 
 Blocks read_blocks(const std::filesystem::path& scene_xml) {
   Blocks blocks;
-  const SceneLevel level = read_scene_level(scene_xml, 0);
-  for_each_dense_brick(scene_xml, level.scene, 0, [&](const LevelIndex& lowest, const DenseBrick& brick) {
+  const SceneLevel level = open_scene_level(scene_xml, 0);
+  for_each_dense_brick(level.scene, 0, [&](const LevelIndex& lowest, const DenseBrick& brick) {
     for (std::size_t i = 0; i < brick_voxels; ++i)
       if (brick.has(i) && brick.rgba[i][3] >= 128)
         add_voxel(

@@ -79,11 +79,12 @@ class GigavoxelWriter {
     }
   }
 
-  void write_scene(const SceneDescription& scene) const {
+  void write_scene(const PagedScene& paged) const {
+    const SceneHeader& scene = paged.header();
     OutputFile out(target_, folder_ / "scene.gvp");
     out.write("<OctTreeGroup Compressed=\"NO\" BrickXSize=\"8\" BrickYSize=\"8\" BrickZSize=\"8\">\n");
-    for (std::size_t number = 0; number < scene.cells.size(); ++number) {
-      const SceneCell& cell = scene.cells[number];
+    std::size_t number = 0;
+    paged.for_each_cell([&](const SceneCell& cell) {
       const double edge_m = cell.cell_voxels * scene.voxel_size_m;
       std::array<double, 3> centre_m{};
       for (std::size_t c = 0; c < 3; ++c)
@@ -92,8 +93,8 @@ class GigavoxelWriter {
           fmt::format("    <PagedOctTree CenterX=\"{}\" CenterY=\"{}\" CenterZ=\"{}\" Radius=\"{}\" "
                       "SizeXMeters=\"{}\" SizeYMeters=\"{}\" SizeZMeters=\"{}\" TreeFile=\"{}\"/>\n",
                       centre_m[0], centre_m[1], centre_m[2], edge_m * std::sqrt(3.0) / 2, edge_m, edge_m, edge_m,
-                      tree_file(number).string()));
-    }
+                      tree_file(number++).string()));
+    });
     out.write("</OctTreeGroup>\n");
     out.finish();
   }
@@ -113,14 +114,15 @@ class GigavoxelWriter {
 
 std::uint64_t export_gigavoxel(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& folder,
                                GigavoxelTreeFile kind, const Progress& progress) {
-  const auto [scene, voxels] = read_scene_level(scene_xml, lod);
+  const auto [scene, voxels] = open_scene_level(scene_xml, lod);
   FolderPublication publication(folder);
   GigavoxelWriter writer(publication.target(), publication.aside(), kind);
   progress.step("writing the cells", voxels);
-  for (std::size_t number = 0; number < scene.cells.size(); ++number) {
-    writer.write_cell(open_shard_of_scene(scene_xml, scene, scene.cells[number]), lod, number, progress);
-    progress.advance(scene.cells[number].voxels[std::size_t(lod)]);
-  }
+  std::size_t number = 0;
+  scene.for_each_cell([&, &scene = scene](const SceneCell& cell) {
+    writer.write_cell(open_shard_of_scene(scene_xml, scene.header(), cell), lod, number++, progress);
+    progress.advance(cell.voxels[std::size_t(lod)]);
+  });
   writer.write_scene(scene);
   publication.publish();
   return voxels;

@@ -41,16 +41,15 @@ IndexBox box_of(const LeafNode<Rgba8>& leaf) {
   return box;
 }
 
-NanovdbTree tree_of(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod,
-                    const Progress& progress) {
+NanovdbTree tree_of(const PagedScene& scene, int lod, const Progress& progress) {
   NanovdbTree tree;
   const auto add = [&](const LevelIndex& lowest, const DenseBrick&) {
     for (const std::int64_t i : lowest)
       if (i != std::int32_t(i))
-        throw InputError(scene_xml, "LatticeMin", "NanoVDB has no room for indices beyond 32 bits");
+        throw InputError(scene.file(), "LatticeMin", "NanoVDB has no room for indices beyond 32 bits");
     tree.add(lowest);
   };
-  for_each_block_part(scene_xml, scene, lod, add, progress);
+  for_each_block_part(scene, lod, add, progress);
   tree.finish();
   return tree;
 }
@@ -123,18 +122,20 @@ class NanovdbWriter {
 
 std::uint64_t export_nanovdb(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& nvdb,
                              const Progress& progress) {
-  const auto [scene, voxels] = read_scene_level(scene_xml, lod);
+  const auto [scene, voxels] = open_scene_level(scene_xml, lod);
   Publication publication(nvdb);
   progress.step("finding the bricks", voxels);
-  NanovdbTree tree = tree_of(scene_xml, scene, lod, progress);
-  NanovdbWriter writer(tree, {std::ldexp(scene.voxel_size_m, lod), scene.lattice_origin_m, voxels}, scene.has_normals);
+  NanovdbTree tree = tree_of(scene, lod, progress);
+  const SceneHeader& header = scene.header();
+  NanovdbWriter writer(tree, {std::ldexp(header.voxel_size_m, lod), header.lattice_origin_m, voxels},
+                       header.has_normals);
   {
     RandomAccessFile file(nvdb, publication.aside(), writer.bytes());
     progress.step("writing the voxels", voxels);
     const auto write = [&](const LevelIndex& lowest, const DenseBrick& brick) {
       if (!writer.write_leaf(file, lowest, brick)) throw InputError(scene_xml, "", "its shards changed meanwhile");
     };
-    for_each_block_part(scene_xml, scene, lod, write, progress);
+    for_each_block_part(scene, lod, write, progress);
     writer.write_nodes(file);
   }
   publication.publish();

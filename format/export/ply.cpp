@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t vertex_bytes = 3 * 8 + 3 * 4 + 4 + 3 * 4;
 
-std::string header(const SceneDescription& scene, int lod, std::uint64_t voxels) {
+std::string header(const SceneHeader& scene, int lod, std::uint64_t voxels) {
   return fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment {}, lod {}, voxels of {} m\nelement vertex {}\n"
       "property double x\nproperty double y\nproperty double z\nproperty int i\nproperty int j\nproperty int k\n"
@@ -32,7 +32,7 @@ std::string header(const SceneDescription& scene, int lod, std::uint64_t voxels)
 /// Writes the vertices of one cell after another.
 class VertexStream {
  public:
-  VertexStream(const SceneDescription& scene, int lod, const std::filesystem::path& target,
+  VertexStream(const SceneHeader& scene, int lod, const std::filesystem::path& target,
                const std::filesystem::path& aside, const Progress& progress)
       : scene_(scene), lod_(lod), target_(target), progress_(progress), out_(aside, std::ios::binary) {}
 
@@ -91,7 +91,7 @@ class VertexStream {
     used_ = 0;
   }
 
-  const SceneDescription& scene_;
+  const SceneHeader& scene_;
   int lod_;
   const std::filesystem::path& target_;
   const Progress& progress_;
@@ -104,16 +104,16 @@ class VertexStream {
 
 std::uint64_t export_ply(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& ply,
                          const Progress& progress) {
-  const auto [scene, voxels] = read_scene_level(scene_xml, lod);
+  const auto [scene, voxels] = open_scene_level(scene_xml, lod);
   Publication publication(ply);
   progress.step("writing the voxels", voxels);
-  VertexStream stream(scene, lod, ply, publication.aside(), progress);
-  stream.write(header(scene, lod, voxels));
-  for (const SceneCell& c : scene.cells) {
-    const std::filesystem::path shard = scene_xml.parent_path() / c.file;
-    if (stream.write_cell(shard, open_shard_of_scene(scene_xml, scene, c)) != c.voxels[std::size_t(lod)])
+  VertexStream stream(scene.header(), lod, ply, publication.aside(), progress);
+  stream.write(header(scene.header(), lod, voxels));
+  scene.for_each_cell([&scene = scene, &stream, lod](const SceneCell& c) {
+    const std::filesystem::path shard = scene.folder() / c.file;
+    if (stream.write_cell(shard, open_shard_of_scene(scene.file(), scene.header(), c)) != c.voxels[std::size_t(lod)])
       throw InputError(shard, "/lod_" + std::to_string(lod), "has not as many voxels as scene.xml says");
-  }
+  });
   stream.finish();
   publication.publish();
   return voxels;

@@ -26,6 +26,7 @@ using Keys = std::vector<std::uint64_t>;
 struct TilesetCube {
   LevelIndex lowest{};           ///< voxels of level 0; a multiple of the edge of a tile of `coarsest`
   int finest = 0, coarsest = 0;  ///< the levels that come from shards
+  std::int64_t corners = 0;      ///< bits that are set in a cell's corner
   std::uint32_t levels = 0;      ///< of tiles: 0 is the root, levels − 1 is `finest`
 
   int lod(std::uint32_t tile_level) const { return finest + int(levels - 1 - tile_level); }
@@ -34,20 +35,15 @@ struct TilesetCube {
 };
 
 /// Errors  InputError: farther apart than a tile's number can say.
-TilesetCube cube_of(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod) {
+TilesetCube cube_of(const PagedScene& scene, int lod) {
   TilesetCube cube;
   cube.finest = lod;
   cube.coarsest = 62;
-  LevelIndex low, high;
-  low.fill(INT64_MAX);
-  high.fill(INT64_MIN);
-  for (const SceneCell& cell : scene.cells) {
+  scene.for_each_cell([&cube](const SceneCell& cell) {
     cube.coarsest = std::min(cube.coarsest, int(cell.lods) - 1);
-    for (std::size_t c = 0; c < 3; ++c) {
-      low[c] = std::min(low[c], cell.lattice_min[c]);
-      high[c] = std::max(high[c], cell.lattice_min[c] + std::int64_t(cell.cell_voxels));
-    }
-  }
+    for (const std::int64_t x : cell.lattice_min) cube.corners |= x;
+  });
+  const auto [low, high] = scene.totals().window;
   const std::int64_t edge = cube.tile_edge(cube.coarsest);
   std::uint64_t tiles = 1;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -57,39 +53,38 @@ TilesetCube cube_of(const std::filesystem::path& scene_xml, const SceneDescripti
   const int above = std::bit_width(tiles - 1);
   cube.levels = std::uint32_t(cube.coarsest - cube.finest + above + 1);
   constexpr std::uint32_t most_levels = 21;  // bits of a place in a Morton code
-  if (cube.levels > most_levels) throw InputError(scene_xml, "LatticeMin", "cells lie too far apart for one oct-tree");
+  if (cube.levels > most_levels)
+    throw InputError(scene.file(), "LatticeMin", "cells lie too far apart for one oct-tree");
   return cube;
 }
 
 class TilesetWriter {
  public:
-  TilesetWriter(const std::filesystem::path& target, const std::filesystem::path& folder, const SceneDescription& scene,
+  TilesetWriter(const std::filesystem::path& target, const std::filesystem::path& folder, const PagedScene& scene,
                 const TilesetCube& cube, const Progress& progress)
       : target_(target),
         folder_(folder),
         scene_(scene),
         cube_(cube),
         progress_(progress),
-        files_(target, folder, scene.has_normals),
+        files_(target, folder, scene.header().has_normals),
         tiles_(cube.levels) {}
 
   /// The tiles of a level that the shards have.
-  void write_level(const std::filesystem::path& scene_xml, int lod) {
-    progress_.step(fmt::format("writing the tiles of lod {}", lod), voxels_of_level(scene_xml, scene_, lod));
+  void write_level(int lod) {
+    progress_.step(fmt::format("writing the tiles of lod {}", lod), voxels_of_level(scene_, lod));
     Keys& keys = tiles_[cube_.tile_level(lod)];
-    bool shared = false;  // whether a tile can be of several bricks
-    for (const SceneCell& cell : scene_.cells)
-      for (const std::int64_t x : cell.lattice_min) shared |= (x >> lod & 7) != 0;
+    const bool shared = (cube_.corners >> lod & 7) != 0;  // whether a tile can be of several bricks
     const auto add = [&](const LevelIndex& lowest, const DenseBrick& part) {
       const BrickCoordinate at{tile_place(lowest, 0, lod), tile_place(lowest, 1, lod), tile_place(lowest, 2, lod)};
       const std::uint64_t key = morton(at.x, at.y, at.z);
       VoxelTile tile;
       if (shared) files_.read(name(cube_.tile_level(lod), key), tile);
-      add_voxels(tile, part, scene_.has_normals);
+      add_voxels(tile, part, scene_.header().has_normals);
       write(cube_.tile_level(lod), key, tile);
       keys.push_back(key);
     };
-    for_each_block_part(scene_xml, scene_, lod, add, progress_);
+    for_each_block_part(scene_, lod, add, progress_);
     std::sort(keys.begin(), keys.end());
     keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
     add_missing_parents(cube_.tile_level(lod));
@@ -141,11 +136,13 @@ class TilesetWriter {
   }
   static std::string name(std::uint32_t level, std::uint64_t key) { return "tiles/" + place(level, key) + ".glb"; }
 
-  double edge_m(std::uint32_t level) const { return double(cube_.tile_edge(cube_.lod(level))) * scene_.voxel_size_m; }
+  double edge_m(std::uint32_t level) const {
+    return double(cube_.tile_edge(cube_.lod(level))) * scene_.header().voxel_size_m;
+  }
   std::array<double, 3> corner_m() const {
     std::array<double, 3> corner{};
     for (std::size_t c = 0; c < 3; ++c)
-      corner[c] = scene_.lattice_origin_m[c] + double(cube_.lowest[c]) * scene_.voxel_size_m;
+      corner[c] = scene_.header().lattice_origin_m[c] + double(cube_.lowest[c]) * scene_.header().voxel_size_m;
     return corner;
   }
 
@@ -174,7 +171,7 @@ class TilesetWriter {
 
   Json voxel_class() const {
     Json properties;
-    if (scene_.has_normals) properties["normal"] = {{"type", "VEC3"}, {"componentType", "FLOAT32"}};
+    if (scene_.header().has_normals) properties["normal"] = {{"type", "VEC3"}, {"componentType", "FLOAT32"}};
     properties["color"] = {{"type", "VEC4"}, {"componentType", "UINT8"}, {"normalized", true}};
     return {{"properties", properties}};
   }
@@ -195,8 +192,8 @@ class TilesetWriter {
           {"subtreeLevels", subtree_levels},
           {"availableLevels", tiles_.size()},
           {"subtrees", {{"uri", "subtrees/{level}/{x}/{y}/{z}.subtree"}}}}}};
-    if (scene_.origin) {
-      const Affine<Ecef, Scene> ecef = ecef_from_enu(*scene_.origin);
+    if (scene_.header().origin) {
+      const Affine<Ecef, Scene> ecef = ecef_from_enu(*scene_.header().origin);
       Json columns = Json::array();
       for (std::size_t column = 0; column < 4; ++column) {
         for (std::size_t row = 0; row < 3; ++row) columns.push_back(ecef.m[row][column]);
@@ -211,7 +208,7 @@ class TilesetWriter {
     std::uint64_t count = 0;
     for (const Keys& keys : tiles_) count += keys.size();
     const Json tile_count = {{"type", "SCALAR"}, {"componentType", "UINT32"}, {"semantic", "TILESET_TILE_COUNT"}};
-    return {{"asset", {{"version", "1.1"}, {"generator", scene_.generator}}},
+    return {{"asset", {{"version", "1.1"}, {"generator", scene_.header().generator}}},
             {"extensionsUsed", {"3DTILES_content_voxels"}},
             {"extensionsRequired", {"3DTILES_content_voxels"}},
             {"schema",
@@ -224,7 +221,7 @@ class TilesetWriter {
 
   const std::filesystem::path& target_;
   const std::filesystem::path& folder_;
-  const SceneDescription& scene_;
+  const PagedScene& scene_;
   TilesetCube cube_;
   const Progress& progress_;
   VoxelTileFiles files_;
@@ -235,12 +232,12 @@ class TilesetWriter {
 
 std::uint64_t export_3dtiles(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& folder,
                              const Progress& progress) {
-  const auto [scene, voxels] = read_scene_level(scene_xml, lod);
-  if (scene.cells.empty()) throw InputError(scene_xml, "PagedOctTree", "the scene has no cells");
-  const TilesetCube cube = cube_of(scene_xml, scene, lod);
+  const auto [scene, voxels] = open_scene_level(scene_xml, lod);
+  if (scene.totals().cells == 0) throw InputError(scene_xml, "PagedOctTree", "the scene has no cells");
+  const TilesetCube cube = cube_of(scene, lod);
   FolderPublication publication(folder);
   TilesetWriter writer(publication.target(), publication.aside(), scene, cube, progress);
-  for (int level = lod; level <= cube.coarsest; ++level) writer.write_level(scene_xml, level);
+  for (int level = lod; level <= cube.coarsest; ++level) writer.write_level(level);
   for (std::uint32_t level = cube.tile_level(cube.coarsest); level > 0; --level) writer.write_coarser_level(level - 1);
   writer.write_subtrees();
   writer.write_tileset();

@@ -9,7 +9,7 @@ namespace {
 template <class Cell, class F>
 void each_field_of_cell(Cell& c, const F& f) {
   f(c.name), f(c.file), f(c.lattice_min), f(c.cell_voxels), f(c.lods), f(c.bytes), f(c.triangles), f(c.voxels),
-      f(c.fingerprint), f(c.content_hash), f(c.first_lod);
+      f(c.fingerprint), f(c.content_hash), f(c.level_bytes), f(c.node_bytes), f(c.first_lod);
 }
 
 template <class Job, class F>

@@ -23,6 +23,18 @@ struct LatticeBox {
   friend bool operator==(const LatticeBox&, const LatticeBox&) = default;
 };
 
+/// The smallest box that holds both; an empty one holds nothing.
+inline LatticeBox hull(const LatticeBox& a, const LatticeBox& b) {
+  if (a.is_empty()) return b;
+  if (b.is_empty()) return a;
+  LatticeBox r;
+  for (std::size_t c = 0; c < 3; ++c) {
+    r.min[c] = std::min(a.min[c], b.min[c]);
+    r.end[c] = std::max(a.end[c], b.end[c]);
+  }
+  return r;
+}
+
 inline LatticeBox window_of(const SceneCell& cell) {
   const std::int64_t edge = cell.cell_voxels;
   return {cell.lattice_min, {cell.lattice_min[0] + edge, cell.lattice_min[1] + edge, cell.lattice_min[2] + edge}};

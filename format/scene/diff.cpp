@@ -8,7 +8,7 @@
 #include <set>
 
 #include "format/scene/cell_window.h"
-#include "format/scene/scene_totals.h"
+#include "format/scene/paged_scene.h"
 #include "format/scene/shard_of_scene.h"
 #include "format/shard/level_lookup.h"
 #include "lattice/error.h"
@@ -18,9 +18,11 @@ namespace {
 
 using Corner = std::array<std::int64_t, 3>;
 
+/// scene: with the cells that are compared.
 struct Side {
   std::filesystem::path scene_xml;
   SceneDescription scene;
+  SceneTotals totals;
 };
 
 /// A cell of one scene, read level by level.
@@ -188,10 +190,10 @@ class SceneComparison {
 
  private:
   void choose_levels() {
-    const SceneTotals a(a_.scene), b(b_.scene);
+    const SceneTotals &a = a_.totals, &b = b_.totals;
     for (std::size_t lod = 0; lod < std::max(a.voxels.size(), b.voxels.size()); ++lod) {
       all_levels_.push_back(int(lod));
-      if (a_.scene.cells.empty() || b_.scene.cells.empty())
+      if (a.cells == 0 || b.cells == 0)
         open_levels_.push_back(int(lod));
       else if (lod >= std::min(a.voxels.size(), b.voxels.size()))
         skipped_.insert(int(lod));
@@ -268,7 +270,7 @@ class SceneComparison {
   std::map<std::pair<std::string, std::string>, std::vector<LevelDifference>> differences_;
 };
 
-void expect_comparable(const std::filesystem::path& path, const SceneDescription& a, const SceneDescription& b) {
+void expect_comparable(const std::filesystem::path& path, const SceneHeader& a, const SceneHeader& b) {
   if (a.voxel_size_m != b.voxel_size_m)
     throw InputError(path, "VoxelSize", "cannot be compared: the other scene's voxels are of another size");
   if (a.lattice_origin_m != b.lattice_origin_m || a.origin != b.origin)
@@ -283,6 +285,52 @@ std::uint32_t largest_cell(const SceneDescription& scene) {
   return largest;
 }
 
+/// The parts of two scenes that differ, as far as pages say it: where two pages of one block have the same voxels on
+/// every level, the voxels of their cells are nowhere else, and there is nothing to compare.
+class UnlikePages {
+ public:
+  UnlikePages(const PagedScene& a, const PagedScene& b) : a_(a), b_(b) {}
+
+  /// What two groups of one block list, or two whole scenes.
+  void compare(const ScenePage& a, const ScenePage& b) {
+    std::map<std::pair<Corner, std::int64_t>, const PageReference*> of_b;
+    for (const PageReference& page : b.pages) of_b[{page.block.min, page.block.edge}] = &page;
+    for (const PageReference& page : a.pages) {
+      const auto other = of_b.find({page.block.min, page.block.edge});
+      if (other == of_b.end()) {
+        take(a_, page, left);
+        continue;
+      }
+      if (page.totals.content_hash != other->second->totals.content_hash)
+        compare(read_page(a_.file(), a_.header(), page), read_page(b_.file(), b_.header(), *other->second));
+      of_b.erase(other);
+    }
+    for (const PageReference& page : b.pages)
+      if (of_b.contains({page.block.min, page.block.edge})) take(b_, page, right);
+    left.insert(left.end(), a.cells.begin(), a.cells.end());
+    right.insert(right.end(), b.cells.begin(), b.cells.end());
+  }
+
+  std::vector<SceneCell> left, right;
+
+ private:
+  static void take(const PagedScene& scene, const PageReference& page, std::vector<SceneCell>& cells) {
+    scene.for_each_cell_below(page, [&cells](const SceneCell& cell) { cells.push_back(cell); });
+  }
+
+  const PagedScene& a_;
+  const PagedScene& b_;
+};
+
+std::pair<Side, Side> sides_of(const PagedScene& a, const PagedScene& b) {
+  UnlikePages pages(a, b);
+  pages.compare(a.root(), b.root());
+  std::sort(pages.left.begin(), pages.left.end(), is_before);
+  std::sort(pages.right.begin(), pages.right.end(), is_before);
+  return {{a.file(), {a.header(), std::move(pages.left)}, a.totals()},
+          {b.file(), {b.header(), std::move(pages.right)}, b.totals()}};
+}
+
 void exchange(SceneDifference& d) {
   for (CellDifference& cell : d.cells) {
     std::swap(cell.cell_in_a, cell.cell_in_b);
@@ -294,8 +342,9 @@ void exchange(SceneDifference& d) {
 
 SceneDifference diff_scenes(const std::filesystem::path& a, const std::filesystem::path& b, const Progress& progress) {
   progress.step("reading the scenes");
-  const Side left{a, read_scene(a)}, right{b, read_scene(b)};
-  expect_comparable(b, left.scene, right.scene);
+  const PagedScene scene_a(a), scene_b(b);
+  expect_comparable(b, scene_a.header(), scene_b.header());
+  const auto [left, right] = sides_of(scene_a, scene_b);
   if (largest_cell(left.scene) >= largest_cell(right.scene)) return SceneComparison(left, right).run(progress);
   SceneDifference difference = SceneComparison(right, left).run(progress);
   exchange(difference);

@@ -1,27 +1,31 @@
 #include "format/scene/scene_attributes.h"
 
 #include <algorithm>
-#include <set>
 
 namespace gigabake {
-namespace {
 
-bool is_one_of(std::string_view name, std::initializer_list<std::string_view> known) {
-  return std::find(known.begin(), known.end(), name) != known.end();
-}
-
-}  // namespace
-
-std::string SceneAttributes::text(const char* key) const {
+std::string_view SceneAttributes::view(const char* key) const {
   const pugi::xml_attribute a = node_.attribute(key);
   if (!a) fail(key, "is missing");
   return a.value();
 }
 
+std::vector<std::string_view> SceneAttributes::words(std::string_view text) {
+  constexpr std::string_view blanks = " \t\n\v\f\r";
+  std::vector<std::string_view> all;
+  while (true) {
+    const std::size_t begin = text.find_first_not_of(blanks);
+    if (begin == std::string_view::npos) return all;
+    text.remove_prefix(begin);
+    const std::size_t end = std::min(text.find_first_of(blanks), text.size());
+    all.push_back(text.substr(0, end));
+    text.remove_prefix(end);
+  }
+}
+
 std::vector<Hash128> SceneAttributes::hashes(const char* key) const {
   std::vector<Hash128> out;
-  std::istringstream words(text(key));
-  for (std::string word; words >> word;) {
+  for (const std::string_view word : words(view(key))) {
     const auto h = Hash128::from_hex(word);
     if (!h) fail(key, "expected 32 hexadecimal digits, got " + in_quotes(word));
     out.push_back(*h);
@@ -35,21 +39,23 @@ Hash128 SceneAttributes::hash(const char* key) const {
   return all[0];
 }
 
-std::vector<SceneFault> SceneAttributes::unknown_parts(std::initializer_list<std::string_view> known,
-                                                       std::initializer_list<std::string_view> known_elements) const {
+std::vector<SceneFault> SceneAttributes::unknown_parts(std::span<const std::string_view> known,
+                                                       std::span<const std::string_view> known_elements) const {
   std::vector<SceneFault> faults;
-  std::set<std::string_view> seen;
+  std::uint64_t seen = 0;  // a bit for each of `known`
   for (const pugi::xml_attribute a : node_.attributes()) {
     const std::string_view name = a.name();
-    if (!is_one_of(name, known))
-      faults.push_back(fault(as_line(name, longest_quote_bytes), "is no attribute of this element"));
-    if (!seen.insert(name).second) faults.push_back(fault(as_line(name, longest_quote_bytes), "stands there twice"));
+    const auto at = std::find(known.begin(), known.end(), name);
+    const std::uint64_t bit = at == known.end() ? 0 : std::uint64_t(1) << (at - known.begin());
+    if (bit == 0) faults.push_back(fault(as_line(name, longest_quote_bytes), "is no attribute of this element"));
+    if ((seen & bit) != 0) faults.push_back(fault(as_line(name, longest_quote_bytes), "stands there twice"));
+    seen |= bit;
   }
   for (const pugi::xml_node child : node_.children()) {
     const std::string_view name = child.name();
     if (child.type() != pugi::node_element)
       faults.push_back(fault("", "holds " + in_quotes(child.value()) + ", which is no element"));
-    else if (!is_one_of(name, known_elements))
+    else if (std::find(known_elements.begin(), known_elements.end(), name) == known_elements.end())
       faults.push_back(fault(as_line(name, longest_quote_bytes), "is no element of this one"));
   }
   return faults;

@@ -6,9 +6,8 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <initializer_list>
 #include <pugixml.hpp>
-#include <sstream>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -26,7 +25,7 @@ class SceneAttributes {
   SceneAttributes(const std::filesystem::path& file, pugi::xml_node node) : file_(file), node_(node) {}
 
   bool has(const char* key) const { return bool(node_.attribute(key)); }
-  std::string text(const char* key) const;
+  std::string text(const char* key) const { return std::string(view(key)); }
   template <class T>
   T value(const char* key) const {
     const std::vector<T> v = values<T>(key);
@@ -43,8 +42,7 @@ class SceneAttributes {
   template <class T>
   std::vector<T> values(const char* key) const {
     std::vector<T> out;
-    std::istringstream words(text(key));
-    for (std::string word; words >> word;) {
+    for (const std::string_view word : words(view(key))) {
       T v{};
       const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), v);
       if (error != std::errc() || end != word.data() + word.size())
@@ -60,13 +58,17 @@ class SceneAttributes {
 
   /// Attributes that are not among `known` or stand there twice, elements that are not among `known_elements`, and text
   /// between elements.
-  std::vector<SceneFault> unknown_parts(std::initializer_list<std::string_view> known,
-                                        std::initializer_list<std::string_view> known_elements) const;
+  /// Range  at most 64 of `known`.
+  std::vector<SceneFault> unknown_parts(std::span<const std::string_view> known,
+                                        std::span<const std::string_view> known_elements) const;
 
   SceneFault fault(const std::string& key, const std::string& what) const;
   [[noreturn]] void fail(const char* key, const std::string& what) const;
 
  private:
+  std::string_view view(const char* key) const;
+  static std::vector<std::string_view> words(std::string_view text);
+
   const std::filesystem::path& file_;
   pugi::xml_node node_;
 };

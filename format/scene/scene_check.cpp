@@ -1,6 +1,7 @@
 #include "format/scene/scene_check.h"
 
 #include <fmt/format.h>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string_view>
@@ -8,6 +9,7 @@
 #include <utility>
 
 #include "format/scene/cell_window.h"
+#include "format/scene/scene_elements.h"
 #include "format/scene/scene_totals.h"
 #include "lattice/error.h"
 #include "lattice/parameters.h"
@@ -23,18 +25,18 @@ class SceneFaults {
   std::vector<SceneFault> all;
 };
 
-void check_totals(const SceneDescription& scene, const SaidTotals& said, SceneFaults& faults) {
-  const SceneTotals totals(scene);
+/// The totals of versions 2 and 3.
+void check_said(const SceneTotals& totals, const SaidTotals& said, SceneFaults& faults) {
   const char* const advice = "; lines were lost, added or changed: bake again";
-  faults.expect(said.cells == scene.cells.size(), "OctTreeGroup Cells",
-                fmt::format("says {}, but {} are listed{}", said.cells, scene.cells.size(), advice));
-  faults.expect(said.parents == scene.parents.size(), "OctTreeGroup Parents",
-                fmt::format("says {}, but {} are listed{}", said.parents, scene.parents.size(), advice));
+  faults.expect(said.cells == totals.cells, "OctTreeGroup Cells",
+                fmt::format("says {}, but {} are listed{}", said.cells, totals.cells, advice));
+  faults.expect(said.parents == totals.parents, "OctTreeGroup Parents",
+                fmt::format("says {}, but {} are listed{}", said.parents, totals.parents, advice));
   faults.expect(said.voxels == totals.voxels, "OctTreeGroup Voxels",
                 fmt::format("are not the sums of the cells that are listed{}", advice));
-  faults.expect(said.content_hash == totals.all_content, "OctTreeGroup ContentHash",
+  faults.expect(said.content_hash == totals.all_content(), "OctTreeGroup ContentHash",
                 fmt::format("says {}, but the cells that are listed have {}{}", said.content_hash.hex(),
-                            totals.all_content.hex(), advice));
+                            totals.all_content().hex(), advice));
 }
 
 void check_parameters(const BakeParameters& p, const SceneReading& reading, SceneFaults& faults) {
@@ -49,41 +51,56 @@ void check_parameters(const BakeParameters& p, const SceneReading& reading, Scen
   expect(reading.version < 2 || has_facing(p) == scene.has_facing, "facing");
   for (const SceneCell& cell : scene.cells)
     if (cell.cell_voxels != p.cell_voxels) return expect(false, "cell_voxels");
+  for (const PageReference& page : reading.pages)
+    if (page.totals.cell_voxels != p.cell_voxels) return expect(false, "cell_voxels");
 }
 
 }  // namespace
 
-std::vector<SceneFault> faults_of_cells(const SceneReading& reading) {
+std::vector<SceneFault> faults_of_places(const std::vector<SceneCell>& cells, const std::vector<SceneCell>& parents) {
   SceneFaults faults;
   std::unordered_set<std::string_view> names, files;
-  std::set<std::array<std::int64_t, 3>> places;
-  std::set<std::pair<std::uint32_t, std::array<std::int64_t, 3>>> parents;
-  for (const SceneCell& parent : reading.scene.parents) {
+  std::set<std::pair<std::uint32_t, std::array<std::int64_t, 3>>> places;
+  for (const SceneCell& parent : parents) {
     const std::string name = "PagedOctTree " + as_line(parent.name, longest_quote_bytes);
     faults.expect(names.insert(parent.name).second, name, "another shard has the same name");
     faults.expect(files.insert(parent.file).second, name, "another shard has the same TreeFile");
-    faults.expect(parents.insert({parent.first_lod, parent.lattice_min}).second, name,
+    faults.expect(places.insert({parent.first_lod, parent.lattice_min}).second, name,
                   "another parent has the same FirstLod and LatticeMin");
   }
-  for (const SceneCell& cell : reading.scene.cells) {
+  for (const SceneCell& cell : cells) {
     const std::string name = "PagedOctTree " + as_line(cell.name, longest_quote_bytes);
     faults.expect(names.insert(cell.name).second, name, "another cell has the same name");
     faults.expect(files.insert(cell.file).second, name, "another cell has the same TreeFile");
-    faults.expect(places.insert(cell.lattice_min).second, name, "another cell has the same LatticeMin");
+    faults.expect(places.insert({0, cell.lattice_min}).second, name, "another cell has the same LatticeMin");
   }
-  if (reading.said) check_totals(reading.scene, *reading.said, faults);
-  return faults.all;
+  return std::move(faults.all);
 }
 
-std::vector<SceneFault> overlaps_of_cells(const SceneDescription& scene) {
+std::vector<SceneFault> faults_of_listed(const SceneReading& reading) {
+  SceneFaults faults{faults_of_places(reading.scene.cells, reading.scene.parents)};
+  const auto add = [&faults](std::vector<SceneFault> more) {
+    std::move(more.begin(), more.end(), std::back_inserter(faults.all));
+  };
+  add(faults_of_blocks(reading.pages, nullptr));
+  SceneTotals totals(reading.scene);
+  for (const PageReference& page : reading.pages) totals.add(page.totals);
+  if (reading.said) check_said(totals, *reading.said, faults);
+  if (reading.totals) add(faults_of_totals(*reading.totals, totals, "OctTreeGroup"));
+  return std::move(faults.all);
+}
+
+std::vector<SceneFault> overlaps_of_cells(const std::vector<SceneCell>& all, const LatticeBlock* block) {
   SceneFaults faults;
-  const CellFinder finder(scene.cells);
-  for (std::size_t i = 0; i < scene.cells.size(); ++i)
-    for (const std::size_t other : finder.overlapping(window_of(scene.cells[i])))
-      faults.expect(other <= i || scene.cells[other].lattice_min == scene.cells[i].lattice_min,
-                    "PagedOctTree " + as_line(scene.cells[i].name, longest_quote_bytes),
-                    "overlaps cell " + as_line(scene.cells[other].name, longest_quote_bytes));
-  return faults.all;
+  const CellFinder finder(all);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (block != nullptr && block_around(all[i].lattice_min, block->edge) != *block) continue;
+    for (const std::size_t other : finder.overlapping(window_of(all[i])))
+      faults.expect(other <= i || all[other].lattice_min == all[i].lattice_min,
+                    "PagedOctTree " + as_line(all[i].name, longest_quote_bytes),
+                    "overlaps cell " + as_line(all[other].name, longest_quote_bytes));
+  }
+  return std::move(faults.all);
 }
 
 std::vector<SceneFault> faults_of_parameters(const SceneReading& reading) {

@@ -77,29 +77,30 @@ void for_each_dense_brick(const ShardHeader& header, const NodeTable& nodes, con
   }
 }
 
-std::uint64_t voxels_of_level(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod) {
-  std::uint64_t voxels = 0;
-  for (const SceneCell& c : scene.cells) {
-    if (lod < 0 || std::uint32_t(lod) >= c.lods)
-      throw InputError(scene_xml, "Lods",
-                       fmt::format("there is no lod {}; cell {} has 0 to {}", lod, c.name, c.lods - 1));
-    voxels += c.voxels[std::size_t(lod)];
-  }
-  return voxels;
+std::uint64_t voxels_of_level(const PagedScene& scene, int lod) {
+  const auto expect_level = [&](std::uint32_t lods, const std::string& who) {
+    if (lod < 0 || std::uint32_t(lod) >= lods)
+      throw InputError(scene.file(), "Lods", fmt::format("there is no lod {}; {} 0 to {}", lod, who, lods - 1));
+  };
+  const SceneTotals& totals = scene.totals();
+  if (totals.cells == 0) return 0;
+  if (scene.root().pages.empty())
+    scene.for_each_cell([&](const SceneCell& c) { expect_level(c.lods, "cell " + c.name + " has"); });
+  else
+    expect_level(std::uint32_t(std::bit_width(totals.cell_voxels / brick_edge)), "cells have");  // they are of one size
+  return totals.voxels.at(std::size_t(lod));
 }
 
-SceneLevel read_scene_level(const std::filesystem::path& scene_xml, int lod) {
-  SceneLevel level{read_scene(scene_xml), 0};
-  level.voxels = voxels_of_level(scene_xml, level.scene, lod);
-  return level;
+SceneLevel open_scene_level(const std::filesystem::path& scene_xml, int lod) {
+  PagedScene scene(scene_xml);
+  const std::uint64_t voxels = voxels_of_level(scene, lod);
+  return {std::move(scene), voxels};
 }
 
-void for_each_dense_brick(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod,
-                          const VisitBrick& visit, const Progress& progress) {
-  voxels_of_level(scene_xml, scene, lod);
-  for (const SceneCell& c : scene.cells) {
-    const std::filesystem::path shard = scene_xml.parent_path() / c.file;
-    const ShardReader reader = open_shard_of_scene(scene_xml, scene, c);
+void for_each_dense_brick(const PagedScene& scene, int lod, const VisitBrick& visit, const Progress& progress) {
+  voxels_of_level(scene, lod);
+  scene.for_each_cell([&](const SceneCell& c) {
+    const ShardReader reader = open_shard_of_scene(scene.file(), scene.header(), c);
     std::uint64_t voxels = 0;
     for_each_dense_brick(reader.header(), reader.nodes(), reader.level(lod), lod,
                          [&](const LevelIndex& lowest, const DenseBrick& brick) {
@@ -109,19 +110,19 @@ void for_each_dense_brick(const std::filesystem::path& scene_xml, const SceneDes
                            visit(lowest, brick);
                          });
     if (voxels != c.voxels[std::size_t(lod)])
-      throw InputError(shard, fmt::format("/lod_{}", lod), "has not as many voxels as scene.xml says");
-  }
+      throw InputError(scene.folder() / c.file, fmt::format("/lod_{}", lod),
+                       "has not as many voxels as scene.xml says");
+  });
 }
 
-void for_each_block_part(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod,
-                         const VisitBrick& visit, const Progress& progress) {
+void for_each_block_part(const PagedScene& scene, int lod, const VisitBrick& visit, const Progress& progress) {
   const auto visit_blocks = [&](const LevelIndex& lowest, const DenseBrick& brick) {
     if (((lowest[0] | lowest[1] | lowest[2]) & 7) == 0)
       visit(lowest, brick);
     else
       visit_parts(lowest, brick, visit);
   };
-  for_each_dense_brick(scene_xml, scene, lod, visit_blocks, progress);
+  for_each_dense_brick(scene, lod, visit_blocks, progress);
 }
 
 }  // namespace gigabake

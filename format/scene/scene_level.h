@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "format/scene/scene_xml.h"
+#include "format/scene/paged_scene.h"
 #include "format/shard/shard.h"
 #include "lattice/progress.h"
 
@@ -33,27 +33,25 @@ using VisitBrick = std::function<void(const LevelIndex& lowest, const DenseBrick
 void for_each_dense_brick(const ShardHeader& header, const NodeTable& nodes, const BrickLevel& level, int lod,
                           const VisitBrick& visit);
 
-/// The voxels of a scene's level, from scene.xml.
+/// The voxels of a scene's level, from its totals.
 /// Errors  InputError: a cell has no such level.
-std::uint64_t voxels_of_level(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod);
+std::uint64_t voxels_of_level(const PagedScene& scene, int lod);
 
 /// A scene, and how many voxels one of its levels has.
 struct SceneLevel {
-  SceneDescription scene;
+  PagedScene scene;
   std::uint64_t voxels = 0;
 };
 
 /// What an export of a level begins with. Errors  InputError: scene.xml cannot be read; a cell has no such level.
-SceneLevel read_scene_level(const std::filesystem::path& scene_xml, int lod);
+SceneLevel open_scene_level(const std::filesystem::path& scene_xml, int lod);
 
-/// Cell by cell; advances by voxels. Cost  One level of one cell in memory.
+/// Cell by cell; advances by voxels. Cost  One page of the scene and one level of one cell in memory.
 /// Errors  InputError: damaged or missing shards, or not as many voxels as scene.xml says. Stopped.
-void for_each_dense_brick(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod,
-                          const VisitBrick& visit, const Progress& progress = {});
+void for_each_dense_brick(const PagedScene& scene, int lod, const VisitBrick& visit, const Progress& progress = {});
 
 /// The same voxels cut along the lattice's own blocks of 8³ voxels: `lowest` is a multiple of 8 on each axis. A block
 /// that several bricks reach into is visited once for each, with other voxels every time.
-void for_each_block_part(const std::filesystem::path& scene_xml, const SceneDescription& scene, int lod,
-                         const VisitBrick& visit, const Progress& progress = {});
+void for_each_block_part(const PagedScene& scene, int lod, const VisitBrick& visit, const Progress& progress = {});
 
 }  // namespace gigabake

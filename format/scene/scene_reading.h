@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "format/scene/scene_page.h"
 #include "format/scene/scene_xml.h"
 #include "lattice/error.h"
 
@@ -31,9 +32,11 @@ struct SaidTotals {
 };
 
 struct SceneReading {
-  SceneDescription scene;
+  SceneDescription scene;            ///< with the cells that scene.xml itself lists, and all parents
+  std::vector<PageReference> pages;  ///< in place of cells
   int version = newest_scene_version;
-  std::optional<SaidTotals> said;  ///< nothing in version 1
+  std::optional<SaidTotals> said;     ///< nothing in version 1
+  std::optional<SceneTotals> totals;  ///< all that version 3 says
   /// Parts that we do not know or miss, though no voxel depends on them; a checksum that is wrong.
   std::vector<SceneFault> faults;
 };
@@ -42,8 +45,14 @@ struct SceneReading {
 ///         malformed; shard paths leave the folder.
 SceneReading read_scene_text(const std::filesystem::path& path);
 
-/// The text with the `Checksum` that belongs to it, in place of the one that it has.
-/// Range   text has a `Checksum` of 32 digits, as write_scene() makes it; otherwise it stays as it is.
-std::string with_checksum(std::string text);
+/// A page as it stands there.
+struct PageReading {
+  ScenePage page;
+  std::vector<SceneFault> faults;          ///< as SceneReading::faults
+  std::vector<SceneFault> contradictions;  ///< what read_page() refuses
+};
+/// Errors  InputError: as read_page(), but for contradictions.
+PageReading read_page_text(const std::filesystem::path& scene_xml, const SceneHeader& header,
+                           const PageReference& reference);
 
 }  // namespace gigabake

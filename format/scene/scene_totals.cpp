@@ -2,39 +2,70 @@
 
 #include <algorithm>
 
-#include "format/scene/shard_of_scene.h"
-
 namespace gigabake {
 
-SceneTotals::SceneTotals(const SceneDescription& scene) {
-  for (const auto& shards : {&scene.cells, &scene.parents})
-    for (const SceneCell& c : *shards) add(c);
+namespace {
+
+template <class T>
+void add_each(const std::vector<T>& of, std::vector<T>& to) {
+  to.resize(std::max(to.size(), of.size()));
+  for (std::size_t lod = 0; lod < of.size(); ++lod) to[lod] += of[lod];
 }
 
-void SceneTotals::add(const SceneCell& c) {
-  voxels.resize(std::max<std::size_t>(voxels.size(), c.first_lod + c.lods), 0);
-  content_hash.resize(voxels.size());
-  for (std::size_t l = 0; l < c.lods; ++l) {
-    voxels[c.first_lod + l] += c.voxels[l];
-    content_hash[c.first_lod + l] += c.content_hash[l];
-    all_content += c.content_hash[l];
+/// By lod of the lattice what a shard has by its own levels.
+template <class T>
+std::vector<T> on_lattice(const std::vector<T>& of_levels, std::uint32_t first_lod) {
+  std::vector<T> out(first_lod);
+  out.insert(out.end(), of_levels.begin(), of_levels.end());
+  return out;
+}
+
+}  // namespace
+
+SceneTotals::SceneTotals(const std::vector<SceneCell>& all) {
+  for (const SceneCell& cell : all) add(cell);
+}
+
+SceneTotals::SceneTotals(const SceneDescription& scene) : SceneTotals(scene.cells) {
+  for (const SceneCell& parent : scene.parents) add(parent);
+}
+
+void SceneTotals::add(const SceneCell& cell) {
+  SceneTotals one;
+  one.bytes = cell.bytes;
+  one.voxels = on_lattice(cell.voxels, cell.first_lod);
+  one.content_hash = on_lattice(cell.content_hash, cell.first_lod);
+  if (!cell.level_bytes.empty()) one.level_bytes = on_lattice(cell.level_bytes, cell.first_lod);
+  one.node_bytes = cell.node_bytes;
+  if (cell.first_lod != 0) {
+    one.parents = 1;
+  } else {
+    one.cells = 1;
+    one.cell_voxels = cell.cell_voxels;
+    one.window = window_of(cell);
   }
-  bytes += c.bytes;
+  add(one);
 }
 
-StoredBytes stored_bytes(const std::filesystem::path& scene_xml, const SceneDescription& scene,
-                         const Progress& progress) {
-  progress.step("looking into the shards", scene.cells.size() + scene.parents.size());
-  StoredBytes bytes;
-  for (const auto& shards : {&scene.cells, &scene.parents})
-    for (const SceneCell& c : *shards) {
-      const ShardReader reader = open_shard_of_scene(scene_xml, scene, c);
-      bytes.of_lod.resize(std::max<std::size_t>(bytes.of_lod.size(), c.first_lod + c.lods), 0);
-      for (std::size_t l = 0; l < c.lods; ++l) bytes.of_lod[c.first_lod + l] += reader.level_bytes(int(l));
-      bytes.of_nodes += reader.node_bytes();
-      progress.advance();
-    }
-  return bytes;
+void SceneTotals::add(const SceneTotals& part) {
+  if (part.cells + part.parents == 0) return;
+  const bool stored = has_stored() && part.has_stored();
+  if (part.cells != 0) cell_voxels = cells == 0 || cell_voxels == part.cell_voxels ? part.cell_voxels : 0;
+  cells += part.cells;
+  parents += part.parents;
+  bytes += part.bytes;
+  add_each(part.voxels, voxels);
+  add_each(part.content_hash, content_hash);
+  add_each(part.level_bytes, level_bytes);
+  node_bytes += part.node_bytes;
+  if (!stored) level_bytes.clear(), node_bytes = 0;
+  window = hull(window, part.window);
+}
+
+Hash128 SceneTotals::all_content() const {
+  Hash128 all;
+  for (const Hash128& hash : content_hash) all += hash;
+  return all;
 }
 
 }  // namespace gigabake

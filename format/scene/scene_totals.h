@@ -1,35 +1,33 @@
-/// Sums over a scene's cells and parents.
+/// Sums over cells and parents: of a scene, or of one of its pages, which has no parents.
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <vector>
 
+#include "format/scene/cell_window.h"
 #include "format/scene/scene_xml.h"
-#include "lattice/progress.h"
 
 namespace gigabake {
 
-/// What scene.xml says. Indexed by lod, up to the highest that any cell has.
+/// What the cells and parents say of themselves. Per lod of the lattice, up to the highest that any of them has.
 struct SceneTotals {
+  SceneTotals() = default;
+  explicit SceneTotals(const std::vector<SceneCell>& cells);
   explicit SceneTotals(const SceneDescription& scene);
+
+  void add(const SceneCell& cell);
+  void add(const SceneTotals& part);
+  Hash128 all_content() const;  ///< of all lods
+  bool has_stored() const { return cells + parents == 0 || !level_bytes.empty(); }
+  friend bool operator==(const SceneTotals&, const SceneTotals&) = default;
+
+  std::uint64_t cells = 0, parents = 0, bytes = 0;
   std::vector<std::uint64_t> voxels;
   std::vector<Hash128> content_hash;
-  Hash128 all_content;  ///< of all lods
-  std::uint64_t bytes = 0;
-
- private:
-  void add(const SceneCell& cell);
+  std::vector<std::uint64_t> level_bytes;  ///< empty where a cell or a parent lacks it
+  std::uint64_t node_bytes = 0;            ///< 0 where one lacks it
+  std::uint32_t cell_voxels = 0;           ///< of all cells; 0 where they have several
+  LatticeBox window;                       ///< of all cells; empty where there are none
 };
-
-/// Compressed sizes on disk. The rest of the shards' bytes is HDF5's own: headers, indexes, attributes.
-struct StoredBytes {
-  std::vector<std::uint64_t> of_lod;
-  std::uint64_t of_nodes = 0;
-};
-
-/// Cost    Opens every shard, reads no voxels. Errors  InputError: a shard is missing or damaged.
-StoredBytes stored_bytes(const std::filesystem::path& scene_xml, const SceneDescription& scene,
-                         const Progress& progress = {});
 
 }  // namespace gigabake

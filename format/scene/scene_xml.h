@@ -14,7 +14,7 @@
 
 namespace gigabake {
 
-/// One cell as the scene lists it.
+/// One cell, or one parent, as the scene lists it.
 struct SceneCell {
   std::string name;
   std::string file;  ///< shard, relative to the scene.xml
@@ -25,8 +25,10 @@ struct SceneCell {
   std::uint64_t triangles = 0;
   std::vector<std::uint64_t> voxels;  ///< per lod
   Hash128 fingerprint;
-  std::vector<Hash128> content_hash;  ///< per lod
-  std::uint32_t first_lod = 0;        ///< of the lattice: its own level 0. 0: a cell; else a parent
+  std::vector<Hash128> content_hash;            ///< per lod
+  std::vector<std::uint64_t> level_bytes = {};  ///< of `bytes`, per lod, as stored; empty: nobody wrote it down
+  std::uint64_t node_bytes = 0;                 ///< with level_bytes
+  std::uint32_t first_lod = 0;                  ///< of the lattice: its own level 0. 0: a cell; else a parent
 };
 
 /// Anything the bake was asked for and could not deliver.
@@ -34,7 +36,9 @@ struct SceneLoss {
   std::string name, reason;
 };
 
-struct SceneDescription {
+/// What scene.xml says itself, however many cells a scene has: what holds for all of it, and its parents, a few for
+/// every hundred cells.
+struct SceneHeader {
   std::string generator;
   double voxel_size_m = 0;
   std::array<double, 3> lattice_origin_m{};
@@ -43,14 +47,29 @@ struct SceneDescription {
   bool has_facing = false;
   std::string parameters;  ///< the bake's parameters as one line of JSON
   std::uint64_t triangles = 0, non_finite = 0, zero_area = 0, skipped_points = 0, skipped_lines = 0;
-  std::vector<SceneCell> cells;    ///< sorted by lattice_min z, y, x
-  std::vector<SceneCell> parents;  ///< of the levels above the cells', each after its children
   std::vector<SceneLoss> losses;
+  std::vector<SceneCell> parents;  ///< of the levels above the cells', each after its children
 };
 
-/// Replaces `path` atomically (write aside, fsync, rename, fsync folder).
-void write_scene(const std::filesystem::path& path, const SceneDescription& scene);
-/// Errors  InputError: not XML, unknown version, missing or malformed attribute, shard paths leaving the folder.
+/// A scene with all its cells in memory, some 700 bytes each. Who goes from cell to cell takes a PagedScene.
+struct SceneDescription : SceneHeader {
+  std::vector<SceneCell> cells;  ///< sorted by lattice_min z, y, x
+};
+
+/// Where a scene gets pages; the defaults are what bakes write.
+struct PageRule {
+  std::size_t most_cells_of_a_file = 4096;  ///< a scene of more has pages
+  std::uint32_t block_cells = 16;  ///< along an edge of a finest block, as blocks along that of the next; 2, 4, 8, …
+  std::size_t most_groups_of_a_file = 256;  ///< of scene.xml
+};
+
+/// Writes the pages, which the scene of before does not know, then replaces `path` atomically (write aside, fsync,
+/// rename, fsync folder). Pages of before stay: remove_unused_pages(). A scene whose cells have several sizes has no
+/// pages.
+void write_scene(const std::filesystem::path& path, const SceneDescription& scene, const PageRule& rule = {});
+/// All cells, those of pages too.
+/// Errors  InputError: not XML, unknown version, missing or malformed attribute, shard paths leaving the folder, a page
+///         that is missing or not the one that is meant, totals that are not those of the cells.
 SceneDescription read_scene(const std::filesystem::path& path);
 
 }  // namespace gigabake

@@ -4,7 +4,7 @@
 
 namespace gigabake {
 
-std::vector<HeaderDifference> differences_from_scene(const ShardHeader& header, const SceneDescription& scene,
+std::vector<HeaderDifference> differences_from_scene(const ShardHeader& header, const SceneHeader& scene,
                                                      const SceneCell& cell) {
   std::vector<HeaderDifference> found;
   const auto expect = [&](bool holds, const char* attribute, const std::string& what) {
@@ -25,7 +25,7 @@ std::vector<HeaderDifference> differences_from_scene(const ShardHeader& header, 
   return found;
 }
 
-void expect_shard_of_scene(const std::filesystem::path& shard, const ShardHeader& header, const SceneDescription& scene,
+void expect_shard_of_scene(const std::filesystem::path& shard, const ShardHeader& header, const SceneHeader& scene,
                            const SceneCell& cell) {
   const auto differences = differences_from_scene(header, scene, cell);
   if (!differences.empty())
@@ -33,7 +33,7 @@ void expect_shard_of_scene(const std::filesystem::path& shard, const ShardHeader
                      differences[0].what + "; gigabake verify names all that is wrong, bake again mends it");
 }
 
-ShardReader open_shard_of_scene(const std::filesystem::path& scene_xml, const SceneDescription& scene,
+ShardReader open_shard_of_scene(const std::filesystem::path& scene_xml, const SceneHeader& scene,
                                 const SceneCell& cell) {
   const std::filesystem::path path = scene_xml.parent_path() / cell.file;
   ShardReader reader(path);

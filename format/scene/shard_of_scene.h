@@ -17,16 +17,16 @@ struct HeaderDifference {
 };
 
 /// Empty where the header is what `scene` says of `cell`.
-std::vector<HeaderDifference> differences_from_scene(const ShardHeader& header, const SceneDescription& scene,
+std::vector<HeaderDifference> differences_from_scene(const ShardHeader& header, const SceneHeader& scene,
                                                      const SceneCell& cell);
 
 /// Errors  InputError: the first difference, and what to do.
-void expect_shard_of_scene(const std::filesystem::path& shard, const ShardHeader& header, const SceneDescription& scene,
+void expect_shard_of_scene(const std::filesystem::path& shard, const ShardHeader& header, const SceneHeader& scene,
                            const SceneCell& cell);
 
 /// The shard of a cell, open: the way for everybody who reads voxels of a scene.
 /// Errors  InputError: no such file, not a shard, not the one that the scene means.
-ShardReader open_shard_of_scene(const std::filesystem::path& scene_xml, const SceneDescription& scene,
+ShardReader open_shard_of_scene(const std::filesystem::path& scene_xml, const SceneHeader& scene,
                                 const SceneCell& cell);
 
 }  // namespace gigabake

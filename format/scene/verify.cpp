@@ -1,9 +1,12 @@
 #include "format/scene/verify.h"
 
 #include <algorithm>
+#include <functional>
+#include <iterator>
 #include <numeric>
 #include <optional>
 
+#include "format/scene/paged_scene.h"
 #include "format/scene/scene_check.h"
 #include "format/scene/shard_of_scene.h"
 #include "format/shard/brick_walk.h"
@@ -52,7 +55,14 @@ std::optional<Shard> read_whole(const ShardReader& reader, Faults& faults) {
   }
 }
 
-std::vector<std::string> check_cell(const SceneDescription& scene, const SceneCell& cell,
+void check_stored(const ShardReader& reader, const SceneCell& cell, Faults& faults) {
+  const char* const differs = "of the columns differ from what scene.xml says";
+  for (std::size_t lod = 0; lod < std::min(cell.level_bytes.size(), std::size_t(reader.header().lods)); ++lod)
+    faults.expect(reader.level_bytes(int(lod)) == cell.level_bytes[lod], "LevelBytes", differs);
+  faults.expect(reader.node_bytes() == cell.node_bytes, "NodeBytes", differs);
+}
+
+std::vector<std::string> check_cell(const SceneHeader& scene, const SceneCell& cell,
                                     const std::filesystem::path& path) {
   Faults faults(path);
   try {
@@ -60,6 +70,7 @@ std::vector<std::string> check_cell(const SceneDescription& scene, const SceneCe
     if (const auto shard = read_whole(reader, faults)) check_voxels(*shard, cell, faults);
     for (const auto& [attribute, what] : differences_from_scene(reader.header(), scene, cell))
       faults.expect(false, attribute, what);
+    if (!cell.level_bytes.empty()) check_stored(reader, cell, faults);
     const std::uint64_t bytes = std::filesystem::file_size(path);
     faults.expect(bytes == cell.bytes, "Bytes",
                   "the file has " + std::to_string(bytes) + ", scene.xml says " + std::to_string(cell.bytes));
@@ -69,44 +80,116 @@ std::vector<std::string> check_cell(const SceneDescription& scene, const SceneCe
   return faults.lines;
 }
 
-std::vector<std::string> check_scene(const std::filesystem::path& scene_xml, const SceneReading& reading) {
+std::vector<std::string> lines_of(const std::filesystem::path& file, const std::vector<SceneFault>& faults) {
   std::vector<std::string> lines;
-  for (const auto& faults :
-       {reading.faults, faults_of_parameters(reading), faults_of_cells(reading), overlaps_of_cells(reading.scene)})
-    for (const SceneFault& fault : faults) lines.emplace_back(error_of(scene_xml, fault).what());
+  for (const SceneFault& fault : faults) lines.emplace_back(error_of(file, fault).what());
   return lines;
 }
+
+void add_lines(std::vector<std::string> lines, std::vector<std::string>& to) {
+  std::move(lines.begin(), lines.end(), std::back_inserter(to));
+}
+
+std::uint64_t hash_of_name(const SceneCell& cell) { return std::hash<std::string>()(cell.name); }
+
+/// One verification: its pages one after the other, the cells of a page, as the parents, on all threads.
+class SceneVerification {
+ public:
+  SceneVerification(const std::filesystem::path& scene_xml, int threads, const Progress& progress)
+      : scene_xml_(scene_xml), pool_(threads), progress_(progress) {}
+
+  VerifyResult run() {
+    progress_.step("reading the scene");
+    SceneReading reading = read_scene_text(scene_xml_);
+    result_.has_totals = reading.said.has_value();
+    const std::vector<SceneFault> listed = faults_of_listed(reading);
+    for (const auto& faults : {reading.faults, faults_of_parameters(reading), listed})
+      add_lines(lines_of(scene_xml_, faults), result_.faults);
+    header_ = reading.scene;
+    std::uint64_t all_bytes = SceneTotals(reading.scene).bytes;
+    for (const PageReference& page : reading.pages) all_bytes += page.totals.bytes;
+    progress_.step("checking the shards", all_bytes);
+    add_lines(lines_of(scene_xml_, overlaps_of_cells(reading.scene.cells)), result_.faults);
+    check_cells(reading.scene.cells);
+    check_cells(reading.scene.parents);
+    for (const SceneCell& parent : reading.scene.parents) names_.push_back(hash_of_name(parent));
+    if (listed.empty()) pages_.emplace(scene_xml_);
+    for (const PageReference& page : reading.pages) check_page(page);
+    if (!reading.pages.empty()) check_names();
+    return std::move(result_);
+  }
+
+ private:
+  void check_page(const PageReference& reference) {
+    const std::filesystem::path path = scene_xml_.parent_path() / reference.file;
+    PageReading reading;
+    try {
+      reading = read_page_text(scene_xml_, header_, reference);
+    } catch (const InputError& error) {
+      return result_.faults.emplace_back(error.what()), void();
+    }
+    add_lines(lines_of(path, reading.faults), result_.faults);
+    add_lines(lines_of(path, reading.contradictions), result_.faults);
+    if (!reading.contradictions.empty()) return;  // what is below may lead anywhere
+    check_overlaps(path, reference);
+    check_cells(reading.page.cells);
+    for (const SceneCell& cell : reading.page.cells) names_.push_back(hash_of_name(cell));
+    for (const PageReference& below : reading.page.pages) check_page(below);
+  }
+
+  /// With cells of other pages too: a cell may reach out of its block.
+  void check_overlaps(const std::filesystem::path& path, const PageReference& page) {
+    if (!pages_ || page.groups != 0) return;
+    try {
+      const std::vector<SceneCell> near = pages_->cells_in(page.totals.window);
+      add_lines(lines_of(path, overlaps_of_cells(near, &page.block)), result_.faults);
+    } catch (const InputError&) {
+      // A neighbouring page is damaged, which is said where it is checked itself.
+    }
+  }
+
+  /// Over pages; within one they are known to differ.
+  void check_names() {
+    std::sort(names_.begin(), names_.end());
+    std::vector<std::uint64_t> twice;
+    for (std::size_t i = 1; i < names_.size(); ++i)
+      if (names_[i] == names_[i - 1]) twice.push_back(names_[i]);
+    if (twice.empty() || !pages_) return;
+    pages_->for_each_cell([&](const SceneCell& cell) {
+      if (std::binary_search(twice.begin(), twice.end(), hash_of_name(cell)))
+        result_.faults.emplace_back(InputError(scene_xml_, "PagedOctTree " + as_line(cell.name, longest_quote_bytes),
+                                               "another cell has the same name")
+                                        .what());
+    });
+  }
+
+  void check_cells(const std::vector<SceneCell>& cells) {
+    std::vector<std::vector<std::string>> of_cell(cells.size());
+    pool_.parallel_for(cells.size(), 1, [&](std::size_t i, std::size_t, int) {
+      of_cell[i] = check_cell(header_, cells[i], scene_xml_.parent_path() / cells[i].file);
+      progress_.advance(cells[i].bytes);
+    });
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      result_.cells += cells[i].first_lod == 0;
+      result_.bytes += cells[i].bytes;
+      result_.voxels += std::accumulate(cells[i].voxels.begin(), cells[i].voxels.end(), std::uint64_t(0));
+      add_lines(std::move(of_cell[i]), result_.faults);
+    }
+  }
+
+  const std::filesystem::path& scene_xml_;
+  ThreadPool pool_;
+  const Progress& progress_;
+  SceneHeader header_;
+  std::optional<PagedScene> pages_;   ///< where scene.xml adds up
+  std::vector<std::uint64_t> names_;  ///< hashes: eight bytes a cell
+  VerifyResult result_;
+};
 
 }  // namespace
 
 VerifyResult verify_scene(const std::filesystem::path& scene_xml, int threads, const Progress& progress) {
-  progress.step("reading the scene");
-  const SceneReading reading = read_scene_text(scene_xml);
-  const SceneDescription& scene = reading.scene;
-  VerifyResult result;
-  result.has_totals = reading.said.has_value();
-  result.faults = check_scene(scene_xml, reading);
-  std::uint64_t all_bytes = 0;
-  std::vector<const SceneCell*> shards;
-  for (const auto& listed : {&scene.cells, &scene.parents})
-    for (const SceneCell& cell : *listed) {
-      shards.push_back(&cell);
-      all_bytes += cell.bytes;
-    }
-  progress.step("checking the shards", all_bytes);
-  std::vector<std::vector<std::string>> of_cell(shards.size());
-  ThreadPool(threads).parallel_for(shards.size(), 1, [&](std::size_t i, std::size_t, int) {
-    of_cell[i] = check_cell(scene, *shards[i], scene_xml.parent_path() / shards[i]->file);
-    progress.advance(shards[i]->bytes);
-  });
-  for (std::size_t i = 0; i < shards.size(); ++i) {
-    const SceneCell& cell = *shards[i];
-    result.cells += cell.first_lod == 0;
-    result.bytes += cell.bytes;
-    result.voxels += std::accumulate(cell.voxels.begin(), cell.voxels.end(), std::uint64_t(0));
-    result.faults.insert(result.faults.end(), of_cell[i].begin(), of_cell[i].end());
-  }
-  return result;
+  return SceneVerification(scene_xml, threads, progress).run();
 }
 
 }  // namespace gigabake

@@ -73,6 +73,7 @@ struct ShardWriteOptions {
 struct StoredShard {
   std::uint64_t file = 0;             ///< the whole file
   std::vector<std::uint64_t> levels;  ///< per lod, its columns, compressed, without HDF5's own index
+  std::uint64_t nodes = 0;            ///< the nodes' columns, as those
 };
 
 /// Writes aside, flushes, fsyncs, renames, fsyncs the folder.

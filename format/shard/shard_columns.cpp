@@ -32,7 +32,7 @@ StoredShard ShardColumns::stored_bytes(const std::vector<std::uint64_t>& stored)
   StoredShard out;
   out.levels.resize(std::size_t(lods_));
   for (std::size_t c = 0; c < columns_.size(); ++c)
-    if (lod_[c] != of_no_level) out.levels[std::size_t(lod_[c])] += stored[c];
+    if (part_[c] != of_above) (part_[c] == of_nodes ? out.nodes : out.levels[std::size_t(part_[c])]) += stored[c];
   return out;
 }
 
@@ -70,6 +70,7 @@ void ShardColumns::add_nodes(const std::vector<PackedColumn>& nodes) {
 
 void ShardColumns::add_above(const ParentSource& above) {
   if (above.empty()) return;
+  next_part_ = of_above;
   const AboveColumns names(int(header_.first_lod + header_.lods) - 1);
   group_ = "/above";
   add_array(names.place, above.place);
@@ -80,6 +81,7 @@ void ShardColumns::add_above(const ParentSource& above) {
 }
 
 LevelColumns ShardColumns::next_level() {
+  next_part_ = lods_;
   LevelColumns names(lods_++);
   group_ = names.group;
   return names;

@@ -35,11 +35,11 @@ class ShardColumns {
   StoredShard stored_bytes(const std::vector<std::uint64_t>& stored) const;
 
  private:
-  static constexpr int of_no_level = -1;
+  static constexpr int of_nodes = -1, of_above = -2;
 
   void add(const Hdf5Column& column, std::uint64_t rows, decltype(ColumnRows::get) get) {
     columns_.push_back({std::exchange(group_, {}), column, rows, std::move(get)});
-    lod_.push_back(lods_ - 1);
+    part_.push_back(next_part_);
   }
   template <class T>
   void add_array(const Hdf5Column& column, const std::vector<T>& values);
@@ -53,8 +53,9 @@ class ShardColumns {
   std::deque<VoxelGroups> groups_;  ///< what is borrowed stays where it is
   std::deque<SharedValues> values_;
   std::vector<ColumnRows> columns_;
-  std::vector<int> lod_;  ///< of each column, or of_no_level
-  std::string group_;     ///< of the next column, where it is the first of it
+  std::vector<int> part_;  ///< of each column: its lod, of_nodes or of_above
+  std::string group_;      ///< of the next column, where it is the first of it
+  int next_part_ = of_nodes;
   int lods_ = 0;
 };
 

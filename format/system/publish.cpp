@@ -37,4 +37,9 @@ void publish_file(const std::filesystem::path& target, std::string_view content,
   file.publish(durability);
 }
 
+void flush_file_system_of(const std::filesystem::path& folder) {
+  const Descriptor opened(folder, O_RDONLY | O_DIRECTORY);
+  if (!opened.is_open() || ::syncfs(opened.get()) != 0) fail_to(folder, "flush");
+}
+
 }  // namespace gigabake

@@ -34,4 +34,8 @@ class Publication {
 void publish_file(const std::filesystem::path& target, std::string_view content,
                   Durability durability = Durability::across_power_loss);
 
+/// Flushes all that was written to the file system of a folder: for thousands of files cheaper than a flush for each.
+/// Errors  InputError.
+void flush_file_system_of(const std::filesystem::path& folder);
+
 }  // namespace gigabake

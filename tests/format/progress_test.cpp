@@ -15,7 +15,7 @@
 #include "format/export/ply.h"
 #include "format/export/voxel_tileset.h"
 #include "format/scene/diff.h"
-#include "format/scene/scene_totals.h"
+#include "format/scene/stored_bytes.h"
 #include "format/scene/verify.h"
 #include "format/source/source.h"
 #include "tests/format/shard/made_shard.h"
@@ -59,7 +59,7 @@ struct Work {
 const Work works[] = {
     {"verify", [](const Path& f, const Progress& p) { verify_scene(f / "scene.xml", 2, p); }},
     {"diff", [](const Path& f, const Progress& p) { diff_scenes(f / "scene.xml", f / "other" / "scene.xml", p); }},
-    {"info", [](const Path& f, const Progress& p) { stored_bytes(f / "scene.xml", read_scene(f / "scene.xml"), p); }},
+    {"info", [](const Path& f, const Progress& p) { stored_bytes(PagedScene(f / "scene.xml"), p); }},
     {"ply", [](const Path& f, const Progress& p) { export_ply(f / "scene.xml", 0, f / "out" / "v", p); }},
     {"nvdb", [](const Path& f, const Progress& p) { export_nanovdb(f / "scene.xml", 0, f / "out" / "v", p); }},
     {"3dtiles", [](const Path& f, const Progress& p) { export_3dtiles(f / "scene.xml", 0, f / "out" / "v", p); }},

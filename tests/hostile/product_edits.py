@@ -39,6 +39,7 @@ def with_checksum(text):
 
 def as_version_1(text):
     text = re.sub(r' Cells="[^>]*?(?=>)', "", text, count=1)
+    text = re.sub(r' (LevelBytes|NodeBytes)="[^"]*"', "", text)
     return text.replace('Version="3"', 'Version="1"', 1)
 
 
@@ -223,10 +224,14 @@ def edit_shard_content(rng, out, _other):
         how = rng.choice((edit_dataset, edit_dataset, edit_shard_attribute))
         what = how(rng, shard)
     scene = out / "scene.xml"
-    text = scene.read_text()
+    # Without the sizes of columns, which may be absent and would tell of an edit before its voxels do.
+    text = re.sub(r' (LevelBytes|NodeBytes)="[^"]*"', "", scene.read_text())
     line = next(line for line in text.splitlines() if path.name in line)
     fitting = re.sub(r' Bytes="\d+"', f' Bytes="{path.stat().st_size}"', line)
-    scene.write_text(with_checksum(text.replace(line, fitting)))
+    text = text.replace(line, fitting)
+    total = sum(int(size) for size in re.findall(r'<PagedOctTree [^>]* Bytes="(\d+)"', text))
+    text = re.sub(r' Bytes="\d+"', f' Bytes="{total}"', text, count=1)  # the root's comes first
+    scene.write_text(with_checksum(text))
     return Edit(f"{path.name} {what}")
 
 

@@ -103,7 +103,7 @@ TEST_F(JournalTest, WithFlippedBytesHasNoRecordThatWasNotWritten) {
 }
 
 TEST_F(JournalTest, OfAnotherFormatIsStartedAnew) {
-  write_text(path(), "gigabake journal 2\nwhatever");
+  write_text(path(), "gigabake journal 99\nwhatever");
   EXPECT_EQ(read_journal(path()).records(), 0u);
   write(plan);
   EXPECT_EQ(known(plan), 5u);

@@ -18,7 +18,7 @@ std::array<std::int32_t, 3> checked_index(const std::filesystem::path& scene_xml
   return {std::int32_t(index[0]), std::int32_t(index[1]), std::int32_t(index[2])};
 }
 
-std::unique_ptr<OpenvdbGrids> grids_of(const SceneDescription& scene, int lod) {
+std::unique_ptr<OpenvdbGrids> grids_of(const SceneHeader& scene, int lod) {
   static const OpenvdbModule& module =
       *reinterpret_cast<decltype(&gigabake_openvdb)>(module_function("openvdb", "gigabake_openvdb"))();
   return module.grids_of(scene, lod);
@@ -30,8 +30,8 @@ std::uint64_t openvdb_memory_bytes() { return host_limits().memory_bytes / 2; }
 
 std::uint64_t export_openvdb(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& vdb,
                              std::uint64_t most_bytes, const Progress& progress) {
-  const auto [scene, voxels] = read_scene_level(scene_xml, lod);
-  const std::unique_ptr<OpenvdbGrids> grids = grids_of(scene, lod);
+  const auto [scene, voxels] = open_scene_level(scene_xml, lod);
+  const std::unique_ptr<OpenvdbGrids> grids = grids_of(scene.header(), lod);
   Publication publication(vdb);
   std::uint64_t parts = 0;
   progress.step("gathering the voxels", voxels);
@@ -42,7 +42,7 @@ std::uint64_t export_openvdb(const std::filesystem::path& scene_xml, int lod, co
                        fmt::format("its grids take more than {} MiB of memory; a coarser `lod` or `to` nvdb takes less",
                                    most_bytes >> 20));
   };
-  for_each_block_part(scene_xml, scene, lod, add, progress);
+  for_each_block_part(scene, lod, add, progress);
   progress.step("writing the grids");
   grids->write(vdb, publication.aside());
   publication.publish();

@@ -27,7 +27,7 @@ void set_voxels(Grid& grid, const openvdb::Coord& lowest, const DenseBrick& part
 
 class Grids : public OpenvdbGrids {
  public:
-  Grids(const SceneDescription& scene, int lod) {
+  Grids(const SceneHeader& scene, int lod) {
     density_->setGridClass(openvdb::GRID_FOG_VOLUME);
     prepare(*density_, "density", scene, lod);
     prepare(*colour_, "Cd", scene, lod);
@@ -65,7 +65,7 @@ class Grids : public OpenvdbGrids {
     return grids;
   }
 
-  static void prepare(openvdb::GridBase& grid, const char* name, const SceneDescription& scene, int lod) {
+  static void prepare(openvdb::GridBase& grid, const char* name, const SceneHeader& scene, int lod) {
     const double voxel_m = std::ldexp(scene.voxel_size_m, lod);
     const auto transform = openvdb::math::Transform::createLinearTransform(voxel_m);
     const auto& origin = scene.lattice_origin_m;
@@ -109,7 +109,7 @@ void Grids::write(const std::filesystem::path& vdb, const std::filesystem::path&
   }
 }
 
-std::unique_ptr<OpenvdbGrids> grids_of(const SceneDescription& scene, int lod) {
+std::unique_ptr<OpenvdbGrids> grids_of(const SceneHeader& scene, int lod) {
   openvdb::initialize();
   return std::make_unique<Grids>(scene, lod);
 }

@@ -24,7 +24,7 @@ class OpenvdbGrids {
 };
 
 struct OpenvdbModule {
-  std::unique_ptr<OpenvdbGrids> (*grids_of)(const SceneDescription& scene, int lod);
+  std::unique_ptr<OpenvdbGrids> (*grids_of)(const SceneHeader& scene, int lod);
 };
 
 }  // namespace gigabake

@@ -255,19 +255,23 @@ Shard shard_of(const std::vector<Voxel>& voxels, std::array<std::int64_t, 3> lat
   return with_content_hash(std::move(s));
 }
 
+SceneCell write_shard_of(const std::filesystem::path& scene_xml, const Shard& shard) {
+  std::filesystem::create_directories(scene_xml.parent_path() / "shards");
+  const ShardHeader& h = shard.header;
+  const std::string file = "shards/" + h.cell + ".h5";
+  const StoredShard stored = write_shard(scene_xml.parent_path() / file, shard, {});
+  return {h.cell,        file,         h.lattice_min,       h.cell_voxels, h.lods,
+          stored.file,   h.triangles,  count_voxels(shard), h.fingerprint, h.content_hash,
+          stored.levels, stored.nodes, h.first_lod};
+}
+
 SceneDescription write_scene_of(const std::filesystem::path& scene_xml, const std::vector<Shard>& shards) {
   SceneDescription scene;
   scene.generator = "gigabake test";
   std::filesystem::create_directories(scene_xml.parent_path() / "shards");
   for (const Shard& s : shards) {
     const ShardHeader& h = s.header;
-    SceneCell cell{h.cell,        "shards/" + h.cell + ".h5",
-                   h.lattice_min, h.cell_voxels,
-                   h.lods,        0,
-                   h.triangles,   count_voxels(s),
-                   h.fingerprint, h.content_hash};
-    cell.bytes = write_shard(scene_xml.parent_path() / cell.file, s, {}).file;
-    scene.cells.push_back(cell);
+    (h.first_lod == 0 ? scene.cells : scene.parents).push_back(write_shard_of(scene_xml, s));
     scene.voxel_size_m = h.voxel_size_m;
     scene.has_normals = h.has_normals;
     scene.has_facing = h.has_facing;

@@ -64,7 +64,9 @@ struct Voxel {
 /// Levels above the finest repeat the first voxel found below. Voxels outside of the window are left out.
 Shard shard_of(const std::vector<Voxel>& voxels, std::array<std::int64_t, 3> lattice_min, std::uint32_t cell_voxels);
 
-/// Writes the shards beside scene.xml, as a bake does, and returns what scene.xml says.
+/// Writes the shard of a cell or a parent beside scene.xml, as a bake does, and returns what scene.xml says of it.
+SceneCell write_shard_of(const std::filesystem::path& scene_xml, const Shard& shard);
+/// Writes the shards and scene.xml, and returns what that says.
 SceneDescription write_scene_of(const std::filesystem::path& scene_xml, const std::vector<Shard>& shards);
 
 /// A readable account of the first difference; empty where the shards hold the same.

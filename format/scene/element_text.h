@@ -1,0 +1,39 @@
+/// The elements of a scene.xml and of its pages, as they are written.
+#pragma once
+
+#include <fmt/format.h>
+#include <pugixml.hpp>
+#include <string>
+
+#include "format/scene/scene_checksum.h"
+#include "format/scene/scene_page.h"
+
+namespace gigabake {
+
+/// Numbers come back to the last bit.
+template <class T>
+void set_number(pugi::xml_node node, const char* key, T value) {
+  node.append_attribute(key) = fmt::format("{}", value).c_str();
+}
+template <class Numbers>
+void set_numbers(pugi::xml_node node, const char* key, const Numbers& values) {
+  node.append_attribute(key) = fmt::format("{}", fmt::join(values, " ")).c_str();
+}
+inline void set_text(pugi::xml_node node, const char* key, const std::string& value) {
+  node.append_attribute(key) = value.c_str();
+}
+
+/// Version, and what readers of the thesis's schema look at.
+void set_schema(pugi::xml_node root);
+/// Voxel size, lattice and channels.
+void set_lattice(pugi::xml_node root, const SceneHeader& scene);
+void set_totals(pugi::xml_node group, const SceneTotals& totals);
+void set_block(pugi::xml_node group, const LatticeBlock& block);
+
+void append_cell(pugi::xml_node group, const SceneHeader& scene, const SceneCell& cell);
+void append_reference(pugi::xml_node group, const SceneHeader& scene, const PageReference& page);
+
+/// The text of a document whose root gets a `Checksum`.
+SummedText summed_text(pugi::xml_document& document);
+
+}  // namespace gigabake

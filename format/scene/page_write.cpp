@@ -1,0 +1,146 @@
+#include "format/scene/page_write.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <pugixml.hpp>
+#include <string>
+#include <unordered_set>
+
+#include "format/scene/element_text.h"
+#include "format/scene/paged_scene.h"
+#include "format/system/host_limits.h"
+#include "format/system/publish.h"
+#include "format/system/read_file.h"
+#include "lattice/error.h"
+
+namespace gigabake {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* page_folder = "pages";
+/// Of the largest blocks: eight of them hold every lattice.
+constexpr std::int64_t largest_block = std::int64_t(1) << 52;
+
+/// What stands in one block: cells of `cells`, or pages of `pages`, from `begin` to `end`.
+struct Block {
+  LatticeBlock block;
+  std::size_t begin, end;
+};
+
+/// Sorts `items` by their block's z, y, x and keeps their order within one.
+template <class Item, class Place>
+std::vector<Block> blocks_of(std::vector<Item>& items, std::int64_t edge, const Place& place) {
+  const auto block_of = [&](const Item& item) { return block_around(place(item), edge); };
+  std::stable_sort(items.begin(), items.end(), [&](const Item& a, const Item& b) {
+    const auto [x, y, z] = block_of(a).min;
+    const auto [u, v, w] = block_of(b).min;
+    return std::tie(z, y, x) < std::tie(w, v, u);
+  });
+  std::vector<Block> blocks;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const LatticeBlock block = block_of(items[i]);
+    if (blocks.empty() || blocks.back().block != block) blocks.push_back({block, i, i});
+    blocks.back().end = i + 1;
+  }
+  return blocks;
+}
+
+bool holds(const fs::path& file, const std::string& text) {
+  std::error_code error;
+  if (fs::file_size(file, error) != text.size() || error) return false;
+  const std::vector<std::uint8_t> bytes = read_whole_file(file);
+  return std::equal(bytes.begin(), bytes.end(), text.begin(), text.end(),
+                    [](std::uint8_t a, char b) { return a == std::uint8_t(b); });
+}
+
+class PageWriter {
+ public:
+  PageWriter(const fs::path& scene_xml, const SceneHeader& scene)
+      : folder_(scene_xml.parent_path()), scene_(scene), pool_(host_limits().cores()) {
+    std::error_code error;
+    fs::create_directories(folder_ / page_folder, error);
+    if (error) throw InputError(folder_ / page_folder, "", "cannot make the folder: " + error.message());
+  }
+
+  std::vector<PageReference> of_cells(std::vector<const SceneCell*> cells, std::int64_t edge) const {
+    const auto blocks = blocks_of(cells, edge, [](const SceneCell* cell) { return cell->lattice_min; });
+    return written(
+        blocks, [&](std::size_t i, PageReference& page) { page.totals.add(*cells[i]); },
+        [&](std::size_t i, pugi::xml_node root) { append_cell(root, scene_, *cells[i]); });
+  }
+
+  std::vector<PageReference> of_pages(std::vector<PageReference> pages, std::int64_t edge) const {
+    const auto blocks = blocks_of(pages, edge, [](const PageReference& page) { return page.block.min; });
+    return written(
+        blocks, [&](std::size_t i, PageReference& page) { page.totals.add(pages[i].totals), ++page.groups; },
+        [&](std::size_t i, pugi::xml_node root) { append_reference(root, scene_, pages[i]); });
+  }
+
+ private:
+  /// Item by item of a block: `count` takes it into the page's totals, `append` writes its line.
+  template <class Count, class Append>
+  std::vector<PageReference> written(const std::vector<Block>& blocks, const Count& count, const Append& append) const {
+    std::vector<PageReference> pages(blocks.size());
+    pool_.parallel_for(blocks.size(), 1, [&](std::size_t b, std::size_t, int) {
+      PageReference& page = pages[b];
+      page.block = blocks[b].block;
+      for (std::size_t i = blocks[b].begin; i < blocks[b].end; ++i) count(i, page);
+      pugi::xml_document document;
+      pugi::xml_node root = document.append_child("OctTreeGroup");
+      set_schema(root);
+      set_lattice(root, scene_);
+      set_block(root, page.block);
+      set_number(root, "Groups", page.groups);
+      set_totals(root, page.totals);
+      for (std::size_t i = blocks[b].begin; i < blocks[b].end; ++i) append(i, root);
+      publish(summed_text(document), page);
+    });
+    return pages;
+  }
+
+  void publish(const SummedText& text, PageReference& page) const {
+    page.checksum = text.checksum;
+    const std::int64_t edge = page.block.edge;
+    page.file = fmt::format("{}/g_{}_{}_{}_{}-{}.xml", page_folder, page.block.min[0] / edge, page.block.min[1] / edge,
+                            page.block.min[2] / edge, edge, text.checksum.hex());
+    if (!holds(folder_ / page.file, text.text)) publish_file(folder_ / page.file, text.text, Durability::while_up);
+  }
+
+  fs::path folder_;
+  const SceneHeader& scene_;
+  ThreadPool pool_;
+};
+
+}  // namespace
+
+std::vector<PageReference> write_pages(const fs::path& scene_xml, const SceneDescription& scene, const PageRule& rule) {
+  const PageWriter writer(scene_xml, scene);
+  std::vector<const SceneCell*> cells;
+  for (const SceneCell& cell : scene.cells) cells.push_back(&cell);
+  std::int64_t edge = std::int64_t(scene.cells.at(0).cell_voxels) * rule.block_cells;
+  std::vector<PageReference> pages = writer.of_cells(std::move(cells), edge);
+  while (pages.size() > rule.most_groups_of_a_file && edge <= largest_block / rule.block_cells)
+    pages = writer.of_pages(std::move(pages), edge *= rule.block_cells);
+  flush_file_system_of(scene_xml.parent_path() / page_folder);
+  return pages;
+}
+
+void remove_unused_pages(const fs::path& scene_xml) {
+  std::error_code error;
+  if (!fs::is_directory(scene_xml.parent_path() / page_folder, error)) return;
+  const PagedScene scene(scene_xml);
+  std::unordered_set<std::string> used;
+  scene.for_each_reference(
+      [&used](const PageReference& page) { used.insert(fs::path(page.file).filename().string()); });
+  std::vector<fs::path> unused;
+  for (fs::directory_iterator it(scene.folder() / page_folder, error), end; !error && it != end; it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    const bool is_page = name.starts_with("g_") && name.ends_with(".xml");
+    if ((is_page && !used.contains(name)) || (name.starts_with(".g_") && name.ends_with(".part")))
+      unused.push_back(it->path());
+  }
+  for (const fs::path& path : unused) fs::remove(path, error);
+}
+
+}  // namespace gigabake

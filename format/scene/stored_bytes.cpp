@@ -1,0 +1,24 @@
+#include "format/scene/stored_bytes.h"
+
+#include <algorithm>
+
+#include "format/scene/shard_of_scene.h"
+
+namespace gigabake {
+
+StoredBytes stored_bytes(const PagedScene& scene, const Progress& progress) {
+  progress.step("looking into the shards", scene.totals().cells + scene.totals().parents);
+  StoredBytes bytes;
+  const auto add = [&](const SceneCell& c) {
+    const ShardReader reader = open_shard_of_scene(scene.file(), scene.header(), c);
+    bytes.of_lod.resize(std::max<std::size_t>(bytes.of_lod.size(), c.first_lod + c.lods), 0);
+    for (std::size_t l = 0; l < c.lods; ++l) bytes.of_lod[c.first_lod + l] += reader.level_bytes(int(l));
+    bytes.of_nodes += reader.node_bytes();
+    progress.advance();
+  };
+  scene.for_each_cell(add);
+  for (const SceneCell& parent : scene.header().parents) add(parent);
+  return bytes;
+}
+
+}  // namespace gigabake

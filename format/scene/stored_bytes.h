@@ -1,0 +1,21 @@
+/// What the columns of a scene's shards take, for scenes of before version 3, whose totals do not say it.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "format/scene/paged_scene.h"
+#include "lattice/progress.h"
+
+namespace gigabake {
+
+/// Compressed sizes on disk. The rest of the shards' bytes is HDF5's own: headers, indexes, attributes.
+struct StoredBytes {
+  std::vector<std::uint64_t> of_lod;
+  std::uint64_t of_nodes = 0;
+};
+
+/// Cost    Opens every shard, reads no voxels. Errors  InputError: a shard is missing or damaged.
+StoredBytes stored_bytes(const PagedScene& scene, const Progress& progress = {});
+
+}  // namespace gigabake
