@@ -75,6 +75,7 @@ set(gb_public_headers_kernels
     kernels/cast/first_hit_tree.h
     kernels/cast/locate.h
     kernels/cast/pixel.h
+    kernels/cast/ray_light.h
     kernels/cast/sample.h
     kernels/cast/scene.h
     kernels/cast/shade.h

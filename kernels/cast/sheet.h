@@ -226,16 +226,18 @@ struct SheetOpacity {
   float opacity = 1, density = 1;
 };
 
-/// How full the fullest voxel of a sheet is that is no farther than one and a half from the point along each axis, as
-/// far as its brick knows. A border of an opaque sheet has full ones beside it, a pane has none.
+/// How full the fullest voxel of a sheet is that is no farther than one and a half from the point along x and y, and
+/// one along z, as far as its brick knows. A border of an opaque sheet has full ones beside it, a pane has none. Along
+/// z bricks of coarse levels stand where the cells do, and what is seen must not show these.
 GB_HD float fullest_near(const CastVoxel* voxels, const CastPoint& point, int along) {
-  int low[3], high[3], most = 0;
-  for (int a = 0; a < 3; ++a) {
+  int low[2], high[2], most = 0;
+  GB_UNROLL
+  for (int a = 0; a < 2; ++a) {
     low[a] = point.base[a] > 0 ? point.base[a] - 1 : 0;
     high[a] = point.base[a] + 2 < slot_edge ? point.base[a] + 2 : slot_edge - 1;
   }
   GB_NO_UNROLL
-  for (int z = low[2]; z <= high[2] && most < 65535; ++z)
+  for (int z = point.base[2]; z <= point.base[2] + 1 && most < 65535; ++z)
     for (int y = low[1]; y <= high[1]; ++y)
       for (int x = low[0]; x <= high[0]; ++x) {
         const CastVoxel& voxel = voxels[x + slot_edge * (y + slot_edge * z)];
