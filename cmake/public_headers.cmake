@@ -12,6 +12,7 @@ set(gb_public_headers_lattice
     lattice/octahedral.h
     lattice/octree.h
     lattice/parameters.h
+    lattice/parent_source.h
     lattice/progress.h
     lattice/rounding.h
     lattice/rules.h
