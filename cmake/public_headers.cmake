@@ -42,7 +42,9 @@ set(gb_public_headers_shard
 set(gb_public_headers_scene
     format/scene/cell_window.h
     format/scene/diff.h
+    format/scene/paged_scene.h
     format/scene/scene_level.h
+    format/scene/scene_page.h
     format/scene/scene_totals.h
     format/scene/scene_xml.h
     format/scene/verify.h)

@@ -79,7 +79,7 @@ class Package(unittest.TestCase):
                                         "libgcc_s", "libm", "libc", "ld-linux-x86-64", "ld-linux-aarch64"}, needed)
         info = self.bake()
         for lod in (0, 2):
-            voxels = [int(succeed(reader, shard, lod)) for shard in (self.path / "bake/shards").glob("*.h5")]
+            voxels = [int(succeed(reader, shard, lod)) for shard in (self.path / "bake/shards").glob("c_*.h5")]
             self.assertEqual(sum(voxels), info["lods"][lod]["voxels"])
 
     def test_anothers_program_bakes_exports_and_draws(self):
