@@ -226,65 +226,95 @@ struct SheetOpacity {
   float opacity = 1, density = 1;
 };
 
-/// How full the fullest voxel of a sheet is that is no farther than one and a half from the point along x and y, and
-/// one along z, as far as its brick knows. A border of an opaque sheet has full ones beside it, a pane has none. Along
-/// z bricks of coarse levels stand where the cells do, and what is seen must not show these.
-GB_HD float fullest_near(const CastVoxel* voxels, const CastPoint& point, int along) {
-  int low[2], high[2], most = 0;
-  GB_UNROLL
-  for (int a = 0; a < 2; ++a) {
-    low[a] = point.base[a] > 0 ? point.base[a] - 1 : 0;
-    high[a] = point.base[a] + 2 < slot_edge ? point.base[a] + 2 : slot_edge - 1;
-  }
-  GB_NO_UNROLL
-  for (int z = point.base[2]; z <= point.base[2] + 1 && most < 65535; ++z)
-    for (int y = low[1]; y <= high[1]; ++y)
-      for (int x = low[0]; x <= high[0]; ++x) {
-        const CastVoxel& voxel = voxels[x + slot_edge * (y + slot_edge * z)];
-        if (voxel.plane != 0 && voxel.c[3 + along] > most) most = voxel.c[3 + along];
-      }
-  return float(most) * (1.0f / 65535);
-}
-
 /// A plane is known to a fifteenth of a voxel, and its normal to some degrees.
 inline constexpr float least_reach = 0.125f;
 
 /// By choices: an array that a device indexes by what it computed does not stand in registers.
 GB_HD float component(const float v[3], int axis) { return axis == 0 ? v[0] : (axis == 1 ? v[1] : v[2]); }
 
-/// How much of the sheet through a point is surface. Voxels around it stand in four columns along the axis that the
-/// sheet is most across. A column's two voxels together hold so much of it as they cover along that axis, which is
-/// exact, of what of the tangent plane lies in them: elsewhere the sheet may be in the next one. Where no voxel
-/// near is nearly full the sheet lets light through, and is as dense as it is opaque here; else what is missing is its
-/// border.
-GB_HD SheetOpacity opacity_of_sheet(const CastVoxel* voxels, const CastPoint& point, const CastSheet& sheet) {
+/// The columns of voxels around a point, along the axis that the sheet through it is most across. Column (0, 0) to
+/// (1, 1) are those between which it lies.
+struct SheetColumns {
+  const CastVoxel* base;
+  int along, u, v;  ///< axes
+  float slope_u, slope_v, reach;
+  float at[3];  ///< where the point lies between the voxels along `along`, u and v
+
+  GB_HD const CastVoxel* voxel(int i, int j) const { return base + i * step(u) + j * step(v); }
+
+  /// What part of the tangent plane within this column lies in its two voxels.
+  GB_HD float part(int i, int j) const {
+    return part_in_pair(at[0] - (slope_u * (float(i) - at[1]) + slope_v * (float(j) - at[2])), reach);
+  }
+
+  /// How much these two cover along the axis, which is exact.
+  GB_HD float together(int i, int j) const {
+    const CastVoxel* low = voxel(i, j);
+    return float(low->c[3 + along] + low[step(along)].c[3 + along]) * (1.0f / 65535);
+  }
+
+  GB_HD static int step(int axis) { return axis == 0 ? 1 : (axis == 1 ? slot_edge : slot_edge * slot_edge); }
+};
+
+GB_HD SheetColumns columns_around(const CastVoxel* voxels, const CastPoint& point, const CastSheet& sheet) {
   const float x = std::fabs(sheet.normal[0]), y = std::fabs(sheet.normal[1]), z = std::fabs(sheet.normal[2]);
-  const int along = z > (y > x ? y : x) ? 2 : (y > x ? 1 : 0);
-  const int u = along == 0 ? 1 : 0, v = along == 2 ? 1 : 2;
-  const int step_u = u == 0 ? 1 : slot_edge, step_v = v == 1 ? slot_edge : slot_edge * slot_edge;
-  const int step_along = along == 0 ? 1 : (along == 1 ? slot_edge : slot_edge * slot_edge);
-  const CastVoxel* base = voxels + point.base[0] + slot_edge * (point.base[1] + slot_edge * point.base[2]);
-  const float most = component(sheet.normal, along), at_u = component(point.between, u),
-              at_v = component(point.between, v), at_along = component(point.between, along);
-  const float slope_u = component(sheet.normal, u) / most, slope_v = component(sheet.normal, v) / most;
-  const float reach = least_reach + 0.5f * (std::fabs(slope_u) + std::fabs(slope_v));
+  SheetColumns r;
+  r.base = corners_of(voxels, point).base;
+  r.along = z > (y > x ? y : x) ? 2 : (y > x ? 1 : 0);
+  r.u = r.along == 0 ? 1 : 0;
+  r.v = r.along == 2 ? 1 : 2;
+  const float most = component(sheet.normal, r.along);
+  r.slope_u = component(sheet.normal, r.u) / most;
+  r.slope_v = component(sheet.normal, r.v) / most;
+  r.reach = least_reach + 0.5f * (std::fabs(r.slope_u) + std::fabs(r.slope_v));
+  r.at[0] = component(point.between, r.along);
+  r.at[1] = component(point.between, r.u);
+  r.at[2] = component(point.between, r.v);
+  return r;
+}
+
+/// Columns that hold less of a sheet do not say how dense it is.
+inline constexpr float least_part = 0.25f;
+
+/// How much the sheet hides where it is most of what it can be, among columns no farther than one and a half along x
+/// and y, and one along z, as far as the brick knows. Beside a border of an opaque sheet there are full columns, in a
+/// pane there are none. Along z bricks of coarse levels stand where the cells do, and what is seen must not show these.
+GB_HD float densest_near(const SheetColumns& columns, const CastPoint& point) {
+  const int base_u = columns.u == 0 ? point.base[0] : point.base[1];
+  const int base_v = columns.v == 1 ? point.base[1] : slot_edge;  // z: no farther than the point's own voxels
+  const int first_u = base_u > 0 ? -1 : 0, last_u = base_u + 2 < slot_edge ? 2 : 1;
+  const int first_v = columns.v == 1 && base_v > 0 ? -1 : 0, last_v = base_v + 2 < slot_edge ? 2 : 1;
+  float densest = 0;
+  GB_NO_UNROLL
+  for (int j = first_v; j <= last_v; ++j)
+    for (int i = first_u; i <= last_u && densest < 1; ++i) {
+      const float part = columns.part(i, j);
+      if (part < least_part) continue;
+      const float together = columns.together(i, j), density = together < part ? together / part : 1;
+      densest = density > densest ? density : densest;
+    }
+  return densest;
+}
+
+/// How much of the sheet through a point is surface: of what of the tangent plane lies in the voxels of four columns,
+/// what they cover; elsewhere the sheet may be in the next ones. Where no column near is nearly full the sheet lets
+/// light through, and is as dense as it is opaque here; else what is missing is its border.
+GB_HD SheetOpacity opacity_of_sheet(const CastVoxel* voxels, const CastPoint& point, const CastSheet& sheet) {
+  const SheetColumns columns = columns_around(voxels, point, sheet);
   float there = 0, met = 0;
   GB_NO_UNROLL
   for (int column = 0; column < 4; ++column) {
     const int i = column & 1, j = column >> 1;
-    const float weight = (i != 0 ? at_u : 1 - at_u) * (j != 0 ? at_v : 1 - at_v);
-    const float rise = slope_u * (float(i) - at_u) + slope_v * (float(j) - at_v);
-    const float part = part_in_pair(at_along - rise, reach);
-    const CastVoxel* low = base + i * step_u + j * step_v;
-    const float together = float(low->c[3 + along] + low[step_along].c[3 + along]) * (1.0f / 65535);
+    const float weight = (i != 0 ? columns.at[1] : 1 - columns.at[1]) * (j != 0 ? columns.at[2] : 1 - columns.at[2]);
+    const float part = columns.part(i, j), together = columns.together(i, j);
     there += weight * (together < part ? together : part);
     met += weight * part;
   }
   if (!(met > 0)) return {};
   const float opacity = there / met;
   if (opacity >= 1) return {opacity, 1};
-  const float full = 4 * fullest_near(voxels, point, along) - 3;
-  return {opacity, full >= 1 ? 1 : (full > 0 ? opacity + (1 - opacity) * full : opacity)};
+  const float densest = densest_near(columns, point), full = 4 * densest - 3;
+  return {opacity, full >= 1 || densest == 0 ? 1 : (full > 0 ? opacity + (1 - opacity) * full : opacity)};
 }
 
 }  // namespace gigabake::kernels
