@@ -115,11 +115,16 @@ bench::LeakBenchRequest leak_request_of(const AccuracyOptions& options, const st
 
 /// It measures; nothing is claimed yet that could fail.
 int run_leaks(const AccuracyOptions& options) {
-  if (!options.bake.source.empty()) throw UsageError("--leaks has scenes of its own: expected no SCENE");
+  const bool is_given = !options.bake.source.empty();
+  if (is_given && options.bake.voxel_size.empty()) throw UsageError("--leaks with a SCENE: expected --voxel-size too");
+  if (is_given && !options.families.empty()) throw UsageError("--scenes: they are made; expected no SCENE beside it");
   const SuiteFolder folder(options.bake.out);
   const bench::LeakBenchRequest request = leak_request_of(options, folder.path());
   const bench::LeakBench b = with_progress([&](const Progress& progress) {
-    return bench::bench_leaks(request, [&](const std::string& scene) { progress.step(scene); });
+    if (!is_given) return bench::bench_leaks(request, [&](const std::string& scene) { progress.step(scene); });
+    bench::BenchScene scene = request_of(options).scene;
+    scene.progress = progress;
+    return bench::bench_leaks_of(scene, request);
   });
   publish(b, options);
   return complete;
@@ -157,8 +162,8 @@ void add_bench_accuracy(CLI::App& bench, int& exit_code) {
   command
       ->add_flag(
           "--leaks", o->leaks,
-          "light through opaque surfaces instead, which needs no SCENE: planes, hills, steps, walls, panes, wires "
-          "and a crown from every side and distance")
+          "light through opaque surfaces instead, from every side and distance: of SCENE, or without one of planes, "
+          "hills, steps, walls, panes, wires and a crown")
       ->excludes(hard);
   command
       ->add_option("--scene-voxels", o->scene_voxels,

@@ -182,8 +182,12 @@ std::string verdict(const LeakBench& bench) {
 }
 
 std::string to_json(const LeakBench& bench) {
-  Json j{{"bench", "accuracy --leaks"}, {"backend", bench.backend},      {"edge_voxels", bench.edge},
-         {"samples", bench.samples},    {"bounded", bench.is_bounded()}, {"verdict", verdict(bench)}};
+  Json j{{"bench", "accuracy --leaks"},
+         {"backend", bench.backend},
+         {"samples", bench.samples},
+         {"bounded", bench.is_bounded()},
+         {"verdict", verdict(bench)}};
+  if (bench.edge > 0) j["edge_voxels"] = bench.edge;
   j["bounds"] = {{"most_below_99", most_below_99}, {"least_alpha", least_opaque_alpha}};
   j["scenes"] = Json::array();
   for (const LeakResult& scene : bench.scenes) j["scenes"].push_back(to_json(scene));
@@ -191,8 +195,8 @@ std::string to_json(const LeakBench& bench) {
 }
 
 std::string to_markdown(const LeakBench& bench) {
-  std::string out = verdict(bench) + fmt::format("Scenes are {} voxels wide and baked with default settings on {}.\n",
-                                                 bench.edge, bench.backend);
+  const std::string scenes = bench.edge > 0 ? fmt::format("Scenes are {} voxels wide and", bench.edge) : "The scene is";
+  std::string out = verdict(bench) + fmt::format("{} baked with default settings on {}.\n", scenes, bench.backend);
   for (const Scenes& family : families_of(bench)) {
     out += fmt::format("\n### {}\n\n", family.front()->family);
     const bool has_rows = std::any_of(family.begin(), family.end(), [](const auto* s) { return !s->rows.empty(); });

@@ -65,8 +65,27 @@ def scenes_and_pictures_are_kept(gigabake, work):
     assert gigabake.info(work / "kept/house/scene.xml")["lods"]
 
 
+def a_scene_of_ones_own_is_measured(gigabake, work):
+    """Against the triangles: its own hill, whose level 0 is opaque from above."""
+    scene = work / "kept/hill/scene.glb"
+    command = ("bench", "accuracy", scene, "--leaks", "--local", "--voxel-size", 1, "--size", "64x48", "--samples", 4,
+               "--backend", "cpu", "--json", work / "own.json")
+    result = gigabake.run(*command)
+    if "without Embree" in result.stderr:
+        assert result.returncode == 2, result
+        return
+    assert result.returncode == 0 and "### given" in result.stdout, result
+    bench = json.loads((work / "own.json").read_text())
+    (own,) = bench["scenes"]
+    assert own["family"] == "given" and own["opaque"] and "edge_voxels" not in bench, bench
+    assert {row["elevation_deg"] for row in own["rows"]} == ELEVATIONS, own
+    row = next(row for row in own["rows"] if (row["elevation_deg"], row["voxels_per_pixel"]) == (90, 1))
+    assert row["inner_pixels"] > 1000 and row["below_99"] == 0, row
+
+
 def wrong_usage_is_refused(gigabake, work):
-    for arguments, text in ((("--leaks", work), "expected no SCENE"), (("--leaks", "--hard"), "--hard"),
+    for arguments, text in ((("--leaks", work), "--voxel-size too"), (("--leaks", "--hard"), "--hard"),
+                            (("--leaks", work, "--voxel-size", 1, "--scenes", "steps"), "expected no SCENE"),
                             (("--leaks", "--size", "4x4"), "--size: expected 8 to 4096"),
                             (("--leaks", "--scene-voxels", 8), "--scene-voxels")):
         result = gigabake.run("bench", "accuracy", *arguments)
@@ -83,6 +102,7 @@ def main():
         voxels_of_level_0_are_opaque(bench)
         families_have_tables(text)
         scenes_and_pictures_are_kept(gigabake, work)
+        a_scene_of_ones_own_is_measured(gigabake, work)
         wrong_usage_is_refused(gigabake, work)
 
 

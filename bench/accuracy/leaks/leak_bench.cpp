@@ -55,52 +55,44 @@ std::string file_name(const LeakView& view) {
   return name;
 }
 
-/// One scene, from its files to its rows.
-class LeakMeasurement {
- public:
-  LeakMeasurement(const LeakScene& scene, const LeakBenchRequest& request, const std::optional<int>& device)
-      : scene_(scene),
-        request_(request),
-        folder_(request.out / scene.name),
-        bench_(bench_scene_of(scene, folder_, request.threads)),
-        sources_(open_sources(bench_.source, bench_.source_options)) {
-    if (scene.truth == LeakTruth::traced) caster_.emplace(sources_, bench_.parameters, request.threads);
-    for (const CellReport& report : bake_scene(sources_, bench_, device, folder_)) voxels_ += report.cell.voxels.at(0);
-  }
-
-  std::uint64_t voxels() const { return voxels_; }
-
-  std::vector<LeakRow> rows() const {
-    FrameRenderer::Options options;
-    options.threads = request_.threads;
-    FrameRenderer renderer(folder_ / "scene.xml", options);
-    std::vector<LeakRow> rows;
-    for (const LeakView& view : leak_views(scene_, range_of(request_), bench_.parameters))
-      rows.push_back({view.elevation_deg, view.voxels_per_pixel, view.eye, error_of(view, renderer)});
-    if (!renderer.problems().empty()) throw InputError(folder_, "", renderer.problems().front());
-    return rows;
-  }
-
- private:
-  LeakError error_of(const LeakView& view, FrameRenderer& renderer) const {
-    const kernels::CastCamera camera = reference_camera(view.camera, bench_.parameters);
-    const AlphaPicture inside = alpha_of_sheets(scene_, camera);
-    const std::vector<bool> inner = inner_pixels(inside);
-    if (std::none_of(inner.begin(), inner.end(), [](bool is_inner) { return is_inner; })) return {};
-    const Picture picture = renderer.draw_exact({view.camera, ViewMode::albedo, {false, {0, 0, 0, 0}}}).picture;
-    if (request_.keep) write_png(folder_ / file_name(view), picture);
-    const AlphaPicture truth = caster_ ? alpha_of(caster_->draw(camera, request_.samples)) : inside;
-    return leak_error(inner, truth, to_linear(picture));
-  }
-
-  const LeakScene& scene_;
-  const LeakBenchRequest& request_;
-  std::filesystem::path folder_;
-  BenchScene bench_;
-  SceneSources sources_;
-  std::optional<ReferenceCaster> caster_;
-  std::uint64_t voxels_ = 0;
+/// Where the inside of a scene is, and what alpha it has in truth.
+struct LeakReference {
+  AlphaPicture inside, truth;
 };
+using LeakReferenceOf = std::function<LeakReference(const kernels::CastCamera&)>;
+
+/// A baked scene from every side.
+std::vector<LeakRow> look(const std::filesystem::path& folder, const LeakSubject& subject, const BenchScene& bench,
+                          const LeakBenchRequest& request, const LeakReferenceOf& reference_of) {
+  FrameRenderer::Options options;
+  options.threads = request.threads;
+  FrameRenderer renderer(folder / "scene.xml", options);
+  std::vector<LeakRow> rows;
+  for (const LeakView& view : leak_views(subject, range_of(request), bench.parameters)) {
+    rows.push_back({view.elevation_deg, view.voxels_per_pixel, view.eye, {}});
+    const LeakReference reference = reference_of(reference_camera(view.camera, bench.parameters));
+    const std::vector<bool> inner = inner_pixels(reference.inside);
+    if (std::none_of(inner.begin(), inner.end(), [](bool is_inner) { return is_inner; })) continue;
+    const Picture picture = renderer.draw_exact({view.camera, ViewMode::albedo, {false, {0, 0, 0, 0}}}).picture;
+    if (request.keep) write_png(folder / file_name(view), picture);
+    rows.back().error = leak_error(inner, reference.truth, to_linear(picture));
+  }
+  if (!renderer.problems().empty()) throw InputError(folder, "", renderer.problems().front());
+  return rows;
+}
+
+std::uint64_t bake_voxels(const SceneSources& sources, const BenchScene& bench, const std::optional<int>& device,
+                          const std::filesystem::path& folder) {
+  std::uint64_t voxels = 0;
+  for (const CellReport& report : bake_scene(sources, bench, device, folder)) voxels += report.cell.voxels.at(0);
+  return voxels;
+}
+
+void finish(LeakResult& result, const LeakBenchRequest& request, const std::filesystem::path& folder) {
+  if (result.rows.empty()) result.not_measured = "it is too small to be 24 pixels wide in any view";
+  std::error_code ignored;
+  if (!request.keep) std::filesystem::remove_all(folder, ignored);
+}
 
 LeakResult measure(const LeakScene& scene, const LeakBenchRequest& request, const std::optional<int>& device) {
   LeakResult result{scene.name, scene.family, scene.what, true, 0, {}, {}};
@@ -109,13 +101,44 @@ LeakResult measure(const LeakScene& scene, const LeakBenchRequest& request, cons
     result.not_measured = "this gigabake was built without Embree, which traces its reference";
     return result;
   }
-  const LeakMeasurement measurement(scene, request, device);
-  result.voxels = measurement.voxels();
-  result.rows = measurement.rows();
-  if (result.rows.empty()) result.not_measured = "it is too small to be 24 pixels wide in any view";
-  std::error_code ignored;
-  if (!request.keep) std::filesystem::remove_all(request.out / scene.name, ignored);
+  const std::filesystem::path folder = request.out / scene.name;
+  const BenchScene bench = bench_scene_of(scene, folder, request.threads);
+  const SceneSources sources = open_sources(bench.source, bench.source_options);
+  std::optional<ReferenceCaster> caster;
+  if (scene.truth == LeakTruth::traced) caster.emplace(sources, bench.parameters, request.threads);
+  result.voxels = bake_voxels(sources, bench, device, folder);
+  result.rows = look(folder, subject_of(scene), bench, request, [&](const kernels::CastCamera& camera) {
+    AlphaPicture inside = alpha_of_sheets(scene, camera);
+    AlphaPicture truth = caster ? alpha_of(caster->draw(camera, request.samples)) : inside;
+    return LeakReference{std::move(inside), std::move(truth)};
+  });
+  finish(result, request, folder);
   return result;
+}
+
+/// What is seen of triangles: the surface below the middle of the box around them.
+LeakSubject subject_of(const ReferenceCaster& caster) {
+  const LatticeBox& box = caster.box();
+  LeakSubject subject;
+  for (std::size_t a = 0; a < 3; ++a) subject.target[a] = (box.min[a] + box.max[a]) / 2;
+  const Vector above{subject.target[0], subject.target[1], box.max[2] + 1};
+  if (const auto depth = caster.first_hit(above, {0, 0, -1})) subject.target[2] = above[2] - *depth;
+  subject.width = std::min(box.max[0] - box.min[0], box.max[1] - box.min[1]);
+  const SourceTriangles& triangles = caster.triangles();
+  for (std::size_t part = 0; part < triangles.parts(); ++part) {
+    const std::vector<float> p = triangles.positions(part);
+    for (std::size_t v = 0; v < p.size(); v += 3)
+      subject.points.push_back(along(triangles.middle(), {p[v], p[v + 1], p[v + 2]}, 1));
+  }
+  return subject;
+}
+
+/// Opaque where every ray that was traced through a pixel says so.
+LeakReference traced_inside(const ReferenceCaster& caster, const kernels::CastCamera& camera, int samples) {
+  LeakReference reference{alpha_of(caster.draw(camera, samples)), {}};
+  reference.truth = reference.inside;
+  for (double& alpha : reference.inside.alpha) alpha = alpha < 1 - 1e-5 ? 0 : 1;
+  return reference;
 }
 
 }  // namespace
@@ -145,6 +168,24 @@ LeakBench bench_leaks(const LeakBenchRequest& request, const LeakProgress& progr
     progress(scene.name);
     bench.scenes.push_back(measure(scene, request, device));
   }
+  return bench;
+}
+
+LeakBench bench_leaks_of(const BenchScene& scene, const LeakBenchRequest& request) {
+  const std::optional<int> device = choose_device({request.backend}).device;
+  LeakBench bench{device ? "cuda" : "cpu", 0, request.samples, {}};
+  const std::string name = scene.source.has_parent_path() && scene.source.stem() == "tileset"
+                               ? scene.source.parent_path().filename().string()
+                               : scene.source.stem().string();
+  LeakResult result{name, "given", fmt::format("{:g} m a voxel", scene.parameters.voxel_size_m), true, 0, {}, {}};
+  const SceneSources sources = open_sources(scene.source, scene.source_options);
+  const ReferenceCaster caster(sources, scene.parameters, request.threads);
+  const std::filesystem::path folder = request.out / name;
+  result.voxels = bake_voxels(sources, scene, device, folder);
+  result.rows = look(folder, subject_of(caster), scene, request,
+                     [&](const kernels::CastCamera& camera) { return traced_inside(caster, camera, request.samples); });
+  finish(result, request, folder);
+  bench.scenes.push_back(std::move(result));
   return bench;
 }
 

@@ -10,6 +10,7 @@
 
 #include "bench/accuracy/leaks/leak_error.h"
 #include "bench/accuracy/leaks/leak_eye.h"
+#include "bench/bench_scene.h"
 #include "worker/backend.h"
 
 namespace gigabake::bench {
@@ -26,7 +27,7 @@ struct LeakBenchRequest {
   int threads = 1;
   LeakSuite suite = LeakSuite::whole;
   std::vector<std::string> families;  ///< to look at, by their names; empty: all
-  int edge = 1536;                    ///< how wide scenes are, in voxels: farther views need wider ones
+  int edge = 1536;                    ///< how wide made scenes are, in voxels: farther views need wider ones
   int samples = 64;                   ///< of the traced reference, a pixel
   int width = 160, height = 120;      ///< of pictures
 };
@@ -47,8 +48,8 @@ struct LeakResult {
 };
 
 struct LeakBench {
-  std::string backend;  ///< "cpu" or "cuda": where cells were baked; pictures are drawn by the CPU
-  int edge = 0, samples = 0;
+  std::string backend;        ///< "cpu" or "cuda": where cells were baked; pictures are drawn by the CPU
+  int edge = 0, samples = 0;  ///< edge 0: a scene that was given
   std::vector<LeakResult> scenes;
   /// No opaque surface lets more light through than docs/accuracy.md allows, in any view.
   bool is_bounded() const;
@@ -63,5 +64,9 @@ using LeakProgress = std::function<void(const std::string& scene)>;
 /// Cost    Bakes some 3·edge² voxels of level 0 a scene, 33 scenes, and draws up to 63 pictures of each.
 /// Errors  As a bake. Without Embree the scenes whose reference is traced say that they are not measured.
 LeakBench bench_leaks(const LeakBenchRequest& request, const LeakProgress& progress);
+
+/// The same cameras before a scene of one's own. Inside is what no traced ray passes in a pixel and its neighbours.
+/// Errors  As a bake; UsageError: built without Embree.
+LeakBench bench_leaks_of(const BenchScene& scene, const LeakBenchRequest& request);
 
 }  // namespace gigabake::bench

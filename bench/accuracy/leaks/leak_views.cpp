@@ -10,21 +10,19 @@ namespace gigabake::bench {
 namespace {
 
 /// How much nearer than its target the scene comes to an eye that looks along `forward`.
-double reach_towards_eye(const LeakScene& scene, const Vector& forward) {
+double reach_towards_eye(const LeakSubject& subject, const Vector& forward) {
   double reach = 0;
-  for (const sample::GlbMesh& mesh : scene.model.meshes)
-    for (std::size_t v = 0; v < mesh.position.size(); v += 3) {
-      const Vector p{mesh.position[v], -double(mesh.position[v + 2]), mesh.position[v + 1]};
-      const Vector to_target = along(scene.target, p, -1);
-      reach = std::max(reach, to_target[0] * forward[0] + to_target[1] * forward[1] + to_target[2] * forward[2]);
-    }
+  for (const Vector& p : subject.points) {
+    const Vector to_target = along(subject.target, p, -1);
+    reach = std::max(reach, to_target[0] * forward[0] + to_target[1] * forward[1] + to_target[2] * forward[2]);
+  }
   return reach;
 }
 
 /// Planes of the lattice that are planes of its six coarser levels too.
 constexpr double lattice_plane = 64;
 
-LeakView make_view(const LeakScene& scene, double elevation_deg, LeakEye kind, double voxels_per_pixel,
+LeakView make_view(const LeakSubject& subject, double elevation_deg, LeakEye kind, double voxels_per_pixel,
                    const LeakViewRange& range, const BakeParameters& lattice) {
   LeakView view{elevation_deg, kind, voxels_per_pixel, {}};
   view.camera.fovy_deg = accuracy_fovy_deg;
@@ -32,22 +30,31 @@ LeakView make_view(const LeakScene& scene, double elevation_deg, LeakEye kind, d
   view.camera.height = range.height;
   const Vector forward = forward_at(elevation_deg);
   double distance = voxels_per_pixel * range.height / (2 * std::tan(accuracy_fovy_deg * std::numbers::pi / 360));
-  if (kind != LeakEye::at_level_change) distance += reach_towards_eye(scene, forward);
-  Vector eye = along(scene.target, forward, -distance);
+  if (kind != LeakEye::at_level_change) distance += reach_towards_eye(subject, forward);
+  Vector eye = along(subject.target, forward, -distance);
   if (kind == LeakEye::on_lattice) eye[2] = lattice_plane * std::ceil(eye[2] / lattice_plane);
   view.camera.eye_m = to_scene_m(eye, lattice);
-  view.camera.target_m = to_scene_m(scene.target, lattice);
+  view.camera.target_m = to_scene_m(subject.target, lattice);
   return view;
 }
 
 }  // namespace
 
-std::vector<LeakView> leak_views(const LeakScene& scene, const LeakViewRange& range, const BakeParameters& lattice) {
+LeakSubject subject_of(const LeakScene& scene) {
+  LeakSubject subject{scene.target, scene.width, {}};
+  for (const sample::GlbMesh& mesh : scene.model.meshes)
+    for (std::size_t v = 0; v < mesh.position.size(); v += 3)
+      subject.points.push_back({mesh.position[v], -double(mesh.position[v + 2]), mesh.position[v + 1]});
+  return subject;
+}
+
+std::vector<LeakView> leak_views(const LeakSubject& subject, const LeakViewRange& range,
+                                 const BakeParameters& lattice) {
   std::vector<LeakView> views;
   const auto add = [&](double elevation_deg, LeakEye kind, const std::vector<double>& scales) {
     for (const double voxels_per_pixel : scales)
-      if (scene.width >= fewest_pixels_wide * voxels_per_pixel)
-        views.push_back(make_view(scene, elevation_deg, kind, voxels_per_pixel, range, lattice));
+      if (subject.width >= fewest_pixels_wide * voxels_per_pixel)
+        views.push_back(make_view(subject, elevation_deg, kind, voxels_per_pixel, range, lattice));
   };
   for (const double elevation_deg : range.elevations_deg) {
     add(elevation_deg, LeakEye::anywhere, range.voxels_per_pixel);

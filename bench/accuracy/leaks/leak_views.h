@@ -26,10 +26,18 @@ struct LeakViewRange {
   int width = 160, height = 120;
 };
 
+/// Where cameras stand before a scene.
+struct LeakSubject {
+  Vector target{};             ///< where they look: on the surface, in its middle
+  double width = 0;            ///< of what they look at, at the least where it is seen in full
+  std::vector<Vector> points;  ///< of the scene: to every eye one of them is as near as anything
+};
+LeakSubject subject_of(const LeakScene& scene);
+
 /// Every elevation at every distance, and straight down from a lattice plane too, from which the scene is still this
 /// many pixels wide.
 inline constexpr double fewest_pixels_wide = 24;
-std::vector<LeakView> leak_views(const LeakScene& scene, const LeakViewRange& range, const BakeParameters& lattice);
+std::vector<LeakView> leak_views(const LeakSubject& subject, const LeakViewRange& range, const BakeParameters& lattice);
 
 /// In closed form, through the middle of each pixel.
 AlphaPicture alpha_of_sheets(const LeakScene& scene, const kernels::CastCamera& camera);

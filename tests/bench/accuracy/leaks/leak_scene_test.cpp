@@ -50,14 +50,14 @@ TEST(LeakScenes, HaveNamesOfTheirOwnAndEveryFamily) {
 }
 
 TEST(LeakScenes, AreSeenOnlyWhereTheyAreWideEnough) {
-  const std::vector<LeakView> views = leak_views(plane_scene(100, 20, 30), {}, BakeParameters{1});
+  const std::vector<LeakView> views = leak_views(subject_of(plane_scene(100, 20, 30)), {}, BakeParameters{1});
   EXPECT_EQ(views.size(), 7u * 3 + 3) << "1, 1.4 and 4 voxels a pixel: at 8 it would be 12 pixels wide";
 }
 
 TEST(LeakViews, BeginBehindTheirDistanceOrChangeLevelsInTheMiddle) {
   const BakeParameters lattice{1};
   const LeakScene scene = plane_scene(400, 20, 30);
-  for (const LeakView& view : leak_views(scene, {}, lattice)) {
+  for (const LeakView& view : leak_views(subject_of(scene), {}, lattice)) {
     const kernels::CastCamera camera = reference_camera(view.camera, lattice);
     const double wanted = camera.lod1_depth * view.voxels_per_pixel / 2;
     double nearest = 1e30, target = 0;
@@ -100,7 +100,7 @@ class LeakTruths : public testing::Test {
     LeakViewRange range;
     range.width = range.height = 48;
     std::size_t seen = 0;
-    for (const LeakView& view : leak_views(scene, range, lattice)) {
+    for (const LeakView& view : leak_views(subject_of(scene), range, lattice)) {
       const kernels::CastCamera camera = reference_camera(view.camera, lattice);
       const AlphaPicture truth = alpha_of_sheets(scene, camera);
       const std::vector<bool> inner = inner_pixels(truth);
@@ -132,7 +132,8 @@ TEST_F(LeakTruths, AHoleInTheTrianglesShows) {
   options.local = true;
   const BakeParameters lattice{1};
   const ReferenceCaster caster(open_sources(folder_.path() / "scene.glb", options), lattice, 1);
-  const kernels::CastCamera camera = reference_camera(leak_views(scene, {}, lattice).front().camera, lattice);
+  const kernels::CastCamera camera =
+      reference_camera(leak_views(subject_of(scene), {}, lattice).front().camera, lattice);
   const AlphaPicture truth = alpha_of_sheets(scene, camera);
   EXPECT_GT(leak_error(inner_pixels(truth), truth, caster.draw(camera, 1)).below_90, 0.3);
 }
