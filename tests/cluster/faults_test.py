@@ -19,7 +19,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli"))
 import harness
 
-OPTIONS = {"count": 10, "seed": 20261120, "size": 256}
+OPTIONS = {"count": 10, "seed": 20261120, "size": 192}
 BAKE_PROCESS = "gigabake-bake"
 # What bounds a launch that hangs, and so no fault takes longer than LONGEST_S.
 BOUNDS = {"GIGABAKE_END_S": "5", "GIGABAKE_QUIET_S": "12", "GIGABAKE_PAUSE_S": "0"}

@@ -12,7 +12,7 @@
 namespace gigabake {
 namespace {
 
-constexpr unsigned seed = 77;
+constexpr unsigned plan_seed = 77;
 
 BakeParameters parameters(std::uint32_t cell_voxels) {
   BakeParameters p;
@@ -45,12 +45,12 @@ SceneSources sources_of(std::size_t tiles, const std::string& name = "tile") {
 }
 
 TEST(StackOver, CoversTheHeightWithTheFewestCellsOnTheLevelsLattice) {
-  std::mt19937 random(seed);
+  std::mt19937 random(plan_seed);
   for (int i = 0; i < 100000; ++i) {
     const std::int64_t n = std::int64_t(8) << (random() % 8), low = std::int64_t(random() % 20001) - 10000;
     const std::int64_t end = low + 1 + std::int64_t(random() % 3000);
     const CellStack s = stack_over(low, end, n);
-    ASSERT_LE(s.z_min, low) << "seed " << seed << " item " << i;
+    ASSERT_LE(s.z_min, low) << "seed " << plan_seed << " item " << i;
     ASSERT_GE(s.z_min + s.cells * n, end);
     const std::int64_t coarsest_voxel = std::max<std::int64_t>(8, n / 8);
     ASSERT_EQ(s.z_min % coarsest_voxel, 0);
@@ -68,7 +68,7 @@ TEST(StackOver, IsCentredOnTheHeight) {
 }
 
 TEST(MakePlan, HandsEveryTileToEveryCellThatItReaches) {
-  std::mt19937 random(seed);
+  std::mt19937 random(plan_seed);
   for (int round = 0; round < 50; ++round) {
     const auto surveys = random_surveys(12, random);
     const std::int64_t n = 256;
@@ -81,13 +81,13 @@ TEST(MakePlan, HandsEveryTileToEveryCellThatItReaches) {
                    z < j.lattice_min[2] + n && std::binary_search(j.tiles.begin(), j.tiles.end(), s.tile);
           };
           ASSERT_EQ(std::count_if(plan.jobs.begin(), plan.jobs.end(), holds), 1)
-              << "seed " << seed << " round " << round;
+              << "seed " << plan_seed << " round " << round;
         }
   }
 }
 
 TEST(MakePlan, TellsEachCellWhatItsTilesHeldWhenTheyWereSurveyed) {
-  std::mt19937 random(seed);
+  std::mt19937 random(plan_seed);
   const auto surveys = random_surveys(12, random);
   for (const CellJob& job : make_plan(surveys, sources_of(12), parameters(256)).jobs) {
     ASSERT_EQ(job.tile_sources.size(), job.tiles.size());
@@ -96,7 +96,7 @@ TEST(MakePlan, TellsEachCellWhatItsTilesHeldWhenTheyWereSurveyed) {
 }
 
 TEST(MakePlan, DoesNotDependOnTheOrderOfSurveys) {
-  std::mt19937 random(seed);
+  std::mt19937 random(plan_seed);
   auto surveys = random_surveys(20, random);
   const BakePlan a = make_plan(surveys, sources_of(20), parameters(128));
   std::shuffle(surveys.begin(), surveys.end(), random);
@@ -110,7 +110,7 @@ TEST(MakePlan, DoesNotDependOnTheOrderOfSurveys) {
 }
 
 TEST(MakePlan, ChangesTheFingerprintsOfTheCellsThatATileReachesAndOfNoOther) {
-  std::mt19937 random(seed);
+  std::mt19937 random(plan_seed);
   auto surveys = random_surveys(20, random);
   const BakePlan a = make_plan(surveys, sources_of(20), parameters(128));
   surveys[7].source.lo ^= 1;
@@ -122,7 +122,7 @@ TEST(MakePlan, ChangesTheFingerprintsOfTheCellsThatATileReachesAndOfNoOther) {
 }
 
 TEST(CellFingerprints, DoNotDependOnTheOrderOfTilesButOnHowOftenEachIsThere) {
-  std::mt19937 random(seed);
+  std::mt19937 random(plan_seed);
   const CellFingerprints fingerprints(parameters(128), std::nullopt);
   const CellJob job;
   for (int round = 0; round < 100; ++round) {
@@ -130,9 +130,9 @@ TEST(CellFingerprints, DoNotDependOnTheOrderOfTilesButOnHowOftenEachIsThere) {
     for (Hash128& t : tiles) t = {random() % 4, random() % 3};
     const Hash128 expected = fingerprints.of(job, tiles);
     std::shuffle(tiles.begin(), tiles.end(), random);
-    EXPECT_EQ(fingerprints.of(job, tiles), expected) << "seed " << seed << " round " << round;
+    EXPECT_EQ(fingerprints.of(job, tiles), expected) << "seed " << plan_seed << " round " << round;
     tiles.push_back(tiles[0]);
-    EXPECT_NE(fingerprints.of(job, tiles), expected) << "seed " << seed << " round " << round;
+    EXPECT_NE(fingerprints.of(job, tiles), expected) << "seed " << plan_seed << " round " << round;
   }
 }
 

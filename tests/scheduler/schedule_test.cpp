@@ -10,10 +10,10 @@
 namespace gigabake {
 namespace {
 
-constexpr unsigned seed = 79;
+constexpr unsigned schedule_seed = 79;
 
 TEST(Schedule, BakesEveryCellOnceWhenNothingGoesWrong) {
-  std::mt19937 random(seed);
+  std::mt19937 random(schedule_seed);
   const std::vector<CellJob> jobs = made_jobs(500, random);
   Schedule schedule(jobs, {});
   std::vector<int> times(jobs.size());
@@ -27,8 +27,8 @@ TEST(Schedule, BakesEveryCellOnceWhenNothingGoesWrong) {
     out.pop_back();
     ++times[a.job];
     EXPECT_EQ(a.attempt, 1u);
-    ASSERT_EQ(schedule.finished(worker, a.job, a.attempt, 0), Verdict::accepted) << "seed " << seed;
-    ASSERT_EQ(schedule.finished(worker, a.job, a.attempt, 0), Verdict::stale) << "seed " << seed;
+    ASSERT_EQ(schedule.finished(worker, a.job, a.attempt, 0), Verdict::accepted) << "seed " << schedule_seed;
+    ASSERT_EQ(schedule.finished(worker, a.job, a.attempt, 0), Verdict::stale) << "seed " << schedule_seed;
   }
   EXPECT_EQ(std::count(times.begin(), times.end(), 1), 500);
   EXPECT_EQ(schedule.counts(), (JobCounts{0, 0, 500, 0, 0}));

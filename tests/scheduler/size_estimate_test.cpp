@@ -10,7 +10,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::uint64_t seed = 20261122;
+constexpr std::uint64_t estimate_seed = 20261122;
 
 /// Forty tiles of up to sixty columns, of which each has its own voxels to a crossing.
 struct MadeScene {
@@ -72,7 +72,7 @@ struct MadeScene {
 
 /// All of 2026-11-22.
 TEST(SizeEstimate, IsTheSumWhereAllPiecesWereBaked) {
-  std::mt19937_64 random(seed);
+  std::mt19937_64 random(estimate_seed);
   const MadeScene made(random);
   const SizeEstimate e = estimate_size(made.scene, made.sample(40, 1000000, 1));
   EXPECT_NEAR(double(e.voxels_lod0), made.all, 1e-3 * made.all);
@@ -81,7 +81,7 @@ TEST(SizeEstimate, IsTheSumWhereAllPiecesWereBaked) {
 }
 
 TEST(SizeEstimate, OfTwentyPiecesIsRightOnAverageAndSeldomFartherOffThanItsError) {
-  std::mt19937_64 random(seed);
+  std::mt19937_64 random(estimate_seed);
   const MadeScene made(random);
   double sum = 0;
   int outside = 0;

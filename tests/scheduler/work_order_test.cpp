@@ -11,10 +11,10 @@
 namespace gigabake {
 namespace {
 
-constexpr unsigned seed = 78;
+constexpr unsigned order_seed = 78;
 
 TEST(RankSet, AgreesWithAnOrderedSetWhateverItsSize) {
-  std::mt19937 random(seed);
+  std::mt19937 random(order_seed);
   for (const std::uint32_t size : {0u, 1u, 63u, 64u, 65u, 4096u, 4097u, 300000u}) {
     std::set<std::uint32_t> expected;
     for (std::uint32_t i = 0; i < size; ++i) expected.insert(expected.end(), i);
@@ -23,9 +23,9 @@ TEST(RankSet, AgreesWithAnOrderedSetWhateverItsSize) {
       const auto x = std::uint32_t(random() % (size + 200));
       const auto above = expected.lower_bound(x);
       ASSERT_EQ(set.at_or_after(x), above == expected.end() ? std::nullopt : std::optional(*above))
-          << "seed " << seed << " size " << size << " item " << i;
+          << "order_seed " << order_seed << " size " << size << " item " << i;
       ASSERT_EQ(set.before(x), above == expected.begin() ? std::nullopt : std::optional(*std::prev(above)))
-          << "seed " << seed << " size " << size << " item " << i;
+          << "order_seed " << order_seed << " size " << size << " item " << i;
       if (above == expected.end()) continue;
       set.erase(*above);
       expected.erase(above);
@@ -34,7 +34,7 @@ TEST(RankSet, AgreesWithAnOrderedSetWhateverItsSize) {
 }
 
 TEST(WorkOrder, NeverLeavesACellThatCostsHalfAsMuchAgainForLater) {
-  std::mt19937 random(seed);
+  std::mt19937 random(order_seed);
   const std::vector<CellJob> jobs = made_jobs(900, random);
   WorkOrder order(jobs);
   std::multiset<std::uint64_t> waiting;
@@ -42,7 +42,7 @@ TEST(WorkOrder, NeverLeavesACellThatCostsHalfAsMuchAgainForLater) {
   std::optional<std::uint32_t> last;
   while (const auto job = order.choose(last)) {
     const std::uint64_t cost = cell_cost(jobs[*job]);
-    ASSERT_LE(2 * *waiting.rbegin(), 3 * cost + 1) << "seed " << seed;
+    ASSERT_LE(2 * *waiting.rbegin(), 3 * cost + 1) << "order_seed " << order_seed;
     waiting.erase(waiting.find(cost));
     order.take(*job);
     last = job;

@@ -29,7 +29,7 @@ constexpr std::uint64_t enough = std::uint64_t(1) << 32;
 
 std::uint8_t rounded(float share) { return std::uint8_t(std::lround(share * 255)); }
 
-void expect_same_voxels(const std::filesystem::path& vdb, const made::SceneVoxels& voxels, bool normals) {
+void expect_same_grid(const std::filesystem::path& vdb, const made::SceneVoxels& voxels, bool normals) {
   openvdb::initialize();
   openvdb::io::File file(vdb.string());
   file.open();
@@ -62,7 +62,7 @@ TEST(Openvdb, TheLibraryReadsTheVoxelsOfEveryLevelOfARandomScene) {
     for (int lod = 0; lod < 4; ++lod) {
       const made::SceneVoxels voxels = scene.voxels(lod);
       EXPECT_EQ(export_openvdb(scene.xml(), lod, scene / "v.vdb", enough), voxels.size());
-      expect_same_voxels(scene / "v.vdb", voxels, scene.description().has_normals);
+      expect_same_grid(scene / "v.vdb", voxels, scene.description().has_normals);
     }
   }
 }

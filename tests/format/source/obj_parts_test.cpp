@@ -21,18 +21,18 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr std::uint32_t vertices = 1000;
+constexpr std::uint32_t line_vertices = 1000;
 
 /// Vertices with colours and texture coordinates, then faces of material `a` and fewer of `b` in turns; the corners of
 /// `b` have no texture coordinates, and some of `a` are quadrilaterals.
 std::string large_text() {
   std::mt19937 random(1);
   std::string out = "mtllib gone.mtl\n";
-  for (std::uint32_t v = 0; v < vertices; ++v) {
+  for (std::uint32_t v = 0; v < line_vertices; ++v) {
     const auto number = [&random] { return " " + std::to_string(double(random()) / 4e9); };
     out += "v" + number() + number() + number() + " 0.5 0.25" + number() + "\nvt" + number() + number() + "\n";
   }
-  const auto corner = [&random] { return std::to_string(random() % vertices + 1); };
+  const auto corner = [&random] { return std::to_string(random() % line_vertices + 1); };
   for (std::uint64_t turn = 0; turn < 1300; ++turn) {
     out += "usemtl a\n";
     for (int f = 0; f < 1000; ++f) {
@@ -92,7 +92,7 @@ TEST_F(ObjParts, HoldTheTrianglesOfTheWhole) {
   const TileMesh parts = read([&](std::size_t index, Primitive&& p) {
     EXPECT_EQ(index, materials.size());
     EXPECT_LE(p.index.size() / 3, most_part_triangles);
-    EXPECT_LE(p.position.size() / 3, 3 * vertices);
+    EXPECT_LE(p.position.size() / 3, 3 * line_vertices);
     materials.push_back(p.material);
     of_parts[p.material].add(p);
   });

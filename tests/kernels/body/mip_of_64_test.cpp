@@ -9,7 +9,7 @@
 namespace gigabake::kernels {
 namespace {
 
-const Tables tables = TableStore::host().view();
+const Tables tables_of_64 = TableStore::host().view();
 
 /// Sparse, and by turns dense.
 void random_mask(std::mt19937_64& random, std::uint64_t mask[8]) {
@@ -65,10 +65,10 @@ TEST(MipOf64, WeighsVoxelsByTheirAlphaAlone) {
   const auto red_then_blue = [](std::size_t i) {
     return i == 0 ? Voxel{{255, 0, 0, 255}, {127, 0}} : Voxel{{0, 0, 255, 255}, {127, 0}};
   };
-  const Voxel v = filter_64(mask, 0, 0, red_then_blue, tables);
-  EXPECT_EQ(v.rgba[0], tables.srgb_from_linear[(65535 + 4) / 9]);
+  const Voxel v = filter_64(mask, 0, 0, red_then_blue, tables_of_64);
+  EXPECT_EQ(v.rgba[0], tables_of_64.srgb_from_linear[(65535 + 4) / 9]);
   EXPECT_EQ(v.rgba[1], 0);
-  EXPECT_EQ(v.rgba[2], tables.srgb_from_linear[(8 * 65535 + 4) / 9]);
+  EXPECT_EQ(v.rgba[2], tables_of_64.srgb_from_linear[(8 * 65535 + 4) / 9]);
   EXPECT_EQ(v.rgba[3], 47) << "255 (9/64)^(55/64) = 47.2";
   EXPECT_EQ(v.normal[0], 127);
   EXPECT_EQ(v.normal[1], 0);

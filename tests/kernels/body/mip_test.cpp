@@ -9,7 +9,7 @@
 namespace gigabake::kernels {
 namespace {
 
-const Tables tables = TableStore::host().view();
+const Tables mip_tables = TableStore::host().view();
 
 TEST(Weights, AreAsMuchAsShowsOfEachChild) {
   FacingSums seen;
@@ -64,7 +64,7 @@ TEST(Levels, TakeTheMeanOfAllChildrenWhereNothingOfAnyShows) {
   LevelSurface rasters{std::vector<std::uint32_t>(2 * std::size_t(raster_words(most_raster_edge)), 0), {}};
   add_coarser_levels(levels, rasters, 6, MipFilter::coverage, true, ThreadPool(1));
   ASSERT_EQ(levels.size(), 6u);
-  const std::uint8_t half = tables.srgb_from_linear[(65535 + 1) / 2];
+  const std::uint8_t half = mip_tables.srgb_from_linear[(65535 + 1) / 2];
   EXPECT_EQ(levels[5].rgba, (std::vector<std::uint8_t>{half, 0, half, 1}));
 }
 

@@ -21,7 +21,7 @@ class DeviceDeflate : public testing::Test {
     device_ = devices.usable.front();
   }
 
-  void add(const std::string& name, const test::Bytes& bytes, std::uint32_t element_bytes = 1) {
+  void add(const std::string& name, const gigabake::test::Bytes& bytes, std::uint32_t element_bytes = 1) {
     raw_.resize(raw_.size() + names_.size() % 3);  // chunks begin anywhere
     chunks_.push_back({raw_.size(), std::uint32_t(bytes.size()), element_bytes});
     raw_.insert(raw_.end(), bytes.begin(), bytes.end());
@@ -33,7 +33,7 @@ class DeviceDeflate : public testing::Test {
     ASSERT_EQ(packed.ends.size(), chunks_.size());
     for (std::size_t c = 0, begin = 0; c < chunks_.size(); begin = packed.ends[c], ++c) {
       const std::span<const std::uint8_t> raw(raw_.data() + chunks_[c].begin, chunks_[c].bytes);
-      const test::Bytes host = encode_chunk(raw, {Codec::deflate, chunks_[c].element_bytes});
+      const gigabake::test::Bytes host = encode_chunk(raw, {Codec::deflate, chunks_[c].element_bytes});
       const std::span<const std::uint8_t> device(packed.bytes.data() + begin, packed.ends[c] - begin);
       const auto [at, there] = std::mismatch(host.begin(), host.end(), device.begin(), device.end());
       ASSERT_TRUE(at == host.end() && there == device.end())
@@ -43,24 +43,25 @@ class DeviceDeflate : public testing::Test {
   }
 
   int device_ = 0;
-  test::Bytes raw_;
+  gigabake::test::Bytes raw_;
   std::vector<RawChunk> chunks_;
   std::vector<std::string> names_;
 };
 
 TEST_F(DeviceDeflate, MakesTheHostsBytesWhateverTheBytesAndTheirNumber) {
-  const test::RandomSeed seed;
-  test::Random rng(seed);
-  for (const std::size_t size : test::awkward_sizes())
-    for (const test::NamedBytes& made : test::made_bytes(rng, size)) add(made.name, made.bytes);
+  const gigabake::test::RandomSeed seed;
+  gigabake::test::Random rng(seed);
+  for (const std::size_t size : gigabake::test::awkward_sizes())
+    for (const gigabake::test::NamedBytes& made : gigabake::test::made_bytes(rng, size)) add(made.name, made.bytes);
   expect_the_hosts_bytes();
 }
 
 TEST_F(DeviceDeflate, MakesTheHostsBytesOfShuffledElements) {
-  const test::RandomSeed seed;
-  test::Random rng(seed);
+  const gigabake::test::RandomSeed seed;
+  gigabake::test::Random rng(seed);
   for (const std::uint32_t element : {2u, 4u, 8u})
-    for (int round = 0; round < 20; ++round) add("rising numbers", test::rising(rng, 8 * (rng() % 20000)), element);
+    for (int round = 0; round < 20; ++round)
+      add("rising numbers", gigabake::test::rising(rng, 8 * (rng() % 20000)), element);
   expect_the_hosts_bytes();
 }
 

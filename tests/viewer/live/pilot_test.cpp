@@ -21,7 +21,7 @@ FrameStats took(double seconds, bool complete) {
   return stats;
 }
 
-Steering turn(double right) {
+Steering turning(double right) {
   Steering s;
   s.turn = {right, 0};
   return s;
@@ -97,7 +97,7 @@ TEST(Pilot, GivesNewDataMoreTimeTheLongerItRests) {
     stats.uploads = 100;
     pilot.drawn(*order, stats);
   }
-  pilot.steer(turn(0.1), 0.6);
+  pilot.steer(turning(0.1), 0.6);
   EXPECT_EQ(pilot.next(0.6)->upload_s, pilot.upload_s());
 }
 
@@ -115,7 +115,7 @@ TEST(Pilot, SketchesWholeFramesWhereTheyAreQuick) {
   Pilot pilot(home(), 0.06);
   double now_s = 0;
   fly(pilot, now_s, 10, 0.004);
-  pilot.steer(turn(0.1), now_s);
+  pilot.steer(turning(0.1), now_s);
   for (const auto& order : fly(pilot, now_s, now_s + 10, 0.004)) EXPECT_TRUE(order.full && !order.in_tiles);
   EXPECT_TRUE(pilot.rests());
 }
@@ -143,12 +143,12 @@ TEST(Pilot, DrawsSmallWhileItMovesAndFullWhenItRests) {
   double now_s = 0;
   fly(pilot, now_s, 5, 0.8);
   for (int i = 0; i < 30; ++i) {
-    pilot.steer(turn(0.01), now_s);
+    pilot.steer(turning(0.01), now_s);
     const double from_s = now_s;
     for (const auto& order : fly(pilot, now_s, now_s + 0.06, 0.8)) EXPECT_FALSE(order.full);
     now_s = std::max(now_s, from_s + 0.06);
   }
-  pilot.steer(turn(0.01), now_s);
+  pilot.steer(turning(0.01), now_s);
   const auto last = fly(pilot, now_s, now_s + 5, 0.8);
   ASSERT_GE(last.size(), 2u);
   // Full frames of 0.8 s, 0.05 s asked: a quarter of the edge.
@@ -203,13 +203,13 @@ TEST(Pilot, DoesNotTryAgainWhatFailedUntilSomethingChanges) {
   ASSERT_TRUE(pilot.next(0).has_value());
   pilot.failed();
   EXPECT_FALSE(pilot.next(1).has_value());
-  pilot.steer(turn(0.1), 2);
+  pilot.steer(turning(0.1), 2);
   EXPECT_TRUE(pilot.next(2).has_value());
 }
 
 TEST(Pilot, ANewSceneIsDrawnFromWhereTheViewerHasGone) {
   Pilot stays(home(), 0.05), gone(home(), 0.05);
-  gone.steer(turn(0.1), 1);
+  gone.steer(turning(0.1), 1);
   const CameraPose pose = gone.rig().pose();
   CameraOptions other = home();
   other.eye_m = Point<Scene>{0, -200, 90};
