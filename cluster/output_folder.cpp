@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 #include <unordered_set>
 #include <utility>
 
@@ -25,10 +26,16 @@ bool is_at_or_below(const fs::path& path, const fs::path& folder) {
   return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
 }
 
-bool is_leftover(const std::string& name) {
+/// As cells ("c_X_Y_Z") and parents ("pL_X_Y_Z") are named.
+bool begins_as_a_shard(std::string_view name) {
+  return name.starts_with("c_") || (name.size() > 1 && name[0] == 'p' && name[1] >= '0' && name[1] <= '9');
+}
+
+bool is_leftover(std::string_view name) {
+  if (!name.starts_with('.') || !name.ends_with(".part")) return false;
+  name.remove_prefix(1);
   const auto is_of = [&](const char* file) { return name.starts_with(file); };
-  return name.ends_with(".part") &&
-         (is_of(".c_") || is_of(".p") || is_of(".scene.xml.") || is_of(".journal.") || is_of(".survey."));
+  return begins_as_a_shard(name) || is_of("scene.xml.") || is_of("journal.") || is_of("survey.");
 }
 
 template <class Wanted>
@@ -45,7 +52,7 @@ std::vector<fs::path> orphans_in(const fs::path& out, const SceneDescription& sc
   for (const auto& shards : {&scene.cells, &scene.parents})
     for (const SceneCell& c : *shards) used.insert(fs::path(c.file).filename().string());
   return files_in(out / "shards", [&](const std::string& name) {
-    return (name.starts_with("c_") || name.starts_with("p")) && name.ends_with(".h5") && !used.contains(name);
+    return begins_as_a_shard(name) && name.ends_with(".h5") && !used.contains(name);
   });
 }
 

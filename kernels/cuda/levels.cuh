@@ -33,6 +33,9 @@ struct DeviceNodes {
   std::uint32_t count = 0;
 };
 
+/// Of that many, what every one has; not set.
+DeviceNodes make_device_nodes(DeviceHeap& heap, std::uint32_t count);
+
 /// levels: [lod]. Empty where a brick may be constant: then prune_levels() decides, or prune() on the host.
 /// Errors  CudaFailure; std::length_error beyond 2^32-1 nodes.
 DeviceNodes brick_nodes(DeviceHeap& heap, const std::vector<DeviceLevel>& levels);

@@ -46,17 +46,22 @@ bool any_full_brick(DeviceHeap& heap, const NodeLevels& levels, std::uint32_t no
 
 }  // namespace
 
-DeviceNodes brick_nodes(DeviceHeap& heap, const std::vector<DeviceLevel>& levels) {
-  NodeLevels placed{};
-  const std::uint32_t count = place_levels(levels, placed);
+DeviceNodes make_device_nodes(DeviceHeap& heap, std::uint32_t count) {
   DeviceNodes nodes;
-  if (any_full_brick(heap, placed, count)) return nodes;
   nodes.count = count;
   nodes.key = DeviceArray<std::uint32_t>(heap, count);
   nodes.first_child = DeviceArray<std::uint32_t>(heap, count);
   nodes.value = DeviceArray<std::uint32_t>(heap, count);
   nodes.lod = DeviceArray<std::uint8_t>(heap, count);
   nodes.child_mask = DeviceArray<std::uint8_t>(heap, count);
+  return nodes;
+}
+
+DeviceNodes brick_nodes(DeviceHeap& heap, const std::vector<DeviceLevel>& levels) {
+  NodeLevels placed{};
+  const std::uint32_t count = place_levels(levels, placed);
+  if (any_full_brick(heap, placed, count)) return {};
+  DeviceNodes nodes = make_device_nodes(heap, count);
   make_nodes<<<grid_of(count, threads), threads, 0, heap.stream()>>>(
       placed, count,
       {nodes.key.data(), nodes.first_child.data(), nodes.value.data(), nodes.lod.data(), nodes.child_mask.data()});

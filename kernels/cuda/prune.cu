@@ -158,12 +158,7 @@ void add_up(DeviceHeap& heap, const std::uint32_t* ones, std::uint32_t* before, 
 }
 
 NodeRows make_rows(DeviceHeap& heap, std::uint32_t count, DeviceNodes& nodes) {
-  nodes.count = count;
-  nodes.key = DeviceArray<std::uint32_t>(heap, count);
-  nodes.first_child = DeviceArray<std::uint32_t>(heap, count);
-  nodes.value = DeviceArray<std::uint32_t>(heap, count);
-  nodes.lod = DeviceArray<std::uint8_t>(heap, count);
-  nodes.child_mask = DeviceArray<std::uint8_t>(heap, count);
+  nodes = make_device_nodes(heap, count);
   nodes.kind = DeviceArray<NodeKind>(heap, count);
   nodes.normal = DeviceArray<std::uint16_t>(heap, count);
   nodes.facing = DeviceArray<std::uint32_t>(heap, count);
