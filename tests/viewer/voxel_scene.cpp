@@ -128,12 +128,12 @@ void VoxelScene::add_cells(const Painter& paint, const std::array<std::int64_t, 
 
 PageSource VoxelScene::pages() const {
   return [this](const PageKey& key) {
-    const Shard& shard = shards_.at(key.cell);
+    const Shard& shard = shards_.at(key.shard);
     Page page;
-    if (key.lod < 0)
+    if (key.part < 0)
       page.rows = rows_of(shard.nodes, key.block);
     else
-      page.bricks = bricks_of(shard.levels.at(std::size_t(key.lod)), key.block);
+      page.bricks = bricks_of(shard.levels.at(std::size_t(key.part)), key.block);
     return page;
   };
 }
@@ -151,8 +151,8 @@ Picture take(const VoxelScene& scene, const PictureOptions& options) {
   SceneStream::Options wishes;
   wishes.light = options.light;
   wishes.memory_bytes = options.memory_bytes;
-  SceneStream stream(scene.description(), "scene.xml", scene.pages(), wishes, pool);
-  return render(stream, make_camera(options.camera, scene.description(), scene.pages()), options.background);
+  SceneStream stream(scene.paged(), scene.pages(), wishes, pool);
+  return render(stream, make_camera(options.camera, scene.paged(), scene.pages()), options.background);
 }
 
 }  // namespace gigabake

@@ -36,6 +36,7 @@ class VoxelScene {
   void add_cells(const Painter& paint, const std::array<std::int64_t, 3>& min, std::int64_t edge);
 
   const SceneDescription& description() const { return description_; }
+  PagedScene paged() const { return PagedScene::of_cells("scene.xml", description_); }
   std::vector<Shard>& shards() { return shards_; }
   /// Borrows this.
   PageSource pages() const;

@@ -43,20 +43,27 @@ class BrickFiller {
  private:
   std::int64_t lattice(int a, int slot) const { return corner_.min[a] + (std::int64_t(slot) << lod_); }
 
-  /// Other cells' bricks may begin at any z.
-  void fill_part(SlotPart part) {
-    const int end = part.end[2];
-    while (part.begin[2] < end) {
-      // Centres decide which voxel of a cell that is not aligned stands here.
-      const std::int64_t half = std::int64_t(1) << lod_ >> 1;
-      const std::int64_t v[3] = {lattice(0, part.begin[0]), lattice(1, part.begin[1]),
-                                 lattice(2, part.begin[2]) + half};
-      const VoxelPlace place = lookup_.place(lod_, v, gaps_);
-      part.end[2] = part.begin[2] + 1;
-      while (part.end[2] < end && lattice(2, part.end[2]) + half < place.box.max[2]) ++part.end[2];
-      if (place.kind == VoxelPlace::Kind::constant) fill_constant(part, place);
-      if (place.kind == VoxelPlace::Kind::brick) fill_from_brick(part, place, half);
-      part.begin[2] = part.end[2];
+  /// One brick of a shard holds all of it, or as much as begins at its corner; the rest is cut into boxes behind that.
+  /// Bricks of cells may begin at any z, and a root parent's largest at the middle of a node.
+  void fill_part(const SlotPart& part) {
+    // Centres decide which voxel of a cell that is not aligned stands here.
+    const std::int64_t half = std::int64_t(1) << lod_ >> 1;
+    const std::int64_t v[3] = {lattice(0, part.begin[0]), lattice(1, part.begin[1]), lattice(2, part.begin[2]) + half};
+    const VoxelPlace place = lookup_.place(lod_, v, gaps_);
+    SlotPart first = part;
+    for (int a = 0; a < 3; ++a) {
+      const std::int64_t centre = a == 2 ? half : 0;
+      first.end[a] = part.begin[a] + 1;
+      while (first.end[a] < part.end[a] && lattice(a, first.end[a]) + centre < place.box.max[a]) ++first.end[a];
+    }
+    if (place.kind == VoxelPlace::Kind::constant) fill_constant(first, place);
+    if (place.kind == VoxelPlace::Kind::brick) fill_from_brick(first, place, half);
+    SlotPart rest = part;
+    for (int a = 0; a < 3; ++a) {
+      rest.begin[a] = first.end[a];
+      if (rest.begin[a] < rest.end[a]) fill_part(rest);
+      rest.begin[a] = first.begin[a];
+      rest.end[a] = first.end[a];
     }
   }
 
