@@ -46,7 +46,8 @@ class VoxelScene {
   PageSource pages() const;
 
  private:
-  void add_shard(const std::vector<kernels::Level>& levels, NodeTable nodes, SceneCell cell, std::vector<SceneCell>& to);
+  void add_shard(const std::vector<kernels::Level>& levels, NodeTable nodes, SceneCell cell,
+                 std::vector<SceneCell>& to);
 
   std::uint32_t cell_voxels_;
   SceneDescription description_;

@@ -6,7 +6,6 @@
 
 namespace gigabake {
 
-
 nlohmann::json parse_object(const std::filesystem::path& file, std::string_view text) {
   nlohmann::json out;
   try {

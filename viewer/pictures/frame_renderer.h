@@ -114,8 +114,8 @@ class FrameRenderer {
   /// Errors  UsageError: as make_camera(). Damaged shards are no error: see problems().
   Frame draw(const View& view, double upload_s);
 
-  /// As draw(), for an eye that moves: never exact where that would take long, and the roots of all trees come first, so
-  /// that something stands for each of them.
+  /// As draw(), for an eye that moves: never exact where that would take long, and the roots of all trees come first,
+  /// so that something stands for each of them.
   Frame sketch(const View& view, const SketchLimits& limits);
 
   /// As many passes as it takes: complete, whatever the pools hold.

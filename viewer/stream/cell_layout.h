@@ -1,5 +1,5 @@
-/// The trees that rays go down, in the order that they are found in: columns by interleaved coordinates, upwards in each.
-/// Either there is a tree to each cell, or the whole scene hangs from a few that are as large as its root parent.
+/// The trees that rays go down, in the order that they are found in: columns by interleaved coordinates, upwards in
+/// each. Either there is a tree to each cell, or the whole scene hangs from a few that are as large as its root parent.
 ///
 /// A voxel's field reaches half a voxel below the voxel (kernels/cast/scene.h), so it may begin in a place that no cell
 /// of the scene covers. *Rim cells* cover it: they have a tree of fields, but no voxels of their own.

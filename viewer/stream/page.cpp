@@ -17,8 +17,7 @@ std::vector<ListedCell> listed_cells(const std::vector<SceneCell>& cells, std::u
   std::vector<ListedCell> listed;
   listed.reserve(cells.size());
   for (const SceneCell& cell : cells) listed.push_back({cell.lattice_min, first++});
-  std::sort(listed.begin(), listed.end(),
-            [](const ListedCell& a, const ListedCell& b) { return a.min < b.min; });
+  std::sort(listed.begin(), listed.end(), [](const ListedCell& a, const ListedCell& b) { return a.min < b.min; });
   return listed;
 }
 

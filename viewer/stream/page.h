@@ -1,6 +1,6 @@
 /// Parts of a scene that come and go as one: a block of a shard's node rows, a block of bricks of one level, or what
-/// one page of the scene lists. The former stand in Morton order, so a block is a compact piece of the shard, and a whole
-/// tree never has to be here.
+/// one page of the scene lists. The former stand in Morton order, so a block is a compact piece of the shard, and a
+/// whole tree never has to be here.
 #pragma once
 
 #include <array>

@@ -28,7 +28,7 @@ std::string one_line(std::string text) {
 
 /// Says which page, where the error does not.
 std::string problem_with(const PageKey& key, const std::string& what) {
-  const std::string part = key.part == PageKey::node_rows  ? "nodes"
+  const std::string part = key.part == PageKey::node_rows ? "nodes"
                            : key.part <= PageKey::listing ? "list of cells"
                                                           : "level " + std::to_string(key.part);
   return "shard " + std::to_string(key.shard) + ", " + part + ", block " + std::to_string(key.block) + ": " + what;

@@ -24,9 +24,8 @@ VoxelBox cube_at(const std::int64_t min[3], std::int64_t edge) {
 /// The listed page whose block the voxel lies in. Blocks beside each other have one size, and stand by their z, y, x.
 const ListedPage* page_around(const std::vector<ListedPage>& pages, const LatticeBlock& block) {
   const auto order = [](const LatticeBlock& b) { return std::array<std::int64_t, 3>{b.min[2], b.min[1], b.min[0]}; };
-  const auto found =
-      std::lower_bound(pages.begin(), pages.end(), order(block),
-                       [&](const ListedPage& page, const auto& zyx) { return order(page.block) < zyx; });
+  const auto found = std::lower_bound(pages.begin(), pages.end(), order(block),
+                                      [&](const ListedPage& page, const auto& zyx) { return order(page.block) < zyx; });
   return found != pages.end() && found->block == block ? &*found : nullptr;
 }
 

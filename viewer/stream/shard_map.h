@@ -18,10 +18,10 @@ namespace gigabake {
 
 /// What a question could not read. Damage is taken for empty, but where coarser levels can stand for it.
 struct PageGaps {
-  kernels::VoxelBox own{};        ///< set by who asks: only damage of what stores this box matters
-  std::vector<PageKey> missing;   ///< not here yet, with repetitions
-  bool damaged = false;           ///< a page of what stores `own` will never be here
-  bool beside_damaged = false;    ///< a parent's page will never be here, though its children may say more
+  kernels::VoxelBox own{};       ///< set by who asks: only damage of what stores this box matters
+  std::vector<PageKey> missing;  ///< not here yet, with repetitions
+  bool damaged = false;          ///< a page of what stores `own` will never be here
+  bool beside_damaged = false;   ///< a parent's page will never be here, though its children may say more
 };
 
 struct PlacedShard {

@@ -141,7 +141,8 @@ TEST(DrawnFromParents, ShowsTheParentWhereACellIsDamaged) {
   const Picture expected = renderer_of(scene, scene.pages()).draw_exact(near).picture;
   std::uint32_t below = 0;  // the camera
   for (std::uint32_t c = 0; c < scene.description().cells.size(); ++c)
-    if (scene.description().cells[c].lattice_min[0] == 32 && scene.description().cells[c].lattice_min[1] == 32) below = c;
+    if (scene.description().cells[c].lattice_min[0] == 32 && scene.description().cells[c].lattice_min[1] == 32)
+      below = c;
   FrameRenderer renderer = renderer_of(scene, damaged(scene, below));
   const Picture drawn = renderer.draw_exact(near).picture;
   EXPECT_EQ(renderer.problems(), std::vector<std::string>{"shards/damaged.h5: no such file"});

@@ -112,7 +112,8 @@ TEST(ShardMap, FindsTheCellsOfAnyPlaceThroughPagesOfPages) {
     });
     EXPECT_EQ(found, expected);
     VoxelBox empty;
-    const auto shard = asked.answer([&](PageGaps& gaps) { return asked.map.find(0, box.min, asked.pager, gaps, empty); });
+    const auto shard =
+        asked.answer([&](PageGaps& gaps) { return asked.map.find(0, box.min, asked.pager, gaps, empty); });
     ASSERT_EQ(shard.has_value(), holds.has_value());
     if (shard) {
       EXPECT_EQ(shard->number, *holds);
@@ -122,7 +123,8 @@ TEST(ShardMap, FindsTheCellsOfAnyPlaceThroughPagesOfPages) {
     empty.min[2] = box.min[2];
     for (const SceneCell& cell : cells) {
       const LatticeBox window = window_of(cell);
-      const VoxelBox other{{window.min[0], window.min[1], window.min[2]}, {window.end[0], window.end[1], window.end[2]}};
+      const VoxelBox other{{window.min[0], window.min[1], window.min[2]},
+                           {window.end[0], window.end[1], window.end[2]}};
       EXPECT_FALSE(overlap(empty, other)) << cell.name << " reaches into what is said to be empty above a point";
     }
   }
@@ -198,9 +200,8 @@ TEST(ParentTiers, AreThereOnlyWhereAllOfASceneHangsFromOneRoot) {
     for (SceneCell& p : s.parents) p.lattice_min[2] += std::int64_t(1) << 52;
   });
   refused("cells of several sizes", [](SceneDescription& s) { s.cells[0].cell_voxels = 32; });
-  refused("an error of cells", [](SceneDescription& s) {
-    s.parameters = to_json(BakeParameters{.voxel_size_m = 1, .max_error = 3});
-  });
+  refused("an error of cells",
+          [](SceneDescription& s) { s.parameters = to_json(BakeParameters{.voxel_size_m = 1, .max_error = 3}); });
   refused("a cell that reaches into a block without a parent", [](SceneDescription& s) {
     s.parents.erase(s.parents.begin() + 3);
     s.losses.push_back({"cell c", "was not baked"});
