@@ -16,7 +16,7 @@
 
 namespace gigabake {
 
-/// What a question could not read. Damage is taken for empty, but where coarser levels can stand for it.
+/// What a question could not read.
 struct PageGaps {
   kernels::VoxelBox own{};       ///< set by who asks: only damage of what stores this box matters
   std::vector<PageKey> missing;  ///< not here yet, with repetitions

@@ -59,7 +59,7 @@ bool VoxelLookup::is_occupied_below(const PlacedShard& shard, std::uint32_t row_
     if (!pager_.is_damaged({shard.number, PageKey::node_rows, row_index / nodes_per_block})) return false;
     if (shard.is_parent()) return may_be_occupied(shard, box, gaps);
     gaps.damaged |= overlap(shard.window, gaps.own);
-    return false;
+    return true;
   }
   if (node->kind == NodeKind::leaf_constant) return true;
   for (int child = 0; child < 8; ++child) {
@@ -110,6 +110,7 @@ VoxelPlace VoxelLookup::place(int lod, const std::int64_t v[3], PageGaps& gaps) 
   }
   if (node != nullptr) set_content(*shard, *node, lod, gaps, place);
   if (place.kind == VoxelPlace::Kind::nothing && gaps.missing.size() == missing) {  // so it will never be here
+    place.kind = VoxelPlace::Kind::unreadable;
     gaps.damaged |= overlap(shard->window, gaps.own);
     gaps.beside_damaged |= shard->is_parent();
   }

@@ -12,7 +12,7 @@ namespace gigabake {
 
 /// What stands at a voxel, and the box for which that holds.
 struct VoxelPlace {
-  enum class Kind { nothing, brick, constant };
+  enum class Kind { nothing, brick, constant, unreadable };
   Kind kind = Kind::nothing;
   kernels::VoxelBox box;
   const BrickBlock* block = nullptr;  ///< of a brick: where it is, valid until the pager's next pass
@@ -30,7 +30,7 @@ class VoxelLookup {
   VoxelLookup(const ShardMap& map, const Pager& pager) : map_(map), pager_(pager) {}
 
   /// Whether any node of level `lod` reaches into the box (lod-0 voxels). Where pages are missing the answer is of no
-  /// use. Where a parent is damaged, whatever lies below it counts: then cells are still found.
+  /// use. What cannot be read counts: of a cell all of it, of a parent whatever lies below it, so that cells are found.
   bool is_occupied(int lod, const kernels::VoxelBox& box, PageGaps& gaps) const;
 
   /// v: a lod-0 voxel; the answer is of the voxel of level `lod` that holds it.

@@ -7,10 +7,14 @@
 #include <mutex>
 #include <set>
 #include <span>
+#include <string>
 
 #include "lattice/error.h"
+#include "tests/format/shard/made_shard.h"
 #include "tests/viewer/voxel_scene.h"
 #include "viewer/pictures/frame_renderer.h"
+#include "viewer/stream/numbered_shards.h"
+#include "viewer/stream/scene_stream.h"
 
 namespace gigabake {
 namespace {
@@ -33,12 +37,17 @@ VoxelScene whole() {
 }
 
 /// Cells of 8³, parents of 64³ and the root, whose one level is as large as the scene.
-VoxelScene in_three_tiers() {
+VoxelScene paint_in_three_tiers() {
   VoxelScene scene(8);
   scene.add_cells(hills, {0, 0, 0}, edge);
   for (std::int64_t at = 0; at < 8; ++at)
     scene.add_parent(hills, {64 * (at & 1), 64 * (at >> 1 & 1), 64 * (at >> 2)}, 64, 1);
   scene.add_parent(hills, {0, 0, 0}, edge, 4);
+  return scene;
+}
+
+const VoxelScene& in_three_tiers() {
+  static const VoxelScene scene = paint_in_three_tiers();
   return scene;
 }
 
@@ -83,7 +92,8 @@ std::size_t covered_pixels(const Picture& picture) {
 }
 
 TEST(DrawnFromParents, IsWhatOneCellOfAllShows) {
-  const VoxelScene one = whole(), many = in_three_tiers();
+  const VoxelScene one = whole();
+  const VoxelScene& many = in_three_tiers();
   ASSERT_EQ(many.description().parents.size(), 5u) << "four parents hold ground, and the root";
   FrameRenderer expected = renderer_of(one, one.pages()), drawn = renderer_of(many, many.pages());
   for (const ViewMode mode : {ViewMode::lit, ViewMode::lod})
@@ -107,7 +117,7 @@ TEST(DrawnFromParents, ShowsNoSeamWhereStacksOfCellsBeginAnywhere) {
 }
 
 TEST(DrawnFromParents, ReadsTheRootAloneOfWhatIsFarAway) {
-  const VoxelScene scene = in_three_tiers();
+  const VoxelScene& scene = in_three_tiers();
   std::mutex mutex;
   std::set<std::uint32_t> shards;
   FrameRenderer renderer = renderer_of(scene, [&, inner = scene.pages()](const PageKey& key) {
@@ -136,7 +146,7 @@ std::size_t different_pixels(const Picture& a, const Picture& b) {
 }
 
 TEST(DrawnFromParents, ShowsTheParentWhereACellIsDamaged) {
-  const VoxelScene scene = in_three_tiers();
+  const VoxelScene& scene = in_three_tiers();
   const View near = at({{36, 36, 70}, {36.1, 36, 30}, 1});
   const Picture expected = renderer_of(scene, scene.pages()).draw_exact(near).picture;
   std::uint32_t below = 0;  // the camera
@@ -152,7 +162,7 @@ TEST(DrawnFromParents, ShowsTheParentWhereACellIsDamaged) {
 }
 
 TEST(DrawnFromParents, ShowsTheCellsWhereAParentIsDamaged) {
-  const VoxelScene scene = in_three_tiers();
+  const VoxelScene& scene = in_three_tiers();
   const auto first = std::uint32_t(scene.description().cells.size());
   const auto last = first + std::uint32_t(scene.description().parents.size()) - 1;
   for (const std::uint32_t parent : {first, last}) {
@@ -168,7 +178,7 @@ TEST(DrawnFromParents, ShowsTheCellsWhereAParentIsDamaged) {
 }
 
 TEST(DrawnFromParents, TakesCellsWhereAParentIsMissing) {
-  VoxelScene scene = in_three_tiers();
+  const VoxelScene& scene = in_three_tiers();
   SceneDescription description = scene.description();
   description.parents.erase(description.parents.begin());
   description.losses.push_back({"parent p", "was not baked"});
@@ -177,6 +187,39 @@ TEST(DrawnFromParents, TakesCellsWhereAParentIsMissing) {
     return renderer.draw_exact(at(eyes[0])).picture;
   };
   EXPECT_EQ(draw(description).rgba, draw(scene.description()).rgba);
+}
+
+/// Pages come from memory, but for what the scene's own pages list. Cells have other numbers there.
+PageSource with_pages_of(const std::shared_ptr<NumberedShards>& numbers, const VoxelScene& scene) {
+  return [numbers, inner = scene.pages()](PageKey key) {
+    if (key.part <= PageKey::listing) return numbers->listing(key);
+    key.shard = std::uint32_t(std::stoul(numbers->shard(key.shard).name.substr(2)) - 1);
+    return inner(key);
+  };
+}
+
+TEST(DrawnFromParents, FindsItsCellsInThePagesOfTheScene) {
+  const VoxelScene& scene = in_three_tiers();
+  SceneDescription description = scene.description();
+  for (std::vector<SceneCell>* shards : {&description.cells, &description.parents})
+    for (SceneCell& shard : *shards) {
+      shard.voxels.assign(shard.lods, 1);
+      shard.content_hash.assign(shard.lods, {1, 2});
+    }
+  const made::TempFolder folder;
+  write_scene(folder / "scene.xml", description, {4, 2, 8});
+  const auto opened = std::make_shared<const PagedScene>(folder / "scene.xml");
+  ASSERT_NE(opened->root().pages.at(0).groups, 0u) << "two levels of pages";
+  const auto numbers = std::make_shared<NumberedShards>(opened, nullptr);
+  const ThreadPool policy(2);
+  PictureOptions options = view({20, 30, 60}, {70, 80, 30});
+  SceneStream::Options wishes;
+  wishes.light = options.light;
+  SceneStream stream(*opened, with_pages_of(numbers, scene), wishes, policy);
+  const kernels::CastCamera camera = make_camera(options.camera, *opened, scene.pages());
+  EXPECT_EQ(render(stream, camera, options.background).rgba, take(scene, options).rgba);
+  EXPECT_EQ(stream.problems(), std::vector<std::string>());
+  EXPECT_EQ(stream.layout().cells.size(), 8u);
 }
 
 }  // namespace
