@@ -187,6 +187,17 @@ bool Pager::wait(std::chrono::milliseconds most) {
   return s.arrived.wait_for(lock, most, [&] { return !s.arrivals.empty() || s.queued() == 0; });
 }
 
+bool Pager::settle(std::chrono::milliseconds most) {
+  State& s = *state_;
+  std::unique_lock lock(s.mutex);
+  return s.arrived.wait_for(lock, most, [&] { return s.queued() == 0; });
+}
+
+bool Pager::has_arrivals() const {
+  const std::scoped_lock lock(state_->mutex);
+  return !state_->arrivals.empty();
+}
+
 PagerCounts Pager::counts() const {
   const State& s = *state_;
   const std::scoped_lock lock(s.mutex);

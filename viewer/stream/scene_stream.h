@@ -66,6 +66,9 @@ class SceneStream {
   void begin_pass() { pager_.begin_pass(); }
   /// Until something was read, or nothing is being read. False: the time was over before.
   bool wait(std::chrono::milliseconds most) { return pager_.wait(most); }
+  /// Until nothing is being read. False: the time was over before.
+  bool settle(std::chrono::milliseconds most) { return pager_.settle(most); }
+  bool has_arrivals() const { return pager_.has_arrivals(); }
 
   /// From now on each serve() puts in the cells' roots, too, whether rays want them or not, where the pools have room
   /// for all of them: something then stands for all of the scene, from wherever it is looked at.
