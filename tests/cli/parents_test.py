@@ -132,7 +132,7 @@ class Parents(harness.FolderTest):
     def test_a_cell_that_is_gone_or_damaged_is_drawn_by_its_parent(self):
         options = ("--eye=0.1,0,30", "--target=0,0,0")
         whole = self.picture("fine", *options)[0]
-        for name, damage in (("gone", lambda cell: cell.unlink()), ("cut off", lambda cell: cell.write_bytes(
+        for name, damage in (("gone", lambda cell: cell.unlink()), ("truncated", lambda cell: cell.write_bytes(
                 cell.read_bytes()[:1000]))):
             shutil.copytree(self.root / "fine", self.root / name)
             cells = sorted((self.root / name / "shards").glob("c_0_0_*.h5"))
