@@ -47,16 +47,12 @@ View looking(const Point<Scene>& eye_m, const Point<Scene>& target_m, const Fram
 }
 
 Stage measure(FrameRenderer& renderer, const FrameBenchRequest& request) {
-  const SceneDescription& scene = renderer.scene();
+  const SceneHeader& scene = renderer.scene().header();
+  const LatticeBox& window = renderer.scene().totals().window;
   std::array<double, 3> low{}, high{};
   for (std::size_t a = 0; a < 3; ++a) {
-    low[a] = std::numeric_limits<double>::infinity();
-    high[a] = -low[a];
-    for (const SceneCell& cell : scene.cells) {
-      const double corner = scene.lattice_origin_m[a] + double(cell.lattice_min[a]) * scene.voxel_size_m;
-      low[a] = std::min(low[a], corner);
-      high[a] = std::max(high[a], corner + cell.cell_voxels * scene.voxel_size_m);
-    }
+    low[a] = scene.lattice_origin_m[a] + double(window.min[a]) * scene.voxel_size_m;
+    high[a] = scene.lattice_origin_m[a] + double(window.end[a]) * scene.voxel_size_m;
   }
   Stage stage{{(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2},
               std::max(high[0] - low[0], high[1] - low[1]),

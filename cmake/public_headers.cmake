@@ -107,6 +107,8 @@ set(gb_public_headers_viewer
     viewer/stream/cell_layout.h
     viewer/stream/page.h
     viewer/stream/pager.h
+    viewer/stream/parent_tiers.h
     viewer/stream/pool_books.h
     viewer/stream/scene_stream.h
+    viewer/stream/shard_map.h
     viewer/stream/voxel_lookup.h)

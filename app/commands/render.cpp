@@ -112,14 +112,14 @@ int run(const RenderArguments& a) {
   const auto draw = [&](const Progress& progress) {
     Frame drawn = renderer.draw_exact(view, progress);
     progress.step("writing the picture");
-    write_files(a, drawn.picture, renderer.scene().voxel_size_m, [](const std::string& name) { return name; });
+    write_files(a, drawn.picture, renderer.scene().header().voxel_size_m, [](const std::string& name) { return name; });
     return drawn;
   };
   const Frame frame = with_progress(draw, a.quiet ? nullptr : stderr);
   if (!a.quiet) {
-    fmt::print("{}: {}x{} in {:.2f} s; {}, {:.0f} MB of voxels held\n", a.picture, frame.picture.width,
+    fmt::print("{}: {}x{} in {:.2f} s; {} from {}, {:.0f} MB of voxels held\n", a.picture, frame.picture.width,
                frame.picture.height, frame.stats.total_s, counted(frame.stats.uploads, "upload"),
-               double(frame.stats.bytes_held) / 1e6);
+               counted(frame.stats.files_opened, "file"), double(frame.stats.bytes_held) / 1e6);
     tell_legend(view.mode);
   }
   return tell_problems(renderer);
@@ -136,10 +136,10 @@ int run_path(const RenderArguments& a) {
   numbered_file(a.picture, 0, "out");
   if (!a.depth.empty()) numbered_file(a.depth, 0, "depth");
   FrameRenderer renderer(a.scene, renderer_options_of(a));
-  const CameraPath path = read_camera_path(a.path, renderer.scene().origin);
+  const CameraPath path = read_camera_path(a.path, renderer.scene().header().origin);
   std::vector<PathFrame> frames;
   const auto take = [&](const PathFrame& frame, const Picture& picture) {
-    write_files(a, picture, renderer.scene().voxel_size_m,
+    write_files(a, picture, renderer.scene().header().voxel_size_m,
                 [&](const std::string& name) { return numbered_file(name, frame.number); });
     frames.push_back(frame);
   };

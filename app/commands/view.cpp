@@ -7,7 +7,7 @@
 #include "app/options/live_options.h"
 #include "app/options/scene_argument.h"
 #include "app/options/text_values.h"
-#include "format/scene/scene_xml.h"
+#include "format/scene/paged_scene.h"
 #include "viewer/window/window.h"
 
 namespace gigabake::app {
@@ -28,7 +28,7 @@ void run(ViewArguments& a) {
     fmt::print("{}\n", line);
     std::fflush(stdout);
   };
-  read_scene(a.live.scene);  // a file that is no scene is said here, not in a window
+  const PagedScene scene(a.live.scene);  // a file that is no scene is said here, not in a window
   show_window(a.live.scene, std::move(scene_options), window);
 }
 

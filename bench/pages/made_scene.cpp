@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "format/scene/paged_scene.h"
@@ -42,30 +43,56 @@ SceneCell made_cell(std::int64_t x, std::int64_t y) {
   return cell;
 }
 
-/// One above each block of 8³ of `below`, of three levels.
+/// Where a window of this edge holds the box and begins at a multiple of half of it.
+std::optional<std::array<std::int64_t, 3>> root_window(const LatticeBox& box, std::int64_t root_edge) {
+  std::array<std::int64_t, 3> min;
+  for (std::size_t a = 0; a < 3; ++a) {
+    min[a] = box.min[a] & -(root_edge / 2);
+    if (box.end[a] > min[a] + root_edge) return {};
+  }
+  return min;
+}
+
+SceneCell parent_at(const std::array<std::int64_t, 3>& at, std::uint32_t first_lod, std::uint32_t levels,
+                    std::uint32_t parent_edge) {
+  SceneCell parent;
+  parent.first_lod = first_lod;
+  parent.lods = levels;
+  parent.cell_voxels = parent_edge;
+  parent.lattice_min = at;
+  for (std::uint32_t lod = 0; lod < levels; ++lod) {
+    parent.voxels.push_back(1024u >> 2 * lod);
+    parent.level_bytes.push_back(4 * parent.voxels.back());
+  }
+  parent.node_bytes = 300;
+  parent.bytes = 40000;
+  return parent;
+}
+
+/// One of three levels above each block of 8³ of `below`, or a root of as many as it takes.
 std::vector<SceneCell> made_parents(const std::vector<SceneCell>& below) {
   const SceneCell& first = below.at(0);
-  const std::int64_t block = std::int64_t(first.cell_voxels) * 8;
+  const std::uint32_t first_lod = first.first_lod + first.lods;
+  LatticeBox box;
+  for (const SceneCell& child : below) box = hull(box, window_of(child));
   std::map<std::array<std::int64_t, 3>, SceneCell> parents;
+  std::optional<std::array<std::int64_t, 3>> root;
+  std::uint32_t levels = 0;
+  while (!root && levels < 3) root = root_window(box, std::int64_t(first.cell_voxels) << ++levels);
+  const std::uint32_t block = first.cell_voxels << levels;
   for (const SceneCell& child : below) {
-    const auto [x, y, z] = child.lattice_min;
-    SceneCell& parent = parents[{x & -block, y & -block, z & -block}];
-    parent.content_hash = {child.content_hash[0], child.fingerprint, child.fingerprint};
+    std::array<std::int64_t, 3> at = child.lattice_min;
+    for (std::int64_t& v : at) v &= -std::int64_t(block);
+    if (root) at = *root;
+    SceneCell& parent = parents.try_emplace(at, parent_at(at, first_lod, levels, block)).first->second;
+    parent.content_hash.assign(levels, child.fingerprint);
     parent.fingerprint += child.fingerprint;
     parent.triangles += child.triangles;
   }
   std::vector<SceneCell> made;
   for (auto& [at, parent] : parents) {
-    parent.first_lod = first.first_lod + first.lods;
-    parent.name = fmt::format("p{}_{}_{}_{}", parent.first_lod, at[0] / block, at[1] / block, at[2] / block);
+    parent.name = fmt::format("p{}_{}_{}_{}", first_lod, at[0] / block, at[1] / block, at[2] / block);
     parent.file = fmt::format("shards/{}-{}.h5", parent.name, parent.fingerprint.hex());
-    parent.lattice_min = at;
-    parent.cell_voxels = std::uint32_t(block);
-    parent.lods = 3;
-    parent.voxels = {1024, 256, 64};
-    parent.level_bytes = {4096, 1024, 256};
-    parent.node_bytes = 300;
-    parent.bytes = 40000;
     made.push_back(std::move(parent));
   }
   return made;
@@ -85,8 +112,10 @@ void write(const std::filesystem::path& out, std::uint64_t cells) {
     scene.cells.push_back(made_cell(std::int64_t(i % along), std::int64_t(i / along)));
   std::sort(scene.cells.begin(), scene.cells.end(), is_before);
   for (const SceneCell& cell : scene.cells) scene.triangles += cell.triangles;
-  for (std::vector<SceneCell> level = made_parents(scene.cells); level.size() > 8; level = made_parents(level))
+  for (std::vector<SceneCell> level = scene.cells; level.size() > 1;) {
+    level = made_parents(level);
     scene.parents.insert(scene.parents.end(), level.begin(), level.end());
+  }
   std::filesystem::create_directories(out);
   const auto start = std::chrono::steady_clock::now();
   write_scene(out / "scene.xml", scene);

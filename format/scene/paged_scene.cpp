@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
+#include <mutex>
 #include <tuple>
 #include <utility>
 
@@ -71,16 +73,16 @@ void PagedScene::visit_below(const ScenePage& page, const VisitCells& visit) con
 
 void PagedScene::for_each_page(const VisitCells& visit) const { visit_below(root_, visit); }
 
-void PagedScene::for_each_cell(const VisitCell& visit) const {
-  for_each_page([&visit](std::span<const SceneCell> cells) {
+PagedScene::VisitCells PagedScene::one_by_one(const VisitCell& visit) {
+  return [&visit](std::span<const SceneCell> cells) {
     for (const SceneCell& cell : cells) visit(cell);
-  });
+  };
 }
 
+void PagedScene::for_each_cell(const VisitCell& visit) const { for_each_page(one_by_one(visit)); }
+
 void PagedScene::for_each_cell_below(const PageReference& page, const VisitCell& visit) const {
-  visit_below(read_page(scene_xml_, header_, page), [&visit](std::span<const SceneCell> cells) {
-    for (const SceneCell& cell : cells) visit(cell);
-  });
+  visit_below(read_page(scene_xml_, header_, page), one_by_one(visit));
 }
 
 void PagedScene::for_each_page(
@@ -106,24 +108,28 @@ std::vector<SceneCell> PagedScene::cells_in(const LatticeBox& box) const {
   return found;
 }
 
+std::vector<SceneCell> PagedScene::cells(const ThreadPool& pool) const {
+  std::map<std::size_t, std::vector<SceneCell>> of_page;
+  std::mutex mutex;
+  for_each_page(pool, [&](std::size_t number, std::span<const SceneCell> listed) {
+    std::vector<SceneCell> copy(listed.begin(), listed.end());
+    const std::scoped_lock lock(mutex);
+    of_page.emplace(number, std::move(copy));
+  });
+  std::vector<SceneCell> all;
+  all.reserve(totals_.cells);
+  for (auto& [number, cells] : of_page) {
+    std::move(cells.begin(), cells.end(), std::back_inserter(all));
+    cells = {};
+  }
+  return all;
+}
+
 SceneDescription PagedScene::all(const ThreadPool& pool) const {
   SceneDescription scene;
   static_cast<SceneHeader&>(scene) = header_;
-  if (root_.pages.empty()) {
-    scene.cells = root_.cells;
-    return scene;
-  }
-  const std::vector<PageReference> pages = leaves(pool);
-  std::vector<std::vector<SceneCell>> of_page(pages.size());
-  pool.parallel_for(pages.size(), 1, [&](std::size_t i, std::size_t, int) {
-    of_page[i] = read_page(scene_xml_, header_, pages[i]).cells;
-  });
-  scene.cells.reserve(totals_.cells);
-  for (std::vector<SceneCell>& cells : of_page) {
-    std::move(cells.begin(), cells.end(), std::back_inserter(scene.cells));
-    cells = {};
-  }
-  std::sort(scene.cells.begin(), scene.cells.end(), is_before);
+  scene.cells = cells(pool);
+  if (!root_.pages.empty()) std::sort(scene.cells.begin(), scene.cells.end(), is_before);
   return scene;
 }
 

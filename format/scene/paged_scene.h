@@ -50,11 +50,14 @@ class PagedScene {
   /// Cells whose windows overlap the box, by lattice_min z, y, x. Cost  reads pages that may have such.
   std::vector<SceneCell> cells_in(const LatticeBox& box) const;
 
+  /// All cells, in the order of the pages.
+  std::vector<SceneCell> cells(const ThreadPool& pool = callers_thread()) const;
   /// All cells, sorted by lattice_min z, y, x.
   SceneDescription all(const ThreadPool& pool = callers_thread()) const;
 
  private:
   PagedScene(std::filesystem::path scene_xml, SceneHeader header, SceneTotals totals, ScenePage root);
+  static VisitCells one_by_one(const VisitCell& visit);
   void visit_below(const ScenePage& page, const VisitCells& visit) const;
   void visit_references(const ScenePage& page, const std::function<void(const PageReference&)>& visit) const;
   void collect(const ScenePage& page, const LatticeBox& box, std::vector<SceneCell>& found) const;

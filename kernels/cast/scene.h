@@ -1,5 +1,6 @@
 /// A paged scene as the ray caster borrows it: columns of cells, each an oct-tree whose nodes and bricks stand in two
-/// pools of fixed size and may or may not be here.
+/// pools of fixed size and may or may not be here. A cell here is the root of a tree: one that was baked by itself, or
+/// a part of a scene that hangs from its parents (viewer/stream/cell_layout.h).
 ///
 /// The trees here are of *fields*, not of voxels: a voxel's field reaches from its centre to its neighbours' centres,
 /// so a node holds what lies between the centre of its lowest voxel and one voxel beyond its highest. It exists where
@@ -16,7 +17,7 @@
 
 namespace gigabake::kernels {
 
-inline constexpr int max_cast_lods = 11;                          ///< cells of up to 8192 voxels
+inline constexpr int max_cast_lods = 29;                          ///< of a tree of up to 2^31 voxels along an edge
 inline constexpr std::int64_t far_voxel = std::int64_t(1) << 52;  ///< beyond every scene; exact in a double
 inline constexpr int slot_edge = 9, slot_voxels = slot_edge * slot_edge * slot_edge;
 

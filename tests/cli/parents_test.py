@@ -4,6 +4,7 @@ something changed; and what becomes of them where a child is lost or was changed
 
 Usage: parents_test.py GIGABAKE SOURCE_DIR
 """
+import re
 import shutil
 import sys
 
@@ -11,6 +12,7 @@ import h5py_there
 import harness
 import numpy
 from invariance_test import VOXEL_M, hills
+from png_file import read_png
 
 SEED = 20261123
 
@@ -105,6 +107,44 @@ class Parents(harness.FolderTest):
         result = PROGRAM.run("verify", out)
         self.assertEqual(result.returncode, 1)
         self.assertIn("fingerprint", result.stdout + result.stderr)
+
+    def picture(self, out, *options, code=0):
+        """What is seen of a bake before black, and what the program said."""
+        path = self.root / "picture.png"
+        result = PROGRAM.run("render", self.root / out, "-o", path, "--size", "200x150", "--background", "0,0,0,0",
+                             *options)
+        self.assertEqual(result.returncode, code, result.stderr)
+        return read_png(path), result
+
+    def test_pictures_are_the_same_however_the_scene_is_cut(self):
+        self.bake("cut64", "--cell-voxels", 64)
+        for eye, pixel_error in (("2,-9,6", 1), ("0.1,0,20", 3), ("0.1,0,30", 8)):
+            options = ("--eye=" + eye, "--target=0,0,0", "--pixel-error", pixel_error)
+            fine, cut = self.picture("fine", *options)[0], self.picture("cut64", *options)[0]
+            self.assertGreater((fine[..., 3] > 0).mean(), .2)
+            self.assertLess((numpy.abs(fine - cut).max(2) > 2).mean(), .002, (options, f"seed {SEED}"))
+
+    def test_a_picture_from_afar_opens_few_files_and_is_told_how_many(self):
+        for distance, most in ((4000, 1), (400, 12)):
+            output = self.picture("fine", f"--eye=0.1,0,{distance}", "--target=0,0,0")[1].stdout
+            self.assertTrue(1 <= int(re.search(r"from (\d+) file", output)[1]) <= most, output)
+
+    def test_a_cell_that_is_gone_or_damaged_is_drawn_by_its_parent(self):
+        options = ("--eye=0.1,0,30", "--target=0,0,0")
+        whole = self.picture("fine", *options)[0]
+        for name, damage in (("gone", lambda cell: cell.unlink()), ("truncated", lambda cell: cell.write_bytes(
+                cell.read_bytes()[:1000]))):
+            shutil.copytree(self.root / "fine", self.root / name)
+            cells = sorted((self.root / name / "shards").glob("c_0_0_*.h5"))
+            self.assertGreater(len(cells), 0)
+            for cell in cells:
+                damage(cell)
+            drawn, result = self.picture(name, *options, code=3)
+            named = re.findall(r"^gigabake: drawn coarser: (\S+\.h5): ", result.stderr, re.MULTILINE)
+            self.assertTrue(named and set(named) <= {str(cell) for cell in cells}, "what is hidden need not be named")
+            different = numpy.abs(drawn - whole).max(2) > 0
+            self.assertTrue(.002 < different.mean() < .3, (name, different.mean()))
+            self.assertEqual(((whole[..., 3] == 255) & (drawn[..., 3] < 200)).sum(), 0, "a hole")
 
     def test_what_h5py_reads_of_a_shard_is_what_the_format_says(self):
         for shard in list((self.root / "fine/shards").glob("*.h5"))[:20]:

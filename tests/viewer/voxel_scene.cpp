@@ -104,20 +104,38 @@ BrickBlock bricks_of(const BrickLevel& level, std::uint32_t block) {
 void VoxelScene::add_cell(const Painter& paint, const std::array<std::int64_t, 3>& lattice_min, Nodes nodes) {
   std::vector<kernels::Level> levels = paint_levels(paint, lattice_min, cell_voxels_);
   if (levels[0].key.empty()) return;
-  Shard shard;
-  shard.nodes = nodes == Nodes::pruned ? kernels::prune(levels, one_thread()) : nodes_of_bricks(levels);
-  for (kernels::Level& level : levels) shard.levels.push_back(level);
-  shards_.push_back(std::move(shard));
+  NodeTable table = nodes == Nodes::pruned ? kernels::prune(levels, one_thread()) : nodes_of_bricks(levels);
   SceneCell cell;
-  cell.name = "c_" + std::to_string(shards_.size());
-  cell.file = cell.name + ".h5";
   cell.lattice_min = lattice_min;
   cell.cell_voxels = cell_voxels_;
+  add_shard(levels, std::move(table), std::move(cell), description_.cells);
+}
+
+void VoxelScene::add_shard(const std::vector<kernels::Level>& levels, NodeTable nodes, SceneCell cell,
+                           std::vector<SceneCell>& to) {
+  Shard shard;
+  shard.nodes = std::move(nodes);
+  for (const kernels::Level& level : levels) shard.levels.push_back(level);
+  shards_.push_back(std::move(shard));
+  cell.name = (cell.first_lod == 0 ? "c_" : "p_") + std::to_string(shards_.size());
+  cell.file = cell.name + ".h5";
   cell.lods = std::uint32_t(levels.size());
   description_.voxel_size_m = 1;
   description_.has_facing = true;
   description_.parameters = to_json(BakeParameters{.voxel_size_m = 1});
-  description_.cells.push_back(cell);
+  to.push_back(std::move(cell));
+}
+
+void VoxelScene::add_parent(const Painter& paint, const std::array<std::int64_t, 3>& min, std::uint32_t edge,
+                            int first_lod) {
+  std::vector<kernels::Level> levels = paint_levels(paint, min, edge);
+  levels.erase(levels.begin(), levels.begin() + first_lod);
+  if (levels[0].key.empty()) return;
+  SceneCell parent;
+  parent.lattice_min = min;
+  parent.cell_voxels = edge;
+  parent.first_lod = std::uint32_t(first_lod);
+  add_shard(levels, nodes_of_bricks(levels), std::move(parent), description_.parents);
 }
 
 void VoxelScene::add_cells(const Painter& paint, const std::array<std::int64_t, 3>& min, std::int64_t edge) {
@@ -128,12 +146,12 @@ void VoxelScene::add_cells(const Painter& paint, const std::array<std::int64_t, 
 
 PageSource VoxelScene::pages() const {
   return [this](const PageKey& key) {
-    const Shard& shard = shards_.at(key.cell);
+    const Shard& shard = shards_.at(key.shard);
     Page page;
-    if (key.lod < 0)
+    if (key.part < 0)
       page.rows = rows_of(shard.nodes, key.block);
     else
-      page.bricks = bricks_of(shard.levels.at(std::size_t(key.lod)), key.block);
+      page.bricks = bricks_of(shard.levels.at(std::size_t(key.part)), key.block);
     return page;
   };
 }
@@ -151,8 +169,8 @@ Picture take(const VoxelScene& scene, const PictureOptions& options) {
   SceneStream::Options wishes;
   wishes.light = options.light;
   wishes.memory_bytes = options.memory_bytes;
-  SceneStream stream(scene.description(), "scene.xml", scene.pages(), wishes, pool);
-  return render(stream, make_camera(options.camera, scene.description(), scene.pages()), options.background);
+  SceneStream stream(scene.paged(), scene.pages(), wishes, pool);
+  return render(stream, make_camera(options.camera, scene.paged(), scene.pages()), options.background);
 }
 
 }  // namespace gigabake

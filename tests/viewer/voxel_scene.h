@@ -9,6 +9,7 @@
 
 #include "format/scene/scene_xml.h"
 #include "format/shard/shard.h"
+#include "kernels/cpu/levels.h"
 #include "viewer/pictures/camera.h"
 #include "viewer/pictures/picture.h"
 #include "viewer/stream/page.h"
@@ -35,12 +36,19 @@ class VoxelScene {
   /// Adds the cells of the cube [min, min + edge).
   void add_cells(const Painter& paint, const std::array<std::int64_t, 3>& min, std::int64_t edge);
 
+  /// After all cells: the levels from first_lod up of the cube [min, min + edge), as they are above any cells.
+  void add_parent(const Painter& paint, const std::array<std::int64_t, 3>& min, std::uint32_t edge, int first_lod);
+
   const SceneDescription& description() const { return description_; }
+  PagedScene paged() const { return PagedScene::of_cells("scene.xml", description_); }
   std::vector<Shard>& shards() { return shards_; }
   /// Borrows this.
   PageSource pages() const;
 
  private:
+  void add_shard(const std::vector<kernels::Level>& levels, NodeTable nodes, SceneCell cell,
+                 std::vector<SceneCell>& to);
+
   std::uint32_t cell_voxels_;
   SceneDescription description_;
   std::vector<Shard> shards_;

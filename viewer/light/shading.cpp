@@ -22,7 +22,7 @@ void paint_normal(const std::int8_t* normal, std::uint8_t rgba[4]) {
 
 }  // namespace
 
-Shading::Shading(const kernels::CastLight& light, const SceneDescription& scene, Surface surface)
+Shading::Shading(const kernels::CastLight& light, const SceneHeader& scene, Surface surface)
     : light_(surface == Surface::colour ? light : kernels::unlit()),
       surface_(surface),
       has_normals_(scene.has_normals) {

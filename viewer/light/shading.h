@@ -19,7 +19,7 @@ enum class Surface : std::uint8_t { colour, normal, coverage };
 /// ground does not grow transparent.
 class Shading {
  public:
-  Shading(const kernels::CastLight& light, const SceneDescription& scene, Surface surface = Surface::colour);
+  Shading(const kernels::CastLight& light, const SceneHeader& scene, Surface surface = Surface::colour);
 
   /// normal: octahedral; not read where the scene has none. facing: null where the level has none.
   kernels::CastVoxel operator()(int lod, const std::uint8_t rgba[4], const std::int8_t* normal,

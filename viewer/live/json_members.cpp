@@ -6,22 +6,20 @@
 
 namespace gigabake {
 
-using nlohmann::json;
-
-json parse_object(const std::filesystem::path& file, std::string_view text) {
-  json out;
+nlohmann::json parse_object(const std::filesystem::path& file, std::string_view text) {
+  nlohmann::json out;
   try {
-    out = json::parse(text);
-  } catch (const json::parse_error& e) {
+    out = nlohmann::json::parse(text);
+  } catch (const nlohmann::json::parse_error& e) {
     throw InputError(file, "", "not JSON", e.byte);
-  } catch (const json::exception&) {
+  } catch (const nlohmann::json::exception&) {
     throw InputError(file, "", "not JSON: holds a number that is out of range");
   }
   if (!out.is_object()) throw InputError(file, "", "expected a JSON object");
   return out;
 }
 
-JsonMembers::JsonMembers(std::filesystem::path file, const json& object, std::string where)
+JsonMembers::JsonMembers(std::filesystem::path file, const nlohmann::json& object, std::string where)
     : file_(std::move(file)), object_(object), where_(std::move(where)) {
   if (!object_.is_object()) throw InputError(file_, where_, "expected an object");
 }
@@ -30,7 +28,7 @@ void JsonMembers::fail(const char* key, const std::string& message) const {
   throw InputError(file_, where_.empty() ? key : where_ + "." + key, message);
 }
 
-const json* JsonMembers::find(const char* key) const {
+const nlohmann::json* JsonMembers::find(const char* key) const {
   const auto found = object_.find(key);
   return found == object_.end() ? nullptr : &*found;
 }
@@ -42,7 +40,7 @@ void JsonMembers::only(std::initializer_list<std::string_view> known) const {
   }
 }
 
-double JsonMembers::checked(const char* key, const json& value, double least, double most,
+double JsonMembers::checked(const char* key, const nlohmann::json& value, double least, double most,
                             const std::string& expected) const {
   if (!value.is_number()) fail(key, "expected " + expected);
   const double v = value.get<double>();
@@ -51,21 +49,21 @@ double JsonMembers::checked(const char* key, const json& value, double least, do
 }
 
 std::optional<double> JsonMembers::number(const char* key, double least, double most) const {
-  const json* value = find(key);
+  const nlohmann::json* value = find(key);
   if (!value) return std::nullopt;
   return checked(key, *value, least, most, "a number");
 }
 
 std::optional<bool> JsonMembers::flag(const char* key) const {
-  const json* value = find(key);
+  const nlohmann::json* value = find(key);
   if (!value) return std::nullopt;
   if (!value->is_boolean()) fail(key, "expected true or false");
   return value->get<bool>();
 }
 
-json JsonMembers::array(const char* key) const {
-  const json* value = find(key);
-  if (!value) return json::array();
+nlohmann::json JsonMembers::array(const char* key) const {
+  const nlohmann::json* value = find(key);
+  if (!value) return nlohmann::json::array();
   if (!value->is_array()) fail(key, "expected an array");
   return *value;
 }

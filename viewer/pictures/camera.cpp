@@ -6,7 +6,9 @@
 #include <numbers>
 #include <string>
 
+#include "lattice/brick.h"
 #include "lattice/error.h"
+#include "viewer/stream/parent_tiers.h"
 
 namespace gigabake {
 namespace {
@@ -34,7 +36,7 @@ void check_options(const CameraOptions& o) {
 }
 
 /// Scene metres to voxels.
-Vector to_voxels(const Point<Scene>& p_scene_m, const SceneDescription& scene, const char* name) {
+Vector to_voxels(const Point<Scene>& p_scene_m, const SceneHeader& scene, const char* name) {
   const Vector p_m{p_scene_m.x, p_scene_m.y, p_scene_m.z};
   Vector v;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -68,16 +70,16 @@ Axes look(const Vector& forward, const std::optional<Point<Scene>>& up) {
 /// From the south-east, about 30° above the ground.
 const Vector oblique_view{-0.62, 0.60, -0.505};
 
-/// A scene of more cells is framed by their boxes alone.
-constexpr std::size_t most_cells_read = 256;
+/// A scene of more cells is framed by its root parent, and where it has none, by the cells' boxes.
+constexpr std::size_t most_cells_read = 256, most_cells_read_below_a_root = 32;
 
-/// Calls visit(lowest corner, edge) for the boxes of the finest nodes that the rows know of, in voxels.
+/// Calls visit(row, lowest corner, edge) for the finest nodes that the rows know of, in voxels.
 template <class Visit>
 void visit_nodes(const std::vector<NodeRow>& rows, std::size_t row, const Vector& corner, double edge,
                  const Visit& visit) {
   const NodeRow& node = rows[row];
   const auto children = std::size_t(std::popcount(node.child_mask));
-  if (children == 0 || node.first_child + children > rows.size()) return visit(corner, edge);
+  if (children == 0 || node.first_child + children > rows.size()) return visit(node, corner, edge);
   std::size_t next = node.first_child;
   for (int child = 0; child < 8; ++child) {
     if ((node.child_mask >> child & 1) == 0) continue;
@@ -87,30 +89,65 @@ void visit_nodes(const std::vector<NodeRow>& rows, std::size_t row, const Vector
   }
 }
 
-/// None of a cell that cannot be read: its box will do, and whoever draws it says what is wrong with it.
-std::vector<NodeRow> first_rows(const SceneDescription& scene, std::size_t cell, const PageSource& pages) {
-  if (scene.cells.size() > most_cells_read) return {};
+/// None where it cannot be read: a box will do, and whoever draws it says what is wrong with it.
+Page page_or_none(const PageSource& pages, const PageKey& key) {
   try {
-    return pages({std::uint32_t(cell), -1, 0}).rows;
+    return pages(key);
   } catch (const InputError&) {
     return {};
   }
 }
 
-template <class Visit>
-void for_each_occupied_box(const SceneDescription& scene, const PageSource& pages, const Visit& visit) {
-  for (std::size_t c = 0; c < scene.cells.size(); ++c) {
-    const SceneCell& cell = scene.cells[c];
-    const Vector corner{double(cell.lattice_min[0]), double(cell.lattice_min[1]), double(cell.lattice_min[2])};
-    const std::vector<NodeRow> rows = first_rows(scene, c, pages);
-    if (rows.empty())
-      visit(corner, double(cell.cell_voxels));
-    else
-      visit_nodes(rows, 0, corner, double(cell.cell_voxels), visit);
-  }
+Vector corner_of(const SceneCell& shard) {
+  return {double(shard.lattice_min[0]), double(shard.lattice_min[1]), double(shard.lattice_min[2])};
 }
 
-Vector middle_of(const SceneDescription& scene, const PageSource& pages) {
+/// Calls visit(lowest corner, edge) for boxes that hold all there is.
+template <class Visit>
+void visit_cells(const PagedScene& scene, const PageSource& pages, const Visit& visit) {
+  const auto visit_box = [&](const NodeRow&, const Vector& corner, double edge) { visit(corner, edge); };
+  const bool few = scene.totals().cells <= most_cells_read;
+  std::uint32_t number = 0;
+  scene.for_each_cell([&](const SceneCell& cell) {
+    const std::vector<NodeRow> rows =
+        few ? page_or_none(pages, {number, PageKey::node_rows, 0}).rows : std::vector<NodeRow>();
+    if (rows.empty())
+      visit(corner_of(cell), double(cell.cell_voxels));
+    else
+      visit_nodes(rows, 0, corner_of(cell), double(cell.cell_voxels), visit_box);
+    ++number;
+  });
+}
+
+/// The root's finest voxels, all in bricks of one page. False where it cannot be read.
+template <class Visit>
+bool visit_root(const PagedScene& scene, std::uint32_t root, const PageSource& pages, const Visit& visit) {
+  const SceneCell& shard = scene.header().parents[root];
+  const auto number = std::uint32_t(scene.totals().cells + root);
+  const std::vector<NodeRow> rows = page_or_none(pages, {number, PageKey::node_rows, 0}).rows;
+  const BrickBlock bricks = page_or_none(pages, {number, 0, 0}).bricks;
+  if (rows.empty() || bricks.mask.empty()) return false;
+  visit_nodes(rows, 0, corner_of(shard), double(shard.cell_voxels),
+              [&](const NodeRow& node, const Vector& corner, double edge) {
+                const bool is_brick = node.kind == NodeKind::brick && 8 * std::size_t(node.value) < bricks.mask.size();
+                if (!is_brick) return visit(corner, edge);
+                const std::uint64_t* mask = &bricks.mask[8 * std::size_t(node.value)];
+                const double voxel = edge / brick_edge;
+                for (int i = 0; i < brick_voxels; ++i)
+                  if ((mask[i >> 6] >> (i & 63) & 1) != 0)
+                    visit(corner + Vector{double(i & 7), double(i >> 3 & 7), double(i >> 6)} * voxel, voxel);
+              });
+  return true;
+}
+
+template <class Visit>
+void for_each_occupied_box(const PagedScene& scene, const PageSource& pages, const Visit& visit) {
+  std::optional<ParentTiers> tiers;
+  if (scene.totals().cells > most_cells_read_below_a_root) tiers = parent_tiers(scene);
+  if (!tiers || !visit_root(scene, tiers->root, pages, visit)) visit_cells(scene, pages, visit);
+}
+
+Vector middle_of(const PagedScene& scene, const PageSource& pages) {
   Vector low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
   for_each_occupied_box(scene, pages, [&](const Vector& corner, double edge) {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -144,7 +181,7 @@ struct FrustumSides {
 };
 
 /// Where the camera stands to see everything, as near as it can. With a target it looks straight at that.
-Vector framing_eye(const SceneDescription& scene, const PageSource& pages, const std::optional<Vector>& target,
+Vector framing_eye(const PagedScene& scene, const PageSource& pages, const std::optional<Vector>& target,
                    const Axes& axes, double tan_x, double tan_y) {
   constexpr double margin = 0.96;
   FrustumSides sides[2] = {{axes.right, axes.forward, tan_x * margin}, {axes.up, axes.forward, tan_y * margin}};
@@ -177,13 +214,13 @@ void check_pixel_error(double pixel_error) {
     throw UsageError("pixel_error", "expected 2^-16 to 2^16 pixels");
 }
 
-kernels::CastCamera make_camera(const CameraOptions& options, const SceneDescription& scene, const PageSource& pages) {
+kernels::CastCamera make_camera(const CameraOptions& options, const PagedScene& scene, const PageSource& pages) {
   check_options(options);
   const double tan_y = std::tan(options.fovy_deg * (std::numbers::pi / 360));
   const double tan_x = tan_y * options.width / options.height;
   std::optional<Vector> target, eye;
-  if (options.target_m) target = to_voxels(*options.target_m, scene, "target_m");
-  if (options.eye_m) eye = to_voxels(*options.eye_m, scene, "eye_m");
+  if (options.target_m) target = to_voxels(*options.target_m, scene.header(), "target_m");
+  if (options.eye_m) eye = to_voxels(*options.eye_m, scene.header(), "eye_m");
   Vector forward = unit(oblique_view);
   if (!eye) {
     eye = framing_eye(scene, pages, target, look(forward, options.up), tan_x, tan_y);

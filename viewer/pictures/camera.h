@@ -4,7 +4,7 @@
 #include <array>
 #include <optional>
 
-#include "format/scene/scene_xml.h"
+#include "format/scene/paged_scene.h"
 #include "kernels/cast/cast.h"
 #include "lattice/frames.h"
 #include "viewer/stream/page.h"
@@ -29,8 +29,9 @@ struct CameraOptions {
 /// Before memory is taken for a picture. Errors  UsageError: not 1 to 32768 pixels a side, or more than 2^28.
 void check_picture_size(const CameraOptions& options);
 
-/// Cost    Where eye or target are left open, one read of up to 256 cells' first page of nodes, one at a time.
+/// Cost    Where eye or target are left open: of a few cells, the first page of nodes of each, one at a time; of more,
+///         the root parent's finest level, where there is one; else a look at each cell's window.
 /// Errors  UsageError naming the option: not finite, no direction, sizes or angles out of range.
-kernels::CastCamera make_camera(const CameraOptions& options, const SceneDescription& scene, const PageSource& pages);
+kernels::CastCamera make_camera(const CameraOptions& options, const PagedScene& scene, const PageSource& pages);
 
 }  // namespace gigabake

@@ -1,6 +1,7 @@
 #include "viewer/pictures/frame_renderer.h"
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <utility>
 
@@ -25,7 +26,7 @@ kernels::StopAsked after(double seconds) {
 
 bool is_asked(const kernels::StopAsked& stop) { return stop && stop(); }
 
-Point<Scene> to_scene_m(const SceneDescription& scene, const double voxels[3]) {
+Point<Scene> to_scene_m(const SceneHeader& scene, const double voxels[3]) {
   std::array<double, 3> m;
   for (std::size_t a = 0; a < 3; ++a) m[a] = scene.lattice_origin_m[a] + voxels[a] * scene.voxel_size_m;
   return {m[0], m[1], m[2]};
@@ -38,6 +39,7 @@ constexpr std::uint64_t pages_over = 4;
 struct Filling {
   Surface surface;
   bool lit;
+  bool cells_alone = false;  ///< a tree to each cell
   friend bool operator==(const Filling&, const Filling&) = default;
 };
 
@@ -49,6 +51,8 @@ Filling filling_of(ViewMode mode) {
       return {Surface::normal, false};
     case ViewMode::coverage:
       return {Surface::coverage, false};
+    case ViewMode::cell:
+      return {Surface::colour, true, true};
     default:
       return {Surface::colour, true};
   }
@@ -77,9 +81,9 @@ bool same_picture(const View& a, const View& b) {
 }  // namespace
 
 struct FrameRenderer::State {
-  std::filesystem::path path;
   Options options;
-  SceneDescription scene;
+  std::shared_ptr<const PagedScene> scene;
+  std::shared_ptr<std::atomic<std::uint64_t>> files_opened = std::make_shared<std::atomic<std::uint64_t>>(0);
   ThreadPool policy;
   PageSource source;
   Filling filling{};
@@ -95,11 +99,19 @@ struct FrameRenderer::State {
   bool starved = false;
   std::vector<std::string> problems;  ///< besides those of pages
 
-  State(const SceneDescription& described, const std::filesystem::path& scene_path, const Options& wishes)
-      : path(scene_path),
-        options(wishes),
-        scene(described),
-        policy(wishes.threads > 0 ? wishes.threads : host_limits().cores()) {}
+  State(std::shared_ptr<const PagedScene> opened, const PageSource& pages, const Options& wishes)
+      : options(wishes),
+        scene(std::move(opened)),
+        policy(threads_of(wishes)),
+        source(pages ? pages : pages_from_files(scene, files_opened)) {
+    fill(filling_of(ViewMode::lit));
+  }
+
+  static int threads_of(const Options& wishes) {
+    if (wishes.threads < 0 || wishes.threads > 1024)
+      throw UsageError("threads", "expected 1 to 1024, or 0 for all cores");
+    return wishes.threads > 0 ? wishes.threads : host_limits().cores();
+  }
 
   void fill(const Filling& wish) {
     if (stream && wish == filling) return;
@@ -110,14 +122,15 @@ struct FrameRenderer::State {
                                 options.memory_bytes,
                                 policy.threads(),
                                 options.cuda_device,
-                                options.device_bytes};
+                                options.device_bytes,
+                                wish.cells_alone};
     try {
-      stream = std::make_unique<SceneStream>(scene, path, source, wishes, policy);
+      stream = std::make_unique<SceneStream>(*scene, source, wishes, policy);
     } catch (const CudaFailure& failure) {
       if (options.device_required) throw;
       problems.push_back(std::string("the CPU casts rays: ") + failure.what());
       wishes.cuda_device = options.cuda_device = {};
-      stream = std::make_unique<SceneStream>(scene, path, source, wishes, policy);
+      stream = std::make_unique<SceneStream>(*scene, source, wishes, policy);
     }
     wanted.clear();
     last = {};
@@ -138,16 +151,17 @@ struct FrameRenderer::State {
   }
 
   kernels::CastCamera camera_of(const View& view) const {
-    kernels::CastCamera camera = make_camera(view.camera, scene, source);
+    kernels::CastCamera camera = make_camera(view.camera, *scene, source);
     if (view.mode == ViewMode::lit) camera.tone = screen_tone(options.exposure_stops);
     if (view.background.sky && view.mode == ViewMode::lit)
-      camera.haze = air(options.haze_visibility_m, scene.voxel_size_m);
+      camera.haze = air(options.haze_visibility_m, scene->header().voxel_size_m);
     camera.paint = paint_of(view.mode);
     return camera;
   }
 
   void tell(FrameStats& stats) const {
     stats.pages_loading = stream->page_counts().queued;
+    stats.files_opened = *files_opened;
     stats.bytes_held = stream->bytes_held();
     stats.bytes_allowed = stream->bytes_allowed();
     stats.starved = starved;
@@ -165,7 +179,7 @@ struct FrameRenderer::State {
     upload_s += since(start);
   }
 
-  /// The view's rays are not cast before something stands for every cell, or the time is over.
+  /// The view's rays are not cast before something stands for every tree, or the time is over.
   void wait_for_roots(const kernels::CastCamera& camera, const SketchLimits& limits) {
     const auto start = Clock::now();
     stream->want_roots();
@@ -226,31 +240,27 @@ struct FrameRenderer::State {
 };
 
 FrameRenderer::FrameRenderer(const SceneDescription& scene, const std::filesystem::path& scene_path,
-                             const PageSource& pages, const Options& options) {
-  if (options.threads < 0 || options.threads > 1024)
-    throw UsageError("threads", "expected 1 to 1024, or 0 for all cores");
-  state_ = std::make_unique<State>(scene, scene_path, options);
-  state_->source = pages ? pages : pages_from_shards(scene_path, state_->scene);
-  state_->fill(filling_of(ViewMode::lit));
-}
+                             const PageSource& pages, const Options& options)
+    : state_(std::make_unique<State>(std::make_shared<const PagedScene>(PagedScene::of_cells(scene_path, scene)), pages,
+                                     options)) {}
 
 FrameRenderer::FrameRenderer(const std::filesystem::path& scene_path, const Options& options)
-    : FrameRenderer(read_scene(scene_path), scene_path, {}, options) {}
+    : state_(std::make_unique<State>(std::make_shared<const PagedScene>(scene_path), PageSource(), options)) {}
 
 FrameRenderer::~FrameRenderer() = default;
 
-const SceneDescription& FrameRenderer::scene() const { return state_->scene; }
+const PagedScene& FrameRenderer::scene() const { return *state_->scene; }
 
 CameraOptions FrameRenderer::framed(const CameraOptions& options) const {
-  const kernels::CastCamera camera = make_camera(options, state_->scene, state_->source);
+  const kernels::CastCamera camera = make_camera(options, *state_->scene, state_->source);
   CameraOptions out = options;
-  out.eye_m = to_scene_m(state_->scene, camera.eye);
+  out.eye_m = to_scene_m(state_->scene->header(), camera.eye);
   if (out.target_m) return out;
   const kernels::CastScene& scene = state_->stream->layout().scene;
   double along = 0, target[3];
   for (int a = 0; a < 3; ++a) along += ((scene.min[a] + scene.max[a]) / 2 - camera.eye[a]) * camera.forward[a];
   for (int a = 0; a < 3; ++a) target[a] = camera.eye[a] + camera.forward[a] * (along > 1 ? along : 1);
-  out.target_m = to_scene_m(state_->scene, target);
+  out.target_m = to_scene_m(state_->scene->header(), target);
   return out;
 }
 

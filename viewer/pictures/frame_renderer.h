@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "format/scene/scene_xml.h"
+#include "format/scene/paged_scene.h"
 #include "lattice/progress.h"
 #include "lattice/rules.h"
 #include "viewer/light/sky.h"
@@ -54,6 +54,7 @@ struct FrameStats {
   std::uint64_t wanted = 0;   ///< bricks and node tiles that rays missed in this frame
   std::uint64_t uploads = 0;  ///< bricks and node tiles that came in for this frame
   std::uint64_t pages_loading = 0;
+  std::uint64_t files_opened = 0;  ///< since the renderer opened the scene: its pages, and shards each time anew
   std::uint64_t bytes_held = 0, bytes_allowed = 0;  ///< pools and pages together; allowed: UINT64_MAX is no bound
   bool complete = false;
   bool starved = false;  ///< the pools are too small for what this view uses
@@ -78,7 +79,7 @@ struct FrameInTiles {
 /// What one sketch() may take.
 struct SketchLimits {
   double upload_s = 0.02;   ///< for new data; some always comes in
-  double roots_s = 0;       ///< from when it starts, to wait while cells have no brick at all
+  double roots_s = 0;       ///< from when it starts, to wait while trees have no brick at all
   kernels::StopAsked stop;  ///< ends it: the frame is then of no use
 };
 
@@ -102,7 +103,7 @@ class FrameRenderer {
                 const Options& options);
   ~FrameRenderer();
 
-  const SceneDescription& scene() const;
+  const PagedScene& scene() const;
 
   /// What camera options mean where eye or target are left open: the whole scene, from the south-east.
   /// Errors  as make_camera().
@@ -113,8 +114,8 @@ class FrameRenderer {
   /// Errors  UsageError: as make_camera(). Damaged shards are no error: see problems().
   Frame draw(const View& view, double upload_s);
 
-  /// As draw(), for an eye that moves: never exact where that would take long, and all cells' roots come first, so that
-  /// something stands for each of them.
+  /// As draw(), for an eye that moves: never exact where that would take long, and the roots of all trees come first,
+  /// so that something stands for each of them.
   Frame sketch(const View& view, const SketchLimits& limits);
 
   /// As many passes as it takes: complete, whatever the pools hold.

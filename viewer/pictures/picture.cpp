@@ -10,6 +10,19 @@ namespace {
 /// How long a wait for pages lasts before `stop` is asked again.
 constexpr std::chrono::milliseconds look_up{10};
 
+/// So many such waits before rays are cast again, where some of what they want is still being read: a pass over all
+/// that waits takes as long for one page as for many.
+constexpr int most_looks = 5;
+
+/// False where `stop` ended it.
+bool wait_for_pages(SceneStream& stream, const SceneStream::Served& served, const kernels::StopAsked& stop) {
+  for (int looks = 1; !stream.settle(look_up); ++looks) {
+    if (stop && stop()) return false;
+    if (looks >= most_looks && (served.uploads != 0 || stream.has_arrivals())) break;
+  }
+  return true;
+}
+
 /// Casts the tile's rays until each is finished, putting in what they miss in between. Where the pools do not hold what
 /// they use together, fewer at a time. False where `stop` ended it.
 bool finish_rays(SceneStream& stream, const kernels::CastCamera& camera, const kernels::CastTile& tile,
@@ -28,8 +41,7 @@ bool finish_rays(SceneStream& stream, const kernels::CastCamera& camera, const k
     }
     const SceneStream::Served served = stream.serve(caster.wanted(), camera.eye, stop, {caster.pass(), false});
     if (served.evicted_used && many > 1) many /= 2;
-    while (served.uploads == 0 && !stream.wait(look_up))
-      if (stop && stop()) return false;
+    if (!wait_for_pages(stream, served, stop)) return false;
     stream.begin_pass();
   }
   return true;

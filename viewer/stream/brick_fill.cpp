@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <optional>
 
 namespace gigabake {
 namespace {
@@ -23,7 +24,13 @@ class BrickFiller {
  public:
   BrickFiller(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup, const Shading& shading,
               PageGaps& gaps, CastBrick& brick)
-      : lod_(node.lod), corner_(box_of(node, layout)), lookup_(lookup), shading_(shading), gaps_(gaps), brick_(brick) {
+      : lod_(node.lod),
+        top_(layout.scene.lods - 1),
+        corner_(box_of(node, layout)),
+        lookup_(lookup),
+        shading_(shading),
+        gaps_(gaps),
+        brick_(brick) {
     std::memset(brick_.voxels, 0, sizeof brick_.voxels);
   }
 
@@ -43,26 +50,79 @@ class BrickFiller {
  private:
   std::int64_t lattice(int a, int slot) const { return corner_.min[a] + (std::int64_t(slot) << lod_); }
 
-  /// Other cells' bricks may begin at any z.
-  void fill_part(SlotPart part) {
-    const int end = part.end[2];
-    while (part.begin[2] < end) {
-      // Centres decide which voxel of a cell that is not aligned stands here.
-      const std::int64_t half = std::int64_t(1) << lod_ >> 1;
-      const std::int64_t v[3] = {lattice(0, part.begin[0]), lattice(1, part.begin[1]),
-                                 lattice(2, part.begin[2]) + half};
-      const VoxelPlace place = lookup_.place(lod_, v, gaps_);
-      part.end[2] = part.begin[2] + 1;
-      while (part.end[2] < end && lattice(2, part.end[2]) + half < place.box.max[2]) ++part.end[2];
-      if (place.kind == VoxelPlace::Kind::constant) fill_constant(part, place);
-      if (place.kind == VoxelPlace::Kind::brick) fill_from_brick(part, place, half);
-      part.begin[2] = part.end[2];
+  /// One brick of a shard holds all of it, or as much as begins at its corner; the rest is cut into boxes behind that.
+  /// Bricks of cells may begin at any z, and a root parent's largest at the middle of a node.
+  void fill_part(const SlotPart& part) {
+    // Centres decide which voxel of a cell that is not aligned stands here.
+    const std::int64_t half = std::int64_t(1) << lod_ >> 1;
+    const std::int64_t v[3] = {lattice(0, part.begin[0]), lattice(1, part.begin[1]), lattice(2, part.begin[2]) + half};
+    const VoxelPlace place = lookup_.place(lod_, v, gaps_);
+    SlotPart first = part;
+    for (int a = 0; a < 3; ++a) {
+      const std::int64_t centre = a == 2 ? half : 0;
+      first.end[a] = part.begin[a] + 1;
+      while (first.end[a] < part.end[a] && lattice(a, first.end[a]) + centre < place.box.max[a]) ++first.end[a];
+    }
+    if (place.kind == VoxelPlace::Kind::constant) fill_constant(first, place);
+    if (place.kind == VoxelPlace::Kind::brick) fill_from_brick(first, place, half);
+    if (place.kind == VoxelPlace::Kind::unreadable && !gaps_.damaged) fill_from_coarser(first, half);
+    SlotPart rest = part;
+    for (int a = 0; a < 3; ++a) {
+      rest.begin[a] = first.end[a];
+      if (rest.begin[a] < rest.end[a]) fill_part(rest);
+      rest.begin[a] = first.begin[a];
+      rest.end[a] = first.end[a];
     }
   }
 
   void put(int x, int y, int z, const kernels::CastVoxel& voxel) {
     brick_.voxels[x + slot_edge * (y + slot_edge * z)] = voxel;
     rows_[z][y] = std::uint16_t(rows_[z][y] | 1u << x);
+  }
+
+  /// A border of what cannot be read, and of which coarser voxels will be shown: as these.
+  void fill_from_coarser(const SlotPart& part, std::int64_t half) {
+    for (int z = part.begin[2]; z < part.end[2]; ++z)
+      for (int y = part.begin[1]; y < part.end[1]; ++y)
+        for (int x = part.begin[0]; x < part.end[0]; ++x) {
+          const std::int64_t v[3] = {lattice(0, x), lattice(1, y), lattice(2, z) + half};
+          if (const auto voxel = coarser_voxel(v)) put(x, y, z, *voxel);
+        }
+  }
+
+  /// Of the finest level that can be read there. Its plane is one of larger voxels, and is left out.
+  std::optional<kernels::CastVoxel> coarser_voxel(const std::int64_t v[3]) {
+    for (int lod = lod_ + 1; lod <= top_; ++lod) {
+      PageGaps gaps;
+      const VoxelPlace place = lookup_.place(lod, v, gaps);
+      gaps_.missing.insert(gaps_.missing.end(), gaps.missing.begin(), gaps.missing.end());
+      if (place.kind == VoxelPlace::Kind::unreadable) continue;
+      auto voxel = voxel_at(place, lod, v);
+      if (voxel) voxel->plane = 0;
+      return voxel;
+    }
+    return {};
+  }
+
+  std::optional<kernels::CastVoxel> voxel_at(const VoxelPlace& place, int lod, const std::int64_t v[3]) const {
+    if (place.kind == VoxelPlace::Kind::constant)
+      return shading_(lod, place.rgba.data(), place.normal.data(), place.has_facing ? place.facing.data() : nullptr);
+    if (place.kind != VoxelPlace::Kind::brick) return {};
+    int at[3];
+    for (int a = 0; a < 3; ++a) at[a] = int((v[a] - place.box.min[a]) >> lod);
+    const std::uint64_t* mask = &place.block->mask[8 * place.brick];
+    const int bit = at[0] + 8 * at[1];
+    if ((mask[at[2]] >> bit & 1) == 0) return {};
+    std::uint32_t rank = place.block->first[place.brick];
+    for (int z = 0; z < at[2]; ++z) rank += std::uint32_t(std::popcount(mask[z]));
+    rank += std::uint32_t(std::popcount(mask[at[2]] & ((std::uint64_t(1) << bit) - 1)));
+    return stored_voxel(*place.block, rank, lod);
+  }
+
+  kernels::CastVoxel stored_voxel(const BrickBlock& block, std::uint32_t rank, int lod) const {
+    const std::int8_t* normal = block.normal.empty() ? nullptr : &block.normal[2 * std::size_t(rank)];
+    const std::uint8_t* facing = block.facing.empty() ? nullptr : &block.facing[facing_bytes * std::size_t(rank)];
+    return shading_(lod, &block.rgba[4 * std::size_t(rank)], normal, facing);
   }
 
   void fill_constant(const SlotPart& part, const VoxelPlace& place) {
@@ -97,9 +157,7 @@ class BrickFiller {
     for (std::uint32_t rest = stored; rest != 0; rest &= rest - 1, ++rank) {
       const int x = part.begin[0] + std::countr_zero(rest) - from_x;
       if (x < part.begin[0] || x >= part.end[0]) continue;
-      const std::int8_t* normal = block.normal.empty() ? nullptr : &block.normal[2 * std::size_t(rank)];
-      const std::uint8_t* facing = block.facing.empty() ? nullptr : &block.facing[facing_bytes * std::size_t(rank)];
-      put(x, y, z, shading_(lod_, &block.rgba[4 * std::size_t(rank)], normal, facing));
+      put(x, y, z, stored_voxel(block, rank, lod_));
     }
   }
 
@@ -118,7 +176,7 @@ class BrickFiller {
     return any != 0;
   }
 
-  int lod_;
+  int lod_, top_;
   VoxelBox corner_;
   const VoxelLookup& lookup_;
   const Shading& shading_;

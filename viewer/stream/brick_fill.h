@@ -6,6 +6,7 @@
 
 #include "kernels/cast/caster.h"
 #include "viewer/light/shading.h"
+#include "viewer/stream/cell_layout.h"
 #include "viewer/stream/voxel_lookup.h"
 
 namespace gigabake {

@@ -41,20 +41,22 @@ void check_cell(const SceneCell& cell, const SceneCell& first) {
     refuse(cell, "its lowest corner is off the lattice of cells");
 }
 
-/// Column coordinates, and the lows of the cells in it.
+constexpr std::uint32_t rim_cell = 0xffffffffu;
+
+/// Column coordinates, and the lows of the cells in it: which cell, or rim_cell.
 using Columns = std::map<std::pair<std::int64_t, std::int64_t>, std::map<std::int64_t, std::uint32_t>>;
 
-Columns columns_of(const SceneDescription& description) {
+Columns columns_of(const std::vector<SceneCell>& cells) {
   Columns columns;
-  for (std::uint32_t c = 0; c < description.cells.size(); ++c) {
-    const SceneCell& cell = description.cells[c];
+  for (std::uint32_t c = 0; c < cells.size(); ++c) {
+    const SceneCell& cell = cells[c];
     const std::int64_t edge = cell.cell_voxels, low = cell.lattice_min[2];
     auto& column = columns[{cell.lattice_min[0] / edge, cell.lattice_min[1] / edge}];
     const auto above = column.lower_bound(low);
     if (above != column.end() && above->first < low + edge)
-      refuse(cell, "it overlaps cell " + description.cells[above->second].name);
+      refuse(cell, "it overlaps cell " + cells[above->second].name);
     if (above != column.begin() && std::prev(above)->first + edge > low)
-      refuse(cell, "it overlaps cell " + description.cells[std::prev(above)->second].name);
+      refuse(cell, "it overlaps cell " + cells[std::prev(above)->second].name);
     column.emplace(low, c);
   }
   return columns;
@@ -86,17 +88,17 @@ Columns with_rims(const Columns& columns, std::int64_t edge) {
   return all;
 }
 
+LatticeBox window_of(const std::vector<SceneCell>& cells) {
+  LatticeBox window;
+  for (const SceneCell& cell : cells) window = hull(window, window_of(cell));
+  return window;
+}
+
 /// Columns' coordinates start at 0.
-void measure(const SceneDescription& description, const Columns& columns, kernels::CastScene& scene) {
-  const std::int64_t edge = description.cells[0].cell_voxels;
-  for (int a = 0; a < 3; ++a) {
-    std::int64_t low = kernels::far_voxel, high = -kernels::far_voxel;
-    for (const SceneCell& cell : description.cells) {
-      low = std::min(low, cell.lattice_min[std::size_t(a)]);
-      high = std::max(high, cell.lattice_min[std::size_t(a)] + edge);
-    }
-    scene.min[a] = double(low);
-    scene.max[a] = double(high);
+void measure(const LatticeBox& window, const Columns& columns, kernels::CastScene& scene) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    scene.min[a] = double(window.min[a]);
+    scene.max[a] = double(window.end[a]);
   }
   for (int a = 0; a < 2; ++a) {
     std::int64_t low = kernels::far_voxel, high = -kernels::far_voxel;
@@ -117,21 +119,15 @@ void add_column(const std::pair<std::int64_t, std::int64_t>& at, const std::map<
   for (const auto& [low, cell] : column) {
     const std::int64_t edge = std::int64_t(1) << layout.scene.cell_bits;
     layout.cells.push_back({{at.first * edge, at.second * edge, low}});
-    layout.scene_cell.push_back(cell);
   }
 }
 
-CellLayout lay_out(const SceneDescription& description) {
-  if (description.cells.empty()) throw Refusal{"", "the scene has no cells: there is nothing to show"};
-  if (description.cells.size() > most_cells)
-    throw Refusal{"cells", "more than a picture can address; use a larger `cell_voxels`"};
-  for (const SceneCell& cell : description.cells) check_cell(cell, description.cells[0]);
+CellLayout lay_out_columns(const Columns& columns, int cell_bits, const LatticeBox& window) {
   CellLayout layout;
   kernels::CastScene& scene = layout.scene;
-  scene.cell_bits = std::countr_zero(description.cells[0].cell_voxels);
-  scene.lods = std::int32_t(description.cells[0].lods);
-  const Columns columns = with_rims(columns_of(description), description.cells[0].cell_voxels);
-  measure(description, columns, scene);
+  scene.cell_bits = cell_bits;
+  scene.lods = cell_bits - std::countr_zero(unsigned(brick_edge)) + 1;
+  measure(window, columns, scene);
 
   std::map<std::uint64_t, Columns::const_iterator> by_key;
   for (auto it = columns.begin(); it != columns.end(); ++it)
@@ -148,14 +144,34 @@ CellLayout lay_out(const SceneDescription& description) {
   return layout;
 }
 
+CellLayout lay_out(const std::vector<SceneCell>& cells) {
+  if (cells.empty()) throw Refusal{"", "the scene has no cells: there is nothing to show"};
+  if (cells.size() > most_cells) throw Refusal{"cells", "more than a picture can address; use a larger `cell_voxels`"};
+  for (const SceneCell& cell : cells) check_cell(cell, cells[0]);
+  const Columns columns = with_rims(columns_of(cells), cells[0].cell_voxels);
+  return lay_out_columns(columns, std::countr_zero(cells[0].cell_voxels), window_of(cells));
+}
+
 }  // namespace
 
-CellLayout lay_out_cells(const SceneDescription& description, const std::filesystem::path& scene_path) {
+CellLayout lay_out_cells(const std::vector<SceneCell>& cells, const std::filesystem::path& scene_path) {
   try {
-    return lay_out(description);
+    return lay_out(cells);
   } catch (const Refusal& refusal) {
     throw InputError(scene_path, refusal.key, refusal.what);
   }
+}
+
+CellLayout lay_out_root(const SceneCell& root, const LatticeBox& window) {
+  const int bits = std::countr_zero(root.cell_voxels);
+  const std::int64_t edge = root.cell_voxels, coarsest_voxel = edge / brick_edge;
+  std::array<std::int64_t, 3> low;
+  for (std::size_t a = 0; a < 3; ++a) low[a] = (root.lattice_min[a] - coarsest_voxel) >> bits;
+  Columns columns;
+  for (std::int64_t y = 0; y < 2; ++y)
+    for (std::int64_t x = 0; x < 2; ++x)
+      for (std::int64_t z = 0; z < 2; ++z) columns[{low[0] + x, low[1] + y}][(low[2] + z) * edge] = 0;
+  return lay_out_columns(columns, bits, window);
 }
 
 }  // namespace gigabake

@@ -1,6 +1,7 @@
 #include "viewer/stream/page.h"
 
-#include <memory>
+#include <algorithm>
+#include <utility>
 
 #include "viewer/stream/open_shards.h"
 
@@ -8,17 +9,43 @@ namespace gigabake {
 
 std::uint64_t Page::bytes() const {
   return sizeof(Page) + rows.size() * sizeof(NodeRow) + bricks.mask.size() * sizeof(std::uint64_t) +
-         bricks.first.size() * sizeof(std::uint32_t) + bricks.rgba.size() + bricks.normal.size() + bricks.facing.size();
+         bricks.first.size() * sizeof(std::uint32_t) + bricks.rgba.size() + bricks.normal.size() +
+         bricks.facing.size() + cells.size() * sizeof(ListedCell) + pages.size() * sizeof(ListedPage);
 }
 
-PageSource pages_from_shards(const std::filesystem::path& scene_path, const SceneDescription& scene) {
-  return [shards = std::make_shared<OpenShards>(scene_path, scene, most_open_shards)](const PageKey& key) {
-    const auto shard = shards->get(key.cell);
+std::vector<ListedCell> listed_cells(const std::vector<SceneCell>& cells, std::uint32_t first) {
+  std::vector<ListedCell> listed;
+  listed.reserve(cells.size());
+  for (const SceneCell& cell : cells) listed.push_back({cell.lattice_min, first++});
+  std::sort(listed.begin(), listed.end(), [](const ListedCell& a, const ListedCell& b) { return a.min < b.min; });
+  return listed;
+}
+
+std::vector<ListedPage> listed_pages(const std::vector<PageReference>& pages, std::uint32_t first) {
+  std::vector<ListedPage> listed;
+  for (const PageReference& page : pages) {
+    listed.push_back({page.block, first});
+    first += std::uint32_t(page.totals.cells);
+  }
+  return listed;
+}
+
+PageSource pages_from_files(std::shared_ptr<const PagedScene> scene,
+                            std::shared_ptr<std::atomic<std::uint64_t>> files_opened) {
+  struct Files {
+    NumberedShards numbers;
+    OpenShards shards;
+    Files(std::shared_ptr<const PagedScene> scene, const std::shared_ptr<std::atomic<std::uint64_t>>& opened)
+        : numbers(std::move(scene), opened), shards(numbers, most_open_shards, opened) {}
+  };
+  return [files = std::make_shared<Files>(std::move(scene), files_opened)](const PageKey& key) {
+    if (key.part <= PageKey::listing) return files->numbers.listing(key);
+    const auto shard = files->shards.get(key.shard);
     Page page;
-    if (key.lod == -1)
+    if (key.part == PageKey::node_rows)
       page.rows = shard->nodes(std::uint64_t(key.block) * nodes_per_block, nodes_per_block);
     else
-      page.bricks = shard->level(key.lod, std::uint64_t(key.block) * bricks_per_block, bricks_per_block);
+      page.bricks = shard->level(key.part, std::uint64_t(key.block) * bricks_per_block, bricks_per_block);
     return page;
   };
 }

@@ -1,31 +1,51 @@
-/// Parts of a shard that come and go as one: a block of node rows, or a block of bricks of one level. Both stand in
-/// Morton order, so a block is a compact piece of the cell, and a whole tree never has to be here.
+/// Parts of a scene that come and go as one: a block of a shard's node rows, a block of bricks of one level, or what
+/// one page of the scene lists. The former stand in Morton order, so a block is a compact piece of the shard, and a
+/// whole tree never has to be here.
 #pragma once
 
+#include <array>
+#include <atomic>
 #include <compare>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
+#include <memory>
 #include <vector>
 
-#include "format/scene/scene_xml.h"
+#include "format/scene/paged_scene.h"
 #include "format/shard/shard.h"
 
 namespace gigabake {
 
 inline constexpr std::uint32_t nodes_per_block = 4096, bricks_per_block = 512;
 
+/// Cells are numbered in the order of the scene's pages, from 0; behind them its parents, in their order.
 struct PageKey {
-  std::uint32_t cell = 0;   ///< index into SceneDescription::cells
-  std::int32_t lod = -1;    ///< -1: node rows; else bricks of this level
+  std::uint32_t shard = 0;  ///< its number; of a page of the scene: of the first cell there
+  std::int32_t part = -1;   ///< node_rows; listing and below; else bricks of this level, counted from the shard's own 0
   std::uint32_t block = 0;  ///< rows (bricks) block·nodes_per_block (block·bricks_per_block) and on
+
+  static constexpr std::int32_t node_rows = -1;
+  /// What a page of the scene lists that scene.xml refers to; a page that this refers to: one less, and so on.
+  static constexpr std::int32_t listing = -2;
 
   friend auto operator<=>(const PageKey&, const PageKey&) = default;
 };
 
+struct ListedCell {
+  std::array<std::int64_t, 3> min{};
+  std::uint32_t number = 0;
+};
+
+struct ListedPage {
+  LatticeBlock block;
+  std::uint32_t first_cell = 0;
+};
+
 struct Page {
-  std::vector<NodeRow> rows;  ///< empty, or
-  BrickBlock bricks;          ///< (format/shard/shard.h)
+  std::vector<NodeRow> rows;      ///< empty, or
+  BrickBlock bricks;              ///< (format/shard/shard.h) empty, or
+  std::vector<ListedCell> cells;  ///< by min x, y, z; empty, or
+  std::vector<ListedPage> pages;
 
   std::uint64_t bytes() const;  ///< of memory
 };
@@ -35,10 +55,15 @@ struct Page {
 /// Errors  InputError: no such shard, damaged, not of this scene, or no such block.
 using PageSource = std::function<Page(const PageKey&)>;
 
+/// As a viewer searches them. first: the number of the first one.
+std::vector<ListedCell> listed_cells(const std::vector<SceneCell>& cells, std::uint32_t first);
+std::vector<ListedPage> listed_pages(const std::vector<PageReference>& pages, std::uint32_t first);
+
 /// How many shards are open at once; the longest unused is closed. Processes may have 1024 files open.
 inline constexpr std::size_t most_open_shards = 256;
 
-/// From the shards that `scene`, read from `scene_path`, lists. Borrows `scene`.
-PageSource pages_from_shards(const std::filesystem::path& scene_path, const SceneDescription& scene);
+/// From the scene's pages and shards. files_opened: where given, counts each that is opened.
+PageSource pages_from_files(std::shared_ptr<const PagedScene> scene,
+                            std::shared_ptr<std::atomic<std::uint64_t>> files_opened = {});
 
 }  // namespace gigabake

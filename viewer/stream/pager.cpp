@@ -28,8 +28,10 @@ std::string one_line(std::string text) {
 
 /// Says which page, where the error does not.
 std::string problem_with(const PageKey& key, const std::string& what) {
-  const std::string part = key.lod < 0 ? "nodes" : "lod " + std::to_string(key.lod);
-  return "cell " + std::to_string(key.cell) + ", " + part + ", block " + std::to_string(key.block) + ": " + what;
+  const std::string part = key.part == PageKey::node_rows ? "nodes"
+                           : key.part <= PageKey::listing ? "list of cells"
+                                                          : "level " + std::to_string(key.part);
+  return "shard " + std::to_string(key.shard) + ", " + part + ", block " + std::to_string(key.block) + ": " + what;
 }
 
 Arrival read_page(const PageSource& source, const PageKey& key) {
@@ -183,6 +185,17 @@ bool Pager::wait(std::chrono::milliseconds most) {
   State& s = *state_;
   std::unique_lock lock(s.mutex);
   return s.arrived.wait_for(lock, most, [&] { return !s.arrivals.empty() || s.queued() == 0; });
+}
+
+bool Pager::settle(std::chrono::milliseconds most) {
+  State& s = *state_;
+  std::unique_lock lock(s.mutex);
+  return s.arrived.wait_for(lock, most, [&] { return s.queued() == 0; });
+}
+
+bool Pager::has_arrivals() const {
+  const std::scoped_lock lock(state_->mutex);
+  return !state_->arrivals.empty();
 }
 
 PagerCounts Pager::counts() const {

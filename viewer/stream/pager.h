@@ -51,6 +51,11 @@ class Pager {
   /// Until something has arrived for begin_pass(), or nothing is queued. False: the time was over before.
   bool wait(std::chrono::milliseconds most = std::chrono::hours(1));
 
+  /// Until nothing is queued. False: the time was over before.
+  bool settle(std::chrono::milliseconds most);
+  /// Whether begin_pass() would take something in.
+  bool has_arrivals() const;
+
   PagerCounts counts() const;
 
   /// One line for each page that could not be read, and why; lines that are the same once.

@@ -7,8 +7,8 @@
 namespace gigabake {
 
 std::size_t PageKeyHash::operator()(const PageKey& key) const {
-  const std::uint64_t place = std::uint64_t(key.cell) << 32 | key.block;
-  const std::uint64_t mixed = (place ^ std::uint64_t(key.lod + 1) << 58) * 0x9e3779b97f4a7c15u;
+  const std::uint64_t place = std::uint64_t(key.shard) << 32 | key.block;
+  const std::uint64_t mixed = (place ^ std::uint64_t(key.part + 1) << 58) * 0x9e3779b97f4a7c15u;
   return std::size_t(mixed ^ mixed >> 32);
 }
 

@@ -40,7 +40,7 @@ kernels::PoolSizes pool_sizes(const CellLayout& layout, std::uint64_t bytes) {
   const std::uint32_t least = PoolBooks::least_tiles(layout.cells.size(), layout.scene.lods);
   const std::uint64_t one = kernels::PoolSizes{1, 2}.bytes(), roots = kernels::PoolSizes{least, least_slots}.bytes();
   if (roots > bytes)
-    throw UsageError("memory_bytes", "the roots of " + counted(layout.cells.size(), "cell") + " alone need " +
+    throw UsageError("memory_bytes", "the roots of " + counted(layout.cells.size(), "tree") + " alone need " +
                                          std::to_string(roots / 2 * 3 / 1024 + 1) + "K");
   const auto more = std::uint32_t(std::min<std::uint64_t>((bytes - roots) / one, 1u << 26));
   return {least + more, least_slots + 2 * more};
@@ -60,16 +60,32 @@ struct SceneStream::Answer {
   bool is_empty = false;
 };
 
-SceneStream::SceneStream(const SceneDescription& scene, const std::filesystem::path& scene_path, PageSource source,
-                         const Options& options, const ThreadPool& policy)
+SceneStream::Opened SceneStream::open(const PagedScene& scene, const Options& options, const ThreadPool& policy) {
+  std::optional<ParentTiers> tiers;
+  if (!options.cells_alone) tiers = parent_tiers(scene);
+  if (!tiers) {
+    const std::vector<SceneCell> cells = scene.cells(policy);
+    CellLayout layout = lay_out_cells(cells, scene.file());
+    return {std::move(layout), ShardMap(cells)};
+  }
+  CellLayout layout = lay_out_root(scene.header().parents[tiers->root], scene.totals().window);
+  return {std::move(layout), ShardMap(scene, std::move(*tiers))};
+}
+
+SceneStream::SceneStream(const PagedScene& scene, PageSource source, const Options& options, const ThreadPool& policy)
+    : SceneStream(scene, open(scene, options, policy), std::move(source), options, policy) {}
+
+SceneStream::SceneStream(const PagedScene& scene, Opened opened, PageSource source, const Options& options,
+                         const ThreadPool& policy)
     : policy_(policy),
       page_bytes_(bytes_for_pages(options)),
       pool_bytes_(0),
       tile_edge_(options.cuda_device ? device_tile_edge : cpu_tile_edge),
-      layout_(lay_out_cells(scene, scene_path)),
-      shading_(options.light, scene, options.surface),
+      layout_(std::move(opened.layout)),
+      map_(std::move(opened.map)),
+      shading_(options.light, scene.header(), options.surface),
       pager_(std::move(source), {options.page_threads, page_bytes_}),
-      lookup_(layout_, pager_),
+      lookup_(map_, pager_),
       books_(layout_.cells.size(), layout_.scene.lods, pool_sizes(layout_, bytes_for_pools(options))) {
   const kernels::PoolSizes sizes = pool_sizes(layout_, bytes_for_pools(options));
   pool_bytes_ = sizes.bytes();
@@ -130,11 +146,13 @@ void SceneStream::forget_roots_that_came() {
 
 void SceneStream::answer(std::uint32_t want, Answer& out, kernels::CastBrick& brick) const {
   const FieldNode node = books_.place_of(node_of(want));
-  out.gaps.scene_cell = layout_.scene_cell[node.cell];
+  out.gaps.own = box_of(node, layout_);
   if (what_of(want) == Want::children)
     out.children = children_of(node, layout_, lookup_, out.gaps);
   else
     out.is_empty = !fill_brick(node, layout_, lookup_, shading_, out.gaps, brick);
+  // Where a parent cannot be read, what is empty of it may not be so farther down.
+  out.gaps.damaged |= out.is_empty && out.gaps.beside_damaged;
 }
 
 /// False where the pool is full.

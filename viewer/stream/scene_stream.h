@@ -1,22 +1,23 @@
 /// A scene that fits nowhere, streamed to where rays are cast: what they want is read, filled and put into the pools,
-/// most urgent first.
+/// most urgent first. Where all of it hangs from a root parent, that is all there is at first, and cells come as rays
+/// go down to them; else there is a tree to each cell.
 #pragma once
 
 #include <array>
 #include <chrono>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "format/scene/scene_xml.h"
+#include "format/scene/paged_scene.h"
 #include "kernels/cast/caster.h"
 #include "viewer/light/shading.h"
 #include "viewer/stream/cell_layout.h"
 #include "viewer/stream/pager.h"
 #include "viewer/stream/pool_books.h"
+#include "viewer/stream/shard_map.h"
 #include "viewer/stream/voxel_lookup.h"
 
 namespace gigabake {
@@ -31,6 +32,7 @@ class SceneStream {
     std::optional<int>
         cuda_device;  ///< cast there (an ordinal of cuda_devices()); the pools are then not of memory_bytes
     std::uint64_t device_bytes = std::uint64_t(4) << 30;  ///< of those pools
+    bool cells_alone = false;  ///< no parents, whatever the scene has: all cells are known from the start
   };
 
   /// What stays in the pools: what rays used in this pass of theirs or a later one, where `all`; else only as long as
@@ -47,11 +49,10 @@ class SceneStream {
     bool is_full = false;       ///< something was left out, since all in the pools is in use
   };
 
-  /// Borrows policy. scene_path: for messages.
+  /// Borrows policy.
   /// Errors  InputError as lay_out_cells(); UsageError: less memory than the scene's roots take; CudaFailure, from all
   ///         members that have to do with the caster.
-  SceneStream(const SceneDescription& scene, const std::filesystem::path& scene_path, PageSource source,
-              const Options& options, const ThreadPool& policy);
+  SceneStream(const PagedScene& scene, PageSource source, const Options& options, const ThreadPool& policy);
 
   kernels::Caster& caster() { return *caster_; }
   const CellLayout& layout() const { return layout_; }
@@ -65,9 +66,12 @@ class SceneStream {
   void begin_pass() { pager_.begin_pass(); }
   /// Until something was read, or nothing is being read. False: the time was over before.
   bool wait(std::chrono::milliseconds most) { return pager_.wait(most); }
+  /// Until nothing is being read. False: the time was over before.
+  bool settle(std::chrono::milliseconds most) { return pager_.settle(most); }
+  bool has_arrivals() const { return pager_.has_arrivals(); }
 
   /// From now on each serve() puts in the cells' roots, too, whether rays want them or not, where the pools have room
-  /// for all of them: something then stands for every cell, from wherever it is looked at.
+  /// for all of them: something then stands for all of the scene, from wherever it is looked at.
   void want_roots();
   /// Whether some of them are still to come.
   bool lacks_roots() const { return !absent_roots_.empty(); }
@@ -88,6 +92,13 @@ class SceneStream {
 
  private:
   struct Answer;
+  struct Opened {
+    CellLayout layout;
+    ShardMap map;
+  };
+  static Opened open(const PagedScene& scene, const Options& options, const ThreadPool& policy);
+  SceneStream(const PagedScene& scene, Opened opened, PageSource source, const Options& options,
+              const ThreadPool& policy);
 
   void answer(std::uint32_t want, Answer& out, kernels::CastBrick& brick) const;
   bool enter(std::uint32_t want, const Answer& answer, const kernels::CastBrick& brick);
@@ -100,6 +111,7 @@ class SceneStream {
   std::uint64_t page_bytes_, pool_bytes_;
   int tile_edge_;
   CellLayout layout_;
+  ShardMap map_;
   Shading shading_;
   Pager pager_;
   VoxelLookup lookup_;

@@ -3,24 +3,16 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include "kernels/cast/locate.h"
-#include "viewer/stream/cell_layout.h"
 #include "viewer/stream/pager.h"
+#include "viewer/stream/shard_map.h"
 
 namespace gigabake {
 
-/// What a question could not read.
-struct PageGaps {
-  std::uint32_t scene_cell = rim_cell;  ///< set by who asks: the cell whose damage matters
-  std::vector<PageKey> missing;         ///< not here yet, with repetitions
-  bool damaged = false;                 ///< a page of that cell will never be here. Damage is taken for empty
-};
-
 /// What stands at a voxel, and the box for which that holds.
 struct VoxelPlace {
-  enum class Kind { nothing, brick, constant };
+  enum class Kind { nothing, brick, constant, unreadable };
   Kind kind = Kind::nothing;
   kernels::VoxelBox box;
   const BrickBlock* block = nullptr;  ///< of a brick: where it is, valid until the pager's next pass
@@ -35,22 +27,23 @@ struct VoxelPlace {
 class VoxelLookup {
  public:
   /// Borrows both.
-  VoxelLookup(const CellLayout& layout, const Pager& pager) : layout_(layout), pager_(pager) {}
+  VoxelLookup(const ShardMap& map, const Pager& pager) : map_(map), pager_(pager) {}
 
   /// Whether any node of level `lod` reaches into the box (lod-0 voxels). Where pages are missing the answer is of no
-  /// use.
+  /// use. What cannot be read counts: of a cell all of it, of a parent whatever lies below it, so that cells are found.
   bool is_occupied(int lod, const kernels::VoxelBox& box, PageGaps& gaps) const;
 
   /// v: a lod-0 voxel; the answer is of the voxel of level `lod` that holds it.
   VoxelPlace place(int lod, const std::int64_t v[3], PageGaps& gaps) const;
 
  private:
-  const NodeRow* row(std::uint32_t scene_cell, std::uint32_t index, PageGaps& gaps) const;
-  bool is_occupied_below(std::uint32_t cell, std::uint32_t row_index, int level, const std::int64_t corner[3], int lod,
-                         const kernels::VoxelBox& box, PageGaps& gaps) const;
-  void set_content(std::uint32_t scene_cell, const NodeRow& found, int lod, PageGaps& gaps, VoxelPlace& place) const;
+  const NodeRow* row(const PlacedShard& shard, std::uint32_t index, PageGaps& gaps) const;
+  bool is_occupied_below(const PlacedShard& shard, std::uint32_t row_index, int level, const std::int64_t corner[3],
+                         int lod, const kernels::VoxelBox& box, PageGaps& gaps) const;
+  bool may_be_occupied(const PlacedShard& shard, const kernels::VoxelBox& box, PageGaps& gaps) const;
+  void set_content(const PlacedShard& shard, const NodeRow& found, int lod, PageGaps& gaps, VoxelPlace& place) const;
 
-  const CellLayout& layout_;
+  const ShardMap& map_;
   const Pager& pager_;
 };
 

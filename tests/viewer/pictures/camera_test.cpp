@@ -26,7 +26,7 @@ const VoxelScene& hillside() {
 }
 
 kernels::CastCamera camera_of(const CameraOptions& options) {
-  return make_camera(options, hillside().description(), hillside().pages());
+  return make_camera(options, hillside().paged(), hillside().pages());
 }
 
 std::string complaint(const CameraOptions& options) {

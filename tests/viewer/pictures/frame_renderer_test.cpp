@@ -117,8 +117,8 @@ TEST(FrameRenderer, AStoppedPassOfRaysGoesOnWithTheSameBits) {
   const VoxelScene scene = wide_ground(64);
   const ThreadPool policy(2);
   const View view = looking({-20, -30, 60}, {128, 128, 0}, 160);
-  SceneStream stream(scene.description(), "scene.xml", scene.pages(), {}, policy);
-  const kernels::CastCamera camera = make_camera(view.camera, scene.description(), scene.pages());
+  SceneStream stream(scene.paged(), scene.pages(), {}, policy);
+  const kernels::CastCamera camera = make_camera(view.camera, scene.paged(), scene.pages());
   const Picture expected = render(stream, camera, {});  // everything is here now
   kernels::Caster& caster = stream.caster();
   caster.start(camera, {0, 0, 160, 160});
@@ -159,11 +159,11 @@ TEST(FrameRenderer, DrawsWhatIsDamagedAsItsParentAndSaysSo) {
   const View view = looking({128, 128, 200}, {128.1, 128, 0});
   const PageSource inner = scene.pages();
   const PageSource damaged = [inner](const PageKey& key) {
-    if (key.cell == 5 && key.lod == 0) throw InputError("shards/c_6.h5", "lod_0/rgba", "bad checksum; bake it again");
+    if (key.shard == 5 && key.part == 0) throw InputError("shards/c_6.h5", "lod_0/rgba", "bad checksum; bake it again");
     return inner(key);
   };
   const PageSource without_lod_0 = [inner](const PageKey& key) {
-    if (key.cell == 5 && key.lod < 0) throw InputError("shards/c_6.h5", "", "no such file");
+    if (key.shard == 5 && key.part < 0) throw InputError("shards/c_6.h5", "", "no such file");
     return inner(key);
   };
   FrameRenderer whole = renderer_of(scene, std::uint64_t(1) << 28);

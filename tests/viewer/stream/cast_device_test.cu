@@ -26,8 +26,8 @@ Picture draw(const VoxelScene& scene, const std::array<double, 3>& eye, std::uin
   options.memory_bytes = std::uint64_t(1) << 26;
   options.cuda_device = device;
   options.device_bytes = pool_bytes;
-  SceneStream stream(scene.description(), "scene.xml", scene.pages(), options, policy);
-  kernels::CastCamera camera = make_camera(view(eye, {30, 31, 29.5}, 200).camera, scene.description(), scene.pages());
+  SceneStream stream(scene.paged(), scene.pages(), options, policy);
+  kernels::CastCamera camera = make_camera(view(eye, {30, 31, 29.5}, 200).camera, scene.paged(), scene.pages());
   camera.haze = air(600, 1);
   camera.tone = screen_tone(0.5);
   return render(stream, camera, {}, PictureLight::linear_too);

@@ -30,6 +30,14 @@ std::vector<Shard> cells(std::mt19937_64& rng, int count) {
   return shards;
 }
 
+std::shared_ptr<const PagedScene> opened(const TempFolder& folder, const SceneDescription& scene) {
+  return std::make_shared<const PagedScene>(PagedScene::of_cells(folder / "scene.xml", scene));
+}
+
+PageSource pages_of(const TempFolder& folder, const SceneDescription& scene) {
+  return pages_from_files(opened(folder, scene));
+}
+
 std::string refusal_of(const PageSource& source, const PageKey& key) {
   try {
     source(key);
@@ -39,13 +47,13 @@ std::string refusal_of(const PageSource& source, const PageKey& key) {
   return "";
 }
 
-TEST(PagesFromShards, AreThoseOfTheCellThatTheKeySays) {
+TEST(PagesFromFiles, AreThoseOfTheCellThatTheKeySays) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   const TempFolder folder;
   const std::vector<Shard> shards = cells(rng, 4);
   const SceneDescription scene = made::write_scene_of(folder / "scene.xml", shards);
-  const PageSource source = pages_from_shards(folder / "scene.xml", scene);
+  const PageSource source = pages_of(folder, scene);
   for (std::uint32_t cell = 0; cell < 4; ++cell) {
     const Shard& shard = shards[cell];
     const Page nodes = source({cell, -1, 0});
@@ -65,37 +73,36 @@ TEST(PagesFromShards, AreThoseOfTheCellThatTheKeySays) {
   }
 }
 
-TEST(PagesFromShards, SayWhichPartThereIsNot) {
+TEST(PagesFromFiles, SayWhichPartThereIsNot) {
   std::mt19937_64 rng(1);
   const TempFolder folder;
   const SceneDescription scene = made::write_scene_of(folder / "scene.xml", cells(rng, 2));
-  const PageSource source = pages_from_shards(folder / "scene.xml", scene);
-  EXPECT_THAT(refusal_of(source, {2, -1, 0}), HasSubstr("scene.xml: cell 2: the scene has 2 cells"));
+  const PageSource source = pages_of(folder, scene);
+  EXPECT_THAT(refusal_of(source, {2, -1, 0}), HasSubstr("scene.xml: shard 2: the scene has 2 cells and 0 parents"));
   EXPECT_THAT(refusal_of(source, {0, 3, 0}), HasSubstr("c_0.h5: /lod_3: the cell has no such level"));
-  EXPECT_THAT(refusal_of(source, {0, -2, 0}), HasSubstr("the cell has no such level"));
   EXPECT_THAT(refusal_of(source, {0, 0, 0xffffffffu}), HasSubstr("was asked for"));
   EXPECT_THAT(refusal_of(source, {0, -1, 0xffffffffu}), HasSubstr("was asked for"));
 }
 
-TEST(PagesFromShards, RefuseAShardThatIsNotTheScenes) {
+TEST(PagesFromFiles, RefuseAShardThatIsNotTheScenes) {
   std::mt19937_64 rng(2);
   const TempFolder folder;
   const SceneDescription scene = made::write_scene_of(folder / "scene.xml", cells(rng, 2));
   SceneDescription other = scene;
   other.cells[0].fingerprint = {7, 7};
   other.cells[1].lattice_min[0] += 8;
-  const PageSource source = pages_from_shards(folder / "scene.xml", other);
+  const PageSource source = pages_of(folder, other);
   EXPECT_THAT(refusal_of(source, {0, -1, 0}), HasSubstr("c_0.h5: fingerprint: differs from scene.xml"));
   EXPECT_THAT(refusal_of(source, {1, 0, 0}), HasSubstr("c_1.h5: lattice_min: is another window"));
 }
 
-TEST(PagesFromShards, DoNotStopWhereAFileIsMissingOrDamaged) {
+TEST(PagesFromFiles, DoNotStopWhereAFileIsMissingOrDamaged) {
   std::mt19937_64 rng(3);
   const TempFolder folder;
   const SceneDescription scene = made::write_scene_of(folder / "scene.xml", cells(rng, 4));
   std::filesystem::remove(folder / "shards" / "c_1.h5");
   std::ofstream(folder / "shards" / "c_2.h5") << "not a shard";
-  Pager pager(pages_from_shards(folder / "scene.xml", scene), {2, UINT64_MAX});
+  Pager pager(pages_of(folder, scene), {2, UINT64_MAX});
   std::vector<PageKey> keys;
   for (std::uint32_t cell = 0; cell < 4; ++cell)
     for (int lod = -1; lod < 3; ++lod) keys.push_back({cell, lod, 0});
@@ -121,7 +128,8 @@ TEST(OpenShards, CloseTheLongestUnusedAndOpenItAgainWhenAskedFor) {
   std::mt19937_64 rng(4);
   const TempFolder folder;
   const SceneDescription scene = made::write_scene_of(folder / "scene.xml", cells(rng, 3));
-  OpenShards shards(folder / "scene.xml", scene, 2);
+  NumberedShards numbers(opened(folder, scene), {});
+  OpenShards shards(numbers, 2);
   const std::weak_ptr<const ShardPages> first = shards.get(0), second = shards.get(1);
   EXPECT_EQ(shards.get(0), first.lock());
   shards.get(2);
@@ -136,7 +144,8 @@ TEST(OpenShards, StayOpenForWhoHoldsThem) {
   const TempFolder folder;
   const std::vector<Shard> written = cells(rng, 2);
   const SceneDescription scene = made::write_scene_of(folder / "scene.xml", written);
-  OpenShards shards(folder / "scene.xml", scene, 1);
+  NumberedShards numbers(opened(folder, scene), {});
+  OpenShards shards(numbers, 1);
   const auto held = shards.get(0);
   shards.get(1);
   std::filesystem::remove(folder / "shards" / "c_0.h5");
@@ -149,7 +158,8 @@ TEST(OpenShards, AreReadByManyThreadsThoughFewAreOpen) {
   const TempFolder folder;
   const std::vector<Shard> written = cells(rng, 5);
   const SceneDescription scene = made::write_scene_of(folder / "scene.xml", written);
-  OpenShards shards(folder / "scene.xml", scene, 2);
+  NumberedShards numbers(opened(folder, scene), {});
+  OpenShards shards(numbers, 2);
   std::vector<std::jthread> readers;
   for (std::uint64_t t = 0; t < 4; ++t)
     readers.emplace_back([&, t] {

@@ -255,15 +255,15 @@ TEST(Pager, TellsOfADamagedPageOnceAndReadsTheOthers) {
 TEST(Pager, NamesThePageWhereTheErrorDoesNot) {
   Pager pager(
       [](const PageKey& key) -> Page {
-        if (key.lod < 0) throw std::bad_alloc();
+        if (key.part < 0) throw std::bad_alloc();
         throw 42;
       },
       {1, plenty});
   pager.want({{3, -1, 4}, {3, 2, 5}});
   settle(pager);
   ASSERT_EQ(pager.problems().size(), 2u);
-  EXPECT_THAT(pager.problems()[0], HasSubstr("cell 3, nodes, block 4: "));
-  EXPECT_THAT(pager.problems()[1], HasSubstr("cell 3, lod 2, block 5: "));
+  EXPECT_THAT(pager.problems()[0], HasSubstr("shard 3, nodes, block 4: "));
+  EXPECT_THAT(pager.problems()[1], HasSubstr("shard 3, level 2, block 5: "));
   EXPECT_TRUE(pager.is_damaged({3, -1, 4}) && pager.is_damaged({3, 2, 5}));
 }
 

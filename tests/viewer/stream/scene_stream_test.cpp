@@ -23,9 +23,9 @@ struct Witness {
     return [this, inner = scene.pages()](const PageKey& key) {
       const std::lock_guard lock(mutex);
       pages.insert(key);
-      if (key.lod >= 0) {
-        cells.insert(key.cell);
-        lods.insert(key.lod);
+      if (key.part >= 0) {
+        cells.insert(key.shard);
+        lods.insert(key.part);
       }
       return inner(key);
     };
@@ -36,8 +36,8 @@ Picture take_watched(const VoxelScene& scene, const PictureOptions& options, Wit
   const ThreadPool pool(1);
   SceneStream::Options wishes;
   wishes.memory_bytes = options.memory_bytes;
-  SceneStream stream(scene.description(), "scene.xml", witness.watch(scene), wishes, pool);
-  return render(stream, make_camera(options.camera, scene.description(), scene.pages()), options.background);
+  SceneStream stream(scene.paged(), witness.watch(scene), wishes, pool);
+  return render(stream, make_camera(options.camera, scene.paged(), scene.pages()), options.background);
 }
 
 TEST(SceneStream, ReadsOnlyTheCoarsestBricksOfWhatIsFarAway) {
@@ -83,7 +83,7 @@ std::string layout_complaint(const std::function<void(SceneDescription&)>& chang
   SceneDescription description = scene.description();
   change(description);
   try {
-    lay_out_cells(description, "here/scene.xml");
+    lay_out_cells(description.cells, "here/scene.xml");
   } catch (const InputError& e) {
     return e.what();
   }

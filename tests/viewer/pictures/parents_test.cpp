@@ -1,0 +1,226 @@
+// Scenes that are drawn from their root down: the same pictures as of one cell that holds all, and no hole where
+// something is damaged.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <gtest/gtest.h>
+#include <mutex>
+#include <set>
+#include <span>
+#include <string>
+
+#include "lattice/error.h"
+#include "tests/format/shard/made_shard.h"
+#include "tests/viewer/voxel_scene.h"
+#include "viewer/pictures/frame_renderer.h"
+#include "viewer/stream/numbered_shards.h"
+#include "viewer/stream/scene_stream.h"
+
+namespace gigabake {
+namespace {
+
+constexpr std::int64_t edge = 128;  ///< of the scene
+
+/// Rolling ground, two voxels thick, and posts.
+std::optional<Paint> hills(std::int64_t x, std::int64_t y, std::int64_t z) {
+  if (x < 0 || y < 0 || x >= edge || y >= edge) return {};
+  const double ground = 30 + 9 * std::sin(double(x) / 13) + 7 * std::cos(double(y) / 11);
+  const bool post = x % 32 < 2 && y % 32 < 2 && double(z) < ground + 10;
+  if (double(z) < ground - 2 || (double(z) >= ground && !post)) return {};
+  return Paint{{std::uint8_t(60 + x), std::uint8_t(90 + (x ^ y) % 64), std::uint8_t(200 - y), 255}, {0, 0}};
+}
+
+VoxelScene whole() {
+  VoxelScene scene(edge);
+  scene.add_cell(hills, {0, 0, 0});
+  return scene;
+}
+
+/// Cells of 8³, parents of 64³ and the root, whose one level is as large as the scene.
+VoxelScene paint_in_three_tiers() {
+  VoxelScene scene(8);
+  scene.add_cells(hills, {0, 0, 0}, edge);
+  for (std::int64_t at = 0; at < 8; ++at)
+    scene.add_parent(hills, {64 * (at & 1), 64 * (at >> 1 & 1), 64 * (at >> 2)}, 64, 1);
+  scene.add_parent(hills, {0, 0, 0}, edge, 4);
+  return scene;
+}
+
+const VoxelScene& in_three_tiers() {
+  static const VoxelScene scene = paint_in_three_tiers();
+  return scene;
+}
+
+/// Cells of 32³ that begin at any voxel of their coarsest level, below a root that begins at half of its edge.
+VoxelScene in_stacks() {
+  VoxelScene scene(32);
+  for (std::int64_t y = 0; y < 4; ++y)
+    for (std::int64_t x = 0; x < 4; ++x)
+      for (std::int64_t z = -1; z < 3; ++z) scene.add_cell(hills, {32 * x, 32 * y, 32 * z + 8 * ((x + 3 * y) % 4)});
+  scene.add_parent(hills, {-128, 0, -128}, 256, 3);
+  return scene;
+}
+
+struct Eye {
+  std::array<double, 3> eye_m, target_m;
+  double pixel_error;
+};
+/// Near to far: levels 0 to 4.
+const Eye eyes[] = {{{20, 30, 60}, {70, 80, 30}, 1},
+                    {{64, 60, 100}, {64, 64, 30}, 4},
+                    {{70, 60, 120}, {64, 64, 20}, 12},
+                    {{-200, -160, 260}, {64, 64, 20}, 4},
+                    {{300, -500, 700}, {64, 64, 20}, 6}};
+
+View at(const Eye& eye, ViewMode mode = ViewMode::lit) {
+  View there{view(eye.eye_m, eye.target_m, 96).camera, mode, {false, {0, 0, 0, 0}}};
+  there.camera.pixel_error = eye.pixel_error;
+  return there;
+}
+
+FrameRenderer renderer_of(const VoxelScene& scene, const PageSource& pages) {
+  FrameRenderer::Options options;
+  options.threads = 2;
+  options.memory_bytes = std::uint64_t(1) << 27;
+  return FrameRenderer(scene.description(), "scene.xml", pages, options);
+}
+
+std::size_t covered_pixels(const Picture& picture) {
+  std::size_t covered = 0;
+  for (std::size_t i = 3; i < picture.rgba.size(); i += 4) covered += picture.rgba[i] > 127;
+  return covered;
+}
+
+TEST(DrawnFromParents, IsWhatOneCellOfAllShows) {
+  const VoxelScene one = whole();
+  const VoxelScene& many = in_three_tiers();
+  ASSERT_EQ(many.description().parents.size(), 5u) << "four parents hold ground, and the root";
+  FrameRenderer expected = renderer_of(one, one.pages()), drawn = renderer_of(many, many.pages());
+  for (const ViewMode mode : {ViewMode::lit, ViewMode::lod})
+    for (const Eye& eye : eyes) {
+      const Picture a = expected.draw_exact(at(eye, mode)).picture, b = drawn.draw_exact(at(eye, mode)).picture;
+      EXPECT_EQ(a.rgba, b.rgba) << name_of(mode) << " from " << eye.eye_m[2];
+      for (std::size_t i = 0; i < a.depth.size(); ++i) EXPECT_NEAR(a.depth[i], b.depth[i], 0.01) << "voxels";
+      EXPECT_GT(covered_pixels(a), a.depth.size() / 40);
+    }
+}
+
+TEST(DrawnFromParents, ShowsNoSeamWhereStacksOfCellsBeginAnywhere) {
+  const VoxelScene one = whole(), many = in_stacks();
+  FrameRenderer expected = renderer_of(one, one.pages()), drawn = renderer_of(many, many.pages());
+  for (const Eye& eye : std::span(eyes).first(4)) {  // from farther the root has a level that the one cell has not
+    const Picture a = expected.draw_exact(at(eye)).picture, b = drawn.draw_exact(at(eye)).picture;
+    int largest = 0;
+    for (std::size_t i = 0; i < a.rgba.size(); ++i) largest = std::max(largest, std::abs(a.rgba[i] - b.rgba[i]));
+    EXPECT_LE(largest, 2) << "from " << eye.eye_m[2];
+  }
+}
+
+TEST(DrawnFromParents, ReadsTheRootAloneOfWhatIsFarAway) {
+  const VoxelScene& scene = in_three_tiers();
+  std::mutex mutex;
+  std::set<std::uint32_t> shards;
+  FrameRenderer renderer = renderer_of(scene, [&, inner = scene.pages()](const PageKey& key) {
+    const std::lock_guard lock(mutex);
+    shards.insert(key.shard);
+    return inner(key);
+  });
+  const Picture picture = renderer.draw_exact(at({{64, 60, 4000}, {64, 64, 20}, 4})).picture;
+  EXPECT_GT(covered_pixels(picture), 2u);
+  const auto root = std::uint32_t(scene.description().cells.size() + scene.description().parents.size() - 1);
+  EXPECT_EQ(shards, std::set<std::uint32_t>{root});
+}
+
+/// Pages of one shard cannot be read.
+PageSource damaged(const VoxelScene& scene, std::uint32_t shard) {
+  return [inner = scene.pages(), shard](const PageKey& key) {
+    if (key.shard == shard) throw InputError("shards/damaged.h5", "", "no such file");
+    return inner(key);
+  };
+}
+
+std::size_t different_pixels(const Picture& a, const Picture& b) {
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < a.depth.size(); ++i) different += a.depth[i] != b.depth[i];
+  return different;
+}
+
+TEST(DrawnFromParents, ShowsTheParentWhereACellIsDamaged) {
+  const VoxelScene& scene = in_three_tiers();
+  const View near = at({{36, 36, 70}, {36.1, 36, 30}, 1});
+  const Picture expected = renderer_of(scene, scene.pages()).draw_exact(near).picture;
+  std::uint32_t below = 0;  // the camera
+  for (std::uint32_t c = 0; c < scene.description().cells.size(); ++c)
+    if (scene.description().cells[c].lattice_min[0] == 32 && scene.description().cells[c].lattice_min[1] == 32)
+      below = c;
+  FrameRenderer renderer = renderer_of(scene, damaged(scene, below));
+  const Picture drawn = renderer.draw_exact(near).picture;
+  EXPECT_EQ(renderer.problems(), std::vector<std::string>{"shards/damaged.h5: no such file"});
+  EXPECT_EQ(covered_pixels(drawn), covered_pixels(expected)) << "there is no hole";
+  EXPECT_GT(different_pixels(drawn, expected), 0u);
+  EXPECT_LT(different_pixels(drawn, expected), expected.depth.size() / 4) << "the other cells are drawn as they are";
+}
+
+TEST(DrawnFromParents, ShowsTheCellsWhereAParentIsDamaged) {
+  const VoxelScene& scene = in_three_tiers();
+  const auto first = std::uint32_t(scene.description().cells.size());
+  const auto last = first + std::uint32_t(scene.description().parents.size()) - 1;
+  for (const std::uint32_t parent : {first, last}) {
+    FrameRenderer whole = renderer_of(scene, scene.pages()), renderer = renderer_of(scene, damaged(scene, parent));
+    const View near = at(eyes[0]);
+    EXPECT_EQ(renderer.draw_exact(near).picture.rgba, whole.draw_exact(near).picture.rgba);
+    EXPECT_EQ(renderer.problems().size(), parent == last ? 0u : 1u) << "of the root nothing is needed from near";
+    const View far = at({{64, 60, 300}, {64, 64, 20}, 6});
+    const std::size_t covered = covered_pixels(whole.draw_exact(far).picture);
+    if (parent == last) continue;  // nothing stands for the root
+    EXPECT_GE(covered_pixels(renderer.draw_exact(far).picture), covered * 9 / 10);
+  }
+}
+
+TEST(DrawnFromParents, TakesCellsWhereAParentIsMissing) {
+  const VoxelScene& scene = in_three_tiers();
+  SceneDescription description = scene.description();
+  description.parents.erase(description.parents.begin());
+  description.losses.push_back({"parent p", "was not baked"});
+  const auto draw = [&](const SceneDescription& described) {
+    FrameRenderer renderer(described, "scene.xml", scene.pages(), {});
+    return renderer.draw_exact(at(eyes[0])).picture;
+  };
+  EXPECT_EQ(draw(description).rgba, draw(scene.description()).rgba);
+}
+
+/// Pages come from memory, but for what the scene's own pages list. Cells have other numbers there.
+PageSource with_pages_of(const std::shared_ptr<NumberedShards>& numbers, const VoxelScene& scene) {
+  return [numbers, inner = scene.pages()](PageKey key) {
+    if (key.part <= PageKey::listing) return numbers->listing(key);
+    key.shard = std::uint32_t(std::stoul(numbers->shard(key.shard).name.substr(2)) - 1);
+    return inner(key);
+  };
+}
+
+TEST(DrawnFromParents, FindsItsCellsInThePagesOfTheScene) {
+  const VoxelScene& scene = in_three_tiers();
+  SceneDescription description = scene.description();
+  for (std::vector<SceneCell>* shards : {&description.cells, &description.parents})
+    for (SceneCell& shard : *shards) {
+      shard.voxels.assign(shard.lods, 1);
+      shard.content_hash.assign(shard.lods, {1, 2});
+    }
+  const made::TempFolder folder;
+  write_scene(folder / "scene.xml", description, {4, 2, 8});
+  const auto opened = std::make_shared<const PagedScene>(folder / "scene.xml");
+  ASSERT_NE(opened->root().pages.at(0).groups, 0u) << "two levels of pages";
+  const auto numbers = std::make_shared<NumberedShards>(opened, nullptr);
+  const ThreadPool policy(2);
+  PictureOptions options = view({20, 30, 60}, {70, 80, 30});
+  SceneStream::Options wishes;
+  wishes.light = options.light;
+  SceneStream stream(*opened, with_pages_of(numbers, scene), wishes, policy);
+  const kernels::CastCamera camera = make_camera(options.camera, *opened, scene.pages());
+  EXPECT_EQ(render(stream, camera, options.background).rgba, take(scene, options).rgba);
+  EXPECT_EQ(stream.problems(), std::vector<std::string>());
+  EXPECT_EQ(stream.layout().cells.size(), 8u);
+}
+
+}  // namespace
+}  // namespace gigabake

@@ -1,0 +1,212 @@
+#include "viewer/stream/shard_map.h"
+
+#include <gtest/gtest.h>
+#include <map>
+#include <random>
+#include <set>
+
+#include "lattice/parameters.h"
+#include "tests/format/shard/made_shard.h"
+#include "tests/random_seed.h"
+
+namespace gigabake {
+namespace {
+
+using kernels::VoxelBox;
+using made::TempFolder;
+
+constexpr std::int64_t edge = 16;  ///< of a cell
+
+/// Stacks of cells at random places, each beginning at any multiple of 8. The shards are not there.
+SceneDescription random_stacks(std::mt19937_64& rng) {
+  SceneDescription scene;
+  scene.voxel_size_m = 1;
+  for (std::int64_t y = -4; y < 4; ++y)
+    for (std::int64_t x = -4; x < 4; ++x)
+      for (std::int64_t z = -64 + 8 * std::int64_t(rng() % 4); z < 48; z += edge + (rng() % 3 == 0 ? edge : 0)) {
+        SceneCell cell;
+        cell.name = "c_" + std::to_string(scene.cells.size());
+        cell.file = "shards/" + cell.name + ".h5";
+        cell.lattice_min = {x * edge, y * edge, z};
+        cell.cell_voxels = std::uint32_t(edge);
+        cell.lods = 2;
+        cell.voxels = {9, 3};
+        cell.content_hash = {{rng(), rng()}, {rng(), rng()}};
+        scene.cells.push_back(std::move(cell));
+      }
+  std::sort(scene.cells.begin(), scene.cells.end(), is_before);
+  return scene;
+}
+
+/// One root above all of them.
+ParentTiers one_root() {
+  ParentTier tier;
+  tier.first_lod = 2;
+  tier.lods = 4;
+  tier.bits = 8;
+  tier.origin = {-128, -128, -128};
+  tier.parent[{0, 0, 0}] = 0;
+  return {{tier}, 0};
+}
+
+struct Asked {
+  explicit Asked(const std::shared_ptr<const PagedScene>& scene)
+      : map(*scene, one_root()), pager(pages_from_files(scene), {1, UINT64_MAX}) {}
+
+  /// Again and again until nothing is missing.
+  template <class Question>
+  auto answer(const Question& question) {
+    for (;;) {
+      PageGaps gaps;
+      gaps.own = own;
+      auto found = question(gaps);
+      damaged = gaps.damaged;
+      if (gaps.missing.empty()) return found;
+      pager.want(gaps.missing);
+      pager.wait();
+      pager.begin_pass();
+    }
+  }
+
+  ShardMap map;
+  Pager pager;
+  VoxelBox own{{-1000, -1000, -1000}, {1000, 1000, 1000}};
+  bool damaged = false;
+};
+
+VoxelBox random_box(std::mt19937_64& rng) {
+  VoxelBox box;
+  for (int a = 0; a < 3; ++a) {
+    box.min[a] = std::int64_t(rng() % 180) - 90;
+    box.max[a] = box.min[a] + 1 + std::int64_t(rng() % 40);
+  }
+  return box;
+}
+
+TEST(ShardMap, FindsTheCellsOfAnyPlaceThroughPagesOfPages) {
+  const test::RandomSeed seed;
+  std::mt19937_64 rng(seed);
+  const TempFolder folder;
+  write_scene(folder / "scene.xml", random_stacks(rng), {4, 2, 8});
+  const auto scene = std::make_shared<const PagedScene>(folder / "scene.xml");
+  ASSERT_FALSE(scene->root().pages.empty());
+  ASSERT_NE(scene->root().pages[0].groups, 0u);
+  const std::vector<SceneCell> cells = scene->cells();
+  Asked asked(scene);
+  for (int round = 0; round < 300; ++round) {
+    const VoxelBox box = random_box(rng);
+    std::set<std::uint32_t> expected;
+    std::optional<std::uint32_t> holds;
+    for (std::uint32_t i = 0; i < cells.size(); ++i) {
+      const LatticeBox window = window_of(cells[i]);
+      const LatticeBox asked_for{{box.min[0], box.min[1], box.min[2]}, {box.max[0], box.max[1], box.max[2]}};
+      if (!intersection(window, asked_for).is_empty()) expected.insert(i);
+      if (window.holds(asked_for.min)) holds = i;
+    }
+    std::set<std::uint32_t> found;
+    asked.answer([&](PageGaps& gaps) {
+      return asked.map.any(1, box, asked.pager, gaps, [&](const PlacedShard& shard) {
+        found.insert(shard.number);
+        return false;
+      });
+    });
+    EXPECT_EQ(found, expected);
+    VoxelBox empty;
+    const auto shard =
+        asked.answer([&](PageGaps& gaps) { return asked.map.find(0, box.min, asked.pager, gaps, empty); });
+    ASSERT_EQ(shard.has_value(), holds.has_value());
+    if (shard) {
+      EXPECT_EQ(shard->number, *holds);
+      continue;
+    }
+    for (int a = 0; a < 3; ++a) EXPECT_TRUE(empty.min[a] <= box.min[a] && box.min[a] < empty.max[a]);
+    empty.min[2] = box.min[2];
+    for (const SceneCell& cell : cells) {
+      const LatticeBox window = window_of(cell);
+      const VoxelBox other{{window.min[0], window.min[1], window.min[2]},
+                           {window.end[0], window.end[1], window.end[2]}};
+      EXPECT_FALSE(overlap(empty, other)) << cell.name << " reaches into what is said to be empty above a point";
+    }
+  }
+}
+
+TEST(ShardMap, SaysWhereAPageOfTheSceneCannotBeRead) {
+  std::mt19937_64 rng(3);
+  const TempFolder folder;
+  write_scene(folder / "scene.xml", random_stacks(rng), {4, 2, 8});
+  const auto scene = std::make_shared<const PagedScene>(folder / "scene.xml");
+  const PageReference lost = scene->leaves().at(5);
+  std::filesystem::remove(folder / lost.file);
+  Asked asked(scene);
+  VoxelBox empty;
+  const std::int64_t inside[3] = {lost.totals.window.min[0], lost.totals.window.min[1], lost.totals.window.min[2]};
+  const auto shard = asked.answer([&](PageGaps& gaps) { return asked.map.find(0, inside, asked.pager, gaps, empty); });
+  EXPECT_FALSE(shard.has_value());
+  EXPECT_TRUE(asked.damaged) << "of what is asked for";
+  asked.own = {{-2000, 0, 0}, {-1999, 1, 1}};
+  asked.answer([&](PageGaps& gaps) { return asked.map.find(0, inside, asked.pager, gaps, empty); });
+  EXPECT_FALSE(asked.damaged) << "of something beside";
+  ASSERT_EQ(asked.pager.problems().size(), 1u);
+  EXPECT_NE(asked.pager.problems()[0].find(lost.file), std::string::npos);
+}
+
+/// A scene of two tiers: cells of 16, parents of 128 and a root that begins at half of its edge.
+SceneDescription two_tiers() {
+  SceneDescription scene;
+  scene.parameters = to_json(BakeParameters{.voxel_size_m = 1});
+  const auto add = [](std::vector<SceneCell>& to, const std::array<std::int64_t, 3>& min, std::uint32_t voxels,
+                      std::uint32_t first_lod, std::uint32_t lods) {
+    SceneCell shard;
+    shard.lattice_min = min;
+    shard.cell_voxels = voxels;
+    shard.first_lod = first_lod;
+    shard.lods = lods;
+    to.push_back(shard);
+  };
+  for (const std::int64_t x : {-128, 0, 112}) add(scene.cells, {x, 0, 120}, 16, 0, 2);
+  for (const std::int64_t x : {-128, 0})
+    for (const std::int64_t z : {0, 128}) add(scene.parents, {x, 0, z}, 128, 2, 3);
+  add(scene.parents, {-128, 0, 0}, 256, 5, 1);
+  return scene;
+}
+
+std::optional<ParentTiers> tiers_of(const SceneDescription& scene) {
+  return parent_tiers(PagedScene::of_cells("scene.xml", scene));
+}
+
+TEST(ParentTiers, AreThereOnlyWhereAllOfASceneHangsFromOneRoot) {
+  const SceneDescription good = two_tiers();
+  const auto tiers = tiers_of(good);
+  ASSERT_TRUE(tiers.has_value());
+  EXPECT_EQ(tiers->root, 4u);
+  EXPECT_EQ(tiers->tier_of(4).parent.size(), 4u);
+  EXPECT_EQ(tiers->tier_of(5).bits, 8);
+  const auto refused = [&](const char* what, const auto& change) {
+    SceneDescription scene = good;
+    change(scene);
+    EXPECT_FALSE(tiers_of(scene).has_value()) << what;
+  };
+  refused("no parents", [](SceneDescription& s) { s.parents.clear(); });
+  refused("no root", [](SceneDescription& s) { s.parents.pop_back(); });
+  refused("two roots", [](SceneDescription& s) { s.parents.push_back(s.parents.back()); });
+  refused("a window twice", [](SceneDescription& s) { s.parents[1].lattice_min = s.parents[0].lattice_min; });
+  refused("a window off its lattice", [](SceneDescription& s) { s.parents[1].lattice_min[0] += 16; });
+  refused("a root off its lattice", [](SceneDescription& s) { s.parents[4].lattice_min[1] = 64; });
+  refused("a parent outside of the root", [](SceneDescription& s) { s.parents[0].lattice_min[1] = 256; });
+  refused("levels that are missing", [](SceneDescription& s) { s.parents[4].first_lod = 6; });
+  refused("another number of levels", [](SceneDescription& s) { s.parents[2].lods = 2; });
+  refused("no power of two", [](SceneDescription& s) { s.parents[4].cell_voxels = 255; });
+  refused("far away", [](SceneDescription& s) {
+    for (SceneCell& p : s.parents) p.lattice_min[2] += std::int64_t(1) << 52;
+  });
+  refused("cells of several sizes", [](SceneDescription& s) { s.cells[0].cell_voxels = 32; });
+  refused("an error of cells",
+          [](SceneDescription& s) { s.parameters = to_json(BakeParameters{.voxel_size_m = 1, .max_error = 3}); });
+  refused("a cell that reaches into a block without a parent", [](SceneDescription& s) {
+    s.parents.erase(s.parents.begin() + 3);
+    s.losses.push_back({"cell c", "was not baked"});
+  });
+}
+
+}  // namespace
+}  // namespace gigabake

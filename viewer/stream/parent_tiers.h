@@ -1,0 +1,44 @@
+/// The levels above the cells as a viewer goes through them: tiers of parents, each of blocks side by side, up to one
+/// root (scheduler/parents.h).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "format/scene/paged_scene.h"
+
+namespace gigabake {
+
+/// A parent's place among those of its tier: its window's lowest corner in windows.
+using TierBlock = std::array<std::int64_t, 3>;
+struct TierBlockHash {
+  std::size_t operator()(const TierBlock& block) const;
+};
+
+struct ParentTier {
+  std::int32_t first_lod = 0, lods = 0;
+  std::int32_t bits = 0;                                               ///< a window's edge is 2^bits lod-0 voxels
+  std::array<std::int64_t, 3> origin{};                                ///< corner of block 0, 0, 0
+  std::unordered_map<TierBlock, std::uint32_t, TierBlockHash> parent;  ///< by block: its index in the scene's parents
+
+  TierBlock block_of(const std::array<std::int64_t, 3>& v) const;
+  std::array<std::int64_t, 3> corner_of(const TierBlock& block) const;
+};
+
+struct ParentTiers {
+  std::vector<ParentTier> tiers;  ///< from the cells upwards; the last one is the root alone
+  std::uint32_t root = 0;         ///< its index in the scene's parents
+
+  /// The tier that a level is stored in. Range  lod is one of the parents' levels.
+  const ParentTier& tier_of(int lod) const;
+};
+
+/// Nothing where not all of a scene hangs from one root: no parents, or parents that are missing, overlap or are not of
+/// this shape; and where cells were baked with an error that parents do not have (`max_error`).
+/// Cost  Looks at the parents; where the scene says that a cell or a parent is lost, at all cells too.
+std::optional<ParentTiers> parent_tiers(const PagedScene& scene);
+
+}  // namespace gigabake

@@ -1,0 +1,128 @@
+#include "viewer/stream/shard_map.h"
+
+#include <bit>
+#include <utility>
+
+#include "lattice/brick.h"
+
+namespace gigabake {
+namespace {
+
+using kernels::VoxelBox;
+
+constexpr std::int64_t everywhere = kernels::far_voxel;
+
+VoxelBox cube_at(const std::int64_t min[3], std::int64_t edge) {
+  VoxelBox box;
+  for (int a = 0; a < 3; ++a) {
+    box.min[a] = min[a];
+    box.max[a] = min[a] + edge;
+  }
+  return box;
+}
+
+/// The listed page whose block the voxel lies in. Blocks beside each other have one size, and stand by their z, y, x.
+const ListedPage* page_around(const std::vector<ListedPage>& pages, const LatticeBlock& block) {
+  const auto order = [](const LatticeBlock& b) { return std::array<std::int64_t, 3>{b.min[2], b.min[1], b.min[0]}; };
+  const auto found = std::lower_bound(pages.begin(), pages.end(), order(block),
+                                      [&](const ListedPage& page, const auto& zyx) { return order(page.block) < zyx; });
+  return found != pages.end() && found->block == block ? &*found : nullptr;
+}
+
+}  // namespace
+
+bool overlap(const VoxelBox& a, const VoxelBox& b) {
+  for (int i = 0; i < 3; ++i)
+    if (a.max[i] <= b.min[i] || b.max[i] <= a.min[i]) return false;
+  return true;
+}
+
+const Page* find_page(const Pager& pager, const PageKey& key, PageGaps& gaps) {
+  const Page* page = pager.find(key);
+  if (page == nullptr && !pager.is_damaged(key)) gaps.missing.push_back(key);
+  return page;
+}
+
+ShardMap::ShardMap(const std::vector<SceneCell>& cells)
+    : cell_lods_(std::int32_t(kernels::max_cast_lods)),
+      cell_bits_(std::countr_zero(cells.at(0).cell_voxels)),
+      cell_count_(std::uint32_t(cells.size())),
+      cells_(listed_cells(cells, 0)) {}
+
+ShardMap::ShardMap(const PagedScene& scene, ParentTiers tiers)
+    : cell_lods_(tiers.tiers.front().first_lod),
+      cell_bits_(std::countr_zero(scene.totals().cell_voxels)),
+      tiers_(std::move(tiers)),
+      cell_count_(std::uint32_t(scene.totals().cells)),
+      cells_(listed_cells(scene.root().cells, 0)),
+      pages_(listed_pages(scene.root().pages, 0)) {}
+
+ShardMap::Cells::const_iterator ShardMap::first_above(const Cells& cells, const std::array<std::int64_t, 3>& min) {
+  return std::lower_bound(cells.begin(), cells.end(), min,
+                          [](const ListedCell& cell, const auto& v) { return cell.min < v; });
+}
+
+PlacedShard ShardMap::placed(const ListedCell& cell) const {
+  return {cell.number, 0, cell_bits_ - 2, cube_at(cell.min.data(), std::int64_t(1) << cell_bits_)};
+}
+
+PlacedShard ShardMap::placed(const ParentTier& tier, const TierBlock& block, std::uint32_t parent) const {
+  return {cell_count_ + parent, tier.first_lod, tier.lods,
+          cube_at(tier.corner_of(block).data(), std::int64_t(1) << tier.bits)};
+}
+
+/// The list of the cells that begin in the block around v; null where there are none, or the list is not here.
+const ShardMap::Cells* ShardMap::cells_around(const std::array<std::int64_t, 3>& v, const Pager& pager, PageGaps& gaps,
+                                              LatticeBlock& block) const {
+  block = {{-everywhere, -everywhere, -everywhere}, 2 * everywhere};
+  if (pages_.empty()) return &cells_;
+  const std::vector<ListedPage>* pages = &pages_;
+  for (std::int32_t part = PageKey::listing;; --part) {
+    block = block_around(v, pages->front().block.edge);
+    const ListedPage* listed = page_around(*pages, block);
+    if (listed == nullptr) return nullptr;  // nothing begins there
+    const PageKey key{listed->first_cell, part, 0};
+    const Page* page = find_page(pager, key, gaps);
+    if (page == nullptr) {
+      VoxelBox box = cube_at(block.min.data(), block.edge);
+      box.max[2] += std::int64_t(1) << cell_bits_;  // cells may reach out upwards
+      if (pager.is_damaged(key)) gaps.damaged |= overlap(box, gaps.own);
+      return nullptr;
+    }
+    if (page->pages.empty()) return &page->cells;
+    pages = &page->pages;
+  }
+}
+
+std::optional<PlacedShard> ShardMap::find_cell(const std::int64_t v[3], const Pager& pager, PageGaps& gaps,
+                                               VoxelBox& empty) const {
+  const std::int64_t edge = std::int64_t(1) << cell_bits_;
+  const std::int64_t low[3] = {v[0] >> cell_bits_ << cell_bits_, v[1] >> cell_bits_ << cell_bits_, v[2]};
+  empty = cube_at(low, edge);
+  empty.max[2] = (v[2] >> cell_bits_ << cell_bits_) + edge;
+  for (std::int64_t z = v[2]; z > v[2] - edge;) {
+    LatticeBlock block;
+    const Cells* cells = cells_around({low[0], low[1], z}, pager, gaps, block);
+    if (cells != nullptr) {
+      auto above = first_above(*cells, {low[0], low[1], z + 1});
+      const auto is_here = [&](const ListedCell& cell) { return cell.min[0] == low[0] && cell.min[1] == low[1]; };
+      if (above != cells->end() && is_here(*above)) empty.max[2] = std::min(empty.max[2], above->min[2]);
+      if (above != cells->begin() && is_here(*--above) && above->min[2] > v[2] - edge) return placed(*above);
+    }
+    z = block.min[2] - 1;
+  }
+  return {};
+}
+
+std::optional<PlacedShard> ShardMap::find(int lod, const std::int64_t v[3], const Pager& pager, PageGaps& gaps,
+                                          VoxelBox& empty) const {
+  if (lod < cell_lods_) return find_cell(v, pager, gaps, empty);
+  const ParentTier& tier = tiers_->tier_of(lod);
+  const TierBlock block = tier.block_of({v[0], v[1], v[2]});
+  const auto found = tier.parent.find(block);
+  if (found != tier.parent.end()) return placed(tier, block, found->second);
+  empty = cube_at(tier.corner_of(block).data(), std::int64_t(1) << tier.bits);
+  return {};
+}
+
+}  // namespace gigabake
