@@ -25,7 +25,7 @@
 namespace gigabake::kernels {
 
 GB_HD double lod_start(const CastLine& line, int lod) {
-  return lod == 0 ? 0 : line.lod1_distance * double(std::int64_t(1) << (lod - 1));
+  return lod == 0 ? 0 : line.lod1_distance * power_of_two(lod - 1);
 }
 
 GB_HD CastRay start_ray(const CastScene& scene, const CastLine& line) {
@@ -33,8 +33,8 @@ GB_HD CastRay start_ray(const CastScene& scene, const CastLine& line) {
   if (!(line.enter <= line.leave)) return ray;
   ray.lod = 0;
   while (ray.lod + 1 < scene.lods && line.enter >= lod_start(line, ray.lod + 1)) ++ray.lod;
-  const double step = std::floor((line.enter - lod_start(line, ray.lod)) / step_length(ray.lod) - 0.5);
-  ray.step = step > 0 ? std::int64_t(step) : 0;
+  const double step = std::floor((line.enter - lod_start(line, ray.lod)) * steps_per_voxel(ray.lod) - 0.5);
+  ray.step = step > 0 ? step : 0;
   return ray;
 }
 
@@ -67,7 +67,7 @@ GB_HD bool find_empty_octant(const CastMask& mask, const CastPlace& place, const
 
 /// The first point that may lie outside of the box. A millionth of a step guards against rounding: a point too many
 /// costs time, a point too few would show.
-GB_HD std::int64_t step_beyond(const CastLine& line, const EmptyBox& box, const CastRay& ray) {
+GB_HD double step_beyond(const CastLine& line, const EmptyBox& box, const CastRay& ray) {
   double leave = line.leave + step_length(ray.lod);
   for (int a = 0; a < 3; ++a) {
     if (line.direction[a] == 0) continue;
@@ -75,16 +75,16 @@ GB_HD std::int64_t step_beyond(const CastLine& line, const EmptyBox& box, const 
     const double beyond_side = (side - line.origin[a]) * line.inverse[a];
     if (beyond_side < leave) leave = beyond_side;
   }
-  const double step = std::ceil((leave - lod_start(line, ray.lod)) / step_length(ray.lod) - (0.5 + 1e-6));
-  return step > double(ray.step + 1) ? std::int64_t(step) : ray.step + 1;
+  const double step = std::ceil((leave - lod_start(line, ray.lod)) * steps_per_voxel(ray.lod) - (0.5 + 1e-6));
+  return step > ray.step + 1 ? step : ray.step + 1;
 }
 
 /// Where the next level begins at the latest: in the middle of a surface some of its voxels late, since what two levels
 /// show of it apart does not add up.
 GB_HD double lod_end(const CastLine& line, int lod) { return lod_start(line, lod + 1) + 8 * step_length(lod + 1); }
 
-GB_HD double point_distance(const CastLine& line, int lod, std::int64_t step) {
-  return lod_start(line, lod) + (double(step) + 0.5) * step_length(lod);
+GB_HD double point_distance(const CastLine& line, int lod, double step) {
+  return lod_start(line, lod) + (step + 0.5) * step_length(lod);
 }
 
 /// The next level begins behind the surface that the ray was in, or at its own start: how far empty space was stepped
@@ -92,19 +92,19 @@ GB_HD double point_distance(const CastLine& line, int lod, std::int64_t step) {
 GB_HD void enter_next_lod(const CastLine& line, CastRay& ray) {
   const double from = point_distance(line, ray.lod, ray.past) - lod_start(line, ray.lod + 1);
   ++ray.lod;
-  const double step = std::ceil(from / step_length(ray.lod) - 0.5);
-  ray.step = step > 0 ? std::int64_t(step) : 0;
+  const double step = std::ceil(from * steps_per_voxel(ray.lod) - 0.5);
+  ray.step = step > 0 ? step : 0;
   ray.past = -1;
 }
 
 /// In a brick that is coarser than the ray, points lie half a voxel of the brick apart, as far as it stands and the
 /// ray's level goes.
-GB_HD std::int64_t steps_in_coarser(const CastLine& line, const CastPlace& place, const CastRay& ray, double distance) {
+GB_HD double steps_in_coarser(const CastLine& line, const CastPlace& place, const CastRay& ray, double distance) {
   EmptyBox box = empty_box(place);
-  std::int64_t steps = step_beyond(line, box, ray) - ray.step;
-  const double to_end = std::ceil((lod_end(line, ray.lod) - distance) / step_length(ray.lod));
-  if (to_end >= 1 && double(steps) > to_end) steps = std::int64_t(to_end);
-  const std::int64_t wide = std::int64_t(1) << (place.lod - ray.lod);
+  double steps = step_beyond(line, box, ray) - ray.step;
+  const double to_end = std::ceil((lod_end(line, ray.lod) - distance) * steps_per_voxel(ray.lod));
+  if (to_end >= 1 && steps > to_end) steps = to_end;
+  const double wide = power_of_two(place.lod - ray.lod);
   return steps < wide ? steps : wide;
 }
 
@@ -282,7 +282,7 @@ GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const Ca
   if (is_met(sheet_met(field.sheet, line, place, walk.distance, ray), walk)) return;
   walk.is_seen = false;
   keep_height(field.sheet, line, place, walk.distance, ray);
-  const std::int64_t steps = place.lod == ray.lod ? 1 : steps_in_coarser(line, place, ray, walk.distance);
+  const double steps = place.lod == ray.lod ? 1 : steps_in_coarser(line, place, ray, walk.distance);
   const bool is_loose = field.loose.mean_coverage() > 0;
   if (is_loose) composite(field.loose, field.pane, line, place, steps, walk.distance, camera, ray);
   ray.step += steps;
