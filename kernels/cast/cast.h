@@ -211,18 +211,16 @@ enum class CastTask : std::uint8_t {
 /// A ray on its way, within a pass. What is left of it afterwards is the CastRay. Its CastPath stands beside it: that
 /// is indexed by what a device computes, so it cannot stand in registers as this does.
 struct CastWalk {
-  CastTask task = CastTask::seek;
-  bool is_seen = false;      ///< what it met before the point where it stands has been looked at
-  double distance = 0;       ///< of the point where it stands
-  double met = met_nowhere;  ///< where the sheet is
+  CastTask task = CastTask::none;
+  double distance = 0;  ///< of the point where it stands
   CastPoint point;
   CastPlace place;
 };
 
 /// The ray met a sheet before the point where it stands; what that is like comes first.
-GB_HD bool is_met(double met, CastWalk& walk) {
-  if (walk.is_seen || met == met_nowhere) return false;
-  walk.met = met;
+GB_HD bool is_met(double met, CastWalk& walk, CastRay& ray) {
+  if (ray.is_seen || met == met_nowhere) return false;
+  ray.met = met;
   walk.task = CastTask::meet;
   return true;
 }
@@ -257,8 +255,8 @@ GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patie
         return;
       }
     }
-    if (is_met(sheet_left(ray), walk)) return;
-    walk.is_seen = false;
+    if (is_met(sheet_left(ray), walk, ray)) return;
+    ray.is_seen = false;
     ray.height = CastRay::no_height;
     EmptyBox box;
     if (!is_brick)
@@ -278,23 +276,25 @@ GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const Ca
                       CastRay& ray) {
   const CastPlace& place = walk.place;
   const CastCorners corners = corners_of(scene.voxels + std::size_t(slot_voxels) * place.brick, walk.point);
-  const CastField field = field_at(corners, place.lod == ray.lod, line.direction);
-  if (is_met(sheet_met(field.sheet, line, place, walk.distance, ray), walk)) return;
-  walk.is_seen = false;
-  keep_height(field.sheet, line, place, walk.distance, ray);
+  const PointKind kind = kind_of(corners, place.lod == ray.lod);
+  const CastSheet sheet = sheet_at(corners, kind);
+  if (is_met(sheet_met(sheet, line, place, walk.distance, ray), walk, ray)) return;
+  ray.is_seen = false;
+  keep_height(sheet, line, place, walk.distance, ray);
+  const CastLoose loose = loose_at(corners, kind, sheet, line.direction);
   const double steps = place.lod == ray.lod ? 1 : steps_in_coarser(line, place, ray, walk.distance);
-  const bool is_loose = field.loose.mean_coverage() > 0;
-  if (is_loose) composite(field.loose, field.pane, line, place, steps, walk.distance, camera, ray);
+  const bool is_loose = loose.sample.mean_coverage() > 0;
+  if (is_loose) composite(loose.sample, loose.pane, line, place, steps, walk.distance, camera, ray);
   ray.step += steps;
-  if (is_loose || field.sheet.sheet > 0) ray.past = ray.step;
+  if (is_loose || sheet.sheet > 0) ray.past = ray.step;
   walk.task = ray.transmittance < least_light ? CastTask::none : CastTask::seek;
 }
 
 /// Adds the sheet that the ray met, and goes on at the point behind it.
 GB_HD void pass_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
                       CastWalk& walk, CastPath& path, CastRay& ray) {
-  const bool is_there = meet_sheet(scene, camera, line, patient, walk.met, walk.place, path, ray);
-  walk.is_seen = true;
+  const bool is_there = meet_sheet(scene, camera, line, patient, ray.met, walk.place, path, ray);
+  ray.is_seen = is_there;
   walk.task = !is_there || ray.transmittance < least_light ? CastTask::none : CastTask::seek;
 }
 
@@ -308,23 +308,34 @@ GB_HD bool any_ray(bool has_task) {
 #endif
 }
 
-/// Goes on until the ray is finished (lod = -1) or waits. Rays that a device takes together do the same tasks together:
-/// those that met a sheet wait until all that seek have met one, or are through, since looking at a sheet takes as long
-/// as some dozen steps. On a device all lanes of a warp call this; is_cast: false for those that have no ray.
+/// Goes on until the ray met a sheet, is finished or waits. Rays that a device takes together seek together and look at
+/// points together; on a device all lanes of a warp call this.
+GB_HD void walk_to_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
+                         CastWalk& walk, CastPath& path, CastRay& ray) {
+  while (any_ray(walk.task == CastTask::seek)) {
+    if (walk.task == CastTask::seek) seek_surface(scene, line, patient, walk, path, ray);
+    if (any_ray(walk.task == CastTask::pass) && walk.task == CastTask::pass) pass_point(scene, camera, line, walk, ray);
+  }
+}
+
+/// What a ray does first in a pass. is_cast: false where a device has a lane and no ray.
+GB_HD CastTask first_task(bool is_cast, const CastRay& ray) {
+  return is_cast && ray.lod >= 0 ? CastTask::seek : CastTask::none;
+}
+
+/// Goes on until the ray is finished (lod = -1) or waits. Of rays that a device takes together those that met a sheet
+/// wait until all that seek have met one, or are through, since looking at a sheet takes as long as some dozen steps.
+/// On a device all lanes of a warp call this.
 GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient, bool is_cast,
                     CastRay& ray) {
   CastWalk walk;
   CastPath path;
-  if (!is_cast || ray.lod < 0) walk.task = CastTask::none;
+  walk.task = first_task(is_cast, ray);
   while (any_ray(walk.task != CastTask::none)) {
-    while (any_ray(walk.task == CastTask::seek)) {
-      if (walk.task == CastTask::seek) seek_surface(scene, line, patient, walk, path, ray);
-      if (any_ray(walk.task == CastTask::pass) && walk.task == CastTask::pass)
-        pass_point(scene, camera, line, walk, ray);
-    }
+    walk_to_sheet(scene, camera, line, patient, walk, path, ray);
     if (walk.task == CastTask::meet) pass_sheet(scene, camera, line, patient, walk, path, ray);
   }
-  if (ray.transmittance < least_light && ray.lod >= 0) finish_opaque(ray);
+  finish_opaque(ray);
 }
 
 /// A rectangle of the picture: ray i is pixel (x + i mod width, y + i div width).

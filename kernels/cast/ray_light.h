@@ -32,6 +32,9 @@ struct CastRay {
   float height_at = 0;       ///< that point's distance
   float rise = 0;            ///< how much higher the ray gets along a lod-0 voxel, going on as it does there
 
+  double met = 0;        ///< distance at which it met a sheet before the point where it stands
+  bool is_seen = false;  ///< that sheet has been looked at
+
   static constexpr float no_depth = 3e38f, no_height = 3e38f;
 };
 
@@ -154,6 +157,7 @@ inline constexpr float least_light = 1.0f / 1024;
 
 /// What is still to come would not show: the ray ends as if the last surface were opaque.
 GB_HD void finish_opaque(CastRay& ray) {
+  if (ray.lod < 0 || ray.transmittance >= least_light) return;
   const float scale = 1 / (1 - ray.transmittance);
   for (float& channel : ray.rgb) channel *= scale;
   ray.transmittance = 0;

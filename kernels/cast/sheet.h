@@ -41,11 +41,10 @@ struct CastPane {
   float across = 1;   ///< how fast a ray leaves it: 1 is straight across, 0 along it
 };
 
-/// What is around a point: the loose surface, and the sheet.
-struct CastField {
-  CastSample loose;
-  CastSheet sheet;
-  CastPane pane = {};  ///< of the loose surface
+/// The loose surface around a point.
+struct CastLoose {
+  CastSample sample;
+  CastPane pane = {};
 };
 
 GB_HD int coherence_of(const CastVoxel& voxel) { return unpack_plane(voxel.plane).coherence; }
@@ -189,15 +188,30 @@ GB_HD CastSample loose_sample(const CastCorners& corners, const CastSheet& sheet
   return r;
 }
 
+/// What the voxels around a point are.
+enum class PointKind : std::uint8_t {
+  loose,  ///< surface without a sheet
+  pane,   ///< surface of lod 0 that lets light through
+  sheet   ///< some are, or hold, a sheet
+};
+
 /// is_wanted: of the level that the ray is on. A brick that stands for finer ones is seen by
 /// its coverages alone: its planes may lie on the other side of an eye that is nearer to them than they are wide.
-GB_HD CastField field_at(const CastCorners& corners, bool is_wanted, const double direction[3]) {
+GB_HD PointKind kind_of(const CastCorners& corners, bool is_wanted) {
   const int planes = planes_of(corners);
-  const bool is_clear = (planes & clear_plane) != 0;
-  if (planes == 0 || is_clear || !is_wanted)
-    return {interpolate(corners), {}, is_clear ? pane_at(corners, direction) : CastPane{}};
-  const CastSheet sheet = blend_planes(corners);
-  return {loose_sample(corners, sheet), sheet, {}};
+  if ((planes & clear_plane) != 0) return PointKind::pane;
+  return planes != 0 && is_wanted ? PointKind::sheet : PointKind::loose;
+}
+
+GB_HD CastSheet sheet_at(const CastCorners& corners, PointKind kind) {
+  return kind == PointKind::sheet ? blend_planes(corners) : CastSheet{};
+}
+
+/// sheet: what sheet_at() says.
+GB_HD CastLoose loose_at(const CastCorners& corners, PointKind kind, const CastSheet& sheet,
+                         const double direction[3]) {
+  if (kind == PointKind::sheet) return {loose_sample(corners, sheet), {}};
+  return {interpolate(corners), kind == PointKind::pane ? pane_at(corners, direction) : CastPane{}};
 }
 
 /// What the sheet looks like: what is loose has no say in it.

@@ -35,6 +35,17 @@ struct RandomPoints {
   }
 };
 
+struct CastField {
+  CastSample loose;
+  CastSheet sheet;
+};
+
+CastField field_at(const CastCorners& corners, bool is_wanted, const double direction[3]) {
+  const PointKind kind = kind_of(corners, is_wanted);
+  const CastSheet sheet = sheet_at(corners, kind);
+  return {loose_at(corners, kind, sheet, direction).sample, sheet};
+}
+
 TEST(CastField, IsInterpolatedAsEverWhereThereIsNoSheet) {
   RandomPoints points;
   const auto slot = std::make_unique<Slot>();
