@@ -98,10 +98,10 @@ GB_HD void enter_next_lod(const CastLine& line, CastRay& ray) {
 }
 
 /// In a brick that is coarser than the ray, points lie half a voxel of the brick apart, as far as it stands and the
-/// ray's level goes. beyond: the first point that may lie outside of it.
-GB_HD double steps_in_coarser(const CastLine& line, const CastPlace& place, const CastRay& ray, double distance,
-                              double beyond) {
-  double steps = beyond - ray.step;
+/// ray's level goes.
+GB_HD double steps_in_coarser(const CastLine& line, const CastPlace& place, const CastRay& ray, double distance) {
+  EmptyBox box = empty_box(place);
+  double steps = step_beyond(line, box, ray) - ray.step;
   const double to_end = std::ceil((lod_end(line, ray.lod) - distance) * steps_per_voxel(ray.lod));
   if (to_end >= 1 && steps > to_end) steps = to_end;
   const double wide = power_of_two(place.lod - ray.lod);
@@ -258,14 +258,15 @@ GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patie
     if (is_met(sheet_left(ray), walk, ray)) return;
     ray.is_seen = false;
     ray.height = CastRay::no_height;
-    const bool is_wanted = is_brick && place.lod == ray.lod;
-    EmptyBox box = empty_box(place);
-    if (is_wanted && !find_empty_octant(scene.masks[place.brick], place, walk.point, box)) {
+    EmptyBox box;
+    if (!is_brick)
+      ray.step = step_beyond(line, empty_box(place), ray);
+    else if (place.lod != ray.lod)
+      ray.step += steps_in_coarser(line, place, ray, walk.distance);
+    else if (find_empty_octant(scene.masks[place.brick], place, walk.point, box))
+      ray.step = step_beyond(line, box, ray);
+    else
       ++ray.step;
-      continue;
-    }
-    const double beyond = step_beyond(line, box, ray);
-    ray.step = is_brick && !is_wanted ? ray.step + steps_in_coarser(line, place, ray, walk.distance, beyond) : beyond;
   }
   walk.task = CastTask::none;
 }
@@ -281,9 +282,7 @@ GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const Ca
   ray.is_seen = false;
   keep_height(sheet, line, place, walk.distance, ray);
   const CastLoose loose = loose_at(corners, kind, sheet, line.direction);
-  double steps = 1;
-  if (place.lod != ray.lod)
-    steps = steps_in_coarser(line, place, ray, walk.distance, step_beyond(line, empty_box(place), ray));
+  const double steps = place.lod == ray.lod ? 1 : steps_in_coarser(line, place, ray, walk.distance);
   const bool is_loose = loose.sample.mean_coverage() > 0;
   if (is_loose) composite(loose.sample, loose.pane, line, place, steps, walk.distance, camera, ray);
   ray.step += steps;
@@ -309,12 +308,14 @@ GB_HD bool any_ray(bool has_task) {
 #endif
 }
 
-/// Goes on to the next point where there is something, and looks at it, unless the ray met a sheet, is finished or
-/// waits. Rays that a device takes together seek together and look at points together; all lanes of a warp call this.
-GB_HD void walk_on(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient, CastWalk& walk,
-                   CastPath& path, CastRay& ray) {
-  if (walk.task == CastTask::seek) seek_surface(scene, line, patient, walk, path, ray);
-  if (any_ray(walk.task == CastTask::pass) && walk.task == CastTask::pass) pass_point(scene, camera, line, walk, ray);
+/// Goes on until the ray met a sheet, is finished or waits. Rays that a device takes together seek together and look at
+/// points together; on a device all lanes of a warp call this.
+GB_HD void walk_to_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
+                         CastWalk& walk, CastPath& path, CastRay& ray) {
+  while (any_ray(walk.task == CastTask::seek)) {
+    if (walk.task == CastTask::seek) seek_surface(scene, line, patient, walk, path, ray);
+    if (any_ray(walk.task == CastTask::pass) && walk.task == CastTask::pass) pass_point(scene, camera, line, walk, ray);
+  }
 }
 
 /// What a ray does first in a pass. is_cast: false where a device has a lane and no ray.
@@ -331,7 +332,7 @@ GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const Cast
   CastPath path;
   walk.task = first_task(is_cast, ray);
   while (any_ray(walk.task != CastTask::none)) {
-    while (any_ray(walk.task == CastTask::seek)) walk_on(scene, camera, line, patient, walk, path, ray);
+    walk_to_sheet(scene, camera, line, patient, walk, path, ray);
     if (walk.task == CastTask::meet) pass_sheet(scene, camera, line, patient, walk, path, ray);
   }
   finish_opaque(ray);

@@ -48,7 +48,6 @@ GB_HD CastLine line_of_sight(const CastScene& scene, const CastCamera& camera, i
   line.enter = 0;
   line.leave = double(far_voxel);
   line.lod1_distance = camera.lod1_depth * length;
-  GB_UNROLL
   for (int a = 0; a < 3; ++a) {
     line.direction[a] /= length;
     line.inverse[a] = 1 / line.direction[a];

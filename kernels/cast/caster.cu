@@ -122,7 +122,7 @@ class CudaCaster final : public Caster {
     tile_ = tile;
     const std::size_t rays = ray_count();
     if (rays_.size() < rays) rays_ = DeviceArray<CastRay>(heap_, rays);
-    start_rays<<<blocks_of(tile), tile_threads, 0, stream_.handle>>>(scene_, camera, tile, rays_.data());
+    start_rays<<<grid_of_tile(tile), tile_threads, 0, stream_.handle>>>(scene_, camera, tile, rays_.data());
     check_launch("start_rays");
   }
 
@@ -161,8 +161,8 @@ class CudaCaster final : public Caster {
     const std::size_t rays = ray_count();
     const CastPixels here{room_for(out.srgb, srgb_, 4 * rays), room_for(out.linear, linear_, 4 * rays),
                           room_for(out.depth, depth_, rays)};
-    write_pixels<<<blocks_of(tile_), tile_threads, 0, stream_.handle>>>(scene_, camera_, tile_, rays_.data(),
-                                                                        background, tables_.view(), here);
+    write_pixels<<<grid_of_tile(tile_), tile_threads, 0, stream_.handle>>>(scene_, camera_, tile_, rays_.data(),
+                                                                           background, tables_.view(), here);
     check_launch("write_pixels");
     if (out.srgb != nullptr) download(out.srgb, here.srgb, 4 * rays);
     if (out.linear != nullptr) download(out.linear, here.linear, 4 * rays);

@@ -29,7 +29,7 @@ struct RayPass {
 /// Lists of a pass's rounds, for a tile of `capacity` rays.
 class RayRounds {
  public:
-  RayRounds(DeviceHeap& heap, cudaStream_t stream);
+  RayRounds(DeviceHeap& heap, cudaStream_t stream) : heap_(heap), stream_(stream), counts_(heap, 2 * rounds) {}
 
   /// Goes on with rays [begin, end) until each is finished or waits. pass.unfinished: adds how many wait.
   void cast(const RayPass& pass, std::size_t begin, std::size_t end);
@@ -40,9 +40,7 @@ class RayRounds {
 
   DeviceHeap& heap_;
   cudaStream_t stream_;
-  unsigned walking_blocks_;            ///< as many as the device holds at once
-  DeviceArray<std::uint32_t> counts_;  ///< two lists a round, then how many each round has taken
-  DeviceArray<std::uint32_t> met_, going_on_;
+  DeviceArray<std::uint32_t> counts_, met_, going_on_;
 };
 
 }  // namespace gigabake::kernels
