@@ -98,10 +98,10 @@ GB_HD void enter_next_lod(const CastLine& line, CastRay& ray) {
 }
 
 /// In a brick that is coarser than the ray, points lie half a voxel of the brick apart, as far as it stands and the
-/// ray's level goes.
-GB_HD double steps_in_coarser(const CastLine& line, const CastPlace& place, const CastRay& ray, double distance) {
-  EmptyBox box = empty_box(place);
-  double steps = step_beyond(line, box, ray) - ray.step;
+/// ray's level goes. beyond: the first point that may lie outside of it.
+GB_HD double steps_in_coarser(const CastLine& line, const CastPlace& place, const CastRay& ray, double distance,
+                              double beyond) {
+  double steps = beyond - ray.step;
   const double to_end = std::ceil((lod_end(line, ray.lod) - distance) * steps_per_voxel(ray.lod));
   if (to_end >= 1 && steps > to_end) steps = to_end;
   const double wide = power_of_two(place.lod - ray.lod);
@@ -182,7 +182,7 @@ GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const Ca
     const CastPoint point = point_in_brick(place, p);
     const CastCorners corners = corners_of(voxels, point);
     if (side == 0) {
-      const CastSheet sheet = blend_planes(corners);
+      const CastSheet sheet = blend_planes(corners, line.direction);
       if (!(sheet.sheet > 0)) return true;
       seen = opacity_of_sheet(voxels, point, sheet);
       half = place.half;
@@ -258,15 +258,14 @@ GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patie
     if (is_met(sheet_left(ray), walk, ray)) return;
     ray.is_seen = false;
     ray.height = CastRay::no_height;
-    EmptyBox box;
-    if (!is_brick)
-      ray.step = step_beyond(line, empty_box(place), ray);
-    else if (place.lod != ray.lod)
-      ray.step += steps_in_coarser(line, place, ray, walk.distance);
-    else if (find_empty_octant(scene.masks[place.brick], place, walk.point, box))
-      ray.step = step_beyond(line, box, ray);
-    else
+    const bool is_wanted = is_brick && place.lod == ray.lod;
+    EmptyBox box = empty_box(place);
+    if (is_wanted && !find_empty_octant(scene.masks[place.brick], place, walk.point, box)) {
       ++ray.step;
+      continue;
+    }
+    const double beyond = step_beyond(line, box, ray);
+    ray.step = is_brick && !is_wanted ? ray.step + steps_in_coarser(line, place, ray, walk.distance, beyond) : beyond;
   }
   walk.task = CastTask::none;
 }
@@ -277,12 +276,14 @@ GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const Ca
   const CastPlace& place = walk.place;
   const CastCorners corners = corners_of(scene.voxels + std::size_t(slot_voxels) * place.brick, walk.point);
   const PointKind kind = kind_of(corners, place.lod == ray.lod);
-  const CastSheet sheet = sheet_at(corners, kind);
+  const CastSheet sheet = sheet_at(corners, kind, line.direction);
   if (is_met(sheet_met(sheet, line, place, walk.distance, ray), walk, ray)) return;
   ray.is_seen = false;
   keep_height(sheet, line, place, walk.distance, ray);
   const CastLoose loose = loose_at(corners, kind, sheet, line.direction);
-  const double steps = place.lod == ray.lod ? 1 : steps_in_coarser(line, place, ray, walk.distance);
+  double steps = 1;
+  if (place.lod != ray.lod)
+    steps = steps_in_coarser(line, place, ray, walk.distance, step_beyond(line, empty_box(place), ray));
   const bool is_loose = loose.sample.mean_coverage() > 0;
   if (is_loose) composite(loose.sample, loose.pane, line, place, steps, walk.distance, camera, ray);
   ray.step += steps;

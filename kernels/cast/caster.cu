@@ -13,6 +13,8 @@
 namespace gigabake::kernels {
 namespace {
 
+/// A picture is copied by several threads: by one it takes as long as half of its rays.
+constexpr std::size_t bytes_per_thread = 1u << 19;
 /// Wants told of one pass; what is beyond them is wanted again in the next.
 constexpr std::uint32_t most_wants = 1u << 20;
 
@@ -56,8 +58,9 @@ __global__ void list_wants(const std::uint32_t* wanted, std::uint32_t size, std:
 
 class CudaCaster final : public Caster {
  public:
-  CudaCaster(const CastScene& scene, const PoolSizes& sizes, int device)
-      : device_(device),
+  CudaCaster(const CastScene& scene, const PoolSizes& sizes, int device, const ThreadPool& pool)
+      : pool_(pool),
+        device_(device),
         stream_(device),
         heap_(stream_.handle, books_),
         tables_(heap_),
@@ -223,7 +226,9 @@ class CudaCaster final : public Caster {
     std::byte* arrived = pinned_.reserve(bytes);
     check_cuda(cudaMemcpyAsync(arrived, device, bytes, cudaMemcpyDeviceToHost, stream_.handle), "cudaMemcpyAsync");
     finish("cudaMemcpyAsync");
-    std::memcpy(host, arrived, bytes);
+    pool_.parallel_for(bytes, bytes_per_thread, [&](std::size_t begin, std::size_t end, int) {
+      std::memcpy(reinterpret_cast<std::byte*>(host) + begin, arrived + begin, end - begin);
+    });
   }
 
   const std::vector<std::uint32_t>& read_back(const DeviceArray<std::uint32_t>& marks,
@@ -234,6 +239,7 @@ class CudaCaster final : public Caster {
     return host;
   }
 
+  const ThreadPool& pool_;
   int device_;
   Stream stream_;
   DeviceBooks books_;
@@ -262,8 +268,9 @@ class CudaCaster final : public Caster {
 
 }  // namespace
 
-std::unique_ptr<Caster> make_cuda_caster(const CastScene& scene, const PoolSizes& sizes, int device) {
-  return std::make_unique<CudaCaster>(scene, sizes, device);
+std::unique_ptr<Caster> make_cuda_caster(const CastScene& scene, const PoolSizes& sizes, int device,
+                                         const ThreadPool& policy) {
+  return std::make_unique<CudaCaster>(scene, sizes, device, policy);
 }
 
 }  // namespace gigabake::kernels

@@ -5,7 +5,7 @@ namespace gigabake::kernels {
 namespace {
 
 /// Blocks of a multiprocessor.
-constexpr unsigned min_walking = 4, min_looking = 4, min_casting = 3;
+constexpr unsigned min_walking = 5, min_looking = 4, min_casting = 3;
 
 /// Adds the rays of a warp's lanes that `is_in`. All lanes call this.
 __device__ void append(bool is_in, std::uint32_t ray, const RayList& list) {
