@@ -225,49 +225,51 @@ GB_HD bool is_met(double met, CastWalk& walk, CastRay& ray) {
   return true;
 }
 
-/// Goes on to the next point where the field is not zero, or to the first one behind a sheet. The ray ends where it
-/// leaves the scene, and where it waits, being patient, for what is not here; others let coarser bricks stand for it.
+/// Goes on by one step, until the ray stands at a point where the field is not zero, or behind a sheet. The ray ends
+/// where it leaves the scene, and where it waits, being patient, for what is not here; others let coarser bricks stand
+/// for it.
 GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patient, CastWalk& walk, CastPath& path,
                         CastRay& ray) {
   CastPlace& place = walk.place;
-  for (;;) {
-    walk.distance = point_distance(line, ray.lod, ray.step);
-    const bool in_surface = ray.step == ray.past;
-    if (walk.distance > line.leave) {
-      ray.lod = -1;
-      break;
-    }
-    if (ray.lod + 1 < scene.lods &&
-        walk.distance >= (in_surface ? lod_end(line, ray.lod) : lod_start(line, ray.lod + 1))) {
-      enter_next_lod(line, ray);
-      place = CastPlace();
-      continue;
-    }
-    double p[3];
-    set_point(line, walk.distance, p);
-    if (!place.contains(p)) place = locate(scene, ray.lod, p, patient, place, path);
-    if (place.waits && patient) break;
-    const bool is_brick = is_here(place.brick);
-    if (is_brick) {
-      walk.point = point_in_brick(place, p);
-      if (!is_zero(scene.masks[place.brick], walk.point)) {
-        walk.task = CastTask::pass;
-        return;
-      }
-    }
-    if (is_met(sheet_left(ray), walk, ray)) return;
-    ray.is_seen = false;
-    ray.height = CastRay::no_height;
-    const bool is_wanted = is_brick && place.lod == ray.lod;
-    EmptyBox box = empty_box(place);
-    if (is_wanted && !find_empty_octant(scene.masks[place.brick], place, walk.point, box)) {
-      ++ray.step;
-      continue;
-    }
-    const double beyond = step_beyond(line, box, ray);
-    ray.step = is_brick && !is_wanted ? ray.step + steps_in_coarser(line, place, ray, walk.distance, beyond) : beyond;
+  walk.distance = point_distance(line, ray.lod, ray.step);
+  const bool in_surface = ray.step == ray.past;
+  if (walk.distance > line.leave) {
+    ray.lod = -1;
+    walk.task = CastTask::none;
+    return;
   }
-  walk.task = CastTask::none;
+  if (ray.lod + 1 < scene.lods &&
+      walk.distance >= (in_surface ? lod_end(line, ray.lod) : lod_start(line, ray.lod + 1))) {
+    enter_next_lod(line, ray);
+    place = CastPlace();
+    return;
+  }
+  double p[3];
+  set_point(line, walk.distance, p);
+  if (!place.contains(p)) place = locate(scene, ray.lod, p, patient, place, path);
+  if (place.waits && patient) {
+    walk.task = CastTask::none;
+    return;
+  }
+  const bool is_brick = is_here(place.brick);
+  if (is_brick) {
+    walk.point = point_in_brick(place, p);
+    if (!is_zero(scene.masks[place.brick], walk.point)) {
+      walk.task = CastTask::pass;
+      return;
+    }
+  }
+  if (is_met(sheet_left(ray), walk, ray)) return;
+  ray.is_seen = false;
+  ray.height = CastRay::no_height;
+  const bool is_wanted = is_brick && place.lod == ray.lod;
+  EmptyBox box = empty_box(place);
+  if (is_wanted && !find_empty_octant(scene.masks[place.brick], place, walk.point, box)) {
+    ++ray.step;
+    return;
+  }
+  const double beyond = step_beyond(line, box, ray);
+  ray.step = is_brick && !is_wanted ? ray.step + steps_in_coarser(line, place, ray, walk.distance, beyond) : beyond;
 }
 
 /// Adds what is loose at the point where the ray stands, unless it met a sheet before.
@@ -309,13 +311,26 @@ GB_HD bool any_ray(bool has_task) {
 #endif
 }
 
+/// Whether the rays that a processor takes together seek next, or look at points: what more of them have to do.
+GB_HD bool seeks_next(CastTask task) {
+#if defined(__CUDA_ARCH__)
+  return __popc(__ballot_sync(0xffffffffu, task == CastTask::seek ? 1 : 0)) >=
+         __popc(__ballot_sync(0xffffffffu, task == CastTask::pass ? 1 : 0));
+#else
+  return task == CastTask::seek;
+#endif
+}
+
 /// Goes on until the ray met a sheet, is finished or waits. Rays that a device takes together seek together and look at
-/// points together; on a device all lanes of a warp call this.
+/// points together, whichever more of them wait for; on a device all lanes of a warp call this.
 GB_HD void walk_to_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
                          CastWalk& walk, CastPath& path, CastRay& ray) {
-  while (any_ray(walk.task == CastTask::seek)) {
-    if (walk.task == CastTask::seek) seek_surface(scene, line, patient, walk, path, ray);
-    if (any_ray(walk.task == CastTask::pass) && walk.task == CastTask::pass) pass_point(scene, camera, line, walk, ray);
+  while (any_ray(walk.task == CastTask::seek || walk.task == CastTask::pass)) {
+    if (seeks_next(walk.task)) {
+      if (walk.task == CastTask::seek) seek_surface(scene, line, patient, walk, path, ray);
+    } else if (walk.task == CastTask::pass) {
+      pass_point(scene, camera, line, walk, ray);
+    }
   }
 }
 

@@ -4,7 +4,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Blocks of a multiprocessor.
+/// Blocks of a multiprocessor, as measured on an H200: five that walk are faster than four, though registers spill.
 constexpr unsigned min_walking = 5, min_looking = 4, min_casting = 3;
 
 /// Adds the rays of a warp's lanes that `is_in`. All lanes call this.
