@@ -6,7 +6,7 @@
 
 namespace gigabake::kernels {
 
-std::unique_ptr<Caster> make_cuda_caster(const CastScene&, const PoolSizes&, int) {
+std::unique_ptr<Caster> make_cuda_caster(const CastScene&, const PoolSizes&, int, const ThreadPool&) {
   throw CudaFailure(cuda_devices().reason);
 }
 

@@ -25,7 +25,7 @@
 namespace gigabake::kernels {
 
 GB_HD double lod_start(const CastLine& line, int lod) {
-  return lod == 0 ? 0 : line.lod1_distance * double(std::int64_t(1) << (lod - 1));
+  return lod == 0 ? 0 : line.lod1_distance * power_of_two(lod - 1);
 }
 
 GB_HD CastRay start_ray(const CastScene& scene, const CastLine& line) {
@@ -33,8 +33,8 @@ GB_HD CastRay start_ray(const CastScene& scene, const CastLine& line) {
   if (!(line.enter <= line.leave)) return ray;
   ray.lod = 0;
   while (ray.lod + 1 < scene.lods && line.enter >= lod_start(line, ray.lod + 1)) ++ray.lod;
-  const double step = std::floor((line.enter - lod_start(line, ray.lod)) / step_length(ray.lod) - 0.5);
-  ray.step = step > 0 ? std::int64_t(step) : 0;
+  const double step = std::floor((line.enter - lod_start(line, ray.lod)) * steps_per_voxel(ray.lod) - 0.5);
+  ray.step = step > 0 ? step : 0;
   return ray;
 }
 
@@ -67,7 +67,7 @@ GB_HD bool find_empty_octant(const CastMask& mask, const CastPlace& place, const
 
 /// The first point that may lie outside of the box. A millionth of a step guards against rounding: a point too many
 /// costs time, a point too few would show.
-GB_HD std::int64_t step_beyond(const CastLine& line, const EmptyBox& box, const CastRay& ray) {
+GB_HD double step_beyond(const CastLine& line, const EmptyBox& box, const CastRay& ray) {
   double leave = line.leave + step_length(ray.lod);
   for (int a = 0; a < 3; ++a) {
     if (line.direction[a] == 0) continue;
@@ -75,16 +75,16 @@ GB_HD std::int64_t step_beyond(const CastLine& line, const EmptyBox& box, const 
     const double beyond_side = (side - line.origin[a]) * line.inverse[a];
     if (beyond_side < leave) leave = beyond_side;
   }
-  const double step = std::ceil((leave - lod_start(line, ray.lod)) / step_length(ray.lod) - (0.5 + 1e-6));
-  return step > double(ray.step + 1) ? std::int64_t(step) : ray.step + 1;
+  const double step = std::ceil((leave - lod_start(line, ray.lod)) * steps_per_voxel(ray.lod) - (0.5 + 1e-6));
+  return step > ray.step + 1 ? step : ray.step + 1;
 }
 
 /// Where the next level begins at the latest: in the middle of a surface some of its voxels late, since what two levels
 /// show of it apart does not add up.
 GB_HD double lod_end(const CastLine& line, int lod) { return lod_start(line, lod + 1) + 8 * step_length(lod + 1); }
 
-GB_HD double point_distance(const CastLine& line, int lod, std::int64_t step) {
-  return lod_start(line, lod) + (double(step) + 0.5) * step_length(lod);
+GB_HD double point_distance(const CastLine& line, int lod, double step) {
+  return lod_start(line, lod) + (step + 0.5) * step_length(lod);
 }
 
 /// The next level begins behind the surface that the ray was in, or at its own start: how far empty space was stepped
@@ -92,19 +92,19 @@ GB_HD double point_distance(const CastLine& line, int lod, std::int64_t step) {
 GB_HD void enter_next_lod(const CastLine& line, CastRay& ray) {
   const double from = point_distance(line, ray.lod, ray.past) - lod_start(line, ray.lod + 1);
   ++ray.lod;
-  const double step = std::ceil(from / step_length(ray.lod) - 0.5);
-  ray.step = step > 0 ? std::int64_t(step) : 0;
+  const double step = std::ceil(from * steps_per_voxel(ray.lod) - 0.5);
+  ray.step = step > 0 ? step : 0;
   ray.past = -1;
 }
 
 /// In a brick that is coarser than the ray, points lie half a voxel of the brick apart, as far as it stands and the
-/// ray's level goes.
-GB_HD std::int64_t steps_in_coarser(const CastLine& line, const CastPlace& place, const CastRay& ray, double distance) {
-  EmptyBox box = empty_box(place);
-  std::int64_t steps = step_beyond(line, box, ray) - ray.step;
-  const double to_end = std::ceil((lod_end(line, ray.lod) - distance) / step_length(ray.lod));
-  if (to_end >= 1 && double(steps) > to_end) steps = std::int64_t(to_end);
-  const std::int64_t wide = std::int64_t(1) << (place.lod - ray.lod);
+/// ray's level goes. beyond: the first point that may lie outside of it.
+GB_HD double steps_in_coarser(const CastLine& line, const CastPlace& place, const CastRay& ray, double distance,
+                              double beyond) {
+  double steps = beyond - ray.step;
+  const double to_end = std::ceil((lod_end(line, ray.lod) - distance) * steps_per_voxel(ray.lod));
+  if (to_end >= 1 && steps > to_end) steps = to_end;
+  const double wide = power_of_two(place.lod - ray.lod);
   return steps < wide ? steps : wide;
 }
 
@@ -182,7 +182,7 @@ GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const Ca
     const CastPoint point = point_in_brick(place, p);
     const CastCorners corners = corners_of(voxels, point);
     if (side == 0) {
-      const CastSheet sheet = blend_planes(corners);
+      const CastSheet sheet = blend_planes(corners, line.direction);
       if (!(sheet.sheet > 0)) return true;
       seen = opacity_of_sheet(voxels, point, sheet);
       half = place.half;
@@ -211,66 +211,65 @@ enum class CastTask : std::uint8_t {
 /// A ray on its way, within a pass. What is left of it afterwards is the CastRay. Its CastPath stands beside it: that
 /// is indexed by what a device computes, so it cannot stand in registers as this does.
 struct CastWalk {
-  CastTask task = CastTask::seek;
-  bool is_seen = false;      ///< what it met before the point where it stands has been looked at
-  double distance = 0;       ///< of the point where it stands
-  double met = met_nowhere;  ///< where the sheet is
+  CastTask task = CastTask::none;
+  double distance = 0;  ///< of the point where it stands
   CastPoint point;
   CastPlace place;
 };
 
 /// The ray met a sheet before the point where it stands; what that is like comes first.
-GB_HD bool is_met(double met, CastWalk& walk) {
-  if (walk.is_seen || met == met_nowhere) return false;
-  walk.met = met;
+GB_HD bool is_met(double met, CastWalk& walk, CastRay& ray) {
+  if (ray.is_seen || met == met_nowhere) return false;
+  ray.met = met;
   walk.task = CastTask::meet;
   return true;
 }
 
-/// Goes on to the next point where the field is not zero, or to the first one behind a sheet. The ray ends where it
-/// leaves the scene, and where it waits, being patient, for what is not here; others let coarser bricks stand for it.
+/// Goes on by one step, until the ray stands at a point where the field is not zero, or behind a sheet. The ray ends
+/// where it leaves the scene, and where it waits, being patient, for what is not here; others let coarser bricks stand
+/// for it.
 GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patient, CastWalk& walk, CastPath& path,
                         CastRay& ray) {
   CastPlace& place = walk.place;
-  for (;;) {
-    walk.distance = point_distance(line, ray.lod, ray.step);
-    const bool in_surface = ray.step == ray.past;
-    if (walk.distance > line.leave) {
-      ray.lod = -1;
-      break;
-    }
-    if (ray.lod + 1 < scene.lods &&
-        walk.distance >= (in_surface ? lod_end(line, ray.lod) : lod_start(line, ray.lod + 1))) {
-      enter_next_lod(line, ray);
-      place = CastPlace();
-      continue;
-    }
-    double p[3];
-    set_point(line, walk.distance, p);
-    if (!place.contains(p)) place = locate(scene, ray.lod, p, patient, place, path);
-    if (place.waits && patient) break;
-    const bool is_brick = is_here(place.brick);
-    if (is_brick) {
-      walk.point = point_in_brick(place, p);
-      if (!is_zero(scene.masks[place.brick], walk.point)) {
-        walk.task = CastTask::pass;
-        return;
-      }
-    }
-    if (is_met(sheet_left(ray), walk)) return;
-    walk.is_seen = false;
-    ray.height = CastRay::no_height;
-    EmptyBox box;
-    if (!is_brick)
-      ray.step = step_beyond(line, empty_box(place), ray);
-    else if (place.lod != ray.lod)
-      ray.step += steps_in_coarser(line, place, ray, walk.distance);
-    else if (find_empty_octant(scene.masks[place.brick], place, walk.point, box))
-      ray.step = step_beyond(line, box, ray);
-    else
-      ++ray.step;
+  walk.distance = point_distance(line, ray.lod, ray.step);
+  const bool in_surface = ray.step == ray.past;
+  if (walk.distance > line.leave) {
+    ray.lod = -1;
+    walk.task = CastTask::none;
+    return;
   }
-  walk.task = CastTask::none;
+  if (ray.lod + 1 < scene.lods &&
+      walk.distance >= (in_surface ? lod_end(line, ray.lod) : lod_start(line, ray.lod + 1))) {
+    enter_next_lod(line, ray);
+    place = CastPlace();
+    return;
+  }
+  double p[3];
+  set_point(line, walk.distance, p);
+  if (!place.contains(p)) place = locate(scene, ray.lod, p, patient, place, path);
+  if (place.waits && patient) {
+    walk.task = CastTask::none;
+    return;
+  }
+  const bool is_brick = is_here(place.brick);
+  if (is_brick) {
+    walk.point = point_in_brick(place, p);
+    if (!is_zero(scene.masks[place.brick], walk.point)) {
+      walk.task = CastTask::pass;
+      return;
+    }
+  }
+  if (is_met(sheet_left(ray), walk, ray)) return;
+  ray.is_seen = false;
+  ray.height = CastRay::no_height;
+  const bool is_wanted = is_brick && place.lod == ray.lod;
+  EmptyBox box = empty_box(place);
+  if (is_wanted && !find_empty_octant(scene.masks[place.brick], place, walk.point, box)) {
+    ++ray.step;
+    return;
+  }
+  const double beyond = step_beyond(line, box, ray);
+  ray.step = is_brick && !is_wanted ? ray.step + steps_in_coarser(line, place, ray, walk.distance, beyond) : beyond;
 }
 
 /// Adds what is loose at the point where the ray stands, unless it met a sheet before.
@@ -278,23 +277,27 @@ GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const Ca
                       CastRay& ray) {
   const CastPlace& place = walk.place;
   const CastCorners corners = corners_of(scene.voxels + std::size_t(slot_voxels) * place.brick, walk.point);
-  const CastField field = field_at(corners, place.lod == ray.lod, line.direction);
-  if (is_met(sheet_met(field.sheet, line, place, walk.distance, ray), walk)) return;
-  walk.is_seen = false;
-  keep_height(field.sheet, line, place, walk.distance, ray);
-  const std::int64_t steps = place.lod == ray.lod ? 1 : steps_in_coarser(line, place, ray, walk.distance);
-  const bool is_loose = field.loose.mean_coverage() > 0;
-  if (is_loose) composite(field.loose, field.pane, line, place, steps, walk.distance, camera, ray);
+  const PointKind kind = kind_of(corners, place.lod == ray.lod);
+  const CastSheet sheet = sheet_at(corners, kind, line.direction);
+  if (is_met(sheet_met(sheet, line, place, walk.distance, ray), walk, ray)) return;
+  ray.is_seen = false;
+  keep_height(sheet, line, place, walk.distance, ray);
+  const CastLoose loose = loose_at(corners, kind, sheet, line.direction);
+  double steps = 1;
+  if (place.lod != ray.lod)
+    steps = steps_in_coarser(line, place, ray, walk.distance, step_beyond(line, empty_box(place), ray));
+  const bool is_loose = loose.sample.mean_coverage() > 0;
+  if (is_loose) composite(loose.sample, loose.pane, line, place, steps, walk.distance, camera, ray);
   ray.step += steps;
-  if (is_loose || field.sheet.sheet > 0) ray.past = ray.step;
+  if (is_loose || sheet.sheet > 0) ray.past = ray.step;
   walk.task = ray.transmittance < least_light ? CastTask::none : CastTask::seek;
 }
 
 /// Adds the sheet that the ray met, and goes on at the point behind it.
 GB_HD void pass_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
                       CastWalk& walk, CastPath& path, CastRay& ray) {
-  const bool is_there = meet_sheet(scene, camera, line, patient, walk.met, walk.place, path, ray);
-  walk.is_seen = true;
+  const bool is_there = meet_sheet(scene, camera, line, patient, ray.met, walk.place, path, ray);
+  ray.is_seen = is_there;
   walk.task = !is_there || ray.transmittance < least_light ? CastTask::none : CastTask::seek;
 }
 
@@ -308,23 +311,47 @@ GB_HD bool any_ray(bool has_task) {
 #endif
 }
 
-/// Goes on until the ray is finished (lod = -1) or waits. Rays that a device takes together do the same tasks together:
-/// those that met a sheet wait until all that seek have met one, or are through, since looking at a sheet takes as long
-/// as some dozen steps. On a device all lanes of a warp call this; is_cast: false for those that have no ray.
+/// Whether the rays that a processor takes together seek next, or look at points: what more of them have to do.
+GB_HD bool seeks_next(CastTask task) {
+#if defined(__CUDA_ARCH__)
+  return __popc(__ballot_sync(0xffffffffu, task == CastTask::seek ? 1 : 0)) >=
+         __popc(__ballot_sync(0xffffffffu, task == CastTask::pass ? 1 : 0));
+#else
+  return task == CastTask::seek;
+#endif
+}
+
+/// Goes on until the ray met a sheet, is finished or waits. Rays that a device takes together seek together and look at
+/// points together, whichever more of them wait for; on a device all lanes of a warp call this.
+GB_HD void walk_to_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
+                         CastWalk& walk, CastPath& path, CastRay& ray) {
+  while (any_ray(walk.task == CastTask::seek || walk.task == CastTask::pass)) {
+    if (seeks_next(walk.task)) {
+      if (walk.task == CastTask::seek) seek_surface(scene, line, patient, walk, path, ray);
+    } else if (walk.task == CastTask::pass) {
+      pass_point(scene, camera, line, walk, ray);
+    }
+  }
+}
+
+/// What a ray does first in a pass. is_cast: false where a device has a lane and no ray.
+GB_HD CastTask first_task(bool is_cast, const CastRay& ray) {
+  return is_cast && ray.lod >= 0 ? CastTask::seek : CastTask::none;
+}
+
+/// Goes on until the ray is finished (lod = -1) or waits. Of rays that a device takes together those that met a sheet
+/// wait until all that seek have met one, or are through, since looking at a sheet takes as long as some dozen steps.
+/// On a device all lanes of a warp call this.
 GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient, bool is_cast,
                     CastRay& ray) {
   CastWalk walk;
   CastPath path;
-  if (!is_cast || ray.lod < 0) walk.task = CastTask::none;
+  walk.task = first_task(is_cast, ray);
   while (any_ray(walk.task != CastTask::none)) {
-    while (any_ray(walk.task == CastTask::seek)) {
-      if (walk.task == CastTask::seek) seek_surface(scene, line, patient, walk, path, ray);
-      if (any_ray(walk.task == CastTask::pass) && walk.task == CastTask::pass)
-        pass_point(scene, camera, line, walk, ray);
-    }
+    walk_to_sheet(scene, camera, line, patient, walk, path, ray);
     if (walk.task == CastTask::meet) pass_sheet(scene, camera, line, patient, walk, path, ray);
   }
-  if (ray.transmittance < least_light && ray.lod >= 0) finish_opaque(ray);
+  finish_opaque(ray);
 }
 
 /// A rectangle of the picture: ray i is pixel (x + i mod width, y + i div width).

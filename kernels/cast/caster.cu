@@ -3,6 +3,8 @@
 #include <unordered_map>
 
 #include "kernels/cast/caster.h"
+#include "kernels/cast/ray_rounds.cuh"
+#include "kernels/cast/tile_grid.cuh"
 #include "kernels/cuda/input.cuh"
 #include "kernels/cuda/memory.cuh"
 #include "kernels/cuda/pinned.cuh"
@@ -11,47 +13,15 @@
 namespace gigabake::kernels {
 namespace {
 
-constexpr int block_width = 16, block_height = 8;  ///< pixels; a warp is 8×4 of them
-constexpr unsigned threads = block_width * block_height;
-/// Blocks of a multiprocessor: of two to five three were the fastest on an H200, though registers are spilled for them.
-constexpr unsigned min_blocks = 3;
+/// A picture is copied by several threads: by one it takes as long as half of its rays.
+constexpr std::size_t bytes_per_thread = 1u << 19;
 /// Wants told of one pass; what is beyond them is wanted again in the next.
 constexpr std::uint32_t most_wants = 1u << 20;
-
-/// The pixel of this thread in the tile; false outside of it.
-__device__ bool pixel_of_thread(const CastTile& tile, int& x, int& y) {
-  const int across = (tile.width + block_width - 1) / block_width;
-  const int warp = int(threadIdx.x) / 32, lane = int(threadIdx.x) % 32;
-  x = int(blockIdx.x) % across * block_width + warp % 2 * 8 + lane % 8;
-  y = int(blockIdx.x) / across * block_height + warp / 2 * 4 + lane / 8;
-  return x < tile.width && y < tile.height;
-}
-
-unsigned grid_of_tile(const CastTile& tile) {
-  return unsigned((tile.width + block_width - 1) / block_width) *
-         unsigned((tile.height + block_height - 1) / block_height);
-}
 
 __global__ void start_rays(CastScene scene, CastCamera camera, CastTile tile, CastRay* rays) {
   int x, y;
   if (!pixel_of_thread(tile, x, y)) return;
   rays[y * tile.width + x] = start_ray(scene, line_of_sight(scene, camera, tile.x + x, tile.y + y));
-}
-
-__global__ void __launch_bounds__(threads, min_blocks)
-    cast_rays(CastScene scene, CastCamera camera, CastTile tile, CastRay* rays, std::size_t begin, std::size_t end,
-              bool patient, unsigned long long* unfinished) {
-  int x, y;
-  bool is_cast = pixel_of_thread(tile, x, y);
-  const std::size_t i = std::size_t(y) * std::size_t(tile.width) + std::size_t(x);
-  is_cast = is_cast && i >= begin && i < end;
-  CastRay ray;
-  if (is_cast) ray = rays[i];
-  is_cast = is_cast && ray.lod >= 0;
-  cast_ray(scene, camera, line_of_sight(scene, camera, tile.x + x, tile.y + y), patient, is_cast, ray);
-  if (!is_cast) return;
-  rays[i] = ray;
-  if (ray.lod >= 0) atomicAdd(unfinished, 1ull);
 }
 
 __global__ void write_pixels(CastScene scene, CastCamera camera, CastTile tile, const CastRay* rays,
@@ -88,8 +58,9 @@ __global__ void list_wants(const std::uint32_t* wanted, std::uint32_t size, std:
 
 class CudaCaster final : public Caster {
  public:
-  CudaCaster(const CastScene& scene, const PoolSizes& sizes, int device)
-      : device_(device),
+  CudaCaster(const CastScene& scene, const PoolSizes& sizes, int device, const ThreadPool& pool)
+      : pool_(pool),
+        device_(device),
         stream_(device),
         heap_(stream_.handle, books_),
         tables_(heap_),
@@ -105,6 +76,7 @@ class CudaCaster final : public Caster {
         want_list_(heap_, std::min<std::size_t>(wanted_.size(), most_wants)),
         count_(heap_, 1),
         unfinished_(heap_, 1),
+        rounds_(heap_, stream_.handle),
         scene_(scene) {
     scene_.cells = {cells_.data(), cells_.size()};
     scene_.column_key = {column_key_.data(), column_key_.size()};
@@ -153,7 +125,7 @@ class CudaCaster final : public Caster {
     tile_ = tile;
     const std::size_t rays = ray_count();
     if (rays_.size() < rays) rays_ = DeviceArray<CastRay>(heap_, rays);
-    start_rays<<<grid_of_tile(tile), threads, 0, stream_.handle>>>(scene_, camera, tile, rays_.data());
+    start_rays<<<grid_of_tile(tile), tile_threads, 0, stream_.handle>>>(scene_, camera, tile, rays_.data());
     check_launch("start_rays");
   }
 
@@ -163,9 +135,7 @@ class CudaCaster final : public Caster {
     use_device();
     ++scene_.pass;
     unfinished_.clear_to_zero();
-    cast_rays<<<grid_of_tile(tile_), threads, 0, stream_.handle>>>(scene_, camera_, tile_, rays_.data(), begin, end,
-                                                                   patient, unfinished_.data());
-    check_launch("cast_rays");
+    rounds_.cast({scene_, camera_, tile_, rays_.data(), patient, unfinished_.data()}, begin, end);
     unsigned long long unfinished = 0;
     download(&unfinished, unfinished_.data(), 1);
     return std::size_t(unfinished);
@@ -194,8 +164,8 @@ class CudaCaster final : public Caster {
     const std::size_t rays = ray_count();
     const CastPixels here{room_for(out.srgb, srgb_, 4 * rays), room_for(out.linear, linear_, 4 * rays),
                           room_for(out.depth, depth_, rays)};
-    write_pixels<<<grid_of_tile(tile_), threads, 0, stream_.handle>>>(scene_, camera_, tile_, rays_.data(), background,
-                                                                      tables_.view(), here);
+    write_pixels<<<grid_of_tile(tile_), tile_threads, 0, stream_.handle>>>(scene_, camera_, tile_, rays_.data(),
+                                                                           background, tables_.view(), here);
     check_launch("write_pixels");
     if (out.srgb != nullptr) download(out.srgb, here.srgb, 4 * rays);
     if (out.linear != nullptr) download(out.linear, here.linear, 4 * rays);
@@ -256,7 +226,9 @@ class CudaCaster final : public Caster {
     std::byte* arrived = pinned_.reserve(bytes);
     check_cuda(cudaMemcpyAsync(arrived, device, bytes, cudaMemcpyDeviceToHost, stream_.handle), "cudaMemcpyAsync");
     finish("cudaMemcpyAsync");
-    std::memcpy(host, arrived, bytes);
+    pool_.parallel_for(bytes, bytes_per_thread, [&](std::size_t begin, std::size_t end, int) {
+      std::memcpy(reinterpret_cast<std::byte*>(host) + begin, arrived + begin, end - begin);
+    });
   }
 
   const std::vector<std::uint32_t>& read_back(const DeviceArray<std::uint32_t>& marks,
@@ -267,6 +239,7 @@ class CudaCaster final : public Caster {
     return host;
   }
 
+  const ThreadPool& pool_;
   int device_;
   Stream stream_;
   DeviceBooks books_;
@@ -280,6 +253,7 @@ class CudaCaster final : public Caster {
   DeviceArray<CastVoxel> voxels_;
   DeviceArray<std::uint32_t> tile_used_, slot_used_, wanted_, want_list_, count_;
   DeviceArray<unsigned long long> unfinished_;
+  RayRounds rounds_;
   CastScene scene_;
   CastCamera camera_;
   CastTile tile_;
@@ -294,8 +268,9 @@ class CudaCaster final : public Caster {
 
 }  // namespace
 
-std::unique_ptr<Caster> make_cuda_caster(const CastScene& scene, const PoolSizes& sizes, int device) {
-  return std::make_unique<CudaCaster>(scene, sizes, device);
+std::unique_ptr<Caster> make_cuda_caster(const CastScene& scene, const PoolSizes& sizes, int device,
+                                         const ThreadPool& policy) {
+  return std::make_unique<CudaCaster>(scene, sizes, device, policy);
 }
 
 }  // namespace gigabake::kernels

@@ -69,9 +69,11 @@ class Caster {
 /// are absent at first. policy: borrowed.
 std::unique_ptr<Caster> make_cpu_caster(const CastScene& scene, const PoolSizes& sizes, const ThreadPool& policy);
 
-/// The same on a GPU; arrays of `scene` are copied. device: an ordinal that cuda_devices() named.
+/// The same on a GPU; arrays of `scene` are copied. device: an ordinal that cuda_devices() named. policy: copies
+/// pictures; borrowed.
 /// Exact   Bit-identical rays.
 /// Errors  CudaFailure: out of device memory; no CUDA in this build.
-std::unique_ptr<Caster> make_cuda_caster(const CastScene& scene, const PoolSizes& sizes, int device);
+std::unique_ptr<Caster> make_cuda_caster(const CastScene& scene, const PoolSizes& sizes, int device,
+                                         const ThreadPool& policy);
 
 }  // namespace gigabake::kernels

@@ -219,7 +219,7 @@ GB_HD CastPlace locate(const CastScene& scene, int lod, const double p[3], bool 
   place.cell = last.cell;
   int known = -1;  // where the first descent ended: nothing finer is here in that node
   for (int level = lod;; ++level) {
-    place.half = 0.5 * double(std::int64_t(1) << level);
+    place.half = power_of_two(level - 1);
     std::int64_t v[3];
     std::uint32_t local[3];
     for (int a = 0; a < 3; ++a) v[a] = std::int64_t(std::floor(p[a] - place.half));
@@ -240,7 +240,7 @@ GB_HD CastPlace locate(const CastScene& scene, int lod, const double p[3], bool 
     const std::uint32_t brick = scene.nodes[at.node].brick;
     if (brick == empty_ref) {
       set_node_box(scene.cells[place.cell], local, at.lod, place.min, place.max);
-      place.beyond = double((std::int64_t(1) << at.lod) - (std::int64_t(1) << level));
+      place.beyond = power_of_two(at.lod) - power_of_two(level);
       return place;
     }
     if (known < 0) known = at.lod;

@@ -25,12 +25,15 @@ struct CastRay {
   float apart = 0;         ///< from this distance on another surface begins
   float depth = no_depth;  ///< distance at which half of the light is gone
   std::int32_t lod = -1;   ///< -1: finished
-  std::int64_t step = 0;   ///< next point of the level
-  std::int64_t past = -1;  ///< the point after the last one of this level that lay in a surface
+  double step = 0;         ///< next point of the level; a whole number, as `past` is
+  double past = -1;        ///< the point after the last one of this level that lay in a surface
 
   float height = no_height;  ///< of the last point above its sheet, lod-0 voxels; no_height: it was near none
   float height_at = 0;       ///< that point's distance
   float rise = 0;            ///< how much higher the ray gets along a lod-0 voxel, going on as it does there
+
+  double met = 0;        ///< distance at which it met a sheet before the point where it stands
+  bool is_seen = false;  ///< that sheet has been looked at
 
   static constexpr float no_depth = 3e38f, no_height = 3e38f;
 };
@@ -43,7 +46,8 @@ GB_HD float exp_minus(float x) {
   return e;
 }
 
-GB_HD double step_length(int lod) { return 0.5 * double(std::int64_t(1) << lod); }
+GB_HD double step_length(int lod) { return power_of_two(lod - 1); }
+GB_HD double steps_per_voxel(int lod) { return power_of_two(1 - lod); }
 
 /// Six colours and their darker and lighter relations.
 GB_HD float painted(std::uint32_t n, int channel) {
@@ -141,9 +145,9 @@ GB_HD void take_light(const CastSample& s, const BrickTraits& brick, float weigh
 
 /// The sample stands for `steps` points of the ray's level.
 GB_HD void composite(const CastSample& s, const CastPane& pane, const CastLine& line, const CastPlace& place,
-                     std::int64_t steps, double distance, const CastCamera& camera, CastRay& ray) {
-  const double way = double(steps) * step_length(ray.lod);
-  const float part = solidity(place, ray) * float(way / (2 * place.half));
+                     double steps, double distance, const CastCamera& camera, CastRay& ray) {
+  const double way = steps * step_length(ray.lod);
+  const float part = solidity(place, ray) * float(way * power_of_two(-place.lod));
   if (pane.density < 1) stay_in_surface(distance, pane.across, float(2 * place.half), ray);
   const float covered = covered_in_surface(crossings(s, line.across, place.lod) * part, pane.density, ray);
   take_light(s, traits_of(place), stop_light(covered, place.lod, 1, ray), distance, way, camera, ray);
@@ -153,6 +157,7 @@ inline constexpr float least_light = 1.0f / 1024;
 
 /// What is still to come would not show: the ray ends as if the last surface were opaque.
 GB_HD void finish_opaque(CastRay& ray) {
+  if (ray.lod < 0 || ray.transmittance >= least_light) return;
   const float scale = 1 / (1 - ray.transmittance);
   for (float& channel : ray.rgb) channel *= scale;
   ray.transmittance = 0;

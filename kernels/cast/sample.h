@@ -26,7 +26,7 @@ struct CastPoint {
 };
 
 GB_HD CastPoint point_in_brick(const CastPlace& place, const double p[3]) {
-  const double per_edge = 1.0 / double(std::int64_t(1) << place.lod);
+  const double per_edge = power_of_two(-place.lod);
   CastPoint r;
   for (int a = 0; a < 3; ++a) {
     const float u = float((p[a] - place.half - place.corner[a]) * per_edge);

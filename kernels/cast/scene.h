@@ -11,6 +11,7 @@
 /// Source  Crassin et al. 2009, "GigaVoxels" (node pool, brick pool, borders, rays that ask for what they miss).
 #pragma once
 
+#include <bit>
 #include <cstdint>
 
 #include "lattice/host_device.h"
@@ -38,6 +39,10 @@ inline constexpr std::uint32_t empty_ref = 0xffffffffu;   ///< there is nothing:
 inline constexpr std::uint32_t absent_ref = 0xfffffffeu;  ///< not here yet
 inline constexpr std::uint32_t lost_ref = 0xfffffffdu;    ///< will never be here: coarser bricks stand for it
 GB_HD bool is_here(std::uint32_t ref) { return ref < lost_ref; }
+
+/// Exact: its bits are put together. A product with it is exact too, so it replaces divisions by an edge's length.
+/// Range   -1000 … 1000.
+GB_HD double power_of_two(int exponent) { return std::bit_cast<double>(std::uint64_t(1023 + exponent) << 52); }
 
 /// Eight of them, x | y<<1 | z<<2, are a tile. Node n of tile t is node 8t + n. brick = empty_ref: so is all below.
 struct CastNode {

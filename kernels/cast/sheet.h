@@ -1,9 +1,9 @@
 /// The sheet around a point: the planes of the eight voxels of one level there, blended.
 ///
-/// Around a point the eight planes' distances are interpolated as colours are, each as much as its voxel is a sheet,
-/// and the sheet lies where that distance changes its sign. One function serves both of two neighbours, so their planes
-/// meet, and no ray passes between them. Distances are along octahedral normals (kernels/body/plane.h), so they are up
-/// to 1.7 times too long; where they are zero, and which side a point is on, is the same.
+/// Around a point the eight planes' distances are interpolated as colours are, each as much as its voxel is a sheet and
+/// faces the ray, and the sheet lies where that distance changes its sign. One function serves both of two neighbours,
+/// so their planes meet, and no ray passes between them. Distances are along octahedral normals (kernels/body/plane.h),
+/// so they are up to 1.7 times too long; where they are zero, and which side a point is on, is the same.
 ///
 /// Exact   IEEE float: host and device return the same bits.
 /// Source  Ohtake et al. 2003, "Multi-level Partition of Unity Implicits"; docs/lab/levels.md.
@@ -20,9 +20,9 @@
 namespace gigabake::kernels {
 
 struct CastSheet {
-  float sheet = 0;       ///< weight of the voxels that are there · how much they are a sheet, and whole
-  float normal[3] = {};  ///< weight · how much they are a sheet · octahedral normal, 127 = 1
-  float above = 0;       ///< the same of how far the point lies above their planes; 127: half a voxel
+  float sheet = 0;       ///< weight of the voxels that are there · how much they are a sheet, whole, and face the ray
+  float normal[3] = {};  ///< the same of octahedral normals, 127 = 1
+  float above = 0;       ///< and of how far the point lies above their planes; 127: half a voxel
 
   /// How far the point lies above it, in voxels; 0 where there is no sheet.
   GB_HD float height() const { return sheet > 0 ? above / (sheet * 254) : 0; }
@@ -41,11 +41,10 @@ struct CastPane {
   float across = 1;   ///< how fast a ray leaves it: 1 is straight across, 0 along it
 };
 
-/// What is around a point: the loose surface, and the sheet.
-struct CastField {
-  CastSample loose;
-  CastSheet sheet;
-  CastPane pane = {};  ///< of the loose surface
+/// The loose surface around a point.
+struct CastLoose {
+  CastSample sample;
+  CastPane pane = {};
 };
 
 GB_HD int coherence_of(const CastVoxel& voxel) { return unpack_plane(voxel.plane).coherence; }
@@ -108,9 +107,27 @@ GB_HD CastPane pane_at(const CastCorners& corners, const double direction[3]) {
   return there > 0 ? CastPane{hidden / (there * 65535), across / there} : CastPane{};
 }
 
+GB_HD ByteVector byte_direction(const double direction[3]) {
+  int d[3];
+  GB_UNROLL
+  for (int a = 0; a < 3; ++a) d[a] = int(float(direction[a]) * 127 + (direction[a] < 0 ? -0.5f : 0.5f));
+  return byte_vector(d[0], d[1], d[2]);
+}
+
+/// A plane that runs along a ray does not say where the ray meets a sheet: under the eaves a wall would keep a ray that
+/// comes from above on its own outside, and the roof would never be met. One that faces the ray has eleven times as
+/// much to say. Surfaces whose planes differ little are blended as they would be without.
+inline constexpr float least_facing = 0.1f;
+
+GB_HD float facing_weight(ByteVector normal, ByteVector direction) {
+  const float along = float(dot(normal, direction)) * (1.0f / (127 * 127));
+  return along * along + least_facing;
+}
+
 /// Where the point lies between the voxels is rounded to a 127th of one here, so that how far it lies above a plane is
 /// one product of bytes.
-GB_HD CastSheet blend_planes(const CastCorners& corners) {
+GB_HD CastSheet blend_planes(const CastCorners& corners, const double direction[3]) {
+  const ByteVector ray = byte_direction(direction);
   int place[3];
   GB_UNROLL
   for (int a = 0; a < 3; ++a) place[a] = int(corners.between[a] * 127 + 0.5f);
@@ -122,7 +139,7 @@ GB_HD CastSheet blend_planes(const CastCorners& corners) {
     const ByteVector n = normal_of(voxel);
     const int along = dot(n, from_first) - dot(n, byte_vector(127 * (c & 1), 127 * (c >> 1 & 1), 127 * (c >> 2)));
     const int above = 2 * most_offset * along - 127 * 127 * unpack_plane(voxel.plane).offset;
-    const float by = corners.weight(c) * sheet_part(voxel);
+    const float by = corners.weight(c) * sheet_part(voxel) * facing_weight(n, ray);
     GB_UNROLL
     for (int a = 0; a < 3; ++a) r.normal[a] += by * float(voxel.normal[a]);
     r.sheet += by;
@@ -189,15 +206,30 @@ GB_HD CastSample loose_sample(const CastCorners& corners, const CastSheet& sheet
   return r;
 }
 
+/// What the voxels around a point are.
+enum class PointKind : std::uint8_t {
+  loose,  ///< surface without a sheet
+  pane,   ///< surface of lod 0 that lets light through
+  sheet   ///< some are, or hold, a sheet
+};
+
 /// is_wanted: of the level that the ray is on. A brick that stands for finer ones is seen by
 /// its coverages alone: its planes may lie on the other side of an eye that is nearer to them than they are wide.
-GB_HD CastField field_at(const CastCorners& corners, bool is_wanted, const double direction[3]) {
+GB_HD PointKind kind_of(const CastCorners& corners, bool is_wanted) {
   const int planes = planes_of(corners);
-  const bool is_clear = (planes & clear_plane) != 0;
-  if (planes == 0 || is_clear || !is_wanted)
-    return {interpolate(corners), {}, is_clear ? pane_at(corners, direction) : CastPane{}};
-  const CastSheet sheet = blend_planes(corners);
-  return {loose_sample(corners, sheet), sheet, {}};
+  if ((planes & clear_plane) != 0) return PointKind::pane;
+  return planes != 0 && is_wanted ? PointKind::sheet : PointKind::loose;
+}
+
+GB_HD CastSheet sheet_at(const CastCorners& corners, PointKind kind, const double direction[3]) {
+  return kind == PointKind::sheet ? blend_planes(corners, direction) : CastSheet{};
+}
+
+/// sheet: what sheet_at() says.
+GB_HD CastLoose loose_at(const CastCorners& corners, PointKind kind, const CastSheet& sheet,
+                         const double direction[3]) {
+  if (kind == PointKind::sheet) return {loose_sample(corners, sheet), {}};
+  return {interpolate(corners), kind == PointKind::pane ? pane_at(corners, direction) : CastPane{}};
 }
 
 /// What the sheet looks like: what is loose has no say in it.

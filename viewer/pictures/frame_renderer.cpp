@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <future>
 #include <utility>
 
 #include "format/system/host_limits.h"
@@ -197,6 +198,7 @@ struct FrameRenderer::State {
   void cast(const View& view, const kernels::CastCamera& camera, const SketchLimits& limits, Picture& picture) {
     kernels::Caster& caster = stream->caster();
     const std::size_t rays = std::size_t(camera.width) * std::size_t(camera.height);
+    std::future<Picture> blank = std::async(std::launch::async, blank_picture, camera.width, camera.height, view.light);
     caster.start(camera, {0, 0, camera.width, camera.height});
     std::size_t waiting = caster.cast(0, rays, true, limits.stop);
     frame_pass = caster.pass();
@@ -208,7 +210,7 @@ struct FrameRenderer::State {
     }
     if (waiting > 0) caster.cast(0, rays, false, limits.stop);
     wanted = waiting > 0 ? caster.wanted() : std::vector<std::uint32_t>();
-    picture = blank_picture(camera.width, camera.height, view.light);
+    picture = blank.get();
     caster.resolve(to_cast(view.background), pixels_of(picture));
     was_complete = waiting == 0;
   }

@@ -48,7 +48,7 @@ kernels::PoolSizes pool_sizes(const CellLayout& layout, std::uint64_t bytes) {
 
 std::unique_ptr<kernels::Caster> make_caster(const CellLayout& layout, const kernels::PoolSizes& sizes,
                                              const SceneStream::Options& options, const ThreadPool& policy) {
-  return options.cuda_device ? kernels::make_cuda_caster(layout.scene, sizes, *options.cuda_device)
+  return options.cuda_device ? kernels::make_cuda_caster(layout.scene, sizes, *options.cuda_device, policy)
                              : kernels::make_cpu_caster(layout.scene, sizes, policy);
 }
 
