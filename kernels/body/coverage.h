@@ -119,10 +119,14 @@ GB_HD SlabPolygon cut_slab(const TrianglePlane& t, double slab) {
   return r;
 }
 
-/// Area and first moments of a polygon inside one cell, in projected voxel units relative to the cell's lowest corner.
+/// Area, first and second moments of a polygon inside one cell, in projected voxel units relative to the cell's lowest
+/// corner.
 struct CellMoments {
-  double area, u, v;
+  double area, u, v, uu, uv, vv;
 };
+
+/// How many of them are wanted; the others stay 0.
+enum class Moments : std::uint8_t { area, first, second };
 
 struct Point2 {
   double u, v;
@@ -131,7 +135,8 @@ struct Point2 {
 /// Where a fragment lies: what its colour is asked for.
 struct FragmentShape {
   Point2 centroid;
-  double area;  ///< projected, signed, voxel²
+  double area;        ///< projected, signed, voxel²
+  double uu, uv, vv;  ///< variances and covariance of its points, voxel²; 0 where it is too small to be measured
   double cell_u, cell_v;
   const double *polygon_u, *polygon_v;  ///< of the slab that it is cut from
   int corners;
@@ -161,10 +166,23 @@ GB_HD double clamp01_finite(double x) {
 
 GB_HD double at_most(double x, double high) { return x > high ? high : x; }
 
+/// Of an edge's part from (ca, v_in) to (cb, v_out), and its part beyond u = 1 from v_hi to v_top.
+GB_HD void add_second_moments(double ca, double cb, double v_in, double v_out, double dv_in, double v_hi, double v_top,
+                              CellMoments& sum) {
+  const double aa = ca * ca, bb = cb * cb, both = v_in + v_out, vv_in = v_in * v_in, vv_out = v_out * v_out,
+               v_between = v_in * v_out, dv_hi = v_top - v_hi, middle = v_hi + v_top;
+  sum.uu += (ca + cb) * (aa + bb) * (1.0 / 12) * dv_in + dv_hi * (1.0 / 3);
+  sum.uv += (aa * (2 * v_in + both) + 2 * ca * cb * both + bb * (2 * v_out + both)) * (1.0 / 24) * dv_in +
+            0.25 * dv_hi * middle;
+  sum.vv +=
+      (ca * (3 * vv_in + 2 * v_between + vv_out) + cb * (vv_in + 2 * v_between + 3 * vv_out)) * (1.0 / 12) * dv_in +
+      (middle * middle - v_hi * v_top) * (1.0 / 3) * dv_hi;
+}
+
 /// Adds a polygon's edge on `line` from (au, av) to v = bv, relative to the cell. Of its dv in the cell's range of v, a
 /// part has u inside the cell, one beyond u = 1, one below 0, each by dv/du; where that is steep, rounding moves their
 /// borders, and so each part is taken as what the others leave where u is far from the border's.
-template <bool with_moments>
+template <Moments wanted>
 GB_HD void add_edge(double au, double av, double bv, const Line& line, CellMoments& sum) {
   const double va = clamp01_finite(av), vb = clamp01_finite(bv);
   const double ua = au + (va - av) * line.du_dv, ub = au + (vb - av) * line.du_dv;
@@ -174,12 +192,13 @@ GB_HD void add_edge(double au, double av, double bv, const Line& line, CellMomen
   const double dv_lo = (at_most(ub, 0) - at_most(ua, 0)) * line.dv_du;
   const double dv_hi = ua > 1 || ub > 1 ? (dv - dv_in) - dv_lo : 0;
   sum.area += (ca + cb) * 0.5 * dv_in + dv_hi;
-  if constexpr (with_moments) {
+  if constexpr (wanted != Moments::area) {
     const bool falls = ub < ua;
     const double v_in = va + (falls ? dv_hi : dv_lo), v_out = v_in + dv_in;
     const double v_hi = falls ? va : v_out, v_top = v_hi + dv_hi;
     sum.u += (ca * ca + ca * cb + cb * cb) * (1.0 / 6) * dv_in + 0.5 * dv_hi;
     sum.v += (ca * (2 * v_in + v_out) + cb * (v_in + 2 * v_out)) * (1.0 / 6) * dv_in + 0.5 * dv_hi * (v_hi + v_top);
+    if constexpr (wanted == Moments::second) add_second_moments(ca, cb, v_in, v_out, dv_in, v_hi, v_top, sum);
   }
 }
 

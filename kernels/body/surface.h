@@ -90,10 +90,23 @@ GB_HD Point2 fragment_centroid(const TrianglePlane& t, const CellMoments& m, dou
   return {w.a * t.u[0] + w.b * t.u[1] + w.c * t.u[2], w.a * t.v[0] + w.b * t.v[1] + w.c * t.v[2]};
 }
 
-/// (polygon_u, polygon_v): the slab's, which the fragment is cut from.
+/// Rounding may lead beyond what points of a unit cell have.
+GB_HD void set_variances(const CellMoments& m, FragmentShape& f) {
+  constexpr double most = 0.25;
+  const double inverse = 1 / m.area, u = m.u * inverse, v = m.v * inverse;
+  const double uu = m.uu * inverse - u * u, vv = m.vv * inverse - v * v, uv = m.uv * inverse - u * v;
+  f.uu = uu > 0 ? at_most(uu, most) : 0;
+  f.vv = vv > 0 ? at_most(vv, most) : 0;
+  f.uv = uv < -most ? -most : at_most(uv, most);
+}
+
+/// m: with second moments. (polygon_u, polygon_v): the slab's, which the fragment is cut from.
 GB_HD FragmentShape fragment_shape(const TrianglePlane& t, const CellMoments& m, double cell_u, double cell_v,
                                    const double* polygon_u, const double* polygon_v, int corners) {
-  return {fragment_centroid(t, m, cell_u, cell_v), m.area, cell_u, cell_v, polygon_u, polygon_v, corners};
+  FragmentShape r{
+      fragment_centroid(t, m, cell_u, cell_v), m.area, 0, 0, 0, cell_u, cell_v, polygon_u, polygon_v, corners};
+  if (has_centroid(m.area)) set_variances(m, r);
+  return r;
 }
 
 /// A channel's mean of the three vertices: the whole number that is nearest.
@@ -121,9 +134,8 @@ GB_HD Rgba16 shade_untextured(const Surface& s, const double mean[4]) {
 template <bool opaque>
 GB_HD Rgba16 shade_textured(const TextureView& texture, const MaterialView& m, const TextureMap& map,
                             const Rgba16& factor, const FragmentShape& f, const Tables& tables) {
-  const Rgba16 texel =
-      m.nearest ? nearest_over(texture, nearest_look(m, map), f, tables.linear_from_srgb)
-                : texture_over<opaque>(texture, m, map, f.centroid.u, f.centroid.v, std::fabs(f.area), tables);
+  const Rgba16 texel = m.nearest ? nearest_over(texture, nearest_look(m, map), f, tables.linear_from_srgb)
+                                 : texture_over<opaque>(texture, m, map, f, tables);
   return opaque ? apply_opaque(factor, texel) : apply_material(m, factor, texel);
 }
 

@@ -1,0 +1,174 @@
+/// The mean of a level of a texture over a small footprint on it, as bilinear interpolation has it.
+///
+/// Between the middles of four texels a texture is bilinear, so its mean over a box along its axes is a sum of the
+/// texels that the box reaches, and a texel's weight is a product of one along each axis. Where a footprint is slanted,
+/// the covariance of its two coordinates moves weight between diagonals: by the product of the weights' slopes, that is
+/// how they change where the box moves. So texels weigh what the footprint's mean and second moments ask for.
+///
+/// Space   One level: texels, the first one's middle at 0.
+/// Exact   Weights are integers that sum up to 2^24, made of IEEE floats: host and device agree, and one colour stays
+///         that colour.
+/// Range   Boxes of up to `widest_box` texels.
+/// Cost    (w + 1)(h + 1) to (w + 2)(h + 2) texels for a box of w x h.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/body/brick_triangle.h"
+#include "kernels/body/sample_texture.h"
+#include "lattice/host_device.h"
+
+namespace gigabake::kernels {
+
+inline constexpr float widest_box = 3.99f, narrowest_box = 1.0f / 64;
+inline constexpr int most_weighed = 6;  ///< texels along an axis
+inline constexpr int axis_weight_bits = 12;
+
+/// A box's extent along one axis, from the middle of the first of the texels that it weighs.
+struct AxisBox {
+  std::int32_t first;
+  int count;
+  float low, high;
+  float scale;  ///< all of the weights, by the box's width
+};
+
+/// middle: in 2^-32 texels from the middle of texel 0.
+GB_HD AxisBox axis_box(std::int64_t middle, float width) {
+  constexpr int below = 4;
+  const float from_texel = float(std::int32_t(std::uint32_t(middle) >> 8)) * (1.0f / (1 << 24));
+  const float low = from_texel - 0.5f * width;
+  const std::int32_t down = std::int32_t(low + below) - below;
+  AxisBox r;
+  r.first = std::int32_t(middle >> 32) + down;
+  r.low = low - float(down);
+  r.high = r.low + width;
+  r.count = smaller(int(r.high) + 2, most_weighed);
+  r.scale = float(1 << axis_weight_bits) / width;
+  return r;
+}
+
+/// What texels weigh, and minus how much their weights grow where the box moves on by a texel.
+struct AxisWeight {
+  std::int32_t weight, slope;
+};
+
+/// Of all texels up to number k: sums, so that their differences' sum is exact whatever is rounded.
+GB_HD AxisWeight weights_up_to(const AxisBox& b, int k) {
+  const float high = smaller(b.high - float(k), 1.0f), low = smaller(b.low - float(k), 1.0f);
+  const float h = larger(high, 0.0f), l = larger(low, 0.0f);
+  return {std::int32_t(((high - 0.5f * h * h) - (low - 0.5f * l * l)) * b.scale + 0.5f),
+          std::int32_t((h - l) * b.scale + 0.5f)};
+}
+
+/// Box and covariance (texels and texels²) that stand for a footprint on one level.
+struct LevelFootprint {
+  float width, height, covariance;
+};
+
+/// Texel i of the endless row that an image of `size` texels wraps to; near the image, which most rows never leave.
+GB_HD std::int32_t texel_near(std::int32_t i, std::int32_t size, Wrap wrap) {
+  while (std::uint32_t(i) >= std::uint32_t(size)) {
+    if (wrap == Wrap::clamp_to_edge) return i < 0 ? 0 : size - 1;
+    if (wrap == Wrap::repeat)
+      i += i < 0 ? size : -size;
+    else
+      i = i < 0 ? -1 - i : 2 * size - 1 - i;
+  }
+  return i;
+}
+
+/// One premultiplied linear texel. opaque: alpha is not looked at.
+template <bool opaque>
+GB_HD Rgba16 linear_texel(const TextureView& t, int l, std::size_t at, const Tables& tables) {
+  Rgba16 r;
+  if (l > 0) {
+    copy_texel<8>(t.level[l] + 4 * at, r.c);
+    return r;
+  }
+  std::uint8_t p[4];
+  copy_texel<4>(t.base + 4 * at, p);
+  r.c[3] = std::uint16_t(p[3] * 257u);
+  for (int c = 0; c < 3; ++c) {
+    const std::uint16_t straight = tables.linear_from_srgb[p[c]];
+    r.c[c] = opaque ? straight : scale16(straight, r.c[3]);
+  }
+  return r;
+}
+
+/// Rounded, from a sum of texels by weights. What a covariance takes from a texel may lead below black or above white.
+GB_HD std::uint16_t channel_of(std::int64_t sum) {
+  constexpr int bits = 2 * axis_weight_bits;
+  const auto mean = std::int32_t((sum + (std::int64_t(1) << (bits - 1))) >> bits);
+  return std::uint16_t(mean < 0 ? 0 : smaller(mean, 65535));
+}
+
+/// Where a sample lies on an image.
+struct ImagePlace {
+  std::int64_t at;  ///< 2^-32 of the image
+  bool is_turned;   ///< whether the image is mirrored there
+};
+
+/// Where it is clamped, places are kept up to half an image beyond the edge: a footprint may lie on both sides.
+GB_HD ImagePlace image_place(double s, Wrap wrap) {
+  if (wrap != Wrap::clamp_to_edge) {
+    const bool is_turned = wrap == Wrap::mirrored_repeat && low_word(s + 3145728.0) >> 31 != 0;
+    return {std::int64_t(fraction_of(s, wrap)), is_turned};
+  }
+  const double from_middle = s - 0.5, within = from_middle < -1 ? -1 : (from_middle > 0.999 ? 0.999 : from_middle);
+  return {(std::int64_t(std::int32_t(low_word(within + 3145728.0))) + (std::int64_t(1) << 30)) * 2, false};
+}
+
+/// A sample's place on one level.
+struct LevelPlace {
+  std::int32_t width, height;
+  std::int64_t x, y;  ///< 2^-32 texels from the middle of texel 0
+};
+
+GB_HD LevelPlace level_place(const TextureView& view, int l, const ImagePlace& s, const ImagePlace& t) {
+  constexpr std::int64_t half = std::int64_t(1) << 31;
+  const std::int32_t width = level_extent(view.width, l), height = level_extent(view.height, l);
+  return {width, height, s.at * width - half, t.at * height - half};
+}
+
+/// Mean of level l over a footprint around (s, t).
+template <bool opaque>
+GB_HD Rgba16 filtered_sample(const TextureView& view, const MaterialView& m, int l, const LevelPlace& place,
+                             const LevelFootprint& footprint, const Tables& tables) {
+  const AxisBox columns = axis_box(place.x, footprint.width), rows = axis_box(place.y, footprint.height);
+  const std::int32_t covariance =
+      std::int32_t(footprint.covariance * float(1 << axis_weight_bits) + 0.5f);  // of the nearest, towards zero
+  AxisWeight column[most_weighed];
+  AxisWeight before{0, 0};
+  GB_UNROLL
+  for (int i = 0; i < most_weighed; ++i) {
+    column[i] = {0, 0};
+    if (i >= columns.count) continue;
+    const AxisWeight now = weights_up_to(columns, i);
+    column[i] = {now.weight - before.weight, now.slope - before.slope};
+    before = now;
+  }
+  std::int64_t sum[4] = {0, 0, 0, 0};
+  before = {0, 0};
+  GB_NO_UNROLL
+  for (int j = 0; j < rows.count; ++j) {
+    const AxisWeight now = weights_up_to(rows, j);
+    const std::int32_t weight = now.weight - before.weight,
+                       slope = (now.slope - before.slope) * covariance >> axis_weight_bits;
+    before = now;
+    const std::size_t row = std::size_t(texel_near(rows.first + j, place.height, m.wrap_t)) * std::size_t(place.width);
+    GB_UNROLL
+    for (int i = 0; i < most_weighed; ++i) {
+      if (i >= columns.count) continue;
+      const Rgba16 texel = linear_texel<opaque>(
+          view, l, row + std::size_t(texel_near(columns.first + i, place.width, m.wrap_s)), tables);
+      const std::int32_t w = column[i].weight * weight + column[i].slope * slope;
+      for (int c = 0; c < (opaque ? 3 : 4); ++c) sum[c] += std::int64_t(w) * std::int32_t(texel.c[c]);
+    }
+  }
+  Rgba16 r{{0, 0, 0, 0}};
+  for (int c = 0; c < (opaque ? 3 : 4); ++c) r.c[c] = channel_of(sum[c]);
+  for (int c = 0; c < 3 && !opaque; ++c) r.c[c] = smaller(r.c[c], r.c[3]);
+  return r;
+}
+
+}  // namespace gigabake::kernels
