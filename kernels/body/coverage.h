@@ -122,7 +122,8 @@ GB_HD SlabPolygon cut_slab(const TrianglePlane& t, double slab) {
 /// Area, first and second moments of a polygon inside one cell, in projected voxel units relative to the cell's lowest
 /// corner.
 struct CellMoments {
-  double area, u, v, uu, uv, vv;
+  double area, u, v;
+  double uu, uv, vv;  ///< 12, 24 and 12 times the second moments
 };
 
 /// How many of them are wanted; the others stay 0.
@@ -169,14 +170,11 @@ GB_HD double at_most(double x, double high) { return x > high ? high : x; }
 /// Of an edge's part from (ca, v_in) to (cb, v_out), and its part beyond u = 1 from v_hi to v_top.
 GB_HD void add_second_moments(double ca, double cb, double v_in, double v_out, double dv_in, double v_hi, double v_top,
                               CellMoments& sum) {
-  const double aa = ca * ca, bb = cb * cb, both = v_in + v_out, vv_in = v_in * v_in, vv_out = v_out * v_out,
-               v_between = v_in * v_out, dv_hi = v_top - v_hi, middle = v_hi + v_top;
-  sum.uu += (ca + cb) * (aa + bb) * (1.0 / 12) * dv_in + dv_hi * (1.0 / 3);
-  sum.uv += (aa * (2 * v_in + both) + 2 * ca * cb * both + bb * (2 * v_out + both)) * (1.0 / 24) * dv_in +
-            0.25 * dv_hi * middle;
-  sum.vv +=
-      (ca * (3 * vv_in + 2 * v_between + vv_out) + cb * (vv_in + 2 * v_between + 3 * vv_out)) * (1.0 / 12) * dv_in +
-      (middle * middle - v_hi * v_top) * (1.0 / 3) * dv_hi;
+  const double aa = ca * ca, bb = cb * cb, c = ca + cb, v = v_in + v_out, dv_hi = v_top - v_hi, middle = v_hi + v_top;
+  sum.uu += c * (aa + bb) * dv_in + 4 * dv_hi;
+  sum.uv += (2 * (aa * v_in + bb * v_out) + c * c * v) * dv_in + 6 * middle * dv_hi;
+  sum.vv += (2 * (ca * (v_in * v_in) + cb * (v_out * v_out)) + c * (v * v)) * dv_in +
+            4 * (middle * middle - v_hi * v_top) * dv_hi;
 }
 
 /// Adds a polygon's edge on `line` from (au, av) to v = bv, relative to the cell. Of its dv in the cell's range of v, a

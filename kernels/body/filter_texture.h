@@ -77,24 +77,6 @@ GB_HD std::int32_t texel_near(std::int32_t i, std::int32_t size, Wrap wrap) {
   return i;
 }
 
-/// One premultiplied linear texel. opaque: alpha is not looked at.
-template <bool opaque>
-GB_HD Rgba16 linear_texel(const TextureView& t, int l, std::size_t at, const Tables& tables) {
-  Rgba16 r;
-  if (l > 0) {
-    copy_texel<8>(t.level[l] + 4 * at, r.c);
-    return r;
-  }
-  std::uint8_t p[4];
-  copy_texel<4>(t.base + 4 * at, p);
-  r.c[3] = std::uint16_t(p[3] * 257u);
-  for (int c = 0; c < 3; ++c) {
-    const std::uint16_t straight = tables.linear_from_srgb[p[c]];
-    r.c[c] = opaque ? straight : scale16(straight, r.c[3]);
-  }
-  return r;
-}
-
 /// Rounded, from a sum of texels by weights. What a covariance takes from a texel may lead below black or above white.
 GB_HD std::uint16_t channel_of(std::int64_t sum) {
   constexpr int bits = 2 * axis_weight_bits;
@@ -130,40 +112,71 @@ GB_HD LevelPlace level_place(const TextureView& view, int l, const ImagePlace& s
   return {width, height, s.at * width - half, t.at * height - half};
 }
 
+/// A box's texels along s and their weights.
+struct Columns {
+  std::int32_t first, last;
+  std::int32_t of[most_weighed];  ///< weight above, slope below 2^16: half as many registers
+};
+
+GB_HD Columns weighed_columns(const AxisBox& box) {
+  Columns r{box.first, box.first + box.count - 1, {}};
+  AxisWeight before{0, 0};
+  GB_UNROLL
+  for (int i = 0; i < most_weighed; ++i) {
+    const AxisWeight now = weights_up_to(box, smaller(i, box.count - 1));
+    r.of[i] = (now.weight - before.weight) * 65536 | ((now.slope - before.slope) & 65535);
+    before = now;
+  }
+  return r;
+}
+
+/// Four texels of a row. Those beyond the last column are that one once more.
+template <int first>
+GB_HD void place_texels(const Columns& columns, std::uint32_t row, std::int32_t width, Wrap wrap, std::uint32_t at[4]) {
+  const bool is_inside = columns.first >= 0 && columns.last < width;
+  GB_UNROLL
+  for (int k = 0; k < 4; ++k) at[k] = std::uint32_t(smaller(columns.first + first + k, columns.last));
+  if (!is_inside)
+    for (int k = 0; k < 4; ++k) at[k] = std::uint32_t(texel_near(std::int32_t(at[k]), width, wrap));
+  GB_UNROLL
+  for (int k = 0; k < 4; ++k) at[k] += row;
+}
+
+template <bool opaque, int first>
+GB_HD void add_texels(const TextureView& view, int l, const std::uint32_t at[4], const Columns& columns,
+                      const AxisWeight& of_row, const Tables& tables, std::int64_t sum[4]) {
+  Rgba16 texel[4];
+  load_texels<opaque>(view, l, at, tables, texel);
+  GB_UNROLL
+  for (int k = 0; k < 4 && first + k < most_weighed; ++k) {
+    const std::int32_t both = columns.of[first + k];
+    const std::int32_t w = (both >> 16) * of_row.weight + std::int16_t(both & 65535) * of_row.slope;
+    for (int c = 0; c < (opaque ? 3 : 4); ++c) sum[c] += std::int64_t(w) * std::int32_t(texel[k].c[c]);
+  }
+}
+
 /// Mean of level l over a footprint around (s, t).
 template <bool opaque>
 GB_HD Rgba16 filtered_sample(const TextureView& view, const MaterialView& m, int l, const LevelPlace& place,
                              const LevelFootprint& footprint, const Tables& tables) {
-  const AxisBox columns = axis_box(place.x, footprint.width), rows = axis_box(place.y, footprint.height);
-  const std::int32_t covariance =
-      std::int32_t(footprint.covariance * float(1 << axis_weight_bits) + 0.5f);  // of the nearest, towards zero
-  AxisWeight column[most_weighed];
-  AxisWeight before{0, 0};
-  GB_UNROLL
-  for (int i = 0; i < most_weighed; ++i) {
-    column[i] = {0, 0};
-    if (i >= columns.count) continue;
-    const AxisWeight now = weights_up_to(columns, i);
-    column[i] = {now.weight - before.weight, now.slope - before.slope};
-    before = now;
-  }
+  const AxisBox box = axis_box(place.x, footprint.width), rows = axis_box(place.y, footprint.height);
+  const std::int32_t covariance = std::int32_t(footprint.covariance * float(1 << axis_weight_bits));
+  const Columns columns = weighed_columns(box);
   std::int64_t sum[4] = {0, 0, 0, 0};
-  before = {0, 0};
+  AxisWeight before{0, 0};
   GB_NO_UNROLL
   for (int j = 0; j < rows.count; ++j) {
     const AxisWeight now = weights_up_to(rows, j);
-    const std::int32_t weight = now.weight - before.weight,
-                       slope = (now.slope - before.slope) * covariance >> axis_weight_bits;
+    const AxisWeight of_row{now.weight - before.weight, (now.slope - before.slope) * covariance >> axis_weight_bits};
     before = now;
-    const std::size_t row = std::size_t(texel_near(rows.first + j, place.height, m.wrap_t)) * std::size_t(place.width);
-    GB_UNROLL
-    for (int i = 0; i < most_weighed; ++i) {
-      if (i >= columns.count) continue;
-      const Rgba16 texel = linear_texel<opaque>(
-          view, l, row + std::size_t(texel_near(columns.first + i, place.width, m.wrap_s)), tables);
-      const std::int32_t w = column[i].weight * weight + column[i].slope * slope;
-      for (int c = 0; c < (opaque ? 3 : 4); ++c) sum[c] += std::int64_t(w) * std::int32_t(texel.c[c]);
-    }
+    const std::uint32_t row =
+        std::uint32_t(texel_near(rows.first + j, place.height, m.wrap_t)) * std::uint32_t(place.width);
+    std::uint32_t at[4];
+    place_texels<0>(columns, row, place.width, m.wrap_s, at);
+    add_texels<opaque, 0>(view, l, at, columns, of_row, tables, sum);
+    if (box.count <= 4) continue;
+    place_texels<4>(columns, row, place.width, m.wrap_s, at);
+    add_texels<opaque, 4>(view, l, at, columns, of_row, tables, sum);
   }
   Rgba16 r{{0, 0, 0, 0}};
   for (int c = 0; c < (opaque ? 3 : 4); ++c) r.c[c] = channel_of(sum[c]);

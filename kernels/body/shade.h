@@ -24,11 +24,6 @@
 
 namespace gigabake::kernels {
 
-/// Texture coordinates as an affine function of a triangle's (u, v).
-struct TextureMap {
-  double s0, su, sv, t0, tu, tv;  ///< s = s0 + su·u + sv·v
-};
-
 /// uv: 3 × (s, t). Range: finite, |s|, |t| ≤ 2^20 (checked by the caller).
 GB_HD TextureMap make_texture_map(const TrianglePlane& p, const float uv[6]) {
   TextureMap r;
@@ -133,6 +128,8 @@ GB_HD LevelFootprint level_footprint(const TextureView& view, const FootprintPar
 template <bool opaque>
 GB_HD Rgba16 texture_over(const TextureView& view, const MaterialView& m, const TextureMap& map, const FragmentShape& f,
                           const Tables& tables) {
+  if (!opaque && view.mask_cutoff != 0 && texels_of_voxel(map, view) <= most_tested_texels)
+    return tested_over(view, m, map, f, tables);
   const FootprintParts parts = footprint_parts(view, image_spread(map, f));
   const double s = (map.s0 + map.su * f.centroid.u) + map.sv * f.centroid.v,
                t = (map.t0 + map.tu * f.centroid.u) + map.tv * f.centroid.v;
@@ -144,9 +141,7 @@ GB_HD Rgba16 texture_over(const TextureView& view, const MaterialView& m, const 
                      at_t = image_place(t + double(steps * parts.step_t), m.wrap_t);
     const LevelFootprint footprint = level_footprint(view, parts, at_s.is_turned != at_t.is_turned);
     const LevelPlace place = level_place(view, parts.level, at_s, at_t);
-    const Rgba16 p = !opaque && parts.level == 0 && view.mask_cutoff != 0
-                         ? tested_sample(view, m, place, footprint, tables)
-                         : filtered_sample<opaque>(view, m, parts.level, place, footprint, tables);
+    const Rgba16 p = filtered_sample<opaque>(view, m, parts.level, place, footprint, tables);
     for (int c = 0; c < 4; ++c) sum[c] += p.c[c];
   }
   // Sums are below 2^19 and there are at most 8 parts: quotients are exact.

@@ -94,7 +94,8 @@ GB_HD Point2 fragment_centroid(const TrianglePlane& t, const CellMoments& m, dou
 GB_HD void set_variances(const CellMoments& m, FragmentShape& f) {
   constexpr double most = 0.25;
   const double inverse = 1 / m.area, u = m.u * inverse, v = m.v * inverse;
-  const double uu = m.uu * inverse - u * u, vv = m.vv * inverse - v * v, uv = m.uv * inverse - u * v;
+  const double twelfth = inverse * (1.0 / 12);
+  const double uu = m.uu * twelfth - u * u, vv = m.vv * twelfth - v * v, uv = 0.5 * m.uv * twelfth - u * v;
   f.uu = uu > 0 ? at_most(uu, most) : 0;
   f.vv = vv > 0 ? at_most(vv, most) : 0;
   f.uv = uv < -most ? -most : at_most(uv, most);
