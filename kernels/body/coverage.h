@@ -136,8 +136,8 @@ struct Point2 {
 /// Where a fragment lies: what its colour is asked for.
 struct FragmentShape {
   Point2 centroid;
-  double area;        ///< projected, signed, voxel²
-  double uu, uv, vv;  ///< variances and covariance of its points, voxel²; 0 where it is too small to be measured
+  double area;       ///< projected, signed, voxel²
+  float uu, uv, vv;  ///< variances and covariance of its points, voxel²; 0 where it is too small to be measured
   double cell_u, cell_v;
   const double *polygon_u, *polygon_v;  ///< of the slab that it is cut from
   int corners;

@@ -12,7 +12,9 @@
 /// Cost    (w + 1)(h + 1) to (w + 2)(h + 2) texels for a box of w x h.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <cstring>
 
 #include "kernels/body/brick_triangle.h"
 #include "kernels/body/sample_texture.h"
@@ -52,12 +54,20 @@ struct AxisWeight {
   std::int32_t weight, slope;
 };
 
+/// The whole number that is nearest: by what a float of 2^23 has left for fractions, which a device does at once.
+/// Range  0 ≤ x ≤ 2^22.
+GB_HD std::int32_t rounded(float x) {
+  const float whole = x + 12582912.0f;  // 1.5 · 2^23
+  std::int32_t bits;
+  std::memcpy(&bits, &whole, sizeof bits);
+  return bits - 0x4b400000;
+}
+
 /// Of all texels up to number k: sums, so that their differences' sum is exact whatever is rounded.
 GB_HD AxisWeight weights_up_to(const AxisBox& b, int k) {
   const float high = smaller(b.high - float(k), 1.0f), low = smaller(b.low - float(k), 1.0f);
   const float h = larger(high, 0.0f), l = larger(low, 0.0f);
-  return {std::int32_t(((high - 0.5f * h * h) - (low - 0.5f * l * l)) * b.scale + 0.5f),
-          std::int32_t((h - l) * b.scale + 0.5f)};
+  return {rounded(((high - 0.5f * h * h) - (low - 0.5f * l * l)) * b.scale), rounded((h - l) * b.scale)};
 }
 
 /// Box and covariance (texels and texels²) that stand for a footprint on one level.
@@ -123,6 +133,7 @@ GB_HD Columns weighed_columns(const AxisBox& box) {
   AxisWeight before{0, 0};
   GB_UNROLL
   for (int i = 0; i < most_weighed; ++i) {
+    if (i == 4 && box.count <= 4) break;
     const AxisWeight now = weights_up_to(box, smaller(i, box.count - 1));
     r.of[i] = (now.weight - before.weight) * 65536 | ((now.slope - before.slope) & 65535);
     before = now;
@@ -142,17 +153,57 @@ GB_HD void place_texels(const Columns& columns, std::uint32_t row, std::int32_t 
   for (int k = 0; k < 4; ++k) at[k] += row;
 }
 
+/// Sums of weighed texels: colours and alpha, and how much alpha's mean falls where the box moves on along s and t.
+template <bool opaque>
+struct TexelSums {
+  std::int64_t of[opaque ? 3 : 4] = {};
+  std::int64_t slope_s = 0, slope_t = 0;  ///< not of opaque ones
+};
+
 template <bool opaque, int first>
 GB_HD void add_texels(const TextureView& view, int l, const std::uint32_t at[4], const Columns& columns,
-                      const AxisWeight& of_row, const Tables& tables, std::int64_t sum[4]) {
+                      const AxisWeight& of_row, std::int32_t covariance, const Tables& tables, TexelSums<opaque>& sum) {
   Rgba16 texel[4];
   load_texels<opaque>(view, l, at, tables, texel);
   GB_UNROLL
   for (int k = 0; k < 4 && first + k < most_weighed; ++k) {
     const std::int32_t both = columns.of[first + k];
-    const std::int32_t w = (both >> 16) * of_row.weight + std::int16_t(both & 65535) * of_row.slope;
-    for (int c = 0; c < (opaque ? 3 : 4); ++c) sum[c] += std::int64_t(w) * std::int32_t(texel[k].c[c]);
+    const std::int32_t weight = both >> 16, slope = std::int16_t(both & 65535);
+    const std::int32_t w = weight * of_row.weight + slope * (of_row.slope * covariance >> axis_weight_bits);
+    for (int c = 0; c < (opaque ? 3 : 4); ++c) sum.of[c] += std::int64_t(w) * std::int32_t(texel[k].c[c]);
+    if constexpr (!opaque) {
+      sum.slope_s += std::int64_t(slope * of_row.weight) * std::int32_t(texel[k].c[3]);
+      sum.slope_t += std::int64_t(weight * of_row.slope) * std::int32_t(texel[k].c[3]);
+    }
   }
+}
+
+GB_HD float half_square(float x) { return x > 0 ? 0.5f * x * x : 0; }
+
+/// Of a box over which alpha is a plane, `beyond` the cutoff in its middle, and changes by `along` one edge and
+/// `across` the other: the share that passes.
+GB_HD float passing_share(float beyond, float along, float across) {
+  const float longer = larger(larger(along, across), 1.0f), shorter = larger(smaller(along, across), longer / 64);
+  const float far = 0.5f * (longer + shorter), near = 0.5f * (longer - shorter);
+  const float share = ((half_square(beyond + far) - half_square(beyond + near)) -
+                       (half_square(beyond - near) - half_square(beyond - far))) /
+                      (longer * shorter);
+  return larger(0.0f, smaller(share, 1.0f));
+}
+
+/// An alpha test of what is interpolated, as a renderer makes it point by point: of a box, with alpha's mean and
+/// slopes, so much passes as of a plane.
+GB_HD Rgba16 test_box(const Rgba16& mean, std::uint8_t cutoff, float along, float across) {
+  if (mean.c[3] == 0) return mean;
+  const float share = passing_share(float(int(mean.c[3]) - int(cutoff * 257u)), along, across);
+  const auto alpha = std::uint32_t(rounded(share * 65535));
+  Rgba16 r;
+  for (int c = 0; c < 3; ++c) {
+    const std::uint32_t straight = (mean.c[c] * 65535u + mean.c[3] / 2u) / mean.c[3];
+    r.c[c] = scale16(smaller(straight, 65535u), alpha);
+  }
+  r.c[3] = std::uint16_t(alpha);
+  return r;
 }
 
 /// Mean of level l over a footprint around (s, t).
@@ -162,25 +213,32 @@ GB_HD Rgba16 filtered_sample(const TextureView& view, const MaterialView& m, int
   const AxisBox box = axis_box(place.x, footprint.width), rows = axis_box(place.y, footprint.height);
   const std::int32_t covariance = std::int32_t(footprint.covariance * float(1 << axis_weight_bits));
   const Columns columns = weighed_columns(box);
-  std::int64_t sum[4] = {0, 0, 0, 0};
+  TexelSums<opaque> sum;
   AxisWeight before{0, 0};
   GB_NO_UNROLL
   for (int j = 0; j < rows.count; ++j) {
     const AxisWeight now = weights_up_to(rows, j);
-    const AxisWeight of_row{now.weight - before.weight, (now.slope - before.slope) * covariance >> axis_weight_bits};
+    const AxisWeight of_row{now.weight - before.weight, now.slope - before.slope};
     before = now;
     const std::uint32_t row =
         std::uint32_t(texel_near(rows.first + j, place.height, m.wrap_t)) * std::uint32_t(place.width);
     std::uint32_t at[4];
     place_texels<0>(columns, row, place.width, m.wrap_s, at);
-    add_texels<opaque, 0>(view, l, at, columns, of_row, tables, sum);
+    add_texels<opaque, 0>(view, l, at, columns, of_row, covariance, tables, sum);
     if (box.count <= 4) continue;
     place_texels<4>(columns, row, place.width, m.wrap_s, at);
-    add_texels<opaque, 4>(view, l, at, columns, of_row, tables, sum);
+    add_texels<opaque, 4>(view, l, at, columns, of_row, covariance, tables, sum);
   }
   Rgba16 r{{0, 0, 0, 0}};
-  for (int c = 0; c < (opaque ? 3 : 4); ++c) r.c[c] = channel_of(sum[c]);
-  for (int c = 0; c < 3 && !opaque; ++c) r.c[c] = smaller(r.c[c], r.c[3]);
+  for (int c = 0; c < (opaque ? 3 : 4); ++c) r.c[c] = channel_of(sum.of[c]);
+  if constexpr (!opaque) {
+    for (int c = 0; c < 3; ++c) r.c[c] = smaller(r.c[c], r.c[3]);
+    if (l == 0 && view.mask_cutoff != 0) {
+      constexpr float one = float(1 << 2 * axis_weight_bits);
+      return test_box(r, view.mask_cutoff, std::fabs(float(sum.slope_s)) * (footprint.width / one),
+                      std::fabs(float(sum.slope_t)) * (footprint.height / one));
+    }
+  }
   return r;
 }
 

@@ -118,12 +118,13 @@ GB_HD void load_vertex_rgba(const PartArrays& part, std::uint32_t triangle, std:
 }
 
 /// Where the triangle's fragments lie on the texture. Range  the part is textured.
-GB_HD TextureMap texture_map(const PartArrays& part, std::uint32_t triangle, const TrianglePlane& plane) {
+GB_HD TextureMap texture_map(const PartArrays& part, std::uint32_t triangle, const TrianglePlane& plane,
+                             const TextureView& texture) {
   std::uint32_t v[3];
   triangle_vertices(part, triangle, v);
   float uv[6];
   load_uv(part, v, uv);
-  return make_texture_map(plane, uv);
+  return make_texture_map(plane, uv, texture.width, texture.height);
 }
 
 }  // namespace gigabake::kernels

@@ -19,13 +19,24 @@
 #include "kernels/body/coverage.h"
 #include "kernels/body/filter_texture.h"
 #include "kernels/body/sample_texture.h"
-#include "kernels/body/test_texture.h"
 #include "lattice/host_device.h"
 
 namespace gigabake::kernels {
 
+/// Texture coordinates as an affine function of a triangle's (u, v).
+struct TextureMap {
+  double s0, su, sv, t0, tu, tv;  ///< s = s0 + su·u + sv·v
+  float xu, xv, yu, yv;           ///< the same gradients in texels
+};
+
+/// A gradient whose square is a float, too.
+GB_HD float texels_of(double gradient) {
+  constexpr double beyond_any_image = 1 << 30;
+  return float(gradient < -beyond_any_image ? -beyond_any_image : at_most(gradient, beyond_any_image));
+}
+
 /// uv: 3 × (s, t). Range: finite, |s|, |t| ≤ 2^20 (checked by the caller).
-GB_HD TextureMap make_texture_map(const TrianglePlane& p, const float uv[6]) {
+GB_HD TextureMap make_texture_map(const TrianglePlane& p, const float uv[6], std::int32_t width, std::int32_t height) {
   TextureMap r;
   const double u1 = p.u[1] - p.u[0], v1 = p.v[1] - p.v[0], u2 = p.u[2] - p.u[0], v2 = p.v[2] - p.v[0];
   const double inverse = p.inverse_twice_area;
@@ -37,32 +48,26 @@ GB_HD TextureMap make_texture_map(const TrianglePlane& p, const float uv[6]) {
   r.tv = (t2 * u1 - t1 * u2) * inverse;
   r.s0 = uv[0] - (r.su * p.u[0] + r.sv * p.v[0]);
   r.t0 = uv[1] - (r.tu * p.u[0] + r.tv * p.v[0]);
+  r.xu = texels_of(r.su * width);
+  r.xv = texels_of(r.sv * width);
+  r.yu = texels_of(r.tu * height);
+  r.yv = texels_of(r.tv * height);
   return r;
 }
 
-/// Variances and covariance of a fragment's points on its texture; in images², or in texels².
+/// Variances and covariance of a fragment's points on its texture, texels².
 struct Spread {
   float ss, st, tt;
 };
 
-GB_HD float within_float(double x) {
-  constexpr double beyond_any_image = double(1ull << 60);
-  return float(x < -beyond_any_image ? -beyond_any_image : at_most(x, beyond_any_image));
+GB_HD Spread texel_spread(const TextureMap& m, const FragmentShape& f) {
+  const float xu = m.xu * f.uu + m.xv * f.uv, xv = m.xu * f.uv + m.xv * f.vv, yu = m.yu * f.uu + m.yv * f.uv,
+              yv = m.yu * f.uv + m.yv * f.vv;
+  return {m.xu * xu + m.xv * xv, m.yu * xu + m.yv * xv, m.yu * yu + m.yv * yv};
 }
 
-GB_HD Spread image_spread(const TextureMap& m, const FragmentShape& f) {
-  const double su = m.su * f.uu + m.sv * f.uv, sv = m.su * f.uv + m.sv * f.vv, tu = m.tu * f.uu + m.tv * f.uv,
-               tv = m.tu * f.uv + m.tv * f.vv;
-  return {within_float(m.su * su + m.sv * sv), within_float(m.tu * su + m.tv * sv),
-          within_float(m.tu * tu + m.tv * tv)};
-}
-
-GB_HD Spread in_texels(const Spread& s, float width, float height) {
-  return {s.ss * width * width, s.st * width * height, s.tt * height * height};
-}
-
-/// How a footprint is read: `parts` side by side, each with the spread `part` (images²) and a step (images) from the
-/// one before, on one level.
+/// How a footprint is read: `parts` side by side, each with the spread `part` (texels of level 0) and a step (images)
+/// from the one before, on one level.
 struct FootprintParts {
   Spread part;
   float step_s, step_t;
@@ -80,47 +85,58 @@ GB_HD int level_of(const TextureView& view, float variance) {
 }
 
 /// A footprint that is much longer than wide, and longer than a box of level 0 reaches, in parts along its long axis.
-GB_HD void split_stretched(float width, float height, const Spread& texels, FootprintParts& r) {
+GB_HD void split_stretched(const TextureView& view, FootprintParts& r) {
   constexpr float most_stretched = 9, least = widest_box * widest_box / 12;  // variances
-  const float half = (texels.ss + texels.tt) * 0.5f, lean = (texels.ss - texels.tt) * 0.5f;
-  const float root = std::sqrt(lean * lean + texels.st * texels.st), longer = half + root, shorter = half - root;
+  const Spread all = r.part;
+  const float half = (all.ss + all.tt) * 0.5f, lean = (all.ss - all.tt) * 0.5f;
+  const float root = std::sqrt(lean * lean + all.st * all.st), longer = half + root, shorter = half - root;
   const float ratio = longer / larger(most_stretched * shorter, least);
   if (!(ratio > 1)) return;
   r.parts = ratio < 49 ? int(std::sqrt(ratio)) + 1 : 8;
-  const float x = lean >= 0 ? lean + root : texels.st, y = lean >= 0 ? texels.st : root - lean,
-              inverse = 1 / std::sqrt(x * x + y * y), along_s = x * inverse / width, along_t = y * inverse / height;
+  const float x = lean >= 0 ? lean + root : all.st, y = lean >= 0 ? all.st : root - lean,
+              inverse = 1 / std::sqrt(x * x + y * y), along_x = x * inverse, along_y = y * inverse;
   const float parts = float(r.parts), between = longer * (1 - 1 / (parts * parts));
-  r.part.ss = larger(r.part.ss - between * along_s * along_s, 0.0f);
-  r.part.st = r.part.st - between * along_s * along_t;
-  r.part.tt = larger(r.part.tt - between * along_t * along_t, 0.0f);
+  r.part.ss = larger(all.ss - between * along_x * along_x, 0.0f);
+  r.part.st = all.st - between * along_x * along_y;
+  r.part.tt = larger(all.tt - between * along_y * along_y, 0.0f);
   const float step = std::sqrt(12 * longer) / parts;
-  r.step_s = step * along_s;
-  r.step_t = step * along_t;
+  r.step_s = step * along_x / float(view.width);
+  r.step_t = step * along_y / float(view.height);
 }
 
-GB_HD FootprintParts footprint_parts(const TextureView& view, const Spread& images) {
-  const float width = float(view.width), height = float(view.height);
-  FootprintParts r{images, 0, 0, 1, 0};
-  Spread texels = in_texels(images, width, height);
-  if (12 * (texels.ss + texels.tt) <= widest_box * widest_box) return r;
-  split_stretched(width, height, texels, r);
-  texels = in_texels(r.part, width, height);
-  r.level = level_of(view, larger(texels.ss, texels.tt));
+/// A box of an alpha-tested image's own texels, whose alpha is taken to be a plane: a wider one looks at coarser
+/// levels, which hold shares that pass.
+inline constexpr float widest_tested_box = 2;
+
+GB_HD FootprintParts footprint_parts(const TextureView& view, const Spread& spread) {
+  FootprintParts r{spread, 0, 0, 1, 0};
+  const float widest = view.mask_cutoff != 0 ? widest_tested_box : widest_box;
+  if (12 * (spread.ss + spread.tt) <= widest * widest) return r;
+  split_stretched(view, r);
+  const float variance = larger(r.part.ss, r.part.tt);
+  r.level = level_of(view, variance);
+  if (r.level == 0 && 12 * variance > widest * widest) r.level = smaller(1, view.levels - 1);
   return r;
 }
 
-/// A level's texels have a spread of their own, which the box leaves to them; an image's own texels have none, being
-/// what is asked for.
-GB_HD LevelFootprint level_footprint(const TextureView& view, const FootprintParts& parts, bool is_turned) {
-  const Spread texels = in_texels(parts.part, float(level_extent(view.width, parts.level)),
-                                  float(level_extent(view.height, parts.level)));
-  const float own = parts.level == 0 ? 0 : 3 - 3 / float(std::int64_t(1) << 2 * parts.level);
-  const float ss = 12 * texels.ss - own, tt = 12 * texels.tt - own;
+/// Twelve times the variance that a box of level l must add to that of its texels, a box's and a tent's; an image's own
+/// texels have none, being what is asked for. All in texels of the level.
+GB_HD Spread box_spread(const TextureView& view, const FootprintParts& parts) {
+  Spread r{12 * parts.part.ss, parts.part.st, 12 * parts.part.tt};
+  if (parts.level == 0) return r;
+  const float x = float(level_extent(view.width, parts.level)) / float(view.width),
+              y = float(level_extent(view.height, parts.level)) / float(view.height);
+  const float own = 3 - 3 / float(std::int64_t(1) << 2 * parts.level);
+  return {r.ss * x * x - own, r.st * x * y, r.tt * y * y - own};
+}
+
+GB_HD LevelFootprint level_footprint(const Spread& box, bool is_turned) {
+  constexpr float least = narrowest_box * narrowest_box, most = widest_box * widest_box;
   LevelFootprint r;
-  r.width = smaller(ss > narrowest_box * narrowest_box ? std::sqrt(ss) : narrowest_box, widest_box);
-  r.height = smaller(tt > narrowest_box * narrowest_box ? std::sqrt(tt) : narrowest_box, widest_box);
-  const float most = r.width * r.height * (1.0f / 12), covariance = is_turned ? -texels.st : texels.st;
-  r.covariance = larger(-most, smaller(covariance, most));
+  r.width = std::sqrt(larger(least, smaller(box.ss, most)));
+  r.height = std::sqrt(larger(least, smaller(box.tt, most)));
+  const float limit = r.width * r.height * (1.0f / 12), covariance = is_turned ? -box.st : box.st;
+  r.covariance = larger(-limit, smaller(covariance, limit));
   return r;
 }
 
@@ -128,9 +144,8 @@ GB_HD LevelFootprint level_footprint(const TextureView& view, const FootprintPar
 template <bool opaque>
 GB_HD Rgba16 texture_over(const TextureView& view, const MaterialView& m, const TextureMap& map, const FragmentShape& f,
                           const Tables& tables) {
-  if (!opaque && view.mask_cutoff != 0 && texels_of_voxel(map, view) <= most_tested_texels)
-    return tested_over(view, m, map, f, tables);
-  const FootprintParts parts = footprint_parts(view, image_spread(map, f));
+  const FootprintParts parts = footprint_parts(view, texel_spread(map, f));
+  const Spread box = box_spread(view, parts);
   const double s = (map.s0 + map.su * f.centroid.u) + map.sv * f.centroid.v,
                t = (map.t0 + map.tu * f.centroid.u) + map.tv * f.centroid.v;
   std::uint32_t sum[4] = {0, 0, 0, 0};
@@ -139,7 +154,7 @@ GB_HD Rgba16 texture_over(const TextureView& view, const MaterialView& m, const 
     const float steps = float(i) - 0.5f * float(parts.parts - 1);
     const ImagePlace at_s = image_place(s + double(steps * parts.step_s), m.wrap_s),
                      at_t = image_place(t + double(steps * parts.step_t), m.wrap_t);
-    const LevelFootprint footprint = level_footprint(view, parts, at_s.is_turned != at_t.is_turned);
+    const LevelFootprint footprint = level_footprint(box, at_s.is_turned != at_t.is_turned);
     const LevelPlace place = level_place(view, parts.level, at_s, at_t);
     const Rgba16 p = filtered_sample<opaque>(view, m, parts.level, place, footprint, tables);
     for (int c = 0; c < 4; ++c) sum[c] += p.c[c];

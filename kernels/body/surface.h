@@ -92,13 +92,14 @@ GB_HD Point2 fragment_centroid(const TrianglePlane& t, const CellMoments& m, dou
 
 /// Rounding may lead beyond what points of a unit cell have.
 GB_HD void set_variances(const CellMoments& m, FragmentShape& f) {
-  constexpr double most = 0.25;
+  constexpr float most = 0.25f;
   const double inverse = 1 / m.area, u = m.u * inverse, v = m.v * inverse;
   const double twelfth = inverse * (1.0 / 12);
-  const double uu = m.uu * twelfth - u * u, vv = m.vv * twelfth - v * v, uv = 0.5 * m.uv * twelfth - u * v;
-  f.uu = uu > 0 ? at_most(uu, most) : 0;
-  f.vv = vv > 0 ? at_most(vv, most) : 0;
-  f.uv = uv < -most ? -most : at_most(uv, most);
+  const auto uu = float(m.uu * twelfth - u * u), vv = float(m.vv * twelfth - v * v),
+             uv = float(0.5 * m.uv * twelfth - u * v);
+  f.uu = larger(0.0f, smaller(uu, most));
+  f.vv = larger(0.0f, smaller(vv, most));
+  f.uv = larger(-most, smaller(uv, most));
 }
 
 /// m: with second moments. (polygon_u, polygon_v): the slab's, which the fragment is cut from.

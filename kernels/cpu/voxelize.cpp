@@ -40,7 +40,7 @@ Surface triangle_surface(const PartSurface& from, const WindowTriangle& w, const
   Surface s = from.surface;
   triangle_normal(from.part, w.index, t, s.normal);
   if (s.has_vertex_rgba) load_vertex_rgba(from.part, w.index, s.vertex_rgba);
-  if (s.texture != nullptr) s.map = texture_map(from.part, w.index, plane);
+  if (s.texture != nullptr) s.map = texture_map(from.part, w.index, plane, *s.texture);
   return s;
 }
 

@@ -89,7 +89,7 @@ __device__ void set_look(const InputView& in, const WindowTriangle& w, const Tri
   } else if constexpr (materials != CellMaterials::plain) {
     out.look = Look::varying;
     set_varying(surface, plane, out.varying);
-    if (surface.texture != nullptr) out.varying.map = texture_map(part, w.index, plane);
+    if (surface.texture != nullptr) out.varying.map = texture_map(part, w.index, plane, *surface.texture);
     if constexpr (materials == CellMaterials::any) {
       out.varying.has_vertex_rgba = surface.has_vertex_rgba;
       if (surface.has_vertex_rgba)

@@ -23,7 +23,7 @@ Texture random_texture(int width, int height, TextureAlpha alpha, std::mt19937_6
 /// A fragment that is the whole unit cell.
 struct WholeCell {
   double u[4] = {0, 1, 1, 0}, v[4] = {0, 0, 1, 1};
-  FragmentShape shape() const { return {{0.5, 0.5}, 1, 1.0 / 12, 0, 1.0 / 12, 0, 0, u, v, 4}; }
+  FragmentShape shape() const { return {{0.5, 0.5}, 1, 1.0f / 12, 0, 1.0f / 12, 0, 0, u, v, 4}; }
 };
 
 Rgba16 found(const Texture& texture, const NearestLook& look, const FragmentShape& shape) {

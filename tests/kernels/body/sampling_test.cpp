@@ -26,18 +26,20 @@ TextureMap map_of(double texels_u, double texels_v, int size) {
   TextureMap map{};
   map.su = texels_u / size;
   map.tv = texels_v / size;
+  map.xu = float(texels_u);
+  map.yv = float(texels_v);
   return map;
 }
 
 /// A box of any size and place; its outline is not looked at.
 FragmentShape box_at(double u, double v, double width, double height) {
-  return {{u, v}, width * height, width * width / 12, 0, height * height / 12, 0, 0, nullptr, nullptr, 0};
+  return {{u, v}, width * height, float(width * width / 12), 0, float(height * height / 12), 0, 0, nullptr, nullptr, 0};
 }
 
 FragmentShape any_fragment(std::mt19937_64& rng) {
   FragmentShape f =
       box_at(double(rng() % 100) / 7, double(rng() % 100) / 7, double(rng() % 9) / 8, double(rng() % 9) / 8);
-  f.uv = (double(rng() % 17) / 8 - 1) * std::sqrt(f.uu * f.vv);
+  f.uv = (float(rng() % 17) / 8 - 1) * std::sqrt(f.uu * f.vv);
   return f;
 }
 
@@ -168,6 +170,7 @@ TEST(Sampling, HasTheExactMeanOverABoxOfUpToFourTexels) {
     const double width = wide(rng) / size, height = wide(rng) / size, s = place(rng), t = place(rng);
     TextureMap map{};
     map.su = map.tv = 1;
+    map.xu = map.yv = float(size);
     const Rgba16 found = texture_over<true>(texture.view(), material, map, box_at(s, t, width, height), tables);
     ASSERT_NEAR(found.c[0], mean_of_points(texture, material, s, t, width, height), 120)
         << i << ", " << width * size << " x " << height * size << " texels, seed " << seed;
@@ -195,8 +198,8 @@ TEST(Sampling, OfTwoPartsAddsUpToTheWhole) {
     const double third = 1.0 / 3, v = 21 - u;
     FragmentShape low = box_at(u + 2 * third, v + third, 1, 1), high = box_at(u + third, v + 2 * third, 1, 1);
     low.area = high.area = 0.5;
-    low.uu = low.vv = high.uu = high.vv = 1.0 / 18;
-    low.uv = high.uv = 1.0 / 36;
+    low.uu = low.vv = high.uu = high.vv = 1.0f / 18;
+    low.uv = high.uv = 1.0f / 36;
     EXPECT_NEAR((red(low) + red(high)) / 2, red(box_at(u + 0.5, v + 0.5, 1, 1)), 200) << u;
   }
 }

@@ -98,7 +98,7 @@ struct TextureBody {
     surface.material.alpha_mode = AlphaMode::blend;
     surface.material.wrap_s = from.wrap_s;
     surface.material.wrap_t = from.wrap_t;
-    surface.map = make_texture_map(plane, from.uv);
+    surface.map = make_texture_map(plane, from.uv, texture.width, texture.height);
     ShadedTriangle out{};
     for (int i = 0; i < fragments; ++i) {
       const SlabPolygon polygon = cut_slab(plane, double(i - plane.anchor[2]));
