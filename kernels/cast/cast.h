@@ -233,15 +233,16 @@ GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patie
   CastPlace& place = walk.place;
   walk.distance = point_distance(line, ray.lod, ray.step);
   const bool in_surface = ray.step == ray.past;
+  // First: a step over what is empty of this level may end behind the scene, where the next level still has a surface.
+  const double next_lod = in_surface ? lod_end(line, ray.lod) : lod_start(line, ray.lod + 1);
+  if (ray.lod + 1 < scene.lods && walk.distance >= next_lod && next_lod <= line.leave) {
+    enter_next_lod(line, ray);
+    place = CastPlace();
+    return;
+  }
   if (walk.distance > line.leave) {
     ray.lod = -1;
     walk.task = CastTask::none;
-    return;
-  }
-  if (ray.lod + 1 < scene.lods &&
-      walk.distance >= (in_surface ? lod_end(line, ray.lod) : lod_start(line, ray.lod + 1))) {
-    enter_next_lod(line, ray);
-    place = CastPlace();
     return;
   }
   double p[3];

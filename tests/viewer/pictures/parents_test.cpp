@@ -19,11 +19,11 @@
 namespace gigabake {
 namespace {
 
-constexpr std::int64_t edge = 128;  ///< of the scene
+constexpr std::int64_t ground_edge = 128;  ///< of the scene
 
 /// Rolling ground, two voxels thick, and posts.
 std::optional<Paint> hills(std::int64_t x, std::int64_t y, std::int64_t z) {
-  if (x < 0 || y < 0 || x >= edge || y >= edge) return {};
+  if (x < 0 || y < 0 || x >= ground_edge || y >= ground_edge) return {};
   const double ground = 30 + 9 * std::sin(double(x) / 13) + 7 * std::cos(double(y) / 11);
   const bool post = x % 32 < 2 && y % 32 < 2 && double(z) < ground + 10;
   if (double(z) < ground - 2 || (double(z) >= ground && !post)) return {};
@@ -31,7 +31,7 @@ std::optional<Paint> hills(std::int64_t x, std::int64_t y, std::int64_t z) {
 }
 
 VoxelScene whole() {
-  VoxelScene scene(edge);
+  VoxelScene scene(ground_edge);
   scene.add_cell(hills, {0, 0, 0});
   return scene;
 }
@@ -39,10 +39,10 @@ VoxelScene whole() {
 /// Cells of 8³, parents of 64³ and the root, whose one level is as large as the scene.
 VoxelScene paint_in_three_tiers() {
   VoxelScene scene(8);
-  scene.add_cells(hills, {0, 0, 0}, edge);
+  scene.add_cells(hills, {0, 0, 0}, ground_edge);
   for (std::int64_t at = 0; at < 8; ++at)
     scene.add_parent(hills, {64 * (at & 1), 64 * (at >> 1 & 1), 64 * (at >> 2)}, 64, 1);
-  scene.add_parent(hills, {0, 0, 0}, edge, 4);
+  scene.add_parent(hills, {0, 0, 0}, ground_edge, 4);
   return scene;
 }
 
@@ -85,7 +85,7 @@ FrameRenderer renderer_of(const VoxelScene& scene, const PageSource& pages) {
   return FrameRenderer(scene.description(), "scene.xml", pages, options);
 }
 
-std::size_t covered_pixels(const Picture& picture) {
+std::size_t mostly_covered_pixels(const Picture& picture) {
   std::size_t covered = 0;
   for (std::size_t i = 3; i < picture.rgba.size(); i += 4) covered += picture.rgba[i] > 127;
   return covered;
@@ -101,7 +101,7 @@ TEST(DrawnFromParents, IsWhatOneCellOfAllShows) {
       const Picture a = expected.draw_exact(at(eye, mode)).picture, b = drawn.draw_exact(at(eye, mode)).picture;
       EXPECT_EQ(a.rgba, b.rgba) << name_of(mode) << " from " << eye.eye_m[2];
       for (std::size_t i = 0; i < a.depth.size(); ++i) EXPECT_NEAR(a.depth[i], b.depth[i], 0.01) << "voxels";
-      EXPECT_GT(covered_pixels(a), a.depth.size() / 40);
+      EXPECT_GT(mostly_covered_pixels(a), a.depth.size() / 40);
     }
 }
 
@@ -126,7 +126,7 @@ TEST(DrawnFromParents, ReadsTheRootAloneOfWhatIsFarAway) {
     return inner(key);
   });
   const Picture picture = renderer.draw_exact(at({{64, 60, 4000}, {64, 64, 20}, 4})).picture;
-  EXPECT_GT(covered_pixels(picture), 2u);
+  EXPECT_GT(mostly_covered_pixels(picture), 2u);
   const auto root = std::uint32_t(scene.description().cells.size() + scene.description().parents.size() - 1);
   EXPECT_EQ(shards, std::set<std::uint32_t>{root});
 }
@@ -156,7 +156,7 @@ TEST(DrawnFromParents, ShowsTheParentWhereACellIsDamaged) {
   FrameRenderer renderer = renderer_of(scene, damaged(scene, below));
   const Picture drawn = renderer.draw_exact(near).picture;
   EXPECT_EQ(renderer.problems(), std::vector<std::string>{"shards/damaged.h5: no such file"});
-  EXPECT_EQ(covered_pixels(drawn), covered_pixels(expected)) << "there is no hole";
+  EXPECT_EQ(mostly_covered_pixels(drawn), mostly_covered_pixels(expected)) << "there is no hole";
   EXPECT_GT(different_pixels(drawn, expected), 0u);
   EXPECT_LT(different_pixels(drawn, expected), expected.depth.size() / 4) << "the other cells are drawn as they are";
 }
@@ -171,9 +171,9 @@ TEST(DrawnFromParents, ShowsTheCellsWhereAParentIsDamaged) {
     EXPECT_EQ(renderer.draw_exact(near).picture.rgba, whole.draw_exact(near).picture.rgba);
     EXPECT_EQ(renderer.problems().size(), parent == last ? 0u : 1u) << "of the root nothing is needed from near";
     const View far = at({{64, 60, 300}, {64, 64, 20}, 6});
-    const std::size_t covered = covered_pixels(whole.draw_exact(far).picture);
+    const std::size_t covered = mostly_covered_pixels(whole.draw_exact(far).picture);
     if (parent == last) continue;  // nothing stands for the root
-    EXPECT_GE(covered_pixels(renderer.draw_exact(far).picture), covered * 9 / 10);
+    EXPECT_GE(mostly_covered_pixels(renderer.draw_exact(far).picture), covered * 9 / 10);
   }
 }
 
