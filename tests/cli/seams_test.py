@@ -68,9 +68,9 @@ class Seams(harness.FolderTest):
             for camera, pixel_error in (VIEWS["near"], VIEWS["far and coarse"]):
                 options = (*camera, "--pixel-error", pixel_error)
                 # Small: with the least memory each ray reads its pages again, which takes seconds for every thousand.
-                expected = self.render(scene, *options, size="80x45").read_bytes()
+                expected = self.render(scene, *options, size="160x90").read_bytes()
                 for memory in ("300K", "1M", "3M", "20M", "0"):
-                    picture = self.render(scene, *options, "--memory", memory, size="80x45")
+                    picture = self.render(scene, *options, "--memory", memory, size="160x90")
                     self.assertEqual(picture.read_bytes(), expected, f"{scene}, {memory}")
             for memory in ("1", "1000", "20K"):
                 result = GIGABAKE.run("render", self.scenes[scene], "-o", self.root / "refused.png", "--memory", memory)
