@@ -182,7 +182,7 @@ GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const Ca
     const CastPoint point = point_in_brick(place, p);
     const CastCorners corners = corners_of(voxels, point);
     if (side == 0) {
-      const CastSheet sheet = blend_planes(corners, line.direction);
+      const CastSheet sheet = blend_planes(corners);
       if (!(sheet.sheet > 0)) return true;
       seen = opacity_of_sheet(voxels, point, sheet);
       half = place.half;
@@ -279,7 +279,7 @@ GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const Ca
   const CastPlace& place = walk.place;
   const CastCorners corners = corners_of(scene.voxels + std::size_t(slot_voxels) * place.brick, walk.point);
   const PointKind kind = kind_of(corners, place.lod == ray.lod);
-  const CastSheet sheet = sheet_at(corners, kind, line.direction);
+  const CastSheet sheet = sheet_at(corners, kind);
   if (is_met(sheet_met(sheet, line, place, walk.distance, ray), walk, ray)) return;
   ray.is_seen = false;
   keep_height(sheet, line, place, walk.distance, ray);

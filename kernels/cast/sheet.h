@@ -1,9 +1,9 @@
 /// The sheet around a point: the planes of the eight voxels of one level there, blended.
 ///
-/// Around a point the eight planes' distances are interpolated as colours are, each as much as its voxel is a sheet and
-/// faces the ray, and the sheet lies where that distance changes its sign. One function serves both of two neighbours,
-/// so their planes meet, and no ray passes between them. Distances are along octahedral normals (kernels/body/plane.h),
-/// so they are up to 1.7 times too long; where they are zero, and which side a point is on, is the same.
+/// Around a point the eight planes' distances are interpolated as colours are, each as much as its voxel is a sheet,
+/// and the sheet lies where that distance changes its sign. One function serves both of two neighbours, so their planes
+/// meet, and no ray passes between them. Distances are along octahedral normals (kernels/body/plane.h), so they are up
+/// to 1.7 times too long; where they are zero, and which side a point is on, is the same.
 ///
 /// Exact   IEEE float: host and device return the same bits.
 /// Source  Ohtake et al. 2003, "Multi-level Partition of Unity Implicits"; docs/lab/levels.md.
@@ -20,9 +20,9 @@
 namespace gigabake::kernels {
 
 struct CastSheet {
-  float sheet = 0;       ///< weight of the voxels that are there · how much they are a sheet, whole, and face the ray
-  float normal[3] = {};  ///< the same of octahedral normals, 127 = 1
-  float above = 0;       ///< and of how far the point lies above their planes; 127: half a voxel
+  float sheet = 0;       ///< weight of the voxels that are there · how much they are a sheet, and whole
+  float normal[3] = {};  ///< weight · how much they are a sheet · octahedral normal, 127 = 1
+  float above = 0;       ///< the same of how far the point lies above their planes; 127: half a voxel
 
   /// How far the point lies above it, in voxels; 0 where there is no sheet.
   GB_HD float height() const { return sheet > 0 ? above / (sheet * 254) : 0; }
@@ -107,27 +107,9 @@ GB_HD CastPane pane_at(const CastCorners& corners, const double direction[3]) {
   return there > 0 ? CastPane{hidden / (there * 65535), across / there} : CastPane{};
 }
 
-GB_HD ByteVector byte_direction(const double direction[3]) {
-  int d[3];
-  GB_UNROLL
-  for (int a = 0; a < 3; ++a) d[a] = int(float(direction[a]) * 127 + (direction[a] < 0 ? -0.5f : 0.5f));
-  return byte_vector(d[0], d[1], d[2]);
-}
-
-/// A plane that runs along a ray does not say where the ray meets a sheet: under the eaves a wall would keep a ray that
-/// comes from above on its own outside, and the roof would never be met. One that faces the ray has eleven times as
-/// much to say. Surfaces whose planes differ little are blended as they would be without.
-inline constexpr float least_facing = 0.1f;
-
-GB_HD float facing_weight(ByteVector normal, ByteVector direction) {
-  const float along = float(dot(normal, direction)) * (1.0f / (127 * 127));
-  return along * along + least_facing;
-}
-
 /// Where the point lies between the voxels is rounded to a 127th of one here, so that how far it lies above a plane is
 /// one product of bytes.
-GB_HD CastSheet blend_planes(const CastCorners& corners, const double direction[3]) {
-  const ByteVector ray = byte_direction(direction);
+GB_HD CastSheet blend_planes(const CastCorners& corners) {
   int place[3];
   GB_UNROLL
   for (int a = 0; a < 3; ++a) place[a] = int(corners.between[a] * 127 + 0.5f);
@@ -139,7 +121,7 @@ GB_HD CastSheet blend_planes(const CastCorners& corners, const double direction[
     const ByteVector n = normal_of(voxel);
     const int along = dot(n, from_first) - dot(n, byte_vector(127 * (c & 1), 127 * (c >> 1 & 1), 127 * (c >> 2)));
     const int above = 2 * most_offset * along - 127 * 127 * unpack_plane(voxel.plane).offset;
-    const float by = corners.weight(c) * sheet_part(voxel) * facing_weight(n, ray);
+    const float by = corners.weight(c) * sheet_part(voxel);
     GB_UNROLL
     for (int a = 0; a < 3; ++a) r.normal[a] += by * float(voxel.normal[a]);
     r.sheet += by;
@@ -221,8 +203,8 @@ GB_HD PointKind kind_of(const CastCorners& corners, bool is_wanted) {
   return planes != 0 && is_wanted ? PointKind::sheet : PointKind::loose;
 }
 
-GB_HD CastSheet sheet_at(const CastCorners& corners, PointKind kind, const double direction[3]) {
-  return kind == PointKind::sheet ? blend_planes(corners, direction) : CastSheet{};
+GB_HD CastSheet sheet_at(const CastCorners& corners, PointKind kind) {
+  return kind == PointKind::sheet ? blend_planes(corners) : CastSheet{};
 }
 
 /// sheet: what sheet_at() says.
