@@ -32,7 +32,11 @@ PoolBooks::PoolBooks(std::size_t cells, int lods, const kernels::PoolSizes& size
   for (std::uint32_t s = sizes.slots; s-- > 0;) free_slots_.push_back(s);
 }
 
-std::uint32_t PoolBooks::least_tiles(std::size_t cells, int lods) { return root_tiles(cells) + std::uint32_t(lods); }
+std::uint32_t PoolBooks::least_tiles(std::size_t cells, int lods) {
+  // To meet a sheet a ray looks at points on both sides of it, which may lie in different bricks of two levels.
+  constexpr std::uint32_t ways_down = 4;
+  return root_tiles(cells) + ways_down * std::uint32_t(lods);
+}
 
 FieldNode PoolBooks::place_of(std::uint32_t node) const {
   if (node < cells_) return {node, lods_ - 1, {0, 0, 0}};

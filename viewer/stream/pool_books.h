@@ -15,7 +15,7 @@ class PoolBooks {
   /// The roots of `cells` cells of `lods` levels stand in the first tiles, for ever.
   PoolBooks(std::size_t cells, int lods, const kernels::PoolSizes& sizes);
 
-  /// The least tiles with which every ray can go on: the roots' and one way down.
+  /// The least tiles with which every ray can go on: the roots', and ways down to all that it uses at a time.
   static std::uint32_t least_tiles(std::size_t cells, int lods);
 
   /// Whether there is room for the bricks of all roots, which then never go.
