@@ -4,10 +4,15 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <fstream>
 #include <sys/stat.h>
+#include <system_error>
+#include <thread>
 #include <unistd.h>
 
 #include "cluster/collective.h"
@@ -15,6 +20,8 @@
 
 namespace gigabake {
 namespace {
+
+constexpr std::chrono::seconds longest_end{30};
 
 std::filesystem::path lock_path(const std::filesystem::path& folder) { return folder / ".lock"; }
 
@@ -49,6 +56,43 @@ std::string name_in(const Descriptor& file) {
   return line.empty() ? "a process that has not said who it is" : line;
 }
 
+/// Bit SIGKILL - 1 of the line of /proc/PID/status, a mask in hexadecimal digits.
+bool has_kill_pending(pid_t process) {
+  std::ifstream status("/proc/" + std::to_string(process) + "/status");
+  for (std::string key, value; status >> key && std::getline(status, value);)
+    if ((key == "SigPnd:" || key == "ShdPnd:") && (std::stoull(value, nullptr, 16) >> (SIGKILL - 1) & 1) != 0)
+      return true;
+  return false;
+}
+
+/// Whether the holder is a process of this host that was killed and still ends: what it was writing must reach the disk
+/// before the system closes its files, which can take seconds.
+bool is_ending(const std::string& holder) {
+  long process = 0;
+  std::array<char, 200> host{};
+  if (std::sscanf(holder.c_str(), "process %ld on %199s since", &process, host.data()) != 2) return false;
+  if (process <= 0 || host.data() != host_name()) return false;
+  std::error_code code;
+  const auto program = std::filesystem::read_symlink("/proc/" + std::to_string(process) + "/exe", code);
+  // A process that has given its memory back has no program any more; one of somebody else's does not show it.
+  const bool has_given_back = program.empty() && code != std::errc::permission_denied;
+  return has_given_back || has_kill_pending(pid_t(process));
+}
+
+/// False: somebody has it who goes on, or does not end.
+bool lock_after_end(const Descriptor& file) {
+  const auto start = std::chrono::steady_clock::now();
+  while (!try_lock(file)) {
+    if (errno != EAGAIN && errno != EACCES) return false;
+    if (std::chrono::steady_clock::now() - start > longest_end || !is_ending(name_in(file))) {
+      errno = EAGAIN;
+      return false;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return true;
+}
+
 std::string our_name() {
   const auto now = std::chrono::time_point_cast<std::chrono::seconds>(std::chrono::system_clock::now());
   return fmt::format("process {} on {} since {:%Y-%m-%dT%H:%M:%SZ}\n", ::getpid(), host_name(),
@@ -65,7 +109,7 @@ FolderLock::FolderLock(const std::filesystem::path& folder) : path_(lock_path(fo
   do {
     file_ = Descriptor(path_, O_RDWR | O_CREAT);
     if (!file_.is_open()) fail(path_, "open");
-    if (try_lock(file_)) continue;
+    if (lock_after_end(file_)) continue;
     if (errno != EAGAIN && errno != EACCES) fail(path_, "lock (Lustre needs the mount option flock)");
     throw InputError(folder, "", "is being baked into by " + name_in(file_));
   } while (!is_still_there(file_, path_));

@@ -12,10 +12,10 @@ namespace gigabake {
 /// Holds FOLDER/.lock, which names host, process and start, and removes it in the end. When the process is killed the
 /// system lets go of the lock, and the file that stays means nothing.
 /// Range   An open file description lock: also between hosts on NFS 4, on NFS 3 with its lock daemon, and on Lustre
-/// with
-///         the mount option flock.
+///         with the mount option flock.
 class FolderLock {
  public:
+  /// Waits for a holder of this host that was killed and has not ended yet: up to half a minute.
   /// Errors  InputError: somebody else holds it, and who; or the file system cannot lock.
   explicit FolderLock(const std::filesystem::path& folder);
   ~FolderLock();

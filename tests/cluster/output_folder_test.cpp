@@ -73,6 +73,31 @@ TEST_F(OutputFolderTest, IsFreeAgainWhenItsHolderWasKilled) {
   ::close(ready[0]), ::close(ready[1]);
 }
 
+// What was found on 2026-11-23: the same command, given again at once after a bake was killed, could end with "is being
+// baked into by" that bake, since a killed process holds its files until the disk has what it was writing.
+TEST_F(OutputFolderTest, IsWaitedForWhereItsHolderWasKilledAndItsFilesAreStillOpen) {
+  fs::create_directories(out());
+  int ready[2];
+  ASSERT_EQ(::pipe(ready), 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const FolderLock lock(out());
+    if (::fork() == 0) {  // has the same open files, and the lock with them
+      ::usleep(300000);
+      ::_exit(0);
+    }
+    if (::write(ready[1], "x", 1) != 1) ::_exit(1);
+    ::pause();
+  }
+  char byte = 0;
+  ASSERT_EQ(::read(ready[0], &byte, 1), 1);
+  ::kill(child, SIGKILL);
+  ASSERT_EQ(::waitpid(child, nullptr, 0), child);
+  EXPECT_NE(lock_holder(out()), std::nullopt);
+  EXPECT_EQ(line_of_a_second_bake(), "");
+  ::close(ready[0]), ::close(ready[1]);
+}
+
 TEST_F(OutputFolderTest, KeepsShardsOfEarlierBakesUntilTheyArePruned) {
   const OutputFolder folder_held(out(), folder / "scene.glb");
   scene_of(made_plan(3, 1));
