@@ -178,13 +178,13 @@ GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const Ca
       if (side == 0) return true;
       continue;
     }
-    const CastVoxel* voxels = scene.voxels + std::size_t(slot_voxels) * place.brick;
+    const BrickView here = scene.brick(place.brick);
     const CastPoint point = point_in_brick(place, p);
-    const CastCorners corners = corners_of(voxels, point);
+    const CastCorners corners = corners_of(here, point);
     if (side == 0) {
       const CastSheet sheet = blend_planes(corners);
       if (!(sheet.sheet > 0)) return true;
-      seen = opacity_of_sheet(voxels, point, sheet);
+      seen = opacity_of_sheet(here, point, sheet);
       half = place.half;
       brick = traits_of(place);
       if (seen.density < 1 && is_between_sheets(sheet, line, ray)) return true;
@@ -277,7 +277,7 @@ GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patie
 GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const CastLine& line, CastWalk& walk,
                       CastRay& ray) {
   const CastPlace& place = walk.place;
-  const CastCorners corners = corners_of(scene.voxels + std::size_t(slot_voxels) * place.brick, walk.point);
+  const CastCorners corners = corners_of(scene.brick(place.brick), walk.point);
   const PointKind kind = kind_of(corners, place.lod == ray.lod);
   const CastSheet sheet = sheet_at(corners, kind);
   if (is_met(sheet_met(sheet, line, place, walk.distance, ray), walk, ray)) return;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstring>
 
 #include "kernels/body/tables.h"
 #include "lattice/thread_pool.h"
@@ -18,27 +19,45 @@ class CpuCaster final : public Caster {
       : pool_(pool),
         scene_(scene),
         nodes_(std::size_t(8) * sizes.tiles),
-        masks_(sizes.slots),
-        voxels_(new CastVoxel[std::size_t(slot_voxels) * sizes.slots]),
+        masks_(new CastMask[sizes.slots]),
+        layers_(new CastLayer[std::size_t(slot_edge) * sizes.slots]),
+        voxels_(new PackedVoxel[sizes.voxels]),
         tile_used_(sizes.tiles),
         slot_used_(sizes.slots),
         wanted_(std::size_t(16) * sizes.tiles) {
     scene_.nodes = nodes_.data();
-    scene_.masks = masks_.data();
+    scene_.masks = masks_.get();
+    scene_.layers = layers_.get();
     scene_.voxels = voxels_.get();
     scene_.marks = {tile_used_.data(), slot_used_.data(), wanted_.data()};
     scene_.pass = 0;
   }
 
-  void put_bricks(const std::vector<std::uint32_t>& slots, const std::vector<CastBrick>& bricks) override {
-    for (std::size_t i = 0; i < slots.size(); ++i) {
-      masks_[slots[i]] = bricks[i].mask;
-      std::copy_n(bricks[i].voxels, slot_voxels, voxels_.get() + std::size_t(slot_voxels) * slots[i]);
+  void put_bricks(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks) override {
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      masks_[places[i].slot] = bricks[i].mask;
+      for (std::size_t z = 0; z < slot_edge; ++z) {
+        CastLayer layer = bricks[i].layers[z];
+        layer.first += places[i].first;
+        layers_[slot_edge * std::size_t(places[i].slot) + z] = layer;
+      }
+      std::copy(bricks[i].voxels.begin(), bricks[i].voxels.end(), voxels_.get() + places[i].first);
+    }
+  }
+
+  void move_voxels(const std::vector<VoxelMove>& moves) override {
+    for (const VoxelMove& move : moves) {
+      std::memmove(voxels_.get() + move.to, voxels_.get() + move.from, sizeof(PackedVoxel) * move.count);
+      for (std::size_t z = 0; z < slot_edge; ++z)
+        layers_[slot_edge * std::size_t(move.slot) + z].first -= move.from - move.to;
     }
   }
 
   void put_nodes(const std::vector<NodeChange>& changes) override {
-    for (const NodeChange& change : changes) nodes_[change.node] = change.value;
+    for (const NodeChange& change : changes) {
+      nodes_[change.node] = change.value;
+      nodes_end_ = std::max<std::size_t>(nodes_end_, change.node + 1);
+    }
   }
 
   void start(const CastCamera& camera, const CastTile& tile) override {
@@ -61,7 +80,8 @@ class CpuCaster final : public Caster {
 
   std::vector<std::uint32_t> wanted() override {
     std::vector<std::uint32_t> found;
-    for (std::size_t i = 0; i < wanted_.size(); ++i)
+    const std::size_t end = 2 * std::max(nodes_end_, scene_.cells.size);
+    for (std::size_t i = 0; i < end; ++i)
       if (wanted_[i] == scene_.pass) found.push_back(std::uint32_t(i));
     return found;
   }
@@ -101,8 +121,11 @@ class CpuCaster final : public Caster {
   const ThreadPool& pool_;
   CastScene scene_;
   std::vector<CastNode> nodes_;
-  std::vector<CastMask> masks_;
-  std::unique_ptr<CastVoxel[]> voxels_;  ///< untouched pages cost no memory
+  std::size_t nodes_end_ = 0;  ///< those from here on were never put
+  // Not initialised: pages that nobody touches cost no memory.
+  std::unique_ptr<CastMask[]> masks_;
+  std::unique_ptr<CastLayer[]> layers_;
+  std::unique_ptr<PackedVoxel[]> voxels_;
   std::vector<std::uint32_t> tile_used_, slot_used_, wanted_;
   CastCamera camera_;
   CastTile tile_;
@@ -113,7 +136,8 @@ class CpuCaster final : public Caster {
 
 std::uint64_t PoolSizes::bytes() const {
   const std::uint64_t tile = 8 * sizeof(CastNode) + (1 + 16) * sizeof(std::uint32_t);
-  return tiles * tile + std::uint64_t(slots) * (sizeof(CastBrick) + sizeof(std::uint32_t));
+  const std::uint64_t slot = sizeof(CastMask) + slot_edge * sizeof(CastLayer) + sizeof(std::uint32_t);
+  return tiles * tile + slots * slot + voxels * std::uint64_t(sizeof(PackedVoxel));
 }
 
 std::unique_ptr<Caster> make_cpu_caster(const CastScene& scene, const PoolSizes& sizes, const ThreadPool& pool) {

@@ -2,6 +2,7 @@
 #include <cstring>
 #include <unordered_map>
 
+#include "kernels/cast/brick_pool.cuh"
 #include "kernels/cast/caster.h"
 #include "kernels/cast/ray_rounds.cuh"
 #include "kernels/cast/tile_grid.cuh"
@@ -33,15 +34,6 @@ __global__ void write_pixels(CastScene scene, CastCamera camera, CastTile tile, 
               out);
 }
 
-/// A block a brick.
-__global__ void scatter_bricks(const std::uint32_t* slots, const CastBrick* bricks, CastMask* masks,
-                               CastVoxel* voxels) {
-  const CastBrick& brick = bricks[blockIdx.x];
-  const std::size_t slot = slots[blockIdx.x];
-  for (unsigned i = threadIdx.x; i < slot_voxels; i += blockDim.x) voxels[slot_voxels * slot + i] = brick.voxels[i];
-  if (threadIdx.x < 8) masks[slot].word[threadIdx.x] = brick.mask.word[threadIdx.x];
-}
-
 __global__ void apply_changes(const NodeChange* changes, std::uint32_t count, CastNode* nodes) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
   if (i < count) nodes[changes[i].node] = changes[i].value;
@@ -68,8 +60,7 @@ class CudaCaster final : public Caster {
         column_key_(copy(scene.column_key)),
         column_first_(copy(scene.column_first)),
         nodes_(copy_of(std::vector<CastNode>(std::size_t(8) * sizes.tiles))),
-        masks_(heap_, sizes.slots),
-        voxels_(heap_, std::size_t(slot_voxels) * sizes.slots),
+        bricks_(heap_, sizes),
         tile_used_(zeros<std::uint32_t>(sizes.tiles)),
         slot_used_(zeros<std::uint32_t>(sizes.slots)),
         wanted_(zeros<std::uint32_t>(std::size_t(16) * sizes.tiles)),
@@ -82,26 +73,21 @@ class CudaCaster final : public Caster {
     scene_.column_key = {column_key_.data(), column_key_.size()};
     scene_.column_first = {column_first_.data(), column_first_.size()};
     scene_.nodes = nodes_.data();
-    scene_.masks = masks_.data();
-    scene_.voxels = voxels_.data();
+    bricks_.show_in(scene_);
     scene_.marks = {tile_used_.data(), slot_used_.data(), wanted_.data()};
     scene_.pass = 0;
     finish("making pools");
   }
 
-  void put_bricks(const std::vector<std::uint32_t>& slots, const std::vector<CastBrick>& bricks) override {
-    if (slots.empty()) return;
+  void put_bricks(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks) override {
+    if (places.empty()) return;
     use_device();
-    if (new_slots_.size() < slots.size()) {
-      new_slots_ = DeviceArray<std::uint32_t>(heap_, slots.size());
-      new_bricks_ = DeviceArray<CastBrick>(heap_, slots.size());
-    }
-    upload(new_slots_.data(), slots);
-    upload(new_bricks_.data(), bricks);
-    scatter_bricks<<<unsigned(slots.size()), 128, 0, stream_.handle>>>(new_slots_.data(), new_bricks_.data(),
-                                                                       masks_.data(), voxels_.data());
-    check_launch("scatter_bricks");
-    finish("scatter_bricks");
+    bricks_.put(places, bricks);
+  }
+
+  void move_voxels(const std::vector<VoxelMove>& moves) override {
+    use_device();
+    bricks_.move(moves);
   }
 
   /// Of several changes to one node the last is the one that holds.
@@ -208,16 +194,6 @@ class CudaCaster final : public Caster {
     return array;
   }
 
-  /// Returns when it is there.
-  template <class T>
-  void upload(T* device, const std::vector<T>& host) {
-    const std::size_t bytes = host.size() * sizeof(T);
-    std::byte* on_its_way = pinned_.reserve(bytes);
-    std::memcpy(on_its_way, host.data(), bytes);
-    check_cuda(cudaMemcpyAsync(device, on_its_way, bytes, cudaMemcpyHostToDevice, stream_.handle), "cudaMemcpyAsync");
-    finish("cudaMemcpyAsync");
-  }
-
   /// Returns when it is here.
   template <class T>
   void download(T* host, const T* device, std::size_t count) {
@@ -249,8 +225,7 @@ class CudaCaster final : public Caster {
   DeviceArray<std::uint64_t> column_key_;
   DeviceArray<std::uint32_t> column_first_;
   DeviceArray<CastNode> nodes_;
-  DeviceArray<CastMask> masks_;
-  DeviceArray<CastVoxel> voxels_;
+  BrickPool bricks_;
   DeviceArray<std::uint32_t> tile_used_, slot_used_, wanted_, want_list_, count_;
   DeviceArray<unsigned long long> unfinished_;
   RayRounds rounds_;
@@ -258,8 +233,6 @@ class CudaCaster final : public Caster {
   CastCamera camera_;
   CastTile tile_;
   DeviceArray<CastRay> rays_;
-  DeviceArray<std::uint32_t> new_slots_;
-  DeviceArray<CastBrick> new_bricks_;
   PinnedBuffer pinned_;
   DeviceArray<float> linear_, depth_;
   DeviceArray<std::uint8_t> srgb_;

@@ -1,7 +1,7 @@
 /// Where rays are cast: the pools of nodes and bricks, and a frame's rays, on the CPU or on one GPU.
 ///
-/// Whoever owns a Caster decides what stands in which tile and slot; the caster only holds it, casts, and tells what
-/// rays used and missed.
+/// Whoever owns a Caster decides what stands in which tile, slot and place of the pool of voxels; the caster only holds
+/// it, casts, and tells what rays used and missed.
 #pragma once
 
 #include <cstdint>
@@ -15,14 +15,25 @@
 
 namespace gigabake::kernels {
 
-/// A slot's content.
+/// A brick to put into a slot. Its layers count from its own first voxel on.
 struct CastBrick {
   CastMask mask;
-  CastVoxel voxels[slot_voxels];  ///< x fastest
+  CastLayer layers[slot_edge];
+  std::vector<PackedVoxel> voxels;
+};
+
+/// Where a brick goes: its slot, and where in the pool of voxels its first one stands.
+struct BrickPlace {
+  std::uint32_t slot = 0, first = 0;
+};
+
+/// The voxels of a slot go to another place in their pool.
+struct VoxelMove {
+  std::uint32_t slot, from, to, count;
 };
 
 struct PoolSizes {
-  std::uint32_t tiles = 0, slots = 0;
+  std::uint32_t tiles = 0, slots = 0, voxels = 0;
 
   /// Of the pools and their marks, on the caster's device.
   std::uint64_t bytes() const;
@@ -41,7 +52,10 @@ class Caster {
  public:
   virtual ~Caster() = default;
 
-  virtual void put_bricks(const std::vector<std::uint32_t>& slots, const std::vector<CastBrick>& bricks) = 0;
+  virtual void put_bricks(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks) = 0;
+  /// Range  ascending, none upwards, and what they leave together has no gaps: the first goes to 0 or to where what
+  /// stays where it is ends, each other one to where the one before ends.
+  virtual void move_voxels(const std::vector<VoxelMove>& moves) = 0;
   /// In their order: later ones hold.
   virtual void put_nodes(const std::vector<NodeChange>& changes) = 0;
 

@@ -41,25 +41,16 @@ GB_HD bool is_zero(const CastMask& mask, const CastPoint& point) {
   return (mask.word[point.base[2]] >> (point.base[0] + 8 * point.base[1]) & 1) == 0;
 }
 
-GB_HD CastVoxel load_voxel(const CastVoxel* at) {
-#if defined(__CUDA_ARCH__)
-  const uint4 words = __ldg(reinterpret_cast<const uint4*>(at));
-  CastVoxel voxel;
-  static_assert(sizeof(voxel) == sizeof(words));
-  __builtin_memcpy(&voxel, &words, sizeof(voxel));
-  return voxel;
-#else
-  return *at;
-#endif
-}
-
 /// The eight voxels around a point, x | y<<1 | z<<2, and where it lies between them.
 struct CastCorners {
-  const CastVoxel* base;
+  const PackedVoxel* voxels;
+  LayerWindow low, high;
   float between[3];
 
   GB_HD CastVoxel voxel(int corner) const {
-    return load_voxel(base + (corner & 1) + slot_edge * (corner >> 1 & 1) + slot_edge * slot_edge * (corner >> 2));
+    const LayerWindow layer = corner < 4 ? low : high;
+    const int k = (corner & 1) + slot_edge * (corner >> 1 & 1);
+    return layer.has(k) ? unpack_voxel(load_packed(voxels + layer.place(k))) : CastVoxel{};
   }
 
   /// Of the interpolation between them.
@@ -70,8 +61,12 @@ struct CastCorners {
   }
 };
 
-GB_HD CastCorners corners_of(const CastVoxel* voxels, const CastPoint& point) {
-  return {voxels + point.base[0] + slot_edge * (point.base[1] + slot_edge * point.base[2]),
+GB_HD CastCorners corners_of(const BrickView& brick, const CastPoint& point) {
+  const CastLayer* layer = brick.layers + point.base[2];
+  const int at = point.base[0] + slot_edge * point.base[1];
+  return {brick.voxels,
+          window_of(load_layer(layer), at),
+          window_of(load_layer(layer + 1), at),
           {point.between[0], point.between[1], point.between[2]}};
 }
 

@@ -1,6 +1,6 @@
 /// A paged scene as the ray caster borrows it: columns of cells, each an oct-tree whose nodes and bricks stand in two
-/// pools of fixed size and may or may not be here. A cell here is the root of a tree: one that was baked by itself, or
-/// a part of a scene that hangs from its parents (viewer/stream/cell_layout.h).
+/// pools of fixed size (kernels/cast/cast_brick.h) and may or may not be here. A cell here is the root of a tree: one
+/// that was baked by itself, or a part of a scene that hangs from its parents (viewer/stream/cell_layout.h).
 ///
 /// The trees here are of *fields*, not of voxels: a voxel's field reaches from its centre to its neighbours' centres,
 /// so a node holds what lies between the centre of its lowest voxel and one voxel beyond its highest. It exists where
@@ -12,27 +12,16 @@
 #pragma once
 
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 
+#include "kernels/cast/cast_brick.h"
 #include "lattice/host_device.h"
 
 namespace gigabake::kernels {
 
 inline constexpr int max_cast_lods = 29;                          ///< of a tree of up to 2^31 voxels along an edge
 inline constexpr std::int64_t far_voxel = std::int64_t(1) << 52;  ///< beyond every scene; exact in a double
-inline constexpr int slot_edge = 9, slot_voxels = slot_edge * slot_edge * slot_edge;
-
-/// What a voxel adds to a ray, 65535 = 1. Premultiplied, so that voxels that are not there need no case of their own.
-/// [0…2] linear RGB radiance / 2 × the mean of [3…5]. [3…5] coverage that a view along x, y, z sees. The rest is
-/// where its surface lies, in the four bytes that a device multiplies at once.
-struct alignas(16) CastVoxel {
-  std::uint16_t c[6];
-  std::int8_t normal[3];  ///< where it meets the octahedron |x| + |y| + |z| = 127
-  std::uint8_t plane;     ///< kernels/body/plane.h, 0: none; or clear_plane
-};
-/// Instead of a plane, at lod 0: the voxel lets light through.
-inline constexpr std::uint8_t clear_plane = 64;
-inline constexpr int cast_channels = 6;
 
 /// A reference to a tile or a slot, or why there is none.
 inline constexpr std::uint32_t empty_ref = 0xffffffffu;   ///< there is nothing: the field is zero
@@ -48,11 +37,6 @@ GB_HD double power_of_two(int exponent) { return std::bit_cast<double>(std::uint
 struct CastNode {
   std::uint32_t children = absent_ref;  ///< tile
   std::uint32_t brick = absent_ref;     ///< slot
-};
-
-/// Bit x + 8y of word z: the field is not zero everywhere between the centres of voxels (x,y,z) and (x,y,z) + 1.
-struct CastMask {
-  std::uint64_t word[8];
 };
 
 struct CastCell {
@@ -79,9 +63,12 @@ struct CastScene {
 
   const CastNode* nodes = nullptr;
   const CastMask* masks = nullptr;    ///< by slot
-  const CastVoxel* voxels = nullptr;  ///< slot_voxels a slot, x fastest
+  const CastLayer* layers = nullptr;  ///< slot_edge a slot, upwards
+  const PackedVoxel* voxels = nullptr;
   CastMarks marks;
   std::uint32_t pass = 0;
+
+  GB_HD BrickView brick(std::uint32_t slot) const { return {layers + std::size_t(slot_edge) * slot, voxels}; }
 };
 
 }  // namespace gigabake::kernels

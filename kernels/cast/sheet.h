@@ -249,12 +249,11 @@ GB_HD float component(const float v[3], int axis) { return axis == 0 ? v[0] : (a
 /// The columns of voxels around a point, along the axis that the sheet through it is most across. Column (0, 0) to
 /// (1, 1) are those between which it lies.
 struct SheetColumns {
-  const CastVoxel* base;
+  BrickView brick;
+  int base[3];
   int along, u, v;  ///< axes
   float slope_u, slope_v, reach;
   float at[3];  ///< where the point lies between the voxels along `along`, u and v
-
-  GB_HD const CastVoxel* voxel(int i, int j) const { return base + i * step(u) + j * step(v); }
 
   /// What part of the tangent plane within this column lies in its two voxels.
   GB_HD float part(int i, int j) const {
@@ -263,17 +262,21 @@ struct SheetColumns {
 
   /// How much these two cover along the axis, which is exact.
   GB_HD float together(int i, int j) const {
-    const CastVoxel* low = voxel(i, j);
-    return float(low->c[3 + along] + low[step(along)].c[3 + along]) * (1.0f / 65535);
+    const int x = base[0] + (u == 0 ? i : 0);
+    const int y = base[1] + (u == 1 ? i : (v == 1 ? j : 0));
+    const int z = base[2] + (v == 2 ? j : 0);
+    const int low = coverage_at(brick, x, y, z, along);
+    const int high =
+        coverage_at(brick, x + (along == 0 ? 1 : 0), y + (along == 1 ? 1 : 0), z + (along == 2 ? 1 : 0), along);
+    return float(low + high) * (1.0f / 65535);
   }
-
-  GB_HD static int step(int axis) { return axis == 0 ? 1 : (axis == 1 ? slot_edge : slot_edge * slot_edge); }
 };
 
-GB_HD SheetColumns columns_around(const CastVoxel* voxels, const CastPoint& point, const CastSheet& sheet) {
+GB_HD SheetColumns columns_around(const BrickView& brick, const CastPoint& point, const CastSheet& sheet) {
   const float x = std::fabs(sheet.normal[0]), y = std::fabs(sheet.normal[1]), z = std::fabs(sheet.normal[2]);
   SheetColumns r;
-  r.base = corners_of(voxels, point).base;
+  r.brick = brick;
+  for (int a = 0; a < 3; ++a) r.base[a] = point.base[a];
   r.along = z > (y > x ? y : x) ? 2 : (y > x ? 1 : 0);
   r.u = r.along == 0 ? 1 : 0;
   r.v = r.along == 2 ? 1 : 2;
@@ -313,8 +316,8 @@ GB_HD float densest_near(const SheetColumns& columns, const CastPoint& point) {
 /// How much of the sheet through a point is surface: of what of the tangent plane lies in the voxels of four columns,
 /// what they cover; elsewhere the sheet may be in the next ones. Where no column near is nearly full the sheet lets
 /// light through, and is as dense as it is opaque here; else what is missing is its border.
-GB_HD SheetOpacity opacity_of_sheet(const CastVoxel* voxels, const CastPoint& point, const CastSheet& sheet) {
-  const SheetColumns columns = columns_around(voxels, point, sheet);
+GB_HD SheetOpacity opacity_of_sheet(const BrickView& brick, const CastPoint& point, const CastSheet& sheet) {
+  const SheetColumns columns = columns_around(brick, point, sheet);
   float there = 0, met = 0;
   GB_NO_UNROLL
   for (int column = 0; column < 4; ++column) {

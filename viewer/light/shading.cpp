@@ -32,7 +32,7 @@ Shading::Shading(const kernels::CastLight& light, const SceneHeader& scene, Surf
     for (int stored = 0; stored < 256; ++stored) {
       double coverage = stored / 255.0;
       for (int l = 0; l < lod && averaged; ++l) coverage = facing_coverage_below(coverage);
-      coverage_[std::size_t(lod)][std::size_t(stored)] = std::uint16_t(coverage * 65535 + 0.5);
+      coverage_[std::size_t(lod)][std::size_t(stored)] = std::uint8_t(coverage * 255 + 0.5);
     }
 }
 
@@ -42,8 +42,9 @@ kernels::CastVoxel Shading::operator()(int lod, const std::uint8_t rgba[4], cons
   // A sheet's plane says how it is seen. Its alpha, along all axes, is for where its brick stands for finer ones.
   const bool is_sheet = facing != nullptr && kernels::is_all_sheet(facing[facing_plane]);
   for (int a = 0; a < 3; ++a)
-    coverage[a] = facing == nullptr ? coverage_[std::size_t(lod)][rgba[3]]
-                                    : std::uint16_t(257 * (is_sheet ? rgba[3] : std::max<int>(facing[a], 1)));
+    coverage[a] = std::uint16_t(257 * (facing == nullptr ? coverage_[std::size_t(lod)][rgba[3]]
+                                       : is_sheet        ? rgba[3]
+                                                         : std::max<std::uint8_t>(facing[a], 1)));
   std::uint8_t shown[4] = {rgba[0], rgba[1], rgba[2], rgba[3]};
   if (surface_ == Surface::coverage) std::fill_n(shown, 3, rgba[3]);
   if (surface_ == Surface::normal && has_normals_) paint_normal(normal, shown);

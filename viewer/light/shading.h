@@ -29,7 +29,7 @@ class Shading {
   kernels::CastLight light_;
   Surface surface_;
   bool has_normals_;
-  std::array<std::array<std::uint16_t, 256>, kernels::max_cast_lods> coverage_;  ///< without facing: by lod and alpha
+  std::array<std::array<std::uint8_t, 256>, kernels::max_cast_lods> coverage_;  ///< without facing: by lod and alpha
 };
 
 }  // namespace gigabake

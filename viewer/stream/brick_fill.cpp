@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 #include <optional>
 
 namespace gigabake {
 namespace {
 
 using kernels::CastBrick;
+using kernels::CastLayer;
 using kernels::slot_edge;
 using kernels::VoxelBox;
 
@@ -30,9 +30,7 @@ class BrickFiller {
         lookup_(lookup),
         shading_(shading),
         gaps_(gaps),
-        brick_(brick) {
-    std::memset(brick_.voxels, 0, sizeof brick_.voxels);
-  }
+        brick_(brick) {}
 
   /// The brick's own voxels, then its three faces', three edges' and one corner's neighbours.
   bool fill() {
@@ -44,6 +42,7 @@ class BrickFiller {
       }
       fill_part(part);
     }
+    pack();
     return set_mask();
   }
 
@@ -76,7 +75,7 @@ class BrickFiller {
   }
 
   void put(int x, int y, int z, const kernels::CastVoxel& voxel) {
-    brick_.voxels[x + slot_edge * (y + slot_edge * z)] = voxel;
+    voxels_[x + slot_edge * (y + slot_edge * z)] = kernels::pack_voxel(voxel);
     rows_[z][y] = std::uint16_t(rows_[z][y] | 1u << x);
   }
 
@@ -161,6 +160,19 @@ class BrickFiller {
     }
   }
 
+  void pack() {
+    brick_.voxels.clear();
+    for (int z = 0; z < slot_edge; ++z) {
+      CastLayer& layer = brick_.layers[z] = {{0, 0, 0}, std::uint32_t(brick_.voxels.size())};
+      for (int y = 0; y < slot_edge; ++y)
+        for (std::uint32_t row = rows_[z][y]; row != 0; row &= row - 1) {
+          const int at = std::countr_zero(row) + slot_edge * y;
+          layer.bits[at / 32] |= 1u << at % 32;
+          brick_.voxels.push_back(voxels_[at + slot_edge * slot_edge * z]);
+        }
+    }
+  }
+
   /// A point's field is not zero where one of the eight voxels around it is there.
   bool set_mask() {
     std::uint64_t any = 0;
@@ -183,6 +195,7 @@ class BrickFiller {
   PageGaps& gaps_;
   CastBrick& brick_;
   Rows rows_ = {};
+  kernels::PackedVoxel voxels_[kernels::slot_voxels];  ///< x fastest; those that rows_ says are there
 };
 
 }  // namespace

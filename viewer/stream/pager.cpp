@@ -62,6 +62,12 @@ struct Pager::State {
   std::uint64_t bytes() const { return pages.bytes() + arrived_bytes; }
   std::uint64_t queued() const { return (queue.size() - next) + reading; }
 
+  template <class Condition>
+  bool wait_until(std::chrono::milliseconds most, const Condition& holds) {
+    std::unique_lock lock(mutex);
+    return arrived.wait_for(lock, most, holds);
+  }
+
   const PageSource source;
   const std::uint64_t memory_bytes;
 
@@ -183,14 +189,12 @@ void Pager::want(const std::vector<PageKey>& most_urgent_first) {
 
 bool Pager::wait(std::chrono::milliseconds most) {
   State& s = *state_;
-  std::unique_lock lock(s.mutex);
-  return s.arrived.wait_for(lock, most, [&] { return !s.arrivals.empty() || s.queued() == 0; });
+  return s.wait_until(most, [&] { return !s.arrivals.empty() || s.queued() == 0; });
 }
 
 bool Pager::settle(std::chrono::milliseconds most) {
   State& s = *state_;
-  std::unique_lock lock(s.mutex);
-  return s.arrived.wait_for(lock, most, [&] { return s.queued() == 0; });
+  return s.wait_until(most, [&] { return s.queued() == 0; });
 }
 
 bool Pager::has_arrivals() const {

@@ -26,7 +26,8 @@ PoolBooks::PoolBooks(std::size_t cells, int lods, const kernels::PoolSizes& size
       roots_stay_(cells < sizes.slots / 2),
       nodes_(std::size_t(8) * sizes.tiles),
       tiles_(sizes.tiles),
-      slots_(sizes.slots) {
+      slots_(sizes.slots),
+      arena_(sizes.slots, sizes.voxels) {
   for (std::uint32_t t = 0; t < root_tiles(cells); ++t) tiles_[t].used = true;
   for (std::uint32_t t = sizes.tiles; t-- > root_tiles(cells);) free_tiles_.push_back(t);
   for (std::uint32_t s = sizes.slots; s-- > 0;) free_slots_.push_back(s);
@@ -77,11 +78,14 @@ bool PoolBooks::put_children(std::uint32_t node, std::uint8_t children, kernels:
   return true;
 }
 
-std::optional<std::uint32_t> PoolBooks::put_brick(std::uint32_t node, kernels::Caster& caster) {
-  if (free_slots_.empty() && !free_some_slots(caster)) return {};
+std::optional<std::uint32_t> PoolBooks::put_brick(std::uint32_t node, std::uint32_t voxels, kernels::Caster& caster) {
+  while (free_slots_.empty() || arena_.free() < voxels)
+    if (!free_some_slots(caster)) return {};
+  if (!arena_.has_room(voxels)) caster.move_voxels(arena_.close_gaps());
   const std::uint32_t s = free_slots_.back();
   free_slots_.pop_back();
   slots_[s] = {node, caster.pass(), round_, true};
+  arena_.take(s, voxels);
   change(node, {nodes_[node].children, s});
   return s;
 }
@@ -97,6 +101,7 @@ void PoolBooks::set_lost(std::uint32_t node, kernels::Want what) {
 void PoolBooks::release_slot(std::uint32_t slot) {
   change(slots_[slot].owner, {nodes_[slots_[slot].owner].children, absent_ref});
   slots_[slot].used = false;
+  arena_.give_back(slot);
   free_slots_.push_back(slot);
 }
 
@@ -113,10 +118,14 @@ void PoolBooks::release_tile(std::uint32_t tile) {
 /// candidates: last use, and who.
 std::vector<std::uint32_t> PoolBooks::oldest(std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates,
                                              std::size_t most) {
+  if (candidates.size() > most) {
+    std::nth_element(candidates.begin(), candidates.begin() + std::ptrdiff_t(most), candidates.end());
+    candidates.resize(most);
+  }
   std::sort(candidates.begin(), candidates.end());
   std::vector<std::uint32_t> gone;
   for (const auto& [stamp, who] : candidates) {
-    if (gone.size() >= most || (stamp >= used_since_ && !(may_evict_used_ && gone.empty()))) break;
+    if (stamp >= used_since_ && !(may_evict_used_ && gone.empty())) break;
     evicted_used_ |= stamp >= used_since_;
     gone.push_back(who);
   }
@@ -140,8 +149,9 @@ bool PoolBooks::free_some_slots(kernels::Caster& caster) {
   for (std::uint32_t s = 0; s < slots_.size(); ++s)
     if (slots_[s].used && slots_[s].round != round_ && !(roots_stay_ && slots_[s].owner < cells_))
       candidates.emplace_back(last_use(stamps[s], slots_[s].born), s);
-  for (const std::uint32_t s : oldest(std::move(candidates), 1 + slots_.size() / parts_of_pool)) release_slot(s);
-  return !free_slots_.empty();
+  const std::vector<std::uint32_t> gone = oldest(std::move(candidates), 1 + slots_.size() / parts_of_pool);
+  for (const std::uint32_t s : gone) release_slot(s);
+  return !gone.empty();
 }
 
 }  // namespace gigabake

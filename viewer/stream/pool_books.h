@@ -7,6 +7,7 @@
 
 #include "kernels/cast/caster.h"
 #include "viewer/stream/brick_fill.h"
+#include "viewer/stream/voxel_arena.h"
 
 namespace gigabake {
 
@@ -21,9 +22,10 @@ class PoolBooks {
   /// Whether there is room for the bricks of all roots, which then never go.
   bool roots_stay() const { return roots_stay_; }
 
-  /// Tiles and slots that hold something.
+  /// Tiles, slots and voxels that hold something.
   kernels::PoolSizes in_use() const {
-    return {std::uint32_t(tiles_.size() - free_tiles_.size()), std::uint32_t(slots_.size() - free_slots_.size())};
+    return {std::uint32_t(tiles_.size() - free_tiles_.size()), std::uint32_t(slots_.size() - free_slots_.size()),
+            arena_.size() - arena_.free()};
   }
   const kernels::CastNode& node(std::uint32_t node) const { return nodes_[node]; }
   FieldNode place_of(std::uint32_t node) const;
@@ -38,7 +40,10 @@ class PoolBooks {
 
   /// caster: asked what the rays of the last pass used, where room must be made. False where none can be made.
   bool put_children(std::uint32_t node, std::uint8_t children, kernels::Caster& caster);
-  std::optional<std::uint32_t> put_brick(std::uint32_t node, kernels::Caster& caster);
+  /// A brick of so many voxels: its slot. What stands in the pool of voxels may move.
+  std::optional<std::uint32_t> put_brick(std::uint32_t node, std::uint32_t voxels, kernels::Caster& caster);
+  /// Where a brick that was put stands now.
+  kernels::BrickPlace brick_place(std::uint32_t slot) const { return {slot, arena_.first(slot)}; }
 
   void set_empty(std::uint32_t node);
   void set_lost(std::uint32_t node, kernels::Want what);
@@ -74,6 +79,7 @@ class PoolBooks {
   std::vector<kernels::CastNode> nodes_;
   std::vector<Tile> tiles_;
   std::vector<Slot> slots_;
+  VoxelArena arena_;
   std::vector<std::uint32_t> free_tiles_, free_slots_;
   std::vector<kernels::NodeChange> changes_;
   std::uint32_t round_ = 0, used_since_ = 0;

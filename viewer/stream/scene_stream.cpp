@@ -17,6 +17,8 @@ constexpr std::size_t wants_per_batch = 256;
 /// Wants looked at in one call, the most urgent ones: more would only be asked of the pager in vain.
 constexpr std::size_t most_wants = 8192;
 constexpr std::uint32_t least_slots = 16;
+/// Of bricks of surfaces, with their borders; where they have more on average the pool of voxels is full first.
+constexpr std::uint32_t voxels_per_slot = 80;
 /// What the urgency of a root is multiplied with while no ray has met its cell.
 constexpr double unseen_root = 1.0 / 64;
 constexpr int cpu_tile_edge = 128, device_tile_edge = 1024;
@@ -26,7 +28,7 @@ Want what_of(std::uint32_t want) { return Want(want % 2); }
 
 std::uint64_t host_memory() { return host_limits().memory_bytes; }
 
-/// What is not pages: on the host two thirds, since a brick takes some five times there what it takes in a page.
+/// What is not pages: on the host two thirds, since a brick takes some twice there what it takes in a page.
 std::uint64_t bytes_for_pools(const SceneStream::Options& options) {
   return options.cuda_device ? options.device_bytes : std::min(options.memory_bytes, host_memory() / 2) / 3 * 2;
 }
@@ -38,12 +40,13 @@ std::uint64_t bytes_for_pages(const SceneStream::Options& options) {
 
 kernels::PoolSizes pool_sizes(const CellLayout& layout, std::uint64_t bytes) {
   const std::uint32_t least = PoolBooks::least_tiles(layout.cells.size(), layout.scene.lods);
-  const std::uint64_t one = kernels::PoolSizes{1, 2}.bytes(), roots = kernels::PoolSizes{least, least_slots}.bytes();
+  const kernels::PoolSizes first{least, least_slots, least_slots * kernels::slot_voxels};
+  const std::uint64_t one = kernels::PoolSizes{1, 2, 2 * voxels_per_slot}.bytes(), roots = first.bytes();
   if (roots > bytes)
     throw UsageError("memory_bytes", "the roots of " + counted(layout.cells.size(), "tree") + " alone need " +
                                          std::to_string(roots / 2 * 3 / 1024 + 1) + "K");
-  const auto more = std::uint32_t(std::min<std::uint64_t>((bytes - roots) / one, 1u << 26));
-  return {least + more, least_slots + 2 * more};
+  const auto more = std::uint32_t(std::min<std::uint64_t>((bytes - roots) / one, 1u << 24));  // voxels: 32 bits
+  return {first.tiles + more, first.slots + 2 * more, first.voxels + 2 * voxels_per_slot * more};
 }
 
 std::unique_ptr<kernels::Caster> make_caster(const CellLayout& layout, const kernels::PoolSizes& sizes,
@@ -156,7 +159,7 @@ void SceneStream::answer(std::uint32_t want, Answer& out, kernels::CastBrick& br
 }
 
 /// False where the pool is full.
-bool SceneStream::enter(std::uint32_t want, const Answer& answer, const kernels::CastBrick& brick) {
+bool SceneStream::enter(std::uint32_t want, const Answer& answer, kernels::CastBrick& brick) {
   const std::uint32_t node = node_of(want);
   if (answer.gaps.damaged) {
     books_.set_lost(node, what_of(want));
@@ -165,10 +168,10 @@ bool SceneStream::enter(std::uint32_t want, const Answer& answer, const kernels:
   } else if (answer.is_empty) {
     books_.set_empty(node);
   } else {
-    const std::optional<std::uint32_t> slot = books_.put_brick(node, *caster_);
+    const std::optional<std::uint32_t> slot = books_.put_brick(node, std::uint32_t(brick.voxels.size()), *caster_);
     if (!slot) return false;
     new_slots_.push_back(*slot);
-    new_bricks_.push_back(brick);
+    new_bricks_.push_back(std::move(brick));
   }
   return true;
 }
@@ -197,7 +200,9 @@ SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& wanted,
       else
         served.is_full = true;
     }
-    caster_->put_bricks(new_slots_, new_bricks_);
+    std::vector<kernels::BrickPlace> places;
+    for (const std::uint32_t slot : new_slots_) places.push_back(books_.brick_place(slot));
+    caster_->put_bricks(places, new_bricks_);
     new_slots_.clear();
     new_bricks_.clear();
   }

@@ -101,7 +101,7 @@ class SceneStream {
               const ThreadPool& policy);
 
   void answer(std::uint32_t want, Answer& out, kernels::CastBrick& brick) const;
-  bool enter(std::uint32_t want, const Answer& answer, const kernels::CastBrick& brick);
+  bool enter(std::uint32_t want, const Answer& answer, kernels::CastBrick& brick);
   std::vector<std::uint32_t> by_urgency(const std::vector<std::uint32_t>& wanted, const double eye[3]) const;
   bool has_come(std::uint32_t want) const;
   double urgency(std::uint32_t want, const double eye[3]) const;

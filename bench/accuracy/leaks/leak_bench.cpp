@@ -116,6 +116,17 @@ LeakResult measure(const LeakScene& scene, const LeakBenchRequest& request, cons
   return result;
 }
 
+LeakBench begin(const LeakBenchRequest& request, const std::optional<int>& device, int edge) {
+  return {device ? "cuda" : "cpu", edge, request.samples, {}};
+}
+
+/// "village" of village.glb and of village/tileset.json.
+std::string name_of(const BenchScene& scene) {
+  const std::filesystem::path& source = scene.source;
+  const bool is_tileset = source.has_parent_path() && source.stem() == "tileset";
+  return is_tileset ? source.parent_path().filename().string() : source.stem().string();
+}
+
 /// What is seen of triangles: the surface below the middle of the box around them.
 LeakSubject subject_of(const ReferenceCaster& caster) {
   const LatticeBox& box = caster.box();
@@ -159,7 +170,7 @@ std::vector<std::string> leak_families() {
 
 LeakBench bench_leaks(const LeakBenchRequest& request, const LeakProgress& progress) {
   const std::optional<int> device = choose_device({request.backend}).device;
-  LeakBench bench{device ? "cuda" : "cpu", request.edge, request.samples, {}};
+  LeakBench bench = begin(request, device, request.edge);
   const std::vector<LeakScene> scenes =
       request.suite == LeakSuite::whole ? leak_scenes(request.edge) : few_leak_planes(request.edge);
   for (const LeakScene& scene : scenes) {
@@ -173,10 +184,8 @@ LeakBench bench_leaks(const LeakBenchRequest& request, const LeakProgress& progr
 
 LeakBench bench_leaks_of(const BenchScene& scene, const LeakBenchRequest& request) {
   const std::optional<int> device = choose_device({request.backend}).device;
-  LeakBench bench{device ? "cuda" : "cpu", 0, request.samples, {}};
-  const std::string name = scene.source.has_parent_path() && scene.source.stem() == "tileset"
-                               ? scene.source.parent_path().filename().string()
-                               : scene.source.stem().string();
+  LeakBench bench = begin(request, device, 0);
+  const std::string name = name_of(scene);
   LeakResult result{name, "given", fmt::format("{:g} m a voxel", scene.parameters.voxel_size_m), true, 0, {}, {}};
   const SceneSources sources = open_sources(scene.source, scene.source_options);
   const ReferenceCaster caster(sources, scene.parameters, request.threads);

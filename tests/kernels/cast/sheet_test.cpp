@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <memory>
 #include <random>
+#include <vector>
 
 namespace gigabake::kernels {
 namespace {
@@ -15,6 +16,27 @@ const std::uint8_t whole_sheet = pack_plane({0, most_coherence});
 struct Slot {
   CastVoxel voxel[slot_voxels] = {};
   CastVoxel& at(int x, int y, int z) { return voxel[x + slot_edge * (y + slot_edge * z)]; }
+};
+
+/// As the pools have it: all voxels of a slot that are not zero.
+class Brick {
+ public:
+  explicit Brick(const Slot& slot) {
+    for (int z = 0; z < slot_edge; ++z) {
+      layers_[z] = {{0, 0, 0}, std::uint32_t(voxels_.size())};
+      for (int at = 0; at < slot_edge * slot_edge; ++at) {
+        const CastVoxel& voxel = slot.voxel[at + slot_edge * slot_edge * z];
+        if ((voxel.c[3] | voxel.c[4] | voxel.c[5]) == 0) continue;
+        layers_[z].bits[at / 32] |= 1u << at % 32;
+        voxels_.push_back(pack_voxel(voxel));
+      }
+    }
+  }
+  BrickView view() const { return {layers_, voxels_.data()}; }
+
+ private:
+  CastLayer layers_[slot_edge];
+  std::vector<PackedVoxel> voxels_;
 };
 
 constexpr double down[3] = {0, 0, -1};
@@ -49,12 +71,15 @@ CastField field_at(const CastCorners& corners, bool is_wanted, const double dire
 TEST(CastField, IsInterpolatedAsEverWhereThereIsNoSheet) {
   RandomPoints points;
   const auto slot = std::make_unique<Slot>();
-  for (CastVoxel& v : slot->voxel)
+  for (CastVoxel& v : slot->voxel) {
     for (std::uint16_t& c : v.c) c = std::uint16_t(points.random());
+    for (int a = 3; a < 6; ++a) v.c[a] = std::uint16_t(257 * (v.c[a] / 257));
+  }
+  const Brick brick(*slot);
   for (int i = 0; i < 1000; ++i) {
     const CastPoint p = points.next();
-    const CastField field = field_at(corners_of(slot->voxel, p), true, down);
-    const CastSample plain = interpolate(corners_of(slot->voxel, p));
+    const CastField field = field_at(corners_of(brick.view(), p), true, down);
+    const CastSample plain = interpolate(corners_of(brick.view(), p));
     ASSERT_EQ(std::memcmp(&field.loose, &plain, sizeof plain), 0);
     ASSERT_EQ(field.sheet.height(), 0);
   }
@@ -83,10 +108,10 @@ TEST(CastSheet, IsWhereThePlaneOfItsVoxelsIs) {
     const std::int8_t normal[2] = {std::int8_t(int(points.random() % 255) - 127),
                                    std::int8_t(int(points.random() % 255) - 127)};
     const OctahedronPoint n = octahedron_point(normal);
-    const auto slot = slot_of_plane(normal);
+    const Brick brick(*slot_of_plane(normal));
     for (int k = 0; k < 200; ++k) {
       const CastPoint p = points.next();
-      const CastSheet sheet = field_at(corners_of(slot->voxel, p), true, down).sheet;
+      const CastSheet sheet = field_at(corners_of(brick.view(), p), true, down).sheet;
       if (sheet.sheet == 0) continue;
       double above = 0;
       for (int a = 0; a < 3; ++a) above += n.c[a] / 127.0 * (p.base[a] + double(p.between[a]) - 4);
@@ -102,12 +127,12 @@ TEST(CastSheet, IsOpaqueWhereverARayMeetsIt) {
   for (int i = 0; i < 200; ++i) {
     const std::int8_t normal[2] = {std::int8_t(int(points.random() % 255) - 127),
                                    std::int8_t(int(points.random() % 255) - 127)};
-    const auto slot = slot_of_plane(normal);
+    const Brick brick(*slot_of_plane(normal));
     for (int k = 0; k < 500; ++k) {
       const CastPoint p = points.next();
-      const CastSheet sheet = field_at(corners_of(slot->voxel, p), true, down).sheet;
+      const CastSheet sheet = field_at(corners_of(brick.view(), p), true, down).sheet;
       if (sheet.sheet == 0 || std::abs(sheet.height()) > 0.02f) continue;
-      ASSERT_GE(opacity_of_sheet(slot->voxel, p, sheet).opacity, 0.99f);
+      ASSERT_GE(opacity_of_sheet(brick.view(), p, sheet).opacity, 0.99f);
     }
   }
 }
@@ -115,12 +140,12 @@ TEST(CastSheet, IsOpaqueWhereverARayMeetsIt) {
 TEST(CastField, HasNoSheetInABrickThatStandsForFinerOnes) {
   RandomPoints points;
   const std::int8_t up[2] = {0, 0};
-  const auto slot = slot_of_plane(up);
+  const Brick brick(*slot_of_plane(up));
   for (int i = 0; i < 1000; ++i) {
     const CastPoint p = points.next();
-    const CastField field = field_at(corners_of(slot->voxel, p), false, down);
+    const CastField field = field_at(corners_of(brick.view(), p), false, down);
     ASSERT_EQ(field.sheet.height(), 0);
-    ASSERT_EQ(field.loose.mean_coverage(), interpolate(corners_of(slot->voxel, p)).mean_coverage());
+    ASSERT_EQ(field.loose.mean_coverage(), interpolate(corners_of(brick.view(), p)).mean_coverage());
   }
 }
 
@@ -131,12 +156,15 @@ TEST(CastSheet, HasTheLooseAloneInWhatIsLoose) {
     v.plane = whole_sheet;
   }
   const CastPoint middle{{3, 3, 3}, {0.5f, 0.5f, 0.5f}};
-  EXPECT_EQ(field_at(corners_of(slot->voxel, middle), true, down).loose.mean_coverage(), 0) << "all of it is sheet";
+  const auto loose = [&] {
+    const Brick brick(*slot);
+    return field_at(corners_of(brick.view(), middle), true, down).loose.mean_coverage();
+  };
+  EXPECT_EQ(loose(), 0) << "all of it is sheet";
   slot->at(3, 3, 3).plane = 0;
-  EXPECT_NEAR(field_at(corners_of(slot->voxel, middle), true, down).loose.mean_coverage(), 1.0f / 8, 1e-6f);
+  EXPECT_NEAR(loose(), 1.0f / 8, 1e-6f);
   slot->at(4, 3, 3).plane = pack_plane({0, 2});
-  EXPECT_NEAR(field_at(corners_of(slot->voxel, middle), true, down).loose.mean_coverage(), 2.0f / 8, 1e-6f)
-      << "what is not all sheet";
+  EXPECT_NEAR(loose(), 2.0f / 8, 1e-6f) << "what is not all sheet";
 }
 
 TEST(Disagreement, IsOfPlanesThatAreFartherThanThirtyDegreesFromTheSheet) {
@@ -163,11 +191,12 @@ TEST(CastField, CountsSheetsByTheirCoverageWhereTheyDisagree) {
         if (x < 4) std::swap(v.normal[0], v.normal[2]);
         slot->at(x, y, z) = v;
       }
-  const CastSample edge = field_at(corners_of(slot->voxel, {{3, 3, 3}, {0.5f, 0.5f, 0.5f}}), true, down).loose;
+  const Brick brick(*slot);
+  const CastSample edge = field_at(corners_of(brick.view(), {{3, 3, 3}, {0.5f, 0.5f, 0.5f}}), true, down).loose;
   EXPECT_NEAR(edge.c[3], 0.5f, 1e-3f);
   EXPECT_NEAR(edge.c[4], 0, 1e-3f) << "neither covers a view along y";
   EXPECT_NEAR(edge.c[5], 0.5f, 1e-3f);
-  EXPECT_EQ(field_at(corners_of(slot->voxel, {{1, 3, 3}, {0.5f, 0.5f, 0.5f}}), true, down).loose.mean_coverage(), 0);
+  EXPECT_EQ(field_at(corners_of(brick.view(), {{1, 3, 3}, {0.5f, 0.5f, 0.5f}}), true, down).loose.mean_coverage(), 0);
 }
 
 TEST(PartInPair, IsHowMuchOfAColumnsSheetLiesInTwoVoxels) {

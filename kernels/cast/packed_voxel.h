@@ -1,0 +1,62 @@
+/// A voxel as rays see it, and as the pool of voxels holds it.
+#pragma once
+
+#include <cstdint>
+
+#include "lattice/host_device.h"
+
+namespace gigabake::kernels {
+
+/// What a voxel adds to a ray, 65535 = 1. Premultiplied, so that voxels that are not there need no case of their own.
+/// [0…2] linear RGB radiance / 2 × the mean of [3…5]. [3…5] coverage that a view along x, y, z sees. The rest is
+/// where its surface lies.
+struct CastVoxel {
+  std::uint16_t c[6] = {};
+  std::int8_t normal[3] = {};  ///< where it meets the octahedron |x| + |y| + |z| = 127; 0 without a plane
+  std::uint8_t plane = 0;      ///< kernels/body/plane.h, 0: none; or clear_plane
+};
+/// Instead of a plane, at lod 0: the voxel lets light through.
+inline constexpr std::uint8_t clear_plane = 64;
+inline constexpr int cast_channels = 6;
+
+/// Radiance as it is, 16 bits each; coverages in 255ths; x and y of the normal, z of which lacks only its sign.
+///
+/// word[0]  c[0] | c[1] << 16
+/// word[1]  c[2] | coverage x << 16 | y << 24
+/// word[2]  coverage z | normal x << 8 | y << 16 | plane << 24 | (normal z < 0) << 31
+struct PackedVoxel {
+  std::uint32_t word[3];
+};
+
+/// Range  coverages are multiples of 257; the normal lies on the octahedron, or there is no plane.
+/// Exact  unpack_voxel() returns the same voxel.
+GB_HD PackedVoxel pack_voxel(const CastVoxel& voxel) {
+  const std::uint32_t behind = voxel.normal[2] < 0 ? 1 : 0;
+  return {{std::uint32_t(voxel.c[0]) | std::uint32_t(voxel.c[1]) << 16,
+           std::uint32_t(voxel.c[2]) | std::uint32_t(voxel.c[3] / 257) << 16 | std::uint32_t(voxel.c[4] / 257) << 24,
+           std::uint32_t(voxel.c[5] / 257) | std::uint32_t(std::uint8_t(voxel.normal[0])) << 8 |
+               std::uint32_t(std::uint8_t(voxel.normal[1])) << 16 | std::uint32_t(voxel.plane) << 24 | behind << 31}};
+}
+
+/// axis: 0 … 2. 65535 = 1.
+GB_HD int coverage_along(const PackedVoxel& voxel, int axis) {
+  return 257 * int((axis == 2 ? voxel.word[2] : voxel.word[1] >> (16 + 8 * axis)) & 255);
+}
+
+GB_HD CastVoxel unpack_voxel(const PackedVoxel& packed) {
+  CastVoxel voxel;
+  voxel.c[0] = std::uint16_t(packed.word[0] & 65535);
+  voxel.c[1] = std::uint16_t(packed.word[0] >> 16);
+  voxel.c[2] = std::uint16_t(packed.word[1] & 65535);
+  for (int a = 0; a < 3; ++a) voxel.c[3 + a] = std::uint16_t(coverage_along(packed, a));
+  voxel.plane = std::uint8_t(packed.word[2] >> 24 & 127);
+  if (voxel.plane == 0) return voxel;
+  const int x = std::int8_t(packed.word[2] >> 8 & 255), y = std::int8_t(packed.word[2] >> 16 & 255);
+  const int z = 127 - (x < 0 ? -x : x) - (y < 0 ? -y : y);
+  voxel.normal[0] = std::int8_t(x);
+  voxel.normal[1] = std::int8_t(y);
+  voxel.normal[2] = std::int8_t((packed.word[2] >> 31) != 0 ? -z : z);
+  return voxel;
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,65 @@
+#include <gtest/gtest.h>
+#include <memory>
+#include <vector>
+
+#include "kernels/cast/caster.h"
+
+namespace gigabake::kernels {
+namespace {
+
+/// A tree of 16³ voxels that is empty at lod 0 and has an opaque floor at lod 1, which is all of the scene there is.
+struct FloorOfLod1 {
+  std::vector<CastCell> cells{{{0, 0, 0}}};
+  std::vector<std::uint64_t> column_key{0};
+  std::vector<std::uint32_t> column_first{0, 1};
+  CastScene scene;
+
+  FloorOfLod1() {
+    scene.cells = {cells.data(), cells.size()};
+    scene.column_key = {column_key.data(), column_key.size()};
+    scene.column_first = {column_first.data(), column_first.size()};
+    scene.column_count[0] = scene.column_count[1] = 1;
+    scene.cell_bits = 4;
+    scene.lods = 2;
+    for (double& side : scene.max) side = 16;
+    scene.min[2] = 13;
+  }
+
+  void put_in(Caster& caster) const {
+    CastBrick brick{};
+    for (std::uint64_t& word : brick.mask.word) word = ~std::uint64_t(0);
+    constexpr std::uint32_t layer_voxels = slot_edge * slot_edge;
+    brick.voxels.assign(layer_voxels, pack_voxel({{32768, 32768, 32768, 65535, 65535, 65535}, {}, 0}));
+    brick.layers[4] = {{~0u, ~0u, (1u << (layer_voxels - 64)) - 1}, 0};
+    caster.put_bricks({{0, 0}}, {brick});
+    std::vector<NodeChange> changes{{0, {1, 0}}};
+    for (std::uint32_t child = 8; child < 16; ++child) changes.push_back({child, {empty_ref, empty_ref}});
+    caster.put_nodes(changes);
+  }
+};
+
+// What was found on 2026-11-23: the step over a level's empty space ended behind the scene, and with it the ray, though
+// the next level, which begins before that, still had a surface there.
+TEST(LevelChange, ComesBeforeTheEndOfTheSceneWhereEmptySpaceWasSteppedOver) {
+  const ThreadPool threads(1);
+  const FloorOfLod1 floor;
+  const auto caster = make_cpu_caster(floor.scene, {2, 1, slot_voxels}, threads);
+  floor.put_in(*caster);
+  CastCamera camera;
+  camera.width = camera.height = 1;
+  camera.eye[0] = camera.eye[1] = 8.1;
+  camera.eye[2] = 30;
+  camera.forward[2] = -1;
+  camera.right[0] = camera.up[1] = 0.001;
+  camera.lod1_depth = 20;  // at a height of 10, on the floor
+  caster->start(camera, {0, 0, 1, 1});
+  ASSERT_EQ(caster->cast(0, 1, true, {}), 0u);
+  float linear[4] = {};
+  CastPixels out{};
+  out.linear = linear;
+  caster->resolve({}, out);
+  EXPECT_GT(linear[3], 0.25f) << "the floor, of which one point is looked at";
+}
+
+}  // namespace
+}  // namespace gigabake::kernels
