@@ -88,7 +88,7 @@ void MasterBake::run(MpiSession& mpi, BakeProcess& process) {
   std::move(prior.done.begin(), prior.done.end(), std::back_inserter(result.reports));
   add_times(result.reports, plan_, summary_);  // what was taken over took no time
   for (const CellReport& r : result.reports)
-    if (r.outcome == CellOutcome::baked) add_levels(r.levels, plan_.jobs[r.id].first_lod, summary_.levels);
+    if (r.outcome == CellOutcome::baked) add_levels(r.levels, r.cell.first_lod, r.cell.copied_lods, summary_.levels);
   summary_.scene = merge(plan_, result.reports, sources_.origin, request_.parameters);
   publish();
 }

@@ -24,7 +24,7 @@ static_assert(sizeof(RecordHeader) == 16);
 
 }  // namespace
 
-std::string_view journal_header() { return "gigabake journal 2\n"; }
+std::string_view journal_header() { return "gigabake journal 3\n"; }
 
 std::vector<std::uint8_t> journal_record(const JournalEntry& entry) {
   ByteWriter payload_writer;

@@ -44,13 +44,22 @@ struct JobBox {
   }
 };
 
-CellJob parent_of(const Corner& min, int child_bits, int levels) {
+/// The finest level of the lattice that a parent of 2^bits voxels stores. child_lod: that its children store.
+int finest_copy(int bits, int child_lod) {
+  const int width = child_lod == 0 ? parent_width_bits_of_cells : parent_width_bits_of_parents;
+  return std::max(bits - width, child_lod + 1);
+}
+
+/// child_lod: the finest level that its children store.
+CellJob parent_of(const Corner& min, int child_bits, int child_lod, int levels) {
   CellJob job;
   const std::int64_t child = std::int64_t(1) << child_bits;
-  job.first_lod = std::uint32_t(child_bits - std::countr_zero(unsigned(brick_edge)) + 1);
+  const int own_lod = child_bits - std::countr_zero(unsigned(brick_edge)) + 1;
+  job.first_lod = std::uint32_t(std::min(own_lod, finest_copy(child_bits + levels, child_lod)));
+  job.copied_lods = std::uint32_t(own_lod) - job.first_lod;
   job.cell_voxels = std::uint32_t(1) << (child_bits + levels);
   job.lattice_min = min;
-  job.name = "p" + std::to_string(job.first_lod);
+  job.name = "p" + std::to_string(own_lod);
   for (const std::int64_t x : min) job.name += "_" + std::to_string(floor_multiple(x, child) / child);
   return job;
 }
@@ -58,7 +67,8 @@ CellJob parent_of(const Corner& min, int child_bits, int levels) {
 /// Parents of [first, jobs.size()), whose windows have 2^bits voxels along an edge; true where that ends it.
 class Tier {
  public:
-  Tier(std::vector<CellJob>& jobs, std::size_t first, int bits) : jobs_(jobs), first_(first), bits_(bits) {}
+  Tier(std::vector<CellJob>& jobs, std::size_t first, int bits)
+      : jobs_(jobs), first_(first), bits_(bits), child_lod_(int(jobs[first].first_lod)) {}
 
   bool add() {
     const JobBox box(std::span<const CellJob>(jobs_).subspan(first_));
@@ -74,7 +84,7 @@ class Tier {
 
  private:
   void add_root(const Corner& min, int levels) {
-    CellJob root = parent_of(min, bits_, levels);
+    CellJob root = parent_of(min, bits_, child_lod_, levels);
     for (std::size_t i = first_; i < jobs_.size(); ++i) root.children.push_back(std::uint32_t(i));
     jobs_.push_back(std::move(root));
   }
@@ -89,14 +99,14 @@ class Tier {
       for (; block[0] < min[2] + child; block[0] += edge) blocks[block].push_back(std::uint32_t(i));
     }
     for (auto& [zyx, children] : blocks) {
-      jobs_.push_back(parent_of({zyx[2], zyx[1], zyx[0]}, bits_, most_parent_levels));
+      jobs_.push_back(parent_of({zyx[2], zyx[1], zyx[0]}, bits_, child_lod_, most_parent_levels));
       jobs_.back().children = std::move(children);
     }
   }
 
   std::vector<CellJob>& jobs_;
   const std::size_t first_;
-  const int bits_;
+  const int bits_, child_lod_;
 };
 
 }  // namespace
@@ -107,6 +117,7 @@ Hash128 parent_fingerprint(const CellJob& parent, std::span<const Hash128> child
   XXH3_128bits_update(&state, &parent.lattice_min, sizeof parent.lattice_min);
   XXH3_128bits_update(&state, &parent.cell_voxels, sizeof parent.cell_voxels);
   XXH3_128bits_update(&state, &parent.first_lod, sizeof parent.first_lod);
+  XXH3_128bits_update(&state, &parent.copied_lods, sizeof parent.copied_lods);
   XXH3_128bits_update(&state, children.data(), children.size_bytes());
   const XXH128_hash_t h = XXH3_128bits_digest(&state);
   return {h.low64, h.high64};

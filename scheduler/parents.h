@@ -18,12 +18,18 @@ inline constexpr int most_parent_levels = 3;
 /// Where a scene is larger, parents end below a root. Range  of CellJob::cell_voxels.
 inline constexpr int most_window_bits = 31;
 
+/// A parent also copies its children's coarsest levels, until its finest is so many voxels wide, 2^bits: so whatever
+/// level a picture needs, one file has it for some 64² pixels or more, and above the first parents for 256². Never the
+/// finest level that they store; for cells of 512³ and more all parents together are below a hundredth of a scene.
+inline constexpr int parent_width_bits_of_cells = 8, parent_width_bits_of_parents = 10;
+
 /// Appends them to jobs that are cells of one size, each after its children; a scene of one cell has none. Blocks are
 /// multiples of their edge, the root's of half of it: so every scene has one.
 /// Exact  A function of the cells' windows and fingerprints.
 void add_parents(std::vector<CellJob>& jobs);
 
-/// The name of what a parent is made of: of each child its fingerprint, or zeros for one that is lost.
+/// The name of what a parent is made of: of each child its fingerprint, or zeros for one that is lost; and of which
+/// levels it has.
 Hash128 parent_fingerprint(const CellJob& parent, std::span<const Hash128> children);
 
 /// Follows which children there are, for who hands their parents out.

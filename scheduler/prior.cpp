@@ -26,7 +26,8 @@ CellReport taken_over(const CellJob& job, CellReport report) {
 bool describes(const SceneCell& cell, const CellJob& job, const FileStamp& shard) {
   return cell.name == job.name && cell.file == shard_path(job).generic_string() &&
          cell.lattice_min == job.lattice_min && cell.cell_voxels == job.cell_voxels &&
-         cell.first_lod == job.first_lod && cell.fingerprint == job.fingerprint && cell.bytes == shard.size;
+         cell.first_lod == job.first_lod && cell.copied_lods == job.copied_lods &&
+         cell.fingerprint == job.fingerprint && cell.bytes == shard.size;
 }
 
 PriorCell prior_cell(const CellJob& job, const JournalContent& journal, const std::filesystem::path& out) {

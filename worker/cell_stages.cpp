@@ -43,7 +43,7 @@ SceneCell scene_cell(const CellJob& job, const AnyShard& shard, const StoredShar
           h.triangles,   count_voxels(shard),
           h.fingerprint, h.content_hash,
           stored.levels, stored.nodes,
-          h.first_lod};
+          h.first_lod,   h.copied_lods};
 }
 
 std::vector<LevelSummary> with_stored(std::vector<LevelSummary> levels, const std::vector<std::uint64_t>& stored) {
@@ -69,9 +69,9 @@ StoredShard stored_shard(const std::filesystem::path& path, std::size_t lods) {
 bool is_of_job(const ShardHeader& h, const CellJob& job, const BakeParameters& p,
                const std::optional<Geodetic>& origin) {
   return h.fingerprint == job.fingerprint && h.cell == job.name && h.lattice_min == job.lattice_min &&
-         h.cell_voxels == job.cell_voxels && h.first_lod == job.first_lod && h.voxel_size_m == p.voxel_size_m &&
-         h.lattice_origin_m == p.lattice_origin_m && h.origin == origin && h.has_normals == p.normals &&
-         h.has_facing == has_facing(p);
+         h.cell_voxels == job.cell_voxels && h.first_lod == job.first_lod && h.copied_lods == job.copied_lods &&
+         h.voxel_size_m == p.voxel_size_m && h.lattice_origin_m == p.lattice_origin_m && h.origin == origin &&
+         h.has_normals == p.normals && h.has_facing == has_facing(p);
 }
 
 /// The shard that an earlier run left, if it is whole, what the job asks for, and has the voxels that it says.
@@ -165,21 +165,12 @@ void CellStages::read_children(CellInHand& parent) const {
     if (shard_file(h.cell, h.fingerprint) != parent.job.child_files[c])
       throw InputError(options_.out / parent.job.child_files[c], "fingerprint",
                        "is not that of its name: remove the file and bake again");
-    parent.children[c] = {reader.above(), h.lattice_min};
-    if (parent.children[c].source.empty())
-      throw InputError(options_.out / parent.job.child_files[c], "/above",
-                       "is missing, of which the levels above are made: remove the file and bake again");
+    parent.children[c] = read_child(reader, parent.job);
   }
 }
 
 void CellStages::bake_parent(CellInHand& parent) const {
-  std::vector<kernels::ParentChild> children;
-  for (const ChildOfParent& child : parent.children) {
-    kernels::ParentChild& of_kernel = children.emplace_back();
-    of_kernel.source = &child.source;
-    std::ranges::copy(child.lattice_min, of_kernel.lattice_min);
-  }
-  parent.volume = kernels::bake_parent(children, parent_parameters(parent.job, parameters_), pool_);
+  parent.volume = make_parent(parent.job, parent.children, parameters_, pool_);
   parent.children.clear();
 }
 
@@ -290,11 +281,12 @@ void CellStages::report_shard(CellInHand& cell, const AnyShard& shard, const Sto
 
 ShardHeader CellStages::header_of(const CellInHand& cell) const {
   ShardHeader h;
-  h.generator = "gigabake " GIGABAKE_VERSION;
+  h.generator = generator();
   h.cell = cell.job.name;
   h.lattice_min = cell.job.lattice_min;
   h.cell_voxels = cell.job.cell_voxels;
   h.first_lod = cell.job.first_lod;
+  h.copied_lods = cell.job.copied_lods;
   h.voxel_size_m = parameters_.voxel_size_m;
   h.lattice_origin_m = parameters_.lattice_origin_m;
   h.origin = sources_.origin;

@@ -1,7 +1,6 @@
 /// What each of the pipeline's stages does with one cell. No threads, no queues: doing, apart from overlapping.
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -16,14 +15,9 @@
 #include "lattice/thread_pool.h"
 #include "worker/cell_loader.h"
 #include "worker/cell_pipeline.h"
+#include "worker/parent_bake.h"
 
 namespace gigabake {
-
-/// What a parent reads of a child's shard.
-struct ChildOfParent {
-  ParentSource source;
-  std::array<std::int64_t, 3> lattice_min{};
-};
 
 /// A cell on its way through the stages.
 struct CellInHand {

@@ -10,6 +10,7 @@
 #include "app/options/scene_argument.h"
 #include "format/system/host_limits.h"
 #include "lattice/counted.h"
+#include "worker/parent_check.h"
 
 namespace gigabake::app {
 
@@ -23,7 +24,13 @@ void add_verify(CLI::App& app, int& exit_code) {
   command->add_flag("-q,--quiet", *quiet, "print faults alone: nothing where there are none");
   command->callback([scene, json, quiet, &exit_code] {
     const std::filesystem::path file = scene_argument(*scene);
-    const auto verify = [&](const Progress& progress) { return verify_scene(file, host_limits().cores(), progress); };
+    const auto check_parent = [&file](const SceneHeader& header, const SceneCell& parent,
+                                      std::span<const SceneCell> children) {
+      return faults_of_parent(file.parent_path(), header, parent, children);
+    };
+    const auto verify = [&](const Progress& progress) {
+      return verify_scene(file, host_limits().cores(), progress, check_parent);
+    };
     const VerifyResult r = while_reading(verify, *quiet ? nullptr : stderr);
     exit_code = r.faults.empty() ? complete : failed;
     if (*json) {

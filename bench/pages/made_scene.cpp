@@ -1,16 +1,19 @@
-// Writes the scene.xml and the pages of a large scene without its shards: for what looks at the scene alone, as info
-// does. A rolling surface of cells, each with counts and hashes that follow from its number.
+// Writes the scene.xml and the pages of a large scene without the shards of its cells: for what looks at the scene
+// alone, as info does, and with --shards for who looks at it from afar, where the levels above are all that is read. A
+// rolling surface of cells, each with counts and hashes that follow from its number.
 #include <CLI/CLI.hpp>
 #include <array>
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
-#include <map>
-#include <optional>
 #include <vector>
 
+#include "bench/pages/painted_parent.h"
 #include "format/scene/paged_scene.h"
+#include "format/shard/brick_walk.h"
+#include "format/system/host_limits.h"
 #include "lattice/parameters.h"
+#include "scheduler/parents.h"
 
 namespace gigabake {
 namespace {
@@ -21,8 +24,11 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+/// Lod-0 voxels.
+double surface_height(double x, double y) { return edge * (3 * std::sin(x / edge / 40) + 3 * std::sin(y / edge / 30)); }
+
 SceneCell made_cell(std::int64_t x, std::int64_t y) {
-  const auto z = std::int64_t(std::lround(3 * std::sin(double(x) / 40) + 3 * std::sin(double(y) / 30)));
+  const auto z = std::int64_t(std::floor(surface_height((double(x) + .5) * edge, (double(y) + .5) * edge) / edge));
   const std::uint64_t number = std::uint64_t(x) << 32 | std::uint64_t(y);
   SceneCell cell;
   cell.name = fmt::format("c_{}_{}_{}", x, y, z);
@@ -43,62 +49,72 @@ SceneCell made_cell(std::int64_t x, std::int64_t y) {
   return cell;
 }
 
-/// Where a window of this edge holds the box and begins at a multiple of half of it.
-std::optional<std::array<std::int64_t, 3>> root_window(const LatticeBox& box, std::int64_t root_edge) {
-  std::array<std::int64_t, 3> min;
-  for (std::size_t a = 0; a < 3; ++a) {
-    min[a] = box.min[a] & -(root_edge / 2);
-    if (box.end[a] > min[a] + root_edge) return {};
-  }
-  return min;
+CellJob job_of(const SceneCell& cell) {
+  CellJob job;
+  job.name = cell.name;
+  job.lattice_min = cell.lattice_min;
+  job.cell_voxels = cell.cell_voxels;
+  job.triangles = cell.triangles;
+  job.fingerprint = cell.fingerprint;
+  return job;
 }
 
-SceneCell parent_at(const std::array<std::int64_t, 3>& at, std::uint32_t first_lod, std::uint32_t levels,
-                    std::uint32_t parent_edge) {
+SceneCell described(const CellJob& job) {
   SceneCell parent;
-  parent.first_lod = first_lod;
-  parent.lods = levels;
-  parent.cell_voxels = parent_edge;
-  parent.lattice_min = at;
-  for (std::uint32_t lod = 0; lod < levels; ++lod) {
-    parent.voxels.push_back(1024u >> 2 * lod);
-    parent.level_bytes.push_back(4 * parent.voxels.back());
-  }
-  parent.node_bytes = 300;
-  parent.bytes = 40000;
+  parent.name = job.name;
+  parent.file = shard_path(job).generic_string();
+  parent.lattice_min = job.lattice_min;
+  parent.cell_voxels = job.cell_voxels;
+  parent.first_lod = job.first_lod;
+  parent.copied_lods = job.copied_lods;
+  parent.fingerprint = job.fingerprint;
   return parent;
 }
 
-/// One of three levels above each block of 8³ of `below`, or a root of as many as it takes.
-std::vector<SceneCell> made_parents(const std::vector<SceneCell>& below) {
-  const SceneCell& first = below.at(0);
-  const std::uint32_t first_lod = first.first_lod + first.lods;
-  LatticeBox box;
-  for (const SceneCell& child : below) box = hull(box, window_of(child));
-  std::map<std::array<std::int64_t, 3>, SceneCell> parents;
-  std::optional<std::array<std::int64_t, 3>> root;
-  std::uint32_t levels = 0;
-  while (!root && levels < 3) root = root_window(box, std::int64_t(first.cell_voxels) << ++levels);
-  const std::uint32_t block = first.cell_voxels << levels;
-  for (const SceneCell& child : below) {
-    std::array<std::int64_t, 3> at = child.lattice_min;
-    for (std::int64_t& v : at) v &= -std::int64_t(block);
-    if (root) at = *root;
-    SceneCell& parent = parents.try_emplace(at, parent_at(at, first_lod, levels, block)).first->second;
-    parent.content_hash.assign(levels, child.fingerprint);
-    parent.fingerprint += child.fingerprint;
-    parent.triangles += child.triangles;
+/// As a bake would describe it.
+SceneCell made_parent(const CellJob& job) {
+  SceneCell parent = described(job);
+  for (std::uint32_t width = job.cell_voxels >> job.first_lod; width >= 8; width /= 2) {
+    parent.voxels.push_back(std::uint64_t(width) * width);
+    parent.level_bytes.push_back(4 * parent.voxels.back());
+    parent.content_hash.push_back(job.fingerprint);
+    parent.bytes += parent.level_bytes.back();
   }
-  std::vector<SceneCell> made;
-  for (auto& [at, parent] : parents) {
-    parent.name = fmt::format("p{}_{}_{}_{}", first_lod, at[0] / block, at[1] / block, at[2] / block);
-    parent.file = fmt::format("shards/{}-{}.h5", parent.name, parent.fingerprint.hex());
-    made.push_back(std::move(parent));
-  }
-  return made;
+  parent.lods = std::uint32_t(parent.voxels.size());
+  parent.node_bytes = 300;
+  parent.bytes += 40000;
+  return parent;
 }
 
-void write(const std::filesystem::path& out, std::uint64_t cells) {
+SceneCell written_parent(const std::filesystem::path& out, const CellJob& job, double voxel_size_m) {
+  const Shard shard = painted_parent(job, surface_height, voxel_size_m);
+  SceneCell parent = described(job);
+  const StoredShard stored = write_shard(out / parent.file, shard, {});
+  parent.lods = shard.header.lods;
+  parent.bytes = stored.file;
+  parent.voxels = count_voxels(shard);
+  parent.content_hash = shard.header.content_hash;
+  parent.level_bytes = stored.levels;
+  parent.node_bytes = stored.nodes;
+  return parent;
+}
+
+/// With the shards of those that are above other parents, if asked for: whoever sees all of the scene reads no others.
+std::vector<SceneCell> made_parents(const std::filesystem::path& out, const std::vector<SceneCell>& cells, bool shards,
+                                    double voxel_size_m) {
+  std::vector<CellJob> jobs;
+  for (const SceneCell& cell : cells) jobs.push_back(job_of(cell));
+  add_parents(jobs);
+  std::vector<SceneCell> parents(jobs.size() - cells.size());
+  ThreadPool(host_limits().cores()).parallel_for(parents.size(), 1, [&](std::size_t i, std::size_t, int) {
+    const CellJob& job = jobs[cells.size() + i];
+    const bool is_above_parents = job.children.front() >= cells.size();
+    parents[i] = shards && is_above_parents ? written_parent(out, job, voxel_size_m) : made_parent(job);
+  });
+  return parents;
+}
+
+void write(const std::filesystem::path& out, std::uint64_t cells, bool shards) {
   BakeParameters parameters;
   parameters.voxel_size_m = 0.1;
   parameters.cell_voxels = edge;
@@ -112,11 +128,8 @@ void write(const std::filesystem::path& out, std::uint64_t cells) {
     scene.cells.push_back(made_cell(std::int64_t(i % along), std::int64_t(i / along)));
   std::sort(scene.cells.begin(), scene.cells.end(), is_before);
   for (const SceneCell& cell : scene.cells) scene.triangles += cell.triangles;
-  for (std::vector<SceneCell> level = scene.cells; level.size() > 1;) {
-    level = made_parents(level);
-    scene.parents.insert(scene.parents.end(), level.begin(), level.end());
-  }
-  std::filesystem::create_directories(out);
+  std::filesystem::create_directories(out / "shards");
+  scene.parents = made_parents(out, scene.cells, shards, parameters.voxel_size_m);
   const auto start = std::chrono::steady_clock::now();
   write_scene(out / "scene.xml", scene);
   fmt::print("{} cells and {} parents written in {:.2f} s\n", cells, scene.parents.size(), seconds_since(start));
@@ -127,13 +140,15 @@ void write(const std::filesystem::path& out, std::uint64_t cells) {
 
 int main(int argc, char** argv) {
   CLI::App app("Writes a scene of many cells without their shards");
+  bool shards = false;
+  app.add_flag("--shards", shards, "with the shards of parents that are above other parents: some GB for 10^6 cells");
   std::string out;
   std::uint64_t cells = 1000000;
   app.add_option("OUT", out, "folder to write to")->required();
   app.add_option("--cells", cells, "how many")->check(CLI::Range(std::uint64_t(1), std::uint64_t(1) << 28));
   CLI11_PARSE(app, argc, argv);
   try {
-    gigabake::write(out, cells);
+    gigabake::write(out, cells, shards);
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", error.what());
     return 1;

@@ -9,13 +9,13 @@ namespace {
 template <class Cell, class F>
 void each_field_of_cell(Cell& c, const F& f) {
   f(c.name), f(c.file), f(c.lattice_min), f(c.cell_voxels), f(c.lods), f(c.bytes), f(c.triangles), f(c.voxels),
-      f(c.fingerprint), f(c.content_hash), f(c.level_bytes), f(c.node_bytes), f(c.first_lod);
+      f(c.fingerprint), f(c.content_hash), f(c.level_bytes), f(c.node_bytes), f(c.first_lod), f(c.copied_lods);
 }
 
 template <class Job, class F>
 void each_field_of_job(Job& j, const F& f) {
   f(j.id), f(j.name), f(j.lattice_min), f(j.cell_voxels), f(j.tiles), f(j.triangles), f(j.fingerprint),
-      f(j.tile_sources), f(j.first_lod), f(j.children), f(j.child_files);
+      f(j.tile_sources), f(j.first_lod), f(j.copied_lods), f(j.children), f(j.child_files);
 }
 
 template <class Report, class F>

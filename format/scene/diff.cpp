@@ -43,7 +43,7 @@ struct OpenCell {
 };
 
 bool has_level(const SceneCell& cell, int lod) {
-  return lod >= int(cell.first_lod) && lod < int(cell.first_lod + cell.lods);
+  return lod >= int(cell.own_lod()) && lod < int(cell.first_lod + cell.lods);
 }
 std::uint64_t voxels_of(const SceneCell& cell, int lod) { return cell.voxels[std::size_t(lod) - cell.first_lod]; }
 const Hash128& content_of(const SceneCell& cell, int lod) {

@@ -69,7 +69,10 @@ void append_cell(pugi::xml_node group, const SceneHeader& scene, const SceneCell
   set_text(n, "Name", cell.name);
   set_numbers(n, "LatticeMin", cell.lattice_min);
   set_number(n, "CellVoxels", cell.cell_voxels);
-  if (cell.first_lod != 0) set_number(n, "FirstLod", cell.first_lod);
+  if (cell.first_lod != 0) {
+    set_number(n, "FirstLod", cell.first_lod);
+    set_number(n, "CopiedLods", cell.copied_lods);
+  }
   set_number(n, "Lods", cell.lods);
   set_number(n, "Bytes", cell.bytes);
   if (!cell.level_bytes.empty()) {

@@ -65,8 +65,8 @@ std::vector<SceneFault> faults_of_places(const std::vector<SceneCell>& cells, co
     const std::string name = "PagedOctTree " + as_line(parent.name, longest_quote_bytes);
     faults.expect(names.insert(parent.name).second, name, "another shard has the same name");
     faults.expect(files.insert(parent.file).second, name, "another shard has the same TreeFile");
-    faults.expect(places.insert({parent.first_lod, parent.lattice_min}).second, name,
-                  "another parent has the same FirstLod and LatticeMin");
+    faults.expect(places.insert({parent.own_lod(), parent.lattice_min}).second, name,
+                  "another parent has the same levels and LatticeMin");
   }
   for (const SceneCell& cell : cells) {
     const std::string name = "PagedOctTree " + as_line(cell.name, longest_quote_bytes);

@@ -42,7 +42,7 @@ std::string read_file_name(const SceneAttributes& a, const char* key) {
 }
 
 /// The window and the levels of a cell or a parent.
-void read_place(const SceneAttributes& a, SceneCell& c) {
+void read_place(const SceneAttributes& a, SceneCell& c, int version) {
   c.lattice_min = a.triple<std::int64_t>("LatticeMin");
   c.cell_voxels = a.value<std::uint32_t>("CellVoxels");
   const bool is_parent = a.has("FirstLod");
@@ -56,6 +56,8 @@ void read_place(const SceneAttributes& a, SceneCell& c) {
       a.fail("LatticeMin", "expected multiples of 8 within ±2^52");
   c.lods = a.value<std::uint32_t>("Lods");
   if (c.lods != std::uint32_t(std::bit_width(edge / 8))) a.fail("Lods", "does not fit CellVoxels");
+  if (is_parent && version >= 4) c.copied_lods = a.value<std::uint32_t>("CopiedLods");
+  if (c.copied_lods >= c.lods) a.fail("CopiedLods", "expected fewer than Lods");
 }
 
 SceneCell read_cell(const SceneAttributes& a, int version) {
@@ -63,7 +65,7 @@ SceneCell read_cell(const SceneAttributes& a, int version) {
   c.name = a.text("Name");
   if (!is_short_line(c.name)) a.fail("Name", "expected one line of 1 to 128 bytes, got " + in_quotes(c.name));
   c.file = read_file_name(a, "TreeFile");
-  read_place(a, c);
+  read_place(a, c, version);
   c.bytes = a.value<std::uint64_t>("Bytes");
   c.triangles = a.value<std::uint64_t>("Triangles");
   c.voxels = a.values<std::uint64_t>("Voxels");
@@ -125,13 +127,14 @@ class ContentReader {
   }
 
   void read_cell_of(const SceneAttributes& a) {
-    static constexpr std::string_view known[] = {
-        "CenterX", "CenterY",   "CenterZ", "Radius",      "TreeFile",    "Name",     "LatticeMin", "CellVoxels", "Lods",
-        "Bytes",   "Triangles", "Voxels",  "Fingerprint", "ContentHash", "FirstLod", "LevelBytes", "NodeBytes"};
+    static constexpr std::string_view known[] = {"CenterX",    "CenterY",    "CenterZ",     "Radius",      "TreeFile",
+                                                 "Name",       "LatticeMin", "CellVoxels",  "Lods",        "Bytes",
+                                                 "Triangles",  "Voxels",     "Fingerprint", "ContentHash", "FirstLod",
+                                                 "LevelBytes", "NodeBytes",  "CopiedLods"};
     SceneCell cell = read_cell(a, version_);
     check_sphere(a, window_of(cell));
     (cell.first_lod == 0 ? content.cells : content.parents).push_back(std::move(cell));
-    faults(a.unknown_parts(std::span(known).first(version_ < 3 ? 15 : 17), {}));
+    faults(a.unknown_parts(std::span(known).first(version_ < 3 ? 15 : version_ == 3 ? 17 : 18), {}));
   }
 
   void read_loss(const SceneAttributes& a) {

@@ -14,7 +14,7 @@
 
 namespace gigabake {
 
-inline constexpr int newest_scene_version = 3;
+inline constexpr int newest_scene_version = 4;
 
 /// Something in a scene.xml that is not as it should be.
 struct SceneFault {
@@ -36,7 +36,7 @@ struct SceneReading {
   std::vector<PageReference> pages;  ///< in place of cells
   int version = newest_scene_version;
   std::optional<SaidTotals> said;     ///< nothing in version 1
-  std::optional<SceneTotals> totals;  ///< all that version 3 says
+  std::optional<SceneTotals> totals;  ///< all that versions from 3 on say
   /// Parts that we do not know or miss, though no voxel depends on them; a checksum that is wrong.
   std::vector<SceneFault> faults;
 };

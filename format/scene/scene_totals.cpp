@@ -12,11 +12,11 @@ void add_each(const std::vector<T>& of, std::vector<T>& to) {
   for (std::size_t lod = 0; lod < of.size(); ++lod) to[lod] += of[lod];
 }
 
-/// By lod of the lattice what a shard has by its own levels.
+/// By lod of the lattice what a shard has by its levels; zeros for copies, which are counted where they come from.
 template <class T>
-std::vector<T> on_lattice(const std::vector<T>& of_levels, std::uint32_t first_lod) {
-  std::vector<T> out(first_lod);
-  out.insert(out.end(), of_levels.begin(), of_levels.end());
+std::vector<T> on_lattice(const std::vector<T>& of_levels, const SceneCell& shard) {
+  std::vector<T> out(shard.own_lod());
+  for (std::size_t l = shard.copied_lods; l < of_levels.size(); ++l) out.push_back(of_levels[l]);
   return out;
 }
 
@@ -33,9 +33,9 @@ SceneTotals::SceneTotals(const SceneDescription& scene) : SceneTotals(scene.cell
 void SceneTotals::add(const SceneCell& cell) {
   SceneTotals one;
   one.bytes = cell.bytes;
-  one.voxels = on_lattice(cell.voxels, cell.first_lod);
-  one.content_hash = on_lattice(cell.content_hash, cell.first_lod);
-  if (!cell.level_bytes.empty()) one.level_bytes = on_lattice(cell.level_bytes, cell.first_lod);
+  one.voxels = on_lattice(cell.voxels, cell);
+  one.content_hash = on_lattice(cell.content_hash, cell);
+  if (!cell.level_bytes.empty()) one.level_bytes = on_lattice(cell.level_bytes, cell);
   one.node_bytes = cell.node_bytes;
   if (cell.first_lod != 0) {
     one.parents = 1;

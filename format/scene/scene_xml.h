@@ -29,6 +29,10 @@ struct SceneCell {
   std::vector<std::uint64_t> level_bytes = {};  ///< of `bytes`, per lod, as stored; empty: nobody wrote it down
   std::uint64_t node_bytes = 0;                 ///< with level_bytes
   std::uint32_t first_lod = 0;                  ///< of the lattice: its own level 0. 0: a cell; else a parent
+  std::uint32_t copied_lods = 0;                ///< of a parent: its finest levels, which are copies of its children's
+
+  /// Of the lattice: the finest level that is nobody else's. What is counted over a scene begins here.
+  std::uint32_t own_lod() const { return first_lod + copied_lods; }
 };
 
 /// Anything the bake was asked for and could not deliver.

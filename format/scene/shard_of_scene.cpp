@@ -12,7 +12,7 @@ std::vector<HeaderDifference> differences_from_scene(const ShardHeader& header, 
   };
   expect(header.cell == cell.name, "cell", "is " + in_quotes(header.cell) + ", scene.xml says " + in_quotes(cell.name));
   expect(header.lattice_min == cell.lattice_min && header.cell_voxels == cell.cell_voxels && header.lods == cell.lods &&
-             header.first_lod == cell.first_lod,
+             header.first_lod == cell.first_lod && header.copied_lods == cell.copied_lods,
          "lattice_min", "is another window of the lattice than scene.xml says");
   expect(header.voxel_size_m == scene.voxel_size_m, "voxel_size_m", "differs from scene.xml");
   expect(header.lattice_origin_m == scene.lattice_origin_m, "lattice_origin_m", "differs from scene.xml");

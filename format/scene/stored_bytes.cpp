@@ -12,7 +12,7 @@ StoredBytes stored_bytes(const PagedScene& scene, const Progress& progress) {
   const auto add = [&](const SceneCell& c) {
     const ShardReader reader = open_shard_of_scene(scene.file(), scene.header(), c);
     bytes.of_lod.resize(std::max<std::size_t>(bytes.of_lod.size(), c.first_lod + c.lods), 0);
-    for (std::size_t l = 0; l < c.lods; ++l) bytes.of_lod[c.first_lod + l] += reader.level_bytes(int(l));
+    for (std::size_t l = c.copied_lods; l < c.lods; ++l) bytes.of_lod[c.first_lod + l] += reader.level_bytes(int(l));
     bytes.of_nodes += reader.node_bytes();
     progress.advance();
   };

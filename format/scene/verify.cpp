@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <iterator>
+#include <map>
 #include <numeric>
 #include <optional>
 
@@ -95,8 +96,9 @@ std::uint64_t hash_of_name(const SceneCell& cell) { return std::hash<std::string
 /// One verification: its pages one after the other, the cells of a page, as the parents, on all threads.
 class SceneVerification {
  public:
-  SceneVerification(const std::filesystem::path& scene_xml, int threads, const Progress& progress)
-      : scene_xml_(scene_xml), pool_(threads), progress_(progress) {}
+  SceneVerification(const std::filesystem::path& scene_xml, int threads, const Progress& progress,
+                    const ParentCheck& check_parent)
+      : scene_xml_(scene_xml), pool_(threads), progress_(progress), check_parent_(check_parent) {}
 
   VerifyResult run() {
     progress_.step("reading the scene");
@@ -116,6 +118,7 @@ class SceneVerification {
     if (listed.empty()) pages_.emplace(scene_xml_);
     for (const PageReference& page : reading.pages) check_page(page);
     if (!reading.pages.empty()) check_names();
+    if (check_parent_ && pages_) check_parents(reading.scene.parents);
     return std::move(result_);
   }
 
@@ -172,14 +175,49 @@ class SceneVerification {
     for (std::size_t i = 0; i < cells.size(); ++i) {
       result_.cells += cells[i].first_lod == 0;
       result_.bytes += cells[i].bytes;
-      result_.voxels += std::accumulate(cells[i].voxels.begin(), cells[i].voxels.end(), std::uint64_t(0));
+      result_.voxels += std::accumulate(cells[i].voxels.begin() + std::ptrdiff_t(cells[i].copied_lods),
+                                        cells[i].voxels.end(), std::uint64_t(0));
       add_lines(std::move(of_cell[i]), result_.faults);
+    }
+  }
+
+  /// Each with those of the level right below its own: cells, or the parents of one tier.
+  void check_parents(const std::vector<SceneCell>& parents) {
+    std::map<std::uint32_t, std::vector<SceneCell>> tiers;  // by the level above their coarsest
+    for (const SceneCell& parent : parents) tiers[parent.first_lod + parent.lods].push_back(parent);
+    std::map<std::uint32_t, CellFinder> finders;
+    for (const auto& [lod, tier] : tiers) finders.emplace(lod, CellFinder(tier));
+    std::vector<std::vector<std::string>> of_parent(parents.size());
+    progress_.step("checking the levels above the cells", parents.size());
+    pool_.parallel_for(parents.size(), 1, [&](std::size_t i, std::size_t, int) {
+      const auto below = finders.find(parents[i].own_lod());
+      std::optional<std::vector<SceneCell>> children;
+      if (below == finders.end()) {
+        children = cells_below(parents[i]);
+      } else {
+        children.emplace();
+        for (const std::size_t child : below->second.overlapping(window_of(parents[i])))
+          children->push_back(tiers.at(below->first)[child]);
+      }
+      if (children) of_parent[i] = check_parent_(header_, parents[i], *children);
+      progress_.advance();
+    });
+    for (std::vector<std::string>& lines : of_parent) add_lines(std::move(lines), result_.faults);
+  }
+
+  /// Nothing where a page is damaged, which is named where it is checked itself.
+  std::optional<std::vector<SceneCell>> cells_below(const SceneCell& parent) const {
+    try {
+      return pages_->cells_in(window_of(parent));
+    } catch (const InputError&) {
+      return std::nullopt;
     }
   }
 
   const std::filesystem::path& scene_xml_;
   ThreadPool pool_;
   const Progress& progress_;
+  const ParentCheck& check_parent_;
   SceneHeader header_;
   std::optional<PagedScene> pages_;   ///< where scene.xml adds up
   std::vector<std::uint64_t> names_;  ///< hashes: eight bytes a cell
@@ -188,8 +226,9 @@ class SceneVerification {
 
 }  // namespace
 
-VerifyResult verify_scene(const std::filesystem::path& scene_xml, int threads, const Progress& progress) {
-  return SceneVerification(scene_xml, threads, progress).run();
+VerifyResult verify_scene(const std::filesystem::path& scene_xml, int threads, const Progress& progress,
+                          const ParentCheck& check_parent) {
+  return SceneVerification(scene_xml, threads, progress, check_parent).run();
 }
 
 }  // namespace gigabake

@@ -78,9 +78,10 @@ std::vector<LevelSummary> summarize_levels(const std::vector<AlphaCounts>& count
   return out;
 }
 
-void add_levels(const std::vector<LevelSummary>& of, std::size_t first_lod, std::vector<LevelSummary>& to) {
+void add_levels(const std::vector<LevelSummary>& of, std::size_t first_lod, std::size_t copied,
+                std::vector<LevelSummary>& to) {
   to.resize(std::max(to.size(), first_lod + of.size()));
-  for (std::size_t lod = 0; lod < of.size(); ++lod) to[first_lod + lod] += of[lod];
+  for (std::size_t lod = copied; lod < of.size(); ++lod) to[first_lod + lod] += of[lod];
 }
 
 }  // namespace gigabake

@@ -33,7 +33,9 @@ using AlphaCounts = std::array<std::uint64_t, 256>;
 /// The same of counts per lod that somebody else has made.
 std::vector<LevelSummary> summarize_levels(const std::vector<AlphaCounts>& alphas, const NodeTable& nodes);
 
-/// Per lod, up to the highest that either has. first_lod: of `of`.
-void add_levels(const std::vector<LevelSummary>& of, std::size_t first_lod, std::vector<LevelSummary>& to);
+/// Per lod, up to the highest that either has. first_lod: of `of`, the first so many of which are copies and do not
+/// count.
+void add_levels(const std::vector<LevelSummary>& of, std::size_t first_lod, std::size_t copied,
+                std::vector<LevelSummary>& to);
 
 }  // namespace gigabake

@@ -43,6 +43,7 @@ struct ShardHeader {
   std::array<std::int64_t, 3> lattice_min{};  ///< lod-0 voxel index of the cell's lowest corner
   std::uint32_t cell_voxels = 0;              ///< edge in lod-0 voxels, a power of two ≥ 8
   std::uint32_t first_lod = 0;                ///< of the lattice: its own level 0. 0: a cell; else a parent
+  std::uint32_t copied_lods = 0;  ///< of a parent: so many levels from its own level 0 on are copies of its children's
   double voxel_size_m = 0;
   std::array<double, 3> lattice_origin_m{};  ///< scene position of the lattice's 0,0,0 corner
   std::optional<Geodetic> origin;

@@ -64,6 +64,7 @@ ShardHeader read_header(const Hdf5File& file) {
   file.read_attribute("lattice_origin_m", Hdf5Type::f64, h.lattice_origin_m.data(), 3);
   h.lods = scalar<std::uint32_t>(file, "lods", Hdf5Type::u32);
   if (version >= 4) h.first_lod = scalar<std::uint32_t>(file, "first_lod", Hdf5Type::u32);
+  if (version >= 5) h.copied_lods = scalar<std::uint32_t>(file, "copied_lods", Hdf5Type::u32);
   if (file.has_attribute("origin")) {
     double origin[3];
     file.read_attribute("origin", Hdf5Type::f64, origin, 3);

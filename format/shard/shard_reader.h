@@ -17,6 +17,7 @@ class ShardReader {
  public:
   explicit ShardReader(const std::filesystem::path& path);
 
+  const std::filesystem::path& path() const { return path_; }
   const ShardHeader& header() const { return header_; }
   NodeTable nodes() const;
   BrickLevel level(int lod) const;  ///< with as many bricks as nodes() has of this level

@@ -27,6 +27,7 @@ void write_header(Hdf5File& file, const ShardHeader& h, const ParentSource& abov
   u32("brick_edge", brick_edge);
   u32("lods", h.lods);
   u32("first_lod", h.first_lod);
+  u32("copied_lods", h.copied_lods);
   if (h.origin) {
     const double origin[3] = {h.origin->latitude_deg, h.origin->longitude_deg, h.origin->height_m};
     file.write_attribute("origin", Hdf5Type::f64, origin, 3);

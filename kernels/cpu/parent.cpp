@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <tuple>
 
 #include "kernels/body/mip.h"
+#include "kernels/body/node.h"
 #include "kernels/cpu/approximate.h"
 #include "kernels/cpu/brick_run.h"
 #include "kernels/cpu/level_hash.h"
@@ -129,22 +131,37 @@ std::vector<Level> joined_levels(std::span<const ParentChild> children, const Pa
   return levels;
 }
 
+/// Every brick lies below one of the next level: what the nodes of the parent are linked by.
+void expect_tree(const std::vector<Level>& levels) {
+  for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
+    const std::vector<std::uint64_t>& above = levels[l + 1].key;
+    for (std::size_t b = 0, at = 0; b < levels[l].key.size(); ++b) {
+      while (at < above.size() && above[at] < parent_key(levels[l].key[b])) ++at;
+      if (at == above.size() || above[at] != parent_key(levels[l].key[b]))
+        throw InputError("parent", "children", "a level of one of them has voxels where the level above it has none");
+    }
+  }
+}
+
 }  // namespace
 
-CellVolume bake_parent(std::span<const ParentChild> children, const ParentParameters& p, const ThreadPool& pool) {
+CellVolume bake_parent(std::span<const ParentChild> children, const ParentParameters& p, const ThreadPool& pool,
+                       std::vector<Level> copies) {
   for (const ParentChild& child : children) expect_columns(*child.source, p);
   CellVolume volume;
   LevelSurface surface;
   std::vector<Level> levels = joined_levels(children, p, pool, surface);
   if (levels.back().key.empty()) return volume;
-  const int first_lod = p.child_lod + 1, lods = first_lod + p.levels;
+  const int own_lod = p.child_lod + 1, lods = own_lod + p.levels, first_lod = own_lod - int(copies.size());
   add_coarser_levels(levels, surface, lods, p.mip, p.normals, pool);
   volume.above = parent_source(levels, lods - 1, surface, p.mip);
-  levels.erase(levels.begin(), levels.begin() + first_lod);
+  levels.erase(levels.begin(), levels.begin() + own_lod);
   if (!p.facing) drop_facing(levels);
   approximate(levels, p.max_error, pool);
-  for (int l = 0; l < p.levels; ++l)
-    volume.content_hash.push_back(level_hash(levels[std::size_t(l)], first_lod + l, p.window_min, pool));
+  levels.insert(levels.begin(), std::move_iterator(copies.begin()), std::move_iterator(copies.end()));
+  expect_tree(levels);
+  for (const Level& level : levels)
+    volume.content_hash.push_back(level_hash(level, first_lod + int(volume.content_hash.size()), p.window_min, pool));
   volume.nodes = brick_nodes(levels);
   volume.levels = std::move(levels);
   return volume;

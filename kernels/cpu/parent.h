@@ -30,11 +30,12 @@ struct ParentParameters {
 
 /// Exact   The voxels that a single cell of the parent's window would have on these levels, before approximate(): where
 ///         children end, and in which order they are given, does not show in any bit.
+/// copies  Levels of the children, joined over the window, from a finer one to child_lod: they come before its own.
 /// Range   levels 1 … 10. children: all that the window overlaps, by the same rules; no two have a voxel of one place.
 /// Cost    All bricks are stored: few of so few would be constant. Of the children's coarsest levels, read and sorted,
 /// as much as a level of a cell. Errors  InputError: two children have a voxel of one place, or columns do not fit each
 /// other or the rules.
 CellVolume bake_parent(std::span<const ParentChild> children, const ParentParameters& parameters,
-                       const ThreadPool& pool);
+                       const ThreadPool& pool, std::vector<Level> copies = {});
 
 }  // namespace gigabake::kernels

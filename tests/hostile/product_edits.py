@@ -40,7 +40,7 @@ def with_checksum(text):
 def as_version_1(text):
     text = re.sub(r' Cells="[^>]*?(?=>)', "", text, count=1)
     text = re.sub(r' (LevelBytes|NodeBytes)="[^"]*"', "", text)
-    return text.replace('Version="3"', 'Version="1"', 1)
+    return text.replace('Version="4"', 'Version="1"', 1)
 
 
 # scene.xml

@@ -47,7 +47,8 @@ bool overlap(const CellJob& a, const CellJob& b) {
   return true;
 }
 
-int levels_of(const CellJob& parent) { return std::countr_zero(parent.cell_voxels) - int(parent.first_lod) - 2; }
+int own_lod(const CellJob& parent) { return int(parent.first_lod + parent.copied_lods); }
+int levels_of(const CellJob& parent) { return std::countr_zero(parent.cell_voxels) - own_lod(parent) - 2; }
 
 TEST(Parents, LeadToOneRootAndEachHasAllThatItsWindowOverlaps) {
   for (int round = 0; round < 60; ++round) {
@@ -67,7 +68,7 @@ TEST(Parents, LeadToOneRootAndEachHasAllThatItsWindowOverlaps) {
       ASSERT_LE(levels_of(p), most_parent_levels);
       for (const std::int64_t x : p.lattice_min) EXPECT_EQ(x % (std::int64_t(p.cell_voxels) / 8), 0);
       for (std::uint32_t j = 0; j < i; ++j) {
-        const bool is_below = jobs[j].cell_voxels >> 3 == std::uint32_t(1) << (p.first_lod - 1);
+        const bool is_below = jobs[j].cell_voxels >> 3 == std::uint32_t(1) << (own_lod(p) - 1);
         const bool is_child = std::binary_search(p.children.begin(), p.children.end(), j);
         EXPECT_EQ(is_child, is_below && overlap(jobs[j], p)) << p.name << " and " << j;
       }
@@ -78,8 +79,44 @@ TEST(Parents, LeadToOneRootAndEachHasAllThatItsWindowOverlaps) {
         EXPECT_GE(cell.lattice_min[c], root.lattice_min[c]);
         EXPECT_LE(cell.lattice_min[c] + cell.cell_voxels, root.lattice_min[c] + root.cell_voxels);
       }
-    for (std::size_t i = cells; i + 1 < jobs.size(); ++i) EXPECT_LT(jobs[i].first_lod, root.first_lod);
+    for (std::size_t i = cells; i + 1 < jobs.size(); ++i) EXPECT_LT(own_lod(jobs[i]), own_lod(root));
   }
+}
+
+TEST(Parents, CopyWhatTheirChildrenHaveAndNeverTheirFinestLevel) {
+  for (int round = 0; round < 40; ++round) {
+    const test::RandomSeed seed(round);
+    std::mt19937 random{unsigned(seed)};
+    std::vector<CellJob> jobs = scattered_cells(random, 8u << random() % 9);
+    const std::size_t cells = jobs.size();
+    add_parents(jobs);
+    for (std::size_t i = cells; i < jobs.size(); ++i) {
+      const CellJob& p = jobs[i];
+      const bool of_cells = p.children.front() < cells;
+      const std::uint32_t most = 1u << (of_cells ? parent_width_bits_of_cells : parent_width_bits_of_parents);
+      EXPECT_GE(p.first_lod, 1u) << p.name;
+      EXPECT_LE(p.cell_voxels >> p.first_lod, std::max(most, 8u << levels_of(p))) << p.name;
+      for (const std::uint32_t child : p.children) {
+        EXPECT_GT(p.first_lod, jobs[child].first_lod) << p.name << " copies of " << jobs[child].name;
+        EXPECT_EQ(jobs[child].cell_voxels >> (own_lod(p) - 1), 8u) << p.name << " follows " << jobs[child].name;
+      }
+    }
+  }
+}
+
+TEST(Parents, OfCellsOf64AreAsWideAsPicturesNeedThem) {
+  std::vector<CellJob> jobs;
+  for (std::uint32_t i = 0; i < 64 * 64 * 4; ++i) {
+    jobs.emplace_back();
+    jobs[i].id = i, jobs[i].cell_voxels = 64, jobs[i].fingerprint = {i, 1};
+    jobs[i].lattice_min = {64 * std::int64_t(i % 128), 64 * std::int64_t(i / 128), 0};
+  }
+  add_parents(jobs);
+  const CellJob& first = jobs[64 * 64 * 4];
+  EXPECT_EQ(first.first_lod, 1u);
+  EXPECT_EQ(first.copied_lods, 3u);
+  EXPECT_EQ(first.name, "p4_0_0_0") << "named by its own levels";
+  EXPECT_EQ(jobs.back().cell_voxels >> jobs.back().first_lod, 1024u);
 }
 
 TEST(Parents, OfOneCellAreNone) {

@@ -127,7 +127,7 @@ void VoxelScene::add_shard(const std::vector<kernels::Level>& levels, NodeTable 
 }
 
 void VoxelScene::add_parent(const Painter& paint, const std::array<std::int64_t, 3>& min, std::uint32_t edge,
-                            int first_lod) {
+                            int first_lod, int copied) {
   std::vector<kernels::Level> levels = paint_levels(paint, min, edge);
   levels.erase(levels.begin(), levels.begin() + first_lod);
   if (levels[0].key.empty()) return;
@@ -135,6 +135,7 @@ void VoxelScene::add_parent(const Painter& paint, const std::array<std::int64_t,
   parent.lattice_min = min;
   parent.cell_voxels = edge;
   parent.first_lod = std::uint32_t(first_lod);
+  parent.copied_lods = std::uint32_t(copied);
   add_shard(levels, nodes_of_bricks(levels), std::move(parent), description_.parents);
 }
 

@@ -36,8 +36,10 @@ class VoxelScene {
   /// Adds the cells of the cube [min, min + edge).
   void add_cells(const Painter& paint, const std::array<std::int64_t, 3>& min, std::int64_t edge);
 
-  /// After all cells: the levels from first_lod up of the cube [min, min + edge), as they are above any cells.
-  void add_parent(const Painter& paint, const std::array<std::int64_t, 3>& min, std::uint32_t edge, int first_lod);
+  /// After all cells: the levels from first_lod up of the cube [min, min + edge), as they are above any cells; the
+  /// first `copied` of them are others' levels.
+  void add_parent(const Painter& paint, const std::array<std::int64_t, 3>& min, std::uint32_t edge, int first_lod,
+                  int copied = 0);
 
   const SceneDescription& description() const { return description_; }
   PagedScene paged() const { return PagedScene::of_cells("scene.xml", description_); }

@@ -73,19 +73,20 @@ const Vector oblique_view{-0.62, 0.60, -0.505};
 /// A scene of more cells is framed by its root parent, and where it has none, by the cells' boxes.
 constexpr std::size_t most_cells_read = 256, most_cells_read_below_a_root = 32;
 
-/// Calls visit(row, lowest corner, edge) for the finest nodes that the rows know of, in voxels.
+/// Calls visit(row, lowest corner, edge) for the finest nodes that the rows know of, in voxels; none with less than
+/// `least` along an edge.
 template <class Visit>
-void visit_nodes(const std::vector<NodeRow>& rows, std::size_t row, const Vector& corner, double edge,
+void visit_nodes(const std::vector<NodeRow>& rows, std::size_t row, const Vector& corner, double edge, double least,
                  const Visit& visit) {
   const NodeRow& node = rows[row];
   const auto children = std::size_t(std::popcount(node.child_mask));
-  if (children == 0 || node.first_child + children > rows.size()) return visit(node, corner, edge);
+  if (edge <= least || children == 0 || node.first_child + children > rows.size()) return visit(node, corner, edge);
   std::size_t next = node.first_child;
   for (int child = 0; child < 8; ++child) {
     if ((node.child_mask >> child & 1) == 0) continue;
     const double half = edge / 2;
     visit_nodes(rows, next++, corner + Vector{child & 1 ? half : 0, child & 2 ? half : 0, child & 4 ? half : 0}, half,
-                visit);
+                least, visit);
   }
 }
 
@@ -114,20 +115,20 @@ void visit_cells(const PagedScene& scene, const PageSource& pages, const Visit& 
     if (rows.empty())
       visit(corner_of(cell), double(cell.cell_voxels));
     else
-      visit_nodes(rows, 0, corner_of(cell), double(cell.cell_voxels), visit_box);
+      visit_nodes(rows, 0, corner_of(cell), double(cell.cell_voxels), 0, visit_box);
     ++number;
   });
 }
 
-/// The root's finest voxels, all in bricks of one page. False where it cannot be read.
+/// The finest voxels that the root has of its own, all in bricks of one page. False where it cannot be read.
 template <class Visit>
 bool visit_root(const PagedScene& scene, std::uint32_t root, const PageSource& pages, const Visit& visit) {
   const SceneCell& shard = scene.header().parents[root];
   const auto number = std::uint32_t(scene.totals().cells + root);
   const std::vector<NodeRow> rows = page_or_none(pages, {number, PageKey::node_rows, 0}).rows;
-  const BrickBlock bricks = page_or_none(pages, {number, 0, 0}).bricks;
+  const BrickBlock bricks = page_or_none(pages, {number, int(shard.copied_lods), 0}).bricks;
   if (rows.empty() || bricks.mask.empty()) return false;
-  visit_nodes(rows, 0, corner_of(shard), double(shard.cell_voxels),
+  visit_nodes(rows, 0, corner_of(shard), double(shard.cell_voxels), std::ldexp(brick_edge, int(shard.own_lod())),
               [&](const NodeRow& node, const Vector& corner, double edge) {
                 const bool is_brick = node.kind == NodeKind::brick && 8 * std::size_t(node.value) < bricks.mask.size();
                 if (!is_brick) return visit(corner, edge);

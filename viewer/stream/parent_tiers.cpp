@@ -20,7 +20,9 @@ int window_bits(const SceneCell& parent) {
 }
 
 bool add(const SceneCell& parent, std::uint32_t index, ParentTier& tier) {
-  if (window_bits(parent) != tier.bits || std::int32_t(parent.lods) != tier.lods) return false;
+  if (window_bits(parent) != tier.bits || std::int32_t(parent.lods) != tier.lods ||
+      std::int32_t(parent.copied_lods) != tier.copied_lods)
+    return false;
   const TierBlock block = tier.block_of(parent.lattice_min);
   return tier.corner_of(block) == parent.lattice_min && tier.parent.emplace(block, index).second;
 }
@@ -28,16 +30,17 @@ bool add(const SceneCell& parent, std::uint32_t index, ParentTier& tier) {
 /// Tiers by their first level, with the parents in them; the root's begins at its own corner.
 std::optional<std::vector<ParentTier>> sorted_into_tiers(const std::vector<SceneCell>& parents) {
   const SceneCell& root = *std::max_element(
-      parents.begin(), parents.end(), [](const SceneCell& a, const SceneCell& b) { return a.first_lod < b.first_lod; });
+      parents.begin(), parents.end(), [](const SceneCell& a, const SceneCell& b) { return a.own_lod() < b.own_lod(); });
   std::map<std::uint32_t, ParentTier> by_lod;
   for (std::uint32_t i = 0; i < parents.size(); ++i) {
     const SceneCell& parent = parents[i];
-    ParentTier& tier = by_lod[parent.first_lod];
+    ParentTier& tier = by_lod[parent.own_lod()];
     if (tier.lods == 0) {
       tier.first_lod = std::int32_t(parent.first_lod);
       tier.lods = std::int32_t(parent.lods);
+      tier.copied_lods = std::int32_t(parent.copied_lods);
       tier.bits = window_bits(parent);
-      if (parent.first_lod == root.first_lod) tier.origin = root.lattice_min;
+      if (parent.own_lod() == root.own_lod()) tier.origin = root.lattice_min;
     }
     if (tier.bits == 0 || !add(parent, i, tier)) return {};
   }
@@ -48,9 +51,10 @@ std::optional<std::vector<ParentTier>> sorted_into_tiers(const std::vector<Scene
 
 bool hang_from_one_root(const std::vector<ParentTier>& tiers, const std::vector<SceneCell>& parents) {
   for (std::size_t t = 0; t + 1 < tiers.size(); ++t) {
-    if (tiers[t].first_lod + tiers[t].lods != tiers[t + 1].first_lod) return false;
+    const ParentTier& above = tiers[t + 1];
+    if (tiers[t].first_lod + tiers[t].lods != above.own_lod() || tiers[t].first_lod > above.first_lod) return false;
     for (const auto& [block, index] : tiers[t].parent)
-      if (!tiers[t + 1].parent.contains(tiers[t + 1].block_of(parents[index].lattice_min))) return false;
+      if (!above.parent.contains(above.block_of(parents[index].lattice_min))) return false;
   }
   const ParentTier& top = tiers.back();
   const std::int64_t half = std::int64_t(1) << (top.bits - 1);
@@ -95,10 +99,16 @@ std::array<std::int64_t, 3> ParentTier::corner_of(const TierBlock& block) const 
   return {origin[0] + block[0] * edge, origin[1] + block[1] * edge, origin[2] + block[2] * edge};
 }
 
-const ParentTier& ParentTiers::tier_of(int lod) const {
-  std::size_t t = 0;
-  while (t + 1 < tiers.size() && lod >= tiers[t + 1].first_lod) ++t;
-  return tiers[t];
+std::size_t ParentTiers::holders(int lod) const {
+  return std::size_t(std::count_if(tiers.begin(), tiers.end(), [lod](const ParentTier& tier) {
+    return tier.first_lod <= lod && lod < tier.first_lod + tier.lods;
+  }));
+}
+
+const ParentTier& ParentTiers::holder(int lod, std::size_t holder) const {
+  std::size_t t = tiers.size() - 1;
+  while (tiers[t].first_lod > lod) --t;
+  return tiers[t - holder];
 }
 
 std::optional<ParentTiers> parent_tiers(const PagedScene& scene) {
@@ -107,7 +117,7 @@ std::optional<ParentTiers> parent_tiers(const PagedScene& scene) {
   auto tiers = sorted_into_tiers(header.parents);
   if (!tiers || !hang_from_one_root(*tiers, header.parents)) return {};
   const int cell_lods = std::bit_width(scene.totals().cell_voxels / brick_edge);
-  if (cell_lods == 0 || cell_lods != tiers->front().first_lod) return {};
+  if (cell_lods == 0 || cell_lods != tiers->front().own_lod()) return {};
   const std::uint32_t root = tiers->back().parent.begin()->second;
   if (may_lack_parents(header) && !hold_all_cells(tiers->front(), scene)) return {};
   return ParentTiers{std::move(*tiers), root};

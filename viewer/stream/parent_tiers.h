@@ -19,11 +19,13 @@ struct TierBlockHash {
 };
 
 struct ParentTier {
-  std::int32_t first_lod = 0, lods = 0;
-  std::int32_t bits = 0;                                               ///< a window's edge is 2^bits lod-0 voxels
-  std::array<std::int64_t, 3> origin{};                                ///< corner of block 0, 0, 0
+  std::int32_t first_lod = 0, lods = 0;  ///< all levels that its parents store
+  std::int32_t copied_lods = 0;          ///< of these: the finest, which children store too
+  std::int32_t bits = 0;                 ///< a window's edge is 2^bits lod-0 voxels
+  std::array<std::int64_t, 3> origin{};  ///< corner of block 0, 0, 0
   std::unordered_map<TierBlock, std::uint32_t, TierBlockHash> parent;  ///< by block: its index in the scene's parents
 
+  std::int32_t own_lod() const { return first_lod + copied_lods; }
   TierBlock block_of(const std::array<std::int64_t, 3>& v) const;
   std::array<std::int64_t, 3> corner_of(const TierBlock& block) const;
 };
@@ -32,8 +34,10 @@ struct ParentTiers {
   std::vector<ParentTier> tiers;  ///< from the cells upwards; the last one is the root alone
   std::uint32_t root = 0;         ///< its index in the scene's parents
 
-  /// The tier that a level is stored in. Range  lod is one of the parents' levels.
-  const ParentTier& tier_of(int lod) const;
+  /// How many tiers store a level; below those that do, cells do.
+  std::size_t holders(int lod) const;
+  /// One of them, the largest parents first. Range  holder < holders(lod).
+  const ParentTier& holder(int lod, std::size_t holder) const;
 };
 
 /// Nothing where not all of a scene hangs from one root: no parents, or parents that are missing, overlap or are not of

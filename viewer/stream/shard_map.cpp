@@ -50,7 +50,7 @@ ShardMap::ShardMap(const std::vector<SceneCell>& cells)
       cells_(listed_cells(cells, 0)) {}
 
 ShardMap::ShardMap(const PagedScene& scene, ParentTiers tiers)
-    : cell_lods_(tiers.tiers.front().first_lod),
+    : cell_lods_(tiers.tiers.front().own_lod()),
       cell_bits_(std::countr_zero(scene.totals().cell_voxels)),
       tiers_(std::move(tiers)),
       cell_count_(std::uint32_t(scene.totals().cells)),
@@ -63,11 +63,11 @@ ShardMap::Cells::const_iterator ShardMap::first_above(const Cells& cells, const 
 }
 
 PlacedShard ShardMap::placed(const ListedCell& cell) const {
-  return {cell.number, 0, cell_bits_ - 2, cube_at(cell.min.data(), std::int64_t(1) << cell_bits_)};
+  return {cell.number, 0, cell_bits_ - 2, 0, cube_at(cell.min.data(), std::int64_t(1) << cell_bits_)};
 }
 
 PlacedShard ShardMap::placed(const ParentTier& tier, const TierBlock& block, std::uint32_t parent) const {
-  return {cell_count_ + parent, tier.first_lod, tier.lods,
+  return {cell_count_ + parent, tier.first_lod, tier.lods, tier.own_lod(),
           cube_at(tier.corner_of(block).data(), std::int64_t(1) << tier.bits)};
 }
 
@@ -114,10 +114,15 @@ std::optional<PlacedShard> ShardMap::find_cell(const std::int64_t v[3], const Pa
   return {};
 }
 
-std::optional<PlacedShard> ShardMap::find(int lod, const std::int64_t v[3], const Pager& pager, PageGaps& gaps,
-                                          VoxelBox& empty) const {
-  if (lod < cell_lods_) return find_cell(v, pager, gaps, empty);
-  const ParentTier& tier = tiers_->tier_of(lod);
+int ShardMap::last_holder(int lod) const {
+  const int parents = tiers_ ? int(tiers_->holders(lod)) : 0;
+  return lod < cell_lods_ ? parents : parents - 1;
+}
+
+std::optional<PlacedShard> ShardMap::find(int lod, int holder, const std::int64_t v[3], const Pager& pager,
+                                          PageGaps& gaps, VoxelBox& empty) const {
+  if (lod < cell_lods_ && holder == last_holder(lod)) return find_cell(v, pager, gaps, empty);
+  const ParentTier& tier = tiers_->holder(lod, std::size_t(holder));
   const TierBlock block = tier.block_of({v[0], v[1], v[2]});
   const auto found = tier.parent.find(block);
   if (found != tier.parent.end()) return placed(tier, block, found->second);

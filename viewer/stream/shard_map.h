@@ -27,6 +27,7 @@ struct PageGaps {
 struct PlacedShard {
   std::uint32_t number = 0;  ///< PageKey::shard
   std::int32_t first_lod = 0, lods = 0;
+  std::int32_t own_lod = 0;  ///< the finest that no child of it stores
   kernels::VoxelBox window{};
 
   bool is_parent() const { return first_lod != 0; }
@@ -46,14 +47,21 @@ class ShardMap {
   /// Through parents, from the root down.
   ShardMap(const PagedScene& scene, ParentTiers tiers);
 
+  /// A level may be stored more than once: holder 0 are the largest shards that have it, of which a picture needs the
+  /// fewest; the last are those that it is of, and that others copied it from.
+  int last_holder(int lod) const;
+
   /// The shard of level `lod` that holds lod-0 voxel v; or nothing, and a box around v that no shard reaches into.
-  std::optional<PlacedShard> find(int lod, const std::int64_t v[3], const Pager& pager, PageGaps& gaps,
+  /// Range  holder ≤ last_holder(lod), here and below.
+  std::optional<PlacedShard> find(int lod, int holder, const std::int64_t v[3], const Pager& pager, PageGaps& gaps,
                                   kernels::VoxelBox& empty) const;
 
   /// Calls visit(PlacedShard) for the shards of level `lod` that overlap the box until one says true.
   template <class Visit>
-  bool any(int lod, const kernels::VoxelBox& box, const Pager& pager, PageGaps& gaps, const Visit& visit) const {
-    if (lod >= cell_lods_) return any_parent(tiers_->tier_of(lod), box, visit);
+  bool any(int lod, int holder, const kernels::VoxelBox& box, const Pager& pager, PageGaps& gaps,
+           const Visit& visit) const {
+    if (lod >= cell_lods_ || holder < last_holder(lod))
+      return any_parent(tiers_->holder(lod, std::size_t(holder)), box, visit);
     for (std::int64_t y = box.min[1] >> cell_bits_; y <= (box.max[1] - 1) >> cell_bits_; ++y)
       for (std::int64_t x = box.min[0] >> cell_bits_; x <= (box.max[0] - 1) >> cell_bits_; ++x)
         if (any_of_column(x << cell_bits_, y << cell_bits_, box, pager, gaps, visit)) return true;

@@ -38,8 +38,16 @@ class VoxelLookup {
 
  private:
   const NodeRow* row(const PlacedShard& shard, std::uint32_t index, PageGaps& gaps) const;
+  /// What is asked for of a shard.
+  struct Question {
+    int lod, holder;
+    kernels::VoxelBox box;
+  };
+  bool any_occupied(const Question& question, PageGaps& gaps) const;
   bool is_occupied_below(const PlacedShard& shard, std::uint32_t row_index, int level, const std::int64_t corner[3],
-                         int lod, const kernels::VoxelBox& box, PageGaps& gaps) const;
+                         const Question& question, PageGaps& gaps) const;
+  bool unread_occupied(const PlacedShard& shard, const Question& question, PageGaps& gaps) const;
+  VoxelPlace place_in(const PlacedShard& shard, int lod, const std::int64_t v[3], PageGaps& gaps) const;
   bool may_be_occupied(const PlacedShard& shard, const kernels::VoxelBox& box, PageGaps& gaps) const;
   void set_content(const PlacedShard& shard, const NodeRow& found, int lod, PageGaps& gaps, VoxelPlace& place) const;
 

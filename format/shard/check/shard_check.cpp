@@ -37,6 +37,8 @@ void check_header(const std::filesystem::path& path, const ShardHeader& h) {
   table.expect(std::has_single_bit(h.cell_voxels) && edge >= 8 && edge <= 8192, 0,
                "cell_voxels is no power of two from 8 to 8192 voxels of the first level");
   table.expect(h.lods == std::uint32_t(std::bit_width(edge / 8)), 0, "lods does not fit cell_voxels");
+  table.expect(h.copied_lods < h.lods && (h.first_lod != 0 || h.copied_lods == 0), 0,
+               "copied_lods leaves no level of its own, or is of a cell");
   table.expect(h.voxel_size_m > 0 && std::isfinite(h.voxel_size_m), 0, "voxel_size_m is not positive");
   for (int c = 0; c < 3; ++c) {
     table.expect(std::isfinite(h.lattice_origin_m[std::size_t(c)]), 0, "lattice_origin_m is not finite");

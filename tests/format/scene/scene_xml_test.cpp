@@ -44,7 +44,7 @@ SceneDescription random_scene(std::mt19937_64& rng) {
   if (s.cells.size() > 1) {
     SceneCell parent = s.cells[0];
     parent.name = "p4_0_0_0", parent.file = "shards/p4_0_0_0.h5";
-    parent.first_lod = 4, parent.cell_voxels = 1024;
+    parent.first_lod = 4, parent.copied_lods = 2, parent.cell_voxels = 1024;
     s.parents.push_back(parent);
   }
   s.losses.push_back({"tile <a>.glb", "cannot be read:\tit \"ends\" early"});
@@ -64,6 +64,7 @@ void expect_same(const SceneDescription& a, const SceneDescription& b) {
   for (std::size_t i = 0; i < a.parents.size(); ++i) {
     EXPECT_EQ(a.parents[i].name, b.parents[i].name);
     EXPECT_EQ(a.parents[i].first_lod, b.parents[i].first_lod);
+    EXPECT_EQ(a.parents[i].copied_lods, b.parents[i].copied_lods);
     EXPECT_EQ(a.parents[i].content_hash, b.parents[i].content_hash);
   }
   ASSERT_EQ(a.cells.size(), b.cells.size());
@@ -139,7 +140,7 @@ TEST(SceneXml, IsRefusedWithElementAndAttributeWhereItIsWrong) {
     const char *from, *to, *told;
   } cases[] = {
       {"<OctTreeGroup", "<OctTreeGrouq", "not a scene"},
-      {"Version=\"3\"", "Version=\"4\"", "OctTreeGroup Version: expected 1 to 3"},
+      {"Version=\"4\"", "Version=\"5\"", "OctTreeGroup Version: expected 1 to 4"},
       {"Parents=\"0\"", "Parents=\"1\"", "OctTreeGroup Parents: says 1, but 0 are listed"},
       {"Lods=\"2\"", "FirstLod=\"0\" Lods=\"2\"", "PagedOctTree FirstLod: expected 1 to 28"},
       {"Lods=\"2\"", "FirstLod=\"33\" Lods=\"2\"", "PagedOctTree FirstLod: expected 1 to 28"},

@@ -79,6 +79,7 @@ TEST(Above, HashIsOfEveryByte) {
 Shard small_parent() {
   Shard parent = made::small_shard_with_planes();
   parent.header.first_lod = 5;
+  parent.header.copied_lods = 1;
   parent.header.cell_voxels <<= 5;
   parent.header.lattice_min = {-512, 1024, 64};
   for (std::size_t b = 0; b < parent.levels[0].rgba.size() / 4; ++b)
@@ -93,9 +94,10 @@ TEST(ParentShard, HasFacingOnItsFinestLevelAndItsLevelsPlaceOnTheLattice) {
   write_shard(folder / "p.h5", parent, {});
   const ShardReader reader(folder / "p.h5");
   EXPECT_EQ(reader.header().first_lod, 5u);
+  EXPECT_EQ(reader.header().copied_lods, 1u);
   EXPECT_EQ(reader.level(0).facing, parent.levels[0].facing);
   Shard cell = parent;
-  cell.header.first_lod = 0;
+  cell.header.first_lod = cell.header.copied_lods = 0;
   EXPECT_NE(content_hash(cell), parent.header.content_hash);
 }
 
@@ -111,6 +113,11 @@ TEST(ParentShard, IsRefusedOffItsGridAndOfAnotherNumberOfLevels) {
   expect_refused([](ShardHeader& h) { h.first_lod = 4; });
   expect_refused([](ShardHeader& h) { h.first_lod = 40; });
   expect_refused([](ShardHeader& h) { h.cell_voxels = 1u << 31; });
+  expect_refused([](ShardHeader& h) { h.copied_lods = h.lods; });
+  expect_refused([](ShardHeader& h) {
+    h.cell_voxels >>= h.first_lod;
+    h.first_lod = 0;  // a cell, which copies nothing
+  });
 }
 
 }  // namespace

@@ -13,15 +13,19 @@ namespace {
 struct Version {
   std::string folder;  ///< of the shards' version, and from 2 on that of scene.xml
   bool has_totals;
-  bool has_planes = false, has_above = false;
+  bool has_planes = false, has_above = false, has_parent = false;
 
   Shard shard() const {
     Shard shard = has_planes ? made::small_shard_with_planes() : made::small_shard();
     if (has_above) shard.above = made::small_above();
     return shard;
   }
+  std::vector<Shard> shards() const {
+    if (!has_parent) return {shard()};
+    return {shard(), made::small_parent()};
+  }
 };
-const Version newest{"version_4_scene_3", true, true, true};
+const Version newest{"version_5_scene_4", true, true, true, true};
 
 std::filesystem::path golden(const Version& version) {
   return std::filesystem::path(GIGABAKE_SOURCE_DIR) / "tests/format/golden" / version.folder;
@@ -32,7 +36,7 @@ class Golden : public testing::TestWithParam<Version> {};
 TEST_P(Golden, SceneReadsAsOnTheDayItWasWritten) {
   const std::filesystem::path folder = golden(GetParam());
   if (GetParam().folder == newest.folder && std::getenv("GIGABAKE_WRITE_GOLDEN") != nullptr)
-    made::write_scene_of(folder / "scene.xml", {GetParam().shard()});
+    made::write_scene_of(folder / "scene.xml", GetParam().shards());
   const SceneDescription scene = read_scene(folder / "scene.xml");
   ASSERT_EQ(scene.cells.size(), 1u);
   EXPECT_EQ(scene.voxel_size_m, 0.25);
@@ -42,6 +46,11 @@ TEST_P(Golden, SceneReadsAsOnTheDayItWasWritten) {
   EXPECT_EQ(scene.cells[0].fingerprint.hex(), "00000000000000020000000000000001");
   EXPECT_EQ(made::difference(read_shard(folder / scene.cells[0].file), GetParam().shard()), "");
   EXPECT_EQ(read_shard(folder / scene.cells[0].file).above, GetParam().shard().above);
+  ASSERT_EQ(scene.parents.size(), GetParam().shards().size() - 1);
+  for (const SceneCell& parent : scene.parents) {
+    EXPECT_EQ(made::difference(read_shard(folder / parent.file), made::small_parent()), "");
+    EXPECT_EQ(parent.copied_lods, 1u);
+  }
   const VerifyResult verified = verify_scene(folder / "scene.xml", 1);
   EXPECT_EQ(verified.faults, std::vector<std::string>());
   EXPECT_EQ(verified.has_totals, GetParam().has_totals);
@@ -50,12 +59,12 @@ TEST_P(Golden, SceneReadsAsOnTheDayItWasWritten) {
 INSTANTIATE_TEST_SUITE_P(Versions, Golden,
                          testing::Values(Version{"version_1", false}, Version{"version_2", false},
                                          Version{"version_2_scene_2", true}, Version{"version_3_scene_2", true, true},
-                                         newest),
+                                         Version{"version_4_scene_3", true, true, true}, newest),
                          [](const auto& version) { return version.param.folder; });
 
 TEST(GoldenToday, WriterStoresWhatTheNewestVersionStores) {
   const made::TempFolder folder;
-  const SceneDescription today = made::write_scene_of(folder / "scene.xml", {newest.shard()});
+  const SceneDescription today = made::write_scene_of(folder / "scene.xml", newest.shards());
   const SceneDescription then = read_scene(golden(newest) / "scene.xml");
   EXPECT_EQ(made::difference(read_shard(folder / today.cells[0].file), read_shard(golden(newest) / then.cells[0].file)),
             "");

@@ -24,9 +24,15 @@ TEST(LevelSummary, CountsBricksAndWhatConstantNodesStandFor) {
 
 TEST(LevelSummary, OfAnEmptyLevelHasNoMean) { EXPECT_EQ(LevelSummary().mean_coverage(), 0); }
 
+TEST(LevelSummary, DoesNotCountCopies) {
+  std::vector<LevelSummary> sum{{}, {{1, 2, 3, 4, 5}, 6, 7}};
+  add_levels({{{9, 9, 9, 9, 9}, 9, 9}, {{1, 1, 1, 1, 1}, 2, 3}}, 1, 1, sum);
+  EXPECT_EQ(sum, (std::vector<LevelSummary>{{}, {{1, 2, 3, 4, 5}, 6, 7}, {{1, 1, 1, 1, 1}, 2, 3}}));
+}
+
 TEST(LevelSummary, AddsUpWhereOneSceneHasMoreLevels) {
   std::vector<LevelSummary> sum{{{1, 2, 3, 4, 5}, 6, 7}};
-  add_levels({{{10, 20, 30, 40, 50}, 60, 70}, {{1, 1, 1, 1, 1}, 2, 3}}, 0, sum);
+  add_levels({{{10, 20, 30, 40, 50}, 60, 70}, {{1, 1, 1, 1, 1}, 2, 3}}, 0, 0, sum);
   EXPECT_EQ(sum, (std::vector<LevelSummary>{{{11, 22, 33, 44, 55}, 66, 77}, {{1, 1, 1, 1, 1}, 2, 3}}));
 }
 

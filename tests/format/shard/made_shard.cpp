@@ -255,6 +255,25 @@ Shard shard_of(const std::vector<Voxel>& voxels, std::array<std::int64_t, 3> lat
   return with_content_hash(std::move(s));
 }
 
+Shard small_parent() {
+  std::vector<Voxel> voxels;
+  for (std::int64_t i = 0; i < 9; ++i)
+    voxels.push_back({{i, i / 2, 15 - i}, {std::uint8_t(20 * i), 30, 7, std::uint8_t(255 - i)}, {std::int8_t(i), -9}});
+  Shard parent = shard_of(voxels, {0, 0, 0}, 16);
+  parent.header.cell = "p2_-1_1_0";
+  parent.header.lattice_min = {-32, 32, 0};
+  parent.header.lattice_origin_m = {100.5, -3, 0};
+  parent.header.origin = Geodetic{34.4263, -119.8404, 2.5};
+  parent.header.first_lod = 1;
+  parent.header.copied_lods = 1;
+  parent.header.cell_voxels = 32;
+  parent.header.has_facing = true;
+  parent.nodes.facing.assign(parent.nodes.key.size(), {});
+  for (BrickLevel& level : parent.levels)
+    for (std::size_t v = 0; v < level.rgba.size() / 4; ++v) level.facing.insert(level.facing.end(), {7, 8, 9, 0x1a});
+  return with_content_hash(std::move(parent));
+}
+
 SceneCell write_shard_of(const std::filesystem::path& scene_xml, const Shard& shard) {
   std::filesystem::create_directories(scene_xml.parent_path() / "shards");
   const ShardHeader& h = shard.header;
@@ -262,7 +281,7 @@ SceneCell write_shard_of(const std::filesystem::path& scene_xml, const Shard& sh
   const StoredShard stored = write_shard(scene_xml.parent_path() / file, shard, {});
   return {h.cell,        file,         h.lattice_min,       h.cell_voxels, h.lods,
           stored.file,   h.triangles,  count_voxels(shard), h.fingerprint, h.content_hash,
-          stored.levels, stored.nodes, h.first_lod};
+          stored.levels, stored.nodes, h.first_lod,         h.copied_lods};
 }
 
 SceneDescription write_scene_of(const std::filesystem::path& scene_xml, const std::vector<Shard>& shards) {
@@ -292,8 +311,9 @@ SceneDescription write_scene_of(const std::filesystem::path& scene_xml, const st
 std::string difference(const Shard& a, const Shard& b) {
   const ShardHeader &h = a.header, &g = b.header;
   if (h.generator != g.generator || h.cell != g.cell || h.lattice_min != g.lattice_min ||
-      h.cell_voxels != g.cell_voxels || h.voxel_size_m != g.voxel_size_m || h.lattice_origin_m != g.lattice_origin_m ||
-      h.origin != g.origin || h.lods != g.lods || h.fingerprint != g.fingerprint || h.content_hash != g.content_hash ||
+      h.cell_voxels != g.cell_voxels || h.first_lod != g.first_lod || h.copied_lods != g.copied_lods ||
+      h.voxel_size_m != g.voxel_size_m || h.lattice_origin_m != g.lattice_origin_m || h.origin != g.origin ||
+      h.lods != g.lods || h.fingerprint != g.fingerprint || h.content_hash != g.content_hash ||
       h.has_normals != g.has_normals || h.has_facing != g.has_facing || h.triangles != g.triangles)
     return "headers differ";
   const NodeTable &n = a.nodes, &m = b.nodes;

@@ -52,6 +52,10 @@ Shard small_shard_with_planes();
 /// What the levels above it are made of, which version 4 is the first to keep.
 ParentSource small_above();
 
+/// A parent whose finest level is a copy, which version 5 is the first to know: beside small_shard(), of levels 1
+/// and 2.
+Shard small_parent();
+
 /// A cell of one leaf-constant root: two levels without bricks.
 Shard constant_shard();
 

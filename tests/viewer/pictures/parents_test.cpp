@@ -51,6 +51,23 @@ const VoxelScene& in_three_tiers() {
   return scene;
 }
 
+/// Cells of 16³ at any voxel of their coarsest level, parents of 128³ that copy their level 1, and a root that copies
+/// all that the parents have.
+VoxelScene paint_with_copies() {
+  VoxelScene scene(16);
+  for (std::int64_t y = 0; y < 8; ++y)
+    for (std::int64_t x = 0; x < 8; ++x)
+      for (std::int64_t z = -1; z < 8; ++z) scene.add_cell(hills, {16 * x, 16 * y, 16 * z + 8 * ((x + y) % 2)});
+  for (const std::int64_t z : {-128, 0}) scene.add_parent(hills, {0, 0, z}, 128, 1, 1);
+  scene.add_parent(hills, {-128, 0, -128}, 256, 1, 4);
+  return scene;
+}
+
+const VoxelScene& with_copies() {
+  static const VoxelScene scene = paint_with_copies();
+  return scene;
+}
+
 /// Cells of 32³ that begin at any voxel of their coarsest level, below a root that begins at half of its edge.
 VoxelScene in_stacks() {
   VoxelScene scene(32);
@@ -131,6 +148,33 @@ TEST(DrawnFromParents, ReadsTheRootAloneOfWhatIsFarAway) {
   EXPECT_EQ(shards, std::set<std::uint32_t>{root});
 }
 
+TEST(DrawnFromParents, WithCopiesIsWhatOneCellOfAllShows) {
+  const VoxelScene one = whole();
+  const VoxelScene& many = with_copies();
+  FrameRenderer expected = renderer_of(one, one.pages()), drawn = renderer_of(many, many.pages());
+  for (const Eye& eye : std::span(eyes).first(4)) {
+    const Picture a = expected.draw_exact(at(eye)).picture, b = drawn.draw_exact(at(eye)).picture;
+    int largest = 0;
+    for (std::size_t i = 0; i < a.rgba.size(); ++i) largest = std::max(largest, std::abs(a.rgba[i] - b.rgba[i]));
+    EXPECT_LE(largest, 2) << "from " << eye.eye_m[2];
+  }
+}
+
+TEST(DrawnFromParents, ReadsCopiesInPlaceOfCells) {
+  const VoxelScene& scene = with_copies();
+  std::mutex mutex;
+  std::set<std::uint32_t> shards;
+  FrameRenderer renderer = renderer_of(scene, [&, inner = scene.pages()](const PageKey& key) {
+    const std::lock_guard lock(mutex);
+    shards.insert(key.shard);
+    return inner(key);
+  });
+  const Picture picture = renderer.draw_exact(at(eyes[3])).picture;
+  EXPECT_GT(mostly_covered_pixels(picture), 100u);
+  const auto root = std::uint32_t(scene.description().cells.size() + scene.description().parents.size() - 1);
+  EXPECT_EQ(shards, std::set<std::uint32_t>{root}) << "whose copies reach down to level 1";
+}
+
 /// Pages of one shard cannot be read.
 PageSource damaged(const VoxelScene& scene, std::uint32_t shard) {
   return [inner = scene.pages(), shard](const PageKey& key) {
@@ -174,6 +218,17 @@ TEST(DrawnFromParents, ShowsTheCellsWhereAParentIsDamaged) {
     const std::size_t covered = mostly_covered_pixels(whole.draw_exact(far).picture);
     if (parent == last) continue;  // nothing stands for the root
     EXPECT_GE(mostly_covered_pixels(renderer.draw_exact(far).picture), covered * 9 / 10);
+  }
+}
+
+TEST(DrawnFromParents, TakesFromItsChildrenWhatADamagedParentHasCopiesOf) {
+  const VoxelScene& scene = with_copies();
+  const auto first = std::uint32_t(scene.description().cells.size());
+  const auto root = first + std::uint32_t(scene.description().parents.size()) - 1;
+  FrameRenderer whole = renderer_of(scene, scene.pages()), renderer = renderer_of(scene, damaged(scene, root));
+  for (const std::size_t eye : {1u, 3u}) {  // that see levels 1 to 3
+    EXPECT_EQ(renderer.draw_exact(at(eyes[eye])).picture.rgba, whole.draw_exact(at(eyes[eye])).picture.rgba) << eye;
+    EXPECT_EQ(renderer.problems().size(), 1u) << "it is said";
   }
 }
 

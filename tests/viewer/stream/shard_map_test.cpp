@@ -105,7 +105,7 @@ TEST(ShardMap, FindsTheCellsOfAnyPlaceThroughPagesOfPages) {
     }
     std::set<std::uint32_t> found;
     asked.answer([&](PageGaps& gaps) {
-      return asked.map.any(1, box, asked.pager, gaps, [&](const PlacedShard& shard) {
+      return asked.map.any(1, 0, box, asked.pager, gaps, [&](const PlacedShard& shard) {
         found.insert(shard.number);
         return false;
       });
@@ -113,7 +113,7 @@ TEST(ShardMap, FindsTheCellsOfAnyPlaceThroughPagesOfPages) {
     EXPECT_EQ(found, expected);
     VoxelBox empty;
     const auto shard =
-        asked.answer([&](PageGaps& gaps) { return asked.map.find(0, box.min, asked.pager, gaps, empty); });
+        asked.answer([&](PageGaps& gaps) { return asked.map.find(0, 0, box.min, asked.pager, gaps, empty); });
     ASSERT_EQ(shard.has_value(), holds.has_value());
     if (shard) {
       EXPECT_EQ(shard->number, *holds);
@@ -140,11 +140,12 @@ TEST(ShardMap, SaysWhereAPageOfTheSceneCannotBeRead) {
   Asked asked(scene);
   VoxelBox empty;
   const std::int64_t inside[3] = {lost.totals.window.min[0], lost.totals.window.min[1], lost.totals.window.min[2]};
-  const auto shard = asked.answer([&](PageGaps& gaps) { return asked.map.find(0, inside, asked.pager, gaps, empty); });
+  const auto shard =
+      asked.answer([&](PageGaps& gaps) { return asked.map.find(0, 0, inside, asked.pager, gaps, empty); });
   EXPECT_FALSE(shard.has_value());
   EXPECT_TRUE(asked.damaged) << "of what is asked for";
   asked.own = {{-2000, 0, 0}, {-1999, 1, 1}};
-  asked.answer([&](PageGaps& gaps) { return asked.map.find(0, inside, asked.pager, gaps, empty); });
+  asked.answer([&](PageGaps& gaps) { return asked.map.find(0, 0, inside, asked.pager, gaps, empty); });
   EXPECT_FALSE(asked.damaged) << "of something beside";
   ASSERT_EQ(asked.pager.problems().size(), 1u);
   EXPECT_NE(asked.pager.problems()[0].find(lost.file), std::string::npos);
@@ -174,13 +175,56 @@ std::optional<ParentTiers> tiers_of(const SceneDescription& scene) {
   return parent_tiers(PagedScene::of_cells("scene.xml", scene));
 }
 
+/// two_tiers(), of which parents copy a level of the cells and the root two of its children's, one of them a copy.
+SceneDescription two_tiers_with_copies() {
+  SceneDescription scene = two_tiers();
+  for (SceneCell& parent : scene.parents) {
+    const std::uint32_t copied = parent.cell_voxels == 256 ? 4 : 1;
+    parent.first_lod -= copied, parent.lods += copied, parent.copied_lods = copied;
+  }
+  return scene;
+}
+
+TEST(ParentTiers, NameTheLargestParentsFirstOfThoseThatHoldALevel) {
+  const auto tiers = tiers_of(two_tiers_with_copies());
+  ASSERT_TRUE(tiers.has_value());
+  EXPECT_EQ(tiers->holders(0), 0u);
+  for (const int lod : {1, 2, 3, 4}) {
+    ASSERT_EQ(tiers->holders(lod), 2u) << lod;
+    EXPECT_EQ(tiers->holder(lod, 0).bits, 8) << lod;
+    EXPECT_EQ(tiers->holder(lod, 1).bits, 7) << lod;
+  }
+  ASSERT_EQ(tiers->holders(5), 1u);
+  SceneDescription scene = two_tiers_with_copies();
+  scene.parents[1].copied_lods = 0;
+  EXPECT_FALSE(tiers_of(scene).has_value()) << "a parent that copies something else than its neighbours";
+}
+
+TEST(ShardMap, AsksTheLargestShardOfALevelFirstAndTheCellsLast) {
+  const auto scene = std::make_shared<const PagedScene>(PagedScene::of_cells("scene.xml", two_tiers_with_copies()));
+  const ShardMap map(*scene, *parent_tiers(*scene));
+  const Pager pager([](const PageKey&) { return Page(); }, {1, UINT64_MAX});
+  PageGaps gaps;
+  VoxelBox empty;
+  const std::int64_t v[3] = {0, 0, 130};
+  EXPECT_EQ(map.last_holder(0), 0);
+  EXPECT_EQ(map.last_holder(1), 2);
+  EXPECT_EQ(map.last_holder(4), 1);
+  EXPECT_EQ(map.find(1, 0, v, pager, gaps, empty)->number, 7u) << "the root, behind three cells and four parents";
+  EXPECT_EQ(map.find(1, 1, v, pager, gaps, empty)->window.max[2], 256);
+  EXPECT_FALSE(map.find(1, 2, v, pager, gaps, empty)->is_parent());
+  EXPECT_FALSE(map.find(0, 0, v, pager, gaps, empty)->is_parent());
+}
+
 TEST(ParentTiers, AreThereOnlyWhereAllOfASceneHangsFromOneRoot) {
   const SceneDescription good = two_tiers();
   const auto tiers = tiers_of(good);
   ASSERT_TRUE(tiers.has_value());
   EXPECT_EQ(tiers->root, 4u);
-  EXPECT_EQ(tiers->tier_of(4).parent.size(), 4u);
-  EXPECT_EQ(tiers->tier_of(5).bits, 8);
+  EXPECT_EQ(tiers->holder(4, 0).parent.size(), 4u);
+  EXPECT_EQ(tiers->holder(5, 0).bits, 8);
+  EXPECT_EQ(tiers->holders(1), 0u);
+  EXPECT_EQ(tiers->holders(4), 1u);
   const auto refused = [&](const char* what, const auto& change) {
     SceneDescription scene = good;
     change(scene);

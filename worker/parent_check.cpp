@@ -1,0 +1,86 @@
+#include "worker/parent_check.h"
+
+#include <optional>
+
+#include "format/shard/above.h"
+#include "format/shard/shard_reader.h"
+#include "lattice/error.h"
+#include "lattice/parameters.h"
+#include "worker/parent_bake.h"
+
+namespace gigabake {
+namespace {
+
+CellJob job_of(const SceneCell& parent) {
+  CellJob job;
+  job.name = parent.name;
+  job.lattice_min = parent.lattice_min;
+  job.cell_voxels = parent.cell_voxels;
+  job.first_lod = parent.first_lod;
+  job.copied_lods = parent.copied_lods;
+  return job;
+}
+
+/// Nothing where one of them, or the parent, is damaged.
+struct ReadFamily {
+  ShardHeader header;
+  ParentSource above;
+  std::vector<ChildOfParent> children;
+};
+std::optional<ReadFamily> read_family(const std::filesystem::path& folder, const SceneCell& parent,
+                                      std::span<const SceneCell> children) {
+  try {
+    const ShardReader reader(folder / parent.file);
+    ReadFamily family{reader.header(), reader.above(), {}};
+    for (const SceneCell& child : children)
+      family.children.push_back(read_child(ShardReader(folder / child.file), job_of(parent)));
+    return family;
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+class Comparison {
+ public:
+  Comparison(std::filesystem::path file, const SceneCell& parent) : file_(std::move(file)), parent_(parent) {}
+
+  void compare(const ReadFamily& family, const kernels::CellVolume& made) {
+    const std::uint32_t lods = family.header.generator == generator() ? parent_.lods : parent_.copied_lods;
+    for (std::uint32_t l = 0; l < lods; ++l)
+      if (l >= made.content_hash.size() || made.content_hash[l] != family.header.content_hash[l])
+        add("/lod_" + std::to_string(l),
+            l < parent_.copied_lods ? "is no copy of its children's level " : "is not what its children make of level ",
+            std::to_string(parent_.first_lod + l));
+    if (lods == parent_.lods && hash_of(made.above) != hash_of(family.above))
+      add("/above", "is not what its children make of level ", std::to_string(parent_.first_lod + lods - 1));
+  }
+  void add(const std::string& dataset, const std::string& what, const std::string& more) {
+    faults.emplace_back(
+        InputError(file_, dataset,
+                   what + more + ": one of them has changed, or this has; remove the file and bake again")
+            .what());
+  }
+  std::vector<std::string> faults;
+
+ private:
+  std::filesystem::path file_;
+  const SceneCell& parent_;
+};
+
+}  // namespace
+
+std::vector<std::string> faults_of_parent(const std::filesystem::path& folder, const SceneHeader& scene,
+                                          const SceneCell& parent, std::span<const SceneCell> children) {
+  const std::optional<ReadFamily> family = read_family(folder, parent, children);
+  if (!family) return {};
+  Comparison comparison(folder / parent.file, parent);
+  try {
+    const BakeParameters parameters = parameters_from_json(scene.parameters);
+    comparison.compare(*family, make_parent(job_of(parent), family->children, parameters, callers_thread()));
+  } catch (const InputError& error) {
+    comparison.add("", "cannot be made of its children: ", error.what());
+  }
+  return std::move(comparison.faults);
+}
+
+}  // namespace gigabake
