@@ -18,6 +18,7 @@ void add_verify(CLI::App& app, int& exit_code);
 void add_diff(CLI::App& app, int& exit_code);
 void add_export(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);
+void add_query(CLI::App& app, int& exit_code);
 void add_view(CLI::App& app, int& exit_code);
 void add_serve(CLI::App& app, int& exit_code);
 void add_bench(CLI::App& app, int& exit_code);

@@ -39,6 +39,11 @@ const std::map<std::string, Lines> examples{
       "gigabake render OUT -o picture.jpg --eye 175,-215,95 --target 0,0,0 --size 1920x1080",
       "gigabake render OUT -o levels.png --mode lod",
       "gigabake render OUT -o frames/%04d.png --path flight.json --fps 25 --stats flight-stats.json"}},
+    {"query",
+     {"gigabake query OUT --ray 0,0,200,0,0,-1 --format json",
+      "gigabake query OUT --rays rays.csv -o hits.csv --coordinates lonlat",
+      "gigabake query OUT --grid -100,-100,100,100 --step 0.5 -o heights.csv",
+      "gigabake query OUT --sight 175,-215,95,0,0,40 --ignore-ends 1 --format geojson"}},
     {"view", {"gigabake view OUT", "gigabake view OUT --size 1920x1080 -o pictures"}},
     {"serve", {"gigabake serve OUT", "gigabake serve OUT --port 0", "gigabake serve OUT --bind 0.0.0.0 --viewers 4"}},
     {"bench", {"gigabake bench kernels village/tileset.json --voxel-size 0.25"}},
@@ -63,8 +68,8 @@ bool reads_sources(const std::string& words) {
 }
 
 bool reads_a_scene(const std::string& words) {
-  return words == "info" || words == "verify" || words == "export" || words == "render" || words == "view" ||
-         words == "serve" || words == "bench render";
+  return words == "info" || words == "verify" || words == "export" || words == "render" || words == "query" ||
+         words == "view" || words == "serve" || words == "bench render";
 }
 
 Lines legends() {
