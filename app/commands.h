@@ -25,6 +25,7 @@ void add_bench(CLI::App& app, int& exit_code);
 /// Below `bench`.
 void add_bench_accuracy(CLI::App& bench, int& exit_code);
 void add_bench_pack(CLI::App& bench, int& exit_code);
+void add_bench_query(CLI::App& bench, int& exit_code);
 void add_bench_render(CLI::App& bench, int& exit_code);
 /// Not listed: a rank's supervisor starts it. It ends the process.
 void add_bake_process(CLI::App& app);

@@ -114,7 +114,7 @@ class Run {
 
 QueryTally run_query(const QueryJob& job, SceneQuery& query, QueryAsks& asks, const ThreadPool& pool,
                      const std::function<void(std::string_view)>& write, const Progress& progress) {
-  progress.step("casting rays", asks.count(), asks.count() > 0 ? "ray" : "");
+  progress.step("casting rays", asks.count(), "ray");
   return Run(job, query, asks, pool).all(write, progress);
 }
 
