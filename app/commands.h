@@ -18,12 +18,14 @@ void add_verify(CLI::App& app, int& exit_code);
 void add_diff(CLI::App& app, int& exit_code);
 void add_export(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);
+void add_query(CLI::App& app, int& exit_code);
 void add_view(CLI::App& app, int& exit_code);
 void add_serve(CLI::App& app, int& exit_code);
 void add_bench(CLI::App& app, int& exit_code);
 /// Below `bench`.
 void add_bench_accuracy(CLI::App& bench, int& exit_code);
 void add_bench_pack(CLI::App& bench, int& exit_code);
+void add_bench_query(CLI::App& bench, int& exit_code);
 void add_bench_render(CLI::App& bench, int& exit_code);
 /// Not listed: a rank's supervisor starts it. It ends the process.
 void add_bake_process(CLI::App& app);

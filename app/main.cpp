@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
   app::add_diff(program, exit_code);
   app::add_export(program, exit_code);
   app::add_render(program, exit_code);
+  app::add_query(program, exit_code);
   app::add_view(program, exit_code);
   app::add_serve(program, exit_code);
   app::add_bench(program, exit_code);

@@ -103,6 +103,12 @@ set(gb_public_headers_viewer
     viewer/pictures/jpeg.h
     viewer/pictures/picture.h
     viewer/pictures/png.h
+    viewer/query/query_asks.h
+    viewer/query/query_frames.h
+    viewer/query/query_job.h
+    viewer/query/query_ray.h
+    viewer/query/query_text.h
+    viewer/query/scene_query.h
     viewer/stream/brick_fill.h
     viewer/stream/cell_layout.h
     viewer/stream/page.h

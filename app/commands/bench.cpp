@@ -251,6 +251,7 @@ void add_bench(CLI::App& app, int& exit_code) {
   add_bench_bake(*command, exit_code);
   add_bench_schedule(*command, exit_code);
   add_bench_pack(*command, exit_code);
+  add_bench_query(*command, exit_code);
   add_bench_render(*command, exit_code);
   add_bench_accuracy(*command, exit_code);
 }

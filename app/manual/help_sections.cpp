@@ -39,6 +39,11 @@ const std::map<std::string, Lines> examples{
       "gigabake render OUT -o picture.jpg --eye 175,-215,95 --target 0,0,0 --size 1920x1080",
       "gigabake render OUT -o levels.png --mode lod",
       "gigabake render OUT -o frames/%04d.png --path flight.json --fps 25 --stats flight-stats.json"}},
+    {"query",
+     {"gigabake query OUT --ray 0,0,200,0,0,-1 --format json",
+      "gigabake query OUT --rays rays.csv -o hits.csv --coordinates lonlat",
+      "gigabake query OUT --grid=-100,-100,100,100 --step 0.5 -o heights.csv",
+      "gigabake query OUT --sight 175,-215,95,0,0,40 --ignore-ends 1 --format geojson"}},
     {"view", {"gigabake view OUT", "gigabake view OUT --size 1920x1080 -o pictures"}},
     {"serve", {"gigabake serve OUT", "gigabake serve OUT --port 0", "gigabake serve OUT --bind 0.0.0.0 --viewers 4"}},
     {"bench", {"gigabake bench kernels village/tileset.json --voxel-size 0.25"}},
@@ -46,6 +51,7 @@ const std::map<std::string, Lines> examples{
     {"bench bake", {"gigabake bench bake village/tileset.json --voxel-size 0.25 --cells 4 -o FOLDER"}},
     {"bench schedule", {"gigabake bench schedule --cells 100000 --workers 100 --deaths 5"}},
     {"bench pack", {"gigabake bench pack OUT/shards --repeats 5"}},
+    {"bench query", {"gigabake bench query OUT --rays 1000000 --lod 1"}},
     {"bench render", {"gigabake bench render OUT --size 1280x720 --what frames"}},
     {"bench accuracy",
      {"gigabake bench accuracy village/tileset.json --voxel-size 0.5 -o FOLDER --settings area-coverage,thin-coverage",
@@ -63,8 +69,8 @@ bool reads_sources(const std::string& words) {
 }
 
 bool reads_a_scene(const std::string& words) {
-  return words == "info" || words == "verify" || words == "export" || words == "render" || words == "view" ||
-         words == "serve" || words == "bench render";
+  return words == "info" || words == "verify" || words == "export" || words == "render" || words == "query" ||
+         words == "view" || words == "serve" || words == "bench render" || words == "bench query";
 }
 
 Lines legends() {

@@ -33,6 +33,7 @@ ROOMS = {
     "viewer/light": SHOWN,
     "viewer/first_hit": SHOWN,
     "viewer/stream": SHOWN + ["viewer/light"],
+    "viewer/query": SHOWN + ["viewer/first_hit", "viewer/stream"],
     "viewer/pictures": SHOWN + ["viewer/light", "viewer/stream"],
     "viewer/live": SHOWN + ["viewer/light", "viewer/stream", "viewer/pictures"],
     "viewer/window": SHOWN + ["viewer/live", "viewer/pictures"],

@@ -130,7 +130,7 @@ void FirstHitBuilder::add_cell(const std::array<std::int64_t, 3>& lattice_min, c
   }
 }
 
-FirstHitBuilder::Cube FirstHitBuilder::cube() const {
+FirstHitBuilder::Cube FirstHitBuilder::cube_of_voxels() const {
   Cube cube;
   std::int64_t most = 0;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -154,14 +154,22 @@ FirstHitBuilder::Cube FirstHitBuilder::cube() const {
   return cube;
 }
 
-void FirstHitBuilder::build_nodes(const Cube& cube, FirstHitScene& scene) {
+FirstHitBuilder::Cube FirstHitBuilder::cube_of_window(std::int64_t edge) {
+  Cube cube;
+  cube.half.fill(edge / 2 + 1);
+  while (cube.half[0] > std::int64_t(1) << (cube.bits - 1)) cube.bits += 2;
+  if (cube.bits > kernels::most_first_hit_bits) throw too_wide();
+  cube.corner.fill(edge / 2 - (std::int64_t(1) << (cube.bits - 1)));
+  return cube;
+}
+
+std::vector<FirstHitNode> FirstHitBuilder::build_nodes(const Cube& cube) {
   FirstHitTreeBuilder tree(cube.bits);
   for (const Leaf& leaf : leaves_)
     tree.add({leaf.at[0] - std::int32_t(cube.corner[0] / 4), leaf.at[1] - std::int32_t(cube.corner[1] / 4),
               leaf.at[2] - std::int32_t(cube.corner[2] / 4)},
              leaf.node);
   leaves_ = {};
-  std::int64_t widest = 0;
   for (const Constant& constant : constants_) {
     Position low, high;
     for (std::size_t a = 0; a < 3; ++a) {
@@ -169,39 +177,60 @@ void FirstHitBuilder::build_nodes(const Cube& cube, FirstHitScene& scene) {
       high[a] = low[a] + constant.edge;
     }
     tree.add_constant(low, high, constant.look);
-    widest = std::max(widest, constant.edge);
   }
-  scene.nodes = tree.finish();
-  if (widest > widest_constant_in_shells) return;
-  for (std::size_t s = 0; s < 2; ++s) scene.shells[s] = make_shell(scene.nodes, cube.bits, int(s) + 1);
+  return tree.finish();
 }
 
-FirstHitScene FirstHitBuilder::finish() {
+FirstHitScene FirstHitBuilder::place_tree(const Cube& cube) {
   FirstHitScene scene;
   scene.lod = lod_;
   scene.voxels = voxels_;
-  if (leaves_.empty() && constants_.empty()) return scene;
-  const Cube c = cube();
-  build_nodes(c, scene);
+  scene.nodes = build_nodes(cube);
   scene.looks = std::move(looks_);
   const std::int64_t voxel = std::int64_t(1) << lod_;
   double centre[3], half[3];
   for (std::size_t a = 0; a < 3; ++a) {
-    scene.lattice_min[a] = first_corner_[a] + c.corner[a] * voxel;
-    centre[a] = double(scene.lattice_min[a]) + double(voxel << (c.bits - 1));
-    half[a] = double(c.half[a]);
+    scene.lattice_min[a] = first_corner_[a] + cube.corner[a] * voxel;
+    centre[a] = double(scene.lattice_min[a]) + double(voxel << (cube.bits - 1));
+    half[a] = double(cube.half[a]);
   }
-  scene.view.tree = tree_around(centre, half, c.bits, double(voxel), scene.nodes);
+  scene.view.tree = tree_around(centre, half, cube.bits, double(voxel), scene.nodes);
   scene.view.looks = {scene.looks.data(), scene.looks.size()};
+  return scene;
+}
+
+void FirstHitBuilder::add_shells(const Cube& cube, FirstHitScene& scene) {
+  const auto voxel = double(std::int64_t(1) << scene.lod);
   for (std::size_t s = 0; s < 2; ++s) {
+    scene.shells[s] = make_shell(scene.nodes, cube.bits, int(s) + 1);
     const int bits = int(2 * s) + 2;
     const double reach = double(1 << bits), rim = 1;  // in voxels of the tree; in the shell's own
     double wider[3];
-    for (int a = 0; a < 3; ++a) wider[a] = half[a] / reach + rim;
-    scene.view.shells[s].tree = tree_around(centre, wider, c.bits - bits, double(voxel) * reach, scene.shells[s]);
-    scene.view.shells[s].reach = float(double(voxel) * reach);
+    for (std::size_t a = 0; a < 3; ++a) wider[a] = double(cube.half[a]) / reach + rim;
+    scene.view.shells[s].tree =
+        tree_around(scene.view.tree.centre, wider, cube.bits - bits, voxel * reach, scene.shells[s]);
+    scene.view.shells[s].reach = float(voxel * reach);
   }
+}
+
+FirstHitScene FirstHitBuilder::finish() {
+  if (leaves_.empty() && constants_.empty()) {
+    FirstHitScene scene;
+    scene.lod = lod_;
+    return scene;
+  }
+  std::int64_t widest = 0;
+  for (const Constant& constant : constants_) widest = std::max(widest, constant.edge);
+  const Cube cube = cube_of_voxels();
+  FirstHitScene scene = place_tree(cube);
+  if (widest <= widest_constant_in_shells) add_shells(cube, scene);
   return scene;
+}
+
+FirstHitScene FirstHitBuilder::finish_window(std::int64_t window_voxels) {
+  require(window_voxels >= brick_edge && window_voxels % brick_edge == 0, "a window of no whole bricks");
+  if (leaves_.empty() && constants_.empty()) return finish();
+  return place_tree(cube_of_window(window_voxels));
 }
 
 FirstHitScene build_first_hit_scene(const SceneDescription& scene, const std::filesystem::path& scene_path, int lod) {

@@ -42,6 +42,9 @@ class FirstHitBuilder {
 
   /// Errors  std::length_error: 2^18 voxels an edge or more.
   FirstHitScene finish();
+  /// Of one cell, with a tree around all of the cell's window instead of around its voxels, and without shells.
+  /// window_voxels: the window's edge, voxels of `lod`, a multiple of 8.
+  FirstHitScene finish_window(std::int64_t window_voxels);
 
  private:
   using Position = std::array<std::int64_t, 3>;  ///< voxels from the first cell's corner
@@ -62,8 +65,11 @@ class FirstHitBuilder {
   };
 
   void add_brick(const Position& at, const BrickLevel& level, std::size_t brick);
-  Cube cube() const;
-  void build_nodes(const Cube& cube, FirstHitScene& scene);
+  Cube cube_of_voxels() const;
+  static Cube cube_of_window(std::int64_t edge);
+  std::vector<kernels::FirstHitNode> build_nodes(const Cube& cube);
+  FirstHitScene place_tree(const Cube& cube);
+  static void add_shells(const Cube& cube, FirstHitScene& scene);
 
   int lod_;
   bool empty_ = true;

@@ -1,0 +1,81 @@
+#include <fmt/format.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/commands.h"
+#include "app/messages/with_progress.h"
+#include "app/options/scene_argument.h"
+#include "bench/query/query_bench.h"
+#include "format/system/host_limits.h"
+#include "lattice/counted.h"
+#include "lattice/error.h"
+
+namespace gigabake::app {
+namespace {
+
+struct QueryBenchArguments {
+  bench::QueryBenchRequest request;
+  std::string scene;
+  int threads = 0;
+  bool json = false;
+};
+
+void print_text(const bench::QueryBench& b) {
+  fmt::print("{}, {} of them hit; {:.2f} million/s, {:.2f} with {} built; {:.2f} µs of one core a ray\n",
+             counted(b.rays, "ray"), b.hits, 1e-6 * double(b.rays) / b.query_s,
+             1e-6 * double(b.rays) / b.build_and_query_s, counted(b.trees_built, "tree"),
+             1e6 * b.cpu_s / double(b.rays));
+  fmt::print(
+      "against Embree: {} the same, {} graze what one of the two passed, {} begin in or at a voxel, {} wrong;\n"
+      "distances differ by at most {:.2g} voxels\n",
+      b.same, b.grazing, b.inside, b.wrong, b.largest_gap);
+  if (!b.first_wrong.empty()) fmt::print("wrong: {}\n", b.first_wrong);
+}
+
+nlohmann::ordered_json json_of(const bench::QueryBench& b) {
+  return {{"bench", "query"},
+          {"rays", b.rays},
+          {"hits", b.hits},
+          {"query_s", b.query_s},
+          {"build_and_query_s", b.build_and_query_s},
+          {"cpu_s", b.cpu_s},
+          {"trees_built", b.trees_built},
+          {"same", b.same},
+          {"grazing", b.grazing},
+          {"inside", b.inside},
+          {"wrong", b.wrong},
+          {"largest_gap_voxels", b.largest_gap}};
+}
+
+int run(QueryBenchArguments& a) {
+  if (a.threads < 0 || a.threads > 1024) throw UsageError("--threads: expected 1 to 1024, or 0 for all cores");
+  a.request.scene = scene_argument(a.scene);
+  a.request.threads = a.threads != 0 ? a.threads : host_limits().cores();
+  const bench::QueryBench result = while_reading([&](const Progress& progress) {
+    progress.step("casting rays here and with Embree");
+    return bench::bench_queries(a.request);
+  });
+  if (a.json)
+    fmt::print("{}\n", json_of(result).dump(2));
+  else
+    print_text(result);
+  return result.failed() ? failed : complete;
+}
+
+}  // namespace
+
+void add_bench_query(CLI::App& bench, int& exit_code) {
+  CLI::App& command = *bench.add_subcommand("query", "Rays of `query` against Embree, through the voxels' cubes");
+  const auto a = std::make_shared<QueryBenchArguments>();
+  command.add_option("SCENE", a->scene, "OUT of a bake, or OUT/scene.xml")->required();
+  command.add_option("--rays", a->request.rays, "how many")->capture_default_str()->check(CLI::Range(1, 1000000000));
+  command.add_option("--lod", a->request.lod, "level of the voxels")->capture_default_str()->check(CLI::Range(0, 10));
+  command.add_option("--seed", a->request.seed, "another seed, other rays")->capture_default_str();
+  command.add_option("--threads", a->threads, "CPU threads (all cores)");
+  command.add_option("--memory", a->request.memory_bytes, "bytes of trees to hold, as 512M (1G)")
+      ->transform(CLI::AsSizeValue(false));
+  command.add_flag("--json", a->json, "print JSON");
+  command.callback([a, &exit_code] { exit_code = run(*a); });
+}
+
+}  // namespace gigabake::app

@@ -1,0 +1,202 @@
+#include <array>
+#include <cstdio>
+#include <fmt/format.h>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/commands.h"
+#include "app/messages/with_progress.h"
+#include "app/options/choices.h"
+#include "app/options/flags.h"
+#include "app/options/scene_argument.h"
+#include "app/options/text_values.h"
+#include "format/system/host_limits.h"
+#include "format/system/output_file.h"
+#include "format/system/publish.h"
+#include "lattice/counted.h"
+#include "lattice/error.h"
+#include "lattice/memory_limit.h"
+#include "viewer/query/query_job.h"
+
+namespace gigabake::app {
+namespace {
+
+struct QueryArguments {
+  std::string scene, out;
+  std::string ray, rays, at, heights, grid, sight, sights;
+  double step = 0, most_distance_m = 0, ends_m = 0;
+  QueryFrame frame = QueryFrame::scene;
+  QueryFormat format = QueryFormat::csv;
+  QueryOptions options;
+  int threads = 0;
+  bool quiet = false;
+};
+
+std::vector<double> numbers(const char* option, const std::string& text, std::initializer_list<std::size_t> counts,
+                            const char* form) {
+  std::vector<double> values;
+  for (std::size_t at = 0;;) {
+    const std::size_t comma = std::min(text.find(',', at), text.size());
+    values.push_back(number(option, std::string_view(text).substr(at, comma - at)));
+    if (comma == text.size()) break;
+    at = comma + 1;
+  }
+  if (std::find(counts.begin(), counts.end(), values.size()) == counts.end())
+    throw UsageError(fmt::format("{}: expected {}, got '{}'", option, form, text));
+  return values;
+}
+
+std::unique_ptr<QueryAsks> one_ray(const QueryArguments& a) {
+  const char* const form =
+      "X,Y,Z,DX,DY,DZ or X,Y,Z,AZIMUTH,ELEVATION, the latter alone with --coordinates lonlat, in place of X,Y,Z then";
+  const auto v =
+      a.frame == QueryFrame::lonlat ? numbers("--ray", a.ray, {5}, form) : numbers("--ray", a.ray, {5, 6}, form);
+  QueryAsk ask{{}, {v[0], v[1], v[2]}, {v[3], v[4], v.size() == 6 ? v[5] : 0}};
+  return one_ask(ask, v.size() == 6 ? QueryAim::direction : QueryAim::angles, "--ray");
+}
+
+struct Asked {
+  QueryKind kind;
+  std::unique_ptr<QueryAsks> asks;
+};
+
+/// The one thing that is asked.
+Asked question_of(const QueryArguments& a, const ThreadPool& pool) {
+  const std::array<const std::string*, 7> all{&a.ray, &a.rays, &a.at, &a.heights, &a.grid, &a.sight, &a.sights};
+  if (std::count_if(all.begin(), all.end(), [](const std::string* s) { return !s->empty(); }) != 1)
+    throw UsageError("expected one of --ray, --rays, --at, --heights, --grid, --sight and --sights");
+  if (!a.grid.empty() != (a.step != 0)) throw UsageError("--grid and --step: expected both or none of them");
+  if (!a.ray.empty()) return {QueryKind::ray, one_ray(a)};
+  if (!a.rays.empty()) return {QueryKind::ray, table_asks(a.rays, QueryKind::ray, a.frame, pool)};
+  if (!a.sights.empty()) return {QueryKind::sight, table_asks(a.sights, QueryKind::sight, a.frame, pool)};
+  if (!a.heights.empty()) return {QueryKind::height, table_asks(a.heights, QueryKind::height, a.frame, pool)};
+  if (!a.at.empty()) {
+    const auto v = numbers("--at", a.at, {2}, "X,Y, or LON,LAT with --coordinates lonlat");
+    return {QueryKind::height, one_ask({{}, {v[0], v[1], 0}, {}}, QueryAim::point, "--at")};
+  }
+  if (!a.grid.empty()) {
+    const auto v = numbers("--grid", a.grid, {4}, "X,Y,X,Y: its lower and its upper corner");
+    return {QueryKind::height, grid_asks({{v[0], v[1], v[2], v[3]}, a.step})};
+  }
+  const auto v = numbers("--sight", a.sight, {6}, "X,Y,Z,X,Y,Z: two points");
+  return {QueryKind::sight, one_ask({{}, {v[0], v[1], v[2]}, {v[3], v[4], v[5]}}, QueryAim::point, "--sight")};
+}
+
+/// Questions and answers that are under way take an eighth of the memory, trees the rest.
+void share_memory(std::uint64_t memory_bytes, QueryOptions& options, QueryJob& job) {
+  constexpr std::uint64_t bytes_per_ray = 1024, fewest_rays = 1024;
+  const std::uint64_t all = memory_bytes != 0 ? memory_bytes : host_limits().memory_bytes / 2;
+  job.rays_at_a_time = std::size_t(std::clamp(all / 8 / bytes_per_ray, fewest_rays, std::uint64_t(job.rays_at_a_time)));
+  const std::uint64_t rays = job.rays_at_a_time * bytes_per_ray;
+  options.memory_bytes = all > rays ? all - rays : 0;
+}
+
+QueryTally write_answers(const QueryArguments& a, const QueryJob& job, SceneQuery& query, QueryAsks& asks,
+                         const ThreadPool& pool, const Progress& progress) {
+  if (a.out.empty())
+    return run_query(
+        job, query, asks, pool,
+        [](std::string_view text) {
+          if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size())
+            throw InputError("standard output", "", "cannot be written");
+        },
+        progress);
+  Publication publication(a.out);
+  OutputFile file(a.out, publication.aside());
+  const QueryTally tally = run_query(
+      job, query, asks, pool, [&](std::string_view text) { file.write(text); }, progress);
+  file.finish();
+  publication.publish();
+  return tally;
+}
+
+/// What may stand where nothing was hit.
+void tell_losses(const SceneHeader& scene) {
+  std::size_t sources = 0;
+  for (const SceneLoss& loss : scene.losses)
+    sources += loss.name.starts_with("cell ") || loss.name.starts_with("parent ") ? 0 : 1;
+  if (sources > 0)
+    fmt::print(stderr, "gigabake: the bake lost {} of its source, where nothing is hit; `gigabake info` names them\n",
+               counted(sources, "part"));
+}
+
+int tell(const QueryArguments& a, const QueryTally& tally, SceneQuery& query) {
+  const auto of = [&](QueryOutcome outcome) { return tally[std::size_t(outcome)]; };
+  for (const std::string& problem : query.problems())
+    fmt::print(stderr, "gigabake: cell missing: {}\n", with_flags(problem));
+  if (!a.out.empty() && !a.quiet)
+    fmt::print("{}: {} hit, {} hit nothing, {} outside the scene, {} where a cell is missing; {} built, {} at most\n",
+               a.out, of(QueryOutcome::hit), of(QueryOutcome::nothing), of(QueryOutcome::outside),
+               of(QueryOutcome::missing), counted(query.counts().trees_built, "tree"),
+               readable_size(query.counts().peak_bytes));
+  if (of(QueryOutcome::missing) > 0)
+    fmt::print(stderr, "gigabake: {} came to a cell that is missing; bake the scene again\n",
+               counted(of(QueryOutcome::missing), "ray"));
+  return of(QueryOutcome::missing) > 0 ? cells_failed : complete;
+}
+
+int run(const QueryArguments& a) {
+  if (a.threads < 0 || a.threads > 1024) throw UsageError("--threads: expected 1 to 1024, or 0 for all cores");
+  const ThreadPool pool(a.threads != 0 ? a.threads : host_limits().cores());
+  const Asked question = question_of(a, pool);
+  QueryJob job;
+  job.kind = question.kind;
+  job.frame = a.frame;
+  job.format = a.format;
+  if (a.most_distance_m != 0) job.most_distance_m = a.most_distance_m;
+  job.ends_m = a.ends_m;
+  QueryOptions options = a.options;
+  share_memory(a.options.memory_bytes, options, job);
+  SceneQuery query(std::make_shared<const PagedScene>(a.scene), options, pool);
+  tell_losses(query.scene().header());
+  const QueryTally tally = with_progress(
+      [&](const Progress& progress) { return write_answers(a, job, query, *question.asks, pool, progress); },
+      a.quiet || a.out.empty() ? nullptr : stderr);
+  std::fflush(stdout);
+  return tell(a, tally, query);
+}
+
+void add_questions(CLI::App& command, QueryArguments& a) {
+  command.add_option("--ray", a.ray, "X,Y,Z,DX,DY,DZ: one ray; or X,Y,Z,AZIMUTH,ELEVATION in degrees");
+  command.add_option("--rays", a.rays, "CSV file of rays; - is standard input (columns: docs/query.md)");
+  command.add_option("--at", a.at, "X,Y: how high the scene is there");
+  command.add_option("--heights", a.heights, "CSV file of places");
+  command.add_option("--grid", a.grid, "X,Y,X,Y: heights at points from a lower to an upper corner, --step apart");
+  command.add_option("--step", a.step, "metres, or degrees, between points of --grid");
+  command.add_option("--sight", a.sight, "X,Y,Z,X,Y,Z: whether two points see each other");
+  command.add_option("--sights", a.sights, "CSV file of pairs of points");
+  add_choice(command, "--coordinates", a.frame, "scene metres, or longitude, latitude and height; of answers too");
+}
+
+}  // namespace
+
+void add_query(CLI::App& app, int& exit_code) {
+  CLI::App& command = *app.add_subcommand("query", "What rays meet first: rays, heights, lines of sight");
+  const auto a = std::make_shared<QueryArguments>();
+  command.add_option("SCENE", a->scene, "OUT of a bake, or OUT/scene.xml")->required();
+  add_questions(command, *a);
+  add_choice(command, "--format", a->format, "of the answers");
+  command.add_option("-o,--output", a->out, "file to write (standard output)");
+  command.add_option("--lod", a->options.lod, "the finest level that rays look at")->capture_default_str();
+  command
+      .add_option("--footprint", a->options.spread,
+                  "metres that a ray gets wider a metre: it meets the coarsest voxels that are no wider; 0: those of "
+                  "--lod")
+      ->capture_default_str();
+  command.add_option("--max-distance", a->most_distance_m, "metres that rays and lines of sight go (no end)");
+  command
+      .add_option("--ignore-ends", a->ends_m, "metres: what is so near to a point of a line of sight does not block it")
+      ->capture_default_str();
+  command.add_option("--threads", a->threads, "CPU threads (all cores)");
+  command.add_option("--memory", a->options.memory_bytes, "bytes to hold, as 512M or 4G; 0: half of the host's (1G)")
+      ->transform(CLI::AsSizeValue(false));
+  command.add_flag("-q,--quiet", a->quiet, "print errors alone");
+  command.callback([a, &exit_code] {
+    a->scene = scene_argument(a->scene).string();
+    exit_code = run(*a);
+  });
+}
+
+}  // namespace gigabake::app

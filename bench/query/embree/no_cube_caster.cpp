@@ -1,0 +1,16 @@
+#include "bench/query/cube_caster.h"
+#include "lattice/error.h"
+
+namespace gigabake::bench {
+
+struct CubeCaster::State {};
+
+CubeCaster::CubeCaster(const std::vector<Voxel>&, int) {
+  throw UsageError("bench query: this gigabake was built without Embree; install libembree-dev and build again");
+}
+CubeCaster::~CubeCaster() = default;
+std::optional<CubeCaster::Hit> CubeCaster::first_hit(const std::array<double, 3>&, const std::array<double, 3>&) const {
+  return {};  // no caster can be made, so this never runs
+}
+
+}  // namespace gigabake::bench

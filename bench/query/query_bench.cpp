@@ -1,0 +1,191 @@
+#include "bench/query/query_bench.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <ctime>
+#include <fmt/format.h>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "bench/bench_scene.h"
+#include "bench/query/cube_caster.h"
+#include "format/scene/paged_scene.h"
+#include "format/scene/shard_of_scene.h"
+#include "format/shard/brick_walk.h"
+#include "lattice/error.h"
+#include "viewer/first_hit/first_hit_scene.h"
+#include "viewer/query/scene_query.h"
+
+namespace gigabake::bench {
+namespace {
+
+using Voxel = CubeCaster::Voxel;
+
+constexpr std::uint64_t most_voxels = std::uint64_t(1) << 23;
+constexpr std::size_t rays_at_a_time = std::size_t(1) << 17;
+/// Voxels: what a ray meets by less than this, one of the two may pass. Twice what SceneQuery promises of cells of up
+/// to 1024 voxels (viewer/query/query_tree.h).
+constexpr double slight = 1.0 / 64;
+
+/// Every voxel of a level, bricks and constants alike, in the level's own numbers.
+std::vector<Voxel> voxels_of(const PagedScene& scene, int lod) {
+  std::vector<Voxel> voxels;
+  scene.for_each_cell([&](const SceneCell& cell) {
+    const ShardReader shard = open_shard_of_scene(scene.file(), scene.header(), cell);
+    const NodeTable nodes = shard.nodes();
+    const BrickLevel level = shard.level(lod);
+    Voxel corner;
+    for (std::size_t a = 0; a < 3; ++a) corner[a] = cell.lattice_min[a] >> lod;
+    const auto add = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+      if (voxels.size() >= most_voxels) throw UsageError("lod", "more than 2^23 voxels; expected a coarser level");
+      voxels.push_back({x, y, z});
+    };
+    for (std::size_t n = 0; n < nodes.key.size(); ++n) {
+      const int above = int(nodes.lod[n]) - lod;
+      if (above < 0 || (above > 0 && nodes.kind[n] != NodeKind::leaf_constant)) continue;
+      const BrickCoordinate at = demorton(nodes.key[n]);
+      const std::int64_t edge = std::int64_t(brick_edge) << above;
+      const Voxel low{corner[0] + at.x * edge, corner[1] + at.y * edge, corner[2] + at.z * edge};
+      if (nodes.kind[n] == NodeKind::brick) {
+        for_each_voxel(level, nodes.value[n], {0, 0, 0},
+                       [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t*, const std::int8_t*) {
+                         add(low[0] + x, low[1] + y, low[2] + z);
+                       });
+        continue;
+      }
+      for (std::int64_t i = 0; i < edge * edge * edge; ++i)
+        add(low[0] + i % edge, low[1] + i / edge % edge, low[2] + i / (edge * edge));
+    }
+  });
+  return voxels;
+}
+
+/// From anywhere in the scene's box, grown by a tenth, to anywhere.
+std::vector<QueryRay> random_query_rays(const kernels::VoxelBox& box, std::size_t count, std::mt19937_64& generator) {
+  std::normal_distribution<double> normal;
+  std::vector<QueryRay> rays(count);
+  for (QueryRay& ray : rays) {
+    double length = 0;
+    for (double& d : ray.direction) {
+      d = normal(generator);
+      length += d * d;
+    }
+    for (int a = 0; a < 3; ++a) {
+      const double rim = 0.1 * double(box.max[a] - box.min[a]);
+      ray.origin[a] =
+          std::uniform_real_distribution<double>(double(box.min[a]) - rim, double(box.max[a]) + rim)(generator);
+      ray.direction[a] /= std::sqrt(length);
+    }
+  }
+  return rays;
+}
+
+/// Where the ray is deeper than `slight` in a voxel; empty where it is nowhere.
+RayChord deep_chord(const QueryRay& ray, const Voxel& voxel, int lod) {
+  kernels::VoxelBox box;
+  for (std::size_t a = 0; a < 3; ++a) {
+    box.min[a] = voxel[a] << lod;
+    box.max[a] = box.min[a] + (std::int64_t(1) << lod);
+  }
+  return chord_of(ray, box, -slight * kernels::power_of_two(lod));
+}
+
+class Comparison {
+ public:
+  Comparison(const CubeCaster& cubes, int lod, QueryBench& result) : cubes_(cubes), lod_(lod), result_(result) {}
+
+  void add(const QueryRay& ray, const QueryHit& ours) {
+    const double edge = kernels::power_of_two(lod_);
+    std::array<double, 3> origin, direction;
+    for (std::size_t a = 0; a < 3; ++a) {
+      origin[a] = ray.origin[a] / edge;
+      direction[a] = ray.direction[a];
+    }
+    const bool met = ours.outcome == QueryOutcome::hit;
+    result_.hits += met ? 1 : 0;
+    if (met && ours.distance < slight * edge) {
+      ++result_.inside;
+      return;
+    }
+    const auto theirs = cubes_.first_hit(origin, direction);
+    Voxel our_voxel{};
+    for (std::size_t a = 0; a < 3; ++a) our_voxel[a] = ours.voxel[a] >> lod_;
+    if (met == theirs.has_value() && (!met || our_voxel == theirs->voxel)) return add_same(ray, ours, theirs);
+    const double never = std::numeric_limits<double>::infinity();
+    const double our_way = met ? ours.distance : never, their_way = theirs ? theirs->distance * edge : never;
+    // What the other one passed is the nearer of the two; or they share the edge that the ray comes to both at.
+    const Voxel& passed = our_way < their_way ? our_voxel : theirs->voxel;
+    if (std::fabs(our_way - their_way) < slight * edge || deep_chord(ray, passed, lod_).empty()) {
+      ++result_.grazing;
+      return;
+    }
+    tell_wrong(ray, our_way, their_way);
+  }
+
+ private:
+  /// Of one voxel, distances differ where Embree came into it through a side that is open, and the ray through one that
+  /// another voxel covers: both passed that.
+  void add_same(const QueryRay& ray, const QueryHit& ours, const std::optional<CubeCaster::Hit>& theirs) {
+    const double edge = kernels::power_of_two(lod_);
+    const double gap = theirs ? std::fabs(theirs->distance * edge - ours.distance) : 0;
+    if (gap < slight * edge) {
+      ++result_.same;
+      result_.largest_gap = std::max(result_.largest_gap, gap);
+      return;
+    }
+    Voxel before{};
+    for (std::size_t a = 0; a < 3; ++a)
+      before[a] = std::int64_t(std::floor((ray.origin[a] + ray.direction[a] * (ours.distance - 1e-6 * edge)) / edge));
+    if (before != theirs->voxel && deep_chord(ray, before, lod_).empty())
+      ++result_.grazing;
+    else
+      tell_wrong(ray, ours.distance, theirs->distance * edge);
+  }
+
+  void tell_wrong(const QueryRay& ray, double our_way, double their_way) {
+    if (result_.wrong++ == 0)
+      result_.first_wrong =
+          fmt::format("from {} {} {} to {} {} {}: query {}, Embree {}", ray.origin[0], ray.origin[1], ray.origin[2],
+                      ray.direction[0], ray.direction[1], ray.direction[2], our_way, their_way);
+  }
+
+ private:
+  const CubeCaster& cubes_;
+  int lod_;
+  QueryBench& result_;
+};
+
+}  // namespace
+
+QueryBench bench_queries(const QueryBenchRequest& request) {
+  const ThreadPool pool(request.threads);
+  const auto scene = std::make_shared<const PagedScene>(request.scene);
+  SceneQuery query(scene, {request.lod, 0, request.memory_bytes}, pool);
+  const CubeCaster cubes(voxels_of(*scene, request.lod), request.threads);
+  QueryBench result;
+  Comparison comparison(cubes, request.lod, result);
+  std::mt19937_64 generator(request.seed);
+  while (result.rays < request.rays) {
+    const auto count = std::size_t(std::min<std::uint64_t>(rays_at_a_time, request.rays - result.rays));
+    const std::vector<QueryRay> rays = random_query_rays(query.window(), count, generator);
+    std::vector<QueryHit> hits(count);
+    const auto with_trees = Clock::now();
+    query.first_hits(rays, hits);
+    result.build_and_query_s += seconds_since(with_trees);
+    const auto alone = Clock::now();
+    const std::clock_t busy = std::clock();
+    query.first_hits(rays, hits);
+    result.query_s += seconds_since(alone);
+    result.cpu_s += double(std::clock() - busy) / CLOCKS_PER_SEC;
+    for (std::size_t i = 0; i < count; ++i) comparison.add(rays[i], hits[i]);
+    result.rays += count;
+  }
+  result.trees_built = query.counts().trees_built;
+  return result;
+}
+
+}  // namespace gigabake::bench

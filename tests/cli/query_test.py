@@ -1,0 +1,125 @@
+#!/usr/bin/env python3
+"""`gigabake query`: heights against the voxels of a PLY, rays against Embree, and input that is none.
+
+Usage: query_test.py GIGABAKE SOURCE_DIR
+"""
+import csv
+import io
+import json
+import shutil
+import sys
+
+import harness
+from programs import lines_of
+
+VOXEL_M = 0.5
+
+
+class QueryTest(harness.FolderTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.program = harness.Gigabake(sys.argv[1])
+        tileset = cls.program.sample(cls.root / "village", size=64, tiles=2)
+        cls.out = cls.root / "out"
+        cls.program.bake(tileset, cls.out, VOXEL_M, "--cell-voxels", 64)
+
+    def query(self, *arguments):
+        return list(csv.DictReader(io.StringIO(self.program.succeed("query", self.out, *arguments))))
+
+    def refused(self, *arguments, code=None):
+        result = self.program.run("query", self.out, *arguments)
+        self.assertIn(result.returncode, [code] if code else [1, 2])
+        self.assertEqual(result.stdout, "")
+        self.assertEqual(len(lines_of(result.stderr)), 1, result.stderr)
+        return result.stderr
+
+    def test_heights_are_the_highest_voxels_of_an_export(self):
+        self.program.succeed("export", self.out, "-o", self.root / "all.ply", "-q")
+        tops = {}
+        for x, y, z in harness.read_ply(self.root / "all.ply")["p"]:
+            tops[x, y] = max(tops.get((x, y), -1e9), z)
+        self.assertGreater(len(tops), 10000)
+        table = self.root / "places.csv"
+        table.write_text("x,y\n" + "".join(f"{x},{y}\n" for x, y in tops))
+        rows = self.query("--heights", table)
+        self.assertEqual(len(rows), len(tops))
+        for row, top in zip(rows, tops.values()):
+            self.assertEqual(row["outcome"], "hit")
+            self.assertAlmostEqual(float(row["z"]), top + VOXEL_M / 2, delta=1e-3)
+
+    def test_a_grid_larger_than_memory_is_the_same(self):
+        grid = ["--grid", "-40,-40,40,40", "--step", "0.25", "-q"]
+        self.program.succeed("query", self.out, *grid, "-o", self.root / "much.csv")
+        self.program.succeed("query", self.out, *grid, "-o", self.root / "little.csv", "--memory", "12M",
+                             "--threads", 1)
+        much = (self.root / "much.csv").read_bytes()
+        self.assertEqual(much, (self.root / "little.csv").read_bytes())
+        self.assertEqual(much.count(b"\n"), 321 * 321 + 1)
+        outcomes = {row["outcome"] for row in csv.DictReader(io.StringIO(much.decode()))}
+        self.assertLessEqual({"hit"}, outcomes)
+        self.assertLessEqual(outcomes, {"hit", "nothing hit", "outside the scene"})
+
+    def test_longitudes_and_latitudes_say_the_same_as_metres(self):
+        here = self.query("--at", "3.25,-7.75")[0]
+        collection = json.loads(self.program.succeed("query", self.out, "--at", "3.25,-7.75", "--format", "geojson"))
+        feature = collection["features"][0]
+        lon, lat, height = feature["geometry"]["coordinates"]
+        self.assertEqual(feature["properties"]["cell"], here["cell"])
+        there = self.query("--at", f"{lon},{lat}", "--coordinates", "lonlat")[0]
+        self.assertEqual(there["cell"], here["cell"])
+        self.assertAlmostEqual(float(there["height"]), height, delta=1e-3)
+        down = self.query("--ray", f"{lon},{lat},{height + 20},0,-90", "--coordinates", "lonlat")[0]
+        self.assertAlmostEqual(float(down["distance_m"]), 20, delta=1e-3)
+
+    def test_lines_of_sight(self):
+        ground = float(self.query("--at", "0,0")[0]["z"])
+        self.assertEqual(self.query("--sight", f"0,0,{ground + 2},1,1,{ground + 3}")[0]["outcome"], "visible")
+        self.assertEqual(self.query("--sight", f"0,0,{ground + 2},0,1,{ground - 2}")[0]["outcome"], "blocked")
+        touching = ["--sight", f"0,0,{ground + 30},0,0,{ground - 0.1}"]
+        self.assertEqual(self.query(*touching)[0]["outcome"], "blocked")
+        self.assertEqual(self.query(*touching, "--ignore-ends", 1)[0]["outcome"], "visible")
+        self.assertEqual(self.query("--sight", "9000,0,0,9000,10,0")[0]["outcome"], "outside the scene")
+
+    def test_says_what_is_wrong(self):
+        self.assertIn("nan", self.refused("--ray", "0,0,9,0,nan,1", code=2))
+        self.assertIn("direction is zero", self.refused("--ray", "0,0,9,0,0,0", code=2))
+        self.assertIn("expected one of --ray", self.refused(code=2))
+        self.assertIn("2^40", self.refused("--grid", "0,0,1,1", "--step", "1e-9", code=2))
+        self.assertIn("--step", self.refused("--grid", "0,0,1,1", code=2))
+        self.assertIn("--lod", self.refused("--at", "0,0", "--lod", "40", code=2))
+        self.assertIn("--memory", self.refused("--at", "0,0", "--memory", "1K", code=2))
+        self.assertIn("latitude", self.refused("--at", "8,1000", "--coordinates", "lonlat", code=2))
+        table = self.root / "bad.csv"
+        table.write_text("x,y,z,dx,dy,dz\n0,0,50,0,0,-1\n0,0,50,0,zero,-1\n")
+        self.assertIn("line 3: dy: expected a finite number, got 'zero'", self.refused("--rays", table, code=1))
+        self.refused("--rays", table, "-o", self.root / "none.csv", code=1)
+        self.assertFalse((self.root / "none.csv").exists())
+        self.assertIn("No such file", self.refused("--rays", self.root / "absent.csv", code=1))
+
+    def test_a_missing_cell_is_no_silent_miss(self):
+        broken = self.root / "broken"
+        shutil.copytree(self.out, broken)
+        cell = self.query("--at", "0.1,0.1")[0]["cell"]
+        for shard in (broken / "shards").glob(cell + "-*.h5"):
+            shard.unlink()
+        result = self.program.run("query", broken, "--at", "0.1,0.1")
+        self.assertEqual(result.returncode, 3)
+        self.assertIn("cell missing", result.stdout)
+        self.assertIn(cell, result.stdout)
+        self.assertIn(cell, result.stderr)
+
+    def test_agrees_with_embree(self):
+        result = self.program.run("bench", "query", self.out, "--rays", 20000, "--json")
+        if "without Embree" in result.stderr:
+            self.skipTest("built without Embree")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        bench = json.loads(result.stdout)
+        self.assertEqual(bench["wrong"], 0)
+        self.assertEqual(bench["same"] + bench["grazing"] + bench["inside"], 20000)
+        self.assertLess(bench["grazing"], 40)
+        self.assertLess(bench["largest_gap_voxels"], 1 / 64)
+
+
+if __name__ == "__main__":
+    harness.main(argv=sys.argv[:1], verbosity=2)

@@ -1,0 +1,86 @@
+#include "viewer/query/lost_cells.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "lattice/error.h"
+
+namespace gigabake {
+namespace {
+
+/// Of "c_X_Y_Z".
+struct CellPlace {
+  std::array<std::int64_t, 3> at{};
+};
+
+std::optional<CellPlace> place_of(std::string_view name) {
+  if (!name.starts_with("c_")) return {};
+  const char *next = name.data() + 2, *end = name.data() + name.size();
+  CellPlace place;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto [after, error] = std::from_chars(next, end, place.at[a]);
+    if (error != std::errc() || (a < 2 ? after == end || *after != '_' : after != end)) return {};
+    next = after + 1;
+  }
+  return place;
+}
+
+using StackColumn = std::pair<std::int64_t, std::int64_t>;
+
+/// Where the stacks begin that have cells.
+std::map<StackColumn, std::int64_t> stack_bases(const std::vector<SceneCell>& cells) {
+  std::map<StackColumn, std::int64_t> bases;
+  for (const SceneCell& cell : cells)
+    if (const auto place = place_of(cell.name))
+      bases[{place->at[0], place->at[1]}] = cell.lattice_min[2] - place->at[2] * std::int64_t(cell.cell_voxels);
+  return bases;
+}
+
+SceneCell stand_in(const std::string& name, const SceneCell& like, const std::array<std::int64_t, 3>& min) {
+  SceneCell cell;
+  cell.name = name;
+  cell.lattice_min = min;
+  cell.cell_voxels = like.cell_voxels;
+  cell.lods = like.lods;
+  return cell;
+}
+
+}  // namespace
+
+std::vector<SceneCell> lost_cells(const SceneHeader& scene, const std::vector<SceneCell>& cells) {
+  constexpr std::string_view kind = "cell ";
+  std::vector<SceneCell> lost;
+  std::map<StackColumn, std::int64_t> bases;
+  std::map<StackColumn, bool> filled;
+  std::int64_t low = cells.front().lattice_min[2], high = low;
+  const std::int64_t edge = cells.front().cell_voxels;
+  for (const SceneLoss& loss : scene.losses) {
+    if (!loss.name.starts_with(kind)) continue;
+    if (bases.empty()) {
+      bases = stack_bases(cells);
+      for (const SceneCell& cell : cells) {
+        low = std::min(low, cell.lattice_min[2]);
+        high = std::max(high, cell.lattice_min[2] + edge);
+      }
+    }
+    const std::string name = loss.name.substr(kind.size());
+    const auto place = place_of(name);
+    if (!place) throw InputError({}, loss.name, "a lost cell whose place its name does not say; bake the scene again");
+    const StackColumn column{place->at[0], place->at[1]};
+    const std::array<std::int64_t, 3> corner{column.first * edge, column.second * edge, 0};
+    if (const auto base = bases.find(column); base != bases.end())
+      lost.push_back(stand_in(name, cells.front(), {corner[0], corner[1], base->second + place->at[2] * edge}));
+    else if (!std::exchange(filled[column], true))
+      for (std::int64_t z = low; z < high; z += edge)
+        lost.push_back(stand_in(name, cells.front(), {corner[0], corner[1], z}));
+  }
+  return lost;
+}
+
+}  // namespace gigabake

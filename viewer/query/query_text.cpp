@@ -1,0 +1,253 @@
+#include "viewer/query/query_text.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+#include "lattice/error.h"
+#include "lattice/octahedral.h"
+
+namespace gigabake {
+namespace {
+
+/// A degree is some 2^17 metres.
+constexpr int more_decimals_of_degrees = 5, most_decimals = 9, decimals_of_normals = 3;
+
+void add_integer(std::int64_t v, std::string& text) {
+  char digits[24];
+  text.append(digits, std::to_chars(digits, digits + sizeof digits, v).ptr);
+}
+
+/// Rounded to so many decimals; at most 14.
+void add_fixed(double v, int decimals, std::string& text) {
+  static constexpr double powers[] = {1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14};
+  const double scaled = std::fabs(v) * powers[decimals];
+  char digits[400];
+  if (!(scaled < 9e15)) {
+    text.append(digits, std::to_chars(digits, digits + sizeof digits, v, std::chars_format::fixed, decimals).ptr);
+    return;
+  }
+  const auto whole = std::uint64_t(scaled + 0.5);
+  if (v < 0 && whole != 0) text += '-';
+  const auto length = std::size_t(std::to_chars(digits, digits + sizeof digits, whole).ptr - digits);
+  const auto fraction = std::size_t(decimals);
+  if (length <= fraction) {
+    text += decimals > 0 ? "0." : "0";
+    text.append(fraction - length, '0');
+    text.append(digits, length);
+    return;
+  }
+  text.append(digits, length - fraction);
+  if (decimals > 0) text += '.';
+  text.append(digits + (length - fraction), fraction);
+}
+
+void add_quoted_csv(const std::string& field, std::string& text) {
+  if (field.find_first_of(",\"\r\n") == std::string::npos) {
+    text += field;
+    return;
+  }
+  text += '"';
+  for (const char c : field) text.append(c == '"' ? 2 : 1, c);
+  text += '"';
+}
+
+void add_json_string(std::string_view value, std::string& text) {
+  static constexpr char hex[] = "0123456789abcdef";
+  text += '"';
+  for (const char c : value) {
+    if (c == '"' || c == '\\') text += '\\';
+    if (static_cast<unsigned char>(c) < 0x20)
+      (((text += "\\u00") += hex[c >> 4]) += hex[c & 15]);
+    else
+      text += c;
+  }
+  text += '"';
+}
+
+struct Normal {
+  double n[3];
+  explicit Normal(const std::int8_t oct[2]) { decode_octahedral(oct, n); }
+};
+
+}  // namespace
+
+QueryText::QueryText(QueryFormat format, QueryKind kind, const QueryFrames& frames, double voxel_size_m, bool has_ids)
+    : format_(format),
+      kind_(kind),
+      frames_(frames),
+      decimals_(std::clamp(3 - int(std::floor(std::log10(voxel_size_m))), 0, most_decimals)),
+      has_ids_(has_ids) {
+  if (format == QueryFormat::geojson && !frames.is_on_earth())
+    throw UsageError("format",
+                     "GeoJSON is longitudes and latitudes, and the scene does not say where on earth it "
+                     "stands; expected csv or json");
+}
+
+std::string_view QueryText::outcome(QueryOutcome outcome) const {
+  if (kind_ == QueryKind::sight && outcome == QueryOutcome::hit) return "blocked";
+  if (kind_ == QueryKind::sight && outcome == QueryOutcome::nothing) return "visible";
+  return name_of(outcome);
+}
+
+std::string QueryText::begin() const {
+  if (format_ == QueryFormat::geojson) return "{\"type\":\"FeatureCollection\",\"features\":[";
+  if (format_ == QueryFormat::json) return "[";
+  return std::string(has_ids_ ? "id," : "") + "outcome,distance_m," +
+         (frames_.frame() == QueryFrame::scene ? "x,y,z" : "lon,lat,height") +
+         ",nx,ny,nz,red,green,blue,coverage,lod,cell\n";
+}
+
+std::string QueryText::end() const {
+  if (format_ == QueryFormat::geojson) return "\n]}\n";
+  return format_ == QueryFormat::json ? "\n]\n" : "";
+}
+
+void QueryText::add(const QueryAnswer& answer, bool first, std::string& text) const {
+  if (format_ != QueryFormat::csv) text += first ? "\n" : ",\n";
+  if (format_ == QueryFormat::csv) add_csv(answer, text);
+  if (format_ == QueryFormat::json) add_json(answer, text);
+  if (format_ == QueryFormat::geojson) add_geojson(answer, text);
+}
+
+void QueryText::add_lonlat(const QueryPoint& p, std::string& text) const {
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (a > 0) text += ',';
+    add_fixed(p[a], a < 2 ? decimals_ + more_decimals_of_degrees : decimals_, text);
+  }
+}
+
+void QueryText::add_point(const QueryPoint& p, std::string& text) const {
+  if (frames_.frame() == QueryFrame::lonlat) return add_lonlat(p, text);
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (a > 0) text += ',';
+    add_fixed(p[a], decimals_, text);
+  }
+}
+
+void QueryText::add_csv(const QueryAnswer& answer, std::string& text) const {
+  const QueryHit& hit = answer.hit;
+  if (has_ids_) {
+    add_quoted_csv(answer.ask.id, text);
+    text += ',';
+  }
+  text += outcome(hit.outcome);
+  text += ',';
+  const bool is_hit = hit.outcome == QueryOutcome::hit;
+  if (is_hit || hit.outcome == QueryOutcome::missing) add_fixed(frames_.metres(hit.distance), decimals_, text);
+  text += ',';
+  if (is_hit) {
+    add_point(frames_.asked_point(frames_.scene_point(answer.ray, hit.distance)), text);
+    for (const double n : Normal(hit.normal).n) {
+      text += ',';
+      add_fixed(n, decimals_of_normals, text);
+    }
+    for (int c = 0; c < 4; ++c) {
+      text += ',';
+      add_integer(hit.rgba >> 8 * c & 255, text);
+    }
+    text += ',';
+    add_integer(hit.lod, text);
+    text += ',';
+  } else if (kind_ == QueryKind::height) {
+    QueryPoint place = answer.ask.from;
+    place[2] = 0;
+    add_point(place, text);
+    text.erase(text.rfind(',') + 1);  // there is no height
+    text += ",,,,,,,,,";
+  } else {
+    text += ",,,,,,,,,,,";
+  }
+  text += answer.shard;
+  text += '\n';
+}
+
+/// Behind the outcome. with_scene_metres: where the place is said elsewhere, in degrees.
+void QueryText::add_members(const QueryAnswer& answer, bool with_scene_metres, std::string& text) const {
+  const QueryHit& hit = answer.hit;
+  if (has_ids_) {
+    text += "\"id\":";
+    add_json_string(answer.ask.id, text);
+    text += ',';
+  }
+  text += "\"outcome\":";
+  add_json_string(outcome(hit.outcome), text);
+  const bool is_hit = hit.outcome == QueryOutcome::hit;
+  if (is_hit || hit.outcome == QueryOutcome::missing) {
+    text += ",\"distance_m\":";
+    add_fixed(frames_.metres(hit.distance), decimals_, text);
+  }
+  if (is_hit) {
+    const Point<Scene> p = frames_.scene_point(answer.ray, hit.distance);
+    text += with_scene_metres ? ",\"scene_m\":[" : ",\"position\":[";
+    if (with_scene_metres) {
+      for (const double v : {p.x, p.y, p.z}) {
+        add_fixed(v, decimals_, text);
+        text += ',';
+      }
+      text.pop_back();
+    } else {
+      add_point(frames_.asked_point(p), text);
+    }
+    text += "],\"normal\":[";
+    for (const double n : Normal(hit.normal).n) {
+      add_fixed(n, decimals_of_normals, text);
+      text += ',';
+    }
+    text.back() = ']';
+    text += ",\"rgba\":[";
+    for (int c = 0; c < 4; ++c) {
+      add_integer(hit.rgba >> 8 * c & 255, text);
+      text += ',';
+    }
+    text.back() = ']';
+    text += ",\"lod\":";
+    add_integer(hit.lod, text);
+  }
+  if (answer.shard.empty()) return;
+  text += ",\"cell\":";
+  add_json_string(answer.shard, text);
+}
+
+void QueryText::add_json(const QueryAnswer& answer, std::string& text) const {
+  text += '{';
+  if (kind_ == QueryKind::height) {
+    text += "\"at\":[";
+    add_point({answer.ask.from[0], answer.ask.from[1], 0}, text);
+    text.erase(text.rfind(','));
+    text += "],";
+  }
+  add_members(answer, false, text);
+  text += '}';
+}
+
+QueryPoint QueryText::asked_lonlat(const QueryPoint& asked) const {
+  return frames_.frame() == QueryFrame::lonlat ? asked : frames_.lonlat_point({asked[0], asked[1], asked[2]});
+}
+
+/// A hit is a point, a line of sight the way to where it is blocked, a height that is not there its place alone.
+void QueryText::add_geojson(const QueryAnswer& answer, std::string& text) const {
+  const bool is_hit = answer.hit.outcome == QueryOutcome::hit;
+  const auto met = [&] { return frames_.lonlat_point(frames_.scene_point(answer.ray, answer.hit.distance)); };
+  text += "{\"type\":\"Feature\",\"geometry\":";
+  if (kind_ == QueryKind::sight) {
+    text += "{\"type\":\"LineString\",\"coordinates\":[[";
+    add_lonlat(asked_lonlat(answer.ask.from), text);
+    text += "],[";
+    add_lonlat(is_hit ? met() : asked_lonlat(answer.ask.to), text);
+    text += "]]}";
+  } else if (is_hit || kind_ == QueryKind::height) {
+    text += "{\"type\":\"Point\",\"coordinates\":[";
+    add_lonlat(is_hit ? met() : asked_lonlat({answer.ask.from[0], answer.ask.from[1], 0}), text);
+    if (!is_hit) text.erase(text.rfind(','));
+    text += "]}";
+  } else {
+    text += "null";
+  }
+  text += ",\"properties\":{";
+  add_members(answer, true, text);
+  text += "}}";
+}
+
+}  // namespace gigabake

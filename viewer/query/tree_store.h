@@ -1,0 +1,74 @@
+/// The trees that rays walk through, as many as the memory holds: built when they are asked for, the longest unused let
+/// go.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "viewer/query/query_walk.h"
+#include "viewer/query/scene_query.h"
+#include "viewer/stream/numbered_shards.h"
+
+namespace gigabake {
+
+struct QueryTreeKeyHash {
+  std::size_t operator()(const QueryTreeKey& key) const {
+    return (std::uint64_t(key.shard) * 32 + std::uint64_t(key.lod)) * 0x9e3779b97f4a7c15u;
+  }
+};
+
+/// One thread calls it, but for find().
+class TreeStore final : public QueryTrees {
+ public:
+  TreeStore(std::shared_ptr<const PagedScene> scene, std::uint64_t memory_bytes, const ThreadPool& pool);
+
+  Found find(const QueryTreeKey& key) const override;
+
+  /// What is found from now on was used in a new pass.
+  void begin_pass() { ++pass_; }
+
+  /// Builds those that are not here, in their order, as far as the memory goes; of the others, what was not used in
+  /// this pass goes, then what was. At least the first is here afterwards, or is unreadable.
+  /// Errors  UsageError: the memory does not hold the first alone.
+  void build(const std::vector<QueryTreeKey>& most_wanted_first);
+
+  SceneCell shard(std::uint32_t number) { return numbers_.shard(number); }
+  const QueryCounts& counts() const { return counts_; }
+  const std::vector<std::string>& problems() const { return problems_; }
+
+ private:
+  struct Entry {
+    std::unique_ptr<const QueryTree> tree;  ///< null: unreadable
+    std::uint64_t bytes = 0;
+    mutable std::atomic<std::uint64_t> used{0};
+  };
+  struct Building {
+    QueryTreeKey key;
+    SceneCell shard;
+    std::unique_ptr<QueryTreeSource> source;
+    std::unique_ptr<const QueryTree> tree;
+    std::uint64_t bytes = 0;
+    std::string problem;
+  };
+  void open(std::vector<Building>& all) const;
+  std::size_t admit(std::vector<Building>& all, bool must);
+  void finish(std::vector<Building>& all);
+  enum class Evict { unused, any };  ///< unused: in this pass
+  void make_room(std::uint64_t bytes, Evict evict);
+  void tell(const std::string& problem);
+
+  std::shared_ptr<const PagedScene> scene_;
+  std::uint64_t memory_bytes_;
+  const ThreadPool& pool_;
+  NumberedShards numbers_;
+  std::unordered_map<QueryTreeKey, Entry, QueryTreeKeyHash> entries_;
+  std::uint64_t pass_ = 0, bytes_ = 0;
+  QueryCounts counts_;
+  std::vector<std::string> problems_;
+};
+
+}  // namespace gigabake
