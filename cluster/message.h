@@ -15,6 +15,7 @@ enum Tag : int {
   tag_alive,      ///< worker to master: peak bytes u64, host; master to worker: nothing; sent now and then
   tag_opened,     ///< master to worker: it has opened the source, or cannot
   tag_stop,       ///< master to worker: no more jobs, or no more surveys; worker to master: no survey follows
+  tag_export,     ///< any rank to rank 0: its part of what ranks that export together exchange
 };
 
 struct Message {

@@ -54,6 +54,7 @@ set(gb_public_headers_source
     format/source/mesh.h
     format/source/source.h)
 set(gb_public_headers_export
+    format/export/export_team.h
     format/export/gigavoxel.h
     format/export/gigavoxel_read.h
     format/export/gigavoxel_tree.h

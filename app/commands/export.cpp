@@ -2,11 +2,14 @@
 #include <fmt/ranges.h>
 #include <functional>
 #include <memory>
+#include <string_view>
 
 #include "app/commands.h"
 #include "app/messages/with_progress.h"
 #include "app/options/choices.h"
 #include "app/options/scene_argument.h"
+#include "app/process/on_all_ranks.h"
+#include "cluster/mpi_export_team.h"
 #include "format/export/gigavoxel.h"
 #include "format/export/nanovdb.h"
 #include "format/export/openvdb/openvdb_export.h"
@@ -22,12 +25,13 @@ struct ExportOptions {
   std::string scene, format, out;
   int lod = 0;
   bool quiet = false;
+  TilesetOptions tiles = {.threads = 0};  ///< 0: the host's cores shared by its ranks
 };
 
 struct ExportFormat {
   const char* name;
-  const char* suffix;  ///< of its one file; empty where it is a folder
-  /// Returns the number of voxels of the level.
+  const char* suffix;  ///< of its one file; empty where it is always a folder
+  /// Returns the number of voxels of the level. None: it is written by all ranks together.
   std::function<std::uint64_t(const ExportOptions&, const Progress&)> write;
 };
 
@@ -39,7 +43,8 @@ const ExportFormat formats[] = {
      [](const ExportOptions& o, const Progress& p) {
        return export_openvdb(o.scene, o.lod, o.out, openvdb_memory_bytes(), p);
      }},
-    {"3dtiles", "", [](const ExportOptions& o, const Progress& p) { return export_3dtiles(o.scene, o.lod, o.out, p); }},
+    {"3dtiles", ".3tz", {}},
+    {"3dtiles-gltf", "", {}},
     {"gigavoxel-xml", "",
      [](const ExportOptions& o, const Progress& p) {
        return export_gigavoxel(o.scene, o.lod, o.out, GigavoxelTreeFile::xml, p);
@@ -62,30 +67,71 @@ const ExportFormat& chosen_format(const ExportOptions& o) {
   for (const ExportFormat& f : formats)
     if (o.format.empty() ? *f.suffix != 0 && suffix == f.suffix : o.format == f.name) return f;
   throw UsageError(
-      fmt::format("--to: the name '{}' does not say the format; expected .ply, .nvdb or .vdb at its end, or "
+      fmt::format("--to: the name '{}' does not say the format; expected .ply, .nvdb, .vdb or .3tz at its end, or "
                   "--to with one of {}",
                   o.out, fmt::join(format_names(), ", ")));
 }
 
+void print_done(const ExportOptions& o, std::uint64_t voxels) {
+  if (!o.quiet) fmt::print("{} of lod {} in {}\n", counted(voxels, "voxel"), o.lod, o.out);
+}
+
+int run_on_rank(const ExportOptions& options, const ExportFormat& format, MpiSession& mpi) {
+  TilesetOptions tiles = options.tiles;
+  if (std::string_view(format.name) == "3dtiles-gltf") tiles.form = TilesetForm::gltf_2_1;
+  tiles.lod = options.lod;
+  if (tiles.threads == 0) tiles.threads = mpi.cores();
+  const MpiExportTeam team(mpi);
+  try {
+    const std::uint64_t voxels = with_progress(
+        [&](const Progress& progress) { return export_3dtiles(options.scene, tiles, options.out, progress, team); },
+        mpi.rank() == 0 && !options.quiet ? stderr : nullptr);
+    if (mpi.rank() == 0) print_done(options, voxels);
+    return 0;
+  } catch (const Stopped&) {
+    if (mpi.rank() == 0) fmt::print(stderr, "{}\n", stop_line());
+    return exit_code_of_stop();
+  }
+}
+
+void add_tile_options(CLI::App& command, ExportOptions& options) {
+  command
+      .add_option("--tile-voxels", options.tiles.tile_voxels,
+                  "3dtiles: edge of a tile in voxels, 8 to 126 (80 to 112, as fits the scene)")
+      ->check(CLI::Range(8, 126));
+  command
+      .add_option("--threads", options.tiles.threads,
+                  "3dtiles: threads of each rank (the host's cores shared by its ranks)")
+      ->check(CLI::Range(0, 1024));
+  command.add_flag("--update", options.tiles.update,
+                   "3dtiles: the folder is an earlier export of the scene; rewrite the tiles that changed");
+}
+
 }  // namespace
 
-void add_export(CLI::App& app, int&) {
-  auto* command = app.add_subcommand("export", "Write a baked scene's voxels in another format");
+void add_export(CLI::App& app, int& exit_code) {
+  auto* command =
+      app.add_subcommand("export", "Write a baked scene's voxels in another format; 3dtiles under mpirun on all ranks");
   auto o = std::make_shared<ExportOptions>();
   command->add_option("SCENE", o->scene, "OUT of a bake, or OUT/scene.xml")->required();
-  command->add_option("--to", o->format, "the format (what -o ends in: .ply, .nvdb, .vdb)")
+  command->add_option("--to", o->format, "the format (what -o ends in: .ply, .nvdb, .vdb, .3tz)")
       ->check(one_of(format_names()));
   command->add_option("-o,--out", o->out, "file to write; new folder for the formats of many files")->required();
   command->add_option("--lod", o->lod, "level to write; 3dtiles and gigavoxel: the finest")
       ->capture_default_str()
       ->check(CLI::Range(0, 10));
+  add_tile_options(*command, *o);
   command->add_flag("-q,--quiet", o->quiet, "print errors alone");
-  command->callback([o] {
+  command->callback([o, &exit_code] {
     const ExportFormat& format = chosen_format(*o);
     o->scene = scene_argument(o->scene).string();
+    if (!format.write) {
+      exit_code = on_all_ranks([&](MpiSession& mpi) { return run_on_rank(*o, format, mpi); });
+      return;
+    }
     const std::uint64_t voxels = with_progress([&](const Progress& progress) { return format.write(*o, progress); },
                                                o->quiet ? nullptr : stderr);
-    if (!o->quiet) fmt::print("{} of lod {} in {}\n", counted(voxels, "voxel"), o->lod, o->out);
+    print_done(*o, voxels);
   });
 }
 

@@ -4,6 +4,8 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "format/export/voxel_tile.h"
+
 namespace gigabake {
 namespace {
 
@@ -41,37 +43,80 @@ void append(std::string& to, std::uint64_t value, std::size_t bytes) {
 
 }  // namespace
 
-std::string subtree_file(const TileLevels& tiles, std::uint32_t level, std::uint64_t root) {
-  std::size_t inside = 0;
-  for (std::uint32_t down = 0; down < subtree_levels; ++down) inside += std::size_t(1) << (3 * down);
-  Bits available(inside), children(std::size_t(1) << (3 * subtree_levels));
-  std::size_t first = 0;
-  for (std::uint32_t down = 0; down < subtree_levels; first += std::size_t(1) << (3 * down), ++down)
-    if (level + down < tiles.size()) set_below(tiles[level + down], root, down, first, available);
-  if (level + subtree_levels < tiles.size())
-    set_below(tiles[level + subtree_levels], root, subtree_levels, 0, children);
+std::uint32_t subtree_levels(std::uint32_t levels) {
+  constexpr std::uint32_t most = 6;
+  const std::uint32_t files = (levels + most - 1) / most;  // from the root down
+  return (levels + files - 1) / files;
+}
 
-  const OrderedJson bits = {{"bitstream", 0}, {"availableCount", available.count}};
-  OrderedJson json = {
-      {"buffers", OrderedJson::array()},
-      {"bufferViews", OrderedJson::array({{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", available.bytes.size()}}})},
-      {"tileAvailability", bits},
-      {"contentAvailability", OrderedJson::array({bits})},
-      {"childSubtreeAvailability", {{"constant", 0}}}};
-  std::string binary = padded(available.bytes, '\0');
-  if (children.count > 0) {
-    json["bufferViews"].push_back(
-        {{"buffer", 0}, {"byteOffset", binary.size()}, {"byteLength", children.bytes.size()}});
-    json["childSubtreeAvailability"] = {{"bitstream", 1}, {"availableCount", children.count}};
-    binary += children.bytes;
+namespace {
+
+/// Which tiles of a subtree there are, and which subtrees are below it.
+struct Availability {
+  Bits tiles, children;
+
+  Availability(const TileLevels& levels, std::uint32_t level, std::uint64_t root, std::uint32_t own)
+      : tiles(tiles_of(own)), children(std::size_t(1) << (3 * own)) {
+    std::size_t first = 0;
+    for (std::uint32_t down = 0; down < own; first += std::size_t(1) << (3 * down), ++down)
+      if (level + down < levels.size()) set_below(levels[level + down], root, down, first, tiles);
+    if (level + own < levels.size()) set_below(levels[level + own], root, own, 0, children);
   }
-  json["buffers"].push_back({{"byteLength", binary.size()}});
+
+  static std::size_t tiles_of(std::uint32_t own) {
+    std::size_t inside = 0;
+    for (std::uint32_t down = 0; down < own; ++down) inside += std::size_t(1) << (3 * down);
+    return inside;
+  }
+
+  /// Both rows; the second only where it is not all zeros.
+  std::string binary() const {
+    return padded(tiles.bytes, '\0') + (children.count > 0 ? children.bytes : std::string());
+  }
+  OrderedJson views() const {
+    OrderedJson views = OrderedJson::array({{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", tiles.bytes.size()}}});
+    if (children.count > 0)
+      views.push_back(
+          {{"buffer", 0}, {"byteOffset", (tiles.bytes.size() + 7) / 8 * 8}, {"byteLength", children.bytes.size()}});
+    return views;
+  }
+  OrderedJson of_tiles() const { return {{"bitstream", 0}, {"availableCount", tiles.count}}; }
+  OrderedJson of_children() const {
+    if (children.count == 0) return {{"constant", 0}};
+    return {{"bitstream", 1}, {"availableCount", children.count}};
+  }
+};
+
+}  // namespace
+
+std::string subtree_file(const TileLevels& tiles, std::uint32_t level, std::uint64_t root) {
+  const Availability available(tiles, level, root, subtree_levels(std::uint32_t(tiles.size())));
+  const std::string binary = available.binary();
+  const OrderedJson json = {{"buffers", OrderedJson::array({{{"byteLength", binary.size()}}})},
+                            {"bufferViews", available.views()},
+                            {"tileAvailability", available.of_tiles()},
+                            {"contentAvailability", OrderedJson::array({available.of_tiles()})},
+                            {"childSubtreeAvailability", available.of_children()}};
   const std::string text = padded(json.dump(), ' ');
   std::string file = "subt";
   append(file, 1, 4);
   append(file, text.size(), 8);
   append(file, binary.size(), 8);
   return file + text + binary;
+}
+
+std::vector<std::uint8_t> subtree_glb(const TileLevels& tiles, std::uint32_t level, std::uint64_t root) {
+  const Availability available(tiles, level, root, subtree_levels(std::uint32_t(tiles.size())));
+  const std::string binary = available.binary();
+  const std::vector<std::string> extensions{"3DTILES_subtree"};
+  const OrderedJson subtree = {{"tileAvailability", available.of_tiles()},
+                               {"contentAvailability", available.of_tiles()},
+                               {"childSubtreeAvailability", available.of_children()}};
+  const OrderedJson document = {
+      {"asset", {{"version", "2.1"}}},    {"extensionsUsed", extensions},
+      {"extensionsRequired", extensions}, {"buffers", OrderedJson::array({{{"byteLength", binary.size()}}})},
+      {"bufferViews", available.views()}, {"extensions", {{"3DTILES_subtree", subtree}}}};
+  return glb_file(document, {{reinterpret_cast<const std::uint8_t*>(binary.data()), binary.size()}});
 }
 
 }  // namespace gigabake

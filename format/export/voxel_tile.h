@@ -1,48 +1,36 @@
-/// One tile of voxel 3D Tiles: 8³ voxels as a binary glTF with EXT_primitive_voxels.
+/// One tile of voxel 3D Tiles as a file: a binary glTF.
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
+#include <initializer_list>
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <vector>
 
-#include "format/scene/scene_level.h"
+#include "format/export/voxel_grid.h"
 
 namespace gigabake {
 
-/// Voxel x + 8y + 64z, z up. A voxel exists where its coverage is not 0.
-struct VoxelTile {
-  std::array<std::array<std::uint8_t, 4>, brick_voxels> rgba{};
-  std::array<std::array<float, 3>, brick_voxels> normal{};  ///< unit vectors; zero where there is no voxel
-};
-
-void add_voxels(VoxelTile& tile, const DenseBrick& part, bool normals);
-
-/// The tile one level up, from eight (null: no voxel). Child x + 2y + 4z.
-/// Coverage as in the bake's `coverage` levels, colour and normal weighted by it, colour in linear light.
-VoxelTile coarser_tile(const std::array<const VoxelTile*, 8>& children);
-
-/// Where a tile lies in the tileset's frame.
+/// Where a tile lies in the tileset's frame, without its padding.
 struct TileBox {
   std::array<double, 3> centre_m{};
   double edge_m = 0;
 };
 
-/// Writes and reads the tiles of one tileset.
-class VoxelTileFiles {
- public:
-  /// `target` is what messages name; tiles go below `folder`.
-  VoxelTileFiles(std::filesystem::path target, std::filesystem::path folder, bool normals);
+/// What a voxel says: the class `voxel` of a tileset's schema and of each tile's.
+nlohmann::ordered_json voxel_schema();
 
-  /// Errors  InputError: the system's reason.
-  void write(const std::filesystem::path& name, const VoxelTile& tile, const TileBox& box) const;
-  /// Of a tile that was written. False: there is none of that name.
-  bool read(const std::filesystem::path& name, VoxelTile& tile) const;
+/// glTF 2.0 with EXT_primitive_voxels. Range  a grid in the order y_up.
+std::vector<std::uint8_t> voxel_tile_file(const VoxelGrid& grid, const TileBox& box);
+/// glTF 2.1 with EXT_voxels. Range  a grid in the order right_forward_up.
+std::vector<std::uint8_t> voxel_node_file(const VoxelGrid& grid, const TileBox& box);
 
- private:
-  std::size_t voxel_bytes() const { return std::size_t(brick_voxels) * (normals_ ? 16 : 4); }
+/// A point of the tileset's frame (x east, z up) in that of glTF 2.1 (x to the left, y up, z forward).
+std::array<double, 3> in_gltf_2_1(const std::array<double, 3>& p);
 
-  std::filesystem::path target_, folder_;
-  bool normals_;
-};
+/// A binary glTF: the document and one buffer.
+std::vector<std::uint8_t> glb_file(const nlohmann::ordered_json& document,
+                                   std::initializer_list<std::span<const std::uint8_t>> parts_of_buffer);
 
 }  // namespace gigabake

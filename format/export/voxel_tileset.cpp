@@ -1,248 +1,248 @@
 #include "format/export/voxel_tileset.h"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <memory>
 #include <optional>
+#include <span>
+#include <string>
+#include <vector>
 
+#include "format/export/archive_3tz.h"
 #include "format/export/implicit_octree.h"
-#include "format/export/voxel_tile.h"
-#include "format/shard/brick_walk.h"
+#include "format/export/tile_survey.h"
+#include "format/export/tile_writer.h"
+#include "format/export/tileset_json.h"
+#include "format/export/tileset_page.h"
+#include "format/export/tileset_record.h"
 #include "format/system/output_file.h"
 #include "format/system/publish_folder.h"
+#include "lattice/bytes.h"
 #include "lattice/error.h"
-#include "lattice/georeference.h"
-#include "lattice/morton.h"
 
 namespace gigabake {
 namespace {
 
-using Json = nlohmann::ordered_json;
-using Keys = std::vector<std::uint64_t>;
+constexpr std::uint64_t level_cache_bytes = std::uint64_t(256) << 20;
 
-/// The cube that the oct-tree divides.
-struct TilesetCube {
-  LevelIndex lowest{};           ///< voxels of level 0; a multiple of the edge of a tile of `coarsest`
-  int finest = 0, coarsest = 0;  ///< the levels that come from shards
-  std::int64_t corners = 0;      ///< bits that are set in a cell's corner
-  std::uint32_t levels = 0;      ///< of tiles: 0 is the root, levels − 1 is `finest`
-
-  int lod(std::uint32_t tile_level) const { return finest + int(levels - 1 - tile_level); }
-  std::uint32_t tile_level(int lod) const { return levels - 1 - std::uint32_t(lod - finest); }
-  std::int64_t tile_edge(int lod) const { return std::int64_t(brick_edge) << lod; }
-};
-
-/// Errors  InputError: farther apart than a tile's number can say.
-TilesetCube cube_of(const PagedScene& scene, int lod) {
-  TilesetCube cube;
-  cube.finest = lod;
-  cube.coarsest = 62;
-  scene.for_each_cell([&cube](const SceneCell& cell) {
-    cube.coarsest = std::min(cube.coarsest, int(cell.lods) - 1);
-    for (const std::int64_t x : cell.lattice_min) cube.corners |= x;
-  });
-  const auto [low, high] = scene.totals().window;
-  const std::int64_t edge = cube.tile_edge(cube.coarsest);
-  std::uint64_t tiles = 1;
-  for (std::size_t c = 0; c < 3; ++c) {
-    cube.lowest[c] = low[c] & -edge;
-    tiles = std::max(tiles, std::uint64_t(high[c] - cube.lowest[c] + edge - 1) / std::uint64_t(edge));
+/// Neighbouring tiles, which read the same shards, are one rank's; the rank that has the least to do takes the next
+/// ones.
+std::vector<TilePlace> share_of(const TileWeights& tiles, const ExportTeam& team) {
+  std::vector<std::uint64_t> load(std::size_t(team.ranks()));
+  std::vector<TilePlace> own;
+  TilePlace block{~std::uint32_t(0), 0};
+  std::size_t rank = 0;
+  constexpr std::uint64_t of_tile = 60;  // a tile without bricks costs as much as so many
+  for (auto tile = tiles.rbegin(); tile != tiles.rend(); ++tile) {
+    const TilePlace in{tile->first.level, tile->first.key >> 3};
+    if (in != block) rank = std::size_t(std::min_element(load.begin(), load.end()) - load.begin());
+    block = in;
+    load[rank] += tile->second + of_tile;
+    if (rank == std::size_t(team.rank())) own.push_back(tile->first);
   }
-  const int above = std::bit_width(tiles - 1);
-  cube.levels = std::uint32_t(cube.coarsest - cube.finest + above + 1);
-  constexpr std::uint32_t most_levels = 21;  // bits of a place in a Morton code
-  if (cube.levels > most_levels)
-    throw InputError(scene.file(), "LatticeMin", "cells lie too far apart for one oct-tree");
-  return cube;
+  return own;
 }
 
-class TilesetWriter {
- public:
-  TilesetWriter(const std::filesystem::path& target, const std::filesystem::path& folder, const PagedScene& scene,
-                const TilesetCube& cube, const Progress& progress)
-      : target_(target),
-        folder_(folder),
-        scene_(scene),
-        cube_(cube),
-        progress_(progress),
-        files_(target, folder, scene.header().has_normals),
-        tiles_(cube.levels) {}
+struct FolderFiles {
+  const std::filesystem::path &target, &folder;
 
-  /// The tiles of a level that the shards have.
-  void write_level(int lod) {
-    progress_.step(fmt::format("writing the tiles of lod {}", lod), voxels_of_level(scene_, lod));
-    Keys& keys = tiles_[cube_.tile_level(lod)];
-    const bool shared = (cube_.corners >> lod & 7) != 0;  // whether a tile can be of several bricks
-    const auto add = [&](const LevelIndex& lowest, const DenseBrick& part) {
-      const BrickCoordinate at{tile_place(lowest, 0, lod), tile_place(lowest, 1, lod), tile_place(lowest, 2, lod)};
-      const std::uint64_t key = morton(at.x, at.y, at.z);
-      VoxelTile tile;
-      if (shared) files_.read(name(cube_.tile_level(lod), key), tile);
-      add_voxels(tile, part, scene_.header().has_normals);
-      write(cube_.tile_level(lod), key, tile);
-      keys.push_back(key);
-    };
-    for_each_block_part(scene_, lod, add, progress_);
-    std::sort(keys.begin(), keys.end());
-    keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-    add_missing_parents(cube_.tile_level(lod));
-  }
-
-  /// The tiles above those, each of eight.
-  void write_coarser_level(std::uint32_t level) {
-    const Keys& below = tiles_[level + 1];
-    progress_.step("writing coarser tiles", below.size());
-    for (std::size_t i = 0; i < below.size();) {
-      const std::size_t first = i;
-      const std::uint64_t key = below[i] >> 3;
-      std::array<std::optional<VoxelTile>, 8> read;
-      std::array<const VoxelTile*, 8> children{};
-      for (; i < below.size() && below[i] >> 3 == key; ++i) {
-        VoxelTile& child = read[below[i] & 7].emplace();
-        files_.read(name(level + 1, below[i]), child);
-        children[below[i] & 7] = &child;
-      }
-      write(level, key, coarser_tile(children));
-      tiles_[level].push_back(key);
-      progress_.advance(i - first);
-    }
-  }
-
-  void write_subtrees() const {
-    for (std::uint32_t level = 0; level < tiles_.size(); level += subtree_levels)
-      for (const std::uint64_t root : tiles_[level]) {
-        progress_.advance(0);
-        OutputFile out(target_, folder_ / ("subtrees/" + place(level, root) + ".subtree"));
-        out.write(subtree_file(tiles_, level, root));
-        out.finish();
-      }
-  }
-
-  void write_tileset() const {
-    OutputFile out(target_, folder_ / "tileset.json");
-    out.write(tileset().dump(2) + "\n");
+  void write(const std::string& name, std::span<const std::uint8_t> bytes) const {
+    OutputFile out(target, folder / name);
+    out.write(bytes);
     out.finish();
+  }
+  void write(const std::string& name, const std::string& text) const {
+    write(name, std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+  }
+};
+
+/// What the tree's cube is fitted to. Below every voxel of a bake stand voxels of the finest level, so that their
+/// bricks are enough; other shards may have voxels of coarser levels beside them.
+enum class Fit { bricks_of_finest, windows_of_cells };
+
+class TilesetExport {
+ public:
+  TilesetExport(const PagedScene& scene, const TilesetOptions& options, Fit fit, const Progress& progress,
+                const ExportTeam& team)
+      : scene_(scene), progress_(progress), team_(team), pool_(options.threads), owners_(scene), form_(options.form) {
+    const TileSurvey survey(scene_, owners_, team_, pool_, progress_);
+    bounds_ = fit == Fit::bricks_of_finest ? survey.bounds(options.lod) : scene.totals().window;
+    if (bounds_.is_empty()) throw InputError(scene.file(), "Voxels", "there is no voxel of the level");
+    tiling_ = tiling_of(bounds_, options.lod, options.tile_voxels);
+    if (tiling_.levels > most_tile_levels)
+      throw InputError(scene.file(), "LatticeMin", "cells lie too far apart for one oct-tree");
+    team_.together([&] { made_.emplace(scene_, owners_, tiling_.coarsest()); });
+    weights_ = survey.tiles(tiling_, *made_);
+  }
+
+  /// Collective. The tiles of all ranks. before: an earlier export, which stands at `target`.
+  void write_tiles(const std::filesystem::path& target, const std::filesystem::path& folder,
+                   const TilesetRecord& before) {
+    ShardLevels levels(scene_, level_cache_bytes);
+    const TileSource source{scene_, owners_, *made_, tiling_, levels, form_};
+    std::vector<std::unique_ptr<TileWriter>> writers;
+    for (int t = 0; t < pool_.threads(); ++t) writers.push_back(std::make_unique<TileWriter>(source, target, folder));
+    const std::vector<TilePlace> own = share_of(weights_, team_);
+    std::vector<TileRecord> written(own.size());
+    const TileRecords none;
+    const TileRecords& known = before.rule == rule() ? before.tiles : none;
+    progress_.step("writing tiles", own.size(), "tile");
+    team_.together([&] {
+      pool_.parallel_for(own.size(), 1, [&](std::size_t i, std::size_t, int thread) {
+        written[i] = write_tile(*writers[std::size_t(thread)], own[i], known, target);
+        progress_.advance();
+      });
+    });
+    collect(own, written);
+    team_.together([&] { add_missing_parents(team_.rank() == 0 ? writers[0].get() : nullptr); });
+  }
+
+  /// Whether the tiles have as many voxels of each level as the scene says. Levels of earlier bakes that stand off the
+  /// lattice are not counted: rounded down, two of their voxels may be one.
+  bool has_all_voxels() const {
+    std::map<int, std::uint64_t> voxels;
+    for (const auto& [tile, record] : tiles_) voxels[tiling_.lod(tile.level)] += record.statistics.voxels;
+    constexpr int always_on_lattice = 3;
+    for (const auto& [lod, count] : voxels) {
+      const bool is_known = !made_->has(lod) && (lod <= always_on_lattice || owners_.has_parents());
+      if (is_known && count != scene_.totals().voxels.at(std::size_t(lod))) return false;
+    }
+    return true;
+  }
+
+  /// Rank 0's.
+  void write_documents(const std::filesystem::path& target, const std::filesystem::path& folder) const {
+    const FolderFiles files{target, folder};
+    TileLevels tiles(tiling_.levels);
+    TilesetSummary summary{tiles_.size(), {}, bounds_};
+    for (const auto& [tile, record] : tiles_) {
+      tiles[tile.level].push_back(tile.key);
+      summary.voxels.add(record.statistics);
+    }
+    const bool is_gltf = form_ == TilesetForm::gltf_2_1;
+    for (std::uint32_t level = 0; level < tiling_.levels; level += subtree_levels(tiling_.levels))
+      for (const std::uint64_t root : tiles[level]) {
+        const std::string name = "subtrees/" + path_of({level, root}) + ".subtree";
+        if (is_gltf)
+          files.write(name + ".glb", subtree_glb(tiles, level, root));
+        else
+          files.write(name, subtree_file(tiles, level, root));
+      }
+    if (is_gltf)
+      files.write("tileset.gltf", tileset_gltf(scene_.header(), tiling_, summary));
+    else
+      files.write("tileset.json", tileset_json(scene_.header(), tiling_, summary));
+  }
+
+  /// Rank 0's: what a folder has besides.
+  void write_extras(const std::filesystem::path& target, const std::filesystem::path& folder) const {
+    const FolderFiles files{target, folder};
+    files.write(record_name, record_text({rule(), tiles_}));
+    if (form_ == TilesetForm::tiles_1_1) files.write("index.html", std::string(tileset_page));
   }
 
  private:
-  std::uint32_t tile_place(const LevelIndex& lowest, std::size_t axis, int lod) const {
-    return std::uint32_t((lowest[axis] - (cube_.lowest[axis] >> lod)) / brick_edge);
-  }
-  static std::string place(std::uint32_t level, std::uint64_t key) {
-    const BrickCoordinate at = demorton(key);
-    return fmt::format("{}/{}/{}/{}", level, at.x, at.y, at.z);
-  }
-  static std::string name(std::uint32_t level, std::uint64_t key) { return "tiles/" + place(level, key) + ".glb"; }
-
-  double edge_m(std::uint32_t level) const {
-    return double(cube_.tile_edge(cube_.lod(level))) * scene_.header().voxel_size_m;
-  }
-  std::array<double, 3> corner_m() const {
-    std::array<double, 3> corner{};
-    for (std::size_t c = 0; c < 3; ++c)
-      corner[c] = scene_.header().lattice_origin_m[c] + double(cube_.lowest[c]) * scene_.header().voxel_size_m;
-    return corner;
+  std::string rule() const {
+    return rule_of(scene_.header(), tiling_, form_ == TilesetForm::gltf_2_1 ? "gltf 2.1" : "3d tiles 1.1");
   }
 
-  void write(std::uint32_t level, std::uint64_t key, const VoxelTile& tile) const {
-    const BrickCoordinate at = demorton(key);
-    TileBox box{corner_m(), edge_m(level)};
-    const std::array<std::uint32_t, 3> number{at.x, at.y, at.z};
-    for (std::size_t c = 0; c < 3; ++c) box.centre_m[c] += (number[c] + 0.5) * box.edge_m;
-    files_.write(name(level, key), tile, box);
+  static TileRecord write_tile(TileWriter& writer, const TilePlace& tile, const TileRecords& known,
+                               const std::filesystem::path& before) {
+    const std::optional<Hash128> made_of = writer.made_of(tile);
+    const auto same = known.find(tile);
+    if (made_of && same != known.end() && same->second.made_of == *made_of) {
+      writer.take_over(tile, before);
+      return same->second;
+    }
+    return {made_of.value_or(Hash128{}), writer.write(tile)};
+  }
+
+  void collect(const std::vector<TilePlace>& own, const std::vector<TileRecord>& written) {
+    ByteWriter writer;
+    writer.put(std::uint64_t(own.size()));
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      writer.put(own[i].level);
+      writer.put(own[i].key);
+      writer.put(written[i]);
+    }
+    for (const std::vector<std::uint8_t>& bytes : team_.exchange(writer.take())) {
+      ByteReader reader(bytes, "written tiles of a rank");
+      std::uint64_t count = 0;
+      reader.get(count);
+      for (; count > 0; --count) {
+        TilePlace tile;
+        reader.get(tile.level);
+        reader.get(tile.key);
+        reader.get(tiles_[tile]);
+      }
+    }
   }
 
   /// A tile whose level has no voxel in it, but the level below has: a tree has no such gaps.
-  void add_missing_parents(std::uint32_t level) {
-    if (level + 1 >= tiles_.size()) return;
-    Keys& keys = tiles_[level];
-    const std::size_t own = keys.size();
-    for (const std::uint64_t child : tiles_[level + 1]) {
-      const std::uint64_t key = child >> 3;
-      if (std::binary_search(keys.begin(), keys.begin() + std::ptrdiff_t(own), key)) continue;
-      if (keys.size() > own && keys.back() == key) continue;
-      write(level, key, VoxelTile());
-      keys.push_back(key);
-    }
-    std::inplace_merge(keys.begin(), keys.begin() + std::ptrdiff_t(own), keys.end());
-  }
-
-  Json voxel_class() const {
-    Json properties;
-    if (scene_.header().has_normals) properties["normal"] = {{"type", "VEC3"}, {"componentType", "FLOAT32"}};
-    properties["color"] = {{"type", "VEC4"}, {"componentType", "UINT8"}, {"normalized", true}};
-    return {{"properties", properties}};
-  }
-
-  Json root() const {
-    const double half = edge_m(0) / 2;
-    const std::array<double, 3> corner = corner_m();
-    Json root = {
-        {"boundingVolume",
-         {{"box", {corner[0] + half, corner[1] + half, corner[2] + half, half, 0, 0, 0, half, 0, 0, 0, half}}}},
-        {"geometricError", edge_m(0) / brick_edge},
-        {"refine", "REPLACE"},
-        {"content",
-         {{"uri", "tiles/{level}/{x}/{y}/{z}.glb"},
-          {"extensions", {{"3DTILES_content_voxels", {{"dimensions", {8, 8, 8}}, {"class", "voxel"}}}}}}},
-        {"implicitTiling",
-         {{"subdivisionScheme", "OCTREE"},
-          {"subtreeLevels", subtree_levels},
-          {"availableLevels", tiles_.size()},
-          {"subtrees", {{"uri", "subtrees/{level}/{x}/{y}/{z}.subtree"}}}}}};
-    if (scene_.header().origin) {
-      const Affine<Ecef, Scene> ecef = ecef_from_enu(*scene_.header().origin);
-      Json columns = Json::array();
-      for (std::size_t column = 0; column < 4; ++column) {
-        for (std::size_t row = 0; row < 3; ++row) columns.push_back(ecef.m[row][column]);
-        columns.push_back(column == 3 ? 1.0 : 0.0);
+  void add_missing_parents(TileWriter* writer) {
+    for (std::uint32_t level = tiling_.levels - 1; level > 0; --level)
+      for (auto tile = tiles_.lower_bound({level, 0}); tile != tiles_.end() && tile->first.level == level; ++tile) {
+        const TilePlace parent{level - 1, tile->first.key >> 3};
+        if (!tiles_.try_emplace(parent).second) continue;
+        if (writer != nullptr) writer->write_empty(parent);
       }
-      root["transform"] = columns;
-    }
-    return root;
   }
 
-  Json tileset() const {
-    std::uint64_t count = 0;
-    for (const Keys& keys : tiles_) count += keys.size();
-    const Json tile_count = {{"type", "SCALAR"}, {"componentType", "UINT32"}, {"semantic", "TILESET_TILE_COUNT"}};
-    return {{"asset", {{"version", "1.1"}, {"generator", scene_.header().generator}}},
-            {"extensionsUsed", {"3DTILES_content_voxels"}},
-            {"extensionsRequired", {"3DTILES_content_voxels"}},
-            {"schema",
-             {{"id", "gigabake"},
-              {"classes", {{"voxel", voxel_class()}, {"tileset", {{"properties", {{"tileCount", tile_count}}}}}}}}},
-            {"metadata", {{"class", "tileset"}, {"properties", {{"tileCount", count}}}}},
-            {"geometricError", 2 * edge_m(0) / brick_edge},
-            {"root", root()}};
-  }
-
-  const std::filesystem::path& target_;
-  const std::filesystem::path& folder_;
   const PagedScene& scene_;
-  TilesetCube cube_;
   const Progress& progress_;
-  VoxelTileFiles files_;
-  TileLevels tiles_;
+  const ExportTeam& team_;
+  ThreadPool pool_;
+  LevelOwners owners_;
+  TilesetForm form_;
+  LatticeBox bounds_;
+  VoxelTiling tiling_;
+  std::optional<MadeLevels> made_;
+  TileWeights weights_;
+  TileRecords tiles_;
 };
+
+/// Rank 0's path, on every rank.
+std::filesystem::path shared_path(const ExportTeam& team, const std::filesystem::path& own) {
+  ByteWriter writer;
+  writer.put(own.string());
+  std::string path;
+  ByteReader(team.exchange(writer.take()).front(), "a path of rank 0").get(path);
+  return path;
+}
 
 }  // namespace
 
-std::uint64_t export_3dtiles(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& folder,
-                             const Progress& progress) {
-  const auto [scene, voxels] = open_scene_level(scene_xml, lod);
-  if (scene.totals().cells == 0) throw InputError(scene_xml, "PagedOctTree", "the scene has no cells");
-  const TilesetCube cube = cube_of(scene, lod);
-  FolderPublication publication(folder);
-  TilesetWriter writer(publication.target(), publication.aside(), scene, cube, progress);
-  for (int level = lod; level <= cube.coarsest; ++level) writer.write_level(level);
-  for (std::uint32_t level = cube.tile_level(cube.coarsest); level > 0; --level) writer.write_coarser_level(level - 1);
-  writer.write_subtrees();
-  writer.write_tileset();
-  publication.publish();
-  return voxels;
+std::uint64_t export_3dtiles(const std::filesystem::path& scene_xml, const TilesetOptions& options,
+                             const std::filesystem::path& target, const Progress& progress, const ExportTeam& team) {
+  const bool is_archive = target.extension() == ".3tz";
+  std::optional<SceneLevel> level;
+  std::optional<FolderPublication> publication;  // rank 0's
+  TilesetRecord before;
+  if (is_archive && options.update) throw UsageError("update", "an archive is written whole; expected a folder");
+  team.together([&] {
+    level.emplace(open_scene_level(scene_xml, options.lod));
+    if (level->scene.totals().cells == 0) throw InputError(scene_xml, "PagedOctTree", "the scene has no cells");
+    if (options.update) before = read_record(target);
+    if (team.rank() == 0) publication.emplace(target, options.update ? Replaces::a_folder : Replaces::nothing);
+  });
+  const std::filesystem::path aside = shared_path(team, publication ? publication->aside() : "");
+  std::optional<TilesetExport> tileset;
+  for (const Fit fit : {Fit::bricks_of_finest, Fit::windows_of_cells}) {
+    team.together([&] {
+      if (publication) std::filesystem::remove_all(aside / "tiles");
+    });
+    tileset.emplace(level->scene, options, fit, progress, team);
+    tileset->write_tiles(target, aside, before);
+    if (tileset->has_all_voxels()) break;
+  }
+  team.together([&] {
+    if (!publication) return;
+    if (!tileset->has_all_voxels())
+      throw InputError(scene_xml, "Voxels", "the shards have not as many voxels as scene.xml says");
+    tileset->write_documents(target, aside);
+    if (!is_archive) tileset->write_extras(target, aside);
+    is_archive ? write_archive_3tz(aside, publication->target(), progress) : publication->publish();
+  });
+  return level->voxels;
 }
 
 }  // namespace gigabake

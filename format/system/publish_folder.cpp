@@ -1,5 +1,7 @@
 #include "format/system/publish_folder.h"
 
+#include <cerrno>
+#include <cstdio>
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -11,11 +13,12 @@
 
 namespace gigabake {
 
-FolderPublication::FolderPublication(std::filesystem::path target)
-    : target_(target.has_filename() ? std::move(target) : target.parent_path()) {
+FolderPublication::FolderPublication(std::filesystem::path target, Replaces replaces)
+    : target_(target.has_filename() ? std::move(target) : target.parent_path()), replaces_(replaces) {
   std::error_code ignored;
+  const bool is_folder = std::filesystem::is_directory(target_, ignored);
   if (std::filesystem::exists(target_, ignored) &&
-      !(std::filesystem::is_directory(target_, ignored) && std::filesystem::is_empty(target_, ignored)))
+      !(is_folder && (replaces_ == Replaces::a_folder || std::filesystem::is_empty(target_, ignored))))
     throw InputError(target_, "", "is there already; expected the name of a new folder: remove it or name another");
   aside_ = make_beside(target_, [](const std::filesystem::path& aside) { return ::mkdir(aside.c_str(), 0777) == 0; });
 }
@@ -25,9 +28,24 @@ FolderPublication::~FolderPublication() {
   if (!published_) std::filesystem::remove_all(aside_, ignored);
 }
 
+bool FolderPublication::swap_in() const {
+  if (::renameat2(AT_FDCWD, aside_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0) return true;
+  if (errno == ENOENT) return false;  // nothing stands at the target
+  const std::filesystem::path before =
+      make_beside(target_, [](const std::filesystem::path& name) { return ::mkdir(name.c_str(), 0777) == 0; });
+  rename_into_place(target_, before);
+  rename_into_place(aside_, target_);
+  rename_into_place(before, aside_);
+  return true;
+}
+
 void FolderPublication::publish() {
   const Descriptor folder(aside_, O_RDONLY | O_DIRECTORY);
   if (!folder.is_open() || ::syncfs(folder.get()) != 0) fail_to(target_, "flush to disk");
+  if (replaces_ == Replaces::a_folder && swap_in()) {
+    flush_folder_of(target_);
+    return;  // what stood there is at aside(), which the destructor removes
+  }
   rename_into_place(aside_, target_);
   published_ = true;
   flush_folder_of(target_);

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""CesiumJS draws the voxel 3D Tiles that export writes.
+"""CesiumJS draws the voxel 3D Tiles that export writes, by the page that export writes with them.
 
 Usage: cesium_test.py GIGABAKE SOURCE_DIR
 CesiumJS is found in $GIGABAKE_CESIUM, the folder of the npm package (`npm install cesium` makes node_modules/cesium).
@@ -10,6 +10,7 @@ import os
 import sys
 import tempfile
 import threading
+import time
 import unittest
 from pathlib import Path
 
@@ -20,38 +21,13 @@ import harness
 from png_file import read_png
 
 CESIUM = os.environ.get("GIGABAKE_CESIUM", "")
-EDGE = 256
-PAGE = """<!DOCTYPE html><meta charset="utf-8">
-<style>html, body, #scene { margin: 0; width: 100%; height: 100%; background: #00f; }</style>
-<div id="scene"></div>
-<script>window.CESIUM_BASE_URL = "/cesium/";</script>
-<script src="/cesium/Cesium.js"></script>
-<script>
-async function show() {
-  const widget = new Cesium.CesiumWidget("scene", { globe: false, skyBox: false, baseLayer: false, sun: false,
-      skyAtmosphere: false, creditContainer: document.createElement("div"),
-      contextOptions: { webgl: { preserveDrawingBuffer: true } } });
-  const scene = widget.scene;
-  scene.backgroundColor = new Cesium.Color(0, 0, 1, 1);
-  scene.highDynamicRange = false;
-  const provider = await Cesium.Cesium3DTilesVoxelProvider.fromUrl("/tiles/tileset.json");
-  const customShader = new Cesium.CustomShader({ fragmentShaderText: `void fragmentMain(FragmentInput fsInput,
-      inout czm_modelMaterial material) { vec4 color = fsInput.metadata.color; material.diffuse = color.rgb;
-      material.alpha = color.a; }` });
-  const voxels = scene.primitives.add(new Cesium.VoxelPrimitive({ provider, customShader }));
-  voxels.nearestSampling = true;
-  const frame = Cesium.Matrix4.fromTranslation(voxels.boundingSphere.center);
-  window.look = () => scene.camera.lookAtTransform(frame,
-      new Cesium.Cartesian3(0, -0.01, 1.6 * voxels.boundingSphere.radius));
-  window.look();
-  voxels.allTilesLoaded.addEventListener(() => { document.body.dataset.loaded = "yes"; });
-  scene.renderError.addEventListener((s, error) => { document.body.dataset.error = String(error); });
-}
-show().catch((error) => { document.body.dataset.error = String(error); });
-</script>"""
+EDGE = 192
+BACKGROUND = (0x88, 0x99, 0xaa)
 
 
 class Quiet(http.server.SimpleHTTPRequestHandler):
+    """No Content-Encoding: as a server that knows nothing of packed tiles."""
+
     def log_message(self, *_):
         pass
 
@@ -59,6 +35,40 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
         if path.startswith("/cesium/"):
             return str(Path(CESIUM) / "Build/Cesium" / path.removeprefix("/cesium/").split("?")[0])
         return super().translate_path(path)
+
+
+class Shown:
+    """The page of an exported folder."""
+
+    def __init__(self, test, folder, wishes=""):
+        server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=str(folder)))
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        test.addCleanup(server.server_close)
+        test.addCleanup(server.shutdown)
+        url = f"http://127.0.0.1:{server.server_port}/index.html?cesium=/cesium/{wishes}"
+        self.page = chromium.Page(chromium.find(), url, EDGE, EDGE, chromium.WEBGL)
+        test.addCleanup(self.page.close)
+        self.page.wait_for("!!window.shown", 400)
+
+    def from_distance(self, radii):
+        """What is drawn from so many radii away once all tiles are there: the picture, and how many tiles it took."""
+        self.page.evaluate(f"""(async () => {{
+          const {{ scene, voxels, sphere }} = window.shown;
+          window.quiet = 0;
+          scene.camera.flyToBoundingSphere(sphere, {{ duration: 0,
+              offset: new Cesium.HeadingPitchRange(0.3, -0.7, {radii} * sphere.radius) }});
+          voxels.loadProgress.addEventListener(() => {{}});
+          scene.postRender.addEventListener(() => {{
+            const {{ numberOfPendingRequests, numberOfTilesProcessing }} = voxels.statistics;
+            window.quiet = numberOfPendingRequests + numberOfTilesProcessing > 0 ? 0 : window.quiet + 1;
+          }});
+        }})(); 0""")
+        self.page.wait_for("window.quiet > 12", 400)
+        time.sleep(0.5)
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "page.png").write_bytes(self.page.screenshot())
+            picture = read_png(Path(folder) / "page.png")[..., :3].astype(int)
+        return picture, self.page.evaluate("window.shown.voxels.statistics.numberOfTilesWithContentReady")
 
 
 @unittest.skipUnless(chromium.find(), "no Chromium")
@@ -69,21 +79,11 @@ class CesiumTest(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.path = Path(folder.name)
+        self.program = harness.Gigabake(sys.argv[1])
 
-    def drawn(self):
-        """What CesiumJS draws of /tiles from above, without alpha."""
-        (self.path / "index.html").write_text(PAGE)
-        server = http.server.ThreadingHTTPServer(("127.0.0.1", 0),
-                                                 functools.partial(Quiet, directory=str(self.path)))
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        self.addCleanup(server.server_close)
-        self.addCleanup(server.shutdown)
-        page = chromium.Page(chromium.find(), f"http://127.0.0.1:{server.server_port}/", EDGE, EDGE, chromium.WEBGL)
-        self.addCleanup(page.close)
-        page.wait_for("document.body && (document.body.dataset.loaded || document.body.dataset.error)", 400)
-        self.assertEqual(page.evaluate("document.body.dataset.error || ''"), "")
-        (self.path / "page.png").write_bytes(page.screenshot())
-        return read_png(self.path / "page.png")[..., :3].astype(int)
+    def export(self, bake, name, *wishes):
+        self.program.succeed("export", bake, "--to", "3dtiles", *wishes, "-o", self.path / name)
+        return self.path / name
 
     def test_a_red_square_beside_a_green_one_is_drawn_where_it_lies(self):
         (self.path / "source").mkdir()
@@ -91,10 +91,14 @@ class CesiumTest(unittest.TestCase):
             corners = [[x, 0, 8], [x + 8, 0, 8], [x + 8, 0, -8], [x, 0, -8]]
             material = {"pbrMetallicRoughness": {"baseColorFactor": colour}}
             harness.write_glb(self.path / f"source/{name}.glb", corners, [0, 1, 2, 0, 2, 3], material=material)
-        program = harness.Gigabake(sys.argv[1])
-        program.bake(self.path / "source", self.path / "bake", 0.5, "--cell-voxels", 64)
-        program.succeed("export", self.path / "bake/scene.xml", "--to", "3dtiles", "-o", self.path / "tiles")
-        picture = self.drawn()
+        self.program.bake(self.path / "source", self.path / "bake", 0.5, "--cell-voxels", 64)
+        shown = Shown(self, self.export(self.path / "bake", "tiles"), "&nearest")
+        shown.page.evaluate("""(() => { const { scene, sphere } = window.shown;
+            scene.camera.flyToBoundingSphere(sphere, { duration: 0,
+                offset: new Cesium.HeadingPitchRange(0, -1.57, 2 * sphere.radius) }); })(); 0""")
+        time.sleep(3)
+        (self.path / "page.png").write_bytes(shown.page.screenshot())
+        picture = read_png(self.path / "page.png")[..., :3].astype(int)
         red = (picture[..., 0] > 150) & (picture[..., 1] < 60)
         green = (picture[..., 1] > 150) & (picture[..., 0] < 60)
         self.assertGreater(red.sum(), 500)
@@ -102,6 +106,29 @@ class CesiumTest(unittest.TestCase):
         west, east = numpy.argwhere(red)[:, 1].mean(), numpy.argwhere(green)[:, 1].mean()
         self.assertLess(west + 20, east)
         self.assertLess(abs(numpy.argwhere(red)[:, 0].mean() - numpy.argwhere(green)[:, 0].mean()), 5)
+
+    def test_a_thousand_cells_are_drawn_from_far_to_near_without_steps_at_tile_borders(self):
+        """From tiles of 16³ voxels and from those of 96³, which have borders elsewhere: the same pictures."""
+        self.program.succeed("sample", self.path / "village", "--size", "128")
+        bake = self.path / "bake"
+        info = self.program.bake(self.path / "village/tileset.json", bake, 0.5, "--cell-voxels", 8)
+        self.assertGreaterEqual(info["cells"], 1000)
+        # One voxel a pixel at most, so that both draw the finest level wherever they have tiles.
+        small = Shown(self, self.export(bake, "small", "--tile-voxels", "32"), "&error=0.05")
+        large = Shown(self, self.export(bake, "large", "--tile-voxels", "126"), "&error=0.05")
+        pixels = []
+        for radii in (8, 2.5, 0.8):
+            first, tiles = small.from_distance(radii)
+            second, _ = large.from_distance(radii)
+            there = (second != BACKGROUND).any(-1)
+            pixels.append(there.sum())
+            difference = numpy.abs(first - second).max(-1)
+            print(f"{radii} radii: {there.sum()} pixels, {tiles} tiles; {(difference > 1).sum()} differ by more than "
+                  f"one code, at most {difference.max()}")
+            self.assertLessEqual(difference.max(), 1)
+        self.assertGreater(pixels[0], 50)
+        self.assertGreater(pixels[1], 4 * pixels[0])
+        self.assertGreater(pixels[2], pixels[1])
 
 
 if __name__ == "__main__":

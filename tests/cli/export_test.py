@@ -3,10 +3,14 @@
 
 Usage: export_test.py GIGABAKE SOURCE_DIR
 """
+import gzip
+import hashlib
 import json
 import math
+import shutil
 import struct
 import sys
+import zipfile
 import xml.etree.ElementTree as xml
 
 import numpy
@@ -70,33 +74,45 @@ class Tileset:
                 todo.append((level + levels, tuple((r << levels) + m for r, m in zip(root, from_morton(int(code))))))
 
     def voxels(self, level, place):
-        """Place in the level, colour, normal of each voxel of a tile."""
-        data = self.path(self.root["content"]["uri"], level, place).read_bytes()
+        """Place in the level, colour, bytes of the normal of each voxel of a tile, without those around it."""
+        data = gzip.decompress(self.path(self.root["content"]["uri"], level, place).read_bytes())
         magic, version, length, json_bytes, kind = struct.unpack_from("<4sIII4s", data)
         assert (magic, version, length, kind) == (b"glTF", 2, len(data), b"JSON")
         gltf, binary = json.loads(data[20:20 + json_bytes]), data[20 + json_bytes + 8:]
         primitive = gltf["meshes"][0]["primitives"][0]
         voxels = primitive["extensions"]["EXT_primitive_voxels"]
-        assert primitive["mode"] == 0x7FFFFFFF and voxels["dimensions"] == [8, 8, 8]
+        of_all = self.root["content"]["extensions"]["3DTILES_content_voxels"]
+        assert primitive["mode"] == 0x7FFFFFFF
+        assert all(voxels[key] == of_all[key] for key in ("dimensions", "padding"))
+        assert voxels["padding"] == {"before": [1, 1, 1], "after": [1, 1, 1]}
         shape = gltf["extensions"]["KHR_implicit_shapes"]["shapes"][voxels["shape"]]
         self.check_box(level, place, shape, gltf["nodes"][0]["translation"])
-        columns = {}
+        edge, columns = voxels["dimensions"][0], {}
         for name, accessor in primitive["attributes"].items():
             accessor = gltf["accessors"][accessor]
+            assert (accessor["type"], accessor["componentType"], accessor["normalized"]) == ("VEC4", 5121, True)
             view = gltf["bufferViews"][accessor["bufferView"]]
-            width, dtype = int(accessor["type"][3]), {5121: "u1", 5126: "<f4"}[accessor["componentType"]]
-            column = numpy.frombuffer(binary, dtype, 512 * width, view["byteOffset"]).reshape(8, 8, 8, width)
+            column = numpy.frombuffer(binary, "u1", view["byteLength"], view["byteOffset"])
+            column = column.reshape([edge + 2] * 3 + [4])
             # glTF: [z][y][x] with y up; tileset: x, y = −z, z = y.
-            columns[name] = column[::-1].transpose(2, 0, 1, 3)
+            columns[name] = column[::-1].transpose(2, 0, 1, 3)[1:-1, 1:-1, 1:-1]
+        assert ((columns["_color"][..., 3] > 0) == (columns["_normal"][..., 3] == 255)).all()
         there = numpy.argwhere(columns["_color"][..., 3] > 0)
         at = tuple(there.T)
-        return there + 8 * numpy.array(place), columns["_color"][at], columns["_normal"][at]
+        return there + edge * numpy.array(place), columns["_color"][at], columns["_normal"][at][:, :3]
 
     def check_box(self, level, place, shape, translation):
         box = self.root["boundingVolume"]["box"]
         edge = 2 * box[3] / 2**level
         x, y, z = (box[c] - box[3] + (place[c] + 0.5) * edge for c in range(3))
         assert shape == {"type": "box", "box": {"size": [edge] * 3}} and translation == [x, z, -y]
+
+
+def glb_of(data):
+    """Document and buffer of a binary glTF."""
+    magic, _, length, json_bytes = struct.unpack_from("<4sIII", data)
+    assert magic == b"glTF" and length == len(data)
+    return json.loads(data[20:20 + json_bytes]), data[20 + json_bytes + 8:]
 
 
 def gigavoxel_nodes(element, path, depth=0):
@@ -150,7 +166,7 @@ class Export(harness.FolderTest):
         return order
 
     def test_voxel_3d_tiles_hold_every_level_and_stand_on_the_earth(self):
-        self.program.succeed("export", self.scene, "--to", "3dtiles", "-o", self.root / "tiles")
+        self.program.succeed("export", self.scene, "--to", "3dtiles", "--tile-voxels", "32", "-o", self.root / "tiles")
         tileset = Tileset(self.root / "tiles")
         levels, box = tileset.tiling["availableLevels"], tileset.root["boundingVolume"]["box"]
         tiles = list(tileset.tiles())
@@ -165,13 +181,138 @@ class Export(harness.FolderTest):
             lowest = (numpy.array(box[:3]) - box[3] - lattice) / (VOXEL_M * 2**lod)
             ply = self.ply(lod)
             order = self.expect_same(ply, places + numpy.rint(lowest).astype(int), rgba)
-            self.assertTrue((normals[order] == ply["n"]).all())
+            direction = (normals[order].astype(float) - 128) / 127
+            direction /= numpy.linalg.norm(direction, axis=1, keepdims=True)
+            self.assertGreater((direction * ply["n"]).sum(1).min(), math.cos(math.radians(0.6)))
         origin = [float(x) for x in self.group.get("Origin").split()]
         transform = numpy.array(tileset.root["transform"]).reshape(4, 4).T
         self.assertLess(numpy.abs(transform[:3, 3] - ecef(*origin)).max(), 1e-6)
         up = numpy.subtract(ecef(origin[0], origin[1], origin[2] + 1), ecef(*origin))
         self.assertLess(numpy.abs(transform[:3, 2] - up).max(), 1e-6)
         self.assertLess(numpy.abs(transform[:3, :3].T @ transform[:3, :3] - numpy.eye(3)).max(), 1e-12)
+
+    def files_of(self, folder):
+        return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+
+    def test_voxel_3d_tiles_say_what_they_hold(self):
+        """The statistics of all levels and the box of the finest one's bricks, from the tiles themselves."""
+        out = self.root / "said"
+        self.program.succeed("export", self.scene, "--to", "3dtiles", "-o", out)
+        tileset = Tileset(out)
+        voxels = [tileset.voxels(*tile) for tile in tileset.tiles()]
+        statistics = tileset.document["statistics"]["classes"]["voxel"]
+        self.assertEqual(statistics["count"], sum(len(places) for places, _, _ in voxels))
+        colours = numpy.concatenate([rgba for _, rgba, _ in voxels])
+        normals = (numpy.concatenate([n for _, _, n in voxels]).astype(float) - 128) / 127
+        for name, values in (("color", colours / 255), ("normal", normals)):
+            said = statistics["properties"][name]
+            self.assertLess(numpy.abs(values.min(0) - said["min"][:values.shape[1]]).max(), 1e-12)
+            self.assertLess(numpy.abs(values.max(0) - said["max"][:values.shape[1]]).max(), 1e-12)
+        finest = tileset.tiling["availableLevels"] - 1
+        places = numpy.concatenate([v[0] for v, tile in zip(voxels, tileset.tiles()) if tile[0] == finest])
+        box = numpy.array(tileset.root["boundingVolume"]["box"])
+        metres = box[:3] - box[3] + numpy.array([places.min(0), places.max(0) + 1]) * VOXEL_M
+        said = tileset.document["metadata"]["properties"]
+        self.assertTrue((said["lowest"] <= metres[0]).all() and (metres[0] - said["lowest"] < 8 * VOXEL_M).all())
+        self.assertTrue((said["highest"] >= metres[1]).all() and (said["highest"] - metres[1] < 8 * VOXEL_M).all())
+        self.assertIn("tileset.json", (out / "index.html").read_text())
+
+    def test_voxel_3d_tiles_are_the_same_for_any_cells_ranks_and_threads(self):
+        """Upper levels come from parents in one scene and from the cell itself in the other."""
+        source = self.root / "village/tileset.json"
+        self.program.bake(source, self.root / "large", VOXEL_M, "--cell-voxels", "1024")
+        wish = ("--to", "3dtiles", "--tile-voxels", "16")
+        self.program.succeed("export", self.root / "large", *wish, "--threads", "1", "-o", self.root / "of_one_cell")
+        expected = self.files_of(self.root / "of_one_cell")
+        self.assertGreater(len(expected), 50)
+        self.program.succeed("export", self.scene, *wish, "--threads", "3", "-o", self.root / "of_cells")
+        self.program.succeed("export", self.scene, *wish, "-o", self.root / "of_ranks", ranks=3)
+        of_cells = self.files_of(self.root / "of_cells")
+        self.assertEqual(of_cells, self.files_of(self.root / "of_ranks"))
+        of_cells.pop("export.json"), expected.pop("export.json")  # say what shards tiles were made of
+        self.assertEqual(of_cells, expected)
+
+    def test_a_3tz_archive_holds_the_same_files_and_finds_them_by_its_index(self):
+        wish = ("export", self.scene, "--to", "3dtiles", "--tile-voxels", "16")
+        self.program.succeed(*wish, "-o", self.root / "set")
+        self.program.succeed("export", self.scene, "--tile-voxels", "16", "-o", self.root / "set.3tz")
+        files = self.files_of(self.root / "set")
+        files = {name: gzip.decompress(data) if name.endswith(".glb") else data for name, data in files.items()
+                 if name not in ("export.json", "index.html")}
+        with zipfile.ZipFile(self.root / "set.3tz") as archive:
+            self.assertIsNone(archive.testzip())
+            entries = archive.infolist()
+            self.assertEqual(entries[-1].filename, "@3dtilesIndex1@")
+            self.assertEqual({e.filename: archive.read(e) for e in entries[:-1]}, files)
+            index = numpy.frombuffer(archive.read(entries[-1]), [("hash", "<u8", 2), ("at", "<u8")])
+            self.assertEqual(entries[-1].compress_type, zipfile.ZIP_STORED)
+        rows = [(int(h[0]), int(h[1])) for h in index["hash"]]
+        self.assertEqual(rows, sorted(rows))
+        for entry in entries[:-1]:
+            row = rows.index(struct.unpack("<QQ", hashlib.md5(entry.filename.encode()).digest()))
+            self.assertEqual(index["at"][row], entry.header_offset)
+        self.assertEqual([p.name for p in self.root.iterdir() if p.name.endswith(".part")], [])
+
+    def test_an_update_rewrites_the_tiles_that_changed_and_gives_what_a_new_export_gives(self):
+        village = self.root / "changed"
+        shutil.copytree(self.root / "village", village)
+        bake, out = self.root / "bake_of_changed", self.root / "updated"
+        wish = ("--to", "3dtiles", "--tile-voxels", "16", "-o")
+        self.program.bake(village / "tileset.json", bake, VOXEL_M, "--cell-voxels", "64")
+        self.program.succeed("export", bake, *wish, out)
+        before = {p: p.stat().st_ino for p in out.rglob("*.glb")}
+        tiles = sorted(village.rglob("*.glb"), key=lambda p: p.stat().st_size)
+        shutil.copyfile(tiles[0], tiles[1])
+        self.program.bake(village / "tileset.json", bake, VOXEL_M, "--cell-voxels", "64")
+        refused = self.program.run("export", bake, *wish, out)
+        self.assertEqual(refused.returncode, 1)
+        self.program.succeed("export", bake, *wish, out, "--update")
+        self.program.succeed("export", bake, *wish, self.root / "anew")
+        self.assertEqual(self.files_of(out), self.files_of(self.root / "anew"))
+        kept = [p for p, inode in before.items() if p.exists() and p.stat().st_ino == inode]
+        self.assertGreater(len(kept), 10)
+        self.assertLess(len(kept), len(before))
+        self.assertEqual([p.name for p in self.root.iterdir() if p.name.endswith(".part")], [])
+
+    def test_an_update_of_what_is_no_export_is_refused_in_one_line(self):
+        (self.root / "other").mkdir()
+        (self.root / "other/file").write_text("x")
+        (self.root / "damaged").mkdir()
+        (self.root / "damaged/export.json").write_text('{"format":"gigabake voxel tileset","version":1,"tiles":[[0]]}')
+        for name in ("other", "damaged", "absent"):
+            result = self.program.run("export", self.scene, "--to", "3dtiles", "--update", "-o", self.root / name)
+            self.assertEqual((result.returncode, len(lines_of(result.stderr))), (1, 1), result.stderr)
+            self.assertIn(name, result.stderr)
+        self.assertEqual([p.name for p in (self.root / "other").iterdir()], ["file"])
+
+    def test_the_form_of_gltf_2_1_holds_the_same_voxels(self):
+        """EXT_voxels: x to the right, forward, up; the frame of glTF 2.1 has x to the left."""
+        wish = ("--tile-voxels", "16", "-o")
+        self.program.succeed("export", self.scene, "--to", "3dtiles", *wish, self.root / "form_1")
+        self.program.succeed("export", self.scene, "--to", "3dtiles-gltf", *wish, self.root / "form_2")
+        tileset = Tileset(self.root / "form_1")
+        document = json.loads((self.root / "form_2/tileset.gltf").read_text())
+        implicit = document["nodes"][0]["extensions"]["3DTILES_implicit_tiling"]
+        self.assertEqual(document["extensions"]["3DTILES_tileset_voxels"]["dimensions"], [16, 16, 16])
+        tiles = list(tileset.tiles())
+        for level, place in tiles[::7]:
+            path = self.root / "form_2" / implicit["contentUri"].format(level=level, right=place[0], forward=place[1],
+                                                                       up=place[2])
+            gltf, binary = glb_of(gzip.decompress(path.read_bytes()))
+            node = gltf["nodes"][0]
+            view = gltf["bufferViews"][gltf["accessors"][node["extensions"]["EXT_voxels"]["attributes"]["_COLOR"]]
+                                       ["bufferView"]]
+            grid = numpy.frombuffer(binary, "u1", view["byteLength"], view["byteOffset"]).reshape(18, 18, 18, 4)
+            own = grid.transpose(2, 1, 0, 3)[1:-1, 1:-1, 1:-1]
+            there = numpy.argwhere(own[..., 3] > 0)
+            places, colours, _ = tileset.voxels(level, place)
+            self.assertTrue((there + 16 * numpy.array(place) == places).all())
+            self.assertTrue((own[tuple(there.T)] == colours).all())
+        self.assertEqual(len(list((self.root / "form_2").rglob("tiles/**/*.glb"))), len(tiles))
+        subtree, binary = glb_of((self.root / "form_2/subtrees/0/0/0/0.subtree.glb").read_bytes())
+        said = subtree["extensions"]["3DTILES_subtree"]
+        count = (8**implicit["subtreeLevels"] - 1) // 7
+        self.assertEqual(bits(subtree, binary, said["tileAvailability"], count).sum(), len(tiles))
 
     def test_gigavoxel_xml_holds_the_voxels(self):
         out = self.root / "gigavoxel"
@@ -202,7 +343,8 @@ class Export(harness.FolderTest):
         (self.root / "full").mkdir(exist_ok=True)
         (self.root / "full/file").write_text("x")
         without_openvdb = self.program.run("export", self.scene, "--to", "vdb", "-o", self.root / "x").returncode == 2
-        kinds = ["ply", "nvdb", "3dtiles", "gigavoxel-xml", "gigavoxel-binary"] + ["vdb"] * (not without_openvdb)
+        kinds = ["ply", "nvdb", "3dtiles", "3dtiles-gltf", "gigavoxel-xml", "gigavoxel-binary"]
+        kinds += ["vdb"] * (not without_openvdb)
         for kind in kinds:
             for out in (self.root / "none/out", self.root / "full"):
                 result = self.program.run("export", self.scene, "--to", kind, "-o", out)

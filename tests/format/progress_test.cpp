@@ -62,7 +62,7 @@ const Work works[] = {
     {"info", [](const Path& f, const Progress& p) { stored_bytes(PagedScene(f / "scene.xml"), p); }},
     {"ply", [](const Path& f, const Progress& p) { export_ply(f / "scene.xml", 0, f / "out" / "v", p); }},
     {"nvdb", [](const Path& f, const Progress& p) { export_nanovdb(f / "scene.xml", 0, f / "out" / "v", p); }},
-    {"3dtiles", [](const Path& f, const Progress& p) { export_3dtiles(f / "scene.xml", 0, f / "out" / "v", p); }},
+    {"3dtiles", [](const Path& f, const Progress& p) { export_3dtiles(f / "scene.xml", {}, f / "out" / "v", p); }},
     {"gigavoxel",
      [](const Path& f, const Progress& p) {
        export_gigavoxel(f / "scene.xml", 0, f / "out" / "v", GigavoxelTreeFile::binary, p);

@@ -1,12 +1,17 @@
 #include "format/export/voxel_tileset.h"
 
-#include <bit>
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <libdeflate.h>
 #include <nlohmann/json.hpp>
+#include <set>
 
+#include "format/export/md5.h"
+#include "format/export/voxel_grid.h"
+#include "format/export/voxel_tiling.h"
 #include "lattice/error.h"
 #include "lattice/octahedral.h"
 #include "tests/format/scene/scene_voxels.h"
@@ -20,69 +25,203 @@ namespace {
 using made::TempFolder;
 
 struct TileVoxel {
-  std::array<std::uint8_t, 4> rgba{};
-  std::array<float, 3> normal{};
+  std::array<std::uint8_t, 4> rgba{}, normal{};
 };
 using TileVoxels = std::map<std::array<std::int64_t, 3>, TileVoxel>;
 
-/// A tile's voxels, at their place among all of its level, from the oct-tree's lowest corner.
-void read_tile(const std::filesystem::path& glb, const std::array<std::int64_t, 3>& tile, bool normals,
-               TileVoxels& voxels) {
-  const std::string bytes = made::bytes_of(glb);
+/// What a gzip file of one member holds.
+std::string unpacked(const std::string& packed) {
+  std::uint32_t bytes = 0;
+  std::memcpy(&bytes, packed.data() + packed.size() - 4, 4);
+  std::string text(bytes, '\0');
+  libdeflate_decompressor* unpacker = libdeflate_alloc_decompressor();
+  const libdeflate_result result =
+      libdeflate_gzip_decompress(unpacker, packed.data(), packed.size(), text.data(), bytes, nullptr);
+  libdeflate_free_decompressor(unpacker);
+  return result == LIBDEFLATE_SUCCESS ? text : std::string();
+}
+
+/// A tile's voxels and those around it, at their place among all of its level, from the oct-tree's lowest corner.
+TileVoxels read_tile(const std::filesystem::path& glb, const std::array<std::int64_t, 3>& tile, std::int64_t edge) {
+  TileVoxels voxels;
+  const std::string bytes = unpacked(made::bytes_of(glb));
   std::uint32_t json_bytes = 0;
   std::memcpy(&json_bytes, bytes.data() + 12, 4);
   const std::string binary = bytes.substr(20 + json_bytes + 8);
-  ASSERT_EQ(binary.size(), normals ? 8192u : 2048u);
-  const std::size_t rgba = normals ? 6144 : 0;
-  for (std::int64_t z = 0; z < 8; ++z)
-    for (std::int64_t y = 0; y < 8; ++y)
-      for (std::int64_t x = 0; x < 8; ++x) {
-        const auto i = std::size_t(x + 8 * z + 64 * (7 - y));
+  const std::int64_t e = edge + 2;
+  EXPECT_EQ(binary.size(), std::size_t(8 * e * e * e));
+  for (std::int64_t z = 0; z < e; ++z)
+    for (std::int64_t y = 0; y < e; ++y)
+      for (std::int64_t x = 0; x < e; ++x) {
+        const auto i = std::size_t(x + e * (z + e * (e - 1 - y)));
         TileVoxel voxel;
-        std::memcpy(voxel.rgba.data(), binary.data() + rgba + 4 * i, 4);
-        if (normals) std::memcpy(voxel.normal.data(), binary.data() + 12 * i, 12);
-        if (voxel.rgba[3] != 0) voxels[{8 * tile[0] + x, 8 * tile[1] + y, 8 * tile[2] + z}] = voxel;
+        std::memcpy(voxel.rgba.data(), binary.data() + 4 * i, 4);
+        std::memcpy(voxel.normal.data(), binary.data() + std::size_t(4 * e * e * e) + 4 * i, 4);
+        if ((voxel.normal[3] == 255) != (voxel.rgba[3] != 0)) ADD_FAILURE() << glb;
+        if (voxel.rgba[3] != 0)
+          voxels[{edge * tile[0] + x - 1, edge * tile[1] + y - 1, edge * tile[2] + z - 1}] = voxel;
       }
-}
-
-TileVoxels read_level(const std::filesystem::path& folder, std::size_t level, bool normals) {
-  TileVoxels voxels;
-  const std::filesystem::path tiles = folder / "tiles" / std::to_string(level);
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(tiles)) {
-    if (!entry.is_regular_file()) continue;
-    const std::filesystem::path p = entry.path();
-    read_tile(p,
-              {std::stoll(p.parent_path().parent_path().filename().string()),
-               std::stoll(p.parent_path().filename().string()), std::stoll(p.stem().string())},
-              normals, voxels);
-  }
   return voxels;
 }
 
-TEST(VoxelTileset, EveryLevelOfTheShardsComesBackFromItsTiles) {
-  for (int round = 0; round < 3; ++round) {
+/// Every tile of a level, by its place.
+std::map<std::array<std::int64_t, 3>, TileVoxels> read_level(const std::filesystem::path& folder, std::size_t level,
+                                                             std::int64_t edge) {
+  std::map<std::array<std::int64_t, 3>, TileVoxels> tiles;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "tiles" / std::to_string(level))) {
+    if (!entry.is_regular_file()) continue;
+    const std::filesystem::path p = entry.path();
+    const std::array<std::int64_t, 3> at{std::stoll(p.parent_path().parent_path().filename().string()),
+                                         std::stoll(p.parent_path().filename().string()),
+                                         std::stoll(p.stem().string())};
+    tiles[at] = read_tile(p, at, edge);
+  }
+  return tiles;
+}
+
+/// The voxels of a level, once each: a tile's own.
+TileVoxels own_voxels(const std::filesystem::path& folder, std::size_t level, std::int64_t edge) {
+  TileVoxels all;
+  for (const auto& [tile, voxels] : read_level(folder, level, edge))
+    for (const auto& [at, voxel] : voxels)
+      if (at[0] / edge == tile[0] && at[1] / edge == tile[1] && at[2] / edge == tile[2] &&
+          *std::min_element(at.begin(), at.end()) >= 0)
+        all[at] = voxel;
+  return all;
+}
+
+struct Tree {
+  explicit Tree(const std::filesystem::path& folder)
+      : root(nlohmann::json::parse(made::bytes_of(folder / "tileset.json"))["root"]),
+        levels(root["implicitTiling"]["availableLevels"]),
+        box(root["boundingVolume"]["box"]) {}
+
+  /// Voxels of that size from the lattice's corner to the tree's.
+  std::array<std::int64_t, 3> corner(const SceneDescription& scene, double voxel_m) const {
+    std::array<std::int64_t, 3> at{};
+    for (std::size_t c = 0; c < 3; ++c) at[c] = std::llround((box[c] - box[3] - scene.lattice_origin_m[c]) / voxel_m);
+    return at;
+  }
+
+  nlohmann::json root;
+  std::size_t levels;
+  std::vector<double> box;
+};
+
+std::array<std::int64_t, 3> tile_of(const std::array<std::int64_t, 3>& at, std::int64_t edge) {
+  const auto of = [edge](std::int64_t x) { return x < 0 ? -1 : x / edge; };
+  return {of(at[0]), of(at[1]), of(at[2])};
+}
+
+bool is_of(const TileVoxel& voxel, const made::VoxelBytes& shards, bool has_normals) {
+  const auto normal = has_normals ? normal_bytes(shards.normal.data()) : std::array<std::uint8_t, 3>{128, 128, 128};
+  return voxel.rgba == shards.rgba && std::equal(normal.begin(), normal.end(), voxel.normal.begin());
+}
+
+/// How many times a voxel stands one voxel beside another tile of the cube than its own.
+std::size_t padding_of(const made::SceneVoxels& voxels, std::size_t level, std::int64_t edge) {
+  const auto is_in_cube = [last = (std::int64_t(1) << level) - 1](const std::array<std::int64_t, 3>& tile) {
+    return *std::min_element(tile.begin(), tile.end()) >= 0 && *std::max_element(tile.begin(), tile.end()) <= last;
+  };
+  std::size_t count = 0;
+  for (const auto& [at, voxel] : voxels) {
+    std::set<std::array<std::int64_t, 3>> near;
+    for (int way = 0; way < 27; ++way)
+      near.insert(tile_of({at[0] + way % 3 - 1, at[1] + way / 3 % 3 - 1, at[2] + way / 9 - 1}, edge));
+    near.erase(tile_of(at, edge));
+    count += std::size_t(std::count_if(near.begin(), near.end(), is_in_cube));
+  }
+  return count;
+}
+
+TEST(VoxelTileset, TilesAndTheVoxelsAroundThemAreThoseOfTheShards) {
+  for (int round = 0; round < 4; ++round) {
     const made::RandomScene scene(round);
     const SceneDescription& written = scene.description();
     const int finest = round % 2;
-    EXPECT_EQ(export_3dtiles(scene.xml(), finest, scene / "out"), scene.voxels(finest).size());
-    const nlohmann::json root = nlohmann::json::parse(made::bytes_of(scene / "out/tileset.json"))["root"];
-    const std::size_t levels = root["implicitTiling"]["availableLevels"];
-    const std::vector<double> box = root["boundingVolume"]["box"];
-    for (int lod = finest; lod < 4; ++lod) {
-      const double voxel_m = std::ldexp(written.voxel_size_m, lod);
-      const TileVoxels read = read_level(scene / "out", levels - 1 - std::size_t(lod - finest), written.has_normals);
-      const made::SceneVoxels voxels = scene.voxels(lod);
-      ASSERT_EQ(read.size(), voxels.size());
-      for (const auto& [at, voxel] : voxels) {
-        std::array<std::int64_t, 3> from_corner{};
-        for (std::size_t c = 0; c < 3; ++c)
-          from_corner[c] = at[c] - std::llround((box[c] - box[3] - written.lattice_origin_m[c]) / voxel_m);
-        ASSERT_TRUE(read.contains(from_corner));
-        EXPECT_EQ(read.at(from_corner).rgba, voxel.rgba);
-        const auto normal = written.has_normals ? unit_normal(voxel.normal.data()) : std::array<float, 3>{};
-        EXPECT_EQ(read.at(from_corner).normal, normal);
-      }
+    const std::int64_t edge = std::array{13, 20, 31, 40}[std::size_t(round)];
+    TilesetOptions options;
+    options.lod = finest;
+    options.tile_voxels = std::uint32_t(edge);
+    EXPECT_EQ(export_3dtiles(scene.xml(), options, scene / "out"), scene.voxels(finest).size());
+    const Tree tree(scene / "out");
+    for (int lod = finest; lod < 4 && lod - finest < int(tree.levels); ++lod) {
+      const std::array<std::int64_t, 3> corner = tree.corner(written, std::ldexp(written.voxel_size_m, lod));
+      made::SceneVoxels expected;
+      for (const auto& [at, voxel] : scene.voxels(lod))
+        expected[{at[0] - corner[0], at[1] - corner[1], at[2] - corner[2]}] = voxel;
+      TileVoxels own;
+      std::size_t wrong = 0, of_padding = 0;
+      const std::size_t level = tree.levels - 1 - std::size_t(lod - finest);
+      for (const auto& [tile, voxels] : read_level(scene / "out", level, edge))
+        for (const auto& [at, voxel] : voxels) {
+          const auto shards = expected.find(at);
+          wrong += shards == expected.end() || !is_of(voxel, shards->second, written.has_normals) ? 1 : 0;
+          if (tile_of(at, edge) == tile)
+            own[at] = voxel;
+          else
+            ++of_padding;
+        }
+      EXPECT_EQ(wrong, 0u);
+      EXPECT_EQ(own.size(), expected.size());
+      EXPECT_EQ(of_padding, padding_of(expected, level, edge));
     }
+  }
+}
+
+TEST(VoxelTileset, NormalsEncodeToTheShardsTwoBytes) {
+  for (int code = 0; code < 255 * 255; ++code) {
+    const std::int8_t oct[2] = {std::int8_t(code % 255 - 127), std::int8_t(code / 255 - 127)};
+    const std::array<std::uint8_t, 3> bytes = normal_bytes(oct);
+    double n[3];
+    decode_octahedral(oct, n);
+    std::int8_t expected[2], back[2];
+    encode_octahedral(n[0], n[1], n[2], expected);  // on the folds two codes are one direction
+    encode_octahedral((bytes[0] - 128) / 127.0, (bytes[1] - 128) / 127.0, (bytes[2] - 128) / 127.0, back);
+    ASSERT_TRUE(back[0] == expected[0] && back[1] == expected[1]) << int(oct[0]) << ' ' << int(oct[1]);
+  }
+}
+
+TEST(VoxelTileset, IsTheSameForAnyNumberOfThreads) {
+  const made::RandomScene scene(1);
+  TilesetOptions options;
+  options.tile_voxels = 24;
+  export_3dtiles(scene.xml(), options, scene / "one");
+  options.threads = 3;
+  export_3dtiles(scene.xml(), options, scene / "three");
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(scene / "one")) {
+    if (!entry.is_regular_file()) continue;
+    ++files;
+    const auto name = entry.path().lexically_relative(scene / "one");
+    EXPECT_EQ(made::bytes_of(entry.path()), made::bytes_of(scene / "three" / name)) << name;
+  }
+  EXPECT_GT(files, 4u);
+}
+
+/// The tree's cube is tight, whatever the scene's size: at most a seventh or, where tiles have 80 voxels at least, half
+/// larger than the scene's longest side, and two voxels of the root.
+TEST(VoxelTileset, TheCubeFitsTheScene) {
+  std::mt19937_64 rng(test::RandomSeed{});
+  for (int round = 0; round < 2000; ++round) {
+    LatticeBox bounds;
+    const std::int64_t most = std::int64_t(1) << (1 + rng() % 30);
+    for (std::size_t c = 0; c < 3; ++c) {
+      bounds.min[c] = std::int64_t(rng() % 2000000) - 1000000;
+      bounds.end[c] = bounds.min[c] + 1 + std::int64_t(rng() % std::uint64_t(most));
+    }
+    const int finest = int(rng() % 4);
+    const VoxelTiling tiling = tiling_of(bounds, finest, 0);
+    const std::int64_t root_voxel = std::int64_t(1) << tiling.coarsest(), cube = root_voxel * tiling.edge;
+    std::int64_t longest = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      ASSERT_LE(tiling.corner[c], bounds.min[c]);
+      ASSERT_GE(tiling.corner[c] + cube, bounds.end[c]);
+      ASSERT_EQ(tiling.corner[c] % root_voxel, 0);
+      longest = std::max(longest, bounds.end[c] - bounds.min[c]);
+    }
+    ASSERT_LE(tiling.edge, 112u);
+    ASSERT_LE(double(cube), 1.5 * double(longest) + 3.0 * double(root_voxel));
   }
 }
 
@@ -91,11 +230,14 @@ TEST(VoxelTileset, LevelsAboveTheCellsHaveAVoxelWhereTheLevelBelowHasOne) {
   std::mt19937_64 rng(seed);
   const TempFolder folder;
   made::write_random_scene(folder / "scene.xml", rng, true);
-  export_3dtiles(folder / "scene.xml", 3, folder / "out");
-  const nlohmann::json root = nlohmann::json::parse(made::bytes_of(folder / "out/tileset.json"))["root"];
-  const std::size_t levels = root["implicitTiling"]["availableLevels"];
+  TilesetOptions options;
+  options.lod = 3;
+  options.tile_voxels = 8;
+  export_3dtiles(folder / "scene.xml", options, folder / "out");
+  const Tree tree(folder / "out");
+  const std::size_t levels = tree.levels;
   ASSERT_GT(levels, 1u);
-  TileVoxels below = read_level(folder / "out", levels - 1, true);
+  TileVoxels below = own_voxels(folder / "out", levels - 1, 8);
   for (std::size_t level = levels - 1; level-- > 0;) {
     std::map<std::array<std::int64_t, 3>, std::array<std::uint32_t, 2>> span;  // least and greatest red of the children
     for (const auto& [at, voxel] : below) {
@@ -103,7 +245,7 @@ TEST(VoxelTileset, LevelsAboveTheCellsHaveAVoxelWhereTheLevelBelowHasOne) {
       entry->second = {std::min(entry->second[0], std::uint32_t(voxel.rgba[0])),
                        std::max(entry->second[1], std::uint32_t(voxel.rgba[0]))};
     }
-    const TileVoxels own = read_level(folder / "out", level, true);
+    const TileVoxels own = own_voxels(folder / "out", level, 8);
     ASSERT_EQ(own.size(), span.size());
     for (const auto& [at, voxel] : own) {
       ASSERT_TRUE(span.contains(at));
@@ -119,14 +261,31 @@ TEST(VoxelTileset, IsNotWrittenWhereAShardIsDamagedOrTheDiskIsFull) {
   const TempFolder folder;
   made::write_scene_of(folder / "scene.xml", {made::small_shard()});
   const auto entries = [&] { return std::distance(std::filesystem::directory_iterator(folder.path()), {}); };
+  TilesetOptions no_level;
+  no_level.lod = 2;
   {
-    const SmallDisk disk(5000);
-    EXPECT_THROW(export_3dtiles(folder / "scene.xml", 0, folder / "out"), InputError);
+    const SmallDisk disk(500);
+    EXPECT_THROW(export_3dtiles(folder / "scene.xml", {}, folder / "out"), InputError);
   }
-  EXPECT_THROW(export_3dtiles(folder / "scene.xml", 2, folder / "out"), InputError);
+  EXPECT_THROW(export_3dtiles(folder / "scene.xml", no_level, folder / "out"), InputError);
   std::filesystem::resize_file(folder / "shards/c_0_0_0.h5", 100);
-  EXPECT_THROW(export_3dtiles(folder / "scene.xml", 0, folder / "out"), InputError);
+  EXPECT_THROW(export_3dtiles(folder / "scene.xml", {}, folder / "out"), InputError);
   EXPECT_EQ(entries(), 2);
+}
+
+TEST(Md5, IsThatOfTheRfc) {
+  const auto hex = [](std::string_view text) {
+    std::string digits;
+    for (const std::uint8_t b : md5_of(text)) {
+      digits += "0123456789abcdef"[b >> 4];
+      digits += "0123456789abcdef"[b & 15];
+    }
+    return digits;
+  };
+  EXPECT_EQ(hex(""), "d41d8cd98f00b204e9800998ecf8427e");
+  EXPECT_EQ(hex("abc"), "900150983cd24fb0d6963f7d28e17f72");
+  EXPECT_EQ(hex("12345678901234567890123456789012345678901234567890123456789012345678901234567890"),
+            "57edf4a22be3c955ac49da2e2107b67a");
 }
 
 TEST(VoxelTileset, RefusesCellsTooFarApartForOneTree) {
@@ -134,7 +293,7 @@ TEST(VoxelTileset, RefusesCellsTooFarApartForOneTree) {
   const std::int64_t far = std::int64_t(1) << 40;
   made::write_scene_of(folder / "scene.xml", {made::shard_of({{{0, 0, 0}, {1, 1, 1, 1}, {}}}, {0, 0, 0}, 8),
                                               made::shard_of({{{far, 0, 0}, {1, 1, 1, 1}, {}}}, {far, 0, 0}, 8)});
-  EXPECT_THROW(export_3dtiles(folder / "scene.xml", 0, folder / "out"), InputError);
+  EXPECT_THROW(export_3dtiles(folder / "scene.xml", {}, folder / "out"), InputError);
 }
 
 }  // namespace

@@ -223,7 +223,7 @@ TEST(Verify, AndEveryReaderSeeSwappedShards) {
   const std::filesystem::path xml = folder / "scene.xml", out = folder / "out";
   EXPECT_THROW(export_ply(xml, 0, out), InputError);
   EXPECT_THROW(export_nanovdb(xml, 0, out), InputError);
-  EXPECT_THROW(export_3dtiles(xml, 0, out), InputError);
+  EXPECT_THROW(export_3dtiles(xml, {}, out), InputError);
   EXPECT_THROW(export_gigavoxel(xml, 0, out, GigavoxelTreeFile::xml), InputError);
   EXPECT_THROW(stored_bytes(PagedScene(xml)), InputError);
   EXPECT_FALSE(std::filesystem::exists(out));

@@ -1,0 +1,108 @@
+#include "format/export/shard_levels.h"
+
+#include "format/scene/shard_of_scene.h"
+
+namespace gigabake {
+namespace {
+
+LevelIndex corner_of(const ShardHeader& header, int lod) {
+  LevelIndex corner;
+  for (std::size_t c = 0; c < 3; ++c) corner[c] = header.lattice_min[c] >> lod;
+  return corner;
+}
+
+LevelIndex lowest_of(const LevelIndex& corner, std::uint64_t key, std::int64_t edge) {
+  const BrickCoordinate at = demorton(key);
+  return {corner[0] + edge * at.x, corner[1] + edge * at.y, corner[2] + edge * at.z};
+}
+
+/// visit(node, levels above) for each node that stands for voxels of the shard's own level.
+template <class Visit>
+void for_each_node_of(const NodeTable& nodes, int own_lod, const Visit& visit) {
+  for (std::size_t n = 0; n < nodes.key.size() && nodes.lod[n] >= own_lod; ++n) {
+    const int down = nodes.lod[n] - own_lod;
+    if (down == 0 || nodes.kind[n] == NodeKind::leaf_constant) visit(n, down);
+  }
+}
+
+}  // namespace
+
+ShardLevel::ShardLevel(const PagedScene& scene, const SceneCell& shard, int lod) {
+  const ShardReader reader = open_shard_of_scene(scene.file(), scene.header(), shard);
+  const int own_lod = lod - int(reader.header().first_lod);
+  const NodeTable nodes = reader.nodes();
+  level_ = reader.level(own_lod);
+  level_.facing = {};
+  corner_ = corner_of(reader.header(), lod);
+  for_each_node_of(nodes, own_lod, [&](std::size_t n, int down) {
+    if (nodes.kind[n] == NodeKind::brick) {
+      keys_.push_back(nodes.key[n]);
+      number_.push_back(nodes.value[n]);
+      return;
+    }
+    const std::uint32_t v = nodes.value[n];
+    const std::int64_t edge = std::int64_t(brick_edge) << down;
+    constants_.push_back({lowest_of(corner_, nodes.key[n], edge),
+                          edge,
+                          {std::uint8_t(v), std::uint8_t(v >> 8), std::uint8_t(v >> 16), std::uint8_t(v >> 24)},
+                          nodes.normal[n]});
+  });
+}
+
+std::uint64_t ShardLevel::bytes() const {
+  return keys_.size() * 12 + constants_.size() * sizeof(Constant) + level_.mask.size() * 8 + level_.first.size() * 8 +
+         level_.rgba.size() + level_.normal.size();
+}
+
+std::vector<LevelBox> bricks_of(const ShardHeader& header, const NodeTable& nodes, int lod) {
+  std::vector<LevelBox> boxes;
+  const LevelIndex corner = corner_of(header, lod);
+  for_each_node_of(nodes, lod - int(header.first_lod), [&](std::size_t n, int down) {
+    const std::int64_t edge = std::int64_t(brick_edge) << down;
+    const LevelIndex low = lowest_of(corner, nodes.key[n], edge);
+    boxes.push_back({low, {low[0] + edge, low[1] + edge, low[2] + edge}});
+  });
+  return boxes;
+}
+
+std::shared_ptr<ShardLevels::Entry> ShardLevels::entry_of(const Key& key) {
+  const std::scoped_lock lock(mutex_);
+  const auto found = entries_.find(key);
+  if (found != entries_.end()) {
+    by_use_.splice(by_use_.begin(), by_use_, found->second.second);
+    return found->second.first;
+  }
+  by_use_.push_front(key);
+  auto entry = std::make_shared<Entry>();
+  entries_.emplace(key, std::pair(entry, by_use_.begin()));
+  return entry;
+}
+
+void ShardLevels::forget_oldest(std::uint64_t more) {
+  const std::scoped_lock lock(mutex_);
+  bytes_ += more;
+  while (bytes_ > most_bytes_ && by_use_.size() > 1) {
+    const auto oldest = entries_.find(by_use_.back());
+    const std::shared_ptr<const ShardLevel> level = oldest->second.first->level;
+    if (level == nullptr) break;  // somebody reads it right now
+    bytes_ -= level->bytes();
+    entries_.erase(oldest);
+    by_use_.pop_back();
+  }
+}
+
+std::shared_ptr<const ShardLevel> ShardLevels::get(const SceneCell& shard, int lod) {
+  const std::shared_ptr<Entry> entry = entry_of({shard.file, lod});
+  std::shared_ptr<const ShardLevel> level;
+  {
+    const std::scoped_lock lock(entry->reading);
+    if (entry->level != nullptr) return entry->level;
+    level = std::make_shared<const ShardLevel>(scene_, shard, lod);
+    const std::scoped_lock also(mutex_);
+    entry->level = level;
+  }
+  forget_oldest(level->bytes());
+  return level;
+}
+
+}  // namespace gigabake

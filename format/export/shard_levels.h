@@ -1,0 +1,108 @@
+/// Levels of shards, unpacked once for all tiles that take voxels of them.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "format/export/level_owners.h"
+#include "format/export/voxel_tiling.h"
+#include "format/scene/scene_level.h"
+#include "format/shard/brick_walk.h"
+
+namespace gigabake {
+
+/// One level of one shard.
+class ShardLevel {
+ public:
+  /// Errors  InputError: a shard that is missing, damaged or not the scene's.
+  ShardLevel(const PagedScene& scene, const SceneCell& shard, int lod);
+
+  /// visit(place, rgba, normal) for each voxel in the box, by its place on the lattice of the level, rounded down where
+  /// an earlier bake's level stands off it.
+  template <class Visit>
+  void for_each_voxel_in(const LevelBox& box, const Visit& visit) const;
+  std::uint64_t bytes() const;
+
+ private:
+  struct Constant {
+    LevelIndex lowest;
+    std::int64_t edge;
+    std::array<std::uint8_t, 4> rgba;
+    std::array<std::int8_t, 2> normal;
+  };
+  LevelIndex corner_{};
+  std::vector<std::uint64_t> keys_;    ///< of bricks
+  std::vector<std::uint32_t> number_;  ///< of these in level_
+  std::vector<Constant> constants_;
+  BrickLevel level_;
+};
+
+/// Where the bricks of a level of a shard lie, constant nodes too, from its node table alone: boxes of its voxels.
+std::vector<LevelBox> bricks_of(const ShardHeader& header, const NodeTable& nodes, int lod);
+
+/// Keeps the levels that were asked for last. Any number of threads may ask at a time.
+class ShardLevels {
+ public:
+  /// most_bytes: of what is kept when nobody uses it.
+  ShardLevels(const PagedScene& scene, std::uint64_t most_bytes) : scene_(scene), most_bytes_(most_bytes) {}
+
+  std::shared_ptr<const ShardLevel> get(const SceneCell& shard, int lod);
+
+ private:
+  struct Entry {
+    std::mutex reading;
+    std::shared_ptr<const ShardLevel> level;
+  };
+  using Key = std::pair<std::string, int>;
+  std::shared_ptr<Entry> entry_of(const Key& key);
+  void forget_oldest(std::uint64_t more);
+
+  const PagedScene& scene_;
+  std::uint64_t most_bytes_, bytes_ = 0;
+  std::mutex mutex_;
+  std::list<Key> by_use_;  ///< the last one first
+  std::map<Key, std::pair<std::shared_ptr<Entry>, std::list<Key>::iterator>> entries_;
+};
+
+template <class Visit>
+void ShardLevel::for_each_voxel_in(const LevelBox& box, const Visit& visit) const {
+  const auto reaches = [&box](const LevelIndex& low, std::int64_t edge) {
+    for (std::size_t c = 0; c < 3; ++c)
+      if (low[c] >= box.end[c] || low[c] + edge <= box.min[c]) return false;
+    return true;
+  };
+  for (std::size_t b = 0; b < keys_.size(); ++b) {
+    const BrickCoordinate brick = demorton(keys_[b]);
+    const LevelIndex low{corner_[0] + 8 * std::int64_t(brick.x), corner_[1] + 8 * std::int64_t(brick.y),
+                         corner_[2] + 8 * std::int64_t(brick.z)};
+    if (!reaches(low, brick_edge)) continue;
+    for_each_voxel(
+        level_, number_[b], {},
+        [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {
+          const LevelIndex at{low[0] + x, low[1] + y, low[2] + z};
+          if (holds(box, at)) visit(at, rgba, normal);
+        });
+  }
+  for (const Constant& node : constants_) {
+    if (!reaches(node.lowest, node.edge)) continue;
+    LevelBox part;
+    for (std::size_t c = 0; c < 3; ++c) {
+      part.min[c] = std::max(box.min[c], node.lowest[c]);
+      part.end[c] = std::min(box.end[c], node.lowest[c] + node.edge);
+    }
+    for (std::int64_t z = part.min[2]; z < part.end[2]; ++z)
+      for (std::int64_t y = part.min[1]; y < part.end[1]; ++y)
+        for (std::int64_t x = part.min[0]; x < part.end[0]; ++x)
+          visit(LevelIndex{x, y, z}, node.rgba.data(), node.normal.data());
+  }
+}
+
+}  // namespace gigabake

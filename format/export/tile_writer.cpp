@@ -1,0 +1,116 @@
+#include "format/export/tile_writer.h"
+
+#include <utility>
+
+#include "format/system/hash_bytes.h"
+#include "format/system/output_file.h"
+#include "lattice/bytes.h"
+#include "lattice/error.h"
+#include "lattice/morton.h"
+
+namespace gigabake {
+namespace {
+
+/// A padded box on the lattice, and what lies in it of levels that earlier bakes put up to a voxel beside it.
+LatticeBox reach_of(const LevelBox& box, int lod) {
+  LatticeBox reach = on_lattice(box, lod);
+  for (std::int64_t& end : reach.end) end += std::int64_t(1) << lod;
+  return reach;
+}
+
+GridOrder order_of(TilesetForm form) {
+  return form == TilesetForm::gltf_2_1 ? GridOrder::right_forward_up : GridOrder::y_up;
+}
+
+}  // namespace
+
+TileBox box_of(const VoxelTiling& tiling, const SceneHeader& scene, const TilePlace& tile) {
+  const double voxel_m = scene.voxel_size_m;
+  TileBox box;
+  box.edge_m = double(std::int64_t(tiling.edge) << tiling.lod(tile.level)) * voxel_m;
+  const BrickCoordinate at = demorton(tile.key);
+  const std::array<std::uint32_t, 3> place{at.x, at.y, at.z};
+  for (std::size_t c = 0; c < 3; ++c)
+    box.centre_m[c] = (scene.lattice_origin_m[c] + double(tiling.corner[c]) * voxel_m) + (place[c] + 0.5) * box.edge_m;
+  return box;
+}
+
+TileWriter::TileWriter(const TileSource& source, std::filesystem::path target, std::filesystem::path folder)
+    : source_(source),
+      target_(std::move(target)),
+      folder_(std::move(folder)),
+      grid_(source.tiling.edge, source.scene.header().has_normals, order_of(source.form)) {}
+
+VoxelStatistics TileWriter::write(const TilePlace& tile) {
+  fill(tile);
+  write_file(tile);
+  return grid_.statistics();
+}
+
+std::optional<Hash128> TileWriter::made_of(const TilePlace& tile) {
+  const int lod = source_.tiling.lod(tile.level);
+  if (source_.made.has(lod)) return std::nullopt;
+  const LatticeBox reach = reach_of(source_.tiling.padded_box(tile), lod);
+  ByteWriter writer;
+  for (const LevelOwner& owner : owners_near(tile)) {
+    if (intersection(window_of(owner.shard), reach).is_empty()) continue;
+    writer.put(owner.shard.lattice_min);
+    writer.put(owner.shard.cell_voxels);
+    writer.put(owner.shard.content_hash.at(std::size_t(lod) - owner.shard.first_lod));
+  }
+  return hash_of_bytes(writer.take());
+}
+
+void TileWriter::take_over(const TilePlace& tile, const std::filesystem::path& from) {
+  const std::filesystem::path to = folder_ / name_of(tile);
+  std::filesystem::create_directories(to.parent_path());
+  std::error_code failed;
+  std::filesystem::create_hard_link(from / name_of(tile), to, failed);
+  if (failed) std::filesystem::copy_file(from / name_of(tile), to, failed);
+  if (failed)
+    throw InputError(from, name_of(tile), "cannot be taken over: " + failed.message() + "; export without `update`");
+}
+
+void TileWriter::write_empty(const TilePlace& tile) {
+  grid_.clear(source_.tiling.padded_box(tile));
+  write_file(tile);
+}
+
+void TileWriter::fill(const TilePlace& tile) {
+  const LevelBox box = source_.tiling.padded_box(tile);
+  const int lod = source_.tiling.lod(tile.level);
+  const auto set = [this](const LevelIndex& at, const std::uint8_t* rgba, const std::int8_t* normal) {
+    grid_.set(at, rgba, normal);
+  };
+  grid_.clear(box);
+  if (source_.made.has(lod)) {
+    for (const MadeLevels::Voxel& v : source_.made.level(lod))
+      if (holds(box, v.at)) set(v.at, v.rgba.data(), v.normal.data());
+    return;
+  }
+  const LatticeBox reach = reach_of(box, lod);
+  for (const LevelOwner& owner : owners_near(tile))
+    if (!intersection(window_of(owner.shard), reach).is_empty())
+      source_.levels.get(owner.shard, lod)->for_each_voxel_in(box, set);
+}
+
+const std::vector<LevelOwner>& TileWriter::owners_near(const TilePlace& tile) {
+  const TilePlace block{tile.level, tile.key >> 6 << 6};
+  if (block == block_) return owners_;
+  const int lod = source_.tiling.lod(tile.level);
+  LevelBox box = source_.tiling.padded_box(block);
+  for (std::int64_t& end : box.end) end += 3 * std::int64_t(source_.tiling.edge);
+  owners_ = source_.owners.of(lod, reach_of(box, lod));
+  block_ = block;
+  return owners_;
+}
+
+void TileWriter::write_file(const TilePlace& tile) {
+  OutputFile out(target_, folder_ / name_of(tile));
+  const TileBox box = box_of(source_.tiling, source_.scene.header(), tile);
+  out.write(packer_.packed(source_.form == TilesetForm::gltf_2_1 ? voxel_node_file(grid_, box)
+                                                                 : voxel_tile_file(grid_, box)));
+  out.finish();
+}
+
+}  // namespace gigabake

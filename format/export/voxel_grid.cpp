@@ -1,0 +1,126 @@
+#include "format/export/voxel_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lattice/octahedral.h"
+
+namespace gigabake {
+namespace {
+
+using NormalBytes = std::array<std::uint8_t, 3>;
+
+/// Rounding alone misses some codes by a hair: among the 27 nearest one that does not, and of those the one that is
+/// nearest in direction.
+NormalBytes nearest_that_comes_back(const std::int8_t oct[2]) {
+  double n[3];
+  decode_octahedral(oct, n);
+  std::int8_t canonical[2];
+  encode_octahedral(n[0], n[1], n[2], canonical);  // folds have two codes
+  NormalBytes best{};
+  double best_cosine = -2;
+  for (int step = 0; step < 27; ++step) {
+    NormalBytes bytes{};
+    double v[3], length = 0, cosine = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const int offset = (c == 0 ? step % 3 : c == 1 ? step / 3 % 3 : step / 9) - 1;
+      const int code = std::clamp(int(std::lround(n[c] * 127)) + offset, -127, 127);
+      bytes[c] = std::uint8_t(code + 128);
+      v[c] = code / 127.0;
+      length += v[c] * v[c];
+      cosine += v[c] * n[c];
+    }
+    std::int8_t back[2];
+    encode_octahedral(v[0], v[1], v[2], back);
+    if (back[0] != canonical[0] || back[1] != canonical[1]) continue;
+    if (cosine /= std::sqrt(length); cosine > best_cosine) {
+      best_cosine = cosine;
+      best = bytes;
+    }
+  }
+  return best;
+}
+
+/// By the two bytes.
+const std::vector<NormalBytes>& all_normal_bytes() {
+  static const std::vector<NormalBytes> table = [] {
+    std::vector<NormalBytes> all(1 << 16);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const std::int8_t oct[2] = {std::int8_t(i & 255), std::int8_t(i >> 8)};
+      all[i] = nearest_that_comes_back(oct);
+    }
+    return all;
+  }();
+  return table;
+}
+
+template <std::size_t n>
+void widen(std::array<std::uint8_t, n>& least, std::array<std::uint8_t, n>& greatest, const std::uint8_t* low,
+           const std::uint8_t* high) {
+  for (std::size_t c = 0; c < n; ++c) {
+    least[c] = std::min(least[c], low[c]);
+    greatest[c] = std::max(greatest[c], high[c]);
+  }
+}
+
+}  // namespace
+
+std::array<std::uint8_t, 3> normal_bytes(const std::int8_t oct[2]) {
+  return all_normal_bytes()[std::uint8_t(oct[0]) | std::size_t(std::uint8_t(oct[1])) << 8];
+}
+
+void VoxelStatistics::add(const std::uint8_t* rgba, const std::uint8_t* normal) {
+  ++voxels;
+  widen(least_rgba, greatest_rgba, rgba, rgba);
+  widen(least_normal, greatest_normal, normal, normal);
+}
+
+void VoxelStatistics::add(const VoxelStatistics& other) {
+  voxels += other.voxels;
+  widen(least_rgba, greatest_rgba, other.least_rgba.data(), other.greatest_rgba.data());
+  widen(least_normal, greatest_normal, other.least_normal.data(), other.greatest_normal.data());
+}
+
+VoxelGrid::VoxelGrid(std::uint32_t tile_edge, bool normals, GridOrder order)
+    : edge_(tile_edge + 2), has_normals_(normals), order_(order) {
+  const std::size_t voxels = std::size_t(edge_) * edge_ * edge_;
+  rgba_.resize(4 * voxels);
+  normals_.resize(4 * voxels);
+}
+
+void VoxelGrid::clear(const LevelBox& padded_box) {
+  lowest_ = padded_box.min;
+  if (is_empty_) return;
+  is_empty_ = true;
+  std::fill(rgba_.begin(), rgba_.end(), std::uint8_t(0));
+  std::fill(normals_.begin(), normals_.end(), std::uint8_t(0));
+}
+
+std::size_t VoxelGrid::place_of(std::size_t x, std::size_t y, std::size_t z) const {
+  const std::size_t e = edge_;
+  return order_ == GridOrder::y_up ? x + e * (z + e * (e - 1 - y)) : x + e * (y + e * z);
+}
+
+void VoxelGrid::set(const LevelIndex& at, const std::uint8_t* rgba, const std::int8_t* normal) {
+  const std::size_t place =
+      4 * place_of(std::size_t(at[0] - lowest_[0]), std::size_t(at[1] - lowest_[1]), std::size_t(at[2] - lowest_[2]));
+  std::copy_n(rgba, 4, rgba_.begin() + std::ptrdiff_t(place));
+  const NormalBytes bytes = has_normals_ ? normal_bytes(normal) : NormalBytes{128, 128, 128};
+  std::copy(bytes.begin(), bytes.end(), normals_.begin() + std::ptrdiff_t(place));
+  normals_[place + 3] = 255;
+  is_empty_ = false;
+}
+
+VoxelStatistics VoxelGrid::statistics() const {
+  VoxelStatistics statistics;
+  if (is_empty_) return statistics;
+  const std::size_t e = edge_;
+  for (std::size_t slow = 1; slow + 1 < e; ++slow)  // whichever axis: padding is on all sides
+    for (std::size_t middle = 1; middle + 1 < e; ++middle)
+      for (std::size_t fast = 1; fast + 1 < e; ++fast)
+        if (const std::size_t place = 4 * (fast + e * (middle + e * slow)); normals_[place + 3] != 0)
+          statistics.add(&rgba_[place], &normals_[place]);
+  return statistics;
+}
+
+}  // namespace gigabake

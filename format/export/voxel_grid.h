@@ -1,0 +1,58 @@
+/// The voxels of one tile as a tileset has them: a dense grid, one voxel of the tiles around on each side.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "format/export/voxel_tiling.h"
+
+namespace gigabake {
+
+/// Three bytes b for a direction (b − 128) / 127 which, encoded again (lattice/octahedral.h), gives the shard's two.
+std::array<std::uint8_t, 3> normal_bytes(const std::int8_t oct[2]);
+
+/// Least and greatest bytes of some voxels.
+struct VoxelStatistics {
+  std::uint64_t voxels = 0;
+  std::array<std::uint8_t, 4> least_rgba{255, 255, 255, 255}, greatest_rgba{};
+  std::array<std::uint8_t, 3> least_normal{255, 255, 255}, greatest_normal{};
+
+  void add(const std::uint8_t* rgba, const std::uint8_t* normal);
+  void add(const VoxelStatistics& other);
+  friend bool operator==(const VoxelStatistics&, const VoxelStatistics&) = default;
+};
+
+/// In what order voxels follow each other. From the slowest: y_up: −y, z, x, as glTF 2.0's frame has them;
+/// right_forward_up: z, y, x.
+enum class GridOrder : std::uint8_t { y_up, right_forward_up };
+
+/// Zeros where there is no voxel. Reused from tile to tile.
+class VoxelGrid {
+ public:
+  VoxelGrid(std::uint32_t tile_edge, bool normals, GridOrder order);
+
+  void clear(const LevelBox& padded_box);
+  /// A voxel of the box. One that is there already is replaced.
+  void set(const LevelIndex& at, const std::uint8_t* rgba, const std::int8_t* normal);
+  std::size_t size() const { return rgba_.size() / 4; }
+  std::uint32_t edge() const { return edge_; }
+
+  const std::vector<std::uint8_t>& rgba() const { return rgba_; }
+  /// Four bytes a voxel: the direction's three (128 in scenes without normals) and 255 where there is a voxel.
+  const std::vector<std::uint8_t>& normals() const { return normals_; }
+  /// Of the tile's own voxels.
+  VoxelStatistics statistics() const;
+
+ private:
+  std::size_t place_of(std::size_t x, std::size_t y, std::size_t z) const;
+
+  std::uint32_t edge_;  ///< with padding
+  bool has_normals_;
+  GridOrder order_;
+  bool is_empty_ = true;
+  LevelIndex lowest_{};
+  std::vector<std::uint8_t> rgba_, normals_;
+};
+
+}  // namespace gigabake
