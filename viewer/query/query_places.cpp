@@ -61,7 +61,7 @@ QueryPlace QueryPlaces::find_cell(const std::int64_t v[3]) const {
 }
 
 QueryPlace QueryPlaces::find_parent(int lod, const std::int64_t v[3]) const {
-  const ParentTier& tier = tiers_->tier_of(lod);
+  const ParentTier& tier = tiers_->holder(lod, tiers_->holders(lod) - 1);  // those that the level is of
   const TierBlock block = tier.block_of({v[0], v[1], v[2]});
   QueryPlace place;
   place.box = window_box(tier.corner_of(block), std::int64_t(1) << tier.bits);
