@@ -77,6 +77,9 @@ std::vector<kernels::Level> joined_levels(std::span<const ChildLevels* const> ch
   std::vector<kernels::Level> levels(window.end - window.begin);
   pool.parallel_for(levels.size(), 1, [&](std::size_t l, std::size_t, int) {
     std::vector<CopiedVoxel> voxels;
+    std::size_t stored = 0;
+    for (const ChildLevels* child : children) stored += child->levels[l].rgba.size() / 4;
+    voxels.reserve(stored);
     for (const ChildLevels* child : children) add_voxels(*child, window, window.begin + std::uint32_t(l), voxels);
     const auto before = [](const CopiedVoxel& a, const CopiedVoxel& b) { return a.place() < b.place(); };
     std::sort(voxels.begin(), voxels.end(), before);
