@@ -354,6 +354,12 @@ class Export(harness.FolderTest):
         self.assertEqual([p.name for p in (self.root / "full").iterdir()], ["file"])
         self.assertEqual([p.name for p in self.root.iterdir() if p.name.endswith(".part")], [])
 
+    def test_options_of_tilesets_are_refused_for_other_formats(self):
+        for option in (["--update"], ["--threads", "2"], ["--tile-voxels", "64"]):
+            result = self.program.run("export", self.scene, "-o", self.root / "options.ply", *option)
+            self.assertEqual((result.returncode, len(lines_of(result.stderr))), (2, 1), result.stderr)
+            self.assertIn(option[0], result.stderr)
+
     def test_an_unknown_format_is_named_with_those_there_are(self):
         result = self.program.run("export", self.scene, "--to", "obj", "-o", self.root / "x")
         self.assertEqual(result.returncode, 2)
