@@ -72,6 +72,14 @@ const ExportFormat& chosen_format(const ExportOptions& o) {
                   o.out, fmt::join(format_names(), ", ")));
 }
 
+/// Errors  UsageError: an option of tilesets with a format that knows none.
+void expect_no_tile_options(const CLI::App& command, const ExportFormat& format) {
+  for (const char* name : {"--tile-voxels", "--threads", "--update"})
+    if (command.count(name) != 0)
+      throw UsageError(
+          fmt::format("{}: is of --to 3dtiles and 3dtiles-gltf; {} has no such option", name, format.name));
+}
+
 void print_done(const ExportOptions& o, std::uint64_t voxels) {
   if (!o.quiet) fmt::print("{} of lod {} in {}\n", counted(voxels, "voxel"), o.lod, o.out);
 }
@@ -122,13 +130,14 @@ void add_export(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(0, 10));
   add_tile_options(*command, *o);
   command->add_flag("-q,--quiet", o->quiet, "print errors alone");
-  command->callback([o, &exit_code] {
+  command->callback([o, command, &exit_code] {
     const ExportFormat& format = chosen_format(*o);
     o->scene = scene_argument(o->scene).string();
     if (!format.write) {
       exit_code = on_all_ranks([&](MpiSession& mpi) { return run_on_rank(*o, format, mpi); });
       return;
     }
+    expect_no_tile_options(*command, format);
     const std::uint64_t voxels = with_progress([&](const Progress& progress) { return format.write(*o, progress); },
                                                o->quiet ? nullptr : stderr);
     print_done(*o, voxels);

@@ -47,6 +47,7 @@ constexpr auto flags = std::to_array<std::pair<std::string_view, std::string_vie
     {"to", "--to"},
     {"token", "--token"},
     {"up", "--up"},
+    {"update", "--update"},
     {"voxel_size_m", "--voxel-size"},
 });
 

@@ -11,10 +11,10 @@ GzipPacker::GzipPacker() : packer_(libdeflate_alloc_compressor(6)) {
 
 GzipPacker::~GzipPacker() { libdeflate_free_compressor(packer_); }
 
-std::vector<std::uint8_t> GzipPacker::packed(std::span<const std::uint8_t> bytes) const {
-  std::vector<std::uint8_t> out(libdeflate_gzip_compress_bound(packer_, bytes.size()));
-  out.resize(libdeflate_gzip_compress(packer_, bytes.data(), bytes.size(), out.data(), out.size()));
-  return out;
+std::span<const std::uint8_t> GzipPacker::packed(std::span<const std::uint8_t> bytes) {
+  const std::size_t bound = libdeflate_gzip_compress_bound(packer_, bytes.size());
+  if (out_.size() < bound) out_.resize(bound);
+  return {out_.data(), libdeflate_gzip_compress(packer_, bytes.data(), bytes.size(), out_.data(), out_.size())};
 }
 
 }  // namespace gigabake

@@ -18,10 +18,12 @@ class GzipPacker {
   GzipPacker(const GzipPacker&) = delete;
   GzipPacker& operator=(const GzipPacker&) = delete;
 
-  std::vector<std::uint8_t> packed(std::span<const std::uint8_t> bytes) const;
+  /// Valid until the next call.
+  std::span<const std::uint8_t> packed(std::span<const std::uint8_t> bytes);
 
  private:
   libdeflate_compressor* packer_;
+  std::vector<std::uint8_t> out_;  ///< kept: fresh memory costs as much as packing
 };
 
 }  // namespace gigabake

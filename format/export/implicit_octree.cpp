@@ -116,7 +116,9 @@ std::vector<std::uint8_t> subtree_glb(const TileLevels& tiles, std::uint32_t lev
       {"asset", {{"version", "2.1"}}},    {"extensionsUsed", extensions},
       {"extensionsRequired", extensions}, {"buffers", OrderedJson::array({{{"byteLength", binary.size()}}})},
       {"bufferViews", available.views()}, {"extensions", {{"3DTILES_subtree", subtree}}}};
-  return glb_file(document, {{reinterpret_cast<const std::uint8_t*>(binary.data()), binary.size()}});
+  std::vector<std::uint8_t> file;
+  make_glb(document, {{reinterpret_cast<const std::uint8_t*>(binary.data()), binary.size()}}, file);
+  return file;
 }
 
 }  // namespace gigabake

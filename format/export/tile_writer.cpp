@@ -108,8 +108,8 @@ const std::vector<LevelOwner>& TileWriter::owners_near(const TilePlace& tile) {
 void TileWriter::write_file(const TilePlace& tile) {
   OutputFile out(target_, folder_ / name_of(tile));
   const TileBox box = box_of(source_.tiling, source_.scene.header(), tile);
-  out.write(packer_.packed(source_.form == TilesetForm::gltf_2_1 ? voxel_node_file(grid_, box)
-                                                                 : voxel_tile_file(grid_, box)));
+  source_.form == TilesetForm::gltf_2_1 ? make_voxel_node(grid_, box, file_) : make_voxel_tile(grid_, box, file_);
+  out.write(packer_.packed(file_));
   out.finish();
 }
 

@@ -57,6 +57,7 @@ class TileWriter {
   std::filesystem::path target_, folder_;
   VoxelGrid grid_;
   GzipPacker packer_;
+  std::vector<std::uint8_t> file_;         ///< before it is packed
   TilePlace block_{~std::uint32_t(0), 0};  ///< of 4³ tiles, whose owners are
   std::vector<LevelOwner> owners_;
 };

@@ -78,10 +78,14 @@ async function show() {
   await nextFrame(scene);
   const sphere = voxels.boundingSphere;
   scene.camera.frustum.near = Math.max(0.1, sphere.radius / 5000);
-  scene.camera.flyToBoundingSphere(sphere, {
-    duration: 0, offset: new Cesium.HeadingPitchRange(0, -0.6, 2 * sphere.radius) });
+  // The tileset's own east, north and up: a scene that is nowhere on the earth has no others.
+  const axes = Cesium.Matrix4.getMatrix3(provider.globalTransform, new Cesium.Matrix3());
+  const frame = Cesium.Matrix4.fromRotationTranslation(axes, sphere.center);
+  const look = (heading, pitch, radii) =>
+    scene.camera.lookAtTransform(frame, new Cesium.HeadingPitchRange(heading, pitch, radii * sphere.radius));
+  look(0, -0.6, 2);
   state.textContent = "";
-  window.shown = { widget, scene, voxels, sphere };
+  window.shown = { scene, voxels, look };
 }
 
 const script = document.createElement("script");

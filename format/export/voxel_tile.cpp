@@ -109,14 +109,14 @@ Json voxel_schema() {
 
 std::array<double, 3> in_gltf_2_1(const std::array<double, 3>& p) { return {-p[0], p[2], p[1]}; }
 
-std::vector<std::uint8_t> glb_file(const Json& document,
-                                   std::initializer_list<std::span<const std::uint8_t>> parts_of_buffer) {
+void make_glb(const Json& document, std::initializer_list<std::span<const std::uint8_t>> parts_of_buffer,
+              std::vector<std::uint8_t>& file) {
   std::string json = document.dump();
   json.resize((json.size() + 3) / 4 * 4, ' ');
   std::size_t bytes = 0;
   for (const std::span<const std::uint8_t> part : parts_of_buffer) bytes += part.size();
   const std::size_t padding = (4 - bytes % 4) % 4;
-  std::vector<std::uint8_t> file;
+  file.clear();
   file.reserve(28 + json.size() + bytes + padding);
   for (const std::size_t number : {std::size_t(glb_magic), std::size_t(2), 28 + json.size() + bytes + padding,
                                    json.size(), std::size_t(json_chunk)})
@@ -126,15 +126,14 @@ std::vector<std::uint8_t> glb_file(const Json& document,
   put_number(file, binary_chunk);
   for (const std::span<const std::uint8_t> part : parts_of_buffer) file.insert(file.end(), part.begin(), part.end());
   file.resize(file.size() + padding);
-  return file;
 }
 
-std::vector<std::uint8_t> voxel_tile_file(const VoxelGrid& grid, const TileBox& box) {
-  return glb_file(document_of(grid, box), {grid.rgba(), grid.normals()});
+void make_voxel_tile(const VoxelGrid& grid, const TileBox& box, std::vector<std::uint8_t>& file) {
+  make_glb(document_of(grid, box), {grid.rgba(), grid.normals()}, file);
 }
 
-std::vector<std::uint8_t> voxel_node_file(const VoxelGrid& grid, const TileBox& box) {
-  return glb_file(node_document_of(grid, box), {grid.rgba(), grid.normals()});
+void make_voxel_node(const VoxelGrid& grid, const TileBox& box, std::vector<std::uint8_t>& file) {
+  make_glb(node_document_of(grid, box), {grid.rgba(), grid.normals()}, file);
 }
 
 }  // namespace gigabake

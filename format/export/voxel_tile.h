@@ -21,16 +21,16 @@ struct TileBox {
 /// What a voxel says: the class `voxel` of a tileset's schema and of each tile's.
 nlohmann::ordered_json voxel_schema();
 
-/// glTF 2.0 with EXT_primitive_voxels. Range  a grid in the order y_up.
-std::vector<std::uint8_t> voxel_tile_file(const VoxelGrid& grid, const TileBox& box);
-/// glTF 2.1 with EXT_voxels. Range  a grid in the order right_forward_up.
-std::vector<std::uint8_t> voxel_node_file(const VoxelGrid& grid, const TileBox& box);
+/// glTF 2.0 with EXT_primitive_voxels, in place of what `file` holds. Range  a grid in the order y_up.
+void make_voxel_tile(const VoxelGrid& grid, const TileBox& box, std::vector<std::uint8_t>& file);
+/// Likewise glTF 2.1 with EXT_voxels. Range  a grid in the order right_forward_up.
+void make_voxel_node(const VoxelGrid& grid, const TileBox& box, std::vector<std::uint8_t>& file);
 
 /// A point of the tileset's frame (x east, z up) in that of glTF 2.1 (x to the left, y up, z forward).
 std::array<double, 3> in_gltf_2_1(const std::array<double, 3>& p);
 
-/// A binary glTF: the document and one buffer.
-std::vector<std::uint8_t> glb_file(const nlohmann::ordered_json& document,
-                                   std::initializer_list<std::span<const std::uint8_t>> parts_of_buffer);
+/// A binary glTF in place of what `file` holds: the document and one buffer.
+void make_glb(const nlohmann::ordered_json& document,
+              std::initializer_list<std::span<const std::uint8_t>> parts_of_buffer, std::vector<std::uint8_t>& file);
 
 }  // namespace gigabake

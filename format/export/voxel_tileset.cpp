@@ -222,6 +222,8 @@ std::uint64_t export_3dtiles(const std::filesystem::path& scene_xml, const Tiles
     level.emplace(open_scene_level(scene_xml, options.lod));
     if (level->scene.totals().cells == 0) throw InputError(scene_xml, "PagedOctTree", "the scene has no cells");
     if (options.update) before = read_record(target);
+    if (!options.update && std::filesystem::exists(target / record_name))
+      throw InputError(target, "", "is an export already; `update` brings it up to date, or name another folder");
     if (team.rank() == 0) publication.emplace(target, options.update ? Replaces::a_folder : Replaces::nothing);
   });
   const std::filesystem::path aside = shared_path(team, publication ? publication->aside() : "");

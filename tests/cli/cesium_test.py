@@ -50,13 +50,12 @@ class Shown:
         test.addCleanup(self.page.close)
         self.page.wait_for("!!window.shown", 400)
 
-    def from_distance(self, radii):
+    def from_distance(self, radii, heading=0.3, pitch=-0.7):
         """What is drawn from so many radii away once all tiles are there: the picture, and how many tiles it took."""
         self.page.evaluate(f"""(async () => {{
-          const {{ scene, voxels, sphere }} = window.shown;
+          const {{ scene, voxels, look }} = window.shown;
           window.quiet = 0;
-          scene.camera.flyToBoundingSphere(sphere, {{ duration: 0,
-              offset: new Cesium.HeadingPitchRange(0.3, -0.7, {radii} * sphere.radius) }});
+          look({heading}, {pitch}, {radii});
           voxels.loadProgress.addEventListener(() => {{}});
           scene.postRender.addEventListener(() => {{
             const {{ numberOfPendingRequests, numberOfTilesProcessing }} = voxels.statistics;
@@ -93,12 +92,7 @@ class CesiumTest(unittest.TestCase):
             harness.write_glb(self.path / f"source/{name}.glb", corners, [0, 1, 2, 0, 2, 3], material=material)
         self.program.bake(self.path / "source", self.path / "bake", 0.5, "--cell-voxels", 64)
         shown = Shown(self, self.export(self.path / "bake", "tiles"), "&nearest")
-        shown.page.evaluate("""(() => { const { scene, sphere } = window.shown;
-            scene.camera.flyToBoundingSphere(sphere, { duration: 0,
-                offset: new Cesium.HeadingPitchRange(0, -1.57, 2 * sphere.radius) }); })(); 0""")
-        time.sleep(3)
-        (self.path / "page.png").write_bytes(shown.page.screenshot())
-        picture = read_png(self.path / "page.png")[..., :3].astype(int)
+        picture, _ = shown.from_distance(2, 0, -1.57)
         red = (picture[..., 0] > 150) & (picture[..., 1] < 60)
         green = (picture[..., 1] > 150) & (picture[..., 0] < 60)
         self.assertGreater(red.sum(), 500)
@@ -108,7 +102,7 @@ class CesiumTest(unittest.TestCase):
         self.assertLess(abs(numpy.argwhere(red)[:, 0].mean() - numpy.argwhere(green)[:, 0].mean()), 5)
 
     def test_a_thousand_cells_are_drawn_from_far_to_near_without_steps_at_tile_borders(self):
-        """From tiles of 16³ voxels and from those of 96³, which have borders elsewhere: the same pictures."""
+        """From tiles of 32³ voxels and from those of 126³, which have borders elsewhere: the same pictures."""
         self.program.succeed("sample", self.path / "village", "--size", "128")
         bake = self.path / "bake"
         info = self.program.bake(self.path / "village/tileset.json", bake, 0.5, "--cell-voxels", 8)
@@ -125,7 +119,14 @@ class CesiumTest(unittest.TestCase):
             difference = numpy.abs(first - second).max(-1)
             print(f"{radii} radii: {there.sum()} pixels, {tiles} tiles; {(difference > 1).sum()} differ by more than "
                   f"one code, at most {difference.max()}")
-            self.assertLessEqual(difference.max(), 1)
+            # A border without its padding is a line of steps. A ray through a voxel's corner is rounded either way.
+            self.assertLessEqual((difference > 1).sum(), there.sum() / 1000)
+            self.assertLessEqual(difference.max(), 3)
+        coarse = Shown(self, self.path / "small", "&error=8")
+        tiles = [coarse.from_distance(radii)[1] for radii in (8, 2.5, 0.8)]
+        print(f"tiles with an error of 8 pixels: {tiles}")
+        self.assertLess(tiles[0], tiles[1])
+        self.assertLess(tiles[1], tiles[2])
         self.assertGreater(pixels[0], 50)
         self.assertGreater(pixels[1], 4 * pixels[0])
         self.assertGreater(pixels[2], pixels[1])

@@ -265,7 +265,8 @@ class Export(harness.FolderTest):
         shutil.copyfile(tiles[0], tiles[1])
         self.program.bake(village / "tileset.json", bake, VOXEL_M, "--cell-voxels", "64")
         refused = self.program.run("export", bake, *wish, out)
-        self.assertEqual(refused.returncode, 1)
+        self.assertEqual((refused.returncode, len(lines_of(refused.stderr))), (1, 1), refused.stderr)
+        self.assertIn("--update", refused.stderr)
         self.program.succeed("export", bake, *wish, out, "--update")
         self.program.succeed("export", bake, *wish, self.root / "anew")
         self.assertEqual(self.files_of(out), self.files_of(self.root / "anew"))
@@ -353,6 +354,12 @@ class Export(harness.FolderTest):
                 self.assertIn(str(out), result.stderr)
         self.assertEqual([p.name for p in (self.root / "full").iterdir()], ["file"])
         self.assertEqual([p.name for p in self.root.iterdir() if p.name.endswith(".part")], [])
+
+    def test_options_of_tilesets_are_refused_for_other_formats(self):
+        for option in (["--update"], ["--threads", "2"], ["--tile-voxels", "64"]):
+            result = self.program.run("export", self.scene, "-o", self.root / "options.ply", *option)
+            self.assertEqual((result.returncode, len(lines_of(result.stderr))), (2, 1), result.stderr)
+            self.assertIn(option[0], result.stderr)
 
     def test_an_unknown_format_is_named_with_those_there_are(self):
         result = self.program.run("export", self.scene, "--to", "obj", "-o", self.root / "x")
