@@ -77,6 +77,7 @@ set(gb_public_headers_kernels
     kernels/cast/first_hit_cast.h
     kernels/cast/first_hit_device.h
     kernels/cast/first_hit_tree.h
+    kernels/cast/lighting.h
     kernels/cast/locate.h
     kernels/cast/pixel.h
     kernels/cast/ray_light.h

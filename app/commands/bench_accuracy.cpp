@@ -13,6 +13,7 @@
 #include "bench/report/accuracy_report.h"
 #include "bench/report/hard_report.h"
 #include "bench/report/leak_report.h"
+#include "bench/report/light_report.h"
 #include "format/system/host_limits.h"
 #include "format/system/publish.h"
 #include "lattice/error.h"
@@ -26,7 +27,7 @@ struct AccuracyOptions {
   int samples = 64, repeats = 3, million_triangles = 17, scene_voxels = 1536;
   std::uint64_t voxels = 50000;
   std::vector<std::string> settings, families;
-  bool hard = false, leaks = false;
+  bool hard = false, leaks = false, light = false;
 };
 
 int threads_of(const BakeOptions& bake) { return bake.asked.threads > 0 ? bake.asked.threads : host_limits().cores(); }
@@ -130,11 +131,25 @@ int run_leaks(const AccuracyOptions& options) {
   return complete;
 }
 
+/// It measures; what is claimed of it stands in docs/accuracy.md.
+int run_light(const AccuracyOptions& options) {
+  const SuiteFolder folder(options.bake.out);
+  bench::AccuracyBenchRequest request = request_of(options);
+  request.out = folder.path();
+  const bench::LightBench b = with_progress([&](const Progress& progress) {
+    request.scene.progress = progress;
+    return bench::bench_light(request, [&](const std::string& view) { progress.step(view); });
+  });
+  publish(b, options);
+  return complete;
+}
+
 int run(const AccuracyOptions& options) {
   if (options.hard) return run_hard(options);
   if (options.leaks) return run_leaks(options);
   if (options.bake.source.empty() || options.bake.out.empty() || options.bake.voxel_size.empty())
     throw UsageError("expected SCENE, -o and --voxel-size, or --hard, or --leaks");
+  if (options.light) return run_light(options);
   bench::AccuracyBenchRequest request = request_of(options);
   const bench::AccuracyBench b = with_progress([&](const Progress& progress) {
     request.scene.progress = progress;
@@ -164,6 +179,11 @@ void add_bench_accuracy(CLI::App& bench, int& exit_code) {
           "--leaks", o->leaks,
           "light through opaque surfaces instead, from every side and distance: of SCENE, or without one of planes, "
           "hills, steps, walls, panes, wires and a crown")
+      ->excludes(hard);
+  command
+      ->add_flag("--light", o->light,
+                 "the light of pictures instead: sun and sky with shadows against triangles that stand in their light, "
+                 "and what frames take with them and without")
       ->excludes(hard);
   command
       ->add_option("--scene-voxels", o->scene_voxels,

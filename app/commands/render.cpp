@@ -32,6 +32,7 @@ struct RenderArguments {
   double fovy_deg = CameraOptions{}.fovy_deg, pixel_error = CameraOptions{}.pixel_error;
   RendererArguments renderer;
   LightArguments light;
+  SunArguments sun;
   std::string path, stats;
   ViewMode mode = ViewMode::lit;
   int frames = 0;
@@ -107,8 +108,10 @@ void write_files(const RenderArguments& a, const Picture& picture, double voxel_
 }
 
 int run(const RenderArguments& a) {
-  const View view = view_of(a);
+  View view = view_of(a);
   FrameRenderer renderer(a.scene, renderer_options_of(a));
+  set_sun(a.sun, renderer.scene().header(), view);
+  if (!a.quiet) tell_sun(a.sun, view);
   const auto draw = [&](const Progress& progress) {
     Frame drawn = renderer.draw_exact(view, progress);
     progress.step("writing the picture");
@@ -132,10 +135,12 @@ std::vector<double> frame_times(const RenderArguments& a, const CameraPath& path
 
 int run_path(const RenderArguments& a) {
   if (!(a.upload_ms > 0 && a.upload_ms <= 60000)) throw UsageError("--upload-ms: expected 0 to 60000 milliseconds");
-  const View view = view_of(a);
+  View view = view_of(a);
   numbered_file(a.picture, 0, "out");
   if (!a.depth.empty()) numbered_file(a.depth, 0, "depth");
   FrameRenderer renderer(a.scene, renderer_options_of(a));
+  set_sun(a.sun, renderer.scene().header(), view);
+  if (!a.quiet) tell_sun(a.sun, view);
   const CameraPath path = read_camera_path(a.path, renderer.scene().header().origin);
   std::vector<PathFrame> frames;
   const auto take = [&](const PathFrame& frame, const Picture& picture) {
@@ -185,6 +190,7 @@ void add_render(CLI::App& app, int& exit_code) {
   command.add_option("--background", a->background, "sky, or R,G,B[,A]: sRGB, 0 to 255 each")->capture_default_str();
   command.add_option("--pixel-error", a->pixel_error, "pixels that a voxel may be wide")->capture_default_str();
   add_light_options(command, a->light);
+  add_sun_options(command, a->sun);
   add_renderer_options(command, a->renderer);
   command.add_option("--path", a->path, "camera path, JSON (docs/viewer.md); instead of --eye and --target");
   command.add_option("--frames", a->frames, "so many, evenly along the path");

@@ -44,6 +44,7 @@ constexpr auto flags = std::to_array<std::pair<std::string_view, std::string_vie
     {"texel_m", "--texel"},
     {"threads", "--threads"},
     {"tiles", "--tiles"},
+    {"time", "--time"},
     {"to", "--to"},
     {"token", "--token"},
     {"up", "--up"},

@@ -1,5 +1,8 @@
 #include "app/options/renderer_options.h"
 
+#include <cmath>
+#include <fmt/format.h>
+
 #include "app/options/choices.h"
 #include "app/options/text_values.h"
 #include "lattice/error.h"
@@ -14,12 +17,59 @@ void add_light_options(CLI::App& command, LightArguments& a) {
       ->capture_default_str();
 }
 
+void add_sun_options(CLI::App& command, SunArguments& a) {
+  auto* sun = command.add_option("--sun", a.sun,
+                                 "AZIMUTH,ELEVATION of the sun, degrees: from north by east, and above the horizon "
+                                 "(225,42)");
+  command
+      .add_option("--time", a.time,
+                  "when: the sun stands as it then does over the scene's place; as 2026-06-21T15:00Z or with +02:00")
+      ->excludes(sun);
+  add_choice(command, "--shadows", a.shadows,
+             "whether surfaces stand in the light of the sun and the sky, in --mode lit");
+}
+
 void set_light(const LightArguments& a, FrameRenderer::Options& options) {
   if (!(a.exposure_stops >= -16 && a.exposure_stops <= 16)) throw UsageError("--exposure: expected -16 to 16 stops");
   options.exposure_stops = a.exposure_stops;
   if (a.haze == "off") return;
   options.haze_visibility_m = number("--haze", a.haze);
   if (!(options.haze_visibility_m > 0)) throw UsageError("--haze: expected off, or metres above 0, got " + a.haze);
+}
+
+namespace {
+
+SunDirection sun_option(const SunArguments& a, const SceneHeader& scene) {
+  if (!a.time.empty()) {
+    const JulianDay day = julian_day(a.time);
+    if (!scene.origin) throw UsageError("--time: the scene has no place on the earth; give --sun AZIMUTH,ELEVATION");
+    return sun_at(*scene.origin, day);
+  }
+  if (a.sun.empty()) return {};
+  const std::size_t comma = a.sun.find(',');
+  const std::string form = fmt::format("--sun: expected AZIMUTH,ELEVATION in degrees, as 225,42, got '{}'", a.sun);
+  if (comma == std::string::npos || a.sun.find(',', comma + 1) != std::string::npos) throw UsageError(form);
+  const SunDirection sun{number("--sun", std::string_view(a.sun).substr(0, comma)),
+                         number("--sun", std::string_view(a.sun).substr(comma + 1))};
+  if (!(std::fabs(sun.azimuth_deg) <= 360 && std::fabs(sun.elevation_deg) <= 90))
+    throw UsageError(form + ": an azimuth is within ±360, an elevation within ±90");
+  return sun;
+}
+
+}  // namespace
+
+void set_sun(const SunArguments& a, const SceneHeader& scene, View& view) {
+  view.sun = sun_option(a, scene);
+  view.shadows = a.shadows;
+}
+
+void tell_sun(const SunArguments& a, const View& view) {
+  if (!a.time.empty())
+    fmt::print(stderr, "gigabake: {}: the sun stands at {:.2f}, {:.2f}\n", a.time, view.sun.azimuth_deg,
+               view.sun.elevation_deg);
+  if (view.sun.elevation_deg <= 0)
+    fmt::print(stderr, "gigabake: the sun is {:.1f}° below the horizon: the sky alone lights the scene\n",
+               -view.sun.elevation_deg);
 }
 
 void add_renderer_options(CLI::App& command, RendererArguments& a) {

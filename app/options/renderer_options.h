@@ -23,9 +23,22 @@ struct LightArguments {
   double exposure_stops = 0;
 };
 
+/// Of pictures that are drawn once.
+struct SunArguments {
+  std::string sun, time;
+  Shadows shadows = Shadows::off;
+};
+
 void add_light_options(CLI::App& command, LightArguments& arguments);
+void add_sun_options(CLI::App& command, SunArguments& arguments);
 /// Errors  UsageError.
 void set_light(const LightArguments& arguments, FrameRenderer::Options& options);
+
+/// Where the sun stands, and whether it casts shadows.
+/// Errors  UsageError: as above; --time, and the scene has no place on the earth.
+void set_sun(const SunArguments& arguments, const SceneHeader& scene, View& view);
+/// Says where a time puts the sun, and that there is none by night.
+void tell_sun(const SunArguments& arguments, const View& view);
 
 void add_renderer_options(CLI::App& command, RendererArguments& arguments);
 /// Errors  UsageError; InputError: --backend cuda and no device.

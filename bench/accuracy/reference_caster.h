@@ -39,6 +39,12 @@ class ReferenceCaster {
   LinearPicture draw(const kernels::CastCamera& camera, int samples,
                      const kernels::CastLight& light = kernels::unlit()) const;
 
+  /// The same where triangles stand in the light: each ray looks at one point of the sun's disc, and from what it meets
+  /// at one of the sky, of which those nearer to the surface's normal are the more likely. What is no sky sends what
+  /// the ground sends.
+  LinearPicture draw_shadowed(const kernels::CastCamera& camera, int samples, const kernels::CastLight& light,
+                              double sun_radius_deg) const;
+
   /// Distance to the first triangle; direction: unit.
   std::optional<double> first_hit(const std::array<double, 3>& origin, const std::array<double, 3>& direction) const;
 

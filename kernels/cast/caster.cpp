@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "kernels/body/tables.h"
+#include "kernels/cast/light_rays.h"
 #include "lattice/thread_pool.h"
 
 namespace gigabake::kernels {
@@ -63,6 +64,7 @@ class CpuCaster final : public Caster {
   void start(const CastCamera& camera, const CastTile& tile) override {
     camera_ = camera;
     tile_ = tile;
+    lights_.clear();
     rays_.resize(std::size_t(tile.width) * std::size_t(tile.height));
     for_each_ray(0, rays_.size(), {}, [&](const CastLine& line, CastRay& ray) { ray = start_ray(scene_, line); });
   }
@@ -74,6 +76,25 @@ class CpuCaster final : public Caster {
       if (ray.lod < 0) return;
       cast_ray(scene_, camera_, line, patient, true, ray);
       if (ray.lod >= 0) unfinished.fetch_add(1, std::memory_order_relaxed);
+    });
+    return whole ? unfinished.load() : std::max<std::size_t>(unfinished, 1);
+  }
+
+  void start_light(const CastLighting& lighting) override {
+    lighting_ = lighting;
+    lights_.assign(rays_.size(), PixelLight());
+  }
+
+  std::size_t cast_light(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
+    ++scene_.pass;
+    std::atomic<std::size_t> unfinished{0};
+    const bool whole = for_each_ray(begin, end, stop, [&](const CastLine& line, CastRay& ray) {
+      const std::size_t i = std::size_t(&ray - rays_.data()), width = std::size_t(tile_.width);
+      PixelLight& light = lights_[i];
+      if (light.done == PixelLight::all) return;
+      light_pixel(scene_, camera_, lighting_, line, ray, tile_.x + int(i % width), tile_.y + int(i / width), patient,
+                  light);
+      if (light.done != PixelLight::all) unfinished.fetch_add(1, std::memory_order_relaxed);
     });
     return whole ? unfinished.load() : std::max<std::size_t>(unfinished, 1);
   }
@@ -93,7 +114,9 @@ class CpuCaster final : public Caster {
   void resolve(const CastBackground& background, const CastPixels& out) override {
     const Tables tables = TableStore::host().view();
     for_each_ray(0, rays_.size(), {}, [&](const CastLine& line, CastRay& ray) {
-      write_pixel(ray, line, camera_.tone, tile_, background, tables, std::size_t(&ray - rays_.data()), out);
+      const std::size_t i = std::size_t(&ray - rays_.data());
+      const CastRay lit = lights_.empty() ? ray : lit_ray(ray, lights_.data(), tile_, lighting_, i);
+      write_pixel(lit, line, camera_.tone, tile_, background, tables, i, out);
     });
   }
 
@@ -130,6 +153,8 @@ class CpuCaster final : public Caster {
   CastCamera camera_;
   CastTile tile_;
   std::vector<CastRay> rays_;
+  CastLighting lighting_;
+  std::vector<PixelLight> lights_;  ///< of the tile's pixels; empty: they are not lit
 };
 
 }  // namespace

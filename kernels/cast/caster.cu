@@ -4,6 +4,7 @@
 
 #include "kernels/cast/brick_pool.cuh"
 #include "kernels/cast/caster.h"
+#include "kernels/cast/light_passes.cuh"
 #include "kernels/cast/ray_rounds.cuh"
 #include "kernels/cast/tile_grid.cuh"
 #include "kernels/cuda/input.cuh"
@@ -68,6 +69,7 @@ class CudaCaster final : public Caster {
         count_(heap_, 1),
         unfinished_(heap_, 1),
         rounds_(heap_, stream_.handle),
+        light_(heap_, stream_.handle),
         scene_(scene) {
     scene_.cells = {cells_.data(), cells_.size()};
     scene_.column_key = {column_key_.data(), column_key_.size()};
@@ -109,6 +111,7 @@ class CudaCaster final : public Caster {
     use_device();
     camera_ = camera;
     tile_ = tile;
+    is_lit_ = false;
     const std::size_t rays = ray_count();
     if (rays_.size() < rays) rays_ = DeviceArray<CastRay>(heap_, rays);
     start_rays<<<grid_of_tile(tile), tile_threads, 0, stream_.handle>>>(scene_, camera, tile, rays_.data());
@@ -122,6 +125,23 @@ class CudaCaster final : public Caster {
     ++scene_.pass;
     unfinished_.clear_to_zero();
     rounds_.cast({scene_, camera_, tile_, rays_.data(), patient, unfinished_.data()}, begin, end);
+    unsigned long long unfinished = 0;
+    download(&unfinished, unfinished_.data(), 1);
+    return std::size_t(unfinished);
+  }
+
+  void start_light(const CastLighting& lighting) override {
+    use_device();
+    is_lit_ = true;
+    light_.start(lighting, ray_count());
+  }
+
+  std::size_t cast_light(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
+    if (stop && stop()) return end - begin;
+    use_device();
+    ++scene_.pass;
+    unfinished_.clear_to_zero();
+    light_.cast({scene_, camera_, tile_, rays_.data(), patient, unfinished_.data()}, begin, end);
     unsigned long long unfinished = 0;
     download(&unfinished, unfinished_.data(), 1);
     return std::size_t(unfinished);
@@ -150,8 +170,9 @@ class CudaCaster final : public Caster {
     const std::size_t rays = ray_count();
     const CastPixels here{room_for(out.srgb, srgb_, 4 * rays), room_for(out.linear, linear_, 4 * rays),
                           room_for(out.depth, depth_, rays)};
-    write_pixels<<<grid_of_tile(tile_), tile_threads, 0, stream_.handle>>>(scene_, camera_, tile_, rays_.data(),
-                                                                           background, tables_.view(), here);
+    const CastRay* shown = is_lit_ ? light_.lit(rays_.data(), tile_) : rays_.data();
+    write_pixels<<<grid_of_tile(tile_), tile_threads, 0, stream_.handle>>>(scene_, camera_, tile_, shown, background,
+                                                                           tables_.view(), here);
     check_launch("write_pixels");
     if (out.srgb != nullptr) download(out.srgb, here.srgb, 4 * rays);
     if (out.linear != nullptr) download(out.linear, here.linear, 4 * rays);
@@ -229,6 +250,8 @@ class CudaCaster final : public Caster {
   DeviceArray<std::uint32_t> tile_used_, slot_used_, wanted_, want_list_, count_;
   DeviceArray<unsigned long long> unfinished_;
   RayRounds rounds_;
+  LightPasses light_;
+  bool is_lit_ = false;
   CastScene scene_;
   CastCamera camera_;
   CastTile tile_;

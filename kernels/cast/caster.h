@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "kernels/cast/cast.h"
+#include "kernels/cast/lighting.h"
 #include "kernels/cast/pixel.h"
 #include "lattice/thread_pool.h"
 
@@ -66,6 +67,14 @@ class Caster {
   /// patient ones stop at what is not here, others end. Where `stop` ends the pass early, rays that it has not reached
   /// stay as they were, the result is above 0, and another pass goes on with the same bits.
   virtual std::size_t cast(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) = 0;
+
+  /// Starts rays to the light from what the tile's rays met, which are all finished and brought back surface's own
+  /// colours. Pixels are then lit by it. Range  the tile begins at multiples of light_block.
+  virtual void start_light(const CastLighting& lighting) = 0;
+
+  /// One pass of those rays, as cast(): of pixels [begin, end). Returns for how many pixels some still are not
+  /// finished.
+  virtual std::size_t cast_light(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) = 0;
 
   /// What rays of the last pass missed: 2·node + Want, in no order.
   virtual std::vector<std::uint32_t> wanted() = 0;

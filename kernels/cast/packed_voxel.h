@@ -12,7 +12,7 @@ namespace gigabake::kernels {
 /// where its surface lies.
 struct CastVoxel {
   std::uint16_t c[6] = {};
-  std::int8_t normal[3] = {};  ///< where it meets the octahedron |x| + |y| + |z| = 127; 0 without a plane
+  std::int8_t normal[3] = {};  ///< where it meets the octahedron |x| + |y| + |z| = 127; 0, 0, 0: there is none
   std::uint8_t plane = 0;      ///< kernels/body/plane.h, 0: none; or clear_plane
 };
 /// Instead of a plane, at lod 0: the voxel lets light through.
@@ -27,14 +27,17 @@ inline constexpr int cast_channels = 6;
 struct PackedVoxel {
   std::uint32_t word[3];
 };
+inline constexpr std::int8_t no_normal = -128;  ///< as x, which a normal does not have
 
-/// Range  coverages are multiples of 257; the normal lies on the octahedron, or there is no plane.
+/// Range  coverages are multiples of 257; the normal lies on the octahedron, or there is none.
 /// Exact  unpack_voxel() returns the same voxel.
 GB_HD PackedVoxel pack_voxel(const CastVoxel& voxel) {
   const std::uint32_t behind = voxel.normal[2] < 0 ? 1 : 0;
+  const bool has_normal = (voxel.normal[0] | voxel.normal[1] | voxel.normal[2]) != 0;
+  const std::int8_t x = has_normal ? voxel.normal[0] : no_normal;
   return {{std::uint32_t(voxel.c[0]) | std::uint32_t(voxel.c[1]) << 16,
            std::uint32_t(voxel.c[2]) | std::uint32_t(voxel.c[3] / 257) << 16 | std::uint32_t(voxel.c[4] / 257) << 24,
-           std::uint32_t(voxel.c[5] / 257) | std::uint32_t(std::uint8_t(voxel.normal[0])) << 8 |
+           std::uint32_t(voxel.c[5] / 257) | std::uint32_t(std::uint8_t(x)) << 8 |
                std::uint32_t(std::uint8_t(voxel.normal[1])) << 16 | std::uint32_t(voxel.plane) << 24 | behind << 31}};
 }
 
@@ -50,8 +53,8 @@ GB_HD CastVoxel unpack_voxel(const PackedVoxel& packed) {
   voxel.c[2] = std::uint16_t(packed.word[1] & 65535);
   for (int a = 0; a < 3; ++a) voxel.c[3 + a] = std::uint16_t(coverage_along(packed, a));
   voxel.plane = std::uint8_t(packed.word[2] >> 24 & 127);
-  if (voxel.plane == 0) return voxel;
   const int x = std::int8_t(packed.word[2] >> 8 & 255), y = std::int8_t(packed.word[2] >> 16 & 255);
+  if (x == no_normal) return voxel;
   const int z = 127 - (x < 0 ? -x : x) - (y < 0 ? -y : y);
   voxel.normal[0] = std::int8_t(x);
   voxel.normal[1] = std::int8_t(y);

@@ -102,7 +102,7 @@ GB_HD CastPane pane_at(const CastCorners& corners, const double direction[3]) {
     const float weight = corners.weight(c);
     there += weight;
     hidden += weight * voxel.c[3];
-    across += weight * length_along(direction, to);
+    across += weight * (voxel.plane == 0 ? 1 : length_along(direction, to));
   }
   return there > 0 ? CastPane{hidden / (there * 65535), across / there} : CastPane{};
 }

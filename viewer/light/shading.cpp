@@ -53,7 +53,6 @@ kernels::CastVoxel Shading::operator()(int lod, const std::uint8_t rgba[4], cons
   if (!has_normals_) return voxel;
   if (facing != nullptr) voxel.plane = facing[facing_plane];
   if (lod == 0 && rgba[3] < 255) voxel.plane = kernels::clear_plane;
-  if (voxel.plane == 0) return voxel;
   const kernels::OctahedronPoint n = kernels::octahedron_point(normal);
   for (int a = 0; a < 3; ++a) voxel.normal[a] = std::int8_t(n.c[a]);
   return voxel;

@@ -1,6 +1,7 @@
 #include "viewer/light/sky.h"
 
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "kernels/body/tables.h"
@@ -10,44 +11,125 @@ namespace {
 
 constexpr std::array<float, 3> horizon{0.60f, 0.70f, 0.80f}, zenith{0.13f, 0.29f, 0.60f}, nadir{0.28f, 0.34f, 0.40f};
 constexpr float knee = 0.6f;
-constexpr double sun_azimuth_deg = 225, sun_elevation_deg = 42;
+
+/// How bright the sky is with a sun so high, of what it is in the afternoon.
+struct SkyBrightness {
+  double elevation_deg;
+  float share;
+};
+constexpr SkyBrightness sky_brightness[] = {{-18, 0.01f}, {-12, 0.03f}, {-6, 0.1f}, {0, 0.4f}, {15, 0.75f}, {42, 1}};
+
+float share_of_sky(double elevation_deg) {
+  const SkyBrightness* above = std::begin(sky_brightness);
+  while (above != std::end(sky_brightness) && above->elevation_deg < elevation_deg) ++above;
+  if (above == std::begin(sky_brightness)) return above->share;
+  const SkyBrightness& below = above[-1];
+  if (above == std::end(sky_brightness)) return below.share;
+  const auto part = float((elevation_deg - below.elevation_deg) / (above->elevation_deg - below.elevation_deg));
+  return below.share + (above->share - below.share) * part;
+}
+
+/// How much more air light passes than from straight above. Source  Kasten and Young 1989.
+double air_mass(double elevation_deg) {
+  return 1 / (std::sin(elevation_deg * std::numbers::pi / 180) + 0.50572 * std::pow(elevation_deg + 6.07995, -1.6364));
+}
+
+/// What the air leaves of the sun's red, green and blue, of what it leaves in the afternoon: clear air takes so much of
+/// each from straight above.
+std::array<float, 3> share_of_sun(double elevation_deg) {
+  if (elevation_deg <= 0) return {0, 0, 0};
+  constexpr std::array<double, 3> taken{0.09, 0.16, 0.30};
+  const double more = air_mass(elevation_deg) - air_mass(SunDirection{}.elevation_deg);
+  std::array<float, 3> share;
+  for (std::size_t k = 0; k < 3; ++k) share[k] = float(std::exp(-taken[k] * more));
+  return share;
+}
+
+/// Evenly over the upper half, in rings of equal height. Pixels that lie far apart in their block have directions of
+/// neighbouring rings; the rays of one pixel go to opposite sides.
+void set_sky_directions(float sky[kernels::sky_directions][3]) {
+  constexpr int sides = 4, rings = kernels::sky_directions / sides;
+  for (int n = 0; n < kernels::sky_directions; ++n) {
+    const int rank = n / kernels::sky_rays, ray = n % kernels::sky_rays;
+    const int ring = (rank / (sides / kernels::sky_rays) + rings / kernels::sky_rays * ray) % rings;
+    const int side = sides / kernels::sky_rays * ray + rank % (sides / kernels::sky_rays);
+    const double z = (ring + 0.5) / rings, level = std::sqrt(1 - z * z);
+    const double turn = 2 * std::numbers::pi * (side + (ring * 3 % rings + 0.5) / rings) / sides;
+    sky[n][0] = float(std::cos(turn) * level);
+    sky[n][1] = float(std::sin(turn) * level);
+    sky[n][2] = float(z);
+  }
+}
+
+/// Cones to the sky are a voxel of lod 1 wide so many voxels from their tips. Wider ones see more surface than there is
+/// (docs/lab/frames.md).
+constexpr double sky_lod1 = 16;
+
+/// Evenly over the disc, along a spiral. Source  Vogel 1979, "A better way to construct the sunflower head".
+void set_sun_directions(const SunDirection& sun, double radius_deg,
+                        float out[kernels::light_block * kernels::light_block][3]) {
+  constexpr int points = kernels::light_block * kernels::light_block;
+  const std::array<double, 3> east = to_sun({sun.azimuth_deg + 90, 0}), to = to_sun(sun);
+  const std::array<double, 3> up = to_sun({sun.azimuth_deg + 180, 90 - sun.elevation_deg});
+  for (int n = 0; n < points; ++n) {
+    const double radius = std::tan(radius_deg * std::numbers::pi / 180) * std::sqrt((n + 0.5) / points);
+    const double turn = n * std::numbers::pi * (3 - std::sqrt(5.0)), length = std::hypot(1, radius);
+    for (std::size_t a = 0; a < 3; ++a)
+      out[n][a] = float((to[a] + radius * (std::cos(turn) * east[a] + std::sin(turn) * up[a])) / length);
+  }
+}
 
 }  // namespace
 
-kernels::CastLight afternoon_light() {
-  const double degree = std::numbers::pi / 180;
-  const double azimuth = sun_azimuth_deg * degree, elevation = sun_elevation_deg * degree;
+kernels::CastLight daylight(const SunDirection& sun) {
+  const std::array<double, 3> to = to_sun(sun);
+  const std::array<float, 3> of_sun = share_of_sun(sun.elevation_deg);
+  const float of_sky = share_of_sky(sun.elevation_deg);
+  const std::array<float, 3> rgb{1.06f, 1.00f, 0.90f}, sky{0.30f, 0.35f, 0.44f}, ground{0.12f, 0.11f, 0.10f};
   kernels::CastLight light;
-  light.to_sun[0] = float(std::sin(azimuth) * std::cos(elevation));
-  light.to_sun[1] = float(std::cos(azimuth) * std::cos(elevation));
-  light.to_sun[2] = float(std::sin(elevation));
-  const std::array<float, 3> sun{1.06f, 1.00f, 0.90f}, sky{0.30f, 0.35f, 0.44f}, ground{0.12f, 0.11f, 0.10f};
-  for (int k = 0; k < 3; ++k) {
-    light.sun[k] = sun[std::size_t(k)];
-    light.sky[k] = sky[std::size_t(k)];
-    light.ground[k] = ground[std::size_t(k)];
+  for (std::size_t k = 0; k < 3; ++k) {
+    light.to_sun[k] = float(to[k]);
+    light.sun[k] = rgb[k] * of_sun[k];
+    light.sky[k] = sky[k] * of_sky;
+    light.ground[k] = ground[k] * of_sky;
   }
   return light;
 }
 
-kernels::CastHaze air(double visibility_m, double voxel_size_m) {
+kernels::CastLight afternoon_light() { return daylight({}); }
+
+kernels::CastLighting lighting(const SunDirection& sun, kernels::CastLightPart part, const kernels::CastHaze& haze,
+                               double radius_deg) {
+  kernels::CastLighting out;
+  out.light = daylight(sun);
+  out.part = part;
+  out.haze = haze;
+  out.sun_lod1 = 1 / std::tan(radius_deg * std::numbers::pi / 180);
+  out.sky_lod1 = sky_lod1;
+  set_sun_directions(sun, radius_deg, out.sun);
+  set_sky_directions(out.sky);
+  return out;
+}
+
+kernels::CastHaze air(double visibility_m, double voxel_size_m, const SunDirection& sun) {
   kernels::CastHaze haze;
-  for (int k = 0; k < 3; ++k) haze.rgb[k] = horizon[std::size_t(k)];
+  for (std::size_t k = 0; k < 3; ++k) haze.rgb[k] = horizon[k] * share_of_sky(sun.elevation_deg);
   haze.per_voxel = float(std::log(20.0) * voxel_size_m / visibility_m);
   return haze;
 }
 
 kernels::CastTone screen_tone(double stops) { return {float(std::exp2(stops)), knee}; }
 
-kernels::CastBackground to_cast(const Background& background) {
+kernels::CastBackground to_cast(const Background& background, const SunDirection& sun) {
+  const float of_sky = share_of_sky(sun.elevation_deg);
   kernels::CastBackground out;
   out.has_sky = background.sky;
   out.alpha = float(background.rgba[3]) / 255;
   const kernels::Tables tables = kernels::TableStore::host().view();
   for (std::size_t k = 0; k < 3; ++k) {
-    out.sky.horizon[k] = horizon[k];
-    out.sky.zenith[k] = zenith[k];
-    out.sky.nadir[k] = nadir[k];
+    out.sky.horizon[k] = horizon[k] * of_sky;
+    out.sky.zenith[k] = zenith[k] * of_sky;
+    out.sky.nadir[k] = nadir[k] * of_sky;
     out.rgb[k] = float(tables.linear_from_srgb[background.rgba[k]]) / 65535 * out.alpha;
   }
   return out;

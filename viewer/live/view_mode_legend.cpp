@@ -19,6 +19,12 @@ std::string view_mode_legend(ViewMode mode) {
       return "one colour for each cell, that is for each shard; neighbours may share one";
     case ViewMode::requests:
       return "red where finer voxels were asked for and are not here yet, green where all is";
+    case ViewMode::sun:
+      return "what the sun alone lights, with the shadows that surfaces cast";
+    case ViewMode::sky:
+      return "what the sky alone lights, as much of it as a surface sees, and the surface that stands before it";
+    case ViewMode::shadow:
+      return "how much of the sun a surface sees: white all of it, black none";
   }
   return "";
 }

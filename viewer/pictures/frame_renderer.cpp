@@ -1,5 +1,6 @@
 #include "viewer/pictures/frame_renderer.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -39,25 +40,49 @@ constexpr std::uint64_t pages_over = 4;
 /// What a mode needs of the pools' bricks.
 struct Filling {
   Surface surface;
-  bool lit;
-  bool cells_alone = false;  ///< a tree to each cell
+  std::optional<SunDirection> lit_by = {};  ///< voxels are lit as they are put in; else they have their own colours
+  bool cells_alone = false;                 ///< a tree to each cell
   friend bool operator==(const Filling&, const Filling&) = default;
 };
 
-Filling filling_of(ViewMode mode) {
-  switch (mode) {
-    case ViewMode::albedo:
-      return {Surface::colour, false};
-    case ViewMode::normal:
-      return {Surface::normal, false};
-    case ViewMode::coverage:
-      return {Surface::coverage, false};
-    case ViewMode::cell:
-      return {Surface::colour, true, true};
+/// Which part of the light pixels are lit by, once it is known what stands in it; nothing where voxels are lit as if
+/// nothing did, or not at all.
+std::optional<kernels::CastLightPart> light_part_of(const View& view) {
+  switch (view.mode) {
+    case ViewMode::lit:
+      if (view.shadows == Shadows::off) return {};
+      return kernels::CastLightPart::all;
+    case ViewMode::sun:
+      return kernels::CastLightPart::sun;
+    case ViewMode::sky:
+      return kernels::CastLightPart::sky;
+    case ViewMode::shadow:
+      return kernels::CastLightPart::shadow;
     default:
-      return {Surface::colour, true};
+      return {};
   }
 }
+
+Filling filling_of(const View& view) {
+  if (light_part_of(view)) return {Surface::colour};
+  switch (view.mode) {
+    case ViewMode::albedo:
+      return {Surface::colour};
+    case ViewMode::normal:
+      return {Surface::normal};
+    case ViewMode::coverage:
+      return {Surface::coverage};
+    case ViewMode::cell:
+      return {Surface::colour, SunDirection{}, true};
+    case ViewMode::lit:
+      return {Surface::colour, view.sun};
+    default:
+      return {Surface::colour, SunDirection{}};
+  }
+}
+
+/// Modes that show light, as bright as it is.
+bool shows_light(ViewMode mode) { return mode == ViewMode::lit || mode == ViewMode::sun || mode == ViewMode::sky; }
 
 kernels::CastPaint paint_of(ViewMode mode) {
   switch (mode) {
@@ -76,7 +101,7 @@ bool same_picture(const View& a, const View& b) {
   const CameraOptions &c = a.camera, &d = b.camera;
   return a.mode == b.mode && c.eye_m == d.eye_m && c.target_m == d.target_m && c.up == d.up &&
          c.fovy_deg == d.fovy_deg && c.width == d.width && c.height == d.height && c.pixel_error == d.pixel_error &&
-         c.eye_m.has_value();
+         a.sun == b.sun && a.shadows == b.shadows && c.eye_m.has_value();
 }
 
 }  // namespace
@@ -105,7 +130,7 @@ struct FrameRenderer::State {
         scene(std::move(opened)),
         policy(threads_of(wishes)),
         source(pages ? pages : pages_from_files(scene, files_opened)) {
-    fill(filling_of(ViewMode::lit));
+    fill(filling_of({}));
   }
 
   static int threads_of(const Options& wishes) {
@@ -118,7 +143,7 @@ struct FrameRenderer::State {
     if (stream && wish == filling) return;
     filling = wish;
     stream.reset();  // before the next takes its memory
-    SceneStream::Options wishes{wish.lit ? afternoon_light() : kernels::unlit(),
+    SceneStream::Options wishes{wish.lit_by ? daylight(*wish.lit_by) : kernels::unlit(),
                                 wish.surface,
                                 options.memory_bytes,
                                 policy.threads(),
@@ -153,11 +178,21 @@ struct FrameRenderer::State {
 
   kernels::CastCamera camera_of(const View& view) const {
     kernels::CastCamera camera = make_camera(view.camera, *scene, source);
-    if (view.mode == ViewMode::lit) camera.tone = screen_tone(options.exposure_stops);
-    if (view.background.sky && view.mode == ViewMode::lit)
-      camera.haze = air(options.haze_visibility_m, scene->header().voxel_size_m);
+    if (shows_light(view.mode)) camera.tone = screen_tone(options.exposure_stops);
+    if (!light_part_of(view)) camera.haze = haze_of(view);
     camera.paint = paint_of(view.mode);
     return camera;
+  }
+
+  kernels::CastHaze haze_of(const View& view) const {
+    if (!view.background.sky || view.mode != ViewMode::lit) return {};
+    return air(options.haze_visibility_m, scene->header().voxel_size_m, view.sun);
+  }
+
+  PictureLook look_of(const View& view) const {
+    PictureLook look{to_cast(view.background, shows_light(view.mode) ? view.sun : SunDirection{})};
+    if (const auto part = light_part_of(view)) look.lighting = lighting(view.sun, *part, haze_of(view));
+    return look;
   }
 
   void tell(FrameStats& stats) const {
@@ -210,9 +245,34 @@ struct FrameRenderer::State {
     }
     if (waiting > 0) caster.cast(0, rays, false, limits.stop);
     wanted = waiting > 0 ? caster.wanted() : std::vector<std::uint32_t>();
-    picture = blank.get();
-    caster.resolve(to_cast(view.background), pixels_of(picture));
+    const PictureLook look = look_of(view);
     was_complete = waiting == 0;
+    if (look.lighting) cast_light(*look.lighting, camera, limits);
+    picture = blank.get();
+    caster.resolve(look.background, pixels_of(picture));
+  }
+
+  /// As cast(), from what its rays met.
+  void cast_light(const kernels::CastLighting& lighting, const kernels::CastCamera& camera,
+                  const SketchLimits& limits) {
+    kernels::Caster& caster = stream->caster();
+    const std::size_t pixels = std::size_t(camera.width) * std::size_t(camera.height);
+    caster.start_light(lighting);
+    const std::vector<std::uint32_t> wanted_before = wanted;
+    std::size_t waiting = was_complete ? caster.cast_light(0, pixels, true, limits.stop) : pixels;
+    while (was_complete && waiting > 0 && !starved && upload_s < limits.upload_s && !is_asked(limits.stop)) {
+      wanted = caster.wanted();
+      put_in_wanted(camera, limits);
+      if (!put_in) break;
+      waiting = caster.cast_light(0, pixels, true, limits.stop);
+    }
+    if (waiting == 0) return;
+    caster.cast_light(0, pixels, false, limits.stop);
+    was_complete = false;
+    wanted = caster.wanted();
+    wanted.insert(wanted.end(), wanted_before.begin(), wanted_before.end());
+    std::sort(wanted.begin(), wanted.end());
+    wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
   }
 
   /// One pass of rays over what is here and comes in.
@@ -236,7 +296,7 @@ struct FrameRenderer::State {
   }
 
   void show(const View& view) {
-    fill(filling_of(view.mode));
+    fill(filling_of(view));
     look_at(view);
   }
 };
@@ -307,8 +367,9 @@ void FrameRenderer::go_on(FrameInTiles& frame, const kernels::StopAsked& enough,
   s.wanted.clear();
   const std::uint64_t uploads_before = s.stream->uploads();
   const kernels::CastCamera camera = s.camera_of(frame.view);
+  const PictureLook look = s.look_of(frame.view);
   while (!frame.is_complete()) {
-    if (!render_tile(*s.stream, camera, frame.tiles[frame.done], frame.view.background, stop, frame.picture)) break;
+    if (!render_tile(*s.stream, camera, frame.tiles[frame.done], look, stop, frame.picture)) break;
     ++frame.done;
     if (enough && enough()) break;
   }

@@ -33,11 +33,23 @@ enum class ViewMode : std::uint8_t {
   lod,       ///< one colour a level
   cell,      ///< one colour a cell
   requests,  ///< red where something finer was asked for, green elsewhere
+  sun,       ///< what the sun alone lights, with shadows
+  sky,       ///< what the sky alone lights, as much of it as is seen
+  shadow,    ///< how much of the sun is seen: white all of it
 };
+
+/// Whether surfaces stand in each other's light, in ViewMode::lit.
+enum class Shadows : std::uint8_t { off, on };
+
+template <>
+constexpr auto names_of<Shadows>() {
+  return std::to_array<std::string_view>({"off", "on"});
+}
 
 template <>
 constexpr auto names_of<ViewMode>() {
-  return std::to_array<std::string_view>({"lit", "albedo", "normal", "coverage", "lod", "cell", "requests"});
+  return std::to_array<std::string_view>(
+      {"lit", "albedo", "normal", "coverage", "lod", "cell", "requests", "sun", "sky", "shadow"});
 }
 
 struct View {
@@ -45,6 +57,8 @@ struct View {
   ViewMode mode = ViewMode::lit;
   Background background;
   PictureLight light = PictureLight::srgb;
+  SunDirection sun = {};
+  Shadows shadows = Shadows::off;
 };
 
 struct FrameStats {

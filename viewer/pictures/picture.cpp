@@ -23,28 +23,42 @@ bool wait_for_pages(SceneStream& stream, const SceneStream::Served& served, cons
   return true;
 }
 
-/// Casts the tile's rays until each is finished, putting in what they miss in between. Where the pools do not hold what
-/// they use together, fewer at a time. False where `stop` ended it.
-bool finish_rays(SceneStream& stream, const kernels::CastCamera& camera, const kernels::CastTile& tile,
-                 const kernels::StopAsked& stop) {
-  kernels::Caster& caster = stream.caster();
-  caster.start(camera, tile);
-  const std::size_t rays = std::size_t(tile.width) * std::size_t(tile.height);
-  for (std::size_t begin = 0, many = rays; begin < rays;) {
-    const std::size_t end = std::min(begin + many, rays);
-    const std::size_t waiting = caster.cast(begin, end, true, stop);
+/// Goes on with the rays of `count` pixels until each is finished, putting in what they miss in between. Where the
+/// pools do not hold what they use together, fewer at a time. cast: one pass over pixels [begin, end), as
+/// Caster::cast(). False where `stop` ended it.
+template <class Cast>
+bool finish_rays(SceneStream& stream, const double eye[3], std::size_t count, const kernels::StopAsked& stop,
+                 const Cast& cast) {
+  for (std::size_t begin = 0, many = count; begin < count;) {
+    const std::size_t end = std::min(begin + many, count);
+    const std::size_t waiting = cast(begin, end);
     if (stop && stop()) return false;
     if (waiting == 0) {
       begin = end;
       many *= 2;
       continue;
     }
-    const SceneStream::Served served = stream.serve(caster.wanted(), camera.eye, stop, {caster.pass(), false});
+    const SceneStream::Served served =
+        stream.serve(stream.caster().wanted(), eye, stop, {stream.caster().pass(), false});
     if (served.evicted_used && many > 1) many /= 2;
     if (!wait_for_pages(stream, served, stop)) return false;
     stream.begin_pass();
   }
   return true;
+}
+
+/// The tile's rays, and then those to the light. False where `stop` ended it.
+bool finish_tile(SceneStream& stream, const kernels::CastCamera& camera, const kernels::CastTile& tile,
+                 const std::optional<kernels::CastLighting>& lighting, const kernels::StopAsked& stop) {
+  kernels::Caster& caster = stream.caster();
+  const std::size_t pixels = std::size_t(tile.width) * std::size_t(tile.height);
+  caster.start(camera, tile);
+  const auto cast = [&](std::size_t begin, std::size_t end) { return caster.cast(begin, end, true, stop); };
+  if (!finish_rays(stream, camera.eye, pixels, stop, cast)) return false;
+  if (!lighting) return true;
+  caster.start_light(*lighting);
+  const auto cast_light = [&](std::size_t begin, std::size_t end) { return caster.cast_light(begin, end, true, stop); };
+  return finish_rays(stream, camera.eye, pixels, stop, cast_light);
 }
 
 /// The tile's rows into those of the whole picture.
@@ -124,22 +138,23 @@ std::vector<kernels::CastTile> tiles_of(int width, int height, int edge) {
 }
 
 bool render_tile(SceneStream& stream, const kernels::CastCamera& camera, const kernels::CastTile& tile,
-                 const Background& background, const kernels::StopAsked& stop, Picture& picture) {
-  if (!finish_rays(stream, camera, tile, stop)) return false;
+                 const PictureLook& look, const kernels::StopAsked& stop, Picture& picture) {
+  if (!finish_tile(stream, camera, tile, look.lighting, stop)) return false;
   Picture part =
       blank_picture(tile.width, tile.height, picture.linear.empty() ? PictureLight::srgb : PictureLight::linear_too);
-  stream.caster().resolve(to_cast(background), pixels_of(part));
+  stream.caster().resolve(look.background, pixels_of(part));
   put_rows(part.rgba, tile, camera.width, picture.rgba);
   put_rows(part.depth, tile, camera.width, picture.depth);
   put_rows(part.linear, tile, camera.width, picture.linear);
   return true;
 }
 
-Picture render(SceneStream& stream, const kernels::CastCamera& camera, const Background& background,
-               PictureLight light) {
+Picture render(SceneStream& stream, const kernels::CastCamera& camera, const Background& background, PictureLight light,
+               const std::optional<kernels::CastLighting>& lighting) {
+  const PictureLook look{to_cast(background), lighting};
   Picture picture = blank_picture(camera.width, camera.height, light);
   for (const kernels::CastTile& tile : tiles_of(camera.width, camera.height, stream.tile_edge()))
-    render_tile(stream, camera, tile, background, {}, picture);
+    render_tile(stream, camera, tile, look, {}, picture);
   return picture;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "kernels/cast/cast.h"
@@ -36,15 +37,21 @@ kernels::CastPixels pixels_of(Picture& picture);
 /// The tiles of a picture, from its middle outwards: what is looked at comes first.
 std::vector<kernels::CastTile> tiles_of(int width, int height, int edge);
 
+/// What a picture shows of light besides its rays' own.
+struct PictureLook {
+  kernels::CastBackground background;
+  std::optional<kernels::CastLighting> lighting = {};  ///< lights surface's own colours, which rays must bring back
+};
+
 /// The pixels of one tile, into the whole picture. False where `stop` ended it: nothing of it is written then.
 /// Exact   As render(), whatever tiles the picture has.
 bool render_tile(SceneStream& stream, const kernels::CastCamera& camera, const kernels::CastTile& tile,
-                 const Background& background, const kernels::StopAsked& stop, Picture& picture);
+                 const PictureLook& look, const kernels::StopAsked& stop, Picture& picture);
 
 /// Exact   The same bytes for any number of threads and any memory budget of `stream`. What is damaged is drawn as the
 ///         next coarser level that is not; see SceneStream::problems().
 /// Space   8 bytes a pixel, 24 with linear light, and `stream`.
 Picture render(SceneStream& stream, const kernels::CastCamera& camera, const Background& background,
-               PictureLight light = PictureLight::srgb);
+               PictureLight light = PictureLight::srgb, const std::optional<kernels::CastLighting>& lighting = {});
 
 }  // namespace gigabake

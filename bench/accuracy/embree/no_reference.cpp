@@ -18,6 +18,9 @@ const LatticeBox& ReferenceCaster::box() const { throw UsageError("bench accurac
 const SourceTriangles& ReferenceCaster::triangles() const { throw UsageError("bench accuracy: built without Embree"); }
 std::vector<TriangleName> ReferenceCaster::near(const std::array<double, 3>&, double) const { return {}; }
 LinearPicture ReferenceCaster::draw(const kernels::CastCamera&, int, const kernels::CastLight&) const { return {}; }
+LinearPicture ReferenceCaster::draw_shadowed(const kernels::CastCamera&, int, const kernels::CastLight&, double) const {
+  return {};
+}
 std::optional<double> ReferenceCaster::first_hit(const std::array<double, 3>&, const std::array<double, 3>&) const {
   return {};
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 
@@ -74,6 +75,48 @@ constexpr float apart = 1e-6f;
 /// Light that is left of a ray when what is behind no longer shows.
 constexpr float dark = 1e-4f;
 
+double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+Vector unit(const Vector& v) {
+  const double length = std::hypot(v[0], v[1], v[2]);
+  return {v[0] / length, v[1] / length, v[2] / length};
+}
+
+/// In the frame of which `axis`, a unit vector, is z.
+Vector around(const Vector& axis, double x, double y, double z) {
+  const Vector other = std::fabs(axis[0]) < 0.5 ? Vector{1, 0, 0} : Vector{0, 1, 0};
+  const Vector u = unit({axis[1] * other[2] - axis[2] * other[1], axis[2] * other[0] - axis[0] * other[2],
+                         axis[0] * other[1] - axis[1] * other[0]});
+  const Vector v{axis[1] * u[2] - axis[2] * u[1], axis[2] * u[0] - axis[0] * u[2], axis[0] * u[1] - axis[1] * u[0]};
+  Vector out;
+  for (std::size_t a = 0; a < 3; ++a) out[a] = x * u[a] + y * v[a] + z * axis[a];
+  return out;
+}
+
+/// Of the half sphere around `axis`, by the cosine. a, b: uniform in 0 … 1.
+Vector by_cosine(const Vector& axis, double a, double b) {
+  const double level = std::sqrt(a), turn = 2 * std::numbers::pi * b;
+  return around(axis, level * std::cos(turn), level * std::sin(turn), std::sqrt(1 - a));
+}
+
+/// A sun with a disc, and random numbers for one ray.
+struct SunAndSky {
+  kernels::CastLight light;
+  double radius = 0;  ///< tangent of the disc's half angle; 0: nothing stands in the light
+  std::uint64_t seed = 0;
+  mutable std::uint64_t next = 0;
+
+  double random() const { return uniform(seed, next++); }
+  Vector sun() const { return unit({light.to_sun[0], light.to_sun[1], light.to_sun[2]}); }
+  Vector point_of_sun() const {
+    const double level = radius * std::sqrt(random()), turn = 2 * std::numbers::pi * random();
+    return unit(around(sun(), level * std::cos(turn), level * std::sin(turn), 1));
+  }
+};
+
+/// Rays to light start so many voxels before the side of a triangle that is lit.
+constexpr double off_surface = 1e-3;
+
 }  // namespace
 
 struct ReferenceCaster::State {
@@ -117,42 +160,80 @@ struct ReferenceCaster::State {
     return hit.hit.geomID != RTC_INVALID_GEOMETRY_ID;
   }
 
-  std::array<float, 4> lit_colour(const RTCHit& hit, const kernels::CastLight& light) const {
+  /// What comes through of light on its way to a point.
+  float through(const Vector& origin, const Vector& direction) const {
+    double before_box = 0;
+    std::optional<RTCRayHit> hit = ray(origin, direction, before_box);
+    float left = 1;
+    while (hit && left > dark && next(*hit)) {
+      left *= 1 - triangles.colour({hit->hit.geomID, hit->hit.primID, hit->hit.u, hit->hit.v})[3];
+      hit->ray.tnear = hit->ray.tfar * (1 + apart) + apart;
+    }
+    return left;
+  }
+
+  std::array<float, 4> lit_colour(const RTCHit& hit, const Vector& at, const SunAndSky& from) const {
+    const kernels::CastLight& light = from.light;
     std::array<float, 4> c = triangles.colour({hit.geomID, hit.primID, hit.u, hit.v});
     const Vector n = triangles.outside(hit.geomID, hit.primID);
-    const double dot = n[0] * light.to_sun[0] + n[1] * light.to_sun[1] + n[2] * light.to_sun[2], up = (1 + n[2]) / 2;
+    double sun = std::max(dot(n, from.sun()), 0.0), up = (1 + n[2]) / 2;
+    if (from.radius > 0) {
+      Vector above;
+      for (std::size_t a = 0; a < 3; ++a) above[a] = at[a] + off_surface * n[a];
+      if (sun > 0) sun *= double(through(above, from.point_of_sun()));
+      const double a = from.random(), b = from.random();
+      const Vector to_sky = by_cosine(n, a, b);
+      up = to_sky[2] > 0 ? double(through(above, to_sky)) : 0;
+    }
     for (std::size_t k = 0; k < 3; ++k)
-      c[k] *= float(light.sun[k] * std::max(dot, 0.0) + light.sky[k] * up + light.ground[k] * (1 - up));
+      c[k] *= float(light.sun[k] * sun + light.sky[k] * up + light.ground[k] * (1 - up));
     return c;
   }
 
-  std::array<float, 4> radiance(const Vector& origin, const Vector& direction, const kernels::CastLight& light) const {
+  std::array<float, 4> radiance(const Vector& origin, const Vector& direction, const SunAndSky& from) const {
     std::array<float, 4> sum{};
     double before_box = 0;
     std::optional<RTCRayHit> hit = ray(origin, direction, before_box);
     while (hit && sum[3] < 1 - dark && next(*hit)) {
-      const std::array<float, 4> c = lit_colour(hit->hit, light);
-      const float through = 1 - sum[3];
-      for (std::size_t k = 0; k < 4; ++k) sum[k] += through * c[k];
+      Vector at;
+      for (std::size_t a = 0; a < 3; ++a) at[a] = origin[a] + direction[a] * (before_box + double(hit->ray.tfar));
+      const std::array<float, 4> c = lit_colour(hit->hit, at, from);
+      const float left = 1 - sum[3];
+      for (std::size_t k = 0; k < 4; ++k) sum[k] += left * c[k];
       hit->ray.tnear = hit->ray.tfar * (1 + apart) + apart;
     }
     return sum;
   }
 
-  std::array<float, 4> pixel(const kernels::CastCamera& camera, int x, int y, int grid,
-                             const kernels::CastLight& light) const {
+  std::array<float, 4> pixel(const kernels::CastCamera& camera, int x, int y, int grid, const SunAndSky& light) const {
     const std::uint64_t seed = std::uint64_t(y) << 32 | std::uint64_t(x);
     const Vector eye{camera.eye[0], camera.eye[1], camera.eye[2]};
     std::array<double, 4> sum{};
     for (int s = 0; s < grid * grid; ++s) {
       const double across = (s % grid + uniform(seed, 2 * std::uint64_t(s))) / grid,
                    down = (s / grid + uniform(seed, 2 * std::uint64_t(s) + 1)) / grid;
-      const std::array<float, 4> c = radiance(eye, direction_through(camera, x + across, y + down), light);
+      SunAndSky from = light;
+      from.seed = seed * 65537 + std::uint64_t(s) + 1;
+      const std::array<float, 4> c = radiance(eye, direction_through(camera, x + across, y + down), from);
       for (std::size_t k = 0; k < 4; ++k) sum[k] += c[k];
     }
     std::array<float, 4> mean;
     for (std::size_t k = 0; k < 4; ++k) mean[k] = float(sum[k] / (grid * grid));
     return mean;
+  }
+
+  LinearPicture picture(const kernels::CastCamera& camera, int samples, const SunAndSky& light) const {
+    const int grid = int(std::ceil(std::sqrt(double(samples)) - 1e-9));
+    LinearPicture drawn{camera.width, camera.height, {}};
+    drawn.rgba.resize(4 * drawn.pixels());
+    pool.parallel_for(drawn.pixels(), 64, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const auto width = std::size_t(camera.width);
+        const std::array<float, 4> c = pixel(camera, int(i % width), int(i / width), grid, light);
+        std::copy(c.begin(), c.end(), drawn.rgba.begin() + std::ptrdiff_t(4 * i));
+      }
+    });
+    return drawn;
   }
 };
 
@@ -186,17 +267,12 @@ std::vector<TriangleName> ReferenceCaster::near(const Vector& p, double radius) 
 
 LinearPicture ReferenceCaster::draw(const kernels::CastCamera& camera, int samples,
                                     const kernels::CastLight& light) const {
-  const int grid = int(std::ceil(std::sqrt(double(samples)) - 1e-9));
-  LinearPicture picture{camera.width, camera.height, {}};
-  picture.rgba.resize(4 * picture.pixels());
-  state_->pool.parallel_for(picture.pixels(), 64, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto width = std::size_t(camera.width);
-      const std::array<float, 4> c = state_->pixel(camera, int(i % width), int(i / width), grid, light);
-      std::copy(c.begin(), c.end(), picture.rgba.begin() + std::ptrdiff_t(4 * i));
-    }
-  });
-  return picture;
+  return state_->picture(camera, samples, {light});
+}
+
+LinearPicture ReferenceCaster::draw_shadowed(const kernels::CastCamera& camera, int samples,
+                                             const kernels::CastLight& light, double sun_radius_deg) const {
+  return state_->picture(camera, samples, {light, std::tan(sun_radius_deg * std::numbers::pi / 180)});
 }
 
 std::optional<double> ReferenceCaster::first_hit(const Vector& origin, const Vector& direction) const {

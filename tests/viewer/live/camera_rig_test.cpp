@@ -10,7 +10,7 @@ namespace {
 
 using Style = CameraRig::Style;
 
-const CameraPose home{{60, -80, 50}, {0, 0, 0}};
+const CameraPose rig_home{{60, -80, 50}, {0, 0, 0}};
 
 double apart_m(const Point<Scene>& a, const Point<Scene>& b) { return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z); }
 double apart_m(const CameraRig& rig) { return apart_m(rig.pose().eye_m, rig.pose().target_m); }
@@ -62,10 +62,10 @@ TEST(CameraRig, StaysSoundWhateverIsAskedOfIt) {
   for (unsigned seed = 1; seed <= 200; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937_64 random(seed);
-    CameraRig rig(home);
+    CameraRig rig(rig_home);
     for (int step = 0; step < 300; ++step) {
       do_something(rig, random);
-      ASSERT_NO_FATAL_FAILURE(expect_sound(rig, apart_m(home.eye_m, home.target_m), home.target_m));
+      ASSERT_NO_FATAL_FAILURE(expect_sound(rig, apart_m(rig_home.eye_m, rig_home.target_m), rig_home.target_m));
     }
   }
 }
@@ -90,7 +90,7 @@ TEST(CameraRig, GivesBackAPoseThatWasSet) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> anywhere(-100, 100);
   for (int i = 0; i < 1000; ++i) {
-    CameraRig rig(home);
+    CameraRig rig(rig_home);
     const CameraPose pose{{anywhere(random), anywhere(random), anywhere(random)},
                           {anywhere(random), anywhere(random), anywhere(random)}};
     if (steepness_deg(pose) > CameraRig::steepest_deg - 0.1) continue;
@@ -100,26 +100,26 @@ TEST(CameraRig, GivesBackAPoseThatWasSet) {
 }
 
 TEST(CameraRig, OrbitsAroundTheTargetAtOneDistance) {
-  CameraRig rig(home);
+  CameraRig rig(rig_home);
   const double before = apart_m(rig);
   for (int i = 0; i < 1000; ++i) rig.turn(0.013, i % 2 == 0 ? 0.05 : -0.049);
   EXPECT_EQ(rig.pose().target_m.z, rig.pose().target_m.z);
-  EXPECT_NEAR(apart_m(rig.pose().target_m, home.target_m), 0, 1e-6);
+  EXPECT_NEAR(apart_m(rig.pose().target_m, rig_home.target_m), 0, 1e-6);
   EXPECT_NEAR(apart_m(rig), before, 1e-6);
 }
 
 TEST(CameraRig, IsBackAfterAWholeTurn) {
-  CameraRig rig(home);
+  CameraRig rig(rig_home);
   for (int i = 0; i < 8; ++i) rig.turn(0.25, 0);
-  EXPECT_NEAR(apart_m(rig.pose().eye_m, home.eye_m), 0, 1e-9);
+  EXPECT_NEAR(apart_m(rig.pose().eye_m, rig_home.eye_m), 0, 1e-9);
 }
 
 TEST(CameraRig, LooksAroundFromWhereItStandsInFlight) {
-  CameraRig rig(home);
+  CameraRig rig(rig_home);
   rig.set_style(Style::fly);
   rig.turn(0.4, 0.1);
-  EXPECT_EQ(rig.pose().eye_m, home.eye_m);
-  EXPECT_GT(apart_m(rig.pose().target_m, home.target_m), 1);
+  EXPECT_EQ(rig.pose().eye_m, rig_home.eye_m);
+  EXPECT_GT(apart_m(rig.pose().target_m, rig_home.target_m), 1);
 }
 
 TEST(CameraRig, DraggingRightTurnsTheViewRightAndDraggingUpLowersTheOrbit) {
@@ -145,11 +145,11 @@ TEST(CameraRig, PanningKeepsWhatIsDraggedUnderTheMouse) {
 }
 
 TEST(CameraRig, ZoomingComesNearerByATenthANotch) {
-  CameraRig rig(home);
+  CameraRig rig(rig_home);
   const double before = apart_m(rig);
   rig.zoom(1);
   EXPECT_NEAR(apart_m(rig), before * 0.9, 1e-9);
-  EXPECT_NEAR(apart_m(rig.pose().target_m, home.target_m), 0, 1e-9);
+  EXPECT_NEAR(apart_m(rig.pose().target_m, rig_home.target_m), 0, 1e-9);
   rig.zoom(-1);
   EXPECT_NEAR(apart_m(rig), before, 1e-9);
 }
@@ -165,14 +165,14 @@ TEST(CameraRig, WalksAsFarAsSpeedAndTimeSayAndFasterInLargerScenes) {
 }
 
 TEST(CameraRig, APauseIsNoJump) {
-  CameraRig slow(home), paused(home);
+  CameraRig slow(rig_home), paused(rig_home);
   slow.walk(1, 0, 0, 0.25);
   paused.walk(1, 0, 0, 3600);
   EXPECT_EQ(slow.pose(), paused.pose());
 }
 
 TEST(CameraRig, StepsAddUpToTheSameWay) {
-  CameraRig fine(home), coarse(home);
+  CameraRig fine(rig_home), coarse(rig_home);
   for (int i = 0; i < 200; ++i) fine.walk(0.5, 0.3, 0.2, 0.001);
   coarse.walk(0.5, 0.3, 0.2, 0.2);
   EXPECT_NEAR(apart_m(fine.pose().eye_m, coarse.pose().eye_m), 0, 1e-6);

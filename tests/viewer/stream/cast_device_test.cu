@@ -19,18 +19,18 @@ std::optional<Paint> rough_ball(std::int64_t x, std::int64_t y, std::int64_t z) 
 }
 
 Picture draw(const VoxelScene& scene, const std::array<double, 3>& eye, std::uint64_t pool_bytes,
-             std::optional<int> device) {
+             std::optional<int> device, const std::optional<kernels::CastLighting>& light = {}) {
   const ThreadPool policy(2);
   SceneStream::Options options;
-  options.light = afternoon_light();
+  options.light = light ? kernels::unlit() : afternoon_light();
   options.memory_bytes = std::uint64_t(1) << 26;
   options.cuda_device = device;
   options.device_bytes = pool_bytes;
   SceneStream stream(scene.paged(), scene.pages(), options, policy);
   kernels::CastCamera camera = make_camera(view(eye, {30, 31, 29.5}, 200).camera, scene.paged(), scene.pages());
-  camera.haze = air(600, 1);
+  if (!light) camera.haze = air(600, 1);
   camera.tone = screen_tone(0.5);
-  return render(stream, camera, {}, PictureLight::linear_too);
+  return render(stream, camera, {}, PictureLight::linear_too, light);
 }
 
 TEST(CastOnDevice, ReturnsTheSameBitsAsOnTheHostForAnyPool) {
@@ -48,6 +48,23 @@ TEST(CastOnDevice, ReturnsTheSameBitsAsOnTheHostForAnyPool) {
       EXPECT_EQ(host.linear, device.linear) << pool;
     }
   }
+}
+
+TEST(CastOnDevice, ShadowsHaveTheSameBitsAsOnTheHostForAnyPool) {
+  const kernels::CudaDevices devices = kernels::cuda_devices();
+  if (devices.usable.empty()) GTEST_SKIP() << "no GPU: " << devices.reason;
+  VoxelScene scene(32);
+  scene.add_cells(rough_ball, {0, 0, 0}, 64);
+  for (const kernels::CastLightPart part : {kernels::CastLightPart::all, kernels::CastLightPart::shadow})
+    for (const std::array<double, 3>& eye : {std::array{120.0, -40.0, 80.0}, std::array{900.0, 700.0, 400.0}}) {
+      const kernels::CastLighting light = lighting({200, 30}, part, air(600, 1));
+      const Picture host = draw(scene, eye, 0, {}, light);
+      for (const std::uint64_t pool : {std::uint64_t(1) << 19, std::uint64_t(1) << 26}) {
+        const Picture device = draw(scene, eye, pool, devices.usable[0], light);
+        EXPECT_EQ(host.rgba, device.rgba) << pool;
+        EXPECT_EQ(host.linear, device.linear) << pool;
+      }
+    }
 }
 
 }  // namespace

@@ -1,0 +1,100 @@
+#include "bench/accuracy/light_bench.h"
+
+#include <algorithm>
+
+#include "lattice/error.h"
+#include "viewer/light/sky.h"
+#include "viewer/pictures/frame_renderer.h"
+#include "viewer/pictures/png.h"
+
+namespace gigabake::bench {
+namespace {
+
+constexpr int timed_frames = 3;  ///< the fastest counts
+
+View view_with(const AccuracyView& from, Shadows shadows) {
+  View view{from.camera, ViewMode::lit, {false, {0, 0, 0, 0}}};
+  view.shadows = shadows;
+  return view;
+}
+
+/// What a screen shows of light.
+LinearPicture on_screen(LinearPicture picture) {
+  const kernels::CastTone tone = screen_tone(FrameRenderer::Options().exposure_stops);
+  for (std::size_t i = 0; i < picture.pixels(); ++i) {
+    const float alpha = picture.alpha(i);
+    for (std::size_t k = 0; k < 3 && alpha > 0; ++k)
+      picture.rgba[4 * i + k] = alpha * kernels::shown_light(tone, picture.rgba[4 * i + k] / alpha);
+  }
+  return picture;
+}
+
+Picture timed_picture(FrameRenderer& renderer, const View& view, double& seconds) {
+  Picture picture = renderer.draw_exact(view).picture;
+  for (int i = 0; i < timed_frames; ++i) {
+    const double frame_s = renderer.draw_exact(view).stats.total_s;
+    seconds = i == 0 ? frame_s : std::min(seconds, frame_s);
+  }
+  return picture;
+}
+
+void write_pictures(const std::filesystem::path& out, const AccuracyView& view, const LinearPicture& reference,
+                    const Picture& picture) {
+  std::string name = view.name();
+  std::replace(name.begin(), name.end(), ' ', '-');
+  write_png(out / (name + ".png"), picture);
+  write_png(out / (name + "-reference.png"), to_srgb(reference));
+}
+
+/// renderers: with shadows and without, each with its pools full of its own voxels.
+LightRow look_at(const ReferenceCaster& caster, const AccuracyView& view, const AccuracyBenchRequest& request,
+                 FrameRenderer& with, FrameRenderer& without) {
+  const kernels::CastCamera camera = reference_camera(view.camera, request.scene.parameters);
+  const kernels::CastLight light = afternoon_light();
+  const LinearPicture reference = on_screen(caster.draw_shadowed(camera, request.samples, light, sun_radius_deg));
+  const LinearPicture unshadowed = on_screen(caster.draw(camera, request.samples, light));
+  LightRow row{view.name(), view.camera.width, view.camera.height};
+  const Picture lit = timed_picture(with, view_with(view, Shadows::on), row.frame_s);
+  const LinearPicture plain = to_linear(timed_picture(without, view_with(view, Shadows::off), row.frame_without_s));
+  row.flip = picture_error(reference, to_linear(lit)).flip;
+  row.flip_without = picture_error(reference, plain).flip;
+  row.flip_unshadowed = picture_error(unshadowed, plain).flip;
+  write_pictures(request.out, view, reference, lit);
+  return row;
+}
+
+double mean(const std::vector<LightRow>& rows, double LightRow::*figure) {
+  double sum = 0;
+  for (const LightRow& row : rows) sum += row.*figure;
+  return rows.empty() ? 0 : sum / double(rows.size());
+}
+
+}  // namespace
+
+double LightBench::mean_flip() const { return mean(rows, &LightRow::flip); }
+double LightBench::mean_flip_without() const { return mean(rows, &LightRow::flip_without); }
+double LightBench::mean_flip_unshadowed() const { return mean(rows, &LightRow::flip_unshadowed); }
+double LightBench::time_ratio() const {
+  return mean(rows, &LightRow::frame_s) / mean(rows, &LightRow::frame_without_s);
+}
+
+LightBench bench_light(const AccuracyBenchRequest& request, const AccuracyProgress& progress) {
+  const SceneSources sources = open_sources(request.scene.source, request.scene.source_options, request.scene.progress);
+  LightBench bench{
+      request.scene.source.string(), request.scene.parameters.voxel_size_m, request.samples, request.scene.threads, {}};
+  const ReferenceCaster caster(sources, request.scene.parameters, request.scene.threads);
+  progress("bake");
+  std::filesystem::remove_all(request.out / "shards");
+  bake_scene(sources, request.scene, choose_device({request.backend}).device, request.out);
+  FrameRenderer::Options options;
+  options.threads = request.scene.threads;
+  FrameRenderer with(request.out / "scene.xml", options), without(request.out / "scene.xml", options);
+  for (const AccuracyView& view : accuracy_views(caster, request.scene.parameters, request.width, request.height)) {
+    progress(view.name());
+    bench.rows.push_back(look_at(caster, view, request, with, without));
+  }
+  if (!with.problems().empty()) throw InputError(request.out, "", with.problems().front());
+  return bench;
+}
+
+}  // namespace gigabake::bench

@@ -1,0 +1,274 @@
+/// The light of a pixel: how much of the sun and of the sky its surface sees.
+///
+/// A pixel's surface is where half of its ray's light is gone. From there one cone goes to the sun and some to the sky.
+/// A cone is a ray as any other: its levels are those whose voxels are as wide as it, no finer than the pixel's own. It
+/// asks for what it misses, and sheets stop it. How wide a shadow's border is follows from how wide the voxels are that
+/// it passes.
+///
+/// What is no sky is other surface, which sends what the ground sends: so flat ground under an open sky has the light
+/// of shade_voxel(), and so has every slope.
+///
+/// Space   Lod-0 voxels of the scene's lattice; distances in them too.
+/// Exact   IEEE float and double, no transcendental functions: host and device return the same bits.
+/// Source  Crassin et al. 2011, "Interactive Indirect Illumination Using Voxel Cone Tracing".
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "kernels/cast/cast.h"
+#include "kernels/cast/lighting.h"
+#include "kernels/cast/pixel.h"
+#include "lattice/host_device.h"
+
+namespace gigabake::kernels {
+
+inline constexpr int light_rays = 1 + sky_rays;  ///< the sun's is the first
+
+/// What is known of the light at a pixel's surface.
+struct PixelLight {
+  float normal[3] = {0, 0, 1};  ///< of its surface, unit
+  float at[3] = {0, 0, 0};      ///< its place, from the eye
+  float depth = 0;
+  float facing = 0;             ///< mean cosine of the sun's direction and what faces it
+  float up = 1;                 ///< what of the sky it would see if nothing stood before it
+  float seen[light_rays] = {};  ///< by ray: what of the light comes through
+  std::int32_t lod = 0;         ///< the pixel's at that distance
+  std::uint32_t done = 0;       ///< bit r: ray r is finished; bit light_rays: the surface is known
+  bool has_surface = false;     ///< false: the ray lost less than half of its light
+
+  static constexpr std::uint32_t all = (2u << light_rays) - 1;
+  GB_HD bool has(int bit) const { return (done >> bit & 1) != 0; }
+};
+
+GB_HD int lod_at(const CastScene& scene, const CastLine& line, double distance) {
+  int lod = 0;
+  while (lod + 1 < scene.lods && distance >= lod_start(line, lod + 1)) ++lod;
+  return lod;
+}
+
+GB_HD float dot3(const float a[3], const float b[3]) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
+
+/// Sums over voxels, by how much of each is at a place.
+struct SurfaceSums {
+  float weight = 0, facing = 0, up = 0, normal[3] = {0, 0, 0};
+};
+
+/// The eight voxels around a point. One without a normal sees all of the sky, and no sun: as in shade_voxel().
+GB_HD void add_surface(const CastCorners& corners, const float to_sun[3], SurfaceSums& sums) {
+  GB_NO_UNROLL
+  for (int c = 0; c < 8; ++c) {
+    const CastVoxel voxel = corners.voxel(c);
+    const int covered = (voxel.c[3] + voxel.c[4]) + voxel.c[5];
+    if (covered == 0) continue;
+    const float by = corners.weight(c) * float(covered);
+    sums.weight += by;
+    float n[3] = {float(voxel.normal[0]), float(voxel.normal[1]), float(voxel.normal[2])};
+    const float squared = dot3(n, n);
+    if (!(squared > 0)) {
+      sums.up += by;
+      continue;
+    }
+    const float unit = 1 / std::sqrt(squared);
+    for (int a = 0; a < 3; ++a) {
+      n[a] *= unit;
+      sums.normal[a] += by * n[a];
+    }
+    const float cosine = dot3(n, to_sun);
+    if (cosine > 0) sums.facing += by * cosine;
+    sums.up += by * (0.5f + 0.5f * n[2]);
+  }
+}
+
+/// Where its voxels' normals cancel, or there are none, the surface faces the eye.
+GB_HD void set_surface(const SurfaceSums& sums, const CastLine& line, PixelLight& light) {
+  light.facing = sums.weight > 0 ? sums.facing / sums.weight : 0;
+  light.up = sums.weight > 0 ? sums.up / sums.weight : 1;
+  const float length = std::sqrt(dot3(sums.normal, sums.normal));
+  for (int a = 0; a < 3; ++a) light.normal[a] = length > 0 ? sums.normal[a] / length : -float(line.direction[a]);
+}
+
+/// What the pixel's finished ray met. Looked at there and half a voxel before and behind, as a sheet is. False: being
+/// patient, it waits for what is not here any more.
+GB_HD bool find_surface(const CastScene& scene, const CastLighting& lighting, const CastLine& line, bool patient,
+                        const CastRay& ray, PixelLight& light) {
+  light.has_surface = ray.depth != CastRay::no_depth;
+  if (!light.has_surface) return true;
+  light.depth = ray.depth;
+  light.lod = lod_at(scene, line, double(ray.depth));
+  CastPlace place;
+  CastPath path;
+  SurfaceSums sums;
+  GB_NO_UNROLL
+  for (int side = -1; side <= 1; ++side) {
+    double p[3];
+    set_point(line, double(ray.depth) + side * step_length(light.lod), p);
+    if (!place.contains(p)) place = locate(scene, light.lod, p, patient, place, path);
+    if (place.waits && patient) return false;
+    if (is_here(place.brick))
+      add_surface(corners_of(scene.brick(place.brick), point_in_brick(place, p)), lighting.light.to_sun, sums);
+  }
+  for (int a = 0; a < 3; ++a) light.at[a] = float(line.direction[a] * double(ray.depth));
+  set_surface(sums, line, light);
+  return true;
+}
+
+/// A ray to light starts so many voxels of the pixel's level above the surface, beyond what is interpolated around it.
+inline constexpr float light_clearance = 1.5f;
+/// Light that comes more along a surface than this lights next to nothing of it.
+inline constexpr float least_cosine = 1.0f / 32;
+
+/// Which way light comes to ray r of pixel (x, y) of the picture: from the part of the sun and of the sky that its
+/// place in its block looks at.
+GB_HD const float* light_direction(const CastLighting& lighting, int x, int y, int r) {
+  const int rank = int(dither_rank(std::uint32_t(x) % light_block, std::uint32_t(y) % light_block) / 4);
+  return r == 0 ? lighting.sun[rank] : lighting.sky[rank * sky_rays + r - 1];
+}
+
+/// Whether anything depends on what this ray sees.
+GB_HD bool lights_up(const PixelLight& light, const float direction[3], int r) {
+  if (!light.has_surface || !(direction[2] > 0)) return false;
+  return r == 0 ? light.facing > 0 : dot3(light.normal, direction) > least_cosine;
+}
+
+/// From the surface to a light. To the sun, which has an edge, it goes where it would go from the surface itself; what
+/// is left of the clearance, where light comes along the surface, is gone straight up.
+GB_HD CastLine line_to_light(const CastScene& scene, const CastCamera& camera, const PixelLight& light,
+                             const float direction[3], double lod1, bool is_sun) {
+  const float clearance = light_clearance * float(power_of_two(light.lod));
+  const float cosine = dot3(light.normal, direction);
+  const float along = !is_sun ? 0 : (cosine > 0.25f ? clearance / cosine : 4 * clearance);
+  const float left = clearance - (cosine > 0 ? along * cosine : 0), lift = left > 0 ? left : 0;
+  CastLine line;
+  line.enter = light.lod == 0 ? 0 : lod1 * power_of_two(light.lod - 1);
+  line.leave = double(far_voxel);
+  line.lod1_distance = lod1;
+  // Beyond its voxels only coarser levels have anything of the scene left, which stands in nobody's light.
+  const double border = 2 * power_of_two(light.lod);
+  for (int a = 0; a < 3; ++a) {
+    const double d = direction[a];
+    line.direction[a] = d;
+    line.inverse[a] = 1 / d;
+    line.across[a] = float(d < 0 ? -d : d);
+    // The cone's tip lies behind its start, where it is as wide as the pixel's voxels.
+    line.origin[a] =
+        camera.eye[a] + double(light.at[a]) + double(light.normal[a] * lift) + d * (double(along) - line.enter);
+    clip_to_box(line, a, scene.min[a] - border, scene.max[a] + border);
+  }
+  return line;
+}
+
+/// Casts ray r of a pixel whose surface is known, from its start, until it is finished or waits. On a device all lanes
+/// of a warp call this.
+GB_HD void cast_to_light(const CastScene& scene, const CastCamera& camera, const CastLighting& lighting, int x, int y,
+                         int r, bool patient, bool is_cast, PixelLight& light) {
+  const float* direction = light_direction(lighting, x, y, r);
+  is_cast = is_cast && light.has(light_rays) && !light.has(r);
+  const bool is_used = is_cast && lights_up(light, direction, r);
+  CastLine line{};
+  CastRay ray;
+  if (is_used) {
+    const bool is_sun = r == 0;
+    line = line_to_light(scene, camera, light, direction, is_sun ? lighting.sun_lod1 : lighting.sky_lod1, is_sun);
+    ray = start_ray(scene, line);
+  }
+  cast_ray(scene, camera, line, patient, is_used, ray);
+  if (!is_cast || ray.lod >= 0) return;
+  light.seen[r] = is_used ? ray.transmittance : 0;
+  light.done |= 1u << r;
+}
+
+/// As find_surface(), where it is not known.
+GB_HD void find_surface_once(const CastScene& scene, const CastLighting& lighting, const CastLine& line, bool patient,
+                             const CastRay& ray, PixelLight& light) {
+  if (!light.has(light_rays) && find_surface(scene, lighting, line, patient, ray, light))
+    light.done |= 1u << light_rays;
+}
+
+/// One pass over a pixel: what is known of its light afterwards is final.
+GB_HD void light_pixel(const CastScene& scene, const CastCamera& camera, const CastLighting& lighting,
+                       const CastLine& line, const CastRay& ray, int x, int y, bool patient, PixelLight& light) {
+  find_surface_once(scene, lighting, line, patient, ray, light);
+  for (int r = 0; r < light_rays; ++r) cast_to_light(scene, camera, lighting, x, y, r, patient, true, light);
+}
+
+/// Whether two pixels show one surface, so that they see the same sky.
+GB_HD bool is_same_surface(const PixelLight& a, const PixelLight& b) {
+  if (!b.has_surface || !(dot3(a.normal, b.normal) > 0.9f)) return false;
+  const float to[3] = {b.at[0] - a.at[0], b.at[1] - a.at[1], b.at[2] - a.at[2]};
+  const float above = dot3(a.normal, to);
+  return (above < 0 ? -above : above) <= 2 * float(power_of_two(a.lod));
+}
+
+/// The pixels that share their sky with pixel (x, y) of a tile: [min, max).
+struct LightBlock {
+  int x0, y0, x1, y1;
+};
+
+/// Range  the tile begins at a multiple of light_block in the picture.
+GB_HD LightBlock block_around(const CastTile& tile, int x, int y) {
+  const int x0 = x / light_block * light_block, y0 = y / light_block * light_block;
+  return {x0, y0, x0 + light_block < tile.width ? x0 + light_block : tile.width,
+          y0 + light_block < tile.height ? y0 + light_block : tile.height};
+}
+
+/// What of its sky a surface sees, by all the pixels of its block that show it.
+GB_HD float sky_seen(const PixelLight* lights, const CastTile& tile, const CastLighting& lighting, int x, int y,
+                     const PixelLight& own) {
+  const LightBlock block = block_around(tile, x, y);
+  float seen = 0, all = 0;
+  for (int j = block.y0; j < block.y1; ++j)
+    for (int i = block.x0; i < block.x1; ++i) {
+      const PixelLight& other = lights[std::size_t(j) * std::size_t(tile.width) + std::size_t(i)];
+      if (!is_same_surface(own, other)) continue;
+      for (int r = 1; r < light_rays; ++r) {
+        const float by = dot3(own.normal, light_direction(lighting, tile.x + i, tile.y + j, r));
+        if (!(by > least_cosine) ||
+            !(dot3(other.normal, light_direction(lighting, tile.x + i, tile.y + j, r)) > least_cosine))
+          continue;
+        seen += by * other.seen[r];
+        all += by;
+      }
+    }
+  return all > 0 ? seen / all : 1;
+}
+
+/// A pixel that shows little of a surface has the light of one beside it; else nothing stands in its light.
+GB_HD PixelLight light_beside(const PixelLight* lights, const CastTile& tile, const CastLighting& lighting, int x,
+                              int y) {
+  const LightBlock block = block_around(tile, x, y);
+  for (int j = block.y0; j < block.y1; ++j)
+    for (int i = block.x0; i < block.x1; ++i) {
+      const PixelLight& other = lights[std::size_t(j) * std::size_t(tile.width) + std::size_t(i)];
+      if (other.has_surface) return other;
+    }
+  PixelLight open;
+  open.facing = lighting.light.to_sun[2] > 0 ? lighting.light.to_sun[2] : 0;
+  open.seen[0] = 1;
+  return open;
+}
+
+/// The finished ray of pixel i of a tile, of whose surface it brought back the own colour, in its light. lights: of all
+/// pixels of the tile, finished.
+GB_HD CastRay lit_ray(const CastRay& ray, const PixelLight* lights, const CastTile& tile, const CastLighting& lighting,
+                      std::size_t i) {
+  const int x = int(i % std::size_t(tile.width)), y = int(i / std::size_t(tile.width));
+  CastRay lit = ray;
+  if (!(ray.transmittance < 1)) return lit;
+  const PixelLight own = lights[i].has_surface ? lights[i] : light_beside(lights, tile, lighting, x, y);
+  const float sun = own.facing * own.seen[0], open = own.up * sky_seen(lights, tile, lighting, x, y, own);
+  const float there = 1 - ray.transmittance;
+  const float through = exp_minus(own.depth * lighting.haze.per_voxel);
+  for (int k = 0; k < 3; ++k) {
+    const CastLight& light = lighting.light;
+    float irradiance = 0;
+    if (lighting.part != CastLightPart::sky) irradiance += light.sun[k] * sun;
+    if (lighting.part != CastLightPart::sun) irradiance += light.sky[k] * open + light.ground[k] * (1 - open);
+    const float radiance = lighting.part == CastLightPart::shadow ? there * own.seen[0] : ray.rgb[k] * irradiance;
+    lit.rgb[k] = radiance * through + lighting.haze.rgb[k] * (there * (1 - through));
+  }
+  return lit;
+}
+
+}  // namespace gigabake::kernels
