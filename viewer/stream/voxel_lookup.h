@@ -38,6 +38,7 @@ class VoxelLookup {
 
  private:
   const NodeRow* row(const PlacedShard& shard, std::uint32_t index, PageGaps& gaps) const;
+  bool lacks_row(const PlacedShard& shard, std::uint32_t index) const;
   bool is_occupied_below(const PlacedShard& shard, std::uint32_t row_index, int level, const std::int64_t corner[3],
                          int lod, const kernels::VoxelBox& box, PageGaps& gaps) const;
   bool may_be_occupied(const PlacedShard& shard, const kernels::VoxelBox& box, PageGaps& gaps) const;
