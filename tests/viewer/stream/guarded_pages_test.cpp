@@ -106,7 +106,9 @@ TEST(GuardedPages, OfALiarLeaveNoHoleInThePicture) {
       lie(key, page);
       return page;
     };
-    FrameRenderer renderer(scene.description(), "scene.xml", liar, {.threads = 2});
+    FrameRenderer::Options options;
+    options.threads = 2;
+    FrameRenderer renderer(scene.description(), "scene.xml", liar, options);
     const Frame frame = renderer.draw_exact({camera, ViewMode::albedo, {false, {0, 0, 0, 0}}});
     told = !renderer.problems().empty();
     int covered = 0;
