@@ -35,7 +35,7 @@ std::string fault_of_rows(const std::vector<NodeRow>& rows) {
   return {};
 }
 
-std::string fault_of_bricks(const BrickBlock& block, bool has_normals, bool is_finest) {
+std::string fault_of_bricks(const BrickBlock& block, bool has_normals) {
   const std::size_t bricks = block.mask.size() / brick_edge;
   if (bricks == 0 || bricks > bricks_per_block || block.mask.size() % brick_edge != 0)
     return "expected 1 to " + std::to_string(bricks_per_block) + " bricks of 8 words";
@@ -49,8 +49,7 @@ std::string fault_of_bricks(const BrickBlock& block, bool has_normals, bool is_f
   if (block.rgba.size() != 4 * voxels) return "expected 4 bytes of rgba a voxel";
   if (block.normal.size() != (has_normals ? 2 * voxels : 0))
     return "normals do not fit the scene, which has them or not";
-  if (!block.facing.empty() && (is_finest || block.facing.size() != facing_bytes * voxels))
-    return "facing does not fit";
+  if (!block.facing.empty() && block.facing.size() != facing_bytes * voxels) return "facing does not fit";
   for (std::size_t v = 0; v < block.facing.size(); v += facing_bytes)
     if (!is_plane(block.facing[v + facing_plane])) return "a plane that is none";
   return {};
@@ -72,7 +71,7 @@ class Guard {
     if ((!rows && !page.rows.empty()) || (!bricks && !page.bricks.mask.empty())) refuse_page(key, "it is another page");
     std::string fault;
     if (rows) fault = fault_of_rows(page.rows);
-    if (bricks) fault = fault_of_bricks(page.bricks, has_normals_, key.part == 0);
+    if (bricks) fault = fault_of_bricks(page.bricks, has_normals_);
     if (!fault.empty()) refuse_page(key, fault);
     return page;
   }
