@@ -80,6 +80,8 @@ class Guard {
   Page produce(const PageKey& key) const {
     try {
       return (*producer_)(key);
+    } catch (const InputError&) {
+      throw;  // it says where already
     } catch (const std::exception& error) {
       refuse_page(key, error.what());
     } catch (...) {
@@ -100,6 +102,8 @@ class Guard {
     }
     try {
       return page.get();
+    } catch (const InputError&) {
+      throw;  // it says where already
     } catch (const std::exception& error) {
       refuse_page(key, error.what());
     } catch (...) {
