@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <lattice/parameters.h>
 #include <viewer/pictures/frame_renderer.h>
 #include <viewer/pictures/png.h>
 
@@ -17,6 +18,7 @@ constexpr int cells_across = 24;
 SceneDescription waves() {
   SceneDescription scene;
   scene.voxel_size_m = 0.5;
+  scene.parameters = to_json(BakeParameters{.voxel_size_m = 0.5});
   for (int i = 0; i < cells_across * cells_across; ++i) {
     SceneCell cell;
     cell.name = "wave " + std::to_string(i);
