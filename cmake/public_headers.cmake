@@ -113,6 +113,7 @@ set(gb_public_headers_viewer
     viewer/query/scene_query.h
     viewer/stream/brick_fill.h
     viewer/stream/cell_layout.h
+    viewer/stream/guarded_pages.h
     viewer/stream/page.h
     viewer/stream/pager.h
     viewer/stream/parent_tiers.h

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <fmt/format.h>
@@ -34,25 +35,11 @@ struct QueryArguments {
   bool quiet = false;
 };
 
-std::vector<double> numbers(const char* option, const std::string& text, std::initializer_list<std::size_t> counts,
-                            const char* form) {
-  std::vector<double> values;
-  for (std::size_t at = 0;;) {
-    const std::size_t comma = std::min(text.find(',', at), text.size());
-    values.push_back(number(option, std::string_view(text).substr(at, comma - at)));
-    if (comma == text.size()) break;
-    at = comma + 1;
-  }
-  if (std::find(counts.begin(), counts.end(), values.size()) == counts.end())
-    throw UsageError(fmt::format("{}: expected {}, got '{}'", option, form, text));
-  return values;
-}
-
 std::unique_ptr<QueryAsks> one_ray(const QueryArguments& a) {
   const char* const form =
       "X,Y,Z,DX,DY,DZ or X,Y,Z,AZIMUTH,ELEVATION, the latter alone with --coordinates lonlat, in place of X,Y,Z then";
   const auto v =
-      a.frame == QueryFrame::lonlat ? numbers("--ray", a.ray, {5}, form) : numbers("--ray", a.ray, {5, 6}, form);
+      a.frame == QueryFrame::lonlat ? numbers("--ray", form, a.ray, {5}) : numbers("--ray", form, a.ray, {5, 6});
   QueryAsk ask{{}, {v[0], v[1], v[2]}, {v[3], v[4], v.size() == 6 ? v[5] : 0}};
   return one_ask(ask, v.size() == 6 ? QueryAim::direction : QueryAim::angles, "--ray");
 }
@@ -73,14 +60,14 @@ Asked question_of(const QueryArguments& a, const ThreadPool& pool) {
   if (!a.sights.empty()) return {QueryKind::sight, table_asks(a.sights, QueryKind::sight, a.frame, pool)};
   if (!a.heights.empty()) return {QueryKind::height, table_asks(a.heights, QueryKind::height, a.frame, pool)};
   if (!a.at.empty()) {
-    const auto v = numbers("--at", a.at, {2}, "X,Y, or LON,LAT with --coordinates lonlat");
+    const auto v = numbers("--at", "X,Y, or LON,LAT with --coordinates lonlat", a.at, {2});
     return {QueryKind::height, one_ask({{}, {v[0], v[1], 0}, {}}, QueryAim::point, "--at")};
   }
   if (!a.grid.empty()) {
-    const auto v = numbers("--grid", a.grid, {4}, "X,Y,X,Y: its lower and its upper corner");
+    const auto v = numbers("--grid", "X,Y,X,Y: its lower and its upper corner", a.grid, {4});
     return {QueryKind::height, grid_asks({{v[0], v[1], v[2], v[3]}, a.step})};
   }
-  const auto v = numbers("--sight", a.sight, {6}, "X,Y,Z,X,Y,Z: two points");
+  const auto v = numbers("--sight", "X,Y,Z,X,Y,Z: two points", a.sight, {6});
   return {QueryKind::sight, one_ask({{}, {v[0], v[1], v[2]}, {v[3], v[4], v[5]}}, QueryAim::point, "--sight")};
 }
 

@@ -28,6 +28,7 @@ namespace {
 
 struct RenderArguments {
   std::string scene, picture, depth;
+  std::string clip_box, clip_plane;
   std::string eye, target, up, size = "1280x720", background = "sky";
   double fovy_deg = CameraOptions{}.fovy_deg, pixel_error = CameraOptions{}.pixel_error;
   RendererArguments renderer;
@@ -56,6 +57,19 @@ Background background_option(const std::string& text) {
   throw UsageError(fmt::format("--background: expected sky, R,G,B or R,G,B,A with 0 to 255 each, got '{}'", text));
 }
 
+Clip clip_options(const RenderArguments& a) {
+  Clip clip;
+  if (!a.clip_box.empty()) {
+    const auto v = numbers("--clip-box", "X,Y,Z,X,Y,Z: the lowest and the highest corner", a.clip_box, {6});
+    clip.box_m = {Point<Scene>{v[0], v[1], v[2]}, Point<Scene>{v[3], v[4], v[5]}};
+  }
+  if (!a.clip_plane.empty()) {
+    const auto v = numbers("--clip-plane", "X,Y,Z,DX,DY,DZ: a point and the way that is shown", a.clip_plane, {6});
+    clip.plane = {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
+  }
+  return clip;
+}
+
 CameraOptions camera_options(const RenderArguments& a) {
   CameraOptions camera;
   camera.eye_m = point_option(a.eye, "--eye");
@@ -64,6 +78,7 @@ CameraOptions camera_options(const RenderArguments& a) {
   std::tie(camera.width, camera.height) = size_option(a.size);
   camera.fovy_deg = a.fovy_deg;
   camera.pixel_error = a.pixel_error;
+  camera.clip = clip_options(a);
   return camera;
 }
 
@@ -189,6 +204,9 @@ void add_render(CLI::App& app, int& exit_code) {
   command.add_option("--size", a->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   command.add_option("--background", a->background, "sky, or R,G,B[,A]: sRGB, 0 to 255 each")->capture_default_str();
   command.add_option("--pixel-error", a->pixel_error, "pixels that a voxel may be wide")->capture_default_str();
+  command.add_option("--clip-box", a->clip_box, "X,Y,Z,X,Y,Z: show what is in this box alone, scene metres");
+  command.add_option("--clip-plane", a->clip_plane,
+                     "X,Y,Z,DX,DY,DZ: show what lies beyond the plane through X,Y,Z in the direction DX,DY,DZ alone");
   add_light_options(command, a->light);
   add_sun_options(command, a->sun);
   add_renderer_options(command, a->renderer);

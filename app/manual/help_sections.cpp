@@ -42,7 +42,7 @@ const std::map<std::string, Lines> examples{
     {"query",
      {"gigabake query OUT --ray 0,0,200,0,0,-1 --format json",
       "gigabake query OUT --rays rays.csv -o hits.csv --coordinates lonlat",
-      "gigabake query OUT --grid=-100,-100,100,100 --step 0.5 -o heights.csv",
+      "gigabake query OUT --grid 0,0,100,100 --step 0.5 -o heights.csv",
       "gigabake query OUT --sight 175,-215,95,0,0,40 --ignore-ends 1 --format geojson"}},
     {"view", {"gigabake view OUT", "gigabake view OUT --size 1920x1080 -o pictures"}},
     {"serve", {"gigabake serve OUT", "gigabake serve OUT --port 0", "gigabake serve OUT --bind 0.0.0.0 --viewers 4"}},

@@ -13,6 +13,8 @@ constexpr auto flags = std::to_array<std::pair<std::string_view, std::string_vie
     {"backend", "--backend"},
     {"bind", "--bind"},
     {"cell_voxels", "--cell-voxels"},
+    {"clip_box", "--clip-box"},
+    {"clip_plane", "--clip-plane"},
     {"coordinates", "--coordinates"},
     {"depth", "--depth"},
     {"eye_m", "--eye"},

@@ -1,5 +1,6 @@
 #include "app/options/text_values.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
@@ -26,6 +27,20 @@ std::array<double, 3> triple(const char* option, const char* form, const std::st
     at = comma + 1;
   }
   return v;
+}
+
+std::vector<double> numbers(const char* option, const char* form, const std::string& text,
+                            std::initializer_list<std::size_t> counts) {
+  std::vector<double> values;
+  for (std::size_t at = 0;;) {
+    const std::size_t comma = std::min(text.find(',', at), text.size());
+    values.push_back(number(option, std::string_view(text).substr(at, comma - at)));
+    if (comma == text.size()) break;
+    at = comma + 1;
+  }
+  if (std::find(counts.begin(), counts.end(), values.size()) == counts.end())
+    throw UsageError(fmt::format("{}: expected {}, got '{}'", option, form, text));
+  return values;
 }
 
 std::optional<std::vector<int>> integers(const std::string& text, char separator) {

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 
+#include "kernels/cast/scene.h"
 #include "lattice/host_device.h"
 
 namespace gigabake::kernels {
@@ -37,6 +38,14 @@ enum class CastPaint : std::int32_t {
   waits,   ///< red where something finer was asked for
 };
 
+/// What rays see at all: what is in the box, and where normal · p ≥ offset. Everything, as it stands here.
+struct CastClip {
+  double min[3] = {-double(far_voxel), -double(far_voxel), -double(far_voxel)};
+  double max[3] = {double(far_voxel), double(far_voxel), double(far_voxel)};
+  double normal[3] = {0, 0, 0};
+  double offset = 0;
+};
+
 struct CastCamera {
   double eye[3] = {};
   double forward[3] = {};            ///< unit
@@ -46,6 +55,7 @@ struct CastCamera {
   CastHaze haze;
   CastTone tone;
   CastPaint paint = CastPaint::shaded;
+  CastClip clip;
 };
 
 }  // namespace gigabake::kernels

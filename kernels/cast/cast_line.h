@@ -34,6 +34,21 @@ GB_HD void clip_to_box(CastLine& line, int axis, double low, double high) {
   if (farther < line.leave) line.leave = farther;
 }
 
+GB_HD void clip_to_plane(CastLine& line, const CastClip& clip) {
+  double above = -clip.offset, rise = 0;
+  for (int a = 0; a < 3; ++a) {
+    above += clip.normal[a] * line.origin[a];
+    rise += clip.normal[a] * line.direction[a];
+  }
+  const double met = -above / rise;
+  if (rise == 0 && above < 0) line.leave = -1;
+  if (rise > 0 && met > line.enter) line.enter = met;
+  if (rise < 0 && met < line.leave) line.leave = met;
+}
+
+GB_HD double larger_of(double a, double b) { return a > b ? a : b; }
+GB_HD double smaller_of(double a, double b) { return a < b ? a : b; }
+
 /// Through the middle of pixel (x, y); row 0 is the upper one.
 GB_HD CastLine line_of_sight(const CastScene& scene, const CastCamera& camera, int x, int y) {
   const double sx = (2 * (x + 0.5)) / camera.width - 1, sy = 1 - (2 * (y + 0.5)) / camera.height;
@@ -52,8 +67,10 @@ GB_HD CastLine line_of_sight(const CastScene& scene, const CastCamera& camera, i
     line.direction[a] /= length;
     line.inverse[a] = 1 / line.direction[a];
     line.across[a] = float(line.direction[a] < 0 ? -line.direction[a] : line.direction[a]);
-    clip_to_box(line, a, scene.min[a] - border, scene.max[a] + border);
+    clip_to_box(line, a, larger_of(scene.min[a] - border, camera.clip.min[a]),
+                smaller_of(scene.max[a] + border, camera.clip.max[a]));
   }
+  clip_to_plane(line, camera.clip);
   return line;
 }
 

@@ -95,6 +95,19 @@ class Package(unittest.TestCase):
         self.assertGreater(drawn, 64)
         self.assertEqual((self.path / "village.png").read_bytes()[:4], b"\x89PNG")
 
+    def test_the_viewers_examples_draw(self):
+        cut_open = self.build("viewer_examples").parent / "cut_open"
+        made, pixels = map(int, succeed(cut_open.parent / "procedural_ground", self.path / "waves.png").split())
+        self.assertEqual(made, 2 * 24 * 24)
+        self.assertGreater(pixels, 96 * 96 / 8)
+        self.bake()
+        scene = self.path / "bake/scene.xml"
+        whole, half, height = succeed(cut_open, scene, self.path / "cut.png").split()
+        self.assertGreater(int(half), 0.3 * int(whole))
+        self.assertLess(int(half), 0.7 * int(whole))
+        told = harness.Gigabake(sys.argv[1]).succeed("query", scene, "--at", "0,0").splitlines()[1].split(",")
+        self.assertAlmostEqual(float(told[4]), float(height), delta=1e-3)
+
     def test_a_room_that_is_not_installed_is_named(self):
         (self.path / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.22)\nproject(x LANGUAGES CXX)\n"
                                                   "find_package(gigabake REQUIRED COMPONENTS shard attic)\n")

@@ -201,6 +201,24 @@ Vector framing_eye(const PagedScene& scene, const PageSource& pages, const std::
 
 void set(double out[3], const Vector& v) { std::copy(v.begin(), v.end(), out); }
 
+kernels::CastClip cast_clip(const Clip& clip, const SceneHeader& scene) {
+  kernels::CastClip out;
+  if (clip.box_m) {
+    set(out.min, to_voxels((*clip.box_m)[0], scene, "clip_box"));
+    set(out.max, to_voxels((*clip.box_m)[1], scene, "clip_box"));
+    for (int a = 0; a < 3; ++a)
+      if (!(out.min[a] < out.max[a])) throw UsageError("clip_box", "expected the lowest corner first");
+  }
+  if (clip.plane) {
+    const Vector towards{clip.plane->towards.x, clip.plane->towards.y, clip.plane->towards.z};
+    if (!std::isfinite(length(towards)) || !(length(towards) > 0))
+      throw UsageError("clip_plane", "expected a finite direction other than 0,0,0");
+    set(out.normal, unit(towards));
+    out.offset = dot(unit(towards), to_voxels(clip.plane->through_m, scene, "clip_plane"));
+  }
+  return out;
+}
+
 }  // namespace
 
 void check_picture_size(const CameraOptions& o) {
@@ -233,6 +251,7 @@ kernels::CastCamera make_camera(const CameraOptions& options, const PagedScene& 
   const Axes axes = look(forward, options.up);
 
   kernels::CastCamera camera;
+  camera.clip = cast_clip(options.clip, scene.header());
   set(camera.eye, *eye);
   set(camera.forward, axes.forward);
   set(camera.right, axes.right * tan_x);

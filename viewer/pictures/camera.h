@@ -17,6 +17,19 @@ inline constexpr double finest_pixel_error = 0x1p-16, coarsest_pixel_error = 0x1
 /// Errors  UsageError: not within these two.
 void check_pixel_error(double pixel_error);
 
+/// What lies on this side of a plane is shown.
+struct ClipPlane {
+  Point<Scene> through_m, towards;  ///< a point of it, and which way is shown, of any length
+  friend bool operator==(const ClipPlane&, const ClipPlane&) = default;
+};
+
+/// What is shown of a scene, as if there were nothing else.
+struct Clip {
+  std::optional<std::array<Point<Scene>, 2>> box_m;  ///< its lowest and its highest corner
+  std::optional<ClipPlane> plane;
+  friend bool operator==(const Clip&, const Clip&) = default;
+};
+
 struct CameraOptions {
   std::optional<Point<Scene>> eye_m;     ///< default: in the south-east, just far enough to see the whole scene
   std::optional<Point<Scene>> target_m;  ///< default: the middle of what there is
@@ -24,6 +37,7 @@ struct CameraOptions {
   double fovy_deg = 40;
   int width = 1280, height = 720;
   double pixel_error = 1;  ///< pixels that a voxel may be wide; finest_pixel_error to coarsest_pixel_error
+  Clip clip;
 };
 
 /// Before memory is taken for a picture. Errors  UsageError: not 1 to 32768 pixels a side, or more than 2^28.

@@ -10,6 +10,7 @@
 #include "format/system/host_limits.h"
 #include "lattice/cuda_failure.h"
 #include "lattice/error.h"
+#include "viewer/stream/guarded_pages.h"
 
 namespace gigabake {
 namespace {
@@ -101,7 +102,7 @@ bool same_picture(const View& a, const View& b) {
   const CameraOptions &c = a.camera, &d = b.camera;
   return a.mode == b.mode && c.eye_m == d.eye_m && c.target_m == d.target_m && c.up == d.up &&
          c.fovy_deg == d.fovy_deg && c.width == d.width && c.height == d.height && c.pixel_error == d.pixel_error &&
-         a.sun == b.sun && a.shadows == b.shadows && c.eye_m.has_value();
+         a.sun == b.sun && a.shadows == b.shadows && c.clip == d.clip && c.eye_m.has_value();
 }
 
 }  // namespace
@@ -129,7 +130,7 @@ struct FrameRenderer::State {
       : options(wishes),
         scene(std::move(opened)),
         policy(threads_of(wishes)),
-        source(pages ? pages : pages_from_files(scene, files_opened)) {
+        source(pages ? guarded_pages(pages, scene->header()) : pages_from_files(scene, files_opened)) {
     fill(filling_of({}));
   }
 

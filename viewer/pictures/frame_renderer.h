@@ -112,7 +112,7 @@ class FrameRenderer {
 
   /// Errors  InputError: no such scene, or one that lay_out_cells() refuses; UsageError: options out of range.
   FrameRenderer(const std::filesystem::path& scene_path, const Options& options);
-  /// A scene whose pages come from elsewhere than its shards. scene_path: for messages.
+  /// A scene whose pages come from elsewhere than its shards, through guarded_pages(). scene_path: for messages.
   FrameRenderer(const SceneDescription& scene, const std::filesystem::path& scene_path, const PageSource& pages,
                 const Options& options);
   ~FrameRenderer();

@@ -34,7 +34,16 @@ std::uint32_t child_row(const NodeRow& parent, int child) {
 
 const NodeRow* VoxelLookup::row(const PlacedShard& shard, std::uint32_t index, PageGaps& gaps) const {
   const Page* page = find_page(pager_, {shard.number, PageKey::node_rows, index / nodes_per_block}, gaps);
-  return page == nullptr ? nullptr : &page->rows[index % nodes_per_block];
+  return page == nullptr || index % nodes_per_block >= page->rows.size() ? nullptr
+                                                                         : &page->rows[index % nodes_per_block];
+}
+
+/// The row will never be here: its page cannot be read, or has fewer rows than other rows refer to.
+bool VoxelLookup::lacks_row(const PlacedShard& shard, std::uint32_t index) const {
+  const PageKey key{shard.number, PageKey::node_rows, index / nodes_per_block};
+  if (pager_.is_damaged(key)) return true;
+  const Page* page = pager_.find(key);
+  return page != nullptr && index % nodes_per_block >= page->rows.size();
 }
 
 bool VoxelLookup::is_occupied(int lod, const VoxelBox& box, PageGaps& gaps) const {
@@ -69,9 +78,7 @@ bool VoxelLookup::is_occupied_below(const PlacedShard& shard, std::uint32_t row_
                                     const std::int64_t corner[3], const Question& question, PageGaps& gaps) const {
   if (level == question.lod) return true;
   const NodeRow* node = row(shard, row_index, gaps);
-  if (node == nullptr)
-    return pager_.is_damaged({shard.number, PageKey::node_rows, row_index / nodes_per_block}) &&
-           unread_occupied(shard, question, gaps);
+  if (node == nullptr) return lacks_row(shard, row_index) && unread_occupied(shard, question, gaps);
   if (node->kind == NodeKind::leaf_constant) return true;
   for (int child = 0; child < 8; ++child) {
     if ((node->child_mask >> child & 1) == 0) continue;
@@ -95,7 +102,7 @@ void VoxelLookup::set_content(const PlacedShard& shard, const NodeRow& found, in
     return;
   }
   const Page* page = find_page(pager_, {shard.number, lod - shard.first_lod, found.value / bricks_per_block}, gaps);
-  if (page == nullptr) return;
+  if (page == nullptr || found.value % bricks_per_block >= page->bricks.mask.size() / brick_edge) return;
   place.kind = VoxelPlace::Kind::brick;
   place.block = &page->bricks;
   place.brick = found.value % bricks_per_block;

@@ -38,6 +38,7 @@ class VoxelLookup {
 
  private:
   const NodeRow* row(const PlacedShard& shard, std::uint32_t index, PageGaps& gaps) const;
+  bool lacks_row(const PlacedShard& shard, std::uint32_t index) const;
   /// What is asked for of a shard.
   struct Question {
     int lod, holder;

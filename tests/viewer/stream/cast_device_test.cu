@@ -19,7 +19,7 @@ std::optional<Paint> rough_ball(std::int64_t x, std::int64_t y, std::int64_t z) 
 }
 
 Picture draw(const VoxelScene& scene, const std::array<double, 3>& eye, std::uint64_t pool_bytes,
-             std::optional<int> device, const std::optional<kernels::CastLighting>& light = {}) {
+             std::optional<int> device, const std::optional<kernels::CastLighting>& light = {}, const Clip& clip = {}) {
   const ThreadPool policy(2);
   SceneStream::Options options;
   options.light = light ? kernels::unlit() : afternoon_light();
@@ -27,7 +27,9 @@ Picture draw(const VoxelScene& scene, const std::array<double, 3>& eye, std::uin
   options.cuda_device = device;
   options.device_bytes = pool_bytes;
   SceneStream stream(scene.paged(), scene.pages(), options, policy);
-  kernels::CastCamera camera = make_camera(view(eye, {30, 31, 29.5}, 200).camera, scene.paged(), scene.pages());
+  CameraOptions wish = view(eye, {30, 31, 29.5}, 200).camera;
+  wish.clip = clip;
+  kernels::CastCamera camera = make_camera(wish, scene.paged(), scene.pages());
   if (!light) camera.haze = air(600, 1);
   camera.tone = screen_tone(0.5);
   return render(stream, camera, {}, PictureLight::linear_too, light);
@@ -65,6 +67,22 @@ TEST(CastOnDevice, ShadowsHaveTheSameBitsAsOnTheHostForAnyPool) {
         EXPECT_EQ(host.linear, device.linear) << pool;
       }
     }
+}
+
+TEST(CastOnDevice, ClipsWithTheSameBitsAsOnTheHost) {
+  const kernels::CudaDevices devices = kernels::cuda_devices();
+  if (devices.usable.empty()) GTEST_SKIP() << "no GPU: " << devices.reason;
+  VoxelScene scene(32);
+  scene.add_cells(rough_ball, {0, 0, 0}, 64);
+  const Clip clip{.box_m = {{Point<Scene>{5, 5, 5}, Point<Scene>{60, 50.5, 55}}},
+                  .plane = ClipPlane{{30, 30, 30}, {1, -2, 0.5}}};
+  for (const std::array<double, 3>& eye : {std::array{120.0, -40.0, 80.0}, std::array{32.0, 32.0, 32.0}}) {
+    const Picture host = draw(scene, eye, 0, {}, {}, clip);
+    const Picture device = draw(scene, eye, std::uint64_t(1) << 26, devices.usable[0], {}, clip);
+    EXPECT_EQ(host.rgba, device.rgba);
+    EXPECT_EQ(host.depth, device.depth);
+    EXPECT_EQ(host.linear, device.linear);
+  }
 }
 
 }  // namespace

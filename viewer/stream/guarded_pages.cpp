@@ -1,0 +1,128 @@
+#include "viewer/stream/guarded_pages.h"
+
+#include <atomic>
+#include <bit>
+#include <chrono>
+#include <future>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "lattice/error.h"
+
+namespace gigabake {
+namespace {
+
+[[noreturn]] void refuse_page(const PageKey& key, const std::string& what) {
+  const std::string part = key.part == PageKey::node_rows ? "nodes"
+                           : key.part < 0                 ? "list of cells"
+                                                          : "level " + std::to_string(key.part);
+  throw InputError("producer",
+                   "shard " + std::to_string(key.shard) + ", " + part + ", block " + std::to_string(key.block), what);
+}
+
+/// What rows alone can say; what they refer to is looked at when somebody goes there (voxel_lookup.h).
+std::string fault_of_rows(const std::vector<NodeRow>& rows) {
+  if (rows.empty() || rows.size() > nodes_per_block)
+    return "expected 1 to " + std::to_string(nodes_per_block) + " rows, got " + std::to_string(rows.size());
+  for (const NodeRow& row : rows) {
+    if (row.kind > NodeKind::leaf_constant) return "a node of no kind";
+    if (row.kind == NodeKind::leaf_constant && row.child_mask != 0) return "a leaf with children";
+    if (row.child_mask != 0 && row.first_child > 0xffffffffu - 8) return "children beyond every table";
+    if (!is_plane(row.facing[facing_plane])) return "a plane that is none";
+  }
+  return {};
+}
+
+std::string fault_of_bricks(const BrickBlock& block, bool has_normals) {
+  const std::size_t bricks = block.mask.size() / brick_edge;
+  if (bricks == 0 || bricks > bricks_per_block || block.mask.size() % brick_edge != 0)
+    return "expected 1 to " + std::to_string(bricks_per_block) + " bricks of 8 words";
+  if (block.first.size() != bricks + 1 || block.first[0] != 0) return "first does not fit mask";
+  for (std::size_t b = 0; b < bricks; ++b) {
+    std::uint32_t voxels = 0;
+    for (std::size_t z = 0; z < brick_edge; ++z) voxels += std::uint32_t(std::popcount(block.mask[brick_edge * b + z]));
+    if (block.first[b + 1] != block.first[b] + voxels) return "first does not fit mask";
+  }
+  const std::size_t voxels = block.first[bricks];
+  if (block.rgba.size() != 4 * voxels) return "expected 4 bytes of rgba a voxel";
+  if (block.normal.size() != (has_normals ? 2 * voxels : 0))
+    return "normals do not fit the scene, which has them or not";
+  if (!block.facing.empty() && block.facing.size() != facing_bytes * voxels) return "facing does not fit";
+  for (std::size_t v = 0; v < block.facing.size(); v += facing_bytes)
+    if (!is_plane(block.facing[v + facing_plane])) return "a plane that is none";
+  return {};
+}
+
+class Guard {
+ public:
+  Guard(PageSource producer, const SceneHeader& scene, const ProducerLimits& limits)
+      : producer_(std::make_shared<PageSource>(std::move(producer))),
+        has_normals_(scene.has_normals),
+        limits_(limits) {}
+
+  Page operator()(const PageKey& key) {
+    Page page = in_time(key);
+    if (page.bytes() > limits_.most_page_bytes)
+      refuse_page(key,
+                  std::to_string(page.bytes()) + " bytes; expected at most " + std::to_string(limits_.most_page_bytes));
+    const bool rows = key.part == PageKey::node_rows, bricks = key.part >= 0;
+    if ((!rows && !page.rows.empty()) || (!bricks && !page.bricks.mask.empty())) refuse_page(key, "it is another page");
+    std::string fault;
+    if (rows) fault = fault_of_rows(page.rows);
+    if (bricks) fault = fault_of_bricks(page.bricks, has_normals_);
+    if (!fault.empty()) refuse_page(key, fault);
+    return page;
+  }
+
+ private:
+  Page produce(const PageKey& key) const {
+    try {
+      return (*producer_)(key);
+    } catch (const InputError&) {
+      throw;  // it says where already
+    } catch (const std::exception& error) {
+      refuse_page(key, error.what());
+    } catch (...) {
+      refuse_page(key, "it failed for no stated reason");
+    }
+  }
+
+  Page in_time(const PageKey& key) {
+    if (limits_.seconds <= 0) return produce(key);
+    if (late_ >= limits_.most_late)
+      refuse_page(key, "it was late " + std::to_string(limits_.most_late) + " times and is not asked again");
+    std::packaged_task<Page()> task([producer = producer_, key] { return (*producer)(key); });
+    std::future<Page> page = task.get_future();
+    std::thread(std::move(task)).detach();
+    if (page.wait_for(std::chrono::duration<double>(limits_.seconds)) != std::future_status::ready) {
+      ++late_;
+      refuse_page(key, "no page within " + std::to_string(limits_.seconds) + " s");
+    }
+    try {
+      return page.get();
+    } catch (const InputError&) {
+      throw;  // it says where already
+    } catch (const std::exception& error) {
+      refuse_page(key, error.what());
+    } catch (...) {
+      refuse_page(key, "it failed for no stated reason");
+    }
+  }
+
+  std::shared_ptr<PageSource> producer_;
+  bool has_normals_;
+  ProducerLimits limits_;
+  std::atomic<int> late_{0};
+};
+
+}  // namespace
+
+PageSource guarded_pages(PageSource producer, const SceneHeader& scene, const ProducerLimits& limits) {
+  return [guard = std::make_shared<Guard>(std::move(producer), scene, limits)](const PageKey& key) {
+    return (*guard)(key);
+  };
+}
+
+}  // namespace gigabake
