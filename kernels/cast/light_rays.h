@@ -154,8 +154,10 @@ GB_HD CastLine line_to_light(const CastScene& scene, const CastCamera& camera, c
     // The cone's tip lies behind its start, where it is as wide as the pixel's voxels.
     line.origin[a] =
         camera.eye[a] + double(light.at[a]) + double(light.normal[a] * lift) + d * (double(along) - line.enter);
-    clip_to_box(line, a, scene.min[a] - border, scene.max[a] + border);
+    clip_to_box(line, a, larger_of(scene.min[a] - border, camera.clip.min[a]),
+                smaller_of(scene.max[a] + border, camera.clip.max[a]));
   }
+  clip_to_plane(line, camera.clip);  // what is cut away stands in nobody's light
   return line;
 }
 
