@@ -118,16 +118,8 @@ class CudaCaster final : public Caster {
     check_launch("start_rays");
   }
 
-  /// A tile's pass takes a few milliseconds at most, so `stop` is asked before it alone.
   std::size_t cast(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
-    if (stop && stop()) return end - begin;
-    use_device();
-    ++scene_.pass;
-    unfinished_.clear_to_zero();
-    rounds_.cast({scene_, camera_, tile_, rays_.data(), patient, unfinished_.data()}, begin, end);
-    unsigned long long unfinished = 0;
-    download(&unfinished, unfinished_.data(), 1);
-    return std::size_t(unfinished);
+    return one_pass(end - begin, patient, stop, [&](const RayPass& pass) { rounds_.cast(pass, begin, end); });
   }
 
   void start_light(const CastLighting& lighting) override {
@@ -137,14 +129,7 @@ class CudaCaster final : public Caster {
   }
 
   std::size_t cast_light(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
-    if (stop && stop()) return end - begin;
-    use_device();
-    ++scene_.pass;
-    unfinished_.clear_to_zero();
-    light_.cast({scene_, camera_, tile_, rays_.data(), patient, unfinished_.data()}, begin, end);
-    unsigned long long unfinished = 0;
-    download(&unfinished, unfinished_.data(), 1);
-    return std::size_t(unfinished);
+    return one_pass(end - begin, patient, stop, [&](const RayPass& pass) { light_.cast(pass, begin, end); });
   }
 
   std::vector<std::uint32_t> wanted() override {
@@ -181,6 +166,20 @@ class CudaCaster final : public Caster {
 
  private:
   std::size_t ray_count() const { return std::size_t(tile_.width) * std::size_t(tile_.height); }
+
+  /// launch(RayPass): goes on with so many rays. A pass takes a few milliseconds at most, so `stop` is asked before it
+  /// alone.
+  template <class Launch>
+  std::size_t one_pass(std::size_t rays, bool patient, const StopAsked& stop, const Launch& launch) {
+    if (stop && stop()) return rays;
+    use_device();
+    ++scene_.pass;
+    unfinished_.clear_to_zero();
+    launch(RayPass{scene_, camera_, tile_, rays_.data(), patient, unfinished_.data()});
+    unsigned long long unfinished = 0;
+    download(&unfinished, unfinished_.data(), 1);
+    return std::size_t(unfinished);
+  }
 
   void use_device() { check_cuda(cudaSetDevice(device_), "cudaSetDevice"); }
 

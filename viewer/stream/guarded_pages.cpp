@@ -77,11 +77,13 @@ class Guard {
   }
 
  private:
-  Page produce(const PageKey& key) const {
+  /// get: the producer's page. Says where an error is from that does not say it itself.
+  template <class Get>
+  static Page page_from(const PageKey& key, const Get& get) {
     try {
-      return (*producer_)(key);
+      return get();
     } catch (const InputError&) {
-      throw;  // it says where already
+      throw;
     } catch (const std::exception& error) {
       refuse_page(key, error.what());
     } catch (...) {
@@ -90,7 +92,7 @@ class Guard {
   }
 
   Page in_time(const PageKey& key) {
-    if (limits_.seconds <= 0) return produce(key);
+    if (limits_.seconds <= 0) return page_from(key, [&] { return (*producer_)(key); });
     if (late_ >= limits_.most_late)
       refuse_page(key, "it was late " + std::to_string(limits_.most_late) + " times and is not asked again");
     std::packaged_task<Page()> task([producer = producer_, key] { return (*producer)(key); });
@@ -100,15 +102,7 @@ class Guard {
       ++late_;
       refuse_page(key, "no page within " + std::to_string(limits_.seconds) + " s");
     }
-    try {
-      return page.get();
-    } catch (const InputError&) {
-      throw;  // it says where already
-    } catch (const std::exception& error) {
-      refuse_page(key, error.what());
-    } catch (...) {
-      refuse_page(key, "it failed for no stated reason");
-    }
+    return page_from(key, [&] { return page.get(); });
   }
 
   std::shared_ptr<PageSource> producer_;
