@@ -69,6 +69,7 @@ set(gb_public_headers_kernels
     kernels/body/tables.h
     kernels/body/texture_view.h
     kernels/cast/cast.h
+    kernels/cast/cast_brick.h
     kernels/cast/cast_camera.h
     kernels/cast/cast_line.h
     kernels/cast/caster.h
@@ -79,6 +80,7 @@ set(gb_public_headers_kernels
     kernels/cast/first_hit_tree.h
     kernels/cast/lighting.h
     kernels/cast/locate.h
+    kernels/cast/packed_voxel.h
     kernels/cast/pixel.h
     kernels/cast/ray_light.h
     kernels/cast/sample.h

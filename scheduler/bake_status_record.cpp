@@ -9,10 +9,6 @@ namespace {
 
 constexpr double minute_s = 60;
 
-std::uint64_t voxels_of(const CellReport& r) {
-  return std::accumulate(r.cell.voxels.begin(), r.cell.voxels.end(), std::uint64_t(0));
-}
-
 Throughput over(double seconds, double cells, double voxels, double bytes) {
   if (!(seconds > 0)) return {};
   return {cells / seconds, voxels / seconds, bytes / seconds};
@@ -101,7 +97,7 @@ void BakeStatusRecord::cell_done(const CellReport& report, double now_s) {
     time_left_.ends(std::size_t(holder), costs_.at(report.id), now_s);
   if (!settle(report.id, now_s)) return;
   (report.outcome == CellOutcome::empty ? status_.cells.empty : status_.cells.done) += is_cell(report.id);
-  const std::uint64_t voxels = voxels_of(report);
+  const std::uint64_t voxels = report.cell.own_voxels();
   status_.voxels += voxels;
   status_.bytes += report.cell.bytes;
   status_.read_s += report.read_s;

@@ -28,7 +28,7 @@ struct Totals {
   explicit Totals(const SceneDescription& scene) {
     for (const auto& shards : {&scene.cells, &scene.parents})
       for (const SceneCell& c : *shards) {
-        for (std::size_t l = c.copied_lods; l < c.voxels.size(); ++l) voxels += c.voxels[l];
+        voxels += c.own_voxels();
         if (c.first_lod == 0 && !c.voxels.empty()) finest_voxels += c.voxels[0];
         bytes += c.bytes;
       }

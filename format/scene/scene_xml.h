@@ -2,9 +2,13 @@
 /// docs/format.md).
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,6 +37,11 @@ struct SceneCell {
 
   /// Of the lattice: the finest level that is nobody else's. What is counted over a scene begins here.
   std::uint32_t own_lod() const { return first_lod + copied_lods; }
+  /// Of its own levels together.
+  std::uint64_t own_voxels() const {
+    return std::accumulate(voxels.begin() + std::min<std::ptrdiff_t>(copied_lods, std::ssize(voxels)), voxels.end(),
+                           std::uint64_t(0));
+  }
 };
 
 /// Anything the bake was asked for and could not deliver.
