@@ -95,6 +95,7 @@ set(gb_public_headers_viewer
     viewer/first_hit/first_hit_scene.h
     viewer/light/shading.h
     viewer/light/sky.h
+    viewer/light/sun.h
     viewer/live/camera_path.h
     viewer/live/camera_rig.h
     viewer/live/frame_pace.h
@@ -122,4 +123,5 @@ set(gb_public_headers_viewer
     viewer/stream/pool_books.h
     viewer/stream/scene_stream.h
     viewer/stream/shard_map.h
+    viewer/stream/voxel_arena.h
     viewer/stream/voxel_lookup.h)
