@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <map>
+#include <optional>
 #include <random>
 
 #include "format/scene/verify.h"
@@ -36,8 +37,9 @@ std::vector<Shard> random_children(std::mt19937_64& rng) {
   return children;
 }
 
-/// The child's voxel that holds a lod-0 voxel, by its key, or none.
-bool find_in_children(const std::vector<Shard>& children, int lod, const Corner& v, VoxelValue& value) {
+/// The child's voxel that holds a lod-0 voxel, by its key, or none. lookup: what the value may point into.
+bool find_in_children(const std::vector<Shard>& children, int lod, const Corner& v, std::optional<LevelLookup>& lookup,
+                      VoxelValue& value) {
   for (const Shard& child : children) {
     Corner at;
     bool inside = true;
@@ -46,8 +48,8 @@ bool find_in_children(const std::vector<Shard>& children, int lod, const Corner&
       inside = inside && at[a] >= 0 && at[a] < child_edge;
     }
     if (!inside) continue;
-    LevelLookup lookup(child.nodes, child.levels[std::size_t(lod)], child.header.lods, lod);
-    return lookup.find(std::uint32_t(at[0] >> lod), std::uint32_t(at[1] >> lod), std::uint32_t(at[2] >> lod), value);
+    lookup.emplace(child.nodes, child.levels[std::size_t(lod)], child.header.lods, lod);
+    return lookup->find(std::uint32_t(at[0] >> lod), std::uint32_t(at[1] >> lod), std::uint32_t(at[2] >> lod), value);
   }
   return false;
 }
@@ -77,8 +79,9 @@ TEST(CopiedLevels, HoldTheVoxelsOfTheChildrenThatLieInTheWindowAndNoOthers) {
           [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal,
               const std::uint8_t* facing) {
             VoxelValue value;
-            ASSERT_TRUE(find_in_children(
-                children, lod, {std::int64_t(x) << lod, std::int64_t(y) << lod, std::int64_t(z) << lod}, value));
+            std::optional<LevelLookup> lookup;
+            const Corner v{std::int64_t(x) << lod, std::int64_t(y) << lod, std::int64_t(z) << lod};
+            ASSERT_TRUE(find_in_children(children, lod, v, lookup, value));
             EXPECT_TRUE(std::equal(rgba, rgba + 4, value.rgba) && std::equal(normal, normal + 2, value.normal));
             for (std::size_t f = 0; f < facing_bytes; ++f)
               EXPECT_EQ(facing[f], value.facing == nullptr ? 0 : value.facing[f]);
@@ -90,7 +93,8 @@ TEST(CopiedLevels, HoldTheVoxelsOfTheChildrenThatLieInTheWindowAndNoOthers) {
       for (std::int64_t y = 0; y < 64; y += step)
         for (std::int64_t x = 0; x < 64; x += step) {
           VoxelValue value;
-          expected += find_in_children(children, lod, {x, y, z}, value);
+          std::optional<LevelLookup> lookup;
+          expected += find_in_children(children, lod, {x, y, z}, lookup, value);
         }
     EXPECT_EQ(found, expected) << "level " << lod;
     EXPECT_GT(found, 0u);

@@ -254,11 +254,13 @@ json wait_for(Served& served, const std::string& key, const std::function<bool(c
 // 2026-11-22: one viewer of 4096 x 4096 left the others without a frame for 23 s.
 TEST(StreamServer, AViewerOfAVeryLargePictureLeavesTurnsToOthers) {
   Served served;
-  const std::string large = served.viewer(), small = served.viewer();
+  const std::string large = served.viewer();
   served.steer(large, R"({"size": [4096, 4096]})");
   const json under_way = wait_for(served, large, [](const json& s) { return s["frame"]["size"][0] == 4096; });
   ASSERT_EQ(under_way["frame"]["size"], json({4096, 4096}));
+  const std::string small = served.viewer();  // not before: who says nothing for ten seconds has left
   for (int i = 0; i < 3; ++i) {
+    served.steer(large, "{}");
     const json moved = served.steer(small, R"({"turn": [0.1, 0]})");
     const std::uint64_t before = moved["frame"].is_null() ? 0 : moved["frame"]["number"].get<std::uint64_t>();
     const json seen = wait_for(served, small, [&](const json& s) { return s["frame"]["number"] > before; });
