@@ -18,9 +18,9 @@ LevelIndex lowest_of(const LevelIndex& corner, std::uint64_t key, std::int64_t e
 
 /// visit(node, levels above) for each node that stands for voxels of the shard's own level.
 template <class Visit>
-void for_each_node_of(const NodeTable& nodes, int own_lod, const Visit& visit) {
-  for (std::size_t n = 0; n < nodes.key.size() && nodes.lod[n] >= own_lod; ++n) {
-    const int down = nodes.lod[n] - own_lod;
+void for_each_node_of(const NodeTable& nodes, int shard_lod, const Visit& visit) {
+  for (std::size_t n = 0; n < nodes.key.size() && nodes.lod[n] >= shard_lod; ++n) {
+    const int down = nodes.lod[n] - shard_lod;
     if (down == 0 || nodes.kind[n] == NodeKind::leaf_constant) visit(n, down);
   }
 }
@@ -29,12 +29,12 @@ void for_each_node_of(const NodeTable& nodes, int own_lod, const Visit& visit) {
 
 ShardLevel::ShardLevel(const PagedScene& scene, const SceneCell& shard, int lod) {
   const ShardReader reader = open_shard_of_scene(scene.file(), scene.header(), shard);
-  const int own_lod = lod - int(reader.header().first_lod);
+  const int shard_lod = lod - int(reader.header().first_lod);
   const NodeTable nodes = reader.nodes();
-  level_ = reader.level(own_lod);
+  level_ = reader.level(shard_lod);
   level_.facing = {};
   corner_ = corner_of(reader.header(), lod);
-  for_each_node_of(nodes, own_lod, [&](std::size_t n, int down) {
+  for_each_node_of(nodes, shard_lod, [&](std::size_t n, int down) {
     if (nodes.kind[n] == NodeKind::brick) {
       keys_.push_back(nodes.key[n]);
       number_.push_back(nodes.value[n]);

@@ -4,7 +4,6 @@
 #include <functional>
 #include <iterator>
 #include <map>
-#include <numeric>
 #include <optional>
 
 #include "format/scene/paged_scene.h"
@@ -175,8 +174,7 @@ class SceneVerification {
     for (std::size_t i = 0; i < cells.size(); ++i) {
       result_.cells += cells[i].first_lod == 0;
       result_.bytes += cells[i].bytes;
-      result_.voxels += std::accumulate(cells[i].voxels.begin() + std::ptrdiff_t(cells[i].copied_lods),
-                                        cells[i].voxels.end(), std::uint64_t(0));
+      result_.voxels += cells[i].own_voxels();
       add_lines(std::move(of_cell[i]), result_.faults);
     }
   }

@@ -70,14 +70,10 @@ class CpuCaster final : public Caster {
   }
 
   std::size_t cast(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
-    ++scene_.pass;
-    std::atomic<std::size_t> unfinished{0};
-    const bool whole = for_each_ray(begin, end, stop, [&](const CastLine& line, CastRay& ray) {
-      if (ray.lod < 0) return;
-      cast_ray(scene_, camera_, line, patient, true, ray);
-      if (ray.lod >= 0) unfinished.fetch_add(1, std::memory_order_relaxed);
+    return one_pass(begin, end, stop, [&](const CastLine& line, CastRay& ray) {
+      if (ray.lod >= 0) cast_ray(scene_, camera_, line, patient, true, ray);
+      return ray.lod < 0;
     });
-    return whole ? unfinished.load() : std::max<std::size_t>(unfinished, 1);
   }
 
   void start_light(const CastLighting& lighting) override {
@@ -86,17 +82,14 @@ class CpuCaster final : public Caster {
   }
 
   std::size_t cast_light(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
-    ++scene_.pass;
-    std::atomic<std::size_t> unfinished{0};
-    const bool whole = for_each_ray(begin, end, stop, [&](const CastLine& line, CastRay& ray) {
+    return one_pass(begin, end, stop, [&](const CastLine& line, CastRay& ray) {
       const std::size_t i = std::size_t(&ray - rays_.data()), width = std::size_t(tile_.width);
       PixelLight& light = lights_[i];
-      if (light.done == PixelLight::all) return;
-      light_pixel(scene_, camera_, lighting_, line, ray, tile_.x + int(i % width), tile_.y + int(i / width), patient,
-                  light);
-      if (light.done != PixelLight::all) unfinished.fetch_add(1, std::memory_order_relaxed);
+      if (light.done != PixelLight::all)
+        light_pixel(scene_, camera_, lighting_, line, ray, tile_.x + int(i % width), tile_.y + int(i / width), patient,
+                    light);
+      return light.done == PixelLight::all;
     });
-    return whole ? unfinished.load() : std::max<std::size_t>(unfinished, 1);
   }
 
   std::vector<std::uint32_t> wanted() override {
@@ -121,6 +114,17 @@ class CpuCaster final : public Caster {
   }
 
  private:
+  /// go_on(line, ray): whether that is finished then. Returns how many are not.
+  template <class GoOn>
+  std::size_t one_pass(std::size_t begin, std::size_t end, const StopAsked& stop, const GoOn& go_on) {
+    ++scene_.pass;
+    std::atomic<std::size_t> unfinished{0};
+    const bool whole = for_each_ray(begin, end, stop, [&](const CastLine& line, CastRay& ray) {
+      if (!go_on(line, ray)) unfinished.fetch_add(1, std::memory_order_relaxed);
+    });
+    return whole ? unfinished.load() : std::max<std::size_t>(unfinished, 1);
+  }
+
   /// False where `stop` ended it before the last block of rays.
   template <class Body>
   bool for_each_ray(std::size_t begin, std::size_t end, const StopAsked& stop, const Body& body) {

@@ -22,12 +22,12 @@ constexpr std::uint64_t bytes_per_voxel = 26, bytes_per_brick = 600, bytes_per_c
 QueryTreeSource::QueryTreeSource(const PagedScene& scene, const SceneCell& shard, int lod)
     : path_(scene.folder() / shard.file),
       shard_(shard),
-      own_lod_(lod - int(shard.first_lod)),
+      shard_lod_(lod - int(shard.first_lod)),
       reader_(open_shard_of_scene(scene.file(), scene.header(), shard)),
       nodes_(reader_.nodes()) {
   std::uint64_t in_constants = 0;
   for (std::size_t n = 0; n < nodes_.lod.size(); ++n) {
-    const int above = int(nodes_.lod[n]) - own_lod_;
+    const int above = int(nodes_.lod[n]) - shard_lod_;
     if (above == 0 && nodes_.kind[n] == NodeKind::brick) {
       ++bricks_;
     } else if (above == 0 || (above > 0 && nodes_.kind[n] == NodeKind::leaf_constant)) {
@@ -35,7 +35,8 @@ QueryTreeSource::QueryTreeSource(const PagedScene& scene, const SceneCell& shard
       in_constants += std::uint64_t(brick_voxels) << (3 * above);
     }
   }
-  const std::uint64_t voxels = std::size_t(own_lod_) < shard.voxels.size() ? shard.voxels[std::size_t(own_lod_)] : 0;
+  const std::uint64_t voxels =
+      std::size_t(shard_lod_) < shard.voxels.size() ? shard.voxels[std::size_t(shard_lod_)] : 0;
   stored_voxels_ = std::min(voxels - std::min(voxels, in_constants), bricks_ * brick_voxels);
 }
 
@@ -46,14 +47,14 @@ std::uint64_t QueryTreeSource::bytes_to_build() const {
 QueryTree::QueryTree(const QueryTreeSource& source)
     : unit_(kernels::power_of_two(int(source.shard_.first_lod))),
       half_window_(0.5 * source.shard_.cell_voxels / unit_),
-      lod_(int(source.shard_.first_lod) + source.own_lod_) {
+      lod_(int(source.shard_.first_lod) + source.shard_lod_) {
   for (std::size_t a = 0; a < 3; ++a) {
     corner_[a] = window_.min[a] = source.shard_.lattice_min[a];
     window_.max[a] = corner_[a] + source.shard_.cell_voxels;
   }
   try {
-    FirstHitBuilder builder(source.own_lod_);
-    builder.add_cell({0, 0, 0}, source.nodes_, source.reader_.level(source.own_lod_));
+    FirstHitBuilder builder(source.shard_lod_);
+    builder.add_cell({0, 0, 0}, source.nodes_, source.reader_.level(source.shard_lod_));
     scene_ = builder.finish_window(std::int64_t(source.shard_.cell_voxels) >> lod_);
     grown_ = 1 + rim * double(scene_.view.tree.edge) / half_window_;
   } catch (const std::invalid_argument& error) {

@@ -27,7 +27,7 @@ class QueryTreeSource {
   friend class QueryTree;
   std::filesystem::path path_;
   SceneCell shard_;
-  int own_lod_;
+  int shard_lod_;
   ShardReader reader_;
   NodeTable nodes_;
   std::uint64_t stored_voxels_ = 0, bricks_ = 0, constants_ = 0;
