@@ -158,7 +158,8 @@ FrameBench bench_frames(const FrameBenchRequest& request) {
     FrameRenderer scout(request.scene, request.renderer);
     stage = measure(scout, request);
   }
-  for (const NamedView& named : fixed_views(stage, request)) bench.views.push_back(bench_view(named, request));
+  if (request.fixed_views)
+    for (const NamedView& named : fixed_views(stage, request)) bench.views.push_back(bench_view(named, request));
   if (request.flight_frames > 0) bench.flight = bench_flight(stage, request);
   return bench;
 }

@@ -14,7 +14,8 @@ namespace gigabake::bench {
 struct FrameBenchRequest {
   std::filesystem::path scene;  ///< scene.xml of a bake
   int width = 1920, height = 1080;
-  int repeats = 10;  ///< of each camera, once everything is there
+  bool fixed_views = true;  ///< else the flight alone
+  int repeats = 10;         ///< of each camera, once everything is there
   FrameRenderer::Options renderer;
   double upload_s = 0.008;  ///< of a frame, at most
   int flight_frames = 200;

@@ -16,8 +16,9 @@ double mrays_per_s(const bench::FrameBench& b, double seconds) {
 void print_text(const bench::FrameBench& b) {
   fmt::print("frames of {}×{}, {}: everything filtered, from empty pools, then at rest\n\n", b.width, b.height,
              b.backend);
-  fmt::print("{:<14} {:>7} {:>9} {:>11} {:>9} {:>9} {:>9} {:>9} {:>10} {:>6}\n", "view", "frames", "uploads",
-             "complete, s", "frame, ms", "median", "rays, ms", "Mrays/s", "first, dB", "exact");
+  if (!b.views.empty())
+    fmt::print("{:<14} {:>7} {:>9} {:>11} {:>9} {:>9} {:>9} {:>9} {:>10} {:>6}\n", "view", "frames", "uploads",
+               "complete, s", "frame, ms", "median", "rays, ms", "Mrays/s", "first, dB", "exact");
   for (const bench::FrameBenchView& v : b.views)
     fmt::print("{:<14} {:>7} {:>9} {:>11.2f} {:>9.2f} {:>9.2f} {:>9.2f} {:>9.1f} {:>10.1f} {:>6}\n", v.view,
                v.frames_to_complete, v.uploads, v.complete_s, 1e3 * v.best_s, 1e3 * v.median_s, 1e3 * v.best_cast_s,

@@ -111,6 +111,7 @@ bench::FrameBenchRequest frames_of(const RenderBenchOptions& options, const benc
                                    const FrameRenderer::Options& renderer) {
   auto request = pictures_of<bench::FrameBenchRequest>(rays, renderer);
   request.repeats = options.repeats;
+  request.fixed_views = options.what != "flight";
   request.flight_frames = options.flight_frames;
   return request;
 }
@@ -134,7 +135,7 @@ int run(const RenderBenchOptions& options) {
   const auto wants = [&](const char* what) { return options.what == what || options.what == "all"; };
   if (wants("first-hits"))
     tell("first_hit", timed("casting rays to the first voxel", [&] { return bench::bench_first_hits(request); }));
-  if (wants("frames"))
+  if (wants("frames") || wants("flight"))
     tell("frames", timed("drawing frames", [&] { return bench::bench_frames(frames_of(options, request, renderer)); }));
   if (wants("live"))
     tell("live", timed("moving a viewer",
@@ -154,9 +155,9 @@ void add_bench_render(CLI::App& bench, int& exit_code) {
   command->add_option("--repeats", options->repeats, "runs of each view; at most three on the CPU")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
-  command->add_option("--what", options->what, "which part")
+  command->add_option("--what", options->what, "which part; frames: fixed views and the flight")
       ->capture_default_str()
-      ->check(one_of({"all", "first-hits", "frames", "live"}));
+      ->check(one_of({"all", "first-hits", "frames", "flight", "live"}));
   command->add_option("--flight", options->flight_frames, "frames of the flight")
       ->capture_default_str()
       ->check(CLI::Range(0, 100000));
