@@ -66,12 +66,13 @@ class CpuCaster final : public Caster {
     tile_ = tile;
     lights_.clear();
     rays_.resize(std::size_t(tile.width) * std::size_t(tile.height));
-    for_each_ray(0, rays_.size(), {}, [&](const CastLine& line, CastRay& ray) { ray = start_ray(scene_, line); });
+    for_each_ray(0, rays_.size(), {}, [&](std::size_t i) { rays_[i] = start_ray(scene_, line_of(i)); });
   }
 
   std::size_t cast(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
-    return one_pass(begin, end, stop, [&](const CastLine& line, CastRay& ray) {
-      if (ray.lod >= 0) cast_ray(scene_, camera_, line, patient, true, ray);
+    return one_pass(begin, end, stop, [&](std::size_t i) {
+      CastRay& ray = rays_[i];
+      if (ray.lod >= 0) cast_ray(scene_, camera_, line_of(i), patient, true, ray);
       return ray.lod < 0;
     });
   }
@@ -82,12 +83,10 @@ class CpuCaster final : public Caster {
   }
 
   std::size_t cast_light(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
-    return one_pass(begin, end, stop, [&](const CastLine& line, CastRay& ray) {
-      const std::size_t i = std::size_t(&ray - rays_.data()), width = std::size_t(tile_.width);
+    return one_pass(begin, end, stop, [&](std::size_t i) {
       PixelLight& light = lights_[i];
       if (light.done != PixelLight::all)
-        light_pixel(scene_, camera_, lighting_, line, ray, tile_.x + int(i % width), tile_.y + int(i / width), patient,
-                    light);
+        light_pixel(scene_, camera_, lighting_, line_of(i), rays_[i], pixel_x(i), pixel_y(i), patient, light);
       return light.done == PixelLight::all;
     });
   }
@@ -106,21 +105,24 @@ class CpuCaster final : public Caster {
 
   void resolve(const CastBackground& background, const CastPixels& out) override {
     const Tables tables = TableStore::host().view();
-    for_each_ray(0, rays_.size(), {}, [&](const CastLine& line, CastRay& ray) {
-      const std::size_t i = std::size_t(&ray - rays_.data());
-      const CastRay lit = lights_.empty() ? ray : lit_ray(ray, lights_.data(), tile_, lighting_, i);
-      write_pixel(lit, line, camera_.tone, tile_, background, tables, i, out);
+    for_each_ray(0, rays_.size(), {}, [&](std::size_t i) {
+      const CastRay lit = lights_.empty() ? rays_[i] : lit_ray(rays_[i], lights_.data(), tile_, lighting_, i);
+      write_pixel(lit, line_of(i), camera_.tone, tile_, background, tables, i, out);
     });
   }
 
  private:
-  /// go_on(line, ray): whether that is finished then. Returns how many are not.
+  int pixel_x(std::size_t ray) const { return tile_.x + int(ray % std::size_t(tile_.width)); }
+  int pixel_y(std::size_t ray) const { return tile_.y + int(ray / std::size_t(tile_.width)); }
+  CastLine line_of(std::size_t ray) const { return line_of_sight(scene_, camera_, pixel_x(ray), pixel_y(ray)); }
+
+  /// go_on(ray): whether that is finished then. Returns how many are not.
   template <class GoOn>
   std::size_t one_pass(std::size_t begin, std::size_t end, const StopAsked& stop, const GoOn& go_on) {
     ++scene_.pass;
     std::atomic<std::size_t> unfinished{0};
-    const bool whole = for_each_ray(begin, end, stop, [&](const CastLine& line, CastRay& ray) {
-      if (!go_on(line, ray)) unfinished.fetch_add(1, std::memory_order_relaxed);
+    const bool whole = for_each_ray(begin, end, stop, [&](std::size_t i) {
+      if (!go_on(i)) unfinished.fetch_add(1, std::memory_order_relaxed);
     });
     return whole ? unfinished.load() : std::max<std::size_t>(unfinished, 1);
   }
@@ -138,7 +140,7 @@ class CpuCaster final : public Caster {
         for (int y = y0; y < std::min(y0 + block_edge, tile_.height); ++y)
           for (int x = x0; x < std::min(x0 + block_edge, tile_.width); ++x) {
             const std::size_t i = std::size_t(y) * std::size_t(tile_.width) + std::size_t(x);
-            if (i >= begin && i < end) body(line_of_sight(scene_, camera_, tile_.x + x, tile_.y + y), rays_[i]);
+            if (i >= begin && i < end) body(i);
           }
       }
     });
