@@ -27,6 +27,7 @@ struct AccuracyOptions {
   int samples = 64, repeats = 3, million_triangles = 17, scene_voxels = 1536;
   std::uint64_t voxels = 50000;
   std::vector<std::string> settings, families;
+  std::vector<double> scales = bench::accuracy_scales;
   bool hard = false, leaks = false, light = false;
 };
 
@@ -47,6 +48,7 @@ bench::AccuracyBenchRequest request_of(const AccuracyOptions& options) {
   r.backend = bake.backend;
   r.samples = options.samples;
   r.only = options.settings;
+  r.scales = options.scales;
   r.sample.voxels = options.voxels;
   r.sample.points = 4 * options.voxels;
   r.repeats = options.repeats;
@@ -224,6 +226,10 @@ void add_bench_accuracy(CLI::App& bench, int& exit_code) {
   command->add_option("--repeats", o->repeats, "bakes of each setting; the fastest counts")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
+  command->add_option("--scales", o->scales, "of the pictures: voxels a pixel, with commas between them")
+      ->delimiter(',')
+      ->capture_default_str()
+      ->check(CLI::Range(1.0 / 16, 65536.0));
   command->add_option("--size", o->size, "WIDTHxHEIGHT of the largest pictures")->capture_default_str();
   command->add_option("--json", o->json, "JSON file to write: all figures");
   command->add_option("--markdown", o->markdown, "Markdown file to write: the tables that are printed");

@@ -180,6 +180,9 @@ void compare(const std::filesystem::path& folder, const AccuracyBench& bench, co
   compare_lit(folder, bench, references.lit, threads, setting);
 }
 
+/// Views of which fewer bits a normal are told.
+bool shows_normals(const AccuracyView& view) { return view.voxels_per_pixel == 1; }
+
 /// Light shows what albedo does not.
 std::vector<NormalBits> coarser_normals(const AccuracyBenchRequest& request, const AccuracyBench& bench) {
   const AccuracySetting& first = bench.settings.front();
@@ -187,7 +190,7 @@ std::vector<NormalBits> coarser_normals(const AccuracyBenchRequest& request, con
       normal_bits(request.out / first.name / "scene.xml", request.out, first.parameters.codec, request.scene.threads);
   int pictures = 0;
   for (const AccuracyView& view : bench.views) {
-    if (view.voxels_per_pixel != 1) continue;
+    if (!shows_normals(view)) continue;
     ++pictures;
     LinearPicture exact;
     for (NormalBits& row : rows) {
@@ -220,7 +223,7 @@ AccuracyBench bench_accuracy(const AccuracyBenchRequest& request, const Accuracy
   progress("reference");
   const auto start = Clock::now();
   const ReferenceCaster caster(sources, request.scene.parameters, request.scene.threads);
-  bench.views = accuracy_views(caster, request.scene.parameters, request.width, request.height);
+  bench.views = accuracy_views(caster, request.scene.parameters, request.scales, request.width, request.height);
   const References references = draw_references(caster, request, bench.views);
   bench.reference_s = seconds_since(start);
   VoxelErrors voxel_errors(caster, request);
@@ -233,8 +236,10 @@ AccuracyBench bench_accuracy(const AccuracyBenchRequest& request, const Accuracy
     setting.voxel = voxel_errors.of(folder / "scene.xml", setting);
     bench.settings.push_back(std::move(setting));
   }
-  progress("fewer bits a normal");
-  bench.normals = coarser_normals(request, bench);
+  if (std::any_of(bench.views.begin(), bench.views.end(), shows_normals)) {
+    progress("fewer bits a normal");
+    bench.normals = coarser_normals(request, bench);
+  }
   return bench;
 }
 

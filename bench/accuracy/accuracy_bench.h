@@ -23,11 +23,12 @@ struct AccuracyBenchRequest {
   /// A folder for each setting, whose shards are replaced, and pictures.
   std::filesystem::path out;
   Backend backend = Backend::automatic;
-  int repeats = 3;                ///< bakes of each setting; the fastest counts
-  int samples = 64;               ///< of the reference, a pixel
-  int width = 160, height = 120;  ///< of the largest pictures
-  VoxelErrorSample sample;        ///< of the source's surface and of each setting's voxels
-  std::vector<std::string> only;  ///< settings to bake, by their names; empty: all
+  int repeats = 3;                               ///< bakes of each setting; the fastest counts
+  int samples = 64;                              ///< of the reference, a pixel
+  std::vector<double> scales = accuracy_scales;  ///< of the pictures, voxels a pixel
+  int width = 160, height = 120;                 ///< of the largest pictures
+  VoxelErrorSample sample;                       ///< of the source's surface and of each setting's voxels
+  std::vector<std::string> only;                 ///< settings to bake, by their names; empty: all
 };
 
 struct ViewError {
@@ -59,7 +60,7 @@ struct AccuracyBench {
   double reference_s = 0;
   std::vector<AccuracyView> views;
   std::vector<AccuracySetting> settings;
-  std::vector<NormalBits> normals;  ///< of the first setting's shards
+  std::vector<NormalBits> normals;  ///< of the first setting's shards, where there are pictures at a voxel a pixel
 };
 
 /// Of all settings, in their order.

@@ -87,11 +87,11 @@ Point<Scene> to_scene_m(const std::array<double, 3>& voxels, const BakeParameter
 
 std::string AccuracyView::name() const { return fmt::format("{} {:g}", direction, voxels_per_pixel); }
 
-std::vector<AccuracyView> accuracy_views(const ReferenceCaster& caster, const BakeParameters& lattice, int width,
-                                         int height) {
+std::vector<AccuracyView> accuracy_views(const ReferenceCaster& caster, const BakeParameters& lattice,
+                                         const std::vector<double>& voxels_per_pixel, int width, int height) {
   std::vector<AccuracyView> views;
   for (const Direction& direction : directions)
-    for (const double scale : accuracy_scales)
+    for (const double scale : voxels_per_pixel)
       views.push_back(make_view(caster, lattice, direction, scale, width, height));
   return views;
 }

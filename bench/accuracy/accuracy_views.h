@@ -21,13 +21,14 @@ struct AccuracyView {
   std::string name() const;  ///< "oblique 0.25"
 };
 
-inline constexpr double accuracy_scales[] = {0.25, 1, 4, 16};
+/// Voxels a pixel, unless others are asked for.
+inline const std::vector<double> accuracy_scales{0.25, 1, 4, 16};
 
-/// Every direction at every scale. At most width × height pixels; fewer where the whole scene needs fewer. A view that
-/// does not hold the whole scene looks at the surface in its middle.
-/// Space   Voxels are those of `lattice`, as the caster's.
-std::vector<AccuracyView> accuracy_views(const ReferenceCaster& caster, const BakeParameters& lattice, int width,
-                                         int height);
+/// Every direction at every scale of `voxels_per_pixel`. At most width × height pixels; fewer where the whole scene
+/// needs fewer. A view that does not hold the whole scene looks at the surface in its middle. Space   Voxels are those
+/// of `lattice`, as the caster's.
+std::vector<AccuracyView> accuracy_views(const ReferenceCaster& caster, const BakeParameters& lattice,
+                                         const std::vector<double>& voxels_per_pixel, int width, int height);
 
 /// In voxels of `lattice`.
 kernels::CastCamera reference_camera(const CameraOptions& camera, const BakeParameters& lattice);

@@ -89,7 +89,8 @@ LightBench bench_light(const AccuracyBenchRequest& request, const AccuracyProgre
   FrameRenderer::Options options;
   options.threads = request.scene.threads;
   FrameRenderer with(request.out / "scene.xml", options), without(request.out / "scene.xml", options);
-  for (const AccuracyView& view : accuracy_views(caster, request.scene.parameters, request.width, request.height)) {
+  for (const AccuracyView& view :
+       accuracy_views(caster, request.scene.parameters, accuracy_scales, request.width, request.height)) {
     progress(view.name());
     bench.rows.push_back(look_at(caster, view, request, with, without));
   }
