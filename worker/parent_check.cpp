@@ -11,16 +11,6 @@
 namespace gigabake {
 namespace {
 
-CellJob job_of(const SceneCell& parent) {
-  CellJob job;
-  job.name = parent.name;
-  job.lattice_min = parent.lattice_min;
-  job.cell_voxels = parent.cell_voxels;
-  job.first_lod = parent.first_lod;
-  job.copied_lods = parent.copied_lods;
-  return job;
-}
-
 /// Nothing where one of them, or the parent, is damaged.
 struct ReadFamily {
   ShardHeader header;

@@ -49,16 +49,6 @@ SceneCell made_cell(std::int64_t x, std::int64_t y) {
   return cell;
 }
 
-CellJob job_of(const SceneCell& cell) {
-  CellJob job;
-  job.name = cell.name;
-  job.lattice_min = cell.lattice_min;
-  job.cell_voxels = cell.cell_voxels;
-  job.triangles = cell.triangles;
-  job.fingerprint = cell.fingerprint;
-  return job;
-}
-
 SceneCell described(const CellJob& job) {
   SceneCell parent;
   parent.name = job.name;

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <bit>
-#include <set>
 
 namespace gigabake {
 namespace {
 
-/// The level of which a window of that edge has one brick.
+/// The level of which a cell of that edge has one brick.
 int root_lod(std::uint32_t edge_voxels) { return std::bit_width(edge_voxels / brick_edge) - 1; }
 
 }  // namespace
@@ -21,13 +20,9 @@ LevelOwners::LevelOwners(const PagedScene& scene) : scene_(scene) {
     coarsest_ = 62;
     scene.for_each_cell([this](const SceneCell& c) { coarsest_ = std::min(coarsest_, int(c.lods) - 1); });
   }
-  std::set<std::uint32_t> edges;
-  for (const SceneCell& parent : scene.header().parents) edges.insert(parent.cell_voxels);
-  for (const std::uint32_t edge : edges) {
-    const int finest = coarsest_ + 1;
-    coarsest_ = root_lod(edge);
-    for (const SceneCell& parent : scene.header().parents)
-      if (parent.cell_voxels == edge) parents_.push_back({parent, finest, coarsest_});
+  for (const SceneCell& parent : scene.header().parents) {
+    parents_.push_back({parent, int(parent.own_lod()), int(parent.first_lod + parent.lods) - 1});
+    coarsest_ = std::max(coarsest_, parents_.back().coarsest);
   }
 }
 

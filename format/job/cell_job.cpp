@@ -37,6 +37,18 @@ void each_field_of_file(File& file, const F& f) {
 
 }  // namespace
 
+CellJob job_of(const SceneCell& cell) {
+  CellJob job;
+  job.name = cell.name;
+  job.lattice_min = cell.lattice_min;
+  job.cell_voxels = cell.cell_voxels;
+  job.triangles = cell.triangles;
+  job.fingerprint = cell.fingerprint;
+  job.first_lod = cell.first_lod;
+  job.copied_lods = cell.copied_lods;
+  return job;
+}
+
 std::filesystem::path shard_path(const CellJob& job) { return shard_file(job.name, job.fingerprint); }
 
 std::string shard_file(const std::string& name, const Hash128& fingerprint) {

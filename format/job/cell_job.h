@@ -61,6 +61,9 @@ struct CellReport {
   FileStamp shard = {};  ///< of OUT/<cell.file>, taken after it was published or before it was read back, when baked
 };
 
+/// What made the cell, or parent, that the scene lists, without its tiles and children, which no scene names.
+CellJob job_of(const SceneCell& cell);
+
 /// Relative to OUT: shards/<name>-<fingerprint>.h5.
 std::filesystem::path shard_path(const CellJob& job);
 std::string shard_file(const std::string& name, const Hash128& fingerprint);
