@@ -12,8 +12,9 @@ namespace {
 
 using kernels::Want;
 
-/// Wants that are answered side by side before the clock is looked at and the pools are filled.
-constexpr std::size_t wants_per_batch = 256;
+/// Wants that are answered side by side before the clock is looked at and the pools are filled: so many of each thread
+/// that starting them all takes little, and so few that they are done within 2 ms.
+constexpr std::size_t wants_per_thread = 64, least_wants_per_batch = 256;
 /// Wants looked at in one call, the most urgent ones: more would only be asked of the pager in vain.
 constexpr std::size_t most_wants = 8192;
 constexpr std::uint32_t least_slots = 16;
@@ -22,6 +23,10 @@ constexpr std::uint32_t voxels_per_slot = 80;
 /// What the urgency of a root is multiplied with while no ray has met its cell.
 constexpr double unseen_root = 1.0 / 64;
 constexpr int cpu_tile_edge = 128, device_tile_edge = 1024;
+
+std::size_t wants_per_batch(const ThreadPool& policy) {
+  return std::max(least_wants_per_batch, wants_per_thread * std::size_t(policy.threads()));
+}
 
 std::uint32_t node_of(std::uint32_t want) { return want / 2; }
 Want what_of(std::uint32_t want) { return Want(want % 2); }
@@ -93,7 +98,7 @@ SceneStream::SceneStream(const PagedScene& scene, Opened opened, PageSource sour
   const kernels::PoolSizes sizes = pool_sizes(layout_, bytes_for_pools(options));
   pool_bytes_ = sizes.bytes();
   caster_ = make_caster(layout_, sizes, options, policy);
-  new_bricks_.reserve(wants_per_batch);
+  new_bricks_.reserve(wants_per_batch(policy));
 }
 
 void SceneStream::want_roots() {
@@ -182,11 +187,12 @@ SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& wanted,
   std::vector<PageKey> missing;
   const std::vector<std::uint32_t> wants = by_urgency(wanted, eye);
   std::vector<Answer> answers;
-  std::vector<kernels::CastBrick> bricks(std::min(wants.size(), wants_per_batch));
+  const std::size_t per_batch = wants_per_batch(policy_);
+  std::vector<kernels::CastBrick> bricks(std::min(wants.size(), per_batch));
   books_.begin_round(keep.used_since, !keep.all);
-  for (std::size_t from = 0; from < wants.size() && !served.is_full; from += wants_per_batch) {
+  for (std::size_t from = 0; from < wants.size() && !served.is_full; from += per_batch) {
     if (from != 0 && enough && enough()) break;
-    const std::size_t count = std::min(wants.size() - from, wants_per_batch);
+    const std::size_t count = std::min(wants.size() - from, per_batch);
     answers.assign(count, {});
     policy_.parallel_for(count, 8, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t i = begin; i < end; ++i) answer(wants[from + i], answers[i], bricks[i]);
