@@ -171,6 +171,19 @@ def odd_sizes_are_refused(gigabake, work):
     assert result.returncode == 2 and "--size: expected 8 to 4096" in result.stderr, result
 
 
+def other_distances_are_drawn_alone(gigabake, work):
+    """Where no picture is at a voxel a pixel nobody needs shards with fewer bits a normal."""
+    arguments = ("bench", "accuracy", work / "sample/tileset.json", "-o", work / "far", "--voxel-size", 1, "--settings",
+                 "area-coverage", "--repeats", 1, "--samples", 4, "--voxels", 100, "--size", "16x16")
+    gigabake.succeed(*arguments, "--scales", "2,32", "--json", work / "far.json")
+    bench = json.loads((work / "far.json").read_text())
+    views = [view["view"] for view in bench["settings"][0]["views"]]
+    assert views == [f"{d} {s}" for d in DIRECTIONS for s in ("2", "32")], views
+    assert not bench.get("normal_bits") and not list((work / "far").glob("normals-*")), bench.get("normal_bits")
+    for wrong in ("0", "-1", "1e9", "near"):
+        assert gigabake.run(*arguments, "--scales", wrong).returncode != 0, wrong
+
+
 def main():
     gigabake = Gigabake(sys.argv[1])
     with tempfile.TemporaryDirectory() as folder:
@@ -188,6 +201,7 @@ def main():
         tables_plots_and_pictures_are_there(work, bench)
         odd_sizes_are_refused(gigabake, work)
         odd_settings_are_refused(gigabake, work)
+        other_distances_are_drawn_alone(gigabake, work)
 
 
 if __name__ == "__main__":
