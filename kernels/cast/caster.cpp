@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <utility>
 
 #include "kernels/body/tables.h"
+#include "kernels/cast/level_blend.h"
 #include "kernels/cast/light_rays.h"
 #include "lattice/thread_pool.h"
 
@@ -65,6 +67,7 @@ class CpuCaster final : public Caster {
     camera_ = camera;
     tile_ = tile;
     lights_.clear();
+    is_blending_ = false;
     rays_.resize(std::size_t(tile.width) * std::size_t(tile.height));
     for_each_ray(0, rays_.size(), {}, [&](const CastLine& line, CastRay& ray) { ray = start_ray(scene_, line); });
   }
@@ -76,14 +79,35 @@ class CpuCaster final : public Caster {
     });
   }
 
-  void start_light(const CastLighting& lighting) override {
+  void start_blend() override {
+    coarser_.resize(rays_.size());
+    is_blending_ = true;
+    for_each_ray(0, rays_.size(), {}, [&](const CastLine& line, CastRay& ray) {
+      const std::size_t i = index_of(ray);
+      coarser_[i] = start_coarser(scene_, line, coarser_line(i), ray);
+    });
+  }
+
+  std::size_t cast_blend(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
+    const CastCamera coarser = coarser_camera(camera_);
+    return one_pass(begin, end, stop, [&](const CastLine&, CastRay& ray) {
+      const std::size_t i = index_of(ray);
+      CastRay& second = coarser_[i];
+      if (second.lod >= 0) cast_ray(scene_, coarser, coarser_line(i), patient, true, second);
+      return second.lod < 0;
+    });
+  }
+
+  void start_light(const CastLighting& lighting, std::shared_ptr<const SurfaceShader> shader) override {
+    blend();
     lighting_ = lighting;
+    shader_ = shader ? std::move(shader) : lit_shader({lighting.light, lighting.part});
     lights_.assign(rays_.size(), PixelLight());
   }
 
   std::size_t cast_light(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
     return one_pass(begin, end, stop, [&](const CastLine& line, CastRay& ray) {
-      const std::size_t i = std::size_t(&ray - rays_.data()), width = std::size_t(tile_.width);
+      const std::size_t i = index_of(ray), width = std::size_t(tile_.width);
       PixelLight& light = lights_[i];
       if (light.done != PixelLight::all)
         light_pixel(scene_, camera_, lighting_, line, ray, tile_.x + int(i % width), tile_.y + int(i / width), patient,
@@ -106,14 +130,41 @@ class CpuCaster final : public Caster {
 
   void resolve(const CastBackground& background, const CastPixels& out) override {
     const Tables tables = TableStore::host().view();
+    blend();
+    shade();
+    const std::size_t width = std::size_t(tile_.width);
     for_each_ray(0, rays_.size(), {}, [&](const CastLine& line, CastRay& ray) {
-      const std::size_t i = std::size_t(&ray - rays_.data());
-      const CastRay lit = lights_.empty() ? ray : lit_ray(ray, lights_.data(), tile_, lighting_, i);
-      write_pixel(lit, line, camera_.tone, tile_, background, tables, i, out);
+      const std::size_t i = index_of(ray);
+      const CastRay& lit = lights_.empty() ? ray : lit_[i];
+      const CastRay shown = before_polygons(lit, camera_, tile_.x + int(i % width), tile_.y + int(i / width));
+      write_pixel(shown, line, camera_.tone, tile_, background, tables, i, out);
     });
   }
 
  private:
+  std::size_t index_of(const CastRay& ray) const { return std::size_t(&ray - rays_.data()); }
+
+  CastLine coarser_line(std::size_t i) const {
+    const std::size_t width = std::size_t(tile_.width);
+    return line_of_sight(scene_, coarser_camera(camera_), tile_.x + int(i % width), tile_.y + int(i / width));
+  }
+
+  /// Puts the second rays into the first ones, once.
+  void blend() {
+    if (!is_blending_) return;
+    is_blending_ = false;
+    for_each_ray(0, rays_.size(), {}, [&](const CastLine& line, CastRay& ray) {
+      ray = blended(scene_, line, ray, coarser_[index_of(ray)]);
+    });
+  }
+
+  void shade() {
+    if (lights_.empty()) return;
+    lit_.resize(rays_.size());
+    const double* eye = camera_.eye;
+    shader_->on_host({rays_.data(), lights_.data(), tile_, lighting_, {eye[0], eye[1], eye[2]}}, lit_.data(), pool_);
+  }
+
   /// go_on(line, ray): whether that is finished then. Returns how many are not.
   template <class GoOn>
   std::size_t one_pass(std::size_t begin, std::size_t end, const StopAsked& stop, const GoOn& go_on) {
@@ -156,8 +207,10 @@ class CpuCaster final : public Caster {
   std::vector<std::uint32_t> tile_used_, slot_used_, wanted_;
   CastCamera camera_;
   CastTile tile_;
-  std::vector<CastRay> rays_;
+  std::vector<CastRay> rays_, coarser_, lit_;
+  bool is_blending_ = false;
   CastLighting lighting_;
+  std::shared_ptr<const SurfaceShader> shader_;
   std::vector<PixelLight> lights_;  ///< of the tile's pixels; empty: they are not lit
 };
 
