@@ -31,7 +31,7 @@ int draw(const char* scene, double step_m, const char* file) {
   View view;
   view.camera.width = view.camera.height = 96;
   view.background = {false, {0, 0, 0, 0}};
-  const ContourShader shader{{daylight(view.sun)}, step_m / renderer.scene().header().voxel_size_m};
+  const ContourShader shader{{gigabake::daylight(view.sun)}, step_m / renderer.scene().header().voxel_size_m};
   view.shader = kernels::host_shader(shader);
   const Picture picture = renderer.draw_exact(view).picture;
   write_png(file, picture);
