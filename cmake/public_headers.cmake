@@ -78,6 +78,7 @@ set(gb_public_headers_kernels
     kernels/cast/first_hit_cast.h
     kernels/cast/first_hit_device.h
     kernels/cast/first_hit_tree.h
+    kernels/cast/light_rays.h
     kernels/cast/lighting.h
     kernels/cast/locate.h
     kernels/cast/packed_voxel.h
@@ -86,7 +87,10 @@ set(gb_public_headers_kernels
     kernels/cast/sample.h
     kernels/cast/scene.h
     kernels/cast/shade.h
+    kernels/cast/shader.cuh
+    kernels/cast/shader.h
     kernels/cast/sheet.h
+    kernels/cast/tile_grid.cuh
     kernels/cpu/bake_cell.h
     kernels/cpu/texture.h
     kernels/cuda/baker.h
@@ -108,6 +112,8 @@ set(gb_public_headers_viewer
     viewer/pictures/jpeg.h
     viewer/pictures/picture.h
     viewer/pictures/png.h
+    viewer/pictures/polygons.h
+    viewer/pictures/view.h
     viewer/query/query_asks.h
     viewer/query/query_frames.h
     viewer/query/query_job.h

@@ -14,6 +14,7 @@
 #include "bench/report/hard_report.h"
 #include "bench/report/leak_report.h"
 #include "bench/report/light_report.h"
+#include "bench/report/motion_report.h"
 #include "format/system/host_limits.h"
 #include "format/system/publish.h"
 #include "lattice/error.h"
@@ -28,7 +29,7 @@ struct AccuracyOptions {
   std::uint64_t voxels = 50000;
   std::vector<std::string> settings, families;
   std::vector<double> scales = bench::accuracy_scales;
-  bool hard = false, leaks = false, light = false;
+  bool hard = false, leaks = false, light = false, motion = false;
 };
 
 int threads_of(const BakeOptions& bake) { return bake.asked.threads > 0 ? bake.asked.threads : host_limits().cores(); }
@@ -133,14 +134,16 @@ int run_leaks(const AccuracyOptions& options) {
   return complete;
 }
 
-/// It measures; what is claimed of it stands in docs/accuracy.md.
-int run_light(const AccuracyOptions& options) {
+/// They measure; what is claimed of it stands in docs/accuracy.md. bench: of light, or of motion.
+template <class Bench>
+int run_pictures(const AccuracyOptions& options,
+                 Bench (*bench)(const bench::AccuracyBenchRequest&, const bench::AccuracyProgress&)) {
   const SuiteFolder folder(options.bake.out);
   bench::AccuracyBenchRequest request = request_of(options);
   request.out = folder.path();
-  const bench::LightBench b = with_progress([&](const Progress& progress) {
+  const Bench b = with_progress([&](const Progress& progress) {
     request.scene.progress = progress;
-    return bench::bench_light(request, [&](const std::string& view) { progress.step(view); });
+    return bench(request, [&](const std::string& view) { progress.step(view); });
   });
   publish(b, options);
   return complete;
@@ -151,7 +154,8 @@ int run(const AccuracyOptions& options) {
   if (options.leaks) return run_leaks(options);
   if (options.bake.source.empty() || options.bake.out.empty() || options.bake.voxel_size.empty())
     throw UsageError("expected SCENE, -o and --voxel-size, or --hard, or --leaks");
-  if (options.light) return run_light(options);
+  if (options.light) return run_pictures(options, bench::bench_light);
+  if (options.motion) return run_pictures(options, bench::bench_motion);
   bench::AccuracyBenchRequest request = request_of(options);
   const bench::AccuracyBench b = with_progress([&](const Progress& progress) {
     request.scene.progress = progress;
@@ -181,6 +185,11 @@ void add_bench_accuracy(CLI::App& bench, int& exit_code) {
           "--leaks", o->leaks,
           "light through opaque surfaces instead, from every side and distance: of SCENE, or without one of planes, "
           "hills, steps, walls, panes, wires and a crown")
+      ->excludes(hard);
+  command
+      ->add_flag("--motion", o->motion,
+                 "motion instead: how much frames a fraction of a pixel apart differ along fixed paths, of voxels with "
+                 "levels blended and without, and of triangles")
       ->excludes(hard);
   command
       ->add_flag("--light", o->light,

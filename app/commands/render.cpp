@@ -11,6 +11,7 @@
 #include "app/options/choices.h"
 #include "app/options/flags.h"
 #include "app/options/picture_file.h"
+#include "app/options/polygon_file.h"
 #include "app/options/renderer_options.h"
 #include "app/options/scene_argument.h"
 #include "app/options/text_values.h"
@@ -28,7 +29,7 @@ namespace {
 
 struct RenderArguments {
   std::string scene, picture, depth;
-  std::string clip_box, clip_plane;
+  std::string clip_box, clip_plane, polygons;
   std::string eye, target, up, size = "1280x720", background = "sky";
   double fovy_deg = CameraOptions{}.fovy_deg, pixel_error = CameraOptions{}.pixel_error;
   RendererArguments renderer;
@@ -91,6 +92,7 @@ View view_of(const RenderArguments& a) {
   if (format == PictureFormat::exr) view.light = PictureLight::linear_too;
   view.camera = camera_options(a);
   view.mode = a.mode;
+  if (!a.polygons.empty()) view.polygons = read_polygons(a.polygons, a.renderer.threads);
   view.background = background_option(a.background);
   if (format == PictureFormat::jpeg && !view.background.sky && view.background.rgba[3] != 255)
     throw UsageError("--background: a JPEG is opaque; expected R,G,B, or a .png");
@@ -207,6 +209,9 @@ void add_render(CLI::App& app, int& exit_code) {
   command.add_option("--clip-box", a->clip_box, "X,Y,Z,X,Y,Z: show what is in this box alone, scene metres");
   command.add_option("--clip-plane", a->clip_plane,
                      "X,Y,Z,DX,DY,DZ: show what lies beyond the plane through X,Y,Z in the direction DX,DY,DZ alone");
+  command.add_option("--polygons", a->polygons,
+                     "mesh file, as .glb, in scene metres: its triangles stand among the voxels, in the picture and in "
+                     "its depth");
   add_light_options(command, a->light);
   add_sun_options(command, a->sun);
   add_renderer_options(command, a->renderer);

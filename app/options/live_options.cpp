@@ -14,6 +14,7 @@ void add_live_options(CLI::App& command, LiveArguments& a) {
   command.add_option("--frame-ms", a.frame_ms, "what a frame should take while the camera moves")
       ->capture_default_str();
   add_light_options(command, a.light);
+  add_sun_options(command, a.sun);
   add_renderer_options(command, a.renderer);
 }
 
@@ -29,6 +30,15 @@ LiveScene::Options live_options(const LiveArguments& a) {
   out.camera.fovy_deg = a.fovy_deg;
   out.camera.pixel_error = a.pixel_error;
   out.frame_s = a.frame_ms / 1000;
+  out.look = [sun = a.sun](const SceneHeader& scene) {
+    View view;
+    set_sun(sun, scene, view);
+    Steering first;
+    first.sun = {view.sun.azimuth_deg, view.sun.elevation_deg};
+    first.shadows = view.shadows;
+    first.level_blend = view.level_blend;
+    return first;
+  };
   return out;
 }
 

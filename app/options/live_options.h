@@ -15,6 +15,7 @@ struct LiveArguments {
   double frame_ms = 1000 * LiveScene::Options{}.frame_s;
   RendererArguments renderer;
   LightArguments light;
+  SunArguments sun;
 };
 
 void add_live_options(CLI::App& command, LiveArguments& arguments);

@@ -27,6 +27,8 @@ void add_sun_options(CLI::App& command, SunArguments& a) {
       ->excludes(sun);
   add_choice(command, "--shadows", a.shadows,
              "whether surfaces stand in the light of the sun and the sky, in --mode lit");
+  add_choice(command, "--level-blend", a.level_blend,
+             "whether what lies between two levels is filtered from both, so that nothing pops as the eye moves");
 }
 
 void set_light(const LightArguments& a, FrameRenderer::Options& options) {
@@ -61,6 +63,7 @@ SunDirection sun_option(const SunArguments& a, const SceneHeader& scene) {
 void set_sun(const SunArguments& a, const SceneHeader& scene, View& view) {
   view.sun = sun_option(a, scene);
   view.shadows = a.shadows;
+  view.level_blend = a.level_blend;
 }
 
 void tell_sun(const SunArguments& a, const View& view) {

@@ -23,10 +23,11 @@ struct LightArguments {
   double exposure_stops = 0;
 };
 
-/// Of pictures that are drawn once.
+/// What a view is besides its camera and mode.
 struct SunArguments {
   std::string sun, time;
   Shadows shadows = Shadows::off;
+  LevelBlend level_blend = LevelBlend::off;
 };
 
 void add_light_options(CLI::App& command, LightArguments& arguments);
@@ -34,7 +35,7 @@ void add_sun_options(CLI::App& command, SunArguments& arguments);
 /// Errors  UsageError.
 void set_light(const LightArguments& arguments, FrameRenderer::Options& options);
 
-/// Where the sun stands, and whether it casts shadows.
+/// Where the sun stands, whether it casts shadows, and whether levels are blended.
 /// Errors  UsageError: as above; --time, and the scene has no place on the earth.
 void set_sun(const SunArguments& arguments, const SceneHeader& scene, View& view);
 /// Says where a time puts the sun, and that there is none by night.

@@ -23,13 +23,13 @@ struct Direction {
 constexpr Direction directions[] = {{"nadir", 90}, {"oblique", 35}, {"grazing", 10}};
 
 /// How far the box reaches along a direction to either side of its middle.
-double reach(const LatticeBox& box, const Vector& direction) {
+double reach(const TriangleBox& box, const Vector& direction) {
   double sum = 0;
   for (std::size_t a = 0; a < 3; ++a) sum += (box.max[a] - box.min[a]) / 2 * std::fabs(direction[a]);
   return sum;
 }
 
-Vector middle_of(const LatticeBox& box) {
+Vector middle_of(const TriangleBox& box) {
   return {(box.min[0] + box.max[0]) / 2, (box.min[1] + box.max[1]) / 2, (box.min[2] + box.max[2]) / 2};
 }
 
@@ -46,7 +46,7 @@ int pixels_across(double voxels, double voxels_per_pixel, int most) {
 
 AccuracyView make_view(const ReferenceCaster& caster, const BakeParameters& lattice, const Direction& direction,
                        double voxels_per_pixel, int width, int height) {
-  const LatticeBox& box = caster.box();
+  const TriangleBox& box = caster.box();
   const Vector forward = forward_at(direction.elevation_deg);
   const double level = std::hypot(forward[0], forward[1]);
   const Vector right = level > 0 ? Vector{forward[1] / level, -forward[0] / level, 0} : Vector{1, 0, 0};

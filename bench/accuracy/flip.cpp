@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "bench/accuracy/colour_spaces.h"
 
@@ -150,19 +151,24 @@ Features features(const Plane& achromatic, Size size) {
 
 }  // namespace
 
-double flip(const std::vector<Rgb>& reference, const std::vector<Rgb>& test, int width, int height) {
+std::vector<double> flip_map(const std::vector<Rgb>& reference, const std::vector<Rgb>& test, int width, int height) {
   const Size size{width, height};
   const auto a = opponents(reference), b = opponents(test);
   const auto colour_a = seen_colours(a, size), colour_b = seen_colours(b, size);
   const Features feature_a = features(a[0], size), feature_b = features(b[0], size);
-  double sum = 0;
+  std::vector<double> out;
   for (std::size_t i = 0; i < colour_a.size(); ++i) {
     const double feature =
         std::max(std::fabs(feature_a.edge[i] - feature_b.edge[i]), std::fabs(feature_a.point[i] - feature_b.point[i]));
     const double feature_difference = std::min(1.0, std::sqrt(feature / std::numbers::sqrt2));
-    sum += std::pow(colour_difference(colour_a[i], colour_b[i]), 1 - feature_difference);
+    out.push_back(std::pow(colour_difference(colour_a[i], colour_b[i]), 1 - feature_difference));
   }
-  return sum / double(colour_a.size());
+  return out;
+}
+
+double flip(const std::vector<Rgb>& reference, const std::vector<Rgb>& test, int width, int height) {
+  const std::vector<double> map = flip_map(reference, test, width, height);
+  return std::accumulate(map.begin(), map.end(), 0.0) / double(map.size());
 }
 
 }  // namespace gigabake::bench

@@ -18,17 +18,6 @@ View view_with(const AccuracyView& from, Shadows shadows) {
   return view;
 }
 
-/// What a screen shows of light.
-LinearPicture on_screen(LinearPicture picture) {
-  const kernels::CastTone tone = screen_tone(FrameRenderer::Options().exposure_stops);
-  for (std::size_t i = 0; i < picture.pixels(); ++i) {
-    const float alpha = picture.alpha(i);
-    for (std::size_t k = 0; k < 3 && alpha > 0; ++k)
-      picture.rgba[4 * i + k] = alpha * kernels::shown_light(tone, picture.rgba[4 * i + k] / alpha);
-  }
-  return picture;
-}
-
 Picture timed_picture(FrameRenderer& renderer, const View& view, double& seconds) {
   Picture picture = renderer.draw_exact(view).picture;
   for (int i = 0; i < timed_frames; ++i) {

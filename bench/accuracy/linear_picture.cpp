@@ -4,6 +4,7 @@
 
 #include "kernels/body/tables.h"
 #include "lattice/srgb.h"
+#include "viewer/light/sky.h"
 
 namespace gigabake::bench {
 
@@ -30,6 +31,16 @@ Picture to_srgb(const LinearPicture& picture) {
     out.rgba[i + 3] = std::uint8_t(255 * std::clamp(alpha, 0.0, 1.0) + 0.5);
   }
   return out;
+}
+
+LinearPicture on_screen(LinearPicture picture) {
+  const kernels::CastTone tone = screen_tone(0);
+  for (std::size_t i = 0; i < picture.pixels(); ++i) {
+    const float alpha = picture.alpha(i);
+    for (std::size_t k = 0; k < 3 && alpha > 0; ++k)
+      picture.rgba[4 * i + k] = alpha * kernels::shown_light(tone, picture.rgba[4 * i + k] / alpha);
+  }
+  return picture;
 }
 
 std::vector<Rgb> over(const LinearPicture& picture, double background) {

@@ -23,6 +23,9 @@ LinearPicture to_linear(const Picture& picture);
 /// Exact   The nearest 8-bit codes: to_linear() of it is within half a code.
 Picture to_srgb(const LinearPicture& picture);
 
+/// What a screen shows of light, as `render` has it.
+LinearPicture on_screen(LinearPicture picture);
+
 /// Linear RGB of each pixel before a grey background of this linear value.
 std::vector<Rgb> over(const LinearPicture& picture, double background);
 

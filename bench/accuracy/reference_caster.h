@@ -6,9 +6,9 @@
 #include <optional>
 
 #include "bench/accuracy/linear_picture.h"
-#include "bench/accuracy/source_triangles.h"
 #include "kernels/cast/cast.h"
 #include "kernels/cast/shade.h"
+#include "worker/source_triangles.h"
 
 namespace gigabake::bench {
 
@@ -27,7 +27,7 @@ class ReferenceCaster {
   ReferenceCaster& operator=(const ReferenceCaster&) = delete;
 
   /// Around all triangles.
-  const LatticeBox& box() const;
+  const TriangleBox& box() const;
   const SourceTriangles& triangles() const;
 
   /// Every triangle that comes nearer to p than that, and some that do not; ascending. Any number of threads.

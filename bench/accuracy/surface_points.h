@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "bench/accuracy/source_triangles.h"
+#include "worker/source_triangles.h"
 
 namespace gigabake::bench {
 

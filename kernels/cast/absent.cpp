@@ -10,6 +10,10 @@ std::unique_ptr<Caster> make_cuda_caster(const CastScene&, const PoolSizes&, int
   throw CudaFailure(cuda_devices().reason);
 }
 
+std::shared_ptr<const SurfaceShader> lit_shader(const LitShader& shader) { return host_shader(shader); }
+std::shared_ptr<const SurfaceShader> height_shader(const HeightShader& shader) { return host_shader(shader); }
+std::shared_ptr<const SurfaceShader> slope_shader(const SlopeShader& shader) { return host_shader(shader); }
+
 class CudaFirstHits::Impl {};
 
 CudaFirstHits::CudaFirstHits(int, const FirstHitView&) { throw CudaFailure(cuda_devices().reason); }

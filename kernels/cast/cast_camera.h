@@ -46,6 +46,14 @@ struct CastClip {
   double offset = 0;
 };
 
+/// What stands among the voxels, a pixel of the whole picture each, row 0 the upper one; null: nothing does.
+struct CastPolygons {
+  const float* distance = nullptr;  ///< along the pixel's ray; CastPolygons::nowhere: nothing stands there
+  const float* rgba = nullptr;      ///< what it sends: linear RGB, premultiplied by how much of what is behind it hides
+
+  static constexpr float nowhere = 3e38f;
+};
+
 struct CastCamera {
   double eye[3] = {};
   double forward[3] = {};            ///< unit
@@ -56,6 +64,7 @@ struct CastCamera {
   CastTone tone;
   CastPaint paint = CastPaint::shaded;
   CastClip clip;
+  CastPolygons polygons;  ///< of the caster's memory; a caller's, where it starts a tile
 };
 
 }  // namespace gigabake::kernels

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "kernels/cast/cast_camera.h"
@@ -71,6 +72,11 @@ GB_HD CastLine line_of_sight(const CastScene& scene, const CastCamera& camera, i
                 smaller_of(scene.max[a] + border, camera.clip.max[a]));
   }
   clip_to_plane(line, camera.clip);
+  if (camera.polygons.distance != nullptr) {
+    const double distance =
+        double(camera.polygons.distance[std::size_t(y) * std::size_t(camera.width) + std::size_t(x)]);
+    if (distance < line.leave) line.leave = distance;
+  }
   return line;
 }
 

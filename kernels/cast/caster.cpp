@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <utility>
 
 #include "kernels/body/tables.h"
+#include "kernels/cast/level_blend.h"
 #include "kernels/cast/light_rays.h"
 #include "lattice/thread_pool.h"
 
@@ -65,6 +67,7 @@ class CpuCaster final : public Caster {
     camera_ = camera;
     tile_ = tile;
     lights_.clear();
+    is_blending_ = false;
     rays_.resize(std::size_t(tile.width) * std::size_t(tile.height));
     for_each_ray(0, rays_.size(), {}, [&](std::size_t i) { rays_[i] = start_ray(scene_, line_of(i)); });
   }
@@ -77,8 +80,26 @@ class CpuCaster final : public Caster {
     });
   }
 
-  void start_light(const CastLighting& lighting) override {
+  void start_blend() override {
+    coarser_.resize(rays_.size());
+    is_blending_ = true;
+    for_each_ray(0, rays_.size(), {},
+                 [&](std::size_t i) { coarser_[i] = start_coarser(scene_, line_of(i), coarser_line(i), rays_[i]); });
+  }
+
+  std::size_t cast_blend(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
+    const CastCamera coarser = coarser_camera(camera_);
+    return one_pass(begin, end, stop, [&](std::size_t i) {
+      CastRay& second = coarser_[i];
+      if (second.lod >= 0) cast_ray(scene_, coarser, coarser_line(i), patient, true, second);
+      return second.lod < 0;
+    });
+  }
+
+  void start_light(const CastLighting& lighting, std::shared_ptr<const SurfaceShader> shader) override {
+    blend();
     lighting_ = lighting;
+    shader_ = shader ? std::move(shader) : lit_shader({lighting.light, lighting.part});
     lights_.assign(rays_.size(), PixelLight());
   }
 
@@ -105,9 +126,12 @@ class CpuCaster final : public Caster {
 
   void resolve(const CastBackground& background, const CastPixels& out) override {
     const Tables tables = TableStore::host().view();
+    blend();
+    shade();
     for_each_ray(0, rays_.size(), {}, [&](std::size_t i) {
-      const CastRay lit = lights_.empty() ? rays_[i] : lit_ray(rays_[i], lights_.data(), tile_, lighting_, i);
-      write_pixel(lit, line_of(i), camera_.tone, tile_, background, tables, i, out);
+      const CastRay& lit = lights_.empty() ? rays_[i] : lit_[i];
+      const CastRay shown = before_polygons(lit, camera_, pixel_x(i), pixel_y(i));
+      write_pixel(shown, line_of(i), camera_.tone, tile_, background, tables, i, out);
     });
   }
 
@@ -115,6 +139,24 @@ class CpuCaster final : public Caster {
   int pixel_x(std::size_t ray) const { return tile_.x + int(ray % std::size_t(tile_.width)); }
   int pixel_y(std::size_t ray) const { return tile_.y + int(ray / std::size_t(tile_.width)); }
   CastLine line_of(std::size_t ray) const { return line_of_sight(scene_, camera_, pixel_x(ray), pixel_y(ray)); }
+  CastLine coarser_line(std::size_t ray) const {
+    return line_of_sight(scene_, coarser_camera(camera_), pixel_x(ray), pixel_y(ray));
+  }
+
+  /// Puts the second rays into the first ones, once.
+  void blend() {
+    if (!is_blending_) return;
+    is_blending_ = false;
+    for_each_ray(0, rays_.size(), {},
+                 [&](std::size_t i) { rays_[i] = blended(scene_, line_of(i), rays_[i], coarser_[i]); });
+  }
+
+  void shade() {
+    if (lights_.empty()) return;
+    lit_.resize(rays_.size());
+    const double* eye = camera_.eye;
+    shader_->on_host({rays_.data(), lights_.data(), tile_, lighting_, {eye[0], eye[1], eye[2]}}, lit_.data(), pool_);
+  }
 
   /// go_on(ray): whether that is finished then. Returns how many are not.
   template <class GoOn>
@@ -158,8 +200,10 @@ class CpuCaster final : public Caster {
   std::vector<std::uint32_t> tile_used_, slot_used_, wanted_;
   CastCamera camera_;
   CastTile tile_;
-  std::vector<CastRay> rays_;
+  std::vector<CastRay> rays_, coarser_, lit_;
+  bool is_blending_ = false;
   CastLighting lighting_;
+  std::shared_ptr<const SurfaceShader> shader_;
   std::vector<PixelLight> lights_;  ///< of the tile's pixels; empty: they are not lit
 };
 

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cstring>
 #include <unordered_map>
+#include <utility>
 
+#include "kernels/cast/blend_passes.cuh"
 #include "kernels/cast/brick_pool.cuh"
 #include "kernels/cast/caster.h"
 #include "kernels/cast/light_passes.cuh"
@@ -31,7 +33,8 @@ __global__ void write_pixels(CastScene scene, CastCamera camera, CastTile tile, 
   int x, y;
   if (!pixel_of_thread(tile, x, y)) return;
   const std::size_t i = std::size_t(y) * std::size_t(tile.width) + std::size_t(x);
-  write_pixel(rays[i], line_of_sight(scene, camera, tile.x + x, tile.y + y), camera.tone, tile, background, tables, i,
+  const CastRay shown = before_polygons(rays[i], camera, tile.x + x, tile.y + y);
+  write_pixel(shown, line_of_sight(scene, camera, tile.x + x, tile.y + y), camera.tone, tile, background, tables, i,
               out);
 }
 
@@ -69,6 +72,7 @@ class CudaCaster final : public Caster {
         count_(heap_, 1),
         unfinished_(heap_, 1),
         rounds_(heap_, stream_.handle),
+        blend_(heap_, stream_.handle),
         light_(heap_, stream_.handle),
         scene_(scene) {
     scene_.cells = {cells_.data(), cells_.size()};
@@ -110,11 +114,12 @@ class CudaCaster final : public Caster {
   void start(const CastCamera& camera, const CastTile& tile) override {
     use_device();
     camera_ = camera;
+    put_polygons();
     tile_ = tile;
-    is_lit_ = false;
+    is_lit_ = is_blending_ = false;
     const std::size_t rays = ray_count();
     if (rays_.size() < rays) rays_ = DeviceArray<CastRay>(heap_, rays);
-    start_rays<<<grid_of_tile(tile), tile_threads, 0, stream_.handle>>>(scene_, camera, tile, rays_.data());
+    start_rays<<<grid_of_tile(tile), tile_threads, 0, stream_.handle>>>(scene_, camera_, tile, rays_.data());
     check_launch("start_rays");
   }
 
@@ -122,10 +127,21 @@ class CudaCaster final : public Caster {
     return one_pass(end - begin, patient, stop, [&](const RayPass& pass) { rounds_.cast(pass, begin, end); });
   }
 
-  void start_light(const CastLighting& lighting) override {
+  void start_blend() override {
     use_device();
+    is_blending_ = true;
+    blend_.start(pass_of(true));
+  }
+
+  std::size_t cast_blend(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
+    return one_pass(end - begin, patient, stop, [&](const RayPass& pass) { blend_.cast(rounds_, pass, begin, end); });
+  }
+
+  void start_light(const CastLighting& lighting, std::shared_ptr<const SurfaceShader> shader) override {
+    use_device();
+    blend();
     is_lit_ = true;
-    light_.start(lighting, ray_count());
+    light_.start(lighting, std::move(shader), ray_count());
   }
 
   std::size_t cast_light(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
@@ -155,7 +171,8 @@ class CudaCaster final : public Caster {
     const std::size_t rays = ray_count();
     const CastPixels here{room_for(out.srgb, srgb_, 4 * rays), room_for(out.linear, linear_, 4 * rays),
                           room_for(out.depth, depth_, rays)};
-    const CastRay* shown = is_lit_ ? light_.lit(rays_.data(), tile_) : rays_.data();
+    blend();
+    const CastRay* shown = is_lit_ ? light_.lit(rays_.data(), camera_, tile_) : rays_.data();
     write_pixels<<<grid_of_tile(tile_), tile_threads, 0, stream_.handle>>>(scene_, camera_, tile_, shown, background,
                                                                            tables_.view(), here);
     check_launch("write_pixels");
@@ -175,10 +192,28 @@ class CudaCaster final : public Caster {
     use_device();
     ++scene_.pass;
     unfinished_.clear_to_zero();
-    launch(RayPass{scene_, camera_, tile_, rays_.data(), patient, unfinished_.data()});
+    launch(pass_of(patient));
     unsigned long long unfinished = 0;
     download(&unfinished, unfinished_.data(), 1);
     return std::size_t(unfinished);
+  }
+
+  RayPass pass_of(bool patient) { return {scene_, camera_, tile_, rays_.data(), patient, unfinished_.data()}; }
+
+  /// Puts the second rays into the first ones, once.
+  void blend() {
+    if (is_blending_) blend_.blend(pass_of(true));
+    is_blending_ = false;
+  }
+
+  /// The camera's polygons, which are the caller's, to the device.
+  void put_polygons() {
+    CastPolygons& polygons = camera_.polygons;
+    if (polygons.distance == nullptr) return;
+    const std::size_t pixels = std::size_t(camera_.width) * std::size_t(camera_.height);
+    polygon_distance_ = copy(Span<const float>{polygons.distance, pixels});
+    polygon_rgba_ = copy(Span<const float>{polygons.rgba, 4 * pixels});
+    polygons = {polygon_distance_.data(), polygon_rgba_.data()};
   }
 
   void use_device() { check_cuda(cudaSetDevice(device_), "cudaSetDevice"); }
@@ -249,14 +284,15 @@ class CudaCaster final : public Caster {
   DeviceArray<std::uint32_t> tile_used_, slot_used_, wanted_, want_list_, count_;
   DeviceArray<unsigned long long> unfinished_;
   RayRounds rounds_;
+  BlendPasses blend_;
   LightPasses light_;
-  bool is_lit_ = false;
+  bool is_lit_ = false, is_blending_ = false;
   CastScene scene_;
   CastCamera camera_;
   CastTile tile_;
   DeviceArray<CastRay> rays_;
   PinnedBuffer pinned_;
-  DeviceArray<float> linear_, depth_;
+  DeviceArray<float> linear_, depth_, polygon_distance_, polygon_rgba_;
   DeviceArray<std::uint8_t> srgb_;
   std::vector<std::uint32_t> host_tile_used_, host_slot_used_;
 };

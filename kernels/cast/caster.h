@@ -12,6 +12,7 @@
 #include "kernels/cast/cast.h"
 #include "kernels/cast/lighting.h"
 #include "kernels/cast/pixel.h"
+#include "kernels/cast/shader.h"
 #include "lattice/thread_pool.h"
 
 namespace gigabake::kernels {
@@ -60,7 +61,7 @@ class Caster {
   /// In their order: later ones hold.
   virtual void put_nodes(const std::vector<NodeChange>& changes) = 0;
 
-  /// Starts the rays of a rectangle of the picture; forgets those before.
+  /// Starts the rays of a rectangle of the picture; forgets those before. camera.polygons: borrowed until resolve().
   virtual void start(const CastCamera& camera, const CastTile& tile) = 0;
 
   /// One pass: goes on with rays [begin, end) of the tile that are not finished. Returns how many still are not:
@@ -68,9 +69,17 @@ class Caster {
   /// stay as they were, the result is above 0, and another pass goes on with the same bits.
   virtual std::size_t cast(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) = 0;
 
+  /// Starts second rays of pixels that lie between two levels; the tile's rays are all finished. Pixels are then of
+  /// both (kernels/cast/level_blend.h).
+  virtual void start_blend() = 0;
+
+  /// One pass of those rays, as cast(): of pixels [begin, end).
+  virtual std::size_t cast_blend(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) = 0;
+
   /// Starts rays to the light from what the tile's rays met, which are all finished and brought back surface's own
-  /// colours. Pixels are then lit by it. Range  the tile begins at multiples of light_block.
-  virtual void start_light(const CastLighting& lighting) = 0;
+  /// colours. Pixels are then lit by it, as the shader has it; null: as LitShader. Range  the tile begins at multiples
+  /// of light_block.
+  virtual void start_light(const CastLighting& lighting, std::shared_ptr<const SurfaceShader> shader) = 0;
 
   /// One pass of those rays, as cast(): of pixels [begin, end). Returns for how many pixels some still are not
   /// finished.

@@ -1,3 +1,5 @@
+#include <utility>
+
 #include "kernels/cast/light_passes.cuh"
 #include "kernels/cast/tile_grid.cuh"
 
@@ -29,6 +31,7 @@ __global__ void __launch_bounds__(tile_threads, min_lighting)
   const CastLine line = line_of_sight(pass.scene, pass.camera, pass.tile.x + x, pass.tile.y + y);
   find_surface_once(pass.scene, lighting, line, pass.patient, pass.rays[i], light);
   lights[i] = light;
+  if (lighting.part == CastLightPart::unhidden && light.done != PixelLight::all) atomicAdd(pass.unfinished, 1ull);
 }
 
 /// Ray r of each pixel; all lanes of a warp cast. After the last one: how many pixels wait.
@@ -46,18 +49,11 @@ __global__ void __launch_bounds__(tile_threads, min_lighting)
   if (r + 1 == light_rays && light.done != PixelLight::all) atomicAdd(pass.unfinished, 1ull);
 }
 
-__global__ void light_rays_of_tile(const CastRay* rays, const PixelLight* lights, CastTile tile, CastLighting lighting,
-                                   CastRay* lit) {
-  int x, y;
-  if (!pixel_of_thread(tile, x, y)) return;
-  const std::size_t i = std::size_t(y) * std::size_t(tile.width) + std::size_t(x);
-  lit[i] = lit_ray(rays[i], lights, tile, lighting, i);
-}
-
 }  // namespace
 
-void LightPasses::start(const CastLighting& lighting, std::size_t pixels) {
+void LightPasses::start(const CastLighting& lighting, std::shared_ptr<const SurfaceShader> shader, std::size_t pixels) {
   lighting_ = lighting;
+  shader_ = shader ? std::move(shader) : lit_shader({lighting.light, lighting.part});
   if (lights_.size() < pixels) {
     lights_ = DeviceArray<PixelLight>(heap_, pixels);
     lit_ = DeviceArray<CastRay>(heap_, pixels);
@@ -70,16 +66,15 @@ void LightPasses::cast(const RayPass& pass, std::size_t begin, std::size_t end) 
   const unsigned grid = grid_of_tile(pass.tile);
   find_surfaces<<<grid, tile_threads, 0, stream_>>>(pass, lighting_, lights_.data(), begin, end);
   check_launch("find_surfaces");
-  for (int r = 0; r < light_rays; ++r) {
+  for (int r = 0; lighting_.part != CastLightPart::unhidden && r < light_rays; ++r) {
     cast_light_rays<<<grid, tile_threads, 0, stream_>>>(pass, lighting_, lights_.data(), r, begin, end);
     check_launch("cast_light_rays");
   }
 }
 
-const CastRay* LightPasses::lit(const CastRay* rays, const CastTile& tile) {
-  light_rays_of_tile<<<grid_of_tile(tile), tile_threads, 0, stream_>>>(rays, lights_.data(), tile, lighting_,
-                                                                       lit_.data());
-  check_launch("light_rays_of_tile");
+const CastRay* LightPasses::lit(const CastRay* rays, const CastCamera& camera, const CastTile& tile) {
+  const ShadedTile shaded{rays, lights_.data(), tile, lighting_, {camera.eye[0], camera.eye[1], camera.eye[2]}};
+  shader_->on_device(shaded, lit_.data(), stream_);
   return lit_.data();
 }
 

@@ -181,11 +181,11 @@ GB_HD void cast_to_light(const CastScene& scene, const CastCamera& camera, const
   light.done |= 1u << r;
 }
 
-/// As find_surface(), where it is not known.
+/// As find_surface(), where it is not known. Where no rays are cast to the light that is all.
 GB_HD void find_surface_once(const CastScene& scene, const CastLighting& lighting, const CastLine& line, bool patient,
                              const CastRay& ray, PixelLight& light) {
   if (!light.has(light_rays) && find_surface(scene, lighting, line, patient, ray, light))
-    light.done |= 1u << light_rays;
+    light.done |= lighting.part == CastLightPart::unhidden ? PixelLight::all : 1u << light_rays;
 }
 
 /// One pass over a pixel: what is known of its light afterwards is final.
@@ -251,26 +251,37 @@ GB_HD PixelLight light_beside(const PixelLight* lights, const CastTile& tile, co
   return open;
 }
 
-/// The finished ray of pixel i of a tile, of whose surface it brought back the own colour, in its light. lights: of all
-/// pixels of the tile, finished.
-GB_HD CastRay lit_ray(const CastRay& ray, const PixelLight* lights, const CastTile& tile, const CastLighting& lighting,
-                      std::size_t i) {
+/// What a pixel shows of a surface, and of the light that comes to it.
+struct SurfacePoint {
+  double place[3];  ///< lod-0 voxels of the scene's lattice
+  float normal[3];  ///< unit; towards the eye where the voxels have none
+  float distance;   ///< from the eye
+  float own[3];     ///< own colour: linear RGB, premultiplied by `there`
+  float there;      ///< how much of the pixel is surface, above 0
+  float facing;     ///< mean cosine between the sun's direction and what faces it
+  float sun_seen;   ///< how much of the sun it sees; 1 where no rays are cast to the light
+  float sky_seen;   ///< how much of its sky it sees: half of it for an open wall, all for open flat ground
+};
+
+/// Of pixel i of a tile, whose ray brought back surface's own colours. lights: of all pixels of the tile, finished.
+/// Range  ray.transmittance < 1.
+GB_HD SurfacePoint surface_point(const CastRay& ray, const double eye[3], const PixelLight* lights,
+                                 const CastTile& tile, const CastLighting& lighting, std::size_t i) {
   const int x = int(i % std::size_t(tile.width)), y = int(i / std::size_t(tile.width));
-  CastRay lit = ray;
-  if (!(ray.transmittance < 1)) return lit;
   const PixelLight own = lights[i].has_surface ? lights[i] : light_beside(lights, tile, lighting, x, y);
-  const float sun = own.facing * own.seen[0], open = own.up * sky_seen(lights, tile, lighting, x, y, own);
-  const float there = 1 - ray.transmittance;
-  const float through = exp_minus(own.depth * lighting.haze.per_voxel);
-  for (int k = 0; k < 3; ++k) {
-    const CastLight& light = lighting.light;
-    float irradiance = 0;
-    if (lighting.part != CastLightPart::sky) irradiance += light.sun[k] * sun;
-    if (lighting.part != CastLightPart::sun) irradiance += light.sky[k] * open + light.ground[k] * (1 - open);
-    const float radiance = lighting.part == CastLightPart::shadow ? there * own.seen[0] : ray.rgb[k] * irradiance;
-    lit.rgb[k] = radiance * through + lighting.haze.rgb[k] * (there * (1 - through));
+  const bool is_cast = lighting.part != CastLightPart::unhidden;
+  SurfacePoint at;
+  for (int a = 0; a < 3; ++a) {
+    at.place[a] = eye[a] + double(own.at[a]);
+    at.normal[a] = own.normal[a];
+    at.own[a] = ray.rgb[a];
   }
-  return lit;
+  at.distance = own.depth;
+  at.there = 1 - ray.transmittance;
+  at.facing = own.facing;
+  at.sun_seen = is_cast ? own.seen[0] : 1;
+  at.sky_seen = is_cast ? own.up * sky_seen(lights, tile, lighting, x, y, own) : own.up;
+  return at;
 }
 
 }  // namespace gigabake::kernels

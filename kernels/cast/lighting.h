@@ -21,9 +21,10 @@ inline constexpr int sky_directions = light_block * light_block * sky_rays;
 /// What of the light is shown.
 enum class CastLightPart : std::int32_t {
   all,
-  sun,    ///< what the sun alone lights
-  sky,    ///< what the sky alone lights, and the surface that stands before it
-  shadow  ///< how much of the sun a surface sees: white is all of it
+  sun,      ///< what the sun alone lights
+  sky,      ///< what the sky alone lights, and the surface that stands before it
+  shadow,   ///< how much of the sun a surface sees: white is all of it
+  unhidden  ///< all of it, as if nothing stood in its way: no rays are cast to it
 };
 
 struct CastLighting {

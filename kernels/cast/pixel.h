@@ -82,6 +82,19 @@ GB_HD void write_srgb(const CastRay& ray, const CastLinear& light, const CastTon
   out[3] = std::uint8_t(light.rgba[3] * 255 + 0.5f);
 }
 
+/// The finished ray of a pixel with what it sees of the polygons behind its voxels.
+GB_HD CastRay before_polygons(const CastRay& ray, const CastCamera& camera, int x, int y) {
+  CastRay out = ray;
+  if (camera.polygons.distance == nullptr) return out;
+  const std::size_t i = std::size_t(y) * std::size_t(camera.width) + std::size_t(x);
+  const float distance = camera.polygons.distance[i];
+  if (!(distance < CastPolygons::nowhere)) return out;
+  for (int k = 0; k < 3; ++k) out.rgb[k] += ray.transmittance * camera.polygons.rgba[4 * i + std::size_t(k)];
+  out.transmittance *= 1 - camera.polygons.rgba[4 * i + 3];
+  if (out.depth == CastRay::no_depth && out.transmittance < 0.5f) out.depth = distance;
+  return out;
+}
+
 /// Where the pixels of a tile go, its rows one after the other; null: not asked for.
 struct CastPixels {
   std::uint8_t* srgb = nullptr;  ///< four a pixel, straight alpha

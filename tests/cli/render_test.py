@@ -68,6 +68,28 @@ class Render(harness.FolderTest):
         self.assertEqual(fine.shape[2], 3)
         self.assertLess(numpy.abs(coarse - fine).mean(), 12)  # the same terrain, less sharp
 
+    def test_levels_are_blended_where_that_is_asked(self):
+        far = ("--background", "9,9,9", "--eye", "150,-180,90", "--target", "0,0,0", "--pixel-error", 1.5)
+        plain = self.render("plain.png", *far)
+        self.assertEqual(self.render("off.png", *far, "--level-blend", "off"), plain)
+        self.assertNotEqual(self.render("blended.png", *far, "--level-blend", "on"), plain)
+        self.assertLess(numpy.abs(read_png(self.root / "blended.png") - read_png(self.root / "plain.png")).mean(), 4)
+
+    def test_a_mesh_stands_among_the_voxels(self):
+        # A red square of 20 m, 40 m above the middle of the scene, seen from above. glTF: y is up.
+        square = [(-10, 40, -10), (10, 40, -10), (10, 40, 10), (-10, 40, 10)]
+        harness.write_glb(self.root / "square.glb", square, [0, 1, 2, 0, 2, 3], [(255, 0, 0, 255)] * 4)
+        above = ("--eye", "0,0,150", "--target", "0,0,0", "--mode", "albedo")
+        self.render("alone.png", *above, size=(160, 90))
+        self.render("among.png", *above, "--polygons", self.root / "square.glb", size=(160, 90))
+        alone, among = read_png(self.root / "alone.png"), read_png(self.root / "among.png")
+        self.assertEqual(among[45, 80, :3].tolist(), [255, 0, 0])
+        differs = (among != alone).any(-1)
+        expected = 90 / (2 * 110 * numpy.tan(numpy.radians(20))) * 20
+        self.assertAlmostEqual(differs.any(0).sum(), expected, delta=2)
+        self.assertAlmostEqual(differs.any(1).sum(), expected, delta=2)
+        self.refuse("--polygons", self.root / "missing.glb", expect="missing.glb", code=1)
+
     def test_cells_do_not_show(self):
         out = self.root / "other"
         GIGABAKE.succeed("bake", self.root / "sample" / "tileset.json", "-o", out, "--voxel-size", 0.25,
@@ -91,6 +113,7 @@ class Render(harness.FolderTest):
         self.refuse("--background", "blue", expect="--background")
         self.refuse("--background", "1,2,256", expect="--background")
         self.refuse("--threads", "-1", expect="--threads")
+        self.refuse("--level-blend", "much", expect="--level-blend")
 
     def test_a_scene_that_is_not_there_is_named(self):
         self.refuse(scene=self.root / "missing.xml", code=1, expect="missing.xml")

@@ -92,7 +92,7 @@ class Usage(unittest.TestCase):
         modes = GIGABAKE.succeed("render", "--help").partition("Modes:\n")[2].partition("\n\n")[0]
         self.assertEqual(re.findall(r"^  (\w+) ", modes, re.M),
                          ["lit", "albedo", "normal", "coverage", "lod", "cell", "requests",
-                          "sun", "sky", "shadow"])
+                          "sun", "sky", "shadow", "height", "slope"])
         viewer = (Path(SOURCE) / "docs" / "viewer.md").read_text(encoding="utf-8")
         for mode, legend in re.findall(r"^  (\w+) +(.*)$", modes, re.M)[1:]:
             self.assertIn(f"| `{mode}` | {legend} |", viewer)

@@ -67,7 +67,7 @@ bool LiveScene::steer(ViewerId id, const Steering& steering) {
   const auto viewer = find(id);
   if (!viewer) return false;
   if (viewer->pilot) {
-    viewer->pilot->steer(steering, now_s());
+    viewer->pilot->steer(with_sun(steering), now_s());
     if (viewer->pilot->is_stale()) (viewer.get() == for_whom_ ? end_now_ : end_soon_) = true;
   } else if (steering.size) {
     viewer->settings.size = steering.size;
@@ -82,6 +82,7 @@ std::optional<ViewerState> LiveScene::state(ViewerId id) const {
   if (!viewer) return std::nullopt;
   ViewerState out;
   out.has_scene = home_.has_value();
+  out.has_place = place_.has_value();
   out.problem = problem_.empty() ? viewer->problem : problem_;
   out.problems = problems_;
   if (!viewer->pilot) return out;
@@ -160,10 +161,12 @@ void LiveScene::reload_if_replaced() {
 void LiveScene::reload() {
   std::unique_ptr<FrameRenderer> renderer;
   CameraOptions home;
+  Steering look;
   std::string problem;
   try {
     renderer = std::make_unique<FrameRenderer>(path_, options_.renderer);
     home = renderer->framed(options_.camera);
+    look = options_.look(renderer->scene().header());
   } catch (const std::exception& e) {
     problem = e.what();
   }
@@ -172,6 +175,8 @@ void LiveScene::reload() {
   if (!problem.empty()) return;
   renderer_ = std::move(renderer);
   home_ = home;
+  look_ = look;
+  place_ = renderer_->scene().header().origin;
   for (const auto& viewer : viewers_) show_home(*viewer);
 }
 
@@ -182,7 +187,17 @@ void LiveScene::show_home(Viewer& viewer) {
     return;
   }
   viewer.pilot.emplace(*home_, options_.frame_s);
-  viewer.pilot->steer(viewer.settings, now_s());
+  viewer.pilot->steer(look_, now_s());
+  viewer.pilot->steer(with_sun(viewer.settings), now_s());
+}
+
+/// Where a time puts the sun; a scene without a place on the earth has none.
+Steering LiveScene::with_sun(Steering steering) const {
+  if (steering.time && place_) {
+    const SunDirection sun = sun_at(*place_, *steering.time);
+    steering.sun = {sun.azimuth_deg, sun.elevation_deg};
+  }
+  return steering;
 }
 
 std::shared_ptr<LiveScene::Viewer> LiveScene::next_order(Pilot::Order& order, double& ask_again_s) {

@@ -34,6 +34,7 @@ struct LiveFrame {
 /// What a viewer is told beside frames.
 struct ViewerState {
   bool has_scene = false;
+  bool has_place = false;      ///< on the earth: the sun may follow a time
   std::string problem;         ///< why there is no scene or no frame; empty: all is well
   std::uint64_t problems = 0;  ///< shards that are missing or damaged, so far
   CameraPose pose;
@@ -52,6 +53,8 @@ class LiveScene {
     CameraOptions camera;   ///< of every viewer at first
     double frame_s = 0.06;  ///< that a frame of a moving viewer should take
     std::size_t most_viewers = 16;
+    /// How a viewer that comes sees the scene at first. Errors  UsageError: what is said instead of showing it.
+    std::function<Steering(const SceneHeader&)> look = [](const SceneHeader&) { return Steering{}; };
     std::function<void()> changed = [] {};  ///< after each frame and each scene; called by the thread that draws
   };
   enum class ViewerId : std::uint64_t {};
@@ -105,6 +108,7 @@ class LiveScene {
   std::shared_ptr<Viewer> find(ViewerId id) const;
   double now_s() const;
   void show_home(Viewer& viewer);
+  Steering with_sun(Steering steering) const;
   FramePtr wait_for_frame(ViewerId id, double timeout_s, const std::function<bool(const Viewer&)>& good) const;
 
   const std::filesystem::path path_;
@@ -115,6 +119,8 @@ class LiveScene {
   mutable std::condition_variable wake_drawing_, wake_viewers_;
   std::vector<std::shared_ptr<Viewer>> viewers_;  ///< the next one to draw for comes first
   std::optional<CameraOptions> home_;             ///< where there is a scene
+  Steering look_;                                 ///< of viewers that come, as of options_.look
+  std::optional<Geodetic> place_;                 ///< of the scene on the earth
   std::string problem_;
   std::uint64_t problems_ = 0, ids_ = 0;
   bool stop_ = false;

@@ -75,12 +75,17 @@ void Pilot::apply_settings(const Steering& s) {
   if (s.mode && value_numbered<ViewMode>(std::uint64_t(*s.mode))) view_.mode = *s.mode;
   if (s.pixel_error && std::isfinite(*s.pixel_error))
     view_.camera.pixel_error = std::clamp(*s.pixel_error, finest_pixel_error, coarsest_pixel_error);
+  if (s.sun && std::isfinite((*s.sun)[0]) && std::isfinite((*s.sun)[1]))
+    view_.sun = {std::clamp((*s.sun)[0], -360.0, 360.0), std::clamp((*s.sun)[1], -90.0, 90.0)};
+  if (s.shadows && value_numbered<Shadows>(std::uint64_t(*s.shadows))) view_.shadows = *s.shadows;
+  if (s.level_blend && value_numbered<LevelBlend>(std::uint64_t(*s.level_blend))) view_.level_blend = *s.level_blend;
   if (s.size) {
     view_.camera.width = std::clamp((*s.size)[0], least_edge, most_edge);
     view_.camera.height = std::clamp((*s.size)[1], least_edge, most_edge);
   }
   stale_ |= before.mode != view_.mode || before.camera.pixel_error != view_.camera.pixel_error ||
-            before.camera.width != view_.camera.width || before.camera.height != view_.camera.height;
+            before.camera.width != view_.camera.width || before.camera.height != view_.camera.height ||
+            !(before.sun == view_.sun) || before.shadows != view_.shadows || before.level_blend != view_.level_blend;
 }
 
 bool Pilot::holds() const { return any(walk_) || any(swing_); }

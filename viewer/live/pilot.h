@@ -21,6 +21,10 @@ struct Steering {
   std::optional<CameraRig::Style> style;
   std::optional<ViewMode> mode;
   std::optional<double> pixel_error;
+  std::optional<std::array<double, 2>> sun;  ///< azimuth and elevation, degrees
+  std::optional<JulianDay> time;             ///< instead, where the scene has a place: LiveScene makes a sun of it
+  std::optional<Shadows> shadows;
+  std::optional<LevelBlend> level_blend;
   std::optional<double> upload_s;
   std::optional<std::array<int, 2>> size;  ///< of the full picture
 
@@ -31,7 +35,7 @@ struct Steering {
 /// then larger ones, the last one of full size, tile by tile; and nothing once that is done. Times are any clock's
 /// seconds that never run back.
 /// Range   Whatever is steered: size within 16 and 4096 a side, pixel_error within 2^±16, upload_s within 0.1 ms and
-///         1 s.
+///         1 s, an azimuth of the sun within ±360° and an elevation within ±90°.
 class Pilot {
  public:
   static constexpr double rest_s = 0.25;       ///< after the last movement

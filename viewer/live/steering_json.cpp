@@ -7,6 +7,8 @@ namespace gigabake {
 namespace {
 
 constexpr double largest_edge = 1 << 15;
+/// Of the years from which sun_at() holds.
+constexpr double first_julian_day = 2415020.5, last_julian_day = 2488434.5;
 
 CameraPose pose_of(const std::array<double, 6>& v) { return {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}; }
 
@@ -17,8 +19,8 @@ nlohmann::ordered_json triple(const Point<Scene>& p) { return {p.x, p.y, p.z}; }
 Steering steering_from_json(std::string_view text) {
   const nlohmann::json json = parse_object("steering", text);
   const JsonMembers members("steering", json, "");
-  members.only(
-      {"turn", "pan", "zoom", "home", "walk", "swing", "pose", "style", "mode", "pixel_error", "upload_ms", "size"});
+  members.only({"turn", "pan", "zoom", "home", "walk", "swing", "pose", "style", "mode", "pixel_error", "sun", "time",
+                "shadows", "level_blend", "upload_ms", "size"});
   Steering out;
   out.turn = members.numbers<2>("turn", -most_heights, most_heights).value_or(out.turn);
   out.pan = members.numbers<2>("pan", -most_heights, most_heights).value_or(out.pan);
@@ -30,6 +32,10 @@ Steering steering_from_json(std::string_view text) {
   out.style = members.choice<CameraRig::Style>("style");
   out.mode = members.choice<ViewMode>("mode");
   out.pixel_error = members.number("pixel_error", finest_pixel_error, coarsest_pixel_error);
+  out.sun = members.numbers<2>("sun", -360, 360);
+  out.time = members.number("time", first_julian_day, last_julian_day);
+  out.shadows = members.choice<Shadows>("shadows");
+  out.level_blend = members.choice<LevelBlend>("level_blend");
   if (const auto upload_ms = members.number("upload_ms", 0.1, 1000)) out.upload_s = *upload_ms / 1000;
   if (const auto size = members.numbers<2>("size", 1, largest_edge)) out.size = {int((*size)[0]), int((*size)[1])};
   return out;
@@ -49,6 +55,10 @@ std::string to_json(const ViewerState& state, const LiveFrame* frame) {
                               {"style", name_of(state.style)},
                               {"mode", name_of(view.mode)},
                               {"pixel_error", view.camera.pixel_error},
+                              {"sun", {view.sun.azimuth_deg, view.sun.elevation_deg}},
+                              {"has_place", state.has_place},
+                              {"shadows", name_of(view.shadows)},
+                              {"level_blend", name_of(view.level_blend)},
                               {"upload_ms", state.upload_s * 1000},
                               {"speed_m_per_s", state.speed_m_per_s},
                               {"frame", nullptr}};

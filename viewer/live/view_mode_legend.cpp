@@ -25,6 +25,10 @@ std::string view_mode_legend(ViewMode mode) {
       return "what the sky alone lights, as much of it as a surface sees, and the surface that stands before it";
     case ViewMode::shadow:
       return "how much of the sun a surface sees: white all of it, black none";
+    case ViewMode::height:
+      return "height above the scene's lowest voxel: blue the lowest, then green, yellow, brown, white the highest";
+    case ViewMode::slope:
+      return "slope: green level, yellow 27°, red 45°, dark red 63° and steeper; violet hangs over";
   }
   return "";
 }

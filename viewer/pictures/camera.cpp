@@ -233,6 +233,15 @@ void check_pixel_error(double pixel_error) {
     throw UsageError("pixel_error", "expected 2^-16 to 2^16 pixels");
 }
 
+HeightRange occupied_heights(const PagedScene& scene, const PageSource& pages) {
+  HeightRange range{HUGE_VAL, -HUGE_VAL};
+  for_each_occupied_box(scene, pages, [&](const Vector& corner, double edge) {
+    range.low = std::min(range.low, corner[2]);
+    range.high = std::max(range.high, corner[2] + edge);
+  });
+  return range.low < range.high ? range : HeightRange{};
+}
+
 kernels::CastCamera make_camera(const CameraOptions& options, const PagedScene& scene, const PageSource& pages) {
   check_options(options);
   const double tan_y = std::tan(options.fovy_deg * (std::numbers::pi / 360));

@@ -48,4 +48,11 @@ void check_picture_size(const CameraOptions& options);
 /// Errors  UsageError naming the option: not finite, no direction, sizes or angles out of range.
 kernels::CastCamera make_camera(const CameraOptions& options, const PagedScene& scene, const PageSource& pages);
 
+/// Between which heights all there is lies, lod-0 voxels of the lattice: to a brick, or to what the root parent tells.
+/// Cost    As make_camera() where eye or target are left open.
+struct HeightRange {
+  double low = 0, high = 1;
+};
+HeightRange occupied_heights(const PagedScene& scene, const PageSource& pages);
+
 }  // namespace gigabake

@@ -4,12 +4,14 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <future>
 #include <utility>
 
 #include "format/system/host_limits.h"
 #include "lattice/cuda_failure.h"
 #include "lattice/error.h"
+#include "viewer/pictures/view_needs.h"
 #include "viewer/stream/guarded_pages.h"
 
 namespace gigabake {
@@ -38,73 +40,6 @@ Point<Scene> to_scene_m(const SceneHeader& scene, const double voxels[3]) {
 /// Pages of so many times their budget are read before a view counts as one that needs more than there is room for.
 constexpr std::uint64_t pages_over = 4;
 
-/// What a mode needs of the pools' bricks.
-struct Filling {
-  Surface surface;
-  std::optional<SunDirection> lit_by = {};  ///< voxels are lit as they are put in; else they have their own colours
-  bool cells_alone = false;                 ///< a tree to each cell
-  friend bool operator==(const Filling&, const Filling&) = default;
-};
-
-/// Which part of the light pixels are lit by, once it is known what stands in it; nothing where voxels are lit as if
-/// nothing did, or not at all.
-std::optional<kernels::CastLightPart> light_part_of(const View& view) {
-  switch (view.mode) {
-    case ViewMode::lit:
-      if (view.shadows == Shadows::off) return {};
-      return kernels::CastLightPart::all;
-    case ViewMode::sun:
-      return kernels::CastLightPart::sun;
-    case ViewMode::sky:
-      return kernels::CastLightPart::sky;
-    case ViewMode::shadow:
-      return kernels::CastLightPart::shadow;
-    default:
-      return {};
-  }
-}
-
-Filling filling_of(const View& view) {
-  if (light_part_of(view)) return {Surface::colour};
-  switch (view.mode) {
-    case ViewMode::albedo:
-      return {Surface::colour};
-    case ViewMode::normal:
-      return {Surface::normal};
-    case ViewMode::coverage:
-      return {Surface::coverage};
-    case ViewMode::cell:
-      return {Surface::colour, SunDirection{}, true};
-    case ViewMode::lit:
-      return {Surface::colour, view.sun};
-    default:
-      return {Surface::colour, SunDirection{}};
-  }
-}
-
-/// Modes that show light, as bright as it is.
-bool shows_light(ViewMode mode) { return mode == ViewMode::lit || mode == ViewMode::sun || mode == ViewMode::sky; }
-
-kernels::CastPaint paint_of(ViewMode mode) {
-  switch (mode) {
-    case ViewMode::lod:
-      return kernels::CastPaint::lod;
-    case ViewMode::cell:
-      return kernels::CastPaint::cell;
-    case ViewMode::requests:
-      return kernels::CastPaint::waits;
-    default:
-      return kernels::CastPaint::shaded;
-  }
-}
-
-bool same_picture(const View& a, const View& b) {
-  const CameraOptions &c = a.camera, &d = b.camera;
-  return a.mode == b.mode && c.eye_m == d.eye_m && c.target_m == d.target_m && c.up == d.up &&
-         c.fovy_deg == d.fovy_deg && c.width == d.width && c.height == d.height && c.pixel_error == d.pixel_error &&
-         a.sun == b.sun && a.shadows == b.shadows && c.clip == d.clip && c.eye_m.has_value();
-}
-
 }  // namespace
 
 struct FrameRenderer::State {
@@ -125,6 +60,8 @@ struct FrameRenderer::State {
   std::uint64_t bytes_read_before = 0;  ///< when `last` was first drawn
   bool starved = false;
   std::vector<std::string> problems;  ///< besides those of pages
+  PolygonPictures polygons;
+  std::optional<HeightRange> heights;  ///< of the scene, once a view asked for them
 
   State(std::shared_ptr<const PagedScene> opened, const PageSource& pages, const Options& wishes)
       : options(wishes),
@@ -177,11 +114,15 @@ struct FrameRenderer::State {
     bytes_read_before = stream->page_counts().bytes_read;
   }
 
-  kernels::CastCamera camera_of(const View& view) const {
+  kernels::CastCamera camera_of(const View& view) {
+    if (view.mode == ViewMode::slope && !scene->header().has_normals)
+      throw UsageError(
+          "mode", "slope needs normals, and this scene was baked without; bake it with channels that hold normals");
     kernels::CastCamera camera = make_camera(view.camera, *scene, source);
     if (shows_light(view.mode)) camera.tone = screen_tone(options.exposure_stops);
     if (!light_part_of(view)) camera.haze = haze_of(view);
     camera.paint = paint_of(view.mode);
+    if (view.polygons) camera.polygons = polygons.drawn(view, camera, scene->header(), haze_of(view), policy);
     return camera;
   }
 
@@ -190,9 +131,12 @@ struct FrameRenderer::State {
     return air(options.haze_visibility_m, scene->header().voxel_size_m, view.sun);
   }
 
-  PictureLook look_of(const View& view) const {
+  PictureLook look_of(const View& view) {
     PictureLook look{to_cast(view.background, shows_light(view.mode) ? view.sun : SunDirection{})};
     if (const auto part = light_part_of(view)) look.lighting = lighting(view.sun, *part, haze_of(view));
+    if (view.mode == ViewMode::height && !heights) heights = occupied_heights(*scene, source);
+    look.shader = shader_of(view, heights.value_or(HeightRange{}));
+    look.blends_levels = view.level_blend == LevelBlend::on;
     return look;
   }
 
@@ -248,29 +192,33 @@ struct FrameRenderer::State {
     wanted = waiting > 0 ? caster.wanted() : std::vector<std::uint32_t>();
     const PictureLook look = look_of(view);
     was_complete = waiting == 0;
-    if (look.lighting) cast_light(*look.lighting, camera, limits);
+    if (look.blends_levels) {
+      caster.start_blend();
+      cast_more(camera, limits, [&](bool patient) { return caster.cast_blend(0, rays, patient, limits.stop); });
+    }
+    if (look.lighting) {
+      caster.start_light(*look.lighting, look.shader);
+      cast_more(camera, limits, [&](bool patient) { return caster.cast_light(0, rays, patient, limits.stop); });
+    }
     picture = blank.get();
     caster.resolve(look.background, pixels_of(picture));
   }
 
-  /// As cast(), from what its rays met.
-  void cast_light(const kernels::CastLighting& lighting, const kernels::CastCamera& camera,
-                  const SketchLimits& limits) {
-    kernels::Caster& caster = stream->caster();
-    const std::size_t pixels = std::size_t(camera.width) * std::size_t(camera.height);
-    caster.start_light(lighting);
+  /// As cast(), of rays that follow from those that were cast before.
+  void cast_more(const kernels::CastCamera& camera, const SketchLimits& limits,
+                 const std::function<std::size_t(bool patient)>& pass) {
     const std::vector<std::uint32_t> wanted_before = wanted;
-    std::size_t waiting = was_complete ? caster.cast_light(0, pixels, true, limits.stop) : pixels;
+    std::size_t waiting = was_complete ? pass(true) : SIZE_MAX;
     while (was_complete && waiting > 0 && !starved && upload_s < limits.upload_s && !is_asked(limits.stop)) {
-      wanted = caster.wanted();
+      wanted = stream->caster().wanted();
       put_in_wanted(camera, limits);
       if (!put_in) break;
-      waiting = caster.cast_light(0, pixels, true, limits.stop);
+      waiting = pass(true);
     }
     if (waiting == 0) return;
-    caster.cast_light(0, pixels, false, limits.stop);
+    pass(false);
     was_complete = false;
-    wanted = caster.wanted();
+    wanted = stream->caster().wanted();
     wanted.insert(wanted.end(), wanted_before.begin(), wanted_before.end());
     std::sort(wanted.begin(), wanted.end());
     wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());

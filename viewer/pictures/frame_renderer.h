@@ -17,49 +17,11 @@
 
 #include "format/scene/paged_scene.h"
 #include "lattice/progress.h"
-#include "lattice/rules.h"
-#include "viewer/light/sky.h"
-#include "viewer/pictures/camera.h"
 #include "viewer/pictures/picture.h"
+#include "viewer/pictures/view.h"
 #include "viewer/stream/page.h"
 
 namespace gigabake {
-
-enum class ViewMode : std::uint8_t {
-  lit,       ///< sun, sky and air
-  albedo,    ///< the surface's own colour
-  normal,    ///< x, y, z from -1 to 1 as red, green, blue
-  coverage,  ///< black to white
-  lod,       ///< one colour a level
-  cell,      ///< one colour a cell
-  requests,  ///< red where something finer was asked for, green elsewhere
-  sun,       ///< what the sun alone lights, with shadows
-  sky,       ///< what the sky alone lights, as much of it as is seen
-  shadow,    ///< how much of the sun is seen: white all of it
-};
-
-/// Whether surfaces stand in each other's light, in ViewMode::lit.
-enum class Shadows : std::uint8_t { off, on };
-
-template <>
-constexpr auto names_of<Shadows>() {
-  return std::to_array<std::string_view>({"off", "on"});
-}
-
-template <>
-constexpr auto names_of<ViewMode>() {
-  return std::to_array<std::string_view>(
-      {"lit", "albedo", "normal", "coverage", "lod", "cell", "requests", "sun", "sky", "shadow"});
-}
-
-struct View {
-  CameraOptions camera;
-  ViewMode mode = ViewMode::lit;
-  Background background;
-  PictureLight light = PictureLight::srgb;
-  SunDirection sun = {};
-  Shadows shadows = Shadows::off;
-};
 
 struct FrameStats {
   double cast_s = 0;          ///< rays
@@ -125,7 +87,8 @@ class FrameRenderer {
 
   /// One pass of rays over what is here. upload_s: the time that new data may take out of the frame; some always comes
   /// in. Where the pools are too small for a view, the second frame of it is drawn as by draw_exact().
-  /// Errors  UsageError: as make_camera(). Damaged shards are no error: see problems().
+  /// Errors  UsageError: as make_camera(); ViewMode::slope of a scene without normals. Damaged shards are no error: see
+  ///         problems().
   Frame draw(const View& view, double upload_s);
 
   /// As draw(), for an eye that moves: never exact where that would take long, and the roots of all trees come first,

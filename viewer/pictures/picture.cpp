@@ -47,16 +47,21 @@ bool finish_rays(SceneStream& stream, const double eye[3], std::size_t count, co
   return true;
 }
 
-/// The tile's rays, and then those to the light. False where `stop` ended it.
+/// The tile's rays, then those between levels, and then those to the light. False where `stop` ended it.
 bool finish_tile(SceneStream& stream, const kernels::CastCamera& camera, const kernels::CastTile& tile,
-                 const std::optional<kernels::CastLighting>& lighting, const kernels::StopAsked& stop) {
+                 const PictureLook& look, const kernels::StopAsked& stop) {
   kernels::Caster& caster = stream.caster();
   const std::size_t pixels = std::size_t(tile.width) * std::size_t(tile.height);
   caster.start(camera, tile);
   const auto cast = [&](std::size_t begin, std::size_t end) { return caster.cast(begin, end, true, stop); };
   if (!finish_rays(stream, camera.eye, pixels, stop, cast)) return false;
-  if (!lighting) return true;
-  caster.start_light(*lighting);
+  if (look.blends_levels) {
+    caster.start_blend();
+    const auto blend = [&](std::size_t begin, std::size_t end) { return caster.cast_blend(begin, end, true, stop); };
+    if (!finish_rays(stream, camera.eye, pixels, stop, blend)) return false;
+  }
+  if (!look.lighting) return true;
+  caster.start_light(*look.lighting, look.shader);
   const auto cast_light = [&](std::size_t begin, std::size_t end) { return caster.cast_light(begin, end, true, stop); };
   return finish_rays(stream, camera.eye, pixels, stop, cast_light);
 }
@@ -139,7 +144,7 @@ std::vector<kernels::CastTile> tiles_of(int width, int height, int edge) {
 
 bool render_tile(SceneStream& stream, const kernels::CastCamera& camera, const kernels::CastTile& tile,
                  const PictureLook& look, const kernels::StopAsked& stop, Picture& picture) {
-  if (!finish_tile(stream, camera, tile, look.lighting, stop)) return false;
+  if (!finish_tile(stream, camera, tile, look, stop)) return false;
   Picture part =
       blank_picture(tile.width, tile.height, picture.linear.empty() ? PictureLight::srgb : PictureLight::linear_too);
   stream.caster().resolve(look.background, pixels_of(part));
@@ -151,7 +156,10 @@ bool render_tile(SceneStream& stream, const kernels::CastCamera& camera, const k
 
 Picture render(SceneStream& stream, const kernels::CastCamera& camera, const Background& background, PictureLight light,
                const std::optional<kernels::CastLighting>& lighting) {
-  const PictureLook look{to_cast(background), lighting};
+  return render(stream, camera, PictureLook{to_cast(background), lighting}, light);
+}
+
+Picture render(SceneStream& stream, const kernels::CastCamera& camera, const PictureLook& look, PictureLight light) {
   Picture picture = blank_picture(camera.width, camera.height, light);
   for (const kernels::CastTile& tile : tiles_of(camera.width, camera.height, stream.tile_edge()))
     render_tile(stream, camera, tile, look, {}, picture);

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "kernels/cast/cast.h"
 #include "kernels/cast/pixel.h"
+#include "kernels/cast/shader.h"
 #include "viewer/light/sky.h"
 #include "viewer/stream/scene_stream.h"
 
@@ -41,6 +43,8 @@ std::vector<kernels::CastTile> tiles_of(int width, int height, int edge);
 struct PictureLook {
   kernels::CastBackground background;
   std::optional<kernels::CastLighting> lighting = {};  ///< lights surface's own colours, which rays must bring back
+  std::shared_ptr<const kernels::SurfaceShader> shader = {};  ///< of that light; null: kernels::LitShader
+  bool blends_levels = false;                                 ///< kernels/cast/level_blend.h
 };
 
 /// The pixels of one tile, into the whole picture. False where `stop` ended it: nothing of it is written then.
@@ -51,6 +55,8 @@ bool render_tile(SceneStream& stream, const kernels::CastCamera& camera, const k
 /// Exact   The same bytes for any number of threads and any memory budget of `stream`. What is damaged is drawn as the
 ///         next coarser level that is not; see SceneStream::problems().
 /// Space   8 bytes a pixel, 24 with linear light, and `stream`.
+Picture render(SceneStream& stream, const kernels::CastCamera& camera, const PictureLook& look, PictureLight light);
+/// The same, with no more than a background and light.
 Picture render(SceneStream& stream, const kernels::CastCamera& camera, const Background& background,
                PictureLight light = PictureLight::srgb, const std::optional<kernels::CastLighting>& lighting = {});
 

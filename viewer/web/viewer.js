@@ -5,6 +5,7 @@ const SEND_MS = 33;      // between two steerings
 const HOLD_MS = 300;     // held keys are confirmed that often; the server lets go after a second
 const STATE_MS = 500;
 const LONGEST_EDGE = 4096;
+const JULIAN_DAY_OF_1970 = 2440587.5;
 
 const element = (id) => document.getElementById(id);
 const picture = element('picture');
@@ -115,6 +116,10 @@ function show(state) {
   for (const id of ['mode', 'style'])
     if (document.activeElement !== element(id)) element(id).value = state[id];
   if (document.activeElement !== element('error')) element('error').value = Math.log2(state.pixel_error);
+  for (const [i, id] of ['azimuth', 'elevation'].entries())
+    if (document.activeElement !== element(id)) element(id).value = (state.sun[i] + (i === 0 ? 360 : 0)) % 360;
+  for (const id of ['shadows', 'level_blend']) element(id).checked = state[id] === 'on';
+  element('when').hidden = !state.has_place;
   element('stats').textContent = state.frame ? statsLine(state) : '';
   element('loading').textContent = loadingText(state);
 }
@@ -274,7 +279,8 @@ function halfLevels(coarser) {
 }
 
 addEventListener('keydown', (event) => {
-  if (event.ctrlKey || event.metaKey || event.altKey || event.target.tagName === 'SELECT') return;
+  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.target.tagName === 'SELECT' || event.target.type === 'datetime-local') return;
   slow = event.shiftKey;
   if (WALK[event.code] || SWING[event.code]) {
     event.preventDefault();
@@ -305,6 +311,16 @@ element('mode').addEventListener('change', (event) => { steer({mode: event.targe
 element('style').addEventListener('change', (event) => { steer({style: event.target.value}); event.target.blur(); });
 element('error').addEventListener('input', (event) => steer({pixel_error: 2 ** Number(event.target.value)}));
 element('error').addEventListener('change', (event) => event.target.blur());
+for (const id of ['azimuth', 'elevation']) {
+  element(id).addEventListener('input', () => steer({sun: ['azimuth', 'elevation'].map((axis) => Number(element(axis).value))}));
+  element(id).addEventListener('change', (event) => event.target.blur());
+}
+element('time').addEventListener('input', (event) => {
+  const milliseconds = Date.parse(event.target.value);  // of the browser's own time zone
+  if (!Number.isNaN(milliseconds)) steer({time: milliseconds / 86400000 + JULIAN_DAY_OF_1970});
+});
+for (const id of ['shadows', 'level_blend'])
+  element(id).addEventListener('change', (event) => { steer({[id]: event.target.checked ? 'on' : 'off'}); event.target.blur(); });
 element('home').addEventListener('click', () => steer({home: true}));
 element('save').addEventListener('click', save);
 element('help').addEventListener('click', toggleHelp);

@@ -36,13 +36,29 @@ std::optional<Enum> choose(const char* label, Enum current) {
   return chosen;
 }
 
-void show_choices(const ViewerState& state, Steering& out) {
+/// Where the sun stands, or a day and an hour that say so.
+void show_sun(const ViewerState& state, Steering& out, SunClock& clock) {
+  float azimuth = float(state.full_view.sun.azimuth_deg), elevation = float(state.full_view.sun.elevation_deg);
+  if (azimuth < 0) azimuth += 360;
+  const bool turned = ImGui::SliderFloat("sun from north", &azimuth, 0, 360, "%.1f deg");
+  const bool raised = ImGui::SliderFloat("sun above horizon", &elevation, -20, 90, "%.1f deg");
+  if (turned || raised) out.sun = {azimuth, elevation};
+  if (!state.has_place) return;
+  const bool other_day = ImGui::SliderInt("day of the year", &clock.day, 1, 365);
+  const bool other_hour = ImGui::SliderFloat("clock, hours UTC", &clock.hour, 0, 24, "%.2f");
+  if (other_day || other_hour) out.time = julian_day("2026-01-01T00:00Z") + (clock.day - 1) + double(clock.hour) / 24;
+}
+
+void show_choices(const ViewerState& state, Steering& out, SunClock& clock) {
   if (const auto mode = choose("mode (M)", state.full_view.mode)) out.mode = mode;
   if (const auto style = choose("move (O)", state.style)) out.style = style;
   float pixel_error = float(state.full_view.camera.pixel_error), upload_ms = float(state.upload_s * 1e3);
   if (ImGui::SliderFloat("pixel error (+ -)", &pixel_error, 0.25f, 64, "%.2f", ImGuiSliderFlags_Logarithmic))
     out.pixel_error = pixel_error;
   if (ImGui::SliderFloat("upload ms", &upload_ms, 0.1f, 200, "%.1f")) out.upload_s = upload_ms / 1e3;
+  if (const auto shadows = choose("shadows", state.full_view.shadows)) out.shadows = shadows;
+  if (const auto blend = choose("level blend", state.full_view.level_blend)) out.level_blend = blend;
+  show_sun(state, out, clock);
   line(fmt::format("speed {:.1f} m/s (wheel in flight)", state.speed_m_per_s));
 }
 
@@ -55,7 +71,8 @@ std::string loading_text(const ViewerState& state, const LiveFrame* frame) {
   return state.drawn > 0 ? fmt::format("loading, {:.0f} % drawn", std::floor(100 * state.drawn)) : "loading";
 }
 
-PanelAnswer show_panel(const ViewerState& state, const LiveFrame* frame, bool recording, const std::string& said) {
+PanelAnswer show_panel(const ViewerState& state, const LiveFrame* frame, bool recording, const std::string& said,
+                       SunClock& clock) {
   PanelAnswer out;
   ImGui::SetNextWindowPos({8, 8}, ImGuiCond_Once);
   ImGui::Begin("gigabake (F1)", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
@@ -63,7 +80,7 @@ PanelAnswer show_panel(const ViewerState& state, const LiveFrame* frame, bool re
   line(loading.empty() ? "all is shown" : loading);
   if (frame) show_numbers(*frame);
   if (state.has_scene) {
-    show_choices(state, out.steering);
+    show_choices(state, out.steering, clock);
     out.steering.home = ImGui::Button("Home (H)");
     ImGui::SameLine();
     out.save_picture = ImGui::Button("Picture (P)");

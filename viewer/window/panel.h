@@ -12,10 +12,17 @@ struct PanelAnswer {
   bool save_picture = false, record = false;
 };
 
+/// What the sun's clock shows: a day of 2026 and an hour, UTC.
+struct SunClock {
+  int day = 172;  ///< 1 … 365; at first midsummer
+  float hour = 12;
+};
+
 /// What is still to come, as "loading, 45 % drawn"; empty where the frame is all there is to see. frame may be nullptr.
 std::string loading_text(const ViewerState& state, const LiveFrame* frame);
 
 /// Between ImGui::NewFrame() and ImGui::Render(). frame may be nullptr; said: the last thing saved or failed.
-PanelAnswer show_panel(const ViewerState& state, const LiveFrame* frame, bool recording, const std::string& said);
+PanelAnswer show_panel(const ViewerState& state, const LiveFrame* frame, bool recording, const std::string& said,
+                       SunClock& clock);
 
 }  // namespace gigabake

@@ -231,12 +231,13 @@ class Window {
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
     PanelAnswer answer;
-    if (shows_panel_) answer = show_panel(state(), frame_.get(), recorder_.has_value(), said_);
+    if (shows_panel_) answer = show_panel(state(), frame_.get(), recorder_.has_value(), said_, clock_);
     ImGui::Render();
     ImGui_ImplOpenGL2_RenderDrawData(ImGui::GetDrawData());
     glfwSwapBuffers(window_);
     const Steering& s = answer.steering;
-    if (s.home || s.mode || s.style || s.pixel_error || s.upload_s) scene_.steer(viewer_, s);
+    const bool lights = s.sun || s.time || s.shadows || s.level_blend;
+    if (s.home || s.mode || s.style || s.pixel_error || s.upload_s || lights) scene_.steer(viewer_, s);
     if (answer.save_picture) want_picture();
     if (answer.record) toggle_recording();
   }
@@ -256,6 +257,7 @@ class Window {
   std::string said_, title_;
   double said_at_s_ = 0;
   bool wants_picture_ = false, shows_panel_ = true;
+  SunClock clock_;
 };
 
 }  // namespace

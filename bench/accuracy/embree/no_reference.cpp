@@ -14,7 +14,7 @@ ReferenceCaster::ReferenceCaster(const SceneSources&, const BakeParameters&, int
 ReferenceCaster::~ReferenceCaster() = default;
 
 // No caster can be made, so none of these runs.
-const LatticeBox& ReferenceCaster::box() const { throw UsageError("bench accuracy: built without Embree"); }
+const TriangleBox& ReferenceCaster::box() const { throw UsageError("bench accuracy: built without Embree"); }
 const SourceTriangles& ReferenceCaster::triangles() const { throw UsageError("bench accuracy: built without Embree"); }
 std::vector<TriangleName> ReferenceCaster::near(const std::array<double, 3>&, double) const { return {}; }
 LinearPicture ReferenceCaster::draw(const kernels::CastCamera&, int, const kernels::CastLight&) const { return {}; }

@@ -54,7 +54,7 @@ Vector direction_through(const kernels::CastCamera& camera, double x, double y) 
 }
 
 /// Distance at which a ray enters the box; none where it misses it.
-std::optional<double> entry(const LatticeBox& box, const Vector& origin, const Vector& direction) {
+std::optional<double> entry(const TriangleBox& box, const Vector& origin, const Vector& direction) {
   double enter = 0, leave = std::numeric_limits<double>::infinity();
   for (std::size_t a = 0; a < 3; ++a) {
     if (direction[a] == 0) {
@@ -244,7 +244,7 @@ ReferenceCaster::ReferenceCaster(const SceneSources& sources, const BakeParamete
 
 ReferenceCaster::~ReferenceCaster() = default;
 
-const LatticeBox& ReferenceCaster::box() const { return state_->triangles.box(); }
+const TriangleBox& ReferenceCaster::box() const { return state_->triangles.box(); }
 
 const SourceTriangles& ReferenceCaster::triangles() const { return state_->triangles; }
 

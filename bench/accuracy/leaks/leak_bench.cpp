@@ -129,7 +129,7 @@ std::string name_of(const BenchScene& scene) {
 
 /// What is seen of triangles: the surface below the middle of the box around them.
 LeakSubject subject_of(const ReferenceCaster& caster) {
-  const LatticeBox& box = caster.box();
+  const TriangleBox& box = caster.box();
   LeakSubject subject;
   for (std::size_t a = 0; a < 3; ++a) subject.target[a] = (box.min[a] + box.max[a]) / 2;
   const Vector above{subject.target[0], subject.target[1], box.max[2] + 1};

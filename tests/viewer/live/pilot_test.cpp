@@ -235,6 +235,9 @@ TEST(Pilot, AsksForSoundPicturesWhateverIsSteered) {
     s.pixel_error = any();
     s.upload_s = any();
     s.mode = ViewMode(random() % 256);
+    s.sun = std::array<double, 2>{any(), any()};
+    s.shadows = Shadows(random() % 256);
+    s.level_blend = LevelBlend(random() % 256);
     s.size = std::array<int, 2>{int(random()), int(random())};
     if (random() % 4 == 0) s.pose = CameraPose{{any(), any(), any()}, {any(), any(), any()}};
     pilot.steer(s, i * 0.01);
@@ -244,6 +247,9 @@ TEST(Pilot, AsksForSoundPicturesWhateverIsSteered) {
     ASSERT_TRUE(c.width >= 1 && c.width <= 4096 && c.height >= 1 && c.height <= 4096);
     ASSERT_TRUE(c.pixel_error >= 0x1p-16 && c.pixel_error <= 0x1p16 && order->upload_s >= 1e-4 && order->upload_s <= 1);
     ASSERT_LT(std::size_t(order->view.mode), names_of<ViewMode>().size());
+    const SunDirection& sun = order->view.sun;
+    ASSERT_TRUE(std::fabs(sun.azimuth_deg) <= 360 && std::fabs(sun.elevation_deg) <= 90);
+    ASSERT_TRUE(std::size_t(order->view.shadows) < 2 && std::size_t(order->view.level_blend) < 2);
     ASSERT_FALSE(*c.eye_m == *c.target_m);
     pilot.drawn(*order, took(any(), random() % 2 == 0));
   }

@@ -19,7 +19,8 @@ std::optional<Paint> rough_ball(std::int64_t x, std::int64_t y, std::int64_t z) 
 }
 
 Picture draw(const VoxelScene& scene, const std::array<double, 3>& eye, std::uint64_t pool_bytes,
-             std::optional<int> device, const std::optional<kernels::CastLighting>& light = {}, const Clip& clip = {}) {
+             std::optional<int> device, const std::optional<kernels::CastLighting>& light = {}, const Clip& clip = {},
+             const PictureLook* look = nullptr, const kernels::CastPolygons& polygons = {}) {
   const ThreadPool policy(2);
   SceneStream::Options options;
   options.light = light ? kernels::unlit() : afternoon_light();
@@ -32,6 +33,8 @@ Picture draw(const VoxelScene& scene, const std::array<double, 3>& eye, std::uin
   kernels::CastCamera camera = make_camera(wish, scene.paged(), scene.pages());
   if (!light) camera.haze = air(600, 1);
   camera.tone = screen_tone(0.5);
+  camera.polygons = polygons;
+  if (look) return render(stream, camera, *look, PictureLight::linear_too);
   return render(stream, camera, {}, PictureLight::linear_too, light);
 }
 
@@ -83,6 +86,36 @@ TEST(CastOnDevice, ClipsWithTheSameBitsAsOnTheHost) {
     EXPECT_EQ(host.depth, device.depth);
     EXPECT_EQ(host.linear, device.linear);
   }
+}
+
+TEST(CastOnDevice, BlendsLevelsShadesAndHidesBehindPolygonsWithTheSameBitsAsOnTheHost) {
+  const kernels::CudaDevices devices = kernels::cuda_devices();
+  if (devices.usable.empty()) GTEST_SKIP() << "no GPU: " << devices.reason;
+  VoxelScene scene(32);
+  scene.add_cells(rough_ball, {0, 0, 0}, 64);
+  const std::size_t pixels = 200 * 200;
+  std::vector<float> distance(pixels, kernels::CastPolygons::nowhere), rgba(4 * pixels, 0.5f);
+  for (std::size_t i = 0; i < pixels; i += 3) distance[i] = 500 + float(i % 1000);
+  const kernels::CastLighting unhidden = lighting({200, 30}, kernels::CastLightPart::unhidden, air(600, 1));
+  const kernels::CastLighting all = lighting({200, 30}, kernels::CastLightPart::all, {});
+  const PictureLook looks[] = {{.background = {}, .blends_levels = true},
+                               {.background = {}, .lighting = all, .blends_levels = true},
+                               {.background = {}, .lighting = unhidden, .shader = kernels::height_shader({0, 64})},
+                               {.background = {}, .lighting = unhidden, .shader = kernels::slope_shader({})}};
+  for (const PictureLook& look : looks)
+    for (const std::array<double, 3>& eye : {std::array{120.0, -40.0, 80.0}, std::array{900.0, 700.0, 400.0}}) {
+      const kernels::CastPolygons polygons{distance.data(), rgba.data()};
+      const auto drawn = [&](std::uint64_t pool, std::optional<int> device) {
+        return draw(scene, eye, pool, device, look.lighting, {}, &look, polygons);
+      };
+      const Picture host = drawn(0, {});
+      for (const std::uint64_t pool : {std::uint64_t(1) << 19, std::uint64_t(1) << 26}) {
+        const Picture device = drawn(pool, devices.usable[0]);
+        EXPECT_EQ(host.rgba, device.rgba) << pool;
+        EXPECT_EQ(host.depth, device.depth) << pool;
+        EXPECT_EQ(host.linear, device.linear) << pool;
+      }
+    }
 }
 
 }  // namespace

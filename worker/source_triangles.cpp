@@ -1,4 +1,4 @@
-#include "bench/accuracy/source_triangles.h"
+#include "worker/source_triangles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include "kernels/body/tables.h"
 #include "lattice/error.h"
 
-namespace gigabake::bench {
+namespace gigabake {
 namespace {
 
 /// A cell so large that it leaves nothing out.
@@ -155,4 +155,4 @@ std::array<float, 4> SourceTriangles::colour(const TrianglePoint& at) const {
   return out;
 }
 
-}  // namespace gigabake::bench
+}  // namespace gigabake

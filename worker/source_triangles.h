@@ -14,9 +14,9 @@
 #include "lattice/parameters.h"
 #include "worker/cell_loader.h"
 
-namespace gigabake::bench {
+namespace gigabake {
 
-struct LatticeBox {
+struct TriangleBox {
   std::array<double, 3> min{}, max{};
 };
 
@@ -50,7 +50,7 @@ class SourceTriangles {
   bool is_mirrored(std::size_t part) const;
   /// Towards its outside, of length 1: by the winding as the instance shows it. All 0 where it has no area.
   std::array<double, 3> outside(std::size_t part, std::size_t triangle) const;
-  const LatticeBox& box() const { return box_; }
+  const TriangleBox& box() const { return box_; }
   const std::array<double, 3>& middle() const { return middle_; }
 
   /// Linear, premultiplied: the bilinear texel, the vertex colours and the base colour at the point; alpha as the
@@ -64,8 +64,8 @@ class SourceTriangles {
   LoadedCell cell_;
   double voxel_size_m_;
   std::array<double, 3> lattice_origin_m_;
-  LatticeBox box_;
+  TriangleBox box_;
   std::array<double, 3> middle_{};
 };
 
-}  // namespace gigabake::bench
+}  // namespace gigabake

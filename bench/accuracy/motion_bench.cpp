@@ -1,0 +1,189 @@
+#include "bench/accuracy/motion_bench.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <numbers>
+#include <numeric>
+
+#include "bench/accuracy/flip.h"
+#include "lattice/error.h"
+#include "viewer/light/sky.h"
+#include "viewer/pictures/frame_renderer.h"
+#include "viewer/pictures/png.h"
+
+namespace gigabake::bench {
+namespace {
+
+using Vector = std::array<double, 3>;
+
+constexpr int pairs_of_path = 6;
+constexpr double fovy_deg = 40;
+
+struct MotionPair {
+  std::string path;
+  double at;
+  CameraOptions cameras[2];
+};
+
+Vector moved(const Vector& from, const Vector& direction, double way) {
+  return {from[0] + direction[0] * way, from[1] + direction[1] * way, from[2] + direction[2] * way};
+}
+
+/// How wide a pixel is, seen as an angle.
+double pixel_angle(double fovy, int height) { return 2 * std::tan(fovy * std::numbers::pi / 360) / height; }
+
+CameraOptions camera_at(const Vector& eye, const Vector& forward, double fovy, const AccuracyBenchRequest& request) {
+  CameraOptions camera;
+  camera.eye_m = to_scene_m(eye, request.scene.parameters);
+  camera.target_m = to_scene_m(moved(eye, forward, 1000), request.scene.parameters);
+  camera.fovy_deg = fovy;
+  camera.width = request.width;
+  camera.height = request.height;
+  return camera;
+}
+
+/// A flight over the middle of the scene, so low that several levels are in the picture.
+struct Flight {
+  const char* name;
+  double elevation_deg;     ///< the eye looks so far down
+  double height;            ///< above the surface, as a part of the distance at which lod 1 begins
+  double ahead, aside, up;  ///< the way that it goes
+};
+constexpr Flight flights[] = {
+    {"forward", 15, 0.25, 1, 0, 0}, {"aside", 15, 0.25, 0, 1, 0}, {"climb", 35, 0.5, 0, 0, 1}};
+
+Vector above_surface(const ReferenceCaster& caster, double x, double y, double height) {
+  const Vector from{x, y, caster.box().max[2] + 1};
+  const double down = caster.first_hit(from, {0, 0, -1}).value_or(caster.box().max[2] - caster.box().min[2] + 1);
+  return {x, y, from[2] - down + height};
+}
+
+void add_flight(const ReferenceCaster& caster, const AccuracyBenchRequest& request, const Flight& flight,
+                std::vector<MotionPair>& out) {
+  const TriangleBox& box = caster.box();
+  const double lod1 = 2 / pixel_angle(fovy_deg, request.height), height = flight.height * lod1;
+  const Vector forward = forward_at(flight.elevation_deg);
+  const double level = std::hypot(forward[0], forward[1]);
+  const Vector ahead{forward[0] / level, forward[1] / level, 0}, aside{ahead[1], -ahead[0], 0};
+  const double nearest = height / std::sin((flight.elevation_deg + fovy_deg / 2) * std::numbers::pi / 180);
+  const double step = motion_pixels * pixel_angle(fovy_deg, request.height) * nearest;
+  const Vector start = moved({(box.min[0] + box.max[0]) / 2, (box.min[1] + box.max[1]) / 2, 0}, ahead,
+                             -0.3 * std::min(box.max[0] - box.min[0], box.max[1] - box.min[1]));
+  const Vector way{ahead[0] * flight.ahead + aside[0] * flight.aside, ahead[1] * flight.ahead + aside[1] * flight.aside,
+                   flight.up};
+  for (int i = 0; i < pairs_of_path; ++i) {
+    const Vector eye = moved(above_surface(caster, start[0], start[1], height), way, i * 0.11 * lod1);
+    MotionPair pair{flight.name, double(i) / (pairs_of_path - 1), {}};
+    for (int k = 0; k < 2; ++k) pair.cameras[k] = camera_at(moved(eye, way, k * step), forward, fovy_deg, request);
+    out.push_back(pair);
+  }
+}
+
+/// From nearly parallel rays, so that much of the picture changes its level at once: once through all of a level.
+void add_zoom(const ReferenceCaster& caster, const AccuracyBenchRequest& request, std::vector<MotionPair>& out) {
+  const Vector forward = forward_at(35);
+  const TriangleBox& box = caster.box();
+  const Vector target = above_surface(caster, (box.min[0] + box.max[0]) / 2, (box.min[1] + box.max[1]) / 2, 0);
+  const double nearer = 1 - motion_pixels / (request.width / 2.0);
+  for (int i = 0; i < pairs_of_path; ++i) {
+    const double way = std::exp2(double(i) / pairs_of_path) / pixel_angle(accuracy_fovy_deg, request.height);
+    MotionPair pair{"zoom", double(i) / (pairs_of_path - 1), {}};
+    for (int k = 0; k < 2; ++k)
+      pair.cameras[k] =
+          camera_at(moved(target, forward, -way * (k == 0 ? 1 : nearer)), forward, accuracy_fovy_deg, request);
+    out.push_back(pair);
+  }
+}
+
+using Shown = std::vector<Rgb>;
+
+Shown shown_voxels(FrameRenderer& renderer, const CameraOptions& camera, LevelBlend blend) {
+  View view{camera, ViewMode::lit, {false, {0, 0, 0, 0}}};
+  view.level_blend = blend;
+  return over(to_linear(renderer.draw_exact(view).picture), 0);
+}
+
+double mean_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
+}
+
+/// The most that the mean over a block is above that of the reference.
+double worst_block(const std::vector<double>& map, const std::vector<double>& reference, int width, int height) {
+  double worst = 0;
+  for (int y0 = 0; y0 + motion_block <= height; y0 += motion_block)
+    for (int x0 = 0; x0 + motion_block <= width; x0 += motion_block) {
+      double sum = 0;
+      for (int y = y0; y < y0 + motion_block; ++y)
+        for (int x = x0; x < x0 + motion_block; ++x) {
+          const auto i = std::size_t(y) * std::size_t(width) + std::size_t(x);
+          sum += map[i] - reference[i];
+        }
+      worst = std::max(worst, sum / (motion_block * motion_block));
+    }
+  return worst;
+}
+
+MotionRow look_at_pair(const ReferenceCaster& caster, const MotionPair& pair, const AccuracyBenchRequest& request,
+                       FrameRenderer& renderer) {
+  const int width = request.width, height = request.height;
+  Shown triangles[2];
+  for (int k = 0; k < 2; ++k)
+    triangles[k] = over(on_screen(caster.draw(reference_camera(pair.cameras[k], request.scene.parameters),
+                                              request.samples, afternoon_light())),
+                        0);
+  const std::vector<double> expected = flip_map(triangles[0], triangles[1], width, height);
+  MotionRow row{pair.path, pair.at, mean_of(expected), {}, {}};
+  for (const auto& [blend, figures] :
+       {std::pair{LevelBlend::off, &row.plain}, std::pair{LevelBlend::on, &row.blended}}) {
+    const Shown first = shown_voxels(renderer, pair.cameras[0], blend),
+                second = shown_voxels(renderer, pair.cameras[1], blend);
+    const std::vector<double> map = flip_map(first, second, width, height);
+    *figures = {mean_of(map), worst_block(map, expected, width, height), flip(triangles[0], first, width, height)};
+  }
+  return row;
+}
+
+}  // namespace
+
+double MotionBench::worst_ratio(MotionFigures MotionRow::*way) const {
+  double worst = 0;
+  for (const MotionRow& row : rows)
+    if (row.reference > 0) worst = std::max(worst, (row.*way).pair / row.reference);
+  return worst;
+}
+
+double MotionBench::mean_still(MotionFigures MotionRow::*way) const {
+  double sum = 0;
+  for (const MotionRow& row : rows) sum += (row.*way).still;
+  return rows.empty() ? 0 : sum / double(rows.size());
+}
+
+MotionBench bench_motion(const AccuracyBenchRequest& request, const AccuracyProgress& progress) {
+  const SceneSources sources = open_sources(request.scene.source, request.scene.source_options, request.scene.progress);
+  MotionBench bench{request.scene.source.string(),
+                    request.scene.parameters.voxel_size_m,
+                    request.samples,
+                    request.width,
+                    request.height,
+                    request.scene.threads,
+                    {}};
+  const ReferenceCaster caster(sources, request.scene.parameters, request.scene.threads);
+  progress("bake");
+  std::filesystem::remove_all(request.out / "shards");
+  bake_scene(sources, request.scene, choose_device({request.backend}).device, request.out);
+  FrameRenderer::Options options;
+  options.threads = request.scene.threads;
+  FrameRenderer renderer(request.out / "scene.xml", options);
+  std::vector<MotionPair> pairs;
+  for (const Flight& flight : flights) add_flight(caster, request, flight, pairs);
+  add_zoom(caster, request, pairs);
+  for (const MotionPair& pair : pairs) {
+    progress(fmt::format("{} {:.1f}", pair.path, pair.at));
+    bench.rows.push_back(look_at_pair(caster, pair, request, renderer));
+  }
+  if (!renderer.problems().empty()) throw InputError(request.out, "", renderer.problems().front());
+  return bench;
+}
+
+}  // namespace gigabake::bench
