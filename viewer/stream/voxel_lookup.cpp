@@ -87,8 +87,8 @@ unsigned VoxelLookup::occupied_by_any(Question question, PageGaps& gaps) const {
   const unsigned asked = question.open;
   if (asked == 0) return 0;
   map_.any(question.lod, question.holder, question.around(), pager_, gaps, [&](const PlacedShard& shard) {
-    question.open &= ~occupied_below(shard, 0, shard.top(), shard.window.min, question,
-                                     question.reached_by(shard.window), gaps);
+    question.open &=
+        ~occupied_below(shard, 0, shard.top(), shard.window.min, question, question.reached_by(shard.window), gaps);
     return question.open == 0;
   });
   return asked & ~question.open;

@@ -29,8 +29,8 @@ inline constexpr std::uint32_t no_shard = 0xffffffffu;
 /// pager.
 struct NodePath {
   std::uint32_t shard = no_shard;
-  std::int32_t lowest = 0;    ///< level it ended at
-  std::int64_t v[3] = {};     ///< where it led, lod-0 voxels from the shard's corner
+  std::int32_t lowest = 0;                           ///< level it ended at
+  std::int64_t v[3] = {};                            ///< where it led, lod-0 voxels from the shard's corner
   const NodeRow* node[kernels::max_cast_lods] = {};  ///< by level, from `lowest` on
 };
 
@@ -68,8 +68,7 @@ class VoxelLookup {
   unsigned occupied_below(const PlacedShard& shard, std::uint32_t row_index, int level, const std::int64_t corner[3],
                           const Question& question, unsigned open, PageGaps& gaps) const;
   unsigned unread_occupied(const PlacedShard& shard, const Question& question, unsigned open, PageGaps& gaps) const;
-  VoxelPlace place_in(const PlacedShard& shard, int lod, const std::int64_t v[3], PageGaps& gaps,
-                      NodePath& path) const;
+  VoxelPlace place_in(const PlacedShard& shard, int lod, const std::int64_t v[3], PageGaps& gaps, NodePath& path) const;
   unsigned may_be_occupied(const PlacedShard& shard, const Question& question, PageGaps& gaps) const;
   void set_content(const PlacedShard& shard, const NodeRow& found, int lod, PageGaps& gaps, VoxelPlace& place) const;
 
