@@ -2,7 +2,6 @@
 #include <cstring>
 
 #include "kernels/cast/brick_pool.cuh"
-#include "kernels/cuda/input.cuh"
 #include "kernels/cuda/stream.cuh"
 
 namespace gigabake::kernels {
@@ -37,12 +36,51 @@ __global__ void gather_bricks(const VoxelMove* moves, const PackedVoxel* voxels,
   if (threadIdx.x < slot_edge) layers[std::size_t(slot_edge) * move.slot + threadIdx.x].first -= move.from - move.to;
 }
 
+/// What is sent of new bricks: their masks, layers, moves and voxels, one array after another.
+struct NewBricks {
+  std::size_t layers_at, moves_at, voxels_at, bytes;
+
+  NewBricks(std::size_t bricks, std::size_t voxel_count)
+      : layers_at(bricks * sizeof(CastMask)),
+        moves_at(layers_at + bricks * slot_edge * sizeof(CastLayer)),
+        voxels_at(moves_at + bricks * sizeof(VoxelMove)),
+        bytes(voxels_at + voxel_count * sizeof(PackedVoxel)) {}
+
+  template <class Byte>
+  auto masks(Byte* at) const {
+    return array_at<CastMask>(at);
+  }
+  template <class Byte>
+  auto layers(Byte* at) const {
+    return array_at<CastLayer>(at + layers_at);
+  }
+  template <class Byte>
+  auto moves(Byte* at) const {
+    return array_at<VoxelMove>(at + moves_at);
+  }
+  template <class Byte>
+  auto voxels(Byte* at) const {
+    return array_at<PackedVoxel>(at + voxels_at);
+  }
+
+ private:
+  template <class T>
+  static T* array_at(std::byte* at) {
+    return reinterpret_cast<T*>(at);
+  }
+  template <class T>
+  static const T* array_at(const std::byte* at) {
+    return reinterpret_cast<const T*>(at);
+  }
+};
+
 std::uint32_t end_of(const VoxelMove& move) { return move.to + move.count; }
 
 }  // namespace
 
-BrickPool::BrickPool(DeviceHeap& heap, const PoolSizes& sizes)
+BrickPool::BrickPool(DeviceHeap& heap, Delivery& delivery, const PoolSizes& sizes)
     : heap_(heap),
+      delivery_(delivery),
       masks_(heap, sizes.slots),
       layers_(heap, std::size_t(slot_edge) * sizes.slots),
       voxels_(heap, sizes.voxels) {}
@@ -53,51 +91,37 @@ void BrickPool::show_in(CastScene& scene) const {
   scene.voxels = voxels_.data();
 }
 
-/// fill: puts `count` values where it is told to. Returns when they are on the device.
-template <class T, class Fill>
-void BrickPool::upload(DeviceArray<T>& device, std::size_t count, const Fill& fill) {
-  if (device.size() < count) device = DeviceArray<T>(heap_, count);
-  T* const host = reinterpret_cast<T*>(pinned_.reserve(count * sizeof(T)));
-  fill(host);
-  check_cuda(cudaMemcpyAsync(device.data(), host, count * sizeof(T), cudaMemcpyHostToDevice, heap_.stream()),
-             "cudaMemcpyAsync");
-  check_cuda(cudaStreamSynchronize(heap_.stream()), "cudaMemcpyAsync");
-}
-
 void BrickPool::put(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks) {
-  std::vector<VoxelMove> moves;
-  std::uint32_t voxels = 0;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const auto count = std::uint32_t(bricks[i].voxels.size());
-    moves.push_back({places[i].slot, voxels, places[i].first, count});
-    voxels += count;
+  const std::size_t count = places.size();
+  std::size_t voxels = 0;
+  for (std::size_t i = 0; i < count; ++i) voxels += bricks[i].voxels.size();
+  const NewBricks parts(count, voxels);
+  std::byte* const room = delivery_.room(parts.bytes);
+  std::uint32_t first = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto own = std::uint32_t(bricks[i].voxels.size());
+    parts.moves(room)[i] = {places[i].slot, first, places[i].first, own};
+    parts.masks(room)[i] = bricks[i].mask;
+    std::copy_n(bricks[i].layers, slot_edge, parts.layers(room) + slot_edge * i);
+    std::copy(bricks[i].voxels.begin(), bricks[i].voxels.end(), parts.voxels(room) + first);
+    first += own;
   }
-  upload(moves_, moves.size(), [&](VoxelMove* to) { std::copy(moves.begin(), moves.end(), to); });
-  upload(new_masks_, moves.size(), [&](CastMask* to) {
-    for (std::size_t i = 0; i < moves.size(); ++i) to[i] = bricks[i].mask;
-  });
-  upload(new_layers_, slot_edge * moves.size(), [&](CastLayer* to) {
-    for (std::size_t i = 0; i < moves.size(); ++i) std::copy_n(bricks[i].layers, slot_edge, to + slot_edge * i);
-  });
-  upload(new_voxels_, voxels, [&](PackedVoxel* to) {
-    for (std::size_t i = 0; i < moves.size(); ++i)
-      std::copy(bricks[i].voxels.begin(), bricks[i].voxels.end(), to + moves[i].from);
-  });
-  scatter_bricks<<<unsigned(moves.size()), brick_threads, 0, heap_.stream()>>>(
-      moves_.data(), new_masks_.data(), new_layers_.data(), new_voxels_.data(), masks_.data(), layers_.data(),
-      voxels_.data());
+  const std::byte* const sent = delivery_.send();
+  scatter_bricks<<<unsigned(count), brick_threads, 0, heap_.stream()>>>(parts.moves(sent), parts.masks(sent),
+                                                                        parts.layers(sent), parts.voxels(sent),
+                                                                        masks_.data(), layers_.data(), voxels_.data());
   check_launch("scatter_bricks");
-  check_cuda(cudaStreamSynchronize(heap_.stream()), "scatter_bricks");
 }
 
 /// Places overlap, so voxels go by way of a third one. What is read later stands higher than all that was written.
 void BrickPool::move(const std::vector<VoxelMove>& moves) {
   if (moves.empty()) return;
-  upload(moves_, moves.size(), [&](VoxelMove* to) { std::copy(moves.begin(), moves.end(), to); });
+  std::memcpy(delivery_.room(moves.size() * sizeof(VoxelMove)), moves.data(), moves.size() * sizeof(VoxelMove));
+  const auto* const sent = reinterpret_cast<const VoxelMove*>(delivery_.send());
   if (on_its_way_.empty()) on_its_way_ = DeviceArray<PackedVoxel>(heap_, voxels_on_their_way);
   for (std::size_t begin = 0, end = 0; begin < moves.size(); begin = end) {
     while (end < moves.size() && end_of(moves[end]) - moves[begin].to <= voxels_on_their_way) ++end;
-    gather_bricks<<<unsigned(end - begin), brick_threads, 0, heap_.stream()>>>(moves_.data() + begin, voxels_.data(),
+    gather_bricks<<<unsigned(end - begin), brick_threads, 0, heap_.stream()>>>(sent + begin, voxels_.data(),
                                                                                layers_.data(), on_its_way_.data());
     check_launch("gather_bricks");
     const std::size_t count = end_of(moves[end - 1]) - moves[begin].to;
@@ -105,7 +129,6 @@ void BrickPool::move(const std::vector<VoxelMove>& moves) {
                                cudaMemcpyDeviceToDevice, heap_.stream()),
                "cudaMemcpyAsync");
   }
-  check_cuda(cudaStreamSynchronize(heap_.stream()), "gather_bricks");
 }
 
 }  // namespace gigabake::kernels

@@ -5,34 +5,28 @@
 #include <vector>
 
 #include "kernels/cast/caster.h"
+#include "kernels/cuda/delivery.cuh"
 #include "kernels/cuda/memory.cuh"
-#include "kernels/cuda/pinned.cuh"
 
 namespace gigabake::kernels {
 
 class BrickPool {
  public:
-  BrickPool(DeviceHeap& heap, const PoolSizes& sizes);
+  /// Borrows both.
+  BrickPool(DeviceHeap& heap, Delivery& delivery, const PoolSizes& sizes);
 
   void show_in(CastScene& scene) const;
 
-  /// As Caster's. Both return when it is done.
+  /// As Caster's. Both return when what they were given may change again; the stream does the rest in its order.
   void put(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks);
   void move(const std::vector<VoxelMove>& moves);
 
  private:
-  template <class T, class Fill>
-  void upload(DeviceArray<T>& device, std::size_t count, const Fill& fill);
-
   DeviceHeap& heap_;
+  Delivery& delivery_;
   DeviceArray<CastMask> masks_;
   DeviceArray<CastLayer> layers_;
-  DeviceArray<PackedVoxel> voxels_;
-  DeviceArray<CastMask> new_masks_;
-  DeviceArray<CastLayer> new_layers_;
-  DeviceArray<PackedVoxel> new_voxels_, on_its_way_;
-  DeviceArray<VoxelMove> moves_;
-  PinnedBuffer pinned_;
+  DeviceArray<PackedVoxel> voxels_, on_its_way_;
 };
 
 }  // namespace gigabake::kernels

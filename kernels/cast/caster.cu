@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cstring>
-#include <unordered_map>
 #include <utility>
 
 #include "kernels/cast/blend_passes.cuh"
@@ -9,6 +8,7 @@
 #include "kernels/cast/light_passes.cuh"
 #include "kernels/cast/ray_rounds.cuh"
 #include "kernels/cast/tile_grid.cuh"
+#include "kernels/cuda/delivery.cuh"
 #include "kernels/cuda/input.cuh"
 #include "kernels/cuda/memory.cuh"
 #include "kernels/cuda/pinned.cuh"
@@ -64,7 +64,8 @@ class CudaCaster final : public Caster {
         column_key_(copy(scene.column_key)),
         column_first_(copy(scene.column_first)),
         nodes_(copy_of(std::vector<CastNode>(std::size_t(8) * sizes.tiles))),
-        bricks_(heap_, sizes),
+        delivery_(heap_),
+        bricks_(heap_, delivery_, sizes),
         tile_used_(zeros<std::uint32_t>(sizes.tiles)),
         slot_used_(zeros<std::uint32_t>(sizes.slots)),
         wanted_(zeros<std::uint32_t>(std::size_t(16) * sizes.tiles)),
@@ -96,19 +97,15 @@ class CudaCaster final : public Caster {
     bricks_.move(moves);
   }
 
-  /// Of several changes to one node the last is the one that holds.
   void put_nodes(const std::vector<NodeChange>& changes) override {
     if (changes.empty()) return;
     use_device();
-    std::unordered_map<std::uint32_t, std::size_t> last;
-    for (std::size_t i = 0; i < changes.size(); ++i) last[changes[i].node] = i;
-    std::vector<NodeChange> unique;
-    for (const auto& [node, i] : last) unique.push_back(changes[i]);
-    const DeviceArray<NodeChange> from = copy_of(unique);
-    apply_changes<<<grid_of(unique.size(), 128), 128, 0, stream_.handle>>>(from.data(), std::uint32_t(unique.size()),
-                                                                           nodes_.data());
+    std::memcpy(delivery_.room(changes.size() * sizeof(NodeChange)), changes.data(),
+                changes.size() * sizeof(NodeChange));
+    const auto* const sent = reinterpret_cast<const NodeChange*>(delivery_.send());
+    apply_changes<<<grid_of(changes.size(), 128), 128, 0, stream_.handle>>>(sent, std::uint32_t(changes.size()),
+                                                                            nodes_.data());
     check_launch("apply_changes");
-    finish("apply_changes");
   }
 
   void start(const CastCamera& camera, const CastTile& tile) override {
@@ -280,6 +277,7 @@ class CudaCaster final : public Caster {
   DeviceArray<std::uint64_t> column_key_;
   DeviceArray<std::uint32_t> column_first_;
   DeviceArray<CastNode> nodes_;
+  Delivery delivery_;
   BrickPool bricks_;
   DeviceArray<std::uint32_t> tile_used_, slot_used_, wanted_, want_list_, count_;
   DeviceArray<unsigned long long> unfinished_;

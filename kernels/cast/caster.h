@@ -58,7 +58,7 @@ class Caster {
   /// Range  ascending, none upwards, and what they leave together has no gaps: the first goes to 0 or to where what
   /// stays where it is ends, each other one to where the one before ends.
   virtual void move_voxels(const std::vector<VoxelMove>& moves) = 0;
-  /// In their order: later ones hold.
+  /// Range  each node once.
   virtual void put_nodes(const std::vector<NodeChange>& changes) = 0;
 
   /// Starts the rays of a rectangle of the picture; forgets those before. camera.polygons: borrowed until resolve().

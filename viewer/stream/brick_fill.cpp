@@ -55,7 +55,7 @@ class BrickFiller {
     // Centres decide which voxel of a cell that is not aligned stands here.
     const std::int64_t half = std::int64_t(1) << lod_ >> 1;
     const std::int64_t v[3] = {lattice(0, part.begin[0]), lattice(1, part.begin[1]), lattice(2, part.begin[2]) + half};
-    const VoxelPlace place = lookup_.place(lod_, v, gaps_);
+    const VoxelPlace place = lookup_.place(lod_, v, gaps_, path_);
     SlotPart first = part;
     for (int a = 0; a < 3; ++a) {
       const std::int64_t centre = a == 2 ? half : 0;
@@ -93,7 +93,7 @@ class BrickFiller {
   std::optional<kernels::CastVoxel> coarser_voxel(const std::int64_t v[3]) {
     for (int lod = lod_ + 1; lod <= top_; ++lod) {
       PageGaps gaps;
-      const VoxelPlace place = lookup_.place(lod, v, gaps);
+      const VoxelPlace place = lookup_.place(lod, v, gaps, path_);
       gaps_.missing.insert(gaps_.missing.end(), gaps.missing.begin(), gaps.missing.end());
       if (place.kind == VoxelPlace::Kind::unreadable) continue;
       auto voxel = voxel_at(place, lod, v);
@@ -194,6 +194,7 @@ class BrickFiller {
   const Shading& shading_;
   PageGaps& gaps_;
   CastBrick& brick_;
+  NodePath path_;
   Rows rows_ = {};
   kernels::PackedVoxel voxels_[kernels::slot_voxels];  ///< x fastest; those that rows_ says are there
 };
@@ -210,13 +211,12 @@ VoxelBox box_of(const FieldNode& node, const CellLayout& layout) {
 }
 
 std::uint8_t children_of(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup, PageGaps& gaps) {
-  unsigned children = 0;
+  VoxelLookup::Boxes boxes;
   for (unsigned octant = 0; octant < 8; ++octant) {
-    VoxelBox box = box_of(node.child(octant), layout);
-    for (std::int64_t& side : box.max) side += std::int64_t(1) << (node.lod - 1);
-    if (lookup.is_occupied(node.lod - 1, box, gaps)) children |= 1u << octant;
+    boxes[octant] = box_of(node.child(octant), layout);
+    for (std::int64_t& side : boxes[octant].max) side += std::int64_t(1) << (node.lod - 1);
   }
-  return std::uint8_t(children);
+  return lookup.occupied(node.lod - 1, boxes, gaps);
 }
 
 bool fill_brick(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup, const Shading& shading,

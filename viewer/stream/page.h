@@ -60,7 +60,7 @@ std::vector<ListedCell> listed_cells(const std::vector<SceneCell>& cells, std::u
 std::vector<ListedPage> listed_pages(const std::vector<PageReference>& pages, std::uint32_t first);
 
 /// How many shards are open at once; the longest unused is closed. Processes may have 1024 files open.
-inline constexpr std::size_t most_open_shards = 256;
+inline constexpr std::size_t most_open_shards = 400;
 
 /// From the scene's pages and shards. files_opened: where given, counts each that is opened.
 PageSource pages_from_files(std::shared_ptr<const PagedScene> scene,

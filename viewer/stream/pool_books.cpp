@@ -25,6 +25,7 @@ PoolBooks::PoolBooks(std::size_t cells, int lods, const kernels::PoolSizes& size
       lods_(lods),
       roots_stay_(cells < sizes.slots / 2),
       nodes_(std::size_t(8) * sizes.tiles),
+      is_changed_(nodes_.size()),
       tiles_(sizes.tiles),
       slots_(sizes.slots),
       arena_(sizes.slots, sizes.voxels) {
@@ -58,10 +59,21 @@ void PoolBooks::begin_round(std::uint32_t used_since, bool may_evict_used) {
 
 void PoolBooks::change(std::uint32_t node, const CastNode& value) {
   nodes_[node] = value;
-  changes_.push_back({node, value});
+  if (is_changed_[node]) return;
+  is_changed_[node] = true;
+  changed_.push_back(node);
 }
 
-std::vector<kernels::NodeChange> PoolBooks::take_changes() { return std::exchange(changes_, {}); }
+std::vector<kernels::NodeChange> PoolBooks::take_changes() {
+  std::vector<kernels::NodeChange> changes;
+  changes.reserve(changed_.size());
+  for (const std::uint32_t node : changed_) {
+    changes.push_back({node, nodes_[node]});
+    is_changed_[node] = false;
+  }
+  changed_.clear();
+  return changes;
+}
 
 bool PoolBooks::put_children(std::uint32_t node, std::uint8_t children, kernels::Caster& caster) {
   if (free_tiles_.empty() && !free_some_tiles(node / 8, caster)) return false;

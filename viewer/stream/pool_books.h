@@ -48,7 +48,7 @@ class PoolBooks {
   void set_empty(std::uint32_t node);
   void set_lost(std::uint32_t node, kernels::Want what);
 
-  /// For the caster, in their order; forgets them.
+  /// For the caster, each node once, as it is now; forgets them.
   std::vector<kernels::NodeChange> take_changes();
 
  private:
@@ -77,11 +77,12 @@ class PoolBooks {
   std::int32_t lods_;
   bool roots_stay_;
   std::vector<kernels::CastNode> nodes_;
+  std::vector<bool> is_changed_;  ///< by node: it stands in changed_
   std::vector<Tile> tiles_;
   std::vector<Slot> slots_;
   VoxelArena arena_;
   std::vector<std::uint32_t> free_tiles_, free_slots_;
-  std::vector<kernels::NodeChange> changes_;
+  std::vector<std::uint32_t> changed_;  ///< nodes
   std::uint32_t round_ = 0, used_since_ = 0;
   bool may_evict_used_ = false, evicted_used_ = false;
 };

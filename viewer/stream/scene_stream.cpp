@@ -14,7 +14,7 @@ using kernels::Want;
 
 /// Wants that are answered side by side before the clock is looked at and the pools are filled: so many of each thread
 /// that starting them all takes little, and so few that they are done within 2 ms.
-constexpr std::size_t wants_per_thread = 64, least_wants_per_batch = 256;
+constexpr std::size_t wants_per_thread = 128, least_wants_per_batch = 256;
 /// Wants looked at in one call, the most urgent ones: more would only be asked of the pager in vain.
 constexpr std::size_t most_wants = 8192;
 constexpr std::uint32_t least_slots = 16;

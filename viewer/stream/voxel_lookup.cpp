@@ -26,6 +26,14 @@ VoxelBox common_box(const VoxelBox& a, const VoxelBox& b) {
   return box;
 }
 
+/// The lowest level of the path that a way to this voxel of the shard shares.
+int shared_level(const NodePath& path, const PlacedShard& shard, const std::int64_t local[3]) {
+  if (path.shard != shard.number) return shard.top();
+  const auto differ = std::uint64_t((local[0] ^ path.v[0]) | (local[1] ^ path.v[1]) | (local[2] ^ path.v[2]));
+  const int level = differ < std::uint64_t(brick_edge) ? 0 : kernels::highest_bit(differ) - 2;
+  return std::max(level, path.lowest);
+}
+
 std::uint32_t child_row(const NodeRow& parent, int child) {
   return parent.first_child + std::uint32_t(std::popcount(parent.child_mask & ((1u << child) - 1)));
 }
@@ -46,49 +54,92 @@ bool VoxelLookup::lacks_row(const PlacedShard& shard, std::uint32_t index) const
   return page != nullptr && index % nodes_per_block >= page->rows.size();
 }
 
-bool VoxelLookup::is_occupied(int lod, const VoxelBox& box, PageGaps& gaps) const {
-  return any_occupied({lod, 0, box}, gaps);
+VoxelBox VoxelLookup::Question::around() const {
+  VoxelBox all = boxes[std::size_t(std::countr_zero(open))];
+  for (unsigned rest = open; rest != 0; rest &= rest - 1) {
+    const VoxelBox& box = boxes[std::size_t(std::countr_zero(rest))];
+    for (int a = 0; a < 3; ++a) {
+      all.min[a] = std::min(all.min[a], box.min[a]);
+      all.max[a] = std::max(all.max[a], box.max[a]);
+    }
+  }
+  return all;
 }
 
-bool VoxelLookup::any_occupied(const Question& question, PageGaps& gaps) const {
-  return map_.any(question.lod, question.holder, question.box, pager_, gaps, [&](const PlacedShard& shard) {
-    return is_occupied_below(shard, 0, shard.top(), shard.window.min, question, gaps);
+unsigned VoxelLookup::Question::reached_by(const VoxelBox& box) const {
+  unsigned reached = 0;
+  for (unsigned rest = open; rest != 0; rest &= rest - 1)
+    if (overlap(boxes[std::size_t(std::countr_zero(rest))], box)) reached |= rest & (0 - rest);
+  return reached;
+}
+
+VoxelLookup::Question VoxelLookup::Question::within(const VoxelBox& box) const {
+  Question part{lod, holder, boxes, reached_by(box)};
+  for (VoxelBox& own : part.boxes) own = common_box(own, box);
+  return part;
+}
+
+std::uint8_t VoxelLookup::occupied(int lod, const Boxes& boxes, PageGaps& gaps) const {
+  return std::uint8_t(occupied_by_any({lod, 0, boxes, 255}, gaps));
+}
+
+unsigned VoxelLookup::occupied_by_any(Question question, PageGaps& gaps) const {
+  const unsigned asked = question.open;
+  if (asked == 0) return 0;
+  map_.any(question.lod, question.holder, question.around(), pager_, gaps, [&](const PlacedShard& shard) {
+    question.open &=
+        ~occupied_below(shard, 0, shard.top(), shard.window.min, question, question.reached_by(shard.window), gaps);
+    return question.open == 0;
   });
+  return asked & ~question.open;
 }
 
-/// The parent cannot be read. Whatever is stored below it may reach into the box.
-bool VoxelLookup::may_be_occupied(const PlacedShard& shard, const VoxelBox& box, PageGaps& gaps) const {
+/// The parent cannot be read. Whatever is stored below it may reach into the boxes.
+unsigned VoxelLookup::may_be_occupied(const PlacedShard& shard, const Question& question, PageGaps& gaps) const {
   gaps.beside_damaged = true;
   const int below = shard.own_lod - 1;
-  return map_.any(below, map_.last_holder(below), common_box(box, shard.window), pager_, gaps,
-                  [](const PlacedShard&) { return true; });
+  unsigned found = 0;
+  Question part = question.within(shard.window);
+  const unsigned asked = part.open;
+  if (asked == 0) return 0;
+  map_.any(below, map_.last_holder(below), part.around(), pager_, gaps, [&](const PlacedShard& stored) {
+    found |= part.reached_by(stored.window);
+    return found == asked;
+  });
+  return found;
 }
 
 /// The shard's nodes cannot be read. Others say it where it has copies of theirs.
-bool VoxelLookup::unread_occupied(const PlacedShard& shard, const Question& question, PageGaps& gaps) const {
-  if (question.holder < map_.last_holder(question.lod))
-    return any_occupied({question.lod, question.holder + 1, common_box(question.box, shard.window)}, gaps);
-  if (shard.is_parent()) return may_be_occupied(shard, question.box, gaps);
+unsigned VoxelLookup::unread_occupied(const PlacedShard& shard, const Question& question, unsigned open,
+                                      PageGaps& gaps) const {
+  Question part = question;
+  part.open = open;
+  if (question.holder < map_.last_holder(question.lod)) {
+    ++part.holder;
+    return occupied_by_any(part.within(shard.window), gaps);
+  }
+  if (shard.is_parent()) return may_be_occupied(shard, part, gaps);
   gaps.damaged |= overlap(shard.window, gaps.own);
-  return true;
+  return open;
 }
 
-/// The node of row_index is there and overlaps the box.
-bool VoxelLookup::is_occupied_below(const PlacedShard& shard, std::uint32_t row_index, int level,
-                                    const std::int64_t corner[3], const Question& question, PageGaps& gaps) const {
-  if (level == question.lod) return true;
+/// The node of row_index is there and reaches into the boxes of `open`.
+unsigned VoxelLookup::occupied_below(const PlacedShard& shard, std::uint32_t row_index, int level,
+                                     const std::int64_t corner[3], const Question& question, unsigned open,
+                                     PageGaps& gaps) const {
+  if (level == question.lod || open == 0) return open;
   const NodeRow* node = row(shard, row_index, gaps);
-  if (node == nullptr) return lacks_row(shard, row_index) && unread_occupied(shard, question, gaps);
-  if (node->kind == NodeKind::leaf_constant) return true;
-  for (int child = 0; child < 8; ++child) {
+  if (node == nullptr) return lacks_row(shard, row_index) ? unread_occupied(shard, question, open, gaps) : 0;
+  if (node->kind == NodeKind::leaf_constant) return open;
+  unsigned found = 0;
+  for (int child = 0; child < 8 && found != open; ++child) {
     if ((node->child_mask >> child & 1) == 0) continue;
     std::int64_t at[3];
     for (int a = 0; a < 3; ++a) at[a] = corner[a] + (std::int64_t(child >> a & 1) << (level + 2));
-    if (overlap(node_box(at, level - 1), question.box) &&
-        is_occupied_below(shard, child_row(*node, child), level - 1, at, question, gaps))
-      return true;
+    const unsigned reached = question.reached_by(node_box(at, level - 1)) & open & ~found;
+    if (reached != 0) found |= occupied_below(shard, child_row(*node, child), level - 1, at, question, reached, gaps);
   }
-  return false;
+  return found;
 }
 
 void VoxelLookup::set_content(const PlacedShard& shard, const NodeRow& found, int lod, PageGaps& gaps,
@@ -108,13 +159,13 @@ void VoxelLookup::set_content(const PlacedShard& shard, const NodeRow& found, in
   place.brick = found.value % bricks_per_block;
 }
 
-VoxelPlace VoxelLookup::place(int lod, const std::int64_t v[3], PageGaps& gaps) const {
+VoxelPlace VoxelLookup::place(int lod, const std::int64_t v[3], PageGaps& gaps, NodePath& path) const {
   for (int holder = 0;; ++holder) {
     VoxelPlace place;
     const std::optional<PlacedShard> shard = map_.find(lod, holder, v, pager_, gaps, place.box);
     if (!shard) return place;
     const std::size_t missing = gaps.missing.size();
-    place = place_in(*shard, lod, v, gaps);
+    place = place_in(*shard, lod, v, gaps, path);
     if (place.kind != VoxelPlace::Kind::unreadable || gaps.missing.size() != missing) return place;
     if (holder < map_.last_holder(lod)) continue;  // what it has a copy of
     gaps.damaged |= overlap(shard->window, gaps.own);
@@ -124,21 +175,30 @@ VoxelPlace VoxelLookup::place(int lod, const std::int64_t v[3], PageGaps& gaps) 
 }
 
 /// Unreadable where what says it will never be here.
-VoxelPlace VoxelLookup::place_in(const PlacedShard& shard, int lod, const std::int64_t v[3], PageGaps& gaps) const {
+VoxelPlace VoxelLookup::place_in(const PlacedShard& shard, int lod, const std::int64_t v[3], PageGaps& gaps,
+                                 NodePath& path) const {
   VoxelPlace place;
   const std::size_t missing = gaps.missing.size();
-  std::int64_t corner[3];
-  std::copy_n(shard.window.min, 3, corner);
-  int level = shard.top();
+  std::int64_t local[3], corner[3];
+  for (int a = 0; a < 3; ++a) local[a] = v[a] - shard.window.min[a];
+  int level = std::max(lod, shared_level(path, shard, local));
+  const NodeRow* node = level == shard.top() ? row(shard, 0, gaps) : path.node[level];
+  for (int a = 0; a < 3; ++a) corner[a] = shard.window.min[a] + (local[a] >> (level + 3) << (level + 3));
   place.box = node_box(corner, level);
-  const NodeRow* node = row(shard, 0, gaps);
-  for (; node != nullptr && level > lod && node->kind != NodeKind::leaf_constant; --level) {
+  path.shard = node == nullptr ? no_shard : shard.number;
+  path.lowest = level;
+  std::copy_n(local, 3, path.v);
+  path.node[level] = node;
+  while (node != nullptr && level > lod && node->kind != NodeKind::leaf_constant) {
     int child = 0;
-    for (int a = 0; a < 3; ++a) child |= int((v[a] - corner[a]) >> (level + 2) & 1) << a;
+    for (int a = 0; a < 3; ++a) child |= int(local[a] >> (level + 2) & 1) << a;
     for (int a = 0; a < 3; ++a) corner[a] += std::int64_t(child >> a & 1) << (level + 2);
-    place.box = node_box(corner, level - 1);
+    place.box = node_box(corner, --level);
     if ((node->child_mask >> child & 1) == 0) return place;
     node = row(shard, child_row(*node, child), gaps);
+    if (node == nullptr) break;
+    path.node[level] = node;
+    path.lowest = level;
   }
   if (node != nullptr) set_content(shard, *node, lod, gaps, place);
   if (place.kind == VoxelPlace::Kind::nothing && gaps.missing.size() == missing)
