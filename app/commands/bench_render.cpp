@@ -27,6 +27,7 @@ struct RenderBenchOptions {
   std::string scene, size = "1920x1080", what = "all";
   RendererArguments renderer;
   int repeats = 20, lod = 0, flight_frames = 200;
+  double upload_ms = 8;
   std::size_t reference_rays = 2000;
   bool json = false;
 };
@@ -113,6 +114,7 @@ bench::FrameBenchRequest frames_of(const RenderBenchOptions& options, const benc
   request.repeats = options.repeats;
   request.fixed_views = options.what != "flight";
   request.flight_frames = options.flight_frames;
+  request.upload_s = options.upload_ms / 1e3;
   return request;
 }
 
@@ -161,6 +163,9 @@ void add_bench_render(CLI::App& bench, int& exit_code) {
   command->add_option("--flight", options->flight_frames, "frames of the flight")
       ->capture_default_str()
       ->check(CLI::Range(0, 100000));
+  command->add_option("--upload-ms", options->upload_ms, "time for new data in each frame")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1e6));
   add_renderer_options(*command, options->renderer);
   command->add_option("--lod", options->lod, "the finest level that is kept")->check(CLI::Range(0, 10));
   command->add_option("--reference-rays", options->reference_rays, "of each view, that are checked")

@@ -10,6 +10,8 @@ namespace {
 /// Voxels that are moved by way of another place at a time.
 constexpr std::size_t voxels_on_their_way = std::size_t(1) << 20;
 constexpr unsigned brick_threads = 128;
+/// Bricks that a thread of the host makes ready to be sent at a time.
+constexpr std::size_t bricks_per_range = 64;
 
 __device__ void copy_voxels(const PackedVoxel* from, std::uint32_t count, PackedVoxel* to) {
   const std::uint32_t* words = from->word;
@@ -78,9 +80,10 @@ std::uint32_t end_of(const VoxelMove& move) { return move.to + move.count; }
 
 }  // namespace
 
-BrickPool::BrickPool(DeviceHeap& heap, Delivery& delivery, const PoolSizes& sizes)
+BrickPool::BrickPool(DeviceHeap& heap, Delivery& delivery, const ThreadPool& pool, const PoolSizes& sizes)
     : heap_(heap),
       delivery_(delivery),
+      pool_(pool),
       masks_(heap, sizes.slots),
       layers_(heap, std::size_t(slot_edge) * sizes.slots),
       voxels_(heap, sizes.voxels) {}
@@ -93,19 +96,18 @@ void BrickPool::show_in(CastScene& scene) const {
 
 void BrickPool::put(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks) {
   const std::size_t count = places.size();
-  std::size_t voxels = 0;
-  for (std::size_t i = 0; i < count; ++i) voxels += bricks[i].voxels.size();
-  const NewBricks parts(count, voxels);
+  std::vector<std::uint32_t> first{0};
+  for (std::size_t i = 0; i < count; ++i) first.push_back(first.back() + std::uint32_t(bricks[i].voxels.size()));
+  const NewBricks parts(count, first.back());
   std::byte* const room = delivery_.room(parts.bytes);
-  std::uint32_t first = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto own = std::uint32_t(bricks[i].voxels.size());
-    parts.moves(room)[i] = {places[i].slot, first, places[i].first, own};
-    parts.masks(room)[i] = bricks[i].mask;
-    std::copy_n(bricks[i].layers, slot_edge, parts.layers(room) + slot_edge * i);
-    std::copy(bricks[i].voxels.begin(), bricks[i].voxels.end(), parts.voxels(room) + first);
-    first += own;
-  }
+  pool_.parallel_for(count, bricks_per_range, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      parts.moves(room)[i] = {places[i].slot, first[i], places[i].first, first[i + 1] - first[i]};
+      parts.masks(room)[i] = bricks[i].mask;
+      std::copy_n(bricks[i].layers, slot_edge, parts.layers(room) + slot_edge * i);
+      std::copy(bricks[i].voxels.begin(), bricks[i].voxels.end(), parts.voxels(room) + first[i]);
+    }
+  });
   const std::byte* const sent = delivery_.send();
   scatter_bricks<<<unsigned(count), brick_threads, 0, heap_.stream()>>>(parts.moves(sent), parts.masks(sent),
                                                                         parts.layers(sent), parts.voxels(sent),

@@ -7,13 +7,14 @@
 #include "kernels/cast/caster.h"
 #include "kernels/cuda/delivery.cuh"
 #include "kernels/cuda/memory.cuh"
+#include "lattice/thread_pool.h"
 
 namespace gigabake::kernels {
 
 class BrickPool {
  public:
-  /// Borrows both.
-  BrickPool(DeviceHeap& heap, Delivery& delivery, const PoolSizes& sizes);
+  /// Borrows heap, delivery and pool.
+  BrickPool(DeviceHeap& heap, Delivery& delivery, const ThreadPool& pool, const PoolSizes& sizes);
 
   void show_in(CastScene& scene) const;
 
@@ -24,6 +25,7 @@ class BrickPool {
  private:
   DeviceHeap& heap_;
   Delivery& delivery_;
+  const ThreadPool& pool_;
   DeviceArray<CastMask> masks_;
   DeviceArray<CastLayer> layers_;
   DeviceArray<PackedVoxel> voxels_, on_its_way_;

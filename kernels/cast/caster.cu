@@ -65,7 +65,7 @@ class CudaCaster final : public Caster {
         column_first_(copy(scene.column_first)),
         nodes_(copy_of(std::vector<CastNode>(std::size_t(8) * sizes.tiles))),
         delivery_(heap_),
-        bricks_(heap_, delivery_, sizes),
+        bricks_(heap_, delivery_, pool, sizes),
         tile_used_(zeros<std::uint32_t>(sizes.tiles)),
         slot_used_(zeros<std::uint32_t>(sizes.slots)),
         wanted_(zeros<std::uint32_t>(std::size_t(16) * sizes.tiles)),

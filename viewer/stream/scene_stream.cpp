@@ -1,6 +1,7 @@
 #include "viewer/stream/scene_stream.h"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 #include "format/system/host_limits.h"
@@ -30,6 +31,11 @@ std::size_t wants_per_batch(const ThreadPool& policy) {
 
 std::uint32_t node_of(std::uint32_t want) { return want / 2; }
 Want what_of(std::uint32_t want) { return Want(want % 2); }
+
+/// One number, since many are sorted: the most urgent first. Bits of floats above 0 are in the order of their values.
+std::uint64_t ranked_want(double urgency, std::uint32_t want) {
+  return std::uint64_t(~std::bit_cast<std::uint32_t>(float(urgency))) << 32 | want;
+}
 
 std::uint64_t host_memory() { return host_limits().memory_bytes; }
 
@@ -130,12 +136,12 @@ double SceneStream::urgency(std::uint32_t want, const double eye[3]) const {
 /// What rays want, and roots that nobody has looked at yet as if they were far away.
 std::vector<std::uint32_t> SceneStream::by_urgency(const std::vector<std::uint32_t>& wanted,
                                                    const double eye[3]) const {
-  std::vector<std::pair<double, std::uint32_t>> ranked(wanted.size() + absent_roots_.size());
+  std::vector<std::uint64_t> ranked(wanted.size() + absent_roots_.size());
   policy_.parallel_for(ranked.size(), 2048, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       const bool is_seen = i < wanted.size();
       const std::uint32_t want = is_seen ? wanted[i] : absent_roots_[i - wanted.size()];
-      ranked[i] = {-urgency(want, eye) * (is_seen ? 1 : unseen_root), want};
+      ranked[i] = ranked_want(urgency(want, eye) * (is_seen ? 1 : unseen_root), want);
     }
   });
   if (ranked.size() > most_wants) {
@@ -144,7 +150,7 @@ std::vector<std::uint32_t> SceneStream::by_urgency(const std::vector<std::uint32
   }
   std::sort(ranked.begin(), ranked.end());
   std::vector<std::uint32_t> sorted;
-  for (const auto& [rank, want] : ranked) sorted.push_back(want);
+  for (const std::uint64_t rank : ranked) sorted.push_back(std::uint32_t(rank));
   return sorted;
 }
 
