@@ -23,10 +23,14 @@ struct CastMask {
 };
 
 /// Of one z: bit x + 9y of `bits` says that a voxel is there; they stand in the pool from `first` on, in that order.
+/// The last word has room for how many of them stand before the second (bits 17 to 22) and before the last word (23 to
+/// 29), so that one of them is found by counting the bits of one word.
 struct alignas(16) CastLayer {
   std::uint32_t bits[3];
   std::uint32_t first;
 };
+inline constexpr int last_places = slot_edge * slot_edge - 64;
+inline constexpr std::uint32_t last_places_mask = (1u << last_places) - 1;
 
 /// As rays read a brick: its nine layers, and the pool of voxels.
 struct BrickView {
@@ -34,33 +38,45 @@ struct BrickView {
   const PackedVoxel* voxels;
 };
 
-GB_HD int ones_in(std::uint64_t bits) {
+GB_HD int ones_in(std::uint32_t bits) {
 #if defined(__CUDA_ARCH__)
-  return __popcll(bits);
+  return __popc(bits);
 #else
   return std::popcount(bits);
 #endif
 }
 
+/// places: its 81 bits alone.
+GB_HD CastLayer make_layer(const std::uint32_t places[3], std::uint32_t first) {
+  const auto before_second = std::uint32_t(ones_in(places[0]));
+  const auto before_last = before_second + std::uint32_t(ones_in(places[1]));
+  return {{places[0], places[1], places[2] | before_second << 17 | before_last << 23}, first};
+}
+
 /// A layer's voxels from one on: bit k of `bits`, up to 10, says that the voxel k places behind it is there.
 struct LayerWindow {
   std::uint32_t bits;
-  std::uint32_t first;  ///< where the first of them that is there stands
+  std::uint32_t first, second;  ///< where the first of them that is there stands, and of the next row
 
   GB_HD bool has(int k) const { return (bits >> k & 1) != 0; }
-  /// Range  has(k).
-  GB_HD std::uint32_t place(int k) const { return first + std::uint32_t(ones_in(bits & ((1u << k) - 1))); }
+  /// Range  has(k); k: 0, 1, and the same of the next row.
+  GB_HD std::uint32_t place(int k) const {
+    const bool is_next_row = k >= slot_edge;
+    const std::uint32_t row = is_next_row ? bits >> slot_edge : bits;
+    return (is_next_row ? second : first) + (k == 1 || k == slot_edge + 1 ? row & 1 : 0);
+  }
 };
 
 /// at: x + 9y.
 GB_HD LayerWindow window_of(const CastLayer& layer, int at) {
-  const std::uint64_t low = layer.bits[0] | std::uint64_t(layer.bits[1]) << 32, high = layer.bits[2];
-  if (at >= 64) {
-    const std::uint64_t before = high & ((std::uint64_t(1) << (at - 64)) - 1);
-    return {std::uint32_t(high >> (at - 64)), layer.first + std::uint32_t(ones_in(low) + ones_in(before))};
-  }
-  const std::uint64_t before = low & ((std::uint64_t(1) << at) - 1);
-  return {std::uint32_t(low >> at | (high << 1) << (63 - at)), layer.first + std::uint32_t(ones_in(before))};
+  const int word = at / 32, bit = at % 32;
+  const std::uint32_t last = layer.bits[2] & last_places_mask;
+  const std::uint32_t own = word == 0 ? layer.bits[0] : word == 1 ? layer.bits[1] : last;
+  const std::uint32_t next = word == 0 ? layer.bits[1] : word == 1 ? last : 0;
+  const std::uint32_t before = word == 0 ? 0 : layer.bits[2] >> (word == 1 ? 17 : 23) & (word == 1 ? 63 : 127);
+  const auto bits = std::uint32_t((own | std::uint64_t(next) << 32) >> bit);
+  const std::uint32_t first = layer.first + before + std::uint32_t(ones_in(own & ((1u << bit) - 1)));
+  return {bits, first, first + std::uint32_t(ones_in(bits & ((1u << slot_edge) - 1)))};
 }
 
 GB_HD CastLayer load_layer(const CastLayer* at) {

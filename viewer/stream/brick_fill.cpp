@@ -8,7 +8,6 @@ namespace gigabake {
 namespace {
 
 using kernels::CastBrick;
-using kernels::CastLayer;
 using kernels::slot_edge;
 using kernels::VoxelBox;
 
@@ -163,13 +162,15 @@ class BrickFiller {
   void pack() {
     brick_.voxels.clear();
     for (int z = 0; z < slot_edge; ++z) {
-      CastLayer& layer = brick_.layers[z] = {{0, 0, 0}, std::uint32_t(brick_.voxels.size())};
+      std::uint32_t places[3] = {0, 0, 0};
+      const auto first = std::uint32_t(brick_.voxels.size());
       for (int y = 0; y < slot_edge; ++y)
         for (std::uint32_t row = rows_[z][y]; row != 0; row &= row - 1) {
           const int at = std::countr_zero(row) + slot_edge * y;
-          layer.bits[at / 32] |= 1u << at % 32;
+          places[at / 32] |= 1u << at % 32;
           brick_.voxels.push_back(voxels_[at + slot_edge * slot_edge * z]);
         }
+      brick_.layers[z] = kernels::make_layer(places, first);
     }
   }
 

@@ -30,7 +30,8 @@ struct FloorOfLod1 {
     for (std::uint64_t& word : brick.mask.word) word = ~std::uint64_t(0);
     constexpr std::uint32_t layer_voxels = slot_edge * slot_edge;
     brick.voxels.assign(layer_voxels, pack_voxel({{32768, 32768, 32768, 65535, 65535, 65535}, {}, 0}));
-    brick.layers[4] = {{~0u, ~0u, (1u << (layer_voxels - 64)) - 1}, 0};
+    const std::uint32_t places[3] = {~0u, ~0u, last_places_mask};
+    brick.layers[4] = make_layer(places, 0);
     caster.put_bricks({{0, 0}}, {brick});
     std::vector<NodeChange> changes{{0, {1, 0}}};
     for (std::uint32_t child = 8; child < 16; ++child) changes.push_back({child, {empty_ref, empty_ref}});

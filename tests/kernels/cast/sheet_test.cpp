@@ -23,13 +23,15 @@ class Brick {
  public:
   explicit Brick(const Slot& slot) {
     for (int z = 0; z < slot_edge; ++z) {
-      layers_[z] = {{0, 0, 0}, std::uint32_t(voxels_.size())};
+      std::uint32_t places[3] = {0, 0, 0};
+      const auto first = std::uint32_t(voxels_.size());
       for (int at = 0; at < slot_edge * slot_edge; ++at) {
         const CastVoxel& voxel = slot.voxel[at + slot_edge * slot_edge * z];
         if ((voxel.c[3] | voxel.c[4] | voxel.c[5]) == 0) continue;
-        layers_[z].bits[at / 32] |= 1u << at % 32;
+        places[at / 32] |= 1u << at % 32;
         voxels_.push_back(pack_voxel(voxel));
       }
+      layers_[z] = make_layer(places, first);
     }
   }
   BrickView view() const { return {layers_, voxels_.data()}; }
