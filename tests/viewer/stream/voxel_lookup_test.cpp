@@ -1,0 +1,138 @@
+// Questions about a scene's voxels: neither a way down that is remembered nor asking about several boxes at once
+// changes an answer.
+#include "viewer/stream/voxel_lookup.h"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <gtest/gtest.h>
+#include <random>
+#include <tuple>
+
+#include "tests/viewer/voxel_scene.h"
+#include "viewer/stream/parent_tiers.h"
+
+namespace gigabake {
+namespace {
+
+constexpr std::uint64_t seed = 20261123;
+constexpr std::int64_t scene_edge = 128;
+constexpr int lods = 5;  ///< of the scene
+
+/// Ground with gaps: one column in three has a voxel, at a height that rolls.
+std::optional<Paint> gappy_ground(std::int64_t x, std::int64_t y, std::int64_t z) {
+  if (x < 0 || y < 0 || x >= scene_edge || y >= scene_edge || (x * 7 + y * 13) % 3 != 0) return {};
+  if (z != 20 + (x * x / 40 + y) % 60) return {};
+  return Paint{{std::uint8_t(x), std::uint8_t(y), std::uint8_t(z), 255}, {0, 0}};
+}
+
+/// Cells of 16³ with levels 0 and 1, and a parent of all of them.
+VoxelScene painted() {
+  VoxelScene scene(16);
+  scene.add_cells(gappy_ground, {0, 0, 0}, scene_edge);
+  scene.add_parent(gappy_ground, {0, 0, 0}, scene_edge, 2);
+  return scene;
+}
+
+struct OpenGround {
+  VoxelScene scene = painted();
+  PagedScene paged = scene.paged();
+  ShardMap map{paged, parent_tiers(paged).value()};
+  Pager pager{scene.pages(), {}};
+  VoxelLookup lookup{map, pager};
+  std::mt19937_64 random{seed};
+
+  std::int64_t coordinate() { return std::int64_t(random() % scene_edge); }
+
+  /// Asks until all pages that the question needs are here.
+  template <class Question>
+  void read_for(const Question& question) {
+    for (PageGaps gaps;; gaps = {}) {
+      question(gaps);
+      if (gaps.missing.empty()) return;
+      pager.want(gaps.missing);
+      ASSERT_TRUE(pager.settle(std::chrono::minutes(1)));
+      pager.begin_pass();
+    }
+  }
+
+  /// A voxel of each brick that there may be.
+  void read_all() {
+    for (int lod = 0; lod < lods; ++lod) {
+      const std::int64_t bricks = scene_edge >> (lod + 3), edge = std::int64_t(8) << lod;
+      for (std::int64_t i = 0; i < bricks * bricks * bricks; ++i) {
+        const std::int64_t v[3] = {i % bricks * edge, i / bricks % bricks * edge, i / bricks / bricks * edge};
+        read_for([&](PageGaps& gaps) {
+          NodePath path;
+          lookup.place(lod, v, gaps, path);
+        });
+      }
+    }
+  }
+};
+
+auto parts_of(const VoxelPlace& place) {
+  return std::tuple(place.kind, place.block, place.brick, place.rgba, place.box.min[0], place.box.min[1],
+                    place.box.min[2], place.box.max[0], place.box.max[1], place.box.max[2]);
+}
+
+TEST(VoxelLookup, AnswersAlikeWhateverWayItWentBefore) {
+  OpenGround ground;
+  ground.read_all();
+  NodePath path;
+  std::int64_t v[3] = {0, 0, 0};
+  int bricks = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const bool is_near = ground.random() % 2 == 0;  // the next one shares much of its way
+    for (std::int64_t& c : v) c = is_near ? (c ^ std::int64_t(ground.random() % 16)) % scene_edge : ground.coordinate();
+    const int lod = int(ground.random() % lods);
+    PageGaps gaps;
+    NodePath fresh;
+    const VoxelPlace expected = ground.lookup.place(lod, v, gaps, fresh),
+                     found = ground.lookup.place(lod, v, gaps, path);
+    ASSERT_TRUE(gaps.missing.empty()) << "seed " << seed << ", " << i;
+    ASSERT_EQ(parts_of(found), parts_of(expected)) << "seed " << seed << ", " << i;
+    bricks += found.kind == VoxelPlace::Kind::brick ? 1 : 0;
+  }
+  EXPECT_GT(bricks, 1000);
+}
+
+/// A node of the level overlaps the box: found by looking at all nodes that may.
+bool is_occupied(const OpenGround& ground, int lod, const kernels::VoxelBox& box) {
+  const std::int64_t edge = std::int64_t(8) << lod;
+  for (std::int64_t z = box.min[2] / edge * edge; z < box.max[2]; z += edge)
+    for (std::int64_t y = box.min[1] / edge * edge; y < box.max[1]; y += edge)
+      for (std::int64_t x = box.min[0] / edge * edge; x < box.max[0]; x += edge) {
+        const std::int64_t v[3] = {x, y, z};
+        PageGaps gaps;
+        NodePath path;
+        if (ground.lookup.place(lod, v, gaps, path).kind != VoxelPlace::Kind::nothing) return true;
+      }
+  return false;
+}
+
+TEST(VoxelLookup, AnswersForEightBoxesWhatItAnswersForEach) {
+  OpenGround ground;
+  ground.read_all();
+  int occupied = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const int lod = int(ground.random() % lods);
+    VoxelLookup::Boxes boxes;
+    for (kernels::VoxelBox& box : boxes)
+      for (int a = 0; a < 3; ++a) {
+        box.min[a] = ground.coordinate();
+        box.max[a] = std::min(scene_edge, box.min[a] + 1 + std::int64_t(ground.random() % 40));
+      }
+    PageGaps gaps;
+    const std::uint8_t found = ground.lookup.occupied(lod, boxes, gaps);
+    ASSERT_TRUE(gaps.missing.empty()) << "seed " << seed << ", " << i;
+    for (std::size_t b = 0; b < boxes.size(); ++b)
+      ASSERT_EQ((found >> b & 1) != 0, is_occupied(ground, lod, boxes[b])) << "seed " << seed << ", " << i << ", " << b;
+    occupied += std::popcount(found);
+  }
+  EXPECT_GT(occupied, 1000);
+  EXPECT_LT(occupied, 15000);
+}
+
+}  // namespace
+}  // namespace gigabake
