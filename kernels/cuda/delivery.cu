@@ -8,7 +8,10 @@ Delivery::Delivery(DeviceHeap& heap) : heap_(heap) {
 }
 
 Delivery::~Delivery() {
-  for (const Part& part : parts_) cudaEventDestroy(part.copied);
+  for (const Part& part : parts_) {
+    cudaEventSynchronize(part.copied);  // or the device would read what is freed
+    cudaEventDestroy(part.copied);
+  }
 }
 
 std::byte* Delivery::room(std::size_t bytes) {
