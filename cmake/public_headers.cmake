@@ -105,6 +105,7 @@ set(gb_public_headers_viewer
     viewer/live/frame_pace.h
     viewer/live/live_scene.h
     viewer/live/path_frames.h
+    viewer/live/picked_point.h
     viewer/live/pilot.h
     viewer/pictures/camera.h
     viewer/pictures/exr.h

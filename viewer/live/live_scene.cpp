@@ -282,6 +282,8 @@ void LiveScene::hand_over(Viewer& viewer, const Pilot::Order& order, Frame drawn
   viewer.pilot->drawn(order, drawn.stats);
   frame->frame = std::move(drawn);
   frame->view = order.view;
+  const SceneHeader& scene = renderer_->scene().header();
+  frame->rays = {renderer_->rays_of(order.view.camera), scene.lattice_origin_m, scene.voxel_size_m, scene.origin};
   frame->full = order.full;
   frame->number = viewer.frame ? viewer.frame->number + 1 : 1;
   if (apart_s < 1) {

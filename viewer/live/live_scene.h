@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "format/system/file_stamp.h"
+#include "viewer/live/picked_point.h"
 #include "viewer/live/pilot.h"
 #include "viewer/pictures/frame_renderer.h"
 
@@ -27,6 +28,7 @@ struct LiveFrame {
   std::uint64_t number = 0;  ///< of this viewer, from 1
   Frame frame;
   View view;                ///< as it was drawn
+  PictureRays rays;         ///< as it was drawn
   bool full = false;        ///< of full size; all of it is final where frame.stats.complete
   double frames_per_s = 0;  ///< of the last ones; 0 where a second or more lies between
 };

@@ -15,4 +15,7 @@ Steering steering_from_json(std::string_view text);
 /// A viewer's state and the numbers of its last frame; frame may be nullptr. One JSON object.
 std::string to_json(const ViewerState& state, const LiveFrame* frame);
 
+/// {"point": null} where there is none.
+std::string to_json(const std::optional<PickedPoint>& point);
+
 }  // namespace gigabake

@@ -262,8 +262,12 @@ FrameRenderer::~FrameRenderer() = default;
 
 const PagedScene& FrameRenderer::scene() const { return *state_->scene; }
 
+kernels::CastCamera FrameRenderer::rays_of(const CameraOptions& options) const {
+  return make_camera(options, *state_->scene, state_->source);
+}
+
 CameraOptions FrameRenderer::framed(const CameraOptions& options) const {
-  const kernels::CastCamera camera = make_camera(options, *state_->scene, state_->source);
+  const kernels::CastCamera camera = rays_of(options);
   CameraOptions out = options;
   out.eye_m = to_scene_m(state_->scene->header(), camera.eye);
   if (out.target_m) return out;

@@ -84,6 +84,8 @@ class FrameRenderer {
   /// What camera options mean where eye or target are left open: the whole scene, from the south-east.
   /// Errors  as make_camera().
   CameraOptions framed(const CameraOptions& options) const;
+  /// The rays of such a camera, in voxels.
+  kernels::CastCamera rays_of(const CameraOptions& options) const;
 
   /// One pass of rays over what is here. upload_s: the time that new data may take out of the frame; some always comes
   /// in. Where the pools are too small for a view, the second frame of it is drawn as by draw_exact().

@@ -1,6 +1,7 @@
 #include "viewer/web/stream_server.h"
 
 #include <algorithm>
+#include <charconv>
 #include <fmt/format.h>
 #include <iterator>
 #include <mutex>
@@ -38,6 +39,14 @@ HttpReply reply_to(std::exception_ptr problem) {
   } catch (...) {
     return error_reply(500, "failed");
   }
+}
+
+/// A number from 0 to 1, or nothing.
+std::optional<double> share_of(const std::string& text) {
+  double share = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), share);
+  if (error != std::errc() || end != text.data() + text.size() || !(share >= 0 && share <= 1)) return std::nullopt;
+  return share;
 }
 
 HttpReply page_part(const char* type, std::string_view text) { return {200, type, std::string(text)}; }
@@ -147,6 +156,7 @@ struct StreamServer::State {
         {"/state", false, &State::for_viewer<&State::tell_state>},
         {"/stream", false, &State::for_viewer<&State::stream>},
         {"/picture.png", false, &State::for_viewer<&State::picture>},
+        {"/point", false, &State::for_viewer<&State::tell_point>},
         {"/steer", true, &State::for_viewer<&State::steer>},
     };
     const bool is_post = request.head.method == "POST";
@@ -211,6 +221,15 @@ struct StreamServer::State {
     const auto frame = scene.frame_after(viewer, 0, 0);
     if (!state) return error_reply(404, "that viewer has left");
     return HttpReply{200, json_type, to_json(*state, frame.get())};
+  }
+
+  /// What the last frame shows there.
+  HttpAnswer tell_point(const HttpRequest& request, ViewerId viewer) {
+    const auto right = share_of(request.argument("x")), down = share_of(request.argument("y"));
+    if (!right || !down) return error_reply(400, "expected x and y from 0 to 1, from the picture's upper left corner");
+    const auto frame = scene.frame_after(viewer, 0, 0);
+    if (!frame) return error_reply(404, "there is no picture yet");
+    return HttpReply{200, json_type, to_json(picked_point(frame->frame.picture, frame->rays, *right, *down))};
   }
 
   HttpAnswer steer(const HttpRequest& request, ViewerId viewer) {

@@ -5,6 +5,7 @@ const SEND_MS = 33;      // between two steerings
 const HOLD_MS = 300;     // held keys are confirmed that often; the server lets go after a second
 const STATE_MS = 500;
 const LONGEST_EDGE = 4096;
+const PLACE_MS = 200;    // between two looks at what the mouse is over
 const JULIAN_DAY_OF_1970 = 2440587.5;
 
 const element = (id) => document.getElementById(id);
@@ -236,6 +237,66 @@ picture.addEventListener('wheel', (event) => {
 
 picture.addEventListener('contextmenu', (event) => event.preventDefault());
 
+// What the mouse is over, in the picture that is shown; and what lies between two such places.
+
+let mouse = null;        // x and y from 0 to 1 while it is over the picture
+let over = null;         // the place there
+let measuredFrom = null;
+
+picture.addEventListener('pointermove', (event) => {
+  const box = picture.getBoundingClientRect();
+  mouse = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
+});
+picture.addEventListener('pointerleave', () => { mouse = null; });
+
+const inPicture = (share) => Math.min(1, Math.max(0, share));
+
+async function lookAtPlace() {
+  try {
+    over = viewer && mouse && shownState && shownState.frame ?
+      (await ask(`${forViewer('point')}&x=${inPicture(mouse[0])}&y=${inPicture(mouse[1])}`)).point : null;
+    element('place').textContent = over ? placeText(over) : '';
+  } catch (failure) {
+    over = null;
+  }
+  setTimeout(lookAtPlace, PLACE_MS);
+}
+
+function placeText({scene, geographic, distance_m: distance}) {
+  const metres = (v) => `${v.toFixed(2)} m`;
+  const there = geographic ? `${geographic[0].toFixed(7)}° ${geographic[1].toFixed(7)}° ${metres(geographic[2])}` :
+    scene.map((v) => v.toFixed(2)).join(' ');
+  return `${there}, ${metres(distance)} away`;
+}
+
+function measure() {
+  if (!over) return note('Point at something to measure from it.', 4000);
+  if (!measuredFrom) {
+    measuredFrom = over;
+    return note(`From ${placeText(over)}: press C at the other end.`);
+  }
+  const [east, north, up] = over.scene.map((v, i) => v - measuredFrom.scene[i]);
+  const across = Math.hypot(east, north);
+  note(`${Math.hypot(across, up).toFixed(2)} m: ${across.toFixed(2)} m across, ${up.toFixed(2)} m up`, 20000);
+  measuredFrom = null;
+}
+
+// Views that are kept in this browser.
+
+const keptAs = (digit) => `gigabake view ${digit} of ${location.pathname}`;
+
+function keep(digit) {
+  if (!shownState || !shownState.scene) return;
+  localStorage.setItem(keptAs(digit), JSON.stringify([...shownState.eye, ...shownState.target]));
+  note(`Kept as view ${digit}.`, 3000);
+}
+
+function goTo(digit) {
+  const pose = localStorage.getItem(keptAs(digit));
+  if (pose) steer({pose: JSON.parse(pose)});
+  else note(`Nothing is kept as view ${digit}: Shift ${digit} keeps this one.`, 4000);
+}
+
 // Keys.
 
 const WALK = {KeyW: [1, 0, 0], KeyS: [-1, 0, 0], KeyD: [0, 1, 0], KeyA: [0, -1, 0], KeyE: [0, 0, 1], KeyQ: [0, 0, -1]};
@@ -265,6 +326,7 @@ const ONCE = {
   KeyM: () => next('mode'),
   KeyH: () => steer({home: true}),
   KeyP: save,
+  KeyC: measure,
   Slash: toggleHelp,
   Equal: () => halfLevels(1),
   NumpadAdd: () => halfLevels(1),
@@ -289,6 +351,8 @@ addEventListener('keydown', (event) => {
     hold();
   } else if (ONCE[event.code] && !event.repeat) {
     ONCE[event.code]();
+  } else if (/^Digit[1-9]$/.test(event.code)) {
+    (event.shiftKey ? keep : goTo)(event.code.at(-1));
   }
 });
 
@@ -328,3 +392,4 @@ element('help').addEventListener('click', toggleHelp);
 if (location.search.includes('token=')) history.replaceState(null, '', location.pathname);
 setInterval(send, SEND_MS);
 look();
+lookAtPlace();

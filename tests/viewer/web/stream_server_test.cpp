@@ -1,5 +1,8 @@
 #include "viewer/web/stream_server.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <functional>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -91,6 +94,29 @@ TEST(StreamServer, EachViewerSteersACameraOfItsOwn) {
   EXPECT_NE(moved["eye"], still["eye"]);
   EXPECT_NE(picture_of(ask(served.port(), "GET", "/picture.png?viewer=" + second)).rgba, before.rgba);
   EXPECT_EQ(picture_of(ask(served.port(), "GET", "/picture.png?viewer=" + first)).rgba, before.rgba);
+}
+
+TEST(StreamServer, SaysWhatLiesAtAPixel) {
+  Served served;
+  const std::string key = served.viewer();
+  picture_of(ask(served.port(), "GET", "/picture.png?viewer=" + key));
+  const auto at = [&](const std::string& pixel) {
+    return json::parse(body_of(ask(served.port(), "GET", "/point?viewer=" + key + pixel)));
+  };
+  const json state = served.steer(key, "{}"), met = at("&x=.5&y=.5")["point"];
+  std::array<double, 3> eye = state["eye"], target = state["target"], there = met["scene"];
+  const double distance = met["distance_m"];
+  double length = 0, off = 0;
+  for (std::size_t a = 0; a < 3; ++a) length += (target[a] - eye[a]) * (target[a] - eye[a]);
+  for (std::size_t a = 0; a < 3; ++a)
+    off = std::max(off, std::fabs(eye[a] + (target[a] - eye[a]) / std::sqrt(length) * distance - there[a]));
+  EXPECT_LT(off, 0.02 * distance);  // the middle lies between two pixels
+  EXPECT_GT(there[0], 0);
+  EXPECT_LT(there[0], 32);
+  EXPECT_FALSE(met.contains("geographic"));  // the hill stands nowhere on the earth
+  EXPECT_EQ(at("&x=0&y=0")["point"], nullptr);
+  for (const std::string wrong : {"", "&x=.5", "&x=2&y=0", "&x=nan&y=0", "&x=-0.1&y=.5", "&x=.5m&y=.5"})
+    EXPECT_EQ(served.status("GET", "/point?viewer=" + key + wrong), 400) << wrong;
 }
 
 TEST(StreamServer, StreamsJpegsThatReplaceEachOther) {

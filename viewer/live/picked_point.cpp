@@ -1,0 +1,30 @@
+#include "viewer/live/picked_point.h"
+
+#include <algorithm>
+#include <array>
+
+#include "kernels/cast/cast_line.h"
+#include "kernels/cast/pixel.h"
+#include "lattice/georeference.h"
+
+namespace gigabake {
+namespace {
+
+int pixel_at(double share, int count) { return std::clamp(int(share * count), 0, count - 1); }
+
+}  // namespace
+
+std::optional<PickedPoint> picked_point(const Picture& picture, const PictureRays& rays, double right, double down) {
+  const int x = pixel_at(right, picture.width), y = pixel_at(down, picture.height);
+  const float distance = picture.depth[std::size_t(y) * std::size_t(picture.width) + std::size_t(x)];
+  if (!(distance > 0 && distance < kernels::CastRay::no_depth)) return {};  // 0: not drawn yet
+  const kernels::CastLine line = kernels::line_of_sight({}, rays.camera, x, y);
+  std::array<double, 3> m{};
+  for (std::size_t a = 0; a < 3; ++a)
+    m[a] = rays.lattice_origin_m[a] + (line.origin[a] + line.direction[a] * double(distance)) * rays.voxel_size_m;
+  PickedPoint out{{m[0], m[1], m[2]}, double(distance) * rays.voxel_size_m, {}};
+  if (rays.origin) out.place = geodetic_of(ecef_from_enu(*rays.origin)(out.at_m));
+  return out;
+}
+
+}  // namespace gigabake
