@@ -106,10 +106,11 @@ class Page:
             self.mouse("mouseMoved", x, y, button=button, buttons=buttons)
         self.mouse("mouseReleased", *end, button=button, clickCount=1)
 
-    def key(self, code, seconds=0.0):
+    def key(self, code, seconds=0.0, shift=False):
         """Presses a key by its place, as "KeyW", and holds it."""
         letter = code.removeprefix("Key")
-        key = {"code": code, "key": letter.lower(), "windowsVirtualKeyCode": ord(letter[0])}
+        key = {"code": code, "key": letter.lower(), "windowsVirtualKeyCode": ord(letter[0]),
+               "modifiers": 8 if shift else 0}
         self.command("Input.dispatchKeyEvent", type="keyDown", **key)
         time.sleep(seconds)
         self.command("Input.dispatchKeyEvent", type="keyUp", **key)

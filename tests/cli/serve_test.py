@@ -5,6 +5,7 @@ Usage: serve_test.py GIGABAKE SOURCE_DIR
 """
 import contextlib
 import json
+import math
 import sys
 import threading
 import time
@@ -162,6 +163,27 @@ class Serve(harness.FolderTest):
         before = page.evaluate("JSON.stringify(shownState.eye)")
         page.swipe((300, 200), (380, 190))
         page.wait_for(f"JSON.stringify(shownState.eye) !== {json.dumps(before)}")
+
+    def test_the_page_measures_and_keeps_views(self):  # 2026-11-24
+        page = self.open_page(self.serve(self.scene))
+        page.wait_for("typeof shownState !== 'undefined' && shownState && shownState.resting")
+        middle = [size // 2 for size in SIZE]
+        page.mouse("mouseMoved", *middle)
+        page.wait_for("over !== null")
+        start = page.evaluate("over.scene")
+        page.key("KeyC")
+        page.mouse("mouseMoved", middle[0] + 20, middle[1])
+        page.wait_for(f"over !== null && JSON.stringify(over.scene) !== JSON.stringify({start})")
+        end = page.evaluate("over.scene")
+        page.key("KeyC")
+        note = page.evaluate("document.getElementById('note').textContent")
+        self.assertTrue(note.startswith(f"{math.dist(start, end):.2f} m: "), (note, start, end))
+        kept = page.evaluate("[shownState.eye, shownState.target].flat()")
+        page.key("Digit1", shift=True)
+        page.drag((100, 100), (160, 90))
+        page.wait_for(f"JSON.stringify([shownState.eye, shownState.target].flat()) !== JSON.stringify({kept})")
+        page.key("Digit1")
+        page.wait_for(f"[shownState.eye, shownState.target].flat().every((v, i) => Math.abs(v - {kept}[i]) < 1e-6)")
 
     def test_the_page_says_what_loads_and_what_was_saved(self):  # 2026-11-22
         page = self.open_page(self.serve(self.scene))

@@ -243,11 +243,12 @@ let mouse = null;        // x and y from 0 to 1 while it is over the picture
 let over = null;         // the place there
 let measuredFrom = null;
 
-picture.addEventListener('pointermove', (event) => {
+// Of the whole page: a note may lie over the picture.
+addEventListener('pointermove', (event) => {
   const box = picture.getBoundingClientRect();
   mouse = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
 });
-picture.addEventListener('pointerleave', () => { mouse = null; });
+document.documentElement.addEventListener('pointerleave', () => { mouse = null; });
 
 const inPicture = (share) => Math.min(1, Math.max(0, share));
 
@@ -293,8 +294,9 @@ function keep(digit) {
 
 function goTo(digit) {
   const pose = localStorage.getItem(keptAs(digit));
-  if (pose) steer({pose: JSON.parse(pose)});
-  else note(`Nothing is kept as view ${digit}: Shift ${digit} keeps this one.`, 4000);
+  if (!pose) return note(`Nothing is kept as view ${digit}: Shift ${digit} keeps this one.`, 4000);
+  for (const movement of ['turn', 'pan', 'zoom']) delete pending[movement];  // they would lead away from there
+  steer({pose: JSON.parse(pose)});
 }
 
 // Keys.
