@@ -100,9 +100,7 @@ class CudaCaster final : public Caster {
   void put_nodes(const std::vector<NodeChange>& changes) override {
     if (changes.empty()) return;
     use_device();
-    std::memcpy(delivery_.room(changes.size() * sizeof(NodeChange)), changes.data(),
-                changes.size() * sizeof(NodeChange));
-    const auto* const sent = reinterpret_cast<const NodeChange*>(delivery_.send());
+    const NodeChange* const sent = delivery_.send(changes);
     apply_changes<<<grid_of(changes.size(), 128), 128, 0, stream_.handle>>>(sent, std::uint32_t(changes.size()),
                                                                             nodes_.data());
     check_launch("apply_changes");

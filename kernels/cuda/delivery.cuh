@@ -3,7 +3,9 @@
 
 #include <array>
 #include <cstddef>
+#include <cstring>
 #include <cuda_runtime.h>
+#include <vector>
 
 #include "kernels/cuda/memory.cuh"
 #include "kernels/cuda/pinned.cuh"
@@ -25,6 +27,14 @@ class Delivery {
   /// Starts the copy of what was put there. The answer is where the bytes are for what is launched before room() was
   /// called twice again.
   const std::byte* send();
+
+  /// Both, for values that stand in a vector.
+  template <class T>
+  const T* send(const std::vector<T>& values) {
+    const std::size_t bytes = values.size() * sizeof(T);
+    std::memcpy(room(bytes), values.data(), bytes);
+    return reinterpret_cast<const T*>(send());
+  }
 
  private:
   struct Part {
