@@ -12,7 +12,6 @@ constexpr unsigned brick_threads = 128;
 /// Bricks that a thread of the host makes ready to be sent at a time.
 constexpr std::size_t bricks_per_range = 64;
 
-
 /// A block a brick. moves: from a place among the new voxels to one in the pool.
 __global__ void scatter_bricks(const VoxelMove* moves, const CastMask* new_masks, const CastLayer* new_layers,
                                const PackedVoxel* new_voxels, CastMask* masks, CastLayer* layers, VoxelArrays voxels) {
@@ -120,8 +119,7 @@ void BrickPool::put(const std::vector<BrickPlace>& places, const std::vector<Cas
 
 template <class T>
 void BrickPool::copy_on_device(const T* from, std::size_t count, T* to) {
-  check_cuda(cudaMemcpyAsync(to, from, count * sizeof(T), cudaMemcpyDeviceToDevice, heap_.stream()),
-             "cudaMemcpyAsync");
+  check_cuda(cudaMemcpyAsync(to, from, count * sizeof(T), cudaMemcpyDeviceToDevice, heap_.stream()), "cudaMemcpyAsync");
 }
 
 /// Places overlap, so voxels go by way of a third one. What is read later stands higher than all that was written.

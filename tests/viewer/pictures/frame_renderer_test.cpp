@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
+#include "kernels/cuda/baker.h"
 #include "lattice/error.h"
 #include "tests/viewer/ground_scene.h"
 
@@ -48,6 +49,28 @@ TEST(FrameRenderer, ComesToTheSamePictureWhateverTheWayThere) {
   FrameRenderer straight = renderer_of(scene, std::uint64_t(1) << 28), far = renderer_of(scene, 3000000);
   for (int i = 0; i < 40; ++i) far.draw(looking({i * 7.0, 300 - i * 9.0, 30.0 + i}, {100, 100, 0}), 0.0005);
   EXPECT_EQ(draw_until_complete(far, last).picture.rgba, draw_until_complete(straight, last).picture.rgba);
+}
+
+// What comes in while the device casts takes the places of what its rays may be at.
+TEST(FrameRenderer, OnADeviceComesToTheSamePictureWhateverTheWayThere) {
+  const kernels::CudaDevices devices = kernels::cuda_devices();
+  if (devices.usable.empty()) GTEST_SKIP() << "no GPU: " << devices.reason;
+  const VoxelScene scene = wide_ground(64);
+  const View last = looking({200, 40, 50}, {128, 128, 0});
+  const Picture expected = renderer_of(scene, std::uint64_t(1) << 28).draw_exact(last).picture;
+  for (const std::uint64_t pool : {std::uint64_t(1) << 19, std::uint64_t(1) << 21, std::uint64_t(1) << 26}) {
+    FrameRenderer::Options options;
+    options.threads = 2;
+    options.memory_bytes = std::uint64_t(1) << 26;
+    options.cuda_device = devices.usable[0];
+    options.device_bytes = pool;
+    FrameRenderer far(scene.description(), "scene.xml", scene.pages(), options);
+    for (int i = 0; i < 40; ++i) far.draw(looking({i * 7.0, 300 - i * 9.0, 30.0 + i}, {100, 100, 0}), 0.0005);
+    const Frame frame = draw_until_complete(far, last);
+    EXPECT_TRUE(frame.stats.complete);
+    EXPECT_EQ(frame.picture.rgba, expected.rgba) << pool << " bytes of pools";
+    EXPECT_EQ(frame.picture.depth, expected.depth) << pool << " bytes of pools";
+  }
 }
 
 TEST(FrameRenderer, NeverHoldsMoreThanItMay) {
