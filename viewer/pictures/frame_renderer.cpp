@@ -148,28 +148,24 @@ struct FrameRenderer::State {
     stats.starved = starved;
   }
 
-  void put_in_wanted(const kernels::CastCamera& camera, const SketchLimits& limits) {
+  /// until: besides the limits, where given.
+  void put_in_wanted(const kernels::CastCamera& camera, const SketchLimits& limits,
+                     const kernels::StopAsked& until = {}) {
     const auto start = Clock::now();
-    put_in_until(camera, limits, after(limits.upload_s - upload_s));
-    upload_s += since(start);
-  }
-
-  void put_in_until(const kernels::CastCamera& camera, const SketchLimits& limits, const kernels::StopAsked& over) {
-    const kernels::StopAsked enough = [&] { return over() || is_asked(limits.stop); };
+    const kernels::StopAsked enough = [over = after(limits.upload_s - upload_s), &limits, &until] {
+      return over() || is_asked(limits.stop) || is_asked(until);
+    };
     stream->begin_pass();
     const SceneStream::Served served = stream->serve(wanted, camera.eye, enough, {frame_pass, true});
     starved = starved || is_starved(served);
     put_in = served.uploads > 0;
+    upload_s += since(start);
   }
 
-  /// What the last frame left wanted comes in while a device casts this one's rays, and costs no time; a host has
-  /// none to spare.
+  /// What the last frame left wanted comes in while a device casts this one's rays.
   std::size_t cast_and_put_in(const kernels::CastCamera& camera, const SketchLimits& limits, std::size_t rays) {
     return stream->caster().cast_beside(0, rays, true, limits.stop, [&](const kernels::StopAsked& is_through) {
-      if (options.cuda_device)
-        put_in_until(camera, limits, is_through);
-      else
-        put_in_wanted(camera, limits);
+      put_in_wanted(camera, limits, is_through);
     });
   }
 
