@@ -12,15 +12,16 @@ constexpr unsigned brick_threads = 128;
 /// Bricks that a thread of the host makes ready to be sent at a time.
 constexpr std::size_t bricks_per_range = 64;
 
+__device__ void copy_voxels(const PackedVoxel* from, std::uint32_t count, PackedVoxel* to) {
+  const std::uint32_t* words = from->word;
+  for (std::size_t i = threadIdx.x; i < std::size_t(3) * count; i += blockDim.x) to->word[i] = words[i];
+}
+
 /// A block a brick. moves: from a place among the new voxels to one in the pool.
 __global__ void scatter_bricks(const VoxelMove* moves, const CastMask* new_masks, const CastLayer* new_layers,
-                               const PackedVoxel* new_voxels, CastMask* masks, CastLayer* layers, VoxelArrays voxels) {
+                               const PackedVoxel* new_voxels, CastMask* masks, CastLayer* layers, PackedVoxel* voxels) {
   const VoxelMove move = moves[blockIdx.x];
-  for (std::uint32_t i = threadIdx.x; i < move.count; i += blockDim.x) {
-    const PackedVoxel voxel = new_voxels[move.from + i];
-    voxels.surfaces[move.to + i] = surface_of(voxel);
-    voxels.radiances[move.to + i] = voxel.word[0];
-  }
+  copy_voxels(new_voxels + move.from, move.count, voxels + move.to);
   if (threadIdx.x == 0) masks[move.slot] = new_masks[blockIdx.x];
   if (threadIdx.x >= slot_edge) return;
   CastLayer layer = new_layers[slot_edge * blockIdx.x + threadIdx.x];
@@ -29,13 +30,10 @@ __global__ void scatter_bricks(const VoxelMove* moves, const CastMask* new_masks
 }
 
 /// A block a brick. window: from where in the pool they will stand on.
-__global__ void gather_bricks(const VoxelMove* moves, VoxelArrays voxels, CastLayer* layers, VoxelArrays window) {
+__global__ void gather_bricks(const VoxelMove* moves, const PackedVoxel* voxels, CastLayer* layers,
+                              PackedVoxel* window) {
   const VoxelMove move = moves[blockIdx.x];
-  const std::uint32_t first = move.to - moves[0].to;
-  for (std::uint32_t i = threadIdx.x; i < move.count; i += blockDim.x) {
-    window.surfaces[first + i] = voxels.surfaces[move.from + i];
-    window.radiances[first + i] = voxels.radiances[move.from + i];
-  }
+  copy_voxels(voxels + move.from, move.count, window + (move.to - moves[0].to));
   if (threadIdx.x < slot_edge) layers[std::size_t(slot_edge) * move.slot + threadIdx.x].first -= move.from - move.to;
 }
 
@@ -87,13 +85,12 @@ BrickPool::BrickPool(DeviceHeap& heap, Delivery& delivery, const ThreadPool& poo
       pool_(pool),
       masks_(heap, sizes.slots),
       layers_(heap, std::size_t(slot_edge) * sizes.slots),
-      surfaces_(heap, sizes.voxels),
-      radiances_(heap, sizes.voxels) {}
+      voxels_(heap, sizes.voxels) {}
 
 void BrickPool::show_in(CastScene& scene) const {
   scene.masks = masks_.data();
   scene.layers = layers_.data();
-  scene.voxels = {surfaces_.data(), radiances_.data()};
+  scene.voxels = voxels_.data();
 }
 
 void BrickPool::put(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks) {
@@ -113,32 +110,24 @@ void BrickPool::put(const std::vector<BrickPlace>& places, const std::vector<Cas
   const std::byte* const sent = delivery_.send();
   scatter_bricks<<<unsigned(count), brick_threads, 0, heap_.stream()>>>(parts.moves(sent), parts.masks(sent),
                                                                         parts.layers(sent), parts.voxels(sent),
-                                                                        masks_.data(), layers_.data(), voxels());
+                                                                        masks_.data(), layers_.data(), voxels_.data());
   check_launch("scatter_bricks");
-}
-
-template <class T>
-void BrickPool::copy_on_device(const T* from, std::size_t count, T* to) {
-  check_cuda(cudaMemcpyAsync(to, from, count * sizeof(T), cudaMemcpyDeviceToDevice, heap_.stream()), "cudaMemcpyAsync");
 }
 
 /// Places overlap, so voxels go by way of a third one. What is read later stands higher than all that was written.
 void BrickPool::move(const std::vector<VoxelMove>& moves) {
   if (moves.empty()) return;
   const VoxelMove* const sent = delivery_.send(moves);
-  if (surfaces_on_their_way_.empty()) {
-    surfaces_on_their_way_ = DeviceArray<PackedSurface>(heap_, voxels_on_their_way);
-    radiances_on_their_way_ = DeviceArray<std::uint32_t>(heap_, voxels_on_their_way);
-  }
-  const VoxelArrays window{surfaces_on_their_way_.data(), radiances_on_their_way_.data()};
+  if (on_its_way_.empty()) on_its_way_ = DeviceArray<PackedVoxel>(heap_, voxels_on_their_way);
   for (std::size_t begin = 0, end = 0; begin < moves.size(); begin = end) {
     while (end < moves.size() && end_of(moves[end]) - moves[begin].to <= voxels_on_their_way) ++end;
-    gather_bricks<<<unsigned(end - begin), brick_threads, 0, heap_.stream()>>>(sent + begin, voxels(), layers_.data(),
-                                                                               window);
+    gather_bricks<<<unsigned(end - begin), brick_threads, 0, heap_.stream()>>>(sent + begin, voxels_.data(),
+                                                                               layers_.data(), on_its_way_.data());
     check_launch("gather_bricks");
     const std::size_t count = end_of(moves[end - 1]) - moves[begin].to;
-    copy_on_device(window.surfaces, count, surfaces_.data() + moves[begin].to);
-    copy_on_device(window.radiances, count, radiances_.data() + moves[begin].to);
+    check_cuda(cudaMemcpyAsync(voxels_.data() + moves[begin].to, on_its_way_.data(), count * sizeof(PackedVoxel),
+                               cudaMemcpyDeviceToDevice, heap_.stream()),
+               "cudaMemcpyAsync");
   }
 }
 

@@ -11,12 +11,6 @@
 
 namespace gigabake::kernels {
 
-/// The pool of voxels, where it is written.
-struct VoxelArrays {
-  PackedSurface* surfaces;
-  std::uint32_t* radiances;
-};
-
 class BrickPool {
  public:
   /// Borrows heap, delivery and pool.
@@ -29,17 +23,12 @@ class BrickPool {
   void move(const std::vector<VoxelMove>& moves);
 
  private:
-  VoxelArrays voxels() { return {surfaces_.data(), radiances_.data()}; }
-  template <class T>
-  void copy_on_device(const T* from, std::size_t count, T* to);
-
   DeviceHeap& heap_;
   Delivery& delivery_;
   const ThreadPool& pool_;
   DeviceArray<CastMask> masks_;
   DeviceArray<CastLayer> layers_;
-  DeviceArray<PackedSurface> surfaces_, surfaces_on_their_way_;
-  DeviceArray<std::uint32_t> radiances_, radiances_on_their_way_;
+  DeviceArray<PackedVoxel> voxels_, on_its_way_;
 };
 
 }  // namespace gigabake::kernels

@@ -33,7 +33,7 @@ GB_HD CastRay start_ray(const CastScene& scene, const CastLine& line) {
   if (!(line.enter <= line.leave)) return ray;
   ray.lod = 0;
   while (ray.lod + 1 < scene.lods && line.enter >= lod_start(line, ray.lod + 1)) ++ray.lod;
-  const double step = floor_of((line.enter - lod_start(line, ray.lod)) * steps_per_voxel(ray.lod) - 0.5);
+  const double step = std::floor((line.enter - lod_start(line, ray.lod)) * steps_per_voxel(ray.lod) - 0.5);
   ray.step = step > 0 ? step : 0;
   return ray;
 }
@@ -53,9 +53,10 @@ GB_HD EmptyBox empty_box(const CastPlace& place) {
 }
 
 /// Half of a brick along each axis, around the point: false where the field is not zero in all of it.
-GB_HD bool find_empty_octant(const HalfMask& mask, const CastPlace& place, const CastPoint& point, EmptyBox& box) {
+GB_HD bool find_empty_octant(const CastMask& mask, const CastPlace& place, const CastPoint& point, EmptyBox& box) {
   const int first[3] = {point.base[0] & 4, point.base[1] & 4, point.base[2] & 4};
-  const std::uint64_t seen = (mask.word[0] | mask.word[1]) | (mask.word[2] | mask.word[3]);
+  std::uint64_t seen = 0;
+  for (int z = 0; z < 4; ++z) seen |= mask.word[first[2] + z];
   if ((seen >> (first[0] + 8 * first[1]) & 0x0f0f0f0f) != 0) return false;
   for (int a = 0; a < 3; ++a) {
     box.min[a] = place.corner[a] + place.half + first[a] * (2 * place.half);
@@ -74,7 +75,7 @@ GB_HD double step_beyond(const CastLine& line, const EmptyBox& box, const CastRa
     const double beyond_side = (side - line.origin[a]) * line.inverse[a];
     if (beyond_side < leave) leave = beyond_side;
   }
-  const double step = ceil_of((leave - lod_start(line, ray.lod)) * steps_per_voxel(ray.lod) - (0.5 + 1e-6));
+  const double step = std::ceil((leave - lod_start(line, ray.lod)) * steps_per_voxel(ray.lod) - (0.5 + 1e-6));
   return step > ray.step + 1 ? step : ray.step + 1;
 }
 
@@ -91,7 +92,7 @@ GB_HD double point_distance(const CastLine& line, int lod, double step) {
 GB_HD void enter_next_lod(const CastLine& line, CastRay& ray) {
   const double from = point_distance(line, ray.lod, ray.past) - lod_start(line, ray.lod + 1);
   ++ray.lod;
-  const double step = ceil_of(from * steps_per_voxel(ray.lod) - 0.5);
+  const double step = std::ceil(from * steps_per_voxel(ray.lod) - 0.5);
   ray.step = step > 0 ? step : 0;
   ray.past = -1;
 }
@@ -101,7 +102,7 @@ GB_HD void enter_next_lod(const CastLine& line, CastRay& ray) {
 GB_HD double steps_in_coarser(const CastLine& line, const CastPlace& place, const CastRay& ray, double distance,
                               double beyond) {
   double steps = beyond - ray.step;
-  const double to_end = ceil_of((lod_end(line, ray.lod) - distance) * steps_per_voxel(ray.lod));
+  const double to_end = std::ceil((lod_end(line, ray.lod) - distance) * steps_per_voxel(ray.lod));
   if (to_end >= 1 && steps > to_end) steps = to_end;
   const double wide = power_of_two(place.lod - ray.lod);
   return steps < wide ? steps : wide;
@@ -252,11 +253,9 @@ GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patie
     return;
   }
   const bool is_brick = is_here(place.brick);
-  HalfMask mask;
   if (is_brick) {
     walk.point = point_in_brick(place, p);
-    mask = load_half(scene.masks + place.brick, walk.point.base[2]);
-    if (!is_zero(mask, walk.point)) {
+    if (!is_zero(scene.masks[place.brick], walk.point)) {
       walk.task = CastTask::pass;
       return;
     }
@@ -266,7 +265,7 @@ GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patie
   ray.height = CastRay::no_height;
   const bool is_wanted = is_brick && place.lod == ray.lod;
   EmptyBox box = empty_box(place);
-  if (is_wanted && !find_empty_octant(mask, place, walk.point, box)) {
+  if (is_wanted && !find_empty_octant(scene.masks[place.brick], place, walk.point, box)) {
     ++ray.step;
     return;
   }

@@ -18,13 +18,8 @@ namespace gigabake::kernels {
 inline constexpr int slot_edge = brick_edge + 1, slot_voxels = slot_edge * slot_edge * slot_edge;
 
 /// Bit x + 8y of word z: the field is not zero everywhere between the centres of voxels (x,y,z) and (x,y,z) + 1.
-struct alignas(32) CastMask {
+struct CastMask {
   std::uint64_t word[8];
-};
-
-/// Its words 0 to 3, or 4 to 7.
-struct HalfMask {
-  std::uint64_t word[4] = {};
 };
 
 /// Of one z: bit x + 9y of `bits` says that a voxel is there; they stand in the pool from `first` on, in that order.
@@ -40,7 +35,7 @@ inline constexpr std::uint32_t last_places_mask = (1u << last_places) - 1;
 /// As rays read a brick: its nine layers, and the pool of voxels.
 struct BrickView {
   const CastLayer* layers;
-  PackedVoxels voxels;
+  const PackedVoxel* voxels;
 };
 
 GB_HD int ones_in(std::uint32_t bits) {
@@ -84,18 +79,6 @@ GB_HD LayerWindow window_of(const CastLayer& layer, int at) {
   return {bits, first, first + std::uint32_t(ones_in(bits & ((1u << slot_edge) - 1)))};
 }
 
-/// The half that holds this z.
-GB_HD HalfMask load_half(const CastMask* mask, int z) {
-  const std::uint64_t* at = mask->word + (z & 4);
-#if defined(__CUDA_ARCH__)
-  const ulonglong2 low = __ldg(reinterpret_cast<const ulonglong2*>(at));
-  const ulonglong2 high = __ldg(reinterpret_cast<const ulonglong2*>(at + 2));
-  return {{low.x, low.y, high.x, high.y}};
-#else
-  return {{at[0], at[1], at[2], at[3]}};
-#endif
-}
-
 GB_HD CastLayer load_layer(const CastLayer* at) {
 #if defined(__CUDA_ARCH__)
   const uint4 words = __ldg(reinterpret_cast<const uint4*>(at));
@@ -105,28 +88,18 @@ GB_HD CastLayer load_layer(const CastLayer* at) {
 #endif
 }
 
-GB_HD PackedSurface load_surface(const PackedVoxels& voxels, std::uint32_t at) {
+GB_HD PackedVoxel load_packed(const PackedVoxel* at) {
 #if defined(__CUDA_ARCH__)
-  const uint2 words = __ldg(reinterpret_cast<const uint2*>(voxels.surfaces + at));
-  return {{words.x, words.y}};
+  return {{__ldg(at->word), __ldg(at->word + 1), __ldg(at->word + 2)}};
 #else
-  return voxels.surfaces[at];
-#endif
-}
-
-GB_HD PackedVoxel load_packed(const PackedVoxels& voxels, std::uint32_t at) {
-  const PackedSurface surface = load_surface(voxels, at);
-#if defined(__CUDA_ARCH__)
-  return {{__ldg(voxels.radiances + at), surface.word[0], surface.word[1]}};
-#else
-  return {{voxels.radiances[at], surface.word[0], surface.word[1]}};
+  return *at;
 #endif
 }
 
 /// What a view along the axis sees of the voxel, 65535 = 1; 0 where it is not there. x, y, z: 0 … 8.
 GB_HD int coverage_at(const BrickView& brick, int x, int y, int z, int axis) {
   const LayerWindow window = window_of(load_layer(brick.layers + z), x + slot_edge * y);
-  return window.has(0) ? coverage_along(load_surface(brick.voxels, window.first), axis) : 0;
+  return window.has(0) ? coverage_along(load_packed(brick.voxels + window.first), axis) : 0;
 }
 
 }  // namespace gigabake::kernels

@@ -24,15 +24,14 @@ class CpuCaster final : public Caster {
         nodes_(std::size_t(8) * sizes.tiles),
         masks_(new CastMask[sizes.slots]),
         layers_(new CastLayer[std::size_t(slot_edge) * sizes.slots]),
-        surfaces_(new PackedSurface[sizes.voxels]),
-        radiances_(new std::uint32_t[sizes.voxels]),
+        voxels_(new PackedVoxel[sizes.voxels]),
         tile_used_(sizes.tiles),
         slot_used_(sizes.slots),
         wanted_(std::size_t(16) * sizes.tiles) {
     scene_.nodes = nodes_.data();
     scene_.masks = masks_.get();
     scene_.layers = layers_.get();
-    scene_.voxels = {surfaces_.get(), radiances_.get()};
+    scene_.voxels = voxels_.get();
     scene_.marks = {tile_used_.data(), slot_used_.data(), wanted_.data()};
     scene_.pass = 0;
   }
@@ -45,18 +44,13 @@ class CpuCaster final : public Caster {
         layer.first += places[i].first;
         layers_[slot_edge * std::size_t(places[i].slot) + z] = layer;
       }
-      std::uint32_t at = places[i].first;
-      for (const PackedVoxel& voxel : bricks[i].voxels) {
-        surfaces_[at] = surface_of(voxel);
-        radiances_[at++] = voxel.word[0];
-      }
+      std::copy(bricks[i].voxels.begin(), bricks[i].voxels.end(), voxels_.get() + places[i].first);
     }
   }
 
   void move_voxels(const std::vector<VoxelMove>& moves) override {
     for (const VoxelMove& move : moves) {
-      std::copy_n(surfaces_.get() + move.from, move.count, surfaces_.get() + move.to);
-      std::copy_n(radiances_.get() + move.from, move.count, radiances_.get() + move.to);
+      std::memmove(voxels_.get() + move.to, voxels_.get() + move.from, sizeof(PackedVoxel) * move.count);
       for (std::size_t z = 0; z < slot_edge; ++z)
         layers_[slot_edge * std::size_t(move.slot) + z].first -= move.from - move.to;
     }
@@ -208,8 +202,7 @@ class CpuCaster final : public Caster {
   // Not initialised: pages that nobody touches cost no memory.
   std::unique_ptr<CastMask[]> masks_;
   std::unique_ptr<CastLayer[]> layers_;
-  std::unique_ptr<PackedSurface[]> surfaces_;
-  std::unique_ptr<std::uint32_t[]> radiances_;
+  std::unique_ptr<PackedVoxel[]> voxels_;
   std::vector<std::uint32_t> tile_used_, slot_used_, wanted_;
   CastCamera camera_;
   CastTile tile_;

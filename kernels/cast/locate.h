@@ -1,6 +1,7 @@
 /// Where in a scene a point lies: the brick that holds its field, or the box around it where the field is zero.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #if !defined(__CUDA_ARCH__)
@@ -182,8 +183,9 @@ GB_HD CastDescent descend(const CastScene& scene, std::uint32_t cell, int lod, c
 /// The box of the node of level `lod` that holds the voxel.
 GB_HD void set_node_box(const CastCell& cell, const std::uint32_t local[3], int lod, double min[3], double max[3]) {
   for (int a = 0; a < 3; ++a) {
-    min[a] = to_double(cell.min[a] + std::int64_t(local[a] >> (3 + lod) << (3 + lod)));
-    max[a] = min[a] + power_of_two(3 + lod);
+    const std::int64_t low = cell.min[a] + std::int64_t(local[a] >> (3 + lod) << (3 + lod));
+    min[a] = double(low);
+    max[a] = double(low + (std::int64_t(brick_edge) << lod));
   }
 }
 
@@ -220,7 +222,7 @@ GB_HD CastPlace locate(const CastScene& scene, int lod, const double p[3], bool 
     place.half = power_of_two(level - 1);
     std::int64_t v[3];
     std::uint32_t local[3];
-    for (int a = 0; a < 3; ++a) v[a] = to_whole(floor_of(p[a] - place.half));
+    for (int a = 0; a < 3; ++a) v[a] = std::int64_t(std::floor(p[a] - place.half));
     VoxelBox box;
     const std::int64_t* corner = place.cell == no_cell ? v : scene.cells[place.cell].min;
     const bool same_cell =

@@ -27,20 +27,6 @@ inline constexpr int cast_channels = 6;
 struct PackedVoxel {
   std::uint32_t word[3];
 };
-
-/// Its words 1 and 2, which say where a surface lies and how much of it there is: a ray that looks for one reads no
-/// more.
-struct alignas(8) PackedSurface {
-  std::uint32_t word[2];
-};
-
-/// Voxels in two arrays, so that what a ray reads of one comes by one load, or two.
-struct PackedVoxels {
-  const PackedSurface* surfaces = nullptr;
-  const std::uint32_t* radiances = nullptr;  ///< words 0
-};
-
-GB_HD PackedSurface surface_of(const PackedVoxel& voxel) { return {{voxel.word[1], voxel.word[2]}}; }
 inline constexpr std::int8_t no_normal = -128;  ///< as x, which a normal does not have
 
 /// Range  coverages are multiples of 257; the normal lies on the octahedron, or there is none.
@@ -56,8 +42,8 @@ GB_HD PackedVoxel pack_voxel(const CastVoxel& voxel) {
 }
 
 /// axis: 0 … 2. 65535 = 1.
-GB_HD int coverage_along(const PackedSurface& surface, int axis) {
-  return 257 * int((axis == 2 ? surface.word[1] : surface.word[0] >> (16 + 8 * axis)) & 255);
+GB_HD int coverage_along(const PackedVoxel& voxel, int axis) {
+  return 257 * int((axis == 2 ? voxel.word[2] : voxel.word[1] >> (16 + 8 * axis)) & 255);
 }
 
 GB_HD CastVoxel unpack_voxel(const PackedVoxel& packed) {
@@ -65,7 +51,7 @@ GB_HD CastVoxel unpack_voxel(const PackedVoxel& packed) {
   voxel.c[0] = std::uint16_t(packed.word[0] & 65535);
   voxel.c[1] = std::uint16_t(packed.word[0] >> 16);
   voxel.c[2] = std::uint16_t(packed.word[1] & 65535);
-  for (int a = 0; a < 3; ++a) voxel.c[3 + a] = std::uint16_t(coverage_along(surface_of(packed), a));
+  for (int a = 0; a < 3; ++a) voxel.c[3 + a] = std::uint16_t(coverage_along(packed, a));
   voxel.plane = std::uint8_t(packed.word[2] >> 24 & 127);
   const int x = std::int8_t(packed.word[2] >> 8 & 255), y = std::int8_t(packed.word[2] >> 16 & 255);
   if (x == no_normal) return voxel;

@@ -37,24 +37,20 @@ GB_HD CastPoint point_in_brick(const CastPlace& place, const double p[3]) {
   return r;
 }
 
-/// mask: the point's half.
-GB_HD bool is_zero(const HalfMask& mask, const CastPoint& point) {
-  const int z = point.base[2];
-  const std::uint64_t low = (z & 1) != 0 ? mask.word[1] : mask.word[0];
-  const std::uint64_t high = (z & 1) != 0 ? mask.word[3] : mask.word[2];
-  return (((z & 2) != 0 ? high : low) >> (point.base[0] + 8 * point.base[1]) & 1) == 0;
+GB_HD bool is_zero(const CastMask& mask, const CastPoint& point) {
+  return (mask.word[point.base[2]] >> (point.base[0] + 8 * point.base[1]) & 1) == 0;
 }
 
 /// The eight voxels around a point, x | y<<1 | z<<2, and where it lies between them.
 struct CastCorners {
-  PackedVoxels voxels;
+  const PackedVoxel* voxels;
   LayerWindow low, high;
   float between[3];
 
   GB_HD CastVoxel voxel(int corner) const {
     const LayerWindow layer = corner < 4 ? low : high;
     const int k = (corner & 1) + slot_edge * (corner >> 1 & 1);
-    return layer.has(k) ? unpack_voxel(load_packed(voxels, layer.place(k))) : CastVoxel{};
+    return layer.has(k) ? unpack_voxel(load_packed(voxels + layer.place(k))) : CastVoxel{};
   }
 
   /// Of the interpolation between them.

@@ -33,25 +33,6 @@ GB_HD bool is_here(std::uint32_t ref) { return ref < lost_ref; }
 /// Range   -1000 … 1000.
 GB_HD double power_of_two(int exponent) { return std::bit_cast<double>(std::uint64_t(1023 + exponent) << 52); }
 
-/// Whole numbers from doubles and back, and what rounds to them, by additions: a device converts at an eighth of the
-/// rate at which it adds. A sum with this constant has the whole number in its lowest bits.
-/// Range  below 2^51, either way; a double that is converted is whole.
-inline constexpr double wholes_from = 6755399441055744.0;  // 1.5 · 2^52
-GB_HD double to_double(std::int64_t whole) {
-  return std::bit_cast<double>(std::bit_cast<std::int64_t>(wholes_from) + whole) - wholes_from;
-}
-GB_HD std::int64_t to_whole(double whole) {
-  return std::bit_cast<std::int64_t>(whole + wholes_from) - std::bit_cast<std::int64_t>(wholes_from);
-}
-GB_HD double floor_of(double value) {
-  const double near = (value + wholes_from) - wholes_from;
-  return near > value ? near - 1 : near;
-}
-GB_HD double ceil_of(double value) {
-  const double near = (value + wholes_from) - wholes_from;
-  return near < value ? near + 1 : near;
-}
-
 /// Eight of them, x | y<<1 | z<<2, are a tile. Node n of tile t is node 8t + n. brick = empty_ref: so is all below.
 struct CastNode {
   std::uint32_t children = absent_ref;  ///< tile
@@ -83,7 +64,7 @@ struct CastScene {
   const CastNode* nodes = nullptr;
   const CastMask* masks = nullptr;    ///< by slot
   const CastLayer* layers = nullptr;  ///< slot_edge a slot, upwards
-  PackedVoxels voxels;
+  const PackedVoxel* voxels = nullptr;
   CastMarks marks;
   std::uint32_t pass = 0;
 

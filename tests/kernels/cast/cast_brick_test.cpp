@@ -26,7 +26,7 @@ TEST(PackedVoxel, IsTheVoxelWithoutLoss) {
       const bool has_normal = random() % 8 != 0;
       for (int a = 0; a < 3 && has_normal; ++a) voxel.normal[a] = std::int8_t(octahedron_point(stored).c[a]);
       ASSERT_TRUE(are_same(unpack_voxel(pack_voxel(voxel)), voxel)) << x << " " << y;
-      for (int a = 0; a < 3; ++a) ASSERT_EQ(coverage_along(surface_of(pack_voxel(voxel)), a), voxel.c[3 + a]);
+      for (int a = 0; a < 3; ++a) ASSERT_EQ(coverage_along(pack_voxel(voxel), a), voxel.c[3 + a]);
     }
 }
 

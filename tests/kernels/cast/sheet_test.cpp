@@ -24,24 +24,21 @@ class Brick {
   explicit Brick(const Slot& slot) {
     for (int z = 0; z < slot_edge; ++z) {
       std::uint32_t places[3] = {0, 0, 0};
-      const auto first = std::uint32_t(surfaces_.size());
+      const auto first = std::uint32_t(voxels_.size());
       for (int at = 0; at < slot_edge * slot_edge; ++at) {
         const CastVoxel& voxel = slot.voxel[at + slot_edge * slot_edge * z];
         if ((voxel.c[3] | voxel.c[4] | voxel.c[5]) == 0) continue;
         places[at / 32] |= 1u << at % 32;
-        const PackedVoxel packed = pack_voxel(voxel);
-        surfaces_.push_back(surface_of(packed));
-        radiances_.push_back(packed.word[0]);
+        voxels_.push_back(pack_voxel(voxel));
       }
       layers_[z] = make_layer(places, first);
     }
   }
-  BrickView view() const { return {layers_, {surfaces_.data(), radiances_.data()}}; }
+  BrickView view() const { return {layers_, voxels_.data()}; }
 
  private:
   CastLayer layers_[slot_edge];
-  std::vector<PackedSurface> surfaces_;
-  std::vector<std::uint32_t> radiances_;
+  std::vector<PackedVoxel> voxels_;
 };
 
 constexpr double down[3] = {0, 0, -1};
