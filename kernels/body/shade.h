@@ -87,38 +87,37 @@ GB_HD int level_of(std::int32_t levels, float width_squared) {
 /// to `widest_squared`.
 inline constexpr float widest_whole = 4.2f;
 
-/// Parts side by side of a box whose edge has the square `squared`, each with about `wanted`.
+/// Parts of a box whose edge has the square `squared`, side by side, each about as long as the root of `wanted`.
 GB_HD std::int32_t parts_along(float squared, float wanted, std::int32_t most) {
   const float ratio = squared / wanted;
-  return ratio < 1 ? 1 : (ratio < 64 ? smaller(std::int32_t(std::sqrt(ratio)) + 1, most) : most);
+  return ratio < 64 ? smaller(std::int32_t(std::sqrt(ratio) + 0.5f), most) : most;
 }
 
 /// A box on a texture, slanted: along an axis of the texture its edge goes `slant` along the other one, too. Squares of
-/// its edges, and its parts along each.
+/// its parts' edges, and how many of them it has along each.
 struct SlantedBox {
   float long_squared, short_squared, slant;
   std::int32_t columns, rows;
 };
 
-/// Two by two parts of what is wide, so that a finer level is read, or three by three where that is the image itself; a
-/// row of up to eight of what is stretched.
-GB_HD SlantedBox slanted_box(float longer, float covariance, float shorter) {
+/// rows: of parts, where it is wide along both axes. A row has up to four.
+GB_HD SlantedBox slanted_box(float longer, float covariance, float shorter, std::int32_t rows) {
   SlantedBox r;
   r.slant = covariance / longer;
   r.long_squared = 12 * longer;
   r.short_squared = 12 * larger(0.0f, shorter - covariance * r.slant);
-  const float wholes = r.short_squared * (1 / widest_whole);
-  r.rows = wholes <= 1 ? 1 : (wholes > 4 && wholes <= 9 ? 3 : 2);
-  const std::int32_t most_columns = r.rows == 1 ? 8 : (r.rows == 2 ? 4 : 3);
-  r.columns = parts_along(r.long_squared, larger(r.short_squared / float(r.rows * r.rows), widest_whole), most_columns);
-  r.long_squared /= float(r.columns * r.columns);
+  r.rows = r.short_squared <= widest_whole ? 1 : rows;
   r.short_squared /= float(r.rows * r.rows);
+  r.columns = larger(rows, parts_along(r.long_squared, larger(r.short_squared, 0.5f * widest_whole), 4));
+  r.long_squared /= float(r.columns * r.columns);
   return r;
 }
 
-GB_HD_ONE_COPY FootprintParts wide_footprint(Spread all, std::int32_t width, std::int32_t height, std::int32_t levels) {
+/// rows, least_level: see rows_of() and least_level_of().
+GB_HD_ONE_COPY FootprintParts wide_footprint(Spread all, std::int32_t width, std::int32_t height, std::int32_t levels,
+                                             std::int32_t rows, std::int32_t least_level) {
   const bool along_s = all.ss >= all.tt;
-  const SlantedBox box = slanted_box(along_s ? all.ss : all.tt, all.st, along_s ? all.tt : all.ss);
+  const SlantedBox box = slanted_box(along_s ? all.ss : all.tt, all.st, along_s ? all.tt : all.ss, rows);
   const float step = std::sqrt(box.long_squared), row_step = std::sqrt(box.short_squared), slanted = step * box.slant;
   const float longer = box.long_squared * (1.0f / 12), covariance = longer * box.slant,
               shorter = covariance * box.slant + box.short_squared * (1.0f / 12);
@@ -130,7 +129,7 @@ GB_HD_ONE_COPY FootprintParts wide_footprint(Spread all, std::int32_t width, std
   r.across_t = (along_s ? row_step : 0) / float(height);
   r.columns = box.columns;
   r.rows = box.rows;
-  r.level = level_of(levels, 12 * larger(longer, shorter));
+  r.level = smaller(larger(level_of(levels, 12 * larger(longer, shorter)), least_level), levels - 1);
   r.reciprocal = 0x80000000u / std::uint32_t(r.columns * r.rows) + 1;
   return r;
 }
@@ -139,7 +138,8 @@ GB_HD bool is_wide(const Spread& spread) { return 12 * larger(spread.ss, spread.
 
 GB_HD FootprintParts footprint_parts(const TextureView& view, const Spread& spread) {
   if (!is_wide(spread)) return {spread, 0, 0, 0, 0, 1, 1, 0, 0x80000001u};
-  return wide_footprint(spread, view.width, view.height, view.levels);
+  const std::int32_t tested = view.mask_cutoff != 0 ? 1 : 0;
+  return wide_footprint(spread, view.width, view.height, view.levels, 2 - tested, tested);
 }
 
 /// 4^-level.
@@ -179,7 +179,7 @@ GB_HD Rgba16 texture_over(const TextureView& view, const MaterialView& m, const 
   FootprintParts parts = footprint_parts(view, texel_spread(map, f));
   const double s = (map.s0 + map.su * f.centroid.u) + map.sv * f.centroid.v,
                t = (map.t0 + map.tu * f.centroid.u) + map.tv * f.centroid.v;
-  if (parts.level > 0 && (is_across_edge(s, m.wrap_s, view.width, parts.part.ss) ||
+  if (parts.level > (view.mask_cutoff != 0 ? 1 : 0) && (is_across_edge(s, m.wrap_s, view.width, parts.part.ss) ||
                           is_across_edge(t, m.wrap_t, view.height, parts.part.tt)))
     --parts.level;
   const LevelFootprint footprint = level_footprint(parts);

@@ -128,21 +128,12 @@ GB_HD Rgba16 shade_untextured(const Surface& s, const double mean[4]) {
   return apply_material(s.material, factor, Rgba16{{65535, 65535, 65535, 65535}});
 }
 
-/// Whether texels count one by one: where the sampler picks the nearest, and of an alpha test of what is read at less
-/// than its size, since which of many texels pass no plane describes.
-template <bool opaque>
-GB_HD bool counts_texels(const TextureView& texture, const MaterialView& m, const TextureMap& map,
-                         const FragmentShape& f) {
-  return m.nearest || (!opaque && texture.mask_cutoff != 0 && is_wide(texel_spread(map, f)));
-}
-
 /// Premultiplied linear RGBA of a fragment with texture. factor: straight linear RGBA of what the texture is multiplied
 /// with. opaque: see texture_over.
 template <bool opaque>
 GB_HD Rgba16 shade_textured(const TextureView& texture, const MaterialView& m, const TextureMap& map,
                             const Rgba16& factor, const FragmentShape& f, const Tables& tables) {
-  const Rgba16 texel = counts_texels<opaque>(texture, m, map, f)
-                           ? nearest_over(texture, nearest_look(m, map), f, tables.linear_from_srgb)
+  const Rgba16 texel = m.nearest ? nearest_over(texture, nearest_look(m, map), f, tables.linear_from_srgb)
                            : texture_over<opaque>(texture, m, map, f, tables);
   return opaque ? apply_opaque(factor, texel) : apply_material(m, factor, texel);
 }
