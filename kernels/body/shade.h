@@ -54,15 +54,32 @@ GB_HD TextureMap make_texture_map(const TrianglePlane& p, const float uv[6], std
   return r;
 }
 
-/// Variances and covariance of a fragment's points on its texture, texels².
+/// Variances and covariance of points, voxels² or texels².
 struct Spread {
   float ss, st, tt;
 };
 
-GB_HD Spread texel_spread(const TextureMap& m, const FragmentShape& f) {
-  const float xu = m.xu * f.uu + m.xv * f.uv, xv = m.xu * f.uv + m.xv * f.vv, yu = m.yu * f.uu + m.yv * f.uv,
-              yv = m.yu * f.uv + m.yv * f.vv;
+/// Of a fragment's points on its texture.
+GB_HD Spread texel_spread(const TextureMap& m, float uu, float uv, float vv) {
+  const float xu = m.xu * uu + m.xv * uv, xv = m.xu * uv + m.xv * vv, yu = m.yu * uu + m.yv * uv,
+              yv = m.yu * uv + m.yv * vv;
   return {m.xu * xu + m.xv * xv, m.yu * xu + m.yv * xv, m.yu * yu + m.yv * yv};
+}
+
+/// How much narrower a box around `middle` of a cell has to be, so that it reaches little beyond the cell. What has the
+/// spread of half a cell reaches a quarter farther than to its border: beside a chart of an atlas that is too far, and
+/// to end there takes too much from the spread.
+GB_HD float share_within_cell(float middle, float variance) {
+  constexpr float beyond = 1.1f;
+  const float reach = beyond * smaller(middle, 1 - middle), most = reach * reach * (1.0f / 3);
+  return variance > most ? std::sqrt(most / variance) : 1.0f;
+}
+
+/// What a wide footprint takes for the spread of its fragment.
+GB_HD Spread spread_within_cell(const TextureMap& m, const FragmentShape& f) {
+  const float u = share_within_cell(float(f.centroid.u - f.cell_u), f.uu),
+              v = share_within_cell(float(f.centroid.v - f.cell_v), f.vv);
+  return texel_spread(m, f.uu * u * u, f.uv * u * v, f.vv * v * v);
 }
 
 /// How a footprint is read: parts in rows and columns, each with the spread `part` (texels of level 0), on one level.
@@ -88,9 +105,10 @@ GB_HD int level_of(std::int32_t levels, float width_squared) {
 inline constexpr float widest_whole = 4.2f;
 
 /// Parts of a box whose edge has the square `squared`, side by side, each about as long as the root of `wanted`.
-GB_HD std::int32_t parts_along(float squared, float wanted, std::int32_t most) {
+GB_HD std::int32_t parts_along(float squared, float wanted) {
+  constexpr std::int32_t most = 4;
   const float ratio = squared / wanted;
-  return ratio < 64 ? smaller(std::int32_t(std::sqrt(ratio) + 0.5f), most) : most;
+  return ratio < most * most ? std::int32_t(std::sqrt(ratio) + 0.5f) : most;
 }
 
 /// A box on a texture, slanted: along an axis of the texture its edge goes `slant` along the other one, too. Squares of
@@ -100,24 +118,27 @@ struct SlantedBox {
   std::int32_t columns, rows;
 };
 
-/// rows: of parts, where it is wide along both axes. A row has up to four.
-GB_HD SlantedBox slanted_box(float longer, float covariance, float shorter, std::int32_t rows) {
+/// What is tested has one row of parts. Else what is wide along both axes has two, so that a finer level is read, or
+/// three where that is the image itself.
+GB_HD SlantedBox slanted_box(float longer, float covariance, float shorter, bool is_tested) {
   SlantedBox r;
   r.slant = covariance / longer;
   r.long_squared = 12 * longer;
   r.short_squared = 12 * larger(0.0f, shorter - covariance * r.slant);
-  r.rows = r.short_squared <= widest_whole ? 1 : rows;
+  const float wholes = is_tested ? 0 : r.short_squared * (1 / widest_whole);
+  r.rows = wholes <= 1 ? 1 : (wholes > 4 && wholes <= 9 ? 3 : 2);
   r.short_squared /= float(r.rows * r.rows);
-  r.columns = larger(rows, parts_along(r.long_squared, larger(r.short_squared, 0.5f * widest_whole), 4));
+  const std::int32_t along = parts_along(r.long_squared, larger(r.short_squared, 0.5f * widest_whole));
+  r.columns = r.rows == 3 ? 3 : larger(along, is_tested ? 1 : 2);
   r.long_squared /= float(r.columns * r.columns);
   return r;
 }
 
-/// rows, least_level: see rows_of() and least_level_of().
+/// is_tested: by alpha. Then texels are taken of which a level says how many pass.
 GB_HD_ONE_COPY FootprintParts wide_footprint(Spread all, std::int32_t width, std::int32_t height, std::int32_t levels,
-                                             std::int32_t rows, std::int32_t least_level) {
+                                             bool is_tested) {
   const bool along_s = all.ss >= all.tt;
-  const SlantedBox box = slanted_box(along_s ? all.ss : all.tt, all.st, along_s ? all.tt : all.ss, rows);
+  const SlantedBox box = slanted_box(along_s ? all.ss : all.tt, all.st, along_s ? all.tt : all.ss, is_tested);
   const float step = std::sqrt(box.long_squared), row_step = std::sqrt(box.short_squared), slanted = step * box.slant;
   const float longer = box.long_squared * (1.0f / 12), covariance = longer * box.slant,
               shorter = covariance * box.slant + box.short_squared * (1.0f / 12);
@@ -129,17 +150,15 @@ GB_HD_ONE_COPY FootprintParts wide_footprint(Spread all, std::int32_t width, std
   r.across_t = (along_s ? row_step : 0) / float(height);
   r.columns = box.columns;
   r.rows = box.rows;
-  r.level = smaller(larger(level_of(levels, 12 * larger(longer, shorter)), least_level), levels - 1);
+  r.level = smaller(larger(level_of(levels, 12 * larger(longer, shorter)), is_tested ? 1 : 0), levels - 1);
   r.reciprocal = 0x80000000u / std::uint32_t(r.columns * r.rows) + 1;
   return r;
 }
 
-GB_HD bool is_wide(const Spread& spread) { return 12 * larger(spread.ss, spread.tt) > widest_whole; }
-
-GB_HD FootprintParts footprint_parts(const TextureView& view, const Spread& spread) {
-  if (!is_wide(spread)) return {spread, 0, 0, 0, 0, 1, 1, 0, 0x80000001u};
-  const std::int32_t tested = view.mask_cutoff != 0 ? 1 : 0;
-  return wide_footprint(spread, view.width, view.height, view.levels, 2 - tested, tested);
+GB_HD FootprintParts footprint_parts(const TextureView& view, const TextureMap& m, const FragmentShape& f) {
+  const Spread spread = texel_spread(m, f.uu, f.uv, f.vv);
+  if (12 * larger(spread.ss, spread.tt) <= widest_whole) return {spread, 0, 0, 0, 0, 1, 1, 0, 0x80000001u};
+  return wide_footprint(spread_within_cell(m, f), view.width, view.height, view.levels, view.mask_cutoff != 0);
 }
 
 /// 4^-level.
@@ -176,11 +195,11 @@ GB_HD bool is_across_edge(double s, Wrap wrap, std::int32_t size, float variance
 template <bool opaque>
 GB_HD Rgba16 texture_over(const TextureView& view, const MaterialView& m, const TextureMap& map, const FragmentShape& f,
                           const Tables& tables) {
-  FootprintParts parts = footprint_parts(view, texel_spread(map, f));
+  FootprintParts parts = footprint_parts(view, map, f);
   const double s = (map.s0 + map.su * f.centroid.u) + map.sv * f.centroid.v,
                t = (map.t0 + map.tu * f.centroid.u) + map.tv * f.centroid.v;
   if (parts.level > (view.mask_cutoff != 0 ? 1 : 0) && (is_across_edge(s, m.wrap_s, view.width, parts.part.ss) ||
-                          is_across_edge(t, m.wrap_t, view.height, parts.part.tt)))
+                                                        is_across_edge(t, m.wrap_t, view.height, parts.part.tt)))
     --parts.level;
   const LevelFootprint footprint = level_footprint(parts);
   std::uint32_t sum[4] = {0, 0, 0, 0};

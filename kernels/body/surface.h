@@ -134,7 +134,7 @@ template <bool opaque>
 GB_HD Rgba16 shade_textured(const TextureView& texture, const MaterialView& m, const TextureMap& map,
                             const Rgba16& factor, const FragmentShape& f, const Tables& tables) {
   const Rgba16 texel = m.nearest ? nearest_over(texture, nearest_look(m, map), f, tables.linear_from_srgb)
-                           : texture_over<opaque>(texture, m, map, f, tables);
+                                 : texture_over<opaque>(texture, m, map, f, tables);
   return opaque ? apply_opaque(factor, texel) : apply_material(m, factor, texel);
 }
 
