@@ -152,7 +152,6 @@ GB_HD float passing_share(float beyond, float along, float across) {
 /// An alpha test of what is interpolated, as a renderer makes it point by point: of a box, with alpha's mean and
 /// slopes, so much passes as of a plane.
 GB_HD_ONE_COPY Rgba16 test_box(Rgba16 mean, std::uint8_t cutoff, float along, float across) {
-  if (mean.c[3] == 0) return mean;
   const float share = passing_share(float(int(mean.c[3]) - int(cutoff * 257u)), along, across);
   const auto alpha = std::uint32_t(rounded(share * 65535));
   Rgba16 r;
@@ -214,7 +213,7 @@ GB_HD Rgba16 filtered_sample(const TextureView& view, const MaterialView& m, int
   Rgba16 r{{0, 0, 0, 0}};
   for (int c = 0; c < (opaque ? 3 : 4); ++c) r.c[c] = channel_of(sum[c]);
   for (int c = 0; !opaque && c < 3; ++c) r.c[c] = smaller(r.c[c], r.c[3]);
-  return is_tested ? test_footprint(r, view.mask_cutoff, alpha, footprint) : r;
+  return is_tested && r.c[3] != 0 && r.c[3] != 65535 ? test_footprint(r, view.mask_cutoff, alpha, footprint) : r;
 }
 
 }  // namespace gigabake::kernels

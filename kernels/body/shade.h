@@ -69,17 +69,17 @@ GB_HD Spread texel_spread(const TextureMap& m, float uu, float uv, float vv) {
 /// How much narrower a box around `middle` of a cell has to be, so that it reaches little beyond the cell. What has the
 /// spread of half a cell reaches a quarter farther than to its border: beside a chart of an atlas that is too far, and
 /// to end there takes too much from the spread.
-GB_HD float share_within_cell(float middle, float variance) {
+GB_HD float share_within_cell(double middle, float variance) {
   constexpr float beyond = 1.1f;
-  const float reach = beyond * smaller(middle, 1 - middle), most = reach * reach * (1.0f / 3);
-  return variance > most ? std::sqrt(most / variance) : 1.0f;
+  const float reach = beyond * float(smaller(middle, 1 - middle));
+  return smaller(1.0f, reach * inverse_root(3 * variance));
 }
 
 /// What a wide footprint takes for the spread of its fragment.
 GB_HD Spread spread_within_cell(const TextureMap& m, const FragmentShape& f) {
-  const float u = share_within_cell(float(f.centroid.u - f.cell_u), f.uu),
-              v = share_within_cell(float(f.centroid.v - f.cell_v), f.vv);
-  return texel_spread(m, f.uu * u * u, f.uv * u * v, f.vv * v * v);
+  const float u = share_within_cell(f.centroid.u - f.cell_u, f.uu),
+              v = share_within_cell(f.centroid.v - f.cell_v, f.vv);
+  return texel_spread(m, f.uu * (u * u), f.uv * (u * v), f.vv * (v * v));
 }
 
 /// How a footprint is read: parts in rows and columns, each with the spread `part` (texels of level 0), on one level.
@@ -137,7 +137,7 @@ GB_HD SlantedBox slanted_box(float longer, float covariance, float shorter, bool
 /// is_tested: by alpha. Then texels are taken of which a level says how many pass.
 GB_HD_ONE_COPY FootprintParts wide_footprint(Spread all, std::int32_t width, std::int32_t height, std::int32_t levels,
                                              bool is_tested) {
-  const bool along_s = all.ss >= all.tt;
+  const bool along_s = 1.01f * all.ss >= all.tt;  // not by rounding where both are the same
   const SlantedBox box = slanted_box(along_s ? all.ss : all.tt, all.st, along_s ? all.tt : all.ss, is_tested);
   const float step = std::sqrt(box.long_squared), row_step = std::sqrt(box.short_squared), slanted = step * box.slant;
   const float longer = box.long_squared * (1.0f / 12), covariance = longer * box.slant,
