@@ -68,11 +68,12 @@ GB_HD Spread texel_spread(const TextureMap& m, float uu, float uv, float vv) {
 
 /// How much narrower a box around `middle` of a cell has to be, so that it reaches little beyond the cell. What has the
 /// spread of half a cell reaches a quarter farther than to its border: beside a chart of an atlas that is too far, and
-/// to end there takes too much from the spread.
+/// to end there takes too much from the spread. The variance of what is convex is at most half the square of how far
+/// its middle is from the border, so `least` is for rounding alone.
 GB_HD float share_within_cell(double middle, float variance) {
-  constexpr float beyond = 1.1f;
+  constexpr float beyond = 1.1f, least = 0.875f;
   const float reach = beyond * float(smaller(middle, 1 - middle));
-  return smaller(1.0f, reach * inverse_root(3 * variance));
+  return larger(least, smaller(1.0f, reach * inverse_root(3 * variance)));
 }
 
 /// What a wide footprint takes for the spread of its fragment.

@@ -214,7 +214,7 @@ std::vector<Case> texture_cases() {
       {"minified_2", false, 64, 64, opaque, scaled(2, 64), 0.009, 0.0019, 0.001},
       {"minified_3", false, 64, 64, opaque, scaled(3, 64), 0.025, 0.0016, 0.001},
       {"minified_8", true, 128, 128, opaque, scaled(8, 128), 0.055, 0.0085, 0.0015},
-      {"minified_11_blend", true, 256, 256, blend, scaled(11, 256), 0.064, 0.01, 0.001},
+      {"minified_11_blend", true, 256, 256, blend, scaled(11, 256), 0.064, 0.01, 0.0015},
       {"minified_40", true, 256, 256, opaque, scaled(40, 256), 0.023, 0.0036, 0.001},
       {"odd_size", true, 37, 51, blend, odd, 0.057, 0.0067, 0.0015},
       {"turned_45_degrees", false, 64, 64, opaque, turned, 0.028, 0.0027, 0.001},

@@ -177,6 +177,20 @@ TEST(Sampling, HasTheExactMeanOverABoxOfUpToOneTexel) {
   }
 }
 
+/// Rounding gives a sliver along a voxel's border a width, though its middle lies on the border.
+TEST(Sampling, OfASliverOnABorderHasAFootprint) {
+  const Texture texture = filled(64, {200, 100, 50, 255});
+  for (const double texels : {1e3, 1e6, 1e9}) {
+    FragmentShape sliver = box_at(0, 0.5, 1, 1e-6);
+    sliver.uu = sliver.uv = sliver.vv = 1e-4f;
+    const FootprintParts parts = footprint_parts(texture.view(), map_of(texels, 0, 64), sliver);
+    EXPECT_GT(parts.columns * parts.rows, 1);
+    for (const float x : {parts.part.ss, parts.part.st, parts.part.tt, parts.along_s, parts.along_t, parts.across_s})
+      EXPECT_TRUE(std::isfinite(x)) << texels;
+    EXPECT_GT(parts.part.ss, 0) << texels;
+  }
+}
+
 /// Whatever a fragment's shape: two parts and the whole that they make see the same of a texture that a quadratic
 /// function describes, and its covariance counts.
 TEST(Sampling, OfTwoPartsAddsUpToTheWhole) {

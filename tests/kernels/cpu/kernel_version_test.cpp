@@ -26,10 +26,10 @@ TEST(KernelVersion, IsRaisedWithWhateverGivesOtherVoxels) {
     SurfaceRule rule;
     MipFilter filter;
     Hash128 hash;
-  } version_7[] = {{SurfaceRule::area, MipFilter::coverage, {0x1b050b96fd42ed81, 0x6859346548ce0c09}},
-                   {SurfaceRule::area, MipFilter::thesis, {0x2e5885acb4e1270c, 0x23e20f04623fcdeb}},
-                   {SurfaceRule::area, MipFilter::box, {0x798ec8f5db82455d, 0xcfa7d59b96b19e00}},
-                   {SurfaceRule::conservative, MipFilter::coverage, {0xbf78d0404116c309, 0xd9c30ebca0c0eb08}},
+  } version_7[] = {{SurfaceRule::area, MipFilter::coverage, {0xf10273e520d3c53b, 0x8d2580819698ee75}},
+                   {SurfaceRule::area, MipFilter::thesis, {0x0049cc422da7e6c7, 0x1f2e70f461a6dcc6}},
+                   {SurfaceRule::area, MipFilter::box, {0xa50c2aecde0da83e, 0xf897c8b474e80051}},
+                   {SurfaceRule::conservative, MipFilter::coverage, {0x301fc8e9008e8d14, 0x3fb58448cf604cdf}},
                    {SurfaceRule::thin, MipFilter::coverage, {0x113cdbfb2c937240, 0x816acd2cf400f832}}};
   for (const auto& [rule, filter, hash] : version_7)
     EXPECT_EQ(hash_of_all_cells(rule, filter), hash)
