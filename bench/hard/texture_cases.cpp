@@ -168,14 +168,14 @@ std::vector<HardCase> texture_cases() {
   const double bilinear = 2 - 2 * std::log(2.0);  // of a texel: where the bilinear alpha is at least ½
   return {no_numbers(),
           seam("1/4", 0.25, 0.01, 4),
-          seam("1", 1, 0.17, 2),
-          seam("3", 3, 0.08, 2),
+          seam("1", 1, 0.01, 2),
+          seam("3", 3, 0.01, 2),
           seam("5.3", 5.3, 0.02, 2),
-          seam("16", 16, 0.08, 2),
-          single_texel("1/4", 0.25, bilinear, {200, 0.02, 1, 0}),
-          single_texel("1", 1, bilinear, {200, 0.07, 1, 5}),
-          single_texel("4", 4, 1, {60, 0.05, 5, 1}),
-          single_texel("16", 16, 1, {3, 0.25, 4, 7})};
+          seam("16", 16, 0.04, 2),
+          single_texel("1/4", 0.25, bilinear, {110, 0.02, 1, 0}),
+          single_texel("1", 1, bilinear, {65, 0.07, 1, 0}),
+          single_texel("4", 4, 1, {30, 0.05, 3, 0}),
+          single_texel("16", 16, 1, {3, 0.25, 4, 5})};
 }
 
 }  // namespace gigabake::bench

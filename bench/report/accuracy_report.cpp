@@ -169,6 +169,7 @@ std::string goals_table(const AccuracyBench& bench) {
       rows[i] += fmt::format(" {:.3f}{} |", goals[i].measured, goals[i].holds() ? " ✓" : "");
     }
   }
+  if (rows.empty()) return "";
   std::string out = heads + "\n" + rules + "\n";
   for (const std::string& row : rows) out += row + "\n";
   return out;
@@ -185,6 +186,8 @@ struct PlotOf {
 
 std::vector<AccuracyGoal> goals_of(const AccuracySetting& setting) {
   constexpr double most_holes = 0.02, most_bias = 0.02, most_flip = 0.10;
+  if (std::none_of(setting.views.begin(), setting.views.end(), [](const ViewError& v) { return v.view == "nadir 16"; }))
+    return {};
   std::vector<AccuracyGoal> goals{{"nadir: holes ≤ 0.02", at(setting, "nadir 16").error.holes, most_holes}};
   for (const char* direction : {"nadir", "oblique", "grazing"})
     goals.push_back({std::string(direction) + ": coverage bias within ±0.02",

@@ -119,10 +119,15 @@ GB_HD SlabPolygon cut_slab(const TrianglePlane& t, double slab) {
   return r;
 }
 
-/// Area and first moments of a polygon inside one cell, in projected voxel units relative to the cell's lowest corner.
+/// Area, first and second moments of a polygon inside one cell, in projected voxel units relative to the cell's lowest
+/// corner.
 struct CellMoments {
   double area, u, v;
+  float uu, uv, vv;  ///< 12, 24 and 12 times the second moments: they say how wide a footprint is, no more
 };
+
+/// How many of them are wanted; the others stay 0.
+enum class Moments : std::uint8_t { area, first, second };
 
 struct Point2 {
   double u, v;
@@ -131,7 +136,8 @@ struct Point2 {
 /// Where a fragment lies: what its colour is asked for.
 struct FragmentShape {
   Point2 centroid;
-  double area;  ///< projected, signed, voxel²
+  double area;       ///< projected, signed, voxel²
+  float uu, uv, vv;  ///< variances and covariance of its points, voxel²; 0 where it is too small to be measured
   double cell_u, cell_v;
   const double *polygon_u, *polygon_v;  ///< of the slab that it is cut from
   int corners;
@@ -161,10 +167,20 @@ GB_HD double clamp01_finite(double x) {
 
 GB_HD double at_most(double x, double high) { return x > high ? high : x; }
 
+/// Of an edge's part from (ca, v_in) to (cb, v_in + dv_in), and its part beyond u = 1 from v_hi to v_hi + dv_hi.
+GB_HD void add_second_moments(float ca, float cb, float v_in, float dv_in, float v_hi, float dv_hi, CellMoments& sum) {
+  const float v_out = v_in + dv_in, v_top = v_hi + dv_hi;
+  const float aa = ca * ca, bb = cb * cb, c = ca + cb, v = v_in + v_out, middle = v_hi + v_top;
+  sum.uu += c * (aa + bb) * dv_in + 4 * dv_hi;
+  sum.uv += (2 * (aa * v_in + bb * v_out) + c * c * v) * dv_in + 6 * middle * dv_hi;
+  sum.vv += (2 * (ca * (v_in * v_in) + cb * (v_out * v_out)) + c * (v * v)) * dv_in +
+            4 * (middle * middle - v_hi * v_top) * dv_hi;
+}
+
 /// Adds a polygon's edge on `line` from (au, av) to v = bv, relative to the cell. Of its dv in the cell's range of v, a
 /// part has u inside the cell, one beyond u = 1, one below 0, each by dv/du; where that is steep, rounding moves their
 /// borders, and so each part is taken as what the others leave where u is far from the border's.
-template <bool with_moments>
+template <Moments wanted>
 GB_HD void add_edge(double au, double av, double bv, const Line& line, CellMoments& sum) {
   const double va = clamp01_finite(av), vb = clamp01_finite(bv);
   const double ua = au + (va - av) * line.du_dv, ub = au + (vb - av) * line.du_dv;
@@ -174,12 +190,14 @@ GB_HD void add_edge(double au, double av, double bv, const Line& line, CellMomen
   const double dv_lo = (at_most(ub, 0) - at_most(ua, 0)) * line.dv_du;
   const double dv_hi = ua > 1 || ub > 1 ? (dv - dv_in) - dv_lo : 0;
   sum.area += (ca + cb) * 0.5 * dv_in + dv_hi;
-  if constexpr (with_moments) {
+  if constexpr (wanted != Moments::area) {
     const bool falls = ub < ua;
     const double v_in = va + (falls ? dv_hi : dv_lo), v_out = v_in + dv_in;
     const double v_hi = falls ? va : v_out, v_top = v_hi + dv_hi;
     sum.u += (ca * ca + ca * cb + cb * cb) * (1.0 / 6) * dv_in + 0.5 * dv_hi;
     sum.v += (ca * (2 * v_in + v_out) + cb * (v_in + 2 * v_out)) * (1.0 / 6) * dv_in + 0.5 * dv_hi * (v_hi + v_top);
+    if constexpr (wanted == Moments::second)
+      add_second_moments(float(ca), float(cb), float(v_in), float(dv_in), float(v_hi), float(dv_hi), sum);
   }
 }
 

@@ -232,14 +232,14 @@ GB_HD unsigned edges_in_row(const TexelOutline& o, double row) {
 
 /// Edges left of the texel bound nothing of it, and those on its right all that they pass of its row: most do either.
 GB_HD double covered_area(const TexelOutline& o, unsigned edges, double column, double row) {
-  CellMoments sum{0, 0, 0};
+  CellMoments sum{};
   for (int i = 0; i < o.count; ++i) {
     const int j = i + 1 == o.count ? 0 : i + 1;
     if ((edges >> i & 1) == 0 || larger(o.x[i], o.x[j]) <= column) continue;
     if (smaller(o.x[i], o.x[j]) >= column + 1)
       sum.area += clamp01(o.y[j] - row) - clamp01(o.y[i] - row);
     else
-      add_edge<false>(o.x[i] - column, o.y[i] - row, o.y[j] - row, o.line[i], sum);
+      add_edge<Moments::area>(o.x[i] - column, o.y[i] - row, o.y[j] - row, o.line[i], sum);
   }
   return sum.area;
 }

@@ -62,21 +62,24 @@ GB_HD void copy_texel(const void* from, void* to) {
 
 /// Four premultiplied linear texels of level l. All are asked for before anything is done with the first. opaque: alpha
 /// is not looked at.
-template <bool opaque>
-GB_HD void load_texels(const TextureView& t, int l, const std::uint32_t at[4], const Tables& tables, Rgba16 out[4]) {
+template <bool opaque, int count = 4>
+GB_HD void load_texels(const TextureView& t, int l, const std::uint32_t at[count], const Tables& tables,
+                       Rgba16 out[count]) {
   if (l > 0) {
     const std::uint16_t* level = t.level[l];
-    for (int k = 0; k < 4; ++k) copy_texel<8>(level + 4 * std::size_t(at[k]), out[k].c);
+    for (int k = 0; k < count; ++k) copy_texel<8>(level + 4 * std::size_t(at[k]), out[k].c);
     return;
   }
-  std::uint8_t p[4][4];
-  for (int k = 0; k < 4; ++k) copy_texel<4>(t.base + 4 * std::size_t(at[k]), p[k]);
-  for (int k = 0; k < 4; ++k) {
+  std::uint8_t p[count][4];
+  for (int k = 0; k < count; ++k) copy_texel<4>(t.base + 4 * std::size_t(at[k]), p[k]);
+  for (int k = 0; k < count; ++k) {
     for (int c = 0; c < 3; ++c) out[k].c[c] = tables.linear_from_srgb[p[k][c]];
     out[k].c[3] = std::uint16_t(p[k][3] * 257u);
   }
-  const bool premultiplied = opaque || (p[0][3] & p[1][3] & p[2][3] & p[3][3]) == 255;
-  for (int k = 0; k < 4 && !premultiplied; ++k)
+  std::uint32_t alphas = 255;
+  for (int k = 0; k < count; ++k) alphas &= p[k][3];
+  const bool premultiplied = opaque || alphas == 255;
+  for (int k = 0; k < count && !premultiplied; ++k)
     for (int c = 0; c < 3; ++c) out[k].c[c] = scale16(out[k].c[c], out[k].c[3]);
 }
 

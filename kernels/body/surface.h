@@ -78,22 +78,34 @@ GB_HD Barycentric barycentric(const TrianglePlane& t, Point2 p) {
   return {a * inverse_sum, b * inverse_sum, c * inverse_sum};
 }
 
-GB_HD Point2 centroid_of(const CellMoments& m, double cell_u, double cell_v) {
-  const double inverse = 1 / m.area;
-  return {cell_u + clamp01(m.u * inverse), cell_v + clamp01(m.v * inverse)};
-}
-
-/// Where a fragment is shaded: its centroid, or for the thinnest of them the triangle's point at the cell's centre.
-GB_HD Point2 fragment_centroid(const TrianglePlane& t, const CellMoments& m, double cell_u, double cell_v) {
-  if (has_centroid(m.area)) return centroid_of(m, cell_u, cell_v);
+/// Where a fragment is shaded that is too small for moment over area: the triangle's point at the cell's centre.
+GB_HD Point2 small_centroid(const TrianglePlane& t, double cell_u, double cell_v) {
   const Barycentric w = barycentric(t, {cell_u + 0.5, cell_v + 0.5});
   return {w.a * t.u[0] + w.b * t.u[1] + w.c * t.u[2], w.a * t.v[0] + w.b * t.v[1] + w.c * t.v[2]};
 }
 
-/// (polygon_u, polygon_v): the slab's, which the fragment is cut from.
+/// Rounding may lead beyond what points of a unit cell have.
+GB_HD void set_variances(const CellMoments& m, float inverse_area, FragmentShape& f) {
+  constexpr float most = 0.25f;
+  const auto u = float(f.centroid.u - f.cell_u), v = float(f.centroid.v - f.cell_v);
+  const float twelfth = inverse_area * (1.0f / 12);
+  f.uu = larger(0.0f, smaller(m.uu * twelfth - u * u, most));
+  f.vv = larger(0.0f, smaller(m.vv * twelfth - v * v, most));
+  f.uv = larger(-most, smaller(0.5f * m.uv * twelfth - u * v, most));
+}
+
+/// m: with second moments. (polygon_u, polygon_v): the slab's, which the fragment is cut from.
 GB_HD FragmentShape fragment_shape(const TrianglePlane& t, const CellMoments& m, double cell_u, double cell_v,
                                    const double* polygon_u, const double* polygon_v, int corners) {
-  return {fragment_centroid(t, m, cell_u, cell_v), m.area, cell_u, cell_v, polygon_u, polygon_v, corners};
+  FragmentShape r{{0, 0}, m.area, 0, 0, 0, cell_u, cell_v, polygon_u, polygon_v, corners};
+  if (has_centroid(m.area)) {
+    const double inverse = 1 / m.area;
+    r.centroid = {cell_u + clamp01(m.u * inverse), cell_v + clamp01(m.v * inverse)};
+    set_variances(m, float(inverse), r);
+  } else {
+    r.centroid = small_centroid(t, cell_u, cell_v);
+  }
+  return r;
 }
 
 /// A channel's mean of the three vertices: the whole number that is nearest.
@@ -121,9 +133,8 @@ GB_HD Rgba16 shade_untextured(const Surface& s, const double mean[4]) {
 template <bool opaque>
 GB_HD Rgba16 shade_textured(const TextureView& texture, const MaterialView& m, const TextureMap& map,
                             const Rgba16& factor, const FragmentShape& f, const Tables& tables) {
-  const Rgba16 texel =
-      m.nearest ? nearest_over(texture, nearest_look(m, map), f, tables.linear_from_srgb)
-                : texture_over<opaque>(texture, m, map, f.centroid.u, f.centroid.v, std::fabs(f.area), tables);
+  const Rgba16 texel = m.nearest ? nearest_over(texture, nearest_look(m, map), f, tables.linear_from_srgb)
+                                 : texture_over<opaque>(texture, m, map, f, tables);
   return opaque ? apply_opaque(factor, texel) : apply_material(m, factor, texel);
 }
 

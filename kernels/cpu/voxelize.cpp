@@ -91,7 +91,7 @@ class BrickWalker {
       ++lanes_.count;
     }
     const SlabPolygon polygon = cut_slab(plane, double(w - plane.anchor[2]));
-    look == Look::flat ? measure_areas(plane, polygon, lanes_) : measure_moments(plane, polygon, lanes_);
+    measure(plane, polygon, look);
     if (look == Look::linear)
       add_linear_cells(plane, surface, voxel);
     else
@@ -99,7 +99,19 @@ class BrickWalker {
     fragments_ += std::uint64_t(lanes_.count);
   }
 
-  CellMoments moments_of(int lane) const { return {lanes_.area[lane], lanes_.moment_u[lane], lanes_.moment_v[lane]}; }
+  void measure(const TrianglePlane& plane, const SlabPolygon& polygon, Look look) {
+    if (look == Look::flat) return measure_areas(plane, polygon, lanes_);
+    look == Look::linear ? measure_moments(plane, polygon, lanes_) : measure_second_moments(plane, polygon, lanes_);
+  }
+
+  CellMoments moments_of(int lane) const {
+    return {lanes_.area[lane], lanes_.moment_u[lane], lanes_.moment_v[lane], 0, 0, 0};
+  }
+
+  CellMoments second_moments_of(int i) const {
+    return {lanes_.area[i],      lanes_.moment_u[i],  lanes_.moment_v[i],
+            lanes_.moment_uu[i], lanes_.moment_uv[i], lanes_.moment_vv[i]};
+  }
 
   void add_linear_cells(const TrianglePlane& plane, const Surface& surface, const int voxel[64]) {
     for (int i = 0; i < lanes_.count; ++i)
@@ -114,7 +126,7 @@ class BrickWalker {
     for (int i = 0; i < lanes_.count; ++i) {
       if (varies) {
         const FragmentShape shape =
-            fragment_shape(plane, moments_of(i), lanes_.u[i], lanes_.v[i], polygon.u, polygon.v, polygon.count);
+            fragment_shape(plane, second_moments_of(i), lanes_.u[i], lanes_.v[i], polygon.u, polygon.v, polygon.count);
         rgba = opaque ? shade<true>(surface, plane, shape, tables_) : shade<false>(surface, plane, shape, tables_);
       }
       sums_.add(voxel[i], make_fragment(surface, rgba, weight_of(lanes_.area[i], plane.weight_scale)));

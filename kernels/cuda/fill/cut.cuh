@@ -158,11 +158,12 @@ __device__ void cut_item(const InputView& in, const WindowTriangle& w, const std
 
 /// Area and moments of the cell in `row` of the brick, edge after edge as kernels/cpu/cell_lanes.h does them. Edges
 /// beside the row would add nothing but zeros.
-__device__ inline CellMoments measure(const CutItem& item, double u, double v, int row) {
-  CellMoments m{0, 0, 0};
+template <Moments wanted>
+__device__ CellMoments measure(const CutItem& item, double u, double v, int row) {
+  CellMoments m{};
   for (unsigned edges = unsigned(item.edges_of_row >> 8 * row) & 31; edges != 0; edges &= edges - 1) {
     const int e = __ffs(int(edges)) - 1, f = e + 1 == item.corners ? 0 : e + 1;
-    add_edge<true>(item.u[e] - u, item.v[e] - v, item.v[f] - v, item.line[item.edge_lines >> 2 * e & 3], m);
+    add_edge<wanted>(item.u[e] - u, item.v[e] - v, item.v[f] - v, item.line[item.edge_lines >> 2 * e & 3], m);
   }
   return m;
 }
@@ -205,7 +206,8 @@ __device__ Rgba16 shade_item(const Tables& tables, const CutItem& item, const Va
 template <bool is_hard, CellMaterials materials>
 __device__ Fragment fragment_of(const Tables& tables, const FillItem<is_hard, materials>& item, int cell) {
   const double u = double((cell & 7) - item.anchor_u), v = double((cell >> 3) - item.anchor_v);
-  const CellMoments m = measure(item, u, v, cell >> 3);
+  constexpr Moments wanted = materials == CellMaterials::plain ? Moments::first : Moments::second;
+  const CellMoments m = measure<wanted>(item, u, v, cell >> 3);
   if (item.look == Look::linear) return linear_fragment(item.colour, u, v, m, item.weight_scale, item.normal);
   Rgba16 rgba;
   if (materials == CellMaterials::plain || item.look == Look::flat)

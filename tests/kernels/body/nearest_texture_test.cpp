@@ -23,7 +23,7 @@ Texture random_texture(int width, int height, TextureAlpha alpha, std::mt19937_6
 /// A fragment that is the whole unit cell.
 struct WholeCell {
   double u[4] = {0, 1, 1, 0}, v[4] = {0, 0, 1, 1};
-  FragmentShape shape() const { return {{0.5, 0.5}, 1, 0, 0, u, v, 4}; }
+  FragmentShape shape() const { return {{0.5, 0.5}, 1, 1.0f / 12, 0, 1.0f / 12, 0, 0, u, v, 4}; }
 };
 
 Rgba16 found(const Texture& texture, const NearestLook& look, const FragmentShape& shape) {
@@ -141,7 +141,7 @@ TEST(NearestTexels, AreOfTheImageWhateverIsAskedFor) {
       for (double& x : cell.u) x = any();
     const Rgba16 r =
         found(texture, {any(), any(), any(), any(), any(), any(), all_wraps[rng() % 3], all_wraps[rng() % 3]},
-              {{0.5, 0.5}, i % 3 == 0 ? any() : 1, 0, 0, cell.u, cell.v, 4});
+              {{0.5, 0.5}, i % 3 == 0 ? any() : 1, 0, 0, 0, 0, 0, cell.u, cell.v, 4});
     for (int c = 0; c < 3; ++c) ASSERT_LE(r.c[c], r.c[3] + 2) << "seed " << seed;
   }
 }
@@ -149,7 +149,7 @@ TEST(NearestTexels, AreOfTheImageWhateverIsAskedFor) {
 /// A polygon that is the cell's half, beyond it on all other sides.
 TEST(NearestTexels, AreThoseOfTheFragmentNotOfItsCell) {
   const double u[3] = {0.5, 40, 0.5}, v[3] = {-30, -30, 70};  // a sheet that begins at u = 1/2
-  const FragmentShape shape{{0.75, 0.5}, 0.5, 0, 0, u, v, 3};
+  const FragmentShape shape{{0.75, 0.5}, 0.5, 0, 0, 0, 0, 0, u, v, 3};
   const NearestLook look{0, 0.5, 0, 0.5, 0, 0.1, Wrap::repeat, Wrap::repeat};  // two texels a voxel
   EXPECT_EQ(found(stripes(), look, shape).c[0], 65535);
 }

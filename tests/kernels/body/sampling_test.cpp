@@ -1,4 +1,4 @@
-/// Sampling a texture: which texels, with what weights, and the mean of a footprint's probes.
+/// Sampling a texture: which texels, with what weights, and the mean over a footprint.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,13 +21,26 @@ Texture filled(int size, const std::array<std::uint8_t, 4>& rgba) {
   return Texture(std::move(texels), size, size, TextureAlpha::blend, 0, ThreadPool(1));
 }
 
-/// `probes` side by side along u, each `texels` wide.
-TextureMap map_of(int probes, double texels, int size) {
+/// Texels a voxel along u and along v of a picture of `size`.
+TextureMap map_of(double texels_u, double texels_v, int size) {
   TextureMap map{};
-  map.su = map.tv = 1.0 / size;
-  map.along_s = map.su;
-  set_probes(probes, texels, map);
+  map.su = texels_u / size;
+  map.tv = texels_v / size;
+  map.xu = float(texels_u);
+  map.yv = float(texels_v);
   return map;
+}
+
+/// A box of any size and place; its outline is not looked at.
+FragmentShape box_at(double u, double v, double width, double height) {
+  return {{u, v}, width * height, float(width * width / 12), 0, float(height * height / 12), 0, 0, nullptr, nullptr, 0};
+}
+
+FragmentShape any_fragment(std::mt19937_64& rng) {
+  FragmentShape f =
+      box_at(double(rng() % 100) / 7, double(rng() % 100) / 7, double(rng() % 9) / 8, double(rng() % 9) / 8);
+  f.uv = (float(rng() % 17) / 8 - 1) * std::sqrt(f.uu * f.vv);
+  return f;
 }
 
 /// The texel at whole number i of the endless plane that an image wraps to, by glTF's words.
@@ -78,13 +91,14 @@ TEST(Sampling, FindsOneColourWhereTheTextureHasOne) {
     const TextureView view = texture.view();
     std::uint16_t wanted[4] = {0, 0, 0, std::uint16_t(rgba[3] * 257)};
     for (std::size_t c = 0; c < 3; ++c) wanted[c] = scale16(tables.linear_from_srgb[rgba[c]], wanted[3]);
-    for (int probes = 1; probes <= 8; ++probes) {
-      const double texels = std::uniform_real_distribution<double>(0, 2.0 * size)(rng);
-      const Rgba16 mean = texture_over<false>(view, material, map_of(probes, texels, size), double(rng() % 100) / 7,
-                                              double(rng() % 100) / 7, double(rng() % 8) / 4, tables);
+    for (int k = 0; k < 8; ++k) {
+      std::uniform_real_distribution<double> texels(0, k < 4 ? 4 : 20.0 * size);
+      material.wrap_s = all_wraps[rng() % 3];
+      material.wrap_t = all_wraps[rng() % 3];
+      const TextureMap map = map_of(texels(rng), texels(rng), size);
+      const Rgba16 mean = texture_over<false>(view, material, map, any_fragment(rng), tables);
       for (int c = 0; c < 4; ++c)
-        ASSERT_EQ(mean.c[c], wanted[c]) << "channel " << c << ", " << probes << " probes, texture " << i << ", seed "
-                                        << seed;
+        ASSERT_EQ(mean.c[c], wanted[c]) << "channel " << c << ", texture " << i << ", seed " << seed;
     }
   }
 }
@@ -116,27 +130,92 @@ TEST(Sampling, FindsTheSameColoursWithoutAlpha) {
     MaterialView material;
     material.wrap_s = all_wraps[rng() % 3];
     material.wrap_t = all_wraps[rng() % 3];
-    const double texels_wide = std::uniform_real_distribution<double>(0, 30)(rng);
-    const TextureMap map = map_of(1 + int(rng() % 8), texels_wide, width);
-    const double u = double(rng() % 1000) / 7, v = double(rng() % 1000) / 7, area = double(rng() % 9) / 8;
-    const Rgba16 all = texture_over<false>(texture.view(), material, map, u, v, area, tables);
-    const Rgba16 opaque = texture_over<true>(texture.view(), material, map, u, v, area, tables);
+    std::uniform_real_distribution<double> wide(0, 30);
+    const TextureMap map = map_of(wide(rng), wide(rng), width);
+    const FragmentShape f = any_fragment(rng);
+    const Rgba16 all = texture_over<false>(texture.view(), material, map, f, tables);
+    const Rgba16 opaque = texture_over<true>(texture.view(), material, map, f, tables);
     for (int c = 0; c < 3; ++c) ASSERT_EQ(opaque.c[c], all.c[c]) << "texture " << i << ", seed " << seed;
     ASSERT_EQ(all.c[3], 65535);
   }
 }
 
-TEST(Sampling, ReadsTheLevelThatAFootprintAsksFor) {
-  const Texture texture = filled(64, {1, 2, 3, 255});
-  const TextureView view = texture.view();
-  const auto blend = [&view](float texels) { return blend_for(view, texels); };
-  EXPECT_EQ(blend(1).level, 0);
-  EXPECT_EQ(blend(1).coarser, 0u);
-  EXPECT_EQ(blend(3).level, 0);  // √3 texels is one bilinear kernel, 2·√3 the next level's
-  EXPECT_EQ(blend(3).coarser, std::uint32_t((3 / std::sqrt(3.0) - 1) * 256));
-  EXPECT_EQ(blend(4).level, 1);
-  EXPECT_EQ(blend(1e9).level, view.levels - 1);
-  EXPECT_EQ(blend(1e9).coarser, 0u);
+/// Mean of channel 0 of an opaque texture over a box, from many points of it.
+double mean_of_points(const Texture& texture, const MaterialView& m, double s, double t, double width, double height) {
+  constexpr int points = 200;
+  const Tables tables = TableStore::host().view();
+  double sum = 0;
+  for (int i = 0; i < points * points; ++i) {
+    const double x = s + width * ((i % points + 0.5) / points - 0.5),
+                 y = t + height * ((i / points + 0.5) / points - 0.5);
+    sum += sample_level<true>(texture.view(), m, 0, fraction_of(x, m.wrap_s), fraction_of(y, m.wrap_t), tables).c[0];
+  }
+  return sum / (points * points);
+}
+
+/// Also across the edges of the image.
+TEST(Sampling, HasTheExactMeanOverABoxOfUpToOneTexel) {
+  constexpr std::uint64_t seed = 44;
+  std::mt19937_64 rng(seed);
+  const Tables tables = TableStore::host().view();
+  for (int i = 0; i < 40; ++i) {
+    const int size = 4 + int(rng() % 9);
+    std::vector<std::uint8_t> texels(std::size_t(4) * std::size_t(size) * std::size_t(size));
+    for (std::uint8_t& x : texels) x = std::uint8_t(rng());
+    const Texture texture(std::move(texels), size, size, TextureAlpha::ignore, 0, ThreadPool(1));
+    MaterialView material;
+    material.wrap_s = all_wraps[rng() % 3];
+    material.wrap_t = all_wraps[rng() % 3];
+    std::uniform_real_distribution<double> wide(0, 1), place(-0.4, 1.4);
+    const double width = wide(rng) / size, height = wide(rng) / size, s = place(rng), t = place(rng);
+    TextureMap map{};
+    map.su = map.tv = 1;
+    map.xu = map.yv = float(size);
+    const Rgba16 found = texture_over<true>(texture.view(), material, map, box_at(s, t, width, height), tables);
+    ASSERT_NEAR(found.c[0], mean_of_points(texture, material, s, t, width, height), 400)
+        << i << ", " << width * size << " x " << height * size << " texels, seed " << seed;
+  }
+}
+
+/// Rounding gives a sliver along a voxel's border a width, though its middle lies on the border.
+TEST(Sampling, OfASliverOnABorderHasAFootprint) {
+  const Texture texture = filled(64, {200, 100, 50, 255});
+  for (const double texels : {1e3, 1e6, 1e9}) {
+    FragmentShape sliver = box_at(0, 0.5, 1, 1e-6);
+    sliver.uu = sliver.uv = sliver.vv = 1e-4f;
+    const FootprintParts parts = footprint_parts(texture.view(), map_of(texels, 0, 64), sliver);
+    EXPECT_GT(parts.columns * parts.rows, 1);
+    for (const float x : {parts.part.ss, parts.part.st, parts.part.tt, parts.along_s, parts.along_t, parts.across_s})
+      EXPECT_TRUE(std::isfinite(x)) << texels;
+    EXPECT_GT(parts.part.ss, 0) << texels;
+  }
+}
+
+/// Whatever a fragment's shape: two parts and the whole that they make see the same of a texture that a quadratic
+/// function describes, and its covariance counts.
+TEST(Sampling, OfTwoPartsAddsUpToTheWhole) {
+  constexpr int size = 64;
+  std::vector<std::uint8_t> texels;
+  const Tables tables = TableStore::host().view();
+  for (int i = 0; i < size * size; ++i) {
+    const int x = i % size - 32, y = i / size - 32;
+    const auto grey = tables.srgb_from_linear[std::size_t(32768 + 28 * x * y)];
+    texels.insert(texels.end(), {grey, grey, grey, 255});
+  }
+  const Texture texture(std::move(texels), size, size, TextureAlpha::ignore, 0, ThreadPool(1));
+  const MaterialView material;
+  const TextureMap map = map_of(3, 3, size);
+  const auto red = [&](const FragmentShape& f) {
+    return double(texture_over<true>(texture.view(), material, map, f, tables).c[0]);
+  };
+  for (double u = 6; u < 15; u += 0.7) {  // a unit square and its halves on either side of a diagonal
+    const double third = 1.0 / 3, v = 21 - u;
+    FragmentShape low = box_at(u + 2 * third, v + third, 1, 1), high = box_at(u + third, v + 2 * third, 1, 1);
+    low.area = high.area = 0.5;
+    low.uu = low.vv = high.uu = high.vv = 1.0f / 18;
+    low.uv = high.uv = 1.0f / 36;
+    EXPECT_NEAR((red(low) + red(high)) / 2, red(box_at(u + 0.5, v + 0.5, 1, 1)), 200) << u;
+  }
 }
 
 }  // namespace

@@ -98,10 +98,10 @@ void expect_same_bits(const std::vector<In>& in, Body body) {
 
 /// Of the cell at (u, v) as the polygon covers it.
 GB_HD CellMoments moments_of(const TrianglePlane& plane, const SlabPolygon& polygon, double u, double v) {
-  CellMoments m{0, 0, 0};
+  CellMoments m{};
   for (int e = 0; e < polygon.count; ++e) {
     const int f = e + 1 == polygon.count ? 0 : e + 1;
-    add_edge<true>(polygon.u[e] - u, polygon.v[e] - v, polygon.v[f] - v, plane.line[polygon.line[e]], m);
+    add_edge<Moments::second>(polygon.u[e] - u, polygon.v[e] - v, polygon.v[f] - v, plane.line[polygon.line[e]], m);
   }
   return m;
 }
