@@ -174,12 +174,24 @@ std::vector<SceneCell> PagedScene::cells(const ThreadPool& pool) const {
   return all;
 }
 
+/// Each page is read once, for its cells and its parents.
 SceneDescription PagedScene::all(const ThreadPool& pool) const {
   SceneDescription scene;
   static_cast<SceneHeader&>(scene) = header_;
-  scene.cells = cells(pool);
-  scene.parents = parents();
-  if (root_.pages.empty()) return scene;
+  const auto take_parents = [&scene](const ScenePage& page) {
+    scene.parents.insert(scene.parents.end(), page.parents.begin(), page.parents.end());
+  };
+  const std::vector<PageReference> pages = leaves(pool, take_parents);
+  scene.cells = root_.cells;
+  if (pages.empty()) return scene;
+  scene.cells.reserve(totals_.cells);
+  std::mutex mutex;
+  pool.parallel_for(pages.size(), 1, [&](std::size_t i, std::size_t, int) {
+    ScenePage page = read_page(scene_xml_, header_, pages[i]);
+    const std::scoped_lock lock(mutex);
+    std::move(page.cells.begin(), page.cells.end(), std::back_inserter(scene.cells));
+    take_parents(page);
+  });
   std::sort(scene.cells.begin(), scene.cells.end(), is_before);
   std::sort(scene.parents.begin(), scene.parents.end(), is_parent_before);
   return scene;
