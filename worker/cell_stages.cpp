@@ -10,6 +10,7 @@
 #include "format/shard/shard_reader.h"
 #include "kernels/cpu/bake_cell.h"
 #include "lattice/error.h"
+#include "lattice/kernel_version.h"
 #include "worker/cell_parameters.h"
 #include "worker/shard_from_volume.h"
 #include "worker/write_crew.h"
@@ -36,14 +37,15 @@ const WorkerOptions& with_shard_folder(const WorkerOptions& options) {
 
 template <class AnyShard>
 SceneCell scene_cell(const CellJob& job, const AnyShard& shard, const StoredShard& stored) {
-  const ShardHeader& h = shard.header;
-  return {job.name,      shard_path(job).generic_string(),
-          h.lattice_min, h.cell_voxels,
-          h.lods,        stored.file,
-          h.triangles,   count_voxels(shard),
-          h.fingerprint, h.content_hash,
-          stored.levels, stored.nodes,
-          h.first_lod,   h.copied_lods};
+  SceneCell cell = cell_of(job);
+  cell.lods = shard.header.lods;
+  cell.bytes = stored.file;
+  cell.triangles = shard.header.triangles;
+  cell.voxels = count_voxels(shard);
+  cell.content_hash = shard.header.content_hash;
+  cell.level_bytes = stored.levels;
+  cell.node_bytes = stored.nodes;
+  return cell;
 }
 
 std::vector<LevelSummary> with_stored(std::vector<LevelSummary> levels, const std::vector<std::uint64_t>& stored) {
@@ -148,25 +150,15 @@ void CellStages::read(CellInHand& cell) {
     cell.report.levels = with_stored(summarize_levels(*shard), stored.levels);
     return decide(cell, CellOutcome::baked);
   }
-  if (is_parent(cell.job)) return read_children(cell);
+  if (is_parent(cell.job)) {
+    cell.children = read_children(options_.out, cell.job);
+    return;
+  }
   cell.loaded = loader_.load(cell.job);
   on_device(cell, [&] {
     make_baker();
     cell.device_input = cuda_->upload(cell.loaded->input());
   });
-}
-
-/// A child that another bake has replaced meanwhile has another file.
-void CellStages::read_children(CellInHand& parent) const {
-  parent.children.resize(parent.job.child_files.size());
-  for (std::size_t c = 0; c < parent.children.size(); ++c) {
-    const ShardReader reader(options_.out / parent.job.child_files[c]);
-    const ShardHeader& h = reader.header();
-    if (shard_file(h.cell, h.fingerprint) != parent.job.child_files[c])
-      throw InputError(options_.out / parent.job.child_files[c], "fingerprint",
-                       "is not that of its name: remove the file and bake again");
-    parent.children[c] = read_child(reader, parent.job);
-  }
 }
 
 void CellStages::bake_parent(CellInHand& parent) const {
@@ -294,6 +286,7 @@ ShardHeader CellStages::header_of(const CellInHand& cell) const {
   h.has_normals = parameters_.normals;
   h.has_facing = has_facing(parameters_);
   h.triangles = cell.stats().triangles;
+  h.kernel_version = kernel_version;
   return h;
 }
 

@@ -65,7 +65,6 @@ class CellStages {
   template <class Step>
   bool on_device(CellInHand& cell, const Step& step);
   void bake_on_cpu(CellInHand& cell) const;
-  void read_children(CellInHand& parent) const;
   void bake_parent(CellInHand& parent) const;
   void bring_from_device(CellInHand& cell, kernels::CudaPacker& packer);
   void pack_on_device(CellInHand& cell, kernels::CudaPacker& packer);

@@ -1,6 +1,8 @@
 /// A parent made of its children's shards: by who bakes it, and by who checks that it is what its children make.
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -21,8 +23,16 @@ struct ChildOfParent {
 /// What shards that this program writes say of who wrote them.
 std::string generator();
 
+/// Of its arrays.
+std::uint64_t bytes_of(const ChildOfParent& child);
+
 /// Errors  InputError: damaged; a shard that keeps nothing for parents, or lacks a level that the parent copies.
 ChildOfParent read_child(const ShardReader& reader, const CellJob& parent);
+
+/// All of a parent's children, of which OUT has the files. Twice their bytes are held against memory_limit(): beside
+/// them stand the parent's own levels, which have the voxels of their copies.
+/// Errors  InputError: as above, a file that is not the one of its name, or more memory than allowed.
+std::vector<ChildOfParent> read_children(const std::filesystem::path& out, const CellJob& parent);
 
 /// Exact   A function of the children's shards: the same bits whoever makes it, on whichever threads.
 /// Errors  InputError: children that contradict each other or the parameters.

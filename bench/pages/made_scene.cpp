@@ -49,21 +49,9 @@ SceneCell made_cell(std::int64_t x, std::int64_t y) {
   return cell;
 }
 
-SceneCell described(const CellJob& job) {
-  SceneCell parent;
-  parent.name = job.name;
-  parent.file = shard_path(job).generic_string();
-  parent.lattice_min = job.lattice_min;
-  parent.cell_voxels = job.cell_voxels;
-  parent.first_lod = job.first_lod;
-  parent.copied_lods = job.copied_lods;
-  parent.fingerprint = job.fingerprint;
-  return parent;
-}
-
 /// As a bake would describe it.
 SceneCell made_parent(const CellJob& job) {
-  SceneCell parent = described(job);
+  SceneCell parent = cell_of(job);
   for (std::uint32_t width = job.cell_voxels >> job.first_lod; width >= 8; width /= 2) {
     parent.voxels.push_back(std::uint64_t(width) * width);
     parent.level_bytes.push_back(4 * parent.voxels.back());
@@ -78,7 +66,7 @@ SceneCell made_parent(const CellJob& job) {
 
 SceneCell written_parent(const std::filesystem::path& out, const CellJob& job, double voxel_size_m) {
   const Shard shard = painted_parent(job, surface_height, voxel_size_m);
-  SceneCell parent = described(job);
+  SceneCell parent = cell_of(job);
   const StoredShard stored = write_shard(out / parent.file, shard, {});
   parent.lods = shard.header.lods;
   parent.bytes = stored.file;

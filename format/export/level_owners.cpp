@@ -11,7 +11,9 @@ int root_lod(std::uint32_t edge_voxels) { return std::bit_width(edge_voxels / br
 
 }  // namespace
 
-LevelOwner LevelOwners::of_cell(const SceneCell& cell) { return {cell, 0, int(cell.lods) - 1}; }
+LevelOwner LevelOwners::of(const SceneCell& shard) {
+  return {shard, int(shard.own_lod()), int(shard.first_lod + shard.lods) - 1};
+}
 
 LevelOwners::LevelOwners(const PagedScene& scene) : scene_(scene) {
   if (scene.totals().cell_voxels != 0) {
@@ -20,38 +22,38 @@ LevelOwners::LevelOwners(const PagedScene& scene) : scene_(scene) {
     coarsest_ = 62;
     scene.for_each_cell([this](const SceneCell& c) { coarsest_ = std::min(coarsest_, int(c.lods) - 1); });
   }
-  for (const SceneCell& parent : scene.header().parents) {
-    parents_.push_back({parent, int(parent.own_lod()), int(parent.first_lod + parent.lods) - 1});
-    coarsest_ = std::max(coarsest_, parents_.back().coarsest);
-  }
+  if (has_parents()) coarsest_ = std::max(coarsest_, int(scene.totals().voxels.size()) - 1);
 }
 
 std::vector<LevelOwner> LevelOwners::of(int lod, const LatticeBox& box) const {
+  std::vector<SceneCell> shards = scene_.parents_in(box, lod);
+  if (shards.empty()) shards = scene_.cells_in(box);
   std::vector<LevelOwner> owners;
-  const auto add = [&](const LevelOwner& owner) {
-    if (owner.finest <= lod && lod <= owner.coarsest && !intersection(window_of(owner.shard), box).is_empty())
-      owners.push_back(owner);
-  };
-  for (const LevelOwner& parent : parents_) add(parent);
-  if (owners.empty())
-    for (const SceneCell& cell : scene_.cells_in(box)) add(of_cell(cell));
+  for (const SceneCell& shard : shards) owners.push_back(of(shard));
   return owners;
 }
 
 void LevelOwners::for_each(int finest, int coarsest, std::size_t share, std::size_t shares,
                            const std::function<void(std::vector<LevelOwner>)>& visit) const {
-  std::size_t number = 0;
   std::vector<LevelOwner> found;
-  const auto add = [&](const LevelOwner& owner) {
-    if (owner.coarsest >= finest && owner.finest <= coarsest && number++ % shares == share) found.push_back(owner);
+  const auto add = [&](const SceneCell& shard) {
+    const LevelOwner owner = of(shard);
+    if (owner.coarsest >= finest && owner.finest <= coarsest) found.push_back(owner);
   };
-  for (const LevelOwner& parent : parents_) add(parent);
-  const std::vector<PageReference> pages = scene_.leaves();
-  if (pages.empty()) scene_.for_each_cell([&](const SceneCell& cell) { add(of_cell(cell)); });
+  std::size_t number = 0;
+  const auto add_if_own = [&](const SceneCell& shard) {
+    if (number++ % shares == share) add(shard);
+  };
+  const std::vector<PageReference> pages = scene_.leaves(callers_thread(), [&](const ScenePage& page) {
+    for (const SceneCell& parent : page.parents) add_if_own(parent);
+  });
+  if (pages.empty()) scene_.for_each_cell(add_if_own);
   visit(std::move(found));
-  for (std::size_t page = share; page < pages.size(); page += shares) {
+  for (std::size_t i = share; i < pages.size(); i += shares) {
     found.clear();
-    scene_.for_each_cell_below(pages[page], [&](const SceneCell& cell) { found.push_back(of_cell(cell)); });
+    const ScenePage page = read_page(scene_.file(), scene_.header(), pages[i]);
+    for (const auto& shards : {&page.cells, &page.parents})
+      for (const SceneCell& shard : *shards) add(shard);
     visit(std::move(found));
   }
 }

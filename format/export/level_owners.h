@@ -24,7 +24,7 @@ class LevelOwners {
   /// The coarsest level that the whole scene has.
   int coarsest() const { return coarsest_; }
   /// Whether there are shards for the levels above the cells'.
-  bool has_parents() const { return !parents_.empty(); }
+  bool has_parents() const { return scene_.totals().parents != 0; }
   /// Owners of a level whose windows overlap the box (voxels of level 0), the same order at every call.
   std::vector<LevelOwner> of(int lod, const LatticeBox& box) const;
   /// Every owner of some level from `finest` to `coarsest` that is the `share`-th of `shares`: each is some share's.
@@ -33,10 +33,9 @@ class LevelOwners {
                 const std::function<void(std::vector<LevelOwner>)>& visit) const;
 
  private:
-  static LevelOwner of_cell(const SceneCell& cell);
+  static LevelOwner of(const SceneCell& shard);
 
   const PagedScene& scene_;
-  std::vector<LevelOwner> parents_;
   int coarsest_ = 0;
 };
 

@@ -49,6 +49,19 @@ CellJob job_of(const SceneCell& cell) {
   return job;
 }
 
+SceneCell cell_of(const CellJob& job) {
+  SceneCell cell;
+  cell.name = job.name;
+  cell.file = shard_path(job).generic_string();
+  cell.lattice_min = job.lattice_min;
+  cell.cell_voxels = job.cell_voxels;
+  cell.triangles = job.triangles;
+  cell.fingerprint = job.fingerprint;
+  cell.first_lod = job.first_lod;
+  cell.copied_lods = job.copied_lods;
+  return cell;
+}
+
 std::filesystem::path shard_path(const CellJob& job) { return shard_file(job.name, job.fingerprint); }
 
 std::string shard_file(const std::string& name, const Hash128& fingerprint) {

@@ -63,6 +63,8 @@ struct CellReport {
 
 /// What made the cell, or parent, that the scene lists, without its tiles and children, which no scene names.
 CellJob job_of(const SceneCell& cell);
+/// What the scene will list of it, as far as that is known before it is baked: all but levels and what they take.
+SceneCell cell_of(const CellJob& job);
 
 /// Relative to OUT: shards/<name>-<fingerprint>.h5.
 std::filesystem::path shard_path(const CellJob& job);

@@ -298,7 +298,7 @@ class UnlikePages {
     for (const PageReference& page : a.pages) {
       const auto other = of_b.find({page.block.min, page.block.edge});
       if (other == of_b.end()) {
-        take(a_, page, left);
+        take(a_, page, left, left_parents);
         continue;
       }
       if (page.totals.content_hash != other->second->totals.content_hash)
@@ -306,16 +306,20 @@ class UnlikePages {
       of_b.erase(other);
     }
     for (const PageReference& page : b.pages)
-      if (of_b.contains({page.block.min, page.block.edge})) take(b_, page, right);
+      if (of_b.contains({page.block.min, page.block.edge})) take(b_, page, right, right_parents);
     left.insert(left.end(), a.cells.begin(), a.cells.end());
     right.insert(right.end(), b.cells.begin(), b.cells.end());
+    left_parents.insert(left_parents.end(), a.parents.begin(), a.parents.end());
+    right_parents.insert(right_parents.end(), b.parents.begin(), b.parents.end());
   }
 
-  std::vector<SceneCell> left, right;
+  std::vector<SceneCell> left, right, left_parents, right_parents;
 
  private:
-  static void take(const PagedScene& scene, const PageReference& page, std::vector<SceneCell>& cells) {
+  static void take(const PagedScene& scene, const PageReference& page, std::vector<SceneCell>& cells,
+                   std::vector<SceneCell>& parents) {
     scene.for_each_cell_below(page, [&cells](const SceneCell& cell) { cells.push_back(cell); });
+    scene.for_each_parent_below(page, [&parents](const SceneCell& parent) { parents.push_back(parent); });
   }
 
   const PagedScene& a_;
@@ -327,8 +331,10 @@ std::pair<Side, Side> sides_of(const PagedScene& a, const PagedScene& b) {
   pages.compare(a.root(), b.root());
   std::sort(pages.left.begin(), pages.left.end(), is_before);
   std::sort(pages.right.begin(), pages.right.end(), is_before);
-  return {{a.file(), {a.header(), std::move(pages.left)}, a.totals()},
-          {b.file(), {b.header(), std::move(pages.right)}, b.totals()}};
+  std::sort(pages.left_parents.begin(), pages.left_parents.end(), is_parent_before);
+  std::sort(pages.right_parents.begin(), pages.right_parents.end(), is_parent_before);
+  return {{a.file(), {a.header(), std::move(pages.left), std::move(pages.left_parents)}, a.totals()},
+          {b.file(), {b.header(), std::move(pages.right), std::move(pages.right_parents)}, b.totals()}};
 }
 
 void exchange(SceneDifference& d) {

@@ -31,6 +31,8 @@ void set_totals(pugi::xml_node group, const SceneTotals& totals);
 void set_block(pugi::xml_node group, const LatticeBlock& block);
 
 void append_cell(pugi::xml_node group, const SceneHeader& scene, const SceneCell& cell);
+/// In a group of their own, if there are any.
+void append_parents(pugi::xml_node group, const SceneHeader& scene, const std::vector<const SceneCell*>& parents);
 void append_reference(pugi::xml_node group, const SceneHeader& scene, const PageReference& page);
 
 /// The text of a document whose root gets a `Checksum`.

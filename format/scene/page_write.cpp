@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <map>
 #include <pugixml.hpp>
 #include <string>
 #include <unordered_set>
@@ -22,10 +23,11 @@ constexpr const char* page_folder = "pages";
 /// Of the largest blocks: eight of them hold every lattice.
 constexpr std::int64_t largest_block = std::int64_t(1) << 52;
 
-/// What stands in one block: cells of `cells`, or pages of `pages`, from `begin` to `end`.
+/// What stands in one block: cells of `cells`, or pages of `pages`, from `begin` to `end`; and parents.
 struct Block {
   LatticeBlock block;
   std::size_t begin, end;
+  std::vector<const SceneCell*> parents = {};
 };
 
 /// Sorts `items` by their block's z, y, x and keeps their order within one.
@@ -54,24 +56,61 @@ bool holds(const fs::path& file, const std::string& text) {
                     [](std::uint8_t a, char b) { return a == std::uint8_t(b); });
 }
 
+/// Parents that no page lists yet, in their order.
+class ParentsLeft {
+ public:
+  explicit ParentsLeft(const std::vector<SceneCell>& parents) {
+    for (const SceneCell& parent : parents) left_.push_back(&parent);
+    std::ranges::sort(left_, [](const SceneCell* a, const SceneCell* b) { return is_parent_before(*a, *b); });
+    if (!left_.empty()) highest_ = left_.back()->own_lod();
+  }
+
+  /// Gives the blocks, which are sorted, the parents that lie in them, but for those of the highest tier.
+  void move_to(std::vector<Block>& blocks) {
+    std::map<std::array<std::int64_t, 3>, Block*> at;
+    for (Block& block : blocks) at[block.block.min] = &block;
+    const std::int64_t edge = blocks.front().block.edge;
+    std::erase_if(left_, [&](const SceneCell* parent) {
+      const auto block = at.find(block_around(parent->lattice_min, edge).min);
+      if (parent->own_lod() == highest_ || block == at.end() || !lies_in(*parent, block->second->block)) return false;
+      block->second->parents.push_back(parent);
+      return true;
+    });
+  }
+
+  std::vector<SceneCell> taken() const {
+    std::vector<SceneCell> parents;
+    for (const SceneCell* parent : left_) parents.push_back(*parent);
+    return parents;
+  }
+
+ private:
+  std::vector<const SceneCell*> left_;
+  std::uint32_t highest_ = 0;  ///< own lod
+};
+
 class PageWriter {
  public:
-  PageWriter(const fs::path& scene_xml, const SceneHeader& scene)
-      : folder_(scene_xml.parent_path()), scene_(scene), pool_(host_limits().cores()) {
+  PageWriter(const fs::path& scene_xml, const SceneDescription& scene)
+      : folder_(scene_xml.parent_path()), scene_(scene), pool_(host_limits().cores()), parents_(scene.parents) {
     std::error_code error;
     fs::create_directories(folder_ / page_folder, error);
     if (error) throw InputError(folder_ / page_folder, "", "cannot make the folder: " + error.message());
   }
 
-  std::vector<PageReference> of_cells(std::vector<const SceneCell*> cells, std::int64_t edge) const {
-    const auto blocks = blocks_of(cells, edge, [](const SceneCell* cell) { return cell->lattice_min; });
+  const ParentsLeft& parents() const { return parents_; }
+
+  std::vector<PageReference> of_cells(std::vector<const SceneCell*> cells, std::int64_t edge) {
+    auto blocks = blocks_of(cells, edge, [](const SceneCell* cell) { return cell->lattice_min; });
+    parents_.move_to(blocks);
     return written(
         blocks, [&](std::size_t i, PageReference& page) { page.totals.add(*cells[i]); },
         [&](std::size_t i, pugi::xml_node root) { append_cell(root, scene_, *cells[i]); });
   }
 
-  std::vector<PageReference> of_pages(std::vector<PageReference> pages, std::int64_t edge) const {
-    const auto blocks = blocks_of(pages, edge, [](const PageReference& page) { return page.block.min; });
+  std::vector<PageReference> of_pages(std::vector<PageReference> pages, std::int64_t edge) {
+    auto blocks = blocks_of(pages, edge, [](const PageReference& page) { return page.block.min; });
+    parents_.move_to(blocks);
     return written(
         blocks, [&](std::size_t i, PageReference& page) { page.totals.add(pages[i].totals), ++page.groups; },
         [&](std::size_t i, pugi::xml_node root) { append_reference(root, scene_, pages[i]); });
@@ -86,6 +125,7 @@ class PageWriter {
       PageReference& page = pages[b];
       page.block = blocks[b].block;
       for (std::size_t i = blocks[b].begin; i < blocks[b].end; ++i) count(i, page);
+      for (const SceneCell* parent : blocks[b].parents) page.totals.add(*parent);
       pugi::xml_document document;
       pugi::xml_node root = document.append_child("OctTreeGroup");
       set_schema(root);
@@ -94,6 +134,7 @@ class PageWriter {
       set_number(root, "Groups", page.groups);
       set_totals(root, page.totals);
       for (std::size_t i = blocks[b].begin; i < blocks[b].end; ++i) append(i, root);
+      append_parents(root, scene_, blocks[b].parents);
       publish(summed_text(document), page);
     });
     return pages;
@@ -110,12 +151,13 @@ class PageWriter {
   fs::path folder_;
   const SceneHeader& scene_;
   ThreadPool pool_;
+  ParentsLeft parents_;
 };
 
 }  // namespace
 
-std::vector<PageReference> write_pages(const fs::path& scene_xml, const SceneDescription& scene, const PageRule& rule) {
-  const PageWriter writer(scene_xml, scene);
+ScenePage write_pages(const fs::path& scene_xml, const SceneDescription& scene, const PageRule& rule) {
+  PageWriter writer(scene_xml, scene);
   std::vector<const SceneCell*> cells;
   for (const SceneCell& cell : scene.cells) cells.push_back(&cell);
   std::int64_t edge = std::int64_t(scene.cells.at(0).cell_voxels) * rule.block_cells;
@@ -123,7 +165,7 @@ std::vector<PageReference> write_pages(const fs::path& scene_xml, const SceneDes
   while (pages.size() > rule.most_groups_of_a_file && edge <= largest_block / rule.block_cells)
     pages = writer.of_pages(std::move(pages), edge *= rule.block_cells);
   flush_file_system_of(scene_xml.parent_path() / page_folder);
-  return pages;
+  return {{}, std::move(pages), writer.parents().taken()};
 }
 
 void remove_unused_pages(const fs::path& scene_xml) {

@@ -2,16 +2,15 @@
 #pragma once
 
 #include <filesystem>
-#include <vector>
 
 #include "format/scene/scene_page.h"
 
 namespace gigabake {
 
-/// Pages are named by what they say: one that is there stays as it is. The answer is what scene.xml refers to.
+/// Pages are named by what they say: one that is there stays as it is. The answer is what scene.xml lists: references,
+/// and parents that lie in no block of a page or are of the highest tier.
 /// Range   cells of one size. Errors  InputError: a page cannot be written; the scene of before is whole.
-std::vector<PageReference> write_pages(const std::filesystem::path& scene_xml, const SceneDescription& scene,
-                                       const PageRule& rule);
+ScenePage write_pages(const std::filesystem::path& scene_xml, const SceneDescription& scene, const PageRule& rule);
 
 /// Removes pages that `scene_xml` does not refer to, and what killed writers of pages left. What cannot be removed does
 /// no harm. Errors  InputError: the scene cannot be read, and nothing is removed.

@@ -12,9 +12,16 @@
 
 namespace gigabake {
 
-bool is_before(const SceneCell& a, const SceneCell& b) {
-  return std::tie(a.lattice_min[2], a.lattice_min[1], a.lattice_min[0]) <
-         std::tie(b.lattice_min[2], b.lattice_min[1], b.lattice_min[0]);
+namespace {
+
+auto lattice_order(const SceneCell& c) { return std::tie(c.lattice_min[2], c.lattice_min[1], c.lattice_min[0]); }
+
+}  // namespace
+
+bool is_before(const SceneCell& a, const SceneCell& b) { return lattice_order(a) < lattice_order(b); }
+
+bool is_parent_before(const SceneCell& a, const SceneCell& b) {
+  return std::pair(a.own_lod(), lattice_order(a)) < std::pair(b.own_lod(), lattice_order(b));
 }
 
 PagedScene::PagedScene(std::filesystem::path scene_xml) : scene_xml_(std::move(scene_xml)) {
@@ -22,7 +29,7 @@ PagedScene::PagedScene(std::filesystem::path scene_xml) : scene_xml_(std::move(s
   const std::vector<SceneFault> faults = faults_of_listed(reading);
   if (!faults.empty()) throw error_of(scene_xml_, faults[0]);
   totals_ = reading.totals ? std::move(*reading.totals) : SceneTotals(reading.scene);
-  root_ = {std::move(reading.scene.cells), std::move(reading.pages)};
+  root_ = {std::move(reading.scene.cells), std::move(reading.pages), std::move(reading.scene.parents)};
   header_ = std::move(reading.scene);
 }
 
@@ -34,23 +41,27 @@ PagedScene::PagedScene(std::filesystem::path scene_xml, SceneHeader header, Scen
 
 PagedScene PagedScene::of_cells(std::filesystem::path scene_xml, SceneDescription scene) {
   SceneTotals totals(scene);
-  std::vector<SceneCell> cells = std::move(scene.cells);
-  return {std::move(scene_xml), std::move(scene), std::move(totals), {std::move(cells), {}}};
+  ScenePage root{std::move(scene.cells), {}, std::move(scene.parents)};
+  return {std::move(scene_xml), std::move(scene), std::move(totals), std::move(root)};
 }
 
-std::vector<PageReference> PagedScene::leaves(const ThreadPool& pool) const {
+std::vector<PageReference> PagedScene::leaves(const ThreadPool& pool,
+                                              const std::function<void(const ScenePage&)>& visit_above) const {
   std::vector<PageReference> found = root_.pages;
+  if (visit_above) visit_above(root_);
   const auto has_pages = [](const PageReference& page) { return page.groups != 0; };
   while (std::any_of(found.begin(), found.end(), has_pages)) {
-    std::vector<std::vector<PageReference>> below(found.size());
+    std::vector<ScenePage> below(found.size());
     pool.parallel_for(found.size(), 1, [&](std::size_t i, std::size_t, int) {
       if (has_pages(found[i]))
-        below[i] = read_page(scene_xml_, header_, found[i]).pages;
+        below[i] = read_page(scene_xml_, header_, found[i]);
       else
-        below[i] = {std::move(found[i])};
+        below[i].pages = {found[i]};
     });
+    for (std::size_t i = 0; visit_above && i < found.size(); ++i)
+      if (has_pages(found[i])) visit_above(below[i]);
     found.clear();
-    for (std::vector<PageReference>& pages : below) std::move(pages.begin(), pages.end(), std::back_inserter(found));
+    for (ScenePage& page : below) std::move(page.pages.begin(), page.pages.end(), std::back_inserter(found));
   }
   return found;
 }
@@ -108,6 +119,44 @@ std::vector<SceneCell> PagedScene::cells_in(const LatticeBox& box) const {
   return found;
 }
 
+void PagedScene::visit_parents(const ScenePage& page, const VisitCell& visit) const {
+  for (const SceneCell& parent : page.parents) visit(parent);
+  for (const PageReference& below : page.pages)
+    if (below.totals.parents != 0) visit_parents(read_page(scene_xml_, header_, below), visit);
+}
+
+void PagedScene::for_each_parent(const VisitCell& visit) const { visit_parents(root_, visit); }
+
+void PagedScene::for_each_parent_below(const PageReference& page, const VisitCell& visit) const {
+  if (page.totals.parents != 0) visit_parents(read_page(scene_xml_, header_, page), visit);
+}
+
+std::vector<SceneCell> PagedScene::parents() const {
+  std::vector<SceneCell> all;
+  all.reserve(totals_.parents);
+  for_each_parent([&all](const SceneCell& parent) { all.push_back(parent); });
+  return all;
+}
+
+/// A parent of a page lies in its block.
+void PagedScene::collect_parents(const ScenePage& page, const LatticeBox& box, int lod,
+                                 std::vector<SceneCell>& found) const {
+  for (const SceneCell& parent : page.parents)
+    if (int(parent.own_lod()) <= lod && lod < int(parent.first_lod + parent.lods) &&
+        !intersection(window_of(parent), box).is_empty())
+      found.push_back(parent);
+  for (const PageReference& below : page.pages)
+    if (below.totals.parents != 0 && below.totals.voxels.size() > std::size_t(lod) &&
+        !intersection(below.block.box(), box).is_empty())
+      collect_parents(read_page(scene_xml_, header_, below), box, lod, found);
+}
+
+std::vector<SceneCell> PagedScene::parents_in(const LatticeBox& box, int lod) const {
+  std::vector<SceneCell> found;
+  collect_parents(root_, box, lod, found);
+  return found;
+}
+
 std::vector<SceneCell> PagedScene::cells(const ThreadPool& pool) const {
   std::map<std::size_t, std::vector<SceneCell>> of_page;
   std::mutex mutex;
@@ -125,11 +174,26 @@ std::vector<SceneCell> PagedScene::cells(const ThreadPool& pool) const {
   return all;
 }
 
+/// Each page is read once, for its cells and its parents.
 SceneDescription PagedScene::all(const ThreadPool& pool) const {
   SceneDescription scene;
   static_cast<SceneHeader&>(scene) = header_;
-  scene.cells = cells(pool);
-  if (!root_.pages.empty()) std::sort(scene.cells.begin(), scene.cells.end(), is_before);
+  const auto take_parents = [&scene](const ScenePage& page) {
+    scene.parents.insert(scene.parents.end(), page.parents.begin(), page.parents.end());
+  };
+  const std::vector<PageReference> pages = leaves(pool, take_parents);
+  scene.cells = root_.cells;
+  if (pages.empty()) return scene;
+  scene.cells.reserve(totals_.cells);
+  std::mutex mutex;
+  pool.parallel_for(pages.size(), 1, [&](std::size_t i, std::size_t, int) {
+    ScenePage page = read_page(scene_xml_, header_, pages[i]);
+    const std::scoped_lock lock(mutex);
+    std::move(page.cells.begin(), page.cells.end(), std::back_inserter(scene.cells));
+    take_parents(page);
+  });
+  std::sort(scene.cells.begin(), scene.cells.end(), is_before);
+  std::sort(scene.parents.begin(), scene.parents.end(), is_parent_before);
   return scene;
 }
 

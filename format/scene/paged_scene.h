@@ -28,11 +28,13 @@ class PagedScene {
   const SceneHeader& header() const { return header_; }
   /// As scene.xml says, or else the sums over its cells.
   const SceneTotals& totals() const { return totals_; }
-  /// What scene.xml itself lists: its cells, or references to pages.
+  /// What scene.xml itself lists: its cells, or references to pages; and parents, among them the root of all.
   const ScenePage& root() const { return root_; }
 
   /// The pages that list cells, in their order. Cost  reads the pages above them, on the pool's threads.
-  std::vector<PageReference> leaves(const ThreadPool& pool = callers_thread()) const;
+  /// visit_above: called with each of those, with root() first, in the same order at every call.
+  std::vector<PageReference> leaves(const ThreadPool& pool = callers_thread(),
+                                    const std::function<void(const ScenePage&)>& visit_above = {}) const;
 
   /// Every page above its own, those that list cells too.
   void for_each_reference(const std::function<void(const PageReference&)>& visit) const;
@@ -47,12 +49,19 @@ class PagedScene {
   void for_each_page(const ThreadPool& pool,
                      const std::function<void(std::size_t number, std::span<const SceneCell> cells)>& visit) const;
 
+  /// Of all pages: a page's own, then those of each page below it. So they are numbered.
+  void for_each_parent(const VisitCell& visit) const;
+  void for_each_parent_below(const PageReference& page, const VisitCell& visit) const;
+  std::vector<SceneCell> parents() const;
+
   /// Cells whose windows overlap the box, by lattice_min z, y, x. Cost  reads pages that may have such.
   std::vector<SceneCell> cells_in(const LatticeBox& box) const;
+  /// Parents that overlap it and have that level of their own. Cost  as cells_in().
+  std::vector<SceneCell> parents_in(const LatticeBox& box, int lod) const;
 
   /// All cells, in the order of the pages.
   std::vector<SceneCell> cells(const ThreadPool& pool = callers_thread()) const;
-  /// All cells, sorted by lattice_min z, y, x.
+  /// All cells, sorted by lattice_min z, y, x, and all parents.
   SceneDescription all(const ThreadPool& pool = callers_thread()) const;
 
  private:
@@ -60,7 +69,9 @@ class PagedScene {
   static VisitCells one_by_one(const VisitCell& visit);
   void visit_below(const ScenePage& page, const VisitCells& visit) const;
   void visit_references(const ScenePage& page, const std::function<void(const PageReference&)>& visit) const;
+  void visit_parents(const ScenePage& page, const VisitCell& visit) const;
   void collect(const ScenePage& page, const LatticeBox& box, std::vector<SceneCell>& found) const;
+  void collect_parents(const ScenePage& page, const LatticeBox& box, int lod, std::vector<SceneCell>& found) const;
 
   std::filesystem::path scene_xml_;
   SceneHeader header_;
@@ -70,5 +81,7 @@ class PagedScene {
 
 /// As cells are sorted in a scene.
 bool is_before(const SceneCell& a, const SceneCell& b);
+/// As parents are: each after its children.
+bool is_parent_before(const SceneCell& a, const SceneCell& b);
 
 }  // namespace gigabake

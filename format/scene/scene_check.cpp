@@ -11,6 +11,7 @@
 #include "format/scene/cell_window.h"
 #include "format/scene/scene_elements.h"
 #include "format/scene/scene_totals.h"
+#include "format/scene/tier_shape.h"
 #include "lattice/error.h"
 #include "lattice/parameters.h"
 
@@ -77,12 +78,41 @@ std::vector<SceneFault> faults_of_places(const std::vector<SceneCell>& cells, co
   return std::move(faults.all);
 }
 
+std::vector<SceneFault> faults_of_parent_places(const ScenePage& page, const LatticeBlock* outer,
+                                                std::span<const TierShape> tiers) {
+  SceneFaults faults;
+  std::set<std::array<std::int64_t, 3>> blocks;
+  for (const PageReference& below : page.pages) blocks.insert(below.block.min);
+  std::uint32_t highest = outer != nullptr && !tiers.empty() ? tiers.back().own_lod() : 0;
+  for (const SceneCell& parent : page.parents)
+    if (outer == nullptr) highest = std::max(highest, parent.own_lod());
+  std::size_t roots = 0;
+  for (const SceneCell& parent : page.parents) {
+    const std::string name = "PagedOctTree " + as_line(parent.name, longest_quote_bytes);
+    const bool is_highest = parent.own_lod() == highest;
+    roots += is_highest;
+    faults.expect(outer == nullptr || !is_highest, name, "is the root and stands in a page; expected it in scene.xml");
+    faults.expect(outer == nullptr || lies_in(parent, *outer), name, "does not lie in the block of its page");
+    if (!page.pages.empty() && !is_highest) {
+      const LatticeBlock below = block_around(parent.lattice_min, page.pages[0].block.edge);
+      faults.expect(!blocks.contains(below.min) || !lies_in(parent, below), name,
+                    "lies in the block of a smaller page; expected it there");
+    }
+    if (const auto fault = fault_in_tiers(parent, tiers)) faults.expect(false, name, *fault);
+  }
+  faults.expect(tiers.empty() || outer != nullptr || (roots == 1 && highest == tiers.back().own_lod()),
+                "OctTreeGroup ParentTiers", "names a root that is not listed, or more than once; bake again");
+  return std::move(faults.all);
+}
+
 std::vector<SceneFault> faults_of_listed(const SceneReading& reading) {
   SceneFaults faults{faults_of_places(reading.scene.cells, reading.scene.parents)};
   const auto add = [&faults](std::vector<SceneFault> more) {
     std::move(more.begin(), more.end(), std::back_inserter(faults.all));
   };
   add(faults_of_blocks(reading.pages, nullptr));
+  if (reading.version >= 5)
+    add(faults_of_parent_places({{}, reading.pages, reading.scene.parents}, nullptr, reading.scene.tiers));
   SceneTotals totals(reading.scene);
   for (const PageReference& page : reading.pages) totals.add(page.totals);
   if (reading.said) check_said(totals, *reading.said, faults);

@@ -1,6 +1,7 @@
 /// Whether a scene.xml agrees with itself: what can be known without its shards.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "format/scene/scene_page.h"
@@ -12,6 +13,11 @@ namespace gigabake {
 /// pass.
 std::vector<SceneFault> faults_of_places(const std::vector<SceneCell>& cells,
                                          const std::vector<SceneCell>& parents = {});
+
+/// Parents that do not stand in the smallest page whose block they lie in, or are not of the tiers, if there are any.
+/// outer: the page's own block; null of scene.xml, where the parents of the highest tier stand.
+std::vector<SceneFault> faults_of_parent_places(const ScenePage& page, const LatticeBlock* outer,
+                                                std::span<const TierShape> tiers);
 
 /// Of what scene.xml itself lists: cells, or the references to pages; and parents. Then its totals, where it has any.
 std::vector<SceneFault> faults_of_listed(const SceneReading& reading);

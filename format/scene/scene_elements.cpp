@@ -80,13 +80,13 @@ SceneCell read_cell(const SceneAttributes& a, int version) {
   return c;
 }
 
-PageReference read_reference(const SceneAttributes& a) {
+PageReference read_reference(const SceneAttributes& a, int version) {
   PageReference r;
   r.file = read_file_name(a, "GroupFile");
   r.checksum = a.hash("GroupChecksum");
   r.block = read_block(a);
   r.groups = a.value<std::uint64_t>("Groups");
-  r.totals = read_totals(a);
+  r.totals = read_totals(a, version);
   if (r.totals.cells == 0 || r.totals.cell_voxels == 0) a.fail("CellVoxels", "expected a page of cells of one size");
   return r;
 }
@@ -121,7 +121,7 @@ class ContentReader {
       faults(a.unknown_parts(known_, parts));
       return read(group, depth + 1);
     }
-    content.pages.push_back(read_reference(a));
+    content.pages.push_back(read_reference(a, version_));
     check_sphere(a, content.pages.back().totals.window);
     faults(a.unknown_parts(of_reference, {}));
   }
@@ -177,6 +177,10 @@ LatticeBlock block_around(const std::array<std::int64_t, 3>& voxel, std::int64_t
   return {{voxel[0] & -edge, voxel[1] & -edge, voxel[2] & -edge}, edge};
 }
 
+bool lies_in(const SceneCell& shard, const LatticeBlock& block) {
+  return intersection(window_of(shard), block.box()) == window_of(shard);
+}
+
 GroupContent read_content(const std::filesystem::path& file, pugi::xml_node group, const SceneHeader& header,
                           int version, std::span<const std::string_view> known) {
   ContentReader reader(file, header, version, known);
@@ -196,9 +200,10 @@ pugi::xml_node root_of(const std::filesystem::path& file, const pugi::xml_docume
   return group;
 }
 
-SceneTotals read_totals(const SceneAttributes& a) {
+SceneTotals read_totals(const SceneAttributes& a, int version) {
   SceneTotals t;
   t.cells = a.value<std::uint64_t>("Cells");
+  if (version >= 5) t.parents = a.value<std::uint64_t>("Parents");
   t.voxels = a.values<std::uint64_t>("Voxels");
   t.content_hash = a.hashes("LevelContentHash");
   if (t.content_hash.size() != t.voxels.size()) a.fail("LevelContentHash", "expected one hash for each of Voxels");
@@ -249,7 +254,7 @@ std::vector<SceneFault> faults_of_root(const SceneAttributes& root, std::span<co
 }
 
 std::vector<std::string_view> with_totals(std::vector<std::string_view> others) {
-  others.insert(others.begin(), {"Cells", "Voxels", "ContentHash", "LevelContentHash", "Bytes", "LevelBytes",
+  others.insert(others.begin(), {"Cells", "Parents", "Voxels", "ContentHash", "LevelContentHash", "Bytes", "LevelBytes",
                                  "NodeBytes", "CellVoxels", "LatticeMin", "LatticeEnd"});
   return others;
 }
@@ -276,6 +281,7 @@ std::vector<SceneFault> faults_of_totals(const SceneTotals& said, const SceneTot
           {element + " " + key, "is not that of the cells below; lines were lost, added or changed: bake again", {}});
   };
   expect(said.cells == are.cells, "Cells");
+  expect(said.parents == are.parents, "Parents");
   expect(said.voxels == are.voxels, "Voxels");
   expect(said.content_hash == are.content_hash, "LevelContentHash");
   expect(said.bytes == are.bytes, "Bytes");

@@ -30,7 +30,8 @@ pugi::xml_node root_of(const std::filesystem::path& file, const pugi::xml_docume
                        std::vector<SceneFault>& faults);
 
 /// Errors (all)  InputError, as above.
-SceneTotals read_totals(const SceneAttributes& a);
+/// Before version 5 without parents.
+SceneTotals read_totals(const SceneAttributes& a, int version);
 LatticeBlock read_block(const SceneAttributes& a);
 /// Voxel size, lattice and channels.
 void read_lattice(const SceneAttributes& a, SceneHeader& header);

@@ -22,9 +22,9 @@ std::span<const std::string_view> known_of_page() {
   return known;
 }
 
-/// What makes a page another one than its reference means.
-void expect_page_of(const std::filesystem::path& path, const SceneAttributes& a, const SceneHeader& header,
-                    const PageReference& reference) {
+/// What makes a page another one than its reference means. The answer is its version.
+int expect_page_of(const std::filesystem::path& path, const SceneAttributes& a, const SceneHeader& header,
+                   const PageReference& reference) {
   const int version = a.value<int>("Version");
   if (version < 3 || version > newest_scene_version)
     a.fail("Version", fmt::format("expected 3 to {}; a newer gigabake wrote this page", newest_scene_version));
@@ -36,19 +36,22 @@ void expect_page_of(const std::filesystem::path& path, const SceneAttributes& a,
   if (read_block(a) != reference.block) a.fail("BlockMin", "is of another block than its reference says; bake again");
   if (a.value<std::uint64_t>("Groups") != reference.groups)
     a.fail("Groups", "differs from what its reference says; bake again");
-  const auto differences = faults_of_totals(read_totals(a), reference.totals, "OctTreeGroup");
+  const auto differences = faults_of_totals(read_totals(a, version), reference.totals, "OctTreeGroup");
   if (!differences.empty())
     throw InputError(path, differences[0].key, "differs from what its reference says; bake again");
+  return version;
 }
 
 SceneTotals sum_of(const ScenePage& page) {
   SceneTotals sum(page.cells);
   for (const PageReference& below : page.pages) sum.add(below.totals);
+  for (const SceneCell& parent : page.parents) sum.add(parent);
   return sum;
 }
 
 /// What a page lists against what it says of that.
-std::vector<SceneFault> contradictions_of(const ScenePage& page, const PageReference& reference) {
+std::vector<SceneFault> contradictions_of(const ScenePage& page, const PageReference& reference,
+                                          const SceneHeader& header) {
   std::vector<SceneFault> all = faults_of_totals(reference.totals, sum_of(page), "OctTreeGroup");
   const auto add = [&all](std::vector<SceneFault> faults) {
     std::move(faults.begin(), faults.end(), std::back_inserter(all));
@@ -59,7 +62,8 @@ std::vector<SceneFault> contradictions_of(const ScenePage& page, const PageRefer
     if (block_around(cell.lattice_min, reference.block.edge) != reference.block)
       add({{"PagedOctTree " + as_line(cell.name, longest_quote_bytes), "does not begin in the block of its page", {}}});
   add(faults_of_blocks(page.pages, &reference.block));
-  add(faults_of_places(page.cells));
+  add(faults_of_places(page.cells, page.parents));
+  add(faults_of_parent_places(page, &reference.block, header.tiers));
   return all;
 }
 
@@ -80,8 +84,8 @@ PageReading read_page_text(const std::filesystem::path& scene_xml, const SceneHe
   PageReading reading;
   const pugi::xml_node group = root_of(path, text.document(), reading.faults);
   const SceneAttributes a(path, group);
-  expect_page_of(path, a, header, reference);
-  GroupContent content = read_content(path, group, header, newest_scene_version, {});
+  const int version = expect_page_of(path, a, header, reference);
+  GroupContent content = read_content(path, group, header, version, {});
   const auto add = [&reading](const std::vector<SceneFault>& faults) {
     reading.faults.insert(reading.faults.end(), faults.begin(), faults.end());
   };
@@ -89,12 +93,13 @@ PageReading read_page_text(const std::filesystem::path& scene_xml, const SceneHe
   add(content.faults);
   for (const SceneLoss& loss : content.losses)
     add({{"Loss " + as_line(loss.name, longest_quote_bytes), "stands in a page; expected it in scene.xml", {}}});
-  reading.page = {std::move(content.cells), std::move(content.pages)};
-  for (const SceneCell& parent : content.parents)
-    reading.contradictions.push_back({"PagedOctTree " + as_line(parent.name, longest_quote_bytes),
-                                      "is a parent and stands in a page; expected it in scene.xml",
-                                      {}});
-  std::ranges::move(contradictions_of(reading.page, reference), std::back_inserter(reading.contradictions));
+  reading.page = {std::move(content.cells), std::move(content.pages), std::move(content.parents)};
+  if (version < 5)
+    for (const SceneCell& parent : reading.page.parents)
+      reading.contradictions.push_back({"PagedOctTree " + as_line(parent.name, longest_quote_bytes),
+                                        "is a parent and stands in a page of version 3 or 4; expected it in scene.xml",
+                                        {}});
+  std::ranges::move(contradictions_of(reading.page, reference, header), std::back_inserter(reading.contradictions));
   return reading;
 }
 

@@ -24,6 +24,8 @@ struct LatticeBlock {
 
 /// The block of that edge that holds a voxel.
 LatticeBlock block_around(const std::array<std::int64_t, 3>& voxel, std::int64_t edge);
+/// With all of its window. No two blocks of a group do.
+bool lies_in(const SceneCell& shard, const LatticeBlock& block);
 
 /// What the group above says of a page.
 struct PageReference {
@@ -38,6 +40,7 @@ struct PageReference {
 struct ScenePage {
   std::vector<SceneCell> cells;
   std::vector<PageReference> pages;
+  std::vector<SceneCell> parents;  ///< each in the smallest page whose block it lies in, and before version 5 in none
 };
 
 /// Errors  InputError: a file that is missing or damaged, or is not the page that `reference` means; `header` of the

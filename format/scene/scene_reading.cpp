@@ -9,6 +9,7 @@
 #include "format/scene/scene_check.h"
 #include "format/scene/scene_elements.h"
 #include "format/scene/scene_text.h"
+#include "format/scene/tier_shape.h"
 #include "format/system/host_limits.h"
 
 namespace gigabake {
@@ -22,11 +23,13 @@ std::span<const std::string_view> known_of_scene(int version) {
       "Version",       "Compressed",   "BrickXSize", "BrickYSize", "BrickZSize", "Generator",  "VoxelSize",
       "LatticeOrigin", "Origin",       "Channels",   "Parameters", "Triangles",  "NonFinite",  "ZeroArea",
       "SkippedPoints", "SkippedLines", "Checksum",   "Cells",      "Voxels",     "ContentHash"};
-  static const std::vector<std::string_view> of_3 = [] {
-    std::vector<std::string_view> names = with_totals({of_all.begin(), of_all.end() - 3});
-    names.push_back("Parents");
+  static const std::vector<std::string_view> of_3 = [] { return with_totals({of_all.begin(), of_all.end() - 3}); }();
+  static const std::vector<std::string_view> of_5 = [] {
+    std::vector<std::string_view> names = of_3;
+    names.push_back("ParentTiers");
     return names;
   }();
+  if (version >= 5) return of_5;
   if (version >= 3) return of_3;
   return std::span(of_all).first(version == 2 ? of_all.size() : of_all.size() - 4);
 }
@@ -87,8 +90,18 @@ class SceneReader {
         SaidTotals{a.value<std::uint64_t>("Cells"), a.values<std::uint64_t>("Voxels"), a.hash("ContentHash")};
     if (reading_.version < 3) return;
     reading_.said->parents = a.value<std::uint64_t>("Parents");
-    reading_.totals = read_totals(a);
+    reading_.totals = read_totals(a, reading_.version);
     reading_.totals->parents = reading_.said->parents;
+    if (reading_.version >= 5 && a.has("ParentTiers")) read_tiers(a);
+  }
+
+  void read_tiers(const SceneAttributes& a) {
+    const auto numbers = a.values<std::uint32_t>("ParentTiers");
+    if (numbers.empty() || numbers.size() % 3 != 0) a.fail("ParentTiers", "expected three numbers a tier");
+    for (std::size_t t = 0; t < numbers.size(); t += 3)
+      reading_.scene.tiers.push_back({numbers[t], numbers[t + 1], numbers[t + 2]});
+    if (const auto fault = fault_of_tiers(reading_.scene.tiers, reading_.totals->cell_voxels))
+      a.fail("ParentTiers", *fault);
   }
 
   const std::filesystem::path& file_;

@@ -14,7 +14,7 @@
 
 namespace gigabake {
 
-inline constexpr int newest_scene_version = 4;
+inline constexpr int newest_scene_version = 5;
 
 /// Something in a scene.xml that is not as it should be.
 struct SceneFault {
@@ -32,7 +32,7 @@ struct SaidTotals {
 };
 
 struct SceneReading {
-  SceneDescription scene;            ///< with the cells that scene.xml itself lists, and all parents
+  SceneDescription scene;            ///< with the cells and parents that scene.xml itself lists
   std::vector<PageReference> pages;  ///< in place of cells
   int version = newest_scene_version;
   std::optional<SaidTotals> said;     ///< nothing in version 1

@@ -1,4 +1,4 @@
-/// Sums over cells and parents: of a scene, or of one of its pages, which has no parents.
+/// Sums over cells and parents: of a scene, or of one of its pages.
 #pragma once
 
 #include <cstdint>

@@ -6,6 +6,7 @@
 #include "format/scene/element_text.h"
 #include "format/scene/page_write.h"
 #include "format/scene/scene_xml.h"
+#include "format/scene/tier_shape.h"
 #include "format/system/publish.h"
 
 namespace gigabake {
@@ -26,24 +27,30 @@ void set_header(pugi::xml_node group, const SceneHeader& scene) {
   set_number(group, "SkippedLines", scene.skipped_lines);
 }
 
+void set_tiers(pugi::xml_node group, const std::vector<TierShape>& tiers) {
+  std::vector<std::uint32_t> numbers;
+  for (const TierShape& tier : tiers)
+    for (const std::uint32_t number : {tier.first_lod, tier.copied_lods, tier.lods}) numbers.push_back(number);
+  if (!tiers.empty()) set_numbers(group, "ParentTiers", numbers);
+}
+
 }  // namespace
 
 void write_scene(const std::filesystem::path& path, const SceneDescription& scene, const PageRule& rule) {
   const SceneTotals totals(scene);
   const bool has_pages = scene.cells.size() > rule.most_cells_of_a_file && totals.cell_voxels != 0;
-  const std::vector<PageReference> pages = has_pages ? write_pages(path, scene, rule) : std::vector<PageReference>();
+  const ScenePage paged = has_pages ? write_pages(path, scene, rule) : ScenePage();
   pugi::xml_document document;
   pugi::xml_node group = document.append_child("OctTreeGroup");
   set_header(group, scene);
   set_totals(group, totals);
-  set_number(group, "Parents", totals.parents);
-  for (const PageReference& page : pages) append_reference(group, scene, page);
-  if (pages.empty())
+  set_tiers(group, tiers_of(scene, totals.cell_voxels));
+  for (const PageReference& page : paged.pages) append_reference(group, scene, page);
+  if (!has_pages)
     for (const SceneCell& cell : scene.cells) append_cell(group, scene, cell);
-  if (!scene.parents.empty()) {
-    pugi::xml_node parents = group.append_child("OctTreeGroup");
-    for (const SceneCell& parent : scene.parents) append_cell(parents, scene, parent);
-  }
+  std::vector<const SceneCell*> parents;
+  for (const SceneCell& parent : has_pages ? paged.parents : scene.parents) parents.push_back(&parent);
+  append_parents(group, scene, parents);
   for (const SceneLoss& loss : scene.losses) {
     pugi::xml_node n = group.append_child("Loss");
     set_text(n, "Name", loss.name);

@@ -49,8 +49,19 @@ struct SceneLoss {
   std::string name, reason;
 };
 
-/// What scene.xml says itself, however many cells a scene has: what holds for all of it, and its parents, a few for
-/// every hundred cells.
+/// The levels of all parents of one size. Their windows are multiples of their edge; the root's, which is the only one
+/// of its tier, of half of it.
+struct TierShape {
+  std::uint32_t first_lod = 0, copied_lods = 0, lods = 0;  ///< as SceneCell
+
+  std::uint32_t own_lod() const { return first_lod + copied_lods; }
+  std::uint32_t end_lod() const { return first_lod + lods; }
+  /// A window's edge is 2^bits voxels of lod 0.
+  int window_bits() const { return int(end_lod()) + 2; }
+  friend bool operator==(const TierShape&, const TierShape&) = default;
+};
+
+/// What scene.xml says itself, however many cells a scene has.
 struct SceneHeader {
   std::string generator;
   double voxel_size_m = 0;
@@ -61,12 +72,14 @@ struct SceneHeader {
   std::string parameters;  ///< the bake's parameters as one line of JSON
   std::uint64_t triangles = 0, non_finite = 0, zero_area = 0, skipped_points = 0, skipped_lines = 0;
   std::vector<SceneLoss> losses;
-  std::vector<SceneCell> parents;  ///< of the levels above the cells', each after its children
+  std::vector<TierShape> tiers;  ///< where all hangs from one root and scene.xml says so (tier_shape.h); write_scene()
+                                 ///< looks at the parents instead
 };
 
 /// A scene with all its cells in memory, some 700 bytes each. Who goes from cell to cell takes a PagedScene.
 struct SceneDescription : SceneHeader {
-  std::vector<SceneCell> cells;  ///< sorted by lattice_min z, y, x
+  std::vector<SceneCell> cells;    ///< sorted by lattice_min z, y, x
+  std::vector<SceneCell> parents;  ///< of the levels above the cells', each after its children
 };
 
 /// Where a scene gets pages; the defaults are what bakes write.

@@ -17,7 +17,7 @@ StoredBytes stored_bytes(const PagedScene& scene, const Progress& progress) {
     progress.advance();
   };
   scene.for_each_cell(add);
-  for (const SceneCell& parent : scene.header().parents) add(parent);
+  scene.for_each_parent(add);
   return bytes;
 }
 

@@ -9,6 +9,7 @@
 #include "format/scene/paged_scene.h"
 #include "format/scene/scene_check.h"
 #include "format/scene/shard_of_scene.h"
+#include "format/scene/tier_shape.h"
 #include "format/shard/brick_walk.h"
 #include "format/shard/content_hash.h"
 #include "format/shard/shard_reader.h"
@@ -117,11 +118,35 @@ class SceneVerification {
     if (listed.empty()) pages_.emplace(scene_xml_);
     for (const PageReference& page : reading.pages) check_page(page);
     if (!reading.pages.empty()) check_names();
-    if (check_parent_ && pages_) check_parents(reading.scene.parents);
+    if (pages_) check_above();
     return std::move(result_);
   }
 
  private:
+  /// With all parents in memory, a few for every hundred cells.
+  void check_above() {
+    std::vector<SceneCell> parents;
+    try {
+      parents = pages_->parents();
+      check_tiers(parents);
+    } catch (const InputError&) {
+      return;  // A page is damaged, which is said where it is checked itself.
+    }
+    if (check_parent_) check_parents(parents);
+  }
+
+  /// Where scene.xml says that all hangs from one root, viewers look no further.
+  void check_tiers(const std::vector<SceneCell>& parents) {
+    if (header_.tiers.empty()) return;
+    const CellWalk walk = [this](const auto& visit) { pages_->for_each_cell(visit); };
+    if (tiers_of(parents, header_, pages_->totals().cell_voxels, walk) != header_.tiers ||
+        !hold_all_cells(parents, header_.tiers.front(), walk))
+      result_.faults.emplace_back(InputError(scene_xml_, "OctTreeGroup ParentTiers",
+                                             "a parent above cells or parents is missing, twice or elsewhere than it "
+                                             "says; bake again")
+                                      .what());
+  }
+
   void check_page(const PageReference& reference) {
     const std::filesystem::path path = scene_xml_.parent_path() / reference.file;
     PageReading reading;
@@ -134,8 +159,10 @@ class SceneVerification {
     add_lines(lines_of(path, reading.contradictions), result_.faults);
     if (!reading.contradictions.empty()) return;  // what is below may lead anywhere
     check_overlaps(path, reference);
-    check_cells(reading.page.cells);
-    for (const SceneCell& cell : reading.page.cells) names_.push_back(hash_of_name(cell));
+    for (const auto& shards : {&reading.page.cells, &reading.page.parents}) {
+      check_cells(*shards);
+      for (const SceneCell& shard : *shards) names_.push_back(hash_of_name(shard));
+    }
     for (const PageReference& below : reading.page.pages) check_page(below);
   }
 

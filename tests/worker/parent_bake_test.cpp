@@ -10,6 +10,8 @@
 #include "format/shard/brick_walk.h"
 #include "format/shard/level_lookup.h"
 #include "lattice/error.h"
+#include "lattice/kernel_version.h"
+#include "lattice/memory_limit.h"
 #include "lattice/morton.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/random_seed.h"
@@ -200,6 +202,37 @@ TEST_F(Family, HasAParentThatIsNamedWhereItsOwnVoxelsAreWrong) {
   EXPECT_NE(named[0].find("/lod_2: is not what its children make of level 3"), std::string::npos) << named[0];
   parent_.header.generator = "gigabake 0.1.9";
   EXPECT_EQ(faults(), std::vector<std::string>()) << "another version may make another level of the same children";
+  parent_.header.kernel_version = kernel_version;
+  EXPECT_EQ(faults().size(), 1u) << "another version with the same rules may not";
+  parent_.header.kernel_version = kernel_version + 1;
+  parent_.header.generator = generator();
+  EXPECT_EQ(faults(), std::vector<std::string>()) << "nor does a version count that has other rules";
+}
+
+TEST_F(Family, IsReadWithinTheMemoryThatABakeMayTake) {
+  const made::TempFolder folder;
+  std::filesystem::create_directories(folder / "shards");
+  CellJob job = job_;
+  for (const Shard& cell : cells_) {
+    job.child_files.push_back(shard_file(cell.header.cell, cell.header.fingerprint));
+    write_shard(folder / job.child_files.back(), cell, {});
+  }
+  const std::vector<ChildOfParent> children = read_children(folder / "", job);
+  ASSERT_EQ(children.size(), 2u);
+  const std::uint64_t bytes = bytes_of(children[0]) + bytes_of(children[1]);
+  EXPECT_GT(bytes, 2 * 200u * 4u) << "a colour for each voxel";
+  const auto refusal = [&](std::uint64_t limit) -> std::string {
+    set_memory_limit(limit);
+    try {
+      read_children(folder / "", job);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  EXPECT_EQ(refusal(2 * bytes), "none");
+  EXPECT_NE(refusal(2 * bytes - 1).find("parent p3_0_0_0"), std::string::npos);
+  set_memory_limit(0);
 }
 
 TEST_F(Family, HasAParentThatIsNamedWhereAChildChangedBeneathIt) {

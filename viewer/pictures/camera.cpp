@@ -123,7 +123,7 @@ void visit_cells(const PagedScene& scene, const PageSource& pages, const Visit& 
 /// The finest voxels that the root has of its own, all in bricks of one page. False where it cannot be read.
 template <class Visit>
 bool visit_root(const PagedScene& scene, std::uint32_t root, const PageSource& pages, const Visit& visit) {
-  const SceneCell& shard = scene.header().parents[root];
+  const SceneCell& shard = scene.root().parents[root];
   const auto number = std::uint32_t(scene.totals().cells + root);
   const std::vector<NodeRow> rows = page_or_none(pages, {number, PageKey::node_rows, 0}).rows;
   const BrickBlock bricks = page_or_none(pages, {number, int(shard.copied_lods), 0}).bricks;

@@ -2,9 +2,12 @@
 /// them, and the cells that a bake lost.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "format/scene/paged_scene.h"
@@ -22,10 +25,15 @@ struct QueryPlace {
   kernels::VoxelBox box{};
 };
 
+using LatticeCorner = std::array<std::int64_t, 3>;
+struct CornerHash {
+  std::size_t operator()(const LatticeCorner& corner) const;
+};
+
 /// Any number of threads may ask at once.
 class QueryPlaces {
  public:
-  /// Cost    Reads every page of the scene; keeps some 40 bytes a cell.
+  /// Cost    Reads every page of the scene; keeps some 40 bytes a cell or parent.
   /// Errors  InputError as lay_out_cells().
   QueryPlaces(const PagedScene& scene, const ThreadPool& pool);
 
@@ -52,6 +60,8 @@ class QueryPlaces {
   std::uint32_t cells_ = 0, first_lost_ = 0;
   std::vector<std::string> lost_;
   std::optional<ParentTiers> tiers_;
+  /// By their own lod and lowest corner: a parent's number.
+  std::map<std::uint32_t, std::unordered_map<LatticeCorner, std::uint32_t, CornerHash>> parents_;
 };
 
 }  // namespace gigabake

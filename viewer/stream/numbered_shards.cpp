@@ -1,6 +1,5 @@
 #include "viewer/stream/numbered_shards.h"
 
-#include <limits>
 #include <utility>
 
 #include "lattice/counted.h"
@@ -11,7 +10,7 @@ namespace {
 
 /// Some 300 KB each, of a full page of cells.
 constexpr std::size_t most_kept = 32;
-constexpr std::int32_t deepest = std::numeric_limits<std::int32_t>::max();
+constexpr std::int32_t deepest = 64;  // blocks halve from page to page
 
 }  // namespace
 
@@ -43,41 +42,57 @@ std::shared_ptr<const ScenePage> NumberedShards::read(const PageReference& refer
   return page;
 }
 
-/// The page of the cell that lies `depth` below those that scene.xml refers to, or the one that lists it.
-NumberedShards::Kept NumberedShards::page_with(std::uint32_t cell, std::int32_t depth) {
-  Kept at{0, -1, std::shared_ptr<const ScenePage>(scene_, &scene_->root())};
-  while (at.depth < depth && !at.page->pages.empty()) {
+/// The page on the way to what is looked for that lies `depth` below those that scene.xml refers to, or the last one.
+NumberedShards::Listing NumberedShards::page_with(const IsBelow& is_below, std::int32_t depth) {
+  Listing at{0, 0, std::shared_ptr<const ScenePage>(scene_, &scene_->root())};
+  for (std::int32_t next = 0; next <= depth; ++next) {
+    std::uint32_t first = at.first_cell, first_parent = at.first_parent + std::uint32_t(at.page->parents.size());
     const PageReference* found = nullptr;
     for (const PageReference& reference : at.page->pages) {
-      if (cell - at.first < reference.totals.cells) {
+      if (is_below(reference, first, first_parent)) {
         found = &reference;
         break;
       }
-      at.first += std::uint32_t(reference.totals.cells);
+      first += std::uint32_t(reference.totals.cells);
+      first_parent += std::uint32_t(reference.totals.parents);
     }
     if (found == nullptr) break;
-    ++at.depth;
-    at.page = read(*found, at.first, at.depth);
+    at = {first, first_parent, read(*found, first, next)};
   }
   return at;
 }
 
+NumberedShards::Listing NumberedShards::page_with_cell(std::uint32_t cell, std::int32_t depth) {
+  return page_with([cell](const PageReference& reference, std::uint32_t first,
+                          std::uint32_t) { return cell - first < reference.totals.cells; },
+                   depth);
+}
+
 SceneCell NumberedShards::shard(std::uint32_t number) {
-  const std::uint64_t cells = scene_->totals().cells;
-  const std::vector<SceneCell>& parents = scene_->header().parents;
-  if (number >= cells && number - cells < parents.size()) return parents[number - cells];
-  const Kept listing = page_with(number, deepest);
-  if (number < cells && number - listing.first < listing.page->cells.size())
-    return listing.page->cells[number - listing.first];
+  const std::uint64_t cells = scene_->totals().cells, parents = scene_->totals().parents;
+  if (number < cells) {
+    const Listing listing = page_with_cell(number, deepest);
+    if (number - listing.first_cell < listing.page->cells.size())
+      return listing.page->cells[number - listing.first_cell];
+  } else if (number - cells < parents) {
+    const auto index = std::uint32_t(number - cells);
+    const Listing listing =
+        page_with([index](const PageReference& reference, std::uint32_t,
+                          std::uint32_t first) { return index >= first && index - first < reference.totals.parents; },
+                  deepest);
+    if (index - listing.first_parent < listing.page->parents.size())
+      return listing.page->parents[index - listing.first_parent];
+  }
   throw InputError(scene_->file(), "shard " + std::to_string(number),
-                   "the scene has " + counted(cells, "cell") + " and " + counted(parents.size(), "parent"));
+                   "the scene has " + counted(cells, "cell") + " and " + counted(parents, "parent"));
 }
 
 Page NumberedShards::listing(const PageKey& key) {
-  const Kept listing = page_with(key.shard, PageKey::listing - key.part);
+  const Listing listing = page_with_cell(key.shard, PageKey::listing - key.part);
   Page page;
-  page.cells = listed_cells(listing.page->cells, listing.first);
-  page.pages = listed_pages(listing.page->pages, listing.first);
+  page.cells = listed_cells(listing.page->cells, listing.first_cell);
+  page.pages = listed_pages(listing.page->pages, listing.first_cell);
+  page.parents = listed_parents(listing.page->parents, listing.first_parent);
   return page;
 }
 

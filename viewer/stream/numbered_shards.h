@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -31,7 +32,14 @@ class NumberedShards {
     std::int32_t depth = 0;
     std::shared_ptr<const ScenePage> page;
   };
-  Kept page_with(std::uint32_t cell, std::int32_t depth);
+  struct Listing {
+    std::uint32_t first_cell = 0, first_parent = 0;  ///< the latter counted from 0
+    std::shared_ptr<const ScenePage> page;
+  };
+  /// Whether what is looked for stands in the page that is meant or below it, whose first cell and parent are given.
+  using IsBelow = std::function<bool(const PageReference& reference, std::uint32_t first, std::uint32_t first_parent)>;
+  Listing page_with(const IsBelow& is_below, std::int32_t depth);
+  Listing page_with_cell(std::uint32_t cell, std::int32_t depth);
   std::shared_ptr<const ScenePage> read(const PageReference& reference, std::uint32_t first, std::int32_t depth);
 
   std::shared_ptr<const PagedScene> scene_;

@@ -1,6 +1,7 @@
 #include "viewer/stream/page.h"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "viewer/stream/open_shards.h"
@@ -10,7 +11,8 @@ namespace gigabake {
 std::uint64_t Page::bytes() const {
   return sizeof(Page) + rows.size() * sizeof(NodeRow) + bricks.mask.size() * sizeof(std::uint64_t) +
          bricks.first.size() * sizeof(std::uint32_t) + bricks.rgba.size() + bricks.normal.size() +
-         bricks.facing.size() + cells.size() * sizeof(ListedCell) + pages.size() * sizeof(ListedPage);
+         bricks.facing.size() + cells.size() * sizeof(ListedCell) + pages.size() * sizeof(ListedPage) +
+         parents.size() * sizeof(ListedParent);
 }
 
 std::vector<ListedCell> listed_cells(const std::vector<SceneCell>& cells, std::uint32_t first) {
@@ -18,6 +20,16 @@ std::vector<ListedCell> listed_cells(const std::vector<SceneCell>& cells, std::u
   listed.reserve(cells.size());
   for (const SceneCell& cell : cells) listed.push_back({cell.lattice_min, first++});
   std::sort(listed.begin(), listed.end(), [](const ListedCell& a, const ListedCell& b) { return a.min < b.min; });
+  return listed;
+}
+
+std::vector<ListedParent> listed_parents(const std::vector<SceneCell>& parents, std::uint32_t first) {
+  std::vector<ListedParent> listed;
+  listed.reserve(parents.size());
+  for (const SceneCell& parent : parents) listed.push_back({parent.own_lod(), parent.lattice_min, first++});
+  std::sort(listed.begin(), listed.end(), [](const ListedParent& a, const ListedParent& b) {
+    return std::tie(a.own_lod, a.min) < std::tie(b.own_lod, b.min);
+  });
   return listed;
 }
 

@@ -18,7 +18,8 @@ namespace gigabake {
 
 inline constexpr std::uint32_t nodes_per_block = 4096, bricks_per_block = 512;
 
-/// Cells are numbered in the order of the scene's pages, from 0; behind them its parents, in their order.
+/// Cells are numbered in the order of the scene's pages, from 0; behind them parents, those of a page before those of
+/// the pages below it.
 struct PageKey {
   std::uint32_t shard = 0;  ///< its number; of a page of the scene: of the first cell there
   std::int32_t part = -1;   ///< node_rows; listing and below; else bricks of this level, counted from the shard's own 0
@@ -36,6 +37,12 @@ struct ListedCell {
   std::uint32_t number = 0;
 };
 
+struct ListedParent {
+  std::uint32_t own_lod = 0;
+  std::array<std::int64_t, 3> min{};
+  std::uint32_t index = 0;  ///< number without the cells before it
+};
+
 struct ListedPage {
   LatticeBlock block;
   std::uint32_t first_cell = 0;
@@ -46,6 +53,7 @@ struct Page {
   BrickBlock bricks;              ///< (format/shard/shard.h) empty, or
   std::vector<ListedCell> cells;  ///< by min x, y, z; empty, or
   std::vector<ListedPage> pages;
+  std::vector<ListedParent> parents;  ///< with those two; by own_lod, then by min x, y, z
 
   std::uint64_t bytes() const;  ///< of memory
 };
@@ -58,6 +66,7 @@ using PageSource = std::function<Page(const PageKey&)>;
 /// As a viewer searches them. first: the number of the first one.
 std::vector<ListedCell> listed_cells(const std::vector<SceneCell>& cells, std::uint32_t first);
 std::vector<ListedPage> listed_pages(const std::vector<PageReference>& pages, std::uint32_t first);
+std::vector<ListedParent> listed_parents(const std::vector<SceneCell>& parents, std::uint32_t first);
 
 /// How many shards are open at once; the longest unused is closed. Processes may have 1024 files open.
 inline constexpr std::size_t most_open_shards = 400;

@@ -1,11 +1,10 @@
 /// The levels above the cells as a viewer goes through them: tiers of parents, each of blocks side by side, up to one
-/// root (scheduler/parents.h).
+/// root (scheduler/parents.h). Which parents there are is not said here: they stand in the scene's pages.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <unordered_map>
 #include <vector>
 
 #include "format/scene/paged_scene.h"
@@ -14,25 +13,22 @@ namespace gigabake {
 
 /// A parent's place among those of its tier: its window's lowest corner in windows.
 using TierBlock = std::array<std::int64_t, 3>;
-struct TierBlockHash {
-  std::size_t operator()(const TierBlock& block) const;
-};
 
 struct ParentTier {
   std::int32_t first_lod = 0, lods = 0;  ///< all levels that its parents store
   std::int32_t copied_lods = 0;          ///< of these: the finest, which children store too
   std::int32_t bits = 0;                 ///< a window's edge is 2^bits lod-0 voxels
   std::array<std::int64_t, 3> origin{};  ///< corner of block 0, 0, 0
-  std::unordered_map<TierBlock, std::uint32_t, TierBlockHash> parent;  ///< by block: its index in the scene's parents
 
   std::int32_t own_lod() const { return first_lod + copied_lods; }
+  std::int64_t edge() const { return std::int64_t(1) << bits; }
   TierBlock block_of(const std::array<std::int64_t, 3>& v) const;
   std::array<std::int64_t, 3> corner_of(const TierBlock& block) const;
 };
 
 struct ParentTiers {
   std::vector<ParentTier> tiers;  ///< from the cells upwards; the last one is the root alone
-  std::uint32_t root = 0;         ///< its index in the scene's parents
+  std::uint32_t root = 0;         ///< its index among the parents that scene.xml lists
 
   /// How many tiers store a level; below those that do, cells do.
   std::size_t holders(int lod) const;
@@ -40,9 +36,10 @@ struct ParentTiers {
   const ParentTier& holder(int lod, std::size_t holder) const;
 };
 
-/// Nothing where not all of a scene hangs from one root: no parents, or parents that are missing, overlap or are not of
-/// this shape; and where cells were baked with an error that parents do not have (`max_error`).
-/// Cost  Looks at the parents; where the scene says that a cell or a parent is lost, at all cells too.
+/// Nothing where not all of a scene hangs from one root (format/scene/tier_shape.h), where that is wider than rays go,
+/// and where cells were baked with an error that parents do not have (`max_error`).
+/// Cost  What scene.xml says. Of a scene before version 5 a look at its parents, and where it says that a cell or a
+///       parent is lost, at all cells too.
 std::optional<ParentTiers> parent_tiers(const PagedScene& scene);
 
 }  // namespace gigabake

@@ -82,7 +82,7 @@ SceneStream::Opened SceneStream::open(const PagedScene& scene, const Options& op
     CellLayout layout = lay_out_cells(cells, scene.file());
     return {std::move(layout), ShardMap(cells)};
   }
-  CellLayout layout = lay_out_root(scene.header().parents[tiers->root], scene.totals().window);
+  CellLayout layout = lay_out_root(scene.root().parents[tiers->root], scene.totals().window);
   return {std::move(layout), ShardMap(scene, std::move(*tiers))};
 }
 

@@ -1,6 +1,7 @@
 #include "viewer/stream/shard_map.h"
 
 #include <bit>
+#include <tuple>
 #include <utility>
 
 #include "lattice/brick.h"
@@ -29,6 +30,14 @@ const ListedPage* page_around(const std::vector<ListedPage>& pages, const Lattic
   return found != pages.end() && found->block == block ? &*found : nullptr;
 }
 
+const ListedParent* parent_at(const std::vector<ListedParent>& parents, std::uint32_t own_lod,
+                              const std::array<std::int64_t, 3>& min) {
+  const auto found = std::lower_bound(
+      parents.begin(), parents.end(), std::tie(own_lod, min),
+      [](const ListedParent& parent, const auto& wanted) { return std::tie(parent.own_lod, parent.min) < wanted; });
+  return found != parents.end() && found->own_lod == own_lod && found->min == min ? &*found : nullptr;
+}
+
 }  // namespace
 
 bool overlap(const VoxelBox& a, const VoxelBox& b) {
@@ -55,7 +64,8 @@ ShardMap::ShardMap(const PagedScene& scene, ParentTiers tiers)
       tiers_(std::move(tiers)),
       cell_count_(std::uint32_t(scene.totals().cells)),
       cells_(listed_cells(scene.root().cells, 0)),
-      pages_(listed_pages(scene.root().pages, 0)) {}
+      pages_(listed_pages(scene.root().pages, 0)),
+      parents_(listed_parents(scene.root().parents, 0)) {}
 
 ShardMap::Cells::const_iterator ShardMap::first_above(const Cells& cells, const std::array<std::int64_t, 3>& min) {
   return std::lower_bound(cells.begin(), cells.end(), min,
@@ -66,9 +76,32 @@ PlacedShard ShardMap::placed(const ListedCell& cell) const {
   return {cell.number, 0, cell_bits_ - 2, 0, cube_at(cell.min.data(), std::int64_t(1) << cell_bits_)};
 }
 
-PlacedShard ShardMap::placed(const ParentTier& tier, const TierBlock& block, std::uint32_t parent) const {
-  return {cell_count_ + parent, tier.first_lod, tier.lods, tier.own_lod(),
-          cube_at(tier.corner_of(block).data(), std::int64_t(1) << tier.bits)};
+/// Null where the page is not here. If it never will be, what is in `missed` may lack something.
+const Page* ShardMap::find_listing(const ListedPage& listed, std::int32_t part, const VoxelBox& missed,
+                                   const Pager& pager, PageGaps& gaps) const {
+  const PageKey key{listed.first_cell, part, 0};
+  const Page* page = find_page(pager, key, gaps);
+  if (page == nullptr && pager.is_damaged(key)) gaps.damaged |= overlap(missed, gaps.own);
+  return page;
+}
+
+/// A parent stands in the smallest page whose block it lies in.
+std::optional<PlacedShard> ShardMap::find_parent(const ParentTier& tier, const TierBlock& block, const Pager& pager,
+                                                 PageGaps& gaps) const {
+  const std::array<std::int64_t, 3> corner = tier.corner_of(block);
+  const VoxelBox window = cube_at(corner.data(), tier.edge());
+  const std::vector<ListedParent>* parents = &parents_;
+  const std::vector<ListedPage>* pages = &pages_;
+  for (std::int32_t part = PageKey::listing;; --part) {
+    if (const ListedParent* found = parent_at(*parents, std::uint32_t(tier.own_lod()), corner))
+      return PlacedShard{cell_count_ + found->index, tier.first_lod, tier.lods, tier.own_lod(), window};
+    if (pages->empty() || pages->front().block.edge < tier.edge()) return {};
+    const ListedPage* listed = page_around(*pages, block_around(corner, pages->front().block.edge));
+    const Page* page = listed != nullptr ? find_listing(*listed, part, window, pager, gaps) : nullptr;
+    if (page == nullptr) return {};
+    parents = &page->parents;
+    pages = &page->pages;
+  }
 }
 
 /// The list of the cells that begin in the block around v; null where there are none, or the list is not here.
@@ -81,14 +114,10 @@ const ShardMap::Cells* ShardMap::cells_around(const std::array<std::int64_t, 3>&
     block = block_around(v, pages->front().block.edge);
     const ListedPage* listed = page_around(*pages, block);
     if (listed == nullptr) return nullptr;  // nothing begins there
-    const PageKey key{listed->first_cell, part, 0};
-    const Page* page = find_page(pager, key, gaps);
-    if (page == nullptr) {
-      VoxelBox box = cube_at(block.min.data(), block.edge);
-      box.max[2] += std::int64_t(1) << cell_bits_;  // cells may reach out upwards
-      if (pager.is_damaged(key)) gaps.damaged |= overlap(box, gaps.own);
-      return nullptr;
-    }
+    VoxelBox box = cube_at(block.min.data(), block.edge);
+    box.max[2] += std::int64_t(1) << cell_bits_;  // cells may reach out upwards
+    const Page* page = find_listing(*listed, part, box, pager, gaps);
+    if (page == nullptr) return nullptr;
     if (page->pages.empty()) return &page->cells;
     pages = &page->pages;
   }
@@ -124,10 +153,8 @@ std::optional<PlacedShard> ShardMap::find(int lod, int holder, const std::int64_
   if (lod < cell_lods_ && holder == last_holder(lod)) return find_cell(v, pager, gaps, empty);
   const ParentTier& tier = tiers_->holder(lod, std::size_t(holder));
   const TierBlock block = tier.block_of({v[0], v[1], v[2]});
-  const auto found = tier.parent.find(block);
-  if (found != tier.parent.end()) return placed(tier, block, found->second);
-  empty = cube_at(tier.corner_of(block).data(), std::int64_t(1) << tier.bits);
-  return {};
+  empty = cube_at(tier.corner_of(block).data(), tier.edge());
+  return find_parent(tier, block, pager, gaps);
 }
 
 }  // namespace gigabake

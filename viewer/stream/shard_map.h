@@ -1,7 +1,7 @@
 /// Which shard of a scene holds what: for each level and place the cell or the parent that it is stored in.
 ///
-/// Cells are found in the lists of the scene's pages, which come through the pager; so nothing here grows with the
-/// number of cells of a scene that has pages.
+/// Cells and parents are found in the lists of the scene's pages, which come through the pager; so nothing here grows
+/// with the number of cells of a scene that has pages.
 #pragma once
 
 #include <algorithm>
@@ -61,7 +61,7 @@ class ShardMap {
   bool any(int lod, int holder, const kernels::VoxelBox& box, const Pager& pager, PageGaps& gaps,
            const Visit& visit) const {
     if (lod >= cell_lods_ || holder < last_holder(lod))
-      return any_parent(tiers_->holder(lod, std::size_t(holder)), box, visit);
+      return any_parent(tiers_->holder(lod, std::size_t(holder)), box, pager, gaps, visit);
     for (std::int64_t y = box.min[1] >> cell_bits_; y <= (box.max[1] - 1) >> cell_bits_; ++y)
       for (std::int64_t x = box.min[0] >> cell_bits_; x <= (box.max[0] - 1) >> cell_bits_; ++x)
         if (any_of_column(x << cell_bits_, y << cell_bits_, box, pager, gaps, visit)) return true;
@@ -72,21 +72,26 @@ class ShardMap {
   using Cells = std::vector<ListedCell>;
   static Cells::const_iterator first_above(const Cells& cells, const std::array<std::int64_t, 3>& min);
   PlacedShard placed(const ListedCell& cell) const;
-  PlacedShard placed(const ParentTier& tier, const TierBlock& block, std::uint32_t parent) const;
+  const Page* find_listing(const ListedPage& listed, std::int32_t part, const kernels::VoxelBox& missed,
+                           const Pager& pager, PageGaps& gaps) const;
+  /// The tier's parent of that block; where a page that may list it is not here, nothing.
+  std::optional<PlacedShard> find_parent(const ParentTier& tier, const TierBlock& block, const Pager& pager,
+                                         PageGaps& gaps) const;
   const Cells* cells_around(const std::array<std::int64_t, 3>& v, const Pager& pager, PageGaps& gaps,
                             LatticeBlock& block) const;
   std::optional<PlacedShard> find_cell(const std::int64_t v[3], const Pager& pager, PageGaps& gaps,
                                        kernels::VoxelBox& empty) const;
 
   template <class Visit>
-  bool any_parent(const ParentTier& tier, const kernels::VoxelBox& box, const Visit& visit) const {
+  bool any_parent(const ParentTier& tier, const kernels::VoxelBox& box, const Pager& pager, PageGaps& gaps,
+                  const Visit& visit) const {
     const TierBlock low = tier.block_of({box.min[0], box.min[1], box.min[2]});
     const TierBlock high = tier.block_of({box.max[0] - 1, box.max[1] - 1, box.max[2] - 1});
     for (std::int64_t z = low[2]; z <= high[2]; ++z)
       for (std::int64_t y = low[1]; y <= high[1]; ++y)
         for (std::int64_t x = low[0]; x <= high[0]; ++x) {
-          const auto found = tier.parent.find({x, y, z});
-          if (found != tier.parent.end() && visit(placed(tier, found->first, found->second))) return true;
+          const std::optional<PlacedShard> found = find_parent(tier, {x, y, z}, pager, gaps);
+          if (found && visit(*found)) return true;
         }
     return false;
   }
@@ -112,8 +117,9 @@ class ShardMap {
   std::int32_t cell_lods_ = 0, cell_bits_ = 0;
   std::optional<ParentTiers> tiers_;
   std::uint32_t cell_count_ = 0;
-  Cells cells_;                    ///< that need no page
-  std::vector<ListedPage> pages_;  ///< that scene.xml refers to
+  Cells cells_;  ///< that need no page, here and in the two below
+  std::vector<ListedPage> pages_;
+  std::vector<ListedParent> parents_;
 };
 
 }  // namespace gigabake

@@ -94,7 +94,7 @@ TEST(PagedScene, HasTheCellsAndSumsOfTheSceneThatWasWritten) {
     const SceneDescription read = read_scene(folder / "scene.xml");
     ASSERT_EQ(names_of(read.cells), names_of(scene.cells));
     EXPECT_EQ(names_of(read.parents), names_of(scene.parents));
-    EXPECT_EQ(names_of(paged.header().parents), names_of(scene.parents));
+    EXPECT_EQ(names_of(paged.parents()), names_of(scene.parents));
     EXPECT_EQ(paged.totals().parents, 2u);
     EXPECT_EQ(paged.totals().voxels.size(), 4u);
     EXPECT_EQ(SceneTotals(read), SceneTotals(scene));
@@ -328,12 +328,12 @@ TEST(PagedScene, WithAPageThatIsNotTheOneThatIsMeantIsRefusedByFileAndReason) {
       {above("Groups=\"0\"", "Groups=\"1\""), "Groups: differs from what its reference says"},
       {leaf("VoxelSize=\"0.5\"", "VoxelSize=\"0.25\""), "VoxelSize: a page of another scene"},
       {leaf("Channels=\"rgba normal\"", "Channels=\"rgba\""), "VoxelSize: a page of another scene"},
-      {leaf("Version=\"4\"", "Version=\"5\""), "Version: expected 3 to 4"},
+      {leaf("Version=\"5\"", "Version=\"6\""), "Version: expected 3 to 5"},
       {leaf("BlockVoxels=\"32\"", "BlockVoxels=\"16\""), "BlockMin: is of another block"},
       {leaf(" Cells=\"", " Cells=\"1"), "Cells: differs from what its reference says"},
       {leaf("Triangles=\"", "Triangle=\""), "PagedOctTree Triangles: is missing"},
       {leaf("CellVoxels=\"16\" Lods", "CellVoxels=\"32\" FirstLod=\"1\" CopiedLods=\"0\" Lods"),
-       "is a parent and stands in a page"},
+       "is not that of the cells below"},
       {above("BlockVoxels=\"32\"", "BlockVoxels=\"4611686018427387904\""), "BlockVoxels: expected a power of two"},
       {above("GroupFile=\"pages", "GroupFile=\"../pages"), "GroupFile: expected a path inside"},
       {above("Bytes=\"", "Bytes=\"1"), "Bytes: differs from what its reference says"},

@@ -140,7 +140,7 @@ TEST(SceneXml, IsRefusedWithElementAndAttributeWhereItIsWrong) {
     const char *from, *to, *told;
   } cases[] = {
       {"<OctTreeGroup", "<OctTreeGrouq", "not a scene"},
-      {"Version=\"4\"", "Version=\"5\"", "OctTreeGroup Version: expected 1 to 4"},
+      {"Version=\"5\"", "Version=\"6\"", "OctTreeGroup Version: expected 1 to 5"},
       {"Parents=\"0\"", "Parents=\"1\"", "OctTreeGroup Parents: says 1, but 0 are listed"},
       {"Lods=\"2\"", "FirstLod=\"0\" Lods=\"2\"", "PagedOctTree FirstLod: expected 1 to 28"},
       {"Lods=\"2\"", "FirstLod=\"33\" Lods=\"2\"", "PagedOctTree FirstLod: expected 1 to 28"},

@@ -189,7 +189,7 @@ TEST(Verify, SaysThatAnOldSceneCarriesNoTotals) {
   const std::size_t begin = text.find(" Cells=");
   text.erase(begin, text.find('>', begin) - begin);
   text = std::regex_replace(text, std::regex(" (LevelBytes|NodeBytes)=\"[^\"]*\""), "");
-  put_text(folder / "scene.xml", edited(text, "Version=\"4\"", "Version=\"1\""));
+  put_text(folder / "scene.xml", edited(text, "Version=\"5\"", "Version=\"1\""));
   const VerifyResult result = verify_scene(folder / "scene.xml", 1);
   EXPECT_EQ(all_faults(folder / "scene.xml"), "");
   EXPECT_FALSE(result.has_totals);

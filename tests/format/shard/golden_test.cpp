@@ -25,7 +25,7 @@ struct Version {
     return {shard(), made::small_parent()};
   }
 };
-const Version newest{"version_5_scene_4", true, true, true, true};
+const Version newest{"version_5_scene_5", true, true, true, true};
 
 std::filesystem::path golden(const Version& version) {
   return std::filesystem::path(GIGABAKE_SOURCE_DIR) / "tests/format/golden" / version.folder;
@@ -59,7 +59,8 @@ TEST_P(Golden, SceneReadsAsOnTheDayItWasWritten) {
 INSTANTIATE_TEST_SUITE_P(Versions, Golden,
                          testing::Values(Version{"version_1", false}, Version{"version_2", false},
                                          Version{"version_2_scene_2", true}, Version{"version_3_scene_2", true, true},
-                                         Version{"version_4_scene_3", true, true, true}, newest),
+                                         Version{"version_4_scene_3", true, true, true},
+                                         Version{"version_5_scene_4", true, true, true, true}, newest),
                          [](const auto& version) { return version.param.folder; });
 
 TEST(GoldenToday, WriterStoresWhatTheNewestVersionStores) {

@@ -242,28 +242,70 @@ PageSource with_pages_of(const std::shared_ptr<NumberedShards>& numbers, const V
   };
 }
 
-TEST(DrawnFromParents, FindsItsCellsInThePagesOfTheScene) {
+/// The scene of three tiers, of which pages list cells and parents. Its shards are in memory.
+struct InPages {
+  InPages() {
+    SceneDescription description = scene.description();
+    for (std::vector<SceneCell>* shards : {&description.cells, &description.parents})
+      for (SceneCell& shard : *shards) {
+        shard.voxels.assign(shard.lods, 1);
+        shard.content_hash.assign(shard.lods, {1, 2});
+      }
+    write_scene(folder / "scene.xml", description, {4, 2, 8});
+  }
+
+  struct Drawn {
+    std::vector<std::uint8_t> rgba;
+    std::vector<std::string> problems;
+    std::size_t trees;
+  };
+  Drawn drawn(const PictureOptions& options) const {
+    const auto opened = std::make_shared<const PagedScene>(folder / "scene.xml");
+    const auto numbers = std::make_shared<NumberedShards>(opened, nullptr);
+    const ThreadPool policy(2);
+    SceneStream::Options wishes;
+    wishes.light = options.light;
+    SceneStream stream(*opened, with_pages_of(numbers, scene), wishes, policy);
+    const kernels::CastCamera camera = make_camera(options.camera, *opened, scene.pages());
+    std::vector<std::uint8_t> rgba = render(stream, camera, options.background).rgba;
+    return {std::move(rgba), stream.problems(), stream.layout().cells.size()};
+  }
+
   const VoxelScene& scene = in_three_tiers();
-  SceneDescription description = scene.description();
-  for (std::vector<SceneCell>* shards : {&description.cells, &description.parents})
-    for (SceneCell& shard : *shards) {
-      shard.voxels.assign(shard.lods, 1);
-      shard.content_hash.assign(shard.lods, {1, 2});
-    }
-  const made::TempFolder folder;
-  write_scene(folder / "scene.xml", description, {4, 2, 8});
-  const auto opened = std::make_shared<const PagedScene>(folder / "scene.xml");
-  ASSERT_NE(opened->root().pages.at(0).groups, 0u) << "two levels of pages";
-  const auto numbers = std::make_shared<NumberedShards>(opened, nullptr);
-  const ThreadPool policy(2);
-  PictureOptions options = view({20, 30, 60}, {70, 80, 30});
-  SceneStream::Options wishes;
-  wishes.light = options.light;
-  SceneStream stream(*opened, with_pages_of(numbers, scene), wishes, policy);
-  const kernels::CastCamera camera = make_camera(options.camera, *opened, scene.pages());
-  EXPECT_EQ(render(stream, camera, options.background).rgba, take(scene, options).rgba);
-  EXPECT_EQ(stream.problems(), std::vector<std::string>());
-  EXPECT_EQ(stream.layout().cells.size(), 8u);
+  made::TempFolder folder;
+};
+
+TEST(DrawnFromParents, FindsItsCellsAndParentsInThePagesOfTheScene) {
+  const InPages in_pages;
+  const PagedScene opened(in_pages.folder / "scene.xml");
+  ASSERT_NE(opened.root().pages.at(0).groups, 0u) << "two levels of pages";
+  ASSERT_LT(opened.root().parents.size(), opened.totals().parents) << "pages list parents";
+  const PictureOptions options = view({20, 30, 60}, {70, 80, 30});
+  const InPages::Drawn drawn = in_pages.drawn(options);
+  EXPECT_EQ(drawn.rgba, take(in_pages.scene, options).rgba);
+  EXPECT_EQ(drawn.problems, std::vector<std::string>());
+  EXPECT_EQ(drawn.trees, 8u);
+}
+
+TEST(DrawnFromParents, IsDrawnCoarserWhereAPageThatListsParentsIsGone) {
+  const InPages in_pages;
+  const PagedScene opened(in_pages.folder / "scene.xml");
+  const std::vector<PageReference>& pages = opened.root().pages;
+  const auto lost = std::ranges::find_if(pages, [](const PageReference& page) { return page.totals.parents != 0; });
+  ASSERT_NE(lost, pages.end());
+  std::filesystem::remove(in_pages.folder / lost->file);
+  const PictureOptions options = view({20, 30, 60}, {70, 80, 30});
+  const InPages::Drawn drawn = in_pages.drawn(options);
+  const std::vector<std::uint8_t> whole = take(in_pages.scene, options).rgba;
+  ASSERT_EQ(drawn.problems.size(), 1u);
+  EXPECT_NE(drawn.problems[0].find(lost->file), std::string::npos) << drawn.problems[0];
+  std::size_t opaque = 0, holes = 0;
+  for (std::size_t p = 3; p < whole.size(); p += 4) {
+    opaque += whole[p] > 250;
+    holes += whole[p] > 250 && drawn.rgba[p] < 128;
+  }
+  EXPECT_NE(drawn.rgba, whole);
+  EXPECT_LE(50 * holes, opaque) << holes << " holes in " << opaque << " pixels";
 }
 
 }  // namespace

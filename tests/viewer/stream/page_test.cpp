@@ -6,10 +6,12 @@
 #include <thread>
 
 #include "lattice/error.h"
+#include "lattice/parameters.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/random_seed.h"
 #include "viewer/stream/open_shards.h"
 #include "viewer/stream/pager.h"
+#include "viewer/stream/shard_map.h"
 
 namespace gigabake {
 namespace {
@@ -171,6 +173,62 @@ TEST(OpenShards, AreReadByManyThreadsThoughFewAreOpen) {
         EXPECT_EQ(shard->nodes(0, 4096).size(), written[cell].nodes.key.size());
       }
     });
+}
+
+/// Of cells of 16 in a row and parents of 64 above them, in pages of two of these; and a root.
+SceneDescription row_of_parents() {
+  SceneDescription scene;
+  scene.voxel_size_m = 1;
+  scene.parameters = to_json(BakeParameters{.voxel_size_m = 1, .cell_voxels = 16});
+  const auto add = [](std::vector<SceneCell>& to, std::int64_t x, std::uint32_t edge, std::uint32_t first_lod) {
+    SceneCell shard;
+    shard.name = (first_lod == 0 ? "c_" : "p_") + std::to_string(first_lod) + "_" + std::to_string(x);
+    shard.file = "shards/" + shard.name + ".h5";
+    shard.lattice_min = {x, 0, 0};
+    shard.cell_voxels = edge;
+    shard.first_lod = first_lod;
+    shard.lods = 2;
+    shard.voxels = {1, 1};
+    shard.content_hash = {{1, 2}, {3, 4}};
+    to.push_back(shard);
+  };
+  for (std::int64_t x = 0; x < 512; x += 16) add(scene.cells, x, 16, 0);
+  for (std::int64_t x = 0; x < 512; x += 64) add(scene.parents, x, 64, 2);
+  for (std::int64_t x = 0; x < 512; x += 256) add(scene.parents, x, 256, 4);
+  add(scene.parents, 0, 1024, 6);
+  return scene;
+}
+
+TEST(NumberedShards, CountCellsThenParentsPageByPage) {
+  const TempFolder folder;
+  write_scene(folder / "scene.xml", row_of_parents(), {4, 8, 2});
+  const auto scene = std::make_shared<const PagedScene>(folder / "scene.xml");
+  ASSERT_EQ(scene->root().parents.size(), 1u) << "the root; those of 64 and of 256 are in pages";
+  NumberedShards numbers(scene, {});
+  std::uint32_t number = 0;
+  scene->for_each_cell([&](const SceneCell& cell) { EXPECT_EQ(numbers.shard(number++).name, cell.name); });
+  scene->for_each_parent([&](const SceneCell& parent) { EXPECT_EQ(numbers.shard(number++).name, parent.name); });
+  EXPECT_EQ(number, 32u + 11u);
+  EXPECT_THROW(numbers.shard(number), InputError);
+  const ShardMap map(*scene, parent_tiers(*scene).value());
+  Pager pager(pages_from_files(scene), {1, UINT64_MAX});
+  for (std::int64_t x = 0; x < 512; x += 48)
+    for (const int lod : {2, 4, 6}) {
+      std::optional<PlacedShard> found;
+      for (int round = 0; round < 4; ++round) {
+        PageGaps gaps;
+        kernels::VoxelBox empty;
+        const std::int64_t v[3] = {x, 5, 5};
+        found = map.find(lod, 0, v, pager, gaps, empty);
+        if (gaps.missing.empty()) break;
+        pager.want(gaps.missing);
+        pager.wait();
+        pager.begin_pass();
+      }
+      ASSERT_TRUE(found.has_value());
+      const std::int64_t edge = std::int64_t(16) << lod;
+      EXPECT_EQ(numbers.shard(found->number).name, "p_" + std::to_string(lod) + "_" + std::to_string(x / edge * edge));
+    }
 }
 
 }  // namespace

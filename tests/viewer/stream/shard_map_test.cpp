@@ -45,7 +45,6 @@ ParentTiers one_root() {
   tier.lods = 4;
   tier.bits = 8;
   tier.origin = {-128, -128, -128};
-  tier.parent[{0, 0, 0}] = 0;
   return {{tier}, 0};
 }
 
@@ -221,7 +220,7 @@ TEST(ParentTiers, AreThereOnlyWhereAllOfASceneHangsFromOneRoot) {
   const auto tiers = tiers_of(good);
   ASSERT_TRUE(tiers.has_value());
   EXPECT_EQ(tiers->root, 4u);
-  EXPECT_EQ(tiers->holder(4, 0).parent.size(), 4u);
+  EXPECT_EQ(tiers->holder(4, 0).edge(), 128);
   EXPECT_EQ(tiers->holder(5, 0).bits, 8);
   EXPECT_EQ(tiers->holders(1), 0u);
   EXPECT_EQ(tiers->holders(4), 1u);

@@ -1,0 +1,137 @@
+#include "format/scene/tier_shape.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <fmt/format.h>
+#include <map>
+#include <set>
+
+#include "format/scene/scene_page.h"
+#include "lattice/brick.h"
+
+namespace gigabake {
+namespace {
+
+using Corner = std::array<std::int64_t, 3>;
+
+constexpr int most_window_bits = 31;
+
+TierShape shape_of(const SceneCell& parent) { return {parent.first_lod, parent.copied_lods, parent.lods}; }
+
+/// Below the root, windows are multiples of their edge.
+bool is_on_grid(const SceneCell& parent, std::int64_t grid) {
+  return std::ranges::all_of(parent.lattice_min, [grid](std::int64_t v) { return v % grid == 0; });
+}
+
+/// A window that has the levels of the tier, at a place where the tier has one.
+bool is_of_tier(const SceneCell& parent, const TierShape& tier, bool is_root) {
+  const std::int64_t edge = std::int64_t(1) << tier.window_bits();
+  return shape_of(parent) == tier && parent.cell_voxels == edge && is_on_grid(parent, is_root ? edge / 2 : edge);
+}
+
+LatticeBox cube_at(const Corner& min, std::int64_t edge) {
+  return {min, {min[0] + edge, min[1] + edge, min[2] + edge}};
+}
+
+/// By the corners of their windows.
+using Tier = std::set<Corner>;
+
+/// Each parent lies in one above it.
+bool lies_below(const Tier& tier, const TierShape& above_shape, const Tier& above, bool above_is_root) {
+  const std::int64_t edge = std::int64_t(1) << above_shape.window_bits();
+  return std::ranges::all_of(tier, [&](const Corner& corner) {
+    return above_is_root ? cube_at(*above.begin(), edge).holds(corner) : above.contains(block_around(corner, edge).min);
+  });
+}
+
+/// Where a cell or a parent is lost, so may be parents that nobody names: all that waited for it.
+bool may_lack_parents(const SceneHeader& scene) {
+  return std::ranges::any_of(scene.losses, [](const SceneLoss& loss) {
+    return loss.name.starts_with("parent ") || loss.name.starts_with("cell ");
+  });
+}
+
+/// Every parent's own lod is that of a tier, each tier's shape the same for all of it; empty otherwise.
+std::map<std::uint32_t, TierShape> shapes_by_lod(std::span<const SceneCell> parents) {
+  std::map<std::uint32_t, TierShape> shapes;
+  for (const SceneCell& parent : parents)
+    if (shapes.emplace(parent.own_lod(), shape_of(parent)).first->second != shape_of(parent)) return {};
+  return shapes;
+}
+
+bool hang_from_one_root(std::span<const SceneCell> parents, const std::vector<TierShape>& shapes) {
+  std::map<std::uint32_t, Tier> tiers;
+  for (const SceneCell& parent : parents) {
+    const auto shape = std::ranges::find(shapes, parent.own_lod(), &TierShape::own_lod);
+    if (!is_of_tier(parent, *shape, shape == shapes.end() - 1)) return false;
+    if (!tiers[parent.own_lod()].insert(parent.lattice_min).second) return false;
+  }
+  for (std::size_t t = 0; t + 1 < shapes.size(); ++t)
+    if (!lies_below(tiers[shapes[t].own_lod()], shapes[t + 1], tiers[shapes[t + 1].own_lod()], t + 2 == shapes.size()))
+      return false;
+  return tiers[shapes.back().own_lod()].size() == 1;
+}
+
+}  // namespace
+
+std::optional<std::string> fault_of_tiers(std::span<const TierShape> tiers, std::uint32_t cell_voxels) {
+  std::uint32_t next = std::uint32_t(std::bit_width(cell_voxels / std::uint32_t(brick_edge)));
+  if (next == 0) return "the cells are of several sizes";
+  std::uint32_t first_lod = 0;
+  for (const TierShape& tier : tiers) {
+    if (tier.first_lod < 1 || tier.first_lod < first_lod || tier.copied_lods >= tier.lods ||
+        tier.lods > std::uint32_t(most_window_bits) || tier.first_lod > std::uint32_t(most_window_bits) ||
+        tier.window_bits() > most_window_bits)
+      return "are none of parents";
+    if (tier.own_lod() != next)
+      return fmt::format("a tier begins at lod {}, and lod {} is missing or twice", tier.own_lod(), next);
+    next = tier.end_lod();
+    first_lod = tier.first_lod;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> fault_in_tiers(const SceneCell& parent, std::span<const TierShape> tiers) {
+  if (tiers.empty()) return std::nullopt;
+  for (const TierShape& tier : tiers)
+    if (tier.own_lod() == parent.own_lod())
+      return is_of_tier(parent, tier, &tier == &tiers.back())
+                 ? std::nullopt
+                 : std::optional<std::string>("has other levels or another grid than ParentTiers says");
+  return "has levels of no tier of ParentTiers";
+}
+
+bool hold_all_cells(std::span<const SceneCell> parents, const TierShape& lowest, const CellWalk& for_each_cell) {
+  Tier tier;
+  for (const SceneCell& parent : parents)
+    if (shape_of(parent) == lowest) tier.insert(parent.lattice_min);
+  const std::int64_t edge = std::int64_t(1) << lowest.window_bits();
+  const auto is_held = [&](const Corner& voxel) {
+    return tier.size() == 1 ? cube_at(*tier.begin(), edge).holds(voxel) : tier.contains(block_around(voxel, edge).min);
+  };
+  bool all = true;
+  for_each_cell([&](const SceneCell& cell) {
+    Corner high = cell.lattice_min;
+    high[2] += std::int64_t(cell.cell_voxels) - 1;
+    all = all && is_held(cell.lattice_min) && is_held(high);
+  });
+  return all;
+}
+
+std::vector<TierShape> tiers_of(std::span<const SceneCell> parents, const SceneHeader& header,
+                                std::uint32_t cell_voxels, const CellWalk& for_each_cell) {
+  std::vector<TierShape> shapes;
+  for (const auto& [lod, shape] : shapes_by_lod(parents)) shapes.push_back(shape);
+  if (shapes.empty() || fault_of_tiers(shapes, cell_voxels) || !hang_from_one_root(parents, shapes)) return {};
+  if (may_lack_parents(header) && !hold_all_cells(parents, shapes.front(), for_each_cell)) return {};
+  return shapes;
+}
+
+std::vector<TierShape> tiers_of(const SceneDescription& scene, std::uint32_t cell_voxels) {
+  return tiers_of(scene.parents, scene, cell_voxels, [&scene](const auto& visit) {
+    for (const SceneCell& cell : scene.cells) visit(cell);
+  });
+}
+
+}  // namespace gigabake
