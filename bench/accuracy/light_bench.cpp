@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "bench/accuracy/accuracy_scene.h"
 #include "lattice/error.h"
 #include "viewer/light/sky.h"
-#include "viewer/pictures/frame_renderer.h"
 #include "viewer/pictures/png.h"
 
 namespace gigabake::bench {
@@ -68,20 +68,14 @@ double LightBench::time_ratio() const {
 }
 
 LightBench bench_light(const AccuracyBenchRequest& request, const AccuracyProgress& progress) {
-  const SceneSources sources = open_sources(request.scene.source, request.scene.source_options, request.scene.progress);
   LightBench bench{
       request.scene.source.string(), request.scene.parameters.voxel_size_m, request.samples, request.scene.threads, {}};
-  const ReferenceCaster caster(sources, request.scene.parameters, request.scene.threads);
-  progress("bake");
-  std::filesystem::remove_all(request.out / "shards");
-  bake_scene(sources, request.scene, choose_device({request.backend}).device, request.out);
-  FrameRenderer::Options options;
-  options.threads = request.scene.threads;
-  FrameRenderer with(request.out / "scene.xml", options), without(request.out / "scene.xml", options);
+  const AccuracyScene scene(request, progress);
+  FrameRenderer with(request.out / "scene.xml", scene.renderer), without(request.out / "scene.xml", scene.renderer);
   for (const AccuracyView& view :
-       accuracy_views(caster, request.scene.parameters, accuracy_scales, request.width, request.height)) {
+       accuracy_views(scene.caster, request.scene.parameters, accuracy_scales, request.width, request.height)) {
     progress(view.name());
-    bench.rows.push_back(look_at(caster, view, request, with, without));
+    bench.rows.push_back(look_at(scene.caster, view, request, with, without));
   }
   if (!with.problems().empty()) throw InputError(request.out, "", with.problems().front());
   return bench;

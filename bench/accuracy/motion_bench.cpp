@@ -6,10 +6,10 @@
 #include <numbers>
 #include <numeric>
 
+#include "bench/accuracy/accuracy_scene.h"
 #include "bench/accuracy/flip.h"
 #include "lattice/error.h"
 #include "viewer/light/sky.h"
-#include "viewer/pictures/frame_renderer.h"
 #include "viewer/pictures/png.h"
 
 namespace gigabake::bench {
@@ -160,7 +160,6 @@ double MotionBench::mean_still(MotionFigures MotionRow::*way) const {
 }
 
 MotionBench bench_motion(const AccuracyBenchRequest& request, const AccuracyProgress& progress) {
-  const SceneSources sources = open_sources(request.scene.source, request.scene.source_options, request.scene.progress);
   MotionBench bench{request.scene.source.string(),
                     request.scene.parameters.voxel_size_m,
                     request.samples,
@@ -168,19 +167,14 @@ MotionBench bench_motion(const AccuracyBenchRequest& request, const AccuracyProg
                     request.height,
                     request.scene.threads,
                     {}};
-  const ReferenceCaster caster(sources, request.scene.parameters, request.scene.threads);
-  progress("bake");
-  std::filesystem::remove_all(request.out / "shards");
-  bake_scene(sources, request.scene, choose_device({request.backend}).device, request.out);
-  FrameRenderer::Options options;
-  options.threads = request.scene.threads;
-  FrameRenderer renderer(request.out / "scene.xml", options);
+  const AccuracyScene scene(request, progress);
+  FrameRenderer renderer(request.out / "scene.xml", scene.renderer);
   std::vector<MotionPair> pairs;
-  for (const Flight& flight : flights) add_flight(caster, request, flight, pairs);
-  add_zoom(caster, request, pairs);
+  for (const Flight& flight : flights) add_flight(scene.caster, request, flight, pairs);
+  add_zoom(scene.caster, request, pairs);
   for (const MotionPair& pair : pairs) {
     progress(fmt::format("{} {:.1f}", pair.path, pair.at));
-    bench.rows.push_back(look_at_pair(caster, pair, request, renderer));
+    bench.rows.push_back(look_at_pair(scene.caster, pair, request, renderer));
   }
   if (!renderer.problems().empty()) throw InputError(request.out, "", renderer.problems().front());
   return bench;

@@ -16,21 +16,22 @@ __global__ void shade_pixels(ShadedTile tile, Shader shader, CastRay* out) {
   out[i] = shaded_ray(tile, shader, i);
 }
 
+/// A shader for both casters.
+template <class Shader>
+class DeviceShader final : public HostShader<Shader> {
+ public:
+  using HostShader<Shader>::HostShader;
+  void on_device(const ShadedTile& tile, CastRay* out, void* stream) const override {
+    shade_pixels<<<grid_of_tile(tile.tile), tile_threads, 0, static_cast<cudaStream_t>(stream)>>>(tile, this->shader(),
+                                                                                                  out);
+    if (const cudaError_t code = cudaGetLastError(); code != cudaSuccess)
+      throw CudaFailure(std::string("shade_pixels: ") + cudaGetErrorString(code));
+  }
+};
+
 template <class Shader>
 std::shared_ptr<const SurfaceShader> device_shader(const Shader& shader) {
-  struct OnBoth final : SurfaceShader {
-    Shader shader;
-    explicit OnBoth(const Shader& s) : shader(s) {}
-    void on_host(const ShadedTile& tile, CastRay* out, const ThreadPool& policy) const override {
-      shade_on_host(tile, shader, out, policy);
-    }
-    void on_device(const ShadedTile& tile, CastRay* out, void* stream) const override {
-      shade_pixels<<<grid_of_tile(tile.tile), tile_threads, 0, static_cast<cudaStream_t>(stream)>>>(tile, shader, out);
-      if (const cudaError_t code = cudaGetLastError(); code != cudaSuccess)
-        throw CudaFailure(std::string("shade_pixels: ") + cudaGetErrorString(code));
-    }
-  };
-  return std::make_shared<OnBoth>(shader);
+  return std::make_shared<DeviceShader<Shader>>(shader);
 }
 
 }  // namespace gigabake::kernels

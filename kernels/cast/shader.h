@@ -126,20 +126,28 @@ void shade_on_host(const ShadedTile& tile, const Shader& shader, CastRay* out, c
   });
 }
 
-/// For the CPU alone: a device says that it lacks it.
+/// A shader for the CPU alone: a device says that it lacks it.
+template <class Shader>
+class HostShader : public SurfaceShader {
+ public:
+  explicit HostShader(const Shader& shader) : shader_(shader) {}
+  void on_host(const ShadedTile& tile, CastRay* out, const ThreadPool& policy) const override {
+    shade_on_host(tile, shader_, out, policy);
+  }
+  void on_device(const ShadedTile&, CastRay*, void*) const override {
+    throw CudaFailure("the shader was compiled for the CPU alone; cast there, or make it with device_shader()");
+  }
+
+ protected:
+  const Shader& shader() const { return shader_; }
+
+ private:
+  Shader shader_;
+};
+
 template <class Shader>
 std::shared_ptr<const SurfaceShader> host_shader(const Shader& shader) {
-  struct OnHost final : SurfaceShader {
-    Shader shader;
-    explicit OnHost(const Shader& s) : shader(s) {}
-    void on_host(const ShadedTile& tile, CastRay* out, const ThreadPool& policy) const override {
-      shade_on_host(tile, shader, out, policy);
-    }
-    void on_device(const ShadedTile&, CastRay*, void*) const override {
-      throw CudaFailure("the shader was compiled for the CPU alone; cast there, or make it with device_shader()");
-    }
-  };
-  return std::make_shared<OnHost>(shader);
+  return std::make_shared<HostShader<Shader>>(shader);
 }
 
 /// The three that gigabake has, for both casters; the CPU's alone in a build without CUDA.

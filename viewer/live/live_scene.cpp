@@ -248,9 +248,11 @@ std::optional<Frame> LiveScene::slice(Viewer& viewer, const Pilot::Order& order)
 
 void LiveScene::draw(const std::shared_ptr<Viewer>& viewer, const Pilot::Order& order) {
   std::optional<Frame> frame;
+  PictureRays rays;
   std::string problem;
   try {
     frame = carry_out(*viewer, order);
+    if (frame) rays = rays_of(order.view.camera);
   } catch (const std::exception& e) {
     problem = e.what();
   }
@@ -266,7 +268,7 @@ void LiveScene::draw(const std::shared_ptr<Viewer>& viewer, const Pilot::Order& 
     if (!problem.empty()) {
       viewer->pilot->failed();
     } else if (frame) {
-      hand_over(*viewer, order, std::move(*frame));
+      hand_over(*viewer, order, std::move(*frame), rays);
     }
     wake_viewers_.notify_all();
     // Pages are on their way: drawing the same again would only take their cores.
@@ -275,15 +277,19 @@ void LiveScene::draw(const std::shared_ptr<Viewer>& viewer, const Pilot::Order& 
   options_.changed();
 }
 
-void LiveScene::hand_over(Viewer& viewer, const Pilot::Order& order, Frame drawn) {
+PictureRays LiveScene::rays_of(const CameraOptions& camera) const {
+  const SceneHeader& scene = renderer_->scene().header();
+  return {renderer_->rays_of(camera), scene.lattice_origin_m, scene.voxel_size_m, scene.origin};
+}
+
+void LiveScene::hand_over(Viewer& viewer, const Pilot::Order& order, Frame drawn, const PictureRays& rays) {
   const auto frame = std::make_shared<LiveFrame>();
   const double apart_s = now_s() - viewer.drawn_s;
   viewer.drawn_s = now_s();
   viewer.pilot->drawn(order, drawn.stats);
   frame->frame = std::move(drawn);
   frame->view = order.view;
-  const SceneHeader& scene = renderer_->scene().header();
-  frame->rays = {renderer_->rays_of(order.view.camera), scene.lattice_origin_m, scene.voxel_size_m, scene.origin};
+  frame->rays = rays;
   frame->full = order.full;
   frame->number = viewer.frame ? viewer.frame->number + 1 : 1;
   if (apart_s < 1) {

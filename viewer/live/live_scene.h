@@ -106,7 +106,8 @@ class LiveScene {
   void draw(const std::shared_ptr<Viewer>& viewer, const Pilot::Order& order);
   std::optional<Frame> carry_out(Viewer& viewer, const Pilot::Order& order);
   std::optional<Frame> slice(Viewer& viewer, const Pilot::Order& order);
-  void hand_over(Viewer& viewer, const Pilot::Order& order, Frame frame);
+  PictureRays rays_of(const CameraOptions& camera) const;
+  void hand_over(Viewer& viewer, const Pilot::Order& order, Frame frame, const PictureRays& rays);
   std::shared_ptr<Viewer> find(ViewerId id) const;
   double now_s() const;
   void show_home(Viewer& viewer);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <fmt/format.h>
 
 #include "kernels/cast/cast_line.h"
 #include "kernels/cast/pixel.h"
@@ -25,6 +27,20 @@ std::optional<PickedPoint> picked_point(const Picture& picture, const PictureRay
   PickedPoint out{{m[0], m[1], m[2]}, double(distance) * rays.voxel_size_m, {}};
   if (rays.origin) out.place = geodetic_of(ecef_from_enu(*rays.origin)(out.at_m));
   return out;
+}
+
+std::string place_text(const PickedPoint& point) {
+  const Point<Scene>& at = point.at_m;
+  const std::string there =
+      point.place ? fmt::format("{:.7f}° {:.7f}° {:.2f} m", point.place->latitude_deg, point.place->longitude_deg,
+                                point.place->height_m)
+                  : fmt::format("{:.2f} {:.2f} {:.2f}", at.x, at.y, at.z);
+  return there + fmt::format(", {:.2f} m away", point.distance_m);
+}
+
+std::string distance_text(const PickedPoint& from, const PickedPoint& to) {
+  const double across = std::hypot(to.at_m.x - from.at_m.x, to.at_m.y - from.at_m.y), up = to.at_m.z - from.at_m.z;
+  return fmt::format("{:.2f} m: {:.2f} m across, {:.2f} m up", std::hypot(across, up), across, up);
 }
 
 }  // namespace gigabake

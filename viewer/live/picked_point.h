@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <string>
 
 #include "kernels/cast/cast_camera.h"
 #include "lattice/frames.h"
@@ -28,5 +29,10 @@ struct PickedPoint {
 /// where the pixel shows no surface, or is not drawn yet. Exact   As far as the picture's distance is: where half of
 /// the pixel's light was gone.
 std::optional<PickedPoint> picked_point(const Picture& picture, const PictureRays& rays, double right, double down);
+
+/// "48.1234567° 11.1234567° 520.25 m, 83.10 m away"; in scene metres where the scene has no place on the earth.
+std::string place_text(const PickedPoint& point);
+/// "12.34 m: 10.00 m across, 7.23 m up"
+std::string distance_text(const PickedPoint& from, const PickedPoint& to);
 
 }  // namespace gigabake

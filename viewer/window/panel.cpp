@@ -72,7 +72,7 @@ std::string loading_text(const ViewerState& state, const LiveFrame* frame) {
 }
 
 PanelAnswer show_panel(const ViewerState& state, const LiveFrame* frame, bool recording, const std::string& said,
-                       SunClock& clock) {
+                       const std::string& place, SunClock& clock) {
   PanelAnswer out;
   ImGui::SetNextWindowPos({8, 8}, ImGuiCond_Once);
   ImGui::Begin("gigabake (F1)", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
@@ -89,6 +89,7 @@ PanelAnswer show_panel(const ViewerState& state, const LiveFrame* frame, bool re
   }
   if (state.problems > 0) line(counted(state.problems, "shard is", "shards are") + " missing or damaged");
   if (!state.problem.empty()) line(state.problem);
+  if (!place.empty()) line(place);
   if (!said.empty()) line(said);
   ImGui::End();
   return out;

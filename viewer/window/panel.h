@@ -21,8 +21,9 @@ struct SunClock {
 /// What is still to come, as "loading, 45 % drawn"; empty where the frame is all there is to see. frame may be nullptr.
 std::string loading_text(const ViewerState& state, const LiveFrame* frame);
 
-/// Between ImGui::NewFrame() and ImGui::Render(). frame may be nullptr; said: the last thing saved or failed.
+/// Between ImGui::NewFrame() and ImGui::Render(). frame may be nullptr; said: the last thing saved or failed; place:
+/// what the mouse points at. Lines of texts that are empty are left out.
 PanelAnswer show_panel(const ViewerState& state, const LiveFrame* frame, bool recording, const std::string& said,
-                       SunClock& clock);
+                       const std::string& place, SunClock& clock);
 
 }  // namespace gigabake

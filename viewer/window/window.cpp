@@ -13,6 +13,7 @@
 
 #include "format/system/publish.h"
 #include "viewer/live/camera_path.h"
+#include "viewer/live/kept_views.h"
 #include "viewer/pictures/png.h"
 #include "viewer/window/panel.h"
 #include "viewer/window/screen_picture.h"
@@ -94,7 +95,8 @@ class Window {
         input_(window_),
         gui_(window_),
         scene_(scene, std::move(scene_options)),
-        viewer_(scene_.add_viewer().value()) {}
+        viewer_(scene_.add_viewer().value()),
+        views_(options.output) {}
 
   void run() {
     int redraws = redraws_after_event;
@@ -120,6 +122,7 @@ class Window {
     glfwGetFramebufferSize(window_, &width, &height);
     if (width > 0 && height > 0 && std::array{width, height} != size_) steering.size = size_ = {width, height};
     for (const WindowCommand command : input_.take_commands()) obey(command, steering);
+    for (const ViewKey key : input_.take_view_keys()) obey(key, steering);
     const bool settings = steering.mode || steering.style || steering.pixel_error || steering.size;
     if (steering.moves() || settings || steering.walk || steering.swing) scene_.steer(viewer_, steering);
   }
@@ -141,6 +144,9 @@ class Window {
       case WindowCommand::finer:
         steering.pixel_error = half_levels(now.full_view.camera.pixel_error, -1);
         break;
+      case WindowCommand::measure:
+        measure();
+        break;
       case WindowCommand::save_picture:
         want_picture();
         break;
@@ -155,6 +161,38 @@ class Window {
         glfwSetWindowShouldClose(window_, GLFW_TRUE);
         break;
     }
+  }
+
+  void obey(ViewKey key, Steering& steering) {
+    if (!frame_) return;
+    try {
+      if (key.keeps) {
+        views_.keep(key.digit, state().pose);
+        return say("kept " + std::filesystem::absolute(views_.file_of(key.digit)).lexically_normal().string());
+      }
+      steering.pose = views_.kept(key.digit, frame_->rays.origin);
+      if (!steering.pose) return note(fmt::format("no view is kept as {0}: Shift {0} keeps this one", key.digit));
+      steering.turn = steering.pan = {};  // they would lead away from there
+      steering.zoom = 0;
+    } catch (const std::exception& e) {
+      say(e.what());
+    }
+  }
+
+  /// What the mouse points at, in the picture that is shown.
+  std::optional<PickedPoint> pointed() const {
+    const auto mouse = input_.mouse();
+    if (!mouse || !frame_) return {};
+    return picked_point(frame_->frame.picture, frame_->rays, (*mouse)[0], (*mouse)[1]);
+  }
+
+  void measure() {
+    const std::optional<PickedPoint> to = pointed();
+    if (!to) return note("point at something to measure from it");
+    const std::optional<PickedPoint> from = std::exchange(measured_from_, {});
+    if (from) return say(distance_text(*from, *to));
+    measured_from_ = to;
+    note("from " + place_text(*to) + ": press C at the other end");
   }
 
   bool take_frame() {
@@ -231,7 +269,9 @@ class Window {
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
     PanelAnswer answer;
-    if (shows_panel_) answer = show_panel(state(), frame_.get(), recorder_.has_value(), said_, clock_);
+    const std::optional<PickedPoint> place = pointed();
+    if (shows_panel_)
+      answer = show_panel(state(), frame_.get(), recorder_.has_value(), said_, place ? place_text(*place) : "", clock_);
     ImGui::Render();
     ImGui_ImplOpenGL2_RenderDrawData(ImGui::GetDrawData());
     glfwSwapBuffers(window_);
@@ -253,6 +293,8 @@ class Window {
   LiveScene::FramePtr frame_;
   std::array<int, 2> size_{};
   std::optional<PathRecorder> recorder_;
+  const KeptViews views_;
+  std::optional<PickedPoint> measured_from_;
   const char* closed_by_ = "its window was";
   std::string said_, title_;
   double said_at_s_ = 0;

@@ -23,7 +23,7 @@ const std::map<int, WindowCommand> commands{
     {GLFW_KEY_M, WindowCommand::next_mode},     {GLFW_KEY_O, WindowCommand::next_style},
     {GLFW_KEY_EQUAL, WindowCommand::coarser},   {GLFW_KEY_KP_ADD, WindowCommand::coarser},
     {GLFW_KEY_MINUS, WindowCommand::finer},     {GLFW_KEY_KP_SUBTRACT, WindowCommand::finer},
-    {GLFW_KEY_P, WindowCommand::save_picture},  {GLFW_KEY_R, WindowCommand::record},
+    {GLFW_KEY_C, WindowCommand::measure},       {GLFW_KEY_P, WindowCommand::save_picture},  {GLFW_KEY_R, WindowCommand::record},
     {GLFW_KEY_F1, WindowCommand::toggle_panel}, {GLFW_KEY_ESCAPE, WindowCommand::close}};
 
 WindowInput& input_of(GLFWwindow* window) { return *static_cast<WindowInput*>(glfwGetWindowUserPointer(window)); }
@@ -64,6 +64,18 @@ Steering WindowInput::take_steering() {
 
 std::vector<WindowCommand> WindowInput::take_commands() { return std::exchange(commands_, {}); }
 
+std::vector<ViewKey> WindowInput::take_view_keys() { return std::exchange(view_keys_, {}); }
+
+std::optional<std::array<double, 2>> WindowInput::mouse() const {
+  if (glfwGetWindowAttrib(window_, GLFW_HOVERED) == GLFW_FALSE) return {};
+  int width = 0, height = 0;
+  double x = 0, y = 0;
+  glfwGetWindowSize(window_, &width, &height);
+  glfwGetCursorPos(window_, &x, &y);
+  if (!(x >= 0 && x < width && y >= 0 && y < height)) return {};
+  return std::array{x / width, y / height};
+}
+
 bool WindowInput::take_touched() { return std::exchange(touched_, false); }
 
 void WindowInput::key(int key, int action, int modifiers) {
@@ -76,6 +88,7 @@ void WindowInput::key(int key, int action, int modifiers) {
   if (walks.count(key) != 0 || swings.count(key) != 0) held_.insert(key);
   if (key == GLFW_KEY_H) pending_.home = true;
   if (const auto command = commands.find(key); command != commands.end()) commands_.push_back(command->second);
+  if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9) view_keys_.push_back({key - GLFW_KEY_0, slow_});
 }
 
 void WindowInput::button(int button, int action) {
