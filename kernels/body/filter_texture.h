@@ -150,7 +150,7 @@ GB_HD float passing_share(float beyond, float along, float across) {
 }
 
 /// An alpha test of what is interpolated, as a renderer makes it point by point: of a box, with alpha's mean and
-/// slopes, so much passes as of a plane.
+/// slopes, so much passes as of a plane.  Range  alpha is not 0.
 GB_HD_ONE_COPY Rgba16 test_box(Rgba16 mean, std::uint8_t cutoff, float along, float across) {
   const float share = passing_share(float(int(mean.c[3]) - int(cutoff * 257u)), along, across);
   const auto alpha = std::uint32_t(rounded(share * 65535));

@@ -4,7 +4,7 @@
 /// texture a footprint is averaged that has the centroid and the second moments of the fragment's own polygon: so what
 /// a parabola describes has its exact mean, and the fragments of a voxel add up to the same however its surface is cut
 /// into triangles. It is read from the prefiltered pyramid at a level where three texels along each axis stand for it;
-/// a stretched one in up to 8 parts along its long axis.
+/// a wide one in up to nine parts.
 ///
 /// Exact   Texel weights and sums are integers; positions are IEEE double, second moments IEEE float: host and device
 ///         agree.
