@@ -10,7 +10,6 @@
 #include "format/shard/shard_reader.h"
 #include "kernels/cpu/bake_cell.h"
 #include "lattice/error.h"
-#include "lattice/kernel_version.h"
 #include "worker/cell_parameters.h"
 #include "worker/shard_from_volume.h"
 #include "worker/write_crew.h"
@@ -286,7 +285,6 @@ ShardHeader CellStages::header_of(const CellInHand& cell) const {
   h.has_normals = parameters_.normals;
   h.has_facing = has_facing(parameters_);
   h.triangles = cell.stats().triangles;
-  h.kernel_version = kernel_version;
   return h;
 }
 

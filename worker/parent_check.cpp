@@ -5,7 +5,6 @@
 #include "format/shard/above.h"
 #include "format/shard/shard_reader.h"
 #include "lattice/error.h"
-#include "lattice/kernel_version.h"
 #include "lattice/parameters.h"
 #include "worker/parent_bake.h"
 
@@ -31,17 +30,12 @@ std::optional<ReadFamily> read_family(const std::filesystem::path& folder, const
   }
 }
 
-/// Before shards said by which rules they were made, the program's version stood for that.
-bool has_our_rules(const ShardHeader& header) {
-  return header.kernel_version != 0 ? header.kernel_version == kernel_version : header.generator == generator();
-}
-
 class Comparison {
  public:
   Comparison(std::filesystem::path file, const SceneCell& parent) : file_(std::move(file)), parent_(parent) {}
 
   void compare(const ReadFamily& family, const kernels::CellVolume& made) {
-    const std::uint32_t lods = has_our_rules(family.header) ? parent_.lods : parent_.copied_lods;
+    const std::uint32_t lods = family.header.generator == generator() ? parent_.lods : parent_.copied_lods;
     for (std::uint32_t l = 0; l < lods; ++l)
       if (l >= made.content_hash.size() || made.content_hash[l] != family.header.content_hash[l])
         add("/lod_" + std::to_string(l),

@@ -52,8 +52,7 @@ struct ShardHeader {
   std::vector<Hash128> content_hash;  ///< per lod; the sum over voxels, see content_hash.h
   bool has_normals = true;
   bool has_facing = false;
-  std::uint64_t triangles = 0;       ///< triangles that touched the cell
-  std::uint32_t kernel_version = 0;  ///< of the rules that made it (lattice/kernel_version.h); 0: it does not say
+  std::uint64_t triangles = 0;  ///< triangles that touched the cell
 };
 
 struct Shard {

@@ -76,8 +76,6 @@ ShardHeader read_header(const Hdf5File& file) {
   h.content_hash = hashes(file, "content_hash");
   read_channels(file, h);
   h.triangles = scalar<std::uint64_t>(file, "triangles", Hdf5Type::u64);
-  if (file.has_attribute("kernel_version"))
-    h.kernel_version = scalar<std::uint32_t>(file, "kernel_version", Hdf5Type::u32);
   check_header(file.path(), h);
   return h;
 }

@@ -39,7 +39,6 @@ void write_header(Hdf5File& file, const ShardHeader& h, const ParentSource& abov
   if (!above.empty()) file.write_attribute("above_hash", hash_of(above).hex());
   file.write_attribute("channels", channel_names(h.has_normals, h.has_facing));
   file.write_attribute("triangles", Hdf5Type::u64, &h.triangles, 0);
-  if (h.kernel_version != 0) u32("kernel_version", h.kernel_version);
 }
 
 /// HDF5 makes the file of a header and of whatever columns `add_columns` gives.

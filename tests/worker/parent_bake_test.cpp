@@ -10,7 +10,6 @@
 #include "format/shard/brick_walk.h"
 #include "format/shard/level_lookup.h"
 #include "lattice/error.h"
-#include "lattice/kernel_version.h"
 #include "lattice/memory_limit.h"
 #include "lattice/morton.h"
 #include "tests/format/shard/made_shard.h"
@@ -202,11 +201,6 @@ TEST_F(Family, HasAParentThatIsNamedWhereItsOwnVoxelsAreWrong) {
   EXPECT_NE(named[0].find("/lod_2: is not what its children make of level 3"), std::string::npos) << named[0];
   parent_.header.generator = "gigabake 0.1.9";
   EXPECT_EQ(faults(), std::vector<std::string>()) << "another version may make another level of the same children";
-  parent_.header.kernel_version = kernel_version;
-  EXPECT_EQ(faults().size(), 1u) << "another version with the same rules may not";
-  parent_.header.kernel_version = kernel_version + 1;
-  parent_.header.generator = generator();
-  EXPECT_EQ(faults(), std::vector<std::string>()) << "nor does a version count that has other rules";
 }
 
 TEST_F(Family, IsReadWithinTheMemoryThatABakeMayTake) {
