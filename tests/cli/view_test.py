@@ -179,6 +179,19 @@ class View(harness.FolderTest):
         self.assertNotEqual((self.root / "path-0.png").read_bytes(), (self.root / "path-1.png").read_bytes())
         self.assertEqual((self.root / "path-1.png").read_bytes(), end.read_bytes())
 
+    def test_it_measures_and_keeps_views(self):
+        self.open_window("--eye=60,-70,50", "--target=0,0,0")
+        before = self.picture()
+        # A key may go down and up while the window is busy: then nothing comes of it.
+        for x, said in ((120, "press C at the other end"), (200, "m across")):
+            self.wait_for(lambda: (said in self.title(), self.screen.hands("mousemove", x, 170, "key", "c"))[0]
+                          or said in self.title())
+        view = self.saved / "gigabake-view-1.json"
+        self.wait_for(lambda: view.exists() or self.screen.hands("key", "shift+1") or view.exists())
+        moved = self.picture_after(lambda: self.hold("w", 0.5), before)
+        back = self.picture_after(lambda: self.screen.hands("key", "1"), moved)
+        self.assertTrue((back == before).all(), "the pixels of the view that was kept")
+
     def test_escape_closes(self):
         self.open_window()
         self.picture()

@@ -20,11 +20,12 @@ const std::map<int, std::array<double, 2>> swings{{GLFW_KEY_RIGHT, {swing_height
                                                   {GLFW_KEY_UP, {0, swing_heights_per_s}},
                                                   {GLFW_KEY_DOWN, {0, -swing_heights_per_s}}};
 const std::map<int, WindowCommand> commands{
-    {GLFW_KEY_M, WindowCommand::next_mode},     {GLFW_KEY_O, WindowCommand::next_style},
-    {GLFW_KEY_EQUAL, WindowCommand::coarser},   {GLFW_KEY_KP_ADD, WindowCommand::coarser},
-    {GLFW_KEY_MINUS, WindowCommand::finer},     {GLFW_KEY_KP_SUBTRACT, WindowCommand::finer},
-    {GLFW_KEY_C, WindowCommand::measure},       {GLFW_KEY_P, WindowCommand::save_picture},  {GLFW_KEY_R, WindowCommand::record},
-    {GLFW_KEY_F1, WindowCommand::toggle_panel}, {GLFW_KEY_ESCAPE, WindowCommand::close}};
+    {GLFW_KEY_M, WindowCommand::next_mode},   {GLFW_KEY_O, WindowCommand::next_style},
+    {GLFW_KEY_EQUAL, WindowCommand::coarser}, {GLFW_KEY_KP_ADD, WindowCommand::coarser},
+    {GLFW_KEY_MINUS, WindowCommand::finer},   {GLFW_KEY_KP_SUBTRACT, WindowCommand::finer},
+    {GLFW_KEY_C, WindowCommand::measure},     {GLFW_KEY_P, WindowCommand::save_picture},
+    {GLFW_KEY_R, WindowCommand::record},      {GLFW_KEY_F1, WindowCommand::toggle_panel},
+    {GLFW_KEY_ESCAPE, WindowCommand::close}};
 
 WindowInput& input_of(GLFWwindow* window) { return *static_cast<WindowInput*>(glfwGetWindowUserPointer(window)); }
 

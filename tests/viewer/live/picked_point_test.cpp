@@ -58,5 +58,16 @@ TEST(PickedPoint, HasAPlaceOnTheEarthWhereTheSceneHasOne) {
   EXPECT_NEAR(point->place->height_m, 600, 1e-4);
 }
 
+TEST(PickedPoint, IsSaidInDegreesOnTheEarthElseInSceneMetres) {
+  PickedPoint point{{3, -4.128, 0.5}, 20, {}};
+  EXPECT_EQ(place_text(point), "3.00 -4.13 0.50, 20.00 m away");
+  point.place = Geodetic{46.9, -8.3, 600.25};
+  EXPECT_EQ(place_text(point), "46.9000000° -8.3000000° 600.25 m, 20.00 m away");
+}
+
+TEST(PickedPoint, LiesSoFarFromAnother) {
+  EXPECT_EQ(distance_text({{1, 2, 10}, 5, {}}, {{4, 6, -2}, 9, {}}), "13.00 m: 5.00 m across, -12.00 m up");
+}
+
 }  // namespace
 }  // namespace gigabake
