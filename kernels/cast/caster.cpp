@@ -80,12 +80,6 @@ class CpuCaster final : public Caster {
     });
   }
 
-  std::size_t cast_beside(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop,
-                          const Beside& work) override {
-    work([] { return false; });
-    return cast(begin, end, patient, stop);
-  }
-
   void start_blend() override {
     coarser_.resize(rays_.size());
     is_blending_ = true;

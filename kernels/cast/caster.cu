@@ -122,15 +122,6 @@ class CudaCaster final : public Caster {
     return one_pass(end - begin, patient, stop, [&](const RayPass& pass) { rounds_.cast(pass, begin, end); });
   }
 
-  std::size_t cast_beside(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop,
-                          const Beside& work) override {
-    return one_pass(end - begin, patient, stop, [&](const RayPass& pass) {
-      rounds_.cast(pass, begin, end);
-      through_.record(stream_.handle);
-      work([this] { return through_.is_reached(); });
-    });
-  }
-
   void start_blend() override {
     use_device();
     is_blending_ = true;
@@ -288,7 +279,6 @@ class CudaCaster final : public Caster {
   BrickPool bricks_;
   DeviceArray<std::uint32_t> tile_used_, slot_used_, wanted_, want_list_, count_;
   DeviceArray<unsigned long long> unfinished_;
-  StreamMark through_;
   RayRounds rounds_;
   BlendPasses blend_;
   LightPasses light_;

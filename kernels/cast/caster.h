@@ -69,12 +69,6 @@ class Caster {
   /// stay as they were, the result is above 0, and another pass goes on with the same bits.
   virtual std::size_t cast(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) = 0;
 
-  /// As cast(), beside what the host does meanwhile: what that puts in is seen by the next pass at the latest. The work
-  /// may ask whether the device is through; a caster of the host does the work first, and never is.
-  using Beside = std::function<void(const StopAsked& is_through)>;
-  virtual std::size_t cast_beside(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop,
-                                  const Beside& work) = 0;
-
   /// Starts second rays of pixels that lie between two levels; the tile's rays are all finished. Pixels are then of
   /// both (kernels/cast/level_blend.h).
   virtual void start_blend() = 0;

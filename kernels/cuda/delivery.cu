@@ -2,15 +2,23 @@
 
 namespace gigabake::kernels {
 
+Delivery::Delivery(DeviceHeap& heap) : heap_(heap) {
+  for (Part& part : parts_)
+    check_cuda(cudaEventCreateWithFlags(&part.copied, cudaEventDisableTiming), "cudaEventCreate");
+}
+
 Delivery::~Delivery() {
-  for (const Part& part : parts_) part.copied.wait_quietly();  // or the device would read what is freed
+  for (const Part& part : parts_) {
+    cudaEventSynchronize(part.copied);  // or the device would read what is freed
+    cudaEventDestroy(part.copied);
+  }
 }
 
 std::byte* Delivery::room(std::size_t bytes) {
   turn_ = (turn_ + 1) % parts_.size();
   bytes_ = bytes;
   Part& part = parts_[turn_];
-  part.copied.wait();
+  check_cuda(cudaEventSynchronize(part.copied), "cudaEventSynchronize");
   if (part.device.size() < bytes) part.device = DeviceArray<std::byte>(heap_, bytes + bytes / 2);
   return part.host.reserve(part.device.size());
 }
@@ -20,7 +28,7 @@ const std::byte* Delivery::send() {
   std::byte* const host = part.host.reserve(bytes_);
   check_cuda(cudaMemcpyAsync(part.device.data(), host, bytes_, cudaMemcpyHostToDevice, heap_.stream()),
              "cudaMemcpyAsync");
-  part.copied.record(heap_.stream());
+  check_cuda(cudaEventRecord(part.copied, heap_.stream()), "cudaEventRecord");
   return part.device.data();
 }
 

@@ -9,7 +9,6 @@
 
 #include "kernels/cuda/memory.cuh"
 #include "kernels/cuda/pinned.cuh"
-#include "kernels/cuda/stream.cuh"
 
 namespace gigabake::kernels {
 
@@ -17,16 +16,16 @@ namespace gigabake::kernels {
 /// started.
 class Delivery {
  public:
-  explicit Delivery(DeviceHeap& heap) : heap_(heap) {}
+  explicit Delivery(DeviceHeap& heap);
   ~Delivery();
   Delivery(const Delivery&) = delete;
   Delivery& operator=(const Delivery&) = delete;
 
-  /// Room to put bytes in, until send(). Waits where the device still reads what was sent so many turns before.
+  /// Room to put bytes in, until send(). Waits where the device still reads what was sent the last time but one.
   /// Errors  CudaFailure, DeviceFull; so send().
   std::byte* room(std::size_t bytes);
   /// Starts the copy of what was put there. The answer is where the bytes are for what is launched before room() was
-  /// called once more for each turn.
+  /// called twice again.
   const std::byte* send();
 
   /// Both, for values that stand in a vector.
@@ -41,14 +40,11 @@ class Delivery {
   struct Part {
     PinnedBuffer host;
     DeviceArray<std::byte> device;
-    StreamMark copied;
+    cudaEvent_t copied = nullptr;
   };
 
-  /// What the host can make ready while rays are cast, which the device reads when they are through.
-  static constexpr std::size_t turns = 16;
-
   DeviceHeap& heap_;
-  std::array<Part, turns> parts_;
+  std::array<Part, 2> parts_;
   std::size_t turn_ = 0, bytes_ = 0;
 };
 

@@ -148,25 +148,16 @@ struct FrameRenderer::State {
     stats.starved = starved;
   }
 
-  /// until: besides the limits, where given.
-  void put_in_wanted(const kernels::CastCamera& camera, const SketchLimits& limits,
-                     const kernels::StopAsked& until = {}) {
+  void put_in_wanted(const kernels::CastCamera& camera, const SketchLimits& limits) {
     const auto start = Clock::now();
-    const kernels::StopAsked enough = [over = after(limits.upload_s - upload_s), &limits, &until] {
-      return over() || is_asked(limits.stop) || is_asked(until);
+    const kernels::StopAsked enough = [over = after(limits.upload_s - upload_s), &limits] {
+      return over() || is_asked(limits.stop);
     };
     stream->begin_pass();
     const SceneStream::Served served = stream->serve(wanted, camera.eye, enough, {frame_pass, true});
     starved = starved || is_starved(served);
     put_in = served.uploads > 0;
     upload_s += since(start);
-  }
-
-  /// What the last frame left wanted comes in while a device casts this one's rays.
-  std::size_t cast_and_put_in(const kernels::CastCamera& camera, const SketchLimits& limits, std::size_t rays) {
-    return stream->caster().cast_beside(0, rays, true, limits.stop, [&](const kernels::StopAsked& is_through) {
-      put_in_wanted(camera, limits, is_through);
-    });
   }
 
   /// The view's rays are not cast before something stands for every tree, or the time is over.
@@ -189,7 +180,7 @@ struct FrameRenderer::State {
     const std::size_t rays = std::size_t(camera.width) * std::size_t(camera.height);
     std::future<Picture> blank = std::async(std::launch::async, blank_picture, camera.width, camera.height, view.light);
     caster.start(camera, {0, 0, camera.width, camera.height});
-    std::size_t waiting = cast_and_put_in(camera, limits, rays);
+    std::size_t waiting = caster.cast(0, rays, true, limits.stop);
     frame_pass = caster.pass();
     while (waiting > 0 && !starved && upload_s < limits.upload_s && !is_asked(limits.stop)) {
       wanted = caster.wanted();
@@ -241,6 +232,7 @@ struct FrameRenderer::State {
     Frame frame;
     upload_s = waited_s = 0;
     if (roots_first) wait_for_roots(camera, limits);
+    put_in_wanted(camera, limits);
     cast(view, camera, limits, frame.picture);
     frame.stats.upload_s = waited_s + upload_s;
     frame.stats.total_s = since(start);

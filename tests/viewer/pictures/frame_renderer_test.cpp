@@ -51,7 +51,6 @@ TEST(FrameRenderer, ComesToTheSamePictureWhateverTheWayThere) {
   EXPECT_EQ(draw_until_complete(far, last).picture.rgba, draw_until_complete(straight, last).picture.rgba);
 }
 
-// What comes in while the device casts takes the places of what its rays may be at.
 TEST(FrameRenderer, OnADeviceComesToTheSamePictureWhateverTheWayThere) {
   const kernels::CudaDevices devices = kernels::cuda_devices();
   if (devices.usable.empty()) GTEST_SKIP() << "no GPU: " << devices.reason;
