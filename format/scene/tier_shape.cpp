@@ -102,7 +102,8 @@ std::optional<std::string> fault_in_tiers(const SceneCell& parent, std::span<con
   return "has levels of no tier of ParentTiers";
 }
 
-bool hold_all_cells(std::span<const SceneCell> parents, const TierShape& lowest, const CellWalk& for_each_cell) {
+bool hold_cells(CellPart part, std::span<const SceneCell> parents, const TierShape& lowest,
+                const CellWalk& for_each_cell) {
   Tier tier;
   for (const SceneCell& parent : parents)
     if (shape_of(parent) == lowest) tier.insert(parent.lattice_min);
@@ -114,7 +115,8 @@ bool hold_all_cells(std::span<const SceneCell> parents, const TierShape& lowest,
   for_each_cell([&](const SceneCell& cell) {
     Corner high = cell.lattice_min;
     high[2] += std::int64_t(cell.cell_voxels) - 1;
-    all = all && is_held(cell.lattice_min) && is_held(high);
+    const bool low_is = is_held(cell.lattice_min), high_is = is_held(high);
+    all = all && (part == CellPart::all ? low_is && high_is : low_is || high_is);
   });
   return all;
 }
@@ -124,7 +126,7 @@ std::vector<TierShape> tiers_of(std::span<const SceneCell> parents, const SceneH
   std::vector<TierShape> shapes;
   for (const auto& [lod, shape] : shapes_by_lod(parents)) shapes.push_back(shape);
   if (shapes.empty() || fault_of_tiers(shapes, cell_voxels) || !hang_from_one_root(parents, shapes)) return {};
-  if (may_lack_parents(header) && !hold_all_cells(parents, shapes.front(), for_each_cell)) return {};
+  if (may_lack_parents(header) && !hold_cells(CellPart::all, parents, shapes.front(), for_each_cell)) return {};
   return shapes;
 }
 

@@ -24,8 +24,13 @@ std::vector<TierShape> tiers_of(std::span<const SceneCell> parents, const SceneH
                                 std::uint32_t cell_voxels, const CellWalk& for_each_cell);
 std::vector<TierShape> tiers_of(const SceneDescription& scene, std::uint32_t cell_voxels);
 
-/// Whether each cell lies below parents of the lowest tier, of which `parents` are all. A cell may reach into two.
-bool hold_all_cells(std::span<const SceneCell> parents, const TierShape& lowest, const CellWalk& for_each_cell);
+/// A cell may reach into two blocks of the lowest tier. Where its voxels all lie in one of them, the other may be empty
+/// and then has no parent: nobody knows without the shard.
+enum class CellPart { all, some };
+
+/// Whether so much of each cell lies below parents of the lowest tier, of which `parents` are all.
+bool hold_cells(CellPart part, std::span<const SceneCell> parents, const TierShape& lowest,
+                const CellWalk& for_each_cell);
 
 /// What is wrong with tiers that somebody says a scene has; nothing where there can be such.
 std::optional<std::string> fault_of_tiers(std::span<const TierShape> tiers, std::uint32_t cell_voxels);

@@ -140,7 +140,7 @@ class SceneVerification {
     if (header_.tiers.empty()) return;
     const CellWalk walk = [this](const auto& visit) { pages_->for_each_cell(visit); };
     if (tiers_of(parents, header_, pages_->totals().cell_voxels, walk) != header_.tiers ||
-        !hold_all_cells(parents, header_.tiers.front(), walk))
+        !hold_cells(CellPart::some, parents, header_.tiers.front(), walk))
       result_.faults.emplace_back(InputError(scene_xml_, "OctTreeGroup ParentTiers",
                                              "a parent above cells or parents is missing, twice or elsewhere than it "
                                              "says; bake again")

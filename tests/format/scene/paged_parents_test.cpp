@@ -264,6 +264,24 @@ TEST(PagedParents, ThatAreMissingAreNamedByVerifyThoughTheScenesSumsAgree) {
   }
 }
 
+// 2026-11-24: verify missed a parent where what of a cell lay in its block was empty, so that there was none to bake.
+TEST(PagedParents, OfBlocksThatHoldNothingOfACellAreNotMissed) {
+  const test::RandomSeed seed;
+  WrittenScene written(seed);
+  SceneDescription sparse = written.scene;
+  const std::int64_t edge = cell_edge << levels_a_tier;
+  std::set<Corner> begun;
+  for (const SceneCell& cell : sparse.cells) begun.insert(block_around(cell.lattice_min, edge).min);
+  const std::size_t removed = std::erase_if(sparse.parents, [&](const SceneCell& parent) {
+    return parent.cell_voxels == edge && !begun.contains(parent.lattice_min);
+  });
+  EXPECT_GT(removed, 0u);
+  write_scene(written.folder / "scene.xml", sparse, few_cells_a_page);
+  EXPECT_FALSE(PagedScene(written.folder / "scene.xml").header().tiers.empty());
+  for (const std::string& fault : verify_scene(written.folder / "scene.xml", 1).faults)
+    EXPECT_EQ(fault.find("ParentTiers"), std::string::npos) << fault;
+}
+
 TEST(PagedParents, OfScenesOfManyVersionsAreTheSame) {
   const fs::path golden = fs::path(GIGABAKE_SOURCE_DIR) / "tests/format/golden";
   const SceneDescription then = read_scene(golden / "pages_scene_4/scene.xml");
