@@ -269,21 +269,29 @@ class Faults(harness.FolderTest):
                 os.kill(child, signal.SIGSTOP)
             os.kill(pid, signal.SIGSTOP)
 
+    def silence_in_survey(self, name, happened, *launcher):
+        """The folder, exit code and log of a bake. The survey takes a tenth of a second: where it was over before the
+        ranks stood still, the bake ends without them, and is made again."""
+        for attempt in range(5):
+            out = self.root / f"{name}_{attempt}"
+            launch = Launch(self.program, self.bake(out), 3, *launcher)
+            self.stop_surveying_ranks(launch)
+            code, log = launch.wait()
+            if happened(code, log):
+                break
+            self.assertEqual(code, 0, log)
+        return out, code, log
+
     def test_ranks_that_fall_silent_before_cells_are_baked_end_the_launch(self):
-        out = self.root / "silent_survey"
-        launch = Launch(self.program, self.bake(out), 3)
-        self.stop_surveying_ranks(launch)
-        code, log = launch.wait()
+        out, code, log = self.silence_in_survey("silent_survey", lambda code, log: code != 0)
         self.assertEqual(code, RANK_LOST, log)
         self.assertRegex(log, "nothing heard of rank|not every rank answered")
         self.expect_whole(out, 2, "after a rank fell silent")
 
     def test_the_starter_launches_again_where_a_rank_fell_silent_in_the_survey(self):
         """Mended on 2026-11-22: the launch ended with 1, as a bake that cannot succeed does, and stayed ended."""
-        out = self.root / "silent_survey_again"
-        launch = Launch(self.program, self.bake(out), 3, self.starter)
-        self.stop_surveying_ranks(launch)
-        code, log = launch.wait()
+        out, code, log = self.silence_in_survey("silent_survey_again", lambda code, log: "relaunch 1" in log,
+                                                self.starter)
         self.assertEqual(code, 0, log)
         self.assertIn("relaunch 1", log)
         self.expect_whole(out, 2, "after a launch without that rank")
