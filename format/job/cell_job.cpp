@@ -35,30 +35,27 @@ void each_field_of_file(File& file, const F& f) {
   f(file.name), f(file.stamp), f(file.settled);
 }
 
-}  // namespace
-
-CellJob job_of(const SceneCell& cell) {
-  CellJob job;
-  job.name = cell.name;
-  job.lattice_min = cell.lattice_min;
-  job.cell_voxels = cell.cell_voxels;
-  job.triangles = cell.triangles;
-  job.fingerprint = cell.fingerprint;
-  job.first_lod = cell.first_lod;
-  job.copied_lods = cell.copied_lods;
-  return job;
+/// What a job and what the scene lists of it have in common, from one to the other.
+template <class To, class From>
+To same_cell(const From& from) {
+  To to;
+  to.name = from.name;
+  to.lattice_min = from.lattice_min;
+  to.cell_voxels = from.cell_voxels;
+  to.triangles = from.triangles;
+  to.fingerprint = from.fingerprint;
+  to.first_lod = from.first_lod;
+  to.copied_lods = from.copied_lods;
+  return to;
 }
 
+}  // namespace
+
+CellJob job_of(const SceneCell& cell) { return same_cell<CellJob>(cell); }
+
 SceneCell cell_of(const CellJob& job) {
-  SceneCell cell;
-  cell.name = job.name;
+  SceneCell cell = same_cell<SceneCell>(job);
   cell.file = shard_path(job).generic_string();
-  cell.lattice_min = job.lattice_min;
-  cell.cell_voxels = job.cell_voxels;
-  cell.triangles = job.triangles;
-  cell.fingerprint = job.fingerprint;
-  cell.first_lod = job.first_lod;
-  cell.copied_lods = job.copied_lods;
   return cell;
 }
 

@@ -30,19 +30,19 @@ bool is_of_tier(const SceneCell& parent, const TierShape& tier, bool is_root) {
   return shape_of(parent) == tier && parent.cell_voxels == edge && is_on_grid(parent, is_root ? edge / 2 : edge);
 }
 
-LatticeBox cube_at(const Corner& min, std::int64_t edge) {
-  return {min, {min[0] + edge, min[1] + edge, min[2] + edge}};
-}
-
 /// By the corners of their windows.
 using Tier = std::set<Corner>;
 
+/// Whether a window of the tier holds the voxel. is_alone: there is one, which need not lie on the grid of its edge.
+bool has_around(const Tier& tier, const TierShape& shape, bool is_alone, const Corner& voxel) {
+  const std::int64_t edge = std::int64_t(1) << shape.window_bits();
+  return is_alone ? LatticeBlock{*tier.begin(), edge}.box().holds(voxel) : tier.contains(block_around(voxel, edge).min);
+}
+
 /// Each parent lies in one above it.
 bool lies_below(const Tier& tier, const TierShape& above_shape, const Tier& above, bool above_is_root) {
-  const std::int64_t edge = std::int64_t(1) << above_shape.window_bits();
-  return std::ranges::all_of(tier, [&](const Corner& corner) {
-    return above_is_root ? cube_at(*above.begin(), edge).holds(corner) : above.contains(block_around(corner, edge).min);
-  });
+  return std::ranges::all_of(
+      tier, [&](const Corner& corner) { return has_around(above, above_shape, above_is_root, corner); });
 }
 
 /// Where a cell or a parent is lost, so may be parents that nobody names: all that waited for it.
@@ -107,10 +107,7 @@ bool hold_cells(CellPart part, std::span<const SceneCell> parents, const TierSha
   Tier tier;
   for (const SceneCell& parent : parents)
     if (shape_of(parent) == lowest) tier.insert(parent.lattice_min);
-  const std::int64_t edge = std::int64_t(1) << lowest.window_bits();
-  const auto is_held = [&](const Corner& voxel) {
-    return tier.size() == 1 ? cube_at(*tier.begin(), edge).holds(voxel) : tier.contains(block_around(voxel, edge).min);
-  };
+  const auto is_held = [&](const Corner& voxel) { return has_around(tier, lowest, tier.size() == 1, voxel); };
   bool all = true;
   for_each_cell([&](const SceneCell& cell) {
     Corner high = cell.lattice_min;

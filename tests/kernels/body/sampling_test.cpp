@@ -21,6 +21,18 @@ Texture filled(int size, const std::array<std::uint8_t, 4>& rgba) {
   return Texture(std::move(texels), size, size, TextureAlpha::blend, 0, ThreadPool(1));
 }
 
+/// Alpha is ignored.
+Texture any_opaque(std::mt19937_64& rng, int width, int height) {
+  std::vector<std::uint8_t> texels(std::size_t(4) * std::size_t(width) * std::size_t(height));
+  for (std::uint8_t& x : texels) x = std::uint8_t(rng());
+  return Texture(std::move(texels), width, height, TextureAlpha::ignore, 0, ThreadPool(1));
+}
+
+void wrap_anyhow(std::mt19937_64& rng, MaterialView& material) {
+  material.wrap_s = all_wraps[rng() % 3];
+  material.wrap_t = all_wraps[rng() % 3];
+}
+
 /// Texels a voxel along u and along v of a picture of `size`.
 TextureMap map_of(double texels_u, double texels_v, int size) {
   TextureMap map{};
@@ -93,8 +105,7 @@ TEST(Sampling, FindsOneColourWhereTheTextureHasOne) {
     for (std::size_t c = 0; c < 3; ++c) wanted[c] = scale16(tables.linear_from_srgb[rgba[c]], wanted[3]);
     for (int k = 0; k < 8; ++k) {
       std::uniform_real_distribution<double> texels(0, k < 4 ? 4 : 20.0 * size);
-      material.wrap_s = all_wraps[rng() % 3];
-      material.wrap_t = all_wraps[rng() % 3];
+      wrap_anyhow(rng, material);
       const TextureMap map = map_of(texels(rng), texels(rng), size);
       const Rgba16 mean = texture_over<false>(view, material, map, any_fragment(rng), tables);
       for (int c = 0; c < 4; ++c)
@@ -124,12 +135,9 @@ TEST(Sampling, FindsTheSameColoursWithoutAlpha) {
   const Tables tables = TableStore::host().view();
   for (int i = 0; i < 200; ++i) {
     const int width = 1 + int(rng() % 40), height = 1 + int(rng() % 40);
-    std::vector<std::uint8_t> texels(std::size_t(4) * std::size_t(width) * std::size_t(height));
-    for (std::uint8_t& x : texels) x = std::uint8_t(rng());
-    const Texture texture(std::move(texels), width, height, TextureAlpha::ignore, 0, ThreadPool(1));
+    const Texture texture = any_opaque(rng, width, height);
     MaterialView material;
-    material.wrap_s = all_wraps[rng() % 3];
-    material.wrap_t = all_wraps[rng() % 3];
+    wrap_anyhow(rng, material);
     std::uniform_real_distribution<double> wide(0, 30);
     const TextureMap map = map_of(wide(rng), wide(rng), width);
     const FragmentShape f = any_fragment(rng);
@@ -160,12 +168,9 @@ TEST(Sampling, HasTheExactMeanOverABoxOfUpToOneTexel) {
   const Tables tables = TableStore::host().view();
   for (int i = 0; i < 40; ++i) {
     const int size = 4 + int(rng() % 9);
-    std::vector<std::uint8_t> texels(std::size_t(4) * std::size_t(size) * std::size_t(size));
-    for (std::uint8_t& x : texels) x = std::uint8_t(rng());
-    const Texture texture(std::move(texels), size, size, TextureAlpha::ignore, 0, ThreadPool(1));
+    const Texture texture = any_opaque(rng, size, size);
     MaterialView material;
-    material.wrap_s = all_wraps[rng() % 3];
-    material.wrap_t = all_wraps[rng() % 3];
+    wrap_anyhow(rng, material);
     std::uniform_real_distribution<double> wide(0, 1), place(-0.4, 1.4);
     const double width = wide(rng) / size, height = wide(rng) / size, s = place(rng), t = place(rng);
     TextureMap map{};

@@ -29,6 +29,10 @@ Frame draw_until_complete(FrameRenderer& renderer, const View& view) {
   return frame;
 }
 
+void fly_by(FrameRenderer& renderer) {
+  for (int i = 0; i < 40; ++i) renderer.draw(looking({i * 7.0, 300 - i * 9.0, 30.0 + i}, {100, 100, 0}), 0.0005);
+}
+
 TEST(FrameRenderer, ComesToTheExactPictureForAnyPool) {
   const VoxelScene scene = wide_ground(64);
   const View view = looking({-20, -30, 60}, {128, 128, 0});
@@ -47,7 +51,7 @@ TEST(FrameRenderer, ComesToTheSamePictureWhateverTheWayThere) {
   const VoxelScene scene = wide_ground(64);
   const View last = looking({200, 40, 50}, {128, 128, 0});
   FrameRenderer straight = renderer_of(scene, std::uint64_t(1) << 28), far = renderer_of(scene, 3000000);
-  for (int i = 0; i < 40; ++i) far.draw(looking({i * 7.0, 300 - i * 9.0, 30.0 + i}, {100, 100, 0}), 0.0005);
+  fly_by(far);
   EXPECT_EQ(draw_until_complete(far, last).picture.rgba, draw_until_complete(straight, last).picture.rgba);
 }
 
@@ -64,7 +68,7 @@ TEST(FrameRenderer, OnADeviceComesToTheSamePictureWhateverTheWayThere) {
     options.cuda_device = devices.usable[0];
     options.device_bytes = pool;
     FrameRenderer far(scene.description(), "scene.xml", scene.pages(), options);
-    for (int i = 0; i < 40; ++i) far.draw(looking({i * 7.0, 300 - i * 9.0, 30.0 + i}, {100, 100, 0}), 0.0005);
+    fly_by(far);
     const Frame frame = draw_until_complete(far, last);
     EXPECT_TRUE(frame.stats.complete);
     EXPECT_EQ(frame.picture.rgba, expected.rgba) << pool << " bytes of pools";
