@@ -72,6 +72,7 @@ set(gb_public_headers_kernels
     kernels/cast/cast_brick.h
     kernels/cast/cast_camera.h
     kernels/cast/cast_line.h
+    kernels/cast/cast_node.h
     kernels/cast/caster.h
     kernels/cast/first_hit.h
     kernels/cast/first_hit_camera.h
@@ -81,6 +82,7 @@ set(gb_public_headers_kernels
     kernels/cast/light_rays.h
     kernels/cast/lighting.h
     kernels/cast/locate.h
+    kernels/cast/pack_brick.h
     kernels/cast/packed_voxel.h
     kernels/cast/pixel.h
     kernels/cast/ray_light.h

@@ -18,42 +18,35 @@ __device__ void copy_voxels(const PackedVoxel* from, std::uint32_t count, Packed
 }
 
 /// A block a brick. moves: from a place among the new voxels to one in the pool.
-__global__ void scatter_bricks(const VoxelMove* moves, const CastMask* new_masks, const CastLayer* new_layers,
-                               const PackedVoxel* new_voxels, CastMask* masks, CastLayer* layers, PackedVoxel* voxels) {
+__global__ void scatter_bricks(const VoxelMove* moves, const CastHead* new_heads, const PackedVoxel* new_voxels,
+                               CastHead* heads, PackedVoxel* voxels) {
   const VoxelMove move = moves[blockIdx.x];
   copy_voxels(new_voxels + move.from, move.count, voxels + move.to);
-  if (threadIdx.x == 0) masks[move.slot] = new_masks[blockIdx.x];
-  if (threadIdx.x >= slot_edge) return;
-  CastLayer layer = new_layers[slot_edge * blockIdx.x + threadIdx.x];
-  layer.first += move.to;
-  layers[std::size_t(slot_edge) * move.slot + threadIdx.x] = layer;
+  if (threadIdx.x != 0) return;
+  CastHead head = new_heads[blockIdx.x];
+  head.first = move.to;
+  heads[move.slot] = head;
 }
 
 /// A block a brick. window: from where in the pool they will stand on.
-__global__ void gather_bricks(const VoxelMove* moves, const PackedVoxel* voxels, CastLayer* layers,
-                              PackedVoxel* window) {
+__global__ void gather_bricks(const VoxelMove* moves, const PackedVoxel* voxels, CastHead* heads, PackedVoxel* window) {
   const VoxelMove move = moves[blockIdx.x];
   copy_voxels(voxels + move.from, move.count, window + (move.to - moves[0].to));
-  if (threadIdx.x < slot_edge) layers[std::size_t(slot_edge) * move.slot + threadIdx.x].first -= move.from - move.to;
+  if (threadIdx.x == 0) heads[move.slot].first = move.to;
 }
 
-/// What is sent of new bricks: their masks, layers, moves and voxels, one array after another.
+/// What is sent of new bricks: their heads, moves and voxels, one array after another.
 struct NewBricks {
-  std::size_t layers_at, moves_at, voxels_at, bytes;
+  std::size_t moves_at, voxels_at, bytes;
 
   NewBricks(std::size_t bricks, std::size_t voxel_count)
-      : layers_at(bricks * sizeof(CastMask)),
-        moves_at(layers_at + bricks * slot_edge * sizeof(CastLayer)),
+      : moves_at(bricks * sizeof(CastHead)),
         voxels_at(moves_at + bricks * sizeof(VoxelMove)),
         bytes(voxels_at + voxel_count * sizeof(PackedVoxel)) {}
 
   template <class Byte>
-  auto masks(Byte* at) const {
-    return array_at<CastMask>(at);
-  }
-  template <class Byte>
-  auto layers(Byte* at) const {
-    return array_at<CastLayer>(at + layers_at);
+  auto heads(Byte* at) const {
+    return array_at<CastHead>(at);
   }
   template <class Byte>
   auto moves(Byte* at) const {
@@ -80,37 +73,29 @@ std::uint32_t end_of(const VoxelMove& move) { return move.to + move.count; }
 }  // namespace
 
 BrickPool::BrickPool(DeviceHeap& heap, Delivery& delivery, const ThreadPool& pool, const PoolSizes& sizes)
-    : heap_(heap),
-      delivery_(delivery),
-      pool_(pool),
-      masks_(heap, sizes.slots),
-      layers_(heap, std::size_t(slot_edge) * sizes.slots),
-      voxels_(heap, sizes.voxels) {}
+    : heap_(heap), delivery_(delivery), pool_(pool), heads_(heap, sizes.slots), voxels_(heap, sizes.voxels) {}
 
 void BrickPool::show_in(CastScene& scene) const {
-  scene.masks = masks_.data();
-  scene.layers = layers_.data();
+  scene.heads = heads_.data();
   scene.voxels = voxels_.data();
 }
 
 void BrickPool::put(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks) {
   const std::size_t count = places.size();
   std::vector<std::uint32_t> first{0};
-  for (std::size_t i = 0; i < count; ++i) first.push_back(first.back() + std::uint32_t(bricks[i].voxels.size()));
-  const NewBricks parts(count, first.back());
-  std::byte* const room = delivery_.room(parts.bytes);
+  for (std::size_t i = 0; i < count; ++i) first.push_back(first.back() + std::uint32_t(bricks[i].parts.size()));
+  const NewBricks sections(count, first.back());
+  std::byte* const room = delivery_.room(sections.bytes);
   pool_.parallel_for(count, bricks_per_range, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
-      parts.moves(room)[i] = {places[i].slot, first[i], places[i].first, first[i + 1] - first[i]};
-      parts.masks(room)[i] = bricks[i].mask;
-      std::copy_n(bricks[i].layers, slot_edge, parts.layers(room) + slot_edge * i);
-      std::copy(bricks[i].voxels.begin(), bricks[i].voxels.end(), parts.voxels(room) + first[i]);
+      sections.moves(room)[i] = {places[i].slot, first[i], places[i].first, first[i + 1] - first[i]};
+      sections.heads(room)[i] = bricks[i].head;
+      std::copy(bricks[i].parts.begin(), bricks[i].parts.end(), sections.voxels(room) + first[i]);
     }
   });
   const std::byte* const sent = delivery_.send();
-  scatter_bricks<<<unsigned(count), brick_threads, 0, heap_.stream()>>>(parts.moves(sent), parts.masks(sent),
-                                                                        parts.layers(sent), parts.voxels(sent),
-                                                                        masks_.data(), layers_.data(), voxels_.data());
+  scatter_bricks<<<unsigned(count), brick_threads, 0, heap_.stream()>>>(
+      sections.moves(sent), sections.heads(sent), sections.voxels(sent), heads_.data(), voxels_.data());
   check_launch("scatter_bricks");
 }
 
@@ -122,7 +107,7 @@ void BrickPool::move(const std::vector<VoxelMove>& moves) {
   for (std::size_t begin = 0, end = 0; begin < moves.size(); begin = end) {
     while (end < moves.size() && end_of(moves[end]) - moves[begin].to <= voxels_on_their_way) ++end;
     gather_bricks<<<unsigned(end - begin), brick_threads, 0, heap_.stream()>>>(sent + begin, voxels_.data(),
-                                                                               layers_.data(), on_its_way_.data());
+                                                                               heads_.data(), on_its_way_.data());
     check_launch("gather_bricks");
     const std::size_t count = end_of(moves[end - 1]) - moves[begin].to;
     check_cuda(cudaMemcpyAsync(voxels_.data() + moves[begin].to, on_its_way_.data(), count * sizeof(PackedVoxel),

@@ -1,4 +1,4 @@
-/// The pool of bricks on a device: masks and layers by slot, and the voxels of all of them one after another.
+/// The pool of bricks on a device: heads by slot, and the parts of all of them one after another.
 #pragma once
 
 #include <cstdint>
@@ -26,8 +26,7 @@ class BrickPool {
   DeviceHeap& heap_;
   Delivery& delivery_;
   const ThreadPool& pool_;
-  DeviceArray<CastMask> masks_;
-  DeviceArray<CastLayer> layers_;
+  DeviceArray<CastHead> heads_;
   DeviceArray<PackedVoxel> voxels_, on_its_way_;
 };
 

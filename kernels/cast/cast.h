@@ -53,11 +53,10 @@ GB_HD EmptyBox empty_box(const CastPlace& place) {
 }
 
 /// Half of a brick along each axis, around the point: false where the field is not zero in all of it.
-GB_HD bool find_empty_octant(const CastMask& mask, const CastPlace& place, const CastPoint& point, EmptyBox& box) {
+GB_HD bool find_empty_octant(std::uint64_t blocks, const CastPlace& place, const CastPoint& point, EmptyBox& box) {
   const int first[3] = {point.base[0] & 4, point.base[1] & 4, point.base[2] & 4};
-  std::uint64_t seen = 0;
-  for (int z = 0; z < 4; ++z) seen |= mask.word[first[2] + z];
-  if ((seen >> (first[0] + 8 * first[1]) & 0x0f0f0f0f) != 0) return false;
+  constexpr std::uint64_t eight_blocks = 0x330033;
+  if ((blocks >> block_of(first[0], first[1], first[2]) & eight_blocks) != 0) return false;
   for (int a = 0; a < 3; ++a) {
     box.min[a] = place.corner[a] + place.half + first[a] * (2 * place.half);
     box.max[a] = box.min[a] + 4 * (2 * place.half);
@@ -253,9 +252,12 @@ GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patie
     return;
   }
   const bool is_brick = is_here(place.brick);
+  std::uint64_t blocks = 0;
   if (is_brick) {
+    const CastHead head = load_head(scene.heads + place.brick);
+    blocks = head.blocks;
     walk.point = point_in_brick(place, p);
-    if (!is_zero(scene.masks[place.brick], walk.point)) {
+    if (!is_zero(blocks, scene.brick(head), walk.point)) {
       walk.task = CastTask::pass;
       return;
     }
@@ -265,7 +267,7 @@ GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patie
   ray.height = CastRay::no_height;
   const bool is_wanted = is_brick && place.lod == ray.lod;
   EmptyBox box = empty_box(place);
-  if (is_wanted && !find_empty_octant(scene.masks[place.brick], place, walk.point, box)) {
+  if (is_wanted && !find_empty_octant(blocks, place, walk.point, box)) {
     ++ray.step;
     return;
   }

@@ -17,25 +17,32 @@ namespace gigabake::kernels {
 
 inline constexpr int slot_edge = brick_edge + 1, slot_voxels = slot_edge * slot_edge * slot_edge;
 
-/// Bit x + 8y of word z: the field is not zero everywhere between the centres of voxels (x,y,z) and (x,y,z) + 1.
-struct CastMask {
-  std::uint64_t word[8];
+/// What is found of a brick by its slot. Its parts stand in the pool of voxels from `first` on: its layers, upwards,
+/// each in the place of a voxel, but those alone that hold voxels; then its voxels, layer by layer.
+struct alignas(16) CastHead {
+  /// Where the field is zero, by blocks of 2×2×2 points. Bit x + 4y + 16z: it is not zero everywhere between the
+  /// centres of voxels 2(x,y,z) and 2(x,y,z) + 2, since one of these 27 is there.
+  std::uint64_t blocks;
+  std::uint32_t first;
+  std::uint32_t layers;  ///< bit z: voxels of that z are there
 };
 
-/// Of one z: bit x + 9y of `bits` says that a voxel is there; they stand in the pool from `first` on, in that order.
-/// The last word has room for how many of them stand before the second (bits 17 to 22) and before the last word (23 to
-/// 29), so that one of them is found by counting the bits of one word.
-struct alignas(16) CastLayer {
+/// Of one z: bit x + 9y of `bits` says that a voxel is there; they stand in that order. The last word has room for
+/// where the first one stands that does not belong to the first word (from bit 17 on; counted from the brick's first
+/// part).
+struct CastLayer {
   std::uint32_t bits[3];
-  std::uint32_t first;
 };
+static_assert(sizeof(CastLayer) == sizeof(PackedVoxel));
 inline constexpr int last_places = slot_edge * slot_edge - 64;
 inline constexpr std::uint32_t last_places_mask = (1u << last_places) - 1;
+inline constexpr int most_parts = slot_edge + slot_voxels;
+static_assert(most_parts < 1 << (32 - last_places));
 
-/// As rays read a brick: its nine layers, and the pool of voxels.
+/// As rays read a brick: which layers it has, and its parts.
 struct BrickView {
-  const CastLayer* layers;
-  const PackedVoxel* voxels;
+  std::uint32_t layers;
+  const PackedVoxel* parts;
 };
 
 GB_HD int ones_in(std::uint32_t bits) {
@@ -46,19 +53,22 @@ GB_HD int ones_in(std::uint32_t bits) {
 #endif
 }
 
-/// places: its 81 bits alone.
+/// places: its 81 bits alone. first: where its first voxel stands, counted from the brick's first part on.
 GB_HD CastLayer make_layer(const std::uint32_t places[3], std::uint32_t first) {
-  const auto before_second = std::uint32_t(ones_in(places[0]));
-  const auto before_last = before_second + std::uint32_t(ones_in(places[1]));
-  return {{places[0], places[1], places[2] | before_second << 17 | before_last << 23}, first};
+  return {{places[0], places[1], places[2] | (first + std::uint32_t(ones_in(places[0]))) << last_places}};
 }
+
+/// The bit of the block of points that holds point x, y, z.
+GB_HD int block_of(int x, int y, int z) { return x / 2 + 4 * (y / 2) + 16 * (z / 2); }
 
 /// A layer's voxels from one on: bit k of `bits`, up to 10, says that the voxel k places behind it is there.
 struct LayerWindow {
   std::uint32_t bits;
-  std::uint32_t first, second;  ///< where the first of them that is there stands, and of the next row
+  std::uint32_t first, second;  ///< the part that is the first of them that is there, and of the next row
 
   GB_HD bool has(int k) const { return (bits >> k & 1) != 0; }
+  /// One of those that place() knows.
+  GB_HD bool has_any() const { return (bits & (3u | 3u << slot_edge)) != 0; }
   /// Range  has(k); k: 0, 1, and the same of the next row.
   GB_HD std::uint32_t place(int k) const {
     const bool is_next_row = k >= slot_edge;
@@ -70,19 +80,21 @@ struct LayerWindow {
 /// at: x + 9y.
 GB_HD LayerWindow window_of(const CastLayer& layer, int at) {
   const int word = at / 32, bit = at % 32;
-  const std::uint32_t last = layer.bits[2] & last_places_mask;
-  const std::uint32_t own = word == 0 ? layer.bits[0] : word == 1 ? layer.bits[1] : last;
-  const std::uint32_t next = word == 0 ? layer.bits[1] : word == 1 ? last : 0;
-  const std::uint32_t before = word == 0 ? 0 : layer.bits[2] >> (word == 1 ? 17 : 23) & (word == 1 ? 63 : 127);
+  const std::uint32_t last = layer.bits[2] & last_places_mask, second = layer.bits[1];
+  const std::uint32_t own = word == 0 ? layer.bits[0] : word == 1 ? second : last;
+  const std::uint32_t next = word == 0 ? second : word == 1 ? last : 0;
   const auto bits = std::uint32_t((own | std::uint64_t(next) << 32) >> bit);
-  const std::uint32_t first = layer.first + before + std::uint32_t(ones_in(own & ((1u << bit) - 1)));
+  const std::uint32_t behind_first_word = layer.bits[2] >> last_places;
+  const int since =
+      word == 0 ? -ones_in(own >> bit) : ones_in(own & ((1u << bit) - 1)) + (word == 1 ? 0 : ones_in(second));
+  const std::uint32_t first = behind_first_word + std::uint32_t(since);
   return {bits, first, first + std::uint32_t(ones_in(bits & ((1u << slot_edge) - 1)))};
 }
 
-GB_HD CastLayer load_layer(const CastLayer* at) {
+GB_HD CastHead load_head(const CastHead* at) {
 #if defined(__CUDA_ARCH__)
   const uint4 words = __ldg(reinterpret_cast<const uint4*>(at));
-  return {{words.x, words.y, words.z}, words.w};
+  return {words.x | std::uint64_t(words.y) << 32, words.z, words.w};
 #else
   return *at;
 #endif
@@ -96,10 +108,16 @@ GB_HD PackedVoxel load_packed(const PackedVoxel* at) {
 #endif
 }
 
+GB_HD CastLayer load_layer(const BrickView& brick, int z) {
+  if ((brick.layers >> z & 1) == 0) return {};
+  const PackedVoxel part = load_packed(brick.parts + ones_in(brick.layers & ((1u << z) - 1)));
+  return {{part.word[0], part.word[1], part.word[2]}};
+}
+
 /// What a view along the axis sees of the voxel, 65535 = 1; 0 where it is not there. x, y, z: 0 … 8.
 GB_HD int coverage_at(const BrickView& brick, int x, int y, int z, int axis) {
-  const LayerWindow window = window_of(load_layer(brick.layers + z), x + slot_edge * y);
-  return window.has(0) ? coverage_along(load_packed(brick.voxels + window.first), axis) : 0;
+  const LayerWindow window = window_of(load_layer(brick, z), x + slot_edge * y);
+  return window.has(0) ? coverage_along(load_packed(brick.parts + window.first), axis) : 0;
 }
 
 }  // namespace gigabake::kernels

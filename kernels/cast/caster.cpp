@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cstring>
 #include <utility>
 
@@ -21,16 +22,16 @@ class CpuCaster final : public Caster {
   CpuCaster(const CastScene& scene, const PoolSizes& sizes, const ThreadPool& pool)
       : pool_(pool),
         scene_(scene),
-        nodes_(std::size_t(8) * sizes.tiles),
-        masks_(new CastMask[sizes.slots]),
-        layers_(new CastLayer[std::size_t(slot_edge) * sizes.slots]),
+        nodes_(std::size_t(8) * sizes.tiles, pack_node({})),
+        parent_bricks_(sizes.tiles),
+        heads_(new CastHead[sizes.slots]),
         voxels_(new PackedVoxel[sizes.voxels]),
         tile_used_(sizes.tiles),
         slot_used_(sizes.slots),
-        wanted_(std::size_t(16) * sizes.tiles) {
+        wanted_(sizes.want_words()) {
     scene_.nodes = nodes_.data();
-    scene_.masks = masks_.get();
-    scene_.layers = layers_.get();
+    scene_.parent_bricks = parent_bricks_.data();
+    scene_.heads = heads_.get();
     scene_.voxels = voxels_.get();
     scene_.marks = {tile_used_.data(), slot_used_.data(), wanted_.data()};
     scene_.pass = 0;
@@ -38,27 +39,24 @@ class CpuCaster final : public Caster {
 
   void put_bricks(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks) override {
     for (std::size_t i = 0; i < places.size(); ++i) {
-      masks_[places[i].slot] = bricks[i].mask;
-      for (std::size_t z = 0; z < slot_edge; ++z) {
-        CastLayer layer = bricks[i].layers[z];
-        layer.first += places[i].first;
-        layers_[slot_edge * std::size_t(places[i].slot) + z] = layer;
-      }
-      std::copy(bricks[i].voxels.begin(), bricks[i].voxels.end(), voxels_.get() + places[i].first);
+      CastHead& head = heads_[places[i].slot];
+      head = bricks[i].head;
+      head.first = places[i].first;
+      std::copy(bricks[i].parts.begin(), bricks[i].parts.end(), voxels_.get() + places[i].first);
     }
   }
 
   void move_voxels(const std::vector<VoxelMove>& moves) override {
     for (const VoxelMove& move : moves) {
       std::memmove(voxels_.get() + move.to, voxels_.get() + move.from, sizeof(PackedVoxel) * move.count);
-      for (std::size_t z = 0; z < slot_edge; ++z)
-        layers_[slot_edge * std::size_t(move.slot) + z].first -= move.from - move.to;
+      heads_[move.slot].first = move.to;
     }
   }
 
   void put_nodes(const std::vector<NodeChange>& changes) override {
     for (const NodeChange& change : changes) {
-      nodes_[change.node] = change.value;
+      nodes_[change.node] = pack_node(change.value);
+      if (is_here(change.value.children)) parent_bricks_[change.value.children] = change.value.brick;
       nodes_end_ = std::max<std::size_t>(nodes_end_, change.node + 1);
     }
   }
@@ -114,9 +112,9 @@ class CpuCaster final : public Caster {
 
   std::vector<std::uint32_t> wanted() override {
     std::vector<std::uint32_t> found;
-    const std::size_t end = 2 * std::max(nodes_end_, scene_.cells.size);
-    for (std::size_t i = 0; i < end; ++i)
-      if (wanted_[i] == scene_.pass) found.push_back(std::uint32_t(i));
+    for (std::size_t i = 0; i < want_words(); ++i)
+      for (std::uint32_t left = wanted_[i]; left != 0; left &= left - 1)
+        found.push_back(std::uint32_t(32 * i) + std::uint32_t(std::countr_zero(left)));
     return found;
   }
 
@@ -151,6 +149,9 @@ class CpuCaster final : public Caster {
                  [&](std::size_t i) { rays_[i] = blended(scene_, line_of(i), rays_[i], coarser_[i]); });
   }
 
+  /// Those of nodes that were ever put, and of roots.
+  std::size_t want_words() const { return (2 * std::max(nodes_end_, scene_.cells.size) + 31) / 32; }
+
   void shade() {
     if (lights_.empty()) return;
     lit_.resize(rays_.size());
@@ -162,6 +163,7 @@ class CpuCaster final : public Caster {
   template <class GoOn>
   std::size_t one_pass(std::size_t begin, std::size_t end, const StopAsked& stop, const GoOn& go_on) {
     ++scene_.pass;
+    std::fill_n(wanted_.begin(), want_words(), 0);
     std::atomic<std::size_t> unfinished{0};
     const bool whole = for_each_ray(begin, end, stop, [&](std::size_t i) {
       if (!go_on(i)) unfinished.fetch_add(1, std::memory_order_relaxed);
@@ -191,11 +193,11 @@ class CpuCaster final : public Caster {
 
   const ThreadPool& pool_;
   CastScene scene_;
-  std::vector<CastNode> nodes_;
+  std::vector<NodeWord> nodes_;
+  std::vector<std::uint32_t> parent_bricks_;
   std::size_t nodes_end_ = 0;  ///< those from here on were never put
   // Not initialised: pages that nobody touches cost no memory.
-  std::unique_ptr<CastMask[]> masks_;
-  std::unique_ptr<CastLayer[]> layers_;
+  std::unique_ptr<CastHead[]> heads_;
   std::unique_ptr<PackedVoxel[]> voxels_;
   std::vector<std::uint32_t> tile_used_, slot_used_, wanted_;
   CastCamera camera_;
@@ -210,9 +212,10 @@ class CpuCaster final : public Caster {
 }  // namespace
 
 std::uint64_t PoolSizes::bytes() const {
-  const std::uint64_t tile = 8 * sizeof(CastNode) + (1 + 16) * sizeof(std::uint32_t);
-  const std::uint64_t slot = sizeof(CastMask) + slot_edge * sizeof(CastLayer) + sizeof(std::uint32_t);
-  return tiles * tile + slots * slot + voxels * std::uint64_t(sizeof(PackedVoxel));
+  const std::uint64_t tile = 8 * sizeof(NodeWord) + 2 * sizeof(std::uint32_t);
+  const std::uint64_t slot = sizeof(CastHead) + sizeof(std::uint32_t);
+  return tiles * tile + want_words() * sizeof(std::uint32_t) + slots * slot +
+         voxels * std::uint64_t(sizeof(PackedVoxel));
 }
 
 std::unique_ptr<Caster> make_cpu_caster(const CastScene& scene, const PoolSizes& sizes, const ThreadPool& pool) {

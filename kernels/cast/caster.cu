@@ -38,18 +38,23 @@ __global__ void write_pixels(CastScene scene, CastCamera camera, CastTile tile, 
               out);
 }
 
-__global__ void apply_changes(const NodeChange* changes, std::uint32_t count, CastNode* nodes) {
+__global__ void apply_changes(const NodeChange* changes, std::uint32_t count, NodeWord* nodes,
+                              std::uint32_t* parent_bricks) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
-  if (i < count) nodes[changes[i].node] = changes[i].value;
+  if (i >= count) return;
+  const NodeChange change = changes[i];
+  nodes[change.node] = pack_node(change.value);
+  if (is_here(change.value.children)) parent_bricks[change.value.children] = change.value.brick;
 }
 
-/// In no order.
-__global__ void list_wants(const std::uint32_t* wanted, std::uint32_t size, std::uint32_t pass, std::uint32_t* list,
+/// A thread a word; in no order.
+__global__ void list_wants(const std::uint32_t* wanted, std::uint32_t words, std::uint32_t* list,
                            std::uint32_t* count) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
-  if (i >= size || wanted[i] != pass) return;
-  const std::uint32_t at = atomicAdd(count, 1u);
-  if (at < most_wants) list[at] = i;
+  if (i >= words || wanted[i] == 0) return;
+  std::uint32_t at = atomicAdd(count, std::uint32_t(__popc(wanted[i])));
+  for (std::uint32_t left = wanted[i]; left != 0 && at < most_wants; left &= left - 1)
+    list[at++] = 32 * i + std::uint32_t(__ffs(int(left)) - 1);
 }
 
 class CudaCaster final : public Caster {
@@ -63,13 +68,14 @@ class CudaCaster final : public Caster {
         cells_(copy(scene.cells)),
         column_key_(copy(scene.column_key)),
         column_first_(copy(scene.column_first)),
-        nodes_(copy_of(std::vector<CastNode>(std::size_t(8) * sizes.tiles))),
+        nodes_(copy_of(std::vector<NodeWord>(std::size_t(8) * sizes.tiles, pack_node({})))),
+        parent_bricks_(heap_, sizes.tiles),
         delivery_(heap_),
         bricks_(heap_, delivery_, pool, sizes),
         tile_used_(zeros<std::uint32_t>(sizes.tiles)),
         slot_used_(zeros<std::uint32_t>(sizes.slots)),
-        wanted_(zeros<std::uint32_t>(std::size_t(16) * sizes.tiles)),
-        want_list_(heap_, std::min<std::size_t>(wanted_.size(), most_wants)),
+        wanted_(zeros<std::uint32_t>(sizes.want_words())),
+        want_list_(heap_, std::min<std::size_t>(32 * wanted_.size(), most_wants)),
         count_(heap_, 1),
         unfinished_(heap_, 1),
         rounds_(heap_, stream_.handle),
@@ -80,6 +86,7 @@ class CudaCaster final : public Caster {
     scene_.column_key = {column_key_.data(), column_key_.size()};
     scene_.column_first = {column_first_.data(), column_first_.size()};
     scene_.nodes = nodes_.data();
+    scene_.parent_bricks = parent_bricks_.data();
     bricks_.show_in(scene_);
     scene_.marks = {tile_used_.data(), slot_used_.data(), wanted_.data()};
     scene_.pass = 0;
@@ -102,7 +109,7 @@ class CudaCaster final : public Caster {
     use_device();
     const NodeChange* const sent = delivery_.send(changes);
     apply_changes<<<grid_of(changes.size(), 128), 128, 0, stream_.handle>>>(sent, std::uint32_t(changes.size()),
-                                                                            nodes_.data());
+                                                                            nodes_.data(), parent_bricks_.data());
     check_launch("apply_changes");
   }
 
@@ -146,9 +153,9 @@ class CudaCaster final : public Caster {
   std::vector<std::uint32_t> wanted() override {
     use_device();
     count_.clear_to_zero();
-    const auto size = std::uint32_t(wanted_.size());
-    list_wants<<<grid_of(size, 256), 256, 0, stream_.handle>>>(wanted_.data(), size, scene_.pass, want_list_.data(),
-                                                               count_.data());
+    const auto words = std::uint32_t(wanted_.size());
+    list_wants<<<grid_of(words, 256), 256, 0, stream_.handle>>>(wanted_.data(), words, want_list_.data(),
+                                                                count_.data());
     check_launch("list_wants");
     std::uint32_t count = 0;
     download(&count, count_.data(), 1);
@@ -186,6 +193,7 @@ class CudaCaster final : public Caster {
     if (stop && stop()) return rays;
     use_device();
     ++scene_.pass;
+    wanted_.clear_to_zero();
     unfinished_.clear_to_zero();
     launch(pass_of(patient));
     unsigned long long unfinished = 0;
@@ -274,7 +282,8 @@ class CudaCaster final : public Caster {
   DeviceArray<CastCell> cells_;
   DeviceArray<std::uint64_t> column_key_;
   DeviceArray<std::uint32_t> column_first_;
-  DeviceArray<CastNode> nodes_;
+  DeviceArray<NodeWord> nodes_;
+  DeviceArray<std::uint32_t> parent_bricks_;
   Delivery delivery_;
   BrickPool bricks_;
   DeviceArray<std::uint32_t> tile_used_, slot_used_, wanted_, want_list_, count_;

@@ -11,32 +11,29 @@
 
 #include "kernels/cast/cast.h"
 #include "kernels/cast/lighting.h"
+#include "kernels/cast/pack_brick.h"
 #include "kernels/cast/pixel.h"
 #include "kernels/cast/shader.h"
 #include "lattice/thread_pool.h"
 
 namespace gigabake::kernels {
 
-/// A brick to put into a slot. Its layers count from its own first voxel on.
-struct CastBrick {
-  CastMask mask;
-  CastLayer layers[slot_edge];
-  std::vector<PackedVoxel> voxels;
-};
-
-/// Where a brick goes: its slot, and where in the pool of voxels its first one stands.
+/// Where a brick goes: its slot, and where in the pool of voxels its first part stands.
 struct BrickPlace {
   std::uint32_t slot = 0, first = 0;
 };
 
-/// The voxels of a slot go to another place in their pool.
+/// The parts of a slot go to another place in their pool.
 struct VoxelMove {
   std::uint32_t slot, from, to, count;
 };
 
+/// voxels: layers take places of that pool too.
 struct PoolSizes {
   std::uint32_t tiles = 0, slots = 0, voxels = 0;
 
+  /// Of CastMarks::wanted: 16 bits a tile.
+  std::size_t want_words() const { return (std::size_t(tiles) + 1) / 2; }
   /// Of the pools and their marks, on the caster's device.
   std::uint64_t bytes() const;
 };

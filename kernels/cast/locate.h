@@ -34,8 +34,20 @@ GB_HD void stamp(std::uint32_t* at, std::uint32_t pass) {
 #endif
 }
 
+/// Most rays find it set: they read it first, where others write it (on a device, not in a cache of their own).
+GB_HD void set_bit(std::uint32_t* words, std::size_t bit) {
+  std::uint32_t* const at = words + bit / 32;
+  const std::uint32_t one = 1u << bit % 32;
+#if defined(__CUDA_ARCH__)
+  if ((__ldcg(at) & one) == 0) atomicOr(at, one);
+#else
+  const std::atomic_ref<std::uint32_t> word(*at);
+  if ((word.load(std::memory_order_relaxed) & one) == 0) word.fetch_or(one, std::memory_order_relaxed);
+#endif
+}
+
 GB_HD void want(const CastScene& scene, std::uint32_t node, Want what) {
-  stamp(scene.marks.wanted + 2 * std::size_t(node) + std::size_t(what), scene.pass);
+  set_bit(scene.marks.wanted, 2 * std::size_t(node) + std::size_t(what));
 }
 
 /// Voxels [min, max).
@@ -167,10 +179,10 @@ GB_HD CastDescent descend(const CastScene& scene, std::uint32_t cell, int lod, c
   if (at.lod < top) at.node = path.node[at.lod];
   path.node[at.lod] = at.node;
   while (at.lod > lod) {
-    const CastNode node = scene.nodes[at.node];
-    if (node.brick == empty_ref || !is_here(node.children)) break;
+    const NodeWord word = scene.nodes[at.node];
+    if (!leads_on(word)) break;
     const int bit = 2 + at.lod;
-    at.node = 8 * node.children + ((local[0] >> bit & 1) | (local[1] >> bit & 1) << 1 | (local[2] >> bit & 1) << 2);
+    at.node = 8 * word + ((local[0] >> bit & 1) | (local[1] >> bit & 1) << 1 | (local[2] >> bit & 1) << 2);
     path.node[--at.lod] = at.node;
   }
   path.cell = cell;
@@ -189,21 +201,21 @@ GB_HD void set_node_box(const CastCell& cell, const std::uint32_t local[3], int 
   }
 }
 
-/// A brick stands for what is finer and not here: in a box of level `known`, since beyond it more may be.
-GB_HD void set_brick(const CastScene& scene, const CastDescent& at, const std::uint32_t local[3], int known,
+/// The brick of the node where the descent ended. It stands for what is finer and not here: in a box of level `known`,
+/// since beyond it more may be.
+GB_HD void set_brick(const CastScene& scene, int lod, std::uint32_t brick, const std::uint32_t local[3], int known,
                      CastPlace& place) {
   const CastCell& cell = scene.cells[place.cell];
   double max[3];
-  set_node_box(cell, local, at.lod, place.corner, max);
+  set_node_box(cell, local, lod, place.corner, max);
   set_node_box(cell, local, known, place.min, place.max);
-  place.lod = at.lod;
-  place.brick = scene.nodes[at.node].brick;
+  place.lod = lod;
+  place.brick = brick;
   stamp(scene.marks.slot_used + place.brick, scene.pass);
 }
 
-/// Notes what of this node a ray of level `lod` misses. True where it is worth waiting for.
-GB_HD bool ask_for(const CastScene& scene, const CastDescent& at, int lod) {
-  const CastNode node = scene.nodes[at.node];
+/// Notes what of the node where the descent ended a ray of level `lod` misses. True where it is worth waiting for.
+GB_HD bool ask_for(const CastScene& scene, const CastDescent& at, const CastNode& node, int lod) {
   const Want what = at.lod > lod ? Want::children : Want::brick;
   if ((what == Want::children ? node.children : node.brick) != absent_ref) return false;
   want(scene, at.node, what);
@@ -237,17 +249,17 @@ GB_HD CastPlace locate(const CastScene& scene, int lod, const double p[3], bool 
     }
     for (int a = 0; a < 3; ++a) local[a] = std::uint32_t(v[a] - scene.cells[place.cell].min[a]);
     const CastDescent at = descend(scene, place.cell, level, local, path);
-    const std::uint32_t brick = scene.nodes[at.node].brick;
-    if (brick == empty_ref) {
+    const CastNode node = scene.node(at.node);
+    if (node.brick == empty_ref) {
       set_node_box(scene.cells[place.cell], local, at.lod, place.min, place.max);
       place.beyond = power_of_two(at.lod) - power_of_two(level);
       return place;
     }
     if (known < 0) known = at.lod;
-    place.waits |= ask_for(scene, at, level);
+    place.waits |= ask_for(scene, at, node, level);
     if (patient && place.waits) return place;
-    if (at.lod == level && is_here(brick)) {
-      set_brick(scene, at, local, known, place);
+    if (at.lod == level && is_here(node.brick)) {
+      set_brick(scene, level, node.brick, local, known, place);
       return place;
     }
     if (level == scene.lods - 1) {  // not even the root is here

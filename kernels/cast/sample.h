@@ -37,21 +37,19 @@ GB_HD CastPoint point_in_brick(const CastPlace& place, const double p[3]) {
   return r;
 }
 
-GB_HD bool is_zero(const CastMask& mask, const CastPoint& point) {
-  return (mask.word[point.base[2]] >> (point.base[0] + 8 * point.base[1]) & 1) == 0;
-}
-
 /// The eight voxels around a point, x | y<<1 | z<<2, and where it lies between them.
 struct CastCorners {
-  const PackedVoxel* voxels;
+  const PackedVoxel* parts;
   LayerWindow low, high;
   float between[3];
 
   GB_HD CastVoxel voxel(int corner) const {
     const LayerWindow layer = corner < 4 ? low : high;
     const int k = (corner & 1) + slot_edge * (corner >> 1 & 1);
-    return layer.has(k) ? unpack_voxel(load_packed(voxels + layer.place(k))) : CastVoxel{};
+    return layer.has(k) ? unpack_voxel(load_packed(parts + layer.place(k))) : CastVoxel{};
   }
+
+  GB_HD bool has_any() const { return low.has_any() || high.has_any(); }
 
   /// Of the interpolation between them.
   GB_HD float weight(int corner) const {
@@ -62,12 +60,17 @@ struct CastCorners {
 };
 
 GB_HD CastCorners corners_of(const BrickView& brick, const CastPoint& point) {
-  const CastLayer* layer = brick.layers + point.base[2];
   const int at = point.base[0] + slot_edge * point.base[1];
-  return {brick.voxels,
-          window_of(load_layer(layer), at),
-          window_of(load_layer(layer + 1), at),
+  return {brick.parts,
+          window_of(load_layer(brick, point.base[2]), at),
+          window_of(load_layer(brick, point.base[2] + 1), at),
           {point.between[0], point.between[1], point.between[2]}};
+}
+
+/// blocks: the brick's. Where one of them is zero no layer is looked at.
+GB_HD bool is_zero(std::uint64_t blocks, const BrickView& brick, const CastPoint& point) {
+  const bool is_zero_block = (blocks >> block_of(point.base[0], point.base[1], point.base[2]) & 1) == 0;
+  return is_zero_block || !corners_of(brick, point).has_any();
 }
 
 /// x first, then y, then z.

@@ -16,6 +16,7 @@
 #include <cstdint>
 
 #include "kernels/cast/cast_brick.h"
+#include "kernels/cast/cast_node.h"
 #include "lattice/host_device.h"
 
 namespace gigabake::kernels {
@@ -23,31 +24,19 @@ namespace gigabake::kernels {
 inline constexpr int max_cast_lods = 29;                          ///< of a tree of up to 2^31 voxels along an edge
 inline constexpr std::int64_t far_voxel = std::int64_t(1) << 52;  ///< beyond every scene; exact in a double
 
-/// A reference to a tile or a slot, or why there is none.
-inline constexpr std::uint32_t empty_ref = 0xffffffffu;   ///< there is nothing: the field is zero
-inline constexpr std::uint32_t absent_ref = 0xfffffffeu;  ///< not here yet
-inline constexpr std::uint32_t lost_ref = 0xfffffffdu;    ///< will never be here: coarser bricks stand for it
-GB_HD bool is_here(std::uint32_t ref) { return ref < lost_ref; }
-
 /// Exact: its bits are put together. A product with it is exact too, so it replaces divisions by an edge's length.
 /// Range   -1000 … 1000.
 GB_HD double power_of_two(int exponent) { return std::bit_cast<double>(std::uint64_t(1023 + exponent) << 52); }
-
-/// Eight of them, x | y<<1 | z<<2, are a tile. Node n of tile t is node 8t + n. brick = empty_ref: so is all below.
-struct CastNode {
-  std::uint32_t children = absent_ref;  ///< tile
-  std::uint32_t brick = absent_ref;     ///< slot
-};
 
 struct CastCell {
   std::int64_t min[3] = {};  ///< x and y multiples of the cell's edge. The root of cell c is node c
 };
 
-/// What rays tell whoever fills the pools: stamps, `pass` where it happened in this pass.
+/// What rays tell whoever fills the pools. Stamps: `pass` where it happened in this pass.
 struct CastMarks {
   std::uint32_t* tile_used = nullptr;  ///< by tile: rays ended their descent in it
   std::uint32_t* slot_used = nullptr;
-  std::uint32_t* wanted = nullptr;  ///< [2·node + Want]
+  std::uint32_t* wanted = nullptr;  ///< bit 2·node + Want, 32 a word: a ray of this pass misses that
 };
 enum class Want : std::uint32_t { brick = 0, children = 1 };
 
@@ -61,14 +50,19 @@ struct CastScene {
   std::int32_t lods = 0;
   double min[3] = {}, max[3] = {};  ///< a box around all voxels
 
-  const CastNode* nodes = nullptr;
-  const CastMask* masks = nullptr;    ///< by slot
-  const CastLayer* layers = nullptr;  ///< slot_edge a slot, upwards
+  const NodeWord* nodes = nullptr;
+  const std::uint32_t* parent_bricks = nullptr;  ///< by tile: the brick of the node whose children it holds
+  const CastHead* heads = nullptr;               ///< by slot
   const PackedVoxel* voxels = nullptr;
   CastMarks marks;
   std::uint32_t pass = 0;
 
-  GB_HD BrickView brick(std::uint32_t slot) const { return {layers + std::size_t(slot_edge) * slot, voxels}; }
+  GB_HD CastNode node(std::uint32_t at) const {
+    const NodeWord word = nodes[at];
+    return leads_on(word) ? CastNode{word, parent_bricks[word]} : unpack_leaf(word);
+  }
+  GB_HD BrickView brick(const CastHead& head) const { return {head.layers, voxels + head.first}; }
+  GB_HD BrickView brick(std::uint32_t slot) const { return brick(load_head(heads + slot)); }
 };
 
 }  // namespace gigabake::kernels

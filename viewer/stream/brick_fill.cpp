@@ -11,9 +11,6 @@ using kernels::CastBrick;
 using kernels::slot_edge;
 using kernels::VoxelBox;
 
-/// Rows of nine voxels, x the lowest bit: which of them are there.
-using Rows = std::uint16_t[slot_edge][slot_edge];
-
 /// Voxels [begin, end) of a slot along each axis.
 struct SlotPart {
   int begin[3], end[3];
@@ -41,8 +38,8 @@ class BrickFiller {
       }
       fill_part(part);
     }
-    pack();
-    return set_mask();
+    kernels::pack_brick(slot_, brick_);
+    return !brick_.parts.empty();
   }
 
  private:
@@ -74,8 +71,8 @@ class BrickFiller {
   }
 
   void put(int x, int y, int z, const kernels::CastVoxel& voxel) {
-    voxels_[x + slot_edge * (y + slot_edge * z)] = kernels::pack_voxel(voxel);
-    rows_[z][y] = std::uint16_t(rows_[z][y] | 1u << x);
+    slot_.voxel[x + slot_edge * (y + slot_edge * z)] = kernels::pack_voxel(voxel);
+    slot_.row[z][y] = std::uint16_t(slot_.row[z][y] | 1u << x);
   }
 
   /// A border of what cannot be read, and of which coarser voxels will be shown: as these.
@@ -159,36 +156,6 @@ class BrickFiller {
     }
   }
 
-  void pack() {
-    brick_.voxels.clear();
-    for (int z = 0; z < slot_edge; ++z) {
-      std::uint32_t places[3] = {0, 0, 0};
-      const auto first = std::uint32_t(brick_.voxels.size());
-      for (int y = 0; y < slot_edge; ++y)
-        for (std::uint32_t row = rows_[z][y]; row != 0; row &= row - 1) {
-          const int at = std::countr_zero(row) + slot_edge * y;
-          places[at / 32] |= 1u << at % 32;
-          brick_.voxels.push_back(voxels_[at + slot_edge * slot_edge * z]);
-        }
-      brick_.layers[z] = kernels::make_layer(places, first);
-    }
-  }
-
-  /// A point's field is not zero where one of the eight voxels around it is there.
-  bool set_mask() {
-    std::uint64_t any = 0;
-    for (int z = 0; z < brick_edge; ++z) {
-      std::uint64_t word = 0;
-      for (int y = 0; y < brick_edge; ++y) {
-        const auto four = std::uint32_t(rows_[z][y] | rows_[z][y + 1] | rows_[z + 1][y] | rows_[z + 1][y + 1]);
-        word |= std::uint64_t((four | four >> 1) & 255) << (8 * y);
-      }
-      brick_.mask.word[z] = word;
-      any |= word;
-    }
-    return any != 0;
-  }
-
   int lod_, top_;
   VoxelBox corner_;
   const VoxelLookup& lookup_;
@@ -196,8 +163,7 @@ class BrickFiller {
   PageGaps& gaps_;
   CastBrick& brick_;
   NodePath path_;
-  Rows rows_ = {};
-  kernels::PackedVoxel voxels_[kernels::slot_voxels];  ///< x fastest; those that rows_ says are there
+  kernels::SlotVoxels slot_;
 };
 
 }  // namespace

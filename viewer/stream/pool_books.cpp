@@ -90,14 +90,14 @@ bool PoolBooks::put_children(std::uint32_t node, std::uint8_t children, kernels:
   return true;
 }
 
-std::optional<std::uint32_t> PoolBooks::put_brick(std::uint32_t node, std::uint32_t voxels, kernels::Caster& caster) {
-  while (free_slots_.empty() || arena_.free() < voxels)
+std::optional<std::uint32_t> PoolBooks::put_brick(std::uint32_t node, std::uint32_t parts, kernels::Caster& caster) {
+  while (free_slots_.empty() || arena_.free() < parts)
     if (!free_some_slots(caster)) return {};
-  if (!arena_.has_room(voxels)) caster.move_voxels(arena_.close_gaps());
+  if (!arena_.has_room(parts)) caster.move_voxels(arena_.close_gaps());
   const std::uint32_t s = free_slots_.back();
   free_slots_.pop_back();
   slots_[s] = {node, caster.pass(), round_, true};
-  arena_.take(s, voxels);
+  arena_.take(s, parts);
   change(node, {nodes_[node].children, s});
   return s;
 }

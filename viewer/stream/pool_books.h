@@ -22,7 +22,7 @@ class PoolBooks {
   /// Whether there is room for the bricks of all roots, which then never go.
   bool roots_stay() const { return roots_stay_; }
 
-  /// Tiles, slots and voxels that hold something.
+  /// Tiles, slots and places of the pool of voxels that hold something.
   kernels::PoolSizes in_use() const {
     return {std::uint32_t(tiles_.size() - free_tiles_.size()), std::uint32_t(slots_.size() - free_slots_.size()),
             arena_.size() - arena_.free()};
@@ -40,8 +40,8 @@ class PoolBooks {
 
   /// caster: asked what the rays of the last pass used, where room must be made. False where none can be made.
   bool put_children(std::uint32_t node, std::uint8_t children, kernels::Caster& caster);
-  /// A brick of so many voxels: its slot. What stands in the pool of voxels may move.
-  std::optional<std::uint32_t> put_brick(std::uint32_t node, std::uint32_t voxels, kernels::Caster& caster);
+  /// A brick of so many parts: its slot. What stands in the pool of voxels may move.
+  std::optional<std::uint32_t> put_brick(std::uint32_t node, std::uint32_t parts, kernels::Caster& caster);
   /// Where a brick that was put stands now.
   kernels::BrickPlace brick_place(std::uint32_t slot) const { return {slot, arena_.first(slot)}; }
 

@@ -19,8 +19,9 @@ constexpr std::size_t wants_per_thread = 128, least_wants_per_batch = 256;
 /// Wants looked at in one call, the most urgent ones: more would only be asked of the pager in vain.
 constexpr std::size_t most_wants = 8192;
 constexpr std::uint32_t least_slots = 16;
-/// Of bricks of surfaces, with their borders; where they have more on average the pool of voxels is full first.
-constexpr std::uint32_t voxels_per_slot = 80;
+/// Of bricks of surfaces: their voxels, with their borders, and layers; where they have more on average the pool of
+/// voxels is full first.
+constexpr std::uint32_t parts_per_slot = 90;
 /// What the urgency of a root is multiplied with while no ray has met its cell.
 constexpr double unseen_root = 1.0 / 64;
 constexpr int cpu_tile_edge = 128, device_tile_edge = 1024;
@@ -51,13 +52,13 @@ std::uint64_t bytes_for_pages(const SceneStream::Options& options) {
 
 kernels::PoolSizes pool_sizes(const CellLayout& layout, std::uint64_t bytes) {
   const std::uint32_t least = PoolBooks::least_tiles(layout.cells.size(), layout.scene.lods);
-  const kernels::PoolSizes first{least, least_slots, least_slots * kernels::slot_voxels};
-  const std::uint64_t one = kernels::PoolSizes{1, 2, 2 * voxels_per_slot}.bytes(), roots = first.bytes();
+  const kernels::PoolSizes first{least, least_slots, least_slots * kernels::most_parts};
+  const std::uint64_t one = kernels::PoolSizes{1, 2, 2 * parts_per_slot}.bytes(), roots = first.bytes();
   if (roots > bytes)
     throw UsageError("memory_bytes", "the roots of " + counted(layout.cells.size(), "tree") + " alone need " +
                                          std::to_string(roots / 2 * 3 / 1024 + 1) + "K");
   const auto more = std::uint32_t(std::min<std::uint64_t>((bytes - roots) / one, 1u << 24));  // voxels: 32 bits
-  return {first.tiles + more, first.slots + 2 * more, first.voxels + 2 * voxels_per_slot * more};
+  return {first.tiles + more, first.slots + 2 * more, first.voxels + 2 * parts_per_slot * more};
 }
 
 std::unique_ptr<kernels::Caster> make_caster(const CellLayout& layout, const kernels::PoolSizes& sizes,
@@ -179,7 +180,7 @@ bool SceneStream::enter(std::uint32_t want, const Answer& answer, kernels::CastB
   } else if (answer.is_empty) {
     books_.set_empty(node);
   } else {
-    const std::optional<std::uint32_t> slot = books_.put_brick(node, std::uint32_t(brick.voxels.size()), *caster_);
+    const std::optional<std::uint32_t> slot = books_.put_brick(node, std::uint32_t(brick.parts.size()), *caster_);
     if (!slot) return false;
     new_slots_.push_back(*slot);
     new_bricks_.push_back(std::move(brick));

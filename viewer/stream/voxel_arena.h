@@ -1,5 +1,6 @@
 /// Who stands where in the pool of voxels: bricks of any size, one behind the other, and gaps where some have gone.
-/// Voxels are taken at the end; when that is reached what is there moves down, so no gap is ever too small.
+/// What is said of voxels here holds of a brick's layers too, each of which takes the place of one. Voxels are taken at
+/// the end; when that is reached what is there moves down, so no gap is ever too small.
 #pragma once
 
 #include <cstdint>

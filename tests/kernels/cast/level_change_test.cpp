@@ -26,12 +26,13 @@ struct FloorOfLod1 {
   }
 
   void put_in(Caster& caster) const {
-    CastBrick brick{};
-    for (std::uint64_t& word : brick.mask.word) word = ~std::uint64_t(0);
-    constexpr std::uint32_t layer_voxels = slot_edge * slot_edge;
-    brick.voxels.assign(layer_voxels, pack_voxel({{32768, 32768, 32768, 65535, 65535, 65535}, {}, 0}));
-    const std::uint32_t places[3] = {~0u, ~0u, last_places_mask};
-    brick.layers[4] = make_layer(places, 0);
+    CastBrick brick;
+    SlotVoxels slot;
+    for (int at = 0; at < slot_edge * slot_edge; ++at) {
+      slot.row[4][at / slot_edge] = (1u << slot_edge) - 1;
+      slot.voxel[4 * slot_edge * slot_edge + at] = pack_voxel({{32768, 32768, 32768, 65535, 65535, 65535}, {}, 0});
+    }
+    pack_brick(slot, brick);
     caster.put_bricks({{0, 0}}, {brick});
     std::vector<NodeChange> changes{{0, {1, 0}}};
     for (std::uint32_t child = 8; child < 16; ++child) changes.push_back({child, {empty_ref, empty_ref}});
@@ -44,7 +45,7 @@ struct FloorOfLod1 {
 TEST(LevelChange, ComesBeforeTheEndOfTheSceneWhereEmptySpaceWasSteppedOver) {
   const ThreadPool threads(1);
   const FloorOfLod1 floor;
-  const auto caster = make_cpu_caster(floor.scene, {2, 1, slot_voxels}, threads);
+  const auto caster = make_cpu_caster(floor.scene, {2, 1, most_parts}, threads);
   floor.put_in(*caster);
   CastCamera camera;
   camera.width = camera.height = 1;

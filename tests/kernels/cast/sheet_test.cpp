@@ -8,6 +8,8 @@
 #include <random>
 #include <vector>
 
+#include "kernels/cast/pack_brick.h"
+
 namespace gigabake::kernels {
 namespace {
 
@@ -22,23 +24,20 @@ struct Slot {
 class Brick {
  public:
   explicit Brick(const Slot& slot) {
-    for (int z = 0; z < slot_edge; ++z) {
-      std::uint32_t places[3] = {0, 0, 0};
-      const auto first = std::uint32_t(voxels_.size());
-      for (int at = 0; at < slot_edge * slot_edge; ++at) {
-        const CastVoxel& voxel = slot.voxel[at + slot_edge * slot_edge * z];
-        if ((voxel.c[3] | voxel.c[4] | voxel.c[5]) == 0) continue;
-        places[at / 32] |= 1u << at % 32;
-        voxels_.push_back(pack_voxel(voxel));
-      }
-      layers_[z] = make_layer(places, first);
+    SlotVoxels voxels;
+    for (int at = 0; at < slot_voxels; ++at) {
+      const CastVoxel& voxel = slot.voxel[at];
+      if ((voxel.c[3] | voxel.c[4] | voxel.c[5]) == 0) continue;
+      std::uint16_t& row = voxels.row[at / (slot_edge * slot_edge)][at / slot_edge % slot_edge];
+      row = std::uint16_t(row | 1u << at % slot_edge);
+      voxels.voxel[at] = pack_voxel(voxel);
     }
+    pack_brick(voxels, brick_);
   }
-  BrickView view() const { return {layers_, voxels_.data()}; }
+  BrickView view() const { return {brick_.head.layers, brick_.parts.data()}; }
 
  private:
-  CastLayer layers_[slot_edge];
-  std::vector<PackedVoxel> voxels_;
+  CastBrick brick_;
 };
 
 constexpr double down[3] = {0, 0, -1};

@@ -1,0 +1,98 @@
+#include "kernels/cast/pack_brick.h"
+
+#include <bit>
+#include <gtest/gtest.h>
+#include <random>
+
+#include "kernels/cast/cast.h"
+
+namespace gigabake::kernels {
+namespace {
+
+constexpr std::uint64_t seed = 20261124;
+
+bool is_there(const SlotVoxels& slot, int x, int y, int z) { return (slot.row[z][y] >> x & 1) != 0; }
+
+std::uint32_t content_of(int x, int y, int z) { return std::uint32_t(x + slot_edge * (y + slot_edge * z)); }
+
+/// Voxels in a box that may be a slice, a bar or a corner, one in so many of them; the more boxes the denser.
+SlotVoxels random_slot(std::mt19937_64& random) {
+  SlotVoxels slot;
+  for (auto boxes = random() % 4; boxes > 0; --boxes) {
+    int from[3], to[3];
+    for (int a = 0; a < 3; ++a) {
+      from[a] = int(random() % slot_edge);
+      to[a] = from[a] + int(random() % std::uint64_t(slot_edge - from[a]));
+    }
+    const std::uint64_t one_in = 1 + random() % 6;
+    for (int z = from[2]; z <= to[2]; ++z)
+      for (int y = from[1]; y <= to[1]; ++y)
+        for (int x = from[0]; x <= to[0]; ++x)
+          if (random() % one_in == 0) slot.row[z][y] = std::uint16_t(slot.row[z][y] | 1u << x);
+  }
+  for (int z = 0; z < slot_edge; ++z)
+    for (int y = 0; y < slot_edge; ++y)
+      for (int x = 0; x < slot_edge; ++x) slot.voxel[content_of(x, y, z)] = {{content_of(x, y, z), 0, 0}};
+  return slot;
+}
+
+/// Voxels, and layers that hold any.
+std::size_t count_parts(const SlotVoxels& slot) {
+  std::size_t parts = 0;
+  for (const auto& layer : slot.row) {
+    std::size_t voxels = 0;
+    for (const std::uint16_t row : layer) voxels += std::size_t(std::popcount(row));
+    parts += voxels + (voxels > 0 ? 1 : 0);
+  }
+  return parts;
+}
+
+/// Of points [from, from + size): whether one of the eight voxels around any of them is there.
+bool has_field(const SlotVoxels& slot, const int from[3], int size) {
+  for (int z = from[2]; z <= from[2] + size; ++z)
+    for (int y = from[1]; y <= from[1] + size; ++y)
+      for (int x = from[0]; x <= from[0] + size; ++x)
+        if (is_there(slot, x, y, z)) return true;
+  return false;
+}
+
+BrickView view_of(const CastBrick& brick) { return {brick.head.layers, brick.parts.data()}; }
+
+void expect_places(const SlotVoxels& slot, const CastBrick& brick, const CastPoint& point) {
+  const CastCorners corners = corners_of(view_of(brick), point);
+  for (int corner = 0; corner < 8; ++corner) {
+    const LayerWindow layer = corner < 4 ? corners.low : corners.high;
+    const int k = (corner & 1) + slot_edge * (corner >> 1 & 1);
+    const int at[3] = {point.base[0] + (corner & 1), point.base[1] + (corner >> 1 & 1), point.base[2] + (corner >> 2)};
+    ASSERT_EQ(layer.has(k), is_there(slot, at[0], at[1], at[2])) << at[0] << " " << at[1] << " " << at[2];
+    if (!layer.has(k)) continue;
+    ASSERT_EQ(brick.parts[layer.place(k)].word[0], content_of(at[0], at[1], at[2]));
+  }
+}
+
+TEST(PackBrick, SaysWhereTheFieldIsZeroAndWhereVoxelsStand) {
+  std::mt19937_64 random(seed);
+  for (int i = 0; i < 200; ++i) {
+    const SlotVoxels slot = random_slot(random);
+    CastBrick brick;
+    pack_brick(slot, brick);
+    ASSERT_EQ(brick.parts.size(), count_parts(slot)) << "seed " << seed << ", brick " << i;
+    for (int at = 0; at < brick_edge * brick_edge * brick_edge; ++at) {
+      const CastPoint point{{at % 8, at / 8 % 8, at / 64}, {0.5f, 0.5f, 0.5f}};
+      const int block[3] = {point.base[0] & ~1, point.base[1] & ~1, point.base[2] & ~1};
+      const int octant[3] = {point.base[0] & ~3, point.base[1] & ~3, point.base[2] & ~3};
+      SCOPED_TRACE(::testing::Message() << "seed " << seed << ", brick " << i << ", point " << at);
+      const bool has_block = (brick.head.blocks >> block_of(block[0], block[1], block[2]) & 1) != 0;
+      ASSERT_EQ(has_block, has_field(slot, block, 2));
+      const bool is_empty = is_zero(brick.head.blocks, view_of(brick), point);
+      ASSERT_EQ(is_empty, !has_field(slot, point.base, 1));
+      EmptyBox box;
+      ASSERT_EQ(find_empty_octant(brick.head.blocks, CastPlace(), point, box), !has_field(slot, octant, 4));
+      expect_places(slot, brick, point);
+      if (::testing::Test::HasFatalFailure()) return;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gigabake::kernels
