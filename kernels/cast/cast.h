@@ -52,14 +52,17 @@ GB_HD EmptyBox empty_box(const CastPlace& place) {
   return box;
 }
 
-/// Half of a brick along each axis, around the point: false where the field is not zero in all of it.
-GB_HD bool find_empty_octant(std::uint64_t blocks, const CastPlace& place, const CastPoint& point, EmptyBox& box) {
-  const int first[3] = {point.base[0] & 4, point.base[1] & 4, point.base[2] & 4};
+/// Half of a brick along each axis, or a quarter, around a point where the field is zero: false where it is not zero in
+/// all of either. blocks: the brick's.
+GB_HD bool find_empty_part(std::uint64_t blocks, const CastPlace& place, const CastPoint& point, EmptyBox& box) {
+  const std::uint64_t half = blocks >> block_of(point.base[0] & 4, point.base[1] & 4, point.base[2] & 4);
   constexpr std::uint64_t eight_blocks = 0x330033;
-  if ((blocks >> block_of(first[0], first[1], first[2]) & eight_blocks) != 0) return false;
+  const bool is_half = (half & eight_blocks) == 0;
+  if (!is_half && !is_empty_block(blocks, point.base)) return false;
+  const int edge = is_half ? 4 : 2;
   for (int a = 0; a < 3; ++a) {
-    box.min[a] = place.corner[a] + place.half + first[a] * (2 * place.half);
-    box.max[a] = box.min[a] + 4 * (2 * place.half);
+    box.min[a] = place.corner[a] + place.half + (point.base[a] & -edge) * (2 * place.half);
+    box.max[a] = box.min[a] + edge * (2 * place.half);
   }
   return true;
 }
@@ -181,7 +184,7 @@ GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const Ca
     const CastPoint point = point_in_brick(place, p);
     const CastCorners corners = corners_of(here, point);
     if (side == 0) {
-      const CastSheet sheet = blend_planes(corners);
+      const CastSheet sheet = blend_planes(corners).sheet;
       if (!(sheet.sheet > 0)) return true;
       seen = opacity_of_sheet(here, point, sheet);
       half = place.half;
@@ -212,7 +215,7 @@ enum class CastTask : std::uint8_t {
 struct CastWalk {
   CastTask task = CastTask::none;
   double distance = 0;  ///< of the point where it stands
-  CastPoint point;
+  CastPoint point = {};
   CastPlace place;
 };
 
@@ -236,7 +239,7 @@ GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patie
   const double next_lod = in_surface ? lod_end(line, ray.lod) : lod_start(line, ray.lod + 1);
   if (ray.lod + 1 < scene.lods && walk.distance >= next_lod && next_lod <= line.leave) {
     enter_next_lod(line, ray);
-    place = CastPlace();
+    place = nowhere_in(place.cell);
     return;
   }
   if (walk.distance > line.leave) {
@@ -267,7 +270,7 @@ GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patie
   ray.height = CastRay::no_height;
   const bool is_wanted = is_brick && place.lod == ray.lod;
   EmptyBox box = empty_box(place);
-  if (is_wanted && !find_empty_octant(blocks, place, walk.point, box)) {
+  if (is_wanted && !find_empty_part(blocks, place, walk.point, box)) {
     ++ray.step;
     return;
   }
@@ -280,12 +283,12 @@ GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const Ca
                       CastRay& ray) {
   const CastPlace& place = walk.place;
   const CastCorners corners = corners_of(scene.brick(place.brick), walk.point);
-  const PointKind kind = kind_of(corners, place.lod == ray.lod);
-  const CastSheet sheet = sheet_at(corners, kind);
+  const CastAround around = look_around(corners, place.lod == ray.lod);
+  const CastSheet& sheet = around.sheet;
   if (is_met(sheet_met(sheet, line, place, walk.distance, ray), walk, ray)) return;
   ray.is_seen = false;
   keep_height(sheet, line, place, walk.distance, ray);
-  const CastLoose loose = loose_at(corners, kind, sheet, line.direction);
+  const CastLoose loose = loose_at(corners, around, line.direction);
   double steps = 1;
   if (place.lod != ray.lod)
     steps = steps_in_coarser(line, place, ray, walk.distance, step_beyond(line, empty_box(place), ray));
@@ -324,13 +327,17 @@ GB_HD bool seeks_next(CastTask task) {
 #endif
 }
 
+/// So many steps rays seek for before they are asked again what they do next.
+inline constexpr int steps_together = 3;
+
 /// Goes on until the ray met a sheet, is finished or waits. Rays that a device takes together seek together and look at
 /// points together, whichever more of them wait for; on a device all lanes of a warp call this.
 GB_HD void walk_to_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
                          CastWalk& walk, CastPath& path, CastRay& ray) {
   while (any_ray(walk.task == CastTask::seek || walk.task == CastTask::pass)) {
     if (seeks_next(walk.task)) {
-      if (walk.task == CastTask::seek) seek_surface(scene, line, patient, walk, path, ray);
+      for (int step = 0; step < steps_together && walk.task == CastTask::seek; ++step)
+        seek_surface(scene, line, patient, walk, path, ray);
     } else if (walk.task == CastTask::pass) {
       pass_point(scene, camera, line, walk, ray);
     }

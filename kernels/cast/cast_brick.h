@@ -45,6 +45,15 @@ struct BrickView {
   const PackedVoxel* parts;
 };
 
+/// Range  bits ≠ 0.
+GB_HD int lowest_one(std::uint32_t bits) {
+#if defined(__CUDA_ARCH__)
+  return __ffs(int(bits)) - 1;
+#else
+  return std::countr_zero(bits);
+#endif
+}
+
 GB_HD int ones_in(std::uint32_t bits) {
 #if defined(__CUDA_ARCH__)
   return __popc(bits);
@@ -61,14 +70,19 @@ GB_HD CastLayer make_layer(const std::uint32_t places[3], std::uint32_t first) {
 /// The bit of the block of points that holds point x, y, z.
 GB_HD int block_of(int x, int y, int z) { return x / 2 + 4 * (y / 2) + 16 * (z / 2); }
 
+/// Whether the field is zero in the block of this point.
+GB_HD bool is_empty_block(std::uint64_t blocks, const int point[3]) {
+  return (blocks >> block_of(point[0], point[1], point[2]) & 1) == 0;
+}
+
 /// A layer's voxels from one on: bit k of `bits`, up to 10, says that the voxel k places behind it is there.
 struct LayerWindow {
   std::uint32_t bits;
   std::uint32_t first, second;  ///< the part that is the first of them that is there, and of the next row
 
   GB_HD bool has(int k) const { return (bits >> k & 1) != 0; }
-  /// One of those that place() knows.
-  GB_HD bool has_any() const { return (bits & (3u | 3u << slot_edge)) != 0; }
+  /// Bits of voxels 0 and 1, and of these two of the next row.
+  GB_HD std::uint32_t two_by_two() const { return (bits & 3) | (bits >> (slot_edge - 2) & 12); }
   /// Range  has(k); k: 0, 1, and the same of the next row.
   GB_HD std::uint32_t place(int k) const {
     const bool is_next_row = k >= slot_edge;

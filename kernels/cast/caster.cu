@@ -8,17 +8,15 @@
 #include "kernels/cast/light_passes.cuh"
 #include "kernels/cast/ray_rounds.cuh"
 #include "kernels/cast/tile_grid.cuh"
+#include "kernels/cuda/arrival.cuh"
 #include "kernels/cuda/delivery.cuh"
 #include "kernels/cuda/input.cuh"
 #include "kernels/cuda/memory.cuh"
-#include "kernels/cuda/pinned.cuh"
 #include "kernels/cuda/stream.cuh"
 
 namespace gigabake::kernels {
 namespace {
 
-/// A picture is copied by several threads: by one it takes as long as half of its rays.
-constexpr std::size_t bytes_per_thread = 1u << 19;
 /// Wants told of one pass; what is beyond them is wanted again in the next.
 constexpr std::uint32_t most_wants = 1u << 20;
 
@@ -60,8 +58,7 @@ __global__ void list_wants(const std::uint32_t* wanted, std::uint32_t words, std
 class CudaCaster final : public Caster {
  public:
   CudaCaster(const CastScene& scene, const PoolSizes& sizes, int device, const ThreadPool& pool)
-      : pool_(pool),
-        device_(device),
+      : device_(device),
         stream_(device),
         heap_(stream_.handle, books_),
         tables_(heap_),
@@ -78,6 +75,7 @@ class CudaCaster final : public Caster {
         want_list_(heap_, std::min<std::size_t>(32 * wanted_.size(), most_wants)),
         count_(heap_, 1),
         unfinished_(heap_, 1),
+        arrival_(stream_.handle, pool),
         rounds_(heap_, stream_.handle),
         blend_(heap_, stream_.handle),
         light_(heap_, stream_.handle),
@@ -121,16 +119,22 @@ class CudaCaster final : public Caster {
     is_lit_ = is_blending_ = false;
     const std::size_t rays = ray_count();
     if (rays_.size() < rays) rays_ = DeviceArray<CastRay>(heap_, rays);
-    start_rays<<<grid_of_tile(tile), tile_threads, 0, stream_.handle>>>(scene_, camera_, tile, rays_.data());
-    check_launch("start_rays");
+    is_started_ = false;
   }
 
   std::size_t cast(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
-    return one_pass(end - begin, patient, stop, [&](const RayPass& pass) { rounds_.cast(pass, begin, end); });
+    const bool starts = !is_started_ && begin == 0 && end == ray_count();
+    return one_pass(end - begin, patient, stop, [&](RayPass pass) {
+      pass.starts = starts;
+      if (!starts) start_rays_once();
+      is_started_ = true;
+      rounds_.cast(pass, begin, end);
+    });
   }
 
   void start_blend() override {
     use_device();
+    start_rays_once();
     is_blending_ = true;
     blend_.start(pass_of(true));
   }
@@ -170,6 +174,7 @@ class CudaCaster final : public Caster {
 
   void resolve(const CastBackground& background, const CastPixels& out) override {
     use_device();
+    start_rays_once();
     const std::size_t rays = ray_count();
     const CastPixels here{room_for(out.srgb, srgb_, 4 * rays), room_for(out.linear, linear_, 4 * rays),
                           room_for(out.depth, depth_, rays)};
@@ -178,13 +183,23 @@ class CudaCaster final : public Caster {
     write_pixels<<<grid_of_tile(tile_), tile_threads, 0, stream_.handle>>>(scene_, camera_, tile_, shown, background,
                                                                            tables_.view(), here);
     check_launch("write_pixels");
-    if (out.srgb != nullptr) download(out.srgb, here.srgb, 4 * rays);
-    if (out.linear != nullptr) download(out.linear, here.linear, 4 * rays);
-    if (out.depth != nullptr) download(out.depth, here.depth, rays);
+    std::vector<Arrival::Part> parts;
+    if (out.srgb != nullptr) parts.push_back({out.srgb, here.srgb, 4 * rays});
+    if (out.linear != nullptr) parts.push_back({out.linear, here.linear, 4 * rays * sizeof(float)});
+    if (out.depth != nullptr) parts.push_back({out.depth, here.depth, rays * sizeof(float)});
+    arrival_.bring(parts);
   }
 
  private:
   std::size_t ray_count() const { return std::size_t(tile_.width) * std::size_t(tile_.height); }
+
+  /// Where no pass over the whole tile starts them.
+  void start_rays_once() {
+    if (is_started_) return;
+    is_started_ = true;
+    start_rays<<<grid_of_tile(tile_), tile_threads, 0, stream_.handle>>>(scene_, camera_, tile_, rays_.data());
+    check_launch("start_rays");
+  }
 
   /// launch(RayPass): goes on with so many rays. A pass takes a few milliseconds at most, so `stop` is asked before it
   /// alone.
@@ -201,7 +216,7 @@ class CudaCaster final : public Caster {
     return std::size_t(unfinished);
   }
 
-  RayPass pass_of(bool patient) { return {scene_, camera_, tile_, rays_.data(), patient, unfinished_.data()}; }
+  RayPass pass_of(bool patient) { return {scene_, camera_, tile_, rays_.data(), patient, false, unfinished_.data()}; }
 
   /// Puts the second rays into the first ones, once.
   void blend() {
@@ -255,14 +270,8 @@ class CudaCaster final : public Caster {
   /// Returns when it is here.
   template <class T>
   void download(T* host, const T* device, std::size_t count) {
-    if (count == 0) return;
-    const std::size_t bytes = count * sizeof(T);
-    std::byte* arrived = pinned_.reserve(bytes);
-    check_cuda(cudaMemcpyAsync(arrived, device, bytes, cudaMemcpyDeviceToHost, stream_.handle), "cudaMemcpyAsync");
-    finish("cudaMemcpyAsync");
-    pool_.parallel_for(bytes, bytes_per_thread, [&](std::size_t begin, std::size_t end, int) {
-      std::memcpy(reinterpret_cast<std::byte*>(host) + begin, arrived + begin, end - begin);
-    });
+    const Arrival::Part part{host, device, count * sizeof(T)};
+    arrival_.bring({&part, 1});
   }
 
   const std::vector<std::uint32_t>& read_back(const DeviceArray<std::uint32_t>& marks,
@@ -273,7 +282,6 @@ class CudaCaster final : public Caster {
     return host;
   }
 
-  const ThreadPool& pool_;
   int device_;
   Stream stream_;
   DeviceBooks books_;
@@ -288,15 +296,15 @@ class CudaCaster final : public Caster {
   BrickPool bricks_;
   DeviceArray<std::uint32_t> tile_used_, slot_used_, wanted_, want_list_, count_;
   DeviceArray<unsigned long long> unfinished_;
+  Arrival arrival_;
   RayRounds rounds_;
   BlendPasses blend_;
   LightPasses light_;
-  bool is_lit_ = false, is_blending_ = false;
+  bool is_started_ = false, is_lit_ = false, is_blending_ = false;
   CastScene scene_;
   CastCamera camera_;
   CastTile tile_;
   DeviceArray<CastRay> rays_;
-  PinnedBuffer pinned_;
   DeviceArray<float> linear_, depth_, polygon_distance_, polygon_rgba_;
   DeviceArray<std::uint8_t> srgb_;
   std::vector<std::uint32_t> host_tile_used_, host_slot_used_;

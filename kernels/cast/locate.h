@@ -24,14 +24,25 @@ GB_HD int highest_bit(std::uint64_t v) {
 #endif
 }
 
+GB_HD std::uint32_t mark_of(std::uint32_t* at) {
+#if defined(__CUDA_ARCH__)
+  return *at;
+#else
+  return std::atomic_ref<std::uint32_t>(*at).load(std::memory_order_relaxed);
+#endif
+}
+
+GB_HD void set_mark(std::uint32_t* at, std::uint32_t pass) {
+#if defined(__CUDA_ARCH__)
+  *at = pass;
+#else
+  std::atomic_ref<std::uint32_t>(*at).store(pass, std::memory_order_relaxed);
+#endif
+}
+
 /// Every ray of a pass writes the same number, so the order does not matter.
 GB_HD void stamp(std::uint32_t* at, std::uint32_t pass) {
-#if defined(__CUDA_ARCH__)
-  if (*at != pass) *at = pass;
-#else
-  const std::atomic_ref<std::uint32_t> mark(*at);
-  if (mark.load(std::memory_order_relaxed) != pass) mark.store(pass, std::memory_order_relaxed);
-#endif
+  if (mark_of(at) != pass) set_mark(at, pass);
 }
 
 /// Most rays find it set: they read it first, where others write it (on a device, not in a cache of their own).
@@ -149,10 +160,18 @@ struct CastPlace {
   }
 };
 
+/// An answer that holds for no point; the next one's cell is likely this one.
+GB_HD CastPlace nowhere_in(std::uint32_t cell) {
+  CastPlace place;
+  place.cell = cell;
+  return place;
+}
+
 /// Where a descent ended.
 struct CastDescent {
-  std::uint32_t node;
+  std::uint32_t index;  ///< of the node
   int lod;
+  NodeWord word;
 };
 
 /// The latest way down: the next one starts where the two part.
@@ -160,45 +179,63 @@ struct CastPath {
   std::uint32_t cell = no_cell;
   std::uint32_t local[3] = {0, 0, 0};  ///< where it led, lod-0 voxels from the cell's corner
   std::int32_t lowest = 0;             ///< level it ended at
-  std::uint32_t node[max_cast_lods];   ///< by level, from `lowest` on
+  std::uint32_t tile[max_cast_lods];   ///< by level, above `lowest`: the children of the node that it went through
 };
 
 /// The lowest level of the path that a way to this voxel shares.
-GB_HD int shared_level(const CastPath& path, std::uint32_t cell, const std::uint32_t local[3], int top) {
-  if (cell != path.cell) return top;
+GB_HD int shared_level(const CastPath& path, const std::uint32_t local[3]) {
   const std::uint32_t differ = (local[0] ^ path.local[0]) | (local[1] ^ path.local[1]) | (local[2] ^ path.local[2]);
   const int level = differ < brick_edge ? 0 : highest_bit(differ) - 2;
   return level > path.lowest ? level : path.lowest;
 }
 
+/// The level whose node a way to this voxel reads first: one below the last that it shares with the path, where the
+/// path knows its children.
+GB_HD int first_level(const CastScene& scene, const CastPath& path, std::uint32_t cell, const std::uint32_t local[3],
+                      int lod) {
+  if (cell != path.cell) return scene.lods - 1;
+  const int shared = shared_level(path, local), first = shared > path.lowest ? shared - 1 : shared;
+  return first > lod ? first : lod;
+}
+
+/// The child on the way to the voxel, of level `lod`, among the nodes of a tile.
+GB_HD std::uint32_t child_of(std::uint32_t tile, const std::uint32_t local[3], int lod) {
+  const int bit = 3 + lod;
+  return 8 * tile + ((local[0] >> bit & 1) | (local[1] >> bit & 1) << 1 | (local[2] >> bit & 1) << 2);
+}
+
 /// From a cell's root towards the node of level `lod` that holds the voxel; ends early at what is empty or not here.
+/// A tile's mark is read beside the node, since the next read waits for both.
 GB_HD CastDescent descend(const CastScene& scene, std::uint32_t cell, int lod, const std::uint32_t local[3],
                           CastPath& path) {
-  const int top = scene.lods - 1, shared = shared_level(path, cell, local, top);
-  CastDescent at{cell, shared > lod ? shared : lod};
-  if (at.lod < top) at.node = path.node[at.lod];
-  path.node[at.lod] = at.node;
-  while (at.lod > lod) {
-    const NodeWord word = scene.nodes[at.node];
-    if (!leads_on(word)) break;
-    const int bit = 2 + at.lod;
-    at.node = 8 * word + ((local[0] >> bit & 1) | (local[1] >> bit & 1) << 1 | (local[2] >> bit & 1) << 2);
-    path.node[--at.lod] = at.node;
+  CastDescent at;
+  at.lod = first_level(scene, path, cell, local, lod);
+  at.index = at.lod == scene.lods - 1 ? cell : child_of(path.tile[at.lod + 1], local, at.lod);
+  std::uint32_t mark = mark_of(scene.marks.tile_used + at.index / 8);
+  at.word = scene.nodes[at.index];
+  while (at.lod > lod && leads_on(at.word)) {
+    path.tile[at.lod--] = at.word;
+    at.index = child_of(at.word, local, at.lod);
+    mark = mark_of(scene.marks.tile_used + at.index / 8);
+    at.word = scene.nodes[at.index];
   }
   path.cell = cell;
   path.lowest = at.lod;
   for (int a = 0; a < 3; ++a) path.local[a] = local[a];
-  stamp(scene.marks.tile_used + at.node / 8, scene.pass);
+  if (mark != scene.pass) set_mark(scene.marks.tile_used + at.index / 8, scene.pass);
   return at;
 }
 
-/// The box of the node of level `lod` that holds the voxel.
-GB_HD void set_node_box(const CastCell& cell, const std::uint32_t local[3], int lod, double min[3], double max[3]) {
-  for (int a = 0; a < 3; ++a) {
-    const std::int64_t low = cell.min[a] + std::int64_t(local[a] >> (3 + lod) << (3 + lod));
-    min[a] = double(low);
-    max[a] = double(low + (std::int64_t(brick_edge) << lod));
-  }
+/// The corner of the node of level `lod` that holds the voxel.
+GB_HD void set_node_corner(const CastCell& cell, const std::uint32_t local[3], int lod, double corner[3]) {
+  for (int a = 0; a < 3; ++a) corner[a] = double(cell.min[a] + std::int64_t(local[a] >> (3 + lod) << (3 + lod)));
+}
+
+/// The box of that node.
+GB_HD void set_node_box(const CastCell& cell, const std::uint32_t local[3], int lod, CastPlace& place) {
+  set_node_corner(cell, local, lod, place.min);
+  const double edge = power_of_two(3 + lod);
+  for (int a = 0; a < 3; ++a) place.max[a] = place.min[a] + edge;
 }
 
 /// The brick of the node where the descent ended. It stands for what is finer and not here: in a box of level `known`,
@@ -206,9 +243,9 @@ GB_HD void set_node_box(const CastCell& cell, const std::uint32_t local[3], int 
 GB_HD void set_brick(const CastScene& scene, int lod, std::uint32_t brick, const std::uint32_t local[3], int known,
                      CastPlace& place) {
   const CastCell& cell = scene.cells[place.cell];
-  double max[3];
-  set_node_box(cell, local, lod, place.corner, max);
-  set_node_box(cell, local, known, place.min, place.max);
+  set_node_box(cell, local, known, place);
+  for (int a = 0; a < 3; ++a) place.corner[a] = place.min[a];
+  if (known != lod) set_node_corner(cell, local, lod, place.corner);
   place.lod = lod;
   place.brick = brick;
   stamp(scene.marks.slot_used + place.brick, scene.pass);
@@ -218,7 +255,7 @@ GB_HD void set_brick(const CastScene& scene, int lod, std::uint32_t brick, const
 GB_HD bool ask_for(const CastScene& scene, const CastDescent& at, const CastNode& node, int lod) {
   const Want what = at.lod > lod ? Want::children : Want::brick;
   if ((what == Want::children ? node.children : node.brick) != absent_ref) return false;
-  want(scene, at.node, what);
+  want(scene, at.index, what);
   return true;
 }
 
@@ -249,9 +286,9 @@ GB_HD CastPlace locate(const CastScene& scene, int lod, const double p[3], bool 
     }
     for (int a = 0; a < 3; ++a) local[a] = std::uint32_t(v[a] - scene.cells[place.cell].min[a]);
     const CastDescent at = descend(scene, place.cell, level, local, path);
-    const CastNode node = scene.node(at.node);
+    const CastNode node = scene.node_of(at.word);
     if (node.brick == empty_ref) {
-      set_node_box(scene.cells[place.cell], local, at.lod, place.min, place.max);
+      set_node_box(scene.cells[place.cell], local, at.lod, place);
       place.beyond = power_of_two(at.lod) - power_of_two(level);
       return place;
     }
@@ -263,7 +300,7 @@ GB_HD CastPlace locate(const CastScene& scene, int lod, const double p[3], bool 
       return place;
     }
     if (level == scene.lods - 1) {  // not even the root is here
-      set_node_box(scene.cells[place.cell], local, level, place.min, place.max);
+      set_node_box(scene.cells[place.cell], local, level, place);
       return place;
     }
     level = at.lod == level ? level : at.lod - 1;

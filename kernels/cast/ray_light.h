@@ -17,23 +17,22 @@
 namespace gigabake::kernels {
 
 /// A ray on its way. What was not finished goes on from here.
-struct CastRay {
+struct alignas(16) CastRay {
   float rgb[3] = {0, 0, 0};  ///< linear, premultiplied
   float transmittance = 1;
   float covered = 0;       ///< coverage of all surface so far, added up: 1 is opaque
   float before = 0;        ///< the same before the surface that the ray is in began
   float apart = 0;         ///< from this distance on another surface begins
   float depth = no_depth;  ///< distance at which half of the light is gone
-  std::int32_t lod = -1;   ///< -1: finished
   double step = 0;         ///< next point of the level; a whole number, as `past` is
   double past = -1;        ///< the point after the last one of this level that lay in a surface
 
+  double met = 0;            ///< distance at which it met a sheet before the point where it stands
   float height = no_height;  ///< of the last point above its sheet, lod-0 voxels; no_height: it was near none
   float height_at = 0;       ///< that point's distance
   float rise = 0;            ///< how much higher the ray gets along a lod-0 voxel, going on as it does there
-
-  double met = 0;        ///< distance at which it met a sheet before the point where it stands
-  bool is_seen = false;  ///< that sheet has been looked at
+  std::int32_t lod = -1;     ///< -1: finished
+  bool is_seen = false;      ///< the sheet at `met` has been looked at
 
   static constexpr float no_depth = 3e38f, no_height = 3e38f;
 };

@@ -29,15 +29,16 @@ __device__ void keep(const RayPass& pass, std::uint32_t index, CastTask task, Ca
   if (task == CastTask::none && ray.lod >= 0) atomicAdd(pass.unfinished, 1ull);
 }
 
-/// All lanes of a warp walk.
-__device__ void walk_and_list(const RayPass& pass, bool is_cast, std::uint32_t index, const RayList& met) {
+/// All lanes of a warp walk. A ray that ends where it starts is kept too: nobody else writes it.
+__device__ void walk_and_list(const RayPass& pass, bool is_cast, bool starts, std::uint32_t index, const RayList& met) {
   CastWalk walk;
   CastPath path;
   CastRay ray;
-  if (is_cast) ray = pass.rays[index];
+  const CastLine line = line_of(pass, index);
+  if (is_cast) ray = starts ? start_ray(pass.scene, line) : pass.rays[index];
   walk.task = first_task(is_cast, ray);
-  is_cast = walk.task != CastTask::none;
-  walk_to_sheet(pass.scene, pass.camera, line_of(pass, index), pass.patient, walk, path, ray);
+  is_cast = walk.task != CastTask::none || (is_cast && starts);
+  walk_to_sheet(pass.scene, pass.camera, line, pass.patient, walk, path, ray);
   if (is_cast) keep(pass, index, walk.task, ray);
   append(walk.task == CastTask::meet, index, met);
 }
@@ -47,14 +48,14 @@ __global__ void __launch_bounds__(tile_threads, min_walking)
   int x, y;
   const bool is_in = pixel_of_thread(pass.tile, x, y);
   const std::size_t i = std::size_t(y) * std::size_t(pass.tile.width) + std::size_t(x);
-  walk_and_list(pass, is_in && i >= begin && i < end, std::uint32_t(i), met);
+  walk_and_list(pass, is_in && i >= begin && i < end, pass.starts, std::uint32_t(i), met);
 }
 
 __global__ void __launch_bounds__(tile_threads, min_walking) walk_listed(RayPass pass, RayList from, RayList met) {
   const std::uint32_t count = *from.count, first = blockIdx.x * blockDim.x;
   if (first >= count) return;
   const bool is_in = first + threadIdx.x < count;
-  walk_and_list(pass, is_in, is_in ? from.rays[first + threadIdx.x] : 0, met);
+  walk_and_list(pass, is_in, false, is_in ? from.rays[first + threadIdx.x] : 0, met);
 }
 
 __global__ void __launch_bounds__(tile_threads, min_looking)

@@ -23,6 +23,7 @@ struct RayPass {
   CastTile tile;
   CastRay* rays;
   bool patient;
+  bool starts;  ///< the rays are not started yet
   unsigned long long* unfinished;
 };
 

@@ -43,13 +43,17 @@ struct CastCorners {
   LayerWindow low, high;
   float between[3];
 
-  GB_HD CastVoxel voxel(int corner) const {
+  /// Bit c: there is a voxel at corner c. Sums over voxels go over these bits, upwards: fewer than half of the eight
+  /// are there, and lanes of a warp that have each its own next voxel are all at work.
+  GB_HD std::uint32_t there() const { return low.two_by_two() | high.two_by_two() << 4; }
+
+  /// Range  corner: one of there().
+  GB_HD CastVoxel stored(int corner) const {
     const LayerWindow layer = corner < 4 ? low : high;
-    const int k = (corner & 1) + slot_edge * (corner >> 1 & 1);
-    return layer.has(k) ? unpack_voxel(load_packed(parts + layer.place(k))) : CastVoxel{};
+    return unpack_voxel(load_packed(parts + layer.place((corner & 1) + slot_edge * (corner >> 1 & 1))));
   }
 
-  GB_HD bool has_any() const { return low.has_any() || high.has_any(); }
+  GB_HD CastVoxel voxel(int corner) const { return (there() >> corner & 1) != 0 ? stored(corner) : CastVoxel{}; }
 
   /// Of the interpolation between them.
   GB_HD float weight(int corner) const {
@@ -69,8 +73,7 @@ GB_HD CastCorners corners_of(const BrickView& brick, const CastPoint& point) {
 
 /// blocks: the brick's. Where one of them is zero no layer is looked at.
 GB_HD bool is_zero(std::uint64_t blocks, const BrickView& brick, const CastPoint& point) {
-  const bool is_zero_block = (blocks >> block_of(point.base[0], point.base[1], point.base[2]) & 1) == 0;
-  return is_zero_block || !corners_of(brick, point).has_any();
+  return is_empty_block(blocks, point.base) || corners_of(brick, point).there() == 0;
 }
 
 /// x first, then y, then z.

@@ -57,8 +57,7 @@ struct CastScene {
   CastMarks marks;
   std::uint32_t pass = 0;
 
-  GB_HD CastNode node(std::uint32_t at) const {
-    const NodeWord word = nodes[at];
+  GB_HD CastNode node_of(NodeWord word) const {
     return leads_on(word) ? CastNode{word, parent_bricks[word]} : unpack_leaf(word);
   }
   GB_HD BrickView brick(const CastHead& head) const { return {head.layers, voxels + head.first}; }

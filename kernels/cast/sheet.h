@@ -55,14 +55,6 @@ GB_HD float sheet_part(const CastVoxel& voxel) {
   return float(coherence_of(voxel) * covered) * (1.0f / (3 * 65535));
 }
 
-/// What the planes of the voxels around the point have in common: their bits, together.
-GB_HD int planes_of(const CastCorners& corners) {
-  int any = 0;
-  GB_UNROLL
-  for (int c = 0; c < 8; ++c) any |= corners.voxel(c).plane;
-  return any;
-}
-
 /// Three signed bytes as a vector x, y, z; the fourth is 0.
 using ByteVector = std::uint32_t;
 
@@ -95,8 +87,9 @@ GB_HD float length_along(const double direction[3], const float n[3]) {
 GB_HD CastPane pane_at(const CastCorners& corners, const double direction[3]) {
   float there = 0, hidden = 0, across = 0;
   GB_NO_UNROLL
-  for (int c = 0; c < 8; ++c) {
-    const CastVoxel voxel = corners.voxel(c);
+  for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
+    const int c = lowest_one(left);
+    const CastVoxel voxel = corners.stored(c);
     if ((voxel.c[3] | voxel.c[4] | voxel.c[5]) == 0) continue;
     const float to[3] = {float(voxel.normal[0]), float(voxel.normal[1]), float(voxel.normal[2])};
     const float weight = corners.weight(c);
@@ -107,18 +100,40 @@ GB_HD CastPane pane_at(const CastCorners& corners, const double direction[3]) {
   return there > 0 ? CastPane{hidden / (there * 65535), across / there} : CastPane{};
 }
 
+/// What the planes of the voxels around a point have in common.
+struct BlendedPlanes {
+  CastSheet sheet;
+  int bits = 0;          ///< of their bytes, together
+  bool is_flat = false;  ///< all of their surface is one sheet: disagreement() is 0 for each of them
+};
+
+/// Whether two normals are within 12.9° of each other. Where all of them are so near to one of them, what is blended of
+/// them is as near to that one, rounding to bytes turns it by less than half a degree, and so each is within 30° of it.
+GB_HD bool is_same_slope(ByteVector a, ByteVector b) {
+  const int along = dot(a, b);
+  const float all = float(dot(a, a)) * float(dot(b, b));
+  return along > 0 && float(along) * float(along) >= 0.95f * all;
+}
+
 /// Where the point lies between the voxels is rounded to a 127th of one here, so that how far it lies above a plane is
 /// one product of bytes.
-GB_HD CastSheet blend_planes(const CastCorners& corners) {
+GB_HD BlendedPlanes blend_planes(const CastCorners& corners) {
   int place[3];
   GB_UNROLL
   for (int a = 0; a < 3; ++a) place[a] = int(corners.between[a] * 127 + 0.5f);
   const ByteVector from_first = byte_vector(place[0], place[1], place[2]);
   CastSheet r;
+  ByteVector first = 0;
+  bool is_flat = true;
+  int bits = 0;
   GB_NO_UNROLL
-  for (int c = 0; c < 8; ++c) {
-    const CastVoxel voxel = corners.voxel(c);
+  for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
+    const int c = lowest_one(left);
+    const CastVoxel voxel = corners.stored(c);
+    bits |= voxel.plane;
     const ByteVector n = normal_of(voxel);
+    if (first == 0) first = n;
+    is_flat = is_flat && is_all_sheet(voxel.plane) && is_same_slope(n, first);
     const int along = dot(n, from_first) - dot(n, byte_vector(127 * (c & 1), 127 * (c >> 1 & 1), 127 * (c >> 2)));
     const int above = 2 * most_offset * along - 127 * 127 * unpack_plane(voxel.plane).offset;
     const float by = corners.weight(c) * sheet_part(voxel);
@@ -128,7 +143,7 @@ GB_HD CastSheet blend_planes(const CastCorners& corners) {
     r.above += by * float(above);
   }
   r.above *= 1.0f / (127 * most_offset);
-  return r;
+  return {r, bits, is_flat};
 }
 
 /// A sheet's normal, 127 along its largest axis.
@@ -166,8 +181,9 @@ GB_HD CastSample loose_sample(const CastCorners& corners, const CastSheet& sheet
   const SheetNormal normal = normal_of(sheet);
   CastSample r;
   GB_NO_UNROLL
-  for (int c = 0; c < 8; ++c) {
-    const CastVoxel voxel = corners.voxel(c);
+  for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
+    const int c = lowest_one(left);
+    const CastVoxel voxel = corners.stored(c);
     if ((voxel.c[3] | voxel.c[4] | voxel.c[5]) == 0) continue;
     float by = corners.weight(c) * (1.0f / 65535), along[3] = {1, 1, 1};
     if (is_all_sheet(voxel.plane)) {
@@ -195,31 +211,35 @@ enum class PointKind : std::uint8_t {
   sheet   ///< some are, or hold, a sheet
 };
 
+/// What a ray finds at a point, but for what is loose there.
+struct CastAround {
+  PointKind kind = PointKind::loose;
+  CastSheet sheet;       ///< none where kind is not `sheet`
+  bool is_flat = false;  ///< the sheet is all there is
+};
+
 /// is_wanted: of the level that the ray is on. A brick that stands for finer ones is seen by
 /// its coverages alone: its planes may lie on the other side of an eye that is nearer to them than they are wide.
-GB_HD PointKind kind_of(const CastCorners& corners, bool is_wanted) {
-  const int planes = planes_of(corners);
-  if ((planes & clear_plane) != 0) return PointKind::pane;
-  return planes != 0 && is_wanted ? PointKind::sheet : PointKind::loose;
+GB_HD CastAround look_around(const CastCorners& corners, bool is_wanted) {
+  const BlendedPlanes planes = blend_planes(corners);
+  if ((planes.bits & clear_plane) != 0) return {PointKind::pane, {}};
+  return planes.bits != 0 && is_wanted ? CastAround{PointKind::sheet, planes.sheet, planes.is_flat} : CastAround{};
 }
 
-GB_HD CastSheet sheet_at(const CastCorners& corners, PointKind kind) {
-  return kind == PointKind::sheet ? blend_planes(corners) : CastSheet{};
-}
-
-/// sheet: what sheet_at() says.
-GB_HD CastLoose loose_at(const CastCorners& corners, PointKind kind, const CastSheet& sheet,
-                         const double direction[3]) {
-  if (kind == PointKind::sheet) return {loose_sample(corners, sheet), {}};
-  return {interpolate(corners), kind == PointKind::pane ? pane_at(corners, direction) : CastPane{}};
+/// around: what look_around() says.
+GB_HD CastLoose loose_at(const CastCorners& corners, const CastAround& around, const double direction[3]) {
+  if (around.is_flat) return {};
+  if (around.kind == PointKind::sheet) return {loose_sample(corners, around.sheet), {}};
+  return {interpolate(corners), around.kind == PointKind::pane ? pane_at(corners, direction) : CastPane{}};
 }
 
 /// What the sheet looks like: what is loose has no say in it.
 GB_HD CastSample sheet_sample(const CastCorners& corners) {
   CastSample r;
   GB_NO_UNROLL
-  for (int c = 0; c < 8; ++c) {
-    const CastVoxel voxel = corners.voxel(c);
+  for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
+    const int c = lowest_one(left);
+    const CastVoxel voxel = corners.stored(c);
     const float by = corners.weight(c) * sheet_part(voxel) * (1.0f / 65535);
     GB_UNROLL
     for (int k = 0; k < cast_channels; ++k) r.c[k] += by * voxel.c[k];

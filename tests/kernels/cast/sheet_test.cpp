@@ -1,7 +1,9 @@
 #include "kernels/cast/sheet.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <gtest/gtest.h>
 #include <memory>
@@ -64,9 +66,8 @@ struct CastField {
 };
 
 CastField field_at(const CastCorners& corners, bool is_wanted, const double direction[3]) {
-  const PointKind kind = kind_of(corners, is_wanted);
-  const CastSheet sheet = sheet_at(corners, kind);
-  return {loose_at(corners, kind, sheet, direction).sample, sheet};
+  const CastAround around = look_around(corners, is_wanted);
+  return {loose_at(corners, around, direction).sample, around.sheet};
 }
 
 TEST(CastField, IsInterpolatedAsEverWhereThereIsNoSheet) {
@@ -206,6 +207,45 @@ TEST(PartInPair, IsHowMuchOfAColumnsSheetLiesInTwoVoxels) {
   EXPECT_EQ(part_in_pair(-0.5f, 0.5f), 0.5f);
   EXPECT_EQ(part_in_pair(1.5f, 0.125f), 0.5f);
   EXPECT_EQ(part_in_pair(2.5f, 0.5f), 0);
+}
+
+/// Voxels of sheets whose normals are turned from one direction by up to so many bytes a component; some hold a second
+/// sheet or something loose where `is_mixed`.
+Slot random_sheets(std::mt19937_64& random, int spread, bool is_mixed) {
+  const auto byte = [&](int most) { return int(random() % std::uint64_t(2 * most + 1)) - most; };
+  const int to[2] = {byte(60), byte(60)};
+  Slot slot;
+  for (CastVoxel& voxel : slot.voxel) {
+    if (random() % 2 == 0) continue;
+    const auto normal = [&](int a) { return std::int8_t(to[a] + byte(spread)); };
+    const int x = normal(0), y = normal(1), z = std::max(0, 127 - std::abs(x) - std::abs(y));
+    const int coherence = is_mixed && random() % 8 == 0 ? 1 : most_coherence;
+    for (int k = 0; k < 3; ++k) voxel.c[3 + k] = std::uint16_t(257 * (1 + random() % 255));
+    voxel = {{9, 9, 9, voxel.c[3], voxel.c[4], voxel.c[5]},
+             {std::int8_t(x), std::int8_t(y < 0 ? std::abs(x) + z - 127 : 127 - std::abs(x) - z), std::int8_t(z)},
+             pack_plane({byte(7), coherence})};
+  }
+  return slot;
+}
+
+TEST(Sheet, IsAllThereIsWhereItIsCalledFlat) {
+  std::mt19937_64 random(20261124);
+  int flat = 0, others = 0;
+  for (int i = 0; i < 400; ++i) {
+    SCOPED_TRACE(::testing::Message() << "seed 20261124, brick " << i);
+    const Brick brick(random_sheets(random, i % 40, i % 3 == 0));
+    RandomPoints points;
+    for (int n = 0; n < 50; ++n) {
+      const CastCorners corners = corners_of(brick.view(), points.next());
+      const CastAround around = look_around(corners, true);
+      if (around.kind != PointKind::sheet) continue;
+      const CastSample loose = loose_sample(corners, around.sheet);
+      ++(around.is_flat ? flat : others);
+      for (int k = 0; around.is_flat && k < cast_channels; ++k) ASSERT_EQ(loose.c[k], 0);
+    }
+  }
+  EXPECT_GT(flat, 2000);
+  EXPECT_GT(others, 2000);
 }
 
 }  // namespace

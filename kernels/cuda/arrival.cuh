@@ -1,0 +1,49 @@
+/// Arrays on their way from a device to the host.
+#pragma once
+
+#include <cstddef>
+#include <cuda_runtime.h>
+#include <span>
+#include <vector>
+
+#include "kernels/cuda/pinned.cuh"
+#include "lattice/thread_pool.h"
+
+namespace gigabake::kernels {
+
+/// By way of page-locked memory, in pieces: threads copy one to where it belongs while the next ones arrive.
+class Arrival {
+ public:
+  struct Part {
+    void* host;
+    const void* device;
+    std::size_t bytes;
+  };
+
+  /// pool: borrowed.
+  Arrival(cudaStream_t stream, const ThreadPool& pool) : stream_(stream), pool_(pool) {}
+  ~Arrival();
+  Arrival(const Arrival&) = delete;
+  Arrival& operator=(const Arrival&) = delete;
+
+  /// Returns when all of them are here.
+  /// Errors  CudaFailure.
+  void bring(std::span<const Part> parts);
+
+ private:
+  struct Piece {
+    std::byte *host, *arrived;
+    const std::byte* device;
+    std::size_t bytes;
+  };
+
+  std::vector<Piece> pieces_of(std::span<const Part> parts);
+  cudaEvent_t arrival_of(std::size_t piece);
+
+  cudaStream_t stream_;
+  const ThreadPool& pool_;
+  PinnedBuffer room_;
+  std::vector<cudaEvent_t> arrivals_;  ///< by piece
+};
+
+}  // namespace gigabake::kernels
