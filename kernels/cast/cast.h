@@ -162,7 +162,9 @@ GB_HD bool is_between_sheets(const CastSheet& sheet, const CastLine& line, const
 }
 
 /// The ray met a sheet at `met`, before the point of `place`: what it looks like there, half a voxel before and half a
-/// voxel behind, and how much of it is surface. False: the ray, being patient, waits for what is not here.
+/// voxel behind, and how much of it is surface. False: the ray, being patient, waits for what is not here. A ray to a
+/// light has no need of what it looks like: it looks once.
+template <CastAim aim>
 GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient, double met,
                       CastPlace place, CastPath& path, CastRay& ray) {
   CastSample sample;
@@ -171,7 +173,7 @@ GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const Ca
   float across = 1;
   SheetOpacity seen;
   GB_NO_UNROLL
-  for (int side = 0; side < 3; ++side) {
+  for (int side = 0; side < (aim == CastAim::eye ? 3 : 1); ++side) {
     double p[3];
     set_point(line, side == 0 ? met : (side == 1 ? met - half : met + half), p);
     if (!place.contains(p)) place = locate(scene, ray.lod, p, patient, place, path);
@@ -198,7 +200,7 @@ GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const Ca
   }
   if (seen.density < 1) stay_in_surface(met, across, float(2 * half), ray);
   const float covered = covered_in_surface(seen.opacity, seen.density, ray);
-  take_light(sample, brick, stop_light(covered, brick.lod, seen.density, ray), met, 0, camera, ray);
+  take_light<aim>(sample, brick, stop_light(covered, brick.lod, seen.density, ray), met, 0, camera, ray);
   return true;
 }
 
@@ -279,6 +281,7 @@ GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patie
 }
 
 /// Adds what is loose at the point where the ray stands, unless it met a sheet before.
+template <CastAim aim>
 GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const CastLine& line, CastWalk& walk,
                       CastRay& ray) {
   const CastPlace& place = walk.place;
@@ -293,16 +296,17 @@ GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const Ca
   if (place.lod != ray.lod)
     steps = steps_in_coarser(line, place, ray, walk.distance, step_beyond(line, empty_box(place), ray));
   const bool is_loose = loose.sample.mean_coverage() > 0;
-  if (is_loose) composite(loose.sample, loose.pane, line, place, steps, walk.distance, camera, ray);
+  if (is_loose) composite<aim>(loose.sample, loose.pane, line, place, steps, walk.distance, camera, ray);
   ray.step += steps;
   if (is_loose || sheet.sheet > 0) ray.past = ray.step;
   walk.task = ray.transmittance < least_light ? CastTask::none : CastTask::seek;
 }
 
 /// Adds the sheet that the ray met, and goes on at the point behind it.
+template <CastAim aim>
 GB_HD void pass_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
                       CastWalk& walk, CastPath& path, CastRay& ray) {
-  const bool is_there = meet_sheet(scene, camera, line, patient, ray.met, walk.place, path, ray);
+  const bool is_there = meet_sheet<aim>(scene, camera, line, patient, ray.met, walk.place, path, ray);
   ray.is_seen = is_there;
   walk.task = !is_there || ray.transmittance < least_light ? CastTask::none : CastTask::seek;
 }
@@ -332,6 +336,7 @@ inline constexpr int steps_together = 3;
 
 /// Goes on until the ray met a sheet, is finished or waits. Rays that a device takes together seek together and look at
 /// points together, whichever more of them wait for; on a device all lanes of a warp call this.
+template <CastAim aim = CastAim::eye>
 GB_HD void walk_to_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
                          CastWalk& walk, CastPath& path, CastRay& ray) {
   while (any_ray(walk.task == CastTask::seek || walk.task == CastTask::pass)) {
@@ -339,7 +344,7 @@ GB_HD void walk_to_sheet(const CastScene& scene, const CastCamera& camera, const
       for (int step = 0; step < steps_together && walk.task == CastTask::seek; ++step)
         seek_surface(scene, line, patient, walk, path, ray);
     } else if (walk.task == CastTask::pass) {
-      pass_point(scene, camera, line, walk, ray);
+      pass_point<aim>(scene, camera, line, walk, ray);
     }
   }
 }
@@ -352,14 +357,15 @@ GB_HD CastTask first_task(bool is_cast, const CastRay& ray) {
 /// Goes on until the ray is finished (lod = -1) or waits. Of rays that a device takes together those that met a sheet
 /// wait until all that seek have met one, or are through, since looking at a sheet takes as long as some dozen steps.
 /// On a device all lanes of a warp call this.
+template <CastAim aim = CastAim::eye>
 GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient, bool is_cast,
                     CastRay& ray) {
   CastWalk walk;
   CastPath path;
   walk.task = first_task(is_cast, ray);
   while (any_ray(walk.task != CastTask::none)) {
-    walk_to_sheet(scene, camera, line, patient, walk, path, ray);
-    if (walk.task == CastTask::meet) pass_sheet(scene, camera, line, patient, walk, path, ray);
+    walk_to_sheet<aim>(scene, camera, line, patient, walk, path, ray);
+    if (walk.task == CastTask::meet) pass_sheet<aim>(scene, camera, line, patient, walk, path, ray);
   }
   finish_opaque(ray);
 }

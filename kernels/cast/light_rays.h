@@ -175,7 +175,7 @@ GB_HD void cast_to_light(const CastScene& scene, const CastCamera& camera, const
     line = line_to_light(scene, camera, light, direction, is_sun ? lighting.sun_lod1 : lighting.sky_lod1, is_sun);
     ray = start_ray(scene, line);
   }
-  cast_ray(scene, camera, line, patient, is_used, ray);
+  cast_ray<CastAim::light>(scene, camera, line, patient, is_used, ray);
   if (!is_cast || ray.lod >= 0) return;
   light.seen[r] = is_used ? ray.transmittance : 0;
   light.done |= 1u << r;

@@ -130,9 +130,20 @@ GB_HD float covered_in_surface(float more, float density, const CastRay& ray) {
 /// ground that lets the sky through is worse than an edge that is too thick until the rest comes.
 GB_HD float solidity(const CastPlace& place, const CastRay& ray) { return float(1 + place.lod - ray.lod); }
 
+/// What a ray is cast for.
+enum class CastAim : std::uint8_t {
+  eye,   ///< what it meets: colours and depth
+  light  ///< how much of a light comes through, and nothing else; the same bits as the eye's ray has of that
+};
+
 /// `weight` of the light that started stops at the sample, which stands for `way` around `distance`.
+template <CastAim aim>
 GB_HD void take_light(const CastSample& s, const BrickTraits& brick, float weight, double distance, double way,
                       const CastCamera& camera, CastRay& ray) {
+  if constexpr (aim == CastAim::light) {
+    ray.transmittance -= weight;
+    return;
+  }
   const float seen = exp_minus(float(distance) * camera.haze.per_voxel);
   float rgb[3];
   radiance_of(s, brick, camera.paint, rgb);
@@ -143,13 +154,14 @@ GB_HD void take_light(const CastSample& s, const BrickTraits& brick, float weigh
 }
 
 /// The sample stands for `steps` points of the ray's level.
+template <CastAim aim>
 GB_HD void composite(const CastSample& s, const CastPane& pane, const CastLine& line, const CastPlace& place,
                      double steps, double distance, const CastCamera& camera, CastRay& ray) {
   const double way = steps * step_length(ray.lod);
   const float part = solidity(place, ray) * float(way * power_of_two(-place.lod));
   if (pane.density < 1) stay_in_surface(distance, pane.across, float(2 * place.half), ray);
   const float covered = covered_in_surface(crossings(s, line.across, place.lod) * part, pane.density, ray);
-  take_light(s, traits_of(place), stop_light(covered, place.lod, 1, ray), distance, way, camera, ray);
+  take_light<aim>(s, traits_of(place), stop_light(covered, place.lod, 1, ray), distance, way, camera, ray);
 }
 
 inline constexpr float least_light = 1.0f / 1024;

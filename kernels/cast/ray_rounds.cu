@@ -68,7 +68,7 @@ __global__ void __launch_bounds__(tile_threads, min_looking)
   const std::uint32_t index = is_in ? met.rays[first + threadIdx.x] : 0;
   if (is_in) {
     CastRay ray = pass.rays[index];
-    pass_sheet(pass.scene, pass.camera, line_of(pass, index), pass.patient, walk, path, ray);
+    pass_sheet<CastAim::eye>(pass.scene, pass.camera, line_of(pass, index), pass.patient, walk, path, ray);
     keep(pass, index, walk.task, ray);
   }
   append(walk.task == CastTask::seek, index, going_on);
