@@ -80,6 +80,7 @@ set(gb_public_headers_kernels
     kernels/cast/first_hit_device.h
     kernels/cast/first_hit_tree.h
     kernels/cast/light_rays.h
+    kernels/cast/light_sharing.h
     kernels/cast/lighting.h
     kernels/cast/locate.h
     kernels/cast/pack_brick.h

@@ -8,7 +8,7 @@
 
 #include "kernels/body/tables.h"
 #include "kernels/cast/level_blend.h"
-#include "kernels/cast/light_rays.h"
+#include "kernels/cast/light_sharing.h"
 #include "lattice/thread_pool.h"
 
 namespace gigabake::kernels {
@@ -107,6 +107,13 @@ class CpuCaster final : public Caster {
       if (light.done != PixelLight::all)
         light_pixel(scene_, camera_, lighting_, line_of(i), rays_[i], pixel_x(i), pixel_y(i), patient, light);
       return light.done == PixelLight::all;
+    });
+  }
+
+  void share_light() override {
+    for_each_ray(0, rays_.size(), {}, [&](std::size_t i) {
+      const int x = int(i % std::size_t(tile_.width)), y = int(i / std::size_t(tile_.width));
+      kernels::share_light({lights_.data(), tile_}, lighting_, x, y, lights_[i]);
     });
   }
 

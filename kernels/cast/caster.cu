@@ -154,6 +154,11 @@ class CudaCaster final : public Caster {
     return one_pass(end - begin, patient, stop, [&](const RayPass& pass) { light_.cast(pass, begin, end); });
   }
 
+  void share_light() override {
+    use_device();
+    light_.share(tile_);
+  }
+
   std::vector<std::uint32_t> wanted() override {
     use_device();
     count_.clear_to_zero();

@@ -75,12 +75,16 @@ class Caster {
 
   /// Starts rays to the light from what the tile's rays met, which are all finished and brought back surface's own
   /// colours. Pixels are then lit by it, as the shader has it; null: as LitShader. Range  the tile begins at multiples
-  /// of light_block.
+  /// of sky_block.
   virtual void start_light(const CastLighting& lighting, std::shared_ptr<const SurfaceShader> shader) = 0;
 
   /// One pass of those rays, as cast(): of pixels [begin, end). Returns for how many pixels some still are not
   /// finished.
   virtual std::size_t cast_light(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) = 0;
+
+  /// Once all those rays are finished, and once a tile: pixels that cast none have the light of others of their block,
+  /// where these tell it. The rest start rays of their own, with which cast_light() goes on.
+  virtual void share_light() = 0;
 
   /// What rays of the last pass missed: 2·node + Want, in no order.
   virtual std::vector<std::uint32_t> wanted() = 0;

@@ -26,27 +26,48 @@ __global__ void __launch_bounds__(tile_threads, min_lighting)
     find_surfaces(RayPass pass, CastLighting lighting, PixelLight* lights, std::size_t begin, std::size_t end) {
   int x, y;
   std::size_t i;
-  if (!pixel_in_range(pass.tile, begin, end, x, y, i)) return;
+  if (!pixel_in_range(pass.tile, begin, end, x, y, i) || lights[i].has(light_rays)) return;
   PixelLight light = lights[i];
-  const CastLine line = line_of_sight(pass.scene, pass.camera, pass.tile.x + x, pass.tile.y + y);
-  find_surface_once(pass.scene, lighting, line, pass.patient, pass.rays[i], light);
+  const int px = pass.tile.x + x, py = pass.tile.y + y;
+  const CastLine line = line_of_sight(pass.scene, pass.camera, px, py);
+  find_surface_once(pass.scene, lighting, line, pass.patient, pass.rays[i], px, py, light);
   lights[i] = light;
-  if (lighting.part == CastLightPart::unhidden && light.done != PixelLight::all) atomicAdd(pass.unfinished, 1ull);
 }
 
-/// Ray r of each pixel; all lanes of a warp cast. After the last one: how many pixels wait.
-__global__ void __launch_bounds__(tile_threads, min_lighting)
-    cast_light_rays(RayPass pass, CastLighting lighting, PixelLight* lights, int r, std::size_t begin,
-                    std::size_t end) {
+/// Pixels whose surface is known and one of whose rays is not finished. All lanes of a warp call append().
+__global__ void list_light_rays(CastTile tile, const PixelLight* lights, LightRay which, std::size_t begin,
+                                std::size_t end, RayList list) {
   int x, y;
   std::size_t i;
-  const bool is_in = pixel_in_range(pass.tile, begin, end, x, y, i);
+  const bool is_in = pixel_in_range(tile, begin, end, x, y, i);
+  append(is_in && lights[i].has(light_rays) && !lights[i].has(int(which)), std::uint32_t(i), list);
+}
+
+/// That ray of each pixel of the list; all lanes of a warp cast.
+__global__ void __launch_bounds__(tile_threads, min_lighting)
+    cast_light_rays(RayPass pass, CastLighting lighting, PixelLight* lights, LightRay which, RayList list) {
+  const std::uint32_t count = *list.count, first = blockIdx.x * blockDim.x;
+  if (first >= count) return;
+  const bool is_in = first + threadIdx.x < count;
+  const std::uint32_t i = is_in ? list.rays[first + threadIdx.x] : 0, width = std::uint32_t(pass.tile.width);
   PixelLight light;
   if (is_in) light = lights[i];
-  cast_to_light(pass.scene, pass.camera, lighting, pass.tile.x + x, pass.tile.y + y, r, pass.patient, is_in, light);
-  if (!is_in) return;
-  lights[i] = light;
-  if (r + 1 == light_rays && light.done != PixelLight::all) atomicAdd(pass.unfinished, 1ull);
+  cast_to_light(pass.scene, pass.camera, lighting, pass.tile.x + int(i % width), pass.tile.y + int(i / width), which,
+                pass.patient, is_in, light);
+  if (is_in) lights[i] = light;
+}
+
+__global__ void count_unfinished(CastTile tile, const PixelLight* lights, std::size_t begin, std::size_t end,
+                                 unsigned long long* unfinished) {
+  int x, y;
+  std::size_t i;
+  if (pixel_in_range(tile, begin, end, x, y, i) && lights[i].done != PixelLight::all) atomicAdd(unfinished, 1ull);
+}
+
+__global__ void share_lights(CastTile tile, CastLighting lighting, PixelLight* lights) {
+  int x, y;
+  if (!pixel_of_thread(tile, x, y)) return;
+  share_light({lights, tile}, lighting, x, y, lights[std::size_t(y) * std::size_t(tile.width) + std::size_t(x)]);
 }
 
 }  // namespace
@@ -57,6 +78,7 @@ void LightPasses::start(const CastLighting& lighting, std::shared_ptr<const Surf
   if (lights_.size() < pixels) {
     lights_ = DeviceArray<PixelLight>(heap_, pixels);
     lit_ = DeviceArray<CastRay>(heap_, pixels);
+    list_ = DeviceArray<std::uint32_t>(heap_, pixels);
   }
   forget_light<<<grid_of(pixels, tile_threads), tile_threads, 0, stream_>>>(lights_.data(), pixels);
   check_launch("forget_light");
@@ -66,10 +88,27 @@ void LightPasses::cast(const RayPass& pass, std::size_t begin, std::size_t end) 
   const unsigned grid = grid_of_tile(pass.tile);
   find_surfaces<<<grid, tile_threads, 0, stream_>>>(pass, lighting_, lights_.data(), begin, end);
   check_launch("find_surfaces");
-  for (int r = 0; lighting_.part != CastLightPart::unhidden && r < light_rays; ++r) {
-    cast_light_rays<<<grid, tile_threads, 0, stream_>>>(pass, lighting_, lights_.data(), r, begin, end);
-    check_launch("cast_light_rays");
-  }
+  for (int r = 0; lighting_.part != CastLightPart::unhidden && r < light_rays; ++r)
+    cast_rays(pass, LightRay(r), begin, end);
+  count_unfinished<<<grid, tile_threads, 0, stream_>>>(pass.tile, lights_.data(), begin, end, pass.unfinished);
+  check_launch("count_unfinished");
+}
+
+void LightPasses::cast_rays(const RayPass& pass, LightRay which, std::size_t begin, std::size_t end) {
+  count_.clear_to_zero();
+  const RayList list{list_.data(), count_.data()};
+  list_light_rays<<<grid_of_tile(pass.tile), tile_threads, 0, stream_>>>(pass.tile, lights_.data(), which, begin, end,
+                                                                         list);
+  check_launch("list_light_rays");
+  const std::size_t pixels = std::size_t(pass.tile.width) * std::size_t(pass.tile.height);
+  cast_light_rays<<<grid_of(pixels, tile_threads), tile_threads, 0, stream_>>>(pass, lighting_, lights_.data(), which,
+                                                                               list);
+  check_launch("cast_light_rays");
+}
+
+void LightPasses::share(const CastTile& tile) {
+  share_lights<<<grid_of_tile(tile), tile_threads, 0, stream_>>>(tile, lighting_, lights_.data());
+  check_launch("share_lights");
 }
 
 const CastRay* LightPasses::lit(const CastRay* rays, const CastCamera& camera, const CastTile& tile) {

@@ -1,9 +1,9 @@
 /// The light of a pixel: how much of the sun and of the sky its surface sees.
 ///
-/// A pixel's surface is where half of its ray's light is gone. From there one cone goes to the sun and some to the sky.
-/// A cone is a ray as any other: its levels are those whose voxels are as wide as it, no finer than the pixel's own. It
-/// asks for what it misses, and sheets stop it. How wide a shadow's border is follows from how wide the voxels are that
-/// it passes.
+/// A pixel's surface is where half of its ray's light is gone. From there one cone goes to the sun and one to the sky,
+/// though not from every pixel: those of a block share what they see (kernels/cast/light_sharing.h). A cone is a ray as
+/// any other: its levels are those whose voxels are as wide as it, no finer than the pixel's own. It asks for what it
+/// misses, and sheets stop it. How wide a shadow's border is follows from how wide the voxels are that it passes.
 ///
 /// What is no sky is other surface, which sends what the ground sends: so flat ground under an open sky has the light
 /// of shade_voxel(), and so has every slope.
@@ -24,7 +24,9 @@
 
 namespace gigabake::kernels {
 
-inline constexpr int light_rays = 1 + sky_rays;  ///< the sun's is the first
+/// A pixel's rays to light.
+enum class LightRay : std::int32_t { sun, sky };
+inline constexpr int light_rays = 2;
 
 /// What is known of the light at a pixel's surface.
 struct PixelLight {
@@ -35,11 +37,15 @@ struct PixelLight {
   float up = 1;                 ///< what of the sky it would see if nothing stood before it
   float seen[light_rays] = {};  ///< by ray: what of the light comes through
   std::int32_t lod = 0;         ///< the pixel's at that distance
-  std::uint32_t done = 0;       ///< bit r: ray r is finished; bit light_rays: the surface is known
+  std::uint32_t done = 0;       ///< bit r: ray r is finished, or not cast; bit light_rays: the surface is known
+  std::uint32_t first = 0;      ///< bit r: ray r is cast before the light of other pixels is known
+  std::uint32_t then = 0;       ///< bit r: it is cast afterwards, since they do not tell it
   bool has_surface = false;     ///< false: the ray lost less than half of its light
 
   static constexpr std::uint32_t all = (2u << light_rays) - 1;
   GB_HD bool has(int bit) const { return (done >> bit & 1) != 0; }
+  GB_HD bool is_first(LightRay ray) const { return (first >> int(ray) & 1) != 0; }
+  GB_HD bool is_cast(LightRay ray) const { return ((first | then) >> int(ray) & 1) != 0; }
 };
 
 GB_HD int lod_at(const CastScene& scene, const CastLine& line, double distance) {
@@ -119,17 +125,29 @@ inline constexpr float light_clearance = 1.5f;
 /// Light that comes more along a surface than this lights next to nothing of it.
 inline constexpr float least_cosine = 1.0f / 32;
 
-/// Which way light comes to ray r of pixel (x, y) of the picture: from the part of the sun and of the sky that its
-/// place in its block looks at.
-GB_HD const float* light_direction(const CastLighting& lighting, int x, int y, int r) {
-  const int rank = int(dither_rank(std::uint32_t(x) % light_block, std::uint32_t(y) % light_block) / 4);
-  return r == 0 ? lighting.sun[rank] : lighting.sky[rank * sky_rays + r - 1];
+/// 0 to 63: the place of pixel (x, y) of the picture in its block of sky_block by sky_block, neighbours far apart.
+GB_HD int place_in_block(int x, int y) {
+  return int(dither_rank(std::uint32_t(x) % sky_block, std::uint32_t(y) % sky_block));
+}
+
+/// Which way light comes to a ray of pixel (x, y) of the picture: from the part of the sun or of the sky that its place
+/// in its block looks at.
+GB_HD const float* light_direction(const CastLighting& lighting, int x, int y, LightRay ray) {
+  constexpr int places_per_direction = sky_block * sky_block / sun_directions;
+  const int place = place_in_block(x, y);
+  return ray == LightRay::sun ? lighting.sun[place / places_per_direction] : lighting.sky[place % sky_directions];
 }
 
 /// Whether anything depends on what this ray sees.
-GB_HD bool lights_up(const PixelLight& light, const float direction[3], int r) {
+GB_HD bool lights_up(const PixelLight& light, const float direction[3], LightRay ray) {
   if (!light.has_surface || !(direction[2] > 0)) return false;
-  return r == 0 ? light.facing > 0 : dot3(light.normal, direction) > least_cosine;
+  return ray == LightRay::sun ? light.facing > 0 : dot3(light.normal, direction) > least_cosine;
+}
+
+/// Whether a pixel casts this ray first; others may have what these see. To the sky it is every other pixel, as on a
+/// chess board, to the sun every other one of every other row.
+GB_HD bool is_cast_first(int x, int y, LightRay ray) {
+  return place_in_block(x, y) < (ray == LightRay::sun ? sky_block * sky_block / 4 : sky_directions);
 }
 
 /// From the surface to a light. To the sun, which has an edge, it goes where it would go from the surface itself; what
@@ -161,127 +179,42 @@ GB_HD CastLine line_to_light(const CastScene& scene, const CastCamera& camera, c
   return line;
 }
 
-/// Casts ray r of a pixel whose surface is known, from its start, until it is finished or waits. On a device all lanes
-/// of a warp call this.
+/// Casts a ray of a pixel whose surface is known, from its start, until it is finished or waits. On a device all lanes
+/// of a warp call this. is_cast: false where a device has a lane and no ray.
 GB_HD void cast_to_light(const CastScene& scene, const CastCamera& camera, const CastLighting& lighting, int x, int y,
-                         int r, bool patient, bool is_cast, PixelLight& light) {
-  const float* direction = light_direction(lighting, x, y, r);
-  is_cast = is_cast && light.has(light_rays) && !light.has(r);
-  const bool is_used = is_cast && lights_up(light, direction, r);
+                         LightRay which, bool patient, bool is_cast, PixelLight& light) {
   CastLine line{};
   CastRay ray;
-  if (is_used) {
-    const bool is_sun = r == 0;
-    line = line_to_light(scene, camera, light, direction, is_sun ? lighting.sun_lod1 : lighting.sky_lod1, is_sun);
+  if (is_cast) {
+    const bool is_sun = which == LightRay::sun;
+    line = line_to_light(scene, camera, light, light_direction(lighting, x, y, which),
+                         is_sun ? lighting.sun_lod1 : lighting.sky_lod1, is_sun);
     ray = start_ray(scene, line);
   }
-  cast_ray<CastAim::light>(scene, camera, line, patient, is_used, ray);
+  cast_ray<CastAim::light>(scene, camera, line, patient, is_cast, ray);
   if (!is_cast || ray.lod >= 0) return;
-  light.seen[r] = is_used ? ray.transmittance : 0;
-  light.done |= 1u << r;
+  light.seen[int(which)] = ray.transmittance;
+  light.done |= 1u << int(which);
 }
 
-/// As find_surface(), where it is not known. Where no rays are cast to the light that is all.
+/// As find_surface(), where it is not known; and which rays to light the pixel casts first.
 GB_HD void find_surface_once(const CastScene& scene, const CastLighting& lighting, const CastLine& line, bool patient,
-                             const CastRay& ray, PixelLight& light) {
-  if (!light.has(light_rays) && find_surface(scene, lighting, line, patient, ray, light))
-    light.done |= lighting.part == CastLightPart::unhidden ? PixelLight::all : 1u << light_rays;
+                             const CastRay& ray, int x, int y, PixelLight& light) {
+  if (light.has(light_rays) || !find_surface(scene, lighting, line, patient, ray, light)) return;
+  for (int r = 0; lighting.part != CastLightPart::unhidden && r < light_rays; ++r) {
+    const auto which = LightRay(r);
+    if (is_cast_first(x, y, which) && lights_up(light, light_direction(lighting, x, y, which), which))
+      light.first |= 1u << r;
+  }
+  light.done = PixelLight::all & ~light.first;
 }
 
 /// One pass over a pixel: what is known of its light afterwards is final.
 GB_HD void light_pixel(const CastScene& scene, const CastCamera& camera, const CastLighting& lighting,
                        const CastLine& line, const CastRay& ray, int x, int y, bool patient, PixelLight& light) {
-  find_surface_once(scene, lighting, line, patient, ray, light);
-  for (int r = 0; r < light_rays; ++r) cast_to_light(scene, camera, lighting, x, y, r, patient, true, light);
-}
-
-/// Whether two pixels show one surface, so that they see the same sky.
-GB_HD bool is_same_surface(const PixelLight& a, const PixelLight& b) {
-  if (!b.has_surface || !(dot3(a.normal, b.normal) > 0.9f)) return false;
-  const float to[3] = {b.at[0] - a.at[0], b.at[1] - a.at[1], b.at[2] - a.at[2]};
-  const float above = dot3(a.normal, to);
-  return (above < 0 ? -above : above) <= 2 * float(power_of_two(a.lod));
-}
-
-/// The pixels that share their sky with pixel (x, y) of a tile: [min, max).
-struct LightBlock {
-  int x0, y0, x1, y1;
-};
-
-/// Range  the tile begins at a multiple of light_block in the picture.
-GB_HD LightBlock block_around(const CastTile& tile, int x, int y) {
-  const int x0 = x / light_block * light_block, y0 = y / light_block * light_block;
-  return {x0, y0, x0 + light_block < tile.width ? x0 + light_block : tile.width,
-          y0 + light_block < tile.height ? y0 + light_block : tile.height};
-}
-
-/// What of its sky a surface sees, by all the pixels of its block that show it.
-GB_HD float sky_seen(const PixelLight* lights, const CastTile& tile, const CastLighting& lighting, int x, int y,
-                     const PixelLight& own) {
-  const LightBlock block = block_around(tile, x, y);
-  float seen = 0, all = 0;
-  for (int j = block.y0; j < block.y1; ++j)
-    for (int i = block.x0; i < block.x1; ++i) {
-      const PixelLight& other = lights[std::size_t(j) * std::size_t(tile.width) + std::size_t(i)];
-      if (!is_same_surface(own, other)) continue;
-      for (int r = 1; r < light_rays; ++r) {
-        const float by = dot3(own.normal, light_direction(lighting, tile.x + i, tile.y + j, r));
-        if (!(by > least_cosine) ||
-            !(dot3(other.normal, light_direction(lighting, tile.x + i, tile.y + j, r)) > least_cosine))
-          continue;
-        seen += by * other.seen[r];
-        all += by;
-      }
-    }
-  return all > 0 ? seen / all : 1;
-}
-
-/// A pixel that shows little of a surface has the light of one beside it; else nothing stands in its light.
-GB_HD PixelLight light_beside(const PixelLight* lights, const CastTile& tile, const CastLighting& lighting, int x,
-                              int y) {
-  const LightBlock block = block_around(tile, x, y);
-  for (int j = block.y0; j < block.y1; ++j)
-    for (int i = block.x0; i < block.x1; ++i) {
-      const PixelLight& other = lights[std::size_t(j) * std::size_t(tile.width) + std::size_t(i)];
-      if (other.has_surface) return other;
-    }
-  PixelLight open;
-  open.facing = lighting.light.to_sun[2] > 0 ? lighting.light.to_sun[2] : 0;
-  open.seen[0] = 1;
-  return open;
-}
-
-/// What a pixel shows of a surface, and of the light that comes to it.
-struct SurfacePoint {
-  double place[3];  ///< lod-0 voxels of the scene's lattice
-  float normal[3];  ///< unit; towards the eye where the voxels have none
-  float distance;   ///< from the eye
-  float own[3];     ///< own colour: linear RGB, premultiplied by `there`
-  float there;      ///< how much of the pixel is surface, above 0
-  float facing;     ///< mean cosine between the sun's direction and what faces it
-  float sun_seen;   ///< how much of the sun it sees; 1 where no rays are cast to the light
-  float sky_seen;   ///< how much of its sky it sees: half of it for an open wall, all for open flat ground
-};
-
-/// Of pixel i of a tile, whose ray brought back surface's own colours. lights: of all pixels of the tile, finished.
-/// Range  ray.transmittance < 1.
-GB_HD SurfacePoint surface_point(const CastRay& ray, const double eye[3], const PixelLight* lights,
-                                 const CastTile& tile, const CastLighting& lighting, std::size_t i) {
-  const int x = int(i % std::size_t(tile.width)), y = int(i / std::size_t(tile.width));
-  const PixelLight own = lights[i].has_surface ? lights[i] : light_beside(lights, tile, lighting, x, y);
-  const bool is_cast = lighting.part != CastLightPart::unhidden;
-  SurfacePoint at;
-  for (int a = 0; a < 3; ++a) {
-    at.place[a] = eye[a] + double(own.at[a]);
-    at.normal[a] = own.normal[a];
-    at.own[a] = ray.rgb[a];
-  }
-  at.distance = own.depth;
-  at.there = 1 - ray.transmittance;
-  at.facing = own.facing;
-  at.sun_seen = is_cast ? own.seen[0] : 1;
-  at.sky_seen = is_cast ? own.up * sky_seen(lights, tile, lighting, x, y, own) : own.up;
-  return at;
+  find_surface_once(scene, lighting, line, patient, ray, x, y, light);
+  for (int r = 0; light.has(light_rays) && r < light_rays; ++r)
+    if (!light.has(r)) cast_to_light(scene, camera, lighting, x, y, LightRay(r), patient, true, light);
 }
 
 }  // namespace gigabake::kernels

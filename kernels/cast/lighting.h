@@ -13,10 +13,10 @@
 
 namespace gigabake::kernels {
 
-/// Pixels of a block of so many by so many look at different parts of the sun and of the sky, at so many of the sky
-/// each; what they see of the sky they share.
-inline constexpr int light_block = 4, sky_rays = 2;
-inline constexpr int sky_directions = light_block * light_block * sky_rays;
+/// Pixels of a block of so many by so many look at different parts of the sun.
+inline constexpr int sun_block = 4, sun_directions = sun_block * sun_block;
+/// The same of the sky, at which every other pixel looks; what they see of it they share.
+inline constexpr int sky_block = 8, sky_directions = sky_block * sky_block / 2;
 
 /// What of the light is shown.
 enum class CastLightPart : std::int32_t {
@@ -30,11 +30,11 @@ enum class CastLightPart : std::int32_t {
 struct CastLighting {
   CastLight light;  ///< as if nothing stood in its way
   CastLightPart part = CastLightPart::all;
-  CastHaze haze;        ///< the camera's own must be none
-  double sun_lod1 = 1;  ///< voxels from its tip at which the sun's cone is a voxel of lod 1 wide
-  double sky_lod1 = 1;  ///< the same of the cones to the sky
-  float sun[light_block * light_block][3] = {};  ///< unit, evenly over the sun's disc; a pixel of a block has one each
-  float sky[sky_directions][3] = {};  ///< unit, evenly over the upper half; a pixel has sky_rays that follow each other
+  CastHaze haze;                      ///< the camera's own must be none
+  double sun_lod1 = 1;                ///< voxels from its tip at which the sun's cone is a voxel of lod 1 wide
+  double sky_lod1 = 1;                ///< the same of the cones to the sky
+  float sun[sun_directions][3] = {};  ///< unit, evenly over the sun's disc, by a pixel's place in its block
+  float sky[sky_directions][3] = {};  ///< unit, evenly over the upper half, by a pixel's place in its block
 };
 
 }  // namespace gigabake::kernels

@@ -7,16 +7,6 @@ namespace {
 /// Blocks of a multiprocessor, as measured on an H200: five that walk are faster than four, though registers spill.
 constexpr unsigned min_walking = 5, min_looking = 4, min_casting = 3;
 
-/// Adds the rays of a warp's lanes that `is_in`. All lanes call this.
-__device__ void append(bool is_in, std::uint32_t ray, const RayList& list) {
-  const unsigned in = __ballot_sync(0xffffffffu, is_in ? 1 : 0);
-  const unsigned lane = threadIdx.x % 32;
-  std::uint32_t first = 0;
-  if (lane == 0 && in != 0) first = atomicAdd(list.count, std::uint32_t(__popc(in)));
-  first = __shfl_sync(0xffffffffu, first, 0);
-  if (is_in) list.rays[first + std::uint32_t(__popc(in & ((1u << lane) - 1)))] = ray;
-}
-
 __device__ CastLine line_of(const RayPass& pass, std::uint32_t ray) {
   const auto width = std::uint32_t(pass.tile.width);
   return line_of_sight(pass.scene, pass.camera, pass.tile.x + int(ray % width), pass.tile.y + int(ray / width));

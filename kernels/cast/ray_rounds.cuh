@@ -6,15 +6,10 @@
 #include <cstdint>
 
 #include "kernels/cast/cast.h"
+#include "kernels/cast/ray_list.cuh"
 #include "kernels/cuda/memory.cuh"
 
 namespace gigabake::kernels {
-
-/// Rays of a tile, by their indices, in no order.
-struct RayList {
-  std::uint32_t* rays;
-  std::uint32_t* count;
-};
 
 /// Where a pass is, as its kernels take it.
 struct RayPass {

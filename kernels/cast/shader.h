@@ -14,7 +14,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "kernels/cast/light_rays.h"
+#include "kernels/cast/light_sharing.h"
 #include "kernels/cast/lighting.h"
 #include "lattice/cuda_failure.h"
 #include "lattice/host_device.h"
@@ -108,7 +108,7 @@ template <class Shader>
 GB_HD CastRay shaded_ray(const ShadedTile& tile, const Shader& shader, std::size_t i) {
   CastRay out = tile.rays[i];
   if (!(out.transmittance < 1)) return out;
-  const SurfacePoint at = surface_point(out, tile.eye, tile.lights, tile.tile, tile.lighting, i);
+  const SurfacePoint at = surface_point(out, tile.eye, {tile.lights, tile.tile}, tile.lighting, i);
   const CastHaze& haze = tile.lighting.haze;
   const float through = exp_minus(at.distance * haze.per_voxel);
   float rgb[3];

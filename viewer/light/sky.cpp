@@ -46,13 +46,13 @@ std::array<float, 3> share_of_sun(double elevation_deg) {
 }
 
 /// Evenly over the upper half, in rings of equal height. Pixels that lie far apart in their block have directions of
-/// neighbouring rings; the rays of one pixel go to opposite sides.
+/// neighbouring rings; each half of the directions is one half of the sky.
 void set_sky_directions(float sky[kernels::sky_directions][3]) {
   constexpr int sides = 4, rings = kernels::sky_directions / sides;
   for (int n = 0; n < kernels::sky_directions; ++n) {
-    const int rank = n / kernels::sky_rays, ray = n % kernels::sky_rays;
-    const int ring = (rank / (sides / kernels::sky_rays) + rings / kernels::sky_rays * ray) % rings;
-    const int side = sides / kernels::sky_rays * ray + rank % (sides / kernels::sky_rays);
+    const int half = n / (kernels::sky_directions / 2), in_half = n % (kernels::sky_directions / 2);
+    const int ring = (in_half / 2 + rings / 2 * half) % rings;
+    const int side = sides / 2 * half + in_half % 2;
     const double z = (ring + 0.5) / rings, level = std::sqrt(1 - z * z);
     const double turn = 2 * std::numbers::pi * (side + (ring * 3 % rings + 0.5) / rings) / sides;
     sky[n][0] = float(std::cos(turn) * level);
@@ -65,14 +65,16 @@ void set_sky_directions(float sky[kernels::sky_directions][3]) {
 /// (docs/lab/frames.md).
 constexpr double sky_lod1 = 16;
 
-/// Evenly over the disc, along a spiral. Source  Vogel 1979, "A better way to construct the sunflower head".
-void set_sun_directions(const SunDirection& sun, double radius_deg,
-                        float out[kernels::light_block * kernels::light_block][3]) {
-  constexpr int points = kernels::light_block * kernels::light_block;
+/// Evenly over the disc, along a spiral from its edge inwards: the first points are of the pixels whose rays are cast
+/// first, and where these see the same, so do those that look at points between theirs.
+///
+/// Source  Vogel 1979, "A better way to construct the sunflower head".
+void set_sun_directions(const SunDirection& sun, double radius_deg, float out[kernels::sun_directions][3]) {
+  constexpr int points = kernels::sun_directions;
   const std::array<double, 3> east = to_sun({sun.azimuth_deg + 90, 0}), to = to_sun(sun);
   const std::array<double, 3> up = to_sun({sun.azimuth_deg + 180, 90 - sun.elevation_deg});
   for (int n = 0; n < points; ++n) {
-    const double radius = std::tan(radius_deg * std::numbers::pi / 180) * std::sqrt((n + 0.5) / points);
+    const double radius = std::tan(radius_deg * std::numbers::pi / 180) * std::sqrt((points - n - 0.5) / points);
     const double turn = n * std::numbers::pi * (3 - std::sqrt(5.0)), length = std::hypot(1, radius);
     for (std::size_t a = 0; a < 3; ++a)
       out[n][a] = float((to[a] + radius * (std::cos(turn) * east[a] + std::sin(turn) * up[a])) / length);

@@ -198,7 +198,10 @@ struct FrameRenderer::State {
     }
     if (look.lighting) {
       caster.start_light(*look.lighting, look.shader);
-      cast_more(camera, limits, [&](bool patient) { return caster.cast_light(0, rays, patient, limits.stop); });
+      const auto cast_light = [&](bool patient) { return caster.cast_light(0, rays, patient, limits.stop); };
+      cast_more(camera, limits, cast_light);
+      caster.share_light();
+      cast_more(camera, limits, cast_light);
     }
     picture = blank.get();
     caster.resolve(look.background, pixels_of(picture));

@@ -63,6 +63,8 @@ bool finish_tile(SceneStream& stream, const kernels::CastCamera& camera, const k
   if (!look.lighting) return true;
   caster.start_light(*look.lighting, look.shader);
   const auto cast_light = [&](std::size_t begin, std::size_t end) { return caster.cast_light(begin, end, true, stop); };
+  if (!finish_rays(stream, camera.eye, pixels, stop, cast_light)) return false;
+  caster.share_light();
   return finish_rays(stream, camera.eye, pixels, stop, cast_light);
 }
 

@@ -25,6 +25,8 @@ constexpr std::uint32_t parts_per_slot = 90;
 /// What the urgency of a root is multiplied with while no ray has met its cell.
 constexpr double unseen_root = 1.0 / 64;
 constexpr int cpu_tile_edge = 128, device_tile_edge = 1024;
+static_assert(cpu_tile_edge % kernels::sky_block == 0 && device_tile_edge % kernels::sky_block == 0,
+              "pixels share their light within blocks: tiles must not cut these");
 
 std::size_t wants_per_batch(const ThreadPool& policy) {
   return std::max(least_wants_per_batch, wants_per_thread * std::size_t(policy.threads()));

@@ -52,12 +52,12 @@ float at(const std::vector<float>& linear, int x, int y) {
 /// What columns of ground beside a wall along y see, by x: means over the parts of the sun that the pixels of a block
 /// look at.
 std::vector<double> along_x(const VoxelScene& scene, const kernels::CastLighting& light) {
-  std::vector<double> mean(edge - kernels::light_block);
-  for (int shift = 0; shift < kernels::light_block; ++shift) {
+  std::vector<double> mean(edge - kernels::sun_block);
+  for (int shift = 0; shift < kernels::sun_block; ++shift) {
     const std::vector<float> seen = from_above(scene, light, shift);
     for (std::size_t x = 0; x < mean.size(); ++x)
-      for (int y = 64; y < 64 + kernels::light_block; ++y)
-        if (int(x) >= shift) mean[x] += at(seen, int(x) - shift, y) / (kernels::light_block * kernels::light_block);
+      for (int y = 64; y < 64 + kernels::sun_block; ++y)
+        if (int(x) >= shift) mean[x] += at(seen, int(x) - shift, y) / (kernels::sun_block * kernels::sun_block);
   }
   return mean;
 }
