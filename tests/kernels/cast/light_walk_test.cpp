@@ -1,0 +1,114 @@
+#include <cmath>
+#include <gtest/gtest.h>
+#include <random>
+#include <vector>
+
+#include "kernels/cast/cast.h"
+#include "kernels/cast/pack_brick.h"
+
+namespace gigabake::kernels {
+namespace {
+
+/// A scene of one brick of 8³ voxels: sheets, loose surface and panes at random places.
+class OneBrick {
+ public:
+  explicit OneBrick(std::mt19937_64& random) {
+    SlotVoxels slot;
+    for (int at = 0; at < slot_voxels; ++at) {
+      if (random() % 8 != 0) continue;
+      std::uint16_t& row = slot.row[at / (slot_edge * slot_edge)][at / slot_edge % slot_edge];
+      row = std::uint16_t(row | 1u << at % slot_edge);
+      slot.voxel[at] = pack_voxel(random_voxel(random));
+    }
+    pack_brick(slot, brick_);
+    nodes_[0] = pack_node({empty_ref, 0});
+    scene_.cells = {cells_.data(), cells_.size()};
+    scene_.column_key = {column_key_.data(), column_key_.size()};
+    scene_.column_first = {column_first_.data(), column_first_.size()};
+    scene_.column_count[0] = scene_.column_count[1] = 1;
+    scene_.cell_bits = 3;
+    scene_.lods = 1;
+    for (double& side : scene_.max) side = 8;
+    scene_.nodes = nodes_;
+    scene_.parent_bricks = &parent_brick_;
+    scene_.heads = &brick_.head;
+    scene_.voxels = brick_.parts.data();
+    scene_.marks = {&tile_used_, &slot_used_, &wanted_};
+  }
+  OneBrick(const OneBrick&) = delete;
+  OneBrick& operator=(const OneBrick&) = delete;
+
+  const CastScene& scene() const { return scene_; }
+
+ private:
+  static CastVoxel random_voxel(std::mt19937_64& random) {
+    const auto coverage = [&] { return std::uint16_t(257 * (random() % 256)); };
+    const auto below = [&](int end) { return int(random() % std::uint64_t(end)); };
+    CastVoxel voxel{{100, 200, 300, coverage(), coverage(), coverage()}, {}, 0};
+    const int x = below(128), y = below(128 - x);
+    voxel.normal[0] = std::int8_t(x);
+    voxel.normal[1] = std::int8_t(y);
+    voxel.normal[2] = std::int8_t(127 - x - y);
+    if (random() % 2 == 0) voxel.plane = pack_plane({below(15) - 7, 1 + below(most_coherence)});
+    if (random() % 32 == 0) voxel.plane = clear_plane;
+    return voxel;
+  }
+
+  std::vector<CastCell> cells_{{{0, 0, 0}}};
+  std::vector<std::uint64_t> column_key_{0};
+  std::vector<std::uint32_t> column_first_{0, 1};
+  NodeWord nodes_[8] = {};
+  std::uint32_t parent_brick_ = 0, tile_used_ = 0, slot_used_ = 0, wanted_ = 0;
+  CastBrick brick_;
+  CastScene scene_;
+};
+
+/// From a point of a cube around the brick towards one of the brick.
+CastLine random_line(std::mt19937_64& random) {
+  std::uniform_real_distribution<double> around(-12, 20), inside(0, 8);
+  CastLine line;
+  double squared = 0;
+  for (int a = 0; a < 3; ++a) {
+    line.origin[a] = around(random);
+    line.direction[a] = inside(random) - line.origin[a];
+    squared += line.direction[a] * line.direction[a];
+  }
+  line.enter = 0;
+  line.leave = double(far_voxel);
+  line.lod1_distance = 1e6;
+  for (int a = 0; a < 3; ++a) {
+    line.direction[a] /= std::sqrt(squared);
+    line.inverse[a] = 1 / line.direction[a];
+    line.across[a] = float(std::fabs(line.direction[a]));
+    clip_to_box(line, a, -1, 9);
+  }
+  return line;
+}
+
+template <CastAim aim>
+float light_through(const CastScene& scene, const CastLine& line) {
+  CastRay ray = start_ray(scene, line);
+  cast_ray<aim>(scene, CastCamera(), line, true, true, ray);
+  EXPECT_EQ(ray.lod, -1);
+  return ray.transmittance;
+}
+
+TEST(LightWalk, LetsThroughWhatTheEyesRayDoes) {
+  constexpr std::uint64_t seed = 20261124;
+  std::mt19937_64 random(seed);
+  int partly = 0;
+  for (int i = 0; i < 100; ++i) {
+    const OneBrick brick(random);
+    for (int n = 0; n < 50; ++n) {
+      const CastLine line = random_line(random);
+      const float seen = light_through<CastAim::light>(brick.scene(), line);
+      ASSERT_EQ(seen, light_through<CastAim::eye>(brick.scene(), line))
+          << "seed " << seed << ", brick " << i << ", ray " << n;
+      partly += seen > 0 && seen < 1 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(partly, 500) << "rays that lose some of their light and not all";
+}
+
+}  // namespace
+}  // namespace gigabake::kernels
