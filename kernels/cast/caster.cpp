@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <cstring>
 #include <utility>
 
@@ -121,7 +120,7 @@ class CpuCaster final : public Caster {
     std::vector<std::uint32_t> found;
     for (std::size_t i = 0; i < want_words(); ++i)
       for (std::uint32_t left = wanted_[i]; left != 0; left &= left - 1)
-        found.push_back(std::uint32_t(32 * i) + std::uint32_t(std::countr_zero(left)));
+        found.push_back(std::uint32_t(32 * i) + std::uint32_t(kernels::lowest_one(left)));
     return found;
   }
 

@@ -52,7 +52,7 @@ __global__ void list_wants(const std::uint32_t* wanted, std::uint32_t words, std
   if (i >= words || wanted[i] == 0) return;
   std::uint32_t at = atomicAdd(count, std::uint32_t(__popc(wanted[i])));
   for (std::uint32_t left = wanted[i]; left != 0 && at < most_wants; left &= left - 1)
-    list[at++] = 32 * i + std::uint32_t(__ffs(int(left)) - 1);
+    list[at++] = 32 * i + std::uint32_t(lowest_one(left));
 }
 
 class CudaCaster final : public Caster {

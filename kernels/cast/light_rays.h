@@ -64,8 +64,9 @@ struct SurfaceSums {
 /// The eight voxels around a point. One without a normal sees all of the sky, and no sun: as in shade_voxel().
 GB_HD void add_surface(const CastCorners& corners, const float to_sun[3], SurfaceSums& sums) {
   GB_NO_UNROLL
-  for (int c = 0; c < 8; ++c) {
-    const CastVoxel voxel = corners.voxel(c);
+  for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
+    const int c = lowest_one(left);
+    const CastVoxel voxel = corners.stored(c);
     const int covered = (voxel.c[3] + voxel.c[4]) + voxel.c[5];
     if (covered == 0) continue;
     const float by = corners.weight(c) * float(covered);

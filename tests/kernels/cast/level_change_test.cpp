@@ -3,27 +3,14 @@
 #include <vector>
 
 #include "kernels/cast/caster.h"
+#include "tests/kernels/cast/one_cell.h"
 
 namespace gigabake::kernels {
 namespace {
 
 /// A tree of 16³ voxels that is empty at lod 0 and has an opaque floor at lod 1, which is all of the scene there is.
-struct FloorOfLod1 {
-  std::vector<CastCell> cells{{{0, 0, 0}}};
-  std::vector<std::uint64_t> column_key{0};
-  std::vector<std::uint32_t> column_first{0, 1};
-  CastScene scene;
-
-  FloorOfLod1() {
-    scene.cells = {cells.data(), cells.size()};
-    scene.column_key = {column_key.data(), column_key.size()};
-    scene.column_first = {column_first.data(), column_first.size()};
-    scene.column_count[0] = scene.column_count[1] = 1;
-    scene.cell_bits = 4;
-    scene.lods = 2;
-    for (double& side : scene.max) side = 16;
-    scene.min[2] = 13;
-  }
+struct FloorOfLod1 : OneCell {
+  FloorOfLod1() : OneCell(4, 2) { scene.min[2] = 13; }
 
   void put_in(Caster& caster) const {
     CastBrick brick;

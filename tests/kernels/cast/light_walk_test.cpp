@@ -1,10 +1,10 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <random>
-#include <vector>
 
 #include "kernels/cast/cast.h"
 #include "kernels/cast/pack_brick.h"
+#include "tests/kernels/cast/one_cell.h"
 
 namespace gigabake::kernels {
 namespace {
@@ -22,23 +22,15 @@ class OneBrick {
     }
     pack_brick(slot, brick_);
     nodes_[0] = pack_node({empty_ref, 0});
-    scene_.cells = {cells_.data(), cells_.size()};
-    scene_.column_key = {column_key_.data(), column_key_.size()};
-    scene_.column_first = {column_first_.data(), column_first_.size()};
-    scene_.column_count[0] = scene_.column_count[1] = 1;
-    scene_.cell_bits = 3;
-    scene_.lods = 1;
-    for (double& side : scene_.max) side = 8;
-    scene_.nodes = nodes_;
-    scene_.parent_bricks = &parent_brick_;
-    scene_.heads = &brick_.head;
-    scene_.voxels = brick_.parts.data();
-    scene_.marks = {&tile_used_, &slot_used_, &wanted_};
+    CastScene& scene = cell_.scene;
+    scene.nodes = nodes_;
+    scene.parent_bricks = &parent_brick_;
+    scene.heads = &brick_.head;
+    scene.voxels = brick_.parts.data();
+    scene.marks = {&tile_used_, &slot_used_, &wanted_};
   }
-  OneBrick(const OneBrick&) = delete;
-  OneBrick& operator=(const OneBrick&) = delete;
 
-  const CastScene& scene() const { return scene_; }
+  const CastScene& scene() const { return cell_.scene; }
 
  private:
   static CastVoxel random_voxel(std::mt19937_64& random) {
@@ -54,13 +46,10 @@ class OneBrick {
     return voxel;
   }
 
-  std::vector<CastCell> cells_{{{0, 0, 0}}};
-  std::vector<std::uint64_t> column_key_{0};
-  std::vector<std::uint32_t> column_first_{0, 1};
+  OneCell cell_{3, 1};
   NodeWord nodes_[8] = {};
   std::uint32_t parent_brick_ = 0, tile_used_ = 0, slot_used_ = 0, wanted_ = 0;
   CastBrick brick_;
-  CastScene scene_;
 };
 
 /// From a point of a cube around the brick towards one of the brick.
