@@ -20,13 +20,10 @@
 #include "kernels/cast/sample.h"
 #include "kernels/cast/scene.h"
 #include "kernels/cast/sheet.h"
+#include "kernels/cast/sheet_met.h"
 #include "lattice/host_device.h"
 
 namespace gigabake::kernels {
-
-GB_HD double lod_start(const CastLine& line, int lod) {
-  return lod == 0 ? 0 : line.lod1_distance * power_of_two(lod - 1);
-}
 
 GB_HD CastRay start_ray(const CastScene& scene, const CastLine& line) {
   CastRay ray;
@@ -38,56 +35,23 @@ GB_HD CastRay start_ray(const CastScene& scene, const CastLine& line) {
   return ray;
 }
 
-/// Where the field is zero.
-struct EmptyBox {
-  double min[3], max[3];
-};
-
-GB_HD EmptyBox empty_box(const CastPlace& place) {
-  EmptyBox box;
-  for (int a = 0; a < 3; ++a) {
-    box.min[a] = place.min[a] + place.half;
-    box.max[a] = place.max[a] + place.half + place.beyond;
-  }
-  return box;
-}
-
-/// Half of a brick along each axis, or a quarter, around a point where the field is zero: false where it is not zero in
-/// all of either. blocks: the brick's.
-GB_HD bool find_empty_part(std::uint64_t blocks, const CastPlace& place, const CastPoint& point, EmptyBox& box) {
-  const std::uint64_t half = blocks >> block_of(point.base[0] & 4, point.base[1] & 4, point.base[2] & 4);
+/// Out of half of a brick along each axis, or a quarter, around a point where the field is zero, in 65536ths of the
+/// brick's voxels; 0 where it is not zero in all of either. blocks: the brick's. u: the point in the brick.
+GB_HD float way_out_of_empty_part(std::uint64_t blocks, const CastLine& line, const std::uint32_t u[3]) {
+  const int x = int(u[0] >> fraction_bits), y = int(u[1] >> fraction_bits), z = int(u[2] >> fraction_bits);
   constexpr std::uint64_t eight_blocks = 0x330033;
-  const bool is_half = (half & eight_blocks) == 0;
-  if (!is_half && !is_empty_block(blocks, point.base)) return false;
-  const int edge = is_half ? 4 : 2;
-  for (int a = 0; a < 3; ++a) {
-    box.min[a] = place.corner[a] + place.half + (point.base[a] & -edge) * (2 * place.half);
-    box.max[a] = box.min[a] + edge * (2 * place.half);
-  }
-  return true;
-}
-
-/// The first point that may lie outside of the box. A millionth of a step guards against rounding: a point too many
-/// costs time, a point too few would show.
-GB_HD double step_beyond(const CastLine& line, const EmptyBox& box, const CastRay& ray) {
-  double leave = line.leave + step_length(ray.lod);
-  for (int a = 0; a < 3; ++a) {
-    if (line.direction[a] == 0) continue;
-    const double side = line.direction[a] > 0 ? box.max[a] : box.min[a];
-    const double beyond_side = (side - line.origin[a]) * line.inverse[a];
-    if (beyond_side < leave) leave = beyond_side;
-  }
-  const double step = std::ceil((leave - lod_start(line, ray.lod)) * steps_per_voxel(ray.lod) - (0.5 + 1e-6));
-  return step > ray.step + 1 ? step : ray.step + 1;
+  const bool is_half = (blocks >> block_of(x & 4, y & 4, z & 4) & eight_blocks) == 0;
+  if (!is_half && (blocks >> block_of(x, y, z) & 1) != 0) return 0;
+  const std::uint32_t edge = fixed_one << (is_half ? 2 : 1);
+  float way[3];
+  GB_UNROLL
+  for (int a = 0; a < 3; ++a) way[a] = way_to_side(line, a, u[a], edge);
+  return smallest_of(way);
 }
 
 /// Where the next level begins at the latest: in the middle of a surface some of its voxels late, since what two levels
 /// show of it apart does not add up.
 GB_HD double lod_end(const CastLine& line, int lod) { return lod_start(line, lod + 1) + 8 * step_length(lod + 1); }
-
-GB_HD double point_distance(const CastLine& line, int lod, double step) {
-  return lod_start(line, lod) + (step + 0.5) * step_length(lod);
-}
 
 /// The next level begins behind the surface that the ray was in, or at its own start: how far empty space was stepped
 /// over has no say in it.
@@ -99,74 +63,45 @@ GB_HD void enter_next_lod(const CastLine& line, CastRay& ray) {
   ray.past = -1;
 }
 
-/// In a brick that is coarser than the ray, points lie half a voxel of the brick apart, as far as it stands and the
-/// ray's level goes. beyond: the first point that may lie outside of it.
-GB_HD double steps_in_coarser(const CastLine& line, const CastPlace& place, const CastRay& ray, double distance,
-                              double beyond) {
-  double steps = beyond - ray.step;
-  const double to_end = std::ceil((lod_end(line, ray.lod) - distance) * steps_per_voxel(ray.lod));
+/// How many steps a ray takes in a brick that is coarser than it: there points lie half a voxel of the brick apart, as
+/// far as it stands and the ray's level goes. beyond: the first point that may lie outside of it. One copy: few bricks
+/// stand for finer ones.
+GB_HD_ONE_COPY double steps_in_coarser(double lod1_distance, int brick_lod, int lod, double step, double beyond) {
+  CastLine line;
+  line.lod1_distance = lod1_distance;
+  double steps = larger_of(beyond - step, 1);
+  const double to_end = std::ceil((lod_end(line, lod) - point_distance(line, lod, step)) * steps_per_voxel(lod));
   if (to_end >= 1 && steps > to_end) steps = to_end;
-  const double wide = power_of_two(place.lod - ray.lod);
+  const double wide = power_of_two(brick_lod - lod);
   return steps < wide ? steps : wide;
 }
 
-GB_HD void set_point(const CastLine& line, double distance, double p[3]) {
-  for (int a = 0; a < 3; ++a) p[a] = line.origin[a] + line.direction[a] * distance;
-}
+/// Looks at points of a level anywhere along a ray, one after the other.
+struct LevelLook {
+  LevelPoints points;
+  std::int32_t lod;
+  CellFrame frame;
+  CastPlace place;  ///< of the last point
 
-/// What the next point must know of the sheet around this one; there is none where sheet.sheet is 0.
-GB_HD void keep_height(const CastSheet& sheet, const CastLine& line, const CastPlace& place, double distance,
-                       CastRay& ray) {
-  ray.height = CastRay::no_height;
-  if (!(sheet.sheet > 0)) return;
-  ray.height = sheet.height() * float(2 * place.half);
-  ray.height_at = float(distance);
-  ray.rise = sheet.rise(line.direction);
-}
+  GB_HD LevelLook(const CastScene& scene, const CastLine& line, int level)
+      : points(level_points(scene, line, level)), lod(level) {}
 
-inline constexpr double met_nowhere = -1;
-
-/// How far behind a point of this height the sheet is met if it goes on as it does there; negative: it was met before.
-/// Far beyond all where the ray runs along it.
-GB_HD float way_to_sheet(float height, float rise) { return rise == 0 ? CastRay::no_height : -height / rise; }
-
-/// Where the ray met a sheet since the last point, if nothing is around this one: where it would be met if it went on
-/// as it does around the last point, no farther from that than points are from each other. A sheet that lies where the
-/// field ends shows no change of sign; an offset that is rounded to the border of its voxel can lie there.
-GB_HD double sheet_left(const CastRay& ray) {
-  if (ray.height == CastRay::no_height) return met_nowhere;
-  const float ahead = way_to_sheet(ray.height, ray.rise);
-  return ahead > 0 && double(ahead) <= step_length(ray.lod) * (1 + 1e-6) ? double(ray.height_at) + double(ahead)
-                                                                         : met_nowhere;
-}
-
-/// Where between the last point and this one the ray met a sheet: where its height was 0 or changed its sign. Where the
-/// last point was near none the sheet can lie behind it too, as where a level begins: as in sheet_left().
-GB_HD double sheet_met(const CastSheet& sheet, const CastLine& line, const CastPlace& place, double distance,
-                       const CastRay& ray) {
-  if (!(sheet.sheet > 0)) return sheet_left(ray);
-  const float height = sheet.height() * float(2 * place.half);
-  if (ray.height != CastRay::no_height) {
-    if (height == 0) return distance;
-    if (!(ray.height * height < 0)) return met_nowhere;
-    return distance - (distance - double(ray.height_at)) * double(height / (height - ray.height));
+  GB_HD void look(const CastScene& scene, const CastLine& line, double distance, bool patient, CastPath& path) {
+    const FixedPoint at = points.at(line, lod, (distance - point_distance(line, lod, 0)) * steps_per_voxel(lod));
+    place = locate(scene, line, lod, at, patient, frame, path);
   }
-  const float behind = -way_to_sheet(height, sheet.rise(line.direction));
-  return behind >= 0 && double(behind) <= step_length(ray.lod) * (1 + 1e-6) ? distance - double(behind) : met_nowhere;
-}
+  /// Of the brick that holds the last point.
+  GB_HD BrickTraits traits() const { return {place.lod, frame.cell, place.waits}; }
+  GB_HD CastPoint point() const { return point_in_brick(place.at, place.lod); }
+};
 
-/// Between two sheets one behind the other the blended height changes its sign too, from below the first to above the
-/// second: there the ray goes down and the height up, or the other way round.
-GB_HD bool is_between_sheets(const CastSheet& sheet, const CastLine& line, const CastRay& ray) {
-  return ray.height != CastRay::no_height && ray.height * sheet.rise(line.direction) > 0;
-}
-
-/// The ray met a sheet at `met`, before the point of `place`: what it looks like there, half a voxel before and half a
-/// voxel behind, and how much of it is surface. False: the ray, being patient, waits for what is not here. A ray to a
-/// light has no need of what it looks like: it looks once.
+/// The ray met a sheet at `met`: what it looks like there, half a voxel before and half a voxel behind, and how much of
+/// it is surface. False: the ray, being patient, waits for what is not here. A ray to a light has no need of what it
+/// looks like: it looks once.
 template <CastAim aim>
 GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient, double met,
-                      CastPlace place, CastPath& path, CastRay& ray) {
+                      CastPath& path, CastRay& ray) {
+  LevelLook at(scene, line, ray.lod);
   CastSample sample;
   BrickTraits brick;
   double half = 0;
@@ -174,23 +109,21 @@ GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const Ca
   SheetOpacity seen;
   GB_NO_UNROLL
   for (int side = 0; side < (aim == CastAim::eye ? 3 : 1); ++side) {
-    double p[3];
-    set_point(line, side == 0 ? met : (side == 1 ? met - half : met + half), p);
-    if (!place.contains(p)) place = locate(scene, ray.lod, p, patient, place, path);
-    if (place.waits && patient) return false;
-    if (!is_here(place.brick)) {
+    at.look(scene, line, side == 0 ? met : (side == 1 ? met - half : met + half), patient, path);
+    if (at.place.waits && patient) return false;
+    if (!is_here(at.place.brick)) {
       if (side == 0) return true;
       continue;
     }
-    const BrickView here = scene.brick(place.brick);
-    const CastPoint point = point_in_brick(place, p);
+    const BrickView here = scene.brick(at.place.brick);
+    const CastPoint point = at.point();
     const CastCorners corners = corners_of(here, point);
     if (side == 0) {
       const CastSheet sheet = blend_planes(corners).sheet;
       if (!(sheet.sheet > 0)) return true;
       seen = opacity_of_sheet(here, point, sheet);
-      half = place.half;
-      brick = traits_of(place);
+      half = power_of_two(at.place.lod - 1);
+      brick = at.traits();
       if (seen.density < 1 && is_between_sheets(sheet, line, ray)) return true;
       across = length_along(line.direction, sheet.normal);
     }
@@ -213,13 +146,25 @@ enum class CastTask : std::uint8_t {
 };
 
 /// A ray on its way, within a pass. What is left of it afterwards is the CastRay. Its CastPath stands beside it: that
-/// is indexed by what a device computes, so it cannot stand in registers as this does.
+/// is indexed by what a device computes, so it cannot stand in registers as this does. What a step can compute again is
+/// not here: registers are what a device lacks.
 struct CastWalk {
   CastTask task = CastTask::none;
-  double distance = 0;  ///< of the point where it stands
-  CastPoint point = {};
-  CastPlace place;
+  bool waits = false;         ///< as CastPlace, of the brick
+  LevelPoints points;         ///< of the ray's level
+  CellFrame frame;            ///< of the latest cell
+  std::int32_t lod = 0;       ///< of the brick that holds the point, as CastPlace
+  double in_brick_until = 0;  ///< points before this step lie in that brick; others may
+  CastHead head;              ///< of the brick
 };
+
+/// The point where the ray stands, in its brick.
+GB_HD FixedPoint point_of(const CastLine& line, const CastWalk& walk, const CastRay& ray) {
+  FixedPoint point = walk.points.at(line, ray.lod, ray.step);
+  point.bits[2] -= walk.frame.low;
+  if (walk.lod != ray.lod) count_for_level(ray.lod, walk.lod, point);
+  return point;
+}
 
 /// The ray met a sheet before the point where it stands; what that is like comes first.
 GB_HD bool is_met(double met, CastWalk& walk, CastRay& ray) {
@@ -229,74 +174,104 @@ GB_HD bool is_met(double met, CastWalk& walk, CastRay& ray) {
   return true;
 }
 
-/// Goes on by one step, until the ray stands at a point where the field is not zero, or behind a sheet. The ray ends
-/// where it leaves the scene, and where it waits, being patient, for what is not here; others let coarser bricks stand
-/// for it.
-GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patient, CastWalk& walk, CastPath& path,
-                        CastRay& ray) {
-  CastPlace& place = walk.place;
-  walk.distance = point_distance(line, ray.lod, ray.step);
+/// The field is zero where the ray stands. True where it met a sheet before that.
+GB_HD bool leaves_sheet(CastWalk& walk, CastRay& ray) {
+  if (is_met(sheet_left(ray), walk, ray)) return true;
+  ray.is_seen = false;
+  ray.height = CastRay::no_height;
+  return false;
+}
+
+/// The first step of the ray's level from which on it may be over, or the scene; one step early at the most.
+GB_HD double level_until(const CastScene& scene, const CastLine& line, int lod) {
+  const double start = lod_start(line, lod);
+  const double end = lod + 1 < scene.lods ? smaller_of(lod_start(line, lod + 1), line.leave) : line.leave;
+  return (end - start) * steps_per_voxel(lod) - 1.5;
+}
+
+/// True where the ray ended or is on the next level now.
+GB_HD bool leaves_level(const CastScene& scene, const CastLine& line, CastWalk& walk, CastRay& ray) {
+  const double distance = point_distance(line, ray.lod, ray.step);
   const bool in_surface = ray.step == ray.past;
   // First: a step over what is empty of this level may end behind the scene, where the next level still has a surface.
   const double next_lod = in_surface ? lod_end(line, ray.lod) : lod_start(line, ray.lod + 1);
-  if (ray.lod + 1 < scene.lods && walk.distance >= next_lod && next_lod <= line.leave) {
+  if (ray.lod + 1 < scene.lods && distance >= next_lod && next_lod <= line.leave) {
     enter_next_lod(line, ray);
-    place = nowhere_in(place.cell);
-    return;
+    walk.points = level_points(scene, line, ray.lod);
+    return true;
   }
-  if (walk.distance > line.leave) {
-    ray.lod = -1;
-    walk.task = CastTask::none;
-    return;
-  }
-  double p[3];
-  set_point(line, walk.distance, p);
-  if (!place.contains(p)) place = locate(scene, ray.lod, p, patient, place, path);
+  if (distance <= line.leave) return false;
+  ray.lod = -1;
+  walk.task = CastTask::none;
+  return true;
+}
+
+/// Finds the brick of the point where the ray stands. False: it steps over empty space instead, is on another level,
+/// finished, or waits, being patient, for what is not here; others let coarser bricks stand for it.
+GB_HD bool enter_brick(const CastScene& scene, const CastLine& line, bool patient, CastWalk& walk, CastPath& path,
+                       CastRay& ray) {
+  if (leaves_level(scene, line, walk, ray)) return false;
+  const FixedPoint at = walk.points.at(line, ray.lod, ray.step);
+  const CastPlace place = locate(scene, line, ray.lod, at, patient, walk.frame, path);
   if (place.waits && patient) {
     walk.task = CastTask::none;
-    return;
+    return false;
   }
   const bool is_brick = is_here(place.brick);
-  std::uint64_t blocks = 0;
-  if (is_brick) {
-    const CastHead head = load_head(scene.heads + place.brick);
-    blocks = head.blocks;
-    walk.point = point_in_brick(place, p);
-    if (!is_zero(blocks, scene.brick(head), walk.point)) {
-      walk.task = CastTask::pass;
-      return;
-    }
+  const double beyond = ray.step + steps_within(is_brick ? way_out_of_node(line, place.at, place.node_lod) : place.way,
+                                                short_power_of_two(1 - ray.lod));
+  if (!is_brick) {
+    if (!leaves_sheet(walk, ray)) ray.step = beyond;
+    return false;
   }
-  if (is_met(sheet_left(ray), walk, ray)) return;
-  ray.is_seen = false;
-  ray.height = CastRay::no_height;
-  const bool is_wanted = is_brick && place.lod == ray.lod;
-  EmptyBox box = empty_box(place);
-  if (is_wanted && !find_empty_part(blocks, place, walk.point, box)) {
-    ++ray.step;
+  walk.in_brick_until = smaller_of(beyond, level_until(scene, line, ray.lod));
+  walk.lod = place.lod;
+  walk.waits = place.waits;
+  walk.head = load_head(scene.heads + place.brick);
+  return true;
+}
+
+/// Goes on by one step, until the ray stands at a point where the field is not zero, or behind a sheet. The ray ends
+/// where it leaves the scene, and where it waits.
+GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patient, CastWalk& walk, CastPath& path,
+                        CastRay& ray) {
+  if (!(ray.step < walk.in_brick_until)) {
+    walk.in_brick_until = -1;
+    if (!enter_brick(scene, line, patient, walk, path, ray)) return;
+  }
+  const FixedPoint at = point_of(line, walk, ray);
+  if (!is_zero(walk.head.blocks, scene.brick(walk.head), point_in_brick(at, walk.lod))) {
+    walk.task = CastTask::pass;
     return;
   }
-  const double beyond = step_beyond(line, box, ray);
-  ray.step = is_brick && !is_wanted ? ray.step + steps_in_coarser(line, place, ray, walk.distance, beyond) : beyond;
+  if (leaves_sheet(walk, ray)) return;
+  if (walk.lod != ray.lod) {
+    ray.step += steps_in_coarser(line.lod1_distance, walk.lod, ray.lod, ray.step, walk.in_brick_until);
+    return;
+  }
+  const std::uint32_t u[3] = {at.in_node(0, walk.lod), at.in_node(1, walk.lod), at.in_node(2, walk.lod)};
+  ray.step += steps_within(way_out_of_empty_part(walk.head.blocks, line, u), 2.0f / fixed_one);
 }
 
 /// Adds what is loose at the point where the ray stands, unless it met a sheet before.
 template <CastAim aim>
 GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const CastLine& line, CastWalk& walk,
                       CastRay& ray) {
-  const CastPlace& place = walk.place;
-  const CastCorners corners = corners_of(scene.brick(place.brick), walk.point);
-  const CastAround around = look_around(corners, place.lod == ray.lod);
+  const BrickTraits brick{walk.lod, walk.frame.cell, walk.waits};
+  const double distance = point_distance(line, ray.lod, ray.step);
+  const CastPoint point = point_in_brick(point_of(line, walk, ray), walk.lod);
+  const CastCorners corners = corners_of(scene.brick(walk.head), point);
+  const CastAround around = look_around(corners, brick.lod == ray.lod);
   const CastSheet& sheet = around.sheet;
-  if (is_met(sheet_met(sheet, line, place, walk.distance, ray), walk, ray)) return;
+  if (is_met(sheet_met(sheet, line, brick.lod, distance, ray), walk, ray)) return;
   ray.is_seen = false;
-  keep_height(sheet, line, place, walk.distance, ray);
+  keep_height(sheet, line, brick.lod, distance, ray);
   const CastLoose loose = loose_at(corners, around, line.direction);
   double steps = 1;
-  if (place.lod != ray.lod)
-    steps = steps_in_coarser(line, place, ray, walk.distance, step_beyond(line, empty_box(place), ray));
+  if (brick.lod != ray.lod)
+    steps = steps_in_coarser(line.lod1_distance, brick.lod, ray.lod, ray.step, walk.in_brick_until);
   const bool is_loose = loose.sample.mean_coverage() > 0;
-  if (is_loose) composite<aim>(loose.sample, loose.pane, line, place, steps, walk.distance, camera, ray);
+  if (is_loose) composite<aim>(loose.sample, loose.pane, line, brick, steps, distance, camera, ray);
   ray.step += steps;
   if (is_loose || sheet.sheet > 0) ray.past = ray.step;
   walk.task = ray.transmittance < least_light ? CastTask::none : CastTask::seek;
@@ -306,7 +281,7 @@ GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const Ca
 template <CastAim aim>
 GB_HD void pass_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
                       CastWalk& walk, CastPath& path, CastRay& ray) {
-  const bool is_there = meet_sheet<aim>(scene, camera, line, patient, ray.met, walk.place, path, ray);
+  const bool is_there = meet_sheet<aim>(scene, camera, line, patient, ray.met, path, ray);
   ray.is_seen = is_there;
   walk.task = !is_there || ray.transmittance < least_light ? CastTask::none : CastTask::seek;
 }
@@ -349,9 +324,11 @@ GB_HD void walk_to_sheet(const CastScene& scene, const CastCamera& camera, const
   }
 }
 
-/// What a ray does first in a pass. is_cast: false where a device has a lane and no ray.
-GB_HD CastTask first_task(bool is_cast, const CastRay& ray) {
-  return is_cast && ray.lod >= 0 ? CastTask::seek : CastTask::none;
+/// Makes a ray ready to walk. is_cast: false where a device has a lane and no ray.
+GB_HD void start_walk(const CastScene& scene, const CastLine& line, bool is_cast, const CastRay& ray, CastWalk& walk) {
+  if (!is_cast || ray.lod < 0) return;
+  walk.task = CastTask::seek;
+  walk.points = level_points(scene, line, ray.lod);
 }
 
 /// Goes on until the ray is finished (lod = -1) or waits. Of rays that a device takes together those that met a sheet
@@ -362,7 +339,7 @@ GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const Cast
                     CastRay& ray) {
   CastWalk walk;
   CastPath path;
-  walk.task = first_task(is_cast, ray);
+  start_walk(scene, line, is_cast, ray, walk);
   while (any_ray(walk.task != CastTask::none)) {
     walk_to_sheet<aim>(scene, camera, line, patient, walk, path, ray);
     if (walk.task == CastTask::meet) pass_sheet<aim>(scene, camera, line, patient, walk, path, ray);

@@ -4,6 +4,7 @@
 /// Exact   IEEE double: host and device return the same bits.
 #pragma once
 
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -17,11 +18,22 @@ namespace gigabake::kernels {
 /// A pixel's line of sight.
 struct CastLine {
   double origin[3], direction[3];  ///< unit
-  double inverse[3];               ///< 1 / direction
-  float across[3];                 ///< |direction|
+  float way_per_voxel[3];          ///< 1 / |direction|, and no more than 1e20
   double enter, leave;             ///< distances between which the scene's box lies; enter > leave: misses it
   double lod1_distance;
 };
+
+/// Along an axis; d: of a unit vector.
+GB_HD void set_direction(CastLine& line, int axis, double d) {
+  const float across = float(d < 0 ? -d : d);
+  line.direction[axis] = d;
+  line.way_per_voxel[axis] = across > 1e-20f ? 1 / across : 1e20f;
+}
+
+/// All bits where it goes towards lower coordinates, else none.
+GB_HD std::uint32_t backward(const CastLine& line, int axis) {
+  return std::uint32_t(std::bit_cast<std::int64_t>(line.direction[axis]) >> 63);
+}
 
 GB_HD void clip_to_box(CastLine& line, int axis, double low, double high) {
   const double o = line.origin[axis], d = line.direction[axis];
@@ -29,13 +41,14 @@ GB_HD void clip_to_box(CastLine& line, int axis, double low, double high) {
     if (o < low || o > high) line.leave = -1;
     return;
   }
-  const double a = (low - o) * line.inverse[axis], b = (high - o) * line.inverse[axis];
+  const double inverse = 1 / d, a = (low - o) * inverse, b = (high - o) * inverse;
   const double nearer = a < b ? a : b, farther = a < b ? b : a;
   if (nearer > line.enter) line.enter = nearer;
   if (farther < line.leave) line.leave = farther;
 }
 
 GB_HD void clip_to_plane(CastLine& line, const CastClip& clip) {
+  if (clip.normal[0] == 0 && clip.normal[1] == 0 && clip.normal[2] == 0 && clip.offset <= 0) return;
   double above = -clip.offset, rise = 0;
   for (int a = 0; a < 3; ++a) {
     above += clip.normal[a] * line.origin[a];
@@ -65,9 +78,7 @@ GB_HD CastLine line_of_sight(const CastScene& scene, const CastCamera& camera, i
   line.leave = double(far_voxel);
   line.lod1_distance = camera.lod1_depth * length;
   for (int a = 0; a < 3; ++a) {
-    line.direction[a] /= length;
-    line.inverse[a] = 1 / line.direction[a];
-    line.across[a] = float(line.direction[a] < 0 ? -line.direction[a] : line.direction[a]);
+    set_direction(line, a, line.direction[a] * (1 / length));
     clip_to_box(line, a, larger_of(scene.min[a] - border, camera.clip.min[a]),
                 smaller_of(scene.max[a] + border, camera.clip.max[a]));
   }

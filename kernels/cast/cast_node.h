@@ -27,11 +27,13 @@ inline constexpr std::uint32_t leaf_bit = 1u << 31;
 inline constexpr int slot_bits = 29;
 inline constexpr std::uint32_t slot_mask = (1u << slot_bits) - 1;
 
+inline constexpr NodeWord empty_node = ~NodeWord(0);
+
 GB_HD bool leads_on(NodeWord word) { return (word & leaf_bit) == 0; }
 
 /// Range  tiles below 2^31, slots below 2^29 - 3.
 GB_HD NodeWord pack_node(const CastNode& node) {
-  if (node.brick == empty_ref) return ~NodeWord(0);
+  if (node.brick == empty_ref) return empty_node;
   if (is_here(node.children)) return node.children;
   return leaf_bit | (node.children & 3) << slot_bits | (node.brick & slot_mask);
 }

@@ -104,17 +104,15 @@ GB_HD bool find_surface(const CastScene& scene, const CastLighting& lighting, co
   if (!light.has_surface) return true;
   light.depth = ray.depth;
   light.lod = lod_at(scene, line, double(ray.depth));
-  CastPlace place;
+  LevelLook at(scene, line, light.lod);
   CastPath path;
   SurfaceSums sums;
   GB_NO_UNROLL
   for (int side = -1; side <= 1; ++side) {
-    double p[3];
-    set_point(line, double(ray.depth) + side * step_length(light.lod), p);
-    if (!place.contains(p)) place = locate(scene, light.lod, p, patient, place, path);
-    if (place.waits && patient) return false;
-    if (is_here(place.brick))
-      add_surface(corners_of(scene.brick(place.brick), point_in_brick(place, p)), lighting.light.to_sun, sums);
+    at.look(scene, line, double(ray.depth) + side * step_length(light.lod), patient, path);
+    if (at.place.waits && patient) return false;
+    if (is_here(at.place.brick))
+      add_surface(corners_of(scene.brick(at.place.brick), at.point()), lighting.light.to_sun, sums);
   }
   for (int a = 0; a < 3; ++a) light.at[a] = float(line.direction[a] * double(ray.depth));
   set_surface(sums, line, light);
@@ -167,9 +165,7 @@ GB_HD CastLine line_to_light(const CastScene& scene, const CastCamera& camera, c
   const double border = 2 * power_of_two(light.lod);
   for (int a = 0; a < 3; ++a) {
     const double d = direction[a];
-    line.direction[a] = d;
-    line.inverse[a] = 1 / d;
-    line.across[a] = float(d < 0 ? -d : d);
+    set_direction(line, a, d);
     // The cone's tip lies behind its start, where it is as wide as the pixel's voxels.
     line.origin[a] =
         camera.eye[a] + double(light.at[a]) + double(light.normal[a] * lift) + d * (double(along) - line.enter);

@@ -8,6 +8,7 @@
 #include <atomic>
 #endif
 
+#include "kernels/cast/fixed_point.h"
 #include "kernels/cast/scene.h"
 #include "lattice/brick.h"
 #include "lattice/host_device.h"
@@ -139,33 +140,29 @@ GB_HD bool find_cell(const CastScene& scene, const std::int64_t v[3], std::uint3
 
 inline constexpr std::uint32_t no_cell = 0xffffffffu;
 
-/// The answer holds for points p whose lowest voxel centre, p - half, lies in [min, max).
-struct CastPlace {
-  double min[3] = {0, 0, 0}, max[3] = {0, 0, 0};
-  double half = 0;                  ///< half an edge of the brick's voxels
-  double corner[3] = {0, 0, 0};     ///< of the brick
-  std::uint32_t brick = empty_ref;  ///< slot; empty_ref: the field of this level is zero
-  double beyond = 0;                ///< where it is, it is so for this much more on the upper sides
-  std::int32_t lod = 0;             ///< of the brick: the one asked for, or coarser where that is not here
-  std::uint32_t cell = no_cell;     ///< that holds it
-  bool waits = false;               ///< something finer will be here
+/// A cell, as points find out whether they lie in it.
+struct CellFrame {
+  std::uint32_t cell = no_cell;
+  std::uint32_t column[2] = {0, 0};  ///< the bits of points in it that say so
+  std::uint64_t low = 0;             ///< where it begins along z: 65536ths of a voxel from the scene's corner
 
-  GB_HD bool contains(const double p[3]) const {
-    bool inside = true;
-    for (int a = 0; a < 3; ++a) {
-      const double v = p[a] - half;
-      inside = inside & (v >= min[a]) & (v < max[a]);
-    }
-    return inside;
+  GB_HD bool holds(const CastScene& scene, const FixedPoint& point) const {
+    const int shift = fraction_bits + scene.cell_bits;
+    const std::uint32_t beside =
+        (std::uint32_t(point.bits[0] >> shift) ^ column[0]) | (std::uint32_t(point.bits[1] >> shift) ^ column[1]);
+    return cell != no_cell && beside == 0 && ((point.bits[2] - low) ^ fixed_bias_bits) >> shift == 0;
   }
 };
 
-/// An answer that holds for no point; the next one's cell is likely this one.
-GB_HD CastPlace nowhere_in(std::uint32_t cell) {
-  CastPlace place;
-  place.cell = cell;
-  return place;
-}
+/// What holds the field around a point.
+struct CastPlace {
+  FixedPoint at;                    ///< the point, counted from the cell's corner along z and for level `lod`
+  std::uint32_t brick = empty_ref;  ///< slot; empty_ref: the field of this level is zero
+  float way = 0;                    ///< out of what is empty then, in voxels of lod 0
+  std::int32_t lod = 0;             ///< of the brick: the one asked for, or coarser where that is not here
+  std::int32_t node_lod = 0;        ///< the answer holds in the point's node of this level
+  bool waits = false;               ///< something finer will be here
+};
 
 /// Where a descent ended.
 struct CastDescent {
@@ -226,31 +223,6 @@ GB_HD CastDescent descend(const CastScene& scene, std::uint32_t cell, int lod, c
   return at;
 }
 
-/// The corner of the node of level `lod` that holds the voxel.
-GB_HD void set_node_corner(const CastCell& cell, const std::uint32_t local[3], int lod, double corner[3]) {
-  for (int a = 0; a < 3; ++a) corner[a] = double(cell.min[a] + std::int64_t(local[a] >> (3 + lod) << (3 + lod)));
-}
-
-/// The box of that node.
-GB_HD void set_node_box(const CastCell& cell, const std::uint32_t local[3], int lod, CastPlace& place) {
-  set_node_corner(cell, local, lod, place.min);
-  const double edge = power_of_two(3 + lod);
-  for (int a = 0; a < 3; ++a) place.max[a] = place.min[a] + edge;
-}
-
-/// The brick of the node where the descent ended. It stands for what is finer and not here: in a box of level `known`,
-/// since beyond it more may be.
-GB_HD void set_brick(const CastScene& scene, int lod, std::uint32_t brick, const std::uint32_t local[3], int known,
-                     CastPlace& place) {
-  const CastCell& cell = scene.cells[place.cell];
-  set_node_box(cell, local, known, place);
-  for (int a = 0; a < 3; ++a) place.corner[a] = place.min[a];
-  if (known != lod) set_node_corner(cell, local, lod, place.corner);
-  place.lod = lod;
-  place.brick = brick;
-  stamp(scene.marks.slot_used + place.brick, scene.pass);
-}
-
 /// Notes what of the node where the descent ended a ray of level `lod` misses. True where it is worth waiting for.
 GB_HD bool ask_for(const CastScene& scene, const CastDescent& at, const CastNode& node, int lod) {
   const Want what = at.lod > lod ? Want::children : Want::brick;
@@ -259,51 +231,130 @@ GB_HD bool ask_for(const CastScene& scene, const CastDescent& at, const CastNode
   return true;
 }
 
-/// The field of level `lod` around p; where what holds it is not here, a coarser one, unless `patient`: then the answer
-/// says no more than that the ray waits. last: an earlier answer, whose cell is tried first. path: of the same pass.
+/// A cell and the scene beside it.
+struct FoundCell {
+  std::uint32_t cell;  ///< no_cell: the point is in none
+  float way;           ///< out of what is empty around the point then, in voxels
+};
+
+/// One copy: few steps lead to another cell. x, y, z: the voxel that holds the point.
+GB_HD_ONE_COPY FoundCell look_for_cell(const CastScene& scene, std::int64_t x, std::int64_t y, std::int64_t z,
+                                       CastLine line) {
+  const std::int64_t v[3] = {x, y, z};
+  VoxelBox box;
+  FoundCell found{no_cell, 1e30f};
+  if (find_cell(scene, v, found.cell, box)) return found;
+  constexpr float spare = 0.001f;
+  for (int a = 0; a < 3; ++a) {
+    const std::int64_t left = backward(line, a) != 0 ? v[a] - box.min[a] : box.max[a] - v[a] - 1;
+    const float way = (float(left) - spare) * line.way_per_voxel[a];
+    if (way < found.way) found.way = way;
+  }
+  found.cell = no_cell;
+  return found;
+}
+
+/// True and the frame of the cell that holds the point. False: none does, and `way` leads out of what is empty.
+GB_HD bool enter_cell(const CastScene& scene, const CastLine& line, const FixedPoint& point, CellFrame& frame,
+                      float& way) {
+  if (frame.holds(scene, point)) return true;
+  std::int64_t v[3];
+  for (int a = 0; a < 3; ++a) v[a] = (std::int64_t(point.bits[a] - fixed_bias_bits) >> fraction_bits) + scene.corner[a];
+  const FoundCell found = look_for_cell(scene, v[0], v[1], v[2], line);
+  frame.cell = found.cell;
+  way = found.way;
+  if (frame.cell == no_cell) return false;
+  for (int a = 0; a < 2; ++a) frame.column[a] = std::uint32_t(point.bits[a] >> (fraction_bits + scene.cell_bits));
+  frame.low = std::uint64_t(scene.cells[frame.cell].min[2] - scene.corner[2]) << fraction_bits;
+  return true;
+}
+
+/// Out of the node of level `lod` around a point, in voxels of lod 0.
+GB_HD float way_out_of_node(const CastLine& line, const FixedPoint& point, int lod) {
+  float way[3];
+  GB_UNROLL
+  for (int a = 0; a < 3; ++a) way[a] = way_to_side(line, a, std::uint32_t(point.bits[a] >> lod), node_mask + 1);
+  return smallest_of(way) * short_power_of_two(lod - fraction_bits);
+}
+
+/// Out of an empty node where a descent ended, for a ray on level `of`, and out of those of its siblings that follow it
+/// along the ray and are empty too, in voxels of lod 0. What is empty is so up to the next voxel of the ray's level
+/// beyond its upper sides.
+GB_HD float way_out_of_empty(const CastScene& scene, const CastLine& line, const FixedPoint& point,
+                             const CastDescent& at, int of) {
+  constexpr float edge = float(node_mask + 1);
+  float way[3];
+  std::uint32_t ahead = 0;  // bit a: a sibling stands ahead along that axis
+  GB_UNROLL
+  for (int a = 0; a < 3; ++a) {
+    way[a] = way_to_side(line, a, std::uint32_t(point.bits[a] >> at.lod), node_mask + 1);
+    ahead |= ~(at.index ^ backward(line, a)) & 1u << a;
+  }
+  if (at.lod + 1 == scene.lods) ahead = 0;
+  std::uint32_t node = at.index;
+  GB_NO_UNROLL
+  while (true) {
+    const int axis = way[0] < way[1] ? (way[0] < way[2] ? 0 : 2) : (way[1] < way[2] ? 1 : 2);
+    const std::uint32_t bit = 1u << axis;
+    if ((ahead & bit) == 0 || scene.nodes[node ^ bit] != empty_node) break;
+    // Rounding may not decide which side is met first.
+    const float unit = axis == 0 ? line.way_per_voxel[0] : axis == 1 ? line.way_per_voxel[1] : line.way_per_voxel[2];
+    const float latest = smallest_of(way) + 2 * fixed_spare * unit;
+    if ((axis != 0 && way[0] <= latest) || (axis != 1 && way[1] <= latest) || (axis != 2 && way[2] <= latest)) break;
+    node ^= bit;
+    ahead ^= bit;
+    GB_UNROLL
+    for (int a = 0; a < 3; ++a) way[a] += a == axis ? edge * unit : 0;
+  }
+  const float beyond = float(fixed_one - (fixed_one >> (at.lod - of)));
+  GB_UNROLL
+  for (int a = 0; a < 3; ++a) way[a] += backward(line, a) != 0 ? 0 : beyond * line.way_per_voxel[a];
+  return smallest_of(way) * short_power_of_two(at.lod - fraction_bits);
+}
+
+/// Counts a point of level `from`, as it lies to the lowest centre around it, for level `to`.
+GB_HD void count_for_level(int from, int to, FixedPoint& point) {
+  const std::uint64_t higher = (std::uint64_t(fixed_one) << to >> 1) - (std::uint64_t(fixed_one) << from >> 1);
+  for (std::uint64_t& bits : point.bits) bits -= higher;
+}
+
+/// The field of level `lod` around a point; where what holds it is not here, a coarser one, unless `patient`: then the
+/// answer says no more than that the ray waits. frame: of a cell that is tried first; of the one that was found
+/// afterwards. path: of the same pass.
 /// Cost  A descent from where the path parts, a dependent read a level; one more for each level that is not here.
-GB_HD CastPlace locate(const CastScene& scene, int lod, const double p[3], bool patient, const CastPlace& last,
-                       CastPath& path) {
+GB_HD CastPlace locate(const CastScene& scene, const CastLine& line, int lod, const FixedPoint& point, bool patient,
+                       CellFrame& frame, CastPath& path) {
   CastPlace place;
-  place.cell = last.cell;
+  FixedPoint at = point;
   int known = -1;  // where the first descent ended: nothing finer is here in that node
-  for (int level = lod;; ++level) {
-    place.half = power_of_two(level - 1);
-    std::int64_t v[3];
-    std::uint32_t local[3];
-    for (int a = 0; a < 3; ++a) v[a] = std::int64_t(std::floor(p[a] - place.half));
-    VoxelBox box;
-    const std::int64_t* corner = place.cell == no_cell ? v : scene.cells[place.cell].min;
-    const bool same_cell =
-        place.cell != no_cell && ((v[0] - corner[0]) | (v[1] - corner[1]) | (v[2] - corner[2])) >> scene.cell_bits == 0;
-    if (!same_cell && !find_cell(scene, v, place.cell, box)) {
-      place.cell = no_cell;
-      for (int a = 0; a < 3; ++a) {
-        place.min[a] = double(box.min[a]);
-        place.max[a] = double(box.max[a]);
-      }
-      return place;
-    }
-    for (int a = 0; a < 3; ++a) local[a] = std::uint32_t(v[a] - scene.cells[place.cell].min[a]);
-    const CastDescent at = descend(scene, place.cell, level, local, path);
-    const CastNode node = scene.node_of(at.word);
+  for (place.lod = lod;;) {
+    if (!enter_cell(scene, line, at, frame, place.way)) return place;
+    place.at = at;
+    place.at.bits[2] -= frame.low;
+    const std::uint32_t in_cell = (1u << scene.cell_bits) - 1;
+    const std::uint32_t local[3] = {place.at.voxel(0) & in_cell, place.at.voxel(1) & in_cell, place.at.voxel(2)};
+    const CastDescent end = descend(scene, frame.cell, place.lod, local, path);
+    const CastNode node = scene.node_of(end.word);
     if (node.brick == empty_ref) {
-      set_node_box(scene.cells[place.cell], local, at.lod, place);
-      place.beyond = power_of_two(at.lod) - power_of_two(level);
+      place.way = way_out_of_empty(scene, line, place.at, end, place.lod);
       return place;
     }
-    if (known < 0) known = at.lod;
-    place.waits |= ask_for(scene, at, node, level);
+    if (known < 0) known = end.lod;
+    place.node_lod = known;
+    place.waits |= ask_for(scene, end, node, place.lod);
     if (patient && place.waits) return place;
-    if (at.lod == level && is_here(node.brick)) {
-      set_brick(scene, level, node.brick, local, known, place);
+    if (end.lod == place.lod && is_here(node.brick)) {
+      place.brick = node.brick;
+      stamp(scene.marks.slot_used + place.brick, scene.pass);
       return place;
     }
-    if (level == scene.lods - 1) {  // not even the root is here
-      set_node_box(scene.cells[place.cell], local, level, place);
+    if (place.lod == scene.lods - 1) {  // not even the root is here
+      place.way = way_out_of_node(line, place.at, place.lod);
       return place;
     }
-    level = at.lod == level ? level : at.lod - 1;
+    const int coarser = end.lod == place.lod ? place.lod + 1 : end.lod;
+    count_for_level(place.lod, coarser, at);
+    place.lod = coarser;
   }
 }
 

@@ -45,11 +45,8 @@ GB_HD float exp_minus(float x) {
   return e;
 }
 
-GB_HD double step_length(int lod) { return power_of_two(lod - 1); }
-GB_HD double steps_per_voxel(int lod) { return power_of_two(1 - lod); }
-
-/// Six colours and their darker and lighter relations.
-GB_HD float painted(std::uint32_t n, int channel) {
+/// Six colours and their darker and lighter relations. One copy: few pictures are painted.
+GB_HD_ONE_COPY float painted(std::uint32_t n, int channel) {
   const std::uint32_t hue = n % 6, tone = n / 6 % 3;
   const bool lit = channel == 0 ? hue == 0 || hue == 1 || hue == 5 : (channel == 1 ? hue >= 1 && hue <= 3 : hue >= 3);
   return (lit ? 0.9f : 0.1f) * (1 - 0.3f * float(tone));
@@ -62,7 +59,10 @@ struct BrickTraits {
   bool waits = false;
 };
 
-GB_HD BrickTraits traits_of(const CastPlace& place) { return {place.lod, place.cell, place.waits}; }
+GB_HD std::uint32_t paint_number(const BrickTraits& brick, CastPaint paint) {
+  if (paint == CastPaint::lod) return std::uint32_t(brick.lod);
+  return paint == CastPaint::cell ? brick.cell * 2654435761u >> 20 : (brick.waits ? 0u : 2u);
+}
 
 /// Radiance of a sample: its own, or paint that its own brightness lets the shape show in.
 GB_HD void radiance_of(const CastSample& s, const BrickTraits& brick, CastPaint paint, float rgb[3]) {
@@ -70,16 +70,18 @@ GB_HD void radiance_of(const CastSample& s, const BrickTraits& brick, CastPaint 
   for (int k = 0; k < 3; ++k) rgb[k] = s.c[k] * scale;
   if (paint == CastPaint::shaded) return;
   const float grey = 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
-  const std::uint32_t n = paint == CastPaint::lod    ? std::uint32_t(brick.lod)
-                          : paint == CastPaint::cell ? brick.cell * 2654435761u >> 20
-                                                     : (brick.waits ? 0u : 2u);
+  const std::uint32_t n = paint_number(brick, paint);
+  GB_UNROLL
   for (int k = 0; k < 3; ++k) rgb[k] = painted(n, k) * (0.25f + grey);
 }
 
 /// How much surface a ray meets per voxel of its way, from what views along the axes see: |d|·coverage is exact for
 /// sheets across an axis and for boxes, the root of squares for spheres. What coarser voxels hold is mostly sheets.
-GB_HD float crossings(const CastSample& s, const float across[3], int lod) {
-  const float x = s.c[3] * across[0], y = s.c[4] * across[1], z = s.c[5] * across[2];
+GB_HD float crossings(const CastSample& s, const double direction[3], int lod) {
+  float along[3];
+  GB_UNROLL
+  for (int a = 0; a < 3; ++a) along[a] = s.c[3 + a] * std::fabs(float(direction[a]));
+  const float x = along[0], y = along[1], z = along[2];
   const float box = (x + y) + z;
   return lod == 0 ? box : 0.75f * box + 0.25f * std::sqrt((x * x + y * y) + z * z);
 }
@@ -128,7 +130,7 @@ GB_HD float covered_in_surface(float more, float density, const CastRay& ray) {
 /// A brick that stands for finer ones which are not here counts as more surface than it holds, the more the coarser it
 /// is: where it borders on one of another level neither holds the whole of a surface that passes through both, and
 /// ground that lets the sky through is worse than an edge that is too thick until the rest comes.
-GB_HD float solidity(const CastPlace& place, const CastRay& ray) { return float(1 + place.lod - ray.lod); }
+GB_HD float solidity(const BrickTraits& brick, const CastRay& ray) { return float(1 + brick.lod - ray.lod); }
 
 /// What a ray is cast for.
 enum class CastAim : std::uint8_t {
@@ -155,13 +157,13 @@ GB_HD void take_light(const CastSample& s, const BrickTraits& brick, float weigh
 
 /// The sample stands for `steps` points of the ray's level.
 template <CastAim aim>
-GB_HD void composite(const CastSample& s, const CastPane& pane, const CastLine& line, const CastPlace& place,
+GB_HD void composite(const CastSample& s, const CastPane& pane, const CastLine& line, const BrickTraits& brick,
                      double steps, double distance, const CastCamera& camera, CastRay& ray) {
   const double way = steps * step_length(ray.lod);
-  const float part = solidity(place, ray) * float(way * power_of_two(-place.lod));
-  if (pane.density < 1) stay_in_surface(distance, pane.across, float(2 * place.half), ray);
-  const float covered = covered_in_surface(crossings(s, line.across, place.lod) * part, pane.density, ray);
-  take_light<aim>(s, traits_of(place), stop_light(covered, place.lod, 1, ray), distance, way, camera, ray);
+  const float part = solidity(brick, ray) * float(way * power_of_two(-brick.lod));
+  if (pane.density < 1) stay_in_surface(distance, pane.across, short_power_of_two(brick.lod), ray);
+  const float covered = covered_in_surface(crossings(s, line.direction, brick.lod) * part, pane.density, ray);
+  take_light<aim>(s, brick, stop_light(covered, brick.lod, 1, ray), distance, way, camera, ray);
 }
 
 inline constexpr float least_light = 1.0f / 1024;

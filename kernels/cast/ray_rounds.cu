@@ -5,7 +5,7 @@ namespace gigabake::kernels {
 namespace {
 
 /// Blocks of a multiprocessor, as measured on an H200: five that walk are faster than four, though registers spill.
-constexpr unsigned min_walking = 5, min_looking = 4, min_casting = 3;
+constexpr unsigned min_walking = 4, min_looking = 4, min_casting = 3;
 
 __device__ CastLine line_of(const RayPass& pass, std::uint32_t ray) {
   const auto width = std::uint32_t(pass.tile.width);
@@ -26,7 +26,7 @@ __device__ void walk_and_list(const RayPass& pass, bool is_cast, bool starts, st
   CastRay ray;
   const CastLine line = line_of(pass, index);
   if (is_cast) ray = starts ? start_ray(pass.scene, line) : pass.rays[index];
-  walk.task = first_task(is_cast, ray);
+  start_walk(pass.scene, line, is_cast, ray, walk);
   is_cast = walk.task != CastTask::none || (is_cast && starts);
   walk_to_sheet(pass.scene, pass.camera, line, pass.patient, walk, path, ray);
   if (is_cast) keep(pass, index, walk.task, ray);
@@ -34,14 +34,15 @@ __device__ void walk_and_list(const RayPass& pass, bool is_cast, bool starts, st
 }
 
 __global__ void __launch_bounds__(tile_threads, min_walking)
-    walk_tile(RayPass pass, std::size_t begin, std::size_t end, RayList met) {
+    walk_tile(const __grid_constant__ RayPass pass, std::size_t begin, std::size_t end, RayList met) {
   int x, y;
   const bool is_in = pixel_of_thread(pass.tile, x, y);
   const std::size_t i = std::size_t(y) * std::size_t(pass.tile.width) + std::size_t(x);
   walk_and_list(pass, is_in && i >= begin && i < end, pass.starts, std::uint32_t(i), met);
 }
 
-__global__ void __launch_bounds__(tile_threads, min_walking) walk_listed(RayPass pass, RayList from, RayList met) {
+__global__ void __launch_bounds__(tile_threads, min_walking)
+    walk_listed(const __grid_constant__ RayPass pass, RayList from, RayList met) {
   const std::uint32_t count = *from.count, first = blockIdx.x * blockDim.x;
   if (first >= count) return;
   const bool is_in = first + threadIdx.x < count;
@@ -49,7 +50,7 @@ __global__ void __launch_bounds__(tile_threads, min_walking) walk_listed(RayPass
 }
 
 __global__ void __launch_bounds__(tile_threads, min_looking)
-    look_at_sheets(RayPass pass, RayList met, RayList going_on) {
+    look_at_sheets(const __grid_constant__ RayPass pass, RayList met, RayList going_on) {
   const std::uint32_t count = *met.count, first = blockIdx.x * blockDim.x;
   if (first >= count) return;
   const bool is_in = first + threadIdx.x < count;
@@ -65,7 +66,8 @@ __global__ void __launch_bounds__(tile_threads, min_looking)
 }
 
 /// What is left after some rounds, to its end.
-__global__ void __launch_bounds__(tile_threads, min_casting) cast_listed(RayPass pass, RayList from) {
+__global__ void __launch_bounds__(tile_threads, min_casting)
+    cast_listed(const __grid_constant__ RayPass pass, RayList from) {
   const std::uint32_t count = *from.count, first = blockIdx.x * blockDim.x;
   if (first >= count) return;
   const bool is_in = first + threadIdx.x < count;

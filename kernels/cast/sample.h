@@ -25,14 +25,13 @@ struct CastPoint {
   float between[3];  ///< 0…1
 };
 
-GB_HD CastPoint point_in_brick(const CastPlace& place, const double p[3]) {
-  const double per_edge = power_of_two(-place.lod);
+/// Range  lod: the brick's, to the lowest centre of which the point is counted.
+GB_HD CastPoint point_in_brick(const FixedPoint& at, int lod) {
   CastPoint r;
   for (int a = 0; a < 3; ++a) {
-    const float u = float((p[a] - place.half - place.corner[a]) * per_edge);
-    const int whole = int(u);
-    r.base[a] = whole < brick_edge - 1 ? whole : brick_edge - 1;
-    r.between[a] = u - float(r.base[a]);
+    const std::uint32_t u = at.in_node(a, lod);
+    r.base[a] = int(u >> fraction_bits);
+    r.between[a] = float(u & (fixed_one - 1)) * (1.0f / fixed_one);
   }
   return r;
 }
@@ -76,23 +75,15 @@ GB_HD bool is_zero(std::uint64_t blocks, const BrickView& brick, const CastPoint
   return is_empty_block(blocks, point.base) || corners_of(brick, point).there() == 0;
 }
 
-/// x first, then y, then z.
 GB_HD CastSample interpolate(const CastCorners& corners) {
-  CastVoxel voxel[8];
-  GB_UNROLL
-  for (int c = 0; c < 8; ++c) voxel[c] = corners.voxel(c);
   CastSample r;
-  GB_UNROLL
-  for (int k = 0; k < cast_channels; ++k) {
-    float row[4];
+  GB_NO_UNROLL
+  for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
+    const int c = lowest_one(left);
+    const CastVoxel voxel = corners.stored(c);
+    const float by = corners.weight(c) * (1.0f / 65535);
     GB_UNROLL
-    for (int i = 0; i < 4; ++i) {
-      const float low = voxel[2 * i].c[k], high = voxel[2 * i + 1].c[k];
-      row[i] = low + (high - low) * corners.between[0];
-    }
-    const float near = row[0] + (row[1] - row[0]) * corners.between[1];
-    const float far = row[2] + (row[3] - row[2]) * corners.between[1];
-    r.c[k] = (near + (far - near) * corners.between[2]) * (1.0f / 65535);
+    for (int k = 0; k < cast_channels; ++k) r.c[k] += by * voxel.c[k];
   }
   return r;
 }

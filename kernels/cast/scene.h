@@ -45,10 +45,11 @@ struct CastScene {
   Span<const std::uint64_t> column_key;    ///< interleaved column coordinates (x lowest bit), ascending
   Span<const std::uint32_t> column_first;  ///< columns+1: where a column's cells start
   std::int64_t column_min[2] = {};         ///< subtracted from a column's coordinates before they are interleaved
-  std::int64_t column_count[2] = {};       ///< per axis; at most 2^31
+  std::int64_t column_count[2] = {};       ///< per axis; below 2^31
   std::int32_t cell_bits = 0;              ///< a cell's edge is 2^cell_bits voxels
   std::int32_t lods = 0;
   double min[3] = {}, max[3] = {};  ///< a box around all voxels
+  std::int64_t corner[3] = {};      ///< from where points are counted (kernels/cast/fixed_point.h): set_corner()
 
   const NodeWord* nodes = nullptr;
   const std::uint32_t* parent_bricks = nullptr;  ///< by tile: the brick of the node whose children it holds
@@ -56,6 +57,12 @@ struct CastScene {
   const PackedVoxel* voxels = nullptr;
   CastMarks marks;
   std::uint32_t pass = 0;
+
+  /// Below all that rays look at, and on the lattice of columns. Range  min, lods and cell_bits are set.
+  void set_corner() {
+    for (int a = 0; a < 3; ++a)
+      corner[a] = ((std::int64_t(min[a]) - (std::int64_t(4) << lods)) >> cell_bits) * (std::int64_t(1) << cell_bits);
+  }
 
   GB_HD CastNode node_of(NodeWord word) const {
     return leads_on(word) ? CastNode{word, parent_bricks[word]} : unpack_leaf(word);

@@ -84,7 +84,9 @@ GB_HD float length_along(const double direction[3], const float n[3]) {
   return std::fabs(float(dot)) / std::sqrt(squared);
 }
 
-GB_HD CastPane pane_at(const CastCorners& corners, const double direction[3]) {
+/// One copy: few points are of panes.
+GB_HD_ONE_COPY CastPane pane_at(CastCorners corners, double x, double y, double z) {
+  const double direction[3] = {x, y, z};
   float there = 0, hidden = 0, across = 0;
   GB_NO_UNROLL
   for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
@@ -230,7 +232,8 @@ GB_HD CastAround look_around(const CastCorners& corners, bool is_wanted) {
 GB_HD CastLoose loose_at(const CastCorners& corners, const CastAround& around, const double direction[3]) {
   if (around.is_flat) return {};
   if (around.kind == PointKind::sheet) return {loose_sample(corners, around.sheet), {}};
-  return {interpolate(corners), around.kind == PointKind::pane ? pane_at(corners, direction) : CastPane{}};
+  return {interpolate(corners),
+          around.kind == PointKind::pane ? pane_at(corners, direction[0], direction[1], direction[2]) : CastPane{}};
 }
 
 /// What the sheet looks like: what is loose has no say in it.

@@ -14,7 +14,6 @@
 namespace gigabake {
 namespace {
 
-constexpr std::int64_t most_columns = std::int64_t(1) << 31;
 constexpr std::size_t most_cells = std::size_t(1) << 28;
 
 /// What is wrong with a scene, without the file it was read from.
@@ -99,7 +98,10 @@ void measure(const LatticeBox& window, const Columns& columns, kernels::CastScen
   for (std::size_t a = 0; a < 3; ++a) {
     scene.min[a] = double(window.min[a]);
     scene.max[a] = double(window.end[a]);
+    if (window.end[a] - window.min[a] > kernels::widest_scene)
+      throw Refusal{"cells", "they are more than 2^33 voxels apart; bake fewer sources at once"};
   }
+  scene.set_corner();
   for (int a = 0; a < 2; ++a) {
     std::int64_t low = kernels::far_voxel, high = -kernels::far_voxel;
     for (const auto& [at, column] : columns) {
@@ -108,8 +110,6 @@ void measure(const LatticeBox& window, const Columns& columns, kernels::CastScen
     }
     scene.column_min[a] = low;
     scene.column_count[a] = high - low + 1;
-    if (scene.column_count[a] > most_columns)
-      throw Refusal{"cells", "they are more than 2^31 columns apart; bake fewer sources at once"};
   }
 }
 

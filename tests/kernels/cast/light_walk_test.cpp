@@ -66,9 +66,7 @@ CastLine random_line(std::mt19937_64& random) {
   line.leave = double(far_voxel);
   line.lod1_distance = 1e6;
   for (int a = 0; a < 3; ++a) {
-    line.direction[a] /= std::sqrt(squared);
-    line.inverse[a] = 1 / line.direction[a];
-    line.across[a] = float(std::fabs(line.direction[a]));
+    set_direction(line, a, line.direction[a] / std::sqrt(squared));
     clip_to_box(line, a, -1, 9);
   }
   return line;

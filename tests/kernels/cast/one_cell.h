@@ -23,6 +23,7 @@ struct OneCell {
     scene.cell_bits = cell_bits;
     scene.lods = lods;
     for (double& side : scene.max) side = double(1 << cell_bits);
+    scene.set_corner();
   }
   OneCell(const OneCell&) = delete;
   OneCell& operator=(const OneCell&) = delete;

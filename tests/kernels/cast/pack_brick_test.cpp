@@ -1,6 +1,7 @@
 #include "kernels/cast/pack_brick.h"
 
 #include <bit>
+#include <cmath>
 #include <gtest/gtest.h>
 #include <random>
 
@@ -68,10 +69,15 @@ void expect_places(const SlotVoxels& slot, const CastBrick& brick, const CastPoi
   }
 }
 
-/// Around a point where the field is zero: half of the brick where that is empty, else a quarter, else nothing.
+CastLine line_along(int axis, bool is_up) {
+  CastLine line;
+  for (int a = 0; a < 3; ++a) set_direction(line, a, a == axis ? (is_up ? 1 : -1) : 0);
+  return line;
+}
+
+/// Around the middle between voxels, where the field is zero: a ray along an axis may go on to the side of half of the
+/// of the brick where that is empty, else of a quarter, else none; and less than what rounding may be by so much less.
 void expect_empty_part(const SlotVoxels& slot, const CastBrick& brick, const CastPoint& point) {
-  CastPlace place;
-  place.half = 0.5;
   int edge = 0, from[3] = {0, 0, 0};
   for (const int tried : {2, 4}) {
     int corner[3];
@@ -80,12 +86,18 @@ void expect_empty_part(const SlotVoxels& slot, const CastBrick& brick, const Cas
     edge = tried;
     for (int a = 0; a < 3; ++a) from[a] = corner[a];
   }
-  EmptyBox box;
-  ASSERT_EQ(find_empty_part(brick.head.blocks, place, point, box), edge > 0);
-  for (int a = 0; edge > 0 && a < 3; ++a) {
-    ASSERT_EQ(box.min[a], from[a] + place.half);
-    ASSERT_EQ(box.max[a], box.min[a] + edge);
-  }
+  std::uint32_t u[3];
+  for (int a = 0; a < 3; ++a) u[a] = std::uint32_t(point.base[a]) * fixed_one + fixed_one / 2;
+  for (int a = 0; a < 3; ++a)
+    for (const bool is_up : {false, true}) {
+      const float way = way_out_of_empty_part(brick.head.blocks, line_along(a, is_up), u) / float(fixed_one);
+      const float middle = float(point.base[a]) + 0.5f, side = float(from[a] + (is_up ? edge : 0));
+      if (edge == 0)
+        ASSERT_EQ(way, 0);
+      else
+        ASSERT_NEAR(way, std::fabs(side - middle), 8.0f / float(fixed_one)) << "axis " << a;
+      ASSERT_LE(way, std::fabs(side - middle));
+    }
 }
 
 TEST(PackBrick, SaysWhereTheFieldIsZeroAndWhereVoxelsStand) {

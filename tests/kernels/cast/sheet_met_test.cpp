@@ -1,6 +1,6 @@
-#include <gtest/gtest.h>
+#include "kernels/cast/sheet_met.h"
 
-#include "kernels/cast/cast.h"
+#include <gtest/gtest.h>
 
 namespace gigabake::kernels {
 namespace {
@@ -8,24 +8,22 @@ namespace {
 /// A level sheet below a ray that goes straight down through voxels of lod 4; points are half a voxel apart.
 struct RayDown {
   CastLine line{};
-  CastPlace place;
   CastRay ray;
 
   RayDown() {
     line.direction[2] = -1;
-    place.half = 8;
-    place.lod = ray.lod = 4;
+    ray.lod = 4;
   }
 
   /// Where the ray met the sheet, if this point is so many voxels above it; then it is the last point.
   double next(double distance, float height) {
     const CastSheet sheet = {1, {0, 0, 127}, 254 * height};
-    const double met = sheet_met(sheet, line, place, distance, ray);
-    keep_height(sheet, line, place, distance, ray);
+    const double met = sheet_met(sheet, line, ray.lod, distance, ray);
+    keep_height(sheet, line, ray.lod, distance, ray);
     return met;
   }
   double next_without_sheet(double distance) {
-    const double met = sheet_met({}, line, place, distance, ray);
+    const double met = sheet_met({}, line, ray.lod, distance, ray);
     ray.height = CastRay::no_height;
     return met;
   }

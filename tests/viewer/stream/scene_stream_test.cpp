@@ -106,7 +106,7 @@ TEST(CellLayout, NamesTheCellThatIsWrong) {
               }),
               HasSubstr("overlaps"));
   EXPECT_THAT(layout_complaint([](SceneDescription& s) { s.cells[1].lattice_min[0] = std::int64_t(1) << 40; }),
-              HasSubstr("2^31 columns"));
+              HasSubstr("2^33 voxels"));
 }
 
 }  // namespace
