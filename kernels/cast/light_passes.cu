@@ -23,7 +23,8 @@ __device__ bool pixel_in_range(const CastTile& tile, std::size_t begin, std::siz
 }
 
 __global__ void __launch_bounds__(tile_threads, min_lighting)
-    find_surfaces(const __grid_constant__ RayPass pass, CastLighting lighting, PixelLight* lights, std::size_t begin, std::size_t end) {
+    find_surfaces(const __grid_constant__ RayPass pass, CastLighting lighting, PixelLight* lights, std::size_t begin,
+                  std::size_t end) {
   int x, y;
   std::size_t i;
   if (!pixel_in_range(pass.tile, begin, end, x, y, i) || lights[i].has(light_rays)) return;
@@ -45,7 +46,8 @@ __global__ void list_light_rays(CastTile tile, const PixelLight* lights, LightRa
 
 /// That ray of each pixel of the list; all lanes of a warp cast.
 __global__ void __launch_bounds__(tile_threads, min_lighting)
-    cast_light_rays(const __grid_constant__ RayPass pass, CastLighting lighting, PixelLight* lights, LightRay which, RayList list) {
+    cast_light_rays(const __grid_constant__ RayPass pass, CastLighting lighting, PixelLight* lights, LightRay which,
+                    RayList list) {
   const std::uint32_t count = *list.count, first = blockIdx.x * blockDim.x;
   if (first >= count) return;
   const bool is_in = first + threadIdx.x < count;
