@@ -79,6 +79,7 @@ set(gb_public_headers_kernels
     kernels/cast/first_hit_cast.h
     kernels/cast/first_hit_device.h
     kernels/cast/first_hit_tree.h
+    kernels/cast/fixed_point.h
     kernels/cast/light_rays.h
     kernels/cast/light_sharing.h
     kernels/cast/lighting.h
@@ -93,6 +94,7 @@ set(gb_public_headers_kernels
     kernels/cast/shader.cuh
     kernels/cast/shader.h
     kernels/cast/sheet.h
+    kernels/cast/sheet_met.h
     kernels/cast/tile_grid.cuh
     kernels/cpu/bake_cell.h
     kernels/cpu/texture.h
