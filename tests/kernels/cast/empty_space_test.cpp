@@ -67,7 +67,7 @@ struct RandomTree : OneCell {
   }
 };
 
-CastLine random_line(std::mt19937_64& random) {
+CastLine random_tree_line(std::mt19937_64& random) {
   std::uniform_real_distribution<double> place(0, 1 << cell_bits), turn(-1, 1);
   CastLine line;
   double squared = 0, direction[3];
@@ -98,8 +98,8 @@ bool is_empty(const RandomTree& tree, const CastLine& line, double step) {
 
 /// Along a diagonal of x and y, a quarter of a voxel along each with a step, so that points lie on the edges of nodes,
 /// but for some 65536ths: which of two siblings lies ahead is what rounding would decide.
-CastLine random_diagonal(std::mt19937_64& random) {
-  CastLine line = random_line(random);
+CastLine random_tree_diagonal(std::mt19937_64& random) {
+  CastLine line = random_tree_line(random);
   for (int a = 0; a < 2; ++a) {
     const double off = (double(random() % 9) - 4) / fixed_one;
     line.origin[a] = double(random() % (4u << cell_bits)) / 4 + 0.5 + off;
@@ -141,7 +141,7 @@ TEST(EmptySpace, IsEmptyAtEachPointThatIsSteppedOver) {
     const RandomTree tree(random);
     for (int i = 0; i < 200; ++i) {
       SCOPED_TRACE(::testing::Message() << "seed " << seed << ", tree " << round << ", ray " << i);
-      expect_empty(tree, i % 2 == 0 ? random_line(random) : random_diagonal(random), leaps);
+      expect_empty(tree, i % 2 == 0 ? random_tree_line(random) : random_tree_diagonal(random), leaps);
       if (::testing::Test::HasFatalFailure()) return;
     }
   }
@@ -155,7 +155,7 @@ TEST(EmptySpace, IsFoundWhereThePointLies) {
   std::mt19937_64 random(seed);
   const RandomTree tree(random);
   for (int i = 0; i < 1000; ++i) {
-    CastLine line = random_line(random);
+    CastLine line = random_tree_line(random);
     if (i % 2 == 1)
       for (double& o : line.origin) o += double(widest_scene);
     for (int lod = 0; lod < lods; ++lod) {
