@@ -19,13 +19,14 @@ namespace gigabake::kernels {
 inline constexpr int fraction_bits = 16;
 inline constexpr std::uint32_t fixed_one = 1u << fraction_bits;
 inline constexpr int brick_bits = 3;
+static_assert(1 << brick_bits == brick_edge);
 
 /// A sum with it has a 65536th as its last place, as long as what was added is less than 2^35 either way: then its bits
 /// count 65536ths, beside those of the bias.
 inline constexpr double fixed_bias = 1.5 * double(std::int64_t(1) << (52 - fraction_bits));
 inline constexpr std::uint64_t fixed_bias_bits = std::bit_cast<std::uint64_t>(fixed_bias);
 
-/// Scenes are no wider, with what rays go beyond them.
+/// No scene is wider, and rays look at less than that beyond it.
 inline constexpr std::int64_t widest_scene = std::int64_t(1) << 33;
 
 inline constexpr std::uint32_t node_mask = (fixed_one << brick_bits) - 1;

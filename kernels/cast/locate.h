@@ -273,7 +273,7 @@ GB_HD bool enter_cell(const CastScene& scene, const CastLine& line, const FixedP
 GB_HD float way_out_of_node(const CastLine& line, const FixedPoint& point, int lod) {
   float way[3];
   GB_UNROLL
-  for (int a = 0; a < 3; ++a) way[a] = way_to_side(line, a, std::uint32_t(point.bits[a] >> lod), node_mask + 1);
+  for (int a = 0; a < 3; ++a) way[a] = way_to_side(line, a, point.in_node(a, lod), node_mask + 1);
   return smallest_of(way) * short_power_of_two(lod - fraction_bits);
 }
 
@@ -287,7 +287,7 @@ GB_HD float way_out_of_empty(const CastScene& scene, const CastLine& line, const
   std::uint32_t ahead = 0;  // bit a: a sibling stands ahead along that axis
   GB_UNROLL
   for (int a = 0; a < 3; ++a) {
-    way[a] = way_to_side(line, a, std::uint32_t(point.bits[a] >> at.lod), node_mask + 1);
+    way[a] = way_to_side(line, a, point.in_node(a, at.lod), node_mask + 1);
     ahead |= ~(at.index ^ backward(line, a)) & 1u << a;
   }
   if (at.lod + 1 == scene.lods) ahead = 0;

@@ -78,10 +78,9 @@ GB_HD void radiance_of(const CastSample& s, const BrickTraits& brick, CastPaint 
 /// How much surface a ray meets per voxel of its way, from what views along the axes see: |d|·coverage is exact for
 /// sheets across an axis and for boxes, the root of squares for spheres. What coarser voxels hold is mostly sheets.
 GB_HD float crossings(const CastSample& s, const double direction[3], int lod) {
-  float along[3];
-  GB_UNROLL
-  for (int a = 0; a < 3; ++a) along[a] = s.c[3 + a] * std::fabs(float(direction[a]));
-  const float x = along[0], y = along[1], z = along[2];
+  const float x = s.c[3] * std::fabs(float(direction[0]));
+  const float y = s.c[4] * std::fabs(float(direction[1]));
+  const float z = s.c[5] * std::fabs(float(direction[2]));
   const float box = (x + y) + z;
   return lod == 0 ? box : 0.75f * box + 0.25f * std::sqrt((x * x + y * y) + z * z);
 }
