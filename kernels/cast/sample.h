@@ -52,8 +52,6 @@ struct CastCorners {
     return unpack_voxel(load_packed(parts + layer.place((corner & 1) + slot_edge * (corner >> 1 & 1))));
   }
 
-  GB_HD CastVoxel voxel(int corner) const { return (there() >> corner & 1) != 0 ? stored(corner) : CastVoxel{}; }
-
   /// Of the interpolation between them.
   GB_HD float weight(int corner) const {
     const float x = (corner & 1) != 0 ? between[0] : 1 - between[0];
