@@ -126,6 +126,7 @@ set(gb_public_headers_viewer
     viewer/query/query_ray.h
     viewer/query/query_text.h
     viewer/query/scene_query.h
+    viewer/query/surface_height.h
     viewer/stream/brick_fill.h
     viewer/stream/cell_layout.h
     viewer/stream/guarded_pages.h

@@ -148,9 +148,11 @@ int run(const QueryArguments& a) {
 void add_questions(CLI::App& command, QueryArguments& a) {
   command.add_option("--ray", a.ray, "X,Y,Z,DX,DY,DZ: one ray; or X,Y,Z,AZIMUTH,ELEVATION in degrees");
   command.add_option("--rays", a.rays, "CSV file of rays; - is standard input (columns: docs/query.md)");
-  command.add_option("--at", a.at, "X,Y: how high the scene is there");
+  command.add_option("--at", a.at, "X,Y: height of the highest surface there, to within half a voxel");
   command.add_option("--heights", a.heights, "CSV file of places");
-  command.add_option("--grid", a.grid, "X,Y,X,Y: heights at points from a lower to an upper corner, --step apart");
+  command.add_option(
+      "--grid", a.grid,
+      "X,Y,X,Y: heights at points from a lower to an upper corner, --step apart, to within half a voxel");
   command.add_option("--step", a.step, "metres, or degrees, between points of --grid");
   command.add_option("--sight", a.sight, "X,Y,Z,X,Y,Z: whether two points see each other");
   command.add_option("--sights", a.sights, "CSV file of pairs of points");

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "lattice/error.h"
+#include "lattice/parameters.h"
+#include "viewer/query/surface_height.h"
 
 namespace gigabake {
 namespace {
@@ -21,6 +23,7 @@ class Run {
         query_(query),
         asks_(asks),
         pool_(pool),
+        surface_(parameters_from_json(query.scene().header().parameters).surface),
         frames_(query.scene().header(), query.window(), job.frame),
         text_(job.format, job.kind, frames_, query.scene().header().voxel_size_m, asks.have_ids()) {
     if (!(job.most_distance_m > 0)) throw UsageError("max_distance", "expected metres above 0");
@@ -36,6 +39,7 @@ class Run {
       const std::vector<QueryRay> rays = rays_of(asks);
       std::vector<QueryHit> hits(rays.size());
       query_.first_hits(rays, hits, progress);
+      if (job_.kind == QueryKind::height) move_to_surface(query_, surface_, rays, hits, progress);
       for (const QueryHit& hit : hits) ++tally[std::size_t(hit.outcome)];
       if (first) write(text_.begin());  // not before: the first question may be refused
       for (const std::string& piece : texts(asks, rays, hits, first)) write(piece);
@@ -106,6 +110,7 @@ class Run {
   SceneQuery& query_;
   QueryAsks& asks_;
   const ThreadPool& pool_;
+  SurfaceRule surface_;
   QueryFrames frames_;
   QueryText text_;
 };

@@ -7,6 +7,7 @@
 
 #include "lattice/error.h"
 #include "lattice/octahedral.h"
+#include "viewer/query/surface_height.h"
 
 namespace gigabake {
 namespace {
@@ -43,6 +44,9 @@ void add_fixed(double v, int decimals, std::string& text) {
   text.append(digits + (length - fraction), fraction);
 }
 
+/// Returns how many decimals of metres print a step, or a finer one.
+int decimals_for(double step_m) { return std::clamp(-int(std::floor(std::log10(step_m) + 1e-9)), 0, most_decimals); }
+
 void add_quoted_csv(const std::string& field, std::string& text) {
   if (field.find_first_of(",\"\r\n") == std::string::npos) {
     text += field;
@@ -74,11 +78,7 @@ struct Normal {
 }  // namespace
 
 QueryText::QueryText(QueryFormat format, QueryKind kind, const QueryFrames& frames, double voxel_size_m, bool has_ids)
-    : format_(format),
-      kind_(kind),
-      frames_(frames),
-      decimals_(std::clamp(3 - int(std::floor(std::log10(voxel_size_m))), 0, most_decimals)),
-      has_ids_(has_ids) {
+    : format_(format), kind_(kind), frames_(frames), decimals_(decimals_for(voxel_size_m / 1000)), has_ids_(has_ids) {
   if (format == QueryFormat::geojson && !frames.is_on_earth())
     throw UsageError("format",
                      "GeoJSON is longitudes and latitudes, and the scene does not say where on earth it "
@@ -96,7 +96,7 @@ std::string QueryText::begin() const {
   if (format_ == QueryFormat::json) return "[";
   return std::string(has_ids_ ? "id," : "") + "outcome,distance_m," +
          (frames_.frame() == QueryFrame::scene ? "x,y,z" : "lon,lat,height") +
-         ",nx,ny,nz,red,green,blue,coverage,lod,cell\n";
+         (kind_ == QueryKind::height ? ",height_error_m" : "") + ",nx,ny,nz,red,green,blue,coverage,lod,cell\n";
 }
 
 std::string QueryText::end() const {
@@ -111,18 +111,27 @@ void QueryText::add(const QueryAnswer& answer, bool first, std::string& text) co
   if (format_ == QueryFormat::geojson) add_geojson(answer, text);
 }
 
-void QueryText::add_lonlat(const QueryPoint& p, std::string& text) const {
+double QueryText::height_error_m(const QueryHit& hit) const {
+  return frames_.metres(height_error_edges * kernels::power_of_two(hit.lod));
+}
+
+int QueryText::height_decimals(const QueryHit& hit) const {
+  const bool is_height = kind_ == QueryKind::height && hit.outcome == QueryOutcome::hit;
+  return is_height ? decimals_for(height_error_m(hit) / (10 * height_error_edges)) : decimals_;
+}
+
+void QueryText::add_lonlat(const QueryPoint& p, int height_decimals, std::string& text) const {
   for (std::size_t a = 0; a < 3; ++a) {
     if (a > 0) text += ',';
-    add_fixed(p[a], a < 2 ? decimals_ + more_decimals_of_degrees : decimals_, text);
+    add_fixed(p[a], a < 2 ? decimals_ + more_decimals_of_degrees : height_decimals, text);
   }
 }
 
-void QueryText::add_point(const QueryPoint& p, std::string& text) const {
-  if (frames_.frame() == QueryFrame::lonlat) return add_lonlat(p, text);
+void QueryText::add_point(const QueryPoint& p, int height_decimals, std::string& text) const {
+  if (frames_.frame() == QueryFrame::lonlat) return add_lonlat(p, height_decimals, text);
   for (std::size_t a = 0; a < 3; ++a) {
     if (a > 0) text += ',';
-    add_fixed(p[a], decimals_, text);
+    add_fixed(p[a], a < 2 ? decimals_ : height_decimals, text);
   }
 }
 
@@ -135,10 +144,15 @@ void QueryText::add_csv(const QueryAnswer& answer, std::string& text) const {
   text += outcome(hit.outcome);
   text += ',';
   const bool is_hit = hit.outcome == QueryOutcome::hit;
-  if (is_hit || hit.outcome == QueryOutcome::missing) add_fixed(frames_.metres(hit.distance), decimals_, text);
+  if (is_hit || hit.outcome == QueryOutcome::missing)
+    add_fixed(frames_.metres(hit.distance), height_decimals(hit), text);
   text += ',';
   if (is_hit) {
-    add_point(frames_.asked_point(frames_.scene_point(answer.ray, hit.distance)), text);
+    add_point(frames_.asked_point(frames_.scene_point(answer.ray, hit.distance)), height_decimals(hit), text);
+    if (kind_ == QueryKind::height) {
+      text += ',';
+      add_fixed(height_error_m(hit), decimals_, text);
+    }
     for (const double n : Normal(hit.normal).n) {
       text += ',';
       add_fixed(n, decimals_of_normals, text);
@@ -153,9 +167,9 @@ void QueryText::add_csv(const QueryAnswer& answer, std::string& text) const {
   } else if (kind_ == QueryKind::height) {
     QueryPoint place = answer.ask.from;
     place[2] = 0;
-    add_point(place, text);
+    add_point(place, decimals_, text);
     text.erase(text.rfind(',') + 1);  // there is no height
-    text += ",,,,,,,,,";
+    text += ",,,,,,,,,,";
   } else {
     text += ",,,,,,,,,,,";
   }
@@ -176,21 +190,27 @@ void QueryText::add_members(const QueryAnswer& answer, bool with_scene_metres, s
   const bool is_hit = hit.outcome == QueryOutcome::hit;
   if (is_hit || hit.outcome == QueryOutcome::missing) {
     text += ",\"distance_m\":";
-    add_fixed(frames_.metres(hit.distance), decimals_, text);
+    add_fixed(frames_.metres(hit.distance), height_decimals(hit), text);
   }
   if (is_hit) {
     const Point<Scene> p = frames_.scene_point(answer.ray, hit.distance);
     text += with_scene_metres ? ",\"scene_m\":[" : ",\"position\":[";
     if (with_scene_metres) {
-      for (const double v : {p.x, p.y, p.z}) {
-        add_fixed(v, decimals_, text);
-        text += ',';
-      }
-      text.pop_back();
+      add_fixed(p.x, decimals_, text);
+      text += ',';
+      add_fixed(p.y, decimals_, text);
+      text += ',';
+      add_fixed(p.z, height_decimals(hit), text);
     } else {
-      add_point(frames_.asked_point(p), text);
+      add_point(frames_.asked_point(p), height_decimals(hit), text);
     }
-    text += "],\"normal\":[";
+    if (kind_ == QueryKind::height) {
+      text += "],\"height_error_m\":";
+      add_fixed(height_error_m(hit), decimals_, text);
+      text += ",\"normal\":[";
+    } else {
+      text += "],\"normal\":[";
+    }
     for (const double n : Normal(hit.normal).n) {
       add_fixed(n, decimals_of_normals, text);
       text += ',';
@@ -214,7 +234,7 @@ void QueryText::add_json(const QueryAnswer& answer, std::string& text) const {
   text += '{';
   if (kind_ == QueryKind::height) {
     text += "\"at\":[";
-    add_point({answer.ask.from[0], answer.ask.from[1], 0}, text);
+    add_point({answer.ask.from[0], answer.ask.from[1], 0}, decimals_, text);
     text.erase(text.rfind(','));
     text += "],";
   }
@@ -233,13 +253,14 @@ void QueryText::add_geojson(const QueryAnswer& answer, std::string& text) const 
   text += "{\"type\":\"Feature\",\"geometry\":";
   if (kind_ == QueryKind::sight) {
     text += "{\"type\":\"LineString\",\"coordinates\":[[";
-    add_lonlat(asked_lonlat(answer.ask.from), text);
+    add_lonlat(asked_lonlat(answer.ask.from), decimals_, text);
     text += "],[";
-    add_lonlat(is_hit ? met() : asked_lonlat(answer.ask.to), text);
+    add_lonlat(is_hit ? met() : asked_lonlat(answer.ask.to), decimals_, text);
     text += "]]}";
   } else if (is_hit || kind_ == QueryKind::height) {
     text += "{\"type\":\"Point\",\"coordinates\":[";
-    add_lonlat(is_hit ? met() : asked_lonlat({answer.ask.from[0], answer.ask.from[1], 0}), text);
+    add_lonlat(is_hit ? met() : asked_lonlat({answer.ask.from[0], answer.ask.from[1], 0}), height_decimals(answer.hit),
+               text);
     if (!is_hit) text.erase(text.rfind(','));
     text += "]}";
   } else {

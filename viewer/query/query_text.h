@@ -23,7 +23,8 @@ struct QueryAnswer {
   const std::string& shard;  ///< name of the cell or the parent; empty where there is none
 };
 
-/// Lengths are said to a thousandth of a voxel, degrees to less than that on the ground.
+/// Lengths are printed to a thousandth of a voxel, degrees to less than that on the ground. A height is known to half a
+/// voxel of its level, and is printed to a tenth.
 class QueryText {
  public:
   /// Errors  UsageError: GeoJSON of a scene that stands nowhere on earth.
@@ -39,8 +40,11 @@ class QueryText {
   void add_json(const QueryAnswer& answer, std::string& text) const;
   void add_geojson(const QueryAnswer& answer, std::string& text) const;
   void add_members(const QueryAnswer& answer, bool with_scene_metres, std::string& text) const;
-  void add_point(const QueryPoint& p, std::string& text) const;
-  void add_lonlat(const QueryPoint& p, std::string& text) const;
+  void add_point(const QueryPoint& p, int height_decimals, std::string& text) const;
+  void add_lonlat(const QueryPoint& p, int height_decimals, std::string& text) const;
+  /// Decimals of the third coordinate, and of a distance to it.
+  int height_decimals(const QueryHit& hit) const;
+  double height_error_m(const QueryHit& hit) const;
   QueryPoint asked_lonlat(const QueryPoint& asked) const;
   std::string_view outcome(QueryOutcome outcome) const;
 

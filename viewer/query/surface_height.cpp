@@ -1,0 +1,114 @@
+#include "viewer/query/surface_height.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "lattice/octahedral.h"
+
+namespace gigabake {
+namespace {
+
+/// A plane is used up to a slope of some 86°; a steeper one would only be followed for max_steps voxels.
+constexpr double min_cosine = 1.0 / 16;
+constexpr int max_steps = 32;
+/// The start of a ray that tests a voxel below lies so far in it: more than a voxel's faces may be off (QueryTree).
+constexpr double inset_edges = 1.0 / 16;
+
+kernels::VoxelBox box_of(const QueryHit& hit) {
+  kernels::VoxelBox box;
+  for (int a = 0; a < 3; ++a) {
+    box.min[a] = hit.voxel[a];
+    box.max[a] = hit.voxel[a] + (std::int64_t(1) << hit.lod);
+  }
+  return box;
+}
+
+/// Returns the ray's segment in the voxel, also if the ray passes it by a rounding error.
+RayChord segment_in(const QueryRay& ray, const QueryHit& hit) {
+  const RayChord exact = chord_of(ray, box_of(hit), 0);
+  return exact.empty() ? RayChord{hit.distance, hit.distance} : exact;
+}
+
+double middle_of(const RayChord& segment) { return 0.5 * (segment.enter + segment.leave); }
+
+/// A hit whose estimate lies below the voxels that are known to continue the surface.
+struct Steep {
+  std::uint32_t ray;
+  double surface;  ///< the estimate
+  double middle;   ///< of the top voxel
+  double leave;    ///< distance at which the ray leaves the lowest voxel known so far
+  double edge;     ///< of that voxel
+};
+
+std::vector<QueryRay> rays_below(const std::vector<Steep>& steep, std::span<const QueryRay> rays) {
+  std::vector<QueryRay> below;
+  for (const Steep& s : steep) {
+    QueryRay ray = rays[s.ray];
+    ray.begin = s.leave + inset_edges * s.edge;
+    ray.end = ray.begin + inset_edges * s.edge;
+    below.push_back(ray);
+  }
+  return below;
+}
+
+}  // namespace
+
+double surface_distance(const QueryRay& ray, const QueryHit& hit, SurfaceRule rule) {
+  double n[3];
+  decode_octahedral(hit.normal, n);
+  const double edge = kernels::power_of_two(hit.lod);
+  double cosine = 0, sum = 0, largest = 0, from_centre = 0, advance = 0;
+  for (int a = 0; a < 3; ++a) {
+    cosine += n[a] * ray.direction[a];
+    sum += std::fabs(n[a]);
+    largest = std::fmax(largest, std::fabs(n[a]));
+    from_centre += n[a] * (ray.origin[a] - (double(hit.voxel[a]) + 0.5 * edge));
+    advance += std::fabs(ray.direction[a]);
+  }
+  if (std::fabs(cosine) < min_cosine) return middle_of(segment_in(ray, hit));
+  if (cosine > 0) from_centre = -from_centre;
+  cosine = std::fabs(cosine);
+  // A plane meets a cube if it lies within half of `extent` of the centre; under `thin`, a lod-0 voxel is met through
+  // its axes only.
+  const double extent = rule == SurfaceRule::thin ? sum * (edge - 1) + largest : sum * edge;
+  const double below_centre = 0.5 * (extent - cosine * edge / advance);
+  return (from_centre + below_centre) / cosine;
+}
+
+void move_to_surface(SceneQuery& query, SurfaceRule rule, std::span<const QueryRay> rays, std::span<QueryHit> hits,
+                     const Progress& progress) {
+  std::vector<Steep> steep;
+  for (std::uint32_t i = 0; i < hits.size(); ++i) {
+    if (hits[i].outcome != QueryOutcome::hit) continue;
+    const RayChord segment = segment_in(rays[i], hits[i]);
+    const double surface = surface_distance(rays[i], hits[i], rule);
+    hits[i].distance = std::fmax(surface, segment.enter);
+    if (surface > segment.leave)
+      steep.push_back({i, surface, middle_of(segment), segment.leave, kernels::power_of_two(hits[i].lod)});
+  }
+  for (int step = 0; !steep.empty(); ++step) {
+    progress.advance(0);  // stops here, too
+    const std::vector<QueryRay> below = rays_below(steep, rays);
+    std::vector<QueryHit> found(below.size());
+    query.first_hits(below, found);
+    std::vector<Steep> left;
+    for (std::size_t i = 0; i < steep.size(); ++i) {
+      Steep s = steep[i];
+      const bool continues = found[i].outcome == QueryOutcome::hit && found[i].distance <= below[i].begin;
+      if (continues && step < max_steps) {
+        s.leave = std::fmax(segment_in(rays[s.ray], found[i]).leave, below[i].begin);
+        s.edge = kernels::power_of_two(found[i].lod);
+        if (s.surface > s.leave) left.push_back(s);
+        // Within half a voxel, the normal's rounding may be the cause.
+      } else if (s.surface <= s.leave + height_error_edges * s.edge) {
+        hits[s.ray].distance = s.leave;
+      } else {
+        hits[s.ray].distance = s.middle;
+      }
+    }
+    steep = std::move(left);
+  }
+}
+
+}  // namespace gigabake
