@@ -1,6 +1,5 @@
-#include <cstdio>
 #include <exception>
-#include <fmt/core.h>
+#include <system_error>
 
 #include "app/commands.h"
 #include "app/manual/about.h"
@@ -9,14 +8,18 @@
 #include "app/options/flags.h"
 #include "app/options/usage_errors.h"
 #include "app/process/out_of_memory.h"
+#include "app/process/standard_streams.h"
 #include "app/process/stop_signal.h"
+#include "format/system/message.h"
 #include "lattice/error.h"
 #include "lattice/progress.h"
 
 using namespace gigabake;
 
-int main(int argc, char** argv) {
-  app::say_so_where_memory_ends();
+namespace {
+
+/// Returns the exit code. write_error: set to the errno of a write to standard output that failed.
+int run(int argc, char** argv, int& write_error) {
   CLI::App program{"gigabake bakes textured terrain into a paged scene of sparse voxel oct-trees, and shows it."};
   program.set_version_flag("--version", app::about, "version, commit, formats and libraries, and exit");
   program.set_help_flag("-h,--help", "this help, and exit");
@@ -45,17 +48,32 @@ int main(int argc, char** argv) {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return program.exit(e);  // --help, --version
-    fmt::print(stderr, "{}\n", app::usage_error(program, e));
+    print_message("{}\n", app::usage_error(program, e));
     return app::usage;
   } catch (const UsageError& e) {
-    fmt::print(stderr, "gigabake: {}\n", app::said(e));
+    print_message("gigabake: {}\n", app::said(e));
     return app::usage;
   } catch (const Stopped&) {
-    fmt::print(stderr, "{}\n", app::stop_line());
+    print_message("{}\n", app::stop_line());
     return app::exit_code_of_stop();
   } catch (const std::exception& e) {
-    fmt::print(stderr, "gigabake: {}\n", app::said(e));
+    const auto* of_system = dynamic_cast<const std::system_error*>(&e);
+    if (app::has_output_failed()) {
+      write_error = of_system == nullptr ? 0 : of_system->code().value();
+      return app::failed;
+    }
+    print_message("gigabake: {}\n", app::said(e));
     return app::failed;
   }
   return exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  app::prepare_standard_streams();
+  app::say_so_where_memory_ends();
+  int write_error = 0;
+  const int exit_code = run(argc, argv, write_error);
+  return app::end_of_output(exit_code, write_error);
 }

@@ -2,19 +2,21 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <functional>
 #include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <variant>
 
+#include "cluster/agreed_request.h"
 #include "cluster/bake_scratch.h"
 #include "cluster/dispatch.h"
+#include "cluster/dispatch_log.h"
 #include "cluster/drain.h"
 #include "cluster/master_bake.h"
 #include "cluster/rank_setup.h"
 #include "cluster/survey.h"
+#include "format/system/message.h"
 #include "lattice/counted.h"
 #include "lattice/error.h"
 #include "lattice/memory_limit.h"
@@ -96,18 +98,23 @@ enum class StoppedSurvey { forget, keep };
 /// The surveys of all tiles, on rank 0. on_survey: rank 0's; how many there are. Errors  Stopped.
 std::vector<TileSurvey> survey(MpiSession& mpi, const BakeRequest& request, const SceneSources& sources,
                                BakeProcess& process, const BakeProgress& progress, StoppedSurvey when_stopped,
-                               const std::function<void(std::size_t)>& on_survey) {
+                               const std::function<void(std::size_t)>& on_survey,
+                               const std::function<void(int rank)>& on_death) {
   KnownSurveys known;
   all_or_none(mpi, [&] {
     if (mpi.rank() == 0) known = known_surveys(request.out, sources, request.parameters, mpi.cores(), progress.steps);
   });
   bool is_stopped = false;
-  std::vector<TileSurvey> surveys =
-      survey_tiles(mpi, known.missing, process, request.patience.silence_s, [&](std::size_t done) {
-        on_survey(known.surveys.size() + done);
-        is_stopped = is_stop_asked(progress.steps);
-        return !is_stopped;
-      });
+  std::vector<TileSurvey> surveys = survey_tiles(mpi, known.missing, process, request.patience.silence_s,
+                                                 {[&](std::size_t done) {
+                                                    on_survey(known.surveys.size() + done);
+                                                    is_stopped = is_stop_asked(progress.steps);
+                                                    return !is_stopped;
+                                                  },
+                                                  [&](int rank, const std::string& why) {
+                                                    on_death(rank);
+                                                    progress.noted(restart_line(rank, why));
+                                                  }});
   std::move(known.surveys.begin(), known.surveys.end(), std::back_inserter(surveys));
   if (is_stopped && when_stopped == StoppedSurvey::keep) keep_surveys(request, sources, surveys, progress);
   fail_together(mpi, {}, is_stopped);
@@ -131,15 +138,14 @@ BakePlan plan_from(MpiSession& mpi, const BakeRequest& request, const SceneSourc
 /// the third death in a row there is no hope left.
 DeviceChoice device_of(const MpiSession& mpi, BakeProcess& process) {
   constexpr std::chrono::milliseconds longest_wait{50};
-  constexpr int most_deaths = 3;
   for (int deaths = 0; !process.device(); process.wait(longest_wait)) {
     process.prepare();
     const auto event = process.poll();
     const auto* died = event ? std::get_if<BakeProcess::Died>(&*event) : nullptr;
     if (died == nullptr) continue;
-    if (++deaths == most_deaths) throw std::runtime_error("the process that bakes ended before it began: " + died->why);
-    std::fprintf(stderr, "rank %d on %s: the process that bakes ended before it began, and is started again: %s\n",
-                 mpi.rank(), host_name().c_str(), died->why.c_str());
+    if (++deaths == max_failed_starts) throw_no_start(died->why);
+    print_message("rank {} on {}: the process that bakes ended before it began, and is started again: {}\n", mpi.rank(),
+                  host_name(), died->why);
   }
   if (!process.device()->error.empty()) throw std::runtime_error(process.device()->error);
   return process.device()->choice;
@@ -152,15 +158,15 @@ void choose_devices(MpiSession& mpi, BakeProcess& process, BakeSummary& summary)
   summary.ranks_with_device = int(mpi.sum_of(choice.device.has_value() ? 1 : 0));
   summary.no_device = choice.reason;
   if (summary.ranks_with_device != 0 && !choice.device && !choice.reason.empty())
-    std::fprintf(stderr, "rank %d on %s uses the CPU: %s\n", mpi.rank(), host_name().c_str(), choice.reason.c_str());
+    print_message("rank {} on {} uses the CPU: {}\n", mpi.rank(), host_name(), choice.reason);
 }
 
 /// mpirun binds each of few ranks to one core unless told otherwise.
 void warn_of_binding(const MpiSession& mpi, const BakeRequest& request) {
   if (mpi.rank() != 0 || mpi.ranks() == 1 || request.threads > 0 || mpi.cores() * mpi.ranks() * 2 > mpi.host_cores())
     return;
-  std::fprintf(stderr, "each rank may use %d of this host's %d cores; mpirun --bind-to none lets them share all\n",
-               mpi.cores(), mpi.host_cores());
+  print_message("each rank may use {} of this host's {} cores; mpirun --bind-to none lets them share all\n",
+                mpi.cores(), mpi.host_cores());
 }
 
 /// feed: rank 0's.
@@ -185,12 +191,14 @@ BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const Bake
   });
   BakeScratch scratch(scratch_of(request));
   BakeProcess process(setup_of(mpi, request, shared), process_options(request));
-  process.prepare();
-  std::vector<TileSurvey> surveys =
-      survey(mpi, request, sources, process, progress, StoppedSurvey::keep, [&](std::size_t done) {
+  all_or_none(mpi, [&] { process.prepare(); });
+  std::vector<TileSurvey> surveys = survey(
+      mpi, request, sources, process, progress, StoppedSurvey::keep,
+      [&](std::size_t done) {
         feed->record().surveyed(done, sources.tiles.size());
         feed->turn();
-      });
+      },
+      [&](int rank) { feed->record().process_died(rank, unix_now_s()); });
   choose_devices(mpi, process, summary);  // after the survey, which a driver's start would only delay
   BakePlan plan = plan_from(mpi, request, sources, surveys, progress);
   all_or_none(mpi, [&] { refuse(request, plan.losses, mpi.rank() == 0 && plan.jobs.empty()); });
@@ -225,8 +233,9 @@ void end_status(StatusFeed& feed, BakeSummary& summary) {
 
 }  // namespace
 
-PlannedBake plan_bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress) {
+PlannedBake plan_bake(MpiSession& mpi, const BakeRequest& own, const BakeProgress& progress) {
   const auto start = Clock::now();
+  const BakeRequest request = agreed_request(mpi, own);
   PlannedBake planned;
   planned.sources = open_together(mpi, request, progress);
   const SceneSources& sources = planned.sources.scene;
@@ -235,15 +244,17 @@ PlannedBake plan_bake(MpiSession& mpi, const BakeRequest& request, const BakePro
   WorkerSetup setup = setup_of(mpi, on_cpu, planned.sources);
   setup.worker.scratch.clear();  // a plan leaves nothing behind: what is large is surveyed part by part
   BakeProcess process(std::move(setup), process_options(request));
-  std::vector<TileSurvey> surveys = survey(mpi, request, sources, process, progress, StoppedSurvey::forget,
-                                           [&](std::size_t done) { progress.surveyed(done, sources.tiles.size()); });
+  std::vector<TileSurvey> surveys = survey(
+      mpi, request, sources, process, progress, StoppedSurvey::forget,
+      [&](std::size_t done) { progress.surveyed(done, sources.tiles.size()); }, [](int) {});
   planned.plan = plan_from(mpi, request, sources, std::move(surveys), progress);
   all_or_none(mpi, [&] { refuse(request, planned.plan.losses, mpi.rank() == 0 && planned.plan.jobs.empty()); });
   planned.survey_s = seconds_since(start);
   return planned;
 }
 
-BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress) {
+BakeSummary bake(MpiSession& mpi, const BakeRequest& own, const BakeProgress& progress) {
+  const BakeRequest request = agreed_request(mpi, own);
   mpi.set_patience(silences_of_patience * request.patience.silence_s);
   std::optional<StatusFeed> feed;
   if (mpi.rank() == 0) feed.emplace(request.out, mpi.ranks(), request.metrics, progress.status);

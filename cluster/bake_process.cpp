@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <span>
+#include <stdexcept>
 #include <system_error>
 #include <utility>
 
@@ -22,6 +23,20 @@ constexpr int doublings = 6;  // of the pause until it is the longest
 
 HangWatch::Clock::duration seconds(double s) {
   return std::chrono::duration_cast<HangWatch::Clock::duration>(std::chrono::duration<double>(s));
+}
+
+/// Whether the same start may succeed later: the system was short of something.
+bool may_pass(const std::error_code& code) {
+  for (const std::errc shortage :
+       {std::errc::resource_unavailable_try_again, std::errc::not_enough_memory, std::errc::too_many_files_open,
+        std::errc::too_many_files_open_in_system, std::errc::text_file_busy, std::errc::interrupted})
+    if (code == shortage) return true;
+  return false;
+}
+
+/// What a start may lack here.
+std::string advice(const std::filesystem::path& program) {
+  return program.string().starts_with("/proc/") ? "; a bake needs /proc to be mounted" : "";
 }
 
 }  // namespace
@@ -73,10 +88,12 @@ void BakeProcess::work() {
 
 void BakeProcess::start() {
   std::erase_if(abandoned_, [](const auto& child) { return child->ended().has_value(); });
+  has_started_ = false;
   try {
     child_ = std::make_unique<ChildProcess>(options_.program, std::vector<std::string>{"bake-process"});
   } catch (const std::system_error& e) {
-    return report_death(e.what());
+    if (!may_pass(e.code())) throw std::runtime_error(fmt::format("{}{}", e.what(), advice(options_.program)));
+    return report_death(reason_of(e));
   }
   channel_.emplace(child_->socket());
   send_setup();
@@ -106,6 +123,10 @@ void BakeProcess::exchange() {
 }
 
 void BakeProcess::take(const BakeMessage& message) {
+  if (message.kind == BakeMessageKind::started) {
+    has_started_ = true;
+    return;
+  }
   if (message.kind == BakeMessageKind::ready) {
     device_ = device_from_bytes(message.payload);
     return;
@@ -172,7 +193,7 @@ void BakeProcess::bury() {
 }
 
 void BakeProcess::report_death(std::string why) {
-  Died died{std::move(why), {cells_.begin(), cells_.end()}, {tiles_.begin(), tiles_.end()}};
+  Died died{std::move(why), {cells_.begin(), cells_.end()}, {tiles_.begin(), tiles_.end()}, has_started_};
   cells_.clear();
   tiles_.clear();
   events_.push_back(std::move(died));
@@ -196,6 +217,10 @@ void BakeProcess::wait(std::chrono::milliseconds longest) const {
 }
 
 std::optional<pid_t> BakeProcess::pid() const { return channel_ ? std::optional(child_->pid()) : std::nullopt; }
+
+void throw_no_start(const std::string& why) {
+  throw std::runtime_error("the process that bakes ended before it began: " + why);
+}
 
 std::uint64_t BakeProcess::peak_bytes() const { return std::max(peak_bytes_, child_ ? child_->peak_bytes() : 0); }
 

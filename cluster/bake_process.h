@@ -26,6 +26,9 @@ struct BakeProcessOptions {
   Patience patience = {};
 };
 
+/// So often a process may end before it has started, one after the other; after that no further one would start either.
+inline constexpr int max_failed_starts = 3;
+
 /// Runs one process at a time, from the first request on; after a death the next request starts another. From the third
 /// death in a row without any result it pauses before that, 1 s, 2 s, 4 s … 60 s: a broken installation does not spin.
 /// Not for several threads. The thread that makes requests must outlive the object: the process ends with it.
@@ -46,6 +49,7 @@ class BakeProcess {
                       ///< "… in its start"
     std::vector<BakeOrder> cells;
     std::vector<std::uint32_t> tiles;
+    bool has_started = true;  ///< false: it ended before it could take a request, so no tile and no cell is to blame
   };
   using Event = std::variant<Surveyed, Baked, Died>;
 
@@ -57,6 +61,7 @@ class BakeProcess {
   BakeProcess& operator=(const BakeProcess&) = delete;
 
   /// Starts the process, where none runs, without a request: device() follows.
+  /// Errors  std::runtime_error, of poll() and requests too: no process can be started here, now or later.
   void prepare();
   /// What the process that runs now, or the last one, bakes on; none until it has said so.
   const std::optional<DeviceAnswer>& device() const { return device_; }
@@ -106,7 +111,12 @@ class BakeProcess {
   std::optional<std::string> verdict_;  ///< why it was killed, where that was ours
   Clock::time_point ending_since_{}, not_before_{};
   int deaths_in_a_row_ = 0;
+  bool has_started_ = false;      ///< the process that runs now, or the last one
   std::uint64_t peak_bytes_ = 0;  ///< of processes that ended
 };
+
+/// Errors  std::runtime_error, always: max_failed_starts processes in a row ended before they had started. why: how the
+/// last one ended.
+[[noreturn]] void throw_no_start(const std::string& why);
 
 }  // namespace gigabake

@@ -18,6 +18,12 @@ class CollectiveFailure : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// As CollectiveFailure, where the options of a rank are wrong or not those of rank 0.
+class CollectiveUsageError : public CollectiveFailure {
+ public:
+  using CollectiveFailure::CollectiveFailure;
+};
+
 /// For messages.
 std::string host_name();
 
@@ -38,6 +44,26 @@ void all_or_none(MpiSession& mpi, const Step& step) {
     line = reason_of(e);
   }
   fail_together(mpi, line, is_stopped);
+}
+
+/// Like all_or_none(), for a step that reads this rank's own options. Errors  CollectiveUsageError on every rank if it
+/// throws UsageError on one: a rank that ended alone would leave the others waiting.
+template <class Step>
+void check_options_together(MpiSession& mpi, const Step& step) {
+  bool is_usage = false;
+  try {
+    all_or_none(mpi, [&] {
+      try {
+        step();
+      } catch (const UsageError&) {
+        is_usage = true;
+        throw;
+      }
+    });
+  } catch (const CollectiveFailure& e) {
+    if (mpi.max_of(is_usage ? 1 : 0) != 0) throw CollectiveUsageError(e.what());
+    throw;
+  }
 }
 
 }  // namespace gigabake

@@ -4,6 +4,10 @@
 
 namespace gigabake {
 
+std::string restart_line(int rank, const std::string& why) {
+  return "the bake process of rank " + std::to_string(rank) + " is started again: " + why;
+}
+
 void DispatchLog::draining() {
   if (feed_.record().state() != BakeState::baking) return;
   feed_.record().enter(BakeState::draining);
@@ -29,7 +33,7 @@ void DispatchLog::set_aside(const CellReport& report) {
 
 void DispatchLog::process_died(int rank, const std::string& why) {
   feed_.record().process_died(rank, unix_now_s());
-  progress_.noted("the bake process of rank " + std::to_string(rank) + " is started again: " + why);
+  progress_.noted(restart_line(rank, why));
 }
 
 void DispatchLog::lost(int rank) {

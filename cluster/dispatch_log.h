@@ -10,6 +10,9 @@
 
 namespace gigabake {
 
+/// What rank 0 says where a rank's bake process ended, during the scan of tiles as while cells are baked.
+std::string restart_line(int rank, const std::string& why);
+
 /// Rank 0's. Errors  None of its own: what cannot be written costs one line, not the bake.
 class DispatchLog {
  public:

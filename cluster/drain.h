@@ -2,11 +2,16 @@
 /// (a batch system or a person ends the job) or SIGINT (Ctrl-C).
 #pragma once
 
+#include <string_view>
+
 namespace gigabake {
 
-/// From now on these signals are noted instead of ending the process. A second SIGINT ends it as usual.
-/// Errors  std::runtime_error.
+/// From now on these signals are noted instead of ending the process. A second SIGINT prints the last words and ends
+/// it. Errors  std::runtime_error.
 void watch_for_drain();
+
+/// What a second SIGINT prints: in which state it leaves the bake. Cut after 300 bytes. Not for several threads.
+void set_last_words(std::string_view line);
 
 /// One of them came.
 bool is_drain_asked();

@@ -2,11 +2,11 @@
 
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <unistd.h>
 #include <utility>
 
 #include "cluster/collective.h"
+#include "format/system/message.h"
 #include "format/system/publish.h"
 #include "lattice/error.h"
 
@@ -65,7 +65,7 @@ void StatusFeed::write(const BakeStatus& status) {
     write_status(out_, status);
     if (!metrics_.empty()) publish_file(metrics_, to_prometheus(status), Durability::while_up);
   } catch (const InputError& e) {
-    if (!complained_) std::fprintf(stderr, "the bake goes on without its status: %s\n", e.what());
+    if (!complained_) print_message("the bake goes on without its status: {}\n", e.what());
     complained_ = true;
   }
 }

@@ -40,6 +40,12 @@ class TileQueue {
     return tile;
   }
 
+  /// What a process had that never started.
+  void take_back(const std::vector<std::uint32_t>& tiles) {
+    waiting_.insert(waiting_.begin(), tiles.begin(), tiles.end());
+    alone_ = false;
+  }
+
   /// What the process had when it died: all are suspects, one that was alone has a strike. Returns the tile that is
   /// given up.
   std::optional<std::uint32_t> put_back(const std::vector<std::uint32_t>& tiles) {
@@ -71,8 +77,9 @@ std::vector<std::uint32_t> share_of(const std::vector<std::uint32_t>& tiles, int
 /// What the other ranks send rank 0.
 class SurveyCollector {
  public:
-  SurveyCollector(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, double silence_s)
-      : mpi_(mpi), silence_s_(silence_s), ranks_(std::size_t(mpi.ranks())) {
+  SurveyCollector(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, double silence_s,
+                  const SurveyListener& listener)
+      : mpi_(mpi), silence_s_(silence_s), listener_(listener), ranks_(std::size_t(mpi.ranks())) {
     for (int rank = 0; rank < mpi.ranks(); ++rank)
       ranks_[std::size_t(rank)] = {share_of(tiles, rank, mpi.ranks()).size(), Clock::now()};
   }
@@ -82,6 +89,7 @@ class SurveyCollector {
       Rank& rank = ranks_[std::size_t(message->from)];
       rank.heard = Clock::now();
       if (message->tag == tag_stop) rank.missing = 0;
+      if (message->tag == tag_died) listener_.died(message->from, {message->bytes.begin(), message->bytes.end()});
       if (message->tag != tag_survey) continue;
       surveys_.push_back(survey_from_bytes(message->bytes));
       --rank.missing;
@@ -118,6 +126,7 @@ class SurveyCollector {
 
   MpiSession& mpi_;
   double silence_s_;
+  const SurveyListener& listener_;
   std::vector<Rank> ranks_;
   std::vector<TileSurvey> surveys_;
 };
@@ -148,15 +157,24 @@ std::vector<std::uint32_t> share_out(MpiSession& mpi, const std::vector<std::uin
 }  // namespace
 
 void survey_here(BakeProcess& process, const std::vector<std::uint32_t>& tiles,
-                 const std::function<void(TileSurvey)>& each, const std::function<bool()>& idle) {
+                 const std::function<void(TileSurvey)>& each, const std::function<void(const std::string&)>& died,
+                 const std::function<bool()>& idle) {
   TileQueue queue(tiles);
+  int failed_starts = 0;
   while (!queue.is_empty() || process.in_hand() != 0) {
     while (const auto tile = queue.next(process.in_hand())) process.survey(*tile);
     process.wait(longest_wait);
     while (auto event = process.poll()) {
       if (auto* surveyed = std::get_if<BakeProcess::Surveyed>(&*event)) each(std::move(surveyed->survey));
-      if (auto* died = std::get_if<BakeProcess::Died>(&*event))
-        if (const auto tile = queue.put_back(died->tiles)) each(given_up(*tile, died->why));
+      const auto* death = std::get_if<BakeProcess::Died>(&*event);
+      if (death == nullptr) continue;
+      failed_starts = death->has_started ? 0 : failed_starts + 1;
+      if (failed_starts == max_failed_starts) throw_no_start(death->why);
+      died(death->why);
+      if (!death->has_started)
+        queue.take_back(death->tiles);
+      else if (const auto tile = queue.put_back(death->tiles))
+        each(given_up(*tile, death->why));
     }
     if (!idle()) return;
   }
@@ -169,6 +187,9 @@ void survey_for_master(MpiSession& mpi, BakeProcess& process, const std::vector<
   SignsOfLife signs(mpi, process);
   survey_here(
       process, tiles, [&](const TileSurvey& s) { mpi.send(0, tag_survey, to_bytes(s)); },
+      [&](const std::string& why) {
+        mpi.send(0, tag_died, {why.begin(), why.end()});
+      },
       [&] {
         signs.show();
         if (const auto message = mpi.poll(); !message || message->tag != tag_stop) return true;
@@ -180,19 +201,20 @@ void survey_for_master(MpiSession& mpi, BakeProcess& process, const std::vector<
 }  // namespace
 
 std::vector<TileSurvey> survey_tiles(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, BakeProcess& process,
-                                     double silence_s, const std::function<bool(std::size_t)>& on_survey) {
+                                     double silence_s, const SurveyListener& listener) {
   const std::vector<std::uint32_t> own = share_out(mpi, tiles, process);
   if (mpi.rank() != 0) {
     survey_for_master(mpi, process, own);
     return {};
   }
-  SurveyCollector collector(mpi, tiles, silence_s);
+  SurveyCollector collector(mpi, tiles, silence_s, listener);
   const auto collect = [&] {
     collector.collect();
-    return on_survey(collector.surveys().size());
+    return listener.surveyed(collector.surveys().size());
   };
   survey_here(
-      process, own, [&](TileSurvey s) { collector.surveys().push_back(std::move(s)); }, collect);
+      process, own, [&](TileSurvey s) { collector.surveys().push_back(std::move(s)); },
+      [&](const std::string& why) { listener.died(0, why); }, collect);
   bool goes_on = collect();
   for (; goes_on && collector.surveys().size() < tiles.size(); goes_on = collect()) process.wait(longest_wait);
   if (!goes_on) collector.stop(process);

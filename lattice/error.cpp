@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <new>
+#include <sys/resource.h>
+#include <system_error>
 
 namespace gigabake {
 namespace {
@@ -50,6 +52,15 @@ std::string message_line(const std::string& file, const std::string& key, const 
   return as_line(before) + as_line(message, longest_message_bytes - before.size() - place.size()) + place;
 }
 
+/// Starting a thread or a process fails in this way alone.
+std::string no_more_processes() {
+  rlimit limit{};
+  const bool is_known = ::getrlimit(RLIMIT_NPROC, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
+  return "the system starts no more threads and processes; raise the limit (ulimit -u" +
+         (is_known ? ", which is " + std::to_string(limit.rlim_cur) : std::string()) +
+         ", or the container's pids.max), or take fewer threads";
+}
+
 }  // namespace
 
 std::string as_line(std::string_view text, std::size_t most_bytes) {
@@ -63,6 +74,9 @@ std::string as_line(std::string_view text, std::size_t most_bytes) {
 std::string in_quotes(std::string_view text) { return "'" + as_line(text, longest_quote_bytes) + "'"; }
 
 std::string reason_of(const std::exception& error) {
+  const auto* of_system = dynamic_cast<const std::system_error*>(&error);
+  if (of_system != nullptr && of_system->code() == std::errc::resource_unavailable_try_again)
+    return no_more_processes();
   const bool is_memory = dynamic_cast<const std::bad_alloc*>(&error) != nullptr ||
                          dynamic_cast<const std::length_error*>(&error) != nullptr;
   return is_memory ? not_enough_memory : as_line(error.what());

@@ -7,8 +7,8 @@
 #include <tuple>
 #include <utility>
 
+#include "format/job/fingerprint.h"
 #include "lattice/counted.h"
-#include "scheduler/fingerprint.h"
 
 namespace gigabake {
 namespace {

@@ -22,7 +22,7 @@ static_assert(sizeof(FrameHeader) == 24);
 
 void check(const FrameHeader& h) {
   if (h.magic != frame_magic) throw InputError("bake message", "magic", "expected a frame");
-  if (h.kind < std::uint32_t(BakeMessageKind::setup) || h.kind > std::uint32_t(BakeMessageKind::sources))
+  if (h.kind < std::uint32_t(BakeMessageKind::setup) || h.kind > std::uint32_t(BakeMessageKind::started))
     throw InputError("bake message", "kind", "unknown: " + std::to_string(h.kind));
   if (h.bytes > most_payload_bytes) throw InputError("bake message", "bytes", "too long: " + std::to_string(h.bytes));
 }

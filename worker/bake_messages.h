@@ -2,7 +2,8 @@
 ///
 ///   supervisor → process   sources (the next part of WorkerSetup::sources, first), setup (WorkerSetup, once, after all
 ///                          of them), survey (tile, u32), bake (BakeOrder)
-///   process → supervisor   ready (DeviceAnswer, once, first), surveyed (TileSurvey), baked (BakeAnswer)
+///   process → supervisor   started (empty, once, first: it can take requests), ready (DeviceAnswer, once), surveyed
+///   (TileSurvey), baked (BakeAnswer)
 ///
 /// A frame is magic "GBKE" u32, kind u32, payload bytes u64, XXH3-64 of the payload u64, then the payload; little
 /// endian.
@@ -19,7 +20,7 @@
 
 namespace gigabake {
 
-enum class BakeMessageKind : std::uint32_t { setup = 1, survey, bake, ready, surveyed, baked, sources };
+enum class BakeMessageKind : std::uint32_t { setup = 1, survey, bake, ready, surveyed, baked, sources, started };
 
 struct BakeMessage {
   BakeMessageKind kind = BakeMessageKind::setup;

@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "format/job/fingerprint.h"
 #include "format/job/source_bytes.h"
 #include "lattice/error.h"
 #include "lattice/memory_limit.h"
@@ -210,6 +211,7 @@ class BakeServer {
       done_.ring();
     });
     open_scene();
+    send(BakeMessageKind::started, {});
   }
 
   static DeviceAnswer answer_to(const DeviceWish& wish) {
@@ -243,6 +245,7 @@ class BakeServer {
   void open_scene() {
     try {
       sources_ = sources_from_bytes(std::exchange(source_bytes_, {}));
+      fingerprints_.emplace(setup_->parameters, sources_.origin);
       surveyor_ = std::make_unique<Surveyor>(sources_, *setup_, done_);
       surveys_ = true;
     } catch (const std::exception& e) {
@@ -271,14 +274,22 @@ class BakeServer {
   void bake(BakeOrder order) {
     if (chosen_.valid()) take_device();
     make_pipeline();
+    if (pipeline_ && !fingerprints_->match(order.job))
+      return answer_without_shard(order, CellOutcome::refused,
+                                  "its fingerprint is of other parameters than this process bakes with");
     if (pipeline_) {
       attempts_.emplace_back(order.job.id, order.attempt);
       return pipeline_->submit(std::move(order.job));
     }
+    answer_without_shard(order, CellOutcome::failed, why_not_);
+  }
+
+  void answer_without_shard(const BakeOrder& order, CellOutcome outcome, std::string why) {
     BakeAnswer answer;
     answer.attempt = order.attempt;
     answer.report.id = order.job.id;
-    answer.report.error = why_not_;
+    answer.report.outcome = outcome;
+    answer.report.error = std::move(why);
     send(BakeMessageKind::baked, to_bytes(answer));
   }
 
@@ -307,6 +318,7 @@ class BakeServer {
   std::optional<WorkerSetup> setup_;
   std::vector<std::uint8_t> source_bytes_;  ///< until they are whole
   SceneSources sources_;
+  std::optional<CellFingerprints> fingerprints_;  ///< of what this process has
   std::string why_not_;  ///< not empty: the answer to every request that needs what could not be made
   std::promise<DeviceAnswer> choice_;
   std::future<DeviceAnswer> chosen_;  ///< valid from the setup until it is taken

@@ -1,5 +1,8 @@
 #include <fmt/format.h>
+#include <functional>
 #include <memory>
+#include <optional>
+#include <unistd.h>
 
 #include "app/commands.h"
 #include "app/messages/bake_console.h"
@@ -8,6 +11,7 @@
 #include "app/options/flags.h"
 #include "app/process/on_all_ranks.h"
 #include "cluster/drain.h"
+#include "format/system/message.h"
 #include "format/system/publish.h"
 
 namespace gigabake::app {
@@ -27,18 +31,50 @@ BakeProgress warnings_alone(const Progress& steps) {
   p.planned = [](const BakePlan&) {};
   p.status = [](const BakeStatus&) {};
   p.cell_done = [](const CellReport& report, const CellJob& job) {
-    if (!report.note.empty()) fmt::print(stderr, "cell {}: {}\n", job.name, with_flags(report.note));
+    if (!report.note.empty()) print_message("cell {}: {}\n", job.name, with_flags(report.note));
   };
   p.told = [](const std::string&) {};
-  p.noted = [](const std::string& line) { fmt::print(stderr, "{}\n", with_flags(line)); };
+  p.noted = [](const std::string& line) { print_message("{}\n", with_flags(line)); };
   return p;
 }
 
+/// The line that a second Ctrl-C prints.
+std::string state_left(const BakeStatus& s) {
+  const CellTally& c = s.cells;
+  const std::string done = s.state == BakeState::surveying
+                               ? fmt::format("{} of {} tiles surveyed", s.tiles_surveyed, s.tiles)
+                               : fmt::format("{} of {} cells are in OUT", c.taken_over + c.done + c.empty, c.planned);
+  return fmt::format("\ngigabake: stopped at once, {}; the same command goes on from there\n", done);
+}
+
+/// What a bake does beside showing its progress: it keeps the last words up to date, and lines of a log get the time
+/// once the source is open. Before that a line is the answer to a command that was just typed.
+BakeProgress noted_progress(BakeProgress progress, const std::function<void()>& begin_log) {
+  progress.opened = [begin_log, show = progress.opened](const SceneSources& sources) {
+    begin_log();
+    show(sources);
+  };
+  progress.status = [show = progress.status](const BakeStatus& status) {
+    set_last_words(state_left(status));
+    show(status);
+  };
+  return progress;
+}
+
 int run(const BakeOptions& options, MpiSession& mpi) {
-  const BakeRequest request = options.request();
+  const BakeRequest request = options.request_of(mpi);
   BakeConsole console(mpi.rank() == 0 && !options.quiet ? stderr : nullptr, {is_drain_asked, {}});
   BakeProgress progress = console.callbacks();
-  const BakeSummary summary = bake(mpi, request, options.quiet ? warnings_alone(progress.steps) : progress);
+  const bool has_time = options.log_time.value_or(::isatty(STDERR_FILENO) == 0);
+  std::optional<MessageTime> log_time;
+  const auto begin_log = [&] {
+    if (has_time) log_time.emplace(mpi.rank());
+  };
+  if (mpi.rank() != 0) begin_log();
+  set_last_words("\ngigabake: stopped at once, before the first cell; the same command starts again\n");
+  if (options.quiet) progress = warnings_alone(progress.steps);
+  const BakeSummary summary = bake(mpi, request, noted_progress(progress, begin_log));
+  log_time.reset();  // what follows is the answer of the command
   if (mpi.rank() != 0) return complete;
   const std::string report = json_report(summary, request.out);
   if (options.json)
@@ -59,7 +95,7 @@ int run_until_stopped(const BakeOptions& options, MpiSession& mpi) {
     return run(options, mpi);
   } catch (const Stopped&) {
     if (mpi.rank() == 0)
-      fmt::print(stderr, "gigabake: asked to end before the first cell; run the same command again to go on\n");
+      print_message("gigabake: asked to end before the first cell; run the same command again to go on\n");
     return drained;
   }
 }
@@ -81,6 +117,9 @@ void add_bake(CLI::App& app, int& exit_code) {
                     "once the scene is whole, remove shards that it does not have; without, they stay for a return to "
                     "earlier settings");
   command->add_flag("-q,--quiet", options->quiet, "print errors, warnings and what is missing alone");
+  command->add_flag_function(
+      "--log-time,!--no-log-time", [options](std::int64_t given) { options->log_time = given > 0; },
+      "time and rank before each line of the log (default where standard error is not a terminal)");
   Patience& patience = options->asked.patience;
   const auto add_seconds = [command](const char* name, double& seconds, const char* description) {
     command->add_option(name, seconds, fmt::format("{} ({:g})", description, seconds));
@@ -90,7 +129,7 @@ void add_bake(CLI::App& app, int& exit_code) {
   add_seconds("--silence", patience.silence_s, "seconds after which a rank that is not heard of is lost");
   command->callback([options, &exit_code] {
     watch_for_drain();  // before MPI starts: mpirun passes signals on from the beginning
-    exit_code = on_all_ranks([&](MpiSession& mpi) { return run_until_stopped(*options, mpi); });
+    exit_code = on_all_ranks("bake", [&](MpiSession& mpi) { return run_until_stopped(*options, mpi); });
   });
 }
 

@@ -10,6 +10,7 @@
 
 #include "app/commands.h"
 #include "app/options/flags.h"
+#include "format/system/message.h"
 #include "lattice/error.h"
 #include "worker/bake_service.h"
 
@@ -44,10 +45,10 @@ int run(int fd) {
     take_name();
     return serve_bakes(fd);
   } catch (const UsageError& e) {
-    fmt::print(stderr, "gigabake: {}\n", said(e));
+    print_message("gigabake: {}\n", said(e));
     return usage;
   } catch (const std::exception& e) {
-    fmt::print(stderr, "gigabake: bake process: {}\n", said(e));
+    print_message("gigabake: bake process: {}\n", said(e));
     return failed;
   }
 }

@@ -16,6 +16,7 @@
 #include "bench/report/light_report.h"
 #include "bench/report/motion_report.h"
 #include "format/system/host_limits.h"
+#include "format/system/message.h"
 #include "format/system/publish.h"
 #include "lattice/error.h"
 
@@ -96,7 +97,7 @@ int run_hard(const AccuracyOptions& options) {
   const bench::HardBench b = with_progress([&](const Progress& progress) {
     progress.step("hard cases", 0, "case");
     return bench_hard(request, [&](const bench::HardResult& r) {
-      if (!r.holds()) fmt::print(stderr, "{} FAILS\n", r.name);
+      if (!r.holds()) print_message("{} FAILS\n", r.name);
       progress.advance();
     });
   });

@@ -9,6 +9,7 @@
 #include "app/messages/with_progress.h"
 #include "app/options/flags.h"
 #include "app/options/scene_argument.h"
+#include "format/system/message.h"
 #include "lattice/counted.h"
 #include "lattice/progress.h"
 
@@ -93,7 +94,7 @@ void add_diff(CLI::App& app, int& exit_code) {
     } catch (const Stopped&) {
       throw;
     } catch (const std::exception& error) {
-      fmt::print(stderr, "gigabake: {}\n", said(error));
+      print_message("gigabake: {}\n", said(error));
       exit_code = diff_trouble;
     }
   });

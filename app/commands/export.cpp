@@ -9,12 +9,14 @@
 #include "app/options/choices.h"
 #include "app/options/scene_argument.h"
 #include "app/process/on_all_ranks.h"
+#include "cluster/agreed_request.h"
 #include "cluster/mpi_export_team.h"
 #include "format/export/gigavoxel.h"
 #include "format/export/nanovdb.h"
 #include "format/export/openvdb/openvdb_export.h"
 #include "format/export/ply.h"
 #include "format/export/voxel_tileset.h"
+#include "format/system/message.h"
 #include "lattice/counted.h"
 #include "lattice/error.h"
 
@@ -84,7 +86,18 @@ void print_done(const ExportOptions& o, std::uint64_t voxels) {
   if (!o.quiet) fmt::print("{} of lod {} in {}\n", counted(voxels, "voxel"), o.lod, o.out);
 }
 
+/// What the bytes of an export depend on.
+std::vector<NamedOption> shared_options(const ExportOptions& o, const ExportFormat& format) {
+  return {{"SCENE", std::filesystem::absolute(o.scene).lexically_normal().string()},
+          {"`to`", format.name},
+          {"`out`", std::filesystem::absolute(o.out).lexically_normal().string()},
+          {"`lod`", std::to_string(o.lod)},
+          {"--tile-voxels", std::to_string(o.tiles.tile_voxels)},
+          {"`update`", o.tiles.update ? "given" : "not given"}};
+}
+
 int run_on_rank(const ExportOptions& options, const ExportFormat& format, MpiSession& mpi) {
+  expect_same_options(mpi, shared_options(options, format));
   TilesetOptions tiles = options.tiles;
   if (std::string_view(format.name) == "3dtiles-gltf") tiles.form = TilesetForm::gltf_2_1;
   tiles.lod = options.lod;
@@ -97,7 +110,7 @@ int run_on_rank(const ExportOptions& options, const ExportFormat& format, MpiSes
     if (mpi.rank() == 0) print_done(options, voxels);
     return 0;
   } catch (const Stopped&) {
-    if (mpi.rank() == 0) fmt::print(stderr, "{}\n", stop_line());
+    if (mpi.rank() == 0) print_message("{}\n", stop_line());
     return exit_code_of_stop();
   }
 }
@@ -134,7 +147,7 @@ void add_export(CLI::App& app, int& exit_code) {
     const ExportFormat& format = chosen_format(*o);
     o->scene = scene_argument(o->scene).string();
     if (!format.write) {
-      exit_code = on_all_ranks([&](MpiSession& mpi) { return run_on_rank(*o, format, mpi); });
+      exit_code = on_all_ranks("export", [&](MpiSession& mpi) { return run_on_rank(*o, format, mpi); });
       return;
     }
     expect_no_tile_options(*command, format);

@@ -8,6 +8,7 @@
 #include "app/options/bake_options.h"
 #include "app/process/on_all_ranks.h"
 #include "app/process/stop_signal.h"
+#include "format/system/message.h"
 #include "scheduler/prior.h"
 
 namespace gigabake::app {
@@ -25,7 +26,7 @@ struct PlanOptions {
 
 int run(const PlanOptions& plan_options, MpiSession& mpi) {
   const BakeOptions& options = plan_options.bake;
-  const BakeRequest request = options.request();
+  const BakeRequest request = options.request_of(mpi);
   BakeConsole console(mpi.rank() == 0 ? stderr : nullptr, {[] { return stop_signal() != 0; }, {}});
   const BakeProgress progress = console.callbacks();
   const PlannedBake planned = plan_bake(mpi, request, progress);
@@ -46,7 +47,7 @@ int run_until_stopped(const PlanOptions& options, MpiSession& mpi) {
   try {
     return run(options, mpi);
   } catch (const Stopped&) {
-    if (mpi.rank() == 0) fmt::print(stderr, "{}\n", stop_line());
+    if (mpi.rank() == 0) print_message("{}\n", stop_line());
     return exit_code_of_stop();
   }
 }
@@ -67,7 +68,7 @@ void add_plan(CLI::App& app, int& exit_code) {
                     "voxels and bytes only from the surface's area");
   command->callback([options, &exit_code] {
     const StopSignals signals;  // before MPI starts: mpirun passes signals on from the beginning
-    exit_code = on_all_ranks([&](MpiSession& mpi) { return run_until_stopped(*options, mpi); });
+    exit_code = on_all_ranks("plan", [&](MpiSession& mpi) { return run_until_stopped(*options, mpi); });
   });
 }
 

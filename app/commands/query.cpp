@@ -13,7 +13,9 @@
 #include "app/options/flags.h"
 #include "app/options/scene_argument.h"
 #include "app/options/text_values.h"
+#include "app/process/standard_streams.h"
 #include "format/system/host_limits.h"
+#include "format/system/message.h"
 #include "format/system/output_file.h"
 #include "format/system/publish.h"
 #include "lattice/counted.h"
@@ -105,22 +107,22 @@ void tell_losses(const SceneHeader& scene) {
   for (const SceneLoss& loss : scene.losses)
     sources += loss.name.starts_with("cell ") || loss.name.starts_with("parent ") ? 0 : 1;
   if (sources > 0)
-    fmt::print(stderr, "gigabake: the bake lost {} of its source, where nothing is hit; `gigabake info` names them\n",
-               counted(sources, "part"));
+    print_message("gigabake: the bake lost {} of its source, where nothing is hit; `gigabake info` names them\n",
+                  counted(sources, "part"));
 }
 
 int tell(const QueryArguments& a, const QueryTally& tally, SceneQuery& query) {
   const auto of = [&](QueryOutcome outcome) { return tally[std::size_t(outcome)]; };
   for (const std::string& problem : query.problems())
-    fmt::print(stderr, "gigabake: cell missing: {}\n", with_flags(problem));
+    print_message("gigabake: cell missing: {}\n", with_flags(problem));
   if (!a.out.empty() && !a.quiet)
     fmt::print("{}: {} hit, {} hit nothing, {} outside the scene, {} where a cell is missing; {} built, {} at most\n",
                a.out, of(QueryOutcome::hit), of(QueryOutcome::nothing), of(QueryOutcome::outside),
                of(QueryOutcome::missing), counted(query.counts().trees_built, "tree"),
                readable_size(query.counts().peak_bytes));
   if (of(QueryOutcome::missing) > 0)
-    fmt::print(stderr, "gigabake: {} came to a cell that is missing; bake the scene again\n",
-               counted(of(QueryOutcome::missing), "ray"));
+    print_message("gigabake: {} came to a cell that is missing; bake the scene again\n",
+                  counted(of(QueryOutcome::missing), "ray"));
   return of(QueryOutcome::missing) > 0 ? cells_failed : complete;
 }
 
@@ -141,7 +143,7 @@ int run(const QueryArguments& a) {
   const QueryTally tally = with_progress(
       [&](const Progress& progress) { return write_answers(a, job, query, *question.asks, pool, progress); },
       a.quiet || a.out.empty() ? nullptr : stderr);
-  std::fflush(stdout);
+  flush_output();
   return tell(a, tally, query);
 }
 

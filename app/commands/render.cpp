@@ -15,6 +15,7 @@
 #include "app/options/renderer_options.h"
 #include "app/options/scene_argument.h"
 #include "app/options/text_values.h"
+#include "format/system/message.h"
 #include "format/system/publish.h"
 #include "lattice/counted.h"
 #include "lattice/error.h"
@@ -108,7 +109,7 @@ FrameRenderer::Options renderer_options_of(const RenderArguments& a) {
 /// What was drawn coarser than it should be, and the exit code for that.
 int tell_problems(const FrameRenderer& renderer) {
   for (const std::string& problem : renderer.problems())
-    fmt::print(stderr, "gigabake: drawn coarser: {}\n", with_flags(problem));
+    print_message("gigabake: drawn coarser: {}\n", with_flags(problem));
   return renderer.problems().empty() ? complete : cells_failed;
 }
 

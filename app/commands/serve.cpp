@@ -1,18 +1,24 @@
-#include <cstdio>
+#include <chrono>
 #include <filesystem>
 #include <fmt/core.h>
 #include <memory>
+#include <thread>
 
 #include "app/commands.h"
 #include "app/commands/bake_look.h"
 #include "app/options/live_options.h"
 #include "app/options/scene_argument.h"
+#include "app/process/standard_streams.h"
+#include "app/process/stop_signal.h"
 #include "lattice/error.h"
+#include "lattice/progress.h"
 #include "viewer/web/http_guard.h"
 #include "viewer/web/stream_server.h"
 
 namespace gigabake::app {
 namespace {
+
+constexpr std::chrono::milliseconds stop_check{50};
 
 struct ServeArguments {
   LiveArguments live;
@@ -33,8 +39,15 @@ void run(ServeArguments& a) {
   LiveScene live(scene, std::move(scene_options));
   StreamServer server(live, a.server);
   fmt::print("{}\n", server.url());
-  std::fflush(stdout);
+  flush_output();
+  // The server stops from a thread of its own: a signal handler may not.
+  const StopSignals signals("gigabake: stopped at once; serving changes no file\n");
+  const std::jthread stopper([&server](const std::stop_token& over) {
+    while (!over.stop_requested() && stop_signal() == 0) std::this_thread::sleep_for(stop_check);
+    server.stop();
+  });
   server.serve();
+  if (stop_signal() != 0) throw Stopped();
 }
 
 }  // namespace

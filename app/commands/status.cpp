@@ -10,6 +10,7 @@
 #include "app/messages/progress_line.h"
 #include "app/messages/status_text.h"
 #include "app/options/scene_argument.h"
+#include "app/process/standard_streams.h"
 
 namespace gigabake::app {
 namespace {
@@ -53,7 +54,7 @@ int follow(const StatusOptions& options) {
       line.leave_bar();
       print_text(seen);
     }
-    std::fflush(stdout);
+    flush_output();
     if (ended) return exit_code_of(seen);
   }
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -12,6 +11,8 @@
 #include "app/messages/alike.h"
 #include "app/messages/status_text.h"
 #include "app/options/flags.h"
+#include "app/process/standard_streams.h"
+#include "format/system/message.h"
 #include "lattice/counted.h"
 #include "lattice/error.h"
 #include "lattice/host_device.h"
@@ -241,22 +242,21 @@ void print_json_report(const BakePlan& plan, const std::optional<PriorResults>& 
 }
 
 void warn_of(const SourcePrecision& precision) {
-  std::fflush(stdout);
+  put_output_before_messages();
   if (precision.coarse.empty()) return;
   const CoarseSource& worst = precision.coarse[0];
   const std::uint64_t more = precision.coarse_sources - 1;
-  fmt::print(
-      stderr,
+  print_message(
       "warning: {} stores positions in steps of up to {:.3g} m, but voxels are {:.6g} m{}; its vertices are off by "
       "up to half a step. Write them relative to a centre (a tile's transform, RTC_CENTER) or with more bits\n",
       worst.name, worst.spacing_m, precision.wanted_m * 4, more == 0 ? "" : "; and " + counted(more, "more source"));
 }
 
 void print_losses(const std::vector<SceneLoss>& losses) {
-  std::fflush(stdout);
+  put_output_before_messages();
   if (losses.empty()) return;
-  fmt::print(stderr, "incomplete, {} missing:\n", losses.size());
-  for (const std::string& line : lines_of(losses)) fmt::print(stderr, "  {}\n", with_flags(as_line(line)));
+  print_message("incomplete, {} missing:\n", losses.size());
+  for (const std::string& line : lines_of(losses)) print_message("  {}\n", with_flags(as_line(line)));
 }
 
 }  // namespace gigabake::app

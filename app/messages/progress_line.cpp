@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "app/messages/status_text.h"
+#include "format/system/message.h"
 
 namespace gigabake::app {
 namespace {
@@ -30,10 +31,11 @@ void ProgressLine::show(const BakeStatus& status) {
   last_ = now;
   if (terminal_) {
     const int filled = int(bar_width * share);
-    fmt::print(stream_, "\r\033[K[{:=<{}}{: <{}}] {}", "", filled, "", bar_width - filled, one_line(status));
+    write_part(stream_,
+               fmt::format("\r\033[K[{:=<{}}{: <{}}] {}", "", filled, "", bar_width - filled, one_line(status)));
     bar_is_there_ = true;
   } else {
-    fmt::print(stream_, "{}\n", one_line(status));
+    write_line(one_line(status));
   }
   if (share >= 1) {
     leave_bar();
@@ -43,12 +45,18 @@ void ProgressLine::show(const BakeStatus& status) {
 }
 
 void ProgressLine::say(const std::string& line) {
-  fmt::print(stream_, "{}{}\n", bar_is_there_ ? "\r\033[K" : "", line);
+  if (bar_is_there_) write_part(stream_, "\r\033[K");
+  write_line(line);
   bar_is_there_ = false;
 }
 
+void ProgressLine::write_line(const std::string& line) {
+  if (stream_ == stderr) return print_message("{}\n", line);
+  write_part(stream_, line + "\n");
+}
+
 void ProgressLine::leave_bar() {
-  if (bar_is_there_) fmt::print(stream_, "\n");
+  if (bar_is_there_) write_part(stream_, "\n");
   bar_is_there_ = false;
 }
 

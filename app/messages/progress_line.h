@@ -27,6 +27,8 @@ class ProgressLine {
   void leave_bar();
 
  private:
+  void write_line(const std::string& line);
+
   using Clock = std::chrono::steady_clock;
   enum class Phase { survey, cells };
 

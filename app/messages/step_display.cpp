@@ -1,9 +1,10 @@
 #include "app/messages/step_display.h"
 
 #include <chrono>
-#include <fmt/core.h>
 #include <unistd.h>
 #include <utility>
+
+#include "format/system/message.h"
 
 namespace gigabake::app {
 namespace {
@@ -69,10 +70,10 @@ void StepDisplay::show_until_the_end() {
 void StepDisplay::show_line(const std::string& line) {
   if (stream_ == nullptr || line == shown_) return;
   if (is_terminal_) {
-    fmt::print(stream_, "\r\033[K{}", line);
+    write_part(stream_, "\r\033[K" + line);
     shown_ = line;
   } else {
-    fmt::print(stream_, "{}\n", line);
+    print_message("{}\n", line);
   }
   std::fflush(stream_);
 }
@@ -90,7 +91,7 @@ void StepDisplay::press_stop(double now_s) {
 
 void StepDisplay::clear_line() {
   if (shown_.empty()) return;
-  fmt::print(stream_, "\r\033[K");
+  write_part(stream_, "\r\033[K");
   std::fflush(stream_);
   shown_.clear();
 }

@@ -84,8 +84,21 @@ void BakeOptions::add_to(CLI::App& command) {
   command.add_flag("--json", json, "print the answer as JSON");
 }
 
+BakeRequest BakeOptions::request_of(MpiSession& mpi) const {
+  BakeRequest own;
+  check_options_together(mpi, [&] {
+    if (mpi.rank() == 0) expect_source(source);  // other ranks may have another working directory
+    own = checked_request();
+  });
+  return own;
+}
+
 BakeRequest BakeOptions::request() const {
   expect_source(source);
+  return checked_request();
+}
+
+BakeRequest BakeOptions::checked_request() const {
   BakeRequest r = asked;
   r.source = source;
   r.out = out;

@@ -15,11 +15,18 @@ struct BakeOptions {
   std::string source, out, metrics, report, voxel_size, channels, lattice_origin, origin;
   std::optional<std::uint64_t> memory_bytes;
   bool json = false, quiet = false;
+  std::optional<bool> log_time;  ///< none: where standard error is not a terminal
 
   BakeOptions();
   void add_to(CLI::App& command);
-  /// Errors  UsageError: what was expected of which option.
+  /// Collective. Returns this rank's own request. Errors  CollectiveUsageError: what was expected of which option;
+  /// CollectiveFailure: rank 0 finds that SCENE is no source.
+  BakeRequest request_of(MpiSession& mpi) const;
+  /// Of a process that bakes alone. Errors  UsageError and InputError, as request_of().
   BakeRequest request() const;
+
+ private:
+  BakeRequest checked_request() const;
 };
 
 }  // namespace gigabake::app

@@ -5,6 +5,7 @@
 
 #include "app/options/choices.h"
 #include "app/options/text_values.h"
+#include "format/system/message.h"
 #include "lattice/error.h"
 
 namespace gigabake::app {
@@ -68,11 +69,11 @@ void set_sun(const SunArguments& a, const SceneHeader& scene, View& view) {
 
 void tell_sun(const SunArguments& a, const View& view) {
   if (!a.time.empty())
-    fmt::print(stderr, "gigabake: {}: the sun stands at {:.2f}, {:.2f}\n", a.time, view.sun.azimuth_deg,
-               view.sun.elevation_deg);
+    print_message("gigabake: {}: the sun stands at {:.2f}, {:.2f}\n", a.time, view.sun.azimuth_deg,
+                  view.sun.elevation_deg);
   if (view.sun.elevation_deg <= 0)
-    fmt::print(stderr, "gigabake: the sun is {:.1f}° below the horizon: the sky alone lights the scene\n",
-               -view.sun.elevation_deg);
+    print_message("gigabake: the sun is {:.1f}° below the horizon: the sky alone lights the scene\n",
+                  -view.sun.elevation_deg);
 }
 
 void add_renderer_options(CLI::App& command, RendererArguments& a) {

@@ -1,28 +1,44 @@
 #include "app/process/stop_signal.h"
 
 #include <csignal>
-#include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <fmt/format.h>
 #include <stdexcept>
+#include <unistd.h>
+
+#include "format/system/message.h"
 
 namespace gigabake::app {
 namespace {
 
 volatile std::sig_atomic_t noted_signal = 0;
 
-void note_signal(int signal) { noted_signal = signal; }
+const char* last_words_of_stop = nullptr;
+
+void note_signal(int signal) {
+  if (noted_signal == 0) {
+    noted_signal = signal;
+    return;
+  }
+  if (::write(STDERR_FILENO, last_words_of_stop, std::strlen(last_words_of_stop)) < 0) {
+    // Nobody reads it; the process ends all the same.
+  }
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);  // takes effect when this handler returns
+}
 
 void handle_signal(int signal, void (*handler)(int)) {
   struct sigaction action {};
   action.sa_handler = handler;
-  action.sa_flags = SA_RESTART | SA_RESETHAND;
+  action.sa_flags = SA_RESTART;
   if (::sigaction(signal, &action, nullptr) != 0) throw std::runtime_error("sigaction failed");
 }
 
 }  // namespace
 
-StopSignals::StopSignals() {
+StopSignals::StopSignals(const char* last_words) {
+  last_words_of_stop = last_words;
   handle_signal(SIGINT, note_signal);
   handle_signal(SIGTERM, note_signal);
 }
@@ -42,7 +58,7 @@ std::string stop_line() {
 int exit_code_of_stop() { return 128 + (noted_signal != 0 ? int(noted_signal) : SIGTERM); }
 
 void end_as_stopped() {
-  fmt::print(stderr, "{}\n", stop_line());
+  print_message("{}\n", stop_line());
   std::_Exit(exit_code_of_stop());
 }
 

@@ -5,11 +5,15 @@
 
 namespace gigabake::app {
 
-/// While it is there, the first of these signals is noted and the second one ends the process as usual. The flag is the
-/// process's: one of them at a time. Errors  std::runtime_error.
+/// What a second signal prints where a command writes files.
+inline constexpr const char* stopped_while_writing =
+    "gigabake: stopped at once; files that were whole are as they were, a .part file may be left beside them\n";
+
+/// While it is there, the first of these signals is noted; the second one prints `last_words` and ends the process. The
+/// flag is the process's: one of them at a time. last_words: a literal. Errors  std::runtime_error.
 class StopSignals {
  public:
-  StopSignals();
+  explicit StopSignals(const char* last_words = stopped_while_writing);
   ~StopSignals();
   StopSignals(const StopSignals&) = delete;
   StopSignals& operator=(const StopSignals&) = delete;

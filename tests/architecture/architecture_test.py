@@ -147,6 +147,14 @@ def option_problems(text):
                 yield f"names the option {option}: a library names the field (lattice/error.h, UsageError)"
 
 
+def message_problems(name, text):
+    """A message that cannot be written must not end the program, and each may have the time before it."""
+    if name.startswith(("bench/", "tests/", "format/system/message.")):
+        return
+    for call in re.findall(r"(?:fmt::print|fprintf|fputs|std::cerr)\W{1,9}stderr|std::cerr", text):
+        yield f"writes to standard error by {call}: format/system/message.h does, which drops what cannot be written"
+
+
 def header_problems(name, text):
     if not text.startswith("///"):
         yield "does not open with what it is (///)"
@@ -163,6 +171,7 @@ def problems(root):
         found = list(text_problems(name, text))
         if path.suffix in SOURCE:
             found += include_problems(root, name, text)
+            found += message_problems(name, text)
             if room_of(name) in ROOMS:
                 found += option_problems(text)
         if path.suffix in {".h", ".cuh"}:

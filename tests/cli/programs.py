@@ -77,7 +77,8 @@ def run(command, timeout=300, **options):
     return result
 
 
-PROGRESS = re.compile(r"[a-z][a-z ]*: (\d+ %|\d+ of \d+|\d+ (s|min)\b)")
+TIME = r"(20[0-9T:-]+Z rank [0-9]+: )?"  # of a log's lines
+PROGRESS = re.compile(TIME + r"[a-z][a-z ]*: (\d+ %|\d+ of \d+|\d+ (s|min)\b)")
 
 
 def lines_of(stderr):

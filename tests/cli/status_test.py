@@ -81,7 +81,7 @@ class Status(harness.FolderTest):
         lines = [line for line in self.bake.stderr.splitlines() if "cells, " in line]
         self.assertEqual(len(lines), 1, self.bake.stderr)
         planned = self.status["cells"]["planned"]
-        self.assertTrue(lines[0].startswith(f"{planned}/{planned} cells, "), lines[0])
+        self.assertRegex(lines[0], rf"^20\d\d-[0-9:T-]+Z rank 0: {planned}/{planned} cells, ")
         self.assertNotIn("\r", self.bake.stderr)
 
     def test_metrics_are_the_status(self):

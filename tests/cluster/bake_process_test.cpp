@@ -187,6 +187,46 @@ TEST_F(BakeProcessTest, AnswersEveryRequestWithTheLineWhereItCannotBegin) {
   EXPECT_NE(refusal(scene.setup("file")).find("cannot make the folder"), std::string::npos);
 }
 
+/// 2026-11-25: a rank with other options baked other voxels under the fingerprints of rank 0's options.
+TEST_F(BakeProcessTest, RefusesACellWhoseFingerprintIsOfOtherParameters) {
+  WorkerSetup setup = scene.setup("out");
+  setup.parameters.surface = SurfaceRule::thin;
+  BakeProcess process(setup, real_program());
+  process.submit(jobs[0], 1);
+  const Baked baked = expect<Baked>(process);
+  EXPECT_EQ(baked.report.outcome, CellOutcome::refused);
+  EXPECT_NE(baked.report.error.find("fingerprint"), std::string::npos) << baked.report.error;
+  EXPECT_FALSE(std::filesystem::exists(scene.folder() / "out" / shard_path(jobs[0])));
+}
+
+/// 2026-11-25: a process that ends before it can take a request was counted against the tiles that waited for it.
+TEST_F(BakeProcessTest, KnowsAProcessThatEndsBeforeItHasStarted) {
+  BakeProcessOptions options;
+  options.program = scene.script("broken", "exit 3");
+  BakeProcess broken(scene.setup("out"), options);
+  broken.survey(0);
+  EXPECT_FALSE(expect<Died>(broken).has_started);
+  BakeProcess process(scene.setup("out"), real_program());
+  process.survey(0);
+  expect<Surveyed>(process);
+  ASSERT_EQ(::kill(*process.pid(), SIGKILL), 0);
+  EXPECT_TRUE(expect<Died>(process).has_started);
+}
+
+/// 2026-11-25: without /proc a bake tried for 90 s to start what cannot be started.
+TEST_F(BakeProcessTest, EndsAtOnceWhereNoProcessCanEverBeStarted) {
+  BakeProcessOptions options;
+  options.program = "/proc/no/such/program";
+  BakeProcess process(scene.setup("out"), options);
+  try {
+    process.prepare();
+    ADD_FAILURE() << "no error";
+  } catch (const std::runtime_error& e) {
+    EXPECT_EQ(std::string(e.what()),
+              "cannot start /proc/no/such/program: No such file or directory; a bake needs /proc to be mounted");
+  }
+}
+
 TEST_F(BakeProcessTest, SurveysTilesWhereItCannotBakeCells) {
   std::ofstream(scene.folder() / "file") << "in the way";
   BakeProcess process(scene.setup("file"), real_program());

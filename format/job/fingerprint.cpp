@@ -1,4 +1,4 @@
-#include "scheduler/fingerprint.h"
+#include "format/job/fingerprint.h"
 
 #define XXH_INLINE_ALL
 #include <algorithm>
@@ -9,9 +9,17 @@
 #include "lattice/kernel_version.h"
 
 namespace gigabake {
+namespace {
+
+/// Raised where shards of earlier programs cannot be trusted to be what their fingerprint says. 1: until 0.2.0 ranks
+/// with different options baked under rank 0's fingerprints, and nothing in such a shard tells.
+constexpr std::uint32_t fingerprint_version = 2;
+
+}  // namespace
 
 CellFingerprints::CellFingerprints(const BakeParameters& parameters, const std::optional<Geodetic>& origin) {
   ByteWriter w;
+  w.put(fingerprint_version);
   w.put(kernel_version);
   w.put(to_json(parameters));
   w.put(std::uint8_t(origin.has_value()));
@@ -30,6 +38,11 @@ Hash128 CellFingerprints::of(const CellJob& job, std::vector<Hash128> tile_sourc
   XXH3_128bits_update(&state, tile_sources.data(), tile_sources.size() * sizeof(Hash128));
   const XXH128_hash_t h = XXH3_128bits_digest(&state);
   return {h.low64, h.high64};
+}
+
+bool CellFingerprints::match(const CellJob& job) const {
+  if (is_parent(job) || (job.tile_sources.empty() && !job.tiles.empty())) return true;
+  return of(job, job.tile_sources) == job.fingerprint;
 }
 
 }  // namespace gigabake
