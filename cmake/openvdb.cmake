@@ -17,3 +17,6 @@ if(GB_OPENVDB_INCLUDE AND GB_OPENVDB_LIBRARY AND TARGET TBB::tbb)
 endif()
 gb_chosen(OPENVDB "${GIGABAKE_OPENVDB_LINKS}" libopenvdb-dev
           INCLUDES ${GB_OPENVDB_INCLUDE} LIBS ${GB_OPENVDB_LIBRARY} TBB::tbb Imath::Imath)
+if(NOT GIGABAKE_HAS_OPENVDB)
+  message(NOTICE "gigabake: export --to vdb will be refused: libopenvdb-dev is not installed or does not link")
+endif()

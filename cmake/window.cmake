@@ -19,3 +19,6 @@ if(glfw3_FOUND AND GB_IMGUI_INCLUDE AND GB_IMGUI_LIBRARY AND GB_STB_LIBRARY AND 
 endif()
 gb_chosen(WINDOW "${GIGABAKE_IMGUI_LINKS}" "libglfw3-dev, libimgui-dev and libgl-dev"
           INCLUDES ${GB_IMGUI_INCLUDE} LIBS ${GB_IMGUI_LIBRARY} ${GB_STB_LIBRARY} glfw ${GB_GL_LIBRARY})
+if(NOT GIGABAKE_HAS_WINDOW)
+  message(NOTICE "gigabake: `view` will be refused: libglfw3-dev, libimgui-dev or libgl-dev is not installed or does not link")
+endif()

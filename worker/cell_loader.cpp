@@ -29,8 +29,7 @@ kernels::CellInput LoadedCell::input() const { return {span(parts), span(materia
 
 CellLoader::CellLoader(const SceneSources& sources, const BakeParameters& parameters, std::uint64_t cache_bytes,
                        int threads, const TileScratch& scratch)
-    : sources_(sources),
-      parameters_(parameters),
+    : parameters_(parameters),
       pool_(threads),
       tile_store_(sources, parameters, scratch, threads),
       texture_store_(scratch.folder, scratch.most_tile_bytes),

@@ -75,7 +75,6 @@ class CellLoader {
                                              MemoryClaim& memory) const;
   void load_textures(const WantedTextures& wanted, LoadedCell& cell);
 
-  const SceneSources& sources_;
   const BakeParameters& parameters_;
   ThreadPool pool_;
   TileStore tile_store_;  ///< with threads of its own: tiles are read side by side on pool_

@@ -119,8 +119,8 @@ std::uint64_t export_gigavoxel(const std::filesystem::path& scene_xml, int lod, 
   GigavoxelWriter writer(publication.target(), publication.aside(), kind);
   progress.step("writing the cells", voxels);
   std::size_t number = 0;
-  scene.for_each_cell([&, &scene = scene](const SceneCell& cell) {
-    writer.write_cell(open_shard_of_scene(scene_xml, scene.header(), cell), lod, number++, progress);
+  scene.for_each_cell([&, &header = scene.header()](const SceneCell& cell) {
+    writer.write_cell(open_shard_of_scene(scene_xml, header, cell), lod, number++, progress);
     progress.advance(cell.voxels[std::size_t(lod)]);
   });
   writer.write_scene(scene);

@@ -109,9 +109,9 @@ std::uint64_t export_ply(const std::filesystem::path& scene_xml, int lod, const 
   progress.step("writing the voxels", voxels);
   VertexStream stream(scene.header(), lod, ply, publication.aside(), progress);
   stream.write(header(scene.header(), lod, voxels));
-  scene.for_each_cell([&scene = scene, &stream, lod](const SceneCell& c) {
-    const std::filesystem::path shard = scene.folder() / c.file;
-    if (stream.write_cell(shard, open_shard_of_scene(scene.file(), scene.header(), c)) != c.voxels[std::size_t(lod)])
+  scene.for_each_cell([&level = scene, &stream, lod](const SceneCell& c) {
+    const std::filesystem::path shard = level.folder() / c.file;
+    if (stream.write_cell(shard, open_shard_of_scene(level.file(), level.header(), c)) != c.voxels[std::size_t(lod)])
       throw InputError(shard, "/lod_" + std::to_string(lod), "has not as many voxels as scene.xml says");
   });
   stream.finish();

@@ -105,6 +105,9 @@ class Usage(unittest.TestCase):
                      r"MPI +\w.* v?\d", r"libraries HDF5 \d.*LZ4 \d.*libdeflate \d", r"loaded .*GDAL.*OpenVDB",
                      r"codecs +\w"):
             self.assertRegex(text, rf"(?m)^{line}")
+        # 2026-11-25: a machine without git failed this test. The build looks for git, too, and does without.
+        if not shutil.which("git"):
+            return
         head = subprocess.run(["git", "-C", SOURCE, "rev-parse", "--show-toplevel"], capture_output=True, text=True,
                               check=False)
         if head.returncode == 0 and Path(head.stdout.strip()).resolve() == Path(SOURCE).resolve():

@@ -237,7 +237,7 @@ class FaultyBake {
     if (dice < 5) {
       schedule_.process_died(w, "killed", now_s_);
       record_.process_died(w, now_s_);
-      std::erase_if(out_, [w = w](const auto& o) { return o.first == w; });
+      std::erase_if(out_, [worker = w](const auto& o) { return o.first == worker; });
       return;
     }
     out_.pop_back();

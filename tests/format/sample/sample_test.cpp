@@ -112,8 +112,9 @@ TEST(Sample, GivesEveryTileTheBoxOfItsVerticesAndTheRootABoxAroundThemAll) {
   const auto whole = box_of(root);
   const SceneSources s = open_sources(f.path / "tileset.json", {});
   for (const auto& child : root["children"]) {
-    const auto source = std::find_if(s.tiles.begin(), s.tiles.end(),
-                                     [&](const TileRef& t) { return t.name == child["content"]["uri"]; });
+    const auto source = std::find_if(s.tiles.begin(), s.tiles.end(), [&](const TileRef& t) {
+      return t.name == child["content"]["uri"].get<std::string>();
+    });
     ASSERT_NE(source, s.tiles.end());
     const auto box = box_of(child), vertices = bounds_of(read_tile(*source, s.root, ReadScope::positions_only));
     for (std::size_t c = 0; c < 6; ++c) {

@@ -18,8 +18,8 @@ TEST(RadixSort, IsAStableSortByTheGivenBits) {
         std::vector<std::uint64_t> values(count);
         for (auto& v : values) v = high == 64 ? rng() : rng() & ((std::uint64_t(1) << high) - 1);
         std::vector<std::uint64_t> expected = values;
-        const auto key = [low = low, high = high](std::uint64_t v) {
-          return high - low == 64 ? v : (v >> low) & ((std::uint64_t(1) << (high - low)) - 1);
+        const auto key = [first = low, bits = high - low](std::uint64_t v) {
+          return bits == 64 ? v : (v >> first) & ((std::uint64_t(1) << bits) - 1);
         };
         std::stable_sort(expected.begin(), expected.end(), [&](auto a, auto b) { return key(a) < key(b); });
         UnsetArray<std::uint64_t> sorted(count);
