@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cluster/collective.h"
+#include "cluster/time_bound.h"
 #include "lattice/kernel_version.h"
 
 namespace gigabake {
@@ -82,6 +83,8 @@ void expect_same_build(MpiSession& mpi, const std::string& command) {
   const BuildIdentity own = this_build(command);
   std::vector<std::uint8_t> bytes(sizeof own);
   std::memcpy(bytes.data(), &own, sizeof own);
+  const double usual_patience_s = mpi.patience_s();
+  mpi.set_patience(longest_mpi_call_s());  // a program from before this message sends another one, or waits
   bytes = mpi.from_master(std::move(bytes));
   all_or_none(mpi, [&] {
     BuildIdentity first;
@@ -92,6 +95,7 @@ void expect_same_build(MpiSession& mpi, const std::string& command) {
       throw std::runtime_error("this rank runs " + describe(own) + "; rank 0 runs " + describe(first) +
                                ": all ranks of a launch need the same program");
   });
+  mpi.set_patience(usual_patience_s);
 }
 
 }  // namespace gigabake

@@ -19,6 +19,10 @@ namespace {
 constexpr std::array<char, 16> magic = {'g', 'i', 'g', 'a', 'b', 'a', 'k', 'e', ' ', 's', 'u', 'r', 'v', 'e', 'y', 's'};
 constexpr std::uint64_t largest_file = std::uint64_t(1) << 40;
 
+/// 1: until 0.2.0 a rank might survey with other parameters than the key of the survey says.
+constexpr std::uint64_t cache_generation = 2;
+constexpr std::uint64_t file_version = cache_generation << 32 | survey_version;
+
 struct FileHeader {
   std::array<char, 16> magic;
   std::uint64_t version, bytes;
@@ -81,7 +85,7 @@ void SurveyCache::load(const std::filesystem::path& path) {
   if (bytes_.size() < sizeof h) return;
   std::memcpy(&h, bytes_.data(), sizeof h);
   const std::span content = std::span<const std::uint8_t>(bytes_).subspan(sizeof h);
-  if (h.magic != magic || h.version != survey_version || h.bytes != content.size() || h.hash != hash_of_bytes(content))
+  if (h.magic != magic || h.version != file_version || h.bytes != content.size() || h.hash != hash_of_bytes(content))
     return;
   for (std::size_t at = 0; at < content.size();) {
     ByteReader r(content.subspan(at), "survey cache");
@@ -136,7 +140,7 @@ void save_survey_cache(const std::filesystem::path& path, const SceneSources& so
     put(w.take());
   }
   const std::span bytes(reinterpret_cast<const std::uint8_t*>(content.data()), content.size());
-  const FileHeader header{magic, survey_version, content.size(), hash_of_bytes(bytes)};
+  const FileHeader header{magic, file_version, content.size(), hash_of_bytes(bytes)};
   publish_file(path, std::string(reinterpret_cast<const char*>(&header), sizeof header) + content);
 }
 

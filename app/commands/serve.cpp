@@ -38,10 +38,10 @@ void run(ServeArguments& a) {
   a.server.bake_status = [out] { return bake_status_json(out.string()); };
   LiveScene live(scene, std::move(scene_options));
   StreamServer server(live, a.server);
+  const StopSignals signals("gigabake: stopped at once; serving changes no file\n");
   fmt::print("{}\n", server.url());
   flush_output();
   // The server stops from a thread of its own: a signal handler may not.
-  const StopSignals signals("gigabake: stopped at once; serving changes no file\n");
   const std::jthread stopper([&server](const std::stop_token& over) {
     while (!over.stop_requested() && stop_signal() == 0) std::this_thread::sleep_for(stop_check);
     server.stop();

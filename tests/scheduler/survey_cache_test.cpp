@@ -1,6 +1,7 @@
 #include "scheduler/survey_cache.h"
 
 #include <fcntl.h>
+#include <fstream>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <thread>
@@ -203,6 +204,17 @@ TEST_F(SurveyCacheTest, OfAFileThatIsAbsentCutOrForeignIsEmpty) {
   EXPECT_EQ(found(), "000");
   std::filesystem::remove(path());
   std::filesystem::create_directory(path());
+  EXPECT_EQ(found(), "000");
+}
+
+/// 2026-11-25: ranks with other options left what they had surveyed under the keys of rank 0's options.
+TEST_F(SurveyCacheTest, OfAnEarlierProgramIsEmpty) {
+  save();
+  ASSERT_EQ(found(), "111");
+  std::fstream file(path(), std::ios::in | std::ios::out | std::ios::binary);
+  const std::uint64_t before = survey_version;
+  file.seekp(16).write(reinterpret_cast<const char*>(&before), sizeof before);
+  file.close();
   EXPECT_EQ(found(), "000");
 }
 
