@@ -70,6 +70,23 @@ class Surroundings(harness.FolderTest):
         lock.flush()
         fcntl.fcntl(lock, F_OFD_SETLK, struct.pack("hhqqi", fcntl.F_WRLCK, os.SEEK_SET, 0, 0, 0))
 
+    def as_another_user(self, *arguments, before=()):
+        program = self.root / "program"  # that another user may run, wherever the build is
+        if not program.exists():
+            shutil.copy(self.program.executable, program)
+        return harness.run([*before, "setpriv", "--reuid", "12002", "--regid", "12345", "--clear-groups", program,
+                            *arguments], 100, env=self.environment(HOME=str(self.root)))
+
+    @unittest.skipUnless(IS_ROOT, "expected root, whom no limit of processes binds, to be another user")
+    def test_a_limit_of_processes_is_named(self):
+        for limit in (2, 6):
+            out = self.new(f"out{limit}")
+            out.mkdir()
+            os.chown(out, 12002, 12345)
+            result = self.as_another_user(*self.bake(out), before=["prlimit", f"--nproc={limit}"])
+            self.assertEqual(result.returncode, 1, result.stderr)
+            self.assertIn(f"ulimit -u, which is {limit}", result.stderr.splitlines()[-1])
+
     # 2026-11-25: a holder that cannot be seen was taken for one that ends, and waited for.
     def test_a_holder_out_of_sight_is_not_waited_for(self):
         nobody = 2**22 + 1  # no process has that number
@@ -91,6 +108,12 @@ class Surroundings(harness.FolderTest):
         os.kill(holder.pid, signal.SIGSTOP)
         self.refused_soon(["unshare", "--mount", "--pid", "--fork", "--mount-proc", self.program.executable,
                            *self.bake(out)])
+        os.chmod(out / ".lock", 0o666)
+        start = time.monotonic()
+        hides = ["unshare", "--mount", "bash", "-c", 'mount -t proc -o hidepid=2 proc /proc && exec "$@"', "bash"]
+        result = self.as_another_user(*self.bake(out), before=hides)
+        self.assertLess(time.monotonic() - start, 8)
+        self.assertIn("is being baked into by", result.stderr)
 
     @unittest.skipUnless(IS_ROOT, "expected root, to be another user")
     def test_a_lock_that_another_member_of_the_group_left_keeps_nobody_out(self):
@@ -101,10 +124,7 @@ class Surroundings(harness.FolderTest):
         (out / ".lock").write_text("process 1 on elsewhere since 2026-11-25T00:00:00Z\n")
         os.chown(out / ".lock", 12001, 12345)
         os.chmod(out / ".lock", 0o644)
-        program = self.root / "program"  # that another user may run, wherever the build is
-        shutil.copy(self.program.executable, program)
-        result = harness.run(["setpriv", "--reuid", "12002", "--regid", "12345", "--clear-groups", program,
-                              *self.bake(out)], 100, env=self.environment(HOME=str(self.root)))
+        result = self.as_another_user(*self.bake(out))
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual([p.name for p in out.glob(".lock*")], [])
 
