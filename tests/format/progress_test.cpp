@@ -109,10 +109,21 @@ TEST(Progress, IsToldAndStopsEveryLongStepWithoutAnythingHalfWritten) {
   }
 }
 
-TEST(Progress, OfNobodyCostsNothingAndStopsNothing) {
+// 2026-11-25: the test asserted nothing.
+TEST(Progress, WithoutAListenerStopsNothingAndIsAsSmallAsAPointer) {
   const Progress nobody;
-  nobody.step("anything", 3);
-  for (int i = 0; i < 10; ++i) nobody.advance();
+  int done = 0;
+  EXPECT_NO_THROW({
+    nobody.step("anything", 3);
+    for (; done < 10; ++done) nobody.advance();  // more parts than were announced
+    nobody.advance(0);
+  });
+  EXPECT_EQ(done, 10);
+  EXPECT_EQ(sizeof(Progress), sizeof(void*)) << "a copy without a listener holds a null pointer and nothing else";
+  // The same calls reach a listener, and one that wants to stop ends them.
+  Listener stopping(1);
+  EXPECT_THROW(Progress(stopping).step("anything", 3), Stopped);
+  EXPECT_EQ(stopping.steps(), 1);
 }
 
 }  // namespace
