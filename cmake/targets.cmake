@@ -105,7 +105,8 @@ endfunction()
 # gb_test(folder label libraries…): every *.cpp below tests/<folder> (and *.cu where nvcc is found) is one GoogleTest executable, gigabake_test_<folder>.
 function(gb_test folder label)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tests/${folder}/*.cpp)
-  list(FILTER sources EXCLUDE REGEX /libfuzzer/)
+  # Of tests/fuzz the readers are libraries.
+  list(FILTER sources EXCLUDE REGEX "/fuzz/(libfuzzer/|judge|read_)")
   if(GIGABAKE_HAS_CUDA)
     file(GLOB_RECURSE cuda_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tests/${folder}/*.cu)
     set_source_files_properties(${cuda_sources} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)

@@ -2,7 +2,7 @@
 """CesiumJS draws the voxel 3D Tiles that export writes, by the page that export writes with them.
 
 Usage: cesium_test.py GIGABAKE SOURCE_DIR
-CesiumJS is found in $GIGABAKE_CESIUM, the folder of the npm package (`npm install cesium` makes node_modules/cesium).
+CesiumJS is found in $GIGABAKE_CESIUM, the folder of the npm package: export GIGABAKE_CESIUM=$(tools/fetch-cesium).
 """
 import functools
 import http.server
@@ -72,7 +72,7 @@ class Shown:
 
 @unittest.skipUnless(chromium.find(), "no Chromium")
 @unittest.skipUnless((Path(CESIUM) / "Build/Cesium/Cesium.js").is_file(),
-                     "no CesiumJS: npm install cesium, then GIGABAKE_CESIUM=…/node_modules/cesium")
+                     "no CesiumJS: export GIGABAKE_CESIUM=$(tools/fetch-cesium)")
 class CesiumTest(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -134,6 +134,6 @@ class CesiumTest(unittest.TestCase):
 
 if __name__ == "__main__":
     if not CESIUM or not chromium.find():
-        print("skipped: no Chromium" if CESIUM else "skipped: GIGABAKE_CESIUM does not name the npm package cesium")
+        print("skipped:", "no Chromium" if CESIUM else "no CesiumJS, which tools/fetch-cesium installs where there is npm")
         sys.exit(77)
     harness.main(argv=sys.argv[:1], verbosity=2)

@@ -4,11 +4,11 @@ goes on without it.
 
 Usage: netns_test.py GIGABAKE SOURCE_DIR
 
-Skipped without root, without network namespaces, and without the tools/netns_cluster.sh that makes the hosts, in
-GIGABAKE_SHARED or ../shared beside the sources.
+Skipped without root, without iproute2 (tools/install-packages cluster) and without network namespaces.
 """
 import json
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -20,22 +20,19 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli"))
 import harness
 
 SKIPPED = 77
-HOSTS = Path("/tmp/netns_mpi")  # where netns_cluster.sh keeps its files
+TOOL = Path(__file__).resolve().parent / "network_hosts.sh"
+HOSTS = Path("/tmp/netns_mpi")  # where network_hosts.sh keeps its files
 OPTIONS = ("--mca plm rsh --mca pml ob1 --mca btl self,vader,tcp --mca btl_tcp_if_include eth0 "
            "--mca oob_tcp_if_include eth0 --mca orte_keep_fqdn_hostnames 1")
 # ip netns exec reaches a host whose cable is cut; a real remote shell would not.
 RSH = '#!/bin/bash\n! grep -qx "$1" "$(dirname "$0")/dead" || exit 255\nexec ' + str(HOSTS / "rsh") + ' "$@"\n'
 
 
-def tool():
-    return harness.shared_folder(sys.argv[2]) / "tools/netns_cluster.sh"
-
-
 def why_not():
     if os.geteuid() != 0:
         return "only root may make network namespaces"
-    if not tool().exists():
-        return "neither GIGABAKE_SHARED nor ../shared has tools/netns_cluster.sh"
+    if not shutil.which("ip"):
+        return "ip is not installed (iproute2)"
     if HOSTS.exists():
         return "hosts made of network namespaces are up already"
     probe = subprocess.run(["unshare", "--net", "ip", "link", "add", "type", "bridge"], capture_output=True, text=True,
@@ -47,7 +44,7 @@ class Hosts(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.root = Path(self.folder.name)
-        subprocess.run(["bash", tool(), "up", "3"], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(["bash", TOOL, "up", "3"], check=True, stdout=subprocess.DEVNULL)
         (self.root / "rsh").write_text(RSH)
         (self.root / "rsh").chmod(0o755)
         (self.root / "hosts").write_text("".join(f"10.77.0.{i} slots=1\n" for i in (1, 2, 3)))
@@ -55,7 +52,7 @@ class Hosts(unittest.TestCase):
         self.source, self.out = self.root / "sample/tileset.json", self.root / "out"
 
     def tearDown(self):
-        subprocess.run(["bash", tool(), "down", "3"], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(["bash", TOOL, "down", "3"], check=True, stdout=subprocess.DEVNULL)
         self.folder.cleanup()
 
     def launch(self, voxel_size):

@@ -3,8 +3,7 @@
 
 Usage: slurm_test.py GIGABAKE SOURCE_DIR
 
-Skipped without root, without Slurm (apt-get install slurm-wlm munge bc), and without the tools/slurm_local.sh that
-brings the nodes up, in GIGABAKE_SHARED or ../shared beside the sources.
+Skipped without root and without Slurm (tools/install-packages cluster).
 """
 import json
 import os
@@ -19,17 +18,16 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli"))
 import harness
 
 SKIPPED = 77
-CONTROLLER_PORT = 16817  # as slurm_local.sh has it
+TOOL = Path(__file__).resolve().parent / "slurm_nodes.sh"
+CONTROLLER_PORT = 16817  # as slurm_nodes.sh has it
 
 
 def why_not():
     if os.geteuid() != 0:
         return "only root may start Slurm's daemons"
-    missing = [name for name in ("slurmctld", "slurmd", "munged", "sbatch", "bc") if shutil.which(name) is None]
+    missing = [name for name in ("slurmctld", "slurmd", "munged", "sbatch") if shutil.which(name) is None]
     if missing:
         return f"{', '.join(missing)} not installed"
-    if not (harness.shared_folder(sys.argv[2]) / "tools/slurm_local.sh").exists():
-        return "neither GIGABAKE_SHARED nor ../shared has tools/slurm_local.sh"
     with socket.socket() as probe:
         if probe.connect_ex(("127.0.0.1", CONTROLLER_PORT)) == 0:
             return "another Slurm is running here"
@@ -44,19 +42,15 @@ class Slurm(harness.FolderTest):
         cls.environment = {**os.environ, **harness.MPI_ENVIRONMENT, "SLURM_LOCAL_DIR": str(slurm),
                            "SLURM_CONF": str(slurm / "slurm.conf"), "GIGABAKE": str(PROGRAM.executable)}
         del cls.environment["OMPI_MCA_plm_rsh_agent"]  # Slurm starts the ranks
+        cls.addClassCleanup(cls.tool, "down")
         cls.tool("up", "3")
         PROGRAM.succeed("sample", cls.root / "sample", "--size", 128, "--seed", 5)
         cls.source = cls.root / "sample/tileset.json"
 
     @classmethod
-    def tearDownClass(cls):
-        cls.tool("down")
-
-    @classmethod
     def tool(cls, *arguments):
-        script = harness.shared_folder(sys.argv[2]) / "tools/slurm_local.sh"
         # Its daemons outlive it and must not hold on to a pipe.
-        subprocess.run(["bash", script, *arguments], env=cls.environment, stdout=subprocess.DEVNULL,
+        subprocess.run(["bash", TOOL, *arguments], env=cls.environment, stdout=subprocess.DEVNULL,
                        stderr=subprocess.DEVNULL, timeout=60, check=True)
 
     def run_tool(self, *command):
@@ -64,12 +58,12 @@ class Slurm(harness.FolderTest):
         self.assertEqual(result.returncode, 0, result.stderr)
         return result.stdout
 
-    def submit(self, out, voxel_size, *options, cell_voxels=128):
+    def submit(self, out, voxel_size, *options, cell_voxels=128, threads=0):
         """The job's number."""
         return self.run_tool("sbatch", "--parsable", "--nodes", 3, "--ntasks-per-node", 1, "-o",
                              self.root / "job.%A.%a.log", *options, SOURCE / "cluster/gigabake.sbatch", "bake",
                              self.source, "-o", out, "--voxel-size", voxel_size, "--cell-voxels",
-                             cell_voxels).strip()
+                             cell_voxels, "--threads", threads).strip()
 
     def field(self, job, name):
         text = self.run_tool("scontrol", "show", "job", job)
@@ -113,27 +107,28 @@ class Slurm(harness.FolderTest):
 
     def test_a_dead_node_requeues_the_job_and_it_ends_whole(self):
         out = self.root / "dead"
-        job = self.submit(out, 0.04)
+        job = self.submit(out, 0.08)
         self.wait_until(lambda: len(list(out.glob("shards/c_*.h5"))) > 2, "no cell is baked")
         os.kill(next(self.daemons(job)), 9)
         self.finish(job)
         self.assertEqual(self.field(job, "Restarts"), "1", self.logs())
         self.assertIn("the launch died", self.logs())
         PROGRAM.succeed("verify", out / "scene.xml")
-        alone = PROGRAM.bake(self.source, self.root / "undisturbed", 0.04, "--cell-voxels", 128)
+        alone = PROGRAM.bake(self.source, self.root / "undisturbed", 0.08, "--cell-voxels", 128)
         self.assertEqual(PROGRAM.info(out / "scene.xml")["content_hash"], alone["content_hash"])
 
     def test_a_job_that_nears_its_time_limit_drains_and_goes_on_in_the_next(self):
         out = self.root / "limited"
-        # Slurm looks at its clock twice a minute: the bake must take longer. Many small cells do.
-        job = self.submit(out, 0.05, "--time", "1", "--signal", "B:USR1@55", cell_voxels=16)
+        # Slurm checks time limits twice a minute, so the bake must take longer, on any number of cores: small cells and
+        # one thread per rank, 140 CPU seconds in all.
+        job = self.submit(out, 0.04, "--time", "1", "--signal", "B:USR1@55", cell_voxels=32, threads=1)
         self.wait_until(lambda: self.field(job, "Restarts") != "0", "the job is not requeued")
         self.assertIn(self.status(out)["state"], ("drained", "baking", "surveying"), self.logs())
         # Enough of interruptions: the rest is baked without a limit in the way.
         self.run_tool("scontrol", "update", f"job={job}", "TimeLimit=30")
         self.finish(job, 600)
-        PROGRAM.succeed("verify", out / "scene.xml")
-        alone = PROGRAM.bake(self.source, self.root / "unlimited", 0.05, "--cell-voxels", 128)
+        PROGRAM.succeed("verify", out / "scene.xml", timeout=900)
+        alone = PROGRAM.bake(self.source, self.root / "unlimited", 0.04, "--cell-voxels", 128)
         # Levels 0 and 1 are there in cells of any size, and the same.
         self.assertEqual(harness.lod_hashes(PROGRAM.info(out / "scene.xml"), 2), harness.lod_hashes(alone, 2))
 

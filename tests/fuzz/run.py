@@ -2,6 +2,7 @@
 """Fuzzes gigabake's readers with libFuzzer, or makes the corpora of the tests smaller.
 
   cmake --preset fuzz && cmake --build --preset fuzz
+  cmake --preset release -DGIGABAKE_TESTS=OFF && cmake --build --preset release     the program that writes seeds
   tests/fuzz/run.py fuzz --seconds 600 --jobs 2 --data ../shared/data     every reader, from all seeds there are
   tests/fuzz/run.py fuzz obj shard                                        these readers
   tests/fuzz/run.py merge                                                 tests/fuzz/corpus anew
