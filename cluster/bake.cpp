@@ -206,6 +206,7 @@ BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const Bake
   surveys.clear();
   add_parents(plan.jobs);
   summary.precision = plan.precision;
+  summary.warnings = plan.warnings;
   summary.survey_s = seconds_since(start);
   const auto planned = Clock::now();
   if (mpi.rank() != 0) work(mpi, process, request.patience.silence_s);

@@ -54,8 +54,9 @@ struct BakeProgress {
 struct BakeSummary {
   SceneDescription scene;
   SourcePrecision precision;
-  std::vector<LevelSummary> levels;  ///< of all cells of the scene, per lod
-  BakeStatus status;                 ///< at the end
+  std::vector<LevelSummary> levels;   ///< of all cells of the scene, per lod
+  std::vector<std::string> warnings;  ///< BakePlan::warnings
+  BakeStatus status;                  ///< at the end
   double survey_s = 0, bake_s = 0, read_s = 0, kernel_s = 0, write_s = 0;
   std::uint64_t peak_kernel_bytes = 0;   ///< of the largest cell
   std::uint64_t bad_uv = 0;              ///< in the cells of this run: one that crosses cells counts in each

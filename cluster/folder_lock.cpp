@@ -155,10 +155,10 @@ void remove_left_file(const std::filesystem::path& path) {
 }
 
 Descriptor open_lock(const std::filesystem::path& path) {
-  Descriptor file(path, O_RDWR | O_CREAT);
+  Descriptor file(path, O_RDWR | O_CREAT | O_NOFOLLOW);
   if (!file.is_open() && errno == EACCES) {
     remove_left_file(path);
-    file = Descriptor(path, O_RDWR | O_CREAT);
+    file = Descriptor(path, O_RDWR | O_CREAT | O_NOFOLLOW);
   }
   if (!file.is_open()) fail(path, "open");
   share_with_group(file, path.parent_path());

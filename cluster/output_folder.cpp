@@ -56,6 +56,21 @@ std::vector<fs::path> orphans_in(const fs::path& out, const SceneDescription& sc
   });
 }
 
+/// Refuses links under the names of files that a bake writes in place: they may lead to somebody else's file.
+void expect_no_links(const fs::path& out) {
+  for (const char* name : {".lock", "journal"}) {
+    const fs::path path = out / name;
+    std::error_code error;
+    const fs::file_status status = fs::symlink_status(path, error);
+    if (!fs::exists(status)) continue;
+    const bool is_plain = fs::is_regular_file(status) && fs::hard_link_count(path, error) == 1;
+    if (!is_plain)
+      throw InputError(path, "",
+                       "is a link to another file, or no file, and a bake writes there; remove it, or choose another "
+                       "output folder");
+  }
+}
+
 }  // namespace
 
 OutputFolder::NewFolders::~NewFolders() {
@@ -77,6 +92,7 @@ OutputFolder::OutputFolder(fs::path out, const fs::path& source) : out_(std::mov
     throw InputError(out_, "",
                      "lies in the folder that is baked; choose an output folder outside of " + source.string());
   folders_.make(out_);
+  expect_no_links(out_);
   lock_.emplace(out_);
   folders_.make(out_ / "shards");
   remove_leftovers();

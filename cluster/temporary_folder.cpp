@@ -4,12 +4,33 @@
 #include <cstdlib>
 #include <cstring>
 #include <string>
+#include <sys/file.h>
 #include <system_error>
+#include <vector>
 
 #include "lattice/error.h"
 
 namespace gigabake {
 namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char prefix[] = "gigabake-plan-";
+/// A folder has its other name only once it is locked.
+constexpr char unlocked_template[] = "gigabake-new-XXXXXX";
+constexpr std::size_t random_characters = 6;
+
+/// Removes folders whose process no longer holds its lock. What cannot be removed does no harm.
+void remove_leftovers(const fs::path& parent) {
+  std::error_code error;
+  std::vector<fs::path> found;
+  for (fs::directory_iterator it(parent, error), end; !error && it != end; it.increment(error))
+    if (it->path().filename().string().starts_with(prefix)) found.push_back(it->path());
+  for (const fs::path& folder : found) {
+    const Descriptor lock(folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW);
+    if (lock.is_open() && ::flock(lock.get(), LOCK_EX | LOCK_NB) == 0) fs::remove_all(folder, error);
+  }
+}
 
 /// Where the system keeps temporary files. A TMPDIR that names no folder is left to fail with its name in the message.
 std::filesystem::path system_folder() {
@@ -23,14 +44,19 @@ TemporaryFolder::TemporaryFolder(const std::filesystem::path& in) {
   std::error_code ignored;
   if (!in.empty()) std::filesystem::create_directories(in, ignored);
   const std::filesystem::path parent = in.empty() ? system_folder() : in;
-  std::string made = (parent / "gigabake-plan-XXXXXX").string();
+  remove_leftovers(parent);
+  std::string made = (parent / unlocked_template).string();
   if (::mkdtemp(made.data()) == nullptr)
     throw InputError(
         made, "",
         std::string("cannot make the folder: ") + std::strerror(errno) +
             (in.empty() ? "; set the variable TMPDIR to a folder that can be written, or use " : "; use another ") +
             "`scratch` or `no_measure`, which needs none");
-  path_ = made;
+  lock_ = Descriptor(made, O_RDONLY | O_DIRECTORY);
+  const bool is_locked = lock_.is_open() && ::flock(lock_.get(), LOCK_EX | LOCK_NB) == 0;
+  path_ = parent / (prefix + made.substr(made.size() - random_characters));
+  fs::rename(made, path_, ignored);
+  if (ignored || !is_locked) path_ = made;  // a file system without locks: nothing is removed by others
 }
 
 TemporaryFolder::~TemporaryFolder() {

@@ -3,11 +3,13 @@
 
 #include <filesystem>
 
+#include "format/system/descriptor.h"
+
 namespace gigabake {
 
 class TemporaryFolder {
  public:
-  /// in: where it is made; empty: among the system's temporary files.
+  /// Also removes what killed processes left there. in: where it is made; empty: among the system's temporary files.
   /// Errors  InputError: it cannot be made.
   explicit TemporaryFolder(const std::filesystem::path& in = {});
   ~TemporaryFolder();
@@ -17,6 +19,7 @@ class TemporaryFolder {
 
  private:
   std::filesystem::path path_;
+  Descriptor lock_;  ///< of the folder itself: the system releases it when the process ends
 };
 
 }  // namespace gigabake

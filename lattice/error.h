@@ -18,8 +18,8 @@ inline constexpr std::size_t longest_message_bytes = 240;
 inline constexpr const char* not_enough_memory =
     "not enough memory; give the process more, or take fewer ranks on the machine, fewer threads or smaller tiles";
 
-/// `text` as one line of at most `most_bytes` (at least 8): control characters become spaces, what is too much a "…" at
-/// the end.
+/// `text` as one line of at most `most_bytes` (at least 8): control characters become spaces. Too long a part loses its
+/// end to a "…"; too long a message (200 bytes and more are allowed) the middle of its paths, then its own.
 std::string as_line(std::string_view text, std::size_t most_bytes = longest_message_bytes);
 
 /// Of a file's text in a message.
@@ -33,7 +33,7 @@ std::string reason_of(const std::exception& error);
 
 /// Thrown for anything wrong in a file or with an operation on it; caught at the cell boundary and in `main`.
 /// `what()` is one line of at most longest_message_bytes, "FILE: KEY: MESSAGE (at byte N)": where that would be longer,
-/// the file's path loses its beginning, the key its middle and the message its end.
+/// paths and the key lose their middle, so that cause and remedy stay. Without a FILE: "KEY: MESSAGE".
 class InputError : public std::runtime_error {
  public:
   InputError(const std::filesystem::path& file, const std::string& key, const std::string& message,

@@ -29,7 +29,7 @@ Journal::~Journal() {
 }
 
 void Journal::open() {
-  file_ = Descriptor(path_, O_WRONLY | O_CREAT | O_APPEND);
+  file_ = Descriptor(path_, O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW);
   if (!file_.is_open()) give_up("open");
   // What stands behind the whole records would hide every later one.
   if (::ftruncate(file_.get(), off_t(bytes_)) != 0) give_up("cut");

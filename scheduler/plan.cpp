@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <map>
 #include <set>
 #include <span>
 #include <tuple>
 #include <utility>
 
 #include "format/job/fingerprint.h"
+#include "format/source/raster/dem.h"
 #include "lattice/counted.h"
 
 namespace gigabake {
@@ -115,13 +117,45 @@ void add_columns(const std::vector<TileSurvey>& surveys, std::uint32_t cell_voxe
   }
 }
 
-/// A file that stands in many places is one.
-void add_warnings(const std::vector<TileSurvey>& surveys, const SceneSources& sources, BakePlan& plan) {
-  std::set<std::string> said;
+/// Warnings by their text, each with the names it is about: a line per kind, however many files or tiles have it.
+class WarningKinds {
+ public:
+  void add(const std::string& name, const std::string& text) {
+    const auto [kind, is_new] = index_.try_emplace(text, kinds_.size());
+    if (is_new) kinds_.push_back({text, name, {}});
+    kinds_[kind->second].names.insert(name);
+  }
+
+  std::vector<std::string> lines() const {
+    std::vector<std::string> lines;
+    for (const Kind& kind : kinds_) {
+      const std::size_t more = kind.names.size() - 1;
+      lines.push_back(kind.first + (more == 0 ? "" : fmt::format(" and {} more", more)) + ": " + kind.text);
+    }
+    return lines;
+  }
+
+ private:
+  struct Kind {
+    std::string text, first;
+    std::set<std::string> names;  ///< a file that stands in many places counts once
+  };
+  std::vector<Kind> kinds_;  ///< in the order of their first tiles
+  std::map<std::string, std::size_t> index_;
+};
+
+std::vector<std::string> warning_lines(const std::vector<TileSurvey>& surveys, const SceneSources& sources) {
+  WarningKinds kinds;
+  const DemRaster* last = nullptr;
+  for (const TileRef& tile : sources.tiles) {
+    if (!tile.dem || tile.dem->raster.get() == last) continue;
+    last = tile.dem->raster.get();
+    const std::string raster = tile.name.substr(0, tile.name.rfind('['));
+    for (const std::string& warning : last->warnings) kinds.add(raster, warning);
+  }
   for (const TileSurvey& s : surveys)
-    for (const std::string& warning : s.warnings)
-      if (std::string line = sources.tiles[s.tile].name + ": " + warning; said.insert(line).second)
-        plan.warnings.push_back(std::move(line));
+    for (const std::string& warning : s.warnings) kinds.add(sources.tiles[s.tile].name, warning);
+  return kinds.lines();
 }
 
 /// What a tile loses though it can be read.
@@ -190,7 +224,7 @@ BakePlan make_plan(std::vector<TileSurvey> surveys, const SceneSources& sources,
   refuse_spread_tiles(surveys, parameters.cell_voxels);
   BakePlan plan;
   add_counts(surveys, sources, parameters.voxel_size_m, plan);
-  add_warnings(surveys, sources, plan);
+  plan.warnings = warning_lines(surveys, sources);
   plan.precision = source_precision(surveys, sources, parameters.voxel_size_m);
   add_columns(surveys, parameters.cell_voxels, progress, plan.jobs);
   name_jobs(surveys, sources, parameters, progress, plan.jobs);

@@ -24,7 +24,7 @@ struct BakePlan {
   std::vector<std::uint64_t> tile_crossings;
   std::vector<std::uint64_t> tile_triangles;
   SourcePrecision precision;
-  std::vector<std::string> warnings;  ///< of tiles that are baked otherwise than their files have it; one line each
+  std::vector<std::string> warnings;  ///< what is baked otherwise than files have it; one line per kind
   std::vector<SceneLoss> losses;      ///< what the source lacks, then tiles that could not be read or placed
 
   std::size_t cells() const {

@@ -33,7 +33,7 @@ static_assert(sizeof(FileHeader) == 48);
 void put_options(const DemOptions& o, ByteWriter& w) {
   w.put(o.ortho.string());
   w.put(o.crs);
-  for (const auto& number : {o.nodata, o.height_scale, std::optional(o.geoid_offset_m)}) {
+  for (const auto& number : {o.nodata, o.height_scale, o.geoid_offset_m}) {
     w.put(std::uint8_t(number.has_value()));
     w.put(number.value_or(0));
   }

@@ -9,6 +9,8 @@
 #include "app/messages/bake_report.h"
 #include "app/options/bake_options.h"
 #include "app/options/flags.h"
+#include "app/options/output_file.h"
+#include "app/options/scene_argument.h"
 #include "app/process/on_all_ranks.h"
 #include "cluster/drain.h"
 #include "format/system/message.h"
@@ -26,9 +28,14 @@ int exit_code_of(const BakeSummary& summary) {
 BakeProgress warnings_alone(const Progress& steps) {
   BakeProgress p;
   p.steps = steps;
-  p.opened = [](const SceneSources&) {};
+  p.opened = [](const SceneSources& sources) {
+    for (const std::string& note : sources.notes)
+      if (note.starts_with("warning: ")) print_message("{}\n", with_flags(note));
+  };
   p.surveyed = [](std::size_t, std::size_t) {};
-  p.planned = [](const BakePlan&) {};
+  p.planned = [](const BakePlan& plan) {
+    for (const std::string& warning : plan.warnings) print_message("warning: {}\n", with_flags(warning));
+  };
   p.status = [](const BakeStatus&) {};
   p.cell_done = [](const CellReport& report, const CellJob& job) {
     if (!report.note.empty()) print_message("cell {}: {}\n", job.name, with_flags(report.note));
@@ -36,6 +43,16 @@ BakeProgress warnings_alone(const Progress& steps) {
   p.told = [](const std::string&) {};
   p.noted = [](const std::string& line) { print_message("{}\n", with_flags(line)); };
   return p;
+}
+
+/// Before anything is done.
+void check_outputs(const BakeOptions& options) {
+  expect_bake_output(options.out);
+  std::vector<std::filesystem::path> kept = files_of_bake(options.out);
+  kept.emplace_back(options.source);
+  expect_own_file("--report", options.report, "{\n  \"scene\"", kept);
+  kept.emplace_back(options.report);
+  expect_own_file("--metrics", options.metrics, "# HELP gigabake_", kept);
 }
 
 /// The line that a second Ctrl-C prints.
@@ -63,6 +80,9 @@ BakeProgress noted_progress(BakeProgress progress, const std::function<void()>& 
 
 int run(const BakeOptions& options, MpiSession& mpi) {
   const BakeRequest request = options.request_of(mpi);
+  all_or_none(mpi, [&] {
+    if (mpi.rank() == 0) check_outputs(options);
+  });
   BakeConsole console(mpi.rank() == 0 && !options.quiet ? stderr : nullptr, {is_drain_asked, {}});
   BakeProgress progress = console.callbacks();
   const bool has_time = options.log_time.value_or(::isatty(STDERR_FILENO) == 0);

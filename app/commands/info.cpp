@@ -98,8 +98,8 @@ Json to_json(const Info& info) {
 void print_place(const Info& info) {
   const SceneHeader& scene = info.scene;
   if (scene.origin)
-    fmt::print("scene origin {:.9f}° {:.9f}° {:.3f} m\n", scene.origin->latitude_deg, scene.origin->longitude_deg,
-               scene.origin->height_m);
+    fmt::print("scene origin latitude {:.9f}°, longitude {:.9f}°, height {:.3f} m\n", scene.origin->latitude_deg,
+               scene.origin->longitude_deg, scene.origin->height_m);
   if (info.totals.cells == 0) return;
   const Extent e = extent_of(info);
   fmt::print("cells span {} {} {} to {} {} {} m\n", e.min_m[0], e.min_m[1], e.min_m[2], e.max_m[0], e.max_m[1],

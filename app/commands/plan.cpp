@@ -21,7 +21,7 @@ std::optional<PriorResults> prior_of(const BakePlan& plan, const BakeRequest& re
 
 struct PlanOptions {
   BakeOptions bake;
-  bool measures = true;
+  bool measures = true, lists_cells = false;
 };
 
 int run(const PlanOptions& plan_options, MpiSession& mpi) {
@@ -36,7 +36,7 @@ int run(const PlanOptions& plan_options, MpiSession& mpi) {
                         planned.survey_s};
   const std::optional<PriorResults> prior = prior_of(plan, request, mpi);
   console.end_step();
-  options.json ? print_json_report(plan, prior, sizes) : print_report(plan, prior, sizes);
+  options.json ? print_json_report(plan, prior, sizes) : print_report(plan, prior, sizes, plan_options.lists_cells);
   warn_of(plan.precision);
   print_losses(plan.losses);
   return plan.losses.empty() ? complete : cells_failed;
@@ -61,8 +61,9 @@ void add_plan(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<PlanOptions>();
   options->bake.add_to(*command);
   command->add_option("-o,--out", options->bake.out,
-                      "folder of an earlier bake: say of each cell whether it would be baked, "
-                      "and why; nothing is written");
+                      "folder of an earlier bake: print how many cells remain to be baked, why, and how long that "
+                      "takes; nothing is written");
+  command->add_flag("--cells", options->lists_cells, "list every cell, with -o also whether it would be baked and why");
   command->add_flag("--measure,!--no-measure", options->measures,
                     "bake pieces of the scene for about four seconds, aside (default); without, no time is known, and "
                     "voxels and bytes only from the surface's area");

@@ -11,6 +11,7 @@
 #include "app/messages/with_progress.h"
 #include "app/options/choices.h"
 #include "app/options/flags.h"
+#include "app/options/output_file.h"
 #include "app/options/scene_argument.h"
 #include "app/options/text_values.h"
 #include "app/process/standard_streams.h"
@@ -147,6 +148,13 @@ int run(const QueryArguments& a) {
   return tell(a, tally, query);
 }
 
+/// Answers written over the questions or over the scene would destroy them.
+void expect_apart(const QueryArguments& a) {
+  std::vector<std::filesystem::path> inputs = files_of_bake(std::filesystem::path(a.scene).parent_path());
+  for (const std::string* table : {&a.rays, &a.heights, &a.sights}) inputs.emplace_back(*table);
+  expect_no_input("-o", a.out, inputs);
+}
+
 void add_questions(CLI::App& command, QueryArguments& a) {
   command.add_option("--ray", a.ray, "X,Y,Z,DX,DY,DZ: one ray; or X,Y,Z,AZIMUTH,ELEVATION in degrees");
   command.add_option("--rays", a.rays, "CSV file of rays; - is standard input (columns: docs/query.md)");
@@ -186,6 +194,7 @@ void add_query(CLI::App& app, int& exit_code) {
   command.add_flag("-q,--quiet", a->quiet, "print errors alone");
   command.callback([a, &exit_code] {
     a->scene = scene_argument(a->scene).string();
+    expect_apart(*a);
     exit_code = run(*a);
   });
 }

@@ -39,7 +39,7 @@ void print_json(const Options& o, const sample::SampleReport& r) {
                                  {"houses", r.houses},
                                  {"trees", r.trees},
                                  {"bytes", r.bytes},
-                                 {"origin", {at.latitude_deg, at.longitude_deg, at.height_m}},
+                                 {"origin_lat_lon_height", {at.latitude_deg, at.longitude_deg, at.height_m}},
                                  {"min_m", r.min_m},
                                  {"max_m", r.max_m},
                                  {"voxel_size_m", o.sample.texel_m},
@@ -89,7 +89,8 @@ void add_sample(CLI::App& app, int&) {
   command->add_option("--texel", o->sample.texel_m, "texel of the ground's pictures, about, metres")
       ->capture_default_str();
   command->add_option("--seed", o->sample.seed, "another seed, another landscape")->capture_default_str();
-  command->add_option("--origin", o->origin, "LAT,LON,HEIGHT of the map's middle (46.9312,8.3017,610)");
+  command->add_option("--origin,--origin-lat-lon", o->origin,
+                      "LAT,LON,HEIGHT of the map's middle (46.9312,8.3017,610)");
   command->add_flag("--json", o->json, "print the answer as JSON");
   command->callback([o] { run(*o); });
 }

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <span>
 #include <utility>
 
 #include "app/messages/alike.h"
@@ -21,7 +20,8 @@
 namespace gigabake::app {
 namespace {
 
-constexpr std::size_t slow_cells_printed = 3, cells_printed = 20;
+constexpr std::size_t slow_cells_printed = 3;
+constexpr std::size_t longest_loss_bytes = 298;  // a name and a message
 
 /// Totals over the scene's cells and parents.
 struct Totals {
@@ -186,21 +186,58 @@ std::string json_report(const BakeSummary& s, const std::filesystem::path& out) 
   j["pruned"] = {{"shards", s.pruned.files}, {"bytes", s.pruned.bytes}};
   add_accuracy(s, j);
   add_left_out(s.scene, j);
+  j["warnings"] = s.warnings;
   return text_of(j);
 }
 
-void print_report(const BakePlan& plan, const std::optional<PriorResults>& prior, const PlanSizes& sizes) {
+namespace {
+
+void print_cells(const BakePlan& plan, const std::optional<PriorResults>& prior) {
+  for (const CellJob& job : plan.jobs)
+    fmt::print("  {:<24} lattice {} {} {}  {}  {}{}\n", job.name, job.lattice_min[0], job.lattice_min[1],
+               job.lattice_min[2], counted(job.tiles.size(), "tile"), counted(job.triangles, "triangle"),
+               prior ? fmt::format("  {}", name_of(prior->reasons[job.id])) : "");
+}
+
+/// What an earlier bake has not done yet.
+struct RemainingWork {
+  std::size_t cells = 0;
+  double fraction = 0;  ///< of the work of all cells
+  std::optional<double> bake_s;
+
+  RemainingWork(const BakePlan& plan, const PriorResults& prior, const PlanSizes& sizes) {
+    double all = 0, remaining = 0;
+    for (const CellJob& job : plan.jobs) {
+      all += double(cell_cost(job));
+      const PriorReason reason = prior.reasons[job.id];
+      if (reason == PriorReason::unchanged || reason == PriorReason::to_be_checked) continue;
+      remaining += double(cell_cost(job));
+      ++cells;
+    }
+    if (all > 0) fraction = remaining / all;
+    const auto& asked = sizes.measure.sizes;
+    if (asked.size() > 1 && asked[1].estimate.bake_s) bake_s = *asked[1].estimate.bake_s * fraction;
+  }
+};
+
+void print_remaining(const RemainingWork& r) {
+  fmt::print("remaining: {}, {:.3g} % of the work{}\n", counted(r.cells, "cell"), 100 * r.fraction,
+             r.bake_s ? ", about " + readable_seconds(*r.bake_s) : "");
+}
+
+}  // namespace
+
+void print_report(const BakePlan& plan, const std::optional<PriorResults>& prior, const PlanSizes& sizes,
+                  bool lists_cells) {
   const PlanEstimate e = estimate(plan);
   fmt::print("{}, {}, {} of them in the largest cell\n", counted(plan.jobs.size(), "cell"),
              counted(plan.triangles, "triangle"), e.largest_cell_triangles);
   print_left_out(plan);
-  const std::size_t listed = prior ? plan.jobs.size() : std::min(plan.jobs.size(), cells_printed);
-  for (const CellJob& job : std::span(plan.jobs).first(listed))
-    fmt::print("  {:<24} lattice {} {} {}  {}  {}{}\n", job.name, job.lattice_min[0], job.lattice_min[1],
-               job.lattice_min[2], counted(job.tiles.size(), "tile"), counted(job.triangles, "triangle"),
-               prior ? fmt::format("  {}", name_of(prior->reasons[job.id])) : "");
-  if (listed < plan.jobs.size()) fmt::print("  and {} more; --json lists them all\n", plan.jobs.size() - listed);
-  if (prior) print_counts(*prior);
+  if (lists_cells) print_cells(plan, prior);
+  if (prior) {
+    print_counts(*prior);
+    print_remaining(RemainingWork(plan, *prior, sizes));
+  }
   fmt::print("about {} of kernel memory for the largest cell\n", readable_bytes(e.kernel_bytes));
   fmt::print("{}", sizes_text(sizes));
 }
@@ -231,10 +268,14 @@ void print_json_report(const BakePlan& plan, const std::optional<PriorResults>& 
   if (prior) {
     const auto counts = prior->counts();
     for (std::size_t r = 0; r < counts.size(); ++r) j["prior"][std::string(name_of(PriorReason(r)))] = counts[r];
+    const RemainingWork remaining(plan, *prior, sizes);
+    j["remaining"] = {{"cells", remaining.cells}, {"fraction", remaining.fraction}, {"bake_s", nullptr}};
+    if (remaining.bake_s) j["remaining"]["bake_s"] = *remaining.bake_s;
   }
   nlohmann::ordered_json rest;
   add_precision(plan.precision, rest);
   add_left_out(plan, rest);
+  rest["warnings"] = plan.warnings;
   const std::string head = text_of(j), tail = text_of(rest);
   fmt::print("{},\n  \"jobs\": [", std::string_view(head).substr(0, head.rfind("\n}")));
   print_jobs(plan, prior);
@@ -256,7 +297,8 @@ void print_losses(const std::vector<SceneLoss>& losses) {
   put_output_before_messages();
   if (losses.empty()) return;
   print_message("incomplete, {} missing:\n", losses.size());
-  for (const std::string& line : lines_of(losses)) print_message("  {}\n", with_flags(as_line(line)));
+  for (const std::string& line : lines_of(losses))
+    print_message("  {}\n", with_flags(as_line(line, longest_loss_bytes)));
 }
 
 }  // namespace gigabake::app

@@ -14,8 +14,9 @@ namespace gigabake::app {
 
 /// On standard output.
 void print_report(const BakeSummary& summary, const std::filesystem::path& out);
-/// prior: what OUT has of the plan; none: nobody asked, and of many cells the first ones are listed.
-void print_report(const BakePlan& plan, const std::optional<PriorResults>& prior, const PlanSizes& sizes);
+/// prior: what OUT has of the plan; none: no OUT was named. lists_cells: one line per cell, too.
+void print_report(const BakePlan& plan, const std::optional<PriorResults>& prior, const PlanSizes& sizes,
+                  bool lists_cells);
 std::string json_report(const BakeSummary& summary, const std::filesystem::path& out);
 void print_json_report(const BakePlan& plan, const std::optional<PriorResults>& prior, const PlanSizes& sizes);
 

@@ -64,7 +64,7 @@ void BakeOptions::add_to(CLI::App& command) {
       ->capture_default_str();
   command.add_option("--lattice-origin", lattice_origin,
                      "X,Y,Z: scene position of the lattice's corner, metres (0,0,0)");
-  command.add_option("--origin", origin,
+  command.add_option("--origin,--origin-lat-lon", origin,
                      "LAT,LON,HEIGHT: where the scene frame stands on the earth (the source's own)");
   command.add_flag("--local", asked.source_options.local, "no georeference: the source's own frame, turned to z up");
   add_choice(command, "--up", asked.source_options.scene_up,

@@ -75,7 +75,32 @@ void expect_baked(const fs::path& given, Named kind) {
     throw InputError(given, "", "has no scene.xml; expected OUT of a bake, or OUT/scene.xml");
 }
 
+/// A .json may be a report; a tileset and everything else are sources. Empty where there is none.
+fs::path first_source_in(const fs::path& folder) {
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    if (has_source_suffix(it->path()) && (it->path().extension() != ".json" || it->path().filename() == "tileset.json"))
+      return it->path().filename();
+  return {};
+}
+
+bool is_bake(const fs::path& folder) {
+  return is_file(folder / "scene.xml") || is_folder(folder / "shards") || is_file(folder / "journal");
+}
+
 }  // namespace
+
+void expect_bake_output(const std::string& given) {
+  if (!is_folder(given) || is_bake(given)) return;
+  std::error_code error;
+  for (fs::path inner = fs::weakly_canonical(fs::absolute(given, error), error); inner.has_relative_path();
+       inner = inner.parent_path())
+    if ((inner.filename() == "shards" || inner.filename() == "pages" || inner.filename() == "scratch") &&
+        is_bake(inner.parent_path()))
+      throw InputError(given, "", "belongs to the bake in " + inner.parent_path().string() + "; name another folder");
+  if (const fs::path source = first_source_in(given); !source.empty())
+    throw InputError(given, "", "holds sources (" + in_quotes(source.string()) + "); name a new or empty folder");
+}
 
 std::filesystem::path scene_argument(const std::string& given) {
   const Named kind = kind_of(given);

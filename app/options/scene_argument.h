@@ -17,6 +17,9 @@ std::filesystem::path live_scene_argument(const std::string& given);
 /// OUT, for that name itself and for OUT/scene.xml. Errors  InputError as scene_argument().
 std::filesystem::path bake_folder_argument(const std::string& given);
 
+/// Errors  InputError: the folder that a bake is to write holds sources, or belongs to another bake's OUT.
+void expect_bake_output(const std::string& given);
+
 /// Errors  InputError: a baked scene or a shard where a source is asked for.
 void expect_source(const std::string& given);
 

@@ -72,7 +72,9 @@ std::pair<int, int> size_option(const std::string& text) {
 Geodetic geodetic(const char* option, const std::string& text) {
   const auto v = triple(option, "LAT,LON,HEIGHT in degrees and metres", text);
   if (std::fabs(v[0]) > 90 || std::fabs(v[1]) > 360)
-    throw UsageError(std::string(option) + ": latitude is within ±90°, longitude within ±360°");
+    throw UsageError(std::string(option) +
+                     ": latitude is within ±90°, longitude within ±360°; the order is LAT,LON,HEIGHT: "
+                     "are the two swapped?");
   return {v[0], v[1], v[2]};
 }
 

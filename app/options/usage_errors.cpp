@@ -5,11 +5,12 @@
 
 #include "app/command_tree.h"
 #include "app/options/choices.h"
+#include "lattice/error.h"
 
 namespace gigabake::app {
 namespace {
 
-constexpr std::size_t most_characters = 300, most_quoted = 60;
+constexpr std::size_t most_characters = 300, most_quoted = 60, most_typed = 100;
 
 /// Letters changed, left out, put in or swapped with their neighbour (optimal string alignment).
 std::size_t edits_between(const std::string& a, const std::string& b) {
@@ -41,6 +42,19 @@ std::optional<std::string> only_one_that_begins(const std::string& word, const s
 
 std::string shown(const std::string& word) {
   return "'" + (word.size() <= most_quoted ? word : word.substr(0, most_quoted) + "…") + "'";
+}
+
+/// Text that was typed may be long; what is to be done about it comes after it.
+std::string with_short_words(const std::string& text) {
+  std::string out;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find_first_of(" \n", at), text.size());
+    const std::string word = text.substr(at, end - at);
+    out += word.size() <= most_typed ? word : as_line(word, most_quoted);
+    if (end < text.size()) out += ' ';
+    at = end + 1;
+  }
+  return out;
 }
 
 /// The commands that were named, from the program down.
@@ -145,12 +159,7 @@ std::optional<std::string> meant_by(const std::string& word, const std::vector<s
 }
 
 std::string usage_error(const CLI::App& program, const CLI::ParseError& error) {
-  std::string text = wrong_words(program, error);
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  if (text.size() <= most_characters) return text;
-  std::size_t end = most_characters - 3;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;  // not within a letter
-  return text.substr(0, end) + "…";
+  return as_line(with_short_words(wrong_words(program, error)), most_characters);
 }
 
 }  // namespace gigabake::app

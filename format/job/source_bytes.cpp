@@ -105,8 +105,8 @@ void get_next_place(ByteReader& r, Place& place) {
 void put_raster(ByteWriter& w, const DemRaster& raster) {
   const DemOptions& o = raster.options;
   w.put(o.dem.string()), w.put(o.ortho.string()), w.put(o.crs);
-  put_optional(w, o.nodata), put_optional(w, o.height_scale);
-  w.put(o.geoid_offset_m), w.put(std::int32_t(o.tile_cells));
+  put_optional(w, o.nodata), put_optional(w, o.height_scale), put_optional(w, o.geoid_offset_m);
+  w.put(std::int32_t(o.tile_cells));
   w.put(std::int32_t(raster.columns)), w.put(std::int32_t(raster.rows));
   w.put(raster.origin);
 }
@@ -116,9 +116,9 @@ std::shared_ptr<const DemRaster> get_raster(ByteReader& r) {
   DemOptions& o = raster->options;
   o.dem = get_path(r), o.ortho = get_path(r);
   r.get(o.crs);
-  get_optional(r, o.nodata), get_optional(r, o.height_scale);
+  get_optional(r, o.nodata), get_optional(r, o.height_scale), get_optional(r, o.geoid_offset_m);
   std::int32_t tile_cells = 0, columns = 0, rows = 0;
-  r.get(o.geoid_offset_m), r.get(tile_cells), r.get(columns), r.get(rows), r.get(raster->origin);
+  r.get(tile_cells), r.get(columns), r.get(rows), r.get(raster->origin);
   if (tile_cells < 1 || columns < 2 || rows < 2) refuse("raster", "cells and at least 2 × 2 pixels");
   o.tile_cells = tile_cells, raster->columns = columns, raster->rows = rows;
   return raster;

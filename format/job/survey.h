@@ -12,7 +12,7 @@ namespace gigabake {
 
 /// Raised whenever survey_tile() would give another answer for the same files, or TileSurvey has other fields: surveys
 /// that were kept from earlier bakes are then made anew.
-inline constexpr std::uint32_t survey_version = 4;
+inline constexpr std::uint32_t survey_version = 5;
 
 /// A triangle whose box has a longer side, voxels, is left out: exact arithmetic ends there (docs/decisions.md, 151).
 inline constexpr std::int64_t longest_side_voxels = 4186112;

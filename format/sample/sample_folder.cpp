@@ -25,12 +25,14 @@ bool is_sample(const fs::path& tileset) {
   return head.find(sample_generator) != std::string::npos;
 }
 
-/// Nothing that is not a sample is written over. What a killed run left aside marks the folder as ours.
+/// Nothing is written over, neither another sample nor anything else. What a killed run left marks the folder as ours.
 void check_ours(const fs::path& dir) {
   std::error_code error;
   const auto refuse = [&] { throw InputError(dir, "", "exists and is not a sample; name a new or empty folder"); };
   if (!fs::is_directory(dir, error)) refuse();
-  if (is_sample(dir / tileset_name) || fs::exists(dir / aside_name, error)) return;
+  if (is_sample(dir / tileset_name))
+    throw InputError(dir, "", "holds a sample already; remove it, or name a new or empty folder");
+  if (fs::exists(dir / aside_name, error)) return;
   const bool empty = fs::is_empty(dir, error);
   if (error) fail(dir, "cannot list the folder", error);
   if (!empty) refuse();

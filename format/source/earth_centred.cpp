@@ -9,6 +9,7 @@
 #include "format/source/mesh/obj_read.h"
 #include "format/source/mesh/ply_read.h"
 #include "format/source/mesh/stl_read.h"
+#include "format/source/origin_check.h"
 #include "lattice/error.h"
 #include "lattice/georeference.h"
 #include "lattice/transform.h"
@@ -153,7 +154,9 @@ void place_on_earth(const SourceOptions& options, SceneSources& sources) {
                      fmt::format("{} holds earth-centred coordinates and {} does not; list them in a scene .json, the "
                                  "latter with a lon_lat_height",
                                  some(sources, found.surface), some(sources, found.none)));
-  if (!sources.origin) sources.origin = geodetic_of(ecef(found.bounds.centre()));
+  const Geodetic place = geodetic_of(ecef(found.bounds.centre()));
+  if (!sources.origin) sources.origin = place;
+  if (auto warning = far_origin_warning(*sources.origin, {place})) sources.notes.push_back(std::move(*warning));
   for (TileRef& tile : sources.tiles) {
     tile.scene_from_tile.m = scene_from_ecef(*sources.origin).m;
     if (!has_convention(tile.kind)) tile.gltf_up = options.scene_up.value_or(UpAxis::z);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "format/source/origin_check.h"
 #include "format/source/raster/dem_source.h"
 #include "format/source/source_files.h"
 #include "format/source/tiles/tileset_document.h"
@@ -53,7 +54,8 @@ void read_place(const std::filesystem::path& file, const Json& place, const std:
   if (metres) e.position_m = {(*metres)[0], (*metres)[1], (*metres)[2]};
   if (!degrees) return;
   if (std::fabs((*degrees)[0]) > 360 || std::fabs((*degrees)[1]) > 90)
-    throw InputError(file, where + ".lon_lat_height", "expected degrees of longitude and latitude, and metres");
+    throw InputError(file, where + ".lon_lat_height",
+                     "expected degrees of longitude (±360) and latitude (±90), and metres, in this order");
   e.position = Geodetic{(*degrees)[1], (*degrees)[0], (*degrees)[2]};
 }
 
@@ -121,6 +123,19 @@ void add_entry(Entry e, SceneSources& out) {
   }
 }
 
+void add_place_warnings(const std::vector<Entry>& entries, SceneSources& out) {
+  std::vector<NamedPlace> named;
+  std::vector<Geodetic> places;
+  for (const Entry& e : entries) {
+    if (!e.position) continue;
+    named.push_back({e.where, *e.position});
+    places.push_back(*e.position);
+  }
+  if (out.origin)
+    if (auto warning = far_origin_warning(*out.origin, places)) out.notes.push_back(std::move(*warning));
+  if (auto warning = far_places_warning(named)) out.notes.push_back(std::move(*warning));
+}
+
 }  // namespace
 
 SceneSources open_scene_json(const std::filesystem::path& file, const Json& json, const SourceOptions& options,
@@ -140,6 +155,7 @@ SceneSources open_scene_json(const std::filesystem::path& file, const Json& json
   if (options.local && entries[0].position)
     throw InputError(file, "sources", "lon/lat placements need a georeference; leave out `local`");
   if (!options.local) out.origin = options.origin ? options.origin : entries[0].position;
+  add_place_warnings(entries, out);
   progress.step("placing the sources", entries.size(), "source");
   for (Entry& e : entries) {
     add_entry(std::move(e), out);

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "format/source/earth_centred.h"
+#include "format/source/origin_check.h"
 #include "format/source/raster/dem_source.h"
 #include "format/source/scene_json.h"
 #include "format/source/source_file.h"
@@ -92,7 +93,9 @@ SceneSources tileset_sources(const SourceFiles& files, const Path& file, const T
   Affine<Scene, World> scene_from_world = local_scene(options);
   if (!options.local) out.origin = options.origin;
   if (tileset.anchor && !options.local) {
-    if (!out.origin) out.origin = geodetic_of(*tileset.anchor);
+    const Geodetic place = geodetic_of(*tileset.anchor);
+    if (!out.origin) out.origin = place;
+    if (auto warning = far_origin_warning(*out.origin, {place})) out.notes.push_back(std::move(*warning));
     scene_from_world.m = scene_from_ecef(*out.origin).m;  // this World is the earth
   }
   if (tileset.anchor && options.local)
@@ -174,8 +177,9 @@ SceneSources open_sources(const std::filesystem::path& path, const SourceOptions
   else if (lower_extension(path) == ".3tz")
     out = archive_sources(path, options, progress);
   else if (lower_extension(path) == ".tif" || lower_extension(path) == ".tiff")
-    out = dem_sources(folder_of(path), {.dem = path, .ortho = {}, .crs = {}, .nodata = {}, .height_scale = {}}, options,
-                      progress);
+    out = dem_sources(folder_of(path),
+                      {.dem = path, .ortho = {}, .crs = {}, .nodata = {}, .height_scale = {}, .geoid_offset_m = {}},
+                      options, progress);
   else if (is_mesh(path))
     out = mesh_sources(folder_of(path), {path}, options, progress);
   else

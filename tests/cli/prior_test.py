@@ -35,7 +35,12 @@ class Prior(unittest.TestCase):
         return {p.relative_to(self.root): p.stat().st_mtime_ns for p in self.root.rglob("*")}
 
     def test_a_plan_says_that_all_is_new_and_makes_no_folder(self):
-        self.assertIn("4 of 4 cells to bake: 4 new; 0 to check, 0 unchanged", self.plan())
+        said = self.plan()
+        self.assertIn("4 of 4 cells to bake: 4 new; 0 to check, 0 unchanged", said)
+        # 2026-11-25: every cell was listed, and what remains was not said.
+        self.assertIn("remaining: 4 cells, 100 % of the work", said)
+        self.assertNotIn("c_0_0_0", said)
+        self.assertIn("c_0_0_0", self.plan("--cells"))
         self.assertFalse(self.out.exists())
 
     def test_a_plan_names_the_reason_of_each_cell_and_writes_nothing(self):

@@ -22,9 +22,13 @@ def bytes_are_the_same_again(gigabake, work):
     sample(gigabake, work / "a")
     sample(gigabake, work / "b")
     assert files(work / "a") == files(work / "b")
-    sample(gigabake, work / "a", "--seed", 2)
-    assert files(work / "a") != files(work / "b")
-    assert files(work / "a").keys() == files(work / "b").keys()
+    sample(gigabake, work / "a2", "--seed", 2)
+    assert files(work / "a2") != files(work / "b")
+    assert files(work / "a2").keys() == files(work / "b").keys()
+    # 2026-11-25: another sample was written over without a question.
+    refused = gigabake.run("sample", work / "a", *SMALL, "--seed", 2)
+    assert refused.returncode == 1 and "holds a sample already" in refused.stderr, refused
+    assert files(work / "a") == files(work / "b")
 
 
 def suggested_commands_bake_what_was_written(gigabake, work):

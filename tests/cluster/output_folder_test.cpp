@@ -73,6 +73,20 @@ TEST_F(OutputFolderTest, IsFreeAgainWhenItsHolderWasKilled) {
   ::close(ready[0]), ::close(ready[1]);
 }
 
+// 2026-11-25: `journal` and `.lock` were written through links, and what they led to was cut to nothing.
+TEST_F(OutputFolderTest, WritesThroughNoLinks) {
+  for (const char* name : {"journal", ".lock"})
+    for (const bool is_hard : {false, true}) {
+      fs::remove_all(out());
+      fs::create_directories(out());
+      write_text(folder / "thesis.tex", "mine");
+      is_hard ? fs::create_hard_link(folder / "thesis.tex", out() / name)
+              : fs::create_symlink(folder / "thesis.tex", out() / name);
+      EXPECT_NE(line_of_a_second_bake().find("is a link to another file"), std::string::npos) << name;
+      EXPECT_EQ(fs::file_size(folder / "thesis.tex"), 4u);
+    }
+}
+
 // What was found on 2026-11-23: the same command, given again at once after a bake was killed, could end with "is being
 // baked into by" that bake, since a killed process holds its files until the disk has what it was writing.
 TEST_F(OutputFolderTest, IsWaitedForWhereItsHolderWasKilledAndItsFilesAreStillOpen) {

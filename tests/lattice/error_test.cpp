@@ -34,6 +34,28 @@ TEST(InputError, IsWholeWhereItIsShort) {
   EXPECT_STREQ(InputError("a.glb", "nodes[1]", "has a cycle", 9).what(), "a.glb: nodes[1]: has a cycle (at byte 9)");
 }
 
+// 2026-11-25: the end of a message, which says what to do, was cut, while a long path appeared twice.
+TEST(InputError, ShortensPathsAndNeverTheCauseOrTheRemedy) {
+  const std::string folder = "/data/" + std::string(90, 'f') + "/" + std::string(90, 'g') + "/";
+  const std::string cause = "a pixel is 29032 m high, which no place on earth is", remedy = "set 0.3048 for feet";
+  const std::string inner = InputError(folder + "dem.tif", "height_scale", cause + "; " + remedy).what();
+  for (const std::string& line :
+       {inner, std::string(InputError(folder + "scene.json", "", "nothing could be baked: " + inner).what()),
+        std::string(InputError("", "", "nothing could be baked: " + inner).what()),
+        std::string(UsageError("nothing could be baked: " + folder + "dem.tif: " + cause + "; " + remedy).what())}) {
+    EXPECT_LE(line.size(), longest_message_bytes);
+    for (const std::string& part : {cause, remedy, std::string("dem.tif"), std::string("/data/")})
+      EXPECT_NE(line.find(part), std::string::npos) << part << " in " << line;
+  }
+}
+
+TEST(InputError, NamesItsFileOnce) {
+  const std::string inner = InputError("/a/dem.tif", "crs", "is unknown").what();
+  EXPECT_STREQ(InputError("/a/dem.tif", "", inner).what(), "/a/dem.tif: crs: is unknown");
+  EXPECT_STREQ(InputError("/a/dem.tif", "dem", "cannot be read: '/a/dem.tif', /a/dem.tif.aux").what(),
+               "/a/dem.tif: dem: cannot be read: 'dem.tif', dem.tif.aux");
+}
+
 TEST(AsLine, CutsBetweenCharacters) {
   const test::RandomSeed seed;
   std::mt19937 random(seed);

@@ -13,13 +13,14 @@ namespace {
 constexpr std::uint64_t most_path_bytes = std::uint64_t(1) << 24;
 constexpr double longest_s = 1e6;
 
-enum class Coordinates { scene, geographic };
+/// `geographic` is the earlier name of lat_lon_height.
+enum class Coordinates { scene, lat_lon_height, geographic };
 
 }  // namespace
 
 template <>
 constexpr auto names_of<Coordinates>() {
-  return std::to_array<std::string_view>({"scene", "geographic"});
+  return std::to_array<std::string_view>({"scene", "lat_lon_height", "geographic"});
 }
 
 namespace {
@@ -28,7 +29,7 @@ namespace {
 class Places {
  public:
   Places(const JsonMembers& path, const std::optional<Geodetic>& origin) {
-    geographic_ = path.choice<Coordinates>("coordinates") == Coordinates::geographic;
+    geographic_ = path.choice<Coordinates>("coordinates").value_or(Coordinates::scene) != Coordinates::scene;
     if (!geographic_) return;
     if (!origin) path.fail("coordinates", "the scene stands nowhere on the earth; expected scene");
     scene_from_ecef_ = scene_from_ecef(*origin);

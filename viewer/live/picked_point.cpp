@@ -31,7 +31,7 @@ std::optional<PickedPoint> picked_point(const Picture& picture, const PictureRay
 
 std::string place_text(const PickedPoint& point) {
   const Point<Scene>& at = point.at_m;
-  const std::string there = point.place ? fmt::format("{:.7f}° {:.7f}° {:.2f} m", point.place->latitude_deg,
+  const std::string there = point.place ? fmt::format("lat {:.7f}° lon {:.7f}° {:.2f} m", point.place->latitude_deg,
                                                       point.place->longitude_deg, point.place->height_m)
                                         : fmt::format("{:.2f} {:.2f} {:.2f}", at.x, at.y, at.z);
   return there + fmt::format(", {:.2f} m away", point.distance_m);

@@ -77,7 +77,7 @@ std::string to_json(const std::optional<PickedPoint>& point) {
   if (!point) return R"({"point":null})";
   nlohmann::ordered_json json{{"scene", triple(point->at_m)}, {"distance_m", point->distance_m}};
   if (const auto& place = point->place)
-    json["geographic"] = {place->latitude_deg, place->longitude_deg, place->height_m};
+    json["lat_lon_height"] = {place->latitude_deg, place->longitude_deg, place->height_m};
   return nlohmann::ordered_json{{"point", json}}.dump();
 }
 

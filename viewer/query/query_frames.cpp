@@ -39,7 +39,7 @@ QueryFrames::Vector QueryFrames::lattice_point(const QueryPoint& p) const {
   Point<Scene> at{p[0], p[1], p[2]};
   if (frame_ == QueryFrame::lonlat) {
     if (!(std::fabs(p[0]) <= 360) || !(std::fabs(p[1]) <= 90))
-      throw std::invalid_argument("expected a longitude within ±360° and a latitude within ±90°");
+      throw std::invalid_argument("expected a longitude within ±360° and a latitude within ±90°, in this order");
     at = (*scene_from_ecef_)(ecef_of({p[1], p[0], p[2]}));
   }
   const Vector lattice{(at.x - lattice_origin_m_[0]) / voxel_size_m_, (at.y - lattice_origin_m_[1]) / voxel_size_m_,

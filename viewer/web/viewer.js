@@ -263,9 +263,9 @@ async function lookAtPlace() {
   setTimeout(lookAtPlace, PLACE_MS);
 }
 
-function placeText({scene, geographic, distance_m: distance}) {
+function placeText({scene, lat_lon_height: place, distance_m: distance}) {
   const metres = (v) => `${v.toFixed(2)} m`;
-  const there = geographic ? `${geographic[0].toFixed(7)}° ${geographic[1].toFixed(7)}° ${metres(geographic[2])}` :
+  const there = place ? `lat ${place[0].toFixed(7)}° lon ${place[1].toFixed(7)}° ${metres(place[2])}` :
     scene.map((v) => v.toFixed(2)).join(' ');
   return `${there}, ${metres(distance)} away`;
 }

@@ -1,5 +1,6 @@
 #include "format/source/raster/dem_source.h"
 
+#include "format/source/origin_check.h"
 #include "lattice/error.h"
 #include "lattice/georeference.h"
 #include "lattice/transform.h"
@@ -14,6 +15,8 @@ SceneSources dem_sources(const std::filesystem::path& root, const DemOptions& de
   const std::vector<DemTile> tiles = open_dem(dem);
   const Geodetic middle = tiles.front().raster->origin;
   if (!options.local) out.origin = options.origin ? *options.origin : middle;
+  if (out.origin)
+    if (auto warning = far_origin_warning(*out.origin, {middle})) out.notes.push_back(std::move(*warning));
   Affine<Scene, World> scene_from_raster;
   if (out.origin && *out.origin != middle)
     scene_from_raster.m = (scene_from_ecef(*out.origin) * ecef_from_enu(middle)).m;
@@ -50,7 +53,7 @@ DemOptions dem_options(const std::filesystem::path& scene_file, const Json& entr
   out.crs = get_text(scene_file, entry, where, "crs").value_or("");
   out.nodata = get_number(scene_file, entry, where, "nodata");
   out.height_scale = get_number(scene_file, entry, where, "height_scale");
-  out.geoid_offset_m = get_number(scene_file, entry, where, "geoid_offset_m").value_or(0);
+  out.geoid_offset_m = get_number(scene_file, entry, where, "geoid_offset_m");
   const std::uint64_t cells = get_index(scene_file, entry, where, "tile_cells").value_or(256);
   if (cells < 16 || cells > 4096) throw InputError(scene_file, where + ".tile_cells", "expected 16 to 4096");
   out.tile_cells = int(cells);
@@ -67,6 +70,7 @@ TileMesh read_dem_tile(const TileRef& tile, ReadScope scope) {
   out.primitives.push_back(std::move(dem.primitive));
   out.materials.push_back(dem.material);
   out.images = std::move(dem.images);
+  out.warnings = std::move(dem.warnings);
   return out;
 }
 

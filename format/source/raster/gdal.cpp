@@ -8,8 +8,10 @@
 
 #include "format/source/raster/crs_text.h"
 #include "format/source/raster/dem.h"
+#include "format/source/raster/dem_checks.h"
 #include "format/source/raster/gdal_module.h"
 #include "format/source/raster/gdal_raster.h"
+#include "format/source/raster/height_values.h"
 #include "format/source/raster/proj_files.h"
 #include "lattice/error.h"
 #include "lattice/georeference.h"
@@ -55,7 +57,7 @@ std::string wkt_of(const OGRSpatialReference& crs) {
   return out;
 }
 
-OGRSpatialReference crs_of(const DemOptions& options, GDALDataset& dataset) {
+OGRSpatialReference whole_crs_of(const DemOptions& options, GDALDataset& dataset) {
   OGRSpatialReference crs;
   if (!options.crs.empty()) {
     // GDAL would also fetch an address and open a file.
@@ -71,6 +73,11 @@ OGRSpatialReference crs_of(const DemOptions& options, GDALDataset& dataset) {
                      "the raster has no coordinate system, or one that leads to files; set it in the scene file, as "
                      "\"crs\": \"EPSG:25832\"");
   }
+  return crs;
+}
+
+OGRSpatialReference crs_of(const DemOptions& options, GDALDataset& dataset) {
+  OGRSpatialReference crs = whole_crs_of(options, dataset);
   crs.StripVertical();
   crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   return crs;
@@ -126,32 +133,39 @@ Geodetic checked_origin(const DemRaster& raster, const Grid& grid, const EarthMa
   return geodetic(x[0], y[0], 0);
 }
 
-double height_scale_of(const DemOptions& options, GDALRasterBand& band) {
-  if (options.height_scale) return *options.height_scale;
-  const std::string unit = band.GetUnitType();
-  if (unit.empty() || unit == "m" || unit == "metre" || unit == "meter" || unit == "metres" || unit == "meters")
-    return 1;
-  throw InputError(
-      options.dem, "height_scale",
-      "the raster's heights are in " + in_quotes(unit) + "; set the metres of one in the scene file (a foot: 0.3048)");
+/// Reads a tile's window of pixels, as doubles.
+std::vector<double> read_window(const DemTile& tile, GDALRasterBand& band) {
+  const int width = tile.columns + 1, height = tile.rows + 1;
+  std::vector<double> values(std::size_t(width) * std::size_t(height));
+  if (band.RasterIO(GF_Read, tile.column, tile.row, width, height, values.data(), width, height, GDT_Float64, 0, 0) !=
+      CE_None)
+    throw InputError(tile.raster->options.dem, "dem", "cannot be read" + QuietErrors::last());
+  return values;
+}
+
+HeightRule height_rule(const DemOptions& o, GDALRasterBand& band) {
+  HeightRule rule;
+  int has_nodata = 0;
+  const double own = band.GetNoDataValue(&has_nodata);
+  if (has_nodata != 0) rule.nodata = own;
+  if (o.nodata) rule.nodata = *o.nodata;
+  rule.scale = band.GetScale(), rule.offset = band.GetOffset(), rule.unit_m = height_scale_of(o, band);
+  rule.geoid_offset_m = o.geoid_offset_m.value_or(0);
+  rule.is_nodata_chosen = o.nodata.has_value(), rule.is_unit_chosen = o.height_scale.has_value();
+  return rule;
 }
 
 /// Heights above the ellipsoid of a window of pixels; NaN where there is no value.
-std::vector<double> heights(const DemTile& tile, GDALDataset& dataset) {
+std::vector<double> heights(const DemTile& tile, GDALDataset& dataset, std::vector<std::string>& warnings) {
   const DemOptions& o = tile.raster->options;
   GDALRasterBand& band = *dataset.GetRasterBand(1);
-  const int width = tile.columns + 1, height = tile.rows + 1;
-  std::vector<double> z(std::size_t(width) * std::size_t(height));
-  if (band.RasterIO(GF_Read, tile.column, tile.row, width, height, z.data(), width, height, GDT_Float64, 0, 0) !=
-      CE_None)
-    throw InputError(o.dem, "dem", "cannot be read" + QuietErrors::last());
-  int has_nodata = 0;
-  const double own = band.GetNoDataValue(&has_nodata);
-  const double nodata = o.nodata ? *o.nodata : has_nodata != 0 ? own : std::numeric_limits<double>::quiet_NaN();
-  const double scale = band.GetScale(), offset = band.GetOffset(), unit = height_scale_of(o, band);
-  for (double& v : z)
-    v = !std::isfinite(v) || float(v) == float(nodata) ? std::numeric_limits<double>::quiet_NaN()
-                                                       : (v * scale + offset) * unit + o.geoid_offset_m;
+  std::vector<double> z = read_window(tile, band);
+  if (GDALRasterBand* validity = validity_band(dataset)) {
+    const std::vector<double> is_valid = read_window(tile, *validity);
+    for (std::size_t i = 0; i < z.size(); ++i)
+      if (is_valid[i] == 0) z[i] = std::numeric_limits<double>::quiet_NaN();
+  }
+  warnings = take_heights(o.dem, height_rule(o, band), z);
   return z;
 }
 
@@ -249,9 +263,9 @@ std::vector<DemTile> tiles_of(const DemOptions& options) {
   if (raster->columns < 2 || raster->rows < 2)
     throw InputError(options.dem, "dem", "expected at least 2 × 2 pixels, which are the terrain's vertices");
   expect_whole_text(*raster, *dataset);
-  height_scale_of(options, *dataset->GetRasterBand(1));
   const EarthMap earth(options, *dataset);
   raster->origin = checked_origin(*raster, grid, earth);
+  raster->warnings = check_dem(options, *dataset);
   if (!options.ortho.empty()) open_raster(options.ortho, "ortho");
   const int edge = options.tile_cells;
   claim_tile(*raster, *dataset);
@@ -281,8 +295,8 @@ DemMesh mesh_of(const DemTile& tile, bool with_ortho) {
     throw InputError(o.dem, "dem", "changed while the bake ran; bake again");
   const Grid grid = grid_of(o.dem, *dataset);
   const EarthMap earth(o, *dataset);
-  const std::vector<double> height_m = heights(tile, *dataset);
   DemMesh out;
+  const std::vector<double> height_m = heights(tile, *dataset, out.warnings);
   for (const Point<Scene>& p : places(tile, grid, earth, height_m)) {
     const double xyz[3] = {p.x, p.y, p.z};
     for (std::size_t c = 0; c < 3; ++c)

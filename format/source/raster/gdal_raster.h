@@ -61,7 +61,10 @@ const OGRSpatialReference* plain_crs_of(GDALDataset& dataset);
 
 std::string wkt_of(const OGRSpatialReference& crs);
 
-/// The raster's own or that of the options, without its vertical part. Errors  InputError: neither is there, or known.
+/// The raster's own or that of the options. Errors  InputError: neither is there, or known.
+OGRSpatialReference whole_crs_of(const DemOptions& options, GDALDataset& dataset);
+
+/// Likewise, without its vertical part.
 OGRSpatialReference crs_of(const DemOptions& options, GDALDataset& dataset);
 
 /// From the raster's coordinates to the earth.

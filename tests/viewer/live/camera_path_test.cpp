@@ -155,7 +155,8 @@ TEST(CameraPath, NamesTheMemberThatIsWrongAndWhatWasExpected) {
               HasSubstr("fovy_deg: expected a number from 0.01 to 170"));
   const std::string good = R"({"time_s": 0, "eye": [1, 2, 3], "target": [1, 2, 4]})";
   EXPECT_THAT(complaint(one(good + "," + good)), HasSubstr("keyframes[1].time_s: expected more than"));
-  EXPECT_THAT(complaint(R"({"coordinates": "moon", "keyframes": []})"), HasSubstr("expected one of scene, geographic"));
+  EXPECT_THAT(complaint(R"({"coordinates": "moon", "keyframes": []})"),
+              HasSubstr("expected one of scene, lat_lon_height"));
   EXPECT_THAT(complaint(R"({"coordinates": "geographic", "keyframes": [{"time_s": 0, "eye": [91, 0, 0]}]})"),
               HasSubstr("keyframes[0].eye: expected [latitude, longitude, height]"));
 }

@@ -62,7 +62,7 @@ TEST(PickedPoint, IsSaidInDegreesOnTheEarthElseInSceneMetres) {
   PickedPoint point{{3, -4.128, 0.5}, 20, {}};
   EXPECT_EQ(place_text(point), "3.00 -4.13 0.50, 20.00 m away");
   point.place = Geodetic{46.9, -8.3, 600.25};
-  EXPECT_EQ(place_text(point), "46.9000000° -8.3000000° 600.25 m, 20.00 m away");
+  EXPECT_EQ(place_text(point), "lat 46.9000000° lon -8.3000000° 600.25 m, 20.00 m away");
 }
 
 TEST(PickedPoint, LiesSoFarFromAnother) {

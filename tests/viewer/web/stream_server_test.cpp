@@ -113,7 +113,7 @@ TEST(StreamServer, SaysWhatLiesAtAPixel) {
   EXPECT_LT(off, 0.02 * distance);  // the middle lies between two pixels
   EXPECT_GT(there[0], 0);
   EXPECT_LT(there[0], 32);
-  EXPECT_FALSE(met.contains("geographic"));  // the hill stands nowhere on the earth
+  EXPECT_FALSE(met.contains("lat_lon_height"));  // the hill stands nowhere on the earth
   EXPECT_EQ(at("&x=0&y=0")["point"], nullptr);
   for (const std::string wrong : {"", "&x=.5", "&x=2&y=0", "&x=nan&y=0", "&x=-0.1&y=.5", "&x=.5m&y=.5"})
     EXPECT_EQ(served.status("GET", "/point?viewer=" + key + wrong), 400) << wrong;

@@ -1,0 +1,25 @@
+/// Scene origins far from what is baked: latitude and longitude swapped, or another place's.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lattice/frames.h"
+
+namespace gigabake {
+
+/// Returns a warning if the chosen origin is more than 100 km from every place of the sources; asks whether its
+/// latitude and longitude are swapped. `places` may be empty: sources without a place of their own.
+std::optional<std::string> far_origin_warning(const Geodetic& origin, const std::vector<Geodetic>& places);
+
+/// A source of a scene .json and the place that the file gives it.
+struct NamedPlace {
+  std::string name;  ///< "sources[1]"
+  Geodetic place;
+};
+
+/// Returns one warning for all places that are more than 100 km from the first one.
+std::optional<std::string> far_places_warning(const std::vector<NamedPlace>& places);
+
+}  // namespace gigabake

@@ -1,0 +1,107 @@
+#include "format/source/raster/height_values.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <sstream>
+
+#include "lattice/error.h"
+
+namespace gigabake {
+namespace {
+
+/// Numbers at least this large are a floating-point type's "no value" (the largest float, 9.97e36 of netCDF, 1e20).
+constexpr double huge = 1e15;
+constexpr double common_marker = -9999;
+/// Further numbers that mark missing heights, where they would be no usual height.
+constexpr auto markers = std::to_array<double>({-9999, -32768, -32767, -99999, -999999, -2147483648.0, 9999, 32767,
+                                                65535, 99999, 999999, 2147483647.0, 4294967295.0});
+/// Almost all of the earth's surface, then all of it with some margin: the Challenger Deep is at -10,935 m, Mount
+/// Everest at 8,849 m.
+constexpr double lowest_usual_m = -9500, highest_usual_m = 9200;
+constexpr double lowest_m = -11500, highest_m = 9500;
+/// A lone number that lies farther than this from all others is no part of a landscape.
+constexpr double least_gap_m = 300;
+constexpr std::size_t max_markers_named = 3;
+
+std::string short_number(double v) {
+  std::ostringstream text;
+  text.precision(std::fabs(v) < huge ? 9 : 3);
+  text << v;
+  return text.str();
+}
+
+bool is_declared(double v, double nodata) {
+  // A tag is text, and -3.40282e+38 means the largest float.
+  return float(v) == float(nodata) || (std::fabs(v) >= huge && std::fabs(nodata) >= huge);
+}
+
+bool is_marker(double v, double height_m, const HeightRule& rule) {
+  if (std::fabs(v) >= huge) return true;
+  if (v == common_marker && rule.scale == 1 && rule.offset == 0) return !rule.is_nodata_chosen;
+  return (height_m < lowest_usual_m || height_m > highest_usual_m) &&
+         std::find(markers.begin(), markers.end(), v) != markers.end();
+}
+
+/// The lowest and the highest height, and their neighbours among the other heights.
+struct Extremes {
+  double lowest = std::numeric_limits<double>::infinity(), second_lowest = lowest;
+  double highest = -lowest, second_highest = -lowest;
+
+  explicit Extremes(const std::vector<double>& height_m) {
+    for (const double h : height_m) {
+      if (std::isnan(h)) continue;
+      lowest = std::min(lowest, h), highest = std::max(highest, h);
+    }
+    for (const double h : height_m) {
+      if (h > lowest) second_lowest = std::min(second_lowest, h);
+      if (h < highest) second_highest = std::max(second_highest, h);
+    }
+  }
+};
+
+void warn_of_gaps(const std::vector<double>& height_m, std::vector<std::string>& warnings) {
+  const Extremes e(height_m);
+  if (!(e.second_lowest <= e.second_highest)) return;  // fewer than three heights
+  const auto warn = [&](const char* which, double height) {
+    warnings.push_back(std::string("the ") + which + " height, " + short_number(height) + " m, is more than " +
+                       short_number(least_gap_m) +
+                       " m from all others near it; if it marks missing values, set it as \"nodata\" in a scene .json");
+  };
+  if (e.second_lowest - e.lowest > std::max(least_gap_m, e.highest - e.second_lowest)) warn("lowest", e.lowest);
+  if (e.highest - e.second_highest > std::max(least_gap_m, e.second_highest - e.lowest)) warn("highest", e.highest);
+}
+
+[[noreturn]] void refuse_height(const std::filesystem::path& file, double height_m) {
+  throw InputError(file, "height_scale",
+                   "a pixel is " + short_number(height_m) +
+                       " m high, which no place on earth is; set the metres of one unit (a foot: 0.3048), or the "
+                       "number that marks missing values as nodata, in a scene .json");
+}
+
+}  // namespace
+
+std::vector<std::string> take_heights(const std::filesystem::path& file, const HeightRule& rule,
+                                      std::vector<double>& values) {
+  std::set<double> marked;
+  for (double& v : values) {
+    const double height_m = (v * rule.scale + rule.offset) * rule.unit_m + rule.geoid_offset_m;
+    const bool is_missing = !std::isfinite(v) || is_declared(v, rule.nodata);
+    if (!is_missing && is_marker(v, height_m, rule))
+      marked.insert(v);
+    else if (!is_missing && !rule.is_unit_chosen && (height_m < lowest_m || height_m > highest_m))
+      refuse_height(file, height_m);
+    v = is_missing || marked.contains(v) ? std::numeric_limits<double>::quiet_NaN() : height_m;
+  }
+  std::vector<std::string> warnings;
+  for (const double v : marked)
+    if (warnings.size() < max_markers_named)
+      warnings.push_back("pixels of " + short_number(v) +
+                         " are taken as holes, though the raster does not declare this number as nodata; declare it, "
+                         "or set \"nodata\" in a scene .json");
+  warn_of_gaps(values, warnings);
+  return warnings;
+}
+
+}  // namespace gigabake
