@@ -81,7 +81,18 @@ def architecture_problems(root):
                 yield f"says that {name} is declared in {row[1].strip()}"
 
 
+def version_problems(root):
+    """2026-11-25: all files name the version of CMakeLists.txt."""
+    version = re.search(r"VERSION (\d+\.\d+)\.(\d+)", (root / "CMakeLists.txt").read_text(encoding="utf-8"))
+    minor, whole = version.group(1), f"{version.group(1)}.{version.group(2)}"
+    for name, text in (("CITATION.cff", f"\nversion: {whole}\n"), ("packaging/changelog", f"gigabake ({whole})"),
+                       ("README.md", f"find_package(gigabake {minor} "), ("CHANGELOG.md", f"\n## {whole}, ")):
+        if text not in (root / name).read_text(encoding="utf-8"):
+            yield f"{name}: expected version {whole}, as in CMakeLists.txt"
+
+
 def problems(root):
+    yield from version_problems(root)
     for page in sorted([*root.glob("*.md"), *root.glob("*.cff"), *(root / "docs").rglob("*.md")]):
         for problem in page_problems(root, page):
             yield f"{page.relative_to(root)}: {problem}"

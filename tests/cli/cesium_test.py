@@ -134,6 +134,6 @@ class CesiumTest(unittest.TestCase):
 
 if __name__ == "__main__":
     if not CESIUM or not chromium.find():
-        print("skipped:", "no Chromium" if CESIUM else "no CesiumJS, which tools/fetch-cesium installs where there is npm")
+        print("skipped:", "no Chromium" if CESIUM else "no CesiumJS (tools/fetch-cesium installs it with npm)")
         sys.exit(77)
     harness.main(argv=sys.argv[:1], verbosity=2)
