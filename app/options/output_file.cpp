@@ -47,9 +47,6 @@ bool is_part_of(const fs::path& file, const fs::path& input) {
 void expect_no_input(const char* option, const std::string& name, const std::vector<fs::path>& inputs) {
   if (name.empty()) return;
   std::error_code error;
-  const fs::path folder = fs::path(name).parent_path();
-  if (!folder.empty() && !fs::is_directory(folder, error))
-    refuse(option, name, "its folder is not there; make it first");
   if (fs::exists(name, error) && !fs::is_regular_file(name, error)) refuse(option, name, "is no regular file");
   for (const fs::path& input : inputs)
     if (!input.empty() && is_part_of(name, input))

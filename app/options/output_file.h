@@ -9,8 +9,8 @@
 namespace gigabake::app {
 
 /// Checks the file that `option` names, if it names one.
-/// Errors  InputError: its folder is not there; it is no regular file; it is one of `inputs` or lies in a folder of
-///         them, under any name (links are followed, hard links are recognised).
+/// Errors  InputError: it is no regular file; it is one of `inputs` or lies in a folder of them, under any name (links
+///         are followed, hard links are recognised).
 void expect_no_input(const char* option, const std::string& name, const std::vector<std::filesystem::path>& inputs);
 
 /// As expect_no_input(), of a file that later runs of the command replace: what is there must begin as one of its own.

@@ -50,7 +50,7 @@ class OwnFilesTest(unittest.TestCase):
         notes.write_text("mine")
         for option in ("--report", "--metrics"):
             for name in (self.mesh, link, hard, notes, self.out / "scene.xml", self.out / "journal",
-                         self.out / "shards" / "r.json", self.root / "gone" / "r.json", "/dev/null"):
+                         self.out / "shards" / "r.json", "/dev/null"):
                 self.refused(option, arguments=(option, name))
         self.refused("belongs to", arguments=("--report", self.mesh.parent / "r.json"), source=self.mesh.parent)
         report = self.root / "r.json"
