@@ -40,6 +40,7 @@ std::vector<std::uint8_t> shared_part(const BakeRequest& request) {
   put_optional(w, request.source_options.scene_up);
   w.put(to_json(request.parameters));
   w.put(std::uint8_t(request.keep_going)), w.put(std::uint8_t(request.prune));
+  w.put(std::uint8_t(request.overviews));
   w.put(request.patience.stall_s), w.put(request.patience.cell_timeout_s), w.put(request.patience.silence_s);
   return w.take();
 }
@@ -52,7 +53,7 @@ void take_shared_part(const std::vector<std::uint8_t>& bytes, BakeRequest& reque
   get_optional(r, request.source_options.origin);
   get_optional(r, request.source_options.scene_up);
   r.get(parameters);
-  r.get(request.keep_going), r.get(request.prune);
+  r.get(request.keep_going), r.get(request.prune), r.get(request.overviews);
   r.get(request.patience.stall_s), r.get(request.patience.cell_timeout_s), r.get(request.patience.silence_s);
   r.expect_end();
   request.source = source, request.out = out;
@@ -78,6 +79,7 @@ std::vector<NamedOption> named_options(const BakeRequest& request) {
                        : "the source's own"},
       {"`up`", s.scene_up ? std::string(name_of(*s.scene_up)) : "the source's own"},
       {"`no_keep_going`", request.keep_going ? "not given" : "given"},
+      {"`no_overviews`", request.overviews ? "not given" : "given"},
       {"`prune`", request.prune ? "given" : "not given"},
       {"parameters", to_json(p)},
   };

@@ -204,7 +204,7 @@ BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const Bake
   all_or_none(mpi, [&] { refuse(request, plan.losses, mpi.rank() == 0 && plan.jobs.empty()); });
   if (mpi.rank() == 0) keep_surveys(request, sources, surveys, progress);
   surveys.clear();
-  add_parents(plan.jobs);
+  if (request.overviews) add_parents(plan.jobs);
   summary.precision = plan.precision;
   summary.warnings = plan.warnings;
   summary.survey_s = seconds_since(start);

@@ -31,6 +31,7 @@ struct BakeRequest {
   std::uint64_t memory_bytes = 0;  ///< of each rank; 0: no bound
   bool memory_is_usual = false;    ///< nobody asked for that much: a rank takes less where its host has less for it
   bool keep_going = true;          ///< after a tile or cell failed
+  bool overviews = true;           ///< write overview shards, which contain the levels above the cells
   Backend backend = Backend::automatic;
   bool prune = false;     ///< remove shards that the new scene does not have, where it misses nothing
   std::vector<int> gpus;  ///< devices of each host to use; empty: all

@@ -134,6 +134,7 @@ void add_parents(std::vector<CellJob>& jobs) {
   for (std::size_t i = cells; i < jobs.size(); ++i) {
     std::vector<Hash128> of_children;
     for (const std::uint32_t child : jobs[i].children) of_children.push_back(jobs[child].fingerprint);
+    for (const std::uint32_t child : jobs[i].children) jobs[child].kept_lod = jobs[i].first_lod;
     jobs[i].id = std::uint32_t(i);
     jobs[i].fingerprint = parent_fingerprint(jobs[i], of_children);
   }

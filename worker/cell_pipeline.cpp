@@ -18,6 +18,9 @@
 namespace gigabake {
 namespace {
 
+/// Overviews that may wait beside a device before the reader waits for them.
+constexpr std::size_t overviews_waiting = 64;
+
 /// Runs one stage on a cell; an exception decides the cell.
 /// of_input: what bad input means to this stage; who writes has none, and what fails there is I/O.
 template <class Work>
@@ -59,8 +62,12 @@ class CellPipeline::Stages {
         loaded_(cells_ahead_for(options)) {
     reader_ = std::thread([this] { read_all(); });
     computer_ = std::thread([this] { compute_all(); });
-    if (has_device_)
+    if (has_device_) {
+      const std::size_t makers = overview_makers_for(options);
+      suppliers_ = bringers + makers;
       for (std::size_t b = 0; b < bringers; ++b) bringers_.emplace_back([this, b] { bring_all(b); });
+      for (std::size_t m = 0; m < makers; ++m) overview_makers_.emplace_back([this] { make_overviews(); });
+    }
     for (int w = write_crew_for(options).writers; w > 0; --w) writers_.emplace_back([this] { write_all(); });
   }
 
@@ -73,6 +80,7 @@ class CellPipeline::Stages {
     reader_.join();
     computer_.join();
     for (std::thread& bringer : bringers_) bringer.join();
+    for (std::thread& maker : overview_makers_) maker.join();
     for (std::thread& writer : writers_) writer.join();
   }
 
@@ -113,12 +121,39 @@ class CellPipeline::Stages {
     stages_.prepare();
     while (auto job = next_job()) {
       auto cell = std::make_unique<CellInHand>(std::move(*job));
-      // What a parent reads was written a moment ago, perhaps by another host: it may yet appear.
-      const CellOutcome of_input = is_parent(cell->job) ? CellOutcome::failed : CellOutcome::refused;
-      run_stage(*cell, &CellReport::read_s, of_input, [this](CellInHand& c) { stages_.read(c); });
+      if (has_device_ && is_parent(cell->job)) {
+        overviews_.give(std::move(cell));
+        continue;
+      }
+      read(*cell);
       loaded_.give(std::move(cell));
     }
     loaded_.close();
+    overviews_.close();
+  }
+
+  void read(CellInHand& cell) {
+    // What a parent reads was written a moment ago, perhaps by another host: it may yet appear.
+    const CellOutcome of_input = is_parent(cell.job) ? CellOutcome::failed : CellOutcome::refused;
+    run_stage(cell, &CellReport::read_s, of_input, [this](CellInHand& c) { stages_.read(c); });
+  }
+
+  /// Reads and computes overviews on the host while a device bakes cells: it never waits for an overview.
+  void make_overviews() {
+    while (auto cell = overviews_.take()) {
+      read(**cell);
+      run_stage(**cell, &CellReport::kernel_s, CellOutcome::refused, [this](CellInHand& c) {
+        stages_.compute(c);
+        stages_.bring(c, 0);
+      });
+      ready_.give(std::move(*cell));
+    }
+    end_supply();
+  }
+
+  /// Closes the writers' queue with the last thread that feeds it.
+  void end_supply() {
+    if (--suppliers_ == 0) ready_.close();
   }
 
   /// Without a device nothing has far to come, and who computes hands on to who writes.
@@ -140,7 +175,7 @@ class CellPipeline::Stages {
                 [this, bringer](CellInHand& c) { stages_.bring(c, bringer); });
       ready_.give(std::move(*cell));
     }
-    if (++done_bringers_ == bringers) ready_.close();
+    end_supply();
   }
 
   void write_all() {
@@ -165,9 +200,10 @@ class CellPipeline::Stages {
   bool stopping_ = false;
   Handoff<std::unique_ptr<CellInHand>> loaded_;
   Handoff<std::unique_ptr<CellInHand>> computed_, ready_;
+  Handoff<std::unique_ptr<CellInHand>> overviews_{overviews_waiting};  ///< jobs only: nothing of them is read yet
   std::thread reader_, computer_;
-  std::atomic<std::size_t> done_bringers_{0};
-  std::vector<std::thread> bringers_;
+  std::atomic<std::size_t> suppliers_{0};  ///< beside a device: threads that feed ready_
+  std::vector<std::thread> bringers_, overview_makers_;
   std::vector<std::thread> writers_;
 };
 

@@ -27,6 +27,11 @@ std::uint64_t kernel_bytes(const WorkerOptions& options) {
   return options.memory_bytes == 0 ? 0 : std::max(options.memory_bytes / 2, least_kernel_bytes);
 }
 
+std::uint64_t overview_bytes(const WorkerOptions& options) {
+  constexpr std::uint64_t unbounded = std::uint64_t(512) << 20;
+  return options.memory_bytes == 0 ? unbounded : options.memory_bytes / 32;
+}
+
 const WorkerOptions& with_shard_folder(const WorkerOptions& options) {
   std::error_code error;
   std::filesystem::create_directories(options.out / "shards", error);
@@ -107,6 +112,7 @@ CellStages::CellStages(SceneSources sources, BakeParameters parameters, const Wo
       options_(with_shard_folder(options)),
       loader_(sources_, parameters_, cache_bytes(options_), options_.threads,
               scratch_in(options_.scratch, options_.memory_bytes)),
+      overview_inputs_(overview_bytes(options_)),
       pool_(options_.threads),
       write_pool_(write_crew_for(options_).threads) {}
 
@@ -142,15 +148,17 @@ void CellStages::make_baker() {
 void CellStages::read(CellInHand& cell) {
   const std::filesystem::path path = options_.out / shard_path(cell.job);
   const FileStamp before = stamp_of(path).value_or(FileStamp{});
-  if (const auto shard = published_shard(path, cell.job, parameters_, sources_.origin, options_.threads)) {
+  if (auto shard = published_shard(path, cell.job, parameters_, sources_.origin, options_.threads)) {
     cell.report.shard = before;
     const StoredShard stored = stored_shard(path, shard->levels.size());
     cell.report.cell = scene_cell(cell.job, *shard, stored);
     cell.report.levels = with_stored(summarize_levels(*shard), stored.levels);
+    keep_for_overviews(cell.job, *std::move(shard));
     return decide(cell, CellOutcome::baked);
   }
   if (is_parent(cell.job)) {
-    cell.children = read_children(options_.out, cell.job);
+    cell.children = read_children(
+        options_.out, cell.job, [this](const std::string& file) { return overview_inputs_.find(file); }, pool_);
     return;
   }
   cell.loaded = loader_.load(cell.job);
@@ -255,10 +263,12 @@ void CellStages::write(CellInHand& cell) {
   if (cell.packed) {
     const PackedShard shard = shard_from_packed(*cell.packed, header);
     report_shard(cell, shard, write_packed_shard(path, shard, how));
+    keep_for_overviews(cell.job, shard);
     cell.packed.reset();
   } else {
-    const Shard shard = shard_from_volume(std::exchange(cell.volume, {}), header);
+    Shard shard = shard_from_volume(std::exchange(cell.volume, {}), header);
     report_shard(cell, shard, write_shard(path, shard, how));
+    keep_for_overviews(cell.job, std::move(shard));
   }
   decide(cell, CellOutcome::baked);
 }
@@ -268,6 +278,12 @@ void CellStages::report_shard(CellInHand& cell, const AnyShard& shard, const Sto
   cell.report.shard = stamp_of(options_.out / shard_path(cell.job)).value_or(FileStamp{});
   cell.report.cell = scene_cell(cell.job, shard, stored);
   cell.report.levels = with_stored(summaries(shard, write_pool_), stored.levels);
+}
+
+template <class AnyShard>
+void CellStages::keep_for_overviews(const CellJob& job, AnyShard&& shard) {
+  if (job.kept_lod == 0) return;
+  overview_inputs_.keep(shard_path(job).generic_string(), child_of(std::forward<AnyShard>(shard), job.kept_lod));
 }
 
 ShardHeader CellStages::header_of(const CellInHand& cell) const {

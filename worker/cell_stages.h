@@ -15,6 +15,7 @@
 #include "lattice/thread_pool.h"
 #include "worker/cell_loader.h"
 #include "worker/cell_pipeline.h"
+#include "worker/overview_inputs.h"
 #include "worker/parent_bake.h"
 
 namespace gigabake {
@@ -25,9 +26,9 @@ struct CellInHand {
 
   CellJob job;
   CellReport report;
-  bool decided = false;                 ///< the report is final; later stages pass it on
-  std::optional<LoadedCell> loaded;     ///< until there is a volume: a device may fail at any step
-  std::vector<ChildOfParent> children;  ///< of a parent, instead
+  bool decided = false;              ///< the report is final; later stages pass it on
+  std::optional<LoadedCell> loaded;  ///< until there is a volume: a device may fail at any step
+  ChildrenOfParent children;         ///< of a parent, instead
   std::shared_ptr<const kernels::CudaInput> device_input;
   std::unique_ptr<kernels::CudaVolume> device_volume;  ///< until it is packed, or on the host
   std::optional<kernels::PackedCell> packed;           ///< then there is no volume
@@ -47,8 +48,8 @@ class CellStages {
 
   /// Starts the device's driver, on the thread that will read. What goes wrong shows again at the first cell.
   void prepare();
-  /// Takes over a whole shard of this fingerprint if OUT has one; else loads tiles and textures, to the device too, or
-  /// of a parent what its children keep for it.
+  /// Takes over a whole shard of this fingerprint if OUT has one; else loads tiles and textures, to the device too. Of
+  /// a parent's children it takes what is in memory, and reads the rest.
   void read(CellInHand& cell);
   /// loaded → volume, on the device if there is one and it is no parent; a cell at which it fails is baked on the CPU,
   /// and the report says so.
@@ -72,6 +73,8 @@ class CellStages {
   void bring_volume(CellInHand& cell);
   bool is_alone_on_device(const kernels::CellStats& stats) const;
   void take_stats(CellInHand& cell) const;
+  template <class AnyShard>
+  void keep_for_overviews(const CellJob& job, AnyShard&& shard);
   ShardHeader header_of(const CellInHand& cell) const;
   template <class AnyShard>
   void report_shard(CellInHand& cell, const AnyShard& shard, const StoredShard& stored) const;
@@ -80,6 +83,7 @@ class CellStages {
   const BakeParameters parameters_;
   const WorkerOptions options_;
   CellLoader loader_;
+  OverviewInputs overview_inputs_;
   ThreadPool pool_, write_pool_;                               ///< several cells are written at a time
   std::unique_ptr<kernels::CudaBaker> cuda_;                   ///< made on the thread that reads
   std::vector<std::unique_ptr<kernels::CudaPacker>> packers_;  ///< of each bringer, and of who computes

@@ -1,6 +1,7 @@
 #include "worker/parent_bake.h"
 
 #include <algorithm>
+#include <mutex>
 #include <utility>
 
 #include "format/shard/shard_reader.h"
@@ -12,10 +13,10 @@
 namespace gigabake {
 namespace {
 
-std::vector<kernels::Level> copies_of(const CellJob& parent, const std::vector<ChildOfParent>& children,
-                                      const BakeParameters& p, const ThreadPool& pool) {
+std::vector<kernels::Level> copies_of(const CellJob& parent, const ChildrenOfParent& children, const BakeParameters& p,
+                                      const ThreadPool& pool) {
   std::vector<const ChildLevels*> copied;
-  for (const ChildOfParent& child : children) copied.push_back(&child.copied);
+  for (const auto& child : children) copied.push_back(&child->copied);
   const CopyWindow window{parent.lattice_min, parent.cell_voxels,
                           parent.first_lod,   parent.first_lod + parent.copied_lods,
                           p.normals,          has_facing(p)};
@@ -31,7 +32,7 @@ ChildOfParent read_child(const ShardReader& reader, const CellJob& parent) {
   if (child.source.empty())
     throw InputError(reader.path(), "/above",
                      "is missing, of which the levels above are made: remove the file and bake again");
-  child.copied = read_child_levels(reader, parent.first_lod, parent.first_lod + parent.copied_lods);
+  child.copied = read_child_levels(reader, parent.first_lod);
   return child;
 }
 
@@ -40,35 +41,64 @@ std::uint64_t bytes_of(const ChildOfParent& child) {
     return (... + (std::uint64_t(columns.size()) * sizeof(*columns.data())));
   };
   const ParentSource& source = child.source;
-  const NodeTable& n = child.copied.nodes;
+  const NodeTable& n = child.copied.coarse.nodes;
   std::uint64_t bytes = all(source.place, source.rgba, source.normal, source.raster, source.patch, n.key, n.lod, n.kind,
                             n.child_mask, n.first_child, n.value, n.normal, n.facing);
-  for (const BrickLevel& level : child.copied.levels)
+  for (const BrickLevel& level : child.copied.coarse.levels)
     bytes += all(level.mask, level.first, level.rgba, level.normal, level.facing);
   return bytes;
 }
 
-std::vector<ChildOfParent> read_children(const std::filesystem::path& out, const CellJob& parent) {
+ChildOfParent child_of(Shard&& shard, std::uint32_t begin) {
+  const ShardHeader& h = shard.header;
+  ChildOfParent child{std::move(shard.above), {h.lattice_min, h.first_lod, begin, {}}};
+  if (begin < h.first_lod + h.lods)
+    child.copied.coarse = take_coarse_levels(std::move(shard), int(begin - h.first_lod));
+  return child;
+}
+
+ChildOfParent child_of(const PackedShard& shard, std::uint32_t begin) {
+  const ShardHeader& h = shard.header;
+  ChildOfParent child{shard.above, {h.lattice_min, h.first_lod, begin, {}}};
+  if (begin < h.first_lod + h.lods) child.copied.coarse = unpack_coarse_levels(shard, int(begin - h.first_lod));
+  return child;
+}
+
+namespace {
+
+std::shared_ptr<const ChildOfParent> read_child_file(const std::filesystem::path& out, const std::string& file,
+                                                     const CellJob& parent) {
+  const ShardReader reader(out / file);
+  // A child that another bake has replaced meanwhile has another file.
+  if (shard_file(reader.header().cell, reader.header().fingerprint) != file)
+    throw InputError(out / file, "fingerprint", "is not that of its name: remove the file and bake again");
+  return std::make_shared<const ChildOfParent>(read_child(reader, parent));
+}
+
+}  // namespace
+
+ChildrenOfParent read_children(const std::filesystem::path& out, const CellJob& parent, const FindChild& find,
+                               const ThreadPool& pool) {
   MemoryClaim memory("parent " + parent.name, "take fewer ranks on the machine");
-  std::vector<ChildOfParent> children;
-  for (const std::string& file : parent.child_files) {
-    const ShardReader reader(out / file);
-    // A child that another bake has replaced meanwhile has another file.
-    if (shard_file(reader.header().cell, reader.header().fingerprint) != file)
-      throw InputError(out / file, "fingerprint", "is not that of its name: remove the file and bake again");
-    children.push_back(read_child(reader, parent));
-    memory.add_items(2, bytes_of(children.back()), "", "copies of its children's levels");
-  }
+  std::mutex claiming;
+  ChildrenOfParent children(parent.child_files.size());
+  pool.parallel_for(children.size(), 1, [&](std::size_t c, std::size_t, int) {
+    const std::string& file = parent.child_files[c];
+    children[c] = find(file);
+    if (!children[c] || children[c]->copied.begin != parent.first_lod) children[c] = read_child_file(out, file, parent);
+    const std::scoped_lock lock(claiming);
+    memory.add_items(2, bytes_of(*children[c]), "", "copies of its children's levels");
+  });
   return children;
 }
 
-kernels::CellVolume make_parent(const CellJob& parent, const std::vector<ChildOfParent>& children,
+kernels::CellVolume make_parent(const CellJob& parent, const ChildrenOfParent& children,
                                 const BakeParameters& parameters, const ThreadPool& pool) {
   std::vector<kernels::ParentChild> sources;
-  for (const ChildOfParent& child : children) {
+  for (const auto& child : children) {
     kernels::ParentChild& source = sources.emplace_back();
-    source.source = &child.source;
-    std::ranges::copy(child.copied.lattice_min, source.lattice_min);
+    source.source = &child->source;
+    std::ranges::copy(child->copied.lattice_min, source.lattice_min);
   }
   return kernels::bake_parent(sources, parent_parameters(parent, parameters), pool,
                               copies_of(parent, children, parameters, pool));

@@ -15,7 +15,7 @@ namespace {
 struct ReadFamily {
   ShardHeader header;
   ParentSource above;
-  std::vector<ChildOfParent> children;
+  ChildrenOfParent children;
 };
 std::optional<ReadFamily> read_family(const std::filesystem::path& folder, const SceneCell& parent,
                                       std::span<const SceneCell> children) {
@@ -23,7 +23,8 @@ std::optional<ReadFamily> read_family(const std::filesystem::path& folder, const
     const ShardReader reader(folder / parent.file);
     ReadFamily family{reader.header(), reader.above(), {}};
     for (const SceneCell& child : children)
-      family.children.push_back(read_child(ShardReader(folder / child.file), job_of(parent)));
+      family.children.push_back(
+          std::make_shared<const ChildOfParent>(read_child(ShardReader(folder / child.file), job_of(parent))));
     return family;
   } catch (const InputError&) {
     return std::nullopt;

@@ -21,6 +21,11 @@ std::size_t cells_ahead_for(const WorkerOptions& options) {
   return std::size_t(options.memory_bytes == 0 ? most : std::min(most, options.memory_bytes / bytes_a_cell));
 }
 
+std::size_t overview_makers_for(const WorkerOptions& options) {
+  constexpr int threads_a_maker = 4, most = 4;
+  return std::size_t(std::clamp(options.threads / threads_a_maker, 1, most));
+}
+
 std::uint64_t image_bytes_for(const WorkerOptions& options) {
   constexpr std::uint64_t most = std::uint64_t(64) << 20;
   if (options.memory_bytes == 0) return most;

@@ -19,6 +19,10 @@ struct WriteCrew {
 /// kernels need the threads, and one cell is packed at a time.
 WriteCrew write_crew_for(const WorkerOptions& options);
 
+/// Returns how many overviews are made concurrently beside a device: most become ready at the end of a bake, and parts
+/// of each run on one thread.
+std::size_t overview_makers_for(const WorkerOptions& options);
+
 /// Cells that are read before a device asks for them: a tile's first cell takes as long to read as several take to
 /// bake, and the device would wait for each tile. Where memory is short there are fewer, and without a device none,
 /// because reading and kernels share the threads.

@@ -133,6 +133,9 @@ void add_bake(CLI::App& app, int& exit_code) {
   command->add_option("--report", options->report, "file for what --json prints: counts, times, accuracy figures");
   command->add_flag("--keep-going,!--no-keep-going", options->asked.keep_going,
                     "bake the rest after a tile or cell failed (default), or stop there and publish nothing");
+  command->add_flag("--overviews,!--no-overviews", options->asked.overviews,
+                    "write overview shards, which contain the levels above the cells (default); without them a view of "
+                    "the whole scene opens every cell, and no level is coarser than a cell's");
   command->add_flag("--prune", options->asked.prune,
                     "once the scene is whole, remove shards that it does not have; without, they stay for a return to "
                     "earlier settings");

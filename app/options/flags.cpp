@@ -37,6 +37,7 @@ constexpr auto flags = std::to_array<std::pair<std::string_view, std::string_vie
     {"mip", "--mip"},
     {"no_keep_going", "--no-keep-going"},
     {"no_measure", "--no-measure"},
+    {"no_overviews", "--no-overviews"},
     {"origin", "--origin"},
     {"out", "-o"},
     {"pixel_error", "--pixel-error"},

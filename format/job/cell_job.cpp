@@ -15,7 +15,7 @@ void each_field_of_cell(Cell& c, const F& f) {
 template <class Job, class F>
 void each_field_of_job(Job& j, const F& f) {
   f(j.id), f(j.name), f(j.lattice_min), f(j.cell_voxels), f(j.tiles), f(j.triangles), f(j.fingerprint),
-      f(j.tile_sources), f(j.first_lod), f(j.copied_lods), f(j.children), f(j.child_files);
+      f(j.tile_sources), f(j.first_lod), f(j.copied_lods), f(j.kept_lod), f(j.children), f(j.child_files);
 }
 
 template <class Report, class F>

@@ -30,6 +30,7 @@ struct CellJob {
   std::vector<Hash128> tile_sources;  ///< TileSurvey::source of each of `tiles`; empty: nobody checks what they hold
   std::uint32_t first_lod = 0;        ///< of a parent: its finest level on the lattice. 0: a cell
   std::uint32_t copied_lods = 0;      ///< of a parent: so many of its levels from there on are copies of its children's
+  std::uint32_t kept_lod = 0;  ///< its overview copies levels of the lattice from this one on. 0: it has no overview
   std::vector<std::uint32_t> children = {};   ///< of a parent: jobs that come first, ascending
   std::vector<std::string> child_files = {};  ///< of one that is handed out: the shards of those that have voxels
 };

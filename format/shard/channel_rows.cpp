@@ -11,7 +11,7 @@ namespace gigabake {
 namespace {
 
 template <class T>
-std::vector<T> read_rows(const Hdf5Rows& rows, std::uint64_t first, std::uint64_t count, std::size_t width) {
+std::vector<T> read_rows(const StoredRows& rows, std::uint64_t first, std::uint64_t count, std::size_t width) {
   std::vector<T> out(count * width);
   rows.read(first, count, out.data());
   return out;
@@ -19,27 +19,31 @@ std::vector<T> read_rows(const Hdf5Rows& rows, std::uint64_t first, std::uint64_
 
 }  // namespace
 
-ChannelRows::ChannelRows(const Hdf5File& file, const std::string& group, const VoxelChannel& channel,
+ChannelRows::ChannelRows(const ColumnSource& source, const std::string& group, const VoxelChannel& channel,
                          std::uint64_t bricks, std::uint64_t voxels)
-    : file_(file), channel_(channel), columns_(group, channel), value_(file, columns_.value), voxels_(voxels) {
-  if (!file.has_column(columns_.share)) {
-    if (value_.rows() != voxels && (value_.rows() != 1 || voxels == 0))
-      file.fail(group, std::string(channel.name) + " does not fit first");
+    : source_(source),
+      channel_(channel),
+      columns_(group, channel),
+      value_(source.open(columns_.value)),
+      voxels_(voxels) {
+  if (!source.has(columns_.share)) {
+    if (value_->rows() != voxels && (value_->rows() != 1 || voxels == 0))
+      throw InputError(source.path(), group, std::string(channel.name) + " does not fit first");
     return;
   }
-  share_.emplace(file, columns_.share);
-  first_.emplace(file, columns_.first);
+  share_ = source.open(columns_.share);
+  first_ = source.open(columns_.first);
   if (share_->rows() != bricks || first_->rows() != bricks + 1)
-    file.fail(group, std::string(channel.name) + " is not shared by as many bricks as there are");
+    throw InputError(source.path(), group, std::string(channel.name) + " is not shared by as many bricks as there are");
 }
 
 void ChannelRows::read(std::uint64_t brick, std::span<const std::uint64_t> mask, std::uint64_t first_voxel,
                        std::uint64_t voxels, ChannelBytes<std::uint8_t> to) const {
   if (share_) return read_shared(brick, mask, to);
   const std::size_t width = channel_.width;
-  const bool is_constant = value_.rows() != voxels_;
-  if (!is_constant && width == to.stride) return value_.read(first_voxel, voxels, to.first);
-  const auto value = read_rows<std::uint8_t>(value_, is_constant ? 0 : first_voxel, is_constant ? 1 : voxels, width);
+  const bool is_constant = value_->rows() != voxels_;
+  if (!is_constant && width == to.stride) return value_->read(first_voxel, voxels, to.first);
+  const auto value = read_rows<std::uint8_t>(*value_, is_constant ? 0 : first_voxel, is_constant ? 1 : voxels, width);
   with_known_width(width, [&](auto known) {
     for (std::size_t v = 0; v < voxels; ++v) std::memcpy(to[v], value.data() + (is_constant ? 0 : v * known), known);
   });
@@ -50,14 +54,15 @@ void ChannelRows::read_shared(std::uint64_t brick, std::span<const std::uint64_t
   const std::size_t bricks = mask.size() / 8, width = channel_.width;
   const auto share = read_rows<std::uint8_t>(*share_, brick, bricks, share_bytes);
   const auto first = read_rows<std::uint64_t>(*first_, brick, bricks + 1, 1);
-  const BrokenRule table{file_.path(), columns_.first.name};
+  const BrokenRule table{source_.path(), columns_.first.name};
   table.expect(brick > 0 || first[0] == 0, 0, "does not begin at 0");
   for (std::size_t b = 0; b < bricks; ++b)
     table.expect(first[b + 1] > first[b] && first[b + 1] - first[b] <= brick_voxels, brick + b,
                  "does not count the values that are shared");
-  table.expect(first.back() <= value_.rows() && (brick + bricks + 1 < first_->rows() || first.back() == value_.rows()),
-               brick + bricks, "does not end at the number of values");
-  const auto value = read_rows<std::uint8_t>(value_, first[0], first.back() - first[0], width);
+  table.expect(
+      first.back() <= value_->rows() && (brick + bricks + 1 < first_->rows() || first.back() == value_->rows()),
+      brick + bricks, "does not end at the number of values");
+  const auto value = read_rows<std::uint8_t>(*value_, first[0], first.back() - first[0], width);
   std::size_t voxel = 0;
   for (std::size_t b = 0; b < bricks; ++b) {
     const std::span values(value.data() + (first[b] - first[0]) * width, (first[b + 1] - first[b]) * width);

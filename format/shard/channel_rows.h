@@ -2,39 +2,39 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
 
-#include "format/shard/hdf5/hdf5_rows.h"
 #include "format/shard/shard_layout.h"
+#include "format/shard/stored_rows.h"
 #include "format/shard/voxel_channel.h"
 
 namespace gigabake {
 
 class ChannelRows {
  public:
-  /// Borrows `file`. bricks, voxels: of the level.
-  /// Errors  InputError: the columns do not fit these numbers, or as Hdf5Rows.
-  ChannelRows(const Hdf5File& file, const std::string& group, const VoxelChannel& channel, std::uint64_t bricks,
+  /// Borrows `source`. bricks, voxels: of the level.
+  /// Errors  InputError: the columns do not fit these numbers, or as ColumnSource::open().
+  ChannelRows(const ColumnSource& source, const std::string& group, const VoxelChannel& channel, std::uint64_t bricks,
               std::uint64_t voxels);
 
   const VoxelChannel& channel() const { return channel_; }
 
   /// Gives each voxel of some bricks, from `brick` on, its value. Any number of threads.
   /// Range   mask: the bricks', as many bits as voxels; first_voxel: of the level, where they begin.
-  /// Errors  InputError: `NAME_first` does not count the values, or as Hdf5Rows::read().
+  /// Errors  InputError: `NAME_first` does not count the values, or as StoredRows::read().
   void read(std::uint64_t brick, std::span<const std::uint64_t> mask, std::uint64_t first_voxel, std::uint64_t voxels,
             ChannelBytes<std::uint8_t> to) const;
 
  private:
   void read_shared(std::uint64_t brick, std::span<const std::uint64_t> mask, ChannelBytes<std::uint8_t> to) const;
 
-  const Hdf5File& file_;
+  const ColumnSource& source_;
   VoxelChannel channel_;
   ChannelColumns columns_;
-  Hdf5Rows value_;
-  std::optional<Hdf5Rows> share_, first_;
+  std::unique_ptr<StoredRows> value_, share_, first_;  ///< the last two where values are shared
   std::uint64_t voxels_;
 };
 

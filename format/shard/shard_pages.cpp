@@ -63,13 +63,14 @@ struct ShardPages::Nodes {
 struct ShardPages::Level {
   Level(const Hdf5File& file, const std::vector<VoxelChannel>& of_voxels, const LevelColumns& columns,
         std::uint64_t bricks_of_nodes)
-      : bricks(bricks_of_nodes), mask(file, columns.mask), first(file, columns.first) {
+      : source(file), bricks(bricks_of_nodes), mask(file, columns.mask), first(file, columns.first) {
     if (mask.rows() != bricks) file.fail(columns.group, "there are not as many bricks as nodes of this level");
     if (first.rows() != bricks + 1) file.fail(columns.group, "first does not fit mask");
     voxels = read_range<std::uint64_t>(first, bricks, 1)[0];
-    for (const VoxelChannel& channel : of_voxels) channels.emplace_back(file, columns.group, channel, bricks, voxels);
+    for (const VoxelChannel& channel : of_voxels) channels.emplace_back(source, columns.group, channel, bricks, voxels);
   }
 
+  FileColumns source;
   std::uint64_t bricks, voxels = 0;
   Hdf5Rows mask, first;
   std::deque<ChannelRows> channels;

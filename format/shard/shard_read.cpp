@@ -1,7 +1,6 @@
 #include <algorithm>
 
 #include "format/shard/above.h"
-#include "format/shard/channel_rows.h"
 #include "format/shard/check/shard_check.h"
 #include "format/shard/hdf5/hdf5_rows.h"
 #include "format/shard/shard.h"
@@ -67,19 +66,11 @@ BrickLevel ShardReader::level(int lod) const {
 }
 
 BrickLevel ShardReader::read_level(int lod, std::uint64_t bricks) const {
-  const LevelColumns columns(lod);
-  BrickLevel level;
-  read_rows(file_, columns.mask, level.mask);
-  read_rows(file_, columns.first, level.first);
-  check_bricks_of_level(path_, level, lod, bricks);
-  const std::uint64_t voxels = level.first.back();
-  for (const VoxelChannel& channel : stored_channels(version_, header_, lod)) {
-    const ChannelRows rows(file_, columns.group, channel, bricks, voxels);
-    rows.read(0, level.mask, 0, voxels, make_room(channel, voxels, level));
-  }
-  check_coverage(path_, lod, 0, level.rgba);
-  check_planes(path_, lod, 0, level.facing);
-  return level;
+  return read_brick_level(FileColumns(file_), header_, version_, lod, bricks);
+}
+
+CoarseLevels ShardReader::coarse_levels(int lod) const {
+  return read_coarse_levels(FileColumns(file_), header_, version_, lod);
 }
 
 ParentSource ShardReader::above() const {

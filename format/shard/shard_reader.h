@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "format/shard/coarse_levels.h"
 #include "format/shard/hdf5/hdf5_file.h"
 #include "format/shard/shard.h"
 
@@ -21,6 +22,8 @@ class ShardReader {
   const ShardHeader& header() const { return header_; }
   NodeTable nodes() const;
   BrickLevel level(int lod) const;  ///< with as many bricks as nodes() has of this level
+  /// Returns levels [lod, lods) without reading the others. Range  0 ≤ lod < header().lods.
+  CoarseLevels coarse_levels(int lod) const;
   /// Of what levels above are made; empty where the shard keeps none, as those before version 4.
   ParentSource above() const;
   Shard all() const;
@@ -28,6 +31,8 @@ class ShardReader {
   /// As stored on disk: compressed, without HDF5's own index.
   std::uint64_t level_bytes(int lod) const;
   std::uint64_t node_bytes() const;
+  /// Returns what was read of the columns so far.
+  ColumnReads reads() const { return file_.reads(); }
   /// One message for each dataset that cannot be read. Never throws for damage.
   std::vector<std::string> unreadable_columns() const;
 

@@ -53,6 +53,16 @@ class Parents(harness.FolderTest):
             for name in ("few", "many"):
                 shutil.rmtree(self.root / name)
 
+    def test_a_bake_without_overviews_has_the_same_cells_and_gets_them_from_a_bake_with(self):
+        out = self.root / "without"
+        info = self.bake("without", "--cell-voxels", 16, "--no-overviews")
+        self.assertEqual(list((out / "shards").glob("p*.h5")), [])
+        self.expect_same_levels(self.fine, info, levels=2)
+        PROGRAM.succeed("verify", out)
+        self.assertEqual(self.bake("without", "--cell-voxels", 16)["content_hash"], self.fine["content_hash"])
+        for shard in sorted((self.root / "fine/shards").glob("*.h5")):
+            self.assertEqual((out / "shards" / shard.name).read_bytes(), shard.read_bytes(), shard.name)
+
     def test_a_lost_shard_comes_back_and_nothing_else_is_written(self):
         self.bake("again", "--cell-voxels", 16)
         shards = sorted((self.root / "again/shards").glob("*.h5"))

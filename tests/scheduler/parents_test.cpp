@@ -117,6 +117,9 @@ TEST(Parents, OfCellsOf64AreAsWideAsPicturesNeedThem) {
   EXPECT_EQ(first.copied_lods, 3u);
   EXPECT_EQ(first.name, "p4_0_0_0") << "named by its own levels";
   EXPECT_EQ(jobs.back().cell_voxels >> jobs.back().first_lod, 1024u);
+  EXPECT_EQ(jobs[0].kept_lod, first.first_lod) << "what its parent copies is kept in memory";
+  EXPECT_EQ(first.kept_lod, jobs.back().first_lod);
+  EXPECT_EQ(jobs.back().kept_lod, 0u) << "the root has no parent";
 }
 
 TEST(Parents, OfOneCellAreNone) {

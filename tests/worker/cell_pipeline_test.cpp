@@ -53,6 +53,19 @@ class CellPipelineTest : public testing::Test {
     return out;
   }
 
+  /// The levels above the cells. Their stacks begin at voxels that are no multiples of its bricks.
+  static CellJob overview_of(const std::vector<CellJob>& cells) {
+    CellJob job;
+    job.id = std::uint32_t(cells.size());
+    job.name = "p4_-4_-4_-4";
+    job.lattice_min = {-256, -256, -256};
+    job.cell_voxels = 512;
+    job.first_lod = 1;
+    job.copied_lods = 3;
+    job.fingerprint = {7, 42};
+    return job;
+  }
+
   /// As the plan does it.
   void know_sources(std::vector<CellJob>& cells) const {
     for (CellJob& job : cells)
@@ -179,6 +192,43 @@ TEST_F(CellPipelineTest, BakesAgainAShardThatHasNotTheVoxelsOrTheNameThatItSays)
     EXPECT_EQ(now.levels[0].rgba, whole.levels[0].rgba);
     EXPECT_EQ(now.header.cell, whole.header.cell);
     EXPECT_EQ(now.header.origin, whole.header.origin);
+  }
+}
+
+// 2026-11-25: an overview read its children's files although this process had written them a moment before.
+TEST_F(CellPipelineTest, MakesAnOverviewOfCellsInMemoryAndOfTheirFilesWithTheSameBytes) {
+  auto cells = jobs();
+  CellJob overview = overview_of(cells);
+  for (CellJob& cell : cells) cell.kept_lod = overview.first_lod;
+  const std::filesystem::path out = folder.path() / "out", aside = folder.path() / "aside";
+  {
+    CellPipeline pipeline(sources, parameters, {2, 0, out});
+    for (const CellReport& r : bake_all(pipeline, cells)) {
+      ASSERT_EQ(r.outcome, CellOutcome::baked) << r.error;
+      overview.child_files.push_back(r.cell.file);
+    }
+    std::filesystem::rename(out / "shards", aside);
+    std::filesystem::create_directory(out / "shards");
+    const auto reports = bake_all(pipeline, {overview});
+    ASSERT_EQ(reports.at(0).outcome, CellOutcome::baked) << "without a file of a cell: " << reports[0].error;
+  }
+  const Shard of_memory = read_shard(out / shard_path(overview));
+  EXPECT_GT(of_memory.levels.front().rgba.size(), 4000u);
+  std::filesystem::rename(out / shard_path(overview), aside / "of memory.h5");
+  std::filesystem::remove(out / "shards");
+  std::filesystem::rename(aside, out / "shards");
+  const auto bytes_of = [](const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  constexpr std::uint64_t evicted_at_once = 1 << 10, memory = 32 * evicted_at_once;
+  for (const auto& [name, budget] : {std::pair("resumed", std::uint64_t(0)), std::pair("little memory", memory)}) {
+    CellPipeline pipeline(sources, parameters, {3, budget, out});
+    if (budget != 0) bake_all(pipeline, cells);
+    const auto reports = bake_all(pipeline, {overview});
+    ASSERT_EQ(reports.at(0).outcome, CellOutcome::baked) << reports[0].error;
+    EXPECT_EQ(bytes_of(out / shard_path(overview)), bytes_of(out / "shards/of memory.h5")) << name;
+    std::filesystem::remove(out / shard_path(overview));
   }
 }
 

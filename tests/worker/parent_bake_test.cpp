@@ -64,7 +64,7 @@ TEST(CopiedLevels, HoldTheVoxelsOfTheChildrenThatLieInTheWindowAndNoOthers) {
   std::vector<ChildLevels> read;
   for (const Shard& child : children) {
     write_shard(folder / "child.h5", child, {});
-    read.push_back(read_child_levels(ShardReader(folder / "child.h5"), window.begin, window.end));
+    read.push_back(read_child_levels(ShardReader(folder / "child.h5"), window.begin));
   }
   std::vector<const ChildLevels*> borrowed;
   for (const ChildLevels& child : read) borrowed.push_back(&child);
@@ -102,6 +102,97 @@ TEST(CopiedLevels, HoldTheVoxelsOfTheChildrenThatLieInTheWindowAndNoOthers) {
   }
   borrowed.push_back(borrowed.front());
   EXPECT_THROW(joined_levels(borrowed, window, ThreadPool(1)), InputError) << "a child twice";
+}
+
+/// Returns a cell of 512³ voxels with a rough surface: nearly all of its nodes are of levels that no overview copies.
+Shard large_cell(std::mt19937_64& rng) {
+  std::vector<made::Voxel> voxels;
+  for (std::int64_t x = 0; x < 512; x += 3)
+    for (std::int64_t y = 0; y < 512; y += 3) {
+      const std::uint64_t bits = rng();
+      voxels.push_back({{x, y, 200 + std::int64_t(bits % 60)},
+                        {std::uint8_t(bits >> 8), std::uint8_t(bits >> 16), std::uint8_t(bits >> 24), 255},
+                        {std::int8_t(bits >> 32), std::int8_t(bits >> 40)}});
+    }
+  return made::shard_of(voxels, {}, 512);
+}
+
+// 2026-11-25: an overview read the whole node table of each child, 25 ms for a cell of 2048³, one child after another.
+TEST(ReadChild, ReadsOnlyTheRowsThatTheOverviewCopies) {
+  const test::RandomSeed seed;
+  std::mt19937_64 rng(seed);
+  const made::TempFolder folder;
+  Shard cell = large_cell(rng);
+  cell.above = made::small_above();
+  cell.above.raster.clear(), cell.above.patch.clear();
+  write_shard(folder / "cell.h5", cell, {});
+  CellJob parent;
+  parent.cell_voxels = 4096;
+  parent.first_lod = 4;
+  parent.copied_lods = 3;
+  const ShardReader reader(folder / "cell.h5");
+  const ChildOfParent child = read_child(reader, parent);
+  const ColumnReads reads = reader.reads();
+
+  std::size_t copied_nodes = 0, copied_voxels = 0, columns = 5;  // of /above
+  for (const std::uint8_t lod : cell.nodes.lod) copied_nodes += lod >= 4;
+  for (std::size_t lod = 4; lod < cell.levels.size(); ++lod) copied_voxels += cell.levels[lod].rgba.size() / 4;
+  ASSERT_EQ(child.copied.coarse.nodes.key.size(), copied_nodes);
+  ASSERT_GT(cell.nodes.key.size(), 30 * copied_nodes);
+  EXPECT_GE(reads.rows, copied_voxels);
+  // mask, first, and of each voxel channel a value, a share and where it begins; of the nodes two columns.
+  columns += 3 * (2 + 3 * 5);
+  const std::uint64_t node_rows = 2 * 4096, brick_rows = columns * (copied_nodes + 1);
+  EXPECT_LE(reads.rows, node_rows + brick_rows + 5 * copied_voxels + 5 * cell.above.voxels());
+  EXPECT_LT(20 * reads.bytes, std::filesystem::file_size(folder / "cell.h5"));
+}
+
+void expect_same(const ChildOfParent& a, const ChildOfParent& b) {
+  EXPECT_EQ(a.source, b.source);
+  EXPECT_EQ(a.copied.lattice_min, b.copied.lattice_min);
+  EXPECT_EQ(a.copied.first_lod, b.copied.first_lod);
+  EXPECT_EQ(a.copied.begin, b.copied.begin);
+  const NodeTable &m = a.copied.coarse.nodes, &n = b.copied.coarse.nodes;
+  EXPECT_EQ(m.key, n.key);
+  EXPECT_EQ(m.lod, n.lod);
+  EXPECT_EQ(m.kind, n.kind);
+  EXPECT_EQ(m.child_mask, n.child_mask);
+  EXPECT_EQ(m.first_child, n.first_child);
+  EXPECT_EQ(m.value, n.value);
+  EXPECT_EQ(m.normal, n.normal);
+  EXPECT_EQ(m.facing, n.facing);
+  ASSERT_EQ(a.copied.coarse.levels.size(), b.copied.coarse.levels.size());
+  for (std::size_t l = 0; l < a.copied.coarse.levels.size(); ++l) {
+    const BrickLevel &i = a.copied.coarse.levels[l], &j = b.copied.coarse.levels[l];
+    EXPECT_EQ(i.mask, j.mask);
+    EXPECT_EQ(i.first, j.first);
+    EXPECT_EQ(i.rgba, j.rgba);
+    EXPECT_EQ(i.normal, j.normal);
+    EXPECT_EQ(i.facing, j.facing);
+  }
+}
+
+TEST(ChildOf, AShardInMemoryIsWhatIsReadOfItsFile) {
+  const test::RandomSeed seed;
+  std::mt19937_64 rng(seed);
+  const made::TempFolder folder;
+  for (int round = 0; round < 40; ++round) {
+    made::ShardShape shape;
+    shape.lods = 1 + int(rng() % 4);
+    shape.normals = rng() % 2 != 0;
+    shape.facing = rng() % 2 != 0;
+    shape.alike = rng() % 2 != 0;
+    Shard shard = made::random_shard(rng, shape);
+    shard.above.place = {0, 1, 2, 3};
+    shard.above.rgba = {4, 5, 6, 7};
+    shard.above.normal.assign(shape.normals ? 2 : 0, 1);
+    write_shard(folder / "child.h5", shard, {});
+    CellJob parent;
+    parent.first_lod = shard.header.first_lod + std::uint32_t(rng() % std::uint64_t(shape.lods + 1));
+    parent.copied_lods = 1;
+    const ChildOfParent read = read_child(ShardReader(folder / "child.h5"), parent);
+    expect_same(child_of(std::move(shard), parent.first_lod), read);
+  }
 }
 
 /// Of the box filter, which needs no rasters.
@@ -146,8 +237,9 @@ class Family : public testing::Test {
     job_.cell_voxels = 64;
     job_.first_lod = 1;
     job_.copied_lods = 2;
-    std::vector<ChildOfParent> children;
-    for (const SceneCell& cell : scene_.cells) children.push_back(read_child(ShardReader(folder_ / cell.file), job_));
+    ChildrenOfParent children;
+    for (const SceneCell& cell : scene_.cells)
+      children.push_back(std::make_shared<const ChildOfParent>(read_child(ShardReader(folder_ / cell.file), job_)));
     ShardHeader header = cells_[0].header;
     header.cell = job_.name, header.lattice_min = job_.lattice_min, header.cell_voxels = job_.cell_voxels;
     header.first_lod = job_.first_lod, header.copied_lods = job_.copied_lods;
@@ -211,14 +303,16 @@ TEST_F(Family, IsReadWithinTheMemoryThatABakeMayTake) {
     job.child_files.push_back(shard_file(cell.header.cell, cell.header.fingerprint));
     write_shard(folder / job.child_files.back(), cell, {});
   }
-  const std::vector<ChildOfParent> children = read_children(folder / "", job);
+  const ThreadPool pool(2);
+  const auto nothing_in_memory = [](const std::string&) { return std::shared_ptr<const ChildOfParent>(); };
+  const ChildrenOfParent children = read_children(folder / "", job, nothing_in_memory, pool);
   ASSERT_EQ(children.size(), 2u);
-  const std::uint64_t bytes = bytes_of(children[0]) + bytes_of(children[1]);
+  const std::uint64_t bytes = bytes_of(*children[0]) + bytes_of(*children[1]);
   EXPECT_GT(bytes, 2 * 200u * 4u) << "a colour for each voxel";
   const auto refusal = [&](std::uint64_t limit) -> std::string {
     set_memory_limit(limit);
     try {
-      read_children(folder / "", job);
+      read_children(folder / "", job, nothing_in_memory, pool);
     } catch (const InputError& error) {
       return error.what();
     }

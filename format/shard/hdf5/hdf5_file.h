@@ -1,9 +1,11 @@
 /// The few things that shards need of HDF5: columns of fixed-width rows and attributes of the root group.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -47,6 +49,12 @@ struct ColumnRows {
   std::span<const std::span<const std::uint8_t>> stored = {};
 };
 
+/// What was read of a file's columns since it was opened, of all columns together.
+struct ColumnReads {
+  std::uint64_t rows = 0;   ///< that callers requested
+  std::uint64_t bytes = 0;  ///< of the stored chunks that contain them
+};
+
 /// Errors  All members throw InputError: file, object, what failed.
 /// Cost    HDF5 serves one thread at a time; chunks are compressed outside of it, and read past it (hdf5_rows.h).
 class Hdf5File {
@@ -74,6 +82,11 @@ class Hdf5File {
   void read_attribute(const char* name, Hdf5Type type, void* data, std::size_t count) const;
   std::string read_text(const char* name) const;  ///< a fixed-length string of at most 64 KiB
 
+  ColumnReads reads() const { return {reads_->rows, reads_->bytes}; }
+  /// Called by whatever reads this file's columns.
+  void add_read_rows(std::uint64_t rows) const { reads_->rows += rows; }
+  void add_read_bytes(std::uint64_t bytes) const { reads_->bytes += bytes; }
+
   const std::filesystem::path& path() const { return path_; }
   /// The system's own handle of the open file, HDF5's still: for pread.
   int descriptor() const;
@@ -88,8 +101,13 @@ class Hdf5File {
   Hdf5Id make_column(const Hdf5Column& column, std::uint64_t rows, Codec codec);
   void write_raw_attribute(const char* name, std::int64_t type, const void* data, std::size_t count);
 
+  struct ReadCounters {
+    std::atomic<std::uint64_t> rows{0}, bytes{0};
+  };
+
   std::filesystem::path path_;
   Hdf5Id file_;
+  std::unique_ptr<ReadCounters> reads_ = std::make_unique<ReadCounters>();
 };
 
 }  // namespace gigabake

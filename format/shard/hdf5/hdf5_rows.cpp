@@ -132,6 +132,7 @@ Hdf5Rows::Chunk Hdf5Rows::find_chunk(std::uint64_t index) const {
 void Hdf5Rows::read_chunk(std::uint64_t index, std::span<std::uint8_t> raw) const {
   const Chunk chunk = find_chunk(index);
   std::vector<std::uint8_t> stored(chunk.bytes);
+  file_.add_read_bytes(chunk.bytes);
   if (!read_bytes(descriptor_, chunk.offset, stored))
     fail_chunk(index, errno == 0 ? "the file ends before it" : std::strerror(errno));
   if (!decode_chunk(stored, filters_, chunk_rows_ * column_.row_bytes(), raw))
@@ -139,22 +140,9 @@ void Hdf5Rows::read_chunk(std::uint64_t index, std::span<std::uint8_t> raw) cons
 }
 
 void Hdf5Rows::read(std::uint64_t first, std::uint64_t count, void* to) const {
-  const std::size_t row_bytes = column_.row_bytes();
-  auto* out = static_cast<std::uint8_t*>(to);
-  std::vector<std::uint8_t> part;
-  for (const std::uint64_t end = first + count; first < end;) {
-    const std::uint64_t index = first / chunk_rows_, begin = index * chunk_rows_;
-    const std::uint64_t rows = std::min(end, begin + chunk_rows_) - first;
-    if (first == begin) {
-      read_chunk(index, {out, rows * row_bytes});
-    } else {
-      part.resize((first - begin + rows) * row_bytes);
-      read_chunk(index, part);
-      std::copy_n(part.end() - std::ptrdiff_t(rows * row_bytes), rows * row_bytes, out);
-    }
-    out += rows * row_bytes;
-    first += rows;
-  }
+  file_.add_read_rows(count);
+  read_chunked_rows(first, count, chunk_rows_, column_.row_bytes(), to,
+                    [this](std::uint64_t index, std::span<std::uint8_t> raw) { read_chunk(index, raw); });
 }
 
 }  // namespace gigabake

@@ -7,8 +7,10 @@
 #include <list>
 
 #include "format/shard/brick_walk.h"
+#include "format/shard/coarse_levels.h"
 #include "format/shard/hdf5/chunk_codec.h"
 #include "format/shard/shard_columns.h"
+#include "format/shard/shard_reader.h"
 #include "lattice/pack/chunk_rows.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/random_seed.h"
@@ -128,6 +130,44 @@ TEST(PackedShard, HasTheCountsOfItsVoxels) {
   const std::vector<std::uint64_t> voxels = count_voxels(PackedByHand(shard, PackedByHand::As::raw, {}).packed);
   EXPECT_EQ(voxels, count_voxels(shard));
   EXPECT_EQ(voxels[0], 2u);
+}
+
+// 2026-11-25: overviews take their children's levels from packed shards in memory.
+TEST(PackedShard, UnpacksToTheCoarseLevelsOfItsFile) {
+  const test::RandomSeed seed;
+  std::mt19937_64 rng(seed);
+  const made::TempFolder folder;
+  for (int round = 0; round < 40; ++round) {
+    made::ShardShape shape;
+    shape.lods = 1 + int(rng() % 4);
+    shape.normals = rng() % 2 != 0;
+    shape.facing = rng() % 2 != 0;
+    shape.alike = rng() % 2 != 0;
+    const Shard shard = made::random_shard(rng, shape);
+    write_shard(folder / "shard.h5", shard, {});
+    const int begin = int(rng() % std::uint64_t(shape.lods));
+    const auto as = rng() % 2 != 0 ? PackedByHand::As::raw : PackedByHand::As::stored;
+    const CoarseLevels packed = unpack_coarse_levels(PackedByHand(shard, as, Codec::deflate).packed, begin);
+    const CoarseLevels read = ShardReader(folder / "shard.h5").coarse_levels(begin);
+    for (const CoarseLevels* coarse : {&packed, &read}) {
+      const NodeTable& n = coarse->nodes;
+      const std::size_t rows = n.key.size();
+      ASSERT_EQ(rows, std::size_t(std::ranges::count_if(shard.nodes.lod, [&](int lod) { return lod >= begin; })));
+      const auto is_prefix = [rows](const auto& part, const auto& whole) {
+        return part.size() == std::min(rows, whole.size()) && std::equal(part.begin(), part.end(), whole.begin());
+      };
+      EXPECT_TRUE(is_prefix(n.key, shard.nodes.key) && is_prefix(n.lod, shard.nodes.lod));
+      EXPECT_TRUE(is_prefix(n.kind, shard.nodes.kind) && is_prefix(n.child_mask, shard.nodes.child_mask));
+      EXPECT_TRUE(is_prefix(n.first_child, shard.nodes.first_child) && is_prefix(n.value, shard.nodes.value));
+      EXPECT_TRUE(is_prefix(n.normal, shard.nodes.normal) && is_prefix(n.facing, shard.nodes.facing));
+      ASSERT_EQ(coarse->levels.size(), shard.levels.size() - std::size_t(begin));
+      for (std::size_t l = 0; l < coarse->levels.size(); ++l) {
+        const BrickLevel &got = coarse->levels[l], &want = shard.levels[l + std::size_t(begin)];
+        EXPECT_TRUE(got.mask == want.mask && got.first == want.first && got.rgba == want.rgba);
+        EXPECT_TRUE(got.normal == want.normal && got.facing == want.facing);
+      }
+    }
+  }
 }
 
 /// The memory that a file is made in is used again, larger files and smaller ones by turns.

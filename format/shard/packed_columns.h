@@ -1,0 +1,26 @@
+/// The columns of a packed shard, read as those of a file are.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "format/shard/packed_shard.h"
+#include "format/shard/stored_rows.h"
+
+namespace gigabake {
+
+/// Borrows the shard. Columns are those of the current version.
+class PackedColumns : public ColumnSource {
+ public:
+  explicit PackedColumns(const PackedShard& shard);
+
+  const std::filesystem::path& path() const override { return path_; }
+  bool has(const Hdf5Column& column) const override { return columns_.contains(column.name); }
+  std::unique_ptr<StoredRows> open(const Hdf5Column& column) const override;
+
+ private:
+  std::filesystem::path path_;
+  std::map<std::string, const PackedColumn*> columns_;
+};
+
+}  // namespace gigabake

@@ -1,0 +1,58 @@
+/// Rows of one stored column, in a file or in memory, and where a shard's columns are opened.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "format/shard/hdf5/hdf5_file.h"
+
+namespace gigabake {
+
+/// A column that is read by ranges of rows. Thread-safe.
+class StoredRows {
+ public:
+  virtual ~StoredRows() = default;
+  virtual std::uint64_t rows() const = 0;
+  /// Space  `to` has room for `count` rows; first + count ≤ rows().
+  /// Errors  InputError: a chunk is missing or damaged.
+  virtual void read(std::uint64_t first, std::uint64_t count, void* to) const = 0;
+};
+
+/// Opens the columns of one shard.
+class ColumnSource {
+ public:
+  virtual ~ColumnSource() = default;
+  /// Returns the path that error messages name.
+  virtual const std::filesystem::path& path() const = 0;
+  virtual bool has(const Hdf5Column& column) const = 0;
+  /// Errors  InputError: the column is missing, or has another shape.
+  virtual std::unique_ptr<StoredRows> open(const Hdf5Column& column) const = 0;
+};
+
+/// Reads rows [first, first + count) of a column that is stored in chunks of `chunk_rows` rows.
+/// read_chunk(index, raw): fills `raw` with the first bytes of chunk `index`, unpacked.
+template <class ReadChunk>
+void read_chunked_rows(std::uint64_t first, std::uint64_t count, std::uint64_t chunk_rows, std::size_t row_bytes,
+                       void* to, const ReadChunk& read_chunk) {
+  auto* out = static_cast<std::uint8_t*>(to);
+  std::vector<std::uint8_t> part;
+  for (const std::uint64_t end = first + count; first < end;) {
+    const std::uint64_t index = first / chunk_rows, begin = index * chunk_rows;
+    const std::uint64_t rows = std::min(end, begin + chunk_rows) - first;
+    if (first == begin) {
+      read_chunk(index, std::span(out, rows * row_bytes));
+    } else {
+      part.resize((first - begin + rows) * row_bytes);
+      read_chunk(index, std::span(part));
+      std::copy_n(part.end() - std::ptrdiff_t(rows * row_bytes), rows * row_bytes, out);
+    }
+    out += rows * row_bytes;
+    first += rows;
+  }
+}
+
+}  // namespace gigabake
