@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "lattice/memory_limit.h"
+
 namespace gigabake {
 namespace {
 
@@ -66,6 +68,11 @@ class HandOver {
 };
 
 }  // namespace
+
+std::uint64_t part_triangles() {
+  constexpr std::uint64_t fewest = std::uint64_t(1) << 14, limit_bytes_per_triangle = 1024;
+  return std::clamp(memory_limit() / limit_bytes_per_triangle, fewest, most_part_triangles);
+}
 
 Primitive without_lists(const Primitive& primitive) {
   Primitive out;

@@ -11,6 +11,10 @@
 
 namespace gigabake {
 
+/// Returns how many triangles a reader collects before it hands over a part: fewer than most_part_triangles if the
+/// memory limit is small, since several parts are held at the same time.
+std::uint64_t part_triangles();
+
 /// Is a list handed over in parts? A part has at most most_part_triangles triangles, in the list's order, and of the
 /// vertices those alone that they use.
 constexpr bool comes_in_parts(std::uint64_t triangles, std::uint64_t vertices) {

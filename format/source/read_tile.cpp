@@ -14,12 +14,6 @@ namespace gigabake {
 
 namespace {
 
-TileMesh read_plain_mesh(const TileRef& tile, const std::filesystem::path& root, ReadScope scope) {
-  if (tile.kind == ContentKind::ply) return read_ply(tile, files_of(tile, root), scope);
-  if (tile.kind == ContentKind::stl) return read_stl(tile, files_of(tile, root));
-  return read_dem_tile(tile, scope);
-}
-
 bool holds_gltf(ContentKind kind) {
   return kind == ContentKind::glb || kind == ContentKind::gltf || kind == ContentKind::b3dm ||
          kind == ContentKind::i3dm;
@@ -43,7 +37,9 @@ TileMesh read_tile(const TileRef& tile, const std::filesystem::path& root, ReadS
   try {
     if (holds_gltf(tile.kind)) return read_gltf(tile, root, scope, sink ? guarded : sink);
     if (tile.kind == ContentKind::obj) return read_obj(tile, files_of(tile, root), scope, sink ? guarded : sink);
-    TileMesh mesh = read_plain_mesh(tile, root, scope);
+    if (tile.kind == ContentKind::ply) return read_ply(tile, files_of(tile, root), scope, sink ? guarded : sink);
+    if (tile.kind == ContentKind::stl) return read_stl(tile, files_of(tile, root), sink ? guarded : sink);
+    TileMesh mesh = read_dem_tile(tile, scope);
     if (sink) hand_over_parts(mesh, guarded);
     return mesh;
   } catch (const SinkFailure& failure) {

@@ -12,6 +12,7 @@
 #include "format/source/image/image_size.h"
 #include "format/system/descriptor.h"
 #include "format/system/io_error.h"
+#include "worker/tiles/mapped_textures.h"
 #include "worker/tiles/scratch_publication.h"
 #include "worker/tiles/texture_layout.h"
 
@@ -101,6 +102,13 @@ std::shared_ptr<const TextureFile> TextureFile::open(const std::filesystem::path
   return texture;
 }
 
-TextureFile::~TextureFile() { ::munmap(begin_, bytes_); }
+TextureFile::TextureFile(void* begin, std::uint64_t bytes) : begin_(begin), bytes_(bytes) {
+  MappedTextures::of_process().add(begin_, bytes_);
+}
+
+TextureFile::~TextureFile() {
+  MappedTextures::of_process().remove(begin_);
+  ::munmap(begin_, bytes_);
+}
 
 }  // namespace gigabake

@@ -29,7 +29,7 @@ class TextureFile {
   std::uint64_t bytes() const { return bytes_; }
 
  private:
-  TextureFile(void* begin, std::uint64_t bytes) : begin_(begin), bytes_(bytes) {}
+  TextureFile(void* begin, std::uint64_t bytes);
 
   void* begin_;
   std::uint64_t bytes_;

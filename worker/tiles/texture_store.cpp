@@ -22,14 +22,6 @@ kernels::Texture make_texture(const EncodedImage& encoded, const TextureRecipe& 
 /// For each column of an image that is decoded in rows: of the image and its levels three each, and the decoder's own.
 constexpr std::uint64_t bytes_of_rows = 64;
 
-/// Row by row where the image comes so; else it must fit into memory.
-void write(const std::filesystem::path& file, const EncodedImage& encoded, const TextureRecipe& recipe) {
-  const auto rows = ImageRows::open(encoded);
-  if (rows == nullptr) return write_texture(file, make_texture(encoded, recipe).view());
-  MemoryClaim(encoded.name, "make it smaller").add(rows->size().width * bytes_of_rows, "", "rows of the image");
-  write_texture_rows(file, *rows, recipe);
-}
-
 std::string file_name(const TextureKey& key) {
   return "x_" + key.image.hex() + "_" + std::to_string(int(key.recipe.alpha)) + "_" +
          std::to_string(int(key.recipe.mask_cutoff)) + ".texture";
@@ -48,6 +40,17 @@ std::shared_ptr<const CellTexture> TextureStore::load(const TextureKey& key, std
         if (auto found = stored(key, file, WasWritten::here)) return found;
         throw IoError(file, "", "is not there, though it was just written; is another bake clearing the folder?");
       });
+}
+
+/// Row by row where the image comes so; else it must fit into memory.
+void TextureStore::write(const std::filesystem::path& file, const EncodedImage& encoded, const TextureRecipe& recipe) {
+  const auto rows = ImageRows::open(encoded);
+  if (rows == nullptr) {
+    const std::scoped_lock lock(whole_image_);
+    return write_texture(file, make_texture(encoded, recipe).view());
+  }
+  MemoryClaim(encoded.name, "make it smaller").add(rows->size().width * bytes_of_rows, "", "rows of the image");
+  write_texture_rows(file, *rows, recipe);
 }
 
 bool TextureStore::is_on_scratch(std::uint64_t texture_bytes) const {

@@ -57,12 +57,14 @@ class TextureStore {
 
  private:
   enum class WasWritten { before, here };  ///< before: its checksum says whether it is whole
+  void write(const std::filesystem::path& file, const EncodedImage& encoded, const TextureRecipe& recipe);
   std::shared_ptr<const CellTexture> stored(const TextureKey& key, const std::filesystem::path& file,
                                             WasWritten by = WasWritten::before);
 
   const std::filesystem::path folder_;
   const std::uint64_t most_bytes_;
   std::mutex mutex_;
+  std::mutex whole_image_;  ///< one at a time is decoded as a whole: each may take what the memory limit allows
   std::unordered_map<TextureKey, std::uint64_t, TextureKeyHash> id_;  ///< of those whose file was looked through
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "format/source/mesh_parts.h"
 #include "worker/tiles/clusters.h"
 
 namespace gigabake {
@@ -12,8 +13,8 @@ std::uint64_t list_bytes(const Primitive& p) {
   return 4 * (p.position.size() + p.index.size() + p.uv.size()) + 2 * p.rgba.size();
 }
 
-/// About what a part of a large list takes (most_part_triangles): one for each thread keeps all of them busy.
-constexpr std::uint64_t part_bytes = std::uint64_t(24) << 20;
+/// Returns about how many bytes a part of a large list takes (part_triangles()): one per thread keeps all of them busy.
+std::uint64_t part_bytes() { return part_triangles() * 24; }
 
 /// Its clusters as the file will have them, appended to `bytes`, where offsets count from.
 TilePrimitive cut_one(const Primitive& mesh, std::vector<std::uint8_t>& bytes) {
@@ -42,7 +43,7 @@ void TileGatherer::take(Primitive&& primitive) {
   if (limit_.scratch_file.empty()) return claim_.add(bytes, "", "triangles");
   if (!writer_ && bytes_ > limit_.most_bytes) writer_.emplace(limit_.scratch_file);
   const std::uint64_t enough =
-      std::clamp(limit_.most_bytes / 2, part_bytes, part_bytes * std::uint64_t(pool_.threads()));
+      std::clamp(limit_.most_bytes / 2, part_bytes(), part_bytes() * std::uint64_t(pool_.threads()));
   if (writer_ && bytes_ >= enough) cut_pending();
 }
 

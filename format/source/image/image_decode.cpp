@@ -27,14 +27,25 @@ ImageSize checked(const EncodedImage& image, const ImageSize& size) {
   return size;
 }
 
+/// Returns what the decoder itself holds per texel until all are decoded.
+std::uint64_t decoder_texel_bytes(const EncodedImage& image, Encoding encoding) {
+  constexpr std::uint64_t coefficient_bytes = 2, argb_bytes = 4;
+  if (encoding == Encoding::webp) return argb_bytes;
+  if (encoding == Encoding::png) return 0;
+  JpegReader reader;
+  reader.begin(image);
+  return jpeg_has_multiple_scans(&reader.state) ? coefficient_bytes * std::uint64_t(reader.state.num_components) : 0;
+}
+
 /// Before anything of that size is allocated.
-void claim_whole(const EncodedImage& image, const ImageSize& size) {
+void claim_whole(const EncodedImage& image, const ImageSize& size, Encoding encoding) {
   constexpr const char* advice = "make it smaller";
   if (size.width > most_texels_at_once / size.height)
     fail(image, "has " + texels_of(size) +
                     "; more than 2^28 are read row by row, and only where it is on scratch: a PNG that is not "
                     "interlaced or a JPEG in one scan, in a bake with a bound of `memory_bytes`");
-  MemoryClaim(image.name, advice).add(size.texture_bytes(), "", texels_of(size));
+  MemoryClaim(image.name, advice)
+      .add(size.texture_bytes() + decoder_texel_bytes(image, encoding) * size.width * size.height, "", texels_of(size));
 }
 
 /// Frees libpng's state on every way out.
@@ -99,7 +110,7 @@ ImageSize image_size(const EncodedImage& encoded) {
 Image decode_image(const EncodedImage& encoded) {
   const Encoding encoding = encoding_of(encoded);
   const ImageSize size = checked(encoded, stated_size(encoded, encoding));
-  claim_whole(encoded, size);
+  claim_whole(encoded, size, encoding);
   Image out = encoding == Encoding::png    ? decode_png(encoded)
               : encoding == Encoding::jpeg ? decode_jpeg(encoded)
                                            : decode_webp(encoded);

@@ -9,40 +9,47 @@
 namespace gigabake {
 namespace {
 
-std::array<double, 3> middle_of(std::span<const std::array<double, 3>> positions) {
-  constexpr double far_m = 10000;
-  std::array<double, 3> low{0, 0, 0}, high{0, 0, 0};
-  bool is_far = false, is_first = true;
-  for (const auto& p : positions) {
-    if (!std::isfinite(p[0] + p[1] + p[2])) continue;
-    for (std::size_t c = 0; c < 3; ++c) {
-      low[c] = is_first ? p[c] : std::min(low[c], p[c]);
-      high[c] = is_first ? p[c] : std::max(high[c], p[c]);
-      is_far |= std::fabs(p[c]) > far_m;
-    }
-    is_first = false;
-  }
-  if (!is_far) return {0, 0, 0};
-  return {std::round((low[0] + high[0]) / 2), std::round((low[1] + high[1]) / 2), std::round((low[2] + high[2]) / 2)};
+PositionExtent extent_of(std::span<const std::array<double, 3>> positions) {
+  PositionExtent extent;
+  for (const auto& p : positions) extent.add(p);
+  return extent;
 }
 
 }  // namespace
 
-MeshOrigin::MeshOrigin(const TileRef& tile, std::span<const std::array<double, 3>> positions)
-    : at_(middle_of(positions)),
+void PositionExtent::add(const std::array<double, 3>& p) {
+  constexpr double far_m = 10000;
+  for (const double v : p)
+    if (std::isfinite(v)) largest_ = std::max(largest_, float(std::fabs(v)));
+  if (!std::isfinite(p[0] + p[1] + p[2])) return;
+  for (std::size_t c = 0; c < 3; ++c) {
+    low_[c] = is_empty_ ? p[c] : std::min(low_[c], p[c]);
+    high_[c] = is_empty_ ? p[c] : std::max(high_[c], p[c]);
+    is_far_ |= std::fabs(p[c]) > far_m;
+  }
+  is_empty_ = false;
+}
+
+std::array<double, 3> PositionExtent::origin() const {
+  if (!is_far_) return {0, 0, 0};
+  return {std::round((low_[0] + high_[0]) / 2), std::round((low_[1] + high_[1]) / 2),
+          std::round((low_[2] + high_[2]) / 2)};
+}
+
+float PositionExtent::float_step() const {
+  return largest_ > 0 ? std::nextafter(largest_, std::numeric_limits<float>::infinity()) - largest_ : 0;
+}
+
+MeshOrigin::MeshOrigin(const TileRef& tile, const PositionExtent& extent)
+    : at_(extent.origin()),
       scene_from_local_(tile.scene_from_tile * z_up_from<World, World>(tile.gltf_up) *
                         translation<World, Local>(at_[0], at_[1], at_[2])) {}
 
+MeshOrigin::MeshOrigin(const TileRef& tile, std::span<const std::array<double, 3>> positions)
+    : MeshOrigin(tile, extent_of(positions)) {}
+
 void MeshOrigin::add_vertex(const std::array<double, 3>& position, Primitive& to) const {
   for (std::size_t c = 0; c < 3; ++c) to.position.push_back(float(position[c] - at_[c]));
-}
-
-float float_step_of(std::span<const std::array<double, 3>> positions) {
-  float largest = 0;
-  for (const auto& p : positions)
-    for (const double v : p)
-      if (std::isfinite(v)) largest = std::max(largest, float(std::fabs(v)));
-  return largest > 0 ? std::nextafter(largest, std::numeric_limits<float>::infinity()) - largest : 0;
 }
 
 }  // namespace gigabake

@@ -14,10 +14,28 @@ namespace gigabake {
 /// So many vertices of a file's beginning are asked where on earth they stand.
 inline constexpr std::size_t most_first_vertices = 64;
 
+/// The extent of a mesh's positions, one after the other.
+class PositionExtent {
+ public:
+  void add(const std::array<double, 3>& position);
+
+  /// Returns the middle of the finite positions in whole metres if one is beyond 10 km, else zero.
+  std::array<double, 3> origin() const;
+  /// Returns the distance between two neighbouring floats at the largest coordinate, in the file's own unit; 0 if every
+  /// coordinate is zero or not finite.
+  float float_step() const;
+
+ private:
+  std::array<double, 3> low_{0, 0, 0}, high_{0, 0, 0};
+  float largest_ = 0;
+  bool is_far_ = false, is_empty_ = true;
+};
+
 /// The middle of all vertices that are finite, in whole metres, where some are beyond 10 km; else zero. What is left
 /// after subtracting it is rounded to floats: projected coordinates keep their millimetres.
 class MeshOrigin {
  public:
+  MeshOrigin(const TileRef& tile, const PositionExtent& extent);
   MeshOrigin(const TileRef& tile, std::span<const std::array<double, 3>> positions);
 
   bool is_moved() const { return at_ != std::array<double, 3>{0, 0, 0}; }
@@ -29,8 +47,5 @@ class MeshOrigin {
   std::array<double, 3> at_;
   Affine<Scene, Local> scene_from_local_;
 };
-
-/// Between two neighbouring floats of the largest coordinate's size, in the file's own unit; 0 where there is none.
-float float_step_of(std::span<const std::array<double, 3>> positions);
 
 }  // namespace gigabake

@@ -79,7 +79,7 @@ class ObjReader {
     claim_.add_items(counts.uvs, sizeof(uv_[0]), "", "texture coordinates");
     position_.reserve(counts.positions);
     uv_.reserve(counts.uvs);
-    is_streamed_ = sink_ && counts.triangles > most_part_triangles;
+    is_streamed_ = sink_ && counts.triangles > part_triangles();
     read_lines(text, is_streamed_ ? Faces::look_at : Faces::keep);
     origin_.emplace(tile_, position_);
     add_materials();
@@ -213,11 +213,11 @@ class ObjReader {
 
   /// For the face's triangles: in the part that they belong to, and among all that are held.
   void make_room(const ObjLine& line) {
-    constexpr std::uint64_t most_held = 2 * most_part_triangles;
+    const std::uint64_t most_held = 2 * part_triangles();
     expect_face_as_it_was(line);
     const std::uint64_t triangles = corners_.size() - 2;
     const auto own = parts_.find(material_);
-    if (own != parts_.end() && own->second.triangles() + triangles > most_part_triangles) hand_over(own);
+    if (own != parts_.end() && own->second.triangles() + triangles > part_triangles()) hand_over(own);
     if (held_triangles_ + triangles > most_held)
       hand_over(std::max_element(parts_.begin(), parts_.end(), [](const auto& a, const auto& b) {
         return a.second.triangles() < b.second.triangles();

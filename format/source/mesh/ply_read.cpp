@@ -5,13 +5,15 @@
 #include <map>
 #include <optional>
 
-#include "format/source/content_pieces.h"
 #include "format/source/mesh/mesh_origin.h"
+#include "format/source/mesh/ply_layout.h"
 #include "format/source/mesh/ply_values.h"
 #include "format/source/mesh/polygon.h"
+#include "format/source/mesh_parts.h"
 #include "format/source/source_file.h"
 #include "lattice/counted.h"
 #include "lattice/error.h"
+#include "lattice/memory_limit.h"
 #include "lattice/srgb.h"
 #include "lattice/transform.h"
 
@@ -23,7 +25,8 @@ using Vector = std::array<double, 3>;
 constexpr std::size_t most_corners = 65536;
 constexpr std::uint64_t most_vertices = 0xffffffff;
 constexpr std::uint32_t unused = ~std::uint32_t(0);
-constexpr std::uint64_t longest_header = std::uint64_t(1) << 22;
+/// A vertex of a primitive with its number, and a corner.
+constexpr std::uint64_t vertex_bytes = 12 + 8 + 8 + 4, corner_bytes = 4;
 
 /// The largest value of a colour's type: 1 of what is a float.
 double full_of(PlyType type) {
@@ -34,23 +37,6 @@ double full_of(PlyType type) {
              : 1;
 }
 
-/// Where in a vertex its values are; indices of properties.
-struct VertexLayout {
-  std::array<std::optional<std::size_t>, 3> position;
-  std::array<std::optional<std::size_t>, 4> colour;
-  std::array<std::optional<std::size_t>, 2> uv;
-
-  explicit VertexLayout(const PlyElement& e)
-      : position{e.find({"x"}), e.find({"y"}), e.find({"z"})},
-        colour{e.find({"red", "diffuse_red", "r"}), e.find({"green", "diffuse_green", "g"}),
-               e.find({"blue", "diffuse_blue", "b"}), e.find({"alpha", "diffuse_alpha", "a"})},
-        uv{e.find({"u", "s", "texture_u"}), e.find({"v", "t", "texture_v"})} {}
-
-  bool has_position() const { return position[0] && position[1] && position[2]; }
-  bool has_colour() const { return colour[0] && colour[1] && colour[2]; }
-  bool has_uv() const { return uv[0] && uv[1]; }
-};
-
 /// What stands in place of a texture's number where faces say nothing of textures.
 constexpr int of_vertices = -2;
 
@@ -59,6 +45,8 @@ struct Part {
   Primitive primitive;
   std::vector<std::uint32_t> position_of;  ///< of each vertex
   std::vector<std::uint32_t> vertex_of;    ///< of each position; unless corners have texture coordinates of their own
+
+  std::uint64_t bytes() const { return position_of.size() * vertex_bytes + primitive.index.size() * corner_bytes; }
 };
 
 struct Face {
@@ -67,25 +55,21 @@ struct Face {
   int texture = 0;
 };
 
-/// Nothing where the name leads out of the source's folder: it is a comment, of somebody's machine perhaps.
-std::optional<std::filesystem::path> image_file(const TileRef& tile, const SourceFiles& files,
-                                                const std::string& name) {
-  try {
-    return resolve_path(files.root(), tile.path, "TextureFile", name);
-  } catch (const InputError&) {
-    return std::nullopt;
-  }
+PlyHeader header_of(const std::filesystem::path& file, const SourceBytes& bytes) {
+  std::vector<std::uint8_t> room;
+  return read_ply_header(file, bytes.look(0, std::min(bytes.size(), longest_ply_header), room));
 }
 
 class PlyReader {
  public:
-  PlyReader(const TileRef& tile, const SourceFiles& files, ReadScope scope)
+  PlyReader(const TileRef& tile, const SourceFiles& files, ReadScope scope, const PrimitiveSink& sink)
       : file_(tile.path),
         tile_(tile),
         files_(files),
         everything_(scope == ReadScope::everything),
-        bytes_(files.read(file_)),
-        header_(read_ply_header(file_, bytes_)),
+        sink_(sink),
+        bytes_(files.open(file_)),
+        header_(header_of(file_, bytes_)),
         values_(file_, bytes_, header_) {}
 
   TileMesh read() {
@@ -104,6 +88,7 @@ class PlyReader {
       }
     }
     finish();
+    if (sink_ && !is_streamed_) hand_over_parts(out_, sink_);
     return std::move(out_);
   }
 
@@ -112,6 +97,7 @@ class PlyReader {
   void declare_vertices() {
     for (const PlyElement& e : header_.elements) {
       values_.expect_room_for(e);
+      if ((e.name == "face" || e.name == "tristrips") && !has_vertices_) is_streamed_ = false;
       if (e.name != "vertex") continue;
       if (has_vertices_) throw InputError(file_, "element vertex", "is there twice");
       has_vertices_ = true;
@@ -122,11 +108,15 @@ class PlyReader {
       vertices_ = e.count;
       is_float_ = e.properties[*layout.position[0]].type == PlyType::float32;
       has_alpha_ = layout.colour[3].has_value();
+      const std::uint64_t with_values = everything_ ? 8 * (layout.has_colour() + layout.has_uv()) : 0;
+      claim_.add_items(e.count, sizeof(Vector) + with_values, "", "vertices");
+      if (layout.has_colour() && everything_) rgba_.reserve(4 * e.count);
+      if (layout.has_uv() && everything_) uv_.reserve(2 * e.count);
     }
   }
 
   std::optional<std::filesystem::path> image_there(const std::string& name) const {
-    const auto image = image_file(tile_, files_, name);
+    const auto image = ply_image_file(tile_, files_, name);
     return image && files_.has(*image) ? image : std::nullopt;
   }
 
@@ -151,6 +141,7 @@ class PlyReader {
         else
           value[p] = values_.number(element.properties[p].type);
       position_.push_back({value[*layout.position[0]], value[*layout.position[1]], value[*layout.position[2]]});
+      extent_.add(position_.back());
       if (with_colour) add_colour(element, layout, value);
       if (with_uv) uv_.insert(uv_.end(), {float(value[*layout.uv[0]]), float(1 - value[*layout.uv[1]])});
     }
@@ -222,6 +213,10 @@ class PlyReader {
     const bool has_uv = face.uv.size() == 2 * face.corners.size();
     const int texture = has_uv ? face.texture : of_vertices;
     Part& part = parts_[texture];
+    const std::uint64_t triangles = face.corners.size() - 2;
+    if (is_streamed_ && !part.primitive.index.empty() && part.primitive.index.size() / 3 + triangles > part_triangles())
+      finish_part(texture, part);
+    claim_.add_items(3 * triangles, corner_bytes, "", "corners of triangles");
     std::vector<std::uint32_t> vertices;
     for (std::size_t c = 0; c < face.corners.size(); ++c) vertices.push_back(vertex(part, face.corners[c], has_uv));
     if (has_uv) part.primitive.uv.insert(part.primitive.uv.end(), face.uv.begin(), face.uv.end());
@@ -234,9 +229,13 @@ class PlyReader {
   }
 
   std::uint32_t vertex(Part& part, std::uint32_t position, bool is_corner_its_own) {
-    if (part.vertex_of.empty() && !is_corner_its_own) part.vertex_of.assign(vertices_, unused);
+    if (part.vertex_of.empty() && !is_corner_its_own) {
+      claim_.add_items(vertices_, sizeof unused, "", "numbers of vertices");
+      part.vertex_of.assign(vertices_, unused);
+    }
     if (!is_corner_its_own && part.vertex_of[position] != unused) return part.vertex_of[position];
     const auto v = std::uint32_t(part.position_of.size());
+    claim_.add_items(1, vertex_bytes, "", "more vertices of triangles");
     part.position_of.push_back(position);
     if (!is_corner_its_own) part.vertex_of[position] = v;
     return v;
@@ -274,23 +273,41 @@ class PlyReader {
 
   void finish() {
     if (!has_faces_) out_.counts.skipped_points += vertices_;
-    const MeshOrigin origin(tile_, position_);
     for (auto& [texture, part] : parts_) {
-      Primitive& p = part.primitive;
-      for (const std::uint32_t v : part.position_of) origin.add_vertex(position_[v], p);
-      if (origin.is_moved() && is_float_) p.position_step = float_step_of(position_);
       for (const std::vector<std::uint32_t>& polygon : polygons_[texture]) add_polygon(part, polygon);
-      const bool has_vertex_uv = texture == of_vertices && !uv_.empty();
-      p.material = add_material(has_vertex_uv ? 0 : texture);
-      for (const std::uint32_t v : part.position_of) {
-        if (!rgba_.empty()) p.rgba.insert(p.rgba.end(), &rgba_[4 * std::size_t(v)], &rgba_[4 * std::size_t(v)] + 4);
-        if (has_vertex_uv) p.uv.insert(p.uv.end(), &uv_[2 * std::size_t(v)], &uv_[2 * std::size_t(v)] + 2);
-      }
-      out_.counts.triangles += p.index.size() / 3;
-      out_.instances.push_back({int(out_.primitives.size()), origin.scene_from_local()});
-      out_.primitives.push_back(std::move(p));
+      finish_part(texture, part);
     }
     if (out_.materials.empty()) out_.materials.emplace_back();
+  }
+
+  /// Moves the part's triangles into a primitive, which a sink gets. Range  All vertices have been read.
+  void finish_part(int texture, Part& part) {
+    if (!origin_) origin_.emplace(tile_, extent_);
+    claim_.give_back(is_streamed_ ? part.bytes() : 0);
+    Primitive p = std::move(part.primitive);
+    for (const std::uint32_t v : part.position_of) origin_->add_vertex(position_[v], p);
+    if (origin_->is_moved() && is_float_) p.position_step = extent_.float_step();
+    const bool has_vertex_uv = texture == of_vertices && !uv_.empty();
+    p.material = material_of(has_vertex_uv ? 0 : texture);
+    for (const std::uint32_t v : part.position_of) {
+      if (!rgba_.empty()) p.rgba.insert(p.rgba.end(), &rgba_[4 * std::size_t(v)], &rgba_[4 * std::size_t(v)] + 4);
+      if (has_vertex_uv) p.uv.insert(p.uv.end(), &uv_[2 * std::size_t(v)], &uv_[2 * std::size_t(v)] + 2);
+      if (!part.vertex_of.empty()) part.vertex_of[v] = unused;
+    }
+    part.primitive = {};
+    part.position_of.clear();
+    out_.counts.triangles += p.index.size() / 3;
+    out_.instances.push_back({int(out_.primitives.size()), origin_->scene_from_local()});
+    if (!is_streamed_) return out_.primitives.push_back(std::move(p));
+    out_.primitives.push_back(without_lists(p));
+    sink_(out_.primitives.size() - 1, std::move(p));
+  }
+
+  /// One material per texture, however many parts show it.
+  int material_of(int texture) {
+    const auto [at, is_new] = materials_.try_emplace(texture, 0);
+    if (is_new) at->second = add_material(texture);
+    return at->second;
   }
 
   void add_polygon(Part& part, const std::vector<std::uint32_t>& polygon) const {
@@ -319,11 +336,17 @@ class PlyReader {
   const TileRef& tile_;
   const SourceFiles& files_;
   bool everything_;
-  std::vector<std::uint8_t> bytes_;
+  const PrimitiveSink& sink_;
+  MemoryClaim claim_{file_};
+  SourceBytes bytes_;
   PlyHeader header_;
   PlyValues values_;
   std::uint64_t vertices_ = 0;
   bool has_vertices_ = false, has_faces_ = false, is_float_ = false, has_alpha_ = false;
+  bool is_streamed_ = sink_ != nullptr;  ///< parts are handed over before the end: the vertices stand first
+  PositionExtent extent_;
+  std::optional<MeshOrigin> origin_;
+  std::map<int, int> materials_;  ///< in TileMesh::materials, by texture
   std::vector<Vector> position_;
   std::vector<std::uint16_t> rgba_;
   std::vector<float> uv_;
@@ -334,38 +357,8 @@ class PlyReader {
 
 }  // namespace
 
-TileMesh read_ply(const TileRef& tile, const SourceFiles& files, ReadScope scope) {
-  return PlyReader(tile, files, scope).read();
-}
-
-std::vector<Point<Local>> first_ply_vertices(const std::filesystem::path& file, std::span<const std::uint8_t> head) {
-  const PlyHeader header = read_ply_header(file, head);
-  PlyValues values(file, head, header);
-  std::vector<Point<Local>> out;
-  for (const PlyElement& e : header.elements) {
-    if (e.properties.empty()) continue;
-    const VertexLayout layout(e);
-    std::vector<double> value(e.properties.size());
-    for (std::uint64_t i = 0; i < std::min<std::uint64_t>(e.count, most_first_vertices); ++i) {
-      for (std::size_t p = 0; p < value.size(); ++p)
-        if (e.properties[p].count)
-          values.skip(e.properties[p]);
-        else
-          value[p] = values.number(e.properties[p].type);
-      if (layout.has_position())
-        out.push_back({value[*layout.position[0]], value[*layout.position[1]], value[*layout.position[2]]});
-    }
-    if (!out.empty() || e.count > most_first_vertices) break;  // the vertices of nearly every file come first
-  }
-  return out;
-}
-
-std::vector<std::filesystem::path> ply_dependencies(const TileRef& tile, const SourceFiles& files) {
-  ContentPieces pieces(tile, files);
-  std::vector<std::filesystem::path> out;
-  for (const std::string& name : read_ply_header(tile.path, pieces.read(0, longest_header)).textures)
-    if (const auto image = image_file(tile, files, name)) out.push_back(*image);
-  return out;
+TileMesh read_ply(const TileRef& tile, const SourceFiles& files, ReadScope scope, const PrimitiveSink& sink) {
+  return PlyReader(tile, files, scope, sink).read();
 }
 
 }  // namespace gigabake

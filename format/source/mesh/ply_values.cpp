@@ -32,9 +32,10 @@ void PlyValues::fail(const std::string& message) const {
 
 double PlyValues::binary(PlyType type) {
   const std::size_t size = byte_count(type);
-  if (left() < size) fail("the file ends inside its elements");
+  if (make_available(size) < size) fail("the file ends inside its elements");
   std::array<std::uint8_t, 8> bytes{};
-  for (std::size_t i = 0; i < size; ++i) bytes[i] = bytes_[at_ + (format_ == PlyFormat::big_endian ? size - 1 - i : i)];
+  for (std::size_t i = 0; i < size; ++i)
+    bytes[i] = byte_at(at_ + (format_ == PlyFormat::big_endian ? size - 1 - i : i));
   at_ += size;
   switch (type) {
     case PlyType::int8:
@@ -56,13 +57,28 @@ double PlyValues::binary(PlyType type) {
   }
 }
 
+std::size_t PlyValues::make_available(std::size_t bytes) {
+  const std::uint64_t wanted = std::min<std::uint64_t>(bytes, left());
+  if (at_ < block_begin_ || at_ + wanted > block_begin_ + block_.size()) {
+    block_ =
+        bytes_.look(at_, std::min<std::uint64_t>(std::max<std::uint64_t>(wanted, read_block_bytes), left()), room_);
+    block_begin_ = at_;
+  }
+  return std::size_t(block_begin_ + block_.size() - at_);
+}
+
 double PlyValues::word() {
-  const auto is_blank = [this](std::size_t i) { return bytes_[i] <= ' '; };
-  for (; at_ < bytes_.size() && is_blank(at_); ++at_) line_ += bytes_[at_] == '\n' ? 1 : 0;
-  std::size_t end = at_;
-  while (end < bytes_.size() && !is_blank(end)) ++end;
-  if (end == at_) fail("the file ends inside its elements");
-  std::string_view text(reinterpret_cast<const char*>(bytes_.data()) + at_, end - at_);
+  constexpr std::size_t longest_word = std::size_t(1) << 20;
+  std::size_t available = make_available(1);
+  for (; available > 0 && byte_at(at_) <= ' '; available = make_available(1)) {
+    line_ += byte_at(at_) == '\n' ? 1 : 0;
+    ++at_;
+  }
+  std::size_t length = 0;
+  while (length < available && byte_at(at_ + length) > ' ')
+    if (++length == available && length < longest_word) available = make_available(length + 1);
+  if (length == 0) fail("the file ends inside its elements");
+  std::string_view text(reinterpret_cast<const char*>(block_.data()) + (at_ - block_begin_), length);
   if (text.starts_with('+')) text.remove_prefix(1);
   double v = 0;
   const auto parsed = std::from_chars(text.data(), text.data() + text.size(), v);
@@ -70,7 +86,7 @@ double PlyValues::word() {
     fail("expected a number, got " + in_quotes(text));
   if (parsed.ec == std::errc::result_out_of_range && text.find("e-") == text.npos && text.find("E-") == text.npos)
     v = HUGE_VAL;
-  at_ = end;
+  at_ += length;
   return v;
 }
 

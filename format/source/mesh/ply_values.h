@@ -5,17 +5,20 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "format/source/mesh/ply_header.h"
+#include "format/source/source_bytes.h"
 
 namespace gigabake {
 
+/// Cost          A block of the file is in memory.
 /// Errors (all)  InputError with the line (ASCII) or the byte: the file ends, or a word is no number.
 class PlyValues {
  public:
-  /// All of them outlive it.
-  PlyValues(const std::filesystem::path& file, std::span<const std::uint8_t> bytes, const PlyHeader& header)
-      : file_(file), bytes_(bytes), format_(header.format), at_(header.bytes), line_(header.lines + 1) {}
+  /// `file` and `header` outlive it.
+  PlyValues(const std::filesystem::path& file, SourceBytes bytes, const PlyHeader& header)
+      : file_(file), bytes_(std::move(bytes)), format_(header.format), at_(header.bytes), line_(header.lines + 1) {}
 
   /// Exact  every type of PLY is a double.
   double number(PlyType type) { return format_ == PlyFormat::ascii ? word() : binary(type); }
@@ -35,11 +38,18 @@ class PlyValues {
   double word();
   double binary(PlyType type);
   std::uint64_t left() const { return bytes_.size() - at_; }
+  /// Makes `bytes` bytes from at_ on available in block_, or all that are left. Returns how many there are.
+  std::size_t make_available(std::size_t bytes);
+  std::uint8_t byte_at(std::uint64_t i) const { return block_[std::size_t(i - block_begin_)]; }
 
   const std::filesystem::path& file_;
-  std::span<const std::uint8_t> bytes_;
+  SourceBytes bytes_;
   PlyFormat format_;
-  std::size_t at_, line_;
+  std::uint64_t at_;
+  std::size_t line_;
+  std::vector<std::uint8_t> room_;
+  std::span<const std::uint8_t> block_;
+  std::uint64_t block_begin_ = 0;
 };
 
 }  // namespace gigabake

@@ -5,12 +5,15 @@
 #include <cctype>
 #include <cstring>
 #include <functional>
+#include <utility>
 
 #include "format/source/mesh/mesh_origin.h"
-#include "format/source/mesh/obj_material.h"
+#include "format/source/mesh/obj_lines.h"
 #include "format/source/mesh/polygon.h"
+#include "format/source/mesh_parts.h"
 #include "lattice/counted.h"
 #include "lattice/error.h"
+#include "lattice/memory_limit.h"
 #include "lattice/transform.h"
 
 namespace gigabake {
@@ -22,7 +25,7 @@ using StlBytes = std::span<const std::uint8_t>;
 using Vector = std::array<double, 3>;
 using TakeLoop = std::function<void(std::span<const Vector>)>;
 
-constexpr std::size_t name_bytes = 80, head_bytes = 84, facet_bytes = 50, most_corners = 65536;
+constexpr std::size_t name_bytes = 80, head_bytes = 84, facet_bytes = 50, most_corners = 65536, looked_at = 1024;
 
 std::uint64_t facets_said(StlBytes bytes) {
   std::uint32_t facets = 0;
@@ -39,17 +42,16 @@ bool begins_with_solid(StlBytes bytes) {
 
 /// head: its first bytes at least.
 bool is_text(StlBytes head, std::uint64_t file_bytes) {
-  constexpr std::size_t looked_at = 1024;
   if (head.size() >= head_bytes && file_bytes == head_bytes + facet_bytes * facets_said(head)) return false;
   if (!begins_with_solid(head)) return false;
   const StlBytes start = head.first(std::min(head.size(), looked_at));
   return std::find(start.begin(), start.end(), std::uint8_t(0)) == start.end();
 }
 
-/// The facets that are there whole.
+/// Visits the facets that `bytes` holds whole.
 void for_each_binary_facet(StlBytes bytes, const TakeLoop& take) {
   constexpr std::size_t normal_bytes = 12;
-  for (std::size_t at = head_bytes; at + facet_bytes <= bytes.size(); at += facet_bytes) {
+  for (std::size_t at = 0; at + facet_bytes <= bytes.size(); at += facet_bytes) {
     std::array<float, 9> v;
     std::memcpy(v.data(), bytes.data() + at + normal_bytes, sizeof v);
     const std::array<Vector, 3> corners{{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, {v[6], v[7], v[8]}}};
@@ -57,16 +59,19 @@ void for_each_binary_facet(StlBytes bytes, const TakeLoop& take) {
   }
 }
 
-void read_binary(const std::filesystem::path& file, StlBytes bytes, const TakeLoop& take) {
+void read_binary(const std::filesystem::path& file, const SourceBytes& bytes, StlBytes head, const TakeLoop& take) {
+  constexpr std::size_t block_bytes = read_block_bytes / facet_bytes * facet_bytes;
   if (bytes.size() < head_bytes)
     throw InputError(file, "", "the file ends inside the header of a binary STL", bytes.size());
-  const std::uint64_t facets = facets_said(bytes), there = (bytes.size() - head_bytes) / facet_bytes;
+  const std::uint64_t facets = facets_said(head), there = (bytes.size() - head_bytes) / facet_bytes;
   if (facets > there)
     throw InputError(file, "",
                      "expected " + counted(facets, "triangle") + " as the header says, the file holds " +
                          std::to_string(there) + "; it is cut, or no STL",
                      name_bytes);
-  for_each_binary_facet(bytes.first(head_bytes + facet_bytes * facets), take);
+  bytes.part(head_bytes, facet_bytes * facets).for_each_block(block_bytes, [&](StlBytes block) {
+    for_each_binary_facet(block, take);
+  });
 }
 
 std::string lower(std::string_view word) {
@@ -76,10 +81,11 @@ std::string lower(std::string_view word) {
 }
 
 /// Calls take() for each loop that is there whole; true where the last solid has ended.
-bool for_each_text_loop(const std::filesystem::path& file, StlBytes bytes, const TakeLoop& take) {
+template <class Text>
+bool for_each_text_loop(const std::filesystem::path& file, const Text& text, const TakeLoop& take) {
   std::vector<Vector> loop;
   bool has_ended = false;
-  for_each_obj_line(file, bytes, [&](const ObjLine& line) {
+  for_each_obj_line(file, text, [&](const ObjLine& line) {
     const auto fail = [&](const char* message) {
       throw InputError(file, "line " + std::to_string(line.number), message);
     };
@@ -101,33 +107,82 @@ bool for_each_text_loop(const std::filesystem::path& file, StlBytes bytes, const
   return has_ended;
 }
 
-void for_each_loop(const std::filesystem::path& file, StlBytes bytes, const TakeLoop& take) {
-  if (!is_text(bytes, bytes.size())) return read_binary(file, bytes, take);
-  if (!for_each_text_loop(file, bytes, take))
-    throw InputError(file, "", "expected \"endsolid\" at the end: the file is cut, or no STL", bytes.size());
-}
+/// Reads an STL twice: where its vertices are decides their origin.
+class StlReader {
+ public:
+  StlReader(const TileRef& tile, const SourceFiles& files, const PrimitiveSink& sink)
+      : tile_(tile), sink_(sink), bytes_(files.open(tile.path)) {
+    const StlBytes head = bytes_.look(0, std::min<std::uint64_t>(bytes_.size(), looked_at), room_);
+    head_.assign(head.begin(), head.end());
+    is_text_ = is_text(head_, bytes_.size());
+  }
+
+  TileMesh read() {
+    PositionExtent extent;
+    std::uint64_t corners = 0, corners_again = 0;
+    for_each_loop([&](std::span<const Vector> loop) {
+      for (const Vector& p : loop) extent.add(p);
+      corners += loop.size();
+    });
+    const MeshOrigin origin(tile_, extent);
+    if (origin.is_moved() && !is_text_) part_.position_step = extent.float_step();
+    for_each_loop([&](std::span<const Vector> loop) {
+      corners_again += loop.size();
+      if (corners_again > corners) fail_as_changed();
+      add(loop, origin);
+    });
+    if (corners_again != corners) fail_as_changed();
+    if (out_.primitives.empty() || !part_.index.empty()) finish_part(origin);
+    out_.materials.emplace_back();
+    return std::move(out_);
+  }
+
+ private:
+  template <class Take>
+  void for_each_loop(const Take& take) const {
+    if (!is_text_) return read_binary(tile_.path, bytes_, head_, take);
+    if (!for_each_text_loop(tile_.path, bytes_, take))
+      throw InputError(tile_.path, "", "expected \"endsolid\" at the end: the file is cut, or no STL", bytes_.size());
+  }
+
+  [[noreturn]] void fail_as_changed() const {
+    throw InputError(tile_.path, "", "changed while it was read; bake again");
+  }
+
+  void add(std::span<const Vector> loop, const MeshOrigin& origin) {
+    const std::uint64_t triangles = loop.size() - 2;
+    if (sink_ && !part_.index.empty() && part_.index.size() / 3 + triangles > part_triangles()) finish_part(origin);
+    // Without a sink the whole mesh is held.
+    if (!sink_) claim_.add_items(loop.size(), 12 + 12, "", "corners of triangles");
+    const auto first = std::uint32_t(part_.position.size() / 3);
+    for (const Vector& p : loop) origin.add_vertex(p, part_);
+    if (loop.size() == 3) return part_.index.insert(part_.index.end(), {first, first + 1, first + 2}), void();
+    for (const std::uint32_t corner : triangles_of_polygon(loop)) part_.index.push_back(first + corner);
+  }
+
+  void finish_part(const MeshOrigin& origin) {
+    out_.counts.triangles += part_.index.size() / 3;
+    out_.instances.push_back({int(out_.primitives.size()), origin.scene_from_local()});
+    Primitive part = std::exchange(part_, without_lists(part_));
+    if (!sink_) return out_.primitives.push_back(std::move(part));
+    out_.primitives.push_back(without_lists(part));
+    sink_(out_.primitives.size() - 1, std::move(part));
+  }
+
+  const TileRef& tile_;
+  const PrimitiveSink& sink_;
+  SourceBytes bytes_;
+  std::vector<std::uint8_t> room_, head_;
+  bool is_text_ = false;
+  MemoryClaim claim_{tile_.path};
+  Primitive part_;
+  TileMesh out_;
+};
 
 }  // namespace
 
-TileMesh read_stl(const TileRef& tile, const SourceFiles& files) {
-  const std::vector<std::uint8_t> bytes = files.read(tile.path);
-  std::vector<Vector> position;
-  Primitive out;
-  for_each_loop(tile.path, bytes, [&](std::span<const Vector> loop) {
-    const auto first = std::uint32_t(position.size());  // a file of 4 GiB has no more
-    position.insert(position.end(), loop.begin(), loop.end());
-    if (loop.size() == 3) return out.index.insert(out.index.end(), {first, first + 1, first + 2}), void();
-    for (const std::uint32_t corner : triangles_of_polygon(loop)) out.index.push_back(first + corner);
-  });
-  const MeshOrigin origin(tile, position);
-  for (const Vector& p : position) origin.add_vertex(p, out);
-  if (origin.is_moved() && !is_text(bytes, bytes.size())) out.position_step = float_step_of(position);
-  TileMesh mesh;
-  mesh.counts.triangles = out.index.size() / 3;
-  mesh.instances.push_back({0, origin.scene_from_local()});
-  mesh.primitives.push_back(std::move(out));
-  mesh.materials.emplace_back();
-  return mesh;
+TileMesh read_stl(const TileRef& tile, const SourceFiles& files, const PrimitiveSink& sink) {
+  return StlReader(tile, files, sink).read();
 }
 
 std::vector<Point<Local>> first_stl_vertices(const std::filesystem::path& file, StlBytes head,
@@ -138,7 +193,8 @@ std::vector<Point<Local>> first_stl_vertices(const std::filesystem::path& file, 
       if (out.size() < most_first_vertices) out.push_back({p[0], p[1], p[2]});
   };
   if (!is_text(head, file_bytes)) {
-    for_each_binary_facet(head.first(std::min(head.size(), head_bytes + facet_bytes * most_first_vertices)), take);
+    const StlBytes facets = head.subspan(std::min(head.size(), head_bytes));
+    for_each_binary_facet(facets.first(std::min(facets.size(), facet_bytes * most_first_vertices)), take);
     return out;
   }
   for_each_text_loop(file, whole_lines(head), take);

@@ -18,6 +18,10 @@ class MeshFile : public testing::Test {
     sources = open_sources(folder.write(name_, text), options);
     return read_tile(sources.tiles.at(0), sources.root, ReadScope::everything);
   }
+  /// Reads the file of the last read() again, in parts.
+  TileMesh read_parts(const PrimitiveSink& sink) const {
+    return read_tile(sources.tiles.at(0), sources.root, ReadScope::everything, sink);
+  }
   std::string refusal(const std::string& text) {
     try {
       read(text);

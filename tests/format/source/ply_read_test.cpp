@@ -8,6 +8,7 @@
 #include "format/source/source.h"
 #include "format/source/tile_hash.h"
 #include "lattice/error.h"
+#include "lattice/memory_limit.h"
 #include "mesh_file.h"
 #include "source_scene.h"
 
@@ -61,6 +62,34 @@ TEST_F(PlyMesh, ReadsPolygonsAsAnObjDoes) {
   EXPECT_EQ(
       read(ascii("4", "1", square + "4 0 1 2 3\n"), {true, {}, UpAxis::z}).instances[0].scene_from_local({0, 1, 0}),
       (Point<Scene>{0, 1, 0}));
+}
+
+// 2026-11-25: the whole file and the whole mesh were held.
+TEST_F(PlyMesh, ComesInPartsThatAreSmallWhereMemoryIsSmall) {
+  std::string vertices, of_faces;
+  for (int v = 0; v < 1000; ++v) vertices += std::to_string(v % 37) + " " + std::to_string(v) + " 0\n";
+  for (int f = 0; f < 40000; ++f)
+    of_faces += "3 " + std::to_string(f % 998) + " " + std::to_string((7 * f + 1) % 1000) + " " +
+                std::to_string(f % 998 + 2) + "\n";
+  for (const std::uint64_t limit : {std::uint64_t(0), std::uint64_t(1) << 24}) {
+    const auto corners = [](const Primitive& p, std::vector<float>& to) {
+      for (const std::uint32_t v : p.index) to.insert(to.end(), &p.position[3 * v], &p.position[3 * v] + 3);
+    };
+    std::vector<float> whole, in_parts;
+    corners(read(ascii("1000", "40000", vertices + of_faces)).primitives.at(0), whole);
+    set_memory_limit(limit);
+    std::size_t parts = 0;
+    const TileMesh mesh = read_parts([&](std::size_t index, Primitive&& part) {
+      EXPECT_EQ(index, parts++);
+      corners(part, in_parts);
+    });
+    set_memory_limit(0);
+    EXPECT_EQ(parts, limit == 0 ? 1u : 3u);
+    EXPECT_EQ(mesh.counts.triangles, 40000u);
+    EXPECT_EQ(mesh.instances.size(), parts);
+    EXPECT_EQ(mesh.materials.size(), 1u) << "one for all parts";
+    EXPECT_TRUE(in_parts == whole) << limit;
+  }
 }
 
 TEST_F(PlyMesh, ReadsBothByteOrdersEveryTypeAndWhatItDoesNotKnow) {

@@ -6,6 +6,7 @@
 
 #include "format/source/source.h"
 #include "lattice/error.h"
+#include "lattice/memory_limit.h"
 #include "mesh_file.h"
 #include "source_scene.h"
 
@@ -44,6 +45,29 @@ TEST_F(Stl, ReadsText) {
   EXPECT_EQ(mesh.primitives[0].position.size(), 21u);
   EXPECT_EQ(mesh.primitives[0].position[19], 0.5f);
   EXPECT_EQ(mesh.instances.at(0).scene_from_local({0, 1, 0}), (Point<Scene>{0, 0, 1})) << "y is up";
+}
+
+// 2026-11-25: the whole file and all its vertices as doubles were held.
+TEST_F(Stl, ComesInPartsThatAreSmallWhereMemoryIsSmall) {
+  std::vector<std::array<float, 9>> facets(40000, facet);
+  for (std::size_t i = 0; i < facets.size(); ++i) facets[i][0] = 20000 + float(i);
+  const TileMesh whole = read(binary("many", facets));
+  for (const std::uint64_t limit : {std::uint64_t(0), std::uint64_t(1) << 24}) {
+    set_memory_limit(limit);
+    std::vector<float> position;
+    std::size_t parts = 0;
+    const TileMesh mesh = read_parts([&](std::size_t, Primitive&& part) {
+      ++parts;
+      for (const std::uint32_t v : part.index)
+        position.insert(position.end(), &part.position[3 * v], &part.position[3 * v] + 3);
+    });
+    set_memory_limit(0);
+    EXPECT_EQ(parts, limit == 0 ? 1u : 3u);
+    EXPECT_EQ(mesh.counts.triangles, facets.size());
+    EXPECT_EQ(mesh.primitives.at(0).position_step, whole.primitives.at(0).position_step);
+    EXPECT_EQ(mesh.instances.at(0).scene_from_local({0, 0, 0}), whole.instances.at(0).scene_from_local({0, 0, 0}));
+    EXPECT_TRUE(position == whole.primitives[0].position);
+  }
 }
 
 TEST_F(Stl, ReadsBinaryThatBeginsWithSolidToo) {

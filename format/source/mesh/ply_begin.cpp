@@ -1,0 +1,53 @@
+// What is read of a PLY before its mesh: its first vertices and the images that it names.
+#include <algorithm>
+
+#include "format/source/content_pieces.h"
+#include "format/source/mesh/mesh_origin.h"
+#include "format/source/mesh/ply_layout.h"
+#include "format/source/mesh/ply_read.h"
+#include "format/source/mesh/ply_values.h"
+#include "format/source/source_file.h"
+#include "lattice/error.h"
+
+namespace gigabake {
+
+std::optional<std::filesystem::path> ply_image_file(const TileRef& tile, const SourceFiles& files,
+                                                    const std::string& name) {
+  try {
+    return resolve_path(files.root(), tile.path, "TextureFile", name);
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+std::vector<Point<Local>> first_ply_vertices(const std::filesystem::path& file, std::span<const std::uint8_t> head) {
+  const PlyHeader header = read_ply_header(file, head);
+  PlyValues values(file, SourceBytes({head.begin(), head.end()}), header);
+  std::vector<Point<Local>> out;
+  for (const PlyElement& e : header.elements) {
+    if (e.properties.empty()) continue;
+    const VertexLayout layout(e);
+    std::vector<double> value(e.properties.size());
+    for (std::uint64_t i = 0; i < std::min<std::uint64_t>(e.count, most_first_vertices); ++i) {
+      for (std::size_t p = 0; p < value.size(); ++p)
+        if (e.properties[p].count)
+          values.skip(e.properties[p]);
+        else
+          value[p] = values.number(e.properties[p].type);
+      if (layout.has_position())
+        out.push_back({value[*layout.position[0]], value[*layout.position[1]], value[*layout.position[2]]});
+    }
+    if (!out.empty() || e.count > most_first_vertices) break;  // the vertices of nearly every file come first
+  }
+  return out;
+}
+
+std::vector<std::filesystem::path> ply_dependencies(const TileRef& tile, const SourceFiles& files) {
+  ContentPieces pieces(tile, files);
+  std::vector<std::filesystem::path> out;
+  for (const std::string& name : read_ply_header(tile.path, pieces.read(0, longest_ply_header)).textures)
+    if (const auto image = ply_image_file(tile, files, name)) out.push_back(*image);
+  return out;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,39 @@
+/// What the header of a PLY says of its vertices and images.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "format/source/mesh/ply_header.h"
+#include "format/source/source.h"
+#include "format/source/source_files.h"
+
+namespace gigabake {
+
+inline constexpr std::uint64_t longest_ply_header = std::uint64_t(1) << 22;
+
+/// Where in a vertex its values are; indices of properties.
+struct VertexLayout {
+  std::array<std::optional<std::size_t>, 3> position;
+  std::array<std::optional<std::size_t>, 4> colour;
+  std::array<std::optional<std::size_t>, 2> uv;
+
+  explicit VertexLayout(const PlyElement& e)
+      : position{e.find({"x"}), e.find({"y"}), e.find({"z"})},
+        colour{e.find({"red", "diffuse_red", "r"}), e.find({"green", "diffuse_green", "g"}),
+               e.find({"blue", "diffuse_blue", "b"}), e.find({"alpha", "diffuse_alpha", "a"})},
+        uv{e.find({"u", "s", "texture_u"}), e.find({"v", "t", "texture_v"})} {}
+
+  bool has_position() const { return position[0] && position[1] && position[2]; }
+  bool has_colour() const { return colour[0] && colour[1] && colour[2]; }
+  bool has_uv() const { return uv[0] && uv[1]; }
+};
+
+/// Nothing where the name leads out of the source's folder: it is a comment, of somebody's machine perhaps.
+std::optional<std::filesystem::path> ply_image_file(const TileRef& tile, const SourceFiles& files,
+                                                    const std::string& name);
+
+}  // namespace gigabake
