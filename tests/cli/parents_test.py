@@ -140,6 +140,23 @@ class Parents(harness.FolderTest):
             output = self.picture("fine", f"--eye=0.1,0,{distance}", "--target=0,0,0")[1].stdout
             self.assertTrue(1 <= int(re.search(r"from (\d+) file", output)[1]) <= most, output)
 
+    def test_a_scene_with_an_error_is_drawn_from_its_root_too(self):
+        # 2026-11-25: viewers opened every cell of it.
+        self.bake("lossy", "--cell-voxels", 16, "--max-error", 4)
+        for distance, most in ((4000, 1), (400, 1)):
+            options = (f"--eye=0.1,0,{distance}", "--target=0,0,0")
+            lossy, result = self.picture("lossy", *options)
+            self.assertTrue(1 <= int(re.search(r"from (\d+) file", result.stdout)[1]) <= most, result.stdout)
+        for eye, pixel_error in (("2,-9,6", 1), ("0.1,0,20", 3), ("0.1,0,30", 8), ("0.1,0,60", 8)):
+            options = ("--eye=" + eye, "--target=0,0,0", "--pixel-error", pixel_error)
+            exact, lossy = self.picture("fine", *options)[0], self.picture("lossy", *options)[0]
+            self.assertGreater((exact[..., 3] > 0).mean(), .05)
+            self.assertLess((numpy.abs(exact - lossy).max(2) > 8).mean(), .002, (options, f"seed {SEED}"))
+        self.expect_equal_copies("lossy")
+        queried = [PROGRAM.succeed("query", self.root / name, "--at", "0.2,0.1", "--lod", 5).splitlines()[1].split(",")
+                   for name in ("fine", "lossy")]
+        self.assertEqual(queried[0][10:], queried[1][10:], "level and parent")
+
     def test_a_cell_that_is_gone_or_damaged_is_drawn_by_its_parent(self):
         options = ("--eye=0.1,0,30", "--target=0,0,0")
         whole = self.picture("fine", *options)[0]
@@ -174,7 +191,10 @@ class Parents(harness.FolderTest):
 
     def test_copies_are_the_voxels_of_those_that_the_level_is_of(self):
         PROGRAM.bake(self.four, self.root / "finer", VOXEL_M / 2, "--cell-voxels", 16)
-        shards = sorted((self.root / "finer/shards").glob("*.h5"))
+        self.expect_equal_copies("finer")
+
+    def expect_equal_copies(self, name):
+        shards = sorted((self.root / name / "shards").glob("*.h5"))
         tiers = {}
         for path in shards:
             with h5py_there.h5py.File(path) as shard:

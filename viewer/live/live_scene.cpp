@@ -164,6 +164,8 @@ void LiveScene::reload() {
   Steering look;
   std::string problem;
   try {
+    const PagedScene readable(path_);  // if not, the scene of before stays
+    release_renderer();
     renderer = std::make_unique<FrameRenderer>(path_, options_.renderer);
     home = renderer->framed(options_.camera);
     look = options_.look(renderer->scene().header());
@@ -178,6 +180,13 @@ void LiveScene::reload() {
   look_ = look;
   place_ = renderer_->scene().header().origin;
   for (const auto& viewer : viewers_) show_home(*viewer);
+}
+
+/// Frees the pools of the scene of before, so that there is one set of pools at a time.
+void LiveScene::release_renderer() {
+  const std::lock_guard lock(mutex_);
+  for (const auto& viewer : viewers_) viewer->in_tiles.reset();
+  renderer_.reset();
 }
 
 void LiveScene::show_home(Viewer& viewer) {

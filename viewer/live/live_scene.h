@@ -102,6 +102,7 @@ class LiveScene {
   void draw_all();
   void reload_if_replaced();
   void reload();
+  void release_renderer();
   std::shared_ptr<Viewer> next_order(Pilot::Order& order, double& ask_again_s);
   void draw(const std::shared_ptr<Viewer>& viewer, const Pilot::Order& order);
   std::optional<Frame> carry_out(Viewer& viewer, const Pilot::Order& order);

@@ -39,6 +39,23 @@ bool Steering::moves() const {
 Pilot::Pilot(const CameraOptions& home, double frame_s) : rig_(pose_of(home)), pace_(frame_s) {
   view_.camera = home;
   view_.camera.up.reset();
+  set_home(home);
+}
+
+void Pilot::set_home(const CameraOptions& home) {
+  home_ = pose_of(home);
+  home_aspect_ = double(home.width) / home.height;
+}
+
+/// Returns home from as far away as a window that is narrower than home's picture needs.
+CameraPose Pilot::fitted_home() const {
+  const double narrower = home_aspect_ * view_.camera.height / view_.camera.width;
+  CameraPose pose = home_;
+  if (!(narrower > 1)) return pose;
+  const Point<Scene>& at = home_.target_m;
+  pose.eye_m = {at.x + (home_.eye_m.x - at.x) * narrower, at.y + (home_.eye_m.y - at.y) * narrower,
+                at.z + (home_.eye_m.z - at.z) * narrower};
+  return pose;
 }
 
 void Pilot::new_scene(const CameraOptions& home) {
@@ -46,7 +63,8 @@ void Pilot::new_scene(const CameraOptions& home) {
   const CameraRig::Style style = rig_.style();
   rig_ = CameraRig(pose_of(home));
   rig_.set_style(style);
-  if (!at_home_) rig_.set_pose(pose);
+  set_home(home);
+  rig_.set_pose(at_home_ ? fitted_home() : pose);
   stale_ = true;
   any_drawn_ = false;
 }
@@ -56,6 +74,7 @@ void Pilot::steer(const Steering& s, double now_s) {
   apply_settings(s);
   if (s.pose) rig_.set_pose(*s.pose);
   if (s.home) rig_.go_home();
+  if (s.home || (s.size && at_home_)) rig_.set_pose(fitted_home());
   rig_.turn(s.turn[0], s.turn[1]);
   rig_.pan(s.pan[0], s.pan[1], view_.camera.fovy_deg);
   rig_.zoom(s.zoom);

@@ -81,6 +81,8 @@ class Pilot {
   double upload_s() const { return upload_s_; }
 
  private:
+  void set_home(const CameraOptions& home);
+  CameraPose fitted_home() const;
   void apply_settings(const Steering& s);
   void advance(double now_s);
   bool holds() const;
@@ -94,6 +96,8 @@ class Pilot {
   std::array<double, 2> swing_{};
   double held_s_ = 0, advanced_s_ = 0, moved_s_ = -HUGE_VAL;
   bool at_home_ = true;
+  CameraPose home_;
+  double home_aspect_ = 1;  ///< width by height for which home_ shows the whole scene
   bool stale_ = true;       ///< something changed since the last order
   double done_share_ = 0;   ///< the largest picture of this pose that is complete
   bool done_ = false;       ///< the full one is

@@ -13,6 +13,7 @@
 #include "lattice/error.h"
 #include "viewer/pictures/view_needs.h"
 #include "viewer/stream/guarded_pages.h"
+#include "viewer/stream/open_shards.h"
 
 namespace gigabake {
 namespace {
@@ -67,7 +68,8 @@ struct FrameRenderer::State {
       : options(wishes),
         scene(std::move(opened)),
         policy(threads_of(wishes)),
-        source(pages ? guarded_pages(pages, scene->header()) : pages_from_files(scene, files_opened)) {
+        source(pages ? guarded_pages(pages, scene->header())
+                     : pages_from_open_shards(scene, files_opened, most_open(wishes))) {
     fill(filling_of({}));
   }
 
@@ -77,13 +79,24 @@ struct FrameRenderer::State {
     return wishes.threads > 0 ? wishes.threads : host_limits().cores();
   }
 
+  static std::uint64_t memory_of(const Options& wishes) {
+    return std::min(wishes.memory_bytes, host_limits().memory_bytes / 2);
+  }
+  static std::size_t most_open(const Options& wishes) { return open_shards_within(memory_of(wishes)); }
+
+  /// What is left for pools and pages next to open shards, of which a scene may have fewer than the limit.
+  std::uint64_t bytes_next_to_shards() const {
+    const std::uint64_t shards = scene->totals().cells + scene->totals().parents, all = memory_of(options);
+    return all - std::min(std::min<std::uint64_t>(most_open(options), shards) * open_shard_bytes, all / 8);
+  }
+
   void fill(const Filling& wish) {
     if (stream && wish == filling) return;
     filling = wish;
     stream.reset();  // before the next takes its memory
     SceneStream::Options wishes{wish.lit_by ? daylight(*wish.lit_by) : kernels::unlit(),
                                 wish.surface,
-                                options.memory_bytes,
+                                bytes_next_to_shards(),
                                 policy.threads(),
                                 options.cuda_device,
                                 options.device_bytes,

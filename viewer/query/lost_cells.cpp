@@ -14,6 +14,8 @@
 namespace gigabake {
 namespace {
 
+constexpr std::string_view kind = "cell ";
+
 /// Of "c_X_Y_Z".
 struct CellPlace {
   std::array<std::int64_t, 3> at{};
@@ -54,7 +56,6 @@ SceneCell stand_in(const std::string& name, const SceneCell& like, const std::ar
 }  // namespace
 
 std::vector<SceneCell> lost_cells(const SceneHeader& scene, const std::vector<SceneCell>& cells) {
-  constexpr std::string_view kind = "cell ";
   std::vector<SceneCell> lost;
   std::map<StackColumn, std::int64_t> bases;
   std::map<StackColumn, bool> filled;
@@ -81,6 +82,10 @@ std::vector<SceneCell> lost_cells(const SceneHeader& scene, const std::vector<Sc
         lost.push_back(stand_in(name, cells.front(), {corner[0], corner[1], z}));
   }
   return lost;
+}
+
+bool lacks_cells(const SceneHeader& scene) {
+  return std::ranges::any_of(scene.losses, [](const SceneLoss& loss) { return loss.name.starts_with(kind); });
 }
 
 }  // namespace gigabake

@@ -13,4 +13,7 @@ namespace gigabake {
 /// Range  cells: all of the scene, of one size; at least one.
 std::vector<SceneCell> lost_cells(const SceneHeader& scene, const std::vector<SceneCell>& cells);
 
+/// Whether the scene says that it lost a cell.
+bool lacks_cells(const SceneHeader& scene);
+
 }  // namespace gigabake

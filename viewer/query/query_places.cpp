@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <unordered_map>
+#include <utility>
 
 #include "lattice/error.h"
 #include "viewer/query/lost_cells.h"
@@ -21,18 +22,41 @@ VoxelBox window_box(const std::array<std::int64_t, 3>& min, std::int64_t edge) {
   return box;
 }
 
+using LatticeCorner = std::array<std::int64_t, 3>;
+
+struct CornerHash {
+  std::size_t operator()(const LatticeCorner& corner) const {
+    std::uint64_t hash = 0;
+    for (const std::int64_t c : corner) hash = (hash ^ std::uint64_t(c)) * 0x9e3779b97f4a7c15u, hash ^= hash >> 29;
+    return hash;
+  }
+};
+
+constexpr int page_threads = 2;
+
 }  // namespace
 
-std::size_t CornerHash::operator()(const LatticeCorner& corner) const {
-  std::uint64_t hash = 0;
-  for (const std::int64_t c : corner) hash = (hash ^ std::uint64_t(c)) * 0x9e3779b97f4a7c15u, hash ^= hash >> 29;
-  return hash;
+QueryPlaces::QueryPlaces(NumberedShards& numbers, std::uint64_t page_bytes, const ThreadPool& pool)
+    : numbers_(numbers) {
+  const PagedScene& scene = numbers.scene();
+  first_lost_ = std::uint32_t(scene.totals().cells + scene.totals().parents);
+  std::optional<ParentTiers> tiers;
+  if (!lacks_cells(scene.header())) tiers = parent_tiers(scene);
+  if (!tiers) {
+    lay_out(scene, pool);
+    return;
+  }
+  lods_ = tiers->tiers.back().first_lod + tiers->tiers.back().lods;
+  std::ranges::copy(scene.totals().window.min, window_.min);
+  std::ranges::copy(scene.totals().window.end, window_.max);
+  map_.emplace(scene, std::move(*tiers));
+  pager_ = std::make_unique<Pager>([this](const PageKey& key) { return read_page(key); },
+                                   Pager::Options{page_threads, page_bytes});
 }
 
-QueryPlaces::QueryPlaces(const PagedScene& scene, const ThreadPool& pool) {
+void QueryPlaces::lay_out(const PagedScene& scene, const ThreadPool& pool) {
   std::vector<SceneCell> cells = scene.cells(pool);
-  cells_ = std::uint32_t(cells.size());
-  first_lost_ = cells_ + std::uint32_t(scene.totals().parents);
+  const auto stored = std::uint32_t(cells.size());
   if (!cells.empty())
     for (SceneCell& cell : lost_cells(scene.header(), cells)) {
       lost_.push_back(cell.name);
@@ -41,24 +65,41 @@ QueryPlaces::QueryPlaces(const PagedScene& scene, const ThreadPool& pool) {
   layout_ = lay_out_cells(cells, scene.file());
   std::unordered_map<LatticeCorner, std::uint32_t, CornerHash> number_at;
   for (std::uint32_t i = 0; i < cells.size(); ++i)
-    number_at.emplace(cells[i].lattice_min, i < cells_ ? i : first_lost_ + (i - cells_));
+    number_at.emplace(cells[i].lattice_min, i < stored ? i : first_lost_ + (i - stored));
   for (const kernels::CastCell& cell : layout_.cells) {
     const auto found = number_at.find({cell.min[0], cell.min[1], cell.min[2]});
     number_.push_back(found == number_at.end() ? kernels::no_cell : found->second);
   }
-  if (lost_.empty()) tiers_ = parent_tiers(scene);
-  if (tiers_)
-    scene.for_each_parent([this, next = cells_](const SceneCell& parent) mutable {
-      parents_[parent.own_lod()].emplace(parent.lattice_min, next++);
-    });
-  lods_ = tiers_ ? tiers_->tiers.back().first_lod + tiers_->tiers.back().lods : layout_.scene.lods;
+  lods_ = layout_.scene.lods;
   for (int a = 0; a < 3; ++a) {
     window_.min[a] = std::int64_t(layout_.scene.min[a]);
     window_.max[a] = std::int64_t(layout_.scene.max[a]);
   }
 }
 
-QueryPlace QueryPlaces::find_cell(const std::int64_t v[3]) const {
+/// The pager's threads call it.
+Page QueryPlaces::read_page(const PageKey& key) {
+  try {
+    return numbers_.listing(key);
+  } catch (const InputError&) {
+    const std::scoped_lock lock(mutex_);
+    if (!unreadable_) unreadable_ = std::current_exception();
+    throw;
+  }
+}
+
+void QueryPlaces::read(const std::vector<PageKey>& pages) {
+  if (!pager_) return;
+  if (!pages.empty()) {
+    pager_->want(pages);
+    pager_->wait();
+  }
+  pager_->begin_pass();
+  const std::scoped_lock lock(mutex_);
+  if (unreadable_) std::rethrow_exception(unreadable_);
+}
+
+QueryPlace QueryPlaces::find_in_layout(const std::int64_t v[3]) const {
   QueryPlace place;
   std::uint32_t cell = 0;
   if (!kernels::find_cell(layout_.scene, v, cell, place.box)) return place;
@@ -70,22 +111,23 @@ QueryPlace QueryPlaces::find_cell(const std::int64_t v[3]) const {
   return place;
 }
 
-QueryPlace QueryPlaces::find_parent(int lod, const std::int64_t v[3]) const {
-  const ParentTier& tier = tiers_->holder(lod, tiers_->holders(lod) - 1);  // those that the level is of
-  const TierBlock block = tier.block_of({v[0], v[1], v[2]});
+QueryPlace QueryPlaces::find_in_pages(int lod, const std::int64_t v[3]) const {
   QueryPlace place;
-  place.box = window_box(tier.corner_of(block), std::int64_t(1) << tier.bits);
-  const auto parents = parents_.find(std::uint32_t(tier.own_lod()));
-  if (parents == parents_.end()) return place;
-  const auto found = parents->second.find(tier.corner_of(block));
-  if (found == parents->second.end()) return place;
-  place.shard = found->second;
-  place.kind = QueryPlace::Kind::shard;
+  PageGaps gaps;
+  const std::optional<PlacedShard> found = map_->find(lod, map_->last_holder(lod), v, *pager_, gaps, place.box);
+  if (found) {
+    place.kind = QueryPlace::Kind::shard;
+    place.shard = found->number;
+    place.box = found->window;
+  } else if (!gaps.missing.empty()) {
+    place.kind = QueryPlace::Kind::unknown;
+    place.page = gaps.missing.front();
+  }
   return place;
 }
 
 QueryPlace QueryPlaces::find(int lod, const std::int64_t v[3]) const {
-  return lod < layout_.scene.lods ? find_cell(v) : find_parent(lod, v);
+  return map_ ? find_in_pages(lod, v) : find_in_layout(v);
 }
 
 }  // namespace gigabake

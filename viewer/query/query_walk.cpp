@@ -80,18 +80,22 @@ QueryWalk start_walk(const QueryRay& ray, const QueryLevels& levels, const Query
 }
 
 bool walk_on(const QueryRay& ray, const QueryLevels& levels, const QueryPlaces& places, const QueryTrees& trees,
-             QueryWalk& walk, QueryTreeKey& needed) {
+             QueryWalk& walk, QueryNeed& needed) {
   // What was met may lie a rim beyond its own window: until the ray is there something nearer may come.
   while (!walk.finished && walk.at <= walk.leave && walk.at < walk.nearest.distance) {
     const QueryPlace place = places.find(walk.lod, walk.v);
     const double begin = level_start(levels, walk.lod), end = level_end(levels, walk.lod, places.lods());
+    if (place.kind == QueryPlace::Kind::unknown) {
+      needed = {true, place.page, {}};
+      return false;
+    }
     if (place.kind == QueryPlace::Kind::lost) {
       end_at_missing(place.shard, walk.at, walk);
       break;
     }
     if (place.kind == QueryPlace::Kind::shard) {
-      needed = {place.shard, walk.lod};
-      const QueryTrees::Found found = trees.find(needed);
+      needed = {false, {}, {place.shard, walk.lod}};
+      const QueryTrees::Found found = trees.find(needed.tree);
       if (found.unreadable) {
         end_at_missing(place.shard, walk.at, walk);
         break;

@@ -25,6 +25,13 @@ struct QueryTreeKey {
   friend bool operator==(const QueryTreeKey&, const QueryTreeKey&) = default;
 };
 
+/// What a walk waits for.
+struct QueryNeed {
+  bool is_page = false;
+  PageKey page;  ///< of the scene, or
+  QueryTreeKey tree;
+};
+
 /// Where a walk finds trees.
 class QueryTrees {
  public:
@@ -51,8 +58,9 @@ struct QueryWalk {
 /// Range   The ray's numbers are finite but for `end`, its direction is of length 1; levels.finest < places.lods().
 QueryWalk start_walk(const QueryRay& ray, const QueryLevels& levels, const QueryPlaces& places);
 
-/// Goes on until the walk is finished, or until a tree is needed that is not here: then returns false, and which.
+/// Goes on until the walk is finished, or until a tree or a page of the scene is needed that is not here: then returns
+/// false, and which.
 bool walk_on(const QueryRay& ray, const QueryLevels& levels, const QueryPlaces& places, const QueryTrees& trees,
-             QueryWalk& walk, QueryTreeKey& needed);
+             QueryWalk& walk, QueryNeed& needed);
 
 }  // namespace gigabake

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <unordered_map>
 #include <utility>
 
@@ -15,11 +16,13 @@ namespace gigabake {
 namespace {
 
 constexpr std::size_t rays_per_range = 256;
+constexpr std::uint64_t min_page_bytes = std::uint64_t(1) << 20, page_part = 32;
 
 /// What one range of rays came to.
 struct Waiting {
   std::vector<std::uint32_t> rays;
   std::unordered_map<QueryTreeKey, std::uint64_t, QueryTreeKeyHash> wants;  ///< how many rays wait for each
+  std::set<PageKey> pages;                                                  ///< of the scene
 };
 
 QueryLevels checked_levels(const QueryOptions& options, int lods) {
@@ -44,15 +47,22 @@ std::vector<QueryTreeKey> most_wanted_first(const std::vector<Waiting>& waiting)
   return keys;
 }
 
+std::vector<PageKey> missing_pages(const std::vector<Waiting>& waiting) {
+  std::set<PageKey> all;
+  for (const Waiting& w : waiting) all.insert(w.pages.begin(), w.pages.end());
+  return {all.begin(), all.end()};
+}
+
 }  // namespace
 
 struct SceneQuery::State {
   State(std::shared_ptr<const PagedScene> of, const QueryOptions& options, const ThreadPool& policy)
       : scene(std::move(of)),
         pool(policy),
-        places(*scene, policy),
+        numbers(scene, {}),
+        places(numbers, std::max(options.memory_bytes / page_part, min_page_bytes), policy),
         levels(checked_levels(options, places.lods())),
-        trees(scene, options.memory_bytes, policy) {}
+        trees(numbers, options.memory_bytes, policy) {}
 
   /// One pass over the rays that are not finished. Returns what they wait for.
   std::vector<Waiting> pass(std::span<const QueryRay> rays, const std::vector<std::uint32_t>& active,
@@ -61,10 +71,13 @@ struct SceneQuery::State {
     pool.parallel_for(active.size(), rays_per_range, [&](std::size_t begin, std::size_t end, int thread) {
       Waiting& w = waiting[std::size_t(thread)];
       for (std::size_t i = begin; i < end; ++i) {
-        QueryTreeKey needed;
+        QueryNeed needed;
         if (walk_on(rays[active[i]], levels, places, trees, walks[active[i]], needed)) continue;
         w.rays.push_back(active[i]);
-        ++w.wants[needed];
+        if (needed.is_page)
+          w.pages.insert(needed.page);
+        else
+          ++w.wants[needed.tree];
       }
     });
     return waiting;
@@ -72,6 +85,7 @@ struct SceneQuery::State {
 
   std::shared_ptr<const PagedScene> scene;
   const ThreadPool& pool;
+  NumberedShards numbers;
   QueryPlaces places;
   QueryLevels levels;
   TreeStore trees;
@@ -86,7 +100,11 @@ SceneQuery::~SceneQuery() = default;
 const PagedScene& SceneQuery::scene() const { return *state_->scene; }
 const kernels::VoxelBox& SceneQuery::window() const { return state_->places.window(); }
 int SceneQuery::lods() const { return state_->places.lods(); }
-QueryCounts SceneQuery::counts() const { return state_->trees.counts(); }
+QueryCounts SceneQuery::counts() const {
+  QueryCounts counts = state_->trees.counts();
+  counts.pages_read = state_->places.pages_read();
+  return counts;
+}
 const std::vector<std::string>& SceneQuery::problems() const { return state_->trees.problems(); }
 
 void SceneQuery::first_hits(std::span<const QueryRay> rays, std::span<QueryHit> answers, const Progress& progress) {
@@ -106,7 +124,9 @@ void SceneQuery::first_hits(std::span<const QueryRay> rays, std::span<QueryHit> 
     active.clear();
     for (const Waiting& w : waiting) active.insert(active.end(), w.rays.begin(), w.rays.end());
     progress.advance(before - active.size());
-    if (!active.empty()) s.trees.build(most_wanted_first(waiting));
+    s.places.read(missing_pages(waiting));
+    const std::vector<QueryTreeKey> trees = most_wanted_first(waiting);
+    if (!trees.empty()) s.trees.build(trees);
   }
   for (std::size_t i = 0; i < walks.size(); ++i) answers[i] = walks[i].nearest;
 }

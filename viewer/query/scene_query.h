@@ -21,12 +21,14 @@ namespace gigabake {
 struct QueryOptions {
   int lod = 0;        ///< the finest level that is looked at
   double spread = 0;  ///< growth of a ray's footprint with its way; 0: the level `lod` all the way (query_walk.h)
-  std::uint64_t memory_bytes = std::uint64_t(1) << 30;  ///< of trees, and of those being built
+  /// Of trees, and of those being built. Next to it pages of the scene take a thirty-second part, 1 MiB at least.
+  std::uint64_t memory_bytes = std::uint64_t(1) << 30;
 };
 
 struct QueryCounts {
   std::uint64_t trees_built = 0;  ///< a tree that went and came again counts again
   std::uint64_t peak_bytes = 0;   ///< of trees, those being built included
+  std::uint64_t pages_read = 0;   ///< of the scene, since rays came to their blocks; 0: scene.xml says all
 };
 
 class SceneQuery {

@@ -8,8 +8,8 @@
 
 namespace gigabake {
 
-TreeStore::TreeStore(std::shared_ptr<const PagedScene> scene, std::uint64_t memory_bytes, const ThreadPool& pool)
-    : scene_(std::move(scene)), memory_bytes_(memory_bytes), pool_(pool), numbers_(scene_, {}) {}
+TreeStore::TreeStore(NumberedShards& numbers, std::uint64_t memory_bytes, const ThreadPool& pool)
+    : numbers_(numbers), memory_bytes_(memory_bytes), pool_(pool) {}
 
 QueryTrees::Found TreeStore::find(const QueryTreeKey& key) const {
   const auto found = entries_.find(key);
@@ -42,7 +42,7 @@ void TreeStore::open(std::vector<Building>& all) const {
     for (std::size_t i = begin; i < end; ++i) {
       Building& b = all[i];
       try {
-        b.source = std::make_unique<QueryTreeSource>(*scene_, b.shard, b.key.lod);
+        b.source = std::make_unique<QueryTreeSource>(numbers_.scene(), b.shard, b.key.lod);
         b.bytes = b.source->bytes_to_build();
       } catch (const InputError& error) {
         b.problem = error.what();

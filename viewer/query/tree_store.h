@@ -24,7 +24,8 @@ struct QueryTreeKeyHash {
 /// One thread calls it, but for find().
 class TreeStore final : public QueryTrees {
  public:
-  TreeStore(std::shared_ptr<const PagedScene> scene, std::uint64_t memory_bytes, const ThreadPool& pool);
+  /// Borrows `numbers` and the pool.
+  TreeStore(NumberedShards& numbers, std::uint64_t memory_bytes, const ThreadPool& pool);
 
   Found find(const QueryTreeKey& key) const override;
 
@@ -61,10 +62,9 @@ class TreeStore final : public QueryTrees {
   void make_room(std::uint64_t bytes, Evict evict);
   void tell(const std::string& problem);
 
-  std::shared_ptr<const PagedScene> scene_;
+  NumberedShards& numbers_;
   std::uint64_t memory_bytes_;
   const ThreadPool& pool_;
-  NumberedShards numbers_;
   std::unordered_map<QueryTreeKey, Entry, QueryTreeKeyHash> entries_;
   std::uint64_t pass_ = 0, bytes_ = 0;
   QueryCounts counts_;

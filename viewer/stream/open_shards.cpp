@@ -1,11 +1,17 @@
 #include "viewer/stream/open_shards.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
 #include "format/scene/shard_of_scene.h"
 
 namespace gigabake {
+
+std::size_t open_shards_within(std::uint64_t memory_bytes) {
+  constexpr std::uint64_t fewest = 4;
+  return std::size_t(std::clamp<std::uint64_t>(memory_bytes / 8 / open_shard_bytes, fewest, most_open_shards));
+}
 
 OpenShards::OpenShards(NumberedShards& numbers, std::size_t most_open,
                        std::shared_ptr<std::atomic<std::uint64_t>> files_opened)

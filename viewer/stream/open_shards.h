@@ -13,6 +13,16 @@
 
 namespace gigabake {
 
+/// What an open shard takes: its file's caches and the index of its chunks, measured on shards of 1 MB.
+inline constexpr std::uint64_t open_shard_bytes = std::uint64_t(320) << 10;
+
+/// Returns how many shards may be open within a limit of memory: those that an eighth of it holds, 4 to 400.
+std::size_t open_shards_within(std::uint64_t memory_bytes);
+
+/// Like pages_from_files() (page.h), with another limit of open shards.
+PageSource pages_from_open_shards(std::shared_ptr<const PagedScene> scene,
+                                  std::shared_ptr<std::atomic<std::uint64_t>> files_opened, std::size_t most_open);
+
 class OpenShards {
  public:
   /// Borrows `numbers`. files_opened: where given, counts each shard that is opened.

@@ -4,7 +4,6 @@
 
 #include "format/scene/tier_shape.h"
 #include "kernels/cast/scene.h"
-#include "lattice/parameters.h"
 
 namespace gigabake {
 namespace {
@@ -46,7 +45,7 @@ const ParentTier& ParentTiers::holder(int lod, std::size_t holder) const {
 }
 
 std::optional<ParentTiers> parent_tiers(const PagedScene& scene) {
-  if (scene.totals().parents == 0 || parameters_from_json(scene.header().parameters).max_error != 0) return {};
+  if (scene.totals().parents == 0) return {};
   ParentTiers all;
   for (const TierShape& shape : shapes_of(scene))
     all.tiers.push_back({std::int32_t(shape.first_lod),

@@ -36,9 +36,10 @@ struct ParentTiers {
   const ParentTier& holder(int lod, std::size_t holder) const;
 };
 
-/// Nothing where not all of a scene hangs from one root (format/scene/tier_shape.h), where that is wider than rays go,
-/// and where cells were baked with an error that parents do not have (`max_error`).
-/// Cost  What scene.xml says. Of a scene before version 5 a look at its parents, and where it says that a cell or a
+/// Returns nothing where not all of a scene hangs from one root (format/scene/tier_shape.h), or where that is wider
+/// than rays go. An error of the bake (`max_error`) changes no voxel's existence, and parents store copies of what
+/// their children store, so the levels agree. Cost  What scene.xml says. Of a scene before version 5 a look at its
+/// parents, and where it says that a cell or a
 ///       parent is lost, at all cells too.
 std::optional<ParentTiers> parent_tiers(const PagedScene& scene);
 

@@ -51,6 +51,33 @@ std::vector<Pilot::Order> fly(Pilot& pilot, double& now_s, double until_s, doubl
   return orders;
 }
 
+// 2026-11-25: a window higher than wide cut the scene at home.
+TEST(Pilot, IsAsFarFromTheSceneAtHomeAsANarrowWindowNeeds) {
+  Pilot pilot(home(), 0.05);
+  double now_s = 0;
+  const auto eye = [&] { return pilot.next(now_s += 1).value().view.camera.eye_m.value(); };
+  EXPECT_DOUBLE_EQ(eye().y, -100);
+  Steering narrow;
+  narrow.size = {720, 1280};
+  pilot.steer(narrow, now_s);
+  const double farther = (1280.0 / 720) / (720.0 / 1280);
+  const auto far = eye();
+  EXPECT_NEAR(far.y, -100 * farther, 1e-6);
+  EXPECT_NEAR(far.z, 50 * farther, 1e-6);
+  pilot.steer(turning(0.1), now_s);
+  const auto turned = eye();
+  narrow.size = {600, 1280};
+  pilot.steer(narrow, now_s);
+  EXPECT_NEAR(eye().x, turned.x, 1e-6) << "the viewer has moved";
+  Steering go_home;
+  go_home.home = true;
+  pilot.steer(go_home, now_s);
+  EXPECT_NEAR(eye().y, -100 * (1280.0 / 720) / (600.0 / 1280), 1e-6);
+  narrow.size = {2000, 500};
+  pilot.steer(narrow, now_s);
+  EXPECT_NEAR(eye().y, -100, 1e-6);
+}
+
 TEST(Pilot, DrawsTheFullPictureOnceAndThenNothingMore) {
   Pilot pilot(home(), 0.05);
   double now_s = 0;

@@ -126,6 +126,15 @@ TEST(PagesFromFiles, DoNotStopWhereAFileIsMissingOrDamaged) {
   EXPECT_EQ(of_damaged, 1u);
 }
 
+// 2026-11-25: 400 shards were open under any limit of memory, and did not count.
+TEST(OpenShards, AreAsManyAsAnEighthOfTheMemoryHolds) {
+  EXPECT_EQ(open_shards_within(std::uint64_t(64) << 20), 25u);
+  EXPECT_EQ(open_shards_within(std::uint64_t(4) << 30), most_open_shards);
+  EXPECT_EQ(open_shards_within(0), 4u);
+  for (std::uint64_t bytes = std::uint64_t(16) << 20; bytes < std::uint64_t(4) << 30; bytes *= 2)
+    EXPECT_LE(open_shards_within(bytes) * open_shard_bytes, bytes / 8);
+}
+
 TEST(OpenShards, CloseTheLongestUnusedAndOpenItAgainWhenAskedFor) {
   std::mt19937_64 rng(4);
   const TempFolder folder;
