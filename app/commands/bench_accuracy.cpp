@@ -18,6 +18,7 @@
 #include "format/system/host_limits.h"
 #include "format/system/message.h"
 #include "format/system/publish.h"
+#include "lattice/counted.h"
 #include "lattice/error.h"
 
 namespace gigabake::app {
@@ -118,7 +119,20 @@ bench::LeakBenchRequest leak_request_of(const AccuracyOptions& options, const st
   return r;
 }
 
-/// It measures; nothing is claimed yet that could fail.
+/// Prints a line and returns `failed` if scenes were not measured.
+int expect_measured(const bench::LeakBench& b) {
+  const std::vector<std::string> unmeasured = b.unmeasured();
+  if (unmeasured.empty()) return complete;
+  fmt::print(stderr,
+             "gigabake: `{}`{} shows fewer than {} inner pixels: nothing was measured; choose smaller voxels, wider "
+             "scenes (--scene-voxels) or a larger --size\n",
+             unmeasured.front(),
+             unmeasured.size() > 1 ? fmt::format(" and {} more", counted(unmeasured.size() - 1, "scene")) : "",
+             bench::min_inner_pixels);
+  return failed;
+}
+
+/// Fails only if a scene was not measured; no bound on leaks is claimed yet.
 int run_leaks(const AccuracyOptions& options) {
   const bool is_given = !options.bake.source.empty();
   if (is_given && options.bake.voxel_size.empty()) throw UsageError("--leaks with a SCENE: expected --voxel-size too");
@@ -132,7 +146,7 @@ int run_leaks(const AccuracyOptions& options) {
     return bench::bench_leaks_of(scene, request);
   });
   publish(b, options);
-  return complete;
+  return expect_measured(b);
 }
 
 /// They measure; what is claimed of it stands in docs/accuracy.md. bench: of light, or of motion.

@@ -36,6 +36,7 @@ nlohmann::ordered_json json_of(const bench::QueryBench& b) {
   return {{"bench", "query"},
           {"rays", b.rays},
           {"hits", b.hits},
+          {"compared_hits", b.compared_hits()},
           {"query_s", b.query_s},
           {"build_and_query_s", b.build_and_query_s},
           {"cpu_s", b.cpu_s},
@@ -59,6 +60,8 @@ int run(QueryBenchArguments& a) {
     fmt::print("{}\n", json_of(result).dump(2));
   else
     print_text(result);
+  if (result.compared_hits() == 0)
+    fmt::print(stderr, "gigabake: none of the rays hit a voxel: nothing was compared; choose more --rays\n");
   return result.failed() ? failed : complete;
 }
 

@@ -119,6 +119,8 @@ bench::FrameBenchRequest frames_of(const RenderBenchOptions& options, const benc
 }
 
 int run(const RenderBenchOptions& options) {
+  if (options.what == "flight" && options.flight_frames == 0)
+    throw UsageError("--flight 0 with --what flight: expected at least one frame, else nothing is measured");
   const FrameRenderer::Options renderer = renderer_options(options.renderer);  // asks the driver for devices: once
   const bench::FirstHitBenchRequest request = request_of(options, renderer);
   nlohmann::ordered_json j{{"bench", "render"}, {"width", request.width}, {"height", request.height}};
@@ -135,8 +137,11 @@ int run(const RenderBenchOptions& options) {
     });
   };
   const auto wants = [&](const char* what) { return options.what == what || options.what == "all"; };
-  if (wants("first-hits"))
-    tell("first_hit", timed("casting rays to the first voxel", [&] { return bench::bench_first_hits(request); }));
+  if (wants("first-hits")) {
+    const auto result = timed("casting rays to the first voxel", [&] { return bench::bench_first_hits(request); });
+    if (result.hits() == 0) fmt::print(stderr, "gigabake: no ray of any view hit a voxel: nothing was compared\n");
+    tell("first_hit", result);
+  }
   if (wants("frames") || wants("flight"))
     tell("frames", timed("drawing frames", [&] { return bench::bench_frames(frames_of(options, request, renderer)); }));
   if (wants("live"))

@@ -138,6 +138,7 @@ References draw_references(const ReferenceCaster& caster, const AccuracyBenchReq
   for (const AccuracyView& view : views) {
     const kernels::CastCamera camera = reference_camera(view.camera, request.scene.parameters);
     references.albedo.push_back(caster.draw(camera, request.samples));
+    expect_surface(request.scene.source, view.name(), compared_pixels(references.albedo.back()));
     write_png(picture_path(folder, view), to_srgb(references.albedo.back()));
     if (is_also_lit(view))
       references.lit.push_back(shown(caster.draw(camera, request.samples, afternoon_light()), tone));
@@ -171,7 +172,8 @@ void compare(const std::filesystem::path& folder, const AccuracyBench& bench, co
     const View view{bench.views[v].camera, ViewMode::albedo, {false, {0, 0, 0, 0}}};
     const Frame frame = renderer.draw_exact(view);
     errors.push_back(picture_error(references.albedo[v], to_linear(frame.picture)));
-    setting.views.push_back({bench.views[v].name(), frame.stats.total_s, errors.back(), {}});
+    setting.views.push_back(
+        {bench.views[v].name(), compared_pixels(references.albedo[v]), frame.stats.total_s, errors.back(), {}});
     setting.render_s += frame.stats.total_s;
     write_png(picture_path(folder, bench.views[v]), frame.picture);
   }

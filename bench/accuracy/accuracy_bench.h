@@ -32,7 +32,8 @@ struct AccuracyBenchRequest {
 };
 
 struct ViewError {
-  std::string view;  ///< AccuracyView::name()
+  std::string view;                   ///< AccuracyView::name()
+  std::uint64_t compared_pixels = 0;  ///< in which the reference shows the surface
   double render_s = 0;
   PictureError error;
   std::optional<double> lit_flip;  ///< in the light of `render`, where voxels are larger than pixels
@@ -72,7 +73,8 @@ using AccuracyProgress = std::function<void(const std::string& setting)>;
 /// Every surface rule with every filter, at the voxel size and at twice that; and area with coverage without normals,
 /// without facing, without either, with several largest errors, and with LZ4.
 /// All settings are seen from the same cameras. Voxels that are the same by their content hashes are looked at once.
-/// Errors  as a bake, and as ReferenceCaster's; UsageError: no setting has such a name.
+/// Errors  as a bake, and as ReferenceCaster's; UsageError: no setting has such a name. InputError: a view shows
+///         fewer than min_compared_pixels of the surface; nothing is baked then.
 AccuracyBench bench_accuracy(const AccuracyBenchRequest& request, const AccuracyProgress& progress);
 
 }  // namespace gigabake::bench

@@ -5,6 +5,9 @@
 #include <fmt/format.h>
 #include <numbers>
 
+#include "bench/accuracy/surface_points.h"
+#include "lattice/error.h"
+
 namespace gigabake::bench {
 namespace {
 
@@ -33,11 +36,13 @@ Vector middle_of(const TriangleBox& box) {
   return {(box.min[0] + box.max[0]) / 2, (box.min[1] + box.max[1]) / 2, (box.min[2] + box.max[2]) / 2};
 }
 
-/// Of a line through the middle of the scene, where it first meets a triangle.
-Vector surface_point(const ReferenceCaster& caster, const Vector& forward) {
-  const Vector outside = along(middle_of(caster.box()), forward, -2 * reach(caster.box(), forward) - 1);
+/// Returns where a line through `place` first meets a triangle.
+Vector first_surface(const ReferenceCaster& caster, const Vector& place, const Vector& forward) {
+  double to_place = 0;
+  for (std::size_t a = 0; a < 3; ++a) to_place += (place[a] - middle_of(caster.box())[a]) * forward[a];
+  const Vector outside = along(place, forward, -2 * reach(caster.box(), forward) - 1 - to_place);
   const auto hit = caster.first_hit(outside, forward);
-  return hit ? along(outside, forward, *hit) : middle_of(caster.box());
+  return hit ? along(outside, forward, *hit) : place;
 }
 
 int pixels_across(double voxels, double voxels_per_pixel, int most) {
@@ -45,7 +50,7 @@ int pixels_across(double voxels, double voxels_per_pixel, int most) {
 }
 
 AccuracyView make_view(const ReferenceCaster& caster, const BakeParameters& lattice, const Direction& direction,
-                       double voxels_per_pixel, int width, int height) {
+                       double voxels_per_pixel, const Vector& place, int width, int height) {
   const TriangleBox& box = caster.box();
   const Vector forward = forward_at(direction.elevation_deg);
   const double level = std::hypot(forward[0], forward[1]);
@@ -59,7 +64,7 @@ AccuracyView make_view(const ReferenceCaster& caster, const BakeParameters& latt
   view.camera.width = pixels_across(2 * reach(box, right), voxels_per_pixel, width);
   view.camera.height = pixels_across(2 * reach(box, up), voxels_per_pixel, height);
   const bool holds_all = view.camera.width < width && view.camera.height < height;
-  const Vector target = holds_all ? middle_of(box) : surface_point(caster, forward);
+  const Vector target = holds_all ? middle_of(box) : first_surface(caster, place, forward);
   double to_target = 0;
   for (std::size_t a = 0; a < 3; ++a) to_target += (target[a] - middle_of(box)[a]) * forward[a];
   const double to_front =
@@ -89,11 +94,40 @@ std::string AccuracyView::name() const { return fmt::format("{} {:g}", direction
 
 std::vector<AccuracyView> accuracy_views(const ReferenceCaster& caster, const BakeParameters& lattice,
                                          const std::vector<double>& voxels_per_pixel, int width, int height) {
+  const std::vector<Vector> places =
+      visible_places(caster.triangles(), std::size(directions) * voxels_per_pixel.size());
   std::vector<AccuracyView> views;
   for (const Direction& direction : directions)
     for (const double scale : voxels_per_pixel)
-      views.push_back(make_view(caster, lattice, direction, scale, width, height));
+      views.push_back(
+          make_view(caster, lattice, direction, scale, places[views.size() % places.size()], width, height));
   return views;
+}
+
+std::vector<std::array<double, 3>> visible_places(const SourceTriangles& source, std::size_t most) {
+  constexpr std::uint64_t seed = 20261125;
+  // A masked surface may have texels without alpha at some of the points: more points than places are tried.
+  constexpr std::size_t tries = 16;
+  const std::vector<Vector> points = surface_points(source, tries * most, seed);
+  if (points.empty()) throw InputError("the source", "", "has no visible surface; nothing can be compared");
+  std::vector<Vector> places;
+  for (std::size_t i = 0; i < std::min(most, points.size()); ++i)
+    places.push_back(points[i * points.size() / std::min(most, points.size())]);
+  return places;
+}
+
+std::uint64_t compared_pixels(const LinearPicture& reference) {
+  std::uint64_t pixels = 0;
+  for (std::size_t i = 0; i < reference.pixels(); ++i) pixels += reference.alpha(i) > 0 ? 1 : 0;
+  return pixels;
+}
+
+void expect_surface(const std::filesystem::path& source, const std::string& view, std::uint64_t pixels) {
+  if (pixels >= min_compared_pixels) return;
+  throw InputError(source, "",
+                   fmt::format("the view \"{}\" shows the surface in {} of its pixels, fewer than {}: too little to "
+                               "compare; choose smaller voxels, a larger --size or smaller --scales",
+                               view, pixels, min_compared_pixels));
 }
 
 kernels::CastCamera reference_camera(const CameraOptions& camera, const BakeParameters& lattice) {

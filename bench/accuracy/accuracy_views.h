@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -25,10 +27,22 @@ struct AccuracyView {
 inline const std::vector<double> accuracy_scales{0.25, 1, 4, 16};
 
 /// Every direction at every scale of `voxels_per_pixel`. At most width × height pixels; fewer where the whole scene
-/// needs fewer. A view that does not hold the whole scene looks at the surface in its middle. Space   Voxels are those
-/// of `lattice`, as the caster's.
+/// needs fewer. Each view that does not hold the whole scene looks at another place of the surface (visible_places()).
+/// Space   Voxels are those of `lattice`, as the caster's.
+/// Errors  InputError: no triangle of the source is visible.
 std::vector<AccuracyView> accuracy_views(const ReferenceCaster& caster, const BakeParameters& lattice,
                                          const std::vector<double>& voxels_per_pixel, int width, int height);
+
+/// Returns at least one and at most `most` places of the visible surface, spread over its area; the same ones each
+/// time. Errors  InputError: no triangle is visible.
+std::vector<std::array<double, 3>> visible_places(const SourceTriangles& source, std::size_t most);
+
+/// A view that shows the surface in fewer pixels measures nothing.
+inline constexpr std::uint64_t min_compared_pixels = 4;
+/// Returns in how many pixels the reference shows the surface.
+std::uint64_t compared_pixels(const LinearPicture& reference);
+/// Errors  InputError(source): pixels is below min_compared_pixels.
+void expect_surface(const std::filesystem::path& source, const std::string& view, std::uint64_t pixels);
 
 /// In voxels of `lattice`.
 kernels::CastCamera reference_camera(const CameraOptions& camera, const BakeParameters& lattice);

@@ -41,8 +41,10 @@ LightRow look_at(const ReferenceCaster& caster, const AccuracyView& view, const 
   const kernels::CastCamera camera = reference_camera(view.camera, request.scene.parameters);
   const kernels::CastLight light = afternoon_light();
   const LinearPicture reference = on_screen(caster.draw_shadowed(camera, request.samples, light, sun_radius_deg));
+  const std::uint64_t pixels = compared_pixels(reference);
+  expect_surface(request.scene.source, view.name(), pixels);
   const LinearPicture unshadowed = on_screen(caster.draw(camera, request.samples, light));
-  LightRow row{view.name(), view.camera.width, view.camera.height};
+  LightRow row{view.name(), view.camera.width, view.camera.height, pixels};
   const Picture lit = timed_picture(with, view_with(view, Shadows::on), row.frame_s);
   const LinearPicture plain = to_linear(timed_picture(without, view_with(view, Shadows::off), row.frame_without_s));
   row.flip = picture_error(reference, to_linear(lit)).flip;

@@ -2,6 +2,7 @@
 /// take.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -14,6 +15,7 @@ namespace gigabake::bench {
 struct LightRow {
   std::string view;  ///< AccuracyView::name()
   int width = 0, height = 0;
+  std::uint64_t compared_pixels = 0;        ///< in which the reference shows the surface
   double flip = 0;                          ///< with shadows, against the reference
   double flip_without = 0;                  ///< without, against the same
   double flip_unshadowed = 0;               ///< without, against the reference without: what is not light's error

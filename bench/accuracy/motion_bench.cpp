@@ -59,6 +59,15 @@ Vector above_surface(const ReferenceCaster& caster, double x, double y, double h
   return {x, y, from[2] - down + height};
 }
 
+/// Returns the surface at the middle of the box; where there is none, a place in the middle of the surface's area.
+Vector middle_place(const ReferenceCaster& caster) {
+  const TriangleBox& box = caster.box();
+  const Vector from{(box.min[0] + box.max[0]) / 2, (box.min[1] + box.max[1]) / 2, box.max[2] + 1};
+  if (const auto down = caster.first_hit(from, {0, 0, -1})) return moved(from, {0, 0, -1}, *down);
+  const std::vector<Vector> places = visible_places(caster.triangles(), 3);
+  return places[places.size() / 2];
+}
+
 void add_flight(const ReferenceCaster& caster, const AccuracyBenchRequest& request, const Flight& flight,
                 std::vector<MotionPair>& out) {
   const TriangleBox& box = caster.box();
@@ -68,8 +77,9 @@ void add_flight(const ReferenceCaster& caster, const AccuracyBenchRequest& reque
   const Vector ahead{forward[0] / level, forward[1] / level, 0}, aside{ahead[1], -ahead[0], 0};
   const double nearest = height / std::sin((flight.elevation_deg + fovy_deg / 2) * std::numbers::pi / 180);
   const double step = motion_pixels * pixel_angle(fovy_deg, request.height) * nearest;
-  const Vector start = moved({(box.min[0] + box.max[0]) / 2, (box.min[1] + box.max[1]) / 2, 0}, ahead,
-                             -0.3 * std::min(box.max[0] - box.min[0], box.max[1] - box.min[1]));
+  const Vector middle = middle_place(caster);
+  const Vector start =
+      moved({middle[0], middle[1], 0}, ahead, -0.3 * std::min(box.max[0] - box.min[0], box.max[1] - box.min[1]));
   const Vector way{ahead[0] * flight.ahead + aside[0] * flight.aside, ahead[1] * flight.ahead + aside[1] * flight.aside,
                    flight.up};
   for (int i = 0; i < pairs_of_path; ++i) {
@@ -83,8 +93,7 @@ void add_flight(const ReferenceCaster& caster, const AccuracyBenchRequest& reque
 /// From nearly parallel rays, so that much of the picture changes its level at once: once through all of a level.
 void add_zoom(const ReferenceCaster& caster, const AccuracyBenchRequest& request, std::vector<MotionPair>& out) {
   const Vector forward = forward_at(35);
-  const TriangleBox& box = caster.box();
-  const Vector target = above_surface(caster, (box.min[0] + box.max[0]) / 2, (box.min[1] + box.max[1]) / 2, 0);
+  const Vector target = middle_place(caster);
   const double nearer = 1 - motion_pixels / (request.width / 2.0);
   for (int i = 0; i < pairs_of_path; ++i) {
     const double way = std::exp2(double(i) / pairs_of_path) / pixel_angle(accuracy_fovy_deg, request.height);
@@ -128,12 +137,16 @@ MotionRow look_at_pair(const ReferenceCaster& caster, const MotionPair& pair, co
                        FrameRenderer& renderer) {
   const int width = request.width, height = request.height;
   Shown triangles[2];
-  for (int k = 0; k < 2; ++k)
-    triangles[k] = over(on_screen(caster.draw(reference_camera(pair.cameras[k], request.scene.parameters),
-                                              request.samples, afternoon_light())),
-                        0);
+  std::uint64_t pixels = 0;
+  for (int k = 0; k < 2; ++k) {
+    const LinearPicture picture =
+        caster.draw(reference_camera(pair.cameras[k], request.scene.parameters), request.samples, afternoon_light());
+    if (k == 0) pixels = compared_pixels(picture);
+    triangles[k] = over(on_screen(picture), 0);
+  }
+  expect_surface(request.scene.source, fmt::format("{} {:.1f}", pair.path, pair.at), pixels);
   const std::vector<double> expected = flip_map(triangles[0], triangles[1], width, height);
-  MotionRow row{pair.path, pair.at, mean_of(expected), {}, {}};
+  MotionRow row{pair.path, pair.at, pixels, mean_of(expected), {}, {}};
   for (const auto& [blend, figures] :
        {std::pair{LevelBlend::off, &row.plain}, std::pair{LevelBlend::on, &row.blended}}) {
     const Shown first = shown_voxels(renderer, pair.cameras[0], blend),

@@ -19,8 +19,9 @@ struct MotionFigures {
 /// Two frames of a path.
 struct MotionRow {
   std::string path;
-  double at = 0;         ///< where along the path, 0 … 1
-  double reference = 0;  ///< mean FLIP between the two frames of triangles
+  double at = 0;                      ///< where along the path, 0 … 1
+  std::uint64_t compared_pixels = 0;  ///< in which the first frame of triangles shows the surface
+  double reference = 0;               ///< mean FLIP between the two frames of triangles
   MotionFigures plain, blended;
 };
 

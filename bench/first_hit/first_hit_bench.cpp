@@ -142,8 +142,15 @@ class Bench {
 
 }  // namespace
 
+std::uint64_t FirstHitBench::hits() const {
+  std::uint64_t sum = 0;
+  for (const FirstHitRow& row : rows) sum += row.hits;
+  return sum;
+}
+
 bool FirstHitBench::failed() const {
-  return std::any_of(rows.begin(), rows.end(), [](const FirstHitRow& r) { return r.differ != 0 || r.wrong != 0; });
+  return hits() == 0 ||
+         std::any_of(rows.begin(), rows.end(), [](const FirstHitRow& r) { return r.differ != 0 || r.wrong != 0; });
 }
 
 FirstHitBench bench_first_hits(const FirstHitBenchRequest& request) { return Bench(request).run(); }

@@ -42,7 +42,9 @@ struct FirstHitBench {
   double build_s = 0;  ///< read from the shards included
   std::vector<FirstHitRow> rows;
 
-  /// Whether any ray is wrong or differs.
+  /// Hits of all views together.
+  std::uint64_t hits() const;
+  /// Whether any ray is wrong or differs, or no ray hit a voxel.
   bool failed() const;
 };
 

@@ -29,7 +29,10 @@ struct QueryBench {
   double largest_gap = 0;    ///< between the distances of the same voxel, lod-0 voxels
   std::string first_wrong;   ///< such a ray; empty where there is none
 
-  bool failed() const { return wrong != 0; }
+  /// Rays that hit a voxel here and were compared.
+  std::uint64_t compared_hits() const { return hits - inside; }
+  /// Whether a ray is wrong, or no hit was compared.
+  bool failed() const { return wrong != 0 || compared_hits() == 0; }
 };
 
 /// Cost    Embree holds six faces of each voxel that is not covered: some 400 bytes a voxel.

@@ -70,6 +70,7 @@ Json to_json(const AccuracySetting& s) {
   for (const ViewError& view : s.views) {
     Json one = to_json(view.error);
     one["view"] = view.view;
+    one["compared_pixels"] = view.compared_pixels;
     one["render_s"] = view.render_s;
     if (view.lit_flip) one["lit_flip"] = *view.lit_flip;
     j["views"].push_back(one);
@@ -135,10 +136,11 @@ std::string normals_table(const AccuracyBench& bench) {
 }
 
 std::string views_table(const AccuracySetting& setting) {
-  std::string out = fmt::format("| {}, view and voxels a pixel | render, s | {} |\n| --- | --- | {} |\n", setting.name,
-                                error_heads, error_rules);
+  std::string out =
+      fmt::format("| {}, view and voxels a pixel | compared pixels | render, s | {} |\n| --- | --- | --- | {} |\n",
+                  setting.name, error_heads, error_rules);
   for (const ViewError& v : setting.views)
-    out += fmt::format("| {} | {:.2f} | {} |\n", v.view, v.render_s, errors_row(v.error));
+    out += fmt::format("| {} | {} | {:.2f} | {} |\n", v.view, v.compared_pixels, v.render_s, errors_row(v.error));
   return out;
 }
 

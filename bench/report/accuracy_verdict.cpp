@@ -91,6 +91,7 @@ std::string accuracy_columns() {
          "- bake, s: from the sources to scene.xml in one process, the fastest of `--repeats`; render, s: all views\n"
          "- MB, bytes/voxel: on disk, all levels\n"
          "- FLIP: difference as an eye sees it, 0 to 1, mean over the pixels, over black or white, the worse\n"
+         "- compared pixels: in which the reference shows the surface; with fewer than 4 in a view the command fails\n"
          "- PSNR, dB: of the colours over that background; more is better\n"
          "- coverage bias: mean opacity minus the reference's; above 0 the scene looks too thick\n"
          "- holes: share of light that shines through where the reference is opaque\n"

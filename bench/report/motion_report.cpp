@@ -31,6 +31,7 @@ std::string to_json(const MotionBench& bench) {
   for (const MotionRow& row : bench.rows)
     j["pairs"].push_back({{"path", row.path},
                           {"at", row.at},
+                          {"compared_pixels", row.compared_pixels},
                           {"reference", row.reference},
                           {"plain", figures_json(row.plain)},
                           {"blended", figures_json(row.blended)}});
@@ -43,13 +44,14 @@ std::string to_markdown(const MotionBench& bench) {
       "what "
       "triangles' does, and by {:.2f} times where levels are blended; stills against triangles: mean FLIP {:.4f} and "
       "{:.4f}.\n\n"
-      "| path | triangles differ by | voxels: FLIP; ratio; worst block; still | levels blended: the same |\n"
-      "| --- | --- | --- | --- |\n",
+      "| path | compared pixels | triangles differ by | voxels: FLIP; ratio; worst block; still | levels blended: the "
+      "same |\n"
+      "| --- | --- | --- | --- | --- |\n",
       motion_pixels, bench.width, bench.height, bench.samples, bench.worst_ratio(&MotionRow::plain),
       bench.worst_ratio(&MotionRow::blended), bench.mean_still(&MotionRow::plain),
       bench.mean_still(&MotionRow::blended));
   for (const MotionRow& row : bench.rows)
-    out += fmt::format("| {} {:.1f} | {:.4f} | {} | {} |\n", row.path, row.at, row.reference,
+    out += fmt::format("| {} {:.1f} | {} | {:.4f} | {} | {} |\n", row.path, row.at, row.compared_pixels, row.reference,
                        figures_text(row.plain, row.reference), figures_text(row.blended, row.reference));
   return out;
 }

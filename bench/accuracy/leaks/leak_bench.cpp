@@ -95,10 +95,11 @@ void finish(LeakResult& result, const LeakBenchRequest& request, const std::file
 }
 
 LeakResult measure(const LeakScene& scene, const LeakBenchRequest& request, const std::optional<int>& device) {
-  LeakResult result{scene.name, scene.family, scene.what, true, 0, {}, {}};
+  LeakResult result{scene.name, scene.family, scene.what, true, 0, {}, {}, false};
   result.is_opaque = scene.truth == LeakTruth::sheets && scene.sheet_alpha == 1;
   if (scene.truth == LeakTruth::traced && !ReferenceCaster::is_built()) {
     result.not_measured = "this gigabake was built without Embree, which traces its reference";
+    result.needs_embree = true;
     return result;
   }
   const std::filesystem::path folder = request.out / scene.name;
@@ -127,13 +128,18 @@ std::string name_of(const BenchScene& scene) {
   return is_tileset ? source.parent_path().filename().string() : source.stem().string();
 }
 
-/// What is seen of triangles: the surface below the middle of the box around them.
+/// Returns the surface below the middle of the box; where there is none, a place in the middle of the surface's area.
 LeakSubject subject_of(const ReferenceCaster& caster) {
   const TriangleBox& box = caster.box();
   LeakSubject subject;
   for (std::size_t a = 0; a < 3; ++a) subject.target[a] = (box.min[a] + box.max[a]) / 2;
   const Vector above{subject.target[0], subject.target[1], box.max[2] + 1};
-  if (const auto depth = caster.first_hit(above, {0, 0, -1})) subject.target[2] = above[2] - *depth;
+  if (const auto depth = caster.first_hit(above, {0, 0, -1})) {
+    subject.target[2] = above[2] - *depth;
+  } else {
+    const std::vector<Vector> places = visible_places(caster.triangles(), 3);
+    subject.target = places[places.size() / 2];
+  }
   subject.width = std::min(box.max[0] - box.min[0], box.max[1] - box.min[1]);
   const SourceTriangles& triangles = caster.triangles();
   for (std::size_t part = 0; part < triangles.parts(); ++part) {
@@ -161,6 +167,16 @@ bool LeakBench::is_bounded() const {
   return true;
 }
 
+std::vector<std::string> LeakBench::unmeasured() const {
+  std::vector<std::string> names;
+  for (const LeakResult& scene : scenes) {
+    std::size_t inner = 0;
+    for (const LeakRow& row : scene.rows) inner += row.error.inner;
+    if (inner < min_inner_pixels && !scene.needs_embree) names.push_back(scene.name);
+  }
+  return names;
+}
+
 std::vector<std::string> leak_families() {
   std::vector<std::string> families;
   for (const LeakScene& scene : leak_scenes(32))
@@ -186,7 +202,8 @@ LeakBench bench_leaks_of(const BenchScene& scene, const LeakBenchRequest& reques
   const std::optional<int> device = choose_device({request.backend}).device;
   LeakBench bench = begin(request, device, 0);
   const std::string name = name_of(scene);
-  LeakResult result{name, "given", fmt::format("{:g} m a voxel", scene.parameters.voxel_size_m), true, 0, {}, {}};
+  LeakResult result{name, "given", fmt::format("{:g} m a voxel", scene.parameters.voxel_size_m), true, 0, {},
+                    {},   false};
   const SceneSources sources = open_sources(scene.source, scene.source_options);
   const ReferenceCaster caster(sources, scene.parameters, request.threads);
   const std::filesystem::path folder = request.out / name;

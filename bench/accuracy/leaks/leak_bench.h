@@ -44,7 +44,8 @@ struct LeakResult {
   bool is_opaque = true;  ///< alpha is 1 at every inner pixel
   std::uint64_t voxels = 0;
   std::vector<LeakRow> rows;
-  std::string not_measured;  ///< why there are no rows, or empty
+  std::string not_measured;   ///< why there are no rows, or empty
+  bool needs_embree = false;  ///< there are no rows because this build has no Embree
 };
 
 struct LeakBench {
@@ -53,7 +54,12 @@ struct LeakBench {
   std::vector<LeakResult> scenes;
   /// No opaque surface lets more light through than docs/accuracy.md allows, in any view.
   bool is_bounded() const;
+  /// Returns the scenes whose views together show fewer than min_inner_pixels; without those that need Embree.
+  std::vector<std::string> unmeasured() const;
 };
+
+/// A scene with fewer inner pixels in all its views together says nothing about leaks.
+inline constexpr std::size_t min_inner_pixels = 100;
 
 /// Kinds of scenes, in their order.
 std::vector<std::string> leak_families();
