@@ -94,8 +94,10 @@ std::string AccuracyView::name() const { return fmt::format("{} {:g}", direction
 
 std::vector<AccuracyView> accuracy_views(const ReferenceCaster& caster, const BakeParameters& lattice,
                                          const std::vector<double>& voxels_per_pixel, int width, int height) {
-  const std::vector<Vector> places =
-      visible_places(caster.triangles(), std::size(directions) * voxels_per_pixel.size());
+  std::vector<Vector> places = visible_places(caster.triangles(), std::size(directions) * voxels_per_pixel.size());
+  // The first view keeps the middle of the scene, if there is surface: the place that one looks at first.
+  const Vector middle = middle_of(caster.box());
+  if (caster.first_hit({middle[0], middle[1], caster.box().max[2] + 1}, {0, 0, -1})) places.front() = middle;
   std::vector<AccuracyView> views;
   for (const Direction& direction : directions)
     for (const double scale : voxels_per_pixel)
