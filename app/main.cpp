@@ -7,6 +7,7 @@
 #include "app/manual/manual.h"
 #include "app/options/flags.h"
 #include "app/options/usage_errors.h"
+#include "app/process/missing_report.h"
 #include "app/process/out_of_memory.h"
 #include "app/process/standard_streams.h"
 #include "app/process/stop_signal.h"
@@ -65,7 +66,7 @@ int run(int argc, char** argv, int& write_error) {
     print_message("gigabake: {}\n", app::said(e));
     return app::failed;
   }
-  return exit_code;
+  return app::report_missing_data(exit_code);
 }
 
 }  // namespace

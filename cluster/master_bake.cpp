@@ -6,6 +6,7 @@
 #include <sys/resource.h>
 
 #include "cluster/dispatch.h"
+#include "cluster/empty_scene.h"
 #include "cluster/mpi_rank_link.h"
 #include "lattice/counted.h"
 #include "lattice/error.h"
@@ -130,7 +131,9 @@ void MasterBake::publish() {
   out_.expect_shards(summary_.scene);
   if (summary_.is_drained && out_.has_whole_scene()) return;  // until this one is whole, too
   refuse(request_, summary_.scene.losses, summary_.scene.cells.empty() && !summary_.is_drained);
-  if (!summary_.scene.cells.empty()) out_.publish(summary_.scene);
+  const bool is_empty = summary_.scene.cells.empty();
+  if (is_empty && summary_.scene.losses.empty()) throw nothing_visible(request_.source, sources_, plan_);
+  if (!is_empty) out_.publish(summary_.scene);  // else it is drained before its first voxel
   if (request_.prune && summary_.scene.losses.empty()) {
     summary_.pruned = out_.remove_orphans(summary_.scene);
     forget_orphans();

@@ -1,43 +1,16 @@
-#include <algorithm>
 #include <fmt/format.h>
 #include <iterator>
 
+#include "lattice/valid_text.h"
 #include "scheduler/bake_status.h"
 
 namespace gigabake {
 namespace {
 
-/// Returns how many bytes at the front of the text are one UTF-8 character; 0: they are none.
-/// Source  Unicode 15, table 3-7.
-std::size_t character_bytes(std::string_view text) {
-  const auto at = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
-  const unsigned first = at(0), second = at(1);
-  const auto follows = [&](std::size_t i) { return (at(i) & 0xc0u) == 0x80u; };
-  if (first < 0x80) return 1;
-  if (first < 0xc2 || first > 0xf4 || !follows(1)) return 0;
-  if (first < 0xe0) return 2;
-  const bool is_overlong = (first == 0xe0 && second < 0xa0) || (first == 0xf0 && second < 0x90);
-  const bool is_no_character = (first == 0xed && second >= 0xa0) || (first == 0xf4 && second >= 0x90);
-  if (is_overlong || is_no_character || !follows(2)) return 0;
-  if (first < 0xf0) return 3;
-  return follows(3) ? 4 : 0;
-}
-
-/// File names need not be UTF-8, Prometheus' files must be: other bytes become U+FFFD.
-std::string as_utf8(std::string_view text) {
-  std::string out;
-  while (!text.empty()) {
-    const std::size_t bytes = character_bytes(text);
-    out += bytes == 0 ? std::string_view("\xef\xbf\xbd") : text.substr(0, bytes);
-    text.remove_prefix(std::max<std::size_t>(bytes, 1));
-  }
-  return out;
-}
-
-/// As Prometheus writes the value of a label.
+/// The value of a label as Prometheus reads it, in UTF-8.
 std::string escaped(std::string_view text) {
   std::string out;
-  for (const char c : as_utf8(text)) {
+  for (const char c : valid_utf8(text)) {
     if (c == '\\' || c == '"') out += '\\';
     out += c == '\n' ? std::string("\\n") : std::string(1, c);
   }

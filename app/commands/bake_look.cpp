@@ -4,6 +4,7 @@
 #include <csignal>
 #include <nlohmann/json.hpp>
 
+#include "app/messages/json_text.h"
 #include "app/messages/status_text.h"
 #include "cluster/collective.h"
 #include "cluster/folder_lock.h"
@@ -40,11 +41,11 @@ std::string bake_status_json(const std::string& out) {
   try {
     const Seen seen = look(out);
     const std::string line = seen.interrupted ? "interrupted: nobody bakes this any more" : one_line(seen.status);
-    return nlohmann::ordered_json{{"state", name_of(seen.status.state)},
-                                  {"interrupted", seen.interrupted},
-                                  {"line", line},
-                                  {"share_done", share_done(seen.status)}}
-        .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    return json_text({{"state", name_of(seen.status.state)},
+                      {"interrupted", seen.interrupted},
+                      {"line", line},
+                      {"share_done", share_done(seen.status)}},
+                     -1);
   } catch (const InputError&) {
     return "null";
   }

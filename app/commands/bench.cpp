@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "app/messages/json_text.h"
 #include "app/messages/status_text.h"
 #include "app/messages/with_progress.h"
 #include "app/options/bake_options.h"
@@ -70,7 +71,7 @@ void print_json(const bench::KernelBench& b) {
     for (const Stage& stage : stages(t.stats)) times["seconds"][stage.name] = stage.seconds;
     j["backends"].push_back(times);
   }
-  fmt::print("{}\n", j.dump(2));
+  fmt::print("{}\n", json_text(j));
 }
 
 void print_text(const bench::BakeBench& b) {
@@ -103,7 +104,7 @@ void print_json(const bench::BakeBench& b) {
                                  {"ratio", b.bake_s / b.alone.slowest()},
                                  {"content_hash", b.content_hash},
                                  {"differ", b.differ}};
-  fmt::print("{}\n", j.dump(2));
+  fmt::print("{}\n", json_text(j));
 }
 
 void print_text(const bench::ScheduleBench& b) {
@@ -139,7 +140,7 @@ void print_json(const bench::ScheduleBench& b) {
                                  {"dispatches_per_s", b.dispatches_per_s()},
                                  {"peak_rss_bytes", b.peak_rss_bytes},
                                  {"differ", b.differ}};
-  fmt::print("{}\n", j.dump(2));
+  fmt::print("{}\n", json_text(j));
 }
 
 bench::BenchScene scene_of(const BakeRequest& request) {

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "app/messages/json_text.h"
 #include "app/messages/status_text.h"
 #include "bench/pack_bench.h"
 #include "lattice/counted.h"
@@ -49,7 +50,7 @@ void print_pack_json(const bench::PackBench& b) {
       j["device"]["last_batch_s"][kernels::pack_steps[i]] = b.device.step_seconds[i];
   }
   j["differ"] = b.differ;
-  fmt::print("{}\n", j.dump(2));
+  fmt::print("{}\n", json_text(j));
 }
 
 }  // namespace

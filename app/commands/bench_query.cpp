@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "app/messages/json_text.h"
 #include "app/messages/with_progress.h"
 #include "app/options/scene_argument.h"
 #include "bench/query/query_bench.h"
@@ -57,7 +58,7 @@ int run(QueryBenchArguments& a) {
     return bench::bench_queries(a.request);
   });
   if (a.json)
-    fmt::print("{}\n", json_of(result).dump(2));
+    fmt::print("{}\n", json_text(json_of(result)));
   else
     print_text(result);
   if (result.compared_hits() == 0)

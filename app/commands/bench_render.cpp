@@ -6,6 +6,7 @@
 #include "app/commands.h"
 #include "app/commands/bench_frames.h"
 #include "app/commands/bench_live.h"
+#include "app/messages/json_text.h"
 #include "app/messages/status_text.h"
 #include "app/messages/with_progress.h"
 #include "app/options/choices.h"
@@ -147,7 +148,7 @@ int run(const RenderBenchOptions& options) {
   if (wants("live"))
     tell("live", timed("moving a viewer",
                        [&] { return bench::bench_live(pictures_of<bench::LiveBenchRequest>(request, renderer)); }));
-  if (options.json) fmt::print("{}\n", j.dump(2));
+  if (options.json) fmt::print("{}\n", json_text(j));
   return all_right ? complete : failed;
 }
 

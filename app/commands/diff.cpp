@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "app/messages/json_text.h"
 #include "app/messages/with_progress.h"
 #include "app/options/flags.h"
 #include "app/options/scene_argument.h"
@@ -37,7 +38,7 @@ void print_json(const SceneDifference& d) {
                            {"refaced", l.refaced}});
     j["cells"].push_back(c);
   }
-  fmt::print("{}\n", j.dump(2, ' ', false, Json::error_handler_t::replace));
+  fmt::print("{}\n", json_text(j));
 }
 
 std::string place(const CellDifference& cell) {
@@ -59,7 +60,8 @@ void print_text(const SceneDifference& d) {
   }
   if (!d.compared.empty() || d.not_compared.empty())
     fmt::print("lods {}: {}\n", fmt::join(d.compared, " "),
-               d.same() ? std::string("the same voxels") : counted(d.cells.size(), "place differs", "places differ"));
+               d.same() ? std::string("the same voxels, by their recorded hashes; verify reads the shards")
+                        : counted(d.cells.size(), "place differs", "places differ"));
   if (!d.not_compared.empty())
     fmt::print("lods {}: not compared everywhere; the scenes' cells have other voxels there\n",
                fmt::join(d.not_compared, " "));
@@ -76,8 +78,9 @@ int exit_code_of(const SceneDifference& d) {
 void add_diff(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand(
       "diff",
-      "Do two scenes hold the same voxels? Which cells differ, by how much; exit code 0: the same, 1: they differ, 2: "
-      "they cannot be compared");
+      "Do two scenes hold the same voxels? Which cells differ, by how much; levels with equal recorded hashes are not "
+      "read (verify reads them); exit code 0: the same, 1: they differ, 2: they cannot be compared, 3: the same, but "
+      "incomplete");
   auto a = std::make_shared<std::string>(), b = std::make_shared<std::string>();
   auto json = std::make_shared<bool>(false), quiet = std::make_shared<bool>(false);
   command->add_option("A", *a, "OUT of a bake, or OUT/scene.xml")->required();
@@ -87,7 +90,12 @@ void add_diff(CLI::App& app, int& exit_code) {
   command->callback([a, b, json, quiet, &exit_code] {
     try {
       const SceneDifference d = while_reading(
-          [&](const Progress& progress) { return diff_scenes(scene_argument(*a), scene_argument(*b), progress); },
+          [&](const Progress& progress) {
+            const std::filesystem::path scene_a = scene_argument(*a), scene_b = scene_argument(*b);
+            expect_shards(scene_a);
+            expect_shards(scene_b);
+            return diff_scenes(scene_a, scene_b, progress);
+          },
           *quiet ? nullptr : stderr);
       exit_code = exit_code_of(d);
       if (!*quiet) *json ? print_json(d) : print_text(d);

@@ -140,7 +140,7 @@ void add_export(CLI::App& app, int& exit_code) {
   command->add_option("-o,--out", o->out, "file to write; new folder for the formats of many files")->required();
   command->add_option("--lod", o->lod, "level to write; 3dtiles and gigavoxel: the finest")
       ->capture_default_str()
-      ->check(CLI::Range(0, 10));
+      ->check(CLI::NonNegativeNumber);
   add_tile_options(*command, *o);
   command->add_flag("-q,--quiet", o->quiet, "print errors alone");
   command->callback([o, command, &exit_code] {

@@ -4,6 +4,8 @@
 #include <numeric>
 
 #include "app/commands.h"
+#include "app/messages/json_text.h"
+#include "app/messages/missing_json.h"
 #include "app/messages/status_text.h"
 #include "app/messages/with_progress.h"
 #include "app/options/flags.h"
@@ -90,6 +92,7 @@ Json to_json(const Info& info) {
     j["cells_min_m"] = e.min_m;
     j["cells_max_m"] = e.max_m;
   }
+  j["missing"] = json_of_missing(missing_data(scene, totals.cells));
   j["losses"] = Json::array();
   for (const SceneLoss& l : scene.losses) j["losses"].push_back({{"name", l.name}, {"reason", l.reason}});
   return j;
@@ -134,7 +137,7 @@ void add_info(CLI::App& app, int&) {
   command->callback([scene, json] {
     const std::filesystem::path file = scene_argument(*scene);
     const Info info = while_reading([&](const Progress& progress) { return read_info(file, progress); });
-    *json ? fmt::print("{}\n", to_json(info).dump(2, ' ', false, Json::error_handler_t::replace)) : print_text(info);
+    *json ? fmt::print("{}\n", json_text(to_json(info))) : print_text(info);
   });
 }
 

@@ -102,16 +102,6 @@ QueryTally write_answers(const QueryArguments& a, const QueryJob& job, SceneQuer
   return tally;
 }
 
-/// What may stand where nothing was hit.
-void tell_losses(const SceneHeader& scene) {
-  std::size_t sources = 0;
-  for (const SceneLoss& loss : scene.losses)
-    sources += loss.name.starts_with("cell ") || loss.name.starts_with("parent ") ? 0 : 1;
-  if (sources > 0)
-    print_message("gigabake: the bake lost {} of its source, where nothing is hit; `gigabake info` names them\n",
-                  counted(sources, "part"));
-}
-
 int tell(const QueryArguments& a, const QueryTally& tally, SceneQuery& query) {
   const auto of = [&](QueryOutcome outcome) { return tally[std::size_t(outcome)]; };
   for (const std::string& problem : query.problems())
@@ -140,7 +130,6 @@ int run(const QueryArguments& a) {
   QueryOptions options = a.options;
   share_memory(a.options.memory_bytes, options, job);
   SceneQuery query(std::make_shared<const PagedScene>(a.scene), options, pool);
-  tell_losses(query.scene().header());
   const QueryTally tally = with_progress(
       [&](const Progress& progress) { return write_answers(a, job, query, *question.asks, pool, progress); },
       a.quiet || a.out.empty() ? nullptr : stderr);

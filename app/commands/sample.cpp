@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "app/commands.h"
+#include "app/messages/json_text.h"
 #include "app/messages/status_text.h"
 #include "app/options/text_values.h"
 #include "format/system/host_limits.h"
@@ -46,7 +47,7 @@ void print_json(const Options& o, const sample::SampleReport& r) {
                                  {"bake", bake_command(o, "tileset.json", "")},
                                  {"bake_local", bake_command(o, "local", " --local")},
                                  {"render", render_command}};
-  fmt::print("{}\n", j.dump(2));
+  fmt::print("{}\n", json_text(j));
 }
 
 void print_text(const Options& o, const sample::SampleReport& r) {

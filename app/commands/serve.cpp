@@ -8,6 +8,7 @@
 #include "app/commands/bake_look.h"
 #include "app/options/live_options.h"
 #include "app/options/scene_argument.h"
+#include "app/process/missing_report.h"
 #include "app/process/standard_streams.h"
 #include "app/process/stop_signal.h"
 #include "lattice/error.h"
@@ -41,6 +42,7 @@ void run(ServeArguments& a) {
   const StopSignals signals("gigabake: stopped at once; serving changes no file\n");
   fmt::print("{}\n", server.url());
   flush_output();
+  report_missing_data(complete);
   // The server stops from a thread of its own: a signal handler may not.
   const std::jthread stopper([&server](const std::stop_token& over) {
     while (!over.stop_requested() && stop_signal() == 0) std::this_thread::sleep_for(stop_check);

@@ -7,6 +7,7 @@
 
 #include "app/commands.h"
 #include "app/commands/bake_look.h"
+#include "app/messages/json_text.h"
 #include "app/messages/progress_line.h"
 #include "app/messages/status_text.h"
 #include "app/options/scene_argument.h"
@@ -32,7 +33,7 @@ int exit_code_of(const Seen& seen) {
 void print_json(const Seen& seen) {
   auto j = nlohmann::ordered_json::parse(to_json(seen.status));
   j["interrupted"] = seen.interrupted;
-  fmt::print("{}\n", j.dump());
+  fmt::print("{}\n", json_text(j, -1));
 }
 
 void print_text(const Seen& seen) {

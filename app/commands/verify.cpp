@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "app/messages/json_text.h"
+#include "app/messages/missing_json.h"
 #include "app/messages/status_text.h"
 #include "app/messages/with_progress.h"
 #include "app/options/scene_argument.h"
@@ -13,10 +15,19 @@
 #include "worker/parent_check.h"
 
 namespace gigabake::app {
+namespace {
+
+/// Of a scene without a fault.
+std::string state_of(const VerifyResult& r) {
+  return r.missing.any() ? "sound, but incomplete: " + describe(r.missing) : std::string("whole");
+}
+
+}  // namespace
 
 void add_verify(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand(
-      "verify", "Check every checksum, reference and invariant of a baked scene; exit code 1 on a fault");
+  auto* command = app.add_subcommand("verify",
+                                     "Check every checksum, reference and invariant of a baked scene; exit code 1 on a "
+                                     "fault, 3 if it is sound but incomplete");
   auto scene = std::make_shared<std::string>();
   auto json = std::make_shared<bool>(false), quiet = std::make_shared<bool>(false);
   command->add_option("SCENE", *scene, "OUT of a bake, or OUT/scene.xml")->required();
@@ -38,9 +49,9 @@ void add_verify(CLI::App& app, int& exit_code) {
                                {"voxels", r.voxels},
                                {"bytes", r.bytes},
                                {"has_totals", r.has_totals},
+                               {"missing", json_of_missing(r.missing)},
                                {"faults", r.faults}};
-      // File names need not be UTF-8, JSON must be.
-      fmt::print("{}\n", j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+      fmt::print("{}\n", json_text(j));
       return;
     }
     for (const std::string& fault : r.faults) fmt::print("{}\n", fault);
@@ -49,7 +60,7 @@ void add_verify(CLI::App& app, int& exit_code) {
       fmt::print("{}: carries no totals, as scenes of version 1: a lost cell is not seen; bake again to have them\n",
                  file.string());
     fmt::print("{}, {}, {}: {}\n", counted(r.cells, "cell"), counted(r.voxels, "voxel"), readable_bytes(r.bytes),
-               r.faults.empty() ? std::string("whole") : counted(r.faults.size(), "fault"));
+               r.faults.empty() ? state_of(r) : counted(r.faults.size(), "fault"));
   });
 }
 

@@ -7,6 +7,7 @@
 #include "app/options/live_options.h"
 #include "app/options/scene_argument.h"
 #include "app/options/text_values.h"
+#include "app/process/missing_report.h"
 #include "format/scene/paged_scene.h"
 #include "viewer/window/window.h"
 
@@ -29,6 +30,7 @@ void run(ViewArguments& a) {
     std::fflush(stdout);
   };
   const PagedScene scene(a.live.scene);  // a file that is no scene is said here, not in a window
+  report_missing_data(complete);
   show_window(a.live.scene, std::move(scene_options), window);
 }
 

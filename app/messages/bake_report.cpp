@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "app/messages/alike.h"
+#include "app/messages/json_text.h"
 #include "app/messages/status_text.h"
 #include "app/options/flags.h"
 #include "app/process/standard_streams.h"
@@ -57,10 +58,7 @@ void add_slowest(const std::vector<SlowCell>& cells, nlohmann::ordered_json& j) 
   }
 }
 
-/// File names need not be UTF-8, JSON must be.
-std::string text_of(const nlohmann::ordered_json& j) {
-  return j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-}
+std::string text_of(const nlohmann::ordered_json& j) { return json_text(j) + "\n"; }
 
 /// Of a plan or a scene: what was in the source and is not in the result, with reason.
 template <class Counts>
@@ -152,7 +150,7 @@ void print_report(const BakeSummary& s, const std::filesystem::path& out) {
   if (s.orphans.files != 0)
     fmt::print("{} of earlier bakes kept, {}; --prune removes {}\n", counted(s.orphans.files, "shard"),
                readable_bytes(s.orphans.bytes), s.orphans.files == 1 ? "it" : "them");
-  fmt::print("{}\n", (out / "scene.xml").string());
+  if (!s.scene.cells.empty()) fmt::print("{}\n", (out / "scene.xml").string());
 }
 
 std::string json_report(const BakeSummary& s, const std::filesystem::path& out) {

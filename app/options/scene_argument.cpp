@@ -6,6 +6,7 @@
 #include <fstream>
 #include <string_view>
 
+#include "app/process/missing_report.h"
 #include "lattice/error.h"
 
 namespace gigabake::app {
@@ -107,7 +108,9 @@ std::filesystem::path scene_argument(const std::string& given) {
   expect_baked(given, kind);
   if (kind == Named::begun_folder)
     throw InputError(given, "", "has no scene.xml yet: no bake has ended there; gigabake status says how it goes");
-  return kind == Named::baked_folder ? fs::path(given) / "scene.xml" : fs::path(given);
+  fs::path scene = kind == Named::baked_folder ? fs::path(given) / "scene.xml" : fs::path(given);
+  note_missing_data(scene);
+  return scene;
 }
 
 std::filesystem::path live_scene_argument(const std::string& given) {

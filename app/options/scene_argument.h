@@ -7,7 +7,7 @@
 namespace gigabake::app {
 
 /// OUT/scene.xml, for that name itself and for OUT. What is not there, or cannot be told, is given back as it is, and
-/// its reader says so.
+/// its reader says so. What the scene lacks is noted for the command's exit code (app/process/missing_report.h).
 /// Errors  InputError: a source, a shard, or a folder without a scene.xml; says what it is and what to do instead.
 std::filesystem::path scene_argument(const std::string& given);
 

@@ -4,6 +4,7 @@
 
 #include "app/commands.h"
 #include "app/options/flags.h"
+#include "app/process/missing_report.h"
 #include "app/process/standard_streams.h"
 #include "cluster/build_identity.h"
 #include "cluster/collective.h"
@@ -22,6 +23,7 @@ int on_all_ranks(const std::string& command, const std::function<int(MpiSession&
     if (task == nullptr || std::atoi(task) == 0) print_message("gigabake: {}\n", *line);
     return usage;
   }
+  if (mpi.rank() != 0) silence_missing_data();
   try {
     expect_same_build(mpi, command);
     return mpi.from_master(work(mpi));

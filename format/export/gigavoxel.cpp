@@ -5,7 +5,6 @@
 
 #include "format/export/gigavoxel_files.h"
 #include "format/scene/scene_level.h"
-#include "format/scene/shard_of_scene.h"
 #include "format/shard/brick_walk.h"
 #include "format/shard/level_lookup.h"
 #include "format/system/publish_folder.h"
@@ -50,7 +49,7 @@ void write_bricks(OutputFile& out, const ShardHeader& header, const NodeTable& n
     if (nodes.kind[n] != NodeKind::brick) continue;
     const BrickCoordinate at = demorton(nodes.key[n]);
     fill_brick(lookup, {8 * std::int64_t(at.x), 8 * std::int64_t(at.y), 8 * std::int64_t(at.z)},
-               header.cell_voxels >> lod, header.has_normals, brick);
+               header.cell_voxels >> (int(header.first_lod) + lod), header.has_normals, brick);
     write_gigavoxel_brick(out, brick);
     progress.advance(0);
   }
@@ -62,9 +61,10 @@ class GigavoxelWriter {
   GigavoxelWriter(const std::filesystem::path& target, const std::filesystem::path& folder, GigavoxelTreeFile kind)
       : target_(target), folder_(folder), kind_(kind) {}
 
-  void write_cell(const ShardReader& reader, int lod, std::size_t number, const Progress& progress) {
-    const ShardHeader& header = reader.header();
-    const NodeTable nodes = reader.nodes();
+  void write_shard(const PagedScene& scene, const SceneCell& shard, int scene_lod, std::size_t number,
+                   const Progress& progress) {
+    const auto [header, nodes, finest] = read_level(scene, shard, scene_lod);
+    const int lod = scene_lod - int(header.first_lod);
     OutputFile out(target_, folder_ / tree_file(number));
     const GigavoxelTree tree = gigavoxel_tree(header, nodes, lod);
     if (kind_ == GigavoxelTreeFile::xml)
@@ -75,16 +75,18 @@ class GigavoxelWriter {
     for (int level = lod; level < int(header.lods); ++level) {
       const std::size_t depth = header.lods - 1 - std::size_t(level);
       OutputFile bricks(target_, folder_ / cell_folder(number) / gigavoxel_brick_file(depth));
-      write_bricks(bricks, header, nodes, reader.level(level), level, progress);
+      const BrickLevel coarser =
+          level == lod ? BrickLevel() : read_level(scene, shard, int(header.first_lod) + level).level;
+      write_bricks(bricks, header, nodes, level == lod ? finest : coarser, level, progress);
     }
   }
 
-  void write_scene(const PagedScene& paged) const {
+  void write_scene(const PagedScene& paged, int lod) const {
     const SceneHeader& scene = paged.header();
     OutputFile out(target_, folder_ / "scene.gvp");
     out.write("<OctTreeGroup Compressed=\"NO\" BrickXSize=\"8\" BrickYSize=\"8\" BrickZSize=\"8\">\n");
     std::size_t number = 0;
-    paged.for_each_cell([&](const SceneCell& cell) {
+    for_each_shard_of_level(paged, lod, [&](const SceneCell& cell) {
       const double edge_m = cell.cell_voxels * scene.voxel_size_m;
       std::array<double, 3> centre_m{};
       for (std::size_t c = 0; c < 3; ++c)
@@ -119,11 +121,11 @@ std::uint64_t export_gigavoxel(const std::filesystem::path& scene_xml, int lod, 
   GigavoxelWriter writer(publication.target(), publication.aside(), kind);
   progress.step("writing the cells", voxels);
   std::size_t number = 0;
-  scene.for_each_cell([&, &header = scene.header()](const SceneCell& cell) {
-    writer.write_cell(open_shard_of_scene(scene_xml, header, cell), lod, number++, progress);
-    progress.advance(cell.voxels[std::size_t(lod)]);
+  for_each_shard_of_level(scene, lod, [&, &paged = scene](const SceneCell& shard) {
+    writer.write_shard(paged, shard, lod, number++, progress);
+    progress.advance(shard.voxels[std::size_t(lod) - shard.first_lod]);
   });
-  writer.write_scene(scene);
+  writer.write_scene(scene, lod);
   publication.publish();
   return voxels;
 }

@@ -21,8 +21,8 @@ GigavoxelHeader header_of(const ShardHeader& cell, int lod) {
   h.max_depth = cell.lods - std::uint32_t(lod);
   for (std::size_t c = 0; c < 3; ++c)
     h.corner_m[c] = cell.lattice_origin_m[c] + double(cell.lattice_min[c]) * cell.voxel_size_m;
-  h.delta_m.fill(std::ldexp(cell.voxel_size_m, lod));
-  h.volume.fill(cell.cell_voxels >> lod);
+  h.delta_m.fill(std::ldexp(cell.voxel_size_m, int(cell.first_lod) + lod));
+  h.volume.fill(cell.cell_voxels >> (int(cell.first_lod) + lod));
   h.brick.fill(brick_edge);
   return h;
 }

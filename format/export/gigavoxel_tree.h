@@ -37,8 +37,8 @@ struct GigavoxelTree {
   std::vector<GigavoxelNode> nodes;
 };
 
-/// The levels from `lod` on of one cell, breadth first. Bricks keep the numbers that they have in their level.
-/// Errors  InputError: more blocks than a node can name (2^30).
+/// The levels of one shard from its own level `lod` on, breadth first. Bricks keep the numbers that they have in their
+/// level. Errors  InputError: more blocks than a node can name (2^30).
 GigavoxelTree gigavoxel_tree(const ShardHeader& cell, const NodeTable& nodes, int lod);
 
 }  // namespace gigabake

@@ -9,7 +9,6 @@
 
 #include "format/scene/scene_level.h"
 #include "format/scene/scene_xml.h"
-#include "format/scene/shard_of_scene.h"
 #include "format/shard/brick_walk.h"
 #include "format/system/publish.h"
 #include "lattice/error.h"
@@ -29,7 +28,7 @@ std::string header(const SceneHeader& scene, int lod, std::uint64_t voxels) {
       scene.generator, lod, std::ldexp(scene.voxel_size_m, lod), voxels);
 }
 
-/// Writes the vertices of one cell after another.
+/// Writes the vertices of one shard after another.
 class VertexStream {
  public:
   VertexStream(const SceneHeader& scene, int lod, const std::filesystem::path& target,
@@ -42,22 +41,16 @@ class VertexStream {
       throw InputError(target_, "", std::string("cannot write: ") + std::strerror(errno));
   }
 
-  /// Returns the number of voxels.
-  std::uint64_t write_cell(const std::filesystem::path& shard, const ShardReader& reader) {
-    const NodeTable nodes = reader.nodes();
-    const BrickLevel level = reader.level(lod_);
-    const std::array<std::int64_t, 3>& low = reader.header().lattice_min;
-    std::uint64_t voxels = 0;
+  void write_shard(const std::filesystem::path& shard, const ReadLevel& read) {
+    const std::array<std::int64_t, 3>& low = read.header.lattice_min;
     for_each_voxel_of_level(
-        nodes, level, lod_,
+        read.nodes, read.level, lod_ - int(read.header.first_lod),
         [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {
           add_vertex(shard,
                      {low[0] + (std::int64_t(x) << lod_), low[1] + (std::int64_t(y) << lod_),
                       low[2] + (std::int64_t(z) << lod_)},
                      rgba, normal);
-          ++voxels;
         });
-    return voxels;
   }
 
   void finish() {
@@ -109,10 +102,8 @@ std::uint64_t export_ply(const std::filesystem::path& scene_xml, int lod, const 
   progress.step("writing the voxels", voxels);
   VertexStream stream(scene.header(), lod, ply, publication.aside(), progress);
   stream.write(header(scene.header(), lod, voxels));
-  scene.for_each_cell([&level = scene, &stream, lod](const SceneCell& c) {
-    const std::filesystem::path shard = level.folder() / c.file;
-    if (stream.write_cell(shard, open_shard_of_scene(level.file(), level.header(), c)) != c.voxels[std::size_t(lod)])
-      throw InputError(shard, "/lod_" + std::to_string(lod), "has not as many voxels as scene.xml says");
+  for_each_shard_of_level(scene, lod, [&paged = scene, &stream, lod](const SceneCell& shard) {
+    stream.write_shard(paged.folder() / shard.file, read_level(paged, shard, lod));
   });
   stream.finish();
   publication.publish();

@@ -1,6 +1,6 @@
 #include "format/export/shard_levels.h"
 
-#include "format/scene/shard_of_scene.h"
+#include <utility>
 
 namespace gigabake {
 namespace {
@@ -28,12 +28,12 @@ void for_each_node_of(const NodeTable& nodes, int shard_lod, const Visit& visit)
 }  // namespace
 
 ShardLevel::ShardLevel(const PagedScene& scene, const SceneCell& shard, int lod) {
-  const ShardReader reader = open_shard_of_scene(scene.file(), scene.header(), shard);
-  const int shard_lod = lod - int(reader.header().first_lod);
-  const NodeTable nodes = reader.nodes();
-  level_ = reader.level(shard_lod);
+  ReadLevel read = read_level(scene, shard, lod);
+  const int shard_lod = lod - int(read.header.first_lod);
+  const NodeTable& nodes = read.nodes;
+  level_ = std::move(read.level);
   level_.facing = {};
-  corner_ = corner_of(reader.header(), lod);
+  corner_ = corner_of(read.header, lod);
   for_each_node_of(nodes, shard_lod, [&](std::size_t n, int down) {
     if (nodes.kind[n] == NodeKind::brick) {
       keys_.push_back(nodes.key[n]);

@@ -1,9 +1,11 @@
 #include "format/export/tile_writer.h"
 
+#include <span>
 #include <utility>
 
 #include "format/system/hash_bytes.h"
 #include "format/system/output_file.h"
+#include "format/system/read_file.h"
 #include "lattice/bytes.h"
 #include "lattice/error.h"
 #include "lattice/morton.h"
@@ -41,10 +43,9 @@ TileWriter::TileWriter(const TileSource& source, std::filesystem::path target, s
       folder_(std::move(folder)),
       grid_(source.tiling.edge, source.scene.header().has_normals, order_of(source.form)) {}
 
-VoxelStatistics TileWriter::write(const TilePlace& tile) {
+TileRecord TileWriter::write(const TilePlace& tile) {
   fill(tile);
-  write_file(tile);
-  return grid_.statistics();
+  return write_file(tile);
 }
 
 std::optional<Hash128> TileWriter::made_of(const TilePlace& tile) {
@@ -61,19 +62,21 @@ std::optional<Hash128> TileWriter::made_of(const TilePlace& tile) {
   return hash_of_bytes(writer.take());
 }
 
-void TileWriter::take_over(const TilePlace& tile, const std::filesystem::path& from) {
-  const std::filesystem::path to = folder_ / name_of(tile);
-  std::filesystem::create_directories(to.parent_path());
+bool TileWriter::take_over(const TilePlace& tile, const TileRecord& record, const std::filesystem::path& from) {
+  const std::filesystem::path earlier = from / name_of(tile), to = folder_ / name_of(tile);
   std::error_code failed;
-  std::filesystem::create_hard_link(from / name_of(tile), to, failed);
-  if (failed) std::filesystem::copy_file(from / name_of(tile), to, failed);
-  if (failed)
-    throw InputError(from, name_of(tile), "cannot be taken over: " + failed.message() + "; export without `update`");
+  if (std::filesystem::file_size(earlier, failed) != record.bytes || failed) return false;
+  if (hash_of_bytes(read_whole_file(earlier)) != record.checksum) return false;
+  std::filesystem::create_directories(to.parent_path());
+  std::filesystem::create_hard_link(earlier, to, failed);
+  if (failed) std::filesystem::copy_file(earlier, to, failed);
+  if (failed) throw InputError(to, "", "cannot be written: " + failed.message());
+  return true;
 }
 
-void TileWriter::write_empty(const TilePlace& tile) {
+TileRecord TileWriter::write_empty(const TilePlace& tile) {
   grid_.clear(source_.tiling.padded_box(tile));
-  write_file(tile);
+  return write_file(tile);
 }
 
 void TileWriter::fill(const TilePlace& tile) {
@@ -105,12 +108,14 @@ const std::vector<LevelOwner>& TileWriter::owners_near(const TilePlace& tile) {
   return owners_;
 }
 
-void TileWriter::write_file(const TilePlace& tile) {
+TileRecord TileWriter::write_file(const TilePlace& tile) {
   OutputFile out(target_, folder_ / name_of(tile));
   const TileBox box = box_of(source_.tiling, source_.scene.header(), tile);
   source_.form == TilesetForm::gltf_2_1 ? make_voxel_node(grid_, box, file_) : make_voxel_tile(grid_, box, file_);
-  out.write(packer_.packed(file_));
+  const std::span<const std::uint8_t> packed = packer_.packed(file_);
+  out.write(packed);
   out.finish();
+  return {{}, grid_.statistics(), packed.size(), hash_of_bytes(packed)};
 }
 
 }  // namespace gigabake

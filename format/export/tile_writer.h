@@ -10,6 +10,7 @@
 #include "format/export/level_owners.h"
 #include "format/export/made_levels.h"
 #include "format/export/shard_levels.h"
+#include "format/export/tileset_record.h"
 #include "format/export/voxel_grid.h"
 #include "format/export/voxel_tile.h"
 #include "format/export/voxel_tileset.h"
@@ -37,20 +38,22 @@ class TileWriter {
   /// `target` is what messages name; tiles go below `folder`.
   TileWriter(const TileSource& source, std::filesystem::path target, std::filesystem::path folder);
 
-  /// Returns the statistics of the tile's own voxels. Errors  InputError: damaged or missing shards, disk full.
-  VoxelStatistics write(const TilePlace& tile);
+  /// Returns the statistics of the tile's own voxels and its file's size and checksum; made_of is left out.
+  /// Errors  InputError: damaged or missing shards, disk full.
+  TileRecord write(const TilePlace& tile);
   /// The name of what the tile is made of: the same where its voxels and those around it are. None: of levels that are
   /// made here.
   std::optional<Hash128> made_of(const TilePlace& tile);
-  /// The same tile of an earlier export's folder. Errors  InputError: it is not there, or cannot be put here.
-  void take_over(const TilePlace& tile, const std::filesystem::path& from);
+  /// Links or copies the same tile of an earlier export's folder. Returns false if that file is missing or is not the
+  /// one of the record: then it must be written. Errors  InputError: it cannot be put here.
+  bool take_over(const TilePlace& tile, const TileRecord& record, const std::filesystem::path& from);
   /// A tile without voxels.
-  void write_empty(const TilePlace& tile);
+  TileRecord write_empty(const TilePlace& tile);
 
  private:
   void fill(const TilePlace& tile);
   const std::vector<LevelOwner>& owners_near(const TilePlace& tile);
-  void write_file(const TilePlace& tile);
+  TileRecord write_file(const TilePlace& tile);
   std::string name_of(const TilePlace& tile) const { return "tiles/" + path_of(tile) + ".glb"; }
 
   TileSource source_;

@@ -12,7 +12,7 @@ namespace {
 using RecordJson = nlohmann::ordered_json;
 
 constexpr const char* record_format = "gigabake voxel tileset";
-constexpr int record_version = 1;  ///< of this file and of the tiles' format
+constexpr int record_version = 2;  ///< of this file and of the tiles' format
 
 template <std::size_t n>
 void put_bytes(RecordJson& row, const std::array<std::uint8_t, n>& bytes) {
@@ -30,7 +30,7 @@ void get_bytes(const RecordJson& row, std::size_t& at, std::array<std::uint8_t, 
 
 RecordJson row_of(const TilePlace& tile, const TileRecord& record) {
   const VoxelStatistics& s = record.statistics;
-  RecordJson row = {tile.level, tile.key, record.made_of.hex(), s.voxels};
+  RecordJson row = {tile.level, tile.key, record.made_of.hex(), s.voxels, record.bytes, record.checksum.hex()};
   put_bytes(row, s.least_rgba);
   put_bytes(row, s.greatest_rgba);
   put_bytes(row, s.least_normal);
@@ -44,12 +44,24 @@ std::pair<TilePlace, TileRecord> tile_of(const RecordJson& row) {
   TileRecord record;
   record.made_of = Hash128::from_hex(row.at(2).get<std::string>()).value();
   record.statistics.voxels = row.at(3).get<std::uint64_t>();
-  std::size_t at = 4;
+  record.bytes = row.at(4).get<std::uint64_t>();
+  record.checksum = Hash128::from_hex(row.at(5).get<std::string>()).value();
+  std::size_t at = 6;
   get_bytes(row, at, record.statistics.least_rgba);
   get_bytes(row, at, record.statistics.greatest_rgba);
   get_bytes(row, at, record.statistics.least_normal);
   get_bytes(row, at, record.statistics.greatest_normal);
   return {tile, record};
+}
+
+/// By its path below the folder.
+bool is_exported(const std::filesystem::path& file) {
+  const std::string name = file.generic_string();
+  const bool is_tile = name.starts_with("tiles/") && name.ends_with(".glb");
+  const bool is_subtree =
+      name.starts_with("subtrees/") && (name.ends_with(".subtree") || name.ends_with(".subtree.glb"));
+  return is_tile || is_subtree || name == record_name || name == "tileset.json" || name == "tileset.gltf" ||
+         name == "index.html";
 }
 
 }  // namespace
@@ -78,6 +90,15 @@ std::string record_text(const TilesetRecord& record) {
     between = ",\n";
   }
   return text + "\n]}\n";
+}
+
+void expect_only_exported_files(const std::filesystem::path& folder) {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    const std::filesystem::path file = entry.path().lexically_relative(folder);
+    if (!entry.is_directory() && !is_exported(file))
+      throw InputError(folder, file.string(),
+                       "is no file of an export, and `update` replaces the folder; move it away");
+  }
 }
 
 TilesetRecord read_record(const std::filesystem::path& folder) {

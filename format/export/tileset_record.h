@@ -1,4 +1,4 @@
-/// What an export leaves in its folder for the next one: of each tile, what it was made of.
+/// What an export leaves in its folder for the next one: of each tile, what it was made of and which bytes it is.
 #pragma once
 
 #include <filesystem>
@@ -14,6 +14,8 @@ namespace gigabake {
 struct TileRecord {
   Hash128 made_of;  ///< the contents of the level in the shards that the tile and its padding lie in
   VoxelStatistics statistics;
+  std::uint64_t bytes = 0;  ///< of the tile's file
+  Hash128 checksum;         ///< of these bytes
   friend bool operator==(const TileRecord&, const TileRecord&) = default;
 };
 using TileRecords = std::map<TilePlace, TileRecord>;
@@ -31,5 +33,9 @@ std::string rule_of(const SceneHeader& scene, const VoxelTiling& tiling, const s
 std::string record_text(const TilesetRecord& record);
 /// Errors  InputError: the folder is no export of ours, or its record is damaged: what to do.
 TilesetRecord read_record(const std::filesystem::path& folder);
+
+/// An update replaces the folder, so it must hold nothing but files of exports.
+/// Errors  InputError: names the first other file.
+void expect_only_exported_files(const std::filesystem::path& folder);
 
 }  // namespace gigabake

@@ -149,11 +149,11 @@ class TilesetExport {
                                const std::filesystem::path& before) {
     const std::optional<Hash128> made_of = writer.made_of(tile);
     const auto same = known.find(tile);
-    if (made_of && same != known.end() && same->second.made_of == *made_of) {
-      writer.take_over(tile, before);
-      return same->second;
-    }
-    return {made_of.value_or(Hash128{}), writer.write(tile)};
+    const bool is_same = made_of && same != known.end() && same->second.made_of == *made_of;
+    if (is_same && writer.take_over(tile, same->second, before)) return same->second;
+    TileRecord record = writer.write(tile);
+    record.made_of = made_of.value_or(Hash128{});
+    return record;
   }
 
   void collect(const std::vector<TilePlace>& own, const std::vector<TileRecord>& written) {
@@ -182,8 +182,8 @@ class TilesetExport {
     for (std::uint32_t level = tiling_.levels - 1; level > 0; --level)
       for (auto tile = tiles_.lower_bound({level, 0}); tile != tiles_.end() && tile->first.level == level; ++tile) {
         const TilePlace parent{level - 1, tile->first.key >> 3};
-        if (!tiles_.try_emplace(parent).second) continue;
-        if (writer != nullptr) writer->write_empty(parent);
+        const auto [added, is_new] = tiles_.try_emplace(parent);
+        if (is_new && writer != nullptr) added->second = writer->write_empty(parent);
       }
   }
 
@@ -222,6 +222,7 @@ std::uint64_t export_3dtiles(const std::filesystem::path& scene_xml, const Tiles
     level.emplace(open_scene_level(scene_xml, options.lod));
     if (level->scene.totals().cells == 0) throw InputError(scene_xml, "PagedOctTree", "the scene has no cells");
     if (options.update) before = read_record(target);
+    if (options.update) expect_only_exported_files(target);
     if (!options.update && std::filesystem::exists(target / record_name))
       throw InputError(target, "", "is an export already; `update` brings it up to date, or name another folder");
     if (team.rank() == 0) publication.emplace(target, options.update ? Replaces::a_folder : Replaces::nothing);

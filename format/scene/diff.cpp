@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <fmt/format.h>
 #include <map>
 #include <optional>
 #include <set>
@@ -11,6 +12,7 @@
 #include "format/scene/paged_scene.h"
 #include "format/scene/shard_of_scene.h"
 #include "format/shard/level_lookup.h"
+#include "lattice/counted.h"
 #include "lattice/error.h"
 
 namespace gigabake {
@@ -345,6 +347,25 @@ void exchange(SceneDifference& d) {
 }
 
 }  // namespace
+
+void expect_shards(const std::filesystem::path& scene_xml) {
+  const PagedScene scene(scene_xml);
+  std::uint64_t shards = 0, faulty = 0;
+  std::string first;
+  const auto look_up = [&](const SceneCell& shard) {
+    std::error_code error;
+    const bool is_there = std::filesystem::file_size(scene.folder() / shard.file, error) == shard.bytes && !error;
+    if (!is_there && faulty++ == 0) first = shard.file;
+    ++shards;
+  };
+  scene.for_each_cell(look_up);
+  scene.for_each_parent(look_up);
+  if (faulty != 0)
+    throw InputError(
+        scene.file(), first,
+        fmt::format("{} of {} missing or cut short; gigabake verify lists them, bake again to restore them", faulty,
+                    counted(shards, "shard is", "shards are")));
+}
 
 SceneDifference diff_scenes(const std::filesystem::path& a, const std::filesystem::path& b, const Progress& progress) {
   progress.step("reading the scenes");

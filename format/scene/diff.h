@@ -37,11 +37,17 @@ struct SceneDifference {
   bool same() const { return cells.empty(); }
 };
 
+/// Cost    One look-up of each shard in its folder; none is opened.
+/// Errors  InputError: shards are missing or have another size than scene.xml says; names the first.
+void expect_shards(const std::filesystem::path& scene_xml);
+
 /// Cells may be cut differently in the two scenes; voxels are then compared by their place on the lattice.
 /// Exact   Levels whose content hashes agree, in whole or cell by cell, are the same and are not read: the hashes in
-///         scene.xml are believed (verify checks them).
+///         scene.xml are believed (verify checks them). Use expect_shards() first: recorded
+///         hashes describe files, and say nothing of a scene whose files are gone.
 /// Cost    Memory: one level of two cells at a time.
-/// Errors  InputError: unreadable scenes or shards; lattices or channels that differ, so that nothing can be compared.
+/// Errors  InputError: unreadable scenes or shards; lattices or channels
+/// that differ, so that nothing can be compared.
 SceneDifference diff_scenes(const std::filesystem::path& a, const std::filesystem::path& b,
                             const Progress& progress = {});
 

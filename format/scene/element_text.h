@@ -7,6 +7,7 @@
 
 #include "format/scene/scene_checksum.h"
 #include "format/scene/scene_page.h"
+#include "lattice/valid_text.h"
 
 namespace gigabake {
 
@@ -20,7 +21,7 @@ void set_numbers(pugi::xml_node node, const char* key, const Numbers& values) {
   node.append_attribute(key) = fmt::format("{}", fmt::join(values, " ")).c_str();
 }
 inline void set_text(pugi::xml_node node, const char* key, const std::string& value) {
-  node.append_attribute(key) = value.c_str();
+  node.append_attribute(key) = xml_text(value).c_str();
 }
 
 /// Version, and what readers of the thesis's schema look at.

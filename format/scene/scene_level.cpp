@@ -8,6 +8,7 @@
 
 #include "format/scene/shard_of_scene.h"
 #include "format/shard/brick_walk.h"
+#include "format/shard/content_hash.h"
 #include "lattice/error.h"
 
 namespace gigabake {
@@ -58,10 +59,11 @@ void DenseBrick::set(std::size_t voxel, const std::uint8_t* colour, const std::i
 
 void for_each_dense_brick(const ShardHeader& header, const NodeTable& nodes, const BrickLevel& level, int lod,
                           const VisitBrick& visit) {
+  const int shard_lod = lod - int(header.first_lod);
   LevelIndex cell;
   for (std::size_t c = 0; c < 3; ++c) cell[c] = header.lattice_min[c] >> lod;
-  for (std::size_t n = 0; n < nodes.key.size() && nodes.lod[n] >= lod; ++n) {
-    const int down = nodes.lod[n] - lod;
+  for (std::size_t n = 0; n < nodes.key.size() && nodes.lod[n] >= shard_lod; ++n) {
+    const int down = nodes.lod[n] - shard_lod;
     if (nodes.kind[n] != NodeKind::brick) {
       if (down == 0 || nodes.kind[n] == NodeKind::leaf_constant) visit_constant(nodes, n, down, cell, visit);
       continue;
@@ -77,17 +79,33 @@ void for_each_dense_brick(const ShardHeader& header, const NodeTable& nodes, con
   }
 }
 
-std::uint64_t voxels_of_level(const PagedScene& scene, int lod) {
-  const auto expect_level = [&](std::uint32_t lods, const std::string& who) {
-    if (lod < 0 || std::uint32_t(lod) >= lods)
-      throw InputError(scene.file(), "Lods", fmt::format("there is no lod {}; {} 0 to {}", lod, who, lods - 1));
+ReadLevel read_level(const PagedScene& scene, const SceneCell& shard, int lod) {
+  const ShardReader reader = open_shard_of_scene(scene.file(), scene.header(), shard);
+  const int shard_lod = lod - int(shard.first_lod);
+  ReadLevel read{reader.header(), reader.nodes(), reader.level(shard_lod)};
+  if (content_hash(read.header, read.nodes, read.level, shard_lod) != shard.content_hash.at(std::size_t(shard_lod)))
+    throw InputError(scene.folder() / shard.file, fmt::format("/lod_{}", shard_lod),
+                     "the voxels are not those of the content hash in scene.xml; bake again");
+  return read;
+}
+
+void for_each_shard_of_level(const PagedScene& scene, int lod, const PagedScene::VisitCell& visit) {
+  const auto visit_if_own = [&](const SceneCell& shard) {
+    if (lod >= int(shard.own_lod()) && lod < int(shard.first_lod + shard.lods)) visit(shard);
   };
+  scene.for_each_cell(visit_if_own);
+  scene.for_each_parent(visit_if_own);
+}
+
+std::uint64_t voxels_of_level(const PagedScene& scene, int lod) {
   const SceneTotals& totals = scene.totals();
   if (totals.cells == 0) return 0;
-  if (scene.root().pages.empty())
-    scene.for_each_cell([&](const SceneCell& c) { expect_level(c.lods, "cell " + c.name + " has"); });
-  else
-    expect_level(std::uint32_t(std::bit_width(totals.cell_voxels / brick_edge)), "cells have");  // they are of one size
+  std::size_t levels = totals.voxels.size();
+  // Without overviews, a scene of several sizes of cells has its highest levels only in some of them.
+  if (totals.parents == 0 && totals.cell_voxels == 0)
+    scene.for_each_cell([&](const SceneCell& c) { levels = std::min(levels, std::size_t(c.lods)); });
+  if (lod < 0 || std::size_t(lod) >= levels)
+    throw InputError(scene.file(), "`lod`", fmt::format("there is no lod {}; expected 0 to {}", lod, levels - 1));
   return totals.voxels.at(std::size_t(lod));
 }
 
@@ -99,19 +117,13 @@ SceneLevel open_scene_level(const std::filesystem::path& scene_xml, int lod) {
 
 void for_each_dense_brick(const PagedScene& scene, int lod, const VisitBrick& visit, const Progress& progress) {
   voxels_of_level(scene, lod);
-  scene.for_each_cell([&](const SceneCell& c) {
-    const ShardReader reader = open_shard_of_scene(scene.file(), scene.header(), c);
-    std::uint64_t voxels = 0;
-    for_each_dense_brick(reader.header(), reader.nodes(), reader.level(lod), lod,
+  for_each_shard_of_level(scene, lod, [&](const SceneCell& shard) {
+    const ReadLevel read = read_level(scene, shard, lod);
+    for_each_dense_brick(read.header, read.nodes, read.level, lod,
                          [&](const LevelIndex& lowest, const DenseBrick& brick) {
-                           const std::uint64_t of_brick = voxels_in(brick);
-                           progress.advance(of_brick);
-                           voxels += of_brick;
+                           progress.advance(voxels_in(brick));
                            visit(lowest, brick);
                          });
-    if (voxels != c.voxels[std::size_t(lod)])
-      throw InputError(scene.folder() / c.file, fmt::format("/lod_{}", lod),
-                       "has not as many voxels as scene.xml says");
   });
 }
 

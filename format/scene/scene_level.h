@@ -28,13 +28,29 @@ struct DenseBrick {
 
 using VisitBrick = std::function<void(const LevelIndex& lowest, const DenseBrick& brick)>;
 
-/// Each brick of one cell's level once, in the nodes' order; those that stand for a larger constant node too.
+/// Each brick of one shard's level once, in the nodes' order; those that stand for a larger constant node too.
 /// `lowest` is rounded down where the cell's coarse levels stand off the lattice.
 void for_each_dense_brick(const ShardHeader& header, const NodeTable& nodes, const BrickLevel& level, int lod,
                           const VisitBrick& visit);
 
+/// A level of a shard.
+struct ReadLevel {
+  ShardHeader header;
+  NodeTable nodes;
+  BrickLevel level;
+};
+
+/// Reads a level of the scene from one of its shards. lod: of the scene.
+/// Errors  InputError: a shard that is missing, damaged or not the scene's, or whose voxels do not have the content
+/// hash
+///         that scene.xml says.
+ReadLevel read_level(const PagedScene& scene, const SceneCell& shard, int lod);
+
+/// Visits the shards that a level consists of: cells, or overviews for the levels above the cells'.
+void for_each_shard_of_level(const PagedScene& scene, int lod, const PagedScene::VisitCell& visit);
+
 /// The voxels of a scene's level, from its totals.
-/// Errors  InputError: a cell has no such level.
+/// Errors  InputError: there is no such level, or not everywhere; names those that there are.
 std::uint64_t voxels_of_level(const PagedScene& scene, int lod);
 
 /// A scene, and how many voxels one of its levels has.
@@ -43,11 +59,11 @@ struct SceneLevel {
   std::uint64_t voxels = 0;
 };
 
-/// What an export of a level begins with. Errors  InputError: scene.xml cannot be read; a cell has no such level.
+/// What an export of a level begins with. Errors  InputError: scene.xml cannot be read; voxels_of_level().
 SceneLevel open_scene_level(const std::filesystem::path& scene_xml, int lod);
 
-/// Cell by cell; advances by voxels. Cost  One page of the scene and one level of one cell in memory.
-/// Errors  InputError: damaged or missing shards, or not as many voxels as scene.xml says. Stopped.
+/// Shard by shard; advances by voxels. Cost  One page of the scene and one level of one shard in memory.
+/// Errors  InputError: read_level(). Stopped.
 void for_each_dense_brick(const PagedScene& scene, int lod, const VisitBrick& visit, const Progress& progress = {});
 
 /// The same voxels cut along the lattice's own blocks of 8³ voxels: `lowest` is a multiple of 8 on each axis. A block

@@ -108,6 +108,7 @@ class SceneVerification {
     for (const auto& faults : {reading.faults, faults_of_parameters(reading), listed})
       add_lines(lines_of(scene_xml_, faults), result_.faults);
     header_ = reading.scene;
+    version_ = reading.version;
     std::uint64_t all_bytes = SceneTotals(reading.scene).bytes;
     for (const PageReference& page : reading.pages) all_bytes += page.totals.bytes;
     progress_.step("checking the shards", all_bytes);
@@ -119,6 +120,7 @@ class SceneVerification {
     for (const PageReference& page : reading.pages) check_page(page);
     if (!reading.pages.empty()) check_names();
     if (pages_) check_above();
+    result_.missing = missing_data(header_, result_.cells);
     return std::move(result_);
   }
 
@@ -135,12 +137,18 @@ class SceneVerification {
     if (check_parent_) check_parents(parents);
   }
 
-  /// Where scene.xml says that all hangs from one root, viewers look no further.
+  /// Viewers find overviews by ParentTiers alone, and without it by listing all cells: it must be there whenever all
+  /// cells have one root, and be right.
   void check_tiers(const std::vector<SceneCell>& parents) {
-    if (header_.tiers.empty()) return;
+    if (version_ < 5) return;
     const CellWalk walk = [this](const auto& visit) { pages_->for_each_cell(visit); };
-    if (tiers_of(parents, header_, pages_->totals().cell_voxels, walk) != header_.tiers ||
-        !hold_cells(CellPart::some, parents, header_.tiers.front(), walk))
+    const std::vector<TierShape> expected = tiers_of(parents, header_, pages_->totals().cell_voxels, walk);
+    if (header_.tiers.empty() && expected.empty()) return;
+    if (header_.tiers.empty())
+      result_.faults.emplace_back(
+          InputError(scene_xml_, "OctTreeGroup ParentTiers", "is missing, although all cells have one root; bake again")
+              .what());
+    else if (expected != header_.tiers || !hold_cells(CellPart::some, parents, header_.tiers.front(), walk))
       result_.faults.emplace_back(InputError(scene_xml_, "OctTreeGroup ParentTiers",
                                              "a parent above cells or parents is missing, twice or elsewhere than it "
                                              "says; bake again")
@@ -244,6 +252,7 @@ class SceneVerification {
   const Progress& progress_;
   const ParentCheck& check_parent_;
   SceneHeader header_;
+  int version_ = 0;
   std::optional<PagedScene> pages_;   ///< where scene.xml adds up
   std::vector<std::uint64_t> names_;  ///< hashes: eight bytes a cell
   VerifyResult result_;

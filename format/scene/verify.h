@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "format/scene/missing_data.h"
 #include "format/scene/scene_xml.h"
 #include "lattice/progress.h"
 
@@ -16,6 +17,7 @@ namespace gigabake {
 struct VerifyResult {
   std::uint64_t cells = 0, voxels = 0, bytes = 0;  ///< as scene.xml says
   bool has_totals = true;           ///< scene.xml says how many cells there are: without, a lost one is not seen
+  MissingData missing;              ///< as scene.xml says
   std::vector<std::string> faults;  ///< one line each: file, dataset, what is wrong; in the scene's order
 };
 

@@ -109,4 +109,13 @@ std::vector<Hash128> content_hash(const Shard& shard, int threads) {
   return total;
 }
 
+Hash128 content_hash(const ShardHeader& header, const NodeTable& nodes, const BrickLevel& level, int lod) {
+  LevelSum sum(int(header.first_lod) + lod, header.lattice_min);
+  const auto add = [&sum](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
+                          const std::int8_t* normal,
+                          const std::uint8_t* facing) { sum.add(x, y, z, rgba, normal, facing); };
+  for_each_voxel_of_level(nodes, level, lod, add);
+  return sum.value();
+}
+
 }  // namespace gigabake

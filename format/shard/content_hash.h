@@ -19,4 +19,7 @@ Hash128 voxel_hash(int lod, std::array<std::int64_t, 3> corner_lattice, const st
 /// Cost  about 16 ns a voxel and thread.
 std::vector<Hash128> content_hash(const Shard& shard, int threads = 1);
 
+/// Returns the hash of one level that was read alone. lod: of the shard. Cost  as above.
+Hash128 content_hash(const ShardHeader& header, const NodeTable& nodes, const BrickLevel& level, int lod);
+
 }  // namespace gigabake

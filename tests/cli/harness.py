@@ -54,7 +54,10 @@ class Gigabake:
         return Path(folder) / "tileset.json"
 
     def info(self, scene):
-        return json.loads(self.succeed("info", scene, "--json"))
+        result = self.run("info", scene, "--json")
+        info = json.loads(result.stdout or "{}")
+        assert result.returncode == (3 if info.get("losses") else 0), f"info {scene}: {result}"
+        return info
 
 
 class FolderTest(unittest.TestCase):

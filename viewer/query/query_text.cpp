@@ -7,6 +7,7 @@
 
 #include "lattice/error.h"
 #include "lattice/octahedral.h"
+#include "lattice/valid_text.h"
 #include "viewer/query/surface_height.h"
 
 namespace gigabake {
@@ -60,7 +61,7 @@ void add_quoted_csv(const std::string& field, std::string& text) {
 void add_json_string(std::string_view value, std::string& text) {
   static constexpr char hex[] = "0123456789abcdef";
   text += '"';
-  for (const char c : value) {
+  for (const char c : valid_utf8(value)) {  // an identifier of a file may be any bytes
     if (c == '"' || c == '\\') text += '\\';
     if (static_cast<unsigned char>(c) < 0x20)
       (((text += "\\u00") += hex[c >> 4]) += hex[c & 15]);

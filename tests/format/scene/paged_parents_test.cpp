@@ -264,6 +264,18 @@ TEST(PagedParents, ThatAreMissingAreNamedByVerifyThoughTheScenesSumsAgree) {
   }
 }
 
+// 2026-11-25: verify found no fault, and viewers listed all cells to find what the root has.
+TEST(PagedParents, AreMissedByVerifyIfParentTiersIsRemoved) {
+  const test::RandomSeed seed;
+  const WrittenScene written(seed);
+  edit_scene(written.folder / "scene.xml", " ParentTiers=\"2 0 2 4 0 2 6 0 2\"", "");
+  EXPECT_TRUE(PagedScene(written.folder / "scene.xml").header().tiers.empty());
+  const auto faults = verify_scene(written.folder / "scene.xml", 1).faults;
+  EXPECT_TRUE(std::ranges::any_of(faults, [](const std::string& fault) {
+    return fault.find("ParentTiers: is missing, although all cells have one root") != std::string::npos;
+  }));
+}
+
 // 2026-11-24: verify missed a parent where what of a cell lay in its block was empty, so that there was none to bake.
 TEST(PagedParents, OfBlocksThatHoldNothingOfACellAreNotMissed) {
   const test::RandomSeed seed;

@@ -1,0 +1,15 @@
+/// The text of JSON that a command prints or writes.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace gigabake::app {
+
+/// Returns `json` as text, on one line if `indent` is -1. File names need not be UTF-8, JSON must be: invalid bytes
+/// become U+FFFD.
+inline std::string json_text(const nlohmann::ordered_json& json, int indent = 2) {
+  return json.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace gigabake::app

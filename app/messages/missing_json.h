@@ -1,0 +1,17 @@
+/// What a scene lacks, as `info --json` and `verify --json` print it.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "format/scene/missing_data.h"
+
+namespace gigabake::app {
+
+inline nlohmann::ordered_json json_of_missing(const MissingData& missing) {
+  return {{"cells", missing.cells},
+          {"planned_cells", missing.planned_cells},
+          {"overviews", missing.overviews},
+          {"inputs", missing.inputs}};
+}
+
+}  // namespace gigabake::app

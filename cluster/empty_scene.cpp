@@ -1,0 +1,36 @@
+#include "cluster/empty_scene.h"
+
+#include <fmt/format.h>
+#include <string>
+
+#include "format/source/invisible_material.h"
+#include "lattice/counted.h"
+
+namespace gigabake {
+namespace {
+
+/// Looks at tiles up to the first that has an invisible material.
+std::string cause_of(const SceneSources& sources) {
+  for (const TileRef& tile : sources.tiles) {
+    try {
+      if (const auto name = invisible_material(tile, sources.root))
+        return fmt::format("material {} of {} has alpha 0; make it opaque", *name,
+                           as_line(tile.name, longest_quote_bytes));
+    } catch (const InputError&) {
+      // Not a cause: another tile may have one.
+    }
+  }
+  return "textures or vertex colours have alpha 0; make them opaque";
+}
+
+}  // namespace
+
+InputError nothing_visible(const std::filesystem::path& source, const SceneSources& sources, const BakePlan& plan) {
+  const std::size_t cells = plan.cells();
+  return {
+      source, "",
+      fmt::format("nothing is visible, so nothing was published: {} empty; {}",
+                  cells == 1 ? "the cell is" : fmt::format("all {} are", counted(cells, "cell")), cause_of(sources))};
+}
+
+}  // namespace gigabake

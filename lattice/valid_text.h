@@ -1,0 +1,17 @@
+/// Text of any bytes, as file names are, for formats that restrict their characters.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace gigabake {
+
+/// Returns `text` as valid UTF-8: each invalid byte becomes U+FFFD.
+std::string valid_utf8(std::string_view text);
+
+/// Returns valid_utf8(text) with U+FFFD in place of each character that XML 1.0 excludes: control characters other than
+/// tab, line feed and carriage return, U+FFFE and U+FFFF.
+/// Source  https://www.w3.org/TR/xml/#charsets
+std::string xml_text(std::string_view text);
+
+}  // namespace gigabake
