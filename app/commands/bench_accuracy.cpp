@@ -123,12 +123,12 @@ bench::LeakBenchRequest leak_request_of(const AccuracyOptions& options, const st
 int expect_measured(const bench::LeakBench& b) {
   const std::vector<std::string> unmeasured = b.unmeasured();
   if (unmeasured.empty()) return complete;
-  fmt::print(stderr,
-             "gigabake: `{}`{} shows fewer than {} inner pixels: nothing was measured; choose smaller voxels, wider "
-             "scenes (--scene-voxels) or a larger --size\n",
-             unmeasured.front(),
-             unmeasured.size() > 1 ? fmt::format(" and {} more", counted(unmeasured.size() - 1, "scene")) : "",
-             bench::min_inner_pixels);
+  print_message(
+      "gigabake: `{}`{} shows fewer than {} inner pixels: nothing was measured; choose smaller voxels, wider "
+      "scenes (--scene-voxels) or a larger --size\n",
+      unmeasured.front(),
+      unmeasured.size() > 1 ? fmt::format(" and {} more", counted(unmeasured.size() - 1, "scene")) : "",
+      bench::min_inner_pixels);
   return failed;
 }
 

@@ -8,6 +8,7 @@
 #include "app/options/scene_argument.h"
 #include "bench/query/query_bench.h"
 #include "format/system/host_limits.h"
+#include "format/system/message.h"
 #include "lattice/counted.h"
 #include "lattice/error.h"
 
@@ -62,7 +63,7 @@ int run(QueryBenchArguments& a) {
   else
     print_text(result);
   if (result.compared_hits() == 0)
-    fmt::print(stderr, "gigabake: none of the rays hit a voxel: nothing was compared; choose more --rays\n");
+    print_message("gigabake: none of the rays hit a voxel: nothing was compared; choose more --rays\n");
   return result.failed() ? failed : complete;
 }
 

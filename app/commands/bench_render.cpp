@@ -15,6 +15,7 @@
 #include "app/options/text_values.h"
 #include "bench/first_hit/first_hit_bench.h"
 #include "format/system/host_limits.h"
+#include "format/system/message.h"
 #include "lattice/counted.h"
 #include "lattice/error.h"
 
@@ -140,7 +141,7 @@ int run(const RenderBenchOptions& options) {
   const auto wants = [&](const char* what) { return options.what == what || options.what == "all"; };
   if (wants("first-hits")) {
     const auto result = timed("casting rays to the first voxel", [&] { return bench::bench_first_hits(request); });
-    if (result.hits() == 0) fmt::print(stderr, "gigabake: no ray of any view hit a voxel: nothing was compared\n");
+    if (result.hits() == 0) print_message("gigabake: no ray of any view hit a voxel: nothing was compared\n");
     tell("first_hit", result);
   }
   if (wants("frames") || wants("flight"))

@@ -173,8 +173,8 @@ def odd_sizes_are_refused(gigabake, work):
 
 def other_distances_are_drawn_alone(gigabake, work):
     """Where no picture is at a voxel a pixel nobody needs shards with fewer bits a normal."""
-    arguments = ("bench", "accuracy", work / "sample/tileset.json", "-o", work / "far", "--voxel-size", 0.25, "--settings",
-                 "area-coverage", "--repeats", 1, "--samples", 4, "--voxels", 100, "--size", "16x16")
+    arguments = ("bench", "accuracy", work / "sample/tileset.json", "-o", work / "far", "--voxel-size", 0.25,
+                 "--settings", "area-coverage", "--repeats", 1, "--samples", 4, "--voxels", 100, "--size", "16x16")
     gigabake.succeed(*arguments, "--scales", "2,32", "--json", work / "far.json")
     bench = json.loads((work / "far.json").read_text())
     views = [view["view"] for view in bench["settings"][0]["views"]]

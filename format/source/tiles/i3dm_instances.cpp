@@ -12,7 +12,7 @@ namespace gigabake {
 namespace {
 
 using Vector = std::array<double, 3>;
-using Map = Affine<World, World>;
+using TileTransform = Affine<World, World>;
 
 Vector cross(const Vector& a, const Vector& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
@@ -34,7 +34,7 @@ Vector oct_decoded(std::uint16_t u, std::uint16_t v) {
 }
 
 /// Columns of the inverse of the linear part, by Cramer's rule; nothing where it has none.
-std::optional<std::array<Vector, 3>> inverse_rows(const Map& m) {
+std::optional<std::array<Vector, 3>> inverse_rows(const TileTransform& m) {
   const auto column = [&](std::size_t c) { return Vector{m.m[0][c], m.m[1][c], m.m[2][c]}; };
   const Vector a = column(0), b = column(1), c = column(2), bc = cross(b, c);
   const double determinant = dot(a, bc);
@@ -47,7 +47,7 @@ std::optional<std::array<Vector, 3>> inverse_rows(const Map& m) {
 
 class Instances {
  public:
-  Instances(const std::filesystem::path& file, const FeatureTable& table, const Map& world_from_tile,
+  Instances(const std::filesystem::path& file, const FeatureTable& table, const TileTransform& world_from_tile,
             const Vector& rtc_center)
       : file_(file), table_(table), world_from_tile_(world_from_tile), rtc_(rtc_center) {
     const auto count = table.count("INSTANCES_LENGTH");
@@ -64,8 +64,8 @@ class Instances {
     if (up_.empty() && table.flag("EAST_NORTH_UP")) tile_from_world_ = inverse_rows(world_from_tile);
   }
 
-  std::vector<Map> maps() const {
-    std::vector<Map> out;
+  std::vector<TileTransform> maps() const {
+    std::vector<TileTransform> out;
     out.reserve(count_);
     for (std::size_t i = 0; i < count_; ++i) {
       out.push_back(map(i));
@@ -120,10 +120,10 @@ class Instances {
     return out;
   }
 
-  Map map(std::size_t i) const {
+  TileTransform map(std::size_t i) const {
     const Vector p{position_[3 * i], position_[3 * i + 1], position_[3 * i + 2]};
     const std::array<Vector, 3> column = axes(i, p);
-    Map out;
+    TileTransform out;
     for (std::size_t c = 0; c < 3; ++c) {
       const double scale = (scale_.empty() ? 1.0 : scale_[i]) * (scales_.empty() ? 1.0 : scales_[3 * i + c]);
       for (std::size_t row = 0; row < 3; ++row) out.m[row][c] = column[c][row] * scale;
@@ -134,7 +134,7 @@ class Instances {
 
   const std::filesystem::path& file_;
   const FeatureTable& table_;
-  const Map& world_from_tile_;
+  const TileTransform& world_from_tile_;
   Vector rtc_;
   std::size_t count_ = 0;
   std::vector<double> position_;
