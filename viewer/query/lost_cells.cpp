@@ -14,7 +14,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::string_view kind = "cell ";
+constexpr std::string_view cell_prefix = "cell ";
 
 /// Of "c_X_Y_Z".
 struct CellPlace {
@@ -62,7 +62,7 @@ std::vector<SceneCell> lost_cells(const SceneHeader& scene, const std::vector<Sc
   std::int64_t low = cells.front().lattice_min[2], high = low;
   const std::int64_t edge = cells.front().cell_voxels;
   for (const SceneLoss& loss : scene.losses) {
-    if (!loss.name.starts_with(kind)) continue;
+    if (!loss.name.starts_with(cell_prefix)) continue;
     if (bases.empty()) {
       bases = stack_bases(cells);
       for (const SceneCell& cell : cells) {
@@ -70,7 +70,7 @@ std::vector<SceneCell> lost_cells(const SceneHeader& scene, const std::vector<Sc
         high = std::max(high, cell.lattice_min[2] + edge);
       }
     }
-    const std::string name = loss.name.substr(kind.size());
+    const std::string name = loss.name.substr(cell_prefix.size());
     const auto place = place_of(name);
     if (!place) throw InputError({}, loss.name, "a lost cell whose place its name does not say; bake the scene again");
     const StackColumn column{place->at[0], place->at[1]};
@@ -85,7 +85,7 @@ std::vector<SceneCell> lost_cells(const SceneHeader& scene, const std::vector<Sc
 }
 
 bool lacks_cells(const SceneHeader& scene) {
-  return std::ranges::any_of(scene.losses, [](const SceneLoss& loss) { return loss.name.starts_with(kind); });
+  return std::ranges::any_of(scene.losses, [](const SceneLoss& loss) { return loss.name.starts_with(cell_prefix); });
 }
 
 }  // namespace gigabake

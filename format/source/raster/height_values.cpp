@@ -25,7 +25,7 @@ constexpr double lowest_m = -11500, highest_m = 9500;
 constexpr double least_gap_m = 300;
 constexpr std::size_t max_markers_named = 3;
 
-std::string short_number(double v) {
+std::string height_text(double v) {
   std::ostringstream text;
   text.precision(std::fabs(v) < huge ? 9 : 3);
   text << v;
@@ -65,8 +65,8 @@ void warn_of_gaps(const std::vector<double>& height_m, std::vector<std::string>&
   const Extremes e(height_m);
   if (!(e.second_lowest <= e.second_highest)) return;  // fewer than three heights
   const auto warn = [&](const char* which, double height) {
-    warnings.push_back(std::string("the ") + which + " height, " + short_number(height) + " m, is more than " +
-                       short_number(least_gap_m) +
+    warnings.push_back(std::string("the ") + which + " height, " + height_text(height) + " m, is more than " +
+                       height_text(least_gap_m) +
                        " m from all others near it; if it marks missing values, set it as \"nodata\" in a scene .json");
   };
   if (e.second_lowest - e.lowest > std::max(least_gap_m, e.highest - e.second_lowest)) warn("lowest", e.lowest);
@@ -75,7 +75,7 @@ void warn_of_gaps(const std::vector<double>& height_m, std::vector<std::string>&
 
 [[noreturn]] void refuse_height(const std::filesystem::path& file, double height_m) {
   throw InputError(file, "height_scale",
-                   "a pixel is " + short_number(height_m) +
+                   "a pixel is " + height_text(height_m) +
                        " m high, which no place on earth is; set the metres of one unit (a foot: 0.3048), or the "
                        "number that marks missing values as nodata, in a scene .json");
 }
@@ -97,7 +97,7 @@ std::vector<std::string> take_heights(const std::filesystem::path& file, const H
   std::vector<std::string> warnings;
   for (const double v : marked)
     if (warnings.size() < max_markers_named)
-      warnings.push_back("pixels of " + short_number(v) +
+      warnings.push_back("pixels of " + height_text(v) +
                          " are taken as holes, though the raster does not declare this number as nodata; declare it, "
                          "or set \"nodata\" in a scene .json");
   warn_of_gaps(values, warnings);
