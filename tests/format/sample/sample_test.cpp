@@ -182,16 +182,17 @@ TEST(Sample, KeepsWhatHousesShowOnceForAllTiles) {
   EXPECT_GT(shared, 3u);
 }
 
-TEST(Sample, ReplacesAFormerSampleWhole) {
+// 2026-11-25: a sample over another one was replaced without a question.
+TEST(Sample, RefusesAFolderThatHoldsASample) {
   const Folder f;
   const fs::path dir = f.path / "sample";
   SampleOptions fine = small();
   fine.tiles = 3;
   write_sample(dir, fine);
-  write_sample(dir, small());
   const auto files = files_in(dir);
-  EXPECT_EQ(files.size(), 1u + 5u + 4u + 2 * 3u) << "tileset, tiles with their overview, flat tiles, what houses show";
-  EXPECT_FALSE(files.contains("local/tile_2_2.glb"));
+  EXPECT_TRUE(files.contains("local/tile_2_2.glb"));
+  EXPECT_THROW(write_sample(dir, small()), InputError);
+  EXPECT_EQ(files_in(dir), files) << "the former sample is unchanged";
 }
 
 TEST(Sample, TakesOverTheFolderOfARunThatWasKilled) {
