@@ -279,7 +279,7 @@ class Export(harness.FolderTest):
         (self.root / "other").mkdir()
         (self.root / "other/file").write_text("x")
         (self.root / "damaged").mkdir()
-        (self.root / "damaged/export.json").write_text('{"format":"gigabake voxel tileset","version":1,"tiles":[[0]]}')
+        (self.root / "damaged/export.json").write_text('{"format":"gigabake voxel tileset","version":2,"tiles":[[0]]}')
         for name in ("other", "damaged", "absent"):
             result = self.program.run("export", self.scene, "--to", "3dtiles", "--update", "-o", self.root / name)
             self.assertEqual((result.returncode, len(lines_of(result.stderr))), (1, 1), result.stderr)

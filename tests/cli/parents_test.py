@@ -105,7 +105,9 @@ class Parents(harness.FolderTest):
         of_parents = [loss for loss in losses if loss["name"].startswith("parent p")]
         self.assertGreaterEqual(len(of_parents), 1)
         self.assertEqual({loss["reason"] for loss in of_parents}, {"was made without cells below it that are lost"})
-        PROGRAM.succeed("verify", out)
+        verify = PROGRAM.run("verify", out)
+        self.assertEqual(verify.returncode, 3, verify)
+        self.assertIn("sound, but incomplete: 1 of 65 cells is missing", verify.stdout)
         shutil.rmtree(cell)
         self.assertEqual(self.bake("holed", "--cell-voxels", 16)["content_hash"], self.fine["content_hash"])
         self.assertEqual(PROGRAM.info(out)["losses"], [])
