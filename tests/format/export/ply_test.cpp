@@ -65,6 +65,16 @@ TEST(Ply, HoldsCentreIndexColourAndNormalOfAVoxel) {
   EXPECT_EQ(coarse.index[1], 4);
 }
 
+// 2026-11-25: a shard and a scene that agree on a hash which is not that of the voxels were exported with status 0.
+TEST(Ply, IsRefusedIfTheVoxelsAreNotThoseOfTheContentHash) {
+  const TempFolder folder;
+  Shard shard = made::shard_of({{{-3, 9, 17}, {1, 2, 3, 4}, {127, 0}}}, {-8, 8, 16}, 16);
+  shard.header.content_hash[0] += Hash128{1, 0};
+  made::write_scene_of(folder / "scene.xml", {shard});
+  EXPECT_THROW(export_ply(folder / "scene.xml", 0, folder / "v.ply"), InputError);
+  EXPECT_EQ(export_ply(folder / "scene.xml", 1, folder / "v.ply"), 1u) << "its other level is whole";
+}
+
 TEST(Ply, NormalsAreUnitVectorsOnBothHalvesOfTheSphere) {
   const TempFolder folder;
   std::vector<Voxel> voxels;
