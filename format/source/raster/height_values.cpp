@@ -76,8 +76,7 @@ void warn_of_gaps(const std::vector<double>& height_m, std::vector<std::string>&
 [[noreturn]] void refuse_height(const std::filesystem::path& file, double height_m) {
   throw InputError(file, "height_scale",
                    "a pixel is " + height_text(height_m) +
-                       " m high, which no place on earth is; set the metres of one unit (a foot: 0.3048), or the "
-                       "number that marks missing values as nodata, in a scene .json");
+                       " m high: no place on earth is; set height_scale (a foot: 0.3048) or nodata in a scene .json");
 }
 
 }  // namespace
