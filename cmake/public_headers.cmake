@@ -42,6 +42,7 @@ set(gb_public_headers_shard
 set(gb_public_headers_scene
     format/scene/cell_window.h
     format/scene/diff.h
+    format/scene/missing_data.h
     format/scene/paged_scene.h
     format/scene/scene_level.h
     format/scene/scene_page.h

@@ -2,6 +2,7 @@
 
 #include "format/shard/above.h"
 #include "format/shard/check/shard_check.h"
+#include "format/shard/coarse_levels.h"
 #include "format/shard/hdf5/hdf5_rows.h"
 #include "format/shard/shard.h"
 #include "format/shard/shard_header.h"

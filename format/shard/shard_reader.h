@@ -6,11 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "format/shard/coarse_levels.h"
 #include "format/shard/hdf5/hdf5_file.h"
 #include "format/shard/shard.h"
 
 namespace gigabake {
+
+struct CoarseLevels;  // format/shard/coarse_levels.h
 
 /// Every size, count and checksum is checked before what it says is used.
 /// Errors  InputError naming file and dataset, from every member.

@@ -133,7 +133,7 @@ class Incremental(harness.FolderTest):
         shard = random.Random(SEED).choice(sorted((self.out / "shards").glob("*.h5")))
         shard.unlink()
         said = self.program.succeed("plan", self.tiles, "-o", self.out, "--local", "--voxel-size", VOXEL_M,
-                                    "--cell-voxels", CELL_VOXELS)
+                                    "--cell-voxels", CELL_VOXELS, "--cells")
         self.assertIn("inputs changed", said)
         self.bake(self.out)
 

@@ -44,7 +44,7 @@ Pilot::Pilot(const CameraOptions& home, double frame_s) : rig_(pose_of(home)), p
 
 void Pilot::set_home(const CameraOptions& home) {
   home_ = pose_of(home);
-  home_aspect_ = double(home.width) / home.height;
+  home_aspect_ = home.is_framed ? double(home.width) / home.height : 0;
 }
 
 /// Returns home from as far away as a window that is narrower than home's picture needs.

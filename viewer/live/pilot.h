@@ -97,7 +97,7 @@ class Pilot {
   double held_s_ = 0, advanced_s_ = 0, moved_s_ = -HUGE_VAL;
   bool at_home_ = true;
   CameraPose home_;
-  double home_aspect_ = 1;  ///< width by height for which home_ shows the whole scene
+  double home_aspect_ = 1;  ///< width by height for which home_ shows the whole scene; 0: it need not
   bool stale_ = true;       ///< something changed since the last order
   double done_share_ = 0;   ///< the largest picture of this pose that is complete
   bool done_ = false;       ///< the full one is

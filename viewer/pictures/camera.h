@@ -38,6 +38,7 @@ struct CameraOptions {
   int width = 1280, height = 720;
   double pixel_error = 1;  ///< pixels that a voxel may be wide; finest_pixel_error to coarsest_pixel_error
   Clip clip;
+  bool is_framed = false;  ///< eye_m was chosen to show the whole scene; an eye that the user gives is never moved
 };
 
 /// Before memory is taken for a picture. Errors  UsageError: not 1 to 32768 pixels a side, or more than 2^28.

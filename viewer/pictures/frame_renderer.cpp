@@ -285,6 +285,7 @@ kernels::CastCamera FrameRenderer::rays_of(const CameraOptions& options) const {
 CameraOptions FrameRenderer::framed(const CameraOptions& options) const {
   const kernels::CastCamera camera = rays_of(options);
   CameraOptions out = options;
+  out.is_framed = !options.eye_m;
   out.eye_m = to_scene_m(state_->scene->header(), camera.eye);
   if (out.target_m) return out;
   const kernels::CastScene& scene = state_->stream->layout().scene;

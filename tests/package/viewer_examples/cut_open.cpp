@@ -2,10 +2,12 @@
 // Prints pixels that show voxels of the whole scene, of the half that is left, and the height in metres.
 #include <cstdio>
 #include <exception>
+#include <lattice/parameters.h>
 #include <viewer/pictures/frame_renderer.h>
 #include <viewer/pictures/png.h>
 #include <viewer/query/query_frames.h>
 #include <viewer/query/scene_query.h>
+#include <viewer/query/surface_height.h>
 
 namespace {
 
@@ -40,6 +42,8 @@ int main(int arguments, char** argument) {
     QueryHit hit;
     query.first_hits({&ray, 1}, {&hit, 1});
     if (hit.outcome != QueryOutcome::hit) return 1;
+    // A ray ends where it enters a voxel's cube; the ground lies somewhere in the cube.
+    move_to_surface(query, parameters_from_json(query.scene().header().parameters).surface, {&ray, 1}, {&hit, 1});
     std::printf("%d %d %.3f\n", whole, half, frames.scene_point(ray, hit.distance).z);
     return 0;
   } catch (const std::exception& e) {

@@ -53,7 +53,9 @@ std::vector<Pilot::Order> fly(Pilot& pilot, double& now_s, double until_s, doubl
 
 // 2026-11-25: a window higher than wide cut the scene at home.
 TEST(Pilot, IsAsFarFromTheSceneAtHomeAsANarrowWindowNeeds) {
-  Pilot pilot(home(), 0.05);
+  CameraOptions framed = home();
+  framed.is_framed = true;
+  Pilot pilot(framed, 0.05);
   double now_s = 0;
   const auto eye = [&] { return pilot.next(now_s += 1).value().view.camera.eye_m.value(); };
   EXPECT_DOUBLE_EQ(eye().y, -100);
@@ -76,6 +78,16 @@ TEST(Pilot, IsAsFarFromTheSceneAtHomeAsANarrowWindowNeeds) {
   narrow.size = {2000, 500};
   pilot.steer(narrow, now_s);
   EXPECT_NEAR(eye().y, -100, 1e-6);
+}
+
+// 2026-11-25: a window of another shape than home's picture moved the eye that `--eye` names.
+TEST(Pilot, KeepsAnEyeThatTheUserGaveInAWindowOfAnyShape) {
+  Pilot pilot(home(), 0.05);
+  Steering narrow;
+  narrow.size = {320, 1280};
+  narrow.home = true;
+  pilot.steer(narrow, 1);
+  EXPECT_DOUBLE_EQ(pilot.next(2).value().view.camera.eye_m.value().y, -100);
 }
 
 TEST(Pilot, DrawsTheFullPictureOnceAndThenNothingMore) {
