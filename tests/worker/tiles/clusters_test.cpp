@@ -30,13 +30,13 @@ Primitive grid(int n) {
 }
 
 /// Everything that a corner has, as bits: NaN is equal to itself.
-using Corner = std::array<std::uint32_t, 9>;
-using Triangle = std::array<Corner, 3>;
+using CornerBits = std::array<std::uint32_t, 9>;
+using Triangle = std::array<CornerBits, 3>;
 
 std::vector<Triangle> triangles_of(const Primitive& mesh) {
   std::vector<Triangle> all(mesh.index.size() / 3);
   for (std::size_t i = 0; i < mesh.index.size(); ++i) {
-    Corner& corner = all[i / 3][i % 3];
+    CornerBits& corner = all[i / 3][i % 3];
     const std::size_t v = mesh.index[i];
     for (std::size_t k = 0; k < 3; ++k) corner[k] = std::bit_cast<std::uint32_t>(mesh.position[3 * v + k]);
     for (std::size_t k = 0; k < 2 && !mesh.uv.empty(); ++k)
