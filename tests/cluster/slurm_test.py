@@ -5,9 +5,11 @@ Usage: slurm_test.py GIGABAKE SOURCE_DIR
 
 Skipped without root and without Slurm (tools/install-packages cluster).
 """
+import contextlib
 import json
 import os
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -46,6 +48,7 @@ class Slurm(harness.FolderTest):
         cls.tool("up", "3")
         PROGRAM.succeed("sample", cls.root / "sample", "--size", 128, "--seed", 5)
         cls.source = cls.root / "sample/tileset.json"
+        cls.alone = PROGRAM.bake(cls.source, cls.root / "alone", 0.16, "--cell-voxels", 128)
 
     @classmethod
     def tool(cls, *arguments):
@@ -63,17 +66,17 @@ class Slurm(harness.FolderTest):
         return self.run_tool("sbatch", "--parsable", "--nodes", 3, "--ntasks-per-node", 1, "-o",
                              self.root / "job.%A.%a.log", *options, SOURCE / "cluster/gigabake.sbatch", "bake",
                              self.source, "-o", out, "--voxel-size", voxel_size, "--cell-voxels",
-                             cell_voxels, "--threads", threads).strip()
+                             cell_voxels, "--threads", threads, "--stall", 300).strip()
 
     def field(self, job, name):
         text = self.run_tool("scontrol", "show", "job", job)
         return text.split(f" {name}=" if f" {name}=" in text else f"{name}=")[1].split()[0]
 
-    def wait_until(self, condition, what, limit_s=180):
+    def wait_until(self, condition, what, limit_s=180, pause_s=0.2):
         end = time.monotonic() + limit_s
         while not condition():
             self.assertLess(time.monotonic(), end, f"{what}\n{self.logs()}")
-            time.sleep(0.1)
+            time.sleep(pause_s)
 
     def logs(self):
         return "".join(path.read_text() for path in self.root.glob("job.*.log"))
@@ -83,54 +86,68 @@ class Slurm(harness.FolderTest):
         self.wait_until(lambda: self.field(job, "JobState") in ended, "the job does not end", limit_s)
         self.assertEqual(self.field(job, "JobState"), "COMPLETED", self.logs())
 
-    def daemons(self, job):
-        """mpirun's on the nodes of a job."""
+    def processes(self, job, name):
+        """Those of that name on the nodes of a job."""
         for path in Path("/proc").glob("[0-9]*/environ"):
             try:
+                if (path.parent / "comm").read_text().strip() != name:
+                    continue
                 words = path.read_bytes().split(b"\0")
-                is_daemon = (path.parent / "comm").read_text().strip() == "orted"
             except OSError:
                 continue
-            if is_daemon and f"SLURM_JOB_ID={job}".encode() in words and \
+            if f"SLURM_JOB_ID={job}".encode() in words and \
                     f"SLURM_CONF={self.environment['SLURM_CONF']}".encode() in words:
                 yield int(path.parent.name)
+
+    def signal(self, job, name, number):
+        """Returns how many processes got it."""
+        count = 0
+        for pid in self.processes(job, name):
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, number)
+                count += 1
+        return count
+
+    def wait_for_cells(self, out):
+        self.wait_until(lambda: len(list(out.glob("shards/c_*.h5"))) > 2, "no cell is baked", pause_s=0.02)
 
     def status(self, out):
         return json.loads((out / "status.json").read_text())
 
     def test_three_nodes_bake_what_one_does(self):
         out = self.root / "three"
-        self.finish(self.submit(out, 0.25))
+        self.finish(self.submit(out, 0.16))
         self.assertEqual((self.status(out)["state"], self.status(out)["ranks"]), ("complete", 3))
-        alone = PROGRAM.bake(self.source, self.root / "alone", 0.25, "--cell-voxels", 128)
-        self.assertEqual(PROGRAM.info(out / "scene.xml")["content_hash"], alone["content_hash"])
+        self.assertEqual(PROGRAM.info(out / "scene.xml")["content_hash"], self.alone["content_hash"])
 
     def test_a_dead_node_requeues_the_job_and_it_ends_whole(self):
         out = self.root / "dead"
-        job = self.submit(out, 0.08)
-        self.wait_until(lambda: len(list(out.glob("shards/c_*.h5"))) > 2, "no cell is baked")
-        os.kill(next(self.daemons(job)), 9)
+        job = self.submit(out, 0.16)
+        self.wait_for_cells(out)
+        os.kill(next(self.processes(job, "orted")), signal.SIGKILL)
         self.finish(job)
         self.assertEqual(self.field(job, "Restarts"), "1", self.logs())
         self.assertIn("the launch died", self.logs())
         PROGRAM.succeed("verify", out / "scene.xml")
-        alone = PROGRAM.bake(self.source, self.root / "undisturbed", 0.08, "--cell-voxels", 128)
-        self.assertEqual(PROGRAM.info(out / "scene.xml")["content_hash"], alone["content_hash"])
+        self.assertEqual(PROGRAM.info(out / "scene.xml")["content_hash"], self.alone["content_hash"])
 
     def test_a_job_that_nears_its_time_limit_drains_and_goes_on_in_the_next(self):
         out = self.root / "limited"
-        # Slurm checks time limits twice a minute, so the bake must take longer, on any number of cores: small cells and
-        # one thread per rank, 140 CPU seconds in all.
-        job = self.submit(out, 0.04, "--time", "1", "--signal", "B:USR1@55", cell_voxels=32, threads=1)
+        job = self.submit(out, 0.16, "--time", "1", "--signal", "B:USR1@55", cell_voxels=64, threads=1)
+        self.wait_for_cells(out)
+        # Slurm checks time limits twice a minute: until it has, cells stand still that else would need minutes of work.
+        self.assertGreater(self.signal(job, "gigabake-bake", signal.SIGSTOP), 0, self.logs())
+        self.wait_until(lambda: self.status(out)["state"] == "draining", "the bake is not told of the limit")
+        self.signal(job, "gigabake-bake", signal.SIGCONT)
         self.wait_until(lambda: self.field(job, "Restarts") != "0", "the job is not requeued")
         self.assertIn(self.status(out)["state"], ("drained", "baking", "surveying"), self.logs())
+        self.assertIn("drained", self.logs())
         # Enough of interruptions: the rest is baked without a limit in the way.
         self.run_tool("scontrol", "update", f"job={job}", "TimeLimit=30")
-        self.finish(job, 600)
-        PROGRAM.succeed("verify", out / "scene.xml", timeout=900)
-        alone = PROGRAM.bake(self.source, self.root / "unlimited", 0.04, "--cell-voxels", 128)
+        self.finish(job)
+        PROGRAM.succeed("verify", out / "scene.xml")
         # Levels 0 and 1 are there in cells of any size, and the same.
-        self.assertEqual(harness.lod_hashes(PROGRAM.info(out / "scene.xml"), 2), harness.lod_hashes(alone, 2))
+        self.assertEqual(harness.lod_hashes(PROGRAM.info(out / "scene.xml"), 2), harness.lod_hashes(self.alone, 2))
 
     def test_an_array_sweeps_a_parameter(self):
         job = self.submit(self.root / "sweep/%a", "0.%a", "--array", "4,8")
