@@ -117,27 +117,32 @@ void add_columns(const std::vector<TileSurvey>& surveys, std::uint32_t cell_voxe
   }
 }
 
-/// Warnings by their text, each with the names it is about: a line per kind, however many files or tiles have it.
+/// Warnings by their text, with the names of their sources: one line per kind, however many sources have it. Its
+/// counts are sums.
 class WarningKinds {
  public:
-  void add(const std::string& name, const std::string& text) {
-    const auto [kind, is_new] = index_.try_emplace(text, kinds_.size());
-    if (is_new) kinds_.push_back({text, name, {}});
-    kinds_[kind->second].names.insert(name);
+  void add(const std::string& name, const SourceWarning& warning) {
+    const auto [kind, is_new] = index_.try_emplace(warning.text, kinds_.size());
+    if (is_new) kinds_.push_back({warning, name, {name}});
+    Kind& known = kinds_[kind->second];
+    if (is_new || !known.names.insert(name).second) return;
+    known.sum.count += warning.count;
+    known.sum.of += warning.of;
   }
 
   std::vector<std::string> lines() const {
     std::vector<std::string> lines;
     for (const Kind& kind : kinds_) {
       const std::size_t more = kind.names.size() - 1;
-      lines.push_back(kind.first + (more == 0 ? "" : fmt::format(" and {} more", more)) + ": " + kind.text);
+      lines.push_back(kind.first + (more == 0 ? "" : fmt::format(" and {} more", more)) + ": " + kind.sum.line());
     }
     return lines;
   }
 
  private:
   struct Kind {
-    std::string text, first;
+    SourceWarning sum;
+    std::string first;
     std::set<std::string> names;  ///< a file that stands in many places counts once
   };
   std::vector<Kind> kinds_;  ///< in the order of their first tiles
@@ -154,7 +159,8 @@ std::vector<std::string> warning_lines(const std::vector<TileSurvey>& surveys, c
     for (const std::string& warning : last->warnings) kinds.add(raster, warning);
   }
   for (const TileSurvey& s : surveys)
-    for (const std::string& warning : s.warnings) kinds.add(sources.tiles[s.tile].name, warning);
+    for (const SourceWarning& warning : s.warnings)
+      if (!warning.is_loss) kinds.add(sources.tiles[s.tile].name, warning);
   return kinds.lines();
 }
 
@@ -184,6 +190,8 @@ void add_counts(const std::vector<TileSurvey>& surveys, const SceneSources& sour
     plan.skipped_points += s.skipped_points;
     plan.skipped_lines += s.skipped_lines;
     if (!s.error.empty()) plan.losses.push_back({"tile " + sources.tiles[s.tile].name, s.error});
+    for (const SourceWarning& w : s.warnings)
+      if (w.is_loss) plan.losses.push_back({"a part of tile " + sources.tiles[s.tile].name, w.line()});
     if (s.too_far != 0) plan.losses.push_back(far_loss(s, sources.tiles[s.tile].name, voxel_size_m));
   }
 }

@@ -27,7 +27,7 @@ void each_field_of_report(Report& r, const F& f) {
 template <class Survey, class F>
 void each_field_of_survey(Survey& s, const F& f) {
   f(s.tile), f(s.columns), f(s.triangles), f(s.non_finite), f(s.zero_area), f(s.skipped_points), f(s.skipped_lines),
-      f(s.source), f(s.error), f(s.spacing_m), f(s.warnings), f(s.too_far), f(s.reach_m);
+      f(s.source), f(s.error), f(s.spacing_m), f(s.too_far), f(s.reach_m);
 }
 
 template <class File, class F>
@@ -83,6 +83,8 @@ std::vector<std::uint8_t> to_bytes(const TileSurvey& survey) {
   each_field_of_survey(survey, put);
   put(std::uint64_t(survey.files.size()));
   for (const StampedFile& file : survey.files) each_field_of_file(file, put);
+  put(std::uint64_t(survey.warnings.size()));
+  for (const SourceWarning& warning : survey.warnings) each_field_of_warning(warning, put);
   return w.take();
 }
 
@@ -109,9 +111,11 @@ TileSurvey survey_from_bytes(std::span<const std::uint8_t> bytes) {
   TileSurvey survey;
   const auto get = [&r](auto& field) { r.get(field); };
   each_field_of_survey(survey, get);
-  std::uint64_t files = 0;
+  std::uint64_t files = 0, warnings = 0;
   get(files);
   for (; files > 0; --files) each_field_of_file(survey.files.emplace_back(), get);  // ends with the bytes
+  get(warnings);
+  for (; warnings > 0; --warnings) each_field_of_warning(survey.warnings.emplace_back(), get);
   r.expect_end();
   return survey;
 }

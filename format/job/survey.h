@@ -6,13 +6,14 @@
 #include <vector>
 
 #include "format/shard/shard.h"
+#include "format/source/source_warning.h"
 #include "format/system/file_stamp.h"
 
 namespace gigabake {
 
 /// Raised whenever survey_tile() would give another answer for the same files, or TileSurvey has other fields: surveys
 /// that were kept from earlier bakes are then made anew.
-inline constexpr std::uint32_t survey_version = 5;
+inline constexpr std::uint32_t survey_version = 6;
 
 /// A triangle whose box has a longer side, voxels, is left out: exact arithmetic ends there (docs/decisions.md, 151).
 inline constexpr std::int64_t longest_side_voxels = 4186112;
@@ -44,8 +45,8 @@ struct TileSurvey {
   std::vector<StampedFile> files = {};  ///< what tile_hash() read, as it was before anything was read
   /// Largest distance in the scene, over the tile's vertices, between neighbouring positions that its file could say.
   double spacing_m = 0;
-  std::vector<std::string> warnings = {};  ///< TileMesh::warnings
-  double reach_m = 0;                      ///< longest side of the boxes of triangles that are too_far
+  std::vector<SourceWarning> warnings = {};  ///< TileMesh::warnings
+  double reach_m = 0;                        ///< longest side of the boxes of triangles that are too_far
 };
 
 }  // namespace gigabake

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "format/source/source_warning.h"
 #include "lattice/frames.h"
 #include "lattice/rules.h"
 
@@ -72,8 +73,7 @@ struct TileMesh {
   std::vector<Material> materials;  ///< at least one
   std::vector<EncodedImage> images;
   TileCounts counts;
-  std::vector<std::string>
-      warnings;  ///< what was taken otherwise than the file has it; one line each, without its name
+  std::vector<SourceWarning> warnings;  ///< without the file's name
 };
 
 /// Linear: what has a material or an image that is missing, an sRGB code of 127.

@@ -67,6 +67,27 @@ TEST(StackOver, IsCentredOnTheHeight) {
   EXPECT_EQ(s.cells, 1);
 }
 
+/// 2026-11-25: counts were part of a warning's text, so each file had a line of its own.
+TEST(MakePlan, AddsUpTheWarningsOfAKindAndListsLosses) {
+  SourceWarnings warnings;
+  warnings.count("lines not understood", "line 1");
+  warnings.count("lines not understood", "line 2");
+  warnings.count_loss("faces that cannot be used", "line 5");
+  std::vector<TileSurvey> surveys(3);
+  for (std::uint32_t t = 0; t < surveys.size(); ++t) surveys[t].tile = t;
+  surveys[0].warnings = warnings.take();
+  EXPECT_TRUE(warnings.take().empty());
+  warnings.count("lines not understood", "line 9");
+  surveys[1].warnings = surveys[2].warnings = warnings.take();
+  SceneSources sources = sources_of(3, "b.obj");  // one file in two places counts once
+  sources.tiles[0].name = "a.obj";
+  const BakePlan plan = make_plan(surveys, sources, parameters(256));
+  EXPECT_THAT(plan.warnings, testing::ElementsAre("a.obj and 1 more: lines not understood: 3, e.g. line 1"));
+  ASSERT_EQ(plan.losses.size(), 1u);
+  EXPECT_EQ(plan.losses[0].name, "a part of tile a.obj");
+  EXPECT_EQ(plan.losses[0].reason, "faces that cannot be used: 1, e.g. line 5");
+}
+
 TEST(MakePlan, HandsEveryTileToEveryCellThatItReaches) {
   std::mt19937 random(plan_seed);
   for (int round = 0; round < 50; ++round) {

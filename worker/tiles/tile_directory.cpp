@@ -97,6 +97,16 @@ TilePrimitive get_primitive(ByteReader& r) {
   return p;
 }
 
+void put_warning(ByteWriter& w, const SourceWarning& warning) {
+  each_field_of_warning(warning, [&w](const auto& field) { w.put(field); });
+}
+
+SourceWarning get_warning(ByteReader& r) {
+  SourceWarning warning;
+  each_field_of_warning(warning, [&r](auto& field) { r.get(field); });
+  return warning;
+}
+
 void put_shell(ByteWriter& w, const Primitive& p) { w.put(std::int32_t(p.material)), w.put(p.position_step); }
 
 Primitive get_shell(ByteReader& r) {
@@ -144,7 +154,8 @@ std::vector<std::uint8_t> to_bytes(const TileDirectory& d) {
   ByteWriter w;
   put_list(w, d.mesh.primitives, put_shell), put_list(w, d.mesh.instances, put_instance);
   put_list(w, d.mesh.materials, put_material), put_list(w, d.images, put_image);
-  w.put(d.mesh.counts), w.put(d.mesh.warnings);
+  w.put(d.mesh.counts);
+  put_list(w, d.mesh.warnings, put_warning);
   put_list(w, d.primitives, put_primitive);
   return w.take();
 }
@@ -154,7 +165,8 @@ TileDirectory directory_from_bytes(std::span<const std::uint8_t> bytes) {
   TileDirectory d;
   get_list(r, d.mesh.primitives, get_shell), get_list(r, d.mesh.instances, get_instance);
   get_list(r, d.mesh.materials, get_material), get_list(r, d.images, get_image);
-  r.get(d.mesh.counts), r.get(d.mesh.warnings);
+  r.get(d.mesh.counts);
+  get_list(r, d.mesh.warnings, get_warning);
   get_list(r, d.primitives, get_primitive);
   r.expect_end();
   check(d);

@@ -19,8 +19,8 @@ void ObjMaterialTable::take(const ObjLine& line) {
   }
 }
 
-std::vector<std::string> ObjMaterialTable::warnings() const {
-  std::vector<std::string> out;
+std::vector<SourceWarning> ObjMaterialTable::warnings() const {
+  std::vector<SourceWarning> out;
   for (const std::filesystem::path& mtl : missing_)
     out.push_back("its material file " + in_quotes(name_in(files_.root(), mtl)) +
                   " is missing: what it describes is grey");

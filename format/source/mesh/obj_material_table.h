@@ -21,7 +21,7 @@ class ObjMaterialTable {
   void take(const ObjLine& line);
 
   /// The lines about files that are missing.
-  std::vector<std::string> warnings() const;
+  std::vector<SourceWarning> warnings() const;
   /// Material files, there or missing, and images, sorted. Errors  InputError as map_file().
   std::vector<std::filesystem::path> dependencies() const;
 

@@ -70,7 +70,7 @@ TileMesh read_dem_tile(const TileRef& tile, ReadScope scope) {
   out.primitives.push_back(std::move(dem.primitive));
   out.materials.push_back(dem.material);
   out.images = std::move(dem.images);
-  out.warnings = std::move(dem.warnings);
+  out.warnings.assign(dem.warnings.begin(), dem.warnings.end());
   return out;
 }
 

@@ -25,6 +25,12 @@ CellReport some_report() {
   return r;
 }
 
+SourceWarning lost_faces() {
+  SourceWarning lost("faces that cannot be used");
+  lost.count = 2, lost.of = 10, lost.example = "line 5", lost.is_loss = true;
+  return lost;
+}
+
 TileSurvey some_survey() {
   return {5,
           {{-1, 2, -300, 400, 17}, {0, 0, 1, 2, 3}},
@@ -38,7 +44,7 @@ TileSurvey some_survey() {
           "cannot be read",
           {{"a.gltf", {1, 2, 3, 4}, true}, {"b c.bin", {}, false}},
           0.5,
-          {"a warning"},
+          {"a warning", lost_faces()},
           2.5};
 }
 

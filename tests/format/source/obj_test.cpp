@@ -15,6 +15,7 @@ namespace gigabake {
 namespace {
 
 using testing::ElementsAre;
+using testing::Field;
 using testing::HasSubstr;
 
 class Obj : public test::MeshFile {
@@ -74,7 +75,7 @@ TEST_F(Obj, ReadsMaterialsAndTheirImages) {
 /// 2026-11-22: the whole file was refused.
 TEST_F(Obj, IsGreyWithAWarningWhereItsMaterialFileIsMissing) {
   const TileMesh mesh = read("mtllib gone.mtl\n" + square + "usemtl a\nf 1 2 3\n");
-  EXPECT_THAT(mesh.warnings, ElementsAre(HasSubstr("'gone.mtl' is missing")));
+  EXPECT_THAT(mesh.warnings, ElementsAre(Field(&SourceWarning::text, HasSubstr("'gone.mtl' is missing"))));
   EXPECT_EQ(mesh.materials.at(0).base_color[1], grey_without_image);
   const Hash128 hash = tile_hash(sources.tiles[0], sources.root);
   folder.write("gone.mtl", std::string("newmtl a\nKd 1 0 0\n"));

@@ -16,6 +16,7 @@ namespace gigabake {
 namespace {
 
 using testing::ElementsAre;
+using testing::Field;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
@@ -150,7 +151,7 @@ TEST_F(PlyMesh, IsGreyWithAWarningWhereItsImageIsMissing) {
                            "element face 1\n" + faces + "property list uchar float texcoord\nend_header\n" + square +
                            "3 0 1 2 6 0 0 1 0 0.5 0.25\n";
   const TileMesh mesh = read(text);
-  EXPECT_THAT(mesh.warnings, ElementsAre(HasSubstr("gone.png' is missing")));
+  EXPECT_THAT(mesh.warnings, ElementsAre(Field(&SourceWarning::text, HasSubstr("gone.png' is missing"))));
   EXPECT_EQ(mesh.materials.at(0).base_color[0], grey_without_image);
   EXPECT_EQ(mesh.materials.at(0).texture.image, -1);
 }

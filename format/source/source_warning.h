@@ -1,0 +1,52 @@
+/// What a source states and a bake does not use, or uses otherwise: counted per kind, with the first example.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace gigabake {
+
+/// One kind of warning about one source.
+struct SourceWarning {
+  std::string text;          ///< the kind, as "lines not understood"; equal texts of several sources are one message
+  std::uint64_t count = 0;   ///< how many; 0: `text` is the whole message
+  std::uint64_t of = 0;      ///< out of how many; 0: not stated
+  std::string example = {};  ///< the first one, as "line 12" or "'bark'"
+  bool is_loss = false;      ///< triangles are missing: the scene is incomplete, and the exit status is 3
+
+  SourceWarning() = default;
+  // Implicit: most warnings are only a text.
+  SourceWarning(std::string whole) : text(std::move(whole)) {}
+  SourceWarning(const char* whole) : text(whole) {}
+
+  /// Returns "TEXT: COUNT of OF, e.g. EXAMPLE", without the parts that are not stated.
+  std::string line() const;
+
+  friend bool operator==(const SourceWarning&, const SourceWarning&) = default;
+};
+
+/// Collects the warnings of one source while it is read: one per kind, in the order of their first examples.
+class SourceWarnings {
+ public:
+  /// Counts one more of a kind. `example` is kept from the first call.
+  void count(const std::string& text, const std::string& example) { add(text, example, false); }
+  /// As count(), for a part of the source that costs triangles.
+  void count_loss(const std::string& text, const std::string& example) { add(text, example, true); }
+  /// Returns the warnings and forgets them.
+  std::vector<SourceWarning> take() { return std::exchange(list_, {}); }
+
+ private:
+  void add(const std::string& text, const std::string& example, bool is_loss);
+
+  std::vector<SourceWarning> list_;
+};
+
+/// Visits the fields that messages between processes and scratch files keep. f: ByteWriter::put or ByteReader::get.
+template <class Warning, class F>
+void each_field_of_warning(Warning& w, const F& f) {
+  f(w.text), f(w.count), f(w.of), f(w.example), f(w.is_loss);
+}
+
+}  // namespace gigabake
