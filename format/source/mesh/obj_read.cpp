@@ -18,7 +18,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::size_t most_corners = 65536;
+constexpr std::size_t most_corners = max_polygon_corners;
 /// A vertex of a primitive with its place in Part::vertex, and a corner.
 constexpr std::uint64_t vertex_bytes = 12 + 8 + 8 + 4 + 56, corner_bytes = 4;
 
@@ -165,7 +165,7 @@ class ObjReader {
       while (at < end && *at <= ' ') ++at;
       if (scope_ != ReadScope::everything) c.uv = none;
       corners_.push_back(c);
-      if (corners_.size() > most_corners) fail(line, "a face of more than 65536 corners");
+      if (corners_.size() > most_corners) fail(line, "a face of more than 1048576 corners");
     }
     if (corners_.size() < 3) fail(line, "a face of fewer than three corners");
   }

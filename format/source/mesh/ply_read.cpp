@@ -22,7 +22,7 @@ namespace {
 
 using Vector = std::array<double, 3>;
 
-constexpr std::size_t most_corners = 65536;
+constexpr std::size_t most_corners = max_polygon_corners;
 constexpr std::uint64_t most_vertices = 0xffffffff;
 constexpr std::uint32_t unused = ~std::uint32_t(0);
 /// A vertex of a primitive with its number, and a corner.
@@ -188,7 +188,7 @@ class PlyReader {
 
   void read_corners(const PlyProperty& list, Face& face) {
     const std::uint64_t corners = values_.length(list);
-    if (corners > most_corners) values_.fail("a face of more than 65536 corners");
+    if (corners > most_corners) values_.fail("a face of more than 1048576 corners");
     face.corners.clear();
     for (std::uint64_t c = 0; c < corners; ++c) face.corners.push_back(index(values_.number(list.type)));
   }

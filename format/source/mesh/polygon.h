@@ -8,9 +8,12 @@
 
 namespace gigabake {
 
-/// Corners, three a triangle, all turning as the polygon does. A convex polygon is a fan from its first corner; another
-/// of at most 512 corners loses ears, seen along its mean normal (Newell's); a larger one is a fan too.
-/// Cost  corners, where it is convex; else at most their third power.
+/// Parts of meshes hold as many triangles (most_part_triangles).
+inline constexpr std::size_t max_polygon_corners = std::size_t(1) << 20;
+
+/// Returns indices of corners, three per triangle, n - 2 triangles that turn as the polygon does. One whose
+/// first corner sees all others becomes a fan. Ears are cut off any other, seen along its mean normal (Newell's).
+/// Cost  n log n (ear_clipper.h).
 std::vector<std::uint32_t> triangles_of_polygon(std::span<const std::array<double, 3>> corners);
 
 }  // namespace gigabake

@@ -25,7 +25,8 @@ using StlBytes = std::span<const std::uint8_t>;
 using Vector = std::array<double, 3>;
 using TakeLoop = std::function<void(std::span<const Vector>)>;
 
-constexpr std::size_t name_bytes = 80, head_bytes = 84, facet_bytes = 50, most_corners = 65536, looked_at = 1024;
+constexpr std::size_t name_bytes = 80, head_bytes = 84, facet_bytes = 50, most_corners = max_polygon_corners,
+                      looked_at = 1024;
 
 std::uint64_t facets_said(StlBytes bytes) {
   std::uint32_t facets = 0;
@@ -96,7 +97,7 @@ bool for_each_text_loop(const std::filesystem::path& file, const Text& text, con
     if (word == "vertex") {
       const std::vector<double> v = obj_numbers(line.rest, 3);
       if (v.size() != 3) fail("expected three coordinates");
-      if (loop.size() == most_corners) fail("a facet of more than 65536 corners");
+      if (loop.size() == most_corners) fail("a facet of more than 1048576 corners");
       loop.push_back({v[0], v[1], v[2]});
     }
     if (word != "endloop") return;

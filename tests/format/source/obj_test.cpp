@@ -1,15 +1,11 @@
-#include <cmath>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <random>
 
-#include "format/source/mesh/polygon.h"
 #include "format/source/source.h"
 #include "format/source/tile_hash.h"
 #include "lattice/error.h"
 #include "mesh_file.h"
 #include "source_scene.h"
-#include "tests/random_seed.h"
 
 namespace gigabake {
 namespace {
@@ -93,41 +89,6 @@ TEST_F(Obj, SaysWhichLineIsWrong) {
   EXPECT_THAT(refusal("mtllib ../../../etc/passwd\n"), HasSubstr("leaves the source folder"));
   EXPECT_THAT(refusal(std::string("v\0 1", 4)), HasSubstr("expected text"));
   EXPECT_THAT(refusal(square + "f 99999999999999999999 1 2\n"), HasSubstr("expected corners"));
-}
-
-double area(const std::vector<std::array<double, 3>>& p, const std::vector<std::uint32_t>& index) {
-  double sum = 0;
-  for (std::size_t t = 0; t < index.size(); t += 3) {
-    const auto &a = p[index[t]], &b = p[index[t + 1]], &c = p[index[t + 2]];
-    const double x = (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]);
-    const double y = (b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2]);
-    const double z = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-    sum += std::sqrt(x * x + y * y + z * z) / 2;
-  }
-  return sum;
-}
-
-/// A star around a point sees all of its border from there, so its area is that of the fan from there.
-TEST(Polygon, TrianglesOfAStarHaveItsAreaWhichOverlapsWouldExceed) {
-  const test::RandomSeed seed;
-  std::mt19937_64 rng(seed);
-  std::uniform_real_distribution<double> unit(0, 1);
-  for (int round = 0; round < 500; ++round) {
-    const std::size_t n = 3 + rng() % 30;
-    std::vector<std::array<double, 3>> star;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double turn = 2 * 3.141592653589793 * double(i) / double(n), r = 0.1 + unit(rng);
-      const double x = r * std::cos(turn), y = r * std::sin(turn);
-      star.push_back({x, 100 + y, 3 * x - 2 * y});
-    }
-    std::vector<std::array<double, 3>> with_centre = star;
-    with_centre.push_back({0, 100, 0});
-    std::vector<std::uint32_t> fan;
-    for (std::uint32_t i = 0; i < n; ++i) fan.insert(fan.end(), {i, std::uint32_t((i + 1) % n), std::uint32_t(n)});
-    const std::vector<std::uint32_t> index = triangles_of_polygon(star);
-    EXPECT_EQ(index.size(), 3 * (n - 2));
-    EXPECT_NEAR(area(star, index), area(with_centre, fan), 1e-9) << n << " corners";
-  }
 }
 
 }  // namespace

@@ -1,0 +1,127 @@
+/// Corners of a plane polygon, found by where they are.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace gigabake {
+
+using PlaneCorner = std::array<double, 2>;
+
+using PlaneTriangle = std::array<PlaneCorner, 3>;
+
+/// Twice the signed area of a triangle; positive if it turns counter-clockwise.
+inline double turn(const PlaneCorner& a, const PlaneCorner& b, const PlaneCorner& c) {
+  return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+/// The distance along x and y: it is at least the straight one.
+inline double length(const PlaneCorner& a, const PlaneCorner& b) {
+  return std::fabs(b[0] - a[0]) + std::fabs(b[1] - a[1]);
+}
+
+/// A k-d tree in one array: the middle of each range splits it, along the longer side of its box.
+class CornerTree {
+ public:
+  /// `points` outlives the tree; `members` are indices of its points. noise: distances that are rounding errors.
+  CornerTree(const std::vector<PlaneCorner>& points, std::vector<std::uint32_t> members, double noise)
+      : points_(points), order_(std::move(members)), noise_(noise) {
+    for (const std::uint32_t i : order_)
+      for (std::size_t c = 0; c < 2; ++c) {
+        box_.low[c] = std::min(box_.low[c], points[i][c]);
+        box_.high[c] = std::max(box_.high[c], points[i][c]);
+      }
+    left_.resize(order_.size());
+    place_.resize(points.size(), none);
+    sort({0, order_.size()}, box_);
+  }
+
+  /// Removes a point; does nothing if it is no member. Cost  log n.
+  void remove(std::uint32_t point) {
+    const std::uint32_t place = std::exchange(place_[point], none);
+    if (place == none) return;
+    for (Range range{0, order_.size()}; range.begin < range.end;) {
+      const std::size_t middle = range.middle();
+      --left_[middle];
+      if (place == middle) return;
+      range = place < middle ? Range{range.begin, middle} : Range{middle + 1, range.end};
+    }
+  }
+
+  /// Returns whether is_hit(index) is true for a member near the triangle; stops at the first. All members in the
+  /// triangle and within `noise` of it are tested.
+  /// Range  The triangle turns counter-clockwise.
+  template <class IsHit>
+  bool any_near(const PlaneTriangle& triangle, const IsHit& is_hit) const {
+    return any_near(triangle, is_hit, {0, order_.size()}, box_);
+  }
+
+ private:
+  static constexpr std::uint32_t none = ~std::uint32_t(0);
+
+  struct Box {
+    PlaneCorner low{HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL};
+    std::size_t axis() const { return high[0] - low[0] < high[1] - low[1] ? 1 : 0; }
+  };
+  struct Range {
+    std::size_t begin, end;
+    std::size_t middle() const { return begin + (end - begin) / 2; }
+  };
+
+  void sort(const Range& range, const Box& box) {
+    if (range.begin == range.end) return;
+    const std::size_t middle = range.middle(), axis = box.axis();
+    const auto at = [this](std::size_t i) { return order_.begin() + std::ptrdiff_t(i); };
+    std::nth_element(at(range.begin), at(middle), at(range.end),
+                     [this, axis](std::uint32_t a, std::uint32_t b) { return points_[a][axis] < points_[b][axis]; });
+    left_[middle] = std::uint32_t(range.end - range.begin);
+    place_[order_[middle]] = std::uint32_t(middle);
+    sort({range.begin, middle}, half(box, middle, true));
+    sort({middle + 1, range.end}, half(box, middle, false));
+  }
+
+  /// Returns the part of a range's box below or above the member that splits it.
+  Box half(Box box, std::size_t middle, bool is_below) const {
+    const std::size_t axis = box.axis();
+    (is_below ? box.high : box.low)[axis] = points_[order_[middle]][axis];
+    return box;
+  }
+
+  /// Is the whole box beyond one of the triangle's sides, or of its own box?
+  bool is_apart(const PlaneTriangle& t, const Box& box) const {
+    for (std::size_t c = 0; c < 2; ++c)
+      if (std::max({t[0][c], t[1][c], t[2][c]}) + noise_ < box.low[c] ||
+          std::min({t[0][c], t[1][c], t[2][c]}) - noise_ > box.high[c])
+        return true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const PlaneCorner &a = t[k], &b = t[(k + 1) % 3];
+      const PlaneCorner innermost{b[1] > a[1] ? box.low[0] : box.high[0], b[0] > a[0] ? box.high[1] : box.low[1]};
+      if (turn(a, b, innermost) < -noise_ * length(a, b)) return true;
+    }
+    return false;
+  }
+
+  template <class IsHit>
+  bool any_near(const PlaneTriangle& triangle, const IsHit& is_hit, const Range& range, const Box& box) const {
+    if (range.begin == range.end) return false;
+    const std::size_t middle = range.middle();
+    if (left_[middle] == 0 || is_apart(triangle, box)) return false;
+    if (place_[order_[middle]] == middle && is_hit(order_[middle])) return true;
+    return any_near(triangle, is_hit, {range.begin, middle}, half(box, middle, true)) ||
+           any_near(triangle, is_hit, {middle + 1, range.end}, half(box, middle, false));
+  }
+
+  const std::vector<PlaneCorner>& points_;
+  std::vector<std::uint32_t> order_;
+  std::vector<std::uint32_t> left_;   ///< members that the range of each middle still has
+  std::vector<std::uint32_t> place_;  ///< of each point in order_, or `none`
+  Box box_;
+  double noise_;
+};
+
+}  // namespace gigabake
