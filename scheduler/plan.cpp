@@ -149,15 +149,36 @@ class WarningKinds {
   std::map<std::string, std::size_t> index_;
 };
 
+std::string name_of_file(const SceneSources& sources, const std::filesystem::path& file) {
+  return file.lexically_relative(sources.root).generic_string();
+}
+
+/// Names surfaces of which nothing is baked, though all of their tiles could be read.
+void add_empty_rasters(const std::vector<TileSurvey>& surveys, const SceneSources& sources, WarningKinds& kinds) {
+  std::map<const DemRaster*, bool> has_terrain;
+  for (const TileSurvey& s : surveys)
+    if (const auto& dem = sources.tiles[s.tile].dem)
+      has_terrain[dem->raster.get()] |= s.triangles != 0 || !s.error.empty();
+  for (const TileRef& tile : sources.tiles) {
+    if (!tile.dem) continue;
+    const auto at = has_terrain.find(tile.dem->raster.get());
+    if (at == has_terrain.end() || at->second) continue;
+    at->second = true;
+    kinds.add(name_of_file(sources, tile.path),
+              "contributes nothing: no four neighbouring pixels have a value (nodata, a mask or an alpha band)");
+  }
+}
+
 std::vector<std::string> warning_lines(const std::vector<TileSurvey>& surveys, const SceneSources& sources) {
   WarningKinds kinds;
   const DemRaster* last = nullptr;
   for (const TileRef& tile : sources.tiles) {
     if (!tile.dem || tile.dem->raster.get() == last) continue;
     last = tile.dem->raster.get();
-    const std::string raster = tile.name.substr(0, tile.name.rfind('['));
-    for (const std::string& warning : last->warnings) kinds.add(raster, warning);
+    for (const DemPart& part : last->parts)
+      for (const std::string& warning : part.warnings) kinds.add(name_of_file(sources, part.options.dem), warning);
   }
+  add_empty_rasters(surveys, sources, kinds);
   for (const TileSurvey& s : surveys)
     for (const SourceWarning& warning : s.warnings)
       if (!warning.is_loss) kinds.add(sources.tiles[s.tile].name, warning);

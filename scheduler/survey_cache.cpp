@@ -30,14 +30,25 @@ struct FileHeader {
 };
 static_assert(sizeof(FileHeader) == 48);
 
-void put_options(const DemOptions& o, ByteWriter& w) {
-  w.put(o.ortho.string());
-  w.put(o.crs);
+void put_part(const DemPart& part, ByteWriter& w) {
+  const DemOptions& o = part.options;
+  w.put(o.dem.string()), w.put(o.ortho.string());
+  w.put(o.crs), w.put(o.ortho_crs);
   for (const auto& number : {o.nodata, o.height_scale, o.geoid_offset_m}) {
     w.put(std::uint8_t(number.has_value()));
     w.put(number.value_or(0));
   }
   w.put(o.tile_cells);
+  for (const int number : {part.column, part.row, part.columns, part.rows}) w.put(number);
+}
+
+/// Other parts of the surface matter by the grid that they share.
+void put_dem(const DemTile& tile, ByteWriter& w) {
+  const DemRaster& raster = *tile.raster;
+  for (const DemPart& part : raster.parts)
+    if (touches(tile, part)) put_part(part, w);
+  w.put(raster.geotransform), w.put(raster.origin), w.put(raster.texels_per_cell);
+  for (const int number : {tile.column, tile.row, tile.columns, tile.rows}) w.put(number);
 }
 
 /// All that a survey depends on, but for the content of the files.
@@ -50,7 +61,7 @@ Hash128 key_of(const TileRef& tile, const BakeParameters& p) {
   w.put(tile.scene_from_tile.m);
   w.put(tile.world_from_tile.m);
   w.put(tile.range);
-  if (tile.dem) put_options(tile.dem->raster->options, w);
+  if (tile.dem) put_dem(*tile.dem, w);
   w.put(p.voxel_size_m);
   w.put(p.lattice_origin_m);
   w.put(p.cell_voxels);

@@ -102,25 +102,50 @@ void get_next_place(ByteReader& r, Place& place) {
     if ((changed >> i & 1) != 0) r.get(place.m[i / place_columns][i % place_columns]);
 }
 
-void put_raster(ByteWriter& w, const DemRaster& raster) {
-  const DemOptions& o = raster.options;
-  w.put(o.dem.string()), w.put(o.ortho.string()), w.put(o.crs);
+void put_part(ByteWriter& w, const DemPart& part) {
+  const DemOptions& o = part.options;
+  w.put(o.dem.string()), w.put(o.ortho.string()), w.put(o.crs), w.put(o.ortho_crs);
   put_optional(w, o.nodata), put_optional(w, o.height_scale), put_optional(w, o.geoid_offset_m);
-  w.put(std::int32_t(o.tile_cells));
-  w.put(std::int32_t(raster.columns)), w.put(std::int32_t(raster.rows));
-  w.put(raster.origin);
+  for (const int number : {o.tile_cells, part.column, part.row, part.columns, part.rows}) w.put(std::int32_t(number));
+}
+
+DemPart get_part(ByteReader& r) {
+  DemPart part;
+  DemOptions& o = part.options;
+  o.dem = get_path(r), o.ortho = get_path(r);
+  r.get(o.crs), r.get(o.ortho_crs);
+  get_optional(r, o.nodata), get_optional(r, o.height_scale), get_optional(r, o.geoid_offset_m);
+  for (int* const number : {&o.tile_cells, &part.column, &part.row, &part.columns, &part.rows}) {
+    std::int32_t value = 0;
+    r.get(value);
+    *number = value;
+  }
+  if (o.tile_cells < 1 || part.columns < 2 || part.rows < 2) refuse("raster", "cells and at least 2 × 2 pixels");
+  return part;
+}
+
+void put_raster(ByteWriter& w, const DemRaster& raster) {
+  w.put(std::uint64_t(raster.parts.size()));
+  for (const DemPart& part : raster.parts) put_part(w, part);
+  for (const int number : {raster.columns, raster.rows, raster.texels_per_cell}) w.put(std::int32_t(number));
+  w.put(raster.geotransform), w.put(raster.origin), w.put(std::uint8_t(raster.is_on_earth));
 }
 
 std::shared_ptr<const DemRaster> get_raster(ByteReader& r) {
   auto raster = std::make_shared<DemRaster>();
-  DemOptions& o = raster->options;
-  o.dem = get_path(r), o.ortho = get_path(r);
-  r.get(o.crs);
-  get_optional(r, o.nodata), get_optional(r, o.height_scale), get_optional(r, o.geoid_offset_m);
-  std::int32_t tile_cells = 0, columns = 0, rows = 0;
-  r.get(tile_cells), r.get(columns), r.get(rows), r.get(raster->origin);
-  if (tile_cells < 1 || columns < 2 || rows < 2) refuse("raster", "cells and at least 2 × 2 pixels");
-  o.tile_cells = tile_cells, raster->columns = columns, raster->rows = rows;
+  std::uint64_t parts = 0;
+  for (r.get(parts); parts > 0; --parts) raster->parts.push_back(get_part(r));
+  std::int32_t columns = 0, rows = 0, texels = 0;
+  std::uint8_t is_on_earth = 0;
+  r.get(columns), r.get(rows), r.get(texels);
+  r.get(raster->geotransform), r.get(raster->origin), r.get(is_on_earth);
+  if (raster->parts.empty() || columns < 2 || rows < 2 || texels < 1)
+    refuse("raster", "parts and at least 2 × 2 pixels");
+  for (const DemPart& part : raster->parts)
+    if (part.column < 0 || part.row < 0 || part.columns > columns - part.column || part.rows > rows - part.row)
+      refuse("raster", "parts inside it");
+  raster->columns = columns, raster->rows = rows, raster->texels_per_cell = texels;
+  raster->is_on_earth = is_on_earth != 0;
   return raster;
 }
 

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "format/source/origin_check.h"
+#include "format/source/raster/dem.h"
 #include "format/source/raster/dem_source.h"
 #include "format/source/source_files.h"
 #include "format/source/tiles/tileset_document.h"
@@ -65,12 +67,6 @@ Entry read_entry(const std::filesystem::path& file, const Json& json, std::size_
   Entry e;
   e.where = "sources[" + std::to_string(i) + "]";
   options.origin.reset();
-  if (json.contains("dem")) {
-    expect_only(file, json, e.where, {"dem", "ortho", "crs", "nodata", "height_scale", "geoid_offset_m", "tile_cells"});
-    e.source = dem_sources(root_of(file), dem_options(file, json, e.where), options, progress);
-    e.position = e.source.origin;
-    return e;
-  }
   const auto path = get_text(file, json, e.where, "path");
   if (!path) throw InputError(file, e.where + ".path", "is missing");
   expect_only(file, json, e.where, {"path", "place", "heading_deg", "scale"});
@@ -85,6 +81,38 @@ Entry read_entry(const std::filesystem::path& file, const Json& json, std::size_
   e.source = open_sources(target, options, progress);
   if (!is_placed) e.position = e.source.origin;
   return e;
+}
+
+/// Returns the rasters of all entries: their surfaces may consist of several entries.
+std::vector<Entry> raster_entries(const std::filesystem::path& file, const Json& list, const SourceOptions& options,
+                                  const Progress& progress) {
+  std::vector<DemOptions> rasters;
+  std::map<std::filesystem::path, std::string> where;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (!list[i].is_object() || !list[i].contains("dem")) continue;
+    const std::string entry = "sources[" + std::to_string(i) + "]";
+    expect_only(file, list[i], entry,
+                {"dem", "ortho", "crs", "ortho_crs", "nodata", "height_scale", "geoid_offset_m", "tile_cells"});
+    for (DemOptions& o : dem_options(file, list[i], entry)) {
+      where.emplace(o.dem, entry);
+      rasters.push_back(std::move(o));
+    }
+  }
+  std::vector<Entry> out;
+  if (rasters.empty()) return out;
+  SourceOptions own = options;
+  own.origin.reset();
+  for (SceneSources& source : dem_sources(root_of(file), rasters, own, progress)) {
+    Entry e;
+    e.where = where.at(source.tiles.front().dem->raster->parts[0].options.dem);
+    e.position = source.origin;
+    e.source = std::move(source);
+    out.push_back(std::move(e));
+  }
+  if (options.local && out.size() > 1)
+    throw InputError(file, out[1].where + ".dem",
+                     "its pixels are not on the grid of the first raster, so that `local` gives them no common place");
+  return out;
 }
 
 Affine<Scene, Scene> heading_and_scale(const Entry& e) {
@@ -145,7 +173,15 @@ SceneSources open_scene_json(const std::filesystem::path& file, const Json& json
   expect_only(file, json, "", {"gigabake", "sources"});
   std::vector<Entry> entries;
   const Json& list = get_array(file, json, "", "sources");
-  for (std::size_t i = 0; i < list.size(); ++i) entries.push_back(read_entry(file, list[i], i, options, progress));
+  std::vector<Entry> surfaces = raster_entries(file, list, options, progress);
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (!list[i].is_object() || !list[i].contains("dem")) {
+      entries.push_back(read_entry(file, list[i], i, options, progress));
+      continue;
+    }
+    for (Entry& surface : surfaces)
+      if (surface.where == "sources[" + std::to_string(i) + "]") entries.push_back(std::move(surface));
+  }
   if (entries.empty()) throw InputError(file, "sources", "expected at least one source");
   SceneSources out;
   out.root = root_of(file);

@@ -137,6 +137,32 @@ SceneSources json_sources(const Path& file, const SourceOptions& options, const 
   throw InputError(file, "", "expected a tileset (\"root\") or a scene (\"gigabake\")");
 }
 
+/// Rasters of one grid are one surface; others are placed by their coordinate systems.
+SceneSources raster_sources(const Path& root, const std::vector<Path>& files, const SourceOptions& options,
+                            const Progress& progress) {
+  std::vector<DemOptions> rasters;
+  for (const Path& file : files) {
+    rasters.emplace_back();
+    rasters.back().dem = file;
+  }
+  std::vector<SceneSources> surfaces = dem_sources(root, rasters, options, progress);
+  SceneSources out = std::move(surfaces.front());
+  for (std::size_t i = 1; i < surfaces.size(); ++i) {
+    SceneSources& surface = surfaces[i];
+    if (!out.origin || !surface.origin)
+      throw InputError(
+          surface.tiles.front().path, "",
+          "its pixels are not on the grid of the first raster, so that `local` gives them no common place");
+    const Affine<Scene, Scene> place = scene_from_ecef(*out.origin) * ecef_from_enu(*surface.origin);
+    for (TileRef& tile : surface.tiles) {
+      tile.scene_from_tile = place * tile.scene_from_tile;
+      out.tiles.push_back(std::move(tile));
+    }
+    out.notes.insert(out.notes.end(), surface.notes.begin(), surface.notes.end());
+  }
+  return out;
+}
+
 /// A folder with a tileset.json is that tileset: its tiles have places and several levels of detail.
 SceneSources folder_sources(const Path& folder, const SourceOptions& options, const Progress& progress) {
   std::vector<Path> files;
@@ -157,9 +183,12 @@ SceneSources folder_sources(const Path& folder, const SourceOptions& options, co
   }
   if (error) throw InputError(folder, "", "cannot be listed: " + error.message());
   if (files.empty())
-    throw InputError(
-        folder, "",
-        "holds no .glb, .gltf, .b3dm, .i3dm, .cmpt, .obj, .ply or .stl; name a tileset.json or a scene .json");
+    if (const std::vector<Path> rasters = rasters_in(folder); !rasters.empty())
+      return raster_sources(folder, rasters, options, progress);
+  if (files.empty())
+    throw InputError(folder, "",
+                     "holds no .glb, .gltf, .b3dm, .i3dm, .cmpt, .obj, .ply, .stl, .tif, .asc, .hgt or .vrt; name a "
+                     "tileset.json or a scene .json");
   std::sort(files.begin(), files.end());
   return mesh_sources(folder, files, options, progress);
 }
@@ -176,16 +205,17 @@ SceneSources open_sources(const std::filesystem::path& path, const SourceOptions
     out = json_sources(path, options, progress);
   else if (lower_extension(path) == ".3tz")
     out = archive_sources(path, options, progress);
-  else if (lower_extension(path) == ".tif" || lower_extension(path) == ".tiff")
-    out = dem_sources(folder_of(path),
-                      {.dem = path, .ortho = {}, .crs = {}, .nodata = {}, .height_scale = {}, .geoid_offset_m = {}},
-                      options, progress);
+  else if (is_raster_name(path))
+    out = raster_sources(folder_of(path), {path}, options, progress);
   else if (is_mesh(path))
     out = mesh_sources(folder_of(path), {path}, options, progress);
+  else if (is_other_raster_name(path))
+    throw InputError(path, "", "is a raster or an image that is not read; convert it with gdal_translate IN OUT.tif");
   else
-    throw InputError(path, "",
-                     "expected a .glb, .gltf, .b3dm, .i3dm, .cmpt, .obj, .ply, .stl or .tif, a folder, a tileset.json, "
-                     "a .3tz or a scene .json");
+    throw InputError(
+        path, "",
+        "expected a .glb, .gltf, .b3dm, .i3dm, .cmpt, .obj, .ply, .stl, .tif, .asc, .hgt or .vrt, a folder, "
+        "a tileset.json, a .3tz or a scene .json");
   for (const TileRef& tile : out.tiles)
     if (!tile.scene_from_tile.is_finite()) throw InputError(tile.path, "transform", "the tile's place is not finite");
   return out;

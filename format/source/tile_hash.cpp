@@ -90,7 +90,7 @@ void add_values(const std::vector<T>& values, Digest& digest) {
 /// A raster's tile is what is made of it: other tiles' pixels do not matter.
 TileIdentity identify_dem(const TileRef& tile, const SourceFiles& files) {
   TileIdentity out;
-  for (const std::filesystem::path& file : dem_files(tile.dem->raster->options)) {
+  for (const std::filesystem::path& file : dem_files(*tile.dem)) {
     const std::filesystem::path whole = std::filesystem::absolute(file);
     out.files.push_back(files.stamp(whole.string(), whole));
   }

@@ -100,7 +100,8 @@ class DemChecksTest(unittest.TestCase):
 
     def test_feet_and_depths_need_a_scale(self):
         self.write()
-        self.refused("height_scale", "US survey foot", crs="EPSG:2229+6360")
+        [warning] = self.warnings(crs="EPSG:2229+6360")  # in US survey feet, which are applied: raster_test.py
+        self.assertIn("NAVD88 height (ftUS)", warning)
         self.refused("height_scale", "MSL depth", "-1", crs="EPSG:32611+5715")
         self.assertIn("MSL depth", self.warnings(crs="EPSG:32611+5715", height_scale=-1)[0])
         feet = self.warnings(crs="EPSG:2229", source=None)

@@ -22,18 +22,30 @@ namespace gigabake {
 struct DemOptions {
   std::filesystem::path dem, ortho;      ///< ortho may be empty
   std::string crs;                       ///< in place of the raster's own: "EPSG:25832", WKT or a PROJ text
+  std::string ortho_crs;                 ///< in place of the orthophoto's own
   std::optional<double> nodata;          ///< in place of the raster's own
   std::optional<double> height_scale;    ///< metres a unit; else what the raster says
   std::optional<double> geoid_offset_m;  ///< added to heights: the geoid above the ellipsoid; unset: 0
-  int tile_cells = 256;                  ///< edge of a tile
+  int tile_cells = 256;                  ///< largest edge of a tile
 };
 
-struct DemRaster {
+/// One file of a surface, and its pixels' place in the surface's grid.
+struct DemPart {
   DemOptions options;
-  int columns = 0, rows = 0;  ///< pixels
-  Geodetic origin;            ///< the middle of the raster, on the ellipsoid: east-north-up there is the raster's frame
-  std::vector<std::string> warnings;  ///< what the raster says and is not used; one line each, without its name.
-                                      ///< Of the rank that opened it
+  int column = 0, row = 0, columns = 0, rows = 0;
+  std::vector<std::string> warnings;  ///< statements of the file that are not used; one line each, without its name.
+                                      ///< Set only on the rank that opened the file
+};
+
+/// One surface: a raster, or several of one pixel grid. Where parts overlap, the last one with a value applies.
+struct DemRaster {
+  std::vector<DemPart> parts;            ///< at least one
+  int columns = 0, rows = 0;             ///< pixels of the grid that all parts share
+  int texels_per_cell = 1;               ///< of the orthophotos' images
+  std::array<double, 6> geotransform{};  ///< of that grid, as GDAL defines it
+  Geodetic origin;                       ///< of the frame, which is east-north-up: the middle of the first part, on the
+                                         ///< ellipsoid. In a plane y and x are in the members of latitude and longitude
+  bool is_on_earth = true;
 };
 
 /// A rectangle of cells.
@@ -43,11 +55,22 @@ struct DemTile {
   std::array<double, 3> offset_m{};  ///< of the tile's own frame in the raster's: whole metres
 };
 
-/// Reads the raster's head, and elevation only where it is refused. Formats: GeoTIFF (COG), ASCII grid, SRTM HGT, PNG
-/// and JPEG with a world file. Errors  InputError naming the key of the scene file to set: a coordinate system that is
-/// missing, unknown, not on the
+/// Returns whether a part belongs to a tile, or to the margin of one cell that its image has.
+inline bool touches(const DemTile& tile, const DemPart& part) {
+  return part.column <= tile.column + tile.columns + 1 && part.column + part.columns + 1 >= tile.column &&
+         part.row <= tile.row + tile.rows + 1 && part.row + part.rows + 1 >= tile.row;
+}
+
+/// The tiles of one surface, at least one.
+using DemSurface = std::vector<DemTile>;
+
+/// Reads the heads of rasters, and elevation only where it is refused. Rasters of one coordinate system whose pixels
+/// lie on one grid become one surface, in the place of the first of them. Formats: GeoTIFF (COG), ASCII grid, SRTM HGT,
+/// PNG and JPEG with a world file, VRT of files in its folder. is_local: a raster need not be on the earth, but may be
+/// on another body or in a plane. Errors  InputError naming the key of the scene file to set: a coordinate system that
+/// is missing, unknown, not on the
 ///         earth, or that the raster's numbers do not fit; an image in place of heights; no raster; built without GDAL.
-std::vector<DemTile> open_dem(const DemOptions& options);
+std::vector<DemSurface> open_dem(const std::vector<DemOptions>& options, bool is_local);
 
 /// One primitive in the tile's own frame (z up), one instance there; the orthophoto's part as an image.
 /// Cost    Reads the tile's window of both rasters, whatever their size.
@@ -60,7 +83,7 @@ struct DemMesh {
 };
 DemMesh read_dem(const DemTile& tile, bool with_ortho);
 
-/// The rasters' files, with those that stand beside them and belong to them.
-std::vector<std::filesystem::path> dem_files(const DemOptions& options);
+/// Returns the files that a tile is read from, with the side files that belong to them.
+std::vector<std::filesystem::path> dem_files(const DemTile& tile);
 
 }  // namespace gigabake

@@ -1,6 +1,8 @@
 #include "format/source/raster/dem_checks.h"
 
 #include <array>
+#include <cctype>
+#include <map>
 #include <optional>
 #include <string_view>
 
@@ -31,8 +33,8 @@ std::optional<VerticalSystem> vertical_system(const OGRSpatialReference* crs) {
 
 std::optional<VerticalSystem> vertical_system_of(const DemOptions& options, GDALDataset& dataset) {
   if (!options.crs.empty()) {
-    const OGRSpatialReference named = whole_crs_of(options, dataset);
-    if (auto vertical = vertical_system(&named)) return vertical;
+    const auto named = whole_crs_of(options, dataset);
+    if (auto vertical = vertical_system(named ? &*named : nullptr)) return vertical;
   }
   if (auto vertical = vertical_system(dataset.GetSpatialRef())) return vertical;
   if (std::string_view(dataset.GetDriver()->GetDescription()) == "SRTMHGT")
@@ -47,26 +49,79 @@ void check_vertical(const DemOptions& options, GDALDataset& dataset, std::vector
     throw InputError(options.dem, "height_scale",
                      "the raster's heights are depths below " + in_quotes(vertical->name) +
                          "; set -1 in the scene file (a foot: -0.3048)");
-  const bool has_unit = *dataset.GetRasterBand(1)->GetUnitType() != 0;
-  if (std::fabs(vertical->unit_m - 1) > 1e-9 && !has_unit && !options.height_scale)
-    throw InputError(options.dem, "height_scale",
-                     "the heights of " + in_quotes(vertical->name) + " are in " + in_quotes(vertical->unit) +
-                         "; set the metres of one in the scene file (a foot: 0.3048)");
   if (options.geoid_offset_m) return;
   warnings.push_back("its vertical reference system " + in_quotes(vertical->name) +
                      " is not applied: heights are taken as metres above the WGS84 ellipsoid and may be up to 100 m "
                      "off; set geoid_offset_m in a scene .json (0: leave them as they are)");
 }
 
+constexpr double us_survey_foot_m = 1200.0 / 3937, foot_m = 0.3048;
+
+bool is_foot(double unit_m) { return std::fabs(unit_m - foot_m) < 1e-5; }
+
+/// Returns a unit's name in lower case, without a plural's "s", '.', '_' and spaces.
+std::string plain_unit(std::string_view unit) {
+  std::string out;
+  for (const char c : unit)
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0) out += char(std::tolower(static_cast<unsigned char>(c)));
+  if (out.size() > 2 && out.back() == 's') out.pop_back();
+  return out;
+}
+
+/// Returns metres of a unit; nothing if its name is unknown or "foot", which is one of two.
+/// Source  spellings of GDAL's drivers, EPSG, ESRI and UDUNITS.
+std::optional<double> metres_of(std::string_view unit) {
+  static const std::map<std::string_view, double> units{
+      {"m", 1},
+      {"meter", 1},
+      {"metre", 1},
+      {"mtr", 1},
+      {"metro", 1},
+      {"meterabovesealevel", 1},
+      {"mabovemsl", 1},
+      {"dm", 0.1},
+      {"decimeter", 0.1},
+      {"decimetre", 0.1},
+      {"cm", 0.01},
+      {"centimeter", 0.01},
+      {"centimetre", 0.01},
+      {"mm", 0.001},
+      {"millimeter", 0.001},
+      {"millimetre", 0.001},
+      {"km", 1000},
+      {"kilometer", 1000},
+      {"kilometre", 1000},
+      {"internationalfoot", foot_m},
+      {"internationalfeet", foot_m},
+      {"ussurveyfoot", us_survey_foot_m},
+      {"ussurveyfeet", us_survey_foot_m},
+      {"usfoot", us_survey_foot_m},
+      {"usfeet", us_survey_foot_m},
+      {"usft", us_survey_foot_m},
+      {"ftus", us_survey_foot_m},
+      {"footus", us_survey_foot_m},
+      {"footussurvey", us_survey_foot_m},
+      {"surveyfoot", us_survey_foot_m},
+      {"surveyfeet", us_survey_foot_m},
+  };
+  const auto at = units.find(plain_unit(unit));
+  return at == units.end() ? std::nullopt : std::optional(at->second);
+}
+
+bool names_a_foot(std::string_view unit) {
+  const std::string name = plain_unit(unit);
+  return name == "ft" || name == "foot" || name == "feet";
+}
+
 /// Heights of a system in feet are often in feet, and often in metres.
 void check_unit(const DemOptions& options, GDALDataset& dataset, std::vector<std::string>& warnings) {
   GDALRasterBand& band = *dataset.GetRasterBand(1);
-  height_scale_of(options, band);
-  const OGRSpatialReference crs = whole_crs_of(options, dataset);
+  const double scale = height_scale_of(options, dataset);
+  const auto crs = whole_crs_of(options, dataset);
+  if (!crs || crs->IsProjected() == 0 || *band.GetUnitType() != 0 || options.height_scale) return;
   const char* unit = nullptr;
-  const double unit_m = crs.GetTargetLinearUnits("PROJCS", &unit);
-  if (crs.IsProjected() == 0 || std::fabs(unit_m - 1) < 1e-9 || *band.GetUnitType() != 0 || options.height_scale)
-    return;
+  const double unit_m = crs->GetTargetLinearUnits("PROJCS", &unit);
+  if (std::fabs(unit_m - 1) < 1e-9 || std::fabs(scale - 1) > 1e-9) return;
   warnings.push_back("its coordinates are in " + in_quotes(unit != nullptr ? unit : "another unit") +
                      " and it does not say in which unit its heights are: taken as metres; set height_scale in a "
                      "scene .json (1, or a foot: 0.3048)");
@@ -123,7 +178,8 @@ void check_bands(const DemOptions& options, GDALDataset& dataset, std::vector<st
     warnings.push_back("has " + std::to_string(bands) + " bands; heights are those of the first one (" +
                        (*band.GetDescription() != 0 ? in_quotes(band.GetDescription()) : "without a name") +
                        "), the others are not used");
-  if (type == GDT_Byte && scale == 1 && !options.height_scale)
+  const char* kind = band.GetMetadataItem("PIXELTYPE", "IMAGE_STRUCTURE");
+  if (type == GDT_Byte && kind == nullptr && scale == 1 && !options.height_scale)
     warnings.push_back(
         "has heights of 8 bits, whole metres from 0 to 255, as grey images have; set height_scale in a scene .json, "
         "the metres of one step (1: they are metres)");
@@ -135,17 +191,22 @@ GDALRasterBand* validity_band(GDALDataset& dataset) {
   for (int i = 2; i <= dataset.GetRasterCount(); ++i)
     if (is_alpha(*dataset.GetRasterBand(i))) return dataset.GetRasterBand(i);
   GDALRasterBand& band = *dataset.GetRasterBand(1);
-  return (band.GetMaskFlags() & GMF_PER_DATASET) != 0 ? band.GetMaskBand() : nullptr;
+  // Nodata of one band is compared with its numbers; nodata of all bands together is a mask.
+  const int flags = band.GetMaskFlags();
+  return flags == GMF_NODATA || (flags & GMF_ALL_VALID) != 0 ? nullptr : band.GetMaskBand();
 }
 
-double height_scale_of(const DemOptions& options, GDALRasterBand& band) {
+double height_scale_of(const DemOptions& options, GDALDataset& dataset) {
   if (options.height_scale) return *options.height_scale;
-  const std::string unit = band.GetUnitType();
-  if (unit.empty() || unit == "m" || unit == "metre" || unit == "meter" || unit == "metres" || unit == "meters")
-    return 1;
-  throw InputError(
-      options.dem, "height_scale",
-      "the raster's heights are in " + in_quotes(unit) + "; set the metres of one in the scene file (a foot: 0.3048)");
+  const std::string unit = dataset.GetRasterBand(1)->GetUnitType();
+  const std::optional<double> metres = metres_of(unit);
+  if (metres) return *metres;
+  const std::optional<VerticalSystem> vertical = vertical_system_of(options, dataset);
+  if (plain_unit(unit).empty()) return vertical ? vertical->unit_m : 1;
+  if (vertical && names_a_foot(unit) && is_foot(vertical->unit_m)) return vertical->unit_m;
+  throw InputError(options.dem, "height_scale",
+                   "the raster's heights are in " + in_quotes(unit) +
+                       "; set the metres of one in the scene file (a foot: 0.3048, a US survey foot: 0.3048006096)");
 }
 
 std::vector<std::string> check_dem(const DemOptions& options, GDALDataset& dataset) {

@@ -14,10 +14,11 @@ namespace gigabake {
 ///         complex numbers, a scale of 0, depths, heights in another unit than metres.
 std::vector<std::string> check_dem(const DemOptions& options, GDALDataset& dataset);
 
-/// Returns the band that is 0 where a pixel has no value, or null: the alpha band, else the mask of the whole dataset.
+/// Returns the band that is 0 where a pixel has no value, or null: the alpha band, else a mask.
 GDALRasterBand* validity_band(GDALDataset& dataset);
 
-/// Returns metres of one unit of height. Errors  InputError: the raster names a unit that is not the metre.
-double height_scale_of(const DemOptions& options, GDALRasterBand& band);
+/// Returns metres of one unit of height: of the options, else of the first band's unit, else of the unit of the
+/// vertical reference system. Errors  InputError: a unit that is unknown, or a foot that may be one of two.
+double height_scale_of(const DemOptions& options, GDALDataset& dataset);
 
 }  // namespace gigabake

@@ -1,5 +1,9 @@
 #include "format/source/raster/dem_source.h"
 
+#include <algorithm>
+#include <initializer_list>
+#include <string_view>
+
 #include "format/source/origin_check.h"
 #include "lattice/error.h"
 #include "lattice/georeference.h"
@@ -7,26 +11,43 @@
 
 namespace gigabake {
 
-SceneSources dem_sources(const std::filesystem::path& root, const DemOptions& dem, const SourceOptions& options,
-                         const Progress& progress) {
-  progress.step("opening the raster");
+namespace {
+
+/// Returns the file that a tile's messages name: the first of its surface that it touches.
+const std::filesystem::path& file_of(const DemTile& tile) {
+  const std::vector<DemPart>& parts = tile.raster->parts;
+  const auto at = std::find_if(parts.begin(), parts.end(), [&](const DemPart& part) { return touches(tile, part); });
+  return (at == parts.end() ? parts.front() : *at).options.dem;
+}
+
+/// Returns the size of the files of a surface.
+std::uint64_t bytes_of(const SourceFiles& files, const DemRaster& raster) {
+  std::uint64_t bytes = 0;
+  for (const DemPart& part : raster.parts) bytes += files.size_of(part.options.dem);
+  return bytes;
+}
+
+SceneSources surface_source(const std::filesystem::path& root, const DemSurface& tiles, const SourceOptions& options,
+                            const Progress& progress) {
   SceneSources out;
   out.root = root;
-  const std::vector<DemTile> tiles = open_dem(dem);
-  const Geodetic middle = tiles.front().raster->origin;
+  const DemRaster& raster = *tiles.front().raster;
+  const Geodetic middle = raster.origin;
   if (!options.local) out.origin = options.origin ? *options.origin : middle;
   if (out.origin)
     if (auto warning = far_origin_warning(*out.origin, {middle})) out.notes.push_back(std::move(*warning));
   Affine<Scene, World> scene_from_raster;
   if (out.origin && *out.origin != middle)
     scene_from_raster.m = (scene_from_ecef(*out.origin) * ecef_from_enu(middle)).m;
-  const std::string name = name_in(root, dem.dem);
-  const std::uint64_t bytes = SourceFiles(root).size_of(dem.dem);
+  const std::uint64_t bytes = bytes_of(SourceFiles(root), raster);
   progress.step("laying out the raster's tiles", tiles.size(), "tile");
+  std::string name;  // finding it asks the system
   for (const DemTile& t : tiles) {
     progress.advance();
     TileRef tile;
-    tile.path = dem.dem;
+    const std::filesystem::path& file = file_of(t);
+    if (out.tiles.empty() || file != out.tiles.back().path) name = name_in(root, file);
+    tile.path = file;
     tile.name = name + "[" + std::to_string(t.column) + "," + std::to_string(t.row) + "]";
     tile.kind = ContentKind::dem;
     tile.scene_from_tile = scene_from_raster * translation<World, World>(t.offset_m[0], t.offset_m[1], t.offset_m[2]);
@@ -37,13 +58,53 @@ SceneSources dem_sources(const std::filesystem::path& root, const DemOptions& de
   return out;
 }
 
-DemOptions dem_options(const std::filesystem::path& scene_file, const Json& entry, const std::string& where) {
+bool has_extension(const std::filesystem::path& path, std::initializer_list<std::string_view> extensions) {
+  const std::string extension = lower_extension(path);
+  return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
+}
+
+}  // namespace
+
+bool is_raster_name(const std::filesystem::path& path) {
+  return has_extension(path, {".tif", ".tiff", ".asc", ".hgt", ".vrt"});
+}
+
+bool is_other_raster_name(const std::filesystem::path& path) {
+  return has_extension(path, {".img",  ".dem",  ".bil", ".bip", ".bsq",  ".flt", ".grd", ".nc",   ".jp2", ".dt0",
+                              ".dt1",  ".dt2",  ".ecw", ".sid", ".xyz",  ".ter", ".adf", ".gpkg", ".png", ".jpg",
+                              ".jpeg", ".webp", ".h5",  ".grb", ".grib", ".bt",  ".rst", ".ers",  ".lbl", ".cub"});
+}
+
+std::vector<std::filesystem::path> rasters_in(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files, mosaics;
+  std::error_code error;
+  for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    if (is_raster_name(it->path()) && it->is_regular_file(error) && !it->is_symlink(error))
+      (lower_extension(it->path()) == ".vrt" ? mosaics : files).push_back(it->path());
+  if (error) throw InputError(folder, "", "cannot be listed: " + error.message());
+  if (!mosaics.empty()) files = std::move(mosaics);
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::vector<SceneSources> dem_sources(const std::filesystem::path& root, const std::vector<DemOptions>& rasters,
+                                      const SourceOptions& options, const Progress& progress) {
+  progress.step(rasters.size() == 1 ? "opening the raster" : "opening the rasters");
+  std::vector<SceneSources> out;
+  for (const DemSurface& surface : open_dem(rasters, options.local))
+    out.push_back(surface_source(root, surface, options, progress));
+  return out;
+}
+
+std::vector<DemOptions> dem_options(const std::filesystem::path& scene_file, const Json& entry,
+                                    const std::string& where) {
   const std::filesystem::path root = scene_file.parent_path().empty() ? "." : scene_file.parent_path();
+  std::error_code error;
   const auto file = [&](const char* key) {
     const auto name = get_text(scene_file, entry, where, key);
     if (!name) return std::filesystem::path();
     const std::filesystem::path path = resolve_path(root, scene_file, where + "." + key, *name);
-    if (!SourceFiles(root).has(path))
+    if (!SourceFiles(root).has(path) && !std::filesystem::is_directory(path, error))
       throw InputError(scene_file, where + "." + key, "no such file: " + in_quotes(*name));
     return path;
   };
@@ -51,13 +112,19 @@ DemOptions dem_options(const std::filesystem::path& scene_file, const Json& entr
   out.dem = file("dem");
   out.ortho = file("ortho");
   out.crs = get_text(scene_file, entry, where, "crs").value_or("");
+  out.ortho_crs = get_text(scene_file, entry, where, "ortho_crs").value_or("");
   out.nodata = get_number(scene_file, entry, where, "nodata");
   out.height_scale = get_number(scene_file, entry, where, "height_scale");
   out.geoid_offset_m = get_number(scene_file, entry, where, "geoid_offset_m");
   const std::uint64_t cells = get_index(scene_file, entry, where, "tile_cells").value_or(256);
   if (cells < 16 || cells > 4096) throw InputError(scene_file, where + ".tile_cells", "expected 16 to 4096");
   out.tile_cells = int(cells);
-  return out;
+  if (!std::filesystem::is_directory(out.dem, error)) return {out};
+  std::vector<DemOptions> parts;
+  for (const std::filesystem::path& part : rasters_in(out.dem)) parts.push_back(out), parts.back().dem = part;
+  if (parts.empty())
+    throw InputError(scene_file, where + ".dem", "the folder holds no .tif, .tiff, .asc, .hgt or .vrt");
+  return parts;
 }
 
 TileMesh read_dem_tile(const TileRef& tile, ReadScope scope) {

@@ -1,48 +1,21 @@
 #include <algorithm>
 #include <cmath>
-#include <gdal_frmts.h>
-#include <limits>
-#include <mutex>
 #include <sstream>
 #include <string_view>
 
 #include "format/source/raster/crs_text.h"
 #include "format/source/raster/dem.h"
 #include "format/source/raster/dem_checks.h"
+#include "format/source/raster/gdal_heights.h"
 #include "format/source/raster/gdal_module.h"
-#include "format/source/raster/gdal_raster.h"
-#include "format/source/raster/height_values.h"
-#include "format/source/raster/proj_files.h"
+#include "format/source/raster/gdal_open.h"
+#include "format/source/raster/gdal_ortho.h"
+#include "format/source/raster/ground.h"
+#include "format/source/raster/surface_parts.h"
 #include "lattice/error.h"
-#include "lattice/georeference.h"
 #include "lattice/memory_limit.h"
 
 namespace gigabake {
-namespace {
-
-void register_drivers() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    CPLSetConfigOption("GDAL_CACHEMAX", "64");
-    CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");  // writes nothing beside sources
-    confine_proj();
-    // No others: what stands beside a raster (masks, overviews) is opened by whichever driver knows it, and some fetch
-    // what they are told from the network.
-    GDALRegister_GTiff(), GDALRegister_AAIGrid(), GDALRegister_SRTMHGT(), GDALRegister_PNG(), GDALRegister_JPEG();
-    GDALRegister_MEM();
-  });
-}
-
-}  // namespace
-
-Dataset open_raster(const std::filesystem::path& file, const char* key) {
-  register_drivers();
-  static const char* const drivers[] = {"GTiff", "AAIGrid", "SRTMHGT", "PNG", "JPEG", nullptr};
-  Dataset out(GDALDataset::Open(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers));
-  if (!out || out->GetRasterCount() < 1)
-    throw InputError(file, key, "expected a GeoTIFF, ASCII grid, HGT, PNG or JPEG raster" + QuietErrors::last());
-  return out;
-}
 
 const OGRSpatialReference* plain_crs_of(GDALDataset& dataset) {
   const OGRSpatialReference* crs = dataset.GetSpatialRef();
@@ -57,29 +30,26 @@ std::string wkt_of(const OGRSpatialReference& crs) {
   return out;
 }
 
-OGRSpatialReference whole_crs_of(const DemOptions& options, GDALDataset& dataset) {
+OGRSpatialReference crs_of_text(const std::filesystem::path& file, const char* key, const std::string& text) {
   OGRSpatialReference crs;
-  if (!options.crs.empty()) {
-    // GDAL would also fetch an address and open a file.
-    if (!is_plain_crs(options.crs) ||
-        crs.SetFromUserInput(options.crs.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) !=
-            OGRERR_NONE)
-      throw InputError(options.dem, "crs",
-                       "is unknown: " + in_quotes(options.crs) + "; expected EPSG:…, WKT or a PROJ text");
-  } else if (const OGRSpatialReference* own = plain_crs_of(dataset)) {
-    crs = *own;
-  } else {
-    throw InputError(options.dem, "crs",
-                     "the raster has no coordinate system, or one that leads to files; set it in the scene file, as "
-                     "\"crs\": \"EPSG:25832\"");
-  }
+  // GDAL would also fetch an address and open a file.
+  if (!is_plain_crs(text) ||
+      crs.SetFromUserInput(text.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) != OGRERR_NONE)
+    throw InputError(file, key, "is unknown: " + in_quotes(text) + "; expected EPSG:…, WKT or a PROJ text");
   return crs;
 }
 
-OGRSpatialReference crs_of(const DemOptions& options, GDALDataset& dataset) {
-  OGRSpatialReference crs = whole_crs_of(options, dataset);
-  crs.StripVertical();
-  crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+std::optional<OGRSpatialReference> whole_crs_of(const DemOptions& options, GDALDataset& dataset) {
+  if (!options.crs.empty()) return crs_of_text(options.dem, "crs", options.crs);
+  const OGRSpatialReference* own = plain_crs_of(dataset);
+  return own != nullptr ? std::optional(*own) : std::nullopt;
+}
+
+std::optional<OGRSpatialReference> crs_of(const DemOptions& options, GDALDataset& dataset) {
+  std::optional<OGRSpatialReference> crs = whole_crs_of(options, dataset);
+  if (!crs) return crs;
+  crs->StripVertical();
+  crs->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   return crs;
 }
 
@@ -94,14 +64,10 @@ constexpr std::uint64_t most_tiles = std::uint64_t(1) << 22;
 
 Grid grid_of(const Path& file, GDALDataset& dataset) {
   Grid grid;
-  if (dataset.GetGeoTransform(grid.g) != CE_None || !std::isnormal(grid.determinant()))
+  if (dataset.GetGeoTransform(grid.g.data()) != CE_None || !std::isnormal(grid.determinant()))
     throw InputError(file, "dem",
                      "the raster does not say where its pixels lie; give it a geotransform or a world file");
   return grid;
-}
-
-Geodetic geodetic(double lon, double lat, double height_m) {
-  return {std::clamp(lat, -90.0, 90.0), std::remainder(lon, 360.0), height_m};
 }
 
 /// Six digits, however large it is.
@@ -111,68 +77,51 @@ std::string short_number(double v) {
   return text.str();
 }
 
-/// Metres between two neighbouring pixels at the raster's middle say whether the numbers fit the coordinate system.
-Geodetic checked_origin(const DemRaster& raster, const Grid& grid, const EarthMap& earth) {
-  const double c = (raster.columns - 1) / 2.0, r = (raster.rows - 1) / 2.0, e = raster.columns - 1, s = raster.rows - 1;
-  const double at[7][2] = {{c, r}, {c + 1, r}, {c, r + 1}, {0, 0}, {e, 0}, {0, s}, {e, s}};
-  std::vector<double> x, y;
-  for (const auto& p : at) {
-    const auto [px, py] = grid.place(p[0], p[1]);
-    x.push_back(px), y.push_back(py);
+/// Points of a rectangle of pixels, its middle first. Corners of a raster may lie beside the earth.
+std::vector<std::pair<double, double>> sample_points(double column, double row, double columns, double rows) {
+  constexpr int steps = 6;
+  std::vector<std::pair<double, double>> out{{column + columns / 2, row + rows / 2}};
+  for (int r = 0; r <= steps; ++r)
+    for (int c = 0; c <= steps; ++c) out.emplace_back(column + columns * c / steps, row + rows * r / steps);
+  return out;
+}
+
+[[noreturn]] void refuse_place(const DemOptions& o, const Ground& ground) {
+  throw InputError(o.dem, "crs",
+                   "the raster's coordinates are not on the earth in its coordinate system (" + ground.name() +
+                       "); set the right one in the scene file");
+}
+
+/// Returns the middle of a part. Metres between two neighbouring pixels there say whether the numbers fit the
+/// coordinate system.
+Geodetic checked_origin(const DemPart& part, const Grid& grid, const Ground& ground) {
+  for (const auto& [c, r] : sample_points(part.column, part.row, part.columns - 1, part.rows - 1)) {
+    std::vector<double> x, y;
+    for (const auto& [dc, dr] : {std::pair(0, 0), std::pair(1, 0), std::pair(0, 1)}) {
+      const auto [px, py] = grid.place(c + dc, r + dr);
+      x.push_back(px), y.push_back(py);
+    }
+    const std::vector<char> is_located = ground.locate(x, y);
+    if (std::count(is_located.begin(), is_located.end(), 0) != 0) continue;
+    const Geodetic origin = ground.origin(x[0], y[0]);
+    const Ground::Frame frame(ground, origin);
+    for (const std::size_t i : {1, 2}) {
+      const Point<Scene> p = frame(x[i], y[i], 0);
+      const double pixel_m = std::hypot(p.x, p.y, p.z);
+      if (!(pixel_m >= least_pixel_m && pixel_m <= largest_pixel_m))
+        throw InputError(part.options.dem, "crs",
+                         "a pixel would be " + short_number(pixel_m) + " m wide in the raster's coordinate system (" +
+                             ground.name() + "); set the right one in the scene file");
+    }
+    return origin;
   }
-  earth.to_lon_lat(x, y);
-  const auto ecef = [&](std::size_t i) { return ecef_of(geodetic(x[i], y[i], 0)); };
-  for (const std::size_t i : {1, 2}) {
-    const Point<Ecef> a = ecef(0), b = ecef(i);
-    const double pixel_m = std::sqrt((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y) + (a.z - b.z) * (a.z - b.z));
-    if (!(pixel_m >= least_pixel_m && pixel_m <= largest_pixel_m))
-      throw InputError(raster.options.dem, "crs",
-                       "a pixel would be " + short_number(pixel_m) + " m wide in the raster's coordinate system (" +
-                           earth.name() + "); set the right one in the scene file");
-  }
-  return geodetic(x[0], y[0], 0);
+  refuse_place(part.options, ground);
 }
 
-/// Reads a tile's window of pixels, as doubles.
-std::vector<double> read_window(const DemTile& tile, GDALRasterBand& band) {
-  const int width = tile.columns + 1, height = tile.rows + 1;
-  std::vector<double> values(std::size_t(width) * std::size_t(height));
-  if (band.RasterIO(GF_Read, tile.column, tile.row, width, height, values.data(), width, height, GDT_Float64, 0, 0) !=
-      CE_None)
-    throw InputError(tile.raster->options.dem, "dem", "cannot be read" + QuietErrors::last());
-  return values;
-}
-
-HeightRule height_rule(const DemOptions& o, GDALRasterBand& band) {
-  HeightRule rule;
-  int has_nodata = 0;
-  const double own = band.GetNoDataValue(&has_nodata);
-  if (has_nodata != 0) rule.nodata = own;
-  if (o.nodata) rule.nodata = *o.nodata;
-  rule.scale = band.GetScale(), rule.offset = band.GetOffset(), rule.unit_m = height_scale_of(o, band);
-  rule.geoid_offset_m = o.geoid_offset_m.value_or(0);
-  rule.is_nodata_chosen = o.nodata.has_value(), rule.is_unit_chosen = o.height_scale.has_value();
-  return rule;
-}
-
-/// Heights above the ellipsoid of a window of pixels; NaN where there is no value.
-std::vector<double> heights(const DemTile& tile, GDALDataset& dataset, std::vector<std::string>& warnings) {
-  const DemOptions& o = tile.raster->options;
-  GDALRasterBand& band = *dataset.GetRasterBand(1);
-  std::vector<double> z = read_window(tile, band);
-  if (GDALRasterBand* validity = validity_band(dataset)) {
-    const std::vector<double> is_valid = read_window(tile, *validity);
-    for (std::size_t i = 0; i < z.size(); ++i)
-      if (is_valid[i] == 0) z[i] = std::numeric_limits<double>::quiet_NaN();
-  }
-  warnings = take_heights(o.dem, height_rule(o, band), z);
-  return z;
-}
-
-/// Places of a rectangle of pixels in the raster's frame, row by row.
-std::vector<Point<Scene>> places(const DemTile& tile, const Grid& grid, const EarthMap& earth,
-                                 const std::vector<double>& height_m) {
-  const Affine<Scene, Ecef> frame = scene_from_ecef(tile.raster->origin);
+/// Places of a rectangle of pixels in the raster's frame, row by row; the tile's own origin where there is no value.
+std::vector<Point<Scene>> places(const DemTile& tile, const Ground& ground, const std::vector<double>& height_m) {
+  const Grid grid{tile.raster->geotransform};
+  const Ground::Frame frame(ground, tile.raster->origin);
   std::vector<Point<Scene>> out;
   const int width = tile.columns + 1;
   for (int r = 0; r <= tile.rows; ++r) {
@@ -181,10 +130,15 @@ std::vector<Point<Scene>> places(const DemTile& tile, const Grid& grid, const Ea
       const auto [px, py] = grid.place(tile.column + c, tile.row + r);
       x.push_back(px), y.push_back(py);
     }
-    earth.to_lon_lat(x, y);
-    for (int c = 0; c < width; ++c) {
-      const double h = height_m[std::size_t(r * width + c)];
-      out.push_back(frame(ecef_of(geodetic(x[std::size_t(c)], y[std::size_t(c)], h))));
+    const std::vector<char> is_located = ground.locate(x, y);
+    for (std::size_t c = 0; c < std::size_t(width); ++c) {
+      const double h = height_m[std::size_t(r) * std::size_t(width) + c];
+      if (std::isnan(h)) {
+        out.push_back({tile.offset_m[0], tile.offset_m[1], tile.offset_m[2]});
+        continue;
+      }
+      if (is_located[c] == 0) refuse_place(tile.raster->parts[0].options, ground);
+      out.push_back(frame(x[c], y[c], h));
     }
   }
   return out;
@@ -203,123 +157,214 @@ void add_triangles(const DemTile& tile, const std::vector<double>& height_m, boo
     }
 }
 
-/// Places of the tiles' middles, in whole metres of the raster's frame.
-void place_tiles(const Grid& grid, const EarthMap& earth, std::vector<DemTile>& tiles) {
-  std::vector<double> x, y;
-  for (const DemTile& t : tiles) {
-    const auto [px, py] = grid.place(t.column + t.columns / 2.0, t.row + t.rows / 2.0);
-    x.push_back(px), y.push_back(py);
-  }
-  earth.to_lon_lat(x, y);
-  const Affine<Scene, Ecef> frame = scene_from_ecef(tiles.front().raster->origin);
-  for (std::size_t i = 0; i < tiles.size(); ++i) {
-    const Point<Scene> p = frame(ecef_of(geodetic(x[i], y[i], 0)));
-    tiles[i].offset_m = {std::round(p.x), std::round(p.y), std::round(p.z)};
+/// Sets places of the tiles' middles, in whole metres of the raster's frame.
+void place_tiles(const Ground& ground, std::vector<DemTile>& tiles) {
+  const DemRaster& raster = *tiles.front().raster;
+  const Grid grid{raster.geotransform};
+  const Ground::Frame frame(ground, raster.origin);
+  for (DemTile& t : tiles) {
+    std::vector<double> x, y;
+    for (const auto& [c, r] : sample_points(t.column, t.row, t.columns, t.rows)) {
+      const auto [px, py] = grid.place(c, r);
+      x.push_back(px), y.push_back(py);
+    }
+    const std::vector<char> is_located = ground.locate(x, y);
+    const auto at = std::find(is_located.begin(), is_located.end(), 1) - is_located.begin();
+    if (at == std::ptrdiff_t(is_located.size())) continue;  // an error if the tile has a value
+    const Point<Scene> p = frame(x[std::size_t(at)], y[std::size_t(at)], 0);
+    t.offset_m = {std::round(p.x), std::round(p.y), std::round(p.z)};
   }
 }
 
 void add_files(const Path& file, const char* key, std::vector<Path>& out) {
-  const Dataset dataset = open_raster(file, key);
+  if (std::find(out.begin(), out.end(), file) != out.end()) return;
+  const BorrowedRaster dataset = borrow_raster(file, key);
+  out.push_back(file);
   char** names = dataset->GetFileList();
-  for (char** name = names; name != nullptr && *name != nullptr; ++name) out.emplace_back(*name);
+  for (char** name = names; name != nullptr && *name != nullptr; ++name)
+    if (Path(*name) != file) out.emplace_back(*name);
   CSLDestroy(names);
-  if (std::find(out.begin(), out.end(), file) == out.end()) out.push_back(file);
+  for (const std::string& name : safe_side_files(file))
+    if (std::find(out.begin(), out.end(), file.parent_path() / name) == out.end())
+      out.push_back(file.parent_path() / name);
 }
 
 /// An ASCII grid says how many numbers follow, and each takes a character and a space.
-void expect_whole_text(const DemRaster& raster, GDALDataset& dataset) {
+void expect_whole_text(const DemOptions& o, GDALDataset& dataset) {
   if (std::string_view(dataset.GetDriver()->GetDescription()) != "AAIGrid") return;
-  const std::uint64_t pixels = std::uint64_t(raster.columns) * std::uint64_t(raster.rows);
-  const std::uint64_t bytes = std::filesystem::file_size(raster.options.dem);
-  if (pixels > bytes)
-    throw InputError(raster.options.dem, "dem",
-                     "the grid says it has " + std::to_string(raster.columns) + " × " + std::to_string(raster.rows) +
+  const std::uint64_t columns = std::uint64_t(dataset.GetRasterXSize()), rows = std::uint64_t(dataset.GetRasterYSize());
+  const std::uint64_t bytes = std::filesystem::file_size(o.dem);
+  if (columns * rows > bytes)
+    throw InputError(o.dem, "dem",
+                     "the grid says it has " + std::to_string(columns) + " × " + std::to_string(rows) +
                          " values, more than its " + std::to_string(bytes) + " bytes can hold");
 }
 
 /// Of one tile as it is read: heights, places, vertices and triangles of each pixel, and GDAL's own blocks.
-void claim_tile(const DemRaster& raster, GDALDataset& dataset) {
+void claim_tile(const DemOptions& o, GDALDataset& dataset) {
   constexpr std::uint64_t pixel_bytes = 96, block_value_bytes = 16;
   int width = 0, height = 0;
   dataset.GetRasterBand(1)->GetBlockSize(&width, &height);
-  MemoryClaim claim(raster.options.dem, "store it in smaller blocks");
+  MemoryClaim claim(o.dem, "store it in smaller blocks");
   claim.add_items(std::uint64_t(width) * std::uint64_t(height), block_value_bytes, "dem", "pixels of a block");
-  const auto edge = [&](int pixels) { return std::uint64_t(std::min(pixels, raster.options.tile_cells + 1)); };
-  MemoryClaim(raster.options.dem, "lower tile_cells in the scene file")
-      .add_items(edge(raster.columns) * edge(raster.rows), pixel_bytes, "tile_cells", "points of a tile");
+  const auto edge = [&](int pixels) { return std::uint64_t(std::min(pixels, o.tile_cells + 1)); };
+  MemoryClaim(o.dem, "lower tile_cells in the scene file")
+      .add_items(edge(dataset.GetRasterXSize()) * edge(dataset.GetRasterYSize()), pixel_bytes, "tile_cells",
+                 "points of a tile");
+}
+
+/// Reads the head of one raster and of its orthophoto's file.
+RasterHead head_of(const DemOptions& options, bool is_local) {
+  RasterHead head;
+  const BorrowedRaster dataset = borrow_raster(options.dem, "dem");
+  DemPart& part = head.part;
+  part.options = options;
+  part.columns = dataset->GetRasterXSize(), part.rows = dataset->GetRasterYSize();
+  if (part.columns < 2 || part.rows < 2)
+    throw InputError(options.dem, "dem", "expected at least 2 × 2 pixels, which are the terrain's vertices");
+  expect_whole_text(options, *dataset);
+  claim_tile(options, *dataset);
+  head.grid = grid_of(options.dem, *dataset);
+  const Ground ground(options, *dataset);
+  if (!ground.is_on_earth() && !is_local) throw InputError(options.dem, "crs", ground.why_not_on_earth());
+  checked_origin(part, head.grid, ground);
+  head.crs = crs_of(options, *dataset);
+  part.warnings = check_dem(options, *dataset);
+  const double left_out = fraction_left_out(options, *dataset);
+  if (left_out > 0)
+    part.warnings.push_back("the file leaves out " + short_number(std::ceil(left_out * 1000) / 10) +
+                            " % of its blocks, which are taken as heights of 0; set \"nodata\": 0 in a scene .json if "
+                            "they are holes");
+  return head;
+}
+
+/// Fits the image of a tile to the orthophotos' resolution, and the tiles' edge to the image.
+void set_texels(const std::vector<RasterHead>& heads, const SurfaceHead& surface, DemRaster& raster) {
+  double texels = 1;
+  for (DemPart& part : raster.parts) {
+    if (part.options.ortho.empty()) continue;
+    const OGRSpatialReference* crs = heads[surface.heads[0]].crs ? &*heads[surface.heads[0]].crs : nullptr;
+    OrthoFacts facts = check_ortho(part, surface.grid, crs);
+    texels = std::max(texels, facts.texels_per_cell);
+    if (facts.texels_per_cell > max_texels_per_cell)
+      facts.warnings.push_back("the orthophoto has " + short_number(std::round(facts.texels_per_cell)) +
+                               " pixels per pixel of the raster, of which " + std::to_string(max_texels_per_cell) +
+                               " are kept; resample the raster to smaller pixels with gdalwarp -tr");
+    part.warnings.insert(part.warnings.end(), facts.warnings.begin(), facts.warnings.end());
+  }
+  constexpr double tolerance = 0.02;  // a projection's scale
+  raster.texels_per_cell = int(std::ceil(std::min(texels, double(max_texels_per_cell)) - tolerance));
+  const int cells = (max_texture_edge - 2 * margin_texels(raster.texels_per_cell)) / raster.texels_per_cell;
+  for (DemPart& part : raster.parts) part.options.tile_cells = std::max(1, std::min(part.options.tile_cells, cells));
 }
 
 /// A tile here and as the source of a scene, with its name.
 constexpr std::uint64_t tile_bytes = 800;
 
-std::vector<DemTile> tiles_of(const DemOptions& options) {
-  const QuietErrors quiet;
-  const Dataset dataset = open_raster(options.dem, "dem");
-  const Grid grid = grid_of(options.dem, *dataset);
+void claim_tiles(const DemRaster& raster, int edge) {
+  const DemOptions& o = raster.parts[0].options;
+  const std::uint64_t tiles = std::uint64_t(raster.columns / edge + 1) * std::uint64_t(raster.rows / edge + 1);
+  if (tiles > most_tiles) throw InputError(o.dem, "tile_cells", "more than 2^22 tiles; enlarge it in the scene file");
+  MemoryClaim(o.dem, "enlarge tile_cells in the scene file").add_items(tiles, tile_bytes, "tile_cells", "tiles");
+}
+
+/// Returns for each tile of a raster whether a part may have a value in it.
+std::vector<char> filled_tiles(const DemRaster& raster, int edge) {
+  const int columns = (raster.columns - 2) / edge + 1, rows = (raster.rows - 2) / edge + 1;
+  std::vector<char> filled(std::size_t(columns) * std::size_t(rows), 0);
+  for (const DemPart& part : raster.parts) {
+    const BorrowedRaster dataset = borrow_raster(part.options.dem, "dem");
+    const int last_row = std::min(rows - 1, (part.row + part.rows - 1) / edge);
+    const int last_column = std::min(columns - 1, (part.column + part.columns - 1) / edge);
+    for (int row = std::max(0, part.row - 1) / edge; row <= last_row; ++row)
+      for (int column = std::max(0, part.column - 1) / edge; column <= last_column; ++column) {
+        char& is_filled = filled[std::size_t(row) * std::size_t(columns) + std::size_t(column)];
+        const int left = std::max(column * edge, part.column), top = std::max(row * edge, part.row);
+        const int right = std::min(column * edge + edge + 1, part.column + part.columns);
+        const int bottom = std::min(row * edge + edge + 1, part.row + part.rows);
+        if (is_filled == 0 && right > left && bottom > top)
+          is_filled =
+              !is_known_empty(part.options, *dataset, left - part.column, top - part.row, right - left, bottom - top);
+      }
+  }
+  return filled;
+}
+
+DemSurface surface_of(const std::vector<RasterHead>& heads, const SurfaceHead& surface) {
   auto raster = std::make_shared<DemRaster>();
-  raster->options = options;
-  raster->columns = dataset->GetRasterXSize();
-  raster->rows = dataset->GetRasterYSize();
-  if (raster->columns < 2 || raster->rows < 2)
-    throw InputError(options.dem, "dem", "expected at least 2 × 2 pixels, which are the terrain's vertices");
-  expect_whole_text(*raster, *dataset);
-  const EarthMap earth(options, *dataset);
-  raster->origin = checked_origin(*raster, grid, earth);
-  raster->warnings = check_dem(options, *dataset);
-  if (!options.ortho.empty()) open_raster(options.ortho, "ortho");
-  const int edge = options.tile_cells;
-  claim_tile(*raster, *dataset);
-  if (std::uint64_t(raster->columns / edge + 1) * std::uint64_t(raster->rows / edge + 1) > most_tiles)
-    throw InputError(options.dem, "tile_cells", "more than 2^22 tiles; enlarge it in the scene file");
-  MemoryClaim(options.dem, "enlarge tile_cells in the scene file")
-      .add_items(std::uint64_t(raster->columns / edge + 1) * std::uint64_t(raster->rows / edge + 1), tile_bytes,
-                 "tile_cells", "tiles");
-  std::vector<DemTile> tiles;
-  for (int row = 0; row < raster->rows - 1; row += edge)
-    for (int column = 0; column < raster->columns - 1; column += edge)
-      tiles.push_back({raster,
-                       column,
-                       row,
-                       std::min(edge, raster->columns - 1 - column),
-                       std::min(edge, raster->rows - 1 - row),
-                       {}});
-  place_tiles(grid, earth, tiles);
+  for (const std::size_t i : surface.heads) raster->parts.push_back(heads[i].part);
+  raster->columns = surface.columns, raster->rows = surface.rows;
+  raster->geotransform = surface.grid.g;
+  set_texels(heads, surface, *raster);
+  int edge = raster->parts[0].options.tile_cells;
+  for (const DemPart& part : raster->parts) edge = std::min(edge, part.options.tile_cells);
+  claim_tiles(*raster, edge);
+  const std::vector<char> filled = filled_tiles(*raster, edge);
+  const BorrowedRaster dataset = borrow_raster(raster->parts[0].options.dem, "dem");
+  const Ground ground(raster->parts[0].options, *dataset);
+  raster->origin = checked_origin(raster->parts[0], surface.grid, ground);
+  raster->is_on_earth = ground.is_on_earth();
+  DemSurface tiles;
+  const int columns = (raster->columns - 2) / edge + 1;
+  for (std::size_t i = 0; i < filled.size(); ++i) {
+    if (filled[i] == 0 && !(tiles.empty() && i + 1 == filled.size())) continue;  // one tile stands for an empty raster
+    const int column = int(i % std::size_t(columns)) * edge, row = int(i / std::size_t(columns)) * edge;
+    tiles.push_back({raster,
+                     column,
+                     row,
+                     std::min(edge, raster->columns - 1 - column),
+                     std::min(edge, raster->rows - 1 - row),
+                     {}});
+  }
+  place_tiles(ground, tiles);
   return tiles;
+}
+
+std::vector<DemSurface> surfaces_of(const std::vector<DemOptions>& options, bool is_local) {
+  const QuietErrors quiet;
+  std::vector<RasterHead> heads;
+  for (const DemOptions& o : options) heads.push_back(head_of(o, is_local));
+  std::vector<DemSurface> out;
+  for (const SurfaceHead& surface : group_surfaces(heads)) out.push_back(surface_of(heads, surface));
+  return out;
 }
 
 DemMesh mesh_of(const DemTile& tile, bool with_ortho) {
   const QuietErrors quiet;
-  const DemOptions& o = tile.raster->options;
-  const Dataset dataset = open_raster(o.dem, "dem");
-  if (dataset->GetRasterXSize() != tile.raster->columns || dataset->GetRasterYSize() != tile.raster->rows)
-    throw InputError(o.dem, "dem", "changed while the bake ran; bake again");
-  const Grid grid = grid_of(o.dem, *dataset);
-  const EarthMap earth(o, *dataset);
+  const DemRaster& raster = *tile.raster;
+  const DemOptions& first = raster.parts[0].options;
+  const Ground ground(first, *borrow_raster(first.dem, "dem"));
   DemMesh out;
-  const std::vector<double> height_m = heights(tile, *dataset, out.warnings);
-  for (const Point<Scene>& p : places(tile, grid, earth, height_m)) {
+  const std::vector<double> height_m = read_heights(tile, raster.is_on_earth, out.warnings);
+  for (const Point<Scene>& p : places(tile, ground, height_m)) {
     const double xyz[3] = {p.x, p.y, p.z};
     for (std::size_t c = 0; c < 3; ++c)
       out.primitive.position.push_back(float(std::floor(xyz[c] / quantum_m + 0.5) * quantum_m - tile.offset_m[c]));
   }
-  add_triangles(tile, height_m, grid.determinant() < 0, out.primitive);
+  add_triangles(tile, height_m, Grid{raster.geotransform}.determinant() < 0, out.primitive);
   out.material.double_sided = out.material.unlit = true;
-  if (!with_ortho || o.ortho.empty() || out.primitive.index.empty()) return out;
-  out.images.push_back(read_ortho(tile, grid, earth));
+  const bool has_ortho = std::any_of(raster.parts.begin(), raster.parts.end(),
+                                     [](const DemPart& part) { return !part.options.ortho.empty(); });
+  if (!with_ortho || !has_ortho || out.primitive.index.empty()) return out;
+  out.images.push_back(read_ortho(tile, ground.crs()));
   out.material.texture = {0, Wrap::clamp_to_edge, Wrap::clamp_to_edge, false};
+  const double texels = raster.texels_per_cell, margin = margin_texels(raster.texels_per_cell) / texels;
   for (int r = 0; r <= tile.rows; ++r)
     for (int c = 0; c <= tile.columns; ++c) {
-      out.primitive.uv.push_back(float(double(c + margin_cells) / (tile.columns + 2 * margin_cells)));
-      out.primitive.uv.push_back(float(double(r + margin_cells) / (tile.rows + 2 * margin_cells)));
+      out.primitive.uv.push_back(float((c + margin) / (tile.columns + 2 * margin)));
+      out.primitive.uv.push_back(float((r + margin) / (tile.rows + 2 * margin)));
     }
   return out;
 }
 
-std::vector<Path> files_of(const DemOptions& options) {
+std::vector<Path> files_of(const DemTile& tile) {
   const QuietErrors quiet;
   std::vector<Path> out;
-  add_files(options.dem, "dem", out);
-  if (!options.ortho.empty()) add_files(options.ortho, "ortho", out);
+  for (const DemPart& part : tile.raster->parts) {
+    if (!touches(tile, part)) continue;
+    add_files(part.options.dem, "dem", out);
+    if (!part.options.ortho.empty()) add_files(part.options.ortho, "ortho", out);
+  }
   return out;
 }
 
@@ -327,7 +372,7 @@ std::vector<Path> files_of(const DemOptions& options) {
 }  // namespace gigabake
 
 const gigabake::GdalModule* gigabake_gdal() {
-  static const gigabake::GdalModule module{gigabake::set_memory_limit, gigabake::tiles_of, gigabake::mesh_of,
+  static const gigabake::GdalModule module{gigabake::set_memory_limit, gigabake::surfaces_of, gigabake::mesh_of,
                                            gigabake::files_of};
   return &module;
 }

@@ -12,9 +12,9 @@ namespace gigabake {
 struct GdalModule {
   /// The module has its own lattice/memory_limit.h. To be called before the others, with the program's limit.
   void (*set_memory_limit)(std::uint64_t bytes);
-  std::vector<DemTile> (*open_dem)(const DemOptions& options);
+  std::vector<DemSurface> (*open_dem)(const std::vector<DemOptions>& options, bool is_local);
   DemMesh (*read_dem)(const DemTile& tile, bool with_ortho);
-  std::vector<std::filesystem::path> (*dem_files)(const DemOptions& options);
+  std::vector<std::filesystem::path> (*dem_files)(const DemTile& tile);
 };
 
 }  // namespace gigabake

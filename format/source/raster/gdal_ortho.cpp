@@ -1,104 +1,244 @@
+#include "format/source/raster/gdal_ortho.h"
+
 #include <gdalwarper.h>
+#include <sstream>
 
 #include "format/source/image/png_bytes.h"
-#include "format/source/raster/gdal_raster.h"
+#include "format/source/raster/gdal_open.h"
+#include "format/source/raster/ortho_bands.h"
 
 namespace gigabake {
 namespace {
 
-constexpr int most_texels_a_cell = 32, most_texture_edge = 8192;
+constexpr std::uint8_t grey = 127;  ///< where there is no orthophoto
 
-/// The orthophoto over a tile and a cell around it, in the tile's own grid.
-class OrthoWindow {
- public:
-  OrthoWindow(const DemTile& tile, const Grid& grid, const EarthMap& earth) : tile_(tile), grid_(grid), earth_(earth) {}
+struct DestroyTransformer {
+  void operator()(void* transformer) const { GDALDestroyGenImgProjTransformer(transformer); }
+};
+using Transformer = std::unique_ptr<void, DestroyTransformer>;
 
-  EncodedImage read() const {
-    const DemOptions& o = tile_.raster->options;
-    const Dataset ortho = open_raster(o.ortho, "ortho");
-    const OGRSpatialReference* own = plain_crs_of(*ortho);
-    const std::string source_crs = wkt_of(own != nullptr ? *own : earth_.crs());
-    const std::string crs = wkt_of(earth_.crs());
-    const int texels = texels_a_cell(*ortho, source_crs, crs);
-    const int width = (tile_.columns + 2 * margin_cells) * texels, height = (tile_.rows + 2 * margin_cells) * texels;
-    GDALDriver* memory = GetGDALDriverManager()->GetDriverByName("MEM");
-    const Dataset out(memory->Create("", width, height, 3, GDT_Byte, nullptr));
-    if (!out) throw InputError(o.ortho, "ortho", "cannot be read" + QuietErrors::last());
-    Grid window = grid_;
-    const auto [x, y] = grid_.place(tile_.column - margin_cells, tile_.row - margin_cells);
-    window.g[0] = x, window.g[3] = y;
-    for (const int i : {1, 2, 4, 5}) window.g[i] /= texels;
-    out->SetGeoTransform(window.g);
-    out->SetProjection(crs.c_str());
-    fill_grey(*out);
-    warp(*ortho, *out, source_crs, crs);
-    return {o.ortho.string(), png_of(*out, width, height)};
+std::string ortho_crs_of(const DemOptions& o, GDALDataset& ortho, const OGRSpatialReference* raster_crs) {
+  if (!o.ortho_crs.empty()) return wkt_of(crs_of_text(o.ortho, "ortho_crs", o.ortho_crs));
+  const OGRSpatialReference* own = plain_crs_of(ortho);
+  if (own == nullptr) own = raster_crs;
+  return own != nullptr ? wkt_of(*own) : "";
+}
+
+/// Makes a map from an orthophoto's pixels to those of `target`, or to coordinates of the raster if that is null.
+/// By the geotransform or ground control points only: geolocation arrays are other files.
+Transformer transformer_of(const DemOptions& o, GDALDataset& ortho, GDALDataset* target,
+                           const OGRSpatialReference* raster_crs) {
+  CPLStringList options;
+  const std::string source = ortho_crs_of(o, ortho, raster_crs);
+  double ignored[6];
+  const bool is_placed = ortho.GetGeoTransform(ignored) == CE_None;
+  if (!is_placed && ortho.GetGCPCount() == 0)
+    throw InputError(o.ortho, "ortho", "does not say where its pixels lie; give it a geotransform or a world file");
+  options.SetNameValue("SRC_METHOD", is_placed ? "GEOTRANSFORM" : "GCP_POLYNOMIAL");
+  if (!source.empty() && raster_crs != nullptr) {
+    options.SetNameValue("SRC_SRS", source.c_str());
+    options.SetNameValue("DST_SRS", wkt_of(*raster_crs).c_str());
   }
+  Transformer out(GDALCreateGenImgProjTransformer2(&ortho, target, options.List()));
+  if (!out) throw InputError(o.ortho, "ortho", "cannot be placed over the raster" + QuietErrors::last());
+  return out;
+}
+
+/// Returns the grid of texels over a tile and its margin.
+Grid texel_grid(const DemTile& tile, int texels, int margin) {
+  Grid window{tile.raster->geotransform};
+  const double cells = double(margin) / texels;
+  const auto [x, y] = window.place(tile.column - cells, tile.row - cells);
+  window.g[0] = x, window.g[3] = y;
+  for (const std::size_t i : {1, 2, 4, 5}) window.g[i] /= texels;
+  return window;
+}
+
+/// The image over one tile, to which orthophotos are added.
+class TileImage {
+ public:
+  TileImage(const DemTile& tile, const OGRSpatialReference* crs)
+      : crs_(crs),
+        texels_(tile.raster->texels_per_cell),
+        margin_(margin_texels(texels_)),
+        grid_(texel_grid(tile, texels_, margin_)),
+        width_(tile.columns * texels_ + 2 * margin_),
+        height_(tile.rows * texels_ + 2 * margin_),
+        rgb_(std::size_t(3) * std::size_t(width_) * std::size_t(height_), grey) {}
+
+  void add(const DemOptions& o) {
+    const BorrowedRaster ortho = borrow_raster(o.ortho, "ortho");
+    const OrthoBands bands = ortho_bands(o.ortho, *ortho);
+    const int colours = int(bands.colours.size());
+    const GDALDataType type = ortho->GetRasterBand(bands.colours[0])->GetRasterDataType();
+    const Dataset warped = raster_in_memory(o.ortho, "ortho", width_, height_, colours + 1, type);
+    double geotransform[6];
+    std::copy(grid_.g.begin(), grid_.g.end(), geotransform);
+    warped->SetGeoTransform(geotransform);
+    warp(o, bands, *ortho, *warped);
+    for (int row = 0; row < height_; ++row) blend_row(o, bands, *ortho, *warped, row);
+  }
+
+  EncodedImage encoded(const std::string& name) const { return {name, png_bytes(name, width_, height_, rgb_)}; }
 
  private:
-  [[noreturn]] void fail(const std::string& message) const {
-    throw InputError(tile_.raster->options.ortho, "ortho", message + QuietErrors::last());
-  }
-
-  /// As many as keep the photo's resolution.
-  int texels_a_cell(GDALDataset& ortho, const std::string& source_crs, const std::string& crs) const {
-    void* to_tile = GDALCreateGenImgProjTransformer(&ortho, source_crs.c_str(), nullptr, crs.c_str(), TRUE, 0, 1);
-    if (to_tile == nullptr) fail("cannot be placed over the raster");
-    double suggested[6];
-    int width = 0, height = 0;
-    const CPLErr error = GDALSuggestedWarpOutput(&ortho, GDALGenImgProjTransform, to_tile, suggested, &width, &height);
-    GDALDestroyGenImgProjTransformer(to_tile);
-    if (error != CE_None) fail("cannot be placed over the raster");
-    const double cell = std::sqrt(std::fabs(grid_.determinant())), pixel = std::fabs(suggested[1]);
-    const int most = std::max(1, most_texture_edge / (std::max(tile_.columns, tile_.rows) + 2 * margin_cells));
-    return std::clamp(int(std::lround(cell / pixel)), 1, std::min(most, most_texels_a_cell));
-  }
-
-  /// Where there is no photo.
-  static void fill_grey(GDALDataset& out) {
-    for (int band = 1; band <= 3; ++band) out.GetRasterBand(band)->Fill(127);
-  }
-
-  void warp(GDALDataset& ortho, GDALDataset& out, const std::string& source_crs, const std::string& crs) const {
-    std::unique_ptr<GDALWarpOptions, decltype(&GDALDestroyWarpOptions)> o(GDALCreateWarpOptions(),
-                                                                          &GDALDestroyWarpOptions);
-    const bool is_colour = ortho.GetRasterCount() >= 3;
-    o->hSrcDS = &ortho;
-    o->hDstDS = &out;
-    o->eResampleAlg = GRA_Bilinear;
-    o->nBandCount = 3;
-    o->panSrcBands = static_cast<int*>(CPLMalloc(3 * sizeof(int)));
-    o->panDstBands = static_cast<int*>(CPLMalloc(3 * sizeof(int)));
-    for (int i = 0; i < 3; ++i) o->panSrcBands[i] = is_colour ? i + 1 : 1, o->panDstBands[i] = i + 1;
-    if (ortho.GetRasterCount() == 4 || ortho.GetRasterCount() == 2) o->nSrcAlphaBand = ortho.GetRasterCount();
-    o->pTransformerArg = GDALCreateGenImgProjTransformer(&ortho, source_crs.c_str(), &out, crs.c_str(), FALSE, 0, 1);
-    if (o->pTransformerArg == nullptr) fail("cannot be placed over the raster");
-    o->pfnTransformer = GDALGenImgProjTransform;
+  void warp(const DemOptions& o, const OrthoBands& bands, GDALDataset& ortho, GDALDataset& warped) const {
+    const std::unique_ptr<GDALWarpOptions, decltype(&GDALDestroyWarpOptions)> w(GDALCreateWarpOptions(),
+                                                                                &GDALDestroyWarpOptions);
+    const Transformer transformer = transformer_of(o, ortho, &warped, crs_);
+    const int count = int(bands.colours.size());
+    w->hSrcDS = &ortho, w->hDstDS = &warped;
+    w->eResampleAlg = bands.is_palette ? GRA_NearestNeighbour : GRA_Bilinear;  // no colour is between two indices
+    w->nBandCount = count;
+    w->panSrcBands = static_cast<int*>(CPLMalloc(std::size_t(count) * sizeof(int)));
+    w->panDstBands = static_cast<int*>(CPLMalloc(std::size_t(count) * sizeof(int)));
+    for (int i = 0; i < count; ++i) w->panSrcBands[i] = bands.colours[std::size_t(i)], w->panDstBands[i] = i + 1;
+    w->nSrcAlphaBand = bands.alpha, w->nDstAlphaBand = count + 1;
+    set_nodata(bands, ortho, *w);
+    w->pfnTransformer = GDALGenImgProjTransform, w->pTransformerArg = transformer.get();
     GDALWarpOperation operation;
-    const bool ok = operation.Initialize(o.get()) == CE_None &&
-                    operation.ChunkAndWarpImage(0, 0, out.GetRasterXSize(), out.GetRasterYSize()) == CE_None;
-    GDALDestroyGenImgProjTransformer(o->pTransformerArg);
-    o->pTransformerArg = nullptr;
-    if (!ok) fail("cannot be read");
+    const bool ok =
+        operation.Initialize(w.get()) == CE_None && operation.ChunkAndWarpImage(0, 0, width_, height_) == CE_None;
+    w->pTransformerArg = nullptr;
+    if (!ok) throw InputError(o.ortho, "ortho", "cannot be read" + QuietErrors::last());
   }
 
-  std::vector<std::uint8_t> png_of(GDALDataset& out, int width, int height) const {
-    std::vector<std::uint8_t> rgb(std::size_t(3) * std::size_t(width) * std::size_t(height));
-    if (out.RasterIO(GF_Read, 0, 0, width, height, rgb.data(), width, height, GDT_Byte, 3, nullptr, 3, 3 * width, 1,
-                     nullptr) != CE_None)
-      fail("cannot be read");
-    return png_bytes(tile_.raster->options.ortho.string(), width, height, rgb);
+  /// A pixel is missing if all of its colours are nodata.
+  static void set_nodata(const OrthoBands& bands, GDALDataset& ortho, GDALWarpOptions& w) {
+    int has_all = 1;
+    std::vector<double> nodata;
+    for (const int number : bands.colours) {
+      int has_nodata = 0;
+      nodata.push_back(ortho.GetRasterBand(number)->GetNoDataValue(&has_nodata));
+      has_all &= has_nodata;
+    }
+    if (has_all == 0) return;
+    w.padfSrcNoDataReal = static_cast<double*>(CPLMalloc(nodata.size() * sizeof(double)));
+    std::copy(nodata.begin(), nodata.end(), w.padfSrcNoDataReal);
+    w.papszWarpOptions = CSLSetNameValue(w.papszWarpOptions, "UNIFIED_SRC_NODATA", "YES");
   }
 
-  const DemTile& tile_;
-  const Grid& grid_;
-  const EarthMap& earth_;
+  void blend_row(const DemOptions& o, const OrthoBands& bands, GDALDataset& ortho, GDALDataset& warped, int row) {
+    const int count = int(bands.colours.size()) + 1;
+    std::vector<double> values(std::size_t(count) * std::size_t(width_));
+    if (warped.RasterIO(GF_Read, 0, row, width_, 1, values.data(), width_, 1, GDT_Float64, count, nullptr,
+                        int(sizeof(double)) * count, 0, sizeof(double), nullptr) != CE_None)
+      throw InputError(o.ortho, "ortho", "cannot be read" + QuietErrors::last());
+    const GDALRasterBand& first = *ortho.GetRasterBand(bands.colours[0]);
+    const double opaque = warped.GetRasterBand(1)->GetRasterDataType() == GDT_Byte ? 255 : 65535;
+    GDALColorTable* table = bands.is_palette ? const_cast<GDALRasterBand&>(first).GetColorTable() : nullptr;
+    for (int column = 0; column < width_; ++column) {
+      const double* v = &values[std::size_t(column) * std::size_t(count)];
+      double rgb[3], alpha = v[count - 1] / opaque;
+      if (bands.is_palette)
+        alpha *= colour_of_index(*table, int(v[0]), rgb);
+      else
+        for (int c = 0; c < 3; ++c) rgb[c] = intensity(bands, v[count == 4 ? c : 0]);
+      std::uint8_t* texel = &rgb_[(std::size_t(row) * std::size_t(width_) + std::size_t(column)) * 3];
+      for (std::size_t c = 0; c < 3; ++c) texel[c] = std::uint8_t(std::lround(texel[c] + (rgb[c] - texel[c]) * alpha));
+    }
+  }
+
+  static double intensity(const OrthoBands& bands, double value) {
+    const double v = std::min(255.0, value * 255 / bands.max_value);
+    return bands.is_inverted ? 255 - v : v;
+  }
+
+  /// Returns the opacity of an entry of a palette.
+  static double colour_of_index(GDALColorTable& table, int index, double* rgb) {
+    GDALColorEntry entry{};
+    if (index < 0 || index >= table.GetColorEntryCount() || table.GetColorEntryAsRGB(index, &entry) == 0) entry = {};
+    rgb[0] = entry.c1, rgb[1] = entry.c2, rgb[2] = entry.c3;
+    return entry.c4 / 255.0;
+  }
+
+  const OGRSpatialReference* crs_;
+  int texels_, margin_;
+  Grid grid_;
+  int width_, height_;
+  std::vector<std::uint8_t> rgb_;
 };
+
+/// Returns whether one of 33 × 33 points of a grid of pixels, turned by `to_other`, lies in the other grid.
+bool reaches(void* transformer, int direction, int columns, int rows, double other_columns, double other_rows) {
+  constexpr int steps = 32;
+  std::vector<double> x, y, z;
+  for (int r = 0; r <= steps; ++r)
+    for (int c = 0; c <= steps; ++c)
+      x.push_back(double(columns) * c / steps), y.push_back(double(rows) * r / steps), z.push_back(0);
+  std::vector<int> ok(x.size(), 0);
+  GDALGenImgProjTransform(transformer, direction, int(x.size()), x.data(), y.data(), z.data(), ok.data());
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (ok[i] != 0 && x[i] >= 0 && x[i] <= other_columns && y[i] >= 0 && y[i] <= other_rows) return true;
+  return false;
+}
+
+/// Returns whether a sample of an orthophoto has a pixel with a colour.
+bool has_colour(GDALDataset& ortho, const OrthoBands& bands) {
+  constexpr int edge = 128;
+  const int width = std::min(edge, ortho.GetRasterXSize()), height = std::min(edge, ortho.GetRasterYSize());
+  std::vector<std::uint8_t> mask(std::size_t(width) * std::size_t(height));
+  for (const int number : bands.colours) {
+    GDALRasterBand& band = *ortho.GetRasterBand(bands.alpha != 0 ? bands.alpha : number);
+    GDALRasterBand& validity = bands.alpha != 0 ? band : *band.GetMaskBand();
+    if (validity.RasterIO(GF_Read, 0, 0, ortho.GetRasterXSize(), ortho.GetRasterYSize(), mask.data(), width, height,
+                          GDT_Byte, 0, 0) != CE_None ||
+        std::any_of(mask.begin(), mask.end(), [](std::uint8_t m) { return m != 0; }))
+      return true;
+  }
+  return false;
+}
+
+/// Returns the width of an orthophoto's pixel in the raster's coordinates.
+double pixel_size(const DemOptions& o, GDALDataset& ortho, const OGRSpatialReference* crs) {
+  const Transformer to_raster = transformer_of(o, ortho, nullptr, crs);
+  double suggested[6];
+  int width = 0, height = 0;
+  if (GDALSuggestedWarpOutput(&ortho, GDALGenImgProjTransform, to_raster.get(), suggested, &width, &height) != CE_None)
+    throw InputError(o.ortho, "ortho", "cannot be placed over the raster" + QuietErrors::last());
+  return std::fabs(suggested[1]);
+}
 
 }  // namespace
 
-EncodedImage read_ortho(const DemTile& tile, const Grid& grid, const EarthMap& earth) {
-  return OrthoWindow(tile, grid, earth).read();
+OrthoFacts check_ortho(const DemPart& part, const Grid& grid, const OGRSpatialReference* crs) {
+  const DemOptions& o = part.options;
+  const BorrowedRaster ortho = borrow_raster(o.ortho, "ortho");
+  const OrthoBands bands = ortho_bands(o.ortho, *ortho);
+  OrthoFacts out;
+  out.warnings = bands.warnings;
+  out.texels_per_cell = std::sqrt(std::fabs(grid.determinant())) / pixel_size(o, *ortho, crs);
+  const Dataset target = raster_in_memory(o.ortho, "ortho", 1, 1, 1, GDT_Byte);
+  Grid of_part = grid;
+  const auto [x, y] = grid.place(part.column - 0.5, part.row - 0.5);
+  of_part.g[0] = x, of_part.g[3] = y;
+  double geotransform[6];
+  std::copy(of_part.g.begin(), of_part.g.end(), geotransform);
+  target->SetGeoTransform(geotransform);
+  const Transformer to_raster = transformer_of(o, *ortho, target.get(), crs);
+  const int width = ortho->GetRasterXSize(), height = ortho->GetRasterYSize();
+  if (!reaches(to_raster.get(), FALSE, width, height, part.columns, part.rows) &&
+      !reaches(to_raster.get(), TRUE, part.columns, part.rows, width, height))
+    out.warnings.push_back("the orthophoto " + in_quotes(o.ortho.filename().string()) +
+                           " covers nothing of the raster, which is grey; is its coordinate system right? Set "
+                           "\"ortho_crs\" in the scene .json");
+  else if (!has_colour(*ortho, bands))
+    out.warnings.push_back("the orthophoto " + in_quotes(o.ortho.filename().string()) +
+                           " covers nothing: a sample of it has only transparent pixels");
+  return out;
+}
+
+EncodedImage read_ortho(const DemTile& tile, const OGRSpatialReference* crs) {
+  TileImage image(tile, crs);
+  std::vector<std::filesystem::path> added;
+  for (const DemPart& part : tile.raster->parts) {
+    const DemOptions& o = part.options;
+    if (!touches(tile, part) || o.ortho.empty() || std::find(added.begin(), added.end(), o.ortho) != added.end())
+      continue;
+    image.add(o);
+    added.push_back(o.ortho);
+  }
+  return image.encoded(added.empty() ? tile.raster->parts[0].options.dem.string() : added[0].string());
 }
 
 }  // namespace gigabake

@@ -16,8 +16,10 @@ const GdalModule& gdal() {
 
 }  // namespace
 
-std::vector<DemTile> open_dem(const DemOptions& options) { return gdal().open_dem(options); }
+std::vector<DemSurface> open_dem(const std::vector<DemOptions>& options, bool is_local) {
+  return gdal().open_dem(options, is_local);
+}
 DemMesh read_dem(const DemTile& tile, bool with_ortho) { return gdal().read_dem(tile, with_ortho); }
-std::vector<std::filesystem::path> dem_files(const DemOptions& options) { return gdal().dem_files(options); }
+std::vector<std::filesystem::path> dem_files(const DemTile& tile) { return gdal().dem_files(tile); }
 
 }  // namespace gigabake

@@ -3,12 +3,13 @@
 
 namespace gigabake {
 
-std::vector<DemTile> open_dem(const DemOptions& options) {
-  throw InputError(options.dem, "dem", "this gigabake was built without GDAL; install libgdal-dev and build again");
+std::vector<DemSurface> open_dem(const std::vector<DemOptions>& options, bool) {
+  throw InputError(options.at(0).dem, "dem",
+                   "this gigabake was built without GDAL; install libgdal-dev and build again");
 }
 
 // No tile can be made, so neither of these runs.
 DemMesh read_dem(const DemTile&, bool) { return {}; }
-std::vector<std::filesystem::path> dem_files(const DemOptions&) { return {}; }
+std::vector<std::filesystem::path> dem_files(const DemTile&) { return {}; }
 
 }  // namespace gigabake

@@ -32,14 +32,26 @@ void make_random(Place& place, Random& random) {
 
 std::shared_ptr<const DemRaster> random_raster(Random& random) {
   auto raster = std::make_shared<DemRaster>();
-  raster->options.dem = random_name(random);
-  if (random() % 2 == 0) raster->options.ortho = random_name(random);
-  raster->options.crs = random_name(random);
-  if (random() % 2 == 0) raster->options.nodata = -9999.5;
-  if (random() % 2 == 0) raster->options.height_scale = 0.3048;
-  raster->options.geoid_offset_m = double(random() % 100) / 3;
-  raster->options.tile_cells = int(16 + random() % 100);
   raster->columns = int(2 + random() % 1000), raster->rows = int(2 + random() % 1000);
+  for (std::uint64_t parts = 1 + random() % 3; parts > 0; --parts) {
+    DemPart part;
+    DemOptions& o = part.options;
+    o.dem = random_name(random);
+    if (random() % 2 == 0) o.ortho = random_name(random);
+    o.crs = random_name(random), o.ortho_crs = random_name(random);
+    if (random() % 2 == 0) o.nodata = -9999.5;
+    if (random() % 2 == 0) o.height_scale = 0.3048;
+    o.geoid_offset_m = double(random() % 100) / 3;
+    o.tile_cells = int(1 + random() % 100);
+    part.column = int(random() % std::uint64_t(raster->columns - 1));
+    part.row = int(random() % std::uint64_t(raster->rows - 1));
+    part.columns = 2 + int(random() % std::uint64_t(raster->columns - 1 - part.column));
+    part.rows = 2 + int(random() % std::uint64_t(raster->rows - 1 - part.row));
+    raster->parts.push_back(part);
+  }
+  raster->texels_per_cell = int(1 + random() % 100);
+  raster->geotransform = {5e5, 2, 0.1, 5.1e6, 0.2, -2};
+  raster->is_on_earth = random() % 2 == 0;
   raster->origin = {46.5, -8.25, 1e3 / 3};
   return raster;
 }
@@ -86,13 +98,22 @@ bool same_bits(const Place& a, const Place& b) {
 }
 
 void expect_same(const DemTile& a, const DemTile& b) {
-  EXPECT_EQ(a.raster->options.dem, b.raster->options.dem);
-  EXPECT_EQ(a.raster->options.ortho, b.raster->options.ortho);
-  EXPECT_EQ(a.raster->options.crs, b.raster->options.crs);
-  EXPECT_EQ(a.raster->options.nodata, b.raster->options.nodata);
-  EXPECT_EQ(a.raster->options.height_scale, b.raster->options.height_scale);
-  EXPECT_EQ(a.raster->options.geoid_offset_m, b.raster->options.geoid_offset_m);
-  EXPECT_EQ(a.raster->options.tile_cells, b.raster->options.tile_cells);
+  ASSERT_EQ(a.raster->parts.size(), b.raster->parts.size());
+  for (std::size_t i = 0; i < a.raster->parts.size(); ++i) {
+    const DemPart &p = a.raster->parts[i], &q = b.raster->parts[i];
+    EXPECT_EQ(p.options.dem, q.options.dem);
+    EXPECT_EQ(p.options.ortho, q.options.ortho);
+    EXPECT_EQ(p.options.crs, q.options.crs);
+    EXPECT_EQ(p.options.ortho_crs, q.options.ortho_crs);
+    EXPECT_EQ(p.options.nodata, q.options.nodata);
+    EXPECT_EQ(p.options.height_scale, q.options.height_scale);
+    EXPECT_EQ(p.options.geoid_offset_m, q.options.geoid_offset_m);
+    EXPECT_EQ(p.options.tile_cells, q.options.tile_cells);
+    EXPECT_EQ(std::tuple(p.column, p.row, p.columns, p.rows), std::tuple(q.column, q.row, q.columns, q.rows));
+  }
+  EXPECT_EQ(a.raster->texels_per_cell, b.raster->texels_per_cell);
+  EXPECT_EQ(a.raster->geotransform, b.raster->geotransform);
+  EXPECT_EQ(a.raster->is_on_earth, b.raster->is_on_earth);
   EXPECT_EQ(std::pair(a.raster->columns, a.raster->rows), std::pair(b.raster->columns, b.raster->rows));
   EXPECT_EQ(a.raster->origin, b.raster->origin);
   EXPECT_EQ(std::tuple(a.column, a.row, a.columns, a.rows), std::tuple(b.column, b.row, b.columns, b.rows));

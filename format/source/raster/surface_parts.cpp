@@ -1,0 +1,72 @@
+#include "format/source/raster/surface_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace gigabake {
+namespace {
+
+/// Rasters of one grid differ by rounding of their numbers, at most by this fraction of a pixel over their whole width.
+constexpr double max_offset_pixels = 0.02;
+/// Farther apart than this, in pixels, two rasters are two surfaces: a surface's numbers of pixels are ints.
+constexpr double max_distance_pixels = 1e8;
+
+bool is_same_crs(const RasterHead& a, const RasterHead& b) {
+  if (!a.crs || !b.crs) return !a.crs && !b.crs;
+  return a.crs->IsSame(&*b.crs) != 0;
+}
+
+/// Returns the place of b's first pixel in the pixels of a, unless their pixels do not lie on one grid.
+std::optional<std::pair<int, int>> offset_of(const RasterHead& a, const RasterHead& b) {
+  const double widest = std::max({a.part.columns, a.part.rows, b.part.columns, b.part.rows});
+  const double determinant = a.grid.determinant(), pixel = std::sqrt(std::fabs(determinant));
+  for (const std::size_t i : {1, 2, 4, 5})
+    if (!(std::fabs(a.grid.g[i] - b.grid.g[i]) * widest <= max_offset_pixels * pixel)) return std::nullopt;
+  const double dx = b.grid.g[0] - a.grid.g[0], dy = b.grid.g[3] - a.grid.g[3];
+  const double column = (dx * a.grid.g[5] - dy * a.grid.g[2]) / determinant;
+  const double row = (dy * a.grid.g[1] - dx * a.grid.g[4]) / determinant;
+  for (const double at : {column, row})
+    if (!(std::fabs(at) <= max_distance_pixels) || std::fabs(at - std::round(at)) > max_offset_pixels)
+      return std::nullopt;
+  return std::pair(int(std::lround(column)), int(std::lround(row)));
+}
+
+/// Makes places of parts relative to the first pixel of all, from those relative to the first part.
+void settle(SurfaceHead& surface, std::vector<RasterHead>& heads) {
+  int column = 0, row = 0;
+  for (const std::size_t i : surface.heads)
+    column = std::min(column, heads[i].part.column), row = std::min(row, heads[i].part.row);
+  Grid& grid = surface.grid;
+  grid.g[0] += grid.g[1] * column + grid.g[2] * row;
+  grid.g[3] += grid.g[4] * column + grid.g[5] * row;
+  for (const std::size_t i : surface.heads) {
+    DemPart& part = heads[i].part;
+    part.column -= column, part.row -= row;
+    surface.columns = std::max(surface.columns, part.column + part.columns);
+    surface.rows = std::max(surface.rows, part.row + part.rows);
+  }
+}
+
+}  // namespace
+
+std::vector<SurfaceHead> group_surfaces(std::vector<RasterHead>& heads) {
+  std::vector<SurfaceHead> surfaces;
+  for (std::size_t i = 0; i < heads.size(); ++i) {
+    bool is_added = false;
+    for (SurfaceHead& surface : surfaces) {
+      const RasterHead& first = heads[surface.heads[0]];
+      if (is_added || !is_same_crs(first, heads[i])) continue;
+      const auto offset = offset_of(first, heads[i]);
+      if (!offset) continue;
+      heads[i].part.column = offset->first, heads[i].part.row = offset->second;
+      surface.heads.push_back(i);
+      is_added = true;
+    }
+    if (!is_added) surfaces.push_back({heads[i].grid, 0, 0, {i}});
+  }
+  for (SurfaceHead& surface : surfaces) settle(surface, heads);
+  return surfaces;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,28 @@
+/// Which rasters form one surface.
+#pragma once
+
+#include <vector>
+
+#include "format/source/raster/gdal_raster.h"
+
+namespace gigabake {
+
+/// A raster that is to be part of a surface.
+struct RasterHead {
+  DemPart part;  ///< its place in the surface is not set yet
+  Grid grid;
+  std::optional<OGRSpatialReference> crs;  ///< without its vertical part
+};
+
+/// A surface's grid and the heads in it, by their numbers; parts are in the order of these numbers.
+struct SurfaceHead {
+  Grid grid;
+  int columns = 0, rows = 0;
+  std::vector<std::size_t> heads;
+};
+
+/// Groups rasters of one coordinate system whose pixels lie on one grid, and sets each part's place in it.
+/// Returns surfaces in the order of their first rasters.
+std::vector<SurfaceHead> group_surfaces(std::vector<RasterHead>& heads);
+
+}  // namespace gigabake

@@ -1,0 +1,177 @@
+#!/usr/bin/env python3
+"""Orthophotos as surveys and GIS tools write them: bands, palettes, types, nodata, resolution, places.
+
+Usage: orthophoto_test.py GIGABAKE SOURCE_DIR
+"""
+import sys
+
+import numpy
+
+import harness
+from dem_test import gdal
+from raster_places import LEFT, PIXEL, TOP, RasterTest, lon_lat, translate
+
+COLOURS = {(8, 8): (200, 30, 20), (31, 8): (20, 180, 40), (8, 31): (30, 40, 210), (31, 31): (240, 240, 240)}
+GREY = [127, 127, 127]
+
+
+class OrthophotoTest(RasterTest):
+    """Four quarters of 80 × 80 pixels, each of one colour."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("dem.tif", self.height)
+        self.index = numpy.kron(numpy.array([[1, 2], [3, 4]], "u1"), numpy.ones((40, 40), "u1"))
+        self.rgb = numpy.array([(0, 0, 0), *COLOURS.values()], "u1")[self.index].transpose(2, 0, 1)
+
+    def photo(self, bands, kind=gdal.GDT_Byte, name="photo.tif", **options):
+        return self.write(name, bands, pixel=1, kind=kind, **options)
+
+    def change(self, work, name="photo.tif"):
+        raster = gdal.Open(str(self.folder / name), gdal.GA_Update)
+        work(raster)
+        raster = None
+
+    def interpret(self, *interpretations):
+        def work(raster):
+            for band, interpretation in enumerate(interpretations, 1):
+                raster.GetRasterBand(band).SetColorInterpretation(interpretation)
+        self.change(work)
+
+    def expect(self, changed=None, name="photo.tif", messages="", **entry):
+        """changed: colours of quarters other than COLOURS."""
+        said = self.bake(self.scene({"dem": "dem.tif", "ortho": name, **entry}))
+        expected = [list(c) for c in {**COLOURS, **(changed or {})}.values()]
+        self.assertEqual(self.colours(*COLOURS), expected)
+        if messages:
+            self.assertIn(messages, said)
+        else:
+            self.assertNotIn("warning", said)
+
+    def refuse(self, *words, name="photo.tif"):
+        self.refused(self.scene({"dem": "dem.tif", "ortho": name}), *words)
+
+    # 2026-11-25: bands were taken by their number: infrared as opacity, indices of a palette as grey.
+    def test_bands_are_taken_by_their_interpretation(self):
+        infrared = numpy.array([0, 0, 255, 40, 128], "u1")[self.index]
+        red, green, blue, undefined = gdal.GCI_RedBand, gdal.GCI_GreenBand, gdal.GCI_BlueBand, gdal.GCI_Undefined
+        self.photo([*self.rgb, infrared])
+        self.interpret(red, green, blue, undefined)
+        self.expect(messages="not used: 4")
+        self.photo([*self.rgb[::-1]])
+        self.interpret(blue, green, red)
+        self.expect()
+        self.photo([infrared, *self.rgb])
+        self.interpret(undefined, red, green, blue)
+        self.expect(messages="not used: 1")
+        self.photo([*self.rgb, infrared * 0 + 255])
+        self.interpret(red, green, blue, gdal.GCI_AlphaBand)
+        self.expect()
+
+    def test_two_bands_without_an_alpha_are_grey_and_one_more(self):
+        grey = numpy.array([0, 50, 100, 150, 200], "u1")[self.index]
+        expected = {place: (v, v, v) for place, v in zip(COLOURS, (50, 100, 150, 200))}
+        self.photo([grey, grey * 0])
+        self.interpret(gdal.GCI_GrayIndex, gdal.GCI_Undefined)
+        self.expect(expected, messages="not used: 2")
+        self.photo(grey)
+        self.expect(expected)
+
+    def test_palettes(self):
+        def colour(raster, alpha_of_blue=255):
+            table = gdal.ColorTable()
+            for i, c in enumerate(COLOURS.values(), 1):
+                table.SetColorEntry(i, (*c, alpha_of_blue if i == 3 else 255))
+            raster.GetRasterBand(1).SetColorTable(table)
+        self.photo(self.index)
+        self.change(colour)
+        self.expect()
+        translate(self.folder / "photo.tif", self.folder / "photo.png", "-of PNG -co WORLDFILE=YES")
+        self.expect(name="photo.png")
+        self.photo(self.index, nodata=3)
+        self.change(colour)
+        self.expect({(8, 31): GREY})
+        bits = (self.index % 2).astype("u1")
+        self.photo(bits)
+        translate(self.folder / "photo.tif", self.folder / "bits.tif", "-co NBITS=1")
+        white, black = (255, 255, 255), (0, 0, 0)
+        self.expect(dict(zip(COLOURS, (white, black, white, black))), name="bits.tif")
+
+    def test_16_bits_use_their_whole_range_or_that_of_nbits(self):
+        self.photo(self.rgb.astype("u2") * 257, gdal.GDT_UInt16)
+        self.interpret(gdal.GCI_RedBand, gdal.GCI_GreenBand, gdal.GCI_BlueBand)
+        self.expect()
+        self.photo(numpy.round(self.rgb * (4095 / 255)).astype("u2"), gdal.GDT_UInt16, name="raw.tif")
+        self.refuse("reach only", "gdal_translate -ot Byte -scale", name="raw.tif")
+        translate(self.folder / "raw.tif", self.folder / "photo.tif", "-co NBITS=12 -colorinterp red,green,blue")
+        self.expect()
+
+    def test_numbers_without_a_range_of_colours_name_the_command(self):
+        for kind in (gdal.GDT_Float32, gdal.GDT_Int16, gdal.GDT_UInt32):
+            self.photo(self.rgb, kind)
+            self.refuse(gdal.GetDataTypeName(kind), "gdal_translate -ot Byte -scale")
+        self.photo([*self.rgb, self.rgb[0]])
+        self.interpret(gdal.GCI_CyanBand, gdal.GCI_MagentaBand, gdal.GCI_YellowBand, gdal.GCI_BlackBand)
+        self.refuse("not red, green and blue")
+
+    # 2026-11-25: a collar of nodata was black.
+    def test_pixels_without_a_value_are_grey(self):
+        self.rgb[:, self.index == 3] = 0
+        self.photo(self.rgb, nodata=0)
+        self.expect({(8, 31): GREY})
+        self.rgb[0, self.index == 1] = 0  # one colour of 0 is none
+        self.photo(self.rgb, nodata=0)
+        self.expect({(8, 31): GREY, (8, 8): (0, 30, 20)})
+        self.rgb[0, self.index == 1] = 200
+        self.photo(self.rgb, name="plain.tif")
+        translate(self.folder / "plain.tif", self.folder / "aux.tif", "-co PROFILE=GeoTIFF -a_nodata 0")
+        self.assertTrue((self.folder / "aux.tif.aux.xml").exists())
+        self.expect({(8, 31): GREY}, name="aux.tif")
+        gdal.Warp(str(self.folder / "photo.tif"), str(self.folder / "plain.tif"), options="-srcnodata 0 -dstalpha")
+        self.expect({(8, 31): GREY})
+        raster = gdal.Open(str(self.folder / "plain.tif"))
+        raster.CreateMaskBand(gdal.GMF_PER_DATASET)
+        raster.GetRasterBand(1).GetMaskBand().WriteArray((self.index != 3).astype("u1") * 255)
+        raster = None
+        self.assertTrue((self.folder / "plain.tif.msk").exists())
+        self.expect({(8, 31): GREY}, name="plain.tif")
+
+    def test_an_orthophoto_that_covers_nothing_is_named(self):
+        self.photo(self.rgb, left=LEFT + 1e5)
+        [warning] = self.plan(self.scene({"dem": "dem.tif", "ortho": "photo.tif"}))["warnings"]
+        self.assertIn("'photo.tif' covers nothing", warning)
+        self.photo(self.rgb * 0, nodata=0)
+        [warning] = self.plan(self.scene({"dem": "dem.tif", "ortho": "photo.tif"}))["warnings"]
+        self.assertIn("transparent", warning)
+
+    def test_an_orthophoto_has_a_coordinate_system_of_its_own(self):
+        lon, lat = lon_lat(LEFT, TOP)
+        step = (lon_lat(LEFT + 80, TOP)[0] - lon) / 40
+        self.write("dem.tif", self.height, left=lon, top=lat, pixel=step, epsg=4326)
+        self.photo(self.rgb, epsg=None)
+        [warning] = self.plan(self.scene({"dem": "dem.tif", "ortho": "photo.tif"}))["warnings"]
+        self.assertIn("ortho_crs", warning)
+        self.bake(self.scene({"dem": "dem.tif", "ortho": "photo.tif", "ortho_crs": "EPSG:32632"}))
+        self.assertEqual(self.colours((8, 8), (31, 8)), [list(c) for c in list(COLOURS.values())[:2]])
+        self.refused(self.scene({"dem": "dem.tif", "ortho": "photo.tif", "ortho_crs": "EPSG:x"}), "ortho_crs")
+
+    # 2026-11-25: at most 32 texels a pixel of the raster were kept: stripes of 2 m were a grey wash.
+    def test_an_orthophoto_keeps_its_resolution(self):
+        self.write("coarse.tif", self.height[:6, :6], pixel=90)
+        stripes = numpy.zeros((3, 1080, 1080), "u1")
+        stripes[:, :, (numpy.arange(1080) // 4) % 2 == 1] = 255
+        self.write("stripes.tif", stripes, pixel=0.5, kind=gdal.GDT_Byte)
+        scene = self.scene({"dem": "coarse.tif", "ortho": "stripes.tif"})
+        plan = self.program.succeed("plan", scene, "--voxel-size", 0.5)
+        self.assertIn("texels of the textures are about 0.5 m", plan)
+        self.bake(scene, 0.5)
+        places = [(100.75 + 2 * i, 200) for i in range(10)]  # the middle of stripes, in metres
+        colours = self.colours(*places, pixel=1)
+        self.assertEqual([c[0] > 127 for c in colours], [i % 2 == 1 for i in range(10)])
+        self.assertEqual({min(c[0], 255 - c[0]) < 20 for c in colours}, {True})
+
+
+if __name__ == "__main__":
+    RasterTest.program = harness.Gigabake(sys.argv[1])
+    harness.skip_without(RasterTest.program, "GDAL", "probe.tif")
+    harness.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)
