@@ -26,16 +26,8 @@ std::vector<T> chosen(const std::vector<T>& values, const std::vector<std::uint3
 Primitive part_of(const Primitive& whole, std::uint64_t first_triangle) {
   const std::uint64_t triangles = std::min(whole.index.size() / 3 - first_triangle, most_part_triangles);
   const auto from = whole.index.begin() + std::ptrdiff_t(3 * first_triangle);
-  Primitive out;
-  out.index.assign(from, from + std::ptrdiff_t(3 * triangles));
-  out.position_step = whole.position_step;
-  out.material = whole.material;
-  const UsedVertices used(out.index);
-  used.renumber(out.index);
-  out.position = chosen(whole.position, used.ascending(), 3);
-  out.uv = chosen(whole.uv, used.ascending(), 2);
-  out.rgba = chosen(whole.rgba, used.ascending(), 4);
-  return out;
+  std::vector<std::uint32_t> vertices;
+  return with_corners(whole, {from, from + std::ptrdiff_t(3 * triangles)}, vertices);
 }
 
 /// Hands over one primitive and says by how many it came.
@@ -78,6 +70,19 @@ Primitive without_lists(const Primitive& primitive) {
   Primitive out;
   out.position_step = primitive.position_step;
   out.material = primitive.material;
+  return out;
+}
+
+Primitive with_corners(const Primitive& whole, std::vector<std::uint32_t>&& index,
+                       std::vector<std::uint32_t>& vertices) {
+  Primitive out = without_lists(whole);
+  out.index = std::move(index);
+  const UsedVertices used(out.index);
+  used.renumber(out.index);
+  vertices = used.ascending();
+  out.position = chosen(whole.position, vertices, 3);
+  out.uv = chosen(whole.uv, vertices, 2);
+  out.rgba = chosen(whole.rgba, vertices, 4);
   return out;
 }
 

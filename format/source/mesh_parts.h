@@ -40,6 +40,11 @@ class UsedVertices {
   std::vector<std::uint32_t> ascending_;
 };
 
+/// Returns the primitive of some triangles of `whole`, with the vertices that they use. `vertices` becomes the number
+/// of each vertex in `whole`.
+Primitive with_corners(const Primitive& whole, std::vector<std::uint32_t>&& index,
+                       std::vector<std::uint32_t>& vertices);
+
 /// What is kept of a primitive that was handed over.
 Primitive without_lists(const Primitive& primitive);
 

@@ -10,6 +10,7 @@ namespace gigabake {
 namespace {
 
 constexpr std::string_view blank = " \t\r\f\v";
+constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 constexpr std::size_t longest_line = std::size_t(1) << 26;
 
 std::string_view trimmed(std::string_view text) {
@@ -17,6 +18,24 @@ std::string_view trimmed(std::string_view text) {
   if (first == std::string_view::npos) return {};
   return text.substr(first, text.find_last_not_of(blank) - first + 1);
 }
+
+/// Finds carriage returns and line feeds: old programs end lines by the former alone.
+class LineEnds {
+ public:
+  explicit LineEnds(std::string_view text) : text_(text) {}
+
+  /// Returns the first one from `at` on, or npos. `at` never decreases.
+  std::size_t next(std::size_t at) {
+    if (feed_ < at || at == 0) feed_ = std::min(text_.find('\n', at), text_.size());
+    if (return_ < at || at == 0) return_ = std::min(text_.find('\r', at), text_.size());
+    const std::size_t end = std::min(feed_, return_);
+    return end == text_.size() ? std::string_view::npos : end;
+  }
+
+ private:
+  std::string_view text_;
+  std::size_t feed_ = 0, return_ = 0;
+};
 
 /// Takes text block by block.
 class Lines {
@@ -28,10 +47,15 @@ class Lines {
     const std::string_view all(reinterpret_cast<const char*>(block.data()), block.size());
     if (const std::size_t zero = all.find('\0'); zero != std::string_view::npos)
       throw InputError(file_, "", "expected text in ASCII or UTF-8", bytes_ + zero);
+    std::size_t at = bytes_ == 0 && all.starts_with(byte_order_mark) ? byte_order_mark.size() : 0;
     bytes_ += all.size();
-    std::size_t at = 0;
-    for (std::size_t end; (end = all.find('\n', at)) != std::string_view::npos; at = end + 1)
+    if (!all.empty() && cut_.ends_with('\r')) take_line_end(all.substr(0, 0)), at = all[0] == '\n' ? 1 : 0;
+    LineEnds ends(all);
+    for (std::size_t end; (end = ends.next(at)) != std::string_view::npos;) {
+      if (all[end] == '\r' && end + 1 == all.size()) break;  // the next block may begin with its line feed
       take_line_end(all.substr(at, end - at));
+      at = end + (all.substr(end).starts_with("\r\n") ? 2 : 1);
+    }
     add_to(cut_, all.substr(at));
   }
 
@@ -111,8 +135,21 @@ void for_each_obj_line(const std::filesystem::path& file, const SourceBytes& tex
 
 std::span<const std::uint8_t> whole_lines(std::span<const std::uint8_t> head) {
   std::size_t bytes = head.size();
-  while (bytes > 0 && head[bytes - 1] != '\n') --bytes;
+  while (bytes > 0 && head[bytes - 1] != '\n' && head[bytes - 1] != '\r') --bytes;
   return head.first(bytes);
+}
+
+std::string_view without_comment(std::string_view text) {
+  for (std::size_t at = text.find('#'); at != std::string_view::npos; at = text.find('#', at + 1))
+    if (at == 0 || blank.find(text[at - 1]) != std::string_view::npos) return trimmed(text.substr(0, at));
+  return text;
+}
+
+std::string plain_name(std::string_view name) {
+  if (name.size() > 2 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
+  std::string out(name);
+  std::replace(out.begin(), out.end(), '\\', '/');
+  return out;
 }
 
 std::vector<double> obj_numbers(std::string_view text, std::size_t most) {

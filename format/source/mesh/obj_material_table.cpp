@@ -4,67 +4,118 @@
 #include <optional>
 
 #include "format/source/image/alpha_image.h"
-#include "format/source/source_file.h"
+#include "format/source/image/image_file.h"
 #include "lattice/error.h"
 
 namespace gigabake {
-
 void ObjMaterialTable::take(const ObjLine& line) {
-  for (const std::filesystem::path& mtl : material_files(file_, line, files_)) {
-    mtl_files_.insert(mtl);
-    if (!files_.has(mtl))
-      missing_.insert(mtl);
+  for (const NamedFile& mtl : material_files(file_, line, files_)) {
+    if (mtl.file && !mtl_files_.insert(*mtl.file).second) continue;
+    if (!mtl.is_there(files_))
+      missing_.insert(mtl.name);
     else
-      for (auto& [name, material] : read_mtl(mtl, files_.read(mtl))) named_[name] = {std::move(material), mtl};
+      for (auto& [name, material] : read_mtl(*mtl.file, files_.read(*mtl.file), mtl_warnings_))
+        described_[name] = {std::move(material), *mtl.file};
   }
 }
 
-std::vector<SourceWarning> ObjMaterialTable::warnings() const {
-  std::vector<SourceWarning> out;
-  for (const std::filesystem::path& mtl : missing_)
-    out.push_back("its material file " + in_quotes(name_in(files_.root(), mtl)) +
-                  " is missing: what it describes is grey");
-  return out;
+const ObjMaterialTable::Described* ObjMaterialTable::find(const std::string& name) const {
+  auto at = described_.find(name);
+  if (at == described_.end()) at = described_.find(std::string(without_comment(name)));
+  return at == described_.end() ? nullptr : &at->second;
+}
+
+bool ObjMaterialTable::is_usable(const Described& m, const ObjMap& map) const {
+  const NamedFile image = named_file(m.file, map.name, files_);
+  return !map.name.empty() && image.is_there(files_) && is_image_file(files_, *image.file);
+}
+
+bool ObjMaterialTable::has_image(const std::string& name) const {
+  const Described* m = find(name);
+  return m != nullptr && (is_usable(*m, m->material.color_map) || is_usable(*m, m->material.alpha_map));
+}
+
+ObjMap ObjMaterialTable::placed_map(const std::string& name) const {
+  const Described* m = find(name);
+  return m == nullptr ? ObjMap() : m->material.placed_map();
+}
+
+void ObjMaterialTable::warn(const std::set<std::string>& used, MeshWarnings& warnings) const {
+  for (const std::string& mtl : missing_)
+    warnings.count("material files are missing, what they describe is grey", in_quotes(mtl));
+  warnings.add(mtl_warnings_);
+  std::size_t named = 0;
+  for (const std::string& name : used) {
+    if (name.empty()) continue;
+    ++named;
+    const Described* m = find(name);
+    if (m == nullptr && missing_.empty())
+      warnings.count("materials that faces name and no file describes, taken as white", in_quotes(name));
+    if (m == nullptr) continue;
+    const ObjMaterial& material = m->material;
+    for (const ObjMap& map : {material.color_map, material.alpha_map}) {
+      if (map.name.empty() || is_usable(*m, map)) continue;
+      const bool is_there = named_file(m->file, map.name, files_).is_there(files_);
+      warnings.count(is_there ? "images are no PNG, JPEG or WebP, what they show is grey"
+                              : "images are missing, what they show is grey",
+                     in_quotes(map.name));
+    }
+    if (!material.color_map.name.empty() && !material.alpha_map.name.empty() &&
+        !material.color_map.is_placed_as(material.alpha_map))
+      warnings.count("materials whose map_d has other options than map_Kd, which are not applied", in_quotes(name));
+  }
+  warnings.set_of("materials that faces name and no file describes, taken as white", named);
 }
 
 std::vector<std::filesystem::path> ObjMaterialTable::dependencies() const {
   std::set<std::filesystem::path> out = mtl_files_;
-  for (const auto& [name, m] : named_)
-    for (const std::string& map : {m.material.color_map, m.material.alpha_map})
-      if (!map.empty()) out.insert(map_file(m.file, map, files_));
+  for (const auto& [name, m] : described_)
+    for (const ObjMap& map : {m.material.color_map, m.material.alpha_map})
+      if (!map.name.empty())
+        if (const NamedFile image = named_file(m.file, map.name, files_); image.file) out.insert(*image.file);
   return {out.begin(), out.end()};
 }
 
-int ObjMaterialTable::add(const std::string& name, bool has_colours, ReadScope scope, TileMesh& out) {
+int ObjMaterialTable::add(const ObjMaterialUse& use, TileMesh& out) {
   Material material;
-  const auto found = named_.find(name);
-  if (found == named_.end()) {
-    if (!missing_.empty() && !has_colours) std::fill_n(material.base_color.begin(), 3, grey_without_image);
-  } else if (scope == ReadScope::everything) {
-    const ObjMaterial& m = found->second.material;
-    material.base_color = m.base_color;
-    material.texture.image = add_image(found->second, out);
-    if (m.base_color[3] < 1 || !m.alpha_map.empty()) material.alpha_mode = AlphaMode::blend;
+  const Described* m = find(use.name);
+  const auto make_grey = [&] {
+    if (!use.has_colour) std::fill_n(material.base_color.begin(), 3, grey_without_image);
+  };
+  if (m == nullptr) {
+    if (!missing_.empty()) make_grey();
+  } else {
+    material.base_color = m->material.base_color;
+    const bool is_placed = use.has_uv || !m->material.has_map();
+    if (is_placed) material.texture.image = add_image(*m, out);
+    if (m->material.placed_map().is_clamped) material.texture.wrap_s = material.texture.wrap_t = Wrap::clamp_to_edge;
+    // Many programs write a black Kd for what has an image.
+    const bool has_colour_map = !m->material.color_map.name.empty();
+    if (has_colour_map && use.has_uv) std::fill_n(material.base_color.begin(), 3, 1.0f);
+    if (has_colour_map && use.has_uv && !is_usable(*m, m->material.color_map)) make_grey();
+    if (material.base_color[3] < 1 || (is_placed && is_usable(*m, m->material.alpha_map)))
+      material.alpha_mode = AlphaMode::blend;
   }
   out.materials.push_back(material);
   return int(out.materials.size()) - 1;
 }
 
-/// The index of the colour map, the alpha map in it; -1 where the material has neither.
-int ObjMaterialTable::add_image(const Named& m, TileMesh& out) {
-  const std::string &color = m.material.color_map, &alpha = m.material.alpha_map;
-  if (color.empty() && alpha.empty()) return -1;
-  const std::string key = m.file.string() + "\n" + color + "\n" + alpha;
+/// Returns the index of the colour map, with the alpha map in it; -1 if the material has no image that can be read.
+int ObjMaterialTable::add_image(const Described& m, TileMesh& out) {
+  const ObjMap &color = m.material.color_map, &alpha = m.material.alpha_map;
+  const bool has_color = is_usable(m, color), has_alpha = is_usable(m, alpha);
+  if (!has_color && !has_alpha) return -1;
+  const std::string key = m.file.string() + "\n" + color.name + "\n" + alpha.name;
   const auto [at, is_new] = image_.try_emplace(key, int(out.images.size()));
   if (!is_new) return at->second;
-  const auto load = [&](const std::string& name) {
-    const std::filesystem::path file = map_file(m.file, name, files_);
+  const auto load = [&](const ObjMap& map) {
+    const std::filesystem::path file = *named_file(m.file, map.name, files_).file;
     return EncodedImage{file.string(), files_.read(file)};
   };
-  if (alpha.empty() || alpha == color)
+  if (!has_alpha || alpha.name == color.name)
     out.images.push_back(load(color));
   else
-    out.images.push_back(with_alpha(color.empty() ? std::nullopt : std::optional(load(color)), load(alpha)));
+    out.images.push_back(with_alpha(has_color ? std::optional(load(color)) : std::nullopt, load(alpha)));
   return at->second;
 }
 

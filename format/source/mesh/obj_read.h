@@ -12,11 +12,10 @@
 
 namespace gigabake {
 
-/// Faces of any number of corners, negative indices, texture coordinates, vertex colours (sRGB, taken where all corners
-/// of a material have them), groups (without meaning here), mtllib and usemtl; points and lines are counted.
-/// Exact   Coordinates are read as doubles. Where some are beyond 10 km the middle of them all, in whole metres,
-/// becomes
-///         the instances' place, and what is left is rounded to floats: projected coordinates keep their millimetres.
+/// Reads faces with negative indices, texture coordinates and vertex colours (sRGB), each used for the faces that have
+/// it, mtllib and usemtl; points and lines are counted. docs/format-sources.md lists what is used and reported.
+/// Exact   Coordinates are read as doubles. Those beyond 10 km are stored relative to the origin of their group
+///         (mesh_origin.h): projected coordinates keep their millimetres.
 /// Sink    A file of more than part_triangles() is read twice: to know what all corners of a material have, then to
 /// hand
 ///         parts over as they are full. Its parts' vertices stand in the order of their first use, and where a file
@@ -25,8 +24,7 @@ namespace gigabake {
 ///         where it has colours, and 8 for each `vt`: 1.6 GB for the 5·10^7 vertices of 10^8 triangles. Without a sink
 ///         the mesh; with one two parts of part_triangles().
 /// What a missing material file would describe is grey, unless it has vertex colours; a warning says so.
-/// Errors  InputError with the line: an index that is none of the vertices', a number that is none, an image that is
-///         missing.
+/// Errors  InputError: no text, more vertices than 2^32 or than memory allows, a file that changes meanwhile.
 TileMesh read_obj(const TileRef& tile, const SourceFiles& files, ReadScope scope, const PrimitiveSink& sink = nullptr);
 
 /// Vertices at the beginning of an OBJ, of which `head` holds the first bytes; at most 64.

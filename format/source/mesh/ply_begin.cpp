@@ -3,6 +3,7 @@
 
 #include "format/source/content_pieces.h"
 #include "format/source/mesh/mesh_origin.h"
+#include "format/source/mesh/obj_material.h"
 #include "format/source/mesh/ply_layout.h"
 #include "format/source/mesh/ply_read.h"
 #include "format/source/mesh/ply_values.h"
@@ -10,15 +11,6 @@
 #include "lattice/error.h"
 
 namespace gigabake {
-
-std::optional<std::filesystem::path> ply_image_file(const TileRef& tile, const SourceFiles& files,
-                                                    const std::string& name) {
-  try {
-    return resolve_path(files.root(), tile.path, "TextureFile", name);
-  } catch (const InputError&) {
-    return std::nullopt;
-  }
-}
 
 std::vector<Point<Local>> first_ply_vertices(const std::filesystem::path& file, std::span<const std::uint8_t> head) {
   const PlyHeader header = read_ply_header(file, head);
@@ -46,7 +38,7 @@ std::vector<std::filesystem::path> ply_dependencies(const TileRef& tile, const S
   ContentPieces pieces(tile, files);
   std::vector<std::filesystem::path> out;
   for (const std::string& name : read_ply_header(tile.path, pieces.read(0, longest_ply_header)).textures)
-    if (const auto image = ply_image_file(tile, files, name)) out.push_back(*image);
+    if (const NamedFile image = named_file(tile.path, name, files); image.file) out.push_back(*image.file);
   return out;
 }
 

@@ -1,6 +1,7 @@
 #include "format/source/mesh/ply_header.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <map>
 #include <string_view>
@@ -27,10 +28,21 @@ std::string trimmed(std::string_view text) {
   return std::string(text.substr(first, text.find_last_not_of(blank) - first + 1));
 }
 
+std::string in_lower_case(std::string_view word) {
+  std::string out(word);
+  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  return out;
+}
+
 class HeaderReader {
  public:
   HeaderReader(const std::filesystem::path& file, std::span<const std::uint8_t> bytes)
-      : file_(file), text_(reinterpret_cast<const char*>(bytes.data()), bytes.size()) {}
+      : file_(file), text_(reinterpret_cast<const char*>(bytes.data()), bytes.size()) {
+    if (text_.starts_with("\xEF\xBB\xBF")) at_ = 3;
+    // The first line decides: binary values may begin with either byte.
+    const std::size_t end = text_.find_first_of("\r\n");
+    if (end != std::string_view::npos && text_[end] == '\r' && !text_.substr(end).starts_with("\r\n")) line_end_ = '\r';
+  }
 
   PlyHeader read() {
     if (trimmed(next_line()) != "ply") fail("expected a PLY, which begins with \"ply\"");
@@ -63,7 +75,7 @@ class HeaderReader {
 
   std::string_view next_line() {
     ++line_;
-    const std::size_t end = text_.find('\n', at_);
+    const std::size_t end = text_.find(line_end_, at_);
     if (end == std::string_view::npos || end - at_ > longest_line) fail("the header has no \"end_header\"");
     const std::string_view line = text_.substr(at_, end - at_);
     at_ = end + 1;
@@ -81,12 +93,12 @@ class HeaderReader {
   }
 
   void take_comment(std::string_view rest) {
-    if (take_word(rest) == "TextureFile") out_.textures.push_back(trimmed(rest));
+    if (in_lower_case(take_word(rest)) == "texturefile") out_.textures.push_back(trimmed(rest));
   }
 
   void take_element(std::string_view rest) {
     PlyElement element;
-    element.name = take_word(rest);
+    element.name = in_lower_case(take_word(rest));
     const std::string_view count = take_word(rest);
     const auto parsed = std::from_chars(count.data(), count.data() + count.size(), element.count);
     if (count.empty() || parsed.ec != std::errc() || parsed.ptr != count.data() + count.size())
@@ -119,13 +131,14 @@ class HeaderReader {
       word = take_word(rest);
     }
     property.type = type(word);
-    property.name = take_word(rest);
+    property.name = in_lower_case(take_word(rest));
     if (property.name.empty()) fail("the property has no name");
     properties.push_back(std::move(property));
   }
 
   const std::filesystem::path& file_;
   std::string_view text_;
+  char line_end_ = '\n';
   std::size_t at_ = 0, line_ = 0;
   PlyHeader out_;
 };

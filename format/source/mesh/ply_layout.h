@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "format/source/mesh/mesh_warnings.h"
 #include "format/source/mesh/ply_header.h"
 #include "format/source/source.h"
 #include "format/source/source_files.h"
@@ -32,8 +33,10 @@ struct VertexLayout {
   bool has_uv() const { return uv[0] && uv[1]; }
 };
 
-/// Nothing where the name leads out of the source's folder: it is a comment, of somebody's machine perhaps.
-std::optional<std::filesystem::path> ply_image_file(const TileRef& tile, const SourceFiles& files,
-                                                    const std::string& name);
+/// Returns the image that a comment TextureFile names, if it is there and can be read.
+std::optional<std::filesystem::path> ply_image(const TileRef& tile, const SourceFiles& files, const std::string& name);
+
+/// Counts what the header states and the reader does not use: elements, properties, images.
+void warn_of_header(const TileRef& tile, const SourceFiles& files, const PlyHeader& header, MeshWarnings& warnings);
 
 }  // namespace gigabake

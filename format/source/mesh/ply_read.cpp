@@ -4,8 +4,10 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "format/source/mesh/mesh_origin.h"
+#include "format/source/mesh/ply_colour.h"
 #include "format/source/mesh/ply_layout.h"
 #include "format/source/mesh/ply_values.h"
 #include "format/source/mesh/polygon.h"
@@ -14,7 +16,6 @@
 #include "lattice/counted.h"
 #include "lattice/error.h"
 #include "lattice/memory_limit.h"
-#include "lattice/srgb.h"
 #include "lattice/transform.h"
 
 namespace gigabake {
@@ -28,19 +29,10 @@ constexpr std::uint32_t unused = ~std::uint32_t(0);
 /// A vertex of a primitive with its number, and a corner.
 constexpr std::uint64_t vertex_bytes = 12 + 8 + 8 + 4, corner_bytes = 4;
 
-/// The largest value of a colour's type: 1 of what is a float.
-double full_of(PlyType type) {
-  return is_integer(type)
-             ? std::ldexp(1, int(8 * byte_count(type)) -
-                                 (type == PlyType::int8 || type == PlyType::int16 || type == PlyType::int32 ? 1 : 0)) -
-                   1
-             : 1;
-}
+/// In place of a texture's number: faces that have no texture coordinates of their own, or only a colour.
+constexpr int of_vertices = -2, of_faces = -3;
 
-/// What stands in place of a texture's number where faces say nothing of textures.
-constexpr int of_vertices = -2;
-
-/// What has one texture.
+/// What has one texture, or colours of its faces.
 struct Part {
   Primitive primitive;
   std::vector<std::uint32_t> position_of;  ///< of each vertex
@@ -53,6 +45,8 @@ struct Face {
   std::vector<std::uint32_t> corners;
   std::vector<float> uv;  ///< of the corners, two each; or empty
   int texture = 0;
+  std::optional<PlyColour::Rgba> colour = {};
+  bool is_lost = false;  ///< a corner is no vertex, or there are too many
 };
 
 PlyHeader header_of(const std::filesystem::path& file, const SourceBytes& bytes) {
@@ -74,7 +68,7 @@ class PlyReader {
 
   TileMesh read() {
     declare_vertices();
-    warn_of_missing_images();
+    warn_of_header(tile_, files_, header_, warnings_);
     for (const PlyElement& element : header_.elements) {
       if (element.properties.empty()) continue;
       if (element.name == "vertex") {
@@ -89,15 +83,19 @@ class PlyReader {
     }
     finish();
     if (sink_ && !is_streamed_) hand_over_parts(out_, sink_);
+    warn_of_alpha();
+    out_.warnings = warnings_.take();
     return std::move(out_);
   }
 
  private:
   /// Faces may stand before the vertices that they name.
   void declare_vertices() {
+    bool face_alpha = false;
     for (const PlyElement& e : header_.elements) {
       values_.expect_room_for(e);
       if ((e.name == "face" || e.name == "tristrips") && !has_vertices_) is_streamed_ = false;
+      if (e.name == "face" && VertexLayout(e).has_colour() && VertexLayout(e).colour[3]) face_alpha = true;
       if (e.name != "vertex") continue;
       if (has_vertices_) throw InputError(file_, "element vertex", "is there twice");
       has_vertices_ = true;
@@ -107,22 +105,23 @@ class PlyReader {
         throw InputError(file_, "element vertex", "more than 2^32 vertices; split the file");
       vertices_ = e.count;
       is_float_ = e.properties[*layout.position[0]].type == PlyType::float32;
-      has_alpha_ = layout.colour[3].has_value();
+      has_colour_ = layout.has_colour();
+      has_alpha_ |= has_colour_ && layout.colour[3];
       const std::uint64_t with_values = everything_ ? 8 * (layout.has_colour() + layout.has_uv()) : 0;
       claim_.add_items(e.count, sizeof(Vector) + with_values, "", "vertices");
       if (layout.has_colour() && everything_) rgba_.reserve(4 * e.count);
       if (layout.has_uv() && everything_) uv_.reserve(2 * e.count);
     }
+    // Only the last face tells if alpha is 0 everywhere.
+    if (face_alpha && !has_colour_) has_alpha_ = true, is_streamed_ = false;
   }
 
-  std::optional<std::filesystem::path> image_there(const std::string& name) const {
-    const auto image = ply_image_file(tile_, files_, name);
-    return image && files_.has(*image) ? image : std::nullopt;
-  }
+  /// Programs that know no alpha write 0 everywhere: then it is left out.
+  bool is_alpha_used() const { return has_alpha_ && largest_alpha_ > 0; }
 
-  void warn_of_missing_images() {
-    for (const std::string& name : header_.textures)
-      if (!image_there(name)) out_.warnings.push_back("its image " + in_quotes(name) + " is missing: taken without");
+  void warn_of_alpha() {
+    if (has_alpha_ && has_faces_ && largest_alpha_ == 0)
+      warnings_.count("alpha is 0 everywhere, taken as opaque", in_quotes("alpha"));
   }
 
   void skip(const PlyElement& element) {
@@ -131,7 +130,7 @@ class PlyReader {
 
   void read_vertices(const PlyElement& element) {
     const VertexLayout layout(element);
-    const bool with_colour = everything_ && layout.has_colour(), with_uv = everything_ && layout.has_uv();
+    const bool with_uv = everything_ && layout.has_uv();
     std::vector<double> value(element.properties.size());
     position_.reserve(element.count);
     for (std::uint64_t i = 0; i < element.count; ++i) {
@@ -141,27 +140,23 @@ class PlyReader {
         else
           value[p] = values_.number(element.properties[p].type);
       position_.push_back({value[*layout.position[0]], value[*layout.position[1]], value[*layout.position[2]]});
-      extent_.add(position_.back());
-      if (with_colour) add_colour(element, layout, value);
+      origins_.add(position_.back());
+      if (layout.has_colour()) {
+        const PlyColour::Rgba colour = colour_of(element, layout, value);
+        if (everything_) rgba_.insert(rgba_.end(), colour.begin(), colour.end());
+      }
       if (with_uv) uv_.insert(uv_.end(), {float(value[*layout.uv[0]]), float(1 - value[*layout.uv[1]])});
     }
   }
 
-  void add_colour(const PlyElement& element, const VertexLayout& layout, const std::vector<double>& value) {
-    const auto unit = [&](std::size_t c) {
-      const std::size_t p = *layout.colour[c];
-      return value[p] / full_of(element.properties[p].type);
-    };
-    for (std::size_t c = 0; c < 3; ++c) rgba_.push_back(linear16(unit(c)));
-    const double alpha = layout.colour[3] ? unit(3) : 1;
-    rgba_.push_back(std::uint16_t(std::lround((alpha >= 0 ? std::min(alpha, 1.0) : 0.0) * 65535)));
+  PlyColour::Rgba colour_of(const PlyElement& element, const VertexLayout& layout, const std::vector<double>& value) {
+    const PlyColour colour(element, layout, value);
+    if (colour.is_clamped) warnings_.count("colours outside 0 to 1, taken as the nearer of both", values_.place());
+    largest_alpha_ = std::max(largest_alpha_, colour.rgba[3]);
+    return colour.rgba;
   }
 
-  std::uint32_t index(double v) const {
-    if (!(v >= 0 && v < double(vertices_)) || v != std::floor(v))
-      values_.fail("a corner's index is none of the " + counted(vertices_, "vertex", "vertices"));
-    return std::uint32_t(v);
-  }
+  bool is_index(double v) const { return v >= 0 && v < double(vertices_) && v == std::floor(v); }
 
   void read_faces(const PlyElement& element) {
     const auto corners = element.find({"vertex_indices", "vertex_index"}), uv = element.find({"texcoord"}),
@@ -169,28 +164,41 @@ class PlyReader {
     if (!corners || !element.properties[*corners].count)
       throw InputError(file_, "element face", "expected the property list vertex_indices");
     has_faces_ |= element.count != 0;
+    const VertexLayout layout(element);
+    const bool has_colour = !has_colour_ && layout.has_colour();  // those of vertices have precedence
+    std::vector<double> value(element.properties.size());
     Face face;
     for (std::uint64_t i = 0; i < element.count; ++i) {
       for (std::size_t p = 0; p < element.properties.size(); ++p) {
         const PlyProperty& property = element.properties[p];
         if (p == corners)
           read_corners(property, face);
-        else if (everything_ && p == uv && property.count)
+        else if (p == uv && property.count)
           read_uv(property, face);
-        else if (everything_ && p == texture && !property.count)
-          face.texture = texture_number(values_.number(property.type));
-        else
+        else if (property.count)
           values_.skip(property);
+        else
+          value[p] = values_.number(property.type);
       }
+      if (texture && !element.properties[*texture].count) face.texture = texture_number(value[*texture]);
+      if (has_colour) face.colour = colour_of(element, layout, value);
       add(face);
     }
   }
 
   void read_corners(const PlyProperty& list, Face& face) {
     const std::uint64_t corners = values_.length(list);
-    if (corners > most_corners) values_.fail("a face of more than 1048576 corners");
+    face.is_lost = corners > most_corners;
+    if (face.is_lost) warnings_.count_loss("faces left out, since they have more than 2^20 corners", values_.place());
     face.corners.clear();
-    for (std::uint64_t c = 0; c < corners; ++c) face.corners.push_back(index(values_.number(list.type)));
+    for (std::uint64_t c = 0; c < corners; ++c) {
+      const double v = values_.number(list.type);
+      if (!face.is_lost && !is_index(v)) {
+        face.is_lost = true;
+        warnings_.count_loss("faces left out, since a corner is none of the vertices", values_.place());
+      }
+      if (!face.is_lost) face.corners.push_back(std::uint32_t(v));
+    }
   }
 
   void read_uv(const PlyProperty& list, Face& face) {
@@ -201,24 +209,36 @@ class PlyReader {
     }
   }
 
-  int texture_number(double v) const { return v >= 0 && v < double(header_.textures.size()) ? int(v) : -1; }
+  int texture_number(double v) {
+    if (v >= 0 && v < double(header_.textures.size())) return int(v);
+    if (!header_.textures.empty()) warnings_.count("faces whose texnumber is none of the images", values_.place());
+    return -1;
+  }
 
   /// A polygon waits until its vertices are known: its shape decides how it is cut.
   void add(const Face& face) {
+    if (face.is_lost) return;
     if (face.corners.size() < 3) {
       out_.counts.skipped_points += face.corners.size() == 1 ? 1 : 0;
       out_.counts.skipped_lines += face.corners.size() == 2 ? 1 : 0;
       return;
     }
-    const bool has_uv = face.uv.size() == 2 * face.corners.size();
-    const int texture = has_uv ? face.texture : of_vertices;
+    const bool is_uv_right = face.uv.size() == 2 * face.corners.size(), has_uv = everything_ && is_uv_right;
+    if (!is_uv_right && !face.uv.empty())
+      warnings_.count("faces with another number of texture coordinates than corners", values_.place());
+    const bool is_corner_its_own = everything_ && (has_uv || face.colour);
+    const int texture = has_uv ? face.texture : face.colour && everything_ ? of_faces : of_vertices;
     Part& part = parts_[texture];
     const std::uint64_t triangles = face.corners.size() - 2;
     if (is_streamed_ && !part.primitive.index.empty() && part.primitive.index.size() / 3 + triangles > part_triangles())
       finish_part(texture, part);
     claim_.add_items(3 * triangles, corner_bytes, "", "corners of triangles");
     std::vector<std::uint32_t> vertices;
-    for (std::size_t c = 0; c < face.corners.size(); ++c) vertices.push_back(vertex(part, face.corners[c], has_uv));
+    for (std::size_t c = 0; c < face.corners.size(); ++c)
+      vertices.push_back(vertex(part, face.corners[c], is_corner_its_own));
+    if (face.colour && everything_)
+      for (std::size_t c = 0; c < vertices.size(); ++c)
+        part.primitive.rgba.insert(part.primitive.rgba.end(), face.colour->begin(), face.colour->end());
     if (has_uv) part.primitive.uv.insert(part.primitive.uv.end(), face.uv.begin(), face.uv.end());
     if (vertices.size() == 3)
       part.primitive.index.insert(part.primitive.index.end(), vertices.begin(), vertices.end());
@@ -263,10 +283,15 @@ class PlyReader {
         strip.clear();
         continue;
       }
-      strip.push_back(index(v));
+      if (!is_index(v)) {
+        warnings_.count_loss("triangles of strips left out, since a corner is none of the vertices", values_.place());
+        for (; n > 1; --n) values_.number(list.type);
+        return;
+      }
+      strip.push_back(std::uint32_t(v));
       if (const std::size_t k = strip.size(); k >= 3) {
         const bool is_odd = k % 2 == 0;
-        add({{strip[k - 3], strip[k - (is_odd ? 1 : 2)], strip[k - (is_odd ? 2 : 1)]}, {}, 0});
+        add({{strip[k - 3], strip[k - (is_odd ? 1 : 2)], strip[k - (is_odd ? 2 : 1)]}, {}, 0, {}, false});
       }
     }
   }
@@ -282,22 +307,26 @@ class PlyReader {
 
   /// Moves the part's triangles into a primitive, which a sink gets. Range  All vertices have been read.
   void finish_part(int texture, Part& part) {
-    if (!origin_) origin_.emplace(tile_, extent_);
+    if (origins_.groups() == 0) origins_.finish();
     claim_.give_back(is_streamed_ ? part.bytes() : 0);
     Primitive p = std::move(part.primitive);
-    for (const std::uint32_t v : part.position_of) origin_->add_vertex(position_[v], p);
-    if (origin_->is_moved() && is_float_) p.position_step = extent_.float_step();
-    const bool has_vertex_uv = texture == of_vertices && !uv_.empty();
+    const bool has_vertex_uv = (texture == of_vertices || texture == of_faces) && !uv_.empty();
     p.material = material_of(has_vertex_uv ? 0 : texture);
     for (const std::uint32_t v : part.position_of) {
       if (!rgba_.empty()) p.rgba.insert(p.rgba.end(), &rgba_[4 * std::size_t(v)], &rgba_[4 * std::size_t(v)] + 4);
       if (has_vertex_uv) p.uv.insert(p.uv.end(), &uv_[2 * std::size_t(v)], &uv_[2 * std::size_t(v)] + 2);
       if (!part.vertex_of.empty()) part.vertex_of[v] = unused;
     }
+    for (std::size_t a = 3; !is_alpha_used() && a < p.rgba.size(); a += 4) p.rgba[a] = 65535;
     part.primitive = {};
-    part.position_of.clear();
     out_.counts.triangles += p.index.size() / 3;
-    out_.instances.push_back({int(out_.primitives.size()), origin_->scene_from_local()});
+    origins_.place(std::move(p), std::exchange(part.position_of, {}), position_,
+                   [&](Primitive&& piece, const MeshOrigin& at) { hand_over(std::move(piece), at); });
+  }
+
+  void hand_over(Primitive&& p, const MeshOrigin& at) {
+    if (at.is_moved() && is_float_) p.position_step = at.float_step();
+    out_.instances.push_back({int(out_.primitives.size()), at.scene_from_local()});
     if (!is_streamed_) return out_.primitives.push_back(std::move(p));
     out_.primitives.push_back(without_lists(p));
     sink_(out_.primitives.size() - 1, std::move(p));
@@ -319,9 +348,9 @@ class PlyReader {
   /// Without its image a mesh has its vertices' colours, or is grey.
   int add_material(int texture) {
     Material material;
-    if (has_alpha_) material.alpha_mode = AlphaMode::blend;
+    if (is_alpha_used()) material.alpha_mode = AlphaMode::blend;
     if (texture >= 0 && std::size_t(texture) < header_.textures.size()) {
-      if (const auto image = image_there(header_.textures[std::size_t(texture)])) {
+      if (const auto image = ply_image(tile_, files_, header_.textures[std::size_t(texture)])) {
         material.texture.image = int(out_.images.size());
         out_.images.push_back({image->string(), files_.read(*image)});
       } else if (rgba_.empty()) {
@@ -342,10 +371,11 @@ class PlyReader {
   PlyHeader header_;
   PlyValues values_;
   std::uint64_t vertices_ = 0;
-  bool has_vertices_ = false, has_faces_ = false, is_float_ = false, has_alpha_ = false;
+  bool has_vertices_ = false, has_faces_ = false, is_float_ = false, has_colour_ = false, has_alpha_ = false;
+  std::uint16_t largest_alpha_ = 0;
+  MeshWarnings warnings_;
   bool is_streamed_ = sink_ != nullptr;  ///< parts are handed over before the end: the vertices stand first
-  PositionExtent extent_;
-  std::optional<MeshOrigin> origin_;
+  MeshOrigins origins_{tile_};
   std::map<int, int> materials_;  ///< in TileMesh::materials, by texture
   std::vector<Vector> position_;
   std::vector<std::uint16_t> rgba_;

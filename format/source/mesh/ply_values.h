@@ -34,6 +34,14 @@ class PlyValues {
 
   [[noreturn]] void fail(const std::string& message) const;
 
+  /// Where in the file the value is that was read last: "line 12" or "byte 345", made a text only if it is needed.
+  struct Place {
+    bool is_line;
+    std::uint64_t at;
+    operator std::string() const { return (is_line ? "line " : "byte ") + std::to_string(at); }
+  };
+  Place place() const { return format_ == PlyFormat::ascii ? Place{true, line_} : Place{false, at_}; }
+
  private:
   double word();
   double binary(PlyType type);

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <bit>
 #include <cctype>
+#include <cmath>
 #include <cstring>
 #include <functional>
 #include <utility>
 
 #include "format/source/mesh/mesh_origin.h"
+#include "format/source/mesh/mesh_warnings.h"
 #include "format/source/mesh/obj_lines.h"
 #include "format/source/mesh/polygon.h"
 #include "format/source/mesh_parts.h"
@@ -35,6 +37,9 @@ std::uint64_t facets_said(StlBytes bytes) {
 }
 
 bool begins_with_solid(StlBytes bytes) {
+  constexpr std::array<std::uint8_t, 3> byte_order_mark{0xEF, 0xBB, 0xBF};
+  if (bytes.size() > 3 && std::equal(byte_order_mark.begin(), byte_order_mark.end(), bytes.begin()))
+    bytes = bytes.subspan(3);
   const auto first = std::find_if(bytes.begin(), bytes.end(), [](std::uint8_t c) { return c > ' '; });
   constexpr std::string_view solid = "solid";
   return std::size_t(bytes.end() - first) >= solid.size() &&
@@ -49,29 +54,59 @@ bool is_text(StlBytes head, std::uint64_t file_bytes) {
   return std::find(start.begin(), start.end(), std::uint8_t(0)) == start.end();
 }
 
-/// Visits the facets that `bytes` holds whole.
-void for_each_binary_facet(StlBytes bytes, const TakeLoop& take) {
-  constexpr std::size_t normal_bytes = 12;
+/// "triangle 12", made a text only if it is needed.
+struct TriangleName {
+  std::uint64_t number;
+  operator std::string() const { return "triangle " + std::to_string(number); }
+};
+
+/// Visits the facets that `bytes` holds whole, with the number of attribute bytes that are not zero.
+template <class Take>
+void for_each_binary_facet(StlBytes bytes, const Take& take) {
+  constexpr std::size_t normal_bytes = 12, attribute_at = 48;
   for (std::size_t at = 0; at + facet_bytes <= bytes.size(); at += facet_bytes) {
     std::array<float, 9> v;
     std::memcpy(v.data(), bytes.data() + at + normal_bytes, sizeof v);
     const std::array<Vector, 3> corners{{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, {v[6], v[7], v[8]}}};
-    take(corners);
+    take(corners, bytes[at + attribute_at] != 0 || bytes[at + attribute_at + 1] != 0);
   }
 }
 
-void read_binary(const std::filesystem::path& file, const SourceBytes& bytes, StlBytes head, const TakeLoop& take) {
-  constexpr std::size_t block_bytes = read_block_bytes / facet_bytes * facet_bytes;
-  if (bytes.size() < head_bytes)
-    throw InputError(file, "", "the file ends inside the header of a binary STL", bytes.size());
-  const std::uint64_t facets = facets_said(head), there = (bytes.size() - head_bytes) / facet_bytes;
-  if (facets > there)
+/// Returns how many facets a binary file holds. Its size decides if it is a whole number of facets; else the header
+/// does, and other bytes follow. Errors  InputError: it is cut.
+std::uint64_t facets_in(const std::filesystem::path& file, std::uint64_t bytes, StlBytes head, MeshWarnings& warnings) {
+  if (bytes < head_bytes) throw InputError(file, "", "the file ends inside the header of a binary STL", bytes);
+  const std::uint64_t said = facets_said(head), there = (bytes - head_bytes) / facet_bytes;
+  const bool is_whole = there > 0 && (bytes - head_bytes) % facet_bytes == 0;
+  if (said > there && !is_whole)
     throw InputError(file, "",
-                     "expected " + counted(facets, "triangle") + " as the header says, the file holds " +
+                     "expected " + counted(said, "triangle") + " as the header says, the file holds " +
                          std::to_string(there) + "; it is cut, or no STL",
                      name_bytes);
+  if (said > there)
+    warnings.count_loss("the header states more triangles than the file holds",
+                        std::to_string(said) + " and " + std::to_string(there));
+  if (said < there && is_whole)
+    warnings.count("the header states fewer triangles than the file holds, all of which are taken",
+                   std::to_string(said) + " and " + std::to_string(there));
+  if (said <= there && !is_whole && bytes != head_bytes + said * facet_bytes)
+    warnings.count("bytes follow the triangles that the header states, and are not read",
+                   counted(bytes - head_bytes - said * facet_bytes, "byte"));
+  return is_whole ? there : said;
+}
+
+void read_binary(const std::filesystem::path& file, const SourceBytes& bytes, StlBytes head, const TakeLoop& take,
+                 MeshWarnings& warnings) {
+  constexpr std::size_t block_bytes = read_block_bytes / facet_bytes * facet_bytes;
+  const std::uint64_t facets = facets_in(file, bytes.size(), head, warnings);
+  std::uint64_t facet = 0;
   bytes.part(head_bytes, facet_bytes * facets).for_each_block(block_bytes, [&](StlBytes block) {
-    for_each_binary_facet(block, take);
+    for_each_binary_facet(block, [&](std::span<const Vector> corners, bool has_attribute) {
+      if (has_attribute)
+        warnings.count("triangles with attributes, as colours, which are not used", TriangleName{facet});
+      ++facet;
+      take(corners);
+    });
   });
 }
 
@@ -81,28 +116,39 @@ std::string lower(std::string_view word) {
   return out;
 }
 
+/// Words of a text STL that need no action of their own.
+bool is_frame(const std::string& word) {
+  return word == "facet" || word == "endfacet" || word == "color" || word == "endloop";
+}
+
 /// Calls take() for each loop that is there whole; true where the last solid has ended.
 template <class Text>
-bool for_each_text_loop(const std::filesystem::path& file, const Text& text, const TakeLoop& take) {
+bool for_each_text_loop(const std::filesystem::path& file, const Text& text, const TakeLoop& take,
+                        MeshWarnings& warnings) {
   std::vector<Vector> loop;
   bool has_ended = false;
   for_each_obj_line(file, text, [&](const ObjLine& line) {
-    const auto fail = [&](const char* message) {
-      throw InputError(file, "line " + std::to_string(line.number), message);
-    };
     const std::string word = lower(line.word);
-    if (word == "outer") loop.clear();
-    if (word == "solid") has_ended = false;
-    if (word == "endsolid") has_ended = true;
-    if (word == "vertex") {
+    const LineName name{line.number};
+    if (word == "outer") {
+      loop.clear();
+    } else if (word == "solid") {
+      has_ended = false;
+    } else if (word == "endsolid" || (word == "end" && lower(line.rest).starts_with("solid"))) {
+      has_ended = true;
+    } else if (word == "vertex") {
       const std::vector<double> v = obj_numbers(line.rest, 3);
-      if (v.size() != 3) fail("expected three coordinates");
-      if (loop.size() == most_corners) fail("a facet of more than 1048576 corners");
-      loop.push_back({v[0], v[1], v[2]});
+      if (v.size() != 3) warnings.count_loss("vertices without three coordinates, whose facets are left out", name);
+      if (loop.size() == most_corners) throw InputError(file, name, "a facet of more than 1048576 corners");
+      loop.push_back(v.size() == 3 ? Vector{v[0], v[1], v[2]} : Vector{std::nan(""), 0, 0});
+    } else if (!is_frame(word)) {
+      warnings.count("lines not understood", name);
     }
     if (word != "endloop") return;
-    if (loop.size() < 3) fail("a facet of fewer than three corners");
-    take(loop);
+    if (loop.size() < 3)
+      warnings.count_loss("facets of fewer than three corners", name);
+    else
+      take(loop);
     loop.clear();
   });
   return has_ended;
@@ -119,30 +165,37 @@ class StlReader {
   }
 
   TileMesh read() {
-    PositionExtent extent;
+    MeshWarnings warnings, known;
     std::uint64_t corners = 0, corners_again = 0;
-    for_each_loop([&](std::span<const Vector> loop) {
-      for (const Vector& p : loop) extent.add(p);
-      corners += loop.size();
-    });
-    const MeshOrigin origin(tile_, extent);
-    if (origin.is_moved() && !is_text_) part_.position_step = extent.float_step();
-    for_each_loop([&](std::span<const Vector> loop) {
-      corners_again += loop.size();
-      if (corners_again > corners) fail_as_changed();
-      add(loop, origin);
-    });
+    for_each_loop(
+        [&](std::span<const Vector> loop) {
+          for (const Vector& p : loop) origins_.add(p);
+          corners += loop.size();
+        },
+        warnings);
+    origins_.finish();
+    parts_.resize(origins_.groups());
+    for (std::size_t g = 0; g < parts_.size(); ++g)
+      if (origins_.origin(g).is_moved() && !is_text_) parts_[g].position_step = origins_.origin(g).float_step();
+    for_each_loop(
+        [&](std::span<const Vector> loop) {
+          corners_again += loop.size();
+          if (corners_again > corners) fail_as_changed();
+          add(loop);
+        },
+        known);
     if (corners_again != corners) fail_as_changed();
-    if (out_.primitives.empty() || !part_.index.empty()) finish_part(origin);
+    for (std::size_t g = 0; g < parts_.size(); ++g)
+      if ((g == 0 && out_.primitives.empty()) || !parts_[g].index.empty()) finish_part(g);
     out_.materials.emplace_back();
+    out_.warnings = warnings.take();
     return std::move(out_);
   }
 
  private:
-  template <class Take>
-  void for_each_loop(const Take& take) const {
-    if (!is_text_) return read_binary(tile_.path, bytes_, head_, take);
-    if (!for_each_text_loop(tile_.path, bytes_, take))
+  void for_each_loop(const TakeLoop& take, MeshWarnings& warnings) const {
+    if (!is_text_) return read_binary(tile_.path, bytes_, head_, take, warnings);
+    if (!for_each_text_loop(tile_.path, bytes_, take, warnings))
       throw InputError(tile_.path, "", "expected \"endsolid\" at the end: the file is cut, or no STL", bytes_.size());
   }
 
@@ -150,21 +203,24 @@ class StlReader {
     throw InputError(tile_.path, "", "changed while it was read; bake again");
   }
 
-  void add(std::span<const Vector> loop, const MeshOrigin& origin) {
+  /// Adds a facet to the part of the group that its first corner is of.
+  void add(std::span<const Vector> loop) {
     const std::uint64_t triangles = loop.size() - 2;
-    if (sink_ && !part_.index.empty() && part_.index.size() / 3 + triangles > part_triangles()) finish_part(origin);
+    const std::size_t group = origins_.group_of(loop[0]);
+    Primitive& part = parts_[group];
+    if (sink_ && !part.index.empty() && part.index.size() / 3 + triangles > part_triangles()) finish_part(group);
     // Without a sink the whole mesh is held.
     if (!sink_) claim_.add_items(loop.size(), 12 + 12, "", "corners of triangles");
-    const auto first = std::uint32_t(part_.position.size() / 3);
-    for (const Vector& p : loop) origin.add_vertex(p, part_);
-    if (loop.size() == 3) return part_.index.insert(part_.index.end(), {first, first + 1, first + 2}), void();
-    for (const std::uint32_t corner : triangles_of_polygon(loop)) part_.index.push_back(first + corner);
+    const auto first = std::uint32_t(part.position.size() / 3);
+    for (const Vector& p : loop) origins_.origin(group).add_vertex(p, part);
+    if (loop.size() == 3) return part.index.insert(part.index.end(), {first, first + 1, first + 2}), void();
+    for (const std::uint32_t corner : triangles_of_polygon(loop)) part.index.push_back(first + corner);
   }
 
-  void finish_part(const MeshOrigin& origin) {
-    out_.counts.triangles += part_.index.size() / 3;
-    out_.instances.push_back({int(out_.primitives.size()), origin.scene_from_local()});
-    Primitive part = std::exchange(part_, without_lists(part_));
+  void finish_part(std::size_t group) {
+    out_.counts.triangles += parts_[group].index.size() / 3;
+    out_.instances.push_back({int(out_.primitives.size()), origins_.origin(group).scene_from_local()});
+    Primitive part = std::exchange(parts_[group], without_lists(parts_[group]));
     if (!sink_) return out_.primitives.push_back(std::move(part));
     out_.primitives.push_back(without_lists(part));
     sink_(out_.primitives.size() - 1, std::move(part));
@@ -176,7 +232,8 @@ class StlReader {
   std::vector<std::uint8_t> room_, head_;
   bool is_text_ = false;
   MemoryClaim claim_{tile_.path};
-  Primitive part_;
+  MeshOrigins origins_{tile_};
+  std::vector<Primitive> parts_;  ///< by group of origins_
   TileMesh out_;
 };
 
@@ -195,10 +252,12 @@ std::vector<Point<Local>> first_stl_vertices(const std::filesystem::path& file, 
   };
   if (!is_text(head, file_bytes)) {
     const StlBytes facets = head.subspan(std::min(head.size(), head_bytes));
-    for_each_binary_facet(facets.first(std::min(facets.size(), facet_bytes * most_first_vertices)), take);
+    for_each_binary_facet(facets.first(std::min(facets.size(), facet_bytes * most_first_vertices)),
+                          [&](std::span<const Vector> corners, bool) { take(corners); });
     return out;
   }
-  for_each_text_loop(file, whole_lines(head), take);
+  MeshWarnings unused;
+  for_each_text_loop(file, whole_lines(head), take, unused);
   return out;
 }
 

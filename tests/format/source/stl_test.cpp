@@ -94,9 +94,56 @@ TEST_F(Stl, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(refusal(std::string(80, 'x') + "\xff\xff\xff\xff"), HasSubstr("expected 4294967295 triangles"));
   EXPECT_THAT(refusal("solid a\n" + loop + end), HasSubstr("expected \"endsolid\""));
   EXPECT_THAT(refusal("solid a\n" + loop), HasSubstr("expected \"endsolid\""));
-  EXPECT_THAT(refusal("solid a\nouter loop\nvertex 1 2 x\n"), HasSubstr("line 3: expected three coordinates"));
-  EXPECT_THAT(refusal("solid a\nouter loop\nvertex 1 2 3\nendloop\n"),
-              HasSubstr("line 4: a facet of fewer than three"));
+}
+
+std::vector<std::string> lines_of(const TileMesh& mesh) {
+  std::vector<std::string> lines;
+  for (const SourceWarning& w : mesh.warnings) lines.push_back((w.is_loss ? "loss: " : "") + w.line());
+  return lines;
+}
+
+// 2026-11-25: one bad number refused the whole file.
+TEST_F(Stl, LeavesOutOneBadFacet) {
+  const std::string bad = "outer loop\nvertex 1 2 x\nvertex 1 0 0\nvertex 0 1 0\nendloop\n";
+  const TileMesh mesh =
+      read("\xEF\xBB\xBFsolid a\r\n" + bad + loop + end + "outer loop\nvertex 1 2 3\nendloop\nflavour 7\nendsolid\n");
+  EXPECT_EQ(mesh.counts.triangles, 2u);
+  EXPECT_THAT(
+      lines_of(mesh),
+      ElementsAre("loss: vertices without three coordinates, whose facets are left out: 1, e.g. line 3",
+                  HasSubstr("loss: facets of fewer than three corners: 1"), HasSubstr("lines not understood: 1")));
+}
+
+// 2026-11-25: facets beyond the header's count were dropped without a message.
+TEST_F(Stl, SaysThatTheCountContradictsTheSize) {
+  const auto with_count = [&](std::uint32_t count) {
+    std::string bytes = binary("count", {facet, facet});
+    std::memcpy(&bytes[80], &count, sizeof count);
+    for (std::size_t facet_end : {134, 184}) bytes.replace(facet_end - 2, 2, 2, '\0');
+    return bytes;
+  };
+  for (const std::uint32_t fewer : {0u, 1u}) {
+    const TileMesh mesh = read(with_count(fewer));
+    EXPECT_EQ(mesh.counts.triangles, 2u);
+    EXPECT_THAT(lines_of(mesh), ElementsAre(HasSubstr("the header states fewer triangles than the file holds")));
+  }
+  const TileMesh more = read(with_count(7));
+  EXPECT_EQ(more.counts.triangles, 2u);
+  EXPECT_THAT(lines_of(more), ElementsAre(HasSubstr("loss: the header states more triangles")));
+  EXPECT_THAT(lines_of(read(with_count(2) + "more")), ElementsAre(HasSubstr("e.g. 4 bytes")));
+  EXPECT_TRUE(lines_of(read(with_count(2))).empty());
+  EXPECT_THAT(lines_of(read(binary("attributes", {facet}))), ElementsAre(HasSubstr("triangles with attributes")));
+}
+
+// 2026-11-25: one far facet moved the origin, so that all others snapped to steps of 0.25 m.
+TEST_F(Stl, KeepsItsPrecisionWithOneFarFacet) {
+  const TileMesh mesh = read(
+      "solid a\nouter loop\nvertex 500000.123 5200000 0\nvertex 500001 5200000 0\nvertex 500000 "
+      "5200001 0\nendloop\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendsolid\n");
+  ASSERT_EQ(mesh.primitives.size(), 2u);
+  EXPECT_EQ(mesh.instances[0].scene_from_local({0, 0, 0}).x, 0);
+  const float* p = mesh.primitives[1].position.data();
+  EXPECT_NEAR(mesh.instances[1].scene_from_local({p[0], p[1], p[2]}).x, 500000.123, 1e-6);
 }
 
 }  // namespace

@@ -1,0 +1,94 @@
+#include "format/source/mesh/obj_vertices.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "format/source/mesh/polygon.h"
+#include "lattice/error.h"
+#include "lattice/srgb.h"
+
+namespace gigabake {
+namespace {
+
+LineName line_name(const ObjLine& line) { return {line.number}; }
+
+/// Reads an index at `at`: 1 is the first, -1 the last before the face. Returns it from 0 on; `count` if there is none
+/// of that number; nothing if it is no number.
+std::optional<std::uint64_t> index_at(const char*& at, const char* end, std::uint64_t before, std::uint64_t count) {
+  long long i = 0;
+  const auto parsed = std::from_chars(at < end && *at == '+' ? at + 1 : at, end, i);
+  if (parsed.ec == std::errc::invalid_argument) return std::nullopt;
+  at = parsed.ptr;
+  if (parsed.ec != std::errc()) return count;
+  if (i < 0) i += static_cast<long long>(before) + 1;
+  return i < 1 || std::uint64_t(i) > count ? count : std::uint64_t(i - 1);
+}
+
+}  // namespace
+
+void ObjVertices::reserve(std::uint64_t positions, std::uint64_t uvs) {
+  if (positions >= ObjCorner::none || uvs >= ObjCorner::none)
+    throw InputError(file_, "", "more than 2^32 vertices or texture coordinates; split the file");
+  claim_.add_items(positions, sizeof position_[0], "", "vertices");
+  claim_.add_items(uvs, sizeof uv_[0], "", "texture coordinates");
+  position_.reserve(positions);
+  uv_.reserve(uvs);
+}
+
+void ObjVertices::take(const ObjLine& line, MeshWarnings& warnings) {
+  const bool is_position = line.word == "v";
+  if ((is_position ? position_.size() == position_.capacity() : uv_.size() == uv_.capacity()))
+    throw InputError(file_, line_name(line), "is not as it was; the file changed meanwhile");
+  if (is_position) return take_position(line, warnings);
+  const std::vector<double> v = obj_numbers(line.rest, 2);
+  if (v.empty()) warnings.count("texture coordinates without a number, taken as 0", line_name(line));
+  uv_.push_back({v.empty() ? 0.0f : float(v[0]), v.size() > 1 ? float(1 - v[1]) : 1.0f});
+}
+
+void ObjVertices::take_position(const ObjLine& line, MeshWarnings& warnings) {
+  const std::vector<double> v = obj_numbers(line.rest, 7);
+  if (v.size() < 3) {
+    warnings.count_loss("vertices without three coordinates, whose faces are left out", line_name(line));
+    return position_.push_back({std::nan(""), std::nan(""), std::nan("")});
+  }
+  position_.push_back({v[0], v[1], v[2]});
+  if (v.size() < 6) return;
+  if (colour_.empty()) claim_.add_items(position_.capacity(), sizeof colour_[0], "", "colours of vertices");
+  colour_.reserve(position_.capacity());
+  colour_.resize(position_.size());
+  // A fourth number may be a weight, and then three colours follow.
+  const std::size_t first = v.size() - 3;
+  colour_.back() = {linear16(v[first]), linear16(v[first + 1]), linear16(v[first + 2]), opaque};
+  if (std::any_of(v.begin() + std::ptrdiff_t(first), v.end(), [](double one) { return !(one >= 0 && one <= 1); }))
+    warnings.count("vertex colours outside 0 to 1, taken as the nearer of both", line_name(line));
+}
+
+ObjFaceFault read_obj_corners(std::string_view text, const ObjIndexRange& range, std::vector<ObjCorner>& corners,
+                              std::uint64_t& bad_uvs) {
+  corners.clear();
+  const char *at = text.data(), *end = at + text.size();
+  while (at < end && *at != '#') {
+    ObjCorner c;
+    const auto position = index_at(at, end, range.positions, range.all_positions);
+    if (!position) return ObjFaceFault::no_index;
+    if (*position == range.all_positions) return ObjFaceFault::no_vertex;
+    c.position = std::uint32_t(*position);
+    if (at < end && *at == '/' && ++at < end && *at != '/' && *at > ' ') {
+      const auto uv = index_at(at, end, range.uvs, range.all_uvs);
+      if (!uv) return ObjFaceFault::no_index;
+      if (*uv == range.all_uvs)
+        ++bad_uvs;
+      else
+        c.uv = std::uint32_t(*uv);
+    }
+    while (at<end&& * at> ' ') ++at;  // normals are made from triangles
+    while (at < end && *at <= ' ') ++at;
+    if (corners.size() == max_polygon_corners) return ObjFaceFault::too_many_corners;
+    corners.push_back(c);
+  }
+  return ObjFaceFault::none;
+}
+
+}  // namespace gigabake
