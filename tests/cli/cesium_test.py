@@ -49,24 +49,46 @@ class Shown:
         self.page = chromium.Page(chromium.find(), url, EDGE, EDGE, chromium.WEBGL)
         test.addCleanup(self.page.close)
         self.page.wait_for("!!window.shown", 400)
+        self.page.evaluate("""(() => {
+          const { scene, voxels } = window.shown;
+          window.error = voxels.screenSpaceError;
+          voxels.loadProgress.addEventListener(() => {});
+          scene.postRender.addEventListener(() => {
+            const { numberOfPendingRequests, numberOfTilesProcessing } = voxels.statistics;
+            const busy = numberOfPendingRequests + numberOfTilesProcessing > 0 || scene.canvas.width !== window.edge;
+            window.quiet = busy ? 0 : window.quiet + 1;
+          });
+          scene.maximumRenderTimeChange = Infinity;
+        })(); 0""")
+        self.draw(False)
+
+    def draw(self, is_drawing):
+        """Without a GPU the pictures of one page take all cores: the others rest meanwhile."""
+        self.page.evaluate(f"window.shown.scene.requestRenderMode = {'false' if is_drawing else 'true'}; 0")
+
+    def wait_for_tiles(self, edge, frames):
+        """Until so many pictures of that size came without another tile; of any size they need the same tiles."""
+        self.page.command("Emulation.setDeviceMetricsOverride", width=edge, height=edge, deviceScaleFactor=1,
+                          mobile=False)
+        self.page.evaluate(f"""(() => {{
+          window.edge = {edge};
+          window.quiet = 0;
+          window.shown.voxels.screenSpaceError = window.error * {edge / EDGE};
+        }})(); 0""")
+        self.page.wait_for(f"window.quiet > {frames}", 400)
 
     def from_distance(self, radii, heading=0.3, pitch=-0.7):
         """What is drawn from so many radii away once all tiles are there: the picture, and how many tiles it took."""
-        self.page.evaluate(f"""(async () => {{
-          const {{ scene, voxels, look }} = window.shown;
-          window.quiet = 0;
-          look({heading}, {pitch}, {radii});
-          voxels.loadProgress.addEventListener(() => {{}});
-          scene.postRender.addEventListener(() => {{
-            const {{ numberOfPendingRequests, numberOfTilesProcessing }} = voxels.statistics;
-            window.quiet = numberOfPendingRequests + numberOfTilesProcessing > 0 ? 0 : window.quiet + 1;
-          }});
-        }})(); 0""")
-        self.page.wait_for("window.quiet > 12", 400)
+        self.page.evaluate(f"window.shown.look({heading}, {pitch}, {radii}); 0")
+        self.draw(True)
+        # A large picture takes a second, and tiles come in dozens of pictures.
+        self.wait_for_tiles(EDGE // 8, 12)
+        self.wait_for_tiles(EDGE, 3)
         time.sleep(0.5)
         with tempfile.TemporaryDirectory() as folder:
             (Path(folder) / "page.png").write_bytes(self.page.screenshot())
             picture = read_png(Path(folder) / "page.png")[..., :3].astype(int)
+        self.draw(False)
         return picture, self.page.evaluate("window.shown.voxels.statistics.numberOfTilesWithContentReady")
 
 
