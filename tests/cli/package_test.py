@@ -25,7 +25,16 @@ def succeed(*command, **options):
     return result.stdout
 
 
-class Package(unittest.TestCase):
+class Package(harness.FolderTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.prefix = cls.root / "prefix"
+        succeed("cmake", "--install", BUILD, "--prefix", cls.prefix)
+        program = harness.Gigabake(sys.argv[1])
+        program.succeed("sample", cls.root / "village", "--size", "64", "--seed", "3")
+        cls.baked = program.bake(cls.root / "village/tileset.json", cls.root / "bake", 0.5)
+
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
@@ -41,33 +50,22 @@ class Package(unittest.TestCase):
                                   capture_output=True, text=True, timeout=60, check=False)
             self.assertIn("expected a GeoTIFF", told.stderr)
 
-    def install(self):
-        prefix = self.path / "prefix"
-        succeed("cmake", "--install", BUILD, "--prefix", prefix)
-        return prefix
-
     def test_the_installed_program_runs_and_has_a_manual_and_completion(self):
-        prefix = self.install()
-        self.assertIn("gigabake", succeed(prefix / "bin/gigabake", "--version"))
-        self.expect_modules_load(prefix)
-        page = gzip.decompress((prefix / "share/man/man1/gigabake-bake.1.gz").read_bytes()).decode()
+        self.assertIn("gigabake", succeed(self.prefix / "bin/gigabake", "--version"))
+        self.expect_modules_load(self.prefix)
+        page = gzip.decompress((self.prefix / "share/man/man1/gigabake-bake.1.gz").read_bytes()).decode()
         self.assertIn("voxel\\-size", page)
         for file in ("bash-completion/completions/gigabake", "zsh/vendor-completions/_gigabake",
                      "fish/vendor_completions.d/gigabake.fish"):
-            self.assertIn("gigabake export", (prefix / "share" / file).read_text())
+            self.assertIn("gigabake export", (self.prefix / "share" / file).read_text())
 
     def build(self, name, *settings):
         """A program of tests/package, against what is installed."""
         build = self.path / name
         succeed("cmake", "-S", SOURCE / "tests/package" / name, "-B", build, "-G", "Ninja",
-                f"-DCMAKE_PREFIX_PATH={self.install()}", *settings)
+                f"-DCMAKE_PREFIX_PATH={self.prefix}", *settings)
         succeed("cmake", "--build", build)
         return build / name
-
-    def bake(self):
-        program = harness.Gigabake(sys.argv[1])
-        program.succeed("sample", self.path / "village", "--size", "64", "--seed", "3")
-        return program.bake(self.path / "village/tileset.json", self.path / "bake", 0.5)
 
     def test_anothers_program_reads_shards_and_links_little_else(self):
         reader = self.build("shard_reader", *(f"-DCMAKE_DISABLE_FIND_PACKAGE_{package}=ON"
@@ -77,21 +75,19 @@ class Package(unittest.TestCase):
         self.assertLessEqual(len(needed), 8)
         self.assertTrue(set(needed) <= {"libhdf5_serial", "libhdf5", "liblz4", "libdeflate", "libfmt", "libstdc++",
                                         "libgcc_s", "libm", "libc", "ld-linux-x86-64", "ld-linux-aarch64"}, needed)
-        info = self.bake()
         for lod in (0, 2):
-            voxels = [int(succeed(reader, shard, lod)) for shard in (self.path / "bake/shards").glob("c_*.h5")]
-            self.assertEqual(sum(voxels), info["lods"][lod]["voxels"])
+            voxels = [int(succeed(reader, shard, lod)) for shard in (self.root / "bake/shards").glob("c_*.h5")]
+            self.assertEqual(sum(voxels), self.baked["lods"][lod]["voxels"])
 
     def test_anothers_program_bakes_exports_and_draws(self):
         program = self.build("terrain_program")
         # 2026-11-22: the folder was taken from a variable that other packages set, too.
-        self.assertIn(str(self.path / "prefix/lib/gigabake"), succeed("readelf", "-d", program))
-        info = self.bake()
+        self.assertIn(str(self.prefix / "lib/gigabake"), succeed("readelf", "-d", program))
         baked, exported, drawn = map(int, succeed(
-            program, self.path / "village/tileset.json", self.path / "bake/scene.xml", self.path / "village.ply",
+            program, self.root / "village/tileset.json", self.root / "bake/scene.xml", self.path / "village.ply",
             self.path / "village.png").split())
-        self.assertGreater(baked, 0.9 * info["lods"][0]["voxels"])
-        self.assertEqual(exported, info["lods"][0]["voxels"])
+        self.assertGreater(baked, 0.9 * self.baked["lods"][0]["voxels"])
+        self.assertEqual(exported, self.baked["lods"][0]["voxels"])
         self.assertGreater(drawn, 64)
         self.assertEqual((self.path / "village.png").read_bytes()[:4], b"\x89PNG")
 
@@ -100,8 +96,7 @@ class Package(unittest.TestCase):
         made, pixels = map(int, succeed(cut_open.parent / "procedural_ground", self.path / "waves.png").split())
         self.assertEqual(made, 2 * 24 * 24)
         self.assertGreater(pixels, 96 * 96 / 8)
-        self.bake()
-        scene = self.path / "bake/scene.xml"
+        scene = self.root / "bake/scene.xml"
         whole, half, height = succeed(cut_open, scene, self.path / "cut.png").split()
         self.assertGreater(int(half), 0.3 * int(whole))
         self.assertLess(int(half), 0.7 * int(whole))
@@ -116,12 +111,12 @@ class Package(unittest.TestCase):
         (self.path / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.22)\nproject(x LANGUAGES CXX)\n"
                                                   "find_package(gigabake REQUIRED COMPONENTS shard attic)\n")
         told = harness.run(("cmake", "-S", self.path, "-B", self.path / "build",
-                            f"-DCMAKE_PREFIX_PATH={self.install()}"), 100)
+                            f"-DCMAKE_PREFIX_PATH={self.prefix}"), 100)
         self.assertNotEqual(told.returncode, 0)
         self.assertIn("attic", told.stderr)
 
     def test_the_headers_that_are_listed_are_installed_and_include_only_each_other(self):
-        include = self.install() / "include/gigabake"
+        include = self.prefix / "include/gigabake"
         headers = sorted(header.relative_to(include).as_posix() for header in include.rglob("*.*"))
         listed = re.findall(r"^ +([\w/]+\.(?:h|cuh)\b)", (SOURCE / "cmake/public_headers.cmake").read_text(), re.M)
         self.assertEqual(headers, sorted(listed))
