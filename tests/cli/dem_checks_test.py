@@ -38,11 +38,14 @@ class DemChecksTest(unittest.TestCase):
         crs.SetFromUserInput(text)
         self.change(lambda raster: raster.SetSpatialRef(crs))
 
-    def plan(self, *arguments, source=None, **entry):
+    def scene(self, **entry):
         path = self.root / "scene.json"
         path.write_text(json.dumps({"gigabake": 1, "sources": [{"dem": "dem.tif", **entry}]}))
-        result = PROGRAM.run("plan", source or path, "--voxel-size", 2, "--no-measure", "--json", *arguments)
-        return result
+        return path
+
+    def plan(self, *arguments, source=None, **entry):
+        return PROGRAM.run("plan", source or self.scene(**entry), "--voxel-size", 2, "--no-measure", "--json",
+                           *arguments)
 
     def warnings(self, *arguments, **entry):
         result = self.plan(*arguments, **entry)
@@ -60,8 +63,7 @@ class DemChecksTest(unittest.TestCase):
             self.assertIn(word, line)
 
     def voxels(self, **entry):
-        self.plan(**entry)
-        PROGRAM.bake(self.root / "scene.json", self.root / "out", 1)
+        PROGRAM.bake(self.scene(**entry), self.root / "out", 1)
         PROGRAM.succeed("export", self.root / "out", "--to", "ply", "-o", self.root / "v.ply")
         return harness.read_ply(self.root / "v.ply")["p"]
 
