@@ -53,6 +53,8 @@ void ObjMaterialTable::warn(const std::set<std::string>& used, MeshWarnings& war
       warnings.count("materials that faces name and no file describes, taken as white", in_quotes(name));
     if (m == nullptr) continue;
     const ObjMaterial& material = m->material;
+    if (material.base_color[3] == 0)
+      warnings.count("materials with alpha 0, whose faces are invisible", in_quotes(name));
     for (const ObjMap& map : {material.color_map, material.alpha_map}) {
       if (map.name.empty() || is_usable(*m, map)) continue;
       const bool is_there = named_file(m->file, map.name, files_).is_there(files_);

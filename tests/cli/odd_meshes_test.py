@@ -1,0 +1,129 @@
+#!/usr/bin/env python3
+"""OBJ, MTL, PLY and STL as other programs write them: the voxels, their colours, and what is reported.
+
+All of it is of 2026-11-25, rebuilt from public bug reports of neighbouring programs. Usage: odd_meshes_test.py GIGABAKE
+SOURCE_DIR
+"""
+import struct
+import sys
+import tempfile
+import unittest
+import zlib
+from pathlib import Path
+
+import harness
+
+SQUARE = "v 0 0 0.25\nv 4 0 0.25\nv 4 4 0.25\nv 0 4 0.25\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+FACES = "f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n"
+BROWN, WHITE = (200, 100, 50), (255, 255, 255)
+PLY = ("ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
+       "element face 2\nproperty list uchar int vertex_indices\n{}end_header\n{}")
+
+
+def png(colour):
+    """4 × 4 texels of one colour."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    rows = (b"\0" + bytes(colour) * 4) * 4
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">2I5B", 4, 4, 8, 2, 0, 0, 0)) +
+            chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def comb(teeth):
+    """Teeth of 0.5 m × 3 m on a bar of 1 m."""
+    corners = [(0, 0), (teeth, 0)]
+    for i in range(teeth, 0, -1):
+        corners += [(i, 1), (i - 0.5, 1), (i - 0.5, 4), (i - 1, 4)]
+    face = " ".join(str(i + 1) for i in range(len(corners)))
+    return "".join(f"v {x} {y} 0.25\n" for x, y in corners) + f"f {face}\n"
+
+
+class OddMeshes(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = Path(folder.name)
+        (self.root / "t.png").write_bytes(png(BROWN))
+        self.count = 0
+
+    def bake(self, name, content, status=0):
+        """Returns the number of voxels of each colour, and the warnings."""
+        self.count += 1
+        source, out = self.root / name, self.root / f"out{self.count}"
+        source.write_bytes(content if isinstance(content, bytes) else content.encode())
+        result = PROGRAM.run("bake", source, "-o", out, "--voxel-size", 0.5, "--up", "z", "-q")
+        self.assertEqual(result.returncode, status, result.stderr)
+        if status == 1:
+            return result.stderr
+        colours = {}
+        self.assertEqual(PROGRAM.run("export", out, "-o", self.root / "v.ply").returncode, status)
+        for voxel in harness.read_ply(self.root / "v.ply")["rgba"]:
+            colour = tuple(int(c) for c in voxel[:3])
+            colours[colour] = colours.get(colour, 0) + 1
+        return colours, result.stderr
+
+    def material(self, text, faces=FACES):
+        (self.root / "m.mtl").write_text("newmtl a\n" + text)
+        return self.bake("a.obj", "mtllib m.mtl\n" + SQUARE + "usemtl a\n" + faces)
+
+    def test_spellings_of_obj_and_mtl(self):
+        for text in ("map_Kd t.png\nTr 1\n", "map_kd t.png\n", "map_Kd C:\\Users\\me\\t.png\n",
+                     "Kd 0 0 0\nmap_Kd -clamp on t.png\n"):
+            self.assertEqual(self.material(text), ({BROWN: 64}, ""), text)
+        (self.root / "m.mtl").write_text("newmtl a\nmap_Kd t.png\n")
+        text = "\ufeffmtllib m.mtl\nmtllib\n" + SQUARE + "usemtl a\n" + FACES.replace("\n", " # note\n")
+        for line_end in ("\n", "\r", "\r\n"):
+            self.assertEqual(self.bake("a.obj", text.replace("\n", line_end)), ({BROWN: 64}, ""))
+        self.assertEqual(self.bake("a.obj", comb(128))[0], {WHITE: 1280})
+
+    def test_what_is_not_used_is_reported(self):
+        colours, warnings = self.material("map_Kd gone.png\n")
+        self.assertEqual(sum(colours.values()), 64)
+        self.assertIn("images are missing, what they show is grey: 1, e.g. 'gone.png'", warnings)
+        self.assertIn("colours (Kd) above 1", self.material("Kd 255 0 0\n")[1])
+        colours, warnings = self.bake("a.obj", SQUARE.replace("0.25\n", "0.25 200 100 50\n") + FACES)
+        self.assertEqual(colours, {WHITE: 64})
+        self.assertIn("vertex colours outside 0 to 1", warnings)
+        colours, warnings = self.bake("a.obj", SQUARE + FACES + "f 1 2 9\nf 1 2\n", status=3)
+        self.assertEqual(colours, {WHITE: 64})
+        self.assertIn("a corner is none of the vertices: 1 of 4, e.g. line 11", warnings)
+
+    def test_a_face_uses_what_it_has(self):
+        (self.root / "m.mtl").write_text("newmtl a\nmap_Kd t.png\n")
+        more = "".join(f"v {x} {y} 0.25\n" for x, y in ((6, 0), (10, 0), (10, 4), (6, 4)))
+        text = "mtllib m.mtl\n" + SQUARE + more + "usemtl a\n" + FACES + "f 5 6 7\nf 5 7 8\n"
+        colours, warnings = self.bake("a.obj", text)
+        self.assertEqual(colours, {BROWN: 64, WHITE: 64})
+        self.assertIn("faces without texture coordinates, of materials with an image: 2 of 4", warnings)
+
+    def test_ply_and_stl(self):
+        corners = "0 0 .25\n4 0 .25\n4 4 .25\n0 4 .25\n"
+        rgba = "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n"
+        faces = "3 0 1 2 200 100 50 0\n3 0 2 3 200 100 50 0\n"
+        colours, warnings = self.bake("a.ply", PLY.format(rgba, corners + faces))
+        self.assertEqual(colours, {BROWN: 64})
+        self.assertIn("alpha is 0 everywhere", warnings)
+        corner = [(0, 0, .25), (4, 0, .25), (4, 4, .25), (0, 4, .25)]
+        facets = b"".join(struct.pack("<12fH", 0, 0, 0, *corner[0], *corner[i], *corner[i + 1], 0) for i in (1, 2))
+        colours, warnings = self.bake("a.stl", bytes(80) + struct.pack("<I", 1) + facets)
+        self.assertEqual(colours, {WHITE: 64})
+        self.assertIn("the header states fewer triangles than the file holds", warnings)
+
+    def test_one_far_vertex_moves_nothing(self):
+        corners = ((500000, 5200000), (500004, 5200000), (500004, 5200004), (500000, 5200004))
+        utm = "".join(f"v {x} {y} 0.25\n" for x, y in corners) + "vt 0 0\n" * 4
+        for far in ("", "v 0 0 0\n", "v 1e9 1e9 1e9\n"):
+            self.assertEqual(self.bake("a.obj", utm + far + FACES), ({WHITE: 64}, ""), far)
+
+    def test_an_empty_result_names_its_cause(self):
+        for text, words in ((SQUARE, "no triangles"), (SQUARE + "f 1 2 9\n", "none of the vertices")):
+            self.assertIn(words, self.bake("a.obj", text, status=1))
+        (self.root / "m.mtl").write_text("newmtl a\nd 0\n")
+        self.assertIn("material 'a'", self.bake("a.obj", "mtllib m.mtl\n" + SQUARE + "usemtl a\n" + FACES, status=1))
+        result = PROGRAM.run("plan", self.root / "a.obj", "--voxel-size", 0.5)
+        self.assertIn("materials with alpha 0, whose faces are invisible: 1, e.g. 'a'", result.stderr + result.stdout)
+
+
+if __name__ == "__main__":
+    PROGRAM = harness.Gigabake(sys.argv[1])
+    unittest.main(argv=sys.argv[:1])
