@@ -30,17 +30,19 @@ struct ServeArguments {
 void run(ServeArguments& a) {
   const std::filesystem::path scene = live_scene_argument(a.live.scene);
   const std::filesystem::path out = scene.has_parent_path() ? scene.parent_path() : ".";
-  if (!std::filesystem::is_directory(out))
-    throw InputError(out, "", "no such folder; expected OUT/scene.xml of a bake that is done or under way");
   LiveScene::Options scene_options = live_options(a.live);
   if (a.most_viewers < 1 || a.most_viewers > 64) throw UsageError("--viewers: expected 1 to 64");
   scene_options.most_viewers = a.most_viewers;
-  if (a.server.token.empty() && !is_loopback(a.server.bind)) a.server.token = random_key();
+  if (a.server.token.empty() && StreamServer::is_public(a.server)) a.server.token = random_key();
   a.server.bake_status = [out] { return bake_status_json(out.string()); };
   LiveScene live(scene, std::move(scene_options));
   StreamServer server(live, a.server);
   const StopSignals signals("gigabake: stopped at once; serving changes no file\n");
   fmt::print("{}\n", server.url());
+  if (!a.server.external_url.empty()) fmt::print("the proxy connects to {} port {}\n", a.server.bind, server.port());
+  if (!std::filesystem::exists(scene))
+    fmt::print("waiting for a bake into {}: there is no {} yet\n", out.string(),
+               std::filesystem::is_directory(out) ? "scene.xml" : "such folder");
   flush_output();
   report_missing_data(complete);
   // The server stops from a thread of its own: a signal handler may not.
@@ -63,6 +65,8 @@ void add_serve(CLI::App& app, int&) {
       ->capture_default_str();
   command.add_option("--port", a->server.port, "port; 0: any that is free")->capture_default_str();
   command.add_option("--token", a->server.token, "what a browser must know (beyond this machine: made up and printed)");
+  command.add_option("--external-url", a->server.external_url,
+                     "address under which a proxy on this machine shows the page: https://HOST/PATH/ (docs/viewer.md)");
   command.add_option("--viewers", a->most_viewers, "how many may look at a time")->capture_default_str();
   command.callback([a] { run(*a); });
 }

@@ -19,6 +19,7 @@ constexpr auto flags = std::to_array<std::pair<std::string_view, std::string_vie
     {"codec", "--codec"},
     {"coordinates", "--coordinates"},
     {"depth", "--depth"},
+    {"external_url", "--external-url"},
     {"eye_m", "--eye"},
     {"format", "--format"},
     {"fovy_deg", "--fovy"},

@@ -89,6 +89,62 @@ bool is_bake(const fs::path& folder) {
   return is_file(folder / "scene.xml") || is_folder(folder / "shards") || is_file(folder / "journal");
 }
 
+bool is_there(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(path, error);
+}
+
+/// Digits are all '0': run_1 and run_2 are no typos of each other.
+std::string name_without_digits(const fs::path& path) {
+  std::string name = path.filename().string();
+  for (char& c : name) c = std::isdigit(static_cast<unsigned char>(c)) ? '0' : char(std::tolower(c));
+  return name;
+}
+
+/// True if one character more, less or other, or two neighbours in the other order, make one name of the other.
+bool is_one_edit_apart(std::string_view a, std::string_view b) {
+  if (a.size() < b.size()) std::swap(a, b);
+  std::size_t first = 0;
+  while (first < b.size() && a[first] == b[first]) ++first;
+  const std::string_view rest_a = a.substr(first), rest_b = b.substr(first);
+  if (a.size() == b.size() + 1) return rest_a.substr(1) == rest_b;
+  if (a.size() != b.size() || rest_a.empty()) return false;
+  if (rest_a.substr(1) == rest_b.substr(1)) return true;
+  return rest_a.size() > 1 && rest_a[0] == rest_b[1] && rest_a[1] == rest_b[0] && rest_a.substr(2) == rest_b.substr(2);
+}
+
+/// A bake's folder beside `out` whose name is nearly the same; empty if there is none.
+fs::path similar_bake(const fs::path& out, const fs::path& parent) {
+  const std::string name = name_without_digits(out), own = out.filename().string();
+  std::error_code error;
+  for (fs::directory_iterator it(parent, error), end; !error && it != end; it.increment(error)) {
+    const std::string other = name_without_digits(it->path());
+    const bool differs_in_case = other == name && other.find('0') == std::string::npos && it->path().filename() != own;
+    if (!differs_in_case && !is_one_edit_apart(name, other)) continue;
+    const Named kind = kind_of(it->path());
+    if (kind == Named::baked_folder || kind == Named::begun_folder) return it->path();
+  }
+  return {};
+}
+
+/// OUT/scene.xml of a bake that is still to start. Errors  InputError: a name that looks like a typo.
+fs::path future_scene(const fs::path& given) {
+  const bool names_scene = given.filename() == "scene.xml" || !given.has_filename();
+  const fs::path named = names_scene ? given.parent_path() : given;
+  const fs::path out = named.empty() ? fs::path(".") : named;
+  if (is_folder(out)) return out / "scene.xml";
+  if (is_there(out)) throw InputError(out, "", "is not a folder; expected OUT of a bake, or OUT/scene.xml");
+  if (has_source_suffix(out) || out.extension() == ".xml" || out.extension() == ".h5")
+    throw InputError(out, "", "no such file; expected OUT of a bake, or OUT/scene.xml");
+  const fs::path parent = out.has_parent_path() ? out.parent_path() : fs::path(".");
+  if (!is_folder(parent))
+    throw InputError(out, "", "there is no folder " + parent.string() + "; expected OUT of a bake, done or to come");
+  const fs::path similar = similar_bake(out, parent);
+  if (!similar.empty())
+    throw InputError(out, "", "no such folder; is " + similar.string() + " meant? To wait for a bake, make the folder");
+  return out / "scene.xml";
+}
+
 }  // namespace
 
 void expect_bake_output(const std::string& given) {
@@ -115,6 +171,9 @@ std::filesystem::path scene_argument(const std::string& given) {
 
 std::filesystem::path live_scene_argument(const std::string& given) {
   const Named kind = kind_of(given);
+  if (!is_there(given)) return future_scene(given);
+  if (kind == Named::unknown && is_file(given))
+    throw InputError(given, "", "is not a scene; expected OUT of a bake, or OUT/scene.xml");
   if (kind == Named::unknown && is_folder(given)) return fs::path(given) / "scene.xml";
   return kind == Named::begun_folder ? fs::path(given) / "scene.xml" : scene_argument(given);
 }

@@ -9,7 +9,7 @@
 
 #include "format/export/archive_3tz.h"
 #include "format/export/implicit_octree.h"
-#include "format/export/tile_survey.h"
+#include "format/export/tile_stats.h"
 #include "format/export/tile_writer.h"
 #include "format/export/tileset_json.h"
 #include "format/export/tileset_page.h"
@@ -64,7 +64,7 @@ class TilesetExport {
   TilesetExport(const PagedScene& scene, const TilesetOptions& options, Fit fit, const Progress& progress,
                 const ExportTeam& team)
       : scene_(scene), progress_(progress), team_(team), pool_(options.threads), owners_(scene), form_(options.form) {
-    const TileSurvey survey(scene_, owners_, team_, pool_, progress_);
+    const TileStats survey(scene_, owners_, team_, pool_, progress_);
     bounds_ = fit == Fit::bricks_of_finest ? survey.bounds(options.lod) : scene.totals().window;
     if (bounds_.is_empty()) throw InputError(scene.file(), "Voxels", "there is no voxel of the level");
     tiling_ = tiling_of(bounds_, options.lod, options.tile_voxels);

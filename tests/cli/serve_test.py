@@ -6,11 +6,10 @@ Usage: serve_test.py GIGABAKE SOURCE_DIR
 import contextlib
 import json
 import math
+import socket
 import sys
 import threading
 import time
-import urllib.error
-import urllib.request
 
 import numpy
 
@@ -18,36 +17,10 @@ import chromium
 import harness
 from png_file import read_png
 from programs import lines_of
+from served import Server
 
 SIZE = (320, 200)
 RESTS = "document.body.dataset.resting === 'true'"
-
-
-class Server:
-    """gigabake serve, until it is closed."""
-
-    def __init__(self, *arguments):
-        self.process = harness.Started([GIGABAKE.executable, "serve", *arguments])
-        while "\n" not in self.process.said() and self.process.poll() is None:
-            time.sleep(0.02)
-        self.url = self.process.said().partition("\n")[0]
-        assert self.url.startswith("http://"), self.process.said()
-
-    def close(self):
-        self.process.end()
-
-    def ask(self, path, body=None):
-        """Status and content."""
-        request = urllib.request.Request(self.url + path)
-        if body is not None:
-            request.data = json.dumps(body).encode()
-            request.add_header("Content-Type", "application/json")
-        try:
-            with urllib.request.urlopen(request, timeout=120) as answer:
-                return answer.status, answer.read()
-        except urllib.error.HTTPError as failure:
-            with failure:
-                return failure.code, failure.read()
 
 
 class Serve(harness.FolderTest):
@@ -64,7 +37,7 @@ class Serve(harness.FolderTest):
                          "--cell-voxels", 128)
 
     def serve(self, *arguments):
-        server = Server(*arguments, "--port", 0)
+        server = Server(GIGABAKE, *arguments, "--port", 0)
         self.addCleanup(server.close)
         return server
 
@@ -245,7 +218,34 @@ class Serve(harness.FolderTest):
 
     def test_beyond_this_machine_a_token_is_made_up(self):
         server = self.serve(self.scene, "--bind", "0.0.0.0")
-        self.assertRegex(server.url, r"^http://0\.0\.0\.0:\d+/\?token=[0-9a-f]{32}$")
+        self.assertRegex(server.url, r"^http://[^/]+:\d+/\?token=[0-9a-f]{32}$")
+
+    def test_an_address_that_other_hosts_can_open_is_printed(self):  # 2026-11-25: 0.0.0.0 was printed
+        for bind in ("0.0.0.0", "0"):
+            host = self.serve(self.scene, "--bind", bind).url.split("/")[2].rsplit(":", 1)[0]
+            own = {address[4][0] for address in socket.getaddrinfo(socket.gethostname(), None)}
+            self.assertNotIn(host, ("0.0.0.0", "0", "::"))
+            self.assertTrue(host == socket.gethostname() or host in own or not host.startswith("127."), host)
+
+    # 2026-11-25: the scene of a folder that was made later was never shown.
+    def test_a_folder_that_is_not_there_yet_is_waited_for(self):
+        out = self.root / "later"
+        server = self.serve(out)
+        self.assertIn(f"waiting for a bake into {out}", server.process.said())
+        key = json.loads(server.ask("viewers", {})[1])["viewer"]
+        with self.heard_from(server, key):
+            self.bake(out)
+            self.assertEqual(server.ask(f"picture.png?viewer={key}")[0], 200)
+
+    def test_a_name_that_looks_like_a_typo_is_refused(self):  # 2026-11-25
+        (self.root / "note.txt").write_text("no scene")
+        for given, expected in (("ouz", "is "), ("Out", "is "), ("otu", "is "), ("outt/scene.xml", "is "),
+                                ("nowhere/out", "there is no folder"), ("out/scen.xml", "no such file"),
+                                ("note.txt", "is not a scene"), ("note.txt/scene.xml", "is not a folder")):
+            result = GIGABAKE.run("serve", self.root / given, timeout=20)
+            self.assertEqual(result.returncode, 1, result)
+            self.assertIn(expected, result.stderr)
+            self.assertEqual(len(lines_of(result.stderr)), 1, result.stderr)
 
     def test_options_that_make_no_server_are_named(self):
         for arguments, code, expected in (
@@ -255,7 +255,10 @@ class Serve(harness.FolderTest):
                 ((self.scene, "--frame-ms", 0), 2, "--frame-ms"),
                 ((self.scene, "--viewers", 0), 2, "--viewers"),
                 ((self.scene, "--eye", "1,2"), 2, "--eye"),
-                ((self.root / "nowhere" / "scene.xml",), 1, "nowhere")):
+                ((self.root / "nowhere" / "out" / "scene.xml",), 1, "nowhere"),
+                ((self.scene, "--external-url", "maps.example.com"), 2, "--external-url"),
+                ((self.scene, "--external-url", "ftp://maps.example.com/"), 2, "--external-url"),
+                ((self.scene, "--external-url", "https://u@maps.example.com/"), 2, "--external-url")):
             result = GIGABAKE.run("serve", *arguments, timeout=60)
             self.assertEqual(result.returncode, code, result)
             self.assertIn(expected, result.stderr)

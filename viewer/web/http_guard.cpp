@@ -45,11 +45,13 @@ bool is_name(std::string_view host) {
   });
 }
 
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out)
-    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-  return out;
+/// What a proxy made of a request, for whoever sets it up.
+std::string received(const RequestHead& head) {
+  constexpr std::size_t max_shown = 200;
+  const auto shown = [](const std::string& text) {
+    return text.empty() ? "none" : "'" + text.substr(0, max_shown) + "'";
+  };
+  return "; received Host " + shown(head.host) + " and Origin " + shown(head.origin);
 }
 
 std::optional<Refusal> refusal_of_body(const RequestHead& head) {
@@ -63,13 +65,22 @@ std::optional<Refusal> refusal_of_body(const RequestHead& head) {
     return Refusal{413, "expected a body of at most " + std::to_string(most_body_bytes) + " bytes"};
   if (error != std::errc() || at != end) return Refusal{411, "expected a Content-Length"};
   // Pages of other origins may send forms and plain text unasked, JSON they may not.
-  if (!lower(head.content_type).starts_with("application/json")) return Refusal{415, "expected application/json"};
+  if (!ascii_lower(head.content_type).starts_with("application/json")) return Refusal{415, "expected application/json"};
   return std::nullopt;
 }
 
 }  // namespace
 
-bool is_loopback(std::string_view host) { return lower(host) == "localhost" || host == "::1" || is_loopback_v4(host); }
+std::string ascii_lower(std::string_view text) {
+  std::string out(text);
+  for (char& c : out)
+    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+  return out;
+}
+
+bool is_loopback(std::string_view host) {
+  return ascii_lower(host) == "localhost" || host == "::1" || is_loopback_v4(host);
+}
 
 std::string_view host_of(std::string_view authority) {
   if (authority.starts_with('[')) {
@@ -119,16 +130,20 @@ std::string_view cookie(std::string_view header, std::string_view name) {
   return {};
 }
 
-std::optional<Refusal> refusal_of(const RequestHead& head, bool local) {
+std::optional<Refusal> refusal_of(const RequestHead& head, bool local, const ExternalUrl& external) {
   if (head.method != "GET" && head.method != "HEAD" && head.method != "POST")
     return Refusal{405, "expected GET, HEAD or POST"};
   const std::string_view host = host_of(head.host);
   if (!local && host.empty()) return Refusal{400, "expected one Host header: a name or an address, and a port"};
-  if (local && !is_loopback(host))
-    return Refusal{403, "expected the host localhost; to serve other machines start with `bind` and a token"};
-  if (!head.origin.empty() && lower(head.origin) != "http://" + lower(head.host) &&
-      lower(head.origin) != "https://" + lower(head.host))
-    return Refusal{403, "expected a request of this server's own page"};
+  const bool is_external = !host.empty() && ascii_lower(host) == external.host;
+  if (local && !is_loopback(host) && !is_external)
+    return Refusal{403, "expected the host localhost" + received(head) +
+                            "; for other machines start with `bind` and a token, behind a proxy with `external_url`"};
+  const std::string origin = ascii_lower(head.origin);
+  if (!origin.empty() && origin != "http://" + ascii_lower(head.host) &&
+      origin != "https://" + ascii_lower(head.host) && (external.host.empty() || origin != external.origin))
+    return Refusal{403, "expected a request of this server's own page" + received(head) +
+                            "; behind a proxy that changes Host start with `external_url`"};
   return head.method == "POST" ? refusal_of_body(head) : std::nullopt;
 }
 

@@ -6,7 +6,12 @@
 #include <string>
 #include <string_view>
 
+#include "viewer/web/external_url.h"
+
 namespace gigabake {
+
+/// Returns the text with the letters A to Z in lower case, whatever the locale.
+std::string ascii_lower(std::string_view text);
 
 /// "localhost", "::1" or 127.x.y.z: nobody reaches it from another machine.
 bool is_loopback(std::string_view host);
@@ -40,7 +45,8 @@ struct Refusal {
 
 inline constexpr std::uint64_t most_body_bytes = 4096;
 
-/// local: bound to this machine only; then a Host of another name is a page that had its name point here.
-std::optional<Refusal> refusal_of(const RequestHead& head, bool local);
+/// local: bound to this machine only; then a Host of another name is a page that had its name point here. external: of
+/// the proxy that shows this server; its host is expected like localhost, its origin like the server's own.
+std::optional<Refusal> refusal_of(const RequestHead& head, bool local, const ExternalUrl& external = {});
 
 }  // namespace gigabake

@@ -197,6 +197,8 @@ struct HttpServer::State {
       return MHD_NO;
     }
     owner.release();  // to the response
+    for (const auto& [name, value] : reply.headers)
+      MHD_add_response_header(response.get(), name.c_str(), value.c_str());
     return queue(connection, response, 200, reply.type);
   }
 

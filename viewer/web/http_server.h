@@ -52,6 +52,7 @@ class HttpStream {
 struct HttpStreamReply {
   std::string type;
   std::shared_ptr<HttpStream> stream;
+  std::vector<std::pair<std::string, std::string>> headers = {};
 };
 
 using HttpAnswer = std::variant<HttpReply, HttpLater, HttpStreamReply>;

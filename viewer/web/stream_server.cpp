@@ -11,7 +11,9 @@
 #include "viewer/live/steering_json.h"
 #include "viewer/pictures/jpeg.h"
 #include "viewer/pictures/png.h"
+#include "viewer/web/external_url.h"
 #include "viewer/web/http_server.h"
+#include "viewer/web/image_parts.h"
 #include "viewer/web/stream_sessions.h"
 #include "viewer/web/web_files.h"
 
@@ -19,10 +21,10 @@ namespace gigabake {
 namespace {
 
 constexpr int moving_quality = 75, resting_quality = 92;
-constexpr double picture_s = 60, stream_look_s = 1;
+/// Without a new image, a stream is filled after the first time, then again and again after the second.
+constexpr double picture_s = 60, first_fill_s = 0.25, next_fill_s = 1;
 constexpr std::chrono::seconds bake_look{1};
 constexpr const char* json_type = "application/json";
-const std::string part_head = "--frame\r\nContent-Type: image/jpeg\r\n\r\n";
 
 HttpReply error_reply(int status, const std::string& why) {
   return {status, json_type,
@@ -54,7 +56,7 @@ HttpReply page_part(const char* type, std::string_view text) { return {200, type
 void check_options(const StreamServer::Options& o) {
   if (o.port < 0 || o.port > 65535) throw UsageError("port", "expected 1 to 65535, or 0 for any that is free");
   if (!is_token(o.token)) throw UsageError("token", "expected letters, digits, - and _ only");
-  if (o.token.size() < StreamServer::least_token && !(o.token.empty() && is_loopback(o.bind)))
+  if (o.token.size() < StreamServer::least_token && !(o.token.empty() && !StreamServer::is_public(o)))
     throw UsageError("token", fmt::format("expected at least {} letters or digits", StreamServer::least_token));
 }
 
@@ -71,14 +73,11 @@ class PictureStream : public HttpStream {
 
   std::optional<std::string> next() override {
     if (!sessions_.is_streaming(key_, stream_)) return std::nullopt;
-    const auto frame = scene_.frame_after(viewer_, number_, stream_look_s);
-    if (!frame) return "";
-    const std::string jpeg = encode_jpeg(frame->frame.picture, frame->full ? resting_quality : moving_quality);
-    // Browsers show a part when they have read the head of the next: it is sent right behind, not with the next
-    // picture.
-    const std::string parts = (number_ == 0 ? part_head : "") + jpeg + "\r\n" + part_head;
+    const auto frame = scene_.frame_after(viewer_, number_, is_filling_ ? next_fill_s : first_fill_s);
+    is_filling_ = !frame;
+    if (!frame) return parts_.fill();
     number_ = frame->number;
-    return parts;
+    return parts_.add(encode_jpeg(frame->frame.picture, frame->full ? resting_quality : moving_quality));
   }
 
  private:
@@ -87,6 +86,8 @@ class PictureStream : public HttpStream {
   const std::string key_;
   const LiveScene::ViewerId viewer_;
   std::uint64_t stream_ = 0, number_ = 0;
+  ImageParts parts_;
+  bool is_filling_ = false;
 };
 
 }  // namespace
@@ -97,6 +98,7 @@ struct StreamServer::State {
   LiveScene& scene;
   const Options options;
   const bool local;
+  const ExternalUrl external;
   StreamSessions sessions;
 
   std::mutex bake_mutex;  ///< guards what follows
@@ -107,14 +109,19 @@ struct StreamServer::State {
   HttpServer http;  ///< last: it calls the rest
 
   State(LiveScene& s, const Options& o)
-      : scene(s), options(o), local(is_loopback(o.bind)), sessions(s), http(o.bind, o.port, handlers(), o.limits) {}
+      : scene(s),
+        options(o),
+        local(is_loopback(o.bind)),
+        external(parse_external_url(o.external_url)),
+        sessions(s),
+        http(o.bind, o.port, handlers(), o.limits) {}
 
   HttpServer::Handlers handlers() {
     HttpServer::Handlers out;
     out.refuse = [this](const HttpRequest& request) { return refuse(request); };
     out.answer = [this](const HttpRequest& request) { return answer(request); };
     out.failed = reply_to;
-    out.headers = {{"Cache-Control", "no-store"},
+    out.headers = {{"Cache-Control", "no-store, no-transform"},
                    {"X-Content-Type-Options", "nosniff"},
                    {"Referrer-Policy", "no-referrer"},
                    {"Content-Security-Policy", "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'"}};
@@ -135,7 +142,8 @@ struct StreamServer::State {
   }
 
   std::optional<HttpReply> refuse(const HttpRequest& request) const {
-    if (const auto refusal = refusal_of(request.head, local)) return error_reply(refusal->status, refusal->why);
+    if (const auto refusal = refusal_of(request.head, local, external))
+      return error_reply(refusal->status, refusal->why);
     if (!has_token(request))
       return error_reply(401, "expected the token: open the address that the server has printed");
     return std::nullopt;
@@ -160,18 +168,18 @@ struct StreamServer::State {
         {"/steer", true, &State::for_viewer<&State::steer>},
     };
     const bool is_post = request.head.method == "POST";
-    const auto found = std::find_if(std::begin(routes), std::end(routes), [&](const Route& route) {
-      return route.path == request.path && route.is_post == is_post;
-    });
+    const std::string_view path = without_external_path(request.path, external);
+    const auto found = std::find_if(std::begin(routes), std::end(routes),
+                                    [&](const Route& route) { return route.path == path && route.is_post == is_post; });
     return found == std::end(routes) ? error_reply(404, "there is no such page") : (this->*found->handle)(request);
   }
 
   HttpAnswer page(const HttpRequest&) {
     HttpReply reply = page_part("text/html; charset=utf-8", web_page);
-    // So that script, pictures and steering come with it.
+    // So that script, pictures and steering come with it. Its path is that of the page, also below a proxy's.
     if (!options.token.empty())
       reply.headers.emplace_back("Set-Cookie",
-                                 fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/", cookie_name(), options.token));
+                                 fmt::format("{}={}; HttpOnly; SameSite=Strict", cookie_name(), options.token));
     return reply;
   }
 
@@ -239,7 +247,8 @@ struct StreamServer::State {
 
   HttpAnswer stream(const HttpRequest& request, ViewerId viewer) {
     return HttpStreamReply{"multipart/x-mixed-replace; boundary=frame",
-                           std::make_shared<PictureStream>(scene, sessions, request.argument("viewer"), viewer)};
+                           std::make_shared<PictureStream>(scene, sessions, request.argument("viewer"), viewer),
+                           {{"X-Accel-Buffering", "no"}}};
   }
 
   HttpAnswer picture(const HttpRequest& request, ViewerId viewer) {
@@ -266,10 +275,17 @@ StreamServer::~StreamServer() { stop(); }
 int StreamServer::port() const { return state_->http.port(); }
 
 std::string StreamServer::url() const {
-  const std::string& bind = state_->options.bind;
-  const std::string host = bind.find(':') == std::string::npos ? bind : "[" + bind + "]";
-  const std::string& token = state_->options.token;
-  return fmt::format("http://{}:{}/{}", host, port(), token.empty() ? "" : "?token=" + token);
+  const std::string query = state_->options.token.empty() ? "" : "?token=" + state_->options.token;
+  const ExternalUrl& external = state_->external;
+  if (!external.host.empty()) return external.origin + external.path + query;
+  const std::string reachable = reachable_host(state_->options.bind);
+  const std::string host = reachable.find(':') == std::string::npos ? reachable : "[" + reachable + "]";
+  return fmt::format("http://{}:{}/{}", host, port(), query);
+}
+
+bool StreamServer::is_public(const Options& options) {
+  const ExternalUrl external = parse_external_url(options.external_url);
+  return !is_loopback(options.bind) || !(external.host.empty() || is_loopback(external.host));
 }
 
 void StreamServer::serve() { state_->http.serve(); }

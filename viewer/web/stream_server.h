@@ -19,6 +19,8 @@ class StreamServer {
     std::string bind = "127.0.0.1";
     int port = 8080;    ///< 0: any that is free
     std::string token;  ///< empty: none is asked for
+    /// Under which a proxy shows this server (viewer/web/external_url.h); empty: no proxy.
+    std::string external_url;
     /// One JSON value about the bake that writes the scene; asked at most once a second, from any thread.
     std::function<std::string()> bake_status = [] { return std::string("null"); };
     HttpServer::Limits limits;
@@ -26,14 +28,16 @@ class StreamServer {
   static constexpr std::size_t least_token = 16;
 
   /// Holds the port from now on; borrows the scene.
-  /// Errors  UsageError: beyond this machine without a token of least_token letters or digits. InputError: the address
-  ///         cannot be bound.
+  /// Errors  UsageError: reachable beyond this machine without a token of least_token letters or digits, an external
+  ///         URL that is none. InputError: the address cannot be bound.
   StreamServer(LiveScene& scene, const Options& options);
   ~StreamServer();
 
   int port() const;
-  /// With the token, for people to open.
+  /// With the token, for people to open: the proxy's if there is one.
   std::string url() const;
+  /// True if other machines can open url(): then a token is needed.
+  static bool is_public(const Options& options);
   /// Returns after stop(), which any thread may call.
   void serve();
   void stop();

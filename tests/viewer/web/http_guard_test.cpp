@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 #include <set>
 
+#include "lattice/error.h"
+#include "viewer/web/external_url.h"
+
 namespace gigabake {
 namespace {
 
@@ -127,6 +130,41 @@ TEST(HttpGuard, RefusesRequestsOfOtherPages) {
     head.origin = other;
     EXPECT_EQ(guard_status(head), 403) << other;
   }
+}
+
+// 2026-11-25: a proxy on this machine needed --bind 0.0.0.0, and a refusal did not state what it had received.
+TEST(HttpGuard, AcceptsHostAndOriginOfTheExternalUrl) {
+  const ExternalUrl external = parse_external_url("HTTPS://Maps.example.com:443/village");
+  EXPECT_EQ(external.host, "maps.example.com");
+  EXPECT_EQ(external.origin, "https://maps.example.com");
+  EXPECT_EQ(external.path, "/village/");
+  RequestHead head = get("maps.example.com");
+  head.origin = "https://maps.example.com";
+  EXPECT_FALSE(refusal_of(head, true, external));
+  head.host = "localhost:8080";  // a proxy that does not preserve Host
+  EXPECT_FALSE(refusal_of(head, true, external));
+  head.origin = "https://evil.example";
+  const auto refusal = refusal_of(head, true, external);
+  ASSERT_TRUE(refusal);
+  EXPECT_EQ(refusal->status, 403);
+  EXPECT_NE(refusal->why.find("received Host 'localhost:8080' and Origin 'https://evil.example'"), std::string::npos);
+  head.host = "evil.example";
+  EXPECT_EQ(refusal_of(head, true, external)->status, 403);
+}
+
+TEST(HttpGuard, RemovesThePathOfTheExternalUrl) {
+  const ExternalUrl external = parse_external_url("http://maps.example.com/village/");
+  EXPECT_EQ(without_external_path("/village/stream", external), "/stream");
+  EXPECT_EQ(without_external_path("/village/", external), "/");
+  EXPECT_EQ(without_external_path("/stream", external), "/stream");
+  EXPECT_EQ(without_external_path("/village/stream", {}), "/village/stream");
+}
+
+TEST(HttpGuard, RefusesExternalUrlsThatAreNone) {
+  for (const char* bad :
+       {"maps.example.com", "ftp://maps.example.com/", "https://", "https:///village/", "https://u@maps.example.com/",
+        "https://maps.example.com/?a=b", "https://maps.example.com:x/"})
+    EXPECT_THROW(parse_external_url(bad), UsageError) << bad;
 }
 
 TEST(HttpGuard, TakesSmallJsonBodiesWithALengthOnly) {

@@ -18,10 +18,10 @@ using TileWeights = std::map<TilePlace, std::uint64_t>;
 
 /// Reads the node tables of this rank's share of the shards. Every rank gets all that the ranks found.
 /// Errors (all)  InputError: damaged or missing shards. Stopped.
-class TileSurvey {
+class TileStats {
  public:
-  TileSurvey(const PagedScene& scene, const LevelOwners& owners, const ExportTeam& team, const ThreadPool& pool,
-             const Progress& progress)
+  TileStats(const PagedScene& scene, const LevelOwners& owners, const ExportTeam& team, const ThreadPool& pool,
+            const Progress& progress)
       : scene_(scene), owners_(owners), team_(team), pool_(pool), progress_(progress) {}
 
   /// The smallest box of bricks that holds the voxels of a level, in voxels of level 0.

@@ -1,4 +1,4 @@
-#include "format/export/tile_survey.h"
+#include "format/export/tile_stats.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -58,7 +58,7 @@ void add_tiles(const std::vector<std::uint8_t>& bytes, TileWeights& tiles) {
 /// Of this rank's shards that own some level from finest to coarsest: visit(lod, boxes of bricks, thread) for each
 /// level of levels_of(owner).
 template <class LevelsOf, class Visit>
-void TileSurvey::for_each_own_level(int finest, int coarsest, const LevelsOf& levels_of, const Visit& visit) const {
+void TileStats::for_each_own_level(int finest, int coarsest, const LevelsOf& levels_of, const Visit& visit) const {
   const auto visit_shard = [&](const LevelOwner& owner, int thread) {
     progress_.advance();
     const ShardReader reader = open_shard_of_scene(scene_.file(), scene_.header(), owner.shard);
@@ -73,7 +73,7 @@ void TileSurvey::for_each_own_level(int finest, int coarsest, const LevelsOf& le
                    });
 }
 
-LatticeBox TileSurvey::bounds(int lod) const {
+LatticeBox TileStats::bounds(int lod) const {
   progress_.step("reading where bricks lie", scene_.totals().cells / std::uint64_t(team_.ranks()), "shard");
   std::vector<LatticeBox> own(std::size_t(pool_.threads()));
   const auto levels_that_count = [lod](const LevelOwner& owner) {
@@ -101,7 +101,7 @@ LatticeBox TileSurvey::bounds(int lod) const {
   return all;
 }
 
-TileWeights TileSurvey::tiles(const VoxelTiling& tiling, const MadeLevels& made) const {
+TileWeights TileStats::tiles(const VoxelTiling& tiling, const MadeLevels& made) const {
   progress_.step("listing tiles", (scene_.totals().cells + scene_.totals().parents) / std::uint64_t(team_.ranks()),
                  "shard");
   std::vector<TileWeights> of_thread(std::size_t(pool_.threads()));
@@ -130,7 +130,7 @@ TileWeights TileSurvey::tiles(const VoxelTiling& tiling, const MadeLevels& made)
   return all;
 }
 
-void TileSurvey::expect_whole_levels(const TileWeights& tiles, const VoxelTiling& tiling) const {
+void TileStats::expect_whole_levels(const TileWeights& tiles, const VoxelTiling& tiling) const {
   for (const auto& [tile, weight] : tiles)
     if (tile.level > 0 && !tiles.contains({tile.level - 1, tile.key >> 3}))
       throw InputError(scene_.file(), "PagedOctTree",

@@ -1,0 +1,41 @@
+#include "viewer/web/image_parts.h"
+
+namespace gigabake {
+namespace {
+
+const std::string part_head = "--frame\r\nContent-Type: image/jpeg\r\n\r\n";
+constexpr std::string_view jpeg_start = "\xff\xd8";
+/// The largest content of a JPEG's comment segment, and how many of them reach past the buffers of a proxy.
+constexpr int max_comment_bytes = 65533, large_comments = 4;
+/// Proxies drop replies that are silent for a minute (nginx) or half of it; fills are a second apart.
+constexpr int fills_between_signs_of_life = 5;
+
+}  // namespace
+
+std::string ImageParts::comment(int bytes) {
+  const int length = bytes + 2;
+  std::string out = has_comment_ ? "" : std::string(jpeg_start);
+  has_comment_ = true;
+  out += {'\xff', '\xfe', char(length >> 8), char(length & 255)};
+  for (int i = 0; i < bytes; ++i) out += char(random_() >> 8);
+  return out;
+}
+
+std::string ImageParts::add(std::string_view jpeg) {
+  std::string out = has_started_ ? "" : part_head;
+  out += has_comment_ ? jpeg.substr(jpeg_start.size()) : jpeg;
+  out += "\r\n" + part_head;
+  has_started_ = true;
+  has_comment_ = false;
+  fills_ = 0;
+  return out;
+}
+
+std::string ImageParts::fill() {
+  if (!has_started_) return "";
+  const int number = fills_++;
+  if (number < large_comments) return comment(max_comment_bytes);
+  return number % fills_between_signs_of_life == 0 ? comment(0) : "";
+}
+
+}  // namespace gigabake
