@@ -6,6 +6,7 @@
 #include <fstream>
 #include <string_view>
 
+#include "app/options/name_typo.h"
 #include "app/process/missing_report.h"
 #include "lattice/error.h"
 
@@ -94,33 +95,12 @@ bool is_there(const fs::path& path) {
   return fs::exists(path, error);
 }
 
-/// Digits are all '0': run_1 and run_2 are no typos of each other.
-std::string name_without_digits(const fs::path& path) {
-  std::string name = path.filename().string();
-  for (char& c : name) c = std::isdigit(static_cast<unsigned char>(c)) ? '0' : char(std::tolower(c));
-  return name;
-}
-
-/// True if one character more, less or other, or two neighbours in the other order, make one name of the other.
-bool is_one_edit_apart(std::string_view a, std::string_view b) {
-  if (a.size() < b.size()) std::swap(a, b);
-  std::size_t first = 0;
-  while (first < b.size() && a[first] == b[first]) ++first;
-  const std::string_view rest_a = a.substr(first), rest_b = b.substr(first);
-  if (a.size() == b.size() + 1) return rest_a.substr(1) == rest_b;
-  if (a.size() != b.size() || rest_a.empty()) return false;
-  if (rest_a.substr(1) == rest_b.substr(1)) return true;
-  return rest_a.size() > 1 && rest_a[0] == rest_b[1] && rest_a[1] == rest_b[0] && rest_a.substr(2) == rest_b.substr(2);
-}
-
-/// A bake's folder beside `out` whose name is nearly the same; empty if there is none.
+/// Returns a bake's folder beside `out` for whose name that of `out` may be a typo; empty if there is none.
 fs::path similar_bake(const fs::path& out, const fs::path& parent) {
-  const std::string name = name_without_digits(out), own = out.filename().string();
+  const std::string name = out.filename().string();
   std::error_code error;
   for (fs::directory_iterator it(parent, error), end; !error && it != end; it.increment(error)) {
-    const std::string other = name_without_digits(it->path());
-    const bool differs_in_case = other == name && other.find('0') == std::string::npos && it->path().filename() != own;
-    if (!differs_in_case && !is_one_edit_apart(name, other)) continue;
+    if (!looks_like_typo(name, it->path().filename().string())) continue;
     const Named kind = kind_of(it->path());
     if (kind == Named::baked_folder || kind == Named::begun_folder) return it->path();
   }

@@ -239,13 +239,23 @@ class Serve(harness.FolderTest):
 
     def test_a_name_that_looks_like_a_typo_is_refused(self):  # 2026-11-25
         (self.root / "note.txt").write_text("no scene")
-        for given, expected in (("ouz", "is "), ("Out", "is "), ("otu", "is "), ("outt/scene.xml", "is "),
+        is_meant = f"is {self.root / 'out'} meant?"
+        for given, expected in (("oit", is_meant), ("Out", is_meant), ("otu", is_meant), ("outt/scene.xml", is_meant),
+                                ("ot", is_meant), ("o-ut", is_meant),
                                 ("nowhere/out", "there is no folder"), ("out/scen.xml", "no such file"),
                                 ("note.txt", "is not a scene"), ("note.txt/scene.xml", "is not a folder")):
             result = GIGABAKE.run("serve", self.root / given, timeout=20)
             self.assertEqual(result.returncode, 1, result)
             self.assertIn(expected, result.stderr)
             self.assertEqual(len(lines_of(result.stderr)), 1, result.stderr)
+
+    def test_names_of_a_series_are_no_typos(self):  # 2026-11-25: a new run_b beside run_a was refused
+        for name in ("run_a", "run1", "sceneA"):
+            (self.root / name / "shards").mkdir(parents=True)
+        for name in ("run_b", "run-c", "runb", "run_2", "run12", "sceneB", "out2", "out_b", "outs", "cut_1"):
+            server = self.serve(self.root / name)
+            self.assertIn(f"waiting for a bake into {self.root / name}", server.process.said())
+            server.close()
 
     def test_options_that_make_no_server_are_named(self):
         for arguments, code, expected in (
