@@ -51,6 +51,7 @@ void check_outputs(const BakeOptions& options) {
   std::vector<std::filesystem::path> kept = files_of_bake(options.out);
   kept.emplace_back(options.source);
   expect_own_file("--report", options.report, "{\n  \"scene\"", kept);
+  expect_parent_folder("--report", options.report, options.out);
   kept.emplace_back(options.report);
   expect_own_file("--metrics", options.metrics, "# HELP gigabake_", kept);
 }

@@ -9,6 +9,7 @@
 #include "app/messages/with_progress.h"
 #include "app/options/bake_options.h"
 #include "app/options/choices.h"
+#include "app/options/output_file.h"
 #include "app/options/text_values.h"
 #include "bench/report/accuracy_report.h"
 #include "bench/report/hard_report.h"
@@ -164,7 +165,16 @@ int run_pictures(const AccuracyOptions& options,
   return complete;
 }
 
+/// Checks the files to write before anything is measured. They may lie in the folder of -o, which is made.
+void check_files(const AccuracyOptions& options) {
+  for (const auto& [option, file] : {std::pair("--json", options.json), {"--markdown", options.markdown}}) {
+    expect_no_input(option, file, {options.bake.source});
+    expect_parent_folder(option, file, options.bake.out);
+  }
+}
+
 int run(const AccuracyOptions& options) {
+  check_files(options);
   if (options.hard) return run_hard(options);
   if (options.leaks) return run_leaks(options);
   if (options.bake.source.empty() || options.bake.out.empty() || options.bake.voxel_size.empty())

@@ -7,6 +7,7 @@
 #include "app/commands.h"
 #include "app/messages/with_progress.h"
 #include "app/options/choices.h"
+#include "app/options/output_file.h"
 #include "app/options/scene_argument.h"
 #include "app/process/on_all_ranks.h"
 #include "cluster/agreed_request.h"
@@ -146,6 +147,7 @@ void add_export(CLI::App& app, int& exit_code) {
   command->callback([o, command, &exit_code] {
     const ExportFormat& format = chosen_format(*o);
     o->scene = scene_argument(o->scene).string();
+    expect_parent_folder("-o", o->out);
     if (!format.write) {
       exit_code = on_all_ranks("export", [&](MpiSession& mpi) { return run_on_rank(*o, format, mpi); });
       return;

@@ -10,6 +10,7 @@
 #include "app/messages/with_progress.h"
 #include "app/options/choices.h"
 #include "app/options/flags.h"
+#include "app/options/output_file.h"
 #include "app/options/picture_file.h"
 #include "app/options/polygon_file.h"
 #include "app/options/renderer_options.h"
@@ -125,8 +126,20 @@ void write_files(const RenderArguments& a, const Picture& picture, double voxel_
   if (!a.depth.empty()) write_exr(name_of(a.depth), picture, ExrChannels::depth, voxel_size_m);
 }
 
+/// Checks the files to write before anything is rendered.
+void check_outputs(const RenderArguments& a) {
+  std::vector<std::filesystem::path> inputs = files_of_bake(std::filesystem::path(a.scene).parent_path());
+  inputs.emplace_back(a.path);
+  inputs.emplace_back(a.polygons);
+  for (const auto& [option, file] : {std::pair("-o", a.picture), {"--depth", a.depth}, {"--stats", a.stats}}) {
+    expect_no_input(option, file, inputs);
+    expect_parent_folder(option, file);
+  }
+}
+
 int run(const RenderArguments& a) {
   View view = view_of(a);
+  check_outputs(a);
   FrameRenderer renderer(a.scene, renderer_options_of(a));
   set_sun(a.sun, renderer.scene().header(), view);
   if (!a.quiet) tell_sun(a.sun, view);
@@ -151,9 +164,18 @@ std::vector<double> frame_times(const RenderArguments& a, const CameraPath& path
   return a.frames != 0 ? times_of_frames(path, a.frames) : times_at_rate(path, a.fps);
 }
 
+/// Returns the names of the first and the last frame, as the end of a line.
+std::string range_of_files(const RenderArguments& a, const std::vector<PathFrame>& frames) {
+  if (frames.empty()) return "";
+  const std::string first = numbered_file(a.picture, frames.front().number).string();
+  if (frames.size() == 1) return ": " + first;
+  return fmt::format(": {} to {}", first, numbered_file(a.picture, frames.back().number).string());
+}
+
 int run_path(const RenderArguments& a) {
   if (!(a.upload_ms > 0 && a.upload_ms <= 60000)) throw UsageError("--upload-ms: expected 0 to 60000 milliseconds");
   View view = view_of(a);
+  check_outputs(a);
   numbered_file(a.picture, 0, "out");
   if (!a.depth.empty()) numbered_file(a.depth, 0, "depth");
   FrameRenderer renderer(a.scene, renderer_options_of(a));
@@ -175,8 +197,8 @@ int run_path(const RenderArguments& a) {
   std::size_t incomplete = 0;
   for (const PathFrame& frame : frames) incomplete += frame.stats.complete ? 0 : 1;
   if (!a.quiet) {
-    fmt::print("{}{}\n", counted(frames.size(), "frame"),
-               incomplete > 0 ? fmt::format(", {} of them incomplete", incomplete) : "");
+    fmt::print("{}{}{}\n", counted(frames.size(), "frame"),
+               incomplete > 0 ? fmt::format(", {} of them incomplete", incomplete) : "", range_of_files(a, frames));
     tell_legend(view.mode);
   }
   return tell_problems(renderer);

@@ -55,6 +55,16 @@ void expect_no_input(const char* option, const std::string& name, const std::vec
                                          : "belongs to " + input.string() + "; name another file");
 }
 
+void expect_parent_folder(const char* option, const std::string& name, const fs::path& made) {
+  if (name.empty()) return;
+  const fs::path path = name, folder = (path.has_filename() ? path : path.parent_path()).parent_path();
+  std::error_code error;
+  if (folder.empty() || fs::is_directory(folder, error)) return;
+  if (!made.empty() && plain(folder) == plain(made)) return;
+  if (fs::exists(folder, error)) refuse(option, name, folder.string() + " is not a folder");
+  refuse(option, name, "there is no folder " + folder.string() + "; make it first (mkdir -p)");
+}
+
 void expect_own_file(const char* option, const std::string& name, std::string_view beginning,
                      const std::vector<fs::path>& inputs) {
   expect_no_input(option, name, inputs);

@@ -59,6 +59,23 @@ class Paths(harness.FolderTest):
                              "--fovy", repr(frame["fovy_deg"]), "--size", SIZE)
             self.assertEqual((self.frames / f"{number:03}.png").read_bytes(), (self.root / "one.png").read_bytes())
 
+    # 2026-11-25: after an hour of frames the first write failed, or nothing said where the frames are.
+    def test_prints_where_the_frames_are_and_checks_their_folder_first(self):
+        path = self.path({"time_s": 0, "eye": [60, -70, 40], "target": [0, 0, 0]},
+                         {"time_s": 1, "eye": [70, -70, 40], "target": [0, 0, 0]})
+        frames = self.root / "printed"
+        frames.mkdir(exist_ok=True)
+        printed = GIGABAKE.succeed("render", self.scene, "--path", path, "--frames", 2, "--size", "32x18", "-o",
+                                   frames / "f%03d.png")
+        self.assertIn(f"2 frames: {frames / 'f000.png'} to {frames / 'f001.png'}", printed)
+        missing = self.root / "nodir"
+        for options in (["-o", missing / "x.png"], ["-o", self.root / "refused.exr", "--depth", missing / "d.exr"],
+                        ["-o", missing / "%d.png", "--path", path, "--frames", 1],
+                        ["-o", self.root / "%d.png", "--path", path, "--frames", 1, "--stats", missing / "s.json"]):
+            self.refuse(1, "there is no folder", *options)
+        self.refuse(1, "what the command reads", "--path", path, "--frames", 1, "--stats", path)
+        self.refuse(1, "what the command reads", "--path", path, "--frames", 1, "--stats", self.scene)
+
     def test_modes_show(self):
         path = self.path({"time_s": 0, "eye": [60, -70, 40], "target": [0, 0, 0]})
         pictures = []

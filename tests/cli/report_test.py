@@ -120,11 +120,22 @@ class Report(harness.FolderTest):
                                   "--json", "--report", report)
         self.assertEqual(printed, report.read_text())
 
-    def test_a_report_that_cannot_be_written_is_an_error_after_the_bake(self):
-        result = PROGRAM.run("bake", self.root / "scene.glb", "-o", self.root / "no", "--voxel-size", VOXEL_M,
+    # 2026-11-25: a missing folder was an error after the bake.
+    def test_the_folder_of_a_report_is_checked_before_the_bake(self):
+        result = PROGRAM.run("bake", self.root / "scene.glb", "-o", self.root / "never", "--voxel-size", VOXEL_M,
                              "--report", self.root / "absent/report.json")
         self.assertEqual(result.returncode, 1)
         self.assertIn("absent", result.stderr.splitlines()[-1])
+        self.assertFalse((self.root / "never").exists())
+        PROGRAM.succeed("bake", self.root / "scene.glb", "-o", self.root / "inside", "--voxel-size", VOXEL_M,
+                        "--report", self.root / "inside/report.json")
+        self.assertTrue((self.root / "inside/report.json").exists())
+
+    def test_a_report_that_cannot_be_written_is_an_error_after_the_bake(self):
+        result = PROGRAM.run("bake", self.root / "scene.glb", "-o", self.root / "no", "--voxel-size", VOXEL_M,
+                             "--report", self.root / ("r" * 300))
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("rrr", result.stderr.splitlines()[-1])
         self.assertTrue((self.root / "no/scene.xml").exists())
 
 

@@ -192,6 +192,16 @@ class View(harness.FolderTest):
         back = self.picture_after(lambda: self.screen.hands("key", "1"), moved)
         self.assertTrue((back == before).all(), "the pixels of the view that was kept")
 
+    def test_a_question_mark_shows_the_keys(self):  # 2026-11-25: only the page showed them
+        self.open_window("--eye=60,-70,50", "--target=0,0,0")
+        image = read_png(self.keep("p", "png"))[..., :3]
+        self.screen.hands("key", "F1")
+        self.wait_for(lambda: numpy.abs(self.screen.image() - image).mean() < 1)
+        self.screen.hands("key", "question")
+        self.wait_for(lambda: numpy.abs(self.screen.image() - image).mean() > 5)
+        self.screen.hands("key", "question")
+        self.wait_for(lambda: numpy.abs(self.screen.image() - image).mean() < 1)
+
     def test_escape_closes(self):
         self.open_window()
         self.picture()

@@ -91,8 +91,32 @@ PanelAnswer show_panel(const ViewerState& state, const LiveFrame* frame, bool re
   if (!state.problem.empty()) line(state.problem);
   if (!place.empty()) line(place);
   if (!said.empty()) line(said);
+  line("? shows the keys");
   ImGui::End();
   return out;
+}
+
+void show_keys() {
+  static constexpr const char* keys[][2] = {{"left button", "turn; Shift: move across the view"},
+                                            {"right button", "move across the view"},
+                                            {"wheel", "nearer, farther; in flight the speed"},
+                                            {"W A S D Q E", "walk; down and up; Shift: slower"},
+                                            {"arrows", "turn"},
+                                            {"O", "orbit or fly"},
+                                            {"M", "next mode"},
+                                            {"+ -", "coarser, finer"},
+                                            {"H", "the whole scene"},
+                                            {"C", "measure: at each end once"},
+                                            {"1 to 9", "go to a saved view; Shift: save it"},
+                                            {"P", "save the picture"},
+                                            {"R", "record a path"},
+                                            {"F1", "the panel"},
+                                            {"?", "these keys"},
+                                            {"Esc", "close"}};
+  ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x - 8, 8}, ImGuiCond_Appearing, {1, 0});
+  ImGui::Begin("keys (?)", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
+  for (const auto& [key, meaning] : keys) line(fmt::format("{:<12} {}", key, meaning));
+  ImGui::End();
 }
 
 }  // namespace gigabake

@@ -26,4 +26,7 @@ std::string loading_text(const ViewerState& state, const LiveFrame* frame);
 PanelAnswer show_panel(const ViewerState& state, const LiveFrame* frame, bool recording, const std::string& said,
                        const std::string& place, SunClock& clock);
 
+/// Shows what each key and mouse button does. Between ImGui::NewFrame() and ImGui::Render().
+void show_keys();
+
 }  // namespace gigabake

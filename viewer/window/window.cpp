@@ -156,6 +156,9 @@ class Window {
       case WindowCommand::toggle_panel:
         shows_panel_ = !shows_panel_;
         break;
+      case WindowCommand::toggle_keys:
+        shows_keys_ = !shows_keys_;
+        break;
       case WindowCommand::close:
         closed_by_ = "Esc";
         glfwSetWindowShouldClose(window_, GLFW_TRUE);
@@ -272,6 +275,7 @@ class Window {
     const std::optional<PickedPoint> place = pointed();
     if (shows_panel_)
       answer = show_panel(state(), frame_.get(), recorder_.has_value(), said_, place ? place_text(*place) : "", clock_);
+    if (shows_keys_) show_keys();
     ImGui::Render();
     ImGui_ImplOpenGL2_RenderDrawData(ImGui::GetDrawData());
     glfwSwapBuffers(window_);
@@ -298,7 +302,7 @@ class Window {
   const char* closed_by_ = "its window was";
   std::string said_, title_;
   double said_at_s_ = 0;
-  bool wants_picture_ = false, shows_panel_ = true;
+  bool wants_picture_ = false, shows_panel_ = true, shows_keys_ = false;
   SunClock clock_;
 };
 

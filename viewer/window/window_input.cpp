@@ -20,12 +20,15 @@ const std::map<int, std::array<double, 2>> swings{{GLFW_KEY_RIGHT, {swing_height
                                                   {GLFW_KEY_UP, {0, swing_heights_per_s}},
                                                   {GLFW_KEY_DOWN, {0, -swing_heights_per_s}}};
 const std::map<int, WindowCommand> commands{
-    {GLFW_KEY_M, WindowCommand::next_mode},   {GLFW_KEY_O, WindowCommand::next_style},
-    {GLFW_KEY_EQUAL, WindowCommand::coarser}, {GLFW_KEY_KP_ADD, WindowCommand::coarser},
-    {GLFW_KEY_MINUS, WindowCommand::finer},   {GLFW_KEY_KP_SUBTRACT, WindowCommand::finer},
-    {GLFW_KEY_C, WindowCommand::measure},     {GLFW_KEY_P, WindowCommand::save_picture},
-    {GLFW_KEY_R, WindowCommand::record},      {GLFW_KEY_F1, WindowCommand::toggle_panel},
+    {GLFW_KEY_M, WindowCommand::next_mode}, {GLFW_KEY_O, WindowCommand::next_style},
+    {GLFW_KEY_C, WindowCommand::measure},   {GLFW_KEY_P, WindowCommand::save_picture},
+    {GLFW_KEY_R, WindowCommand::record},    {GLFW_KEY_F1, WindowCommand::toggle_panel},
     {GLFW_KEY_ESCAPE, WindowCommand::close}};
+/// Signs are on other keys in other keyboard layouts.
+const std::map<unsigned, WindowCommand> commands_of_signs{{'+', WindowCommand::coarser},
+                                                          {'=', WindowCommand::coarser},
+                                                          {'-', WindowCommand::finer},
+                                                          {'?', WindowCommand::toggle_keys}};
 
 WindowInput& input_of(GLFWwindow* window) { return *static_cast<WindowInput*>(glfwGetWindowUserPointer(window)); }
 
@@ -44,6 +47,7 @@ WindowInput::WindowInput(GLFWwindow* window) : window_(window) {
   glfwSetWindowUserPointer(window, this);
   glfwSetKeyCallback(
       window, [](GLFWwindow* w, int k, int, int action, int modifiers) { input_of(w).key(k, action, modifiers); });
+  glfwSetCharCallback(window, [](GLFWwindow* w, unsigned character) { input_of(w).typed(character); });
   glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int b, int action, int) { input_of(w).button(b, action); });
   glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) { input_of(w).cursor(x, y); });
   glfwSetScrollCallback(window, [](GLFWwindow* w, double, double notches) { input_of(w).scroll(notches); });
@@ -84,12 +88,19 @@ void WindowInput::key(int key, int action, int modifiers) {
   // Of Shift itself X11 tells the modifiers as they were before.
   const bool is_shift = key == GLFW_KEY_LEFT_SHIFT || key == GLFW_KEY_RIGHT_SHIFT;
   slow_ = is_shift ? action != GLFW_RELEASE : (modifiers & GLFW_MOD_SHIFT) != 0;
+  repeats_ = action == GLFW_REPEAT;
   if (action == GLFW_RELEASE) held_.erase(key);
   if (action != GLFW_PRESS || ImGui::GetIO().WantTextInput) return;
   if (walks.count(key) != 0 || swings.count(key) != 0) held_.insert(key);
   if (key == GLFW_KEY_H) pending_.home = true;
   if (const auto command = commands.find(key); command != commands.end()) commands_.push_back(command->second);
   if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9) view_keys_.push_back({key - GLFW_KEY_0, slow_});
+}
+
+void WindowInput::typed(unsigned character) {
+  if (repeats_ || ImGui::GetIO().WantTextInput) return;
+  if (const auto command = commands_of_signs.find(character); command != commands_of_signs.end())
+    commands_.push_back(command->second);
 }
 
 void WindowInput::button(int button, int action) {

@@ -12,7 +12,18 @@ struct GLFWwindow;
 
 namespace gigabake {
 
-enum class WindowCommand { next_mode, next_style, coarser, finer, measure, save_picture, record, toggle_panel, close };
+enum class WindowCommand {
+  next_mode,
+  next_style,
+  coarser,
+  finer,
+  measure,
+  save_picture,
+  record,
+  toggle_panel,
+  toggle_keys,
+  close
+};
 
 /// A digit: the view kept under it, or with Shift the one to keep there.
 struct ViewKey {
@@ -40,6 +51,8 @@ class WindowInput {
   bool take_touched();
 
   void key(int key, int action, int modifiers);
+  /// After key(), if the key makes a character.
+  void typed(unsigned character);
   void button(int button, int action);
   void cursor(double x, double y);
   void scroll(double notches);
@@ -55,7 +68,7 @@ class WindowInput {
   std::set<int> held_;  ///< keys that walk or turn
   std::set<int> buttons_;
   double x_ = 0, y_ = 0;
-  bool slow_ = false, told_held_ = false, touched_ = true;
+  bool slow_ = false, repeats_ = false, told_held_ = false, touched_ = true;
 };
 
 }  // namespace gigabake
