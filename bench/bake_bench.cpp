@@ -1,8 +1,10 @@
 #include "bench/bake_bench.h"
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <memory>
 
+#include "lattice/counted.h"
 #include "lattice/error.h"
 #include "scheduler/schedule.h"
 
@@ -71,6 +73,11 @@ BakeBench bench_bake(const BakeBenchRequest& request) {
     b.bytes += r.cell.bytes;
     for (const std::uint64_t v : r.cell.voxels) b.voxels += v;
   }
+  if (b.voxels == 0)
+    throw InputError(request.scene.source, "",
+                     fmt::format("its first {} have no voxels, so nothing was measured; expected a surface that is "
+                                 "visible at this voxel size",
+                                 counted(b.cells, "cell")));
   b.content_hash = content(together).hex();
   b.differ = content(one_by_one) != content(together);
   return b;

@@ -35,7 +35,7 @@ struct BakeBench {
   std::string content_hash;
 };
 
-/// One process, no MPI. Errors  InputError: as a bake, or a cell that failed; UsageError.
+/// One process, no MPI. Errors  InputError: as a bake, a cell that failed, or no voxels; UsageError.
 BakeBench bench_bake(const BakeBenchRequest& request);
 
 }  // namespace gigabake::bench

@@ -81,9 +81,15 @@ std::vector<NamedView> fixed_views(const Stage& s, const FrameBenchRequest& requ
           {"inside", looking({x, y, g - 4 * s.voxel_m}, {x + w, y, g}, request)}};
 }
 
+std::uint64_t surface_pixels_of(const Picture& picture) {
+  return std::uint64_t(std::count_if(picture.depth.begin(), picture.depth.end(),
+                                     [](float depth) { return depth != kernels::CastRay::no_depth; }));
+}
+
 FrameBenchView bench_view(const NamedView& named, const FrameBenchRequest& request) {
   FrameRenderer renderer(request.scene, request.renderer);
-  FrameBenchView result{named.name, 0, 0, 0, 0, 0, 0, 0, false};
+  FrameBenchView result;
+  result.view = named.name;
   Picture first;
   const auto start = Clock::now();
   Frame frame;
@@ -104,7 +110,9 @@ FrameBenchView bench_view(const NamedView& named, const FrameBenchRequest& reque
   result.best_s = at_share(times, 0);
   result.median_s = at_share(times, 0.5);
   result.best_cast_s = at_share(casts, 0);
-  result.same_as_exact = renderer.draw_exact(named.view).picture.rgba == frame.picture.rgba;
+  const Picture exact = renderer.draw_exact(named.view).picture;
+  result.same_as_exact = exact.rgba == frame.picture.rgba;
+  result.surface_pixels = surface_pixels_of(exact);
   return result;
 }
 
@@ -131,8 +139,10 @@ FlightBench bench_flight(const Stage& stage, const FrameBenchRequest& request) {
     flight.uploads += frame.stats.uploads;
     flight.peak_bytes = std::max(flight.peak_bytes, frame.stats.bytes_held);
     flight.allowed_bytes = frame.stats.bytes_allowed;
-    if (i % every == every - 1)
-      errors.push_back(std::min(100.0, psnr_db(frame.picture, exact.draw_exact(view).picture)));
+    if (i % every != every - 1) continue;
+    const Picture picture = exact.draw_exact(view).picture;
+    errors.push_back(std::min(100.0, psnr_db(frame.picture, picture)));
+    flight.surface_pixels += surface_pixels_of(picture);
   }
   flight.median_s = at_share(times, 0.5);
   flight.p99_s = at_share(times, 0.99);
@@ -144,8 +154,15 @@ FlightBench bench_flight(const Stage& stage, const FrameBenchRequest& request) {
 
 }  // namespace
 
+std::uint64_t FrameBench::surface_pixels() const {
+  std::uint64_t pixels = flight.surface_pixels;
+  for (const FrameBenchView& view : views) pixels += view.surface_pixels;
+  return pixels;
+}
+
 bool FrameBench::failed() const {
-  return std::any_of(views.begin(), views.end(), [](const FrameBenchView& v) { return !v.same_as_exact; });
+  return surface_pixels() == 0 ||
+         std::any_of(views.begin(), views.end(), [](const FrameBenchView& v) { return !v.same_as_exact; });
 }
 
 FrameBench bench_frames(const FrameBenchRequest& request) {

@@ -25,11 +25,12 @@ struct FrameBenchRequest {
 struct FrameBenchView {
   std::string view;
   std::uint64_t frames_to_complete = 0, uploads = 0;
-  double complete_s = 0;            ///< from empty pools
-  double best_s = 0, median_s = 0;  ///< a frame at rest
-  double best_cast_s = 0;           ///< of it the rays
-  double first_psnr_db = 0;         ///< of the first frame that showed anything, against the last
-  bool same_as_exact = false;       ///< the last frame is the exact picture, bit for bit
+  double complete_s = 0;             ///< from empty pools
+  double best_s = 0, median_s = 0;   ///< a frame at rest
+  double best_cast_s = 0;            ///< of it the rays
+  double first_psnr_db = 0;          ///< of the first frame that showed anything, against the last
+  bool same_as_exact = false;        ///< the last frame is the exact picture, bit for bit
+  std::uint64_t surface_pixels = 0;  ///< of the exact picture
 };
 
 struct FlightBench {
@@ -37,6 +38,7 @@ struct FlightBench {
   double median_s = 0, p99_s = 0, worst_s = 0;
   std::uint64_t uploads = 0, peak_bytes = 0, allowed_bytes = 0;
   double mean_psnr_db = 0, worst_psnr_db = 0;  ///< of frames as they were shown, against exact pictures
+  std::uint64_t surface_pixels = 0;            ///< of these exact pictures
 };
 
 struct FrameBench {
@@ -45,7 +47,9 @@ struct FrameBench {
   std::vector<FrameBenchView> views;
   FlightBench flight;
 
-  /// Whether any view at rest is not the exact picture.
+  /// Returns the pixels of all exact pictures that show the surface.
+  std::uint64_t surface_pixels() const;
+  /// Returns true if any view at rest is not the exact picture, or no picture shows the surface.
   bool failed() const;
 };
 

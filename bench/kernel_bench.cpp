@@ -133,6 +133,10 @@ KernelBench bench_kernels(const KernelBenchRequest& request) {
   out.input_bytes = bytes_of(input);
   const auto add = [&](kernels::CellVolume volume, BackendTimes times) {
     if (out.times.empty()) count_output(volume, out);
+    if (out.voxels == 0)
+      throw InputError(request.scene.source, "",
+                       "its largest cell has no voxels, so nothing was measured; expected a surface that is visible at "
+                       "this voxel size");
     times.content_hash = hash_of(std::move(volume), job);
     out.differ |= !out.times.empty() && out.times[0].content_hash != times.content_hash;
     out.times.push_back(std::move(times));

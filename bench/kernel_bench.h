@@ -39,7 +39,7 @@ struct KernelBench {
 };
 
 /// The cell with the most triangles of the source's plan.
-/// Errors  InputError: as a bake of it; UsageError: cuda without a device.
+/// Errors  InputError: as a bake of it, or the cell has no voxels; UsageError: cuda without a device.
 KernelBench bench_kernels(const KernelBenchRequest& request);
 
 }  // namespace gigabake::bench

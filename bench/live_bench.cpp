@@ -93,6 +93,7 @@ LiveBench bench_live(const LiveBenchRequest& request) {
   const LiveFrame& last = *seen.back().frame;
   out.rest_s = seen.back().at_s;
   for (const Seen& one : seen) out.frames.push_back(compared(one, last.frame.picture));
+  for (const float depth : last.frame.picture.depth) out.surface_pixels += depth != kernels::CastRay::no_depth ? 1 : 0;
   std::vector<double> answers;
   for (int i = 0; i < request.movements; ++i) answers.push_back(answer_s(*scene, viewer, 0.1 + 0.07 * i));
   std::sort(answers.begin(), answers.end());

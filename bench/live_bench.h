@@ -32,8 +32,9 @@ struct LiveBench {
   double median_answer_s = 0, worst_answer_s = 0;  ///< from a movement to the next picture
   double close_s = 0;                              ///< of a scene that is drawing a full frame
   bool same_as_rendered = false;
+  std::uint64_t surface_pixels = 0;  ///< of the picture at rest
 
-  bool failed() const { return !same_as_rendered; }
+  bool failed() const { return !same_as_rendered || surface_pixels == 0; }
 };
 
 /// Errors  as FrameRenderer's; InputError where no picture comes within minutes.

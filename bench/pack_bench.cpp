@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <fmt/format.h>
 #include <libdeflate.h>
 #include <memory>
 
@@ -33,6 +34,15 @@ double timed(int repeats, const Pack& pack) {
   return least;
 }
 
+/// Returns the chunks. Errors  InputError: there are none.
+std::vector<FileChunk> some(std::vector<FileChunk> chunks, const PackBenchRequest& request) {
+  if (chunks.empty())
+    throw InputError(request.shards, "",
+                     fmt::format("its first chunk has more than {} bytes, or there is none: nothing was measured",
+                                 request.most_bytes));
+  return chunks;
+}
+
 std::vector<FileChunk> chunks_of(const PackBenchRequest& request) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(request.shards))
@@ -42,12 +52,12 @@ std::vector<FileChunk> chunks_of(const PackBenchRequest& request) {
   std::uint64_t bytes = 0;
   for (const std::filesystem::path& file : files)
     for (FileChunk& chunk : file_chunks(file)) {
-      if ((bytes += chunk.raw.size()) > request.most_bytes) return all;
+      if ((bytes += chunk.raw.size()) > request.most_bytes) return some(std::move(all), request);
       chunk.filters.codec = Codec::deflate;
       all.push_back(std::move(chunk));
     }
-  if (all.empty()) throw InputError(request.shards, "", "holds no shards", std::nullopt);
-  return all;
+  if (files.empty()) throw InputError(request.shards, "", "holds no shards");
+  return some(std::move(all), request);
 }
 
 struct FreeCompressor {

@@ -32,7 +32,7 @@ struct PackBench {
   double device_seconds() const;
 };
 
-/// Errors  InputError: no shards, or a damaged one.
+/// Errors  InputError: no shards, none with a chunk of most_bytes, or a damaged one.
 PackBench bench_pack(const PackBenchRequest& request);
 
 }  // namespace gigabake::bench

@@ -44,7 +44,8 @@ nlohmann::ordered_json to_json(const bench::FrameBench& b) {
                           {"median_s", v.median_s},
                           {"best_cast_s", v.best_cast_s},
                           {"first_psnr_db", v.first_psnr_db},
-                          {"same_as_exact", v.same_as_exact}});
+                          {"same_as_exact", v.same_as_exact},
+                          {"surface_pixels", v.surface_pixels}});
   const bench::FlightBench& f = b.flight;
   j["flight"] = {{"frames", f.frames},
                  {"median_s", f.median_s},
@@ -54,7 +55,8 @@ nlohmann::ordered_json to_json(const bench::FrameBench& b) {
                  {"peak_bytes", f.peak_bytes},
                  {"allowed_bytes", f.allowed_bytes},
                  {"mean_psnr_db", f.mean_psnr_db},
-                 {"worst_psnr_db", f.worst_psnr_db}};
+                 {"worst_psnr_db", f.worst_psnr_db},
+                 {"surface_pixels", f.surface_pixels}};
   return j;
 }
 

@@ -36,7 +36,8 @@ nlohmann::ordered_json to_json(const bench::LiveBench& b) {
                            {"median_answer_s", b.median_answer_s},
                            {"worst_answer_s", b.worst_answer_s},
                            {"close_s", b.close_s},
-                           {"same_as_rendered", b.same_as_rendered}};
+                           {"same_as_rendered", b.same_as_rendered},
+                           {"surface_pixels", b.surface_pixels}};
   j["frames"] = nlohmann::ordered_json::array();
   for (const bench::LiveBenchFrame& f : b.frames)
     j["frames"].push_back(

@@ -144,11 +144,18 @@ int run(const RenderBenchOptions& options) {
     if (result.hits() == 0) print_message("gigabake: no ray of any view hit a voxel: nothing was compared\n");
     tell("first_hit", result);
   }
-  if (wants("frames") || wants("flight"))
-    tell("frames", timed("drawing frames", [&] { return bench::bench_frames(frames_of(options, request, renderer)); }));
-  if (wants("live"))
-    tell("live", timed("moving a viewer",
-                       [&] { return bench::bench_live(pictures_of<bench::LiveBenchRequest>(request, renderer)); }));
+  if (wants("frames") || wants("flight")) {
+    const auto result =
+        timed("drawing frames", [&] { return bench::bench_frames(frames_of(options, request, renderer)); });
+    if (result.surface_pixels() == 0) print_message("gigabake: no frame shows a voxel: nothing was measured\n");
+    tell("frames", result);
+  }
+  if (wants("live")) {
+    const auto result = timed(
+        "moving a viewer", [&] { return bench::bench_live(pictures_of<bench::LiveBenchRequest>(request, renderer)); });
+    if (result.surface_pixels == 0) print_message("gigabake: the viewer shows no voxel: nothing was measured\n");
+    tell("live", result);
+  }
   if (options.json) fmt::print("{}\n", json_text(j));
   return all_right ? complete : failed;
 }
@@ -176,7 +183,8 @@ void add_bench_render(CLI::App& bench, int& exit_code) {
   add_renderer_options(*command, options->renderer);
   command->add_option("--lod", options->lod, "the finest level that is kept")->check(CLI::Range(0, 10));
   command->add_option("--reference-rays", options->reference_rays, "of each view, that are checked")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000000000));
   command->add_flag("--json", options->json, "print JSON");
   command->callback([options, &exit_code] {
     options->scene = scene_argument(options->scene).string();

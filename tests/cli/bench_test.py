@@ -66,10 +66,34 @@ def first_hits_are_timed_and_compared(gigabake, work):
         assert view["differ"] == view["wrong"] == 0 and view["reference_rays"] > 2000, view
         assert 0 < view["backends"][0]["best_s"] <= view["backends"][0]["median_s"], view
     assert sum(view["hits"] for view in bench["views"]) > 1000, bench
-    assert "close, perspective" in gigabake.succeed(*options, "--lod", 1, "--reference-rays", 0)
+    assert "close, perspective" in gigabake.succeed(*options, "--lod", 1, "--reference-rays", 1)
     for size in ("64", "0x40", "64x40x3"):
         result = gigabake.run("bench", "render", work / "rays/scene.xml", "--size", size)
         assert result.returncode == 2 and "--size" in result.stderr, result
+
+
+# 2026-11-25: exit code 0 with 0 voxels, 0 chunks, 0 compared rays or images without a surface.
+def what_measured_nothing_fails(gigabake, work):
+    (work / "clear.mtl").write_text("newmtl clear\nd 0\n")
+    clear = work / "clear.obj"
+    clear.write_text("mtllib clear.mtl\nusemtl clear\nv 0 0 0\nv 60 0 0\nv 0 60 0\nf 1 2 3\n")
+    voxels = ("--local", "--voxel-size", 1, "--cell-voxels", 64, "--backend", "cpu")
+    gigabake.bake(work / "sample/tileset.json", work / "lost", 1, "--cell-voxels", 64)
+    scene = work / "lost/scene.xml"
+    for code, expected, *arguments in (
+            (1, "nothing was measured", "kernels", clear, *voxels),
+            (1, "nothing was measured", "bake", clear, "-o", work / "clear", *voxels),
+            (1, "nothing was measured", "pack", work / "lost/shards", "--most-bytes", 0),
+            (2, "--reference-rays", "render", scene, "--reference-rays", 0)):
+        result = gigabake.run("bench", *arguments)
+        assert result.returncode == code and expected in result.stderr, result
+        assert len(result.stderr.strip().splitlines()) == 1, result
+    for shard in (work / "lost/shards").iterdir():
+        shard.unlink()
+    for part in ("frames", "flight", "live"):
+        result = gigabake.run("bench", "render", scene, "--what", part, "--size", "16x12", "--repeats", 1, "--flight",
+                              2, "--backend", "cpu")
+        assert result.returncode == 1 and "nothing was measured" in result.stderr, result
 
 
 def a_scene_is_not_overwritten(gigabake, work):
@@ -88,7 +112,7 @@ def main():
         gigabake.succeed("sample", work / "sample", "--size", 96)
         for test in (kernels_are_timed_with_their_hash, bakes_are_timed_alone_and_overlapped, chunks_are_packed_again,
                      schedules_are_near_the_least_possible_time, schedules_survive_failures,
-                     first_hits_are_timed_and_compared, a_scene_is_not_overwritten):
+                     first_hits_are_timed_and_compared, what_measured_nothing_fails, a_scene_is_not_overwritten):
             print(test.__name__, flush=True)
             test(gigabake, work)
 
