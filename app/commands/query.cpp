@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <fmt/format.h>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <vector>
@@ -102,7 +103,28 @@ QueryTally write_answers(const QueryArguments& a, const QueryJob& job, SceneQuer
   return tally;
 }
 
-int tell(const QueryArguments& a, const QueryTally& tally, SceneQuery& query) {
+/// Returns "1 place is", "2 rays are".
+std::string questions(QueryKind kind, std::uint64_t count) {
+  switch (kind) {
+    case QueryKind::ray:
+      return counted(count, "ray is", "rays are");
+    case QueryKind::height:
+      return counted(count, "place is", "places are");
+    case QueryKind::sight:
+      break;
+  }
+  return counted(count, "line of sight is", "lines of sight are");
+}
+
+void warn_of_outside(QueryKind kind, const QueryTally& tally) {
+  const std::uint64_t outside = tally[std::size_t(QueryOutcome::outside)];
+  const std::uint64_t all = std::accumulate(tally.begin(), tally.end(), std::uint64_t(0));
+  if (outside > 0)
+    print_message("warning: {} of {} outside the bounds of the scene (gigabake info prints them)\n", outside,
+                  questions(kind, all));
+}
+
+int tell(const QueryArguments& a, QueryKind kind, const QueryTally& tally, SceneQuery& query) {
   const auto of = [&](QueryOutcome outcome) { return tally[std::size_t(outcome)]; };
   for (const std::string& problem : query.problems())
     print_message("gigabake: cell missing: {}\n", with_flags(problem));
@@ -114,6 +136,7 @@ int tell(const QueryArguments& a, const QueryTally& tally, SceneQuery& query) {
   if (of(QueryOutcome::missing) > 0)
     print_message("gigabake: {} came to a cell that is missing; bake the scene again\n",
                   counted(of(QueryOutcome::missing), "ray"));
+  if (!a.quiet) warn_of_outside(kind, tally);
   return of(QueryOutcome::missing) > 0 ? cells_failed : complete;
 }
 
@@ -134,7 +157,7 @@ int run(const QueryArguments& a) {
       [&](const Progress& progress) { return write_answers(a, job, query, *question.asks, pool, progress); },
       a.quiet || a.out.empty() ? nullptr : stderr);
   flush_output();
-  return tell(a, tally, query);
+  return tell(a, job.kind, tally, query);
 }
 
 /// Answers written over the questions or over the scene would destroy them.
@@ -142,6 +165,7 @@ void expect_apart(const QueryArguments& a) {
   std::vector<std::filesystem::path> inputs = files_of_bake(std::filesystem::path(a.scene).parent_path());
   for (const std::string* table : {&a.rays, &a.heights, &a.sights}) inputs.emplace_back(*table);
   expect_no_input("-o", a.out, inputs);
+  expect_parent_folder("-o", a.out);
 }
 
 void add_questions(CLI::App& command, QueryArguments& a) {

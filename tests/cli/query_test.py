@@ -86,6 +86,19 @@ class QueryTest(harness.FolderTest):
         self.assertEqual(self.query(*touching, "--ignore-ends", 1)[0]["outcome"], "visible")
         self.assertEqual(self.query("--sight", "9000,0,0,9000,10,0")[0]["outcome"], "outside the scene")
 
+    def test_places_beside_the_scene_are_counted_in_one_line(self):  # 2026-11-25: nothing but the outcome told
+        places = self.root / "beside.csv"
+        places.write_text("x,y\n0,0\n9000,0\n48.1,9000\n")
+        for question, expected in ((("--at", "9000,9000"), "1 of 1 place is outside the bounds"),
+                                   (("--heights", places), "2 of 3 places are outside the bounds"),
+                                   (("--ray", "9000,0,0,1,0,0"), "1 of 1 ray is outside the bounds")):
+            result = self.program.run("query", self.out, *question)
+            self.assertEqual(result.returncode, 0, result)
+            self.assertEqual(len(lines_of(result.stderr)), 1, result.stderr)
+            self.assertIn(expected, result.stderr)
+            self.assertEqual(self.program.run("query", self.out, *question, "-q").stderr, "")
+        self.assertEqual(self.program.run("query", self.out, "--at", "0,0").stderr, "")
+
     def test_says_what_is_wrong(self):
         self.assertIn("nan", self.refused("--ray", "0,0,9,0,nan,1", code=2))
         self.assertIn("direction is zero", self.refused("--ray", "0,0,9,0,0,0", code=2))
