@@ -20,7 +20,7 @@ namespace {
 /// Enough that the process, which surveys four at a time, never waits for the next request.
 constexpr std::size_t tiles_in_hand = 8;
 constexpr int strikes = 3;
-constexpr std::chrono::milliseconds longest_wait{5};
+constexpr std::chrono::milliseconds max_scan_wait{5};
 
 /// Which tile the process is asked for next.
 class TileQueue {
@@ -104,7 +104,7 @@ class SurveyCollector {
       if (is_busy(ranks_[std::size_t(rank)])) mpi_.send(rank, tag_stop, {});
     while (std::any_of(ranks_.begin() + 1, ranks_.end(), is_busy)) {
       collect();
-      process.wait(longest_wait);
+      process.wait(max_scan_wait);
     }
   }
 
@@ -149,7 +149,7 @@ std::vector<std::uint32_t> share_out(MpiSession& mpi, const std::vector<std::uin
       ByteReader(message->bytes, "tiles to survey").get(own);
       return own;
     }
-    process.wait(longest_wait);
+    process.wait(max_scan_wait);
   }
   throw RankLost("nothing heard of rank 0 before tiles were surveyed; run the same command again");
 }
@@ -163,7 +163,7 @@ void survey_here(BakeProcess& process, const std::vector<std::uint32_t>& tiles,
   int failed_starts = 0;
   while (!queue.is_empty() || process.in_hand() != 0) {
     while (const auto tile = queue.next(process.in_hand())) process.survey(*tile);
-    process.wait(longest_wait);
+    process.wait(max_scan_wait);
     while (auto event = process.poll()) {
       if (auto* surveyed = std::get_if<BakeProcess::Surveyed>(&*event)) each(std::move(surveyed->survey));
       const auto* death = std::get_if<BakeProcess::Died>(&*event);
@@ -216,7 +216,7 @@ std::vector<TileSurvey> survey_tiles(MpiSession& mpi, const std::vector<std::uin
       process, own, [&](TileSurvey s) { collector.surveys().push_back(std::move(s)); },
       [&](const std::string& why) { listener.died(0, why); }, collect);
   bool goes_on = collect();
-  for (; goes_on && collector.surveys().size() < tiles.size(); goes_on = collect()) process.wait(longest_wait);
+  for (; goes_on && collector.surveys().size() < tiles.size(); goes_on = collect()) process.wait(max_scan_wait);
   if (!goes_on) collector.stop(process);
   return std::move(collector.surveys());
 }

@@ -13,11 +13,11 @@ namespace {
 
 constexpr std::size_t most_triangles = std::size_t(1) << 22;
 
-using Corners = std::array<std::array<double, 3>, 3>;
+using TriangleCorners = std::array<std::array<double, 3>, 3>;
 
-Corners corners_of(const Primitive& primitive, const Instance& instance, const std::uint32_t* index) {
+TriangleCorners corners_of(const Primitive& primitive, const Instance& instance, const std::uint32_t* index) {
   const auto m = row_major(instance.scene_from_local);
-  Corners corners{};
+  TriangleCorners corners{};
   for (std::size_t i = 0; i < 3; ++i) {
     const float* p = primitive.position.data() + 3 * std::size_t(index[i]);
     for (std::size_t k = 0; k < 3; ++k)
@@ -26,7 +26,7 @@ Corners corners_of(const Primitive& primitive, const Instance& instance, const s
   return corners;
 }
 
-double area_m2(const Corners& c) {
+double area_m2(const TriangleCorners& c) {
   std::array<double, 3> a{}, b{};
   for (std::size_t k = 0; k < 3; ++k) {
     a[k] = c[1][k] - c[0][k];

@@ -12,13 +12,13 @@ namespace {
 
 constexpr std::size_t bricks_per_range = 2048, voxels_per_range = 1 << 17;
 
-using Bytes = ChannelBytes<const std::uint8_t>;
+using ValueBytes = ChannelBytes<const std::uint8_t>;
 
 /// One channel of a brick.
 struct BrickVoxels {
   std::span<const std::uint8_t> group;  ///< of each voxel
   std::uint64_t seen;                   ///< groups that have voxels
-  Bytes bytes;
+  ValueBytes bytes;
 };
 
 /// The groups of a brick, by bits, and their first voxels' values.
@@ -81,7 +81,7 @@ void collect_values(const BrickVoxels& brick, Width width, const std::uint8_t* s
   std::copy_n(value.begin(), to.size(), to.begin());
 }
 
-bool all_alike(Bytes bytes, std::size_t width, std::size_t voxels, const ThreadPool& pool) {
+bool all_alike(ValueBytes bytes, std::size_t width, std::size_t voxels, const ThreadPool& pool) {
   std::atomic<bool> differ{false};
   pool.parallel_for(voxels, voxels_per_range, [&](std::size_t begin, std::size_t end, int) {
     with_known_width(width, [&](auto known) {
@@ -97,7 +97,7 @@ bool all_alike(Bytes bytes, std::size_t width, std::size_t voxels, const ThreadP
   return !differ;
 }
 
-BrickVoxels brick_voxels_of(const VoxelGroups& groups, std::span<const std::uint64_t> first, Bytes bytes,
+BrickVoxels brick_voxels_of(const VoxelGroups& groups, std::span<const std::uint64_t> first, ValueBytes bytes,
                             std::size_t b) {
   return {std::span(groups.of_voxel).subspan(first[b], first[b + 1] - first[b]),
           groups.seen[b],
@@ -123,10 +123,10 @@ VoxelGroups group_voxels(std::span<const std::uint64_t> mask, std::span<const st
   return out;
 }
 
-SharedValues::SharedValues(Bytes bytes, std::size_t width, std::size_t voxels)
+SharedValues::SharedValues(ValueBytes bytes, std::size_t width, std::size_t voxels)
     : bytes_(bytes), width_(width), count_(voxels) {}
 
-SharedValues::SharedValues(const VoxelGroups& groups, std::span<const std::uint64_t> voxel_first, Bytes bytes,
+SharedValues::SharedValues(const VoxelGroups& groups, std::span<const std::uint64_t> voxel_first, ValueBytes bytes,
                            std::size_t width, const ThreadPool& pool)
     : SharedValues(bytes, width, groups.of_voxel.size()) {
   groups_ = &groups;

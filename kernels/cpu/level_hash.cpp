@@ -10,7 +10,7 @@
 namespace gigabake::kernels {
 namespace {
 
-constexpr std::size_t bricks_per_range = 1024;
+constexpr std::size_t bricks_per_hash_range = 1024;
 
 Hash128 brick_hash(const Level& level, std::size_t brick, int lod, const std::int64_t window_min[3]) {
   const BrickCoordinate at = demorton(level.key[brick]);
@@ -28,7 +28,7 @@ Hash128 brick_hash(const Level& level, std::size_t brick, int lod, const std::in
 
 Hash128 level_hash(const Level& level, int lod, const std::int64_t window_min[3], const ThreadPool& pool) {
   std::vector<Hash128> of_thread(std::size_t(pool.threads()));
-  pool.parallel_for(level.key.size(), bricks_per_range, [&](std::size_t begin, std::size_t end, int thread) {
+  pool.parallel_for(level.key.size(), bricks_per_hash_range, [&](std::size_t begin, std::size_t end, int thread) {
     Hash128 sum;
     for (std::size_t b = begin; b < end; ++b) sum += brick_hash(level, b, lod, window_min);
     of_thread[std::size_t(thread)] += sum;

@@ -13,7 +13,7 @@
 namespace gigabake::kernels {
 namespace {
 
-constexpr std::size_t triangles_per_range = 16384;
+constexpr std::size_t triangles_per_window_range = 16384;
 
 /// Triangles [begin, end) of a part, and which of them are kept: a bit each.
 struct Range {
@@ -79,8 +79,8 @@ UnsetArray<WindowTriangle> window_triangles(const CellInput& input, const CellPa
     const PartArrays part = part_arrays(input, view);
     parts.push_back({part, snap_vertices(part, view.position.size / 3, window, pool)});
     const std::size_t count = view.index.size / 3;
-    for (std::size_t begin = 0; begin < count; begin += triangles_per_range)
-      ranges.push_back({p, begin, std::min(count, begin + triangles_per_range)});
+    for (std::size_t begin = 0; begin < count; begin += triangles_per_window_range)
+      ranges.push_back({p, begin, std::min(count, begin + triangles_per_window_range)});
   }
   pool.parallel_for(ranges.size(), 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t r = begin; r < end; ++r) judge(parts[ranges[r].part], window, ranges[r]);

@@ -39,12 +39,12 @@ bool is_within(const Triangle& t, const Window& brick, std::int64_t extent) {
   return true;
 }
 
-struct RandomTriangles {
+struct TouchingTriangles {
   Family family;
   int count;
 };
 
-class TouchedVoxels : public testing::TestWithParam<RandomTriangles> {};
+class TouchedVoxels : public testing::TestWithParam<TouchingTriangles> {};
 
 TEST_P(TouchedVoxels, AgreesWithExactClippingForEveryRule) {
   const auto [family, count] = GetParam();
@@ -69,12 +69,13 @@ TEST_P(TouchedVoxels, AgreesWithExactClippingForEveryRule) {
 
 INSTANTIATE_TEST_SUITE_P(
     Random, TouchedVoxels,
-    testing::Values(RandomTriangles{Family::tiny, 30000}, RandomTriangles{Family::small, 15000},
-                    RandomTriangles{Family::sliver, 15000}, RandomTriangles{Family::lattice_vertices, 10000},
-                    RandomTriangles{Family::half_voxel_ties, 15000}, RandomTriangles{Family::axis_parallel, 10000},
-                    RandomTriangles{Family::in_lattice_plane, 10000},
-                    RandomTriangles{Family::edge_through_corner, 10000}, RandomTriangles{Family::diagonal_plane, 10000},
-                    RandomTriangles{Family::large, 2000}, RandomTriangles{Family::large_lattice, 1000}),
+    testing::Values(TouchingTriangles{Family::tiny, 30000}, TouchingTriangles{Family::small, 15000},
+                    TouchingTriangles{Family::sliver, 15000}, TouchingTriangles{Family::lattice_vertices, 10000},
+                    TouchingTriangles{Family::half_voxel_ties, 15000}, TouchingTriangles{Family::axis_parallel, 10000},
+                    TouchingTriangles{Family::in_lattice_plane, 10000},
+                    TouchingTriangles{Family::edge_through_corner, 10000},
+                    TouchingTriangles{Family::diagonal_plane, 10000}, TouchingTriangles{Family::large, 2000},
+                    TouchingTriangles{Family::large_lattice, 1000}),
     [](const auto& row) { return std::string(name_of(row.param.family)); });
 
 }  // namespace

@@ -5,7 +5,7 @@
 namespace gigabake::reference {
 namespace {
 
-constexpr std::int64_t half = 128, edge = 256, million_voxels = 1'000'000 * edge;
+constexpr std::int64_t half = 128, voxel_edge = 256, million_voxels = 1'000'000 * voxel_edge;
 
 LatticeVertex vertex_near(const LatticeVertex& c, std::int64_t reach, Rng& rng, std::int64_t step = 1) {
   LatticeVertex v;
@@ -19,19 +19,19 @@ Triangle near(const LatticeVertex& c, std::int64_t reach, Rng& rng, std::int64_t
 
 /// c is a voxel corner; the triangle's middle lies near a corner, a face or inside, by chance.
 Triangle tiny(const LatticeVertex& c, Rng& rng) {
-  const LatticeVertex middle = uniform(rng, 0, 1) ? c : vertex_near(c, edge, rng);
+  const LatticeVertex middle = uniform(rng, 0, 1) ? c : vertex_near(c, voxel_edge, rng);
   return near(middle, uniform(rng, 1, 60), rng);
 }
 
 Triangle sliver(const LatticeVertex& c, Rng& rng) {
-  const LatticeVertex a = vertex_near(c, 2 * edge, rng), b = vertex_near(c, 2 * edge, rng);
+  const LatticeVertex a = vertex_near(c, 2 * voxel_edge, rng), b = vertex_near(c, 2 * voxel_edge, rng);
   return {a, b,
           vertex_near(uniform(rng, 0, 1) ? a : LatticeVertex{(a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2},
                       uniform(rng, 1, 3), rng)};
 }
 
 Triangle flat(const LatticeVertex& c, Rng& rng, std::int64_t step) {
-  Triangle t = near(c, 2 * edge, rng);
+  Triangle t = near(c, 2 * voxel_edge, rng);
   const int axis = int(uniform(rng, 0, 2));
   const std::int64_t plane = c[axis] + step * uniform(rng, -2, 2);
   for (auto& v : t) v[axis] = plane;
@@ -41,7 +41,7 @@ Triangle flat(const LatticeVertex& c, Rng& rng, std::int64_t step) {
 Triangle edge_through(const LatticeVertex& c, Rng& rng) {
   const LatticeVertex d = vertex_near({0, 0, 0}, 100, rng);
   const std::int64_t back = uniform(rng, 0, 3), forth = uniform(rng, 1, 3);
-  Triangle t{c, c, vertex_near(c, 2 * edge, rng)};
+  Triangle t{c, c, vertex_near(c, 2 * voxel_edge, rng)};
   for (int r = 0; r < 3; ++r) {
     t[0][r] -= back * d[r];
     t[1][r] += forth * d[r];
@@ -52,7 +52,7 @@ Triangle edge_through(const LatticeVertex& c, Rng& rng) {
 /// Moves each vertex along z into the plane a·x + b·y + z = const that passes through the corner c.
 Triangle diagonal(const LatticeVertex& c, Rng& rng) {
   const std::int64_t a = uniform(rng, -2, 2), b = uniform(rng, -2, 2);
-  Triangle t = near(c, 2 * edge, rng);
+  Triangle t = near(c, 2 * voxel_edge, rng);
   const int turn = int(uniform(rng, 0, 2));
   for (auto& v : t) {
     const int x = turn, y = (turn + 1) % 3, z = (turn + 2) % 3;
@@ -78,17 +78,17 @@ Triangle candidate(Family family, const LatticeVertex& c, Rng& rng) {
     case Family::tiny:
       return tiny(c, rng);
     case Family::small:
-      return near(c, edge, rng);
+      return near(c, voxel_edge, rng);
     case Family::sliver:
       return sliver(c, rng);
     case Family::lattice_vertices:
-      return near(c, 2 * edge, rng, edge);
+      return near(c, 2 * voxel_edge, rng, voxel_edge);
     case Family::half_voxel_ties:
       return near(c, 3 * half, rng, half);
     case Family::axis_parallel:
       return flat(c, rng, 37);
     case Family::in_lattice_plane:
-      return flat(c, rng, edge);
+      return flat(c, rng, voxel_edge);
     case Family::edge_through_corner:
       return edge_through(c, rng);
     case Family::diagonal_plane:
@@ -96,7 +96,7 @@ Triangle candidate(Family family, const LatticeVertex& c, Rng& rng) {
     case Family::large:
       return large(c, rng, 1);
     case Family::large_lattice:
-      return large(c, rng, edge);
+      return large(c, rng, voxel_edge);
   }
   return {};
 }
@@ -133,7 +133,7 @@ const char* name_of(Family family) {
 
 Triangle random_triangle(Family family, const Window& window, Rng& rng) {
   LatticeVertex corner;
-  for (int r = 0; r < 3; ++r) corner[r] = (window.min[r] + window.edge / 2) * edge;
+  for (int r = 0; r < 3; ++r) corner[r] = (window.min[r] + window.edge / 2) * voxel_edge;
   for (;;) {
     const Triangle t = candidate(family, corner, rng);
     if (has_area(t)) return t;

@@ -79,10 +79,10 @@ BakeParameters metre_lattice() {
   return p;
 }
 
-using Columns = std::map<std::pair<std::int64_t, std::int64_t>, ColumnExtent>;
+using ColumnsByPlace = std::map<std::pair<std::int64_t, std::int64_t>, ColumnExtent>;
 
-Columns by_place(const TileSurvey& survey) {
-  Columns columns;
+ColumnsByPlace by_place(const TileSurvey& survey) {
+  ColumnsByPlace columns;
   for (const ColumnExtent& c : survey.columns) columns[{c.column_x, c.column_y}] = c;
   return columns;
 }
@@ -98,7 +98,7 @@ TEST(Instances, SurveyedByBoxesReachWhereTheirTrianglesReachAndHardlyFarther) {
   const TileSurvey boxed = survey_tile(forest_sources(many.path()), 0, metre_lattice(), pool);
   ASSERT_EQ(exact.error + boxed.error, "");
   EXPECT_EQ(boxed.triangles, 1200000u);
-  const Columns near = by_place(exact), far = by_place(boxed);
+  const ColumnsByPlace near = by_place(exact), far = by_place(boxed);
   EXPECT_GE(far.size(), near.size());
   for (const auto& [place, column] : near) {
     ASSERT_TRUE(far.contains(place)) << place.first << ", " << place.second;

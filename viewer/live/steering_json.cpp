@@ -12,7 +12,7 @@ constexpr double first_julian_day = 2415020.5, last_julian_day = 2488434.5;
 
 CameraPose pose_of(const std::array<double, 6>& v) { return {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}; }
 
-nlohmann::ordered_json triple(const Point<Scene>& p) { return {p.x, p.y, p.z}; }
+nlohmann::ordered_json coordinates_json(const Point<Scene>& p) { return {p.x, p.y, p.z}; }
 
 }  // namespace
 
@@ -48,8 +48,8 @@ std::string to_json(const ViewerState& state, const LiveFrame* frame) {
                               {"problems", state.problems},
                               {"resting", state.resting},
                               {"drawn", state.drawn},
-                              {"eye", triple(state.pose.eye_m)},
-                              {"target", triple(state.pose.target_m)},
+                              {"eye", coordinates_json(state.pose.eye_m)},
+                              {"target", coordinates_json(state.pose.target_m)},
                               {"fovy_deg", view.camera.fovy_deg},
                               {"size", {view.camera.width, view.camera.height}},
                               {"style", name_of(state.style)},
@@ -75,7 +75,7 @@ std::string to_json(const ViewerState& state, const LiveFrame* frame) {
 
 std::string to_json(const std::optional<PickedPoint>& point) {
   if (!point) return R"({"point":null})";
-  nlohmann::ordered_json json{{"scene", triple(point->at_m)}, {"distance_m", point->distance_m}};
+  nlohmann::ordered_json json{{"scene", coordinates_json(point->at_m)}, {"distance_m", point->distance_m}};
   if (const auto& place = point->place)
     json["lat_lon_height"] = {place->latitude_deg, place->longitude_deg, place->height_m};
   return nlohmann::ordered_json{{"point", json}}.dump();

@@ -15,7 +15,7 @@ namespace {
 
 using Vector = std::array<double, 3>;
 
-constexpr int largest_edge = 32768;
+constexpr int max_image_edge = 32768;
 constexpr std::int64_t most_pixels = std::int64_t(1) << 28;
 constexpr double farthest_voxel = double(std::int64_t(1) << 40);
 
@@ -222,7 +222,7 @@ kernels::CastClip cast_clip(const Clip& clip, const SceneHeader& scene) {
 }  // namespace
 
 void check_picture_size(const CameraOptions& o) {
-  if (o.width < 1 || o.height < 1 || o.width > largest_edge || o.height > largest_edge ||
+  if (o.width < 1 || o.height < 1 || o.width > max_image_edge || o.height > max_image_edge ||
       std::int64_t(o.width) * o.height > most_pixels)
     throw UsageError("size", std::to_string(o.width) + "x" + std::to_string(o.height) +
                                  " is no picture; expected 1 to 32768 a side and at most 2^28 pixels");

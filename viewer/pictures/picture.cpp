@@ -12,13 +12,13 @@ constexpr std::chrono::milliseconds look_up{10};
 
 /// So many such waits before rays are cast again, where some of what they want is still being read: a pass over all
 /// that waits takes as long for one page as for many.
-constexpr int most_looks = 5;
+constexpr int max_page_checks = 5;
 
 /// False where `stop` ended it.
-bool wait_for_pages(SceneStream& stream, const SceneStream::Served& served, const kernels::StopAsked& stop) {
+bool wait_for_served_pages(SceneStream& stream, const SceneStream::Served& served, const kernels::StopAsked& stop) {
   for (int looks = 1; !stream.settle(look_up); ++looks) {
     if (stop && stop()) return false;
-    if (looks >= most_looks && (served.uploads != 0 || stream.has_arrivals())) break;
+    if (looks >= max_page_checks && (served.uploads != 0 || stream.has_arrivals())) break;
   }
   return true;
 }
@@ -41,7 +41,7 @@ bool finish_rays(SceneStream& stream, const double eye[3], std::size_t count, co
     const SceneStream::Served served =
         stream.serve(stream.caster().wanted(), eye, stop, {stream.caster().pass(), false});
     if (served.evicted_used && many > 1) many /= 2;
-    if (!wait_for_pages(stream, served, stop)) return false;
+    if (!wait_for_served_pages(stream, served, stop)) return false;
     stream.begin_pass();
   }
   return true;

@@ -16,8 +16,8 @@ constexpr std::size_t rows_at_a_time = 8;
 constexpr double nearest = 1e-6;
 
 Vector minus(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-double dot(const Vector& a, const Vector& b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
-Vector cross(const Vector& a, const Vector& b) {
+double dot_of(const Vector& a, const Vector& b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
+Vector cross_of(const Vector& a, const Vector& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 Vector vector(const double v[3]) { return {v[0], v[1], v[2]}; }
@@ -35,9 +35,9 @@ struct Extent {
 
   void include(const kernels::CastCamera& camera, const Vector& p) {
     const Vector right = vector(camera.right), up = vector(camera.up);
-    const double depth = dot(p, vector(camera.forward));
-    const double x = (dot(p, right) / (dot(right, right) * depth) + 1) / 2 * camera.width;
-    const double y = (1 - dot(p, up) / (dot(up, up) * depth)) / 2 * camera.height;
+    const double depth = dot_of(p, vector(camera.forward));
+    const double x = (dot_of(p, right) / (dot_of(right, right) * depth) + 1) / 2 * camera.width;
+    const double y = (1 - dot_of(p, up) / (dot_of(up, up) * depth)) / 2 * camera.height;
     x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
   }
 };
@@ -49,7 +49,7 @@ Placed place(const kernels::CastCamera& camera, std::size_t triangle, const std:
   Extent extent;
   for (std::size_t k = 0; k < 3; ++k) {
     const Vector &a = p[k], &b = p[(k + 1) % 3];
-    const double depth_a = dot(a, vector(camera.forward)), depth_b = dot(b, vector(camera.forward));
+    const double depth_a = dot_of(a, vector(camera.forward)), depth_b = dot_of(b, vector(camera.forward));
     if (depth_a >= nearest) extent.include(camera, a);
     if ((depth_a < nearest) == (depth_b < nearest)) continue;
     const double part = (nearest - depth_a) / (depth_b - depth_a);
@@ -91,13 +91,13 @@ struct Met {
 
 /// Source  Möller and Trumbore 1997, "Fast, Minimum Storage Ray/Triangle Intersection".
 Met meet(const Placed& at, const Vector& direction) {
-  const Vector p = cross(direction, at.third);
-  const double area = dot(at.second, p);
+  const Vector p = cross_of(direction, at.third);
+  const double area = dot_of(at.second, p);
   if (area == 0) return {};
   const Vector from{-at.corner[0], -at.corner[1], -at.corner[2]};
-  const double u = dot(from, p) / area;
-  const Vector q = cross(from, at.second);
-  const double v = dot(direction, q) / area, distance = dot(at.third, q) / area;
+  const double u = dot_of(from, p) / area;
+  const Vector q = cross_of(from, at.second);
+  const double v = dot_of(direction, q) / area, distance = dot_of(at.third, q) / area;
   if (!(u >= 0 && v >= 0 && u + v <= 1 && distance >= nearest)) return {};
   return {distance, float(u), float(v)};
 }
@@ -105,8 +105,8 @@ Met meet(const Placed& at, const Vector& direction) {
 /// What the triangle sends towards the eye, in that light: the side that faces the eye is lit.
 std::array<float, 4> lit(const std::array<float, 4>& colour, const Placed& at, const Vector& direction,
                          const kernels::CastLight& light) {
-  Vector n = cross(at.second, at.third);
-  const double scale = (dot(n, direction) > 0 ? -1 : 1) / std::sqrt(dot(n, n));
+  Vector n = cross_of(at.second, at.third);
+  const double scale = (dot_of(n, direction) > 0 ? -1 : 1) / std::sqrt(dot_of(n, n));
   float facing = 0, up = float(0.5 + 0.5 * n[2] * scale);
   for (std::size_t a = 0; a < 3; ++a) facing += float(n[a] * scale) * light.to_sun[a];
   std::array<float, 4> out{0, 0, 0, 1};

@@ -17,12 +17,12 @@ namespace {
 constexpr std::size_t most_cells = std::size_t(1) << 28;
 
 /// What is wrong with a scene, without the file it was read from.
-struct Refusal {
+struct LayoutRefusal {
   std::string key, what;
 };
 
 [[noreturn]] void refuse(const SceneCell& cell, const std::string& what) {
-  throw Refusal{"cell " + cell.name, what + "; bake the scene again"};
+  throw LayoutRefusal{"cell " + cell.name, what + "; bake the scene again"};
 }
 
 void check_cell(const SceneCell& cell, const SceneCell& first) {
@@ -99,7 +99,7 @@ void measure(const LatticeBox& window, const Columns& columns, kernels::CastScen
     scene.min[a] = double(window.min[a]);
     scene.max[a] = double(window.end[a]);
     if (window.end[a] - window.min[a] > kernels::widest_scene)
-      throw Refusal{"cells", "they are more than 2^33 voxels apart; bake fewer sources at once"};
+      throw LayoutRefusal{"cells", "they are more than 2^33 voxels apart; bake fewer sources at once"};
   }
   scene.set_corner();
   for (int a = 0; a < 2; ++a) {
@@ -145,8 +145,9 @@ CellLayout lay_out_columns(const Columns& columns, int cell_bits, const LatticeB
 }
 
 CellLayout lay_out(const std::vector<SceneCell>& cells) {
-  if (cells.empty()) throw Refusal{"", "the scene has no cells: there is nothing to show"};
-  if (cells.size() > most_cells) throw Refusal{"cells", "more than a picture can address; use a larger `cell_voxels`"};
+  if (cells.empty()) throw LayoutRefusal{"", "the scene has no cells: there is nothing to show"};
+  if (cells.size() > most_cells)
+    throw LayoutRefusal{"cells", "more than a picture can address; use a larger `cell_voxels`"};
   for (const SceneCell& cell : cells) check_cell(cell, cells[0]);
   const Columns columns = with_rims(columns_of(cells), cells[0].cell_voxels);
   return lay_out_columns(columns, std::countr_zero(cells[0].cell_voxels), window_of(cells));
@@ -157,7 +158,7 @@ CellLayout lay_out(const std::vector<SceneCell>& cells) {
 CellLayout lay_out_cells(const std::vector<SceneCell>& cells, const std::filesystem::path& scene_path) {
   try {
     return lay_out(cells);
-  } catch (const Refusal& refusal) {
+  } catch (const LayoutRefusal& refusal) {
     throw InputError(scene_path, refusal.key, refusal.what);
   }
 }

@@ -61,9 +61,9 @@ class Candidates {
 };
 
 /// Bits into bytes, eight at a time. Range  There is room for eight bytes more than are written.
-class ByteWriter {
+class TokenWriter {
  public:
-  explicit ByteWriter(std::uint8_t* to) : begin_(to), to_(to) {}
+  explicit TokenWriter(std::uint8_t* to) : begin_(to), to_(to) {}
   void put(rules::Bits b) {
     waiting_ |= b.bits << count_;
     count_ += b.count;
@@ -122,7 +122,7 @@ void fill_first_bits(const rules::Code* codes, FirstBits& first) {
   }
 }
 
-void write_tokens(const Workplace& at, const FirstBits& first_bits, ByteWriter& writer) {
+void write_tokens(const Workplace& at, const FirstBits& first_bits, TokenWriter& writer) {
   for (const rules::Token token : std::span(at.tokens).first(at.token_count)) {
     const bool literal = rules::is_symbol(token);
     const std::uint32_t first = first_bits[literal ? token : 256 + (token >> 16)];
@@ -133,7 +133,7 @@ void write_tokens(const Workplace& at, const FirstBits& first_bits, ByteWriter& 
   }
 }
 
-void write_block(Workplace& at, bool last, ByteWriter& writer) {
+void write_block(Workplace& at, bool last, TokenWriter& writer) {
   at.work.used_literals = order(at.counts, rules::literal_symbols, at.work.keys);
   at.work.used_distances =
       order(at.counts + rules::literal_symbols, rules::distance_symbols, at.work.keys + rules::literal_symbols);
@@ -156,7 +156,7 @@ std::vector<std::uint8_t> zlib_frame(std::span<const std::uint8_t> bytes, std::s
   // A literal takes 15 bits at most, and a match of four bytes 48.
   at.written.resize(std::max<std::size_t>(at.written.size(),
                                           2 * bytes.size() + rules::blocks_of(size) * 4 * rules::header_words + 64));
-  ByteWriter writer(at.written.data());
+  TokenWriter writer(at.written.data());
   Candidates candidates(bytes.data(), size, at);
   const std::uint32_t blocks = rules::blocks_of(size);
   for (std::uint32_t b = 0; b < blocks; ++b) {

@@ -20,7 +20,7 @@ constexpr auto markers = std::to_array<double>({-9999, -32768, -32767, -99999, -
 /// Almost all of the earth's surface, then all of it with some margin: the Challenger Deep is at -10,935 m, Mount
 /// Everest at 8,849 m.
 constexpr double lowest_usual_m = -9500, highest_usual_m = 9200;
-constexpr double lowest_m = -11500, highest_m = 9500;
+constexpr double min_plausible_m = -11500, max_plausible_m = 9500;
 /// A lone number that lies farther than this from all others is no part of a landscape.
 constexpr double least_gap_m = 300;
 constexpr std::size_t max_markers_named = 3;
@@ -89,7 +89,7 @@ std::vector<std::string> take_heights(const std::filesystem::path& file, const H
     const bool is_missing = !std::isfinite(v) || is_declared(v, rule.nodata);
     if (!is_missing && is_marker(v, height_m, rule))
       marked.insert(v);
-    else if (!is_missing && !rule.is_unit_chosen && (height_m < lowest_m || height_m > highest_m))
+    else if (!is_missing && !rule.is_unit_chosen && (height_m < min_plausible_m || height_m > max_plausible_m))
       refuse_height(file, height_m);
     v = is_missing || marked.contains(v) ? std::numeric_limits<double>::quiet_NaN() : height_m;
   }

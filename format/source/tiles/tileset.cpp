@@ -19,7 +19,7 @@ namespace {
 using Path = std::filesystem::path;
 
 constexpr std::size_t deepest_external = 32;
-constexpr std::uint64_t most_tiles = std::uint64_t(1) << 24;
+constexpr std::uint64_t max_tileset_tiles = std::uint64_t(1) << 24;
 constexpr std::size_t most_losses = std::size_t(1) << 16;
 /// Text of external tilesets that one bake follows, each counted as at least 16 KiB: files that include others twice
 /// double at every step.
@@ -159,7 +159,7 @@ class Reader {
 
   void count_tile(const Path& file, const std::string& where) {
     progress_.advance();
-    if (++tiles_ > most_tiles) throw InputError(file, where, "the tileset has more than 2^24 tiles");
+    if (++tiles_ > max_tileset_tiles) throw InputError(file, where, "the tileset has more than 2^24 tiles");
   }
 
   Subtree with_own_content(const std::vector<std::string>& uris, const std::string& where, const Context& here,

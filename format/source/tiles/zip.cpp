@@ -9,7 +9,7 @@ namespace gigabake {
 namespace {
 
 /// Deflate packs at most 1032:1; what claims more is not what it says.
-constexpr std::uint64_t most_packed = 1100, least_claim = std::uint64_t(1) << 16;
+constexpr std::uint64_t max_zip_ratio = 1100, least_claim = std::uint64_t(1) << 16;
 
 std::string message_of(zip_error_t* error) {
   std::string text = zip_error_strerror(error);
@@ -51,7 +51,7 @@ std::vector<std::uint8_t> Archive::read(const std::string& entry, std::uint64_t 
   zip_stat_t info;
   zip_stat_init(&info);
   if (zip_stat(state_->zip, entry.c_str(), ZIP_FL_ENC_RAW, &info) != 0) fail("no such file in the archive");
-  if (info.size > least_claim && info.size / most_packed > info.comp_size)
+  if (info.size > least_claim && info.size / max_zip_ratio > info.comp_size)
     fail("says it has " + std::to_string(info.size) + " bytes in " + std::to_string(info.comp_size) + " packed ones");
   std::vector<std::uint8_t> bytes(std::min<std::uint64_t>(info.size, most_bytes));
   zip_file_t* in = zip_fopen_index(state_->zip, info.index, 0);

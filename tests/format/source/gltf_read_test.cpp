@@ -20,7 +20,7 @@ TileMesh read(const Json& gltf, const SourceOptions& options = {}) {
   return read_tile(sources.tiles.at(0), sources.root, ReadScope::everything);
 }
 
-std::string refusal(const Json& gltf) {
+std::string gltf_refusal(const Json& gltf) {
   try {
     read(gltf);
   } catch (const InputError& e) {
@@ -116,7 +116,7 @@ TEST(GltfRead, PlacesGpuInstancesWithoutCopiesOfTheMesh) {
   ASSERT_EQ(mesh.instances.size(), 4u);
   EXPECT_EQ(first_vertex(mesh, 1), (Point<Scene>{2, -1, 7}));  // moved by the second position, (1, 0, 0)
   g["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"ROTATION", 0}};
-  EXPECT_THAT(refusal(g), HasSubstr("ROTATION: expected VEC4"));
+  EXPECT_THAT(gltf_refusal(g), HasSubstr("ROTATION: expected VEC4"));
 }
 
 TEST(GltfRead, RefusesPlacementsFromNowhere) {
@@ -126,7 +126,7 @@ TEST(GltfRead, RefusesPlacementsFromNowhere) {
   node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"TRANSLATION", 2}};
   g["nodes"] = Json::array({{{"mesh", 0}}, node});
   g["scenes"][0]["nodes"] = {0, 1};
-  EXPECT_THAT(refusal(g), HasSubstr("more than 2^24 placements"));
+  EXPECT_THAT(gltf_refusal(g), HasSubstr("more than 2^24 placements"));
 }
 
 /// Source  KHR_mesh_quantization: integers as they are, or as shares of their range.
@@ -148,33 +148,33 @@ TEST(GltfRead, TakesQuantizedPositions) {
 TEST(GltfRead, NamesWhatIsWrongAndWhere) {
   Json g = square_gltf();
   g["accessors"][0]["bufferView"] = 7;
-  EXPECT_THAT(refusal(g), HasSubstr("accessors[0].bufferView: 7 is beyond the 2 bufferViews"));
+  EXPECT_THAT(gltf_refusal(g), HasSubstr("accessors[0].bufferView: 7 is beyond the 2 bufferViews"));
   g = square_gltf();
   g["bufferViews"][1]["byteLength"] = 13;
-  EXPECT_THAT(refusal(g), HasSubstr("bufferViews[1]"));
+  EXPECT_THAT(gltf_refusal(g), HasSubstr("bufferViews[1]"));
   g = square_gltf();
   g["extensionsRequired"] = {"VENDOR_magic"};
-  EXPECT_THAT(refusal(g), HasSubstr("the extension 'VENDOR_magic' is not supported"));
+  EXPECT_THAT(gltf_refusal(g), HasSubstr("the extension 'VENDOR_magic' is not supported"));
   g = square_gltf();
   g["accessors"][1]["count"] = 5;
-  EXPECT_THAT(refusal(g), HasSubstr("no whole number of triangles"));
+  EXPECT_THAT(gltf_refusal(g), HasSubstr("no whole number of triangles"));
   g = square_gltf();
   g["asset"]["version"] = "1.0";
-  EXPECT_THAT(refusal(g), HasSubstr("is glTF 1.0, expected 2.0; convert it"));
+  EXPECT_THAT(gltf_refusal(g), HasSubstr("is glTF 1.0, expected 2.0; convert it"));
   g = square_gltf();
   g["meshes"] = "many";
-  EXPECT_THAT(refusal(g), HasSubstr("meshes: expected an array"));
+  EXPECT_THAT(gltf_refusal(g), HasSubstr("meshes: expected an array"));
   g = square_gltf();
   g["buffers"][0]["uri"] = "data:application/octet-stream;base64,AAAA";
-  EXPECT_THAT(refusal(g), HasSubstr("buffers[0].byteLength"));
+  EXPECT_THAT(gltf_refusal(g), HasSubstr("buffers[0].byteLength"));
 }
 
 TEST(GltfRead, ADataUriThatCannotBeDecodedIsNotRepeatedInTheMessage) {
   Json g = square_gltf();
   const std::string digits(5000, 'A');
   g["buffers"][0]["uri"] = "data:application/octet-stream;base64," + digits + ";" + digits;
-  EXPECT_THAT(refusal(g), HasSubstr("data:application"));
-  EXPECT_LT(refusal(g).size(), 500u);
+  EXPECT_THAT(gltf_refusal(g), HasSubstr("data:application"));
+  EXPECT_LT(gltf_refusal(g).size(), 500u);
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ using namespace test;
 using testing::HasSubstr;
 
 /// A grid of so many quads along an edge has 1.05 parts of triangles.
-constexpr std::uint32_t edge = 742, points = edge + 1, vertices = points * points;
+constexpr std::uint32_t edge = 742, points = edge + 1, grid_vertices = points * points;
 
 std::vector<std::uint32_t> corners_of_grid() {
   std::vector<std::uint32_t> out;
@@ -65,10 +65,10 @@ class InParts : public testing::Test {
 
 TEST_F(InParts, AnIndexedGridWithColoursAndTextureCoordinates) {
   MadeGlb made;
-  const int position = made.add(numbers<float>(3 * vertices, 1), 3, of_floats);
+  const int position = made.add(numbers<float>(3 * grid_vertices, 1), 3, of_floats);
   Json& p = made.add_primitive(position, made.add(corners_of_grid(), 1, of_words));
-  p["attributes"]["COLOR_0"] = made.add(numbers<std::uint8_t>(4 * vertices, 2), 4, of_bytes, true);
-  p["attributes"]["TEXCOORD_0"] = made.add(numbers<std::uint16_t>(2 * vertices, 3), 2, of_shorts, true);
+  p["attributes"]["COLOR_0"] = made.add(numbers<std::uint8_t>(4 * grid_vertices, 2), 4, of_bytes, true);
+  p["attributes"]["TEXCOORD_0"] = made.add(numbers<std::uint16_t>(2 * grid_vertices, 3), 2, of_shorts, true);
   p["material"] = 0;
   made.gltf["images"] = {{{"uri", "data:image/png;base64,AA=="}}};
   made.gltf["textures"] = {{{"source", 0}}};
@@ -78,12 +78,12 @@ TEST_F(InParts, AnIndexedGridWithColoursAndTextureCoordinates) {
 }
 
 TEST_F(InParts, VerticesInRandomOrder) {
-  std::vector<std::uint32_t> order(vertices), corners = corners_of_grid();
+  std::vector<std::uint32_t> order(grid_vertices), corners = corners_of_grid();
   std::iota(order.begin(), order.end(), 0u);
   std::shuffle(order.begin(), order.end(), std::mt19937(4));
   for (std::uint32_t& c : corners) c = order[c];
   MadeGlb made;
-  const int position = made.add(numbers<float>(3 * vertices, 5), 3, of_floats, false, 64);
+  const int position = made.add(numbers<float>(3 * grid_vertices, 5), 3, of_floats, false, 64);
   made.add_primitive(position, made.add(corners, 1, of_words));
   EXPECT_EQ(parts_of(made), 2u);
 }
@@ -130,9 +130,9 @@ TEST_F(InParts, StripsAndFans) {
 
 TEST_F(InParts, SparseValuesOfAnyPart) {
   MadeGlb made;
-  const int position = made.add(numbers<float>(3 * vertices, 13), 3, of_floats);
+  const int position = made.add(numbers<float>(3 * grid_vertices, 13), 3, of_floats);
   made.add_primitive(position, made.add(corners_of_grid(), 1, of_words));
-  const int where = made.add(std::vector<std::uint32_t>{5, vertices - 1, 5}, 1, of_words),
+  const int where = made.add(std::vector<std::uint32_t>{5, grid_vertices - 1, 5}, 1, of_words),
             values = made.add(numbers<float>(9, 14), 3, of_floats);
   made.gltf["accessors"][std::size_t(position)]["sparse"] = {
       {"count", 3},
@@ -143,7 +143,7 @@ TEST_F(InParts, SparseValuesOfAnyPart) {
 
 TEST_F(InParts, SeveralPrimitivesAndPlacements) {
   MadeGlb made;
-  const int position = made.add(numbers<float>(3 * vertices, 15), 3, of_floats),
+  const int position = made.add(numbers<float>(3 * grid_vertices, 15), 3, of_floats),
             grid = made.add(corners_of_grid(), 1, of_words),
             few = made.add(std::vector<std::uint32_t>{0, 1, 2}, 1, of_words);
   made.add_primitive(position, few);
@@ -176,7 +176,7 @@ TEST_F(InParts, AnStl) {
 
 TEST_F(InParts, AGlbIsReadFromItsFileAsFromMemory) {
   MadeGlb made;
-  const int position = made.add(numbers<float>(3 * vertices, 17), 3, of_floats, false, 20);
+  const int position = made.add(numbers<float>(3 * grid_vertices, 17), 3, of_floats, false, 20);
   made.add_primitive(position, made.add(corners_of_grid(), 1, of_words));
   open(made);
   const TileMesh of_file = read();
@@ -190,7 +190,7 @@ TEST_F(InParts, AGlbIsReadFromItsFileAsFromMemory) {
 class LargeGrid : public InParts {
  protected:
   LargeGrid() {
-    const int position = made.add(numbers<float>(3 * vertices, 18), 3, of_floats);
+    const int position = made.add(numbers<float>(3 * grid_vertices, 18), 3, of_floats);
     made.add_primitive(position, made.add(corners_of_grid(), 1, of_words));
     open(made);
   }
@@ -205,11 +205,11 @@ TEST_F(LargeGrid, CutWhileItIsReadIsOneLineAndNoSignal) {
 }
 
 TEST_F(LargeGrid, NamesABadIndexOfTheLastPartAsInOnePiece) {
-  const std::uint32_t beyond = vertices;
+  const std::uint32_t beyond = grid_vertices;
   std::memcpy(&made.bin[made.bin.size() - 4], &beyond, sizeof beyond);
   EXPECT_EQ(parts_of(made), 0u);
   EXPECT_THAT(refusal([](std::size_t, Primitive&&) {}),
-              HasSubstr("index " + std::to_string(6 * edge * edge - 1) + " is " + std::to_string(vertices)));
+              HasSubstr("index " + std::to_string(6 * edge * edge - 1) + " is " + std::to_string(grid_vertices)));
 }
 
 TEST_F(LargeGrid, WhatTheSinkThrowsPassesThrough) {

@@ -9,9 +9,9 @@
 namespace gigabake {
 namespace {
 
-using Corners = std::vector<std::array<double, 3>>;
+using PolygonCorners = std::vector<std::array<double, 3>>;
 
-double area(const Corners& p, const std::vector<std::uint32_t>& index) {
+double area(const PolygonCorners& p, const std::vector<std::uint32_t>& index) {
   double sum = 0;
   for (std::size_t t = 0; t < index.size(); t += 3) {
     const auto &a = p[index[t]], &b = p[index[t + 1]], &c = p[index[t + 2]];
@@ -30,13 +30,13 @@ TEST(Polygon, TrianglesOfAStarHaveItsAreaWhichOverlapsWouldExceed) {
   std::uniform_real_distribution<double> unit(0, 1);
   for (int round = 0; round < 500; ++round) {
     const std::size_t n = 3 + rng() % 30;
-    Corners star;
+    PolygonCorners star;
     for (std::size_t i = 0; i < n; ++i) {
       const double turn = 2 * 3.141592653589793 * double(i) / double(n), r = 0.1 + unit(rng);
       const double x = r * std::cos(turn), y = r * std::sin(turn);
       star.push_back({x, 100 + y, 3 * x - 2 * y});
     }
-    Corners with_centre = star;
+    PolygonCorners with_centre = star;
     with_centre.push_back({0, 100, 0});
     std::vector<std::uint32_t> fan;
     for (std::uint32_t i = 0; i < n; ++i) fan.insert(fan.end(), {i, std::uint32_t((i + 1) % n), std::uint32_t(n)});
@@ -47,17 +47,17 @@ TEST(Polygon, TrianglesOfAStarHaveItsAreaWhichOverlapsWouldExceed) {
 }
 
 /// In a plane that is parallel to no axis, `offset` metres from the origin.
-Corners tilted(const Corners& flat, double offset) {
-  Corners out;
+PolygonCorners tilted(const PolygonCorners& flat, double offset) {
+  PolygonCorners out;
   for (const auto& [x, y, z] : flat)
     out.push_back({0.6 * x - 0.64 * y + offset, 0.8 * x + 0.48 * y + 10 * offset, 0.6 * y + z});
   return out;
 }
 
-void expect_area(const Corners& flat, double expected, const char* what) {
+void expect_area(const PolygonCorners& flat, double expected, const char* what) {
   for (const double offset : {0.0, 5e5})
     for (std::size_t first = 0; first < flat.size(); first += 1 + flat.size() / 7) {
-      Corners corners = flat;
+      PolygonCorners corners = flat;
       std::rotate(corners.begin(), corners.begin() + std::ptrdiff_t(first), corners.end());
       if (offset != 0) corners = tilted(corners, offset);
       const std::vector<std::uint32_t> index = triangles_of_polygon(corners);
@@ -69,7 +69,7 @@ void expect_area(const Corners& flat, double expected, const char* what) {
 /// 2026-11-25: more than 512 corners were a fan, whatever their shape.
 TEST(Polygon, HasTheAreaOfACombOfAnyLength) {
   for (const int teeth : {2, 127, 128, 5000}) {
-    Corners comb{{0, 0, 0}, {double(teeth), 0, 0}};
+    PolygonCorners comb{{0, 0, 0}, {double(teeth), 0, 0}};
     for (int i = teeth; i > 0; --i)
       for (const auto& [x, y] : {std::pair(0.0, 1.0), {-0.5, 1.0}, {-0.5, 4.0}, {-1.0, 4.0}})
         comb.push_back({i + x, y, 0});
@@ -81,7 +81,7 @@ TEST(Polygon, HasTheAreaOfACombOfAnyLength) {
 TEST(Polygon, HasTheAreaOfASpiral) {
   constexpr int points = 4000;
   constexpr double step = 20 * 6.283185307179586 / points;
-  Corners spiral;
+  PolygonCorners spiral;
   for (int i = 0; i < points; ++i)
     spiral.push_back({(i * step + 6) * std::cos(i * step), (i * step + 6) * std::sin(i * step), 0});
   for (int i = points; i-- > 0;)
@@ -108,7 +108,7 @@ TEST(Polygon, KeepsItsAreaWithSpikesRepeatedCornersHolesAndStraightLines) {
       {{0, 0, 0}, {8, 0, 0}, {8, 8, 0}, {0, 8, 0}, {0, 0, 0}, {2, 2, 0}, {2, 6, 0}, {6, 6, 0}, {6, 2, 0}, {2, 2, 0}},
       48, "hole");
   expect_area({{0, 0, 0}, {4, 0, 0}, {2, 2, 0}, {4, 4, 0}, {0, 4, 0}, {2, 2, 0}}, 8, "two triangles that touch");
-  Corners notched;
+  PolygonCorners notched;
   for (int i = 0; i < 40; ++i) notched.push_back({0.1 * i, 0, 0});
   for (int i = 0; i < 40; ++i) notched.push_back({4, 0.1 * i, 0});
   notched.insert(notched.end(), {{4, 4, 0}, {2, 1, 0}, {0, 4, 0}});
@@ -121,7 +121,7 @@ TEST(Polygon, HasTheAreaOfAHistogram) {
   std::mt19937_64 rng(seed);
   for (int round = 0; round < 200; ++round) {
     const int columns = 2 + int(rng() % 20);
-    Corners histogram{{0, 0, 0}, {double(columns), 0, 0}};
+    PolygonCorners histogram{{0, 0, 0}, {double(columns), 0, 0}};
     double expected = 0;
     for (int i = columns; i > 0; --i) {
       const double height = 1 + double(rng() % 4);
@@ -137,7 +137,7 @@ TEST(Polygon, ThatCrossesItselfEnds) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   std::uniform_real_distribution<double> unit(0, 1);
-  Corners corners;
+  PolygonCorners corners;
   for (int i = 0; i < 5000; ++i) corners.push_back({unit(rng), unit(rng), 0});
   EXPECT_EQ(triangles_of_polygon(corners).size(), 3 * (corners.size() - 2));
   corners.assign(6, {std::nan(""), HUGE_VAL, 0});

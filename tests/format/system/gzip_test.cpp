@@ -45,7 +45,7 @@ std::string error_of(const std::string& packed, std::uint64_t most_bytes = 1 << 
   return "";
 }
 
-std::string b3dm(const std::string& model) {
+std::string b3dm_of(const std::string& model) {
   std::string out = "b3dm";
   const std::uint32_t words[] = {1, std::uint32_t(28 + model.size()), 0, 0, 0, 0};
   return out.append(reinterpret_cast<const char*>(words), sizeof words) + model;
@@ -63,7 +63,7 @@ void write_set(const SourceFolder& folder, std::string (*packed)(const std::stri
   folder.write("tileset.json", packed(test::tileset(root).dump()));
   folder.write("nested.json", packed(test::tileset(test::tile("square.gltf")).dump()));
   folder.write("square.gltf", packed(test::square_gltf().dump()));
-  folder.write("tile.b3dm", packed(b3dm(test::square_gltf().dump())));
+  folder.write("tile.b3dm", packed(b3dm_of(test::square_gltf().dump())));
   const Json all{{"constant", 1}}, none{{"constant", 0}};
   const Json subtree{
       {"tileAvailability", all}, {"contentAvailability", Json::array({all})}, {"childSubtreeAvailability", none}};
@@ -127,7 +127,7 @@ TEST(Gzip, ContentThatIsCutDamagedOrFollowedByMoreIsOneClearLine) {
 
 TEST(Gzip, ADamagedTileIsRefusedByName) {
   const SourceFolder folder;
-  const auto tile = folder.write("tile.b3dm", gzipped(b3dm(test::square_gltf().dump())).substr(0, 100));
+  const auto tile = folder.write("tile.b3dm", gzipped(b3dm_of(test::square_gltf().dump())).substr(0, 100));
   const SceneSources sources = open_sources(tile, {});
   try {
     read_tile(sources.tiles.at(0), sources.root, ReadScope::everything);

@@ -13,7 +13,7 @@
 namespace gigabake::kernels {
 namespace {
 
-constexpr Wrap all_wraps[] = {Wrap::repeat, Wrap::mirrored_repeat, Wrap::clamp_to_edge};
+constexpr Wrap sampled_wraps[] = {Wrap::repeat, Wrap::mirrored_repeat, Wrap::clamp_to_edge};
 
 Texture filled(int size, const std::array<std::uint8_t, 4>& rgba) {
   std::vector<std::uint8_t> texels;
@@ -29,8 +29,8 @@ Texture any_opaque(std::mt19937_64& rng, int width, int height) {
 }
 
 void wrap_anyhow(std::mt19937_64& rng, MaterialView& material) {
-  material.wrap_s = all_wraps[rng() % 3];
-  material.wrap_t = all_wraps[rng() % 3];
+  material.wrap_s = sampled_wraps[rng() % 3];
+  material.wrap_t = sampled_wraps[rng() % 3];
 }
 
 /// Texels a voxel along u and along v of a picture of `size`.
@@ -56,7 +56,7 @@ FragmentShape any_fragment(std::mt19937_64& rng) {
 }
 
 /// The texel at whole number i of the endless plane that an image wraps to, by glTF's words.
-std::int64_t wrapped(std::int64_t i, std::int64_t size, Wrap wrap) {
+std::int64_t wrapped_texel(std::int64_t i, std::int64_t size, Wrap wrap) {
   if (wrap == Wrap::clamp_to_edge) return std::clamp<std::int64_t>(i, 0, size - 1);
   const std::int64_t period = wrap == Wrap::repeat ? size : 2 * size, r = ((i % period) + period) % period;
   return r < size ? r : period - 1 - r;
@@ -65,8 +65,8 @@ std::int64_t wrapped(std::int64_t i, std::int64_t size, Wrap wrap) {
 /// What colour the endless plane has at x texels, where texel i's is i.
 double plane_at(double x, std::int64_t size, Wrap wrap) {
   const double below = std::floor(x - 0.5), second = x - 0.5 - below;
-  return (1 - second) * double(wrapped(std::int64_t(below), size, wrap)) +
-         second * double(wrapped(std::int64_t(below) + 1, size, wrap));
+  return (1 - second) * double(wrapped_texel(std::int64_t(below), size, wrap)) +
+         second * double(wrapped_texel(std::int64_t(below) + 1, size, wrap));
 }
 
 TEST(Sampling, WrapsAsTheEndlessPlaneOfTexelsDoes) {
@@ -77,7 +77,7 @@ TEST(Sampling, WrapsAsTheEndlessPlaneOfTexelsDoes) {
     const double reach = i % 2 == 0 ? 3 : double(1 << 20);
     double s = std::uniform_real_distribution<double>(-reach, reach)(rng);
     if (i % 5 == 0) s = std::floor(s * size * 2) / (size * 2);  // a texel's middle or border
-    for (const Wrap wrap : all_wraps) {
+    for (const Wrap wrap : sampled_wraps) {
       const TexelPair pair = neighbours(fraction_of(s, wrap), size, wrap == Wrap::repeat);
       ASSERT_LT(pair.a, size);
       ASSERT_LT(pair.b, size);

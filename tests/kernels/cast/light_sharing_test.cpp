@@ -7,21 +7,21 @@
 namespace gigabake::kernels {
 namespace {
 
-constexpr int edge = 2 * sky_block;
+constexpr int tile_edge = 2 * sky_block;
 constexpr int sun = int(LightRay::sun), sky = int(LightRay::sky);
 
 /// A picture of flat ground, a voxel a pixel, whose first rays are finished: all see all of the light.
 struct Ground {
-  CastTile tile{0, 0, edge, edge};
+  CastTile tile{0, 0, tile_edge, tile_edge};
   CastLighting lighting;
-  std::vector<PixelLight> lights{std::size_t(edge) * edge};
+  std::vector<PixelLight> lights{std::size_t(tile_edge) * tile_edge};
 
   Ground() {
     lighting.light.to_sun[2] = 1;
     for (auto& direction : lighting.sun) direction[2] = 1;
     for (auto& direction : lighting.sky) direction[2] = 1;
-    for (int y = 0; y < edge; ++y)
-      for (int x = 0; x < edge; ++x) {
+    for (int y = 0; y < tile_edge; ++y)
+      for (int x = 0; x < tile_edge; ++x) {
         PixelLight& light = at(x, y);
         light.at[0] = float(x);
         light.at[1] = float(y);
@@ -38,11 +38,11 @@ struct Ground {
     light.seen[int(ray)] = seen;
   }
 
-  PixelLight& at(int x, int y) { return lights[std::size_t(y) * edge + std::size_t(x)]; }
+  PixelLight& at(int x, int y) { return lights[std::size_t(y) * tile_edge + std::size_t(x)]; }
 
   void share() {
-    for (int y = 0; y < edge; ++y)
-      for (int x = 0; x < edge; ++x) share_light({lights.data(), tile}, lighting, x, y, at(x, y));
+    for (int y = 0; y < tile_edge; ++y)
+      for (int x = 0; x < tile_edge; ++x) share_light({lights.data(), tile}, lighting, x, y, at(x, y));
   }
 
   /// How many pixels of [x0, x0 + size) × [y0, y0 + size) go on with a ray of their own.
@@ -84,7 +84,7 @@ TEST(LightSharing, CastsARayToTheSunFromAllOtherPixelsOfABlockThatDisagreesAndOf
     ground.at(sun_block + 2, 2).seen[sun] = seen;
     ground.share();
     EXPECT_EQ(ground.own_rays(LightRay::sun, sun_block, 0, sun_block), sun_block * sun_block * 3 / 4);
-    EXPECT_EQ(ground.own_rays(LightRay::sun, 0, 0, edge), sun_block * sun_block * 3 / 4);
+    EXPECT_EQ(ground.own_rays(LightRay::sun, 0, 0, tile_edge), sun_block * sun_block * 3 / 4);
   }
 }
 
@@ -96,9 +96,9 @@ TEST(LightSharing, CastsOwnRaysFromAPixelThatShowsAnotherSurface) {
   for (Ground* ground : {&lower, &turned}) {
     ground->share();
     EXPECT_FALSE(ground->at(1, 2).has(sun));
-    EXPECT_EQ(ground->own_rays(LightRay::sun, 0, 0, edge), 1);
+    EXPECT_EQ(ground->own_rays(LightRay::sun, 0, 0, tile_edge), 1);
     EXPECT_FALSE(ground->at(1, 2).has(sky));
-    EXPECT_EQ(ground->own_rays(LightRay::sky, 0, 0, edge), 1);
+    EXPECT_EQ(ground->own_rays(LightRay::sky, 0, 0, tile_edge), 1);
   }
 }
 
@@ -115,12 +115,12 @@ TEST(LightSharing, AsksForThreePixelsOfTheSameSurface) {
 
 TEST(LightSharing, DoesNotDependOnTheOrderOfPixels) {
   Ground forwards;
-  for (int i = 0; i < edge * edge; i += 7)
+  for (int i = 0; i < tile_edge * tile_edge; i += 7)
     if (forwards.lights[std::size_t(i)].is_first(LightRay::sun)) forwards.lights[std::size_t(i)].seen[sun] = 0;
   Ground backwards = forwards;
   forwards.share();
-  for (int i = edge * edge - 1; i >= 0; --i)
-    share_light({backwards.lights.data(), backwards.tile}, backwards.lighting, i % edge, i / edge,
+  for (int i = tile_edge * tile_edge - 1; i >= 0; --i)
+    share_light({backwards.lights.data(), backwards.tile}, backwards.lighting, i % tile_edge, i / tile_edge,
                 backwards.lights[std::size_t(i)]);
   for (std::size_t i = 0; i < forwards.lights.size(); ++i) {
     EXPECT_EQ(backwards.lights[i].done, forwards.lights[i].done);

@@ -6,7 +6,7 @@
 namespace gigabake::kernels {
 namespace {
 
-const Tables tables = TableStore::host().view();
+const Tables host_tables = TableStore::host().view();
 
 Fragment fragment(std::int64_t weight, std::uint16_t red, std::uint16_t alpha) {
   const std::uint16_t rgba[4] = {red, 0, 0, alpha};
@@ -16,7 +16,7 @@ Fragment fragment(std::int64_t weight, std::uint16_t red, std::uint16_t alpha) {
 
 Level resolved(BrickSums& sums) {
   std::vector<BrickRun> runs(1);
-  sums.resolve_to(runs[0], 0, tables);
+  sums.resolve_to(runs[0], 0, host_tables);
   Level level;
   append(level, runs, ThreadPool(1));
   return level;
@@ -32,7 +32,7 @@ TEST(BrickSums, TakeAnyNumberOfTheHeaviestFragments) {
   }
   const Level level = resolved(sums);
   ASSERT_EQ(level.rgba.size(), 4u);
-  EXPECT_EQ(level.rgba[0], tables.srgb_from_linear[16384]);  // a quarter
+  EXPECT_EQ(level.rgba[0], host_tables.srgb_from_linear[16384]);  // a quarter
   EXPECT_EQ(level.rgba[3], 255);
 }
 
@@ -44,8 +44,8 @@ TEST(BrickSums, AreTheSameBeforeAndAfterMovingToWideOnes) {
       sums.end_triangle();
     }
     const Level level = resolved(sums);
-    EXPECT_EQ(level.rgba[0], tables.srgb_from_linear[49151]) << count;  // 30000 / 40000
-    EXPECT_EQ(level.rgba[3], 156) << count;                             // 40000 / 65535
+    EXPECT_EQ(level.rgba[0], host_tables.srgb_from_linear[49151]) << count;  // 30000 / 40000
+    EXPECT_EQ(level.rgba[3], 156) << count;                                  // 40000 / 65535
   }
 }
 

@@ -75,7 +75,7 @@ Picture ground_picture(const Background& background, const std::array<double, 3>
 }
 
 /// IEC 61966-2-1, 0 to 255, not rounded.
-double srgb_code(double linear) {
+double code_of_linear(double linear) {
   const double v = std::fmin(linear, 1);
   return 255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055);
 }
@@ -113,7 +113,7 @@ TEST_F(ExrTest, HoldsTheLightThatThePngShows) {
       // Rounding of the PNG, and of halves: 11 bits of colour and of alpha.
       ASSERT_NEAR(255 * alpha, picture.rgba[4 * i + 3], 0.5 + 0.1);
       for (std::size_t k = 0; k < 3; ++k)
-        ASSERT_NEAR(srgb_code(shown(exr.rgba[k][i], alpha, background, k)), picture.rgba[4 * i + k],
+        ASSERT_NEAR(code_of_linear(shown(exr.rgba[k][i], alpha, background, k)), picture.rgba[4 * i + k],
                     0.5 + (background.sky && alone.rgba[3][i] < 1 ? 0.7 : 0.2))  // a sky is dithered
             << i << " channel " << k;
     }

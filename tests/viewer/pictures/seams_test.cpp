@@ -11,8 +11,8 @@ namespace gigabake {
 namespace {
 
 constexpr int scene_edge = 256;
-constexpr int edge = 160;        ///< of a picture
-constexpr int least_share = 32;  ///< of its pixels, one in so many at least shows the scene; from afar one in 15 does
+constexpr int picture_edge = 160;  ///< of a picture
+constexpr int least_share = 32;    ///< of its pixels, one in so many at least shows the scene; from afar one in 15 does
 
 /// Rolling, painted ground, two voxels thick, and posts on it that cross the borders of cells.
 std::optional<Paint> landscape(std::int64_t x, std::int64_t y, std::int64_t z) {
@@ -57,7 +57,7 @@ std::size_t covered_pixels(const Picture& picture) {
 }
 
 int largest_difference(const Picture& a, const Picture& b) {
-  EXPECT_EQ(a.rgba.size(), std::size_t(edge) * edge * 4);
+  EXPECT_EQ(a.rgba.size(), std::size_t(picture_edge) * picture_edge * 4);
   EXPECT_EQ(a.rgba.size(), b.rgba.size());
   EXPECT_GT(covered_pixels(a), a.rgba.size() / 4 / least_share) << "the picture shows next to nothing";
   int largest = 0;
@@ -81,7 +81,7 @@ TEST(Seams, AreNotSeenBetweenCellsInAnyModeFromNearAndFar) {
   for (const ViewMode mode :
        {ViewMode::lit, ViewMode::albedo, ViewMode::normal, ViewMode::coverage, ViewMode::lod, ViewMode::requests})
     for (const Place& place : places) {
-      View there{view(place.eye_m, place.target_m, edge).camera, mode, {false, {0, 0, 0, 0}}};
+      View there{view(place.eye_m, place.target_m, picture_edge).camera, mode, {false, {0, 0, 0, 0}}};
       there.camera.pixel_error = place.pixel_error;
       EXPECT_LE(largest_difference(whole.draw_exact(there).picture, parts.draw_exact(there).picture), 2)
           << name_of(mode) << " from " << place.eye_m[0] << ", pixel error " << place.pixel_error;
@@ -91,10 +91,10 @@ TEST(Seams, AreNotSeenBetweenCellsInAnyModeFromNearAndFar) {
 TEST(Seams, LeaveNoHoleInDepthFromNearAndFar) {
   const VoxelScene one = cut_into(256), sixteen = cut_into(64);
   for (const Place& place : places) {
-    PictureOptions options = view(place.eye_m, place.target_m, edge);
+    PictureOptions options = view(place.eye_m, place.target_m, picture_edge);
     options.camera.pixel_error = place.pixel_error;
     const std::vector<float> a = take(one, options).depth, b = take(sixteen, options).depth;
-    ASSERT_EQ(a.size(), std::size_t(edge) * edge);
+    ASSERT_EQ(a.size(), std::size_t(picture_edge) * picture_edge);
     ASSERT_EQ(b.size(), a.size());
     float largest = 0;
     std::size_t met = 0;

@@ -15,7 +15,7 @@ namespace {
 using kernels::VoxelBox;
 using made::TempFolder;
 
-constexpr std::int64_t edge = 16;  ///< of a cell
+constexpr std::int64_t tier_cell_edge = 16;  ///< of a cell
 
 /// Stacks of cells at random places, each beginning at any multiple of 8. The shards are not there.
 SceneDescription random_stacks(std::mt19937_64& rng) {
@@ -23,12 +23,13 @@ SceneDescription random_stacks(std::mt19937_64& rng) {
   scene.voxel_size_m = 1;
   for (std::int64_t y = -4; y < 4; ++y)
     for (std::int64_t x = -4; x < 4; ++x)
-      for (std::int64_t z = -64 + 8 * std::int64_t(rng() % 4); z < 48; z += edge + (rng() % 3 == 0 ? edge : 0)) {
+      for (std::int64_t z = -64 + 8 * std::int64_t(rng() % 4); z < 48;
+           z += tier_cell_edge + (rng() % 3 == 0 ? tier_cell_edge : 0)) {
         SceneCell cell;
         cell.name = "c_" + std::to_string(scene.cells.size());
         cell.file = "shards/" + cell.name + ".h5";
-        cell.lattice_min = {x * edge, y * edge, z};
-        cell.cell_voxels = std::uint32_t(edge);
+        cell.lattice_min = {x * tier_cell_edge, y * tier_cell_edge, z};
+        cell.cell_voxels = std::uint32_t(tier_cell_edge);
         cell.lods = 2;
         cell.voxels = {9, 3};
         cell.content_hash = {{rng(), rng()}, {rng(), rng()}};

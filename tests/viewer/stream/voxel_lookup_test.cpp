@@ -16,12 +16,12 @@ namespace gigabake {
 namespace {
 
 constexpr std::uint64_t seed = 20261123;
-constexpr std::int64_t scene_edge = 128;
+constexpr std::int64_t gappy_edge = 128;
 constexpr int lods = 5;  ///< of the scene
 
 /// Ground with gaps: one column in three has a voxel, at a height that rolls.
 std::optional<Paint> gappy_ground(std::int64_t x, std::int64_t y, std::int64_t z) {
-  if (x < 0 || y < 0 || x >= scene_edge || y >= scene_edge || (x * 7 + y * 13) % 3 != 0) return {};
+  if (x < 0 || y < 0 || x >= gappy_edge || y >= gappy_edge || (x * 7 + y * 13) % 3 != 0) return {};
   if (z != 20 + (x * x / 40 + y) % 60) return {};
   return Paint{{std::uint8_t(x), std::uint8_t(y), std::uint8_t(z), 255}, {0, 0}};
 }
@@ -29,8 +29,8 @@ std::optional<Paint> gappy_ground(std::int64_t x, std::int64_t y, std::int64_t z
 /// Cells of 16³ with levels 0 and 1, and a parent of all of them.
 VoxelScene painted() {
   VoxelScene scene(16);
-  scene.add_cells(gappy_ground, {0, 0, 0}, scene_edge);
-  scene.add_parent(gappy_ground, {0, 0, 0}, scene_edge, 2);
+  scene.add_cells(gappy_ground, {0, 0, 0}, gappy_edge);
+  scene.add_parent(gappy_ground, {0, 0, 0}, gappy_edge, 2);
   return scene;
 }
 
@@ -42,7 +42,7 @@ struct OpenGround {
   VoxelLookup lookup{map, pager};
   std::mt19937_64 random{seed};
 
-  std::int64_t coordinate() { return std::int64_t(random() % scene_edge); }
+  std::int64_t coordinate() { return std::int64_t(random() % gappy_edge); }
 
   /// Asks until all pages that the question needs are here.
   template <class Question>
@@ -59,7 +59,7 @@ struct OpenGround {
   /// A voxel of each brick that there may be.
   void read_all() {
     for (int lod = 0; lod < lods; ++lod) {
-      const std::int64_t bricks = scene_edge >> (lod + 3), edge = std::int64_t(8) << lod;
+      const std::int64_t bricks = gappy_edge >> (lod + 3), edge = std::int64_t(8) << lod;
       for (std::int64_t i = 0; i < bricks * bricks * bricks; ++i) {
         const std::int64_t v[3] = {i % bricks * edge, i / bricks % bricks * edge, i / bricks / bricks * edge};
         read_for([&](PageGaps& gaps) {
@@ -84,7 +84,7 @@ TEST(VoxelLookup, AnswersAlikeWhateverWayItWentBefore) {
   int bricks = 0;
   for (int i = 0; i < 20000; ++i) {
     const bool is_near = ground.random() % 2 == 0;  // the next one shares much of its way
-    for (std::int64_t& c : v) c = is_near ? (c ^ std::int64_t(ground.random() % 16)) % scene_edge : ground.coordinate();
+    for (std::int64_t& c : v) c = is_near ? (c ^ std::int64_t(ground.random() % 16)) % gappy_edge : ground.coordinate();
     const int lod = int(ground.random() % lods);
     PageGaps gaps;
     NodePath fresh;
@@ -121,7 +121,7 @@ TEST(VoxelLookup, AnswersForEightBoxesWhatItAnswersForEach) {
     for (kernels::VoxelBox& box : boxes)
       for (int a = 0; a < 3; ++a) {
         box.min[a] = ground.coordinate();
-        box.max[a] = std::min(scene_edge, box.min[a] + 1 + std::int64_t(ground.random() % 40));
+        box.max[a] = std::min(gappy_edge, box.min[a] + 1 + std::int64_t(ground.random() % 40));
       }
     PageGaps gaps;
     const std::uint8_t found = ground.lookup.occupied(lod, boxes, gaps);
