@@ -115,7 +115,7 @@ void print_counts(const PriorResults& prior) {
   std::string why;
   for (const auto& [reason, words] :
        {std::pair(PriorReason::new_cell, "new"), std::pair(PriorReason::inputs_changed, "changed inputs"),
-        std::pair(PriorReason::shard_missing, "missing shards")}) {
+        std::pair(PriorReason::shard_missing, "without a shard")}) {
     to_bake += of(reason);
     if (of(reason) != 0) why += fmt::format("{} {} {}", why.empty() ? ":" : ",", of(reason), words);
   }

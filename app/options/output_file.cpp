@@ -61,8 +61,8 @@ void expect_parent_folder(const char* option, const std::string& name, const fs:
   std::error_code error;
   if (folder.empty() || fs::is_directory(folder, error)) return;
   if (!made.empty() && plain(folder) == plain(made)) return;
-  if (fs::exists(folder, error)) refuse(option, name, folder.string() + " is not a folder");
-  refuse(option, name, "there is no folder " + folder.string() + "; make it first (mkdir -p)");
+  refuse(option, name,
+         fs::exists(folder, error) ? "its folder is a file" : "its folder does not exist; make it first (mkdir -p)");
 }
 
 void expect_own_file(const char* option, const std::string& name, std::string_view beginning,

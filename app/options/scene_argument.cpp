@@ -118,7 +118,7 @@ fs::path future_scene(const fs::path& given) {
     throw InputError(out, "", "no such file; expected OUT of a bake, or OUT/scene.xml");
   const fs::path parent = out.has_parent_path() ? out.parent_path() : fs::path(".");
   if (!is_folder(parent))
-    throw InputError(out, "", "there is no folder " + parent.string() + "; expected OUT of a bake, done or to come");
+    throw InputError(out, "", "its folder does not exist; expected OUT of a bake, done or to come");
   const fs::path similar = similar_bake(out, parent);
   if (!similar.empty())
     throw InputError(out, "", "no such folder; is " + similar.string() + " meant? To wait for a bake, make the folder");

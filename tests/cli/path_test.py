@@ -72,7 +72,7 @@ class Paths(harness.FolderTest):
         for options in (["-o", missing / "x.png"], ["-o", self.root / "refused.exr", "--depth", missing / "d.exr"],
                         ["-o", missing / "%d.png", "--path", path, "--frames", 1],
                         ["-o", self.root / "%d.png", "--path", path, "--frames", 1, "--stats", missing / "s.json"]):
-            self.refuse(1, "there is no folder", *options)
+            self.refuse(1, "its folder does not exist", *options)
         self.refuse(1, "what the command reads", "--path", path, "--frames", 1, "--stats", path)
         self.refuse(1, "what the command reads", "--path", path, "--frames", 1, "--stats", self.scene)
 

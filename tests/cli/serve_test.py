@@ -242,7 +242,7 @@ class Serve(harness.FolderTest):
         is_meant = f"is {self.root / 'out'} meant?"
         for given, expected in (("oit", is_meant), ("Out", is_meant), ("otu", is_meant), ("outt/scene.xml", is_meant),
                                 ("ot", is_meant), ("o-ut", is_meant),
-                                ("nowhere/out", "there is no folder"), ("out/scen.xml", "no such file"),
+                                ("nowhere/out", "its folder does not exist"), ("out/scen.xml", "no such file"),
                                 ("note.txt", "is not a scene"), ("note.txt/scene.xml", "is not a folder")):
             result = GIGABAKE.run("serve", self.root / given, timeout=20)
             self.assertEqual(result.returncode, 1, result)
