@@ -11,7 +11,7 @@ namespace {
 
 using namespace gigabake::kernels;
 
-constexpr std::uint32_t window_edge = 64;
+constexpr std::uint32_t cube_edge = 64;
 
 struct Recipe {
   SurfaceRule surface;
@@ -45,7 +45,7 @@ std::vector<Part> soup(Rng& rng, const std::vector<std::uint32_t>& materials) {
 BakeScene make_scene(const Recipe& recipe, std::uint64_t seed) {
   Rng rng(seed);
   BakeScene scene;
-  scene.set_window({0, 0, 0}, window_edge);
+  scene.set_window({0, 0, 0}, cube_edge);
   scene.parameters.surface = recipe.surface;
   scene.parameters.mip = recipe.mip;
   std::vector<std::uint8_t> texels(4 * 16 * 16);
@@ -133,9 +133,9 @@ TEST_P(Invariance, HoldsForLodZeroToThreeInAnyWindow) {
       scene_.set_window(at, small);
       const CellVolume volume = scene_.bake();
       const CellParameters small_window = scene_.parameters;
-      scene_.set_window({0, 0, 0}, window_edge);
+      scene_.set_window({0, 0, 0}, cube_edge);
       for (int lod = 0; lod < int(volume.levels.size()) && lod < 4; ++lod) {
-        const VoxelMap found = inside(voxels_at(volume, small_window, lod), {0, 0, 0}, window_edge, lod);
+        const VoxelMap found = inside(voxels_at(volume, small_window, lod), {0, 0, 0}, cube_edge, lod);
         const VoxelMap expected = inside(voxels_at(volume_, scene_.parameters, lod), at, small, lod);
         EXPECT_TRUE(found == expected) << "window " << small << " at " << at[0] << " lod " << lod << ", seed " << seed;
       }
@@ -145,7 +145,7 @@ TEST_P(Invariance, HoldsForLodZeroToThreeInAnyWindow) {
 TEST_P(Invariance, HoldsForAShiftOfSceneAndWindowByWholeVoxels) {
   for (const Voxel& shift : std::vector<Voxel>{{8, 16, -24}, {-8000, 80000, 800}, {1 << 24, -(1 << 24), 1 << 20}}) {
     BakeScene moved = make_scene(GetParam(), seed);
-    moved.set_window(shift, window_edge);
+    moved.set_window(shift, cube_edge);
     for (Part& part : moved.parts())
       for (int r = 0; r < 3; ++r) part.scene_from_local[4 * r + 3] += 256.0 * double(shift[r]);
     expect_same(moved, "shift");
@@ -161,7 +161,7 @@ TEST_P(Invariance, HoldsForLodZeroUnderAShiftByOneVoxel) {
   std::size_t compared = 0;
   for (const auto& [p, v] : here) {
     const Voxel q{p[0] + 1, p[1] + 2, p[2] + 3};
-    if (std::max({q[0], q[1], q[2]}) >= window_edge) continue;
+    if (std::max({q[0], q[1], q[2]}) >= cube_edge) continue;
     const auto found = there.find(q);
     ASSERT_TRUE(found != there.end() && found->second == v) << p[0] << ' ' << p[1] << ' ' << p[2] << ", seed " << seed;
     ++compared;
