@@ -52,9 +52,9 @@ class PlyMesh : public test::MeshFile {
   }
 };
 
-const std::string png_head = "\x89PNG\r\n\x1a\n, not looked at";
+const std::string ply_png_head = "\x89PNG\r\n\x1a\n, not looked at";
 
-std::vector<std::string> lines_of(const TileMesh& mesh) {
+std::vector<std::string> ply_lines_of(const TileMesh& mesh) {
   std::vector<std::string> lines;
   for (const SourceWarning& w : mesh.warnings) lines.push_back((w.is_loss ? "loss: " : "") + w.line());
   return lines;
@@ -136,7 +136,7 @@ TEST_F(PlyMesh, ReadsTriangleStripsAndFacesBeforeTheirVertices) {
 }
 
 TEST_F(PlyMesh, ReadsTextureCoordinatesOfCornersAndOfVertices) {
-  folder.write("one.png", png_head);
+  folder.write("one.png", ply_png_head);
   const std::string corners = "ply\nformat ascii 1.0\ncomment TextureFile one.png\nelement vertex 4\n" + xyz +
                               "element face 1\n" + faces +
                               "property list uchar float texcoord\nproperty int texnumber\nend_header\n" + square;
@@ -145,7 +145,7 @@ TEST_F(PlyMesh, ReadsTextureCoordinatesOfCornersAndOfVertices) {
   EXPECT_EQ(mesh.materials.at(0).texture.image, 0);
   EXPECT_EQ(mesh.images.size(), 1u);
   const Hash128 hash = tile_hash(sources.tiles[0], sources.root);
-  folder.write("one.png", png_head + "another");
+  folder.write("one.png", ply_png_head + "another");
   EXPECT_NE(tile_hash(sources.tiles[0], sources.root), hash);
   const TileMesh of_vertices = read("ply\nformat ascii 1.0\ncomment TextureFile one.png\nelement vertex 3\n" + xyz +
                                     "property float s\nproperty float t\nelement face 1\n" + faces +
@@ -215,7 +215,7 @@ TEST_F(PlyMesh, SaysTheByteWhereABinaryFileIsWrong) {
       "ply\nformat binary_little_endian 1.0\nelement vertex 3\n" + xyz + "element face 1\n" + faces + "end_header\n";
   const TileMesh mesh = read(header + body.text);
   EXPECT_EQ(mesh.counts.triangles, 0u);
-  EXPECT_THAT(lines_of(mesh),
+  EXPECT_THAT(ply_lines_of(mesh),
               ElementsAre("loss: faces left out, since a corner is none of the vertices: 1, e.g. byte " +
                           std::to_string(header.size() + 36 + 13)));
   EXPECT_THAT(refusal(header + body.text.substr(0, 20)), HasSubstr("no room"));
@@ -226,7 +226,7 @@ TEST_F(PlyMesh, SaysTheByteWhereABinaryFileIsWrong) {
 TEST_F(PlyMesh, LeavesOutOneBadFace) {
   const TileMesh mesh = read(ascii("4", "3", square + "3 0 1 4\n3 0 1 2\n3 0 1 -1\n"));
   EXPECT_EQ(mesh.counts.triangles, 1u);
-  EXPECT_THAT(lines_of(mesh),
+  EXPECT_THAT(ply_lines_of(mesh),
               ElementsAre("loss: faces left out, since a corner is none of the vertices: 2, e.g. line 14"));
 }
 
@@ -253,7 +253,7 @@ TEST_F(PlyMesh, IsOpaqueIfAlphaIsZeroEverywhere) {
   const TileMesh mesh = read(head + "0 0 0 255 0 0 0\n1 0 0 255 0 0 0\n0 1 0 255 0 0 0\n3 0 1 2\n");
   EXPECT_EQ(mesh.primitives.at(0).rgba.at(3), 65535);
   EXPECT_EQ(mesh.materials.at(0).alpha_mode, AlphaMode::opaque);
-  EXPECT_THAT(lines_of(mesh), ElementsAre(HasSubstr("alpha is 0 everywhere, taken as opaque")));
+  EXPECT_THAT(ply_lines_of(mesh), ElementsAre(HasSubstr("alpha is 0 everywhere, taken as opaque")));
   const TileMesh blended = read(head + "0 0 0 255 0 0 0\n1 0 0 255 0 0 9\n0 1 0 255 0 0 0\n3 0 1 2\n");
   EXPECT_EQ(blended.primitives.at(0).rgba.at(3), 0);
   EXPECT_EQ(blended.materials.at(0).alpha_mode, AlphaMode::blend);
@@ -261,7 +261,7 @@ TEST_F(PlyMesh, IsOpaqueIfAlphaIsZeroEverywhere) {
 
 /// 2026-11-25: only "TextureFile" was understood, and only line feeds ended the header's lines.
 TEST_F(PlyMesh, ReadsOtherSpellings) {
-  folder.write("one.png", png_head);
+  folder.write("one.png", ply_png_head);
   std::string text =
       "\xEF\xBB\xBFply\nformat ascii 1.0\ncomment TEXTUREFILE C:\\scans\\one.png\nelement vertex 3\n" + xyz +
       "property float s\nproperty float t\nproperty float flavour\nelement face 1\n" + faces +
@@ -272,8 +272,8 @@ TEST_F(PlyMesh, ReadsOtherSpellings) {
     const TileMesh mesh = read(other);
     EXPECT_EQ(mesh.counts.triangles, 1u);
     EXPECT_EQ(mesh.materials.at(0).texture.image, 0);
-    EXPECT_THAT(lines_of(mesh), ElementsAre("properties that are not used: 1, e.g. 'flavour'",
-                                            "elements that are not read: 1, e.g. 'edge'"));
+    EXPECT_THAT(ply_lines_of(mesh), ElementsAre("properties that are not used: 1, e.g. 'flavour'",
+                                                "elements that are not read: 1, e.g. 'edge'"));
   }
 }
 

@@ -96,7 +96,7 @@ TEST_F(Stl, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(refusal("solid a\n" + loop), HasSubstr("expected \"endsolid\""));
 }
 
-std::vector<std::string> lines_of(const TileMesh& mesh) {
+std::vector<std::string> stl_lines_of(const TileMesh& mesh) {
   std::vector<std::string> lines;
   for (const SourceWarning& w : mesh.warnings) lines.push_back((w.is_loss ? "loss: " : "") + w.line());
   return lines;
@@ -109,7 +109,7 @@ TEST_F(Stl, LeavesOutOneBadFacet) {
       read("\xEF\xBB\xBFsolid a\r\n" + bad + loop + end + "outer loop\nvertex 1 2 3\nendloop\nflavour 7\nendsolid\n");
   EXPECT_EQ(mesh.counts.triangles, 2u);
   EXPECT_THAT(
-      lines_of(mesh),
+      stl_lines_of(mesh),
       ElementsAre("loss: vertices without three coordinates, whose facets are left out: 1, e.g. line 3",
                   HasSubstr("loss: facets of fewer than three corners: 1"), HasSubstr("lines not understood: 1")));
 }
@@ -125,14 +125,14 @@ TEST_F(Stl, SaysThatTheCountContradictsTheSize) {
   for (const std::uint32_t fewer : {0u, 1u}) {
     const TileMesh mesh = read(with_count(fewer));
     EXPECT_EQ(mesh.counts.triangles, 2u);
-    EXPECT_THAT(lines_of(mesh), ElementsAre(HasSubstr("the header states fewer triangles than the file holds")));
+    EXPECT_THAT(stl_lines_of(mesh), ElementsAre(HasSubstr("the header states fewer triangles than the file holds")));
   }
   const TileMesh more = read(with_count(7));
   EXPECT_EQ(more.counts.triangles, 2u);
-  EXPECT_THAT(lines_of(more), ElementsAre(HasSubstr("loss: the header states more triangles")));
-  EXPECT_THAT(lines_of(read(with_count(2) + "more")), ElementsAre(HasSubstr("e.g. 4 bytes")));
-  EXPECT_TRUE(lines_of(read(with_count(2))).empty());
-  EXPECT_THAT(lines_of(read(binary("attributes", {facet}))), ElementsAre(HasSubstr("triangles with attributes")));
+  EXPECT_THAT(stl_lines_of(more), ElementsAre(HasSubstr("loss: the header states more triangles")));
+  EXPECT_THAT(stl_lines_of(read(with_count(2) + "more")), ElementsAre(HasSubstr("e.g. 4 bytes")));
+  EXPECT_TRUE(stl_lines_of(read(with_count(2))).empty());
+  EXPECT_THAT(stl_lines_of(read(binary("attributes", {facet}))), ElementsAre(HasSubstr("triangles with attributes")));
 }
 
 // 2026-11-25: one far facet moved the origin, so that all others snapped to steps of 0.25 m.
