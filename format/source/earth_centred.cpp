@@ -66,7 +66,7 @@ WorldBox bounds_of_plain_mesh(const TileRef& tile, const std::filesystem::path& 
     one.add(z_up_from<World, Local>(tile.gltf_up)(p));
     is_near |= earth_fit(one) != EarthFit::none;
   }
-  return is_near ? bounds_of(read_tile(tile, root, ReadScope::positions_only)) : WorldBox();
+  return is_near ? vertex_bounds(tile, root) : WorldBox();
 }
 
 /// What is known of one file.
@@ -79,10 +79,7 @@ struct Found {
 Found look_at(const TileRef& tile, const std::filesystem::path& root) {
   Found out;
   try {
-    if (tile.kind == ContentKind::i3dm)
-      out.bounds = bounds_of_instances(tile, SourceFiles(root));
-    else
-      out.bounds = has_convention(tile.kind) ? gltf_bounds(tile, SourceFiles(root)) : bounds_of_plain_mesh(tile, root);
+    out.bounds = has_convention(tile.kind) ? stated_bounds(tile, SourceFiles(root)) : bounds_of_plain_mesh(tile, root);
     out.is_known = !has_convention(tile.kind) || !out.bounds.is_empty;
     out.fit = earth_fit(out.bounds);
   } catch (const std::exception&) {
@@ -121,6 +118,14 @@ Sorted sorted(const SceneSources& sources, const std::optional<UpAxis>& up) {
 }
 
 }  // namespace
+
+WorldBox stated_bounds(const TileRef& tile, const SourceFiles& files) {
+  return tile.kind == ContentKind::i3dm ? bounds_of_instances(tile, files) : gltf_bounds(tile, files);
+}
+
+WorldBox vertex_bounds(const TileRef& tile, const std::filesystem::path& root) {
+  return bounds_of(read_tile(tile, root, ReadScope::positions_only));
+}
 
 EarthFit earth_fit(const WorldBox& bounds) {
   if (bounds.is_empty || !(bounds.half_diagonal() < widest_m)) return EarthFit::none;

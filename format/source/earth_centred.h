@@ -2,6 +2,7 @@
 #pragma once
 
 #include "format/source/source.h"
+#include "format/source/source_files.h"
 #include "lattice/world_box.h"
 
 namespace gigabake {
@@ -17,6 +18,14 @@ enum class EarthFit : std::uint8_t {
 ///         some 57° of latitude (UTM) or some zones (Gauss-Krüger) would be points at the equator between 1 km south
 ///         and 9 km north of it, or with y up points of the meridian of Greenwich in the southern sea.
 EarthFit earth_fit(const WorldBox& bounds);
+
+/// Returns the bounds that a content of 3D Tiles states, in its own frame, z up: of glTF those of its accessors, of an
+/// i3dm the places of its instances.
+/// Errors  InputError: what it reads of the file is malformed.
+WorldBox stated_bounds(const TileRef& tile, const SourceFiles& files);
+/// Returns the bounds of all vertices in the same frame.  Range  scene_from_tile is the identity.
+/// Errors  as read_tile().
+WorldBox vertex_bounds(const TileRef& tile, const std::filesystem::path& root);
 
 /// Of sources that are mesh files, each alone or in a folder, not yet placed: where they are earth-centred, they get
 /// the place that they would have as content of a tileset without transforms, and the scene its origin: `options`', or

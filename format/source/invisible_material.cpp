@@ -20,8 +20,9 @@ bool is_invisible(const Material& m) {
 std::optional<std::string> of_gltf(const TileRef& tile, const std::filesystem::path& root) {
   const GltfDocument document = load_gltf(tile, root, false);
   const auto& materials = document.model.materials;
+  SourceWarnings unused;
   for (std::size_t i = 0; i < materials.size(); ++i)
-    if (is_invisible(source_material(tile.path, document.model, int(i)).material))
+    if (is_invisible(source_material(tile.path, document.model, int(i), unused).material))
       return materials[i].name.empty() ? std::to_string(i) : in_quotes(materials[i].name);
   return std::nullopt;
 }

@@ -1,6 +1,7 @@
 #include "format/source/json_parse.h"
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
 #include "lattice/error.h"
@@ -71,10 +72,20 @@ class Builder : public nlohmann::json_sax<Json> {
     if (e.id == out_of_range) throw InputError(file_, "", "not valid JSON: a number that is too large", byte);
     const std::size_t end = std::min(byte, text_.size());
     const auto line = 1 + std::count(text_.begin(), text_.begin() + std::ptrdiff_t(end), std::uint8_t('\n'));
-    throw InputError(file_, "", "not valid JSON in line " + std::to_string(line) + expected_in(e.what()), byte);
+    throw InputError(file_, "", "not valid JSON in line " + std::to_string(line) + reason_of(byte, e.what()), byte);
   }
 
  private:
+  /// byte: behind the first character that cannot be read.
+  std::string reason_of(std::size_t byte, const std::string& message) const {
+    const std::string_view text(reinterpret_cast<const char*>(text_.data()), text_.size());
+    for (const std::string_view name : {"NaN", "nan", "Infinity", "inf"})
+      for (const std::size_t before : {1u, 2u})
+        if (byte >= before && text.substr(std::min(byte - before, text.size())).starts_with(name))
+          return ": " + std::string(name) + " is no JSON number";
+    return expected_in(message);
+  }
+
   /// The library says it at the end of a longer text.
   static std::string expected_in(const std::string& message) {
     const auto at = message.rfind("; expected ");

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "format/source/earth_centred.h"
+#include "format/source/folder_listing.h"
 #include "format/source/origin_check.h"
 #include "format/source/raster/dem_source.h"
 #include "format/source/scene_json.h"
@@ -11,6 +12,7 @@
 #include "format/source/source_files.h"
 #include "format/source/tiles/pnts.h"
 #include "format/source/tiles/tileset.h"
+#include "format/source/tiles/tileset_place.h"
 #include "lattice/error.h"
 #include "lattice/georeference.h"
 #include "lattice/transform.h"
@@ -92,13 +94,15 @@ SceneSources tileset_sources(const SourceFiles& files, const Path& file, const T
   out.skipped = tileset.skipped;
   Affine<Scene, World> scene_from_world = local_scene(options);
   if (!options.local) out.origin = options.origin;
-  if (tileset.anchor && !options.local) {
-    const Geodetic place = geodetic_of(*tileset.anchor);
+  TilesetPlace found = tileset_place(files, tileset);
+  if (found.warning) out.notes.push_back(std::move(*found.warning));
+  if (found.point && !options.local) {
+    const Geodetic place = geodetic_of(*found.point);
     if (!out.origin) out.origin = place;
     if (auto warning = far_origin_warning(*out.origin, {place})) out.notes.push_back(std::move(*warning));
     scene_from_world.m = scene_from_ecef(*out.origin).m;  // this World is the earth
   }
-  if (tileset.anchor && options.local)
+  if (found.point && options.local)
     out.notes.push_back(
         "warning: the tileset stands on the earth; in a local frame (`local`, or a place in a scene "
         ".json) it is tilted and some 6,400 km away");
@@ -163,34 +167,23 @@ SceneSources raster_sources(const Path& root, const std::vector<Path>& files, co
   return out;
 }
 
-/// A folder with a tileset.json is that tileset: its tiles have places and several levels of detail.
+/// A folder with a tileset is that tileset: its tiles have places and several levels of detail.
 SceneSources folder_sources(const Path& folder, const SourceOptions& options, const Progress& progress) {
-  std::vector<Path> files;
   std::error_code error;
   if (std::filesystem::is_regular_file(folder / "tileset.json", error))
     return json_sources(folder / "tileset.json", options, progress);
-  progress.step("listing the folder", 0, "name");
-  const auto flags = std::filesystem::directory_options::none;
-  for (std::filesystem::recursive_directory_iterator it(folder, flags, error), end; !error && it != end;
-       it.increment(error)) {
-    progress.advance();
-    if (it->is_regular_file(error) && !it->is_symlink(error)) {
-      if (it->path().filename() == "tileset.json")
-        throw InputError(it->path(), "",
-                         "is a tileset inside the folder; name it, or list the sources in a scene .json");
-      if (is_mesh(it->path())) files.push_back(it->path());
-    }
-  }
-  if (error) throw InputError(folder, "", "cannot be listed: " + error.message());
-  if (files.empty())
-    if (const std::vector<Path> rasters = rasters_in(folder); !rasters.empty())
-      return raster_sources(folder, rasters, options, progress);
-  if (files.empty())
+  const FolderListing listing = list_folder(folder, is_mesh, progress);
+  if (listing.tileset) return json_sources(*listing.tileset, options, progress);
+  const std::vector<Path> rasters = listing.files.empty() ? rasters_in(folder) : std::vector<Path>();
+  if (listing.files.empty() && rasters.empty())
     throw InputError(folder, "",
                      "holds no .glb, .gltf, .b3dm, .i3dm, .cmpt, .obj, .ply, .stl, .tif, .asc, .hgt or .vrt; name a "
-                     "tileset.json or a scene .json");
-  std::sort(files.begin(), files.end());
-  return mesh_sources(folder, files, options, progress);
+                     "tileset.json or a scene .json" +
+                         (listing.note.empty() ? "" : " (" + listing.note + ")"));
+  SceneSources out = rasters.empty() ? mesh_sources(folder, listing.files, options, progress)
+                                     : raster_sources(folder, rasters, options, progress);
+  if (!listing.note.empty()) out.notes.push_back("warning: " + listing.note);
+  return out;
 }
 
 }  // namespace

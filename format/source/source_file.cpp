@@ -23,22 +23,6 @@ const Json* find(const std::filesystem::path& file, const Json& object, const st
   throw InputError(file, where.empty() ? key : where + "." + key, "expected " + expected);
 }
 
-std::string percent_decoded(std::string_view text) {
-  const auto digit = [](char c) {
-    return c >= '0' && c <= '9' ? c - '0' : (c | 32) >= 'a' && (c | 32) <= 'f' ? (c | 32) - 'a' + 10 : -1;
-  };
-  std::string out;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (text[i] == '%' && i + 2 < text.size() && digit(text[i + 1]) >= 0 && digit(text[i + 2]) >= 0) {
-      out += char(digit(text[i + 1]) * 16 + digit(text[i + 2]));
-      i += 2;
-    } else {
-      out += text[i];
-    }
-  }
-  return out;
-}
-
 bool is_within(const std::filesystem::path& root, const std::filesystem::path& path) {
   const auto end = std::mismatch(root.begin(), root.end(), path.begin(), path.end()).first;
   return end == root.end();
@@ -101,7 +85,27 @@ const Json& get_object(const std::filesystem::path& file, const Json& object, co
   return *j;
 }
 
-std::string uri_path(std::string_view uri) { return percent_decoded(uri.substr(0, uri.find_first_of("?#"))); }
+std::string percent_decoded(std::string_view text) {
+  const auto digit = [](char c) {
+    return c >= '0' && c <= '9' ? c - '0' : (c | 32) >= 'a' && (c | 32) <= 'f' ? (c | 32) - 'a' + 10 : -1;
+  };
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '%' && i + 2 < text.size() && digit(text[i + 1]) >= 0 && digit(text[i + 2]) >= 0) {
+      out += char(digit(text[i + 1]) * 16 + digit(text[i + 2]));
+      i += 2;
+    } else {
+      out += text[i];
+    }
+  }
+  return out;
+}
+
+std::string uri_path(std::string_view uri) {
+  std::string path(uri.substr(0, uri.find_first_of("?#")));
+  std::replace(path.begin(), path.end(), '\\', '/');
+  return percent_decoded(path);
+}
 
 std::filesystem::path resolve_uri(const std::filesystem::path& root, const std::filesystem::path& base,
                                   const std::string& key, std::string_view uri) {

@@ -31,7 +31,11 @@ const Json& get_array(const std::filesystem::path& file, const Json& object, con
 const Json& get_object(const std::filesystem::path& file, const Json& object, const std::string& where,
                        const char* key);
 
-/// The path in `uri`: percent-decoded, query and fragment cut off.
+/// Returns `text` with each "%41" as the byte that it means.
+std::string percent_decoded(std::string_view text);
+
+/// The path in `uri`: percent-decoded, query and fragment cut off. A backslash, which no URI may hold, separates
+/// folders, as browsers have it and programs on Windows write it; "%5C" is one in a name.
 std::string uri_path(std::string_view uri);
 
 /// The file that `uri`, written in `base`, names by its uri_path().

@@ -5,6 +5,7 @@
 #include <xxhash.h>
 
 #include "format/source/content_container.h"
+#include "format/source/data_uri.h"
 #include "format/source/gltf/version.h"
 #include "format/source/mesh/obj_read.h"
 #include "format/source/mesh/ply_read.h"
@@ -64,12 +65,18 @@ class Dependencies {
     digest_.add_file(files_.has(path) ? files_.open(path) : SourceBytes());
   }
 
+  /// A URI that cannot be followed is an error of whoever needs the file.
   void add_list(const std::filesystem::path& base, const Json& gltf, const char* list) {
     const Json& items = get_array(base, gltf, "", list);
     for (std::size_t i = 0; i < items.size(); ++i) {
       const std::string where = std::string(list) + "[" + std::to_string(i) + "]";
       const auto uri = get_text(base, items[i], where, "uri");
-      if (uri && !uri->starts_with("data:")) add(base, where + ".uri", *uri);
+      if (!uri || is_data_uri(*uri)) continue;
+      try {
+        add(base, where + ".uri", *uri);
+      } catch (const InputError&) {
+        continue;
+      }
     }
   }
 

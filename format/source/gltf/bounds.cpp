@@ -122,6 +122,9 @@ class Bounds {
 
   void visit(std::size_t index, const Map& parent) {
     const Json& node = item("nodes", index);
+    const Json& visibility =
+        get_object(file_, get_object(file_, node, "nodes", "extensions"), "extensions", "KHR_node_visibility");
+    if (visibility.value("visible", Json(true)) == Json(false)) return;
     const Map map = parent * map_of(node);
     for (const std::size_t child : indices(node, "nodes", "children")) pending_.push_back({child, map});
     const auto mesh = get_index(file_, node, "nodes", "mesh");

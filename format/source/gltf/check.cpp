@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "format/source/data_uri.h"
 #include "format/source/gltf/packed_views.h"
 #include "format/source/gltf/version.h"
 #include "format/source/image/codecs.h"
@@ -93,6 +94,7 @@ class Checker {
                                              "EXT_texture_webp",
                                              "CESIUM_RTC",
                                              "EXT_mesh_gpu_instancing",
+                                             "KHR_node_visibility",
                                              "KHR_lights_punctual",
                                              "KHR_materials_clearcoat",
                                              "KHR_materials_emissive_strength",
@@ -124,8 +126,8 @@ class Checker {
       if (index != 0 || bin_bytes_ == 0)
         fail(where + ".uri", "is missing, and there is no binary chunk for this buffer");
       there = bin_bytes_;
-    } else if (uri->starts_with("data:")) {
-      there = (uri->size() - std::min(uri->size(), uri->find(',') + 1)) * 3 / 4 + 3;
+    } else if (is_data_uri(*uri)) {
+      there = uri->size();  // or less, which is found where it is unpacked
     } else {
       there = size_of_external(where, *uri, *bytes);
     }
@@ -212,8 +214,7 @@ class Checker {
   void check_image(const Json& image, const std::string& where) const {
     check_reference(image, where, "bufferView", "bufferViews");
     get_text(file_, image, where, "mimeType");
-    const auto uri = get_text(file_, image, where, "uri");
-    if (uri && !uri->starts_with("data:")) resolve_uri(files_.root(), file_, where + ".uri", *uri);
+    get_text(file_, image, where, "uri");
   }
 
   void check_texture_use(const Json& owner, const std::string& where, const char* key) const {

@@ -98,18 +98,14 @@ bool is_packed_alone(const tinygltf::Model& model, const tinygltf::Primitive& pr
 
 }  // namespace
 
-bool hide_packed_indices(Json& gltf) {
-  bool found = false;
-  if (!gltf.contains("meshes")) return false;
+void hide_packed_indices(Json& gltf) {
+  if (!gltf.contains("meshes")) return;
   for (Json& mesh : gltf["meshes"])
     for (Json& primitive : mesh["primitives"])
       if (primitive.contains("indices") && primitive.contains("extensions") &&
           primitive["extensions"].contains(draco_extension) &&
-          !gltf["accessors"][primitive["indices"].get<std::size_t>()].contains("bufferView")) {
+          !gltf["accessors"][primitive["indices"].get<std::size_t>()].contains("bufferView"))
         primitive.erase("indices");
-        found = true;
-      }
-  return found;
 }
 
 void unpack_draco(const std::filesystem::path& file, const Json& gltf, GltfDocument& document) {

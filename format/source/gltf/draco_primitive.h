@@ -8,9 +8,8 @@
 
 namespace gigabake {
 
-/// tinygltf refuses indices without bytes: takes those of packed primitives out of a checked document. Returns whether
-/// there were any.
-bool hide_packed_indices(Json& gltf);
+/// Takes the indices of packed primitives out of a checked document: tinygltf refuses indices without bytes.
+void hide_packed_indices(Json& gltf);
 
 /// Unpacks every primitive that has no plain copy, and gives it accessors of its own: floats, and 32-bit indices. Where
 /// a plain copy is, it is read, and the packed one not.

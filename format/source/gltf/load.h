@@ -12,8 +12,8 @@ namespace gigabake {
 struct GltfDocument {
   tinygltf::Model model;                        ///< without the buffers' bytes
   std::vector<SourceBytes> buffers;             ///< of the document, then those that were unpacked; what views are in
-  std::vector<SourceBytes> images;              ///< encoded; empty where the file is missing or was not asked for
-  std::vector<char> has_image;                  ///< by image: there are bytes, asked for or not
+  std::vector<SourceBytes> images;              ///< encoded; empty where it cannot be used or was not requested
+  std::vector<std::string> image_faults;        ///< by image: why it cannot be used; empty where it can
   std::array<double, 3> rtc_center{};           ///< b3dm's or i3dm's RTC_CENTER plus the CESIUM_RTC extension, z up
   std::vector<Affine<World, World>> instances;  ///< as ContentContainer
 
@@ -24,7 +24,8 @@ struct GltfDocument {
 };
 
 /// Cost  The binary chunk of a GLB that is a file of its own stays in the file; everything else is in memory.
-/// Errors  InputError: everything check_gltf() finds, and what tinygltf refuses.
+/// Errors  InputError: everything check_gltf() finds, buffers that cannot be read, and what tinygltf refuses. An image
+///         that cannot be used is no error of the document.
 GltfDocument load_gltf(const TileRef& tile, const std::filesystem::path& root, bool with_images);
 
 }  // namespace gigabake

@@ -1,107 +1,143 @@
 #include "format/source/gltf/material.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
-#include "format/source/image/codecs.h"
+#include "format/source/gltf/texture_info.h"
 #include "lattice/error.h"
+#include "lattice/srgb.h"
 
 namespace gigabake {
 namespace {
 
-float number_or(const tinygltf::Value& object, const char* key, float otherwise) {
-  if (!object.IsObject() || !object.Has(key) || !object.Get(key).IsNumber()) return otherwise;
-  return float(object.Get(key).GetNumberAsDouble());
-}
-
-std::array<float, 2> pair_or(const tinygltf::Value& object, const char* key, std::array<float, 2> otherwise) {
-  if (!object.IsObject() || !object.Has(key) || object.Get(key).ArrayLen() != 2) return otherwise;
-  const tinygltf::Value& v = object.Get(key);
-  if (!v.Get(0).IsNumber() || !v.Get(1).IsNumber()) return otherwise;
-  return {float(v.Get(0).GetNumberAsDouble()), float(v.Get(1).GetNumberAsDouble())};
-}
+constexpr const char* gloss_extension = "KHR_materials_pbrSpecularGlossiness";
+constexpr const char* unlit_extension = "KHR_materials_unlit";
+constexpr const char* techniques_extension = "KHR_techniques_webgl";
 
 float clamp01(double v) { return v >= 0 ? float(std::min(v, 1.0)) : 0.0f; }
 
-/// gl: as glTF writes it, one of OpenGL's numbers.
-Wrap wrap_of(const std::filesystem::path& file, int sampler, const char* key, int gl) {
-  switch (gl) {
-    case TINYGLTF_TEXTURE_WRAP_REPEAT:
-      return Wrap::repeat;
-    case TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT:
-      return Wrap::mirrored_repeat;
-    case TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE:
-      return Wrap::clamp_to_edge;
-  }
-  throw InputError(
-      file, "samplers[" + std::to_string(sampler) + "]." + key,
-      "expected 10497 (repeat), 33648 (mirrored repeat) or 33071 (clamp to edge), got " + std::to_string(gl));
+std::string name_of(const tinygltf::Model& model, int material) {
+  const std::string& name = model.materials[std::size_t(material)].name;
+  return name.empty() ? "materials[" + std::to_string(material) + "]" : in_quotes(name);
 }
 
-/// Source  KHR_texture_transform: translation · rotation · scale.
-void apply_texture_transform(const tinygltf::Value& t, SourceMaterial& out) {
-  const auto offset = pair_or(t, "offset", {0, 0}), scale = pair_or(t, "scale", {1, 1});
-  const float rotation = number_or(t, "rotation", 0), c = std::cos(rotation), s = std::sin(rotation);
-  out.uv_transform = {{{c * scale[0], -s * scale[1], offset[0]}, {s * scale[0], c * scale[1], offset[1]}}};
-  out.texcoord_set = int(number_or(t, "texCoord", float(out.texcoord_set)));
-}
-
-void use_texture(const std::filesystem::path& file, const tinygltf::Model& model, int index, SourceMaterial& out) {
-  const tinygltf::Texture& texture = model.textures[std::size_t(index)];
-  const std::string where = "textures[" + std::to_string(index) + "].source";
-  TextureUse& use = out.material.texture;
-  use.image = texture.source;
-  // Where there is a plain image too, it is taken: so no texel depends on what gigabake was built with.
-  if (const auto webp = texture.extensions.find("EXT_texture_webp"); use.image < 0 && webp != texture.extensions.end())
-    use.image = webp->second.Has("source") ? webp->second.Get("source").GetNumberAsInt() : -1;
-  if (use.image < 0 && texture.extensions.contains("KHR_texture_basisu"))
-    throw InputError(file, where, *missing_codec("KHR_texture_basisu"));
-  if (use.image < 0) throw InputError(file, where, "is missing: expected a PNG, JPEG or WebP image");
-  if (texture.sampler < 0) return;
-  const tinygltf::Sampler& sampler = model.samplers[std::size_t(texture.sampler)];
-  use.wrap_s = wrap_of(file, texture.sampler, "wrapS", sampler.wrapS);
-  use.wrap_t = wrap_of(file, texture.sampler, "wrapT", sampler.wrapT);
-  use.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
+const tinygltf::Value* extension_of(const tinygltf::Material& m, const char* name) {
+  const auto at = m.extensions.find(name);
+  return at == m.extensions.end() ? nullptr : &at->second;
 }
 
 /// The extension replaces the metallic-roughness base colour.
-void use_specular_glossiness(const std::filesystem::path& file, const tinygltf::Model& model,
-                             const tinygltf::Value& gloss, SourceMaterial& out) {
-  out.material.base_color = {1, 1, 1, 1};
-  out.material.texture = {};
+void use_specular_glossiness(const tinygltf::Model& model, const tinygltf::Value& gloss, SourceMaterial& out,
+                             SourceWarnings& warnings) {
   if (gloss.Has("diffuseFactor") && gloss.Get("diffuseFactor").ArrayLen() == 4)
     for (std::size_t c = 0; c < 4; ++c)
       out.material.base_color[c] = clamp01(gloss.Get("diffuseFactor").Get(c).GetNumberAsDouble());
-  if (!gloss.Has("diffuseTexture")) return;
-  const tinygltf::Value& use = gloss.Get("diffuseTexture");
-  out.texcoord_set = int(number_or(use, "texCoord", 0));
-  if (use.Has("extensions") && use.Get("extensions").Has("KHR_texture_transform"))
-    apply_texture_transform(use.Get("extensions").Get("KHR_texture_transform"), out);
-  use_texture(file, model, use.Get("index").GetNumberAsInt(), out);
+  if (gloss.Has("diffuseTexture")) use_texture(model, texture_info(gloss.Get("diffuseTexture")), out, warnings);
+}
+
+/// Returns the value of the shader's uniform for the diffuse colour; null: there is none by a name like that.
+const tinygltf::Value* diffuse_value(const tinygltf::Value& technique) {
+  if (!technique.IsObject() || !technique.Has("values")) return nullptr;
+  const tinygltf::Value& values = technique.Get("values");
+  for (const std::string& name : values.IsObject() ? values.Keys() : std::vector<std::string>()) {
+    std::string lower = name;
+    std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+    const tinygltf::Value& value = values.Get(name);
+    const bool is_colour = value.IsArray() && (value.ArrayLen() == 3 || value.ArrayLen() == 4);
+    if (lower.find("diffuse") != std::string::npos && (is_colour || (value.IsObject() && value.Has("index"))))
+      return &value;
+  }
+  return nullptr;
+}
+
+/// Colours of these shaders, which come from glTF 1.0, are as displayed.
+void use_technique(const std::filesystem::path& file, const tinygltf::Model& model, int material,
+                   const tinygltf::Value& technique, SourceMaterial& out, SourceWarnings& warnings) {
+  const tinygltf::Value* diffuse = diffuse_value(technique);
+  if (diffuse == nullptr)
+    throw InputError(file, name_of(model, material),
+                     std::string("only the extension ") + techniques_extension +
+                         " describes the material, by a shader without a diffuse colour; convert it to a PBR material");
+  if (diffuse->IsObject()) return use_texture(model, texture_info(*diffuse), out, warnings);
+  for (std::size_t c = 0; c < diffuse->ArrayLen(); ++c) {
+    const float value = diffuse->Get(c).IsNumber() ? clamp01(diffuse->Get(c).GetNumberAsDouble()) : 1.0f;
+    out.material.base_color[c] = c < 3 ? float(linear_from_srgb(value)) : value;
+  }
+}
+
+std::array<float, 3> emission_of(const tinygltf::Material& m) {
+  std::array<float, 3> out{};
+  const tinygltf::Value* strength = extension_of(m, "KHR_materials_emissive_strength");
+  const float scale = strength == nullptr ? 1.0f : number_or(*strength, "emissiveStrength", 1);
+  for (std::size_t c = 0; c < 3 && m.emissiveFactor.size() == 3; ++c) out[c] = clamp01(m.emissiveFactor[c] * scale);
+  return out;
+}
+
+/// Returns whether light that the material emits is all that is seen of it. A base texture whose alpha matters stays.
+bool is_only_emissive(const tinygltf::Material& m, const Material& read) {
+  const std::array<float, 3> emission = emission_of(m);
+  const bool is_black =
+      std::all_of(read.base_color.begin(), read.base_color.begin() + 3, [](float c) { return c == 0; });
+  const bool needs_texture = read.texture.image >= 0 && read.alpha_mode != AlphaMode::opaque;
+  return is_black && !needs_texture && *std::max_element(emission.begin(), emission.end()) > 0;
+}
+
+void use_emission(const tinygltf::Model& model, const tinygltf::Material& m, SourceMaterial& out,
+                  SourceWarnings& warnings) {
+  Material& material = out.material;
+  const bool passes = material.alpha_mode == AlphaMode::mask ? material.base_color[3] >= material.alpha_cutoff
+                                                             : material.base_color[3] == 1;
+  if (passes) material.alpha_mode = AlphaMode::opaque;  // an emissive texture's alpha has no meaning
+  const std::array<float, 3> emission = emission_of(m);
+  std::copy(emission.begin(), emission.end(), material.base_color.begin());
+  material.texture = {};
+  material.unlit = true;
+  out.texture_fault.clear();
+  out.uv_transform = SourceMaterial().uv_transform;
+  tinygltf::TextureInfo info;
+  info.index = m.emissiveTexture.index, info.texCoord = m.emissiveTexture.texCoord;
+  info.extensions = m.emissiveTexture.extensions;
+  if (passes || info.index < 0) use_texture(model, texture_info(info), out, warnings);
+}
+
+/// Returns the first extension that may describe a base colour and is not read; empty where there is none.
+std::string unread_description(const tinygltf::Material& m) {
+  for (const auto& [name, value] : m.extensions)
+    if (!name.starts_with("KHR_materials_") || name == "KHR_materials_common") return name;
+  return {};
+}
+
+/// Reads what says which colour the material has.
+void use_colour(const std::filesystem::path& file, const tinygltf::Model& model, int material, SourceMaterial& out,
+                SourceWarnings& warnings) {
+  const tinygltf::Material& m = model.materials[std::size_t(material)];
+  const tinygltf::PbrMetallicRoughness& pbr = m.pbrMetallicRoughness;
+  if (const tinygltf::Value* gloss = extension_of(m, gloss_extension))
+    return use_specular_glossiness(model, *gloss, out, warnings);
+  const bool has_core = !m.values.empty();
+  const tinygltf::Value* technique = extension_of(m, techniques_extension);
+  if (!has_core && technique != nullptr) return use_technique(file, model, material, *technique, out, warnings);
+  if (const std::string unread = unread_description(m); !has_core && !unread.empty())
+    warnings.count("materials that only an extension describes which is not read, taken as white",
+                   name_of(model, material) + " (" + unread + ")");
+  for (std::size_t c = 0; c < 4 && pbr.baseColorFactor.size() == 4; ++c)
+    out.material.base_color[c] = clamp01(pbr.baseColorFactor[c]);
+  use_texture(model, texture_info(pbr.baseColorTexture), out, warnings);
 }
 
 }  // namespace
 
-SourceMaterial source_material(const std::filesystem::path& file, const tinygltf::Model& model, int material) {
+SourceMaterial source_material(const std::filesystem::path& file, const tinygltf::Model& model, int material,
+                               SourceWarnings& warnings) {
   const tinygltf::Material& m = model.materials[std::size_t(material)];
   SourceMaterial out;
-  const tinygltf::PbrMetallicRoughness& pbr = m.pbrMetallicRoughness;
-  for (std::size_t c = 0; c < 4 && pbr.baseColorFactor.size() == 4; ++c)
-    out.material.base_color[c] = clamp01(pbr.baseColorFactor[c]);
-  if (pbr.baseColorTexture.index >= 0) {
-    out.texcoord_set = pbr.baseColorTexture.texCoord;
-    const auto transform = pbr.baseColorTexture.extensions.find("KHR_texture_transform");
-    if (transform != pbr.baseColorTexture.extensions.end()) apply_texture_transform(transform->second, out);
-  }
-  const auto gloss = m.extensions.find("KHR_materials_pbrSpecularGlossiness");
-  if (gloss != m.extensions.end())
-    use_specular_glossiness(file, model, gloss->second, out);
-  else if (pbr.baseColorTexture.index >= 0)
-    use_texture(file, model, pbr.baseColorTexture.index, out);
+  use_colour(file, model, material, out, warnings);
   out.material.alpha_mode = value_named<AlphaMode>(m.alphaMode).value();  // check.cpp refuses other names
   out.material.alpha_cutoff = std::isfinite(m.alphaCutoff) ? float(m.alphaCutoff) : 0.5f;
   out.material.double_sided = m.doubleSided;
-  out.material.unlit = m.extensions.contains("KHR_materials_unlit");
+  out.material.unlit = m.extensions.contains(unlit_extension);
+  if (is_only_emissive(m, out.material)) use_emission(model, m, out, warnings);
   return out;
 }
 

@@ -3,9 +3,11 @@
 
 #include <array>
 #include <filesystem>
+#include <string>
 #include <tiny_gltf.h>
 
 #include "format/source/mesh.h"
+#include "format/source/source_warning.h"
 
 namespace gigabake {
 
@@ -15,9 +17,17 @@ struct SourceMaterial {
   int texcoord_set = 0;
   /// KHR_texture_transform: u' = row 0 · (u, v, 1), v' = row 1 · (u, v, 1).
   std::array<std::array<float, 3>, 2> uv_transform{{{1, 0, 0}, {0, 1, 0}}};
+  std::string texture_fault = {};  ///< why a texture that the material names has no image; empty: it has, or names none
 };
 
-/// Errors  InputError: a base colour texture without a PNG or JPEG source.
-SourceMaterial source_material(const std::filesystem::path& file, const tinygltf::Model& model, int material);
+/// Returns a material of a checked document. Its colour is that of the core's base colour or of
+/// KHR_materials_pbrSpecularGlossiness; of KHR_techniques_webgl where neither is; and what it emits where the base
+/// colour is black, as unlit materials were written before an extension for them existed.
+/// Errors  InputError: only KHR_techniques_webgl describes the material, and names no diffuse colour.
+SourceMaterial source_material(const std::filesystem::path& file, const tinygltf::Model& model, int material,
+                               SourceWarnings& warnings);
+
+/// Counts what a document states and no bake uses: extensions, animations, textures that are not colours.
+void count_unused_states(const tinygltf::Model& model, SourceWarnings& warnings);
 
 }  // namespace gigabake

@@ -39,6 +39,14 @@ std::vector<int> root_nodes(const tinygltf::Model& model) {
   return roots;
 }
 
+/// Source  KHR_node_visibility: what is invisible hides all nodes below it.
+bool is_visible(const tinygltf::Node& n) {
+  const auto extension = n.extensions.find("KHR_node_visibility");
+  if (extension == n.extensions.end() || !extension->second.Has("visible")) return true;
+  const tinygltf::Value& visible = extension->second.Get("visible");
+  return !visible.IsBool() || visible.Get<bool>();
+}
+
 /// The attributes of EXT_mesh_gpu_instancing, or of one instance where a node has none.
 class NodeInstances {
  public:
@@ -101,6 +109,7 @@ void for_each_placement(const std::filesystem::path& file, const GltfDocument& d
     const Pending at = pending.back();
     pending.pop_back();
     const tinygltf::Node& node = model.nodes[std::size_t(at.node)];
+    if (!is_visible(node)) continue;
     const Map map = at.parent * node_map(node);
     if (!map.is_finite())
       throw InputError(file, "nodes[" + std::to_string(at.node) + "]", "the transform is not finite");

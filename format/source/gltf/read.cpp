@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "format/source/gltf/accessor.h"
 #include "format/source/gltf/corners.h"
@@ -83,8 +84,10 @@ class TileReader {
 
   TileMesh read() {
     read_materials();
+    count_unused_states(model_, warnings_);
     for_each_placement(tile_.path, document_, [this](const MeshPlacement& placement) { place(placement); });
     keep_images();
+    out_.warnings = warnings_.take();
     return std::move(out_);
   }
 
@@ -95,9 +98,20 @@ class TileReader {
 
   void read_materials() {
     for (std::size_t i = 0; i < model_.materials.size(); ++i)
-      materials_.push_back(source_material(tile_.path, model_, int(i)));
+      materials_.push_back(source_material(tile_.path, model_, int(i), warnings_));
     materials_.resize(model_.materials.size() + 1);  // the last is for primitives that name none
-    for (const SourceMaterial& m : materials_) out_.materials.push_back(m.material);
+    for (SourceMaterial& m : materials_) {
+      const int image = m.material.texture.image;
+      if (image >= 0 && m.texture_fault.empty()) m.texture_fault = document_.image_faults[std::size_t(image)];
+      if (!m.texture_fault.empty()) make_grey(m.material);
+      out_.materials.push_back(m.material);
+    }
+  }
+
+  /// An image that cannot be used costs only itself.
+  static void make_grey(Material& m) {
+    m.texture = {};
+    for (std::size_t c = 0; c < 3; ++c) m.base_color[c] *= grey_without_image;
   }
 
   void place(const MeshPlacement& placement) {
@@ -153,7 +167,7 @@ class TileReader {
     return p.material >= 0 ? p.material : int(model_.materials.size());
   }
 
-  void find_appearance(const tinygltf::Primitive& p, const std::string& at, VertexValues& out) const {
+  void find_appearance(const tinygltf::Primitive& p, const std::string& at, VertexValues& out) {
     const auto find = [&](const std::string& name, std::optional<AccessorItems>& items) {
       const auto attribute = p.attributes.find(name);
       if (attribute == p.attributes.end()) return;
@@ -162,7 +176,11 @@ class TileReader {
     };
     const SourceMaterial& m = materials_[std::size_t(out.material)];
     find("COLOR_0", out.colour);
-    if (m.material.texture.image >= 0) find("TEXCOORD_" + std::to_string(m.texcoord_set), out.uv);
+    if (m.material.texture.image < 0) return;
+    const std::string set = "TEXCOORD_" + std::to_string(m.texcoord_set);
+    if (!p.attributes.contains(set))
+      warnings_.count("primitives without the texture coordinates of their texture", at + "." + set);
+    find(set, out.uv);
   }
 
   void add_whole(const Corners& corners, const VertexValues& values, const std::string& at, MeshParts& parts) {
@@ -223,17 +241,27 @@ class TileReader {
 
   /// What is missing is known from the survey on, not from the first cell that wants it.
   void keep_images() {
-    for (std::size_t i = 0; i < document_.images.size(); ++i) {
-      const std::string key = "images[" + std::to_string(i) + "]";
-      const bool used = std::any_of(out_.primitives.begin(), out_.primitives.end(), [&](const Primitive& p) {
-        return out_.materials[std::size_t(p.material)].texture.image == int(i);
-      });
-      if (used && !document_.has_image[i]) throw InputError(tile_.path, key, "the image is missing or empty");
-      if (!everything_) continue;
-      claim_.add_items(used ? document_.images[i].size() : 0, 1, key, "bytes of an image");
-      out_.images.push_back(
-          {tile_.path.string() + ": " + key, used ? document_.images[i].copy() : std::vector<std::uint8_t>()});
+    std::set<std::string> faults;
+    std::vector<char> is_used(document_.images.size());
+    for (const Primitive& p : out_.primitives) {
+      const std::string& fault = materials_[std::size_t(p.material)].texture_fault;
+      if (!fault.empty() && faults.insert(fault).second)
+        warnings_.count_loss("images that cannot be used, grey in their place", without_file(fault));
+      const int image = out_.materials[std::size_t(p.material)].texture.image;
+      if (image >= 0) is_used[std::size_t(image)] = 1;
     }
+    for (std::size_t i = 0; everything_ && i < document_.images.size(); ++i) {
+      const std::string key = "images[" + std::to_string(i) + "]";
+      claim_.add_items(is_used[i] != 0 ? document_.images[i].size() : 0, 1, key, "bytes of an image");
+      out_.images.push_back({tile_.path.string() + ": " + key,
+                             is_used[i] != 0 ? document_.images[i].copy() : std::vector<std::uint8_t>()});
+    }
+  }
+
+  /// The listing of what is missing names the tile.
+  std::string without_file(const std::string& fault) const {
+    const std::string file = tile_.path.string() + ": ";
+    return fault.starts_with(file) ? fault.substr(file.size()) : fault;
   }
 
   const TileRef& tile_;
@@ -245,6 +273,7 @@ class TileReader {
   Affine<Scene, World> scene_from_tile_;  ///< RTC_CENTER included
   std::vector<SourceMaterial> materials_;
   std::map<int, MeshParts> meshes_;
+  SourceWarnings warnings_;
   TileMesh out_;
 };
 

@@ -1,11 +1,11 @@
 // decode_image(): PNG, JPEG and WebP to straight RGBA.
-#include <png.h>
 #include <string_view>
 
 #include "format/source/image/codecs.h"
 #include "format/source/image/encoding.h"
 #include "format/source/image/image_size.h"
 #include "format/source/image/jpeg_reader.h"
+#include "format/source/image/png_reader.h"
 #include "format/source/mesh.h"
 #include "lattice/error.h"
 #include "lattice/memory_limit.h"
@@ -48,26 +48,11 @@ void claim_whole(const EncodedImage& image, const ImageSize& size, Encoding enco
       .add(size.texture_bytes() + decoder_texel_bytes(image, encoding) * size.width * size.height, "", texels_of(size));
 }
 
-/// Frees libpng's state on every way out.
-struct PngReader {
-  png_image image{};
-  PngReader() { image.version = PNG_IMAGE_VERSION; }
-  ~PngReader() { png_image_free(&image); }
-};
-
-void begin_png(PngReader& reader, const EncodedImage& encoded) {
-  if (png_image_begin_read_from_memory(&reader.image, encoded.bytes.data(), encoded.bytes.size()) == 0)
-    fail(encoded, std::string("not a whole PNG: ") + reader.image.message);
-}
-
 Image decode_png(const EncodedImage& encoded) {
-  PngReader reader;
-  begin_png(reader, encoded);
-  reader.image.format = PNG_FORMAT_RGBA;
-  Image out{int(reader.image.width), int(reader.image.height), std::vector<std::uint8_t>(PNG_IMAGE_SIZE(reader.image)),
-            false};
-  if (png_image_finish_read(&reader.image, nullptr, out.rgba.data(), 0, nullptr) == 0 || PNG_IMAGE_FAILED(reader.image))
-    fail(encoded, std::string("not a whole PNG: ") + reader.image.message);
+  PngReader reader(encoded);
+  const ImageSize size = reader.size();
+  Image out{int(size.width), int(size.height), std::vector<std::uint8_t>(4 * size.width * size.height), false};
+  reader.read_all(out.rgba.data());
   return out;
 }
 
@@ -83,11 +68,7 @@ Image decode_jpeg(const EncodedImage& encoded) {
 
 ImageSize stated_size(const EncodedImage& encoded, Encoding encoding) {
   if (encoding == Encoding::webp) return webp_size(encoded);
-  if (encoding == Encoding::png) {
-    PngReader reader;
-    begin_png(reader, encoded);
-    return {reader.image.width, reader.image.height};
-  }
+  if (encoding == Encoding::png) return PngReader(encoded).size();
   JpegReader reader;
   reader.begin(encoded);
   return {reader.state.image_width, reader.state.image_height};

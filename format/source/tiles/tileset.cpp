@@ -48,6 +48,7 @@ class Reader {
   Reader(Path root, Tileset& out, const Progress& progress)
       : root_(std::move(root)), out_(out), progress_(progress), memory_(root_) {}
 
+  /// Of a document that check_head() has accepted.
   Subtree read_document(const Path& file, const TilesetDocument& document, Context context) {
     std::error_code error;
     const Path canonical = std::filesystem::weakly_canonical(file, error);
@@ -56,10 +57,9 @@ class Reader {
     if (open_files_.size() == deepest_external) throw InputError(file, "root", "external tilesets nest deeper than 32");
     const bool is_first = open_files_.empty();
     open_files_.push_back(canonical);
-    check_head(file, document);
     context.file = file;
     context.gltf_up = up_axis(file, get_object(file, document.json, "", "asset"));
-    if (is_first) out_.anchor = tileset_anchor(file, document.json["root"]);
+    if (is_first) find_anchor(document.json["root"], context);
     std::vector<std::string> uris;
     add_uris_below(*document.root, uris);
     inclusions_.read(canonical, uris);
@@ -68,24 +68,28 @@ class Reader {
     return found;
   }
 
- private:
+  /// Errors  InputError: the document is no tileset that can be read.
   static void check_head(const Path& file, const TilesetDocument& document) {
     const Json& json = document.json;
     const Json& asset = get_object(file, json, "", "asset");
     const std::string version = get_text(file, asset, "asset", "version").value_or("");
-    if (version != "1.0" && version != "1.1" && version != "0.0")
+    static const std::set<std::string> versions{"0.0", "1.0", "1.1"};  // and "1.0.0"
+    if (!versions.contains(version.substr(0, 3)) || (version.size() > 3 && version[3] != '.'))
       throw InputError(file, "asset.version", "expected 3D Tiles 1.0 or 1.1, got " + in_quotes(version));
-    static const std::set<std::string> known{"3DTILES_content_gltf", "3DTILES_multiple_contents",
-                                             "3DTILES_implicit_tiling", "3DTILES_metadata",
-                                             "3DTILES_bounding_volume_S2"};
+    static const std::set<std::string> known{
+        "3DTILES_content_gltf",       "3DTILES_multiple_contents",     "3DTILES_implicit_tiling", "3DTILES_metadata",
+        "3DTILES_bounding_volume_S2", "3DTILES_batch_table_hierarchy", "MAXAR_content_3tz"};
     for (const Json& e : get_array(file, json, "", "extensionsRequired")) {
       const std::string name = e.is_string() ? e.get<std::string>() : "what is no text";
       if (!known.contains(name))
         throw InputError(file, "extensionsRequired", "the extension " + in_quotes(name) + " is not supported");
     }
     if (!document.root) throw InputError(file, "root", "is missing");
+    if (document.root->fault) throw InputError(file, "", *document.root->fault);
+    up_axis(file, asset);
   }
 
+ private:
   static UpAxis up_axis(const Path& file, const Json& asset) {
     const std::string up = get_text(file, asset, "asset", "gltfUpAxis").value_or("Y");
     if (up == "X" || up == "x") return UpAxis::x;
@@ -94,8 +98,21 @@ class Reader {
     throw InputError(file, "asset.gltfUpAxis", "expected X, Y or Z, got " + in_quotes(up));
   }
 
+  /// A volume that cannot be read is no anchor; the content tells the place.
+  void find_anchor(const Json& root, const Context& here) {
+    try {
+      out_.anchor = tileset_anchor(here.file, root);
+    } catch (const InputError& e) {
+      skip(here, "root", e.what(), true);
+    }
+  }
+
   Subtree read_tile(const TilesetTile& tile, const std::string& where, const Context& parent) {
     count_tile(parent.file, where);
+    if (tile.fault) {
+      skip(parent, where, *tile.fault, false);
+      return {{}, true};
+    }
     Context here = parent;
     if (tile.world_from_tile) here.world_from_parent = parent.world_from_parent * *tile.world_from_tile;
     here.refine = tile.refine.value_or(parent.refine);
@@ -122,13 +139,10 @@ class Reader {
     const std::string key = implicit.where + ".implicitTiling.subtrees.uri";
     const SourceFiles& files = implicit.here.files;
     const std::string uri = filled_template(implicit.tiling.subtrees_uri, place);
-    const Path path = resolve_uri(files.root(), implicit.here.file, key, uri);
-    if (!files.has(path)) {
-      skip(implicit.here, key, in_quotes(uri) + " is missing", false);
-      return {{}, true};
-    }
+    const std::optional<Path> path = existing(uri, key, implicit.here);
+    if (!path) return {{}, true};
     const auto available = or_loss(
-        implicit.here, key, [&] { return SubtreeAvailability(files, path, implicit.tiling, implicit.uris.size()); });
+        implicit.here, key, [&] { return SubtreeAvailability(files, *path, implicit.tiling, implicit.uris.size()); });
     if (!available) return {{}, true};
     if (!available->tile(0)) return {};
     return read_implicit_tile(implicit, *available, place, {});
@@ -184,16 +198,17 @@ class Reader {
     return finer;
   }
 
-  /// External tilesets are a way to write children: they count although the tile has finer content of its own.
+  /// External tilesets are a way to write children: they count although the tile has finer content of its own. What
+  /// cannot be found is not looked for: it may as well be content that is replaced.
   Subtree external_only(const std::vector<std::string>& uris, const std::string& where, const Context& here) {
     Subtree found;
     for (const std::string& uri : uris) {
-      const Path path = resolve_uri(here.files.root(), here.file, where + ".content.uri", uri);
-      const ContentMagic magic = content_magic(here.files.content_head(path, 4));
-      if (magic == ContentMagic::zip) join(found, read_archive(path, here));
-      if (magic != ContentMagic::json) continue;
-      if (const TilesetDocument inner = read_json(here.files, path); inner.root)
-        join(found, read_document(path, inner, here));
+      const std::string key = where + ".content.uri";
+      const std::optional<Path> path = found_quietly(uri, key, here);
+      if (!path) continue;
+      const ContentMagic magic = content_magic(here.files.content_head(*path, 4));
+      if (magic == ContentMagic::zip) join(found, read_archive(*path, key, here));
+      if (magic == ContentMagic::json) join(found, read_external(*path, here.files, key, here).value_or(Subtree()));
     }
     return found;
   }
@@ -210,22 +225,40 @@ class Reader {
     return last_.path;
   }
 
+  /// Returns the file that a URI names; nothing where it cannot be used.
+  std::optional<Path> found_quietly(const std::string& uri, const std::string& key, const Context& here) {
+    try {
+      const Path path = resolved(uri, key, here);
+      return here.files.has(path) ? std::optional(path) : std::nullopt;
+    } catch (const InputError&) {
+      return std::nullopt;
+    }
+  }
+
+  /// Returns the file that a URI names. One that is not there, or that cannot be followed, is listed.
+  std::optional<Path> existing(const std::string& uri, const std::string& key, const Context& here) {
+    const auto path = or_loss(here, key, [&] { return resolved(uri, key, here); });
+    if (path && here.files.has(*path)) return *path;
+    if (path) skip(here, key, in_quotes(uri) + " is missing", false);
+    return std::nullopt;
+  }
+
   Subtree read_content(const std::string& uri, const std::string& where, const Context& here) {
     const std::string key = where + ".content.uri";
-    const Path path = resolved(uri, key, here);
-    if (!here.files.has(path)) {
-      skip(here, key, in_quotes(uri) + " is missing", false);
-      return {{}, true};
+    if (uri.empty()) {  // names no surface that an ancestor could stand in for
+      skip(here, key, "is empty or missing", false);
+      return {};
     }
-    const auto head = or_loss(here, key, [&] { return here.files.content_head(path, 4); });
+    const std::optional<Path> path = existing(uri, key, here);
+    if (!path) return {{}, true};
+    const auto head = or_loss(here, key, [&] { return here.files.content_head(*path, 4); });
     if (!head) return {{}, true};
     const ContentMagic magic = content_magic(*head);
-    if (magic == ContentMagic::zip) return read_archive(path, here);
-    if (magic == ContentMagic::composite) return read_composite(path, uri, key, here);
+    if (magic == ContentMagic::zip) return read_archive(*path, key, here);
+    if (magic == ContentMagic::composite) return read_composite(*path, uri, key, here);
     if (magic == ContentMagic::json)
-      if (const TilesetDocument inner = read_json(here.files, path); inner.root)
-        return read_document(path, inner, here);
-    return read_model({path, {}, here.gltf_up, here.world_from_parent, {}, "", here.files.archive()}, magic,
+      if (auto external = read_external(*path, here.files, key, here)) return std::move(*external);
+    return read_model({*path, {}, here.gltf_up, here.world_from_parent, {}, "", here.files.archive()}, magic,
                       in_quotes(uri), key, here);
   }
 
@@ -278,19 +311,39 @@ class Reader {
   }
 
   /// An archive in place of a tileset: its tileset.json.
-  Subtree read_archive(const Path& path, const Context& here) {
-    if (here.files.archive()) throw InputError(path, "", "is an archive in an archive; unpack it");
+  Subtree read_archive(const Path& path, const std::string& key, const Context& here) {
+    const auto files = or_loss(here, key, [&] {
+      if (here.files.archive()) throw InputError(path, "", "is an archive in an archive; unpack it");
+      return SourceFiles(std::make_shared<const Archive>(path));
+    });
+    if (!files) return {{}, true};
+    const auto found = read_external(path / "tileset.json", *files, key, here);
+    if (found) return *found;
+    skip(here, key, in_quotes(path.filename().string()) + " holds no tileset", false);
+    return {{}, true};
+  }
+
+  /// Returns what is in an external tileset; nothing where the file is another JSON. A tileset that cannot be read
+  /// costs the tile that names it.
+  std::optional<Subtree> read_external(const Path& path, const SourceFiles& files, const std::string& key,
+                                       const Context& here) {
+    const auto document = or_loss(here, key, [&] {
+      TilesetDocument read = read_json(files, path);
+      if (read.root) check_head(path, read);
+      return read;
+    });
+    if (external_bytes_ > most_external_bytes)
+      throw InputError(path, "", "external tilesets include each other too often: over 4 GiB, or over 2^18 files");
+    if (!document) return Subtree{{}, true};
+    if (!document->root) return std::nullopt;
     Context inside = here;
-    inside.files = SourceFiles(std::make_shared<const Archive>(path));
-    const Path file = path / "tileset.json";
-    return read_document(file, read_json(inside.files, file), inside);
+    inside.files = files;
+    return read_document(path, *document, inside);
   }
 
   TilesetDocument read_json(const SourceFiles& files, const Path& path) {
     const std::vector<std::uint8_t> text = files.read_content(path);
     external_bytes_ += std::max<std::uint64_t>(text.size(), least_external_bytes);
-    if (external_bytes_ > most_external_bytes)
-      throw InputError(path, "", "external tilesets include each other too often: over 4 GiB, or over 2^18 files");
     return parse_tileset(path, text, progress_);
   }
 
@@ -338,6 +391,7 @@ Tileset open_tileset(const SourceFiles& files, const std::filesystem::path& file
                      const Progress& progress) {
   progress.step("reading the tileset", 0, "tile");
   Tileset tileset;
+  Reader::check_head(file, document);
   tileset.contents = Reader(files.root(), tileset, progress).read_document(file, document, {files, file}).contents;
   return tileset;
 }

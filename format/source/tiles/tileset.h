@@ -26,7 +26,7 @@ struct TilesetContent {
 struct Tileset {
   std::vector<TilesetContent> contents;  ///< in document order
   std::vector<SkippedSource> skipped;
-  std::optional<Point<Ecef>> anchor;  ///< where its root stands, if that is on the WGS84 earth
+  std::optional<Point<Ecef>> anchor;  ///< where its root says it stands, if that is on the WGS84 earth
 };
 
 /// Nested and external tilesets are followed, in archives too; implicit tiles are those that their subtrees call
@@ -34,8 +34,9 @@ struct Tileset {
 /// below; where a finer file is missing, the nearest ancestor's content stands in for all of its descendants, so that
 /// no surface is there twice, and the missing file is listed.
 /// `document`: what `file` holds.
-/// Errors  InputError: malformed JSON or subtrees, a cycle of external tilesets or more than 2^24 tiles with them, more
-///         than 2^16 losses, URIs leaving files.root(), extensions that are required and not known. Stopped.
+/// A URI, a tile, a subtree or an external tileset that cannot be used costs only what it stands for, and is listed.
+/// Errors  InputError: of the first tileset a version or a required extension that is not known; a cycle of external
+///         tilesets or more than 2^24 tiles with them; more than 2^16 losses. Stopped.
 Tileset open_tileset(const SourceFiles& files, const std::filesystem::path& file, const TilesetDocument& document,
                      const Progress& progress = {});
 

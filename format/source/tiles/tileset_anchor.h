@@ -1,4 +1,4 @@
-/// Does a tileset stand on the earth, and where?
+/// Does the root of a tileset say that it stands on the earth, and where?
 #pragma once
 
 #include <filesystem>

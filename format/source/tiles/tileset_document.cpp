@@ -1,5 +1,8 @@
 #include "format/source/tiles/tileset_document.h"
 
+#include <algorithm>
+#include <cctype>
+
 #include "lattice/error.h"
 #include "lattice/memory_limit.h"
 #include "lattice/transform.h"
@@ -13,42 +16,52 @@ using Path = std::filesystem::path;
 std::optional<Refine> refine_of(const Path& file, const Json& tile, const std::string& where) {
   const auto text = get_text(file, tile, where, "refine");
   if (!text) return std::nullopt;
-  if (*text == "ADD" || *text == "add") return Refine::add;
-  if (*text == "REPLACE" || *text == "replace") return Refine::replace;
+  std::string upper = *text;
+  std::transform(upper.begin(), upper.end(), upper.begin(), [](unsigned char c) { return char(std::toupper(c)); });
+  if (upper == "ADD") return Refine::add;
+  if (upper == "REPLACE") return Refine::replace;
   throw InputError(file, where + ".refine", "expected ADD or REPLACE, got " + in_quotes(*text));
 }
 
 std::vector<std::string> content_uris(const Path& file, const Json& tile, const std::string& where) {
   std::vector<std::string> uris;
-  const auto add = [&](const Json& content, const std::string& key) {
-    auto uri = get_text(file, content, key, "uri");
-    if (!uri) uri = get_text(file, content, key, "url");
-    if (!uri) throw InputError(file, key + ".uri", "is missing");
-    uris.push_back(*uri);
+  const auto add = [&](const Json& content) {
+    std::string uri;
+    for (const char* name : {"url", "uri"})
+      if (content.is_object() && content.contains(name) && content[name].is_string()) uri = content[name];
+    uris.push_back(uri);
   };
-  if (tile.contains("content") && !tile["content"].is_null()) add(tile["content"], where + ".content");
-  const auto add_all = [&](const Json& list, const std::string& key) {
-    for (std::size_t i = 0; i < list.size(); ++i) add(list[i], key + "[" + std::to_string(i) + "]");
+  if (tile.contains("content") && !tile["content"].is_null()) add(tile["content"]);
+  const auto add_all = [&](const Json& list) {
+    for (const Json& content : list) add(content);
   };
-  add_all(get_array(file, tile, where, "contents"), where + ".contents");
+  add_all(get_array(file, tile, where, "contents"));
   const Json& extensions = get_object(file, tile, where, "extensions");
   const Json& multiple = get_object(file, extensions, where + ".extensions", "3DTILES_multiple_contents");
-  add_all(get_array(file, multiple, where + ".extensions", "content"), where + ".extensions.content");
-  add_all(get_array(file, multiple, where + ".extensions", "contents"), where + ".extensions.contents");
+  add_all(get_array(file, multiple, where + ".extensions", "content"));
+  add_all(get_array(file, multiple, where + ".extensions", "contents"));
   return uris;
 }
 
-TilesetTile tile_of(const Path& file, const Json& json, const std::string& where) {
-  TilesetTile tile;
+void read_members(const Path& file, const Json& json, const std::string& where, TilesetTile& tile) {
   if (const auto m = get_numbers(file, json, where, "transform", 16))
     tile.world_from_tile = std::make_unique<const Affine<World, World>>(affine_from_columns<World, World>(*m));
   tile.refine = refine_of(file, json, where);
-  get_array(file, json, where, "children");  // what has been taken out of it were objects
+  // What has been taken out of the children were objects.
   if (!get_array(file, json, where, "children").empty())
     throw InputError(file, where + ".children", "expected tiles, which are JSON objects");
   tile.uris = content_uris(file, json, where);
   if (auto tiling = implicit_tiling(file, json, where))
     tile.implicit = std::make_unique<const ImplicitTiling>(std::move(*tiling));
+}
+
+TilesetTile tile_of(const Path& file, const Json& json, const std::string& where) {
+  TilesetTile tile;
+  try {
+    read_members(file, json, where, tile);
+  } catch (const InputError& e) {
+    tile.fault = std::make_unique<const std::string>(e.what());
+  }
   return tile;
 }
 

@@ -19,10 +19,11 @@ enum class Refine : std::uint8_t { add, replace };
 
 struct TilesetTile {
   std::vector<TilesetTile> children;
-  std::vector<std::string> uris;  ///< of its contents; templates where the tile is implicit
+  std::vector<std::string> uris;  ///< of its contents; templates where the tile is implicit; empty where one is missing
   std::unique_ptr<const Affine<World, World>> world_from_tile;  ///< its own transform; null: none
   std::unique_ptr<const ImplicitTiling> implicit;               ///< null: an explicit tile
   std::optional<Refine> refine;
+  std::unique_ptr<const std::string> fault;  ///< why it cannot be placed or read, with all below it; null: it can
 };
 
 struct TilesetDocument {
@@ -31,9 +32,8 @@ struct TilesetDocument {
 };
 
 /// What `file` holds, be it a tileset or another JSON.
-/// Errors  InputError, as parse_json(); a member of a tile that is malformed; what the tiles take is more than
-/// memory_limit()
-///         allows.
+/// Errors  InputError, as parse_json(); what the tiles take is more than memory_limit() allows. A malformed member of a
+///         tile is that tile's fault.
 TilesetDocument parse_tileset(const std::filesystem::path& file, std::span<const std::uint8_t> text,
                               const Progress& progress = {});
 

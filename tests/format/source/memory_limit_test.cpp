@@ -148,8 +148,13 @@ TEST(TilesOfATileset, AreNamedWhereTheyAreMalformed) {
   const auto line_of = [](const std::string& root) {
     return line_of_json(R"({"asset":{"version":"1.0"},)" + root + "}");
   };
-  EXPECT_EQ(line_of(R"("root":{"children":[{},{"children":[{"refine":"MUL"}]}]})"),
-            "t.json: root.children[1].children[0].refine: expected ADD or REPLACE, got 'MUL'");
+  const Folder folder;
+  const Path file =
+      folder.file("t.json", R"({"asset":{"version":"1.0"},"root":{"children":[{},{"children":[{"refine":"MUL"}]}]}})");
+  const std::vector<SkippedSource> lost = open_sources(file, {}).skipped;
+  ASSERT_EQ(lost.size(), 1u);  // 2026-11-25: a malformed tile costs itself
+  EXPECT_EQ(lost[0].name, "t.json: root.children[1].children[0]");
+  EXPECT_TRUE(lost[0].reason.ends_with("refine: expected ADD or REPLACE, got 'MUL'")) << lost[0].reason;
   EXPECT_EQ(line_of(R"("root":{"children":[7]})"), "t.json: root.children: expected tiles, which are JSON objects");
   EXPECT_EQ(line_of(R"("root":[])"), "t.json: root: expected a JSON object");
 }

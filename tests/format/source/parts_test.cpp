@@ -70,7 +70,10 @@ TEST_F(InParts, AnIndexedGridWithColoursAndTextureCoordinates) {
   p["attributes"]["COLOR_0"] = made.add(numbers<std::uint8_t>(4 * grid_vertices, 2), 4, of_bytes, true);
   p["attributes"]["TEXCOORD_0"] = made.add(numbers<std::uint16_t>(2 * grid_vertices, 3), 2, of_shorts, true);
   p["material"] = 0;
-  made.gltf["images"] = {{{"uri", "data:image/png;base64,AA=="}}};
+  made.gltf["images"] = {{{"uri",
+                           "data:image/png;base64,"
+                           "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGM4kWIEAANWAV/oF4RSAAAA"
+                           "AElFTkSuQmCC"}}};
   made.gltf["textures"] = {{{"source", 0}}};
   made.gltf["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
   EXPECT_EQ(parts_of(made), 2u);

@@ -1,0 +1,29 @@
+/// Bytes that glTF and 3D Tiles name by a URI: in the URI itself, or in a file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "format/source/source_files.h"
+
+namespace gigabake {
+
+/// Returns whether the URI holds its bytes: its scheme is "data", in any case.
+bool is_data_uri(std::string_view uri);
+
+/// Returns the bytes in a data URI. Its media type and parameters are not looked at: the bytes themselves tell what
+/// they are.
+/// Errors  InputError(file, key): no comma, or characters that are not base64 where it says so.
+/// Source  RFC 2397; RFC 4648, with either alphabet and without padding, too.
+std::vector<std::uint8_t> data_uri_bytes(const std::filesystem::path& file, const std::string& key,
+                                         std::string_view uri);
+
+/// Returns what a URI that is written in `base` names.
+/// Errors  InputError(base, key): as data_uri_bytes() and resolve_uri(); no such file, which is named with its path.
+std::vector<std::uint8_t> uri_bytes(const SourceFiles& files, const std::filesystem::path& base, const std::string& key,
+                                    const std::string& uri);
+
+}  // namespace gigabake

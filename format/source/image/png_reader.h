@@ -1,0 +1,48 @@
+/// A PNG as rows of straight RGBA, 8 bits a channel, the stored codes taken as sRGB.
+#pragma once
+
+#include <cstdint>
+#include <png.h>
+#include <span>
+#include <string>
+
+#include "format/source/image/image_size.h"
+#include "format/source/mesh.h"
+
+namespace gigabake {
+
+/// Space   Row 0 first. Chunks that describe a colour space (gAMA, cHRM, sRGB, iCCP) are not read, at any bit depth.
+/// Exact   16 bits become the nearest of 8; fewer bits, palettes and tRNS are expanded.
+/// Errors  InputError: the image is not a whole PNG.
+/// Source  glTF 2.0, "Images": colour-space information of an image must be ignored.
+class PngReader {
+ public:
+  /// Reads the header. `encoded` outlives the reader.
+  explicit PngReader(const EncodedImage& encoded);
+  ~PngReader();
+  PngReader(const PngReader&) = delete;
+
+  ImageSize size() const;
+  /// An interlaced image has no row before all of it is read.
+  bool is_interlaced() const;
+  /// Writes 4 · width bytes.  Range  not of an interlaced image.
+  void read_row(std::uint8_t* rgba);
+  /// Writes 4 · width · height bytes.
+  void read_all(std::uint8_t* rgba);
+
+ private:
+  [[noreturn]] static void fail(png_structp png, png_const_charp message);
+  static void read_bytes(png_structp png, png_bytep to, std::size_t count);
+  [[noreturn]] void refuse() const;
+  bool begin();
+  bool try_rows(std::uint8_t* rgba, png_uint_32 count, int passes);
+
+  const EncodedImage& encoded_;
+  std::span<const std::uint8_t> left_;
+  png_structp png_ = nullptr;
+  png_infop info_ = nullptr;
+  int passes_ = 1;
+  std::string message_ = "libpng has no memory";
+};
+
+}  // namespace gigabake
