@@ -141,16 +141,33 @@ SceneSources json_sources(const Path& file, const SourceOptions& options, const 
   throw InputError(file, "", "expected a tileset (\"root\") or a scene (\"gigabake\")");
 }
 
+/// Returns those rasters of a folder that can be opened; the others, as a photo among elevation, are listed as skipped.
+std::vector<DemOptions> readable_rasters(const Path& root, const std::vector<Path>& files, const SourceOptions& options,
+                                         std::vector<SkippedSource>& skipped) {
+  std::vector<DemOptions> rasters;
+  for (const Path& file : files) {
+    DemOptions raster;
+    raster.dem = file;
+    if (files.size() == 1) return {raster};  // its error is the whole result
+    try {
+      open_dem({raster}, options.local);
+      rasters.push_back(raster);
+    } catch (const InputError& error) {
+      skipped.push_back({name_in(root, file), error.what()});
+    }
+  }
+  if (rasters.empty()) throw InputError(root, "", "none of its rasters can be read: " + skipped.front().reason);
+  return rasters;
+}
+
 /// Rasters of one grid are one surface; others are placed by their coordinate systems.
 SceneSources raster_sources(const Path& root, const std::vector<Path>& files, const SourceOptions& options,
                             const Progress& progress) {
-  std::vector<DemOptions> rasters;
-  for (const Path& file : files) {
-    rasters.emplace_back();
-    rasters.back().dem = file;
-  }
+  std::vector<SkippedSource> skipped;
+  const std::vector<DemOptions> rasters = readable_rasters(root, files, options, skipped);
   std::vector<SceneSources> surfaces = dem_sources(root, rasters, options, progress);
   SceneSources out = std::move(surfaces.front());
+  out.skipped = std::move(skipped);
   for (std::size_t i = 1; i < surfaces.size(); ++i) {
     SceneSources& surface = surfaces[i];
     if (!out.origin || !surface.origin)

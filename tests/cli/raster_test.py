@@ -3,6 +3,7 @@
 
 Usage: raster_test.py GIGABAKE SOURCE_DIR
 """
+import json
 import sys
 
 import numpy
@@ -137,6 +138,15 @@ class SurfaceTest(RasterTest):
         self.expect_no_gap(survey / "mosaic.vrt")
         self.expect_no_gap(survey)
 
+    def test_a_raster_of_a_folder_that_cannot_be_read_costs_itself_alone(self):
+        self.halves()
+        self.write("photo.tif", numpy.zeros((3, 9, 9)), kind=gdal.GDT_Byte)
+        result = self.program.run("plan", self.folder, "--voxel-size", 2, "--no-measure", "--json")
+        self.assertIn(result.returncode, (0, 3))
+        [loss] = json.loads(result.stdout)["losses"]
+        self.assertIn("photo.tif", str(loss))
+        self.assertIn("is an image", str(loss))
+
     def test_values_of_overlapping_neighbours_close_each_others_holes(self):
         left, right = self.height[:, :25].copy(), self.height[:, 15:].copy()
         left[:, 20:] = -9999
@@ -154,6 +164,13 @@ class SurfaceTest(RasterTest):
         self.expect_no_gap(self.scene({"dem": "w.tif", "ortho": "w_photo.tif"},
                                       {"dem": "e.tif", "ortho": "e_photo.tif", "height_scale": 0.1}))
         self.assertEqual(self.colours((8, 20), (30, 20)), [[200, 30, 20], [20, 180, 40]])
+
+    def test_rasters_of_other_grids_are_named(self):
+        self.write("coarse.tif", self.height[:20, :20], pixel=4)
+        self.write("inset.tif", self.height[:20, :20], left=LEFT + 10.5)
+        self.write("far.tif", self.height[:20, :20], left=LEFT + 1000.5)
+        [warning] = self.plan(self.scene(*({"dem": f"{name}.tif"} for name in ("coarse", "inset", "far"))))["warnings"]
+        self.assertIn("inset.tif: touches or overlaps 'coarse.tif'", warning)
 
     def test_a_vrt_names_files_of_its_folder_only(self):
         self.halves()
@@ -256,6 +273,17 @@ class CostTest(RasterTest):
         self.assertLess(read["dem.asc"], read["dem.tif"] + 4 * text)
         self.assertLessEqual(opened["dem.asc"], 1.5 * opened["dem.tif"])
         self.assertLess(opened["dem.tif"], 20)
+
+    def test_an_ascii_grid_that_gdal_cannot_read_says_why(self):
+        head = f"ncols 40\nnrows 40\nxllcorner {LEFT}\nyllcorner {TOP - 80}\ncellsize 2\n"
+        rows = [" ".join(["nan"] * 40)] * 2 + [" ".join(["1.5"] * 40)] * 38
+        (self.folder / "nan.asc").write_text(head + "\n".join(rows) + "\n")
+        scene = self.scene({"dem": "nan.asc", "crs": "EPSG:32632"})
+        result = self.program.run("bake", scene, "-o", self.folder / "out", "--voxel-size", 1)
+        if result.returncode != 0:  # GDAL before 3.9
+            self.assertIn("NODATA_value", result.stderr)
+        else:
+            self.assertAlmostEqual(float(self.at((20, 20))[0]["height"]), 1.5, delta=0.5)
 
     def test_blocks_that_a_sparse_file_leaves_out_are_no_tiles(self):
         path = self.folder / "sparse.tif"

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <string_view>
 
@@ -213,7 +214,24 @@ void claim_tile(const DemOptions& o, GDALDataset& dataset) {
                  "points of a tile");
 }
 
-/// Reads the head of one raster and of its orthophoto's file.
+/// Returns the bounds of places of a raster's pixels, of a sample.
+std::array<double, 4> bounds_of(const DemPart& part, const Grid& grid, const Ground& ground) {
+  std::vector<double> x, y;
+  for (const auto& [c, r] : sample_points(0, 0, part.columns - 1, part.rows - 1)) {
+    const auto [px, py] = grid.place(c, r);
+    x.push_back(px), y.push_back(py);
+  }
+  const std::vector<char> is_located = ground.locate(x, y);
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  std::array<double, 4> out{infinity, infinity, -infinity, -infinity};
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (is_located[i] == 0) continue;
+    out = {std::min(out[0], x[i]), std::min(out[1], y[i]), std::max(out[2], x[i]), std::max(out[3], y[i])};
+  }
+  return out;
+}
+
+/// Reads the head of one raster.
 RasterHead head_of(const DemOptions& options, bool is_local) {
   RasterHead head;
   const BorrowedRaster dataset = borrow_raster(options.dem, "dem");
@@ -228,6 +246,7 @@ RasterHead head_of(const DemOptions& options, bool is_local) {
   const Ground ground(options, *dataset);
   if (!ground.is_on_earth() && !is_local) throw InputError(options.dem, "crs", ground.why_not_on_earth());
   checked_origin(part, head.grid, ground);
+  head.bounds = bounds_of(part, head.grid, ground);
   head.crs = crs_of(options, *dataset);
   part.warnings = check_dem(options, *dataset);
   const double left_out = fraction_left_out(options, *dataset);
@@ -325,7 +344,9 @@ std::vector<DemSurface> surfaces_of(const std::vector<DemOptions>& options, bool
   std::vector<RasterHead> heads;
   for (const DemOptions& o : options) heads.push_back(head_of(o, is_local));
   std::vector<DemSurface> out;
-  for (const SurfaceHead& surface : group_surfaces(heads)) out.push_back(surface_of(heads, surface));
+  const std::vector<SurfaceHead> surfaces = group_surfaces(heads);
+  warn_of_other_surfaces(surfaces, heads);
+  for (const SurfaceHead& surface : surfaces) out.push_back(surface_of(heads, surface));
   return out;
 }
 

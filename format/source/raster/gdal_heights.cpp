@@ -1,6 +1,7 @@
 #include "format/source/raster/gdal_heights.h"
 
 #include <limits>
+#include <string_view>
 
 #include "format/source/raster/dem_checks.h"
 #include "format/source/raster/gdal_open.h"
@@ -26,11 +27,18 @@ Window window_of(const DemTile& tile, const DemPart& part) {
   return {column, row, columns, rows};
 }
 
+/// GDAL before 3.9 takes rows of "nan" after the head of an ASCII grid for a part of the head.
+const char* remedy_of(GDALRasterBand& band) {
+  GDALDriver* driver = band.GetDataset() != nullptr ? band.GetDataset()->GetDriver() : nullptr;
+  const bool is_text = driver != nullptr && std::string_view(driver->GetDescription()) == "AAIGrid";
+  return is_text ? "; if its first values are nan, write them as a number that NODATA_value names" : "";
+}
+
 std::vector<double> read_band(const DemOptions& o, const Window& w, GDALRasterBand& band) {
   std::vector<double> values(std::size_t(w.columns) * std::size_t(w.rows));
   if (band.RasterIO(GF_Read, w.column, w.row, w.columns, w.rows, values.data(), w.columns, w.rows, GDT_Float64, 0, 0) !=
       CE_None)
-    throw InputError(o.dem, "dem", "cannot be read" + QuietErrors::last());
+    throw InputError(o.dem, "dem", "cannot be read" + QuietErrors::last() + remedy_of(band));
   return values;
 }
 

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "format/source/image/png_bytes.h"
+#include "format/source/raster/crs_text.h"
 #include "format/source/raster/gdal_open.h"
 #include "format/source/raster/ortho_bands.h"
 
@@ -20,6 +21,8 @@ using Transformer = std::unique_ptr<void, DestroyTransformer>;
 std::string ortho_crs_of(const DemOptions& o, GDALDataset& ortho, const OGRSpatialReference* raster_crs) {
   if (!o.ortho_crs.empty()) return wkt_of(crs_of_text(o.ortho, "ortho_crs", o.ortho_crs));
   const OGRSpatialReference* own = plain_crs_of(ortho);
+  if (own == nullptr && ortho.GetGCPSpatialRef() != nullptr && is_plain_crs(wkt_of(*ortho.GetGCPSpatialRef())))
+    own = ortho.GetGCPSpatialRef();
   if (own == nullptr) own = raster_crs;
   return own != nullptr ? wkt_of(*own) : "";
 }

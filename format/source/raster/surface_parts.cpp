@@ -48,7 +48,35 @@ void settle(SurfaceHead& surface, std::vector<RasterHead>& heads) {
   }
 }
 
+/// Returns whether two rasters overlap or are less than two pixels apart.
+bool are_close(const RasterHead& a, const RasterHead& b) {
+  for (const std::size_t axis : {0, 1}) {
+    const auto pixel = [&](const RasterHead& head) {
+      return (head.bounds[axis + 2] - head.bounds[axis]) / ((axis == 0 ? head.part.columns : head.part.rows) - 1);
+    };
+    const double margin = 2 * std::max(pixel(a), pixel(b));
+    if (a.bounds[axis] > b.bounds[axis + 2] + margin || b.bounds[axis] > a.bounds[axis + 2] + margin) return false;
+  }
+  return true;
+}
+
 }  // namespace
+
+void warn_of_other_surfaces(const std::vector<SurfaceHead>& surfaces, std::vector<RasterHead>& heads) {
+  std::vector<std::size_t> surface_of(heads.size(), 0);
+  for (std::size_t s = 0; s < surfaces.size(); ++s)
+    for (const std::size_t head : surfaces[s].heads) surface_of[head] = s;
+  for (std::size_t i = 0; surfaces.size() > 1 && i < heads.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (surface_of[i] != surface_of[j] && are_close(heads[i], heads[j])) {
+        heads[i].part.warnings.push_back("touches or overlaps " +
+                                         in_quotes(heads[j].part.options.dem.filename().string()) +
+                                         ", whose pixels lie on another grid: each is baked as it is, with a gap or "
+                                         "two surfaces there; resample both "
+                                         "to one grid with gdalwarp -t_srs -tr -tap");
+        break;
+      }
+}
 
 std::vector<SurfaceHead> group_surfaces(std::vector<RasterHead>& heads) {
   std::vector<SurfaceHead> surfaces;
