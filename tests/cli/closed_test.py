@@ -73,7 +73,7 @@ class ClosedTest(unittest.TestCase):
         proxy = "http://" + self.listener.address
         environment = {**os.environ, **harness.MPI_ENVIRONMENT, "PROJ_NETWORK": "ON", "http_proxy": proxy,
                        "https_proxy": proxy, "all_proxy": proxy, "PROJ_NETWORK_ENDPOINT": proxy}
-        return subprocess.run([PROGRAM.executable, "plan", str(source), "--voxel-size", "1", *arguments], text=True,
+        return subprocess.run([PROGRAM.executable, "plan", str(source), "--voxel-size", "10", *arguments], text=True,
                               capture_output=True, timeout=60, env=environment, check=False)
 
     def expect_closed(self, source, what):
