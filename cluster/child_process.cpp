@@ -19,6 +19,8 @@
 #include <unistd.h>
 #include <utility>
 
+#include "lattice/quote.h"
+
 extern char** environ;
 
 namespace gigabake {
@@ -77,7 +79,7 @@ class SpawnPlan {
   pid_t run(const std::filesystem::path& program, char** arguments, char** environment) const {
     pid_t pid = -1;
     check(::posix_spawn(&pid, program.c_str(), &files_, &attributes_, arguments, environment),
-          "cannot start " + program.string());
+          "cannot start " + short_path(program.string()));
     return pid;
   }
 

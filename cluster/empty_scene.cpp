@@ -5,6 +5,7 @@
 
 #include "format/source/invisible_material.h"
 #include "lattice/counted.h"
+#include "lattice/quote.h"
 
 namespace gigabake {
 namespace {
@@ -14,8 +15,7 @@ std::string cause_of(const SceneSources& sources) {
   for (const TileRef& tile : sources.tiles) {
     try {
       if (const auto name = invisible_material(tile, sources.root))
-        return fmt::format("material {} of {} has alpha 0; make it opaque", *name,
-                           as_line(tile.name, longest_quote_bytes));
+        return fmt::format("material {} of {} has alpha 0; make it opaque", *name, short_path(tile.name));
     } catch (const InputError&) {
       // Not a cause: another tile may have one.
     }

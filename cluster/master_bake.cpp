@@ -8,8 +8,10 @@
 #include "cluster/dispatch.h"
 #include "cluster/empty_scene.h"
 #include "cluster/mpi_rank_link.h"
+#include "cluster/tile_loss.h"
 #include "lattice/counted.h"
 #include "lattice/error.h"
+#include "lattice/quote.h"
 #include "scheduler/estimate.h"
 #include "scheduler/merge.h"
 #include "scheduler/prior.h"
@@ -49,22 +51,16 @@ void add_times(const std::vector<CellReport>& reports, const BakePlan& plan, Bak
   }
 }
 
-/// A tile that cannot be read is lost for a reason that begins with its file.
-bool names_its_file(const SceneLoss& loss) {
-  const std::filesystem::path tile = loss.name.substr(0, loss.name.rfind('['));
-  return loss.name.starts_with("tile ") && loss.reason.find(tile.filename().string() + ": ") != std::string::npos;
-}
-
 }  // namespace
 
 void refuse(const BakeRequest& request, const std::vector<SceneLoss>& losses, bool nothing_baked) {
   if (losses.empty() || (request.keep_going && !nothing_baked)) return;
   const std::size_t more = losses.size() - 1;
-  const bool is_named = names_its_file(losses[0]);
+  const bool is_named = !reason_without_tile(losses[0]).empty();
   throw InputError(is_named ? std::filesystem::path() : request.source, "",
                    std::string(nothing_baked ? "nothing could be baked" : "stopped (`no_keep_going`)") +
                        (more == 0 ? "" : " (" + counted(losses.size(), "loss", "losses") + ")") + ": " +
-                       (is_named ? "" : losses[0].name + ": ") + losses[0].reason);
+                       (is_named ? "" : short_path(losses[0].name) + ": ") + losses[0].reason);
 }
 
 MasterBake::MasterBake(const BakeRequest& request, const SceneSources& sources, const BakePlan& plan,

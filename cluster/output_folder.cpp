@@ -9,6 +9,7 @@
 #include "format/scene/page_write.h"
 #include "format/system/publish.h"
 #include "lattice/error.h"
+#include "lattice/quote.h"
 
 namespace gigabake {
 namespace {
@@ -89,8 +90,9 @@ void OutputFolder::NewFolders::make(const fs::path& folder) {
 
 OutputFolder::OutputFolder(fs::path out, const fs::path& source) : out_(std::move(out)) {
   if (fs::is_directory(source) && is_at_or_below(out_, source))
-    throw InputError(out_, "",
-                     "lies in the folder that is baked; choose an output folder outside of " + source.string());
+    throw InputError(
+        out_, "",
+        "lies in the folder that is baked; choose an output folder outside of " + short_path(source.string()));
   folders_.make(out_);
   expect_no_links(out_);
   lock_.emplace(out_);
@@ -109,7 +111,7 @@ void OutputFolder::expect_shards(SceneDescription& scene) const {
     for (auto cell = gone; cell != shards->end(); ++cell)
       scene.losses.push_back(
           {(cell->first_lod == 0 ? "cell " : "parent ") + cell->name,
-           cell->file + " is not in " + out_.string() + "; every host must see the same output folder"});
+           cell->file + " is not in " + short_path(out_.string()) + "; every host must see the same output folder"});
     shards->erase(gone, shards->end());
   }
 }

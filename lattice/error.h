@@ -10,30 +10,30 @@
 
 namespace gigabake {
 
-/// A message is a line that a person reads: whatever a file says in it is cut before it gets longer than this, which
-/// leaves room for what a command prints before it.
+/// Length from which the paths in a message, its key and whatever else a file or a command line put into it are
+/// shortened in their middle (lattice/quote.h). The message's own words never are.
 inline constexpr std::size_t longest_message_bytes = 240;
 
 /// The line where an allocation failed.
 inline constexpr const char* not_enough_memory =
     "not enough memory; give the process more, or take fewer ranks on the machine, fewer threads or smaller tiles";
 
-/// `text` as one line of at most `most_bytes` (at least 8): control characters become spaces. Too long a part loses its
-/// end to a "…"; too long a message (200 bytes and more are allowed) the middle of its paths, then its own.
+/// Returns `text` as one line: control characters become spaces. Beyond `most_bytes` (at least 8) a part of a message
+/// loses its end to a "…"; a message (200 bytes and more are allowed) loses the middle of its longest words instead.
 std::string as_line(std::string_view text, std::size_t most_bytes = longest_message_bytes);
 
 /// Of a file's text in a message.
 inline constexpr std::size_t longest_quote_bytes = 60;
 
-/// Text of a file as a message shows it: in quotes, on one line, at most longest_quote_bytes of it.
+/// Returns text of a file for a message: in quotes, on one line, its middle left out beyond longest_quote_bytes.
 std::string in_quotes(std::string_view text);
 
 /// What a person should read of an exception: its what(), but where memory ran out, what to do.
 std::string reason_of(const std::exception& error);
 
 /// Thrown for anything wrong in a file or with an operation on it; caught at the cell boundary and in `main`.
-/// `what()` is one line of at most longest_message_bytes, "FILE: KEY: MESSAGE (at byte N)": where that would be longer,
-/// paths and the key lose their middle, so that cause and remedy stay. Without a FILE: "KEY: MESSAGE".
+/// `what()` is one line, "FILE: KEY: MESSAGE (at byte N)": where it is longer than longest_message_bytes, paths and the
+/// key lose their middle, so that cause and remedy stay. Without a FILE: "KEY: MESSAGE".
 class InputError : public std::runtime_error {
  public:
   InputError(const std::filesystem::path& file, const std::string& key, const std::string& message,

@@ -11,6 +11,7 @@
 #include "format/job/fingerprint.h"
 #include "format/source/raster/dem.h"
 #include "lattice/counted.h"
+#include "lattice/quote.h"
 
 namespace gigabake {
 namespace {
@@ -134,7 +135,8 @@ class WarningKinds {
     std::vector<std::string> lines;
     for (const Kind& kind : kinds_) {
       const std::size_t more = kind.names.size() - 1;
-      lines.push_back(kind.first + (more == 0 ? "" : fmt::format(" and {} more", more)) + ": " + kind.sum.line());
+      lines.push_back(short_path(kind.first) + (more == 0 ? "" : fmt::format(" and {} more", more)) + ": " +
+                      kind.sum.line());
     }
     return lines;
   }

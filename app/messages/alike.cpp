@@ -4,17 +4,28 @@
 #include <cctype>
 #include <fmt/format.h>
 
+#include "cluster/tile_loss.h"
+#include "lattice/error.h"
+#include "lattice/quote.h"
+
 namespace gigabake::app {
 namespace {
 
 constexpr std::size_t shown_of_a_kind = 3, most_lines = 50;
+constexpr std::size_t max_name_bytes = 160;  // a path and the key of an entry in it
 
 bool is_power_of_ten(std::size_t n) {
   while (n % 10 == 0 && n > 9) n /= 10;
   return n == 1;
 }
 
-std::string line_of(const SceneLoss& loss) { return loss.name + ": " + loss.reason; }
+/// Shortens the name alone: a file may have given it any length.
+std::string name_of(const SceneLoss& loss) { return as_line(short_path(loss.name, max_name_bytes)); }
+
+std::string line_of(const SceneLoss& loss) {
+  const std::string rest = reason_without_tile(loss);
+  return name_of(loss) + ": " + as_line(rest.empty() ? loss.reason : rest);
+}
 
 }  // namespace
 
@@ -50,7 +61,7 @@ std::vector<std::string> lines_of(const std::vector<SceneLoss>& losses) {
     const std::size_t number = ++seen[kind], others = all[kind] - std::min(all[kind], shown_of_a_kind);
     if (number > shown_of_a_kind + 1) continue;
     const bool is_sum = number > shown_of_a_kind && others > 1;
-    lines.push_back(is_sum ? fmt::format("and {} more like {}", others, loss.name) : line_of(loss));
+    lines.push_back(is_sum ? fmt::format("and {} more like {}", others, name_of(loss)) : line_of(loss));
     told += is_sum ? others : 1;
   }
   if (told < losses.size()) lines.push_back(fmt::format("and {} more; --json lists them all", losses.size() - told));

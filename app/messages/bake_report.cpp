@@ -14,15 +14,14 @@
 #include "app/process/standard_streams.h"
 #include "format/system/message.h"
 #include "lattice/counted.h"
-#include "lattice/error.h"
 #include "lattice/host_device.h"
+#include "lattice/quote.h"
 #include "scheduler/estimate.h"
 
 namespace gigabake::app {
 namespace {
 
 constexpr std::size_t slow_cells_printed = 3;
-constexpr std::size_t longest_loss_bytes = 298;  // a name and a message
 
 /// Totals over the scene's cells and parents.
 struct Totals {
@@ -288,15 +287,15 @@ void warn_of(const SourcePrecision& precision) {
   print_message(
       "warning: {} stores positions in steps of up to {:.3g} m, but voxels are {:.6g} m{}; its vertices are off by "
       "up to half a step. Write them relative to a centre (a tile's transform, RTC_CENTER) or with more bits\n",
-      worst.name, worst.spacing_m, precision.wanted_m * 4, more == 0 ? "" : "; and " + counted(more, "more source"));
+      short_path(worst.name), worst.spacing_m, precision.wanted_m * 4,
+      more == 0 ? "" : "; and " + counted(more, "more source"));
 }
 
 void print_losses(const std::vector<SceneLoss>& losses) {
   put_output_before_messages();
   if (losses.empty()) return;
   print_message("incomplete, {} missing:\n", losses.size());
-  for (const std::string& line : lines_of(losses))
-    print_message("  {}\n", with_flags(as_line(line, longest_loss_bytes)));
+  for (const std::string& line : lines_of(losses)) print_message("  {}\n", with_flags(line));
 }
 
 }  // namespace gigabake::app

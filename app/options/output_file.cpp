@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "lattice/error.h"
+#include "lattice/quote.h"
 
 namespace gigabake::app {
 namespace {
@@ -52,7 +53,7 @@ void expect_no_input(const char* option, const std::string& name, const std::vec
     if (!input.empty() && is_part_of(name, input))
       refuse(option, name,
              plain(name) == plain(input) ? "is what the command reads or keeps; name another file"
-                                         : "belongs to " + input.string() + "; name another file");
+                                         : "belongs to " + short_path(input.string()) + "; name another file");
 }
 
 void expect_parent_folder(const char* option, const std::string& name, const fs::path& made) {

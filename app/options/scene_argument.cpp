@@ -9,6 +9,7 @@
 #include "app/options/name_typo.h"
 #include "app/process/missing_report.h"
 #include "lattice/error.h"
+#include "lattice/quote.h"
 
 namespace gigabake::app {
 namespace {
@@ -64,7 +65,7 @@ Named kind_of(const fs::path& path) {
   const fs::path scene = fs::absolute(shard).lexically_normal().parent_path().parent_path() / "scene.xml";
   throw InputError(shard, "",
                    "is an HDF5 file, as the shard of one cell; name the scene that has it" +
-                       (is_file(scene) ? ": " + scene.string() : std::string(", OUT/scene.xml")));
+                       (is_file(scene) ? ": " + short_path(scene.string()) : std::string(", OUT/scene.xml")));
 }
 
 void expect_baked(const fs::path& given, Named kind) {
@@ -134,7 +135,8 @@ void expect_bake_output(const std::string& given) {
        inner = inner.parent_path())
     if ((inner.filename() == "shards" || inner.filename() == "pages" || inner.filename() == "scratch") &&
         is_bake(inner.parent_path()))
-      throw InputError(given, "", "belongs to the bake in " + inner.parent_path().string() + "; name another folder");
+      throw InputError(given, "",
+                       "belongs to the bake in " + short_path(inner.parent_path().string()) + "; name another folder");
   if (const fs::path source = first_source_in(given); !source.empty())
     throw InputError(given, "", "holds sources (" + in_quotes(source.string()) + "); name a new or empty folder");
 }

@@ -6,11 +6,12 @@
 #include "app/command_tree.h"
 #include "app/options/choices.h"
 #include "lattice/error.h"
+#include "lattice/quote.h"
 
 namespace gigabake::app {
 namespace {
 
-constexpr std::size_t most_characters = 300, most_quoted = 60, most_typed = 100;
+constexpr std::size_t max_typed = 60;
 
 /// Letters changed, left out, put in or swapped with their neighbour (optimal string alignment).
 std::size_t edits_between(const std::string& a, const std::string& b) {
@@ -38,23 +39,6 @@ std::optional<std::string> only_one_that_begins(const std::string& word, const s
     found = candidate;
   }
   return found;
-}
-
-std::string shown(const std::string& word) {
-  return "'" + (word.size() <= most_quoted ? word : word.substr(0, most_quoted) + "…") + "'";
-}
-
-/// Text that was typed may be long; what is to be done about it comes after it.
-std::string with_short_words(const std::string& text) {
-  std::string out;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find_first_of(" \n", at), text.size());
-    const std::string word = text.substr(at, end - at);
-    out += word.size() <= most_typed ? word : as_line(word, most_quoted);
-    if (end < text.size()) out += ' ';
-    at = end + 1;
-  }
-  return out;
 }
 
 /// The commands that were named, from the program down.
@@ -93,7 +77,7 @@ std::string owners_of(const std::string& option, const Command& root) {
 std::string unknown_option(const std::string& typed, const Command& command, const Command& root) {
   const std::string name = typed.substr(0, typed.find('='));
   if (has_option(command, name)) return fmt::format("{}: expected {} behind the command", root.path[0], name);
-  std::string text = fmt::format("{}: unknown option {}", command.name(), shown(name));
+  std::string text = fmt::format("{}: unknown option {}", command.name(), in_quotes(name));
   if (const auto meant = meant_by(name, command.option_names()))
     return text + fmt::format("; did you mean {}?", *meant);
   const std::string owners = owners_of(name, root);
@@ -105,7 +89,7 @@ std::string unknown_command(const std::string& word, const Command& command) {
   std::vector<std::string> known;
   for (const Command& below : command.commands) known.push_back(below.path.back());
   const auto meant = meant_by(word, known);
-  return fmt::format("{}: unknown command {}; {}", command.name(), shown(word),
+  return fmt::format("{}: unknown command {}; {}", command.name(), in_quotes(word),
                      meant ? fmt::format("did you mean {}?", *meant) : "expected one of " + joined(known));
 }
 
@@ -115,6 +99,15 @@ std::vector<std::string> words_left(const std::vector<const CLI::App*>& path) {
   for (const CLI::App* command : path)
     for (const std::string& word : command->remaining()) words.push_back(word);
   return words;
+}
+
+/// Returns the parser's own message with long values of options in short: a value may hold spaces.
+std::string with_short_values(std::string text, const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& value : option->results())
+      if (const auto at = text.find(value); value.size() > max_typed && at != std::string::npos)
+        text.replace(at, value.size(), short_text(value, max_typed));
+  return text;
 }
 
 std::string missing_arguments(const CLI::App& command, const std::string& name) {
@@ -135,18 +128,18 @@ std::string wrong_words(const CLI::App& program, const CLI::ParseError& error) {
   if (!left.empty() && !is_option(left[0]) && !command.commands.empty()) return unknown_command(left[0], command);
   const auto option = std::find_if(left.begin(), left.end(), is_option);
   if (option != left.end()) return unknown_option(*option, command, root);
-  if (!left.empty()) return fmt::format("{}: did not expect {}", command.name(), shown(left[0]));
+  if (!left.empty()) return fmt::format("{}: did not expect {}", command.name(), in_quotes(left[0]));
   if (!command.commands.empty())
     return fmt::format("{}: expected a command; {} --help lists them", command.name(), command.name());
   const std::string missing = missing_arguments(*path.back(), command.name());
   if (!missing.empty() && dynamic_cast<const CLI::RequiredError*>(&error) != nullptr) return missing;
-  return fmt::format("{}: {}", command.name(), error.what());
+  return fmt::format("{}: {}", command.name(), with_short_values(error.what(), *path.back()));
 }
 
 }  // namespace
 
 std::optional<std::string> meant_by(const std::string& word, const std::vector<std::string>& known) {
-  if (word.size() > most_quoted) return std::nullopt;
+  if (word.size() > max_typed) return std::nullopt;
   std::optional<std::string> nearest;
   std::size_t fewest = 0;
   for (const std::string& candidate : known) {
@@ -159,7 +152,7 @@ std::optional<std::string> meant_by(const std::string& word, const std::vector<s
 }
 
 std::string usage_error(const CLI::App& program, const CLI::ParseError& error) {
-  return as_line(with_short_words(wrong_words(program, error)), most_characters);
+  return as_line(wrong_words(program, error));
 }
 
 }  // namespace gigabake::app

@@ -117,7 +117,7 @@ class XmlTree {
     T value{};
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size())
-      fail(element, key, "expected a number, got '" + std::string(text.substr(0, 40)) + "'");
+      fail(element, key, "expected a number, got " + in_quotes(text));
     return value;
   }
 

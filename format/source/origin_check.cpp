@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "lattice/georeference.h"
+#include "lattice/quote.h"
 
 namespace gigabake {
 namespace {
@@ -57,9 +58,9 @@ std::optional<std::string> far_places_warning(const std::vector<NamedPlace>& pla
   }
   if (found == nullptr) return std::nullopt;
   return fmt::format("warning: {}{} ({}) is {:.0f} km from {} ({}); lon_lat_height begins with the longitude: {}",
-                     found->name, more == 0 ? "" : fmt::format(" and {} more", more), text_of(found->place),
-                     distance_m(found->place, places[0].place) / 1000, places[0].name, text_of(places[0].place),
-                     swap_question(found->place, places[0].place));
+                     short_path(found->name), more == 0 ? "" : fmt::format(" and {} more", more), text_of(found->place),
+                     distance_m(found->place, places[0].place) / 1000, short_path(places[0].name),
+                     text_of(places[0].place), swap_question(found->place, places[0].place));
 }
 
 }  // namespace gigabake

@@ -6,6 +6,7 @@
 
 #include "lattice/counted.h"
 #include "lattice/error.h"
+#include "lattice/quote.h"
 
 namespace gigabake {
 namespace {
@@ -124,7 +125,7 @@ std::filesystem::path resolve_path(const std::filesystem::path& root, const std:
       std::filesystem::weakly_canonical(std::filesystem::absolute(base, error).parent_path() / relative, error);
   if (error) throw InputError(base, key, in_quotes(text) + " cannot be resolved: " + error.message());
   if (relative.is_absolute() || !is_within(std::filesystem::weakly_canonical(root, error), target))
-    throw InputError(base, key, in_quotes(text) + " leaves the source folder " + root.string());
+    throw InputError(base, key, in_quotes(text) + " leaves the source folder " + short_path(root.string()));
   return target;
 }
 

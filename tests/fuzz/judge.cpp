@@ -3,15 +3,15 @@
 #include <exception>
 
 #include "lattice/error.h"
+#include "lattice/quote.h"
 
 namespace gigabake::fuzz {
 namespace {
 
-constexpr std::size_t longest_line = longest_message_bytes;
-
 std::string fault_of_line(const std::string& line) {
-  if (line.empty() || line.find('\n') != std::string::npos || line.size() > longest_line)
+  if (line.empty() || line.find('\n') != std::string::npos || line.size() > max_line_bytes)
     return "expected one clear line, got: " + line;
+  if (line.ends_with("…")) return "expected the end of the reason, got: " + line;
   return "";
 }
 

@@ -14,7 +14,7 @@ import harness
 
 SECONDS = 30
 MEMORY_BYTES = 6 << 30
-LONGEST_LINE = 300
+MAX_LINE = 1200  # a message of 1,000 bytes (lattice/quote.h), and what a command puts before it
 EXIT_CODES = {0, 1, 2, 3, 75}
 
 
@@ -36,8 +36,10 @@ class Ended:
         if self.returncode != 0 and not (self.stdout + self.stderr).strip():
             found.append(f"{name}: exit {self.returncode} without a word")
         for line in (self.stdout + self.stderr).splitlines():
-            if len(line) > LONGEST_LINE:
-                found.append(f"{name}: a line of {len(line)} characters: {line[:LONGEST_LINE]}…")
+            if len(line) > MAX_LINE:
+                found.append(f"{name}: a line of {len(line)} characters: {line[:MAX_LINE]}…")
+            if line.endswith("…"):
+                found.append(f"{name}: a line without its end: {line}")
         return found
 
 

@@ -27,7 +27,8 @@ import source_seeds  # noqa: E402
 
 OUR_EXIT_CODES = {0, 1, 2, 3}
 ENDED_WHEN_ASKED = {75, 128 + signal.SIGTERM, -signal.SIGTERM}  # a bake, another command, one that was just starting
-LONGEST_LINE, MOST_ERRORS = 300, 50_000
+# A message has up to 1,000 bytes (lattice/quote.h), and what a command puts before it.
+MAX_LINE, MOST_ERRORS = 1200, 50_000
 MOST_BYTES = 3 << 30
 # A mutant may be a scene of a million cells, which takes its time: what has not ended is asked to, and must obey.
 SECONDS_UNTIL_ASKED, SECONDS_TO_OBEY = 20, 10
@@ -49,8 +50,10 @@ def faults_of(code, was_asked, output, errors):
     if len(errors) > MOST_ERRORS:
         yield f"{len(errors)} characters of errors"
     for line in [*output.splitlines(), *errors.splitlines()]:
-        if len(line) > LONGEST_LINE:
+        if len(line) > MAX_LINE:
             yield f"a line of {len(line)} characters: {line[:100]}"
+        if line.endswith("…"):
+            yield f"a line without its end: {line}"
         if FOREIGN.search(line):
             yield f"a line that is not ours: {line[:200]}"
 

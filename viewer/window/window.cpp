@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "format/system/publish.h"
+#include "lattice/quote.h"
 #include "viewer/live/camera_path.h"
 #include "viewer/live/kept_views.h"
 #include "viewer/pictures/png.h"
@@ -83,7 +84,7 @@ std::filesystem::path free_name(const std::filesystem::path& folder, const char*
     if (!std::filesystem::exists(path)) return path;
   }
   throw std::runtime_error(
-      fmt::format("{}: {} files gigabake-*.{} are there already", folder.string(), most_files, kind));
+      fmt::format("{}: {} files gigabake-*.{} are there already", short_path(folder.string()), most_files, kind));
 }
 
 class Window {

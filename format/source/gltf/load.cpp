@@ -7,6 +7,7 @@
 #include "format/source/image/image_check.h"
 #include "lattice/error.h"
 #include "lattice/memory_limit.h"
+#include "lattice/quote.h"
 
 namespace gigabake {
 namespace {
@@ -21,13 +22,12 @@ std::string same_path(const std::string& path, void*) { return path; }
 
 bool read_no_file(std::vector<unsigned char>*, std::string*, const std::string&, void*) { return false; }
 
-/// tinygltf quotes whole data URIs.
+/// Returns what tinygltf reports first. It quotes whole data URIs, and names of files without quotation marks.
 std::string first_line(const std::string& text) {
-  constexpr std::size_t longest = 200;
+  constexpr std::size_t max_bytes = 200;
   const auto begin = text.find_first_not_of(" \t\r\n");
   if (begin == std::string::npos) return "cannot be read as glTF";
-  const std::string line = text.substr(begin, text.find_first_of("\r\n", begin) - begin);
-  return line.size() <= longest ? line : line.substr(0, longest) + "…";
+  return short_text(std::string_view(text).substr(begin, text.find_first_of("\r\n", begin) - begin), max_bytes);
 }
 
 /// Parses a document without payloads: tinygltf reads no file, decodes no image and copies no buffer.

@@ -36,7 +36,7 @@ OGRSpatialReference crs_of_text(const std::filesystem::path& file, const char* k
   // GDAL would also fetch an address and open a file.
   if (!is_plain_crs(text) ||
       crs.SetFromUserInput(text.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) != OGRERR_NONE)
-    throw InputError(file, key, "is unknown: " + in_quotes(text) + "; expected EPSG:…, WKT or a PROJ text");
+    throw InputError(file, key, "is unknown: " + in_quotes(text) + "; expected EPSG:CODE, WKT or a PROJ text");
   return crs;
 }
 

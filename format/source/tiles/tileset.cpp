@@ -12,6 +12,7 @@
 #include "format/source/tiles/tileset_inclusions.h"
 #include "lattice/error.h"
 #include "lattice/memory_limit.h"
+#include "lattice/quote.h"
 
 namespace gigabake {
 namespace {
@@ -362,7 +363,7 @@ class Reader {
     tile.range = content.range;
     tile.archive = content.archive;
     const SkippedSource points = skipped_points(tile, here.files, name);
-    skip(here, key, name + " " + points.reason, true);
+    skip(here, key, short_path(name) + " " + points.reason, true);
     out_.skipped.back().points = points.points;
   }
 
