@@ -94,7 +94,7 @@ class QueryTest(harness.FolderTest):
                                    (("--ray", "9000,0,0,1,0,0"), "1 of 1 ray is outside the bounds")):
             result = self.program.run("query", self.out, *question)
             self.assertEqual(result.returncode, 0, result)
-            self.assertEqual(len(lines_of(result.stderr)), 1, result.stderr)
+            self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
             self.assertIn(expected, result.stderr)
             self.assertEqual(self.program.run("query", self.out, *question, "-q").stderr, "")
         self.assertEqual(self.program.run("query", self.out, "--at", "0,0").stderr, "")
