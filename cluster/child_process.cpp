@@ -93,7 +93,7 @@ std::vector<char*> environment_without_mpi() {
   std::vector<char*> out;
   for (char** entry = environ; *entry != nullptr; ++entry) {
     const std::string_view text(*entry);
-    const std::initializer_list<std::string_view> of_mpi = {"OMPI_", "PMIX_", "PRTE_"};
+    const std::initializer_list<std::string_view> of_mpi = {"OMPI_", "PMIX_", "PMI_", "PRTE_"};
     if (std::ranges::none_of(of_mpi, [&](std::string_view start) { return text.starts_with(start); }))
       out.push_back(*entry);
   }

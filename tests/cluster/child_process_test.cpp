@@ -112,7 +112,7 @@ TEST_F(ChildProcessTest, DiesWithItsSupervisor) {
 }
 
 TEST_F(ChildProcessTest, GetsNeitherMpisVariablesNorOpenFiles) {
-  for (const char* name : {"OMPI_TEST", "PMIX_TEST", "PRTE_TEST", "GIGABAKE_TEST"})
+  for (const char* name : {"OMPI_TEST", "PMIX_TEST", "PMI_TEST", "PRTE_TEST", "GIGABAKE_TEST"})
     ASSERT_EQ(::setenv(name, "1", 1), 0);
   const std::filesystem::path out = scene.folder() / "seen", open = scene.folder() / "open_here";
   std::ofstream(open) << "x";
@@ -126,7 +126,7 @@ TEST_F(ChildProcessTest, GetsNeitherMpisVariablesNorOpenFiles) {
   EXPECT_NE(seen.find("GIGABAKE_TEST"), std::string::npos) << seen;
   EXPECT_NE(seen.find("3 -> socket:"), std::string::npos) << seen;
   EXPECT_NE(seen.find("0 -> /dev/null"), std::string::npos) << seen;
-  for (const char* kept : {"OMPI_", "PMIX_", "PRTE_", "open_here"})
+  for (const char* kept : {"OMPI_", "PMIX_", "PMI_", "PRTE_", "open_here"})
     EXPECT_EQ(seen.find(kept), std::string::npos) << kept << " in " << seen;
   EXPECT_EQ(::close(fd), 0);
 }
