@@ -54,6 +54,18 @@ def page_problems(root, page):
                 yield f"names {name}, which is not there"
 
 
+def index_problems(text):
+    """The table of decisions has one row a heading, with the entries below it. Merges used to repeat rows."""
+    table = re.findall(r"^\| \[(.+)\]\(#[\w-]+\) \| (.*) \|$", text, re.M)
+    below = [part.split("\n", 1) for part in re.split(r"^## ", text, flags=re.M)[1:]]
+    expected = [(name, " ".join(f"[{d}](#d{d})" for d in re.findall(r'<a id="d(\w+)"></a>', body))) for name, body in below]
+    for row in sorted(set(expected) - set(table)):
+        yield f"docs/decisions.md: the index lacks '{row[0]}' with the entries {row[1]}"
+    for row in table:
+        if table.count(row) > 1 or row not in expected:
+            yield f"docs/decisions.md: the row '{row[0]}' of the index is repeated or lists other entries than its section"
+
+
 def code_problems(root, decisions):
     """Code names files by their whole path, and decisions as (docs/decisions.md, 10)."""
     for folder in FOLDERS:
@@ -97,7 +109,9 @@ def problems(root):
         for problem in page_problems(root, page):
             yield f"{page.relative_to(root)}: {problem}"
     yield from (f"docs/architecture.md: {problem}" for problem in architecture_problems(root))
-    yield from code_problems(root, set(anchors((root / "docs/decisions.md").read_text(encoding="utf-8"))))
+    decisions = (root / "docs/decisions.md").read_text(encoding="utf-8")
+    yield from index_problems(decisions)
+    yield from code_problems(root, set(anchors(decisions)))
 
 
 if __name__ == "__main__":
