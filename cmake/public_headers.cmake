@@ -53,7 +53,8 @@ set(gb_public_headers_source
     format/source/composite.h
     format/source/content_magic.h
     format/source/mesh.h
-    format/source/source.h)
+    format/source/source.h
+    format/source/source_warning.h)
 set(gb_public_headers_export
     format/export/export_team.h
     format/export/gigavoxel.h

@@ -22,11 +22,10 @@ using Path = std::filesystem::path;
 constexpr std::size_t deepest_external = 32;
 constexpr std::uint64_t max_tileset_tiles = std::uint64_t(1) << 24;
 constexpr std::size_t most_losses = std::size_t(1) << 16;
-/// Text of external tilesets that one bake follows, each counted as at least 16 KiB: files that include others twice
-/// double at every step.
+/// Text of the external tilesets of a bake, each counted as at least 16 KiB: two inclusions per file double at a step.
 constexpr std::uint64_t most_external_bytes = std::uint64_t(1) << 32, least_external_bytes = std::uint64_t(1) << 14;
 
-/// A content here, and the tile that it becomes.
+/// A content here, and its tile.
 constexpr std::uint64_t content_bytes = sizeof(TilesetContent) + sizeof(TileRef) + 64;
 
 /// What a tile inherits.
@@ -370,7 +369,8 @@ class Reader {
   void skip(const Context& here, const std::string& key, const std::string& reason, bool informative) {
     if (out_.skipped.size() == most_losses)
       throw InputError(here.file, key, "more than 2^16 contents are missing or cannot be read; is the set complete?");
-    out_.skipped.push_back({name_in(root_, here.file) + ": " + key, reason, informative});
+    const std::string cause = reason_without_place(reason, here.file, key);
+    out_.skipped.push_back({name_in(root_, here.file) + ": " + key, cause, informative});
   }
 
   Path root_;  ///< that names of losses are relative to
