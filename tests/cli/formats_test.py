@@ -5,6 +5,7 @@ Usage: formats_test.py GIGABAKE SOURCE_DIR
 """
 import json
 import re
+import struct
 import sys
 import tempfile
 import unittest
@@ -18,6 +19,21 @@ import packed_seeds
 
 SOURCE = Path(sys.argv[2]).resolve()
 MODEL = made_seeds.glb(made_seeds.square(), made_seeds.POSITIONS + made_seeds.INDICES)
+CRS = b"EPSG:25832"
+# GDAL's side file of a GeoTIFF that does not state its system.
+AUX = b"<PAMDataset><SRS>" + CRS + b"</SRS></PAMDataset>"
+VRT = (b'<VRTDataset rasterXSize="4" rasterYSize="4"><SRS>' + CRS + b"</SRS>"
+       b"<GeoTransform>500000, 10, 0, 5100160, 0, -10</GeoTransform>"
+       b'<VRTRasterBand dataType="Byte" band="1"><SimpleSource><SourceFilename relativeToVRT="1">dem.tif'
+       b"</SourceFilename><SourceBand>1</SourceBand></SimpleSource></VRTRasterBand></VRTDataset>")
+PRJ = b"""PROJCS["ETRS89 / UTM zone 32N",GEOGCS["ETRS89",DATUM["European_Terrestrial_Reference_System_1989",
+SPHEROID["GRS 1980",6378137,298.257222101]],PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]],
+PROJECTION["Transverse_Mercator"],PARAMETER["latitude_of_origin",0],PARAMETER["central_meridian",9],
+PARAMETER["scale_factor",0.9996],PARAMETER["false_easting",500000],PARAMETER["false_northing",0],UNIT["metre",1]]"""
+B3DM = made_seeds.b3dm()
+CMPT = b"cmpt" + struct.pack("<3I", 1, 16 + len(B3DM), 1) + B3DM
+ASC = b"ncols 2\nnrows 2\nxllcorner 500000\nyllcorner 5100000\ncellsize 10\n1.5 2\n3 4\n"
+HGT = b"\0\x40" * (1201 * 1201)
 RASTER = {"gigabake": 1, "sources": [{"dem": "dem.tif", "crs": "EPSG:25832"}]}
 # What README.md calls a source: its files, and the one that `plan` reads ("" is the folder of them).
 SOURCES = {
@@ -31,6 +47,12 @@ SOURCES = {
     "tileset.json": ({"tileset.json": made_seeds.text(made_seeds.tileset(made_seeds.tile())),
                       "model.gltf": made_seeds.text(made_seeds.square())}, "tileset.json"),
     ".3tz": ({"a.3tz": made_seeds.archives()[0]}, "a.3tz"),
+    ".i3dm": ({"a.i3dm": made_seeds.i3dm()[0]}, "a.i3dm"),
+    ".cmpt": ({"a.cmpt": CMPT}, "a.cmpt"),
+    ".tif": ({"dem.tif": made_seeds.tiff(4, 1), "dem.tif.aux.xml": AUX}, "dem.tif"),
+    ".asc": ({"dem.asc": ASC, "dem.prj": PRJ}, "dem.asc"),
+    ".hgt": ({"N46E008.hgt": HGT}, "N46E008.hgt"),
+    ".vrt": ({"dem.tif": made_seeds.tiff(4, 1), "dem.vrt": VRT}, "dem.vrt"),
     "elevation raster": ({"a.json": made_seeds.text(RASTER), "dem.tif": made_seeds.tiff(4, 1)}, "a.json"),
     "scene .json": ({"a.json": made_seeds.scenes()[0], "model.gltf": made_seeds.text(made_seeds.square())}, "a.json"),
 }
