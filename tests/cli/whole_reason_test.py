@@ -169,8 +169,8 @@ class WholeReason(harness.FolderTest):
             self.compare_tiles(kind, list(tile_cases(name)))
 
     def compare_tiles(self, kind, cases):
-        lines = []
-        for folder in self.folders(kind):
+        lines, folders = [], self.folders(kind)
+        for folder in folders:
             harness.write_glb(folder / "good.glb", [[0, 0, 0], [4, 0, 0], [4, 0, -4]], [0, 1, 2])
             for number, (_, files) in enumerate(cases):
                 # Named by letters: lines that differ only in numbers are counted together.
@@ -183,6 +183,11 @@ class WholeReason(harness.FolderTest):
             case = f"case_{chr(97 + number // 26)}{chr(97 + number % 26)}/"
             with self.subTest(kind=kind, case=case, file=file):
                 short, long = ([line for line in run if case in line] for run in lines)
+                if not short:  # a warning that is counted with those of other files, under another example
+                    main = "a.obj" if file == "a.mtl" else file
+                    short, long = (self.lines_of(["plan", folder / case / main, "--voxel-size", 0.5, "--local"])
+                                   for folder in folders)
+                    case = main
                 self.compare(case, short, long, files[file][-200:])
 
     def edit_scene(self, scene, old, new):

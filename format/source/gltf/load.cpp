@@ -5,6 +5,7 @@
 #include "format/source/gltf/draco_primitive.h"
 #include "format/source/gltf/packed_views.h"
 #include "format/source/image/image_check.h"
+#include "format/source/loss_reason.h"
 #include "lattice/error.h"
 #include "lattice/memory_limit.h"
 #include "lattice/quote.h"

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "format/source/content_magic.h"
+#include "format/source/loss_reason.h"
 #include "format/source/tiles/implicit_tiling.h"
 #include "format/source/tiles/pnts.h"
 #include "format/source/tiles/tileset_anchor.h"
@@ -25,7 +26,6 @@ constexpr std::size_t most_losses = std::size_t(1) << 16;
 /// Text of the external tilesets of a bake, each counted as at least 16 KiB: two inclusions per file double at a step.
 constexpr std::uint64_t most_external_bytes = std::uint64_t(1) << 32, least_external_bytes = std::uint64_t(1) << 14;
 
-/// A content here, and its tile.
 constexpr std::uint64_t content_bytes = sizeof(TilesetContent) + sizeof(TileRef) + 64;
 
 /// What a tile inherits.

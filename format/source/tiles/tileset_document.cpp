@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <string_view>
 
 #include "lattice/error.h"
 #include "lattice/memory_limit.h"
@@ -133,13 +132,6 @@ TilesetDocument parse_tileset(const std::filesystem::path& file, std::span<const
     out.root = tiles.root();
   }
   return out;
-}
-
-std::string reason_without_place(const std::string& error, const std::filesystem::path& file, const std::string& key) {
-  std::string_view reason = error;
-  for (const std::string& stated : {file.string(), key})
-    if (reason.starts_with(stated + ": ")) reason.remove_prefix(stated.size() + 2);
-  return std::string(reason);
 }
 
 }  // namespace gigabake

@@ -37,7 +37,4 @@ struct TilesetDocument {
 TilesetDocument parse_tileset(const std::filesystem::path& file, std::span<const std::uint8_t> text,
                               const Progress& progress = {});
 
-/// Returns an error's reason without the file and the key that a list of losses states in front of it.
-std::string reason_without_place(const std::string& error, const std::filesystem::path& file, const std::string& key);
-
 }  // namespace gigabake
