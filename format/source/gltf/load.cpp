@@ -112,7 +112,7 @@ void take_images(const SourceFiles& files, const std::filesystem::path& file, co
       check_image(file, where, bytes);
       if (with_images) out.images[i] = bytes;
     } catch (const InputError& e) {
-      out.image_faults[i] = e.what();
+      out.image_faults[i] = reason_without_place(e.what(), file, "");
     }
   }
 }

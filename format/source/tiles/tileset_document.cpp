@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "format/source/loss_reason.h"
 #include "lattice/error.h"
 #include "lattice/memory_limit.h"
 #include "lattice/transform.h"
@@ -60,7 +61,7 @@ TilesetTile tile_of(const Path& file, const Json& json, const std::string& where
   try {
     read_members(file, json, where, tile);
   } catch (const InputError& e) {
-    tile.fault = std::make_unique<const std::string>(e.what());
+    tile.fault = std::make_unique<const std::string>(reason_without_place(e.what(), file, ""));
   }
   return tile;
 }
