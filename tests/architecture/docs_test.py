@@ -58,12 +58,13 @@ def index_problems(text):
     """The table of decisions has one row a heading, with the entries below it. Merges used to repeat rows."""
     table = re.findall(r"^\| \[(.+)\]\(#[\w-]+\) \| (.*) \|$", text, re.M)
     below = [part.split("\n", 1) for part in re.split(r"^## ", text, flags=re.M)[1:]]
-    expected = [(name, " ".join(f"[{d}](#d{d})" for d in re.findall(r'<a id="d(\w+)"></a>', body))) for name, body in below]
+    expected = [(name, " ".join(f"[{d}](#d{d})" for d in re.findall(r'<a id="d(\w+)"></a>', body)))
+                for name, body in below]
     for row in sorted(set(expected) - set(table)):
         yield f"docs/decisions.md: the index lacks '{row[0]}' with the entries {row[1]}"
     for row in table:
         if table.count(row) > 1 or row not in expected:
-            yield f"docs/decisions.md: the row '{row[0]}' of the index is repeated or lists other entries than its section"
+            yield f"docs/decisions.md: the index repeats '{row[0]}' or lists other entries than its section"
 
 
 def code_problems(root, decisions):
