@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "format/scene/page_write.h"
+#include "format/system/path_within.h"
 #include "format/system/publish.h"
 #include "lattice/error.h"
 #include "lattice/quote.h"
@@ -22,10 +23,7 @@ fs::path plain(const fs::path& path) {
   return p.has_filename() ? p : p.parent_path();
 }
 
-bool is_at_or_below(const fs::path& path, const fs::path& folder) {
-  const fs::path inner = plain(path), outer = plain(folder);
-  return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
-}
+bool is_at_or_below(const fs::path& path, const fs::path& folder) { return is_within(plain(folder), plain(path)); }
 
 /// As cells ("c_X_Y_Z") and parents ("pL_X_Y_Z") are named.
 bool begins_as_a_shard(std::string_view name) {

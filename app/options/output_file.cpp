@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fstream>
 
+#include "format/system/path_within.h"
 #include "lattice/error.h"
 #include "lattice/quote.h"
 
@@ -19,10 +20,7 @@ fs::path plain(const fs::path& path) {
   return p.has_filename() ? p : p.parent_path();
 }
 
-bool is_at_or_below(const fs::path& path, const fs::path& folder) {
-  const fs::path inner = plain(path), outer = plain(folder);
-  return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
-}
+bool is_at_or_below(const fs::path& path, const fs::path& folder) { return is_within(plain(folder), plain(path)); }
 
 /// Whether a file of the folder is this one under another name.
 bool has_hard_link_in(const fs::path& folder, const fs::path& file) {

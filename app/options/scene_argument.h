@@ -12,7 +12,8 @@ namespace gigabake::app {
 std::filesystem::path scene_argument(const std::string& given);
 
 /// As scene_argument(), of a bake that may be under way or still to start: there may be no scene.xml, or no folder,
-/// yet. Errors  InputError: also a name that looks like a typo: no folder above it, or nearly that of a bake beside it.
+/// yet.
+/// Errors  InputError: also a name with no folder above it, or one that is probably a misspelt bake in the same folder.
 std::filesystem::path live_scene_argument(const std::string& given);
 
 /// OUT, for that name itself and for OUT/scene.xml. Errors  InputError as scene_argument().

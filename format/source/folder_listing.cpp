@@ -6,6 +6,7 @@
 #include "format/source/source_file.h"
 #include "format/source/source_files.h"
 #include "format/source/tiles/tileset_document.h"
+#include "format/system/path_within.h"
 #include "lattice/counted.h"
 #include "lattice/error.h"
 
@@ -13,11 +14,6 @@ namespace gigabake {
 namespace {
 
 using Path = std::filesystem::path;
-
-bool is_below(const Path& canonical_root, const Path& path) {
-  return std::mismatch(canonical_root.begin(), canonical_root.end(), path.begin(), path.end()).first ==
-         canonical_root.end();
-}
 
 void add_uris(const TilesetTile& tile, const Path& file, std::set<Path>& named) {
   for (const std::string& uri : tile.uris) named.insert((file.parent_path() / uri_path(uri)).lexically_normal());
@@ -95,7 +91,7 @@ class Lister {
   void add_link(const Path& link, bool is_folder) {
     std::error_code error;
     const Path target = std::filesystem::canonical(link, error);
-    if (error || !is_below(root_, target)) {
+    if (error || !is_within(root_, target)) {
       if (left_out_++ == 0 || name_in_folder(link) < example_) example_ = name_in_folder(link);
     } else if (!is_folder) {
       (lower_extension(link) == ".json" ? json_ : links_).push_back(link);

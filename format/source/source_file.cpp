@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "format/system/path_within.h"
 #include "lattice/counted.h"
 #include "lattice/error.h"
 #include "lattice/quote.h"
@@ -22,11 +23,6 @@ const Json* find(const std::filesystem::path& file, const Json& object, const st
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& where, const char* key,
                        const std::string& expected) {
   throw InputError(file, where.empty() ? key : where + "." + key, "expected " + expected);
-}
-
-bool is_within(const std::filesystem::path& root, const std::filesystem::path& path) {
-  const auto end = std::mismatch(root.begin(), root.end(), path.begin(), path.end()).first;
-  return end == root.end();
 }
 
 }  // namespace

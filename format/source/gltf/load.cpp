@@ -91,7 +91,7 @@ void take_buffers(const SourceFiles& files, const std::filesystem::path& file, c
   }
 }
 
-/// Returns an image's bytes, or nothing where they are in a file and were not requested.
+/// Returns an image's encoded bytes. Errors  InputError: it has none, or they cannot be read.
 SourceBytes image_bytes(const SourceFiles& files, const std::filesystem::path& file, const Json& image,
                         const std::string& where, const GltfDocument& document) {
   if (is_in_view(image)) return document.view_bytes(image["bufferView"].get<int>());

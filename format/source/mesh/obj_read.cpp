@@ -220,11 +220,11 @@ class ObjReader {
 
   /// For the face's triangles: in the part that they belong to, and among all that are held.
   void make_room(const ObjLine& line, const ObjMaterialUse& use) {
-    const std::uint64_t most_held = 2 * part_triangles(), triangles = corners_.size() - 2;
+    const std::uint64_t max_held = 2 * part_triangles(), triangles = corners_.size() - 2;
     if (material_index_.count(use) == 0) fail_as_changed(line);
     const auto own = parts_.find(use);
     if (own != parts_.end() && own->second.triangles() + triangles > part_triangles()) hand_over(own);
-    if (held_triangles_ + triangles > most_held && !parts_.empty())
+    if (held_triangles_ + triangles > max_held && !parts_.empty())
       hand_over(std::max_element(parts_.begin(), parts_.end(), [](const auto& a, const auto& b) {
         return a.second.triangles() < b.second.triangles();
       }));

@@ -23,7 +23,6 @@ namespace {
 
 using Vector = std::array<double, 3>;
 
-constexpr std::size_t most_corners = max_polygon_corners;
 constexpr std::uint64_t most_vertices = 0xffffffff;
 constexpr std::uint32_t unused = ~std::uint32_t(0);
 /// A vertex of a primitive with its number, and a corner.
@@ -188,7 +187,7 @@ class PlyReader {
 
   void read_corners(const PlyProperty& list, Face& face) {
     const std::uint64_t corners = values_.length(list);
-    face.is_lost = corners > most_corners;
+    face.is_lost = corners > max_polygon_corners;
     if (face.is_lost) warnings_.count_loss("faces left out, since they have more than 2^20 corners", values_.place());
     face.corners.clear();
     for (std::uint64_t c = 0; c < corners; ++c) {

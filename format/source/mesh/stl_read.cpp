@@ -27,8 +27,7 @@ using StlBytes = std::span<const std::uint8_t>;
 using Vector = std::array<double, 3>;
 using TakeLoop = std::function<void(std::span<const Vector>)>;
 
-constexpr std::size_t name_bytes = 80, head_bytes = 84, facet_bytes = 50, most_corners = max_polygon_corners,
-                      looked_at = 1024;
+constexpr std::size_t name_bytes = 80, head_bytes = 84, facet_bytes = 50, looked_at = 1024;
 
 std::uint64_t facets_said(StlBytes bytes) {
   std::uint32_t facets = 0;
@@ -139,7 +138,7 @@ bool for_each_text_loop(const std::filesystem::path& file, const Text& text, con
     } else if (word == "vertex") {
       const std::vector<double> v = obj_numbers(line.rest, 3);
       if (v.size() != 3) warnings.count_loss("vertices without three coordinates, whose facets are left out", name);
-      if (loop.size() == most_corners) throw InputError(file, name, "a facet of more than 1048576 corners");
+      if (loop.size() == max_polygon_corners) throw InputError(file, name, "a facet of more than 1048576 corners");
       loop.push_back(v.size() == 3 ? Vector{v[0], v[1], v[2]} : Vector{std::nan(""), 0, 0});
     } else if (!is_frame(word)) {
       warnings.count("lines not understood", name);

@@ -9,14 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "format/system/path_within.h"
+
 namespace gigabake {
 namespace {
 
 using Path = std::filesystem::path;
-
-bool is_within(const Path& folder, const Path& file) {
-  return std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first == folder.end();
-}
 
 /// PROJ's folders, which it lists separated by colons. Asked for once, before files go through the functions below: the
 /// answer may itself need a file.

@@ -7,6 +7,7 @@
 
 #include "format/source/raster/gdal_open.h"
 #include "format/source/raster/gdal_raster.h"
+#include "format/system/path_within.h"
 #include "lattice/error.h"
 
 namespace gigabake {
@@ -199,8 +200,8 @@ class VrtCheck {
     std::error_code error;
     const Path root = std::filesystem::canonical(folder, error);
     const Path file = std::filesystem::weakly_canonical(folder / name, error);
-    const bool is_inside = std::mismatch(root.begin(), root.end(), file.begin(), file.end()).first == root.end();
-    if (!EQUAL(CPLGetXMLValue(&node, "relativeToVRT", "0"), "1") || !is_inside || name.find(':') != name.npos)
+    if (!EQUAL(CPLGetXMLValue(&node, "relativeToVRT", "0"), "1") || !is_within(root, file) ||
+        name.find(':') != name.npos)
       fail("names " + in_quotes(name) + ", which is not in the folder of the VRT; move it there, with a relative name");
     if (!std::filesystem::is_regular_file(file, error)) fail("names " + in_quotes(name) + ": no such file");
     expect_safe_source(folder / name);
