@@ -1,5 +1,5 @@
 /// The one loop facility: every loop that runs on several of the host's threads runs through here. It was compared with
-/// oneTBB (docs/decisions.md, 205).
+/// oneTBB (decision 205).
 #pragma once
 
 #include <cstddef>

@@ -11,7 +11,7 @@
 namespace gigabake {
 
 /// One line for each level of the parent that is not what its children say: copies must be their voxels, and its own
-/// levels what this program makes of them (docs/format.md, "Parents"). Levels that another version of gigabake has made
+/// levels what this program makes of them (docs/format.md). Levels that another version of gigabake has made
 /// are not compared, for it may have made them otherwise; copies always are.
 /// children: those cells or parents of the scene that its window overlaps. One that cannot be read ends the comparison
 /// without a line: it is named where it is checked itself.

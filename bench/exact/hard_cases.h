@@ -1,5 +1,5 @@
 /// The named hard cases: triangles chosen to sit on a tie, with the voxels each rule must give them, worked out by
-/// hand. docs/accuracy.md lists every name with its reason.
+/// hand. docs/accuracy-hard-cases.md lists every name with its reason.
 #pragma once
 
 #include <ostream>

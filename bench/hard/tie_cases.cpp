@@ -23,7 +23,7 @@ std::vector<HardCase> tie_cases() {
     const std::string name(name_of(rule.rule));
     for (const reference::HardCase& c : table) {
       HardCase hard = lattice_case(c.name + "." + name, "ties, " + name,
-                                   "a tie of docs/accuracy.md, \"Hard cases\"; exact clipping, and worked out by hand");
+                                   "a tie of docs/accuracy-hard-cases.md; exact clipping, and worked out by hand");
       for (const reference::Triangle& t : c.triangles) add_triangle(hard.scenes[0].tiles[0], t, lattice_unit_m);
       hard.parameters.surface = rule.rule;
       hard.by_hand = c.*rule.voxels;

@@ -1,4 +1,4 @@
-/// The thesis's own formats: a paged scene of GigaVoxels oct-trees, in folders of files (docs/format.md).
+/// The thesis's own formats: a paged scene of GigaVoxels oct-trees, in folders of files (docs/format-gigavoxels.md).
 #pragma once
 
 #include <cstdint>

@@ -15,7 +15,7 @@ namespace gigabake {
 /// that were kept from earlier bakes are then made anew.
 inline constexpr std::uint32_t survey_version = 6;
 
-/// A triangle whose box has a longer side, voxels, is left out: exact arithmetic ends there (docs/decisions.md, 151).
+/// A triangle whose box has a longer side, voxels, is left out: exact arithmetic ends there (decision 151).
 inline constexpr std::int64_t longest_side_voxels = 4186112;
 
 /// One column of N×N voxels that a tile's triangles touch.

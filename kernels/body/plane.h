@@ -9,7 +9,7 @@
 /// and its normal say it.
 ///
 /// Exact   Integers of 32 bits: host and device return the same bits.
-/// Source  docs/lab/levels.md (blended planes).
+/// Source  docs/experiments/levels.md (blended planes).
 #pragma once
 
 #include <cstdint>

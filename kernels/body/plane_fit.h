@@ -1,7 +1,7 @@
 /// Which plane a patch is, if it is one sheet.
 ///
 /// Exact   Integers of 32 bits: host and device return the same bits.
-/// Source  docs/lab/levels.md (blended planes).
+/// Source  docs/experiments/levels.md (blended planes).
 #pragma once
 
 #include <cstdint>

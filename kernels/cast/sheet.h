@@ -6,7 +6,7 @@
 /// to 1.7 times too long; where they are zero, and which side a point is on, is the same.
 ///
 /// Exact   IEEE float: host and device return the same bits.
-/// Source  Ohtake et al. 2003, "Multi-level Partition of Unity Implicits"; docs/lab/levels.md.
+/// Source  Ohtake et al. 2003, "Multi-level Partition of Unity Implicits"; docs/experiments/levels.md.
 #pragma once
 
 #include <cmath>

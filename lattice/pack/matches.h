@@ -7,7 +7,7 @@
 ///
 /// Exact   Integers: host and device give the same tokens.
 /// Range   All bytes may be read `readable_beyond` further than they reach.
-/// Source  What else was tried: docs/lab/packing.md.
+/// Source  What else was tried: docs/experiments/kernels.md.
 #pragma once
 
 #include <bit>

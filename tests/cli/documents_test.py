@@ -23,7 +23,6 @@ CHECKED = {
     "gigabake view": "needs a display; view_test.py opens one",
     "gigabake serve": "does not end; serve_test.py runs it",
     "gigabake bench": "takes minutes; bench_test.py, accuracy_test.py and leaks_test.py run it on small scenes",
-    "gigabake render OUT --path path.json --frames 120 --live": "is a flight of minutes; path_test.py runs a short one",
 }
 # Other words that begin a command line.
 SHELL = {"cd", "export"}
@@ -53,12 +52,13 @@ def without_text(line):
 
 
 def blocks(text):
-    """Lists of commands: of each block of shell lines, and of each group of indented ones."""
+    """Yields lists of commands: of each block of shell lines, of each group of indented lines, of each table row."""
     for language, body in re.findall(r"^```(\w*)\n(.*?)^```", text, re.M | re.S):
         if language in ("", "sh", "bash"):
             yield [without_text(line) for line in body.replace("\\\n", " ").splitlines() if line.strip()]
     for group in re.findall(r"(?:^    (?:gigabake|mpirun|cluster/|\./|cmake) ?.*\n)+", text, re.M):
         yield [without_text(line.strip()) for line in group.splitlines()]
+    yield from ([command] for command in re.findall(r"^\|.*\| `(gigabake [^`…]+)` \|$", text, re.M))
 
 
 def spans(text):
@@ -158,10 +158,10 @@ class Documents(harness.FolderTest):
         command, text = words[1], " ".join(words).replace("/tmp/", "")
         for open_value, value in OPEN_VALUES.items():
             text = text.replace(open_value, value)
-        text = re.sub(r" \.\.+$", "", re.sub(r"(?<=bake) \.\.\.(?= -)", " SCENE", text))
+        text = re.sub(r" \.\.+$", "", re.sub(r"(?<=bake) \.\.\.(?= -)", " SOURCE", text))
         for shape, numbers in NUMBERS:
             text = re.sub(rf"{shape}(?=\s|$)", numbers, text)
-        out = text.replace(" SCENE", " scene/tileset.json").split()
+        out = re.sub(r" (SOURCE|tileset\.json)\b", " scene/tileset.json", text).split()
         for option, value in NEEDED.get(command, ()):
             out += [] if option in out else [option, value]
         for option, value in SMALL.get(command, {}).items():

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every format that README.md names is in a build with the packages of `tools/install-packages build`.
+"""Tests that each format README.md and docs/commands.md name is in a build with `tools/install-packages build`.
 
 Usage: formats_test.py GIGABAKE SOURCE_DIR
 """
@@ -56,7 +56,7 @@ SOURCES = {
     "elevation raster": ({"a.json": made_seeds.text(RASTER), "dem.tif": made_seeds.tiff(4, 1)}, "a.json"),
     "scene .json": ({"a.json": made_seeds.scenes()[0], "model.gltf": made_seeds.text(made_seeds.square())}, "a.json"),
 }
-# What README.md calls an export: the name of the format.
+# Exports that docs/commands.md names, and the names of their formats.
 EXPORTS = {"PLY": "ply", "NanoVDB": "nvdb", "OpenVDB": "vdb", "CesiumJS": "3dtiles", "GigaVoxels": "gigavoxel-xml"}
 
 
@@ -91,7 +91,7 @@ class Formats(harness.FolderTest):
 
     # 2026-11-25: ./quickstart built a program that refused elevation rasters.
     def test_every_source_that_the_readme_names_is_read(self):
-        sentence = re.search(r"`SCENE` is (.*?)\(\[all of it\]", self.readme, re.S).group(1)
+        sentence = re.search(r"`SOURCE` is (.*?)\(\[all of it\]", self.readme, re.S).group(1)
         named = set(re.findall(r"`(\.?[\w.]+)`", sentence)) - {".json"}
         self.assertLessEqual(named, set(SOURCES), "add the new format to SOURCES of this test")
         sentence = " ".join(sentence.replace("`", "").split())
@@ -110,8 +110,9 @@ class Formats(harness.FolderTest):
                 scene = self.write({"a.gltf": made_seeds.text(document)}) / "a.gltf"
                 PROGRAM.succeed("bake", scene, "-o", scene.parent / "out", "--voxel-size", 0.25)
 
-    def test_every_export_that_the_readme_names_is_written(self):
-        names = re.search(r"gigabake export .*?: (.*)", self.readme).group(1).split(", ")
+    def test_every_export_that_the_documentation_names_is_written(self):
+        commands = (SOURCE / "docs/commands.md").read_text(encoding="utf-8")
+        names = re.search(r"^gigabake export .*?  +(.*)$", commands, re.M).group(1).split(", ")
         self.assertEqual(sorted(names), sorted(EXPORTS))
         for name in names:
             with self.subTest(export=name):

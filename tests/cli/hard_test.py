@@ -34,7 +34,7 @@ def every_bound_holds(gigabake, work):
 
 def the_document_lists_every_case(bench, source):
     """Ties stand there by their own tables."""
-    text = (Path(source) / "docs/accuracy.md").read_text()
+    text = (Path(source) / "docs/accuracy-suite.md").read_text()
     section = text.split("## The suite")[1].split("\n## ")[0]
     listed = re.findall(r"^\| `([^`]+)` \|", section, re.M)
     names = [case["name"] for case in bench["cases"] if not case["group"].startswith("ties")]

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The three lines of Python in README.md read a real shard.
+"""Tests that the three lines of Python in docs/library.md read a real shard.
 
 Usage: readme_test.py GIGABAKE SOURCE_DIR
 """
@@ -38,18 +38,18 @@ def write_square(path):
     }))
 
 
-def readme_lines(source_dir):
-    text = (source_dir / "README.md").read_text(encoding="utf-8")
+def library_lines(source_dir):
+    text = (source_dir / "docs/library.md").read_text(encoding="utf-8")
     block = re.search(r"<!-- h5py -->\s*```python\n(.*?)```\s*<!-- /h5py -->", text, re.S)
-    assert block, "README.md has no <!-- h5py --> block"
+    assert block, "docs/library.md has no <!-- h5py --> block"
     lines = block.group(1).strip().splitlines()
-    assert len(lines) == 3, f"README.md promises three lines and has {len(lines)}"
+    assert len(lines) == 3, f"docs/library.md promises three lines and has {len(lines)}"
     return lines
 
 
 def main():
     gigabake, source_dir = sys.argv[1], Path(sys.argv[2])
-    lines = readme_lines(source_dir)
+    lines = library_lines(source_dir)
     try:
         import h5py
     except ImportError:
@@ -69,7 +69,7 @@ def main():
         assert sum(bin(int(word)).count("1") for word in mask.reshape(-1)) == 144
         assert (rgb[:, 2] == 0).all() and len({tuple(c) for c in rgb}) == 144, "red and green rise across the square"
         names["shard"].close()
-    print("README.md's three lines read", len(rgb), "voxels")
+    print("The three lines of docs/library.md read", len(rgb), "voxels")
     return 0
 
 

@@ -1,5 +1,5 @@
 /// A closed surface keeps its inside to itself: no flood fill of empty voxels gets from outside to inside. Which
-/// neighbours the fill may use is what each rule promises (docs/lab/no-leaks.md has the proofs).
+/// neighbours the fill may use is what each rule promises (docs/accuracy.md has the proofs).
 #include <cmath>
 #include <cstdlib>
 #include <gtest/gtest.h>

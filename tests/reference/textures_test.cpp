@@ -1,5 +1,5 @@
 /// Textures on voxels against brute force: the bilinear or nearest texel, as a renderer magnifies it, sampled densely
-/// over the voxel's part of the surface. Bounds: docs/accuracy.md.
+/// over the voxel's part of the surface. Bounds: docs/accuracy-images.md.
 #include <gtest/gtest.h>
 
 #include "bake_scene.h"

@@ -62,7 +62,7 @@ void set_sky_directions(float sky[kernels::sky_directions][3]) {
 }
 
 /// Cones to the sky are a voxel of lod 1 wide so many voxels from their tips. Wider ones see more surface than there is
-/// (docs/lab/frames.md).
+/// (docs/experiments/frames.md).
 constexpr double sky_lod1 = 16;
 
 /// Evenly over the disc, along a spiral from its edge inwards: the first points are of the pixels whose rays are cast

@@ -52,7 +52,7 @@ struct LeakBench {
   std::string backend;        ///< "cpu" or "cuda": where cells were baked; pictures are drawn by the CPU
   int edge = 0, samples = 0;  ///< edge 0: a scene that was given
   std::vector<LeakResult> scenes;
-  /// No opaque surface lets more light through than docs/accuracy.md allows, in any view.
+  /// No opaque surface lets more light through than docs/accuracy-rendering.md allows, in any view.
   bool is_bounded() const;
   /// Returns the scenes whose views together show fewer than min_inner_pixels; without those that need Embree.
   std::vector<std::string> unmeasured() const;

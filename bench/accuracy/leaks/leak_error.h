@@ -36,7 +36,7 @@ LeakError leak_error(const std::vector<bool>& inner, const AlphaPicture& truth, 
 /// Of all pixels of both.
 LeakError together(const LeakError& a, const LeakError& b);
 
-/// What is asked of an opaque surface (docs/accuracy.md, Leaks).
+/// What is asked of an opaque surface (docs/accuracy-rendering.md, Leaks).
 inline constexpr double most_below_99 = 0.001, least_opaque_alpha = 0.95;
 inline bool is_bounded(const LeakError& e) { return e.below_99 <= most_below_99 && e.least >= least_opaque_alpha; }
 

@@ -1,7 +1,7 @@
 /// The zlib frame of one chunk, by the rules of lattice/pack: the bytes that a device makes of it too.
 ///
 /// Range   Up to 2^30 bytes.
-/// Cost    A core's 4 ns a byte, less than libdeflate's level 1; figures are in docs/lab/packing.md. A thread keeps its
+/// Cost    A core's 4 ns a byte, less than libdeflate's level 1 (docs/experiments/kernels.md). A thread keeps its
 ///         working memory: 0.2 MB, and twice its largest chunk.
 #pragma once
 
