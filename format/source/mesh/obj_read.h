@@ -13,7 +13,7 @@
 namespace gigabake {
 
 /// Reads faces with negative indices, texture coordinates and vertex colours (sRGB), each used for the faces that have
-/// it, mtllib and usemtl; points and lines are counted. docs/format-sources.md lists what is used and reported.
+/// it, mtllib and usemtl; points and lines are counted. docs/format-meshes.md lists what is used and reported.
 /// Exact   Coordinates are read as doubles. Those beyond 10 km are stored relative to the origin of their group
 ///         (mesh_origin.h): projected coordinates keep their millimetres.
 /// Sink    A file of more than part_triangles() is read twice: to know what all corners of a material have, then to
