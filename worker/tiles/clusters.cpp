@@ -13,7 +13,7 @@ namespace {
 constexpr int axis_bits = 10;
 constexpr std::uint32_t no_vertex = UINT32_MAX;
 
-/// Thrice the mean of the corners.
+/// Returns three times the mean of the corners.
 std::array<double, 3> tripled_centroid(const Primitive& mesh, std::size_t triangle) {
   std::array<double, 3> sum{};
   for (std::size_t corner = 0; corner < 3; ++corner) {
@@ -23,12 +23,12 @@ std::array<double, 3> tripled_centroid(const Primitive& mesh, std::size_t triang
   return sum;
 }
 
-/// From coordinates to 2^axis_bits steps of equal length on all axes.
+/// Quantizer of coordinates to 2^axis_bits steps of equal length on all axes.
 struct CurveGrid {
   std::array<double, 3> low{};
   double steps_per_unit = 0;
 
-  /// What lies beyond the grid, or is no number, goes to its border.
+  /// Clamps values beyond the grid to its border; NaN maps to step 0.
   std::uint32_t step(double value, std::size_t axis) const {
     constexpr double last = (1 << axis_bits) - 1;
     const double at = (value - low[axis]) * steps_per_unit;
@@ -36,13 +36,14 @@ struct CurveGrid {
   }
 };
 
-/// Over the place of most triangles: one vertex with a wrong unit must not put all others into one step.
+/// Fits the grid to the 2nd to 98th percentile of centroids: one vertex with a wrong unit must not put all others into
+/// one step.
 CurveGrid grid_of(const Primitive& mesh) {
   constexpr std::size_t samples = 1024;
   const std::size_t triangles = mesh.index.size() / 3;
   std::array<std::vector<double>, 3> along;
   for (std::uint64_t i = 0; i < samples; ++i) {
-    // Scattered: at a regular distance they could all lie in one row of a grid.
+    // Scattered samples: with a regular stride all of them could lie in one row of a grid.
     const std::size_t triangle = std::size_t((i * 0x9e3779b97f4a7c15ull >> 32) * triangles >> 32);
     const std::array<double, 3> at = tripled_centroid(mesh, triangle);
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -63,7 +64,7 @@ CurveGrid grid_of(const Primitive& mesh) {
   return grid;
 }
 
-/// Triangles along the curve; in the low half of each value.
+/// Returns the triangles in Morton order; the low half of each value is the triangle's index.
 kernels::UnsetArray<std::uint64_t> along_curve(const Primitive& mesh) {
   const CurveGrid grid = grid_of(mesh);
   kernels::UnsetArray<std::uint64_t> order(mesh.index.size() / 3);
@@ -82,7 +83,7 @@ class ClusterBuilder {
     cluster_.position_step = mesh_.position_step;
   }
 
-  /// Until the next one is built.
+  /// Returns a cluster; the reference is valid until the next call.
   const Primitive& build(std::span<const std::uint64_t> triangles) {
     cluster_.index.clear();
     for (const std::uint64_t t : triangles)
@@ -118,16 +119,16 @@ class ClusterBuilder {
   }
 
   const Primitive& mesh_;
-  std::vector<std::uint32_t> local_;  ///< by vertex of the mesh: its number in the cluster in hand
-  std::vector<std::uint32_t> used_;   ///< vertices of the cluster in hand
+  std::vector<std::uint32_t> local_;  ///< by vertex of the mesh: its index in the current cluster
+  std::vector<std::uint32_t> used_;   ///< vertices of the current cluster
   Primitive cluster_;
 };
 
-/// Halves that differ in one bit of the curve's code, until they are small: runs of equal length would have long tails,
-/// these are boxes.
+/// Halves the range by one bit of the Morton code until it is small enough. The clusters are boxes; runs of equal
+/// length would have long tails.
 template <class Visit>
 void for_each_box(std::span<const std::uint64_t> along_curve, int bit, const Visit& visit) {
-  while (bit < 0 && along_curve.size() > cluster_triangles) {  // all in one step of the grid
+  while (bit < 0 && along_curve.size() > cluster_triangles) {  // all centroids in one step of the grid
     visit(along_curve.first(cluster_triangles));
     along_curve = along_curve.subspan(cluster_triangles);
   }

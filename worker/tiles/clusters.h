@@ -1,5 +1,5 @@
-/// Clusters: groups of neighbouring triangles of a mesh. A cell that meets a corner of a large mesh moves, bins and
-/// uploads the clusters near it, and no others.
+/// Clusters: groups of neighbouring triangles of a mesh. A cell that overlaps only a corner of a large mesh transforms,
+/// bins and uploads only the clusters near that corner.
 #pragma once
 
 #include <cstddef>
@@ -13,21 +13,22 @@
 
 namespace gigabake {
 
-/// Few enough that a cluster is small beside a cell, so many that its vertices are mostly its own.
+/// A trade-off: a cluster is small compared with a cell, yet most of its vertices belong to it alone.
 inline constexpr std::size_t cluster_triangles = 512;
-/// About what one takes, joined to others, whose triangles share their corners as those of a terrain do.
+/// Approximate memory of one cluster of a joined mesh whose triangles share vertices as those of a terrain do.
 inline constexpr std::uint64_t cluster_bytes = cluster_triangles * (3 * 4 + 28 * 6 / 10);
 
-/// The mesh's triangles in clusters of at most cluster_triangles: those whose centroids share a box of an oct-tree (a
-/// prefix of their Morton codes; Lauterbach et al. 2009). Each cluster is a mesh with its own vertices; material and
-/// position_step are the mesh's. Exact   Every triangle is in one cluster, with its corners in their order and their
-/// values bit for bit. Range   Any positions: a triangle that is not finite, or far from all others, is in some
-/// cluster. Cost    About 90 ns a triangle of one thread, and 8 bytes a triangle and 4 a vertex beside the result.
+/// Splits the mesh's triangles into clusters of at most cluster_triangles. A cluster's centroids share a box of an
+/// octree (a prefix of their Morton codes; Lauterbach et al. 2009). Each cluster is a mesh with its own vertices; it
+/// inherits material and position_step.
+/// Exact   Every triangle is in exactly one cluster, with its corners in the same order and bitwise equal values.
+/// Range   Any positions: a triangle that is not finite, or far from all others, is assigned to some cluster.
+/// Cost    About 90 ns per triangle on one thread; temporary memory of 8 bytes per triangle and 4 per vertex.
 std::vector<Primitive> clusters_of(const Primitive& mesh);
-/// The same clusters in the same order, one at a time: the visitor's until it returns.
+/// Visits the same clusters in the same order, one after the other. The reference is valid until `visit` returns.
 void for_each_cluster(const Primitive& mesh, const std::function<void(const Primitive&)>& visit);
 
-/// Clusters of one mesh as one mesh again, one behind the other.
+/// Concatenates clusters of one mesh into one mesh.
 Primitive joined(std::span<const std::shared_ptr<const Primitive>> clusters);
 
 }  // namespace gigabake

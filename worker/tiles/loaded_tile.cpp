@@ -8,7 +8,7 @@
 namespace gigabake {
 namespace {
 
-/// A mesh of fewer triangles is not worth cutting.
+/// Min triangles of a mesh that is worth splitting.
 constexpr std::uint64_t least_cut_triangles = 4 * cluster_triangles;
 
 template <class T>
@@ -16,7 +16,8 @@ std::uint64_t bytes_held(const std::vector<T>& v) {
   return v.capacity() * sizeof(T);
 }
 
-/// Cells side by side start at multiples of their edge; where a stack of them starts depends on the terrain.
+/// Returns true if the box spans several cells. In x and y, cells start at multiples of their edge. In z, the start of
+/// a column of cells depends on the terrain; the height is therefore compared with the edge of a cell.
 bool reaches_over_cells(const SceneBox& box, const BakeParameters& p) {
   if (box.is_empty()) return false;
   const double edge_m = p.cell_voxels * p.voxel_size_m, margin_m = 2 * p.voxel_size_m;

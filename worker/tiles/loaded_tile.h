@@ -1,4 +1,4 @@
-/// A tile as cells want it: read once; large meshes in clusters, each with bounds.
+/// A tile prepared for cells: the file is read once, and large meshes are split into clusters with bounds.
 #pragma once
 
 #include <cstdint>
@@ -14,29 +14,34 @@
 
 namespace gigabake {
 
-/// Immutable: cells on several threads read it.
+/// Immutable, because cells on several threads read it.
 class LoadedTile {
  public:
-  /// file: where clusters without a mesh are; null: all have theirs. Primitives in memory that reach over several cells
-  /// of parameters.cell_voxels are cut into clusters, on the pool's threads.
+  /// file: holds the clusters that have no mesh in memory; null if all clusters have one. A primitive in memory that
+  /// spans several cells of parameters.cell_voxels is split into clusters on the pool's threads.
   LoadedTile(TileDirectory&& directory, std::shared_ptr<const TileFile> file, const BakeParameters& parameters,
              const ThreadPool& pool);
 
-  const TileMesh& mesh() const { return directory_.mesh; }  ///< without images and the triangles of its primitives
+  const TileMesh& mesh() const {
+    return directory_.mesh;
+  }  ///< without images and without the triangles of its
+     ///< primitives
   const std::vector<TilePrimitive>& primitives() const { return directory_.primitives; }
-  /// By instance: a box that holds every voxel that it can touch.
+  /// Returns one box per instance; it holds every voxel that the instance can touch.
   const std::vector<SceneBox>& instance_boxes() const { return boxes_; }
   const std::vector<TileImage>& images() const { return directory_.images; }
-  /// With its bytes. Errors  As TileFile::read().
+  /// Returns the image with its encoded bytes.
+  /// Errors  As TileFile::read().
   EncodedImage encoded(std::size_t image) const;
 
-  /// Some clusters of a primitive, as one mesh; null: none. Cost  One of them that is in memory is not copied.
+  /// Returns the given clusters of one primitive as one mesh; null if there are none.
+  /// Cost    A single cluster that is in memory is not copied.
   /// Errors  As TileFile::read().
   std::shared_ptr<const Primitive> mesh_of(const std::vector<const TileCluster*>& clusters) const;
-  /// All of a primitive's triangles.
+  /// Returns all triangles of a primitive as one mesh.
   std::shared_ptr<const Primitive> whole(std::size_t primitive) const;
 
-  std::uint64_t bytes() const;  ///< in memory
+  std::uint64_t bytes() const;  ///< size in memory
 
  private:
   std::shared_ptr<const Primitive> mesh_of(const TileCluster& cluster) const;

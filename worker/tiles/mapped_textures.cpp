@@ -12,11 +12,11 @@
 namespace gigabake {
 namespace {
 
-/// Texels of a few rows of a wide image; less would be read again and again.
+/// Texels of a few rows of a wide image; with a smaller limit they would be paged in again and again.
 constexpr std::uint64_t least_bytes = std::uint64_t(16) << 20;
 constexpr std::chrono::milliseconds interval{4};
 
-/// Returns the resident bytes of mapped files; 0 where the system does not report them.
+/// Returns the resident bytes of mapped files; 0 if the system does not report them.
 std::uint64_t resident_file_bytes() {
   unsigned long long all = 0, resident = 0, of_files = 0;
   std::FILE* statm = std::fopen("/proc/self/statm", "re");

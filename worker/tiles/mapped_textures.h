@@ -1,5 +1,5 @@
-/// Bounds how much of the mapped textures is resident. The pages that cells read from a texture file count as this
-/// process's memory until they are released, and a cell may read all of them.
+/// Bounds the resident size of mapped textures. The pages that cells read from a texture file count as this process's
+/// memory until they are released, and a cell may read all of them.
 #pragma once
 
 #include <condition_variable>
@@ -10,16 +10,16 @@
 
 namespace gigabake {
 
-/// The texture files that this process has mapped. While there are any and memory_limit() is set, a thread looks every
-/// few milliseconds how much of files is resident, and releases the pages of all textures above a share of the limit.
-/// A released page is mapped again when it is read; the system keeps it as long as it has memory.
+/// The texture files that this process has mapped. While any is mapped and memory_limit() is set, a thread polls the
+/// resident size of mapped files every few milliseconds. Above a fraction of the limit it releases the pages of all
+/// textures. A released page is mapped again on the next access, without I/O as long as it is in the page cache.
 /// Thread-safe.
 class MappedTextures {
  public:
   static MappedTextures& of_process();
 
   void add(void* begin, std::uint64_t bytes);
-  /// To be called before the mapping ends.
+  /// Must be called before the mapping ends.
   void remove(void* begin);
 
  private:
@@ -32,12 +32,12 @@ class MappedTextures {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::map<void*, std::uint64_t> mapped_;
-  std::uint64_t other_bytes_ = 0;  ///< resident of files before the first texture: program and libraries
+  std::uint64_t other_bytes_ = 0;  ///< resident bytes of files before the first texture: program and libraries
   bool ends_ = false;
   std::thread watcher_;
 };
 
-/// Returns how many bytes of textures may be resident.
+/// Returns the maximum of resident bytes of mapped textures.
 std::uint64_t max_mapped_texture_bytes();
 
 }  // namespace gigabake

@@ -16,7 +16,7 @@ namespace {
   throw IoError(path, "", std::string("cannot write: ") + std::strerror(errno));
 }
 
-/// A full disk is no fault of the input's.
+/// Opens the file; reports a full disk as IoError because it is not a fault of the input.
 Publication publication_of(const std::filesystem::path& target) {
   make_scratch_folder(target.parent_path());
   try {
@@ -78,7 +78,7 @@ ScratchTurn::ScratchTurn(std::filesystem::path file) : lock_(file += ".lock", O_
   whole.l_whence = SEEK_SET;
   while (lock_.is_open() && ::fcntl(lock_.get(), F_OFD_SETLKW, &whole) != 0 && errno == EINTR) {
   }
-  // Without a lock two ranks may do the same work, and each publishes a whole file.
+  // If locking fails, two ranks may do the same work; each then publishes a complete file.
 }
 
 }  // namespace gigabake

@@ -1,4 +1,4 @@
-/// A scratch file that is written from its begin to its end, and appears whole or not at all.
+/// A scratch file that is published atomically: readers see the whole file or none.
 #pragma once
 
 #include <cstdint>
@@ -10,18 +10,21 @@
 
 namespace gigabake {
 
-/// Errors  IoError of every member: the file and the system's reason; what was written is gone.
+/// Writer of one scratch file.
+/// Errors  IoError from every member, with the file and the system's reason; the incomplete file is removed.
 class ScratchPublication {
  public:
-  /// Makes the folder where it is missing.
+  /// Creates the folder if it is missing.
   explicit ScratchPublication(std::filesystem::path target);
-  /// Errors  Already where the disk has less room than so many bytes: what would end half-way is not begun.
+  /// Checks the free space before the first byte is written, so that a large file does not fail halfway.
+  /// Errors  IoError: the disk has less than `bytes` of free space.
   void expect_room(std::uint64_t bytes) const;
-  /// The offset at which they stand.
+  /// Appends the bytes and returns their offset in the file.
   std::uint64_t append(std::span<const std::uint8_t> bytes);
-  /// Anywhere; what nothing was put to is 0. Not to be mixed with append().
+  /// Writes at any offset; gaps read as 0. Must not be combined with append().
   void put(std::uint64_t offset, std::span<const std::uint8_t> bytes);
-  /// Not flushed: after a loss of power it may be cut, and is made again.
+  /// Does not flush to disk: after a power failure the file may be truncated. Readers then reject it, and it is made
+  /// again.
   void publish();
 
  private:
@@ -31,11 +34,12 @@ class ScratchPublication {
   std::uint64_t bytes_ = 0;
 };
 
+/// Creates the folder and its parents.
 /// Errors  IoError: the folder cannot be made.
 void make_scratch_folder(const std::filesystem::path& folder);
 
-/// The right to make a file, held until it goes out of scope: other ranks that want the same file wait. A process that
-/// dies lets go of it.
+/// Exclusive file lock for making one scratch file, released at the end of the scope. Other ranks that need the same
+/// file wait for it. The system releases the lock if the process dies.
 class ScratchTurn {
  public:
   explicit ScratchTurn(std::filesystem::path file);
@@ -44,8 +48,8 @@ class ScratchTurn {
   Descriptor lock_;
 };
 
-/// What a scratch file holds: found, or made by the one whose turn it is while the others wait.
-/// find: null where the file is not there. make: writes it.
+/// Returns the content of a scratch file, and makes the file if it is missing. One rank makes it while the others wait.
+/// find: returns null if the file does not exist. make: writes the file and returns its content.
 template <class Find, class Make>
 auto found_or_made(const std::filesystem::path& file, const Find& find, const Make& make) -> decltype(find()) {
   if (auto found = find()) return found;

@@ -26,8 +26,8 @@ bool is_sensible(const TextureHead& head, std::uint64_t file_bytes) {
          head.bytes == head.bytes_before(head.levels) && file_bytes == sizeof head + head.bytes;
 }
 
-/// Of mapped bytes. What was looked at is let go at once: only the texels that cells show are to count as this
-/// process's memory.
+/// Hashes mapped bytes and releases their pages immediately: only texels that cells use should count as this process's
+/// memory.
 std::uint64_t hash_and_let_go(const std::uint8_t* begin, std::uint64_t bytes) {
   constexpr std::uint64_t at_once = std::uint64_t(16) << 20, page = 4096;
   XXH3_state_t state;
@@ -42,7 +42,7 @@ std::uint64_t hash_and_let_go(const std::uint8_t* begin, std::uint64_t bytes) {
   return XXH3_64bits_digest(&state);
 }
 
-/// level_hash: gives the hash of a level.
+/// Returns the checksum of header and levels. level_hash: returns the hash of a level.
 template <class LevelHash>
 std::uint64_t checksum_of_levels(const TextureHead& head, const LevelHash& level_hash) {
   std::vector<std::uint64_t> hashes;

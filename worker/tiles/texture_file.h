@@ -1,5 +1,5 @@
-/// A texture's pyramid on scratch, mapped into memory: decoded and filtered once, then cells touch the texels that they
-/// show, and all ranks of a host share what the system keeps of it.
+/// A texture's pyramid on scratch, mapped into memory. It is decoded and filtered once; cells then page in only the
+/// texels that they use, and all ranks of a host share the page cache.
 #pragma once
 
 #include <cstdint>
@@ -10,16 +10,17 @@
 
 namespace gigabake {
 
-/// Raised whenever the same image would make another pyramid, or one would be stored otherwise.
+/// Version of the file. Increment it when the same image would give another pyramid, or when the file layout changes.
 inline constexpr std::uint32_t texture_file_version = 2;
 
-/// Appears whole or not at all. Errors  IoError: the file and the system's reason.
+/// Writes the file atomically.
+/// Errors  IoError: the file and the system's reason.
 void write_texture(const std::filesystem::path& target, const kernels::TextureView& texture);
 
 class TextureFile {
  public:
-  /// Null where there is no whole file of this version. id: TextureView::id of the result.
-  /// Cost  Reads all of it, for its checksum, where is_checked is false.
+  /// Returns null if there is no complete file of this version. id: TextureView::id of the result.
+  /// Cost    Reads the whole file for its checksum if is_checked is false.
   static std::shared_ptr<const TextureFile> open(const std::filesystem::path& path, std::uint64_t id, bool is_checked);
   ~TextureFile();
   TextureFile(const TextureFile&) = delete;

@@ -1,4 +1,4 @@
-/// How a texture stands in its scratch file: a head, then its levels, the finest first.
+/// Layout of a texture's scratch file: a header, then the levels from the finest to the coarsest.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct TextureHead {
   std::uint64_t level_bytes(int level) const {
     return row_bytes(level) * std::uint64_t(kernels::level_extent(height, level));
   }
-  /// Of levels [0, end).
+  /// Returns the bytes of levels [0, end).
   std::uint64_t bytes_before(int end) const {
     std::uint64_t sum = 0;
     for (int l = 0; l < end; ++l) sum += level_bytes(l);
@@ -32,7 +32,8 @@ struct TextureHead {
 };
 static_assert(sizeof(TextureHead) == 56 && sizeof(TextureHead) % alignof(std::uint16_t) == 0);
 
-/// level_hashes: XXH3_64bits of each level's bytes, so that levels may be written side by side.
+/// Returns the checksum of header and levels.
+/// level_hashes: XXH3_64bits of each level's bytes; hashing per level allows levels to be written concurrently.
 std::uint64_t checksum_of(TextureHead head, std::span<const std::uint64_t> level_hashes);
 
 }  // namespace gigabake

@@ -17,10 +17,10 @@ namespace gigabake {
 namespace {
 
 constexpr std::size_t written_at_once = std::size_t(256) << 10;
-/// A row of the next level covers at most so many, and the last of them may be the first of the one after it.
+/// Max source rows of one row of the next level; the last of them may be the first source row of the following one.
 constexpr std::size_t rows_held = 3;
 
-/// Bytes of one level on their way to the file.
+/// Buffered, hashed writer of one level.
 class LevelSink {
  public:
   LevelSink(ScratchPublication& file, std::uint64_t offset) : file_(file), offset_(offset) {
@@ -32,7 +32,7 @@ class LevelSink {
     pending_.insert(pending_.end(), row.begin(), row.end());
     if (pending_.size() >= written_at_once) write();
   }
-  /// The hash of all.
+  /// Writes the remaining bytes and returns the hash of all bytes.
   std::uint64_t finish() {
     write();
     return XXH3_64bits_digest(&hash_);
@@ -69,7 +69,7 @@ class PyramidWriter {
     for (auto& row : base_rows_) row.resize(head.row_bytes(0));
   }
 
-  /// Where the image's next row goes; take_base_row() when it is there.
+  /// Returns the buffer for the image's next row; call take_base_row() once it is filled.
   std::vector<std::uint8_t>& base_row() { return base_rows_[std::size_t(levels_[0].taken) % rows_held]; }
   void take_base_row() {
     levels_[0].sink.take(base_row());
@@ -89,11 +89,11 @@ class PyramidWriter {
   struct Level {
     kernels::LevelExtent extent;
     LevelSink sink;
-    std::array<std::vector<std::uint16_t>, rows_held> rows = {};  ///< the last ones; none of level 0
+    std::array<std::vector<std::uint16_t>, rows_held> rows = {};  ///< the last rows; empty for level 0
     int taken = 0;
   };
 
-  /// Rows of the next level of which all is there, and what follows from them.
+  /// Makes the rows of the next level whose source rows are complete, then those of all coarser levels.
   void halve_from(std::size_t l) {
     if (l + 1 == levels_.size()) return;
     const Level& fine = levels_[l];

@@ -1,4 +1,4 @@
-/// A texture's scratch file, made of an image that comes row by row: of each level a few rows are in memory.
+/// Writes a texture's scratch file from an image that is decoded row by row; only a few rows per level are in memory.
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,9 @@
 
 namespace gigabake {
 
-/// Exact   The file of write_texture() with the same image and recipe, byte for byte.
-/// Cost    One thread; memory for some six rows of the image and 256 KiB a level.
+/// Writes the scratch file of `image`, filtered as `recipe` specifies.
+/// Exact   Byte for byte the file that write_texture() writes for the same image and recipe.
+/// Cost    One thread; memory for about six rows of the image and 256 KiB per level.
 /// Errors  As ImageRows::next(). IoError: the file and the system's reason.
 void write_texture_rows(const std::filesystem::path& target, ImageRows& image, const TextureRecipe& recipe);
 

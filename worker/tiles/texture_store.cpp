@@ -13,13 +13,14 @@
 namespace gigabake {
 namespace {
 
-/// Filtering needs no threads of its own: textures are loaded side by side.
+/// Decodes and filters on the calling thread, because several textures are loaded concurrently.
 kernels::Texture make_texture(const EncodedImage& encoded, const TextureRecipe& recipe) {
   Image image = decode_image(encoded);
   return {std::move(image.rgba), image.width, image.height, recipe.alpha, recipe.mask_cutoff, callers_thread()};
 }
 
-/// For each column of an image that is decoded in rows: of the image and its levels three each, and the decoder's own.
+/// Memory per column of an image that is decoded in rows: three rows of the image and of its levels, and the decoder's
+/// buffers.
 constexpr std::uint64_t bytes_of_rows = 64;
 
 std::string file_name(const TextureKey& key) {
@@ -42,7 +43,7 @@ std::shared_ptr<const CellTexture> TextureStore::load(const TextureKey& key, std
       });
 }
 
-/// Row by row where the image comes so; else it must fit into memory.
+/// Writes row by row if the image format allows; otherwise the decoded image must fit into memory.
 void TextureStore::write(const std::filesystem::path& file, const EncodedImage& encoded, const TextureRecipe& recipe) {
   const auto rows = ImageRows::open(encoded);
   if (rows == nullptr) {

@@ -1,4 +1,4 @@
-/// Textures of cells: in memory, or, those that are large beside the memory there is, mapped from scratch.
+/// Textures of cells: small ones are in memory; those above a size limit are mapped from scratch.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +17,9 @@
 
 namespace gigabake {
 
-/// An image and how it is filtered.
+/// Key of a texture: an image and its filtering.
 struct TextureKey {
-  Hash128 image;  ///< of its encoded bytes
+  Hash128 image;  ///< of the encoded bytes
   TextureRecipe recipe;
   friend bool operator==(const TextureKey&, const TextureKey&) = default;
 };
@@ -27,7 +27,7 @@ struct TextureKeyHash {
   std::size_t operator()(const TextureKey& key) const { return std::size_t(key.image.lo) + key.recipe.mask_cutoff; }
 };
 
-/// What cells borrow, from wherever.
+/// A texture that cells borrow, in memory or mapped from scratch.
 class CellTexture {
  public:
   explicit CellTexture(kernels::Texture&& held) : held_(std::move(held)) {}
@@ -42,21 +42,24 @@ class CellTexture {
 
 class TextureStore {
  public:
-  /// folder: none: all are in memory. most_bytes: of a texture that is held in memory.
+  /// folder: empty: all textures are in memory. most_bytes: max size of a texture that is held in memory.
   TextureStore(std::filesystem::path folder, std::uint64_t most_bytes)
       : folder_(std::move(folder)), most_bytes_(most_bytes) {}
 
-  /// Is a texture of so many bytes mapped from scratch? Else it is in memory.
+  /// Returns true if a texture of this size is mapped from scratch, false if it is held in memory.
   bool is_on_scratch(std::uint64_t texture_bytes) const;
-  /// texture_bytes: about what it will take. encoded: reads the image, where it must be decoded. A texture that comes
-  /// again from scratch has the id that it had. Thread-safe.
-  /// Cost    On scratch, of an image that comes in rows (format/source/image/image_rows.h), some rows of memory.
-  /// Errors  InputError, as decode_image(). IoError: the scratch folder cannot be written, or is cleared meanwhile.
+  /// Returns the texture; makes it if needed. Thread-safe.
+  /// texture_bytes: approximate size of the texture. encoded: reads the image; called only if the image must be
+  /// decoded. A texture that is reopened from scratch keeps its id.
+  /// Cost    On scratch, a few rows of memory if the image format can be decoded in rows
+  ///         (format/source/image/image_rows.h).
+  /// Errors  As decode_image(). IoError: the scratch folder cannot be written, or another process clears it during the
+  ///         call.
   std::shared_ptr<const CellTexture> load(const TextureKey& key, std::uint64_t texture_bytes,
                                           const std::function<EncodedImage()>& encoded);
 
  private:
-  enum class WasWritten { before, here };  ///< before: its checksum says whether it is whole
+  enum class WasWritten { before, here };  ///< before: the checksum must be verified
   void write(const std::filesystem::path& file, const EncodedImage& encoded, const TextureRecipe& recipe);
   std::shared_ptr<const CellTexture> stored(const TextureKey& key, const std::filesystem::path& file,
                                             WasWritten by = WasWritten::before);
@@ -64,8 +67,8 @@ class TextureStore {
   const std::filesystem::path folder_;
   const std::uint64_t most_bytes_;
   std::mutex mutex_;
-  std::mutex whole_image_;  ///< one at a time is decoded as a whole: each may take what the memory limit allows
-  std::unordered_map<TextureKey, std::uint64_t, TextureKeyHash> id_;  ///< of those whose file was looked through
+  std::mutex whole_image_;  ///< serializes full decodes: each may use all of the memory limit
+  std::unordered_map<TextureKey, std::uint64_t, TextureKeyHash> id_;  ///< of textures whose file has been verified
 };
 
 }  // namespace gigabake

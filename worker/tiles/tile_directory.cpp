@@ -39,7 +39,7 @@ void put_material(ByteWriter& w, const Material& m) {
   w.put(m.texture.nearest), w.put(m.alpha_mode), w.put(m.alpha_cutoff), w.put(m.double_sided), w.put(m.unlit);
 }
 
-/// Of an enum without names.
+/// Reads an enum that has no names.
 template <class Enum>
 void get_numbered(ByteReader& r, Enum& value, Enum last) {
   std::uint8_t number = 0;
@@ -59,7 +59,7 @@ Material get_material(ByteReader& r) {
   return m;
 }
 
-/// Items of these kinds are not plain values: how many, then one after the other.
+/// Writes items that are not plain values: their number, then each item.
 template <class T, class Put>
 void put_list(ByteWriter& w, const std::vector<T>& items, const Put& put) {
   w.put(std::uint64_t(items.size()));
@@ -70,7 +70,9 @@ template <class T, class Get>
 void get_list(ByteReader& r, std::vector<T>& items, const Get& get) {
   std::uint64_t count = 0;
   r.get(count);
-  for (std::uint64_t i = 0; i < count; ++i) items.push_back(get(r));  // ends early where the bytes do
+  for (std::uint64_t i = 0; i < count; ++i)
+    items.push_back(get(r));  // throws at the end of the bytes, whatever the
+                              // count
 }
 
 void put_cluster(ByteWriter& w, const TileCluster& c) {
@@ -145,7 +147,7 @@ TileImage tile_image(EncodedImage&& encoded) {
   try {
     if (!image.encoded.bytes.empty()) image.texture_bytes = image_size(image.encoded).texture_bytes();
   } catch (const InputError&) {
-    // Who decodes it says why: an image that nothing shows may be damaged.
+    // The decoder reports the error, because a damaged image is accepted if nothing uses it.
   }
   return image;
 }

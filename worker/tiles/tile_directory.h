@@ -1,4 +1,4 @@
-/// What a tile's scratch file says besides the clusters' bytes: all that a cell asks before it reads one.
+/// Directory of a tile's scratch file: everything that a cell needs before it reads a cluster.
 #pragma once
 
 #include <cstdint>
@@ -19,32 +19,33 @@ struct TileCluster {
   ScratchBytes stored = {};
 };
 
-/// A primitive of TileMesh: whole, or in clusters (worker/tiles/clusters.h).
+/// A primitive of TileMesh, whole or in clusters (worker/tiles/clusters.h).
 struct TilePrimitive {
   LocalBounds bounds;  ///< of all clusters
   std::uint64_t triangles = 0;
-  std::vector<TileCluster> clusters;  ///< one: whole
+  std::vector<TileCluster> clusters;  ///< a single one: the whole primitive
 };
 
 struct TileImage {
-  Hash128 hash;                     ///< of the encoded bytes: tiles that share an image share its textures
-  std::uint64_t texture_bytes = 0;  ///< ImageSize::texture_bytes(); 0 where the bytes say nothing sensible
-  EncodedImage encoded;             ///< without bytes where they are in the tile's scratch file
+  Hash128 hash;                     ///< of the encoded bytes: tiles with equal images share textures
+  std::uint64_t texture_bytes = 0;  ///< ImageSize::texture_bytes(); 0 if the image header is invalid
+  EncodedImage encoded;             ///< without bytes if they are in the tile's scratch file
   ScratchBytes stored = {};
 };
 
 /// A tile without the triangles of its primitives.
 struct TileDirectory {
-  TileMesh mesh;  ///< its primitives keep `material` and `position_step`; no images
+  TileMesh mesh;  ///< its primitives have only `material` and `position_step`; no images
   std::vector<TilePrimitive> primitives;
-  std::vector<TileImage> images;  ///< as TileMesh::images were
+  std::vector<TileImage> images;  ///< in the order of TileMesh::images
 };
 
 TileImage tile_image(EncodedImage&& encoded);
 
-/// Clusters' meshes and images' bytes are left out.
+/// Serializes the directory without the clusters' meshes and the images' bytes.
 std::vector<std::uint8_t> to_bytes(const TileDirectory& directory);
-/// Errors  InputError: malformed, or an index beyond its list.
+/// Reads what to_bytes() wrote.
+/// Errors  InputError: malformed, or an index out of range.
 TileDirectory directory_from_bytes(std::span<const std::uint8_t> bytes);
 
 }  // namespace gigabake

@@ -48,7 +48,7 @@ const std::uint8_t* take(const std::uint8_t* from, std::size_t count, std::vecto
   return from + count * sizeof(T);
 }
 
-/// False: the file ends early, or errno says why.
+/// Returns false if the file ends early (errno is 0) or cannot be read (errno is set).
 bool read_at(const Descriptor& file, std::uint64_t offset, std::span<std::uint8_t> bytes) {
   errno = 0;
   while (!bytes.empty()) {

@@ -1,7 +1,7 @@
-/// A large tile on scratch: the clusters of its meshes and its images, each read by itself when a cell is near it.
+/// A large tile on scratch: clusters of its meshes, and images. Each is read separately, when a cell near it needs it.
 ///
-/// Their bytes stand one behind the other, then a directory, then a trailer. Private to one version of the
-/// program (tile_file_version): a file of another one, or one that is cut, counts as none.
+/// The file is the concatenated bytes of clusters and images, then a directory, then a trailer. The layout is private
+/// to one version of the program (tile_file_version). A file of another version, or a truncated one, counts as missing.
 #pragma once
 
 #include <cstdint>
@@ -17,25 +17,26 @@
 
 namespace gigabake {
 
-/// Raised whenever the same tile would be read or stored otherwise.
+/// Version of the file. Increment it when the same tile would be read or stored differently.
 inline constexpr std::uint32_t tile_file_version = 1;
 
-/// Where a cluster or an image is in the file.
+/// Location of a cluster or an image in the file.
 struct ScratchBytes {
   std::uint64_t offset = 0, checksum = 0, bytes = 0;
 };
 
-/// Appends position, uv, rgba and index to `bytes`; the answer's offset counts from their begin.
-/// Range  At most 65,536 vertices.
+/// Appends position, uv, rgba and index to `bytes`; the returned offset counts from the begin of `bytes`.
+/// Range   At most 65,536 vertices.
 ScratchBytes append_cluster(const Primitive& cluster, std::vector<std::uint8_t>& bytes);
 
+/// Writer of a tile's scratch file.
 /// Errors  As ScratchPublication.
 class TileFileWriter {
  public:
   explicit TileFileWriter(std::filesystem::path target) : file_(std::move(target)) {}
-  /// Bytes that are read as one.
+  /// Appends bytes that are later read in one call.
   ScratchBytes store(std::span<const std::uint8_t> bytes);
-  /// Clusters of append_cluster(), one behind the other; the offset at which they stand.
+  /// Appends the concatenated results of append_cluster(); returns their offset in the file.
   std::uint64_t append_clusters(std::span<const std::uint8_t> bytes) { return file_.append(bytes); }
   void publish(std::span<const std::uint8_t> directory);
 
@@ -45,15 +46,16 @@ class TileFileWriter {
 
 class TileFile {
  public:
-  /// Null where there is no whole file of this version.
+  /// Returns null if there is no complete file of this version.
   static std::shared_ptr<const TileFile> open(const std::filesystem::path& path);
 
   const std::vector<std::uint8_t>& directory() const { return directory_; }
-  /// Several threads may read.
-  /// Errors  IoError: it cannot be read, or does not hold what was written; the file is removed, so that another try
-  ///         makes it anew.
+  /// Reads the bytes and verifies their checksum. Thread-safe.
+  /// Errors  IoError: the file cannot be read, or its checksum does not match. On a mismatch the file is removed, so
+  ///         that the next attempt makes it again.
   std::vector<std::uint8_t> read(const ScratchBytes& stored) const;
-  /// position, uv, rgba and index of one cluster. Errors  As read().
+  /// Reads position, uv, rgba and index of one cluster.
+  /// Errors  As read().
   Primitive read_cluster(const ScratchBytes& cluster) const;
 
  private:

@@ -13,10 +13,12 @@ std::uint64_t list_bytes(const Primitive& p) {
   return 4 * (p.position.size() + p.index.size() + p.uv.size()) + 2 * p.rgba.size();
 }
 
-/// Returns about how many bytes a part of a large list takes (part_triangles()): one per thread keeps all of them busy.
+/// Returns the approximate size of a part of a large list (part_triangles()): one part per thread keeps all of them
+/// busy.
 std::uint64_t part_bytes() { return part_triangles() * 24; }
 
-/// Its clusters as the file will have them, appended to `bytes`, where offsets count from.
+/// Splits a primitive into the clusters that the file stores, and appends them to `bytes`. Offsets count from its
+/// begin.
 TilePrimitive cut_one(const Primitive& mesh, std::vector<std::uint8_t>& bytes) {
   TilePrimitive out;
   out.bounds = bounds_of(mesh);
@@ -47,7 +49,7 @@ void TileGatherer::take(Primitive&& primitive) {
   if (writer_ && bytes_ >= enough) cut_pending();
 }
 
-/// One batch is cut and written while the next is read.
+/// Splits and writes one batch while the next is read.
 void TileGatherer::cut_pending() {
   wait();
   bytes_ = 0;

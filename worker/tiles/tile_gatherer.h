@@ -1,4 +1,4 @@
-/// Takes a tile's primitives while it is read, and keeps them: in memory, or those of a large tile on scratch.
+/// Collects a tile's primitives while the tile is read. They stay in memory; those of a large tile go to scratch.
 #pragma once
 
 #include <cstdint>
@@ -19,18 +19,20 @@ namespace gigabake {
 class TileGatherer {
  public:
   struct Limit {
-    std::uint64_t most_bytes = 0;        ///< of primitives in memory: with more, all go to the file
-    std::filesystem::path scratch_file;  ///< none: all stay in memory
+    std::uint64_t most_bytes = 0;        ///< of primitives in memory; above it all go to the file
+    std::filesystem::path scratch_file;  ///< empty: all stay in memory
   };
-  /// tile: for messages. The pool cuts clusters while the next primitive is read.
+  /// tile: for messages. The pool splits primitives into clusters while the next primitive is read.
   TileGatherer(const std::filesystem::path& tile, Limit limit, const ThreadPool& pool);
   ~TileGatherer();
 
-  /// Errors  InputError: more than memory_limit() has to stay in memory. IoError: the scratch file cannot be written;
-  ///         it is gone then.
+  /// Adds a primitive.
+  /// Errors  InputError: more than memory_limit() would have to stay in memory. IoError: the scratch file cannot be
+  ///         written; it is removed.
   void take(Primitive&& primitive);
-  /// After the last one: all of them, whole and in memory, or in clusters on scratch. `mesh` is what is left of the
-  /// tile; the file appears here. Errors  As take().
+  /// Returns all primitives after the last take(): whole and in memory, or in clusters on scratch. The scratch file is
+  /// published here. mesh: the tile without its primitives.
+  /// Errors  As take().
   TileDirectory finish(TileMesh&& mesh);
   bool is_on_scratch() const { return writer_.has_value(); }
 
@@ -43,11 +45,11 @@ class TileGatherer {
   const ThreadPool& pool_;
   MemoryClaim claim_;
   std::uint64_t bytes_ = 0;         ///< of pending_
-  std::vector<Primitive> pending_;  ///< in memory, not yet cut
+  std::vector<Primitive> pending_;  ///< in memory, not yet split into clusters
   std::optional<TileFileWriter> writer_;
-  std::vector<TilePrimitive> cut_;  ///< in the file
-  /// Of the batch that is being cut, one a primitive: the next batch uses their memory again. To clear new pages took
-  /// a sixth of the time.
+  std::vector<TilePrimitive> cut_;  ///< primitives in the file
+  /// Buffers of the batch that is being split, one per primitive. The next batch reuses them, because clearing new
+  /// pages took a sixth of the time.
   std::vector<std::vector<std::uint8_t>> cut_bytes_;
   std::future<void> cutting_;  ///< of the last batch
 };

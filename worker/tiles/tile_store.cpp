@@ -29,7 +29,7 @@ std::shared_ptr<const LoadedTile> TileStore::load(std::uint32_t tile, const std:
   const auto find = [&] { return stored(file); };
   const auto make = [&] { return read(tile, expected, file); };
   if (may_be_large(tile)) return found_or_made(file, find, make);
-  const auto found = find();  // a small file of packed triangles
+  const auto found = find();  // a small source file whose compressed triangles may exceed the limit
   return found ? found : make();
 }
 
@@ -46,7 +46,7 @@ std::shared_ptr<const LoadedTile> TileStore::read(std::uint32_t tile, const std:
   TileGatherer gatherer(ref.path, {scratch_.most_tile_bytes, file}, pool_);
   TileMesh mesh = read_tile(ref, sources_.root, ReadScope::everything,
                             [&](std::size_t, Primitive&& primitive) { gatherer.take(std::move(primitive)); });
-  // Compared after it was read: a file that is replaced meanwhile is caught too.
+  // The hash is compared after the read, so that a replacement of the file during the read is detected too.
   if (expected && tile_hash(ref, sources_.root) != *expected)
     throw InputError(ref.path, "", "changed while the bake ran; bake again");
   TileDirectory directory = gatherer.finish(std::move(mesh));

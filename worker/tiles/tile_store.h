@@ -1,7 +1,7 @@
-/// Where tiles come from: from their files, or, those that are large beside the memory there is, from scratch.
+/// Loads tiles from their source files, or from scratch if they are large compared with the memory.
 ///
-/// A large tile is read once. Its clusters go to a file in the scratch folder that is named by the tile's hash, so that
-/// cells, other ranks and a bake that continues later read the clusters that they need, and nothing else of it.
+/// A large tile is read once. Its clusters go to a file in the scratch folder whose name contains the tile's hash.
+/// Cells, other ranks and a resumed bake read only the clusters that they need.
 #pragma once
 
 #include <cstdint>
@@ -18,26 +18,28 @@
 namespace gigabake {
 
 struct TileScratch {
-  std::filesystem::path folder;       ///< none: every tile is held in memory
-  std::uint64_t most_tile_bytes = 0;  ///< of a tile's triangles, or a texture, in memory; more goes to the folder
+  std::filesystem::path folder;       ///< empty: every tile is held in memory
+  std::uint64_t most_tile_bytes = 0;  ///< max bytes in memory of a tile's triangles, or of a texture; larger ones go to
+                                      ///< the folder
 };
 
-/// Of a rank that may use memory_bytes: a tile's triangles, and a texture, may take a 128th of it in memory; 0:
-/// whatever they take. The caches (CellLoader) then hold sixteen of the largest.
+/// Returns the limits of a rank with `memory_bytes`. A tile's triangles or a texture may take 1/128 of it in memory; 0
+/// means no limit. The caches (CellLoader) then hold sixteen of the largest.
 TileScratch scratch_in(std::filesystem::path folder, std::uint64_t memory_bytes);
 
 class TileStore {
  public:
-  /// `sources` and `parameters` must outlive it.
+  /// `sources` and `parameters` must outlive the store.
   TileStore(const SceneSources& sources, const BakeParameters& parameters, TileScratch scratch, int threads);
 
-  /// expected: tile_hash() of what was surveyed; none: whatever the files hold now, in memory.
-  /// Several ranks that want the same large tile: one reads it, the others wait for its scratch file.
-  /// Errors  InputError, as read_tile(); and where the files do not hold what was surveyed. IoError: the scratch folder
-  ///         cannot be written, because its disk is full, say.
+  /// Loads a tile. If several ranks need the same large tile, one reads it and the others wait for its scratch file.
+  /// expected: tile_hash() at the scan; none: the current content of the files is loaded into memory.
+  /// Errors  As read_tile(); InputError if the files changed since the scan. IoError: the scratch folder cannot be
+  ///         written, for example because its disk is full.
   std::shared_ptr<const LoadedTile> load(std::uint32_t tile, const std::optional<Hash128>& expected) const;
 
-  /// Does its file say that it may take more memory than a tile should? It goes to scratch then, where there is one.
+  /// Returns true if the source file is so large that the tile may exceed the memory limit per tile. Such a tile goes
+  /// to scratch if there is a scratch folder.
   bool may_be_large(std::uint32_t tile) const;
   bool has_scratch() const { return !scratch_.folder.empty(); }
 
