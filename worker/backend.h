@@ -1,4 +1,4 @@
-/// Where a rank's kernels run.
+/// Selection of the device that a rank's kernels run on.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ constexpr auto names_of<Backend>() {
   return std::to_array<std::string_view>({"auto", "cpu", "cuda"});
 }
 
-/// What was asked for, of the rank that is the host's `rank_on_host`-th.
+/// The device request of the rank with index `rank_on_host` on its host.
 struct DeviceWish {
   Backend backend = Backend::cpu;
   std::vector<int> allowed = {};  ///< ordinals to choose from; empty: all
@@ -26,15 +26,15 @@ struct DeviceWish {
 
 struct DeviceChoice {
   std::optional<int> device;  ///< none: the CPU
-  std::string reason;         ///< why none, where a device was wanted or would have been taken
-  int sharers = 1;            ///< ranks of the host that take this device, this one among them
+  std::string reason;         ///< reason for the CPU, if a device was requested or the choice was automatic
+  int sharers = 1;            ///< ranks of the host that use this device, including this rank
 };
 
-/// Of `ranks` that take `devices` in turn, how many take the one that rank `rank` takes. Range  0 ≤ rank < ranks;
-/// devices > 0.
+/// Returns how many of `ranks` use the device of rank `rank` when they are assigned to `devices` round-robin.
+/// Range   0 ≤ rank < ranks; devices > 0.
 int sharers_of_device(int rank, int ranks, int devices);
 
-/// Ranks of a host take its devices in turn; several share one where there are fewer.
+/// Assigns the ranks of a host to its devices round-robin; several ranks share a device if there are fewer devices.
 /// Errors  InputError: Backend::cuda and no device; UsageError: an allowed ordinal that the host does not have.
 DeviceChoice choose_device(const DeviceWish& wish);
 

@@ -1,9 +1,9 @@
-/// How a supervisor and its bake process talk: frames over a local socket that both sides check.
+/// Protocol between a supervisor and its bake process: frames over a local socket, validated on both sides.
 ///
 ///   supervisor → process   sources (the next part of WorkerSetup::sources, first), setup (WorkerSetup, once, after all
-///                          of them), survey (tile, u32), bake (BakeOrder)
-///   process → supervisor   started (empty, once, first: it can take requests), ready (DeviceAnswer, once), surveyed
-///   (TileSurvey), baked (BakeAnswer)
+///                          sources), survey (tile, u32), bake (BakeOrder)
+///   process → supervisor   started (empty, once, first: requests are accepted), ready (DeviceAnswer, once), surveyed
+///                          (TileSurvey), baked (BakeAnswer)
 ///
 /// A frame is magic "GBKE" u32, kind u32, payload bytes u64, XXH3-64 of the payload u64, then the payload; little
 /// endian.
@@ -27,7 +27,7 @@ struct BakeMessage {
   std::vector<std::uint8_t> payload;
 };
 
-/// attempt: how often the cell was tried, this time included; the answer repeats it.
+/// A request to bake a cell. attempt: number of attempts including this one; the answer repeats it.
 struct BakeOrder {
   CellJob job;
   std::uint32_t attempt = 1;
@@ -38,7 +38,7 @@ struct BakeAnswer {
   std::uint32_t attempt = 1;
 };
 
-/// The device that the process bakes on, or why it cannot have what was wished for.
+/// The device that the process bakes on, or the reason why the requested device is not available.
 struct DeviceAnswer {
   DeviceChoice choice;
   std::string error;
@@ -48,25 +48,27 @@ std::vector<std::uint8_t> to_bytes(const DeviceAnswer& answer);
 std::vector<std::uint8_t> to_bytes(const BakeOrder& order);
 std::vector<std::uint8_t> to_bytes(const BakeAnswer& answer);
 std::vector<std::uint8_t> survey_request(std::uint32_t tile);
-DeviceAnswer device_from_bytes(std::span<const std::uint8_t> bytes);  ///< Errors InputError when malformed
-BakeOrder order_from_bytes(std::span<const std::uint8_t> bytes);      ///< Errors InputError when malformed
-BakeAnswer answer_from_bytes(std::span<const std::uint8_t> bytes);    ///< Errors InputError when malformed
-std::uint32_t tile_of_request(std::span<const std::uint8_t> bytes);   ///< Errors InputError when malformed
+DeviceAnswer device_from_bytes(std::span<const std::uint8_t> bytes);  ///< Errors  InputError when malformed
+BakeOrder order_from_bytes(std::span<const std::uint8_t> bytes);      ///< Errors  InputError when malformed
+BakeAnswer answer_from_bytes(std::span<const std::uint8_t> bytes);    ///< Errors  InputError when malformed
+std::uint32_t tile_of_request(std::span<const std::uint8_t> bytes);   ///< Errors  InputError when malformed
 
+/// Returns header and payload.
 /// Errors  InputError: a payload of more than 2^30 bytes.
 std::vector<std::uint8_t> frame(BakeMessageKind kind, std::span<const std::uint8_t> payload);
 
-/// Puts frames together from bytes as they arrive.
+/// Assembles frames from a byte stream.
 class FrameReader {
  public:
   void add(std::span<const std::uint8_t> bytes);
-  /// The next whole frame. Cost  memory follows what arrived, not what a header announces.
-  /// Errors  InputError: not such a frame, too long, or a payload that is not what was sent. No later call succeeds.
+  /// Returns the next complete frame, if any.
+  /// Cost    Memory is proportional to the bytes received, whatever length a header announces.
+  /// Errors  InputError: invalid magic or kind, payload too long, or checksum mismatch. Every later call throws too.
   std::optional<BakeMessage> next();
 
  private:
   std::vector<std::uint8_t> bytes_;
-  std::size_t taken_ = 0;  ///< bytes at the front that were handed out
+  std::size_t taken_ = 0;  ///< bytes at the front that have been returned
 };
 
 }  // namespace gigabake

@@ -32,7 +32,7 @@ namespace {
 
 [[noreturn]] void fail(const char* call) { throw std::system_error(errno, std::generic_category(), call); }
 
-/// Other threads ring it, one thread polls it.
+/// Wakeup of one polling thread by other threads.
 class Bell {
  public:
   Bell() : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
@@ -43,7 +43,9 @@ class Bell {
   Bell& operator=(const Bell&) = delete;
   int fd() const { return fd_; }
   void ring() const {
-    if (::eventfd_write(fd_, 1) != 0 && errno != EAGAIN) fail("eventfd_write");  // EAGAIN: rung often enough
+    if (::eventfd_write(fd_, 1) != 0 && errno != EAGAIN)
+      fail("eventfd_write");  // EAGAIN: the counter is already
+                              // non-zero
   }
   void silence() const {
     eventfd_t rings = 0;
@@ -54,7 +56,7 @@ class Bell {
   int fd_;
 };
 
-/// Surveys tiles, several small ones at a time: most of what reads one runs on one thread.
+/// Scans tiles, several small ones concurrently, because most of a tile's reading runs on one thread.
 class Surveyor {
  public:
   Surveyor(const SceneSources& sources, const WorkerSetup& setup, const Bell& done)
@@ -121,7 +123,7 @@ class Surveyor {
   }
 
   static constexpr int most_at_a_time = 4;
-  /// Of a tile's file: with larger ones side by side, the process would take several times the memory of one.
+  /// Max size of a tile file that is scanned concurrently with others; larger ones would multiply the process's memory.
   static constexpr std::uint64_t small_bytes = std::uint64_t(16) << 20;
 
   const SceneSources& sources_;
@@ -129,16 +131,16 @@ class Surveyor {
   const ThreadPool pool_;
   const TileStore store_;
   const Bell& done_;
-  std::mutex large_;  ///< held while a tile is surveyed that is not small
+  std::mutex large_;  ///< held while a large tile is scanned
   std::mutex mutex_;
   std::condition_variable asked_;
   std::deque<std::uint32_t> tiles_;
   std::deque<TileSurvey> surveys_;
   bool stopping_ = false;
-  std::vector<std::thread> crew_;  ///< last: they use the others
+  std::vector<std::thread> crew_;  ///< last, because the threads use the other members
 };
 
-/// A cell's id and how often it was tried.
+/// Cell id and number of the attempt.
 using Attempt = std::pair<std::uint32_t, std::uint32_t>;
 
 class BakeServer {
@@ -160,7 +162,7 @@ class BakeServer {
     if (::poll(ready.data(), ready.size(), -1) < 0 && errno != EINTR) fail("poll");
   }
 
-  /// Takes what has arrived. False: the other side hung up.
+  /// Reads all available bytes. Returns false if the peer closed the connection.
   bool receive() {
     std::array<std::uint8_t, 65536> part;
     while (!hung_up_) {
@@ -201,7 +203,7 @@ class BakeServer {
     }
   }
 
-  /// The driver takes its second while tiles are surveyed.
+  /// Starts the device choice on another thread: the driver takes about a second, while tiles are scanned.
   void open(WorkerSetup setup) {
     setup_ = std::move(setup);
     set_memory_limit(setup_->worker.memory_bytes);
@@ -228,15 +230,16 @@ class BakeServer {
     return chosen_.valid() && chosen_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
   }
 
-  /// Waits until it is known.
+  /// Waits until the device is known.
   void take_device() {
     const DeviceAnswer answer = chosen_.get();
     if (!answer.error.empty()) {
       why_not_ = answer.error;
-      surveys_ = false;  // for a bake that will not be
+      surveys_ = false;  // because the bake will fail
     }
     setup_->worker.cuda_device = answer.choice.device;
-    // Kernels of ranks that share a device run in turn. While those of one run, the others pack, on all their cores.
+    // Kernels of ranks that share a device run one after the other. While one rank's kernels run, the other ranks may
+    // pack on all of their cores.
     if (setup_->worker.threads_are_a_share) setup_->worker.threads *= answer.choice.sharers;
     send(BakeMessageKind::ready, to_bytes(answer));
     if (setup_->worker.cuda_device) make_pipeline();
@@ -294,7 +297,7 @@ class BakeServer {
   }
 
   void answer() {
-    done_.silence();  // before looking: what comes later rings again
+    done_.silence();  // before polling, so that later results wake the thread again
     if (is_device_known()) take_device();
     while (surveyor_) {
       const auto survey = surveyor_->poll();
@@ -304,7 +307,7 @@ class BakeServer {
     while (pipeline_) {
       auto report = pipeline_->poll();
       if (!report) break;
-      // The first of this cell: a cell may have been asked for again meanwhile.
+      // The first entry of this cell, because the cell may have been requested again.
       const auto attempt = std::ranges::find(attempts_, report->id, &Attempt::first);
       send(BakeMessageKind::baked, to_bytes(BakeAnswer{std::move(*report), attempt->second}));
       attempts_.erase(attempt);
@@ -316,15 +319,15 @@ class BakeServer {
   FrameReader inbox_;
   bool hung_up_ = false;
   std::optional<WorkerSetup> setup_;
-  std::vector<std::uint8_t> source_bytes_;  ///< until they are whole
+  std::vector<std::uint8_t> source_bytes_;  ///< until the setup arrives
   SceneSources sources_;
-  std::optional<CellFingerprints> fingerprints_;  ///< of what this process has
-  std::string why_not_;  ///< not empty: the answer to every request that needs what could not be made
+  std::optional<CellFingerprints> fingerprints_;  ///< of this process's parameters and sources
+  std::string why_not_;  ///< not empty: the error answered to every request that needs the scene or the device
   std::promise<DeviceAnswer> choice_;
-  std::future<DeviceAnswer> chosen_;  ///< valid from the setup until it is taken
+  std::future<DeviceAnswer> chosen_;  ///< valid from the setup until take_device()
   std::thread chooser_;
   std::unique_ptr<Surveyor> surveyor_;
-  bool surveys_ = false;  ///< takes more tiles
+  bool surveys_ = false;  ///< accepts more tiles
   std::unique_ptr<CellPipeline> pipeline_;
   std::vector<Attempt> attempts_;  ///< of the cells in the pipeline
 };
@@ -332,7 +335,7 @@ class BakeServer {
 }  // namespace
 
 int serve_bakes(int fd) {
-  // Lives until the process ends: destroying it would finish the cells in hand, and nobody waits for them.
+  // Never destroyed: the destructor would wait for the cells in flight, whose results nobody needs.
   static BakeServer server(fd);
   return server.run();
 }

@@ -36,7 +36,7 @@ CellLoader::CellLoader(const SceneSources& sources, const BakeParameters& parame
       tiles_(cache_bytes / 2),
       textures_(cache_bytes / 2) {}
 
-/// The textures of a cell in the order of their first use, each once.
+/// The textures of a cell in the order of first use, without duplicates.
 struct CellLoader::WantedTextures {
   struct Item {
     TextureKey key;
@@ -120,8 +120,8 @@ void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, LoadedCel
   }
 }
 
-/// The whole primitive, or of a large one the clusters near the cell; null: nothing is near.
-/// Of what comes near the cell each is a part of it, and the kernels hold triangles of every part.
+/// Returns the whole primitive, or the clusters of a large one near the cell; null if none is near. Claims the memory
+/// of one kernel part and of its triangles.
 std::shared_ptr<const Primitive> CellLoader::mesh_near(const CellBox& box, const LoadedTile& tile,
                                                        const Instance& instance, MemoryClaim& memory) const {
   constexpr std::uint64_t part_bytes = sizeof(kernels::PartView) + 320, triangle_bytes = 128, most_counted = 64;
@@ -138,7 +138,7 @@ std::shared_ptr<const Primitive> CellLoader::mesh_near(const CellBox& box, const
 
 void CellLoader::load_textures(const WantedTextures& wanted, LoadedCell& cell) {
   const auto bytes = [](const WantedTextures::Item& item) { return item.tile->images()[item.image].texture_bytes; };
-  for (const WantedTextures::Item& item : wanted.items)  // of others the system keeps what it has room for
+  for (const WantedTextures::Item& item : wanted.items)  // excludes mapped textures: the system can evict their pages
     if (!texture_store_.is_on_scratch(bytes(item))) cell.memory.add(bytes(item), "", "the textures of the cell");
   cell.textures.resize(wanted.items.size());
   pool_.parallel_for(wanted.items.size(), 1, [&](std::size_t begin, std::size_t end, int) {

@@ -1,5 +1,5 @@
-/// First stage of a cell: everything the kernels borrow for it, read, decoded and prefiltered, or still in the cache
-/// from the cell before.
+/// First stage of a cell: loads everything that the kernels borrow. Data is read, decoded and prefiltered, or taken
+/// from the cache.
 #pragma once
 
 #include <cstdint>
@@ -22,14 +22,14 @@ namespace gigabake {
 
 inline constexpr const char* cell_advice = "take a smaller `cell_voxels`";
 
-/// What bake_cell() borrows, and those who own it. Move-only.
+/// The input of bake_cell() and the owners of its memory. Move-only.
 struct LoadedCell {
-  MemoryClaim memory{"cell",
-                     cell_advice};  ///< of instances and textures; what tiles take was claimed as they were read
+  MemoryClaim memory{"cell", cell_advice};  ///< of instances and textures; tiles are claimed while they are read
   std::vector<std::shared_ptr<const LoadedTile>> tiles;
-  std::vector<std::shared_ptr<const Primitive>> meshes;  ///< of parts: as tiles have them, or clusters near the cell
+  std::vector<std::shared_ptr<const Primitive>> meshes;  ///< of parts: whole primitives, or the clusters near the cell
   std::vector<std::shared_ptr<const CellTexture>> textures;
-  std::vector<std::vector<std::uint32_t>> indices;  ///< of parts that have triangles which reach too far: without those
+  std::vector<std::vector<std::uint32_t>> indices;  ///< of parts with triangles that are too long: lists without these
+                                                    ///< triangles
   std::vector<kernels::PartView> parts;
   std::vector<kernels::MaterialView> materials;
   std::vector<kernels::TextureView> texture_views;
@@ -40,23 +40,21 @@ struct LoadedCell {
 class CellLoader {
  public:
   /// `sources` and `parameters` must outlive the loader. Caches keep at most `cache_bytes`, half for tiles and half for
-  /// textures; what cells in hand hold on to comes on top. scratch: for tiles that are larger than its limit.
+  /// textures; data that cells in flight use is not included. scratch: for tiles above its size limit.
   CellLoader(const SceneSources& sources, const BakeParameters& parameters, std::uint64_t cache_bytes, int threads,
              const TileScratch& scratch = {});
 
-  /// Instances and clusters whose bounds miss the cell are left out, and with them images that nothing else needs. So
-  /// are triangles that reach too far (worker/far_triangles.h), whatever the cell.
-  /// Cost    Follows what is near the cell, but for a comparison for each instance of its tiles and each cluster of
-  ///         those near.
-  /// Exact   What job.tile_sources names, where it names anything: a tile is compared when it is read, and the cache
-  ///         knows which one it holds.
-  /// Errors  InputError naming the tile or image that cannot be read, or the tile that changed since its survey.
-  ///         IoError: scratch that cannot be written, or does not hold what was written; another try reads the tiles
-  ///         anew.
+  /// Loads a cell. Leaves out instances and clusters whose bounds miss the cell, and images that only they need. Also
+  /// leaves out triangles that are too long (worker/far_triangles.h), independent of the cell.
+  /// Cost    Proportional to the data near the cell, plus one comparison per instance of its tiles and per cluster of
+  ///         instances near it.
+  /// Exact   If job.tile_sources is set, a tile's hash is verified when it is read, and is part of its cache key.
+  /// Errors  InputError naming the tile or image that cannot be read, or the tile that changed since its scan. IoError:
+  ///         scratch cannot be written or is corrupt; another attempt reads the tiles again.
   LoadedCell load(const CellJob& job);
 
  private:
-  /// A tile that changed is another entry, and the old one ages.
+  /// Key of a cached tile. A changed tile gets a new entry; the old one is evicted eventually.
   struct TileKey {
     std::uint32_t tile;
     std::optional<Hash128> source;
@@ -77,7 +75,7 @@ class CellLoader {
 
   const BakeParameters& parameters_;
   ThreadPool pool_;
-  TileStore tile_store_;  ///< with threads of its own: tiles are read side by side on pool_
+  TileStore tile_store_;  ///< has its own threads, because tiles are read concurrently on pool_
   TextureStore texture_store_;
   LruCache<TileKey, LoadedTile, TileKeyHash> tiles_;
   LruCache<TextureKey, CellTexture, TextureKeyHash> textures_;

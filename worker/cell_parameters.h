@@ -1,4 +1,4 @@
-/// From the bake's parameters and a cell's job to what the kernels are told.
+/// Converts the bake's parameters and a cell's job to kernel parameters.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 
 namespace gigabake {
 
-/// kernel_bytes: working memory to aim for; 0: no bound.
+/// Returns the parameters of a cell. kernel_bytes: target for working memory; 0: no bound.
 kernels::CellParameters cell_parameters(const CellJob& job, const BakeParameters& parameters,
                                         std::uint64_t kernel_bytes);
 
-/// Of a parent's job.
+/// Returns the parameters of an overview.
 kernels::ParentParameters parent_parameters(const CellJob& job, const BakeParameters& parameters);
 
 }  // namespace gigabake

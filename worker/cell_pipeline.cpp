@@ -18,11 +18,12 @@
 namespace gigabake {
 namespace {
 
-/// Overviews that may wait beside a device before the reader waits for them.
+/// Overviews queued with a device before the reader blocks.
 constexpr std::size_t overviews_waiting = 64;
 
-/// Runs one stage on a cell; an exception decides the cell.
-/// of_input: what bad input means to this stage; who writes has none, and what fails there is I/O.
+/// Runs one stage on a cell; an exception makes the report final.
+/// of_input: outcome of an InputError in this stage. The write stage passes `failed`, because its errors are I/O
+/// errors.
 template <class Work>
 void run_stage(CellInHand& cell, double CellReport::*seconds, CellOutcome of_input, const Work& work) {
   if (cell.decided) return;
@@ -133,12 +134,13 @@ class CellPipeline::Stages {
   }
 
   void read(CellInHand& cell) {
-    // What a parent reads was written a moment ago, perhaps by another host: it may yet appear.
+    // A missing child may still appear, because another host may have written it a moment ago.
     const CellOutcome of_input = is_parent(cell.job) ? CellOutcome::failed : CellOutcome::refused;
     run_stage(cell, &CellReport::read_s, of_input, [this](CellInHand& c) { stages_.read(c); });
   }
 
-  /// Reads and computes overviews on the host while a device bakes cells: it never waits for an overview.
+  /// Reads and computes overviews on the host while a device bakes cells, so that the device never waits for an
+  /// overview.
   void make_overviews() {
     while (auto cell = overviews_.take()) {
       read(**cell);
@@ -151,12 +153,12 @@ class CellPipeline::Stages {
     end_supply();
   }
 
-  /// Closes the writers' queue with the last thread that feeds it.
+  /// Closes the writers' queue when the last thread that feeds it ends.
   void end_supply() {
     if (--suppliers_ == 0) ready_.close();
   }
 
-  /// Without a device nothing has far to come, and who computes hands on to who writes.
+  /// Runs the compute stage. CPU only: there is no readback stage; the compute thread feeds the writers.
   void compute_all() {
     Handoff<std::unique_ptr<CellInHand>>& next = has_device_ ? computed_ : ready_;
     while (auto cell = loaded_.take()) {
@@ -200,9 +202,9 @@ class CellPipeline::Stages {
   bool stopping_ = false;
   Handoff<std::unique_ptr<CellInHand>> loaded_;
   Handoff<std::unique_ptr<CellInHand>> computed_, ready_;
-  Handoff<std::unique_ptr<CellInHand>> overviews_{overviews_waiting};  ///< jobs only: nothing of them is read yet
+  Handoff<std::unique_ptr<CellInHand>> overviews_{overviews_waiting};  ///< jobs only; their children are not yet read
   std::thread reader_, computer_;
-  std::atomic<std::size_t> suppliers_{0};  ///< beside a device: threads that feed ready_
+  std::atomic<std::size_t> suppliers_{0};  ///< with a device: number of threads that feed ready_
   std::vector<std::thread> bringers_, overview_makers_;
   std::vector<std::thread> writers_;
 };

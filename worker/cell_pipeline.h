@@ -1,6 +1,6 @@
-/// Bakes cells one after the other in overlapped stages: the next is read and decoded while the kernels compute this
-/// one and the last is packed and written. A device packs by itself, beside its kernels, and what it packed comes to
-/// the host in a stage of its own.
+/// Bakes cells in overlapped stages: the next cell is read and decoded while the kernels compute the current one and
+/// the previous one is packed and written. A device packs cells itself, concurrently with its kernels; a separate stage
+/// reads the packed cells back to the host.
 #pragma once
 
 #include <cstddef>
@@ -17,37 +17,38 @@
 namespace gigabake {
 
 struct WorkerOptions {
-  int threads = 1;  ///< of each stage; beside a device writing takes what the others leave
-  std::uint64_t memory_bytes =
-      0;                      ///< to aim for; a quarter caches tiles and textures, half is the kernels'. 0: no bound
-  std::filesystem::path out;  ///< the bake's folder; shards go to OUT/shards
+  int threads = 1;                 ///< per stage; with a device, writing uses the threads that the other stages leave
+  std::uint64_t memory_bytes = 0;  ///< target; a quarter caches tiles and textures, half is for kernels. 0: no bound
+  std::filesystem::path out;       ///< the bake's folder; shards go to OUT/shards
   std::optional<int> cuda_device = {};  ///< none: the kernels run on the CPU
-  /// `threads` is this rank's part of the host's cores, and nobody asked for that number.
+  /// True if `threads` is this rank's share of the host's cores rather than a number that the user requested.
   bool threads_are_a_share = false;
-  std::filesystem::path scratch = {};  ///< for tiles that are large beside memory_bytes; none: they stay in memory
+  std::filesystem::path scratch = {};  ///< for tiles that are large compared with memory_bytes; empty: they stay in
+                                       ///< memory
 };
 
-/// Jobs are taken in the order of submission, and reported in it too but where a device bakes: there writing is by far
-/// the longest stage, and several cells are written at a time (worker/write_crew.h).
+/// Bakes submitted jobs in order. Reports come in the same order, except with a device: writing is then by far the
+/// longest stage, and several cells are written concurrently (worker/write_crew.h).
 /// Exact   A shard depends on its job, the sources and the parameters; not on threads, memory or other jobs.
-/// Errors  Whatever goes wrong with a cell becomes its report: one line, and `refused` where another try would find the
-///         same, else `failed`.
+/// Errors  Every error of a cell becomes its report with one line of text: `refused` if another attempt would fail the
+///         same way, else `failed`.
 class CellPipeline {
  public:
-  /// Makes OUT/shards. Errors  InputError when that fails.
-  /// on_report: told, on a thread of the pipeline, that poll() has one report more.
+  /// Creates OUT/shards. on_report: called on a thread of the pipeline when poll() has one more report.
+  /// Errors  InputError: OUT/shards cannot be created.
   CellPipeline(SceneSources sources, BakeParameters parameters, const WorkerOptions& options,
                std::function<void()> on_report = {});
-  /// Finishes the cells in hand and drops jobs that wait.
+  /// Finishes the cells in flight and drops queued jobs.
   ~CellPipeline();
   CellPipeline(const CellPipeline&) = delete;
   CellPipeline& operator=(const CellPipeline&) = delete;
 
-  /// Returns at once. As many jobs in flight as scheduler/schedule.h keeps with a worker keep all stages busy.
+  /// Queues a job and returns immediately. The number of jobs in flight that scheduler/schedule.h allows per worker
+  /// keeps all stages busy.
   void submit(CellJob job);
-  /// The next report, if one is there.
+  /// Returns the next report, if any.
   std::optional<CellReport> poll();
-  /// Submitted and not yet polled.
+  /// Returns the number of jobs submitted and not yet polled.
   std::size_t in_flight() const;
 
  private:

@@ -63,7 +63,7 @@ std::vector<LevelSummary> summaries(const Shard& shard, const ThreadPool& pool) 
 
 std::vector<LevelSummary> summaries(const PackedShard& shard, const ThreadPool&) { return summarize_levels(shard); }
 
-/// Of a shard that an earlier run wrote.
+/// Returns the sizes of a shard that an earlier run wrote.
 StoredShard stored_shard(const std::filesystem::path& path, std::size_t lods) {
   const ShardReader reader(path);
   StoredShard stored{std::filesystem::file_size(path), {}, reader.node_bytes()};
@@ -71,7 +71,8 @@ StoredShard stored_shard(const std::filesystem::path& path, std::size_t lods) {
   return stored;
 }
 
-/// What a shard says of itself is what this bake would write. Its fingerprint covers all of it, unless it was edited.
+/// Returns true if the header is the one that this bake would write. The fingerprint covers all fields; comparing them
+/// detects an edited file.
 bool is_of_job(const ShardHeader& h, const CellJob& job, const BakeParameters& p,
                const std::optional<Geodetic>& origin) {
   return h.fingerprint == job.fingerprint && h.cell == job.name && h.lattice_min == job.lattice_min &&
@@ -80,8 +81,8 @@ bool is_of_job(const ShardHeader& h, const CellJob& job, const BakeParameters& p
          h.has_normals == p.normals && h.has_facing == has_facing(p);
 }
 
-/// The shard that an earlier run left, if it is whole, what the job asks for, and has the voxels that it says.
-/// Cost  16 ns a voxel and thread for their hash, little beside the reading.
+/// Returns the shard of an earlier run if it is complete, matches the job, and its voxels match the stored hash.
+/// Cost    Hashing takes 16 ns per voxel and thread, little compared with reading.
 std::optional<Shard> published_shard(const std::filesystem::path& path, const CellJob& job, const BakeParameters& p,
                                      const std::optional<Geodetic>& origin, int threads) {
   std::error_code error;
@@ -92,7 +93,7 @@ std::optional<Shard> published_shard(const std::filesystem::path& path, const Ce
         content_hash(shard, threads) == shard.header.content_hash)
       return shard;
   } catch (const InputError&) {
-    // Damaged: baked again and replaced.
+    // A damaged shard is baked again and replaced.
   }
   return std::nullopt;
 }
@@ -116,7 +117,8 @@ CellStages::CellStages(SceneSources sources, BakeParameters parameters, const Wo
       pool_(options_.threads),
       write_pool_(write_crew_for(options_).threads) {}
 
-/// One step of a cell on the device. False: there is none, or it failed, now or earlier; then the CPU bakes the cell.
+/// Runs one step of a cell on the device. Returns false if there is no device or a step failed now or earlier; the CPU
+/// then bakes the cell.
 template <class Step>
 bool CellStages::on_device(CellInHand& cell, const Step& step) {
   if (!options_.cuda_device || !cell.report.note.empty()) return false;
@@ -185,7 +187,8 @@ void CellStages::compute(CellInHand& cell) {
   if (is_alone_on_device(cell.device_volume->stats())) bring(cell, bringers);
 }
 
-/// Whether the next cell, if it is as large, would not fit beside those that are brought.
+/// Returns true if the next cell, at the same size, would not fit in device memory together with the cells being read
+/// back.
 bool CellStages::is_alone_on_device(const kernels::CellStats& stats) const {
   return options_.memory_bytes != 0 && (bringers + 1) * stats.peak_bytes > kernel_bytes(options_);
 }
@@ -198,7 +201,7 @@ void CellStages::bring(CellInHand& cell, std::size_t bringer) {
 }
 
 void CellStages::bring_from_device(CellInHand& cell, kernels::CudaPacker& packer) {
-  std::string why;  // said last: what a device has failed at is not asked of it again
+  std::string why;  // reported only after bring_volume(): a non-empty note disables the device for this cell
   try {
     pack_on_device(cell, packer);
   } catch (const DeviceFull& e) {
@@ -221,7 +224,8 @@ void CellStages::pack_on_device(CellInHand& cell, kernels::CudaPacker& packer) {
   pack_beside_others(cell, packer, request);
 }
 
-/// With this bringer's part of the memory; a cell that needs more than that waits for the others, and has all of it.
+/// Packs with one bringer's fraction of the memory. A cell that needs more waits for the other bringers and then uses
+/// all of it.
 void CellStages::pack_beside_others(CellInHand& cell, kernels::CudaPacker& packer, kernels::PackRequest& request) {
   const std::uint64_t memory = options_.memory_bytes / 4;
   try {

@@ -1,4 +1,4 @@
-/// What each of the pipeline's stages does with one cell. No threads, no queues: doing, apart from overlapping.
+/// The work of each pipeline stage on one cell. It has no threads and no queues; cell_pipeline.h overlaps the stages.
 #pragma once
 
 #include <filesystem>
@@ -20,45 +20,45 @@
 
 namespace gigabake {
 
-/// A cell on its way through the stages.
+/// A cell in flight through the stages.
 struct CellInHand {
   explicit CellInHand(CellJob cell_job);
 
   CellJob job;
   CellReport report;
-  bool decided = false;              ///< the report is final; later stages pass it on
+  bool decided = false;              ///< the report is final; later stages skip the cell
   std::optional<LoadedCell> loaded;  ///< until there is a volume: a device may fail at any step
-  ChildrenOfParent children;         ///< of a parent, instead
+  ChildrenOfParent children;         ///< of an overview, instead of `loaded`
   std::shared_ptr<const kernels::CudaInput> device_input;
-  std::unique_ptr<kernels::CudaVolume> device_volume;  ///< until it is packed, or on the host
-  std::optional<kernels::PackedCell> packed;           ///< then there is no volume
+  std::unique_ptr<kernels::CudaVolume> device_volume;  ///< until it is packed or on the host
+  std::optional<kernels::PackedCell> packed;           ///< if set, there is no volume
   kernels::CellVolume volume;
 
   const kernels::CellStats& stats() const { return packed ? packed->stats : volume.stats; }
 };
 
-/// How many cells come from a device at a time: a cell's packing leaves most of it idle, and waits for it.
+/// Number of cells that are read back from a device concurrently: packing one cell leaves most of the device idle.
 inline constexpr std::size_t bringers = 3;
 
-/// Each stage may throw; the pipeline turns that into a failed report.
+/// The stages of a pipeline. Each stage may throw; the pipeline turns the exception into a failed report.
 class CellStages {
  public:
-  /// Errors  InputError when OUT/shards cannot be made.
+  /// Errors  InputError: OUT/shards cannot be created.
   CellStages(SceneSources sources, BakeParameters parameters, const WorkerOptions& options);
 
-  /// Starts the device's driver, on the thread that will read. What goes wrong shows again at the first cell.
+  /// Initializes the device on the thread that will read. An error is ignored because the first cell reports it again.
   void prepare();
-  /// Takes over a whole shard of this fingerprint if OUT has one; else loads tiles and textures, to the device too. Of
-  /// a parent's children it takes what is in memory, and reads the rest.
+  /// Reuses the shard of this fingerprint if OUT has a valid one; else loads tiles and textures, and uploads them to
+  /// the device. For an overview, takes children from memory where available and reads the others.
   void read(CellInHand& cell);
-  /// loaded → volume, on the device if there is one and it is no parent; a cell at which it fails is baked on the CPU,
-  /// and the report says so.
+  /// Computes the volume from the loaded data: on the device if there is one and the cell is not an overview. If the
+  /// device fails, the cell is baked on the CPU, and the report says so.
   void compute(CellInHand& cell);
-  /// What a device holds comes to the host, packed as columns there; where that is not to be had as a volume, for the
-  /// host to pack. Decides for `empty` where no voxel is occupied. The next cell is computed meanwhile.
-  /// bringer: who asks, at most `bringers`; each brings a cell of its own at the same time.
+  /// Reads a cell back from the device, packed as columns. If packing fails, reads the volume back for the host to
+  /// pack. Sets the outcome `empty` if no voxel is occupied. Concurrent with the computation of the next cell.
+  /// bringer: index of the calling thread, at most `bringers`; each thread reads back another cell.
   void bring(CellInHand& cell, std::size_t bringer);
-  /// Volume or columns → shard → report.
+  /// Writes the volume or the columns to a shard, and fills the report.
   void write(CellInHand& cell);
 
  private:
@@ -84,11 +84,13 @@ class CellStages {
   const WorkerOptions options_;
   CellLoader loader_;
   OverviewInputs overview_inputs_;
-  ThreadPool pool_, write_pool_;                               ///< several cells are written at a time
+  ThreadPool pool_, write_pool_;                               ///< write_pool_ is shared by cells that are written
+                                                               ///< concurrently
   std::unique_ptr<kernels::CudaBaker> cuda_;                   ///< made on the thread that reads
-  std::vector<std::unique_ptr<kernels::CudaPacker>> packers_;  ///< of each bringer, and of who computes
-  std::shared_mutex packing_;                                  ///< taken alone by who needs all of its memory
-  std::mutex download_;                                        ///< which the baker does for one at a time
+  std::vector<std::unique_ptr<kernels::CudaPacker>> packers_;  ///< one per bringer, and one for the compute stage
+  std::shared_mutex packing_;                                  ///< locked exclusively to pack with the whole packing
+                                                               ///< memory
+  std::mutex download_;                                        ///< serializes CudaBaker::download()
 };
 
 }  // namespace gigabake

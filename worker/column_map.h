@@ -1,4 +1,4 @@
-/// The columns that a tile's triangles touch, while they are found.
+/// Accumulates the columns that a tile's triangles touch.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace gigabake {
 
 inline constexpr std::uint64_t max_columns = std::uint64_t(1) << 21;
-/// Columns times triangles that one thread may meet, so that a hostile tile ends in seconds.
+/// Max (column, triangle) pairs per thread, so that a hostile tile fails within seconds.
 inline constexpr std::uint64_t max_visits = std::uint64_t(1) << 28;
 
 struct ColumnKey {
@@ -29,7 +29,7 @@ struct ColumnKeyHash {
   }
 };
 
-/// Of both columns, which are at one place.
+/// Merges the extent of the same column into `column`.
 inline void unite_into(ColumnExtent& column, const ColumnExtent& other) {
   column.z_min = std::min(column.z_min, other.z_min);
   column.z_end = std::max(column.z_end, other.z_end);
@@ -38,7 +38,8 @@ inline void unite_into(ColumnExtent& column, const ColumnExtent& other) {
   column.crossings += std::min(room, other.crossings);
 }
 
-/// What one thread has found. Neighbouring triangles mostly share their column: the last one is at hand.
+/// The columns that one thread has found. The last column is cached, because neighbouring triangles mostly share their
+/// column.
 class ColumnMap {
  public:
   void add(const ColumnExtent& c) {
@@ -58,7 +59,7 @@ class ColumnMap {
   std::uint64_t visits_ = 0;
 };
 
-/// Sorts by place, and makes one of the columns that several threads found.
+/// Sorts by position and merges the extents of equal columns from several threads.
 inline void unite_columns(std::vector<ColumnExtent>& columns) {
   std::sort(columns.begin(), columns.end(), [](const ColumnExtent& a, const ColumnExtent& b) {
     return std::pair(a.column_x, a.column_y) < std::pair(b.column_x, b.column_y);

@@ -9,7 +9,8 @@
 namespace gigabake {
 namespace {
 
-/// Convex; sub-voxels from the triangle's first vertex. A triangle cut by four half-spaces has at most 7 vertices.
+/// Convex polygon; sub-voxels from the triangle's first vertex. A triangle clipped by four half-spaces has at most 7
+/// vertices.
 struct Polygon {
   std::array<std::array<double, 3>, 8> p;
   int count = 0;
@@ -29,7 +30,7 @@ Range range_of(const Polygon& polygon, int axis) {
   return r;
 }
 
-/// What of the polygon has sign · coordinate ≤ sign · bound.
+/// Clips the polygon to sign · coordinate ≤ sign · bound.
 Polygon cut(const Polygon& in, std::size_t axis, double bound, double sign) {
   Polygon out;
   for (int i = 0; i < in.count; ++i) {
@@ -53,7 +54,7 @@ Polygon cut(const Polygon& in, std::size_t axis, Range range) {
   return half.count == 0 ? half : cut(half, axis, range.low, -1);
 }
 
-/// A triangle that reaches over several columns.
+/// A triangle that spans several columns.
 class WideTriangle {
  public:
   WideTriangle(const LatticeTriangle& triangle, const ColumnGrid& grid)
@@ -77,7 +78,7 @@ class WideTriangle {
     return {lattice_floor(x.low - margin_, 0) >> bits_, lattice_floor(x.high + margin_, 0) >> bits_};
   }
 
-  /// Empty (first > last) where the triangle misses the column.
+  /// Returns the height range; empty (first > last) if the triangle misses the column.
   VoxelSpan height(const Polygon& row, std::int64_t column) const {
     const Polygon part = cut(row, 0, column_range(column, 0));
     if (part.count == 0) return {1, 0};

@@ -1,4 +1,4 @@
-/// The columns of the plan that one snapped triangle may touch, and its height range in each.
+/// The columns that one snapped triangle may touch, and its height range in each.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ inline bool has_area(const LatticeTriangle& triangle) { return kernels::has_area
 
 struct ColumnGrid {
   int cell_bits = 10;   ///< log2 of the cell's edge in voxels
-  bool closed = false;  ///< the surface rule counts contact: voxels are closed cubes, else half-open ones
+  bool closed = false;  ///< the surface rule counts contact: voxels are closed cubes, else half-open
 };
 
 /// Inclusive range of voxels along one axis.
@@ -27,7 +27,7 @@ struct VoxelSpan {
   std::int64_t first, last;
 };
 
-/// Voxels that the triangle's box reaches. Exact.
+/// Returns the voxels that the triangle's box overlaps along one axis. Exact integer arithmetic.
 inline VoxelSpan voxel_span(const LatticeTriangle& t, int axis, bool closed) {
   const std::int64_t lo = std::min({t.p[0][axis], t.p[1][axis], t.p[2][axis]});
   const std::int64_t hi = std::max({t.p[0][axis], t.p[1][axis], t.p[2][axis]});
@@ -35,19 +35,19 @@ inline VoxelSpan voxel_span(const LatticeTriangle& t, int axis, bool closed) {
   return {first >> subvoxel_bits, last >> subvoxel_bits};
 }
 
-/// Columns of its box along x or y.
+/// Returns the columns of the triangle's box along x or y.
 inline VoxelSpan column_span(const LatticeTriangle& triangle, int axis, const ColumnGrid& grid) {
   const VoxelSpan voxels = voxel_span(triangle, axis, grid.closed);
   return {voxels.first >> grid.cell_bits, voxels.last >> grid.cell_bits};
 }
 
-/// Calls visit(column_x, column_y, z range) for every column in which a surface rule may occupy a voxel, and some
-/// neighbours of those; the z range holds every such voxel. Returns false, having visited some, when there are more
-/// than `max_columns`. Exact   Conservative. A triangle inside one column: its exact bounds. Otherwise it is clipped to
-/// each column, grown by
-///         one sub-voxel and 2^-48 of the triangle's extent, in double; a clipped coordinate's error is below 2^-49 of
-///         that extent.
-/// Cost    Rows and columns of the triangle itself, not of its bounding box.
+/// Calls visit(column_x, column_y, z range) for every column in which the surface rule may occupy a voxel, and for some
+/// neighbours of these columns. The z range contains every such voxel. Returns false if there are more than
+/// `max_columns` columns; some may have been visited by then.
+/// Exact   Conservative. Bounds are exact for a triangle inside one column. Otherwise the triangle is clipped in double
+///         to each column grown by one sub-voxel and 2^-48 of the triangle's extent. The error of a clipped coordinate
+///         is below 2^-49 of that extent.
+/// Cost    Proportional to the rows and columns of the triangle, not of its bounding box.
 bool for_each_column(const LatticeTriangle& triangle, const ColumnGrid& grid, std::uint64_t max_columns,
                      const std::function<void(std::int64_t, std::int64_t, VoxelSpan)>& visit);
 

@@ -14,27 +14,27 @@ constexpr std::uint64_t all_voxels[8] = {~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ul
 constexpr std::int8_t no_normal[2] = {0, 0};
 constexpr std::uint8_t no_facing[facing_bytes] = {};
 
-/// A brick of a child, or of what a constant node expands to. Borrowed.
+/// A borrowed view of a child's brick, or of a brick expanded from a constant node.
 struct BrickView {
   const std::uint64_t* mask;
   const std::uint8_t* rgba;
   const std::int8_t* normal;
   const std::uint8_t* facing;
-  bool is_constant;             ///< one value for all voxels
-  bool has_normal, has_facing;  ///< else these point at zeros
+  bool is_constant;             ///< all voxels have the same value
+  bool has_normal, has_facing;  ///< if false, the pointer points to zeros
 
   std::size_t at(std::size_t voxel) const { return is_constant ? 0 : voxel; }
 };
 
-/// A part of a child's brick: the voxels of it that lie in one brick of the window.
+/// The voxels of a child's brick that lie in one brick of the window.
 struct PlacedBrick {
   std::uint64_t key;                 ///< Morton code of the window's brick
-  std::array<std::int8_t, 3> shift;  ///< from the child's brick to the window's, voxels; 0: they are the same
+  std::array<std::int8_t, 3> shift;  ///< from the child's brick to the window's, voxels; 0: aligned
   std::uint32_t child, node;
   auto order() const { return std::tie(key, child, node, shift); }
 };
 
-/// One level of all children on its way into the window.
+/// Joins one level of all children in the window.
 class LevelJoin {
  public:
   LevelJoin(std::span<const ChildLevels* const> children, const CopyWindow& window, std::uint32_t lod)
@@ -72,7 +72,7 @@ class LevelJoin {
  private:
   static constexpr std::size_t bricks_a_task = 64;
 
-  /// Finds the bricks of a child on this level, those of constant nodes expanded.
+  /// Finds the bricks of a child on this level; expands constant nodes.
   void place_bricks(std::uint32_t c) {
     const ChildLevels& child = *children_[c];
     const NodeTable& n = child.coarse.nodes;
@@ -90,7 +90,7 @@ class LevelJoin {
   void place(const ChildLevels& child, std::uint32_t c, std::uint32_t node, BrickCoordinate at) {
     const std::uint32_t in_child[3] = {at.x, at.y, at.z};
     std::int64_t low[3];
-    int over[3];  // voxels that reach into the next brick of the window
+    int over[3];  // voxels that overlap the next brick of the window
     for (std::size_t a = 0; a < 3; ++a) {
       const std::int64_t voxel = ((child.lattice_min[a] - window_.min[a]) >> lod_) + 8 * std::int64_t(in_child[a]);
       low[a] = voxel >> 3;
@@ -152,7 +152,7 @@ class LevelJoin {
       }
   }
 
-  /// Returns how many voxels the window's brick has.
+  /// Builds the mask of the window's brick and returns its number of voxels.
   std::uint64_t find_mask(std::size_t b, std::uint64_t* mask) const {
     std::uint64_t voxels = 0;
     for (std::size_t i = begins_[b]; i < begins_[b + 1]; ++i) {
@@ -173,7 +173,8 @@ class LevelJoin {
     return voxels;
   }
 
-  /// Removes bricks without voxels: a child's brick that spans several of the window may have voxels in some only.
+  /// Removes bricks without voxels: a child's brick that spans several of the window's may have voxels in only some of
+  /// them.
   void drop_empty(kernels::Level& level) {
     std::size_t to = 0;
     for (std::size_t b = 0; b < level.key.size(); ++b) {
@@ -190,7 +191,7 @@ class LevelJoin {
   void fill(std::size_t b, kernels::Level& level) const {
     const std::size_t begin = begins_[kept_[b]], end = begins_[kept_[b] + 1], first = level.first[b];
     const std::uint64_t* mask = &level.mask[8 * b];
-    std::uint16_t place[brick_voxels];  // by bit: the how manieth voxel of the brick
+    std::uint16_t place[brick_voxels];  // by bit: number of voxels before it in the brick
     std::uint16_t voxels = 0;
     for (std::uint32_t bit = 0; bit < brick_voxels; ++bit) {
       place[bit] = voxels;
@@ -219,9 +220,9 @@ class LevelJoin {
   const CopyWindow& window_;
   const std::uint32_t lod_;
   const std::int64_t edge_;          ///< of the window, bricks of this level
-  std::vector<PlacedBrick> bricks_;  ///< by brick of the window
-  std::vector<std::size_t> begins_;  ///< of each brick of the window: its first in bricks_; and the end
-  std::vector<std::size_t> kept_;    ///< of begins_, those that have voxels
+  std::vector<PlacedBrick> bricks_;  ///< sorted by brick of the window
+  std::vector<std::size_t> begins_;  ///< index in bricks_ of the first part of each brick of the window; then the end
+  std::vector<std::size_t> kept_;    ///< indices in begins_ of bricks that have voxels
 };
 
 }  // namespace

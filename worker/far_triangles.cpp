@@ -21,7 +21,7 @@ std::vector<std::uint32_t> index_without_far(const Primitive& primitive, const I
   kept.reserve(primitive.index.size());
   for (std::size_t at = 0; at + 2 < primitive.index.size(); at += 3) {
     LatticeTriangle triangle;
-    bool valid = true;  // the kernels drop what is not
+    bool valid = true;  // the kernels drop invalid triangles
     for (std::size_t i = 0; i < 3; ++i) {
       LatticePoint p{};
       const float* local = primitive.position.data() + 3 * std::size_t(primitive.index[at + i]);

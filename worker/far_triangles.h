@@ -1,5 +1,5 @@
-/// Triangles that reach too far for exact arithmetic. A vertex with a wrong unit makes them; they are left out,
-/// wherever cells are cut, and a survey counts them.
+/// Triangles too long for exact arithmetic, typically because a vertex has a wrong unit. They are left out independent
+/// of the cell grid, and a scan counts them.
 #pragma once
 
 #include <algorithm>
@@ -15,12 +15,12 @@
 
 namespace gigabake {
 
-/// In sub-voxels: then the vertices of a triangle are within kernels::widest_coordinate of the lowest corner of every
-/// cell that it meets.
+/// Max side in sub-voxels. It keeps the vertices of a triangle within kernels::widest_coordinate of the lowest corner
+/// of every cell that the triangle overlaps.
 inline constexpr std::int64_t longest_side = longest_side_voxels * subvoxels;
-static_assert(longest_side + 8192 * subvoxels == kernels::widest_coordinate);  // the largest cell
+static_assert(longest_side + 8192 * subvoxels == kernels::widest_coordinate);  // edge of the largest cell
 
-/// Longest side of its box, sub-voxels.
+/// Returns the longest side of the triangle's box, in sub-voxels.
 inline std::int64_t side_of(const LatticeTriangle& t) {
   std::int64_t side = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -31,10 +31,11 @@ inline std::int64_t side_of(const LatticeTriangle& t) {
   return side;
 }
 
-/// False only where no triangle inside the box reaches too far.
+/// Returns false only if no triangle inside the box can be too long.
 bool may_reach_too_far(const SceneBox& box, const BakeParameters& parameters);
 
-/// The primitive's index list without the triangles that, so placed, reach too far; others keep their order.
+/// Returns the primitive's index list without the triangles that are too long with this instance's transform; keeps the
+/// order.
 std::vector<std::uint32_t> index_without_far(const Primitive& primitive, const Instance& instance,
                                              const BakeParameters& parameters);
 

@@ -1,5 +1,5 @@
-/// Where one stage of the pipeline hands values to the next: hand to hand, or with room for a few in between. Memory
-/// holds no more cells than there are stages and places.
+/// Bounded queue between two stages of the pipeline; capacity 0 is a rendezvous. It bounds the number of cells in
+/// memory by the number of stages and the capacities.
 #pragma once
 
 #include <condition_variable>
@@ -12,31 +12,31 @@
 
 namespace gigabake {
 
-/// Any number of givers and takers. Thread-safe.
+/// Supports any number of producers and consumers. Thread-safe.
 template <class T>
 class Handoff {
  public:
-  /// room: how many values may wait for their taker without their giver. 0: hand to hand.
+  /// room: number of values that may wait without their producer. 0: a rendezvous.
   explicit Handoff(std::size_t room = 0) : room_(room) {}
 
-  /// Returns when the value is taken, or one of as many as there is room for.
+  /// Returns once the value is taken, or is among the first `room` values in the queue.
   void give(T value) {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return values_.size() <= room_; });  // of several givers one stands at the counter
+    changed_.wait(lock, [this] { return values_.size() <= room_; });  // max one producer beyond the capacity
     values_.push_back(std::move(value));
     changed_.notify_all();
     const std::uint64_t mine = ++given_;
     changed_.wait(lock, [this, mine] { return taken_ + room_ >= mine; });
   }
 
-  /// No value follows. To be called by the last giver, once the others have returned.
+  /// Marks the end of the values. Must be called by the last producer, after all others have returned.
   void close() {
     const std::scoped_lock lock(mutex_);
     closed_ = true;
     changed_.notify_all();
   }
 
-  /// Waits for a value; none when closed.
+  /// Waits for a value; returns nullopt once the queue is closed and empty.
   std::optional<T> take() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return !values_.empty() || closed_; });

@@ -1,4 +1,4 @@
-/// Does an instance come near a cell? Asked before its image is decoded and its triangles are snapped.
+/// Conservative test of an instance against a cell, applied before images are decoded and triangles are snapped.
 #pragma once
 
 #include <array>
@@ -9,22 +9,22 @@
 
 namespace gigabake {
 
-/// Local metres, over finite positions only: a triangle with another is dropped at the snap. low > high: none is
-/// finite.
+/// Local metres, over finite positions only, because a triangle with another position is dropped at the snap. low >
+/// high: no position is finite.
 struct LocalBounds {
   std::array<double, 3> low{1, 1, 1}, high{-1, -1, -1};
 };
 
 LocalBounds bounds_of(const Primitive& primitive);
 
-/// Scene metres. low > high: nothing is there.
+/// Scene metres. low > high: empty.
 struct SceneBox {
   std::array<double, 3> low_m{1, 1, 1}, high_m{-1, -1, -1};
   bool is_empty() const { return low_m[0] > high_m[0]; }
 };
 
-/// Holds every voxel that a triangle of the instance can touch, whatever the surface rule.
-/// Exact   Conservative: bounds are transformed in double and grown by a voxel and 1e-12 of the terms that cancel.
+/// Returns a box that contains every voxel that a triangle of the instance can touch, with any surface rule.
+/// Exact   Conservative: bounds are transformed in double and grown by a voxel and by 1e-12 of the terms that cancel.
 SceneBox scene_box(const LocalBounds& bounds, const Instance& instance, const BakeParameters& parameters);
 
 struct CellBox {
@@ -32,7 +32,7 @@ struct CellBox {
   std::uint32_t cell_voxels = 0;
 };
 
-/// False only where nothing inside the box (of scene_box()) can touch a voxel of the cell.
+/// Returns false only if no geometry inside the box (of scene_box()) can touch a voxel of the cell.
 bool may_meet(const SceneBox& box, const BakeParameters& parameters, const CellBox& cell);
 
 }  // namespace gigabake

@@ -1,4 +1,4 @@
-/// The bake's parameters as the kernels take them.
+/// Converts the bake's parameters to kernel types.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-/// Values that are dear to make and may be needed again, up to a number of bytes; the longest unused goes first.
+/// Cache of values that are expensive to make, bounded in bytes; evicts the least recently used value.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,15 @@
 
 namespace gigabake {
 
-/// Value has `std::uint64_t bytes() const`. A value lives on while somebody holds it, evicted or not. Thread-safe.
+/// Value has `std::uint64_t bytes() const`. An evicted value stays alive while a caller holds it. Thread-safe.
 template <class Key, class Value, class KeyHash = std::hash<Key>>
 class LruCache {
  public:
   explicit LruCache(std::uint64_t budget_bytes) : budget_bytes_(budget_bytes) {}
 
-  /// The value of `key`; where absent, what `load()` returns (a std::shared_ptr<const Value>, not null).
-  /// One caller loads, others that ask for the same key meanwhile wait for it.
-  /// Errors  What load() throws, to everyone who waited; nothing is kept and the next caller loads again.
+  /// Returns the value of `key`; if absent, calls `load()`, which returns a non-null std::shared_ptr<const Value>. One
+  /// caller loads; concurrent callers with the same key wait for its result.
+  /// Errors  An exception of load() is thrown to all waiting callers; nothing is kept, and the next caller loads again.
   template <class Load>
   std::shared_ptr<const Value> get(const Key& key, const Load& load) {
     std::promise<std::shared_ptr<const Value>> promise;
@@ -37,7 +37,7 @@ class LruCache {
     }
   }
 
-  /// The value of `key`, if it is kept, is loaded again the next time. Who holds it keeps it.
+  /// Removes a loaded value, so that the next get() loads it again. Callers that hold the value keep it.
   void drop(const Key& key) {
     const std::scoped_lock lock(mutex_);
     const auto at = entries_.find(key);
@@ -47,7 +47,7 @@ class LruCache {
     entries_.erase(at);
   }
 
-  /// Of the values kept; at most the budget.
+  /// Returns the bytes of the cached values; at most the budget.
   std::uint64_t bytes() const {
     const std::scoped_lock lock(mutex_);
     return bytes_;
@@ -58,7 +58,7 @@ class LruCache {
   struct Entry {
     Future value;
     std::uint64_t bytes = 0;
-    typename std::list<Key>::iterator use;  ///< its place in uses_, once loaded
+    typename std::list<Key>::iterator use;  ///< position in uses_, once loaded
     bool loaded = false;
   };
 
@@ -99,7 +99,7 @@ class LruCache {
   const std::uint64_t budget_bytes_;
   mutable std::mutex mutex_;
   std::unordered_map<Key, Entry, KeyHash> entries_;
-  std::list<Key> uses_;  ///< of loaded entries, the latest use first
+  std::list<Key> uses_;  ///< of loaded entries, most recently used first
   std::uint64_t bytes_ = 0;
 };
 

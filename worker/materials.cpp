@@ -6,7 +6,7 @@
 namespace gigabake {
 namespace {
 
-/// Slack of the alpha test in 8-bit texel steps: 0.2 as float is a little more than 51/255 and means it.
+/// Slack of the alpha test in 8-bit texel steps: the float 0.2 is slightly above 51/255 and must let 51 pass.
 constexpr double cutoff_slack = 1e-4;
 
 std::uint16_t to_16_bit(float share) {

@@ -1,4 +1,4 @@
-/// Materials as files describe them, turned into what the kernels shade with.
+/// Converts materials of source files to kernel materials.
 #pragma once
 
 #include <cstdint>
@@ -9,22 +9,23 @@
 
 namespace gigabake {
 
-/// How a material wants its image prefiltered. Materials that agree share one texture.
+/// Prefiltering of a material's image. Materials with equal recipes share one texture.
 struct TextureRecipe {
   kernels::TextureAlpha alpha = kernels::TextureAlpha::ignore;
-  std::uint8_t mask_cutoff = 0;  ///< of TextureAlpha::mask: the least 8-bit texel alpha that passes, 1 … 255
+  std::uint8_t mask_cutoff = 0;  ///< of TextureAlpha::mask: min 8-bit texel alpha that passes, 1 … 255
   friend bool operator==(const TextureRecipe&, const TextureRecipe&) = default;
 };
 
 struct ShadedMaterial {
-  kernels::MaterialView view;  ///< `texture` is the caller's to set, when `image` is not -1
-  int image = -1;              ///< index into TileMesh::images that it needs
+  kernels::MaterialView view;  ///< the caller sets `texture` if `image` is not -1
+  int image = -1;              ///< index into TileMesh::images, or -1
   TextureRecipe recipe;
 };
 
-/// The alpha test of AlphaMode::mask is `factor · texel ≥ cutoff`; with a texture it becomes a threshold on texels, so
-/// that the pyramid can hold the share that passes (vertex alpha then has no say). A cutoff of 0 lets everything pass:
-/// opaque. A cutoff above the factor lets nothing pass: absent, and no image is asked for.
+/// Converts a material. The alpha test of AlphaMode::mask is `factor · texel ≥ cutoff`. With a texture it becomes a
+/// threshold on texels, so that the pyramid can store the fraction that passes; vertex alpha is then ignored. A cutoff
+/// of 0 lets every texel pass, so the material is opaque. A cutoff above the factor lets none pass; the material is
+/// then invisible and needs no image.
 ShadedMaterial shaded_material(const Material& material);
 
 }  // namespace gigabake

@@ -1,4 +1,4 @@
-/// What overviews need of the shards that this process wrote recently, so that they need not read the files.
+/// Cache of the data that overviews need from recently written shards, so that they need not read the files.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,17 @@
 
 namespace gigabake {
 
-/// Keeps children up to a number of bytes. Evicts those that an overview has used first, then the oldest. Thread-safe.
+/// Caches children up to a number of bytes. Evicts children that an overview has used first, then the oldest.
+/// Thread-safe.
 class OverviewInputs {
  public:
   explicit OverviewInputs(std::uint64_t budget_bytes) : budget_bytes_(budget_bytes) {}
 
-  /// Replaces what was kept by this name. A child larger than the budget is not kept.
+  /// Replaces the entry of this file name. A child larger than the budget is not kept.
   void keep(const std::string& file, ChildOfParent child);
-  /// Returns null where nothing is kept by this name.
+  /// Returns null if there is no entry of this file name.
   std::shared_ptr<const ChildOfParent> find(const std::string& file);
-  /// Returns the bytes of all children that are kept: at most the budget.
+  /// Returns the bytes of all cached children: at most the budget.
   std::uint64_t bytes() const;
 
  private:

@@ -69,7 +69,7 @@ namespace {
 std::shared_ptr<const ChildOfParent> read_child_file(const std::filesystem::path& out, const std::string& file,
                                                      const CellJob& parent) {
   const ShardReader reader(out / file);
-  // A child that another bake has replaced meanwhile has another file.
+  // The fingerprint in the header differs from the name if another bake has replaced the child.
   if (shard_file(reader.header().cell, reader.header().fingerprint) != file)
     throw InputError(out / file, "fingerprint", "is not that of its name: remove the file and bake again");
   return std::make_shared<const ChildOfParent>(read_child(reader, parent));

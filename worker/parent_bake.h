@@ -1,4 +1,4 @@
-/// An overview (parent) made of its children's shards, by whoever bakes it and by whoever verifies it.
+/// Makes an overview (parent) from its children's shards, for bakes and for verification.
 #pragma once
 
 #include <cstdint>
@@ -17,37 +17,39 @@
 
 namespace gigabake {
 
-/// What an overview needs of a child's shard.
+/// The data of a child's shard that an overview needs.
 struct ChildOfParent {
   ParentSource source;
   ChildLevels copied;
 };
 using ChildrenOfParent = std::vector<std::shared_ptr<const ChildOfParent>>;
 
-/// What shards that this program writes say of who wrote them.
+/// Returns the name and version of this program, which the shards that it writes store.
 std::string generator();
 
-/// Returns the bytes of its arrays.
+/// Returns the bytes of the child's arrays.
 std::uint64_t bytes_of(const ChildOfParent& child);
 
-/// Reads only the rows that `parent` copies, and what its own levels are made of.
-/// Errors  InputError: damaged; a shard that keeps nothing for parents, or lacks a level that the parent copies.
+/// Reads only the levels that `parent` duplicates and the downsample state that its own levels are made from.
+/// Errors  InputError: damaged; a shard without downsample state, or without a level that the overview duplicates.
 ChildOfParent read_child(const ShardReader& reader, const CellJob& parent);
 
-/// The same of a shard in memory. begin: the first level of the lattice that an overview copies (CellJob::kept_lod).
-/// Exact   What read_child() reads of the file with this shard.
+/// Returns the same data from a shard in memory. begin: the first lattice level that an overview duplicates
+/// (CellJob::kept_lod).
+/// Exact   Equal to the result of read_child() on a file with this shard.
 ChildOfParent child_of(Shard&& shard, std::uint32_t begin);
 ChildOfParent child_of(const PackedShard& shard, std::uint32_t begin);
 
-/// Returns what is in memory of a child's shard, by its file's name; null where nothing is.
+/// Returns the in-memory data of a child's shard, by its file name; null if there is none.
 using FindChild = std::function<std::shared_ptr<const ChildOfParent>(const std::string& file)>;
 
-/// Returns all of a parent's children; reads those that `find` does not return from OUT, several concurrently. Twice
-/// their bytes are compared with memory_limit(): the parent's own levels have the voxels of their copies.
-/// Errors  InputError: as read_child(), a file that is not the one of its name, or more memory than allowed.
+/// Returns all children of an overview. Reads those that `find` does not return from OUT, several concurrently. Claims
+/// twice their bytes from memory_limit(), because the overview's own copy of duplicated levels has as many voxels.
+/// Errors  As read_child(); InputError: a file's fingerprint does not match its name, or the memory limit is exceeded.
 ChildrenOfParent read_children(const std::filesystem::path& out, const CellJob& parent, const FindChild& find,
                                const ThreadPool& pool);
 
+/// Makes the overview.
 /// Exact   A function of the children's shards: the same bits for every caller and number of threads.
 /// Errors  InputError: children that contradict each other or the parameters.
 kernels::CellVolume make_parent(const CellJob& parent, const ChildrenOfParent& children,

@@ -11,7 +11,7 @@
 namespace gigabake {
 namespace {
 
-/// Nothing where one of them, or the parent, is damaged.
+/// The parts of an overview and its children that are compared.
 struct ReadFamily {
   ShardHeader header;
   ParentSource above;

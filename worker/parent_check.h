@@ -1,4 +1,4 @@
-/// Whether a parent's shard is what its children's shards make of it: for who verifies a scene.
+/// Verifies that an overview's shard matches its children's shards.
 #pragma once
 
 #include <filesystem>
@@ -10,12 +10,12 @@
 
 namespace gigabake {
 
-/// One line for each level of the parent that is not what its children say: copies must be their voxels, and its own
-/// levels what this program makes of them (docs/format.md). Levels that another version of gigabake has made
-/// are not compared, for it may have made them otherwise; copies always are.
-/// children: those cells or parents of the scene that its window overlaps. One that cannot be read ends the comparison
-/// without a line: it is named where it is checked itself.
-/// Cost  reads of each child what levels above are made of, and the levels that are copied.
+/// Returns one line per level of the overview that does not match its children. Duplicated levels must equal the
+/// children's voxels; its own levels must equal what this program makes of them (docs/format.md, "Parents"). Own levels
+/// written by another version of gigabake are not compared because that version may have made them differently.
+/// children: the cells or overviews of the scene that its window overlaps. If a child cannot be read, the comparison
+/// stops and reports no fault for it; the child's own check reports it.
+/// Cost    Reads each child's downsample state and duplicated levels.
 std::vector<std::string> faults_of_parent(const std::filesystem::path& folder, const SceneHeader& scene,
                                           const SceneCell& parent, std::span<const SceneCell> children);
 

@@ -1,4 +1,4 @@
-/// How finely a file can say where its vertices are.
+/// Resolution of a file's vertex coordinates.
 #pragma once
 
 #include <array>
@@ -7,14 +7,14 @@
 
 namespace gigabake {
 
-/// Largest magnitude of a coordinate on each of a mesh's own axes.
+/// Max magnitude of a coordinate on each of a mesh's own axes.
 using LocalReach = std::array<float, 3>;
 
-/// Largest distance in the scene between a vertex within `reach` and the next one that the file could say along one of
-/// its axes: half of it is how far a vertex may be from where its author had it.
-/// Exact   Floats: their spacing at the reach; quantized positions: their step; times the length that the instance's
-/// map
-///         gives the axis. What float32 translations of EXT_mesh_gpu_instancing lose is not in it.
+/// Returns the max distance in the scene, within `reach`, between neighbouring representable coordinates on one axis. A
+/// vertex may be off by half of it.
+/// Exact   Float coordinates: their spacing (ULP) at the reach. Quantized coordinates: their step. Both are scaled by
+///         the instance's transform of the axis. The error of float32 translations in EXT_mesh_gpu_instancing is not
+///         included.
 double position_spacing_m(const Primitive& primitive, const Instance& instance, const LocalReach& reach);
 
 }  // namespace gigabake

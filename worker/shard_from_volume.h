@@ -1,4 +1,4 @@
-/// The kernels' answer as the shard that holds it. Arrays move; nothing is copied.
+/// Converts kernel results to shards. Arrays are moved, not copied.
 #pragma once
 
 #include "format/shard/packed_shard.h"
@@ -8,10 +8,11 @@
 
 namespace gigabake {
 
-/// The header's content_hash is the volume's: the kernels' own, which `verify` compares with what the file holds.
+/// Returns the shard of a volume. The header's content_hash comes from the kernels; `verify` compares it with the
+/// file's content.
 Shard shard_from_volume(kernels::CellVolume volume, ShardHeader header);
 
-/// The same of a cell that a device has packed. Takes its levels, nodes and hashes; borrows its memory.
+/// Returns the shard of a cell that a device has packed. Moves its levels, nodes and hashes; borrows its memory.
 PackedShard shard_from_packed(kernels::PackedCell& cell, ShardHeader header);
 
 }  // namespace gigabake

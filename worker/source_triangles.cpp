@@ -13,7 +13,7 @@
 namespace gigabake {
 namespace {
 
-/// A cell so large that it leaves nothing out.
+/// Returns a job whose cell is so large that it contains the whole source.
 CellJob everything(const SceneSources& sources) {
   CellJob job;
   constexpr std::int64_t reach = std::int64_t(1) << 31;

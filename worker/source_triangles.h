@@ -1,7 +1,8 @@
-/// All triangles of a source at once, placed in a bake's lattice but neither snapped nor filtered, with the materials
-/// and texels that a bake gives them.
+/// All triangles of a source at once, in a bake's lattice but neither snapped nor filtered, with the materials and
+/// textures of a bake.
 ///
-/// Space   Lod-0 voxels of the lattice. Positions go there in double, and to float only as distances from `middle`.
+/// Space   Lod-0 voxels of the lattice. Positions are transformed in double; float is used only for offsets from
+///         `middle`.
 #pragma once
 
 #include <array>
@@ -25,7 +26,7 @@ struct TriangleName {
   friend auto operator<=>(const TriangleName&, const TriangleName&) = default;
 };
 
-/// Where a ray meets a triangle: barycentric weights of its second and third vertex.
+/// An intersection of a ray and a triangle: barycentric weights of its second and third vertex.
 struct TrianglePoint {
   std::uint32_t part = 0, triangle = 0;
   float second = 0, third = 0;
@@ -33,28 +34,30 @@ struct TrianglePoint {
 
 class SourceTriangles {
  public:
+  /// Loads the whole source.
   /// Cost    Memory for every tile and image of the source at once.
   /// Errors  InputError: a tile or image that cannot be read; no triangles.
   SourceTriangles(const SceneSources& sources, const BakeParameters& lattice, int threads);
 
   std::size_t parts() const { return cell_.parts.size(); }
-  /// 3 per triangle, each < the vertex count.
+  /// Returns 3 indices per triangle, each < the vertex count.
   Span<const std::uint32_t> indices(std::size_t part) const { return cell_.parts[part].index; }
-  /// 3 per vertex, relative to middle(); not finite where the source's are not.
+  /// Returns 3 coordinates per vertex, relative to middle(); not finite if the source's are not.
   std::vector<float> positions(std::size_t part) const;
-  /// Of one triangle, in double, in the order of its indices.
+  /// Returns the corners of one triangle, in double, in the order of its indices.
   std::array<std::array<double, 3>, 3> corners(std::size_t part, std::size_t triangle) const;
-  /// Texels of its image that lie in it; 0: it has none.
+  /// Returns the number of texels that the triangle covers in its image; 0 if it has none.
   double texels(std::size_t part, std::size_t triangle) const;
-  /// Whether the part is an instance that is a mirror image: outside is then where the left hand points.
+  /// Returns true if the part's instance transform is a reflection: the winding then follows the left-hand rule.
   bool is_mirrored(std::size_t part) const;
-  /// Towards its outside, of length 1: by the winding as the instance shows it. All 0 where it has no area.
+  /// Returns the unit normal towards the outside, by the winding after the instance transform; 0 if the triangle has no
+  /// area.
   std::array<double, 3> outside(std::size_t part, std::size_t triangle) const;
   const TriangleBox& box() const { return box_; }
   const std::array<double, 3>& middle() const { return middle_; }
 
-  /// Linear, premultiplied: the bilinear texel, the vertex colours and the base colour at the point; alpha as the
-  /// material's mode makes it. Both sides look alike, as they do to a bake.
+  /// Returns the linear, premultiplied colour at a point: bilinear texel, vertex colours and base colour, with alpha by
+  /// the material's mode. Both sides have the same colour, as in a bake.
   std::array<float, 4> colour(const TrianglePoint& at) const;
 
  private:

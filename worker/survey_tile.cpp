@@ -11,7 +11,7 @@
 namespace gigabake {
 namespace {
 
-/// Of each primitive, where it is placed. The mesh outlives it.
+/// Returns the placements of each primitive. The mesh must outlive the result.
 std::vector<std::vector<const Instance*>> placements_of(const TileMesh& mesh) {
   std::vector<std::vector<const Instance*>> placed(mesh.primitives.size());
   for (const Instance& instance : mesh.instances) placed[std::size_t(instance.primitive)].push_back(&instance);
@@ -31,7 +31,8 @@ TileMesh add_stored(const LoadedTile& tile, TileSurveyor& surveyor) {
   return tile.mesh();
 }
 
-/// Never the whole mesh in memory. Read twice, because a part comes before it is known where it is placed.
+/// Scans the tile without holding the whole mesh in memory. Reads the file twice, because a part is read before its
+/// placements are known.
 TileMesh add_in_parts(const TileRef& tile, const std::filesystem::path& root, TileSurveyor& surveyor) {
   TileMesh mesh = read_tile(tile, root, ReadScope::positions_only, [](std::size_t, const Primitive&) {});
   const auto placed = placements_of(mesh);
@@ -64,7 +65,7 @@ TileSurvey survey_tile(const SceneSources& sources, std::uint32_t tile, const Ba
   survey.tile = tile;
   const TileRef& ref = sources.tiles.at(tile);
   try {
-    // First of all: the files' stamps must be older than everything that is read of them.
+    // The identity is taken first, because the files' stamps must be older than everything that is read from the files.
     TileIdentity identity = identify_tile(ref, sources.root);
     TileSurveyor surveyor(ref, parameters, pool);
     if (store == nullptr || !store->may_be_large(tile))

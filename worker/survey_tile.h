@@ -1,4 +1,4 @@
-/// First step of a bake: what one tile covers.
+/// First step of a bake: scans the columns that one tile covers.
 #pragma once
 
 #include <cstdint>
@@ -11,18 +11,19 @@
 
 namespace gigabake {
 
-/// Reads the tile's positions and finds its columns of parameters.cell_voxels² voxels, each with a height range that
-/// holds every voxel which parameters.surface can occupy, and with the triangles that may touch it.
-/// store: gives tiles that may be large (TileStore::may_be_large()), so that their clusters are on scratch before the
-/// first cell; where it has no scratch such a tile is read twice, part by part. Null: every tile is read as a whole.
-/// Exact   Equal for any number of threads, with a store and without.
-/// Instances  A primitive placed at least 16 times, with more than 2^20 triangles in all, is surveyed by the boxes of
-///         its placements: columns and heights may then reach a little farther than its triangles, and a column counts
-///         all triangles of an instance that reaches it.
-/// Too far  A triangle whose box has a side of more than longest_side (worker/far_triangles.h) is left out and counted;
-///         so is one with a vertex beyond the lattice.
-/// Cost    Time follows triangles, boxes and columns; a tile that spreads over more than 2^21 columns is an error.
-/// Errors  None thrown: TileSurvey::error says in one line why the tile has no columns.
+/// Reads the tile's positions and finds its columns of parameters.cell_voxels² voxels. Each column has a height range
+/// that contains every voxel that parameters.surface can occupy, and the number of triangles that may touch it.
+/// store: loads tiles for which TileStore::may_be_large() is true, so that their clusters are on scratch before the
+/// first cell. If the store has no scratch folder, such a tile is read twice, part by part. Null: every tile is read as
+/// a whole.
+/// Exact   Equal for any number of threads, with and without a store.
+/// Instances  A primitive placed at least 16 times, with more than 2^20 triangles in all, is scanned by the boxes of
+///         its placements. Columns and heights may then extend slightly beyond its triangles, and a column counts all
+///         triangles of an instance whose box overlaps it.
+/// Too far  A triangle is left out and counted if a side of its box exceeds longest_side (worker/far_triangles.h), or
+///         if a vertex is beyond the lattice.
+/// Cost    Time is linear in triangles, boxes and columns; a tile with more than 2^21 columns is an error.
+/// Errors  Throws nothing: TileSurvey::error holds one line with the reason why the tile has no columns.
 TileSurvey survey_tile(const SceneSources& sources, std::uint32_t tile, const BakeParameters& parameters,
                        const ThreadPool& pool, const TileStore* store = nullptr);
 

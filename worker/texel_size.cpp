@@ -36,7 +36,7 @@ double area_m2(const TriangleCorners& c) {
   return std::sqrt(x * x + y * y + z * z) / 2;
 }
 
-/// In units of the whole picture.
+/// Returns the triangle's area as a fraction of the whole image.
 double area_in_texture(const Primitive& primitive, const std::uint32_t* index) {
   const float *p = &primitive.uv[2 * std::size_t(index[0])], *q = &primitive.uv[2 * std::size_t(index[1])],
               *r = &primitive.uv[2 * std::size_t(index[2])];
@@ -68,7 +68,7 @@ void TexelSize::add(const TexelSize& other) {
 double TexelSize::mean_m() const { return area_m2 > 0 ? std::exp(log_size_area / area_m2) : 0; }
 
 TexelSize texel_size(const TileMesh& mesh) {
-  std::map<int, double> texels;  // of each image
+  std::map<int, double> texels;  // by image
   TexelSize sum;
   std::size_t triangles = 0;
   for (const Instance& instance : mesh.instances) {

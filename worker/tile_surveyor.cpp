@@ -15,13 +15,13 @@ namespace gigabake {
 namespace {
 
 constexpr std::size_t triangles_per_range = 16384, vertices_per_range = 65536, clusters_per_range = 4;
-/// A primitive placed so often, with so many triangles in all, is surveyed by the boxes of its placements.
+/// Thresholds above which a primitive is scanned by the boxes of its placements.
 constexpr std::size_t least_boxed_instances = 16;
 constexpr std::uint64_t most_exact_triangles = std::uint64_t(1) << 20;
 constexpr double most_crossings = 0x1p60;  ///< of one triangle or box
 constexpr double farthest_voxel = 0x1p44;  ///< the snap's range is 2^53 sub-voxels
 
-/// Of a vertex that is not on the lattice: where it would be, or infinite.
+/// Returns the unsnapped scene position of a vertex; it may be infinite.
 std::array<double, 3> scene_position(const Primitive& primitive, std::uint32_t vertex, const Instance& instance) {
   const float* local = primitive.position.data() + 3 * std::size_t(vertex);
   std::array<double, 3> p_m{};
@@ -32,7 +32,7 @@ std::array<double, 3> scene_position(const Primitive& primitive, std::uint32_t v
   return p_m;
 }
 
-/// Longest side of the box of a triangle that is not on the lattice; no number or infinite where a vertex is.
+/// Returns the longest side of the box of a triangle that is not on the lattice; infinite if a vertex is not finite.
 double side_m(const Primitive& primitive, const std::uint32_t* index, const Instance& instance) {
   const std::array<std::array<double, 3>, 3> p_m = {scene_position(primitive, index[0], instance),
                                                     scene_position(primitive, index[1], instance),
@@ -46,7 +46,8 @@ double side_m(const Primitive& primitive, const std::uint32_t* index, const Inst
   return side;
 }
 
-/// Twice the areas seen along x, y and z, added: of triangles on the lattice exact as long as doubles hold them.
+/// Returns twice the sum of the areas projected along x, y and z. Exact for lattice triangles while the values fit into
+/// a double.
 double doubled_views(const std::array<double, 3>& a, const std::array<double, 3>& b) {
   return std::fabs(a[1] * b[2] - a[2] * b[1]) + std::fabs(a[2] * b[0] - a[0] * b[2]) +
          std::fabs(a[0] * b[1] - a[1] * b[0]);
@@ -61,7 +62,7 @@ std::uint64_t crossings_of(const LatticeTriangle& t) {
   return std::uint64_t(std::min(doubled_views(a, b), most_crossings));
 }
 
-/// In its own frame, of triangles that are finite.
+/// Returns the area in the primitive's own frame, over finite triangles.
 double area_m2(const Primitive& primitive) {
   double doubled = 0;
   for (std::size_t t = 0; t + 2 < primitive.index.size(); t += 3) {
@@ -79,7 +80,7 @@ double area_m2(const Primitive& primitive) {
   return doubled / 2;
 }
 
-/// Exact for placements that scale all axes alike.
+/// Returns the factor by which a placement scales areas. Exact for uniform scales.
 double area_scale(const Instance& instance) {
   return std::pow(std::fabs(kernels::determinant(row_major(instance.scene_from_local).data())), 2.0 / 3);
 }
@@ -99,7 +100,7 @@ bool is_boxed(std::uint64_t triangles, std::size_t placements) {
   return placements >= least_boxed_instances && placements * triangles > most_exact_triangles;
 }
 
-/// Of what stays on the lattice: a triangle with another vertex is dropped.
+/// Extends `reach` by the vertices on the lattice; a triangle with any other vertex is dropped.
 template <class Vertices>
 void widen(LocalReach& reach, const Primitive& mesh, const Vertices& vertices) {
   for (std::size_t i = 0; i < vertices.size(); ++i)
@@ -186,8 +187,9 @@ void TileSurveyor::add_cluster(const Primitive& cluster, Placements placements, 
   }
 }
 
-/// As add_placed(), of all these placements, but for triangles that have no area. Those whose box is beyond the
-/// lattice, or so large that a triangle may reach too far, are looked at one triangle at a time: some may not.
+/// Like add_placed() for all placements, but does not count triangles without area. A placement whose box is beyond the
+/// lattice, or may hold a triangle that is too long, is scanned triangle by triangle because other triangles may be
+/// valid.
 void TileSurveyor::add_boxes(const Primitive& mesh, Placements placements) {
   const LocalBounds bounds = bounds_of(mesh);
   const std::uint64_t triangles = mesh.index.size() / 3, non_finite = triangles_not_finite(mesh);
@@ -207,13 +209,14 @@ void TileSurveyor::add_boxes(const Primitive& mesh, Placements placements) {
     if (is_far[i] != 0) add_placed(mesh, *placements[i]);
 }
 
-/// Of surface that faces all ways alike: the mean of |x| + |y| + |z| over directions is 3/2.
+/// Returns the projected voxels of an area with evenly distributed normals: the mean of |x| + |y| + |z| over directions
+/// is 3/2.
 std::uint64_t TileSurveyor::crossings_of_area(double surface_m2) const {
   const double voxels = 1.5 * surface_m2 / (parameters_.voxel_size_m * parameters_.voxel_size_m);
   return std::uint64_t(std::clamp(voxels * crossing_unit, 0.0, most_crossings));
 }
 
-/// False, with nothing added, where the box reaches beyond the lattice.
+/// Returns false and adds nothing if the box extends beyond the lattice.
 bool TileSurveyor::add_box(const SceneBox& box, std::uint64_t triangles, std::uint64_t crossings,
                            ColumnMap& map) const {
   std::array<VoxelSpan, 3> voxels;
@@ -269,7 +272,7 @@ void TileSurveyor::add_triangles(const Primitive& mesh, std::span<const std::uin
 void TileSurveyor::add_triangle(const LatticeTriangle& triangle, ThreadSurvey& found) const {
   const std::int64_t side = side_of(triangle);
   const bool is_far = side > longest_side;
-  // Products of differences within the longest side fit into 64 bits.
+  // Products of differences up to longest_side fit into 64 bits.
   if (!(is_far ? has_area(triangle) : kernels::has_area<std::int64_t>(triangle.p))) {
     ++found.zero_area;
     return;

@@ -1,4 +1,4 @@
-/// What the triangles of one tile cover, lattice column by lattice column: they are added mesh by mesh, in any order.
+/// Accumulates the lattice columns that one tile's triangles cover. Meshes may be added in any order.
 #pragma once
 
 #include <array>
@@ -19,18 +19,19 @@
 
 namespace gigabake {
 
-/// Exact   The same columns and counts however a mesh is cut, and for any number of threads.
-/// Errors  InputError of every add: the triangles spread over more than max_columns columns.
+/// Scans the meshes of one tile.
+/// Exact   Columns and counts are independent of the split into meshes and of the number of threads.
+/// Errors  InputError from every add(): the triangles spread over more than max_columns columns.
 class TileSurveyor {
  public:
   using Placements = std::span<const Instance* const>;
 
   TileSurveyor(const TileRef& tile, const BakeParameters& parameters, const ThreadPool& pool);
 
-  /// A mesh wherever it is placed.
-  /// Many placements of many triangles are surveyed by their boxes (survey_tile.h).
+  /// Adds a mesh at all its placements. Many placements of many triangles are scanned by their boxes (survey_tile.h).
   void add(const Primitive& mesh, Placements placements);
-  /// A primitive of a tile, cluster by cluster. Cost  On each thread one cluster is in memory.
+  /// Adds a primitive of a tile cluster by cluster.
+  /// Cost    One cluster per thread is in memory.
   void add(const LoadedTile& tile, std::size_t primitive, Placements placements);
 
   void finish(TileSurvey& survey) const;
@@ -42,9 +43,9 @@ class TileSurveyor {
   };
   struct ThreadSurvey {
     ColumnMap map;
-    std::vector<ColumnExtent> touched;    ///< by the triangle in hand
-    std::vector<SnappedVertex> vertices;  ///< of the cluster in hand
-    std::vector<LocalReach> reach;        ///< by placement of the primitive in hand
+    std::vector<ColumnExtent> touched;    ///< by the current triangle
+    std::vector<SnappedVertex> vertices;  ///< of the current cluster
+    std::vector<LocalReach> reach;        ///< by placement of the current primitive
     std::uint64_t non_finite = 0, zero_area = 0, too_far = 0;
     double reach_m = 0;
   };
@@ -66,7 +67,7 @@ class TileSurveyor {
   const ThreadPool& pool_;
   const ColumnGrid grid_;
   std::vector<ThreadSurvey> threads_;
-  std::vector<SnappedVertex> vertices_;  ///< of the mesh in hand
+  std::vector<SnappedVertex> vertices_;  ///< of the current mesh
   double spacing_m_ = 0;
 };
 

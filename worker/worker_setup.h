@@ -1,4 +1,4 @@
-/// What a bake process is told before anything else: enough to bake by itself.
+/// First message to a bake process; it contains everything that the process needs to bake.
 #pragma once
 
 #include <cstdint>
@@ -14,15 +14,17 @@ namespace gigabake {
 
 struct WorkerSetup {
   BakeParameters parameters;
-  WorkerOptions worker;  ///< but for cuda_device, which the process chooses
+  WorkerOptions worker;  ///< except cuda_device, which the process chooses
   DeviceWish device;
-  /// format/job/source_bytes.h. Relative paths count from the process's working folder, which it inherits.
+  /// Serialized as in format/job/source_bytes.h. Relative paths are relative to the process's working folder, which it
+  /// inherits.
   std::shared_ptr<const std::vector<std::uint8_t>> sources;
 };
 
-/// All but the sources, which travel before it, in parts.
+/// Serializes all fields except the sources, which are sent before the setup, in parts.
 std::vector<std::uint8_t> to_bytes(const WorkerSetup& setup);
-/// Errors  InputError when malformed, UsageError where a parameter is out of range.
+/// Reads what to_bytes() wrote.
+/// Errors  InputError when malformed, UsageError if a parameter is out of range.
 WorkerSetup setup_from_bytes(std::span<const std::uint8_t> bytes);
 
 }  // namespace gigabake

@@ -1,4 +1,4 @@
-/// How many cells a worker has read ahead, how many it packs and writes at a time, and with how many threads.
+/// Numbers of cells that a worker reads ahead, and packs and writes concurrently, and of their threads.
 #pragma once
 
 #include <cstddef>
@@ -9,26 +9,28 @@
 namespace gigabake {
 
 struct WriteCrew {
-  int writers;  ///< cells at a time, a thread each
-  int threads;  ///< of the pool that their loops share; the calling writer is one of them, so it starts one less
+  int writers;  ///< cells written concurrently, one thread each
+  int threads;  ///< of the pool shared by their loops; the calling writer counts as one, so the pool starts one less
 };
 
-/// Beside a device two to four cells are written at a time, with a pool for what comes to the host unpacked, in all no
-/// more threads than the worker has. What a device has packed is only handed to the system, and HDF5 serves one writer
-/// at a time: more than four wait for each other. Where memory is short there are fewer cells. Without a device the
-/// kernels need the threads, and one cell is packed at a time.
+/// Returns the number of writers and pool threads.
+/// With a device, two to four cells are written concurrently. A shared pool packs cells that are read back unpacked; in
+/// all the stages use no more threads than the worker has. Cells packed on the device are only passed to the system,
+/// and HDF5 serves one writer at a time, so more than four writers would wait for each other. If memory is short, fewer
+/// cells are written concurrently.
+/// Without a device the kernels need the threads, and one cell is packed at a time.
 WriteCrew write_crew_for(const WorkerOptions& options);
 
-/// Returns how many overviews are made concurrently beside a device: most become ready at the end of a bake, and parts
+/// Returns the number of overviews made concurrently with a device: most become ready at the end of a bake, and parts
 /// of each run on one thread.
 std::size_t overview_makers_for(const WorkerOptions& options);
 
-/// Cells that are read before a device asks for them: a tile's first cell takes as long to read as several take to
-/// bake, and the device would wait for each tile. Where memory is short there are fewer, and without a device none,
-/// because reading and kernels share the threads.
+/// Returns the number of cells read before a device needs them. A tile's first cell takes as long to read as several
+/// take to bake, so without read-ahead the device would wait for each tile. The number is lower if memory is short. It
+/// is 0 without a device, because reading and kernels share the threads.
 std::size_t cells_ahead_for(const WorkerOptions& options);
 
-/// Memory in which each writer may make a file: a sixteenth of the worker's for all of them.
+/// Returns the memory in which each writer may assemble a file; all writers together use at most 1/16 of the worker's.
 std::uint64_t image_bytes_for(const WorkerOptions& options);
 
 }  // namespace gigabake

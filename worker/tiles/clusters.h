@@ -18,9 +18,9 @@ inline constexpr std::size_t cluster_triangles = 512;
 /// Approximate memory of one cluster of a joined mesh whose triangles share vertices as those of a terrain do.
 inline constexpr std::uint64_t cluster_bytes = cluster_triangles * (3 * 4 + 28 * 6 / 10);
 
-/// Splits the mesh's triangles into clusters of at most cluster_triangles. A cluster's centroids share a box of an
-/// octree (a prefix of their Morton codes; Lauterbach et al. 2009). Each cluster is a mesh with its own vertices; it
-/// inherits material and position_step.
+/// Splits the mesh's triangles into clusters of at most cluster_triangles. The centroids of a cluster's triangles share
+/// a box of an octree (a prefix of their Morton codes; Lauterbach et al. 2009). Each cluster is a mesh with its own
+/// vertices; it inherits material and position_step.
 /// Exact   Every triangle is in exactly one cluster, with its corners in the same order and bitwise equal values.
 /// Range   Any positions: a triangle that is not finite, or far from all others, is assigned to some cluster.
 /// Cost    About 90 ns per triangle on one thread; temporary memory of 8 bytes per triangle and 4 per vertex.
