@@ -1,7 +1,7 @@
 // Writes the benchmark terrain: a fractal height field of 2·quads² triangles with vertex colours, or with a texture, on
 // one unit square.
-// At --voxel-size 1/2048 it has as many surface voxels as the terrain that the peers' figures in docs/performance.md
-// were measured on: about three for each column.
+// At --voxel-size 1/2048 it has about three surface voxels per column, as many as the terrain on which the other
+// programs of docs/experiments/kernels.md were measured.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
