@@ -28,10 +28,11 @@ void get_optional(ByteReader& r, std::optional<Value>& value) {
   if (is_there) r.get(value.emplace());
 }
 
-/// Absolute; empty where a plan has no OUT.
+/// Returns the absolute path; empty if a plan has no OUT.
 fs::path place_of(const fs::path& path) { return path.empty() ? path : fs::absolute(path); }
 
-/// All that results and the ranks' work together depend on; the rest of a request is each rank's own.
+/// Serializes the part of a request that affects results or the ranks' cooperation. Each rank keeps its own values for
+/// the rest.
 std::vector<std::uint8_t> shared_part(const BakeRequest& request) {
   ByteWriter w;
   w.put(place_of(request.source).string()), w.put(place_of(request.out).string());
@@ -60,7 +61,8 @@ void take_shared_part(const std::vector<std::uint8_t>& bytes, BakeRequest& reque
   request.parameters = parameters_from_json(parameters);
 }
 
-/// What a person would type for it. The whole of the parameters comes last: it has what no line before names.
+/// Returns the options as a user would write them. The complete parameters come last because they include values that
+/// no other entry names.
 std::vector<NamedOption> named_options(const BakeRequest& request) {
   const BakeParameters& p = request.parameters;
   const SourceOptions& s = request.source_options;
@@ -85,8 +87,8 @@ std::vector<NamedOption> named_options(const BakeRequest& request) {
   };
 }
 
-/// A path that was typed alike on every rank is rank 0's, wherever the ranks stand; else it must lead to the same
-/// place.
+/// Returns rank 0's path if the same text was given on every rank, independent of working directories. Otherwise
+/// returns this rank's absolute path, which must equal rank 0's.
 NamedOption named_path(MpiSession& mpi, const char* name, const fs::path& path) {
   const std::string typed = path.string();
   const std::vector<std::uint8_t> of_first = mpi.from_master(std::vector<std::uint8_t>(typed.begin(), typed.end()));

@@ -1,4 +1,4 @@
-/// The one request that all ranks of a launch bake.
+/// Agreement of all ranks of a launch on one request.
 #pragma once
 
 #include <string>
@@ -14,12 +14,13 @@ struct NamedOption {
   std::string name, value;
 };
 
-/// Collective. Errors  CollectiveUsageError: a rank has another value than rank 0; names the first such option.
+/// Collective. Compares the options of all ranks.
+/// Errors  CollectiveUsageError: a rank's value differs from rank 0's; the message names the first such option.
 void expect_same_options(MpiSession& mpi, const std::vector<NamedOption>& own);
 
-/// Collective. Returns rank 0's request with this rank's own threads, memory, devices and scratch folder. The source
-/// and OUT of several ranks are absolute: ranks may have different working directories.
-/// Errors  CollectiveUsageError: a rank was given another source, OUT or option on which results depend.
+/// Collective. Returns rank 0's request with this rank's own threads, memory, devices and scratch folder. With several
+/// ranks, source and OUT become absolute because ranks may have different working directories.
+/// Errors  CollectiveUsageError: source, OUT or an option that affects results differs between ranks.
 BakeRequest agreed_request(MpiSession& mpi, const BakeRequest& own);
 
 }  // namespace gigabake

@@ -28,7 +28,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// What one rank does alone while the others wait (a plan of a million cells) takes longer than a sign of life.
+/// Factor from the heartbeat timeout to the timeout of collective calls. One rank may work for longer than a heartbeat
+/// interval while the others wait, for example on a plan of a million cells.
 constexpr double silences_of_patience = 10;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -40,13 +41,13 @@ SharedSources open_together(MpiSession& mpi, const BakeRequest& request, const B
   return sources;
 }
 
-/// Rank 0's: what is known of the tiles without reading them, and which must be read.
+/// On rank 0: tiles with cached scan results, and tiles that must be scanned.
 struct KnownSurveys {
   std::vector<TileSurvey> surveys;
   std::vector<std::uint32_t> missing;
 };
 
-/// folder: where an earlier bake may have left its surveys; may be empty.
+/// Finds cached scan results. folder: OUT of an earlier bake; may be empty.
 KnownSurveys known_surveys(const std::filesystem::path& folder, const SceneSources& sources,
                            const BakeParameters& parameters, int threads, const Progress& progress) {
   progress.step("looking for tiles that are known");
@@ -73,7 +74,7 @@ std::string no_triangles(const BakePlan& plan) {
   return line;
 }
 
-/// A cache that cannot be written costs the next bake its time, not this one its result.
+/// Saves the scan results. If the cache cannot be written, the next bake scans all tiles again; this bake continues.
 void keep_surveys(const BakeRequest& request, const SceneSources& sources, const std::vector<TileSurvey>& surveys,
                   const BakeProgress& progress) {
   try {
@@ -92,10 +93,11 @@ bool is_stop_asked(const Progress& steps) {
   }
 }
 
-/// What a bake that was stopped has surveyed is kept for the next one.
+/// Policy for the scan results of a stopped bake: discard them or keep them for the next bake.
 enum class StoppedSurvey { forget, keep };
 
-/// The surveys of all tiles, on rank 0. on_survey: rank 0's; how many there are. Errors  Stopped.
+/// Returns the scan results of all tiles on rank 0. on_survey: called on rank 0 with the number of results.
+/// Errors  Stopped.
 std::vector<TileSurvey> survey(MpiSession& mpi, const BakeRequest& request, const SceneSources& sources,
                                BakeProcess& process, const BakeProgress& progress, StoppedSurvey when_stopped,
                                const std::function<void(std::size_t)>& on_survey,
@@ -121,7 +123,7 @@ std::vector<TileSurvey> survey(MpiSession& mpi, const BakeRequest& request, cons
   return surveys;
 }
 
-/// Collective; the plan is rank 0's.
+/// Collective call. Returns the plan on rank 0.
 BakePlan plan_from(MpiSession& mpi, const BakeRequest& request, const SceneSources& sources,
                    std::vector<TileSurvey> surveys, const BakeProgress& progress) {
   BakePlan plan;
@@ -134,8 +136,8 @@ BakePlan plan_from(MpiSession& mpi, const BakeRequest& request, const SceneSourc
   return plan;
 }
 
-/// Waits for the process to have its device. One that dies before is started again, as one that dies later is; after
-/// the third death in a row there is no hope left.
+/// Waits until the process has reported its device. Restarts a process that dies before that; gives up after the third
+/// consecutive death.
 DeviceChoice device_of(const MpiSession& mpi, BakeProcess& process) {
   constexpr std::chrono::milliseconds longest_wait{50};
   for (int deaths = 0; !process.device(); process.wait(longest_wait)) {
@@ -151,7 +153,7 @@ DeviceChoice device_of(const MpiSession& mpi, BakeProcess& process) {
   return process.device()->choice;
 }
 
-/// A rank without a device beside others that have one says so: its cells take longer.
+/// Chooses devices. A rank without a device prints a line if other ranks have one, because its cells take longer.
 void choose_devices(MpiSession& mpi, BakeProcess& process, BakeSummary& summary) {
   DeviceChoice choice;
   all_or_none(mpi, [&] { choice = device_of(mpi, process); });
@@ -161,7 +163,8 @@ void choose_devices(MpiSession& mpi, BakeProcess& process, BakeSummary& summary)
     print_message("rank {} on {} uses the CPU: {}\n", mpi.rank(), host_name(), choice.reason);
 }
 
-/// mpirun binds each of few ranks to one core unless told otherwise.
+/// Warns if the ranks may use less than half of the cores: mpirun binds each rank to one core by default if there are
+/// few ranks.
 void warn_of_binding(const MpiSession& mpi, const BakeRequest& request) {
   if (mpi.rank() != 0 || mpi.ranks() == 1 || request.threads > 0 || mpi.cores() * mpi.ranks() * 2 > mpi.host_cores())
     return;
@@ -169,7 +172,7 @@ void warn_of_binding(const MpiSession& mpi, const BakeRequest& request) {
                 mpi.cores(), mpi.host_cores());
 }
 
-/// feed: rank 0's.
+/// Bakes and records the status. feed: set on rank 0 only.
 BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress,
                          std::optional<StatusFeed>& feed) {
   const auto start = Clock::now();
@@ -199,7 +202,7 @@ BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const Bake
         feed->turn();
       },
       [&](int rank) { feed->record().process_died(rank, unix_now_s()); });
-  choose_devices(mpi, process, summary);  // after the survey, which a driver's start would only delay
+  choose_devices(mpi, process, summary);  // after the scan, which the driver's start would delay
   BakePlan plan = plan_from(mpi, request, sources, surveys, progress);
   all_or_none(mpi, [&] { refuse(request, plan.losses, mpi.rank() == 0 && plan.jobs.empty()); });
   if (mpi.rank() == 0) keep_surveys(request, sources, surveys, progress);
@@ -216,7 +219,7 @@ BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const Bake
   } catch (const std::exception& e) {
     failure = reason_of(e);
   }
-  // A rank that was lost would never take part: the others are ended by whoever catches this.
+  // A lost rank would never take part in a collective call; the caller ends the other ranks.
   if (failure && summary.lost_ranks != 0) throw std::runtime_error(*failure);
   if (summary.lost_ranks == 0) fail_together(mpi, failure);
   if (summary.lost_ranks == 0 && mpi.sum_of(summary.is_drained ? 1 : 0) == 0) scratch.is_not_needed();
@@ -224,7 +227,7 @@ BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const Bake
   return summary;
 }
 
-/// Rank 0's last word to whoever reads the status.
+/// Publishes the final status on rank 0.
 void end_status(StatusFeed& feed, BakeSummary& summary) {
   const bool is_whole = summary.scene.losses.empty();
   feed.record().enter(summary.is_drained ? BakeState::drained : is_whole ? BakeState::complete : BakeState::incomplete);
@@ -241,9 +244,9 @@ PlannedBake plan_bake(MpiSession& mpi, const BakeRequest& own, const BakeProgres
   planned.sources = open_together(mpi, request, progress);
   const SceneSources& sources = planned.sources.scene;
   BakeRequest on_cpu = request;
-  on_cpu.backend = Backend::cpu;  // a survey needs no device
+  on_cpu.backend = Backend::cpu;  // a scan needs no device
   WorkerSetup setup = setup_of(mpi, on_cpu, planned.sources);
-  setup.worker.scratch.clear();  // a plan leaves nothing behind: what is large is surveyed part by part
+  setup.worker.scratch.clear();  // a plan leaves no files: large tiles are scanned part by part
   BakeProcess process(std::move(setup), process_options(request));
   std::vector<TileSurvey> surveys = survey(
       mpi, request, sources, process, progress, StoppedSurvey::forget,
@@ -267,7 +270,7 @@ BakeSummary bake(MpiSession& mpi, const BakeRequest& own, const BakeProgress& pr
     if (feed) feed->stop();
     throw;
   } catch (const RankLost&) {
-    throw;  // the launch ends, not the bake: the next launch goes on, and the status says that this one was interrupted
+    throw;  // only the launch ends: the next launch resumes the bake, and the status shows an interruption
   } catch (const std::exception& e) {
     if (feed) feed->fail(reason_of(e));
     throw;

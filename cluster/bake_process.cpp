@@ -16,16 +16,16 @@ namespace gigabake {
 namespace {
 
 constexpr std::chrono::seconds killed_within{10}, first_pause{1}, longest_pause{60};
-/// Of the sources in one message: what the process holds twice while it puts them together.
+/// Bytes of the sources per message: the process holds one message twice while it assembles the sources.
 constexpr std::size_t part_bytes = std::size_t(1) << 24;
 constexpr int deaths_without_pause = 2;
-constexpr int doublings = 6;  // of the pause until it is the longest
+constexpr int doublings = 6;  // of the pause, up to longest_pause
 
 HangWatch::Clock::duration seconds(double s) {
   return std::chrono::duration_cast<HangWatch::Clock::duration>(std::chrono::duration<double>(s));
 }
 
-/// Whether the same start may succeed later: the system was short of something.
+/// Returns true if the same start may succeed later because the error is a temporary shortage.
 bool may_pass(const std::error_code& code) {
   for (const std::errc shortage :
        {std::errc::resource_unavailable_try_again, std::errc::not_enough_memory, std::errc::too_many_files_open,
@@ -34,7 +34,7 @@ bool may_pass(const std::error_code& code) {
   return false;
 }
 
-/// What a start may lack here.
+/// Returns a hint for a start that failed.
 std::string advice(const std::filesystem::path& program) {
   return program.string().starts_with("/proc/") ? "; a bake needs /proc to be mounted" : "";
 }
@@ -172,16 +172,16 @@ std::string BakeProcess::oldest() const {
   return tiles_.empty() ? "its start" : fmt::format("the survey of tile {}", tiles_.front());
 }
 
-/// why: none where it ended by itself.
+/// Ends the process. why: none if it ended by itself.
 void BakeProcess::end(std::optional<std::string> why) {
   verdict_ = std::move(why);
   channel_.reset();
-  child_->kill();  // one that hung up is ending already, and keeps its own way of doing it
+  child_->kill();  // a process that closed its socket is already ending; its exit status is kept if it ends first
   ending_since_ = Clock::now();
 }
 
-/// Two bake processes never run side by side: a device's memory may not hold both. One that cannot even be killed is
-/// waited for no longer than killed_within.
+/// Waits for the end of a killed process, so that two bake processes never overlap: a device's memory may be too small
+/// for two. A process that cannot be killed is abandoned after killed_within.
 void BakeProcess::bury() {
   std::optional<std::string> how = child_->ended();
   if (!how && Clock::now() - ending_since_ < killed_within) return;

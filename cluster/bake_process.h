@@ -1,5 +1,5 @@
-/// A rank's bake process as its supervisor sees it: a process without MPI that surveys tiles and bakes cells, and that
-/// may die. A hostile file, a GPU fault or the out-of-memory killer then costs what was in hand and nothing else.
+/// The supervisor's view of a rank's bake process, which scans tiles and bakes cells without MPI and may die. A hostile
+/// file, a GPU fault or the out-of-memory killer then affects only the requests in flight.
 #pragma once
 
 #include <chrono>
@@ -26,14 +26,15 @@ struct BakeProcessOptions {
   Patience patience = {};
 };
 
-/// So often a process may end before it has started, one after the other; after that no further one would start either.
+/// Max number of consecutive processes that end before they have started. After that number, starting is given up.
 inline constexpr int max_failed_starts = 3;
 
-/// Runs one process at a time, from the first request on; after a death the next request starts another. From the third
-/// death in a row without any result it pauses before that, 1 s, 2 s, 4 s … 60 s: a broken installation does not spin.
-/// Not for several threads. The thread that makes requests must outlive the object: the process ends with it.
-/// Exact   Results are the bake process's, bit for bit. A request gets one answer or is handed back by one death.
-/// Cost    poll() never waits. Beside messages it looks into /proc once a second, while something is in hand.
+/// Runs at most one process. The first request starts it; after a death the next request starts another. From the third
+/// consecutive death without any result, a start is delayed by 1 s, 2 s, 4 s … 60 s, so that a broken installation does
+/// not restart in a tight loop.
+/// Not thread-safe. The thread that makes requests must outlive the object, because the process ends with that thread.
+/// Exact   Results are the bake process's, bit for bit. Each request gets one answer or is returned by one death.
+/// Cost    poll() never blocks. While requests are in flight it reads /proc once per second.
 class BakeProcess {
  public:
   struct Surveyed {
@@ -43,39 +44,40 @@ class BakeProcess {
     CellReport report;
     std::uint32_t attempt;
   };
-  /// What was in hand, oldest first, goes back to the owner: nobody works on it any more.
+  /// The requests in flight at the death, oldest first. The caller owns them again.
   struct Died {
     std::string why;  ///< "killed by signal 11 (SIGSEGV)", "exit code 1", "hung: no CPU time for 60 s in cell c_0_0_0",
                       ///< "… in its start"
     std::vector<BakeOrder> cells;
     std::vector<std::uint32_t> tiles;
-    bool has_started = true;  ///< false: it ended before it could take a request, so no tile and no cell is to blame
+    bool has_started = true;  ///< false: it ended before it accepted requests, so no tile or cell is the cause
   };
   using Event = std::variant<Surveyed, Baked, Died>;
 
-  /// setup.sources is kept: each process that is started gets them.
+  /// Keeps setup.sources, because every process that is started receives them.
   BakeProcess(const WorkerSetup& setup, BakeProcessOptions options = {});
   /// Ends the process: see ~ChildProcess.
   ~BakeProcess() = default;
   BakeProcess(const BakeProcess&) = delete;
   BakeProcess& operator=(const BakeProcess&) = delete;
 
-  /// Starts the process, where none runs, without a request: device() follows.
-  /// Errors  std::runtime_error, of poll() and requests too: no process can be started here, now or later.
+  /// Starts the process, if none runs, without a request; device() becomes available later.
+  /// Errors  std::runtime_error, also from poll() and requests: no process can ever be started on this host.
   void prepare();
-  /// What the process that runs now, or the last one, bakes on; none until it has said so.
+  /// Returns the device of the current or last process; none until that process has reported it.
   const std::optional<DeviceAnswer>& device() const { return device_; }
   void submit(CellJob job, std::uint32_t attempt);
   void survey(std::uint32_t tile);
-  /// The next event, if there is one. Sends, receives, starts and kills: call it often while something is in hand.
+  /// Returns the next event, if any. Also sends, receives, starts and kills: call it often while requests are in
+  /// flight.
   std::optional<Event> poll();
-  /// Returns when poll() may have something to do, at the latest after `longest`.
+  /// Returns when poll() may have something to do, at most after `longest`.
   void wait(std::chrono::milliseconds longest) const;
-  /// Requests without an event so far.
+  /// Returns the number of requests without an event.
   std::size_t in_hand() const { return cells_.size() + tiles_.size(); }
-  /// Of the process that runs now.
+  /// Returns the id of the running process.
   std::optional<pid_t> pid() const;
-  /// The most memory that any of its processes had so far.
+  /// Returns the peak memory of any of its processes so far.
   std::uint64_t peak_bytes() const;
 
  private:
@@ -92,7 +94,7 @@ class BakeProcess {
   void report_death(std::string why);
   void expect_work();
   bool is_paused() const { return !child_ && Clock::now() < not_before_; }
-  /// One that has not begun is waited for, though nothing is in hand: it may hang as well.
+  /// Returns true if a hang must be detected: requests are in flight, or the process has not yet reported its device.
   bool is_awaited() const { return in_hand() != 0 || !device_; }
   std::string oldest() const;
 
@@ -101,22 +103,23 @@ class BakeProcess {
   const BakeProcessOptions options_;
   std::unique_ptr<ChildProcess> child_;
   std::optional<FrameChannel> channel_;                   ///< none while the process is ending
-  std::vector<std::unique_ptr<ChildProcess>> abandoned_;  ///< that the kernel could not end yet
+  std::vector<std::unique_ptr<ChildProcess>> abandoned_;  ///< processes that the kernel could not end yet
   HangWatch watch_;
   std::deque<BakeOrder> cells_;
   std::deque<std::uint32_t> tiles_;
-  Clock::duration cell_since_{}, tile_since_{};  ///< watched time when the front became the oldest
+  Clock::duration cell_since_{}, tile_since_{};  ///< watched time at which the current front became the oldest
   std::deque<Event> events_;
   std::optional<DeviceAnswer> device_;
-  std::optional<std::string> verdict_;  ///< why it was killed, where that was ours
+  std::optional<std::string> verdict_;  ///< reason, if this object killed the process
   Clock::time_point ending_since_{}, not_before_{};
   int deaths_in_a_row_ = 0;
-  bool has_started_ = false;      ///< the process that runs now, or the last one
+  bool has_started_ = false;      ///< of the current or last process
   std::uint64_t peak_bytes_ = 0;  ///< of processes that ended
 };
 
-/// Errors  std::runtime_error, always: max_failed_starts processes in a row ended before they had started. why: how the
-/// last one ended.
+/// Throws an error for max_failed_starts consecutive processes that ended before they had started. why: how the last
+/// process ended.
+/// Errors  std::runtime_error, always.
 [[noreturn]] void throw_no_start(const std::string& why);
 
 }  // namespace gigabake

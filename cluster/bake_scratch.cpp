@@ -21,7 +21,7 @@ bool is_of_store(const std::string& name) {
   return is_one("t_", ".clusters") || is_one("x_", ".texture");
 }
 
-/// Of the disk on which the folder is, or would be.
+/// Returns the free space of the disk that holds, or would hold, the folder.
 std::optional<std::uint64_t> room_at(fs::path folder) {
   std::error_code error;
   folder = fs::absolute(folder, error);
@@ -65,7 +65,7 @@ std::optional<std::string> scratch_note(const ScratchNeed& need, const fs::path&
 
 BakeScratch::~BakeScratch() {
   if (is_needed_ || folder_.empty()) return;
-  std::error_code error;  // what cannot be removed does no harm
+  std::error_code error;  // failures to remove files are harmless
   for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
     std::error_code ignored;
     if (is_of_store(it->path().filename().string())) fs::remove(it->path(), ignored);

@@ -1,4 +1,5 @@
-/// The folder in which a bake keeps the clusters of tiles that are large beside its memory (worker/tiles/tile_store.h).
+/// The scratch folder of a bake, for clusters of tiles that are large compared with the memory
+/// (worker/tiles/tile_store.h).
 #pragma once
 
 #include <cstdint>
@@ -11,28 +12,28 @@
 
 namespace gigabake {
 
-/// OUT/scratch, or in request.scratch a folder that no bake into another OUT has. Empty without OUT.
+/// Returns OUT/scratch, or a folder in request.scratch that is unique to OUT. Empty without OUT.
 std::filesystem::path scratch_of(const BakeRequest& request);
 
-/// Tiles that are large beside the memory, and about how many bytes of scratch they take: those of their files, as
-/// long as these are not packed.
+/// Tiles that are large compared with the memory, and their approximate scratch size. The size is that of their files,
+/// which is right if the files are not compressed.
 struct ScratchNeed {
   std::uint64_t tiles = 0, bytes = 0;
 };
-/// Of a rank that may use memory_bytes.
+/// Returns the scratch need of a rank with `memory_bytes`.
 ScratchNeed scratch_need(const SceneSources& sources, std::uint64_t memory_bytes);
-/// "about 640.1 MB of scratch for 1 large tile"
+/// Returns, for example, "about 640.1 MB of scratch for 1 large tile".
 std::string scratch_text(const ScratchNeed& need);
 
-/// One line on how much will be kept there; nothing where no tile is that large.
-/// Errors  InputError: the disk has less room than that.
+/// Returns one line with the scratch size and folder; nullopt if no tile is large.
+/// Errors  InputError: the disk has less free space.
 std::optional<std::string> scratch_note(const ScratchNeed& need, const std::filesystem::path& folder);
 
-/// What is in the folder stays for a bake that continues, unless it is said that nobody needs it.
+/// Owner of the scratch folder. Files are kept for a resumed bake unless is_not_needed() is called.
 class BakeScratch {
  public:
   explicit BakeScratch(std::filesystem::path folder) : folder_(std::move(folder)) {}
-  /// Removes what a TileStore wrote, and the folder if nothing else is in it.
+  /// If is_not_needed() was called, removes the files that a TileStore wrote, and the folder if it is then empty.
   ~BakeScratch();
   BakeScratch(const BakeScratch&) = delete;
   BakeScratch& operator=(const BakeScratch&) = delete;

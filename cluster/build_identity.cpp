@@ -20,7 +20,7 @@ constexpr std::size_t note_alignment = 4;
 
 std::size_t aligned(std::size_t bytes) { return (bytes + note_alignment - 1) / note_alignment * note_alignment; }
 
-/// Returns the build id among the notes of one segment; empty where it has none.
+/// Returns the build id among the notes of one segment; empty if there is none.
 std::span<const std::uint8_t> id_in_notes(std::span<const std::uint8_t> notes) {
   while (notes.size() >= sizeof(ElfW(Nhdr))) {
     ElfW(Nhdr) note;
@@ -35,7 +35,7 @@ std::span<const std::uint8_t> id_in_notes(std::span<const std::uint8_t> notes) {
   return {};
 }
 
-/// Takes the build id of the first object that the loader lists, which is the program itself.
+/// Reads the build id of the first object that the loader lists, which is the program itself.
 int take_id(dl_phdr_info* object, std::size_t, void* identity) {
   auto& build = *static_cast<BuildIdentity*>(identity);
   for (const ElfW(Phdr) & segment : std::span(object->dlpi_phdr, object->dlpi_phnum)) {
@@ -84,7 +84,7 @@ void expect_same_build(MpiSession& mpi, const std::string& command) {
   std::vector<std::uint8_t> bytes(sizeof own);
   std::memcpy(bytes.data(), &own, sizeof own);
   const double usual_patience_s = mpi.patience_s();
-  mpi.set_patience(longest_mpi_call_s());  // a program from before this message sends another one, or waits
+  mpi.set_patience(longest_mpi_call_s());  // a program older than this message sends a different one, or none
   bytes = mpi.from_master(std::move(bytes));
   all_or_none(mpi, [&] {
     BuildIdentity first;

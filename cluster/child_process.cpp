@@ -27,13 +27,13 @@ namespace gigabake {
 namespace {
 
 constexpr std::chrono::milliseconds time_to_end{100}, time_to_be_killed{5000};
-constexpr int child_socket = 3;  // the first number after the standard streams
+constexpr int child_socket = 3;  // the first descriptor after the standard streams
 
 void check(int error, const std::string& call) {
   if (error != 0) throw std::system_error(error, std::generic_category(), call);
 }
 
-/// Both ends close on exec.
+/// A pair of sockets that close on exec.
 struct SocketPair {
   std::array<int, 2> fd{-1, -1};
   SocketPair() {
@@ -47,7 +47,7 @@ struct SocketPair {
   SocketPair& operator=(const SocketPair&) = delete;
 };
 
-/// What posix_spawn is told of the child's files and of its group.
+/// Attributes for posix_spawn: the child's files, process group and signal mask.
 class SpawnPlan {
  public:
   explicit SpawnPlan(int socket) {
@@ -58,10 +58,10 @@ class SpawnPlan {
     check(::posix_spawn_file_actions_adddup2(&files_, socket, child_socket), "posix_spawn_file_actions_adddup2");
     check(::posix_spawn_file_actions_addopen(&files_, STDIN_FILENO, "/dev/null", O_RDONLY, 0),
           "posix_spawn_file_actions_addopen");
-    // Standard output is where this process writes its answer.
+    // This process's standard output is reserved for its own result.
     check(::posix_spawn_file_actions_adddup2(&files_, STDERR_FILENO, STDOUT_FILENO),
           "posix_spawn_file_actions_adddup2");
-    // MPI's sockets, above all: not all of them close on exec.
+    // Closes inherited descriptors, mainly MPI's sockets: some of them do not close on exec.
     check(::posix_spawn_file_actions_addclosefrom_np(&files_, child_socket + 1),
           "posix_spawn_file_actions_addclosefrom_np");
     check(::posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK),
@@ -88,7 +88,7 @@ class SpawnPlan {
   posix_spawnattr_t attributes_;
 };
 
-/// mpirun's variables would make a process that starts MPI take itself for this rank.
+/// Returns the environment without mpirun's variables: with them, a child that initializes MPI would act as this rank.
 std::vector<char*> environment_without_mpi() {
   std::vector<char*> out;
   for (char** entry = environ; *entry != nullptr; ++entry) {
@@ -113,7 +113,7 @@ std::string content(pid_t pid, const char* file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// The number behind `key`, or 0.
+/// Returns the number after `key`, or 0.
 std::uint64_t number_after(const std::string& text, const std::string& key) {
   const std::size_t at = text.find(key);
   return at == std::string::npos ? 0 : std::strtoull(text.c_str() + at + key.size(), nullptr, 10);
@@ -150,7 +150,7 @@ void ChildProcess::end_within(std::chrono::milliseconds time) {
 }
 
 void ChildProcess::kill() {
-  if (!ended()) ::kill(-pid_, SIGKILL);  // fails only where nothing is left to kill
+  if (!ended()) ::kill(-pid_, SIGKILL);  // fails only if no process is left
 }
 
 const std::optional<std::string>& ChildProcess::ended() {
@@ -162,7 +162,7 @@ const std::optional<std::string>& ChildProcess::ended() {
     final_peak_bytes_ = std::uint64_t(usage.ru_maxrss) * 1024;
     ended_ = words_of(status);
   } else if (who < 0 && errno != EINTR) {
-    ended_ = std::string("unknown end: wait4: ") + std::strerror(errno);  // somebody else waited for it
+    ended_ = std::string("unknown end: wait4: ") + std::strerror(errno);  // another caller has waited for it
   }
   return ended_;
 }
@@ -170,7 +170,7 @@ const std::optional<std::string>& ChildProcess::ended() {
 std::optional<ProcessActivity> ChildProcess::activity() const {
   if (ended_) return std::nullopt;
   const std::string stat = content(pid_, "stat");
-  const std::size_t name_end = stat.rfind(')');  // the name may hold anything
+  const std::size_t name_end = stat.rfind(')');  // the name may contain any characters
   if (name_end == std::string::npos) return std::nullopt;
   std::istringstream fields(stat.substr(name_end + 1));
   constexpr int fields_before_major_faults = 9;  // state … cminflt

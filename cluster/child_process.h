@@ -1,4 +1,4 @@
-/// A program that runs beside this one, with a socket between them. It does not outlive its owner.
+/// A child program with a socket to this process. It ends with its owner.
 #pragma once
 
 #include <chrono>
@@ -11,37 +11,37 @@
 
 namespace gigabake {
 
-/// What a process has done since its start. Where nothing of it grows, the process waits or hangs.
+/// Activity counters of a process since its start. If none of them grows, the process waits or hangs.
 struct ProcessActivity {
-  std::uint64_t cpu_ticks = 0;  ///< of all threads, in user code and in the kernel; usually 100 a second
+  std::uint64_t cpu_ticks = 0;  ///< of all threads, in user code and in the kernel; usually 100 per second
   std::uint64_t major_faults = 0;
-  std::uint64_t io_bytes = 0;  ///< read and written, from caches too; 0 where the kernel does not tell
+  std::uint64_t io_bytes = 0;  ///< read and written, cached I/O included; 0 if the kernel does not report it
   friend bool operator==(const ProcessActivity&, const ProcessActivity&) = default;
 };
 
 class ChildProcess {
  public:
-  /// Starts `program` with `arguments` and, as its last one, the number of its end of the socket. It gets a process
-  /// group of its own, this process's environment without what mpirun put there, its standard error (for standard
-  /// output too), and no other open file.
+  /// Starts `program` with `arguments`; the last argument is the descriptor of the child's end of the socket. The child
+  /// gets its own process group and this process's environment without mpirun's variables. Its standard output and
+  /// error go to this process's standard error, and it inherits no other open file.
   /// Errors  std::system_error naming the call, or the program that cannot be started.
   ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments);
-  /// Hangs up, gives it 100 ms to end, then kills it and whatever it started. One that even the kernel cannot end (it
-  /// waits for a disk that is gone) is left to itself after 5 s.
+  /// Closes the socket and waits 100 ms; then kills the process group. A process that the kernel cannot end within 5 s,
+  /// for example because it waits for a lost disk, is abandoned.
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
   pid_t pid() const { return pid_; }
-  /// Never blocks.
+  /// Returns the parent's end of the socket, which is non-blocking.
   int socket() const { return socket_; }
-  /// SIGKILL to its process group.
+  /// Sends SIGKILL to its process group.
   void kill();
-  /// How it ended, once it has: "exit code 1", "killed by signal 11 (SIGSEGV)".
+  /// Returns how the process ended, once it has: "exit code 1", "killed by signal 11 (SIGSEGV)".
   const std::optional<std::string>& ended();
-  /// None: it ended, or /proc does not show it.
+  /// Returns nullopt if the process ended or /proc does not show it.
   std::optional<ProcessActivity> activity() const;
-  /// The most memory that it ever had.
+  /// Returns the peak memory of the process.
   std::uint64_t peak_bytes() const;
 
  private:

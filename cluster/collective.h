@@ -1,4 +1,4 @@
-/// Steps that all ranks take or none.
+/// Steps that succeed on all ranks or fail on all.
 #pragma once
 
 #include <optional>
@@ -11,27 +11,29 @@
 
 namespace gigabake {
 
-/// Thrown on every rank when a collective step failed on one. The line is there on the lowest rank that failed; on the
-/// others it is empty.
+/// Thrown on every rank when a collective step failed on any rank. The message is set on the lowest rank that failed;
+/// it is empty on the others.
 class CollectiveFailure : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// As CollectiveFailure, where the options of a rank are wrong or not those of rank 0.
+/// Like CollectiveFailure, for options of a rank that are invalid or differ from rank 0's.
 class CollectiveUsageError : public CollectiveFailure {
  public:
   using CollectiveFailure::CollectiveFailure;
 };
 
-/// For messages.
+/// Returns the host's name for messages.
 std::string host_name();
 
-/// Collective. line: why this rank cannot go on; is_stopped: it was asked not to. Errors  On every rank: Stopped where
-/// any rank was stopped; else CollectiveFailure where any has a line.
+/// Collective call. Fails on every rank if any rank failed or was stopped. line: why this rank failed; is_stopped: a
+/// stop of this rank was requested.
+/// Errors  On every rank: Stopped if any rank was stopped; else CollectiveFailure if any rank has a line.
 void fail_together(MpiSession& mpi, const std::optional<std::string>& line, bool is_stopped = false);
 
-/// Collective. Runs `step` on every rank; what it throws anywhere becomes everybody's CollectiveFailure, or Stopped.
+/// Collective call. Runs `step` on every rank; an exception on any rank becomes CollectiveFailure or Stopped on all
+/// ranks.
 template <class Step>
 void all_or_none(MpiSession& mpi, const Step& step) {
   std::optional<std::string> line;
@@ -46,8 +48,9 @@ void all_or_none(MpiSession& mpi, const Step& step) {
   fail_together(mpi, line, is_stopped);
 }
 
-/// Like all_or_none(), for a step that reads this rank's own options. Errors  CollectiveUsageError on every rank if it
-/// throws UsageError on one: a rank that ended alone would leave the others waiting.
+/// Like all_or_none(), for a step that reads this rank's own options. It is collective because a rank that ended alone
+/// would leave the others waiting.
+/// Errors  CollectiveUsageError on every rank if the step throws UsageError on any rank.
 template <class Step>
 void check_options_together(MpiSession& mpi, const Step& step) {
   bool is_usage = false;

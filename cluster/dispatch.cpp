@@ -15,7 +15,7 @@ namespace {
 
 constexpr double between_signs_s = 1;
 
-/// Does what the schedule decides, and tells it what happened.
+/// Executes the decisions of the schedule and reports events back to it.
 class Master {
  public:
   Master(RankLink& link, const std::vector<CellJob>& jobs, const DispatchOptions& options, DispatchLog& log)
@@ -40,7 +40,7 @@ class Master {
         link_.wait();
       }
     } catch (...) {
-      stop_all();  // nobody may wait for a master that has given up
+      stop_all();  // no rank may wait for a master that has failed
       throw;
     }
     stop_all();
@@ -72,7 +72,7 @@ class Master {
     schedule_.stop();
   }
 
-  /// A rank that hears nothing of rank 0 ends the launch.
+  /// Sends heartbeats to the other ranks; a rank that hears nothing from rank 0 ends the launch.
   void show_life() {
     if (link_.now_s() - shown_s_ < between_signs_s) return;
     shown_s_ = link_.now_s();
@@ -80,7 +80,8 @@ class Master {
       if (!lost_.contains(rank)) link_.send(rank, tag_alive, {});
   }
 
-  /// A round gives each rank one cell, so that the costliest are shared out; 0 last, for it has most to do.
+  /// Dispatches cells in rounds of one cell per rank, so that the most expensive cells are distributed. Rank 0 is last
+  /// in a round because it has the most other work.
   void give_out() {
     if (!std::exchange(something_came_back_, false)) return;
     for (bool gave = true; gave;) {
@@ -161,8 +162,8 @@ class Master {
   const bool keep_going_;
   DispatchLog& log_;
   Schedule schedule_;
-  std::vector<std::uint32_t> deaths_;  ///< of each rank's bake process, as far as rank 0 has heard
-  std::vector<std::string> hosts_;     ///< of each rank, once it has said so
+  std::vector<std::uint32_t> deaths_;  ///< deaths of each rank's bake process that rank 0 knows of
+  std::vector<std::string> hosts_;     ///< of each rank, once it has sent a heartbeat
   std::set<int> lost_;
   DispatchResult result_;
   double shown_s_ = -between_signs_s;

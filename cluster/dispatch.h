@@ -1,4 +1,4 @@
-/// Handing out cells: rank 0 keeps every rank's bake process, its own included, supplied and collects the reports.
+/// Dispatch of cells: rank 0 sends jobs to every rank's bake process, its own included, and collects the reports.
 #pragma once
 
 #include <cstdint>
@@ -15,27 +15,27 @@
 namespace gigabake {
 
 struct DispatchOptions : ScheduleOptions {
-  bool keep_going = true;  ///< after a cell failed for good; else nothing more is handed out
+  bool keep_going = true;  ///< after a cell failed permanently; if false, no further cells are dispatched
 };
 
 struct DispatchResult {
-  std::vector<CellReport> reports;  ///< in the order in which they came; a job without one was not baked
+  std::vector<CellReport> reports;  ///< in the order of arrival; a job without a report was not baked
   JobCounts counts;
-  std::vector<int> lost_ranks;   ///< that were still lost at the end: no collective call may follow
-  std::uint64_t peak_bytes = 0;  ///< of the largest bake process of another rank
+  std::vector<int> lost_ranks;   ///< still lost at the end: no collective call may follow
+  std::uint64_t peak_bytes = 0;  ///< max over bake processes of other ranks
   bool is_drained = false;       ///< ended on request with cells left
 };
 
-/// Rank 0. done: what an earlier run has baked. Every other rank is told to stop at the end, also where it
-/// throws.
-/// Exact   Each job is reported at most once, whatever dies or comes back late.
+/// Dispatches jobs; only on rank 0. done: reports of jobs that an earlier run has baked. Sends tag_stop to all other
+/// ranks at the end, also if it throws.
+/// Exact   Each job is reported at most once, even if ranks die or rejoin.
 /// Errors  InputError: a rank's message is malformed.
 DispatchResult dispatch(RankLink& link, const std::vector<CellJob>& jobs, const std::vector<CellReport>& done,
                         const DispatchOptions& options, DispatchLog& log);
 
-/// Every other rank: bakes what it is given until told to stop.
-/// Errors  RankLost: nothing heard of rank 0 for four times silence_s (before its first word: for as long as
-///         a collective call waits). No collective call may follow.
+/// Worker loop of every other rank: bakes the cells that rank 0 sends until tag_stop arrives.
+/// Errors  RankLost: no message from rank 0 within four times silence_s. Before its first message the bound is that of
+///         a collective call. No collective call may follow.
 void work(MpiSession& mpi, BakeProcess& process, double silence_s);
 
 }  // namespace gigabake

@@ -41,7 +41,8 @@ void DispatchLog::lost(int rank) {
   progress_.noted("nothing heard of rank " + std::to_string(rank) + "; its cells are baked elsewhere");
 }
 
-/// A journal that cannot be written costs the next bake time: it looks into the shards instead.
+/// Appends to the journal. If the journal cannot be written, this bake continues, and the next bake takes longer
+/// because it reads the shards instead.
 void DispatchLog::write_down(const CellReport& report, const CellJob& order) {
   try {
     journal_.append(order, report);

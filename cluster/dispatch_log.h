@@ -1,4 +1,4 @@
-/// Writes down what happens while cells are baked: in the journal, in the status, and for rank 0's own log.
+/// Records the events of dispatch in the journal, the status and rank 0's log.
 #pragma once
 
 #include <cstdint>
@@ -10,32 +10,33 @@
 
 namespace gigabake {
 
-/// What rank 0 says where a rank's bake process ended, during the scan of tiles as while cells are baked.
+/// Returns the line that rank 0 prints when a rank's bake process ended, during the scan of tiles and during the bake.
 std::string restart_line(int rank, const std::string& why);
 
-/// Rank 0's. Errors  None of its own: what cannot be written costs one line, not the bake.
+/// Event log of rank 0.
+/// Errors  None: a failed write prints one line; the bake continues.
 class DispatchLog {
  public:
-  /// All of them outlive it. The feed knows of the plan already.
+  /// All arguments must outlive the log. The feed already has the plan.
   DispatchLog(const BakePlan& plan, Journal& journal, StatusFeed& feed, const BakeProgress& progress)
       : plan_(plan), journal_(journal), feed_(feed), progress_(progress) {}
 
-  /// Every few milliseconds.
+  /// Updates the status; call it every few milliseconds.
   void turn() { feed_.turn(); }
-  /// The cells in hand are finished, and no new ones begun. Says so once.
+  /// Reports once that the cells in flight will be finished and no further cells started.
   void draining();
-  /// A rank is there, or there again.
+  /// Records that a rank has joined or rejoined.
   void joined(int rank, const std::string& host);
   void handed_out(std::uint32_t job, int rank);
-  /// A cell is baked or empty. order: the job as it was handed out.
+  /// Records that a cell is baked or empty. order: the job as it was dispatched.
   void finished(const CellReport& report, const CellJob& order);
-  /// An attempt failed; the cell is tried again, unless set_aside() follows.
+  /// Records a failed attempt; the cell is retried unless set_aside() follows.
   void attempt_failed(std::uint32_t job);
-  /// A cell failed for good; the report says why.
+  /// Records a permanent failure of a cell; the report has the reason.
   void set_aside(const CellReport& report);
-  /// A rank's bake process is gone; its cells are tried again.
+  /// Records that a rank's bake process ended; its cells are retried.
   void process_died(int rank, const std::string& why);
-  /// Nothing was heard of a rank for too long; its cells are tried elsewhere.
+  /// Records a heartbeat timeout of a rank; its cells are retried on other ranks.
   void lost(int rank);
 
  private:

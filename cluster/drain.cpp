@@ -14,7 +14,7 @@ namespace {
 
 volatile std::sig_atomic_t drain_asked = 0, interrupted = 0;
 
-/// Two lines: one is written while a signal may print the other.
+/// Double buffer: one text may be written while a signal handler prints the other.
 struct LastWords {
   std::array<char, 300> text;
   std::size_t bytes;
@@ -33,7 +33,7 @@ void note_interrupt(int signal) {
   }
   const LastWords* const words = current_words;
   if (words != nullptr && ::write(STDERR_FILENO, words->text.data(), words->bytes) < 0) {
-    // Nobody reads it; the process ends all the same.
+    // A failed write is ignored; the process ends anyway.
   }
   std::signal(signal, SIG_DFL);
   std::raise(signal);  // takes effect when this handler returns
@@ -67,7 +67,7 @@ void end_with_mpirun() {
   if (std::getenv("OMPI_COMM_WORLD_RANK") == nullptr) return;
   const pid_t parent = ::getppid();
   if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) throw std::runtime_error("prctl(PR_SET_PDEATHSIG) failed");
-  if (::getppid() != parent) ::raise(SIGKILL);  // it died before the line above
+  if (::getppid() != parent) ::raise(SIGKILL);  // the parent died before the call of prctl
 }
 
 }  // namespace gigabake

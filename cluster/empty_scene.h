@@ -1,4 +1,4 @@
-/// The failure of a bake that found triangles but no voxel.
+/// The error of a bake that found triangles but no visible voxel.
 #pragma once
 
 #include "format/source/source.h"
@@ -7,8 +7,8 @@
 
 namespace gigabake {
 
-/// Returns the error to throw: it names the first material that is invisible everywhere (alpha 0), if there is one.
-/// Cost  reads the materials of tiles up to the first that has such a material.
+/// Returns the error to throw. It names the first invisible material (alpha 0), if there is one.
+/// Cost    Reads the materials of tiles up to the first tile with an invisible material.
 InputError nothing_visible(const std::filesystem::path& source, const SceneSources& sources, const BakePlan& plan);
 
 }  // namespace gigabake

@@ -37,7 +37,7 @@ bool try_lock(const Descriptor& file, short type = F_WRLCK) {
   return ::fcntl(file.get(), F_OFD_SETLK, &range) == 0;
 }
 
-/// Whoever held the lock before may have removed the file in the meantime: a lock on it then keeps nobody out.
+/// Returns false if a previous holder has removed the file since it was opened: a lock on it would then exclude nobody.
 bool is_still_there(const Descriptor& file, const std::filesystem::path& path) {
   struct stat ours {
   }, there{};
@@ -45,14 +45,14 @@ bool is_still_there(const Descriptor& file, const std::filesystem::path& path) {
          ours.st_dev == there.st_dev;
 }
 
-/// All that the holder wrote: its name on the first line, its PID namespace on the second.
+/// Returns the text that the holder wrote: its name on the first line, its PID namespace on the second.
 std::string text_in(const Descriptor& file) {
   std::array<char, 400> text{};
   const ssize_t bytes = ::pread(file.get(), text.data(), text.size(), 0);
   return {text.data(), std::size_t(std::max<ssize_t>(0, bytes))};
 }
 
-/// What the holder wrote, on one line.
+/// Returns the first line that the holder wrote, without control characters.
 std::string name_in(const Descriptor& file) {
   std::string line = text_in(file);
   line.erase(std::min(line.find('\n'), line.size()));
@@ -61,7 +61,7 @@ std::string name_in(const Descriptor& file) {
   return line.empty() ? "a process that has not said who it is" : line;
 }
 
-/// Bit SIGKILL - 1 of the line of /proc/PID/status, a mask in hexadecimal digits.
+/// Returns true if SIGKILL is pending: bit SIGKILL - 1 of the hexadecimal masks in /proc/PID/status.
 bool has_kill_pending(pid_t process) {
   std::ifstream status("/proc/" + std::to_string(process) + "/status");
   for (std::string key, value; status >> key && std::getline(status, value);)
@@ -70,16 +70,16 @@ bool has_kill_pending(pid_t process) {
   return false;
 }
 
-/// The line that says in which PID namespace this process has its number; empty without /proc.
+/// Returns the line with the PID namespace in which this process's number is valid; empty without /proc.
 std::string namespace_line() {
   std::error_code code;
   const std::filesystem::path name = std::filesystem::read_symlink("/proc/self/ns/pid", code);
   return code ? std::string() : "namespace " + name.string() + "\n";
 }
 
-/// Whether the holder is a process of this host that was killed and still ends: what it was writing must reach the disk
-/// before the system closes its files, which can take seconds. A process that cannot be seen from here, in another PID
-/// namespace or of another user (hidepid), is not taken for one: nothing tells that it ends.
+/// Returns true if the holder is a killed process of this host that has not yet ended. Its dirty data must reach the
+/// disk before the system closes its files, which can take seconds. Returns false for a process that is not visible, in
+/// another PID namespace or of another user (hidepid), because its end cannot be observed.
 bool is_ending(const std::string& holder) {
   long process = 0;
   std::array<char, 200> host{};
@@ -92,12 +92,14 @@ bool is_ending(const std::string& holder) {
   if (::kill(pid_t(process), 0) != 0 && errno == ESRCH) return true;  // a child of it still has its files
   if (!std::filesystem::exists(entry, code)) return false;
   const auto program = std::filesystem::read_symlink(entry / "exe", code);
-  // A process that has given its memory back has no program any more; one of somebody else's does not show it.
+  // A process that has released its memory has no program link any more; for a process of another user the link is
+  // unreadable.
   const bool has_given_back = program.empty() && code != std::errc::permission_denied;
   return has_given_back || has_kill_pending(pid_t(process));
 }
 
-/// False: somebody has it who goes on, or does not end.
+/// Locks the file, after waiting for a holder that is ending. Returns false if the holder continues to run or does not
+/// end in time.
 bool lock_after_end(const Descriptor& file) {
   const auto start = std::chrono::steady_clock::now();
   while (!try_lock(file)) {
@@ -125,20 +127,21 @@ std::string our_name() {
   throw InputError(folder, "", "is being baked into by " + name_in(file));
 }
 
-/// A folder that a group shares has a lock file that the group may take over, whatever this process's umask.
+/// Makes the lock file writable for the group if the folder is, independent of this process's umask, so that the group
+/// may reuse the file.
 void share_with_group(const Descriptor& file, const std::filesystem::path& folder) {
   struct stat ours {
   }, there{};
   if (::fstat(file.get(), &ours) != 0 || ::stat(folder.c_str(), &there) != 0) return;
   if (ours.st_uid != ::geteuid() || (there.st_mode & S_IWGRP) == 0) return;
-  // Where it fails the others of the group replace the file: see remove_left_file().
+  // If this fails, other members of the group replace the file: see remove_left_file().
   if (::fchown(file.get(), uid_t(-1), there.st_gid) != 0 && ours.st_gid != there.st_gid) return;
   if (::fchmod(file.get(), (ours.st_mode & 0777) | S_IRGRP | S_IWGRP) != 0) return;
 }
 
-/// Removes the lock file of another user that may be read only, if nobody holds it. While it is locked for reading
-/// nobody can lock it for writing, and a second file lets one process at a time do this.
-/// Errors  InputError: somebody holds it.
+/// Removes another user's read-only lock file if no process holds it. The read lock on it excludes writers, and a
+/// second lock file admits one process at a time.
+/// Errors  InputError: a process holds it.
 void remove_left_file(const std::filesystem::path& path) {
   const std::filesystem::path turn_path = path.string() + ".turn";
   Descriptor turn;
@@ -180,7 +183,7 @@ FolderLock::FolderLock(const std::filesystem::path& folder) : path_(lock_path(fo
     fail(path_, "write");
 }
 
-FolderLock::~FolderLock() { ::unlink(path_.c_str()); }  // while it is held: see is_still_there()
+FolderLock::~FolderLock() { ::unlink(path_.c_str()); }  // removed before the lock is released: see is_still_there()
 
 std::optional<std::string> lock_holder(const std::filesystem::path& folder) {
   const Descriptor file(lock_path(folder), O_RDONLY);

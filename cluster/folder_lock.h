@@ -1,4 +1,4 @@
-/// One bake at a time in a folder.
+/// Exclusive lock of an output folder against other bakes.
 #pragma once
 
 #include <filesystem>
@@ -9,16 +9,16 @@
 
 namespace gigabake {
 
-/// Holds FOLDER/.lock, which names host, process and start, and removes it in the end. A file that another member of
-/// the folder's group left is taken over. When the process is killed the system lets go of the lock, and the file that
-/// stays means nothing. Range   An open file description lock: also between hosts on NFS 4, on NFS 3 with its lock
-/// daemon, and on Lustre
+/// Holds FOLDER/.lock, which names host, process and start time, and removes the file at the end. Reuses a lock file
+/// that another member of the folder's group left. If the process is killed, the system releases the lock; the
+/// remaining file has no effect.
+/// Range   An open file description lock: works between hosts on NFS 4, on NFS 3 with its lock daemon, and on Lustre
 ///         with the mount option flock.
 class FolderLock {
  public:
-  /// Waits for a holder of this host that was killed and has not ended yet: up to half a minute. A holder that cannot
-  /// be seen from here is not waited for. Errors  InputError: somebody else holds it, and who; or the file system
-  /// cannot lock.
+  /// Acquires the lock. Waits up to 30 s for a holder on this host that was killed and has not yet ended. A holder that
+  /// is not visible in /proc is not waited for.
+  /// Errors  InputError: another process, named in the message, holds the lock; or the file system cannot lock.
   explicit FolderLock(const std::filesystem::path& folder);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
@@ -29,7 +29,7 @@ class FolderLock {
   Descriptor file_;
 };
 
-/// Who bakes into the folder now, as "process 12 on HOST since 2025-01-31T12:00:00Z"; nothing where nobody does.
+/// Returns the current holder as "process 12 on HOST since 2025-01-31T12:00:00Z"; nullopt if there is none.
 std::optional<std::string> lock_holder(const std::filesystem::path& folder);
 
 }  // namespace gigabake

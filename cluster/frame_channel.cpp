@@ -36,7 +36,7 @@ std::optional<BakeMessage> FrameChannel::receive() {
   }
 }
 
-/// False: nothing is there now.
+/// Reads some bytes; returns false if none are available.
 bool FrameChannel::read_some() {
   std::array<std::uint8_t, 65536> part;
   while (!hung_up_) {

@@ -1,4 +1,4 @@
-/// Bake messages over a socket that never blocks: what does not fit now goes later.
+/// Bake messages over a non-blocking socket; unsent bytes are queued.
 #pragma once
 
 #include <cstdint>
@@ -16,15 +16,16 @@ class FrameChannel {
   /// Borrows a non-blocking stream socket.
   explicit FrameChannel(int socket) : socket_(socket) {}
 
-  /// Queues the message and sends what the socket takes.
+  /// Queues the message and sends as much as the socket accepts.
   void send(BakeMessageKind kind, std::span<const std::uint8_t> payload);
   void flush();
   bool has_unsent() const { return !outbox_.empty(); }
-  /// The next whole message among those that have arrived. Errors  InputError: the other side talks nonsense.
+  /// Returns the next complete message that has arrived, if any.
+  /// Errors  InputError: the peer sent invalid data.
   std::optional<BakeMessage> receive();
-  /// The other side is gone and all that it sent was received.
+  /// Returns true once the peer has closed the socket and everything that it sent was received.
   bool hung_up() const { return hung_up_; }
-  /// Both ways, so far.
+  /// Returns the bytes sent and received so far.
   std::uint64_t bytes_moved() const { return bytes_moved_; }
 
  private:

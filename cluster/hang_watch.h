@@ -1,4 +1,4 @@
-/// Tells a process that hangs from one that works long: a value that a test can replay with times of its own.
+/// Distinguishes a hung process from a busy one. A plain value, so that a test can replay it with its own times.
 #pragma once
 
 #include <chrono>
@@ -9,24 +9,25 @@
 
 namespace gigabake {
 
-/// Counts *watched* time: of the time between two looks at most a quarter of `stall`, so that a machine that slept, or
-/// an owner that was stopped with its whole job, takes nobody for dead.
+/// Counts *watched* time: each interval between two looks counts as at most a quarter of `stall`. A suspended machine,
+/// or a job stopped as a whole, is therefore not taken for a hang.
 class HangWatch {
  public:
   using Clock = std::chrono::steady_clock;
 
   explicit HangWatch(Clock::duration stall);
 
-  /// From now on there is something to do.
+  /// Marks the start of work.
   void start(Clock::time_point now);
-  /// Looking more often than this tells nothing new.
+  /// Returns the earliest useful time of the next look.
   Clock::time_point next_look() const { return last_look_ + interval_; }
-  /// activity: none where nobody can tell; then only time limits help. message_bytes: that went either way so far.
+  /// Records one observation. activity: none if the system does not report it; hangs are then detected by time limits
+  /// only. message_bytes: total sent and received so far.
   void look(Clock::time_point now, const std::optional<ProcessActivity>& activity, std::uint64_t message_bytes);
 
-  /// No progress of any kind for `stall`.
+  /// Returns true after `stall` of watched time without any progress.
   bool is_stalled() const { return watched_ - progress_ >= stall_; }
-  /// Since the watch was made.
+  /// Returns the watched time since construction.
   Clock::duration watched() const { return watched_; }
 
  private:

@@ -1,4 +1,4 @@
-/// Which cores a rank may count on where several ranks share a host.
+/// Division of a host's cores among the ranks on it.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,8 @@
 
 namespace gigabake {
 
-/// Rank's share when each core is split evenly among the ranks that may run on it; at least 1.
-/// of_ranks: of every rank on the host.
+/// Returns a rank's number of cores if each core is divided evenly among the ranks that may run on it; at least 1.
+/// of_ranks: the cores of every rank on the host.
 int fair_share(std::span<const CoreSet> of_ranks, std::size_t rank);
 
 }  // namespace gigabake

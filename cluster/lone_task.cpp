@@ -10,14 +10,14 @@ int tasks_of_srun(const Environment& environment) {
     const char* text = environment(name);
     return text == nullptr ? 1 : std::max(1, std::atoi(text));
   };
-  if (environment("OMPI_COMM_WORLD_SIZE") != nullptr) return 1;  // mpirun's: a world of one is what it was asked for
+  if (environment("OMPI_COMM_WORLD_SIZE") != nullptr) return 1;  // mpirun may start a single rank
   if (environment("SLURM_STEP_NUM_TASKS") != nullptr) return number("SLURM_STEP_NUM_TASKS");
   const bool is_batch_script = environment("SLURM_JOB_ID") != nullptr && environment("SLURM_STEP_ID") == nullptr;
   return is_batch_script ? 1 : number("SLURM_NTASKS");
 }
 
 bool is_launched(const Environment& environment) {
-  // mpirun's own; PMIx, which mpirun, prterun and srun speak; PMI-1 and PMI-2; a step of srun that speaks none of them.
+  // In order: mpirun; PMIx, used by mpirun, prterun and srun; PMI-1 and PMI-2; a Slurm step without any of these; PALS.
   constexpr const char* of_launchers[] = {
       "OMPI_COMM_WORLD_SIZE", "PMIX_RANK",  "PMIX_NAMESPACE", "PMI_RANK", "PMI_FD", "PMI_PORT",
       "SLURM_STEP_ID",        "PALS_RANKID"};

@@ -90,7 +90,7 @@ void MasterBake::run(MpiSession& mpi, BakeProcess& process) {
   summary_.lost_ranks = result.lost_ranks.size();
   summary_.peak_process_bytes = std::max({result.peak_bytes, process.peak_bytes(), peak_bytes_here()});
   std::move(prior.done.begin(), prior.done.end(), std::back_inserter(result.reports));
-  add_times(result.reports, plan_, summary_);  // what was taken over took no time
+  add_times(result.reports, plan_, summary_);  // before prior reports are added to the scene: reused cells took no time
   for (const CellReport& r : result.reports)
     if (r.outcome == CellOutcome::baked) add_levels(r.levels, r.cell.first_lod, r.cell.copied_lods, summary_.levels);
   summary_.scene = merge(plan_, result.reports, sources_.origin, request_.parameters);
@@ -112,7 +112,7 @@ std::size_t MasterBake::cells_among(const std::vector<CellReport>& reports) cons
       std::count_if(reports.begin(), reports.end(), [this](const CellReport& r) { return r.id < plan_.cells(); }));
 }
 
-/// The scene is published: what the journal still says of removed shards harms nobody.
+/// Drops removed shards from the journal. A failure is harmless because the scene is already published.
 void MasterBake::forget_orphans() {
   try {
     journal_->keep_only(plan_.jobs);
@@ -125,11 +125,11 @@ void MasterBake::publish() {
   feed_.record().enter(BakeState::publishing);
   feed_.publish();
   out_.expect_shards(summary_.scene);
-  if (summary_.is_drained && out_.has_whole_scene()) return;  // until this one is whole, too
+  if (summary_.is_drained && out_.has_whole_scene()) return;  // keep the complete scene until this one is complete
   refuse(request_, summary_.scene.losses, summary_.scene.cells.empty() && !summary_.is_drained);
   const bool is_empty = summary_.scene.cells.empty();
   if (is_empty && summary_.scene.losses.empty()) throw nothing_visible(request_.source, sources_, plan_);
-  if (!is_empty) out_.publish(summary_.scene);  // else it is drained before its first voxel
+  if (!is_empty) out_.publish(summary_.scene);  // empty without losses: drained before the first voxel
   if (request_.prune && summary_.scene.losses.empty()) {
     summary_.pruned = out_.remove_orphans(summary_.scene);
     forget_orphans();

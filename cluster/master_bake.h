@@ -1,5 +1,5 @@
-/// What rank 0 does from the plan to the scene: looks for what is there, has the rest baked, merges the reports,
-/// publishes the scene.
+/// Rank 0's work from the plan to the scene: finds cached results, dispatches the rest, merges the reports, publishes
+/// the scene.
 #pragma once
 
 #include <optional>
@@ -14,17 +14,18 @@
 
 namespace gigabake {
 
-/// Throws where these losses leave the previous scene in place. Errors  InputError.
+/// Throws if these losses prevent publication of the scene.
+/// Errors  InputError.
 void refuse(const BakeRequest& request, const std::vector<SceneLoss>& losses, bool nothing_baked);
 
 class MasterBake {
  public:
-  /// All of them outlive it.
+  /// All arguments must outlive it.
   MasterBake(const BakeRequest& request, const SceneSources& sources, const BakePlan& plan, const OutputFolder& out,
              const BakeProgress& progress, StatusFeed& feed, BakeSummary& summary);
 
-  /// Bakes what earlier bakes have not left in OUT, and publishes; the summary is complete.
-  /// Errors  InputError: OUT/scene.xml is as it was.
+  /// Bakes the cells that earlier bakes have not left in OUT, publishes the scene and completes the summary.
+  /// Errors  InputError: OUT/scene.xml is unchanged.
   void run(MpiSession& mpi, BakeProcess& process);
 
  private:

@@ -1,4 +1,4 @@
-/// What goes between ranks, and what it means.
+/// Messages between ranks.
 #pragma once
 
 #include <cstdint>
@@ -7,15 +7,15 @@
 namespace gigabake {
 
 enum Tag : int {
-  tag_tiles = 1,  ///< master to worker: u32 each, the tiles that it is to survey
+  tag_tiles = 1,  ///< master to worker: u32 each, the tiles that the worker scans
   tag_survey,     ///< worker to master: one TileSurvey
   tag_job,        ///< master to worker: deaths u32, then one BakeOrder
   tag_report,     ///< worker to master: one BakeAnswer
-  tag_died,       ///< worker to master: why its bake process is gone with all that it had; it deals with that itself
-  tag_alive,      ///< worker to master: peak bytes u64, host; master to worker: nothing; sent now and then
-  tag_opened,     ///< master to worker: it has opened the source, or cannot
-  tag_stop,       ///< master to worker: no more jobs, or no more surveys; worker to master: no survey follows
-  tag_export,     ///< any rank to rank 0: its part of what ranks that export together exchange
+  tag_died,       ///< worker to master: why its bake process ended, losing its requests; the worker restarts it
+  tag_alive,      ///< heartbeat; worker to master: peak bytes u64, host; master to worker: empty
+  tag_opened,     ///< master to worker: opening the source has succeeded or failed
+  tag_stop,       ///< master to worker: no more jobs or scans; worker to master: no scan result follows
+  tag_export,     ///< any rank to rank 0: its part of an exchange between ranks that export together
 };
 
 struct Message {

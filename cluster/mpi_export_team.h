@@ -6,8 +6,9 @@
 
 namespace gigabake {
 
-/// Steps may take as long as they do: a rank waits a day for the others, and is ended with mpirun where one of them
-/// dies. Errors  of both collective members: Stopped where a rank was stopped; CollectiveFailure where a step failed.
+/// Team over MPI. Steps have no time limit: a rank waits up to a day for the others, and mpirun ends it if one of them
+/// dies.
+/// Errors  From both collective members: Stopped if a rank was stopped; CollectiveFailure if a step failed.
 class MpiExportTeam : public ExportTeam {
  public:
   explicit MpiExportTeam(MpiSession& mpi);

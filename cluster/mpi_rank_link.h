@@ -1,4 +1,4 @@
-/// The ranks of an MPI launch as dispatch() sees them.
+/// Transport of dispatch() over MPI.
 #pragma once
 
 #include "cluster/mpi_session.h"
@@ -7,10 +7,10 @@
 
 namespace gigabake {
 
-/// Rank 0's. What it sends itself goes to its own bake process.
+/// Transport of rank 0. Messages to rank 0 itself go to its own bake process.
 class MpiRankLink : public RankLink {
  public:
-  /// Both outlive it.
+  /// Both arguments must outlive it.
   MpiRankLink(MpiSession& mpi, BakeProcess& process) : mpi_(mpi), process_(process), baker_(process) {}
 
   int ranks() const override { return mpi_.ranks(); }

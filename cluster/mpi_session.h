@@ -1,4 +1,4 @@
-/// MPI as this program uses it: one thread talks, messages are bytes, every call is checked.
+/// Wrapper of MPI: one thread makes all calls, messages are bytes, every call is checked.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,16 @@
 
 namespace gigabake {
 
-/// Another rank died or hangs, and this launch cannot go on without it; another launch of the same command can.
+/// Another rank died or hangs, and this launch cannot continue without it. A new launch of the same command can.
 class RankLost : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// MPI_Init to MPI_Finalize; without mpirun a world of one rank. One per process, which ends with its mpirun.
-/// Errors  RankLost with the MPI call and its own text. A start or an end that takes too long because another
-///         rank died or hangs ends the process: cluster/time_bound.h.
+/// The span from MPI_Init to MPI_Finalize; without mpirun a world of one rank. One per process. The process ends if its
+/// mpirun dies.
+/// Errors  RankLost with the MPI call and MPI's error text. If MPI_Init or MPI_Finalize takes too long because another
+///         rank died or hangs, the process ends: cluster/time_bound.h.
 class MpiSession {
  public:
   MpiSession();
@@ -29,34 +30,34 @@ class MpiSession {
 
   int rank() const { return rank_; }
   int ranks() const { return ranks_; }
-  /// Counts the ranks of this rank's host.
+  /// Returns this rank's index among the ranks of its host.
   int rank_on_host() const { return rank_on_host_; }
   int ranks_on_host() const { return ranks_on_host_; }
-  /// All cores of its host that its container or job may use, whichever this rank is bound to.
+  /// Returns the number of cores of the host that the container or job may use, independent of this rank's binding.
   int host_cores() const;
-  /// This rank's even share of the cores of its host that its container or job may use, at least 1.
+  /// Returns this rank's even share of the cores of its host that the container or job may use; at least 1.
   int cores() const { return cores_; }
 
-  /// Returns at once and keeps the bytes until they are gone: two ranks may send to each other without waiting.
-  /// Messages between two ranks arrive in the order in which they were sent.
+  /// Sends without blocking and keeps the bytes until they are sent, so two ranks may send to each other. Messages
+  /// between two ranks arrive in the order of sending.
   void send(int to, int tag, std::vector<std::uint8_t> bytes);
-  /// Moves what was sent on its way; poll() does it too.
+  /// Advances pending sends; poll() does so too.
   void progress();
-  /// A message if one has arrived; never waits (a waiting receive burns a core).
+  /// Returns a message if one has arrived; never blocks, because a blocking receive would busy-wait.
   std::optional<Message> poll();
-  /// A collective call that takes longer than this throws RankLost on every rank that waits: one of them hangs, and MPI
-  /// would wait for it for ever. No other collective call may follow.
+  /// Sets the timeout of collective calls. After it, the call throws RankLost on every waiting rank because another
+  /// rank hangs and MPI would wait forever. No other collective call may follow.
   void set_patience(double patience_s) { patience_s_ = patience_s; }
   double patience_s() const { return patience_s_; }
-  /// The largest value of any rank. Collective.
+  /// Collective. Returns the max over all ranks.
   std::int64_t max_of(std::int64_t value);
-  /// The sum of all ranks' values. Collective.
+  /// Collective. Returns the sum over all ranks.
   std::int64_t sum_of(std::int64_t value);
-  /// Rank 0's value. Collective.
+  /// Collective. Returns rank 0's value.
   int from_master(int value);
-  /// Rank 0's bytes, however many. Collective.
+  /// Collective. Returns rank 0's bytes, of any number.
   std::vector<std::uint8_t> from_master(std::vector<std::uint8_t> bytes);
-  /// Ends all ranks at once.
+  /// Ends all ranks immediately.
   [[noreturn]] void abort(int exit_code);
 
  private:

@@ -9,7 +9,7 @@ std::string mpi_version() {
   int length = 0;
   if (MPI_Get_library_version(text, &length) != MPI_SUCCESS) return "MPI";
   const std::string all(text, std::size_t(length));
-  return all.substr(0, all.find_first_of(",\n"));  // the rest is who built it where
+  return all.substr(0, all.find_first_of(",\n"));  // the rest describes the build
 }
 
 }  // namespace gigabake

@@ -1,11 +1,11 @@
-/// Which MPI this is.
+/// Name and version of the MPI library.
 #pragma once
 
 #include <string>
 
 namespace gigabake {
 
-/// "Open MPI v4.1.4". Needs no MpiSession.
+/// Returns, for example, "Open MPI v4.1.4". Needs no MpiSession.
 std::string mpi_version();
 
 }  // namespace gigabake

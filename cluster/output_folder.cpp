@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Absolute, without links, dots and a slash at the end; need not exist.
+/// Returns the absolute path without links, dots and a trailing slash; the path need not exist.
 fs::path plain(const fs::path& path) {
   const fs::path p = fs::weakly_canonical(fs::absolute(path));
   return p.has_filename() ? p : p.parent_path();
@@ -25,7 +25,7 @@ fs::path plain(const fs::path& path) {
 
 bool is_at_or_below(const fs::path& path, const fs::path& folder) { return is_within(plain(folder), plain(path)); }
 
-/// As cells ("c_X_Y_Z") and parents ("pL_X_Y_Z") are named.
+/// Returns true for names like those of cells ("c_X_Y_Z") and overviews ("pL_X_Y_Z").
 bool begins_as_a_shard(std::string_view name) {
   return name.starts_with("c_") || (name.size() > 1 && name[0] == 'p' && name[1] >= '0' && name[1] <= '9');
 }
@@ -39,7 +39,7 @@ bool is_leftover(std::string_view name) {
 
 template <class Wanted>
 std::vector<fs::path> files_in(const fs::path& folder, const Wanted& wanted) {
-  std::error_code error;  // what cannot be seen does no harm
+  std::error_code error;  // unreadable entries are ignored
   std::vector<fs::path> found;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
     if (wanted(it->path().filename().string())) found.push_back(it->path());
@@ -55,7 +55,7 @@ std::vector<fs::path> orphans_in(const fs::path& out, const SceneDescription& sc
   });
 }
 
-/// Refuses links under the names of files that a bake writes in place: they may lead to somebody else's file.
+/// Refuses links under the names of files that a bake writes in place, because they may lead to another user's file.
 void expect_no_links(const fs::path& out) {
   for (const char* name : {".lock", "journal"}) {
     const fs::path path = out / name;
@@ -96,7 +96,8 @@ OutputFolder::OutputFolder(fs::path out, const fs::path& source) : out_(std::mov
   lock_.emplace(out_);
   folders_.make(out_ / "shards");
   remove_leftovers();
-  const Publication scene(out_ / "scene.xml"), shard(out_ / "shards" / "c_0_0_0.h5");  // fails now, not after a night
+  const Publication scene(out_ / "scene.xml"), shard(out_ / "shards" / "c_0_0_0.h5");  // fails now rather than after
+                                                                                       // hours
 }
 
 void OutputFolder::expect_shards(SceneDescription& scene) const {
@@ -131,7 +132,7 @@ void OutputFolder::publish(const SceneDescription& scene) const {
 }
 
 void OutputFolder::remove_leftovers() const {
-  std::error_code error;  // what cannot be removed does no harm
+  std::error_code error;  // failures to remove files are harmless
   for (const fs::path& folder : {out_, out_ / "shards"})
     for (const fs::path& path : files_in(folder, is_leftover)) fs::remove(path, error);
 }

@@ -1,4 +1,4 @@
-/// The folder OUT of a bake, as rank 0 holds it: scene.xml, shards/ and what speeds up the next bake.
+/// The output folder OUT of a bake, as rank 0 manages it: scene.xml, shards/ and caches for the next bake.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@
 
 namespace gigabake {
 
-/// Shards that no cell of the scene has: of earlier parameters, tiles or textures. Going back to these costs nothing as
-/// long as they are kept.
+/// Shards that no cell of the scene uses; they come from earlier parameters, tiles or textures. While they are kept, a
+/// bake with these earlier inputs reuses them.
 struct OrphanShards {
   std::size_t files = 0;
   std::uint64_t bytes = 0;
@@ -20,28 +20,28 @@ struct OrphanShards {
 
 class OutputFolder {
  public:
-  /// Makes OUT and OUT/shards where they are missing, locks OUT, removes what killed writers left, and tries to write.
-  /// What it made and nobody filled is removed with it. The lock is held for the object's life.
-  /// Errors  InputError: OUT is no folder, cannot be written, lies in the folder of tiles that is baked, or another
-  /// bake
-  ///         holds it: its files are as they were.
+  /// Creates OUT and OUT/shards if they are missing, locks OUT, removes temporary files of killed writers, and tests
+  /// writing. Folders that it created and that stay empty are removed with the object. The lock is held for the
+  /// object's life.
+  /// Errors  InputError: OUT is not a folder, cannot be written, or lies in the source folder, or another bake holds
+  ///         it. Its files are then unchanged.
   OutputFolder(std::filesystem::path out, const std::filesystem::path& source);
-  /// Moves cells whose shard is not in OUT to the losses: a rank may have written to a disk of its own.
+  /// Moves cells whose shard is not in OUT to the losses: a rank may have written to a local disk.
   void expect_shards(SceneDescription& scene) const;
-  /// There is a scene.xml, and it misses nothing.
+  /// Returns true if scene.xml exists and records no losses.
   bool has_whole_scene() const;
-  /// Replaces scene.xml; pages of the scene before and what killed writers left are removed. Errors  InputError:
-  /// scene.xml is as it was.
+  /// Replaces scene.xml; removes pages of the previous scene and temporary files of killed writers.
+  /// Errors  InputError: scene.xml is unchanged.
   void publish(const SceneDescription& scene) const;
   OrphanShards orphans(const SceneDescription& scene) const;
-  /// Once `scene` is published and misses nothing: shards of cells that it misses may be whole and of use to the next
-  /// bake. The answer is what is gone.
+  /// Removes the orphans and returns what was removed. Call it only after `scene` is published without losses, because
+  /// shards of missing cells may be valid and useful to the next bake.
   OrphanShards remove_orphans(const SceneDescription& scene) const;
 
   std::filesystem::path journal() const { return out_ / "journal"; }
 
  private:
-  /// Folders that were made here; the empty ones go with it.
+  /// Folders created by this object; empty ones are removed with it.
   class NewFolders {
    public:
     NewFolders() = default;
@@ -61,10 +61,11 @@ class OutputFolder {
   std::optional<FolderLock> lock_;
 };
 
-/// Where a bake into `out` keeps its surveys for the next one.
+/// Returns the file in which a bake into `out` keeps its scan results for the next bake.
 inline std::filesystem::path survey_cache_of(const std::filesystem::path& out) { return out / "survey.cache"; }
 
-/// On every rank, once rank 0 has made the folder. Errors  InputError: this host does not see it.
+/// Checks on every rank, after rank 0 has created the folder, that it is visible.
+/// Errors  InputError: this host does not see the folder.
 void expect_output_folder(const std::filesystem::path& out);
 
 }  // namespace gigabake

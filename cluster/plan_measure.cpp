@@ -20,18 +20,19 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double asked_size_s = 1.5, other_size_s = 0.75;  ///< baking of each size
-constexpr double most_overtime = 4;                        ///< what is in hand after so many times that is left
+constexpr double asked_size_s = 1.5, other_size_s = 0.75;  ///< baking time per voxel size
+constexpr double most_overtime = 4;                        ///< multiple of the baking time after which pieces in flight
+                                                           ///< are abandoned
 constexpr double longest_start_s = 30;
-constexpr double slowest_cut = 2e7;  ///< bytes a second of a large tile
+constexpr double slowest_cut = 2e7;  ///< min bytes per second when a large tile is split
 constexpr std::size_t most_tiles = 12, pieces_in_hand = 4, pieces_wanted = 10;
-constexpr double voxels_per_thread_s = 4e5;  ///< a guess, for how large pieces are
+constexpr double voxels_per_thread_s = 4e5;  ///< a guess that sets the size of pieces
 constexpr std::uint64_t seed = 20261122;
 constexpr std::chrono::milliseconds longest_nap{5};
 
 double elapsed_s(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// The cells of a piece's stack; ids from first_id on, and shards whose names nothing else has.
+/// Returns the cells of a piece's column, with ids from first_id on and unique shard names.
 std::vector<CellJob> jobs_of(const Piece& piece, std::uint32_t cell_voxels, std::uint32_t first_id) {
   const CellStack stack = stack_over(piece.column.z_min, piece.column.z_end, cell_voxels);
   std::vector<CellJob> jobs;
@@ -49,10 +50,10 @@ std::vector<CellJob> jobs_of(const Piece& piece, std::uint32_t cell_voxels, std:
   return jobs;
 }
 
-/// Bakes pieces at one voxel size.
+/// Bakes sample pieces at one voxel size.
 class SizeSampler {
  public:
-  /// large_bytes: of tiles that must be cut before a piece of them can be baked.
+  /// large_bytes: bytes of tiles that must be split before a piece of them can be baked.
   SizeSampler(const WorkerSetup& setup, BakeProcessOptions options, double budget_s, std::uint64_t large_bytes,
               const Progress& progress)
       : setup_(setup),
@@ -62,7 +63,7 @@ class SizeSampler {
     process_.prepare();
   }
 
-  /// order: tiles to draw from. Afterwards sample() and so on.
+  /// Runs the measurement; sample() and the other results are valid afterwards. order: tiles in the order of drawing.
   void run(const std::vector<std::uint32_t>& order) {
     wait_for_device();
     const std::vector<TileSurvey> surveys = survey_some(order);
@@ -104,7 +105,7 @@ class SizeSampler {
     if (process_.device() && !process_.device()->error.empty()) problem_ = process_.device()->error;
   }
 
-  /// The first that can be read, for a third of the time.
+  /// Scans the first readable tiles, within a third of the time budget.
   std::vector<TileSurvey> survey_some(const std::vector<std::uint32_t>& order) {
     std::vector<TileSurvey> surveys;
     const auto start = Clock::now();
@@ -193,13 +194,13 @@ class SizeSampler {
   BakeProcess process_;
   BakedSample sample_;
   std::vector<InHand> in_hand_;
-  std::vector<std::size_t> owner_;  ///< of each cell: index into in_hand_
+  std::vector<std::size_t> owner_;  ///< index into in_hand_, by cell id
   std::vector<std::uint32_t> tiles_;
   std::string problem_;
   bool on_device_ = false;
 };
 
-/// How many times the crossings are more than at the voxel size of the plan.
+/// Returns the ratio of projected voxels at this size to those at the plan's voxel size.
 double scale_of(double voxel_size_m, const BakeRequest& request) {
   const double ratio = request.parameters.voxel_size_m / voxel_size_m;
   return ratio * ratio;
@@ -222,7 +223,7 @@ WorkerSetup setup_at(double voxel_size_m, double budget_s, const std::filesystem
   setup.parameters.cell_voxels = piece_voxels(
       voxels_per_thread_s * setup.worker.threads * budget_s / double(pieces_wanted), request.parameters.cell_voxels);
   setup.worker.out = folder;
-  setup.worker.scratch = folder / "scratch";  // one for all sizes: what is large is cut once
+  setup.worker.scratch = folder / "scratch";  // shared by all sizes, so that a large tile is split only once
   return setup;
 }
 
@@ -245,13 +246,13 @@ TextureFindings textures_of(const SceneSources& sources, const std::vector<std::
                           scratch.most_tile_bytes);
 }
 
-/// Where a bake keeps what is large, as far as the request says.
+/// Returns the bake's scratch folder as far as the request determines it.
 std::filesystem::path scratch_of_bake(const BakeRequest& request) {
   if (!request.out.empty()) return scratch_of(request);
   return request.scratch.empty() ? std::filesystem::path("OUT") / "scratch" : request.scratch;
 }
 
-/// Sizes of which nothing could be baked go by the one that was asked for.
+/// Scales the estimate of the requested size for sizes at which no piece was baked.
 void fill_gaps(std::vector<MeasuredSize>& sizes, const MeasuredSize& asked, const BakeRequest& request) {
   for (MeasuredSize& size : sizes)
     if (size.pieces == 0 && asked.pieces != 0)

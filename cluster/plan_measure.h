@@ -1,4 +1,4 @@
-/// What a bake would come to, measured: pieces of the scene are baked into a folder that goes again.
+/// Measured estimate of a bake: bakes samples of the scene into a temporary folder.
 #pragma once
 
 #include <filesystem>
@@ -16,27 +16,27 @@ namespace gigabake {
 struct MeasuredSize {
   double voxel_size_m = 0;
   SizeEstimate estimate;
-  std::size_t pieces = 0, tiles = 0;  ///< that were baked, and of how many tiles
-  double wall_s = 0;                  ///< of that
+  std::size_t pieces = 0, tiles = 0;  ///< number of sample pieces baked, and of tiles that they come from
+  double wall_s = 0;                  ///< wall time of the pieces
   bool on_device = false;
-  std::string problem;  ///< one line; not empty: why there are fewer pieces than there could be
+  std::string problem;  ///< one line; not empty: why fewer pieces were baked than planned
 };
 
 struct PlanMeasure {
-  std::vector<MeasuredSize> sizes;       ///< half the voxel size that was asked for, it, and twice it
-  int ranks = 1, threads = 1;            ///< of the bake; pieces were baked by one rank
+  std::vector<MeasuredSize> sizes;       ///< half the requested voxel size, the requested size, and twice that size
+  int ranks = 1, threads = 1;            ///< of the bake; pieces are baked by one rank
   ScratchNeed scratch;                   ///< of the bake's large tiles
-  std::filesystem::path scratch_folder;  ///< where the bake keeps them; "OUT/scratch" where OUT is not known
+  std::filesystem::path scratch_folder;  ///< the bake's scratch folder; "OUT/scratch" if OUT is not given
   TextureFindings textures;
 };
 
-/// Of a plan by plan_bake() on rank 0; the other ranks need not call it.
-/// measures: bake pieces; else voxels and bytes are those of the surface's area alone, and there are no times.
-/// Cost    About four seconds, and at most some twenty: then what was baked so far counts. A driver's start, and the
-///         first cut of a tile that is large beside the memory, come on top. Shards of at most a few pieces, and large
-///         tiles in clusters, lie in request.scratch, or in the system's folder for temporary files.
-/// Errors  None of the sources': a size says what was wrong, also that the disk has no room for large tiles.
-///         InputError: no temporary folder can be made. Stopped.
+/// Measures a plan from plan_bake(). Only rank 0 needs to call it.
+/// measures: bake pieces; if false, voxels and bytes are estimated from the surface area alone, and there are no times.
+/// Cost    About 4 s, at most about 20 s; pieces baked by then are used. The driver's start and the first split of a
+///         large tile come in addition. At most a few pieces' shards, and the clusters of large tiles, are kept in
+///         request.scratch or in the system's temporary folder.
+/// Errors  InputError: no temporary folder can be made. Stopped. An error of the sources is reported in `problem` of a
+///         size, as is a disk with too little space for large tiles.
 PlanMeasure measure_plan(const MpiSession& mpi, const BakeRequest& request, const SharedSources& sources,
                          const BakePlan& plan, bool measures, const Progress& progress = {});
 

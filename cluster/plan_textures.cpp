@@ -13,9 +13,9 @@ namespace gigabake {
 namespace {
 
 constexpr double longest_s = 0.5;
-constexpr std::size_t sampled_clusters = 256;  ///< of each primitive of a large tile
+constexpr std::size_t sampled_clusters = 256;  ///< per primitive of a large tile
 
-/// Clusters from all over each primitive, and the images.
+/// Returns clusters spread evenly over each primitive, and the images.
 TileMesh sample_of(const LoadedTile& tile) {
   TileMesh sample = tile.mesh();
   for (std::size_t p = 0; p < sample.primitives.size(); ++p) {
@@ -63,7 +63,7 @@ class TextureLook {
   const TileStore& store_;
   const std::uint64_t most_bytes_;
   TexelSize texels_;
-  std::set<std::pair<std::uint64_t, std::uint64_t>> seen_;  ///< images that tiles share are on scratch once
+  std::set<std::pair<std::uint64_t, std::uint64_t>> seen_;  ///< images shared by tiles count once
   double scratch_bytes_ = 0, looked_at_bytes_ = 0;
 };
 
@@ -78,7 +78,7 @@ TextureFindings look_at_textures(const SceneSources& sources, const std::vector<
     try {
       look.add(tile);
     } catch (const std::exception&) {
-      continue;  // it changed meanwhile: the next one says as much
+      continue;  // it changed since the scan: the next tile serves as well
     }
   }
   return look.findings();

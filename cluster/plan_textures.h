@@ -1,4 +1,4 @@
-/// What a plan finds in the textures of some tiles.
+/// Statistics of the textures of some tiles, for a plan.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +12,16 @@ namespace gigabake {
 class TileStore;
 
 struct TextureFindings {
-  double texel_m = 0;  ///< TexelSize::mean_m(); 0: no tile was looked at, or there are no textures
-  /// Of textures that are too large for the memory, in all of the source: of the tiles that were looked at, times what
-  /// the others have more of bytes. None: no tile was looked at.
+  double texel_m = 0;  ///< TexelSize::mean_m(); 0: no tile was examined, or there are no textures
+  /// Estimated size of textures above the memory limit in the whole source: the size found in the examined tiles,
+  /// scaled by file bytes. None: no tile was examined.
   std::optional<std::uint64_t> scratch_bytes;
 };
 
-/// tiles: that a bake process has read and baked without harm. most_bytes: of a texture in memory.
-/// Cost  Half a second and one more tile; of a large tile, which comes from the store, a part of its triangles.
+/// Examines textures. tiles: tiles that a bake process has already read and baked without failure. most_bytes: max size
+/// of a texture in memory.
+/// Cost    0.5 s plus the tile in progress. A large tile is loaded from the store, and only part of its triangles is
+///         read.
 TextureFindings look_at_textures(const SceneSources& sources, const std::vector<std::uint32_t>& tiles,
                                  const TileStore& store, std::uint64_t most_bytes);
 

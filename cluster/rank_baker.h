@@ -1,4 +1,4 @@
-/// What every rank does with rank 0's orders: passes them to its bake process, and the answers on.
+/// Passes rank 0's orders to this rank's bake process, and the answers back. Every rank has one.
 #pragma once
 
 #include <cstdint>
@@ -14,18 +14,19 @@ class RankBaker {
  public:
   explicit RankBaker(BakeProcess& process) : process_(process) {}
 
-  /// Of a tag_job. An order that was sent before rank 0 knew of the last death is dropped: rank 0 counts its cell among
-  /// those that died with the process. Errors  InputError when malformed.
+  /// Handles the payload of a tag_job. Drops an order that rank 0 sent before it learned of the last death: rank 0
+  /// counts that cell as lost with the process.
+  /// Errors  InputError when malformed.
   void obey(std::span<const std::uint8_t> order);
-  /// The next tag_report or tag_died for rank 0, if there is one; never waits.
+  /// Returns the next tag_report or tag_died for rank 0, if any; never blocks.
   std::optional<Message> answer();
 
  private:
   BakeProcess& process_;
-  std::uint32_t deaths_ = 0;  ///< of the process, as far as rank 0 was told
+  std::uint32_t deaths_ = 0;  ///< of the process, as reported to rank 0
 };
 
-/// The bytes of a tag_job. deaths: of the rank's bake process, as far as rank 0 has heard.
+/// Returns the payload of a tag_job. deaths: number of deaths of the rank's bake process that rank 0 knows of.
 std::vector<std::uint8_t> order_bytes(std::uint32_t deaths, const CellJob& job, std::uint32_t attempt);
 
 }  // namespace gigabake

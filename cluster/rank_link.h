@@ -1,5 +1,5 @@
-/// What rank 0 hears, says and knows of the world while it hands out cells: all that dispatch() needs, so that a test
-/// can play every rank, the clock and the signals by itself (tests/cluster/scripted_ranks.h).
+/// Transport, clock and signals of rank 0 during dispatch. The interface is all that dispatch() needs, so that a test
+/// can simulate every rank (tests/cluster/scripted_ranks.h).
 #pragma once
 
 #include <cstdint>
@@ -10,21 +10,21 @@
 
 namespace gigabake {
 
-/// Rank 0 is a rank as every other one: it is sent its own cells, and answers.
+/// The interface treats rank 0 like every other rank: it receives its own cells and answers.
 class RankLink {
  public:
   virtual ~RankLink() = default;
 
   virtual int ranks() const = 0;
-  /// Monotonic seconds of any origin.
+  /// Returns monotonic seconds from an arbitrary origin.
   virtual double now_s() const = 0;
-  /// Somebody wants the bake to end soon and in order.
+  /// Returns true if an early, orderly end of the bake was requested.
   virtual bool is_drain_asked() const = 0;
-  /// Returns at once. What is sent to one rank arrives in that order, or, where that rank is gone, never.
+  /// Returns immediately. Messages to one rank arrive in order, or never if that rank is lost.
   virtual void send(int rank, Tag tag, std::vector<std::uint8_t> bytes) = 0;
-  /// What has arrived, from any rank; never waits.
+  /// Returns the next message from any rank, if any; never blocks.
   virtual std::optional<Message> receive() = 0;
-  /// Returns after some milliseconds, or earlier where receive() may have something.
+  /// Returns after some milliseconds, or earlier if receive() may have a message.
   virtual void wait() = 0;
 };
 

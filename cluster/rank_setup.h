@@ -1,4 +1,4 @@
-/// What a rank tells its bake process.
+/// Configuration of a rank's bake process.
 #pragma once
 
 #include "cluster/bake.h"
@@ -7,7 +7,7 @@
 
 namespace gigabake {
 
-/// Of this rank.
+/// Returns the number of threads of this rank's bake process.
 int threads_of(const MpiSession& mpi, const BakeRequest& request);
 std::uint64_t memory_of(const MpiSession& mpi, const BakeRequest& request);
 WorkerSetup setup_of(const MpiSession& mpi, const BakeRequest& request, const SharedSources& sources);

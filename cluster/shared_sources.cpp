@@ -15,7 +15,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Passes on how far rank 0 is, and tells the other ranks now and then that it is there.
+/// Forwards rank 0's progress and sends heartbeats to the other ranks.
 class SignsWhileOpening : public ProgressListener {
  public:
   SignsWhileOpening(MpiSession& mpi, const Progress& listener) : mpi_(mpi), listener_(listener) {}
@@ -31,7 +31,7 @@ class SignsWhileOpening : public ProgressListener {
  private:
   static constexpr std::chrono::seconds between_signs{1};
 
-  /// MPI is for one thread.
+  /// Sends heartbeats, on the main thread only because MPI is initialized for one thread.
   void show() {
     if (std::this_thread::get_id() != thread_ || Clock::now() - shown_ < between_signs) return;
     shown_ = Clock::now();
@@ -45,7 +45,7 @@ class SignsWhileOpening : public ProgressListener {
   Clock::time_point shown_ = Clock::now();
 };
 
-/// Of every rank but 0: returns when rank 0 has opened the source, or cannot.
+/// Waits on every rank but 0 until opening the source on rank 0 has succeeded or failed.
 void await_master(MpiSession& mpi) {
   constexpr std::chrono::milliseconds pause{5};
   for (auto heard = Clock::now(); std::chrono::duration<double>(Clock::now() - heard).count() < mpi.patience_s();) {
@@ -59,7 +59,7 @@ void await_master(MpiSession& mpi) {
   throw RankLost("nothing heard of rank 0 while it opened the source; run the same command again");
 }
 
-/// Where one host does not see the source every tile that it reads would be missing.
+/// Checks that this host sees the source; otherwise every tile that the host reads would be missing.
 void expect_source(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) throw InputError(path, "", "no such file or folder");

@@ -1,4 +1,4 @@
-/// The sources of a bake on all ranks: rank 0 opens them once, and every rank's bake process gets what it found.
+/// The sources of a bake on all ranks: rank 0 opens them once, and every rank's bake process receives the result.
 #pragma once
 
 #include <cstdint>
@@ -13,14 +13,13 @@
 namespace gigabake {
 
 struct SharedSources {
-  SceneSources scene;                                      ///< rank 0's; empty elsewhere
+  SceneSources scene;                                      ///< on rank 0 only; empty elsewhere
   std::shared_ptr<const std::vector<std::uint8_t>> bytes;  ///< format/job/source_bytes.h, on every rank
 };
 
-/// Collective. While rank 0 opens the source it tells the others that it lives, however long that takes.
-/// Errors  CollectiveFailure: as open_sources() on rank 0, or another rank does not see the path. Stopped: as rank 0
-/// was
-///         asked. RankLost: nothing heard of rank 0 for as long as a collective call waits.
+/// Collective. Rank 0 opens the source and sends heartbeats to the other ranks during that time.
+/// Errors  CollectiveFailure: as open_sources() on rank 0, or another rank does not see the path. Stopped: rank 0 was
+///         asked to stop. RankLost: no message from rank 0 within the timeout of a collective call.
 SharedSources open_shared_sources(MpiSession& mpi, const std::filesystem::path& path, const SourceOptions& options,
                                   const Progress& progress);
 

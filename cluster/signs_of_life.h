@@ -1,4 +1,4 @@
-/// How rank 0 knows that a rank is there while it has nothing else to say.
+/// Heartbeats from a rank to rank 0.
 #pragma once
 
 #include <chrono>
@@ -12,17 +12,17 @@
 namespace gigabake {
 
 struct SignOfLife {
-  std::uint64_t peak_bytes = 0;  ///< of the rank's bake processes so far
+  std::uint64_t peak_bytes = 0;  ///< max over the rank's bake processes so far
   std::string host;
 };
 /// Errors  InputError when malformed.
 SignOfLife sign_from_bytes(const std::vector<std::uint8_t>& bytes);
 
-/// A rank's own.
+/// Heartbeat sender of a rank.
 class SignsOfLife {
  public:
   SignsOfLife(MpiSession& mpi, const BakeProcess& process) : mpi_(mpi), process_(process) {}
-  /// Sends one now, if the last one was sent a while ago.
+  /// Sends a heartbeat if the last is old enough.
   void show();
 
  private:

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double tell_every_s = 0.1, write_every_s = 1;
 
-/// Also when the clock was set back.
+/// Returns true after the interval, and also if the clock was set back.
 bool is_due(double now_s, double last_s, double every_s) { return std::fabs(now_s - last_s) >= every_s; }
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// Who hears of a bake's status: readers of OUT/status.json, Prometheus, and rank 0's own log.
+/// Publishes a bake's status: to OUT/status.json, to Prometheus, and to a listener on rank 0.
 #pragma once
 
 #include <filesystem>
@@ -8,27 +8,27 @@
 
 namespace gigabake {
 
-/// Unix time of this host.
+/// Returns this host's Unix time.
 double unix_now_s();
 
-/// Rank 0's. Writes nothing before the first turn(): until then the folder may be another bake's.
-/// Cost    turn() is a look at the clock; ten times a second a status is made, once a second the files are written.
-/// Errors  None: a file that cannot be written costs one line on standard error, never the bake.
+/// Status feed of rank 0. Writes nothing before the first turn(), because until then another bake may hold the folder.
+/// Cost    turn() reads the clock; ten times per second a status is made, once per second the files are written.
+/// Errors  None: a failed write prints one line on standard error; the bake continues.
 class StatusFeed {
  public:
   using Listener = std::function<void(const BakeStatus&)>;
 
-  /// The identity of this process. metrics: a file for Prometheus; may be empty, as may the listener.
+  /// Takes the identity of this process. metrics: a file for Prometheus; may be empty. listener: may be empty.
   StatusFeed(std::filesystem::path out, int ranks, std::filesystem::path metrics, Listener listener);
 
   BakeStatusRecord& record() { return record_; }
-  /// In every turn of a loop: readers take a bake for dead that says nothing for a while.
+  /// Call it in every iteration of a loop: readers treat a bake without recent status as dead.
   void turn();
-  /// Passes the status on at once: the bake enters another state, or ends.
+  /// Publishes the status immediately: the bake enters another state, or ends.
   void publish();
-  /// The bake was asked to end before its first cell. Says so where anything was said before.
+  /// Records that the bake was stopped before its first cell. Publishes only if a status was published before.
   void stop();
-  /// What ended the bake. Says so where anything was said before.
+  /// Records the error that ended the bake. Publishes only if a status was published before.
   void fail(const std::string& reason);
 
  private:

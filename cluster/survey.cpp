@@ -17,19 +17,19 @@
 namespace gigabake {
 namespace {
 
-/// Enough that the process, which surveys four at a time, never waits for the next request.
+/// Requests in flight per process. It scans four tiles concurrently and must never wait for the next request.
 constexpr std::size_t tiles_in_hand = 8;
 constexpr int strikes = 3;
 constexpr std::chrono::milliseconds max_scan_wait{5};
 
-/// Which tile the process is asked for next.
+/// Order of requests to the process.
 class TileQueue {
  public:
   explicit TileQueue(const std::vector<std::uint32_t>& tiles) : waiting_(tiles.begin(), tiles.end()) {}
 
   bool is_empty() const { return waiting_.empty() && suspects_.empty(); }
 
-  /// A suspect is asked for alone.
+  /// Returns the next tile to request, if any. A suspect tile is requested only in isolation.
   std::optional<std::uint32_t> next(std::size_t in_hand) {
     if (alone_ && in_hand != 0) return std::nullopt;
     alone_ = !suspects_.empty();
@@ -40,14 +40,14 @@ class TileQueue {
     return tile;
   }
 
-  /// What a process had that never started.
+  /// Requeues the tiles of a process that never started.
   void take_back(const std::vector<std::uint32_t>& tiles) {
     waiting_.insert(waiting_.begin(), tiles.begin(), tiles.end());
     alone_ = false;
   }
 
-  /// What the process had when it died: all are suspects, one that was alone has a strike. Returns the tile that is
-  /// given up.
+  /// Requeues the tiles in flight at a death as suspects. If only one tile was in flight, the death counts as its
+  /// failure. Returns the tile if it has reached the max number of failures.
   std::optional<std::uint32_t> put_back(const std::vector<std::uint32_t>& tiles) {
     if (tiles.size() == 1 && ++strikes_[tiles[0]] >= strikes) return tiles[0];
     suspects_.insert(suspects_.end(), tiles.begin(), tiles.end());
@@ -67,14 +67,14 @@ TileSurvey given_up(std::uint32_t tile, const std::string& why) {
   return survey;
 }
 
-/// Every n-th tile is one rank's.
+/// Returns every `ranks`-th tile, starting at `rank`.
 std::vector<std::uint32_t> share_of(const std::vector<std::uint32_t>& tiles, int rank, int ranks) {
   std::vector<std::uint32_t> share;
   for (std::size_t i = std::size_t(rank); i < tiles.size(); i += std::size_t(ranks)) share.push_back(tiles[i]);
   return share;
 }
 
-/// What the other ranks send rank 0.
+/// Rank 0's collector of messages from the other ranks.
 class SurveyCollector {
  public:
   SurveyCollector(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, double silence_s,
@@ -97,7 +97,7 @@ class SurveyCollector {
     for (int rank = 1; rank < mpi_.ranks(); ++rank) expect_life(rank);
   }
 
-  /// The other ranks survey no more, and nothing of theirs is under way.
+  /// Stops the scan on the other ranks and waits until none of their messages is pending.
   void stop(BakeProcess& process) {
     const auto is_busy = [](const Rank& r) { return r.missing != 0; };
     for (int rank = 1; rank < mpi_.ranks(); ++rank)
@@ -131,7 +131,7 @@ class SurveyCollector {
   std::vector<TileSurvey> surveys_;
 };
 
-/// Rank 0 tells the others which tiles are theirs.
+/// Sends every rank its tiles from rank 0; returns this rank's tiles.
 std::vector<std::uint32_t> share_out(MpiSession& mpi, const std::vector<std::uint32_t>& tiles,
                                      const BakeProcess& process) {
   if (mpi.rank() == 0) {
@@ -182,7 +182,7 @@ void survey_here(BakeProcess& process, const std::vector<std::uint32_t>& tiles,
 
 namespace {
 
-/// Of every rank but 0. Another word of rank 0 than that it is enough does not come meanwhile.
+/// Scans on every rank but 0. During a scan rank 0 sends only `tag_stop`.
 void survey_for_master(MpiSession& mpi, BakeProcess& process, const std::vector<std::uint32_t>& tiles) {
   SignsOfLife signs(mpi, process);
   survey_here(

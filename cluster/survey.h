@@ -1,4 +1,4 @@
-/// The parallel survey: every rank's bake process looks at its share of the tiles, rank 0 collects.
+/// Parallel scan of tiles: every rank's bake process scans its share, rank 0 collects the results.
 #pragma once
 
 #include <cstddef>
@@ -12,24 +12,26 @@
 
 namespace gigabake {
 
-/// Surveys these tiles in the rank's own bake process. A tile at which the process dies is tried alone, three times in
-/// all; then its survey is an error that says how the process ended.
-/// each: a survey as it comes; died: the process ended, and why; idle: called between, at least every few milliseconds;
-/// false: no more surveys. Errors  std::runtime_error: the process ends again and again before it has started.
+/// Scans tiles in the rank's own bake process. After the process died, each of its tiles is retried in isolation. A
+/// tile that fails three isolated attempts gets a scan result with an error that says how the process ended.
+/// each: receives each result; died: receives the reason of a death; idle: called at least every few milliseconds and
+/// returns false to stop the scan.
+/// Errors  std::runtime_error: the process ends repeatedly before it has started.
 void survey_here(BakeProcess& process, const std::vector<std::uint32_t>& tiles,
                  const std::function<void(TileSurvey)>& each, const std::function<void(const std::string&)>& died,
                  const std::function<bool()>& idle);
 
-/// What rank 0 hears while tiles are surveyed.
+/// Callbacks of rank 0 during the scan.
 struct SurveyListener {
-  std::function<bool(std::size_t)> surveyed;               ///< how many surveys are there; false: no rank surveys more
-  std::function<void(int rank, const std::string&)> died;  ///< a rank's bake process ended, and why
+  std::function<bool(std::size_t)> surveyed;               ///< number of results so far; return false to stop the scan
+                                                           ///< on all ranks
+  std::function<void(int rank, const std::string&)> died;  ///< a rank's bake process ended; with the reason
 };
 
-/// Collective. tiles: rank 0's; those to survey. One survey per tile on rank 0, nothing elsewhere. A tile that cannot
-/// be read is a survey with an error. silence_s: rank 0 does not wait longer for a rank that says nothing.
-/// listener: rank 0's. If it wants no more surveys, those that are there are returned.
-/// Errors  RankLost on rank 0: a rank fell silent. No collective call may follow.
+/// Collective call. tiles: on rank 0, the tiles to scan. Returns one result per tile on rank 0, none elsewhere. A tile
+/// that cannot be read has a result with an error. silence_s: rank 0's heartbeat timeout for other ranks. listener:
+/// used on rank 0; if it stops the scan, the results so far are returned.
+/// Errors  RankLost on rank 0: a rank's heartbeat timed out. No collective call may follow.
 std::vector<TileSurvey> survey_tiles(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, BakeProcess& process,
                                      double silence_s, const SurveyListener& listener);
 

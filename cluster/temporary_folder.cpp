@@ -16,11 +16,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char prefix[] = "gigabake-plan-";
-/// A folder has its other name only once it is locked.
+/// Name of a new folder; the folder gets its final name only once it is locked.
 constexpr char unlocked_template[] = "gigabake-new-XXXXXX";
 constexpr std::size_t random_characters = 6;
 
-/// Removes folders whose process no longer holds its lock. What cannot be removed does no harm.
+/// Removes folders whose process no longer holds its lock. Failures to remove a folder are harmless.
 void remove_leftovers(const fs::path& parent) {
   std::error_code error;
   std::vector<fs::path> found;
@@ -32,7 +32,7 @@ void remove_leftovers(const fs::path& parent) {
   }
 }
 
-/// Where the system keeps temporary files. A TMPDIR that names no folder is left to fail with its name in the message.
+/// Returns the system's temporary folder. An invalid TMPDIR is kept, so that the later error message names it.
 std::filesystem::path system_folder() {
   const char* const variable = std::getenv("TMPDIR");
   return variable == nullptr || *variable == '\0' ? "/tmp" : variable;
@@ -56,7 +56,7 @@ TemporaryFolder::TemporaryFolder(const std::filesystem::path& in) {
   const bool is_locked = lock_.is_open() && ::flock(lock_.get(), LOCK_EX | LOCK_NB) == 0;
   path_ = parent / (prefix + made.substr(made.size() - random_characters));
   fs::rename(made, path_, ignored);
-  if (ignored || !is_locked) path_ = made;  // a file system without locks: nothing is removed by others
+  if (ignored || !is_locked) path_ = made;  // a file system without locks: others must not remove the folder
 }
 
 TemporaryFolder::~TemporaryFolder() {

@@ -1,4 +1,4 @@
-/// A folder that goes again, with all that is in it.
+/// A temporary folder, removed with its content.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,9 @@ namespace gigabake {
 
 class TemporaryFolder {
  public:
-  /// Also removes what killed processes left there. in: where it is made; empty: among the system's temporary files.
-  /// Errors  InputError: it cannot be made.
+  /// Creates a folder; also removes those that killed processes left. in: the parent folder; empty: the system's
+  /// temporary folder.
+  /// Errors  InputError: the folder cannot be created.
   explicit TemporaryFolder(const std::filesystem::path& in = {});
   ~TemporaryFolder();
   TemporaryFolder(const TemporaryFolder&) = delete;

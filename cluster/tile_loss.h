@@ -1,4 +1,4 @@
-/// Losses that are tiles which cannot be read.
+/// Losses of tiles that cannot be read.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace gigabake {
 
-/// Returns a loss's reason without the file that it begins with, where that is the tile that the loss names: a message
-/// names a file once. Else returns an empty text.
+/// Returns a loss's reason without the file name that it begins with, if that file is the tile that the loss names. A
+/// message then names the file once. Otherwise returns an empty text.
 std::string reason_without_tile(const SceneLoss& loss);
 
 }  // namespace gigabake

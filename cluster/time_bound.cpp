@@ -15,21 +15,21 @@ namespace gigabake {
 namespace {
 
 constexpr double usual_s = 120, least_s = 1, most_s = 86400;
-constexpr int ranks_that_speak = 2;  // rank 0 may be the one that hangs
+constexpr int ranks_that_speak = 2;  // two, because rank 0 may be the one that hangs
 
-/// What a signal handler may say: it must not allocate.
+/// The line printed by the signal handler, which must not allocate.
 char last_line[300];
 std::size_t last_line_bytes = 0;
 
 void end_late(int signal) {
   if (last_line_bytes != 0 && ::write(STDERR_FILENO, last_line, last_line_bytes) < 0) {
-    // Nobody listens; the process ends all the same.
+    // A failed write is ignored; the process ends anyway.
   }
   std::signal(signal, SIG_DFL);
   std::raise(signal);  // takes effect when this handler returns
 }
 
-/// Which rank this is, known before MPI_Init; 0 where nobody says.
+/// Returns this rank's index as known before MPI_Init; 0 if no launcher set it.
 int rank_from_launcher() {
   for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "SLURM_PROCID"})
     if (const char* value = std::getenv(name)) return std::atoi(value);

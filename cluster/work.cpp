@@ -11,10 +11,11 @@ namespace {
 
 constexpr std::chrono::milliseconds longest_turn{2};
 
-/// Rank 0 says something several times within this many silences while it hands out cells.
+/// Multiple of the heartbeat timeout without a message after which rank 0 counts as lost. Rank 0 sends several messages
+/// within that time while it dispatches cells.
 constexpr double silences_of_the_master = 4;
 
-/// A rank's loop.
+/// The main loop of a rank other than 0.
 class Worker {
  public:
   Worker(MpiSession& mpi, BakeProcess& process, double silence_s)
@@ -31,10 +32,10 @@ class Worker {
   }
 
  private:
-  /// Without it nobody would end a launch whose rank 0 was stopped.
+  /// Throws RankLost if rank 0 is lost. Without this check no rank would end a launch whose rank 0 was stopped.
   void expect_master() {
     const auto now = Clock::now();
-    if (now - turned_ > own_pause) heard_ = now;  // this rank was stopped itself: what was sent is still on its way
+    if (now - turned_ > own_pause) heard_ = now;  // this rank was stopped: messages may be pending
     turned_ = now;
     const double silent_s = std::chrono::duration<double>(now - heard_).count();
     if (stopped_ || silent_s < longest_silence_s_) return;
@@ -44,7 +45,8 @@ class Worker {
 
   void obey(const Message& message) {
     heard_ = Clock::now();
-    longest_silence_s_ = silences_of_the_master * silence_s_;  // before its first word it may look through OUT
+    longest_silence_s_ = silences_of_the_master * silence_s_;  // before its first message rank 0 may examine OUT for
+                                                               // longer
     if (message.tag == tag_stop) stopped_ = true;
     if (message.tag == tag_job) baker_.obey(message.bytes);
   }

@@ -43,9 +43,7 @@ class Bell {
   Bell& operator=(const Bell&) = delete;
   int fd() const { return fd_; }
   void ring() const {
-    if (::eventfd_write(fd_, 1) != 0 && errno != EAGAIN)
-      fail("eventfd_write");  // EAGAIN: the counter is already
-                              // non-zero
+    if (::eventfd_write(fd_, 1) != 0 && errno != EAGAIN) fail("eventfd_write");  // EAGAIN: already signalled
   }
   void silence() const {
     eventfd_t rings = 0;

@@ -22,10 +22,7 @@ class LoadedTile {
   LoadedTile(TileDirectory&& directory, std::shared_ptr<const TileFile> file, const BakeParameters& parameters,
              const ThreadPool& pool);
 
-  const TileMesh& mesh() const {
-    return directory_.mesh;
-  }  ///< without images and without the triangles of its
-     ///< primitives
+  const TileMesh& mesh() const { return directory_.mesh; }  ///< without images and triangles of primitives
   const std::vector<TilePrimitive>& primitives() const { return directory_.primitives; }
   /// Returns one box per instance; it holds every voxel that the instance can touch.
   const std::vector<SceneBox>& instance_boxes() const { return boxes_; }

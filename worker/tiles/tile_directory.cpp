@@ -70,9 +70,7 @@ template <class T, class Get>
 void get_list(ByteReader& r, std::vector<T>& items, const Get& get) {
   std::uint64_t count = 0;
   r.get(count);
-  for (std::uint64_t i = 0; i < count; ++i)
-    items.push_back(get(r));  // throws at the end of the bytes, whatever the
-                              // count
+  for (std::uint64_t i = 0; i < count; ++i) items.push_back(get(r));  // get() throws at the end of the bytes
 }
 
 void put_cluster(ByteWriter& w, const TileCluster& c) {
