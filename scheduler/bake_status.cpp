@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::size_t most_status_bytes = std::size_t(64) << 20;
 
-/// To its end, wherever that is by now. Errors  InputError.
+/// Returns the content up to the current end of the file.
+/// Errors  InputError.
 std::string text_of(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) throw InputError(file, "", "no such file");

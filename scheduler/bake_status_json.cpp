@@ -45,6 +45,7 @@ OrderedJson json_of(const std::vector<T>& values) {
 
 constexpr int deepest = 16;
 
+/// Parses the text.
 /// Errors  InputError.
 Json parsed(const fs::path& file, std::string_view text) {
   const auto shallow = [&file](int depth, Json::parse_event_t, const Json&) {
@@ -60,7 +61,7 @@ Json parsed(const fs::path& file, std::string_view text) {
   }
 }
 
-/// An object whose members are all expected; messages name the member. Borrows file and object.
+/// A JSON object whose members are all required; messages name the member. Borrows file and object.
 class Members {
  public:
   Members(const fs::path& file, const Json& object, std::string where)
@@ -88,7 +89,7 @@ class Members {
   }
   bool is_null(const char* key) const { return at(key).is_null(); }
   Members object(const char* key) const { return {file_, at(key), name_of_member(key)}; }
-  /// read: from one element's Members.
+  /// Returns the elements of a list. read: converts one element's Members.
   template <class Read>
   auto list(const char* key, const Read& read) const {
     std::vector<decltype(read(*this))> values;

@@ -7,7 +7,7 @@
 namespace gigabake {
 namespace {
 
-/// The value of a label as Prometheus reads it, in UTF-8.
+/// Escapes a label value for Prometheus, in UTF-8.
 std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : valid_utf8(text)) {
@@ -32,7 +32,7 @@ class Exposition {
   void head(const char* name, const char* type, const char* help) {
     fmt::format_to(std::back_inserter(text_), "# HELP {0} {1}\n# TYPE {0} {2}\n", name, help, type);
   }
-  /// labels: as ,key="value".
+  /// Appends a sample. labels: in the form ,key="value".
   void sample(const char* name, const std::string& labels, double value) {
     fmt::format_to(std::back_inserter(text_), "{}{{bake=\"{}\"{}}} {}\n", name, bake_, labels, value);
   }

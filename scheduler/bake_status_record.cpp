@@ -178,7 +178,7 @@ void BakeStatusRecord::drop_hand(Worker& w, double now_s) {
   for (const std::uint32_t job : hand) release(job, now_s);
 }
 
-/// False where it was settled before.
+/// Marks a job as final. Returns false if it was already final.
 bool BakeStatusRecord::settle(std::uint32_t job, double now_s) {
   Cell& cell = cells_.at(job);
   if (cell.settled) return false;
@@ -197,7 +197,7 @@ void BakeStatusRecord::note_slow(const CellReport& r, std::int32_t holder) {
   if (slowest.size() > most_slow_cells) slowest.pop_back();
 }
 
-/// Cells differ by orders of magnitude, so it is their cost that is extrapolated.
+/// Returns the remaining time by cost, because cells differ by orders of magnitude.
 std::optional<double> BakeStatusRecord::left_s(double now_s) const {
   if (status_.state == BakeState::complete || status_.state == BakeState::incomplete) return 0;
   if (status_.state != BakeState::baking) return {};

@@ -1,4 +1,4 @@
-/// Keeps a bake's status: told what happens, it says how things stand.
+/// Accumulates the events of a bake and computes its status.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,12 @@
 
 namespace gigabake {
 
-/// What was baked during the last minute, in buckets of a second.
+/// Work of the last minute, in buckets of one second.
 class RecentWork {
  public:
   void add(double now_s, std::uint64_t voxels, std::uint64_t bytes);
-  /// A bake younger than a minute is as old as it is. Range  start_s < now_s, else nothing.
+  /// Returns the throughput of the last minute, or since start_s if that is later.
+  /// Range   start_s < now_s; else the result is zero.
   Throughput at(double start_s, double now_s) const;
 
  private:
@@ -27,40 +28,40 @@ class RecentWork {
   std::deque<Bucket> buckets_;
 };
 
-/// Who a status is about.
+/// Identity of the bake that a status describes.
 struct BakeIdentity {
   std::string out, host;
   std::int64_t pid = 0;
   int ranks = 1;
 };
 
-/// Jobs are indices into the plan, workers are ranks, now_s is Unix time: a test can replay a bake. Tell it what the
-/// Schedule accepted; stale results are none of its business.
-/// Exact   A value: the same calls give the same status.
-/// Cost    Under 60 bytes a job; an event is O(cells in one hand), at() O(workers).
+/// Record of a bake's events. Jobs are indices into the plan, workers are ranks, now_s is Unix time, so that a test can
+/// replay a bake. Report only results that the Schedule accepted, not stale ones.
+/// Exact   A plain value: the same calls give the same status.
+/// Cost    Under 60 bytes per job; an event is O(cells in flight at one worker), at() is O(workers).
 /// Errors  std::out_of_range: a job that is not in the plan.
 class BakeStatusRecord {
  public:
   BakeStatusRecord(BakeIdentity identity, double now_s);
 
   void surveyed(std::size_t tiles_done, std::size_t tiles);
-  /// Baking begins. costs: of each job beside the others, in any unit.
+  /// Records the plan; baking begins. costs: relative cost of each job, in any unit.
   void planned(const std::vector<CellJob>& jobs, std::vector<double> costs, double now_s);
-  /// Something other than a cell will be missing: a tile that cannot be read.
+  /// Records a loss other than a cell: a tile that cannot be read.
   void lost(const std::string& name, const std::string& line);
-  /// An earlier run has baked it.
+  /// Records that an earlier run has baked the job.
   void already_done(std::uint32_t job);
-  /// The worker is there, or there again.
+  /// Records that a worker has joined or rejoined.
   void worker_joined(int worker, const std::string& host, double now_s);
   void handed_out(std::uint32_t job, int worker, double now_s);
-  /// Baked, or found empty.
+  /// Records a cell that was baked or found empty.
   void cell_done(const CellReport& report, double now_s);
-  /// The cell waits again, unless set_aside() follows.
+  /// Records a failed attempt; the cell is pending again unless set_aside() follows.
   void attempt_failed(std::uint32_t job, double now_s);
   void set_aside(std::uint32_t job, const std::string& line, double now_s);
-  /// The worker's bake process is gone and comes back; the cells in hand wait again.
+  /// Records the death of a worker's bake process, which restarts; its cells in flight are pending again.
   void process_died(int worker, double now_s);
-  /// The worker fell silent; the cells in hand wait again.
+  /// Records a heartbeat timeout of a worker; its cells in flight are pending again.
   void worker_lost(int worker, double now_s);
   void enter(BakeState state);
   void fail(const std::string& reason);
@@ -72,7 +73,7 @@ class BakeStatusRecord {
   static constexpr std::int32_t nobody = -1;
   struct Cell {
     std::int32_t holder = nobody;
-    bool settled = false;  ///< nothing more will happen to it
+    bool settled = false;  ///< no further events change it
   };
   struct Worker {
     bool known = false, lost = false;
@@ -85,19 +86,19 @@ class BakeStatusRecord {
   void release(std::uint32_t job, double now_s);
   void drop_hand(Worker& w, double now_s);
   bool settle(std::uint32_t job, double now_s);
-  /// Parents are work as cells are, and are not counted among them.
+  /// Returns true for cells; overviews are dispatched like cells, but not counted as cells.
   bool is_cell(std::uint32_t job) const { return job < first_parent_; }
   void note_slow(const CellReport& report, std::int32_t holder);
   std::optional<double> left_s(double now_s) const;
 
-  BakeStatus status_;               ///< all but what at() works out
+  BakeStatus status_;               ///< except the members that at() computes
   std::vector<std::string> names_;  ///< of jobs
-  std::uint32_t first_parent_ = 0;  ///< jobs from here on
+  std::uint32_t first_parent_ = 0;  ///< index of the first overview job
   std::vector<double> costs_;
   std::vector<Cell> cells_;
   std::vector<Worker> workers_;  ///< by rank
   RecentWork recent_;
-  TimeLeft time_left_;  ///< cells in the hands of ranks
+  TimeLeft time_left_;  ///< over the jobs in flight at ranks
   double planned_s_ = 0, cost_left_ = 0;
 };
 

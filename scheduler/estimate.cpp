@@ -5,7 +5,7 @@
 namespace gigabake {
 namespace {
 
-/// The fractal terrain (bench/) at 2048³: 2.1 million triangles, 307 MB.
+/// Measured: the fractal terrain (bench/) at 2048³ has 2.1 million triangles and takes 307 MB.
 constexpr double bytes_per_triangle = 150;
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// What a plan will cost, from its triangles alone; scheduler/size_estimate.h knows voxels, bytes and time.
+/// Rough estimate of a plan from its triangles alone; scheduler/size_estimate.h estimates voxels, bytes and time.
 #pragma once
 
 #include <cstdint>
@@ -9,14 +9,15 @@ namespace gigabake {
 
 struct PlanEstimate {
   std::uint64_t largest_cell_triangles = 0;
-  std::uint64_t kernel_bytes = 0;  ///< working memory of the largest cell, with no bound on memory
+  std::uint64_t kernel_bytes = 0;  ///< working memory of the largest cell without a memory limit
 };
 
-/// Exact  Orders of magnitude: cost follows voxels as much as triangles, and nobody has counted those yet.
+/// Returns the estimate.
+/// Exact   Order of magnitude: cost depends on voxels as much as on triangles, and voxels are unknown at this stage.
 PlanEstimate estimate(const BakePlan& plan);
 
-/// What a cell costs beside another one, for the order of work; the unit has no meaning.
-/// Exact  Real bakes scatter about it: bench/schedule_model.h has by how much.
+/// Returns the relative cost of a cell, for the order of work; the unit is arbitrary.
+/// Exact   Real costs scatter around it; bench/schedule_model.h has the spread.
 inline std::uint64_t cell_cost(const CellJob& job) { return job.triangles; }
 
 }  // namespace gigabake

@@ -25,13 +25,13 @@ Journal::Journal(std::filesystem::path path, const JournalContent& so_far)
 }
 
 Journal::~Journal() {
-  if (file_.is_open() && unsynced_ != 0) ::fdatasync(file_.get());  // nobody is left to tell
+  if (file_.is_open() && unsynced_ != 0) ::fdatasync(file_.get());  // an error cannot be reported here
 }
 
 void Journal::open() {
   file_ = Descriptor(path_, O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW);
   if (!file_.is_open()) give_up("open");
-  // What stands behind the whole records would hide every later one.
+  // Bytes after the complete records would hide every later record.
   if (::ftruncate(file_.get(), off_t(bytes_)) != 0) give_up("cut");
   if (bytes_ != 0) return;
   const auto header = bytes_of(journal_header());
@@ -50,7 +50,7 @@ void Journal::give_up(const char* what) {
   const int reason = errno;
   std::string more;
   if (file_.is_open() && ::ftruncate(file_.get(), off_t(bytes_)) != 0)
-    more = "; half a record stays at its end";  // the next bake cuts it off
+    more = "; half a record stays at its end";  // the next bake truncates it
   file_ = Descriptor();
   gave_up_ = true;
   throw InputError(path_, "",
@@ -77,7 +77,7 @@ void Journal::sync() {
 
 void Journal::keep_only(const std::vector<CellJob>& jobs) {
   if (gave_up_) return;
-  std::unordered_set<std::string> names;  // hex: a shard's name has it too
+  std::unordered_set<std::string> names;  // as hexadecimal text, as in names of shards
   for (const CellJob& job : jobs) names.insert(job.fingerprint.hex());
   rewrite(read_journal(path_).compacted([&](const Hash128& f) { return names.contains(f.hex()); }));
 }

@@ -1,7 +1,7 @@
-/// OUT/journal: what was finished, written down while it happens, so that the next bake need not look into each shard.
+/// OUT/journal: an append-only log of finished cells, so that the next bake need not read each shard.
 ///
-/// The journal saves work and is never the truth: whoever loses it, or its tail, loses the time in which workers read
-/// the shards back. What it says of a shard counts only together with the shard's stamp (scheduler/prior.h).
+/// The journal is only a cache. If it or its end is lost, workers read the affected shards again. A record of a shard
+/// is trusted only together with the shard's stamp (scheduler/prior.h).
 #pragma once
 
 #include <chrono>
@@ -13,27 +13,30 @@
 
 namespace gigabake {
 
-/// One writer at a time: the lock of OUT sees to that.
+/// Writer of the journal; the lock of OUT ensures that there is only one.
 class Journal {
  public:
-  /// so_far: read_journal(path). Where more than half of it has been replaced it is rewritten without. Else nothing
-  /// happens before there is something to write; then what is not whole is cut off. Errors  InputError.
+  /// Opens the journal on the first append(), which truncates an incomplete record at the end. If more than half of the
+  /// records are superseded, rewrites the file without them here. so_far: read_journal(path).
+  /// Errors  InputError.
   Journal(std::filesystem::path path, const JournalContent& so_far);
-  /// Syncs; what cannot be synced is lost, at the cost of validating its shards.
+  /// Syncs. Records that cannot be synced may be lost; the next bake then validates their shards.
   ~Journal();
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;
 
-  /// Written at once, flushed to disk with the 64th record or the first one after 200 ms. Failed cells are not written:
-  /// they are not done.
-  /// Errors  InputError, once: from then on nothing is written and nothing fails. The bake can go on.
+  /// Writes the record immediately; flushes to disk at the 64th record or the first after 200 ms. Skips failed cells
+  /// because they are not done.
+  /// Errors  InputError on the first failure; later calls do nothing. The bake can continue.
   void append(const CellJob& job, const CellReport& report);
-  /// Errors  InputError, once, as append().
+  /// Flushes the written records to disk.
+  /// Errors  InputError on the first failure, as append().
   void sync();
-  /// Drops the records of all other cells, as after their shards were removed. Errors  InputError: it is as it was.
+  /// Drops the records of all other cells, for example after their shards were removed.
+  /// Errors  InputError: the journal is unchanged.
   void keep_only(const std::vector<CellJob>& jobs);
 
-  /// Records that a power cut may take.
+  /// Returns the number of records that a power failure may lose.
   std::size_t unsynced() const { return unsynced_; }
 
  private:
@@ -45,7 +48,7 @@ class Journal {
 
   std::filesystem::path path_;
   Descriptor file_;
-  std::uint64_t bytes_;  ///< whole records, and the header
+  std::uint64_t bytes_;  ///< header and complete records
   bool gave_up_ = false;
   std::size_t unsynced_ = 0;
   Clock::time_point first_unsynced_;

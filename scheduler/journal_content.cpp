@@ -12,7 +12,7 @@ namespace gigabake {
 namespace {
 
 constexpr std::uint32_t record_magic = 0x6c6c6563;  // "cell"
-/// A report has a few hundred bytes: a longer one is a damaged length.
+/// Max payload: a report has a few hundred bytes, so a larger value is a damaged length.
 constexpr std::uint32_t longest_payload = std::uint32_t(1) << 24;
 constexpr std::uint64_t longest_journal = std::uint64_t(1) << 40;
 
@@ -59,7 +59,7 @@ std::optional<JournalContent::Place> JournalContent::record_at(std::size_t at) c
   return Place{payload, h.bytes};
 }
 
-/// False: the payload begins with something else than a fingerprint and a name.
+/// Adds a record. Returns false if the payload does not begin with a fingerprint and a name.
 bool JournalContent::take(const Place& place) {
   Hash128 fingerprint;
   std::uint64_t name_bytes = 0;
@@ -86,7 +86,7 @@ std::optional<CellReport> JournalContent::find(const Hash128& fingerprint) const
     r.expect_end();
     return report_from_bytes(report);
   } catch (const InputError&) {
-    return std::nullopt;  // whole, but of a program that writes reports otherwise
+    return std::nullopt;  // complete, but written by another version of the program
   }
 }
 

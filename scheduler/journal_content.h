@@ -1,4 +1,4 @@
-/// What a journal says: the cells that earlier bakes into a folder finished, by fingerprint.
+/// Content of a journal: the cells that earlier bakes into a folder finished, by fingerprint.
 #pragma once
 
 #include <cstdint>
@@ -15,44 +15,44 @@
 
 namespace gigabake {
 
-/// One record: what was baked under which name, and what came of it.
+/// One record: a finished cell and its report.
 struct JournalEntry {
   Hash128 fingerprint;
-  std::string cell;  ///< CellJob::name; the report of an empty cell has none
+  std::string cell;  ///< CellJob::name; the report of an empty cell has no name
   CellReport report;
 };
 
-/// The record of one entry, as it is appended: u32 magic, u32 bytes of the payload, u64 XXH3 of it, payload.
+/// Returns the bytes of one record: u32 magic, u32 bytes of the payload, u64 XXH3 of it, payload.
 std::vector<std::uint8_t> journal_record(const JournalEntry& entry);
-/// What a journal begins with: format and version, in letters.
+/// Returns the header of a journal: format and version, as text.
 std::string_view journal_header();
 
-/// A journal's bytes and where its records are in them. Later records of a fingerprint replace earlier ones.
-/// Cost    900 bytes a cell; reports are decoded when asked for.
-/// Errors  None: the records end at the first that is torn, damaged or foreign, and a file with another header has
-/// none.
+/// A journal's bytes and an index of its records. Later records of a fingerprint replace earlier ones.
+/// Cost    900 bytes per cell; reports are decoded on request.
+/// Errors  None: reading stops at the first record that is truncated, damaged or of another format; a file with another
+///         header counts as empty.
 class JournalContent {
  public:
   JournalContent() = default;
   explicit JournalContent(std::vector<std::uint8_t> file);
-  JournalContent(JournalContent&&) = default;  // a copy's names would stand in the original's bytes
+  JournalContent(JournalContent&&) = default;  // no copy: its names would point into the original's bytes
   JournalContent& operator=(JournalContent&&) = default;
 
   std::optional<CellReport> find(const Hash128& fingerprint) const;
-  /// Under whatever fingerprint.
+  /// Returns true if there is a record of this cell name with any fingerprint.
   bool knows_cell(std::string_view name) const { return cells_.contains(name); }
 
   std::size_t records() const { return records_; }
   std::size_t fingerprints() const { return payloads_.size(); }
-  /// Header and whole records; 0 where the header is another one.
+  /// Returns the size of header and complete records; 0 if the header differs.
   std::uint64_t whole_bytes() const { return whole_bytes_; }
-  /// More than half of it has been replaced by later records.
+  /// Returns true if later records have replaced more than half of all.
   bool is_wasteful() const { return records_ > 2 * payloads_.size(); }
-  /// A journal of the last record of each fingerprint that is `wanted`.
+  /// Returns a journal with the last record of each fingerprint for which `wanted` returns true.
   std::vector<std::uint8_t> compacted(const std::function<bool(const Hash128&)>& wanted) const;
 
  private:
-  /// A payload in bytes_.
+  /// Location of a payload in bytes_.
   struct Place {
     std::size_t at, bytes;
   };
@@ -65,13 +65,14 @@ class JournalContent {
 
   std::vector<std::uint8_t> bytes_;
   std::unordered_map<Hash128, Place, LowHalf> payloads_;
-  std::unordered_set<std::string_view> cells_;  ///< in bytes_
+  std::unordered_set<std::string_view> cells_;  ///< views into bytes_
   std::size_t records_ = 0;
   std::uint64_t whole_bytes_ = 0;
 };
 
-/// Of a journal that somebody else may be writing: what is whole by now. Empty where there is none.
-/// Errors  InputError: the file is there and cannot be read.
+/// Reads the complete records of a journal that another process may be writing. Returns an empty journal if there is no
+/// file.
+/// Errors  InputError: the file exists but cannot be read.
 JournalContent read_journal(const std::filesystem::path& path);
 
 }  // namespace gigabake

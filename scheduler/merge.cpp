@@ -20,7 +20,7 @@ void add_cells(const BakePlan& plan, const std::vector<CellReport>& reports, Sce
     const CellJob& job = plan.jobs[i];
     const std::string name = (is_parent(job) ? "parent " : "cell ") + job.name;
     a_cell_is_lost |= !is_parent(job) && (of_job[i] == nullptr || of_job[i]->outcome == CellOutcome::failed);
-    if (of_job[i] == nullptr && is_parent(job) && a_cell_is_lost) continue;  // what it waited for is named
+    if (of_job[i] == nullptr && is_parent(job) && a_cell_is_lost) continue;  // the lost cell is already listed
     if (of_job[i] == nullptr)
       not_baked.push_back({name, "was not baked"});
     else if (of_job[i]->outcome == CellOutcome::failed)

@@ -1,4 +1,4 @@
-/// From the workers' reports to the scene they make up.
+/// Merges the workers' reports into a scene.
 #pragma once
 
 #include <optional>
@@ -10,8 +10,8 @@
 
 namespace gigabake {
 
-/// reports: in any order; a job without one counts as lost. Losses: the plan's, then cells that failed, then
-/// cells without a report.
+/// Returns the scene. reports: in any order; a job without a report counts as lost. Losses come in this order: the
+/// plan's, failed cells, cells without a report.
 SceneDescription merge(const BakePlan& plan, const std::vector<CellReport>& reports,
                        const std::optional<Geodetic>& origin, const BakeParameters& parameters);
 

@@ -1,4 +1,4 @@
-/// Parents that were never handed out: which of them wait for children, and which are ready.
+/// Queue of overviews (parents) that were never dispatched: some wait for children, the others are ready.
 #pragma once
 
 #include <cstdint>
@@ -9,20 +9,22 @@
 
 namespace gigabake {
 
-/// Exact  A value: the same calls give the same answers.
-/// Cost   8 bytes a job and child; a call looks at the parents of one job, or at those that are ready.
+/// Queue of overviews.
+/// Exact   A plain value: the same calls give the same answers.
+/// Cost    8 bytes per job and child; a call visits the overviews of one job, or those that are ready.
 class ParentQueue {
  public:
-  /// jobs: parents after all cells.
+  /// jobs: overviews after all cells.
   explicit ParentQueue(const std::vector<CellJob>& jobs);
 
-  /// The job is done or set aside; call once for each. worker: who finished it, if one did.
+  /// Records that the job is done or set aside; call it once per job. worker: the worker that finished it, if any.
   void settled(std::uint32_t job, std::optional<int> worker);
-  /// One that is ready, until take(): rather one whose last child this worker finished.
+  /// Returns an overview that is ready; it stays queued until take(). Prefers one whose last child this worker
+  /// finished.
   std::optional<std::uint32_t> choose(int worker) const;
-  /// Handed out, or done already, ready or not.
+  /// Removes an overview, ready or not: it was dispatched or is already done.
   void take(std::uint32_t parent);
-  /// Those that wait for children.
+  /// Returns the number of overviews that wait for children.
   std::size_t waiting() const { return waiting_; }
 
  private:
@@ -33,9 +35,10 @@ class ParentQueue {
   static constexpr std::uint32_t taken = 0xffffffffu;
 
   std::uint32_t first_parent_;
-  std::vector<std::uint32_t> missing_;                  ///< by parent: children that are not settled; or taken
-  std::vector<std::uint32_t> parents_begin_, parents_;  ///< by job: from where on its parents stand
-  std::vector<Ready> ready_;                            ///< in the order in which they became so
+  std::vector<std::uint32_t> missing_;                  ///< by overview: number of children that are not settled; or
+                                                        ///< `taken`
+  std::vector<std::uint32_t> parents_begin_, parents_;  ///< by job: begin of its overviews in parents_
+  std::vector<Ready> ready_;                            ///< in the order in which they became ready
   std::size_t waiting_ = 0;
 };
 

@@ -19,7 +19,7 @@ std::int64_t floor_multiple(std::int64_t v, std::int64_t of) {
   return v - (rest < 0 ? rest + of : rest);
 }
 
-/// The smallest box of the lattice that holds some jobs' windows, half-open.
+/// The bounding box of some jobs' windows on the lattice, half-open.
 struct JobBox {
   Corner min, end;
 
@@ -30,7 +30,7 @@ struct JobBox {
         end[a] = std::max(end[a], job.lattice_min[a] + std::int64_t(job.cell_voxels));
       }
   }
-  /// The window of 2^bits voxels, a multiple of half of that, that begins at or below `min`.
+  /// Returns the lowest corner of a window of 2^bits voxels: the largest multiple of half its edge at or below `min`.
   Corner window(int bits) const {
     Corner low;
     for (std::size_t a = 0; a < 3; ++a) low[a] = floor_multiple(min[a], std::int64_t(1) << (bits - 1));
@@ -44,13 +44,13 @@ struct JobBox {
   }
 };
 
-/// The finest level of the lattice that a parent of 2^bits voxels stores. child_lod: that its children store.
+/// Returns the finest lattice level that an overview of 2^bits voxels stores. child_lod: the children's finest level.
 int finest_copy(int bits, int child_lod) {
   const int width = child_lod == 0 ? parent_width_bits_of_cells : parent_width_bits_of_parents;
   return std::max(bits - width, child_lod + 1);
 }
 
-/// child_lod: the finest level that its children store.
+/// Makes an overview job. child_lod: the finest level that its children store.
 CellJob parent_of(const Corner& min, int child_bits, int child_lod, int levels) {
   CellJob job;
   const std::int64_t child = std::int64_t(1) << child_bits;
@@ -64,7 +64,8 @@ CellJob parent_of(const Corner& min, int child_bits, int child_lod, int levels) 
   return job;
 }
 
-/// Parents of [first, jobs.size()), whose windows have 2^bits voxels along an edge; true where that ends it.
+/// Builds the overviews of jobs [first, jobs.size()), whose windows have an edge of 2^bits voxels. add() returns true
+/// if no further overview level follows.
 class Tier {
  public:
   Tier(std::vector<CellJob>& jobs, std::size_t first, int bits)
@@ -89,7 +90,8 @@ class Tier {
     jobs_.push_back(std::move(root));
   }
 
-  /// A cell may reach into the block above its own: stacks of cells begin at any voxel of their coarsest level.
+  /// Adds one overview per block. A cell may extend into the block above its own, because stacks of cells begin at any
+  /// voxel of their coarsest level.
   void add_blocks() {
     const std::int64_t edge = std::int64_t(1) << (bits_ + most_parent_levels), child = std::int64_t(1) << bits_;
     std::map<Corner, std::vector<std::uint32_t>> blocks;

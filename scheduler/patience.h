@@ -1,15 +1,15 @@
-/// How long a bake waits before it takes somebody who does nothing for lost. From the parser to those who wait.
+/// Timeouts of a bake, from the command line to their users.
 #pragma once
 
 namespace gigabake {
 
 struct Patience {
-  /// Of a bake process with something in hand: no CPU time used, nothing read or written and no message for so long is
-  /// a hang.
+  /// Max time without progress of a bake process with requests in flight: no CPU time, no I/O and no message. After it
+  /// the process counts as hung.
   double stall_s = 60;
-  /// Longest time for one cell, or one survey, from when it is the oldest in hand.
+  /// Max time of one cell or scan, counted from when it becomes the oldest in flight.
   double cell_timeout_s = 3600;
-  /// A rank that nothing is heard of for longer is lost.
+  /// Heartbeat timeout of a rank, after which the rank counts as lost.
   double silence_s = 60;
 };
 

@@ -9,11 +9,12 @@ namespace gigabake {
 namespace {
 
 constexpr std::uint32_t least_piece_voxels = 64;
-constexpr double voxels_of_a_sheet = 1.5;  // to a square of its footprint's voxels, for it slopes
+constexpr double voxels_of_a_sheet = 1.5;  // voxels per voxel of the footprint; above 1 because of the slope
 
 }  // namespace
 
-/// Source  Efraimidis, Spirakis 2006: by u^(1/weight).
+/// Sorts by u^(1/weight).
+/// Source  Efraimidis, Spirakis 2006.
 std::vector<std::uint32_t> weighted_order(const std::vector<std::uint64_t>& weights, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::vector<std::pair<double, std::uint32_t>> keys;

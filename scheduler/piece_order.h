@@ -1,4 +1,4 @@
-/// Which pieces of a scene are baked to judge the whole by, and how large they are.
+/// Selection and size of the sample pieces from which a whole bake is estimated.
 #pragma once
 
 #include <cstdint>
@@ -13,16 +13,17 @@ struct Piece {
   ColumnExtent column;
 };
 
-/// The indices of `weights` above 0 in random order, heavy ones rather sooner than later: each place is drawn with
-/// chances in proportion to the weights that are left. Exact  The seed decides.
+/// Returns the indices of weights above 0 in random order. Each place is drawn with probabilities proportional to the
+/// remaining weights.
+/// Exact   Determined by the seed.
 std::vector<std::uint32_t> weighted_order(const std::vector<std::uint64_t>& weights, std::uint64_t seed);
 
-/// The columns of some tiles in the order in which to bake them, by their crossings. all_tiles: there are no others;
-/// else the tiles themselves were drawn by weighted_order() and take turns.
+/// Returns the columns of some tiles in baking order, weighted by their projected voxels. all_tiles: the surveys cover
+/// all tiles. If false, the tiles were themselves drawn by weighted_order(), and their columns are interleaved.
 std::vector<Piece> piece_order(const std::vector<TileSurvey>& surveys, bool all_tiles, std::uint64_t seed);
 
-/// Edge in voxels of cells in which a sheet of surface has at most so many voxels: a power of two from 64 (or
-/// cell_voxels, where that is less) to cell_voxels.
+/// Returns the edge in voxels of cells in which a surface has at most `voxels` voxels. It is a power of two from 64 (or
+/// cell_voxels, if smaller) to cell_voxels.
 std::uint32_t piece_voxels(double voxels, std::uint32_t cell_voxels);
 
 }  // namespace gigabake

@@ -16,7 +16,7 @@
 namespace gigabake {
 namespace {
 
-/// A tile in a column. Borrows from the surveys.
+/// A column of one tile. Borrows from the surveys.
 struct TileColumn {
   const ColumnExtent* extent;
   std::uint32_t tile;
@@ -36,7 +36,7 @@ bool spreads_too_far(const TileSurvey& survey, std::int64_t cell_voxels) {
   return false;
 }
 
-/// Tiles that reach too far get an error in place of their columns.
+/// Replaces the columns of tiles with too many cells by an error.
 void refuse_spread_tiles(std::vector<TileSurvey>& surveys, std::uint32_t cell_voxels) {
   for (TileSurvey& s : surveys) {
     if (!spreads_too_far(s, cell_voxels)) continue;
@@ -49,7 +49,7 @@ void refuse_spread_tiles(std::vector<TileSurvey>& surveys, std::uint32_t cell_vo
   }
 }
 
-/// Column by column, and within one in the order of tiles.
+/// Returns all columns sorted by position, then by tile.
 std::vector<TileColumn> by_column(const std::vector<TileSurvey>& surveys) {
   std::size_t number = 0;
   for (const TileSurvey& s : surveys) number += s.columns.size();
@@ -83,7 +83,7 @@ CellJob empty_job(const ColumnExtent& c, const CellStack& stack, std::int64_t le
   return job;
 }
 
-/// Where nothing is, the stack has no cell.
+/// Appends the cells of a column's stack that at least one tile overlaps.
 void add_column(std::span<const TileColumn> column, std::uint32_t cell_voxels, std::vector<CellJob>& jobs) {
   std::int64_t z_min = column[0].extent->z_min, z_end = column[0].extent->z_end;
   for (const TileColumn& t : column) {
@@ -91,13 +91,14 @@ void add_column(std::span<const TileColumn> column, std::uint32_t cell_voxels, s
     z_end = std::max(z_end, t.extent->z_end);
   }
   const CellStack stack = stack_over(z_min, z_end, cell_voxels);
-  std::vector<std::pair<std::int64_t, const TileColumn*>> reached;  // levels
+  std::vector<std::pair<std::int64_t, const TileColumn*>> reached;  // by level in the stack
   for (const TileColumn& t : column) {
     const std::int64_t last = (t.extent->z_end - 1 - stack.z_min) / cell_voxels;
     for (std::int64_t level = (t.extent->z_min - stack.z_min) / cell_voxels; level <= last; ++level)
       reached.push_back({level, &t});
   }
-  std::sort(reached.begin(), reached.end());  // tiles of a level keep their order: they stand in one array
+  std::sort(reached.begin(), reached.end());  // tiles of a level keep their order because the pointers point into one
+                                              // array
   for (std::size_t i = 0; i < reached.size(); ++i) {
     const auto& [level, t] = reached[i];
     if (i == 0 || reached[i - 1].first != level) jobs.push_back(empty_job(*t->extent, stack, level, cell_voxels));
@@ -118,8 +119,7 @@ void add_columns(const std::vector<TileSurvey>& surveys, std::uint32_t cell_voxe
   }
 }
 
-/// Warnings by their text, with the names of their sources: one line per kind, however many sources have it. Its
-/// counts are sums.
+/// Merges warnings of equal text from several sources: one line per text, with summed counts.
 class WarningKinds {
  public:
   void add(const std::string& name, const SourceWarning& warning) {
@@ -145,7 +145,7 @@ class WarningKinds {
   struct Kind {
     SourceWarning sum;
     std::string first;
-    std::set<std::string> names;  ///< a file that stands in many places counts once
+    std::set<std::string> names;  ///< a file placed several times counts once
   };
   std::vector<Kind> kinds_;  ///< in the order of their first tiles
   std::map<std::string, std::size_t> index_;
@@ -155,7 +155,7 @@ std::string name_of_file(const SceneSources& sources, const std::filesystem::pat
   return file.lexically_relative(sources.root).generic_string();
 }
 
-/// Names surfaces of which nothing is baked, though all of their tiles could be read.
+/// Warns about rasters without any baked surface, if all of their tiles could be read.
 void add_empty_rasters(const std::vector<TileSurvey>& surveys, const SceneSources& sources, WarningKinds& kinds) {
   std::map<const DemRaster*, bool> has_terrain;
   for (const TileSurvey& s : surveys)
@@ -187,7 +187,7 @@ std::vector<std::string> warning_lines(const std::vector<TileSurvey>& surveys, c
   return kinds.lines();
 }
 
-/// What a tile loses though it can be read.
+/// Returns the loss of a readable tile's triangles that are too long.
 SceneLoss far_loss(const TileSurvey& s, const std::string& tile, double voxel_size_m) {
   const double needed_m = s.reach_m / double(longest_side_voxels);
   return {
@@ -238,7 +238,7 @@ void name_jobs(const std::vector<TileSurvey>& surveys, const SceneSources& sourc
 }  // namespace
 
 CellStack stack_over(std::int64_t z_min, std::int64_t z_end, std::int64_t cell_voxels) {
-  // A voxel of the coarsest level: then every level of every cell lies on one grid.
+  // The voxel size of the coarsest level, so that every level of every cell lies on one grid.
   const std::int64_t step = std::max<std::int64_t>(brick_edge, cell_voxels / brick_edge);
   for (std::int64_t cells = (z_end - z_min + cell_voxels - 1) / cell_voxels;; ++cells) {
     const std::int64_t spare = cells * cell_voxels - (z_end - z_min);

@@ -12,7 +12,7 @@ struct PriorCell {
   std::optional<CellReport> done;
 };
 
-/// As the journal has it, without the run that it came from.
+/// Returns the recorded report without its run-specific members.
 CellReport taken_over(const CellJob& job, CellReport report) {
   report.id = job.id;
   report.read_s = report.kernel_s = report.write_s = 0;
@@ -22,7 +22,7 @@ CellReport taken_over(const CellJob& job, CellReport report) {
   return report;
 }
 
-/// A report that is another cell's, whatever its fingerprint says, is of no use.
+/// Returns false if the report belongs to another cell, even if its fingerprint matches.
 bool describes(const SceneCell& cell, const CellJob& job, const FileStamp& shard) {
   return cell.name == job.name && cell.file == shard_path(job).generic_string() &&
          cell.lattice_min == job.lattice_min && cell.cell_voxels == job.cell_voxels &&

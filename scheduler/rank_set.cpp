@@ -26,7 +26,7 @@ void RankSet::erase(std::uint32_t rank) {
   }
 }
 
-/// The lowest member under a word of a level that is not empty.
+/// Returns the lowest member below a non-zero word of a level.
 std::uint32_t RankSet::lowest_below(std::size_t level, std::uint64_t word) const {
   for (;; --level) {
     word = word * 64 + std::uint64_t(std::countr_zero(levels_[level][word]));
@@ -42,7 +42,7 @@ std::uint32_t RankSet::highest_below(std::size_t level, std::uint64_t word) cons
 }
 
 std::optional<std::uint32_t> RankSet::at_or_after(std::uint32_t rank) const {
-  std::uint64_t bit = rank;  // on each level: the first bit that may be taken
+  std::uint64_t bit = rank;  // on each level: the first bit to examine
   for (std::size_t level = 0; level < levels_.size(); ++level) {
     const std::uint64_t word = bit / 64;
     if (word >= levels_[level].size()) return std::nullopt;
@@ -57,7 +57,8 @@ std::optional<std::uint32_t> RankSet::at_or_after(std::uint32_t rank) const {
 }
 
 std::optional<std::uint32_t> RankSet::before(std::uint32_t rank) const {
-  std::uint64_t end = std::min<std::uint64_t>(rank, levels_[0].size() * 64);  // on each level: the first bit beyond
+  std::uint64_t end = std::min<std::uint64_t>(rank, levels_[0].size() * 64);  // on each level: the end of the bits to
+                                                                              // examine
   for (std::size_t level = 0; level < levels_.size() && end > 0; ++level) {
     const std::uint64_t last = end - 1, word = last / 64;
     const std::uint64_t left = levels_[level][word] << (63 - last % 64);

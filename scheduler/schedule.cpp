@@ -8,9 +8,9 @@
 namespace gigabake {
 namespace {
 
-/// A cell lost so often with its worker is no longer taken for a bystander.
+/// Max number of losses with a worker that count as coincidence; after more, the cell is retried in isolation.
 constexpr int losses_of_a_bystander = 1;
-/// Of cells that wait for another try, so many are looked at for one that this worker may have; others take the rest.
+/// Max pending retries examined for one that this worker may run; the others are left to other workers.
 constexpr int most_looked_at = 64;
 
 }  // namespace
@@ -32,7 +32,7 @@ void Schedule::already_done(std::uint32_t job) {
   parents_.settled(job, std::nullopt);
 }
 
-/// The worker as it stands in the table; new ones are alive.
+/// Returns the worker's entry; a new worker is alive.
 Schedule::Worker& Schedule::known(int worker, double now_s) {
   if (std::size_t(worker) >= workers_.size()) workers_.resize(std::size_t(worker) + 1);
   Worker& w = workers_[std::size_t(worker)];
@@ -62,8 +62,9 @@ std::optional<Assignment> Schedule::next(int worker, double now_s) {
   return std::nullopt;
 }
 
-/// Several cells in hand keep the worker's stages busy. Near the end they would keep other workers idle: then nobody
-/// holds more than a fair share of what still waits, by number and by cost.
+/// Returns true if the worker may get another cell. Several cells in flight keep its stages busy. Near the end they
+/// would leave other workers idle, so no worker may then hold more than an even share of pending cells, by number and
+/// by cost.
 bool Schedule::has_room(const Worker& w) const {
   if (w.hand.empty()) return true;
   if (w.hand.size() >= std::size_t(options_.slots)) return false;
@@ -71,8 +72,9 @@ bool Schedule::has_room(const Worker& w) const {
   return live_ == 1 || (w.hand.size() < ready / live_ && w.cost <= pending_cost_ / live_);
 }
 
-/// Suspects go to workers with empty hands, and the one whose process died has those. Where it does not come back, a
-/// suspect would wait until the others run dry at the very end; so, after a while, one worker at a time is let run dry.
+/// Returns true if the worker must become idle for an isolated retry. Such a retry needs an idle worker, usually the
+/// one whose process died. If that worker does not return, the retry would wait until the end of the bake. After a
+/// timeout, one worker at a time is therefore left without new cells.
 bool Schedule::is_kept_free(int worker, double now_s) {
   if (kept_free_ && *kept_free_ != worker) return false;
   const auto job = first_allowed(suspects_, worker);
@@ -81,7 +83,7 @@ bool Schedule::is_kept_free(int worker, double now_s) {
   return overdue;
 }
 
-/// Not where it failed before, unless it failed at everybody who is left.
+/// Returns false if the job failed at this worker before, unless it failed at all live workers.
 bool Schedule::may_try(int worker, std::uint32_t job) const {
   const std::vector<int>& at = trouble_.at(job).failed_at;
   if (std::find(at.begin(), at.end(), worker) == at.end()) return true;
@@ -113,7 +115,7 @@ Assignment Schedule::hand_out(std::uint32_t job, int worker, bool alone) {
   return {job, ++j.attempt, alone};
 }
 
-/// Whether this is the last attempt's holder, and the job is still in its hand or has found no other.
+/// Returns true for the last attempt of a job if the job is still running or was requeued but not dispatched again.
 bool Schedule::is_current(int worker, std::uint32_t job, std::uint32_t attempt) const {
   if (job >= job_.size()) return false;
   const Job& j = job_[job];
@@ -174,7 +176,7 @@ void Schedule::lose(int worker, double now_s) {
   if (kept_free_ == worker) kept_free_.reset();
   const bool alone = w.alone;
   for (const std::uint32_t job : empty_hand(w)) {
-    if (alone) {  // it may be the cell that takes machines down: it must not do so for ever
+    if (alone) {  // the cell may crash machines, so retries are bounded
       strike(job, "worker " + std::to_string(worker) + " was not heard of any more", now_s);
     } else {
       Trouble& t = trouble_[job];
@@ -188,7 +190,7 @@ void Schedule::stop() { stopped_ = true; }
 
 std::vector<std::uint32_t> Schedule::take_set_aside() { return std::exchange(set_aside_, {}); }
 
-/// No longer pending.
+/// Removes a pending job from its queue.
 void Schedule::withdraw(std::uint32_t job) {
   const auto trouble = trouble_.find(job);
   if (trouble == trouble_.end())
@@ -199,7 +201,7 @@ void Schedule::withdraw(std::uint32_t job) {
   pending_cost_ -= cell_cost(jobs_[job]);
 }
 
-/// Out of the worker's hand.
+/// Removes a running job from its worker.
 void Schedule::take_back(Worker& w, std::uint32_t job) {
   w.hand.erase(std::find(w.hand.begin(), w.hand.end(), job));
   w.cost -= cell_cost(jobs_[job]);
@@ -213,7 +215,7 @@ std::vector<std::uint32_t> Schedule::empty_hand(Worker& w) {
   return jobs;
 }
 
-/// Pending again. What it went through stands in trouble_.
+/// Requeues a job; its failures are kept in trouble_.
 void Schedule::put_back(std::uint32_t job, double now_s) {
   Trouble& t = trouble_[job];
   t.since_s = now_s;

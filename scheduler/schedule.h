@@ -1,5 +1,5 @@
-/// Who bakes which cell, and what becomes of cells whose worker errs, dies or falls silent. Decides only: whoever talks
-/// to the workers tells it what happened and does what it answers.
+/// Assignment of cells to workers, including retries after errors, deaths and heartbeat timeouts. It only decides: the
+/// caller reports events and executes the decisions.
 #pragma once
 
 #include <cstdint>
@@ -16,42 +16,43 @@
 
 namespace gigabake {
 
-/// Of a worker that bakes: one cell read, one computed, one written, and as many at hand.
+/// Cells in flight per CPU worker: one read, one computed, one written, and three queued.
 inline constexpr int worker_slots = 6;
-/// Where a device computes: four read, one computed, three brought, four written, and as many at hand as above.
+/// Cells in flight per device worker: four read, one computed, three read back, four written, and three queued.
 inline constexpr int device_worker_slots = 15;
 
-/// devices: how many workers compute on one.
+/// Returns the cells in flight per worker. devices: number of workers that compute on a device.
 inline int slots_of_worker(int devices) { return devices != 0 ? device_worker_slots : worker_slots; }
 
 struct ScheduleOptions {
-  int strikes = 3;                          ///< attempts that may go wrong before a cell is set aside
-  int slots = worker_slots;                 ///< cells in hand of one worker
-  double silence_s = Patience{}.silence_s;  ///< a worker that nothing was heard of for longer is lost
+  int strikes = 3;                          ///< failed attempts after which a cell is set aside
+  int slots = worker_slots;                 ///< max cells in flight per worker
+  double silence_s = Patience{}.silence_s;  ///< heartbeat timeout after which a worker is lost
 };
 
 enum class JobState : std::uint8_t {
-  pending,    ///< waits, perhaps not for the first time
-  running,    ///< in a worker's hand
-  done,       ///< baked, now or by an earlier run
-  failed,     ///< set aside: error() says why
-  abandoned,  ///< waited when the schedule was stopped
+  pending,    ///< queued, including retries
+  running,    ///< in flight at a worker
+  done,       ///< baked, by this run or an earlier one
+  failed,     ///< set aside: error() has the reason
+  abandoned,  ///< was pending when the schedule was stopped
 };
 
-/// The attempt is the fence: it goes to the worker and comes back with the result; only the last one counts.
+/// A dispatched job. The attempt number serves as an epoch: it is sent to the worker and returned with the result, and
+/// only the last attempt's result counts.
 struct Assignment {
   std::uint32_t job = 0;
-  std::uint32_t attempt = 0;  ///< 1 is the first
-  bool alone = false;         ///< a suspect: the worker holds nothing else until this is back
+  std::uint32_t attempt = 0;  ///< the first is 1
+  bool alone = false;         ///< isolated retry: the worker has no other cell in flight
   friend bool operator==(const Assignment&, const Assignment&) = default;
 };
 
-/// Whether a cell that failed may come out otherwise another time.
+/// Hint whether another attempt at a failed cell may succeed.
 enum class Retry : std::uint8_t { worth_it, useless };
 
 enum class Verdict : std::uint8_t {
   accepted,
-  stale,  ///< of an attempt that does not count any more: nothing has changed
+  stale,  ///< of a superseded attempt; the call has no effect
 };
 
 struct JobCounts {
@@ -59,53 +60,56 @@ struct JobCounts {
   friend bool operator==(const JobCounts&, const JobCounts&) = default;
 };
 
-/// Workers are numbers from 0; one is known, and alive, from the first call that names it: name all of them before the
-/// first next(), so that few cells are shared out well. Time is monotonic seconds of any origin.
-/// A parent is handed out when all of its children are done or set aside; before cells, and if it can be to the worker
-/// that finished the last of them, whose memory still has its file.
-/// Exact   A value: the same calls give the same answers; no clock, no chance.
-/// Ends    A cell is handed out at most 2 + strikes times, so every job ends done, failed or abandoned.
-/// Cost    28 bytes a job, more for those in trouble; a call is O(log jobs), silent() O(workers).
+/// Scheduler of jobs. Workers are numbers from 0. A worker is known and alive from the first call that names it. Name
+/// all workers before the first next(), so that few cells are distributed evenly. Time is monotonic seconds from an
+/// arbitrary origin.
+/// An overview (parent) is dispatched when all of its children are done or set aside. It goes before cells, and
+/// preferably to the worker that finished the last child, whose memory still has that child.
+/// Exact   A plain value: the same calls give the same answers; no clock, no randomness.
+/// Ends    A cell is dispatched at most 2 + strikes times, so every job ends as done, failed or abandoned.
+/// Cost    28 bytes per job, more for jobs with failures; a call is O(log jobs), silent() is O(workers).
 class Schedule {
  public:
-  /// jobs outlive it.
+  /// jobs must outlive it.
   Schedule(const std::vector<CellJob>& jobs, const ScheduleOptions& options);
 
-  /// Before the first next(): an earlier run has baked it.
+  /// Records that an earlier run has baked the job. Call it before the first next().
   void already_done(std::uint32_t job);
 
-  /// The worker is there. One that was lost is welcome back; what it had belongs to others by now.
+  /// Records a heartbeat. A lost worker rejoins; its former cells have been requeued.
   void heard_from(int worker, double now_s);
 
-  /// The next cell for this worker, if it should have one now. Ask for each worker until there is none: at the start,
-  /// and again for all of them whenever something came back.
+  /// Returns the next cell for this worker, if it should get one now. Call it for all workers until it returns nullopt
+  /// for each: at the start, and again after every result or death.
   std::optional<Assignment> next(int worker, double now_s);
 
-  /// Accepted: the cell is done. Good news of a lost worker's cell count as long as nobody else was given it.
+  /// Records a finished cell. Accepts a result of a lost worker if the cell was not dispatched again.
   Verdict finished(int worker, std::uint32_t job, std::uint32_t attempt, double now_s);
-  /// Accepted: a strike; the cell is tried again, elsewhere if somebody else is left, or set aside, at once where
-  /// another try is useless.
+  /// Records a failed attempt. If accepted, it counts as a failure: the cell is retried, preferably at another worker,
+  /// or set aside. It is set aside immediately if `retry` is useless.
   Verdict failed(int worker, std::uint32_t job, std::uint32_t attempt, const std::string& error, double now_s,
                  Retry retry = Retry::worth_it);
-  /// The process that baked for this worker is gone with all that it had. A cell that was alone with it gets a strike;
-  /// several are suspects. The worker itself lives and may be given more.
+  /// Records the death of the worker's bake process, which loses all its cells. A cell that was alone in the process
+  /// gets a failure; several cells are marked for isolated retries. The worker stays alive and may get cells.
   void process_died(int worker, const std::string& why, double now_s);
-  /// Workers that are lost since the last call. Their cells go back without a strike; twice so makes a suspect, and
-  /// only a suspect that was alone with its worker gets one. When nobody is left the schedule stops.
+  /// Returns the workers lost to heartbeat timeouts since the last call. Their cells are requeued without a failure. A
+  /// cell requeued twice this way is marked for an isolated retry, and only an isolated cell gets a failure. Stops the
+  /// schedule if no worker is left.
   std::vector<int> silent(double now_s);
-  /// Hands out nothing more; what is out may still come back.
+  /// Stops dispatch; running cells may still finish.
   void stop();
 
-  /// Jobs set aside since the last call, in the order in which it happened.
+  /// Returns the jobs set aside since the last call, in order.
   std::vector<std::uint32_t> take_set_aside();
 
-  /// Nothing is out, and nothing will be handed out.
+  /// Returns true if no job is running and none will be dispatched.
   bool is_over() const { return counts_.running == 0 && (counts_.pending == 0 || stopped_); }
-  /// Cells in hand of workers that live.
+  /// Returns the number of cells in flight at live workers.
   std::size_t out() const { return counts_.running; }
   JobCounts counts() const;
   JobState state(std::uint32_t job) const;
-  /// Of a job in trouble: its last error and, unless another try is useless, how often it went wrong. Empty for others.
+  /// Returns the last error of a job with failures, and its number of failures unless a retry is useless. Empty for
+  /// other jobs.
   std::string error(std::uint32_t job) const;
 
  private:
@@ -114,20 +118,20 @@ class Schedule {
     std::int32_t worker = -1;  ///< of the last attempt
     JobState state = JobState::pending;
   };
-  /// Kept of jobs that went wrong until they are done.
+  /// State of jobs with failures, kept until they are done.
   struct Trouble {
     int strikes = 0, losses = 0;
     bool suspect = false, is_final = false;
-    double since_s = 0;          ///< when it came back
-    std::vector<int> failed_at;  ///< workers, each once
+    double since_s = 0;          ///< time of the last requeue
+    std::vector<int> failed_at;  ///< workers, without duplicates
     std::string error;
   };
   struct Worker {
     bool known = false, lost = false;
-    bool alone = false;  ///< with a suspect
+    bool alone = false;  ///< has an isolated retry in flight
     double heard_s = 0;
-    std::uint64_t cost = 0;           ///< of what it has in hand
-    std::vector<std::uint32_t> hand;  ///< jobs
+    std::uint64_t cost = 0;           ///< of its cells in flight
+    std::vector<std::uint32_t> hand;  ///< jobs in flight
     std::optional<std::uint32_t> last;
   };
   using Ranks = std::set<std::uint32_t>;
@@ -149,17 +153,17 @@ class Schedule {
 
   const std::vector<CellJob>& jobs_;
   ScheduleOptions options_;
-  WorkOrder order_;       ///< of jobs that were never handed out
-  ParentQueue parents_;   ///< those that were never handed out
-  Ranks again_;           ///< pending, tried before
-  Ranks suspects_;        ///< pending, to be tried alone
-  std::vector<Job> job_;  ///< states as if stop() did not exist
+  WorkOrder order_;       ///< of jobs never dispatched
+  ParentQueue parents_;   ///< overviews never dispatched
+  Ranks again_;           ///< pending retries
+  Ranks suspects_;        ///< pending isolated retries
+  std::vector<Job> job_;  ///< states independent of stop()
   std::unordered_map<std::uint32_t, Trouble> trouble_;
   std::vector<Worker> workers_;
   std::size_t live_ = 0;
   JobCounts counts_;
   std::uint64_t pending_cost_ = 0;
-  std::optional<int> kept_free_;  ///< the one worker that is given nothing so that it can take a suspect
+  std::optional<int> kept_free_;  ///< the worker that gets no cells, so that it becomes free for an isolated retry
   std::vector<std::uint32_t> set_aside_;
   bool stopped_ = false;
 };

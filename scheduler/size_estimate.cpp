@@ -8,7 +8,7 @@
 namespace gigabake {
 namespace {
 
-constexpr double usual_levels = 4.0 / 3;  // a surface has a quarter of the voxels on each coarser level
+constexpr double usual_levels = 4.0 / 3;  // each coarser level of a surface has a quarter of the voxels
 constexpr double usual_bytes_per_voxel = 3, usual_bytes_per_cell = 24000;
 
 std::uint64_t rounded(double v) { return std::uint64_t(std::llround(std::clamp(v, 0.0, 9e18))); }
@@ -31,7 +31,7 @@ struct Sums {
   }
 };
 
-/// Voxels to a crossing, of pieces that have any.
+/// Mean voxels per projected voxel, over pieces with projected voxels.
 struct Ratio {
   double mean = 1, error = 0;  ///< error: standard error of the mean
   explicit Ratio(const std::vector<BakedPiece>& pieces) {
@@ -49,7 +49,7 @@ struct Ratio {
   }
 };
 
-/// How much more there is to read than was read for the pieces.
+/// Returns the ratio of all triangles to those of the tiles that were read for the pieces.
 double reads_left(const SampledScene& scene, const std::vector<BakedPiece>& pieces) {
   std::set<std::uint32_t> tiles;
   for (const BakedPiece& p : pieces) tiles.insert(p.tile);
@@ -61,7 +61,7 @@ double reads_left(const SampledScene& scene, const std::vector<BakedPiece>& piec
   return read > 0 ? all / read : 1;
 }
 
-/// Seconds of stages take `wall_s` together, since they overlap; elsewhere they will as well.
+/// Returns the estimated bake time. Assumes that stages overlap as much as in the sample.
 double bake_seconds(const SampledScene& scene, const BakedSample& sample, const Sums& sums, double voxels) {
   const double overlap = sample.wall_s / std::max(1e-9, sums.read_s + sums.work_s);
   const double work_s = sums.work_s * voxels / std::max(1.0, sums.voxels);

@@ -1,4 +1,4 @@
-/// Can the sources say where their vertices are as finely as the bake looks?
+/// Comparison of the sources' coordinate resolution with the voxel size.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace gigabake {
 
-/// A source that cannot, in the placement where it is coarsest.
+/// A source whose coordinate resolution is too coarse, at its coarsest placement.
 struct CoarseSource {
   std::string name;
   double spacing_m = 0;  ///< TileSurvey::spacing_m
@@ -18,13 +18,14 @@ struct CoarseSource {
 
 struct SourcePrecision {
   double wanted_m = 0;               ///< a quarter of a voxel
-  double largest_spacing_m = 0;      ///< of all sources
-  std::vector<CoarseSource> coarse;  ///< spacing above wanted_m: coarsest first, at most most_listed
-  std::uint64_t coarse_sources = 0;  ///< all of them, each name once
+  double largest_spacing_m = 0;      ///< over all sources
+  std::vector<CoarseSource> coarse;  ///< sources with a spacing above wanted_m: coarsest first, at most most_listed
+  std::uint64_t coarse_sources = 0;  ///< number of all such sources, each name counted once
   static constexpr std::size_t most_listed = 16;
 };
 
-/// Exact   A function of the set of surveys: their order does not show.
+/// Returns the comparison.
+/// Exact   Independent of the order of surveys.
 SourcePrecision source_precision(const std::vector<TileSurvey>& surveys, const SceneSources& sources,
                                  double voxel_size_m);
 

@@ -19,14 +19,14 @@ namespace {
 constexpr std::array<char, 16> magic = {'g', 'i', 'g', 'a', 'b', 'a', 'k', 'e', ' ', 's', 'u', 'r', 'v', 'e', 'y', 's'};
 constexpr std::uint64_t largest_file = std::uint64_t(1) << 40;
 
-/// 1: until 0.2.0 a rank might survey with other parameters than the key of the survey says.
+/// Generation 1 is invalid: before 0.2.0 a rank might scan with parameters other than those in the key.
 constexpr std::uint64_t cache_generation = 2;
 constexpr std::uint64_t file_version = cache_generation << 32 | survey_version;
 
 struct FileHeader {
   std::array<char, 16> magic;
   std::uint64_t version, bytes;
-  Hash128 hash;  ///< XXH3 of what follows
+  Hash128 hash;  ///< XXH3 of the content after the header
 };
 static_assert(sizeof(FileHeader) == 48);
 
@@ -42,7 +42,7 @@ void put_part(const DemPart& part, ByteWriter& w) {
   for (const int number : {part.column, part.row, part.columns, part.rows}) w.put(number);
 }
 
-/// Other parts of the surface matter by the grid that they share.
+/// Serializes the parts of the surface that touch the tile. Other parts affect the result only through the shared grid.
 void put_dem(const DemTile& tile, ByteWriter& w) {
   const DemRaster& raster = *tile.raster;
   for (const DemPart& part : raster.parts)
@@ -51,7 +51,7 @@ void put_dem(const DemTile& tile, ByteWriter& w) {
   for (const int number : {tile.column, tile.row, tile.columns, tile.rows}) w.put(number);
 }
 
-/// All that a survey depends on, but for the content of the files.
+/// Returns a hash of everything that a scan result depends on, except the content of files.
 Hash128 key_of(const TileRef& tile, const BakeParameters& p) {
   ByteWriter w;
   w.put(survey_version);
@@ -86,7 +86,7 @@ SurveyCache::SurveyCache(const std::filesystem::path& path) {
   try {
     load(path);
   } catch (const std::exception&) {
-    surveys_.clear();  // a cache that cannot be read costs the surveys, not the bake
+    surveys_.clear();  // an unreadable cache only means that all tiles are scanned again
   }
 }
 

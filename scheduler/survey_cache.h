@@ -1,4 +1,4 @@
-/// OUT/survey.cache: the surveys of the last bake, so that an unchanged tile is not read again.
+/// OUT/survey.cache: the scan results of the last bake, so that an unchanged tile is not read again.
 #pragma once
 
 #include <cstdint>
@@ -15,11 +15,10 @@
 
 namespace gigabake {
 
-/// Surveys by what they were made of: name, kind and placement of the tile, and the parameters that shape the lattice.
-/// Exact   A survey is found only where every file that it was made of bears the settled stamp that it had before it
-/// was
-///         read (format/system/file_stamp.h), absent files included.
-/// Errors  None: a file that is absent, damaged, cut or foreign has no surveys.
+/// Scan results by their inputs: the tile's name, kind and placement, and the parameters that shape the lattice.
+/// Exact   A result is found only if every file that it was made from still has its settled stamp from before the scan
+///         (format/system/file_stamp.h). Absent files are checked too.
+/// Errors  None: a file that is absent, damaged, truncated or of another format counts as empty.
 class SurveyCache {
  public:
   explicit SurveyCache(const std::filesystem::path& path);
@@ -28,7 +27,8 @@ class SurveyCache {
 
   std::optional<TileSurvey> find(const SceneSources& sources, std::uint32_t tile,
                                  const BakeParameters& parameters) const;
-  /// By tile. Cost  Opens each file: 10^5 tiles of two files in 0.4 s on two threads and a local disk.
+  /// Returns the cached results by tile.
+  /// Cost    Reads each file's stamp: 10^5 tiles of two files in 0.4 s on two threads and a local disk.
   std::vector<std::optional<TileSurvey>> find_all(const SceneSources& sources, const BakeParameters& parameters,
                                                   int threads, const Progress& progress = {}) const;
   std::size_t size() const { return surveys_.size(); }
@@ -41,12 +41,12 @@ class SurveyCache {
   void load(const std::filesystem::path& path);
 
   std::vector<std::uint8_t> bytes_;
-  std::unordered_map<Hash128, std::span<const std::uint8_t>, LowHalf> surveys_;  ///< in bytes_
+  std::unordered_map<Hash128, std::span<const std::uint8_t>, LowHalf> surveys_;  ///< views into bytes_
 };
 
-/// Replaces the file by these surveys. Left out: those with an error, and those of files that were written so recently
-/// that their stamps say nothing.
-/// Errors  InputError: the file is as it was.
+/// Replaces the file by these results. Leaves out results with an error, and those of files written so recently that
+/// their stamps are not settled.
+/// Errors  InputError: the file is unchanged.
 void save_survey_cache(const std::filesystem::path& path, const SceneSources& sources, const BakeParameters& parameters,
                        std::span<const TileSurvey> surveys);
 

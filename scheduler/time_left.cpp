@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t least_parts = 4;
 constexpr double least_share = 0.25;
-/// First parts count for nothing once those that followed took so many times as long.
+/// First parts have no weight once later parts took this many times as long.
 constexpr double forgotten_after = 2;
 
 }  // namespace
@@ -32,7 +32,7 @@ void TimeLeft::rests(std::size_t worker) {
   if (worker < workers_.size()) workers_[worker].since_s.reset();
 }
 
-/// Cost a second of one worker.
+/// Returns the cost per second of one worker.
 double TimeLeft::rate() const {
   const double share = std::max(0.0, 1 - later_.seconds / (forgotten_after * std::max(first_.seconds, 1e-9)));
   return (later_.cost + share * first_.cost) / std::max(later_.seconds + share * first_.seconds, 1e-9);

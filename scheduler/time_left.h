@@ -1,4 +1,4 @@
-/// How long the rest of some work will take, from what its workers have done so far.
+/// Estimate of the remaining time from the speed of workers so far.
 #pragma once
 
 #include <cstddef>
@@ -7,30 +7,30 @@
 
 namespace gigabake {
 
-/// What workers have ended with says how fast they are: its cost over the time until they ended with it. Where a worker
-/// has several parts in hand at a time, its first one takes longer than those that follow, and counts the less the more
-/// do. Work in hand counts as done by as much as its worker would have done of it meanwhile, so that the time left
-/// falls second by second between two ends, and stays where it is when an end is late. Exact   A value: the same calls
-/// give the same answers. Costs are of any unit, seconds of any clock.
+/// Estimates the remaining time. The speed of workers is the cost of finished parts over the time between finishes. If
+/// a worker has several parts in flight, its first one takes longer than the following ones; the weight of first parts
+/// therefore falls as more parts finish. Parts in flight count as partly done at the estimated speed, so that the
+/// remaining time falls between two finishes, and stays constant if a finish is late.
+/// Exact   A plain value: the same calls give the same answers. Costs have any unit, times are seconds of any clock.
 class TimeLeft {
  public:
-  /// The worker has something to do from now on; nothing changes where it had.
+  /// Records that the worker has work from now on; no effect if it already had.
   void begins(std::size_t worker, double now_s);
-  /// The worker has ended with a part of the work.
+  /// Records that the worker has finished a part.
   void ends(std::size_t worker, double cost, double now_s);
-  /// The worker has nothing to do any more, or lost what it had in hand: the time since its last end does not count.
+  /// Records that the worker has no work or lost its parts in flight. The time since its last finish is not counted.
   void rests(std::size_t worker);
 
-  /// cost_left: of all that has not ended, in hand or not. None: too little has ended to tell, which is four parts of
-  /// each worker that is busy, or a quarter of all.
+  /// Returns the remaining seconds. cost_left: cost of all unfinished parts, in flight or not. None if too few parts
+  /// have finished: fewer than four per busy worker and less than a quarter of the cost.
   std::optional<double> left_s(double cost_left, double now_s) const;
 
  private:
   struct Worker {
-    std::optional<double> since_s;  ///< when its last part ended, or when it began; none: it rests
-    bool is_first = true;           ///< what it ends with next, since it began
+    std::optional<double> since_s;  ///< time of its last finish, or of its begin; none: idle
+    bool is_first = true;           ///< the next part is the first since its begin
   };
-  /// Of parts that have ended.
+  /// Sums over finished parts.
   struct Ended {
     double cost = 0, seconds = 0;
   };

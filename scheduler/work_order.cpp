@@ -10,16 +10,16 @@
 namespace gigabake {
 namespace {
 
-/// So many waiting cells to either side on the curve are compared with what the worker has read.
+/// Waiting cells examined on either side on the curve.
 constexpr int looked_at = 4;
 
-/// Borders at 1, 1.5, 2, 3, 4, 6 …: integers alone, so that every machine sorts alike.
+/// Returns the cost class, with limits 1, 1.5, 2, 3, 4, 6 …. Integer arithmetic, so that every machine sorts equally.
 int cost_class(std::uint64_t cost) {
   const int width = int(std::bit_width(cost));
   return width < 2 ? width : 2 * width + int(cost >> (width - 2) & 1);
 }
 
-/// Morton code of a cell's column. Columns 2^32 apart fall together, which costs nothing but a preference.
+/// Returns the Morton code of a cell's column. Columns 2^32 apart have equal codes, which only affects the preference.
 std::uint64_t place_of(const CellJob& job) {
   const auto column = [&job](std::size_t axis) {
     const std::int64_t index = job.lattice_min[axis] / std::max<std::int64_t>(1, job.cell_voxels);
@@ -41,7 +41,7 @@ std::size_t shared_tiles(const CellJob& a, const CellJob& b) {
   return shared;
 }
 
-/// 0, ½, ¼, ¾, ⅛ … of `size`: the first so many are evenly spread, however many come.
+/// Returns 0, ½, ¼, ¾, ⅛ … of `size` (a van der Corput sequence): any prefix is evenly spread.
 std::uint32_t spread_out(std::uint32_t number, std::uint32_t size) {
   std::uint64_t reversed = 0;
   for (int bit = 0; bit < 32; ++bit) reversed |= std::uint64_t(number >> bit & 1) << (31 - bit);
@@ -85,13 +85,13 @@ std::optional<std::uint32_t> WorkOrder::choose(std::optional<std::uint32_t> last
   return job_[*rank];
 }
 
-/// Something waits in this class: before the place if not behind it.
+/// Returns a waiting job of this class, at or after a spread-out position, else the first. The class must have one.
 std::uint32_t WorkOrder::new_place(const Class& c) {
   const auto found = waiting_.at_or_after(c.begin + spread_out(new_places_++, c.end - c.begin));
   return found && *found < c.end ? *found : *waiting_.at_or_after(c.begin);
 }
 
-/// Of the waiting cells next to `last` on the curve the one that shares most tiles with it; then the nearest.
+/// Returns the waiting cell near `last` on the curve that shares the most tiles with it; ties go to the nearest.
 std::optional<std::uint32_t> WorkOrder::neighbour(const Class& c, std::uint32_t last) const {
   const std::uint64_t here = place_[rank_[last]];
   const auto at = [this](std::uint32_t rank) { return place_.begin() + std::ptrdiff_t(rank); };
