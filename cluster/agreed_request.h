@@ -18,8 +18,8 @@ struct NamedOption {
 /// Errors  CollectiveUsageError: a rank's value differs from rank 0's; the message names the first such option.
 void expect_same_options(MpiSession& mpi, const std::vector<NamedOption>& own);
 
-/// Collective. Returns rank 0's request with this rank's own threads, memory, devices and scratch folder. With several
-/// ranks, source and OUT become absolute because ranks may have different working directories.
+/// Collective. Returns rank 0's request with this rank's own threads, memory, devices and scratch folder. Source and
+/// OUT become absolute if there are several ranks, because ranks may have different working directories.
 /// Errors  CollectiveUsageError: source, OUT or an option that affects results differs between ranks.
 BakeRequest agreed_request(MpiSession& mpi, const BakeRequest& own);
 

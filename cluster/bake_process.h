@@ -29,9 +29,9 @@ struct BakeProcessOptions {
 /// Max number of consecutive processes that end before they have started. After that number, starting is given up.
 inline constexpr int max_failed_starts = 3;
 
-/// Runs at most one process. The first request starts it; after a death the next request starts another. From the third
-/// consecutive death without any result, a start is delayed by 1 s, 2 s, 4 s … 60 s, so that a broken installation does
-/// not restart in a tight loop.
+/// Runs at most one process. The first request starts it; after a death the next request starts another. After the
+/// third consecutive death without any result, each start is delayed by 1 s, 2 s, 4 s … 60 s. The delay keeps a broken
+/// installation from restarting in a tight loop.
 /// Not thread-safe. The thread that makes requests must outlive the object, because the process ends with that thread.
 /// Exact   Results are the bake process's, bit for bit. Each request gets one answer or is returned by one death.
 /// Cost    poll() never blocks. While requests are in flight it reads /proc once per second.

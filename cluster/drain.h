@@ -1,5 +1,5 @@
-/// External requests to end early but orderly: SIGUSR1 (sent by batch systems before the time limit), SIGTERM (a batch
-/// system or a user ends the job) or SIGINT (Ctrl-C).
+/// External requests to end early but orderly. Batch systems send SIGUSR1 before the time limit; a batch system or a
+/// user ends the job by SIGTERM; Ctrl-C sends SIGINT.
 #pragma once
 
 #include <string_view>

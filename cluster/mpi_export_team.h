@@ -8,7 +8,7 @@ namespace gigabake {
 
 /// Team over MPI. Steps have no time limit: a rank waits up to a day for the others, and mpirun ends it if one of them
 /// dies.
-/// Errors  From both collective members: Stopped if a rank was stopped; CollectiveFailure if a step failed.
+/// Errors  Both collective members throw Stopped if a rank was stopped, CollectiveFailure if a step failed.
 class MpiExportTeam : public ExportTeam {
  public:
   explicit MpiExportTeam(MpiSession& mpi);

@@ -33,7 +33,7 @@ struct PlanMeasure {
 /// Measures a plan from plan_bake(). Only rank 0 needs to call it.
 /// measures: bake pieces; if false, voxels and bytes are estimated from the surface area alone, and there are no times.
 /// Cost    About 4 s, at most about 20 s; pieces baked by then are used. The driver's start and the first split of a
-///         large tile come in addition. At most a few pieces' shards, and the clusters of large tiles, are kept in
+///         large tile are extra. At most a few pieces' shards, and the clusters of large tiles, are kept in
 ///         request.scratch or in the system's temporary folder.
 /// Errors  InputError: no temporary folder can be made. Stopped. An error of the sources is reported in `problem` of a
 ///         size, as is a disk with too little space for large tiles.

@@ -1,5 +1,5 @@
 /// Timeout for calls of MPI that may never return: MPI_Init, MPI_Finalize and MPI_Abort can wait forever for a rank
-/// that died or was stopped, and cannot be interrupted.
+/// that died or was stopped. They cannot be interrupted.
 #pragma once
 
 namespace gigabake {

@@ -10,8 +10,8 @@
 
 namespace gigabake {
 
-/// Returns the scene. reports: in any order; a job without a report counts as lost. Losses come in this order: the
-/// plan's, failed cells, cells without a report.
+/// Returns the scene. reports: in any order; a job without a report counts as lost. Losses are ordered: first the
+/// plan's, then failed cells, then cells without a report.
 SceneDescription merge(const BakePlan& plan, const std::vector<CellReport>& reports,
                        const std::optional<Geodetic>& origin, const BakeParameters& parameters);
 

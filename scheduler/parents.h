@@ -20,8 +20,8 @@ inline constexpr int most_parent_levels = 3;
 inline constexpr int most_window_bits = 31;
 
 /// Max log2 of the width of an overview's finest level. An overview also duplicates its children's coarsest levels up
-/// to that width, so that any level needed for an image is in one file for at least about 64² pixels; above the first
-/// overview level, 256². It never duplicates the children's finest stored level. For cells of 512³ and more, all
+/// to that width. Any level needed for an image is then in one file for at least about 64² pixels; above the first
+/// overview level, for 256². It never duplicates the children's finest stored level. For cells of 512³ and more, all
 /// overviews together are less than a hundredth of a scene.
 inline constexpr int parent_width_bits_of_cells = 8, parent_width_bits_of_parents = 10;
 
@@ -43,7 +43,7 @@ class ParentOrders {
   /// Records a job that was baked or is empty, in this bake or an earlier one.
   void is_done(const CellReport& report);
   /// Returns a job as a worker needs it. If children are lost, the overview is made from the others and gets a
-  /// different fingerprint, so that a later bake with these children makes it again.
+  /// different fingerprint. A later bake with these children therefore makes it again.
   CellJob order(std::uint32_t job);
 
  private:

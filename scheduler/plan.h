@@ -36,7 +36,7 @@ struct BakePlan {
 /// Max cells of a tile. A tile with more is lost with an error line because it probably has a wrong unit or vertex.
 inline constexpr std::int64_t most_cells_of_a_tile = std::int64_t(1) << 21;
 
-/// Makes the plan. surveys: one per entry of sources.tiles. A stack is centred on its column's height and starts at a
+/// Makes the plan. surveys: one per entry of sources.tiles. A stack is centred on its column's height. It starts at a
 /// multiple of the coarsest level's voxel, so that every level of every cell lies on one grid. Cells that no tile
 /// overlaps are left out.
 /// Errors  Stopped.

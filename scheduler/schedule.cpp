@@ -63,8 +63,8 @@ std::optional<Assignment> Schedule::next(int worker, double now_s) {
 }
 
 /// Returns true if the worker may get another cell. Several cells in flight keep its stages busy. Near the end they
-/// would leave other workers idle, so no worker may then hold more than an even share of pending cells, by number and
-/// by cost.
+/// would leave other workers idle. No worker may then hold more than an even share of pending cells, by number and by
+/// cost.
 bool Schedule::has_room(const Worker& w) const {
   if (w.hand.empty()) return true;
   if (w.hand.size() >= std::size_t(options_.slots)) return false;

@@ -8,9 +8,9 @@
 namespace gigabake {
 
 /// Estimates the remaining time. The speed of workers is the cost of finished parts over the time between finishes. If
-/// a worker has several parts in flight, its first one takes longer than the following ones; the weight of first parts
-/// therefore falls as more parts finish. Parts in flight count as partly done at the estimated speed, so that the
-/// remaining time falls between two finishes, and stays constant if a finish is late.
+/// a worker has several parts in flight, its first one takes longer than the following ones. The weight of first parts
+/// therefore falls as more parts finish. Parts in flight count as partly done at the estimated speed. The remaining
+/// time therefore falls between two finishes, and stays constant if a finish is late.
 /// Exact   A plain value: the same calls give the same answers. Costs have any unit, times are seconds of any clock.
 class TimeLeft {
  public:

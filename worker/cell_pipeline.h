@@ -1,6 +1,6 @@
-/// Bakes cells in overlapped stages: the next cell is read and decoded while the kernels compute the current one and
-/// the previous one is packed and written. A device packs cells itself, concurrently with its kernels; a separate stage
-/// reads the packed cells back to the host.
+/// Bakes cells in overlapped stages. The next cell is read and decoded while the kernels compute the current one; the
+/// previous one is packed and written at the same time. A device packs cells itself, concurrently with its kernels; a
+/// separate stage reads the packed cells back to the host.
 #pragma once
 
 #include <cstddef>
@@ -27,8 +27,8 @@ struct WorkerOptions {
                                        ///< memory
 };
 
-/// Bakes submitted jobs in order. Reports come in the same order, except with a device: writing is then by far the
-/// longest stage, and several cells are written concurrently (worker/write_crew.h).
+/// Bakes submitted jobs in order. Reports have the same order, except with a device. Writing is then by far the slowest
+/// stage, and several cells are written concurrently (worker/write_crew.h).
 /// Exact   A shard depends on its job, the sources and the parameters; not on threads, memory or other jobs.
 /// Errors  Every error of a cell becomes its report with one line of text: `refused` if another attempt would fail the
 ///         same way, else `failed`.

@@ -52,7 +52,7 @@ class CellStages {
   /// the device. For an overview, takes children from memory where available and reads the others.
   void read(CellInHand& cell);
   /// Computes the volume from the loaded data: on the device if there is one and the cell is not an overview. If the
-  /// device fails, the cell is baked on the CPU, and the report says so.
+  /// device fails, the cell is baked on the CPU, and the report has a note.
   void compute(CellInHand& cell);
   /// Reads a cell back from the device, packed as columns. If packing fails, reads the volume back for the host to
   /// pack. Sets the outcome `empty` if no voxel is occupied. Concurrent with the computation of the next cell.
