@@ -28,7 +28,7 @@ class SurveyCache {
   std::optional<TileSurvey> find(const SceneSources& sources, std::uint32_t tile,
                                  const BakeParameters& parameters) const;
   /// Returns the cached results by tile.
-  /// Cost    Reads each file's stamp: 10^5 tiles of two files in 0.4 s on two threads and a local disk.
+  /// Cost    Opens each file: 10^5 tiles of two files in 0.4 s on two threads and a local disk.
   std::vector<std::optional<TileSurvey>> find_all(const SceneSources& sources, const BakeParameters& parameters,
                                                   int threads, const Progress& progress = {}) const;
   std::size_t size() const { return surveys_.size(); }
