@@ -43,8 +43,7 @@ struct BakeRequest {
 struct BakeProgress {
   Progress steps;  ///< on every rank: steps before the first cell
   std::function<void(const SceneSources&)> opened;
-  std::function<void(std::size_t done, std::size_t all)> surveyed;  ///< only plan_bake(); in a bake, the status has the
-                                                                    ///< number
+  std::function<void(std::size_t done, std::size_t all)> surveyed;  ///< plan_bake() only; a bake has it in `status`
   std::function<void(const BakePlan&)> planned;
   std::function<void(const BakeStatus&)> status;  ///< ten times per second
   std::function<void(const CellReport&, const CellJob&)> cell_done;

@@ -96,8 +96,7 @@ OutputFolder::OutputFolder(fs::path out, const fs::path& source) : out_(std::mov
   lock_.emplace(out_);
   folders_.make(out_ / "shards");
   remove_leftovers();
-  const Publication scene(out_ / "scene.xml"), shard(out_ / "shards" / "c_0_0_0.h5");  // fails now rather than after
-                                                                                       // hours
+  const Publication scene(out_ / "scene.xml"), shard(out_ / "shards" / "c_0_0_0.h5");  // fails early if unwritable
 }
 
 void OutputFolder::expect_shards(SceneDescription& scene) const {

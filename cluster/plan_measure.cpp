@@ -21,8 +21,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double asked_size_s = 1.5, other_size_s = 0.75;  ///< baking time per voxel size
-constexpr double most_overtime = 4;                        ///< multiple of the baking time after which pieces in flight
-                                                           ///< are abandoned
+constexpr double most_overtime = 4;                        ///< after this multiple, pieces in flight are abandoned
 constexpr double longest_start_s = 30;
 constexpr double slowest_cut = 2e7;  ///< min bytes per second when a large tile is split
 constexpr std::size_t most_tiles = 12, pieces_in_hand = 4, pieces_wanted = 10;

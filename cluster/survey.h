@@ -23,8 +23,7 @@ void survey_here(BakeProcess& process, const std::vector<std::uint32_t>& tiles,
 
 /// Callbacks of rank 0 during the scan.
 struct SurveyListener {
-  std::function<bool(std::size_t)> surveyed;               ///< number of results so far; return false to stop the scan
-                                                           ///< on all ranks
+  std::function<bool(std::size_t)> surveyed;               ///< number of results; return false to stop all ranks
   std::function<void(int rank, const std::string&)> died;  ///< a rank's bake process ended; with the reason
 };
 

@@ -45,8 +45,7 @@ class Worker {
 
   void obey(const Message& message) {
     heard_ = Clock::now();
-    longest_silence_s_ = silences_of_the_master * silence_s_;  // before its first message rank 0 may examine OUT for
-                                                               // longer
+    longest_silence_s_ = silences_of_the_master * silence_s_;  // earlier, rank 0 may examine OUT for longer
     if (message.tag == tag_stop) stopped_ = true;
     if (message.tag == tag_job) baker_.obey(message.bytes);
   }

@@ -35,8 +35,7 @@ class ParentQueue {
   static constexpr std::uint32_t taken = 0xffffffffu;
 
   std::uint32_t first_parent_;
-  std::vector<std::uint32_t> missing_;                  ///< by overview: number of children that are not settled; or
-                                                        ///< `taken`
+  std::vector<std::uint32_t> missing_;                  ///< by overview: number of unsettled children, or `taken`
   std::vector<std::uint32_t> parents_begin_, parents_;  ///< by job: begin of its overviews in parents_
   std::vector<Ready> ready_;                            ///< in the order in which they became ready
   std::size_t waiting_ = 0;

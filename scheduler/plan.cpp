@@ -97,8 +97,7 @@ void add_column(std::span<const TileColumn> column, std::uint32_t cell_voxels, s
     for (std::int64_t level = (t.extent->z_min - stack.z_min) / cell_voxels; level <= last; ++level)
       reached.push_back({level, &t});
   }
-  std::sort(reached.begin(), reached.end());  // tiles of a level keep their order because the pointers point into one
-                                              // array
+  std::sort(reached.begin(), reached.end());  // tiles of a level keep their order: pointers into one array
   for (std::size_t i = 0; i < reached.size(); ++i) {
     const auto& [level, t] = reached[i];
     if (i == 0 || reached[i - 1].first != level) jobs.push_back(empty_job(*t->extent, stack, level, cell_voxels));

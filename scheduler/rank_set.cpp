@@ -57,8 +57,7 @@ std::optional<std::uint32_t> RankSet::at_or_after(std::uint32_t rank) const {
 }
 
 std::optional<std::uint32_t> RankSet::before(std::uint32_t rank) const {
-  std::uint64_t end = std::min<std::uint64_t>(rank, levels_[0].size() * 64);  // on each level: the end of the bits to
-                                                                              // examine
+  std::uint64_t end = std::min<std::uint64_t>(rank, levels_[0].size() * 64);  // on each level: end of the bits
   for (std::size_t level = 0; level < levels_.size() && end > 0; ++level) {
     const std::uint64_t last = end - 1, word = last / 64;
     const std::uint64_t left = levels_[level][word] << (63 - last % 64);

@@ -28,8 +28,7 @@ struct LoadedCell {
   std::vector<std::shared_ptr<const LoadedTile>> tiles;
   std::vector<std::shared_ptr<const Primitive>> meshes;  ///< of parts: whole primitives, or the clusters near the cell
   std::vector<std::shared_ptr<const CellTexture>> textures;
-  std::vector<std::vector<std::uint32_t>> indices;  ///< of parts with triangles that are too long: lists without these
-                                                    ///< triangles
+  std::vector<std::vector<std::uint32_t>> indices;  ///< lists without the triangles that are too long, if any
   std::vector<kernels::PartView> parts;
   std::vector<kernels::MaterialView> materials;
   std::vector<kernels::TextureView> texture_views;

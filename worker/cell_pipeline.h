@@ -23,8 +23,7 @@ struct WorkerOptions {
   std::optional<int> cuda_device = {};  ///< none: the kernels run on the CPU
   /// True if `threads` is this rank's share of the host's cores rather than a number that the user requested.
   bool threads_are_a_share = false;
-  std::filesystem::path scratch = {};  ///< for tiles that are large compared with memory_bytes; empty: they stay in
-                                       ///< memory
+  std::filesystem::path scratch = {};  ///< for tiles that are large compared with memory_bytes; empty: memory only
 };
 
 /// Bakes submitted jobs in order. Reports have the same order, except with a device. Writing is then by far the slowest

@@ -84,12 +84,10 @@ class CellStages {
   const WorkerOptions options_;
   CellLoader loader_;
   OverviewInputs overview_inputs_;
-  ThreadPool pool_, write_pool_;                               ///< write_pool_ is shared by cells that are written
-                                                               ///< concurrently
+  ThreadPool pool_, write_pool_;                               ///< write_pool_: shared by concurrent writers
   std::unique_ptr<kernels::CudaBaker> cuda_;                   ///< made on the thread that reads
   std::vector<std::unique_ptr<kernels::CudaPacker>> packers_;  ///< one per bringer, and one for the compute stage
-  std::shared_mutex packing_;                                  ///< locked exclusively to pack with the whole packing
-                                                               ///< memory
+  std::shared_mutex packing_;                                  ///< exclusive: pack with the whole memory
   std::mutex download_;                                        ///< serializes CudaBaker::download()
 };
 
