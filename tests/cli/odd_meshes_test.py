@@ -88,6 +88,13 @@ class OddMeshes(unittest.TestCase):
         self.assertEqual(colours, {WHITE: 64})
         self.assertIn("a corner is none of the vertices: 1 of 4, e.g. line 11", warnings)
 
+    def test_a_missing_material_file_describes_only_the_materials_that_faces_name(self):
+        grey = (127, 127, 127)
+        for faces, colour in ((FACES, WHITE), ("usemtl a\n" + FACES, grey), ("usemtl\n" + FACES, WHITE)):
+            colours, warnings = self.bake("a.obj", "mtllib gone.mtl\n" + SQUARE + faces)
+            self.assertEqual(colours, {colour: 64}, faces)
+            self.assertIn("material files are missing", warnings)
+
     def test_a_face_uses_what_it_has(self):
         (self.root / "m.mtl").write_text("newmtl a\nmap_Kd t.png\n")
         more = "".join(f"v {x} {y} 0.25\n" for x, y in ((6, 0), (10, 0), (10, 4), (6, 4)))

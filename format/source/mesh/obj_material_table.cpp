@@ -85,7 +85,7 @@ int ObjMaterialTable::add(const ObjMaterialUse& use, TileMesh& out) {
     if (!use.has_colour) std::fill_n(material.base_color.begin(), 3, grey_without_image);
   };
   if (m == nullptr) {
-    if (!missing_.empty()) make_grey();
+    if (!missing_.empty() && !use.name.empty()) make_grey();
   } else {
     material.base_color = m->material.base_color;
     const bool is_placed = use.has_uv || !m->material.has_map();
