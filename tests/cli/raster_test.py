@@ -209,6 +209,17 @@ class UnitTest(RasterTest):
         for unit in ("ft", "Feet", "fathom"):
             self.refused(self.of_unit(unit, 0.3048), "height_scale", unit)
 
+    # 2026-11-25: gdalbuildvrt copies scale and offset, but no unit; feet were read as metres.
+    def test_a_vrt_has_the_unit_of_its_sources(self):
+        path = self.of_unit("US survey foot", 1200 / 3937)
+        vrt = gdal.BuildVRT(str(self.folder / "mosaic.vrt"), [str(path)])
+        vrt = None
+        content = (self.folder / "mosaic.vrt").read_bytes()
+        self.assertNotIn(b"UnitType", content)
+        self.bake(self.folder / "mosaic.vrt")
+        self.expect_heights(self.height, step=9)
+        self.assertEqual((self.folder / "mosaic.vrt").read_bytes(), content)
+
     def test_the_unit_of_a_vertical_reference_system_is_applied(self):
         path = self.write("dem.tif", self.height / (1200 / 3937))
         scene = self.scene({"dem": "dem.tif", "crs": "EPSG:32632+6360", "geoid_offset_m": 0})

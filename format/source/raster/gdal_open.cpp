@@ -119,6 +119,19 @@ class Pool {
   std::set<Path> exclusive_;  ///< of files that one thread opens or reads by lines
 };
 
+/// Takes the unit of heights from the first source: gdalbuildvrt copies scale and offset, but no unit.
+void add_unit_of_source(const Path& file, const char* key, GDALDataset& vrt) {
+  GDALRasterBand& band = *vrt.GetRasterBand(1);
+  if (*band.GetUnitType() != 0) return;
+  const CPLStringList files(vrt.GetFileList());
+  for (int i = 0; i < files.size(); ++i) {
+    if (std::string_view(files[i]).starts_with(file.native())) continue;  // the VRT, its overviews and its mask
+    const Dataset source = open_raster(files[i], key);
+    band.SetUnitType(source->GetRasterBand(1)->GetUnitType());
+    return;
+  }
+}
+
 }  // namespace
 
 Dataset open_raster(const Path& file, const char* key) {
@@ -138,6 +151,7 @@ Dataset open_raster(const Path& file, const char* key) {
             QuietErrors::last());
   if (out->GetMetadataItem("OVERVIEW_FILE", "OVERVIEWS") != nullptr)
     throw InputError(file, key, "names another file as its overviews; write it again with gdal_translate");
+  if (is_vrt(file)) add_unit_of_source(file, key, *out);
   return out;
 }
 
