@@ -1,0 +1,28 @@
+"""Axes and places of the frames in which files state their coordinates."""
+import numpy
+
+from odd import VOXEL
+
+# From a z-up point to the file's axes: rows of a matrix.
+FROM_Z_UP = {
+    "z": numpy.eye(3),
+    "y": numpy.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]], float),
+    "x": numpy.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]], float),
+}
+# Where surveys have their coordinates: UTM, Swiss, Gauss-Krüger, a site's own.
+PLACES = ((500000, 5200000, 400), (2600000, 1200000, 500), (4500000, 5400000, 100), (-12000, 9000, 0), (0, 0, 0))
+
+
+def in_file(part, up, place=(0, 0, 0)):
+    """The points of a part, metres, in the axes of a file."""
+    return (part.points * VOXEL + numpy.array(place)) @ FROM_Z_UP[up].T
+
+
+def linear(code):
+    """The linear value of an sRGB code."""
+    v = code / 255
+    return v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4
+
+
+def bounds_of(points):
+    return numpy.min(points, 0).tolist(), numpy.max(points, 0).tolist()

@@ -1,0 +1,77 @@
+"""Random choices of the generator, and what it expects of a file."""
+import random
+from dataclasses import dataclass, field
+
+VOXEL = 0.5
+BLOCK = 20  # voxels along x for each file of a bake
+
+
+class Odd(random.Random):
+    """A random generator with the choices that writers of files make.
+
+    A plain file has only what assimp reads too: beyond() is false for it.
+    """
+
+    is_plain = False
+
+    def beyond(self, probability):
+        return self.maybe(probability) and not self.is_plain
+
+    def maybe(self, probability=0.5):
+        return self.random() < probability
+
+    def number(self, value, exact=False):
+        """A spelling of a number in text. exact: all digits of a double."""
+        value = float(value)
+        if exact or value != round(value, 6):
+            return self.choice([repr(value), f"{value:.17g}", f"{value:.16e}", f"{value:.17E}"])
+        spelt = self.choice([f"{value:.6f}", f"{value:g}", repr(value), f"{value:.9e}", f"{value:.8E}"])
+        if float(spelt) != value:
+            return repr(value)
+        if "e" not in spelt.lower() and self.beyond(0.1):
+            spelt = spelt.replace("0.", ".", 1) if spelt.startswith(("0.", "-0.")) and len(spelt) > 3 else spelt
+        if value > 0 and self.beyond(0.05):
+            spelt = "+" + spelt
+        return spelt
+
+    def colour(self):
+        return tuple(self.choice((0, 13, 40, 77, 120, 200, 255, self.randrange(256))) for _ in range(3))
+
+    def colours(self, count):
+        """Colours far from each other."""
+        out = []
+        while len(out) < count:
+            one = tuple(self.randrange(256) for _ in range(3))
+            if all(max(abs(a - b) for a, b in zip(one, other)) > 40 for other in out):
+                out.append(one)
+        return out
+
+    def word(self):
+        return "".join(self.choice("abcdefghijkmnopqrstuvwxyz") for _ in range(self.randint(3, 8)))
+
+    def file_name(self, suffix):
+        """A name that is odd for a URI or a line of words."""
+        middle = self.choice(["", "", "", " ", "-", ".", "_", "é", "日本", "%20", "+", "&", "'", "(1)", "~", "@",
+                              ",", ";", "=", "!", "$", "#1"])
+        return self.word() + middle + self.word() + suffix
+
+
+@dataclass
+class Case:
+    """One source, and what a bake must make of it."""
+    kind: str
+    source: str  # the path of the file below the folder of the case
+    voxels: dict = field(default_factory=dict)  # (i, j, k) -> (colour or None, alpha)
+    triangles: int = None
+    skipped_points: int = 0
+    skipped_lines: int = 0
+    losses: list = field(default_factory=list)    # the reason of each loss begins with one of these
+    warnings: list = field(default_factory=list)  # (text, count, files) of each warning; no other may appear
+    place: tuple = (0, 0, 0)  # what the file adds to all coordinates, z up, metres
+    colour_tolerance: int = 1
+    tolerance: float = 0.4  # metres, of heights: half a voxel and more
+    refusal: str = None  # words of the reason, if the program must refuse the file
+    outside: dict = field(default_factory=dict)  # counts and bounds for other programs
+    notes: list = field(default_factory=list)  # what the generator chose
+    folder: object = None
+    index: int = None
