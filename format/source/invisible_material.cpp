@@ -3,10 +3,10 @@
 #include "format/source/content_container.h"
 #include "format/source/gltf/load.h"
 #include "format/source/gltf/material.h"
-#include "format/source/mesh/mesh_warnings.h"
 #include "format/source/mesh/obj_material.h"
 #include "format/source/mesh/obj_read.h"
 #include "format/source/source_files.h"
+#include "format/source/source_warning.h"
 #include "lattice/error.h"
 
 namespace gigabake {
@@ -30,7 +30,7 @@ std::optional<std::string> of_gltf(const TileRef& tile, const std::filesystem::p
 std::optional<std::string> of_obj(const TileRef& tile, const SourceFiles& files) {
   for (const std::filesystem::path& file : obj_dependencies(tile, files)) {
     if (file.extension() != ".mtl" || !files.has(file)) continue;
-    MeshWarnings unused;
+    SourceWarnings unused;
     for (const auto& [name, material] : read_mtl(file, files.read(file), unused))
       if (material.base_color[3] == 0) return in_quotes(name);
   }

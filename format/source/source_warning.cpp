@@ -1,7 +1,5 @@
 #include "format/source/source_warning.h"
 
-#include <algorithm>
-
 namespace gigabake {
 
 std::string SourceWarning::line() const {
@@ -12,12 +10,27 @@ std::string SourceWarning::line() const {
   return out;
 }
 
-void SourceWarnings::add(const std::string& text, const std::string& example, bool is_loss) {
-  const auto known = std::find_if(list_.begin(), list_.end(),
-                                  [&](const SourceWarning& w) { return w.text == text && w.is_loss == is_loss; });
-  SourceWarning& kind = known == list_.end() ? list_.emplace_back(text) : *known;
-  if (++kind.count == 1) kind.example = example;
-  kind.is_loss = is_loss;
+void SourceWarnings::add(const SourceWarnings& other) {
+  list_.insert(list_.end(), other.list_.begin(), other.list_.end());
+}
+
+void SourceWarnings::set_of(std::string_view text, std::uint64_t of) {
+  for (SourceWarning& known : list_)
+    if (known.text == text) known.of = of;
+}
+
+bool SourceWarnings::count_known(std::string_view text, bool is_loss) {
+  for (SourceWarning& known : list_)
+    if (known.is_loss == is_loss && known.text == text) return ++known.count, true;
+  return false;
+}
+
+SourceWarning SourceWarnings::first(std::string_view text, const std::string& example, bool is_loss) {
+  SourceWarning warning{std::string(text)};
+  warning.count = 1;
+  warning.example = example;
+  warning.is_loss = is_loss;
+  return warning;
 }
 
 }  // namespace gigabake

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -27,18 +28,30 @@ struct SourceWarning {
   friend bool operator==(const SourceWarning&, const SourceWarning&) = default;
 };
 
-/// Collects the warnings of one source while it is read: one per kind, in the order of their first examples.
+/// Counts the warnings of one source while it is read: one per kind, in the order of their first examples. A source may
+/// have one warning for each of 10^8 faces.
 class SourceWarnings {
  public:
-  /// Counts one more of a kind. `example` is kept from the first call.
-  void count(const std::string& text, const std::string& example) { add(text, example, false); }
-  /// As count(), for a part of the source that costs triangles.
-  void count_loss(const std::string& text, const std::string& example) { add(text, example, true); }
+  /// Counts one more of a kind. example: converted to a string in the first call only.
+  template <class Example>
+  void count(std::string_view text, const Example& example) {
+    if (!count_known(text, false)) list_.push_back(first(text, example, false));
+  }
+  /// Counts like count(), for a part of the source that costs triangles.
+  template <class Example>
+  void count_loss(std::string_view text, const Example& example) {
+    if (!count_known(text, true)) list_.push_back(first(text, example, true));
+  }
+  /// Adds the warnings of another file that belongs to the source.
+  void add(const SourceWarnings& other);
+  /// States out of how many things those of a kind are; does nothing if none was counted.
+  void set_of(std::string_view text, std::uint64_t of);
   /// Returns the warnings and forgets them.
   std::vector<SourceWarning> take() { return std::exchange(list_, {}); }
 
  private:
-  void add(const std::string& text, const std::string& example, bool is_loss);
+  bool count_known(std::string_view text, bool is_loss);
+  static SourceWarning first(std::string_view text, const std::string& example, bool is_loss);
 
   std::vector<SourceWarning> list_;
 };

@@ -28,7 +28,7 @@ std::string in_lower_case(std::string_view word) {
 /// Reads one MTL line by line.
 class MtlReader {
  public:
-  MtlReader(const std::filesystem::path& file, MeshWarnings& warnings)
+  MtlReader(const std::filesystem::path& file, SourceWarnings& warnings)
       : file_name_(file.filename().string()), warnings_(warnings) {}
 
   void take(const ObjLine& line) {
@@ -146,7 +146,7 @@ class MtlReader {
   static std::string_view value_of(std::string_view rest) { return take_word(rest); }
 
   std::string file_name_;
-  MeshWarnings& warnings_;
+  SourceWarnings& warnings_;
   const ObjLine* line_ = nullptr;
   std::map<std::string, Entry> materials_;
   Entry* current_ = nullptr;
@@ -159,7 +159,7 @@ std::array<float, 2> ObjMap::uv(const std::array<float, 2>& uv) const {
 }
 
 std::map<std::string, ObjMaterial> read_mtl(const std::filesystem::path& file, std::span<const std::uint8_t> text,
-                                            MeshWarnings& warnings) {
+                                            SourceWarnings& warnings) {
   MtlReader reader(file, warnings);
   for_each_obj_line(file, text, [&](const ObjLine& line) { reader.take(line); });
   return reader.finish();

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "format/source/mesh.h"
-#include "format/source/mesh/mesh_warnings.h"
 #include "format/source/mesh/obj_lines.h"
 #include "format/source/source_files.h"
+#include "format/source/source_warning.h"
 
 namespace gigabake {
 
@@ -44,7 +44,7 @@ struct ObjMaterial {
 /// `d` has precedence over `Tr`; `Tr 1` alone is opaque, as the programs that write it mean.
 /// What is not used is counted in `warnings`, with `file` and line as the example.
 std::map<std::string, ObjMaterial> read_mtl(const std::filesystem::path& file, std::span<const std::uint8_t> text,
-                                            MeshWarnings& warnings);
+                                            SourceWarnings& warnings);
 
 /// A name in an OBJ or MTL, and the file that it means, which may be missing; none if no file of the source can have
 /// that name.

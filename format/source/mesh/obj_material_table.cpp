@@ -40,7 +40,7 @@ ObjMap ObjMaterialTable::placed_map(const std::string& name) const {
   return m == nullptr ? ObjMap() : m->material.placed_map();
 }
 
-void ObjMaterialTable::warn(const std::set<std::string>& used, MeshWarnings& warnings) const {
+void ObjMaterialTable::warn(const std::set<std::string>& used, SourceWarnings& warnings) const {
   for (const std::string& mtl : missing_)
     warnings.count("material files are missing, what they describe is grey", in_quotes(mtl));
   warnings.add(mtl_warnings_);

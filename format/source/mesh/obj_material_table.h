@@ -29,7 +29,7 @@ class ObjMaterialTable {
   void take(const ObjLine& line);
 
   /// Counts what is missing for materials that faces name: material files, descriptions, images.
-  void warn(const std::set<std::string>& used, MeshWarnings& warnings) const;
+  void warn(const std::set<std::string>& used, SourceWarnings& warnings) const;
   /// Returns material files and images, there or missing, sorted.
   std::vector<std::filesystem::path> dependencies() const;
   /// Does the material show an image?
@@ -55,7 +55,7 @@ class ObjMaterialTable {
   std::map<std::string, Described> described_;
   std::set<std::filesystem::path> mtl_files_;
   std::set<std::string> missing_;  ///< material files
-  MeshWarnings mtl_warnings_;
+  SourceWarnings mtl_warnings_;
   std::map<std::string, int> image_;
 };
 

@@ -282,7 +282,7 @@ class ObjReader {
   ObjMaterialTable materials_;
   ObjVertices vertices_;
   MeshOrigins origins_;
-  MeshWarnings warnings_;
+  SourceWarnings warnings_;
   ObjIndexRange range_;  ///< at the line that is read
   std::string material_;
   bool is_new_material_ = true, shows_image_ = false;

@@ -37,7 +37,7 @@ void ObjVertices::reserve(std::uint64_t positions, std::uint64_t uvs) {
   uv_.reserve(uvs);
 }
 
-void ObjVertices::take(const ObjLine& line, MeshWarnings& warnings) {
+void ObjVertices::take(const ObjLine& line, SourceWarnings& warnings) {
   const bool is_position = line.word == "v";
   if ((is_position ? position_.size() == position_.capacity() : uv_.size() == uv_.capacity()))
     throw InputError(file_, line_name(line), "is not as it was; the file changed meanwhile");
@@ -47,7 +47,7 @@ void ObjVertices::take(const ObjLine& line, MeshWarnings& warnings) {
   uv_.push_back({v.empty() ? 0.0f : float(v[0]), v.size() > 1 ? float(1 - v[1]) : 1.0f});
 }
 
-void ObjVertices::take_position(const ObjLine& line, MeshWarnings& warnings) {
+void ObjVertices::take_position(const ObjLine& line, SourceWarnings& warnings) {
   const std::vector<double> v = obj_numbers(line.rest, 7);
   if (v.size() < 3) {
     warnings.count_loss("vertices without three coordinates, whose faces are left out", line_name(line));

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "format/source/mesh/mesh_warnings.h"
 #include "format/source/mesh/obj_lines.h"
+#include "format/source/source_warning.h"
 #include "lattice/memory_limit.h"
 
 namespace gigabake {
@@ -21,7 +21,7 @@ class ObjVertices {
   /// Errors  InputError: more than 2^32 - 1 of either, or more memory than allowed.
   void reserve(std::uint64_t positions, std::uint64_t uvs);
   /// Takes in a line `v` or `vt`. One without its numbers keeps its place: a vertex becomes NaN.
-  void take(const ObjLine& line, MeshWarnings& warnings);
+  void take(const ObjLine& line, SourceWarnings& warnings);
 
   std::size_t positions() const { return position_.size(); }
   std::size_t uvs() const { return uv_.size(); }
@@ -36,7 +36,7 @@ class ObjVertices {
  private:
   static constexpr std::uint16_t opaque = 65535;
 
-  void take_position(const ObjLine& line, MeshWarnings& warnings);
+  void take_position(const ObjLine& line, SourceWarnings& warnings);
 
   const std::filesystem::path& file_;
   MemoryClaim& claim_;

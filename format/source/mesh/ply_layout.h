@@ -7,10 +7,10 @@
 #include <optional>
 #include <string>
 
-#include "format/source/mesh/mesh_warnings.h"
 #include "format/source/mesh/ply_header.h"
 #include "format/source/source.h"
 #include "format/source/source_files.h"
+#include "format/source/source_warning.h"
 
 namespace gigabake {
 
@@ -37,6 +37,6 @@ struct VertexLayout {
 std::optional<std::filesystem::path> ply_image(const TileRef& tile, const SourceFiles& files, const std::string& name);
 
 /// Counts what the header states and the reader does not use: elements, properties, images.
-void warn_of_header(const TileRef& tile, const SourceFiles& files, const PlyHeader& header, MeshWarnings& warnings);
+void warn_of_header(const TileRef& tile, const SourceFiles& files, const PlyHeader& header, SourceWarnings& warnings);
 
 }  // namespace gigabake

@@ -372,7 +372,7 @@ class PlyReader {
   std::uint64_t vertices_ = 0;
   bool has_vertices_ = false, has_faces_ = false, is_float_ = false, has_colour_ = false, has_alpha_ = false;
   std::uint16_t largest_alpha_ = 0;
-  MeshWarnings warnings_;
+  SourceWarnings warnings_;
   bool is_streamed_ = sink_ != nullptr;  ///< parts are handed over before the end: the vertices stand first
   MeshOrigins origins_{tile_};
   std::map<int, int> materials_;  ///< in TileMesh::materials, by texture

@@ -23,7 +23,7 @@ bool is_without_meaning(std::string_view name) {
   return names.count(name) != 0;
 }
 
-void warn_of_properties(const PlyElement& e, bool has_vertex_colour, MeshWarnings& warnings) {
+void warn_of_properties(const PlyElement& e, bool has_vertex_colour, SourceWarnings& warnings) {
   const VertexLayout layout(e);
   std::set<std::size_t> used;
   for (const auto& index : layout.position) used.insert(index.value_or(e.properties.size()));
@@ -51,7 +51,7 @@ std::optional<std::filesystem::path> ply_image(const TileRef& tile, const Source
   return image.is_there(files) && is_image_file(files, *image.file) ? image.file : std::nullopt;
 }
 
-void warn_of_header(const TileRef& tile, const SourceFiles& files, const PlyHeader& header, MeshWarnings& warnings) {
+void warn_of_header(const TileRef& tile, const SourceFiles& files, const PlyHeader& header, SourceWarnings& warnings) {
   for (const std::string& name : header.textures) {
     if (ply_image(tile, files, name)) continue;
     const bool is_there = named_file(tile.path, name, files).is_there(files);

@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "format/source/mesh/mesh_origin.h"
-#include "format/source/mesh/mesh_warnings.h"
 #include "format/source/mesh/obj_lines.h"
 #include "format/source/mesh/polygon.h"
 #include "format/source/mesh_parts.h"
+#include "format/source/source_warning.h"
 #include "lattice/counted.h"
 #include "lattice/error.h"
 #include "lattice/memory_limit.h"
@@ -73,7 +73,8 @@ void for_each_binary_facet(StlBytes bytes, const Take& take) {
 
 /// Returns how many facets a binary file holds. Its size decides if it is a whole number of facets; else the header
 /// does, and other bytes follow. Errors  InputError: it is cut.
-std::uint64_t facets_in(const std::filesystem::path& file, std::uint64_t bytes, StlBytes head, MeshWarnings& warnings) {
+std::uint64_t facets_in(const std::filesystem::path& file, std::uint64_t bytes, StlBytes head,
+                        SourceWarnings& warnings) {
   if (bytes < head_bytes) throw InputError(file, "", "the file ends inside the header of a binary STL", bytes);
   const std::uint64_t said = facets_said(head), there = (bytes - head_bytes) / facet_bytes;
   const bool is_whole = there > 0 && (bytes - head_bytes) % facet_bytes == 0;
@@ -95,7 +96,7 @@ std::uint64_t facets_in(const std::filesystem::path& file, std::uint64_t bytes, 
 }
 
 void read_binary(const std::filesystem::path& file, const SourceBytes& bytes, StlBytes head, const TakeLoop& take,
-                 MeshWarnings& warnings) {
+                 SourceWarnings& warnings) {
   constexpr std::size_t block_bytes = read_block_bytes / facet_bytes * facet_bytes;
   const std::uint64_t facets = facets_in(file, bytes.size(), head, warnings);
   std::uint64_t facet = 0;
@@ -123,7 +124,7 @@ bool is_frame(const std::string& word) {
 /// Calls take() for each loop that is there whole; true where the last solid has ended.
 template <class Text>
 bool for_each_text_loop(const std::filesystem::path& file, const Text& text, const TakeLoop& take,
-                        MeshWarnings& warnings) {
+                        SourceWarnings& warnings) {
   std::vector<Vector> loop;
   bool has_ended = false;
   for_each_obj_line(file, text, [&](const ObjLine& line) {
@@ -164,7 +165,7 @@ class StlReader {
   }
 
   TileMesh read() {
-    MeshWarnings warnings, known;
+    SourceWarnings warnings, known;
     std::uint64_t corners = 0, corners_again = 0;
     for_each_loop(
         [&](std::span<const Vector> loop) {
@@ -192,7 +193,7 @@ class StlReader {
   }
 
  private:
-  void for_each_loop(const TakeLoop& take, MeshWarnings& warnings) const {
+  void for_each_loop(const TakeLoop& take, SourceWarnings& warnings) const {
     if (!is_text_) return read_binary(tile_.path, bytes_, head_, take, warnings);
     if (!for_each_text_loop(tile_.path, bytes_, take, warnings))
       throw InputError(tile_.path, "", "expected \"endsolid\" at the end: the file is cut, or no STL", bytes_.size());
@@ -255,7 +256,7 @@ std::vector<Point<Local>> first_stl_vertices(const std::filesystem::path& file, 
                           [&](std::span<const Vector> corners, bool) { take(corners); });
     return out;
   }
-  MeshWarnings unused;
+  SourceWarnings unused;
   for_each_text_loop(file, whole_lines(head), take, unused);
   return out;
 }
