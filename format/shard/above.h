@@ -1,4 +1,4 @@
-/// What levels above a shard are made of, as its file keeps it: group `/above` (docs/format.md).
+/// The downsample state that a shard's file stores for building coarser levels: group `/above` (docs/format.md).
 #pragma once
 
 #include <filesystem>
@@ -7,11 +7,12 @@
 
 namespace gigabake {
 
-/// XXH3-128 (seed 0) of the columns' bytes, in the order of ParentSource.
+/// Returns the XXH3-128 hash (seed 0) of the columns' bytes, in the order of ParentSource's members.
 Hash128 hash_of(const ParentSource& above);
 
-/// Columns that fit each other; places inside of their level, the coarsest level's first; no voxel without coverage.
-/// Errors  InputError: file, column, row, what is wrong.
+/// Checks that the columns have matching lengths, each position lies inside its level, voxels of the coarsest level
+/// precede all others, and no voxel has zero coverage.
+/// Errors  InputError: file, column, row, broken rule.
 void check_above(const std::filesystem::path& path, const ShardHeader& header, const ParentSource& above);
 
 }  // namespace gigabake

@@ -1,4 +1,4 @@
-/// Walks every voxel that a shard stands for, constant nodes written out.
+/// Visits every voxel of a shard; constant nodes are expanded to the voxels they represent.
 #pragma once
 
 #include <bit>
@@ -11,13 +11,13 @@
 
 namespace gigabake {
 
-/// Node indices [begin, end) are the level's: nodes stand level by level from the root.
+/// Range   [begin, end) of one level's rows in the node table. The table is sorted by level, from the root down.
 struct LevelNodes {
   std::size_t begin = 0, end = 0;
 };
 std::vector<LevelNodes> level_nodes(const NodeTable& nodes, std::uint32_t lods);
 
-/// Voxels per lod, those that constant nodes stand for included.
+/// Returns the number of voxels per lod, including those that constant nodes represent.
 std::vector<std::uint64_t> count_voxels(const Shard& shard);
 
 template <class Visit>
@@ -30,9 +30,10 @@ void visit_voxel(const Visit& visit, std::uint32_t x, std::uint32_t y, std::uint
     visit(x, y, z, rgba, normal);
 }
 
-/// visit(x, y, z, rgba, normal), or visit(x, y, z, rgba, normal, facing) where it takes that, for each voxel of one
-/// brick; x, y, z in voxels of the level from the cell's corner. `normal` points at two zeros where the shard has no
-/// normals; `facing` is null where the level has none.
+/// Calls visit(x, y, z, rgba, normal), or visit(x, y, z, rgba, normal, facing) if `visit` accepts that, for each voxel
+/// of one brick.
+/// `normal` points at two zeros if the shard has no normals; `facing` is null if the level has none.
+/// Space   x, y, z: voxels of the level, relative to the cell's corner.
 template <class Visit>
 void for_each_voxel(const BrickLevel& level, std::size_t brick, BrickCoordinate at, const Visit& visit) {
   static constexpr std::int8_t no_normal[2] = {0, 0};
@@ -46,7 +47,7 @@ void for_each_voxel(const BrickLevel& level, std::size_t brick, BrickCoordinate 
     }
 }
 
-/// A constant node's voxels on its own level (`down` = 0) or on a level below it.
+/// Visits the voxels of a constant node on its own level (`down` = 0) or `down` levels below it.
 template <class Visit>
 void for_each_constant_voxel(const NodeTable& nodes, std::size_t node, int down, const Visit& visit) {
   const BrickCoordinate at = demorton(nodes.key[node]);
@@ -60,7 +61,7 @@ void for_each_constant_voxel(const NodeTable& nodes, std::size_t node, int down,
         visit_voxel(visit, at.x * edge + x, at.y * edge + y, at.z * edge + z, rgba, nodes.normal[node].data(), facing);
 }
 
-/// Every voxel of one level. `level` is that level's bricks.
+/// Visits every voxel of one level. `level` holds that level's bricks.
 template <class Visit>
 void for_each_voxel_of_level(const NodeTable& nodes, const BrickLevel& level, int lod, const Visit& visit) {
   for (std::size_t n = 0; n < nodes.key.size() && nodes.lod[n] >= lod; ++n) {

@@ -1,4 +1,4 @@
-/// One channel of one level of an open shard, however its values are stored.
+/// One channel of one level of an open shard, independent of how its values are stored.
 #pragma once
 
 #include <cstdint>
@@ -15,16 +15,17 @@ namespace gigabake {
 
 class ChannelRows {
  public:
-  /// Borrows `source`. bricks, voxels: of the level.
-  /// Errors  InputError: the columns do not fit these numbers, or as ColumnSource::open().
+  /// Borrows `source`. `bricks` and `voxels` are the level's counts.
+  /// Errors  InputError: the columns do not match these counts, or see ColumnSource::open().
   ChannelRows(const ColumnSource& source, const std::string& group, const VoxelChannel& channel, std::uint64_t bricks,
               std::uint64_t voxels);
 
   const VoxelChannel& channel() const { return channel_; }
 
-  /// Gives each voxel of some bricks, from `brick` on, its value. Any number of threads.
-  /// Range   mask: the bricks', as many bits as voxels; first_voxel: of the level, where they begin.
-  /// Errors  InputError: `NAME_first` does not count the values, or as StoredRows::read().
+  /// Decodes the values of all voxels of consecutive bricks, starting at `brick`. Thread-safe.
+  /// Range   mask: 8 words per brick, with `voxels` bits set in total. first_voxel: index within the level of the first
+  ///         of them.
+  /// Errors  InputError: `NAME_first` does not match the number of values, or see StoredRows::read().
   void read(std::uint64_t brick, std::span<const std::uint64_t> mask, std::uint64_t first_voxel, std::uint64_t voxels,
             ChannelBytes<std::uint8_t> to) const;
 
@@ -34,7 +35,7 @@ class ChannelRows {
   const ColumnSource& source_;
   VoxelChannel channel_;
   ChannelColumns columns_;
-  std::unique_ptr<StoredRows> value_, share_, first_;  ///< the last two where values are shared
+  std::unique_ptr<StoredRows> value_, share_, first_;  ///< share_ and first_ are null if values are not shared
   std::uint64_t voxels_;
 };
 

@@ -1,4 +1,4 @@
-/// What a voxel of a shard says, as shards and scenes name it: "rgba", then perhaps "normal" and "facing".
+/// Names of a voxel's channels in shards and scenes: "rgba", then optionally "normal" and "facing".
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 namespace gigabake {
 
 std::string channel_names(bool has_normals, bool has_facing);
-/// False where the text names anything else, or in another order.
+/// Returns false if the text contains any other name or another order.
 bool parse_channels(std::string_view text, bool& has_normals, bool& has_facing);
 
 }  // namespace gigabake

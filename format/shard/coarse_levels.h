@@ -1,5 +1,5 @@
-/// The coarsest levels of a shard by themselves: all that an overview copies of a child. They come from a file, of
-/// which only the chunks with these rows are read, or from the arrays of a cell that was baked a moment ago.
+/// The coarsest levels of a shard, which an overview copies from its child. They are read from a file, of which only
+/// the chunks with these rows are read, or from the arrays of a cell baked in this process.
 #pragma once
 
 #include <vector>
@@ -11,23 +11,23 @@
 namespace gigabake {
 
 struct CoarseLevels {
-  NodeTable nodes;                 ///< the rows of these levels, which are the first of the whole table
-  std::vector<BrickLevel> levels;  ///< from the finest of them to the shard's last
+  NodeTable nodes;                 ///< rows of these levels: the first rows of the complete table
+  std::vector<BrickLevel> levels;  ///< from level `begin` to the coarsest
 };
 
 /// Returns levels [begin, lods) of a shard.
-/// Exact   The same rows as ShardReader::all() has. Keys and links are derived from the child masks, not read.
+/// Exact   Same rows as ShardReader::all(). Keys and links are derived from the child masks, not read.
 /// Range   begin < header.lods.
-/// Cost    Reads the node rows of these levels in two columns, values of nodes only where some are constant, and the
+/// Cost    Reads the node rows of these levels in two columns, node values only if some nodes are constant, and the
 ///         bricks of these levels.
 /// Errors  InputError: file, dataset, row, rule.
 CoarseLevels read_coarse_levels(const ColumnSource& source, const ShardHeader& header, std::int32_t version, int begin);
-/// The same of a shard in memory, whose arrays are moved or copied.
+/// Like read_coarse_levels(), for a shard in memory: moves its levels and copies the node rows.
 CoarseLevels take_coarse_levels(Shard&& shard, int begin);
-/// The same of a packed shard: only the chunks with these rows are unpacked.
+/// Like read_coarse_levels(), for a packed shard: unpacks only the chunks that contain these rows.
 CoarseLevels unpack_coarse_levels(const PackedShard& shard, int begin);
 
-/// Reads all bricks of one level. bricks: as many as the node table has of this level.
+/// Reads all bricks of one level. `bricks` is the number of brick nodes that the node table has on this level.
 /// Errors  InputError: file, dataset, row, rule.
 BrickLevel read_brick_level(const ColumnSource& source, const ShardHeader& header, std::int32_t version, int lod,
                             std::uint64_t bricks);

@@ -11,7 +11,7 @@
 namespace gigabake {
 namespace {
 
-/// How the nodes branch, read from the root on and only as far as requested.
+/// The kinds and child masks of the nodes, read from the root on and only as far as requested.
 class Branches {
  public:
   Branches(const ColumnSource& source, const NodeColumns& columns)
@@ -20,7 +20,7 @@ class Branches {
   }
   std::uint64_t rows() const { return kinds_->rows(); }
 
-  /// Reads rows up to `end`, and more at once than the caller needs next: a chunk is unpacked from its beginning.
+  /// Reads rows up to `end`. Also reads further rows ahead, because unpacking a chunk always starts at its beginning.
   void read_to(std::uint64_t end) {
     const std::uint64_t have = kind.size();
     if (end <= have) return;
@@ -38,7 +38,7 @@ class Branches {
   std::unique_ptr<StoredRows> kinds_, masks_;
 };
 
-/// Appends the row at the walk's place. Its key is in the table already, where its parent has put it.
+/// Appends the row at the walk's position. Its key is in the table already: add_row() of its parent appended it.
 void add_row(const NodeWalk& walk, NodeKind kind, std::uint8_t child_mask, NodeTable& n) {
   const NodePlace& place = walk.place();
   n.lod.push_back(std::uint8_t(place.lod));
@@ -51,7 +51,7 @@ void add_row(const NodeWalk& walk, NodeKind kind, std::uint8_t child_mask, NodeT
     n.key.push_back(key << 3 | std::uint64_t(std::countr_zero(rest)));
 }
 
-/// Reads what constant nodes say. Bricks keep zeros, and their number as value.
+/// Reads the values of constant nodes. Bricks keep zeros in normal and facing; their value is the brick number.
 void read_constants(const ColumnSource& source, const ShardHeader& header, const NodeColumns& columns, NodeTable& n) {
   n.normal.assign(n.kind.size(), {0, 0});
   n.facing.assign(header.has_facing ? n.kind.size() : 0, Facing{});

@@ -34,13 +34,13 @@ Hash128 hash_record(const unsigned char* record, bool has_facing) {
   return {h.low64, h.high64};
 }
 
-/// The sum over voxels of one level. Records are hashed a batch at a time, when what was written has reached the cache:
-/// a hash that reads across stores still under way waits for them, voxel by voxel.
+/// Hash sum over the voxels of one level. Hashes records in batches, when their stores have reached the cache. A hash
+/// that loads from stores still in flight would stall on every voxel.
 class LevelSum {
  public:
   LevelSum(int lod, const std::array<std::int64_t, 3>& lattice_min) : lod_(lod), min_(lattice_min) {}
 
-  /// facing: null for all voxels of the level, or for none.
+  /// `facing` must be null for all voxels of the level, or for none.
   void add(std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal,
            const std::uint8_t* facing) {
     put_record(
@@ -70,7 +70,7 @@ class LevelSum {
   std::array<unsigned char, batch * facing_record_bytes> records_;
 };
 
-/// Adds what node `n` stands for on its own level and, for a constant branch, on those below.
+/// Adds the voxels of node `n` on its own level and, for a leaf-constant node, on all finer levels.
 void add_node(const Shard& s, std::size_t n, std::vector<LevelSum>& sums) {
   const auto add_to = [&sums](int lod) {
     return [&sum = sums[std::size_t(lod)]](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,

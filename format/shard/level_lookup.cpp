@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::int8_t no_normal[2] = {0, 0};
 
-/// Voxels that precede bit `bit` of word `word` in their brick.
+/// Returns the number of the brick's voxels before bit `bit` of word `word`.
 std::size_t rank(const std::uint64_t* mask, std::uint32_t word, std::uint32_t bit) {
   auto count = std::size_t(std::popcount(mask[word] & ((std::uint64_t(1) << bit) - 1)));
   for (std::uint32_t w = 0; w < word; ++w) count += std::size_t(std::popcount(mask[w]));
@@ -21,7 +21,7 @@ std::size_t rank(const std::uint64_t* mask, std::uint32_t word, std::uint32_t bi
 LevelLookup::LevelLookup(const NodeTable& nodes, const BrickLevel& level, std::uint32_t lods, int lod)
     : nodes_(nodes), level_(level), of_level_(level_nodes(nodes, lods)), lod_(lod) {}
 
-/// The brick's own node, or the leaf-constant one above that stands for it.
+/// Returns the brick's own node, or the leaf-constant ancestor that represents it.
 std::size_t LevelLookup::find_node(std::uint64_t key) const {
   for (std::size_t lod = std::size_t(lod_); lod < of_level_.size(); ++lod, key >>= 3) {
     const auto begin = nodes_.key.begin() + std::ptrdiff_t(of_level_[lod].begin);

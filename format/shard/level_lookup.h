@@ -1,4 +1,4 @@
-/// Finds single voxels of one level of a cell.
+/// Lookup of single voxels in one level of a cell.
 #pragma once
 
 #include <cstdint>
@@ -10,18 +10,20 @@
 namespace gigabake {
 
 struct VoxelValue {
-  const std::uint8_t* rgba;    ///< 4
-  const std::int8_t* normal;   ///< 2; two zeros where the shard has no normals
-  const std::uint8_t* facing;  ///< facing_bytes; null where the level has none
+  const std::uint8_t* rgba;    ///< 4 bytes
+  const std::int8_t* normal;   ///< 2 bytes; two zeros if the shard has no normals
+  const std::uint8_t* facing;  ///< facing_bytes; null if the level has none
 };
 
-/// Borrows the nodes and the bricks of level `lod`.
-/// Cost  a binary search per brick; voxels asked for brick by brick cost a few bit counts each.
+/// Lookup by coordinates. Borrows the nodes and the bricks of level `lod`.
+/// Cost    A binary search per brick. Further lookups in the same brick cost a few bit counts each.
 class LevelLookup {
  public:
   LevelLookup(const NodeTable& nodes, const BrickLevel& level, std::uint32_t lods, int lod);
 
-  /// x, y, z in voxels of the level from the cell's corner, inside the cell. False: no voxel there.
+  /// Returns false if the level has no voxel at (x, y, z).
+  /// Space   Voxels of the level, relative to the cell's corner.
+  /// Range   Inside the cell.
   bool find(std::uint32_t x, std::uint32_t y, std::uint32_t z, VoxelValue& value);
 
  private:
@@ -32,7 +34,7 @@ class LevelLookup {
   const BrickLevel& level_;
   std::vector<LevelNodes> of_level_;
   int lod_;
-  std::uint64_t key_ = ~std::uint64_t(0);  ///< whose node is `node_`
+  std::uint64_t key_ = ~std::uint64_t(0);  ///< Morton key whose node is `node_`
   std::size_t node_ = no_node;
   std::uint8_t constant_[4] = {};
 };

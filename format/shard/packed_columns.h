@@ -1,4 +1,4 @@
-/// The columns of a packed shard, read as those of a file are.
+/// The columns of a packed shard, readable like those of a file.
 #pragma once
 
 #include <map>
@@ -9,7 +9,7 @@
 
 namespace gigabake {
 
-/// Borrows the shard. Columns are those of the current version.
+/// Columns in memory. Borrows the shard. Its columns have the layout of the current version.
 class PackedColumns : public ColumnSource {
  public:
   explicit PackedColumns(const PackedShard& shard);

@@ -1,4 +1,4 @@
-/// A shard whose levels somebody else has packed, a device for one: the host has no voxels, and only writes.
+/// A shard whose levels are packed already, for example by a device. The host has no voxels and only writes.
 #pragma once
 
 #include <filesystem>
@@ -13,28 +13,28 @@ namespace gigabake {
 
 struct PackedShard {
   ShardHeader header;
-  std::vector<PackedColumn> nodes;  ///< as packed_nodes() asks for
-  NodeTable constants;              ///< of the nodes those that are no bricks: kind, lod and value alone
-  std::vector<PackedLevel> levels;  ///< [lod]; channels as packed_channels() asks for
-  ParentSource above = {};          ///< as Shard has it
+  std::vector<PackedColumn> nodes;  ///< columns in the order of packed_nodes()
+  NodeTable constants;              ///< the nodes that are not bricks: only kind, lod and value
+  std::vector<PackedLevel> levels;  ///< [lod]; channels in the order of packed_channels()
+  ParentSource above = {};          ///< see Shard::above
 };
 
-/// What must be packed of each voxel of a level, in this order, for shards as they are written today.
+/// Returns the channels to pack per voxel of a level, in this order, for shards of the current version.
 std::vector<ChannelPlace> packed_channels(const ShardHeader& header, int lod);
 
-/// The rows of the node table's columns, in the order of the file, which is NodeColumn's.
+/// Returns the row shapes of the node table's columns, in the order of the file (see NodeColumns).
 std::vector<RowShape> packed_nodes(const ShardHeader& header);
 
-/// As write_shard().
-/// Exact   The same bytes as write_shard() makes of the same voxels, if the columns hold what it would pack
-///         (lattice/pack) and, where they come as stored chunks, these are encode_chunk()'s.
-/// Cost    The columns' bytes once; what comes raw is packed here.
-/// Errors  InputError as write_shard().
+/// Writes the shard like write_shard().
+/// Exact   Same bytes as write_shard() for the same voxels, provided that the columns hold what write_shard() would
+///         pack (lattice/pack) and chunks stored already equal the output of encode_chunk().
+/// Cost    Reads the columns' bytes once; packs raw columns here.
+/// Errors  InputError: see write_shard().
 StoredShard write_packed_shard(const std::filesystem::path& path, const PackedShard& shard,
                                const ShardWriteOptions& options);
 
 std::vector<LevelSummary> summarize_levels(const PackedShard& shard);
-/// Those that constant nodes stand for included.
+/// Returns the number of voxels per lod, including those that constant nodes represent.
 std::vector<std::uint64_t> count_voxels(const PackedShard& shard);
 
 }  // namespace gigabake

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t bricks_per_check = 8192;
 
-/// What a reader will demand. Where it does not hold the arrays are written as they stand, for readers to refuse.
+/// Returns whether the level has the consistency that readers require.
 bool is_consistent(const BrickLevel& level, const std::vector<VoxelChannel>& channels, const ThreadPool& pool) {
   const std::size_t bricks = level.mask.size() / 8;
   if (level.mask.size() % 8 != 0 || level.first.size() != bricks + 1 || level.first[0] != 0) return false;
@@ -43,7 +43,7 @@ void ShardColumns::add_bytes(const Hdf5Column& column, std::uint64_t rows, const
   });
 }
 
-/// As many rows as `values` fill.
+/// Adds all rows in `values`.
 template <class T>
 void ShardColumns::add_array(const Hdf5Column& column, const std::vector<T>& values) {
   add_bytes(column, values.size() * sizeof(T) / column.row_bytes(),

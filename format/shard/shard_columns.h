@@ -1,5 +1,5 @@
-/// What a shard's columns hold, in the order of the file, before anything is stored: of voxels, or of columns that
-/// somebody else has made.
+/// The contents of a shard's columns in the order of the file, before anything is stored. They are made from voxels or
+/// from columns that are packed already.
 #pragma once
 
 #include <cstdint>
@@ -15,23 +15,22 @@
 
 namespace gigabake {
 
-/// Borrows what it is given.
+/// List of a shard's columns. Borrows its inputs.
 class ShardColumns {
  public:
   explicit ShardColumns(const ShardHeader& header) : header_(header) {}
 
-  /// Nodes first, then what levels above are made of, then levels from lod 0 on.
+  /// Call the add functions in this order: nodes, downsample state, then the levels from lod 0.
   void add_nodes(const NodeTable& nodes);
   void add_nodes(const std::vector<PackedColumn>& nodes);
   void add_above(const ParentSource& above);
-  /// Finds which voxels share a value; where the arrays do not fit each other they are stored as they
-  /// are, for readers to refuse.
+  /// Determines which voxels share a value. Inconsistent arrays are stored unchanged, for readers to reject.
   void add_level(const BrickLevel& level, const ThreadPool& pool);
   void add_level(const PackedLevel& level);
 
   std::span<const ColumnRows> columns() const { return columns_; }
 
-  /// stored: of each column.
+  /// `stored` holds the bytes of each column.
   StoredShard stored_bytes(const std::vector<std::uint64_t>& stored) const;
 
  private:
@@ -50,11 +49,11 @@ class ShardColumns {
   std::vector<VoxelChannel> channels() const;
 
   const ShardHeader& header_;
-  std::deque<VoxelGroups> groups_;  ///< what is borrowed stays where it is
+  std::deque<VoxelGroups> groups_;  ///< deques: elements are borrowed and must not move
   std::deque<SharedValues> values_;
   std::vector<ColumnRows> columns_;
-  std::vector<int> part_;  ///< of each column: its lod, of_nodes or of_above
-  std::string group_;      ///< of the next column, where it is the first of it
+  std::vector<int> part_;  ///< per column: its lod, of_nodes or of_above
+  std::string group_;      ///< group to create before the next column; empty: none
   int next_part_ = of_nodes;
   int lods_ = 0;
 };

@@ -1,4 +1,4 @@
-/// What a shard says of itself: the attributes of its root group.
+/// Reading of a shard's header: the attributes of its root group.
 #pragma once
 
 #include "format/shard/hdf5/hdf5_file.h"
@@ -6,11 +6,13 @@
 
 namespace gigabake {
 
-/// Errors  InputError: not a shard, of a version that we do not know, or attributes that do not fit each other.
+/// Errors  InputError: not a shard, an unsupported version, or attributes that contradict each other.
 ShardHeader read_header(const Hdf5File& file);
-/// Of the format. Errors  as read_header().
+/// Returns the version of the format.
+/// Errors  See read_header().
 std::int32_t read_version(const Hdf5File& file);
-/// `above_hash`, which a shard has that keeps what levels above are made of. Errors  InputError: malformed.
+/// Returns the attribute `above_hash`, which a shard has if it stores the downsample state.
+/// Errors  InputError: malformed.
 std::optional<Hash128> read_above_hash(const Hdf5File& file);
 
 }  // namespace gigabake

@@ -1,4 +1,4 @@
-/// Names, types and widths of a shard's columns, in one place for reader and writer.
+/// Names, types and widths of a shard's columns, shared by reader and writer.
 #pragma once
 
 #include <string>
@@ -24,9 +24,9 @@ struct NodeColumns {
   Hdf5Column first_child{"/nodes/first_child", Hdf5Type::u32, 1, BytePlanes::yes};
   Hdf5Column value{"/nodes/value", Hdf5Type::u32, 1, BytePlanes::yes};
   Hdf5Column normal{"/nodes/normal", Hdf5Type::i8, 2};
-  Hdf5Column facing;  ///< versions 1 and 2 know no planes
+  Hdf5Column facing;  ///< versions 1 and 2 have no planes
 
-  /// visit(column, where a NodeTable has it), in the order of the file.
+  /// Calls visit(column, pointer to the NodeTable member), in the order of the file.
   template <class Visit>
   void for_each(const ShardHeader& header, const Visit& visit) const {
     visit(key, &NodeTable::key);
@@ -55,7 +55,7 @@ struct LevelColumns {
   Hdf5Column mask, first;
 };
 
-/// ParentSource's. lod: of the shard's coarsest level, on the lattice.
+/// The columns of ParentSource. `lod` is the lattice level of the shard's coarsest level.
 struct AboveColumns {
   explicit AboveColumns(int lod) : raster{"/above/raster", Hdf5Type::u8, raster_bytes(lod)} {}
   Hdf5Column place{"/above/place", Hdf5Type::u8, source_place_bytes};
@@ -65,10 +65,10 @@ struct AboveColumns {
   Hdf5Column patch{"/above/patch", Hdf5Type::u8, source_patch_bytes};
 };
 
-/// The rows of NodeColumns::facing; what a row does not have is zero.
+/// Returns the rows of NodeColumns::facing. Bytes that the stored rows lack are zero.
 std::vector<Facing> facing_of_rows(const std::vector<std::uint8_t>& bytes, const Hdf5Column& column);
 
-/// share and first are there where voxels share values (shared_values.h).
+/// The columns of one channel. `share` and `first` exist only if voxels share values (shared_values.h).
 struct ChannelColumns {
   ChannelColumns(const std::string& group, const VoxelChannel& channel)
       : value{group + "/" + channel.name, channel.type, channel.width},

@@ -1,5 +1,4 @@
-/// A shard file held open, of which any part of the node table and of the levels is read by itself, by several threads
-/// at once.
+/// An open shard file that reads any part of the node table and of the levels separately. Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +12,11 @@
 
 namespace gigabake {
 
-/// Exact   What is given is the same part of what ShardReader reads. Each part is checked as strictly as the whole, but
-///         for keys (which are not read) and for where a block's voxels begin, which must only lie inside of the
+/// Reader of parts of a shard.
+/// Exact   Returns the same values as ShardReader. Checks each part as strictly as the complete shard, with two
+///         exceptions: keys are not read, and the position of a block's first voxel is only checked to lie inside the
 ///         columns.
-/// Cost    Reads the chunks that hold the part; once for nodes, and for all else too, three bytes for each node.
+/// Cost    Reads the chunks that contain the part. The first call also reads three bytes per node.
 /// Errors  InputError naming file and dataset, from every member.
 class ShardPages {
  public:
@@ -27,12 +27,14 @@ class ShardPages {
   std::uint64_t node_rows() const;
   std::uint64_t bricks(int lod) const;
 
-  /// Rows from `first` on: `count`, or as many as there are. Errors  also where there is no row `first`.
+  /// Returns up to `count` rows, starting at `first`; fewer at the end of the table.
+  /// Errors  InputError also if row `first` does not exist.
   std::vector<NodeRow> nodes(std::uint64_t first, std::uint32_t count) const;
-  /// Bricks from `first` on: `count`, or as many as there are. Errors  also where there is no brick `first`.
+  /// Returns up to `count` bricks, starting at `first`; fewer at the end of the level.
   /// Range   count ≤ most_bricks.
+  /// Errors  InputError also if brick `first` does not exist.
   BrickBlock level(int lod, std::uint64_t first, std::uint32_t count) const;
-  static constexpr std::uint32_t most_bricks = 1u << 22;  ///< of a block: its voxels are counted in 32 bits
+  static constexpr std::uint32_t most_bricks = 1u << 22;  ///< max bricks of a block: its voxels are counted in 32 bits
 
  private:
   struct Nodes;
@@ -44,8 +46,8 @@ class ShardPages {
   ShardHeader header_;
   std::int32_t version_;
   mutable std::mutex mutex_;
-  mutable std::unique_ptr<Nodes> nodes_;                ///< from the first use on
-  mutable std::vector<std::unique_ptr<Level>> levels_;  ///< by lod, likewise
+  mutable std::unique_ptr<Nodes> nodes_;                ///< opened at the first use
+  mutable std::vector<std::unique_ptr<Level>> levels_;  ///< [lod], opened at the first use
 };
 
 }  // namespace gigabake

@@ -13,7 +13,7 @@
 namespace gigabake {
 namespace {
 
-/// Fills `out`, of whose items `row_bytes / sizeof(T)` make a row.
+/// Reads all rows of the column. A row has `row_bytes / sizeof(T)` items of `out`.
 template <class T>
 void read_rows(const Hdf5File& file, const Hdf5Column& column, std::vector<T>& out) {
   const Hdf5Rows rows(file, column);

@@ -1,4 +1,4 @@
-/// A shard file held open, read part by part.
+/// An open shard file, read in parts.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace gigabake {
 
 struct CoarseLevels;  // format/shard/coarse_levels.h
 
-/// Every size, count and checksum is checked before what it says is used.
+/// Reader of a shard. Checks every size, count and checksum before using the data.
 /// Errors  InputError naming file and dataset, from every member.
 class ShardReader {
  public:
@@ -22,19 +22,20 @@ class ShardReader {
   const std::filesystem::path& path() const { return path_; }
   const ShardHeader& header() const { return header_; }
   NodeTable nodes() const;
-  BrickLevel level(int lod) const;  ///< with as many bricks as nodes() has of this level
-  /// Returns levels [lod, lods) without reading the others. Range  0 ≤ lod < header().lods.
+  BrickLevel level(int lod) const;  ///< has as many bricks as nodes() lists for this level
+  /// Returns levels [lod, lods) without reading the others.
+  /// Range   0 ≤ lod < header().lods.
   CoarseLevels coarse_levels(int lod) const;
-  /// Of what levels above are made; empty where the shard keeps none, as those before version 4.
+  /// Returns the downsample state. Empty if the shard stores none, as before version 4.
   ParentSource above() const;
   Shard all() const;
 
-  /// As stored on disk: compressed, without HDF5's own index.
+  /// Returns the size on disk: compressed, without HDF5's own index.
   std::uint64_t level_bytes(int lod) const;
   std::uint64_t node_bytes() const;
-  /// Returns what was read of the columns so far.
+  /// Returns the amount of column data read so far.
   ColumnReads reads() const { return file_.reads(); }
-  /// One message for each dataset that cannot be read. Never throws for damage.
+  /// Returns one message for each dataset that cannot be read. Never throws for damaged data.
   std::vector<std::string> unreadable_columns() const;
 
  private:

@@ -41,7 +41,7 @@ void write_header(Hdf5File& file, const ShardHeader& h, const ParentSource& abov
   file.write_attribute("triangles", Hdf5Type::u64, &h.triangles, 0);
 }
 
-/// HDF5 makes the file of a header and of whatever columns `add_columns` gives.
+/// Writes the header and the columns that `add_columns` adds, and closes the file.
 template <class AddColumns>
 StoredShard make_file(Hdf5File file, const ShardHeader& header, const ParentSource& above,
                       const ShardWriteOptions& options, const AddColumns& add_columns) {
@@ -53,8 +53,9 @@ StoredShard make_file(Hdf5File file, const ShardHeader& header, const ParentSour
   return stored;
 }
 
-/// HDF5 serves one thread at a time, call by call, and each call that finds another thread there sleeps and is woken:
-/// a file of two thousand calls takes four writers that meet in each of them four times as long as one after the other.
+/// Returns the mutex that serializes the building of packed files in memory. HDF5 locks each of its calls, and a
+/// blocked thread sleeps until it is woken. Four concurrent writers of files with 2,000 calls each take four times as
+/// long as one after the other.
 std::mutex& hdf5_turn() {
   static std::mutex turn;
   return turn;
@@ -69,10 +70,10 @@ void for_each_column(const PackedShard& shard, const Visit& visit) {
   }
 }
 
-/// What is ahead of who writes a shard.
+/// The work that remains to write a packed shard.
 struct Ahead {
-  std::uint64_t bytes = 0;  ///< about as many as the file will have, or more where columns come raw
-  bool is_packed = true;    ///< nothing is left to do but to copy
+  std::uint64_t bytes = 0;  ///< approximate size of the file; an upper bound if columns are raw
+  bool is_packed = true;    ///< nothing remains but copying
 
   explicit Ahead(const PackedShard& shard) {
     for_each_column(shard, [this](const PackedColumn& column) {
@@ -105,7 +106,7 @@ StoredShard write_shard(const std::filesystem::path& path, const Shard& shard, c
 
 StoredShard write_packed_shard(const std::filesystem::path& path, const PackedShard& shard,
                                const ShardWriteOptions& options) {
-  thread_local FileImage image;  // a writer keeps his own
+  thread_local FileImage image;  // one per writer thread
   Publication publication(path);
   const Ahead ahead(shard);
   const bool in_memory = ahead.bytes <= options.image_bytes;

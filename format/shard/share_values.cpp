@@ -14,21 +14,22 @@ constexpr std::size_t bricks_per_range = 2048, voxels_per_range = 1 << 17;
 
 using ValueBytes = ChannelBytes<const std::uint8_t>;
 
-/// One channel of a brick.
+/// One channel of a brick's voxels.
 struct BrickVoxels {
-  std::span<const std::uint8_t> group;  ///< of each voxel
+  std::span<const std::uint8_t> group;  ///< group of each voxel
   std::uint64_t seen;                   ///< groups that have voxels
   ValueBytes bytes;
 };
 
-/// The groups of a brick, by bits, and their first voxels' values.
+/// The groups of a brick as bits, and the values of their first voxels.
 struct BrickGroups {
   std::array<std::uint32_t, groups_a_brick> first;
   std::uint64_t mixed = 0;  ///< groups whose voxels differ
   std::uint32_t mixed_voxels = 0;
 };
 
-/// Range  a brick that has voxels.
+/// Finds which groups have voxels of different values.
+/// Range   The brick has voxels.
 template <class Width>
 BrickGroups compare_groups(const BrickVoxels& brick, Width width) {
   BrickGroups out;
@@ -40,11 +41,13 @@ BrickGroups compare_groups(const BrickVoxels& brick, Width width) {
     value[v] = value_at(brick.bytes[v], width);
     different |= value[v] ^ first;
   }
-  if (different == 0) {  // most bricks of an opaque channel
+  if (different == 0) {  // the case of most bricks of an opaque channel
     out.first.fill(first);
     return out;
   }
-  for (std::size_t v = voxels; v-- > 0;) out.first[brick.group[v]] = value[v];  // the first one stays
+  for (std::size_t v = voxels; v-- > 0;)
+    out.first[brick.group[v]] = value[v];  // in reverse, so that the first voxel's
+                                           // value remains
   for (std::size_t v = 0; v < voxels; ++v)
     out.mixed |= std::uint64_t(value[v] != out.first[brick.group[v]]) << brick.group[v];
   if (out.mixed != 0)
@@ -52,14 +55,14 @@ BrickGroups compare_groups(const BrickVoxels& brick, Width width) {
   return out;
 }
 
-/// Returns how many values the brick has.
+/// Writes the brick's share bytes and returns its number of values.
 template <class Width>
 std::size_t find_shares(const BrickVoxels& brick, Width width, std::uint8_t* share) {
   const BrickGroups groups = brick.seen == 0 ? BrickGroups{} : compare_groups(brick, width);
   return share_brick({groups.first.data(), brick.seen, groups.mixed}, groups.mixed_voxels, share);
 }
 
-/// The brick's values, as `share` says: of voxels that share, the first one's.
+/// Writes the brick's values as `share` describes them: the first voxel's value of each set of voxels that share.
 template <class Width>
 void collect_values(const BrickVoxels& brick, Width width, const std::uint8_t* share, std::span<std::uint8_t> to) {
   if (share[9] != 0) {
@@ -67,7 +70,7 @@ void collect_values(const BrickVoxels& brick, Width width, const std::uint8_t* s
     return;
   }
   const ValueLeaders leaders(share);
-  // Every voxel is copied, and the next one over it where it was not new: its branch could not be foretold.
+  // Copies every voxel; a voxel without a new value is overwritten by the next. A branch would be mispredicted.
   std::array<std::uint8_t, widest_value*(brick_voxels + 1)> value;
   std::uint64_t led = 0;
   std::size_t values = 0;
@@ -165,7 +168,8 @@ void SharedValues::collect(std::uint64_t begin, std::span<std::uint8_t> to) cons
   });
 }
 
-/// Bricks are collected whole: those at the ends of the piece aside.
+/// Always decodes whole bricks. A brick that `to` covers only partly is decoded into a temporary buffer, and the
+/// requested values are copied from there.
 void SharedValues::collect_shared(std::uint64_t begin, std::span<std::uint8_t> to) const {
   auto b = std::size_t(std::upper_bound(first_.begin(), first_.end(), begin) - first_.begin()) - 1;
   with_known_width(width_, [&](auto known) {

@@ -1,5 +1,5 @@
-/// What voxels have in common is stored once: the values of one channel of a level, with what says which voxel has
-/// which. The rules: lattice/pack/shared_value.h.
+/// Deduplicated values of one channel of a level, with the map from voxels to values. The rules are in
+/// lattice/pack/shared_value.h.
 #pragma once
 
 #include <cstdint>
@@ -12,35 +12,38 @@
 
 namespace gigabake {
 
-/// Where a level's voxels are: the same for all of its channels.
+/// Octants and groups of a level's voxels; the same for all its channels.
 struct VoxelGroups {
   std::vector<std::uint8_t> of_voxel;  ///< 8·octant + group
-  std::vector<std::uint64_t> seen;     ///< of each brick, a bit a group: has voxels
+  std::vector<std::uint64_t> seen;     ///< per brick, one bit per group: the group has voxels
 };
 
-/// Range  mask and first as in BrickLevel, consistent.
-/// Cost   3 ns of a core a voxel.
+/// Assigns the voxels of each brick to their groups.
+/// Range   mask and first as in BrickLevel, consistent.
+/// Cost    3 ns of one core per voxel.
 VoxelGroups group_voxels(std::span<const std::uint64_t> mask, std::span<const std::uint64_t> first,
                          const ThreadPool& pool);
 
-/// One channel of a level as it is stored: shared by groups where that spares a quarter of the bytes; one value where
-/// all voxels are alike. Which voxels share is found at once; the values are copied when somebody asks for them, piece
-/// by piece, so that nothing holds all of them.
+/// One channel of a level as it is stored. If all voxels are equal, one value is stored. Otherwise groups share values
+/// if that saves a quarter of the bytes.
+/// The constructor determines which voxels share a value. collect() copies values on demand, piece by piece, so the
+/// values are never all in memory.
 class SharedValues {
  public:
-  /// Borrows groups and voxel_first, of the same level, and bytes. Range  1 ≤ width ≤ widest_value.
-  /// Cost  3 to 5 ns of a core a voxel (the sample at 0.0625 m), and as much to collect.
+  /// Borrows groups and voxel_first (of the same level) and bytes.
+  /// Range   1 ≤ width ≤ widest_value.
+  /// Cost    3 to 5 ns of one core per voxel (the sample at 0.0625 m), and the same again for collect().
   SharedValues(const VoxelGroups& groups, std::span<const std::uint64_t> voxel_first,
                ChannelBytes<const std::uint8_t> bytes, std::size_t width, const ThreadPool& pool);
-  /// Nothing is shared: a value for each of so many voxels.
+  /// Shares nothing: stores one value per voxel.
   SharedValues(ChannelBytes<const std::uint8_t> bytes, std::size_t width, std::size_t voxels);
 
-  std::uint64_t count() const { return count_; }                     ///< of values
-  const std::vector<std::uint8_t>& share() const { return share_; }  ///< share_bytes a brick, or empty
-  /// With it, bricks+1: where a brick's values begin.
+  std::uint64_t count() const { return count_; }                     ///< number of values
+  const std::vector<std::uint8_t>& share() const { return share_; }  ///< share_bytes per brick, or empty
+  /// Returns where each brick's values begin (bricks+1 entries); empty if share() is empty.
   const std::vector<std::uint64_t>& first() const { return first_; }
 
-  /// As many values, from number `begin` on, as fill `to`. Any number of threads.
+  /// Copies values, starting at value `begin`, until `to` is full. Thread-safe.
   void collect(std::uint64_t begin, std::span<std::uint8_t> to) const;
 
  private:
@@ -56,8 +59,9 @@ class SharedValues {
   std::vector<std::uint64_t> first_;
 };
 
-/// Gives each voxel of the brick its value. mask: 8 words; share: share_bytes; to: as many voxels as mask has bits.
-/// False where `value` does not hold as many values of `width` bytes as `share` says; then voxels have any.
+/// Expands the brick's values to its voxels. mask: 8 words; share: share_bytes; to: one entry per bit set in mask.
+/// Returns false if `value` does not hold the number of values of `width` bytes that `share` implies. The voxels'
+/// values are then unspecified.
 bool spread_values(const std::uint64_t* mask, const std::uint8_t* share, std::span<const std::uint8_t> value,
                    std::size_t width, ChannelBytes<std::uint8_t> to);
 

@@ -1,4 +1,4 @@
-/// Rows of one stored column, in a file or in memory, and where a shard's columns are opened.
+/// Interfaces for reading a shard's columns, from a file or from memory.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,8 @@ class StoredRows {
  public:
   virtual ~StoredRows() = default;
   virtual std::uint64_t rows() const = 0;
-  /// Space  `to` has room for `count` rows; first + count ≤ rows().
+  /// Reads rows [first, first + count).
+  /// Range   `to` has room for `count` rows; first + count ≤ rows().
   /// Errors  InputError: a chunk is missing or damaged.
   virtual void read(std::uint64_t first, std::uint64_t count, void* to) const = 0;
 };
@@ -29,12 +30,12 @@ class ColumnSource {
   /// Returns the path that error messages name.
   virtual const std::filesystem::path& path() const = 0;
   virtual bool has(const Hdf5Column& column) const = 0;
-  /// Errors  InputError: the column is missing, or has another shape.
+  /// Errors  InputError: the column is missing or has another shape.
   virtual std::unique_ptr<StoredRows> open(const Hdf5Column& column) const = 0;
 };
 
 /// Reads rows [first, first + count) of a column that is stored in chunks of `chunk_rows` rows.
-/// read_chunk(index, raw): fills `raw` with the first bytes of chunk `index`, unpacked.
+/// read_chunk(index, raw) must fill `raw` with the first bytes of chunk `index`, unpacked.
 template <class ReadChunk>
 void read_chunked_rows(std::uint64_t first, std::uint64_t count, std::uint64_t chunk_rows, std::size_t row_bytes,
                        void* to, const ReadChunk& read_chunk) {

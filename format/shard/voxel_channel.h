@@ -1,5 +1,5 @@
-/// The channels of a voxel: as which column each is stored, and where it stands in memory. Whoever adds one adds it
-/// here and to BrickLevel and BrickBlock; writing, reading, paging and sharing go channel by channel.
+/// The channels of a voxel: the column that stores each of them, and its position in memory. To add a channel, add it
+/// here, to BrickLevel and to BrickBlock. Code that writes, reads, pages and shares values iterates over the channels.
 #pragma once
 
 #include <cstdint>
@@ -13,19 +13,20 @@
 namespace gigabake {
 
 struct VoxelChannel {
-  const char* name;    ///< of its column
-  Hdf5Type type;       ///< of one byte
-  std::size_t width;   ///< bytes of a voxel
-  VoxelArray array;    ///< in memory,
-  std::size_t offset;  ///< from this byte of a voxel on
+  const char* name;    ///< of the column
+  Hdf5Type type;       ///< of one element
+  std::size_t width;   ///< bytes per voxel
+  VoxelArray array;    ///< array that holds the channel in memory
+  std::size_t offset;  ///< first byte within the array's entry per voxel
 };
 
-/// Whether shards of that version say where a voxel's sheet lies, along its normal. Where they do not, there is none.
+/// Returns whether shards of that version store, per voxel, the position of its surface along the normal. Others have
+/// no planes.
 inline bool has_planes(std::int32_t version, const ShardHeader& header) {
   return version >= 3 && header.has_facing && header.has_normals;
 }
 
-/// What a shard of that version stores of each voxel of a level of its own.
+/// Returns the channels that a shard of that version stores per voxel of a level.
 inline std::vector<VoxelChannel> stored_channels(std::int32_t version, const ShardHeader& header, int lod) {
   std::vector<VoxelChannel> channels;
   if (version == 1)
@@ -40,7 +41,7 @@ inline std::vector<VoxelChannel> stored_channels(std::int32_t version, const Sha
   return channels;
 }
 
-/// One channel in memory: voxel v's bytes begin at first + v·stride. Borrowed.
+/// One channel in memory: the bytes of voxel v begin at first + v·stride. Borrowed.
 template <class Byte>
 struct ChannelBytes {
   Byte* first;
@@ -48,8 +49,7 @@ struct ChannelBytes {
   Byte* operator[](std::size_t voxel) const { return first + voxel * stride; }
 };
 
-/// body(width) with a width that the compiler knows, for those that there are: copies of 1 to 4 bytes are instructions
-/// then, not calls.
+/// Calls body(width) with a compile-time width for widths 1 to 3. The copies are then instructions, not calls.
 template <class Body>
 void with_known_width(std::size_t width, const Body& body) {
   switch (width) {
@@ -68,7 +68,7 @@ inline std::size_t bytes_a_voxel(VoxelArray array) {
   return array == VoxelArray::rgba ? 4 : array == VoxelArray::normal ? 2 : facing_bytes;
 }
 
-/// Calls use(array) with the vector in which the channel stands. Bricks: BrickLevel or BrickBlock.
+/// Calls use(array) with the vector that holds the channel. Bricks: BrickLevel or BrickBlock.
 template <class Bricks, class Use>
 auto with_array(const VoxelChannel& channel, Bricks& bricks, const Use& use) {
   if (channel.array == VoxelArray::rgba) return use(bricks.rgba);
@@ -87,7 +87,7 @@ ChannelBytes<const std::uint8_t> bytes_of(const VoxelChannel& channel, const Bri
   return {bytes + channel.offset, bytes_a_voxel(channel.array)};
 }
 
-/// With room for so many voxels.
+/// Resizes the channel's array to `voxels` entries and returns its bytes.
 template <class Bricks>
 ChannelBytes<std::uint8_t> make_room(const VoxelChannel& channel, std::size_t voxels, Bricks& bricks) {
   auto* bytes = with_array(channel, bricks, [&](auto& array) {

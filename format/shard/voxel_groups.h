@@ -1,4 +1,4 @@
-/// A brick's voxels by octants of 4×4×4 and groups of 2×2×2 (lattice/pack/shared_value.h), for the host's loops.
+/// The octants of 4×4×4 and groups of 2×2×2 voxels in a brick (lattice/pack/shared_value.h), for loops on the host.
 #pragma once
 
 #include <array>
@@ -10,14 +10,14 @@
 
 namespace gigabake {
 
-/// group_of() of every voxel of a brick: a table is faster than its shifts.
+/// Table of group_of() for every voxel of a brick; faster than the shifts of group_of().
 inline constexpr std::array<std::uint8_t, brick_voxels> group_of_voxel = [] {
   std::array<std::uint8_t, brick_voxels> group{};
   for (unsigned v = 0; v < brick_voxels; ++v) group[v] = std::uint8_t(group_of(v));
   return group;
 }();
 
-/// visit(group) for each voxel of the brick, in order.
+/// Calls visit(group) for each voxel of the brick, in order.
 template <class Visit>
 void for_each_group_of_voxels(const std::uint64_t* mask, const Visit& visit) {
   for (unsigned z = 0; z < brick_edge; ++z)

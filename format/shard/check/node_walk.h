@@ -1,5 +1,5 @@
-/// The rules of a node table but for its keys, row by row: each row against all those before it, which a few numbers
-/// stand for. So a walk can begin in the middle, where another one has passed.
+/// Row-by-row check of a node table, except for its keys. A few numbers summarize all preceding rows, so a walk can
+/// resume in the middle, at a place that an earlier walk has passed.
 #pragma once
 
 #include <cstdint>
@@ -9,30 +9,32 @@
 
 namespace gigabake {
 
-/// Everything that the rows before `row` say of it.
+/// The constraints that the rows before `row` impose on it.
 struct NodePlace {
   std::uint64_t row = 0;
-  std::uint64_t level_end = 1;   ///< the row after the last of its level
+  std::uint64_t level_end = 1;   ///< the row after the last of the current level
   std::uint64_t next_child = 1;  ///< the row of the next child
-  std::uint64_t next_brick = 0;  ///< the next brick's number in this level
+  std::uint64_t next_brick = 0;  ///< the number of the next brick on this level
   std::uint32_t lod = 0;
 };
 
-/// Levels stand from the root down, a level's rows are the children of the level above, in order and without gaps.
-/// Bricks of a level are numbered in order. Leaf-constant nodes and those of level 0 have no children, others have.
-/// Errors  All members throw InputError naming `path`, the row and the rule.
+/// Checker of the order and links of a node table. Levels are ordered from the root down. The rows of a level are the
+/// children of the next coarser level, in order and without gaps.
+/// Bricks of a level are numbered in order. Leaf-constant nodes and nodes of level 0 have no children; all others have
+/// some.
+/// Errors  InputError naming `path`, the row and the rule, from every member.
 class NodeWalk {
  public:
-  /// From the root. Borrows `path`.
+  /// Starts at the root. Borrows `path`.
   NodeWalk(const std::filesystem::path& path, const ShardHeader& header, std::uint64_t rows);
-  /// From a place where a walk through the same table has been.
+  /// Starts at a place that a walk through the same table has passed.
   NodeWalk(const std::filesystem::path& path, const NodePlace& place, std::uint64_t rows);
 
   const NodePlace& place() const { return place_; }
 
-  /// first_child and value of the row at place().
+  /// Checks first_child and value of the row at place().
   void check_links(NodeKind kind, std::uint8_t child_mask, std::uint32_t first_child, std::uint32_t value) const;
-  /// Checks the rest of that row and goes on to the next. Where all rows have been passed, the table is whole.
+  /// Checks the other columns of that row and advances to the next row. If all rows pass, the table is valid.
   void step(std::uint32_t lod, NodeKind kind, std::uint8_t child_mask);
 
  private:

@@ -1,5 +1,5 @@
-/// What the rows of a node table owe to rows that may not be in memory: so that any block of them can be checked by
-/// itself as strictly as the whole table.
+/// A summary of a node table. It allows checking any block of rows as strictly as the whole table, without the other
+/// rows in memory.
 #pragma once
 
 #include <cstdint>
@@ -15,14 +15,15 @@ class ShardOutline {
  public:
   static constexpr std::uint64_t rows_per_place = 4096;
 
-  /// The columns of the whole table; they are not kept.
-  /// Errors  InputError: they break a rule of NodeWalk, or differ in length.
+  /// Reads the columns of the whole table but does not keep them.
+  /// Errors  InputError: the columns break a rule of NodeWalk, or differ in length.
   ShardOutline(const std::filesystem::path& path, const ShardHeader& header, const std::vector<std::uint8_t>& lod,
                const std::vector<NodeKind>& kind, const std::vector<std::uint8_t>& child_mask);
 
   std::uint64_t rows() const { return rows_; }
   std::uint64_t bricks(int lod) const { return bricks_[std::size_t(lod)]; }
-  /// The last known place at or before `row`. Range  row < rows().
+  /// Returns the last stored place at or before `row`.
+  /// Range   row < rows().
   const NodePlace& place_before(std::uint64_t row) const { return places_[row / rows_per_place]; }
 
  private:

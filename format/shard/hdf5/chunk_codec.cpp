@@ -25,10 +25,10 @@ std::uint64_t big_endian(const std::uint8_t* p, int bytes) {
   return v;
 }
 
-/// Fletcher-32 over big-endian 16-bit words, modulo 65535, the odd last byte padded with zero.
+/// Returns Fletcher-32 over big-endian 16-bit words, modulo 65535; an odd last byte is padded with zero.
 std::uint32_t fletcher32(std::span<const std::uint8_t> data) {
   std::uint64_t a = 0, b = 0;
-  // Sums of 64 Ki words stay below 2^48; reduction keeps 65535 apart from 0, as HDF5 does.
+  // Sums of 64 Ki words stay below 2^48. Like HDF5, the reduction does not map 65535 to 0.
   const auto fold = [](std::uint64_t s) {
     while (s >> 16 != 0) s = (s & 0xffff) + (s >> 16);
     return s;
@@ -65,7 +65,7 @@ void append_block(std::vector<std::uint8_t>& out, const std::uint8_t* raw, std::
   out.resize(at + 4 + stored);
 }
 
-/// The first raw.size() bytes of a block of `size`.
+/// Decodes the first raw.size() bytes of a block of `size` bytes.
 bool decode_block(std::span<const std::uint8_t> stored, std::size_t size, std::span<std::uint8_t> raw) {
   if (stored.size() > size) return false;
   if (stored.size() == size) {
@@ -115,7 +115,7 @@ bool decode_zlib(std::span<const std::uint8_t> in, std::span<std::uint8_t> raw) 
          LIBDEFLATE_SUCCESS;
 }
 
-/// The first elements, as many as `raw` holds.
+/// Restores the first elements of a shuffled chunk, until `raw` is full.
 void unshuffle(std::span<const std::uint8_t> in, std::size_t element, std::span<std::uint8_t> raw) {
   const std::size_t elements = in.size() / element;
   for (std::size_t i = 0; i < raw.size() / element; ++i)
@@ -138,14 +138,14 @@ void shuffle_chunk(std::span<const std::uint8_t> raw, std::size_t element_bytes,
     std::copy(raw.begin(), raw.end(), to);
     return;
   }
-  // shuffled_from() of lattice/pack, in the order that is written.
+  // Inverse loop order of shuffled_from() in lattice/pack: the output is written sequentially.
   const std::size_t elements = raw.size() / element_bytes;
   for (std::size_t b = 0; b < element_bytes; ++b)
     for (std::size_t i = 0; i < elements; ++i) *to++ = raw[i * element_bytes + b];
 }
 
 std::vector<std::uint8_t> encode_chunk(std::span<const std::uint8_t> raw, const ChunkFilters& filters) {
-  // A thread keeps it, or it would be filled with zeros each time.
+  // Kept per thread, because a new vector would be filled with zeros each time.
   thread_local std::vector<std::uint8_t> ordered;
   ordered.resize(std::max(ordered.size(), raw.size() + deflate::readable_beyond));
   shuffle_chunk(raw, filters.shuffled_bytes, ordered.data());

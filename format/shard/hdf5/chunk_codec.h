@@ -1,9 +1,9 @@
-/// The bytes of one stored chunk: shuffled or not, then LZ4 in the frame of HDF5 filter 32004 or deflate in a zlib
-/// frame, then HDF5's Fletcher-32.
+/// Encoding of one stored chunk. The bytes are optionally shuffled, then packed by LZ4 (frame of HDF5 filter 32004) or
+/// deflate (zlib frame). HDF5's Fletcher-32 checksum follows.
 ///
 /// Source  The HDF Group's registered filter 32004 ("HDF5_LZ4"): big-endian uint64 size, uint32 block size, then per
-///         block a uint32 stored size and the data, raw where the size equals the block's. HDF5 file format: shuffle,
-///         deflate, Fletcher-32.
+///         block a uint32 stored size and the data, raw if the stored size equals the block's. HDF5 file format:
+///         shuffle, deflate, Fletcher-32.
 #pragma once
 
 #include <cstddef>
@@ -15,23 +15,28 @@
 
 namespace gigabake {
 
-/// What was done to a column's chunks, before the checksum.
+/// The filters applied to a column's chunks before the checksum.
 struct ChunkFilters {
   Codec codec = Codec::lz4;
-  /// The first bytes of all elements of so many bytes, then their second ones, and so on. 1: as they are.
-  /// Range  Chunks are whole elements.
+  /// Element size in bytes for the shuffle filter, which stores the first bytes of all elements, then the second bytes,
+  /// and so on. 1: not shuffled.
+  /// Range   A chunk's size is a multiple of it.
   std::size_t shuffled_bytes = 1;
 };
 
-/// A chunk's bytes in the order that they are packed in, to `to`. Range  raw is whole elements; 0 and 1: as they are.
+/// Writes the chunk's bytes to `to` in shuffled order. Copies them unchanged if `element_bytes` is 0 or 1.
+/// Range   raw.size() is a multiple of element_bytes.
 void shuffle_chunk(std::span<const std::uint8_t> raw, std::size_t element_bytes, std::uint8_t* to);
 
-/// Deflate   As lattice/pack says: a device makes the same bytes (kernels/pack).
+/// Returns the chunk as it is stored, checksum included. Deflate follows the rules of lattice/pack, so a device writes
+/// the same bytes (kernels/pack).
 std::vector<std::uint8_t> encode_chunk(std::span<const std::uint8_t> raw, const ChunkFilters& filters);
 
-/// Fills `raw` with the first bytes of a chunk of `chunk_bytes`. Range  raw.size() ≤ chunk_bytes.
-/// Cost    The checksum is of the whole chunk. Of a plain LZ4 chunk only what is asked for is unpacked, else all of it.
-/// False where the checksum is wrong or the frame is none of so many bytes.
+/// Fills `raw` with the first bytes of a chunk of `chunk_bytes`. Returns false if the checksum is wrong or the frame
+/// does not hold `chunk_bytes` bytes.
+/// Range   raw.size() ≤ chunk_bytes.
+/// Cost    Checksums the whole chunk. Unpacks only the requested bytes of an LZ4 chunk that is not shuffled; else the
+///         whole chunk.
 bool decode_chunk(std::span<const std::uint8_t> stored, const ChunkFilters& filters, std::size_t chunk_bytes,
                   std::span<std::uint8_t> raw);
 

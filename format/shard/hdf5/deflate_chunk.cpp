@@ -26,8 +26,8 @@ struct Workplace {
   std::vector<std::uint8_t> written;
 };
 
-/// The candidates of a segment's positions, by one table over all positions. All are entered before any is compared:
-/// this loop has no jump to guess wrong, and comparing need not wait for the table.
+/// Match candidates of a segment's positions, from one hash table over all positions. Enters all positions before
+/// comparing any. This loop then has no mispredicted branch, and the comparison does not wait for the table.
 class Candidates {
  public:
   Candidates(const std::uint8_t* bytes, std::uint32_t size, Workplace& at) : bytes_(bytes), size_(size), at_(at) {
@@ -56,11 +56,12 @@ class Candidates {
 
  private:
   const std::uint8_t* bytes_;
-  std::uint32_t size_, begin_ = 0;  ///< of the chunk; the segment's first position
+  std::uint32_t size_, begin_ = 0;  ///< the chunk's size; the segment's first position
   Workplace& at_;
 };
 
-/// Bits into bytes, eight at a time. Range  There is room for eight bytes more than are written.
+/// Packs bits into bytes, storing eight bytes per call.
+/// Range   The buffer extends at least eight bytes beyond the output.
 class TokenWriter {
  public:
   explicit TokenWriter(std::uint8_t* to) : begin_(to), to_(to) {}
@@ -79,10 +80,10 @@ class TokenWriter {
  private:
   std::uint8_t *begin_, *to_;
   std::uint64_t waiting_ = 0;
-  std::uint32_t count_ = 0;  ///< below 8
+  std::uint32_t count_ = 0;  ///< number of bits in waiting_, below 8
 };
 
-/// The keys of an alphabet's symbols that occur, rising.
+/// Writes the sort keys of the alphabet's symbols that occur, in ascending order. Returns their number.
 std::uint32_t order(std::uint32_t* counts, std::uint32_t symbols, std::uint32_t* keys) {
   rules::ensure_two(counts, symbols);
   std::uint32_t used = 0;
@@ -109,8 +110,8 @@ void parse_block(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t e
   at.token_count = std::size_t(to - at.tokens.data());
 }
 
-/// What a token begins with, literals and lengths alike: a code, the bits that follow it, and how many both are << 24.
-/// By the token's byte, or 256 and the length: so that writing has no jump to guess wrong.
+/// The first bits of a token (literal or length): its code, the extra bits after it, and the number of both << 24.
+/// Indexed by the literal byte or by 256 + length, so that writing needs no branch that could be mispredicted.
 using FirstBits = std::array<std::uint32_t, 256 + rules::longest_match + 1>;
 
 void fill_first_bits(const rules::Code* codes, FirstBits& first) {
@@ -149,11 +150,11 @@ void write_block(Workplace& at, bool last, TokenWriter& writer) {
 }  // namespace
 
 std::vector<std::uint8_t> zlib_frame(std::span<const std::uint8_t> bytes, std::size_t room) {
-  // A thread keeps its own: it takes longer to allocate than many a chunk to pack.
+  // Kept per thread, because allocating it takes longer than packing a typical chunk.
   thread_local const std::unique_ptr<Workplace> kept = std::make_unique<Workplace>();
   Workplace& at = *kept;
   const auto size = std::uint32_t(bytes.size());
-  // A literal takes 15 bits at most, and a match of four bytes 48.
+  // A literal takes 15 bits at most, and a match of four bytes at most 48.
   at.written.resize(std::max<std::size_t>(at.written.size(),
                                           2 * bytes.size() + rules::blocks_of(size) * 4 * rules::header_words + 64));
   TokenWriter writer(at.written.data());

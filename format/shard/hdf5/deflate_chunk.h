@@ -1,8 +1,7 @@
-/// The zlib frame of one chunk, by the rules of lattice/pack: the bytes that a device makes of it too.
-///
+/// Deflate of one chunk in a zlib frame, by the rules of lattice/pack. A device writes the same bytes.
 /// Range   Up to 2^30 bytes.
-/// Cost    A core's 4 ns a byte, less than libdeflate's level 1 (docs/experiments/kernels.md). A thread keeps its
-///         working memory: 0.2 MB, and twice its largest chunk.
+/// Cost    4 ns of one core per byte, less than libdeflate's level 1 (docs/experiments/kernels.md). Each thread
+///         keeps its working memory: 0.2 MB plus twice its largest chunk.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +10,9 @@
 
 namespace gigabake {
 
-/// bytes: with deflate::readable_beyond bytes more behind them, which do not count. room: left for what follows the
-/// frame, so that it can be appended without moving it.
+/// Returns the zlib frame of `bytes`. `room` more bytes are reserved, so that the caller can append to the frame
+/// without reallocation.
+/// Range   `bytes` must be followed by deflate::readable_beyond readable bytes, whose values do not matter.
 std::vector<std::uint8_t> zlib_frame(std::span<const std::uint8_t> bytes, std::size_t room);
 
 }  // namespace gigabake

@@ -1,4 +1,4 @@
-/// All chunks of a file's columns, unpacked: what was packed when it was written.
+/// Reading of all chunks of a file's columns, unpacked to the bytes that were packed when it was written.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +11,14 @@
 namespace gigabake {
 
 struct FileChunk {
-  std::string column;  ///< its name without groups: "rgb" on every level
+  std::string column;  ///< name without groups: "rgb" on every level
   ChunkFilters filters;
-  std::vector<std::uint8_t> raw;  ///< as it was before any filter
+  std::vector<std::uint8_t> raw;  ///< the bytes before any filter
 };
 
+/// Returns all chunks of the file.
+/// Cost    Holds everything in memory: for measurements, not for readers.
 /// Errors  InputError: file, column, what is wrong with it.
-/// Cost    Everything at once in memory: for measurements, not for readers.
 std::vector<FileChunk> file_chunks(const std::filesystem::path& path);
 
 }  // namespace gigabake

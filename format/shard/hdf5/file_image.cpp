@@ -8,7 +8,7 @@
 namespace gigabake {
 
 std::span<const std::uint8_t> FileImage::file() const {
-  // HDF5 file format, superblock of version 2 and 3: its number, and the 64-bit address of the file's end.
+  // HDF5 file format, superblock versions 2 and 3: the version number and the 64-bit end-of-file address.
   constexpr std::size_t version_at = 8, end_at = 28, superblock_bytes = 48;
   if (length_ < superblock_bytes || bytes_[version_at] < 2) throw std::logic_error("no HDF5 file was made in memory");
   std::uint64_t end = 0;

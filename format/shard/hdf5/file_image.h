@@ -1,6 +1,6 @@
-/// Memory in which HDF5 makes a whole file. HDF5 serves one thread at a time: what is written to a disk or a memory of
-/// pages while it does so, all other writers wait for. Made here first, the file takes HDF5 a tenth of the time, and
-/// its writer hands it to the system by himself.
+/// Memory in which HDF5 builds a whole file. HDF5 serializes its calls, so all other writers wait while one call writes
+/// to a disk or to a paged memory file. In this memory, the calls take a tenth of the time, and the writer passes the
+/// bytes to the system outside of HDF5.
 #pragma once
 
 #include <cstddef>
@@ -10,22 +10,23 @@
 
 namespace gigabake {
 
-/// Kept from file to file, because to touch new memory takes longer than to fill it. Grows to the largest file.
+/// Buffer reused from file to file, because touching new memory takes longer than filling it. Grows to the largest
+/// file.
 class FileImage {
  public:
-  /// The file that was made here last, once it is closed: as many bytes as it says of itself.
-  /// Exact   Byte for byte what HDF5 would have written to a file.
+  /// Returns the last file built here, after it was closed. The length is the end of file that the superblock states.
+  /// Exact   Same bytes as HDF5 would write to a file on disk.
   std::span<const std::uint8_t> file() const;
 
-  /// What is there is the former file, and none of it shows in the next one.
+  /// Starts a new file. The buffer still holds the previous file, but the new file contains none of its bytes.
   void begin_file() noexcept { length_ = 0; }
-  /// Room for so many bytes of the file that was begun: with those that it has, and zeros after them, as a file of the
-  /// system's has where nobody wrote. Null where there is none. For HDF5.
+  /// Grows the new file to `bytes` and returns its memory. Keeps the bytes written so far and sets the rest to zero,
+  /// like a sparse file. Returns null if there is not enough memory. Called by HDF5.
   void* grow(std::size_t bytes) noexcept;
 
  private:
   std::unique_ptr<std::uint8_t[]> bytes_;
-  std::size_t room_ = 0, length_ = 0;  ///< of bytes_; as far as the file has reached
+  std::size_t room_ = 0, length_ = 0;  ///< capacity of bytes_; the length of the file so far
 };
 
 }  // namespace gigabake

@@ -15,8 +15,8 @@ static_assert(std::is_same_v<hid_t, std::int64_t> && std::is_same_v<herr_t, int>
 
 constexpr std::string_view system_message = "error message = '";
 
-/// Keeps what the call that failed first said, or the system's own message: the walk goes from the innermost function
-/// outwards.
+/// Keeps the description of the innermost function that failed, or the first system message. The walk proceeds from the
+/// innermost function outwards.
 herr_t keep_reason(unsigned depth, const H5E_error2_t* error, void* kept) {
   auto& reason = *static_cast<std::string*>(kept);
   if (error->desc == nullptr) return 0;
@@ -26,7 +26,7 @@ herr_t keep_reason(unsigned depth, const H5E_error2_t* error, void* kept) {
   return 0;
 }
 
-/// HDF5 puts the system's message among the call's arguments, and a line break into its time stamp.
+/// Returns the system's message only, without HDF5's call arguments, and replaces line breaks (from HDF5's time stamp).
 std::string shortened(std::string reason) {
   if (const std::size_t at = reason.find(system_message); at != std::string::npos) {
     reason.erase(0, at + system_message.size());
@@ -36,13 +36,14 @@ std::string shortened(std::string reason) {
   return reason;
 }
 
-/// Chunks are packed and unpacked before they reach HDF5 (chunk_codec.h): nothing calls it, and it refuses.
+/// Rejects the call. Chunks are packed and unpacked outside of HDF5 (chunk_codec.h), so HDF5 must never call this
+/// filter.
 std::size_t refuse_chunk(unsigned, std::size_t, const unsigned[], std::size_t, std::size_t*, void**) { return 0; }
 
-/// Each time that HDF5 writes the header of a column it looks up its filters' names, and leaves an error on its stack
-/// for one that it does not know. The stack has 32 places: where a shard had more columns than half of that, closing it
-/// on a full disk said that a filter is missing, not that the disk is full. So it knows ours, by no name: headers have
-/// the bytes that they had without.
+/// Registers the LZ4 filter. When HDF5 writes a column's header, it looks up the names of the filters and leaves an
+/// error on its stack for an unknown filter.
+/// The stack has 32 entries. For a shard of more than 16 columns, closing it on a full disk would report a missing
+/// filter instead of the full disk. The filter is registered without a name, so headers keep the same bytes.
 int register_lz4(const Hdf5Call& call) {
   const H5Z_class2_t filter{H5Z_CLASS_T_VERS, lz4_filter, 1, 1, nullptr, nullptr, nullptr, refuse_chunk};
   return call("H5Zregister", H5Zregister(&filter));
@@ -56,15 +57,15 @@ void Hdf5Call::fail(const char* name) const {
   throw InputError(file, object, std::string(name) + " failed" + (reason.empty() ? "" : ": " + shortened(reason)));
 }
 
-/// HDF5 would also load a filter that we do not call, only to store the comment in it: then the same shard had other
-/// bytes on another machine. And at the program's end it would flush, and crash over, a file that a full disk kept it
-/// from closing; we close every file ourselves. And a shard has its data in itself: where a link leads into another
-/// file, nothing follows it.
+/// Disables plugin lookup, the flush at exit and external links.
+/// A plugin's comment would be stored in the file, so its bytes would depend on the machine. The flush at exit crashes
+/// on a file that could not be closed because of a full disk; the codebase closes every file itself. A shard must
+/// contain all its data, so links to other files are not followed.
 void calm_hdf5(const Hdf5Call& call) {
-  static const herr_t once [[maybe_unused]] = H5dont_atexit();  // the second time it leaves an error on the stack
+  static const herr_t once [[maybe_unused]] = H5dont_atexit();  // a second call would leave an error on the stack
   call("H5Eset_auto2", H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr));
   call("H5PLset_loading_state", H5PLset_loading_state(0));
-  // Once for the process: two threads that look and then unregister would get into each other's way.
+  // Once per process, because two threads that look up and then unregister would conflict.
   static const int external_links [[maybe_unused]] = call("H5Lunregister", H5Lunregister(H5L_TYPE_EXTERNAL));
   static const int lz4 [[maybe_unused]] = register_lz4(call);
 }

@@ -1,5 +1,5 @@
-/// HDF5 identifiers that close themselves, and calls whose failure names the file, the object and the call.
-/// Knows no <hdf5.h>: identifiers are 64-bit and results negative on failure, by HDF5's own contract.
+/// HDF5 identifiers that close themselves, and calls whose failure names the file, the object and the call. Does not
+/// include <hdf5.h>: by HDF5's contract, identifiers are 64-bit and failures return negative values.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ class Hdf5Id {
     if (id_ >= 0) close_(id_);
   }
   std::int64_t get() const { return id_; }
-  /// Closes now. Returns HDF5's answer: negative where data could not be flushed.
+  /// Closes the identifier now. Returns HDF5's result: negative if data could not be flushed.
   int close() { return close_(std::exchange(id_, -1)); }
 
  private:
@@ -29,7 +29,7 @@ class Hdf5Id {
   Hdf5Closer close_;
 };
 
-/// Calls on behalf of one object of one file: `call("H5Pset_chunk", H5Pset_chunk(…))` is the call's result.
+/// Wrapper of calls on one object of one file: `call("H5Pset_chunk", H5Pset_chunk(…))` returns the call's result.
 /// Errors  InputError: file, object, call and HDF5's innermost reason.
 struct Hdf5Call {
   const std::filesystem::path& file;
@@ -46,8 +46,8 @@ struct Hdf5Call {
   [[noreturn]] void fail(const char* name) const;
 };
 
-/// HDF5 prints its errors by itself unless told not to, thread by thread: to be called on every thread, before any
-/// other call.
+/// Disables HDF5's own printing of errors and configures the library. HDF5 keeps this setting per thread, so call it on
+/// every thread before any other call.
 void calm_hdf5(const Hdf5Call& call);
 
 }  // namespace gigabake

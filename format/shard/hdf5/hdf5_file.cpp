@@ -12,12 +12,12 @@ namespace {
 
 constexpr std::size_t largest_text = 64 << 10;
 
-/// The newest format of HDF5 1.10 checksums object headers and chunk indexes. Files are never changed once they have
-/// their name, so nobody needs locks, which many cluster file systems lack.
+/// Returns the access properties of all files. The newest format of HDF5 1.10 has checksums in object headers and chunk
+/// indexes. Published files never change, so locks are disabled: many cluster file systems lack them.
 Hdf5Id access_properties(const Hdf5Call& call) {
   Hdf5Id access = call.id("H5Pcreate", H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   call("H5Pset_libver_bounds", H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110));
-  call("H5Pset_fapl_sec2", H5Pset_fapl_sec2(access.get()));  // plain files: descriptor() relies on it
+  call("H5Pset_fapl_sec2", H5Pset_fapl_sec2(access.get()));  // plain files: required by descriptor()
   call("H5Pset_fclose_degree", H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG));
   call("H5Pset_file_locking", H5Pset_file_locking(access.get(), false, true));
   return access;
@@ -62,7 +62,7 @@ Hdf5File::Hdf5File(std::filesystem::path path, Hdf5Id file) : path_(std::move(pa
 
 namespace {
 
-/// The callbacks of HDF5's driver for files in memory; `image` is a FileImage, which outlives the file.
+/// The callbacks of HDF5's driver for files in memory. `image` is a FileImage, which outlives the file.
 void* take_room(std::size_t bytes, H5FD_file_image_op_t, void* image) {
   return static_cast<FileImage*>(image)->grow(bytes);
 }

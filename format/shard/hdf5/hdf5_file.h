@@ -1,4 +1,4 @@
-/// The few things that shards need of HDF5: columns of fixed-width rows and attributes of the root group.
+/// The subset of HDF5 that shards need: columns of fixed-width rows, and attributes of the root group.
 #pragma once
 
 #include <atomic>
@@ -17,78 +17,80 @@
 
 namespace gigabake {
 
-/// Little endian, in the file and here.
+/// Element types; little endian in the file and in memory.
 enum class Hdf5Type : std::uint8_t { u8, i8, u32, i32, u64, i64, f64 };
 
 std::size_t element_bytes(Hdf5Type type);
 
-/// Whether a column's chunks are written byte plane by byte plane: for numbers that rise or are small.
+/// Shuffling of a column's chunks: they are stored byte plane by byte plane. Used for ascending or small numbers.
 enum class BytePlanes : std::uint8_t { no, yes };
 
 /// One array of fixed-width rows.
 struct Hdf5Column {
   std::string name;  ///< "/lod_0/mask"
   Hdf5Type type;
-  std::size_t width;  ///< elements a row; 1: the dataset has one dimension
+  std::size_t width;  ///< elements per row; 1: the dataset has one dimension
   BytePlanes planes = BytePlanes::no;
   std::size_t row_bytes() const { return width * element_bytes(type); }
   int dimensions() const { return width == 1 ? 1 : 2; }
 };
 
-/// A column that is to be written. The data may still have to be made: then a chunk of it exists while it is packed. Or
-/// somebody has packed it already.
+/// A column to be written. Its data may be generated on demand, in which case only the chunks being packed exist. Or
+/// the chunks are packed already.
 struct ColumnRows {
-  std::string group;  ///< to make before the column; empty: none
+  std::string group;  ///< group to create before the column; empty: none
   Hdf5Column column;
   std::uint64_t rows;
-  /// Rows [first, first + count), wherever they are, or made in `scratch`. Any number of threads.
+  /// Returns rows [first, first + count), either in existing memory or generated in `scratch`. Thread-safe.
   std::function<std::span<const std::uint8_t>(std::uint64_t first, std::uint64_t count,
                                               std::vector<std::uint8_t>& scratch)>
       get;
-  /// Instead of get: each chunk as it is stored, by the codec that the others are packed with.
+  /// Replaces `get`: each chunk as it is stored, packed by the same codec as the other columns.
   std::span<const std::span<const std::uint8_t>> stored = {};
 };
 
-/// What was read of a file's columns since it was opened, of all columns together.
+/// The amount of data read from all columns of a file since it was opened.
 struct ColumnReads {
-  std::uint64_t rows = 0;   ///< that callers requested
-  std::uint64_t bytes = 0;  ///< of the stored chunks that contain them
+  std::uint64_t rows = 0;   ///< requested by callers
+  std::uint64_t bytes = 0;  ///< size of the stored chunks that contain those rows
 };
 
-/// Errors  All members throw InputError: file, object, what failed.
-/// Cost    HDF5 serves one thread at a time; chunks are compressed outside of it, and read past it (hdf5_rows.h).
+/// An open HDF5 file.
+/// Cost    HDF5 serves one thread at a time. Chunks are compressed outside of it and read bypassing it (hdf5_rows.h).
+/// Errors  InputError from all members: file, object, what failed.
 class Hdf5File {
  public:
-  /// called: what messages call the file, where it is to get another name once it is whole.
+  /// Creates a file at `path`. Messages name it `called`, its final name after it is published.
   static Hdf5File create(const std::filesystem::path& path, const std::filesystem::path& called);
-  /// In memory, of which image.file() is the file once it is closed. Borrows `image`. called: as above, and no other
-  /// open file's.
+  /// Creates a file in memory; image.file() returns it after it is closed. Borrows `image`. Messages name the file
+  /// `called`, which must differ from that of every other open file.
   static Hdf5File create(FileImage& image, const std::filesystem::path& called);
   static Hdf5File open(const std::filesystem::path& path);
 
-  /// Chunked, each chunk as chunk_codec.h: packed by the threads of `pool`, in one loop over all of them, and stored in
-  /// order, as they become ready, by whichever thread has the next. Returns each column's bytes, compressed, without
-  /// HDF5's own index. Memory: at worst, where the disk is slow, all that is stored.
+  /// Writes the columns in chunks, encoded as in chunk_codec.h. The threads of `pool` pack the chunks in one loop over
+  /// all columns. Ready chunks are stored in order by the thread that completes the next one.
+  /// Returns the stored size of each column: compressed, without HDF5's own index.
+  /// Cost    Up to all stored bytes in memory if the disk is slow.
   std::vector<std::uint64_t> write_columns(std::span<const ColumnRows> columns, Codec codec, const ThreadPool& pool);
   Hdf5Id open_column(const Hdf5Column& column) const;
-  bool has_column(const Hdf5Column& column) const;  ///< whose group is there
-  /// As stored: compressed, without HDF5's own index.
+  bool has_column(const Hdf5Column& column) const;  ///< also false if its group is missing
+  /// Returns the stored size: compressed, without HDF5's own index.
   std::uint64_t stored_bytes(const Hdf5Column& column) const;
 
   void write_attribute(const char* name, Hdf5Type type, const void* data, std::size_t count);  ///< count 0: a scalar
   void write_attribute(const char* name, const std::string& text);
   bool has_attribute(const char* name) const;
-  /// Exactly `count` elements (0: a scalar) of `type`.
+  /// Reads exactly `count` elements (0: a scalar) of `type`.
   void read_attribute(const char* name, Hdf5Type type, void* data, std::size_t count) const;
   std::string read_text(const char* name) const;  ///< a fixed-length string of at most 64 KiB
 
   ColumnReads reads() const { return {reads_->rows, reads_->bytes}; }
-  /// Called by whatever reads this file's columns.
+  /// Counts rows that the caller has read. Called by all code that reads this file's columns.
   void add_read_rows(std::uint64_t rows) const { reads_->rows += rows; }
   void add_read_bytes(std::uint64_t bytes) const { reads_->bytes += bytes; }
 
   const std::filesystem::path& path() const { return path_; }
-  /// The system's own handle of the open file, HDF5's still: for pread.
+  /// Returns the system's descriptor of the open file, for pread. HDF5 keeps the ownership.
   int descriptor() const;
 
   void close();

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint64_t largest_chunk = std::uint64_t(1) << 31;
 
-/// How many bytes one stored byte can stand for.
+/// Returns the max number of bytes that one stored byte can expand to.
 std::uint64_t best_ratio(Codec codec) { return codec == Codec::lz4 ? 255 : 1032; }
 
 std::uint64_t size_of_file(const Hdf5File& file) {
@@ -26,7 +26,7 @@ std::uint64_t size_of_file(const Hdf5File& file) {
   return std::uint64_t(status.st_size);
 }
 
-/// What chunk_codec.h can undo: LZ4 or deflate, before it byte planes or not, after it the checksum.
+/// Returns the filters that chunk_codec.h can undo: optional shuffle, then LZ4 or deflate, then the checksum.
 ChunkFilters checked_filters(const Hdf5File& file, const Hdf5Column& column, const Hdf5Id& set) {
   const Hdf5Call call{file.path(), column.name};
   const Hdf5Id properties = call.id("H5Dget_create_plist", H5Dget_create_plist(set.get()), H5Pclose);
@@ -47,7 +47,7 @@ ChunkFilters checked_filters(const Hdf5File& file, const Hdf5Column& column, con
   file.fail(column.name, "is not stored with the filters that were expected");
 }
 
-/// A damaged shape must not make us allocate more than the stored bytes can unpack to.
+/// Returns the number of rows. Rejects a damaged shape that would allocate more than the stored bytes can expand to.
 std::uint64_t checked_rows(const Hdf5File& file, const Hdf5Column& column, const Hdf5Id& set,
                            std::uint64_t file_bytes) {
   const Hdf5Call call{file.path(), column.name};
@@ -68,7 +68,7 @@ std::uint64_t checked_rows(const Hdf5File& file, const Hdf5Column& column, const
   return shape[0];
 }
 
-/// Rows a chunk; the whole dataset's chunks are alike.
+/// Returns the number of rows per chunk, which is the same for all chunks of the dataset.
 std::uint64_t checked_chunk_rows(const Hdf5File& file, const Hdf5Column& column, const Hdf5Id& set,
                                  std::uint64_t rows) {
   const Hdf5Call call{file.path(), column.name};
@@ -81,7 +81,7 @@ std::uint64_t checked_chunk_rows(const Hdf5File& file, const Hdf5Column& column,
   return chunk[0];
 }
 
-/// False where the file ends before, or cannot be read; errno is 0 in the first case.
+/// Returns false if the file ends before the range (errno is 0) or cannot be read.
 bool read_bytes(int descriptor, std::uint64_t offset, std::span<std::uint8_t> to) {
   while (!to.empty()) {
     errno = 0;

@@ -1,5 +1,5 @@
-/// Rows of a column, any range of them. HDF5 is only asked where a chunk lies, once; reading, checking and unpacking it
-/// go past the library, whose lock would let one thread work at a time.
+/// Random access to the rows of a column. HDF5 is called once per chunk to locate it. Reading, checking and unpacking
+/// bypass HDF5, whose lock would admit only one thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,15 @@ namespace gigabake {
 
 class Hdf5Rows : public StoredRows {
  public:
-  /// Borrows `file`. Shape and type of the dataset are compared with `column`, its size with what is stored.
+  /// Borrows `file`. Checks that the dataset's shape and type match `column` and that its size fits the stored bytes.
   /// Errors  InputError: file, dataset, what is wrong with it.
   Hdf5Rows(const Hdf5File& file, const Hdf5Column& column);
 
   std::uint64_t rows() const override { return rows_; }
 
-  /// Any number of threads. Space  `to` has room for `count` rows; first + count ≤ rows().
-  /// Cost    Reads whole chunks, those that the range touches; unpacks each up to the range's end.
+  /// Reads rows [first, first + count). Thread-safe.
+  /// Range   `to` has room for `count` rows; first + count ≤ rows().
+  /// Cost    Reads the whole chunks that overlap the range; unpacks each up to the range's end.
   /// Errors  InputError: a chunk is missing, lies outside of the file, or its checksum is wrong.
   void read(std::uint64_t first, std::uint64_t count, void* to) const override;
 
@@ -30,7 +31,7 @@ class Hdf5Rows : public StoredRows {
     std::uint64_t offset = 0, bytes = 0;
   };
   Chunk find_chunk(std::uint64_t index) const;
-  /// The first bytes of chunk `index`, as many as `raw` has.
+  /// Fills `raw` with the first bytes of chunk `index`.
   void read_chunk(std::uint64_t index, std::span<std::uint8_t> raw) const;
   [[noreturn]] void fail_chunk(std::uint64_t index, const char* message) const;
 
@@ -41,10 +42,10 @@ class Hdf5Rows : public StoredRows {
   ChunkFilters filters_;
   std::uint64_t file_bytes_, rows_, chunk_rows_ = 0;
   mutable std::mutex mutex_;
-  mutable std::unordered_map<std::uint64_t, Chunk> chunks_;  ///< those found so far
+  mutable std::unordered_map<std::uint64_t, Chunk> chunks_;  ///< located so far
 };
 
-/// The columns of an open file. Borrows it.
+/// The columns of an open file, which is borrowed.
 class FileColumns : public ColumnSource {
  public:
   explicit FileColumns(const Hdf5File& file) : file_(file) {}

@@ -7,9 +7,9 @@
 
 namespace gigabake {
 
-inline constexpr int lz4_filter = 32004;  ///< as The HDF Group registered it
+inline constexpr int lz4_filter = 32004;  ///< number registered by The HDF Group
 
-/// Borrowed from the library: never closed.
+/// Returns a type that the library owns and the caller must not close.
 std::int64_t hdf5_type(Hdf5Type type);
 
 }  // namespace gigabake

@@ -13,7 +13,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// A stored chunk: packed here, or by whoever gave the column.
+/// A stored chunk: packed here, or provided by the caller.
 struct Chunk {
   Bytes own;
   std::span<const std::uint8_t> given;
@@ -35,7 +35,7 @@ std::vector<ChunkPlace> all_chunks(std::span<const ColumnRows> columns) {
   return chunks;
 }
 
-/// Stored chunks are always whole: zeros stand after the data's end.
+/// Encodes chunk `number`. Stored chunks are always complete: the last one is padded with zeros.
 Bytes encode(const ColumnRows& from, std::size_t number, Codec codec, Bytes& scratch) {
   const Hdf5Column& column = from.column;
   const ChunkFilters filters{codec, column.planes == BytePlanes::yes ? element_bytes(column.type) : 1};
@@ -48,7 +48,8 @@ Bytes encode(const ColumnRows& from, std::size_t number, Codec codec, Bytes& scr
   return encode_chunk(padded, filters);
 }
 
-/// What is packed already takes no threads, which would take longer to wake than to hand it on.
+/// Returns the calling thread alone if all columns are packed already, because waking threads would take longer than
+/// storing the chunks.
 const ThreadPool& threads_for(std::span<const ColumnRows> columns, const ThreadPool& pool) {
   const bool is_packed =
       std::all_of(columns.begin(), columns.end(), [](const ColumnRows& c) { return c.rows == 0 || !c.stored.empty(); });
@@ -62,8 +63,8 @@ Chunk pack(const ColumnRows& from, std::size_t number, Codec codec, Bytes& scrat
 
 }  // namespace
 
-/// Chunks come ready in any order; they, their columns and groups reach the file in one, so that it has the same bytes
-/// whoever packed it.
+/// Stores chunks, columns and groups in a fixed order, although chunks become ready in any order. The file's bytes are
+/// therefore independent of the threads.
 class ColumnsInOrder {
  public:
   ColumnsInOrder(Hdf5File& file, std::span<const ColumnRows> columns, Codec codec)
@@ -83,7 +84,8 @@ class ColumnsInOrder {
   }
 
  private:
-  /// Stores it and what follows it, unless another thread is at that: then that one will.
+  /// Stores this chunk and all ready chunks after it. If another thread is storing already, that thread stores this
+  /// chunk too.
   void give(std::size_t chunk, Chunk packed) {
     std::unique_lock lock(mutex_);
     ready_[chunk] = std::move(packed);
@@ -106,7 +108,7 @@ class ColumnsInOrder {
     stored_[at.column] += bytes.size();
   }
 
-  /// Those without rows have no chunks.
+  /// Creates the columns before `end`. Columns without rows have no chunks, so store() alone would never create them.
   void make_columns_up_to(std::size_t end) {
     for (; made_ < end; ++made_) {
       const ColumnRows& c = columns_[made_];
@@ -121,13 +123,13 @@ class ColumnsInOrder {
   const std::span<const ColumnRows> columns_;
   const Codec codec_;
   const std::vector<ChunkPlace> chunks_;
-  std::mutex mutex_;          ///< of the next three
-  std::vector<Chunk> ready_;  ///< of each chunk; no bytes: not yet, or stored
-  std::size_t next_ = 0;      ///< to be stored; whoever stores changes it
+  std::mutex mutex_;          ///< guards the next three members
+  std::vector<Chunk> ready_;  ///< per chunk; no bytes: not ready, or stored already
+  std::size_t next_ = 0;      ///< the next chunk to store; changed only by the storing thread
   bool storing_ = false;
-  // Of whoever stores:
-  std::size_t made_ = 0;       ///< columns
-  std::optional<Hdf5Id> set_;  ///< the last of them
+  // Used only by the storing thread:
+  std::size_t made_ = 0;       ///< number of columns created
+  std::optional<Hdf5Id> set_;  ///< the last column created
   std::vector<std::uint64_t> stored_;
 };
 
