@@ -1,4 +1,4 @@
-/// The cube of the lattice that a cell fills.
+/// The cube of the lattice that a cell covers.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ struct LatticeBox {
   friend bool operator==(const LatticeBox&, const LatticeBox&) = default;
 };
 
-/// The smallest box that holds both; an empty one holds nothing.
+/// Returns the smallest box that contains both boxes. An empty box contributes nothing.
 inline LatticeBox hull(const LatticeBox& a, const LatticeBox& b) {
   if (a.is_empty()) return b;
   if (b.is_empty()) return a;
@@ -50,11 +50,11 @@ inline LatticeBox intersection(const LatticeBox& a, const LatticeBox& b) {
 }
 
 /// Finds the cells of a scene that overlap a box. Borrows the cells.
-/// Cost  a binary search, then a look at every cell of the same x range.
+/// Cost    A binary search, then a test of every cell in the same x range.
 class CellFinder {
  public:
   explicit CellFinder(const std::vector<SceneCell>& cells);
-  /// Indices into the scene's cells, ascending.
+  /// Returns indices into the scene's cells, in ascending order.
   std::vector<std::size_t> overlapping(const LatticeBox& box) const;
 
  private:

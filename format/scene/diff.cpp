@@ -20,7 +20,7 @@ namespace {
 
 using Corner = std::array<std::int64_t, 3>;
 
-/// scene: with the cells that are compared.
+/// One of the two scenes. `scene` holds the cells to compare.
 struct Side {
   std::filesystem::path scene_xml;
   SceneDescription scene;
@@ -80,7 +80,7 @@ class DifferenceSum {
   std::array<std::uint64_t, 4> sum_{};
 };
 
-/// A level's voxels: all, and those inside the box that was compared.
+/// Numbers of voxels of a level: all, and those inside the compared box.
 struct Walked {
   std::uint64_t all = 0, inside = 0;
 };
@@ -127,7 +127,7 @@ PairResult compare_level(const OpenCell& a, const BrickLevel& level_a, const Ope
   return r;
 }
 
-/// Voxels of the two levels are the same cubes of the lattice.
+/// Returns whether the voxels of the two levels are the same cubes of the lattice.
 bool share_a_grid(const SceneCell& a, const SceneCell& b, int lod) {
   if (!has_level(a, lod) || !has_level(b, lod)) return false;
   for (std::size_t c = 0; c < 3; ++c)
@@ -142,7 +142,7 @@ std::uint64_t bytes_of_scene(const SceneDescription& scene) {
   return bytes;
 }
 
-/// Shards that overlap a window on one level: cells on low levels, parents on those above.
+/// Finds the shards that overlap a window on one level: cells on fine levels, overviews above.
 class ShardFinder {
  public:
   explicit ShardFinder(const SceneDescription& scene) : cells_(scene.cells), parents_(scene.parents) {
@@ -151,9 +151,9 @@ class ShardFinder {
     parents_begin_ = scene.cells.size();
     for (const SceneCell& cell : scene.cells) cell_lods_ = std::max(cell_lods_, int(cell.lods));
   }
-  /// Cells, then parents.
+  /// Returns the cells, then the overviews.
   const std::vector<const SceneCell*>& all() const { return all_; }
-  /// Indices into all().
+  /// Returns indices into all().
   std::vector<std::size_t> overlapping(const LatticeBox& window, int lod) const {
     std::vector<std::size_t> found;
     if (lod < cell_lods_) found = cells_.overlapping(window);
@@ -170,7 +170,7 @@ class ShardFinder {
   int cell_lods_ = 0;
 };
 
-/// Walks A's cells; B's should not be larger, for a cell of B is read once for every cell of A that it overlaps.
+/// Iterates over A's cells. B's should not be larger, because a cell of B is read once for every overlapping cell of A.
 class SceneComparison {
  public:
   SceneComparison(const Side& a, const Side& b) : a_(a), b_(b), finder_(b.scene) {}
@@ -240,7 +240,7 @@ class SceneComparison {
     add_rest(cell.name, "", lod, of_a.all - std::min(of_a.all, of_a.inside), 0);
   }
 
-  /// What no cell of A overlaps.
+  /// Adds the voxels of a cell of B that no cell of A overlaps.
   void add_rest_of_b(std::size_t i) {
     const SceneCell& cell = *finder_.all()[i];
     for (const int lod : open_levels_) {
@@ -268,7 +268,7 @@ class SceneComparison {
   ShardFinder finder_;
   std::vector<int> all_levels_, open_levels_;  ///< open: neither skipped nor equal by their hashes
   std::set<int> skipped_;
-  std::map<std::pair<std::size_t, int>, Walked> seen_of_b_;  ///< by cell of B and lod
+  std::map<std::pair<std::size_t, int>, Walked> seen_of_b_;  ///< key: cell of B and lod
   std::map<std::pair<std::string, std::string>, std::vector<LevelDifference>> differences_;
 };
 
@@ -287,13 +287,13 @@ std::uint32_t largest_cell(const SceneDescription& scene) {
   return largest;
 }
 
-/// The parts of two scenes that differ, as far as pages say it: where two pages of one block have the same voxels on
-/// every level, the voxels of their cells are nowhere else, and there is nothing to compare.
+/// Finds the parts of two scenes that may differ, according to their pages. If two pages of the same block have equal
+/// voxels on every level, their cells need no comparison.
 class UnlikePages {
  public:
   UnlikePages(const PagedScene& a, const PagedScene& b) : a_(a), b_(b) {}
 
-  /// What two groups of one block list, or two whole scenes.
+  /// Compares the lists of two groups of the same block, or of two whole scenes.
   void compare(const ScenePage& a, const ScenePage& b) {
     std::map<std::pair<Corner, std::int64_t>, const PageReference*> of_b;
     for (const PageReference& page : b.pages) of_b[{page.block.min, page.block.edge}] = &page;

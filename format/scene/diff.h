@@ -1,4 +1,4 @@
-/// Do two scenes hold the same voxels, and if not, where and by how much do they differ?
+/// Comparison of the voxels of two scenes.
 #pragma once
 
 #include <array>
@@ -11,43 +11,44 @@
 
 namespace gigabake {
 
-/// Voxels of one level where a cell of A and a cell of B overlap, or of one cell where the other scene has none.
+/// Differences of one level, in the overlap of a cell of A with a cell of B, or in a cell that only one scene has.
 struct LevelDifference {
   int lod = 0;
   std::uint64_t only_in_a = 0, only_in_b = 0, both = 0;
   std::uint64_t recoloured = 0;  ///< of `both`: r, g, b or alpha differ
   std::uint64_t turned = 0;      ///< of `both`: the normal differs
-  std::uint64_t refaced = 0;     ///< of `both`: the coverage along an axis differs, where both scenes have it
-  std::array<int, 4> largest{};  ///< |a − b| of 8-bit r, g, b, alpha
-  std::array<double, 4> mean{};  ///< of |a − b| over `recoloured`
+  std::uint64_t refaced = 0;     ///< of `both`: the coverage along an axis differs, and both scenes have it
+  std::array<int, 4> largest{};  ///< max |a − b| of 8-bit r, g, b, alpha
+  std::array<double, 4> mean{};  ///< mean |a − b| over `recoloured`
   bool any() const { return only_in_a + only_in_b + recoloured + turned + refaced != 0; }
 };
 
 struct CellDifference {
-  std::string cell_in_a, cell_in_b;     ///< empty: no cell of that scene is there
-  std::vector<LevelDifference> levels;  ///< those that differ
+  std::string cell_in_a, cell_in_b;     ///< empty: that scene has no cell here
+  std::vector<LevelDifference> levels;  ///< only levels that differ
 };
 
 struct SceneDifference {
-  std::vector<CellDifference> cells;  ///< those that differ
+  std::vector<CellDifference> cells;  ///< only cells that differ
   std::vector<int> compared;          ///< levels
-  /// Levels that could not be compared everywhere: only one scene has them, or where cells are cut differently their
-  /// voxels are other cubes.
+  /// Levels that were not compared everywhere. Either only one scene has them, or the cells are cut differently, so
+  /// that their voxels are different cubes.
   std::vector<int> not_compared;
   bool same() const { return cells.empty(); }
 };
 
-/// Cost    One look-up of each shard in its folder; none is opened.
-/// Errors  InputError: shards are missing or have another size than scene.xml says; names the first.
+/// Checks that each shard exists with the size that scene.xml records.
+/// Cost    One directory lookup per shard; opens no shard.
+/// Errors  InputError names the first shard that is missing or has another size.
 void expect_shards(const std::filesystem::path& scene_xml);
 
-/// Cells may be cut differently in the two scenes; voxels are then compared by their place on the lattice.
-/// Exact   Levels whose content hashes agree, in whole or cell by cell, are the same and are not read: the hashes in
-///         scene.xml are believed (verify checks them). Use expect_shards() first: recorded
-///         hashes describe files, and say nothing of a scene whose files are gone.
+/// Compares two scenes. If their cells are cut differently, voxels are compared by their position on the lattice.
+/// Exact   Levels with equal content hashes, in whole or per cell, count as equal and are not read. The hashes in
+///         scene.xml are trusted; verify checks them. Call expect_shards() first: recorded hashes do not prove that the
+///         files still exist.
 /// Cost    Memory: one level of two cells at a time.
-/// Errors  InputError: unreadable scenes or shards; lattices or channels
-/// that differ, so that nothing can be compared.
+/// Errors  InputError: scenes or shards are unreadable, or the scenes are not comparable because lattices or channels
+///         differ.
 SceneDifference diff_scenes(const std::filesystem::path& a, const std::filesystem::path& b,
                             const Progress& progress = {});
 

@@ -15,7 +15,7 @@ std::vector<std::string> hex_of(const std::vector<Hash128>& hashes) {
   return out;
 }
 
-/// The sphere around a window, scene frame.
+/// Writes the bounding sphere of a window, in the scene frame.
 void set_sphere(pugi::xml_node node, const SceneHeader& scene, const LatticeBox& window) {
   const char* const centre[3] = {"CenterX", "CenterY", "CenterZ"};
   double square = 0;

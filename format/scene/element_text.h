@@ -1,4 +1,4 @@
-/// The elements of a scene.xml and of its pages, as they are written.
+/// Writing of the elements of a scene.xml and of its pages.
 #pragma once
 
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 
 namespace gigabake {
 
-/// Numbers come back to the last bit.
+/// Writes the number so that reading it returns the same bits.
 template <class T>
 void set_number(pugi::xml_node node, const char* key, T value) {
   node.append_attribute(key) = fmt::format("{}", value).c_str();
@@ -24,19 +24,19 @@ inline void set_text(pugi::xml_node node, const char* key, const std::string& va
   node.append_attribute(key) = xml_text(value).c_str();
 }
 
-/// Version, and what readers of the thesis's schema look at.
+/// Writes the version, and the attributes that readers of the thesis's schema require.
 void set_schema(pugi::xml_node root);
-/// Voxel size, lattice and channels.
+/// Writes voxel size, lattice and channels.
 void set_lattice(pugi::xml_node root, const SceneHeader& scene);
 void set_totals(pugi::xml_node group, const SceneTotals& totals);
 void set_block(pugi::xml_node group, const LatticeBlock& block);
 
 void append_cell(pugi::xml_node group, const SceneHeader& scene, const SceneCell& cell);
-/// In a group of their own, if there are any.
+/// Appends the overviews in a group of their own. Appends nothing if there are none.
 void append_parents(pugi::xml_node group, const SceneHeader& scene, const std::vector<const SceneCell*>& parents);
 void append_reference(pugi::xml_node group, const SceneHeader& scene, const PageReference& page);
 
-/// The text of a document whose root gets a `Checksum`.
+/// Returns the text of a document, with a `Checksum` added to its root.
 SummedText summed_text(pugi::xml_document& document);
 
 }  // namespace gigabake

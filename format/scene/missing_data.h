@@ -1,4 +1,4 @@
-/// What a bake was asked for and its scene does not have.
+/// Counts of the data that a bake was to produce and its scene lacks.
 #pragma once
 
 #include <cstdint>
@@ -8,19 +8,20 @@
 
 namespace gigabake {
 
-/// A count of the losses that a scene records. An overview is a shard of the levels above the cells; overviews are
-/// counted if no cell is missing, since those above a missing cell are incomplete with it.
+/// Counts of the losses that a scene records. An overview is a shard of the levels above the cells. Overviews are
+/// counted only if no cell is missing, because overviews above a missing cell are incomplete with it.
 struct MissingData {
   std::uint64_t cells = 0, overviews = 0, inputs = 0;
-  std::uint64_t planned_cells = 0;  ///< cells of the scene and missing ones
+  std::uint64_t planned_cells = 0;  ///< cells of the scene plus missing cells
 
   bool any() const { return cells + overviews + inputs != 0; }
 };
 
-/// cells: the number of cells that the scene has.
+/// Counts the losses. `cells` is the number of cells that the scene has.
 MissingData missing_data(const SceneHeader& scene, std::uint64_t cells);
 
-/// Returns "9 of 16 cells are missing", or "1 of 4 cells, 1 overview and 2 inputs are missing". Range  missing.any().
+/// Returns "9 of 16 cells are missing", or "1 of 4 cells, 1 overview and 2 inputs are missing".
+/// Range   missing.any().
 std::string describe(const MissingData& missing);
 
 }  // namespace gigabake

@@ -20,17 +20,17 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* page_folder = "pages";
-/// Of the largest blocks: eight of them hold every lattice.
+/// Edge of the largest blocks: eight of them cover every lattice.
 constexpr std::int64_t largest_block = std::int64_t(1) << 52;
 
-/// What stands in one block: cells of `cells`, or pages of `pages`, from `begin` to `end`; and parents.
+/// The content of one block: items [begin, end) of `cells` or of `pages`, and overviews.
 struct Block {
   LatticeBlock block;
   std::size_t begin, end;
   std::vector<const SceneCell*> parents = {};
 };
 
-/// Sorts `items` by their block's z, y, x and keeps their order within one.
+/// Sorts `items` by z, y, x of their block, keeping the order of items within a block.
 template <class Item, class Place>
 std::vector<Block> blocks_of(std::vector<Item>& items, std::int64_t edge, const Place& place) {
   const auto block_of = [&](const Item& item) { return block_around(place(item), edge); };
@@ -56,7 +56,7 @@ bool holds(const fs::path& file, const std::string& text) {
                     [](std::uint8_t a, char b) { return a == std::uint8_t(b); });
 }
 
-/// Parents that no page lists yet, in their order.
+/// The overviews that no page lists yet, in their order.
 class ParentsLeft {
  public:
   explicit ParentsLeft(const std::vector<SceneCell>& parents) {
@@ -65,7 +65,8 @@ class ParentsLeft {
     if (!left_.empty()) highest_ = left_.back()->own_lod();
   }
 
-  /// Gives the blocks, which are sorted, the parents that lie in them, but for those of the highest tier.
+  /// Moves the overviews that lie in one of the sorted blocks to that block, except those of the highest overview
+  /// level.
   void move_to(std::vector<Block>& blocks) {
     std::map<std::array<std::int64_t, 3>, Block*> at;
     for (Block& block : blocks) at[block.block.min] = &block;
@@ -86,7 +87,7 @@ class ParentsLeft {
 
  private:
   std::vector<const SceneCell*> left_;
-  std::uint32_t highest_ = 0;  ///< own lod
+  std::uint32_t highest_ = 0;  ///< own_lod() of the highest overview level
 };
 
 class PageWriter {
@@ -117,7 +118,7 @@ class PageWriter {
   }
 
  private:
-  /// Item by item of a block: `count` takes it into the page's totals, `append` writes its line.
+  /// Writes one page per block. For each item, `count` adds it to the page's totals and `append` writes its line.
   template <class Count, class Append>
   std::vector<PageReference> written(const std::vector<Block>& blocks, const Count& count, const Append& append) const {
     std::vector<PageReference> pages(blocks.size());

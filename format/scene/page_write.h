@@ -1,4 +1,4 @@
-/// The pages of a scene, written beside its scene.xml, and removed once no scene.xml refers to them.
+/// Writing of a scene's pages next to its scene.xml, and removal of pages to which no scene.xml refers.
 #pragma once
 
 #include <filesystem>
@@ -7,13 +7,15 @@
 
 namespace gigabake {
 
-/// Pages are named by what they say: one that is there stays as it is. The answer is what scene.xml lists: references,
-/// and parents that lie in no block of a page or are of the highest tier.
-/// Range   cells of one size. Errors  InputError: a page cannot be written; the scene of before is whole.
+/// Writes the pages and returns the content of scene.xml: page references, and the overviews that lie in no page's
+/// block or are of the highest overview level. Page names depend on the content, so existing pages are kept.
+/// Range   All cells have the same size.
+/// Errors  InputError: a page cannot be written; the previous scene remains valid.
 ScenePage write_pages(const std::filesystem::path& scene_xml, const SceneDescription& scene, const PageRule& rule);
 
-/// Removes pages that `scene_xml` does not refer to, and what killed writers of pages left. What cannot be removed does
-/// no harm. Errors  InputError: the scene cannot be read, and nothing is removed.
+/// Removes pages that `scene_xml` does not refer to, and temporary files of writers that were killed. Ignores files
+/// that cannot be removed; they do no harm.
+/// Errors  InputError: the scene cannot be read; nothing is removed then.
 void remove_unused_pages(const std::filesystem::path& scene_xml);
 
 }  // namespace gigabake

@@ -138,7 +138,7 @@ std::vector<SceneCell> PagedScene::parents() const {
   return all;
 }
 
-/// A parent of a page lies in its block.
+/// Skips pages whose block does not overlap the box, because a page's overviews lie in its block.
 void PagedScene::collect_parents(const ScenePage& page, const LatticeBox& box, int lod,
                                  std::vector<SceneCell>& found) const {
   for (const SceneCell& parent : page.parents)
@@ -174,7 +174,7 @@ std::vector<SceneCell> PagedScene::cells(const ThreadPool& pool) const {
   return all;
 }
 
-/// Each page is read once, for its cells and its parents.
+/// Reads each page once, for its cells and its overviews.
 SceneDescription PagedScene::all(const ThreadPool& pool) const {
   SceneDescription scene;
   static_cast<SceneHeader&>(scene) = header_;

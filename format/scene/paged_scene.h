@@ -1,4 +1,4 @@
-/// A scene for whoever goes from cell to cell: scene.xml is read at once, pages when they are come to.
+/// A scene read on demand: scene.xml at once, its pages when they are visited.
 #pragma once
 
 #include <cstdint>
@@ -14,54 +14,61 @@
 
 namespace gigabake {
 
-/// Errors (all)  InputError: scene.xml or a page that cannot be read, or does not agree with what is above it: the file
-///               and what to do. Ancestors of what was asked for are checked, other pages are not looked at.
-/// Any number of threads may use one at a time.
+/// Reader of a scene's cells and overviews. Thread-safe: any number of threads may use the same PagedScene
+/// concurrently.
+/// Errors  InputError from all members: scene.xml or a page cannot be read or contradicts the level above; names the
+///         file and the remedy. Only the ancestors of requested pages are checked; other pages are not read.
 class PagedScene {
  public:
   explicit PagedScene(std::filesystem::path scene_xml);
-  /// Reads no page and no cell.
+  /// Returns a scene over cells in memory. Reads no page and no cell.
   static PagedScene of_cells(std::filesystem::path scene_xml, SceneDescription scene);
 
   const std::filesystem::path& file() const { return scene_xml_; }
   std::filesystem::path folder() const { return scene_xml_.parent_path(); }
   const SceneHeader& header() const { return header_; }
-  /// As scene.xml says, or else the sums over its cells.
+  /// Returns the totals stored in scene.xml, or, if it has none, the sums over its cells.
   const SceneTotals& totals() const { return totals_; }
-  /// What scene.xml itself lists: its cells, or references to pages; and parents, among them the root of all.
+  /// Returns what scene.xml itself lists: cells or page references, and overviews, including the root of all.
   const ScenePage& root() const { return root_; }
 
-  /// The pages that list cells, in their order. Cost  reads the pages above them, on the pool's threads.
-  /// visit_above: called with each of those, with root() first, in the same order at every call.
+  /// Returns the pages that list cells, in their order. Calls visit_above with each page above them, root() first, in
+  /// the same order at every call.
+  /// Cost    Reads the pages above the leaves, on the pool's threads.
   std::vector<PageReference> leaves(const ThreadPool& pool = callers_thread(),
                                     const std::function<void(const ScenePage&)>& visit_above = {}) const;
 
-  /// Every page above its own, those that list cells too.
+  /// Visits every reference to a page, including pages that list cells. A page precedes the pages below it.
   void for_each_reference(const std::function<void(const PageReference&)>& visit) const;
 
   using VisitCells = std::function<void(std::span<const SceneCell> cells)>;
-  /// Page by page in their order, one in memory; a scene without pages counts as one.
+  /// Visits the cells page by page, in the order of the pages, with one page in memory. A scene without pages counts as
+  /// one page.
   void for_each_page(const VisitCells& visit) const;
   using VisitCell = std::function<void(const SceneCell& cell)>;
   void for_each_cell(const VisitCell& visit) const;
   void for_each_cell_below(const PageReference& page, const VisitCell& visit) const;
-  /// On the pool's threads, in no particular order; a page in memory for each. number: of the page in their order.
+  /// Visits the pages on the pool's threads, in no particular order, with one page per thread in memory. `number` is
+  /// the page's index in the order of the pages.
   void for_each_page(const ThreadPool& pool,
                      const std::function<void(std::size_t number, std::span<const SceneCell> cells)>& visit) const;
 
-  /// Of all pages: a page's own, then those of each page below it. So they are numbered.
+  /// Visits the overviews of all pages: each page's own, then those of each page below it. Overviews are numbered in
+  /// this order.
   void for_each_parent(const VisitCell& visit) const;
   void for_each_parent_below(const PageReference& page, const VisitCell& visit) const;
   std::vector<SceneCell> parents() const;
 
-  /// Cells whose windows overlap the box, by lattice_min z, y, x. Cost  reads pages that may have such.
+  /// Returns the cells whose windows overlap the box, by lattice_min z, y, x.
+  /// Cost    Reads the pages that may contain such cells.
   std::vector<SceneCell> cells_in(const LatticeBox& box) const;
-  /// Parents that overlap it and have that level of their own. Cost  as cells_in().
+  /// Returns the overviews that overlap the box and have that level natively (not as a duplicate).
+  /// Cost    See cells_in().
   std::vector<SceneCell> parents_in(const LatticeBox& box, int lod) const;
 
-  /// All cells, in the order of the pages.
+  /// Returns all cells, in the order of the pages.
   std::vector<SceneCell> cells(const ThreadPool& pool = callers_thread()) const;
-  /// All cells, sorted by lattice_min z, y, x, and all parents.
+  /// Returns all cells, sorted by lattice_min z, y, x, and all overviews.
   SceneDescription all(const ThreadPool& pool = callers_thread()) const;
 
  private:
@@ -79,9 +86,9 @@ class PagedScene {
   ScenePage root_;
 };
 
-/// As cells are sorted in a scene.
+/// Returns whether cell `a` precedes `b` in a scene.
 bool is_before(const SceneCell& a, const SceneCell& b);
-/// As parents are: each after its children.
+/// Returns whether overview `a` precedes `b` in a scene: each overview follows its children.
 bool is_parent_before(const SceneCell& a, const SceneCell& b);
 
 }  // namespace gigabake

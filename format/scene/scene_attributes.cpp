@@ -42,7 +42,7 @@ Hash128 SceneAttributes::hash(const char* key) const {
 std::vector<SceneFault> SceneAttributes::unknown_parts(std::span<const std::string_view> known,
                                                        std::span<const std::string_view> known_elements) const {
   std::vector<SceneFault> faults;
-  std::uint64_t seen = 0;  // a bit for each of `known`
+  std::uint64_t seen = 0;  // one bit for each of `known`
   for (const pugi::xml_attribute a : node_.attributes()) {
     const std::string_view name = a.name();
     const auto at = std::find(known.begin(), known.end(), name);

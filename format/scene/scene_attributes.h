@@ -1,4 +1,4 @@
-/// The attributes of one element of a scene.xml, with errors that say which.
+/// The attributes of one element of a scene.xml, with errors that name the attribute.
 #pragma once
 
 #include <array>
@@ -18,7 +18,8 @@
 
 namespace gigabake {
 
-/// Errors (all)  InputError: file, element and attribute, what was expected, where the element stands.
+/// Typed access to attributes.
+/// Errors  InputError from all members: file, element and attribute, expected value, byte offset of the element.
 class SceneAttributes {
  public:
   /// Borrows `file`.
@@ -38,7 +39,7 @@ class SceneAttributes {
     if (v.size() != 3) fail(key, "expected three numbers");
     return {v[0], v[1], v[2]};
   }
-  /// Separated by blanks.
+  /// Returns values separated by blanks.
   template <class T>
   std::vector<T> values(const char* key) const {
     std::vector<T> out;
@@ -56,9 +57,9 @@ class SceneAttributes {
   std::vector<Hash128> hashes(const char* key) const;
   Hash128 hash(const char* key) const;
 
-  /// Attributes that are not among `known` or stand there twice, elements that are not among `known_elements`, and text
-  /// between elements.
-  /// Range  at most 64 of `known`.
+  /// Returns faults for attributes that are not in `known` or occur twice, for elements that are not in
+  /// `known_elements`, and for text between elements.
+  /// Range   `known` has at most 64 names.
   std::vector<SceneFault> unknown_parts(std::span<const std::string_view> known,
                                         std::span<const std::string_view> known_elements) const;
 

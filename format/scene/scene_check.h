@@ -1,4 +1,4 @@
-/// Whether a scene.xml agrees with itself: what can be known without its shards.
+/// Checks of a scene.xml's consistency that need no shards.
 #pragma once
 
 #include <span>
@@ -9,24 +9,27 @@
 
 namespace gigabake {
 
-/// Cells are windows of one lattice: no two have one name, file or place, nor have two parents of one level. Cost  one
-/// pass.
+/// Checks that cells are windows of one lattice: no two have the same name, file or position, and no two overviews the
+/// same level and position.
+/// Cost    One pass.
 std::vector<SceneFault> faults_of_places(const std::vector<SceneCell>& cells,
                                          const std::vector<SceneCell>& parents = {});
 
-/// Parents that do not stand in the smallest page whose block they lie in, or are not of the tiers, if there are any.
-/// outer: the page's own block; null of scene.xml, where the parents of the highest tier stand.
+/// Checks that each overview is listed in the smallest page whose block contains it, and that it belongs to one of
+/// `tiers`, if there are any.
+/// outer: the page's own block; null for scene.xml, which lists the overviews of the highest level.
 std::vector<SceneFault> faults_of_parent_places(const ScenePage& page, const LatticeBlock* outer,
                                                 std::span<const TierShape> tiers);
 
-/// Of what scene.xml itself lists: cells, or the references to pages; and parents. Then its totals, where it has any.
+/// Checks what scene.xml itself lists: cells or page references, and overviews; then its totals, if it has any.
 std::vector<SceneFault> faults_of_listed(const SceneReading& reading);
 
-/// Cells that overlap another of `all` without standing at the same place; of a pair the first is named.
-/// block: only those that begin in it are named, if it is one.
+/// Returns cells that overlap another cell of `all` at a different position. Names the first cell of each pair.
+/// block: if not null, only cells that begin in it are named.
 std::vector<SceneFault> overlaps_of_cells(const std::vector<SceneCell>& all, const LatticeBlock* block = nullptr);
 
-/// `Parameters` are those of a bake, and of this scene; the size of cells is that of scene.xml's totals or cells.
+/// Checks that `Parameters` are valid and match the scene. The size of cells is taken from the cells or from the pages'
+/// totals.
 std::vector<SceneFault> faults_of_parameters(const SceneReading& reading);
 
 }  // namespace gigabake

@@ -1,4 +1,5 @@
-/// The checksum that the text of a scene.xml or of a page carries: XXH3-128 with zeros in place of its own digits.
+/// The checksum in the text of a scene.xml or of a page: XXH3-128 of the text with zeros in place of the checksum's
+/// digits.
 #pragma once
 
 #include <string>
@@ -9,20 +10,22 @@
 
 namespace gigabake {
 
-/// Range   The `Checksum` that counts is the first of the text, as the writer makes it.
+/// The checksum of a text, computed and compared.
+/// Range   The first `Checksum` of the text counts; the writer puts it there.
 struct TextChecksum {
-  Hash128 value;         ///< of the text; zero where it has no `Checksum`
-  bool is_said = false;  ///< and the text says it
+  Hash128 value;         ///< hash of the text; zero if it has no `Checksum`
+  bool is_said = false;  ///< the text states the same value
 };
 TextChecksum checksum_of(std::string_view text);
 
-/// A text that says its checksum.
+/// A text that contains its checksum.
 struct SummedText {
   std::string text;
   Hash128 checksum;
 };
 
-/// The text with the `Checksum` that belongs to it, in place of the one that it has. Without one it stays as it is.
+/// Returns the text with the correct `Checksum` in place of the existing value. Returns a text without `Checksum`
+/// unchanged.
 SummedText summed(std::string text);
 inline std::string with_checksum(std::string text) { return summed(std::move(text)).text; }
 

@@ -21,7 +21,7 @@ std::optional<double> parsed_number(const std::string& text) {
   return error == std::errc() && end == text.data() + text.size() ? std::optional(v) : std::nullopt;
 }
 
-/// Of names that messages quote: those of a bake have at most 128 bytes.
+/// Returns whether a name is short enough to be quoted in messages. Names written by a bake have at most 128 bytes.
 bool is_short_line(std::string_view text) {
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
   return !text.empty() && text.size() <= 128 && std::none_of(text.begin(), text.end(), is_control);
@@ -41,7 +41,7 @@ std::string read_file_name(const SceneAttributes& a, const char* key) {
   return file;
 }
 
-/// The window and the levels of a cell or a parent.
+/// Reads the window and the levels of a cell or an overview.
 void read_place(const SceneAttributes& a, SceneCell& c, int version) {
   c.lattice_min = a.triple<std::int64_t>("LatticeMin");
   c.cell_voxels = a.value<std::uint32_t>("CellVoxels");
@@ -91,7 +91,7 @@ PageReference read_reference(const SceneAttributes& a, int version) {
   return r;
 }
 
-/// Goes through the elements of one document.
+/// Reads the elements of one document.
 class ContentReader {
  public:
   ContentReader(const std::filesystem::path& file, const SceneHeader& header, int version,
@@ -143,7 +143,7 @@ class ContentReader {
     faults(a.unknown_parts(known, {}));
   }
 
-  /// The sphere around a window follows from it.
+  /// Checks the bounding sphere, which follows from the window.
   void check_sphere(const SceneAttributes& a, const LatticeBox& window) {
     const char* const centre[3] = {"CenterX", "CenterY", "CenterZ"};
     double square = 0;
@@ -157,7 +157,7 @@ class ContentReader {
     check_number(a, "Radius", std::sqrt(square) / 2, std::sqrt(square));
   }
 
-  /// size: of the numbers that it was made of; what is lost in them may differ.
+  /// Checks a number up to rounding. `size` is the magnitude of the numbers that it was computed from.
   void check_number(const SceneAttributes& a, const char* key, double expected, double size) {
     const auto said = a.has(key) ? parsed_number(a.text(key)) : std::nullopt;
     if (!said || !(std::fabs(*said - expected) <= 1e-12 * size))

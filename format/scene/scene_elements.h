@@ -1,4 +1,4 @@
-/// The elements of a scene.xml and of its pages, one by one: cells, references to pages, totals.
+/// Reading of the elements of a scene.xml and of its pages: cells, page references, totals.
 #pragma once
 
 #include <span>
@@ -11,42 +11,44 @@
 
 namespace gigabake {
 
-/// What a group lists.
+/// The content of a group.
 struct GroupContent {
   std::vector<SceneCell> cells, parents;
   std::vector<PageReference> pages;
   std::vector<SceneLoss> losses;
-  std::vector<SceneFault> faults;  ///< what no voxel depends on
+  std::vector<SceneFault> faults;  ///< faults that do not affect any voxel
 };
 
-/// Below `group`, and in groups that stand in it; `known` are the attributes that these may have. header: its voxel
-/// size and lattice are looked at. Errors  InputError: an element that says where or what voxels are misses that, or
-/// says it wrongly.
+/// Reads the elements of `group` and of groups nested in it. `known` lists the attributes that these groups may have.
+/// Uses the voxel size and lattice of `header`.
+/// Errors  InputError: an element lacks an attribute that determines voxels or their positions, or has it malformed.
 GroupContent read_content(const std::filesystem::path& file, pugi::xml_node group, const SceneHeader& header,
                           int version, std::span<const std::string_view> known);
 
-/// The one OctTreeGroup of a document; others beside it are faults. Errors  InputError: there is none.
+/// Returns the OctTreeGroup of a document. Any further one is a fault.
+/// Errors  InputError: there is none.
 pugi::xml_node root_of(const std::filesystem::path& file, const pugi::xml_document& document,
                        std::vector<SceneFault>& faults);
 
-/// Errors (all)  InputError, as above.
-/// Before version 5 without parents.
+/// Reads the totals of a group. Before version 5 they have no overviews.
+/// Errors  InputError: an attribute is missing or malformed (also from the two functions below).
 SceneTotals read_totals(const SceneAttributes& a, int version);
 LatticeBlock read_block(const SceneAttributes& a);
-/// Voxel size, lattice and channels.
+/// Reads voxel size, lattice and channels.
 void read_lattice(const SceneAttributes& a, SceneHeader& header);
 
-/// What readers of the thesis's schema look at in a root, and ours do not; `known` are the attributes that may be
-/// there.
+/// Returns faults of the root attributes that readers of the thesis's schema use and ours do not, and of attributes
+/// that are not in `known`.
 std::vector<SceneFault> faults_of_root(const SceneAttributes& root, std::span<const std::string_view> known);
 
-/// The names of a group's totals, and then those of `others`.
+/// Returns the attribute names of a group's totals, appended to `others`.
 std::vector<std::string_view> with_totals(std::vector<std::string_view> others);
 
-/// Blocks of pages that are not of one size, stand twice, or do not lie in `outer`, the group's own, if it has one.
+/// Returns faults of pages' blocks: different sizes, duplicates, or blocks outside of `outer`, the group's own block,
+/// if it has one.
 std::vector<SceneFault> faults_of_blocks(const std::vector<PageReference>& pages, const LatticeBlock* outer);
 
-/// What `said` says otherwise than `are`, by attribute.
+/// Returns the attributes in which the stored totals `said` differ from the computed totals `are`.
 std::vector<SceneFault> faults_of_totals(const SceneTotals& said, const SceneTotals& are, const std::string& element);
 
 }  // namespace gigabake

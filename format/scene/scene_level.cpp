@@ -14,7 +14,7 @@
 namespace gigabake {
 namespace {
 
-/// Visits the 8^down bricks of a level that a constant node `down` levels above stands for.
+/// Visits the 8^down bricks that a constant node represents `down` levels below its own.
 void visit_constant(const NodeTable& nodes, std::size_t node, int down, const LevelIndex& cell,
                     const VisitBrick& visit) {
   const std::uint32_t v = nodes.value[node];
@@ -36,7 +36,7 @@ std::uint64_t voxels_in(const DenseBrick& brick) {
   return voxels;
 }
 
-/// Hands each voxel of a brick that stands off the blocks to the part of its block.
+/// Distributes the voxels of a brick that is not aligned with the blocks to one part per block.
 void visit_parts(const LevelIndex& lowest, const DenseBrick& brick, const VisitBrick& visit) {
   std::map<LevelIndex, DenseBrick> parts;
   for (std::size_t voxel = 0; voxel < brick_voxels; ++voxel) {
@@ -101,7 +101,7 @@ std::uint64_t voxels_of_level(const PagedScene& scene, int lod) {
   const SceneTotals& totals = scene.totals();
   if (totals.cells == 0) return 0;
   std::size_t levels = totals.voxels.size();
-  // Without overviews, a scene of several sizes of cells has its highest levels only in some of them.
+  // Without overviews, the highest levels of a scene with several cell sizes exist only in some cells.
   if (totals.parents == 0 && totals.cell_voxels == 0)
     scene.for_each_cell([&](const SceneCell& c) { levels = std::min(levels, std::size_t(c.lods)); });
   if (lod < 0 || std::size_t(lod) >= levels)

@@ -12,15 +12,16 @@
 
 namespace gigabake {
 
-/// Place of a voxel, or of a brick's lowest voxel, on the lattice of its level: voxels of 2^lod from the lattice's
-/// 0,0,0.
+/// Position of a voxel, or of a brick's lowest voxel, on the lattice of its level: in voxels of 2^lod from the
+/// lattice's 0,0,0.
 using LevelIndex = std::array<std::int64_t, 3>;
 
 /// Voxel (x, y, z) is bit x + 8y of mask[z] and element x + 8y + 64z.
 struct DenseBrick {
   std::array<std::uint64_t, 8> mask{};
   std::array<std::array<std::uint8_t, 4>, brick_voxels> rgba{};   ///< zero where there is no voxel
-  std::array<std::array<std::int8_t, 2>, brick_voxels> normal{};  ///< zero there, and where the shard has no normals
+  std::array<std::array<std::int8_t, 2>, brick_voxels> normal{};  ///< zero where there is no voxel or the shard has no
+                                                                  ///< normals
 
   bool has(std::size_t voxel) const { return (mask[voxel >> 6] >> (voxel & 63) & 1) != 0; }
   void set(std::size_t voxel, const std::uint8_t* colour, const std::int8_t* oct);
@@ -28,8 +29,8 @@ struct DenseBrick {
 
 using VisitBrick = std::function<void(const LevelIndex& lowest, const DenseBrick& brick)>;
 
-/// Each brick of one shard's level once, in the nodes' order; those that stand for a larger constant node too.
-/// `lowest` is rounded down where the cell's coarse levels stand off the lattice.
+/// Visits each brick of one level of a shard once, in the nodes' order, including bricks that represent a part of a
+/// larger constant node. `lowest` is rounded down if the cell's coarse levels are not aligned with the lattice.
 void for_each_dense_brick(const ShardHeader& header, const NodeTable& nodes, const BrickLevel& level, int lod,
                           const VisitBrick& visit);
 
@@ -40,34 +41,35 @@ struct ReadLevel {
   BrickLevel level;
 };
 
-/// Reads a level of the scene from one of its shards. lod: of the scene.
-/// Errors  InputError: a shard that is missing, damaged or not the scene's, or whose voxels do not have the content
-/// hash
-///         that scene.xml says.
+/// Reads a level of the scene from one of its shards. `lod` is the scene's level.
+/// Errors  InputError: the shard is missing, damaged, not part of the scene, or its voxels do not match the content
+///         hash in scene.xml.
 ReadLevel read_level(const PagedScene& scene, const SceneCell& shard, int lod);
 
-/// Visits the shards that a level consists of: cells, or overviews for the levels above the cells'.
+/// Visits the shards that contain a level: cells, or overviews for levels above those of the cells.
 void for_each_shard_of_level(const PagedScene& scene, int lod, const PagedScene::VisitCell& visit);
 
-/// The voxels of a scene's level, from its totals.
-/// Errors  InputError: there is no such level, or not everywhere; names those that there are.
+/// Returns the number of voxels of a scene's level, from its totals.
+/// Errors  InputError: the level does not exist, or not everywhere; names the existing levels.
 std::uint64_t voxels_of_level(const PagedScene& scene, int lod);
 
-/// A scene, and how many voxels one of its levels has.
+/// A scene and the number of voxels of one of its levels.
 struct SceneLevel {
   PagedScene scene;
   std::uint64_t voxels = 0;
 };
 
-/// What an export of a level begins with. Errors  InputError: scene.xml cannot be read; voxels_of_level().
+/// Opens a scene to export one of its levels.
+/// Errors  InputError: scene.xml cannot be read, or see voxels_of_level().
 SceneLevel open_scene_level(const std::filesystem::path& scene_xml, int lod);
 
-/// Shard by shard; advances by voxels. Cost  One page of the scene and one level of one shard in memory.
-/// Errors  InputError: read_level(). Stopped.
+/// Visits the bricks shard by shard. Progress advances by voxels.
+/// Cost    One page of the scene and one level of one shard in memory.
+/// Errors  InputError: see read_level(). Stopped.
 void for_each_dense_brick(const PagedScene& scene, int lod, const VisitBrick& visit, const Progress& progress = {});
 
-/// The same voxels cut along the lattice's own blocks of 8³ voxels: `lowest` is a multiple of 8 on each axis. A block
-/// that several bricks reach into is visited once for each, with other voxels every time.
+/// Visits the same voxels in the lattice's own blocks of 8³ voxels: `lowest` is a multiple of 8 on each axis. A block
+/// that several bricks overlap is visited once per brick, each time with other voxels.
 void for_each_block_part(const PagedScene& scene, int lod, const VisitBrick& visit, const Progress& progress = {});
 
 }  // namespace gigabake

@@ -22,7 +22,7 @@ std::span<const std::string_view> known_of_page() {
   return known;
 }
 
-/// What makes a page another one than its reference means. The answer is its version.
+/// Checks that the page is the one that its reference describes. Returns its version.
 int expect_page_of(const std::filesystem::path& path, const SceneAttributes& a, const SceneHeader& header,
                    const PageReference& reference) {
   const int version = a.value<int>("Version");
@@ -49,7 +49,7 @@ SceneTotals sum_of(const ScenePage& page) {
   return sum;
 }
 
-/// What a page lists against what it says of that.
+/// Returns the differences between a page's content and its reference.
 std::vector<SceneFault> contradictions_of(const ScenePage& page, const PageReference& reference,
                                           const SceneHeader& header) {
   std::vector<SceneFault> all = faults_of_totals(reference.totals, sum_of(page), "OctTreeGroup");

@@ -13,7 +13,8 @@
 
 namespace gigabake {
 
-/// A cube of the lattice that a page is of. Range  edge is a power of two, min a multiple of it.
+/// The lattice cube of a page.
+/// Range   edge is a power of two, min a multiple of it.
 struct LatticeBlock {
   std::array<std::int64_t, 3> min{};
   std::int64_t edge = 0;
@@ -22,29 +23,29 @@ struct LatticeBlock {
   friend bool operator==(const LatticeBlock&, const LatticeBlock&) = default;
 };
 
-/// The block of that edge that holds a voxel.
+/// Returns the block of that edge that contains a voxel.
 LatticeBlock block_around(const std::array<std::int64_t, 3>& voxel, std::int64_t edge);
-/// With all of its window. No two blocks of a group do.
+/// Returns whether the shard's whole window lies in the block. At most one block of a group contains it.
 bool lies_in(const SceneCell& shard, const LatticeBlock& block);
 
-/// What the group above says of a page.
+/// A page as described by the group above it.
 struct PageReference {
   std::string file;  ///< relative to the scene.xml
   Hash128 checksum;
   LatticeBlock block;
-  std::uint64_t groups = 0;  ///< pages right below it; 0: it lists cells
+  std::uint64_t groups = 0;  ///< number of pages directly below; 0: the page lists cells
   SceneTotals totals;
 };
 
-/// Cells or pages, not both. The latter are sorted by their block's z, y, x, cells by their lattice_min's.
+/// Either cells or pages, not both. Pages are sorted by z, y, x of their blocks, cells by z, y, x of lattice_min.
 struct ScenePage {
   std::vector<SceneCell> cells;
   std::vector<PageReference> pages;
-  std::vector<SceneCell> parents;  ///< each in the smallest page whose block it lies in, and before version 5 in none
+  std::vector<SceneCell> parents;  ///< each in the smallest page whose block contains it; before version 5 in no page
 };
 
-/// Errors  InputError: a file that is missing or damaged, or is not the page that `reference` means; `header` of the
-///         scene that it should be of.
+/// Reads a page of the scene that `header` describes.
+/// Errors  InputError: the file is missing or damaged, or is not the page that `reference` describes.
 ScenePage read_page(const std::filesystem::path& scene_xml, const SceneHeader& header, const PageReference& reference);
 
 }  // namespace gigabake

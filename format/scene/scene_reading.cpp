@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint64_t most_scene_bytes = std::uint64_t(64) << 30;
 
-/// Of the outermost group, and of those that stand in it.
+/// Returns the attributes that the outermost group and nested groups may have.
 std::span<const std::string_view> known_of_scene(int version) {
   static const std::vector<std::string_view> of_all = {
       "Version",       "Compressed",   "BrickXSize", "BrickYSize", "BrickZSize", "Generator",  "VoxelSize",
@@ -34,7 +34,7 @@ std::span<const std::string_view> known_of_scene(int version) {
   return std::span(of_all).first(version == 2 ? of_all.size() : of_all.size() - 4);
 }
 
-/// Reads one document, and collects what is wrong with it besides.
+/// Reads one document and collects its faults.
 class SceneReader {
  public:
   SceneReader(const std::filesystem::path& file, SceneReading& reading) : file_(file), reading_(reading) {}

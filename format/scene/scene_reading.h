@@ -1,5 +1,5 @@
-/// A scene.xml as it stands there: what it says, and what is wrong with it as a text. verify names all of that;
-/// read_scene() refuses what a reader of voxels must not believe.
+/// The raw content of a scene.xml and the faults of its text. verify reports all faults; read_scene() rejects those
+/// that would make voxels wrong.
 #pragma once
 
 #include <cstdint>
@@ -16,14 +16,14 @@ namespace gigabake {
 
 inline constexpr int newest_scene_version = 5;
 
-/// Something in a scene.xml that is not as it should be.
+/// A fault in a scene.xml.
 struct SceneFault {
   std::string key, message;                  ///< key: element and attribute
-  std::optional<std::uint64_t> byte_offset;  ///< where the element stands
+  std::optional<std::uint64_t> byte_offset;  ///< position of the element
 };
 InputError error_of(const std::filesystem::path& file, const SceneFault& fault);
 
-/// What the root says of all cells and parents.
+/// Stored summary of all cells and overviews, in the root.
 struct SaidTotals {
   std::uint64_t cells = 0;
   std::vector<std::uint64_t> voxels;  ///< per lod
@@ -32,26 +32,28 @@ struct SaidTotals {
 };
 
 struct SceneReading {
-  SceneDescription scene;            ///< with the cells and parents that scene.xml itself lists
-  std::vector<PageReference> pages;  ///< in place of cells
+  SceneDescription scene;            ///< cells and overviews that scene.xml itself lists
+  std::vector<PageReference> pages;  ///< instead of cells
   int version = newest_scene_version;
-  std::optional<SaidTotals> said;     ///< nothing in version 1
-  std::optional<SceneTotals> totals;  ///< all that versions from 3 on say
-  /// Parts that we do not know or miss, though no voxel depends on them; a checksum that is wrong.
+  std::optional<SaidTotals> said;     ///< empty in version 1
+  std::optional<SceneTotals> totals;  ///< stored by version 3 and later
+  /// Unknown or missing parts that affect no voxel; a wrong checksum.
   std::vector<SceneFault> faults;
 };
 
-/// Errors  InputError: not XML, unknown version; an attribute that says where or what voxels are is missing or
+/// Reads scene.xml without its pages.
+/// Errors  InputError: not XML; unknown version; an attribute that determines voxels or their positions is missing or
 ///         malformed; shard paths leave the folder.
 SceneReading read_scene_text(const std::filesystem::path& path);
 
-/// A page as it stands there.
+/// The raw content of a page.
 struct PageReading {
   ScenePage page;
-  std::vector<SceneFault> faults;          ///< as SceneReading::faults
-  std::vector<SceneFault> contradictions;  ///< what read_page() refuses
+  std::vector<SceneFault> faults;          ///< see SceneReading::faults
+  std::vector<SceneFault> contradictions;  ///< faults that read_page() rejects
 };
-/// Errors  InputError: as read_page(), but for contradictions.
+/// Reads a page.
+/// Errors  InputError: see read_page(), except for contradictions.
 PageReading read_page_text(const std::filesystem::path& scene_xml, const SceneHeader& header,
                            const PageReference& reference);
 

@@ -1,4 +1,4 @@
-/// The text of a scene.xml or of one of its pages, parsed, and its checksum.
+/// The parsed text of a scene.xml or of one of its pages, and its checksum.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +12,14 @@ namespace gigabake {
 
 class SceneText {
  public:
-  /// Errors  InputError: no such file, larger than most_bytes, not XML.
+  /// Errors  InputError: the file is missing, larger than most_bytes, or not XML.
   SceneText(const std::filesystem::path& path, std::uint64_t most_bytes);
 
   const pugi::xml_document& document() const { return document_; }
   const TextChecksum& checksum() const { return checksum_; }
 
  private:
-  std::vector<std::uint8_t> bytes_;  ///< the document stands in them
+  std::vector<std::uint8_t> bytes_;  ///< backs the document, which was parsed in place
   pugi::xml_document document_;
   TextChecksum checksum_;
 };

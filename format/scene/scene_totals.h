@@ -1,4 +1,4 @@
-/// Sums over cells and parents: of a scene, or of one of its pages.
+/// Sums over the cells and overviews of a scene or of one of its pages.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,8 @@
 
 namespace gigabake {
 
-/// What the cells and parents say of themselves. Per lod of the lattice, up to the highest that any of them has.
+/// Sums of the values that cells and overviews record. Vectors are per lod of the lattice, up to the highest of any
+/// shard.
 struct SceneTotals {
   SceneTotals() = default;
   explicit SceneTotals(const std::vector<SceneCell>& cells);
@@ -24,10 +25,10 @@ struct SceneTotals {
   std::uint64_t cells = 0, parents = 0, bytes = 0;
   std::vector<std::uint64_t> voxels;
   std::vector<Hash128> content_hash;
-  std::vector<std::uint64_t> level_bytes;  ///< empty where a cell or a parent lacks it
-  std::uint64_t node_bytes = 0;            ///< 0 where one lacks it
-  std::uint32_t cell_voxels = 0;           ///< of all cells; 0 where they have several
-  LatticeBox window;                       ///< of all cells; empty where there are none
+  std::vector<std::uint64_t> level_bytes;  ///< empty if a cell or an overview lacks it
+  std::uint64_t node_bytes = 0;            ///< 0 if a cell or an overview lacks it
+  std::uint32_t cell_voxels = 0;           ///< of all cells; 0 if cells have several sizes
+  LatticeBox window;                       ///< of all cells; empty if there are none
 };
 
 }  // namespace gigabake

@@ -1,4 +1,4 @@
-/// Whether a shard is the one that its scene means.
+/// Checks that a shard is the one that its scene describes.
 #pragma once
 
 #include <filesystem>
@@ -11,21 +11,22 @@
 
 namespace gigabake {
 
-/// An attribute that differs, and in what.
+/// An attribute that differs, and the two values.
 struct HeaderDifference {
   std::string attribute, what;
 };
 
-/// Empty where the header is what `scene` says of `cell`.
+/// Returns the differences between the header and the scene's entry for `cell`; empty if they match.
 std::vector<HeaderDifference> differences_from_scene(const ShardHeader& header, const SceneHeader& scene,
                                                      const SceneCell& cell);
 
-/// Errors  InputError: the first difference, and what to do.
+/// Checks that the header matches the scene's entry for `cell`.
+/// Errors  InputError: the first difference and the remedy.
 void expect_shard_of_scene(const std::filesystem::path& shard, const ShardHeader& header, const SceneHeader& scene,
                            const SceneCell& cell);
 
-/// The shard of a cell, open: the way for everybody who reads voxels of a scene.
-/// Errors  InputError: no such file, not a shard, not the one that the scene means.
+/// Opens the shard of a cell. All code that reads voxels of a scene must use it.
+/// Errors  InputError: the file is missing, not a shard, or not the shard that the scene describes.
 ShardReader open_shard_of_scene(const std::filesystem::path& scene_xml, const SceneHeader& scene,
                                 const SceneCell& cell);
 

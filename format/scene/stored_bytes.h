@@ -1,4 +1,4 @@
-/// What the columns of a scene's shards take, for scenes of before version 3, whose totals do not say it.
+/// Sizes of the columns of a scene's shards, for scenes before version 3, whose totals lack them.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,9 @@ struct StoredBytes {
   std::uint64_t of_nodes = 0;
 };
 
-/// Cost    Opens every shard, reads no voxels. Errors  InputError: a shard is missing or damaged.
+/// Sums the sizes of all shards.
+/// Cost    Opens every shard; reads no voxels.
+/// Errors  InputError: a shard is missing or damaged.
 StoredBytes stored_bytes(const PagedScene& scene, const Progress& progress = {});
 
 }  // namespace gigabake

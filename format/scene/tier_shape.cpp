@@ -19,40 +19,41 @@ constexpr int most_window_bits = 31;
 
 TierShape shape_of(const SceneCell& parent) { return {parent.first_lod, parent.copied_lods, parent.lods}; }
 
-/// Below the root, windows are multiples of their edge.
+/// Returns whether the overview's corner is a multiple of `grid`, as for all windows below the root.
 bool is_on_grid(const SceneCell& parent, std::int64_t grid) {
   return std::ranges::all_of(parent.lattice_min, [grid](std::int64_t v) { return v % grid == 0; });
 }
 
-/// A window that has the levels of the tier, at a place where the tier has one.
+/// Returns whether the window has the levels of the overview level and a valid position.
 bool is_of_tier(const SceneCell& parent, const TierShape& tier, bool is_root) {
   const std::int64_t edge = std::int64_t(1) << tier.window_bits();
   return shape_of(parent) == tier && parent.cell_voxels == edge && is_on_grid(parent, is_root ? edge / 2 : edge);
 }
 
-/// By the corners of their windows.
+/// The overviews of one level, by the corners of their windows.
 using Tier = std::set<Corner>;
 
-/// Whether a window of the tier holds the voxel. is_alone: there is one, which need not lie on the grid of its edge.
+/// Returns whether a window of the level contains the voxel. is_alone: the level has one window, which need not be
+/// aligned to its edge.
 bool has_around(const Tier& tier, const TierShape& shape, bool is_alone, const Corner& voxel) {
   const std::int64_t edge = std::int64_t(1) << shape.window_bits();
   return is_alone ? LatticeBlock{*tier.begin(), edge}.box().holds(voxel) : tier.contains(block_around(voxel, edge).min);
 }
 
-/// Each parent lies in one above it.
+/// Returns whether each overview lies in one of the next higher level.
 bool lies_below(const Tier& tier, const TierShape& above_shape, const Tier& above, bool above_is_root) {
   return std::ranges::all_of(
       tier, [&](const Corner& corner) { return has_around(above, above_shape, above_is_root, corner); });
 }
 
-/// Where a cell or a parent is lost, so may be parents that nobody names: all that waited for it.
+/// Returns whether overviews may be missing without a record: those that depended on a lost cell or overview.
 bool may_lack_parents(const SceneHeader& scene) {
   return std::ranges::any_of(scene.losses, [](const SceneLoss& loss) {
     return loss.name.starts_with("parent ") || loss.name.starts_with("cell ");
   });
 }
 
-/// Every parent's own lod is that of a tier, each tier's shape the same for all of it; empty otherwise.
+/// Returns the overview levels by native lod. Returns none if two overviews of the same lod differ in shape.
 std::map<std::uint32_t, TierShape> shapes_by_lod(std::span<const SceneCell> parents) {
   std::map<std::uint32_t, TierShape> shapes;
   for (const SceneCell& parent : parents)

@@ -1,5 +1,5 @@
-/// The levels above the cells as scene.xml says them: tiers of parents side by side, up to one root
-/// (scheduler/parents.h). Who knows the tiers finds a parent without having seen the others.
+/// The overview levels of a scene as scene.xml lists them: each level consists of overviews of one size, up to one root
+/// (scheduler/parents.h). They determine where overviews are, without listing the overviews.
 #pragma once
 
 #include <cstdint>
@@ -13,29 +13,31 @@
 
 namespace gigabake {
 
-/// Calls what it is given for each cell.
+/// Calls its argument for each cell.
 using CellWalk = std::function<void(const std::function<void(const SceneCell&)>&)>;
 
-/// From the cells upwards. Nothing where not all of a scene hangs from one root: no parents, or parents that are
-/// missing, overlap or are of no such shape; or where a cell has none, which is looked at if the scene says that a
-/// shard is lost.
-/// Cost  Looks at all parents, and where a shard is lost at all cells.
+/// Returns the overview levels from the cells up. Returns none unless all cells have one common root: no overviews;
+/// overviews that are missing, overlap, or differ in shape; or a cell without one. Cells are only checked if the scene
+/// records a lost shard.
+/// Cost    One pass over all overviews, and over all cells if a shard is lost.
 std::vector<TierShape> tiers_of(std::span<const SceneCell> parents, const SceneHeader& header,
                                 std::uint32_t cell_voxels, const CellWalk& for_each_cell);
 std::vector<TierShape> tiers_of(const SceneDescription& scene, std::uint32_t cell_voxels);
 
-/// A cell may reach into two blocks of the lowest tier. Where its voxels all lie in one of them, the other may be empty
-/// and then has no parent: nobody knows without the shard.
+/// The part of a cell that must lie below overviews. A cell may overlap two blocks of the lowest overview level. If all
+/// its voxels lie in one block, the other may be empty and have no overview; only the shard's voxels could tell.
 enum class CellPart { all, some };
 
-/// Whether so much of each cell lies below parents of the lowest tier, of which `parents` are all.
+/// Returns whether that part of each cell lies below overviews of the lowest level. `parents` are all overviews of that
+/// level.
 bool hold_cells(CellPart part, std::span<const SceneCell> parents, const TierShape& lowest,
                 const CellWalk& for_each_cell);
 
-/// What is wrong with tiers that somebody says a scene has; nothing where there can be such.
+/// Returns what is wrong with the overview levels listed for a scene; nullopt if they are valid.
 std::optional<std::string> fault_of_tiers(std::span<const TierShape> tiers, std::uint32_t cell_voxels);
 
-/// What is wrong with a parent, which should be of one of the tiers; nothing where there are none.
+/// Returns what is wrong with an overview that should belong to one of the levels; nullopt if nothing is wrong or
+/// `tiers` is empty.
 std::optional<std::string> fault_in_tiers(const SceneCell& parent, std::span<const TierShape> tiers);
 
 }  // namespace gigabake

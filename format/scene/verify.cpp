@@ -20,7 +20,7 @@
 namespace gigabake {
 namespace {
 
-/// Collects what is wrong with one file.
+/// Collects the faults of one file.
 class Faults {
  public:
   explicit Faults(std::filesystem::path file) : file_(std::move(file)) {}
@@ -45,7 +45,7 @@ void check_voxels(const Shard& shard, const SceneCell& cell, Faults& faults) {
   }
 }
 
-/// Nothing where the shard is damaged; then every damaged dataset is listed, or else the rule that is broken.
+/// Returns nullopt if the shard is damaged. Then lists every damaged dataset or, if all are readable, the broken rule.
 std::optional<Shard> read_whole(const ShardReader& reader, Faults& faults) {
   try {
     return reader.all();
@@ -93,7 +93,7 @@ void add_lines(std::vector<std::string> lines, std::vector<std::string>& to) {
 
 std::uint64_t hash_of_name(const SceneCell& cell) { return std::hash<std::string>()(cell.name); }
 
-/// One verification: its pages one after the other, the cells of a page, as the parents, on all threads.
+/// One verification. Pages are checked one after the other; the cells of a page and the overviews use all threads.
 class SceneVerification {
  public:
   SceneVerification(const std::filesystem::path& scene_xml, int threads, const Progress& progress,
@@ -125,20 +125,20 @@ class SceneVerification {
   }
 
  private:
-  /// With all parents in memory, a few for every hundred cells.
+  /// Holds all overviews in memory: a few per hundred cells.
   void check_above() {
     std::vector<SceneCell> parents;
     try {
       parents = pages_->parents();
       check_tiers(parents);
     } catch (const InputError&) {
-      return;  // A page is damaged, which is said where it is checked itself.
+      return;  // A page is damaged; the check of that page reports it.
     }
     if (check_parent_) check_parents(parents);
   }
 
-  /// Viewers find overviews by ParentTiers alone, and without it by listing all cells: it must be there whenever all
-  /// cells have one root, and be right.
+  /// Checks ParentTiers. Viewers find overviews by it, and without it only by listing all cells. It must therefore
+  /// exist whenever all cells have one root, and be correct.
   void check_tiers(const std::vector<SceneCell>& parents) {
     if (version_ < 5) return;
     const CellWalk walk = [this](const auto& visit) { pages_->for_each_cell(visit); };
@@ -165,7 +165,7 @@ class SceneVerification {
     }
     add_lines(lines_of(path, reading.faults), result_.faults);
     add_lines(lines_of(path, reading.contradictions), result_.faults);
-    if (!reading.contradictions.empty()) return;  // what is below may lead anywhere
+    if (!reading.contradictions.empty()) return;  // references below may lead to wrong files
     check_overlaps(path, reference);
     for (const auto& shards : {&reading.page.cells, &reading.page.parents}) {
       check_cells(*shards);
@@ -174,18 +174,18 @@ class SceneVerification {
     for (const PageReference& below : reading.page.pages) check_page(below);
   }
 
-  /// With cells of other pages too: a cell may reach out of its block.
+  /// Includes cells of neighbouring pages, because a cell may extend beyond its block.
   void check_overlaps(const std::filesystem::path& path, const PageReference& page) {
     if (!pages_ || page.groups != 0) return;
     try {
       const std::vector<SceneCell> near = pages_->cells_in(page.totals.window);
       add_lines(lines_of(path, overlaps_of_cells(near, &page.block)), result_.faults);
     } catch (const InputError&) {
-      // A neighbouring page is damaged, which is said where it is checked itself.
+      // A neighbouring page is damaged; the check of that page reports it.
     }
   }
 
-  /// Over pages; within one they are known to differ.
+  /// Finds duplicate names across pages. Names within one page were compared before.
   void check_names() {
     std::sort(names_.begin(), names_.end());
     std::vector<std::uint64_t> twice;
@@ -214,9 +214,9 @@ class SceneVerification {
     }
   }
 
-  /// Each with those of the level right below its own: cells, or the parents of one tier.
+  /// Checks each overview with the shards directly below it: cells, or the overviews of one level.
   void check_parents(const std::vector<SceneCell>& parents) {
-    std::map<std::uint32_t, std::vector<SceneCell>> tiers;  // by the level above their coarsest
+    std::map<std::uint32_t, std::vector<SceneCell>> tiers;  // key: the lod above their coarsest level
     for (const SceneCell& parent : parents) tiers[parent.first_lod + parent.lods].push_back(parent);
     std::map<std::uint32_t, CellFinder> finders;
     for (const auto& [lod, tier] : tiers) finders.emplace(lod, CellFinder(tier));
@@ -238,7 +238,7 @@ class SceneVerification {
     for (std::vector<std::string>& lines : of_parent) add_lines(std::move(lines), result_.faults);
   }
 
-  /// Nothing where a page is damaged, which is named where it is checked itself.
+  /// Returns nullopt if a page is damaged; the check of that page reports it.
   std::optional<std::vector<SceneCell>> cells_below(const SceneCell& parent) const {
     try {
       return pages_->cells_in(window_of(parent));
@@ -253,8 +253,8 @@ class SceneVerification {
   const ParentCheck& check_parent_;
   SceneHeader header_;
   int version_ = 0;
-  std::optional<PagedScene> pages_;   ///< where scene.xml adds up
-  std::vector<std::uint64_t> names_;  ///< hashes: eight bytes a cell
+  std::optional<PagedScene> pages_;   ///< only if scene.xml is consistent
+  std::vector<std::uint64_t> names_;  ///< hashes: eight bytes per cell
   VerifyResult result_;
 };
 

@@ -1,4 +1,4 @@
-/// Is a scene whole? Every checksum, reference and invariant of its shards.
+/// Verification of a scene: every checksum, reference and invariant of its shards.
 #pragma once
 
 #include <cstdint>
@@ -15,20 +15,21 @@
 namespace gigabake {
 
 struct VerifyResult {
-  std::uint64_t cells = 0, voxels = 0, bytes = 0;  ///< as scene.xml says
-  bool has_totals = true;           ///< scene.xml says how many cells there are: without, a lost one is not seen
-  MissingData missing;              ///< as scene.xml says
+  std::uint64_t cells = 0, voxels = 0, bytes = 0;  ///< as stored in scene.xml
+  bool has_totals = true;           ///< whether scene.xml stores the number of cells; if not, a lost cell is not
+                                    ///< detected
+  MissingData missing;              ///< as stored in scene.xml
   std::vector<std::string> faults;  ///< one line each: file, dataset, what is wrong; in the scene's order
 };
 
-/// What is wrong with a parent beside its children, one line each. Called from several threads at once.
-/// children: the cells or parents right below it that its window overlaps.
+/// Returns the faults of an overview compared with its children, one line each. Must be thread-safe.
+/// children: the cells or overviews directly below it that its window overlaps.
 using ParentCheck = std::function<std::vector<std::string>(const SceneHeader& scene, const SceneCell& parent,
                                                            std::span<const SceneCell> children)>;
 
-/// Reads every shard whole and compares it with what scene.xml says, hashes of the voxels included.
-/// Cost  one read of all shards; one cell in memory for each of `threads`.
-/// Errors  InputError when scene.xml itself cannot be read; faults of shards are listed. Stopped.
+/// Reads every shard completely and compares it with scene.xml, including the hashes of its voxels.
+/// Cost    One read of all shards; one cell in memory for each of `threads`.
+/// Errors  InputError if scene.xml itself cannot be read; faults of shards are returned. Stopped.
 VerifyResult verify_scene(const std::filesystem::path& scene_xml, int threads, const Progress& progress = {},
                           const ParentCheck& check_parent = {});
 
