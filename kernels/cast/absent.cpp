@@ -1,4 +1,4 @@
-// Rays on a device in a build without nvcc: there is none.
+// Stubs of the CUDA casters for builds without nvcc.
 #ifndef GIGABAKE_HAS_CUDA
 #include "kernels/cast/caster.h"
 #include "kernels/cast/first_hit_device.h"
@@ -19,7 +19,7 @@ class CudaFirstHits::Impl {};
 CudaFirstHits::CudaFirstHits(int, const FirstHitView&) { throw CudaFailure(cuda_devices().reason); }
 CudaFirstHits::~CudaFirstHits() = default;
 
-// No object exists to call these on.
+// Unreachable: the constructor throws, so no object exists.
 void CudaFirstHits::upload(Span<const FirstHitRay>) { throw CudaFailure(cuda_devices().reason); }
 double CudaFirstHits::cast(const FirstHitCamera&, bool) { throw CudaFailure(cuda_devices().reason); }
 double CudaFirstHits::cast(bool) { throw CudaFailure(cuda_devices().reason); }

@@ -1,6 +1,6 @@
-/// What rays are cast for: an eye and its picture, the air before it, and what a screen shows of light.
+/// The camera that rays are cast for: eye and image plane, haze, clipping, and the tone curve of the screen.
 ///
-/// Space   Lod-0 voxels of the scene's lattice; distances in them too.
+/// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
 /// Exact   IEEE float, no transcendental functions: host and device return the same bits.
 #pragma once
 
@@ -11,34 +11,34 @@
 
 namespace gigabake::kernels {
 
-/// Light that reaches the eye from the air before the surface: 1 - e^(-distance · per_voxel) of it.
+/// Haze: the fraction 1 - e^(-distance · per_voxel) of the light that reaches the eye comes from the air.
 struct CastHaze {
   float rgb[3] = {0, 0, 0};
   float per_voxel = 0;
 };
 
-/// From light to what a screen shows: light · exposure as it is up to the knee; what is brighter is bent so that it
-/// stays below 1, whites beside each other differ, and there is no edge at the knee.
+/// The tone curve from light to displayed values. Up to the knee the value is light · exposure. Brighter light is
+/// compressed smoothly: it stays below 1, and different intensities remain distinguishable.
 struct CastTone {
   float exposure = 1;
-  float knee = 1;  ///< 0 to 1; 1: light beyond 1 is cut off
+  float knee = 1;  ///< 0 to 1; 1: values are not compressed, and are clamped at 1
 };
 
-/// Rises with light ≥ 0.
+/// Returns the displayed value of a light ≥ 0; increases monotonically.
 GB_HD float shown_light(const CastTone& tone, float light) {
   const float exposed = light * tone.exposure, rest = 1 - tone.knee, over = exposed - tone.knee;
   return over <= 0 || rest <= 0 ? exposed : tone.knee + rest * (over / (over + rest));
 }
 
-/// What a ray makes of what is there.
+/// The colours that a ray shows.
 enum class CastPaint : std::int32_t {
   shaded,  ///< the voxels' radiance
-  lod,     ///< one colour a level
-  cell,    ///< one colour a cell
-  waits,   ///< red where something finer was asked for
+  lod,     ///< one debug colour per level
+  cell,    ///< one debug colour per cell
+  waits,   ///< red where finer data was requested
 };
 
-/// What rays see at all: what is in the box, and where normal · p ≥ offset. Everything, as it stands here.
+/// The visible part of the scene: the box and the half-space normal · p ≥ offset. By default everything is visible.
 struct CastClip {
   double min[3] = {-double(far_voxel), -double(far_voxel), -double(far_voxel)};
   double max[3] = {double(far_voxel), double(far_voxel), double(far_voxel)};
@@ -46,10 +46,11 @@ struct CastClip {
   double offset = 0;
 };
 
-/// What stands among the voxels, a pixel of the whole picture each, row 0 the upper one; null: nothing does.
+/// Polygons between the voxels, rendered to one entry per pixel of the whole image, row 0 at the top; null: no
+/// polygons.
 struct CastPolygons {
-  const float* distance = nullptr;  ///< along the pixel's ray; CastPolygons::nowhere: nothing stands there
-  const float* rgba = nullptr;      ///< what it sends: linear RGB, premultiplied by how much of what is behind it hides
+  const float* distance = nullptr;  ///< along the pixel's ray; CastPolygons::nowhere: no polygon
+  const float* rgba = nullptr;      ///< linear RGB, premultiplied by the opacity
 
   static constexpr float nowhere = 3e38f;
 };
@@ -57,14 +58,14 @@ struct CastPolygons {
 struct CastCamera {
   double eye[3] = {};
   double forward[3] = {};            ///< unit
-  double right[3] = {}, up[3] = {};  ///< from the picture's middle to its edge, where forward ends
+  double right[3] = {}, up[3] = {};  ///< from the image's centre to its right and upper edges, at the tip of `forward`
   std::int32_t width = 0, height = 0;
-  double lod1_depth = 0;  ///< depth (along forward) from which voxels of lod 1 are at most a pixel wide; > 0
+  double lod1_depth = 0;  ///< depth (along forward) from which lod-1 voxels are at most a pixel wide; > 0
   CastHaze haze;
   CastTone tone;
   CastPaint paint = CastPaint::shaded;
   CastClip clip;
-  CastPolygons polygons;  ///< of the caster's memory; a caller's, where it starts a tile
+  CastPolygons polygons;  ///< the caster's memory; in Caster::start(), the caller's
 };
 
 }  // namespace gigabake::kernels

@@ -1,6 +1,6 @@
 /// A pixel's line of sight through a scene.
 ///
-/// Space   Lod-0 voxels of the scene's lattice; distances in them too.
+/// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
 /// Exact   IEEE double: host and device return the same bits.
 #pragma once
 
@@ -15,22 +15,22 @@
 
 namespace gigabake::kernels {
 
-/// A pixel's line of sight.
+/// A pixel's line of sight, clipped to the scene's box.
 struct CastLine {
-  double origin[3], direction[3];  ///< unit
-  float way_per_voxel[3];          ///< 1 / |direction|, and no more than 1e20
-  double enter, leave;             ///< distances between which the scene's box lies; enter > leave: misses it
+  double origin[3], direction[3];  ///< direction: unit length
+  float way_per_voxel[3];          ///< 1 / |direction| per axis, at most 1e20
+  double enter, leave;  ///< distances at which the line enters and leaves the box; enter > leave: it misses the box
   double lod1_distance;
 };
 
-/// Along an axis; d: of a unit vector.
+/// Sets one axis of the direction; d: a component of a unit vector.
 GB_HD void set_direction(CastLine& line, int axis, double d) {
   const float across = float(d < 0 ? -d : d);
   line.direction[axis] = d;
   line.way_per_voxel[axis] = across > 1e-20f ? 1 / across : 1e20f;
 }
 
-/// All bits where it goes towards lower coordinates, else none.
+/// Returns all bits set if the line runs towards lower coordinates on the axis, otherwise 0.
 GB_HD std::uint32_t backward(const CastLine& line, int axis) {
   return std::uint32_t(std::bit_cast<std::int64_t>(line.direction[axis]) >> 63);
 }
@@ -63,7 +63,7 @@ GB_HD void clip_to_plane(CastLine& line, const CastClip& clip) {
 GB_HD double larger_of(double a, double b) { return a > b ? a : b; }
 GB_HD double smaller_of(double a, double b) { return a < b ? a : b; }
 
-/// Through the middle of pixel (x, y); row 0 is the upper one.
+/// Returns the line through the centre of pixel (x, y); row 0 is the top row.
 GB_HD CastLine line_of_sight(const CastScene& scene, const CastCamera& camera, int x, int y) {
   const double sx = (2 * (x + 0.5)) / camera.width - 1, sy = 1 - (2 * (y + 0.5)) / camera.height;
   CastLine line;

@@ -1,7 +1,7 @@
-/// Where rays are cast: the pools of nodes and bricks, and a frame's rays, on the CPU or on one GPU.
+/// The ray caster's interface: the pools of nodes and bricks, and the rays of a frame, on the CPU or on one GPU.
 ///
-/// Whoever owns a Caster decides what stands in which tile, slot and place of the pool of voxels; the caster only holds
-/// it, casts, and tells what rays used and missed.
+/// The owner of a Caster allocates tiles, slots and places in the voxel pool. The caster stores the data, casts rays,
+/// and reports the data that rays used and missed.
 #pragma once
 
 #include <cstdint>
@@ -18,23 +18,23 @@
 
 namespace gigabake::kernels {
 
-/// Where a brick goes: its slot, and where in the pool of voxels its first part stands.
+/// The destination of a brick: its slot, and the place of its first part in the voxel pool.
 struct BrickPlace {
   std::uint32_t slot = 0, first = 0;
 };
 
-/// The parts of a slot go to another place in their pool.
+/// A move of a slot's parts to another place in the voxel pool.
 struct VoxelMove {
   std::uint32_t slot, from, to, count;
 };
 
-/// voxels: layers take places of that pool too.
+/// Sizes of the pools. voxels: includes the places that layers occupy.
 struct PoolSizes {
   std::uint32_t tiles = 0, slots = 0, voxels = 0;
 
-  /// Of CastMarks::wanted: 16 bits a tile.
+  /// Returns the size of CastMarks::wanted: 16 bits per tile.
   std::size_t want_words() const { return (std::size_t(tiles) + 1) / 2; }
-  /// Of the pools and their marks, on the caster's device.
+  /// Returns the size of the pools and their marks in the memory of the caster's device.
   std::uint64_t bytes() const;
 };
 
@@ -43,68 +43,74 @@ struct NodeChange {
   CastNode value;
 };
 
-/// Whether work that is under way is to end early. Asked by several threads, every millisecond or so; empty: never.
+/// Returns whether the current work should stop early. Several threads call it, about once a millisecond; empty: never
+/// stop.
 using StopAsked = std::function<bool()>;
 
-/// Errors of all members  CudaFailure, from a GPU's.
+/// Casts rays through a paged scene.
+/// Errors  CudaFailure from all members of a caster on a GPU.
 class Caster {
  public:
   virtual ~Caster() = default;
 
   virtual void put_bricks(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks) = 0;
-  /// Range  ascending, none upwards, and what they leave together has no gaps: the first goes to 0 or to where what
-  /// stays where it is ends, each other one to where the one before ends.
+  /// Moves slots' parts towards the start of the voxel pool.
+  /// Range   In ascending order; every part moves downwards, and the result has no gaps. The first move goes to 0 or to
+  ///         the end of the parts that are not moved. Each other move goes to the end of the previous one.
   virtual void move_voxels(const std::vector<VoxelMove>& moves) = 0;
-  /// Range  each node once.
+  /// Replaces nodes.
+  /// Range   Each node at most once.
   virtual void put_nodes(const std::vector<NodeChange>& changes) = 0;
 
-  /// Starts the rays of a rectangle of the picture; forgets those before. camera.polygons: borrowed until resolve().
+  /// Starts the rays of a rectangle of the image and discards previous rays. camera.polygons: borrowed until resolve().
   virtual void start(const CastCamera& camera, const CastTile& tile) = 0;
 
-  /// One pass: goes on with rays [begin, end) of the tile that are not finished. Returns how many still are not:
-  /// patient ones stop at what is not here, others end. Where `stop` ends the pass early, rays that it has not reached
-  /// stay as they were, the result is above 0, and another pass goes on with the same bits.
+  /// Casts one pass: continues the unfinished rays among rays [begin, end) of the tile. Returns the number of rays that
+  /// are still unfinished. patient: rays stop at missing data; otherwise they use coarser data and finish. If `stop`
+  /// ends the pass early, the remaining rays are unchanged and the result is above 0. Another pass then continues with
+  /// the same bits.
   virtual std::size_t cast(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) = 0;
 
-  /// Starts second rays of pixels that lie between two levels; the tile's rays are all finished. Pixels are then of
-  /// both (kernels/cast/level_blend.h).
+  /// Starts second rays for pixels between two levels. All rays of the tile must be finished. Pixels then blend both
+  /// rays (kernels/cast/level_blend.h).
   virtual void start_blend() = 0;
 
-  /// One pass of those rays, as cast(): of pixels [begin, end).
+  /// Casts one pass of the second rays of pixels [begin, end), like cast().
   virtual std::size_t cast_blend(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) = 0;
 
-  /// Starts rays to the light from what the tile's rays met, which are all finished and brought back surface's own
-  /// colours. Pixels are then lit by it, as the shader has it; null: as LitShader. Range  the tile begins at multiples
-  /// of sky_block.
+  /// Starts rays to the light from the surfaces that the tile's rays hit. All rays of the tile must be finished and
+  /// must contain the surfaces' own colours. The shader then lights the pixels; null: LitShader.
+  /// Range   The tile begins at multiples of sky_block.
   virtual void start_light(const CastLighting& lighting, std::shared_ptr<const SurfaceShader> shader) = 0;
 
-  /// One pass of those rays, as cast(): of pixels [begin, end). Returns for how many pixels some still are not
-  /// finished.
+  /// Casts one pass of the rays to the light of pixels [begin, end), like cast(). Returns the number of pixels that
+  /// have unfinished rays.
   virtual std::size_t cast_light(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) = 0;
 
-  /// Once all those rays are finished, and once a tile: pixels that cast none have the light of others of their block,
-  /// where these tell it. The rest start rays of their own, with which cast_light() goes on.
+  /// Reuses shadow samples within blocks of pixels. Call it once per tile, after all rays to the light are finished.
+  /// Pixels without own rays take the light from other pixels of their block if it is uniform. The others start rays of
+  /// their own, which cast_light() continues.
   virtual void share_light() = 0;
 
-  /// What rays of the last pass missed: 2·node + Want, in no order.
+  /// Returns the data that rays of the last pass missed, as 2·node + Want, in no particular order.
   virtual std::vector<std::uint32_t> wanted() = 0;
 
-  /// Number of the last pass; stamps are compared with it.
+  /// Returns the number of the last pass; it is compared with the stamps.
   virtual std::uint32_t pass() const = 0;
   virtual const std::vector<std::uint32_t>& tile_stamps() = 0;
   virtual const std::vector<std::uint32_t>& slot_stamps() = 0;
 
-  /// Pixels of the tile's rays, into the host's memory.
+  /// Writes the pixels of the tile's rays to the host's memory.
   virtual void resolve(const CastBackground& background, const CastPixels& out) = 0;
 };
 
-/// scene: cells and columns, which are borrowed and stay as they are; pools and marks are the caster's own. All nodes
-/// are absent at first. policy: borrowed.
+/// Creates a caster on the CPU. scene: its cells and columns are borrowed and must not change; the caster owns the
+/// pools and marks. All nodes are initially not resident. policy: borrowed.
 std::unique_ptr<Caster> make_cpu_caster(const CastScene& scene, const PoolSizes& sizes, const ThreadPool& policy);
 
-/// The same on a GPU; arrays of `scene` are copied. device: an ordinal that cuda_devices() named. policy: copies
-/// pictures; borrowed.
-/// Exact   Bit-identical rays.
+/// Creates a caster on a GPU and copies the arrays of `scene`. device: an ordinal that cuda_devices() returned. policy:
+/// used to copy images; borrowed.
+/// Exact   Rays are bit-identical to the CPU's.
 /// Errors  CudaFailure: out of device memory; no CUDA in this build.
 std::unique_ptr<Caster> make_cuda_caster(const CastScene& scene, const PoolSizes& sizes, int device,
                                          const ThreadPool& policy);

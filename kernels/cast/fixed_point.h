@@ -1,8 +1,8 @@
-/// Points of a scene as whole numbers: which brick one lies in, and where in it, are shifts of these.
+/// Points of a scene in fixed point: bit shifts yield the brick that contains a point and the position in that brick.
 ///
-/// Space   Lod-0 voxels from a corner on, 65536ths of one. The corner is the scene's (CastScene::corner) or a cell's.
-/// Exact   Integers, made by one rounding of an IEEE double: host and device return the same bits, and the same point
-///         from another corner differs by exactly what lies between the two.
+/// Space   1/65536 of a lod-0 voxel, relative to a corner: CastScene::corner or the corner of a cell.
+/// Exact   Integers, each from one rounding of an IEEE double: host and device return the same bits. Coordinates of the
+///         same point relative to two corners differ by exactly the distance of the corners.
 #pragma once
 
 #include <bit>
@@ -21,43 +21,48 @@ inline constexpr std::uint32_t fixed_one = 1u << fraction_bits;
 inline constexpr int brick_bits = 3;
 static_assert(1 << brick_bits == brick_edge);
 
-/// A sum with it has a 65536th as its last place, as long as what was added is less than 2^35 either way: then its bits
-/// count 65536ths, beside those of the bias.
+/// The bias that converts a double to fixed point. Adding a value of magnitude below 2^35 to it rounds the value to a
+/// multiple of 1/65536. The bits of the sum minus fixed_bias_bits are then the fixed-point number.
 inline constexpr double fixed_bias = 1.5 * double(std::int64_t(1) << (52 - fraction_bits));
 inline constexpr std::uint64_t fixed_bias_bits = std::bit_cast<std::uint64_t>(fixed_bias);
 
-/// No scene is wider, and rays look at less than that beyond it.
+/// The upper bound for the edge of a scene in voxels. Rays sample less than this distance beyond the scene.
 inline constexpr std::int64_t widest_scene = std::int64_t(1) << 33;
 
 inline constexpr std::uint32_t node_mask = (fixed_one << brick_bits) - 1;
 
-/// Each coordinate with the bits of the bias, which no shift below brings down.
+/// A point whose coordinates include the bits of fixed_bias. The members shift and truncate these bits away.
 struct FixedPoint {
   std::uint64_t bits[3];
 
   GB_HD std::uint32_t voxel(int a) const { return std::uint32_t(bits[a] >> fraction_bits); }
-  /// Where it lies in its node of a level, in 65536ths of that level's voxels; a node is 8 of them wide.
+  /// Returns the position in the point's node of level `lod`, in 1/65536 of that level's voxels. A node is 8 voxels
+  /// wide.
   GB_HD std::uint32_t in_node(int a, int lod) const { return std::uint32_t(bits[a] >> lod) & node_mask; }
 };
 
-/// Exact, as power_of_two(). Range  -126 … 127.
+/// Returns 2^exponent, like power_of_two().
+/// Range   -126 … 127.
 GB_HD float short_power_of_two(int exponent) { return std::bit_cast<float>(std::uint32_t(127 + exponent) << 23); }
 
-/// Distances between the points that a ray looks at on a level: half a voxel. And how far away its first one is.
+/// Returns the distance between two samples of a ray on a level: half a voxel of that level.
 GB_HD double step_length(int lod) { return power_of_two(lod - 1); }
+/// Returns the number of steps per lod-0 voxel.
 GB_HD double steps_per_voxel(int lod) { return power_of_two(1 - lod); }
+/// Returns the distance at which a level begins.
 GB_HD double lod_start(const CastLine& line, int lod) {
   return lod == 0 ? 0 : line.lod1_distance * power_of_two(lod - 1);
 }
+/// Returns the distance of sample `step` of a level.
 GB_HD double point_distance(const CastLine& line, int lod, double step) {
   return lod_start(line, lod) + (step + 0.5) * step_length(lod);
 }
 
-/// The points of one level of a ray, each as it lies to the lowest of the eight centres around it.
+/// The samples of one level of a ray, relative to the lowest of the eight voxel centres around each sample.
 struct LevelPoints {
-  double first[3];  ///< point 0, with the bias
+  double first[3];  ///< sample 0, including the bias
 
-  /// Range  index: between points too.
+  /// Returns a sample; `index` may lie between two samples.
   GB_HD FixedPoint at(const CastLine& line, int lod, double index) const {
     const double way = index * step_length(lod);
     FixedPoint point;
@@ -66,7 +71,7 @@ struct LevelPoints {
   }
 };
 
-/// Counted from the scene's corner.
+/// Returns a level's samples relative to the scene's corner.
 GB_HD LevelPoints level_points(const CastScene& scene, const CastLine& line, int lod) {
   const double half = power_of_two(lod - 1), distance = point_distance(line, lod, 0);
   LevelPoints points;
@@ -75,11 +80,12 @@ GB_HD LevelPoints level_points(const CastScene& scene, const CastLine& line, int
   return points;
 }
 
-/// What of lengths in 65536ths rounding may have made up: both of two points are rounded, and one is cut off.
+/// The max rounding error of lengths in 1/65536: two points are rounded, and one result is truncated.
 inline constexpr float fixed_spare = 4;
 
-/// How far ahead along the ray the side of a box is that it meets on an axis; in 65536ths of whatever voxel `at` is
-/// counted in, the place of a point above the box's lower side. edge: of the box, a power of two.
+/// Returns the distance along the ray to the side of a box that the ray crosses on an axis. Rounding may shorten the
+/// distance, but never lengthens it. at: the coordinate above the lower side of the box, in 1/65536 of any voxel size;
+/// edge: of the box in this unit, a power of two. The result has the same unit.
 GB_HD float way_to_side(const CastLine& line, int axis, std::uint32_t at, std::uint32_t edge) {
   const std::uint32_t behind = (at ^ backward(line, axis)) & (edge - 1);
   return (float(edge - behind) - fixed_spare) * line.way_per_voxel[axis];
@@ -90,7 +96,7 @@ GB_HD float smallest_of(const float v[3]) {
   return two < v[2] ? two : v[2];
 }
 
-/// A whole number, 1 or more: all points that are fewer steps ahead are nearer than `way`, for certain.
+/// Returns an integer n ≥ 1. All samples fewer than n steps ahead are guaranteed to be nearer than `way`.
 GB_HD double steps_within(float way, float steps_per_unit) {
   const float steps = std::ceil(way * (steps_per_unit * (1 - 1e-6f)));
   return steps > 1 ? double(steps) : 1;

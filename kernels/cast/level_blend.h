@@ -1,10 +1,11 @@
-/// Filtering between levels: towards the end of a level's distances a second ray, which is one level coarser there, has
-/// a growing share of the pixel, and all of it where the next level begins. So no level ends at a line.
+/// Filtering between levels. Near the end of a level's range of distances, a second ray samples the next coarser level.
+/// Its weight in the pixel grows to 1 at the distance where the next level begins. This hides the border between
+/// levels.
 ///
-/// The second ray is a ray as any other, of a camera whose levels begin nearer; only pixels that it has a share of cast
-/// it. A still picture keeps the finer voxels over most of a level's distances.
+/// The second ray is an ordinary ray of a camera whose levels begin nearer. Only pixels in which it has a weight cast
+/// it. Over most of a level's range a still image shows the finer voxels only.
 ///
-/// Space   Lod-0 voxels of the scene's lattice; distances in them too.
+/// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
 /// Exact   IEEE float and double, no transcendental functions: host and device return the same bits.
 /// Source  Williams 1983, "Pyramidal Parametrics"; Crassin et al. 2009, "GigaVoxels" (quadrilinear filtering).
 #pragma once
@@ -14,10 +15,11 @@
 
 namespace gigabake::kernels {
 
-/// From this part of the distance at which a level ends on, the next one has a share.
+/// The fraction of a level's end distance beyond which the next level has a weight.
 inline constexpr double blend_from = 0.7;
-/// Levels of the second ray begin at so much of the distance: it has entered the next one before that has a share, and
-/// leaves it behind where the first ray enters it.
+/// The factor from the distances at which the first ray's levels begin to those of the second ray. The second ray
+/// enters the next level before that level has a weight. It leaves that level beyond the distance at which the first
+/// ray enters it.
 inline constexpr double coarser_from = 0.6;
 
 GB_HD CastCamera coarser_camera(const CastCamera& camera) {
@@ -26,13 +28,15 @@ GB_HD CastCamera coarser_camera(const CastCamera& camera) {
   return coarser;
 }
 
-/// Where a finished ray met surface: where half of its light was gone, or else its last sheet. 0: nobody knows.
+/// Returns the distance of the surface that a finished ray hit: where half of its light was absorbed, otherwise its
+/// last blended surface. Returns 0 if the distance is unknown.
 GB_HD double met_distance(const CastRay& ray) {
   if (ray.depth != CastRay::no_depth) return double(ray.depth);
   return ray.transmittance < 1 ? ray.met : 0;
 }
 
-/// What share of a pixel whose surface is at this distance the coarser level has, 0 … 1. line: of the first ray.
+/// Returns the weight (0 … 1) of the coarser level in a pixel whose surface is at this distance. line: of the first
+/// ray.
 GB_HD float coarser_share(const CastScene& scene, const CastLine& line, double distance) {
   int lod = 0;
   while (lod + 1 < scene.lods && distance >= lod_end(line, lod)) ++lod;
@@ -41,8 +45,8 @@ GB_HD float coarser_share(const CastScene& scene, const CastLine& line, double d
   return distance > from ? float((distance - from) / (end - from)) : 0;
 }
 
-/// The second ray of a pixel whose first one is finished. Where that met nothing, the coarser level still may: voxels
-/// are wider there.
+/// Starts the second ray of a pixel whose first ray is finished. If the first ray hit nothing, the second ray is cast
+/// anyway, because voxels of the coarser level are wider and may be hit.
 GB_HD CastRay start_coarser(const CastScene& scene, const CastLine& line, const CastLine& coarser_line,
                             const CastRay& ray) {
   const double met = met_distance(ray);
@@ -50,7 +54,7 @@ GB_HD CastRay start_coarser(const CastScene& scene, const CastLine& line, const 
   return start_ray(scene, coarser_line);
 }
 
-/// Both rays of a pixel, finished. One that needed no second ray stays as it is.
+/// Blends the two finished rays of a pixel. Returns the first ray unchanged if the second one was not needed.
 GB_HD CastRay blended(const CastScene& scene, const CastLine& line, const CastRay& ray, const CastRay& coarser) {
   const double met = met_distance(ray), distance = met > 0 ? met : met_distance(coarser);
   const float share = distance > 0 ? coarser_share(scene, line, distance) : 0;

@@ -1,4 +1,4 @@
-/// What lights a picture in which surfaces stand in each other's light.
+/// The light of an image in which surfaces cast shadows.
 ///
 /// Space   Directions of the scene: x east, y north, z up.
 /// Source  Keller and Heidrich 2001, "Interleaved Sampling"; Crassin et al. 2011, "Interactive Indirect Illumination
@@ -13,28 +13,29 @@
 
 namespace gigabake::kernels {
 
-/// Pixels of a block of so many by so many look at different parts of the sun.
+/// The pixels of a block of sun_block × sun_block sample different parts of the sun.
 inline constexpr int sun_block = 4, sun_directions = sun_block * sun_block;
-/// The same of the sky, at which every other pixel looks; what they see of it they share.
+/// The same for the sky. Every other pixel of the block samples the sky, and the block shares the results.
 inline constexpr int sky_block = 8, sky_directions = sky_block * sky_block / 2;
 
-/// What of the light is shown.
+/// The part of the light that an image shows.
 enum class CastLightPart : std::int32_t {
   all,
-  sun,      ///< what the sun alone lights
-  sky,      ///< what the sky alone lights, and the surface that stands before it
-  shadow,   ///< how much of the sun a surface sees: white is all of it
-  unhidden  ///< all of it, as if nothing stood in its way: no rays are cast to it
+  sun,      ///< light of the sun only
+  sky,      ///< light of the sky and of the surfaces that hide parts of it
+  shadow,   ///< visible fraction of the sun; white: the whole sun is visible
+  unhidden  ///< all light, unshadowed: no rays are cast to it
 };
 
 struct CastLighting {
-  CastLight light;  ///< as if nothing stood in its way
+  CastLight light;  ///< the unshadowed light
   CastLightPart part = CastLightPart::all;
-  CastHaze haze;                      ///< the camera's own must be none
-  double sun_lod1 = 1;                ///< voxels from its tip at which the sun's cone is a voxel of lod 1 wide
-  double sky_lod1 = 1;                ///< the same of the cones to the sky
-  float sun[sun_directions][3] = {};  ///< unit, evenly over the sun's disc, by a pixel's place in its block
-  float sky[sky_directions][3] = {};  ///< unit, evenly over the upper half, by a pixel's place in its block
+  CastHaze haze;                      ///< applied after shading; the camera's own haze must be off
+  double sun_lod1 = 1;                ///< distance from the cone's tip, in voxels, at which the sun's cone is as wide
+                                      ///< as a lod-1 voxel
+  double sky_lod1 = 1;                ///< the same for cones to the sky
+  float sun[sun_directions][3] = {};  ///< unit, evenly over the sun's disc, by the pixel's position in its block
+  float sky[sky_directions][3] = {};  ///< unit, evenly over the upper hemisphere, by the pixel's position in its block
 };
 
 }  // namespace gigabake::kernels

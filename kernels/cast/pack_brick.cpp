@@ -11,7 +11,7 @@ bool has_layer(const SlotVoxels& slot, int z) {
   return any != 0;
 }
 
-/// Its voxels go behind all parts that are there.
+/// Appends the voxels of layer z to `parts` and returns the layer.
 CastLayer pack_layer(const SlotVoxels& slot, int z, std::vector<PackedVoxel>& parts) {
   std::uint32_t places[3] = {0, 0, 0};
   const auto first = std::uint32_t(parts.size());
@@ -24,7 +24,7 @@ CastLayer pack_layer(const SlotVoxels& slot, int z, std::vector<PackedVoxel>& pa
   return make_layer(places, first);
 }
 
-/// In a block the field is not zero everywhere where one of the 27 voxels in it and around it is there.
+/// Returns the mask of blocks in which the field is not zero: one of the 27 voxels in and around the block exists.
 std::uint64_t blocks_of(const SlotVoxels& slot) {
   std::uint64_t blocks = 0;
   for (int z = 0; z < brick_edge; z += 2)

@@ -1,4 +1,4 @@
-/// Packing a brick for the pools: from a row of bits for each row of its voxels to parts.
+/// Packing of a brick for the pools, from one row of bits per row of voxels.
 #pragma once
 
 #include <cstdint>
@@ -8,19 +8,19 @@
 
 namespace gigabake::kernels {
 
-/// The voxels of a slot, and which of them are there.
+/// The voxels of a slot and the mask of existing voxels.
 struct SlotVoxels {
-  std::uint16_t row[slot_edge][slot_edge] = {};  ///< [z][y], x the lowest bit
-  PackedVoxel voxel[slot_voxels];                ///< x fastest; those that `row` says are there
+  std::uint16_t row[slot_edge][slot_edge] = {};  ///< [z][y], x in the lowest bit
+  PackedVoxel voxel[slot_voxels];                ///< x fastest; valid where `row` has a bit
 };
 
-/// A brick to put into a slot, where head.first becomes the place of its first part.
+/// A brick for a slot. The caster sets head.first to the place of the first part in the voxel pool.
 struct CastBrick {
   CastHead head = {};
-  std::vector<PackedVoxel> parts;  ///< none: no voxel is there
+  std::vector<PackedVoxel> parts;  ///< empty if the brick has no voxel
 };
 
-/// brick: what it held is replaced.
+/// Packs a slot; replaces the contents of `brick`.
 void pack_brick(const SlotVoxels& slot, CastBrick& brick);
 
 }  // namespace gigabake::kernels

@@ -1,4 +1,4 @@
-/// A voxel as rays see it, and as the pool of voxels holds it.
+/// A voxel for ray casting, and its packed form in the voxel pool.
 #pragma once
 
 #include <cstdint>
@@ -7,19 +7,20 @@
 
 namespace gigabake::kernels {
 
-/// What a voxel adds to a ray, 65535 = 1. Premultiplied, so that voxels that are not there need no case of their own.
-/// [0…2] linear RGB radiance / 2 × the mean of [3…5]. [3…5] coverage that a view along x, y, z sees. The rest is
-/// where its surface lies.
+/// A voxel's contribution to a ray; 65535 represents 1. c[0…2]: linear RGB radiance / 2, premultiplied by the mean of
+/// c[3…5]. c[3…5]: coverage in a view along x, y, z. Missing voxels therefore contribute zero and need no special case.
+/// The other members locate the voxel's surface.
 struct CastVoxel {
   std::uint16_t c[6] = {};
-  std::int8_t normal[3] = {};  ///< where it meets the octahedron |x| + |y| + |z| = 127; 0, 0, 0: there is none
+  std::int8_t normal[3] = {};  ///< intersection with the octahedron |x| + |y| + |z| = 127; 0, 0, 0: no normal
   std::uint8_t plane = 0;      ///< kernels/body/plane.h, 0: none; or clear_plane
 };
-/// Instead of a plane, at lod 0: the voxel lets light through.
+/// The value of CastVoxel::plane for a translucent voxel of lod 0, which has no plane.
 inline constexpr std::uint8_t clear_plane = 64;
 inline constexpr int cast_channels = 6;
 
-/// Radiance as it is, 16 bits each; coverages in 255ths; x and y of the normal, z of which lacks only its sign.
+/// A voxel in three words: radiance with 16 bits per channel, coverages in 1/255, and x and y of the normal. Of the
+/// normal's z only the sign is stored, because the octahedron yields its magnitude.
 ///
 /// word[0]  c[0] | c[1] << 16
 /// word[1]  c[2] | coverage x << 16 | y << 24
@@ -27,10 +28,11 @@ inline constexpr int cast_channels = 6;
 struct PackedVoxel {
   std::uint32_t word[3];
 };
-inline constexpr std::int8_t no_normal = -128;  ///< as x, which a normal does not have
+inline constexpr std::int8_t no_normal = -128;  ///< a value of x that no normal has
 
-/// Range  coverages are multiples of 257; the normal lies on the octahedron, or there is none.
-/// Exact  unpack_voxel() returns the same voxel.
+/// Packs a voxel.
+/// Exact   unpack_voxel() returns the same voxel.
+/// Range   Coverages are multiples of 257; the normal lies on the octahedron, or there is none.
 GB_HD PackedVoxel pack_voxel(const CastVoxel& voxel) {
   const std::uint32_t behind = voxel.normal[2] < 0 ? 1 : 0;
   const bool has_normal = (voxel.normal[0] | voxel.normal[1] | voxel.normal[2]) != 0;
@@ -41,7 +43,7 @@ GB_HD PackedVoxel pack_voxel(const CastVoxel& voxel) {
                std::uint32_t(std::uint8_t(voxel.normal[1])) << 16 | std::uint32_t(voxel.plane) << 24 | behind << 31}};
 }
 
-/// axis: 0 … 2. 65535 = 1.
+/// Returns the coverage in a view along an axis (0 … 2); 65535 represents 1.
 GB_HD int coverage_along(const PackedVoxel& voxel, int axis) {
   return 257 * int((axis == 2 ? voxel.word[2] : voxel.word[1] >> (16 + 8 * axis)) & 255);
 }

@@ -1,4 +1,5 @@
-/// From a finished ray to a pixel: what is behind it, in linear light; and as a screen shows it, straight alpha, sRGB.
+/// Conversion of a finished ray to a pixel: linear light including the background, and sRGB with straight alpha for a
+/// screen.
 #pragma once
 
 #include <cstddef>
@@ -9,12 +10,12 @@
 
 namespace gigabake::kernels {
 
-/// Linear RGB of a sky: towards the horizon, straight up, straight down.
+/// Linear RGB of a sky: at the horizon, straight up, straight down.
 struct CastSky {
   float horizon[3] = {0, 0, 0}, zenith[3] = {0, 0, 0}, nadir[3] = {0, 0, 0};
 };
 
-/// What shows where no voxel does: a sky, or one premultiplied linear colour.
+/// The background behind the voxels: a sky, or one premultiplied linear colour.
 struct CastBackground {
   bool has_sky = false;
   CastSky sky;
@@ -22,14 +23,15 @@ struct CastBackground {
   float alpha = 0;
 };
 
-/// In a direction (unit, z up); below the horizon a haze that darkens downwards.
+/// Returns a channel of the sky for the z component `up` of a unit direction. Below the horizon the sky is a haze that
+/// becomes the nadir's colour downwards.
 GB_HD float sky_channel(const CastSky& sky, double up, int channel) {
   const float h = sky.horizon[channel];
   if (up >= 0) return h + (sky.zenith[channel] - h) * float(1 - (1 - up) * (1 - up));
   return h + (sky.nadir[channel] - h) * float(-up);
 }
 
-/// What reaches the eye: linear, premultiplied; brighter than 1 where it is.
+/// The light that reaches the eye: linear, premultiplied, not limited to 1.
 struct CastLinear {
   float rgba[4];
 };
@@ -44,7 +46,8 @@ GB_HD CastLinear linear_pixel(const CastRay& ray, const CastLine& line, const Ca
   return out;
 }
 
-/// What a screen shows of a channel: straight alpha. A sky is light as the surface is; a colour behind stays itself.
+/// Returns the displayed value of a channel, with straight alpha. The tone curve applies to a sky as it does to
+/// surfaces, but not to a background colour.
 GB_HD float shown_channel(const CastRay& ray, const CastLinear& light, const CastTone& tone, const CastBackground& back,
                           int channel) {
   if (back.has_sky) return shown_light(tone, light.rgba[channel]);
@@ -54,14 +57,15 @@ GB_HD float shown_channel(const CastRay& ray, const CastLinear& light, const Cas
   return light.rgba[3] > 0 ? shown / light.rgba[3] : 0;
 }
 
-/// 0 to 63 in an 8 × 8 square of pixels, neighbours far apart.
+/// Returns a rank from 0 to 63 within an 8 × 8 square of pixels; ranks of neighbouring pixels differ strongly.
 /// Source  Bayer 1973.
 GB_HD std::uint32_t dither_rank(std::uint32_t x, std::uint32_t y) {
   const std::uint32_t d = x ^ y;
   return (d & 1) << 5 | (y & 1) << 4 | (d & 2) << 2 | (y & 2) << 1 | (d & 4) >> 1 | (y & 4) >> 2;
 }
 
-/// The code below or above, so that the mean over 64 ranks lies as far between the two as the light does.
+/// Returns the 8-bit code below or above the linear value, depending on the rank. The mean over all 64 ranks reproduces
+/// the value between the two codes.
 GB_HD std::uint8_t dithered_srgb(const Tables& tables, std::uint32_t linear, std::uint32_t rank) {
   std::uint32_t low = tables.srgb_from_linear[linear];
   if (tables.linear_from_srgb[low] > linear) --low;
@@ -70,7 +74,8 @@ GB_HD std::uint8_t dithered_srgb(const Tables& tables, std::uint32_t linear, std
   return std::uint8_t(low + ((linear - from) * 128 > (to - from) * (2 * rank + 1) ? 1 : 0));
 }
 
-/// A sky's gradient is wider than 8-bit codes are close: it is dithered, surfaces are rounded.
+/// Writes a pixel's sRGB value. Pixels that show the sky are dithered, because a sky's gradient spans fewer codes than
+/// pixels; surfaces are rounded.
 GB_HD void write_srgb(const CastRay& ray, const CastLinear& light, const CastTone& tone, const CastBackground& back,
                       const Tables& tables, std::uint32_t rank, std::uint8_t out[4]) {
   const bool shows_sky = back.has_sky && ray.transmittance > 0;
@@ -82,7 +87,7 @@ GB_HD void write_srgb(const CastRay& ray, const CastLinear& light, const CastTon
   out[3] = std::uint8_t(light.rgba[3] * 255 + 0.5f);
 }
 
-/// The finished ray of a pixel with what it sees of the polygons behind its voxels.
+/// Returns the finished ray of a pixel, composited over the polygons that lie behind its voxels.
 GB_HD CastRay before_polygons(const CastRay& ray, const CastCamera& camera, int x, int y) {
   CastRay out = ray;
   if (camera.polygons.distance == nullptr) return out;
@@ -95,14 +100,14 @@ GB_HD CastRay before_polygons(const CastRay& ray, const CastCamera& camera, int 
   return out;
 }
 
-/// Where the pixels of a tile go, its rows one after the other; null: not asked for.
+/// Output arrays for the pixels of a tile, row by row; null: not requested.
 struct CastPixels {
-  std::uint8_t* srgb = nullptr;  ///< four a pixel, straight alpha
-  float* linear = nullptr;       ///< four a pixel, CastLinear
-  float* depth = nullptr;        ///< voxels; CastRay::no_depth where half of the light comes through
+  std::uint8_t* srgb = nullptr;  ///< four per pixel, straight alpha
+  float* linear = nullptr;       ///< four per pixel, CastLinear
+  float* depth = nullptr;        ///< voxels; CastRay::no_depth if at least half of the light passes through
 };
 
-/// Pixel i of the tile.
+/// Writes pixel i of the tile.
 GB_HD void write_pixel(const CastRay& ray, const CastLine& line, const CastTone& tone, const CastTile& tile,
                        const CastBackground& back, const Tables& tables, std::size_t i, const CastPixels& out) {
   const CastLinear light = linear_pixel(ray, line, back);

@@ -1,17 +1,17 @@
-/// Rays of a tile that a kernel goes on with, so that its warps are full of them.
+/// A list of rays that a kernel continues, compacted to fill its warps.
 #pragma once
 
 #include <cstdint>
 
 namespace gigabake::kernels {
 
-/// Rays of a tile, by their indices, in no order.
+/// Indices of rays of a tile, in no particular order.
 struct RayList {
   std::uint32_t* rays;
   std::uint32_t* count;
 };
 
-/// Adds the rays of a warp's lanes that `is_in`. All lanes call this.
+/// Appends the rays of the lanes for which `is_in` is true. All lanes of the warp must call this function.
 __device__ inline void append(bool is_in, std::uint32_t ray, const RayList& list) {
   const unsigned in = __ballot_sync(0xffffffffu, is_in ? 1 : 0);
   const unsigned lane = threadIdx.x % 32;

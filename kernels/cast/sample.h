@@ -1,7 +1,7 @@
-/// The field that rays integrate: the eight voxels around a point of one level, interpolated.
+/// The field that rays integrate: trilinear interpolation of the eight voxels around a point of one level.
 ///
-/// Where two columns of cells are not aligned at a level (z above lod 3), a voxel of the other cell stands for the
-/// centre that lies in it; so it was put into the brick's border.
+/// Two columns of cells may not be aligned at a level (along z, above lod 3). A voxel of the other cell then replaces
+/// the voxel centre that lies in it; it was stored this way in the brick's border.
 #pragma once
 
 #include <cstdint>
@@ -14,18 +14,19 @@
 namespace gigabake::kernels {
 
 struct CastSample {
-  float c[cast_channels] = {};  ///< as CastVoxel, 1 = 1
+  float c[cast_channels] = {};  ///< like CastVoxel::c, but 1 represents 1
 
   GB_HD float mean_coverage() const { return ((c[3] + c[4]) + c[5]) * (1.0f / 3); }
 };
 
-/// A point of a brick, in its voxels: between the centres of `base` and base + 1.
+/// A point of a brick in the brick's voxels, between the centres of `base` and `base` + 1.
 struct CastPoint {
   int base[3];       ///< 0…7
   float between[3];  ///< 0…1
 };
 
-/// Range  lod: the brick's, to the lowest centre of which the point is counted.
+/// Returns the position of a point in its brick.
+/// Range   lod: the brick's level; the point is relative to the lowest voxel centre of that level.
 GB_HD CastPoint point_in_brick(const FixedPoint& at, int lod) {
   CastPoint r;
   for (int a = 0; a < 3; ++a) {
@@ -36,23 +37,25 @@ GB_HD CastPoint point_in_brick(const FixedPoint& at, int lod) {
   return r;
 }
 
-/// The eight voxels around a point, x | y<<1 | z<<2, and where it lies between them.
+/// The interpolation taps: the eight voxels around a point, x | y<<1 | z<<2, and the point's position between them.
 struct CastCorners {
   const PackedVoxel* parts;
   LayerWindow low, high;
   float between[3];
 
-  /// Bit c: there is a voxel at corner c. Sums over voxels go over these bits, upwards: fewer than half of the eight
-  /// are there, and lanes of a warp that have each its own next voxel are all at work.
+  /// Returns a mask of the taps that have a voxel (bit c: tap c). Sums over voxels iterate over these bits in ascending
+  /// order. Usually fewer than half of the bits are set, and lanes of a warp stay busy although each visits other
+  /// voxels.
   GB_HD std::uint32_t there() const { return low.two_by_two() | high.two_by_two() << 4; }
 
-  /// Range  corner: one of there().
+  /// Returns the voxel of a tap.
+  /// Range   corner: a bit of there().
   GB_HD CastVoxel stored(int corner) const {
     const LayerWindow layer = corner < 4 ? low : high;
     return unpack_voxel(load_packed(parts + layer.place((corner & 1) + slot_edge * (corner >> 1 & 1))));
   }
 
-  /// Of the interpolation between them.
+  /// Returns the interpolation weight of a tap.
   GB_HD float weight(int corner) const {
     const float x = (corner & 1) != 0 ? between[0] : 1 - between[0];
     const float y = (corner & 2) != 0 ? between[1] : 1 - between[1];
@@ -68,7 +71,7 @@ GB_HD CastCorners corners_of(const BrickView& brick, const CastPoint& point) {
           {point.between[0], point.between[1], point.between[2]}};
 }
 
-/// blocks: the brick's. Where one of them is zero no layer is looked at.
+/// Tests whether the field is zero at the point. Reads no layer if the point's block is zero. blocks: of the brick.
 GB_HD bool is_zero(std::uint64_t blocks, const BrickView& brick, const CastPoint& point) {
   return is_empty_block(blocks, point.base) || corners_of(brick, point).there() == 0;
 }

@@ -1,14 +1,16 @@
-/// A paged scene as the ray caster borrows it: columns of cells, each an oct-tree whose nodes and bricks stand in two
-/// pools of fixed size (kernels/cast/cast_brick.h) and may or may not be here. A cell here is the root of a tree: one
-/// that was baked by itself, or a part of a scene that hangs from its parents (viewer/stream/cell_layout.h).
+/// The paged scene that the ray caster borrows: columns of cells, each cell an octree. Nodes and bricks of the octrees
+/// lie in two pools of fixed size (kernels/cast/cast_brick.h) and may be resident or not. A cell is the root of one
+/// tree: either a cell that was baked separately, or a part of a scene below its overviews
+/// (viewer/stream/cell_layout.h).
 ///
-/// The trees here are of *fields*, not of voxels: a voxel's field reaches from its centre to its neighbours' centres,
-/// so a node holds what lies between the centre of its lowest voxel and one voxel beyond its highest. It exists where
-/// it or one of its seven upper neighbours has a voxel, and its brick carries their lowest layers as a border. Then a
-/// point needs one brick, and what is empty is empty to its rim.
+/// The trees subdivide the interpolated *field*, not the voxels. A voxel contributes to the field from its centre to
+/// the centres of its neighbours. A node therefore covers the space from the centre of its lowest voxel to one voxel
+/// beyond the centre of its highest voxel. A node exists if it or one of its seven upper neighbours has a voxel. Its
+/// brick repeats the lowest layers of these neighbours as a border. Interpolation at a point therefore reads only one
+/// brick, and the field is zero everywhere in an empty node.
 ///
 /// Coordinates are lod-0 voxels of the scene's lattice.
-/// Source  Crassin et al. 2009, "GigaVoxels" (node pool, brick pool, borders, rays that ask for what they miss).
+/// Source  Crassin et al. 2009, "GigaVoxels" (node pool, brick pool, borders, rays that request missing data).
 #pragma once
 
 #include <bit>
@@ -21,44 +23,48 @@
 
 namespace gigabake::kernels {
 
-inline constexpr int max_cast_lods = 29;                          ///< of a tree of up to 2^31 voxels along an edge
+inline constexpr int max_cast_lods = 29;  ///< levels of a tree of up to 2^31 voxels along an edge
 inline constexpr std::int64_t far_voxel = std::int64_t(1) << 52;  ///< beyond every scene; exact in a double
 
-/// Exact: its bits are put together. A product with it is exact too, so it replaces divisions by an edge's length.
+/// Returns 2^exponent. Multiplying by the result is exact and replaces a division by the length of an edge.
+/// Exact   The result is assembled from its bits.
 /// Range   -1000 … 1000.
 GB_HD double power_of_two(int exponent) { return std::bit_cast<double>(std::uint64_t(1023 + exponent) << 52); }
 
 struct CastCell {
-  std::int64_t min[3] = {};  ///< x and y multiples of the cell's edge. The root of cell c is node c
+  std::int64_t min[3] = {};  ///< x and y are multiples of the cell's edge. The root of cell c is node c
 };
 
-/// What rays tell whoever fills the pools. Stamps: `pass` where it happened in this pass.
+/// Usage feedback that rays write for the owner of the pools. An entry of tile_used or slot_used is the number of the
+/// last pass that used the tile or slot.
 struct CastMarks {
-  std::uint32_t* tile_used = nullptr;  ///< by tile: rays ended their descent in it
+  std::uint32_t* tile_used = nullptr;  ///< by tile: last pass in which a ray's descent ended in the tile
   std::uint32_t* slot_used = nullptr;
-  std::uint32_t* wanted = nullptr;  ///< bit 2·node + Want, 32 a word: a ray of this pass misses that
+  std::uint32_t* wanted = nullptr;  ///< bitmap, 32 bits per word; bit 2·node + Want: a ray of this pass missed that
+                                    ///< data
 };
 enum class Want : std::uint32_t { brick = 0, children = 1 };
 
 struct CastScene {
-  Span<const CastCell> cells;              ///< column by column, upwards in each, without overlap
-  Span<const std::uint64_t> column_key;    ///< interleaved column coordinates (x lowest bit), ascending
-  Span<const std::uint32_t> column_first;  ///< columns+1: where a column's cells start
+  Span<const CastCell> cells;              ///< ordered by column, upwards in each column, without overlap
+  Span<const std::uint64_t> column_key;    ///< Morton codes of the column coordinates (x in the lowest bit), ascending
+  Span<const std::uint32_t> column_first;  ///< columns + 1 entries: index of a column's first cell
   std::int64_t column_min[2] = {};         ///< subtracted from a column's coordinates before they are interleaved
   std::int64_t column_count[2] = {};       ///< per axis; below 2^31
   std::int32_t cell_bits = 0;              ///< a cell's edge is 2^cell_bits voxels
   std::int32_t lods = 0;
   double min[3] = {}, max[3] = {};  ///< a box around all voxels
-  std::int64_t corner[3] = {};      ///< from where points are counted (kernels/cast/fixed_point.h): set_corner()
+  std::int64_t corner[3] = {};  ///< origin of fixed-point coordinates (kernels/cast/fixed_point.h); see set_corner()
 
   const NodeWord* nodes = nullptr;
-  const std::uint32_t* parent_bricks = nullptr;  ///< by tile: the brick of the node whose children it holds
+  const std::uint32_t* parent_bricks = nullptr;  ///< by tile: the brick of the node whose children the tile holds
   const CastHead* heads = nullptr;               ///< by slot
   const PackedVoxel* voxels = nullptr;
   CastMarks marks;
   std::uint32_t pass = 0;
 
-  /// Below all that rays look at, and on the lattice of columns. Range  min, lods and cell_bits are set.
+  /// Sets `corner` to a point below all points that rays sample, aligned to cells.
+  /// Range   min, lods and cell_bits are already set.
   void set_corner() {
     for (int a = 0; a < 3; ++a)
       corner[a] = ((std::int64_t(min[a]) - (std::int64_t(4) << lods)) >> cell_bits) * (std::int64_t(1) << cell_bits);

@@ -1,4 +1,5 @@
-/// What a stored voxel looks like to a ray: light is the same from every direction, so it is put in once, at load.
+/// Shading of stored voxels: unshadowed light is the same for all view directions, so it is applied once, when a brick
+/// loads.
 #pragma once
 
 #include <cstdint>
@@ -9,22 +10,24 @@
 
 namespace gigabake::kernels {
 
-/// Linear RGB irradiance on white: 1 shows the surface's own colour.
+/// Linear RGB irradiance; irradiance 1 shows a surface in its own colour.
 struct CastLight {
   float to_sun[3] = {0, 0, 1};  ///< unit
-  float sun[3] = {0, 0, 0};     ///< on a surface that faces it
-  float sky[3] = {1, 1, 1};     ///< on a surface that faces up …
-  float ground[3] = {1, 1, 1};  ///< … and down; mixed by the normal's z
+  float sun[3] = {0, 0, 0};     ///< on a surface that faces the sun
+  float sky[3] = {1, 1, 1};     ///< on a surface that faces up
+  float ground[3] = {1, 1, 1};  ///< on a surface that faces down; interpolated with `sky` by the normal's z
 };
 
-/// Own colour only.
+/// Returns a light that shows surfaces in their own colours.
 GB_HD CastLight unlit() { return CastLight{}; }
 
-/// Round half up, at most 65535. Range: v ≥ 0.
+/// Rounds half up and clamps to 65535.
+/// Range   v ≥ 0.
 GB_HD std::uint16_t to_unorm16(float v) { return std::uint16_t(v >= 65535 ? 65535 : v + 0.5f); }
 
-/// normal: octahedral, or null where the scene has none: lit from everywhere. coverage: along x, y, z, 65535 = 1.
-/// Exact: IEEE float.
+/// Shades a voxel. normal: octahedral; null if the scene has none, the voxel then receives light from the sky only.
+/// coverage: along x, y, z; 65535 represents 1.
+/// Exact   IEEE float.
 GB_HD CastVoxel shade_voxel(const std::uint8_t rgba[4], const std::int8_t* normal, const CastLight& light,
                             const Tables& tables, const std::uint16_t coverage[3]) {
   CastVoxel voxel{};
@@ -37,7 +40,7 @@ GB_HD CastVoxel shade_voxel(const std::uint8_t rgba[4], const std::int8_t* norma
     up = 0.5f + n[2] * (0.5f / 32767);
   }
   const int sum = (coverage[0] + coverage[1]) + coverage[2];
-  const float weight = float(sum) * (0.5f / (3 * 65535));  // radiance is kept halved, see CastVoxel
+  const float weight = float(sum) * (0.5f / (3 * 65535));  // radiance is stored halved, see CastVoxel
   for (int k = 0; k < 3; ++k) {
     const float irradiance = light.sun[k] * facing_sun + (light.sky[k] * up + light.ground[k] * (1 - up));
     voxel.c[k] = to_unorm16(float(tables.linear_from_srgb[rgba[k]]) * irradiance * weight);

@@ -1,4 +1,4 @@
-/// How the pixels of a tile are spread over threads: a warp is 8×4 of them, since neighbours need the same bricks.
+/// Mapping of a tile's pixels to threads: a warp covers 8×4 pixels, because neighbours need the same bricks.
 #pragma once
 
 #include "kernels/cast/cast.h"
@@ -8,7 +8,7 @@ namespace gigabake::kernels {
 inline constexpr int tile_block_width = 16, tile_block_height = 8;  ///< pixels
 inline constexpr unsigned tile_threads = tile_block_width * tile_block_height;
 
-/// The pixel of this thread in the tile; false outside of it.
+/// Sets x and y to this thread's pixel in the tile; returns false if the thread has none.
 __device__ inline bool pixel_of_thread(const CastTile& tile, int& x, int& y) {
   const int across = (tile.width + tile_block_width - 1) / tile_block_width;
   const int warp = int(threadIdx.x) / 32, lane = int(threadIdx.x) % 32;
