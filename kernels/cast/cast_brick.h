@@ -1,7 +1,8 @@
-/// A brick of the pools: which of its 9³ voxels are there, and these, packed one after another.
+/// A brick of the pools: a mask of the existing voxels among its 9³ places, and these voxels, packed contiguously.
 ///
-/// Its own 8³ voxels and the lowest layers of its upper neighbours. Most of what bricks of surfaces hold is not there,
-/// so a brick takes as much as it has voxels: a layer says by its bits where each of them stands.
+/// The places are the brick's own 8³ voxels and the lowest layers of its upper neighbours. Bricks at surfaces are
+/// mostly empty, so a brick takes only as much memory as it has voxels. Per layer, a bit mask yields the place of each
+/// voxel.
 /// Source  Crassin et al. 2009, "GigaVoxels" (bricks with borders); ranks of bits as in Kämpe, Sintorn, Assarsson 2013,
 ///         "High Resolution Sparse Voxel DAGs".
 #pragma once
@@ -17,19 +18,19 @@ namespace gigabake::kernels {
 
 inline constexpr int slot_edge = brick_edge + 1, slot_voxels = slot_edge * slot_edge * slot_edge;
 
-/// What is found of a brick by its slot. Its parts stand in the pool of voxels from `first` on: its layers, upwards,
-/// each in the place of a voxel, but those alone that hold voxels; then its voxels, layer by layer.
+/// The header of a brick, indexed by slot. The brick's parts lie in the voxel pool from `first` on. First come its
+/// layers that have voxels, upwards, each in the place of one voxel; then its voxels, layer by layer.
 struct alignas(16) CastHead {
-  /// Where the field is zero, by blocks of 2×2×2 points. Bit x + 4y + 16z: it is not zero everywhere between the
-  /// centres of voxels 2(x,y,z) and 2(x,y,z) + 2, since one of these 27 is there.
+  /// The mask of blocks of 2×2×2 points in which the field is not zero, bit x + 4y + 16z. A bit is set if one of the 27
+  /// voxels from 2(x,y,z) to 2(x,y,z) + 2 exists.
   std::uint64_t blocks;
   std::uint32_t first;
-  std::uint32_t layers;  ///< bit z: voxels of that z are there
+  std::uint32_t layers;  ///< bit z: the layer has voxels
 };
 
-/// Of one z: bit x + 9y of `bits` says that a voxel is there; they stand in that order. The last word has room for
-/// where the first one stands that does not belong to the first word (from bit 17 on; counted from the brick's first
-/// part).
+/// A layer of one z. Bit x + 9y of `bits` is set if the voxel exists; the voxels are stored in this order. The upper
+/// bits of the last word, from bit 17 on, hold the place of the first voxel that is not in the first word. The place is
+/// relative to the brick's first part.
 struct CastLayer {
   std::uint32_t bits[3];
 };
@@ -39,13 +40,14 @@ inline constexpr std::uint32_t last_places_mask = (1u << last_places) - 1;
 inline constexpr int most_parts = slot_edge + slot_voxels;
 static_assert(most_parts < 1 << (32 - last_places));
 
-/// As rays read a brick: which layers it has, and its parts.
+/// A brick for reading: the mask of its layers, and its parts.
 struct BrickView {
   std::uint32_t layers;
   const PackedVoxel* parts;
 };
 
-/// Range  bits ≠ 0.
+/// Returns the index of the lowest set bit.
+/// Range   bits ≠ 0.
 GB_HD int lowest_one(std::uint32_t bits) {
 #if defined(__CUDA_ARCH__)
   return __ffs(int(bits)) - 1;
@@ -62,28 +64,30 @@ GB_HD int ones_in(std::uint32_t bits) {
 #endif
 }
 
-/// places: its 81 bits alone. first: where its first voxel stands, counted from the brick's first part on.
+/// Packs a layer. places: its 81 bits, the other bits are 0. first: place of its first voxel, relative to the brick's
+/// first part.
 GB_HD CastLayer make_layer(const std::uint32_t places[3], std::uint32_t first) {
   return {{places[0], places[1], places[2] | (first + std::uint32_t(ones_in(places[0]))) << last_places}};
 }
 
-/// The bit of the block of points that holds point x, y, z.
+/// Returns the bit in CastHead::blocks of the block that holds point x, y, z.
 GB_HD int block_of(int x, int y, int z) { return x / 2 + 4 * (y / 2) + 16 * (z / 2); }
 
-/// Whether the field is zero in the block of this point.
+/// Tests whether the field is zero in the point's block.
 GB_HD bool is_empty_block(std::uint64_t blocks, const int point[3]) {
   return (blocks >> block_of(point[0], point[1], point[2]) & 1) == 0;
 }
 
-/// A layer's voxels from one on: bit k of `bits`, up to 10, says that the voxel k places behind it is there.
+/// A layer's voxels from voxel 0 of the window on: bit k of `bits`, k ≤ 10, is set if the voxel k places later exists.
 struct LayerWindow {
   std::uint32_t bits;
-  std::uint32_t first, second;  ///< the part that is the first of them that is there, and of the next row
+  std::uint32_t first, second;  ///< indices of the parts of the first existing voxels of this row and of the next row
 
   GB_HD bool has(int k) const { return (bits >> k & 1) != 0; }
-  /// Bits of voxels 0 and 1, and of these two of the next row.
+  /// Returns the bits of voxels 0 and 1, and of voxels 0 and 1 of the next row.
   GB_HD std::uint32_t two_by_two() const { return (bits & 3) | (bits >> (slot_edge - 2) & 12); }
-  /// Range  has(k); k: 0, 1, and the same of the next row.
+  /// Returns the index of a voxel's part.
+  /// Range   has(k); k is 0, 1, slot_edge or slot_edge + 1.
   GB_HD std::uint32_t place(int k) const {
     const bool is_next_row = k >= slot_edge;
     const std::uint32_t row = is_next_row ? bits >> slot_edge : bits;
@@ -91,7 +95,7 @@ struct LayerWindow {
   }
 };
 
-/// at: x + 9y.
+/// Returns the window that begins at voxel `at` = x + 9y.
 GB_HD LayerWindow window_of(const CastLayer& layer, int at) {
   const int word = at / 32, bit = at % 32;
   const std::uint32_t last = layer.bits[2] & last_places_mask, second = layer.bits[1];
@@ -128,7 +132,8 @@ GB_HD CastLayer load_layer(const BrickView& brick, int z) {
   return {{part.word[0], part.word[1], part.word[2]}};
 }
 
-/// What a view along the axis sees of the voxel, 65535 = 1; 0 where it is not there. x, y, z: 0 … 8.
+/// Returns the voxel's coverage in a view along the axis (65535 represents 1), or 0 if the voxel does not exist. x, y,
+/// z: 0 … 8.
 GB_HD int coverage_at(const BrickView& brick, int x, int y, int z, int axis) {
   const LayerWindow window = window_of(load_layer(brick, z), x + slot_edge * y);
   return window.has(0) ? coverage_along(load_packed(brick.parts + window.first), axis) : 0;

@@ -1,4 +1,4 @@
-/// Where in a scene a point lies: the brick that holds its field, or the box around it where the field is zero.
+/// Location of a point in a scene: the brick that holds the point's field, or the empty box around the point.
 #pragma once
 
 #include <cmath>
@@ -16,7 +16,7 @@
 
 namespace gigabake::kernels {
 
-/// Index of the highest set bit; v ≠ 0.
+/// Returns the index of the highest set bit; v ≠ 0.
 GB_HD int highest_bit(std::uint64_t v) {
 #if defined(__CUDA_ARCH__)
   return 63 - __clzll(static_cast<long long>(v));
@@ -41,12 +41,13 @@ GB_HD void set_mark(std::uint32_t* at, std::uint32_t pass) {
 #endif
 }
 
-/// Every ray of a pass writes the same number, so the order does not matter.
+/// Writes the current pass to a usage mark. All rays of a pass write the same number, so their order does not matter.
 GB_HD void stamp(std::uint32_t* at, std::uint32_t pass) {
   if (mark_of(at) != pass) set_mark(at, pass);
 }
 
-/// Most rays find it set: they read it first, where others write it (on a device, not in a cache of their own).
+/// Sets a bit atomically. The bit is read first, because most rays find it already set. On a device the read bypasses
+/// the L1 cache, so that it sees the writes of other multiprocessors.
 GB_HD void set_bit(std::uint32_t* words, std::size_t bit) {
   std::uint32_t* const at = words + bit / 32;
   const std::uint32_t one = 1u << bit % 32;
@@ -67,7 +68,7 @@ struct VoxelBox {
   std::int64_t min[3], max[3];
 };
 
-/// Index of the first column whose key is ≥ key.
+/// Returns the index of the first column whose key is ≥ key.
 GB_HD std::size_t lower_column(const CastScene& scene, std::uint64_t key) {
   std::size_t begin = 0, end = scene.column_key.size;
   while (begin < end) {
@@ -80,7 +81,8 @@ GB_HD std::size_t lower_column(const CastScene& scene, std::uint64_t key) {
   return begin;
 }
 
-/// The largest aligned square of columns around an absent one that holds no column: no other column shares its prefix.
+/// Sets `box` to the largest aligned square of columns around a missing column that contains no column: no other column
+/// has the same key prefix.
 GB_HD void set_empty_square(const CastScene& scene, std::uint64_t key, std::size_t next, const std::int64_t column[2],
                             VoxelBox& box) {
   int size_bits = 31;
@@ -97,7 +99,7 @@ GB_HD void set_empty_square(const CastScene& scene, std::uint64_t key, std::size
   }
 }
 
-/// True and the cell's index where a cell holds the voxel; else `box` is the empty box around it.
+/// Returns true and sets `cell` if a cell holds the voxel; otherwise sets `box` to an empty box around the voxel.
 GB_HD bool find_cell(const CastScene& scene, const std::int64_t v[3], std::uint32_t& cell, VoxelBox& box) {
   for (int a = 0; a < 3; ++a) {
     box.min[a] = -far_voxel;
@@ -140,11 +142,11 @@ GB_HD bool find_cell(const CastScene& scene, const std::int64_t v[3], std::uint3
 
 inline constexpr std::uint32_t no_cell = 0xffffffffu;
 
-/// A cell, as points find out whether they lie in it.
+/// A cell in a form that allows a fast test whether it holds a point.
 struct CellFrame {
   std::uint32_t cell = no_cell;
-  std::uint32_t column[2] = {0, 0};  ///< the bits of points in it that say so
-  std::uint64_t low = 0;             ///< where it begins along z: 65536ths of a voxel from the scene's corner
+  std::uint32_t column[2] = {0, 0};  ///< bits that points in the cell have along x and y
+  std::uint64_t low = 0;             ///< the cell's lower end along z: 1/65536 voxel from the scene's corner
 
   GB_HD bool holds(const CastScene& scene, const FixedPoint& point) const {
     const int shift = fraction_bits + scene.cell_bits;
@@ -154,40 +156,40 @@ struct CellFrame {
   }
 };
 
-/// What holds the field around a point.
+/// The result of locate(): the brick that holds the field around a point.
 struct CastPlace {
-  FixedPoint at;                    ///< the point, counted from the cell's corner along z and for level `lod`
+  FixedPoint at;                    ///< the point, along z relative to the cell's corner, and for level `lod`
   std::uint32_t brick = empty_ref;  ///< slot; empty_ref: the field of this level is zero
-  float way = 0;                    ///< out of what is empty then, in voxels of lod 0
-  std::int32_t lod = 0;             ///< of the brick: the one asked for, or coarser where that is not here
-  std::int32_t node_lod = 0;        ///< the answer holds in the point's node of this level
-  bool waits = false;               ///< something finer will be here
+  float way = 0;                    ///< if empty: exit distance from the empty space, lod-0 voxels
+  std::int32_t lod = 0;  ///< level of the brick: the requested level, or a coarser one if that is not resident
+  std::int32_t node_lod = 0;        ///< the result holds in the point's node of this level
+  bool waits = false;               ///< finer data was requested and will become resident
 };
 
-/// Where a descent ended.
+/// The node at which a descent ended.
 struct CastDescent {
   std::uint32_t index;  ///< of the node
   int lod;
   NodeWord word;
 };
 
-/// The latest way down: the next one starts where the two part.
+/// The path of the latest descent. The next descent starts where its path leaves this one.
 struct CastPath {
   std::uint32_t cell = no_cell;
-  std::uint32_t local[3] = {0, 0, 0};  ///< where it led, lod-0 voxels from the cell's corner
-  std::int32_t lowest = 0;             ///< level it ended at
-  std::uint32_t tile[max_cast_lods];   ///< by level, above `lowest`: the children of the node that it went through
+  std::uint32_t local[3] = {0, 0, 0};  ///< the descent's target, lod-0 voxels from the cell's corner
+  std::int32_t lowest = 0;             ///< level at which it ended
+  std::uint32_t tile[max_cast_lods];   ///< by level, above `lowest`: tile of the children of the node on the path
 };
 
-/// The lowest level of the path that a way to this voxel shares.
+/// Returns the lowest level on which the paths to this voxel and `path` share a node.
 GB_HD int shared_level(const CastPath& path, const std::uint32_t local[3]) {
   const std::uint32_t differ = (local[0] ^ path.local[0]) | (local[1] ^ path.local[1]) | (local[2] ^ path.local[2]);
   const int level = differ < brick_edge ? 0 : highest_bit(differ) - 2;
   return level > path.lowest ? level : path.lowest;
 }
 
-/// The level whose node a way to this voxel reads first: one below the last that it shares with the path, where the
-/// path knows its children.
+/// Returns the level of the first node that a descent to this voxel reads: one below the last shared level if the path
+/// stores the children of the shared node.
 GB_HD int first_level(const CastScene& scene, const CastPath& path, std::uint32_t cell, const std::uint32_t local[3],
                       int lod) {
   if (cell != path.cell) return scene.lods - 1;
@@ -195,14 +197,14 @@ GB_HD int first_level(const CastScene& scene, const CastPath& path, std::uint32_
   return first > lod ? first : lod;
 }
 
-/// The child on the way to the voxel, of level `lod`, among the nodes of a tile.
+/// Returns the node of level `lod` in a tile that contains the voxel.
 GB_HD std::uint32_t child_of(std::uint32_t tile, const std::uint32_t local[3], int lod) {
   const int bit = 3 + lod;
   return 8 * tile + ((local[0] >> bit & 1) | (local[1] >> bit & 1) << 1 | (local[2] >> bit & 1) << 2);
 }
 
-/// From a cell's root towards the node of level `lod` that holds the voxel; ends early at what is empty or not here.
-/// A tile's mark is read beside the node, since the next read waits for both.
+/// Descends from a cell's root, or from the path, towards the node of level `lod` that holds the voxel. Stops early at
+/// empty or missing nodes. Reads a tile's usage mark together with the node, so that both loads overlap.
 GB_HD CastDescent descend(const CastScene& scene, std::uint32_t cell, int lod, const std::uint32_t local[3],
                           CastPath& path) {
   CastDescent at;
@@ -223,7 +225,8 @@ GB_HD CastDescent descend(const CastScene& scene, std::uint32_t cell, int lod, c
   return at;
 }
 
-/// Notes what of the node where the descent ended a ray of level `lod` misses. True where it is worth waiting for.
+/// Requests the data that the descent's last node lacks for a ray of level `lod`. Returns true if the data will become
+/// resident.
 GB_HD bool ask_for(const CastScene& scene, const CastDescent& at, const CastNode& node, int lod) {
   const Want what = at.lod > lod ? Want::children : Want::brick;
   if ((what == Want::children ? node.children : node.brick) != absent_ref) return false;
@@ -231,13 +234,14 @@ GB_HD bool ask_for(const CastScene& scene, const CastDescent& at, const CastNode
   return true;
 }
 
-/// A cell and the scene beside it.
+/// A cell, or the empty space around a point.
 struct FoundCell {
-  std::uint32_t cell;  ///< no_cell: the point is in none
-  float way;           ///< out of what is empty around the point then, in voxels
+  std::uint32_t cell;  ///< no_cell: no cell holds the point
+  float way;           ///< in that case: exit distance from the empty space, voxels
 };
 
-/// One copy: few steps lead to another cell. x, y, z: the voxel that holds the point.
+/// Finds the cell that holds a voxel. Not inlined, because few steps enter another cell. x, y, z: the voxel that holds
+/// the point.
 GB_HD_ONE_COPY FoundCell look_for_cell(const CastScene& scene, std::int64_t x, std::int64_t y, std::int64_t z,
                                        CastLine line) {
   const std::int64_t v[3] = {x, y, z};
@@ -254,7 +258,8 @@ GB_HD_ONE_COPY FoundCell look_for_cell(const CastScene& scene, std::int64_t x, s
   return found;
 }
 
-/// True and the frame of the cell that holds the point. False: none does, and `way` leads out of what is empty.
+/// Returns true and the frame of the cell that holds the point. Returns false if no cell does; `way` is then the exit
+/// distance from the empty space.
 GB_HD bool enter_cell(const CastScene& scene, const CastLine& line, const FixedPoint& point, CellFrame& frame,
                       float& way) {
   if (frame.holds(scene, point)) return true;
@@ -269,7 +274,7 @@ GB_HD bool enter_cell(const CastScene& scene, const CastLine& line, const FixedP
   return true;
 }
 
-/// Out of the node of level `lod` around a point, in voxels of lod 0.
+/// Returns the exit distance from the node of level `lod` around a point, in lod-0 voxels.
 GB_HD float way_out_of_node(const CastLine& line, const FixedPoint& point, int lod) {
   float way[3];
   GB_UNROLL
@@ -277,14 +282,14 @@ GB_HD float way_out_of_node(const CastLine& line, const FixedPoint& point, int l
   return smallest_of(way) * short_power_of_two(lod - fraction_bits);
 }
 
-/// Out of an empty node where a descent ended, for a ray on level `of`, and out of those of its siblings that follow it
-/// along the ray and are empty too, in voxels of lod 0. What is empty is so up to the next voxel of the ray's level
-/// beyond its upper sides.
+/// Returns the exit distance, in lod-0 voxels, from the empty node at which the descent of a ray on level `of` ended.
+/// The distance extends over empty siblings that the ray enters next. The field is also zero beyond the node's upper
+/// sides, up to the next voxel of level `of`.
 GB_HD float way_out_of_empty(const CastScene& scene, const CastLine& line, const FixedPoint& point,
                              const CastDescent& at, int of) {
   constexpr float edge = float(node_mask + 1);
   float way[3];
-  std::uint32_t ahead = 0;  // bit a: a sibling stands ahead along that axis
+  std::uint32_t ahead = 0;  // bit a: the node has a sibling ahead along axis a
   GB_UNROLL
   for (int a = 0; a < 3; ++a) {
     way[a] = way_to_side(line, a, point.in_node(a, at.lod), node_mask + 1);
@@ -297,7 +302,7 @@ GB_HD float way_out_of_empty(const CastScene& scene, const CastLine& line, const
     const int axis = way[0] < way[1] ? (way[0] < way[2] ? 0 : 2) : (way[1] < way[2] ? 1 : 2);
     const std::uint32_t bit = 1u << axis;
     if ((ahead & bit) == 0 || scene.nodes[node ^ bit] != empty_node) break;
-    // Rounding may not decide which side is met first.
+    // Stop if rounding could change which side the ray crosses first.
     const float unit = axis == 0 ? line.way_per_voxel[0] : axis == 1 ? line.way_per_voxel[1] : line.way_per_voxel[2];
     const float latest = smallest_of(way) + 2 * fixed_spare * unit;
     if ((axis != 0 && way[0] <= latest) || (axis != 1 && way[1] <= latest) || (axis != 2 && way[2] <= latest)) break;
@@ -312,21 +317,21 @@ GB_HD float way_out_of_empty(const CastScene& scene, const CastLine& line, const
   return smallest_of(way) * short_power_of_two(at.lod - fraction_bits);
 }
 
-/// Counts a point of level `from`, as it lies to the lowest centre around it, for level `to`.
+/// Converts fixed-point coordinates from level `from` to level `to`. Each level's origin is its lowest voxel centre.
 GB_HD void count_for_level(int from, int to, FixedPoint& point) {
   const std::uint64_t higher = (std::uint64_t(fixed_one) << to >> 1) - (std::uint64_t(fixed_one) << from >> 1);
   for (std::uint64_t& bits : point.bits) bits -= higher;
 }
 
-/// The field of level `lod` around a point; where what holds it is not here, a coarser one, unless `patient`: then the
-/// answer says no more than that the ray waits. frame: of a cell that is tried first; of the one that was found
-/// afterwards. path: of the same pass.
-/// Cost  A descent from where the path parts, a dependent read a level; one more for each level that is not here.
+/// Finds the brick that holds the field of level `lod` around a point. If it is not resident, returns the finest
+/// resident coarser brick; if `patient`, returns only waits = true instead. frame: the cell that is tried first;
+/// receives the cell that was found. path: from the same pass.
+/// Cost    One dependent load per level below the deepest node shared with `path`; one more descent per missing level.
 GB_HD CastPlace locate(const CastScene& scene, const CastLine& line, int lod, const FixedPoint& point, bool patient,
                        CellFrame& frame, CastPath& path) {
   CastPlace place;
   FixedPoint at = point;
-  int known = -1;  // where the first descent ended: nothing finer is here in that node
+  int known = -1;  // level at which the first descent ended: no finer node is resident in that node
   for (place.lod = lod;;) {
     if (!enter_cell(scene, line, at, frame, place.way)) return place;
     place.at = at;
@@ -348,7 +353,7 @@ GB_HD CastPlace locate(const CastScene& scene, const CastLine& line, int lod, co
       stamp(scene.marks.slot_used + place.brick, scene.pass);
       return place;
     }
-    if (place.lod == scene.lods - 1) {  // not even the root is here
+    if (place.lod == scene.lods - 1) {  // the root is not resident either
       place.way = way_out_of_node(line, place.at, place.lod);
       return place;
     }

@@ -1,6 +1,6 @@
-/// Where a ray meets a sheet: between two points that it looks at, where its height above the sheet changes its sign.
+/// Intersection of a ray with a blended surface: the sign change of the signed distance between two samples of the ray.
 ///
-/// Space   Lod-0 voxels of the scene's lattice; distances in them too.
+/// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
 /// Exact   IEEE float and double: host and device return the same bits.
 #pragma once
 
@@ -12,7 +12,8 @@
 
 namespace gigabake::kernels {
 
-/// What the next point must know of the sheet around this one; there is none where sheet.sheet is 0. lod: of the brick.
+/// Stores in the ray the signed distance and slope at this sample, for the intersection test at the next sample. Stores
+/// no_height if there is no blended surface (sheet.sheet = 0). lod: of the brick.
 GB_HD void keep_height(const CastSheet& sheet, const CastLine& line, int lod, double distance, CastRay& ray) {
   ray.height = CastRay::no_height;
   if (!(sheet.sheet > 0)) return;
@@ -23,13 +24,14 @@ GB_HD void keep_height(const CastSheet& sheet, const CastLine& line, int lod, do
 
 inline constexpr double met_nowhere = -1;
 
-/// How far behind a point of this height the sheet is met if it goes on as it does there; negative: it was met before.
-/// Far beyond all where the ray runs along it.
+/// Returns the distance from a sample to the surface, extrapolated linearly; negative: behind the sample. Returns a
+/// very large value if the ray runs parallel to the surface.
 GB_HD float way_to_sheet(float height, float rise) { return rise == 0 ? CastRay::no_height : -height / rise; }
 
-/// Where the ray met a sheet since the last point, if nothing is around this one: where it would be met if it went on
-/// as it does around the last point, no farther from that than points are from each other. A sheet that lies where the
-/// field ends shows no change of sign; an offset that is rounded to the border of its voxel can lie there.
+/// Extrapolates the surface of the previous sample linearly if the current sample has none. Returns the distance of the
+/// hit if it lies within one step after the previous sample, otherwise met_nowhere. Without extrapolation a surface at
+/// the end of the field would be missed, because no sample follows behind it. Rounding of a plane's offset to the
+/// voxel's border can cause this.
 GB_HD double sheet_left(const CastRay& ray) {
   if (ray.height == CastRay::no_height) return met_nowhere;
   const float ahead = way_to_sheet(ray.height, ray.rise);
@@ -37,9 +39,9 @@ GB_HD double sheet_left(const CastRay& ray) {
                                                                          : met_nowhere;
 }
 
-/// Where between the last point and this one the ray met a sheet: where its height was 0 or changed its sign. Where the
-/// last point was near none the sheet can lie behind it too, as where a level begins: as in sheet_left().
-/// lod: of the brick.
+/// Returns the distance of the ray's hit between the previous sample and this one: the signed distance is 0 here or
+/// changed its sign. If the previous sample had no surface (for example at the start of a level), extrapolates
+/// backwards by one step at most. If this sample has no surface, returns sheet_left(). lod: of the brick.
 GB_HD double sheet_met(const CastSheet& sheet, const CastLine& line, int lod, double distance, const CastRay& ray) {
   if (!(sheet.sheet > 0)) return sheet_left(ray);
   const float height = sheet.height() * short_power_of_two(lod);
@@ -52,8 +54,8 @@ GB_HD double sheet_met(const CastSheet& sheet, const CastLine& line, int lod, do
   return behind >= 0 && double(behind) <= step_length(ray.lod) * (1 + 1e-6) ? distance - double(behind) : met_nowhere;
 }
 
-/// Between two sheets one behind the other the blended height changes its sign too, from below the first to above the
-/// second: there the ray goes down and the height up, or the other way round.
+/// Tests whether a sign change is an artefact between two surfaces, one behind the other. There, the blended distance
+/// changes its sign although the ray moves away from the surface: the slope has the sign of the previous distance.
 GB_HD bool is_between_sheets(const CastSheet& sheet, const CastLine& line, const CastRay& ray) {
   return ray.height != CastRay::no_height && ray.height * sheet.rise(line.direction) > 0;
 }
