@@ -1,6 +1,6 @@
-/// What of a ray's light stops where, and what it brings back.
+/// Compositing along a ray: coverage, transmittance, colour and depth.
 ///
-/// Space   Lod-0 voxels of the scene's lattice; distances in them too.
+/// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
 /// Exact   IEEE float and double, no transcendental functions: host and device return the same bits.
 #pragma once
 
@@ -16,28 +16,28 @@
 
 namespace gigabake::kernels {
 
-/// A ray on its way. What was not finished goes on from here.
+/// The state of a ray. An unfinished ray continues from this state in the next pass.
 struct alignas(16) CastRay {
   float rgb[3] = {0, 0, 0};  ///< linear, premultiplied
   float transmittance = 1;
-  float covered = 0;       ///< coverage of all surface so far, added up: 1 is opaque
-  float before = 0;        ///< the same before the surface that the ray is in began
-  float apart = 0;         ///< from this distance on another surface begins
-  float depth = no_depth;  ///< distance at which half of the light is gone
-  double step = 0;         ///< next point of the level; a whole number, as `past` is
-  double past = -1;        ///< the point after the last one of this level that lay in a surface
+  float covered = 0;       ///< sum of the coverages of all surfaces so far: 1 is opaque
+  float before = 0;        ///< value of `covered` at the start of the current surface
+  float apart = 0;         ///< distance from which on samples belong to another surface
+  float depth = no_depth;  ///< distance at which half of the light has been absorbed
+  double step = 0;         ///< index of the level's next sample; an integer like `past`
+  double past = -1;        ///< index of the sample after the level's last sample in a surface
 
-  double met = 0;            ///< distance at which it met a sheet before the point where it stands
-  float height = no_height;  ///< of the last point above its sheet, lod-0 voxels; no_height: it was near none
-  float height_at = 0;       ///< that point's distance
-  float rise = 0;            ///< how much higher the ray gets along a lod-0 voxel, going on as it does there
+  double met = 0;            ///< distance of the latest hit of a blended surface before the current sample
+  float height = no_height;  ///< signed distance of the previous sample, lod-0 voxels; no_height: no surface
+  float height_at = 0;       ///< distance of that sample along the ray
+  float rise = 0;            ///< change of `height` per lod-0 voxel along the ray at that sample
   std::int32_t lod = -1;     ///< -1: finished
-  bool is_seen = false;      ///< the sheet at `met` has been looked at
+  bool is_seen = false;      ///< the hit at `met` has been composited
 
   static constexpr float no_depth = 3e38f, no_height = 3e38f;
 };
 
-/// e^-x for x ≥ 0 to 2e-5 relative; less than 2e-7 beyond 16.
+/// Returns e^-x for x ≥ 0 with a relative error of 2e-5; less than 2e-7 beyond 16.
 GB_HD float exp_minus(float x) {
   const float y = (x < 16 ? x : 16) * (-1.0f / 64);
   float e = 1 + y * (1 + y * (0.5f + y * (1.0f / 6 + y * (1.0f / 24 + y * (1.0f / 120)))));
@@ -45,14 +45,15 @@ GB_HD float exp_minus(float x) {
   return e;
 }
 
-/// Six colours and their darker and lighter relations. One copy: few pictures are painted.
+/// Returns a channel of debug colour n: six hues in three brightnesses. Not inlined, because few images show debug
+/// colours.
 GB_HD_ONE_COPY float painted(std::uint32_t n, int channel) {
   const std::uint32_t hue = n % 6, tone = n / 6 % 3;
   const bool lit = channel == 0 ? hue == 0 || hue == 1 || hue == 5 : (channel == 1 ? hue >= 1 && hue <= 3 : hue >= 3);
   return (lit ? 0.9f : 0.1f) * (1 - 0.3f * float(tone));
 }
 
-/// What paint tells of the brick that a sample is from.
+/// The properties of a sample's brick that debug colours show.
 struct BrickTraits {
   std::int32_t lod = 0;
   std::uint32_t cell = no_cell;
@@ -64,7 +65,7 @@ GB_HD std::uint32_t paint_number(const BrickTraits& brick, CastPaint paint) {
   return paint == CastPaint::cell ? brick.cell * 2654435761u >> 20 : (brick.waits ? 0u : 2u);
 }
 
-/// Radiance of a sample: its own, or paint that its own brightness lets the shape show in.
+/// Computes a sample's radiance, or a debug colour scaled by the sample's brightness so that shapes remain visible.
 GB_HD void radiance_of(const CastSample& s, const BrickTraits& brick, CastPaint paint, float rgb[3]) {
   const float scale = 2 / s.mean_coverage();
   for (int k = 0; k < 3; ++k) rgb[k] = s.c[k] * scale;
@@ -75,8 +76,9 @@ GB_HD void radiance_of(const CastSample& s, const BrickTraits& brick, CastPaint 
   for (int k = 0; k < 3; ++k) rgb[k] = painted(n, k) * (0.25f + grey);
 }
 
-/// How much surface a ray meets per voxel of its way, from what views along the axes see: |d|·coverage is exact for
-/// sheets across an axis and for boxes, the root of squares for spheres. What coarser voxels hold is mostly sheets.
+/// Returns the amount of surface per voxel of ray length, estimated from the coverages along the axes. |d|·coverage is
+/// exact for surfaces across an axis and for boxes, the root of squares for spheres. Coarse voxels contain mostly flat
+/// surfaces, so their estimate is 3/4 box and 1/4 sphere.
 GB_HD float crossings(const CastSample& s, const double direction[3], int lod) {
   const float x = s.c[3] * std::fabs(float(direction[0]));
   const float y = s.c[4] * std::fabs(float(direction[1]));
@@ -85,11 +87,11 @@ GB_HD float crossings(const CastSample& s, const double direction[3], int lod) {
   return lod == 0 ? box : 0.75f * box + 0.25f * std::sqrt((x * x + y * y) + z * z);
 }
 
-/// What of the light behind it `covered` hides. Surface is not mist: pieces of a sheet that lie in two voxels add up to
-/// an opaque one, where e^-x would let a third through. Coarser voxels are as wide as a pixel, and interpolation
-/// spreads their borders over two: the step is steeper there.
+/// Returns the opacity of accumulated coverage. Opacity is linear, not exponential: fragments of one surface in two
+/// voxels must sum to opaque, while e^-x would transmit a third. Voxels of coarser levels are as wide as a pixel, and
+/// interpolation spreads their borders over two voxels; a steeper step compensates for this.
 ///
-/// Where surface hides no more than `density` of the light, the step ends there: a sheet shows the alpha that it has.
+/// If the surface's own opacity `density` is below 1, the step ends at this value.
 ///
 /// Source  Vicini, Jakob, Kaplanyan 2021, "A non-exponential transmittance model for volumetric scene representations".
 GB_HD float hidden_by(float covered, int lod, float density) {
@@ -98,7 +100,8 @@ GB_HD float hidden_by(float covered, int lod, float density) {
   return density * (part * part * (3 - 2 * part));
 }
 
-/// What of the light that came so far stops where the ray has now met `covered` of surface, of a brick of level `lod`.
+/// Returns the absorbed light, as a fraction of the light at the ray's start, when the ray's coverage rises to
+/// `covered`. Updates ray.covered. lod: of the brick.
 GB_HD float stop_light(float covered, int lod, float density, CastRay& ray) {
   const float before = hidden_by(ray.covered, lod, density);
   ray.covered = covered < 1 ? covered : 1;
@@ -107,18 +110,20 @@ GB_HD float stop_light(float covered, int lod, float density, CastRay& ray) {
   return more > 0 ? ray.transmittance * more : 0;
 }
 
-/// Pieces of a pane that a ray meets are one until it is so many voxels away from them, across the pane.
+/// The distance in voxels, measured across the surface, within which translucent samples count as one surface.
 inline constexpr float pane_reach = 2;
 
-/// The ray is in a surface at `distance`, which it leaves so fast. voxel: edge of its voxels.
+/// Extends the current surface by the sample at `distance`, or starts a new surface. across: |cosine| between ray and
+/// normal; voxel: edge of the surface's voxels.
 GB_HD void stay_in_surface(double distance, float across, float voxel, CastRay& ray) {
   if (float(distance) >= ray.apart) ray.before = ray.covered;
   constexpr float slowest = 1.0f / 32;
   ray.apart = float(distance) + pane_reach * voxel / (across > slowest ? across : slowest);
 }
 
-/// After `more` of a surface that hides no more than `density`: how many of a pane's voxels a ray meets depends on the
-/// slope, and together they hide what the pane does. Pieces of an opaque surface add up.
+/// Returns the ray's coverage after `more` coverage of a surface with opacity `density`. The number of voxels of a
+/// translucent surface that a ray hits depends on the slope, so their sum is limited to `density`. Coverages of an
+/// opaque surface add up.
 GB_HD float covered_in_surface(float more, float density, const CastRay& ray) {
   const float covered = ray.covered + more;
   if (density >= 1) return covered;
@@ -126,18 +131,19 @@ GB_HD float covered_in_surface(float more, float density, const CastRay& ray) {
   return covered <= most ? covered : (most > ray.covered ? most : ray.covered);
 }
 
-/// A brick that stands for finer ones which are not here counts as more surface than it holds, the more the coarser it
-/// is: where it borders on one of another level neither holds the whole of a surface that passes through both, and
-/// ground that lets the sky through is worse than an edge that is too thick until the rest comes.
+/// Returns the opacity scale of a fallback brick; it grows with the difference of the levels. At the border to a brick
+/// of another level, neither brick contains the whole surface. Too much coverage makes edges too thick until finer data
+/// is resident; too little would leave holes in the ground.
 GB_HD float solidity(const BrickTraits& brick, const CastRay& ray) { return float(1 + brick.lod - ray.lod); }
 
-/// What a ray is cast for.
+/// The type of a ray.
 enum class CastAim : std::uint8_t {
-  eye,   ///< what it meets: colours and depth
-  light  ///< how much of a light comes through, and nothing else; the same bits as the eye's ray has of that
+  eye,   ///< primary ray: computes colours and depth
+  light  ///< shadow ray: computes only the transmittance, with the same bits as a primary ray
 };
 
-/// `weight` of the light that started stops at the sample, which stands for `way` around `distance`.
+/// Composites a sample that absorbs the fraction `weight` of the initial light. The sample represents the length `way`
+/// around `distance`.
 template <CastAim aim>
 GB_HD void take_light(const CastSample& s, const BrickTraits& brick, float weight, double distance, double way,
                       const CastCamera& camera, CastRay& ray) {
@@ -154,7 +160,7 @@ GB_HD void take_light(const CastSample& s, const BrickTraits& brick, float weigh
   ray.transmittance -= weight;
 }
 
-/// The sample stands for `steps` points of the ray's level.
+/// Composites a sample that represents `steps` samples of the ray's level.
 template <CastAim aim>
 GB_HD void composite(const CastSample& s, const CastPane& pane, const CastLine& line, const BrickTraits& brick,
                      double steps, double distance, const CastCamera& camera, CastRay& ray) {
@@ -167,7 +173,7 @@ GB_HD void composite(const CastSample& s, const CastPane& pane, const CastLine& 
 
 inline constexpr float least_light = 1.0f / 1024;
 
-/// What is still to come would not show: the ray ends as if the last surface were opaque.
+/// Finishes the ray if its transmittance is too low to be visible, as if the last surface were opaque.
 GB_HD void finish_opaque(CastRay& ray) {
   if (ray.lod < 0 || ray.transmittance >= least_light) return;
   const float scale = 1 / (1 - ray.transmittance);

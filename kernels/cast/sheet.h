@@ -1,9 +1,9 @@
-/// The sheet around a point: the planes of the eight voxels of one level there, blended.
+/// The blended surface ("sheet") around a point: the blended planes of the eight voxels of one level.
 ///
-/// Around a point the eight planes' distances are interpolated as colours are, each as much as its voxel is a sheet,
-/// and the sheet lies where that distance changes its sign. One function serves both of two neighbours, so their planes
-/// meet, and no ray passes between them. Distances are along octahedral normals (kernels/body/plane.h), so they are up
-/// to 1.7 times too long; where they are zero, and which side a point is on, is the same.
+/// The signed distances to the eight planes are interpolated like colours, and weighted by the fraction of each voxel's
+/// surface that lies on its plane. The surface is where the interpolated distance changes its sign. Two neighbouring
+/// points use the same function, so their surfaces join, and no ray passes between them. Distances are measured along
+/// octahedral normals (kernels/body/plane.h), so they are up to 1.7 times too long. Their zeros and signs are exact.
 ///
 /// Exact   IEEE float: host and device return the same bits.
 /// Source  Ohtake et al. 2003, "Multi-level Partition of Unity Implicits"; docs/experiments/levels.md.
@@ -20,14 +20,15 @@
 namespace gigabake::kernels {
 
 struct CastSheet {
-  float sheet = 0;       ///< weight of the voxels that are there · how much they are a sheet, and whole
-  float normal[3] = {};  ///< weight · how much they are a sheet · octahedral normal, 127 = 1
-  float above = 0;       ///< the same of how far the point lies above their planes; 127: half a voxel
+  float sheet = 0;       ///< sum of interpolation weight · sheet_part() of the existing voxels
+  float normal[3] = {};  ///< sum of the same weights · octahedral normal, 127 represents 1
+  float above = 0;       ///< sum of the same weights · signed distance of the point; 127 represents half a voxel
 
-  /// How far the point lies above it, in voxels; 0 where there is no sheet.
+  /// Returns the point's signed distance in voxels; 0 if there is no surface.
   GB_HD float height() const { return sheet > 0 ? above / (sheet * 254) : 0; }
 
-  /// How much higher a point lies that is a voxel farther along the line. Range  sheet > 0.
+  /// Returns the change of the signed distance per voxel along the line.
+  /// Range   sheet > 0.
   GB_HD float rise(const double direction[3]) const {
     const float rises =
         (normal[0] * float(direction[0]) + normal[1] * float(direction[1])) + normal[2] * float(direction[2]);
@@ -35,13 +36,13 @@ struct CastSheet {
   }
 };
 
-/// What lets light through hides as much of it whichever way a ray goes through.
+/// A translucent surface; its opacity does not depend on the viewing angle.
 struct CastPane {
-  float density = 1;  ///< alpha of the voxels of lod 0 that are there; 1 where all are opaque
-  float across = 1;   ///< how fast a ray leaves it: 1 is straight across, 0 along it
+  float density = 1;  ///< alpha of the existing lod-0 voxels; 1 if all are opaque
+  float across = 1;   ///< |cosine| between ray and normal: 1 crosses the surface perpendicularly, 0 runs along it
 };
 
-/// The loose surface around a point.
+/// The volumetric residual around a point: coverage that no blended surface represents.
 struct CastLoose {
   CastSample sample;
   CastPane pane = {};
@@ -49,13 +50,14 @@ struct CastLoose {
 
 GB_HD int coherence_of(const CastVoxel& voxel) { return unpack_plane(voxel.plane).coherence; }
 
-/// How much of a sheet a voxel holds: of a corner of one that it barely holds the place is not well known.
+/// Returns the blend weight of a voxel's plane: coherence × mean coverage, 0 to 3. Planes of barely covered voxels are
+/// unreliable.
 GB_HD float sheet_part(const CastVoxel& voxel) {
   const int covered = (voxel.c[3] + voxel.c[4]) + voxel.c[5];
   return float(coherence_of(voxel) * covered) * (1.0f / (3 * 65535));
 }
 
-/// Three signed bytes as a vector x, y, z; the fourth is 0.
+/// A vector of three signed bytes x, y, z; the fourth byte is 0.
 using ByteVector = std::uint32_t;
 
 GB_HD ByteVector byte_vector(int x, int y, int z) {
@@ -76,7 +78,7 @@ GB_HD std::int32_t dot(ByteVector a, ByteVector b) {
 #endif
 }
 
-/// The length of a vector's part along another one that need not be a unit.
+/// Returns |cosine| between a unit direction and a vector of any length; 1 for a zero vector.
 GB_HD float length_along(const double direction[3], const float n[3]) {
   const float squared = (n[0] * n[0] + n[1] * n[1]) + n[2] * n[2];
   if (!(squared > 0)) return 1;
@@ -84,7 +86,7 @@ GB_HD float length_along(const double direction[3], const float n[3]) {
   return std::fabs(float(dot)) / std::sqrt(squared);
 }
 
-/// One copy: few points are of panes.
+/// Returns the translucent surface at a point. Not inlined, because few points lie in translucent surfaces.
 GB_HD_ONE_COPY CastPane pane_at(CastCorners corners, double x, double y, double z) {
   const double direction[3] = {x, y, z};
   float there = 0, hidden = 0, across = 0;
@@ -102,23 +104,24 @@ GB_HD_ONE_COPY CastPane pane_at(CastCorners corners, double x, double y, double 
   return there > 0 ? CastPane{hidden / (there * 65535), across / there} : CastPane{};
 }
 
-/// What the planes of the voxels around a point have in common.
+/// The blended planes of the voxels around a point.
 struct BlendedPlanes {
   CastSheet sheet;
-  int bits = 0;          ///< of their bytes, together
-  bool is_flat = false;  ///< all of their surface is one sheet: disagreement() is 0 for each of them
+  int bits = 0;          ///< bitwise OR of the plane bytes
+  bool is_flat = false;  ///< the voxels are one flat surface: disagreement() is 0 for each of them
 };
 
-/// Whether two normals are within 12.9° of each other. Where all of them are so near to one of them, what is blended of
-/// them is as near to that one, rounding to bytes turns it by less than half a degree, and so each is within 30° of it.
+/// Tests whether two normals are within 12.9° of each other. If all normals are this close to one of them, the blended
+/// normal is too. Rounding to bytes turns it by less than half a degree, so each normal is within 30° of the blended
+/// one.
 GB_HD bool is_same_slope(ByteVector a, ByteVector b) {
   const int along = dot(a, b);
   const float all = float(dot(a, a)) * float(dot(b, b));
   return along > 0 && float(along) * float(along) >= 0.95f * all;
 }
 
-/// Where the point lies between the voxels is rounded to a 127th of one here, so that how far it lies above a plane is
-/// one product of bytes.
+/// Blends the planes of the voxels. The point's position between the voxels is rounded to 1/127 voxel. The signed
+/// distance to a plane is then one dot product of bytes.
 GB_HD BlendedPlanes blend_planes(const CastCorners& corners) {
   int place[3];
   GB_UNROLL
@@ -148,7 +151,7 @@ GB_HD BlendedPlanes blend_planes(const CastCorners& corners) {
   return {r, bits, is_flat};
 }
 
-/// A sheet's normal, 127 along its largest axis.
+/// A normal of a blended surface, scaled to 127 along its largest axis.
 struct SheetNormal {
   ByteVector bytes;
   float squared;
@@ -166,19 +169,20 @@ GB_HD SheetNormal normal_of(const CastSheet& sheet) {
   return {bytes, float(dot(bytes, bytes))};
 }
 
-/// How little a voxel's plane has to do with the sheet around it: 0 where their normals are within 30° of each other, 1
-/// beyond 45°. Where two sheets meet, the blended one may lie on neither of them, or nowhere.
+/// Returns the disagreement of a voxel's normal with the blended surface: 0 within 30°, rising to 1 at 45°. At the edge
+/// of two surfaces the blended surface may lie on neither of them.
 GB_HD float disagreement(ByteVector normal, const SheetNormal& sheet) {
   const int along = dot(normal, sheet.bytes);
   if (along <= 0) return 1;
   const float squared = 4 * (float(along) * float(along)), all = float(dot(normal, normal)) * sheet.squared;
-  if (squared >= 3 * all) return 0;  // most voxels of a sheet: no division for them
+  if (squared >= 3 * all) return 0;  // most voxels of a surface take this exit, which avoids the division
   const float left = 3 - squared / all;
   return left < 1 ? left : 1;
 }
 
-/// What is seen by its coverages: what does not lie all on a sheet, and sheets that have little to do with the one that
-/// they are blended to. These cover along each axis what their normal says of their largest coverage.
+/// Returns the residual: coverage that the blended surface does not represent. It consists of voxels without a full
+/// plane, and of planes more than 30° off the surface. The latter store one coverage; their normal distributes it over
+/// the axes.
 GB_HD CastSample loose_sample(const CastCorners& corners, const CastSheet& sheet) {
   const SheetNormal normal = normal_of(sheet);
   CastSample r;
@@ -206,29 +210,30 @@ GB_HD CastSample loose_sample(const CastCorners& corners, const CastSheet& sheet
   return r;
 }
 
-/// What the voxels around a point are.
+/// The class of the surface around a point.
 enum class PointKind : std::uint8_t {
-  loose,  ///< surface without a sheet
-  pane,   ///< surface of lod 0 that lets light through
-  sheet   ///< some are, or hold, a sheet
+  loose,  ///< no plane: residual only
+  pane,   ///< translucent surface of lod 0
+  sheet   ///< some voxels have a plane
 };
 
-/// What a ray finds at a point, but for what is loose there.
+/// The surface around a point, without the residual.
 struct CastAround {
   PointKind kind = PointKind::loose;
-  CastSheet sheet;       ///< none where kind is not `sheet`
-  bool is_flat = false;  ///< the sheet is all there is
+  CastSheet sheet;       ///< empty unless kind is `sheet`
+  bool is_flat = false;  ///< the blended surface is all there is: no residual
 };
 
-/// is_wanted: of the level that the ray is on. A brick that stands for finer ones is seen by
-/// its coverages alone: its planes may lie on the other side of an eye that is nearer to them than they are wide.
+/// Classifies the neighbourhood of a point. is_wanted: the brick has the ray's level. Fallback bricks of coarser levels
+/// are rendered by their coverages only. The eye may be nearer to them than a voxel's width, so their planes may lie
+/// behind it.
 GB_HD CastAround look_around(const CastCorners& corners, bool is_wanted) {
   const BlendedPlanes planes = blend_planes(corners);
   if ((planes.bits & clear_plane) != 0) return {PointKind::pane, {}};
   return planes.bits != 0 && is_wanted ? CastAround{PointKind::sheet, planes.sheet, planes.is_flat} : CastAround{};
 }
 
-/// around: what look_around() says.
+/// Returns the residual at a point. around: the result of look_around().
 GB_HD CastLoose loose_at(const CastCorners& corners, const CastAround& around, const double direction[3]) {
   if (around.is_flat) return {};
   if (around.kind == PointKind::sheet) return {loose_sample(corners, around.sheet), {}};
@@ -236,7 +241,7 @@ GB_HD CastLoose loose_at(const CastCorners& corners, const CastAround& around, c
           around.kind == PointKind::pane ? pane_at(corners, direction[0], direction[1], direction[2]) : CastPane{}};
 }
 
-/// What the sheet looks like: what is loose has no say in it.
+/// Returns the colour and coverage of the blended surface, without the residual.
 GB_HD CastSample sheet_sample(const CastCorners& corners) {
   CastSample r;
   GB_NO_UNROLL
@@ -250,40 +255,41 @@ GB_HD CastSample sheet_sample(const CastCorners& corners) {
   return r;
 }
 
-/// How much of a sheet over one column of voxels lies in two of them. at: where the sheet meets the column's middle, 0
-/// and 1 being the two centres. reach: how far it goes up and down within the column.
+/// Returns the fraction of a surface within one column of voxels that lies in two of these voxels. at: intersection
+/// with the column's axis; 0 and 1 are the two voxel centres. reach: extent of the surface up and down within the
+/// column.
 GB_HD float part_in_pair(float at, float reach) {
   const float from = at - reach, to = at + reach;
   const float low = from > -0.5f ? from : -0.5f, high = to < 1.5f ? to : 1.5f;
   return high > low ? (high - low) / (2 * reach) : 0;
 }
 
-/// How much of a sheet is there, and how much it hides where it is whole.
+/// The fraction of a surface that exists, and its opacity where it is complete.
 struct SheetOpacity {
   float opacity = 1, density = 1;
 };
 
-/// A plane is known to a fifteenth of a voxel, and its normal to some degrees.
+/// The min reach: a plane's offset is known to 1/15 voxel, and its normal to some degrees.
 inline constexpr float least_reach = 0.125f;
 
-/// By choices: an array that a device indexes by what it computed does not stand in registers.
+/// Returns v[axis] without indexing: on a device an array with a computed index cannot be kept in registers.
 GB_HD float component(const float v[3], int axis) { return axis == 0 ? v[0] : (axis == 1 ? v[1] : v[2]); }
 
-/// The columns of voxels around a point, along the axis that the sheet through it is most across. Column (0, 0) to
-/// (1, 1) are those between which it lies.
+/// The columns of voxels around a point, along the axis closest to the surface's normal. The point lies between columns
+/// (0, 0) and (1, 1).
 struct SheetColumns {
   BrickView brick;
   int base[3];
   int along, u, v;  ///< axes
   float slope_u, slope_v, reach;
-  float at[3];  ///< where the point lies between the voxels along `along`, u and v
+  float at[3];  ///< position of the point between the voxels along `along`, u and v
 
-  /// What part of the tangent plane within this column lies in its two voxels.
+  /// Returns the fraction of the tangent plane within this column that lies in the column's two voxels.
   GB_HD float part(int i, int j) const {
     return part_in_pair(at[0] - (slope_u * (float(i) - at[1]) + slope_v * (float(j) - at[2])), reach);
   }
 
-  /// How much these two cover along the axis, which is exact.
+  /// Returns the sum of the coverages of these two voxels along the axis, which is exact.
   GB_HD float together(int i, int j) const {
     const int x = base[0] + (u == 0 ? i : 0);
     const int y = base[1] + (u == 1 ? i : (v == 1 ? j : 0));
@@ -313,12 +319,13 @@ GB_HD SheetColumns columns_around(const BrickView& brick, const CastPoint& point
   return r;
 }
 
-/// Columns that hold less of a sheet do not say how dense it is.
+/// The min part() of a column that is used to estimate the density of a surface.
 inline constexpr float least_part = 0.25f;
 
-/// How much the sheet hides where it is most of what it can be, among columns no farther than one and a half along x
-/// and y, and one along z, as far as the brick knows. Beside a border of an opaque sheet there are full columns, in a
-/// pane there are none. Along z bricks of coarse levels stand where the cells do, and what is seen must not show these.
+/// Returns the max density of the surface among the columns nearby, at most one and a half voxels away along x and y
+/// and one along z, within the brick. Near the border of an opaque surface some columns are full; in a translucent
+/// surface none is. The range along z is smaller because z positions of coarse bricks follow the cells, which must not
+/// show in the image.
 GB_HD float densest_near(const SheetColumns& columns, const CastPoint& point) {
   const int base_u = columns.u == 0 ? point.base[0] : point.base[1];
   const int base_v = columns.v == 1 ? point.base[1] : slot_edge;  // z: no farther than the point's own voxels
@@ -336,9 +343,9 @@ GB_HD float densest_near(const SheetColumns& columns, const CastPoint& point) {
   return densest;
 }
 
-/// How much of the sheet through a point is surface: of what of the tangent plane lies in the voxels of four columns,
-/// what they cover; elsewhere the sheet may be in the next ones. Where no column near is nearly full the sheet lets
-/// light through, and is as dense as it is opaque here; else what is missing is its border.
+/// Returns the opacity of the surface through a point: the covered part of the tangent plane in the voxels of four
+/// columns. The rest of the plane may lie in other voxels. If no column nearby is almost full, the surface is
+/// translucent and its density is its opacity here. Otherwise the missing part is beyond the surface's border.
 GB_HD SheetOpacity opacity_of_sheet(const BrickView& brick, const CastPoint& point, const CastSheet& sheet) {
   const SheetColumns columns = columns_around(brick, point, sheet);
   float there = 0, met = 0;
