@@ -1,13 +1,13 @@
-/// Casting rays through a paged scene, front to back.
+/// Ray casting through a paged scene, front to back.
 ///
-/// A ray walks a fixed sequence of points: on level l they lie half a voxel of l apart, and l is the level whose voxels
-/// are at most a pixel wide at that distance. Which points are looked at, and what is seen there, depends on the ray
-/// and the voxels alone; empty space is only stepped over. So neither the cells, nor what was here when, nor the order
-/// of rays shows in the picture, once everything that the rays want has come.
+/// A ray visits a fixed sequence of samples. On level l they are half a voxel of l apart; l is the level whose voxels
+/// are at most a pixel wide at that distance. Empty space is skipped. The samples and their values depend only on the
+/// ray and the voxels. Once all requested data is resident, the image therefore does not depend on cells, residency or
+/// the order of rays.
 ///
-/// Space   Lod-0 voxels of the scene's lattice; distances in them too.
+/// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
 /// Exact   IEEE float and double, no transcendental functions: host and device return the same bits.
-/// Source  Crassin et al. 2009, "GigaVoxels" (rays that ask for what they miss).
+/// Source  Crassin et al. 2009, "GigaVoxels" (rays that request missing data).
 #pragma once
 
 #include <cmath>
@@ -35,8 +35,8 @@ GB_HD CastRay start_ray(const CastScene& scene, const CastLine& line) {
   return ray;
 }
 
-/// Out of half of a brick along each axis, or a quarter, around a point where the field is zero, in 65536ths of the
-/// brick's voxels; 0 where it is not zero in all of either. blocks: the brick's. u: the point in the brick.
+/// Returns the distance from `u` to the exit of the empty half- or quarter-brick around it, in 1/65536 of the brick's
+/// voxels; 0 if neither is empty. blocks: of the brick. u: the point in the brick.
 GB_HD float way_out_of_empty_part(std::uint64_t blocks, const CastLine& line, const std::uint32_t u[3]) {
   const int x = int(u[0] >> fraction_bits), y = int(u[1] >> fraction_bits), z = int(u[2] >> fraction_bits);
   constexpr std::uint64_t eight_blocks = 0x330033;
@@ -49,12 +49,12 @@ GB_HD float way_out_of_empty_part(std::uint64_t blocks, const CastLine& line, co
   return smallest_of(way);
 }
 
-/// Where the next level begins at the latest: in the middle of a surface some of its voxels late, since what two levels
-/// show of it apart does not add up.
+/// Returns the latest distance at which to switch to the next level. Inside a surface the switch is deferred, because
+/// coverages of two levels cannot be added.
 GB_HD double lod_end(const CastLine& line, int lod) { return lod_start(line, lod + 1) + 8 * step_length(lod + 1); }
 
-/// The next level begins behind the surface that the ray was in, or at its own start: how far empty space was stepped
-/// over has no say in it.
+/// Switches to the next level. It begins behind the ray's last surface or at its regular start, independent of the
+/// empty space that was skipped.
 GB_HD void enter_next_lod(const CastLine& line, CastRay& ray) {
   const double from = point_distance(line, ray.lod, ray.past) - lod_start(line, ray.lod + 1);
   ++ray.lod;
@@ -63,9 +63,9 @@ GB_HD void enter_next_lod(const CastLine& line, CastRay& ray) {
   ray.past = -1;
 }
 
-/// How many steps a ray takes in a brick that is coarser than it: there points lie half a voxel of the brick apart, as
-/// far as it stands and the ray's level goes. beyond: the first point that may lie outside of it. One copy: few bricks
-/// stand for finer ones.
+/// Returns the number of steps a ray takes in a coarser fallback brick. Samples there are half a voxel of the brick
+/// apart, within the brick and the ray's level. beyond: the first sample that may lie outside the brick. Not inlined,
+/// because fallback bricks are few.
 GB_HD_ONE_COPY double steps_in_coarser(double lod1_distance, int brick_lod, int lod, double step, double beyond) {
   CastLine line;
   line.lod1_distance = lod1_distance;
@@ -76,12 +76,12 @@ GB_HD_ONE_COPY double steps_in_coarser(double lod1_distance, int brick_lod, int 
   return steps < wide ? steps : wide;
 }
 
-/// Looks at points of a level anywhere along a ray, one after the other.
+/// Samples one level at arbitrary distances along a ray.
 struct LevelLook {
   LevelPoints points;
   std::int32_t lod;
   CellFrame frame;
-  CastPlace place;  ///< of the last point
+  CastPlace place;  ///< of the last sample
 
   GB_HD LevelLook(const CastScene& scene, const CastLine& line, int level)
       : points(level_points(scene, line, level)), lod(level) {}
@@ -90,14 +90,14 @@ struct LevelLook {
     const FixedPoint at = points.at(line, lod, (distance - point_distance(line, lod, 0)) * steps_per_voxel(lod));
     place = locate(scene, line, lod, at, patient, frame, path);
   }
-  /// Of the brick that holds the last point.
+  /// Returns the properties of the brick that holds the last sample.
   GB_HD BrickTraits traits() const { return {place.lod, frame.cell, place.waits}; }
   GB_HD CastPoint point() const { return point_in_brick(place.at, place.lod); }
 };
 
-/// The ray met a sheet at `met`: what it looks like there, half a voxel before and half a voxel behind, and how much of
-/// it is surface. False: the ray, being patient, waits for what is not here. A ray to a light has no need of what it
-/// looks like: it looks once.
+/// Composites the blended surface that the ray hit at `met`. Samples its colour at the hit and half a voxel before and
+/// behind, and its opacity at the hit. Returns false if the ray is patient and must wait for missing data. A shadow ray
+/// needs no colour, so it samples only once.
 template <CastAim aim>
 GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient, double met,
                       CastPath& path, CastRay& ray) {
@@ -137,28 +137,28 @@ GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const Ca
   return true;
 }
 
-/// What a ray on its way does next.
+/// The next action of a ray.
 enum class CastTask : std::uint8_t {
-  seek,  ///< go on over points where the field is zero
-  pass,  ///< look at the point where it stands
-  meet,  ///< look at the sheet that it met before the point where it stands
-  none   ///< it is finished, or waits
+  seek,  ///< skip samples where the field is zero
+  pass,  ///< process the current sample
+  meet,  ///< composite the surface that was hit before the current sample
+  none   ///< finished, or waiting for data
 };
 
-/// A ray on its way, within a pass. What is left of it afterwards is the CastRay. Its CastPath stands beside it: that
-/// is indexed by what a device computes, so it cannot stand in registers as this does. What a step can compute again is
-/// not here: registers are what a device lacks.
+/// The state of a ray within a pass; only CastRay survives the pass. CastPath is separate: a device indexes it by
+/// computed values, so it cannot be kept in registers like this struct. Values that a step can recompute are not
+/// stored, to save registers.
 struct CastWalk {
   CastTask task = CastTask::none;
-  bool waits = false;         ///< as CastPlace, of the brick
+  bool waits = false;         ///< like CastPlace::waits, of the brick
   LevelPoints points;         ///< of the ray's level
   CellFrame frame;            ///< of the latest cell
-  std::int32_t lod = 0;       ///< of the brick that holds the point, as CastPlace
-  double in_brick_until = 0;  ///< points before this step lie in that brick; others may
+  std::int32_t lod = 0;       ///< level of the brick that holds the sample
+  double in_brick_until = 0;  ///< samples before this step lie in that brick; later ones may not
   CastHead head;              ///< of the brick
 };
 
-/// The point where the ray stands, in its brick.
+/// Returns the ray's current sample, in the coordinates of its brick.
 GB_HD FixedPoint point_of(const CastLine& line, const CastWalk& walk, const CastRay& ray) {
   FixedPoint point = walk.points.at(line, ray.lod, ray.step);
   point.bits[2] -= walk.frame.low;
@@ -166,7 +166,7 @@ GB_HD FixedPoint point_of(const CastLine& line, const CastWalk& walk, const Cast
   return point;
 }
 
-/// The ray met a sheet before the point where it stands; what that is like comes first.
+/// Returns true if the ray hit a surface before the current sample; that surface is then composited first.
 GB_HD bool is_met(double met, CastWalk& walk, CastRay& ray) {
   if (ray.is_seen || met == met_nowhere) return false;
   ray.met = met;
@@ -174,7 +174,7 @@ GB_HD bool is_met(double met, CastWalk& walk, CastRay& ray) {
   return true;
 }
 
-/// The field is zero where the ray stands. True where it met a sheet before that.
+/// Handles a sample with a zero field. Returns true if the ray hit a surface before it.
 GB_HD bool leaves_sheet(CastWalk& walk, CastRay& ray) {
   if (is_met(sheet_left(ray), walk, ray)) return true;
   ray.is_seen = false;
@@ -182,18 +182,18 @@ GB_HD bool leaves_sheet(CastWalk& walk, CastRay& ray) {
   return false;
 }
 
-/// The first step of the ray's level from which on it may be over, or the scene; one step early at the most.
+/// Returns the first step at which the ray may have left the level or the scene; at most one step early.
 GB_HD double level_until(const CastScene& scene, const CastLine& line, int lod) {
   const double start = lod_start(line, lod);
   const double end = lod + 1 < scene.lods ? smaller_of(lod_start(line, lod + 1), line.leave) : line.leave;
   return (end - start) * steps_per_voxel(lod) - 1.5;
 }
 
-/// True where the ray ended or is on the next level now.
+/// Returns true if the ray ended or switched to the next level.
 GB_HD bool leaves_level(const CastScene& scene, const CastLine& line, CastWalk& walk, CastRay& ray) {
   const double distance = point_distance(line, ray.lod, ray.step);
   const bool in_surface = ray.step == ray.past;
-  // First: a step over what is empty of this level may end behind the scene, where the next level still has a surface.
+  // Test this first: a step over empty space may end behind the scene, while the next level still has a surface there.
   const double next_lod = in_surface ? lod_end(line, ray.lod) : lod_start(line, ray.lod + 1);
   if (ray.lod + 1 < scene.lods && distance >= next_lod && next_lod <= line.leave) {
     enter_next_lod(line, ray);
@@ -206,8 +206,8 @@ GB_HD bool leaves_level(const CastScene& scene, const CastLine& line, CastWalk& 
   return true;
 }
 
-/// Finds the brick of the point where the ray stands. False: it steps over empty space instead, is on another level,
-/// finished, or waits, being patient, for what is not here; others let coarser bricks stand for it.
+/// Finds the brick of the current sample. Returns false if the ray skips empty space, switches level, ends, or is
+/// patient and waits for missing data. Rays that are not patient use coarser bricks instead.
 GB_HD bool enter_brick(const CastScene& scene, const CastLine& line, bool patient, CastWalk& walk, CastPath& path,
                        CastRay& ray) {
   if (leaves_level(scene, line, walk, ray)) return false;
@@ -231,8 +231,8 @@ GB_HD bool enter_brick(const CastScene& scene, const CastLine& line, bool patien
   return true;
 }
 
-/// Goes on by one step, until the ray stands at a point where the field is not zero, or behind a sheet. The ray ends
-/// where it leaves the scene, and where it waits.
+/// Advances by one step towards a sample with a non-zero field or a surface hit. The ray stops where it leaves the
+/// scene or waits.
 GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patient, CastWalk& walk, CastPath& path,
                         CastRay& ray) {
   if (!(ray.step < walk.in_brick_until)) {
@@ -253,7 +253,7 @@ GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patie
   ray.step += steps_within(way_out_of_empty_part(walk.head.blocks, line, u), 2.0f / fixed_one);
 }
 
-/// Adds what is loose at the point where the ray stands, unless it met a sheet before.
+/// Composites the residual at the current sample, unless the ray hit a surface before it.
 template <CastAim aim>
 GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const CastLine& line, CastWalk& walk,
                       CastRay& ray) {
@@ -277,7 +277,7 @@ GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const Ca
   walk.task = ray.transmittance < least_light ? CastTask::none : CastTask::seek;
 }
 
-/// Adds the sheet that the ray met, and goes on at the point behind it.
+/// Composites the surface that the ray hit, then continues with the sample behind it.
 template <CastAim aim>
 GB_HD void pass_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
                       CastWalk& walk, CastPath& path, CastRay& ray) {
@@ -286,8 +286,8 @@ GB_HD void pass_sheet(const CastScene& scene, const CastCamera& camera, const Ca
   walk.task = !is_there || ray.transmittance < least_light ? CastTask::none : CastTask::seek;
 }
 
-/// Whether a task is left to any ray of those that a processor takes together. A host takes one; a device a warp, whose
-/// lanes must all be here.
+/// Tests whether any ray of the processor's group has a task: one ray on a host, one warp on a device. All lanes of the
+/// warp must call this function.
 GB_HD bool any_ray(bool has_task) {
 #if defined(__CUDA_ARCH__)
   return __any_sync(0xffffffffu, has_task ? 1 : 0) != 0;
@@ -296,7 +296,7 @@ GB_HD bool any_ray(bool has_task) {
 #endif
 }
 
-/// Whether the rays that a processor takes together seek next, or look at points: what more of them have to do.
+/// Tests whether the group of rays seeks next instead of processing samples: the action that more of its rays need.
 GB_HD bool seeks_next(CastTask task) {
 #if defined(__CUDA_ARCH__)
   return __popc(__ballot_sync(0xffffffffu, task == CastTask::seek ? 1 : 0)) >=
@@ -306,11 +306,11 @@ GB_HD bool seeks_next(CastTask task) {
 #endif
 }
 
-/// So many steps rays seek for before they are asked again what they do next.
+/// The number of seek steps before the next action is chosen again.
 inline constexpr int steps_together = 3;
 
-/// Goes on until the ray met a sheet, is finished or waits. Rays that a device takes together seek together and look at
-/// points together, whichever more of them wait for; on a device all lanes of a warp call this.
+/// Continues until the ray hit a surface, is finished or waits. The rays of a warp seek together and process samples
+/// together, whichever more of them need. On a device all lanes of a warp must call this function.
 template <CastAim aim = CastAim::eye>
 GB_HD void walk_to_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
                          CastWalk& walk, CastPath& path, CastRay& ray) {
@@ -324,16 +324,16 @@ GB_HD void walk_to_sheet(const CastScene& scene, const CastCamera& camera, const
   }
 }
 
-/// Makes a ray ready to walk. is_cast: false where a device has a lane and no ray.
+/// Prepares a ray for the pass. is_cast: false if a lane of a device has no ray.
 GB_HD void start_walk(const CastScene& scene, const CastLine& line, bool is_cast, const CastRay& ray, CastWalk& walk) {
   if (!is_cast || ray.lod < 0) return;
   walk.task = CastTask::seek;
   walk.points = level_points(scene, line, ray.lod);
 }
 
-/// Goes on until the ray is finished (lod = -1) or waits. Of rays that a device takes together those that met a sheet
-/// wait until all that seek have met one, or are through, since looking at a sheet takes as long as some dozen steps.
-/// On a device all lanes of a warp call this.
+/// Continues until the ray is finished (lod = -1) or waits. In a warp, rays that hit a surface wait until all seeking
+/// rays hit one or end, because compositing a surface takes as long as about a dozen steps. On a device all lanes must
+/// call this function.
 template <CastAim aim = CastAim::eye>
 GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient, bool is_cast,
                     CastRay& ray) {
@@ -347,7 +347,7 @@ GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const Cast
   finish_opaque(ray);
 }
 
-/// A rectangle of the picture: ray i is pixel (x + i mod width, y + i div width).
+/// A rectangle of the image: ray i is pixel (x + i mod width, y + i div width).
 struct CastTile {
   int x = 0, y = 0, width = 0, height = 0;
 };
