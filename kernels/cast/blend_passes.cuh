@@ -1,5 +1,5 @@
-/// The second rays of pixels between two levels, on a device (kernels/cast/level_blend.h). They are cast by the kernels
-/// that cast the first ones, as a tile of rays of their own.
+/// The second rays of pixels between two levels, on a device (kernels/cast/level_blend.h). The kernels of the first
+/// rays cast them as a separate tile of rays.
 #pragma once
 
 #include "kernels/cast/level_blend.h"
@@ -12,13 +12,14 @@ class BlendPasses {
  public:
   BlendPasses(DeviceHeap& heap, cudaStream_t stream) : heap_(heap), stream_(stream) {}
 
-  /// Forgets those of the tile before. pass: of the first rays, which are finished.
+  /// Starts second rays and discards those of the previous tile. pass: of the first rays, which are finished.
   void start(const RayPass& pass);
 
-  /// As Caster::cast_blend(). pass: of the first rays; pass.unfinished: adds how many of the second ones wait.
+  /// Casts second rays, like Caster::cast_blend(). pass: of the first rays; adds the number of waiting rays to
+  /// pass.unfinished.
   void cast(RayRounds& rounds, const RayPass& pass, std::size_t begin, std::size_t end);
 
-  /// Puts what both show into the first ones.
+  /// Blends the second rays into the first ones.
   void blend(const RayPass& pass);
 
  private:

@@ -1,6 +1,5 @@
-/// The light of a tile's pixels on a device: a kernel that finds what the tile's rays met, one that lists the pixels
-/// that cast a ray to the sun or to the sky and one that casts these, one by which pixels share their light, and a
-/// shader that lights what was met. None of them is a kernel of the tile's own rays.
+/// Lighting of a tile's pixels on a device. Separate kernels find the surfaces that the rays hit, list and cast rays to
+/// the sun and the sky, and reuse shadow samples. A shader then lights the surfaces.
 #pragma once
 
 #include <memory>
@@ -16,16 +15,17 @@ class LightPasses {
  public:
   LightPasses(DeviceHeap& heap, cudaStream_t stream) : heap_(heap), stream_(stream), count_(heap, 1) {}
 
-  /// Forgets the light of the tile before.
+  /// Starts a tile and discards the light of the previous one.
   void start(const CastLighting& lighting, std::shared_ptr<const SurfaceShader> shader, std::size_t pixels);
 
-  /// As Caster::cast_light(). pass.unfinished: adds for how many pixels rays wait.
+  /// Casts rays to the light, like Caster::cast_light(). Adds the number of pixels with waiting rays to
+  /// pass.unfinished.
   void cast(const RayPass& pass, std::size_t begin, std::size_t end);
 
-  /// As Caster::share_light().
+  /// Reuses shadow samples, like Caster::share_light().
   void share(const CastTile& tile);
 
-  /// The tile's finished rays in their light; valid until the next call.
+  /// Returns the tile's finished rays after lighting; valid until the next call.
   const CastRay* lit(const CastRay* rays, const CastCamera& camera, const CastTile& tile);
 
  private:

@@ -1,6 +1,6 @@
-/// A pass of rays on a device, in rounds: rays walk until they meet a sheet; those that did are listed and look at it;
-/// those that it did not end are listed and walk on. So a warp has lanes with the same to do, however differently
-/// its pixels' rays went before, and each kernel is small: warps of a large one wait for their instructions.
+/// A pass of rays on a device, in waves. Rays are traversed until they hit a blended surface; rays with a hit are
+/// listed and composite it; rays that continue are listed and traversed again. The lanes of a warp therefore do the
+/// same work. Each kernel is small, because warps of a large kernel wait for instructions.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace gigabake::kernels {
 
-/// Where a pass is, as its kernels take it.
+/// The arguments of a pass's kernels.
 struct RayPass {
   CastScene scene;
   CastCamera camera;
@@ -22,16 +22,16 @@ struct RayPass {
   unsigned long long* unfinished;
 };
 
-/// Lists of a pass's rounds, for a tile of `capacity` rays.
+/// The ray lists of a pass's waves.
 class RayRounds {
  public:
   RayRounds(DeviceHeap& heap, cudaStream_t stream) : heap_(heap), stream_(stream), counts_(heap, 2 * rounds) {}
 
-  /// Goes on with rays [begin, end) until each is finished or waits. pass.unfinished: adds how many wait.
+  /// Continues rays [begin, end) until each is finished or waits. Adds the number of waiting rays to pass.unfinished.
   void cast(const RayPass& pass, std::size_t begin, std::size_t end);
 
  private:
-  /// Few rays meet more sheets; what is left of these takes no more rounds.
+  /// The number of waves. Few rays hit more surfaces; one kernel finishes them.
   static constexpr std::size_t rounds = 2;
 
   DeviceHeap& heap_;

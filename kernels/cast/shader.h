@@ -1,13 +1,13 @@
-/// How a surface is lit or coloured: a functor that is called once for each pixel, after its ray.
+/// Shaders that light or colour a surface: functors that are called once per pixel, after its ray.
 ///
 /// A shader is a copyable value with
 ///
 ///     GB_HD void operator()(const SurfacePoint& at, float rgb[3]) const;
 ///
-/// which says what light the surface sends: linear RGB, premultiplied by `at.there`. It is compiled into the caster
-/// that calls it: host_shader() for the CPU alone, device_shader() (kernels/cast/shader.cuh, for files that nvcc
-/// compiles) for both. So that both return the same bits it uses IEEE float and double, and no transcendental
-/// functions.
+/// It computes the light that the surface sends: linear RGB, premultiplied by `at.there`. A shader is compiled into the
+/// caster that calls it: host_shader() for the CPU only, device_shader() (kernels/cast/shader.cuh, for files that nvcc
+/// compiles) for both. A shader must use IEEE float and double without transcendental functions, so that both casters
+/// return the same bits.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@
 
 namespace gigabake::kernels {
 
-/// The finished pixels of a tile, where the caster is. Pointers are of its memory.
+/// The finished pixels of a tile. The pointers refer to the caster's memory.
 struct ShadedTile {
   const CastRay* rays;
   const PixelLight* lights;
@@ -31,17 +31,18 @@ struct ShadedTile {
   double eye[3];
 };
 
-/// A shader, as casters call it.
+/// A shader in the form that casters call.
 class SurfaceShader {
  public:
   virtual ~SurfaceShader() = default;
-  /// All pixels of the tile, into `out`.
+  /// Shades all pixels of the tile into `out`.
   virtual void on_host(const ShadedTile& tile, CastRay* out, const ThreadPool& policy) const = 0;
-  /// The same where all of it is on a device. stream: a cudaStream_t. Errors  CudaFailure.
+  /// Does the same on a device. stream: a cudaStream_t.
+  /// Errors  CudaFailure.
   virtual void on_device(const ShadedTile& tile, CastRay* out, void* stream) const = 0;
 };
 
-/// Voxels in the light of sun and sky.
+/// Lights voxels by the sun and the sky.
 struct LitShader {
   CastLight light;
   CastLightPart part = CastLightPart::all;
@@ -57,7 +58,7 @@ struct LitShader {
   }
 };
 
-/// Linear RGB at `place` of `count` colours that lie evenly from 0 to 1; beyond, the nearest of them.
+/// Interpolates between `count` colours, spaced evenly over place 0 to 1. Clamps `place` to this range.
 GB_HD void colour_between(const float (*colours)[3], int count, float place, float rgb[3]) {
   const float at = (place > 0 ? (place < 1 ? place : 1) : 0) * float(count - 1);
   const int first = int(at) < count - 2 ? int(at) : count - 2;
@@ -65,15 +66,15 @@ GB_HD void colour_between(const float (*colours)[3], int count, float place, flo
   for (int k = 0; k < 3; ++k) rgb[k] = colours[first][k] + (colours[first + 1][k] - colours[first][k]) * share;
 }
 
-/// So bright that the shape shows: surfaces that face north-west and up are the brightest, as on maps.
+/// Returns the brightness of relief shading, as on maps: surfaces that face north-west and up are brightest.
 GB_HD float relief(const float normal[3]) {
   const float facing = (normal[1] - normal[0]) * 0.5f + normal[2] * 0.70710678f;
   return 0.35f + 0.65f * (facing > 0 ? facing : 0);
 }
 
-/// By height above the scene's lowest voxel: blue the lowest, then green, yellow, brown, and white the highest.
+/// Colours by height above the scene's lowest voxel: from blue over green, yellow and brown to white.
 struct HeightShader {
-  double low = 0, high = 1;  ///< z, lod-0 voxels. Range  low < high
+  double low = 0, high = 1;  ///< z in lod-0 voxels; low < high
 
   GB_HD void operator()(const SurfacePoint& at, float rgb[3]) const {
     constexpr float colours[5][3] = {{0.02f, 0.12f, 0.45f},
@@ -86,8 +87,8 @@ struct HeightShader {
   }
 };
 
-/// By slope, as the tangent says it: green 0, yellow 1/2 (27°), red 1 (45°), dark red from 2 (63°) on; what hangs over
-/// is violet.
+/// Colours by the tangent of the slope: green 0, yellow 1/2 (27°), red 1 (45°), dark red from 2 (63°) on. Overhangs are
+/// violet.
 struct SlopeShader {
   GB_HD void operator()(const SurfacePoint& at, float rgb[3]) const {
     constexpr float colours[5][3] = {{0.02f, 0.40f, 0.05f},
@@ -103,7 +104,7 @@ struct SlopeShader {
   }
 };
 
-/// Pixel i of the tile.
+/// Shades pixel i of the tile.
 template <class Shader>
 GB_HD CastRay shaded_ray(const ShadedTile& tile, const Shader& shader, std::size_t i) {
   CastRay out = tile.rays[i];
@@ -126,7 +127,7 @@ void shade_on_host(const ShadedTile& tile, const Shader& shader, CastRay* out, c
   });
 }
 
-/// A shader for the CPU alone: a device says that it lacks it.
+/// A shader for the CPU only: on a device it throws CudaFailure.
 template <class Shader>
 class HostShader : public SurfaceShader {
  public:
@@ -150,7 +151,7 @@ std::shared_ptr<const SurfaceShader> host_shader(const Shader& shader) {
   return std::make_shared<HostShader<Shader>>(shader);
 }
 
-/// The three that gigabake has, for both casters; the CPU's alone in a build without CUDA.
+/// The built-in shaders, for both casters; for the CPU only in a build without CUDA.
 std::shared_ptr<const SurfaceShader> lit_shader(const LitShader& shader);
 std::shared_ptr<const SurfaceShader> height_shader(const HeightShader& shader);
 std::shared_ptr<const SurfaceShader> slope_shader(const SlopeShader& shader);
