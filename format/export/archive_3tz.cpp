@@ -20,16 +20,16 @@ namespace {
 
 constexpr const char* index_name = "@3dtilesIndex1@";
 constexpr std::uint16_t stored = 0, deflated = 8, plain_zip = 20, zip64 = 45;
-constexpr std::uint16_t first_of_1980 = 0x21;  ///< the earliest day that ZIP knows
+constexpr std::uint16_t first_of_1980 = 0x21;  ///< the earliest date that ZIP supports
 constexpr std::uint32_t regular_file = 0100644u << 16;
 
 struct ZipEntry {
   std::string name;
   std::uint16_t method = stored;
   std::uint32_t crc = 0, packed_bytes = 0, bytes = 0;
-  std::uint64_t at = 0;  ///< of its local header
+  std::uint64_t at = 0;  ///< offset of its local header
 
-  /// What a local header and the central directory say alike.
+  /// Writes the fields that the local header and the central directory share.
   void put(ByteWriter& to, std::uint16_t extra_bytes) const {
     for (const std::uint16_t value : {std::uint16_t(1 << 11), method, std::uint16_t(0), first_of_1980}) to.put(value);
     for (const std::uint32_t value : {crc, packed_bytes, bytes}) to.put(value);
@@ -51,7 +51,7 @@ std::vector<std::uint8_t> local_header(const ZipEntry& entry) {
   return header.take();
 }
 
-/// A place beyond 4 GiB stands in an extra field.
+/// Writes an entry of the central directory. Offsets beyond 4 GiB are in an extra field.
 std::vector<std::uint8_t> directory_entry(const ZipEntry& entry) {
   constexpr std::uint32_t elsewhere = std::numeric_limits<std::uint32_t>::max();
   const bool is_far = entry.at >= elsewhere;
@@ -96,7 +96,7 @@ std::vector<std::uint8_t> end_of_directory(std::uint64_t entries, std::uint64_t 
   return end.take();
 }
 
-/// Sorted as two little-endian numbers, the first one first.
+/// Returns the index, sorted by hash as two little-endian numbers, the first one most significant.
 std::vector<std::uint8_t> index_of(const std::vector<ZipEntry>& entries) {
   struct Row {
     std::array<std::uint64_t, 2> hash;

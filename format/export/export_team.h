@@ -7,17 +7,18 @@
 
 namespace gigabake {
 
-/// One process alone, unless a derived class says otherwise. Every member of every rank's team is called in the same
-/// order, with the same steps.
+/// The base class is a team of one process. Every rank must call the same members in the same order, with the same
+/// steps.
 class ExportTeam {
  public:
   virtual ~ExportTeam() = default;
 
   virtual int rank() const { return 0; }
   virtual int ranks() const { return 1; }
-  /// Runs `step` on every rank. Errors  on every rank, where the step fails on one.
+  /// Runs `step` on every rank.
+  /// Errors  Thrown on every rank if the step fails on one.
   virtual void together(const std::function<void()>& step) const { step(); }
-  /// Every rank's bytes, by rank, on every rank.
+  /// Returns every rank's bytes, by rank, on every rank.
   virtual std::vector<std::vector<std::uint8_t>> exchange(std::vector<std::uint8_t> own) const {
     return {std::move(own)};
   }

@@ -13,14 +13,14 @@
 namespace gigabake {
 namespace {
 
-/// Voxel `at` of the cell's level, which may lie outside of the cell. False: none there.
+/// Finds voxel `at` of the cell's level. Returns false if there is none, for example outside of the cell.
 bool find(LevelLookup& lookup, const std::array<std::int64_t, 3>& at, std::int64_t edge, VoxelValue& value) {
   for (const std::int64_t x : at)
     if (x < 0 || x >= edge) return false;
   return lookup.find(std::uint32_t(at[0]), std::uint32_t(at[1]), std::uint32_t(at[2]), value);
 }
 
-/// The brick at `lowest` with its border. `edge` is the cell's, in voxels of the level.
+/// Fills the brick at `lowest` and its border. `edge` is the cell's, in voxels of the level.
 void fill_brick(LevelLookup& lookup, const std::array<std::int64_t, 3>& lowest, std::int64_t edge, bool normals,
                 GigavoxelBrick& brick) {
   std::size_t i = 0;

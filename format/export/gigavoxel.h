@@ -1,4 +1,4 @@
-/// The thesis's own formats: a paged scene of GigaVoxels oct-trees, in folders of files (docs/format-gigavoxels.md).
+/// Export to the thesis's formats: a paged scene of GigaVoxels octrees in a folder (docs/format-gigavoxels.md).
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,13 @@ namespace gigabake {
 
 enum class GigavoxelTreeFile { xml, binary };
 
-/// A new folder: scene.gvp lists the cells, each with tree.gvx or tree.gvo and a brick file voxels_D.gvb for each
-/// depth. The levels from `lod` on. Bricks have a border of one voxel: neighbours inside the cell, empty outside of it.
-/// Exact   colours; gradients are rounded to a byte a component.
-/// Cost    One level of one cell in memory. Returns the number of voxels of level `lod`.
-/// Errors  InputError: no such level, damaged shards, disk full, the folder is there already. Nothing is left behind.
+/// Writes the levels from `lod` up into a new folder: scene.gvp lists the cells; each cell has tree.gvx or tree.gvo and
+/// a brick file voxels_D.gvb per depth.
+/// Bricks have a border of one voxel, filled with neighbours inside the cell and empty outside of it. Returns the
+/// number of voxels of level `lod`.
+/// Exact   Colours; gradients are rounded to one byte per component.
+/// Cost    One level of one cell in memory.
+/// Errors  InputError: no such level, damaged shards, disk full, or the folder exists. No file is left behind.
 std::uint64_t export_gigavoxel(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& folder,
                                GigavoxelTreeFile kind, const Progress& progress = {});
 

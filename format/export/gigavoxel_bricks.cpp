@@ -11,7 +11,7 @@
 
 namespace gigabake {
 
-/// Up to the colours.
+/// The part of a brick's record before the colours.
 struct GigavoxelBrickFile::Head {
   static constexpr std::uint64_t bytes = 3 * 8 + 3 * 4 + 2 * 4;
   static constexpr std::uint64_t widest = 512;
@@ -20,7 +20,7 @@ struct GigavoxelBrickFile::Head {
   std::uint32_t compressed = 0, colour_bytes = 0;
 
   std::uint64_t voxels() const { return size[0] * size[1] * size[2]; }
-  /// Of the whole record: the gradients have two words of their own.
+  /// Returns the size of the whole record. The gradients have two words of their own.
   std::uint64_t record_bytes() const { return bytes + 8 + 7 * voxels(); }
 };
 
@@ -94,7 +94,7 @@ class DepthWalk {
   DepthWalk(const GigavoxelTree& tree, std::uint32_t depth, const std::filesystem::path& bricks, const Visit& visit)
       : tree_(tree), depth_(depth), path_(bricks), visit_(visit) {}
 
-  /// `at`: the node's place among its depth's.
+  /// Visits a subtree. `at` is the node's position among the nodes of its depth.
   void walk(std::size_t n, std::uint32_t depth, const std::array<std::uint64_t, 3>& at) {
     const GigavoxelNode& node = tree_.nodes[n];
     if (depth == depth_ && !node.is_constant) return visit_brick(node, at);

@@ -1,4 +1,4 @@
-/// A brick file of a GigaVoxels oct-tree, read brick by brick.
+/// Reader of a GigaVoxels octree's brick file, brick by brick.
 #pragma once
 
 #include <array>
@@ -11,18 +11,19 @@
 
 namespace gigabake {
 
-/// With its border; x fastest.
+/// A brick with its border; x varies fastest.
 struct GigavoxelBrickData {
   std::array<std::uint64_t, 3> size{};
-  std::array<std::uint32_t, 3> border{};  ///< voxels before the brick's own
-  std::vector<std::uint8_t> rgba;         ///< 4 a voxel
-  std::vector<std::uint8_t> gradient;     ///< 3 a voxel
+  std::array<std::uint32_t, 3> border{};  ///< number of border voxels before the brick's own
+  std::vector<std::uint8_t> rgba;         ///< 4 per voxel
+  std::vector<std::uint8_t> gradient;     ///< 3 per voxel
 };
 
+/// A brick file.
 /// Errors  InputError from every member: file, byte, rule.
 class GigavoxelBrickFile {
  public:
-  /// Finds every brick and checks sizes. `brick` is the oct-tree's, without borders.
+  /// Locates every brick and checks sizes. `brick` is the octree's brick size without borders.
   GigavoxelBrickFile(const std::filesystem::path& path, const std::array<std::uint32_t, 3>& brick);
 
   std::size_t size() const { return begin_.size(); }

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::int32_t uncompressed = 0;
 
-/// A colour component as a share of one, so that readers which round find the byte, and readers which cut it off too.
+/// Returns a colour component in [0, 1] that both rounding and truncating readers convert back to the same byte.
 float share_of(std::uint8_t byte) {
   float share = float(byte) / 255;
   while (share * 255 < float(byte)) share = std::nextafter(share, std::numeric_limits<float>::max());
@@ -30,7 +30,7 @@ std::string root_element(const GigavoxelHeader& h) {
          attributes("Brick", h.brick, "Size") + " Binary=\"YES\" Compressed=\"NO\">\n";
 }
 
-/// A node's element up to its children.
+/// Returns a node's element up to its children.
 std::string node_element(const GigavoxelNode& node, const std::array<std::uint32_t, 3>& mip_map, std::uint32_t depth,
                          bool deepest) {
   std::string text = std::string(4 * (depth + 1), ' ') + "<GigaVoxelsNode" + attributes("MipMap", mip_map, "");

@@ -1,4 +1,4 @@
-/// The files of a GigaVoxels scene, byte by byte.
+/// Writing of a GigaVoxels scene's files.
 #pragma once
 
 #include <array>
@@ -10,18 +10,18 @@
 
 namespace gigabake {
 
-/// As GigaVoxelsOctTree with nested GigaVoxelsNode elements, depth first.
+/// Writes a GigaVoxelsOctTree with nested GigaVoxelsNode elements, depth first.
 void write_gigavoxel_xml(OutputFile& out, const GigavoxelTree& tree);
 
-/// As attributes of both XML files end, in the order of coordinates.
+/// Suffixes of attribute names in both XML files, in the order of coordinates.
 inline constexpr std::array<const char*, 3> gigavoxel_axes{"X", "Y", "Z"};
 
 inline constexpr std::array<char, 8> gigavoxel_magic{'G', 'V', 'O', 'C', 'T', 'R', 'E', 'E'};
 inline constexpr std::uint32_t gigavoxel_version = 1;
-/// First word of a node: constant or not, and its children's block.
+/// Bits in the first word of a node: the constant flag, and the block of its children.
 inline constexpr std::uint32_t gigavoxel_constant_flag = 1u << 30, gigavoxel_block_mask = gigavoxel_constant_flag - 1;
 
-/// The header's fields in the order of a binary file; `field` puts or gets one.
+/// Calls field(member) for each header field, in the order of a binary file.
 template <class Header, class Field>
 void for_each_header_field(Header& header, const Field& field) {
   field(header.max_depth);
@@ -31,21 +31,21 @@ void for_each_header_field(Header& header, const Field& field) {
   field(header.brick);
 }
 
-/// Header, blocks of eight nodes of two words each, gradients of constant nodes.
+/// Writes the header, blocks of eight nodes of two words each, and the gradients of constant nodes.
 void write_gigavoxel_binary(OutputFile& out, const GigavoxelTree& tree);
 
-/// A brick with its border, x fastest.
+/// A brick with its border; x varies fastest.
 struct GigavoxelBrick {
   static constexpr std::size_t border = 1, edge = std::size_t(brick_edge) + 2 * border, voxels = edge * edge * edge;
   std::array<std::array<std::uint8_t, 4>, voxels> rgba;
   std::array<GradientBytes, voxels> gradient;
 };
 
-/// The first bytes of a brick file.
+/// Writes the first bytes of a brick file.
 void begin_gigavoxel_bricks(OutputFile& out);
 void write_gigavoxel_brick(OutputFile& out, const GigavoxelBrick& brick);
 
-/// "voxels_3.gvb"
+/// Returns a name such as "voxels_3.gvb".
 std::string gigavoxel_brick_file(std::size_t depth);
 
 }  // namespace gigabake

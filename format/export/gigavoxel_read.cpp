@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint32_t most_levels = 16, widest_brick = 256;
 
-/// What must hold of any tree, however it is stored.
+/// Checks the rules that hold for every tree, independent of its file format.
 void check(const std::filesystem::path& file, const GigavoxelHeader& h) {
   if (h.max_depth < 1 || h.max_depth > most_levels) throw InputError(file, "MaxDepth", "expected 1 to 16 levels");
   for (std::size_t c = 0; c < 3; ++c) {
@@ -31,7 +31,7 @@ void check(const std::filesystem::path& file, const GigavoxelHeader& h) {
   }
 }
 
-/// Turns elements into nodes, depth first.
+/// Converts elements to nodes, depth first.
 class XmlTree {
  public:
   explicit XmlTree(const std::filesystem::path& file) : file_(file) {}
@@ -46,7 +46,7 @@ class XmlTree {
   }
 
  private:
-  /// The element itself or the next sibling that is a node.
+  /// Returns the element itself or its next sibling that is a node.
   static pugi::xml_node first_node(pugi::xml_node n) {
     const auto is_node = [&] {
       const std::string_view name = n.name();
@@ -131,7 +131,7 @@ class XmlTree {
 
 constexpr std::size_t header_bytes = 8 + 4 + 4 + 2 * 24 + 2 * 12 + 4 + 4;
 
-/// Every block but the first is the children of one node, which stands in a block before it.
+/// Checks that every block except the first holds the children of one node in an earlier block.
 void check_blocks(const std::filesystem::path& file, const GigavoxelTree& tree) {
   const std::size_t blocks = tree.nodes.size() / 8;
   std::vector<std::uint8_t> depth(blocks, 0);

@@ -39,7 +39,7 @@ GradientBytes gradient_bytes(const std::int8_t oct[2]) {
 GigavoxelTree gigavoxel_tree(const ShardHeader& cell, const NodeTable& nodes, int lod) {
   GigavoxelTree tree{header_of(cell, lod), std::vector<GigavoxelNode>(8)};
   tree.nodes[0] = node_of(nodes, 0, cell.has_normals);
-  // Rows stand breadth first, so a parent's place is known when its children's turn comes.
+  // Rows are breadth first, so a parent's position is known before its children are processed.
   std::vector<std::uint32_t> place(nodes.key.size(), 0);
   for (std::size_t n = 0; n < nodes.key.size() && nodes.lod[n] > lod; ++n) {
     if (nodes.child_mask[n] == 0) continue;

@@ -1,4 +1,4 @@
-/// Packs bytes as a gzip file.
+/// Packing of bytes as a gzip file.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,8 @@ struct libdeflate_compressor;
 
 namespace gigabake {
 
-/// One thread's. Exact  The same bytes for the same bytes and the same libdeflate; no date, no name.
+/// Compressor for one thread.
+/// Exact   Same bytes for the same input and libdeflate version; no date, no name.
 class GzipPacker {
  public:
   GzipPacker();
@@ -18,12 +19,12 @@ class GzipPacker {
   GzipPacker(const GzipPacker&) = delete;
   GzipPacker& operator=(const GzipPacker&) = delete;
 
-  /// Valid until the next call.
+  /// Returns the gzip file; valid until the next call.
   std::span<const std::uint8_t> packed(std::span<const std::uint8_t> bytes);
 
  private:
   libdeflate_compressor* packer_;
-  std::vector<std::uint8_t> out_;  ///< kept: fresh memory costs as much as packing
+  std::vector<std::uint8_t> out_;  ///< reused, because allocating memory costs as much as packing
 };
 
 }  // namespace gigabake

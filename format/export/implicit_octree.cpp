@@ -11,7 +11,7 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-/// A row of bits, and how many of them are set.
+/// A bit array and the number of its set bits.
 struct Bits {
   explicit Bits(std::size_t size) : bytes((size + 7) / 8, '\0') {}
   void set(std::size_t i) {
@@ -22,7 +22,7 @@ struct Bits {
   std::uint64_t count = 0;
 };
 
-/// Sets bit `first + i` for each tile of `keys` that is the i-th of those 8^down below `root`.
+/// Sets bit `first + i` for each tile of `keys` that is the i-th of the 8^down descendants of `root`.
 void set_below(const std::vector<std::uint64_t>& keys, std::uint64_t root, std::uint32_t down, std::size_t first,
                Bits& bits) {
   const std::uint64_t begin = root << (3 * down), end = (root + 1) << (3 * down);
@@ -51,7 +51,7 @@ std::uint32_t subtree_levels(std::uint32_t levels) {
 
 namespace {
 
-/// Which tiles of a subtree there are, and which subtrees are below it.
+/// The available tiles of a subtree and the child subtrees below it.
 struct Availability {
   Bits tiles, children;
 
@@ -69,7 +69,7 @@ struct Availability {
     return inside;
   }
 
-  /// Both rows; the second only where it is not all zeros.
+  /// Returns both bit arrays; the second only if it is not all zeros.
   std::string binary() const {
     return padded(tiles.bytes, '\0') + (children.count > 0 ? children.bytes : std::string());
   }

@@ -1,4 +1,4 @@
-/// Which shard of a scene holds a level of a place: a cell its own levels, parents those above it.
+/// Lookup of the shards that natively hold a level: cells for their own levels, overviews for those above.
 #pragma once
 
 #include <cstdint>
@@ -9,26 +9,27 @@
 
 namespace gigabake {
 
-/// A shard and the levels of the lattice that are its own. What else it may hold is a copy.
+/// A shard and its native levels on the lattice. Its other levels are duplicates.
 struct LevelOwner {
   SceneCell shard;
   int finest = 0, coarsest = 0;
 };
 
-/// Levels by their lod, whatever a shard holds besides. Borrows the scene. Any number of threads may use one.
-/// Errors  InputError of a page that cannot be read.
+/// Finds native levels by lod. Borrows the scene. Thread-safe.
+/// Errors  InputError: a page cannot be read.
 class LevelOwners {
  public:
   explicit LevelOwners(const PagedScene& scene);
 
-  /// The coarsest level that the whole scene has.
+  /// Returns the coarsest level that the whole scene has.
   int coarsest() const { return coarsest_; }
-  /// Whether there are shards for the levels above the cells'.
+  /// Returns whether the scene has overviews.
   bool has_parents() const { return scene_.totals().parents != 0; }
-  /// Owners of a level whose windows overlap the box (voxels of level 0), the same order at every call.
+  /// Returns the owners of a level whose windows overlap the box (voxels of level 0), in the same order at every call.
   std::vector<LevelOwner> of(int lod, const LatticeBox& box) const;
-  /// Every owner of some level from `finest` to `coarsest` that is the `share`-th of `shares`: each is some share's.
-  /// Cost  one page of the scene in memory; the pages of other shares are not read.
+  /// Visits the owners of partition `share` of `shares` that have a level from `finest` to `coarsest`. Partitions are
+  /// disjoint and complete.
+  /// Cost    One page of the scene in memory; pages of other partitions are not read.
   void for_each(int finest, int coarsest, std::size_t share, std::size_t shares,
                 const std::function<void(std::vector<LevelOwner>)>& visit) const;
 

@@ -10,7 +10,7 @@
 namespace gigabake {
 namespace {
 
-/// Mean over the three axes of what a view along the axis sees.
+/// Returns the mean, over the three axes, of the coverage in a view along the axis.
 std::uint32_t covered(const std::array<std::uint32_t, 8>& alpha) {
   std::uint32_t sum = 0;
   for (std::uint32_t axis = 1; axis < 8; axis *= 2)
@@ -19,7 +19,7 @@ std::uint32_t covered(const std::array<std::uint32_t, 8>& alpha) {
   return std::max(1u, (sum + 1530) / 3060);
 }
 
-/// Eight voxels that make one.
+/// Eight voxels that are combined into one.
 struct Octet {
   std::array<std::uint32_t, 8> alpha{};
   std::uint32_t weight = 0;
@@ -50,7 +50,7 @@ struct Octet {
 
 LevelIndex parent_of(const LevelIndex& at) { return {at[0] >> 1, at[1] >> 1, at[2] >> 1}; }
 
-/// By their parents, and of two at one place the later.
+/// Sorts voxels by their parents. If two voxels have the same position, the later one is used.
 void sort_by_place(std::vector<MadeLevels::Voxel>& voxels) {
   std::stable_sort(voxels.begin(), voxels.end(), [](const MadeLevels::Voxel& a, const MadeLevels::Voxel& b) {
     const LevelIndex above_a = parent_of(a.at), above_b = parent_of(b.at);

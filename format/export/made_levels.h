@@ -1,4 +1,4 @@
-/// Levels above those that a scene's shards have, for scenes that were baked without parents.
+/// Derived levels above those in the shards, for scenes baked without overviews.
 #pragma once
 
 #include <array>
@@ -12,8 +12,9 @@
 
 namespace gigabake {
 
-/// Each level made of the one below it: coverage as in the bake's `coverage` levels, colour and normal weighted by it,
-/// colour in linear light. Cost  one voxel in some 64 of a cell's edge squared in memory.
+/// Each level is computed from the next finer one: coverage as in the bake's `coverage` levels; colour and normal
+/// weighted by coverage; colour in linear light.
+/// Cost    Memory: about one voxel per 64 voxels of a cell's squared edge.
 class MadeLevels {
  public:
   struct Voxel {
@@ -22,7 +23,7 @@ class MadeLevels {
     std::array<std::int8_t, 2> normal{};
   };
 
-  /// The levels from owners.coarsest() + 1 to `coarsest`; none where that is not above it.
+  /// Computes levels from owners.coarsest() + 1 to `coarsest`; none if `coarsest` is not above owners.coarsest().
   MadeLevels(const PagedScene& scene, const LevelOwners& owners, int coarsest);
 
   bool has(int lod) const { return levels_.contains(lod); }

@@ -10,7 +10,7 @@ namespace {
 
 using Md5State = std::array<std::uint32_t, 4>;
 
-/// The integer part of 2³² · |sin(i + 1)|, as the RFC has it; exact in double.
+/// Returns the integer parts of 2³² · |sin(i + 1)|, as the RFC defines; exact in double.
 const std::array<std::uint32_t, 64>& md5_sines() {
   static const std::array<std::uint32_t, 64> table = [] {
     std::array<std::uint32_t, 64> sines{};

@@ -1,4 +1,4 @@
-/// MD5, by which the index of a .3tz archive names its files; for nothing that must resist somebody.
+/// MD5, the hash of file names in the index of a .3tz archive. Not for security.
 #pragma once
 
 #include <array>
@@ -7,6 +7,7 @@
 
 namespace gigabake {
 
+/// Returns the MD5 hash of the text.
 /// Source  RFC 1321.
 std::array<std::uint8_t, 16> md5_of(std::string_view text);
 

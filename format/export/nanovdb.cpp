@@ -14,7 +14,7 @@ namespace {
 
 using namespace nanovdb_layout;
 
-/// A brick's voxels as a leaf; `value` says what of voxel n is stored.
+/// Converts a brick to a leaf; value(n) returns the stored value of voxel n.
 template <class Value, class ValueOf>
 LeafNode<Value> leaf_of(const LevelIndex& lowest, const DenseBrick& brick, const ValueOf& value) {
   auto leaf = LeafNode<Value>();
@@ -54,7 +54,7 @@ NanovdbTree tree_of(const PagedScene& scene, int lod, const Progress& progress) 
   return tree;
 }
 
-/// The grids of a file and their places in it.
+/// The grids of a file and their offsets.
 class NanovdbWriter {
  public:
   NanovdbWriter(NanovdbTree& tree, const NanovdbFrame& frame, bool normals)
@@ -69,7 +69,7 @@ class NanovdbWriter {
 
   std::uint64_t bytes() const { return bytes_; }
 
-  /// False: the tree has no such leaf.
+  /// Returns false if the tree has no such leaf.
   bool write_leaf(RandomAccessFile& file, const LevelIndex& lowest, const DenseBrick& brick) {
     const std::uint32_t leaf = tree_.leaf(lowest);
     if (leaf == written_.size()) return false;
@@ -86,7 +86,7 @@ class NanovdbWriter {
     return true;
   }
 
-  /// After the last leaf.
+  /// Writes everything except the leaves. Call it after the last leaf.
   void write_nodes(RandomAccessFile& file) {
     FileHeader header;
     header.grids = normal_ ? 2 : 1;
@@ -102,7 +102,7 @@ class NanovdbWriter {
   static std::uint64_t head_bytes(const NanovdbGrid<Value>& grid) {
     return sizeof(FileMetaData) + grid.name().size() + 1;
   }
-  /// Returns where the next begins.
+  /// Returns the offset of the next metadata.
   template <class Value>
   static std::uint64_t write_meta_data(RandomAccessFile& file, std::uint64_t at, const NanovdbGrid<Value>& grid) {
     file.write_value(at, grid.meta_data());

@@ -1,4 +1,4 @@
-/// Writes one grid of a NanoVDB file, leaf by leaf in any order.
+/// Writer of one grid of a NanoVDB file. Leaves can be written in any order.
 #pragma once
 
 #include <string>
@@ -10,14 +10,14 @@
 
 namespace gigabake {
 
-/// What all grids of a file share.
+/// Properties shared by all grids of a file.
 struct NanovdbFrame {
-  double voxel_size_m = 0;  ///< at the level
+  double voxel_size_m = 0;  ///< of the exported level
   std::array<double, 3> lattice_origin_m{};
   std::uint64_t voxels = 0;
 };
 
-/// `Value` is one of nanovdb_layout's. Borrows the tree and the file.
+/// One grid. `Value` is a type of nanovdb_layout. Borrows the tree and the file.
 template <class Value>
 class NanovdbGrid {
  public:
@@ -25,15 +25,15 @@ class NanovdbGrid {
 
   std::uint64_t bytes() const { return leaf_offset(std::uint32_t(tree_.leaves().size())); }
   const std::string& name() const { return name_; }
-  /// After the tree's boxes are known.
+  /// Returns the metadata. Call it after the tree's boxes are known.
   nanovdb_layout::FileMetaData meta_data() const;
 
-  /// The grid begins at `offset` of the file.
+  /// Sets the grid's offset in the file.
   void begin_at(std::uint64_t offset) { begin_ = offset; }
-  /// Adds voxels to a leaf; `merge`: it has some already.
+  /// Adds voxels to a leaf. `merge`: the leaf has voxels already.
   void write_leaf(RandomAccessFile& file, std::uint32_t leaf, const nanovdb_layout::LeafNode<Value>& voxels,
                   bool merge) const;
-  /// All but the leaves. After the tree's boxes are known.
+  /// Writes everything except the leaves. Call it after the tree's boxes are known.
   void write_nodes(RandomAccessFile& file) const;
 
  private:
@@ -42,7 +42,7 @@ class NanovdbGrid {
   using Lower = nanovdb_layout::LowerNode<Value>;
   using Leaf = nanovdb_layout::LeafNode<Value>;
 
-  // Offsets from the grid's begin.
+  // Offsets from the start of the grid.
   static constexpr std::uint64_t root_offset = sizeof(nanovdb_layout::GridData) + sizeof(nanovdb_layout::TreeData);
   std::uint64_t upper_offset(std::uint64_t n) const {
     return root_offset + sizeof(Root) + tree_.upper().size() * sizeof(nanovdb_layout::RootTile) + n * sizeof(Upper);

@@ -1,4 +1,4 @@
-/// The bytes of a NanoVDB file, version 32 of its layout: what nanovdb/NanoVDB.h and nanovdb/util/IO.h lay down.
+/// The binary layout of a NanoVDB file, version 32, as defined by nanovdb/NanoVDB.h and nanovdb/util/IO.h.
 #pragma once
 
 #include <array>
@@ -31,10 +31,10 @@ struct FileHeader {
   std::uint64_t magic_number = magic;
   std::uint32_t file_version = version;
   std::uint16_t grids = 0;
-  std::uint16_t codec = 0;  ///< stored as they are
+  std::uint16_t codec = 0;  ///< 0: uncompressed
 };
 
-/// One a grid; its name with a zero byte follows.
+/// Metadata of one grid; its zero-terminated name follows.
 struct FileMetaData {
   std::uint64_t grid_bytes = 0, file_bytes = 0, name_key = 0, voxels = 0;
   std::uint32_t grid_type = 0, grid_class = class_voxel_volume;
@@ -76,7 +76,8 @@ struct alignas(32) GridData {
 };
 
 struct alignas(32) TreeData {
-  std::array<std::uint64_t, 4> node_offset{};  ///< from here to the first leaf, lower, upper node and to the root
+  std::array<std::uint64_t, 4> node_offset{};  ///< from this structure to the first leaf, lower and upper node, and to
+                                               ///< the root
   std::array<std::uint32_t, 3> nodes{};        ///< leaf, lower, upper
   std::array<std::uint32_t, 3> tiles{};
   std::uint64_t voxels = 0;
@@ -97,7 +98,7 @@ struct alignas(32) RootTile {
   std::array<std::uint32_t, 3> value{};
 };
 
-/// (2^log2)³ children; child n = x << 2 log2 | y << log2 | z.
+/// A node with (2^log2)³ children; child n = x << 2 log2 | y << log2 | z.
 template <class Value, int log2>
 struct alignas(32) InternalNode {
   static constexpr std::size_t children = std::size_t(1) << (3 * log2);
@@ -117,7 +118,7 @@ using UpperNode = InternalNode<Value, 5>;
 template <class Value>
 using LowerNode = InternalNode<Value, 4>;
 
-/// Voxel n = x << 6 | y << 3 | z.
+/// A leaf; voxel n = x << 6 | y << 3 | z.
 template <class Value>
 struct alignas(32) LeafNode {
   std::array<std::int32_t, 3> box_min{};

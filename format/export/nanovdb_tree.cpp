@@ -14,7 +14,7 @@ void widen_to(IndexBox& box, const IndexBox& other) {
   }
 }
 
-/// The inner node whose run holds child `child`.
+/// Returns the inner node whose range of children contains `child`.
 NanovdbInnerNode& parent_of(std::vector<NanovdbInnerNode>& nodes, std::uint32_t child) {
   const auto after = std::upper_bound(nodes.begin(), nodes.end(), child,
                                       [](std::uint32_t c, const NanovdbInnerNode& n) { return c < n.first_child; });

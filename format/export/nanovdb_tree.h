@@ -1,4 +1,4 @@
-/// The tree of a NanoVDB grid: which nodes there are, in the order in which its file has them.
+/// The tree of a NanoVDB grid: its nodes in the order of the file.
 #pragma once
 
 #include <compare>
@@ -11,7 +11,7 @@
 
 namespace gigabake {
 
-/// Orders leaves as a breadth-first grid does. Edges of leaf, lower and upper node: 8, 128, 4096 voxels.
+/// Sort key of leaves in a breadth-first grid. Edges of leaf, lower and upper node: 8, 128, 4096 voxels.
 struct NanovdbLeafKey {
   std::uint64_t root = 0;   ///< key of the root's tile
   std::uint32_t upper = 0;  ///< child number in the upper node
@@ -19,21 +19,23 @@ struct NanovdbLeafKey {
   friend auto operator<=>(const NanovdbLeafKey&, const NanovdbLeafKey&) = default;
 };
 
-/// Of the block of 8³ voxels. Range  indices of 32 bits.
+/// Returns the key of the block of 8³ voxels.
+/// Range   Indices of 32 bits.
 NanovdbLeafKey nanovdb_leaf_key(const LevelIndex& lowest);
 
-/// An inner node: its children are a run of the nodes below.
+/// An inner node. Its children are consecutive nodes of the level below.
 struct NanovdbInnerNode {
   std::uint32_t first_child = 0, children = 0;
-  nanovdb_layout::IndexBox box;  ///< of its voxels
+  nanovdb_layout::IndexBox box;  ///< bounds of its voxels
 };
 
-/// 16 bytes a leaf (48 while they are added), and 32 an inner node: what of an export grows with the scene.
+/// Nodes of a tree. Takes 16 bytes per leaf (48 while leaves are added) and 32 per inner node, the only memory of an
+/// export that grows with the scene.
 class NanovdbTree {
  public:
-  /// A block that has voxels, any number of times.
+  /// Adds a block that has voxels. The same block may be added several times.
   void add(const LevelIndex& lowest) { leaves_.push_back(nanovdb_leaf_key(lowest)); }
-  /// After the last.
+  /// Builds the tree. Call it after the last add().
   void finish();
 
   std::span<const NanovdbLeafKey> leaves() const { return leaves_; }
@@ -41,9 +43,9 @@ class NanovdbTree {
   std::span<const NanovdbInnerNode> upper() const { return upper_; }
   const nanovdb_layout::IndexBox& box() const { return box_; }
 
-  /// Number of a block that was added; of any other, leaves().size().
+  /// Returns the index of a block's leaf; leaves().size() if the block was not added.
   std::uint32_t leaf(const LevelIndex& lowest) const;
-  /// Widens the boxes above a leaf.
+  /// Extends the boxes of a leaf's ancestors.
   void widen(std::uint32_t leaf, const nanovdb_layout::IndexBox& box);
 
  private:

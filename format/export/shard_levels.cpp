@@ -16,7 +16,7 @@ LevelIndex lowest_of(const LevelIndex& corner, std::uint64_t key, std::int64_t e
   return {corner[0] + edge * at.x, corner[1] + edge * at.y, corner[2] + edge * at.z};
 }
 
-/// visit(node, levels above) for each node that stands for voxels of the shard's own level.
+/// Calls visit(node, levels above) for each node that represents voxels of the shard's level.
 template <class Visit>
 void for_each_node_of(const NodeTable& nodes, int shard_lod, const Visit& visit) {
   for (std::size_t n = 0; n < nodes.key.size() && nodes.lod[n] >= shard_lod; ++n) {
@@ -84,7 +84,7 @@ void ShardLevels::forget_oldest(std::uint64_t more) {
   while (bytes_ > most_bytes_ && by_use_.size() > 1) {
     const auto oldest = entries_.find(by_use_.back());
     const std::shared_ptr<const ShardLevel> level = oldest->second.first->level;
-    if (level == nullptr) break;  // somebody reads it right now
+    if (level == nullptr) break;  // another thread is reading it
     bytes_ -= level->bytes();
     entries_.erase(oldest);
     by_use_.pop_back();

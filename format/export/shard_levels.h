@@ -1,4 +1,4 @@
-/// Levels of shards, unpacked once for all tiles that take voxels of them.
+/// Cache of shards' levels, unpacked once for all tiles that contain voxels of them.
 #pragma once
 
 #include <algorithm>
@@ -22,11 +22,11 @@ namespace gigabake {
 /// One level of one shard.
 class ShardLevel {
  public:
-  /// Errors  InputError: a shard that is missing, damaged or not the scene's.
+  /// Errors  InputError: the shard is missing, damaged or not part of the scene.
   ShardLevel(const PagedScene& scene, const SceneCell& shard, int lod);
 
-  /// visit(place, rgba, normal) for each voxel in the box, by its place on the lattice of the level, rounded down where
-  /// an earlier bake's level stands off it.
+  /// Calls visit(position, rgba, normal) for each voxel in the box. Positions are on the level's lattice, rounded down
+  /// if a level of an earlier bake is not aligned with it.
   template <class Visit>
   void for_each_voxel_in(const LevelBox& box, const Visit& visit) const;
   std::uint64_t bytes() const;
@@ -39,19 +39,19 @@ class ShardLevel {
     std::array<std::int8_t, 2> normal;
   };
   LevelIndex corner_{};
-  std::vector<std::uint64_t> keys_;    ///< of bricks
-  std::vector<std::uint32_t> number_;  ///< of these in level_
+  std::vector<std::uint64_t> keys_;    ///< Morton keys of bricks
+  std::vector<std::uint32_t> number_;  ///< brick numbers in level_
   std::vector<Constant> constants_;
   BrickLevel level_;
 };
 
-/// Where the bricks of a level of a shard lie, constant nodes too, from its node table alone: boxes of its voxels.
+/// Returns boxes of the bricks and constant nodes of a shard's level, from its node table alone.
 std::vector<LevelBox> bricks_of(const ShardHeader& header, const NodeTable& nodes, int lod);
 
-/// Keeps the levels that were asked for last. Any number of threads may ask at a time.
+/// Cache of the most recently used levels. Thread-safe.
 class ShardLevels {
  public:
-  /// most_bytes: of what is kept when nobody uses it.
+  /// most_bytes: max size of unused levels that are kept.
   ShardLevels(const PagedScene& scene, std::uint64_t most_bytes) : scene_(scene), most_bytes_(most_bytes) {}
 
   std::shared_ptr<const ShardLevel> get(const SceneCell& shard, int lod);
@@ -68,7 +68,7 @@ class ShardLevels {
   const PagedScene& scene_;
   std::uint64_t most_bytes_, bytes_ = 0;
   std::mutex mutex_;
-  std::list<Key> by_use_;  ///< the last one first
+  std::list<Key> by_use_;  ///< most recently used first
   std::map<Key, std::pair<std::shared_ptr<Entry>, std::list<Key>::iterator>> entries_;
 };
 

@@ -12,7 +12,7 @@
 namespace gigabake {
 namespace {
 
-/// Counts a box of voxels in each tile that it is in or beside.
+/// Counts a box of voxels in each tile that contains it or has it in its padding.
 void count_in_tiles(const VoxelTiling& tiling, int lod, const LevelBox& box, TileWeights& tiles) {
   const LevelBox places = tiling.tiles_near(lod, box);
   for (std::int64_t z = places.min[2]; z < places.end[2]; ++z)
@@ -21,7 +21,8 @@ void count_in_tiles(const VoxelTiling& tiling, int lod, const LevelBox& box, Til
         tiles[{tiling.level(lod), morton(std::uint32_t(x), std::uint32_t(y), std::uint32_t(z))}] += 1;
 }
 
-/// In earlier bakes: its voxels are rounded down, out of the bricks of the level below.
+/// Returns whether the shard's level is not aligned with the lattice, as in earlier bakes. Its voxels are then rounded
+/// down, out of the bricks of the next finer level.
 bool stands_off_the_lattice(const SceneCell& shard, int lod) {
   for (const std::int64_t x : shard.lattice_min)
     if ((x & ((std::int64_t(1) << lod) - 1)) != 0) return true;
@@ -55,8 +56,8 @@ void add_tiles(const std::vector<std::uint8_t>& bytes, TileWeights& tiles) {
 
 }  // namespace
 
-/// Of this rank's shards that own some level from finest to coarsest: visit(lod, boxes of bricks, thread) for each
-/// level of levels_of(owner).
+/// Calls visit(lod, boxes of bricks, thread) for each level of levels_of(owner). Iterates over this rank's shards that
+/// natively hold a level from finest to coarsest.
 template <class LevelsOf, class Visit>
 void TileStats::for_each_own_level(int finest, int coarsest, const LevelsOf& levels_of, const Visit& visit) const {
   const auto visit_shard = [&](const LevelOwner& owner, int thread) {

@@ -1,4 +1,4 @@
-/// Which tiles an export has: told by the node tables of shards, before a voxel is read.
+/// The tiles of an export, determined from the shards' node tables before any voxel is read.
 #pragma once
 
 #include <cstdint>
@@ -13,20 +13,20 @@
 
 namespace gigabake {
 
-/// Tiles with a brick in them or so near that it shows there, and how many: what they cost.
+/// Tiles that contain a brick or have one in their padding, with the number of such bricks as their cost.
 using TileWeights = std::map<TilePlace, std::uint64_t>;
 
-/// Reads the node tables of this rank's share of the shards. Every rank gets all that the ranks found.
-/// Errors (all)  InputError: damaged or missing shards. Stopped.
+/// Reads the node tables of this rank's partition of the shards. Every rank gets the results of all ranks.
+/// Errors  InputError from all members: damaged or missing shards. Stopped.
 class TileStats {
  public:
   TileStats(const PagedScene& scene, const LevelOwners& owners, const ExportTeam& team, const ThreadPool& pool,
             const Progress& progress)
       : scene_(scene), owners_(owners), team_(team), pool_(pool), progress_(progress) {}
 
-  /// The smallest box of bricks that holds the voxels of a level, in voxels of level 0.
+  /// Returns the bounding box of the bricks that hold a level's voxels, in voxels of level 0.
   LatticeBox bounds(int lod) const;
-  /// Errors  also InputError: a scene that has parents lacks one over a tile.
+  /// Errors  InputError also if a scene with overviews lacks one above a tile.
   TileWeights tiles(const VoxelTiling& tiling, const MadeLevels& made) const;
 
  private:

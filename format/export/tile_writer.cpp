@@ -13,7 +13,8 @@
 namespace gigabake {
 namespace {
 
-/// A padded box on the lattice, and what lies in it of levels that earlier bakes put up to a voxel beside it.
+/// Returns the range of a padded box on the lattice, extended by one voxel for levels of earlier bakes that are not
+/// aligned with it.
 LatticeBox reach_of(const LevelBox& box, int lod) {
   LatticeBox reach = on_lattice(box, lod);
   for (std::int64_t& end : reach.end) end += std::int64_t(1) << lod;

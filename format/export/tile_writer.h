@@ -1,4 +1,4 @@
-/// Makes tiles of the voxels of a scene and writes them.
+/// Writer of a scene's voxels as tiles.
 #pragma once
 
 #include <filesystem>
@@ -19,10 +19,10 @@
 
 namespace gigabake {
 
-/// Scene metres of a tile, without its padding.
+/// Returns the tile's box in scene metres, without padding.
 TileBox box_of(const VoxelTiling& tiling, const SceneHeader& scene, const TilePlace& tile);
 
-/// What all threads share. Borrows.
+/// State shared by all threads. Borrows its members.
 struct TileSource {
   const PagedScene& scene;
   const LevelOwners& owners;
@@ -32,22 +32,23 @@ struct TileSource {
   TilesetForm form;
 };
 
-/// One thread's. Tiles of neighbouring places after each other cost less.
+/// Writer for one thread. Consecutive tiles at neighbouring positions cost less.
 class TileWriter {
  public:
-  /// `target` is what messages name; tiles go below `folder`.
+  /// Messages name `target`; tiles are written below `folder`.
   TileWriter(const TileSource& source, std::filesystem::path target, std::filesystem::path folder);
 
-  /// Returns the statistics of the tile's own voxels and its file's size and checksum; made_of is left out.
+  /// Writes the tile. Returns the statistics of its own voxels and its file's size and checksum; made_of is not set.
   /// Errors  InputError: damaged or missing shards, disk full.
   TileRecord write(const TilePlace& tile);
-  /// The name of what the tile is made of: the same where its voxels and those around it are. None: of levels that are
-  /// made here.
+  /// Returns a hash that is equal if the tile's voxels and those around it are equal. Returns nullopt for derived
+  /// levels.
   std::optional<Hash128> made_of(const TilePlace& tile);
-  /// Links or copies the same tile of an earlier export's folder. Returns false if that file is missing or is not the
-  /// one of the record: then it must be written. Errors  InputError: it cannot be put here.
+  /// Links or copies the same tile from an earlier export's folder. Returns false if that file is missing or does not
+  /// match the record; the caller must then write the tile.
+  /// Errors  InputError: the tile cannot be written here.
   bool take_over(const TilePlace& tile, const TileRecord& record, const std::filesystem::path& from);
-  /// A tile without voxels.
+  /// Writes a tile without voxels.
   TileRecord write_empty(const TilePlace& tile);
 
  private:
@@ -60,8 +61,8 @@ class TileWriter {
   std::filesystem::path target_, folder_;
   VoxelGrid grid_;
   GzipPacker packer_;
-  std::vector<std::uint8_t> file_;         ///< before it is packed
-  TilePlace block_{~std::uint32_t(0), 0};  ///< of 4³ tiles, whose owners are
+  std::vector<std::uint8_t> file_;         ///< content before gzip
+  TilePlace block_{~std::uint32_t(0), 0};  ///< block of 4³ tiles whose owners are in owners_
   std::vector<LevelOwner> owners_;
 };
 

@@ -19,7 +19,7 @@ Json scaled(const std::array<std::uint8_t, n>& bytes, double zero, double step) 
   return values;
 }
 
-/// As the schema's normalized, offset and scale make values of bytes.
+/// Returns the values of bytes after the schema's normalized, offset and scale.
 Json statistics_of(const VoxelStatistics& voxels) {
   if (voxels.voxels == 0) return Json::object();
   Json least = scaled(voxels.least_normal, 128, 127), greatest = scaled(voxels.greatest_normal, 128, 127);
@@ -48,7 +48,7 @@ Json schema() {
   return schema;
 }
 
-/// Dimensions, padding and class, which tilesets of both forms say alike.
+/// Returns dimensions, padding and class, which are equal in both forms of tilesets.
 Json grid_of_tiles(const VoxelTiling& tiling) {
   const Json edge = {tiling.edge, tiling.edge, tiling.edge};
   return {{"dimensions", edge}, {"padding", {{"before", {1, 1, 1}}, {"after", {1, 1, 1}}}}, {"class", "voxel"}};

@@ -1,4 +1,4 @@
-/// The documents of a voxel tileset besides its tiles.
+/// The documents of a voxel tileset other than its tiles.
 #pragma once
 
 #include <cstdint>
@@ -10,17 +10,17 @@
 
 namespace gigabake {
 
-/// What a tileset says of all of its tiles.
+/// Properties of all tiles of a tileset.
 struct TilesetSummary {
   std::uint64_t tiles = 0;
   VoxelStatistics voxels;  ///< of all levels
-  LatticeBox bounds;       ///< of the finest level's bricks, voxels of level 0
+  LatticeBox bounds;       ///< bounds of the finest level's bricks, voxels of level 0
 };
 
-/// tileset.json, 3D Tiles 1.1 with 3DTILES_content_voxels.
+/// Returns tileset.json: 3D Tiles 1.1 with 3DTILES_content_voxels.
 std::string tileset_json(const SceneHeader& scene, const VoxelTiling& tiling, const TilesetSummary& summary);
 
-/// tileset.gltf, glTF 2.1 with 3DTILES_tileset_voxels. Where the scene lies on the earth stands in asset.extras.
+/// Returns tileset.gltf: glTF 2.1 with 3DTILES_tileset_voxels. asset.extras has the scene's position on the earth.
 std::string tileset_gltf(const SceneHeader& scene, const VoxelTiling& tiling, const TilesetSummary& summary);
 
 }  // namespace gigabake

@@ -2,8 +2,8 @@
 
 namespace gigabake {
 
-/// Tiles are gzip files: a server that says so in Content-Encoding has the browser unpack them, for all others the page
-/// does. Colours between voxels are weighted by where there are voxels, which normal.a says.
+/// The page. Tiles are gzip files: the browser unpacks them if the server sends Content-Encoding; otherwise the page
+/// does. Interpolated colours are weighted by normal.a, which is nonzero where there is a voxel.
 const char* const tileset_page = R"html(<!DOCTYPE html>
 <html lang="en">
 <head>

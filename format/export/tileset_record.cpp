@@ -12,7 +12,7 @@ namespace {
 using RecordJson = nlohmann::ordered_json;
 
 constexpr const char* record_format = "gigabake voxel tileset";
-constexpr int record_version = 2;  ///< of this file and of the tiles' format
+constexpr int record_version = 2;  ///< version of this file and of the tiles' format
 
 template <std::size_t n>
 void put_bytes(RecordJson& row, const std::array<std::uint8_t, n>& bytes) {
@@ -38,6 +38,7 @@ RecordJson row_of(const TilePlace& tile, const TileRecord& record) {
   return row;
 }
 
+/// Parses the record of one tile.
 /// Errors  std::exception.
 std::pair<TilePlace, TileRecord> tile_of(const RecordJson& row) {
   TilePlace tile{row.at(0).get<std::uint32_t>(), row.at(1).get<std::uint64_t>()};
@@ -54,7 +55,7 @@ std::pair<TilePlace, TileRecord> tile_of(const RecordJson& row) {
   return {tile, record};
 }
 
-/// By its path below the folder.
+/// Returns whether an export wrote the file, by its path below the folder.
 bool is_exported(const std::filesystem::path& file) {
   const std::string name = file.generic_string();
   const bool is_tile = name.starts_with("tiles/") && name.ends_with(".glb");
@@ -110,7 +111,7 @@ TilesetRecord read_record(const std::filesystem::path& folder) {
     const RecordJson json = RecordJson::parse(bytes.begin(), bytes.end());
     if (json.at("format") != record_format) throw std::out_of_range("another format");
     TilesetRecord record;
-    if (json.at("version") != record_version) return record;  // nothing is shared with it
+    if (json.at("version") != record_version) return record;  // tiles of another version are not reused
     record.rule = json.at("rule").get<std::string>();
     for (const RecordJson& row : json.at("tiles")) record.tiles.insert(tile_of(row));
     return record;

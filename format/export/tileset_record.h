@@ -1,4 +1,4 @@
-/// What an export leaves in its folder for the next one: of each tile, what it was made of and which bytes it is.
+/// The record that an export leaves in its folder for the next one: the inputs and the checksum of each tile.
 #pragma once
 
 #include <filesystem>
@@ -12,30 +12,31 @@
 namespace gigabake {
 
 struct TileRecord {
-  Hash128 made_of;  ///< the contents of the level in the shards that the tile and its padding lie in
+  Hash128 made_of;  ///< hash of the level's contents in the shards that the tile and its padding overlap
   VoxelStatistics statistics;
-  std::uint64_t bytes = 0;  ///< of the tile's file
-  Hash128 checksum;         ///< of these bytes
+  std::uint64_t bytes = 0;  ///< size of the tile's file
+  Hash128 checksum;         ///< checksum of the tile's file
   friend bool operator==(const TileRecord&, const TileRecord&) = default;
 };
 using TileRecords = std::map<TilePlace, TileRecord>;
 
 struct TilesetRecord {
-  std::string rule;  ///< all else that tiles depend on: two exports of one rule share tiles
+  std::string rule;  ///< all other inputs of tiles: exports with the same rule can share tiles
   TileRecords tiles;
 };
 
 inline constexpr const char* record_name = "export.json";
 
-/// What tiles of this scene, this tiling and this version of the tiles' format have in common.
+/// Returns the inputs that all tiles of this scene, tiling and format version share.
 std::string rule_of(const SceneHeader& scene, const VoxelTiling& tiling, const std::string& form);
 
 std::string record_text(const TilesetRecord& record);
-/// Errors  InputError: the folder is no export of ours, or its record is damaged: what to do.
+/// Reads a folder's record.
+/// Errors  InputError: the folder is no export of gigabake, or its record is damaged; names the remedy.
 TilesetRecord read_record(const std::filesystem::path& folder);
 
-/// An update replaces the folder, so it must hold nothing but files of exports.
-/// Errors  InputError: names the first other file.
+/// Checks that the folder contains only files of exports, because an update replaces the folder.
+/// Errors  InputError names the first other file.
 void expect_only_exported_files(const std::filesystem::path& folder);
 
 }  // namespace gigabake

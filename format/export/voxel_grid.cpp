@@ -10,8 +10,8 @@ namespace {
 
 using NormalBytes = std::array<std::uint8_t, 3>;
 
-/// Rounding alone misses some codes by a hair: among the 27 nearest one that does not, and of those the one that is
-/// nearest in direction.
+/// Returns the best of the 27 nearest byte triples: of those that encode to the same code, the nearest in direction.
+/// Rounding alone misses some codes slightly.
 NormalBytes nearest_that_comes_back(const std::int8_t oct[2]) {
   double n[3];
   decode_octahedral(oct, n);
@@ -41,7 +41,7 @@ NormalBytes nearest_that_comes_back(const std::int8_t oct[2]) {
   return best;
 }
 
-/// By the two bytes.
+/// Returns the table of byte triples, indexed by the two bytes.
 const std::vector<NormalBytes>& all_normal_bytes() {
   static const std::vector<NormalBytes> table = [] {
     std::vector<NormalBytes> all(1 << 16);
@@ -115,7 +115,7 @@ VoxelStatistics VoxelGrid::statistics() const {
   VoxelStatistics statistics;
   if (is_empty_) return statistics;
   const std::size_t e = edge_;
-  for (std::size_t slow = 1; slow + 1 < e; ++slow)  // whichever axis: padding is on all sides
+  for (std::size_t slow = 1; slow + 1 < e; ++slow)  // any axis: padding is on all sides
     for (std::size_t middle = 1; middle + 1 < e; ++middle)
       for (std::size_t fast = 1; fast + 1 < e; ++fast)
         if (const std::size_t place = 4 * (fast + e * (middle + e * slow)); normals_[place + 3] != 0)

@@ -1,4 +1,4 @@
-/// The voxels of one tile as a tileset has them: a dense grid, one voxel of the tiles around on each side.
+/// The voxels of one tile in a tileset: a dense grid, with a padding of one voxel on each side.
 #pragma once
 
 #include <array>
@@ -9,10 +9,11 @@
 
 namespace gigabake {
 
-/// Three bytes b for a direction (b − 128) / 127 which, encoded again (lattice/octahedral.h), gives the shard's two.
+/// Returns three bytes b for the direction (b − 128) / 127. Encoding it again (lattice/octahedral.h) yields the shard's
+/// two bytes.
 std::array<std::uint8_t, 3> normal_bytes(const std::int8_t oct[2]);
 
-/// Least and greatest bytes of some voxels.
+/// Min and max bytes of a set of voxels.
 struct VoxelStatistics {
   std::uint64_t voxels = 0;
   std::array<std::uint8_t, 4> least_rgba{255, 255, 255, 255}, greatest_rgba{};
@@ -23,31 +24,30 @@ struct VoxelStatistics {
   friend bool operator==(const VoxelStatistics&, const VoxelStatistics&) = default;
 };
 
-/// In what order voxels follow each other. From the slowest: y_up: −y, z, x, as glTF 2.0's frame has them;
-/// right_forward_up: z, y, x.
+/// Order of voxels, slowest axis first. y_up: −y, z, x, as in glTF 2.0's frame; right_forward_up: z, y, x.
 enum class GridOrder : std::uint8_t { y_up, right_forward_up };
 
-/// Zeros where there is no voxel. Reused from tile to tile.
+/// The dense grid, zero where there is no voxel. Reused from tile to tile.
 class VoxelGrid {
  public:
   VoxelGrid(std::uint32_t tile_edge, bool normals, GridOrder order);
 
   void clear(const LevelBox& padded_box);
-  /// A voxel of the box. One that is there already is replaced.
+  /// Sets a voxel inside the box, replacing an existing one.
   void set(const LevelIndex& at, const std::uint8_t* rgba, const std::int8_t* normal);
   std::size_t size() const { return rgba_.size() / 4; }
   std::uint32_t edge() const { return edge_; }
 
   const std::vector<std::uint8_t>& rgba() const { return rgba_; }
-  /// Four bytes a voxel: the direction's three (128 in scenes without normals) and 255 where there is a voxel.
+  /// Returns four bytes per voxel: the direction's three (128 in scenes without normals), and 255 if there is a voxel.
   const std::vector<std::uint8_t>& normals() const { return normals_; }
-  /// Of the tile's own voxels.
+  /// Returns the statistics of the tile's own voxels, without padding.
   VoxelStatistics statistics() const;
 
  private:
   std::size_t place_of(std::size_t x, std::size_t y, std::size_t z) const;
 
-  std::uint32_t edge_;  ///< with padding
+  std::uint32_t edge_;  ///< including padding
   bool has_normals_;
   GridOrder order_;
   bool is_empty_ = true;

@@ -8,7 +8,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::uint64_t voxel_mode = 0x7fffffff;  ///< glTF primitives whose geometry an extension says
+constexpr std::uint64_t voxel_mode = 0x7fffffff;  ///< glTF mode of primitives whose geometry is defined by an extension
 constexpr std::uint32_t glb_magic = 0x46546c67, json_chunk = 0x4e4f534a, binary_chunk = 0x004e4942;
 
 void put_number(std::vector<std::uint8_t>& to, std::uint32_t value) {
@@ -17,7 +17,7 @@ void put_number(std::vector<std::uint8_t>& to, std::uint32_t value) {
 
 Json three(std::uint32_t value) { return {value, value, value}; }
 
-/// Accessors and buffer views of the two attributes, colours first.
+/// Adds accessors and buffer views of the two attributes, colours first.
 void add_columns(Json& document, std::size_t voxels) {
   document["accessors"] = Json::array();
   document["bufferViews"] = Json::array();

@@ -12,24 +12,26 @@
 
 namespace gigabake {
 
-/// Where a tile lies in the tileset's frame, without its padding.
+/// A tile's box in the tileset's frame, without padding.
 struct TileBox {
   std::array<double, 3> centre_m{};
   double edge_m = 0;
 };
 
-/// What a voxel says: the class `voxel` of a tileset's schema and of each tile's.
+/// Returns the class `voxel` of a tileset's schema and of each tile's: the properties of a voxel.
 nlohmann::ordered_json voxel_schema();
 
-/// glTF 2.0 with EXT_primitive_voxels, in place of what `file` holds. Range  a grid in the order y_up.
+/// Replaces `file` by a glTF 2.0 with EXT_primitive_voxels.
+/// Range   The grid has the order y_up.
 void make_voxel_tile(const VoxelGrid& grid, const TileBox& box, std::vector<std::uint8_t>& file);
-/// Likewise glTF 2.1 with EXT_voxels. Range  a grid in the order right_forward_up.
+/// Replaces `file` by a glTF 2.1 with EXT_voxels.
+/// Range   The grid has the order right_forward_up.
 void make_voxel_node(const VoxelGrid& grid, const TileBox& box, std::vector<std::uint8_t>& file);
 
-/// A point of the tileset's frame (x east, z up) in that of glTF 2.1 (x to the left, y up, z forward).
+/// Converts a point of the tileset's frame (x east, z up) to that of glTF 2.1 (x to the left, y up, z forward).
 std::array<double, 3> in_gltf_2_1(const std::array<double, 3>& p);
 
-/// A binary glTF in place of what `file` holds: the document and one buffer.
+/// Replaces `file` by a binary glTF: the document and one buffer.
 void make_glb(const nlohmann::ordered_json& document,
               std::initializer_list<std::span<const std::uint8_t>> parts_of_buffer, std::vector<std::uint8_t>& file);
 

@@ -24,14 +24,14 @@ namespace {
 
 constexpr std::uint64_t level_cache_bytes = std::uint64_t(256) << 20;
 
-/// Neighbouring tiles, which read the same shards, are one rank's; the rank that has the least to do takes the next
-/// ones.
+/// Returns this rank's tiles. Neighbouring tiles, which read the same shards, belong to one rank. Each block of tiles
+/// goes to the rank with the smallest load.
 std::vector<TilePlace> share_of(const TileWeights& tiles, const ExportTeam& team) {
   std::vector<std::uint64_t> load(std::size_t(team.ranks()));
   std::vector<TilePlace> own;
   TilePlace block{~std::uint32_t(0), 0};
   std::size_t rank = 0;
-  constexpr std::uint64_t of_tile = 60;  // a tile without bricks costs as much as so many
+  constexpr std::uint64_t of_tile = 60;  // cost of a tile without bricks, in bricks
   for (auto tile = tiles.rbegin(); tile != tiles.rend(); ++tile) {
     const TilePlace in{tile->first.level, tile->first.key >> 3};
     if (in != block) rank = std::size_t(std::min_element(load.begin(), load.end()) - load.begin());
@@ -55,8 +55,8 @@ struct FolderFiles {
   }
 };
 
-/// What the tree's cube is fitted to. Below every voxel of a bake stand voxels of the finest level, so that their
-/// bricks are enough; other shards may have voxels of coarser levels beside them.
+/// The box to which the tree's cube is fitted. In a bake, every voxel has voxels of the finest level below it, so their
+/// bricks suffice. Other shards may have coarser voxels outside of those bricks.
 enum class Fit { bricks_of_finest, windows_of_cells };
 
 class TilesetExport {
@@ -74,7 +74,7 @@ class TilesetExport {
     weights_ = survey.tiles(tiling_, *made_);
   }
 
-  /// Collective. The tiles of all ranks. before: an earlier export, which stands at `target`.
+  /// Writes the tiles of all ranks. Collective call. `before` is the record of an earlier export at `target`.
   void write_tiles(const std::filesystem::path& target, const std::filesystem::path& folder,
                    const TilesetRecord& before) {
     ShardLevels levels(scene_, level_cache_bytes);
@@ -96,8 +96,8 @@ class TilesetExport {
     team_.together([&] { add_missing_parents(team_.rank() == 0 ? writers[0].get() : nullptr); });
   }
 
-  /// Whether the tiles have as many voxels of each level as the scene says. Levels of earlier bakes that stand off the
-  /// lattice are not counted: rounded down, two of their voxels may be one.
+  /// Returns whether the tiles have the number of voxels of each level that the scene records. Skips levels of earlier
+  /// bakes that may not be aligned with the lattice: rounding down can merge two of their voxels.
   bool has_all_voxels() const {
     std::map<int, std::uint64_t> voxels;
     for (const auto& [tile, record] : tiles_) voxels[tiling_.lod(tile.level)] += record.statistics.voxels;
@@ -109,7 +109,7 @@ class TilesetExport {
     return true;
   }
 
-  /// Rank 0's.
+  /// Writes the documents. Called on rank 0.
   void write_documents(const std::filesystem::path& target, const std::filesystem::path& folder) const {
     const FolderFiles files{target, folder};
     TileLevels tiles(tiling_.levels);
@@ -133,7 +133,7 @@ class TilesetExport {
       files.write("tileset.json", tileset_json(scene_.header(), tiling_, summary));
   }
 
-  /// Rank 0's: what a folder has besides.
+  /// Writes the folder's other files. Called on rank 0.
   void write_extras(const std::filesystem::path& target, const std::filesystem::path& folder) const {
     const FolderFiles files{target, folder};
     files.write(record_name, record_text({rule(), tiles_}));
@@ -177,7 +177,7 @@ class TilesetExport {
     }
   }
 
-  /// A tile whose level has no voxel in it, but the level below has: a tree has no such gaps.
+  /// Adds tiles without voxels whose next finer level has some, because a tree must not have gaps.
   void add_missing_parents(TileWriter* writer) {
     for (std::uint32_t level = tiling_.levels - 1; level > 0; --level)
       for (auto tile = tiles_.lower_bound({level, 0}); tile != tiles_.end() && tile->first.level == level; ++tile) {
@@ -200,7 +200,7 @@ class TilesetExport {
   TileRecords tiles_;
 };
 
-/// Rank 0's path, on every rank.
+/// Returns rank 0's path on every rank.
 std::filesystem::path shared_path(const ExportTeam& team, const std::filesystem::path& own) {
   ByteWriter writer;
   writer.put(own.string());
@@ -215,7 +215,7 @@ std::uint64_t export_3dtiles(const std::filesystem::path& scene_xml, const Tiles
                              const std::filesystem::path& target, const Progress& progress, const ExportTeam& team) {
   const bool is_archive = target.extension() == ".3tz";
   std::optional<SceneLevel> level;
-  std::optional<FolderPublication> publication;  // rank 0's
+  std::optional<FolderPublication> publication;  // set on rank 0
   TilesetRecord before;
   if (is_archive && options.update) throw UsageError("update", "an archive is written whole; expected a folder");
   team.together([&] {

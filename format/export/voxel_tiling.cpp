@@ -8,14 +8,14 @@
 namespace gigabake {
 namespace {
 
-/// Terrain of tiles of 80³ fills some hundred bricks each; those of 114³ with padding take 5.9 MB of colours, of the
-/// 128 MiB that CesiumJS has for them.
+/// Range   of tile edges. On terrain, a tile of 80³ voxels contains some hundred bricks. A tile of 114³ with padding
+///         takes 5.9 MB of colours, of the 128 MiB that CesiumJS has for them.
 constexpr std::int64_t least_tile = 80, largest_tile = 112;
 
 std::int64_t rounded_up(std::int64_t a, std::int64_t b) { return a >= 0 ? (a + b - 1) / b : -(-a / b); }
 std::int64_t rounded_down(std::int64_t a, std::int64_t b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
 
-/// Voxels of a level that the longest side of `bounds` takes.
+/// Returns the number of voxels of a level along the longest side of `bounds`.
 std::int64_t extent(const LatticeBox& bounds, int lod) {
   std::int64_t most = 1;
   for (std::size_t c = 0; c < 3; ++c)

@@ -1,4 +1,4 @@
-/// How an export cuts a scene into the tiles of one oct-tree.
+/// Division of a scene into the tiles of one octree.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace gigabake {
 
-/// One tile: its level in the tree (0 is the root) and its place there as a Morton code (bit 3n is bit n of x).
+/// One tile: its level in the tree (0 is the root) and its position there as a Morton code (bit 3n is bit n of x).
 struct TilePlace {
   std::uint32_t level = 0;
   std::uint64_t key = 0;
@@ -29,35 +29,36 @@ inline bool holds(const LevelBox& box, const LevelIndex& at) {
   return true;
 }
 
-inline constexpr std::uint32_t most_tile_levels = 21;  ///< bits of a place in a Morton code
+inline constexpr std::uint32_t most_tile_levels = 21;  ///< bits per axis in a Morton code
 
-/// The cube that the oct-tree divides. A tile has `edge`³ voxels of one level of the lattice.
+/// The cube that the octree divides. A tile has `edge`³ voxels of one level of the lattice.
 struct VoxelTiling {
   LevelIndex corner{};       ///< voxels of level 0; a multiple of a voxel of the root's level
-  std::uint32_t edge = 0;    ///< of a tile, in voxels
-  std::uint32_t levels = 0;  ///< of tiles
-  int finest = 0;            ///< lod of the last of them
+  std::uint32_t edge = 0;    ///< edge of a tile in voxels
+  std::uint32_t levels = 0;  ///< number of tile levels
+  int finest = 0;            ///< lod of the last level
 
   int lod(std::uint32_t level) const { return finest + int(levels - 1 - level); }
   std::uint32_t level(int lod) const { return levels - 1 - std::uint32_t(lod - finest); }
   int coarsest() const { return lod(0); }
-  /// A tile's voxels, and those one voxel around it: what it is interpolated from.
+  /// Returns the box of a tile's voxels plus a padding of one voxel, which interpolation needs.
   LevelBox padded_box(const TilePlace& tile) const;
-  /// The tiles of a level in which these voxels, or those of the level above that they are in, show when they are
-  /// interpolated: the box of their places. Where there is no tile a viewer shows the one above.
+  /// Returns the box of positions of the tiles in which these voxels, or their coarser parents, are visible with
+  /// interpolation. A viewer shows the coarser tile where there is no tile.
   LevelBox tiles_near(int lod, const LevelBox& voxels) const;
   friend bool operator==(const VoxelTiling&, const VoxelTiling&) = default;
 };
 
-/// A box of voxels of some level, in voxels of level 0.
+/// Converts a box of voxels of some level to voxels of level 0.
 LatticeBox on_lattice(const LevelBox& voxels, int lod);
 
-/// Fits the tree to `bounds` (voxels of level 0, not empty): its root is the smallest cube of voxels that holds them.
-/// edge: of tiles. 0: 80 to 112, with which the cube is tight; less where one tile is enough.
-/// Range   `levels` may exceed most_tile_levels: the caller's to check.
+/// Fits the tree to `bounds` (voxels of level 0, not empty): its root is the smallest cube of voxels that contains
+/// them.
+/// edge: of tiles. 0: the edge from 80 to 112 that gives the smallest cube; smaller if one tile suffices.
+/// Range   `levels` may exceed most_tile_levels; the caller must check.
 VoxelTiling tiling_of(const LatticeBox& bounds, int finest, std::uint32_t edge);
 
-/// "LEVEL/X/Y/Z", as the templates of implicit tilesets have it.
+/// Returns "LEVEL/X/Y/Z", as in the templates of implicit tilesets.
 std::string path_of(const TilePlace& tile);
 
 }  // namespace gigabake

@@ -13,10 +13,10 @@
 namespace gigabake {
 namespace {
 
-/// Bytes of a leaf with its part of the nodes above, in a grid of floats and of three floats.
+/// Bytes per leaf, with its part of the nodes above, in a grid of floats and in a grid of three floats.
 constexpr std::uint64_t scalar_leaf_bytes = 2600, vector_leaf_bytes = 6800;
 
-/// `value` says what of voxel n is stored.
+/// Sets the voxels of one leaf; value(n) returns the stored value of voxel n.
 template <class Grid, class ValueOf>
 void set_voxels(Grid& grid, const openvdb::Coord& lowest, const DenseBrick& part, const ValueOf& value) {
   auto* leaf = grid.tree().touchLeaf(lowest);
@@ -83,7 +83,8 @@ class Grids : public OpenvdbGrids {
   openvdb::Vec3SGrid::Ptr colour_ = openvdb::Vec3SGrid::create(), normal_;
 };
 
-/// The library does not look whether its bytes arrived. Where the disk is full it has no room for one more either.
+/// Checks that the disk has room for one more byte. The library ignores failed writes, but on a full disk this write
+/// fails too.
 void expect_room_after(const std::filesystem::path& vdb, const std::filesystem::path& aside) {
   const std::uintmax_t bytes = std::filesystem::file_size(aside);
   const Descriptor file(aside, O_WRONLY | O_APPEND);

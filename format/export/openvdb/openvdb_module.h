@@ -1,4 +1,4 @@
-/// What the module "openvdb" does: grids that are filled brick by brick and become a file.
+/// Interface of the module "openvdb": grids that are filled brick by brick and written to a file.
 #pragma once
 
 #include <array>
@@ -11,15 +11,16 @@
 
 namespace gigabake {
 
-/// The grids that export_openvdb() promises.
+/// The grids of export_openvdb().
 class OpenvdbGrids {
  public:
   virtual ~OpenvdbGrids() = default;
-  /// lowest: multiples of 8.
+  /// Adds the voxels of a block. `lowest` is a multiple of 8 on each axis.
   virtual void add(const std::array<std::int32_t, 3>& lowest, const DenseBrick& part) = 0;
-  /// About what they take in memory.
+  /// Returns the approximate memory of the grids.
   virtual std::uint64_t bytes() const = 0;
-  /// Into `aside`, read back there. Errors  InputError naming `vdb`: the disk is full, or reads other than was written.
+  /// Writes the grids to `aside` and reads them back.
+  /// Errors  InputError naming `vdb`: the disk is full, or the file differs from the written data.
   virtual void write(const std::filesystem::path& vdb, const std::filesystem::path& aside) const = 0;
 };
 
@@ -29,5 +30,5 @@ struct OpenvdbModule {
 
 }  // namespace gigabake
 
-/// The module's only symbol. Its lifetime is the process's.
+/// Returns the module, which lives as long as the process. It is the library's only symbol.
 extern "C" const gigabake::OpenvdbModule* gigabake_openvdb();
