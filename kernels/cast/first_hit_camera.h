@@ -1,7 +1,8 @@
-/// Pictures of first hits: a camera's rays, and beams that say for a tile of pixels how far there is nothing to meet.
+/// Images of first hits: a camera's rays, and beams that yield the empty distance in front of a tile of pixels.
 ///
-/// A beam is the ray through the middle of a tile, walking through a shell (first_hit_tree.h). The tile's other rays
-/// keep within the shell's reach of it up to a limit; until the beam meets the shell, none of them can meet a voxel.
+/// A beam is the ray through the centre of a tile, cast through a shell (first_hit_tree.h). Up to a limit, the tile's
+/// other rays stay within the shell's reach of the beam. Until the beam hits the shell, none of these rays can hit a
+/// voxel.
 #pragma once
 
 #include <cmath>
@@ -11,17 +12,18 @@
 
 namespace gigabake::kernels {
 
-/// Space   Lod-0 voxels of the lattice. Row 0 is the upper one.
+/// A camera with perspective or parallel rays. Row 0 is the top row.
+/// Space   Lod-0 voxels of the lattice.
 struct FirstHitCamera {
-  double eye[3] = {};                    ///< where the middle of the picture looks from
-  float across[3] = {}, upward[3] = {};  ///< from there to where its right and its upper edge look from; central: 0
-  float forward[3] = {};                 ///< where the middle looks, unit
-  float right[3] = {}, up[3] = {};       ///< what is added for the right and for the upper edge; parallel: 0
+  double eye[3] = {};                    ///< origin of the ray through the image's centre
+  float across[3] = {}, upward[3] = {};  ///< offsets of the origin at the right and upper edges; perspective: 0
+  float forward[3] = {};                 ///< direction at the image's centre, unit
+  float right[3] = {}, up[3] = {};       ///< offsets of the direction at the right and upper edges; parallel: 0
   std::int32_t width = 0, height = 0;    ///< pixels
   float per_column = 0, per_row = 0;     ///< 2 / width, 2 / height
 };
 
-/// Through x, y in pixels from the picture's upper left corner. Its length is 1 to 2^-22.
+/// Returns the ray through x, y in pixels from the image's upper left corner. The direction's length is 1 to 2^-22.
 GB_HD FirstHitRay camera_ray(const FirstHitCamera& camera, float x, float y) {
   const float sx = std::fma(x, camera.per_column, -1.0f), sy = std::fma(y, -camera.per_row, 1.0f);
   FirstHitRay ray;
@@ -38,14 +40,14 @@ GB_HD FirstHitRay camera_ray(const FirstHitCamera& camera, float x, float y) {
 
 struct FirstHitBeams {
   FirstHitTree shell;
-  std::int32_t tile = 0;               ///< pixels, an edge of a tile; 0: beams are not worth their time
+  std::int32_t tile = 0;               ///< edge of a tile in pixels; 0: beams are not worth their time
   std::int32_t tile_bits = 0;          ///< log2 of tile
   std::int32_t columns = 0, rows = 0;  ///< of tiles
-  float limit = 0;                     ///< distance up to which a tile's rays keep together
-  float slack = 0;                     ///< what rounding may shorten a distance by
+  float limit = 0;                     ///< distance up to which a tile's rays stay within the shell's reach
+  float slack = 0;                     ///< max amount by which rounding may shorten a distance
 };
 
-/// The distance before which the tile's rays meet nothing.
+/// Returns the distance before which the tile's rays hit nothing.
 template <class Stack>
 GB_HD float beam_start(const FirstHitBeams& beams, const FirstHitCamera& camera, int column, int row, Stack stack) {
   const float middle = 0.5f * float(beams.tile);
@@ -55,7 +57,7 @@ GB_HD float beam_start(const FirstHitBeams& beams, const FirstHitCamera& camera,
   return larger(smaller(hit.distance, beams.limit) - beams.slack, 0);
 }
 
-/// Pixel (x, y)'s ray, which meets nothing before `start`.
+/// Casts the ray of pixel (x, y), which hits nothing before `start`.
 template <class Stack>
 GB_HD FirstHit pixel_hit(const FirstHitTree& tree, const FirstHitCamera& camera, int x, int y, float start,
                          Stack stack) {

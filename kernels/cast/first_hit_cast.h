@@ -1,4 +1,4 @@
-/// First hits of many rays on the CPU, and what both backends share.
+/// First hits of many rays on the CPU, and code that both backends share.
 #pragma once
 
 #include "kernels/cast/first_hit_camera.h"
@@ -6,13 +6,13 @@
 
 namespace gigabake::kernels {
 
-/// One entry a ray; a picture's, row by row.
+/// Results, one entry per ray; row by row for images.
 struct FirstHitResult {
   Span<FirstHit> hits;
-  Span<FirstHitLook> looks;  ///< of what was met, zero where nothing was; empty: not asked for
+  Span<FirstHitLook> looks;  ///< attributes of the hit voxels, zero for a miss; empty: not requested
 };
 
-/// The finest beams whose rays keep together as far as to the scene's middle.
+/// Returns the finest beams whose rays stay within the shell's reach up to the scene's centre.
 FirstHitBeams plan_beams(const FirstHitView& scene, const FirstHitCamera& camera);
 
 void cast_first_hits(const FirstHitView& scene, const FirstHitCamera& camera, const FirstHitResult& result,

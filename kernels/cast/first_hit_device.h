@@ -1,6 +1,6 @@
-/// The CUDA backend of first hits: a scene that stays on the device, pictures and rays cast there.
+/// The CUDA backend of first hits: the scene is resident on the device, which casts images and rays.
 ///
-/// Built without CUDA nothing here can be constructed; cuda_devices() (cuda_baker.h) says why.
+/// In a build without CUDA the constructor throws; cuda_devices() (cuda_baker.h) gives the reason.
 #pragma once
 
 #include <cstdint>
@@ -12,26 +12,27 @@
 
 namespace gigabake::kernels {
 
-/// One device, one thread at a time.
+/// First hits on one device. Not thread-safe.
 /// Errors  CudaFailure, from every member.
 class CudaFirstHits {
  public:
-  /// Copies the scene to the device. device: an ordinal that cuda_devices() named.
+  /// Copies the scene to the device. device: an ordinal that cuda_devices() returned.
   CudaFirstHits(int device, const FirstHitView& scene);
   ~CudaFirstHits();
   CudaFirstHits(const CudaFirstHits&) = delete;
   CudaFirstHits& operator=(const CudaFirstHits&) = delete;
 
-  /// For cast(). Errors  std::length_error: more than 2^31 rays.
+  /// Uploads rays for cast().
+  /// Errors  std::length_error: more than 2^31 rays.
   void upload(Span<const FirstHitRay> rays);
 
-  /// looks: those of what is met are fetched too. The results stay on the device until the next cast; returns the
-  /// seconds that the device needed, by its own clock.
+  /// Casts rays and returns the seconds that the device needed, measured by its own clock. Results stay on the device
+  /// until the next cast. looks: attributes of the hit voxels are fetched too.
   /// Exact   The same bits as cast_first_hits().
   double cast(const FirstHitCamera& camera, bool looks);
   double cast(bool looks);
 
-  /// Of the last cast. looks(): empty where they were not fetched.
+  /// Returns the hits of the last cast. looks(): empty if attributes were not fetched.
   std::vector<FirstHit> hits() const;
   std::vector<FirstHitLook> looks() const;
 
