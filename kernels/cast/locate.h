@@ -161,9 +161,9 @@ struct CastPlace {
   FixedPoint at;                    ///< the point, along z relative to the cell's corner, and for level `lod`
   std::uint32_t brick = empty_ref;  ///< slot; empty_ref: the field of this level is zero
   float way = 0;                    ///< if empty: exit distance from the empty space, lod-0 voxels
-  std::int32_t lod = 0;  ///< level of the brick: the requested level, or a coarser one if that is not resident
-  std::int32_t node_lod = 0;        ///< the result holds in the point's node of this level
-  bool waits = false;               ///< finer data was requested and will become resident
+  std::int32_t lod = 0;       ///< level of the brick: the requested level, or a coarser one if that is not resident
+  std::int32_t node_lod = 0;  ///< the result holds in the point's node of this level
+  bool waits = false;         ///< finer data was requested and will become resident
 };
 
 /// The node at which a descent ended.
