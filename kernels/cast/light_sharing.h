@@ -1,10 +1,10 @@
-/// What pixels of a block share of their light, and what a pixel shows of it.
+/// Reuse of shadow samples within blocks of pixels, and the light that a pixel shows.
 ///
-/// Some pixels cast their rays to light first. The others then have what these see, or cast rays of their own: which of
-/// the two depends on the first rays of their block alone. So neither the order of pixels nor tiles show, as long as
+/// Some pixels cast their rays to light first. Each other pixel reuses these samples or casts its own rays, depending
+/// only on the first rays of its block. The result therefore does not depend on the order of pixels or on tiles, if
 /// tiles begin where blocks do.
 ///
-/// Space   Lod-0 voxels of the scene's lattice; distances in them too.
+/// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
 /// Exact   IEEE float and double, no transcendental functions: host and device return the same bits.
 #pragma once
 
@@ -16,7 +16,7 @@
 
 namespace gigabake::kernels {
 
-/// Whether two pixels show one surface, so that they see the same light.
+/// Tests whether two pixels show the same surface and therefore receive the same light.
 GB_HD bool is_same_surface(const PixelLight& a, const PixelLight& b) {
   if (!b.has_surface || !(dot3(a.normal, b.normal) > 0.9f)) return false;
   const float to[3] = {b.at[0] - a.at[0], b.at[1] - a.at[1], b.at[2] - a.at[2]};
@@ -39,19 +39,20 @@ struct LightBlock {
   int x0, y0, x1, y1;
 };
 
-/// The block of edge by edge pixels around pixel (x, y) of a tile, as far as the tile goes.
-/// Range  the tile begins at a multiple of `edge` in the picture.
+/// Returns the block of edge × edge pixels around pixel (x, y) of a tile, clipped to the tile.
+/// Range   The tile begins at a multiple of `edge` in the image.
 GB_HD LightBlock block_around(const CastTile& tile, int edge, int x, int y) {
   const int x0 = x / edge * edge, y0 = y / edge * edge;
   return {x0, y0, x0 + edge < tile.width ? x0 + edge : tile.width, y0 + edge < tile.height ? y0 + edge : tile.height};
 }
 
-/// What those pixels of a block that cast a ray to the sun first, and show one surface, see of it.
+/// Visibility of the sun from the pixels of a block that cast a ray to the sun first and show the same surface.
 struct SunSeen {
   int pixels = 0;
   float sum = 0, least = 1, most = 0;
 
-  /// Enough of them on all sides, and all see the whole sun or nothing of it, but for what no picture shows.
+  /// Tests whether the samples are uniform: at least three pixels, which all see (to within 1/64) the whole sun or none
+  /// of it.
   GB_HD bool is_told() const {
     constexpr int enough = 3;
     constexpr float bound = 1.0f / 64;
@@ -75,10 +76,11 @@ GB_HD SunSeen sun_around(const TileLights& tile, int x, int y, const PixelLight&
   return sun;
 }
 
-/// Which rays to the sky count.
+/// The set of rays to the sky that a sum includes.
 enum class SkyRays : std::int32_t { first, all };
 
-/// What of its sky a surface sees, by the rays of its block's pixels that show it. True where there are any.
+/// Computes the visible fraction of the sky from the rays of the block's pixels that show the surface. Returns false if
+/// there are none.
 GB_HD bool sky_around(const TileLights& tile, const CastLighting& lighting, int x, int y, const PixelLight& own,
                       SkyRays rays, float& share) {
   const LightBlock block = block_around(tile.tile, sky_block, x, y);
@@ -98,9 +100,9 @@ GB_HD bool sky_around(const TileLights& tile, const CastLighting& lighting, int 
   return all > 0;
 }
 
-/// Once all rays that are cast first are finished: pixel (x, y) of the tile, whose light this is, has what the others
-/// of its block see; where they do not tell it, it is to cast a ray of its own. Reads what other pixels' first rays
-/// see, and writes nothing that others read here, so pixels may take their turns together.
+/// Reuses shadow samples in pixel (x, y) of the tile, after all first rays are finished. light: of this pixel. If the
+/// samples are not uniform, marks the pixel's own ray for casting. Reads only results of first rays, which no call
+/// writes, so pixels may be processed concurrently.
 GB_HD void share_light(const TileLights& tile, const CastLighting& lighting, int x, int y, PixelLight& light) {
   if (!light.has(light_rays) || lighting.part == CastLightPart::unhidden) return;
   std::uint32_t then = 0;
@@ -123,7 +125,8 @@ GB_HD void share_light(const TileLights& tile, const CastLighting& lighting, int
   light.done &= ~then;
 }
 
-/// A pixel that shows little of a surface has the light of one beside it; else nothing stands in its light.
+/// Returns the light of a pixel of the block that has a surface, for a pixel that shows little of one; unshadowed light
+/// if the block has no such pixel.
 GB_HD PixelLight light_beside(const TileLights& tile, const CastLighting& lighting, int x, int y) {
   const LightBlock block = block_around(tile.tile, sun_block, x, y);
   for (int j = block.y0; j < block.y1; ++j)
@@ -135,20 +138,21 @@ GB_HD PixelLight light_beside(const TileLights& tile, const CastLighting& lighti
   return open;
 }
 
-/// What a pixel shows of a surface, and of the light that comes to it.
+/// The surface that a pixel shows, and its light.
 struct SurfacePoint {
   double place[3];  ///< lod-0 voxels of the scene's lattice
-  float normal[3];  ///< unit; towards the eye where the voxels have none
+  float normal[3];  ///< unit; towards the eye if the voxels have none
   float distance;   ///< from the eye
   float own[3];     ///< own colour: linear RGB, premultiplied by `there`
-  float there;      ///< how much of the pixel is surface, above 0
-  float facing;     ///< mean cosine between the sun's direction and what faces it
-  float sun_seen;   ///< how much of the sun it sees; 1 where no rays are cast to the light
-  float sky_seen;   ///< how much of its sky it sees: half of it for an open wall, all for open flat ground
+  float there;      ///< fraction of the pixel that is surface, above 0
+  float facing;     ///< mean of max(0, cosine between the sun's direction and the normal)
+  float sun_seen;   ///< visible fraction of the sun; 1 if no rays are cast to the light
+  float sky_seen;   ///< visible fraction of the sky: 1/2 for an open wall, 1 for open flat ground
 };
 
-/// Of pixel i of a tile, whose ray brought back surface's own colours. tile: its pixels' light, finished.
-/// Range  ray.transmittance < 1.
+/// Returns the surface of pixel i of a tile, whose ray contains the surface's own colour. tile: finished light of the
+/// pixels.
+/// Range   ray.transmittance < 1.
 GB_HD SurfacePoint surface_point(const CastRay& ray, const double eye[3], const TileLights& tile,
                                  const CastLighting& lighting, std::size_t i) {
   const int x = int(i % std::size_t(tile.tile.width)), y = int(i / std::size_t(tile.tile.width));
