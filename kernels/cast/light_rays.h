@@ -1,14 +1,14 @@
-/// The light of a pixel: how much of the sun and of the sky its surface sees.
+/// The light of a pixel: the visible fractions of the sun and the sky at its surface.
 ///
-/// A pixel's surface is where half of its ray's light is gone. From there one cone goes to the sun and one to the sky,
-/// though not from every pixel: those of a block share what they see (kernels/cast/light_sharing.h). A cone is a ray as
-/// any other: its levels are those whose voxels are as wide as it, no finer than the pixel's own. It asks for what it
-/// misses, and sheets stop it. How wide a shadow's border is follows from how wide the voxels are that it passes.
+/// A pixel's surface is where half of its ray's light is absorbed. From there, one cone goes to the sun and one to the
+/// sky. Not every pixel casts them: pixels of a block share results (kernels/cast/light_sharing.h). A cone is an
+/// ordinary ray whose levels have voxels as wide as the cone, but not finer than the pixel's own. It requests missing
+/// data, and surfaces stop it. The width of the voxels that it passes determines the width of a shadow's border.
 ///
-/// What is no sky is other surface, which sends what the ground sends: so flat ground under an open sky has the light
-/// of shade_voxel(), and so has every slope.
+/// Directions without sky show other surfaces, which send the ground's light. An unshadowed surface of any slope
+/// therefore receives the same light as in shade_voxel().
 ///
-/// Space   Lod-0 voxels of the scene's lattice; distances in them too.
+/// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
 /// Exact   IEEE float and double, no transcendental functions: host and device return the same bits.
 /// Source  Crassin et al. 2011, "Interactive Indirect Illumination Using Voxel Cone Tracing".
 #pragma once
@@ -24,22 +24,22 @@
 
 namespace gigabake::kernels {
 
-/// A pixel's rays to light.
+/// A pixel's rays to the light.
 enum class LightRay : std::int32_t { sun, sky };
 inline constexpr int light_rays = 2;
 
-/// What is known of the light at a pixel's surface.
+/// The light at a pixel's surface.
 struct PixelLight {
-  float normal[3] = {0, 0, 1};  ///< of its surface, unit
-  float at[3] = {0, 0, 0};      ///< its place, from the eye
+  float normal[3] = {0, 0, 1};  ///< of the surface, unit
+  float at[3] = {0, 0, 0};      ///< position relative to the eye
   float depth = 0;
-  float facing = 0;             ///< mean cosine of the sun's direction and what faces it
-  float up = 1;                 ///< what of the sky it would see if nothing stood before it
-  float seen[light_rays] = {};  ///< by ray: what of the light comes through
-  std::int32_t lod = 0;         ///< the pixel's at that distance
-  std::uint32_t done = 0;       ///< bit r: ray r is finished, or not cast; bit light_rays: the surface is known
-  std::uint32_t first = 0;      ///< bit r: ray r is cast before the light of other pixels is known
-  std::uint32_t then = 0;       ///< bit r: it is cast afterwards, since they do not tell it
+  float facing = 0;             ///< mean of max(0, cosine between the sun's direction and the normal)
+  float up = 1;                 ///< visible fraction of the sky without occluders
+  float seen[light_rays] = {};  ///< by ray: fraction of the light that is visible
+  std::int32_t lod = 0;         ///< the pixel's level at that distance
+  std::uint32_t done = 0;       ///< bit r: ray r is finished or not cast; bit light_rays: the surface is known
+  std::uint32_t first = 0;      ///< bit r: ray r is cast before shadow samples are reused
+  std::uint32_t then = 0;       ///< bit r: ray r is cast afterwards, because the samples are not uniform
   bool has_surface = false;     ///< false: the ray lost less than half of its light
 
   static constexpr std::uint32_t all = (2u << light_rays) - 1;
@@ -56,12 +56,12 @@ GB_HD int lod_at(const CastScene& scene, const CastLine& line, double distance) 
 
 GB_HD float dot3(const float a[3], const float b[3]) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
 
-/// Sums over voxels, by how much of each is at a place.
+/// Sums over voxels, weighted by interpolation weight and coverage.
 struct SurfaceSums {
   float weight = 0, facing = 0, up = 0, normal[3] = {0, 0, 0};
 };
 
-/// The eight voxels around a point. One without a normal sees all of the sky, and no sun: as in shade_voxel().
+/// Adds the eight voxels around a point. A voxel without a normal sees the whole sky and no sun, as in shade_voxel().
 GB_HD void add_surface(const CastCorners& corners, const float to_sun[3], SurfaceSums& sums) {
   GB_NO_UNROLL
   for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
@@ -88,7 +88,7 @@ GB_HD void add_surface(const CastCorners& corners, const float to_sun[3], Surfac
   }
 }
 
-/// Where its voxels' normals cancel, or there are none, the surface faces the eye.
+/// Sets the surface. It faces the eye if the voxels have no normals or their normals cancel.
 GB_HD void set_surface(const SurfaceSums& sums, const CastLine& line, PixelLight& light) {
   light.facing = sums.weight > 0 ? sums.facing / sums.weight : 0;
   light.up = sums.weight > 0 ? sums.up / sums.weight : 1;
@@ -96,8 +96,8 @@ GB_HD void set_surface(const SurfaceSums& sums, const CastLine& line, PixelLight
   for (int a = 0; a < 3; ++a) light.normal[a] = length > 0 ? sums.normal[a] / length : -float(line.direction[a]);
 }
 
-/// What the pixel's finished ray met. Looked at there and half a voxel before and behind, as a sheet is. False: being
-/// patient, it waits for what is not here any more.
+/// Finds the surface that the pixel's finished ray hit. Samples it at the hit and half a voxel before and behind.
+/// Returns false if the ray is patient and must wait for evicted data.
 GB_HD bool find_surface(const CastScene& scene, const CastLighting& lighting, const CastLine& line, bool patient,
                         const CastRay& ray, PixelLight& light) {
   light.has_surface = ray.depth != CastRay::no_depth;
@@ -119,38 +119,40 @@ GB_HD bool find_surface(const CastScene& scene, const CastLighting& lighting, co
   return true;
 }
 
-/// A ray to light starts so many voxels of the pixel's level above the surface, beyond what is interpolated around it.
+/// The distance above the surface, in voxels of the pixel's level, at which a ray to the light starts: beyond the
+/// interpolation around the surface.
 inline constexpr float light_clearance = 1.5f;
-/// Light that comes more along a surface than this lights next to nothing of it.
+/// The min cosine between the normal and the sky's direction. Light at a smaller angle contributes almost nothing.
 inline constexpr float least_cosine = 1.0f / 32;
 
-/// 0 to 63: the place of pixel (x, y) of the picture in its block of sky_block by sky_block, neighbours far apart.
+/// Returns the rank (0 to 63) of pixel (x, y) of the image in its block of sky_block × sky_block; ranks of neighbours
+/// differ strongly.
 GB_HD int place_in_block(int x, int y) {
   return int(dither_rank(std::uint32_t(x) % sky_block, std::uint32_t(y) % sky_block));
 }
 
-/// Which way light comes to a ray of pixel (x, y) of the picture: from the part of the sun or of the sky that its place
-/// in its block looks at.
+/// Returns the direction to the light for a ray of pixel (x, y) of the image: to the part of the sun or the sky that
+/// the pixel's position in its block samples.
 GB_HD const float* light_direction(const CastLighting& lighting, int x, int y, LightRay ray) {
   constexpr int places_per_direction = sky_block * sky_block / sun_directions;
   const int place = place_in_block(x, y);
   return ray == LightRay::sun ? lighting.sun[place / places_per_direction] : lighting.sky[place % sky_directions];
 }
 
-/// Whether anything depends on what this ray sees.
+/// Tests whether the result of this ray affects the pixel.
 GB_HD bool lights_up(const PixelLight& light, const float direction[3], LightRay ray) {
   if (!light.has_surface || !(direction[2] > 0)) return false;
   return ray == LightRay::sun ? light.facing > 0 : dot3(light.normal, direction) > least_cosine;
 }
 
-/// Whether a pixel casts this ray first; others may have what these see. To the sky it is every other pixel, as on a
-/// chess board, to the sun every other one of every other row.
+/// Tests whether a pixel casts this ray first. To the sky, every other pixel does, in a checkerboard pattern; to the
+/// sun, every other pixel of every other row.
 GB_HD bool is_cast_first(int x, int y, LightRay ray) {
   return place_in_block(x, y) < (ray == LightRay::sun ? sky_block * sky_block / 4 : sky_directions);
 }
 
-/// From the surface to a light. To the sun, which has an edge, it goes where it would go from the surface itself; what
-/// is left of the clearance, where light comes along the surface, is gone straight up.
+/// Returns the line from the surface to a light. Towards the sun, whose shadows have sharp borders, the start is moved
+/// along the ray. The rest of the clearance, at grazing angles, is added along the normal.
 GB_HD CastLine line_to_light(const CastScene& scene, const CastCamera& camera, const PixelLight& light,
                              const float direction[3], double lod1, bool is_sun) {
   const float clearance = light_clearance * float(power_of_two(light.lod));
@@ -161,23 +163,23 @@ GB_HD CastLine line_to_light(const CastScene& scene, const CastCamera& camera, c
   line.enter = light.lod == 0 ? 0 : lod1 * power_of_two(light.lod - 1);
   line.leave = double(far_voxel);
   line.lod1_distance = lod1;
-  // Beyond its voxels only coarser levels have anything of the scene left, which stands in nobody's light.
+  // Beyond its voxels only coarser levels have a field, which must not cast shadows.
   const double border = 2 * power_of_two(light.lod);
   for (int a = 0; a < 3; ++a) {
     const double d = direction[a];
     set_direction(line, a, d);
-    // The cone's tip lies behind its start, where it is as wide as the pixel's voxels.
+    // The cone's tip lies behind the start of the ray, where the cone is as wide as the pixel's voxels.
     line.origin[a] =
         camera.eye[a] + double(light.at[a]) + double(light.normal[a] * lift) + d * (double(along) - line.enter);
     clip_to_box(line, a, larger_of(scene.min[a] - border, camera.clip.min[a]),
                 smaller_of(scene.max[a] + border, camera.clip.max[a]));
   }
-  clip_to_plane(line, camera.clip);  // what is cut away stands in nobody's light
+  clip_to_plane(line, camera.clip);  // clipped parts cast no shadows
   return line;
 }
 
 /// Casts a ray of a pixel whose surface is known, from its start, until it is finished or waits. On a device all lanes
-/// of a warp call this. is_cast: false where a device has a lane and no ray.
+/// of a warp must call this function. is_cast: false if a lane has no ray.
 GB_HD void cast_to_light(const CastScene& scene, const CastCamera& camera, const CastLighting& lighting, int x, int y,
                          LightRay which, bool patient, bool is_cast, PixelLight& light) {
   CastLine line{};
@@ -194,7 +196,7 @@ GB_HD void cast_to_light(const CastScene& scene, const CastCamera& camera, const
   light.done |= 1u << int(which);
 }
 
-/// As find_surface(), where it is not known; and which rays to light the pixel casts first.
+/// Calls find_surface() if the surface is not known, and selects the rays to light that the pixel casts first.
 GB_HD void find_surface_once(const CastScene& scene, const CastLighting& lighting, const CastLine& line, bool patient,
                              const CastRay& ray, int x, int y, PixelLight& light) {
   if (light.has(light_rays) || !find_surface(scene, lighting, line, patient, ray, light)) return;
@@ -206,7 +208,7 @@ GB_HD void find_surface_once(const CastScene& scene, const CastLighting& lightin
   light.done = PixelLight::all & ~light.first;
 }
 
-/// One pass over a pixel: what is known of its light afterwards is final.
+/// Casts one pass over a pixel. Results that the pass stores are final.
 GB_HD void light_pixel(const CastScene& scene, const CastCamera& camera, const CastLighting& lighting,
                        const CastLine& line, const CastRay& ray, int x, int y, bool patient, PixelLight& light) {
   find_surface_once(scene, lighting, line, patient, ray, x, y, light);
