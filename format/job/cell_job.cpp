@@ -5,7 +5,7 @@
 namespace gigabake {
 namespace {
 
-/// One list of fields serves both directions: `f` is ByteWriter::put or ByteReader::get.
+/// Visits the fields in both directions: `f` is ByteWriter::put or ByteReader::get.
 template <class Cell, class F>
 void each_field_of_cell(Cell& c, const F& f) {
   f(c.name), f(c.file), f(c.lattice_min), f(c.cell_voxels), f(c.lods), f(c.bytes), f(c.triangles), f(c.voxels),
@@ -35,7 +35,7 @@ void each_field_of_file(File& file, const F& f) {
   f(file.name), f(file.stamp), f(file.settled);
 }
 
-/// What a job and what the scene lists of it have in common, from one to the other.
+/// Copies the fields that a job and the scene's entry have in common.
 template <class To, class From>
 To same_cell(const From& from) {
   To to;
@@ -113,7 +113,9 @@ TileSurvey survey_from_bytes(std::span<const std::uint8_t> bytes) {
   each_field_of_survey(survey, get);
   std::uint64_t files = 0, warnings = 0;
   get(files);
-  for (; files > 0; --files) each_field_of_file(survey.files.emplace_back(), get);  // ends with the bytes
+  for (; files > 0; --files)
+    each_field_of_file(survey.files.emplace_back(), get);  // terminates because `get` throws
+                                                           // at the end of the bytes
   get(warnings);
   for (; warnings > 0; --warnings) each_field_of_warning(survey.warnings.emplace_back(), get);
   r.expect_end();

@@ -1,5 +1,5 @@
-/// A cell as it travels from the plan to a worker rank, and the answer. Values that a test can replay; the byte form is
-/// what goes over MPI and into the journal.
+/// A cell as it is sent from the plan to a worker rank, and the worker's report. Plain values that a test can replay.
+/// Their byte form is sent over MPI and stored in the journal.
 #pragma once
 
 #include <array>
@@ -18,21 +18,21 @@
 
 namespace gigabake {
 
-/// A cell, or a parent: the levels above a block of cells or of other parents (scheduler/parents.h).
+/// A cell, or an overview: the levels above a block of cells or of other overviews (scheduler/parents.h).
 struct CellJob {
   std::uint32_t id = 0;                       ///< index into BakePlan::jobs
-  std::string name;                           ///< "c_X_Y_Z": column and stack index; "pL_X_Y_Z" of a parent
+  std::string name;                           ///< "c_X_Y_Z": column and stack index; "pL_X_Y_Z" for an overview
   std::array<std::int64_t, 3> lattice_min{};  ///< lod-0 voxels; x, y multiples of N, z of the coarsest level's voxel
   std::uint32_t cell_voxels = 0;              ///< N
   std::vector<std::uint32_t> tiles;           ///< indices into SceneSources::tiles, ascending
-  std::uint64_t triangles = 0;                ///< estimate, for the order of work
+  std::uint64_t triangles = 0;                ///< estimate, used to order the jobs
   Hash128 fingerprint;
-  std::vector<Hash128> tile_sources;  ///< TileSurvey::source of each of `tiles`; empty: nobody checks what they hold
-  std::uint32_t first_lod = 0;        ///< of a parent: its finest level on the lattice. 0: a cell
-  std::uint32_t copied_lods = 0;      ///< of a parent: so many of its levels from there on are copies of its children's
-  std::uint32_t kept_lod = 0;  ///< its overview copies levels of the lattice from this one on. 0: it has no overview
-  std::vector<std::uint32_t> children = {};   ///< of a parent: jobs that come first, ascending
-  std::vector<std::string> child_files = {};  ///< of one that is handed out: the shards of those that have voxels
+  std::vector<Hash128> tile_sources;  ///< TileSurvey::source of each of `tiles`; empty: not checked
+  std::uint32_t first_lod = 0;        ///< overview: its finest level on the lattice. 0: a cell
+  std::uint32_t copied_lods = 0;      ///< overview: number of levels from first_lod on that duplicate the children's
+  std::uint32_t kept_lod = 0;         ///< its overview copies lattice levels from this one on. 0: it has no overview
+  std::vector<std::uint32_t> children = {};   ///< overview: jobs that must complete first, ascending
+  std::vector<std::string> child_files = {};  ///< overview that is dispatched: shards of the children that have voxels
 };
 
 inline bool is_parent(const CellJob& job) { return job.first_lod != 0; }
@@ -40,8 +40,8 @@ inline bool is_parent(const CellJob& job) { return job.first_lod != 0; }
 enum class CellOutcome : std::uint8_t {
   baked,
   empty,
-  failed,   ///< another try may succeed: no memory, failed I/O
-  refused,  ///< no other try would: bad input, a limit
+  failed,   ///< a retry may succeed: out of memory, failed I/O
+  refused,  ///< a retry would fail too: bad input, a limit
 };
 template <>
 constexpr auto names_of<CellOutcome>() {
@@ -52,22 +52,23 @@ struct CellReport {
   std::uint32_t id = 0;
   CellOutcome outcome = CellOutcome::failed;
   std::string error;                             ///< one line when failed or refused
-  SceneCell cell;                                ///< as the scene will list it, when baked
-  double read_s = 0, kernel_s = 0, write_s = 0;  ///< per stage, wall
+  SceneCell cell;                                ///< the scene's entry, if baked
+  double read_s = 0, kernel_s = 0, write_s = 0;  ///< wall time per stage
   std::uint64_t peak_bytes = 0;                  ///< of the kernels' working memory
   bool on_device = false;                        ///< the kernels ran on a GPU
   std::uint64_t bad_uv = 0;                      ///< triangles baked without their unusable texture coordinates
-  std::string note;                              ///< one line that somebody should read, though all is well
-  std::vector<LevelSummary> levels = {};         ///< per lod, when baked
-  FileStamp shard = {};  ///< of OUT/<cell.file>, taken after it was published or before it was read back, when baked
+  std::string note;                              ///< one-line warning, although the job succeeded
+  std::vector<LevelSummary> levels = {};         ///< per lod, if baked
+  FileStamp shard = {};  ///< of OUT/<cell.file>, taken after it was published or before it was read back, if baked
 };
 
-/// What made the cell, or parent, that the scene lists, without its tiles and children, which no scene names.
+/// Returns the job that made a cell or overview of the scene, without its tiles and children, which scenes do not
+/// record.
 CellJob job_of(const SceneCell& cell);
-/// What the scene will list of it, as far as that is known before it is baked: all but levels and what they take.
+/// Returns the scene's entry for the job, as far as it is known before baking: without levels and sizes.
 SceneCell cell_of(const CellJob& job);
 
-/// Relative to OUT: shards/<name>-<fingerprint>.h5.
+/// Returns the path relative to OUT: shards/<name>-<fingerprint>.h5.
 std::filesystem::path shard_path(const CellJob& job);
 std::string shard_file(const std::string& name, const Hash128& fingerprint);
 

@@ -11,8 +11,8 @@
 namespace gigabake {
 namespace {
 
-/// Raised where shards of earlier programs cannot be trusted to be what their fingerprint says. 1: until 0.2.0 ranks
-/// with different options baked under rank 0's fingerprints, and nothing in such a shard tells.
+/// Incremented if shards of earlier versions may not match their fingerprint. Version 1, until 0.2.0: ranks with
+/// different options baked under rank 0's fingerprints, undetectably.
 constexpr std::uint32_t fingerprint_version = 2;
 
 }  // namespace

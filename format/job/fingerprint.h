@@ -1,4 +1,4 @@
-/// The name of a cell's result: a hash of all that it is baked from.
+/// The key of a cell's result: a hash of all its inputs.
 #pragma once
 
 #include <optional>
@@ -9,21 +9,23 @@
 
 namespace gigabake {
 
-/// The fingerprints of one bake's cells. Rank 0 plans with them, and each bake process computes them again from what
-/// it is about to use: match().
-/// Exact  Depends on which tiles there are and how often, not on their order: no result depends on that of triangles.
+/// The fingerprints of one bake's cells. Rank 0 plans with them; each bake process recomputes them from its own inputs
+/// with match().
+/// Exact   Depends on the set of tiles and their multiplicity, not on their order, because results do not depend on the
+///         order of triangles.
 class CellFingerprints {
  public:
   CellFingerprints(const BakeParameters& parameters, const std::optional<Geodetic>& origin);
 
-  /// tile_sources: TileSurvey::source of job.tiles, in any order.
+  /// Returns the fingerprint of a cell. tile_sources: TileSurvey::source of job.tiles, in any order.
   Hash128 of(const CellJob& job, std::vector<Hash128> tile_sources) const;
-  /// Returns whether the job's fingerprint is of these parameters and this origin. True of an overview job, whose
-  /// fingerprint is made of its children's, and of a job without tile_sources, which nobody names results by.
+  /// Returns whether the job's fingerprint matches these parameters and this origin. Returns true for an overview job,
+  /// whose fingerprint derives from its children's, and for a job without tile_sources, whose results are not stored by
+  /// fingerprint.
   bool match(const CellJob& job) const;
 
  private:
-  std::vector<std::uint8_t> shared_;  ///< what all cells have in common
+  std::vector<std::uint8_t> shared_;  ///< inputs that all cells share
 };
 
 }  // namespace gigabake

@@ -1,4 +1,4 @@
-/// A bake's options as bytes, for the process that bakes.
+/// Serialization of a bake's options for the bake processes.
 #pragma once
 
 #include "lattice/bytes.h"
@@ -7,7 +7,8 @@
 namespace gigabake {
 
 void put(ByteWriter& writer, const BakeParameters& parameters);
-/// Errors  InputError: bytes that end early; UsageError as check().
+/// Reads the options.
+/// Errors  InputError: the bytes end early. UsageError: see check().
 BakeParameters get_parameters(ByteReader& reader);
 
 }  // namespace gigabake

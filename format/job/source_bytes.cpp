@@ -15,13 +15,14 @@ namespace gigabake {
 namespace {
 
 constexpr const char* what = "sources";
-/// What one tile's name takes over from the one before, at most: with it bytes could ask for any amount of memory.
+/// Max length of the prefix that a tile's name shares with the previous one. Without this bound, malformed bytes could
+/// request any amount of memory.
 constexpr std::size_t most_shared = 4096;
 
-/// What a tile has beside its place.
+/// The parts that a tile has in addition to its placement.
 enum TileFlag : std::uint8_t { has_range = 1, has_archive = 2, has_raster = 4, all_flags = 7 };
 
-/// Archives or rasters, which many tiles share: each is written once, and tiles say its number.
+/// Archives or rasters that many tiles share. Each is written once; tiles refer to it by number.
 template <class Part>
 class Shared {
  public:
@@ -60,7 +61,7 @@ std::filesystem::path get_path(ByteReader& r) {
   return text;
 }
 
-/// The end of the text, and how much of its beginning is that of the one before.
+/// Writes the length of the prefix shared with the previous text, and the rest of the text.
 void put_next(ByteWriter& w, const std::string& before, const std::string& text) {
   const auto [end, ignored] = std::ranges::mismatch(before, text);
   const std::size_t shared = std::min(std::size_t(end - before.begin()), most_shared);
@@ -79,7 +80,8 @@ void get_next(ByteReader& r, std::string& text) {
 
 constexpr std::size_t place_rows = 3, place_columns = 4;
 
-/// Those numbers of a place that are not the ones before, to the bit: a place is part of a tile's identity.
+/// Writes only the numbers that differ from the previous placement. Compares bits, because a placement is part of a
+/// tile's identity.
 template <class Place>
 void put_next_place(ByteWriter& w, const Place& before, const Place& place) {
   const auto differs = [&](std::size_t row, std::size_t column) {
@@ -155,7 +157,7 @@ void put_dem(ByteWriter& w, const DemTile& dem, std::uint32_t raster) {
   w.put(dem.offset_m);
 }
 
-/// Whether `cells` cells from `first` on are in a row of so many pixels.
+/// Returns whether `cells` cells from `first` on lie within a row of `pixels` pixels.
 bool is_inside(std::int32_t first, std::int32_t cells, int pixels) {
   return first >= 0 && cells >= 1 && first < pixels && cells < pixels - first;
 }
@@ -208,7 +210,7 @@ class TileWriter {
   ByteWriter& w_;
   Shared<Archive> archives_;
   Shared<DemRaster> rasters_;
-  std::string path_, name_;  ///< of the tile before, as the places
+  std::string path_, name_;  ///< of the previous tile, like the placements
   Affine<Scene, World> scene_;
   Affine<World, World> world_;
 };
@@ -293,7 +295,7 @@ SceneSources sources_from_bytes(std::span<const std::uint8_t> bytes) {
   TileReader tiles(r);
   tiles.get_shared();
   std::uint64_t count = 0;
-  // No room is made beforehand for what only a number says.
+  // Does not reserve memory, because the count is not trusted.
   for (r.get(count); count > 0; --count) sources.tiles.push_back(tiles.get());
   for (r.get(count); count > 0; --count) sources.skipped.push_back(get_skipped(r));
   r.get(sources.notes);

@@ -1,4 +1,4 @@
-/// A scene's sources as bytes: rank 0 opens them once, and the bake processes of all ranks are told what it found.
+/// Serialization of a scene's sources: rank 0 opens them once and sends the result to the bake processes of all ranks.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,14 @@
 
 namespace gigabake {
 
+/// Serializes the sources.
 /// Exact   sources_from_bytes() returns the same value.
-/// Cost    Some 50 bytes a tile where neighbours share a folder and a placement, 48 more where only the placement's
-///         translation differs; at most some 250 and its names.
+/// Cost    About 50 bytes per tile if neighbours share a folder and a placement, 48 more if the placements differ only
+///         in translation. At most about 250 bytes plus names.
 std::vector<std::uint8_t> to_bytes(const SceneSources& sources);
 
-/// Opens the archives that tiles lie in, each once, and looks at no other file.
-/// Cost    Memory follows the bytes: at most some hundred times as much, however hostile they are.
+/// Restores the sources. Opens each archive that contains tiles once; accesses no other file.
+/// Cost    Memory is at most about a hundred times the size of the bytes, even for malicious input.
 /// Errors  InputError: malformed bytes, or an archive that cannot be opened here.
 SceneSources sources_from_bytes(std::span<const std::uint8_t> bytes);
 
