@@ -1,4 +1,4 @@
-/// An open file of the system's, closed with its owner.
+/// A file descriptor that its owner closes.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace gigabake {
 class Descriptor {
  public:
   Descriptor() = default;
-  /// flags as open(2). errno says why it is not open.
+  /// Opens the file with the flags of open(2). If is_open() is false afterwards, errno has the reason.
   Descriptor(const std::filesystem::path& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
   ~Descriptor() {
     if (fd_ >= 0) ::close(fd_);
@@ -26,7 +26,8 @@ class Descriptor {
   bool is_open() const { return fd_ >= 0; }
   int get() const { return fd_; }
 
-  /// All of `bytes`, at the file's position. False: errno says why; a part may have been written.
+  /// Writes all of `bytes` at the file's position. Returns false on failure; errno has the reason, and a part may have
+  /// been written.
   bool write_all(std::span<const std::uint8_t> bytes) const;
 
  private:

@@ -16,7 +16,7 @@ std::int64_t nanoseconds(const timespec& t) { return std::int64_t(t.tv_sec) * 1'
 }  // namespace
 
 std::optional<FileStamp> stamp_of(const std::filesystem::path& path) {
-  const Descriptor file(path, O_RDONLY | O_NONBLOCK);  // a pipe must not wait for its writer
+  const Descriptor file(path, O_RDONLY | O_NONBLOCK);  // opening a pipe must not wait for its writer
   if (!file.is_open()) {
     if (errno == ENOENT || errno == ENOTDIR) return FileStamp{};
     return std::nullopt;

@@ -1,4 +1,4 @@
-/// The name of some bytes.
+/// A hash that identifies bytes.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace gigabake {
 
-/// XXH3, 128 bits.
+/// Returns the 128-bit XXH3 hash.
 Hash128 hash_of_bytes(std::span<const std::uint8_t> bytes);
 
 }  // namespace gigabake

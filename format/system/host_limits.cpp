@@ -31,7 +31,7 @@ std::optional<double> number_in(const Environment& environment, const char* name
   return text == nullptr ? std::nullopt : number_in(std::string(text));
 }
 
-/// The words of a small file; none where it is not there.
+/// Returns the words of a small file; none if it does not exist.
 std::vector<std::string> words_of(const std::filesystem::path& file) {
   std::ifstream in(file);
   std::vector<std::string> words;
@@ -43,7 +43,7 @@ struct GroupLimits {
   double cores = no_limit, bytes = no_limit;
 };
 
-/// v2: "max 100000" or "200000 100000", microseconds of CPU time in a period.
+/// Reads v2 limits: "max 100000" or "200000 100000", microseconds of CPU time per period.
 void take_v2(const std::filesystem::path& group, GroupLimits& limits) {
   const auto cpu = words_of(group / "cpu.max");
   if (cpu.size() == 2)
@@ -54,7 +54,7 @@ void take_v2(const std::filesystem::path& group, GroupLimits& limits) {
       limits.bytes = std::min(limits.bytes, number_in(words[0]).value_or(no_limit));
 }
 
-/// v1: a quota of -1 is none, and "no limit" of memory is a number beyond every memory.
+/// Reads v1 limits: a quota of -1 means none; unlimited memory is a number larger than any memory.
 void take_v1(const std::filesystem::path& group, GroupLimits& limits) {
   const auto quota = words_of(group / "cpu.cfs_quota_us"), period = words_of(group / "cpu.cfs_period_us");
   if (!quota.empty() && !period.empty())
@@ -64,7 +64,7 @@ void take_v1(const std::filesystem::path& group, GroupLimits& limits) {
     limits.bytes = std::min(limits.bytes, number_in(bytes[0]).value_or(no_limit));
 }
 
-/// A group and all above it, up to where groups are mounted.
+/// Calls take(group) for a group and all its ancestors, up to the mount point.
 template <class Take>
 void climb(const std::filesystem::path& mount, std::string path, const Take& take) {
   while (true) {
@@ -74,7 +74,7 @@ void climb(const std::filesystem::path& mount, std::string path, const Take& tak
   }
 }
 
-/// /proc/self/cgroup has lines "4:cpu,cpuacct:/path"; version 2 is "0::/path".
+/// Returns the limits of control groups. /proc/self/cgroup has lines "4:cpu,cpuacct:/path"; version 2 has "0::/path".
 GroupLimits group_limits(const std::filesystem::path& root) {
   GroupLimits limits;
   const std::filesystem::path groups = root / "sys/fs/cgroup";
@@ -91,7 +91,7 @@ GroupLimits group_limits(const std::filesystem::path& root) {
       continue;
     }
     climb(groups / controllers, path, [&](const std::filesystem::path& group) { take_v1(group, limits); });
-    std::istringstream names(controllers);  // of controllers that are mounted together each has a link
+    std::istringstream names(controllers);  // controllers that are mounted together have a link each
     for (std::string name; std::getline(names, name, ',');)
       climb(groups / name, path, [&](const std::filesystem::path& group) { take_v1(group, limits); });
   }
@@ -109,7 +109,8 @@ std::optional<double> total_memory(const std::filesystem::path& root) {
   return std::nullopt;
 }
 
-/// mpirun starts its daemons as a step of their own, whose numbers say nothing of ranks.
+/// Returns whether mpirun's daemon started this process. The daemons are a Slurm step of their own, whose numbers do
+/// not describe ranks.
 bool is_below_daemon_of_mpirun(const Environment& environment) {
   return environment("OMPI_COMM_WORLD_RANK") != nullptr && environment("SLURM_STEP_ID") != nullptr;
 }
@@ -124,7 +125,7 @@ CoreSet cores_of_this_process() {
   CPU_ZERO(&set);
   if (::sched_getaffinity(0, sizeof set, &set) == 0) {
     for (std::size_t c = 0; c < cores.size(); ++c) cores[c] = CPU_ISSET(c, &set);
-  } else {  // a kernel with more cores than the set holds
+  } else {  // the kernel has more cores than the set can hold
     for (std::size_t c = 0; c < std::min<std::size_t>(std::thread::hardware_concurrency(), cores.size()); ++c)
       cores.set(c);
   }

@@ -1,11 +1,11 @@
-/// Failed I/O, apart from bad input: the same file may be read or written another time.
+/// I/O failures, as distinguished from bad input: a retry on the same file may succeed.
 #pragma once
 
 #include "lattice/error.h"
 
 namespace gigabake {
 
-/// The system could not read or write: a disk that is full, a server that does not answer, a file that is gone.
+/// A failure of the system to read or write: a full disk, a server that does not respond, a file that disappeared.
 class IoError : public InputError {
  public:
   using InputError::InputError;

@@ -33,7 +33,7 @@ void write_message(std::string_view lines) {
 }
 
 void write_part(std::FILE* stream, std::string_view text) {
-  // What cannot be written is dropped; std::ferror() of the stream keeps it in mind.
+  // Drops text that cannot be written; std::ferror() of the stream remembers the failure.
   if (std::fwrite(text.data(), 1, text.size(), stream) != text.size()) return;
 }
 

@@ -1,4 +1,4 @@
-/// Messages for people, on standard error: the one place that writes there.
+/// Messages for the user on standard error, which only this file writes to.
 #pragma once
 
 #include <cstdio>
@@ -8,8 +8,8 @@
 
 namespace gigabake {
 
-/// Writes whole lines. A message that cannot be written (a full disk, a closed pipe) is dropped: it must not end what
-/// it speaks of. Thread-safe; lines of one call stay together.
+/// Writes whole lines. A message that cannot be written (full disk, closed pipe) is dropped, because it must not end
+/// the operation that it reports. Thread-safe; the lines of one call stay together.
 void write_message(std::string_view lines);
 
 template <class... Values>
@@ -17,12 +17,12 @@ void print_message(fmt::format_string<Values...> form, Values&&... values) {
   write_message(fmt::format(form, std::forward<Values>(values)...));
 }
 
-/// Writes a part of a line as it is, to a terminal's last line, say. Like write_message() on standard error; on another
-/// stream a failure shows when that stream is flushed at the end of the program.
+/// Writes a part of a line unchanged, for example to a terminal's last line. Like write_message() on standard error. On
+/// another stream, a failure is reported when the stream is flushed at the end of the program.
 void write_part(std::FILE* stream, std::string_view text);
 
-/// While it exists each line of write_message() begins with the time (UTC) and the rank, as in
-/// "2026-11-25T05:12:33Z rank 0: ". One at a time in a process.
+/// While an instance exists, each line of write_message() begins with the time (UTC) and the rank, as in
+/// "2026-11-25T05:12:33Z rank 0: ". Max one instance per process.
 class MessageTime {
  public:
   explicit MessageTime(int rank);

@@ -1,15 +1,15 @@
-/// Modules: parts of gigabake in shared libraries of their own, because what they link would cost every start of every
-/// rank its time and memory.
+/// Modules: parts of gigabake in separate shared libraries, because linking their dependencies would cost every rank
+/// start-up time and memory.
 #pragma once
 
 #include <string>
 
 namespace gigabake {
 
-/// The function `symbol` of the module `name` ("gdal"), which is loaded when it is first asked for and then stays.
-/// The system's loader looks for it where the program's run path says: beside the program in a build, in lib/gigabake
-/// where it is installed, then in LD_LIBRARY_PATH.
-/// Errors  InputError: there is none of this version, or it lacks a library; with the system's reason.
+/// Returns the function `symbol` of the module `name` ("gdal"). Loads the module at the first call and never unloads
+/// it. The loader searches the program's run path (next to the program in a build, lib/gigabake if installed), then
+/// LD_LIBRARY_PATH.
+/// Errors  InputError with the system's reason: no module of this version, or one of its libraries is missing.
 void* module_function(const std::string& name, const char* symbol);
 
 }  // namespace gigabake

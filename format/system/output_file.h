@@ -1,4 +1,4 @@
-/// A file of an export that is written from its begin to its end.
+/// A file of an export that is written sequentially.
 #pragma once
 
 #include <cstdint>
@@ -11,19 +11,21 @@
 
 namespace gigabake {
 
-/// Errors  InputError of every member: `target`, the export that messages name, the file in it and the system's reason.
+/// A buffered output file.
+/// Errors  InputError from every member: `target` (the export that messages name), the file in it and the system's
+///         reason.
 class OutputFile {
  public:
-  /// Makes the file, and folders on the way to it.
+  /// Creates the file and its parent folders.
   OutputFile(std::filesystem::path target, const std::filesystem::path& file);
 
   void write(std::span<const std::uint8_t> bytes);
   void write(std::string_view text) { write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}); }
-  /// Little endian, without padding between the calls.
+  /// Writes the value in little endian, without padding between calls.
   template <class T>
   requires std::is_trivially_copyable_v<T>
   void put(const T& value) { write({reinterpret_cast<const std::uint8_t*>(&value), sizeof(T)}); }
-  /// To be called after the last byte: what is buffered is lost otherwise.
+  /// Writes the buffered bytes. Must be called after the last byte, or they are lost.
   void finish();
 
  private:

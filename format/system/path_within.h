@@ -1,4 +1,4 @@
-/// Whether a path lies in a folder.
+/// Test whether a path lies in a folder.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +6,8 @@
 
 namespace gigabake {
 
-/// Returns whether `path` is `folder` or lies below it. Names alone are compared.  Range  both are canonical.
+/// Returns whether `path` is `folder` or lies below it. Compares names only.
+/// Range   Both are canonical.
 inline bool is_within(const std::filesystem::path& folder, const std::filesystem::path& path) {
   return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
 }

@@ -1,4 +1,4 @@
-/// A file that appears whole or not at all: written aside, flushed, renamed into place.
+/// A file that appears atomically: written to a temporary file, flushed, renamed to its final name.
 #pragma once
 
 #include <filesystem>
@@ -6,22 +6,22 @@
 
 namespace gigabake {
 
-/// Whether a published file outlives a loss of power. Readers never see half a file while the machine is up.
+/// Durability of a published file after a power loss. Readers never see a partial file in either case.
 enum class Durability { across_power_loss, while_up };
 
-/// Holds the name to write to. Unless publish() succeeds, the destructor removes what was written there.
+/// Owns a temporary file. Unless publish() succeeds, the destructor removes it.
 class Publication {
  public:
-  /// Errors  InputError when the target's folder is missing or cannot be written.
+  /// Errors  InputError if the target's folder is missing or not writable.
   explicit Publication(std::filesystem::path target);
   ~Publication();
   Publication(const Publication&) = delete;
   Publication& operator=(const Publication&) = delete;
 
-  /// In the target's folder, so that the rename is atomic; exists and is empty.
+  /// Returns the temporary file, which exists and is empty. It is in the target's folder, so that the rename is atomic.
   const std::filesystem::path& aside() const { return aside_; }
 
-  /// fsync, rename over the target, fsync the folder; while_up: the rename alone.
+  /// Calls fsync, renames the file over the target, and calls fsync on the folder; with while_up, only renames.
   /// Errors  InputError: path and the system's reason.
   void publish(Durability durability = Durability::across_power_loss);
 
@@ -30,11 +30,12 @@ class Publication {
   bool published_ = false;
 };
 
-/// Publishes a small file in one call. Errors  InputError.
+/// Publishes a small file in one call.
+/// Errors  InputError.
 void publish_file(const std::filesystem::path& target, std::string_view content,
                   Durability durability = Durability::across_power_loss);
 
-/// Flushes all that was written to the file system of a folder: for thousands of files cheaper than a flush for each.
+/// Flushes all data written to the file system of a folder: for thousands of files, cheaper than flushing each.
 /// Errors  InputError.
 void flush_file_system_of(const std::filesystem::path& folder);
 

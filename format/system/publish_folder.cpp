@@ -30,7 +30,7 @@ FolderPublication::~FolderPublication() {
 
 bool FolderPublication::swap_in() const {
   if (::renameat2(AT_FDCWD, aside_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0) return true;
-  if (errno == ENOENT) return false;  // nothing stands at the target
+  if (errno == ENOENT) return false;  // the target does not exist
   const std::filesystem::path before =
       make_beside(target_, [](const std::filesystem::path& name) { return ::mkdir(name.c_str(), 0777) == 0; });
   rename_into_place(target_, before);
@@ -44,7 +44,7 @@ void FolderPublication::publish() {
   if (!folder.is_open() || ::syncfs(folder.get()) != 0) fail_to(target_, "flush to disk");
   if (replaces_ == Replaces::a_folder && swap_in()) {
     flush_folder_of(target_);
-    return;  // what stood there is at aside(), which the destructor removes
+    return;  // the replaced folder is at aside(), which the destructor removes
   }
   rename_into_place(aside_, target_);
   published_ = true;

@@ -1,28 +1,28 @@
-/// A folder that appears whole or not at all: written aside, flushed, renamed into place.
+/// A folder that appears atomically: written to a temporary folder, flushed, renamed to its final name.
 #pragma once
 
 #include <filesystem>
 
 namespace gigabake {
 
-/// What may stand at the target: nothing, or also a folder, which is gone once the new one stands there.
+/// The entry that may exist at the target: nothing, or also a folder, which is removed after the new one replaced it.
 enum class Replaces { nothing, a_folder };
 
-/// Unless publish() succeeds, the destructor removes what was written to aside().
+/// Owns a temporary folder. Unless publish() succeeds, the destructor removes it.
 class FolderPublication {
  public:
-  /// Errors  InputError: at the target is what may not be there, or its folder cannot be written.
+  /// Errors  InputError: the target exists and may not be replaced, or its folder is not writable.
   explicit FolderPublication(std::filesystem::path target, Replaces replaces = Replaces::nothing);
   ~FolderPublication();
   FolderPublication(const FolderPublication&) = delete;
   FolderPublication& operator=(const FolderPublication&) = delete;
 
-  /// An empty folder beside the target.
+  /// Returns an empty temporary folder next to the target.
   const std::filesystem::path& aside() const { return aside_; }
   const std::filesystem::path& target() const { return target_; }
 
-  /// Flushes the file system once, however many files there are, and renames. A folder that is replaced changes places
-  /// with the new one in one step, where the file system knows how; elsewhere its name is free for a moment.
+  /// Flushes the file system once, independent of the number of files, and renames. A replaced folder is exchanged with
+  /// the new one atomically if the file system supports it; otherwise the target is missing for a moment.
   /// Errors  InputError: path and the system's reason.
   void publish();
 

@@ -18,7 +18,7 @@ constexpr int most_attempts = 1000;
 
 void flush(const std::filesystem::path& path, int flags) {
   const Descriptor file(path, flags);
-  // Some network file systems cannot sync a folder and say EINVAL: the rename is as durable there as it gets.
+  // Some network file systems cannot sync a folder and return EINVAL. The rename is then as durable as they support.
   if (!file.is_open() || (::fsync(file.get()) != 0 && errno != EINVAL)) fail_to(path, "flush to disk");
 }
 
@@ -34,7 +34,7 @@ std::filesystem::path folder_of(const std::filesystem::path& path) {
 
 std::filesystem::path make_beside(const std::filesystem::path& target,
                                   const std::function<bool(const std::filesystem::path&)>& make) {
-  // A killed process may have left something of this name: the next number is as good.
+  // A killed process may have left a file of this name; then the next number is tried.
   for (int attempt = 0; attempt < most_attempts; ++attempt) {
     static std::atomic<unsigned> count{0};
     const std::filesystem::path aside =

@@ -1,4 +1,4 @@
-/// Where something is published, how it gets there, and what is said when that fails.
+/// Steps of publishing a file or folder, and their error messages.
 #pragma once
 
 #include <filesystem>
@@ -6,23 +6,26 @@
 
 namespace gigabake {
 
-/// Throws InputError "cannot WHAT: the system's reason", which it takes from errno.
+/// Throws InputError "cannot WHAT: the system's reason", with the reason from errno.
 [[noreturn]] void fail_to(const std::filesystem::path& path, const char* what);
 
-/// The folder that holds `path`.
+/// Returns the folder that contains `path`.
 std::filesystem::path folder_of(const std::filesystem::path& path);
 
-/// A new name beside `target` at which `make` made something; false: it did not, and errno says why.
-/// Errors  InputError: nothing can be made there.
+/// Returns a new name next to `target`, for which make(name) succeeded. `make` returns false with the reason in errno.
+/// Errors  InputError: nothing can be created there.
 std::filesystem::path make_beside(const std::filesystem::path& target,
                                   const std::function<bool(const std::filesystem::path&)>& make);
 
-/// Renames what is whole, over what stands at the target. Errors  InputError.
+/// Renames the complete file or folder, replacing the target.
+/// Errors  InputError.
 void rename_into_place(const std::filesystem::path& aside, const std::filesystem::path& target);
 
-/// What the folder of `target` lists outlives a loss of power. Errors  InputError.
+/// Flushes the folder of `target`, so that its entries survive a power loss.
+/// Errors  InputError.
 void flush_folder_of(const std::filesystem::path& target);
-/// Likewise the content of one file.
+/// Flushes the content of one file.
+/// Errors  InputError.
 void flush_file(const std::filesystem::path& file);
 
 }  // namespace gigabake

@@ -1,4 +1,4 @@
-/// A file that is written out of order, and read back where a piece of it is not finished.
+/// A file that is written out of order and can be read back where it is incomplete.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,11 @@
 
 namespace gigabake {
 
-/// Errors  InputError of every member: `target`, which messages name, and the system's reason.
+/// A random-access output file.
+/// Errors  InputError from every member: `target`, which messages name, and the system's reason.
 class RandomAccessFile {
  public:
-  /// Opens `aside`, which exists, and makes it `bytes` long: zeros where nothing is written.
+  /// Opens the existing file `aside` and sets its size to `bytes`; unwritten parts are zero.
   RandomAccessFile(std::filesystem::path target, const std::filesystem::path& aside, std::uint64_t bytes);
 
   void write(std::uint64_t offset, std::span<const std::uint8_t> bytes);

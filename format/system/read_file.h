@@ -1,4 +1,4 @@
-/// A whole file in memory.
+/// Reading of a whole file into memory.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,8 @@
 
 namespace gigabake {
 
-/// Errors  InputError: no such file, not a regular file, larger than `most_bytes`, cannot be read.
+/// Returns the content of the file.
+/// Errors  InputError: no such file, not a regular file, larger than `most_bytes`, or cannot be read.
 std::vector<std::uint8_t> read_whole_file(const std::filesystem::path& path, std::uint64_t most_bytes = std::uint64_t(1)
                                                                                                         << 32);
 

@@ -9,7 +9,7 @@
 namespace gigabake {
 
 ReadableFile::ReadableFile(std::filesystem::path path)
-    : path_(std::move(path)), file_(path_, O_RDONLY | O_NONBLOCK) {  // a pipe must not wait for its writer
+    : path_(std::move(path)), file_(path_, O_RDONLY | O_NONBLOCK) {  // opening a pipe must not wait for its writer
   struct stat info {};
   if (!file_.is_open() && (errno == ENOENT || errno == ENOTDIR)) throw IoError(path_, "", "no such file");
   if (!file_.is_open() || ::fstat(file_.get(), &info) != 0)

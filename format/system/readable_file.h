@@ -1,5 +1,5 @@
-/// A file that is read by ranges, for what need not be in memory whole. It is not mapped: where another program cuts a
-/// mapped file short, the system ends its readers.
+/// A file that is read by ranges, so that it need not fit in memory. It is not memory-mapped, because truncation of a
+/// mapped file by another program kills its readers.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,16 @@
 
 namespace gigabake {
 
-/// Threads may share one. Errors  InputError of every member.
+/// A file for random reads. Thread-safe.
+/// Errors  InputError from every member.
 class ReadableFile {
  public:
-  /// Errors  no such file, not a regular file, cannot be opened.
+  /// Errors  InputError: no such file, not a regular file, or cannot be opened.
   explicit ReadableFile(std::filesystem::path path);
 
-  /// As it was opened.
+  /// Returns the size at the time of opening.
   std::uint64_t bytes() const { return bytes_; }
-  /// Errors  it has been cut since it was opened, or cannot be read there.
+  /// Errors  InputError: the file was truncated after opening, or cannot be read there.
   void read(std::uint64_t offset, std::span<std::uint8_t> out) const;
 
  private:
