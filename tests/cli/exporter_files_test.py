@@ -3,6 +3,7 @@
 their format states. All of it is of 2026-11-25. Usage: exporter_files_test.py GIGABAKE SOURCE_DIR
 """
 import base64
+import gzip
 import json
 import struct
 import sys
@@ -210,6 +211,19 @@ class ExporterFiles(harness.FolderTest):
                 shown = json.loads(PROGRAM.run("info", self.root / "out", "--json").stdout)["origin"]
                 self.assertAlmostEqual(shown["latitude_deg"], PLACE[0], 3)
                 self.assertAlmostEqual(shown["longitude_deg"], PLACE[1], 3)
+
+    # 2026-11-25: both were taken as local, 6,378 km off, without a message.
+    def test_packed_content_and_content_at_the_equator_have_their_place(self):
+        globe = {"region": [-3.141592653589793, -1.5707963267948966, 3.141592653589793, 1.5707963267948966, 0, 100]}
+        for name, place, work in (("packed", PLACE, gzip.compress), ("equator", (0, 180, 0), bytes)):
+            path = write_b3dm(self.root / f"{name}.b3dm", FACTOR)
+            path.write_bytes(work(path.read_bytes()))
+            made = tileset(path.name, volume=globe)
+            made["root"]["children"][0]["transform"] = earth_transform(place)
+            (self.root / f"{name}.json").write_text(json.dumps(made))
+            voxels, _ = self.bake(self.root / f"{name}.json", "--origin", ",".join(map(str, place)))
+            self.expect_square(voxels, name)
+            self.assertLess(abs(voxels["p"]).max(), 4.1, name)
 
     def test_uris_of_a_tileset_cost_their_own_tiles(self):
         write_b3dm(self.root / "a.b3dm", FACTOR)

@@ -70,7 +70,7 @@ std::optional<Point<Ecef>> place_of(const std::vector<WorldBox>& boxes) {
   WorldBox all;
   std::optional<Point<Ecef>> first;
   for (const WorldBox& box : boxes) {
-    if (earth_fit(box) != EarthFit::surface) continue;
+    if (earth_fit(box) == EarthFit::none) continue;  // coordinates of tilesets are earth-centred, not projected
     if (!first) first = centre_of(box);
     all.join(box);
   }
