@@ -18,6 +18,20 @@ def in_file(part, up, place=(0, 0, 0)):
     return (part.points * VOXEL + numpy.array(place)) @ FROM_Z_UP[up].T
 
 
+def ecef_from_enu(latitude, longitude, height):
+    """The matrix from east, north and up at a place to earth-centred axes. Degrees and metres, WGS84."""
+    lat, lon = numpy.radians([latitude, longitude])
+    a, e2 = 6378137.0, 0.0066943799901413165
+    n = a / numpy.sqrt(1 - e2 * numpy.sin(lat) ** 2)
+    out = numpy.eye(4)
+    out[:3, 0] = [-numpy.sin(lon), numpy.cos(lon), 0]
+    out[:3, 1] = [-numpy.sin(lat) * numpy.cos(lon), -numpy.sin(lat) * numpy.sin(lon), numpy.cos(lat)]
+    out[:3, 2] = [numpy.cos(lat) * numpy.cos(lon), numpy.cos(lat) * numpy.sin(lon), numpy.sin(lat)]
+    out[:3, 3] = [(n + height) * numpy.cos(lat) * numpy.cos(lon), (n + height) * numpy.cos(lat) * numpy.sin(lon),
+                  (n * (1 - e2) + height) * numpy.sin(lat)]
+    return out
+
+
 def linear(code):
     """The linear value of an sRGB code."""
     v = code / 255

@@ -6,10 +6,11 @@ from urllib.parse import quote
 
 import numpy
 
-from figures import figure, triangulated, voxels_of
+from figures import SLOT, figure, triangulated, voxels_of
 from frames import FROM_Z_UP, bounds_of, in_file
 from gltf_buffers import Buffers
 from gltf_materials import Materials
+from gltf_more import QUANTIZATION, Quantized, add_second_node
 from odd import Case
 
 EXTENSIONS = "extensions that are not read"
@@ -71,6 +72,7 @@ class GltfWriter:
         self.document = {"asset": {"version": "2.0"}}
         self.nodes, self.meshes, self.warned = [], [], {}
         self.used = set()
+        self.quantized = None
         self.required = set()
 
     def warn(self, text, count=1):
@@ -97,7 +99,10 @@ class GltfWriter:
         local = points @ back[:3, :3].T + back[:3, 3]
         used = numpy.unique(numpy.ravel(indices))
         self.case.triangles += len(indices) if mode == 4 else len(indices) - 2
-        attributes = {"POSITION": self.buffers.positions(local)}
+        if self.quantized:
+            attributes = {"POSITION": self.quantized.accessor(self.buffers, local)}
+        else:
+            attributes = {"POSITION": self.buffers.positions(local)}
         material, expected = self.materials.material(part, attributes)
         out = {"attributes": attributes}
         if material is not None:
@@ -152,7 +157,13 @@ class GltfWriter:
         inner, inner_matrix = matrix_of(odd) if odd.beyond(0.3) else (None, numpy.eye(4))
         if part.kind == "columns" and odd.maybe(0.15) and inner is None:
             return self.add_instances(part, outer, outer_matrix)
+        if inner is None and odd.beyond(0.15):
+            back = numpy.linalg.inv(outer_matrix)
+            self.quantized = Quantized(odd, in_file(part, self.up) @ back[:3, :3].T + back[:3, 3])
+            inner, inner_matrix = self.quantized.node()
+            self.use(QUANTIZATION, True)
         self.meshes.append({"primitives": self.primitives(part, outer_matrix @ inner_matrix)})
+        self.quantized = None
         mesh = len(self.meshes) - 1
         if odd.maybe(0.2):
             self.meshes[-1]["name"] = odd.choice(["", "a/b", "名\u2028", "\u0001"])
@@ -213,7 +224,7 @@ class GltfWriter:
             roots.append(len(self.nodes) - 1)
         if odd.maybe(0.1):
             mode, count = odd.choice([(0, 3), (1, 1), (2, 3), (3, 2)])  # points, lines, loop, strip
-            extra = self.buffers.plain(numpy.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])[:2 if mode == 1 else 3], "VEC3")
+            extra = self.buffers.positions(numpy.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])[:2 if mode == 1 else 3])
             self.meshes.append({"primitives": [{"attributes": {"POSITION": extra}, "mode": mode}]})
             self.nodes.append({"mesh": len(self.meshes) - 1})
             roots.append(len(self.nodes) - 1)
@@ -233,6 +244,10 @@ class GltfWriter:
         low, high = bounds_of(numpy.concatenate([in_file(p, self.up) for p in self.parts]))
         self.case.outside.update(bounds=(low, high))
         roots = [self.add_part(part) for part in self.parts]
+        slots = {tuple(int(v) // SLOT for v in p.cells[0]) for p in self.parts}
+        if not self.is_closed and odd.beyond(0.15):
+            second = add_second_node(self, roots[0], self.parts[0], slots)
+            roots += [second] if second is not None else []
         self.document["scenes"] = [{"nodes": roots}]
         if odd.maybe(0.8):
             self.document["scene"] = 0

@@ -19,7 +19,7 @@ class Materials:
     def __init__(self, odd, writer):
         self.odd, self.writer = odd, writer
         self.materials, self.textures, self.images, self.samplers = [], [], [], []
-        self.choice = None
+        self.choice, self.can_be_missing, self.is_missing = None, False, False
 
     def lists(self):
         named = {"materials": self.materials, "textures": self.textures, "images": self.images,
@@ -69,7 +69,7 @@ class Materials:
         if kind == "unlit":
             self.writer.use("KHR_materials_unlit")
             entry["extensions"] = {"KHR_materials_unlit": {}}
-        if odd.maybe(0.1):
+        if max(part.colour) > 0 and odd.maybe(0.1):
             entry["emissiveFactor"] = [0.1, 0.2, 0.3]  # light that is added to a colour is not baked
         return self.add(entry), voxels_of([part], None, alpha)
 
@@ -150,6 +150,9 @@ class Materials:
             entry = {"bufferView": writer.buffers.view(image.data), "mimeType": image.media_type}
         else:
             entry = {"uri": writer.store(image.media_type, image.data, "." + image.suffix)}
+            if self.can_be_missing and odd.beyond(0.15):
+                entry["uri"] = odd.choice(["gone.png", "no folder/gone.jpg", "../above.png", "http://localhost/a.png"])
+                self.is_missing = True
         self.images.append(entry)
         texture = {"source": len(self.images) - 1}
         if image.suffix == "webp":
@@ -165,6 +168,7 @@ class Materials:
         odd, writer = self.odd, self.writer
         image = Image(odd)
         modes, sampler = self.sampler()
+        self.can_be_missing, self.is_missing = image.suffix != "webp", False
         info = {"index": self.add_texture(image, sampler)}
         uv = part.place / image.blocks
         uv[:, 1] = 1 - uv[:, 1]
@@ -184,10 +188,13 @@ class Materials:
         elif odd.maybe(0.1):
             entry = {"emissiveTexture": info, "emissiveFactor": [1, 1, 1],
                      "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1]}}
-        elif odd.maybe(0.1):
+        elif odd.maybe(0.1) and not self.is_missing:
             entry["normalTexture"] = {"index": info["index"]}
             writer.warn(OTHER_TEXTURES)
         writer.case.colour_tolerance = max(writer.case.colour_tolerance, image.tolerance)
+        if self.is_missing:
+            writer.case.losses = ["images that cannot be used"]
+            return self.add(entry), voxels_of([part], (127, 127, 127))
         seen = {}
         for cell, block in part.blocks.items():
             at = block and tuple(self.wrapped(m, b, image.blocks) for m, b in zip(modes, block))

@@ -33,6 +33,9 @@ def write_scene(root, cases):
     """A scene with the cases side by side."""
     sources = []
     for i, case in enumerate(cases):
+        if case.place is None:
+            sources.append({"path": quote(f"{case.folder.name}/{case.source}")})
+            continue
         place = [BLOCK * VOXEL * i - case.place[0], -case.place[1], -case.place[2]]
         sources.append({"path": quote(f"{case.folder.name}/{case.source}"), "place": {"position_m": place}})
     path = root / "scene.json"
@@ -137,9 +140,9 @@ def compare(program, root, cases, arguments):
         if len(cases) == 1:
             return [(cases[0], [f"exit status {status}: {messages.strip()}"])]
         return [d for case in cases for d in compare(program, root, [case], arguments)]
-    found = [(case, voxel_differences(case, i, voxels)) for i, case in enumerate(cases)]
-    block = voxels["ijk"][:, 0] // BLOCK
-    outside = numpy.count_nonzero((block < 0) | (block >= len(cases)))
+    slots = [i if case.slot is None else case.slot for i, case in enumerate(cases)]
+    found = [(case, voxel_differences(case, slot, voxels)) for case, slot in zip(cases, slots)]
+    outside = numpy.count_nonzero(~numpy.isin(voxels["ijk"][:, 0] // BLOCK, slots))
     total = total_differences(cases, status, report)
     if outside:
         total.append(f"{outside} voxels are at no place of any file")

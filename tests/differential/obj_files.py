@@ -5,7 +5,8 @@ import numpy
 
 from figures import figure, voxels_of
 from frames import PLACES, bounds_of, in_file, linear
-from images import Image
+from images import Image, png
+from obj_reports import BRIGHT, INVISIBLE, add_reported
 from odd import Case
 
 WHITE, GREY = (255, 255, 255), (127, 127, 127)
@@ -32,6 +33,7 @@ class Material:
     scale: tuple = (1, 1)
     offset: tuple = (0, 0)
     is_clamped: bool = False
+    alpha: int = 255  # of its alpha map
 
 
 class ObjWriter:
@@ -83,6 +85,11 @@ class ObjWriter:
             code = {0: 0, 1: 255}.get(level, 188)
             return m, (code, code, code)
         values = [round(linear(c), 7) for c in colour]
+        if kind == "Kd" and odd.maybe(0.04):
+            values, colour = [odd.choice([255, 1.5, 0]) for _ in range(2)] + [200], None
+            colour = tuple(255 if v > 0 else 0 for v in values)
+            if not self.is_mtl_missing:
+                self.warn(BRIGHT)
         m.lines.append(f"{cased(odd, 'Kd')} {' '.join(odd.number(v) for v in values)}")
         return m, colour
 
@@ -113,7 +120,15 @@ class ObjWriter:
         options += odd.sample(["-blendu on", "-blendv off", "-bm 1", "-mm 0 1", "-texres 512", "-imfchan l", "-cc off",
                                "-boost 1.5"], odd.randint(0, 2))
         odd.shuffle(options)
+        if odd.maybe(0.15):
+            name = f'"{name}"'
         m.lines.append(" ".join([cased(odd, "map_Kd"), *options, name]))
+        m.alpha = 255
+        if odd.maybe(0.15):
+            m.alpha, m.alpha_name = odd.choice([0x40, 0xc0]), f"alpha {len(self.materials)}.png"
+            pixels = numpy.full((8, 8, 3), m.alpha)
+            (self.folder / m.alpha_name).write_bytes(png(odd, pixels))
+            m.lines.append(" ".join([cased(odd, odd.choice(["map_d", "map_opacity"])), *options, m.alpha_name]))
 
     def alpha_lines(self, m):
         """Opacity in one of its spellings. Returns the alpha of voxels."""
@@ -140,7 +155,12 @@ class ObjWriter:
             alpha = self.alpha_lines(m) if m.lines else 255
             if self.is_mtl_missing:
                 expected, alpha = GREY, 255
-        case.voxels.update(voxels_of([part], expected, alpha))
+            elif m.lines and alpha == 255 and case.voxels and odd.maybe(0.05):
+                m.lines.append("d 0")
+                self.warn(INVISIBLE)
+                alpha = 0
+        if alpha > 0:
+            case.voxels.update(voxels_of([part], expected, alpha))
         if self.has_colours and not colours:
             self.warn(NO_COLOUR, len(part.polygons))
         self.write_part(part, m, colours=part.colour if colours else None)
@@ -148,11 +168,11 @@ class ObjWriter:
     def add_textured(self, part):
         """A part with texture coordinates; the image may be missing, or the file that names it."""
         odd, case = self.odd, self.case
-        m, _ = self.new_material("Kd", part.colour)
+        m, _ = self.new_material("beside a map", part.colour)
         if odd.maybe(0.3):
             m.lines.clear()  # the map alone
         self.add_map(m)
-        alpha = self.alpha_lines(m)
+        alpha = self.alpha_lines(m) if m.alpha == 255 else m.alpha
         odd.shuffle(m.lines)
         if self.is_mtl_missing or not self.has_mtl:
             voxels = voxels_of([part], GREY if self.is_mtl_missing else WHITE)
@@ -282,10 +302,10 @@ class ObjWriter:
         case = self.case
         if self.odd.beyond(0.1):
             self.lines.append("p 1 -1")
-            case.skipped_points = 2
+            case.skipped_points += 2
         if self.odd.beyond(0.1):
             self.lines.append("l 1 2 3 1")
-            case.skipped_lines = 3
+            case.skipped_lines += 3
 
     def write(self):
         odd, case = self.odd, self.case
@@ -295,6 +315,8 @@ class ObjWriter:
         if not self.is_coloured:
             self.warned.pop(NO_COLOUR, None)
         self.points_and_lines()
+        if odd.beyond(0.4):
+            add_reported(self)
         has_head = odd.is_plain or odd.maybe()
         head = ["# written by a test, and long enough for assimp"] if has_head else []
         body = self.lines

@@ -73,5 +73,6 @@ class Case:
     refusal: str = None  # words of the reason, if the program must refuse the file
     outside: dict = field(default_factory=dict)  # counts and bounds for other programs
     notes: list = field(default_factory=list)  # what the generator chose
+    slot: int = None  # where the voxels are along x, if not by the order of the sources
     folder: object = None
     index: int = None

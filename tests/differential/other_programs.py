@@ -52,7 +52,7 @@ def differences(case):
     """Texts about what other programs read otherwise than the generator wrote."""
     if case.kind == "raster":
         return raster_differences(case)
-    if case.kind == "tileset" or "unsupported" in case.outside:
+    if case.kind in ("tileset", "earth") or "unsupported" in case.outside:
         return []
     seen = assimp_info(case.folder / case.source)
     if isinstance(seen, str):

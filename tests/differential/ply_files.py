@@ -17,6 +17,8 @@ NO_IMAGE = "texture coordinates without an image"
 MISSING = "images are missing: taken without"
 UNUSED = "properties that are not used"
 ELEMENTS = "elements that are not read"
+LOST = "faces left out, since a corner is none of the vertices"
+NO_TEXNUMBER = "faces whose texnumber is none of the images"
 ALPHA = "alpha is 0 everywhere, taken as opaque"
 BOTH = "colours of faces are not used, since vertices have some"
 # Properties that say nothing about a surface's shape or colour.
@@ -81,17 +83,37 @@ class PlyWriter:
         case.voxels.update(voxels_of(parts, WHITE if kind == "none" else None, seen))
         case.notes.append(f"colours: {kind}, alpha {seen}")
 
+    def add_image(self, image, is_there):
+        """Writes an image, and the comment that names it."""
+        odd = self.odd
+        name = odd.file_name("." + image.suffix)
+        self.comments.append(f"{odd.choice(['TextureFile', 'TextureFile', 'texturefile', 'TEXTUREFILE'])} {name}")
+        if is_there:
+            (self.folder / name).write_bytes(image.data)
+        else:
+            self.warn(MISSING)
+
+    def add_textures(self, parts):
+        """An image for each part, by the number that its faces have."""
+        odd, case = self.odd, self.case
+        lists, numbers = [], []
+        for number, part in enumerate(parts):
+            image, is_there = Image(odd, ("png", "jpg")), odd.maybe(0.9)
+            self.add_image(image, is_there)
+            uv = part.place / image.blocks
+            lists += [uv[polygon].reshape(-1).tolist() for polygon in part.polygons]
+            numbers += [number] * len(part.polygons)
+            case.voxels.update(image.voxels(part) if is_there else voxels_of([part], GREY))
+            case.colour_tolerance = max(case.colour_tolerance, image.tolerance)
+        self.face.append(("texcoord", (odd.choice(["uchar", "int"]), odd.choice(["float", "double"])), lists))
+        self.face.append(("texnumber", odd.choice(["int", "uchar"]), numbers))
+
     def add_texture(self, parts):
         """Texture coordinates of vertices, or of the corners of faces."""
         odd, case = self.odd, self.case
         self.image = Image(odd, ("png", "jpg"))
-        name = odd.file_name("." + self.image.suffix)
-        self.comments = [f"{odd.choice(['TextureFile', 'TextureFile', 'texturefile', 'TEXTUREFILE'])} {name}"]
         is_there = odd.maybe(0.9)
-        if is_there:
-            (self.folder / name).write_bytes(self.image.data)
-        else:
-            self.warn(MISSING)
+        self.add_image(self.image, is_there)
         uv = [p.place / self.image.blocks for p in parts]
         if odd.maybe():
             names = odd.choice([("u", "v"), ("s", "t"), ("texture_u", "texture_v"), ("S", "T")])
@@ -132,6 +154,26 @@ class PlyWriter:
             first += len(part.points)
         return lists
 
+    def add_reported_faces(self, lists, count):
+        """Faces of one or two corners, without area, or with a corner that is no vertex. Not beside other columns."""
+        odd, case = self.odd, self.case
+        for kind in odd.sample(["one", "two", "flat", "lost", "none"], odd.randint(1, 2)):
+            lists.append({"one": [0], "two": [0, 1], "flat": [0, 0, 1], "lost": [0, 1, count + 5], "none": []}[kind])
+            case.skipped_points += kind == "one"
+            case.skipped_lines += kind == "two"
+            case.triangles += kind == "flat"
+            if kind == "lost":
+                case.losses.append(LOST)
+
+    def strips(self, parts):
+        """The quadrangles as one list of strips, of which a negative number ends each."""
+        out, first = [], 0
+        for part in parts:
+            for polygon in part.polygons:
+                out += [first + polygon[i] for i in (0, 1, 3, 2)] + [-1]
+            first += len(part.points)
+        return [("tristrips", 1, [("vertex_indices", ("int", "int"), [out[:-1] if self.odd.maybe() else out])])]
+
     def elements(self, parts):
         """(name, number of rows, columns) of each element."""
         odd = self.odd
@@ -140,6 +182,11 @@ class PlyWriter:
         self.case.triangles = sum(p.triangles() for p in parts)
         self.vertex = (self.positions(parts) + self.vertex if odd.maybe(0.8) else self.vertex + self.positions(parts))
         self.add_plain(self.vertex, count, 3)
+        if all(len(p) == 4 for p in lists) and not self.face and odd.beyond(0.5):
+            self.case.notes.append("strips")
+            return [("vertex", len(self.vertex[0][2]), self.vertex), *self.strips(parts)]
+        if not self.face and odd.beyond(0.3):
+            self.add_reported_faces(lists, count)
         longest = max(map(len, lists))
         kind = (odd.choice(["uchar", "uchar", "int", "uint", "ushort", "short"]) if longest < 256 else "int",
                 odd.choice(["int", "int", "uint", "short", "ushort"]))
@@ -217,7 +264,7 @@ class PlyWriter:
         self.comments = []
         if odd.maybe(0.3):
             parts = figure(odd, ["textured"])
-            self.add_texture(parts)
+            (self.add_textures if odd.maybe(0.4) else self.add_texture)(parts)
         else:
             parts = figure(odd, ["outline", "spiky", "columns", "grid"])
             if odd.maybe(0.3):

@@ -35,7 +35,8 @@ from odd import Odd
 gdal.UseExceptions()
 
 WRITERS = {"obj": obj_files.write_obj, "ply": ply_files.write_ply, "stl": stl_files.write_stl,
-           "gltf": gltf_files.write_gltf, "tileset": tileset_files.write_tileset, "raster": raster_files.write_raster}
+           "gltf": gltf_files.write_gltf, "tileset": tileset_files.write_tileset, "raster": raster_files.write_raster,
+           "earth": tileset_files.write_earth}
 SHARES = ["obj"] * 6 + ["ply"] * 5 + ["stl"] * 2 + ["gltf"] * 6 + ["tileset"] * 4
 BATCH = 40
 USUAL_SEED = 20261125  # so that luck decides over no merge
@@ -62,15 +63,24 @@ def up_of(seed, batch):
     return {}, up, ["--up", up]
 
 
+def origin_of(seed, batch):
+    """A place on the earth: latitude and longitude in degrees, height in metres."""
+    odd = Odd(f"{seed}/origin {batch}")
+    return odd.choice([(47.37, 8.54, 430.0), (-33.9, 151.2, 20.0), (0.0, 180.0, 0.0), (89.5, -45.0, 10.0),
+                       (37.4, -122.1, 5.0), (odd.uniform(-90, 90), odd.uniform(-180, 180), odd.uniform(-100, 4000))])
+
+
 def write_case(options, root, number):
-    """Writes a file by its number. Every sixth bake is one of rasters."""
+    """Writes a file by its number. Of eight bakes one is of rasters, and one of tilesets on the earth."""
     odd = Odd(f"{options.seed}/{number}")
     odd.is_plain = odd.maybe(PLAIN)
     batch = number // BATCH
-    kind = options.kind or ("raster" if batch % 6 == 5 else odd.choice(SHARES))
+    kind = options.kind or {6: "earth", 7: "raster"}.get(batch % 8) or odd.choice(SHARES)
     if kind == "raster":
         region = (Odd(f"{options.seed}/region {batch}").choice(list(raster_files.REGIONS)), number % BATCH)
         return written(odd, kind, root, number, region)
+    if kind == "earth":
+        return written(odd, kind, root, number, (origin_of(options.seed, batch), number % BATCH))
     ups, up, _ = up_of(options.seed, batch)
     return written(odd, kind, root, number, ups.get(kind, up))
 
@@ -90,7 +100,10 @@ def check_batch(options, program, root, numbers):
     cases = [write_case(options, folder, n) for n in numbers]
     batch = numbers[0] // BATCH
     surface = Odd(f"{options.seed}/surface {batch}").choice(["area", "thin"])
-    words = [*up_of(options.seed, batch)[2], "--surface", surface]
+    words = up_of(options.seed, batch)[2]
+    if cases[0].kind == "earth":
+        words = ["--origin", ",".join(map(str, origin_of(options.seed, batch)))]
+    words = [*words, "--surface", surface]
     if cases[0].kind == "raster":
         words = []
         found = raster_bakes.compare(program, folder, cases)

@@ -2,69 +2,20 @@
 import dataclasses
 import gzip
 import json
-import struct
 from urllib.parse import quote
 
 import numpy
 
 from figures import figure
-from frames import FROM_Z_UP
+from frames import FROM_Z_UP, ecef_from_enu
 from gltf_files import closed_glb, matrix_of
 from implicit_tiles import implicit_tile
-from odd import VOXEL, Case
+from odd import BLOCK, VOXEL, Case
+from tile_formats import InstanceTable, archive, b3dm, cmpt
 
+WHOLE_EARTH = ({"region": [-3.141592653589793, -1.5707963267948966, 3.141592653589793, 1.5707963267948966, -100, 9000]},
+               {"box": [0, 0, 0, 7972671, 0, 0, 0, 7972671, 0, 0, 0, 7972671]}, {"sphere": [0, 0, 0, 7972671]})
 BOX = {"box": [3, 3, 3, 6, 0, 0, 0, 6, 0, 0, 0, 6]}
-
-
-def padded(text, start):
-    text += b" " * (-(start + len(text)) % 8)
-    return text
-
-
-def b3dm(odd, glb, center):
-    """A b3dm; center: RTC_CENTER, or None."""
-    table = {"BATCH_LENGTH": odd.choice([0, 0, 3])}
-    if center is not None:
-        table["RTC_CENTER"] = list(center)
-    feature = padded(json.dumps(table).encode(), 28)
-    batch = padded(json.dumps({"id": [1, 2, 3], "name": ["a", "é", ""]}).encode(), 0) if odd.maybe(0.3) else b""
-    size = 28 + len(feature) + len(batch) + len(glb)
-    return b"b3dm" + struct.pack("<6I", 1, size, len(feature), 0, len(batch), 0) + feature + batch + glb
-
-
-def i3dm(odd, glb, positions, center):
-    """An i3dm with the model inside."""
-    count = len(positions)
-    local = positions - center if center is not None else positions
-    table = {"INSTANCES_LENGTH": count}
-    if center is not None:
-        table["RTC_CENTER"] = list(center)
-    if odd.maybe(0.3):
-        low, size = local.min(0) - 1, numpy.ptp(local, axis=0) + 2
-        steps = numpy.round((local - low) / size * 65535).astype("<u2").tobytes()
-        table.update(POSITION_QUANTIZED={"byteOffset": 0}, QUANTIZED_VOLUME_OFFSET=low.tolist(),
-                     QUANTIZED_VOLUME_SCALE=size.tolist())
-        binary = steps
-    else:
-        table["POSITION"] = {"byteOffset": 0}
-        binary = local.astype("<f4").tobytes()
-    binary += bytes(-len(binary) % 4)
-    if odd.maybe(0.3):
-        table.update(NORMAL_UP={"byteOffset": len(binary)}, NORMAL_RIGHT={"byteOffset": len(binary) + 12 * count})
-        binary += numpy.tile([0, 1, 0], (count, 1)).astype("<f4").tobytes()
-        binary += numpy.tile([1, 0, 0], (count, 1)).astype("<f4").tobytes()
-    if odd.maybe(0.3):
-        table["SCALE"] = {"byteOffset": len(binary)}
-        binary += numpy.ones(count, "<f4").tobytes()
-    binary += bytes(-len(binary) % 8)
-    feature = padded(json.dumps(table).encode(), 32)
-    size = 32 + len(feature) + len(binary) + len(glb)
-    return b"i3dm" + struct.pack("<7I", 1, size, len(feature), len(binary), 0, 0, 1) + feature + binary + glb
-
-
-def cmpt(tiles):
-    size = 16 + sum(map(len, tiles))
-    return b"cmpt" + struct.pack("<3I", 1, size, len(tiles)) + b"".join(tiles)
 
 
 def moved(part, matrix):
@@ -80,14 +31,18 @@ def affine(linear, move=(0, 0, 0)):
 
 
 class TilesetWriter:
-    def __init__(self, odd, folder, up):
-        self.odd, self.folder, self.up = odd, folder, up
+    """frame: the matrix from the tileset's frame to the scene; earth: its inverse if that is an earth-centred frame."""
+
+    def __init__(self, odd, folder, frame, earth=None):
+        self.odd, self.folder, self.frame, self.earth = odd, folder, frame, earth
+        self.next_folder = None
         self.case = Case("tileset", "", triangles=0)
         self.is_new = odd.maybe()
         self.gltf_up = odd.choice(["y", "y", "z", "x"])
         self.number = 0
         self.warned = {}
         self.has_coarse = False
+        self.earth_depth = None if earth is None else self.odd.choice([0, 0, 1])
 
     def take(self, made, times=1):
         """Adds what a GLB shows to the expected result."""
@@ -114,25 +69,42 @@ class TilesetWriter:
         self.take(made)
         return b3dm(self.odd, glb, center)
 
-    def instanced(self, part, matrix):
+    def instanced(self, part, matrix, can_name):
         """A square for each voxel of the part."""
+        odd = self.odd
         axis = int(numpy.argmin(numpy.ptp(part.points, axis=0)))
         square = numpy.insert(numpy.array([[-0.3, -0.3], [0.3, -0.3], [0.3, 0.3], [-0.3, 0.3]]), axis, 0, axis=1)
         back = numpy.linalg.inv(matrix)
-        model = dataclasses.replace(part, points=square, polygons=[[0, 1, 2, 3]], place=None)
-        glb, made = closed_glb(self.odd, [moved(model, affine(back[:3, :3]))], self.gltf_up)
-        self.take(made, len(part.cells))
         centres = (numpy.array(part.cells) + 0.5) * VOXEL
         positions = centres @ back[:3, :3].T + back[:3, 3]
-        return i3dm(self.odd, glb, positions, positions.mean(0) if self.odd.maybe() else None)
+        table = InstanceTable(odd, positions, positions.mean(0) if self.earth is not None or odd.maybe() else None)
+        linear = back[:3, :3]
+        if odd.maybe(0.4):
+            # The columns are right, up, and right × up.
+            axes = numpy.linalg.qr(numpy.array([[odd.gauss(0, 1) for _ in range(3)] for _ in range(3)]))[0]
+            axes[:, 2] = numpy.cross(axes[:, 0], axes[:, 1])
+            table.add_axes(axes[:, 0], axes[:, 1])
+            linear = axes.T @ linear
+        if odd.maybe(0.4):
+            scale = odd.choice([0.5, 2, 10])
+            table.add_scale(scale)
+            linear = linear / scale
+        model = dataclasses.replace(part, points=square, polygons=[[0, 1, 2, 3]], place=None)
+        glb, made = closed_glb(odd, [moved(model, affine(linear))], self.gltf_up)
+        self.take(made, len(part.cells))
+        if can_name and odd.maybe(0.4):
+            uri = self.stored(glb, "glb")
+            return table.tile(uri.rsplit("/", 1)[-1].rsplit("\\", 1)[-1].encode(), True)
+        return table.tile(glb, False)
 
-    def content(self, part, matrix):
-        """The bytes and the suffix of a content."""
+    def content(self, part, matrix, can_name=True):
+        """The bytes and the suffix of a content, which may name other files of its folder."""
         odd = self.odd
+        self.next_folder = odd.choice(["", "", "Data/", "a b/c/"])
         can_be_instanced = part.place is None and abs(numpy.linalg.det(matrix[:3, :3]) - 1) < 0.01
         kind = odd.choice(["b3dm", "b3dm", "glb" if self.is_new else "b3dm", "i3dm", "cmpt"])
         if kind == "i3dm" and can_be_instanced:
-            data = self.instanced(part, matrix)
+            data = self.instanced(part, matrix, can_name)
         elif kind == "glb":
             data, made = self.model(part, matrix)
             self.take(made)
@@ -144,10 +116,9 @@ class TilesetWriter:
 
     def stored(self, data, suffix):
         """Stores a file and returns its URI."""
-        odd = self.odd
+        odd, folder = self.odd, self.next_folder or ""
         self.number += 1
         name = odd.file_name(f"{self.number}.{suffix}")
-        folder = odd.choice(["", "", "Data/", "a b/c/"])
         path = self.folder / folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(data)
@@ -166,7 +137,14 @@ class TilesetWriter:
         if depth == 0 or odd.maybe(0.3):
             tile["refine"] = odd.choice(["ADD", "ADD", "REPLACE", "Add", "replace"])
         entry, own = matrix_of(odd)
-        if entry and odd.maybe(0.6):
+        is_moved = entry and odd.maybe(0.6)
+        if not is_moved:
+            own = numpy.eye(4)
+        if depth == self.earth_depth:
+            # East, north and up, or the earth's own axes.
+            own = (self.earth if odd.maybe(0.7) else affine(numpy.eye(3), self.earth[:3, 3])) @ own
+            is_moved = True
+        if is_moved:
             tile["transform"] = own.T.reshape(-1).tolist()
             matrix = matrix @ own
         if len(parts) == 1:
@@ -191,7 +169,7 @@ class TilesetWriter:
         odd = self.odd
         kind = odd.choice(["content"] * 5 + ["external", "implicit", "missing"])
         if kind == "external" and "transform" not in tile:
-            external = self.document(self.tile_of([part], matrix, 1))
+            external = self.document(self.tile_of([part], matrix, 2))
             self.number += 1
             name = f"external{self.number}.json"
             # Its URIs are relative to it.
@@ -199,7 +177,7 @@ class TilesetWriter:
             tile["content"] = self.entry(name)
             return
         if kind == "implicit":
-            data, suffix = self.content(part, matrix)
+            data, suffix = self.content(part, matrix, can_name=False)
             tile.update(implicit_tile(odd, self.folder, self.number, data, suffix, self.is_new))
             self.number += 1
             return
@@ -232,13 +210,30 @@ class TilesetWriter:
     def write(self):
         odd, case = self.odd, self.case
         parts = figure(odd, ["columns", "grid", "grid", "textured"])
-        frame = affine(FROM_Z_UP[self.up].T)
         case.source = odd.choice(["tileset.json", "tileset.json", "root.json", "Production_1.json"])
-        root = self.tile_of(parts, frame)
+        if self.earth_depth == 1:
+            root = {"boundingVolume": odd.choice(WHOLE_EARTH), "geometricError": 1e6, "refine": "ADD",
+                    "children": [self.tile_of(parts, self.frame, 1)]}
+        else:
+            root = self.tile_of(parts, self.frame)
         (self.folder / case.source).write_bytes(self.text(self.document(root)))
+        if odd.maybe(0.1):
+            case.source = ""  # the folder
+        elif case.source == "tileset.json" and odd.maybe(0.2):
+            case.source = odd.file_name(".3tz")
+            archive(odd, self.folder, self.folder / case.source)
         case.warnings = sorted((text, count, files) for text, (files, count) in self.warned.items())
         return case
 
 
 def write_tileset(odd, folder, up):
-    return TilesetWriter(odd, folder, up).write()
+    return TilesetWriter(odd, folder, affine(FROM_Z_UP[up].T)).write()
+
+
+def write_earth(odd, folder, place):
+    """A tileset on the earth. place: the scene's origin (degrees and metres), and where the figure is along x."""
+    origin, slot = place
+    earth = ecef_from_enu(*origin) @ affine(numpy.eye(3), (slot * BLOCK * VOXEL, 0, 0))
+    case = TilesetWriter(odd, folder, numpy.linalg.inv(earth), earth).write()
+    case.kind, case.place, case.slot = "earth", None, slot
+    return case
