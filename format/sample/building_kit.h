@@ -1,4 +1,4 @@
-/// Pictures and meshes of what stands on the ground.
+/// Pictures and meshes of houses and trees.
 #pragma once
 
 #include "format/sample/glb_writer.h"
@@ -7,20 +7,20 @@
 
 namespace gigabake::sample {
 
-/// Twelve by twelve metres of wall: two rows of windows below, plaster with one window in the middle above.
+/// Paints twelve by twelve metres of wall: two rows of windows below, plaster with one window in the middle above.
 Picture paint_facade(std::uint32_t seed);
-/// Fourteen by nine metres of roof tiles, rows along x.
+/// Paints fourteen by nine metres of roof tiles, with rows along x.
 Picture paint_roof(std::uint32_t seed);
-/// Left half leaves, right half needles, with alpha: 255 where there is foliage, 0 between.
+/// Paints leaves in the left half and needles in the right half. Alpha is 255 where there is foliage, else 0.
 Picture paint_foliage(std::uint32_t seed);
 
-/// The three, encoded, as files beside the tiles: whatever tile builds or plants refers to the same ones.
+/// The three pictures, encoded, as files next to the tiles. All tiles with houses or trees refer to them.
 struct KitImages {
   GlbImage facade, roof, foliage;
 };
 KitImages paint_kit(std::uint32_t seed);
 
-/// What the pictures show, which walls and roofs repeat.
+/// Sizes that the pictures depict; walls and roofs repeat them.
 inline constexpr double facade_m = 12, roof_width_m = 14, roof_height_m = 9;
 
 constexpr int jpeg_quality = 88;
@@ -30,14 +30,15 @@ struct Corner {
   double e_m, n_m, u_m;
 };
 
-/// Turns east-north-up into glTF's axes and appends one quad, counter-clockwise from outside; uv of the four corners.
+/// Converts east-north-up to glTF's axes and appends one quad, counter-clockwise seen from outside, with the uv of its
+/// corners.
 void add_quad(GlbMesh& mesh, const Corner corners[4], const double uv[4][2]);
 void add_triangle(GlbMesh& mesh, const Corner corners[3], const double uv[3][2]);
 
-/// The house's walls and gables, and its roof; base_m is the height where its walls begin, below ground.
+/// Appends the house's walls and gables, and its roof. base_m is the height of the walls' lower edge, below ground.
 void add_house(const House& house, MapPoint local_centre, double base_m, double floor_m, GlbMesh& walls, GlbMesh& roof);
 
-/// Trunk and foliage: cards around the crown, facing outward. foot: local map position and height.
+/// Appends the trunk and the foliage: cards around the crown, facing outward. foot: local map position and height.
 void add_tree(const Tree& tree, Corner foot, GlbMesh& bark, GlbMesh& foliage);
 
 }  // namespace gigabake::sample

@@ -1,7 +1,9 @@
 /// The sample's map on the WGS84 earth.
 ///
-/// Map    Metres east and north on the sample's map, height in metres above the map's origin. Straight and flat.
-/// Enu    East-north-up metres, a plane tangent to the ellipsoid at the map's origin; georeferenced tiles stand in it.
+/// Space   Map: metres east and north on the sample's map, height in metres above the map's origin; rectangular and
+///         flat.
+/// Space   Enu: east-north-up metres, in the plane tangent to the ellipsoid at the map's origin; the frame of
+///         georeferenced tiles.
 #pragma once
 
 #include <array>
@@ -14,7 +16,7 @@ struct MapPoint {
   double e_m = 0, n_m = 0;
 };
 
-/// So many steps east and north.
+/// Number of steps east and north.
 struct GridSize {
   int e = 1, n = 1;
 };
@@ -29,12 +31,12 @@ struct Turn {
 };
 Turn turn_of(double degrees);
 
-/// How the flat map lies on the earth: metres north become degrees of latitude, metres east degrees of longitude at
-/// the radii of curvature of the origin; height is kept as height above the ellipsoid.
+/// Projection of the flat map onto the earth. Metres north become degrees of latitude, metres east degrees of
+/// longitude, at the origin's radii of curvature. Heights become heights above the ellipsoid.
 class Earth {
  public:
   explicit Earth(const Geodetic& origin);
-  /// The map's point in the tangent frame of the origin: the ground falls away with the earth's curvature.
+  /// Returns the point in the origin's tangent frame; distant points are lower, due to the earth's curvature.
   Point<Enu> enu(MapPoint p, double height_m) const;
   Geodetic geodetic(MapPoint p, double height_m) const;
   const Affine<Ecef, Enu>& ecef_from_enu() const { return ecef_from_enu_; }
@@ -45,7 +47,7 @@ class Earth {
   Affine<Ecef, Enu> ecef_from_enu_;
 };
 
-/// Geodetic to earth-centred metres on WGS84.
+/// Converts geodetic coordinates to earth-centred metres on WGS84.
 Point<Ecef> ecef_of(const Geodetic& g);
 
 }  // namespace gigabake::sample

@@ -1,4 +1,4 @@
-/// A small writer of binary glTF 2.0: what the sample and the benchmark meshes need, and no more.
+/// A minimal writer of binary glTF 2.0 for the sample and the benchmark meshes.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ namespace gigabake::sample {
 struct GlbImage {
   std::string mime;  ///< "image/jpeg" or "image/png"
   std::vector<std::uint8_t> bytes;
-  /// Where the image stands as a file, relative to the GLB; empty: the GLB holds `bytes`.
+  /// Path of the image file relative to the GLB; empty: the GLB contains `bytes`.
   std::string uri{};
 };
 
@@ -23,7 +23,7 @@ struct GlbMaterial {
   std::array<double, 4> base_color{1, 1, 1, 1};  ///< linear
   double alpha_cutoff = 0;                       ///< > 0: alphaMode MASK
   bool double_sided = false;
-  bool blended = false;  ///< alphaMode BLEND: base_color's alpha counts
+  bool blended = false;  ///< alphaMode BLEND: uses base_color's alpha
 };
 
 /// A triangle list in glTF's axes: y up, metres, counter-clockwise seen from outside.
@@ -38,36 +38,36 @@ struct GlbMesh {
 
 struct GlbModel {
   std::string name;
-  std::array<double, 3> translation_m{};  ///< of the one node that holds the meshes
-  std::vector<GlbMesh> meshes;            ///< empty ones are left out
+  std::array<double, 3> translation_m{};  ///< of the one node that has the meshes
+  std::vector<GlbMesh> meshes;            ///< empty meshes are omitted
   std::vector<GlbMaterial> materials;
   std::vector<GlbImage> images;
 };
 
-/// Values that are made while they are written, piece by piece in their order.
+/// Consumes values that are generated during writing, in consecutive pieces.
 template <class T>
 using GlbPut = std::function<void(std::span<const T>)>;
 template <class T>
 using GlbList = std::function<void(const GlbPut<T>& put)>;
 
-/// As GlbMesh, of which nothing is held. A list without a function: the mesh has none.
+/// Like GlbMesh, but its values are generated on demand. A list without a function is absent from the mesh.
 struct GlbListedMesh {
   int material = 0;
   std::size_t vertices = 0, corners = 0;
-  std::array<float, 3> low{}, high{};  ///< of the positions
+  std::array<float, 3> low{}, high{};  ///< bounds of the positions
   GlbList<float> position;
   GlbList<std::uint16_t> uv;
   GlbList<std::uint8_t> rgba;
   GlbList<std::uint32_t> index;
 };
 
-/// Writes the model with these meshes in place of its own: the same bytes as to_glb() makes of the same values.
-/// Cost  Memory for the images, whatever the meshes' size.
-/// Errors  as to_glb(), before anything is written; what `put` throws.
+/// Writes the model with these meshes instead of its own. Writes the same bytes as to_glb() for the same values.
+/// Cost    Memory for the images only, independent of the meshes' size.
+/// Errors  See to_glb(), thrown before anything is written; also exceptions of `put`.
 void write_glb(const GlbModel& model, std::span<const GlbListedMesh> meshes, const GlbPut<std::uint8_t>& put);
 
-/// The file's bytes. Indices are 16 bit where they fit.
-/// Errors  UsageError where the model exceeds the 4 GiB that a GLB can hold.
+/// Returns the bytes of the file. Uses 16-bit indices if they suffice.
+/// Errors  UsageError if the model exceeds the 4 GiB limit of a GLB.
 std::vector<std::uint8_t> to_glb(const GlbModel& model);
 
 }  // namespace gigabake::sample

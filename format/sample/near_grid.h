@@ -1,4 +1,4 @@
-/// Which of many things lie near a point of the map.
+/// Lookup of the items near a point of the map.
 #pragma once
 
 #include <span>
@@ -8,13 +8,14 @@
 
 namespace gigabake::sample {
 
-/// Square buckets over the map, each with the items within reach of it.
+/// Square buckets over the map, each listing the items within reach of it.
 class NearGrid {
  public:
   NearGrid(double size_m, double reach_m);
-  /// The item that fills the box from `min` to `max`.
+  /// Adds an item that covers the box from `min` to `max`.
   void add(MapPoint min, MapPoint max, int item);
-  /// Every item within reach of p, and some that are farther, in the order they were added. Cost  O(1).
+  /// Returns every item within reach of p, and some farther ones, in the order of addition.
+  /// Cost    O(1).
   std::span<const int> near(MapPoint p) const;
 
  private:

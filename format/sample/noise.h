@@ -8,29 +8,32 @@
 
 namespace gigabake::sample {
 
-/// A well-mixed 32-bit value of the three.
+/// Returns a well-mixed 32-bit hash of the three values.
 std::uint32_t hash_of(std::uint32_t seed, std::int32_t x, std::int32_t y = 0);
 
+/// Converts a hash to a number.
 /// Range   [0, 1).
 inline double unit(std::uint32_t hash) { return hash * (1.0 / 4294967296.0); }
 
 inline double lerp(double a, double b, double t) { return a + (b - a) * t; }
 inline double clamp01(double t) { return t < 0 ? 0 : t > 1 ? 1 : t; }
 
-/// 0 at `from`, 1 at `to`, smooth and flat at both; `from` may be the larger.
+/// Returns 0 at `from` and 1 at `to`, smooth and with zero slope at both; `from` may exceed `to`.
 double smooth_step(double from, double to, double x);
 
-/// Smooth lattice noise of wavelength 1.
-/// Range   within [-1, 1], mostly within [-0.5, 0.5].
+/// Returns smooth lattice noise of wavelength 1.
+/// Range   Within [-1, 1], mostly within [-0.5, 0.5].
 double noise(std::uint32_t seed, double x, double y);
 
-/// Octaves of noise, each of half the wavelength and half the amplitude. Range as noise().
+/// Returns a sum of octaves of noise, each of half the wavelength and half the amplitude of the previous one.
+/// Range   See noise().
 double fractal_noise(std::uint32_t seed, double x, double y, int octaves);
 
-/// Octaves of 1 - |noise|: crests are sharp, hollows are wide. Range [0, 1].
+/// Returns a sum of octaves of 1 - |noise|: crests are sharp, hollows are wide.
+/// Range   [0, 1].
 double ridged_noise(std::uint32_t seed, double x, double y, int octaves);
 
-/// A stream of numbers that belongs to one seed and one purpose.
+/// A sequence of random numbers determined by its seed.
 class Random {
  public:
   explicit Random(std::uint32_t seed) : seed_(seed) {}

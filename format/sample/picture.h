@@ -1,4 +1,4 @@
-/// Pictures in memory and as JPEG and PNG bytes.
+/// Images in memory, and as JPEG and PNG bytes.
 #pragma once
 
 #include <cstdint>
@@ -14,19 +14,20 @@ struct Rgb {
 Rgb mix(const Rgb& a, const Rgb& b, double t);
 Rgb scaled(const Rgb& c, double factor);
 
-/// Rows from the top; `channels` bytes a pixel.
+/// An image; rows from the top, `channels` bytes per pixel.
 struct Picture {
   int width = 0, height = 0, channels = 3;
   std::vector<std::uint8_t> bytes;
 
   Picture(int w, int h, int c) : width(w), height(h), channels(c), bytes(std::size_t(w) * h * c, 0) {}
   std::uint8_t* at(int x, int y) { return &bytes[(std::size_t(y) * width + x) * channels]; }
-  void set(int x, int y, const Rgb& c);  ///< rounds and clips; leaves alpha as it is
+  void set(int x, int y, const Rgb& c);  ///< rounds and clamps; does not change alpha
 };
 
-/// 3 channels. Exact: the integer transform, so that equal pictures give equal bytes.
+/// Encodes 3 channels as JPEG.
+/// Exact   Uses the integer transform, so equal images give equal bytes.
 std::vector<std::uint8_t> to_jpeg(const Picture& picture, int quality);
-/// 3 or 4 channels.
+/// Encodes 3 or 4 channels as PNG.
 std::vector<std::uint8_t> to_png(const Picture& picture);
 
 }  // namespace gigabake::sample

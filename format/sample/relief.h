@@ -1,4 +1,4 @@
-/// The sample's ground: one height for every point of the map, whatever tile asks.
+/// The sample's ground: the height at every point of the map, independent of tiles.
 #pragma once
 
 #include <cstdint>
@@ -10,19 +10,19 @@ namespace gigabake::sample {
 
 class Relief {
  public:
-  /// Cost    half a second for the default size: shapes hills by erosion on a grid of at most 513² points.
+  /// Cost    Half a second for the default size: erodes hills on a grid of at most 513² points.
   Relief(double size_m, std::uint32_t seed);
 
-  /// Metres above the river at the map's origin; flat where there is water.
+  /// Returns metres above the river at the map's origin; flat where there is water.
   double height_m(MapPoint p) const;
-  /// Rise over run of the ground, smoothed over some metres.
+  /// Returns the slope of the ground (rise over run), smoothed over some metres.
   double slope(MapPoint p) const;
-  /// 0 on dry crests … 1 where streams gather.
+  /// Returns 0 on dry crests to 1 where streams converge.
   double moisture(MapPoint p) const { return moisture_.linear(p); }
-  /// Positive in hollows, negative on crests, about -1 … 1.
+  /// Returns positive values in hollows and negative values on crests, about -1 … 1.
   double hollowness(MapPoint p) const { return hollowness_.linear(p); }
   const River& river() const { return river_; }
-  /// The length of the landscape's big shapes.
+  /// Returns the length of the landscape's large features.
   double relief_m() const { return relief_m_; }
   double size_m() const { return size_m_; }
 

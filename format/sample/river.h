@@ -8,20 +8,20 @@
 
 namespace gigabake::sample {
 
-/// How the river is seen from a point of the map.
+/// Position of a point relative to the river.
 struct Reach {
-  double shore_m = 0;  ///< to the nearest shore; negative in the water
-  double level_m = 0;  ///< height of the water abreast of the point
-  double along_m = 0;  ///< position along the valley, rising downstream
-  bool west = false;   ///< which side of the river
+  double shore_m = 0;  ///< distance to the nearest shore; negative in the water
+  double level_m = 0;  ///< height of the water at the point's position along the valley
+  double along_m = 0;  ///< position along the valley, increasing downstream
+  bool west = false;   ///< whether the point is west of the river
 };
 
 class River {
  public:
-  /// `relief_m`: the length that the landscape's big shapes have.
+  /// `relief_m`: the length of the landscape's large features.
   River(double size_m, double relief_m, std::uint32_t seed);
   Reach at(MapPoint p) const;
-  /// A point beside the river: `along_m` downstream, `across_m` from the middle of the water (positive: east bank).
+  /// Returns a point `along_m` downstream and `across_m` from the middle of the water (positive: east).
   MapPoint beside(double along_m, double across_m) const;
   double half_width_m(double along_m) const { return station(along_m).half_width_m; }
 

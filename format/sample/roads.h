@@ -1,4 +1,4 @@
-/// Roads and tracks: they avoid slopes and water, join each other, and end at the map's rim.
+/// Roads and tracks: they avoid slopes and water, join each other, and end at the map's border.
 #pragma once
 
 #include <vector>
@@ -18,18 +18,18 @@ struct Road {
 
 /// The nearest road, if one is near.
 struct RoadSight {
-  double edge_m = 1e9;    ///< to the road's edge; negative on the road
-  double middle_m = 1e9;  ///< to the road's middle
+  double edge_m = 1e9;    ///< distance to the road's edge; negative on the road
+  double middle_m = 1e9;  ///< distance to the road's middle
   double half_width_m = 0;
   RoadKind kind = RoadKind::track;
 };
 
-/// Finds ways over the ground at the least effort.
-/// Cost    O(n log n) of a grid of at most 257² points a way.
+/// Finds paths of minimal cost over the ground.
+/// Cost    O(n log n) per path, on a grid of at most 257² points.
 class Surveyor {
  public:
   explicit Surveyor(const Relief& relief);
-  /// From `from` to `to`, smoothed; every way makes the next one along it cheaper.
+  /// Returns a smoothed path from `from` to `to`. Each path makes later paths along it cheaper.
   std::vector<MapPoint> way(MapPoint from, MapPoint to);
 
  private:
@@ -38,7 +38,7 @@ class Surveyor {
   int nearest(MapPoint p) const;
 
   Raster height_;
-  std::vector<double> burden_;  ///< per point: what a metre costs besides its slope
+  std::vector<double> burden_;  ///< per point: cost per metre in addition to the slope's
 };
 
 class RoadNetwork {
@@ -46,7 +46,7 @@ class RoadNetwork {
   explicit RoadNetwork(double size_m) : near_(size_m, reach_m) {}
   void add(Road road);
   const std::vector<Road>& roads() const { return roads_; }
-  /// The nearest road within `reach_m` of p.
+  /// Returns the nearest road within `reach_m` of p.
   RoadSight nearest(MapPoint p) const;
 
   static constexpr double reach_m = 24;

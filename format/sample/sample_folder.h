@@ -1,23 +1,24 @@
-/// The folder of a sample, replaced as a whole: written aside in it, then renamed into place.
+/// The folder of a sample, replaced completely: written to a temporary folder in it, then renamed.
 #pragma once
 
 #include <filesystem>
 
 namespace gigabake::sample {
 
-/// Unless publish() succeeds, the destructor removes what was written.
+/// Owns a temporary folder. Unless publish() succeeds, the destructor removes it.
 class SampleFolder {
  public:
-  /// Errors  InputError where `dir` holds anything but a sample, or cannot be written.
+  /// Errors  InputError if `dir` contains anything but a sample, or is not writable.
   explicit SampleFolder(const std::filesystem::path& dir);
   ~SampleFolder();
   SampleFolder(const SampleFolder&) = delete;
   SampleFolder& operator=(const SampleFolder&) = delete;
 
-  /// Where to write tileset.json, tiles/ and local/; both folders exist, and each has nothing but an empty textures/.
+  /// Returns the folder for tileset.json, tiles/ and local/. Both subfolders exist and contain only an empty textures/.
   const std::filesystem::path& aside() const { return aside_; }
 
-  /// The former sample goes, tile for tile; the new one takes its place, tileset.json last. Errors  InputError.
+  /// Removes the previous sample and renames the new one into its place, tileset.json last.
+  /// Errors  InputError.
   void publish();
 
  private:
@@ -27,7 +28,7 @@ class SampleFolder {
   bool made_dir_ = false;
 };
 
-/// The first lines of a sample's tileset.json hold it, and so it tells one's own folder from another's.
+/// Generator name in the first lines of a sample's tileset.json, which identifies a folder as a sample.
 inline constexpr char sample_generator[] = "gigabake sample";
 
 }  // namespace gigabake::sample

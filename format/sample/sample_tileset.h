@@ -14,15 +14,15 @@ namespace gigabake::sample {
 struct TilesetEntry {
   std::string uri;
   std::array<double, 3> min_m{}, max_m{};  ///< east, north, up in the tangent plane of the map's origin
-  double error_m = 0;                      ///< how far its content is off, about; 0: the finest there is
+  double error_m = 0;                      ///< approximate geometric error of its content; 0: the finest level
 };
 
-/// `children` replace `coarse`, whose box is made to hold theirs: roofs and crowns included, which the coarser mesh
-/// lacks.
+/// Extends the box of `coarse` to contain those of `children`, which replace it. The coarser mesh lacks roofs and
+/// crowns.
 void enclose(const std::vector<TilesetEntry>& children, TilesetEntry& coarse);
 
-/// A tileset whose root is `coarse`. earth: its root then takes the tangent plane to the earth; null: the tileset that
-/// names it does.
+/// Returns a tileset whose root is `coarse`. earth: the root transforms the tangent plane to the earth; null: the
+/// parent tileset does.
 nlohmann::ordered_json tileset_of(const TilesetEntry& coarse, const std::vector<TilesetEntry>& children,
                                   const Earth* earth);
 

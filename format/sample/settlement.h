@@ -1,4 +1,4 @@
-/// Where roads, houses and trees stand on the sample's map.
+/// Positions of roads, houses and trees on the sample's map.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace gigabake::sample {
 
 struct House {
   MapPoint centre;
-  double heading_deg = 0;  ///< of the ridge, counter-clockwise from east
+  double heading_deg = 0;  ///< direction of the ridge, counter-clockwise from east
   double length_m = 10, depth_m = 8, wall_m = 3, roof_m = 3;
   int wall_tint = 0, roof_tint = 0;
 };
@@ -25,16 +25,16 @@ struct Tree {
   std::uint32_t seed = 0;
 };
 
-/// Everything built or grown. A pure function of size and seed: every tile sees the same.
+/// All buildings and plants. A pure function of size and seed, so all tiles are consistent.
 class Settlement {
  public:
   Settlement(const Relief& relief, std::uint32_t seed);
 
   const RoadNetwork& roads() const { return roads_; }
   const std::vector<House>& houses() const { return houses_; }
-  /// Trees whose foot lies in [min, max). Found cell by cell, so that a map of any size needs no list of them.
+  /// Returns the trees whose foot lies in [min, max). Computes them per grid cell, so a map of any size needs no list.
   std::vector<Tree> trees_in(MapPoint min, MapPoint max) const;
-  /// Distance to the nearest house's centre, if one is within 24 m; else 24.
+  /// Returns the distance to the nearest house's centre, at most 24 m.
   double to_house_m(MapPoint p) const;
 
  private:

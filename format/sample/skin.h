@@ -6,10 +6,10 @@
 
 namespace gigabake::sample {
 
-/// sRGB of the ground at p: water, banks, meadows, fields, woodland floor, scree and rock, roads.
+/// Returns the sRGB colour of the ground at p: water, banks, meadows, fields, woodland floor, scree and rock, roads.
 Rgb ground_colour(const Relief& relief, const Settlement& settlement, std::uint32_t seed, MapPoint p);
 
-/// North up; texel centres at half steps, so that neighbouring pictures continue each other.
+/// Paints the ground, north up. Texel centres are at half steps, so that neighbouring images continue each other.
 Picture paint_ground(const Relief& relief, const Settlement& settlement, std::uint32_t seed, MapPoint min,
                      MapPoint size_m, GridSize texels);
 
