@@ -14,7 +14,7 @@ void add_vertex(GlbMesh& mesh, const Corner& c, const double uv[2]) {
   for (int k = 0; k < 2; ++k) mesh.uv.push_back(std::uint16_t(clamp01(uv[k]) * 65535 + 0.5));
 }
 
-/// The house's own axes: x along the ridge, y across it.
+/// The house's axes: x along the ridge, y across it.
 struct HouseFrame {
   MapPoint centre;
   Turn turn;
@@ -23,7 +23,7 @@ struct HouseFrame {
   }
 };
 
-/// From (x0, y0) to (x1, y1), outside on the right-hand side of the way; the picture starts `from_m` along the facade.
+/// Appends a wall from (x0, y0) to (x1, y1), with its outside on the right-hand side of that direction.
 void add_wall(GlbMesh& mesh, const HouseFrame& f, double x0, double y0, double x1, double y1, double base_m,
               double floor_m, double wall_m) {
   const double width_m = std::fabs(x1 - x0) + std::fabs(y1 - y0);
@@ -35,7 +35,7 @@ void add_wall(GlbMesh& mesh, const HouseFrame& f, double x0, double y0, double x
   add_quad(mesh, c, uv);
 }
 
-/// The triangle under the roof at x, seen from outside.
+/// Appends the triangle under the roof at x, seen from outside.
 void add_gable(GlbMesh& mesh, const HouseFrame& f, double x, double half_depth, double eaves_m, double ridge_m) {
   const double side = x < 0 ? 1 : -1;
   const Corner c[3] = {f.at(x, side * half_depth, eaves_m), f.at(x, -side * half_depth, eaves_m), f.at(x, 0, ridge_m)};
@@ -69,7 +69,8 @@ void add_trunk(GlbMesh& mesh, const Corner& foot, double radius_m, double height
   }
 }
 
-/// A card at the height share `level` (0 … 1) of the crown, `heading` around it, tilted up by `lift` degrees.
+/// Appends a card at the relative height `level` (0 … 1) of the crown, in direction `heading_deg`, tilted up by
+/// `lift_deg` degrees.
 void add_crown_card(const Tree& tree, const Corner& centre, double heading_deg, double lift_deg, double reach_m,
                     double half_m, GlbMesh& foliage) {
   const Turn h = turn_of(heading_deg), l = turn_of(lift_deg);
@@ -134,7 +135,7 @@ void add_tree(const Tree& tree, Corner foot, GlbMesh& bark, GlbMesh& foliage) {
   for (int ring = 0; ring < 4; ++ring) {
     const double turn_deg = random.between(0, 360);
     for (int k = 0; k < cards[ring]; ++k) {
-      // One draw a statement: in what order a call's arguments are evaluated is the compiler's choice.
+      // One random number per statement, because the evaluation order of arguments is unspecified.
       const double heading_deg = turn_deg + 360.0 * k / cards[ring] + random.between(-12, 12);
       const double lift_deg = lifts[ring] + random.between(-8, 8);
       const double reach_m = radius_m * random.between(0.68, 0.86);

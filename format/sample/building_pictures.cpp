@@ -9,7 +9,7 @@ namespace {
 
 constexpr int texels = 512;
 
-/// One storey's window, centred at (0, 0), half a metre and more to each side.
+/// Computes the colour of one storey's window, centred at (0, 0). Returns false outside of it.
 bool window_colour(double x_m, double y_m, Rgb& c) {
   const double ax = std::fabs(x_m), ay = std::fabs(y_m);
   if (ax > 0.72 || ay > 0.86) return false;
@@ -19,7 +19,7 @@ bool window_colour(double x_m, double y_m, Rgb& c) {
   return true;
 }
 
-/// Leaves or needles around the middle of a card; (x, y) in -1 … 1.
+/// Returns whether a card's texel is foliage; (x, y) in -1 … 1.
 bool is_foliage(std::uint32_t seed, double x, double y, bool needles, double& light) {
   const double r = std::sqrt(x * x + y * y);
   const double wavelength = needles ? 0.10 : 0.22;

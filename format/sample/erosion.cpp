@@ -21,11 +21,11 @@ const std::array<Neighbour, 8> neighbours{{{-1, -1, std::sqrt(2.0)},
                                            {0, 1, 1},
                                            {1, 1, std::sqrt(2.0)}}};
 
-/// Where every point's water goes, and an order in which receivers come before givers.
+/// The direction in which every point drains, and an order in which receivers precede the points that drain to them.
 struct Drainage {
-  std::vector<int> order, rank, receiver;  ///< receiver: the steepest way down; -1 in the base
+  std::vector<int> order, rank, receiver;  ///< receiver: the steepest descent; -1 in the base
   std::vector<double> receiver_steps;
-  std::vector<double> filled;  ///< heights with every hollow filled to its sill
+  std::vector<double> filled;  ///< heights with every hollow filled to its outlet
 };
 
 struct Flood {
@@ -43,7 +43,7 @@ void for_neighbours(int edge, int index, Visit&& visit) {
   }
 }
 
-/// Priority flood: grows upwards from the base through the lowest sill of every hollow.
+/// Computes the drainage by priority flood: grows upwards from the base through the lowest outlet of every hollow.
 void flood(const Raster& height, const std::vector<std::uint8_t>& base, Drainage& d) {
   d.filled = height.v;
   d.rank.assign(height.v.size(), 0);
@@ -83,7 +83,8 @@ Drainage drain(const Raster& height, const std::vector<std::uint8_t>& base) {
   return d;
 }
 
-/// Every point shares its water among all lower neighbours, by slope: sheets on slopes, streams in hollows.
+/// Returns the drained area. Each point divides its water among all lower neighbours by slope: sheets on slopes,
+/// streams in hollows.
 Raster drained_area(const Raster& height, const Drainage& d) {
   Raster area = height;
   std::fill(area.v.begin(), area.v.end(), height.cell_m * height.cell_m);
@@ -104,7 +105,7 @@ Raster drained_area(const Raster& height, const Drainage& d) {
   return area;
 }
 
-/// One implicit step: from the base upwards, so that the receiver's new height is known.
+/// Performs one implicit step, from the base upwards, so that the receiver's new height is known.
 void cut(Raster& height, const Raster& area, const Drainage& d, const ErosionOptions& options) {
   for (const int i : d.order) {
     const int receiver = d.receiver[i];
@@ -116,7 +117,7 @@ void cut(Raster& height, const Raster& area, const Drainage& d, const ErosionOpt
   }
 }
 
-/// Ground steeper than the talus slides to the lower side; soil creeps towards the mean of its neighbours.
+/// Moves ground steeper than the talus to the lower side; moves soil towards the mean of its neighbours.
 void slump(Raster& height, const std::vector<std::uint8_t>& base, const ErosionOptions& options) {
   const double step_m = options.talus * height.cell_m;
   std::vector<double> change(height.v.size(), 0.0);

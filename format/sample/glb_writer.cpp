@@ -22,7 +22,7 @@ std::span<const std::uint8_t> bytes_of(std::span<const T> values) {
   return {reinterpret_cast<const std::uint8_t*>(values.data()), values.size_bytes()};
 }
 
-/// The JSON lists that point into the binary chunk, and who writes what they point at.
+/// The JSON lists that refer to the binary chunk, and the functions that write its content.
 class Binary {
  public:
   /// Appends `size` bytes as a view that starts on a multiple of four. Returns the view's index.
@@ -45,7 +45,7 @@ class Binary {
 
   std::size_t bytes() const { return bytes_; }
 
-  /// All views, with zeros between them and up to `end`.
+  /// Writes all views, with zero padding between them and up to `end`.
   void write(std::size_t end, const PutBytes& put) const {
     std::size_t at = 0;
     const PutBytes counted = [&](std::span<const std::uint8_t> piece) {
@@ -88,7 +88,7 @@ int add_positions(Binary& binary, const GlbListedMesh& mesh) {
 }
 
 int add_indices(Binary& binary, const GlbListedMesh& mesh) {
-  // 65535 itself is the restart value, which glTF forbids.
+  // Index 65535 is the restart value, which glTF forbids.
   const bool is_wide = mesh.vertices > 65535;
   const auto write = [list = mesh.index, is_wide](const PutBytes& put) {
     list([&](std::span<const std::uint32_t> values) {
@@ -171,7 +171,7 @@ GlbList<T> list_of(const std::vector<T>& values) {
   return [&values](const GlbPut<T>& put) { put(values); };
 }
 
-/// What the mesh holds, which must outlive it.
+/// Returns the mesh as lists. The mesh must outlive them.
 GlbListedMesh listed(const GlbMesh& mesh) {
   GlbListedMesh out{mesh.material, mesh.vertices(), mesh.index.size(), {}, {}, {}, {}, {}, {}};
   out.low.fill(std::numeric_limits<float>::max());

@@ -21,7 +21,7 @@ double smooth_step(double from, double to, double x) {
 
 namespace {
 
-/// The gradient at a lattice corner, applied to the offset from it.
+/// Returns the dot product of the gradient at a lattice corner and the offset from it.
 double corner(std::uint32_t seed, std::int32_t x, std::int32_t y, double dx, double dy) {
   const std::uint32_t h = hash_of(seed, x, y);
   const double gx = (h & 0xffff) * (2.0 / 65535.0) - 1, gy = (h >> 16) * (2.0 / 65535.0) - 1;
@@ -46,7 +46,7 @@ double fractal_noise(std::uint32_t seed, double x, double y, int octaves) {
   for (int i = 0; i < octaves; ++i, amplitude *= 0.5) {
     sum += amplitude * noise(seed + std::uint32_t(i), x, y);
     total += amplitude;
-    // A turn between octaves hides the lattice.
+    // A rotation between octaves hides the lattice.
     const double turned = 1.6 * x - 1.2 * y;
     y = 1.2 * x + 1.6 * y;
     x = turned;

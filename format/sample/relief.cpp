@@ -9,9 +9,9 @@
 namespace gigabake::sample {
 namespace {
 
-/// Beyond the map's rim, so that the rim itself has neighbours to drain to.
+/// Extends the grid beyond the map's border, so that the border has neighbours to drain to.
 constexpr double margin = 1.12;
-constexpr double bank_m = 0.7;  ///< the meadows' height above the water
+constexpr double bank_m = 0.7;  ///< height of the meadows above the water
 
 int grid_points(double size_m) {
   return 1 + int(std::clamp(size_m * margin / 3.5, 128.0, size_m > 3000 ? 512.0 : 320.0));
@@ -67,7 +67,7 @@ void Relief::measure(const Raster& drained_area) {
       slope_.at(x, y) = std::sqrt(de * de + dn * dn);
       const double around = (cell(x - 2, y) + cell(x + 2, y) + cell(x, y - 2) + cell(x, y + 2)) / 4;
       hollowness_.at(x, y) = std::clamp((around - cell(x, y)) / ground_.cell_m, -1.0, 1.0);
-      // Square roots twice: the fourth root spreads areas of 10 m² to 1 km² evenly.
+      // The fourth root maps areas of 10 m² to 1 km² to an even scale.
       moisture_.at(x, y) = clamp01((std::sqrt(std::sqrt(drained_area.at(x, y))) / std::sqrt(ground_.cell_m) - 1) / 9);
     }
 }
@@ -83,7 +83,7 @@ double Relief::shaped_height_m(MapPoint p) const {
 double Relief::height_m(MapPoint p) const {
   const Reach reach = river_.at(p);
   if (reach.shore_m <= 0) return reach.level_m;
-  // The bank rises from the water's edge; no dry ground lies below the water beside it.
+  // The bank rises from the water's edge. No dry ground lies below the level of the adjacent water.
   const double bank = smooth_step(0, 4, reach.shore_m);
   return reach.level_m + bank * std::max(0.3, shaped_height_m(p) - reach.level_m);
 }

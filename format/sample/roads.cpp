@@ -13,7 +13,7 @@ constexpr double bridge_burden = 14, wet_burden = 2.5, slope_burden = 90;
 
 int survey_points(double size_m) { return 1 + int(std::clamp(size_m / 6, 40.0, 256.0)); }
 
-/// Corners cut twice (Chaikin): a way over a grid becomes a road.
+/// Smooths a path over a grid to a road by cutting corners (Chaikin) three times.
 std::vector<MapPoint> smoothed(std::vector<MapPoint> way) {
   for (int round = 0; round < 3 && way.size() > 2; ++round) {
     std::vector<MapPoint> next{way.front()};
@@ -28,7 +28,7 @@ std::vector<MapPoint> smoothed(std::vector<MapPoint> way) {
   return way;
 }
 
-/// Every other point of a way over a grid, with both ends: fewer kinks to smooth away.
+/// Returns every third point of a path over a grid, and its end: fewer kinks to smooth.
 std::vector<MapPoint> thinned(const std::vector<MapPoint>& way) {
   std::vector<MapPoint> kept;
   for (std::size_t i = 0; i < way.size(); i += 3) kept.push_back(way[i]);
@@ -90,7 +90,7 @@ std::vector<int> Surveyor::shortest(int from, int to) const {
     front.pop();
     if (at.effort > best[at.index]) continue;
     const int x = at.index % edge, y = at.index / edge;
-    // Knight's moves besides the eight neighbours: sixteen headings.
+    // Knight's moves in addition to the eight neighbours: sixteen directions.
     for (int dy = -2; dy <= 2; ++dy)
       for (int dx = -2; dx <= 2; ++dx) {
         const int nx = x + dx, ny = y + dy;

@@ -18,8 +18,8 @@
 namespace gigabake::sample {
 namespace {
 
-constexpr int coarse_quads = 64, coarse_texels = 1024;  // at most, along an edge
-/// Along an edge of a block. More children of one tile than its square would be more than viewers like to hold.
+constexpr int coarse_quads = 64, coarse_texels = 1024;  // max, along an edge
+/// Tiles along an edge of a block. Viewers have difficulties with more children per tile than the square of it.
 constexpr int block_tiles = 16;
 
 std::string place_name(const char* what, std::size_t x, std::size_t y) {
@@ -59,14 +59,14 @@ class Writer {
   }
 
  private:
-  /// A sample is made again where power was lost: nothing of it waits for the disk.
+  /// Writes a file without flushing to disk, because a sample can be generated again after a power loss.
   void write(const std::string& name, std::span<const std::uint8_t> bytes) {
     publish_file(dir_ / name, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, Durability::while_up);
     const std::scoped_lock lock(mutex_);
     report_.bytes += bytes.size();
   }
 
-  /// Once for the tiles of either frame.
+  /// Writes the images of houses and trees for the tiles of both frames.
   void write_kit() {
     const KitImages& kit = landscape_.kit;
     for (const std::string folder : {"tiles/", "local/"})
@@ -97,7 +97,7 @@ class Writer {
 
   TilePlan plan_of(std::size_t i) const { return plan_of(i % tiles_, i / tiles_, {1, 1}); }
 
-  /// The finest that tiles from (x, y) on show.
+  /// Returns the plan of the finest level for tiles from (x, y) on.
   TilePlan plan_of(std::size_t x, std::size_t y, GridSize tiles) const {
     const double edge_m = o_.size_m / o_.tiles;
     const int quads = std::max(1, int(edge_m / o_.ground_step_m + 0.5));
@@ -108,7 +108,7 @@ class Writer {
             {texels * tiles.e, texels * tiles.n}};
   }
 
-  /// As the tiles, with at most a quarter of their steps, and without what stands on the ground.
+  /// Writes a coarse tile: at most a quarter of the tiles' resolution, without houses and trees.
   TilesetEntry write_coarse(TilePlan plan, const std::string& name) {
     const auto coarser = [](GridSize fine, int least, int most) {
       return GridSize{std::clamp(fine.e / 4, least, most), std::clamp(fine.n / 4, least, most)};
@@ -128,7 +128,7 @@ class Writer {
     return blocks;
   }
 
-  /// At the map's rim a block has fewer tiles.
+  /// Writes a block's tileset. At the map's border, a block has fewer tiles.
   TilesetEntry write_block(const std::vector<TilesetEntry>& tiles, std::size_t block_x, std::size_t block_y) {
     const std::string name = "tiles/" + place_name("block", block_x, block_y);
     const std::size_t x0 = block_x * block_tiles, y0 = block_y * block_tiles;
@@ -143,7 +143,7 @@ class Writer {
     return block;
   }
 
-  /// As a tileset that stands in tiles/ itself names it.
+  /// Returns the tile with a URI for tilesets that are themselves in tiles/.
   static TilesetEntry beside(TilesetEntry tile) {
     tile.uri = std::filesystem::path(tile.uri).filename().string();
     return tile;
@@ -169,7 +169,7 @@ class Writer {
   const Earth earth_;
   const std::size_t tiles_;  ///< along an edge
   SampleReport report_;
-  std::mutex mutex_;  ///< of report_
+  std::mutex mutex_;  ///< guards report_
 };
 
 }  // namespace

@@ -25,7 +25,8 @@ bool is_sample(const fs::path& tileset) {
   return head.find(sample_generator) != std::string::npos;
 }
 
-/// Nothing is written over, neither another sample nor anything else. What a killed run left marks the folder as ours.
+/// Rejects a folder with other content, so that nothing else is overwritten. Files of a killed run identify the folder
+/// as a sample's.
 void check_ours(const fs::path& dir) {
   std::error_code error;
   const auto refuse = [&] { throw InputError(dir, "", "exists and is not a sample; name a new or empty folder"); };
@@ -66,11 +67,11 @@ SampleFolder::~SampleFolder() { discard(); }
 void SampleFolder::discard() {
   std::error_code ignored;
   fs::remove_all(aside_, ignored);
-  if (made_dir_) fs::remove(dir_, ignored);  // refuses a folder that holds something
+  if (made_dir_) fs::remove(dir_, ignored);  // fails if the folder is not empty
 }
 
 void SampleFolder::publish() {
-  // Without tileset.json first: whoever reads in between finds no sample rather than half of one.
+  // Removes tileset.json first, so that concurrent readers find no sample instead of a partial one.
   clear(dir_ / tileset_name);
   for (const char* name : {tile_folders[0], tile_folders[1], tileset_name}) {
     clear(dir_ / name);

@@ -21,7 +21,7 @@ Json leaf_of(const TilesetEntry& tile) {
   return {{"boundingVolume", volume_of(tile)}, {"geometricError", tile.error_m}, {"content", {{"uri", tile.uri}}}};
 }
 
-/// Column by column, as 3D Tiles has it.
+/// Returns the transform in column-major order, as 3D Tiles requires.
 Json transform_of(const Earth& earth) {
   const auto& m = earth.ecef_from_enu().m;
   Json transform = Json::array();

@@ -16,7 +16,7 @@ constexpr double field_m = 62;
 
 Rgb water_colour(const Reach& reach) { return mix(shallow_water, deep_water, smooth_step(0, -5, reach.shore_m)); }
 
-/// A patch of farmland: one crop, in rows. The patches are cells of a turned grid.
+/// Returns the colour of farmland: fields with one crop each, in rows. The fields are cells of a rotated grid.
 Rgb field_colour(std::uint32_t seed, MapPoint p, const Rgb& meadow_here) {
   const double u = (p.e_m * 0.94 + p.n_m * 0.34) / field_m, v = (p.n_m * 0.94 - p.e_m * 0.34) / (1.6 * field_m);
   const auto x = std::int32_t(std::floor(u)), y = std::int32_t(std::floor(v));
@@ -28,7 +28,7 @@ Rgb field_colour(std::uint32_t seed, MapPoint p, const Rgb& meadow_here) {
   return mix(wood_floor, scaled(crops[h % 5], 1 + 0.16 * row), smooth_step(0.008, 0.03, hedge));
 }
 
-/// Cracked and weathered: ridges of noise at two scales.
+/// Returns the colour of cracked, weathered rock: ridged noise at two scales.
 Rgb rock_colour(std::uint32_t seed, MapPoint p) {
   const double blocks = ridged_noise(seed + 75, p.e_m / 7, p.n_m / 7, 5);
   const double cracks = ridged_noise(seed + 76, p.e_m / 1.9, p.n_m / 1.9, 3);

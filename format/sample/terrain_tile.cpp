@@ -16,7 +16,7 @@ constexpr std::array<double, 4> roof_colours[roof_tints] = {{1, 1, 1, 1}, {0.62,
 
 double on_grid(double m) { return std::floor(m * grid_per_m + 0.5) / grid_per_m; }
 
-/// Meshes in the order of the materials.
+/// Indices of meshes, in the order of the materials.
 enum MeshSlot : std::size_t {
   ground,
   bark,
@@ -69,7 +69,7 @@ class TileBuilder {
     for (int y = 0; y < quads.n; ++y)
       for (int x = 0; x < quads.e; ++x) {
         const auto a = std::uint32_t(y * points + x), b = a + 1, c = a + std::uint32_t(points), d = c + 1;
-        // Diagonals alternate: no direction of the ground is favoured.
+        // Diagonals alternate, so that no direction of the ground is favoured.
         if ((x + y) % 2 == 0)
           mesh.index.insert(mesh.index.end(), {a, b, d, a, d, c});
         else

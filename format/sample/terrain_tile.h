@@ -10,7 +10,7 @@
 
 namespace gigabake::sample {
 
-/// What every tile of one sample shares: a pure function of the map's size and the seed.
+/// State shared by all tiles of one sample: a pure function of the map's size and the seed.
 struct Landscape {
   Landscape(double size_m, std::uint32_t seed_);
   Landscape(const Landscape&) = delete;
@@ -22,10 +22,10 @@ struct Landscape {
   KitImages kit;
 };
 
-/// Where a tile's coordinates live.
+/// The coordinate frame of a tile.
 struct TileFrame {
-  const Earth* earth = nullptr;  ///< none: the flat map itself
-  /// East, north, up in metres. A multiple of 1/1024 m, so that the same point is the same number in every tile.
+  const Earth* earth = nullptr;  ///< null: the flat map itself
+  /// Returns east, north, up in metres, rounded to 1/1024 m, so that a point has the same coordinates in every tile.
   std::array<double, 3> place(MapPoint p, double height_m) const;
 };
 
@@ -34,21 +34,22 @@ struct TilePlan {
   MapPoint min;
   MapPoint size_m{100, 100};
   GridSize quads{100, 100};
-  GridSize texels{512, 512};  ///< of the ground's picture
+  GridSize texels{512, 512};  ///< of the ground's image
   bool with_objects = true;
 };
 
 struct TerrainTile {
-  GlbModel model;                          ///< y up; its node's translation puts it into the frame
-  std::array<double, 3> min_m{}, max_m{};  ///< east, north, up: of every vertex
+  GlbModel model;                          ///< y up; the translation of its node places it in the frame
+  std::array<double, 3> min_m{}, max_m{};  ///< east, north, up: bounds of all vertices
   std::uint64_t triangles = 0;
   std::uint32_t houses = 0, trees = 0;
 };
 
-/// The ground's picture, the same in every frame.
+/// Paints the ground's image, which is the same in every frame.
 GlbImage paint_tile(const Landscape& landscape, const TilePlan& plan);
 
-/// Neighbouring tiles of one size share their border vertices exactly. `ground`: what paint_tile() gave.
+/// Builds a tile. Neighbouring tiles of one size share their border vertices exactly. `ground` is paint_tile()'s
+/// result.
 TerrainTile make_tile(const Landscape& landscape, const TileFrame& frame, const TilePlan& plan, const GlbImage& ground);
 
 }  // namespace gigabake::sample
