@@ -25,11 +25,12 @@ std::string cause_of(const SceneSources& sources) {
 
 }  // namespace
 
-InputError nothing_visible(const std::filesystem::path& source, const SceneSources& sources, const BakePlan& plan) {
+InputError nothing_visible(const std::filesystem::path& source, const SceneSources& sources, const BakePlan& plan,
+                           std::string_view consequence) {
   const std::size_t cells = plan.cells();
   return {
       source, "",
-      fmt::format("nothing is visible, so nothing was published: {} empty; {}",
+      fmt::format("nothing is visible, so {}: {} empty; {}", consequence,
                   cells == 1 ? "the cell is" : fmt::format("all {} are", counted(cells, "cell")), cause_of(sources))};
 }
 

@@ -128,7 +128,8 @@ void MasterBake::publish() {
   if (summary_.is_drained && out_.has_whole_scene()) return;  // keep the complete scene until this one is complete
   refuse(request_, summary_.scene.losses, summary_.scene.cells.empty() && !summary_.is_drained);
   const bool is_empty = summary_.scene.cells.empty();
-  if (is_empty && summary_.scene.losses.empty()) throw nothing_visible(request_.source, sources_, plan_);
+  if (is_empty && summary_.scene.losses.empty())
+    throw nothing_visible(request_.source, sources_, plan_, "nothing was published");
   if (!is_empty) out_.publish(summary_.scene);  // empty without losses: drained before the first voxel
   if (request_.prune && summary_.scene.losses.empty()) {
     summary_.pruned = out_.remove_orphans(summary_.scene);

@@ -232,6 +232,7 @@ MeasuredSize measured(double voxel_size_m, const SizeSampler& sampler, const Sam
   size.estimate = estimate_size(scene, sampler.sample());
   size.pieces = sampler.sample().pieces.size();
   size.tiles = sampler.tiles().size();
+  for (const BakedPiece& piece : sampler.sample().pieces) size.voxels_found += piece.voxels_lod0;
   size.wall_s = sampler.sample().wall_s;
   size.on_device = sampler.on_device();
   size.problem = sampler.problem();
@@ -269,7 +270,7 @@ PlanMeasure measure_plan(const MpiSession& mpi, const BakeRequest& request, cons
   out.scratch_folder = scratch_of_bake(request);
   const double asked_m = request.parameters.voxel_size_m;
   for (const double size_m : {asked_m / 2, asked_m, asked_m * 2})
-    out.sizes.push_back({size_m, estimate_size(scene_at(size_m, mpi, request, plan), {}), 0, 0, 0, false, ""});
+    out.sizes.push_back({size_m, estimate_size(scene_at(size_m, mpi, request, plan), {}), 0, 0, 0, 0, false, ""});
   if (!measures) return out;
   const TemporaryFolder folder(request.scratch);
   try {

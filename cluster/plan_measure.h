@@ -17,6 +17,7 @@ struct MeasuredSize {
   double voxel_size_m = 0;
   SizeEstimate estimate;
   std::size_t pieces = 0, tiles = 0;  ///< number of sample pieces baked, and of tiles that they come from
+  std::uint64_t voxels_found = 0;     ///< voxels of lod 0 in the pieces
   double wall_s = 0;                  ///< wall time of the pieces
   bool on_device = false;
   std::string problem;  ///< one line; not empty: why fewer pieces were baked than planned
@@ -28,6 +29,8 @@ struct PlanMeasure {
   ScratchNeed scratch;                   ///< of the bake's large tiles
   std::filesystem::path scratch_folder;  ///< the bake's scratch folder; "OUT/scratch" if OUT is not given
   TextureFindings textures;
+
+  const MeasuredSize& requested() const { return sizes.at(1); }
 };
 
 /// Measures a plan from plan_bake(). Only rank 0 needs to call it.

@@ -6,8 +6,10 @@
 #include "app/messages/bake_console.h"
 #include "app/messages/bake_report.h"
 #include "app/options/bake_options.h"
+#include "app/options/flags.h"
 #include "app/process/on_all_ranks.h"
 #include "app/process/stop_signal.h"
+#include "cluster/empty_scene.h"
 #include "format/system/message.h"
 #include "scheduler/prior.h"
 
@@ -17,6 +19,19 @@ namespace {
 std::optional<PriorResults> prior_of(const BakePlan& plan, const BakeRequest& request, const MpiSession& mpi) {
   if (request.out.empty()) return std::nullopt;
   return find_prior(plan, read_journal(request.out / "journal"), request.out, mpi.cores());
+}
+
+/// Prints the failure of a bake in which nothing is visible. Returns whether the plan's measurement showed that: pieces
+/// of the whole surface were baked, and none has a voxel. Of a part of the surface it only warns.
+bool is_refused_as_empty(const BakeRequest& request, const PlannedBake& planned, const PlanMeasure& measure) {
+  constexpr double rounding = 1e-3;
+  const MeasuredSize& size = measure.requested();
+  if (size.pieces == 0 || size.voxels_found != 0 || !planned.plan.losses.empty()) return false;
+  const bool is_whole = size.estimate.share > 1 - rounding;
+  const InputError failure = nothing_visible(request.source, planned.sources.scene, planned.plan,
+                                             is_whole ? "a bake would fail" : "a bake may fail");
+  print_message("gigabake: {}{}\n", is_whole ? "" : "warning: ", with_flags(failure.what()));
+  return is_whole;
 }
 
 struct PlanOptions {
@@ -36,6 +51,7 @@ int run(const PlanOptions& plan_options, MpiSession& mpi) {
                         planned.survey_s};
   const std::optional<PriorResults> prior = prior_of(plan, request, mpi);
   console.end_step();
+  if (is_refused_as_empty(request, planned, sizes.measure)) return failed;
   options.json ? print_json_report(plan, prior, sizes) : print_report(plan, prior, sizes, plan_options.lists_cells);
   warn_of(plan.precision);
   print_losses(plan.losses);

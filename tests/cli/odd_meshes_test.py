@@ -128,7 +128,15 @@ class OddMeshes(unittest.TestCase):
         (self.root / "m.mtl").write_text("newmtl a\nd 0\n")
         self.assertIn("material 'a'", self.bake("a.obj", "mtllib m.mtl\n" + SQUARE + "usemtl a\n" + FACES, status=1))
         result = PROGRAM.run("plan", self.root / "a.obj", "--voxel-size", 0.5)
-        self.assertIn("materials with alpha 0, whose faces are invisible: 1, e.g. 'a'", result.stderr + result.stdout)
+        self.assertEqual(result.returncode, 1, result)
+        self.assertIn("nothing is visible, so a bake would fail", result.stderr)
+        self.assertIn("material 'a'", result.stderr)
+        self.assertEqual(result.stdout, "")
+        (self.root / "b.obj").write_text(SQUARE + FACES)  # one visible source is enough
+        (self.root / "two.json").write_text('{"gigabake": 1, "sources": [{"path": "a.obj", "place": {"position_m": '
+                                            '[0, 0, 0]}}, {"path": "b.obj", "place": {"position_m": [9, 0, 0]}}]}')
+        result = PROGRAM.run("plan", self.root / "two.json", "--voxel-size", 0.5)
+        self.assertEqual(result.returncode, 0, result)
 
 
 if __name__ == "__main__":
