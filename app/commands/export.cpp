@@ -141,7 +141,7 @@ void add_export(CLI::App& app, int& exit_code) {
   command->add_option("-o,--out", o->out, "file to write; new folder for the formats of many files")->required();
   command->add_option("--lod", o->lod, "level to write; 3dtiles and gigavoxel: the finest")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0, 62));
   add_tile_options(*command, *o);
   command->add_flag("-q,--quiet", o->quiet, "print errors alone");
   command->callback([o, command, &exit_code] {
