@@ -170,6 +170,13 @@ class OrthophotoTest(RasterTest):
         self.assertEqual([c[0] > 127 for c in colours], [i % 2 == 1 for i in range(10)])
         self.assertEqual({min(c[0], 255 - c[0]) < 20 for c in colours}, {True})
 
+    def test_the_image_of_a_tile_counts_as_memory(self):
+        self.write("coarse.tif", self.height[:6, :6], pixel=900)
+        self.write("fine.tif", numpy.zeros((3, 8, 8), "u1"), pixel=1, kind=gdal.GDT_Byte)
+        scene = self.scene({"dem": "coarse.tif", "ortho": "fine.tif"})
+        self.refused(scene, "fine.tif", "tile's image", arguments=("--memory", "64M"))
+        self.plan(scene)
+
 
 if __name__ == "__main__":
     RasterTest.program = harness.Gigabake(sys.argv[1])

@@ -12,6 +12,7 @@
 #include "format/source/raster/gdal_open.h"
 #include "format/source/raster/gdal_ortho.h"
 #include "format/source/raster/ground.h"
+#include "format/source/raster/raster_claims.h"
 #include "format/source/raster/surface_parts.h"
 #include "lattice/error.h"
 #include "lattice/memory_limit.h"
@@ -61,7 +62,6 @@ using Path = std::filesystem::path;
 constexpr double quantum_m = 1.0 / 1024;
 /// A pixel smaller or larger than this on the ground: degrees taken for metres, or the other way round.
 constexpr double least_pixel_m = 1e-3, largest_pixel_m = 2e5;
-constexpr std::uint64_t most_tiles = std::uint64_t(1) << 22;
 
 Grid grid_of(const Path& file, GDALDataset& dataset) {
   Grid grid;
@@ -201,19 +201,6 @@ void expect_whole_text(const DemOptions& o, GDALDataset& dataset) {
                          " values, more than its " + std::to_string(bytes) + " bytes can hold");
 }
 
-/// Of one tile as it is read: heights, places, vertices and triangles of each pixel, and GDAL's own blocks.
-void claim_tile(const DemOptions& o, GDALDataset& dataset) {
-  constexpr std::uint64_t pixel_bytes = 96, block_value_bytes = 16;
-  int width = 0, height = 0;
-  dataset.GetRasterBand(1)->GetBlockSize(&width, &height);
-  MemoryClaim claim(o.dem, "store it in smaller blocks");
-  claim.add_items(std::uint64_t(width) * std::uint64_t(height), block_value_bytes, "dem", "pixels of a block");
-  const auto edge = [&](int pixels) { return std::uint64_t(std::min(pixels, o.tile_cells + 1)); };
-  MemoryClaim(o.dem, "lower tile_cells in the scene file")
-      .add_items(edge(dataset.GetRasterXSize()) * edge(dataset.GetRasterYSize()), pixel_bytes, "tile_cells",
-                 "points of a tile");
-}
-
 /// Returns the bounds of places of a raster's pixels, of a sample.
 std::array<double, 4> bounds_of(const DemPart& part, const Grid& grid, const Ground& ground) {
   std::vector<double> x, y;
@@ -277,16 +264,6 @@ void set_texels(const std::vector<RasterHead>& heads, const SurfaceHead& surface
   for (DemPart& part : raster.parts) part.options.tile_cells = std::max(1, std::min(part.options.tile_cells, cells));
 }
 
-/// A tile here and as the source of a scene, with its name.
-constexpr std::uint64_t tile_bytes = 800;
-
-void claim_tiles(const DemRaster& raster, int edge) {
-  const DemOptions& o = raster.parts[0].options;
-  const std::uint64_t tiles = std::uint64_t(raster.columns / edge + 1) * std::uint64_t(raster.rows / edge + 1);
-  if (tiles > most_tiles) throw InputError(o.dem, "tile_cells", "more than 2^22 tiles; enlarge it in the scene file");
-  MemoryClaim(o.dem, "enlarge tile_cells in the scene file").add_items(tiles, tile_bytes, "tile_cells", "tiles");
-}
-
 /// Returns for each tile of a raster whether a part may have a value in it.
 std::vector<char> filled_tiles(const DemRaster& raster, int edge) {
   const int columns = (raster.columns - 2) / edge + 1, rows = (raster.rows - 2) / edge + 1;
@@ -318,6 +295,7 @@ DemSurface surface_of(const std::vector<RasterHead>& heads, const SurfaceHead& s
   int edge = raster->parts[0].options.tile_cells;
   for (const DemPart& part : raster->parts) edge = std::min(edge, part.options.tile_cells);
   claim_tiles(*raster, edge);
+  claim_image(*raster, edge);
   const std::vector<char> filled = filled_tiles(*raster, edge);
   const BorrowedRaster dataset = borrow_raster(raster->parts[0].options.dem, "dem");
   const Ground ground(raster->parts[0].options, *dataset);
