@@ -296,31 +296,41 @@ class CostTest(RasterTest):
         else:
             self.assertAlmostEqual(float(self.at((20, 20))[0]["height"]), 1.5, delta=0.5)
 
-    def test_blocks_that_a_sparse_file_leaves_out_are_no_tiles(self):
-        path = self.folder / "sparse.tif"
+    def sparse(self, name, edge, nodata=None, left=0, top=0):
+        """A raster of which one block of 256 × 256 pixels is filled."""
+        path = self.folder / name
         options = ["TILED=YES", "SPARSE_OK=TRUE", "BLOCKXSIZE=256", "BLOCKYSIZE=256"]
-        raster = gdal.GetDriverByName("GTiff").Create(str(path), 8000, 8000, 1, gdal.GDT_Float32, options)
+        raster = gdal.GetDriverByName("GTiff").Create(str(path), edge, edge, 1, gdal.GDT_Float32, options)
         raster.SetGeoTransform([LEFT, PIXEL, 0, TOP, 0, -PIXEL])
         crs = osr.SpatialReference()
         crs.ImportFromEPSG(32632)
         raster.SetProjection(crs.ExportToWkt())
-        raster.GetRasterBand(1).SetNoDataValue(-9999)
-        raster.GetRasterBand(1).WriteArray(numpy.full((256, 256), 50, "f4"), 2560, 5120)
+        if nodata is not None:
+            raster.GetRasterBand(1).SetNoDataValue(nodata)
+        raster.GetRasterBand(1).WriteArray(numpy.full((256, 256), 50, "f4"), left, top)
         raster = None
-        result = self.plan(path)
-        self.assertLessEqual(result["tiles"] if "tiles" in result else 0, 4)
-        self.assertEqual(result["triangles"], 2 * 255 * 255)
-        self.assertLess(reads_of(self.program, "plan", path, "--voxel-size", 8, "--no-measure"), 2e7)
-        change(path, lambda r: r.GetRasterBand(1).DeleteNoDataValue())
-        small = self.folder / "small.tif"
-        raster = gdal.GetDriverByName("GTiff").Create(str(small), 512, 512, 1, gdal.GDT_Float32, options)
-        raster.SetGeoTransform([LEFT, PIXEL, 0, TOP, 0, -PIXEL])
-        raster.SetProjection(crs.ExportToWkt())
-        raster.GetRasterBand(1).WriteArray(numpy.full((256, 256), 50, "f4"), 0, 0)
-        raster = None
-        result = self.plan(small)
-        self.assertIn("75 % of its blocks", result["warnings"][0])
-        self.assertEqual(self.plan(self.scene({"dem": "small.tif", "nodata": 0}))["triangles"], 2 * 255 * 255)
+        return path
+
+    def test_blocks_that_a_sparse_file_leaves_out_are_no_tiles(self):
+        declared = self.sparse("sparse.tif", 8000, -9999, 2560, 5120)
+        self.sparse("bare.tif", 8000, None, 2560, 5120)
+        for source, file in ((declared, declared), (self.scene({"dem": "bare.tif", "nodata": 0}), "bare.tif")):
+            result = self.plan(source)
+            self.assertEqual(result["triangles"], 2 * 255 * 255)
+            self.assertEqual(result["warnings"], [])
+            plan = ("plan", source, "--voxel-size", 8, "--no-measure")
+            self.assertLess(reads_of(self.program, *plan), 2e7)
+            self.assertLess(opens_of(self.program, self.folder / file, *plan), 20)
+
+    def test_left_out_blocks_are_zero_without_nodata(self):
+        """GDAL leaves out blocks of zeros also without SPARSE_OK, so that they may be the sea."""
+        for left, top in ((0, 0), (256, 256)):
+            path = self.sparse("small.tif", 512, None, left, top)
+            result = self.plan(path)
+            self.assertIn("75 % of its blocks, which are taken as heights of 0", result["warnings"][0])
+            self.assertEqual(result["triangles"], 2 * 511 * 511)
+            scene = self.scene({"dem": "small.tif", "nodata": 0, "tile_cells": 100})
+            self.assertEqual(self.plan(scene)["triangles"], 2 * 255 * 255)
 
 
 if __name__ == "__main__":
