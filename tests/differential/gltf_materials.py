@@ -6,6 +6,7 @@ from frames import linear
 from images import Image
 
 OTHER_TEXTURES = "textures that are not the base colour's, not used"
+NO_UV = "primitives without the texture coordinates of their texture"
 REPEAT, MIRROR, CLAMP = 10497, 33648, 33071
 
 
@@ -48,7 +49,7 @@ class Materials:
         if part.place is not None:
             return self.textured(part, attributes)
         kind = self.choice or odd.choice(["none", "factor", "factor", "vertex", "vertex", "both", "unlit", "gloss",
-                                          "emissive"])
+                                          "emissive", "technique", "no uv"])
         values = [linear(c) for c in part.colour]
         if kind == "none":
             return None, voxels_of([part], (255, 255, 255))
@@ -60,6 +61,17 @@ class Materials:
             entry = {"extensions": {"KHR_materials_pbrSpecularGlossiness": gloss}}
             if odd.maybe():
                 entry["pbrMetallicRoughness"] = {"baseColorFactor": [0.3, 0.3, 0.3, 1]}
+            return self.add(entry), voxels_of([part])
+        if kind == "technique":
+            self.writer.use("KHR_techniques_webgl")
+            name = odd.choice(["u_diffuse", "diffuse", "u_diffuseColor"])
+            technique = {"technique": 0, "values": {name: [c / 255 for c in part.colour] + [1]}}
+            return self.add({"extensions": {"KHR_techniques_webgl": technique}}), voxels_of([part])
+        if kind == "no uv":
+            self.writer.warn(NO_UV)
+            image = Image(odd, ("png",))
+            texture = {"index": self.add_texture(image, None)}
+            entry = {"pbrMetallicRoughness": {"baseColorTexture": texture, "baseColorFactor": [*values, 1]}}
             return self.add(entry), voxels_of([part])
         if kind == "emissive":
             entry = {"pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1]}, "emissiveFactor": values}

@@ -144,6 +144,8 @@ class ObjWriter:
         odd, case = self.odd, self.case
         if part.place is not None:
             return self.add_textured(part)
+        if self.has_mtl and not self.is_mtl_missing and odd.beyond(0.05):
+            return self.add_without_uv(part)
         colours = self.has_colours and odd.maybe(0.7)
         self.is_coloured |= colours
         if colours or not self.has_mtl or odd.maybe(0.1):
@@ -189,6 +191,22 @@ class ObjWriter:
         case.voxels.update(voxels)
         if self.has_colours:
             self.warn(NO_COLOUR, len(part.polygons))
+        self.write_part(part, m)
+
+    def add_without_uv(self, part):
+        """A part whose material has an image, but whose faces have no texture coordinates: Kd colours it."""
+        odd, case = self.odd, self.case
+        m, colour = self.new_material("beside a map", part.colour)
+        if odd.maybe(0.3):
+            m.lines.clear()
+            colour = WHITE
+        self.add_map(m)
+        m.lines = [line for line in m.lines if "alpha " not in line]
+        odd.shuffle(m.lines)
+        self.warn(NO_UV, len(part.polygons))
+        if self.has_colours:
+            self.warn(NO_COLOUR, len(part.polygons))
+        case.voxels.update(voxels_of([part], colour))
         self.write_part(part, m)
 
     def unused_vertices(self):
@@ -269,9 +287,8 @@ class ObjWriter:
         self.case.notes.append(f"line end {end!r}, mark {bool(mark)}")
         return mark + out.encode("latin-1")
 
-    def mtl_lines(self):
+    def mtl_lines(self, materials):
         odd, lines = self.odd, ["# materials of a test", ""] if self.odd.is_plain or self.odd.maybe() else []
-        materials = [m for m in self.materials if m.lines]
         odd.shuffle(materials)
         for m in materials:
             lines.append("newmtl " + m.name.decode("latin-1"))
@@ -290,13 +307,23 @@ class ObjWriter:
         if not self.has_mtl:
             return []
         name = odd.word() + ".mtl" if self.is_mtl_missing else odd.file_name(".mtl")
+        materials = [m for m in self.materials if m.lines]
         if self.is_mtl_missing:
             self.warn(NO_FILE)
+        elif len(materials) > 1 and odd.beyond(0.3):
+            return self.write_two_mtl(materials)
         else:
-            (self.folder / name).write_bytes(self.text(self.mtl_lines()))
+            (self.folder / name).write_bytes(self.text(self.mtl_lines(materials)))
         spelling = name.encode().decode("latin-1")
         lines = [odd.choice(["", "", "./", ".\\"]) + spelling]
         return ["mtllib " + line for line in lines] + (["mtllib"] if odd.maybe(0.05) else [])
+
+    def write_two_mtl(self, materials):
+        """Materials in two files, which one line names, or two."""
+        odd, names = self.odd, [f"{self.odd.word()}{i}.mtl" for i in (1, 2)]
+        for i, name in enumerate(names):
+            (self.folder / name).write_bytes(self.text(self.mtl_lines(materials[i::2])))
+        return ["mtllib " + " ".join(names)] if odd.maybe() else ["mtllib " + name for name in names]
 
     def points_and_lines(self):
         case = self.case

@@ -81,6 +81,14 @@ class PlyWriter:
                 alpha, seen = self.alpha_of(len(of_faces))
             self.face += self.colour_columns(of_faces, alpha if kind == "face" else None)
         case.voxels.update(voxels_of(parts, WHITE if kind == "none" else None, seen))
+        if odd.beyond(0.05):
+            uv = [(p.points[:, :2] / 12).tolist() for p in parts]
+            self.vertex += [(name, "float", [v[i] for one in uv for v in one]) for i, name in enumerate("st")]
+            self.warn(NO_IMAGE)
+        elif odd.beyond(0.05):
+            image = Image(odd, ("png",))
+            self.add_image(image, True)
+            self.warn(NO_UV)
         case.notes.append(f"colours: {kind}, alpha {seen}")
 
     def add_image(self, image, is_there):

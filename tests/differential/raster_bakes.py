@@ -49,7 +49,7 @@ def place_differences(case, answers):
         if abs(float(answer["height"]) - height) > case.tolerance:
             out.append(f"{where}: expected {height:.2f} m, got {answer['height']} m")
         seen = tuple(int(answer[c]) for c in ("red", "green", "blue"))
-        if colour is not None and max(abs(a - b) for a, b in zip(seen, colour)) > 2:
+        if colour is not None and max(abs(a - b) for a, b in zip(seen, colour)) > case.colour_tolerance:
             out.append(f"{where}: expected the colour {colour}, got {seen}")
     return out
 

@@ -5,6 +5,7 @@ import numpy
 
 from osgeo import gdal, osr
 
+from ascii_grids import ascii_grid
 from odd import Case
 from raster_images import add_mask, add_ortho
 
@@ -18,12 +19,13 @@ UNITS = {"": 1, "m": 1, "metre": 1, "Meters": 1, "METRE": 1, "dm": 0.1, "cm": 0.
 TYPES = {"Byte": (gdal.GDT_Byte, "u1"), "Int16": (gdal.GDT_Int16, "i2"), "UInt16": (gdal.GDT_UInt16, "u2"),
          "Int32": (gdal.GDT_Int32, "i4"), "UInt32": (gdal.GDT_UInt32, "u4"), "Float32": (gdal.GDT_Float32, "f4"),
          "Float64": (gdal.GDT_Float64, "f8"), "SignedByte": (gdal.GDT_Byte, "i1")}
-SIZE = 14
 VOID = (slice(5, 9), slice(5, 9))
 EIGHT_BITS = ("has heights of 8 bits, whole metres from 0 to 255, as grey images have; set height_scale in a scene "
               ".json, the metres of one step (1: they are metres)")
 FEET = ("its coordinates are in 'US survey foot' and it does not say in which unit its heights are: taken as metres; "
         "set height_scale in a scene .json (1, or a foot: 0.3048)")
+UNDECLARED = ("pixels of {} are taken as holes, though the raster does not declare this number as nodata; declare it, "
+              "or set \"nodata\" in a scene .json")
 BANDS = "has 2 bands; heights are those of the first one (without a name), the others are not used"
 
 
@@ -51,6 +53,10 @@ class RasterWriter:
         column, row = region[1] % 8, region[1] // 8
         self.left, self.top, _ = to_file.TransformPoint(west + 0.004 * column, south + 0.003 * row)
         self.warned = []
+        # Tiles of 16 pixels, so that one raster may have several.
+        self.size = odd.choice([14, 14, 14, 37])
+        if odd.maybe(0.3):
+            self.entry["tile_cells"] = 16
 
     def choose_grid(self):
         """Where pixels lie: north or south up, turned, in degrees, metres or feet."""
@@ -102,7 +108,7 @@ class RasterWriter:
         self.geoid = odd.choice([None, None, None, 0, 47.25, -30])
         if self.geoid is not None:
             self.entry["geoid_offset_m"] = self.geoid
-        rows, columns = numpy.mgrid[0:SIZE, 0:SIZE]
+        rows, columns = numpy.mgrid[0:self.size, 0:self.size]
         low = odd.uniform(100, 2000)
         if has_scale:
             low = (low * self.scale + self.offset) * metres
@@ -125,6 +131,8 @@ class RasterWriter:
         """How the file states that pixels have no value."""
         odd = self.odd
         kinds = ["none", "none", "tag", "tag", "scene", "mask", "outer mask", "alpha"]
+        if self.kind == "tif" and self.type in ("Float32", "Float64", "Int16", "Int32"):
+            kinds.append("undeclared")
         if "Float" in self.type:
             kinds += ["nan", "rounded"]
         if self.kind == "asc":
@@ -142,6 +150,12 @@ class RasterWriter:
             value = math.nan
         if self.void == "rounded":
             value, self.nodata = -3.4028234663852886e38, -3.40282e38
+        if self.void == "undeclared":
+            value = -9999 if "Int" in self.type else odd.choice([-9999, 1e20])
+            if value == -9999 and (self.scale, self.offset) != (1, 0):
+                self.void = "none"
+                return
+            self.warned.append((UNDECLARED.format(f"{value:.9g}"), 1, 1))
         if self.void == "scene":
             self.entry["nodata"] = value
         with numpy.errstate(over="ignore"):
@@ -155,7 +169,7 @@ class RasterWriter:
         if odd.maybe():
             out += ["TILED=YES", f"BLOCKXSIZE={odd.choice([16, 32])}", f"BLOCKYSIZE={odd.choice([16, 48])}"]
         elif odd.maybe():
-            out.append(f"BLOCKYSIZE={odd.randint(1, SIZE)}")
+            out.append(f"BLOCKYSIZE={odd.randint(1, self.size)}")
         is_big_endian = odd.maybe(0.2)
         compression = odd.choice(["NONE", "LZW", "DEFLATE", "PACKBITS", "ZSTD"])
         out.append("COMPRESS=" + compression)
@@ -165,6 +179,8 @@ class RasterWriter:
         out += odd.sample(["BIGTIFF=YES", "INTERLEAVE=BAND", "GEOTIFF_VERSION=1.1"], odd.randint(0, 3))
         if is_big_endian:
             out.append("ENDIANNESS=BIG")  # which libtiff does not write right with the predictor of floats
+        if odd.maybe(0.15) and self.type != "SignedByte" and self.kind == "tif" and not self.is_point:
+            out += ["PROFILE=BASELINE", "TFW=YES"]  # the rest goes into .aux.xml
         if self.type == "SignedByte":
             out.append("PIXELTYPE=SIGNEDBYTE")
         return out
@@ -205,7 +221,16 @@ class RasterWriter:
             add_mask(path, valid, self.void == "mask")
 
     def write_ascii(self, path):
-        memory = gdal.GetDriverByName("MEM").Create("", SIZE, SIZE, 1, TYPES[self.type][0])
+        if self.odd.maybe(0.6):
+            nodata = float(self.nodata) if self.void == "tag" else None
+            text = ascii_grid(self.odd, self.raw, self.grid[0], self.grid[3], self.grid[1], nodata)
+            path.write_bytes(text.encode())
+            if not self.crs_in_scene:
+                crs = system(self.epsg)
+                crs.MorphToESRI()
+                path.with_suffix(".prj").write_text(crs.ExportToWkt())
+            return
+        memory = gdal.GetDriverByName("MEM").Create("", self.size, self.size, 1, TYPES[self.type][0])
         memory.SetGeoTransform(self.grid)
         if not self.crs_in_scene:
             memory.SetProjection(system(self.epsg).ExportToWkt())
@@ -220,9 +245,9 @@ class RasterWriter:
         odd = self.odd
         folder = self.folder / "tiles"
         folder.mkdir()
-        cut = odd.randint(3, SIZE - 3)
+        cut = odd.randint(3, self.size - 3)
         names = []
-        for name, part in (("w.tif", slice(0, cut)), ("e.tif", slice(cut, SIZE))):
+        for name, part in (("w.tif", slice(0, cut)), ("e.tif", slice(cut, self.size))):
             values = numpy.ascontiguousarray(self.raw[:, part])
             grid = list(self.grid)
             grid[0], grid[3] = self.place(part.start, 0)
@@ -284,10 +309,11 @@ class RasterWriter:
     def add_places(self):
         """Pixels' centres in the raster's inside, and the middle of its hole."""
         # AREA_OR_POINT=Point moves nothing: GDAL writes and reads the same geotransform.
-        pixels = ((2, 2), (2, 11), (11, 2), (11, 11), (6, 2), (7, 11))
+        end = self.size - 3
+        pixels = ((2, 2), (2, end), (end, 2), (end, end), (6, 2), (7, 11))
         if self.kind != "folder":
             self.case.outside = {
-                "corners": [self.place(0, 0), self.place(SIZE, SIZE)],
+                "corners": [self.place(0, 0), self.place(self.size, self.size)],
                 "values": [(*self.place(c + 0.5, r + 0.5), float(self.raw[r, c])) for c, r in pixels]}
         for column, row in pixels:
             self.places.append((*self.lon_lat(column + 0.5, row + 0.5), self.height[row, column], None))

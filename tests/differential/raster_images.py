@@ -37,16 +37,26 @@ def bands_of(odd, kind):
             "infrared": ["red", "green", "blue", "other"], "infrared first": ["other", "red", "green", "blue"],
             "alpha": ["red", "green", "blue", "alpha"], "alpha first": ["alpha", "red", "green", "blue"],
             "sixteen": ["red", "green", "blue"], "grey": ["grey"], "grey alpha": ["grey", "alpha"],
+            "twelve": ["red", "green", "blue"], "jpeg": ["red", "green", "blue"],
+            "white is 0": ["grey"],
             "palette": ["palette"], "nodata": ["red", "green", "blue"], "mask": ["red", "green", "blue"]}[kind]
 
 
 def create(odd, path, kind, names):
-    type_ = gdal.GDT_UInt16 if kind == "sixteen" else gdal.GDT_Byte
+    type_ = gdal.GDT_UInt16 if kind in ("sixteen", "twelve") else gdal.GDT_Byte
     options = odd.sample(["TILED=YES", "INTERLEAVE=BAND", "BIGTIFF=YES"], odd.randint(0, 2))
-    options.append("COMPRESS=" + odd.choice(["NONE", "LZW", "DEFLATE"]))
+    if kind == "jpeg":
+        options = [o for o in options if "BAND" not in o] + odd.choice([["PHOTOMETRIC=YCBCR"], []])
+        options += ["COMPRESS=JPEG", "JPEG_QUALITY=98"]
+    else:
+        options.append("COMPRESS=" + odd.choice(["NONE", "LZW", "DEFLATE"]))
+    if kind == "twelve":
+        options.append("NBITS=12")
+    if kind == "white is 0":
+        options.append("PHOTOMETRIC=MINISWHITE")
     if len(names) > 3:
         options.append("ALPHA=NO")
-    if names[:3] == ["red", "green", "blue"] and odd.maybe():
+    if names[:3] == ["red", "green", "blue"] and kind != "jpeg" and odd.maybe():
         options.append("PHOTOMETRIC=RGB")
     return gdal.GetDriverByName("GTiff").Create(str(path), EDGE, EDGE, len(names), type_, options)
 
@@ -64,12 +74,16 @@ def fill(raster, kind, names, pixels, transparent):
             band.SetColorInterpretation(gdal.GCI_PaletteIndex)
             values = numpy.array([[colours.index(tuple(p)) for p in row] for row in pixels.tolist()])
         else:
-            band.SetColorInterpretation(INTERPRETATIONS[name])
+            if kind not in ("jpeg", "white is 0"):
+                band.SetColorInterpretation(INTERPRETATIONS[name])
             values = {"alpha": numpy.where(transparent, 0, 255), "other": numpy.full((EDGE, EDGE), 77),
                       "grey": pixels[..., 0]}.get(name)
             if values is None:
                 values = pixels[..., COLOURS.index(name)]
-        band.WriteArray((values * 257).astype("u2") if kind == "sixteen" else values.astype("u1"))
+        if kind == "white is 0":
+            values = 255 - values
+        scale = {"sixteen": 257, "twelve": 4095 / 255}.get(kind)
+        band.WriteArray(numpy.round(values * scale).astype("u2") if scale else values.astype("u1"))
 
 
 def placed(writer, raster, odd):
@@ -104,10 +118,11 @@ def add_ortho(writer):
     """Adds an orthophoto and the colours of four places."""
     odd, case = writer.odd, writer.case
     kind = odd.choice(["rgb", "rgb", "bgr", "infrared", "infrared first", "alpha", "alpha first", "sixteen", "grey",
-                       "grey alpha", "palette", "nodata", "mask"])
+                       "grey alpha", "palette", "nodata", "mask", "twelve", "jpeg", "white is 0"])
     colours = dict(zip([(0, 0), (1, 0), (0, 1), (1, 1)], odd.colours(4)))
-    if kind.startswith("grey"):
+    if kind.startswith("grey") or kind == "white is 0":
         colours = {k: (v, v, v) for k, v in zip(colours, odd.sample((20, 70, 120, 170, 220, 250), 4))}
+    case.colour_tolerance = 12 if kind == "jpeg" else 2
     if kind == "sixteen":
         colours[(0, 0)] = (250, 240, 251)
     names = bands_of(odd, kind)

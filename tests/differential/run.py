@@ -33,6 +33,7 @@ import tileset_files
 from odd import Odd
 
 gdal.UseExceptions()
+gdal.PushErrorHandler("CPLQuietErrorHandler")  # its warnings about odd files are expected
 
 WRITERS = {"obj": obj_files.write_obj, "ply": ply_files.write_ply, "stl": stl_files.write_stl,
            "gltf": gltf_files.write_gltf, "tileset": tileset_files.write_tileset, "raster": raster_files.write_raster,
