@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "format/source/json_repair.h"
 #include "lattice/error.h"
 #include "lattice/memory_limit.h"
 
@@ -142,6 +143,8 @@ Json parse_json(const std::filesystem::path& file, std::span<const std::uint8_t>
   check_nesting(file, text);
   if (text.size() >= 3 && text[0] == 0xef && text[1] == 0xbb && text[2] == 0xbf)
     throw InputError(file, "", "JSON starts with a byte order mark; save it without");
+  const std::optional<std::string> repaired = repaired_json(text);
+  if (repaired) text = {reinterpret_cast<const std::uint8_t*>(repaired->data()), repaired->size()};
   Builder builder(file, text, fold);
   Json::sax_parse(text.begin(), text.end(), &builder);
   return builder.take();

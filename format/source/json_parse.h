@@ -25,6 +25,7 @@ struct OpenJson {
 /// taken over, and the object is dropped from the document. May throw InputError.
 using JsonFold = std::function<bool(const std::vector<OpenJson>& around, Json& complete)>;
 
+/// Strings of any bytes are read: repaired_json().
 /// Errors  InputError: not JSON (line, byte and what was expected), nested deeper than 128, longer than 2^28 bytes, or
 ///         more values than memory_limit() has room for (lattice/memory_limit.h).
 Json parse_json(const std::filesystem::path& file, std::span<const std::uint8_t> text, const JsonFold& fold = {});

@@ -275,6 +275,39 @@ class ExporterFiles(harness.FolderTest):
         for path in tiles.rglob("*.json"):
             json.loads(path.read_bytes().decode("utf-8"))
 
+    def test_a_damaged_name_costs_no_source(self):
+        """Names in Latin-1 and halves of surrogate pairs, of materials, meshes, ids, URIs and groups."""
+        names = [b"\\ud800", b"x\\uDC00", b"Stra\xdfe", b"\xed\xa0\x80", b"\\u0001\\ufffe]]>&<"]
+        for number, name in enumerate(names):
+            made, binary = document(FACTOR, uri="B")
+            made["buffers"][0]["uri"] = data_uri("", binary)
+            for key in ("materials", "meshes", "nodes", "scenes"):
+                made[key][0]["name"] = "NAME"
+            made["extensionsUsed"] = ["X_NAME"]
+            folder = self.root / f"damaged{number}"
+            folder.mkdir()
+            (folder / "a.gltf").write_bytes(json.dumps(made).encode().replace(b"NAME", name))
+            tiles = json.dumps(tileset("a.gltf", "gone_NAME.glb")).encode().replace(b"NAME", name)
+            (folder / "t.json").write_bytes(tiles)
+            self.expect_outputs(folder / "t.json")
+        obj = self.root / "damaged.obj"
+        name = b"\x01\xff\xed\xa0\x80<&]]>"
+        obj.write_bytes(b"mtllib %s.mtl\ng %s\no %s\nv 0 .25 0\nv 4 .25 0\nv 4 .25 -4\nv 0 .25 -4\nusemtl %s\n"
+                        b"f 1 2 3 4\nf 1 2 9\n%s\n" % ((name,) * 5))
+        self.expect_outputs(obj)
+
+    def expect_outputs(self, source):
+        """A source of 64 voxels that also misses something: all documents are well-formed."""
+        report = source.parent / "report.json"
+        result = PROGRAM.run("bake", source, "-o", self.root / "out", "--voxel-size", 0.5, "--report", report,
+                             errors="replace")  # a message may have any bytes
+        self.assertEqual(result.returncode, 3, result)
+        self.assertEqual(PROGRAM.info(self.root / "out")["lods"][0]["voxels"], 64, source)
+        json.loads(report.read_bytes().decode("utf-8"))
+        xml.etree.ElementTree.parse(self.root / "out/scene.xml")
+        plan = PROGRAM.run("plan", source, "--voxel-size", 0.5, "--no-measure", "--json", errors="replace")
+        self.assertIn("gone" if source.suffix == ".json" else "corner", str(json.loads(plan.stdout)["losses"]))
+
 
 if __name__ == "__main__":
     PROGRAM = harness.Gigabake(sys.argv[1])
