@@ -11,7 +11,7 @@ using kernels::CastBrick;
 using kernels::slot_edge;
 using kernels::VoxelBox;
 
-/// Voxels [begin, end) of a slot along each axis.
+/// A box of voxels in a slot: [begin, end) along each axis.
 struct SlotPart {
   int begin[3], end[3];
 };
@@ -28,7 +28,7 @@ class BrickFiller {
         gaps_(gaps),
         brick_(brick) {}
 
-  /// The brick's own voxels, then its three faces', three edges' and one corner's neighbours.
+  /// Fills the brick's own voxels, then the border from the neighbours at three faces, three edges and one corner.
   bool fill() {
     for (int side = 0; side < 8; ++side) {
       SlotPart part;
@@ -45,10 +45,11 @@ class BrickFiller {
  private:
   std::int64_t lattice(int a, int slot) const { return corner_.min[a] + (std::int64_t(slot) << lod_); }
 
-  /// One brick of a shard holds all of it, or as much as begins at its corner; the rest is cut into boxes behind that.
-  /// Bricks of cells may begin at any z, and a root parent's largest at the middle of a node.
+  /// Fills the voxels of `part` that one stored brick covers, then recurses into the up to three boxes that remain. A
+  /// part may need several stored bricks, because bricks of cells may begin at any z, and those of a root overview in
+  /// the middle of a node.
   void fill_part(const SlotPart& part) {
-    // Centres decide which voxel of a cell that is not aligned stands here.
+    // In z, voxel centres decide which voxel of an unaligned cell is used.
     const std::int64_t half = std::int64_t(1) << lod_ >> 1;
     const std::int64_t v[3] = {lattice(0, part.begin[0]), lattice(1, part.begin[1]), lattice(2, part.begin[2]) + half};
     const VoxelPlace place = lookup_.place(lod_, v, gaps_, path_);
@@ -75,7 +76,7 @@ class BrickFiller {
     slot_.row[z][y] = std::uint16_t(slot_.row[z][y] | 1u << x);
   }
 
-  /// A border of what cannot be read, and of which coarser voxels will be shown: as these.
+  /// Fills a part of the border that cannot be read with the coarser voxels that are rendered in its place.
   void fill_from_coarser(const SlotPart& part, std::int64_t half) {
     for (int z = part.begin[2]; z < part.end[2]; ++z)
       for (int y = part.begin[1]; y < part.end[1]; ++y)
@@ -85,7 +86,7 @@ class BrickFiller {
         }
   }
 
-  /// Of the finest level that can be read there. Its plane is one of larger voxels, and is left out.
+  /// Returns the voxel of the finest readable coarser level. Its plane is cleared, because it describes a larger voxel.
   std::optional<kernels::CastVoxel> coarser_voxel(const std::int64_t v[3]) {
     for (int lod = lod_ + 1; lod <= top_; ++lod) {
       PageGaps gaps;
@@ -146,7 +147,7 @@ class BrickFiller {
     }
   }
 
-  /// stored: the row of the other brick, whose first voxel there has rank `rank` in the block.
+  /// stored: the mask of the row in the stored brick; the row's first voxel has rank `rank` in the block.
   void fill_row(const SlotPart& part, int y, int z, std::uint32_t stored, int from_x, const BrickBlock& block,
                 std::uint32_t rank) {
     for (std::uint32_t rest = stored; rest != 0; rest &= rest - 1, ++rank) {

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t most_cells = std::size_t(1) << 28;
 
-/// What is wrong with a scene, without the file it was read from.
+/// A fault of a scene, without the file that it was read from.
 struct LayoutRefusal {
   std::string key, what;
 };
@@ -42,7 +42,7 @@ void check_cell(const SceneCell& cell, const SceneCell& first) {
 
 constexpr std::uint32_t rim_cell = 0xffffffffu;
 
-/// Column coordinates, and the lows of the cells in it: which cell, or rim_cell.
+/// Cells by column coordinates, then by lowest z: the index of the cell, or rim_cell.
 using Columns = std::map<std::pair<std::int64_t, std::int64_t>, std::map<std::int64_t, std::uint32_t>>;
 
 Columns columns_of(const std::vector<SceneCell>& cells) {
@@ -61,7 +61,7 @@ Columns columns_of(const std::vector<SceneCell>& cells) {
   return columns;
 }
 
-/// Cells of the column's own grid that cover what begins in [low, high) and that no cell covers yet.
+/// Adds rim cells on the column's own grid that cover [low, high) wherever no cell does.
 void add_rims(std::int64_t low, std::int64_t high, std::int64_t edge, std::map<std::int64_t, std::uint32_t>& column) {
   const std::int64_t phase = column.empty() ? low : column.begin()->first;
   const auto floor_to_grid = [&](std::int64_t z) {
@@ -76,7 +76,7 @@ void add_rims(std::int64_t low, std::int64_t high, std::int64_t edge, std::map<s
   }
 }
 
-/// The columns with rim cells: below every cell, and west, south and south-west of it, down to one coarsest voxel.
+/// Returns the columns with rim cells: below each cell and to its west, south and south-west, one coarsest voxel deep.
 Columns with_rims(const Columns& columns, std::int64_t edge) {
   Columns all = columns;
   const std::int64_t coarsest_voxel = edge / brick_edge;
@@ -93,7 +93,7 @@ LatticeBox window_of(const std::vector<SceneCell>& cells) {
   return window;
 }
 
-/// Columns' coordinates start at 0.
+/// Sets the scene's bounds; column coordinates are counted from the lowest column.
 void measure(const LatticeBox& window, const Columns& columns, kernels::CastScene& scene) {
   for (std::size_t a = 0; a < 3; ++a) {
     scene.min[a] = double(window.min[a]);

@@ -1,8 +1,8 @@
-/// The trees that rays go down, in the order that they are found in: columns by interleaved coordinates, upwards in
-/// each. Either there is a tree to each cell, or the whole scene hangs from a few that are as large as its root parent.
+/// The octrees that rays traverse, in lookup order: columns by interleaved coordinates, bottom-up in each column.
+/// Either each cell has a tree, or a few trees of the size of the root overview cover the whole scene.
 ///
-/// A voxel's field reaches half a voxel below the voxel (kernels/cast/scene.h), so it may begin in a place that no cell
-/// of the scene covers. *Rim cells* cover it: they have a tree of fields, but no voxels of their own.
+/// The reconstruction kernel of a voxel extends half a voxel below it (kernels/cast/scene.h), possibly outside all
+/// cells. *Rim cells* cover those places: they have a tree of fields, but no voxels of their own.
 #pragma once
 
 #include <cstdint>
@@ -19,16 +19,16 @@ struct CellLayout {
   std::vector<std::uint64_t> column_key;
   std::vector<std::uint32_t> column_first;
 
-  /// With spans of the arrays above; nothing is in its pools.
+  /// Refers to the arrays above; its pools are empty.
   kernels::CastScene scene;
 };
 
-/// scene_path: for messages.
-/// Errors  InputError: no cells, cells of several sizes, off their lattice, too far apart or one inside the other.
+/// Returns a layout with one tree per cell. scene_path: for messages.
+/// Errors  InputError: no cells, cells of different sizes, unaligned cells, cells too far apart, or overlapping cells.
 CellLayout lay_out_cells(const std::vector<SceneCell>& cells, const std::filesystem::path& scene_path);
 
-/// Aligned trees of the root parent's size, which begins at a multiple of half of it: two along each axis hold it and
-/// its rims. window: of all cells.
+/// Returns a layout of aligned trees of the root overview's size. The root begins at a multiple of half its size, so
+/// two trees along each axis contain it and its rims. window: of all cells.
 CellLayout lay_out_root(const SceneCell& root, const LatticeBox& window);
 
 }  // namespace gigabake

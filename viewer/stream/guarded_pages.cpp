@@ -22,7 +22,7 @@ namespace {
                    "shard " + std::to_string(key.shard) + ", " + part + ", block " + std::to_string(key.block), what);
 }
 
-/// What rows alone can say; what they refer to is looked at when somebody goes there (voxel_lookup.h).
+/// Checks what rows alone can show; references to other rows are checked when they are followed (voxel_lookup.h).
 std::string fault_of_rows(const std::vector<NodeRow>& rows) {
   if (rows.empty() || rows.size() > nodes_per_block)
     return "expected 1 to " + std::to_string(nodes_per_block) + " rows, got " + std::to_string(rows.size());
@@ -77,7 +77,7 @@ class Guard {
   }
 
  private:
-  /// get: the producer's page. Says where an error is from that does not say it itself.
+  /// get: calls the producer. Adds the page's name to errors that do not have it.
   template <class Get>
   static Page page_from(const PageKey& key, const Get& get) {
     try {

@@ -1,5 +1,5 @@
-/// Pages of a producer that is somebody else's: whatever it does, what comes is a page that holds together, or a reason
-/// why there is none, and never late.
+/// Validates the pages of an external producer. Each request returns a consistent page or throws with a reason, within
+/// a time limit.
 #pragma once
 
 #include <cstdint>
@@ -10,14 +10,15 @@ namespace gigabake {
 
 struct ProducerLimits {
   double seconds = 30;                                       ///< for a page; 0: no limit
-  int most_late = 3;                                         ///< after so many late pages it is not asked again
+  int most_late = 3;                                         ///< after this many late pages it is not called again
   std::uint64_t most_page_bytes = std::uint64_t(256) << 20;  ///< Page::bytes()
 };
 
-/// A producer that is late runs on in a thread of its own, and its page is thrown away: whatever it uses must outlive
-/// that. It may be asked by several threads at once, and not by those that ask this.
-/// Errors  InputError, of the source that is returned: the producer threw, is late, or gave a page that is larger than
-///         the limit, or not of the key, whose columns do not agree, or that lacks the scene's normals.
+/// Returns a source that calls and validates the producer. With a time limit each call runs in its own thread. A late
+/// call continues there and its page is discarded, so everything that the producer uses must outlive the call. The
+/// producer may be called concurrently, and on other threads than the callers of the returned source.
+/// Errors  InputError, from the returned source: the producer threw, is late, or gave a wrong page. A page is wrong if
+///         it is larger than the limit, not of the key, inconsistent, or without the scene's normals.
 PageSource guarded_pages(PageSource producer, const SceneHeader& scene, const ProducerLimits& limits = {});
 
 }  // namespace gigabake

@@ -8,9 +8,9 @@
 namespace gigabake {
 namespace {
 
-/// Some 300 KB each, of a full page of cells.
+/// A full page of cells takes about 300 KB.
 constexpr std::size_t most_kept = 32;
-constexpr std::int32_t deepest = 64;  // blocks halve from page to page
+constexpr std::int32_t deepest = 64;  // the block edge halves with each page level
 
 }  // namespace
 
@@ -18,7 +18,7 @@ NumberedShards::NumberedShards(std::shared_ptr<const PagedScene> scene,
                                std::shared_ptr<std::atomic<std::uint64_t>> files_opened)
     : scene_(std::move(scene)), files_opened_(std::move(files_opened)) {}
 
-/// Two threads may read the same page at the same time; one of the two is kept.
+/// Returns a page from the cache or the file. If two threads read the same page concurrently, one copy is kept.
 std::shared_ptr<const ScenePage> NumberedShards::read(const PageReference& reference, std::uint32_t first,
                                                       std::int32_t depth) {
   const auto find = [&] {
@@ -42,7 +42,8 @@ std::shared_ptr<const ScenePage> NumberedShards::read(const PageReference& refer
   return page;
 }
 
-/// The page on the way to what is looked for that lies `depth` below those that scene.xml refers to, or the last one.
+/// Returns the page that is `depth` levels below those that scene.xml refers to, on the path to the item. If the path
+/// ends earlier, returns its last page.
 NumberedShards::Listing NumberedShards::page_with(const IsBelow& is_below, std::int32_t depth) {
   Listing at{0, 0, std::shared_ptr<const ScenePage>(scene_, &scene_->root())};
   for (std::int32_t next = 0; next <= depth; ++next) {

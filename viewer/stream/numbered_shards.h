@@ -1,5 +1,5 @@
-/// A scene's cells and parents by the numbers that pages' keys know them by: looked up in the scene's pages, of which
-/// a bounded number is kept.
+/// Lookup of a scene's cells and overviews by the shard numbers of page keys. The scene's pages are read on demand, and
+/// a bounded number of them is kept.
 #pragma once
 
 #include <atomic>
@@ -14,16 +14,17 @@
 
 namespace gigabake {
 
-/// Any number of threads may use one at a time.
-/// Errors (all)  InputError: no such number; a page of the scene that cannot be read.
+/// Thread-safe: any number of threads may use the same NumberedShards concurrently.
+/// Errors  All members: InputError: unknown number; a page of the scene that cannot be read.
 class NumberedShards {
  public:
-  /// files_opened: counts pages that are read.
+  /// files_opened: counts the pages read.
   NumberedShards(std::shared_ptr<const PagedScene> scene, std::shared_ptr<std::atomic<std::uint64_t>> files_opened);
 
   const PagedScene& scene() const { return *scene_; }
   SceneCell shard(std::uint32_t number);
-  /// Range  key.part ≤ PageKey::listing.
+  /// Returns the listing of one page of the scene.
+  /// Range   key.part ≤ PageKey::listing.
   Page listing(const PageKey& key);
 
  private:
@@ -33,10 +34,11 @@ class NumberedShards {
     std::shared_ptr<const ScenePage> page;
   };
   struct Listing {
-    std::uint32_t first_cell = 0, first_parent = 0;  ///< the latter counted from 0
+    std::uint32_t first_cell = 0, first_parent = 0;  ///< first_parent counts overviews only
     std::shared_ptr<const ScenePage> page;
   };
-  /// Whether what is looked for stands in the page that is meant or below it, whose first cell and parent are given.
+  /// Returns whether the item is in the referenced page or below it. The arguments after it are the page's first cell
+  /// and overview.
   using IsBelow = std::function<bool(const PageReference& reference, std::uint32_t first, std::uint32_t first_parent)>;
   Listing page_with(const IsBelow& is_below, std::int32_t depth);
   Listing page_with_cell(std::uint32_t cell, std::int32_t depth);
@@ -45,7 +47,7 @@ class NumberedShards {
   std::shared_ptr<const PagedScene> scene_;
   std::shared_ptr<std::atomic<std::uint64_t>> files_opened_;
   std::mutex mutex_;
-  std::list<Kept> kept_;  ///< the last used in front
+  std::list<Kept> kept_;  ///< most recently used first
 };
 
 }  // namespace gigabake

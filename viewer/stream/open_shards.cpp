@@ -18,7 +18,7 @@ OpenShards::OpenShards(NumberedShards& numbers, std::size_t most_open,
     : numbers_(numbers), most_open_(most_open), files_opened_(std::move(files_opened)) {}
 
 std::shared_ptr<OpenShards::Shard> OpenShards::entry_of(std::uint32_t number) {
-  std::shared_ptr<Shard> closed;  // after the lock is given back
+  std::shared_ptr<Shard> closed;  // destroyed after the lock is released
   const std::scoped_lock lock(mutex_);
   if (const auto found = entries_.find(number); found != entries_.end()) {
     uses_.splice(uses_.begin(), uses_, found->second.use);

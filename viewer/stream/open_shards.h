@@ -1,4 +1,4 @@
-/// The shards of a scene that are open: opened when asked for, a bounded number of them, the longest unused closed.
+/// LRU cache of a scene's open shards: opens a shard at its first request and keeps a bounded number open.
 #pragma once
 
 #include <atomic>
@@ -13,24 +13,25 @@
 
 namespace gigabake {
 
-/// What an open shard takes: its file's caches and the index of its chunks, measured on shards of 1 MB.
+/// Memory per open shard: caches of the file and the index of its chunks, measured on shards of 1 MB.
 inline constexpr std::uint64_t open_shard_bytes = std::uint64_t(320) << 10;
 
-/// Returns how many shards may be open within a limit of memory: those that an eighth of it holds, 4 to 400.
+/// Returns how many shards may be open within a memory limit: as many as fit into an eighth of it, 4 to 400.
 std::size_t open_shards_within(std::uint64_t memory_bytes);
 
-/// Like pages_from_files() (page.h), with another limit of open shards.
+/// Returns the source of pages_from_files() (page.h) with a different limit of open shards.
 PageSource pages_from_open_shards(std::shared_ptr<const PagedScene> scene,
                                   std::shared_ptr<std::atomic<std::uint64_t>> files_opened, std::size_t most_open);
 
 class OpenShards {
  public:
-  /// Borrows `numbers`. files_opened: where given, counts each shard that is opened.
+  /// Borrows `numbers`. files_opened: if given, counts each shard that is opened.
   OpenShards(NumberedShards& numbers, std::size_t most_open,
              std::shared_ptr<std::atomic<std::uint64_t>> files_opened = {});
 
-  /// Any number of threads; others go on while one waits for its file. What was given stays open while it is held.
-  /// Errors  InputError: no such number, no such file, not a shard, not the one that the scene means.
+  /// Returns an open shard, which stays open while the pointer is held. Thread-safe: a thread that waits for its file
+  /// does not block the others.
+  /// Errors  InputError: unknown number, no such file, not a shard, or a different shard than the scene refers to.
   std::shared_ptr<const ShardPages> get(std::uint32_t number);
 
  private:
@@ -49,7 +50,7 @@ class OpenShards {
   std::size_t most_open_;
   std::shared_ptr<std::atomic<std::uint64_t>> files_opened_;
   std::mutex mutex_;
-  std::list<std::uint32_t> uses_;  ///< numbers, the last used in front
+  std::list<std::uint32_t> uses_;  ///< numbers, most recently used first
   std::unordered_map<std::uint32_t, Entry> entries_;
 };
 

@@ -1,6 +1,6 @@
-/// Parts of a scene that come and go as one: a block of a shard's node rows, a block of bricks of one level, or what
-/// one page of the scene lists. The former stand in Morton order, so a block is a compact piece of the shard, and a
-/// whole tree never has to be here.
+/// Pages, the unit of streaming: a block of a shard's node rows, a block of bricks of one level, or the listing of one
+/// page of the scene. Node rows and bricks are stored in Morton order. A block therefore covers a compact part of the
+/// shard, and a whole tree never has to be resident.
 #pragma once
 
 #include <array>
@@ -18,15 +18,16 @@ namespace gigabake {
 
 inline constexpr std::uint32_t nodes_per_block = 4096, bricks_per_block = 512;
 
-/// Cells are numbered in the order of the scene's pages, from 0; behind them parents, those of a page before those of
-/// the pages below it.
+/// The identity of a page. Cells are numbered from 0 in the order of the scene's pages. Overviews follow: those of a
+/// page come before those of the pages below it.
 struct PageKey {
-  std::uint32_t shard = 0;  ///< its number; of a page of the scene: of the first cell there
-  std::int32_t part = -1;   ///< node_rows; listing and below; else bricks of this level, counted from the shard's own 0
-  std::uint32_t block = 0;  ///< rows (bricks) block·nodes_per_block (block·bricks_per_block) and on
+  std::uint32_t shard = 0;  ///< shard number; for a listing: the number of its first cell
+  std::int32_t part = -1;   ///< node_rows; listing or less; otherwise the level of the bricks, relative to the shard's
+                            ///< finest
+  std::uint32_t block = 0;  ///< begins at row (brick) block·nodes_per_block (block·bricks_per_block)
 
   static constexpr std::int32_t node_rows = -1;
-  /// What a page of the scene lists that scene.xml refers to; a page that this refers to: one less, and so on.
+  /// The listing of a page that scene.xml refers to. The value decreases by 1 per level of pages below.
   static constexpr std::int32_t listing = -2;
 
   friend auto operator<=>(const PageKey&, const PageKey&) = default;
@@ -40,7 +41,7 @@ struct ListedCell {
 struct ListedParent {
   std::uint32_t own_lod = 0;
   std::array<std::int64_t, 3> min{};
-  std::uint32_t index = 0;  ///< number without the cells before it
+  std::uint32_t index = 0;  ///< number minus the number of cells
 };
 
 struct ListedPage {
@@ -49,29 +50,29 @@ struct ListedPage {
 };
 
 struct Page {
-  std::vector<NodeRow> rows;      ///< empty, or
-  BrickBlock bricks;              ///< (format/shard/shard.h) empty, or
-  std::vector<ListedCell> cells;  ///< by min x, y, z; empty, or
+  std::vector<NodeRow> rows;      ///< in a page of node rows
+  BrickBlock bricks;              ///< in a page of bricks (format/shard/shard.h)
+  std::vector<ListedCell> cells;  ///< in a listing; sorted by min x, y, z
   std::vector<ListedPage> pages;
-  std::vector<ListedParent> parents;  ///< with those two; by own_lod, then by min x, y, z
+  std::vector<ListedParent> parents;  ///< in a listing; sorted by own_lod, then by min x, y, z
 
-  std::uint64_t bytes() const;  ///< of memory
+  std::uint64_t bytes() const;  ///< memory use
 };
 
-/// Reads one page; called from several threads at once.
-/// Exact   Children of a row lie behind it in the table and inside it; masks, `first` and the columns agree.
-/// Errors  InputError: no such shard, damaged, not of this scene, or no such block.
+/// A function that reads one page. It is called from several threads concurrently.
+/// Exact   A row's children follow it in the table and exist there; masks, `first` and the columns agree.
+/// Errors  InputError: no such shard, a damaged shard, a shard of another scene, or no such block.
 using PageSource = std::function<Page(const PageKey&)>;
 
-/// As a viewer searches them. first: the number of the first one.
+/// Return listings in the order in which the viewer searches them. first: the number of the first entry.
 std::vector<ListedCell> listed_cells(const std::vector<SceneCell>& cells, std::uint32_t first);
 std::vector<ListedPage> listed_pages(const std::vector<PageReference>& pages, std::uint32_t first);
 std::vector<ListedParent> listed_parents(const std::vector<SceneCell>& parents, std::uint32_t first);
 
-/// How many shards are open at once; the longest unused is closed. Processes may have 1024 files open.
+/// Max number of open shards; the least recently used is closed. Processes may have 1024 files open.
 inline constexpr std::size_t most_open_shards = 400;
 
-/// From the scene's pages and shards. files_opened: where given, counts each that is opened.
+/// Returns a source that reads the scene's pages and shards. files_opened: if given, counts each file that is opened.
 PageSource pages_from_files(std::shared_ptr<const PagedScene> scene,
                             std::shared_ptr<std::atomic<std::uint64_t>> files_opened = {});
 

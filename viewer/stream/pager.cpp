@@ -18,7 +18,7 @@ struct Arrival {
   PageKey key;
   std::optional<Page> page;
   std::uint64_t bytes = 0;
-  std::string problem;  ///< where there is no page
+  std::string problem;  ///< set if there is no page
 };
 
 std::string one_line(std::string text) {
@@ -26,7 +26,7 @@ std::string one_line(std::string text) {
   return text;
 }
 
-/// Says which page, where the error does not.
+/// Returns the error with the page's name in front, for errors that do not name it.
 std::string problem_with(const PageKey& key, const std::string& what) {
   const std::string part = key.part == PageKey::node_rows ? "nodes"
                            : key.part <= PageKey::listing ? "list of cells"
@@ -71,16 +71,17 @@ struct Pager::State {
   const PageSource source;
   const std::uint64_t memory_bytes;
 
-  /// Changed by begin_pass() alone, but for pages that go; so they are looked at without the mutex.
+  /// Changed only by begin_pass(), except for evictions; find() therefore reads it without the mutex.
   ResidentPages pages;
   std::unordered_set<PageKey, PageKeyHash> damaged;
 
-  mutable std::mutex mutex;  ///< for all below, and for pages that go
+  mutable std::mutex mutex;  ///< guards all members below, and evictions
   std::condition_variable_any wanted;
   std::condition_variable arrived;
-  std::vector<PageKey> queue;  ///< from `next` on
+  std::vector<PageKey> queue;  ///< pending from `next` on
   std::size_t next = 0;
-  bool first_of_call = false;  ///< nothing read yet of this queue: one page may exceed memory, or some passes never end
+  bool first_of_call = false;  ///< no page of this queue was read yet: the first may exceed the limit, or some passes
+                               ///< never end
   std::uint64_t reading = 0;
   std::unordered_set<PageKey, PageKeyHash> in_hand;  ///< being read, or arrived
   std::vector<Arrival> arrivals;
@@ -100,7 +101,7 @@ Pager::State::~State() {
   for (std::jthread& reader : readers) reader.request_stop();
 }
 
-/// Pages being read count for nothing: nobody knows their size yet.
+/// Pages being read are not counted, because their size is not known yet.
 bool Pager::State::may_read() const {
   return (first_of_call && reading == 0 && arrivals.empty()) || bytes() - pages.candidate_bytes() < memory_bytes;
 }
@@ -139,7 +140,7 @@ void Pager::State::take(Arrival arrival) {
   arrivals.push_back(std::move(arrival));
 }
 
-/// Every page is looked at, so only where some may have to go.
+/// Lists eviction candidates only if memory use exceeds the limit, because listing visits every page.
 void Pager::State::list_unused_above(std::uint64_t limit) {
   if (bytes() > limit)
     pages.list_unused();

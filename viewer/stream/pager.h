@@ -1,4 +1,4 @@
-/// The pages in memory: read by threads of its own, most urgent first; the longest unused let go.
+/// Page cache with its own reader threads: most urgent requests first, eviction of the least recently used pages.
 #pragma once
 
 #include <chrono>
@@ -12,53 +12,53 @@
 namespace gigabake {
 
 struct PagerCounts {
-  std::uint64_t reads = 0;       ///< pages read, each time anew
-  std::uint64_t bytes = 0;       ///< of the pages here now
-  std::uint64_t peak_bytes = 0;  ///< most at once
-  std::uint64_t queued = 0;      ///< wanted, not read yet, those being read included
+  std::uint64_t reads = 0;       ///< pages read; a page read again counts again
+  std::uint64_t bytes = 0;       ///< of the resident pages
+  std::uint64_t peak_bytes = 0;  ///< max of `bytes` so far
+  std::uint64_t queued = 0;      ///< requested but not read yet, including pages being read
   std::uint64_t bytes_read = 0;  ///< of all pages read so far
 };
 
-/// One thread calls it, but for find().
+/// All members but find() and is_damaged() must be called from one thread.
 class Pager {
  public:
   struct Options {
     int threads = 2;                                      ///< readers and decoders
-    std::uint64_t memory_bytes = std::uint64_t(1) << 29;  ///< UINT64_MAX: no bound
+    std::uint64_t memory_bytes = std::uint64_t(1) << 29;  ///< UINT64_MAX: no limit
   };
 
   Pager(PageSource source, const Options& options);
   ~Pager();  ///< waits for the pages being read
 
-  /// Takes in what has arrived and makes room: pages that nobody found since the last call go, the longest unused
-  /// first, until the rest keeps within memory_bytes. What has arrived stays until the pass ends. So memory exceeds the
-  /// bound only by what one pass needs at once and by the pages being read.
-  /// Returns whether anything arrived, damage included.
+  /// Makes arrived pages resident and evicts pages that were not found since the last call, least recently used first,
+  /// until memory_bytes suffice. Arrived pages stay until the pass ends. Memory exceeds the limit only by what one pass
+  /// needs at once and by the pages being read.
+  /// Returns whether anything arrived, including damaged pages.
   bool begin_pass();
 
-  /// Null where it is not here. Marks it as used. Valid until the next begin_pass(), and so is the answer null. Any
-  /// number of threads, without a lock, beside everything but begin_pass().
+  /// Returns a page and marks it as used, or returns null if it is not resident. The result, also null, is valid until
+  /// the next begin_pass(). Any number of threads may call it without a lock, but not concurrently with begin_pass().
   const Page* find(const PageKey& key) const;
 
-  /// Nothing to wait for: the page cannot be read. It is not tried again. Threads as find().
+  /// Returns whether the page cannot be read; it is not tried again. Threads may call it like find().
   bool is_damaged(const PageKey& key) const;
 
-  /// Replaces what was wanted before; pages that are being read go on. Those here or damaged are skipped, and those
-  /// that would not fit beside what the last pass used, but for the first, wait for a later call. To be called at the
-  /// end of a pass: what it has not found by now may make room before the next one begins.
+  /// Replaces the request queue; pages being read are completed. Skips pages that are resident or damaged. Except for
+  /// the first request, pages that do not fit next to those that the last pass used are left to a later call. Call it
+  /// at the end of a pass: pages not found by then may be evicted before the next pass begins.
   void want(const std::vector<PageKey>& most_urgent_first);
 
-  /// Until something has arrived for begin_pass(), or nothing is queued. False: the time was over before.
+  /// Waits until something has arrived for begin_pass(), or nothing is queued. Returns false on timeout.
   bool wait(std::chrono::milliseconds most = std::chrono::hours(1));
 
-  /// Until nothing is queued. False: the time was over before.
+  /// Waits until nothing is queued. Returns false on timeout.
   bool settle(std::chrono::milliseconds most);
-  /// Whether begin_pass() would take something in.
+  /// Returns whether begin_pass() would make a page resident or mark one as damaged.
   bool has_arrivals() const;
 
   PagerCounts counts() const;
 
-  /// One line for each page that could not be read, and why; lines that are the same once.
+  /// Returns one line per page that could not be read, with the reason; equal lines appear once.
   std::vector<std::string> problems() const;
 
  private:

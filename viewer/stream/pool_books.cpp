@@ -11,7 +11,7 @@ using kernels::CastNode;
 using kernels::empty_ref;
 using kernels::lost_ref;
 
-/// Room is made for many at once: one look at all stamps for each sixteenth of a pool.
+/// Part of a pool that is evicted at once, so that the timestamps are rarely scanned.
 constexpr std::size_t parts_of_pool = 16;
 
 std::uint32_t root_tiles(std::size_t cells) { return std::uint32_t((cells + 7) / 8); }
@@ -35,7 +35,7 @@ PoolBooks::PoolBooks(std::size_t cells, int lods, const kernels::PoolSizes& size
 }
 
 std::uint32_t PoolBooks::least_tiles(std::size_t cells, int lods) {
-  // To meet a sheet a ray looks at points on both sides of it, which may lie in different bricks of two levels.
+  // To find a surface a ray samples points on both sides of it, which may lie in different bricks of two levels.
   constexpr std::uint32_t ways_down = 4;
   return root_tiles(cells) + ways_down * std::uint32_t(lods);
 }
@@ -127,7 +127,7 @@ void PoolBooks::release_tile(std::uint32_t tile) {
   free_tiles_.push_back(tile);
 }
 
-/// candidates: last use, and who.
+/// Returns up to `most` of the least recently used candidates. candidates: last use and index.
 std::vector<std::uint32_t> PoolBooks::oldest(std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates,
                                              std::size_t most) {
   if (candidates.size() > most) {
@@ -144,7 +144,7 @@ std::vector<std::uint32_t> PoolBooks::oldest(std::vector<std::pair<std::uint32_t
   return gone;
 }
 
-/// stays: the tile that the new one will hang from.
+/// stays: the tile of the node whose children are allocated; it is not evicted.
 bool PoolBooks::free_some_tiles(std::uint32_t stays, kernels::Caster& caster) {
   const std::vector<std::uint32_t>& stamps = caster.tile_stamps();
   std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates;

@@ -1,4 +1,4 @@
-/// Who stands where in the ray caster's pools, and who goes when they are full: the longest unused.
+/// LRU allocator of the ray caster's node and brick pools.
 #pragma once
 
 #include <cstdint>
@@ -13,51 +13,53 @@ namespace gigabake {
 
 class PoolBooks {
  public:
-  /// The roots of `cells` cells of `lods` levels stand in the first tiles, for ever.
+  /// Places the roots of `cells` cells of `lods` levels in the first tiles, permanently.
   PoolBooks(std::size_t cells, int lods, const kernels::PoolSizes& sizes);
 
-  /// The least tiles with which every ray can go on: the roots', and ways down to all that it uses at a time.
+  /// Returns the min number of tiles with which every ray can advance: those of the roots, and of the paths to all
+  /// nodes that a ray uses at the same time.
   static std::uint32_t least_tiles(std::size_t cells, int lods);
 
-  /// Whether there is room for the bricks of all roots, which then never go.
+  /// Returns whether the bricks of all roots fit; they are then never evicted.
   bool roots_stay() const { return roots_stay_; }
 
-  /// Tiles, slots and places of the pool of voxels that hold something.
+  /// Returns how many tiles, slots and places of the voxel pool are in use.
   kernels::PoolSizes in_use() const {
     return {std::uint32_t(tiles_.size() - free_tiles_.size()), std::uint32_t(slots_.size() - free_slots_.size()),
             arena_.size() - arena_.free()};
   }
   const kernels::CastNode& node(std::uint32_t node) const { return nodes_[node]; }
   FieldNode place_of(std::uint32_t node) const;
-  /// Whether the node's tile is in use, and was so before this round.
+  /// Returns whether the node's tile is in use and was allocated before this round.
   bool is_settled(std::uint32_t node) const;
 
-  /// From here on, what is taken stays until the next round. What rays used in pass `used_since` or later stays too,
-  /// unless it may go where nothing else can.
+  /// Begins a round: entries allocated from now on stay until the next round. Entries that rays used in pass
+  /// `used_since` or later stay too, unless `may_evict_used` is true and nothing else can be evicted.
   void begin_round(std::uint32_t used_since, bool may_evict_used);
-  /// Whether anything went that was used.
+  /// Returns whether this round evicted an entry that rays used since then.
   bool evicted_used() const { return evicted_used_; }
 
-  /// caster: asked what the rays of the last pass used, where room must be made. False where none can be made.
+  /// Allocates the tile of the node's children; returns false if no room can be made. caster: supplies the usage
+  /// timestamps for eviction.
   bool put_children(std::uint32_t node, std::uint8_t children, kernels::Caster& caster);
-  /// A brick of so many parts: its slot. What stands in the pool of voxels may move.
+  /// Allocates a slot for a brick of `parts` parts; nullopt if no room can be made. May move bricks in the voxel pool.
   std::optional<std::uint32_t> put_brick(std::uint32_t node, std::uint32_t parts, kernels::Caster& caster);
-  /// Where a brick that was put stands now.
+  /// Returns the current place of an allocated brick.
   kernels::BrickPlace brick_place(std::uint32_t slot) const { return {slot, arena_.first(slot)}; }
 
   void set_empty(std::uint32_t node);
   void set_lost(std::uint32_t node, kernels::Want what);
 
-  /// For the caster, each node once, as it is now; forgets them.
+  /// Returns the changed nodes for the caster, each once with its current value, and clears the list.
   std::vector<kernels::NodeChange> take_changes();
 
  private:
   struct Tile {
     std::uint32_t parent = 0;  ///< node
     FieldNode place;           ///< of the parent
-    std::uint32_t born = 0;    ///< pass
+    std::uint32_t born = 0;    ///< pass of the allocation
     std::uint32_t round = 0;
-    std::uint32_t children_here = 0;  ///< of its nodes: tiles
+    std::uint32_t children_here = 0;  ///< number of its nodes that have a tile of children
     bool used = false;
   };
   struct Slot {
@@ -77,7 +79,7 @@ class PoolBooks {
   std::int32_t lods_;
   bool roots_stay_;
   std::vector<kernels::CastNode> nodes_;
-  std::vector<bool> is_changed_;  ///< by node: it stands in changed_
+  std::vector<bool> is_changed_;  ///< by node: whether it is in changed_
   std::vector<Tile> tiles_;
   std::vector<Slot> slots_;
   VoxelArena arena_;

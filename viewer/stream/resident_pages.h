@@ -1,5 +1,5 @@
-/// The pages in memory and the pass that found each last. Finding needs no lock, not even against letting go: a page's
-/// stamp says either in which pass it was found or that it is gone, and only one of the two can win.
+/// Resident pages, each with the pass that found it last. Lookups need no lock, even during eviction: a page's
+/// timestamp contains either its last pass or `gone`, and an atomic exchange decides which of the two is written.
 #pragma once
 
 #include <atomic>
@@ -17,23 +17,24 @@ struct PageKeyHash {
   std::size_t operator()(const PageKey& key) const;
 };
 
-/// One thread at a time calls it, but for find(): that may run beside everything except begin_pass() and add().
+/// All members but find() must be called from one thread. find() may run concurrently with all but begin_pass() and
+/// add().
 class ResidentPages {
  public:
-  /// Null where it is not here. Keeps the page until the next begin_pass().
+  /// Returns null if the page is not resident. A page that was found stays until the next begin_pass().
   const Page* find(const PageKey& key) const;
-  bool has(const PageKey& key) const;  ///< without keeping it
+  bool has(const PageKey& key) const;  ///< does not mark it as used
 
-  /// What has been let go is forgotten; what is found from now on is of a new pass.
+  /// Frees evicted pages and begins a new pass.
   void begin_pass();
-  /// As if the last pass had found it. To be called between begin_pass() and the pass.
+  /// Inserts a page as last used in the previous pass. Call it between begin_pass() and the pass.
   void add(const PageKey& key, Page page, std::uint64_t page_bytes);
 
-  /// Lists what the pass has not found so far: the candidates of let_go(), until the next call.
+  /// Lists the pages that this pass has not found so far: the candidates of let_go(), until the next call.
   void list_unused();
   void list_none();
-  /// Candidates go, the longest unused first, until those here take no more than `bytes`, or none is left. One that was
-  /// found in the meantime stays.
+  /// Evicts candidates, least recently used first, until resident pages take at most `bytes` or no candidate is left. A
+  /// candidate that was found after it was listed stays.
   void let_go(std::uint64_t bytes);
 
   std::uint64_t bytes() const { return bytes_; }
@@ -47,7 +48,7 @@ class ResidentPages {
         : page(std::move(its_page)), bytes(its_bytes), used(last_used) {}
     Page page;
     std::uint64_t bytes;
-    mutable std::atomic<std::uint64_t> used;  ///< the last pass that found it, or gone
+    mutable std::atomic<std::uint64_t> used;  ///< last pass that found it, or `gone`
   };
   struct Candidate {
     std::uint64_t used;
@@ -58,7 +59,7 @@ class ResidentPages {
 
   std::uint64_t pass_ = 0, bytes_ = 0, candidate_bytes_ = 0;
   std::unordered_map<PageKey, Resident, PageKeyHash> residents_;
-  std::vector<Candidate> candidates_;  ///< a heap, the longest unused on top
+  std::vector<Candidate> candidates_;  ///< heap, least recently used on top
   std::vector<PageKey> gone_;
 };
 

@@ -13,16 +13,16 @@ namespace {
 
 using kernels::Want;
 
-/// Wants that are answered side by side before the clock is looked at and the pools are filled: so many of each thread
-/// that starting them all takes little, and so few that they are done within 2 ms.
+/// Requests that are answered in parallel before the clock is checked and the pools are filled. Enough per thread to
+/// outweigh the start of the threads, few enough to be done within 2 ms.
 constexpr std::size_t wants_per_thread = 128, least_wants_per_batch = 256;
-/// Wants looked at in one call, the most urgent ones: more would only be asked of the pager in vain.
+/// Max requests examined per call, the most urgent first: more would only add requests that the pager cannot serve.
 constexpr std::size_t most_wants = 8192;
 constexpr std::uint32_t least_slots = 16;
-/// Of bricks of surfaces: their voxels, with their borders, and layers; where they have more on average the pool of
-/// voxels is full first.
+/// Average parts of a surface brick: its voxels, with their borders, and its layers. If the average is higher, the
+/// voxel pool is full before the slots are.
 constexpr std::uint32_t parts_per_slot = 90;
-/// What the urgency of a root is multiplied with while no ray has met its cell.
+/// Factor on the urgency of a root whose cell no ray has hit yet.
 constexpr double unseen_root = 1.0 / 64;
 constexpr int cpu_tile_edge = 128, device_tile_edge = 1024;
 static_assert(cpu_tile_edge % kernels::sky_block == 0 && device_tile_edge % kernels::sky_block == 0,
@@ -35,14 +35,14 @@ std::size_t wants_per_batch(const ThreadPool& policy) {
 std::uint32_t node_of(std::uint32_t want) { return want / 2; }
 Want what_of(std::uint32_t want) { return Want(want % 2); }
 
-/// One number, since many are sorted: the most urgent first. Bits of floats above 0 are in the order of their values.
+/// Returns one sortable number, most urgent first. Bits of positive floats are in the order of their values.
 std::uint64_t ranked_want(double urgency, std::uint32_t want) {
   return std::uint64_t(~std::bit_cast<std::uint32_t>(float(urgency))) << 32 | want;
 }
 
 std::uint64_t host_memory() { return host_limits().memory_bytes; }
 
-/// What is not pages: on the host two thirds, since a brick takes some twice there what it takes in a page.
+/// Returns the bytes of the pools: on the host two thirds, because a brick takes about twice its size in a page.
 std::uint64_t bytes_for_pools(const SceneStream::Options& options) {
   return options.cuda_device ? options.device_bytes : std::min(options.memory_bytes, host_memory() / 2) / 3 * 2;
 }
@@ -59,7 +59,8 @@ kernels::PoolSizes pool_sizes(const CellLayout& layout, std::uint64_t bytes) {
   if (roots > bytes)
     throw UsageError("memory_bytes", "the roots of " + counted(layout.cells.size(), "tree") + " alone need " +
                                          std::to_string(roots / 2 * 3 / 1024 + 1) + "K");
-  const auto more = std::uint32_t(std::min<std::uint64_t>((bytes - roots) / one, 1u << 24));  // voxels: 32 bits
+  const auto more = std::uint32_t(std::min<std::uint64_t>((bytes - roots) / one, 1u << 24));  // 32-bit index
+                                                                                              // bits
   return {first.tiles + more, first.slots + 2 * more, first.voxels + 2 * parts_per_slot * more};
 }
 
@@ -118,13 +119,13 @@ void SceneStream::want_roots() {
   forget_roots_that_came();
 }
 
-/// Nothing to do for it: it came since it was wanted.
+/// Returns whether the request was fulfilled after it was made.
 bool SceneStream::has_come(std::uint32_t want) const {
   const kernels::CastNode& node = books_.node(node_of(want));
   return (what_of(want) == Want::brick ? node.brick : node.children) != kernels::absent_ref;
 }
 
-/// Near and coarse first: what stands for most pixels.
+/// Returns the squared apparent size of the node: near and coarse nodes cover the most pixels.
 double SceneStream::urgency(std::uint32_t want, const double eye[3]) const {
   const kernels::VoxelBox box = box_of(books_.place_of(node_of(want)), layout_);
   double squared = 1;
@@ -136,7 +137,7 @@ double SceneStream::urgency(std::uint32_t want, const double eye[3]) const {
   return edge * edge / squared;
 }
 
-/// What rays want, and roots that nobody has looked at yet as if they were far away.
+/// Returns the requests of rays and the pending roots, most urgent first. Roots count as far away.
 std::vector<std::uint32_t> SceneStream::by_urgency(const std::vector<std::uint32_t>& wanted,
                                                    const double eye[3]) const {
   std::vector<std::uint64_t> ranked(wanted.size() + absent_roots_.size());
@@ -168,11 +169,11 @@ void SceneStream::answer(std::uint32_t want, Answer& out, kernels::CastBrick& br
     out.children = children_of(node, layout_, lookup_, out.gaps);
   else
     out.is_empty = !fill_brick(node, layout_, lookup_, shading_, out.gaps, brick);
-  // Where a parent cannot be read, what is empty of it may not be so farther down.
+  // Next to an unreadable overview, an empty brick proves nothing about finer levels.
   out.gaps.damaged |= out.is_empty && out.gaps.beside_damaged;
 }
 
-/// False where the pool is full.
+/// Returns false if the pool is full.
 bool SceneStream::enter(std::uint32_t want, const Answer& answer, kernels::CastBrick& brick) {
   const std::uint32_t node = node_of(want);
   if (answer.gaps.damaged) {

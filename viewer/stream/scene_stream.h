@@ -1,6 +1,6 @@
-/// A scene that fits nowhere, streamed to where rays are cast: what they want is read, filled and put into the pools,
-/// most urgent first. Where all of it hangs from a root parent, that is all there is at first, and cells come as rays
-/// go down to them; else there is a tree to each cell.
+/// Streams a scene larger than memory to the ray caster: reads the pages that rays request, fills bricks and puts them
+/// into the pools, most urgent first. If one root overview covers the scene, only its tree is known at first, and cells
+/// are found as rays descend to them. Otherwise each cell has a tree.
 #pragma once
 
 #include <array>
@@ -29,65 +29,64 @@ class SceneStream {
     Surface surface = Surface::colour;
     std::uint64_t memory_bytes = std::uint64_t(1) << 30;  ///< of pools and pages together; UINT64_MAX: half of the host
     int page_threads = 2;
-    std::optional<int>
-        cuda_device;  ///< cast there (an ordinal of cuda_devices()); the pools are then not of memory_bytes
-    std::uint64_t device_bytes = std::uint64_t(4) << 30;  ///< of those pools
-    bool cells_alone = false;  ///< no parents, whatever the scene has: all cells are known from the start
+    std::optional<int> cuda_device;  ///< ordinal of cuda_devices() to cast on; memory_bytes then excludes the pools
+    std::uint64_t device_bytes = std::uint64_t(4) << 30;  ///< of the device's pools
+    bool cells_alone = false;                             ///< ignores overviews: all cells are known from the start
   };
 
-  /// What stays in the pools: what rays used in this pass of theirs or a later one, where `all`; else only as long as
-  /// anything else can go.
+  /// Eviction rule of the pools. Entries that rays used in pass `used_since` or later stay: always if `all`, otherwise
+  /// as long as anything else can be evicted.
   struct Keep {
     std::uint32_t used_since = 0;
     bool all = true;
   };
 
-  /// What one call of serve() did.
+  /// Result of one call of serve().
   struct Served {
     std::uint64_t uploads = 0;
     bool evicted_used = false;  ///< the pools do not hold what one pass of the rays uses
-    bool is_full = false;       ///< something was left out, since all in the pools is in use
+    bool is_full = false;       ///< a request was dropped, because everything in the pools is in use
   };
 
-  /// Borrows policy.
-  /// Errors  InputError as lay_out_cells(); UsageError: less memory than the scene's roots take; CudaFailure, from all
-  ///         members that have to do with the caster.
+  /// Borrows `policy`.
+  /// Errors  InputError as lay_out_cells(); UsageError: less memory than the scene's roots need; CudaFailure, also from
+  ///         all members that use the caster.
   SceneStream(const PagedScene& scene, PageSource source, const Options& options, const ThreadPool& policy);
 
   kernels::Caster& caster() { return *caster_; }
   const CellLayout& layout() const { return layout_; }
 
-  /// Puts in what rays wanted (Caster::wanted()), as far as its pages are here, until `enough`; at least one batch.
-  /// What lacks pages is asked of the pager. eye: lod-0 voxels; near and coarse goes first.
+  /// Answers the requests of rays (Caster::wanted()) whose pages are resident, until `enough`, but at least one batch.
+  /// Pages that are not resident are requested from the pager. eye: lod-0 voxels; near and coarse nodes come first.
   Served serve(const std::vector<std::uint32_t>& wanted, const double eye[3], const kernels::StopAsked& enough,
                const Keep& keep);
 
-  /// Takes in what was read since.
+  /// Makes pages resident that were read since the last call.
   void begin_pass() { pager_.begin_pass(); }
-  /// Until something was read, or nothing is being read. False: the time was over before.
+  /// Waits until something was read, or nothing is being read. Returns false on timeout.
   bool wait(std::chrono::milliseconds most) { return pager_.wait(most); }
-  /// Until nothing is being read. False: the time was over before.
+  /// Waits until nothing is being read. Returns false on timeout.
   bool settle(std::chrono::milliseconds most) { return pager_.settle(most); }
   bool has_arrivals() const { return pager_.has_arrivals(); }
 
-  /// From now on each serve() puts in the cells' roots, too, whether rays want them or not, where the pools have room
-  /// for all of them: something then stands for all of the scene, from wherever it is looked at.
+  /// Makes each serve() from now on also load the roots, requested or not, if the pools have room for all of them. Then
+  /// every view has a coarse fallback for the whole scene.
   void want_roots();
-  /// Whether some of them are still to come.
+  /// Returns whether some of the roots are not resident yet.
   bool lacks_roots() const { return !absent_roots_.empty(); }
 
-  /// Rays of so many pixels a side are cast together where a picture is made in tiles: enough to share what they wait
-  /// for and to fill a GPU, few enough to need little and to end soon.
+  /// Returns the edge of a render tile in pixels: large enough to share page requests and to fill a GPU, small enough
+  /// to bound memory and cancellation latency.
   int tile_edge() const { return tile_edge_; }
 
-  /// Pools, wherever they are, and pages.
+  /// Returns the size of the pools, on host or device, plus the limit of the pages.
   std::uint64_t bytes_allowed() const { return pool_bytes_ + page_bytes_; }
-  /// What is in use of the pools, and pages.
+  /// Returns the bytes in use of pools and pages.
   std::uint64_t bytes_held() const { return books_.in_use().bytes() + pager_.counts().bytes; }
   std::uint64_t page_bytes_allowed() const { return page_bytes_; }
   PagerCounts page_counts() const { return pager_.counts(); }
   std::uint64_t uploads() const { return uploads_; }  ///< bricks and node tiles put into the pools so far
-  /// One line for each page that could not be read.
+  /// Returns one line per page that could not be read.
   std::vector<std::string> problems() const { return pager_.problems(); }
 
  private:
@@ -118,7 +117,7 @@ class SceneStream {
   PoolBooks books_;
   std::unique_ptr<kernels::Caster> caster_;
   bool wants_roots_ = false;
-  std::vector<std::uint32_t> absent_roots_;  ///< wants
+  std::vector<std::uint32_t> absent_roots_;  ///< requests
   std::vector<std::uint32_t> new_slots_;
   std::vector<kernels::CastBrick> new_bricks_;
   std::uint64_t uploads_ = 0;

@@ -22,7 +22,7 @@ VoxelBox cube_at(const std::int64_t min[3], std::int64_t edge) {
   return box;
 }
 
-/// The listed page whose block the voxel lies in. Blocks beside each other have one size, and stand by their z, y, x.
+/// Returns the listed page of the block, or null. Blocks of a list have equal size and are sorted by z, y, x.
 const ListedPage* page_around(const std::vector<ListedPage>& pages, const LatticeBlock& block) {
   const auto order = [](const LatticeBlock& b) { return std::array<std::int64_t, 3>{b.min[2], b.min[1], b.min[0]}; };
   const auto found = std::lower_bound(pages.begin(), pages.end(), order(block),
@@ -76,7 +76,7 @@ PlacedShard ShardMap::placed(const ListedCell& cell) const {
   return {cell.number, 0, cell_bits_ - 2, 0, cube_at(cell.min.data(), std::int64_t(1) << cell_bits_)};
 }
 
-/// Null where the page is not here. If it never will be, what is in `missed` may lack something.
+/// Returns null if the listing is not resident. If it can never be read, `missed` may be incomplete.
 const Page* ShardMap::find_listing(const ListedPage& listed, std::int32_t part, const VoxelBox& missed,
                                    const Pager& pager, PageGaps& gaps) const {
   const PageKey key{listed.first_cell, part, 0};
@@ -85,7 +85,7 @@ const Page* ShardMap::find_listing(const ListedPage& listed, std::int32_t part, 
   return page;
 }
 
-/// A parent stands in the smallest page whose block it lies in.
+/// Descends through the scene's pages: an overview is listed in the smallest page whose block contains it.
 std::optional<PlacedShard> ShardMap::find_parent(const ParentTier& tier, const TierBlock& block, const Pager& pager,
                                                  PageGaps& gaps) const {
   const std::array<std::int64_t, 3> corner = tier.corner_of(block);
@@ -104,7 +104,7 @@ std::optional<PlacedShard> ShardMap::find_parent(const ParentTier& tier, const T
   }
 }
 
-/// The list of the cells that begin in the block around v; null where there are none, or the list is not here.
+/// Returns the list of the cells that begin in the block around v; null if there are none or it is not resident.
 const ShardMap::Cells* ShardMap::cells_around(const std::array<std::int64_t, 3>& v, const Pager& pager, PageGaps& gaps,
                                               LatticeBlock& block) const {
   block = {{-everywhere, -everywhere, -everywhere}, 2 * everywhere};
@@ -113,9 +113,9 @@ const ShardMap::Cells* ShardMap::cells_around(const std::array<std::int64_t, 3>&
   for (std::int32_t part = PageKey::listing;; --part) {
     block = block_around(v, pages->front().block.edge);
     const ListedPage* listed = page_around(*pages, block);
-    if (listed == nullptr) return nullptr;  // nothing begins there
+    if (listed == nullptr) return nullptr;  // no cell begins there
     VoxelBox box = cube_at(block.min.data(), block.edge);
-    box.max[2] += std::int64_t(1) << cell_bits_;  // cells may reach out upwards
+    box.max[2] += std::int64_t(1) << cell_bits_;  // cells may extend above the block
     const Page* page = find_listing(*listed, part, box, pager, gaps);
     if (page == nullptr) return nullptr;
     if (page->pages.empty()) return &page->cells;

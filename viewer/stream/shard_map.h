@@ -1,7 +1,7 @@
-/// Which shard of a scene holds what: for each level and place the cell or the parent that it is stored in.
+/// Finds the shard that stores a place of a level: a cell or an overview.
 ///
-/// Cells and parents are found in the lists of the scene's pages, which come through the pager; so nothing here grows
-/// with the number of cells of a scene that has pages.
+/// Cells and overviews are found in the lists of the scene's pages, which the pager loads. For a scene that has pages,
+/// memory therefore does not grow with the number of cells.
 #pragma once
 
 #include <algorithm>
@@ -16,18 +16,18 @@
 
 namespace gigabake {
 
-/// What a question could not read.
+/// Data that a lookup could not read.
 struct PageGaps {
-  kernels::VoxelBox own{};       ///< set by who asks: only damage of what stores this box matters
-  std::vector<PageKey> missing;  ///< not here yet, with repetitions
-  bool damaged = false;          ///< a page of what stores `own` will never be here
-  bool beside_damaged = false;   ///< a parent's page will never be here, though its children may say more
+  kernels::VoxelBox own{};       ///< set by the caller: only damage of shards that store this box counts
+  std::vector<PageKey> missing;  ///< not resident yet; may contain duplicates
+  bool damaged = false;          ///< a page of a shard that stores `own` cannot be read
+  bool beside_damaged = false;   ///< an overview's page cannot be read; its children may have more data
 };
 
 struct PlacedShard {
   std::uint32_t number = 0;  ///< PageKey::shard
   std::int32_t first_lod = 0, lods = 0;
-  std::int32_t own_lod = 0;  ///< the finest that no child of it stores
+  std::int32_t own_lod = 0;  ///< finest level that none of its children stores
   kernels::VoxelBox window{};
 
   bool is_parent() const { return first_lod != 0; }
@@ -36,27 +36,29 @@ struct PlacedShard {
 
 bool overlap(const kernels::VoxelBox& a, const kernels::VoxelBox& b);
 
-/// Null where the page is not here. `missing` and is_damaged() say why.
+/// Returns null if the page is not resident; gaps.missing or Pager::is_damaged() gives the reason.
 const Page* find_page(const Pager& pager, const PageKey& key, PageGaps& gaps);
 
-/// Questions may be asked from several threads at once, between two passes of the pager.
+/// Several threads may call it concurrently between two passes of the pager.
 class ShardMap {
  public:
-  /// The cells alone, all in memory: number i is cells[i]. Range  cells of one size, as lay_out_cells() takes them.
+  /// Uses only the cells, all in memory: number i is cells[i].
+  /// Range   Cells of one size, as lay_out_cells() accepts them.
   explicit ShardMap(const std::vector<SceneCell>& cells);
-  /// Through parents, from the root down.
+  /// Finds cells through overviews, from the root down.
   ShardMap(const PagedScene& scene, ParentTiers tiers);
 
-  /// A level may be stored more than once: holder 0 are the largest shards that have it, of which a picture needs the
-  /// fewest; the last are those that it is of, and that others copied it from.
+  /// Returns the last holder of a level, which may be stored more than once. Holder 0 has the largest shards, of which
+  /// an image needs the fewest. The last holder has the original, which the others duplicate.
   int last_holder(int lod) const;
 
-  /// The shard of level `lod` that holds lod-0 voxel v; or nothing, and a box around v that no shard reaches into.
-  /// Range  holder ≤ last_holder(lod), here and below.
+  /// Returns the shard of level `lod` that contains lod-0 voxel v. Otherwise returns nullopt and sets `empty` to a box
+  /// around v that no shard overlaps.
+  /// Range   holder ≤ last_holder(lod), also for any().
   std::optional<PlacedShard> find(int lod, int holder, const std::int64_t v[3], const Pager& pager, PageGaps& gaps,
                                   kernels::VoxelBox& empty) const;
 
-  /// Calls visit(PlacedShard) for the shards of level `lod` that overlap the box until one says true.
+  /// Calls visit(PlacedShard) for the shards of level `lod` that overlap the box until one call returns true.
   template <class Visit>
   bool any(int lod, int holder, const kernels::VoxelBox& box, const Pager& pager, PageGaps& gaps,
            const Visit& visit) const {
@@ -74,7 +76,7 @@ class ShardMap {
   PlacedShard placed(const ListedCell& cell) const;
   const Page* find_listing(const ListedPage& listed, std::int32_t part, const kernels::VoxelBox& missed,
                            const Pager& pager, PageGaps& gaps) const;
-  /// The tier's parent of that block; where a page that may list it is not here, nothing.
+  /// Returns the tier's overview of that block; nullopt also if a page that may list it is not resident.
   std::optional<PlacedShard> find_parent(const ParentTier& tier, const TierBlock& block, const Pager& pager,
                                          PageGaps& gaps) const;
   const Cells* cells_around(const std::array<std::int64_t, 3>& v, const Pager& pager, PageGaps& gaps,
@@ -96,7 +98,7 @@ class ShardMap {
     return false;
   }
 
-  /// Cells of the column at x, y that overlap the box in z; they begin in one list or in several, one above the other.
+  /// Visits the cells of the column at x, y that overlap the box in z. They may be in several lists, stacked in z.
   template <class Visit>
   bool any_of_column(std::int64_t x, std::int64_t y, const kernels::VoxelBox& box, const Pager& pager, PageGaps& gaps,
                      const Visit& visit) const {
@@ -117,7 +119,7 @@ class ShardMap {
   std::int32_t cell_lods_ = 0, cell_bits_ = 0;
   std::optional<ParentTiers> tiers_;
   std::uint32_t cell_count_ = 0;
-  Cells cells_;  ///< that need no page, here and in the two below
+  Cells cells_;  ///< listed in scene.xml itself, like the two below
   std::vector<ListedPage> pages_;
   std::vector<ListedParent> parents_;
 };

@@ -19,7 +19,7 @@ std::vector<kernels::VoxelMove> VoxelArena::close_gaps() {
   end_ = 0;
   for (const Order& order : upwards_) {
     Taken& taken = taken_[order.slot];
-    // A slot that was given back and taken again is listed twice.
+    // A slot that was freed and allocated again is listed twice.
     if (taken.count == 0 || taken.first != order.first) continue;
     if (end_ != taken.first) moves.push_back({order.slot, taken.first, end_, taken.count});
     taken.first = end_;

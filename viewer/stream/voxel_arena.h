@@ -1,6 +1,6 @@
-/// Who stands where in the pool of voxels: bricks of any size, one behind the other, and gaps where some have gone.
-/// What is said of voxels here holds of a brick's layers too, each of which takes the place of one. Voxels are taken at
-/// the end; when that is reached what is there moves down, so no gap is ever too small.
+/// Allocator of the voxel pool: bricks of any size, stored one after another, with gaps where some were freed. A layer
+/// of a brick takes the space of one voxel and is counted as one. Voxels are allocated at the end. When the end is
+/// reached, all bricks move down, so gaps are never lost.
 #pragma once
 
 #include <cstdint>
@@ -15,20 +15,22 @@ class VoxelArena {
  public:
   VoxelArena(std::uint32_t slots, std::uint32_t voxels) : taken_(slots), free_(voxels), size_(voxels) {}
 
-  /// Voxels that nobody has, gaps between others counted.
+  /// Returns the number of free voxels, including gaps between bricks.
   std::uint32_t free() const { return free_; }
   std::uint32_t size() const { return size_; }
 
-  /// Where the slot's voxels stand now.
+  /// Returns the first voxel of the slot's brick.
   std::uint32_t first(std::uint32_t slot) const { return taken_[slot].first; }
 
-  /// Whether that many fit behind all others: else close_gaps() comes first.
+  /// Returns whether `count` voxels fit at the end; if not, call close_gaps() first.
   bool has_room(std::uint32_t count) const { return size_ - end_ >= count; }
-  /// Range  the slot has none; has_room(count).
+  /// Allocates voxels for a slot.
+  /// Range   The slot has none; has_room(count).
   void take(std::uint32_t slot, std::uint32_t count);
   void give_back(std::uint32_t slot);
 
-  /// How bricks move, in the order that Caster::move_voxels() wants; afterwards all that is free is at the end.
+  /// Compacts the pool: all free voxels are at the end afterwards. Returns the moves in the order that
+  /// Caster::move_voxels() requires.
   std::vector<kernels::VoxelMove> close_gaps();
 
  private:
@@ -39,8 +41,8 @@ class VoxelArena {
     std::uint32_t slot, first;
   };
 
-  std::vector<Taken> taken_;    ///< by slot; count 0: nothing
-  std::vector<Order> upwards_;  ///< what was taken since gaps were closed; some has gone since
+  std::vector<Taken> taken_;    ///< by slot; count 0: free
+  std::vector<Order> upwards_;  ///< allocations in ascending order since gaps were closed; some may be freed
   std::uint32_t free_, size_, end_ = 0;
 };
 

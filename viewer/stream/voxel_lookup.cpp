@@ -26,7 +26,7 @@ VoxelBox common_box(const VoxelBox& a, const VoxelBox& b) {
   return box;
 }
 
-/// The lowest level of the path that a way to this voxel of the shard shares.
+/// Returns the lowest level on which the path to this voxel of the shard equals the stored path.
 int shared_level(const NodePath& path, const PlacedShard& shard, const std::int64_t local[3]) {
   if (path.shard != shard.number) return shard.top();
   const auto differ = std::uint64_t((local[0] ^ path.v[0]) | (local[1] ^ path.v[1]) | (local[2] ^ path.v[2]));
@@ -46,7 +46,7 @@ const NodeRow* VoxelLookup::row(const PlacedShard& shard, std::uint32_t index, P
                                                                          : &page->rows[index % nodes_per_block];
 }
 
-/// The row will never be here: its page cannot be read, or has fewer rows than other rows refer to.
+/// Returns whether the row can never be read: its page cannot, or has fewer rows than other rows refer to.
 bool VoxelLookup::lacks_row(const PlacedShard& shard, std::uint32_t index) const {
   const PageKey key{shard.number, PageKey::node_rows, index / nodes_per_block};
   if (pager_.is_damaged(key)) return true;
@@ -94,7 +94,7 @@ unsigned VoxelLookup::occupied_by_any(Question question, PageGaps& gaps) const {
   return asked & ~question.open;
 }
 
-/// The parent cannot be read. Whatever is stored below it may reach into the boxes.
+/// Returns the boxes that shards stored below an unreadable overview may overlap.
 unsigned VoxelLookup::may_be_occupied(const PlacedShard& shard, const Question& question, PageGaps& gaps) const {
   gaps.beside_damaged = true;
   const int below = shard.own_lod - 1;
@@ -109,7 +109,8 @@ unsigned VoxelLookup::may_be_occupied(const PlacedShard& shard, const Question& 
   return found;
 }
 
-/// The shard's nodes cannot be read. Others say it where it has copies of theirs.
+/// Returns the boxes that unreadable nodes of the shard may overlap. If another holder stores the level too, asks that
+/// holder.
 unsigned VoxelLookup::unread_occupied(const PlacedShard& shard, const Question& question, unsigned open,
                                       PageGaps& gaps) const {
   Question part = question;
@@ -123,7 +124,7 @@ unsigned VoxelLookup::unread_occupied(const PlacedShard& shard, const Question& 
   return open;
 }
 
-/// The node of row_index is there and reaches into the boxes of `open`.
+/// Returns the boxes that nodes below row_index overlap. The node exists and overlaps the boxes of `open`.
 unsigned VoxelLookup::occupied_below(const PlacedShard& shard, std::uint32_t row_index, int level,
                                      const std::int64_t corner[3], const Question& question, unsigned open,
                                      PageGaps& gaps) const {
@@ -167,14 +168,14 @@ VoxelPlace VoxelLookup::place(int lod, const std::int64_t v[3], PageGaps& gaps, 
     const std::size_t missing = gaps.missing.size();
     place = place_in(*shard, lod, v, gaps, path);
     if (place.kind != VoxelPlace::Kind::unreadable || gaps.missing.size() != missing) return place;
-    if (holder < map_.last_holder(lod)) continue;  // what it has a copy of
+    if (holder < map_.last_holder(lod)) continue;  // the next holder has the original
     gaps.damaged |= overlap(shard->window, gaps.own);
     gaps.beside_damaged |= shard->is_parent();
     return place;
   }
 }
 
-/// Unreadable where what says it will never be here.
+/// Returns Kind::unreadable if the data can never become resident.
 VoxelPlace VoxelLookup::place_in(const PlacedShard& shard, int lod, const std::int64_t v[3], PageGaps& gaps,
                                  NodePath& path) const {
   VoxelPlace place;

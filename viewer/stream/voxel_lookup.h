@@ -1,4 +1,4 @@
-/// The voxels of a scene as one lattice, read through whatever pages are here.
+/// The voxels of a scene as one lattice, read from the resident pages.
 #pragma once
 
 #include <array>
@@ -10,50 +10,50 @@
 
 namespace gigabake {
 
-/// What stands at a voxel, and the box for which that holds.
+/// The content of the lattice at a voxel, and the box in which it applies.
 struct VoxelPlace {
   enum class Kind { nothing, brick, constant, unreadable };
   Kind kind = Kind::nothing;
   kernels::VoxelBox box;
-  const BrickBlock* block = nullptr;  ///< of a brick: where it is, valid until the pager's next pass
-  std::size_t brick = 0;              ///< in the block
+  const BrickBlock* block = nullptr;  ///< of a brick: its block, valid until the pager's next pass
+  std::size_t brick = 0;              ///< index in the block
   std::array<std::uint8_t, 4> rgba{};
   std::array<std::int8_t, 2> normal{};
-  Facing facing{};  ///< all three of a constant
+  Facing facing{};  ///< rgba, normal and facing: of a constant
   bool has_facing = false;
 };
 
 inline constexpr std::uint32_t no_shard = 0xffffffffu;
 
-/// The latest way down the nodes of a shard: another one starts where the two part. Of one thread, for one pass of the
-/// pager.
+/// The latest path down the nodes of a shard: the next lookup starts where its path diverges. For one thread and one
+/// pass of the pager.
 struct NodePath {
   std::uint32_t shard = no_shard;
-  std::int32_t lowest = 0;                           ///< level it ended at
-  std::int64_t v[3] = {};                            ///< where it led, lod-0 voxels from the shard's corner
-  const NodeRow* node[kernels::max_cast_lods] = {};  ///< by level, from `lowest` on
+  std::int32_t lowest = 0;                           ///< level at which it ended
+  std::int64_t v[3] = {};                            ///< its target: lod-0 voxels from the shard's corner
+  const NodeRow* node[kernels::max_cast_lods] = {};  ///< by level, from `lowest` up
 };
 
-/// Questions may be asked from several threads at once, between two passes of the pager.
+/// Several threads may call it concurrently between two passes of the pager.
 class VoxelLookup {
  public:
-  /// Borrows both.
+  /// Borrows both arguments.
   VoxelLookup(const ShardMap& map, const Pager& pager) : map_(map), pager_(pager) {}
 
   using Boxes = std::array<kernels::VoxelBox, 8>;
 
-  /// Into which of the boxes (lod-0 voxels) any node of level `lod` reaches: bit i says so of boxes[i]. Where pages are
-  /// missing the answer is of no use. What cannot be read counts: of a cell all of it, of a parent whatever lies below
-  /// it, so that cells are found.
+  /// Returns a mask: bit i is set if a node of level `lod` overlaps boxes[i] (lod-0 voxels). The mask is invalid if
+  /// pages are missing. Unreadable data counts as occupied: for a cell all of it, for an overview all shards below it,
+  /// so that rays reach its cells.
   std::uint8_t occupied(int lod, const Boxes& boxes, PageGaps& gaps) const;
 
-  /// v: a lod-0 voxel; the answer is of the voxel of level `lod` that holds it.
+  /// Returns the content of the voxel of level `lod` that contains lod-0 voxel v.
   VoxelPlace place(int lod, const std::int64_t v[3], PageGaps& gaps, NodePath& path) const;
 
  private:
   const NodeRow* row(const PlacedShard& shard, std::uint32_t index, PageGaps& gaps) const;
   bool lacks_row(const PlacedShard& shard, std::uint32_t index) const;
-  /// What is asked for of a shard, and which of the boxes are still asked about.
+  /// A query: a level of a holder, and the mask of the boxes that are not answered yet.
   struct Question {
     int lod, holder;
     Boxes boxes;
@@ -63,7 +63,7 @@ class VoxelLookup {
     unsigned reached_by(const kernels::VoxelBox& box) const;
     Question within(const kernels::VoxelBox& box) const;
   };
-  /// These answer with boxes, as bits.
+  /// These functions return masks of boxes.
   unsigned occupied_by_any(Question question, PageGaps& gaps) const;
   unsigned occupied_below(const PlacedShard& shard, std::uint32_t row_index, int level, const std::int64_t corner[3],
                           const Question& question, unsigned open, PageGaps& gaps) const;
