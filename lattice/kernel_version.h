@@ -7,6 +7,6 @@ namespace gigabake {
 
 /// Raised whenever the kernels or the shard layout would give other bytes for the same inputs: every cell is then baked
 /// again. A test (tests/kernels/cpu/kernel_version_test.cpp) fails where voxels change and this number does not.
-inline constexpr std::uint32_t kernel_version = 7;
+inline constexpr std::uint32_t kernel_version = 8;
 
 }  // namespace gigabake

@@ -143,6 +143,9 @@ GB_HD float half_square(float x) { return x > 0 ? 0.5f * x * x : 0; }
 GB_HD float passing_share(float beyond, float along, float across) {
   const float longer = larger(larger(along, across), 1.0f), shorter = larger(smaller(along, across), longer / 64);
   const float far = 0.5f * (longer + shorter), near = 0.5f * (longer - shorter);
+  // Beyond the slopes' reach the differences of squares would cancel. Flat alpha passes if it equals the cutoff.
+  if (beyond >= far || (beyond >= 0 && along + across == 0)) return 1;
+  if (beyond <= -far) return 0;
   const float share = ((half_square(beyond + far) - half_square(beyond + near)) -
                        (half_square(beyond - near) - half_square(beyond - far))) /
                       (longer * shorter);

@@ -212,6 +212,15 @@ class ExporterFiles(harness.FolderTest):
                 self.assertAlmostEqual(shown["latitude_deg"], PLACE[0], 3)
                 self.assertAlmostEqual(shown["longitude_deg"], PLACE[1], 3)
 
+    # 2026-11-25: images of one alpha between the cutoff and 1 were absent as a whole.
+    def test_an_alpha_test_passes_all_of_an_image_from_the_cutoff_on(self):
+        paths = [write_glb(self.root / f"{alpha}.glb", {**TEXTURED, "alphaMode": "MASK", "alphaCutoff": 128 / 255},
+                           png(alpha=alpha)) for alpha in (127, 128, 129, 192, 254, 255)]
+        row, _ = self.bake_in_a_row(paths)
+        self.assertEqual(len(row[0]), 0)
+        for path, voxels in zip(paths[1:], row[1:]):
+            self.expect_square(voxels, path.name)
+
     # 2026-11-25: both were taken as local, 6,378 km off, without a message.
     def test_packed_content_and_content_at_the_equator_have_their_place(self):
         globe = {"region": [-3.141592653589793, -1.5707963267948966, 3.141592653589793, 1.5707963267948966, 0, 100]}
