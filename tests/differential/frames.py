@@ -13,8 +13,10 @@ FROM_Z_UP = {
 PLACES = ((500000, 5200000, 400), (2600000, 1200000, 500), (4500000, 5400000, 100), (-12000, 9000, 0), (0, 0, 0))
 
 
-def in_file(part, up, place=(0, 0, 0)):
-    """The points of a part, metres, in the axes of a file."""
+def in_file(part, up, place=(0, 0, 0), earth=None):
+    """The points of a part, metres, in the axes of a file. earth: the matrix to earth-centred axes, or None."""
+    if earth is not None:
+        return part.points * VOXEL @ earth[:3, :3].T + earth[:3, 3]
     return (part.points * VOXEL + numpy.array(place)) @ FROM_Z_UP[up].T
 
 

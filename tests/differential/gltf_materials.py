@@ -70,6 +70,7 @@ class Materials:
         if kind == "no uv":
             self.writer.warn(NO_UV)
             image = Image(odd, ("png",))
+            self.can_be_missing = False
             texture = {"index": self.add_texture(image, None)}
             entry = {"pbrMetallicRoughness": {"baseColorTexture": texture, "baseColorFactor": [*values, 1]}}
             return self.add(entry), voxels_of([part])
@@ -156,6 +157,15 @@ class Materials:
         self.writer.use("KHR_texture_transform", odd.maybe(0.3))
         return (uv - offset) @ numpy.linalg.inv(turn).T / scale
 
+    def alpha_mode(self, alpha):
+        """Keys of a material whose image has this alpha, and the alpha of voxels."""
+        kind = self.odd.choice(["none", "OPAQUE", "BLEND", "MASK"])
+        if alpha is None or kind in ("none", "OPAQUE"):
+            return {} if kind == "none" else {"alphaMode": "OPAQUE"}, 255
+        if kind == "BLEND":
+            return {"alphaMode": "BLEND"}, alpha
+        return {"alphaMode": "MASK", **({"alphaCutoff": 0.2} if alpha < 128 else {})}, 255
+
     def add_texture(self, image, sampler):
         odd, writer = self.odd, self.writer
         if writer.is_closed or odd.maybe(0.4):
@@ -178,7 +188,8 @@ class Materials:
 
     def textured(self, part, attributes):
         odd, writer = self.odd, self.writer
-        image = Image(odd)
+        alpha = odd.choice([None, None, None, None, 0x40, 0xc0])
+        image = Image(odd, alpha=alpha)
         modes, sampler = self.sampler()
         self.can_be_missing, self.is_missing = image.suffix != "webp", False
         info = {"index": self.add_texture(image, sampler)}
@@ -204,11 +215,16 @@ class Materials:
             entry["normalTexture"] = {"index": info["index"]}
             writer.warn(OTHER_TEXTURES)
         writer.case.colour_tolerance = max(writer.case.colour_tolerance, image.tolerance)
+        mode, visible = self.alpha_mode(alpha)
+        if "emissiveTexture" not in entry:
+            entry.update(mode)
+        else:
+            visible = 255
         if self.is_missing:
             writer.case.losses = ["images that cannot be used"]
             return self.add(entry), voxels_of([part], (127, 127, 127))
         seen = {}
         for cell, block in part.blocks.items():
             at = block and tuple(self.wrapped(m, b, image.blocks) for m, b in zip(modes, block))
-            seen[cell] = (block and image.colours[at], 255)
+            seen[cell] = (block and image.colours[at], visible)
         return self.add(entry), seen

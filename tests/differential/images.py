@@ -63,13 +63,20 @@ def png(odd, pixels, alpha=None):
     height, width = pixels.shape[:2]
     colours = sorted({tuple(p) for p in pixels.reshape(-1, 3).tolist()})
     more, bits = b"", odd.choice([8, 8, 8, 16])
-    if alpha is not None:
+    is_grey = all(r == g == b for r, g, b in colours)
+    if alpha is not None and is_grey and odd.maybe():
+        kind, values = 4, numpy.dstack([pixels[..., :1], alpha])
+    elif alpha is not None and (len(colours) > 16 or odd.maybe()):
         kind, values = 6, numpy.dstack([pixels, alpha])
-    elif len(colours) <= 16 and odd.maybe(0.3):
+    elif is_grey and alpha is None and odd.maybe():
+        kind, values = 0, pixels[..., :1]
+    elif len(colours) <= 16 and (alpha is not None or odd.maybe(0.3)):
         kind, bits = 3, odd.choice([b for b in (1, 2, 4, 8) if len(colours) <= 1 << b])
         number = {c: i for i, c in enumerate(colours)}
         values = numpy.array([[[number[tuple(p)]] for p in row] for row in pixels.tolist()])
         more = chunk(b"PLTE", b"".join(bytes(c) for c in colours))
+        if alpha is not None:
+            more += chunk(b"tRNS", bytes([int(alpha.flat[0])] * len(colours)))
     else:
         kind, values = 2, pixels
     if kind == 2 and odd.maybe(0.2):
@@ -104,15 +111,22 @@ def gdal_bytes(driver, pixels, options):
 
 
 class Image:
-    """size × size blocks of one colour each; block (column, row) counts from the lower left corner."""
+    """size × size blocks of one colour each; block (column, row) counts from the lower left corner.
 
-    def __init__(self, odd, kinds=("png", "png", "jpg", "webp")):
+    alpha: of all pixels, then the image is a PNG.
+    """
+
+    def __init__(self, odd, kinds=("png", "png", "jpg", "webp"), alpha=None):
         self.blocks = odd.choice([1, 2, 2, 3, 4])
-        self.suffix = odd.choice(kinds)
+        self.suffix = "png" if alpha is not None else odd.choice(kinds)
         # Colours of a JPEG are blurred across squares of 16 pixels.
-        texels = 16 if self.suffix == "jpg" else odd.randint(4, 12)
+        # Alpha tests of more than two pixels a voxel are less exact (docs/accuracy.md).
+        texels = 16 if self.suffix == "jpg" else odd.randint(4, 12 if alpha is None else 6)
         self.colours = dict(zip([(c, r) for c in range(self.blocks) for r in range(self.blocks)],
                                 odd.colours(self.blocks ** 2)))
+        if self.blocks < 3 and odd.maybe(0.2):
+            levels = odd.sample((0, 60, 120, 180, 255), self.blocks ** 2)
+            self.colours = {k: (v, v, v) for k, v in zip(self.colours, levels)}
         pixels = numpy.zeros((self.blocks * texels, self.blocks * texels, 3), int)
         for (column, row), colour in self.colours.items():
             top = (self.blocks - 1 - row) * texels
@@ -120,7 +134,7 @@ class Image:
         if self.suffix == "webp" and gdal.GetDriverByName("WEBP") is None:
             self.suffix = "png"
         if self.suffix == "png":
-            self.data = png(odd, pixels)
+            self.data = png(odd, pixels, None if alpha is None else numpy.full(pixels.shape[:2], alpha))
         elif self.suffix == "jpg":
             self.data = gdal_bytes("JPEG", pixels, ["QUALITY=98"] + (["PROGRESSIVE=YES"] if odd.maybe(0.3) else []))
         else:

@@ -6,14 +6,13 @@ import numpy
 from figures import figure, voxels_of
 from frames import PLACES, bounds_of, in_file, linear
 from images import Image, png
-from obj_reports import BRIGHT, INVISIBLE, add_reported
+from obj_reports import BRIGHT, INVISIBLE, NO_UV, add_reported
 from odd import Case
 
 WHITE, GREY = (255, 255, 255), (127, 127, 127)
 NO_IMAGE = "images are missing, what they show is grey"
 NO_MATERIAL = "materials that faces name and no file describes, taken as white"
 NO_FILE = "material files are missing, what they describe is grey"
-NO_UV = "faces without texture coordinates, of materials with an image"
 NO_COLOUR = "faces without vertex colours, in a file that has some"
 HARMLESS = ("Ka 0.2 0.2 0.2", "Ks 0 0 0", "Ke 0 0 0", "Ns 96.078", "Ni 1.45", "illum 2", "Tf 1 1 1", "Pr 0.5", "Pm 0",
             "map_Bump -bm 1 bump.png", "bump b.png", "norm n.png", "map_Ks s.png",
@@ -37,14 +36,14 @@ class Material:
 
 
 class ObjWriter:
-    def __init__(self, odd, folder, up):
-        self.odd, self.folder, self.up = odd, folder, up
+    def __init__(self, odd, folder, up, earth=None):
+        self.odd, self.folder, self.up, self.earth = odd, folder, up, earth
         self.case = Case("obj", "")
-        self.place = odd.choice(PLACES) if odd.maybe(0.25) else (0, 0, 0)
+        self.place = odd.choice(PLACES) if earth is None and odd.maybe(0.25) else (0, 0, 0)
         self.case.place = self.place
         self.lines, self.materials, self.warned = [], [], {}
         self.vertices = self.uvs = self.faces = 0
-        self.exact = self.place != (0, 0, 0)
+        self.exact = self.place != (0, 0, 0) or earth is not None
         self.has_mtl = odd.maybe(0.8)
         self.is_mtl_missing = self.has_mtl and odd.maybe(0.06)
         self.has_colours, self.is_coloured = odd.beyond(0.3), False
@@ -217,7 +216,7 @@ class ObjWriter:
 
     def write_part(self, part, m, colours=None):
         odd = self.odd
-        points = in_file(part, self.up, self.place)
+        points = in_file(part, self.up, self.place, self.earth)
         self.points.append(points)
         if odd.beyond(0.15):
             self.unused_vertices()

@@ -1,5 +1,6 @@
 """What an OBJ or a MTL may state that a bake does not use, and must report."""
 
+NO_UV = "faces without texture coordinates, of materials with an image"
 LOST_VERTEX = "faces left out, since a corner is none of the vertices"
 LOST_NUMBER = "faces left out, since a corner is no number"
 SHORT_VERTEX = "vertices without three coordinates, whose faces are left out"
@@ -14,8 +15,8 @@ def add_reported(writer):
     """Adds up to two kinds of lines at the end, after all vertices."""
     odd, case, lines = writer.odd, writer.case, writer.lines
     kinds = ["twice", "flat", "few", "vertex", "number", "unknown", "form", "short"]
-    if writer.is_coloured:
-        kinds = kinds[2:]  # these faces would be reported as ones without colours
+    if writer.is_coloured or NO_UV in writer.warned:
+        kinds = kinds[2:]  # these faces would be reported as ones without colours or texture coordinates
     for kind in sorted(odd.sample(kinds, odd.randint(0, 2)), key=kinds.index):
         count = odd.randint(1, 3)
         if kind == "vertex":

@@ -26,11 +26,11 @@ PLAIN = ("nx", "ny", "nz", "confidence", "intensity", "quality", "curvature", "r
 
 
 class PlyWriter:
-    def __init__(self, odd, folder, up):
-        self.odd, self.folder, self.up = odd, folder, up
+    def __init__(self, odd, folder, up, earth=None):
+        self.odd, self.folder, self.up, self.earth = odd, folder, up, earth
         self.case = Case("ply", "")
         self.format = odd.choice(["ascii", "binary_little_endian", "binary_big_endian"])
-        self.case.place = odd.choice(PLACES) if odd.maybe(0.25) else (0, 0, 0)
+        self.case.place = odd.choice(PLACES) if earth is None and odd.maybe(0.25) else (0, 0, 0)
         self.warned = {}
         self.image = None
         self.vertex, self.face = [], []  # columns: (name, type or list types, values)
@@ -138,12 +138,13 @@ class PlyWriter:
         case.colour_tolerance = self.image.tolerance
 
     def positions(self, parts):
-        points = numpy.concatenate([in_file(p, self.up, self.case.place) for p in parts])
-        kind = "double" if self.case.place != (0, 0, 0) else self.odd.choice(["float", "float", "double"])
+        points = numpy.concatenate([in_file(p, self.up, self.case.place, self.earth) for p in parts])
+        is_large = self.case.place != (0, 0, 0) or self.earth is not None
+        kind = "double" if is_large else self.odd.choice(["float", "float", "double"])
         low, high = bounds_of(points)
         self.case.outside = {"faces": sum(len(p.polygons) for p in parts), "bounds": (low, high)}
         if self.format == "ascii" and self.odd.maybe(0.3):
-            kind = "float" if self.case.place == (0, 0, 0) else "double"
+            kind = "double" if is_large else "float"
         return [(name, kind, points[:, i].tolist()) for i, name in enumerate("xyz")]
 
     def add_plain(self, columns, count, most):

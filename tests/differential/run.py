@@ -21,6 +21,7 @@ except ImportError:
     print("skipped: expected python3-gdal to be installed")
     sys.exit(77)
 
+import earth_files
 import gltf_files
 import mesh_bakes
 import obj_files
@@ -37,7 +38,7 @@ gdal.PushErrorHandler("CPLQuietErrorHandler")  # its warnings about odd files ar
 
 WRITERS = {"obj": obj_files.write_obj, "ply": ply_files.write_ply, "stl": stl_files.write_stl,
            "gltf": gltf_files.write_gltf, "tileset": tileset_files.write_tileset, "raster": raster_files.write_raster,
-           "earth": tileset_files.write_earth}
+           "earth": earth_files.write_earth}
 SHARES = ["obj"] * 6 + ["ply"] * 5 + ["stl"] * 2 + ["gltf"] * 6 + ["tileset"] * 4
 BATCH = 40
 USUAL_SEED = 20261125  # so that luck decides over no merge

@@ -7,10 +7,10 @@ from urllib.parse import quote
 import numpy
 
 from figures import figure
-from frames import FROM_Z_UP, ecef_from_enu
+from frames import FROM_Z_UP
 from gltf_files import closed_glb, matrix_of
 from implicit_tiles import implicit_tile
-from odd import BLOCK, VOXEL, Case
+from odd import VOXEL, Case
 from tile_formats import InstanceTable, archive, b3dm, cmpt
 
 WHOLE_EARTH = ({"region": [-3.141592653589793, -1.5707963267948966, 3.141592653589793, 1.5707963267948966, -100, 9000]},
@@ -228,12 +228,3 @@ class TilesetWriter:
 
 def write_tileset(odd, folder, up):
     return TilesetWriter(odd, folder, affine(FROM_Z_UP[up].T)).write()
-
-
-def write_earth(odd, folder, place):
-    """A tileset on the earth. place: the scene's origin (degrees and metres), and where the figure is along x."""
-    origin, slot = place
-    earth = ecef_from_enu(*origin) @ affine(numpy.eye(3), (slot * BLOCK * VOXEL, 0, 0))
-    case = TilesetWriter(odd, folder, numpy.linalg.inv(earth), earth).write()
-    case.kind, case.place, case.slot = "earth", None, slot
-    return case
