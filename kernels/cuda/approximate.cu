@@ -8,7 +8,7 @@ namespace {
 constexpr unsigned threads = 256, warps = threads / 32, groups_a_lane = groups_a_brick / 32;
 static_assert(groups_a_lane == 2 && 32 % octants_a_brick == 0, "eight lanes side by side have an octant's groups");
 
-/// What is changed of a level's voxels.
+/// The voxel arrays of a level that approximation reads and changes.
 struct VoxelsOut {
   const std::uint64_t* mask;
   const std::uint32_t* first;
@@ -18,7 +18,7 @@ struct VoxelsOut {
   std::uint32_t bricks;
 };
 
-/// A group's eight places in a brick, of which some have voxels.
+/// The 2×2×2 voxel positions of a group in a brick; some of the positions may be empty.
 class Group {
  public:
   Group() = default;
@@ -36,7 +36,7 @@ class Group {
 
   __device__ std::uint32_t voxels() const { return voxels_; }
 
-  /// visit(number of the voxel in its level).
+  /// Calls visit(index of the voxel in its level) for each voxel of the group.
   template <class Visit>
   __device__ void for_each(const Visit& visit) const {
     for (unsigned z = 0; z < 2; ++z)
@@ -60,7 +60,8 @@ __device__ std::uint32_t sum_of_eight(std::uint32_t count) {
   return count;
 }
 
-/// A brick, spread over a warp: lane l has the groups l and l + 32, and of them their octants and the brick.
+/// A brick distributed over a warp. Lane l owns the groups l and l + 32, and knows the voxel counts of their octants
+/// and of the brick.
 struct LaneBrick {
   Group group[groups_a_lane];
   std::uint32_t of_octant[groups_a_lane], of_brick;
@@ -74,7 +75,7 @@ struct LaneBrick {
   }
 };
 
-/// The range of the lane whose number differs in bit d.
+/// Returns the range owned by the lane whose number differs from this lane's in bit d.
 template <class Range>
 __device__ Range of_lane(const Range& own, unsigned d) {
   static_assert(sizeof(Range) % 4 == 0);
@@ -88,12 +89,12 @@ __device__ Range of_lane(const Range& own, unsigned d) {
   return words.range;
 }
 
-/// What the voxels of each of a lane's shares range over.
+/// Minimum and maximum over the voxels of each group owned by this lane, of the groups' octants and of the brick.
 template <class Range>
 struct ShareRanges {
   Range group[groups_a_lane], octant[groups_a_lane], brick;
 
-  /// From the groups' on. All lanes.
+  /// Computes the ranges of octants and brick from those of the groups. All lanes of the warp must call it.
   __device__ void join() {
     for (unsigned g = 0; g < groups_a_lane; ++g) {
       octant[g] = group[g];
@@ -104,7 +105,7 @@ struct ShareRanges {
   }
 };
 
-/// Channels [begin, begin + channels) of each voxel's bytes, which go together. By a whole warp.
+/// Approximates channels [begin, begin + channels) of each voxel's bytes together. All lanes of the warp must call it.
 template <int channels>
 __device__ void approximate_codes(const LaneBrick& brick, std::uint8_t* bytes, unsigned stride, unsigned begin,
                                   std::uint32_t codes) {
@@ -133,7 +134,7 @@ __device__ void approximate_codes(const LaneBrick& brick, std::uint8_t* bytes, u
   }
 }
 
-/// By a whole warp. A share without voxels chooses nothing.
+/// Approximates the normals. All lanes of the warp must call it. Groups and octants without voxels choose no normal.
 __device__ void approximate_normals(const LaneBrick& brick, std::uint16_t* normal, const std::int16_t* units,
                                     std::uint32_t codes) {
   const auto unit = [&](std::uint16_t code) { return units + 4 * std::size_t(code); };
@@ -162,7 +163,7 @@ __device__ void approximate_normals(const LaneBrick& brick, std::uint16_t* norma
   }
 }
 
-/// A warp a brick.
+/// Processes one brick per warp.
 __global__ void __launch_bounds__(threads)
     approximate_bricks(const VoxelsOut level, std::uint32_t codes, const std::int16_t* units) {
   const std::uint32_t number = blockIdx.x * warps + threadIdx.x / 32;

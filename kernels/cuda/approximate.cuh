@@ -1,4 +1,4 @@
-/// approximate() of kernels/cpu on the device: voxels that differ by no more than they may become alike.
+/// Device version of kernels/cpu's approximate(): makes voxels equal that differ by no more than the permitted error.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace gigabake::kernels {
 
-/// Changes the levels' voxels, not which there are. Does not wait for the stream.
-/// Exact   As kernels/cpu/approximate.h.
+/// Changes the values of voxels but not the set of voxels. Does not wait for the stream.
+/// Exact   Same values as kernels/cpu/approximate.h.
 /// Errors  CudaFailure.
 void approximate_levels(DeviceHeap& heap, const Tables& tables, std::uint32_t codes, std::vector<DeviceLevel>& levels);
 

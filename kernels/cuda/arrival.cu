@@ -7,7 +7,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// A piece is on its way for some 80 µs, and is copied by as many threads as are worth it in about as long.
+/// Piece sizes. A transfer of one piece takes about 80 µs, and the threads copy a piece in about the same time.
 constexpr std::size_t bytes_per_piece = 1u << 22, bytes_per_thread = 1u << 18;
 
 }  // namespace

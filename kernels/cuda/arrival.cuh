@@ -1,4 +1,4 @@
-/// Arrays on their way from a device to the host.
+/// Transfer of arrays from a device to the host.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,8 @@
 
 namespace gigabake::kernels {
 
-/// By way of page-locked memory, in pieces: threads copy one to where it belongs while the next ones arrive.
+/// Copies in pieces through page-locked memory: threads copy a piece to its destination while later pieces are
+/// transferred.
 class Arrival {
  public:
   struct Part {
@@ -20,13 +21,13 @@ class Arrival {
     std::size_t bytes;
   };
 
-  /// pool: borrowed.
+  /// Borrows the pool.
   Arrival(cudaStream_t stream, const ThreadPool& pool) : stream_(stream), pool_(pool) {}
   ~Arrival();
   Arrival(const Arrival&) = delete;
   Arrival& operator=(const Arrival&) = delete;
 
-  /// Returns when all of them are here.
+  /// Copies the arrays and returns when all of them are complete on the host.
   /// Errors  CudaFailure.
   void bring(std::span<const Part> parts);
 

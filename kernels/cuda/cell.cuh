@@ -1,7 +1,7 @@
-/// One cell on the device, from uploaded triangles to levels: at once where it fits, else part by part.
+/// Bake of one cell on the device, from uploaded triangles to levels: at once if it fits, otherwise part by part.
 ///
-/// Exact   A part is a range of oct-tree nodes by Morton key. All that these nodes hold, on levels up to their own, is
-///         made of their own bricks: so parts do not show in any bit.
+/// Exact   A part is a range of octree nodes by Morton key. Levels up to the nodes' own depend only on the nodes' own
+///         bricks, so the division into parts changes no bit.
 #pragma once
 
 #include <cstdint>
@@ -19,30 +19,30 @@
 
 namespace gigabake::kernels {
 
-/// At most one of the two lists of levels has any.
+/// A baked cell. At least one of `levels` and `host_levels` is empty.
 class BakedCell : public CudaVolume {
  public:
   const CellStats& stats() const override { return cell_stats; }
 
-  std::vector<DeviceLevel> levels;  ///< [lod], of a cell that fits the device
+  std::vector<DeviceLevel> levels;  ///< [lod]; for a cell baked at once
   DeviceNodes nodes;
-  std::vector<Level> host_levels;  ///< [lod], of one that came in parts
-  LevelSurface host_surface;       ///< of the last of them
+  std::vector<Level> host_levels;  ///< [lod]; for a cell baked in parts
+  LevelSurface host_surface;       ///< of the coarsest of host_levels
   std::vector<Hash128> host_hashes;
-  ParentSource above;  ///< on the host, for it is small and travels with the volume whoever packs it
+  ParentSource above;  ///< on the host: it is small, and the volume carries it whichever code packs the cell
   std::int64_t window_min[3] = {};
-  std::uint32_t max_error = 0;  ///< that `host_levels` are still to be approximated to
+  std::uint32_t max_error = 0;  ///< error that `host_levels` are still to be approximated to
   CellStats cell_stats;
 };
 
-/// Bakes cell after cell on one stream, and learns from each how much room the next one needs.
+/// Bakes cells one after the other on one stream, and estimates the capacities of each cell from the cells before it.
 class CellBake {
  public:
   CellBake(DeviceHeap& heap, const Tables& tables);
 
-  /// parameters.memory_bytes: what input, working arrays and result may take on the device together. Textures have a
-  /// budget of their own, and one node of the oct-tree, 1/32768 of the window or less, is baked whatever it takes.
-  /// Waits for the stream.
+  /// Bakes a cell and waits for the stream.
+  /// parameters.memory_bytes: device memory for input, working arrays and result together. Textures have a separate
+  /// budget. One octree node (at most 1/32768 of the window) is baked even if it exceeds the memory.
   /// Errors  CudaFailure.
   void bake(const DeviceInput& input, const CellParameters& parameters, BakedCell& out);
 

@@ -10,11 +10,11 @@ namespace {
 
 constexpr std::size_t alignment = 64;
 
-/// Collects what is to be copied; then copies all of it at once and fills the host's arrays from the buffer.
+/// Collects the arrays to copy, then copies all of them at once and fills the host's arrays from the buffer.
 class Download {
  public:
-  /// count: of the array's front. to: a vector of Unit, or of another integer as wide or wider. Unit: what the bytes
-  /// are taken for on the host.
+  /// Adds the first `count` elements of an array. to: a vector of Unit or of an integer at least as wide. Unit: the
+  /// type of the copied elements on the host.
   template <class Unit, class T, class To>
   void add_as(const DeviceArray<T>& from, std::size_t count, std::vector<To>& to) {
     const std::size_t at = bytes_, size = count * sizeof(T);
@@ -53,7 +53,7 @@ class Download {
 };
 
 void add(Download& download, const DeviceLevel& d, Level& level) {
-  download.add_as<std::uint8_t>(d.rgba, d.voxels, level.rgba);  // the longest first
+  download.add_as<std::uint8_t>(d.rgba, d.voxels, level.rgba);  // largest first
   if (!d.normal.empty()) download.add_as<std::int8_t>(d.normal, d.voxels, level.normal);
   if (!d.facing.empty()) download.add(d.facing, facing_bytes * std::size_t(d.voxels), level.facing);
   download.add(d.mask, 8 * std::size_t(d.bricks), level.mask);

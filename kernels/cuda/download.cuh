@@ -1,4 +1,4 @@
-/// A baked cell's way back to the host.
+/// Download of a baked cell to the host.
 #pragma once
 
 #include <span>
@@ -11,11 +11,11 @@
 
 namespace gigabake::kernels {
 
-/// The largest level's colours, its normals, and the rest.
+/// One thread for the largest level's colours, one for its normals and one for the other arrays.
 inline constexpr int download_threads = 3;
 
-/// Levels and, where there are any, nodes: everything into `pinned`, then into the host's arrays, on the threads of
-/// `pool`: most of the time goes into the first touch of new memory.
+/// Copies the levels, and the nodes if there are any, through `pinned` to the host's arrays.
+/// Cost    Mostly the first touch of new host memory, so the threads of `pool` fill the arrays.
 /// Errors  CudaFailure.
 CellVolume to_host(cudaStream_t stream, PinnedBuffer& pinned, std::span<const DeviceLevel> levels,
                    const DeviceNodes& nodes, const ThreadPool& pool);

@@ -20,8 +20,8 @@ struct HashView {
   int lod;
 };
 
-/// The lane's voxel of the brick: bit of the 512. words: the lane's own 32 bits, before: voxels in the words of lower
-/// lanes. Lanes 16 to 31 hold no word. All lanes ask.
+/// Returns the bit (of 512) of the brick's voxel number `rank`. word: this lane's 32 bits of the mask; before: voxels
+/// in the words of lower lanes. Lanes 16 to 31 own no word. All lanes must call it.
 __device__ int voxel_bit(std::uint32_t word, int before, int rank) {
   int at = 0;
 #pragma unroll
@@ -55,7 +55,7 @@ __device__ Hash128 brick_hash(const HashView& level, std::uint32_t brick, int la
   return sum;
 }
 
-/// A warp a brick.
+/// Hashes one brick per warp.
 __global__ void __launch_bounds__(threads, 6) hash_level(HashView level, Hash128* total) {
   const int lane = int(threadIdx.x & 31);
   Hash128 sum;

@@ -1,4 +1,4 @@
-/// The content hash of levels on the device.
+/// Content hashes of levels on the device.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,8 @@
 
 namespace gigabake::kernels {
 
-/// As level_hashes(). Waits for the stream. Errors  CudaFailure.
+/// Returns the same hashes as level_hashes() on the host. Waits for the stream.
+/// Errors  CudaFailure.
 std::vector<Hash128> level_hashes(DeviceHeap& heap, const std::vector<DeviceLevel>& levels,
                                   const std::int64_t window_min[3]);
 

@@ -20,7 +20,7 @@ DeviceArray<T> upload(DeviceHeap& heap, const T* host, std::size_t size) {
   return array;
 }
 
-/// Host arrays laid out one behind the other in one device array; the same array twice is there once.
+/// Host arrays packed one after the other into one device array; an array that was added twice is stored once.
 class Layout {
  public:
   template <class T>
@@ -154,7 +154,7 @@ DeviceInput::DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTexture
   }
   textures_ = upload(heap, views.data(), views.size());
   cell_materials_ = materials_in(input);
-  check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (upload)");  // the host's arrays may go now
+  check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (upload)");  // host arrays may be freed now
 }
 
 std::uint64_t DeviceInput::bytes_with_textures() const {

@@ -18,23 +18,24 @@
 
 namespace gigabake::kernels {
 
-/// Numbers its vertices and triangles through all parts.
+/// A submesh on the device. Vertices and triangles are numbered consecutively over all submeshes.
 struct DevicePart : PartArrays {
   std::uint32_t first_vertex, first_triangle;
 };
 
-/// What kernels get by value.
+/// The input of a cell as kernels receive it by value.
 struct InputView {
   const DevicePart* parts;
   const MaterialView* materials;
   const TextureView* textures;
-  const SnappedVertex* vertices;  ///< of all parts; or null: they are snapped whenever one is asked for
+  const SnappedVertex* vertices;  ///< of all submeshes; null: each vertex is snapped on every access
   const SnapWindow* window;
   Tables tables;
   std::uint32_t part_count, vertex_count, triangle_count;
 };
 
-/// The part that owns vertex or triangle `i`, given the parts' first ones.
+/// Returns the submesh that contains vertex or triangle `i`; `first` selects the submeshes' first vertices or
+/// triangles.
 template <std::uint32_t DevicePart::*first>
 __device__ inline std::uint32_t part_of(const InputView& in, std::uint32_t i) {
   std::uint32_t low = 0, high = in.part_count;
@@ -45,7 +46,7 @@ __device__ inline std::uint32_t part_of(const InputView& in, std::uint32_t i) {
   return low;
 }
 
-/// One copy for all that a kernel asks for: few cells need it, and instructions crowd their cache.
+/// Snaps a vertex on access. Never inlined: few cells need it, and inlined copies would crowd the instruction cache.
 __device__ __noinline__ inline SnappedVertex snap_vertex_now(const SnapWindow* window, const DevicePart* part,
                                                              std::uint32_t vertex) {
   return snap_vertex(*window, *part, vertex);
@@ -55,7 +56,7 @@ __device__ inline SnappedVertex snapped_vertex(const InputView& in, const Device
   return in.vertices != nullptr ? in.vertices[part.first_vertex + vertex] : snap_vertex_now(in.window, &part, vertex);
 }
 
-/// triangle: numbered through all parts; one whose vertices are all on the lattice.
+/// Returns a triangle of the window. triangle: numbered over all submeshes; all its vertices must be on the lattice.
 __device__ inline WindowTriangle window_triangle(const InputView& in, std::uint32_t triangle) {
   WindowTriangle t;
   t.part = part_of<&DevicePart::first_triangle>(in, triangle);
@@ -76,7 +77,8 @@ struct DeviceTexture {
   TextureView view;  ///< with device pointers
 };
 
-/// Textures of recent cells. The longest unused go when the budget is full; cells that hold them keep them alive.
+/// LRU cache of recent cells' textures. Evicts textures beyond the budget; a cell that refers to an evicted texture
+/// keeps it alive.
 class DeviceTextures {
  public:
   DeviceTextures(DeviceHeap& heap, std::uint64_t budget_bytes) : heap_(heap), budget_(budget_bytes) {}
@@ -88,11 +90,11 @@ class DeviceTextures {
 
   DeviceHeap& heap_;
   std::uint64_t budget_, used_ = 0;
-  std::list<Entry> entries_;  ///< latest use first
+  std::list<Entry> entries_;  ///< most recently used first
   std::unordered_map<std::uint64_t, std::list<Entry>::iterator> by_id_;
 };
 
-/// TableStore::host() on the device.
+/// Copy of TableStore::host() on the device.
 class DeviceTables {
  public:
   explicit DeviceTables(DeviceHeap& heap);
@@ -104,7 +106,7 @@ class DeviceTables {
   DeviceArray<std::int16_t> unit_normal_;
 };
 
-/// One cell's input. Arrays that several parts share are uploaded once.
+/// Input of one cell. Arrays that several submeshes share are uploaded once.
 class DeviceInput {
  public:
   /// Errors  CudaFailure; std::length_error beyond 2^32-1 vertices or triangles.

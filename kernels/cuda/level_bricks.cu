@@ -11,7 +11,7 @@ namespace {
 
 constexpr unsigned chunk = 1024, threads = 256;
 
-/// Levels above lod 0 that are made; arrays by lod.
+/// The levels coarser than lod 0 under construction; arrays are indexed by lod.
 struct Tree {
   std::uint32_t *key[most_levels], *start[most_levels], *first[most_levels];
   std::uint64_t* mask[most_levels];
@@ -20,7 +20,7 @@ struct Tree {
   int lods;
 };
 
-/// A brick opens a new one on every level where its key and that of the brick before it differ: up to this one.
+/// Returns the coarsest lod at which brick i opens a new brick: its key differs from that of brick i - 1 up to there.
 __device__ int opened_levels(const std::uint32_t* key, std::uint32_t i, int lods) {
   const int most = lods - 1;
   if (i == 0) return most;
@@ -28,7 +28,7 @@ __device__ int opened_levels(const std::uint32_t* key, std::uint32_t i, int lods
   return opened < most ? opened : most;
 }
 
-/// before[lod · chunks + c]: bricks of a level that bricks of chunk c open.
+/// Writes before[lod · chunks + c]: the number of bricks of level `lod` that the lod-0 bricks of chunk c open.
 __global__ void __launch_bounds__(chunk) count_opened(const std::uint32_t* key, std::uint32_t bricks, int lods,
                                                       std::uint32_t chunks, std::uint32_t* before) {
   __shared__ std::uint32_t counts[most_levels];
@@ -45,7 +45,7 @@ __global__ void __launch_bounds__(chunk) count_opened(const std::uint32_t* key, 
   if (threadIdx.x >= 1 && int(threadIdx.x) < lods) before[threadIdx.x * chunks + blockIdx.x] = counts[threadIdx.x];
 }
 
-/// Of the warp's lanes up to this one.
+/// Returns the sum over the warp's lanes up to and including this one.
 __device__ std::uint32_t sum_upto(std::uint32_t count, unsigned lane) {
   for (unsigned d = 1; d < 32; d *= 2) {
     const std::uint32_t lower = __shfl_up_sync(~0u, count, d);
@@ -54,7 +54,7 @@ __device__ std::uint32_t sum_upto(std::uint32_t count, unsigned lane) {
   return count;
 }
 
-/// Sums before each chunk, a warp a level; all of them to total[lod], of lod 0 none.
+/// Computes the exclusive prefix sums over chunks, one warp per level, and total[lod]; total[0] = 0.
 __global__ void sum_chunks(std::uint32_t chunks, std::uint32_t* before, std::uint32_t* total) {
   const std::uint32_t lod = blockIdx.x + 1, lane = threadIdx.x;
   std::uint32_t* mine = before + lod * chunks;
@@ -69,20 +69,20 @@ __global__ void sum_chunks(std::uint32_t chunks, std::uint32_t* before, std::uin
   if (lod == 1 && lane == 0) total[0] = 0;
 }
 
-/// All masks but those of lod 1, which are written whole.
+/// Clears all masks except those of lod 1, which are written completely.
 __global__ void clear_masks(Tree tree) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
   for (int lod = 2; lod < tree.lods; ++lod)
     if (i < 8 * tree.bricks[lod]) tree.mask[lod][i] = 0;
 }
 
-/// A brick of a level is a voxel three levels above.
+/// Sets the voxel that a brick corresponds to three levels coarser.
 __device__ void set_voxel(std::uint64_t* mask, std::uint32_t key) {
   const int x = gather_three_bits(key), y = gather_three_bits(key >> 1), z = gather_three_bits(key >> 2);
   atomicOr(reinterpret_cast<unsigned long long*>(mask + z), 1ull << (x + 8 * y));
 }
 
-/// Keys, first children and, from lod 3 on, voxels of all levels. A thread a brick of lod 0.
+/// Writes keys and first children of all levels and, from lod 3 on, their masks. One thread per brick of lod 0.
 __global__ void __launch_bounds__(chunk) open_bricks(const std::uint32_t* key, std::uint32_t bricks,
                                                      std::uint32_t chunks, const std::uint32_t* before, Tree tree) {
   __shared__ std::uint32_t sums[most_levels][chunk / 32];
@@ -99,7 +99,7 @@ __global__ void __launch_bounds__(chunk) open_bricks(const std::uint32_t* key, s
     sums[warp][lane] = before[warp * chunks + blockIdx.x] + sum_upto(count, lane) - count;
   }
   __syncthreads();
-  std::uint32_t at[most_levels];  // the brick of each level that this one lies in
+  std::uint32_t at[most_levels];  // the brick of each level that contains this one
   at[0] = i;
   const std::uint32_t mine = i < bricks ? key[i] : 0;
 #pragma unroll
@@ -120,7 +120,7 @@ __global__ void __launch_bounds__(chunk) open_bricks(const std::uint32_t* key, s
     if (lod < tree.lods) tree.ancestors[at[1]].brick[lod - 2] = at[lod];
 }
 
-/// Masks of lods 1 and 2 from those of lod 0: eight threads a brick of lod 1, a word each.
+/// Computes the masks of lods 1 and 2 from those of lod 0: eight threads per brick of lod 1, one mask word each.
 __global__ void make_masks(LevelView fine, Tree tree) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x, p = i / 8;
   const int z = int(i % 8);
@@ -144,9 +144,9 @@ __global__ void make_masks(LevelView fine, Tree tree) {
            (unsigned long long)(parent_slab(word, above) << (4 * (octant & 1) + 32 * (octant >> 1 & 1))));
 }
 
-/// Bricks of all coarser levels, one level after the other.
+/// The bricks of all coarser levels in one sequence, level after level.
 struct AllBricks {
-  std::uint32_t end[most_levels];  ///< [lod]; of lod 0: 0
+  std::uint32_t end[most_levels];  ///< [lod]; 0 for lod 0
 
   __device__ int lod_of(std::uint32_t i) const {
     int lod = 1;
@@ -166,7 +166,8 @@ __global__ void count_voxels(Tree tree, AllBricks all, std::uint32_t bricks, std
   count[i] = n;
 }
 
-/// sum: of voxels of all bricks up to each. total: by lod, of lod 0 none.
+/// Writes the index of each brick's first voxel. sum: inclusive prefix sums of voxels over all bricks. total: voxels
+/// per lod; 0 for lod 0.
 __global__ void place_voxels(Tree tree, AllBricks all, std::uint32_t bricks, const std::uint32_t* sum,
                              std::uint32_t* total) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
@@ -187,7 +188,7 @@ Counts read_counts(DeviceHeap& heap, const DeviceArray<std::uint32_t>& from) {
   return counts;
 }
 
-/// Room for bricks; count: of each level.
+/// Allocates the arrays of the bricks. count: bricks per level.
 Tree make_room(DeviceHeap& heap, const Counts& count, int lods, CoarserBricks& out) {
   Tree tree{};
   tree.lods = lods;
@@ -211,7 +212,7 @@ Tree make_room(DeviceHeap& heap, const Counts& count, int lods, CoarserBricks& o
   return tree;
 }
 
-/// Where each brick's voxels begin, and how many each level has.
+/// Computes each brick's first voxel. Returns the voxels per level.
 Counts place_all_voxels(DeviceHeap& heap, const Tree& tree) {
   AllBricks all{};
   for (int lod = 1; lod < tree.lods; ++lod) all.end[lod] = all.end[lod - 1] + tree.bricks[lod];

@@ -1,5 +1,5 @@
-/// Which bricks each coarser level has, where its voxels stand, and what is above and below each: everything but what
-/// the voxels say.
+/// Bricks of the coarser levels, the indices of their voxels, and their parents and children: everything except the
+/// voxels' values.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace gigabake::kernels {
 
-/// What of a level is read while others are made of it.
+/// The arrays of a level that are read to compute coarser levels.
 struct LevelView {
   const std::uint32_t *key, *first;
   const std::uint64_t* mask;
@@ -23,20 +23,21 @@ inline LevelView view_of(const DeviceLevel& l) {
           l.bricks};
 }
 
-/// The bricks of lods 2, 3 and 4 that a brick of lod 1 lies in.
+/// The bricks of lods 2, 3 and 4 that contain a brick of lod 1.
 struct Ancestors {
   std::uint32_t brick[3];
 };
 
 struct CoarserBricks {
-  std::vector<DeviceLevel> levels;                 ///< from lod 1 on; voxels are counted, but not there yet
-  std::vector<DeviceArray<std::uint32_t>> starts;  ///< [level][brick]: its first child, a brick of the level below
-  DeviceArray<Ancestors> ancestors;                ///< of each brick of lod 1, as far as there are levels
+  std::vector<DeviceLevel> levels;                 ///< of lods 1 and coarser; voxels are counted but not allocated
+  std::vector<DeviceArray<std::uint32_t>> starts;  ///< [level][brick]: its first child, a brick of the next finer level
+  DeviceArray<Ancestors> ancestors;                ///< per brick of lod 1; only entries of existing levels are set
 };
 
-/// The bricks of the levels [1, lods).
-/// Exact   Keys and masks depend on those of `finest` alone. From lod 3 on a voxel is a brick three levels below.
-/// Cost    Reads the keys three times, the masks of lod 0 once; waits for the stream twice.
+/// Computes the bricks of the levels [1, lods).
+/// Exact   Keys and masks depend only on those of `finest`. From lod 3 on, a voxel corresponds to a brick three levels
+///         finer.
+/// Cost    Reads the keys three times and the masks of lod 0 once; waits for the stream twice.
 /// Errors  CudaFailure.
 CoarserBricks coarser_bricks(DeviceHeap& heap, const DeviceLevel& finest, int lods);
 

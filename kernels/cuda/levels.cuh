@@ -12,18 +12,20 @@
 namespace gigabake::kernels {
 
 struct LevelsAbove {
-  std::vector<DeviceLevel> levels;     ///< from lod 1 on
-  DeviceArray<std::uint32_t> rasters;  ///< of the last one (kernels/body/facing.h); empty without MipFilter::coverage
-  DeviceArray<Patch> patches;          ///< of the last one (kernels/body/patch.h); empty without it or normals
+  std::vector<DeviceLevel> levels;     ///< of lods 1 and coarser
+  DeviceArray<std::uint32_t> rasters;  ///< coverage masks of the coarsest level (kernels/body/facing.h); empty without
+                                       ///< MipFilter::coverage
+  DeviceArray<Patch> patches;          ///< of the coarsest level (kernels/body/patch.h); empty without
+                                       ///< MipFilter::coverage or normals
 };
 
-/// The levels [1, lods).
-/// Cost    With MipFilter::coverage 4 bytes of working memory a voxel of lod 1 of a surface.
+/// Computes the levels [1, lods).
+/// Cost    With MipFilter::coverage 4 bytes of working memory per lod-1 voxel of a surface.
 /// Errors  CudaFailure.
 LevelsAbove coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceLevel& finest, int lods,
                            MipFilter filter, bool normals);
 
-/// Nodes on the device. Where every one of them is a brick, what only others have is empty.
+/// Node table on the device. If every node is a brick, the arrays that only other nodes use are empty.
 struct DeviceNodes {
   DeviceArray<std::uint32_t> key, first_child, value;
   DeviceArray<std::uint8_t> lod, child_mask;
@@ -33,10 +35,11 @@ struct DeviceNodes {
   std::uint32_t count = 0;
 };
 
-/// Of that many, what every one has; not set.
+/// Allocates the arrays that every node uses, for `count` nodes; does not initialise them.
 DeviceNodes make_device_nodes(DeviceHeap& heap, std::uint32_t count);
 
-/// levels: [lod]. Empty where a brick may be constant: then prune_levels() decides, or prune() on the host.
+/// Returns the node table of levels[lod] if every node is a brick. Returns an empty table if any brick is full and thus
+/// may be constant; then prune_levels() or the host's prune() must make the table.
 /// Errors  CudaFailure; std::length_error beyond 2^32-1 nodes.
 DeviceNodes brick_nodes(DeviceHeap& heap, const std::vector<DeviceLevel>& levels);
 

@@ -15,14 +15,14 @@ __device__ void add_count(unsigned long long* total, unsigned block) {
   if (block != 0) atomicAdd(total, (unsigned long long)block);
 }
 
-/// Of the block to all. One atomic a block and counter: all counters in device memory stand in one line.
+/// Adds a block's counts to the totals. One atomic per block and counter, because all counters share one cache line.
 __device__ void add_counts(const TriangleCounts<unsigned>& block, TriangleCounts<unsigned long long>& total) {
 #pragma unroll
   for (int f = 0; f < fates; ++f) add_count(&total.fate[f], block.fate[f]);
   add_count(&total.bad_uv, block.bad_uv);
 }
 
-/// The keys of the box's bricks that are in the range.
+/// Visits the keys of the box's bricks that are in the range.
 template <class Visit>
 __device__ void visit_keys(const BrickBox& box, KeyRange range, const Visit& visit) {
   for_each_key(box, [&](std::uint64_t morton_key) {

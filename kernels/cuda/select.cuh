@@ -1,4 +1,4 @@
-/// The indices for which something holds.
+/// Selection of the indices that satisfy a predicate.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace gigabake::kernels {
 
-/// The indices below n for which is_wanted(index) holds on the device, in order, at `to`, which has room for n. Returns
-/// how many they are: the host waits.
+/// Writes the indices below n for which is_wanted(index) holds on the device to `to`, in ascending order. `to` must
+/// have capacity for n indices. Returns their number; the host waits for it.
 template <class Predicate>
 std::uint32_t select_indices(DeviceHeap& heap, std::uint32_t n, const Predicate& is_wanted, std::uint32_t* to) {
   const thrust::counting_iterator<std::uint32_t> counting(0);
