@@ -1,4 +1,4 @@
-// The CUDA backend of a build without nvcc: no devices, and a reason.
+// CUDA backend of a build without nvcc: reports no devices and the reason.
 #ifndef GIGABAKE_HAS_CUDA
 #include "kernels/cuda/baker.h"
 
@@ -14,7 +14,7 @@ double device_copy_rate(int) { throw CudaFailure(cuda_devices().reason); }
 CudaBaker::CudaBaker(int, std::uint64_t) { throw CudaFailure(cuda_devices().reason); }
 CudaBaker::~CudaBaker() = default;
 
-// No object exists to call these on.
+// Never called: the constructor throws.
 CellVolume CudaBaker::bake_cell(const CellInput&, const CellParameters&) { throw CudaFailure(cuda_devices().reason); }
 std::shared_ptr<const CudaInput> CudaBaker::upload(const CellInput&) { throw CudaFailure(cuda_devices().reason); }
 std::unique_ptr<CudaVolume> CudaBaker::bake(const CudaInput&, const CellParameters&) {

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int oldest_capability = 8;
 
-/// Freed memory stays with the pool: giving it back to the driver between cells costs more than all kernels.
+/// Keeps freed memory in the pool: returning it to the driver between cells takes longer than all kernels.
 void keep_pool(int device) {
   cudaMemPool_t pool;
   check_cuda(cudaDeviceGetDefaultMemPool(&pool, device), "cudaDeviceGetDefaultMemPool");
@@ -91,7 +91,7 @@ class CudaBaker::Impl {
   }
 
  private:
-  /// Of a cell that came in parts: coarser levels were made of exact voxels.
+  /// Approximates, hashes and prunes on the host a cell baked in parts, because its coarser levels need exact voxels.
   CellVolume download_approximate(BakedCell& cell) {
     CellVolume out;
     out.levels = std::move(cell.host_levels);
@@ -148,7 +148,7 @@ double device_copy_rate(int device) {
   const DeviceArray<std::uint8_t> from(heap, bytes), to(heap, bytes);
   StreamClock clock(stream.handle);
   for (int i = 0; i <= copies; ++i) {
-    if (i == 1) clock.mark(0);  // the first one warms up
+    if (i == 1) clock.mark(0);  // the first copy warms up
     check_cuda(cudaMemcpyAsync(to.data(), from.data(), bytes, cudaMemcpyDeviceToDevice, stream.handle),
                "cudaMemcpyAsync (copy rate)");
   }

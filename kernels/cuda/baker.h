@@ -1,6 +1,6 @@
-/// The CUDA backend of bake_cell(): the same bodies on a GPU, the same bits.
+/// CUDA backend of bake_cell(): the same kernel bodies on a GPU, with the same bits.
 ///
-/// Built without CUDA (or run without a driver) there are no devices, and cuda_devices() says why.
+/// Without CUDA in the build or without a driver there are no devices, and cuda_devices() returns the reason.
 #pragma once
 
 #include <cstdint>
@@ -15,51 +15,53 @@ namespace gigabake::kernels {
 
 struct CudaDevices {
   std::vector<int> usable;  ///< ordinals of devices of compute capability 8.0 or newer
-  std::string reason;       ///< why there are none, or fewer than the machine has
+  std::string reason;       ///< why there are no usable devices, or fewer than the machine has
 };
 
+/// Returns the usable devices.
 /// Cost    Starts the driver: about a second at the first call.
 CudaDevices cuda_devices();
 
-/// Bytes read and written by a large copy within the device, per second: the rate of a floor.
+/// Returns the bytes read and written per second by a large copy within the device: the bandwidth for lower bounds of
+/// run times.
 /// Errors  CudaFailure.
 double device_copy_rate(int device);
 
 /// A cell's triangles and textures on the device.
 class CudaInput;
 
-/// A baked cell, on the device unless it came in parts.
+/// A baked cell: on the device, or on the host if it was baked in parts.
 class CudaVolume {
  public:
   virtual ~CudaVolume() = default;
   virtual const CellStats& stats() const = 0;
 };
 
-/// One device. Keeps its memory pool and the textures of recent cells between cells.
-/// upload(), bake() and download() may run at the same time on three threads, each for a cell of its own; one of them
-/// not twice at the same time.
+/// Baker on one device. Keeps its memory pool and the textures of recent cells between cells.
+/// Three threads may call upload(), bake() and download() concurrently for different cells. Each of the three functions
+/// may run only once at a time.
 class CudaBaker {
  public:
-  /// device: an ordinal that cuda_devices() named. texture_bytes: device memory for textures of recent cells;
-  /// 0: a quarter of what the device has.
+  /// device: an ordinal from cuda_devices(). texture_bytes: device memory for textures of recent cells; 0: a quarter of
+  /// the device's memory.
   /// Errors  CudaFailure.
   CudaBaker(int device, std::uint64_t texture_bytes);
   ~CudaBaker();
   CudaBaker(const CudaBaker&) = delete;
   CudaBaker& operator=(const CudaBaker&) = delete;
 
-  /// parameters.memory_bytes: of device memory, for the cell's triangles, working arrays and result. A cell that needs
-  /// more, or more than the device has left, is baked and downloaded part by part.
-  /// Exact   The same volume as kernels::bake_cell(input, parameters, any policy), whatever the memory, but for
-  ///         stats.batches (parts here), peak_bytes (device memory here) and times.
-  /// Errors  CudaFailure: input or the smallest part does not fit the device, or the device is lost. The baker is as
-  ///         good as new afterwards, or every further call fails.
+  /// Bakes a cell. parameters.memory_bytes: max device memory for triangles, working arrays and result. A cell that
+  /// needs more, or more than the device has free, is baked and downloaded in parts.
+  /// Exact   Same volume as kernels::bake_cell(input, parameters, any policy), whatever the memory. Differences:
+  ///         stats.batches counts parts, peak_bytes is device memory, and times differ.
+  /// Errors  CudaFailure if input or the smallest part does not fit the device, or if the device is lost. Afterwards
+  ///         the baker works as before, or, if the device is lost, every further call fails.
   CellVolume bake_cell(const CellInput& input, const CellParameters& parameters);
 
-  /// The three steps of bake_cell(). The input's arrays must live until upload() returns.
+  /// Uploads, bakes and downloads: the three steps of bake_cell(). The input's arrays must live until upload() returns.
   std::shared_ptr<const CudaInput> upload(const CellInput& input);
   std::unique_ptr<CudaVolume> bake(const CudaInput& input, const CellParameters& parameters);
-  /// volume: of this baker. It leaves the device.
+  /// Downloads a volume that this baker has baked, and frees its device memory.
   CellVolume download(std::unique_ptr<CudaVolume> volume);
 
  private:

@@ -12,7 +12,7 @@ namespace {
 
 constexpr unsigned threads = 256, descend_blocks = 1024;
 
-/// Pairs as they come, and the counters after all kernels ran.
+/// (triangle, brick) pairs in the order of their discovery, and the counters after all kernels have run.
 struct RawPairs {
   DeviceArray<std::uint32_t> key, triangle;
   PairCounters counted{};
@@ -24,7 +24,7 @@ PairCounters read(DeviceHeap& heap, const DeviceArray<PairCounters>& counters) {
   return host;
 }
 
-/// From the root to the bricks, all large triangles side by side. Returns the longest queue.
+/// Descends all large triangles from the root to the bricks in parallel. Returns the largest length of a queue.
 std::uint64_t descend_large(DeviceHeap& heap, const InputView& input, const CellWindow& window, const PairSink& sink,
                             const DeviceArray<PairCounters>& counters) {
   std::uint64_t longest = 0;
@@ -39,7 +39,7 @@ std::uint64_t descend_large(DeviceHeap& heap, const InputView& input, const Cell
   return longest;
 }
 
-/// What one try writes to. With units, only their counts are wanted.
+/// Output buffers of one attempt. They hold no pairs if only the pairs per unit are counted.
 struct PairRoom {
   RawPairs raw;
   DeviceArray<LargeItem> items;
@@ -66,8 +66,8 @@ struct PairRoom {
   }
 };
 
-/// A window of one brick has no tree to descend: its large triangles are pairs of their own. Returns how long queues
-/// had to be; room.raw.counted says how many pairs there are.
+/// Counts all pairs in room.raw.counted and writes those that fit. Returns the required queue capacity. A window of one
+/// brick has no tree to descend: its large triangles become pairs directly.
 std::uint64_t find_pairs(DeviceHeap& heap, const InputView& input, const CellWindow& window, const PairSink& sink,
                          PairRoom& room) {
   pair_kernel<<<grid_of(input.triangle_count, pair_threads), pair_threads, 0, heap.stream()>>>(input, window, sink);
@@ -110,10 +110,10 @@ __global__ void gather_keys(const std::uint32_t* sorted, std::uint32_t* start, s
   if (b == bricks) start[b] = pairs;
 }
 
-/// Windows and parts of at most this many bricks have a counter for each; others sort.
+/// Max bricks of a range for which pairs are counted per brick; pairs of larger ranges are sorted.
 constexpr std::uint32_t most_counted_bricks = 1 << 21;
 
-/// Counts the bricks' pairs, or with `triangle` puts them to their places.
+/// Counts the pairs of each brick, or, if `triangle` is given, writes the triangles to their bricks' places.
 PairCounters pairs_by_brick(DeviceHeap& heap, const InputView& input, const CellWindow& window, KeyRange range,
                             DeviceArray<std::uint32_t>& brick, DeviceArray<std::uint32_t>* triangle,
                             BinCapacity& capacity) {
@@ -147,7 +147,7 @@ __global__ void gather_starts(const std::uint32_t* start_of, const std::uint32_t
   start[b] = start_of[picked[b]];
 }
 
-/// Keys and starts of the bricks that have pairs. start_of: of all of the range, and one more.
+/// Returns keys and starts of the bricks that have pairs. start_of: one entry per brick of the range, and the end.
 BrickLists bricks_with_pairs(DeviceHeap& heap, const DeviceArray<std::uint32_t>& start_of, KeyRange range,
                              std::uint32_t pairs) {
   const std::uint32_t n = range.end - range.first;
@@ -162,7 +162,7 @@ BrickLists bricks_with_pairs(DeviceHeap& heap, const DeviceArray<std::uint32_t>&
   return lists;
 }
 
-/// Pairs are counted brick by brick, then put to their places: four bytes a pair, where sorting takes sixteen.
+/// Returns (triangle, brick) pairs by brick by counting sort: four bytes per pair, where radix sort takes sixteen.
 BrickLists counted_lists(DeviceHeap& heap, const InputView& input, const CellWindow& window, KeyRange range,
                          BinCapacity& capacity, CellStats& stats) {
   DeviceArray<std::uint32_t> brick(heap, std::size_t(range.end - range.first) + 1);
@@ -181,7 +181,7 @@ BrickLists counted_lists(DeviceHeap& heap, const InputView& input, const CellWin
   return lists;
 }
 
-/// Pairs as they come, with their bricks, sorted by them.
+/// Returns (triangle, brick) pairs by brick by radix sort.
 BrickLists sorted_lists(DeviceHeap& heap, const InputView& input, const CellWindow& window, KeyRange range,
                         BinCapacity& capacity, CellStats& stats) {
   RawPairs raw = pairs_in(heap, input, window, range, capacity);
@@ -198,7 +198,7 @@ BrickLists sorted_lists(DeviceHeap& heap, const InputView& input, const CellWind
     check_cuda(cub::DeviceRadixSort::SortPairs(temporary, bytes, key, triangle, pairs, 0, bits, heap.stream()),
                "DeviceRadixSort");
   });
-  // The sort's other key buffer takes the starts until their number is known.
+  // The other key buffer of the sort holds the starts until their number is known.
   lists.bricks = select_indices(heap, pairs, StartsBrick{key.Current()}, key.Alternate());
   lists.key = DeviceArray<std::uint32_t>(heap, lists.bricks);
   lists.start = DeviceArray<std::uint32_t>(heap, lists.bricks + 1);

@@ -1,11 +1,12 @@
-/// Selection in bit masks, in as many steps for one lane as for all.
+/// Selection in bit masks, with the same number of steps for every lane.
 #pragma once
 
 #include <cstdint>
 
 namespace gigabake::kernels {
 
-/// The n-th set bit. Range  0 ≤ n < number of set bits; else some bit.
+/// Returns the position of the n-th set bit.
+/// Range   0 ≤ n < number of set bits; otherwise returns an arbitrary position.
 __device__ inline int nth_bit(std::uint32_t bits, int n) {
   int at = 0;
 #pragma unroll

@@ -1,4 +1,4 @@
-/// What the CUDA kernels were compiled by and for.
+/// Compiler and target architectures of the CUDA kernels.
 #pragma once
 
 #include <string>
@@ -6,8 +6,8 @@
 namespace gigabake::kernels {
 
 struct CudaBuild {
-  std::string toolkit;        ///< "12.4.131"; empty: there are no CUDA kernels
-  std::string architectures;  ///< as CMake names them: "80-real 90"
+  std::string toolkit;        ///< "12.4.131"; empty if built without CUDA
+  std::string architectures;  ///< in CMake's notation: "80-real 90"
 };
 
 CudaBuild cuda_build();

@@ -13,9 +13,11 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Nodes of this many levels below the root are baked apart if need be; small ones are not worth a launch.
+/// Units are the nodes this many levels below the root, but not finer than least_unit_level, as small launches do not
+/// pay.
 constexpr int levels_above_units = 5, least_unit_level = 2;
-constexpr double live_share = 1.2;  ///< of input and output; what was learned from another cell is not exact
+constexpr double live_share = 1.2;  ///< capacity over the expected input and output, which are estimated from the cell
+                                    ///< before
 
 std::uint64_t limit_of(std::uint64_t memory_bytes, std::uint64_t input_bytes) {
   if (memory_bytes == 0) return 0;
@@ -44,23 +46,24 @@ void append(const DeviceArray<T>& from, std::vector<T>& to) {
 
 }  // namespace
 
-/// What all parts of a cell share.
+/// Data that all parts of a cell share.
 struct CellBake::Cell {
   InputView input;
   CellWindow window;
   const CellParameters& parameters;
   CellMaterials materials;
-  std::uint64_t limit;  ///< of what the heap may hold
-  std::uint64_t room;   ///< what it should hold
+  std::uint64_t limit;  ///< max live bytes of the heap
+  std::uint64_t room;   ///< intended live bytes of the heap
 };
 
-/// Nodes that are baked whole, and the pairs before each of them.
+/// The octree nodes that a cell can be split into, and the pairs before each of them.
 struct CellBake::Units {
-  int level;  ///< above the bricks
+  int level;  ///< height above the bricks
   std::vector<std::uint64_t> pairs_before;
 
   std::uint64_t pairs(std::size_t first, std::size_t end) const { return pairs_before[end] - pairs_before[first]; }
-  /// Inside (first, end), where about half of the pairs are on either side. Range: at least two units.
+  /// Returns the unit inside (first, end) that splits the pairs into about equal halves.
+  /// Range   At least two units.
   std::size_t middle(std::size_t first, std::size_t end) const {
     const auto at = pairs_before.begin();
     const std::uint64_t half = pairs_before[first] + pairs(first, end) / 2;
@@ -77,7 +80,7 @@ void CellBake::bake(const DeviceInput& uploaded, const CellParameters& parameter
   out.max_error = parameters.max_error;
   const InputView input = uploaded.view();
   if (input.triangle_count == 0) return;
-  // All that is live stays within a quarter more than input and output; the last cell's output stands for this one's.
+  // Live bytes should stay within 1.2 times input and output. The output per triangle is estimated from the last cell.
   const double input_bytes = double(uploaded.bytes_with_textures()),
                output_bytes = output_per_triangle_ * double(input.triangle_count);
   Cell cell{input,
@@ -93,7 +96,7 @@ void CellBake::bake(const DeviceInput& uploaded, const CellParameters& parameter
   if (double(input.vertex_count) * sizeof(SnappedVertex) < 0.1 * (input_bytes + output_bytes)) {
     vertices = snap_vertices(heap_, cell.input, cell.window);
     cell.input.vertices = vertices.data();
-  } else {  // where keeping them would take half of the room there is, one is snapped whenever it is asked for
+  } else {  // keeping the vertices would take half of the capacity, so they are snapped on every access
     window = DeviceArray<SnapWindow>(heap_, 1);
     const SnapWindow& snapped_to = cell.window;
     check_cuda(cudaMemcpyAsync(window.data(), &snapped_to, sizeof snapped_to, cudaMemcpyHostToDevice, heap_.stream()),
@@ -106,7 +109,7 @@ void CellBake::bake(const DeviceInput& uploaded, const CellParameters& parameter
   check_cuda(cudaStreamSynchronize(heap_.stream()), "cudaStreamSynchronize (bake)");
 }
 
-/// The levels [0, lods) of a range. Marks 2 to 5.
+/// Computes the levels [0, lods) of a range of bricks. Records the marks 2 to 5.
 LevelsAbove CellBake::levels_of(const Cell& cell, KeyRange range, int lods, BinCapacity& capacity, CellStats& stats) {
   clock_.mark(2);
   BrickLists lists = bin_triangles(heap_, cell.input, cell.window, range, capacity, stats);
@@ -163,7 +166,7 @@ bool CellBake::bake_at_once(const Cell& cell, BakedCell& out) {
   }
 }
 
-/// What levels above the cell are made of, as it comes to the host.
+/// Reads back the state from which the overviews above the cell are made.
 ParentSource CellBake::source_of(const LevelsAbove& all, int lod, MipFilter filter) {
   if (all.levels.empty()) return {};
   const std::size_t wanted = is_of_64(filter, lod + 1) ? 2 : 1;
@@ -174,7 +177,7 @@ ParentSource CellBake::source_of(const LevelsAbove& all, int lod, MipFilter filt
   return parent_source(levels, lod, surface, filter);
 }
 
-/// Levels up to the units' on the device, part after part; those above, which are small, from them on the host.
+/// Bakes levels up to the units' on the device, part by part, and the coarser, small levels from them on the host.
 void CellBake::bake_in_parts(const Cell& cell, BakedCell& out) {
   Units units{std::clamp(cell.window.levels - levels_above_units, std::min(least_unit_level, cell.window.levels),
                          cell.window.levels),
@@ -193,7 +196,7 @@ void CellBake::bake_in_parts(const Cell& cell, BakedCell& out) {
     out.host_hashes.push_back(level_hash(out.host_levels[lod], int(lod), out.window_min, host_));
 }
 
-/// In halves, where all of them do not fit.
+/// Bakes a range of units; splits it into halves if it does not fit.
 void CellBake::bake_units(const Cell& cell, const Units& units, std::size_t first, std::size_t end, BakedCell& out) {
   if (units.pairs(first, end) == 0 || bake_part(cell, units, first, end, out)) return;
   const std::size_t middle = units.middle(first, end);
@@ -201,7 +204,8 @@ void CellBake::bake_units(const Cell& cell, const Units& units, std::size_t firs
   bake_units(cell, units, middle, end, out);
 }
 
-/// False: it does not fit, and nothing has changed. One unit fits, or its DeviceFull is the caller's.
+/// Returns false and changes nothing if the part does not fit. A single unit has no limit; if it does not fit either,
+/// throws DeviceFull.
 bool CellBake::bake_part(const Cell& cell, const Units& units, std::size_t first, std::size_t end, BakedCell& out) {
   const bool is_smallest = end - first == 1;
   heap_.limit_to(is_smallest ? 0 : cell.limit);

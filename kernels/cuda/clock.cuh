@@ -18,9 +18,9 @@ class StreamClock {
   StreamClock(const StreamClock&) = delete;
   StreamClock& operator=(const StreamClock&) = delete;
 
-  /// i: 0 … 6.
+  /// Records mark i (0 … 6) in the stream.
   void mark(int i) { check_cuda(cudaEventRecord(events_[std::size_t(i)], stream_), "cudaEventRecord"); }
-  /// Seconds between marks; the stream must have passed both.
+  /// Returns the seconds between two marks, which the stream must have passed.
   double between(int i, int j) const {
     float ms = 0;
     check_cuda(cudaEventElapsedTime(&ms, events_[std::size_t(i)], events_[std::size_t(j)]), "cudaEventElapsedTime");

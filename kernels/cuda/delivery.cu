@@ -9,7 +9,7 @@ Delivery::Delivery(DeviceHeap& heap) : heap_(heap) {
 
 Delivery::~Delivery() {
   for (const Part& part : parts_) {
-    cudaEventSynchronize(part.copied);  // or the device would read what is freed
+    cudaEventSynchronize(part.copied);  // the device may still read the buffers
     cudaEventDestroy(part.copied);
   }
 }

@@ -1,4 +1,4 @@
-/// A level as the device holds it, until it is downloaded.
+/// A level in device memory.
 #pragma once
 
 #include <cstdint>
@@ -7,13 +7,13 @@
 
 namespace gigabake::kernels {
 
-/// Bricks in Morton order, voxels brick after brick by rising bit number.
+/// Bricks are in Morton order; voxels are ordered by brick, then by bit number.
 struct DeviceLevel {
   DeviceArray<std::uint32_t> key, first;  ///< first: bricks + 1
   DeviceArray<std::uint64_t> mask;        ///< 8 per brick
-  DeviceArray<std::uint32_t> rgba;        ///< four bytes, red lowest
+  DeviceArray<std::uint32_t> rgba;        ///< four bytes, red in the lowest
   DeviceArray<std::uint16_t> normal;      ///< two bytes, or empty
-  DeviceArray<std::uint8_t> facing;       ///< three a voxel, or empty
+  DeviceArray<std::uint8_t> facing;       ///< facing_bytes per voxel, or empty
   std::uint32_t bricks = 0, voxels = 0;
 
   std::uint64_t bytes() const {

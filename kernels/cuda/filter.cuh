@@ -1,4 +1,4 @@
-/// Parts of the kernels that filter levels: what a voxel's children are, what they show, and what they make.
+/// Building blocks of the filter kernels: a voxel's children, their visible coverage, and the filtered voxel.
 #pragma once
 
 #include <cstdint>
@@ -14,22 +14,22 @@ namespace gigabake::kernels {
 
 constexpr int filter_threads = 128;
 
-/// Voxels that are in memory by index.
+/// Voxel arrays in memory, accessed by index.
 struct VoxelArrays {
   const std::uint32_t* rgba;
   const std::uint16_t* normal;  ///< or null
-  const Patch* patch;           ///< (kernels/body/patch.h); null at lod 0, and where nothing asks for it
+  const Patch* patch;           ///< (kernels/body/patch.h); null at lod 0, or if not required
 };
 
-/// The 2×2×2 voxels below one, x | y<<1 | z<<2.
+/// The 2×2×2 children of a voxel, ordered x | y<<1 | z<<2.
 template <class Index>
 struct alignas(8 * sizeof(Index) < 16 ? 8 : 16) Children {
-  Index at[8];  ///< in their array; none: there is none
+  Index at[8];  ///< index in the children's array, or `none`
   static constexpr Index none = Index(-1);
 };
 
-/// Those that stand in a brick's mask from (2x, 2y) of two slabs, low and high. at_low: what stands before the lower
-/// slab; the other follows it.
+/// Returns the children in a brick's mask at (2x, 2y) of two adjacent slabs, `low` and `high`. at_low: index of the low
+/// slab's first voxel; the high slab's voxels follow.
 template <class Index>
 __device__ Children<Index> children_in(std::uint64_t low, std::uint64_t high, std::uint32_t at_low, int x, int y) {
   Children<Index> children;
@@ -50,7 +50,7 @@ __device__ Children<Index> children_in(std::uint64_t low, std::uint64_t high, st
   return children;
 }
 
-/// What see_run() asks (kernels/body/facing.h): of rasters that stand one after the other.
+/// Access to the children's coverage masks for see_run() (kernels/body/facing.h); the masks are stored consecutively.
 template <int Edge, class Index>
 struct ChildRasters {
   const Children<Index>& children;
@@ -65,7 +65,7 @@ struct ChildRasters {
   }
 };
 
-/// Edge: of the children's rasters.
+/// Edge: of the children's coverage masks.
 template <int Edge, class Index>
 __device__ Weights weights_by_view(const FacingSums& seen, const Children<Index>& children) {
   std::uint32_t there[2] = {};
@@ -74,7 +74,7 @@ __device__ Weights weights_by_view(const FacingSums& seen, const Children<Index>
   return weights_of(seen, Edge, there);
 }
 
-/// A voxel's FacingSums, as the lanes that look along its columns leave them.
+/// FacingSums of a voxel, by column and child, as written by the lanes that process its columns.
 struct alignas(8) ColumnSums {
   std::uint16_t covered[3][4];  ///< axis, column
   std::uint16_t seen[3][8];     ///< axis, child
@@ -98,13 +98,14 @@ struct alignas(8) ColumnSums {
   }
 };
 
-/// A block looks at the children of n voxels: a lane a run of 16 cells. rasters: of the children; to: of the voxels,
-/// 8×8 cells each. Edge: of the children's, 4 or 8.
+/// Computes the visible coverage of the children of n voxels, by a whole block: one lane per run of 16 cells. rasters:
+/// of the children; to: of the voxels, 8×8 cells each. Edge: of the children's, 4 or 8.
 template <int Edge, class Index>
 __device__ void see_columns(const Children<Index>* children, int n, const std::uint32_t* rasters, std::uint32_t* to,
                             ColumnSums* out) {
   constexpr int runs = runs_per_column<Edge>, lanes = 12 * runs, words = raster_words(most_raster_edge);
   for (int first = int(threadIdx.x & ~31u); first < n * lanes; first += filter_threads) {  // all lanes of a warp
+                                                                                           // iterate together
     const int i = first + int(threadIdx.x & 31), voxel = i / lanes;
     const int run = i % runs, column = i / runs % 4, axis = (i - voxel * lanes) / (4 * runs);
     std::uint32_t sums[3] = {};
@@ -119,7 +120,7 @@ __device__ void see_columns(const Children<Index>* children, int n, const std::u
   }
 }
 
-/// facing: x lowest.
+/// A filtered voxel. facing: x in the lowest byte.
 struct FilteredVoxel {
   std::uint32_t rgba, facing;
   std::uint16_t normal;
@@ -127,7 +128,7 @@ struct FilteredVoxel {
   Patch patch;
 };
 
-/// Nothing waits for anything but the children's bytes.
+/// Filters a voxel from its children. Loads are independent of each other.
 template <bool by_view, class Index>
 __device__ FilteredVoxel filter_voxel(const VoxelArrays& below, const Children<Index>& children, const Weights& w,
                                       MipFilter filter, const Tables& tables) {
@@ -152,12 +153,12 @@ __device__ FilteredVoxel filter_voxel(const VoxelArrays& below, const Children<I
           made.patch};
 }
 
-/// Where a level's voxels go.
+/// Output arrays of a level's voxels.
 struct VoxelsOut {
   std::uint32_t* rgba;
   std::uint16_t* normal;  ///< or null
-  std::uint8_t* facing;   ///< or null, without MipFilter::coverage
-  Patch* patch;           ///< or null, without it or normals, and where no other launch asks for it
+  std::uint8_t* facing;   ///< null without MipFilter::coverage
+  Patch* patch;           ///< null without MipFilter::coverage or normals, or if no later launch reads it
 
   __device__ void put(std::size_t i, const FilteredVoxel& v) const {
     rgba[i] = v.rgba;

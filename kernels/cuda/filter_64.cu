@@ -6,7 +6,7 @@ namespace {
 
 constexpr unsigned threads = 128;
 
-/// The brick with this key, which is there.
+/// Returns the brick with this key, which must exist.
 __device__ std::uint32_t brick_at(const LevelOf64& in, std::uint32_t key) {
   std::uint32_t low = 0, high = in.bricks;
   while (high - low > 1) {
@@ -16,7 +16,7 @@ __device__ std::uint32_t brick_at(const LevelOf64& in, std::uint32_t key) {
   return low;
 }
 
-/// Index in its level of voxel x + 8y + 64z of a brick.
+/// Returns the index in the level of voxel x + 8y + 64z of a brick.
 __device__ std::uint32_t index_of(const LevelOf64& in, std::uint32_t brick, int voxel) {
   const std::uint64_t* mask = in.mask + 8 * std::size_t(brick);
   std::uint32_t before = in.first[brick];
@@ -24,7 +24,7 @@ __device__ std::uint32_t index_of(const LevelOf64& in, std::uint32_t brick, int 
   return before + bits_below(mask[voxel >> 6], voxel & 63);
 }
 
-/// A thread an octant of a brick two levels below.
+/// Filters one octant of a brick of the level two finer per thread.
 __global__ void __launch_bounds__(threads) filter_octants(LevelOf64 in, Tables tables) {
   const std::uint32_t i = blockIdx.x * threads + threadIdx.x, brick = i / 8;
   const int octant = int(i % 8);

@@ -1,4 +1,4 @@
-/// A level on the device from the one two below it, with MipFilter::thesis.
+/// Filter of a level from the level two finer on the device, with MipFilter::thesis.
 #pragma once
 
 #include <cstdint>
@@ -9,14 +9,14 @@
 namespace gigabake::kernels {
 
 struct LevelOf64 {
-  LevelView fine;  ///< two levels below
+  LevelView fine;  ///< the level two finer
   const std::uint32_t *key, *first;
   const std::uint64_t* mask;
   std::uint32_t bricks;
   VoxelsOut out;
 };
 
-/// Fills a level.
+/// Computes the voxels of a level.
 /// Errors  CudaFailure.
 void filter_level_of_64(DeviceHeap& heap, const LevelOf64& level, const Tables& tables);
 

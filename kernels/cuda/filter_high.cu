@@ -5,7 +5,8 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Blocks that share a brick, so that few bricks fill the device; voxels that a block takes at once.
+/// Blocks per brick: several, so that a level of few bricks fills the device. together: voxels that a block filters at
+/// once.
 constexpr std::uint32_t blocks_per_brick = 16;
 template <bool by_view>
 constexpr int together = by_view ? 8 : filter_threads;
@@ -13,10 +14,11 @@ constexpr int together = by_view ? 8 : filter_threads;
 template <bool by_view>
 struct HighShared {
   Children<std::uint32_t> children[together<by_view>];
-  ColumnSums sums[by_view ? together<by_view> : 1];  ///< without views none is used
-  std::uint32_t child[8], first_below[8][4];         ///< by octant; voxels below each of its slab pairs
+  ColumnSums sums[by_view ? together<by_view> : 1];  ///< unused unless by_view
+  std::uint32_t child[8], first_below[8][4];         ///< by octant; first_below: index of the first voxel of each of
+                                                     ///< its slab pairs
   std::uint64_t mask[8];
-  int before[9];  ///< voxels before each word
+  int before[9];  ///< voxels before each mask word
 };
 
 template <bool by_view>
@@ -43,7 +45,7 @@ __device__ void open_brick(const HighLevel& in, std::uint32_t p, HighShared<by_v
   __syncthreads();
 }
 
-/// The children of voxel i of the brick.
+/// Returns the children of voxel i of the brick.
 template <bool by_view>
 __device__ Children<std::uint32_t> children_of(const HighLevel& in, const HighShared<by_view>& s, int i) {
   int w = 0;

@@ -1,4 +1,4 @@
-/// Levels from 5 on, on the device: one after the other.
+/// Filter of levels 5 and coarser on the device, one level at a time.
 #pragma once
 
 #include "kernels/cuda/filter.cuh"
@@ -8,19 +8,19 @@
 namespace gigabake::kernels {
 
 struct HighLevel {
-  LevelView fine;              ///< the level below
+  LevelView fine;              ///< the next finer level
   const std::uint32_t* start;  ///< [brick]: its first child
   const std::uint32_t* first;
   const std::uint64_t* mask;
   std::uint32_t bricks;
   VoxelsOut out;
-  const std::uint32_t* rasters_below;  ///< null without MipFilter::coverage, as is the next
+  const std::uint32_t* rasters_below;  ///< null without MipFilter::coverage; so is `rasters`
   std::uint32_t* rasters;
-  const Patch* patches_below;  ///< null without it or normals
+  const Patch* patches_below;  ///< null without MipFilter::coverage or normals
   MipFilter filter;
 };
 
-/// Fills a level.
+/// Computes the voxels of a level.
 /// Errors  CudaFailure.
 void filter_high(DeviceHeap& heap, const HighLevel& level, const Tables& tables);
 

@@ -6,47 +6,48 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Bricks of lod 1 that a block takes at once where their voxels fit; else one by one.
+/// Bricks of lod 1 that a block filters together if their voxels fit; otherwise it filters them one at a time.
 constexpr int most_bricks = 4, most_1 = 512, most_2 = 128, most_3 = 8 * most_bricks;
-constexpr int blocks = 8;  ///< a multiprocessor
+constexpr int blocks = 8;  ///< per multiprocessor
 constexpr int at_3 = most_2, at_4 = at_3 + most_3, most_above = at_4 + most_bricks;
 static_assert(filter_threads == 32 * most_bricks && most_1 >= brick_voxels && most_2 >= 64);
 
 using Slots = Children<std::uint16_t>;
 
-/// Of the block's bricks [0, most_bricks) of lod 1; levels are numbered from lod 1.
+/// State of the block's bricks [0, most_bricks) of lod 1; levels are numbered from lod 1.
 struct LowShared {
   union {
     std::uint32_t raster_1[most_1][raster_words(2)];
-    alignas(16) std::uint32_t raster_3[most_3][raster_words(8)];  ///< when those of lod 1 have served
+    alignas(16) std::uint32_t raster_3[most_3][raster_words(8)];  ///< replaces raster_1 once lod 2 is done
   };
   alignas(16) std::uint32_t raster_2[most_2][raster_words(4)];
   union {
     Patch patch_1[most_1];
-    struct {  ///< when those of lod 1 have served
+    struct {  ///< replaces patch_1 once lod 2 is done
       alignas(16) std::uint32_t raster_4[most_bricks][raster_words(8)];
       ColumnSums sums[most_3];
     };
   };
-  // Voxels of lod 2, of lod 3 from at_3 on, of lod 4 from at_4 on, each in the order of their bricks of lod 1.
-  Slots children[most_above];       ///< counted in their own level
-  std::uint32_t index[most_above];  ///< in the level
+  // Slots: voxels of lod 2, those of lod 3 from at_3 on, those of lod 4 from at_4 on, each in the order of their lod-1
+  // bricks.
+  Slots children[most_above];       ///< numbers of the children, counted per level from the group's first voxel
+  std::uint32_t index[most_above];  ///< in the voxel's level
   std::uint32_t rgba[most_above];
   std::uint16_t normal[most_above];
   Patch patch[at_4];                         ///< of lods 2 and 3
-  std::uint64_t mask[4][most_bricks][8];     ///< [level]: of the brick, or the one it lies in
-  std::uint32_t before[4][most_bricks][8];   ///< voxels of the level before each of its words
+  std::uint64_t mask[4][most_bricks][8];     ///< [level]: of the brick, or of the coarser brick that contains it
+  std::uint32_t before[4][most_bricks][8];   ///< index in the level of the first voxel of each mask word
   std::uint32_t child[most_bricks][8];       ///< by octant
-  std::uint32_t first_0[most_bricks][8][4];  ///< voxels of lod 0 before slab pair
+  std::uint32_t first_0[most_bricks][8][4];  ///< index of the first voxel of lod 0 of each slab pair
   std::uint32_t corner[most_bricks];         ///< key of the brick
-  std::uint16_t slab_2[most_bricks][4];      ///< voxels of lod 2 in the brick, x + 4y of each slab
-  std::uint16_t slab_3[most_bricks][2];      ///< of lod 3, x + 2y
-  std::uint16_t before_2[4 * most_bricks + 1], before_3[2 * most_bricks + 1];  ///< of the block, by slab
+  std::uint16_t slab_2[most_bricks][4];      ///< mask of the lod-2 voxels in the brick, bit x + 4y of each slab
+  std::uint16_t slab_3[most_bricks][2];      ///< mask of the lod-3 voxels, bit x + 2y
+  std::uint16_t before_2[4 * most_bricks + 1], before_3[2 * most_bricks + 1];  ///< voxels of the block before each slab
   std::uint16_t list_1[most_1];                                                ///< brick · 512 + voxel
   std::uint8_t list_2[most_2];                                                 ///< brick · 64 + x + 4y + 16z
 };
 
-/// Bricks [begin, end) of the block's, and their voxels on each level.
+/// Bricks [begin, end) of the block, and their voxels per level.
 struct Group {
   int begin, end;
   std::uint32_t first_1;  ///< index in lod 1
@@ -63,7 +64,8 @@ __device__ Group group_of(const LowShared& s, int begin, int end) {
           s.before_3[2 * end] - s.before_3[2 * begin]};
 }
 
-/// Masks of the bricks and of those that they lie in, a warp a level; and their children.
+/// Loads the masks of the bricks and of the coarser bricks that contain them, one warp per level, and the bricks'
+/// children.
 __device__ void open_bricks(const LowLevels& in, LowShared& s) {
   const int level = int(threadIdx.x) / 32, lane = int(threadIdx.x) % 32, b = lane / 8, w = lane % 8;
   const std::uint32_t p = blockIdx.x * most_bricks + std::uint32_t(b);
@@ -88,7 +90,7 @@ __device__ void open_bricks(const LowLevels& in, LowShared& s) {
   if (w == 0) s.corner[b] = there ? in.key[p] : 0;
 }
 
-/// Which voxels of lods 2 and 3 there are. The first 4 · most_bricks lanes.
+/// Computes the masks of lods 2 and 3. The first 4 · most_bricks threads must call it.
 __device__ void open_slabs(LowShared& s) {
   constexpr unsigned lanes = (1u << 4 * most_bricks) - 1;
   const int t = int(threadIdx.x), b = t / 4, z = t % 4;
@@ -112,7 +114,7 @@ __device__ void open_slabs(LowShared& s) {
   s.before_3[t / 2 + 1] = std::uint16_t(upto_3);
 }
 
-/// Where the children's voxels are.
+/// Finds the first voxels of the children's slab pairs.
 __device__ void open_children(const LowLevels& in, LowShared& s) {
   const int t = int(threadIdx.x), b = t / 32, octant = t % 32 / 4, pair = t % 4;
   const std::uint32_t child = s.child[b][octant];
@@ -124,7 +126,7 @@ __device__ void open_children(const LowLevels& in, LowShared& s) {
   if (t < 4 * most_bricks) open_slabs(s);
 }
 
-/// Of the voxel at (x, y, z) of the cube of brick b, which has `bits` bits an axis: its index in the level.
+/// Returns the index in its level of the voxel at (x, y, z) in the cube of brick b, which has 2^bits voxels per axis.
 __device__ std::uint32_t index_of(const LowShared& s, int level, int b, int bits, int x, int y, int z) {
   const std::uint32_t key = s.corner[b];
   x = (gather_three_bits(key) << bits | x) & 7;
@@ -133,7 +135,7 @@ __device__ std::uint32_t index_of(const LowShared& s, int level, int b, int bits
   return s.before[level][b][z] + bits_below(s.mask[level][b][z], x + 8 * y);
 }
 
-/// What there is of lod 1 and lod 2, 16 voxels or 2 a thread.
+/// Lists the voxels of lods 1 and 2; each thread lists up to 16 voxels of lod 1 and 2 of lod 2.
 __device__ void list_voxels(const Group& g, LowShared& s) {
   const int b = int(threadIdx.x) / 32, lane = int(threadIdx.x) % 32;
   if (b < g.begin || b >= g.end) return;
@@ -149,7 +151,7 @@ __device__ void list_voxels(const Group& g, LowShared& s) {
   if ((slab >> at & 2) != 0) s.list_2[to] = std::uint8_t(64 * b + 2 * lane + 1);
 }
 
-/// Voxels of lods 3 and 4: children and places. Eight threads a brick.
+/// Lists the children and indices of the voxels of lods 3 and 4. Eight threads per brick.
 __device__ void list_upper_voxels(const LowLevels& in, const Group& g, LowShared& s) {
   const int b = int(threadIdx.x) / 8 + g.begin, v = int(threadIdx.x) % 8, x = v & 1, y = v >> 1 & 1, z = v >> 2;
   if (b >= g.end) return;
@@ -170,7 +172,7 @@ __device__ void list_upper_voxels(const LowLevels& in, const Group& g, LowShared
   if (in.levels > 2) s.index[at_3 + slot] = index_of(s, 2, b, 1, x, y, z);
 }
 
-/// What eight voxels of lod 0 show. Normals are read only of those that let light through.
+/// Computes the visible coverage of up to eight lod-0 voxels. Reads normals only of translucent voxels.
 __device__ FacingSums see_finest(const LowLevels& in, const Children<std::uint32_t>& children, const Tables& tables,
                                  std::uint32_t raster[3]) {
   AxisCoverage all;
@@ -204,14 +206,15 @@ __device__ void filter_lod_1(const LowLevels& in, const Group& g, const Tables& 
   }
 }
 
-/// One body for all levels that few threads are at: three of them would not fit the instruction cache.
+/// Filters a voxel of lods 2 to 4. Never inlined: three copies would exceed the instruction cache, and few threads call
+/// it.
 template <bool by_view>
 __device__ __noinline__ FilteredVoxel filter_slots(const Slots& children, VoxelArrays below, Weights w,
                                                    MipFilter filter, Tables tables) {
   return filter_voxel<by_view>(below, children, w, filter, tables);
 }
 
-/// Voxel `slot`. below: of the level below. level: 1…3, that is lods 2 to 4.
+/// Filters the voxel in `slot`. below: voxels of the next finer level. level: 1…3, i.e. lods 2 to 4.
 template <bool by_view>
 __device__ void filter_slot(const LowLevels& in, int level, int slot, const VoxelArrays& below, const Weights& w,
                             const Tables& tables, LowShared& s) {
@@ -241,8 +244,8 @@ __device__ void filter_lod_2(const LowLevels& in, const Group& g, const Tables& 
   }
 }
 
-/// n voxels of level 2 or 3, that is lod 3 or 4, in slots from `at` on; those below stand from at_below on.
-/// Edge: of the children's rasters.
+/// Filters n voxels of level 2 or 3 (lod 3 or 4) in the slots from `at` on. The next finer level begins at slot
+/// at_below. Edge: of the children's coverage masks.
 template <bool by_view, int Edge>
 __device__ void filter_few(const LowLevels& in, int level, int n, int at, int at_below, const std::uint32_t* rasters,
                            std::uint32_t* raster, const Tables& tables, LowShared& s) {
@@ -260,7 +263,7 @@ __device__ void filter_few(const LowLevels& in, int level, int n, int at, int at
   __syncthreads();
 }
 
-/// n rasters of `words` words, to their voxels' places.
+/// Stores n coverage masks of `words` words at the places of their voxels.
 template <class Place>
 __device__ void store_rasters(const std::uint32_t* from, int n, int words, const Place& place, std::uint32_t* to) {
   for (int i = int(threadIdx.x); i < n * words; i += filter_threads)

@@ -1,5 +1,5 @@
-/// Levels 1 to 4 on the device, in one go: what lies in a brick of lod 1 is one voxel of lod 4, and a block makes all
-/// of it, so that rasters of lods 1 to 3 never leave the block.
+/// Filter of levels 1 to 4 on the device in one launch. A brick of lod 1 covers one voxel of lod 4. One block computes
+/// all levels of such a brick, so coverage masks of lods 1 to 3 stay in shared memory.
 #pragma once
 
 #include "kernels/cuda/filter.cuh"
@@ -19,15 +19,15 @@ struct LowLevel {
 struct LowLevels {
   LevelView fine;  ///< lod 0
   LowLevel level[most_low_levels];
-  int levels;                        ///< 1…4, from lod 1 on
+  int levels;                        ///< 1…4, beginning with lod 1
   const std::uint32_t *key, *start;  ///< of lod 1
   const Ancestors* ancestors;
   std::uint32_t bricks;  ///< of lod 1
   MipFilter filter;
-  std::uint32_t* rasters;  ///< of the last level; null without MipFilter::coverage
+  std::uint32_t* rasters;  ///< of the coarsest of these levels; null without MipFilter::coverage
 };
 
-/// Fills the levels, and the last one's rasters.
+/// Computes the voxels of the levels, and the coverage masks of the coarsest one.
 /// Errors  CudaFailure.
 void filter_low(DeviceHeap& heap, const LowLevels& levels, const Tables& tables);
 

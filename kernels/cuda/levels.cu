@@ -21,14 +21,14 @@ DeviceArray<std::uint32_t> room_for_rasters(DeviceHeap& heap, MipFilter filter, 
   return {heap, std::size_t(raster_words(raster_edge(lod))) * voxels};
 }
 
-/// Those from level 1 on that are made of eight children, as many as are made in one go.
+/// Returns how many levels from lod 1 on are made of eight children and filtered in one launch.
 int low_levels(MipFilter filter, int lods) {
   int levels = 0;
   while (levels < most_low_levels && levels + 1 < lods && !is_of_64(filter, levels + 1)) ++levels;
   return levels;
 }
 
-/// The levels above `low`. rasters: of that level; then of the last one.
+/// Filters the levels coarser than `low`. rasters: in: coverage masks of level `low`; out: of the coarsest level.
 void filter_high_levels(DeviceHeap& heap, const Tables& tables, MipFilter filter, int low, const DeviceLevel& finest,
                         const std::vector<VoxelsOut>& voxels_out, const CoarserBricks& bricks,
                         DeviceArray<std::uint32_t>& rasters) {

@@ -8,7 +8,7 @@ namespace gigabake::kernels {
 
 void check_cuda(cudaError_t code, const char* call) {
   if (code == cudaSuccess) return;
-  cudaGetLastError();  // an error that stays is reported again by the next call
+  cudaGetLastError();  // clears the error, or the next call would report it again
   throw CudaFailure(std::string(call) + ": " + cudaGetErrorString(code));
 }
 

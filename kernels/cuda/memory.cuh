@@ -1,4 +1,4 @@
-/// Device memory with its books kept: stream-ordered arrays from one pool, what is live and what was the most.
+/// Device memory: stream-ordered arrays of one pool, with counters of live and peak bytes.
 #pragma once
 
 #include <atomic>
@@ -12,10 +12,11 @@
 
 namespace gigabake::kernels {
 
+/// Throws if `code` is an error.
 /// Errors  CudaFailure, naming the call.
 void check_cuda(cudaError_t code, const char* call);
 
-/// Device bytes of all of a baker's heaps.
+/// Live and peak bytes of all heaps of a baker.
 class DeviceBooks {
  public:
   void add(std::int64_t bytes) {
@@ -31,20 +32,23 @@ class DeviceBooks {
   std::atomic<std::int64_t> live_{0}, peak_{0};
 };
 
-/// The allocations of one stream. What one stream makes and another reads is freed once the host has waited for the
-/// reader.
+/// Allocator of one stream. If another stream reads an array, the host must wait for that stream before it frees the
+/// array.
 class DeviceHeap {
  public:
   DeviceHeap(cudaStream_t stream, DeviceBooks& books) : stream_(stream), books_(books) {}
 
-  /// Errors  DeviceFull.
+  /// Allocates memory in stream order.
+  /// Errors  DeviceFull, CudaFailure.
   void* take(std::size_t bytes);
   void give(void* data, std::size_t bytes) noexcept;
-  /// Live bytes that take() does not go beyond; what is live already may be more. 0: whatever the device has.
+  /// Sets the limit of live bytes beyond which take() fails; bytes that are live already may exceed it. 0: only the
+  /// device's memory limits.
   void limit_to(std::uint64_t bytes) { limit_ = bytes; }
 
-  /// Brings to the host what kernels found, once they are done: few bytes, which the host must know to go on. By way of
-  /// page-locked memory, or the driver would make a copy of its own. what: for the line of an error.
+  /// Copies a few bytes to the host and waits for the copy and for the kernels before it. Copies through page-locked
+  /// memory, because the driver would stage a copy to pageable memory itself. what: names the step in an error's
+  /// message.
   void bring(void* host, const void* device, std::size_t bytes, const char* what);
 
   std::uint64_t live() const { return live_; }
@@ -53,12 +57,12 @@ class DeviceHeap {
  private:
   cudaStream_t stream_;
   DeviceBooks& books_;
-  std::atomic<std::uint64_t> live_{0};  ///< arrays may be freed by another thread than the one that bakes
+  std::atomic<std::uint64_t> live_{0};  ///< another thread than the baking one may free arrays
   std::uint64_t limit_ = 0;
   PinnedBuffer arrived_;
 };
 
-/// An array of the device, freed in stream order. Not initialised.
+/// Array on the device, freed in stream order. Not initialised.
 template <class T>
 class DeviceArray {
  public:
@@ -89,10 +93,10 @@ class DeviceArray {
   std::size_t size_ = 0;
 };
 
-/// A scan's or selection's room, as cub asks for it.
+/// Temporary storage of a cub scan or selection.
 using TemporaryStorage = DeviceArray<std::uint8_t>;
 
-/// Runs step(temporary, bytes) of cub: first without room, to be told the bytes, then with it.
+/// Runs step(temporary, bytes) of cub twice: first with null to query the bytes, then with temporary storage.
 template <class Step>
 void with_temporary(DeviceHeap& heap, const Step& step) {
   std::size_t bytes = 0;
@@ -101,7 +105,8 @@ void with_temporary(DeviceHeap& heap, const Step& step) {
   step(static_cast<void*>(temporary.data()), bytes);
 }
 
-/// Blocks of `threads` that cover `items`; at least one, so that a launch is never empty.
+/// Returns the number of blocks of `threads` threads that cover `items`; at least one, because CUDA rejects empty
+/// launches.
 inline unsigned grid_of(std::uint64_t items, unsigned threads) {
   return unsigned(items == 0 ? 1 : (items + threads - 1) / threads);
 }

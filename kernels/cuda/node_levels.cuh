@@ -1,4 +1,4 @@
-/// All bricks of a cell as a tree: for who makes nodes of them.
+/// All bricks of a cell as a tree, from which nodes are made.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,7 @@
 
 namespace gigabake::kernels {
 
-/// All levels, by lod. As items the bricks of all levels stand one behind the other, the coarsest level's first: in the
-/// order of nodes.
+/// All levels by lod. Items number the bricks of all levels consecutively in the order of nodes, coarsest level first.
 struct NodeLevels {
   const std::uint32_t *key[most_levels], *first[most_levels];
   std::uint32_t bricks[most_levels], offset[most_levels];
@@ -23,12 +22,12 @@ struct NodeLevels {
     return lod;
   }
 
-  /// visit(item, its key) for each child of a brick, by rising key. Levels of lod 0 have none.
+  /// Calls visit(item, key) for each child of a brick in ascending order of keys. Bricks of lod 0 have no children.
   template <class Visit>
   __device__ void for_each_child(int lod, std::uint32_t brick_key, const Visit& visit) const {
     if (lod == 0) return;
     const std::uint32_t *below_key = key[lod - 1], below_bricks = bricks[lod - 1];
-    std::uint32_t low = 0, high = below_bricks;  // the first brick below whose parent is not before this one
+    std::uint32_t low = 0, high = below_bricks;  // binary search for the first child
     while (low < high) {
       const std::uint32_t middle = (low + high) / 2;
       if (parent_key(below_key[middle]) < brick_key)
@@ -41,7 +40,8 @@ struct NodeLevels {
   }
 };
 
-/// Returns how many items there are. Errors  std::length_error beyond 2^32-1 nodes.
+/// Numbers the items of all levels and returns their count.
+/// Errors  std::length_error beyond 2^32-1 nodes.
 inline std::uint32_t place_levels(const std::vector<DeviceLevel>& levels, NodeLevels& out) {
   std::uint64_t items = 0;
   out.count = int(levels.size());

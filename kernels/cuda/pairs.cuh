@@ -1,4 +1,4 @@
-/// The kernels that pair triangles with bricks.
+/// Kernels that pair triangles with bricks.
 #pragma once
 
 #include <cstdint>
@@ -9,25 +9,25 @@
 
 namespace gigabake::kernels {
 
-/// A triangle of more bricks than a thread should walk, at an oct-tree node that it may touch.
+/// A triangle whose box has too many bricks for one thread, at an octree node that it may overlap.
 struct LargeItem {
-  std::uint32_t triangle, node;  ///< node: Morton code at the present level
+  std::uint32_t triangle, node;  ///< node: Morton code at the current level
 };
 
-/// Counters go on when an array is full: the host then knows what is needed.
+/// Counters of pairs and items. They count beyond the arrays' capacities, so that the host knows the required ones.
 struct PairCounters {
   unsigned long long pairs, items[2];
   TriangleCounts<unsigned long long> triangles;
 };
 
-/// Where pairs go: side by side as they come; or, with `brick`, each to its brick's place; or nowhere, to be counted.
+/// Output of pairs: appended in any order; or, with `brick`, at the place of their brick; or only counted.
 struct PairSink {
-  KeyRange range;  ///< bricks beside it get no pairs
+  KeyRange range;  ///< bricks outside it get no pairs
   std::uint32_t* key;
   std::uint32_t* triangle;
   std::uint64_t capacity;
-  std::uint32_t* brick;            ///< null, or [key in the range] pairs so far, or the place of the next one
-  unsigned long long* unit_pairs;  ///< null, or counts pairs by key >> unit_bits
+  std::uint32_t* brick;            ///< null, or per key of the range: pairs so far, or the place of the next pair
+  unsigned long long* unit_pairs;  ///< null, or pairs per unit, key >> unit_bits
   int unit_bits;
   LargeItem* items[2];
   std::uint64_t item_capacity;
@@ -51,10 +51,11 @@ __global__ void snap_kernel(InputView in, CellWindow window, SnappedVertex* out)
 
 inline constexpr int pair_threads = 256;
 
-/// One thread a triangle, pair_threads a block: small ones are paired at once, large ones go to queue 0 as the root.
+/// Pairs small triangles with their bricks and appends large triangles at the root to queue 0. One thread per triangle.
 __global__ void __launch_bounds__(pair_threads) pair_kernel(InputView in, CellWindow window, PairSink sink);
 
-/// Queue `from` holds items of `level`; their children go to the other queue, or at level 1 to the pairs.
+/// Descends one level: tests the children of the items of queue `from` at `level`. Overlapping children go to the other
+/// queue, or become pairs at level 1.
 __global__ void descend_kernel(InputView in, CellWindow window, PairSink sink, int from, int level);
 
 }  // namespace gigabake::kernels

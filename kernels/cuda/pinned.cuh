@@ -1,11 +1,11 @@
-/// Where bytes from a device arrive on the host.
+/// Page-locked host memory.
 #pragma once
 
 #include <cstddef>
 
 namespace gigabake::kernels {
 
-/// Page-locked host memory, which a device writes to at the speed of its link. Grows, and is kept.
+/// Buffer that a device copies to at the full speed of its link. Grows as required and never shrinks.
 class PinnedBuffer {
  public:
   PinnedBuffer() = default;
@@ -13,6 +13,7 @@ class PinnedBuffer {
   PinnedBuffer(const PinnedBuffer&) = delete;
   PinnedBuffer& operator=(const PinnedBuffer&) = delete;
 
+  /// Returns at least `bytes` bytes. Growing discards the contents.
   /// Errors  CudaFailure.
   std::byte* reserve(std::size_t bytes);
 

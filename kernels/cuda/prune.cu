@@ -8,7 +8,7 @@ namespace {
 
 constexpr unsigned threads = 256, warps = threads / 32;
 
-/// The voxels of all levels, by lod.
+/// The voxel arrays of all levels, by lod.
 struct PrunedVoxels {
   const std::uint32_t* rgba[most_levels];
   const std::uint16_t* normal[most_levels];  ///< or null
@@ -20,14 +20,14 @@ struct PrunedVoxels {
   }
 };
 
-/// What becomes of each item. Of the last two, whose sums are wanted, there is one more, a zero.
+/// Classification of each item. is_stored and has_voxels have one more element, a zero, for their prefix sums.
 struct Verdicts {
   NodeKind* kind;
-  CommonVoxel* voxel;  ///< its first
+  CommonVoxel* voxel;  ///< the brick's first voxel
   std::uint32_t *is_stored, *has_voxels;
 };
 
-/// How many nodes are stored before each item, and how many bricks keep their voxels.
+/// Prefix sums: the stored nodes before each item, and the bricks before it that keep their voxels.
 struct Numbers {
   const std::uint32_t *node, *brick;
 
@@ -36,7 +36,7 @@ struct Numbers {
   }
 };
 
-/// A warp an item.
+/// Classifies one brick per warp.
 __global__ void __launch_bounds__(threads)
     judge_bricks(const NodeLevels levels, const PrunedVoxels voxels, std::uint32_t items, Verdicts out) {
   const std::uint32_t item = blockIdx.x * warps + threadIdx.x / 32, lane = threadIdx.x % 32;
@@ -55,7 +55,7 @@ __global__ void __launch_bounds__(threads)
   out.has_voxels[item] = stores_voxels(kind) ? 1 : 0;
 }
 
-/// A thread a brick of the level, after those of the level below.
+/// Replaces constant branches by one node, one thread per brick of level `lod`. The next finer level must be done.
 __global__ void __launch_bounds__(threads) end_branches(const NodeLevels levels, int lod, Verdicts out) {
   const std::uint32_t brick = blockIdx.x * threads + threadIdx.x;
   if (brick >= levels.bricks[lod]) return;
@@ -71,7 +71,7 @@ __global__ void __launch_bounds__(threads) end_branches(const NodeLevels levels,
   levels.for_each_child(lod, key, [&](std::uint32_t child, std::uint32_t) { out.is_stored[child] = 0; });
 }
 
-/// A thread a level: the bricks that keep their voxels; and all nodes.
+/// Counts per level the bricks that keep their voxels, one thread per level, and all nodes.
 __global__ void count_kept(const NodeLevels levels, Numbers numbers, std::uint32_t items, std::uint32_t* kept) {
   const int lod = int(threadIdx.x);
   if (lod < levels.count) kept[lod] = numbers.in_level(levels, lod, levels.offset[lod] + levels.bricks[lod]);
@@ -85,7 +85,7 @@ struct NodeRows {
   NodeKind* kind;
 };
 
-/// A thread an item.
+/// Makes the node of one item per thread.
 __global__ void __launch_bounds__(threads)
     make_pruned_nodes(const NodeLevels levels, const PrunedVoxels voxels, Verdicts verdicts, Numbers numbers,
                       std::uint32_t items, NodeRows out) {
@@ -116,7 +116,7 @@ struct KeptOut {
   std::uint32_t* facing;  ///< or null
 };
 
-/// A warp a brick of the level: those that keep their voxels move together.
+/// Copies the bricks that keep their voxels to consecutive places, one warp per brick of the level.
 __global__ void __launch_bounds__(threads)
     keep_bricks(const NodeLevels levels, const PrunedVoxels voxels, const std::uint64_t* mask, int lod,
                 Verdicts verdicts, Numbers numbers, KeptOut out) {
@@ -166,7 +166,7 @@ NodeRows make_rows(DeviceHeap& heap, std::uint32_t count, DeviceNodes& nodes) {
           nodes.normal.data(), nodes.lod.data(),         nodes.child_mask.data(), nodes.kind.data()};
 }
 
-/// With room for the bricks and voxels that are kept.
+/// Allocates the arrays of the bricks and voxels that are kept.
 KeptOut make_kept(DeviceHeap& heap, const DeviceLevel& level, std::uint32_t bricks, DeviceLevel& out) {
   out.bricks = bricks;
   out.voxels = level.voxels - (level.bricks - bricks) * std::uint32_t(brick_voxels);

@@ -1,4 +1,4 @@
-/// prune() of kernels/cpu on the device: the node table of levels some brick of which may be constant.
+/// Device version of kernels/cpu's prune(): the node table of levels of which some brick may be constant.
 #pragma once
 
 #include <deque>
@@ -10,15 +10,17 @@ namespace gigabake::kernels {
 
 struct PrunedLevels {
   DeviceNodes nodes;
-  std::vector<const DeviceLevel*> levels;  ///< [lod], without constant bricks: one of `made`, or as it was
+  std::vector<const DeviceLevel*> levels;  ///< [lod], without constant bricks: an element of `made`, or the unchanged
+                                           ///< input level
   std::deque<DeviceLevel> made;
-  bool has_constants = false;  ///< of the nodes
+  bool has_constants = false;  ///< whether any level lost constant bricks
 };
 
-/// levels: [lod], one at least; they stay as they are, and are borrowed.
-/// Exact   The nodes and levels that prune() makes.
-/// Cost    Some 40 bytes of working memory a brick, and once more every level that has a constant brick. Waits for the
-///         stream once.
+/// Makes the node table of `levels` [lod] (at least one) and removes constant bricks' voxels. Borrows the levels and
+/// does not change them.
+/// Exact   Same nodes and levels as prune().
+/// Cost    About 40 bytes of working memory per brick, and a copy of every level that has a constant brick. Waits for
+///         the stream once.
 /// Errors  DeviceFull, CudaFailure; std::length_error beyond 2^32-1 nodes.
 PrunedLevels prune_levels(DeviceHeap& heap, const std::vector<DeviceLevel>& levels);
 

@@ -1,4 +1,4 @@
-/// A stream of one device.
+/// Owner of a CUDA stream of one device.
 #pragma once
 
 #include <cuda_runtime.h>
