@@ -1,4 +1,4 @@
-/// Bytes on their way to a device, in a stream's order.
+/// Upload of bytes to a device in stream order.
 #pragma once
 
 #include <array>
@@ -12,8 +12,7 @@
 
 namespace gigabake::kernels {
 
-/// Page-locked rooms by turns, so that one is filled while another is copied: nobody waits for a copy that was just
-/// started.
+/// Page-locked buffers used alternately: the host fills one while the other is copied, so that it rarely waits.
 class Delivery {
  public:
   explicit Delivery(DeviceHeap& heap);
@@ -21,14 +20,14 @@ class Delivery {
   Delivery(const Delivery&) = delete;
   Delivery& operator=(const Delivery&) = delete;
 
-  /// Room to put bytes in, until send(). Waits where the device still reads what was sent the last time but one.
-  /// Errors  CudaFailure, DeviceFull; so send().
+  /// Returns a host buffer to fill before send(). Waits if the device is still copying from that buffer.
+  /// Errors  CudaFailure, DeviceFull.
   std::byte* room(std::size_t bytes);
-  /// Starts the copy of what was put there. The answer is where the bytes are for what is launched before room() was
-  /// called twice again.
+  /// Starts the copy of the buffer. Returns the device pointer, valid for launches before the second next room().
+  /// Errors  CudaFailure.
   const std::byte* send();
 
-  /// Both, for values that stand in a vector.
+  /// Uploads a vector with room() and send().
   template <class T>
   const T* send(const std::vector<T>& values) {
     const std::size_t bytes = values.size() * sizeof(T);

@@ -1,4 +1,4 @@
-/// A batch of bricks on its way from items to voxels, as the kernels share it.
+/// A batch of bricks between items and voxels, as the kernels share it.
 #pragma once
 
 #include <cstdint>
@@ -8,14 +8,15 @@
 namespace gigabake::kernels {
 
 inline constexpr int bricks_per_block = 8;
-/// More triangles than these and every brick has a block of its own: nobody waits long for the last block.
+/// Groups of more triangles are divided into one block per brick, so that the last blocks do not run long.
 inline constexpr std::uint32_t most_pairs_together = 512;
 
 struct BatchCounters {
-  unsigned items, heavy, hard;                   ///< of this batch
-  unsigned most_items, most_pairs, most_staged;  ///< of any batch
-  unsigned long long fragments, voxels;          ///< of all batches so far; voxels: marked, invisible ones included
-  unsigned visible;  ///< voxels of the whole cell that show; known when the last batch has been filled
+  unsigned items, heavy, hard;                   ///< of the current batch
+  unsigned most_items, most_pairs, most_staged;  ///< maxima over the batches
+  unsigned long long fragments, voxels;          ///< sums over all batches; voxels: marked ones, including invisible
+                                                 ///< ones
+  unsigned visible;                              ///< visible voxels of the cell; known after the last batch
 };
 
 struct BatchView {
@@ -23,18 +24,21 @@ struct BatchView {
   BricksView bricks;
   ItemView items;
   std::uint32_t begin, end;                 ///< bricks of the batch
-  std::uint64_t* mask;                      ///< 8 per brick: its items' voxels; those that turn out invisible leave it
-  std::uint32_t *marked, *place, *visible;  ///< per brick: voxels of its items, where the first one goes, how many show
+  std::uint64_t* mask;                      ///< 8 words per brick: voxels of its items; invisible ones are removed
+                                            ///< while the brick is filled
+  std::uint32_t *marked, *place, *visible;  ///< per brick: voxels of its items, place of the first one, visible voxels
   std::uint32_t* items_of;                  ///< [brick of the batch]
-  std::uint8_t* is_easy;                    ///< [group of bricks_per_block] filled together, with narrow integers
-  std::uint32_t *heavy, *hard;  ///< BrickSpan: filled first, because they take longest; filled with wider integers
-  std::uint32_t* rgba;          ///< by place; 0: nothing visible, the place is empty
+  std::uint8_t* is_easy;                    ///< [group of bricks_per_block] whether one block fills the group with
+                                            ///< 64-bit sums
+  std::uint32_t *heavy, *hard;  ///< lists of BrickSpan words. heavy: single bricks, filled first because they take
+                                ///< longest; hard: filled with 96-bit sums
+  std::uint32_t* rgba;          ///< by place; 0: the voxel is invisible, the place is empty
   std::uint16_t* normal;        ///< by place, or null
   std::uint32_t capacity;       ///< of places
   BatchCounters* counters;
 };
 
-/// Neighbouring bricks that one block fills, in one word.
+/// A range of adjacent bricks that one block fills, packed in one word.
 struct BrickSpan {
   std::uint32_t first, bricks;
   __device__ BrickSpan(std::uint32_t first_brick, std::uint32_t count) : first(first_brick), bricks(count) {}
@@ -42,13 +46,15 @@ struct BrickSpan {
   __device__ std::uint32_t word() const { return first << 4 | bricks; }
 };
 
-/// A batch whose pairs or items do not fit is skipped; the host makes room and comes back.
+/// Returns whether the batch's pairs and items fit. Kernels skip a batch that does not; the host enlarges the arrays
+/// and retries.
 __device__ inline bool items_fit(const BatchView& view) {
   return view.counters->items <= view.items.capacity &&
          view.bricks.start[view.end] - view.bricks.start[view.begin] <= view.items.pairs;
 }
 
-/// Which voxels the batch's bricks have, and who fills them. Launch with 32 threads a brick, bricks_per_block a block.
+/// Computes which voxels the batch's bricks have, and assigns bricks to fill kernels. Launch with 32 threads per brick
+/// and bricks_per_block bricks per block.
 __global__ void mark_bricks(BatchView view);
 
 }  // namespace gigabake::kernels

@@ -1,4 +1,4 @@
-/// What a block keeps while it turns the items of a few neighbouring bricks into voxels.
+/// Shared-memory state of a block that turns the items of a few adjacent bricks into voxels.
 #pragma once
 
 #include <cstdint>
@@ -15,29 +15,30 @@ namespace gigabake::kernels {
 inline constexpr int fill_threads = 128;
 inline constexpr int mask_words = 16 * bricks_per_block;
 
-/// How wide integers are: easy bricks have at most fragments_before_flush triangles, all of them narrow. They leave
-/// room for `blocks` in a multiprocessor of 228 KiB.
+/// Width of sums and size of shared memory. Easy bricks have at most fragments_before_flush triangles, all narrow. The
+/// shared memory permits `blocks` blocks per multiprocessor of 228 KiB.
 template <bool is_hard, CellMaterials materials>
 struct FillWidth {
   static constexpr int blocks = is_hard ? 3 : materials == CellMaterials::any ? 4 : 5;
-  static constexpr std::size_t bytes = (228 * 1024 / blocks - 1024) / 128 * 128;  ///< the driver keeps 1 KiB a block
+  static constexpr std::size_t bytes = (228 * 1024 / blocks - 1024) / 128 * 128;  ///< the driver reserves 1 KiB per
+                                                                                  ///< block
   using Sums = VoxelSums<is_hard ? 3 : 2, all_show(materials) ? opaque_sum_count : sum_count>;
 };
 
-/// What a block knows of its bricks.
+/// The block's bricks: masks, item counts and places.
 struct BlockBricks {
-  std::uint32_t prefix[fill_threads];  ///< inclusive, of the cells of a warp's items
+  std::uint32_t prefix[fill_threads];  ///< inclusive prefix sums over a warp's items of their cells
   std::uint32_t warp_cells[fill_threads / 32];
   unsigned mask[mask_words];                  ///< bit voxel % 32 of word voxel / 32, brick after brick
-  std::uint16_t below[mask_words + 1];        ///< voxels in the words before
-  std::uint32_t start[bricks_per_block + 1];  ///< pairs, of the batch
+  std::uint16_t below[mask_words + 1];        ///< voxels in the preceding words
+  std::uint32_t start[bricks_per_block + 1];  ///< first pair of each brick, counted from the batch's first
   std::uint32_t items[bricks_per_block];
   unsigned invisible[bricks_per_block];
-  std::uint32_t first_place;  ///< of the first brick's voxels; the others' follow
+  std::uint32_t first_place;  ///< place of the first brick's first voxel; the other bricks follow
 };
 
-/// Sums of a round's voxels from below and items from above share what room there is: some bricks have few triangles
-/// for many voxels, others many for few.
+/// Adds a pool: the voxel sums of a round grow from its start, the items from its end. They share the pool because some
+/// bricks have few triangles for many voxels and others the reverse.
 template <bool is_hard, CellMaterials materials>
 struct FillShared : BlockBricks {
   using Sums = typename FillWidth<is_hard, materials>::Sums;
@@ -50,13 +51,14 @@ struct FillShared : BlockBricks {
 
   __device__ Sums& sums(int slot) { return reinterpret_cast<Sums*>(pool)[slot]; }
   __device__ Item& item(int i) { return reinterpret_cast<Item*>(pool + pool_bytes)[-1 - i]; }
-  /// Items that there is room for beside so many voxels. Range  slots ≤ brick_voxels.
+  /// Returns how many items fit next to the sums of `slots` voxels.
+  /// Range   slots ≤ brick_voxels.
   __device__ static std::uint32_t item_room(int slots) {
     return smaller(unsigned(fill_threads), unsigned(pool_bytes - slots * int(sizeof(Sums))) / unsigned(sizeof(Item)));
   }
 };
 
-/// Which of the block's bricks a pair belongs to.
+/// Returns which of the block's bricks a pair belongs to.
 __device__ inline int brick_of_item(const std::uint32_t start[bricks_per_block + 1], std::uint32_t pair) {
   int brick = 0;
 #pragma unroll
@@ -64,7 +66,7 @@ __device__ inline int brick_of_item(const std::uint32_t start[bricks_per_block +
   return brick;
 }
 
-/// Inclusive sums over the warp.
+/// Returns the inclusive prefix sum over the warp.
 __device__ inline std::uint32_t warp_sums(std::uint32_t mine, int lane) {
 #pragma unroll
   for (int d = 1; d < 32; d *= 2) {
@@ -74,7 +76,7 @@ __device__ inline std::uint32_t warp_sums(std::uint32_t mine, int lane) {
   return mine;
 }
 
-/// Sums of the words before each. By the whole block, which waits.
+/// Computes the voxels in the words before each word. The whole block must call it; synchronizes the block.
 __device__ inline void count_voxels(BlockBricks& shared) {
   constexpr int words = mask_words / 32;
   static_assert(mask_words % 32 == 0);
@@ -94,7 +96,7 @@ __device__ inline void count_voxels(BlockBricks& shared) {
   __syncthreads();
 }
 
-/// A voxel without anything visible leaves its brick's mask.
+/// Removes an invisible voxel from its brick's mask.
 __device__ inline void drop_voxel(std::uint64_t* mask, int rank, BlockBricks& shared) {
   int word = 0;
   while (shared.below[word + 1] <= rank) ++word;
@@ -103,7 +105,7 @@ __device__ inline void drop_voxel(std::uint64_t* mask, int rank, BlockBricks& sh
   atomicAdd(&shared.invisible[word / 16], 1u);
 }
 
-/// Masks, items and places of the block's bricks. By the whole block, which waits.
+/// Loads masks, item counts and places of the block's bricks. The whole block must call it; synchronizes the block.
 __device__ inline void open_bricks(const BatchView& view, BrickSpan span, BlockBricks& shared) {
   const std::uint32_t t = threadIdx.x;
   if (t <= bricks_per_block)
@@ -121,7 +123,7 @@ __device__ inline void open_bricks(const BatchView& view, BrickSpan span, BlockB
   count_voxels(shared);
 }
 
-/// How many voxels show.
+/// Stores the number of visible voxels of each brick.
 __device__ inline void close_bricks(const BatchView& view, BrickSpan span, const BlockBricks& shared) {
   if (threadIdx.x >= span.bricks) return;
   const std::uint32_t b = threadIdx.x, marked = shared.below[16 * b + 16] - shared.below[16 * b];

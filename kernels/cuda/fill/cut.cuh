@@ -1,4 +1,4 @@
-/// What a triangle contributes to one slab of a brick, in a form that fragments share, and each fragment's answer.
+/// Contribution of a triangle to one slab of a brick, in a form that its fragments share, and to each fragment.
 #pragma once
 
 #include <cstdint>
@@ -15,25 +15,26 @@
 
 namespace gigabake::kernels {
 
-/// Vertices of the triangle's plane, in sub-voxels: exact, and for narrow triangles half as long as in double.
+/// Type of the vertices of the triangle's plane, in sub-voxels. Both types are exact; int32, for narrow triangles, is
+/// half as large.
 template <bool is_hard>
 using PlaneCoordinate = std::conditional_t<is_hard, double, std::int32_t>;
 
-/// An item, ready to be measured.
+/// An item whose polygon is cut, ready to be measured.
 struct CutItem {
   double u[5], v[5];  ///< the slab's polygon
   Line line[4];
   double weight_scale;
   std::uint64_t cells;
-  std::uint64_t edges_of_row;  ///< a byte for each row v of the brick: the polygon's edges that reach into it
+  std::uint64_t edges_of_row;  ///< one byte per row v of the brick: the polygon's edges that reach into it
   std::int32_t anchor_u, anchor_v;
   std::int16_t normal[3];
   std::uint16_t edge_lines;  ///< SlabPolygon::line, two bits each
   std::uint8_t corners, axis, slab, brick;
-  Look look;  ///< flat: only where all_show(materials)
+  Look look;  ///< flat: only if all_show(materials)
 };
 
-/// What a fragment of texture needs besides.
+/// Data that only textured fragments need.
 template <bool is_hard>
 struct TexturedLook {
   PlaneCoordinate<is_hard> plane_u[3], plane_v[3];
@@ -43,7 +44,7 @@ struct TexturedLook {
   MaterialView material;
 };
 
-/// What shade() needs: of any material, textured or not.
+/// Data that shade() needs for any material, textured or not.
 template <bool is_hard>
 struct VaryingLook : TexturedLook<is_hard> {
   std::uint16_t vertex_rgba[3][4];
@@ -54,7 +55,7 @@ template <bool is_hard, CellMaterials materials>
 struct FillItem : CutItem {
   using Varying = std::conditional_t<materials == CellMaterials::any, VaryingLook<is_hard>, TexturedLook<is_hard>>;
   union {
-    LinearColour colour;  ///< of a flat look: `low` alone
+    LinearColour colour;  ///< if look is flat: only `low`
     Varying varying;
   };
 };
@@ -63,7 +64,7 @@ struct FillItem<is_hard, CellMaterials::plain> : CutItem {
   LinearColour colour;
 };
 
-/// Vertices and texture of a triangle whose fragments are shaded one by one.
+/// Sets vertices and texture of a triangle whose fragments are shaded individually.
 template <bool is_hard>
 __device__ void set_varying(const Surface& surface, const TrianglePlane& plane, TexturedLook<is_hard>& out) {
   for (int c = 0; c < 3; ++c) {
@@ -99,7 +100,7 @@ __device__ void set_look(const InputView& in, const WindowTriangle& w, const Tri
   }
 }
 
-/// Byte r of the result is 1 for the rows [first, last] of the brick.
+/// Returns a word whose byte r is 1 for the rows r in [first, last] of the brick.
 __device__ inline std::uint64_t row_bytes(int first, int last) {
   first = larger(first, 0);
   last = smaller(last, brick_edge - 1);
@@ -117,12 +118,12 @@ __device__ inline void cut_polygon(const TrianglePlane& plane, double slab, CutI
   });
   out.corners = std::uint8_t(corners);
   out.edge_lines = std::uint16_t(lines);
-  int row[5];  // of each corner, and once around
+  int row[5];  // row of each corner
 #pragma unroll
   for (int e = 0; e < 5; ++e) row[e] = floor_to_int32(out.v[e]) + out.anchor_v;
   std::uint64_t edges = 0;
 #pragma unroll
-  for (int e = 0; e < 5; ++e) {  // all five by all lanes: a loop of as many as there are corners would part them
+  for (int e = 0; e < 5; ++e) {  // all lanes iterate over all five: a loop over `corners` would diverge
     const bool is_last = e + 1 >= corners;
     const int next = is_last ? row[0] : row[(e + 1) % 5];
     if (e < corners && out.v[e] != (is_last ? out.v[0] : out.v[(e + 1) % 5]))
@@ -145,7 +146,7 @@ __device__ void cut_triangle(const InputView& in, const WindowTriangle& w, const
   set_look(in, w, plane, out);
 }
 
-/// Cuts an item from the triangle of a pair. corner: the brick's; where: as in ItemView.
+/// Cuts an item from the triangle of a pair. corner: the brick's; where: see ItemView.
 template <bool is_hard, CellMaterials materials>
 __device__ void cut_item(const InputView& in, const WindowTriangle& w, const std::int32_t corner[3],
                          std::uint32_t where, FillItem<is_hard, materials>& out) {
@@ -156,8 +157,8 @@ __device__ void cut_item(const InputView& in, const WindowTriangle& w, const std
   cut_triangle<std::int32_t, double>(in, w, corner, where, out);
 }
 
-/// Area and moments of the cell in `row` of the brick, edge after edge as kernels/cpu/cell_lanes.h does them. Edges
-/// beside the row would add nothing but zeros.
+/// Returns area and moments of the cell in `row` of the brick, summed over the edges in the same order as
+/// kernels/cpu/cell_lanes.h. Skips edges that do not reach into the row, because they would add only zeros.
 template <Moments wanted>
 __device__ CellMoments measure(const CutItem& item, double u, double v, int row) {
   CellMoments m{};
@@ -179,7 +180,7 @@ __device__ TrianglePlane plane_of(const TexturedLook<is_hard>& look) {
   return plane;
 }
 
-/// Of an opaque material without vertex colours.
+/// Shades an item of an opaque textured material without vertex colours.
 template <bool is_hard>
 __device__ Rgba16 shade_item(const Tables& tables, const CutItem& item, const TexturedLook<is_hard>& look,
                              const CellMoments& m, double u, double v) {

@@ -7,7 +7,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// The brick of [begin, end) that owns the pair.
+/// Returns the brick of [begin, end) that owns the pair.
 __device__ std::uint32_t brick_of_pair(const std::uint32_t* start, std::uint32_t begin, std::uint32_t end,
                                        std::uint32_t pair) {
   while (end - begin > 1) {
@@ -17,7 +17,7 @@ __device__ std::uint32_t brick_of_pair(const std::uint32_t* start, std::uint32_t
   return begin;
 }
 
-/// The same by a whole warp: three loads one after the other instead of fifteen.
+/// Same as brick_of_pair(), by a whole warp: three dependent loads instead of fifteen.
 __device__ std::uint32_t brick_of_pair_by_warp(const std::uint32_t* start, std::uint32_t begin, std::uint32_t end,
                                                std::uint32_t pair) {
   const std::uint32_t lane = threadIdx.x & 31;
@@ -30,13 +30,13 @@ __device__ std::uint32_t brick_of_pair_by_warp(const std::uint32_t* start, std::
   return begin;
 }
 
-/// A thread's eight slabs, in shared memory: which of them are written is decided at run time.
+/// The eight slabs of a thread. They are in shared memory because their index is known only at run time.
 struct ThreadSlabs {
   std::uint64_t* first;
   __device__ std::uint64_t& operator[](int w) const { return first[w * int(pairs_per_group)]; }
 };
 
-/// Returns `where` of the pair's items, without pair and slab.
+/// Computes the pair's slabs. Returns `where` of the pair's items without pair and slab.
 template <class I>
 __device__ std::uint32_t touch(const WindowTriangle& w, const std::int32_t corner[3], SurfaceRule rule,
                                ThreadSlabs slabs) {
@@ -67,7 +67,7 @@ __global__ void __launch_bounds__(pairs_per_group, 3)
   for (std::uint32_t group = blockIdx.x; group * pairs_per_group < pairs; group += gridDim.x) {
     const std::uint32_t pair = group * pairs_per_group + threadIdx.x;
     std::uint32_t mine = 0, before = 0, all = 0, where = 0;
-    // Two warps find the group's first and last brick; then all search between.
+    // Two warps find the group's first and last brick; then each thread searches between them.
     if (const unsigned warp = threadIdx.x / 32; warp < 2)
       group_bricks[warp] = brick_of_pair_by_warp(
           bricks.start, begin, end,
@@ -94,7 +94,7 @@ __global__ void __launch_bounds__(pairs_per_group, 3)
       ++at;
       --mine;
     }
-    __syncthreads();  // scan and group_first are used again
+    __syncthreads();  // scan and group_first are reused
   }
 }
 

@@ -1,4 +1,4 @@
-/// The exact overlap of a batch's pairs: one thread a pair, its answer slab by slab.
+/// Exact   overlap of a batch's pairs: one thread per pair, one item per slab.
 #pragma once
 
 #include <cstdint>
@@ -9,39 +9,41 @@
 
 namespace gigabake::kernels {
 
-/// Pairs are worked on in groups of a block's size; a group's items stand together, in the order of its pairs.
+/// Pairs are processed in groups of a block's size; a group's items are stored consecutively, in the order of its
+/// pairs.
 inline constexpr unsigned pairs_per_group = 256;
 
-/// An item is what a triangle touches of one slab of a brick: 64 cells across its dominant axis.
+/// Items. An item is the overlap of a triangle with one slab of a brick: 64 cells across the triangle's dominant axis.
 struct ItemView {
   std::uint64_t* cells;      ///< bit u + 8 v
-  std::uint32_t* where;      ///< pair (of the batch) << 6 | wide << 5 | axis << 3 | slab; wide: needs 128 bits
+  std::uint32_t* where;      ///< pair (of the batch) << 6 | wide << 5 | axis << 3 | slab; wide: needs 128-bit integers
   std::uint32_t* first;      ///< [pair of the batch] its first item
-  std::uint32_t* group_end;  ///< [group] where its items end
+  std::uint32_t* group_end;  ///< [group] end of its items
   std::uint32_t capacity;    ///< of cells and where
   std::uint32_t pairs;       ///< capacity of first
-  std::uint32_t* count;      ///< items so far; goes on when they do not fit
+  std::uint32_t* count;      ///< items found so far; counts beyond the capacity
 };
 
-/// Bricks and their triangles, as BrickLists.
+/// Bricks and their triangles, in the layout of BrickLists.
 struct BricksView {
   const std::uint32_t *key, *start, *triangle;
 };
 
-/// A stretch of items that stand together.
+/// A range of consecutive items.
 struct ItemRange {
   std::uint32_t begin, end;
 };
 
-/// All items of the pairs [first, end) of a batch of `pairs`, in stretches; by the whole block alike.
+/// Iterator over all items of the pairs [first, end) of a batch of `pairs`, range by range. All threads of a block or
+/// warp iterate identically.
 class ItemWalk {
  public:
   __device__ ItemWalk(const ItemView& items, std::uint32_t first, std::uint32_t end, std::uint32_t pairs)
       : items_(&items), first_(first), end_(end), pairs_(pairs), group_(first / pairs_per_group) {
-    if (first < end) open_group();  // else there is no pair whose items could be asked for
+    if (first < end) open_group();  // without pairs there are no items to read
   }
   __device__ bool has_more() const { return range_.begin < range_.end; }
-  /// The next stretch, of at most so many.
+  /// Returns the next range, of at most `most` items.
   __device__ ItemRange take(std::uint32_t most) {
     const ItemRange taken{range_.begin, range_.begin + smaller(most, range_.end - range_.begin)};
     range_.begin = taken.end;
@@ -64,7 +66,7 @@ class ItemWalk {
   ItemRange range_{0, 0};
 };
 
-/// Items of the bricks [begin, end). Launch with pairs_per_group threads a block and any number of blocks.
+/// Finds the items of the bricks [begin, end). Launch with pairs_per_group threads per block and any number of blocks.
 __global__ void find_items(InputView in, SurfaceRule rule, BricksView bricks, std::uint32_t begin, std::uint32_t end,
                            ItemView items);
 

@@ -4,7 +4,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// A lane's part of what its warp's brick has.
+/// Counts of a lane's items of the warp's brick.
 struct MarkedItems {
   std::uint32_t cells = 0;
   bool is_wide = false;
@@ -27,14 +27,14 @@ __device__ void mark_item(const ItemView& items, std::uint32_t i, unsigned mask[
   }
 }
 
-/// A block's bricks.
+/// Masks and counts of a block's bricks.
 struct MarkedBlock {
   unsigned mask[bricks_per_block][16];
   unsigned wide;  ///< bit b: brick b has a wide item
   unsigned cells, voxels;
 };
 
-/// The brick's mask from its items, by one warp.
+/// Computes the brick's mask from its items, by one warp.
 __device__ void mark_brick(const BatchView& view, std::uint32_t brick, MarkedBlock& block) {
   const unsigned lane = threadIdx.x & 31, warp = threadIdx.x / 32;
   unsigned* mask = block.mask[warp];
@@ -64,7 +64,7 @@ __device__ void push(std::uint32_t* list, unsigned& count, BrickSpan span) {
   list[atomicAdd(&count, 1u)] = span.word();
 }
 
-/// Who fills a group of bricks; bit b of `wide`: brick b has a wide item.
+/// Assigns a group of bricks to fill kernels. wide: bit b is set if brick b has a wide item.
 __device__ void assign_group(const BatchView& view, std::uint32_t group, unsigned wide) {
   const std::uint32_t first = view.begin + group * bricks_per_block,
                       bricks = smaller<std::uint32_t>(bricks_per_block, view.end - first);
@@ -79,7 +79,7 @@ __device__ void assign_group(const BatchView& view, std::uint32_t group, unsigne
   }
 }
 
-/// What the host wants to know of the batch, whether it fits or not.
+/// Updates the maxima that the host reads, whether the batch fits or not.
 __device__ void count_batch(const BatchView& view) {
   BatchCounters& c = *view.counters;
   c.most_items = larger(c.most_items, c.items);

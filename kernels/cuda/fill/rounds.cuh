@@ -1,9 +1,9 @@
-/// How a block turns the items of a few neighbouring bricks into voxels: a thread an item to cut the triangle at its
-/// slab, then a thread a fragment for area, shade and sums, then a thread a voxel to resolve. A round takes as many
-/// bricks as fill the block's threads and fit its memory.
+/// Conversion of the items of a few adjacent bricks into voxels, by one block. One thread per item cuts the triangle at
+/// its slab. One thread per fragment computes area, colour and sums. One thread per voxel resolves the sums. A round is
+/// as many bricks as occupy the block's threads and fit its memory.
 ///
-/// Warps wait for each other twice a chunk of items: for all that is cut, and for all that is measured. While some
-/// resolve the last voxels of a round, others cut the next one's items already.
+/// Warps synchronize twice per chunk of items: after cutting and after measuring. While some warps resolve the last
+/// voxels of a round, others already cut the items of the next.
 #pragma once
 
 #include <cstdint>
@@ -13,14 +13,14 @@
 
 namespace gigabake::kernels {
 
-/// Bricks of the block whose voxels are summed at a time.
+/// The bricks of the block whose voxels are summed at the same time.
 struct Round {
   int brick, end;
-  int first, used;     ///< of the block's voxels
-  std::uint32_t room;  ///< items at a time
+  int first, used;     ///< in the block's voxels
+  std::uint32_t room;  ///< items per chunk
 };
 
-/// As many bricks after the last round's as need no second chunk of items, but at least one.
+/// Returns the next round: the max number of bricks that need only one chunk of items, but at least one brick.
 template <class Shared>
 __device__ Round next_round(const Round& last, int bricks, const Shared& shared) {
   Round next{last.end, last.end, shared.below[16 * last.end], 0, 0};
@@ -36,26 +36,26 @@ __device__ Round next_round(const Round& last, int bricks, const Shared& shared)
 
 inline constexpr std::uint32_t no_item = ~0u;
 
-/// The number of this thread's item among the next `room`, or no_item.
+/// Returns this thread's item among the next `room` items, or no_item.
 __device__ inline std::uint32_t take_item(ItemWalk& walk, std::uint32_t room) {
   std::uint32_t mine = no_item;
   for (std::uint32_t taken = 0; taken < room && walk.has_more();) {
     const ItemRange range = walk.take(room - taken);
-    const std::uint32_t i = threadIdx.x - taken;  // wraps where this thread has an item already
+    const std::uint32_t i = threadIdx.x - taken;  // wraps around if this thread already has an item
     if (i < range.end - range.begin) mine = range.begin + i;
     taken += range.end - range.begin;
   }
   return mine;
 }
 
-/// An item that this thread is going to cut, or none: without cells.
+/// The next item that this thread will cut; without cells: none.
 struct NextItem {
   std::uint64_t cells = 0;
   std::uint32_t where = 0, triangle = 0;
 };
 
-/// What waits least for memory when it is asked for before other work. How many cells a warp's items have is summed
-/// while its lanes are still together.
+/// Loads the next item early, to hide the latency of memory behind other work. Sums the cells of the warp's items here,
+/// while the warp's lanes are converged.
 __device__ inline NextItem fetch_item(const BatchView& view, std::uint32_t mine, BlockBricks& shared) {
   NextItem next;
   if (mine != no_item) {
@@ -71,7 +71,7 @@ __device__ inline NextItem fetch_item(const BatchView& view, std::uint32_t mine,
   return next;
 }
 
-/// An item a thread, from its triangle.
+/// Cuts one item per thread from its triangle.
 template <bool is_hard, CellMaterials materials>
 __device__ void cut_chunk(const BatchView& view, std::uint32_t first_brick, const NextItem& next,
                           FillShared<is_hard, materials>& shared) {
@@ -84,7 +84,7 @@ __device__ void cut_chunk(const BatchView& view, std::uint32_t first_brick, cons
   cut_item(view.input, window_triangle(view.input, next.triangle), corner, next.where, out);
 }
 
-/// A fragment of the chunk: which item's, and its number there.
+/// A fragment of the chunk: its item and its number among the item's cells.
 struct FragmentPlace {
   int item, cell;
 };
@@ -109,7 +109,7 @@ __device__ inline FragmentPlace place_of(const BlockBricks& shared, std::uint32_
   return {32 * warp + at, int(at == 0 ? mine : mine - prefix[at - 1])};
 }
 
-/// The chunk's fragments, cell by cell, measured and added up.
+/// Measures the chunk's fragments and adds them to the sums of their voxels.
 template <bool is_hard, CellMaterials materials>
 __device__ void add_chunk(const BatchView& view, const Round& round, FillShared<is_hard, materials>& shared) {
   std::uint32_t total = 0;
@@ -124,7 +124,7 @@ __device__ void add_chunk(const BatchView& view, const Round& round, FillShared<
   }
 }
 
-/// The round's voxels to their places. Leaves sums of zero.
+/// Resolves the round's voxels and stores them at their places. Clears the sums.
 template <bool is_hard, CellMaterials materials>
 __device__ void resolve_round(const BatchView& view, BrickSpan span, const Round& round,
                               FillShared<is_hard, materials>& shared) {
@@ -136,13 +136,13 @@ __device__ void resolve_round(const BatchView& view, BrickSpan span, const Round
     if (!all_show(materials) && !visible)
       drop_voxel(view.mask + 8 * std::size_t(span.first), round.first + slot, shared);
     const std::uint32_t at = first + std::uint32_t(slot);
-    if (at >= view.capacity) continue;  // the host counts, makes room and comes back
+    if (at >= view.capacity) continue;  // the host counts, enlarges the array and retries
     view.rgba[at] = visible ? pack_rgba(out.rgba) : 0;
     if (view.normal != nullptr && visible) view.normal[at] = pack_normal(out.normal);
   }
 }
 
-/// The bricks of one block.
+/// Fills the bricks of one block.
 template <bool is_hard, CellMaterials materials>
 __device__ void fill_bricks(const BatchView& view, BrickSpan span, FillShared<is_hard, materials>& shared) {
   open_bricks(view, span, shared);

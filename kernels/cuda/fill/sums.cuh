@@ -1,7 +1,7 @@
 /// Accumulators of a brick's voxels in shared memory.
 ///
-/// Exact   Sums of any number of fragments, in any order. There is no 64-bit addition in shared memory: a sum is two or
-///         three 32-bit words with carries, which the hardware adds by itself.
+/// Exact   The sum does not depend on the number and order of fragments. A sum is two or three 32-bit words with
+///         carries, because shared memory has native 32-bit atomic additions but no 64-bit ones.
 #pragma once
 
 #include <cstdint>
@@ -13,21 +13,22 @@
 
 namespace gigabake::kernels {
 
-/// Of one voxel. words 2: 64 bits, for bricks of at most fragments_before_flush triangles. words 3: 96 bits, for 2^32
-/// triangles. channels: opaque_sum_count where all is opaque, else sum_count.
+/// Sums of one voxel. words 2: 64 bits, for bricks of at most fragments_before_flush triangles. words 3: 96 bits, for
+/// up to 2^32 triangles. channels: opaque_sum_count if everything is opaque, else sum_count.
 template <int words, int channels>
 struct VoxelSums {
   using Total = std::conditional_t<words == 2, std::int64_t, __int128>;
 
-  unsigned word[(words * channels) | 1];  ///< an odd number: neighbours in a warp use different banks
+  unsigned word[(words * channels) | 1];  ///< odd size: adjacent lanes use different banks
 
   __device__ void clear() {
     for (unsigned& w : word) w = 0;
   }
 
-  /// Lower words first: each upper one must wait for what its lower one answers, and they wait together.
+  /// Adds the low words of all channels first. An upper word needs the carry of the lower one, so the latencies of the
+  /// channels overlap.
   __device__ void add(const Fragment& f) {
-    std::uint64_t rest[sum_count];  // what the next word and those above it get
+    std::uint64_t rest[sum_count];  // remainder for the next word and those above it
     bool is_there[sum_count];
     for (bool& there : is_there) there = false;
     contribute(f, [&](Sum channel, std::int64_t value) {
@@ -61,7 +62,7 @@ struct VoxelSums {
     const auto part = std::uint32_t(rest);
     const bool is_third = at % words == 2;
     bool carry = false;
-    if (!is_third || part != 0) {  // the third word is nearly always left alone
+    if (!is_third || part != 0) {  // the third word rarely changes
       const std::uint32_t before = atomicAdd(&word[at], part);
       carry = before + part < part;
     }

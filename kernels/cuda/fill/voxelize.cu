@@ -12,13 +12,13 @@ namespace {
 
 constexpr unsigned threads = 256, item_blocks = 4096, heavy_blocks = 512, hard_blocks = 512;
 
-/// Heavy bricks, a block each, then groups of the others.
+/// Fills heavy bricks, one brick at a time per block, and groups of easy bricks, one group per block.
 template <CellMaterials materials>
 __global__ void __launch_bounds__(fill_threads, FillWidth<false, materials>::blocks) fill_easy_bricks(BatchView view) {
   extern __shared__ __align__(16) unsigned char raw[];
   auto& shared = *reinterpret_cast<FillShared<false, materials>*>(raw);
   if (!items_fit(view)) return;
-  // One call for both: a second copy of all that it does would not fit the cache of instructions.
+  // Calls fill_bricks() once for both cases: a second inlined copy would exceed the instruction cache.
   const bool is_heavy = blockIdx.x < heavy_blocks;
   const std::uint32_t group = blockIdx.x - heavy_blocks,
                       end = is_heavy ? view.counters->heavy : blockIdx.x + view.is_easy[group];
@@ -43,7 +43,7 @@ __global__ void __launch_bounds__(fill_threads) fill_hard_bricks(BatchView view)
   }
 }
 
-/// A batch's voxels from the stage to their place in the level, without the empty places. One warp a brick.
+/// Moves a batch's voxels from the stage to their places in the level and removes the empty places. One warp per brick.
 __global__ void unstage(BatchView view, const std::uint32_t* first, std::uint32_t* rgba, std::uint16_t* normal,
                         std::uint32_t capacity) {
   if (blockIdx.x == 0 && threadIdx.x == 0 && items_fit(view))
@@ -103,7 +103,7 @@ void launch_fill(const BatchView& view, cudaStream_t stream) {
   check_launch("fill_hard_bricks");
 }
 
-/// Everything of one try: bricks as they were listed, empty ones among them.
+/// Result of one attempt: all listed bricks, including empty ones.
 struct Filled {
   DeviceArray<std::uint64_t> mask;
   DeviceArray<std::uint32_t> count, first, rgba;
@@ -111,12 +111,12 @@ struct Filled {
   BatchCounters counted{};
 };
 
-/// Sizes of one try. stage_voxels: 0 where all that is marked shows.
+/// Array sizes of one attempt. stage_voxels: 0 if all marked voxels are visible.
 struct FillSizes {
   std::uint32_t voxels, bricks_per_batch, pairs_per_batch, items_per_batch, stage_voxels;
 };
 
-/// Bricks, batch by batch, through items of limited number; through a stage where voxels may turn out invisible.
+/// Fills bricks batch by batch with item arrays of limited size. If voxels may be invisible, they pass through a stage.
 class Filler {
  public:
   Filler(DeviceHeap& heap, const InputView& input, SurfaceRule rule, const BrickLists& lists, bool normals,
@@ -145,7 +145,7 @@ class Filler {
     out_.rgba = DeviceArray<std::uint32_t>(heap_, sizes.voxels);
     if (normals) out_.normal = DeviceArray<std::uint16_t>(heap_, sizes.voxels);
     counters_.clear_to_zero();
-    if (!all_show(materials)) marked_.clear_to_zero();  // a batch that does not fit leaves them
+    if (!all_show(materials)) marked_.clear_to_zero();  // batches that do not fit leave it unchanged
     out_.count.clear_to_zero();
     out_.first.clear_to_zero();
     view_.input = input;
@@ -211,7 +211,7 @@ class Filler {
     check_launch("unstage");
   }
 
-  /// first[begin] is there; the batch's other ones, and the next batch's first, follow.
+  /// Computes first[] of the batch's bricks and of the next batch's first brick. first[begin] must be set.
   void sum_visible(void* temporary, std::size_t& bytes, std::uint32_t begin, std::uint32_t end) {
     check_cuda(cub::DeviceScan::ExclusiveScan(
                    temporary, bytes, out_.count.data() + begin, out_.first.data() + begin, ::cuda::std::plus<>{},
@@ -219,7 +219,7 @@ class Filler {
                "DeviceScan");
   }
 
-  /// The batch's places in the stage.
+  /// Computes the batch's places in the stage.
   void place(void* temporary, std::size_t& bytes, std::uint32_t begin, std::uint32_t end) {
     check_cuda(cub::DeviceScan::ExclusiveSum(temporary, bytes, marked_.data() + begin, place_.data() + begin,
                                              int(end - begin), heap_.stream()),
@@ -241,7 +241,7 @@ class Filler {
   TemporaryStorage temporary_;
 };
 
-/// Without the bricks that nothing visible is in.
+/// Removes the bricks without a visible voxel.
 DeviceLevel without_empty(DeviceHeap& heap, const BrickLists& lists, Filled filled) {
   DeviceLevel level;
   const DeviceArray<std::uint32_t> kept(heap, lists.bricks);
@@ -259,12 +259,11 @@ DeviceLevel without_empty(DeviceHeap& heap, const BrickLists& lists, Filled fill
   return level;
 }
 
-/// Batches of about this many pairs, or voxels: small beside a cell's input and output, and a launch costs little
-/// beside them.
+/// Sizes of a batch: small next to a cell's input and output, and large next to the cost of a launch.
 constexpr std::uint64_t least_pairs_per_batch = std::uint64_t(1) << 16, pairs_per_batch = std::uint64_t(1) << 20,
                         voxels_per_batch = std::uint64_t(3) << 20;
 constexpr double least_bricks_per_batch = 660;
-constexpr double spare = 1.125;  ///< of what is expected, so that it is rarely tried again
+constexpr double spare = 1.125;  ///< factor over the expected sizes, so that retries are rare
 
 std::uint32_t counted_32(std::uint64_t n) {
   if (n > std::numeric_limits<std::uint32_t>::max()) throw DeviceFull("more than 2^32-1 voxels");
@@ -275,14 +274,14 @@ std::uint32_t with_room(double wanted, std::uint64_t least) {
   return counted_32(std::max(std::uint64_t(spare * wanted), least));
 }
 
-/// Of a batch, whose items and stage take what the cell's voxels leave.
+/// Returns the max pairs per batch: its items and stage share the memory that the cell's voxels leave.
 std::uint64_t pairs_that_fit(const BrickLists& lists, const FillRatios& ratios, bool at_once, double room_bytes) {
   const double pairs = double(lists.triangle.size()), voxel_bytes = sizeof(std::uint32_t) + sizeof(std::uint16_t),
                item_bytes = sizeof(std::uint64_t) + sizeof(std::uint32_t), mask_bytes = 64 + 2 * sizeof(std::uint32_t);
   const double kept = mask_bytes * lists.bricks + spare * voxel_bytes * ratios.voxels_per_pair * pairs,
                of_pair = spare * (ratios.pairs_spread * ratios.items_per_pair * item_bytes + sizeof(std::uint32_t) +
                                   (at_once ? 0 : voxel_bytes * ratios.voxels_per_pair * ratios.voxels_spread));
-  // But enough bricks to keep a device busy: where triangles are much smaller than voxels, a brick takes long.
+  // Not fewer than enough bricks to occupy a device: bricks take long where triangles are much smaller than voxels.
   const std::uint64_t least =
       std::max(least_pairs_per_batch, std::uint64_t(least_bricks_per_batch * pairs / lists.bricks));
   return std::max(least, std::uint64_t(std::max(0.0, room_bytes - kept) / of_pair));
@@ -302,7 +301,7 @@ FillSizes first_sizes(const BrickLists& lists, const FillRatios& ratios, bool at
   return s;
 }
 
-/// False: it did not fit; sizes are what the next try needs.
+/// Returns whether the attempt fitted. If not, sets `s` to the sizes of the next attempt.
 bool fits(const Filled& filled, FillSizes& s) {
   const BatchCounters& counted = filled.counted;
   const FillSizes tried = s;
