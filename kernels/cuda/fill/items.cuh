@@ -1,4 +1,4 @@
-/// Exact   overlap of a batch's pairs: one thread per pair, one item per slab.
+/// Exact overlap of a batch's pairs: one thread per pair, one item per slab.
 #pragma once
 
 #include <cstdint>
