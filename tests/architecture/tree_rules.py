@@ -1,0 +1,41 @@
+"""Rules for the tree: how many files a folder holds, how many headers are installed, how long a page is."""
+import re
+
+from language_rules import Violation
+
+MAX_FOLDER_FILES = 30
+MAX_INSTALLED_HEADERS = 60
+MAX_LINE = 120
+MAX_WORDS = {"README.md": 700, "docs/format.md": 6000}
+MAX_PAGE_WORDS = 2500
+# One decision per file, and one file per input that a fuzzer found.
+DATA_FOLDERS = ("docs/adr", "tests/fuzz/corpus")
+
+
+def folder_problems(paths):
+    counts = {}
+    for path in paths:
+        folder = path.rpartition("/")[0]
+        counts[folder] = counts.get(folder, 0) + 1
+    for folder, count in sorted(counts.items()):
+        if count > MAX_FOLDER_FILES and not folder.startswith(DATA_FOLDERS):
+            yield Violation("folders", folder + "/", 1, f"holds {count} files, more than {MAX_FOLDER_FILES}",
+                            count - MAX_FOLDER_FILES)
+
+
+def header_problems(root):
+    name = "cmake/public_headers.cmake"
+    count = len(re.findall(r"[\w/]+\.h\b", re.sub(r"#[^\n]*", "", (root / name).read_text(encoding="utf-8"))))
+    if count > MAX_INSTALLED_HEADERS:
+        yield Violation("headers", name, 1, f"installs {count} headers, more than {MAX_INSTALLED_HEADERS}",
+                        count - MAX_INSTALLED_HEADERS)
+
+
+def page_problems(path, text):
+    """Length of a document. The changelog grows with each release."""
+    limit, count = MAX_WORDS.get(path, MAX_PAGE_WORDS), len(text.split())
+    if count > limit and path != "CHANGELOG.md":
+        yield Violation("pages", path, 1, f"has {count} words, more than {limit}", count - limit)
+    for number, line in enumerate(text.split("\n"), 1):
+        if len(line) > MAX_LINE and not line.lstrip().startswith("|"):
+            yield Violation("lines", path, number, f"has {len(line)} characters, more than {MAX_LINE}")
