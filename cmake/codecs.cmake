@@ -1,8 +1,8 @@
-# Formats inside sources that need a library of their own. Each is read where its library is found; elsewhere content
-# that needs it is refused by a line that names the package.
+# Formats inside sources that need a separate library. If the library is missing, the build does not read the format: it
+# refuses such content with a message that names the package.
 #
-# gb_codec(NAME header library package): the option GIGABAKE_<NAME>, AUTO, ON (fail without) or OFF; sets
-# GIGABAKE_HAS_<NAME> and makes gb::<name>. Extra folders of headers and libraries after SUFFIXES.
+# gb_codec(NAME header library package): defines the option GIGABAKE_<NAME>: AUTO, ON (required) or OFF. If the library
+# is found, sets GIGABAKE_HAS_<NAME> and defines gb::<name>. SUFFIXES lists more folders of headers and libraries.
 function(gb_codec name header library package)
   cmake_parse_arguments(ARG "" "" "SUFFIXES" ${ARGN})
   gb_choice(${name} ${package})
@@ -26,14 +26,14 @@ endfunction()
 gb_codec(ZIP zip.h zip libzip-dev)
 gb_codec(DRACO draco/compression/decode.h draco libdraco-dev)
 if(TARGET gb_draco)
-  # libdraco brings a tinygltf of its own, of another version: whatever is linked finds the real one first.
+  # libdraco contains another version of tinygltf. This order of libraries makes the linker find the packaged one first.
   target_link_libraries(gb_tinygltf INTERFACE gb::draco)
 endif()
 gb_codec(MESHOPT meshoptimizer.h meshoptimizer libmeshoptimizer-dev)
 gb_codec(WEBP webp/decode.h webp libwebp-dev)
 gb_codec(GDAL gdal_priv.h gdal libgdal-dev SUFFIXES gdal)
 if(GIGABAKE_HAS_GDAL)
-  # What GDAL itself stands on: its development package brings this one's.
+  # PROJ is a dependency of GDAL: libgdal-dev depends on libproj-dev.
   find_library(GB_PROJ_LIBRARY proj REQUIRED)
   add_library(gb_proj INTERFACE)
   add_library(gb::proj ALIAS gb_proj)

@@ -1,5 +1,5 @@
-# cmake -DSOURCE=… -DHEADER=… -P commit.cmake: writes the commit that SOURCE is at, where it is the top of a git checkout,
-# to HEADER; an equal header stays as it is, so that nothing compiles again.
+# cmake -DSOURCE=… -DHEADER=… -P commit.cmake: writes the commit of SOURCE to HEADER, or an empty text if SOURCE is not
+# the top folder of a git checkout. An equal header is not rewritten, so that nothing is recompiled.
 set(commit "")
 find_program(GIT git)
 if(GIT)

@@ -1,15 +1,16 @@
-# Decides whether *.cu are compiled: sets GIGABAKE_HAS_CUDA. Where it is true, every gb_library and gb_test takes its own.
+# Decides whether CUDA files are compiled: sets GIGABAKE_HAS_CUDA. If it is true, each gb_library and gb_test compiles
+# the *.cu files of its folder.
 set(GIGABAKE_HAS_CUDA FALSE)
 if(GIGABAKE_CUDA STREQUAL "OFF")
   return()
 endif()
 
-# nvcc is often installed without being on the PATH.
+# nvcc is often installed in a folder that is not in the PATH.
 find_program(GB_NVCC nvcc HINTS ENV CUDACXX PATHS /usr/local/cuda/bin)
 if(GB_NVCC AND NOT CMAKE_CUDA_COMPILER AND NOT DEFINED ENV{CUDACXX})
   set(CMAKE_CUDA_COMPILER ${GB_NVCC})
 endif()
-# Ampere and Hopper, and PTX that newer devices compile for themselves.
+# Machine code for Ampere and Hopper, and PTX that drivers of newer devices compile.
 if(NOT CMAKE_CUDA_ARCHITECTURES)
   set(CMAKE_CUDA_ARCHITECTURES 80-real 90)
 endif()

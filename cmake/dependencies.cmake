@@ -1,4 +1,4 @@
-# Every package the project stands on, found once, as imported or interface targets named gb::<what>.
+# Finds every package that the project needs, and defines imported or interface targets named gb::<package>.
 find_package(Threads REQUIRED)
 find_package(MPI REQUIRED COMPONENTS CXX)
 find_package(fmt REQUIRED)
@@ -7,7 +7,8 @@ find_package(ZLIB REQUIRED)
 find_package(JPEG REQUIRED)
 find_package(OpenEXR CONFIG REQUIRED)
 
-# gb_find(NAME header library… [SUFFIXES folders]): an interface target for packages without a usable CMake config.
+# gb_find(NAME header library… [SUFFIXES folders]): defines an interface target for a package without a usable CMake
+# config.
 function(gb_find name header)
   cmake_parse_arguments(ARG "" "" "LIBS;SUFFIXES" ${ARGN})
   string(TOUPPER ${name} upper)
@@ -21,15 +22,16 @@ function(gb_find name header)
   endif()
 endfunction()
 
-# gb_choice(NAME text): the option GIGABAKE_<NAME>, AUTO, ON or OFF; GIGABAKE_HAS_<NAME>, false until something is found.
+# gb_choice(NAME text): defines the option GIGABAKE_<NAME>: AUTO, ON or OFF. Sets GIGABAKE_HAS_<NAME> to false.
 macro(gb_choice name text)
   set(GIGABAKE_${name} AUTO CACHE STRING "${text}: AUTO (where it is found), ON (fail without), OFF")
   set_property(CACHE GIGABAKE_${name} PROPERTY STRINGS AUTO ON OFF)
   set(GIGABAKE_HAS_${name} FALSE)
 endmacro()
 
-# gb_chosen(NAME found packages INCLUDES folders… LIBS libraries…): what follows a gb_choice. Where it was found, sets
-# GIGABAKE_HAS_<NAME> and makes gb::<name>; elsewhere fails if the choice is ON, by a line that names the packages.
+# gb_chosen(NAME found packages INCLUDES folders… LIBS libraries…): call it after gb_choice. If the library was found,
+# sets GIGABAKE_HAS_<NAME> and defines gb::<name>. Otherwise fails if the option is ON, with a message that names the
+# packages.
 function(gb_chosen name found packages)
   cmake_parse_arguments(ARG "" "" "INCLUDES;LIBS" ${ARGN})
   if(found)
@@ -44,7 +46,7 @@ function(gb_chosen name found packages)
   endif()
 endfunction()
 
-# gb_links(variable program INCLUDES folders… LIBS libraries…): sets the variable to whether the program, a text, links.
+# gb_links(variable program INCLUDES folders… LIBS libraries…): sets the variable to true if the program text links.
 include(CheckCXXSourceCompiles)
 function(gb_links variable program)
   cmake_parse_arguments(ARG "" "" "INCLUDES;LIBS" ${ARGN})
@@ -63,7 +65,7 @@ gb_find(xxhash xxhash.h)
 gb_find(json nlohmann/json.hpp)
 gb_find(cli11 CLI/CLI.hpp)
 gb_find(microhttpd microhttpd.h LIBS microhttpd)
-# The exact reference stands on it; the program without `bench accuracy --hard` does not.
+# Only the exact reference of the tests and of `bench accuracy --hard` uses GMP.
 find_path(GB_GMP_INCLUDE gmpxx.h)
 find_library(GB_GMP_C_LIBRARY gmp)
 if(GIGABAKE_TESTS OR (GB_GMP_INCLUDE AND GB_GMP_C_LIBRARY))

@@ -1,5 +1,5 @@
-# Decides whether `gigabake bench accuracy` has a reference: sets GIGABAKE_EMBREE to Embree's version, or 0, and makes
-# gb::embree. Without, the command says so.
+# Decides whether `gigabake bench accuracy` has a reference: sets GIGABAKE_EMBREE to Embree's version and defines
+# gb::embree. If Embree is missing, GIGABAKE_EMBREE is 0 and the command reports it.
 set(GIGABAKE_EMBREE 0)
 foreach(version 4 3)
   find_path(GB_EMBREE${version}_INCLUDE embree${version}/rtcore.h)

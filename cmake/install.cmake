@@ -1,8 +1,8 @@
-# What `cmake --install` and cpack take along. Components: runtime (the program, its manual and completion), development
-# (the rooms as libraries for find_package).
+# Files that `cmake --install` and cpack include. Components: runtime (the program, its manual and completion),
+# development (libraries and headers for find_package).
 install(TARGETS gigabake DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
 
-# The program writes its own manual; pages are compressed as distributions want them.
+# The program generates its manual. Pages are compressed as distributions require.
 set(manual ${CMAKE_BINARY_DIR}/manual)
 file(MAKE_DIRECTORY ${manual}/man1 ${manual}/bash ${manual}/zsh ${manual}/fish)
 add_custom_command(
@@ -22,7 +22,7 @@ install(DIRECTORY ${manual}/fish/ DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vend
 
 include(cmake/install_rooms.cmake)
 
-# cpack -G DEB: gigabake and gigabake-dev, each with its licence and changes where Debian looks for them.
+# cpack -G DEB makes gigabake and gigabake-dev, each with its licence and changelog in Debian's folders.
 set(CPACK_PROJECT_CONFIG_FILE ${CMAKE_SOURCE_DIR}/cmake/packager.cmake)
 set(changelog ${CMAKE_BINARY_DIR}/packaging/changelog)
 foreach(package IN ITEMS runtime=gigabake development=gigabake-dev)
@@ -52,7 +52,7 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME gigabake)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "openmpi-bin, hdf5-filter-plugin")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME gigabake-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
-# A reader of shards needs these; whoever links more rooms, what is recommended.
+# The libraries that read shards need these packages. The other libraries need the recommended ones too.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     "libfmt-dev, libhdf5-dev, liblz4-dev, libdeflate-dev, gigabake (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "libpugixml-dev, libgeographiclib-dev, libtinygltf-dev, libpng-dev, \

@@ -1,14 +1,14 @@
-# What other programs link: find_package(gigabake COMPONENTS shard) and gigabake::shard, one component a room.
+# Libraries for other programs, one component each: find_package(gigabake COMPONENTS shard) defines gigabake::shard.
 include(CMakePackageConfigHelpers)
 include(cmake/public_headers.cmake)
 
-# Each room after the rooms that it stands on.
+# Each component follows the components that it links.
 set(gb_installed_rooms lattice georeference system shard scene source export kernels viewer)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/gigabake)
 
-# gb_install_room(room): its library, its public headers, and CMake targets for both in gigabake-<room>.cmake, with the
-# libraries found by cmake/dependencies.cmake that it links first. Sets gb_room_table: what the room stands on, read from
-# its target, as gigabakeConfig.cmake needs it.
+# gb_install_room(room): installs the library of a component, its public headers, and gigabake-<component>.cmake, which
+# defines its targets. These include libraries of cmake/dependencies.cmake that no earlier component exported. Appends
+# the component's dependencies, read from its target, to gb_room_table for gigabakeConfig.cmake.
 set(gb_room_table "")
 set(gb_exported "")
 function(gb_install_room room)

@@ -1,11 +1,11 @@
-# Decides whether `gigabake export --to vdb` is there: sets GIGABAKE_HAS_OPENVDB and makes gb::openvdb. Without, the
-# command says so.
+# Decides whether `gigabake export --to vdb` works: sets GIGABAKE_HAS_OPENVDB and defines gb::openvdb. If OpenVDB is
+# missing, the command reports it.
 gb_choice(OPENVDB "gigabake export --to vdb, with OpenVDB")
 if(GIGABAKE_OPENVDB STREQUAL "OFF")
   return()
 endif()
 
-# Its own FindOpenVDB asks for packages that only its tools need.
+# OpenVDB's FindOpenVDB is not used: it requires packages that only OpenVDB's tools need.
 find_path(GB_OPENVDB_INCLUDE openvdb/openvdb.h)
 find_library(GB_OPENVDB_LIBRARY openvdb)
 find_package(TBB QUIET CONFIG)

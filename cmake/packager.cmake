@@ -1,4 +1,5 @@
-# Who packs: DEBFULLNAME and DEBEMAIL, as Debian's own tools take them. Read by cpack, and where the changelog is installed.
+# Name and address of the packager: DEBFULLNAME and DEBEMAIL, as in Debian's tools. cpack and the installation of the
+# changelog include this file.
 if(NOT "$ENV{DEBEMAIL}" STREQUAL "")
   set(CPACK_PACKAGE_CONTACT "$ENV{DEBFULLNAME} <$ENV{DEBEMAIL}>")
 elseif(DEFINED CPACK_GENERATOR)

@@ -1,5 +1,5 @@
-# The headers that an installed gigabake offers, room by room; all others are private. A public header includes public
-# headers alone (tests/cli/package_test.py).
+# The headers that are installed, per component; all others are private. A public header includes only public headers
+# (tests/cli/package_test.py).
 set(gb_public_headers_lattice
     lattice/brick.h
     lattice/cuda_failure.h

@@ -1,13 +1,13 @@
-# One static library per room; the include root is the source root, so that #include "format/shard/shard.h" says the room.
+# One static library per module. The include root is the source root: #include "format/shard/shard.h" names the module.
 
 include(GNUInstallDirs)
-# Where modules are installed, and where programs look for them: beside themselves in a build.
+# Folder of loadable modules once installed. In a build, programs find them in the build folder.
 set(GIGABAKE_MODULE_FOLDER ${CMAKE_INSTALL_LIBDIR}/gigabake)
 set(CMAKE_BUILD_RPATH ${CMAKE_BINARY_DIR})
 
-# Contraction and fast-math would let CPU and GPU differ in the last bit.
+# No contraction and no fast-math: with either, CPU and GPU could differ in the last bit.
 set(gb_cxx_options -Wall -Wextra -Wshadow -ffp-contract=off)
-# AVX2 where the machine that builds has it: a quarter of the time, the same bits (nothing is contracted).
+# Uses AVX2 if the building machine has it: bakes take a quarter of the time, with the same bits (no contraction).
 if(NOT DEFINED GIGABAKE_MARCH)
   set(march "")
   if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64" AND EXISTS /proc/cpuinfo)
@@ -26,7 +26,7 @@ set(gb_cuda_options -fmad=false --expt-relaxed-constexpr -lineinfo -Xcompiler=-W
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   list(APPEND gb_cxx_options -Wno-restrict)
 endif()
-# Compiled together, a source file looks like a header whose types differ from file to file.
+# In a unity build, GCC takes a source file for a header with types in an anonymous namespace.
 if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   list(APPEND gb_cxx_options -Wno-subobject-linkage)
 endif()
@@ -34,7 +34,7 @@ endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 13)
   list(APPEND gb_cxx_options -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
 endif()
-# GCC 13 takes the name of a member, a temporary, for what the reference refers to; 14 no longer warns of it unasked.
+# GCC 13 warns of references to a temporary argument that the reference does not refer to; GCC 14 does not by default.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 13)
   list(APPEND gb_cxx_options -Wno-dangling-reference)
 endif()
@@ -61,9 +61,9 @@ function(gb_options target)
   endif()
 endfunction()
 
-# gb_library(name [RECURSE] [WITHOUT files…] LIBRARIES libraries… [HEADERS libraries…]): every *.cpp of this folder (and
-# *.cu where nvcc is found), with RECURSE those of its subfolders too, is the static library gigabake_<name>. HEADERS are
-# libraries without a binary that only the *.cpp include: who links gigabake_<name> once it is installed needs none of them.
+# gb_library(name [RECURSE] [WITHOUT files…] LIBRARIES libraries… [HEADERS libraries…]): compiles the *.cpp of this
+# folder into the static library gigabake_<name>, and the *.cu if nvcc is found. RECURSE includes subfolders. HEADERS
+# are header-only libraries that only *.cpp files include: programs that link the installed library do not need them.
 function(gb_library name)
   cmake_parse_arguments(ARG "RECURSE" "" "WITHOUT;LIBRARIES;HEADERS" ${ARGN})
   if(ARG_RECURSE)
@@ -89,7 +89,7 @@ function(gb_library name)
   gb_options(gigabake_${name})
 endfunction()
 
-# gb_module(name sources… LIBRARIES libraries…): a part that is loaded when it is needed (format/system/module.h).
+# gb_module(name sources… LIBRARIES libraries…): a shared object that is loaded on demand (format/system/module.h).
 function(gb_module name)
   cmake_parse_arguments(ARG "" "" "LIBRARIES" ${ARGN})
   set(module gigabake_${name}_module)
@@ -102,10 +102,11 @@ function(gb_module name)
   install(TARGETS ${module} DESTINATION ${GIGABAKE_MODULE_FOLDER} COMPONENT runtime)
 endfunction()
 
-# gb_test(folder label libraries…): every *.cpp below tests/<folder> (and *.cu where nvcc is found) is one GoogleTest executable, gigabake_test_<folder>.
+# gb_test(folder label libraries…): compiles the *.cpp below tests/<folder> into the GoogleTest program
+# gigabake_test_<folder>, and the *.cu if nvcc is found.
 function(gb_test folder label)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tests/${folder}/*.cpp)
-  # Of tests/fuzz the readers are libraries.
+  # The readers of tests/fuzz are libraries.
   list(FILTER sources EXCLUDE REGEX "/fuzz/(libfuzzer/|judge|read_)")
   if(GIGABAKE_HAS_CUDA)
     file(GLOB_RECURSE cuda_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tests/${folder}/*.cu)
@@ -119,14 +120,14 @@ function(gb_test folder label)
   target_link_libraries(gigabake_test_${folder} PRIVATE ${ARGN} gb::json gb::xxhash GTest::gtest GTest::gmock GTest::gtest_main)
   target_compile_definitions(gigabake_test_${folder} PRIVATE GIGABAKE_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
   gb_options(gigabake_test_${folder})
-  # Together they compile a third faster; a local name may be that of another file's constant then.
+  # A unity build is a third faster. A local name may then shadow a constant of another file.
   set_target_properties(gigabake_test_${folder} PROPERTIES UNITY_BUILD_BATCH_SIZE 6)
   if(CMAKE_UNITY_BUILD)
     target_compile_options(gigabake_test_${folder} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:-Wno-shadow;-Wshadow=local>")
   endif()
-  # What is tested is optimized; the tests themselves compile a third faster without.
+  # The libraries are optimized. The tests are compiled with -O1, which is a third faster.
   target_compile_options(gigabake_test_${folder} PRIVATE "$<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Release>>:-O1>")
-  # GoogleTest is half of what a test compiles: all programs of tests share it, read once.
+  # GoogleTest takes half of a test's compile time: all test programs share one precompiled header.
   if(folder STREQUAL lattice)
     target_precompile_headers(gigabake_test_lattice PRIVATE
       "$<$<COMPILE_LANGUAGE:CXX>:${CMAKE_SOURCE_DIR}/tests/common_headers.h>")
@@ -137,8 +138,8 @@ function(gb_test folder label)
                        DISCOVERY_TIMEOUT 60 DISCOVERY_MODE PRE_TEST)
 endfunction()
 
-# gb_script_test(name label script arguments…): a Python test; exit code 77 means skipped, and the script says why.
-# The system's Python, because that is where the distribution's h5py and numpy live.
+# gb_script_test(name label script arguments…): a Python test; exit code 77 means skipped, and the script prints the
+# reason. It runs with the system's Python, which has the distribution's h5py and numpy.
 function(gb_script_test name label script)
   add_test(NAME ${name} COMMAND /usr/bin/python3 ${script} ${ARGN})
   set_tests_properties(${name} PROPERTIES LABELS ${label} SKIP_RETURN_CODE 77 TIMEOUT 1200)

@@ -1,11 +1,12 @@
-# Decides whether `gigabake view` has a window: sets GIGABAKE_HAS_WINDOW and makes gb::window. Without, the command says so.
+# Decides whether `gigabake view` works: sets GIGABAKE_HAS_WINDOW and defines gb::window. If a library is missing, the
+# command reports it.
 gb_choice(WINDOW "gigabake view, with GLFW, Dear ImGui and OpenGL")
 if(GIGABAKE_WINDOW STREQUAL "OFF")
   return()
 endif()
 
 find_package(glfw3 3.3 QUIET)
-# Debian's library holds the backends for GLFW and OpenGL 2.
+# Debian's library contains the backends for GLFW and OpenGL 2.
 find_path(GB_IMGUI_INCLUDE backends/imgui_impl_opengl2.h PATH_SUFFIXES imgui)
 find_library(GB_IMGUI_LIBRARY imgui)
 find_library(GB_STB_LIBRARY stb)  # its fonts

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The tree is the architecture: which folder may include which, who may know MPI and CUDA, how long a file may be.
+"""Checks the architecture: allowed includes between folders, users of MPI and CUDA, length of files and lines.
 
 Usage: architecture_test.py SOURCE_DIR
 """
@@ -9,9 +9,9 @@ from pathlib import Path
 
 from verdict import verdict
 
-# What a picture of a scene is made of.
+# Modules that rendering an image of a scene needs.
 SHOWN = ["lattice", "format/system", "format/shard", "format/scene", "kernels/body", "kernels/cast"]
-# room: the rooms of ours that it may include besides itself. Whoever stands lower may include what stands above.
+# Each module with the other modules of gigabake that it may include. A module only includes modules listed before it.
 ROOMS = {
     "lattice": [],
     "format/system": ["lattice"],
@@ -40,10 +40,10 @@ ROOMS = {
     "viewer/window": SHOWN + ["viewer/live", "viewer/pictures"],
     "viewer/web": SHOWN + ["viewer/live", "viewer/pictures"],
 }
-# These join all rooms.
+# These may include all modules.
 JOINTS = ["app", "bench", "tests"]
 
-# (header, where it may stand, why)
+# Tuples of header, files that may include it, and the reason.
 RESERVED = [
     (r"mpi\.h", r"cluster/|tests/cluster/", "only cluster/ talks MPI"),
     (r"cuda\w*\.h|cooperative_groups.*|cub/.*|thrust/.*", r"kernels/(cuda|cast|pack)/|tests/",
@@ -58,10 +58,10 @@ RESERVED = [
     (r"nanovdb/.*", r"tests/", "format/export/nanovdb_layout.h says what is needed of it"),
 ]
 
-# What a folder's headers must not carry into the folders above it.
+# Headers that a folder's headers must not include for the folders that include them.
 HEAVY = r"nlohmann/json\.hpp|tiny_gltf\.h|hdf5\.h|pugixml\.hpp"
 
-# What libraries may say of mpirun and srun, and what separates pictures in a stream.
+# Options of mpirun and srun, and the separator of images in a stream.
 OPTIONS_OF_OTHERS = {"--bind-to", "--mpi", "--frame"}
 
 CUDA_FOLDERS = ("kernels/cuda/", "kernels/cast/", "kernels/pack/", "tests/")
@@ -71,7 +71,7 @@ LONGEST_LINE = 120
 
 
 def room_of(name):
-    """The room that a path from the source root lies in; None where there is none."""
+    """Returns the module of a path from the source root; None if it is in no module."""
     parts = name.split("/")
     if parts[0] in JOINTS:
         return parts[0]
@@ -86,12 +86,12 @@ def sources(root):
 
 
 def includes(text):
-    """Pairs of ("quoted", "") or ("", "bracketed")."""
+    """Returns pairs ("quoted", "") or ("", "bracketed")."""
     return re.findall(r'^\s*#\s*include\s+(?:"([^"]+)"|<([^>]+)>)', text, re.M)
 
 
 def carried_headers(root, header, seen):
-    """Library headers that including `header` brings along."""
+    """Yields the library headers that `header` includes, directly or through other headers."""
     if header in seen or not (root / header).exists():
         return
     seen.add(header)
@@ -140,7 +140,7 @@ def text_problems(name, text):
 
 
 def option_problems(text):
-    """Libraries know fields; app/ alone knows how its command line calls them (app/options/flags.h)."""
+    """Libraries use the names of fields; only app/ maps them to options (app/options/flags.h)."""
     for literal in re.findall(r'"(?:[^"\\\n]|\\.)*"', text):
         for option in re.findall(r"(?<![\w-])--[a-z][a-z-]+", literal):
             if option not in OPTIONS_OF_OTHERS:
@@ -148,7 +148,7 @@ def option_problems(text):
 
 
 def message_problems(name, text):
-    """A message that cannot be written must not end the program, and each may have the time before it."""
+    """A message that cannot be written must not end the program, and each message may begin with the time."""
     if name.startswith(("bench/", "tests/", "format/system/message.")):
         return
     for call in re.findall(r"(?:fmt::print|fprintf|fputs|std::cerr)\W{1,9}stderr|std::cerr", text):

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Every test asserts something: a GoogleTest body has an expectation, a Python test a check or a raise.
+"""Checks that every test asserts something: a GoogleTest body has an expectation, a Python test a check or a raise.
 
-A body may call a function of its own file that asserts; such calls are followed, by name. A test that succeeds if it
-ends at all (of a fuzzer's seeds, say) says so with SUCCEED(). GTEST_SKIP() is reported as skipped, not as passed.
+A body may call a function of the same file that asserts; such calls are followed by name. A test that passes if it
+ends (one of a fuzzer's seeds, for example) calls SUCCEED(). GTEST_SKIP() is reported as skipped, not as passed.
 
 Usage: asserting_test.py SOURCE_DIR
 """
@@ -21,7 +21,7 @@ CHECKS = re.compile(r"^(assert\w*|fail|succeed|refuse\w*|expect\w*|check\w*)$")
 
 
 def body_at(text, brace):
-    """The text between the brace and its partner; strings and comments of tests balance their braces."""
+    """Returns the text between the brace and its partner. Braces in strings and comments of tests must be balanced."""
     depth = 0
     for at in range(brace, len(text)):
         depth += {"{": 1, "}": -1}.get(text[at], 0)
@@ -31,7 +31,7 @@ def body_at(text, brace):
 
 
 def asserting(bodies):
-    """Names of the functions whose body asserts, or calls one that does."""
+    """Returns the names of the functions whose body asserts or calls an asserting function."""
     found = {name for name, body in bodies if ASSERTION.search(body)}
     while True:
         more = {name for name, body in bodies if name not in found and found & set(CALL.findall(body))}
@@ -61,7 +61,7 @@ def silent_cpp(root):
 
 
 def called(node):
-    """Names that are called, and whether a statement asserts or raises."""
+    """Returns the names of called functions, and whether a statement asserts or raises."""
     names, checks = set(), False
     for inner in ast.walk(node):
         if isinstance(inner, (ast.Assert, ast.Raise)):

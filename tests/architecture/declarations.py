@@ -1,6 +1,6 @@
-"""Declarations of C++ files, found without a compiler: braces, and the words before them, say what opens a scope.
+"""Declarations of C++ files, found without a compiler: the words before a brace determine the scope that it opens.
 
-Bodies of functions are not looked at, nor are the branches after an #else or #elif.
+Bodies of functions and the branches after an #else or #elif are ignored.
 """
 import re
 from typing import NamedTuple
@@ -16,10 +16,10 @@ MACRO_OF_ATTRIBUTES = re.compile(r"[A-Z][A-Z0-9_]+")
 
 class Declaration(NamedTuple):
     kind: str    # "type", "alias", "variable" or "function"
-    scope: tuple  # names of the namespaces and types around it; "" is an anonymous namespace
+    scope: tuple  # names of the enclosing namespaces and types; "" is an anonymous namespace
     name: str    # with template arguments, if it is a specialization
     line: int
-    text: str    # of a type its definition, of a function its parameters: without comments, names and default values
+    text: str    # definition of a type, or parameters of a function; without comments, names and default values
 
     @property
     def is_local_to_file(self):
@@ -27,7 +27,7 @@ class Declaration(NamedTuple):
 
 
 def code_of(text):
-    """The same lines without comments, the contents of strings, preprocessor lines and the branches after an #else."""
+    """Returns the lines without comments, contents of strings, preprocessor lines and the branches after an #else."""
     def blank(match):
         found = match.group()
         return ('""' if found[0] in 'R"' else "0" if found[0] == "'" else " ") + "\n" * found.count("\n")
@@ -47,14 +47,14 @@ def code_of(text):
 
 
 def tokens_of(code):
-    """Pairs (token, line)."""
+    """Yields pairs (token, line)."""
     for number, line in enumerate(code.split("\n"), 1):
         for match in TOKEN.finditer(line):
             yield match.group(), number
 
 
 def end_of_braces(tokens, at):
-    """The place behind the partner of the brace at `at`."""
+    """Returns the index after the partner of the brace at `at`."""
     depth = 0
     while at < len(tokens):
         depth += {"{": 1, "}": -1}.get(tokens[at][0], 0)
@@ -65,7 +65,7 @@ def end_of_braces(tokens, at):
 
 
 def without_heads(words):
-    """Without access labels, `template <...>`, also where there are several, and attributes."""
+    """Returns the words without access labels, attributes and any number of `template <...>`."""
     words = list(words)
     while len(words) > 1 and words[0] in ("public", "private", "protected") and words[1] == ":":
         words = words[2:]
@@ -83,7 +83,7 @@ def without_heads(words):
 
 
 def outer_place(words, wanted):
-    """Where one of `wanted` stands outside of parentheses and of template arguments; None if nowhere."""
+    """Returns the index of the first of `wanted` outside parentheses and template arguments; None if there is none."""
     depth = 0
     for place, word in enumerate(words):
         if depth == 0 and word in wanted and not (word == "<" and place == 0):
@@ -96,7 +96,7 @@ def outer_place(words, wanted):
 
 
 def type_name(words):
-    """Of `class A::B<int> final : Base`: A::B<int>."""
+    """Returns the name of a type, such as A::B<int> for `class A::B<int> final : Base`."""
     end = next((i for i, word in enumerate(words) if word == ":" or word == "final"), len(words))
     words = [w for w in words[1:end] if w not in TYPE_WORDS and not MACRO_OF_ATTRIBUTES.fullmatch(w)] or words[1:end]
     if words[:1] == ["alignas"]:
@@ -105,7 +105,7 @@ def type_name(words):
 
 
 def parameters(words):
-    """Types of a parameter list, whose names and default values are left out, and what follows it."""
+    """Returns the types of a parameter list without names and default values, and a `const` that follows the list."""
     depth, end = 0, 0
     for end, word in enumerate(words):
         depth += {"(": 1, ")": -1}.get(word, 0)
@@ -126,7 +126,7 @@ def parameters(words):
 
 
 def more_names(words):
-    """Names after commas, as `b` and `c` in `= 1, b = 2, c`."""
+    """Yields the names after commas, such as `b` and `c` in `= 1, b = 2, c`."""
     depth = 0
     for place, word in enumerate(words[:-1]):
         depth += {"(": 1, "<": 1, "[": 1, "{": 1, ")": -1, ">": -1, "]": -1, "}": -1}.get(word, 0)
@@ -135,7 +135,7 @@ def more_names(words):
 
 
 def declared(words, scope, line):
-    """Yields what a statement declares that is no type and has a name of its own."""
+    """Yields the named declarations of a statement, except for types."""
     words = without_heads(words)
     if not words or words[0] in TYPE_WORDS | {"friend", "extern", "static_assert", "public", "private", "protected"}:
         return
@@ -147,7 +147,7 @@ def declared(words, scope, line):
     stop = len(words) if stop is None else stop
     name = next((w for w in reversed(words[:stop]) if re.match(r"[A-Za-z_]", w)), None)
     if name is None or stop < 2 or "operator" in words[:stop] or "::" in words[stop - 2:stop] \
-            or words[stop - 1] == ">":  # of a type, an operator, or a specialization
+            or words[stop - 1] == ">":  # a member of a type, an operator, or a specialization
         return
     if stop < len(words) and words[stop] == "(":
         yield Declaration("function", scope, name, line, parameters(words[stop:]))
@@ -157,7 +157,7 @@ def declared(words, scope, line):
 
 
 def opened_scope(words):
-    """(kind, names) of the scope that the words before a brace open: "namespace", "type" or None."""
+    """Returns the scope that the words before a brace open: "namespace", "type" or None, and its names."""
     words = without_heads(words)
     while words and words[0] in ("inline", "typedef", "static", "constexpr", "const"):
         words = words[1:]
@@ -171,7 +171,7 @@ def opened_scope(words):
 
 
 def declarations(text):
-    """Types that a file defines, and the functions, variables and aliases at namespace scope."""
+    """Returns the types that a file defines, and the functions, variables and aliases at namespace scope."""
     tokens, found, scopes = list(tokens_of(code_of(text))), [], []
     start = at = 0
     while at < len(tokens):
@@ -182,7 +182,7 @@ def declarations(text):
         in_namespace = all(kind == "namespace" for kind, _ in scopes)
         if token == "{":
             kind, names = opened_scope(words)
-            if kind is None:  # of a function, or the value of a variable: the statement goes on behind it
+            if kind is None:  # the body of a function, or the value of a variable: the statement continues after it
                 end = end_of_braces(tokens, at)
                 if end < len(tokens) and tokens[end][0] in (";", ",", "(", ")", ">", "{"):
                     at = end

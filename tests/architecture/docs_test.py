@@ -2,7 +2,7 @@
 """Checks that paths, links, headings and decisions that documents and comments name exist.
 
 Usage: docs_test.py SOURCE_DIR
-       docs_test.py SOURCE_DIR --write-index    writes docs/adr/README.md anew, the index of decisions
+       docs_test.py SOURCE_DIR --write-index    rewrites docs/adr/README.md, the index of decisions
 """
 import re
 import sys
@@ -14,9 +14,9 @@ from verdict import verdict
 FOLDERS = "app bench cluster cmake docs format kernels lattice packaging scheduler tests tools viewer worker".split()
 PATH = re.compile(r"(?<![\w/.-])((?:%s)/[\w./-]*\w)" % "|".join(FOLDERS))
 CODE = {".h", ".cpp", ".cu", ".cuh", ".py"}
-# NAME stands for a name that the reader chooses.
+# NAME is a placeholder for a name that the reader chooses.
 NOT_PATHS = re.compile(r".*NAME")
-# Pages about the past may name files that are gone.
+# Pages about the past may name removed files.
 PAST = ("docs/experiments/", "CHANGELOG.md")
 INDEX_HEAD = """# Decisions
 
@@ -32,14 +32,14 @@ A new decision takes the next free number. `python3 tests/architecture/docs_test
 
 
 def anchors(text):
-    """Of headings, as code hosts make them, and those that are written out."""
+    """Yields the anchors that code hosts derive from headings, and explicit anchors."""
     for heading in re.findall(r"^#+ (.*)$", text, re.M):
         yield re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
     yield from re.findall(r'<a id="([^"]+)">', text)
 
 
 def exists(root, name):
-    """`name` may lack its suffix, and one that ends in _ is the beginning of several."""
+    """Returns True if a file has this name. The suffix may be missing; a name that ends in _ is a prefix."""
     path = root / name
     rest = "*" if name.endswith("_") else ".*"
     return path.exists() or any(path.parent.glob(path.name + rest))
@@ -140,7 +140,7 @@ def glossary_problems(root):
 
 
 def architecture_problems(root):
-    """docs/architecture.md has every room, and its flow names structs that their headers declare."""
+    """docs/architecture.md has a row per module, and its flow names structs that their headers declare."""
     text = (root / "docs/architecture.md").read_text(encoding="utf-8")
     yield from (f"has no row for the room {room}" for room in ROOMS if f"`{room}`" not in text)
     flow = text.split("## The flow")[1].split("\n## ")[0]

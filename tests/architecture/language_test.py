@@ -63,12 +63,17 @@ def word_problems(prose):
     places = [(name, number, line) for name, _, found in prose for block in found.blocks
               for number, line in block.lines]
     with tempfile.TemporaryDirectory() as folder:
-        Path(folder, "prose").write_text("".join(f"{line}\n" for _, _, line in places), encoding="utf-8")
+        # The first line shows that codespell works.
+        lines = ["whoever", *(line for _, _, line in places)]
+        Path(folder, "prose").write_text("\n".join(lines) + "\n", encoding="utf-8")
         command = ["codespell", "--disable-colors", "--builtin", "clear", "-L", TERMS, "-D", "-",
                    "-D", str(HERE / "old_words.txt"), "prose"]
-        printed = subprocess.run(command, cwd=folder, capture_output=True, text=True, encoding="utf-8").stdout
-    for number, word, better in re.findall(r"^prose:(\d+): (.*?) ==> (.*)$", printed, re.M):
-        name, line, _ = places[int(number) - 1]
+        run = subprocess.run(command, cwd=folder, capture_output=True, text=True, encoding="utf-8", check=False)
+    hits = re.findall(r"^prose:(\d+): (.*?) ==> (.*)$", run.stdout, re.M)
+    if not hits or hits[0][0] != "1":
+        sys.exit(f"language_test.py: codespell failed: {run.stderr}")
+    for number, word, better in hits[1:]:
+        name, line, _ = places[int(number) - 2]
         yield Violation("words", name, line, f"`{word}`: {better}")
 
 

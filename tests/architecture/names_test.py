@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""One name, one thing: what the linker takes for the same, and what unity builds compile together, has different names.
+"""Checks that names are unique where the linker or a unity build requires it.
 
 1. No two definitions of a class, struct, union or enum have the same qualified name. The one-definition rule requires
-   it, and no compiler or linker checks it. Anonymous namespaces are exempt; so are two programs of tests.
-2. No two source files of one folder that has a CMakeLists.txt use the same name for what is local to each: types,
-   aliases, variables, and functions of the same parameters. Which files a unity build puts together changes whenever a
-   file is added, so a clash would be found by whoever adds the next file. Equal aliases may be repeated.
-3. Nor is such a name declared by a header of the same namespace that the file, or another one of its folder, may
-   include: with both in view, the name is ambiguous.
+   it, and no compiler or linker checks it. Anonymous namespaces are exempt, and so are different test programs.
+2. No two source files of one folder that has a CMakeLists.txt have equal local names: types, aliases, variables, and
+   functions of the same parameters. Adding a file regroups the files of a unity build, so that a clash would appear
+   in an unrelated change. Equal aliases may be repeated.
+3. No header that the file, or another file of its folder, may include declares such a name in the same namespace: the
+   name would be ambiguous.
 
 Usage: names_test.py SOURCE_DIR
 """
@@ -22,14 +22,14 @@ from verdict import verdict
 
 FOLDERS = ["app", "bench", "cluster", "format", "kernels", "lattice", "scheduler", "tests", "viewer", "worker"]
 SOURCE = {".h", ".cpp", ".cu", ".cuh"}
-# These are compiled in place of another file, where a library is missing.
+# These replace another file if a library is missing.
 STUB = re.compile(r"(^|/)(absent\w*|no_\w+)\.cpp$")
-# CMakeLists.txt keep these out of unity builds, or compile one file of them into a program or module.
+# CMakeLists.txt exclude these from unity builds, or compile each into a separate program or module.
 APART = re.compile(r"bench/|tests/bench/|tests/fuzz/read_|format/source/mesh/|format/export/openvdb/")
 
 
 def declared_in(root):
-    """Pairs (file name, its declarations)."""
+    """Yields pairs (file name, its declarations)."""
     for folder in FOLDERS:
         for path in sorted((root / folder).rglob("*")):
             if path.suffix in SOURCE and path.is_file():
@@ -37,7 +37,7 @@ def declared_in(root):
 
 
 def program_of(name):
-    """The folder of tests whose program a file belongs to; empty for all that is linked into gigabake."""
+    """Returns the folder of the test program that contains a file; empty for files that are linked into gigabake."""
     parts = name.split("/")
     if parts[0] != "tests":
         return ""
@@ -45,7 +45,7 @@ def program_of(name):
 
 
 def twice_defined(files):
-    """Types of the same qualified name, of which one program could have both."""
+    """Yields types of the same qualified name that could be linked into one program."""
     types = defaultdict(list)
     for name, found in files:
         for d in found:
@@ -59,7 +59,7 @@ def twice_defined(files):
 
 
 def compiled_together(root):
-    """A function from a file's name to the folder whose files a unity build may put into one; None: it is alone."""
+    """Returns a function from a file's name to the folder that a unity build may combine it with; None: no folder."""
     folders = [path.parent.relative_to(root).as_posix() for folder in FOLDERS
                for path in (root / folder).rglob("CMakeLists.txt")]
 
@@ -71,7 +71,7 @@ def compiled_together(root):
 
 
 def is_local(d):
-    """Whether the declaration of a source file is seen by this file only."""
+    """Returns True if the declaration of a source file is local to the file."""
     return d.scope[-1:] == ("",) or (d.kind in ("alias", "variable") and "" not in d.scope)
 
 
@@ -97,13 +97,13 @@ def clashes(files, folder_of):
 
 
 def may_include(name, header, folder):
-    """Whether a file, or one that is compiled with it, may include a header of gigabake."""
+    """Returns True if a file, or a file that is compiled with it, may include a header of gigabake."""
     room, target = room_of(name), room_of(header)
     return room in JOINTS or header.startswith(folder + "/") or target in ROOMS.get(room, [])
 
 
 def hidden(files, folder_of):
-    """Names that are local to a file and declared by a header too."""
+    """Yields names that are local to a file and also declared by a header."""
     declared = defaultdict(list)
     for header, found in files:
         for d in found:
@@ -121,7 +121,7 @@ def hidden(files, folder_of):
 
 
 def in_scene(**texts):
-    """Files of one folder: `one__cpp` is its one.cpp."""
+    """Returns files of one folder: `one__cpp` is its one.cpp."""
     return {"format/scene/" + name.replace("__", "."): text for name, text in texts.items()}
 
 
@@ -161,7 +161,7 @@ def found_in(texts):
 
 
 def wrong_about_samples():
-    """This test, tested: a tree with every fault that it should find, and one without any."""
+    """Tests this test: with a tree that has every fault, and with a tree without faults."""
     types, local_names = found_in(BAD)
     if {(p.split()[1], int(p.split(":")[1])) for p in types} != {("g::A", 3), ("g::A::Inner", 5)}:
         yield f"this test does not find the types that are defined twice: {types}"

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""One body: the device files of kernels/ (*.cu, *.cuh) spread items over lanes, and decide nothing about voxels.
+"""Checks that device files of kernels/ (*.cu, *.cuh) contain no rules about voxels: kernels/body has them.
 
-A rule that stands in such a file is one that a machine without a GPU never tests, and one that can differ from the
-CPU's. So these files may not
-  - name a value of a rule's enum (lattice/rules.h, lattice/octree.h): they hand it on, or ask a question of
-    kernels/body, as filters_by_view() or Surface::look();
-  - write the scale of a channel (65535, 32767, 255, 127): what is packed, scaled or opaque is said in kernels/body;
-  - round, or take a root or a power: kernels/body does, and lattice/rounding.h;
+A rule in a device file would not be tested on a machine without a GPU, and could differ from the CPU's. Device files
+may not
+  - name a value of a rule's enum (lattice/rules.h, lattice/octree.h): they pass it, or call a function of kernels/body,
+    such as filters_by_view() or Surface::look();
+  - use the scale of a channel (65535, 32767, 255, 127): packing, scaling and opacity are defined in kernels/body;
+  - round, or compute a root or a power: kernels/body and lattice/rounding.h do;
   - compare a channel, a weight or a rule with anything but null.
-What may be compared: counts, places, pointers, and what kernels/body or a template parameter has decided already
-(Fate, Look, CellMaterials, by_view). Comments and texts are not looked at.
+They may compare counts, indices, pointers, and decisions of kernels/body or of a template parameter (`Fate`, `Look`,
+`CellMaterials`, `by_view`). Comments and strings are ignored.
 
 Usage: one_body_test.py SOURCE_DIR
 """
@@ -26,7 +26,7 @@ ROUNDING = re.compile(r"\b(floor|ceil|round|lround|llround|trunc|rint|nearbyint|
                       r"|\b__(double|float)2\w+\s*\(")
 CHANNEL = (r"(alpha|alpha_mode|coverage|cutoff|weight|facing|rgba|base_rgba|vertex_rgba|normal|clear|wrap_s|wrap_t|mip"
            r"|filter|rule|surface_rule)")
-# The channel, what is taken of it (an element, a member, a call without arguments), and on either side the comparison.
+# A channel, or an element, a member or a call without arguments of it. COMPARED has it on either side of a comparison.
 OF_CHANNEL = rf"\b{CHANNEL}(\[[^\]]*\]|\.\w+|\(\))*"
 COMPARISON = r"(==|!=|<=|>=|<(?!<)|>(?!>))"
 COMPARED = re.compile(rf"{OF_CHANNEL}\s*(?<![<>-]){COMPARISON}\s*(?!nullptr)[\w(-]"
@@ -34,7 +34,7 @@ COMPARED = re.compile(rf"{OF_CHANNEL}\s*(?<![<>-]){COMPARISON}\s*(?!nullptr)[\w(
 
 
 def without_comments(text):
-    """The same lines, without comments and what stands in quotes."""
+    """Returns the lines without comments and contents of strings."""
     text = re.sub(r'"(\\.|[^"\\\n])*"', '""', text)
     text = re.sub(r"/\*.*?\*/", lambda m: "\n" * m.group().count("\n"), text, flags=re.S)
     return re.sub(r"//[^\n]*", "", text)
@@ -48,7 +48,7 @@ def rule_enums(root):
 
 
 def decisions(text, enums):
-    """(line number, what it decides) of each line that decides something."""
+    """Yields a line number and the decision for each line that decides something."""
     enum_value = re.compile(rf"\b({'|'.join(enums)})::")
     for number, line in enumerate(without_comments(text).splitlines(), 1):
         if found := enum_value.search(line):
@@ -90,7 +90,7 @@ SPREADING = [
 
 
 def wrong_about_samples(enums):
-    """This test, tested: lines that decide, and lines that do not."""
+    """Tests this test: with lines that decide, and with lines that do not."""
     for line in DECIDING:
         if not list(decisions(line, enums)):
             yield f"this test does not notice that it decides: {line}"

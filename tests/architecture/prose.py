@@ -1,6 +1,7 @@
 """Prose of the repository: comments, messages and documents, with the line of each piece of text.
 
-Names are no prose: text in backticks, code blocks of documents, and literals of fewer than three words are left out.
+Names are not prose: text in backticks, file names, calls, code blocks of documents, and literals of fewer than three
+words are left out.
 """
 import re
 from bisect import bisect_right
@@ -17,7 +18,8 @@ CMAKE_NOISE = re.compile(r'(?P<text>"(?:\\.|[^"\\])*")|(?P<comment>#[^\n]*)', re
 SCRIPT_NOISE = re.compile(r"""(?P<text>"(?:\\.|[^"\\])*"|'[^'\n]*')|(?<!\S)(?P<comment>\#(?!!)[^\n]*)""", re.S)
 MARGIN = re.compile(r"^\s*(?:///<?|//|/\*+|#+|\*/|\*(?= ))?\s?|\s*\*/\s*$")
 FIELD = re.compile(r"\{[^{}\n]*\}")
-QUOTED = re.compile(r"`[^`\n]*`|\bhttps?://[^\s)]+")
+QUOTED = re.compile(r"`[^`\n]*`|\bhttps?://[^\s)]+|\b\w+\([^()\n]*\)|"
+                    r"\b[\w./-]+\.(?:h|cpp|cuh?|py|md|json|cmake|txt|cache|xml|sh|js|html)\b")
 LINK = re.compile(r"\]\([^)\n]*\)|<[^>\n]*>")
 WORDS = re.compile(r"\b[A-Za-z][a-z']*[,;:]? +[A-Za-z][a-z']*[,;:]? +[A-Za-z]")
 

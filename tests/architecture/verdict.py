@@ -1,8 +1,8 @@
-"""How the scripts of this folder end."""
+"""The last output and the exit code of the scripts in this folder."""
 
 
 def verdict(problems, named):
-    """Prints each problem and then their number, of what is `named`. Returns the exit code."""
+    """Prints each problem, and their number with the noun `named`. Returns the exit code."""
     found = list(problems)
     for line in found:
         print(line)
