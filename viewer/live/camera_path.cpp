@@ -17,7 +17,7 @@ using Values = std::array<double, n>;
 Values<3> values(const Point<Scene>& p) { return {p.x, p.y, p.z}; }
 Point<Scene> point(const Values<3>& v) { return {v[0], v[1], v[2]}; }
 
-/// A curve's four keyframes around a stretch; the outer ones may be missing.
+/// A segment of a curve and its neighbours: four keyframes, of which the outer two may be missing.
 template <std::size_t n>
 struct Stretch {
   std::optional<Values<n>> before, after;
@@ -25,7 +25,7 @@ struct Stretch {
   double before_s = 0, from_s = 0, to_s = 0, after_s = 0;
 };
 
-/// At the middle one of three points: of the parabola through them.
+/// Returns the slope at the middle one of three points, of the parabola through them.
 double slope(double a, double b, double c, double ab_s, double bc_s) {
   return ((b - a) / ab_s * bc_s + (c - b) / bc_s * ab_s) / (ab_s + bc_s);
 }
@@ -49,7 +49,7 @@ Values<n> between(const Stretch<n>& s, double time_s) {
   return out;
 }
 
-/// of(keyframe): the values to interpolate between keyframes i and i + 1.
+/// Interpolates between keyframes i and i + 1. of(keyframe): the values to interpolate.
 template <std::size_t n, class Of>
 Values<n> interpolate(const std::vector<CameraKeyframe>& keys, std::size_t i, double time_s, const Of& of) {
   Stretch<n> s;
@@ -106,7 +106,7 @@ CameraOptions CameraPath::at(double time_s, const CameraOptions& camera) const {
   if (turns) key.up = point(curve.operator()<3>([&](const CameraKeyframe& k) { return values(k.up.value_or(up)); }));
   const double fovy_deg =
       curve.operator()<1>([&](const CameraKeyframe& k) { return Values<1>{k.fovy_deg.value_or(camera.fovy_deg)}; })[0];
-  key.fovy_deg = std::clamp(fovy_deg, 0.01, 170.0);  // a curve may swing beyond its keyframes
+  key.fovy_deg = std::clamp(fovy_deg, 0.01, 170.0);  // a curve may overshoot its keyframes
   set(out, key);
   return out;
 }

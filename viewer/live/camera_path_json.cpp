@@ -13,7 +13,7 @@ namespace {
 constexpr std::uint64_t most_path_bytes = std::uint64_t(1) << 24;
 constexpr double longest_s = 1e6;
 
-/// `geographic` is the earlier name of lat_lon_height.
+/// The coordinates of a file's triples. `geographic` is the earlier name of lat_lon_height.
 enum class Coordinates { scene, lat_lon_height, geographic };
 
 }  // namespace
@@ -25,7 +25,7 @@ constexpr auto names_of<Coordinates>() {
 
 namespace {
 
-/// Where a file's triples are.
+/// Converts the coordinate triples of a file to scene coordinates.
 class Places {
  public:
   Places(const JsonMembers& path, const std::optional<Geodetic>& origin) {

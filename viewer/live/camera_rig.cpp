@@ -30,7 +30,7 @@ P upwards(double yaw, double pitch) {
   return {-std::cos(yaw) * std::sin(pitch), -std::sin(yaw) * std::sin(pitch), std::cos(pitch)};
 }
 
-/// The nearest point of the ball.
+/// Returns the nearest point of the ball.
 P within(const P& p, const P& centre, double radius) {
   const double far = distance(p, centre);
   if (far <= radius) return p;
@@ -42,7 +42,7 @@ P within(const P& p, const P& centre, double radius) {
 
 CameraRig::CameraRig(const CameraPose& home) : home_(is_pose(home) ? home : CameraPose{{60, -60, 50}, {0, 0, 0}}) {
   const P& at = home_.target_m;
-  // A step of the smallest distance must show in coordinates this large.
+  // Coordinates of this magnitude must still resolve a step of the smallest distance.
   const double finest_m = 1e-9 * std::max({std::fabs(at.x), std::fabs(at.y), std::fabs(at.z)});
   size_m_ = std::max({distance(home_.eye_m, at), nearest_size_m, finest_m});
   go_home();

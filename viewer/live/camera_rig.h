@@ -1,4 +1,4 @@
-/// How hands move a camera: around a target, or through the scene.
+/// A camera controller: orbits around a target, or flies through the scene.
 #pragma once
 
 #include <cstdint>
@@ -8,50 +8,53 @@
 
 namespace gigabake {
 
-/// Of any coordinate of a camera.
+/// The maximum magnitude of a camera coordinate.
 inline constexpr double farthest_m = 1e12;
-/// Of one movement: heights of the picture dragged, notches of the wheel.
+/// The maximum of one movement: drag in image heights, wheel in notches.
 inline constexpr double most_heights = 100, most_notches = 100;
 
-/// Where a camera stands and what it looks at. Space  Scene, metres.
+/// A camera's position and target.
+/// Space   Scene, metres.
 struct CameraPose {
   Point<Scene> eye_m, target_m;
   friend bool operator==(const CameraPose&, const CameraPose&) = default;
 };
 
-/// A value; z stays up in the picture.
-/// Range   Whatever is asked, NaN included: the pose is finite, eye and target lie apart, the view is at most 89°
-/// steep,
-///         and the eye stays within `farthest_sizes` scene sizes of home. An argument that is not finite does nothing.
-/// Exact   A pose that was set is given back bit for bit until something moves.
+/// The pose of a camera that user input moves; a plain value. The z axis stays up in the image.
+/// Range   For any argument, NaN included: the pose is finite, eye and target differ, and the view's pitch stays within
+///         ±89°. The eye stays within `farthest_sizes` scene sizes of home's target. A movement that is not finite is
+///         ignored.
+/// Exact   A pose that is set within the range is returned bit for bit until the next movement.
 class CameraRig {
  public:
   enum class Style : std::uint8_t {
-    orbit,  ///< turning goes around the target, zooming towards it
-    fly,    ///< turning looks around, zooming changes the speed
+    orbit,  ///< turn() moves the eye around the target, zoom() moves it towards the target
+    fly,    ///< turn() rotates the view around the eye, zoom() changes the speed
   };
   static constexpr double steepest_deg = 89, farthest_sizes = 50, nearest_sizes = 1e-5;
 
-  /// home: sees the whole scene; the scene's size is the distance from eye to target. One that is no pose (not finite,
-  /// eye and target in one place, beyond 10^12 m) becomes a view over 100 m.
+  /// home: a pose that shows the whole scene; the scene's size is the distance from eye to target. An invalid pose (not
+  /// finite, eye equal to target, beyond 10^12 m) is replaced by a view over 100 m.
   explicit CameraRig(const CameraPose& home);
 
   Style style() const { return style_; }
   void set_style(Style style) { style_ = style; }
   const CameraPose& pose() const { return pose_; }
-  /// Ignored where it is no pose; else brought into range.
+  /// Sets the pose, clamped to the range; ignores an invalid pose.
   void set_pose(const CameraPose& pose);
   void go_home();
 
-  /// As a mouse drags, in picture heights; a height is 180° around the target, and 90° of looking around.
+  /// Turns by a mouse drag in image heights. One height is 180° around the target in orbit, and 90° of view direction
+  /// in fly.
   void turn(double right, double up);
-  /// Moves eye and target across the view, in picture heights at the target: what is dragged stays under the mouse for
-  /// a field of view of `fovy_deg`.
+  /// Moves eye and target across the view, in image heights at the target. At a field of view of `fovy_deg`, a point at
+  /// the target's distance follows the mouse.
   void pan(double right, double up, double fovy_deg);
-  /// Wheel notches, positive towards the scene. orbit: a tenth nearer each; fly: a quarter faster.
+  /// Applies wheel notches, positive towards the scene. Each reduces the distance by 10 % in orbit, and multiplies the
+  /// speed by 1.25 in fly.
   void zoom(double notches);
-  /// Moves eye and target along the view, across it, and upwards in the scene; shares of full speed, at most 1 each.
-  /// Longer steps than a quarter of a second count as that: a pause of the program is no jump.
+  /// Moves eye and target along the view, across it, and upwards in the scene, as fractions of full speed from −1 to 1.
+  /// The time dt_s is limited to a quarter of a second, so that a pause of the program causes no jump.
   void walk(double forward, double right, double up, double dt_s);
 
   double speed_m_per_s() const;
@@ -63,7 +66,7 @@ class CameraRig {
 
   CameraPose home_, pose_;
   double size_m_ = 1, speed_ = 1;
-  double yaw_ = 0, pitch_ = 0;  ///< of the view: from east to north, and upwards; radians
+  double yaw_ = 0, pitch_ = 0;  ///< of the view, radians: counterclockwise from east, and upwards
   Style style_ = Style::orbit;
 };
 template <>

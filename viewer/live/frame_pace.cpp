@@ -12,7 +12,7 @@ void FramePace::took(double seconds, double share) {
   const double full_s = seconds / (share * share);
   full_s_ = full_s_ > 0 ? 0.6 * full_s_ + 0.4 * full_s : full_s;
   const double wanted = std::sqrt(target_s_ / full_s_);
-  // Smaller at once, larger only by a clear margin: a size that flickers is worse than a small one.
+  // Shrinks at once, but grows only by a clear margin: a changing size disturbs more than a small one.
   if (wanted < share_ || wanted > share_ * 1.15) share_ = std::clamp(std::floor(wanted * 32) / 32, least_share, 1.0);
 }
 

@@ -1,4 +1,4 @@
-/// Members of JSON objects that people or strangers wrote: each is checked when it is read.
+/// Validated access to members of JSON objects from untrusted input.
 #pragma once
 
 #include <array>
@@ -15,26 +15,27 @@
 
 namespace gigabake {
 
-/// Errors  InputError: not a JSON object, with the byte.
+/// Parses a JSON object.
+/// Errors  InputError: not a JSON object; a syntax error with its byte offset.
 nlohmann::json parse_object(const std::filesystem::path& file, std::string_view text);
 
-/// One object; borrows it.
-/// Errors (all)  InputError: the file, the member and what was expected. A member that is absent is none.
+/// The members of one borrowed JSON object. Getters return nullopt if the member is absent.
+/// Errors  All members: InputError names the file, the member and the expected value.
 class JsonMembers {
  public:
-  /// where: of the object in the file, as "keyframes[3]"; empty: the whole.
+  /// where: the path of the object in the file, such as "keyframes[3]"; empty for the root.
   JsonMembers(std::filesystem::path file, const nlohmann::json& object, std::string where);
 
-  /// No member but these: a misspelt one would be left out silently.
+  /// Throws if the object has any other member, because a misspelt one would be ignored silently.
   void only(std::initializer_list<std::string_view> known) const;
   std::optional<double> number(const char* key, double least, double most) const;
   template <std::size_t n>
   std::optional<std::array<double, n>> numbers(const char* key, double least, double most) const;
-  /// By its name.
+  /// Returns the enum value of that name.
   template <class Enum>
   std::optional<Enum> choice(const char* key) const;
   std::optional<bool> flag(const char* key) const;
-  /// The elements of an array; empty where it is absent.
+  /// Returns the elements of an array; empty if the member is absent.
   nlohmann::json array(const char* key) const;
   [[noreturn]] void fail(const char* key, const std::string& message) const;
 

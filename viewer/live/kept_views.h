@@ -1,4 +1,4 @@
-/// Views that somebody keeps under a digit: camera paths of one keyframe (docs/viewer.md), in a folder.
+/// Bookmarked views: one file per digit in a folder, each a camera path of one keyframe (docs/viewer.md).
 #pragma once
 
 #include <filesystem>
@@ -14,13 +14,15 @@ class KeptViews {
  public:
   explicit KeptViews(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  /// gigabake-view-1.json and on.
+  /// Returns the file of a digit: gigabake-view-1.json for 1.
   std::filesystem::path file_of(int digit) const;
 
-  /// In place of what was kept so. Errors  InputError: the file cannot be written.
+  /// Writes the bookmark of a digit and replaces its previous one.
+  /// Errors  InputError: the file cannot be written.
   void keep(int digit, const CameraPose& pose) const;
 
-  /// Nothing where no such file is. origin: the scene's. Errors  InputError: as read_camera_path().
+  /// Returns the bookmarked pose; nullopt if there is no such file. origin: the scene's.
+  /// Errors  InputError: as read_camera_path().
   std::optional<CameraPose> kept(int digit, const std::optional<Geodetic>& origin) const;
 
  private:

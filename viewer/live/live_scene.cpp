@@ -9,7 +9,7 @@ namespace gigabake {
 namespace {
 
 constexpr double look_every_s = 0.5, wait_for_pages_s = 0.005;
-/// A full picture is drawn for so long at a time, and shown anew as often while it grows.
+/// Time slice of a full-size image, and the interval at which its progress is shown.
 constexpr double slice_s = 0.1, show_every_s = 0.25;
 
 std::chrono::duration<double> seconds(double s) { return std::chrono::duration<double>(std::min(s, 3600.0)); }
@@ -36,7 +36,7 @@ double LiveScene::now_s() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
 }
 
-// What viewers call.
+// Members for callers on any thread.
 
 std::optional<LiveScene::ViewerId> LiveScene::add_viewer(const Steering& first) {
   const std::lock_guard lock(mutex_);
@@ -124,7 +124,7 @@ bool LiveScene::has_scene() const {
   return home_.has_value();
 }
 
-// The thread that draws.
+// Members of the rendering thread.
 
 void LiveScene::draw_all() {
   for (;;) {
@@ -164,7 +164,7 @@ void LiveScene::reload() {
   Steering look;
   std::string problem;
   try {
-    const PagedScene readable(path_);  // if not, the scene of before stays
+    const PagedScene readable(path_);  // if it throws, the previous scene stays
     release_renderer();
     renderer = std::make_unique<FrameRenderer>(path_, options_.renderer);
     home = renderer->framed(options_.camera);
@@ -182,7 +182,7 @@ void LiveScene::reload() {
   for (const auto& viewer : viewers_) show_home(*viewer);
 }
 
-/// Frees the pools of the scene of before, so that there is one set of pools at a time.
+/// Frees the pools of the previous scene, so that two sets of pools never exist at the same time.
 void LiveScene::release_renderer() {
   const std::lock_guard lock(mutex_);
   for (const auto& viewer : viewers_) viewer->in_tiles.reset();
@@ -200,7 +200,7 @@ void LiveScene::show_home(Viewer& viewer) {
   viewer.pilot->steer(with_sun(viewer.settings), now_s());
 }
 
-/// Where a time puts the sun; a scene without a place on the earth has none.
+/// Sets the sun from the steering's time, if the scene has an origin on the earth.
 Steering LiveScene::with_sun(Steering steering) const {
   if (steering.time && place_) {
     const SunDirection sun = sun_at(*place_, *steering.time);
@@ -227,7 +227,7 @@ std::shared_ptr<LiveScene::Viewer> LiveScene::next_order(Pilot::Order& order, do
   return nullptr;
 }
 
-/// Nothing where there is nothing new to show.
+/// Renders the order; returns nullopt if there is no new image to show.
 std::optional<Frame> LiveScene::carry_out(Viewer& viewer, const Pilot::Order& order) {
   if (order.in_tiles) return slice(viewer, order);
   viewer.in_tiles.reset();
@@ -280,7 +280,7 @@ void LiveScene::draw(const std::shared_ptr<Viewer>& viewer, const Pilot::Order& 
       hand_over(*viewer, order, std::move(*frame), rays);
     }
     wake_viewers_.notify_all();
-    // Pages are on their way: drawing the same again would only take their cores.
+    // The missing pages are in flight. Rendering again before they arrive would only take CPU time from their readers.
     if (waits && !stop_) wake_drawing_.wait_for(lock, seconds(wait_for_pages_s));
   }
   options_.changed();

@@ -1,5 +1,6 @@
-/// One scene that several viewers look at: a thread draws what each one's Pilot asks for, in turns. A full picture is
-/// drawn in slices: others have their turns in between, and it ends at once when its own viewer moves or leaves.
+/// A scene that several viewers see. One thread renders the requests of the viewers' schedulers in round-robin order.
+/// It renders an image of full size in time slices, so that other viewers get their turns. The work is cancelled when
+/// its viewer moves or leaves.
 #pragma once
 
 #include <atomic>
@@ -23,80 +24,81 @@
 
 namespace gigabake {
 
-/// A frame as one viewer sees it.
+/// A frame of one viewer.
 struct LiveFrame {
-  std::uint64_t number = 0;  ///< of this viewer, from 1
+  std::uint64_t number = 0;  ///< counts this viewer's frames, from 1
   Frame frame;
-  View view;                ///< as it was drawn
-  PictureRays rays;         ///< as it was drawn
-  bool full = false;        ///< of full size; all of it is final where frame.stats.complete
-  double frames_per_s = 0;  ///< of the last ones; 0 where a second or more lies between
+  View view;                ///< at the time of rendering
+  PictureRays rays;         ///< at the time of rendering
+  bool full = false;        ///< of full size; all pixels are final if frame.stats.complete
+  double frames_per_s = 0;  ///< smoothed; 0 if the previous frame is a second or more older
 };
 
-/// What a viewer is told beside frames.
+/// The state that a viewer is shown in addition to frames.
 struct ViewerState {
   bool has_scene = false;
-  bool has_place = false;      ///< on the earth: the sun may follow a time
-  std::string problem;         ///< why there is no scene or no frame; empty: all is well
-  std::uint64_t problems = 0;  ///< shards that are missing or damaged, so far
+  bool has_place = false;      ///< the scene has an origin on the earth, so a time can set the sun
+  std::string problem;         ///< reason for no scene or no frame; empty: no error
+  std::uint64_t problems = 0;  ///< number of missing or damaged shards found so far
   CameraPose pose;
   CameraRig::Style style = CameraRig::Style::orbit;
   View full_view;
   double speed_m_per_s = 0, upload_s = 0;
-  bool resting = false;  ///< the last frame is all there is to see
-  double drawn = 0;      ///< share of the picture under way that is final
+  bool resting = false;  ///< the last frame is complete at full size, or has failed
+  double drawn = 0;      ///< fraction of the current image that is final
 };
 
-/// All members may be called from any thread.
+/// Thread-safe: any thread may call any member.
 class LiveScene {
  public:
   struct Options {
     FrameRenderer::Options renderer;
-    CameraOptions camera;   ///< of every viewer at first
-    double frame_s = 0.06;  ///< that a frame of a moving viewer should take
+    CameraOptions camera;   ///< initial camera of every viewer
+    double frame_s = 0.06;  ///< target time of a frame while the viewer moves
     std::size_t most_viewers = 16;
-    /// How a viewer that comes sees the scene at first. Errors  UsageError: what is said instead of showing it.
+    /// Returns the initial view of a new viewer.
+    /// Errors  UsageError: the message is shown in place of the scene.
     std::function<Steering(const SceneHeader&)> look = [](const SceneHeader&) { return Steering{}; };
-    std::function<void()> changed = [] {};  ///< after each frame and each scene; called by the thread that draws
+    std::function<void()> changed = [] {};  ///< after each frame and each scene; called by the rendering thread
   };
   enum class ViewerId : std::uint64_t {};
   using FramePtr = std::shared_ptr<const LiveFrame>;
 
-  /// Draws `scene_path` from when it is there, and anew whenever it is replaced. No error where it is not.
+  /// Renders `scene_path` once it exists, and loads it again whenever it is replaced. A missing file is not an error.
   LiveScene(std::filesystem::path scene_path, Options options);
   ~LiveScene();
   LiveScene(const LiveScene&) = delete;
   LiveScene& operator=(const LiveScene&) = delete;
 
-  /// first: its steering as soon as there is a scene. Nothing where most_viewers look already.
+  /// first: input that is applied once a scene is loaded. Returns nullopt if there are most_viewers already.
   std::optional<ViewerId> add_viewer(const Steering& first = {});
   void remove_viewer(ViewerId id);
 
-  /// All of these: nothing, or false, where there is no such viewer.
+  /// The members below return nullopt, false or nullptr if there is no such viewer.
   bool steer(ViewerId id, const Steering& steering);
   std::optional<ViewerState> state(ViewerId id) const;
-  /// The last frame, as soon as its number is above `after`; nullptr after timeout_s.
+  /// Waits for a frame whose number exceeds `after` and returns the latest frame; nullptr after timeout_s.
   FramePtr frame_after(ViewerId id, std::uint64_t after, double timeout_s) const;
-  /// The complete picture at full size of where the viewer rests; nullptr after timeout_s.
+  /// Waits for the complete full-size image of a viewer at rest; nullptr after timeout_s.
   FramePtr full_frame(ViewerId id, double timeout_s) const;
 
   bool has_scene() const;
-  /// Lets every wait end at once and for good.
+  /// Ends all waits at once and permanently.
   void stop();
 
  private:
   struct Viewer {
     ViewerId id;
-    std::optional<Pilot> pilot;  ///< since there is a scene
-    Steering settings;           ///< asked for before that
+    std::optional<Pilot> pilot;  ///< set once a scene is loaded
+    Steering settings;           ///< requested before a scene was loaded
     FramePtr frame;
-    std::uint64_t frame_pose = 0;  ///< of the order that it answers
-    double drawn_s = -HUGE_VAL;    ///< when the frame was
+    std::uint64_t frame_pose = 0;  ///< `pose` of the order that `frame` answers
+    double drawn_s = -HUGE_VAL;    ///< time of the last frame
     double drawn_share = 0;
     std::string problem;
 
-    std::optional<FrameInTiles> in_tiles;  ///< the drawing thread's own, as is
-    std::uint64_t in_tiles_pose = 0;       ///< of the order that it is for
+    std::optional<FrameInTiles> in_tiles;  ///< used by the rendering thread only
+    std::uint64_t in_tiles_pose = 0;       ///< `pose` of the order that in_tiles answers
   };
 
   void draw_all();
@@ -119,21 +121,21 @@ class LiveScene {
   const Options options_;
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members up to for_whom_
   mutable std::condition_variable wake_drawing_, wake_viewers_;
-  std::vector<std::shared_ptr<Viewer>> viewers_;  ///< the next one to draw for comes first
-  std::optional<CameraOptions> home_;             ///< where there is a scene
-  Steering look_;                                 ///< of viewers that come, as of options_.look
-  std::optional<Geodetic> place_;                 ///< of the scene on the earth
+  std::vector<std::shared_ptr<Viewer>> viewers_;  ///< in order of their next turn
+  std::optional<CameraOptions> home_;             ///< set if a scene is loaded
+  Steering look_;                                 ///< initial view of new viewers, from options_.look
+  std::optional<Geodetic> place_;                 ///< the scene's origin on the earth
   std::string problem_;
   std::uint64_t problems_ = 0, ids_ = 0;
   bool stop_ = false;
-  const Viewer* for_whom_ = nullptr;  ///< somebody who rests and is being drawn for
+  const Viewer* for_whom_ = nullptr;  ///< viewer at rest for which an image is being rendered
 
-  std::atomic<bool> end_now_ = false;   ///< what is being drawn would be thrown away
-  std::atomic<bool> end_soon_ = false;  ///< somebody else moves, and waits for a turn
+  std::atomic<bool> end_now_ = false;   ///< cancel: the image in progress would be discarded
+  std::atomic<bool> end_soon_ = false;  ///< yield: another viewer moves and waits for its turn
 
-  // The drawing thread's own.
+  // Members of the rendering thread.
   std::unique_ptr<FrameRenderer> renderer_;
   FileStamp stamp_;
   double looked_s_ = -HUGE_VAL;

@@ -12,7 +12,7 @@ namespace gigabake {
 namespace {
 
 constexpr double most_frames = 1e6, full_upload_s = 1;
-/// With nothing new in any: the rest does not fit in memory, or cannot be read.
+/// The limit of consecutive draws without an upload: the missing data does not fit in memory or cannot be read.
 constexpr int most_idle_draws = 200;
 constexpr auto wait_for_pages = std::chrono::milliseconds(2);
 

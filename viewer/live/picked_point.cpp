@@ -19,7 +19,7 @@ int pixel_at(double share, int count) { return std::clamp(int(share * count), 0,
 std::optional<PickedPoint> picked_point(const Picture& picture, const PictureRays& rays, double right, double down) {
   const int x = pixel_at(right, picture.width), y = pixel_at(down, picture.height);
   const float distance = picture.depth[std::size_t(y) * std::size_t(picture.width) + std::size_t(x)];
-  if (!(distance > 0 && distance < kernels::CastRay::no_depth)) return {};  // 0: not drawn yet
+  if (!(distance > 0 && distance < kernels::CastRay::no_depth)) return {};  // 0: not rendered yet
   const kernels::CastLine line = kernels::line_of_sight({}, rays.camera, x, y);
   std::array<double, 3> m{};
   for (std::size_t a = 0; a < 3; ++a)

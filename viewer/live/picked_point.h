@@ -1,4 +1,4 @@
-/// The place that a pixel of a picture shows.
+/// The scene point that a pixel of an image shows.
 #pragma once
 
 #include <array>
@@ -11,28 +11,28 @@
 
 namespace gigabake {
 
-/// How the rays of a picture lie in a scene.
+/// The rays of an image in scene coordinates.
 struct PictureRays {
-  kernels::CastCamera camera;  ///< voxels; its width and height are the picture's
+  kernels::CastCamera camera;  ///< in voxels; its width and height are the image's
   std::array<double, 3> lattice_origin_m{};
   double voxel_size_m = 1;
-  std::optional<Geodetic> origin;  ///< of a scene on the earth
+  std::optional<Geodetic> origin;  ///< set if the scene has an origin on the earth
 };
 
 struct PickedPoint {
   Point<Scene> at_m;
-  double distance_m = 0;          ///< from the eye
-  std::optional<Geodetic> place;  ///< of a scene on the earth
+  double distance_m = 0;          ///< from the eye to the point
+  std::optional<Geodetic> place;  ///< set if the scene has an origin on the earth
 };
 
-/// right, down: 0 to 1, from the picture's upper left corner. rays: those that the picture was drawn with. Nothing
-/// where the pixel shows no surface, or is not drawn yet. Exact   As far as the picture's distance is: where half of
-/// the pixel's light was gone.
+/// Returns the point at right, down: each 0 to 1 from the image's upper left corner. rays: the image's. Returns
+/// nullopt if the pixel shows no surface or is not rendered yet.
+/// Exact   The precision is that of the image's depth: the distance at which half of the pixel's light is absorbed.
 std::optional<PickedPoint> picked_point(const Picture& picture, const PictureRays& rays, double right, double down);
 
-/// "48.1234567° 11.1234567° 520.25 m, 83.10 m away"; in scene metres where the scene has no place on the earth.
+/// Returns "48.1234567° 11.1234567° 520.25 m, 83.10 m away"; in scene metres if the scene has no origin on the earth.
 std::string place_text(const PickedPoint& point);
-/// "12.34 m: 10.00 m across, 7.23 m up"
+/// Returns "12.34 m: 10.00 m across, 7.23 m up".
 std::string distance_text(const PickedPoint& from, const PickedPoint& to);
 
 }  // namespace gigabake

@@ -8,9 +8,10 @@ namespace {
 
 constexpr int least_edge = 16, most_edge = 4096;
 constexpr double least_upload_s = 1e-4, most_upload_s = 1;
-/// Sketches have at least so many pixels along their longer edge, whatever they take.
+/// The minimum of a preview's longer edge, in pixels; takes precedence over the target time.
 constexpr double least_sketch_edge = 96;
-/// At rest each picture is so much larger than the one before; those before the full one cost it little.
+/// Growth of the edge from one image at rest to the next. Images before the full one have a share of 0.4 at most, so
+/// they add little cost.
 constexpr double growth = 2, most_before_full = 0.4;
 
 CameraPose pose_of(const CameraOptions& camera) {
@@ -47,7 +48,7 @@ void Pilot::set_home(const CameraOptions& home) {
   home_aspect_ = home.is_framed ? double(home.width) / home.height : 0;
 }
 
-/// Returns home from as far away as a window that is narrower than home's picture needs.
+/// Returns home, with the eye moved away from the target if the window is narrower than home's image.
 CameraPose Pilot::fitted_home() const {
   const double narrower = home_aspect_ * view_.camera.height / view_.camera.width;
   CameraPose pose = home_;
@@ -126,7 +127,7 @@ void Pilot::advance(double now_s) {
   }
 }
 
-/// While it moves as large as the pace allows; at rest that first, then more.
+/// Returns the share that the frame pace allows; at rest, larger shares follow the first complete image.
 double Pilot::next_share(bool moving) const {
   const double least = least_sketch_edge / std::max(view_.camera.width, view_.camera.height);
   const double share = std::min(1.0, std::max(pace_.share(), least));
@@ -148,7 +149,7 @@ std::optional<Pilot::Order> Pilot::next(double now_s) {
   if (done_ || (moving && done_share_ > 0)) return std::nullopt;
   Order order{view_, false, false, moving, next_share(moving), upload_s_, any_drawn_ ? 0 : first_roots_s, pose_};
   order.full = order.share >= 1;
-  // Where whole frames are quick, sketches get finer everywhere at once until nothing is missing.
+  // If the whole image renders quickly, previews refine it everywhere at once until no data is missing.
   order.in_tiles = !moving && done_share_ > 0 && (pace_.share() < 1 || done_share_ >= 1);
   if (!moving) order.upload_s = std::clamp(now_s - looked_s_, upload_s_, std::max(upload_s_, longest_upload_s));
   order.view.camera.eye_m = rig_.pose().eye_m;
@@ -167,7 +168,7 @@ void Pilot::drawn(const Order& order, const FrameStats& stats) {
     done_ = stats.complete && order.full;
     return;
   }
-  // What comes in at rest takes its time, and says nothing about a frame that moves.
+  // Uploads at rest take longer, and tell nothing about the time of a frame during movement.
   pace_.took(stats.total_s - std::max(0.0, stats.upload_s - upload_s_), order.share);
   const bool nothing_comes = stats.starved || (stats.uploads == 0 && stats.pages_loading == 0);
   if (stats.complete || nothing_comes) done_share_ = order.share;

@@ -1,4 +1,4 @@
-/// What a viewer's hands ask for, and what is to be drawn for it: when, where from and how large.
+/// The interactive render scheduler: turns user input into render requests of a view, size and time limit.
 #pragma once
 
 #include <array>
@@ -10,70 +10,75 @@
 
 namespace gigabake {
 
-/// From a window's or a browser's events. Members left alone change nothing.
+/// User input from the events of a window or browser. Unset members change nothing.
 struct Steering {
-  std::array<double, 2> turn{}, pan{};  ///< right and up, in picture heights, as CameraRig has them
+  std::array<double, 2> turn{}, pan{};  ///< right and up, in image heights, as for CameraRig
   double zoom = 0;                      ///< notches, as CameraRig::zoom()
   bool home = false;
-  std::optional<std::array<double, 3>> walk;   ///< keys held from now on: forward, right, up, each −1 to 1
-  std::optional<std::array<double, 2>> swing;  ///< keys held from now on: turns right and up, heights a second
+  std::optional<std::array<double, 3>> walk;   ///< held keys from now on: forward, right, up, each −1 to 1
+  std::optional<std::array<double, 2>> swing;  ///< held keys from now on: turn right and up, image heights per second
   std::optional<CameraPose> pose;
   std::optional<CameraRig::Style> style;
   std::optional<ViewMode> mode;
   std::optional<double> pixel_error;
   std::optional<std::array<double, 2>> sun;  ///< azimuth and elevation, degrees
-  std::optional<JulianDay> time;             ///< instead, where the scene has a place: LiveScene makes a sun of it
+  std::optional<JulianDay> time;             ///< sets the sun if the scene has an origin on the earth: LiveScene
+                                             ///< converts it
   std::optional<Shadows> shadows;
   std::optional<LevelBlend> level_blend;
   std::optional<double> upload_s;
-  std::optional<std::array<int, 2>> size;  ///< of the full picture
+  std::optional<std::array<int, 2>> size;  ///< of the full-size image
 
   bool moves() const;
 };
 
-/// A value that decides; others draw. Small sketches while it moves; where it rests a small one until it is complete,
-/// then larger ones, the last one of full size, tile by tile; and nothing once that is done. Times are any clock's
-/// seconds that never run back.
-/// Range   Whatever is steered: size within 16 and 4096 a side, pixel_error within 2^±16, upload_s within 0.1 ms and
-///         1 s, an azimuth of the sun within ±360° and an elevation within ±90°.
+/// The render scheduler of one viewer; it decides only, the caller renders. During movement it requests small previews.
+/// At rest it requests a small preview until that is complete, then larger images; the last has full size and is
+/// rendered in tiles. After that it requests nothing. Times are seconds of any clock that never decreases.
+/// Range   Any input is clamped: size to 16 to 4096 per edge, pixel_error to 2^±16, upload_s to 0.1 ms to 1 s, the
+///         sun's azimuth to ±360° and its elevation to ±90°.
 class Pilot {
  public:
-  static constexpr double rest_s = 0.25;       ///< after the last movement
-  static constexpr double longest_hold_s = 1;  ///< held keys that nobody confirms are let go
+  static constexpr double rest_s = 0.25;       ///< since the last movement
+  static constexpr double longest_hold_s = 1;  ///< held keys are released if no input confirms them for this time
 
-  static constexpr double first_roots_s = 0.7;     ///< that the first picture waits for something to stand everywhere
-  static constexpr double longest_upload_s = 0.5;  ///< in one sketch, however long it rests
+  static constexpr double first_roots_s = 0.7;     ///< time limit of the first image's wait for data in all cells
+  static constexpr double longest_upload_s = 0.5;  ///< of one preview, however long the viewer rests
 
   struct Order {
     View view;
     bool full = false;       ///< of full size
-    bool in_tiles = false;   ///< each pixel final as it comes, however long that takes; else a sketch
-    bool moving = false;     ///< comes soon and is worth showing even if there is a newer pose by then
-    double share = 1;        ///< of the full width and height
-    double upload_s = 0;     ///< of a sketch: for new data
-    double roots_s = 0;      ///< of a sketch: to wait while cells have nothing to show
-    std::uint64_t pose = 0;  ///< orders of equal number show the same
+    bool in_tiles = false;   ///< rendered tile by tile, each to its final pixels, without a time limit; false: a
+                             ///< preview
+    bool moving = false;     ///< the viewer moves: the frame is quick, and worth showing even if a newer pose exists by
+                             ///< then
+    double share = 1;        ///< fraction of the full width and height
+    double upload_s = 0;     ///< of a preview: time limit for uploading new data
+    double roots_s = 0;      ///< of a preview: time limit of the wait while cells have no data
+    std::uint64_t pose = 0;  ///< orders of equal number show the same view
   };
 
-  /// home: with eye and target. frame_s: what a frame should take while moving.
+  /// home: has an eye and a target. frame_s: the target time of a frame during movement.
   Pilot(const CameraOptions& home, double frame_s);
 
   void steer(const Steering& steering, double now_s);
-  /// The scene is another one: everything is drawn again. The pose stays where the viewer has moved, else it is home.
+  /// Replaces the scene, so that all images are rendered again. A pose that the viewer has changed stays; otherwise the
+  /// pose is home.
   void new_scene(const CameraOptions& home);
 
-  /// What to draw now; nothing where the last frame says it all. Moves on by the keys held.
+  /// Applies the held keys and returns the next image to render; nullopt if the last frame is final.
   std::optional<Order> next(double now_s);
-  /// Asked right after next() said nothing: when to ask again if nobody steers; HUGE_VAL: never.
+  /// Returns the time at which to call next() again if there is no input; HUGE_VAL: never. Valid right after next()
+  /// returned nullopt.
   double ask_again_s() const;
-  /// An order was carried out, or a part of one in tiles.
+  /// Records that an order, or a part of an order in tiles, was rendered.
   void drawn(const Order& order, const FrameStats& stats);
-  /// Something has changed since the last order: what is drawn for it would be thrown away.
+  /// Returns true if the view has changed since the last order, so that its image would be discarded.
   bool is_stale() const { return stale_; }
-  /// An order could not be: it is not tried again before something changes.
+  /// Records that an order failed. It is not repeated before the view changes.
   void failed();
 
-  /// The last order was full and complete, or failed, and nothing has changed since.
+  /// Returns true if the last order was complete at full size, or failed, and the view has not changed since.
   bool rests() const { return done_ && !stale_; }
 
   const CameraRig& rig() const { return rig_; }
@@ -90,20 +95,20 @@ class Pilot {
 
   CameraRig rig_;
   FramePace pace_;
-  View view_;  ///< full size; the eye is the rig's
+  View view_;  ///< full size; the eye is that of rig_
   double upload_s_ = 0.02;
   std::array<double, 3> walk_{};
   std::array<double, 2> swing_{};
   double held_s_ = 0, advanced_s_ = 0, moved_s_ = -HUGE_VAL;
   bool at_home_ = true;
   CameraPose home_;
-  double home_aspect_ = 1;  ///< width by height for which home_ shows the whole scene; 0: it need not
-  bool stale_ = true;       ///< something changed since the last order
-  double done_share_ = 0;   ///< the largest picture of this pose that is complete
-  bool done_ = false;       ///< the full one is
-  bool any_drawn_ = false;  ///< of this scene
-  std::uint64_t pose_ = 0;  ///< counts what is shown
-  double looked_s_ = 0;     ///< when it was first ordered
+  double home_aspect_ = 1;  ///< aspect ratio (width/height) at which home_ shows the whole scene; 0: no requirement
+  bool stale_ = true;       ///< the view has changed since the last order
+  double done_share_ = 0;   ///< size of the largest complete image of this pose
+  bool done_ = false;       ///< the full-size image is complete, or has failed
+  bool any_drawn_ = false;  ///< an image of this scene has been rendered
+  std::uint64_t pose_ = 0;  ///< counts the different views
+  double looked_s_ = 0;     ///< time of the first order of this view
   double ask_again_s_ = 0;
 };
 

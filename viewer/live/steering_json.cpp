@@ -7,7 +7,7 @@ namespace gigabake {
 namespace {
 
 constexpr double largest_edge = 1 << 15;
-/// Of the years from which sun_at() holds.
+/// The range of years in which sun_at() is valid.
 constexpr double first_julian_day = 2415020.5, last_julian_day = 2488434.5;
 
 CameraPose pose_of(const std::array<double, 6>& v) { return {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}; }
@@ -69,7 +69,7 @@ std::string to_json(const ViewerState& state, const LiveFrame* frame) {
                      {"frames_per_s", frame->frames_per_s},
                      {"stats", to_json(frame->frame.stats)}};
   }
-  // Replaced, not thrown at: a path in a message may be no UTF-8.
+  // Invalid UTF-8 is replaced instead of causing an exception, because a path in a message may contain it.
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 

@@ -1,4 +1,4 @@
-/// What a browser's page says, and what it is told.
+/// JSON messages between a browser page and the server.
 #pragma once
 
 #include <string>
@@ -8,14 +8,14 @@
 
 namespace gigabake {
 
-/// One object; docs/viewer.md lists its members.
-/// Errors  InputError: not JSON, or a member that is unknown, of another type or out of range.
+/// Parses one object; docs/viewer.md lists its members.
+/// Errors  InputError: not JSON, or a member that is unknown, of a wrong type or out of range.
 Steering steering_from_json(std::string_view text);
 
-/// A viewer's state and the numbers of its last frame; frame may be nullptr. One JSON object.
+/// Returns a viewer's state and the statistics of its last frame as one JSON object; frame may be nullptr.
 std::string to_json(const ViewerState& state, const LiveFrame* frame);
 
-/// {"point": null} where there is none.
+/// Returns the point as JSON; {"point": null} if there is none.
 std::string to_json(const std::optional<PickedPoint>& point);
 
 }  // namespace gigabake

@@ -1,4 +1,4 @@
-/// What the colours of a view mode mean.
+/// The legend of a view mode's colours.
 #pragma once
 
 #include <string>
@@ -7,7 +7,8 @@
 
 namespace gigabake {
 
-/// One line: what is shown, and its colours. The page in the browser, the window, --help and docs/viewer.md say it.
+/// Returns one line: the quantity that the mode shows, and its colours. The web page, the window, --help and
+/// docs/viewer.md contain this line.
 std::string view_mode_legend(ViewMode mode);
 
 }  // namespace gigabake
