@@ -1,4 +1,4 @@
-/// What a voxel gathers from the triangles that touch it: integer sums, so that their order does not matter.
+/// Integer sums of a voxel over its triangles. Integers make the result independent of the order of the triangles.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ struct Fragment {
   std::int16_t normal[3];  ///< unit length 32767
 };
 
-/// rgba: linear, premultiplied; alpha 65535 = opaque.
+/// Returns a fragment of one colour. rgba: linear, premultiplied; alpha 65535 = opaque.
 GB_HD Fragment fragment_of_colour(std::int64_t weight, const std::uint16_t rgba[4], const std::int16_t normal[3]) {
   return {weight,
           weight * (65535 - rgba[3]),
@@ -23,17 +23,17 @@ GB_HD Fragment fragment_of_colour(std::int64_t weight, const std::uint16_t rgba[
           {normal[0], normal[1], normal[2]}};
 }
 
-/// Channels of an accumulator. What is opaque has nothing to add to the last one.
+/// Channels of an accumulator. Opaque fragments add nothing to the last channel.
 enum Sum : int { sum_weight, sum_red, sum_green, sum_blue, sum_nx, sum_ny, sum_nz, sum_clear, sum_count };
 inline constexpr int opaque_sum_count = sum_clear;
 
-/// Fragments that a 64-bit accumulator surely takes: each adds at most √3·2^36·65535 < 2^53.
+/// Number of fragments that a 64-bit accumulator holds without overflow: each adds at most √3·2^36·65535 < 2^53.
 inline constexpr int fragments_before_flush = 1024;
 
-/// Calls add(channel, value) for each sum of a fragment, wherever the sums are kept.
+/// Calls add(channel, value) for each sum of a fragment. The caller decides where the sums are stored.
 template <class Add>
 GB_HD void contribute(const Fragment& f, const Add& add) {
-  // Invisible parts have no say in the normal: scale its weight by alpha.
+  // Transparent parts must not influence the normal, so its weight is scaled by alpha.
   const std::int64_t visible = f.clear == 0 ? f.weight : (f.weight * 65535 - f.clear) / 65535;
   add(sum_weight, f.weight);
   for (int c = 0; c < 3; ++c) add(Sum(sum_red + c), f.colour[c]);

@@ -1,6 +1,7 @@
-/// Which value voxels may share that need not be exact: the largest of brick, octant and group whose voxels all have a
-/// common value within the bound takes that value. A brick has 8 octants of 4×4×4 voxels, an octant 8 groups of 2×2×2.
-/// Exact  Integers: host and device return the same bits, in whatever order voxels are added and ranges joined.
+/// Lossy sharing of values between voxels. The largest group, octant or brick whose voxels all lie within the error
+/// bound of a common value takes that value. A brick has 8 octants of 4×4×4 voxels, and an octant has 8 groups of
+/// 2×2×2.
+/// Exact   Integers: host and device return the same bits, in any order of adding voxels and joining ranges.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +13,16 @@
 
 namespace gigabake::kernels {
 
-/// Brick, octants and groups in one list: 0, 1 + octant, 9 + 8·octant + group; the last two numbered x + 2y + 4z in
-/// their parent.
+/// Number of sharing units: the brick has index 0, an octant 1 + octant, a group 9 + 8·octant + group. Octants and
+/// groups are numbered x + 2y + 4z in their parent.
 inline constexpr int shares = 1 + 8 + 64;
 
-/// The group of voxel x + 8y + 64z. Its octant is 1 + (share − 9) / 8.
+/// Returns the unit of the group that contains voxel x + 8y + 64z. Its octant's unit is 1 + (share − 9) / 8.
 GB_HD int group_share(int voxel) { return 1 + int(octants_a_brick + group_of(unsigned(voxel))); }
 GB_HD int octant_share(int group) { return 1 + (group - 9) / 8; }
 
-/// The lowest voxel, as x + 8y + 64z, of the group that group_of() numbers so; the others are 1, 8, 64 and their sums
-/// further.
+/// Returns the lowest voxel, as x + 8y + 64z, of a group numbered by group_of(). The group's other voxels follow at
+/// offsets 1, 8, 64 and their sums.
 GB_HD unsigned lowest_voxel_of(unsigned group) {
   const unsigned octant = group / octants_a_brick;
   unsigned voxel = 0;
@@ -29,7 +30,7 @@ GB_HD unsigned lowest_voxel_of(unsigned group) {
   return voxel;
 }
 
-/// Of one 8-bit channel over a share's voxels.
+/// Range of one 8-bit channel over the voxels of a sharing unit.
 struct CodeRange {
   std::uint32_t low = 255, high = 0, sum = 0;
 
@@ -44,7 +45,8 @@ struct CodeRange {
     sum += of.sum;
   }
   GB_HD bool fits(std::uint32_t codes) const { return high <= low + 2 * codes; }
-  /// The mean, or what is nearest to it within `codes` of both ends. Range  fits(codes), count voxels were added.
+  /// Returns the code nearest to the mean that lies within `codes` of both ends.
+  /// Range   fits(codes); `count` voxels were added.
   GB_HD std::uint8_t value(std::uint32_t count, std::uint32_t codes) const {
     const std::uint32_t mean = (2 * sum + count) / (2 * count);
     if (mean + codes < high) return std::uint8_t(high - codes);
@@ -52,10 +54,10 @@ struct CodeRange {
   }
 };
 
-/// Of a share's normals.
+/// Range of the normals of a sharing unit.
 struct NormalRange {
   std::int16_t low[3] = {32767, 32767, 32767}, high[3] = {-32767, -32767, -32767};
-  std::uint16_t value = 0;  ///< the common one, encoded
+  std::uint16_t value = 0;  ///< the common normal, encoded
   bool fits = true;
 
   GB_HD void add(const std::int16_t* unit) {
@@ -70,7 +72,7 @@ struct NormalRange {
       high[a] = of.high[a] > high[a] ? of.high[a] : high[a];
     }
   }
-  /// The direction of the box's middle.
+  /// Sets `value` to the direction of the centre of the range's box.
   GB_HD void choose() {
     std::int8_t oct[2];
     encode_octahedral(low[0] + high[0], low[1] + high[1], low[2] + high[2], oct);
@@ -78,7 +80,7 @@ struct NormalRange {
   }
 };
 
-/// |a − b| ≤ 2·codes/255 of unit vectors.
+/// Returns true if the unit vectors satisfy |a − b| ≤ 2·codes/255.
 GB_HD bool within_chord(const std::int16_t* a, const std::int16_t* b, std::uint32_t codes) {
   std::int64_t squared = 0;
   for (int c = 0; c < 3; ++c) squared += std::int64_t(a[c] - b[c]) * (a[c] - b[c]);

@@ -1,10 +1,10 @@
-/// What voxels of lod 0 cover along x, y and z: what levels above them are made of.
+/// Coverage of lod-0 voxels along x, y and z: the input of all coarser levels.
 ///
-/// An opaque voxel is full. One that lets light through holds a piece of a sheet with its normal n, |x| + |y| + |z|
-/// = 1. Such a sheet passes through 1/|n_a| voxels of a column along axis a, in the mean, and each of them has the
-/// sheet's alpha, however little of it lies there. So a voxel covers 1 - (1 - alpha)^|n_a| along a: all of a column
-/// together cover what the sheet does. Where alpha is nearly 1 this is so too, whatever the normal: no sheet becomes a
-/// grating.
+/// An opaque voxel has full coverage. A translucent voxel holds a piece of a surface with normal n, |x| + |y| + |z| =
+/// 1. Such a surface passes through 1/|n_a| voxels of a column along axis a on average. Each of these voxels has the
+/// surface's alpha, however small its piece is. A voxel therefore covers 1 - (1 - alpha)^|n_a| along a, so that a whole
+/// column covers as much as the surface. Coverage stays nearly full where alpha is nearly 1, for any normal, so no
+/// surface turns into a grating.
 ///
 /// Exact   Integers: host and device return the same bits.
 #pragma once
@@ -18,7 +18,7 @@
 
 namespace gigabake::kernels {
 
-/// Of eight voxels: byte c of an axis's two words is voxel c's, 0 where there is none.
+/// Axis coverage of eight voxels: byte c of an axis's two words belongs to voxel c; 0 if the voxel does not exist.
 struct AxisCoverage {
   std::uint32_t along[3][2] = {};
 
@@ -32,10 +32,10 @@ GB_HD std::uint32_t sheet_coverage(std::uint32_t alpha, std::int32_t normal_comp
   return tables.sheet_coverage[alpha * normal_steps + std::uint32_t(n)];
 }
 
-/// rgba: packed as pack_rgba() does.
+/// Returns true if alpha is 255. rgba: packed by pack_rgba().
 GB_HD bool is_opaque(std::uint32_t rgba) { return rgba >> 24 == 255; }
 
-/// Of a voxel that is there. has_normals: else it covers as much along every axis.
+/// Computes the coverage of an existing lod-0 voxel along each axis. Without normals it is equal along all axes.
 GB_HD void coverage_of_finest(const Voxel& voxel, bool has_normals, const Tables& tables, std::uint32_t coverage[3]) {
   const std::uint32_t alpha = voxel.rgba[3];
   for (int a = 0; a < 3; ++a) coverage[a] = alpha;

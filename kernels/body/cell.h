@@ -1,8 +1,9 @@
-/// One cell, from triangles to a pruned sparse voxel oct-tree: the numerical core's only entrance.
+/// Input, parameters and result of one cell: from triangles to a pruned sparse voxel octree. This is the only entry
+/// point of the numerical core.
 ///
-/// Exact   What a voxel holds depends on the triangles that touch it, their materials, the parameters and its lattice
-///         position alone. Order of parts and triangles, threads, memory budget and window do not show in any bit
-///         (where window_min is a multiple of 2^lod; else the level is relative to the window).
+/// Exact   A voxel depends only on the triangles that overlap it, their materials, the parameters and its lattice
+///         position. The order of parts and triangles, threads, memory budget and window do not change any bit. This
+///         requires that window_min is a multiple of 2^lod; otherwise the level is relative to the window.
 /// Source  docs/accuracy.md: surface rules, tie rules, weights.
 #pragma once
 
@@ -21,7 +22,7 @@
 
 namespace gigabake::kernels {
 
-/// One instance of one primitive. Winding is restored here where scene_from_local mirrors.
+/// One instance of one primitive. If scene_from_local mirrors, the winding is restored when the part is read.
 struct PartView {
   Span<const float> position;        ///< 3 per vertex
   Span<const std::uint32_t> index;   ///< 3 per triangle, each < vertex count
@@ -44,35 +45,35 @@ struct CellParameters {
   SurfaceRule surface = SurfaceRule::area;
   MipFilter mip = MipFilter::coverage;
   bool normals = true;
-  bool facing = true;  ///< keep what MipFilter::coverage finds along each axis; levels are made of it either way
-  std::uint32_t max_error = 0;     ///< codes of 255 that a stored voxel may be off (approximate.h); ≤ 127
-  std::uint64_t memory_bytes = 0;  ///< to aim for; bricks are cut into batches. 0: no bound
+  bool facing = true;  ///< store the directional coverage of MipFilter::coverage; the filter uses it in either case
+  std::uint32_t max_error = 0;     ///< max error of a stored voxel, codes of 255 (approximate.h); ≤ 127
+  std::uint64_t memory_bytes = 0;  ///< target; bricks are processed in batches to meet it. 0: no bound
 };
 
-/// Facing is empty at lod 0, without MipFilter::coverage and where it was not asked for.
+/// One level of a cell. `facing` is empty at lod 0, without MipFilter::coverage and if it was not requested.
 struct Level : BrickLevel {
   std::vector<std::uint64_t> key;  ///< Morton code of the brick in its level, ascending
 };
 
 struct CellStats {
-  std::uint64_t triangles = 0;   ///< that may touch the window
+  std::uint64_t triangles = 0;   ///< triangles that may touch the window
   std::uint64_t non_finite = 0;  ///< dropped: a vertex is NaN/Inf or off the lattice
   std::uint64_t zero_area = 0;   ///< dropped: no area after the snap
-  std::uint64_t oversized = 0;   ///< reaches farther than 2^30 sub-voxels from the window: the cell must fail
-  std::uint64_t bad_uv = 0;      ///< triangles with NaN/Inf texture coordinates, baked as if (0,0)
+  std::uint64_t oversized = 0;   ///< extends farther than 2^30 sub-voxels from the window: the cell must fail
+  std::uint64_t bad_uv = 0;      ///< triangles with NaN/Inf texture coordinates, baked with (0,0)
   std::uint64_t pairs = 0;       ///< triangle × brick
   std::uint64_t fragments = 0;   ///< triangle × voxel
   std::uint64_t batches = 0;
-  std::uint64_t peak_bytes = 0;  ///< of this call's own arrays
+  std::uint64_t peak_bytes = 0;  ///< only arrays of this call
   double snap_s = 0, bin_s = 0, sort_s = 0, voxelize_s = 0, mip_s = 0, prune_s = 0;
-  double hash_s = 0;  ///< on a device it goes with the download
+  double hash_s = 0;  ///< on a device part of the download
 };
 
 struct CellVolume {
-  std::vector<Level> levels;          ///< [lod]; log2(window_voxels/8)+1; empty when no voxel is occupied
+  std::vector<Level> levels;          ///< [lod]; log2(window_voxels/8)+1 levels; empty if no voxel is occupied
   NodeTable nodes;                    ///< facing: zeros for constant nodes of levels without it
-  std::vector<Hash128> content_hash;  ///< [lod]; of all voxels, those that constant nodes stand for included
-  ParentSource above;                 ///< what the levels above are made of; empty when no voxel is occupied
+  std::vector<Hash128> content_hash;  ///< [lod]; over all voxels, including those that constant nodes represent
+  ParentSource above;                 ///< downsample state for the levels above; empty if no voxel is occupied
   CellStats stats;
 };
 

@@ -1,4 +1,4 @@
-/// What a cell's materials ask of those who fill its voxels.
+/// Classes of cells by the features that their materials need.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@ namespace gigabake::kernels {
 
 enum class CellMaterials : std::uint8_t {
   plain,   ///< opaque and without textures
-  opaque,  ///< opaque; nothing is both textured and coloured by its vertices
+  opaque,  ///< opaque; no part has both a texture and vertex colours
   any
 };
 
-/// Whether every voxel that a triangle touches is visible.
+/// Returns true if every voxel that a triangle overlaps is visible.
 constexpr bool all_show(CellMaterials m) { return m != CellMaterials::any; }
 
 inline CellMaterials materials_in(const CellInput& input) {

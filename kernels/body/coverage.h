@@ -1,14 +1,13 @@
-/// How much of a triangle lies in a voxel, and where: area and centroid of the clipped polygon, without clipping it.
+/// Area and centroid of a triangle inside a voxel, computed without clipping the polygon per voxel.
 ///
-/// The triangle is cut once per slab of voxels along its dominant axis (≤ 5 vertices); then, by Green's theorem with
-/// the integrand clamped to the cell, ∮ clamp(u) dv over the slab polygon's edges is the area inside the cell's u
-/// range, and clamping v as well restricts it to the cell. No branch depends on the cell, so cells are lanes.
+/// The triangle is cut once per slab of voxels along its dominant axis (≤ 5 vertices). Green's theorem then gives the
+/// area inside a cell's u range: ∮ clamp(u) dv over the slab polygon's edges, with u clamped to the cell. Clamping v
+/// also restricts the area to the cell. No branch depends on the cell, so cells map to lanes.
 ///
-/// Space   Voxels relative to the triangle's anchor (the voxel of its lowest corner): a fragment's numbers depend on
-/// the
+/// Space   Voxels relative to the triangle's anchor, the voxel of its lowest corner. A fragment's numbers depend on the
 ///         triangle and on the voxel relative to it, never on bricks, cells or the lattice's origin.
-/// Exact   IEEE double without contraction: host and device return the same bits. Error of an area: below 1e-9 voxel²
-///         for triangles up to 10⁶ voxels wide, 1e-14 for triangles of some voxels.
+/// Exact   IEEE double without contraction: host and device return the same bits. The error of an area is below 1e-9
+///         voxel² for triangles up to 10⁶ voxels wide, and below 1e-14 for triangles of a few voxels.
 #pragma once
 
 #include <cmath>
@@ -21,42 +20,43 @@
 
 namespace gigabake::kernels {
 
-/// A straight line in (u, v), by both of its slopes. One that is level or upright has a slope of 0 where the other has
-/// none: nothing is computed from the other.
+/// Slopes of a straight line in (u, v). For a horizontal or vertical line one slope is 0 and the other is undefined; no
+/// result depends on the undefined slope.
 struct Line {
   double du_dv, dv_du;
 };
 
-/// A triangle's slab polygon, projected on (u, v); counter-clockwise if its normal's w is positive, else clockwise.
-/// Edge i goes from corner i to the next on TrianglePlane::line[line[i]].
+/// Slab polygon of a triangle, projected on (u, v). It is counter-clockwise if its normal's w is positive, else
+/// clockwise. Edge i goes from corner i to the next corner, along TrianglePlane::line[line[i]].
 struct SlabPolygon {
   double u[5], v[5];
   int line[5];
   int count;
 };
 
-/// What is the same for all voxels of a triangle.
+/// Values that all voxels of a triangle share.
 struct TrianglePlane {
   double u[3], v[3], w[3];    ///< vertices in voxels from the anchor
   std::int64_t anchor[3];     ///< (u, v, w) voxel of the lowest corner, relative to the brick
-  double inverse_twice_area;  ///< of the projection, signed: the products of u and v round it away on long slivers
+  double inverse_twice_area;  ///< of the projection, signed; products of u and v would lose it to rounding on long
+                              ///< slivers
   double weight_scale;        ///< weight per projected (u, v) area, signed: makes clockwise areas positive
   Line line[4];               ///< of the three edges, and of any cut by a plane w = constant
-  double du_dw[3], dv_dw[3];  ///< along the edges; meaningless where an edge does not change w
+  double du_dw[3], dv_dw[3];  ///< along the edges; undefined if w is constant along the edge
 };
 inline constexpr int cut_line = 3;
 
-/// 1/x, and 1 of zero. By a sum: of two quotients a compiler would take the better one after dividing by zero, which a
-/// device does on a slow way of its own.
+/// Returns 1/x, and 1 for x = 0. The zero test is part of the sum: with two quotients a compiler would divide by zero
+/// and select afterwards, and division by zero takes a slow path on a device.
 GB_HD double inverse_or_one(double x) { return 1 / (x + (x == 0 ? 1.0 : 0.0)); }
 
-/// One division for both slopes of a line along (du, dv).
+/// Returns both slopes of a line along (du, dv) with one division.
 GB_HD Line line_along(double du, double dv) {
   const double inverse = inverse_or_one(du * dv);
   return {du * du * inverse, dv * dv * inverse};
 }
 
-/// Fragment weights: areas in multiples of 2^-36 voxel², at least one.
+/// Fractional bits of fragment weights: areas in multiples of 2^-36 voxel², min 1.
 inline constexpr int weight_bits = 36;
 
 template <class I, class N>
@@ -84,9 +84,9 @@ GB_HD TrianglePlane make_plane(const BrickTriangle<I, N>& t) {
   return r;
 }
 
-/// The corners of the part of the triangle with slab ≤ w ≤ slab+1 (voxels from the anchor), as seen along w, at most
-/// five: add(u, v, line of the edge that starts there). Crossings are computed whether they are there or not, so that
-/// neighbours in a warp do not wait for each other.
+/// Cuts the triangle to slab ≤ w ≤ slab+1 (voxels from the anchor) and adds the corners of the result, seen along w.
+/// There are at most five: add(u, v, line of the edge that starts there). Intersections are computed even if they are
+/// not used, so that the lanes of a warp do not diverge.
 template <class Add>
 GB_HD void cut_slab(const TrianglePlane& t, double slab, const Add& add) {
   const double low = slab, high = slab + 1;
@@ -123,37 +123,37 @@ GB_HD SlabPolygon cut_slab(const TrianglePlane& t, double slab) {
 /// corner.
 struct CellMoments {
   double area, u, v;
-  float uu, uv, vv;  ///< 12, 24 and 12 times the second moments: they say how wide a footprint is, no more
+  float uu, uv, vv;  ///< 12, 24 and 12 times the second moments; float suffices for the width of a footprint
 };
 
-/// How many of them are wanted; the others stay 0.
+/// Order of moments that the caller needs. Higher moments stay 0.
 enum class Moments : std::uint8_t { area, first, second };
 
 struct Point2 {
   double u, v;
 };
 
-/// Where a fragment lies: what its colour is asked for.
+/// Position and shape of a fragment, for shading it.
 struct FragmentShape {
   Point2 centroid;
   double area;       ///< projected, signed, voxel²
-  float uu, uv, vv;  ///< variances and covariance of its points, voxel²; 0 where it is too small to be measured
+  float uu, uv, vv;  ///< variances and covariance of its points, voxel²; 0 if it is too small to measure
   double cell_u, cell_v;
-  const double *polygon_u, *polygon_v;  ///< of the slab that it is cut from
+  const double *polygon_u, *polygon_v;  ///< of the slab polygon that contains it
   int corners;
 };
 
-/// Smallest projected area (voxel²) whose centroid is computed as moment over area; below, rounding would decide.
+/// Min projected area (voxel²) at which the centroid is computed as moment over area. Below it, rounding dominates.
 inline constexpr double smallest_centroid_area = 1e-9;
 
-/// Whether the fragment is large enough for moment over area to be its centroid.
+/// Returns true if the fragment is large enough to compute its centroid as moment over area.
 GB_HD bool has_centroid(double projected_area) { return std::fabs(projected_area) >= smallest_centroid_area; }
 
 GB_HD double clamp01(double x) { return x < 0 ? 0 : (x > 1 ? 1 : x); }
 
-/// The same of a finite number; zero may lose its sign. A device goes by the order of bits: comparing and picking
-/// doubles takes longer. On a host the two comparisons are the processor's own maximum and minimum, an instruction
-/// each.
+/// Returns clamp01(x) for a finite x; the sign of zero may be lost. A device compares the bits as integers, because
+/// comparing and selecting doubles is slower. A host compiles the two comparisons to one maximum and one minimum
+/// instruction.
 GB_HD double clamp01_finite(double x) {
 #if defined(__CUDA_ARCH__)
   constexpr int one = 0x3ff00000;
@@ -167,7 +167,8 @@ GB_HD double clamp01_finite(double x) {
 
 GB_HD double at_most(double x, double high) { return x > high ? high : x; }
 
-/// Of an edge's part from (ca, v_in) to (cb, v_in + dv_in), and its part beyond u = 1 from v_hi to v_hi + dv_hi.
+/// Adds the second moments of an edge. Its inner part leads from (ca, v_in) to (cb, v_in + dv_in). Its part beyond u =
+/// 1 leads from v_hi to v_hi + dv_hi.
 GB_HD void add_second_moments(float ca, float cb, float v_in, float dv_in, float v_hi, float dv_hi, CellMoments& sum) {
   const float v_out = v_in + dv_in, v_top = v_hi + dv_hi;
   const float aa = ca * ca, bb = cb * cb, c = ca + cb, v = v_in + v_out, middle = v_hi + v_top;
@@ -177,9 +178,10 @@ GB_HD void add_second_moments(float ca, float cb, float v_in, float dv_in, float
             4 * (middle * middle - v_hi * v_top) * dv_hi;
 }
 
-/// Adds a polygon's edge on `line` from (au, av) to v = bv, relative to the cell. Of its dv in the cell's range of v, a
-/// part has u inside the cell, one beyond u = 1, one below 0, each by dv/du; where that is steep, rounding moves their
-/// borders, and so each part is taken as what the others leave where u is far from the border's.
+/// Adds a polygon's edge on `line` from (au, av) to v = bv, relative to the cell. Its dv within the cell's range of v
+/// has three parts: u inside the cell, u > 1 and u < 0, each computed by dv/du. If dv/du is steep, rounding shifts
+/// the limits between the parts. A part whose u is far from such a limit is therefore computed as the remainder of the
+/// others.
 template <Moments wanted>
 GB_HD void add_edge(double au, double av, double bv, const Line& line, CellMoments& sum) {
   const double va = clamp01_finite(av), vb = clamp01_finite(bv);

@@ -1,10 +1,10 @@
-/// What views along the axes see of a coarser voxel, and of each of its children.
+/// Directional coverage of a coarser voxel and visibility of each of its children, seen along the axes.
 ///
-/// A voxel's *raster* is what it shows along x, y and z: its content projected onto the face across each axis, in cells
-/// of 0…255: one cell at lod 0 (AxisCoverage), 2×2 at lod 1, 4×4, and 8×8 from lod 3 on, where a cell is the mean of
-/// four. Children one behind the other hide each other cell by cell. So coverage is exact for opaque voxels up to lod
-/// 3, and beyond it two sheets are mistaken for each other only within an eighth of a voxel. Coverage alone cannot
-/// know: half of a voxel behind half of a voxel hides nothing of what is behind both, or all of it.
+/// A voxel's *raster* is its coverage mask along x, y and z: its content projected onto the face across each axis, in
+/// cells of 0…255. It has one cell at lod 0 (AxisCoverage), 2×2 at lod 1, 4×4 at lod 2, and 8×8 from lod 3, where a
+/// cell is the mean of four. Children that lie behind each other occlude each other per cell. Coverage is therefore
+/// exact for opaque voxels up to lod 3; beyond it, two surfaces are confused only within an eighth of a voxel. A single
+/// coverage value does not suffice: half a voxel behind half a voxel may occlude nothing more, or everything.
 ///
 /// Exact   Integers: host and device return the same bits.
 #pragma once
@@ -17,20 +17,22 @@
 
 namespace gigabake::kernels {
 
-/// Of the three axes' cells, four a word, the first lowest. Cell (u, v) of an axis, u along the lower of the other two,
-/// is u + edge·v. Range  edge ≥ 2.
+/// Returns the size of a raster in words: the cells of three axes, four per word, the first in the lowest byte. Cell
+/// (u, v) of an axis is u + edge·v, with u along the lower of the other two axes.
+/// Range   edge ≥ 2.
 GB_HD constexpr int raster_words(int edge) { return 3 * edge * edge / 4; }
 
-/// x/255, to the nearest. Range  x ≤ 255².
+/// Returns x/255, rounded to nearest.
+/// Range   x ≤ 255².
 GB_HD std::uint32_t over_255(std::uint32_t x) {
   x += 128;
   return (x + (x >> 8)) >> 8;
 }
 
-/// Four cells, a byte each: what is covered by either; a + b - ab/255 of each, to the nearest.
+/// Returns the union of four cells, a byte each: a + b - ab/255 per cell, rounded to nearest.
 GB_HD std::uint32_t cover_4(std::uint32_t a, std::uint32_t b) {
   constexpr std::uint32_t bytes = 0x00ff00ff, half = 0x00800080;
-  const std::uint32_t p = ~a, q = ~b;  // what is not covered: (255-a)(255-b)/255
+  const std::uint32_t p = ~a, q = ~b;  // uncovered fraction: (255-a)(255-b)/255
   std::uint32_t even = (p & 255) * (q & 255) + (p >> 16 & 255) * (q & 0xff0000) + half;
   std::uint32_t odd = (p >> 8 & 255) * (q >> 8 & 255) + (p >> 24) * (q >> 8 & 0xff0000) + half;
   even += even >> 8 & bytes;
@@ -46,16 +48,16 @@ GB_HD std::uint32_t sum_4(std::uint32_t cells) {
 #endif
 }
 
-/// Cells of a raster that stand side by side, in N words. Of a column N = 1 or 4: two rows of an 8×8 raster, else all
-/// of it.
+/// Adjacent cells of a raster, in N words. For a column N is 1 or 4: two rows of an 8×8 raster, else all of the
+/// column's cells.
 template <int N>
 struct alignas(4 * N) CellRun {
   std::uint32_t word[N];
 };
 
-/// The union of two coverages, cell by cell: what either of them covers. The sums of `low`, of `high` and of the union
-/// are added to `sums`. On a device four cells are combined at once in a 32-bit word; on a host the loop goes cell by
-/// cell, because compilers turn that into vector instructions.
+/// Returns the union of two coverages per cell, and adds the sums of `low`, of `high` and of the union to `sums`. On a
+/// device four cells are combined at once in a 32-bit word. On a host the loop runs over single cells, because
+/// compilers turn that loop into vector instructions.
 template <int N>
 GB_HD CellRun<N> cover(const CellRun<N>& low, const CellRun<N>& high, std::uint32_t sums[3]) {
   CellRun<N> either;
@@ -81,16 +83,15 @@ GB_HD CellRun<N> cover(const CellRun<N>& low, const CellRun<N>& high, std::uint3
   return either;
 }
 
-/// The voxel's children as its column `column` (0…3) along an axis: the one on the lower side. The other one is
-/// low | 1 << axis.
+/// Returns the lower child of column `column` (0…3) along an axis. The upper child is low | 1 << axis.
 GB_HD constexpr int low_child(int axis, int column) {
   return (column & ((1 << axis) - 1)) | (column >> axis) << (axis + 1);
 }
 
-/// Sums over the cells of all columns that were added.
+/// Sums over the cells of all added columns.
 struct FacingSums {
   std::uint32_t covered[3] = {};
-  std::uint32_t seen[8] = {};  ///< of each child, from the six sides
+  std::uint32_t seen[8] = {};  ///< visible coverage of each child, from the six sides
 
   GB_HD void add(int axis, int column, const std::uint32_t sums[3]) {
     const int low = low_child(axis, column), high = low | 1 << axis;
@@ -99,45 +100,46 @@ struct FacingSums {
     seen[high] += sums[1] + sums[2] - sums[0];
   }
 
-  /// 1…255: what exists does not vanish. edge: of the children's rasters.
+  /// Returns the directional coverage, 1…255: an existing voxel never vanishes. edge: of the children's rasters.
   GB_HD std::uint8_t facing(int axis, int edge) const {
     const std::uint32_t cells = 4 * std::uint32_t(edge * edge), mean = (covered[axis] + cells / 2) / cells;
     return std::uint8_t(mean < 1 ? 1 : mean);
   }
-  /// How much of a child shows, of 255; 0 only where nothing does.
+  /// Returns the visible fraction of a child, 0…255; 0 only if nothing of it is visible.
   GB_HD std::uint32_t weight(int child, int edge) const {
     const std::uint32_t cells = 6 * std::uint32_t(edge * edge);
     return (seen[child] + cells - 1) / cells;
   }
 };
 
-/// Words of a run. Edge: of the children's rasters, 2, 4 or 8; the parent's has edge 2·Edge, or 8.
+/// Words per run. Edge: of the children's rasters, 2, 4 or 8; the parent's raster has edge 2·Edge, or 8.
 template <int Edge>
 inline constexpr int run_words = Edge == 2 ? 1 : 4;
 template <int Edge>
 inline constexpr int runs_per_column = Edge* Edge / 4 / run_words<Edge>;
 
-/// Means of the 2×2 cells of two rows, each of two cells in a word: bytes 0 and 2.
+/// Returns the means of 2×2 cells of two rows, two cells per word: bytes 0 and 2.
 GB_HD std::uint32_t means_of(std::uint32_t upper, std::uint32_t lower) {
   constexpr std::uint32_t bytes = 0x00ff00ff;
   return ((upper & bytes) + (upper >> 8 & bytes) + (lower & bytes) + (lower >> 8 & bytes) + 0x00020002) >> 2 & bytes;
 }
 
-/// Bytes 0 and 2 of `a`, then of `b`.
+/// Returns bytes 0 and 2 of `a`, followed by bytes 0 and 2 of `b`.
 GB_HD std::uint32_t even_bytes(std::uint32_t a, std::uint32_t b) {
   return (a & 0xff) | (a >> 8 & 0xff00) | (b << 16 & 0xff0000) | (b << 8 & 0xff000000);
 }
 
-/// One run of a column of children, into the parent's raster. sums: of the lower child's cells, the higher one's, and
-/// of what either covers, added to what they are.
-/// children: gives run `run` of an axis of a child's raster; zeros where there is none. Range  Edge: 4 or 8.
+/// Adds one run of a column of children to the parent's raster. The sums over the lower child, the upper child and
+/// their union are added to `sums`. children: returns run `run` of an axis of a child's raster; zeros if the child does
+/// not exist.
+/// Range   Edge: 4 or 8.
 template <int Edge, class Children>
 GB_HD void see_run(const Children& children, int axis, int column, int run, std::uint32_t* raster,
                    std::uint32_t sums[3]) {
   const int low = low_child(axis, column), high = low | 1 << axis;
   const CellRun<4> either =
       cover(children.template cells<4>(low, axis, run), children.template cells<4>(high, axis, run), sums);
-  std::uint32_t* to = raster + 16 * axis + 8 * (column >> 1) + (column & 1);  // two words a row
+  std::uint32_t* to = raster + 16 * axis + 8 * (column >> 1) + (column & 1);  // two words per row
   if constexpr (Edge == 4) {
     GB_UNROLL
     for (int row = 0; row < 4; ++row) to[2 * row] = either.word[row];
@@ -146,7 +148,7 @@ GB_HD void see_run(const Children& children, int axis, int column, int run, std:
   }
 }
 
-/// The same for whole columns of 2×2 cells.
+/// Computes the parent's raster and sums from children with 2×2 cells per axis.
 template <class Children>
 GB_HD FacingSums see_small(const Children& children, std::uint32_t* raster) {
   FacingSums result;
@@ -162,7 +164,7 @@ GB_HD FacingSums see_small(const Children& children, std::uint32_t* raster) {
       result.add(axis, column, sums);
     }
     GB_UNROLL
-    for (int half = 0; half < 4; half += 2) {  // two columns side by side make two rows
+    for (int half = 0; half < 4; half += 2) {  // two adjacent columns form two rows
       raster[4 * axis + half] = (either[half] & 0xffff) | either[half + 1] << 16;
       raster[4 * axis + half + 1] = either[half] >> 16 | (either[half + 1] & 0xffff0000);
     }
@@ -170,7 +172,7 @@ GB_HD FacingSums see_small(const Children& children, std::uint32_t* raster) {
   return result;
 }
 
-/// raster: the parent's, which is written whole.
+/// Computes the parent's raster, which is overwritten completely, and the sums of its children.
 template <int Edge, class Children>
 GB_HD FacingSums see_children(const Children& children, std::uint32_t* raster) {
   if constexpr (Edge == 2) {
@@ -187,7 +189,7 @@ GB_HD FacingSums see_children(const Children& children, std::uint32_t* raster) {
   }
 }
 
-/// Of eight voxels of lod 0, whose rasters are what they cover along each axis. raster: the parent's.
+/// Computes the parent's raster and sums of eight lod-0 voxels, whose rasters are their axis coverage.
 GB_HD FacingSums see_voxels(const AxisCoverage& c, std::uint32_t raster[3]) {
   const std::uint32_t *x = c.along[0], *y = c.along[1], *z = c.along[2];
   const std::uint32_t low[3] = {even_bytes(x[0], x[1]), (y[0] & 0xffff) | y[1] << 16, z[0]};

@@ -1,14 +1,14 @@
-/// The mean of a level of a texture over a small footprint on it, from three texels along each axis.
+/// Mean of one level of a texture over a small footprint, from three texels along each axis.
 ///
-/// The weights of nine texels have the footprint's mean place, variances and covariance, each widened by what
-/// interpolation between two texels widens a point. So what a parabola describes has its exact mean, and pieces of a
-/// voxel add up to what the whole would show; along an axis a box of up to a texel has the mean that bilinear
-/// interpolation gives it.
+/// The weights of nine texels reproduce the footprint's mean, variances and covariance, each widened as linear
+/// interpolation between two texels widens a point. A quadratic texture therefore has its exact mean, and pieces of a
+/// voxel sum to the result for the whole. Along an axis, a box of up to one texel has the mean of bilinear
+/// interpolation.
 ///
 /// Space   One level: texels.
-/// Exact   Weights are integers that sum up to 2^15, made of IEEE floats: host and device agree, and one colour stays
-///         that colour.
-/// Range   Boxes with edges of up to the root of `widest_squared`; a wider one is taken for one as wide as fits.
+/// Exact   Weights are integers with sum 2^15, made of IEEE floats: host and device agree, and a uniform colour is
+///         preserved.
+/// Range   Boxes with edges up to the root of `widest_squared`; a wider box is replaced by the widest box that fits.
 /// Cost    Nine texels.
 #pragma once
 
@@ -22,8 +22,8 @@
 
 namespace gigabake::kernels {
 
-/// The whole number that is nearest: by what a float of 2^23 has left for fractions, which a device does at once.
-/// Range  |x| ≤ 2^21.
+/// Returns the nearest integer. Adding 1.5 · 2^23 leaves a float no bits for fractions, which is fast on a device.
+/// Range   |x| ≤ 2^21.
 GB_HD std::int32_t rounded(float x) {
   const float whole = x + 12582912.0f;  // 1.5 · 2^23
   std::int32_t bits;
@@ -31,23 +31,24 @@ GB_HD std::int32_t rounded(float x) {
   return bits - 0x4b400000;
 }
 
-/// The square of the widest box that three texels stand for: of a wider one the middle texel would mostly have to weigh
-/// less than nothing.
+/// Squared edge of the widest box that three texels represent. A wider box would mostly give the middle texel a
+/// negative weight.
 inline constexpr float widest_squared = 7.5f;
 
-/// What stands for a footprint on one level: a box, by the squares of its edges (texels²), and a covariance (texels²).
-/// A square below 0 is of a footprint narrower than the level's texels, and sharpens.
+/// Footprint on one level: a box, by its squared edges (texels²), and a covariance (texels²). A negative square
+/// describes a footprint narrower than the level's texels, and sharpens.
 struct LevelFootprint {
   float width_squared, height_squared, covariance;
 };
 
-/// Where a sample lies on an image.
+/// Position of a sample on an image.
 struct ImagePlace {
   std::int64_t at;  ///< 2^-32 of the image
-  bool is_turned;   ///< whether the image is mirrored there
+  bool is_turned;   ///< the image is mirrored at this position
 };
 
-/// Where it is clamped, places are kept up to half an image beyond the edge: a footprint may lie on both sides.
+/// Returns the position of s on the image. For clamp_to_edge, positions up to half an image beyond the edge are kept,
+/// because a footprint may lie on both sides.
 GB_HD ImagePlace image_place(double s, Wrap wrap) {
   if (wrap != Wrap::clamp_to_edge) {
     const bool is_turned = wrap == Wrap::mirrored_repeat && low_word(s + 3145728.0) >> 31 != 0;
@@ -57,19 +58,19 @@ GB_HD ImagePlace image_place(double s, Wrap wrap) {
   return {(std::int64_t(std::int32_t(low_word(within + 3145728.0))) + (std::int64_t(1) << 30)) * 2, false};
 }
 
-/// Three texels along an axis, what they weigh, and how the second moment of the weights changes with the first.
+/// Three texels along an axis, their weights, and the derivative of the weights' second moment by the first.
 struct AxisTaps {
   std::int32_t texel[3], weight[3];
   float slope;
 };
 
-/// Texel i of an endless row, not far from the image.
+/// Returns texel i of the wrapped row. The texel must not be far from the image.
 GB_HD std::int32_t texel_near(std::int32_t i, std::int32_t size, bool repeats) {
   if (i < 0) return repeats ? i + size : 0;
   return i < size ? i : (repeats ? i - size : size - 1);
 }
 
-/// 1/√x to a thousandth, of any x > 0: a weight need not know it better.
+/// Returns 1/√x to 1/1000 for any x > 0, which suffices for weights.
 GB_HD float inverse_root(float x) {
   std::int32_t bits;
   std::memcpy(&bits, &x, sizeof bits);
@@ -79,12 +80,12 @@ GB_HD float inverse_root(float x) {
   return r * (1.5f - 0.5f * x * r * r);
 }
 
-/// Of weights, about the middle texel; and how the second moment changes with the first.
+/// Moments of the weights about the middle texel; slope: derivative of the second moment by the first.
 struct AxisMoments {
   float first, second, slope;
 };
 
-/// Of the mean of two neighbours in a straight line over a box: exact up to one texel, a parabola's beyond.
+/// Returns the moments of linear interpolation averaged over a box: exact up to one texel, a parabola beyond.
 GB_HD AxisMoments axis_moments(float m, float width_squared, bool is_image) {
   if (width_squared >= 1 || !is_image) return {m, smaller(m * m + (width_squared + 2) * (1.0f / 12), 1.0f), 2 * m};
   if (width_squared <= 4 * m * m) return {m, std::fabs(m), m < 0 ? -1.0f : 1.0f};
@@ -95,7 +96,7 @@ GB_HD AxisMoments axis_moments(float m, float width_squared, bool is_image) {
 inline constexpr int weight_s_bits = 8, weight_t_bits = 7, slope_s_bits = 5,
                      slope_t_bits = weight_s_bits + weight_t_bits - slope_s_bits;
 
-/// Weights sum up to 2^bits. at: 2^-32 of the image. is_image: of level 0.
+/// Computes taps whose weights sum to 2^bits. at: 2^-32 of the image. is_image: for level 0.
 template <int bits>
 GB_HD AxisTaps axis_taps(std::int64_t at, std::int32_t size, Wrap wrap, bool is_image, float width_squared) {
   const std::int64_t place = at * size;
@@ -104,7 +105,7 @@ GB_HD AxisTaps axis_taps(std::int64_t at, std::int32_t size, Wrap wrap, bool is_
   const AxisMoments m = axis_moments(from_middle, width_squared, is_image);
   AxisTaps r;
   for (int k = 0; k < 3; ++k) r.texel[k] = middle + k - 1;
-  if (middle < 1 || middle > size - 2)  // some are not of the image
+  if (middle < 1 || middle > size - 2)  // some lie outside the image
     for (int k = 0; k < 3; ++k) r.texel[k] = texel_near(r.texel[k], size, wrap == Wrap::repeat);
   constexpr float half = float(1 << (bits - 1));
   r.weight[0] = rounded((m.second - m.first) * half);
@@ -114,20 +115,20 @@ GB_HD AxisTaps axis_taps(std::int64_t at, std::int32_t size, Wrap wrap, bool is_
   return r;
 }
 
-/// How weights change where the footprint moves on by a texel: they sum up to 0.
+/// Change of the weights if the footprint moves by one texel; the changes sum to 0.
 struct AxisSlopes {
   std::int32_t of[3];
 };
 
-/// scale: what stands for 1.
+/// Returns the change of the weights. scale: fixed-point value of 1.
 GB_HD AxisSlopes axis_slopes(const AxisTaps& taps, float scale) {
   const std::int32_t before = rounded((taps.slope - 1) * (0.5f * scale)),
                      after = rounded((taps.slope + 1) * (0.5f * scale));
   return {{before, -before - after, after}};
 }
 
-/// Sums of weighed texels begin with a half, to round, and so much that what a covariance takes from a texel does not
-/// lead below 0; it may lead below black or above white.
+/// Initial values of weighted sums: a half for rounding, and an offset that keeps sums non-negative when a covariance
+/// subtracts texels. The result may still lie below black or above white.
 inline constexpr int sum_bits = weight_s_bits + weight_t_bits;
 inline constexpr std::uint32_t sum_start = 1u << (sum_bits + 15), sum_half = 1u << (sum_bits - 1);
 
@@ -138,12 +139,13 @@ GB_HD std::uint16_t channel_of(std::uint32_t sum) {
 
 GB_HD float half_square(float x) { return x > 0 ? 0.5f * x * x : 0; }
 
-/// Of a box over which alpha is a plane, `beyond` the cutoff in its middle, and changes by `along` one edge and
-/// `across` the other: the share that passes.
+/// Returns the fraction of a box that passes the alpha test. Alpha is a plane over the box: `beyond` the cutoff at its
+/// centre, with changes `along` one edge and `across` the other.
 GB_HD float passing_share(float beyond, float along, float across) {
   const float longer = larger(larger(along, across), 1.0f), shorter = larger(smaller(along, across), longer / 64);
   const float far = 0.5f * (longer + shorter), near = 0.5f * (longer - shorter);
-  // Beyond the slopes' reach the differences of squares would cancel. Flat alpha passes if it equals the cutoff.
+  // Outside the range of the slopes the differences of squares would cancel. Uniform alpha passes if it equals the
+  // cutoff.
   if (beyond >= far || (beyond >= 0 && along + across == 0)) return 1;
   if (beyond <= -far) return 0;
   const float share = ((half_square(beyond + far) - half_square(beyond + near)) -
@@ -152,8 +154,9 @@ GB_HD float passing_share(float beyond, float along, float across) {
   return larger(0.0f, smaller(share, 1.0f));
 }
 
-/// An alpha test of what is interpolated, as a renderer makes it point by point: of a box, with alpha's mean and
-/// slopes, so much passes as of a plane.  Range  alpha is not 0.
+/// Applies an alpha test to an interpolated box, as a renderer does per point. The passing fraction is that of a plane
+/// with the mean and slopes of alpha.
+/// Range   alpha is not 0.
 GB_HD_ONE_COPY Rgba16 test_box(Rgba16 mean, std::uint8_t cutoff, float along, float across) {
   const float share = passing_share(float(int(mean.c[3]) - int(cutoff * 257u)), along, across);
   const auto alpha = std::uint32_t(rounded(share * 65535));
@@ -166,12 +169,13 @@ GB_HD_ONE_COPY Rgba16 test_box(Rgba16 mean, std::uint8_t cutoff, float along, fl
   return r;
 }
 
-/// How alpha changes where the footprint moves on by a texel, in 2^-12 and 2^-13.
+/// Change of alpha if the footprint moves by one texel, in 2^-12 and 2^-13.
 struct AlphaSlopes {
   std::int32_t s, t;
 };
 
-/// A slanted footprint's alpha varies more or less than a box's: the box is scaled until it varies as much.
+/// Applies the alpha test to a slanted footprint. Its alpha varies more or less than that of a box, so the box is
+/// scaled to the same variation.
 GB_HD Rgba16 test_footprint(const Rgba16& mean, std::uint8_t cutoff, const AlphaSlopes& slopes,
                             const LevelFootprint& footprint) {
   const float s = float(slopes.s) * (1.0f / 4096), t = float(slopes.t) * (1.0f / 8192);
@@ -182,7 +186,7 @@ GB_HD Rgba16 test_footprint(const Rgba16& mean, std::uint8_t cutoff, const Alpha
   return test_box(mean, cutoff, along * scale, across * scale);
 }
 
-/// Mean of level l over a footprint around (s, t).
+/// Returns the mean of level l over a footprint around (s, t).
 template <bool opaque>
 GB_HD Rgba16 filtered_sample(const TextureView& view, const MaterialView& m, int l, const ImagePlace& s,
                              const ImagePlace& t, LevelFootprint footprint, const Tables& tables) {

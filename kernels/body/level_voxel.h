@@ -1,4 +1,4 @@
-/// The identity of a brick's voxel: its place in the lattice and its content, hashed.
+/// Hash of a brick's voxel: its lattice position and its content.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 namespace gigabake::kernels {
 
-/// Voxel x + 8y + 64z of a brick of level `lod`. window_min: CellParameters::window_min. facing: its bytes, or null
-/// where the level has none.
+/// Hashes voxel x + 8y + 64z of a brick of level `lod`. window_min: CellParameters::window_min. facing: its bytes, or
+/// null if the level has none.
 /// Exact   Integers: host and device return the same bits.
 GB_HD Hash128 hash_of_voxel(const std::int64_t window_min[3], int lod, const BrickCoordinate& brick, int voxel,
                             std::uint32_t rgba, std::uint16_t normal, const std::uint8_t* facing) {

@@ -1,4 +1,4 @@
-/// One voxel of a coarser level from the 2×2×2 voxels below it.
+/// Filter for one voxel of a coarser level, from its 2×2×2 children.
 ///
 /// Exact   Integers (colour, coverage) and IEEE double (octahedral encode): host and device return the same bits.
 #pragma once
@@ -14,14 +14,14 @@
 
 namespace gigabake::kernels {
 
-/// Whether a filter weighs children by what views along the axes see of them, else by their coverage.
+/// Returns true if the filter weights children by their visibility along the axes, and false if by their coverage.
 GB_HD constexpr bool filters_by_view(MipFilter filter) { return filter == MipFilter::coverage; }
 
-/// Whether a voxel of level `lod` is made of the 64 voxels two levels below it (kernels/body/mip_of_64.h), else of its
-/// eight children.
+/// Returns true if a voxel of level `lod` is filtered from the 64 voxels two levels below it
+/// (kernels/body/mip_of_64.h). Otherwise it is filtered from its eight children.
 GB_HD constexpr bool is_of_64(MipFilter filter, int lod) { return filter == MipFilter::thesis && lod >= 2; }
 
-/// How much each of eight children has to say, 0 … 255, and what their parent shows along x, y and z; a byte each.
+/// Weights of eight children, 0 … 255, and their parent's coverage along x, y and z; a byte each.
 struct Weights {
   std::uint32_t child[2], facing;
 
@@ -32,8 +32,8 @@ struct Weights {
   }
 };
 
-/// Children say as much as shows of them. Where nothing of any does, because all are too faint, one says as much as
-/// another. there: byte c is 1 where child c exists. edge: of the children's rasters.
+/// Weights children by visible coverage. Weights are uniform if all round to zero. there: byte c is 1 if child c
+/// exists. edge: of the children's rasters.
 GB_HD Weights weights_of(const FacingSums& seen, int edge, const std::uint32_t there[2]) {
   Weights w{};
   GB_UNROLL
@@ -45,7 +45,7 @@ GB_HD Weights weights_of(const FacingSums& seen, int edge, const std::uint32_t t
   return w;
 }
 
-/// Of length 32767, as Tables has it.
+/// Normal of length 32767, as stored in Tables.
 struct UnitNormal {
   std::int32_t c[3];
 };
@@ -60,12 +60,12 @@ GB_HD UnitNormal unit_normal_of(const std::int8_t normal[2], const Tables& table
 #endif
 }
 
-/// What a level's filter keeps of children, other than coverage, each weighted by what it has to say.
+/// Weighted sums over children of everything that a level's filter keeps, except coverage.
 struct MipSums {
   std::uint32_t weight = 0, colour[3] = {};
   std::int32_t normal[3] = {};
 
-  /// w: 0 … 255. n: of the voxel.
+  /// Adds a child. w: 0 … 255. n: of the voxel.
   GB_HD void add(const Voxel& v, const UnitNormal& n, std::uint32_t w, const Tables& tables) {
     weight += w;
     for (int k = 0; k < 3; ++k) {
@@ -74,7 +74,9 @@ struct MipSums {
     }
   }
 
-  /// Range  weight ≠ 0. The result's alpha is at least 1: what exists does not vanish from a coarser level.
+  /// Returns the filtered voxel. Its alpha is at least 1, so that an existing voxel does not vanish from a coarser
+  /// level.
+  /// Range   weight ≠ 0.
   GB_HD Voxel voxel(std::uint32_t alpha, const Tables& tables) const {
     Voxel out;
     for (int k = 0; k < 3; ++k) out.rgba[k] = tables.srgb_from_linear[(colour[k] + weight / 2) / weight];
@@ -84,14 +86,14 @@ struct MipSums {
   }
 };
 
-/// Coverage by the filters that have no directions; alpha_sum: of the children, absent ones are 0.
+/// Returns the coverage of filters without directions. alpha_sum: over the children; a missing child adds 0.
 GB_HD std::uint32_t mean_coverage(std::uint32_t alpha_sum, MipFilter filter, const Tables& tables) {
   return filter == MipFilter::thesis ? tables.thesis_alpha[8 * alpha_sum] : (alpha_sum + 4) / 8;
 }
 
-/// The voxel above eight, of which those that are not there are zero. by_view: filters_by_view(filter); then `weights`
-/// are weights_of() them, else unused. each(c, w, n): of child c, which has so much to say and that normal; who has
-/// nothing to say may be left out.
+/// Returns the parent of eight voxels; missing voxels must be zero. by_view: filters_by_view(filter). If by_view,
+/// `weights` is the result of weights_of(), else it is unused. each(c, w, n) is called with child c's weight and
+/// normal; children of weight 0 may be skipped.
 template <bool by_view, class Each>
 GB_HD Voxel filter_children(const Voxel children[8], const Weights& weights, MipFilter filter, const Tables& tables,
                             const Each& each) {
@@ -100,7 +102,7 @@ GB_HD Voxel filter_children(const Voxel children[8], const Weights& weights, Mip
   for (int c = 0; c < 8; ++c) {
     const std::uint32_t w = by_view ? weights.of(c) : children[c].rgba[3];
 #if !defined(__CUDA_ARCH__)
-    if (w == 0) continue;  // it would add nothing; lanes of a device go together
+    if (w == 0) continue;  // It would add nothing. On a device all lanes run the same code, so the test is omitted.
 #endif
     const UnitNormal n = unit_normal_of(children[c].normal, tables);
     sums.add(children[c], n, w, tables);

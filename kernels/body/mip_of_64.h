@@ -1,5 +1,5 @@
-/// One voxel of a coarser level from the 4×4×4 voxels two levels below it, which are an octant of one brick there:
-/// MipFilter::thesis from level 2 on.
+/// Filter for one voxel of a coarser level, from the 4×4×4 voxels two levels below it. MipFilter::thesis uses it from
+/// level 2. The 64 voxels are an octant of one brick.
 ///
 /// Exact   Integers (colour, coverage) and IEEE double (octahedral encode): host and device return the same bits.
 #pragma once
@@ -15,19 +15,19 @@
 
 namespace gigabake::kernels {
 
-/// The brick two levels above that a brick lies in.
+/// Returns the key of the brick two levels above that contains a brick.
 GB_HD std::uint64_t key_two_above(std::uint64_t key) { return parent_key(parent_key(key)); }
 
-/// The voxel of that brick which an octant of the lower brick is: x + 8y + 64z.
+/// Returns the voxel of the brick two levels above that corresponds to an octant of the lower brick: x + 8y + 64z.
 GB_HD int voxel_two_above(std::uint64_t key, int octant) {
   const std::uint32_t code = std::uint32_t(key & 63) << 3 | std::uint32_t(octant);
   return gather_three_bits(code) + 8 * gather_three_bits(code >> 1) + 64 * gather_three_bits(code >> 2);
 }
 
-/// The bits of an octant in a slab that it reaches. Those slabs begin at 4·(octant / 4).
+/// Returns an octant's bits within each of its slabs. Its slabs begin at 4·(octant / 4).
 GB_HD std::uint64_t octant_bits(int octant) { return 0x0f0f0f0full << (4 * (octant & 1) + 32 * (octant >> 1 & 1)); }
 
-/// Whether one of an octant's 64 voxels exists, and so the voxel that is made of them.
+/// Returns true if one of an octant's 64 voxels exists. The voxel filtered from them then exists, too.
 GB_HD bool has_voxels(const std::uint64_t mask[8], int octant) {
   const std::uint64_t* slab = mask + 4 * (octant >> 2);
   return ((slab[0] | slab[1] | slab[2] | slab[3]) & octant_bits(octant)) != 0;
@@ -46,8 +46,9 @@ GB_HD void for_each_of_64(const std::uint64_t mask[8], int octant, std::size_t f
   }
 }
 
-/// What an octant that has voxels makes: means by alpha, and with m the mean alpha of all 64, where those that do not
-/// exist have none, the alpha m^(1 - m). voxel(index in the level): one of them.
+/// Returns the voxel filtered from an octant that has voxels. Colour and normal are means weighted by alpha. Alpha is
+/// m^(1 - m), where m is the mean alpha of all 64 voxels and missing voxels have alpha 0. voxel(index in the level)
+/// returns a voxel.
 template <class VoxelAt>
 GB_HD Voxel filter_64(const std::uint64_t mask[8], int octant, std::size_t first, const VoxelAt& voxel,
                       const Tables& tables) {

@@ -1,14 +1,15 @@
-/// What a texture looks like on a fragment where its sampler picks the nearest texel: the mean of the texels that the
-/// fragment covers, each by the area of it that is covered.
+/// Mean of a texture over a fragment if its sampler picks the nearest texel. Each texel is weighted by its area inside
+/// the fragment.
 ///
-/// A texel is a square of one colour, and so is one of a coarser level, which stands in where a fragment covers many.
+/// A texel is a square of one colour. If a fragment covers many texels, texels of a coarser level are used, also as
+/// squares.
 ///
-/// Space   Texels of one level, relative to the first one that the fragment may meet.
-/// Exact   IEEE double without contraction, then integers: host and device agree. A fragment that covers few texels
-///         (about 7 x 7) has their mean, each weight to 2^-24; one that covers more is wrong by what the coarser texels
-///         along its border hold beyond it. A texture of one colour is that colour, exactly.
-/// Range   |s|, |t| ≤ 2^20; beyond that, where only the gradient of a degenerate sliver leads, any texel is picked.
-/// Cost    At most 130 texels a fragment, each measured against two to nine edges.
+/// Space   Texels of one level, relative to the first texel that the fragment may overlap.
+/// Exact   IEEE double without contraction, then integers: host and device agree. A fragment over few texels (about 7 x
+///         7) has their mean, each weight to 2^-24. For larger fragments, the error is the content that coarser texels
+///         along the fragment's border hold beyond it. A texture of one colour keeps exactly that colour.
+/// Range   |s|, |t| ≤ 2^20. Only gradients of degenerate slivers lead beyond; an arbitrary texel is then picked.
+/// Cost    At most 130 texels per fragment, each tested against two to nine edges.
 #pragma once
 
 #include <cmath>
@@ -26,19 +27,19 @@
 
 namespace gigabake::kernels {
 
-/// A fragment as a polygon, in voxels from its cell's lowest corner: a slab's has at most five corners, and each side
-/// of the cell adds at most one.
+/// Polygon of a fragment, in voxels from its cell's lowest corner. The slab polygon has at most five corners, and each
+/// side of the cell adds at most one.
 struct Outline {
   static constexpr int most = 9;
   Point2 at[most];
   int count;
 
   GB_HD void add(Point2 p) {
-    if (count < most) at[count++] = p;  // rounding may bend a sliver, and so cut it once more
+    if (count < most) at[count++] = p;  // rounding may bend a sliver, which adds a cut
   }
 };
 
-/// How far a point is inside one of the four sides of the unit cell.
+/// Returns the signed depth of a point inside one of the four sides of the unit cell.
 GB_HD double depth_in_cell(Point2 p, int side) {
   const double x = side < 2 ? p.u : p.v;
   return (side & 1) == 0 ? x : 1 - x;
@@ -67,9 +68,9 @@ GB_HD Outline outline_of(const FragmentShape& f) {
   return r;
 }
 
-/// What a fragment sees of its texture. Passed by value: a caller that hardly ever asks keeps its registers.
+/// Texture mapping of a fragment. It is passed by value: a caller that rarely calls nearest_over() keeps its registers.
 struct NearestLook {
-  double s0, su, sv, t0, tu, tv;  ///< as TextureMap
+  double s0, su, sv, t0, tu, tv;  ///< as in TextureMap
   Wrap wrap_s, wrap_t;
 };
 
@@ -77,13 +78,14 @@ GB_HD NearestLook nearest_look(const MaterialView& m, const TextureMap& map) {
   return {map.s0, map.su, map.sv, map.t0, map.tu, map.tv, m.wrap_s, m.wrap_t};
 }
 
-/// s in the first of the images, or pairs of images, that look alike.
+/// Maps s to the first period of the wrapped texture: one image, or a pair of images if mirrored.
 GB_HD double in_first_period(double s, Wrap wrap) {
   if (wrap == Wrap::clamp_to_edge) return s;
   return wrap == Wrap::repeat ? s - std::floor(s) : s - 2 * std::floor(s * 0.5);
 }
 
-/// Texel i of the endless row that an image of `size` texels wraps to. Range  |i| < 2^30.
+/// Returns the texel of an image of `size` texels that texel i of the wrapped row repeats.
+/// Range   |i| < 2^30.
 GB_HD std::int32_t wrapped_texel(std::int32_t i, std::int32_t size, Wrap wrap) {
   if (wrap == Wrap::clamp_to_edge) return i < 0 ? 0 : smaller(i, size - 1);
   const std::int32_t period = wrap == Wrap::repeat ? size : 2 * size, rest = i % period,
@@ -91,19 +93,19 @@ GB_HD std::int32_t wrapped_texel(std::int32_t i, std::int32_t size, Wrap wrap) {
   return at < size ? at : period - 1 - at;
 }
 
-/// The finest level is taken at which no more than so many texels fit into a fragment's box.
+/// Max number of texels in a fragment's box. The finest level within this limit is used.
 inline constexpr int most_texels_inside = 64;
 
-/// Texels along one axis that a footprint may meet.
+/// Texels along one axis that a footprint may overlap.
 struct TexelSpan {
-  std::int32_t first, count;  ///< of the endless row
+  std::int32_t first, count;  ///< in the wrapped row
   double middle;              ///< the centroid, from the first texel's lower border
 
   GB_HD std::int32_t middle_texel() const { return first + std::int32_t(at_most(middle, count - 0.5)); }
 };
 
-/// middle: of the fragment on the endless row; it reaches from middle + low to middle + high. Far beyond a clamped
-/// edge the first texel is moved, since all look alike there.
+/// Returns the texels of a fragment that extends from middle + low to middle + high on the wrapped row. Far beyond a
+/// clamped edge the first texel is moved closer, because all texels there are equal.
 GB_HD TexelSpan texels_between(double middle, double low, double high, std::int32_t size) {
   constexpr double most = most_texels_inside + 2;
   const double first = std::floor(middle + low), count = std::ceil(middle + high) - first;
@@ -111,7 +113,8 @@ GB_HD TexelSpan texels_between(double middle, double low, double high, std::int3
   return {std::int32_t(near), std::int32_t(count < 1 ? 1 : at_most(count, most)), middle - first};
 }
 
-/// One texel of the image, linear and premultiplied; with an alpha test it is opaque or absent.
+/// Returns one texel of the image, linear and premultiplied. If there is an alpha test, the texel is opaque or
+/// transparent.
 GB_HD Rgba16 base_texel(const std::uint8_t* rgba, std::uint8_t mask_cutoff, const std::uint16_t* linear_from_srgb) {
   std::uint8_t p[4];
   copy_texel<4>(rgba, p);
@@ -122,14 +125,14 @@ GB_HD Rgba16 base_texel(const std::uint8_t* rgba, std::uint8_t mask_cutoff, cons
   return r;
 }
 
-/// One level of a texture as the sampler wraps it.
+/// One level of a texture with the sampler's wrap modes.
 struct TexelGrid {
   const TextureView* view;
   std::int32_t level, width, height;
   Wrap wrap_s, wrap_t;
   const std::uint16_t* linear_from_srgb;
 
-  /// Texel (x, y) of the endless plane.
+  /// Returns texel (x, y) of the wrapped plane.
   GB_HD Rgba16 texel(std::int32_t x, std::int32_t y) const {
     const std::size_t at =
         std::size_t(wrapped_texel(y, height, wrap_t)) * std::size_t(width) + wrapped_texel(x, width, wrap_s);
@@ -146,7 +149,7 @@ GB_HD TexelGrid texel_grid(const TextureView& view, int level, Wrap wrap_s, Wrap
           wrap_t, linear_from_srgb};
 }
 
-/// The texel at (s, t), as a renderer picks it.
+/// Returns the texel at (s, t), picked as by a renderer.
 GB_HD Rgba16 nearest_texel(const TextureView& view, Wrap wrap_s, Wrap wrap_t, double s, double t,
                            const std::uint16_t* linear_from_srgb) {
   const TexelGrid grid = texel_grid(view, 0, wrap_s, wrap_t, linear_from_srgb);
@@ -154,8 +157,8 @@ GB_HD Rgba16 nearest_texel(const TextureView& view, Wrap wrap_s, Wrap wrap_t, do
                     texels_between(in_first_period(t, wrap_t) * grid.height, 0, 0, grid.height).first);
 }
 
-/// How (s, t) runs over a fragment's (u, v). A map that is flat, as those of colours along a line are, gets a
-/// thousandth of its length as width, so that what it shows has an area.
+/// Linear map from a fragment's (u, v) to (s, t). A degenerate map, for example of a colour ramp along a line, gets a
+/// width of a thousandth of its length, so that the mapped fragment has an area.
 struct FragmentMap {
   double su, sv, tu, tv, determinant;
 };
@@ -174,7 +177,7 @@ GB_HD FragmentMap fragment_map(const NearestLook& look, double width, double hei
   return {xu / width, xv / width, yu / height, yv / height, (xu * yv - xv * yu) / (width * height)};
 }
 
-/// A fragment's corners on the texture, relative to its centroid; in images, then in texels.
+/// Corners of a fragment on the texture, relative to its centroid; first in images, later in texels.
 struct TexelOutline {
   double x[Outline::most], y[Outline::most];
   Line line[Outline::most];
@@ -182,8 +185,9 @@ struct TexelOutline {
   int count;
 };
 
-/// Into `r`, not as a result: nvcc 13.0 puts a result's corners where `o` lies, and overwrites its fifth before it is
-/// read. Found on 2026-11-23, in colours of a device (DeviceTextures) and then in its PTX.
+/// Writes the outline on the texture to `r`. It is not a return value because nvcc 13.0 would place its corners at the
+/// address of `o` and overwrite the fifth corner before it is read. Found on 2026-11-23, in colours of a device
+/// (DeviceTextures) and in PTX.
 GB_HD void map_outline(const Outline& o, const FragmentMap& map, Point2 centroid, TexelOutline& r) {
   r.low_x = r.high_x = r.low_y = r.high_y = 0;
   r.count = o.count;
@@ -198,7 +202,7 @@ GB_HD void map_outline(const Outline& o, const FragmentMap& map, Point2 centroid
   }
 }
 
-/// The finest level with few texels in the outline's box.
+/// Returns the finest level with at most most_texels_inside texels in the outline's box.
 GB_HD int level_for(const TextureView& view, const TexelOutline& o) {
   const double across = o.high_x - o.low_x, down = o.high_y - o.low_y;
   int l = 0;
@@ -208,7 +212,7 @@ GB_HD int level_for(const TextureView& view, const TexelOutline& o) {
   return l;
 }
 
-/// From images around the centroid to texels from the first one.
+/// Converts the outline from images around the centroid to texels from the first texel.
 GB_HD void place_outline(const TexelGrid& grid, const TexelSpan& columns, const TexelSpan& rows, TexelOutline& o) {
   for (int i = 0; i < o.count; ++i) {
     o.x[i] = columns.middle + o.x[i] * grid.width;
@@ -220,7 +224,7 @@ GB_HD void place_outline(const TexelGrid& grid, const TexelSpan& columns, const 
   }
 }
 
-/// Bit i: edge i passes through the row of texels.
+/// Returns a mask: bit i is set if edge i passes through the row of texels.
 GB_HD unsigned edges_in_row(const TexelOutline& o, double row) {
   unsigned edges = 0;
   for (int i = 0; i < o.count; ++i) {
@@ -230,7 +234,8 @@ GB_HD unsigned edges_in_row(const TexelOutline& o, double row) {
   return edges;
 }
 
-/// Edges left of the texel bound nothing of it, and those on its right all that they pass of its row: most do either.
+/// Returns the covered area of a texel. Edges left of the texel add nothing, and edges right of it add the full length
+/// of their part in the row. Most edges are one or the other.
 GB_HD double covered_area(const TexelOutline& o, unsigned edges, double column, double row) {
   CellMoments sum{};
   for (int i = 0; i < o.count; ++i) {
@@ -244,10 +249,11 @@ GB_HD double covered_area(const TexelOutline& o, unsigned edges, double column, 
   return sum.area;
 }
 
-/// weight_scale: of a covered texel², signed as the outline turns.
+/// Returns the mean of the covered texels. weight_scale: weight per covered texel², with the sign of the outline's
+/// orientation.
 GB_HD Rgba16 mean_of_covered(const TexelGrid& grid, const TexelSpan& columns, const TexelSpan& rows,
                              const TexelOutline& o, double weight_scale) {
-  constexpr double most_weight = 1 << 30;  // what is covered adds up to 2^24: only rounding could lead beyond
+  constexpr double most_weight = 1 << 30;  // covered areas sum to 2^24, so only rounding could exceed this limit
   std::uint64_t sum[4] = {0, 0, 0, 0}, weights = 0;
   for (std::int32_t j = 0; j < rows.count; ++j) {
     const unsigned edges = edges_in_row(o, j);
@@ -266,8 +272,8 @@ GB_HD Rgba16 mean_of_covered(const TexelGrid& grid, const TexelSpan& columns, co
   return r;
 }
 
-/// Premultiplied linear mean of the texels that a fragment covers; its centroid's texel where the fragment is too small
-/// to be measured.
+/// Returns the premultiplied linear mean of the texels that a fragment covers. A fragment too small to measure gets its
+/// centroid's texel.
 GB_HD_ONE_COPY Rgba16 nearest_over(const TextureView& view, NearestLook look, FragmentShape f,
                                    const std::uint16_t* linear_from_srgb) {
   const double s_middle = (look.s0 + look.su * f.centroid.u) + look.sv * f.centroid.v,

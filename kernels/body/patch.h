@@ -1,9 +1,10 @@
-/// Where the surface in a coarser voxel lies, and how flat it is: what planes are made of (kernels/body/plane.h).
+/// Surface moments of a coarser voxel: mean position and flatness of its surface. Planes are fitted to them
+/// (kernels/body/plane.h).
 ///
-/// A voxel's *patch* is kept beside its level while coarser ones are made of it, and is not stored. Lengths are in half
-/// edges of the patch's own voxel, from its centre, so that they stay between -1 and 1 whatever the level.
+/// A voxel's *patch* is kept next to its level while coarser levels are computed, and is not stored. Lengths are in
+/// half edges of the patch's own voxel, from its centre, so that they lie between -1 and 1 in every level.
 ///
-/// Exact   Integers of 32 bits, rounded once a level; the order of children does not show: host and device return the
+/// Exact   32-bit integers, rounded once per level; the order of children does not matter. Host and device return the
 ///         same bits.
 #pragma once
 
@@ -16,28 +17,28 @@
 
 namespace gigabake::kernels {
 
-/// Eight bytes, which a GPU reads at once.
+/// Surface moments of one voxel. Eight bytes, so that a GPU reads them with one load.
 struct alignas(8) Patch {
-  std::int16_t place[3];   ///< mean place of the surface; place_unit = 1
-  std::uint8_t spread;     ///< mean square of its distance from its plane; 256 = 1, and no more than 255
-  std::uint8_t agreement;  ///< length of the mean of its unit normals, and one more; 256 = 1
+  std::int16_t place[3];   ///< mean position of the surface; place_unit = 1
+  std::uint8_t spread;     ///< mean squared distance from its plane; 256 = 1, max 255
+  std::uint8_t agreement;  ///< length of the mean of its unit normals, minus one; 256 = 1
 };
 
-/// Of a voxel of lod 0.
+/// Returns the patch of a lod-0 voxel.
 GB_HD Patch finest_patch() { return {{0, 0, 0}, 0, 255}; }
 
 inline constexpr std::int32_t place_unit = 1 << 14;
 
-/// Sums over the children of a voxel, each weighted by what shows of it (Weights), as in its colour.
+/// Sums over the children of a voxel, each weighted by its visible coverage (Weights), as for colour.
 struct PatchSums {
   std::int32_t weight = 0, place[3] = {}, normal[3] = {};
 
-  /// A child's place in half edges of the parent, 2·place_unit = 1. Along an axis.
+  /// Returns a child's position along an axis in half edges of the parent, 2·place_unit = 1.
   GB_HD static std::int32_t place_in_parent(const Patch& patch, int child, int axis) {
     return ((child >> axis & 1) != 0 ? place_unit : -place_unit) + patch.place[axis];
   }
 
-  /// n: of the child. w: 0 … 255.
+  /// Adds a child. n: of the child. w: 0 … 255.
   GB_HD void add(const Patch& patch, int child, const UnitNormal& n, std::int32_t w) {
     weight += w;
     for (int a = 0; a < 3; ++a) {
@@ -46,17 +47,18 @@ struct PatchSums {
     }
   }
 
-  /// 2^31 / weight: one division for all means. Range  weight > 0.
+  /// Returns 2^31 / weight: one division for all means.
+  /// Range   weight > 0.
   GB_HD std::int64_t by_weight() const { return (std::uint32_t(1) << 31) / std::uint32_t(weight); }
 
-  /// All but `spread`. n: of the parent.
+  /// Returns the patch except for `spread`. n: of the parent.
   GB_HD Patch patch(const UnitNormal& n) const {
     const std::int64_t by = by_weight();
     Patch out{};
     std::int32_t along = 0;
     for (int a = 0; a < 3; ++a) {
       out.place[a] = std::int16_t((place[a] * by + (std::int64_t(1) << 31)) >> 32);
-      along += std::int32_t(normal[a] * by >> 31) * n.c[a];  // Cauchy and Schwarz keep it below 2^30
+      along += std::int32_t(normal[a] * by >> 31) * n.c[a];  // below 2^30 by the Cauchy-Schwarz inequality
     }
     const std::int32_t length = (along + (1 << 21)) >> 22;  // 256 = 1
     out.agreement = std::uint8_t(length < 1 ? 0 : length - 1);
@@ -64,19 +66,19 @@ struct PatchSums {
   }
 };
 
-/// What a child adds to the spread of its parent, 65536 = 1: its own, and how far its place lies from the parent's
-/// plane. At most 4·65536.
+/// Returns a child's contribution to the spread of its parent, 65536 = 1. It is the child's own spread plus the squared
+/// distance of its position from the parent's plane. Max 4·65536.
 GB_HD std::int32_t spread_in_parent(const Patch& of_child, int child, const Patch& of_parent, const UnitNormal& n) {
-  std::int32_t off = 0;  // 2^22 = a half edge
+  std::int32_t off = 0;  // 2^22 = one half edge
   for (int a = 0; a < 3; ++a)
     off += (n.c[a] >> 3) * ((PatchSums::place_in_parent(of_child, child, a) / 2 - of_parent.place[a]) >> 4);
   off >>= 14;
   return 64 * std::int32_t(of_child.spread) + off * off;
 }
 
-/// How far the centres of the voxels that a plane meets lie from it, in the mean of squares; 65536: an edge of theirs,
-/// which is half an edge of the voxels above. They are those within half of (|x| + |y| + |z|) of its unit normal. At
-/// lod 0 nothing else is known of where in its voxel the surface lies.
+/// Returns the mean squared distance of voxel centres from a plane, over the voxels that the plane intersects. 65536 is
+/// an edge of these voxels, which is half an edge of the coarser voxels. The centres lie within half of (|x| + |y| +
+/// |z|) of its unit normal. At lod 0 the position of the surface within a voxel is otherwise unknown.
 GB_HD std::int32_t spread_of_centres(const UnitNormal& n) {
   std::int32_t reach = 0;
   for (int a = 0; a < 3; ++a) reach += n.c[a] < 0 ? -n.c[a] : n.c[a];
@@ -84,8 +86,8 @@ GB_HD std::int32_t spread_of_centres(const UnitNormal& n) {
   return reach * reach / 12;
 }
 
-/// The patch of the voxel above eight. sums: of all that have something to say. patch(c): of child c; anything where
-/// its weight is 0. is_finest: children are of lod 0.
+/// Returns the patch of the parent of eight voxels. sums: over children of non-zero weight. patch(c) is ignored if
+/// child c's weight is 0. is_finest: the children are of lod 0.
 template <class PatchOf>
 GB_HD Patch join_patches(const PatchSums& sums, const PatchOf& patch, const Weights& weights, const Voxel& parent,
                          bool is_finest, const Tables& tables) {
@@ -100,13 +102,13 @@ GB_HD Patch join_patches(const PatchSums& sums, const PatchOf& patch, const Weig
   return out;
 }
 
-/// A voxel and its patch, of eight children.
+/// A voxel and its patch, both computed from eight children.
 struct VoxelPatch {
   Voxel voxel;
   Patch patch;
 };
 
-/// As filter_children() by view, and join_patches().
+/// Computes a voxel by filter_children() by view and its patch by join_patches().
 template <class PatchOf>
 GB_HD VoxelPatch filter_patches(const Voxel children[8], const PatchOf& patch, const Weights& weights, bool is_finest,
                                 const Tables& tables) {

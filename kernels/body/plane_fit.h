@@ -1,6 +1,6 @@
-/// Which plane a patch is, if it is one sheet.
+/// Fit of a plane to a patch that is a single surface.
 ///
-/// Exact   Integers of 32 bits: host and device return the same bits.
+/// Exact   32-bit integers: host and device return the same bits.
 /// Source  docs/experiments/levels.md (blended planes).
 #pragma once
 
@@ -12,28 +12,29 @@
 
 namespace gigabake::kernels {
 
-/// part / whole, to the nearest, half up. Range  whole > 0, 2·|part| + whole < 2^31.
+/// Returns part / whole, rounded to nearest, half up.
+/// Range   whole > 0, 2·|part| + whole < 2^31.
 GB_HD std::int32_t rounded_ratio(std::int32_t part, std::int32_t whole) {
   const std::int32_t twice = 2 * part + whole, by = 2 * whole;
   return twice >= 0 ? twice / by : -((by - 1 - twice) / by);
 }
 
-/// 0 below `from`, 256 above `to`, straight between.
+/// Returns a linear ramp: 0 below `from`, 256 above `to`.
 GB_HD std::int32_t ramp_256(std::int32_t x, std::int32_t from, std::int32_t to) {
   if (x <= from) return 0;
   return x >= to ? 256 : (x - from) * 256 / (to - from);
 }
 
-/// How much a patch is one sheet, 0 … 3: its normals agree (mean of length .65 to .8), and it lies near its plane
-/// (.2 to .12 of an edge off).
+/// Returns the degree to which a patch is a single surface, 0 … 3. It rises with the length of the mean normal (0.65 to
+/// 0.8) and falls with the distance from the plane (0.12 to 0.2 edges).
 GB_HD int coherence_of(const Patch& patch) {
   const std::int32_t alike = ramp_256(patch.agreement, 165, 204);
   const std::int32_t far = ramp_256(patch.spread, 15, 41);
   return int((most_coherence * alike * (256 - far) + 32768) >> 16);
 }
 
-/// is_finest: at lod 1, whose children say of a surface only in which voxel it lies. There a third of the offsets tell
-/// as much as all of them, and take fewer bytes of a shard.
+/// Returns the plane of a patch. is_finest: at lod 1, whose children locate the surface only to a voxel. There a third
+/// of the offsets carries as much information as all of them, and takes fewer bytes of a shard.
 GB_HD Plane plane_of(const Patch& patch, const std::int8_t normal[2], bool is_finest) {
   const int coherence = coherence_of(patch);
   if (coherence == 0) return {};
@@ -45,7 +46,7 @@ GB_HD Plane plane_of(const Patch& patch, const std::int8_t normal[2], bool is_fi
   return {step * (steps < -most ? -most : (steps > most ? most : steps)), coherence};
 }
 
-/// What of coverage is stored: none where all of the surface is on the plane, which then says it.
+/// Returns the coverage to store: 0 if the whole surface lies on the plane, because the plane then determines it.
 GB_HD std::uint32_t coverage_beside(const Plane& plane, std::uint32_t coverage) {
   return plane.coherence == most_coherence ? 0 : coverage;
 }

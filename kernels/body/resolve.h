@@ -1,4 +1,4 @@
-/// Accumulators become voxels.
+/// Conversion of accumulators to voxels.
 #pragma once
 
 #include <cmath>
@@ -12,13 +12,13 @@
 
 namespace gigabake::kernels {
 
-/// The nearest 16-bit value to 65535·part/whole.
+/// Returns 65535·part/whole, rounded to 16 bits.
 GB_HD std::uint16_t ratio16(double part, double inverse_whole) {
   const double r = std::floor(part * inverse_whole * 65535 + 0.5);
   return std::uint16_t(r > 65535 ? 65535 : r);
 }
 
-/// False where nothing visible is left (alpha rounds to 0): such a voxel is not stored.
+/// Computes the voxel of an accumulator. Returns false if alpha rounds to 0; such a voxel is not stored.
 /// Exact   Sums are exact integers; the means are IEEE double: host and device return the same bits.
 template <class I>
 GB_HD bool resolve(const I sums[sum_count], const Tables& tables, Voxel& out) {

@@ -1,9 +1,9 @@
 /// Bilinear samples of one level of a texture.
 ///
-/// Space   Texture coordinates run from 0 to 1 over the image. Along each axis a sample's place is a fraction of the
+/// Space   Texture coordinates run from 0 to 1 over the image. Along each axis a sample's position is a fraction of the
 ///         image in 2^-32, wrapped once for all levels, so that levels need neither divisions nor doubles.
-/// Exact   Integers, but for rounding a coordinate to 2^-31 of the image: host and device agree.
-/// Range   |s|, |t| ≤ 2^20; beyond that, where only the gradient of a degenerate sliver leads, any texel is sampled.
+/// Exact   Integers, except that a coordinate is rounded to 2^-31 of the image: host and device agree.
+/// Range   |s|, |t| ≤ 2^20. Only gradients of degenerate slivers lead beyond; an arbitrary texel is then sampled.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@
 
 namespace gigabake::kernels {
 
-/// The lower half of a double's bits.
+/// Returns the lower half of a double's bits.
 GB_HD std::uint32_t low_word(double x) {
 #if defined(__CUDA_ARCH__)
   return std::uint32_t(__double2loint(x));
@@ -28,8 +28,8 @@ GB_HD std::uint32_t low_word(double x) {
 #endif
 }
 
-/// Where s lies on the image, in 2^-32 of it. A double from 2^21 to 2^22 ends in the bit of 2^-31, and the highest of
-/// its low 32 bits says whether s is in an odd image: the one that mirrored_repeat turns around.
+/// Returns the position of s on the image, in 2^-32 of the image. The last bit of a double from 2^21 to 2^22 is 2^-31.
+/// The highest of its low 32 bits is set if s lies in an odd image, which mirrored_repeat mirrors.
 GB_HD std::uint32_t fraction_of(double s, Wrap wrap) {
   constexpr double last = 1 - 1.0 / 2147483648.0;
   if (wrap == Wrap::clamp_to_edge) s = s < 0 ? 0 : (s > last ? last : s);
@@ -38,13 +38,13 @@ GB_HD std::uint32_t fraction_of(double s, Wrap wrap) {
   return (is_turned ? ~bits : bits) << 1;
 }
 
-/// Two neighbouring texels along an axis and how much the second weighs, of 256.
+/// Two neighbouring texels along an axis, and the weight of the second, 0 … 255 of 256.
 struct TexelPair {
   std::uint32_t a, b, second;
 };
 
-/// Around a fraction of `size` texels. Where it is not repeated, an image ends with its outermost texels' colours: so
-/// does one that is mirrored.
+/// Returns the texels around a fraction of `size` texels. If the image is not repeated, its outermost texels continue
+/// beyond it; this also holds for mirrored images.
 GB_HD TexelPair neighbours(std::uint32_t fraction, std::uint32_t size, bool repeats) {
   const std::int64_t x =
       std::int64_t(std::uint64_t(fraction) * size) - (std::int64_t(1) << 31);  // from a texel's middle
@@ -54,14 +54,14 @@ GB_HD TexelPair neighbours(std::uint32_t fraction, std::uint32_t size, bool repe
   return {std::uint32_t(a), std::uint32_t(b), std::uint32_t(x) >> 24};
 }
 
-/// A texel in one load. Texels are aligned to their size.
+/// Copies a texel with one load. Texels are aligned to their size.
 template <int bytes>
 GB_HD void copy_texel(const void* from, void* to) {
   std::memcpy(to, __builtin_assume_aligned(from, bytes), bytes);
 }
 
-/// Four premultiplied linear texels of level l. All are asked for before anything is done with the first. opaque: alpha
-/// is not looked at.
+/// Loads `count` premultiplied linear texels of level l. All loads are issued before the first result is used. opaque:
+/// alpha is ignored.
 template <bool opaque, int count = 4>
 GB_HD void load_texels(const TextureView& t, int l, const std::uint32_t at[count], const Tables& tables,
                        Rgba16 out[count]) {
@@ -83,7 +83,7 @@ GB_HD void load_texels(const TextureView& t, int l, const std::uint32_t at[count
     for (int c = 0; c < 3; ++c) out[k].c[c] = scale16(out[k].c[c], out[k].c[3]);
 }
 
-/// The alpha test, made on the interpolated texel as a renderer makes it.
+/// Applies the alpha test to an interpolated texel, as a renderer does.
 GB_HD Rgba16 test_alpha(Rgba16 r, std::uint8_t cutoff) {
   if (r.c[3] < cutoff * 257u) return Rgba16{{0, 0, 0, 0}};
   for (int c = 0; c < 3; ++c) {
@@ -94,14 +94,15 @@ GB_HD Rgba16 test_alpha(Rgba16 r, std::uint8_t cutoff) {
   return r;
 }
 
-/// Around the fractions s and t (fraction_of). opaque: for materials whose alpha is ignored; the result has none.
+/// Samples a level at the fractions s and t (fraction_of). opaque: for materials whose alpha is ignored; the result has
+/// no alpha.
 template <bool opaque>
 GB_HD Rgba16 sample_level(const TextureView& view, const MaterialView& m, int l, std::uint32_t s, std::uint32_t t,
                           const Tables& tables) {
   const auto width = std::uint32_t(level_extent(view.width, l)), height = std::uint32_t(level_extent(view.height, l));
   const TexelPair across = neighbours(s, width, m.wrap_s == Wrap::repeat);
   const TexelPair down = neighbours(t, height, m.wrap_t == Wrap::repeat);
-  // Two rows of two texels, also where they weigh nothing. Weights sum up to 2^16.
+  // Always load two rows of two texels, also if their weights are 0. Weights sum to 2^16.
   const std::uint32_t upper = down.a * width, lower = down.b * width;
   const std::uint32_t at[4] = {upper + across.a, upper + across.b, lower + across.a, lower + across.b};
   Rgba16 texel[4];

@@ -1,10 +1,10 @@
-/// What a texture looks like on a fragment: linear, premultiplied 16-bit RGBA, averaged over the fragment.
+/// Mean of a texture over a fragment: linear, premultiplied 16-bit RGBA.
 ///
-/// Vertex colours are linear over a triangle, so their value at the fragment's centroid is their exact mean. Of a
-/// texture a footprint is averaged that has the centroid and the second moments of the fragment's own polygon: so what
-/// a parabola describes has its exact mean, and the fragments of a voxel add up to the same however its surface is cut
-/// into triangles. It is read from the prefiltered pyramid at a level where three texels along each axis stand for it;
-/// a wide one in up to nine parts.
+/// Vertex colours are linear over a triangle, so their value at the fragment's centroid is their exact mean. A texture
+/// is averaged over a footprint with the centroid and second moments of the fragment's polygon. A quadratic texture
+/// therefore has its exact mean, and the fragments of a voxel sum to the same result for any division of its surface
+/// into triangles. The footprint is read from the prefiltered pyramid at a level where three texels along each axis
+/// represent it. A wide footprint is read in up to nine parts.
 ///
 /// Exact   Texel weights and sums are integers; positions are IEEE double, second moments IEEE float: host and device
 ///         agree.
@@ -28,13 +28,14 @@ struct TextureMap {
   float xu, xv, yu, yv;           ///< the same gradients in texels
 };
 
-/// A gradient whose square is a float, too.
+/// Returns the gradient as float, clamped so that its square is also finite.
 GB_HD float texels_of(double gradient) {
   constexpr double beyond_any_image = 1 << 30;
   return float(gradient < -beyond_any_image ? -beyond_any_image : at_most(gradient, beyond_any_image));
 }
 
-/// uv: 3 × (s, t). Range: finite, |s|, |t| ≤ 2^20 (checked by the caller).
+/// Returns the map from a triangle's plane to its texture. uv: 3 × (s, t).
+/// Range   Finite; |s|, |t| ≤ 2^20 (checked by the caller).
 GB_HD TextureMap make_texture_map(const TrianglePlane& p, const float uv[6], std::int32_t width, std::int32_t height) {
   TextureMap r;
   const double u1 = p.u[1] - p.u[0], v1 = p.v[1] - p.v[0], u2 = p.u[2] - p.u[0], v2 = p.v[2] - p.v[0];
@@ -59,40 +60,41 @@ struct Spread {
   float ss, st, tt;
 };
 
-/// Of a fragment's points on its texture.
+/// Returns the variances and covariance of a fragment's points on its texture.
 GB_HD Spread texel_spread(const TextureMap& m, float uu, float uv, float vv) {
   const float xu = m.xu * uu + m.xv * uv, xv = m.xu * uv + m.xv * vv, yu = m.yu * uu + m.yv * uv,
               yv = m.yu * uv + m.yv * vv;
   return {m.xu * xu + m.xv * xv, m.yu * xu + m.yv * xv, m.yu * yu + m.yv * yv};
 }
 
-/// How much narrower a box around `middle` of a cell has to be, so that it reaches little beyond the cell. What has the
-/// spread of half a cell reaches a quarter farther than to its border: beside a chart of an atlas that is too far, and
-/// to end there takes too much from the spread. The variance of what is convex is at most half the square of how far
-/// its middle is from the border, so `least` is for rounding alone.
+/// Returns the factor, at least 0.875, that narrows a box around `middle` of a cell. The box then extends at most 10 %
+/// beyond the cell. A box with the spread of half a cell extends a quarter beyond its border, which reads texels
+/// outside an atlas chart. Ending at the border would lose too much spread. The variance of a convex shape is at most
+/// half the square of its centre's distance from the border, so `least` only guards against rounding.
 GB_HD float share_within_cell(double middle, float variance) {
   constexpr float beyond = 1.1f, least = 0.875f;
   const float reach = beyond * float(smaller(middle, 1 - middle));
   return larger(least, smaller(1.0f, reach * inverse_root(3 * variance)));
 }
 
-/// What a wide footprint takes for the spread of its fragment.
+/// Returns the spread of a wide footprint.
 GB_HD Spread spread_within_cell(const TextureMap& m, const FragmentShape& f) {
   const float u = share_within_cell(f.centroid.u - f.cell_u, f.uu),
               v = share_within_cell(f.centroid.v - f.cell_v, f.vv);
   return texel_spread(m, f.uu * (u * u), f.uv * (u * v), f.vv * (v * v));
 }
 
-/// How a footprint is read: parts in rows and columns, each with the spread `part` (texels of level 0), on one level.
-/// Steps (images) lead to a row's next part, along the longer axis, and across to the next row.
+/// Parts of a footprint in rows and columns, all on one level, each with the spread `part` (texels of level 0). The
+/// steps (in images) lead to a row's next part, along the longer axis, and across to the next row.
 struct FootprintParts {
   Spread part;
   float along_s, along_t, across_s, across_t;
   std::int32_t columns, rows, level;
-  std::uint32_t reciprocal;  ///< of the parts, in 2^-31, rounded up
+  std::uint32_t reciprocal;  ///< 1 / number of parts, in 2^-31, rounded up
 };
 
-/// The finest level on which a box with the square of its edge, in texels of level 0, is no wider than the widest.
+/// Returns the finest level on which a box of this squared edge, in texels of level 0, is no wider than
+/// `widest_squared`.
 GB_HD int level_of(std::int32_t levels, float width_squared) {
   const float ratio = (width_squared + 3) * (1 / (widest_squared + 3));
   std::int32_t bits;  // exponent, then fraction
@@ -101,26 +103,27 @@ GB_HD int level_of(std::int32_t levels, float width_squared) {
   return bits > one ? smaller((((bits - one) >> 23) + 2) >> 1, levels - 1) : 0;
 }
 
-/// The square of the widest box that is read whole: nine texels have a box's shape as far as that, and its moments up
-/// to `widest_squared`.
+/// Squared edge of the widest box that is read as a whole. Nine texels reproduce a box's shape up to this width, and
+/// its moments up to `widest_squared`.
 inline constexpr float widest_whole = 4.2f;
 
-/// Parts of a box whose edge has the square `squared`, side by side, each about as long as the root of `wanted`.
+/// Returns the number of adjacent parts of a box with squared edge `squared`, each about as long as the root of
+/// `wanted`.
 GB_HD std::int32_t parts_along(float squared, float wanted) {
   constexpr std::int32_t most = 4;
   const float ratio = squared / wanted;
   return ratio < most * most ? std::int32_t(std::sqrt(ratio) + 0.5f) : most;
 }
 
-/// A box on a texture, slanted: along an axis of the texture its edge goes `slant` along the other one, too. Squares of
-/// its parts' edges, and how many of them it has along each.
+/// Slanted box on a texture: along one axis of the texture its edge also moves by `slant` along the other axis. The
+/// squares are of its parts' edges; columns and rows count the parts.
 struct SlantedBox {
   float long_squared, short_squared, slant;
   std::int32_t columns, rows;
 };
 
-/// What is tested has one row of parts. Else what is wide along both axes has two, so that a finer level is read, or
-/// three where that is the image itself.
+/// Divides a footprint into parts. A footprint with an alpha test has one row. Others that are wide along both axes
+/// have two rows, so that a finer level is read, or three rows if that level is the image itself.
 GB_HD SlantedBox slanted_box(float longer, float covariance, float shorter, bool is_tested) {
   SlantedBox r;
   r.slant = covariance / longer;
@@ -135,10 +138,11 @@ GB_HD SlantedBox slanted_box(float longer, float covariance, float shorter, bool
   return r;
 }
 
-/// is_tested: by alpha. Then texels are taken of which a level says how many pass.
+/// Returns the parts of a wide footprint. is_tested: by alpha. Then a level ≥ 1 is read, whose alpha is the fraction of
+/// texels that pass.
 GB_HD_ONE_COPY FootprintParts wide_footprint(Spread all, std::int32_t width, std::int32_t height, std::int32_t levels,
                                              bool is_tested) {
-  const bool along_s = 1.01f * all.ss >= all.tt;  // not by rounding where both are the same
+  const bool along_s = 1.01f * all.ss >= all.tt;  // the factor keeps rounding from deciding if both are equal
   const SlantedBox box = slanted_box(along_s ? all.ss : all.tt, all.st, along_s ? all.tt : all.ss, is_tested);
   const float step = std::sqrt(box.long_squared), row_step = std::sqrt(box.short_squared), slanted = step * box.slant;
   const float longer = box.long_squared * (1.0f / 12), covariance = longer * box.slant,
@@ -162,7 +166,7 @@ GB_HD FootprintParts footprint_parts(const TextureView& view, const TextureMap& 
   return wide_footprint(spread_within_cell(m, f), view.width, view.height, view.levels, view.mask_cutoff != 0);
 }
 
-/// 4^-level.
+/// Returns 4^-level.
 GB_HD float level_scale(int level) {
   const std::int32_t bits = (127 - 2 * level) << 23;
   float scale;
@@ -170,10 +174,11 @@ GB_HD float level_scale(int level) {
   return scale;
 }
 
-/// Of a footprint narrower than its level's texels, as it is counted: to sharpen more would make waves.
+/// Min squared width of a footprint relative to its level's texels. Sharpening more would cause ringing.
 inline constexpr float narrowest_squared = -1.2f;
 
-/// A footprint on its level, whose texels are boxes themselves; an image's own are what is asked for.
+/// Returns a footprint on its level. Texels of coarser levels are boxes themselves, and their width is subtracted.
+/// At level 0 nothing is subtracted.
 GB_HD LevelFootprint level_footprint(const FootprintParts& parts) {
   const float scale = level_scale(parts.level), own = 3 - 3 * scale;
   const float narrowest = parts.level == 0 ? 0 : narrowest_squared;
@@ -184,15 +189,16 @@ GB_HD LevelFootprint level_footprint(const FootprintParts& parts) {
   return r;
 }
 
-/// Whether a footprint around s reaches across an edge beyond which the outermost texels go on: those of a coarser
-/// level hold more than them.
+/// Returns true if a footprint around s crosses a clamped edge, beyond which the outermost texels continue. Texels of a
+/// coarser level average more than the outermost texels.
 GB_HD bool is_across_edge(double s, Wrap wrap, std::int32_t size, float variance) {
   if (wrap != Wrap::clamp_to_edge) return false;
   const float inside = float(0.5 - std::fabs(s - 0.5)) * float(size);
   return inside < 0 || inside * inside < 3 * variance;
 }
 
-/// Mean of the texture over a fragment. opaque: for materials whose alpha is ignored; the result has none.
+/// Returns the mean of the texture over a fragment. opaque: for materials whose alpha is ignored; the result has no
+/// alpha.
 template <bool opaque>
 GB_HD Rgba16 texture_over(const TextureView& view, const MaterialView& m, const TextureMap& map, const FragmentShape& f,
                           const Tables& tables) {
@@ -216,7 +222,7 @@ GB_HD Rgba16 texture_over(const TextureView& view, const MaterialView& m, const 
     row += column < last_column ? 0 : 1.0f;
     column = column < last_column ? column + 1 : first_column;
   }
-  // Sums are below 2^20 and there are at most 9 parts: quotients are exact.
+  // Sums are below 2^20 and there are at most 9 parts, so the quotients are exact.
   Rgba16 r;
   for (int c = 0; c < 4; ++c)
     r.c[c] = std::uint16_t(std::uint64_t(sum[c] + std::uint32_t(count) / 2) * parts.reciprocal >> 31);

@@ -1,6 +1,6 @@
-/// A triangle's colour, alpha and normal on one of its fragments.
+/// Colour, alpha and normal of a triangle over one of its fragments.
 ///
-/// Space   (u, v) in voxels from the triangle's anchor, as kernels/body/coverage.h.
+/// Space   (u, v) in voxels from the triangle's anchor, as in kernels/body/coverage.h.
 /// Exact   IEEE double and integers: host and device return the same bits.
 #pragma once
 
@@ -15,17 +15,17 @@
 
 namespace gigabake::kernels {
 
-/// Texture coordinates beyond this (or NaN/Inf) name no texel; the triangle is baked as if they were 0 and counted.
+/// Max texture coordinate. Coordinates beyond it (or NaN/Inf) are unusable; the triangle is baked with 0 and counted.
 inline constexpr double largest_uv = 1 << 20;
 
-/// How a triangle's colour runs over its fragments.
+/// Variation of a triangle's colour over its fragments.
 enum class Look : std::uint8_t {
-  flat,     ///< the same colour everywhere: no fragment needs its moments
-  linear,   ///< opaque, coloured by its vertices: LinearColour says all
+  flat,     ///< uniform: no fragment needs its moments
+  linear,   ///< opaque with vertex colours: LinearColour describes it completely
   varying,  ///< each fragment is shaded at its centroid
 };
 
-/// What shading needs of one triangle; borrowed views stay valid while it is used.
+/// Shading parameters of one triangle. The caller keeps the borrowed views valid while the surface is used.
 struct Surface {
   MaterialView material;
   const TextureView* texture = nullptr;
@@ -49,13 +49,13 @@ GB_HD bool usable_uv(const float uv[6]) {
 
 GB_HD double dot(const double a[3], const double b[3]) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
 
-/// n at unit length, which is 32767.
+/// Scales n to unit length, which is 32767.
 GB_HD void scale_to_unit(const double n[3], std::int16_t unit[3]) {
   const double scale = 32767 / std::sqrt(dot(n, n));
   for (int c = 0; c < 3; ++c) unit[c] = std::int16_t(floor_to_int32(n[c] * scale + 0.5));
 }
 
-/// Unit normal of the snapped vertices by their winding, in scene axes.
+/// Returns the unit normal of the snapped vertices by their winding, in scene axes.
 template <class I, class N>
 GB_HD void snapped_normal(const BrickTriangle<I, N>& t, std::int16_t normal[3]) {
   const double n[3] = {double(t.n[0]), double(t.n[1]), double(t.n[2])};
@@ -68,7 +68,7 @@ struct Barycentric {
   double a, b, c;
 };
 
-/// Barycentric coordinates of p, moved onto the triangle where they lie outside.
+/// Returns the barycentric coordinates of p. Points outside the triangle are moved onto it.
 GB_HD Barycentric barycentric(const TrianglePlane& t, Point2 p) {
   const double u1 = t.u[1] - t.u[0], v1 = t.v[1] - t.v[0], u2 = t.u[2] - t.u[0], v2 = t.v[2] - t.v[0];
   const double pu = p.u - t.u[0], pv = p.v - t.v[0], inverse = t.inverse_twice_area;
@@ -78,13 +78,14 @@ GB_HD Barycentric barycentric(const TrianglePlane& t, Point2 p) {
   return {a * inverse_sum, b * inverse_sum, c * inverse_sum};
 }
 
-/// Where a fragment is shaded that is too small for moment over area: the triangle's point at the cell's centre.
+/// Returns the shading point of a fragment too small to compute moment over area: the cell's centre, moved onto the
+/// triangle.
 GB_HD Point2 small_centroid(const TrianglePlane& t, double cell_u, double cell_v) {
   const Barycentric w = barycentric(t, {cell_u + 0.5, cell_v + 0.5});
   return {w.a * t.u[0] + w.b * t.u[1] + w.c * t.u[2], w.a * t.v[0] + w.b * t.v[1] + w.c * t.v[2]};
 }
 
-/// Rounding may lead beyond what points of a unit cell have.
+/// Sets the variances of a fragment, clamped to the range possible in a unit cell, because rounding may exceed it.
 GB_HD void set_variances(const CellMoments& m, float inverse_area, FragmentShape& f) {
   constexpr float most = 0.25f;
   const auto u = float(f.centroid.u - f.cell_u), v = float(f.centroid.v - f.cell_v);
@@ -94,7 +95,7 @@ GB_HD void set_variances(const CellMoments& m, float inverse_area, FragmentShape
   f.uv = larger(-most, smaller(0.5f * m.uv * twelfth - u * v, most));
 }
 
-/// m: with second moments. (polygon_u, polygon_v): the slab's, which the fragment is cut from.
+/// Returns the shape of a fragment. m: with second moments. (polygon_u, polygon_v): the slab polygon that contains it.
 GB_HD FragmentShape fragment_shape(const TrianglePlane& t, const CellMoments& m, double cell_u, double cell_v,
                                    const double* polygon_u, const double* polygon_v, int corners) {
   FragmentShape r{{0, 0}, m.area, 0, 0, 0, cell_u, cell_v, polygon_u, polygon_v, corners};
@@ -108,28 +109,28 @@ GB_HD FragmentShape fragment_shape(const TrianglePlane& t, const CellMoments& m,
   return r;
 }
 
-/// A channel's mean of the three vertices: the whole number that is nearest.
+/// Returns the interpolated channel of the three vertices, rounded to the nearest integer.
 GB_HD double vertex_mean(const Surface& s, int channel, const Barycentric& w) {
   return std::floor(w.a * s.vertex_rgba[0][channel] + w.b * s.vertex_rgba[1][channel] +
                     w.c * s.vertex_rgba[2][channel] + 0.5);
 }
 
-/// Straight linear RGBA of base colour and, where there are any, vertex colours' mean.
+/// Returns straight linear RGBA: base colour times the mean of the vertex colours, if there are any.
 GB_HD Rgba16 factor_of(const Surface& s, const double mean[4]) {
   Rgba16 r = base_factor(s.material);
   for (int c = 0; s.has_vertex_rgba && c < 4; ++c) r.c[c] = scale16(r.c[c], std::uint32_t(mean[c]));
   return r;
 }
 
-/// Premultiplied linear RGBA of a fragment without texture.
+/// Returns the premultiplied linear RGBA of a fragment without texture.
 GB_HD Rgba16 shade_untextured(const Surface& s, const double mean[4]) {
   const Rgba16 factor = factor_of(s, mean);
   if (s.is_opaque()) return opaque_colour(factor);
   return apply_material(s.material, factor, Rgba16{{65535, 65535, 65535, 65535}});
 }
 
-/// Premultiplied linear RGBA of a fragment with texture. factor: straight linear RGBA of what the texture is multiplied
-/// with. opaque: see texture_over.
+/// Returns the premultiplied linear RGBA of a fragment with texture. factor: straight linear RGBA, multiplied with the
+/// texture. opaque: see texture_over.
 template <bool opaque>
 GB_HD Rgba16 shade_textured(const TextureView& texture, const MaterialView& m, const TextureMap& map,
                             const Rgba16& factor, const FragmentShape& f, const Tables& tables) {
@@ -138,7 +139,7 @@ GB_HD Rgba16 shade_textured(const TextureView& texture, const MaterialView& m, c
   return opaque ? apply_opaque(factor, texel) : apply_material(m, factor, texel);
 }
 
-/// Premultiplied linear RGBA of a fragment. opaque: see texture_over.
+/// Returns the premultiplied linear RGBA of a fragment. opaque: see texture_over.
 template <bool opaque>
 GB_HD Rgba16 shade(const Surface& s, const TrianglePlane& t, const FragmentShape& f, const Tables& tables) {
   double mean[4] = {65535, 65535, 65535, 65535};
@@ -154,8 +155,8 @@ GB_HD Fragment make_fragment(const Surface& s, const Rgba16& rgba, std::int64_t 
   return fragment_of_colour(weight, rgba.c, s.normal);
 }
 
-/// Red, green and blue as linear functions of (u, v) from the anchor, in weights: their integral over a fragment is
-/// what it adds to a voxel's sums, and its centroid need not be known.
+/// Red, green and blue as linear functions of (u, v) from the anchor, in weights. Their integral over a fragment is its
+/// contribution to a voxel's sums, so its centroid is not needed.
 struct LinearColour {
   double at_anchor[3], per_u[3], per_v[3];
   std::uint16_t low[3], high[3];  ///< of the vertices, 65535 = 1
@@ -178,12 +179,12 @@ GB_HD LinearColour make_linear_colour(const Surface& s, const TrianglePlane& t) 
   return r;
 }
 
-/// The integral over the part of cell (u, v) that `m` measures. Rounding may lead beyond the range of weights.
+/// Returns the integral over the part of cell (u, v) that `m` measures. Rounding may exceed the range of weights.
 GB_HD double integral_of(const LinearColour& l, int c, double u, double v, const CellMoments& m) {
   return ((l.at_anchor[c] + l.per_u[c] * u) + l.per_v[c] * v) * m.area + (l.per_u[c] * m.u + l.per_v[c] * m.v);
 }
 
-/// For a fragment too small to be measured: the colour at the cell's centre, or the nearest that the triangle has.
+/// Returns the colour of a fragment too small to measure: at the cell's centre, clamped to the triangle's colours.
 GB_HD std::uint16_t colour_near(const LinearColour& l, int c, double u, double v, double weight_scale) {
   const double at_centre = ((l.at_anchor[c] + l.per_u[c] * (u + 0.5)) + l.per_v[c] * (v + 0.5)) / weight_scale;
   const double low = l.low[c], high = l.high[c];

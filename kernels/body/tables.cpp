@@ -15,7 +15,7 @@ std::vector<std::uint16_t> make_linear_from_srgb() {
   return table;
 }
 
-/// A code starts where the linear value of the half step below it lies.
+/// Returns the table of sRGB codes. A code begins at the linear value of the half step below it.
 std::vector<std::uint8_t> make_srgb_from_linear() {
   std::vector<std::uint8_t> table(linear_values);
   int code = 0;

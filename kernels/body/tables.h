@@ -1,5 +1,5 @@
-/// Lookup tables of the bodies, built once on the host and borrowed by every backend, so that no backend evaluates a
-/// transcendental function of its own.
+/// Lookup tables of the kernels, built once on the host and borrowed by every backend. No backend therefore evaluates
+/// transcendental functions itself.
 #pragma once
 
 #include <cstddef>
@@ -10,11 +10,11 @@
 
 namespace gigabake::kernels {
 
-/// Entries of the tables. A normal's has four numbers.
+/// Numbers of entries of the tables. A normal's entry has four numbers.
 inline constexpr std::size_t srgb_codes = 256, linear_values = 65536, normal_codes = 65536, alpha_sums = 64 * 255 + 1;
 inline constexpr std::size_t normal_steps = 128, sheet_coverages = 256 * normal_steps;
 
-/// Borrowed.
+/// Borrowed pointers to the tables.
 struct Tables {
   const std::uint16_t* linear_from_srgb = nullptr;  ///< [256]   sRGB 8-bit to linear, 65535 = 1
   const std::uint8_t* srgb_from_linear = nullptr;   ///< [65536] the nearest sRGB 8-bit code, half up in sRGB
@@ -24,6 +24,7 @@ struct Tables {
   const std::uint8_t* sheet_coverage = nullptr;  ///< [256][128] 255·(1-(1-a)^n) by 8-bit alpha, then 127·n
 };
 
+/// Owner of the tables.
 /// Source  IEC 61966-2-1 (sRGB); Cigolle et al. 2014 (octahedral normals); the thesis's opacity rule a^(1-a).
 class TableStore {
  public:

@@ -1,5 +1,6 @@
-/// The bricks of a window that a triangle may touch: directly for small triangles, by descending the oct-tree with an
-/// exact closed triangle-cube test for large ones, so that a sliver across the window costs its length, not its box.
+/// Search for the bricks of a window that a triangle may touch. Small triangles use their bounding box. Large triangles
+/// descend the octree with an exact closed triangle-cube test, so that the cost of a long sliver grows with its length
+/// and not with the volume of its box.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +14,10 @@
 namespace gigabake::kernels {
 
 inline constexpr int brick_subvoxel_bits = 11;  ///< 8 voxels · 256
-/// Triangles whose box has more bricks descend the oct-tree instead.
+/// Max number of bricks in a triangle's box for direct enumeration. Triangles with more bricks descend the octree.
 inline constexpr int most_direct_bricks = 8;
 
-/// A brick's lowest corner, in window sub-voxels.
+/// Returns a brick's lowest corner, in window sub-voxels.
 GB_HD void brick_corner(std::uint64_t key, std::int32_t corner[3]) {
   const BrickCoordinate at = demorton(key);
   corner[0] = std::int32_t(at.x) << brick_subvoxel_bits;
@@ -28,7 +29,7 @@ struct BrickBox {
   std::int32_t first[3], last[3];  ///< inclusive
 };
 
-/// Bricks of the triangle's bounding box inside the window; false when there are none.
+/// Computes the bricks of the triangle's bounding box inside the window. Returns false if there are none.
 GB_HD bool brick_box(const WindowTriangle& t, SurfaceRule rule, std::int32_t window_bricks, BrickBox& box) {
   for (int c = 0; c < 3; ++c) {
     const std::int32_t lo = smaller(smaller(t.p[0][c], t.p[1][c]), t.p[2][c]);
@@ -55,7 +56,8 @@ GB_HD void for_each_key(const BrickBox& box, const Visit& visit) {
         visit(morton(std::uint32_t(x), std::uint32_t(y), std::uint32_t(z)));
 }
 
-/// Closed triangle meets closed cube [corner, corner+edge]³; the plane and the nine edge axes (boxes were compared).
+/// Returns true if the closed triangle intersects the closed cube [corner, corner+edge]³. Tests the plane and the nine
+/// edge axes; the caller has already compared the boxes.
 /// Source  Akenine-Möller 2001.
 template <class I>
 GB_HD bool meets_cube(const WindowTriangle& t, const std::int64_t corner[3], std::int64_t edge) {
@@ -100,7 +102,7 @@ GB_HD auto with_integer_for(const WindowTriangle& t, const Visit& visit) {
   return is_narrow(t) ? visit(std::int64_t()) : visit(__int128());
 }
 
-/// Whether the triangle may touch the oct-tree node (x, y, z) of 2^level bricks an axis. box: of the triangle.
+/// Returns true if the triangle may touch the octree node (x, y, z) of 2^level bricks per axis. box: of the triangle.
 GB_HD bool may_touch_node(const WindowTriangle& t, const BrickBox& box, bool narrow, const std::int32_t node[3],
                           int level) {
   const std::int64_t edge = std::int64_t(1) << (brick_subvoxel_bits + level);
@@ -112,7 +114,7 @@ GB_HD bool may_touch_node(const WindowTriangle& t, const BrickBox& box, bool nar
   return narrow ? meets_cube<std::int64_t>(t, corner, edge) : meets_cube<__int128>(t, corner, edge);
 }
 
-/// Children of an oct-tree node that the triangle may touch, down to bricks; level 0 is a brick. `visit` takes the key.
+/// Calls visit(key) for the bricks below an octree node that the triangle may touch. Level 0 is a brick.
 template <class Visit>
 void descend(const WindowTriangle& t, const BrickBox& box, bool narrow, const std::int32_t node[3], int level,
              const Visit& visit) {

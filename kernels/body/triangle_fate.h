@@ -1,4 +1,4 @@
-/// What becomes of a triangle when its vertices are snapped: it is kept, or why it is not.
+/// Classification of a triangle after its vertices are snapped: it is kept, or dropped for a reason.
 ///
 /// Space   Sub-voxels from the window's lowest corner.
 /// Exact   Integers after the snap: host and device return the same answer.
@@ -14,23 +14,23 @@
 
 namespace gigabake::kernels {
 
-/// A snapped vertex; v[0] says where it is none.
+/// Snapped vertex. v[0] holds a special value if the vertex could not be snapped.
 struct SnappedVertex {
   std::int32_t v[3];
 };
-inline constexpr std::int32_t not_finite = INT32_MIN;        ///< or off the lattice
+inline constexpr std::int32_t not_finite = INT32_MIN;        ///< NaN, infinite or off the lattice
 inline constexpr std::int32_t out_of_reach = INT32_MIN + 1;  ///< beyond widest_coordinate
 
 enum class Fate : std::uint8_t {
-  elsewhere,   ///< it does not touch the window
-  kept,        ///< it may touch the window
+  elsewhere,   ///< does not touch the window
+  kept,        ///< may touch the window
   non_finite,  ///< dropped: a vertex is NaN/Inf or off the lattice
   zero_area,   ///< dropped: no area after the snap
-  oversized    ///< it reaches farther from the window than widest_coordinate: the cell must fail
+  oversized    ///< extends farther from the window than widest_coordinate: the cell must fail
 };
 inline constexpr int fates = 5;
 
-/// Triangles by fate; bad_uv: kept ones whose texture coordinates name no texel.
+/// Number of triangles per class. bad_uv: kept triangles with unusable texture coordinates.
 template <class Count>
 struct TriangleCounts {
   Count fate[fates];
@@ -61,7 +61,7 @@ GB_HD SnappedVertex snap_vertex(const SnapWindow& window, const PartArrays& part
   return s;
 }
 
-/// Wide: an integer that holds the product of two differences of coordinates.
+/// Returns true if the triangle has area. Wide: an integer that holds the product of two differences of coordinates.
 template <class Wide, class T>
 GB_HD bool has_area(const T p[3][3]) {
   for (int k = 0; k < 3; ++k) {
@@ -73,7 +73,8 @@ GB_HD bool has_area(const T p[3][3]) {
   return false;
 }
 
-/// Closed: every surface rule's voxels lie within. edge: of the window.
+/// Returns true if the triangle's box intersects the closed window, which contains the voxels of every surface rule.
+/// edge: of the window.
 template <class T>
 GB_HD bool meets_window(const T p[3][3], std::int64_t edge) {
   for (int c = 0; c < 3; ++c) {
@@ -83,7 +84,7 @@ GB_HD bool meets_window(const T p[3][3], std::int64_t edge) {
   return true;
 }
 
-/// Of a triangle with a vertex that is out of reach: snapped once more, into wider integers.
+/// Classifies a triangle with a vertex beyond widest_coordinate. Its vertices are snapped again, into wider integers.
 GB_HD Fate fate_of_far(const CellWindow& window, const PartArrays& part, const std::uint32_t v[3]) {
   std::int64_t p[3][3];
   for (int i = 0; i < 3; ++i) {
@@ -95,7 +96,7 @@ GB_HD Fate fate_of_far(const CellWindow& window, const PartArrays& part, const s
   return has_area<__int128>(p) ? Fate::oversized : Fate::zero_area;
 }
 
-/// p: the triangle's vertices as snap_vertex() returned them. v: which ones they are.
+/// Classifies a triangle. p: its vertices as returned by snap_vertex(). v: their indices.
 GB_HD Fate fate_of(const CellWindow& window, const PartArrays& part, const std::uint32_t v[3],
                    const std::int32_t p[3][3]) {
   bool is_far = false;

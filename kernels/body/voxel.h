@@ -1,4 +1,4 @@
-/// A voxel as levels store it, and the words that its bytes are moved in.
+/// A voxel as levels store it, and its bytes packed into words.
 #pragma once
 
 #include <cstdint>
@@ -13,24 +13,24 @@ struct Voxel {
   std::int8_t normal[2];  ///< octahedral
 };
 
-/// Red lowest, as a little-endian machine reads the four bytes.
+/// Packs the four bytes with red lowest, as a little-endian machine reads them.
 GB_HD std::uint32_t pack_rgba(const std::uint8_t rgba[4]) {
   return std::uint32_t(rgba[0]) | std::uint32_t(rgba[1]) << 8 | std::uint32_t(rgba[2]) << 16 |
          std::uint32_t(rgba[3]) << 24;
 }
 
-/// The first byte lowest; also the index into Tables::unit_normal.
+/// Packs the two bytes, the first lowest. The result is also the index into Tables::unit_normal.
 GB_HD std::uint16_t pack_normal(const std::int8_t normal[2]) {
   return std::uint16_t(std::uint8_t(normal[0]) | std::uint8_t(normal[1]) << 8);
 }
 
-/// Of the axis x lowest.
+/// Packs the directional coverage, axis x lowest.
 GB_HD std::uint32_t pack_facing(const std::uint8_t facing[facing_bytes]) {
   return std::uint32_t(facing[0]) | std::uint32_t(facing[1]) << 8 | std::uint32_t(facing[2]) << 16 |
          std::uint32_t(facing[3]) << 24;
 }
 
-/// Byte `number`, 0 the lowest.
+/// Returns byte `number`; 0 is the lowest.
 GB_HD std::uint8_t byte_of(std::uint32_t word, int number) { return std::uint8_t(word >> 8 * number); }
 
 GB_HD Voxel unpack_voxel(std::uint32_t rgba, std::uint16_t normal) {

@@ -1,4 +1,4 @@
-/// The window of a cell as bodies take it.
+/// The window of a cell in the form that kernels use.
 ///
 /// Space   Sub-voxels from the window's lowest corner; bricks by Morton key, 0 … 2^(3 levels) − 1.
 #pragma once
@@ -14,10 +14,10 @@
 
 namespace gigabake::kernels {
 
-/// Levels of the largest window, which has 8192 voxels along its edge.
+/// Number of levels of the largest window, which has 8192 voxels along its edge.
 inline constexpr int most_levels = 11;
 
-/// What vertices are snapped to.
+/// Lattice frame to which vertices are snapped.
 struct SnapWindow {
   SnapFrame frame;
   std::int64_t min[3];  ///< the window's lowest corner, lod-0 voxels
@@ -26,11 +26,11 @@ struct SnapWindow {
 struct CellWindow : SnapWindow {
   std::int64_t edge;    ///< sub-voxels
   std::int32_t bricks;  ///< along its edge
-  int levels;           ///< log2(bricks): a cell has one lod more
+  int levels;           ///< log2(bricks); a cell has one more lod
   SurfaceRule rule;
 };
 
-/// Of a brick's Morton code.
+/// Returns the number of bits of a brick's Morton code.
 GB_HD int key_bits(const CellWindow& window) { return 3 * window.levels; }
 
 inline CellWindow window_of(const CellParameters& p) {
