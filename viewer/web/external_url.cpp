@@ -32,7 +32,7 @@ bool is_path(std::string_view text) {
                    "expected http://HOST/ or https://HOST:PORT/PATH/, got '" + std::string(text.substr(0, 100)) + "'");
 }
 
-/// The family of a wildcard address; nothing for others.
+/// Returns the address family of a wildcard address; nullopt for other addresses.
 std::optional<int> wildcard_family(const std::string& bind) {
   addrinfo hints{};
   hints.ai_flags = AI_NUMERICHOST;
@@ -46,7 +46,7 @@ std::optional<int> wildcard_family(const std::string& bind) {
   return IN6_IS_ADDR_UNSPECIFIED(&six) ? std::optional(AF_INET6) : std::nullopt;
 }
 
-/// The address of this machine that reaches `target`: connecting a UDP socket sends nothing.
+/// Returns this machine's address on the route to `target`. Connecting a UDP socket sends no packet.
 std::string address_towards(const std::string& target, int family) {
   addrinfo hints{};
   hints.ai_family = family;
@@ -67,7 +67,7 @@ std::string address_towards(const std::string& target, int family) {
   return found && !is_loopback(text.data()) ? text.data() : "";
 }
 
-/// The first IPv4 address of an interface that is up and is not the loopback.
+/// Returns the first IPv4 address of an interface that is up and not a loopback.
 std::string first_interface_address() {
   ifaddrs* list = nullptr;
   if (::getifaddrs(&list) != 0) return "";
@@ -115,7 +115,7 @@ std::string_view without_external_path(std::string_view path, const ExternalUrl&
 std::string reachable_host(const std::string& bind) {
   const std::optional<int> family = wildcard_family(bind);
   if (!family) return bind;
-  // Addresses of documentation (RFC 5737, RFC 3849): the way there is that to any other network.
+  // Documentation addresses (RFC 5737, RFC 3849) are used: their route is the default route.
   std::string found = *family == AF_INET6 ? address_towards("2001:db8::1", AF_INET6) : "";
   if (found.empty()) found = address_towards("192.0.2.1", AF_INET);
   if (found.empty()) found = first_interface_address();

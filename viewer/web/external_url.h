@@ -1,4 +1,4 @@
-/// Addresses of a server as others see it: behind a proxy, and on a machine of which every address is listened on.
+/// Addresses under which other machines reach the server: through a proxy, or when it is bound to all addresses.
 #pragma once
 
 #include <string>
@@ -6,21 +6,23 @@
 
 namespace gigabake {
 
-/// The address under which a proxy shows a server.
+/// The URL under which a proxy publishes the server.
 struct ExternalUrl {
-  std::string host;    ///< in small letters, without brackets and port; empty: there is no proxy
-  std::string origin;  ///< scheme, host and port as browsers write an Origin
+  std::string host;    ///< lower case, without brackets and port; empty: no proxy
+  std::string origin;  ///< scheme, host and port, in the form of a browser's Origin header
   std::string path;    ///< begins and ends with '/'
 };
 
-/// Errors  UsageError: not http:// or https://, a host, perhaps a port and a path.
+/// Parses a URL: http:// or https://, a host, an optional port and an optional path. An empty text gives an empty
+/// result.
+/// Errors  UsageError: any other text.
 ExternalUrl parse_external_url(std::string_view text);
 
-/// Returns the path of a request without the path of the external URL, which a proxy may have kept.
+/// Returns a request's path without the path of the external URL, which some proxies keep.
 std::string_view without_external_path(std::string_view path, const ExternalUrl& external);
 
-/// Returns an address that other hosts can open: `bind`, or for a wildcard (0.0.0.0, ::) this machine's own address,
-/// its name if it has none beyond the loopback.
+/// Returns an address that other hosts can open: `bind`, or for a wildcard (0.0.0.0, ::) an address of this machine.
+/// A machine that has only loopback addresses is named by its host name.
 std::string reachable_host(const std::string& bind);
 
 }  // namespace gigabake

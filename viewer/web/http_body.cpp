@@ -9,7 +9,7 @@
 namespace gigabake {
 namespace {
 
-/// How soon a maker whose client is slow notices that the server stops.
+/// Polling interval in which a producer with a slow client notices that the server stops.
 constexpr std::chrono::milliseconds stop_look{100};
 
 }  // namespace
@@ -19,7 +19,7 @@ void HttpBody::make(const std::atomic<bool>& stopping) {
     std::optional<std::string> bytes;
     try {
       bytes = stream_->next();
-    } catch (const std::exception&) {  // the stream ends; its client asks again, or what is wrong with the scene
+    } catch (const std::exception&) {  // the stream ends; the client's next request reports the error
     }
     hand_over(std::move(bytes));
   }
@@ -32,7 +32,7 @@ bool HttpBody::wait_until_taken(const std::atomic<bool>& stopping) {
   return suspended_ && !ended_ && !gone_ && !stopping;
 }
 
-/// While a connection is suspended, libmicrohttpd does not look at it.
+/// Polls the socket itself, because libmicrohttpd does not watch suspended connections.
 bool HttpBody::client_has_left() const {
   pollfd look{socket_, POLLRDHUP, 0};
   return ::poll(&look, 1, 0) > 0;

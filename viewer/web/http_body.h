@@ -1,4 +1,4 @@
-/// A stream's bytes on their way from the thread that makes them to the one that sends them.
+/// The buffer of a streamed response, between the thread that produces the bytes and the one that sends them.
 #pragma once
 
 #include <atomic>
@@ -14,17 +14,20 @@
 
 namespace gigabake {
 
-/// Where the sender has sent all, it suspends the connection; where the maker has made more, it resumes it.
+/// A producer and a sender share the buffer. The sender suspends the connection when the buffer is empty; the producer
+/// resumes it.
 class HttpBody {
  public:
   HttpBody(MHD_Connection* connection, int socket, std::shared_ptr<HttpStream> stream)
       : connection_(connection), socket_(socket), stream_(std::move(stream)) {}
 
-  /// Makes until the stream ends, its client leaves or `stopping`. Once, on a thread of its own.
+  /// Produces bytes until the stream ends, the client disconnects or `stopping` is set. Call it once, on a separate
+  /// thread.
   void make(const std::atomic<bool>& stopping);
-  /// The sender's: up to `room` bytes, or what libmicrohttpd wants to hear where there are none.
+  /// Copies up to `room` bytes. If none are ready, returns 0 and suspends the connection; returns libmicrohttpd's end
+  /// code at the end. Called by the sender.
   ssize_t take(char* to, std::size_t room);
-  /// The sender's last word: connection and socket are no more.
+  /// Marks connection and socket as invalid. The sender's last call.
   void let_go();
 
  private:
@@ -36,7 +39,7 @@ class HttpBody {
   const int socket_;
   const std::shared_ptr<HttpStream> stream_;
 
-  std::mutex mutex_;  ///< guards what follows
+  std::mutex mutex_;  ///< guards the members below
   std::condition_variable wake_;
   std::string bytes_;
   std::size_t taken_ = 0;

@@ -11,7 +11,7 @@ namespace {
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
-/// Four numbers of at most three digits, the first of them 127.
+/// Returns true for four numbers of at most three digits of which the first is 127.
 bool is_loopback_v4(std::string_view host) {
   int dots = 0, digits = 0;
   for (const char c : host) {
@@ -22,7 +22,7 @@ bool is_loopback_v4(std::string_view host) {
   return dots == 3 && digits > 0 && host.starts_with("127.");
 }
 
-/// Nothing, or ":" and the digits of a port.
+/// Returns true for an empty text, and for ":" and the digits of a port.
 bool is_port(std::string_view text) {
   if (text.empty()) return true;
   std::uint32_t port = 0;
@@ -38,14 +38,14 @@ bool is_ipv6(std::string_view host) {
   return host.find('\0') == std::string_view::npos && ::inet_pton(AF_INET6, std::string(host).c_str(), &address) == 1;
 }
 
-/// A name or IPv4 numbers. Of what RFC 3986 allows in a name only what names of hosts have.
+/// Returns true for a host name or IPv4 address; accepts fewer characters than RFC 3986 does.
 bool is_name(std::string_view host) {
   return !host.empty() && host.size() <= 255 && std::all_of(host.begin(), host.end(), [](char c) {
     return is_digit(c) || is_letter(c) || c == '-' || c == '.' || c == '_';
   });
 }
 
-/// What a proxy made of a request, for whoever sets it up.
+/// Returns the Host and Origin that the server received, as help for the configuration of a proxy.
 std::string received(const RequestHead& head) {
   constexpr std::size_t max_shown = 200;
   const auto shown = [](const std::string& text) {
@@ -55,7 +55,7 @@ std::string received(const RequestHead& head) {
 }
 
 std::optional<Refusal> refusal_of_body(const RequestHead& head) {
-  // A body without a length could go on for ever.
+  // A body without a length could be endless.
   if (head.has_transfer_encoding) return Refusal{411, "expected a body with a Content-Length"};
   if (head.has_content_encoding) return Refusal{415, "expected a body that is not compressed"};
   std::uint64_t length = 0;
@@ -64,7 +64,7 @@ std::optional<Refusal> refusal_of_body(const RequestHead& head) {
   if (error == std::errc::result_out_of_range || length > most_body_bytes)
     return Refusal{413, "expected a body of at most " + std::to_string(most_body_bytes) + " bytes"};
   if (error != std::errc() || at != end) return Refusal{411, "expected a Content-Length"};
-  // Pages of other origins may send forms and plain text unasked, JSON they may not.
+  // Pages of other origins can send forms and plain text without a preflight request, but not JSON.
   if (!ascii_lower(head.content_type).starts_with("application/json")) return Refusal{415, "expected application/json"};
   return std::nullopt;
 }

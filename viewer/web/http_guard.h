@@ -1,4 +1,4 @@
-/// Who may talk to the server: tokens, names of hosts, requests that no page of ours makes. Pure functions of headers.
+/// Access control of the server: tokens, host names and cross-origin requests. Pure functions of request headers.
 #pragma once
 
 #include <cstdint>
@@ -10,29 +10,29 @@
 
 namespace gigabake {
 
-/// Returns the text with the letters A to Z in lower case, whatever the locale.
+/// Returns the text with the letters A to Z in lower case, independent of the locale.
 std::string ascii_lower(std::string_view text);
 
-/// "localhost", "::1" or 127.x.y.z: nobody reaches it from another machine.
+/// Returns true for "localhost", "::1" and 127.x.y.z, which other machines cannot reach.
 bool is_loopback(std::string_view host);
 
-/// The host of a Host header: RFC 3986's host [":" port] and nothing else, without its port and brackets. "[::1]:80"
-/// gives "::1"; what is none of these, or has no host, gives "".
+/// Returns the host of a Host header without port and brackets: "[::1]:80" gives "::1". Returns "" unless the header is
+/// exactly host [":" port] (RFC 3986).
 std::string_view host_of(std::string_view authority);
 
-/// Time does not depend on where the texts differ, only on the length of `given`.
+/// Compares texts in a time that depends only on the length of `given`, so that timing does not reveal the secret.
 bool equal_in_constant_time(std::string_view secret, std::string_view given);
 
-/// 32 hexadecimal digits from the system's source of randomness.
+/// Returns 32 hexadecimal digits from the system's random source.
 std::string random_key();
 
-/// Letters, digits, '-' and '_' only: it stands in URLs and cookies as it is.
+/// Returns true if the text has only letters, digits, '-' and '_', which need no escaping in URLs and cookies.
 bool is_token(std::string_view text);
 
-/// The value of one cookie of a Cookie header; empty where it is not there.
+/// Returns the value of one cookie of a Cookie header; empty if it is absent.
 std::string_view cookie(std::string_view header, std::string_view name);
 
-/// What of a request matters before its body is read.
+/// The parts of a request that are checked before its body is read.
 struct RequestHead {
   std::string method, host, origin, content_type, content_length;
   bool has_transfer_encoding = false, has_content_encoding = false;
@@ -45,8 +45,9 @@ struct Refusal {
 
 inline constexpr std::uint64_t most_body_bytes = 4096;
 
-/// local: bound to this machine only; then a Host of another name is a page that had its name point here. external: of
-/// the proxy that shows this server; its host is expected like localhost, its origin like the server's own.
+/// Returns why a request is refused; nullopt: it is accepted. local: the server is bound to this machine only. Any
+/// other Host then indicates a foreign page whose host name resolves to this machine (DNS rebinding). external: the
+/// proxy's URL. Its host is accepted like localhost, its origin like the server's.
 std::optional<Refusal> refusal_of(const RequestHead& head, bool local, const ExternalUrl& external = {});
 
 }  // namespace gigabake

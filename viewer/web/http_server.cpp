@@ -21,7 +21,8 @@ const HttpReply too_busy{503, "application/json", R"({"error":"busy; try again l
 
 using Texts = std::map<std::string, std::string>;
 
-/// Lines of one name are one list (RFC 9110, 5.3): two lengths or two hosts are then neither.
+/// Joins header lines of equal name to one list (RFC 9110, 5.3). Two lengths or two hosts therefore become invalid
+/// values.
 MHD_Result add_line(void* texts, MHD_ValueKind, const char* name, std::size_t name_size, const char* value,
                     std::size_t value_size) {
   std::string key(name, name_size);
@@ -66,10 +67,10 @@ struct Destroy {
 };
 using Response = std::unique_ptr<MHD_Response, Destroy>;
 
-/// One request, from its head to its answer.
+/// The state of one request, from its head to its answer.
 struct Exchange {
   HttpRequest request;
-  std::optional<HttpReply> made;  ///< on another thread; the connection is suspended until then
+  std::optional<HttpReply> made;  ///< by another thread; the connection is suspended until then
 };
 
 }  // namespace
@@ -103,7 +104,7 @@ struct HttpServer::State {
                             MHD_OPTION_NOTIFY_COMPLETED, on_answered, this, MHD_OPTION_END);
   }
 
-  // What libmicrohttpd calls, on its one thread.
+  // Callbacks of libmicrohttpd, all on its one thread.
 
   static void on_connection(void* self, MHD_Connection* connection, void**, MHD_ConnectionNotificationCode what) {
     State& state = *static_cast<State*>(self);
@@ -120,7 +121,7 @@ struct HttpServer::State {
       static_cast<State*>(self)->waiting.expect(socket_of(connection), WaitingClients::Clock::now());
   }
 
-  /// First when the head is here, then with each part of the body, then without one; and once more after a
+  /// Handles the steps of a request: its head, each part of its body, and its end. The end is repeated after a
   /// suspension.
   static MHD_Result on_request(void* self, MHD_Connection* connection, const char* url, const char* method, const char*,
                                const char* part, std::size_t* part_size, void** exchange) {
@@ -136,7 +137,7 @@ struct HttpServer::State {
       going.request.body.append(part, *part_size);
       *part_size = 0;
       return going.request.body.size() <= most_body_bytes ? MHD_YES : MHD_NO;
-    } catch (...) {  // no memory: this connection ends
+    } catch (...) {  // out of memory: closes this connection
       return MHD_NO;
     }
   }
@@ -196,7 +197,7 @@ struct HttpServer::State {
       body->let_go();
       return MHD_NO;
     }
-    owner.release();  // to the response
+    owner.release();  // the response owns it now
     for (const auto& [name, value] : reply.headers)
       MHD_add_response_header(response.get(), name.c_str(), value.c_str());
     return queue(connection, response, 200, reply.type);
@@ -238,7 +239,7 @@ void HttpServer::serve() {
       s.waiting.drop_late(WaitingClients::Clock::now());
     }
   }
-  s.threads.finish();  // all connections are resumed then, as libmicrohttpd wants it
+  s.threads.finish();  // resumes all connections, which libmicrohttpd requires before it stops
   MHD_stop_daemon(daemon);
 }
 

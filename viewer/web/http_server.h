@@ -1,8 +1,8 @@
-/// HTTP for clients that may be slow, many or hostile: libmicrohttpd behind plain values.
+/// An HTTP server for slow, numerous or hostile clients; wraps libmicrohttpd behind plain values.
 ///
-/// One thread talks to all connections and never waits for one of them. A request's head is bounded in bytes, and head
-/// and body in time, before anybody looks at them; connections are bounded in all and by address. Only what takes a
-/// while to answer, and streams, have a thread each.
+/// One thread serves all connections and never blocks on one of them. The size of a request's head and the time for
+/// head and body are limited before any handler runs. Connections are limited in total and per address. Only slow
+/// replies and streams run on separate threads.
 #pragma once
 
 #include <chrono>
@@ -24,10 +24,10 @@ namespace gigabake {
 struct HttpRequest {
   RequestHead head;
   std::string path, authorization, cookies;
-  std::map<std::string, std::string> arguments;  ///< of the query, decoded; the last of a name
+  std::map<std::string, std::string> arguments;  ///< of the query, decoded; the last value of a repeated name
   std::string body;
 
-  /// Empty where there is none.
+  /// Returns an argument's value; empty if it is absent.
   std::string argument(const std::string& name) const;
 };
 
@@ -37,15 +37,15 @@ struct HttpReply {
   std::vector<std::pair<std::string, std::string>> headers = {};
 };
 
-/// A reply that takes a while: called on a thread of its own. What it throws, HttpServer::Handlers::failed answers.
+/// A slow reply, computed on a separate thread. HttpServer::Handlers::failed converts its exceptions to replies.
 using HttpLater = std::function<HttpReply()>;
 
-/// A body without an end.
+/// A response body of unknown length.
 class HttpStream {
  public:
   virtual ~HttpStream() = default;
-  /// What to send next, asked for when all before is on its way; empty: nothing for now. Nothing: it has ended. Returns
-  /// within a second or so; called by one thread of its own.
+  /// Returns the next bytes to send; empty: none for now; nullopt: the stream has ended. It is called when all earlier
+  /// bytes are sent, always by the same thread, and must return within about a second.
   virtual std::optional<std::string> next() = 0;
 };
 
@@ -60,36 +60,39 @@ using HttpAnswer = std::variant<HttpReply, HttpLater, HttpStreamReply>;
 class HttpServer {
  public:
   struct Limits {
-    std::size_t head_bytes = 16384;             ///< request line and header lines; what is longer gets 414 or 431
-    std::size_t connections = 512;              ///< in all; more wait to be accepted
-    std::size_t an_address = 256;               ///< of them from one address; more are closed at once
-    std::size_t waiting = 64;                   ///< of them without a whole request: the oldest is closed for a new one
-    std::size_t threads = 160;                  ///< of slow replies and streams; beyond them 503
-    std::chrono::milliseconds patience{10000};  ///< from a connection or its last answer to the end of its request
-    int silence_s = 5;                          ///< with a client that takes nothing of its answer
-    /// What is on its way to a slow client is old when it comes.
+    std::size_t head_bytes = 16384;             ///< limit of request line and header lines; longer heads get status 414
+                                                ///< or 431
+    std::size_t connections = 512;              ///< limit in total; further connections wait to be accepted
+    std::size_t an_address = 256;               ///< limit per client address; further connections are closed at once
+    std::size_t waiting = 64;                   ///< limit without a complete request; beyond it the oldest is closed
+    std::size_t threads = 160;                  ///< limit of slow replies and streams; further ones get status 503
+    std::chrono::milliseconds patience{10000};  ///< time limit from a connection or its last answer to the end of its
+                                                ///< next request
+    int silence_s = 5;                          ///< timeout of a connection without activity
+    /// Small, because buffered data reaches a slow client too late to be useful.
     int send_buffer_bytes = 1 << 17;
   };
 
-  /// Called by the thread that talks to all: they return at once.
+  /// The callbacks of the server. The thread that serves all connections calls them, so they must not block.
   struct Handlers {
-    /// Judges a request before its body is read. Nothing: go on. A reply closes the connection.
+    /// Checks a request before its body is read. nullopt accepts the request; a reply closes the connection.
     std::function<std::optional<HttpReply>(const HttpRequest&)> refuse;
     std::function<HttpAnswer(const HttpRequest&)> answer;
-    /// The reply to what `answer`, or a later reply, threw.
+    /// Converts an exception of `answer` or of a slow reply to a reply.
     std::function<HttpReply(std::exception_ptr)> failed;
-    std::vector<std::pair<std::string, std::string>> headers;  ///< of every reply
+    std::vector<std::pair<std::string, std::string>> headers;  ///< added to every reply
   };
 
-  /// Holds the port from now on.
-  /// Errors  InputError: it cannot be listened on.
+  /// Binds the port and listens on it.
+  /// Errors  InputError: the address cannot be bound.
   HttpServer(const std::string& address, int port, Handlers handlers, const Limits& limits);
   HttpServer(const std::string& address, int port, Handlers handlers)
       : HttpServer(address, port, std::move(handlers), Limits()) {}
   ~HttpServer();
 
   int port() const;
-  /// Returns after stop(), which any thread may call. Replies and streams on threads must not wait then.
+  /// Serves until stop(), which any thread may call. After stop(), threads of replies and streams must end without
+  /// waiting.
   /// Errors  std::runtime_error: libmicrohttpd does not start.
   void serve();
   void stop();

@@ -5,9 +5,9 @@ namespace {
 
 const std::string part_head = "--frame\r\nContent-Type: image/jpeg\r\n\r\n";
 constexpr std::string_view jpeg_start = "\xff\xd8";
-/// The largest content of a JPEG's comment segment, and how many of them reach past the buffers of a proxy.
+/// The maximum content of a JPEG's comment segment, and the number of such segments that fill a proxy's buffers.
 constexpr int max_comment_bytes = 65533, large_comments = 4;
-/// Proxies drop replies that are silent for a minute (nginx) or half of it; fills are a second apart.
+/// Proxies close replies that send nothing for 60 s (nginx) or 30 s. Calls of fill() are a second apart.
 constexpr int fills_between_signs_of_life = 5;
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// The bytes of a multipart/x-mixed-replace stream of JPEGs whose images reach clients behind proxies that buffer.
+/// An image stream (multipart/x-mixed-replace, JPEG) that passes through buffering proxies without delay.
 #pragma once
 
 #include <random>
@@ -7,15 +7,15 @@
 
 namespace gigabake {
 
-/// Writes images as parts that replace each other. While no image follows, it writes comment segments of the next JPEG:
-/// they push the end of the last image out of the buffers of a proxy, and later keep the connection from timing out.
-/// Comments are random bytes, since a proxy that compresses would hold zeros back.
+/// Writes images as parts that replace each other. While there is no new image, it writes comment segments of the next
+/// JPEG. They push the end of the last image out of a proxy's buffers, and later keep the connection alive. The
+/// comments are random bytes, because a compressing proxy would shrink zeros and keep them in its buffer.
 class ImageParts {
  public:
-  /// Returns the rest of the current part, and the head of the next part: browsers show an image when they have read
-  /// it.
+  /// Returns the rest of the current part and the head of the next one. Browsers show an image when they have read
+  /// the next head.
   std::string add(std::string_view jpeg);
-  /// Returns what to send when no image has come for a while, a quarter of a second or more; empty if nothing is due.
+  /// Returns filler bytes for a period of at least a quarter of a second without a new image; empty if none are due.
   std::string fill();
 
  private:
@@ -24,7 +24,7 @@ class ImageParts {
   std::minstd_rand random_;
   bool has_started_ = false;  ///< the head of the current part is written
   bool has_comment_ = false;  ///< the start of the current part's JPEG is written
-  int fills_ = 0;             ///< since the last image
+  int fills_ = 0;             ///< calls of fill() since the last image
 };
 
 }  // namespace gigabake

@@ -36,7 +36,8 @@ Addresses addresses_of(const std::string& address, int port) {
   return Addresses(list);
 }
 
-/// Not SO_REUSEPORT: two servers would share a port and its clients. -1, with errno, where it cannot be done.
+/// Returns a listening socket; −1 and errno on failure. SO_REUSEPORT is not set, because two servers would share the
+/// port and its clients.
 int listen_at(const addrinfo& at) {
   const int socket = ::socket(at.ai_family, at.ai_socktype | SOCK_CLOEXEC | SOCK_NONBLOCK, at.ai_protocol);
   if (socket < 0) return -1;

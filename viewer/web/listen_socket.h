@@ -1,4 +1,4 @@
-/// A TCP port that is listened on.
+/// A listening TCP socket.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@ namespace gigabake {
 /// Owns the socket; closes it.
 class ListenSocket {
  public:
-  /// address: a name, or numbers of IPv4 or IPv6. port 0: any that is free.
-  /// Errors  InputError: nobody can listen there, or somebody does.
+  /// Binds the address and listens. address: a name, or a numeric IPv4 or IPv6 address. port 0: any free port.
+  /// Errors  InputError: the address is invalid, or another process uses the port.
   ListenSocket(const std::string& address, int port);
   ~ListenSocket();
   ListenSocket(const ListenSocket&) = delete;
@@ -17,7 +17,7 @@ class ListenSocket {
 
   int descriptor() const { return socket_; }
   int port() const;
-  /// Gives the socket away: whoever takes it closes it.
+  /// Returns the descriptor and passes its ownership to the caller.
   int release();
 
  private:

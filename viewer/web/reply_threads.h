@@ -1,4 +1,4 @@
-/// Threads for replies that take a while: a bounded number, and all of them end before their owner does.
+/// A bounded set of threads for slow replies; all end before their owner is destroyed.
 #pragma once
 
 #include <atomic>
@@ -17,10 +17,10 @@ class ReplyThreads {
   ReplyThreads(const ReplyThreads&) = delete;
   ReplyThreads& operator=(const ReplyThreads&) = delete;
 
-  /// Runs work, which must not throw, on a thread of its own. False: as many run already, the system has no more, or
-  /// finish() was called.
+  /// Runs work on a separate thread; work must not throw. Returns false if the limit is reached, the system has no more
+  /// threads, or finish() was called.
   bool start(std::function<void()> work);
-  /// Returns when all have ended; none starts from now on.
+  /// Waits until all threads have ended, and prevents new ones.
   void finish();
 
  private:

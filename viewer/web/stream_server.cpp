@@ -21,7 +21,8 @@ namespace gigabake {
 namespace {
 
 constexpr int moving_quality = 75, resting_quality = 92;
-/// Without a new image, a stream is filled after the first time, then again and again after the second.
+/// picture_s: time limit of a full image. Without a new image, a stream sends filler after first_fill_s, then every
+/// next_fill_s.
 constexpr double picture_s = 60, first_fill_s = 0.25, next_fill_s = 1;
 constexpr std::chrono::seconds bake_look{1};
 constexpr const char* json_type = "application/json";
@@ -43,7 +44,7 @@ HttpReply reply_to(std::exception_ptr problem) {
   }
 }
 
-/// A number from 0 to 1, or nothing.
+/// Parses a number from 0 to 1; nullopt for any other text.
 std::optional<double> share_of(const std::string& text) {
   double share = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), share);
@@ -60,7 +61,7 @@ void check_options(const StreamServer::Options& o) {
     throw UsageError("token", fmt::format("expected at least {} letters or digits", StreamServer::least_token));
 }
 
-/// One stream of a viewer's pictures, as parts that replace each other.
+/// A stream of one viewer's images, as parts that replace each other.
 class PictureStream : public HttpStream {
  public:
   PictureStream(LiveScene& scene, StreamSessions& sessions, std::string key, LiveScene::ViewerId viewer)
@@ -101,12 +102,12 @@ struct StreamServer::State {
   const ExternalUrl external;
   StreamSessions sessions;
 
-  std::mutex bake_mutex;  ///< guards what follows
+  std::mutex bake_mutex;  ///< guards the three members below
   std::string bake = "null";
   bool bake_is_asked = false;
   std::chrono::steady_clock::time_point bake_told{};
 
-  HttpServer http;  ///< last: it calls the rest
+  HttpServer http;  ///< last, because it calls the members above
 
   State(LiveScene& s, const Options& o)
       : scene(s),
@@ -134,7 +135,7 @@ struct StreamServer::State {
     if (options.token.empty()) return true;
     const std::string_view bearer = request.authorization;
     const std::string_view given = bearer.starts_with("Bearer ") ? bearer.substr(7) : "";
-    // Each is compared, whatever the others say.
+    // All three are always compared, so that the time does not depend on the results.
     const bool by_header = equal_in_constant_time(options.token, given);
     const bool by_query = equal_in_constant_time(options.token, request.argument("token"));
     const bool by_cookie = equal_in_constant_time(options.token, cookie(request.cookies, cookie_name()));
@@ -176,7 +177,7 @@ struct StreamServer::State {
 
   HttpAnswer page(const HttpRequest&) {
     HttpReply reply = page_part("text/html; charset=utf-8", web_page);
-    // So that script, pictures and steering come with it. Its path is that of the page, also below a proxy's.
+    // The cookie authorizes the page's script, images and input. Its path is the path of the page, also behind a proxy.
     if (!options.token.empty())
       reply.headers.emplace_back("Set-Cookie",
                                  fmt::format("{}={}; HttpOnly; SameSite=Strict", cookie_name(), options.token));
@@ -186,7 +187,7 @@ struct StreamServer::State {
   HttpAnswer script(const HttpRequest&) { return page_part("text/javascript; charset=utf-8", web_script); }
   HttpAnswer style(const HttpRequest&) { return page_part("text/css; charset=utf-8", web_style); }
 
-  /// At most once a second, and by one thread at a time; until it has an answer all others get the one before.
+  /// Queries the bake status at most once a second and by one thread at a time. Other requests get the previous status.
   HttpAnswer tell_bake(const HttpRequest&) {
     const std::lock_guard lock(bake_mutex);
     if (bake_is_asked || std::chrono::steady_clock::now() - bake_told < bake_look)
@@ -231,7 +232,7 @@ struct StreamServer::State {
     return HttpReply{200, json_type, to_json(*state, frame.get())};
   }
 
-  /// What the last frame shows there.
+  /// Returns the scene point that a pixel of the last frame shows.
   HttpAnswer tell_point(const HttpRequest& request, ViewerId viewer) {
     const auto right = share_of(request.argument("x")), down = share_of(request.argument("y"));
     if (!right || !down) return error_reply(400, "expected x and y from 0 to 1, from the picture's upper left corner");

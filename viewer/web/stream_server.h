@@ -1,7 +1,7 @@
-/// A scene in a browser: the page, the pictures and the steering over HTTP (docs/viewer.md).
+/// An HTTP server that shows a scene in a browser: page, images and user input (docs/viewer.md).
 ///
-/// Each page has a camera of its own. Whatever a client sends is answered with a status and one line of JSON; nothing
-/// that it sends or leaves unread keeps others waiting (viewer/web/http_server.h).
+/// Each page has its own camera. Every request gets a status and one line of JSON, except for the page's files and
+/// images. No client can block others by its requests or by unread replies (viewer/web/http_server.h).
 #pragma once
 
 #include <functional>
@@ -17,28 +17,29 @@ class StreamServer {
  public:
   struct Options {
     std::string bind = "127.0.0.1";
-    int port = 8080;    ///< 0: any that is free
-    std::string token;  ///< empty: none is asked for
-    /// Under which a proxy shows this server (viewer/web/external_url.h); empty: no proxy.
+    int port = 8080;    ///< 0: any free port
+    std::string token;  ///< empty: no token is required
+    /// The URL under which a proxy publishes the server (viewer/web/external_url.h); empty: no proxy.
     std::string external_url;
-    /// One JSON value about the bake that writes the scene; asked at most once a second, from any thread.
+    /// Returns the status of the bake that writes the scene as one JSON value. Called at most once a second, from any
+    /// thread.
     std::function<std::string()> bake_status = [] { return std::string("null"); };
     HttpServer::Limits limits;
   };
   static constexpr std::size_t least_token = 16;
 
-  /// Holds the port from now on; borrows the scene.
-  /// Errors  UsageError: reachable beyond this machine without a token of least_token letters or digits, an external
-  ///         URL that is none. InputError: the address cannot be bound.
+  /// Binds the port; borrows the scene.
+  /// Errors  UsageError: reachable from other machines without a token of least_token letters or digits; an invalid
+  ///         external URL. InputError: the address cannot be bound.
   StreamServer(LiveScene& scene, const Options& options);
   ~StreamServer();
 
   int port() const;
-  /// With the token, for people to open: the proxy's if there is one.
+  /// Returns the URL for users to open, with the token; the proxy's URL if there is one.
   std::string url() const;
-  /// True if other machines can open url(): then a token is needed.
+  /// Returns true if other machines can reach the server; it then needs a token.
   static bool is_public(const Options& options);
-  /// Returns after stop(), which any thread may call.
+  /// Serves until stop(), which any thread may call.
   void serve();
   void stop();
 

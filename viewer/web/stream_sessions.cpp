@@ -5,7 +5,7 @@
 namespace gigabake {
 namespace {
 
-/// A page asks for its state every second; one that reloads comes with another key.
+/// Session timeout. A page requests its state every second; a reloaded page uses a new key.
 constexpr std::chrono::seconds longest_silence{10};
 
 }  // namespace

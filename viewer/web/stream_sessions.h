@@ -1,4 +1,4 @@
-/// Which browser page has which viewer: keys nobody guesses, and an end for those that left.
+/// The sessions of browser pages: unguessable keys, each for one viewer, and removal of pages that have left.
 #pragma once
 
 #include <chrono>
@@ -12,22 +12,23 @@
 
 namespace gigabake {
 
-/// All members may be called from any thread.
+/// Thread-safe: any thread may call any member.
 class StreamSessions {
  public:
   explicit StreamSessions(LiveScene& scene) : scene_(scene) {}
 
-  /// first: as the page opens. Nothing where the scene takes no more viewers, even without those that left.
+  /// Adds a viewer and returns its key. first: the initial input. Returns nullopt if the scene accepts no more viewers,
+  /// even after the removal of viewers that have left.
   std::optional<std::string> open(const Steering& first);
-  /// Its viewer, which stays a while longer.
+  /// Returns the viewer of a key and extends its session; nullopt: no such key.
   std::optional<LiveScene::ViewerId> touch(const std::string& key);
 
-  /// A stream of pictures begins; one that ran before is over. 0: no such key.
+  /// Begins an image stream and ends the key's previous stream. Returns the stream's number; 0: no such key.
   std::uint64_t begin_stream(const std::string& key);
   bool is_streaming(const std::string& key, std::uint64_t stream);
   void end_stream(const std::string& key, std::uint64_t stream);
 
-  /// A picture is made for it. False: no such key, or most_pictures are being made already.
+  /// Begins the rendering of one image. Returns false if there is no such key or most_pictures are in progress.
   bool begin_picture(const std::string& key);
   void end_picture(const std::string& key);
   static constexpr int most_pictures = 2;
@@ -37,8 +38,8 @@ class StreamSessions {
   struct Session {
     LiveScene::ViewerId viewer;
     Clock::time_point heard;
-    std::uint64_t stream = 0;  ///< the one that runs; 0: none
-    int pictures = 0;          ///< being made
+    std::uint64_t stream = 0;  ///< number of the active stream; 0: none
+    int pictures = 0;          ///< number of images in progress
   };
 
   void drop_those_that_left();

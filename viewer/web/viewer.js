@@ -1,27 +1,27 @@
-// Turns hands into steering and shows what comes back. The server casts; this page only asks.
+// Sends user input to the server and shows the images that it renders.
 'use strict';
 
-const SEND_MS = 33;      // between two steerings
-const HOLD_MS = 300;     // held keys are confirmed that often; the server lets go after a second
+const SEND_MS = 33;      // between two messages of user input
+const HOLD_MS = 300;     // interval at which held keys are confirmed; the server releases them after 1 s
 const STATE_MS = 500;
 const LONGEST_EDGE = 4096;
-const PLACE_MS = 200;    // between two looks at what the mouse is over
+const PLACE_MS = 200;    // between two requests of the point under the mouse
 const JULIAN_DAY_OF_1970 = 2440587.5;
 
 const element = (id) => document.getElementById(id);
 const picture = element('picture');
 
 let viewer = null;       // the key of this page's camera
-let pending = {};        // steering that is not sent yet
+let pending = {};        // user input that is not sent yet
 let sending = false;
 const held = new Set();  // codes of the keys that are down
 let slow = false;        // Shift
-let heldSent = 0;        // when the held keys were told last
+let heldSent = 0;        // time at which the held keys were last sent
 let shownState = null;
-let askedSize = [0, 0];  // of the picture, as the server was told
-let saving = false;      // a picture, as soon as it is complete
+let askedSize = [0, 0];  // image size that the server was last sent
+let saving = false;      // an image is being saved
 
-// Talking to the server.
+// Communication with the server.
 
 async function ask(path, steering) {
   const options = steering === undefined ? {} : {
@@ -50,21 +50,21 @@ function offer(id, names) {
   element(id).replaceChildren(...names.map((name) => new Option(name, name)));
 }
 
-// What the picture takes on the screen: a window's inner size is, on a phone, that of before a rotation for a while.
+// Uses the image's size on the screen: after a rotation of a phone, the window's inner size is outdated for a while.
 function wantedSize() {
   const {clientWidth: width, clientHeight: height} = picture;
   const scale = Math.min(window.devicePixelRatio || 1, LONGEST_EDGE / Math.max(width, height, 1));
   return [Math.max(1, Math.round(width * scale)), Math.max(1, Math.round(height * scale))];
 }
 
-// Asked whenever the layout may have changed, and with each look at the state, whatever events a browser has left out.
+// Called when the layout may have changed, and at each state request, because browsers omit some resize events.
 function fit() {
   const size = wantedSize();
   const known = pending.size || askedSize;
   if (size[0] !== known[0] || size[1] !== known[1]) steer({size: askedSize = size});
 }
 
-// Movements add up until they are sent; settings replace each other.
+// Adds movements up until they are sent; a new value of a setting replaces the previous one.
 function steer(steering) {
   for (const [key, value] of Object.entries(steering)) {
     const adds = key === 'turn' || key === 'pan';
@@ -102,14 +102,14 @@ async function look() {
   setTimeout(look, STATE_MS);
 }
 
-// A server that was started again knows this page no more.
+// After status 404 the page joins again: a restarted server does not know its key.
 async function lost(failure) {
   document.body.dataset.resting = 'false';
   if (failure.status === 404) viewer = null;
   message(failure.status ? failure.message : 'The server does not answer.');
 }
 
-// Showing.
+// Display.
 
 function show(state) {
   shownState = state;
@@ -125,7 +125,7 @@ function show(state) {
   element('loading').textContent = loadingText(state);
 }
 
-// Until all that there is to see is shown.
+// Returns the loading state; empty if the image is final.
 function loadingText(state) {
   if (!state.scene || state.resting || state.problem) return '';
   if (!state.frame) return 'loading';
@@ -167,7 +167,7 @@ function note(text, forMs) {
   if (forMs) noteTimer = setTimeout(() => note(''), forMs);
 }
 
-// The server answers 504 where the picture takes long: it is asked again until it is there.
+// Repeats the request while the server answers 504, which means that the image is not complete yet.
 async function fetchPicture() {
   for (;;) {
     const answer = await fetch(forViewer('picture.png'));
@@ -237,13 +237,13 @@ picture.addEventListener('wheel', (event) => {
 
 picture.addEventListener('contextmenu', (event) => event.preventDefault());
 
-// What the mouse is over, in the picture that is shown; and what lies between two such places.
+// The scene point under the mouse, and the distance between two such points.
 
-let mouse = null;        // x and y from 0 to 1 while it is over the picture
-let over = null;         // the place there
+let mouse = null;        // relative to the image, from 0 to 1; null outside the page
+let over = null;         // the scene point under the mouse
 let measuredFrom = null;
 
-// Of the whole page: a note may lie over the picture.
+// Listens on the whole page, because a note may cover the image.
 addEventListener('pointermove', (event) => {
   const box = picture.getBoundingClientRect();
   mouse = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
@@ -282,7 +282,7 @@ function measure() {
   measuredFrom = null;
 }
 
-// Views that are kept in this browser.
+// Bookmarked views in this browser.
 
 const keptAs = (digit) => `gigabake view ${digit} of ${location.pathname}`;
 
@@ -295,7 +295,7 @@ function keep(digit) {
 function goTo(digit) {
   const pose = localStorage.getItem(keptAs(digit));
   if (!pose) return note(`Nothing is kept as view ${digit}: Shift ${digit} keeps this one.`, 4000);
-  for (const movement of ['turn', 'pan', 'zoom']) delete pending[movement];  // they would lead away from there
+  for (const movement of ['turn', 'pan', 'zoom']) delete pending[movement];  // they would change the bookmarked pose
   steer({pose: JSON.parse(pose)});
 }
 
@@ -336,7 +336,7 @@ const ONCE = {
   NumpadSubtract: () => halfLevels(-1),
 };
 
-// To a power of the square root of 2, so that as many back lead to the same picture.
+// Rounds to a power of √2, so that equal numbers of steps in both directions restore the same value.
 function halfLevels(coarser) {
   const now = Math.round(2 * Math.log2(shownState ? shownState.pixel_error : 1));
   steer({pixel_error: 2 ** (Math.max(-32, Math.min(32, now + coarser)) / 2)});
@@ -369,9 +369,9 @@ addEventListener('blur', () => {
 });
 
 new ResizeObserver(fit).observe(picture);
-addEventListener('resize', fit);  // another pixel ratio leaves the layout as it is
+addEventListener('resize', fit);  // a new pixel ratio does not change the layout
 
-// The bar.
+// The control bar.
 
 element('mode').addEventListener('change', (event) => { steer({mode: event.target.value}); event.target.blur(); });
 element('style').addEventListener('change', (event) => { steer({style: event.target.value}); event.target.blur(); });
@@ -382,7 +382,7 @@ for (const id of ['azimuth', 'elevation']) {
   element(id).addEventListener('change', (event) => event.target.blur());
 }
 element('time').addEventListener('input', (event) => {
-  const milliseconds = Date.parse(event.target.value);  // of the browser's own time zone
+  const milliseconds = Date.parse(event.target.value);  // in the browser's time zone
   if (!Number.isNaN(milliseconds)) steer({time: milliseconds / 86400000 + JULIAN_DAY_OF_1970});
 });
 for (const id of ['shadows', 'level_blend'])

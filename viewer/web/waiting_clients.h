@@ -1,5 +1,5 @@
-/// Connections whose request is not here yet, and when they are dropped: late ones, and the oldest where too many wait.
-/// So somebody who sends slowly, or nothing, keeps nobody out.
+/// Connections with an incomplete request, and the times at which they are closed. A connection is closed at its
+/// timeout; the oldest one also if too many wait. Slow or silent clients therefore cannot block others.
 #pragma once
 
 #include <chrono>
@@ -10,18 +10,19 @@
 
 namespace gigabake {
 
-/// All members may be called from any thread. Sockets that are dropped are shut down, not closed: whoever owns them
-/// notices, closes them and calls closed().
+/// Thread-safe: any thread may call any member. Dropped sockets are shut down, not closed: their owner notices that,
+/// closes them and calls closed().
 class WaitingClients {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// most: how many may wait. patience: from its connection, or its last answer, to the end of a client's request.
+  /// most: limit of waiting clients. patience: time limit from a client's connection, or its last answer, to the end of
+  /// its request.
   WaitingClients(std::size_t most, Clock::duration patience) : most_(most), patience_(patience) {}
 
-  /// A request is waited for from now on.
+  /// Starts to wait for a request on the socket.
   void expect(int socket, Clock::time_point now);
-  /// All of the request is here.
+  /// Records that a complete request has arrived.
   void heard(int socket);
   void closed(int socket) { heard(socket); }
   void drop_late(Clock::time_point now);
@@ -37,7 +38,7 @@ class WaitingClients {
     int socket;
     Clock::time_point since;
   };
-  std::map<std::uint64_t, Waiting> in_order_;  ///< the oldest first
+  std::map<std::uint64_t, Waiting> in_order_;  ///< oldest first
   std::map<int, std::uint64_t> order_of_;      ///< by socket
 };
 

@@ -1,4 +1,4 @@
-/// The browser's page as it stands in viewer/web/, built into the program.
+/// The files of the browser page in viewer/web/, embedded in the program.
 #pragma once
 
 #include <string_view>

@@ -25,7 +25,7 @@ void show_numbers(const LiveFrame& f) {
   line(fmt::format("{} held of {}", megabytes(s.bytes_held), megabytes(s.bytes_allowed)));
 }
 
-/// What was chosen where that is another value than the current one.
+/// Shows a combo box; returns the new value if another one than `current` was chosen.
 template <class Enum>
 std::optional<Enum> choose(const char* label, Enum current) {
   std::optional<Enum> chosen;
@@ -36,7 +36,7 @@ std::optional<Enum> choose(const char* label, Enum current) {
   return chosen;
 }
 
-/// Where the sun stands, or a day and an hour that say so.
+/// Shows the sun's direction, and the day and hour from which it can be computed.
 void show_sun(const ViewerState& state, Steering& out, SunClock& clock) {
   float azimuth = float(state.full_view.sun.azimuth_deg), elevation = float(state.full_view.sun.elevation_deg);
   if (azimuth < 0) azimuth += 360;

@@ -1,4 +1,4 @@
-/// The panel in a window: numbers of the last frame, and what can be chosen.
+/// The panel in a window: statistics of the last frame, and settings.
 #pragma once
 
 #include <string>
@@ -12,21 +12,21 @@ struct PanelAnswer {
   bool save_picture = false, record = false;
 };
 
-/// What the sun's clock shows: a day of 2026 and an hour, UTC.
+/// Day and hour (UTC) of the sun's clock in the panel; the year is 2026.
 struct SunClock {
-  int day = 172;  ///< 1 … 365; at first midsummer
+  int day = 172;  ///< 1 … 365; initially midsummer
   float hour = 12;
 };
 
-/// What is still to come, as "loading, 45 % drawn"; empty where the frame is all there is to see. frame may be nullptr.
+/// Returns the progress as text, such as "loading, 45 % drawn"; empty if the frame is final. frame may be nullptr.
 std::string loading_text(const ViewerState& state, const LiveFrame* frame);
 
-/// Between ImGui::NewFrame() and ImGui::Render(). frame may be nullptr; said: the last thing saved or failed; place:
-/// what the mouse points at. Lines of texts that are empty are left out.
+/// Shows the panel; call it between ImGui::NewFrame() and ImGui::Render(). frame may be nullptr. Lines of empty
+/// texts are omitted. said: the last message about a saved file or an error. place: the scene point under the mouse.
 PanelAnswer show_panel(const ViewerState& state, const LiveFrame* frame, bool recording, const std::string& said,
                        const std::string& place, SunClock& clock);
 
-/// Shows what each key and mouse button does. Between ImGui::NewFrame() and ImGui::Render().
+/// Shows the function of each key and mouse button. Call it between ImGui::NewFrame() and ImGui::Render().
 void show_keys();
 
 }  // namespace gigabake

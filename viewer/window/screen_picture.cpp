@@ -5,7 +5,7 @@
 namespace gigabake {
 namespace {
 
-/// OpenGL 1.2, which its 1.1 headers lack.
+/// A constant of OpenGL 1.2, which headers of OpenGL 1.1 lack.
 constexpr GLint clamp_to_edge = 0x812F;
 
 }  // namespace
@@ -42,7 +42,7 @@ void ScreenPicture::draw(int width, int height) const {
   glEnable(GL_TEXTURE_2D);
   glBindTexture(GL_TEXTURE_2D, texture_);
   glColor4f(1, 1, 1, 1);
-  glBegin(GL_TRIANGLE_STRIP);  // row 0 of the picture is the upper one
+  glBegin(GL_TRIANGLE_STRIP);  // row 0 of the image is at the top
   for (const int corner : {0, 1, 2, 3}) {
     const float right = float(corner % 2), down = float(corner / 2);
     glTexCoord2f(right, down);

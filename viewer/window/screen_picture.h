@@ -1,11 +1,11 @@
-/// A picture on the screen, through OpenGL 2.1 and nothing newer.
+/// An image on the screen, rendered by OpenGL 2.1 only.
 #pragma once
 
 #include "viewer/pictures/picture.h"
 
 namespace gigabake {
 
-/// Needs a current context, from construction to destruction.
+/// A texture that fills the window. An OpenGL context must be current from construction to destruction.
 class ScreenPicture {
  public:
   ScreenPicture();

@@ -24,10 +24,10 @@ namespace gigabake {
 namespace {
 
 constexpr double held_look_s = 1.0 / 60, idle_look_s = 0.5;
-/// Dear ImGui answers an event in the frame after, and settles in the next.
+/// Dear ImGui reacts to an event one frame later, and its layout settles in the frame after that.
 constexpr int redraws_after_event = 3;
 constexpr int most_files = 9999;
-/// How long the window's title shows what was said last.
+/// Time for which the window's title shows the last message.
 constexpr double said_s = 15;
 
 [[noreturn]] void fail_at(const char* what) {
@@ -72,12 +72,12 @@ struct Gui {
   Gui& operator=(const Gui&) = delete;
 };
 
-/// To a power of the square root of 2, so that as many back lead to the same picture.
+/// Rounds to a power of √2, so that equal numbers of steps in both directions restore the same value.
 double half_levels(double pixel_error, int coarser) {
   return std::exp2((std::round(2 * std::log2(pixel_error)) + coarser) / 2);
 }
 
-/// The first that is free: gigabake-0001.png and on.
+/// Returns the first unused name, starting with gigabake-0001.png.
 std::filesystem::path free_name(const std::filesystem::path& folder, const char* kind) {
   for (int i = 1; i <= most_files; ++i) {
     std::filesystem::path path = folder / fmt::format("gigabake-{:04}.{}", i, kind);
@@ -176,14 +176,14 @@ class Window {
       }
       steering.pose = views_.kept(key.digit, frame_->rays.origin);
       if (!steering.pose) return note(fmt::format("no view is kept as {0}: Shift {0} keeps this one", key.digit));
-      steering.turn = steering.pan = {};  // they would lead away from there
+      steering.turn = steering.pan = {};  // movements from before the jump would change the bookmarked pose
       steering.zoom = 0;
     } catch (const std::exception& e) {
       say(e.what());
     }
   }
 
-  /// What the mouse points at, in the picture that is shown.
+  /// Returns the scene point under the mouse, in the current image.
   std::optional<PickedPoint> pointed() const {
     const auto mouse = input_.mouse();
     if (!mouse || !frame_) return {};
@@ -207,7 +207,7 @@ class Window {
     return true;
   }
 
-  /// In the window alone.
+  /// Shows a message in the window, but not on the console.
   void note(const std::string& text) {
     said_ = text;
     said_at_s_ = glfwGetTime();
@@ -219,7 +219,7 @@ class Window {
     options_.told(text);
   }
 
-  /// What was said last, for a while, and what is still loading: also where the panel is hidden.
+  /// Shows the last message, for a limited time, and the loading state in the title, because the panel may be hidden.
   void set_title() {
     const std::string loading = loading_text(state(), frame_.get());
     std::string title = name_;

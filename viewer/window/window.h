@@ -11,11 +11,11 @@ namespace gigabake {
 
 struct WindowOptions {
   int width = 1280, height = 720;
-  std::filesystem::path output = ".";                                 ///< folder of pictures and paths that are saved
-  std::function<void(const std::string&)> told = [](const auto&) {};  ///< one line for each thing saved or failed
+  std::filesystem::path output = ".";                                 ///< folder for saved images and paths
+  std::function<void(const std::string&)> told = [](const auto&) {};  ///< called with one line per saved file or error
 };
 
-/// Returns when the window is closed. For the main thread. scene_options.changed is the window's own.
+/// Shows the scene until the window is closed. Call it on the main thread. It replaces scene_options.changed.
 /// Errors  std::runtime_error: no display, no OpenGL 2.1, or a program built without windows.
 void show_window(const std::filesystem::path& scene, LiveScene::Options scene_options, const WindowOptions& options);
 

@@ -24,7 +24,7 @@ const std::map<int, WindowCommand> commands{
     {GLFW_KEY_C, WindowCommand::measure},   {GLFW_KEY_P, WindowCommand::save_picture},
     {GLFW_KEY_R, WindowCommand::record},    {GLFW_KEY_F1, WindowCommand::toggle_panel},
     {GLFW_KEY_ESCAPE, WindowCommand::close}};
-/// Signs are on other keys in other keyboard layouts.
+/// Commands by character, because the keys of these characters differ between keyboard layouts.
 const std::map<unsigned, WindowCommand> commands_of_signs{{'+', WindowCommand::coarser},
                                                           {'=', WindowCommand::coarser},
                                                           {'-', WindowCommand::finer},
@@ -85,7 +85,7 @@ bool WindowInput::take_touched() { return std::exchange(touched_, false); }
 
 void WindowInput::key(int key, int action, int modifiers) {
   touch();
-  // Of Shift itself X11 tells the modifiers as they were before.
+  // For Shift itself, X11 reports the modifiers from before the event.
   const bool is_shift = key == GLFW_KEY_LEFT_SHIFT || key == GLFW_KEY_RIGHT_SHIFT;
   slow_ = is_shift ? action != GLFW_RELEASE : (modifiers & GLFW_MOD_SHIFT) != 0;
   repeats_ = action == GLFW_REPEAT;

@@ -1,4 +1,4 @@
-/// What mouse and keys of a window ask for.
+/// Mouse and keyboard input of a window.
 #pragma once
 
 #include <array>
@@ -25,13 +25,14 @@ enum class WindowCommand {
   close
 };
 
-/// A digit: the view kept under it, or with Shift the one to keep there.
+/// A pressed digit key: loads the bookmark of that digit, or saves it if Shift is held.
 struct ViewKey {
   int digit;  ///< 1 … 9
   bool keeps;
 };
 
-/// Listens to a window from its construction on; make it before Dear ImGui takes its callbacks, which pass events on.
+/// Collects a window's events. Create it before Dear ImGui installs its callbacks, because these call the previous
+/// ones.
 class WindowInput {
  public:
   explicit WindowInput(GLFWwindow* window);
@@ -39,19 +40,19 @@ class WindowInput {
   WindowInput(const WindowInput&) = delete;
   WindowInput& operator=(const WindowInput&) = delete;
 
-  /// All movements since the last call, and the keys held.
+  /// Returns all movements since the last call, and the held keys.
   Steering take_steering();
-  /// Keys pressed since the last call.
+  /// Returns the commands of keys pressed since the last call.
   std::vector<WindowCommand> take_commands();
   std::vector<ViewKey> take_view_keys();
   bool holds() const { return !held_.empty(); }
-  /// Where in the window the mouse is, right and down from 0 to 1; nothing where it is elsewhere.
+  /// Returns the mouse position in the window, right and down from 0 to 1; nullopt if the mouse is outside.
   std::optional<std::array<double, 2>> mouse() const;
-  /// Anything at all happened since the last call.
+  /// Returns true if any event has occurred since the last call.
   bool take_touched();
 
   void key(int key, int action, int modifiers);
-  /// After key(), if the key makes a character.
+  /// Handles the character of a key press; called after key().
   void typed(unsigned character);
   void button(int button, int action);
   void cursor(double x, double y);
