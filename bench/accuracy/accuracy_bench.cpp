@@ -66,7 +66,7 @@ std::vector<AccuracySetting> chosen_settings(const AccuracyBenchRequest& request
   return chosen;
 }
 
-/// The fastest of the calls for one setting counts.
+/// Bakes one setting; keeps the minimum time of repeated calls.
 void bake(const SceneSources& sources, const AccuracyBenchRequest& request, const std::optional<int>& device,
           const std::filesystem::path& out, AccuracySetting& setting) {
   std::filesystem::remove_all(out / "shards");
@@ -83,7 +83,7 @@ void bake(const SceneSources& sources, const AccuracyBenchRequest& request, cons
   if (setting.voxels == 0) throw InputError(request.scene.source, "", "no voxel is occupied; choose smaller voxels");
 }
 
-/// Voxels are known by their size and content hash.
+/// A cache of voxel errors, keyed by voxel size and content hash.
 class VoxelErrors {
  public:
   VoxelErrors(const ReferenceCaster& caster, const AccuracyBenchRequest& request)
@@ -112,7 +112,7 @@ std::filesystem::path picture_path(const std::filesystem::path& folder, const Ac
   return folder / file;
 }
 
-/// What a screen shows of lit surface.
+/// Applies tone mapping to an image of lit surface.
 LinearPicture shown(LinearPicture picture, const kernels::CastTone& tone) {
   for (std::size_t i = 0; i < picture.pixels(); ++i) {
     const float alpha = picture.alpha(i);
@@ -122,11 +122,11 @@ LinearPicture shown(LinearPicture picture, const kernels::CastTone& tone) {
   return picture;
 }
 
-/// Where voxels are larger than pixels their edges show, most of all in light.
+/// Returns true if voxels are larger than pixels: then their edges are visible, above all in lit images.
 bool is_also_lit(const AccuracyView& view) { return view.voxels_per_pixel < 1; }
 
 struct References {
-  std::vector<LinearPicture> albedo, lit;  ///< lit: in the order of those views
+  std::vector<LinearPicture> albedo, lit;  ///< lit: only views with is_also_lit(), in their order
 };
 
 References draw_references(const ReferenceCaster& caster, const AccuracyBenchRequest& request,

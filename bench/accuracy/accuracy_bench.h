@@ -1,5 +1,5 @@
-/// Speed against error: bakes a scene with one setting after the other, and holds its voxels against the triangles
-/// themselves and pictures of each against pictures of them.
+/// Speed against error: bakes a scene with each setting. Compares its voxels with the source's triangles, and images of
+/// the voxels with images of the triangles.
 #pragma once
 
 #include <cstdint>
@@ -20,32 +20,32 @@ namespace gigabake::bench {
 
 struct AccuracyBenchRequest {
   BenchScene scene;  ///< its parameters are those of the first setting
-  /// A folder for each setting, whose shards are replaced, and pictures.
+  /// The output folder: one folder per setting, whose shards are replaced, and images.
   std::filesystem::path out;
   Backend backend = Backend::automatic;
-  int repeats = 3;                               ///< bakes of each setting; the fastest counts
-  int samples = 64;                              ///< of the reference, a pixel
-  std::vector<double> scales = accuracy_scales;  ///< of the pictures, voxels a pixel
-  int width = 160, height = 120;                 ///< of the largest pictures
-  VoxelErrorSample sample;                       ///< of the source's surface and of each setting's voxels
-  std::vector<std::string> only;                 ///< settings to bake, by their names; empty: all
+  int repeats = 3;                               ///< bakes per setting; the minimum time is reported
+  int samples = 64;                              ///< rays per pixel of the reference
+  std::vector<double> scales = accuracy_scales;  ///< voxels per pixel of the images
+  int width = 160, height = 120;                 ///< maximum size of images
+  VoxelErrorSample sample;                       ///< samples of the surface and of each setting's voxels
+  std::vector<std::string> only;                 ///< names of the settings to bake; empty: all
 };
 
 struct ViewError {
   std::string view;                   ///< AccuracyView::name()
-  std::uint64_t compared_pixels = 0;  ///< in which the reference shows the surface
+  std::uint64_t compared_pixels = 0;  ///< pixels in which the reference shows the surface
   double render_s = 0;
   PictureError error;
-  std::optional<double> lit_flip;  ///< in the light of `render`, where voxels are larger than pixels
+  std::optional<double> lit_flip;  ///< in the light of `render`; only if voxels are larger than pixels
 };
 
 struct AccuracySetting {
-  std::string name;  ///< "area-coverage-x2": unique, and its folder's
+  std::string name;  ///< "area-coverage-x2": unique; also the name of its folder
   std::string surface, mip;
   BakeParameters parameters;
   double bake_s = 0;  ///< from the sources to scene.xml, in one process
   std::uint64_t voxels = 0, bytes = 0;
-  double render_s = 0;  ///< of all views, with what it takes to read the scene
+  double render_s = 0;  ///< of all views, including reading the scene
   std::vector<ViewError> views;
   PictureError mean;  ///< over the views
   VoxelError voxel;
@@ -55,26 +55,26 @@ struct AccuracySetting {
 };
 
 struct AccuracyBench {
-  std::string backend;  ///< "cpu" or "cuda": where cells were baked; pictures are drawn by the CPU
+  std::string backend;  ///< "cpu" or "cuda": the backend of the bake; images are always rendered by the CPU
   double voxel_size_m = 0;
   int samples = 0;
   double reference_s = 0;
   std::vector<AccuracyView> views;
   std::vector<AccuracySetting> settings;
-  std::vector<NormalBits> normals;  ///< of the first setting's shards, where there are pictures at a voxel a pixel
+  std::vector<NormalBits> normals;  ///< of the first setting's shards, if there are images at one voxel per pixel
 };
 
-/// Of all settings, in their order.
+/// Returns the names of all settings, in their order.
 std::vector<std::string> accuracy_setting_names();
 
-/// Told of each setting before it is baked.
+/// A callback that is called before each setting is baked.
 using AccuracyProgress = std::function<void(const std::string& setting)>;
 
-/// Every surface rule with every filter, at the voxel size and at twice that; and area with coverage without normals,
-/// without facing, without either, with several largest errors, and with LZ4.
-/// All settings are seen from the same cameras. Voxels that are the same by their content hashes are looked at once.
-/// Errors  as a bake, and as ReferenceCaster's; UsageError: no setting has such a name. InputError: a view shows
-///         fewer than min_compared_pixels of the surface; nothing is baked then.
+/// Measures every surface rule with every filter, at the voxel size and at twice the voxel size. Measures area with
+/// coverage also without normals, without facing, without both, with several error bounds, and with LZ4.
+/// All settings use the same cameras. Voxels with equal content hashes are measured once.
+/// Errors  As a bake, and as ReferenceCaster's constructor. UsageError: no setting has such a name. InputError: a view
+///         shows fewer than min_compared_pixels of the surface; then nothing is baked.
 AccuracyBench bench_accuracy(const AccuracyBenchRequest& request, const AccuracyProgress& progress);
 
 }  // namespace gigabake::bench

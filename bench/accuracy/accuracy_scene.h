@@ -1,4 +1,4 @@
-/// A scene as it is compared: its triangles, and its voxels, baked.
+/// A scene prepared for comparison: its triangles and its baked voxels.
 #pragma once
 
 #include "bench/accuracy/accuracy_bench.h"
@@ -11,10 +11,10 @@ namespace gigabake::bench {
 struct AccuracyScene {
   SceneSources sources;
   ReferenceCaster caster;
-  FrameRenderer::Options renderer;  ///< of the request's threads
+  FrameRenderer::Options renderer;  ///< uses the threads of the request
 
-  /// Bakes the scene with the default rules into request.out, in place of what was baked there.
-  /// Errors  as bench_accuracy().
+  /// Bakes the scene with the default rules into request.out and replaces an earlier bake there.
+  /// Errors  As bench_accuracy().
   AccuracyScene(const AccuracyBenchRequest& request, const AccuracyProgress& progress);
 };
 

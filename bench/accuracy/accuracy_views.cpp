@@ -25,7 +25,7 @@ struct Direction {
 };
 constexpr Direction directions[] = {{"nadir", 90}, {"oblique", 35}, {"grazing", 10}};
 
-/// How far the box reaches along a direction to either side of its middle.
+/// Returns half the extent of the box along a direction.
 double reach(const TriangleBox& box, const Vector& direction) {
   double sum = 0;
   for (std::size_t a = 0; a < 3; ++a) sum += (box.max[a] - box.min[a]) / 2 * std::fabs(direction[a]);
@@ -36,7 +36,7 @@ Vector middle_of(const TriangleBox& box) {
   return {(box.min[0] + box.max[0]) / 2, (box.min[1] + box.max[1]) / 2, (box.min[2] + box.max[2]) / 2};
 }
 
-/// Returns where a line through `place` first meets a triangle.
+/// Returns the first intersection of a triangle with the line through `place`.
 Vector first_surface(const ReferenceCaster& caster, const Vector& place, const Vector& forward) {
   double to_place = 0;
   for (std::size_t a = 0; a < 3; ++a) to_place += (place[a] - middle_of(caster.box())[a]) * forward[a];
@@ -95,7 +95,7 @@ std::string AccuracyView::name() const { return fmt::format("{} {:g}", direction
 std::vector<AccuracyView> accuracy_views(const ReferenceCaster& caster, const BakeParameters& lattice,
                                          const std::vector<double>& voxels_per_pixel, int width, int height) {
   std::vector<Vector> places = visible_places(caster.triangles(), std::size(directions) * voxels_per_pixel.size());
-  // The first view keeps the middle of the scene, if there is surface: the place that one looks at first.
+  // The first view shows the middle of the scene, if there is surface: it is the place that a user inspects first.
   const Vector middle = middle_of(caster.box());
   if (caster.first_hit({middle[0], middle[1], caster.box().max[2] + 1}, {0, 0, -1})) places.front() = middle;
   std::vector<AccuracyView> views;
@@ -108,7 +108,7 @@ std::vector<AccuracyView> accuracy_views(const ReferenceCaster& caster, const Ba
 
 std::vector<std::array<double, 3>> visible_places(const SourceTriangles& source, std::size_t most) {
   constexpr std::uint64_t seed = 20261125;
-  // A masked surface may have texels without alpha at some of the points: more points than places are tried.
+  // Some points of a masked surface have no alpha, so more points than places are sampled.
   constexpr std::size_t tries = 16;
   const std::vector<Vector> points = surface_points(source, tries * most, seed);
   if (points.empty()) throw InputError("the source", "", "has no visible surface; nothing can be compared");

@@ -12,7 +12,7 @@ ClippedCorner between(const ClippedCorner& a, const ClippedCorner& b, double t) 
   return c;
 }
 
-/// Keeps what lies where sign·(coordinate - plane) ≥ 0.
+/// Returns the part of the polygon where sign·(coordinate - plane) ≥ 0.
 std::vector<ClippedCorner> clip(const std::vector<ClippedCorner>& polygon, std::size_t axis, double plane,
                                 double sign) {
   std::vector<ClippedCorner> kept;
@@ -62,7 +62,7 @@ ClippedCorner point_in(const std::vector<ClippedCorner>& polygon, double u, doub
   double rest = u * area_of(polygon);
   std::size_t i = 1;
   for (; i + 2 < polygon.size() && rest >= fan_area(polygon, i); ++i) rest -= fan_area(polygon, i);
-  // What is left of u inside the chosen triangle is uniform again.
+  // The remainder of u inside the chosen triangle is uniform again.
   const double w = std::sqrt(std::clamp(rest / fan_area(polygon, i), 0.0, 1.0));
   return between(polygon[0], between(polygon[i], polygon[i + 1], v), w);
 }

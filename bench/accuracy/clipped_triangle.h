@@ -1,5 +1,5 @@
-/// What of a triangle lies in a cube, and how far it is from a point: in double, by the plainest methods, and nothing
-/// of the baker's.
+/// Clips triangles to cubes and measures their distance from points. Uses plain double arithmetic and shares no code
+/// with the baker, so that it is an independent reference.
 #pragma once
 
 #include <array>
@@ -10,25 +10,28 @@ namespace gigabake::bench {
 using Vector = std::array<double, 3>;
 using Corners = std::array<Vector, 3>;
 
-/// A corner of what is left, with the triangle's barycentric weights of its second and third vertex.
+/// A corner of a clipped polygon, with the triangle's barycentric weights of its second and third vertex.
 struct ClippedCorner {
   Vector at{};
   double second = 0, third = 0;
 };
 
-/// The triangle inside the closed cube [lowest, lowest + edge]: a convex polygon, or nothing.
+/// Returns the part of the triangle in the closed cube [lowest, lowest + edge]: a convex polygon, or nothing.
 /// Source  Sutherland and Hodgman 1974.
 std::vector<ClippedCorner> clip_to_cube(const Corners& triangle, const Vector& lowest, double edge);
 
 double area_of(const std::vector<ClippedCorner>& polygon);
 
-/// A point of the polygon, uniform in its area for u, v uniform in [0, 1). Range  an area above 0.
+/// Returns a point of the polygon, distributed uniformly over its area if u and v are uniform in [0, 1).
+/// Range   The area is above 0.
 ClippedCorner point_in(const std::vector<ClippedCorner>& polygon, double u, double v);
 
-/// From p to the nearest point of the closed triangle. Range  an area above 0. Source  Ericson 2005, 5.1.5.
+/// Returns the distance from p to the nearest point of the closed triangle.
+/// Range   The area is above 0.
+/// Source  Ericson 2005, 5.1.5.
 double distance_to(const Corners& triangle, const Vector& p);
 
-/// Twice the area long, by the right hand.
+/// Returns the right-handed normal; its length is twice the area.
 Vector normal_of(const Corners& triangle);
 
 inline Vector minus(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }

@@ -44,14 +44,14 @@ Kernel sampled(int radius, const Weight& weight) {
   return kernel;
 }
 
-/// Positive weights add up to 1, and negative ones to -1.
+/// Scales a kernel so that its positive weights add up to 1 and its negative weights to -1.
 void normalize(Kernel& kernel) {
   double positive = 0, negative = 0;
   for (const double w : kernel) (w > 0 ? positive : negative) += std::fabs(w);
   for (double& w : kernel) w /= w > 0 ? positive : (negative > 0 ? negative : 1);
 }
 
-/// What the eye resolves of one opponent channel: a sum of Gaussians a √(π/b) e^(-π² d²/b), d in degrees.
+/// Contrast sensitivity of the eye in one opponent channel: a sum of Gaussians a √(π/b) e^(-π² d²/b), d in degrees.
 struct Sensitivity {
   double a[2], b[2];
 };
@@ -81,7 +81,7 @@ Plane seen(const Plane& in, const Sensitivity& s, Size size) {
   return out;
 }
 
-/// Opponent colours, linear in light.
+/// Returns the planes of opponent colours, linear in light.
 std::array<Plane, 3> opponents(const std::vector<Rgb>& picture) {
   std::array<Plane, 3> planes;
   for (const Rgb& c : picture) {
@@ -93,7 +93,7 @@ std::array<Plane, 3> opponents(const std::vector<Rgb>& picture) {
   return planes;
 }
 
-/// L*a*b* whose colours fade with darkness, as Hunt found.
+/// Returns L*a*b* with chroma reduced in dark colours (Hunt effect).
 std::array<double, 3> hunt_lab(const Rgb& c) {
   const auto lab = cie_lab(c);
   return {lab[0], 0.01 * lab[0] * lab[1], 0.01 * lab[0] * lab[2]};
@@ -116,7 +116,8 @@ std::vector<std::array<double, 3>> seen_colours(const std::array<Plane, 3>& oppo
   return out;
 }
 
-/// Differences of most colours fill most of 0 … 1; the rest of the way is for the greatest there are.
+/// Returns the colour difference in 0 … 1. Differences up to 0.4 of the maximum are mapped to 0 … 0.95, larger ones to
+/// the rest.
 double colour_difference(const std::array<double, 3>& a, const std::array<double, 3>& b) {
   constexpr double exponent = 0.7, knee = 0.4, at_knee = 0.95;
   static const double greatest = std::pow(hyab(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1})), exponent);

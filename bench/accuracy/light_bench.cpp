@@ -10,7 +10,7 @@
 namespace gigabake::bench {
 namespace {
 
-constexpr int timed_frames = 3;  ///< the fastest counts
+constexpr int timed_frames = 3;  ///< the minimum time counts
 
 View view_with(const AccuracyView& from, Shadows shadows) {
   View view{from.camera, ViewMode::lit, {false, {0, 0, 0, 0}}};
@@ -35,7 +35,8 @@ void write_pictures(const std::filesystem::path& out, const AccuracyView& view, 
   write_png(out / (name + "-reference.png"), to_srgb(reference));
 }
 
-/// renderers: with shadows and without, each with its pools full of its own voxels.
+/// Compares one view with its reference. The pools of each renderer are filled with its own voxels, with and without
+/// shadows.
 LightRow look_at(const ReferenceCaster& caster, const AccuracyView& view, const AccuracyBenchRequest& request,
                  FrameRenderer& with, FrameRenderer& without) {
   const kernels::CastCamera camera = reference_camera(view.camera, request.scene.parameters);

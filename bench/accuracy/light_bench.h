@@ -1,4 +1,4 @@
-/// The light of pictures, against triangles that stand in each other's light: what shadows are off by, and what they
+/// Light: errors of shadows in images of voxels relative to triangles that cast shadows, and the time that shadows
 /// take.
 #pragma once
 
@@ -11,15 +11,15 @@
 
 namespace gigabake::bench {
 
-/// Of one camera, pictures as a screen shows them.
+/// The errors from one camera, of images after tone mapping.
 struct LightRow {
   std::string view;  ///< AccuracyView::name()
   int width = 0, height = 0;
-  std::uint64_t compared_pixels = 0;        ///< in which the reference shows the surface
+  std::uint64_t compared_pixels = 0;        ///< pixels in which the reference shows the surface
   double flip = 0;                          ///< with shadows, against the reference
-  double flip_without = 0;                  ///< without, against the same
-  double flip_unshadowed = 0;               ///< without, against the reference without: what is not light's error
-  double frame_s = 0, frame_without_s = 0;  ///< at rest: all that it wants is in memory
+  double flip_without = 0;                  ///< without shadows, against the same reference
+  double flip_unshadowed = 0;               ///< without shadows, both: the error that is not the light's
+  double frame_s = 0, frame_without_s = 0;  ///< after all requested data is resident
 };
 
 struct LightBench {
@@ -31,12 +31,12 @@ struct LightBench {
   double mean_flip() const;
   double mean_flip_without() const;
   double mean_flip_unshadowed() const;
-  double time_ratio() const;  ///< of all frames together, with shadows to without
+  double time_ratio() const;  ///< total time of all frames with shadows, divided by that without
 };
 
-/// Bakes the scene with the default rules into `out`, and looks at it as bench_accuracy() does. samples: of the
-/// reference, a pixel. Told of each view before it is drawn.
-/// Errors  as bench_accuracy().
+/// Bakes the scene with the default rules into `out`, and renders it from the views of bench_accuracy(). samples: rays
+/// per pixel of the reference. progress is called before each view is rendered.
+/// Errors  As bench_accuracy().
 LightBench bench_light(const AccuracyBenchRequest& request, const AccuracyProgress& progress);
 
 }  // namespace gigabake::bench

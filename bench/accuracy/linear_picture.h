@@ -1,4 +1,4 @@
-/// Pictures in linear light, as references are drawn and comparisons are made.
+/// Images in linear light: the format of reference images and of image comparisons.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace gigabake::bench {
 
-/// Premultiplied RGBA, 4 a pixel; row 0 is the upper one.
+/// An image of premultiplied RGBA, 4 values per pixel; row 0 is the upper one.
 struct LinearPicture {
   int width = 0, height = 0;
   std::vector<float> rgba;
@@ -20,16 +20,19 @@ struct LinearPicture {
 using Rgb = std::array<double, 3>;
 
 LinearPicture to_linear(const Picture& picture);
-/// Exact   The nearest 8-bit codes: to_linear() of it is within half a code.
+/// Returns the image in 8-bit sRGB.
+/// Exact   Rounds to the nearest 8-bit code: to_linear() of the result is within half a code.
 Picture to_srgb(const LinearPicture& picture);
 
-/// What a screen shows of light, as `render` has it.
+/// Applies the tone mapping of `render` to an image of lit surface.
 LinearPicture on_screen(LinearPicture picture);
 
-/// Linear RGB of each pixel before a grey background of this linear value.
+/// Returns the linear RGB of each pixel in front of a grey background of this linear value.
 std::vector<Rgb> over(const LinearPicture& picture, double background);
 
-/// Source  IEC 61966-2-1. Range  0 … 1; beyond, the nearest of it.
+/// Returns the sRGB code of a linear value.
+/// Range   Values are clamped to 0 … 1.
+/// Source  IEC 61966-2-1.
 double srgb_code(double linear);
 
 }  // namespace gigabake::bench

@@ -30,7 +30,7 @@ Vector moved(const Vector& from, const Vector& direction, double way) {
   return {from[0] + direction[0] * way, from[1] + direction[1] * way, from[2] + direction[2] * way};
 }
 
-/// How wide a pixel is, seen as an angle.
+/// Returns twice the tangent of half the field of view, divided by the height: the width of a pixel at distance 1.
 double pixel_angle(double fovy, int height) { return 2 * std::tan(fovy * std::numbers::pi / 360) / height; }
 
 CameraOptions camera_at(const Vector& eye, const Vector& forward, double fovy, const AccuracyBenchRequest& request) {
@@ -43,12 +43,12 @@ CameraOptions camera_at(const Vector& eye, const Vector& forward, double fovy, c
   return camera;
 }
 
-/// A flight over the middle of the scene, so low that several levels are in the picture.
+/// A flight over the middle of the scene, low enough that several levels are visible.
 struct Flight {
   const char* name;
-  double elevation_deg;     ///< the eye looks so far down
-  double height;            ///< above the surface, as a part of the distance at which lod 1 begins
-  double ahead, aside, up;  ///< the way that it goes
+  double elevation_deg;     ///< of the view direction below the horizon
+  double height;            ///< above the surface, as a fraction of the distance at which lod 1 begins
+  double ahead, aside, up;  ///< direction of the flight
 };
 constexpr Flight flights[] = {
     {"forward", 15, 0.25, 1, 0, 0}, {"aside", 15, 0.25, 0, 1, 0}, {"climb", 35, 0.5, 0, 0, 1}};
@@ -59,7 +59,7 @@ Vector above_surface(const ReferenceCaster& caster, double x, double y, double h
   return {x, y, from[2] - down + height};
 }
 
-/// Returns the surface at the middle of the box; where there is none, a place in the middle of the surface's area.
+/// Returns the surface below the middle of the box; if there is none, a place in the middle of the surface's area.
 Vector middle_place(const ReferenceCaster& caster) {
   const TriangleBox& box = caster.box();
   const Vector from{(box.min[0] + box.max[0]) / 2, (box.min[1] + box.max[1]) / 2, box.max[2] + 1};
@@ -90,7 +90,8 @@ void add_flight(const ReferenceCaster& caster, const AccuracyBenchRequest& reque
   }
 }
 
-/// From nearly parallel rays, so that much of the picture changes its level at once: once through all of a level.
+/// Adds the pairs of a zoom through one level. Rays are nearly parallel, so that much of the image changes its level at
+/// once.
 void add_zoom(const ReferenceCaster& caster, const AccuracyBenchRequest& request, std::vector<MotionPair>& out) {
   const Vector forward = forward_at(35);
   const Vector target = middle_place(caster);
@@ -117,7 +118,7 @@ double mean_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
 }
 
-/// The most that the mean over a block is above that of the reference.
+/// Returns the maximum over the blocks of the mean difference in excess of the reference's.
 double worst_block(const std::vector<double>& map, const std::vector<double>& reference, int width, int height) {
   double worst = 0;
   for (int y0 = 0; y0 + motion_block <= height; y0 += motion_block)

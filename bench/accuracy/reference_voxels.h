@@ -1,4 +1,5 @@
-/// Which voxels a scene has, straight from its shards: for references that must not share a tree with what they check.
+/// A set of a scene's voxels, read directly from its shards. References use it because they must not share a tree with
+/// the code that they check.
 #pragma once
 
 #include <array>
@@ -13,13 +14,15 @@
 
 namespace gigabake::bench {
 
-/// Cost    64 bytes and a hash entry a brick.
+/// The set of the voxels of one lod.
+/// Cost    64 bytes and a hash entry per brick.
 class ReferenceVoxels {
  public:
-  /// lod: of the voxels. Errors  InputError: a shard that cannot be read.
+  /// Reads the voxels of one lod.
+  /// Errors  InputError: a shard cannot be read.
   ReferenceVoxels(const SceneDescription& scene, const std::filesystem::path& scene_path, int lod);
 
-  /// v: in voxels of the lod, from lod-0 voxel `origin` of the lattice, which is a corner of a brick.
+  /// Returns true if the voxel exists. v: voxels of the lod, relative to origin().
   bool exists(const std::array<std::int64_t, 3>& v) const;
   const std::array<std::int64_t, 3>& origin() const { return origin_; }
 
@@ -27,8 +30,8 @@ class ReferenceVoxels {
   void add_cell(const std::array<std::int64_t, 3>& corner, const NodeTable& nodes, const BrickLevel& level, int lod);
 
   std::array<std::int64_t, 3> origin_{};
-  std::unordered_map<std::uint64_t, std::array<std::uint64_t, 8>> bricks_;  ///< by coordinates in bricks
-  std::map<int, std::unordered_set<std::uint64_t>> constants_;  ///< by levels above the lod; whole nodes of voxels
+  std::unordered_map<std::uint64_t, std::array<std::uint64_t, 8>> bricks_;  ///< key: coordinates in bricks
+  std::map<int, std::unordered_set<std::uint64_t>> constants_;  ///< constant nodes, by number of levels above the lod
 };
 
 }  // namespace gigabake::bench

@@ -9,7 +9,7 @@
 namespace gigabake::bench {
 namespace {
 
-/// Says of voxel after voxel whether it is the one of its run.
+/// Selects one voxel at random from each run of consecutive voxels.
 class OneOfEachRun {
  public:
   OneOfEachRun(std::uint64_t run, std::uint64_t seed) : run_(run), seed_(seed) {}

@@ -1,4 +1,4 @@
-/// Some of a scene's finest voxels, with all that shards say of them.
+/// A random sample of a scene's finest voxels, with their attributes from the shards.
 #pragma once
 
 #include <array>
@@ -13,11 +13,11 @@ namespace gigabake::bench {
 struct SampledVoxel {
   std::array<std::int64_t, 3> at{};  ///< in voxels of the bake's lattice
   std::array<std::uint8_t, 4> rgba{};
-  std::array<std::int8_t, 2> normal{};  ///< zeros where the scene has none
+  std::array<std::int8_t, 2> normal{};  ///< zeros if the scene has none
 };
 
-/// At most `most` of those of lod 0: one at random of each run of equal length, in the order of the shards.
-/// Errors  InputError: a shard that cannot be read.
+/// Returns at most `most` voxels of lod 0: one at random from each run of equal length, in the order of the shards.
+/// Errors  InputError: a shard cannot be read.
 std::vector<SampledVoxel> sample_voxels(const SceneDescription& scene, const std::filesystem::path& scene_path,
                                         std::uint64_t most, std::uint64_t seed);
 

@@ -8,7 +8,7 @@
 namespace gigabake::bench {
 namespace {
 
-/// 0 where it is not finite, so that nothing is looked for there.
+/// Returns the area; 0 if it is not finite, so that no point is sampled there.
 double area_of(const Corners& triangle) {
   const Vector n = normal_of(triangle);
   const double area = std::sqrt(dot(n, n)) / 2;

@@ -1,4 +1,4 @@
-/// Points of a source's surface, spread evenly over its area.
+/// Points of a source's surface, distributed evenly over its area.
 #pragma once
 
 #include <array>
@@ -9,8 +9,9 @@
 
 namespace gigabake::bench {
 
-/// One point at random in each of `most` equal shares of the area, in the order of the triangles; of these the ones
-/// where the source's alpha is above 0. In voxels of the lattice.
+/// Returns one random point in each of `most` equal parts of the area, in the order of the triangles. Omits points
+/// where the source's alpha is 0.
+/// Space   Voxels of the lattice.
 std::vector<std::array<double, 3>> surface_points(const SourceTriangles& source, std::uint64_t most,
                                                   std::uint64_t seed);
 

@@ -18,7 +18,7 @@
 namespace gigabake::bench {
 namespace {
 
-/// More than a snapped vertex moves, on any axis and in all.
+/// A bound of the movement of a snapped vertex, per axis and in total.
 constexpr double snap = 1.0 / 256;
 constexpr double half_diagonal = 0.8660254037844386;
 constexpr double farthest_looked = 64;
@@ -30,8 +30,7 @@ double sum_of_squares(const Rgb& a, const Rgb& b) {
   return sum;
 }
 
-/// From a point, in voxels, to the nearest one there is, along the axis where they are farthest apart; 2: none as near
-/// as 1.
+/// Returns the distance from a point to the nearest voxel in the maximum norm, in voxels; 2 if none is within 1.
 double distance_to_voxels(const ReferenceVoxels& voxels, const Vector& p) {
   std::array<std::int64_t, 3> in;
   for (std::size_t a = 0; a < 3; ++a) in[a] = std::int64_t(std::floor(p[a])) - voxels.origin()[a];
@@ -76,7 +75,7 @@ struct Verdict {
   std::optional<SourceColour> source;
 };
 
-/// One voxel against the triangles about it.
+/// Compares a voxel with the triangles around it.
 class VoxelJudge {
  public:
   VoxelJudge(const ReferenceCaster& caster, double edge, bool has_normals, const VoxelErrorSample& sample)
@@ -113,7 +112,7 @@ class VoxelJudge {
     double area;
   };
 
-  /// All that come nearer than the voxel's corners, and where there is none the nearest.
+  /// Returns the triangles within the radius of the voxel's corners; if there is none, the nearest ones.
   std::vector<Nearby> around(const Vector& centre) const {
     std::vector<Nearby> nearby;
     for (double radius = edge_; nearby.empty() && radius <= farthest_looked * edge_; radius *= 2)
@@ -127,7 +126,8 @@ class VoxelJudge {
     return nearby;
   }
 
-  /// To the nearest triangle; of those that are as near, to the one that is least off.
+  /// Returns the angle between the stored normal and the nearest triangle's. If several triangles are equally near,
+  /// returns the minimum.
   std::optional<double> angle(const std::vector<Nearby>& nearby, double nearest,
                               const std::array<std::int8_t, 2>& stored) const {
     const std::array<float, 3> n = unit_normal(stored.data());
@@ -143,7 +143,7 @@ class VoxelJudge {
     return least;
   }
 
-  /// What the voxel ought to hold: the mean over all surface in it.
+  /// Returns the reference colour of the voxel: the mean over all surface in it.
   std::optional<SourceColour> colour(const std::vector<Nearby>& nearby, const Vector& lowest,
                                      std::uint64_t number) const {
     std::vector<Fragment> fragments;
@@ -184,7 +184,7 @@ class VoxelJudge {
   const VoxelErrorSample& sample_;
 };
 
-/// Shares of a sum.
+/// Accumulates the errors of colour and alpha.
 class ColourSum {
  public:
   void add(const SourceColour& source, const std::array<std::uint8_t, 4>& rgba) {

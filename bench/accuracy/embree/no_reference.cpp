@@ -13,7 +13,7 @@ ReferenceCaster::ReferenceCaster(const SceneSources&, const BakeParameters&, int
 
 ReferenceCaster::~ReferenceCaster() = default;
 
-// No caster can be made, so none of these runs.
+// Without Embree no caster can be constructed, so none of these functions is called.
 const TriangleBox& ReferenceCaster::box() const { throw UsageError("bench accuracy: built without Embree"); }
 const SourceTriangles& ReferenceCaster::triangles() const { throw UsageError("bench accuracy: built without Embree"); }
 std::vector<TriangleName> ReferenceCaster::near(const std::array<double, 3>&, double) const { return {}; }

@@ -43,7 +43,8 @@ void add_part(RTCDevice device, RTCScene scene, const SourceTriangles& triangles
   rtcReleaseGeometry(geometry);
 }
 
-/// Unit directions through a pixel's samples; as kernels::line_of_sight(), but not only through its middle.
+/// Returns the unit direction through an image position in pixels. kernels::line_of_sight() supports only pixel
+/// centres.
 Vector direction_through(const kernels::CastCamera& camera, double x, double y) {
   const double sx = 2 * x / camera.width - 1, sy = 1 - 2 * y / camera.height;
   Vector d;
@@ -53,7 +54,7 @@ Vector direction_through(const kernels::CastCamera& camera, double x, double y) 
   return d;
 }
 
-/// Distance at which a ray enters the box; none where it misses it.
+/// Returns the distance at which a ray enters the box; nullopt if it misses the box.
 std::optional<double> entry(const TriangleBox& box, const Vector& origin, const Vector& direction) {
   double enter = 0, leave = std::numeric_limits<double>::infinity();
   for (std::size_t a = 0; a < 3; ++a) {
@@ -65,14 +66,14 @@ std::optional<double> entry(const TriangleBox& box, const Vector& origin, const 
     enter = std::max(enter, std::min(p, q));
     leave = std::min(leave, std::max(p, q));
   }
-  // What touches the box's side may be rounded to miss it.
+  // A ray that touches the box's side may miss it by rounding.
   if (enter > leave + 1e-6 * std::fabs(leave)) return {};
   return enter;
 }
 
-/// Surfaces nearer to each other than this share of their distance from the box's side are one to a ray.
+/// Surfaces closer together than this fraction of their distance from the box's side count as one surface.
 constexpr float apart = 1e-6f;
-/// Light that is left of a ray when what is behind no longer shows.
+/// Transmittance below which surfaces behind are not visible.
 constexpr float dark = 1e-4f;
 
 double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -82,7 +83,7 @@ Vector unit(const Vector& v) {
   return {v[0] / length, v[1] / length, v[2] / length};
 }
 
-/// In the frame of which `axis`, a unit vector, is z.
+/// Transforms a vector to the lattice from a frame whose z axis is the unit vector `axis`.
 Vector around(const Vector& axis, double x, double y, double z) {
   const Vector other = std::fabs(axis[0]) < 0.5 ? Vector{1, 0, 0} : Vector{0, 1, 0};
   const Vector u = unit({axis[1] * other[2] - axis[2] * other[1], axis[2] * other[0] - axis[0] * other[2],
@@ -93,16 +94,16 @@ Vector around(const Vector& axis, double x, double y, double z) {
   return out;
 }
 
-/// Of the half sphere around `axis`, by the cosine. a, b: uniform in 0 … 1.
+/// Returns a cosine-weighted direction of the hemisphere around `axis`. a, b: uniform in 0 … 1.
 Vector by_cosine(const Vector& axis, double a, double b) {
   const double level = std::sqrt(a), turn = 2 * std::numbers::pi * b;
   return around(axis, level * std::cos(turn), level * std::sin(turn), std::sqrt(1 - a));
 }
 
-/// A sun with a disc, and random numbers for one ray.
+/// The sun's disc and the sky, with the random numbers of one ray.
 struct SunAndSky {
   kernels::CastLight light;
-  double radius = 0;  ///< tangent of the disc's half angle; 0: nothing stands in the light
+  double radius = 0;  ///< tangent of the disc's half angle; 0: no shadows
   std::uint64_t seed = 0;
   mutable std::uint64_t next = 0;
 
@@ -114,7 +115,7 @@ struct SunAndSky {
   }
 };
 
-/// Rays to light start so many voxels before the side of a triangle that is lit.
+/// Distance in voxels from the lit side of a triangle at which shadow rays start.
 constexpr double off_surface = 1e-3;
 
 }  // namespace
@@ -136,7 +137,7 @@ struct ReferenceCaster::State {
     check(device.get(), "rtcCommitScene");
   }
 
-  /// Starts where it enters the box, so that float knows distances well.
+  /// Returns a ray that starts close to where it enters the box, because distances are float.
   std::optional<RTCRayHit> ray(const Vector& origin, const Vector& direction, double& before_box) const {
     const std::optional<double> enter = entry(triangles.box(), origin, direction);
     if (!enter) return {};
@@ -151,7 +152,7 @@ struct ReferenceCaster::State {
     return hit;
   }
 
-  /// Whether there is a triangle beyond tnear.
+  /// Finds the next triangle beyond tnear; returns false if there is none.
   bool next(RTCRayHit& hit) const {
     hit.ray.tfar = std::numeric_limits<float>::infinity();
     hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -160,7 +161,7 @@ struct ReferenceCaster::State {
     return hit.hit.geomID != RTC_INVALID_GEOMETRY_ID;
   }
 
-  /// What comes through of light on its way to a point.
+  /// Returns the fraction of light that reaches a point from this direction.
   float through(const Vector& origin, const Vector& direction) const {
     double before_box = 0;
     std::optional<RTCRayHit> hit = ray(origin, direction, before_box);
@@ -258,7 +259,7 @@ std::vector<TriangleName> ReferenceCaster::near(const Vector& p, double radius) 
   rtcInitPointQueryContext(&context);
   const auto take = [](RTCPointQueryFunctionArguments* at) {
     static_cast<std::vector<TriangleName>*>(at->userPtr)->push_back({at->geomID, at->primID});
-    return false;  // the radius stays
+    return false;  // keeps the radius of the query
   };
   rtcPointQuery(state_->scene.get(), &query, &context, take, &found);
   std::sort(found.begin(), found.end());

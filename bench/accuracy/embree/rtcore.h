@@ -1,4 +1,4 @@
-/// Embree 3 and 4 as one.
+/// A wrapper of the calls that differ between Embree 3 and 4.
 #pragma once
 
 #if GIGABAKE_EMBREE == 4

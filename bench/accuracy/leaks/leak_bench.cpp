@@ -48,20 +48,20 @@ AlphaPicture alpha_of(const LinearPicture& picture) {
   return out;
 }
 
-/// "35-deg-16-anywhere.png"
+/// Returns a name like "35-deg-16-anywhere.png".
 std::string file_name(const LeakView& view) {
   std::string name = fmt::format("{:g}-deg-{:g}-{}.png", view.elevation_deg, view.voxels_per_pixel, name_of(view.eye));
   std::replace(name.begin(), name.end(), ' ', '-');
   return name;
 }
 
-/// Where the inside of a scene is, and what alpha it has in truth.
+/// The inside of a scene, and its true alpha.
 struct LeakReference {
   AlphaPicture inside, truth;
 };
 using LeakReferenceOf = std::function<LeakReference(const kernels::CastCamera&)>;
 
-/// A baked scene from every side.
+/// Renders a baked scene from all views and compares each image with its reference.
 std::vector<LeakRow> look(const std::filesystem::path& folder, const LeakSubject& subject, const BenchScene& bench,
                           const LeakBenchRequest& request, const LeakReferenceOf& reference_of) {
   FrameRenderer::Options options;
@@ -121,14 +121,14 @@ LeakBench begin(const LeakBenchRequest& request, const std::optional<int>& devic
   return {device ? "cuda" : "cpu", edge, request.samples, {}};
 }
 
-/// "village" of village.glb and of village/tileset.json.
+/// Returns "village" for village.glb and for village/tileset.json.
 std::string name_of(const BenchScene& scene) {
   const std::filesystem::path& source = scene.source;
   const bool is_tileset = source.has_parent_path() && source.stem() == "tileset";
   return is_tileset ? source.parent_path().filename().string() : source.stem().string();
 }
 
-/// Returns the surface below the middle of the box; where there is none, a place in the middle of the surface's area.
+/// Returns the surface below the middle of the box; if there is none, a place in the middle of the surface's area.
 LeakSubject subject_of(const ReferenceCaster& caster) {
   const TriangleBox& box = caster.box();
   LeakSubject subject;
@@ -150,7 +150,7 @@ LeakSubject subject_of(const ReferenceCaster& caster) {
   return subject;
 }
 
-/// Opaque where every ray that was traced through a pixel says so.
+/// Returns the traced alpha. A pixel is inside if all its traced rays are opaque.
 LeakReference traced_inside(const ReferenceCaster& caster, const kernels::CastCamera& camera, int samples) {
   LeakReference reference{alpha_of(caster.draw(camera, samples)), {}};
   reference.truth = reference.inside;

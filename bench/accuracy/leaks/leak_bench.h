@@ -1,5 +1,5 @@
-/// Leaks: scenes whose true alpha is known, baked with default settings and looked at from every elevation and
-/// distance.
+/// Leaks: bakes scenes whose true alpha is known with default settings, and renders them from all elevations and
+/// distances.
 #pragma once
 
 #include <cstdint>
@@ -17,22 +17,22 @@ namespace gigabake::bench {
 
 enum class LeakSuite {
   whole,
-  few_planes,  ///< three planes, three elevations, 4 and 16 voxels a pixel
+  few_planes,  ///< three planes, three elevations, 4 and 16 voxels per pixel
 };
 
 struct LeakBenchRequest {
   std::filesystem::path out;  ///< a folder for each scene
-  bool keep = false;          ///< scenes and pictures stay there
+  bool keep = false;          ///< keep scenes and images
   Backend backend = Backend::automatic;
   int threads = 1;
   LeakSuite suite = LeakSuite::whole;
-  std::vector<std::string> families;  ///< to look at, by their names; empty: all
-  int edge = 1536;                    ///< how wide made scenes are, in voxels: farther views need wider ones
-  int samples = 64;                   ///< of the traced reference, a pixel
-  int width = 160, height = 120;      ///< of pictures
+  std::vector<std::string> families;  ///< names of the families to measure; empty: all
+  int edge = 1536;                    ///< width of generated scenes in voxels; farther views need larger ones
+  int samples = 64;                   ///< rays per pixel of the traced reference
+  int width = 160, height = 120;      ///< of images
 };
 
-/// One picture.
+/// The errors of one image.
 struct LeakRow {
   double elevation_deg = 0, voxels_per_pixel = 0;
   LeakEye eye = LeakEye::anywhere;
@@ -44,35 +44,37 @@ struct LeakResult {
   bool is_opaque = true;  ///< alpha is 1 at every inner pixel
   std::uint64_t voxels = 0;
   std::vector<LeakRow> rows;
-  std::string not_measured;   ///< why there are no rows, or empty
+  std::string not_measured;   ///< the reason why there are no rows, or empty
   bool needs_embree = false;  ///< there are no rows because this build has no Embree
 };
 
 struct LeakBench {
-  std::string backend;        ///< "cpu" or "cuda": where cells were baked; pictures are drawn by the CPU
-  int edge = 0, samples = 0;  ///< edge 0: a scene that was given
+  std::string backend;        ///< "cpu" or "cuda": the backend of the bake; images are always rendered by the CPU
+  int edge = 0, samples = 0;  ///< edge 0: a scene of the user
   std::vector<LeakResult> scenes;
-  /// No opaque surface lets more light through than docs/accuracy-rendering.md allows, in any view.
+  /// Returns true if no view of an opaque surface leaks more light than docs/accuracy-rendering.md allows.
   bool is_bounded() const;
-  /// Returns the scenes whose views together show fewer than min_inner_pixels; without those that need Embree.
+  /// Returns the scenes whose views together show fewer than min_inner_pixels, without those that need Embree.
   std::vector<std::string> unmeasured() const;
 };
 
-/// A scene with fewer inner pixels in all its views together says nothing about leaks.
+/// The minimum number of inner pixels of a scene in all its views: fewer are not enough to measure leaks.
 inline constexpr std::size_t min_inner_pixels = 100;
 
-/// Kinds of scenes, in their order.
+/// Returns the families of scenes, in their order.
 std::vector<std::string> leak_families();
 
-/// Told of each scene before it is baked.
+/// A callback that is called before each scene is baked.
 using LeakProgress = std::function<void(const std::string& scene)>;
 
-/// Cost    Bakes some 3·edge² voxels of level 0 a scene, 33 scenes, and draws up to 63 pictures of each.
-/// Errors  As a bake. Without Embree the scenes whose reference is traced say that they are not measured.
+/// Measures the leaks of the generated scenes.
+/// Cost    Bakes about 3·edge² voxels of level 0 per scene, 33 scenes, and renders up to 63 images of each.
+/// Errors  As a bake. Without Embree, scenes with a traced reference are reported as not measured.
 LeakBench bench_leaks(const LeakBenchRequest& request, const LeakProgress& progress);
 
-/// The same cameras before a scene of one's own. Inside is what no traced ray passes in a pixel and its neighbours.
-/// Errors  As a bake; UsageError: built without Embree.
+/// Measures the leaks of the user's scene from the same cameras. A pixel is inside if no traced ray passes in it and
+/// its neighbours.
+/// Errors  As a bake. UsageError: built without Embree.
 LeakBench bench_leaks_of(const BenchScene& scene, const LeakBenchRequest& request);
 
 }  // namespace gigabake::bench

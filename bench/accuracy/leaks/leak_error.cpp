@@ -6,7 +6,7 @@
 namespace gigabake::bench {
 namespace {
 
-/// Of two alphas that are one and the same.
+/// The maximum difference of two alphas that count as equal.
 constexpr double same = 1e-9;
 
 bool is_inner(const AlphaPicture& inside, int x, int y) {

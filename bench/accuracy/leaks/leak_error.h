@@ -1,4 +1,4 @@
-/// How much light a picture lets through where none may pass.
+/// Light leaks: how much light an image lets through at pixels that must be opaque.
 #pragma once
 
 #include <cstddef>
@@ -8,35 +8,36 @@
 
 namespace gigabake::bench {
 
-/// What alpha is in truth, a value a pixel; row 0 is the upper one.
+/// The true alpha, one value per pixel; row 0 is the upper one.
 struct AlphaPicture {
   int width = 0, height = 0;
   std::vector<double> alpha;
 };
 
-/// Over inner pixels alone.
+/// Errors  over inner pixels only.
 struct LeakError {
-  std::size_t inner = 0;     ///< pixels; where there is none the figures are those of a picture without an error
-  double below_99 = 0;       ///< share of them whose alpha is more than .01 below the true one
-  double below_90 = 0;       ///< more than .1 below
-  double least = 1;          ///< of their alpha
+  std::size_t inner = 0;     ///< inner pixels; if 0, the other numbers are those of an exact image
+  double below_99 = 0;       ///< fraction with alpha more than .01 below the true one
+  double below_90 = 0;       ///< fraction more than .1 below
+  double least = 1;          ///< minimum alpha
   double rms = 0, bias = 0;  ///< of alpha minus the true one
 };
 
-/// Pixels from a border beyond which a pixel shows nothing but the inside, whatever it is filtered with.
+/// The distance from a border, in pixels, beyond which no filter reaches the border.
 inline constexpr int inner_margin = 3;
 
-/// 1 where `inside` has one and the same alpha, which is not 0, in the square of inner_margin around a pixel. Pixels
-/// nearer to the picture's border than that are none.
+/// Returns true for pixels where `inside` has the same non-zero alpha in the whole square of inner_margin around the
+/// pixel. Pixels within inner_margin of the image border are not inner.
 std::vector<bool> inner_pixels(const AlphaPicture& inside);
 
-/// Range  All of one size.
+/// Measures an image over the inner pixels.
+/// Range   All arguments have the same size.
 LeakError leak_error(const std::vector<bool>& inner, const AlphaPicture& truth, const LinearPicture& picture);
 
-/// Of all pixels of both.
+/// Returns the errors over the inner pixels of a and b together.
 LeakError together(const LeakError& a, const LeakError& b);
 
-/// What is asked of an opaque surface (docs/accuracy-rendering.md, Leaks).
+/// The bounds for an opaque surface (docs/accuracy-rendering.md, Leaks).
 inline constexpr double most_below_99 = 0.001, least_opaque_alpha = 0.95;
 inline bool is_bounded(const LeakError& e) { return e.below_99 <= most_below_99 && e.least >= least_opaque_alpha; }
 

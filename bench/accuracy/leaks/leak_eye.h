@@ -1,4 +1,4 @@
-/// Where an eye is that looks for leaks, besides its elevation and distance.
+/// The position of an eye for leak tests, in addition to its elevation and distance.
 #pragma once
 
 #include <array>
@@ -10,9 +10,9 @@ namespace gigabake {
 namespace bench {
 
 enum class LeakEye {
-  anywhere,         ///< all of the scene is at least as far as the view says
-  on_lattice,       ///< as high as a multiple of 64 voxels: straight down, all rays sample at one and the same phase
-  at_level_change,  ///< levels change on the surface, in the middle of the picture
+  anywhere,         ///< the whole scene is at least as far away as the view specifies
+  on_lattice,       ///< its height is a multiple of 64 voxels: straight down, all rays sample with the same phase
+  at_level_change,  ///< the level changes on the surface in the middle of the image
 };
 
 }  // namespace bench

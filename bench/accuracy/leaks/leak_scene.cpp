@@ -9,7 +9,7 @@
 namespace gigabake::bench {
 namespace {
 
-/// No multiple of a voxel or of its half, quarter, eighth.
+/// An offset that is no multiple of a voxel or of its half, quarter or eighth.
 constexpr Vector off_the_lattice{13.371, -7.713, 5.237};
 constexpr double pane_alpha = 0.3;
 
@@ -57,7 +57,7 @@ LeakScene sheets_scene(std::string name, std::string family, std::string what, s
   return scene;
 }
 
-/// Level directions of an azimuth, from east to north: forwards, and to the left of that.
+/// The horizontal directions of an azimuth, measured from east to north: forward and left.
 struct Heading {
   Vector forward, left;
   explicit Heading(double azimuth_deg)
@@ -78,14 +78,14 @@ Sheet square(double edge, double slope_deg, double azimuth_deg) {
   return {heading.at(-level / 2, -edge / 2, -down / 2), heading.step(0, edge, 0), heading.step(level, 0, down)};
 }
 
-/// From 0 at the border of the square to what its waves are in the middle. x, y: 0 to 1.
+/// Returns the height of the hill: 0 at the border of the square, waves in the middle. x, y: 0 to 1.
 double hill_height(double edge, double x, double y) {
   const double bump = 16 * x * (1 - x) * y * (1 - y);
   const double waves = 2 + std::sin(7 * x + 3 * y) + std::sin(17 * y - 5 * x + 1);
   return edge / 24 * bump * waves;
 }
 
-/// The six sides of a bar that begins at `corner`.
+/// Returns the six sides of a bar whose lowest corner is `corner`.
 std::vector<Sheet> sides_of(const Vector& corner, const Vector& u, const Vector& v, const Vector& w) {
   return {{corner, u, v},
           {corner, u, w},
@@ -97,7 +97,8 @@ std::vector<Sheet> sides_of(const Vector& corner, const Vector& u, const Vector&
 
 Vector scaled_by(const Vector& v, double factor) { return {factor * v[0], factor * v[1], factor * v[2]}; }
 
-/// Four long sides without ends, in pieces: among triangles as long as the scene rays would find theirs slowly.
+/// Adds the four long sides of a bar, without its ends. They are divided into pieces because rays find triangles slowly
+/// among triangles as long as the scene.
 void add_bar(const Vector& corner, const Vector& length, const Vector& v, const Vector& w, std::vector<Sheet>& bars) {
   constexpr int pieces = 32;
   const Vector u = scaled_by(length, 1.0 / pieces);
@@ -107,7 +108,7 @@ void add_bar(const Vector& corner, const Vector& length, const Vector& v, const 
   }
 }
 
-/// Anywhere in the ball of radius 1.
+/// Returns a random point in the unit ball.
 Vector in_ball(sample::Random& random) {
   for (;;) {
     const Vector p{random.between(-1, 1), random.between(-1, 1), random.between(-1, 1)};
@@ -115,7 +116,8 @@ Vector in_ball(sample::Random& random) {
   }
 }
 
-/// The azimuths of successive scenes lie apart by the golden angle: no two alike, none along an axis.
+/// Returns the azimuth of the next scene. Successive azimuths differ by the golden angle, so none repeats and none is
+/// parallel to an axis.
 double next_azimuth(int& scenes) { return std::fmod(23.7 + 137.508 * scenes++, 360); }
 
 }  // namespace
@@ -238,7 +240,7 @@ LeakScene crown_scene(double edge) {
   }
   LeakScene scene = scene_of("crown", "crowns", fmt::format("{} leaves in a ball", leaves), std::move(mesh), 1);
   scene.truth = LeakTruth::traced;
-  scene.width = edge / std::numbers::sqrt3;  // of the cube in the ball
+  scene.width = edge / std::numbers::sqrt3;  // of the cube inside the ball
   const double half = scene.width / 2;
   const Vector corner = along(off_the_lattice, {-half, -half, -half}, 1);
   scene.sheets = sides_of(corner, {scene.width, 0, 0}, {0, scene.width, 0}, {0, 0, scene.width});

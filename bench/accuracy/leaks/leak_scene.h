@@ -1,7 +1,8 @@
-/// Scenes of which it is known what alpha every pixel must have: planes, hills, steps, walls, a house, panes, wires and
-/// a crown. None of them lies along the lattice.
+/// Scenes with a known alpha at every pixel: planes, hills, steps, walls, a house, panes, wires and a crown. None of
+/// them is aligned with the lattice.
 ///
-/// Space   Lod-0 voxels of a lattice at the scene's origin, z up; voxels are 1 m wide, so files have the same numbers.
+/// Space   Lod-0 voxels of a lattice at the scene's origin, z up. Voxels are 1 m wide, so coordinates in files are
+///         equal.
 #pragma once
 
 #include <string>
@@ -14,7 +15,7 @@ namespace gigabake::bench {
 
 enum class LeakTruth {
   sheets,  ///< alpha is that of the sheets that a ray crosses
-  traced,  ///< alpha is what ReferenceCaster sees; the sheets say only where the inside is
+  traced,  ///< alpha is traced by ReferenceCaster; the sheets define only the inside
 };
 
 struct LeakScene {
@@ -24,30 +25,31 @@ struct LeakScene {
   std::vector<Sheet> sheets;
   double sheet_alpha = 1;
   LeakTruth truth = LeakTruth::sheets;
-  Vector target{};   ///< where cameras look: on the surface, in its middle
-  double width = 0;  ///< of its inside, at the least where it is seen in full
+  Vector target{};   ///< of cameras: on the surface, in its middle
+  double width = 0;  ///< minimum width of its inside in views that show it completely
 };
 
-/// Of a plane with this slope, that falls towards the azimuth.
+/// Returns a plane with this slope that descends towards the azimuth.
 LeakScene plane_scene(double edge, double slope_deg, double azimuth_deg);
-/// A hill of waves, 0 at the border of its square and nowhere below: so a ray that meets the square meets the hill.
+/// Returns a hill of waves, 0 at the border of its square and never negative: every ray that hits the square hits the
+/// hill.
 LeakScene hill_scene(double edge);
-/// A stair of level and upright faces.
+/// Returns stairs of horizontal and vertical faces.
 LeakScene steps_scene(const std::string& name, double edge, double tread, double rise);
-/// A wall that is one sheet, or the four sides of a solid one of that thickness and its top.
+/// Returns a wall of one sheet, or the four sides and the top of a solid wall of this thickness.
 LeakScene wall_scene(const std::string& name, double edge, double thickness);
-/// Four walls and a saddle roof with eaves over them; open at the bottom, so that nothing hides behind a hole.
+/// Returns four walls and a saddle roof with eaves. It is open at the bottom, so that nothing is behind a hole.
 LeakScene house_scene(double edge);
-/// Parallel panes that each let 70 % through.
+/// Returns parallel panes, each with a transmittance of 70 %.
 LeakScene pane_scene(const std::string& name, double edge, double slope_deg, int layers);
-/// Square bars, 2.6 voxels thick and 19.4 apart, in two directions.
+/// Returns square bars in two directions, 2.6 voxels thick and 19.4 apart.
 LeakScene wires_scene(double edge);
-/// Small triangles at random places and directions in a ball.
+/// Returns small triangles in a ball, at random places and in random directions.
 LeakScene crown_scene(double edge);
 
-/// All of them; edge: how wide each is, in voxels.
+/// Returns all scenes. edge: the width of each, in voxels.
 std::vector<LeakScene> leak_scenes(double edge);
-/// Three opaque planes: what `--hard` looks at.
+/// Returns three opaque planes, as `--hard` measures them.
 std::vector<LeakScene> few_leak_planes(double edge);
 
 }  // namespace gigabake::bench

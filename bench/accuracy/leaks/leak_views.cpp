@@ -9,7 +9,7 @@
 namespace gigabake::bench {
 namespace {
 
-/// How much nearer than its target the scene comes to an eye that looks along `forward`.
+/// Returns the maximum distance by which the scene is nearer than its target to an eye that looks along `forward`.
 double reach_towards_eye(const LeakSubject& subject, const Vector& forward) {
   double reach = 0;
   for (const Vector& p : subject.points) {
@@ -19,7 +19,7 @@ double reach_towards_eye(const LeakSubject& subject, const Vector& forward) {
   return reach;
 }
 
-/// Planes of the lattice that are planes of its six coarser levels too.
+/// The distance of lattice planes that are also planes of the six coarser levels.
 constexpr double lattice_plane = 64;
 
 LeakView make_view(const LeakSubject& subject, double elevation_deg, LeakEye kind, double voxels_per_pixel,

@@ -1,4 +1,4 @@
-/// The cameras that look for leaks, and what they must see.
+/// The cameras of the leak tests, and the alpha that they must show.
 #pragma once
 
 #include <vector>
@@ -13,33 +13,33 @@
 namespace gigabake::bench {
 
 struct LeakView {
-  double elevation_deg = 90;  ///< of the eye above the horizon; 90 looks straight down
+  double elevation_deg = 90;  ///< of the eye above the horizon; 90: looks straight down
   LeakEye eye = LeakEye::anywhere;
-  double voxels_per_pixel = 1;  ///< where the scene is nearest to the eye, and a little more behind
+  double voxels_per_pixel = 1;  ///< where the scene is nearest to the eye; a little more behind
   CameraOptions camera;
 };
 
 struct LeakViewRange {
   std::vector<double> elevations_deg{90, 60, 35, 20, 10, 5, 2};
   std::vector<double> voxels_per_pixel{1, 1.4, 4, 16, 64, 256, 1024};
-  std::vector<double> level_changes{8};  ///< voxels a pixel at the target: a level ends and the next begins there
+  std::vector<double> level_changes{8};  ///< voxels per pixel at the target, where one level ends and the next begins
   int width = 160, height = 120;
 };
 
-/// Where cameras stand before a scene.
+/// The part of a scene that cameras show.
 struct LeakSubject {
-  Vector target{};             ///< where they look: on the surface, in its middle
-  double width = 0;            ///< of what they look at, at the least where it is seen in full
-  std::vector<Vector> points;  ///< of the scene: to every eye one of them is as near as anything
+  Vector target{};             ///< of the cameras: on the surface, in its middle
+  double width = 0;            ///< minimum width of the subject in views that show it completely
+  std::vector<Vector> points;  ///< of the scene; for every eye, one of them is the nearest point
 };
 LeakSubject subject_of(const LeakScene& scene);
 
-/// Every elevation at every distance, and straight down from a lattice plane too, from which the scene is still this
-/// many pixels wide.
+/// Returns every elevation at every distance, and the vertical view also from a lattice plane. Omits views in which the
+/// scene is less than fewest_pixels_wide wide.
 inline constexpr double fewest_pixels_wide = 24;
 std::vector<LeakView> leak_views(const LeakSubject& subject, const LeakViewRange& range, const BakeParameters& lattice);
 
-/// In closed form, through the middle of each pixel.
+/// Returns the exact alpha along the ray through each pixel's centre.
 AlphaPicture alpha_of_sheets(const LeakScene& scene, const kernels::CastCamera& camera);
 
 }  // namespace gigabake::bench

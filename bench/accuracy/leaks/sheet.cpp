@@ -5,7 +5,7 @@
 namespace gigabake::bench {
 namespace {
 
-/// Of an edge: more than what double loses of a place far from the eye.
+/// The tolerance at an edge: larger than the rounding error of double far from the eye.
 constexpr double border = 1e-9;
 
 Vector cross(const Vector& a, const Vector& b) {

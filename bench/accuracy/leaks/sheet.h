@@ -1,4 +1,4 @@
-/// Flat pieces of a surface, and whether a ray crosses them: what is seen of a scene of sheets is known in closed form.
+/// Flat pieces of a surface, and their intersections with rays. The alpha of a scene of sheets is known in closed form.
 ///
 /// Space   Lod-0 voxels of the lattice, z up.
 #pragma once
@@ -12,21 +12,22 @@ using Vector = std::array<double, 3>;
 
 enum class SheetShape { parallelogram, triangle };
 
-/// The points corner + a·u + b·v with a and b from 0 to 1; in a triangle a + b is at most 1.
+/// A parallelogram, the points corner + a·u + b·v with a and b from 0 to 1, or its triangle with a + b ≤ 1.
 struct Sheet {
   Vector corner{}, u{}, v{};
   SheetShape shape = SheetShape::parallelogram;
 };
 
-/// direction: of any length. The border belongs to the sheet, so that a ray finds no gap between two that share it.
-/// Exact   double; a sheet that is seen on edge is not crossed.
+/// Returns true if the ray crosses the sheet. direction: of any length. The border belongs to the sheet, so that a ray
+/// finds no gap between adjacent sheets.
+/// Exact   Computed in double; a sheet seen edge-on is not crossed.
 bool is_crossed(const Sheet& sheet, const Vector& origin, const Vector& direction);
 
-/// What sheets of one alpha, one behind the other, leave no light through: 1 - (1 - alpha)^crossed.
+/// Returns the alpha of the sheets of equal alpha that a ray crosses: 1 - (1 - alpha)^crossed.
 double alpha_through(const std::vector<Sheet>& sheets, double sheet_alpha, const Vector& origin,
                      const Vector& direction);
 
-/// At that distance from `from`.
+/// Returns the point at that distance from `from`, in units of the direction's length.
 inline Vector along(const Vector& from, const Vector& direction, double distance) {
   return {from[0] + distance * direction[0], from[1] + distance * direction[1], from[2] + distance * direction[2]};
 }
