@@ -33,7 +33,7 @@ gb_codec(MESHOPT meshoptimizer.h meshoptimizer libmeshoptimizer-dev)
 gb_codec(WEBP webp/decode.h webp libwebp-dev)
 gb_codec(GDAL gdal_priv.h gdal libgdal-dev SUFFIXES gdal)
 if(GIGABAKE_HAS_GDAL)
-  # PROJ is a dependency of GDAL: libgdal-dev depends on libproj-dev.
+  # PROJ is a dependency of GDAL: libgdal-dev depends on the development package of PROJ.
   find_library(GB_PROJ_LIBRARY proj REQUIRED)
   add_library(gb_proj INTERFACE)
   add_library(gb::proj ALIAS gb_proj)
