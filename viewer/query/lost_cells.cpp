@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::string_view cell_prefix = "cell ";
 
-/// Of "c_X_Y_Z".
+/// The numbers of a name `c_X_Y_Z`.
 struct CellPlace {
   std::array<std::int64_t, 3> at{};
 };
@@ -35,7 +35,7 @@ std::optional<CellPlace> place_of(std::string_view name) {
 
 using StackColumn = std::pair<std::int64_t, std::int64_t>;
 
-/// Where the stacks begin that have cells.
+/// Returns the base of the stack in each column that has cells.
 std::map<StackColumn, std::int64_t> stack_bases(const std::vector<SceneCell>& cells) {
   std::map<StackColumn, std::int64_t> bases;
   for (const SceneCell& cell : cells)

@@ -1,4 +1,4 @@
-/// Where the cells stood that a bake lost: a ray that comes there must not go on as if nothing were there.
+/// Placeholders for the cells that a bake lost: a ray that reaches a lost cell must not continue as if it were empty.
 #pragma once
 
 #include <vector>
@@ -7,13 +7,15 @@
 
 namespace gigabake {
 
-/// Stand-ins for the cells that the scene says it lost, without a file. A lost cell's name says its column and where in
-/// its column's stack it stood; where a stack begins, only its other cells say. Where there are none, stand-ins of the
-/// same name fill the column as high as the scene is.
-/// Range  cells: all of the scene, of one size; at least one.
+/// Returns placeholder cells, without a file, for the cells that the scene lists as lost.
+/// The name of a lost cell gives its column and its index in the column's stack. The base of a stack follows from the
+/// other cells of the column. If a column has no other cell, placeholders of the same name fill it over the height of
+/// the scene.
+/// Range   cells: all cells of the scene, of equal size; at least one.
+/// Errors  InputError: the name of a lost cell is not `c_X_Y_Z`.
 std::vector<SceneCell> lost_cells(const SceneHeader& scene, const std::vector<SceneCell>& cells);
 
-/// Whether the scene says that it lost a cell.
+/// Returns whether the scene lists a lost cell.
 bool lacks_cells(const SceneHeader& scene);
 
 }  // namespace gigabake

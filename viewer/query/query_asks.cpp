@@ -27,7 +27,7 @@ class OneAsk final : public QueryAsks {
   std::string option_;
 };
 
-/// So that the upper end is one of the points where the edge is a multiple of the step but for rounding.
+/// Returns the number of points; the factor includes the upper end if rounding puts it just beyond the last step.
 std::uint64_t points_along(double low, double high, double step) {
   const double steps = (high - low) / step * (1 + 1e-12);
   return steps < 0x1p40 ? std::uint64_t(steps) + 1 : std::uint64_t(1) << 41;

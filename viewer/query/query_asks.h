@@ -1,4 +1,4 @@
-/// What people ask, one after the other: from a table, of a grid of points, or as they typed it.
+/// Sequences of queries: from a table, from a grid of points, or from command-line options.
 #pragma once
 
 #include <array>
@@ -15,20 +15,21 @@
 namespace gigabake {
 
 enum class QueryKind : std::uint8_t {
-  ray,     ///< what a ray meets first
-  height,  ///< what stands highest at a place
-  sight    ///< whether two points see each other
+  ray,     ///< the first voxel along a ray
+  height,  ///< the highest surface at a place
+  sight    ///< line of sight between two points
 };
 
-/// How a ray's direction is said.
+/// The form in which a ray's direction is given.
 enum class QueryAim : std::uint8_t { direction, angles, point };
 
 struct QueryAsk {
   std::string id;
-  QueryPoint from{};  ///< height: the third does not count
-  QueryPoint to{};    ///< direction, point, or azimuth and elevation; height: nothing
+  QueryPoint from{};  ///< height: the third coordinate is ignored
+  QueryPoint to{};    ///< direction, point, or azimuth and elevation; height: unused
 };
 
+/// Returns the ray of a query.
 /// Errors  std::invalid_argument, as QueryFrames.
 QueryRay ray_of(const QueryAsk& ask, QueryKind kind, QueryAim aim, const QueryFrames& frames);
 
@@ -36,33 +37,36 @@ class QueryAsks {
  public:
   virtual ~QueryAsks() = default;
 
-  /// The next ones, at most so many; none where there are no more.
+  /// Returns the next `most` queries or fewer; an empty vector at the end.
   virtual std::vector<QueryAsk> next(std::size_t most) = 0;
   virtual QueryAim aim() const { return QueryAim::point; }
   virtual bool have_ids() const { return false; }
-  /// How many there are in all; 0 where that is not known.
+  /// Returns the total number of queries; 0 if it is unknown.
   virtual std::uint64_t count() const { return 0; }
-  /// Refuses ask i of those that the last next() gave. Errors  InputError or UsageError: always.
+  /// Reports that query i of the last next() is invalid.
+  /// Errors  InputError or UsageError: always.
   [[noreturn]] virtual void refuse(std::size_t i, const std::string& why) const = 0;
 };
 
-/// One, which options have said.
-/// option: for messages.
+/// Returns a sequence of one query, given by an option. option: its name, for messages.
 std::unique_ptr<QueryAsks> one_ask(const QueryAsk& ask, QueryAim aim, std::string option);
 
-/// Points on lines from the lower corner on, `step` apart, row by row from the second coordinate's low end.
+/// Points `step` apart from the lower corner on, row by row in ascending order of the second coordinate.
 struct QueryGrid {
-  std::array<double, 4> box{};  ///< low x, low y, high x, high y, or longitudes and latitudes
+  std::array<double, 4> box{};  ///< low x, low y, high x, high y; or longitudes and latitudes
   double step = 0;
 };
-/// Errors  UsageError: a grid without points, or of more than 2^40.
+/// Returns a height query for each point of the grid.
+/// Errors  UsageError: the grid has no points, or more than 2^40.
 std::unique_ptr<QueryAsks> grid_asks(const QueryGrid& grid);
 
-/// A CSV file with a head line; "-": standard input. Columns, by name, in any order: of scene metres x,y,z; of lonlat
-/// lon,lat,height; a ray's besides them dx,dy,dz (scene alone), or azimuth,elevation, or a point that it goes through
-/// or a line of sight ends at, with to_ before the names; a height's no third; and an id, which the answer repeats.
-/// Errors  InputError, of next() too: no such file, and with the line: a column that is missing, unknown or twice, too
-///         few or too many fields, no finite number.
+/// Returns the queries of a CSV file with a header line; "-" is standard input. The header names the columns, in any
+/// order.
+/// Scene coordinates use x,y,z, geographic coordinates lon,lat,height; a height query has no third coordinate. A ray
+/// also has dx,dy,dz (scene coordinates only), azimuth,elevation, or a point on the ray. A line of sight has its end
+/// point. The columns of a second point have the prefix to_. The optional column id is copied to the answer.
+/// Errors  InputError, also from next(): the file cannot be read; or, with the line: a missing, unknown or repeated
+///         column, a wrong number of fields, a field that is not a finite number.
 std::unique_ptr<QueryAsks> table_asks(const std::filesystem::path& file, QueryKind kind, QueryFrame frame,
                                       const ThreadPool& pool);
 

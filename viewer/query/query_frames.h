@@ -1,4 +1,4 @@
-/// The coordinates that people ask in, and those of the voxels: scene metres, or longitude, latitude and height.
+/// Conversion between the coordinates of queries (scene metres, or longitude, latitude and height) and voxels.
 #pragma once
 
 #include <array>
@@ -21,35 +21,37 @@ constexpr auto names_of<QueryFrame>() {
 
 using QueryPoint = std::array<double, 3>;  ///< x, y, z, or longitude, latitude, height
 
-/// Errors (of whoever says so)  std::invalid_argument: what was expected of the numbers, for who knows where they
-/// stand.
+/// Converts query coordinates to rays in voxels, and results back.
+/// Errors  std::invalid_argument from the functions that return rays: the expected range; the caller adds the position
+///         in the input.
 class QueryFrames {
  public:
-  /// Errors  UsageError: longitudes and latitudes of a scene that stands nowhere on earth.
+  /// Errors  UsageError: lonlat for a scene that is not georeferenced.
   QueryFrames(const SceneHeader& scene, const kernels::VoxelBox& window, QueryFrame frame);
 
   QueryFrame frame() const { return frame_; }
-  /// Whether the scene stands on earth.
+  /// Returns whether the scene is georeferenced.
   bool is_on_earth() const { return ecef_from_scene_.has_value(); }
 
-  /// From there on in a direction of any length; along x, y, z of the scene.
+  /// Returns the ray from a point in a direction of any length; `direction` is along x, y, z of the scene.
   /// Errors  std::invalid_argument.
   QueryRay ray(const QueryPoint& from, const QueryPoint& direction) const;
-  /// Degrees: azimuth from north to east, elevation above the horizon, where `from` is.
+  /// Returns the ray with these angles in degrees at `from`: azimuth clockwise from north, elevation above the horizon.
   QueryRay ray_by_angles(const QueryPoint& from, double azimuth_deg, double elevation_deg) const;
-  /// Through another point and on.
+  /// Returns the unbounded ray from one point through another.
   QueryRay ray_through(const QueryPoint& from, const QueryPoint& to) const;
-  /// As far as to the other point.
+  /// Returns the ray that ends at the other point.
   QueryRay segment(const QueryPoint& from, const QueryPoint& to) const;
-  /// Straight down on x, y, or on longitude and latitude, from above the whole scene.
+  /// Returns the ray straight down at x, y or at longitude, latitude, from above the whole scene.
   QueryRay down(double x, double y) const;
 
   double metres(double voxels) const { return voxels * voxel_size_m_; }
   double voxels(double metres) const { return metres / voxel_size_m_; }
   Point<Scene> scene_point(const QueryRay& ray, double distance) const;
-  /// In the frame that was asked in.
+  /// Returns the point in the frame of the queries.
   QueryPoint asked_point(const Point<Scene>& p) const;
-  /// Range  is_on_earth().
+  /// Returns the point as longitude, latitude and height.
+  /// Range   is_on_earth().
   QueryPoint lonlat_point(const Point<Scene>& p) const;
 
  private:

@@ -41,7 +41,7 @@ class Run {
       query_.first_hits(rays, hits, progress);
       if (job_.kind == QueryKind::height) move_to_surface(query_, surface_, rays, hits, progress);
       for (const QueryHit& hit : hits) ++tally[std::size_t(hit.outcome)];
-      if (first) write(text_.begin());  // not before: the first question may be refused
+      if (first) write(text_.begin());  // deferred, because the first query may be invalid
       for (const std::string& piece : texts(asks, rays, hits, first)) write(piece);
       first = false;
     }

@@ -1,4 +1,4 @@
-/// From questions to text: batch by batch, so that neither the questions nor the answers need be in memory.
+/// Execution of queries in batches, from input to text; neither all queries nor all answers are in memory at once.
 #pragma once
 
 #include <array>
@@ -18,17 +18,17 @@ struct QueryJob {
   QueryFrame frame = QueryFrame::scene;
   QueryFormat format = QueryFormat::csv;
   double most_distance_m = std::numeric_limits<double>::infinity();
-  /// Of a line of sight: what is this near to either of its points does not block it.
+  /// Line of sight: voxels closer than this to either end point do not block it.
   double ends_m = 0;
   std::size_t rays_at_a_time = std::size_t(1) << 17;
 };
 
-/// By outcome.
+/// Number of answers per outcome.
 using QueryTally = std::array<std::uint64_t, names_of<QueryOutcome>().size()>;
 
-/// write: the next piece of the text; called from this thread.
-/// Exact   The same text for every number of threads and rays at a time, and all memory.
-/// Errors  As SceneQuery::first_hits() and QueryAsks::refuse(); what write throws.
+/// Answers all queries and passes the text to `write`, piece by piece, in the calling thread.
+/// Exact   The text does not depend on the number of threads, the batch size or the memory.
+/// Errors  The errors of SceneQuery::first_hits() and QueryAsks::refuse(); exceptions of `write`.
 QueryTally run_query(const QueryJob& job, SceneQuery& query, QueryAsks& asks, const ThreadPool& pool,
                      const std::function<void(std::string_view)>& write, const Progress& progress = {});
 

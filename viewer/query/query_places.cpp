@@ -77,7 +77,7 @@ void QueryPlaces::lay_out(const PagedScene& scene, const ThreadPool& pool) {
   }
 }
 
-/// The pager's threads call it.
+/// Reads a page; the pager's threads call it.
 Page QueryPlaces::read_page(const PageKey& key) {
   try {
     return numbers_.listing(key);

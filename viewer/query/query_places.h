@@ -1,9 +1,8 @@
-/// Which shard of a scene holds a voxel of some level, for rays that go from place to place: cells, the parents above
-/// them, and the cells that a bake lost.
+/// Lookup of the shard that holds a voxel of a level, for rays: cells, overviews, and cells that a bake lost.
 ///
-/// If all of a scene hangs from one root, its pages are read when a ray comes to their blocks, and a bounded part of
-/// them is in memory. A scene without parents, or one that lost cells, is laid out at once: where a lost cell is
-/// follows from all other cells of its column.
+/// If the whole scene has one root, a page of its index is read when a ray reaches the blocks of that page, and the
+/// pages in memory are bounded. The index of other scenes is read completely at the start. This includes scenes with
+/// lost cells: the position of a lost cell depends on the other cells of its column.
 #pragma once
 
 #include <array>
@@ -23,39 +22,39 @@
 
 namespace gigabake {
 
-/// What is around a voxel, and the box for which that holds.
+/// The contents at a voxel, and the box for which they hold.
 struct QueryPlace {
   enum class Kind {
     nothing,
     shard,
     lost,
-    unknown  ///< `page` must be read before
+    unknown  ///< `page` must be read first
   };
   Kind kind = Kind::nothing;
-  std::uint32_t shard = 0;  ///< its number, as NumberedShards counts; of a lost cell, that of lost_name()
+  std::uint32_t shard = 0;  ///< number of NumberedShards; for a lost cell, the argument of lost_name()
   kernels::VoxelBox box{};
   PageKey page{};
 };
 
 class QueryPlaces {
  public:
-  /// Borrows `numbers` and the pool. page_bytes: of the scene's pages in memory.
-  /// Cost    Of a scene that hangs from one root what scene.xml holds. Of others every page is read, and some 40 bytes
-  ///         a cell are kept.
-  /// Errors  InputError as lay_out_cells().
+  /// Borrows `numbers` and the pool. page_bytes: bound of the scene's pages in memory.
+  /// Cost    One root: reads only scene.xml. Several roots: reads every page and keeps about 40 bytes per cell.
+  /// Errors  InputError, as lay_out_cells().
   QueryPlaces(NumberedShards& numbers, std::uint64_t page_bytes, const ThreadPool& pool);
 
-  /// Levels that can be asked for: those of the cells, and with parents theirs. Where a cell is lost the parents are
-  /// left out, since they say nothing of it.
+  /// Returns the number of levels: levels of the cells and, if present, of the overviews. A scene with lost cells is
+  /// queried without overviews, because these do not mark lost cells.
   int lods() const { return lods_; }
-  /// Around all cells, lost ones too.
+  /// Returns the bounding box of all cells, including lost ones.
   const kernels::VoxelBox& window() const { return window_; }
 
-  /// Any number of threads at once, beside nothing else. Range  lod < lods().
+  /// Returns the contents at voxel v. Any number of threads may call it concurrently, but not concurrently with read().
+  /// Range   lod < lods().
   QueryPlace find(int lod, const std::int64_t v[3]) const;
 
-  /// Reads pages that find() named. At least the first of them is in memory at the next pass of the rays.
-  /// Errors  InputError: a page that cannot be read.
+  /// Reads pages that find() reported as unknown. At least the first page is in memory in the next pass of the rays.
+  /// Errors  InputError: a page cannot be read.
   void read(const std::vector<PageKey>& pages);
   std::uint64_t pages_read() const { return pager_ ? pager_->counts().reads : 0; }
 
@@ -76,9 +75,9 @@ class QueryPlaces {
   std::uint32_t cells_ = 0, first_lost_ = 0;
   std::vector<std::string> lost_;
   std::mutex mutex_;
-  std::exception_ptr unreadable_;  ///< why a page cannot be read
-  std::optional<ShardMap> map_;    ///< of a scene that hangs from one root, and
-  std::unique_ptr<Pager> pager_;   ///< its pages; destroyed first, since its threads call read_page()
+  std::exception_ptr unreadable_;  ///< the error of a page that could not be read
+  std::optional<ShardMap> map_;    ///< only for a scene with one root
+  std::unique_ptr<Pager> pager_;   ///< its pages; destroyed first, because its threads call read_page()
 };
 
 }  // namespace gigabake

@@ -1,6 +1,6 @@
-/// What is asked of a scene's voxels, and what they answer: the first voxel that a ray meets.
+/// Rays through a scene's voxels, and their first hits.
 ///
-/// Space   Lod-0 voxels of the scene's lattice; distances in them too.
+/// Space   Lod-0 voxels of the scene's lattice, distances included.
 #pragma once
 
 #include <array>
@@ -15,16 +15,16 @@ namespace gigabake {
 
 struct QueryRay {
   double origin[3] = {};
-  double direction[3] = {};  ///< unit
-  double begin = 0;          ///< what is nearer than this is not looked at
+  double direction[3] = {};  ///< unit length
+  double begin = 0;          ///< start of the searched interval
   double end = std::numeric_limits<double>::infinity();
 };
 
 enum class QueryOutcome : std::uint8_t {
   hit,
-  nothing,  ///< the ray went through the scene and met nothing
-  outside,  ///< the ray is nowhere in the scene's box
-  missing   ///< before anything was met the ray came to a cell that is lost or cannot be read
+  nothing,  ///< the ray crossed the scene without a hit
+  outside,  ///< the ray misses the scene's bounding box
+  missing   ///< the ray reached a lost or unreadable cell before any hit
 };
 template <>
 constexpr auto names_of<QueryOutcome>() {
@@ -35,23 +35,23 @@ struct QueryHit {
   static constexpr std::uint32_t no_shard = 0xffffffffu;
 
   QueryOutcome outcome = QueryOutcome::nothing;
-  std::int32_t lod = 0;  ///< of the voxel
-  /// From the origin to where the ray enters the voxel, or, if it starts in it or changes to its level there, is in it;
-  /// missing: to where the ray enters that cell.
+  std::int32_t lod = 0;  ///< level of the voxel
+  /// Distance at which the ray enters the voxel. If the ray starts or changes its level inside the voxel, a distance
+  /// inside. missing: distance at which the ray enters that cell.
   double distance = std::numeric_limits<double>::infinity();
-  std::int64_t voxel[3] = {};      ///< its lowest corner
-  std::uint32_t rgba = 0;          ///< sRGB colour and coverage, bytes from the lowest
+  std::int64_t voxel[3] = {};      ///< lowest corner
+  std::uint32_t rgba = 0;          ///< sRGB colour and coverage; red in the lowest byte
   std::int8_t normal[2] = {};      ///< octahedral
-  std::uint32_t shard = no_shard;  ///< that holds it, or is missing (SceneQuery::name_of())
+  std::uint32_t shard = no_shard;  ///< the shard that holds the voxel or is missing (SceneQuery::name_of())
 };
 
-/// Distances between which a ray is in a box; none where enter > leave.
+/// The interval of distances in which a ray is in a box; empty if enter > leave.
 struct RayChord {
   double enter, leave;
   bool empty() const { return !(enter <= leave); }
 };
 
-/// The box [min, max], grown by `rim` on all sides; within the ray's begin and end.
+/// Intersects the ray's interval [begin, end] with the box, grown by `rim` on all sides.
 inline RayChord chord_of(const QueryRay& ray, const kernels::VoxelBox& box, double rim) {
   RayChord chord{ray.begin, ray.end};
   for (int a = 0; a < 3; ++a) {

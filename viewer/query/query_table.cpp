@@ -25,7 +25,7 @@ struct Closed {
   }
 };
 
-/// What a column holds: a place in QueryAsk, or the id.
+/// A column: it holds a coordinate of QueryAsk or the id.
 struct TableColumn {
   enum class Holds { from, to, id };
   Holds holds = Holds::id;
@@ -33,7 +33,7 @@ struct TableColumn {
   std::string name;
 };
 
-/// The fields of a line, unquoted; false where a quote is not closed, or something follows it.
+/// Splits a line into unquoted fields. Returns false if a quote is not closed or is followed by text.
 bool split(std::string_view line, std::vector<std::string>& fields) {
   fields.clear();
   for (std::size_t at = 0;; ++at) {
@@ -61,7 +61,7 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// Names of a kind's columns.
+/// Column names of a coordinate frame.
 struct Names {
   std::array<std::string_view, 3> from;
   std::array<std::string_view, 3> to;
@@ -113,7 +113,7 @@ class TableAsks final : public QueryAsks {
     throw InputError(path_, "line " + std::to_string(line), why);
   }
 
-  /// False at the end of the file.
+  /// Reads the next block. Returns false at the end of the file.
   bool fill() {
     text_.erase(0, at_);
     at_ = 0;
@@ -125,7 +125,8 @@ class TableAsks final : public QueryAsks {
     return got > 0;
   }
 
-  /// Lines that are in memory, without empty ones; at the end of the file the last one need not be ended.
+  /// Returns the next nonempty lines of the buffer, and reads a block if it holds no full line. The last line of the
+  /// file may lack its line end.
   std::vector<std::string_view> read_lines(std::size_t most) {
     std::vector<std::string_view> lines;
     numbers_.clear();
@@ -190,7 +191,7 @@ class TableAsks final : public QueryAsks {
     return from + third + " and " + (frame == QueryFrame::scene ? "dx,dy,dz or " : "") + "azimuth,elevation or " + to;
   }
 
-  /// All of a point, and one way alone to say where a ray goes.
+  /// Requires all coordinates of the point and exactly one form of the ray's direction.
   void check_columns(QueryKind kind, QueryFrame frame) {
     const Names known = names_in(frame);
     bool good = has(known.from[0]) && has(known.from[1]) && (kind == QueryKind::height || has(known.from[2]));
@@ -210,7 +211,7 @@ class TableAsks final : public QueryAsks {
     if (!good) fail(numbers_[0], "expected the columns " + expected(kind, frame));
   }
 
-  /// What is wrong with the line; empty where nothing is.
+  /// Returns the error in the line; empty if there is none.
   std::string parse(std::string_view line, QueryAsk& ask, std::vector<std::string>& fields) const {
     const bool plain = line.find('"') == std::string_view::npos;
     if (!plain && !split(line, fields)) return "a quote that is not closed, or text behind it";
@@ -243,7 +244,7 @@ class TableAsks final : public QueryAsks {
   std::size_t at_ = 0;
   bool at_end_ = false;
   std::uint64_t line_ = 0;
-  std::vector<std::uint64_t> numbers_;  ///< of the lines that were read last
+  std::vector<std::uint64_t> numbers_;  ///< line numbers of the last read_lines()
   std::vector<TableColumn> columns_;
   QueryAim aim_ = QueryAim::point;
   bool has_id_ = false;

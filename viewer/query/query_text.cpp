@@ -13,7 +13,7 @@
 namespace gigabake {
 namespace {
 
-/// A degree is some 2^17 metres.
+/// A degree is about 2^17 metres.
 constexpr int more_decimals_of_degrees = 5, most_decimals = 9, decimals_of_normals = 3;
 
 void add_integer(std::int64_t v, std::string& text) {
@@ -21,7 +21,7 @@ void add_integer(std::int64_t v, std::string& text) {
   text.append(digits, std::to_chars(digits, digits + sizeof digits, v).ptr);
 }
 
-/// Rounded to so many decimals; at most 14.
+/// Appends v, rounded to `decimals` (at most 14).
 void add_fixed(double v, int decimals, std::string& text) {
   static constexpr double powers[] = {1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14};
   const double scaled = std::fabs(v) * powers[decimals];
@@ -45,7 +45,7 @@ void add_fixed(double v, int decimals, std::string& text) {
   text.append(digits + (length - fraction), fraction);
 }
 
-/// Returns how many decimals of metres print a step, or a finer one.
+/// Returns the number of decimals of metres that resolve `step_m`.
 int decimals_for(double step_m) { return std::clamp(-int(std::floor(std::log10(step_m) + 1e-9)), 0, most_decimals); }
 
 void add_quoted_csv(const std::string& field, std::string& text) {
@@ -61,7 +61,7 @@ void add_quoted_csv(const std::string& field, std::string& text) {
 void add_json_string(std::string_view value, std::string& text) {
   static constexpr char hex[] = "0123456789abcdef";
   text += '"';
-  for (const char c : valid_utf8(value)) {  // an identifier of a file may be any bytes
+  for (const char c : valid_utf8(value)) {  // identifiers in a file may be any bytes
     if (c == '"' || c == '\\') text += '\\';
     if (static_cast<unsigned char>(c) < 0x20)
       (((text += "\\u00") += hex[c >> 4]) += hex[c & 15]);
@@ -169,7 +169,7 @@ void QueryText::add_csv(const QueryAnswer& answer, std::string& text) const {
     QueryPoint place = answer.ask.from;
     place[2] = 0;
     add_point(place, decimals_, text);
-    text.erase(text.rfind(',') + 1);  // there is no height
+    text.erase(text.rfind(',') + 1);  // no height was found
     text += ",,,,,,,,,,";
   } else {
     text += ",,,,,,,,,,,";
@@ -178,7 +178,7 @@ void QueryText::add_csv(const QueryAnswer& answer, std::string& text) const {
   text += '\n';
 }
 
-/// Behind the outcome. with_scene_metres: where the place is said elsewhere, in degrees.
+/// Appends the members that follow the position. with_scene_metres: the position is given elsewhere in degrees.
 void QueryText::add_members(const QueryAnswer& answer, bool with_scene_metres, std::string& text) const {
   const QueryHit& hit = answer.hit;
   if (has_ids_) {
@@ -247,7 +247,8 @@ QueryPoint QueryText::asked_lonlat(const QueryPoint& asked) const {
   return frames_.frame() == QueryFrame::lonlat ? asked : frames_.lonlat_point({asked[0], asked[1], asked[2]});
 }
 
-/// A hit is a point, a line of sight the way to where it is blocked, a height that is not there its place alone.
+/// Appends a feature: a point for a hit, a line up to the obstacle for a line of sight. A height query without a hit is
+/// a point without height.
 void QueryText::add_geojson(const QueryAnswer& answer, std::string& text) const {
   const bool is_hit = answer.hit.outcome == QueryOutcome::hit;
   const auto met = [&] { return frames_.lonlat_point(frames_.scene_point(answer.ray, answer.hit.distance)); };

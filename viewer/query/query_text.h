@@ -1,4 +1,4 @@
-/// Answers as text: CSV, JSON or GeoJSON, a piece for each answer between a begin and an end.
+/// Formatting of answers as CSV, JSON or GeoJSON.
 #pragma once
 
 #include <string>
@@ -15,23 +15,24 @@ constexpr auto names_of<QueryFormat>() {
   return std::to_array<std::string_view>({"csv", "json", "geojson"});
 }
 
-/// One question and what came of it.
+/// A query and its answer.
 struct QueryAnswer {
   const QueryAsk& ask;
   const QueryRay& ray;
   const QueryHit& hit;
-  const std::string& shard;  ///< name of the cell or the parent; empty where there is none
+  const std::string& shard;  ///< name of the cell or overview; empty if there is none
 };
 
-/// Lengths are printed to a thousandth of a voxel, degrees to less than that on the ground. A height is known to half a
-/// voxel of its level, and is printed to a tenth.
+/// Formats answers. The text of a result is begin(), the text of each answer, and end().
+/// Lengths have a resolution of at most 1/1000 voxel, and degrees a finer one on the ground. The error of a height is
+/// half a voxel of its level; a height is printed with a resolution of 1/10 voxel.
 class QueryText {
  public:
-  /// Errors  UsageError: GeoJSON of a scene that stands nowhere on earth.
+  /// Errors  UsageError: GeoJSON of a scene that is not georeferenced.
   QueryText(QueryFormat format, QueryKind kind, const QueryFrames& frames, double voxel_size_m, bool has_ids);
 
   std::string begin() const;
-  /// first: of all.
+  /// Appends an answer. first: whether it is the first answer of the result.
   void add(const QueryAnswer& answer, bool first, std::string& text) const;
   std::string end() const;
 
@@ -42,7 +43,7 @@ class QueryText {
   void add_members(const QueryAnswer& answer, bool with_scene_metres, std::string& text) const;
   void add_point(const QueryPoint& p, int height_decimals, std::string& text) const;
   void add_lonlat(const QueryPoint& p, int height_decimals, std::string& text) const;
-  /// Decimals of the third coordinate, and of a distance to it.
+  /// Returns the number of decimals for the third coordinate and for a distance to the point.
   int height_decimals(const QueryHit& hit) const;
   double height_error_m(const QueryHit& hit) const;
   QueryPoint asked_lonlat(const QueryPoint& asked) const;
@@ -51,7 +52,7 @@ class QueryText {
   QueryFormat format_;
   QueryKind kind_;
   const QueryFrames& frames_;
-  int decimals_;  ///< of metres
+  int decimals_;  ///< for metres
   bool has_ids_;
 };
 

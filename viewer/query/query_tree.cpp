@@ -10,11 +10,12 @@
 namespace gigabake {
 namespace {
 
-/// Of a tree's edge: twice what the walk may be off the exact ray. It is added to both sides of a face between windows.
+/// Rim as a fraction of the tree's edge: twice the error of the traversal relative to the exact ray. The rim is added
+/// on both sides of a face between windows.
 constexpr double rim = 0x1p-19;
 
-/// Bytes while a tree is built, measured on surfaces: a voxel's columns, its look twice as vectors grow, and its share
-/// of the nodes; a brick's mask and up to eight nodes, three times; 64 looks and a node of each constant.
+/// Memory while a tree is built, measured on surfaces. Voxel: its columns, its attributes twice (vector growth), and
+/// its fraction of the nodes. Brick: a mask and up to eight nodes, three times. Constant: 64 attributes and a node.
 constexpr std::uint64_t bytes_per_voxel = 26, bytes_per_brick = 600, bytes_per_constant = 1200, bytes_of_all = 1u << 16;
 
 }  // namespace
@@ -69,7 +70,7 @@ std::optional<QueryHit> QueryTree::first_hit(const QueryRay& ray, double from, d
   RayChord chord = chord_of(ray, window_, voxel);
   chord = {std::fmax(chord.enter, from), std::fmin(chord.leave, to)};
   if (chord.empty()) return {};
-  // From where it comes to the window, so that single precision is enough inside.
+  // Start where the ray enters the window, so that single precision suffices inside.
   kernels::FirstHitRay local;
   for (int a = 0; a < 3; ++a) {
     const double p = ray.origin[a] + ray.direction[a] * chord.enter - double(corner_[a]);

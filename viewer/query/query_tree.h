@@ -1,5 +1,4 @@
-/// One level of one shard as rays walk through it: the tree of first hits (kernels/cast/first_hit.h) of that shard
-/// alone.
+/// First-hit tree (kernels/cast/first_hit.h) of one level of one shard.
 #pragma once
 
 #include <cstdint>
@@ -13,14 +12,14 @@
 
 namespace gigabake {
 
-/// A shard that is open, and how much a tree of one of its levels will take.
+/// An open shard, and the memory that the tree of one of its levels requires.
 class QueryTreeSource {
  public:
-  /// lod: of the lattice; the shard has it.
-  /// Errors  InputError: no such file, not a shard, not the one that the scene means, damaged nodes.
+  /// Opens the shard. lod: level of the lattice; the shard must have it.
+  /// Errors  InputError: no such file, not a shard, not the shard that the scene lists, damaged nodes.
   QueryTreeSource(const PagedScene& scene, const SceneCell& shard, int lod);
 
-  /// Of memory while the tree is built; the tree itself takes less.
+  /// Returns the memory required while the tree is built; the finished tree is smaller.
   std::uint64_t bytes_to_build() const;
 
  private:
@@ -35,25 +34,27 @@ class QueryTreeSource {
 
 class QueryTree {
  public:
-  /// Errors  InputError: a damaged level; columns that do not fit together.
+  /// Builds the tree.
+  /// Errors  InputError: a damaged level; columns of different lengths.
   explicit QueryTree(const QueryTreeSource& source);
 
   std::uint64_t bytes() const { return scene_.bytes(); }
 
-  /// The first voxel between two distances. The shard's voxels are taken a little larger, about the middle of its
-  /// window, than they are, so that no ray slips between those of two shards: at the window's faces by 2^-19 of the
-  /// tree's edge, which is 1/128 voxel in a window of 1024 and 1/32 in the widest.
-  /// Exact   Which voxel: to half as much more of the ray's way. distance: in double, where the ray meets that voxel.
+  /// Returns the first voxel hit between two distances.
+  /// Voxels are slightly enlarged about the middle of the shard's window, so that no ray slips between two shards. At
+  /// the window's faces they grow by 2^-19 of the tree's edge: 1/128 voxel in a window of 1024, 1/32 in the largest.
+  /// Exact   The voxel: to an error of half that growth in the position along the ray. The distance: in double, to the
+  ///         entry of the ray into that voxel.
   std::optional<QueryHit> first_hit(const QueryRay& ray, double from, double to, std::uint32_t shard) const;
 
  private:
   std::int64_t corner_[3];  ///< of the window, lod-0 voxels of the lattice
   double unit_;             ///< edge of a voxel of the shard's own level 0, lod-0 voxels
-  double half_window_;      ///< in those units
-  double grown_ = 1;        ///< how many times as large voxels are taken as they are
+  double half_window_;      ///< in units of `unit_`
+  double grown_ = 1;        ///< enlargement factor of the voxels
   kernels::VoxelBox window_{};
   std::int32_t lod_;
-  FirstHitScene scene_;  ///< in those units, from the window's corner
+  FirstHitScene scene_;  ///< in units of `unit_`, from the window's corner
 };
 
 }  // namespace gigabake

@@ -8,7 +8,7 @@
 namespace gigabake {
 namespace {
 
-/// Where a ray begins to look at voxels of a level, in the same steps as those of pictures (kernels/cast/cast.h).
+/// Returns the distance at which a ray begins to sample a level; images use the same steps (kernels/cast/cast.h).
 double level_start(const QueryLevels& levels, int lod) {
   if (lod <= levels.finest) return 0;
   kernels::CastLine line{};
@@ -24,7 +24,7 @@ void set_voxel(const QueryRay& ray, double at, std::int64_t v[3]) {
   for (int a = 0; a < 3; ++a) v[a] = std::int64_t(std::floor(ray.origin[a] + ray.direction[a] * at));
 }
 
-/// Where the ray leaves the box, and along which axis.
+/// The distance and axis at which a ray leaves a box.
 struct Exit {
   double at = std::numeric_limits<double>::infinity();
   int axis = 0;
@@ -41,7 +41,8 @@ Exit exit_of(const QueryRay& ray, const kernels::VoxelBox& box) {
   return exit;
 }
 
-/// Into the box beyond the face, never across an edge: what shares no face with the last box is come to through others.
+/// Moves across the face into the next box, never across an edge. A box that shares only an edge is reached through
+/// the boxes between.
 void cross_face(const QueryRay& ray, const kernels::VoxelBox& box, const Exit& exit, QueryWalk& walk) {
   walk.at = std::fmax(walk.at, exit.at);
   set_voxel(ray, walk.at, walk.v);
@@ -68,7 +69,7 @@ QueryWalk start_walk(const QueryRay& ray, const QueryLevels& levels, const Query
     walk.finished = true;
     return walk;
   }
-  // A coarser voxel at the scene's border reaches beyond it.
+  // Coarse voxels at the scene's border extend beyond its box.
   const int coarsest = levels.spread > 0 ? places.lods() - 1 : levels.finest;
   const RayChord chord = chord_of(ray, places.window(), kernels::power_of_two(coarsest));
   walk.at = chord.enter;
@@ -81,7 +82,7 @@ QueryWalk start_walk(const QueryRay& ray, const QueryLevels& levels, const Query
 
 bool walk_on(const QueryRay& ray, const QueryLevels& levels, const QueryPlaces& places, const QueryTrees& trees,
              QueryWalk& walk, QueryNeed& needed) {
-  // What was met may lie a rim beyond its own window: until the ray is there something nearer may come.
+  // A hit may lie up to a rim outside its window. A closer hit is possible until the ray reaches its distance.
   while (!walk.finished && walk.at <= walk.leave && walk.at < walk.nearest.distance) {
     const QueryPlace place = places.find(walk.lod, walk.v);
     const double begin = level_start(levels, walk.lod), end = level_end(levels, walk.lod, places.lods());

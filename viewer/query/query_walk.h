@@ -1,5 +1,5 @@
-/// A ray's way through the shards of a scene, from the one it begins in to the one where it meets something. What it
-/// needs and is not here stops it; it goes on from there when it is.
+/// Traversal of a scene's shards by a ray, from its start to its first hit. It pauses if it needs data that is not
+/// resident, and can be resumed later.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 
 namespace gigabake {
 
-/// Which levels rays look at.
+/// The levels that rays sample.
 struct QueryLevels {
   int finest = 0;
-  /// How much wider a ray's footprint is after a unit of its way: it meets voxels of the coarsest level that are no
-  /// wider than that, but never finer ones than `finest`. 0: those of `finest` all the way.
+  /// Growth of a ray's footprint per unit of distance. A ray samples the coarsest level whose voxels are not larger
+  /// than its footprint, but no level finer than `finest`. 0: samples only `finest`.
   double spread = 0;
 };
 
@@ -25,41 +25,43 @@ struct QueryTreeKey {
   friend bool operator==(const QueryTreeKey&, const QueryTreeKey&) = default;
 };
 
-/// What a walk waits for.
+/// The data for which a traversal waits.
 struct QueryNeed {
   bool is_page = false;
-  PageKey page;  ///< of the scene, or
+  PageKey page;  ///< page of the scene, if is_page
   QueryTreeKey tree;
 };
 
-/// Where a walk finds trees.
+/// Lookup of resident trees.
 class QueryTrees {
  public:
   virtual ~QueryTrees() = default;
 
   struct Found {
-    const QueryTree* tree = nullptr;  ///< null: not here, or
-    bool unreadable = false;          ///< it will never be
+    const QueryTree* tree = nullptr;  ///< null: not resident or unreadable
+    bool unreadable = false;          ///< the tree can never be loaded
   };
-  /// Any number of threads.
+  /// Returns the tree. Any number of threads may call it concurrently.
   virtual Found find(const QueryTreeKey& key) const = 0;
 };
 
-/// What is left of a ray on its way.
+/// The state of a ray's traversal.
 struct QueryWalk {
-  std::int64_t v[3] = {};  ///< the lod-0 voxel that it comes to at `at`
+  std::int64_t v[3] = {};  ///< lod-0 voxel at distance `at`
   double at = 0;
-  double leave = 0;  ///< it is behind the scene
+  double leave = 0;  ///< distance at which the ray leaves the scene
   std::int32_t lod = 0;
   bool finished = false;
-  QueryHit nearest;  ///< so far; the answer where it is finished
+  QueryHit nearest;  ///< so far; the result if finished
 };
 
-/// Range   The ray's numbers are finite but for `end`, its direction is of length 1; levels.finest < places.lods().
+/// Starts a traversal.
+/// Range   All numbers of the ray are finite except `end`, its direction is of unit length; levels.finest <
+///         places.lods().
 QueryWalk start_walk(const QueryRay& ray, const QueryLevels& levels, const QueryPlaces& places);
 
-/// Goes on until the walk is finished, or until a tree or a page of the scene is needed that is not here: then returns
-/// false, and which.
+/// Continues until the ray is finished and returns true. If a tree or page is not resident, sets `needed` to it and
+/// returns false.
 bool walk_on(const QueryRay& ray, const QueryLevels& levels, const QueryPlaces& places, const QueryTrees& trees,
              QueryWalk& walk, QueryNeed& needed);
 

@@ -18,11 +18,11 @@ namespace {
 constexpr std::size_t rays_per_range = 256;
 constexpr std::uint64_t min_page_bytes = std::uint64_t(1) << 20, page_part = 32;
 
-/// What one range of rays came to.
+/// The unfinished rays of a range, and the data that they need.
 struct Waiting {
   std::vector<std::uint32_t> rays;
-  std::unordered_map<QueryTreeKey, std::uint64_t, QueryTreeKeyHash> wants;  ///< how many rays wait for each
-  std::set<PageKey> pages;                                                  ///< of the scene
+  std::unordered_map<QueryTreeKey, std::uint64_t, QueryTreeKeyHash> wants;  ///< number of waiting rays per tree
+  std::set<PageKey> pages;                                                  ///< pages of the scene
 };
 
 QueryLevels checked_levels(const QueryOptions& options, int lods) {
@@ -64,7 +64,7 @@ struct SceneQuery::State {
         levels(checked_levels(options, places.lods())),
         trees(numbers, options.memory_bytes, policy) {}
 
-  /// One pass over the rays that are not finished. Returns what they wait for.
+  /// Traverses all unfinished rays once. Returns the data for which they wait.
   std::vector<Waiting> pass(std::span<const QueryRay> rays, const std::vector<std::uint32_t>& active,
                             std::vector<QueryWalk>& walks) const {
     std::vector<Waiting> waiting(std::size_t(pool.threads()));

@@ -1,7 +1,8 @@
 /// First hits of any number of rays through a baked scene, in bounded memory.
 ///
-/// Rays are taken in batches. All of a batch go on until each is answered or needs a tree that is not in memory; then
-/// the trees that most rays wait for are built from their shards, and those that were used longest ago go.
+/// Rays are traversed in batches. All rays of a batch continue until each is finished or needs a tree that is not
+/// resident. Then the trees with the largest number of waiting rays are built from their shards; the least recently
+/// used trees are evicted.
 /// Source  Pharr, Kolb, Gershbein, Hanrahan 1997, "Rendering complex scenes with memory-coherent ray tracing".
 #pragma once
 
@@ -19,43 +20,45 @@
 namespace gigabake {
 
 struct QueryOptions {
-  int lod = 0;        ///< the finest level that is looked at
-  double spread = 0;  ///< growth of a ray's footprint with its way; 0: the level `lod` all the way (query_walk.h)
-  /// Of trees, and of those being built. Next to it pages of the scene take a thirty-second part, 1 MiB at least.
+  int lod = 0;        ///< finest level that rays sample
+  double spread = 0;  ///< growth of a ray's footprint with distance; 0: samples only `lod` (query_walk.h)
+  /// Bound of the memory of trees, including those being built. Pages of the scene take up to 1/32 of it in addition,
+  /// at least 1 MiB.
   std::uint64_t memory_bytes = std::uint64_t(1) << 30;
 };
 
 struct QueryCounts {
-  std::uint64_t trees_built = 0;  ///< a tree that went and came again counts again
-  std::uint64_t peak_bytes = 0;   ///< of trees, those being built included
-  std::uint64_t pages_read = 0;   ///< of the scene, since rays came to their blocks; 0: scene.xml says all
+  std::uint64_t trees_built = 0;  ///< a tree that is evicted and rebuilt counts again
+  std::uint64_t peak_bytes = 0;   ///< of trees, including those being built
+  std::uint64_t pages_read = 0;   ///< pages of the scene that rays caused to be read; 0 if all are read at the start
 };
 
 class SceneQuery {
  public:
   /// Borrows the pool; its threads cast rays and build trees.
-  /// Errors  InputError: a scene that cannot be read, or whose cells are no lattice; UsageError: a level that the scene
-  ///         does not have, a spread that is no number from 0 to 1.
+  /// Errors  InputError: the scene cannot be read, or its cells form no lattice. UsageError: the scene does not have
+  ///         the level, or the spread is not in [0, 1].
   SceneQuery(std::shared_ptr<const PagedScene> scene, const QueryOptions& options, const ThreadPool& pool);
   ~SceneQuery();
 
   const PagedScene& scene() const;
-  /// Around all cells, lost ones too; lod-0 voxels.
+  /// Returns the bounding box of all cells, including lost ones; lod-0 voxels.
   const kernels::VoxelBox& window() const;
-  int lods() const;  ///< levels that can be asked for
+  int lods() const;  ///< number of levels
 
-  /// answers: as many as rays.
-  /// Range   Rays of length 1, of finite numbers but for `end`, that begin within 2^50 voxels of the lattice's corner.
-  /// Cost    Besides memory_bytes some 150 bytes a ray: callers with many rays call it with batches.
-  /// Errors  UsageError: memory_bytes that do not hold the tree of one shard; Stopped.
+  /// Casts all rays. answers: the same size as `rays`.
+  /// Range   Directions of unit length; finite numbers except `end`; origins within 2^50 voxels of the lattice's
+  ///         corner.
+  /// Cost    About 150 bytes per ray in addition to memory_bytes: call it in batches if there are many rays.
+  /// Errors  UsageError: memory_bytes is less than the tree of one shard requires. Stopped.
   void first_hits(std::span<const QueryRay> rays, std::span<QueryHit> answers, const Progress& progress = {});
 
-  /// The cell's or parent's name.
-  /// Errors  InputError as NumberedShards.
+  /// Returns the name of the cell or overview.
+  /// Errors  InputError, as NumberedShards.
   const std::string& name_of(std::uint32_t shard);
 
   QueryCounts counts() const;
-  /// One line for each shard that could not be read.
+  /// Returns one line for each shard that could not be read.
   const std::vector<std::string>& problems() const;
 
  private:
@@ -63,7 +66,7 @@ class SceneQuery {
   std::unique_ptr<State> state_;
 };
 
-/// Whether the ray is one that first_hits() takes.
+/// Returns whether first_hits() accepts the ray.
 bool is_valid(const QueryRay& ray);
 
 }  // namespace gigabake

@@ -9,10 +9,12 @@
 namespace gigabake {
 namespace {
 
-/// A plane is used up to a slope of some 86°; a steeper one would only be followed for max_steps voxels.
+/// Cosine below which the plane is not used (a slope of about 86°): max_steps bounds the number of voxels below that
+/// are tested.
 constexpr double min_cosine = 1.0 / 16;
 constexpr int max_steps = 32;
-/// The start of a ray that tests a voxel below lies so far in it: more than a voxel's faces may be off (QueryTree).
+/// Depth below a voxel's top face at which a test ray for it starts; larger than the error of a voxel's faces
+/// (QueryTree).
 constexpr double inset_edges = 1.0 / 16;
 
 kernels::VoxelBox box_of(const QueryHit& hit) {
@@ -69,8 +71,8 @@ double surface_distance(const QueryRay& ray, const QueryHit& hit, SurfaceRule ru
   if (std::fabs(cosine) < min_cosine) return middle_of(segment_in(ray, hit));
   if (cosine > 0) from_centre = -from_centre;
   cosine = std::fabs(cosine);
-  // A plane meets a cube if it lies within half of `extent` of the centre; under `thin`, a lod-0 voxel is met through
-  // its axes only.
+  // A plane intersects a cube if it lies within half of `extent` of the centre. Under `thin`, a lod-0 voxel is marked
+  // only if the plane intersects its axes.
   const double extent = rule == SurfaceRule::thin ? sum * (edge - 1) + largest : sum * edge;
   const double below_centre = 0.5 * (extent - cosine * edge / advance);
   return (from_centre + below_centre) / cosine;
@@ -88,7 +90,7 @@ void move_to_surface(SceneQuery& query, SurfaceRule rule, std::span<const QueryR
       steep.push_back({i, surface, middle_of(segment), segment.leave, kernels::power_of_two(hits[i].lod)});
   }
   for (int step = 0; !steep.empty(); ++step) {
-    progress.advance(0);  // stops here, too
+    progress.advance(0);  // throws if a stop is requested
     const std::vector<QueryRay> below = rays_below(steep, rays);
     std::vector<QueryHit> found(below.size());
     query.first_hits(below, found);
@@ -100,7 +102,7 @@ void move_to_surface(SceneQuery& query, SurfaceRule rule, std::span<const QueryR
         s.leave = std::fmax(segment_in(rays[s.ray], found[i]).leave, below[i].begin);
         s.edge = kernels::power_of_two(found[i].lod);
         if (s.surface > s.leave) left.push_back(s);
-        // Within half a voxel, the normal's rounding may be the cause.
+        // Rounding of the normal can cause a difference of up to half a voxel.
       } else if (s.surface <= s.leave + height_error_edges * s.edge) {
         hits[s.ray].distance = s.leave;
       } else {

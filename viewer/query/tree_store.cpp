@@ -23,7 +23,7 @@ void TreeStore::tell(const std::string& problem) {
   if (std::find(problems_.begin(), problems_.end(), problem) == problems_.end()) problems_.push_back(problem);
 }
 
-/// Lets go what was used longest ago until so many bytes fit, or nothing more may go.
+/// Evicts the least recently used trees until `bytes` fit or no tree may be evicted.
 void TreeStore::make_room(std::uint64_t bytes, Evict evict) {
   std::vector<std::pair<std::uint64_t, QueryTreeKey>> oldest;
   for (const auto& [key, entry] : entries_)
@@ -51,7 +51,7 @@ void TreeStore::open(std::vector<Building>& all) const {
   });
 }
 
-/// How many of them, from the first on, fit together. must: the first goes in, whatever has to go for it.
+/// Returns how many trees, from the first on, fit together. must: any tree may be evicted for the first.
 std::size_t TreeStore::admit(std::vector<Building>& all, bool must) {
   std::uint64_t sum = 0;
   for (std::size_t i = 0; i < all.size(); ++i) {

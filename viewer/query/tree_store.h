@@ -1,5 +1,4 @@
-/// The trees that rays walk through, as many as the memory holds: built when they are asked for, the longest unused let
-/// go.
+/// LRU cache of the trees that rays traverse, within a memory budget.
 #pragma once
 
 #include <atomic>
@@ -21,7 +20,7 @@ struct QueryTreeKeyHash {
   }
 };
 
-/// One thread calls it, but for find().
+/// Cache of trees. All functions except find() must be called by one thread.
 class TreeStore final : public QueryTrees {
  public:
   /// Borrows `numbers` and the pool.
@@ -29,12 +28,13 @@ class TreeStore final : public QueryTrees {
 
   Found find(const QueryTreeKey& key) const override;
 
-  /// What is found from now on was used in a new pass.
+  /// Starts a pass: find() marks trees as used in the new pass.
   void begin_pass() { ++pass_; }
 
-  /// Builds those that are not here, in their order, as far as the memory goes; of the others, what was not used in
-  /// this pass goes, then what was. At least the first is here afterwards, or is unreadable.
-  /// Errors  UsageError: the memory does not hold the first alone.
+  /// Builds the trees that are not resident, in the given order, as far as the memory allows. Evicts trees that were
+  /// not used in this pass; for the first tree of the list also others. The first tree is resident or unreadable
+  /// afterwards.
+  /// Errors  UsageError: the memory does not suffice for one of the trees.
   void build(const std::vector<QueryTreeKey>& most_wanted_first);
 
   SceneCell shard(std::uint32_t number) { return numbers_.shard(number); }
@@ -58,7 +58,7 @@ class TreeStore final : public QueryTrees {
   void open(std::vector<Building>& all) const;
   std::size_t admit(std::vector<Building>& all, bool must);
   void finish(std::vector<Building>& all);
-  enum class Evict { unused, any };  ///< unused: in this pass
+  enum class Evict { unused, any };  ///< unused: only trees not used in this pass
   void make_room(std::uint64_t bytes, Evict evict);
   void tell(const std::string& problem);
 

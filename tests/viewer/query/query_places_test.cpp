@@ -1,4 +1,4 @@
-// Which shard holds a place: pages of the scene are read as far as places need them.
+// Lookup of shards: only the pages of the scene that a lookup needs are read.
 #include "viewer/query/query_places.h"
 
 #include <algorithm>
@@ -41,7 +41,7 @@ std::string name_of(const std::string& prefix, const Corner& min) {
   return name;
 }
 
-/// Cells at random heights, and all parents above them up to one root.
+/// Returns cells at random heights, and all overviews above them up to one root.
 SceneDescription scene_below_one_root(std::mt19937_64& rng) {
   SceneDescription scene;
   scene.generator = "gigabake test";
@@ -68,7 +68,7 @@ SceneDescription scene_below_one_root(std::mt19937_64& rng) {
   return scene;
 }
 
-/// Reads what is missing until the place is known.
+/// Reads missing pages until the place is known.
 QueryPlace place_of(QueryPlaces& places, int lod, const Corner& v) {
   for (;;) {
     const QueryPlace place = places.find(lod, v.data());
@@ -80,7 +80,7 @@ QueryPlace place_of(QueryPlaces& places, int lod, const Corner& v) {
   }
 }
 
-/// The shard of a level that holds v, by looking at all of them.
+/// Returns the shard of a level that holds v, by a linear search.
 std::string holder_of(const SceneDescription& scene, int lod, const Corner& v) {
   for (const SceneCell& shard : lod < int(levels) ? scene.cells : scene.parents)
     if (int(shard.own_lod()) <= lod && lod < int(shard.own_lod() + shard.lods) && window_of(shard).holds(v))

@@ -1,4 +1,4 @@
-// First hits of a paged scene against steps of double precision from voxel to voxel, and what is asked of it in text.
+// First hits of a paged scene, compared with a traversal in double precision, and queries as text.
 #include "viewer/query/scene_query.h"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ using CellCorner = std::array<std::int64_t, 3>;
 
 constexpr std::int64_t dust_cell_edge = 32, dust_edge = 64;
 
-/// One voxel in `sparsity` of [0, 64)³.
+/// Returns whether a voxel exists: 1/sparsity of the voxels of [0, 64)³.
 bool is_dust(std::int64_t x, std::int64_t y, std::int64_t z, std::uint64_t sparsity) {
   if (x < 0 || y < 0 || z < 0 || x >= dust_edge || y >= dust_edge || z >= dust_edge) return false;
   std::uint64_t hash = std::uint64_t(x) | std::uint64_t(y) << 20 | std::uint64_t(z) << 40;
@@ -35,7 +35,7 @@ bool is_dust(std::int64_t x, std::int64_t y, std::int64_t z, std::uint64_t spars
   return (hash ^ hash >> 33) % sparsity == 0;
 }
 
-/// Up to eight cells; a voxel's colour says where it is.
+/// Returns up to eight cells; the colour of a voxel encodes its position.
 template <class Exists>
 DustCells dust_cells(const Exists& exists) {
   DustCells cells;
@@ -93,7 +93,7 @@ std::vector<QueryHit> answers_of(SceneQuery& query, const std::vector<QueryRay>&
   return hits;
 }
 
-/// As the reference knows rays: in a cube of 64 voxels.
+/// Compares a hit with the reference, which takes rays in a cube of 64 voxels.
 template <class Exists>
 bench::Agreement agreement_of(const QueryRay& ray, const QueryHit& hit, const Exists& exists) {
   kernels::FirstHitTree cube;
@@ -158,7 +158,7 @@ TEST(SceneQuery, ALittleMemoryGivesTheSameAnswers) {
   EXPECT_THROW(answers_of(none, rays), UsageError);
 }
 
-/// A wall one voxel thick of voxels that touch by edges alone, through all cells.
+/// Wall through all cells, one voxel thick; its voxels share only edges.
 TEST(SceneQuery, NoRaySlipsThroughAWallBetweenCells) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
@@ -176,7 +176,7 @@ TEST(SceneQuery, NoRaySlipsThroughAWallBetweenCells) {
   for (const QueryHit& hit : answers_of(query, rays)) ASSERT_EQ(hit.outcome, QueryOutcome::hit) << seed;
 }
 
-/// Along the faces between cells, within rounding of them, towards a wall that stands on both sides.
+/// Rays along the faces between cells, within rounding of them, towards a wall on both sides.
 TEST(SceneQuery, NoRayGetsLostBetweenTwoCells) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
@@ -277,7 +277,7 @@ TEST(SceneQuery, MeetsCoarserVoxelsAsItsFootprintGrows) {
     if (hits[i].outcome != QueryOutcome::hit) continue;
     const QueryHit& hit = hits[i];
     levels.insert(hit.lod);
-    // 2^lod is the widest that the footprint holds there, of the cells' three levels.
+    // 2^lod is the max. width within the footprint, limited to the three levels of the cells.
     const double footprint = spread * hit.distance, width = std::exp2(hit.lod);
     EXPECT_TRUE(hit.lod == 0 || width <= footprint * (1 + 1e-9)) << seed;
     EXPECT_TRUE(hit.lod == 2 || 2 * width >= footprint * (1 - 1e-9)) << seed;
@@ -344,7 +344,7 @@ TEST(QueryText, SaysTheSameForEveryNumberOfRaysAtATime) {
   for (int i = 0; i < 500; ++i)
     table += "\"a, \"\"" + std::to_string(i) + "\"\"\"," + std::to_string(i) + "," + std::to_string(i % 180 - 90) +
              ",+5,9,13\n";
-  table.pop_back();  // the last line may do without its end
+  table.pop_back();  // the last line may lack its line end
   for (const QueryFormat format : values_of<QueryFormat>()) {
     if (format == QueryFormat::geojson) continue;
     const QueryJob job{.format = format};
