@@ -76,9 +76,9 @@ GB_HD std::int32_t spread_in_parent(const Patch& of_child, int child, const Patc
   return 64 * std::int32_t(of_child.spread) + off * off;
 }
 
-/// Returns the mean squared distance of voxel centres from a plane, over the voxels that the plane intersects. 65536 is
-/// an edge of these voxels, which is half an edge of the coarser voxels. The centres lie within half of (|x| + |y| +
-/// |z|) of its unit normal. At lod 0 the position of the surface within a voxel is otherwise unknown.
+/// Returns the mean squared distance of voxel centres from a plane, over the voxels that the plane intersects. Unit:
+/// 65536 is an edge of these voxels, which is half an edge of the coarser voxels. The centres lie within half of (|x| +
+/// |y| + |z|) of its unit normal. At lod 0 the position of the surface within a voxel is otherwise unknown.
 GB_HD std::int32_t spread_of_centres(const UnitNormal& n) {
   std::int32_t reach = 0;
   for (int a = 0; a < 3; ++a) reach += n.c[a] < 0 ? -n.c[a] : n.c[a];

@@ -12,14 +12,14 @@ class BlendPasses {
  public:
   BlendPasses(DeviceHeap& heap, cudaStream_t stream) : heap_(heap), stream_(stream) {}
 
-  /// Starts second rays and discards those of the previous tile. pass: of the first rays, which are finished.
+  /// Starts second rays and discards the second rays of the previous tile. pass: of the first rays, which are finished.
   void start(const RayPass& pass);
 
   /// Casts second rays, like Caster::cast_blend(). pass: of the first rays; adds the number of waiting rays to
   /// pass.unfinished.
   void cast(RayRounds& rounds, const RayPass& pass, std::size_t begin, std::size_t end);
 
-  /// Blends the second rays into the first ones.
+  /// Blends the second rays into the first rays.
   void blend(const RayPass& pass);
 
  private:

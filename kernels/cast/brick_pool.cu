@@ -6,10 +6,10 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Voxels that are moved by way of another place at a time.
+/// Number of voxels that are moved at a time through the temporary buffer.
 constexpr std::size_t voxels_on_their_way = std::size_t(1) << 20;
 constexpr unsigned brick_threads = 128;
-/// Bricks that a thread of the host makes ready to be sent at a time.
+/// Number of bricks that a thread of the host prepares for upload at a time.
 constexpr std::size_t bricks_per_range = 64;
 
 __device__ void copy_voxels(const PackedVoxel* from, std::uint32_t count, PackedVoxel* to) {
@@ -17,7 +17,7 @@ __device__ void copy_voxels(const PackedVoxel* from, std::uint32_t count, Packed
   for (std::size_t i = threadIdx.x; i < std::size_t(3) * count; i += blockDim.x) to->word[i] = words[i];
 }
 
-/// A block a brick. moves: from a place among the new voxels to one in the pool.
+/// Copies new bricks to the pool. One block per brick. moves: from a position among the new voxels to one in the pool.
 __global__ void scatter_bricks(const VoxelMove* moves, const CastHead* new_heads, const PackedVoxel* new_voxels,
                                CastHead* heads, PackedVoxel* voxels) {
   const VoxelMove move = moves[blockIdx.x];
@@ -28,14 +28,14 @@ __global__ void scatter_bricks(const VoxelMove* moves, const CastHead* new_heads
   heads[move.slot] = head;
 }
 
-/// A block a brick. window: from where in the pool they will stand on.
+/// Copies bricks to the temporary buffer. One block per brick. window: buffer for the pool's voxels from moves[0].to.
 __global__ void gather_bricks(const VoxelMove* moves, const PackedVoxel* voxels, CastHead* heads, PackedVoxel* window) {
   const VoxelMove move = moves[blockIdx.x];
   copy_voxels(voxels + move.from, move.count, window + (move.to - moves[0].to));
   if (threadIdx.x == 0) heads[move.slot].first = move.to;
 }
 
-/// What is sent of new bricks: their heads, moves and voxels, one array after another.
+/// Layout of an upload of new bricks: heads, moves and voxels, one array after another.
 struct NewBricks {
   std::size_t moves_at, voxels_at, bytes;
 
@@ -99,7 +99,8 @@ void BrickPool::put(const std::vector<BrickPlace>& places, const std::vector<Cas
   check_launch("scatter_bricks");
 }
 
-/// Places overlap, so voxels go by way of a third one. What is read later stands higher than all that was written.
+/// Moves voxels through a temporary buffer, because sources and destinations overlap. A later source always lies above
+/// all destinations written before it.
 void BrickPool::move(const std::vector<VoxelMove>& moves) {
   if (moves.empty()) return;
   const VoxelMove* const sent = delivery_.send(moves);

@@ -1,4 +1,4 @@
-/// The pool of bricks on a device: heads by slot, and the parts of all of them one after another.
+/// Pool of bricks on a device: heads by slot, and the parts of all bricks in one array.
 #pragma once
 
 #include <cstdint>
@@ -13,12 +13,13 @@ namespace gigabake::kernels {
 
 class BrickPool {
  public:
-  /// Borrows heap, delivery and pool.
+  /// Creates a pool. Borrows heap, delivery and pool.
   BrickPool(DeviceHeap& heap, Delivery& delivery, const ThreadPool& pool, const PoolSizes& sizes);
 
   void show_in(CastScene& scene) const;
 
-  /// As Caster's. Both return when what they were given may change again; the stream does the rest in its order.
+  /// Implements Caster::put_bricks() and move_voxels(). The arguments may change after the return; the stream executes
+  /// the copies in order.
   void put(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks);
   void move(const std::vector<VoxelMove>& moves);
 

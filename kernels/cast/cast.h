@@ -35,8 +35,8 @@ GB_HD CastRay start_ray(const CastScene& scene, const CastLine& line) {
   return ray;
 }
 
-/// Returns the distance from `u` to the exit of the empty half- or quarter-brick around it, in 1/65536 of the brick's
-/// voxels; 0 if neither is empty. blocks: of the brick. u: the point in the brick.
+/// Returns the distance from `u` to the exit of the empty half- or quarter-brick around it; 0 if neither is empty.
+/// Unit: 1/65536 of the brick's voxels. blocks: of the brick. u: the point in the brick.
 GB_HD float way_out_of_empty_part(std::uint64_t blocks, const CastLine& line, const std::uint32_t u[3]) {
   const int x = int(u[0] >> fraction_bits), y = int(u[1] >> fraction_bits), z = int(u[2] >> fraction_bits);
   constexpr std::uint64_t eight_blocks = 0x330033;

@@ -132,8 +132,8 @@ GB_HD CastLayer load_layer(const BrickView& brick, int z) {
   return {{part.word[0], part.word[1], part.word[2]}};
 }
 
-/// Returns the voxel's coverage in a view along the axis (65535 represents 1), or 0 if the voxel does not exist. x, y,
-/// z: 0 … 8.
+/// Returns the voxel's coverage in a view along the axis, or 0 if the voxel does not exist. Unit: 65535 represents 1.
+/// x, y, z: 0 … 8.
 GB_HD int coverage_at(const BrickView& brick, int x, int y, int z, int axis) {
   const LayerWindow window = window_of(load_layer(brick, z), x + slot_edge * y);
   return window.has(0) ? coverage_along(load_packed(brick.parts + window.first), axis) : 0;

@@ -38,7 +38,7 @@ enum class CastPaint : std::int32_t {
   waits,   ///< red where finer data was requested
 };
 
-/// The visible part of the scene: the box and the half-space normal · p ≥ offset. By default everything is visible.
+/// The visible part of the scene: the box and the half-space normal · p ≥ offset. Everything is visible by default.
 struct CastClip {
   double min[3] = {-double(far_voxel), -double(far_voxel), -double(far_voxel)};
   double max[3] = {double(far_voxel), double(far_voxel), double(far_voxel)};

@@ -13,7 +13,7 @@
 namespace gigabake::kernels {
 namespace {
 
-constexpr int block_edge = 8;  ///< pixels; neighbours share bricks
+constexpr int block_edge = 8;  ///< pixels; neighbouring pixels use the same bricks
 constexpr std::size_t blocks_per_range = 4;
 
 class CpuCaster final : public Caster {
@@ -147,7 +147,7 @@ class CpuCaster final : public Caster {
     return line_of_sight(scene_, coarser_camera(camera_), pixel_x(ray), pixel_y(ray));
   }
 
-  /// Puts the second rays into the first ones, once.
+  /// Blends the second rays into the first rays, once.
   void blend() {
     if (!is_blending_) return;
     is_blending_ = false;
@@ -155,7 +155,7 @@ class CpuCaster final : public Caster {
                  [&](std::size_t i) { rays_[i] = blended(scene_, line_of(i), rays_[i], coarser_[i]); });
   }
 
-  /// Those of nodes that were ever put, and of roots.
+  /// Returns the number of words with the requests of all nodes ever written, and of roots.
   std::size_t want_words() const { return (2 * std::max(nodes_end_, scene_.cells.size) + 31) / 32; }
 
   void shade() {
@@ -165,7 +165,8 @@ class CpuCaster final : public Caster {
     shader_->on_host({rays_.data(), lights_.data(), tile_, lighting_, {eye[0], eye[1], eye[2]}}, lit_.data(), pool_);
   }
 
-  /// go_on(ray): whether that is finished then. Returns how many are not.
+  /// Runs one pass. go_on(ray): continues a ray and returns true if it is finished. Returns the number of unfinished
+  /// rays.
   template <class GoOn>
   std::size_t one_pass(std::size_t begin, std::size_t end, const StopAsked& stop, const GoOn& go_on) {
     ++scene_.pass;
@@ -177,7 +178,7 @@ class CpuCaster final : public Caster {
     return whole ? unfinished.load() : std::max<std::size_t>(unfinished, 1);
   }
 
-  /// False where `stop` ended it before the last block of rays.
+  /// Calls body(ray) for rays [begin, end). Returns false if `stop` ended the pass before the last block of rays.
   template <class Body>
   bool for_each_ray(std::size_t begin, std::size_t end, const StopAsked& stop, const Body& body) {
     std::atomic<bool> stopped{false};
@@ -201,8 +202,8 @@ class CpuCaster final : public Caster {
   CastScene scene_;
   std::vector<NodeWord> nodes_;
   std::vector<std::uint32_t> parent_bricks_;
-  std::size_t nodes_end_ = 0;  ///< those from here on were never put
-  // Not initialised: pages that nobody touches cost no memory.
+  std::size_t nodes_end_ = 0;  ///< nodes from this index were never written
+  // Not initialised: untouched pages cost no memory.
   std::unique_ptr<CastHead[]> heads_;
   std::unique_ptr<PackedVoxel[]> voxels_;
   std::vector<std::uint32_t> tile_used_, slot_used_, wanted_;
@@ -212,7 +213,7 @@ class CpuCaster final : public Caster {
   bool is_blending_ = false;
   CastLighting lighting_;
   std::shared_ptr<const SurfaceShader> shader_;
-  std::vector<PixelLight> lights_;  ///< of the tile's pixels; empty: they are not lit
+  std::vector<PixelLight> lights_;  ///< of the tile's pixels; empty: no lighting
 };
 
 }  // namespace

@@ -17,7 +17,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Wants told of one pass; what is beyond them is wanted again in the next.
+/// Max number of requests reported per pass. Rays repeat the remaining requests in the next pass.
 constexpr std::uint32_t most_wants = 1u << 20;
 
 __global__ void start_rays(CastScene scene, CastCamera camera, CastTile tile, CastRay* rays) {
@@ -45,7 +45,7 @@ __global__ void apply_changes(const NodeChange* changes, std::uint32_t count, No
   if (is_here(change.value.children)) parent_bricks[change.value.children] = change.value.brick;
 }
 
-/// A thread a word; in no order.
+/// Lists the requests in no particular order. One thread per word.
 __global__ void list_wants(const std::uint32_t* wanted, std::uint32_t words, std::uint32_t* list,
                            std::uint32_t* count) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
@@ -198,7 +198,7 @@ class CudaCaster final : public Caster {
  private:
   std::size_t ray_count() const { return std::size_t(tile_.width) * std::size_t(tile_.height); }
 
-  /// Where no pass over the whole tile starts them.
+  /// Starts the rays if no pass over the whole tile has started them.
   void start_rays_once() {
     if (is_started_) return;
     is_started_ = true;
@@ -206,8 +206,8 @@ class CudaCaster final : public Caster {
     check_launch("start_rays");
   }
 
-  /// launch(RayPass): goes on with so many rays. A pass takes a few milliseconds at most, so `stop` is asked before it
-  /// alone.
+  /// Runs one pass. launch(RayPass) continues `rays` rays. A pass takes a few milliseconds at most, so `stop` is called
+  /// only before it.
   template <class Launch>
   std::size_t one_pass(std::size_t rays, bool patient, const StopAsked& stop, const Launch& launch) {
     if (stop && stop()) return rays;
@@ -223,13 +223,13 @@ class CudaCaster final : public Caster {
 
   RayPass pass_of(bool patient) { return {scene_, camera_, tile_, rays_.data(), patient, false, unfinished_.data()}; }
 
-  /// Puts the second rays into the first ones, once.
+  /// Blends the second rays into the first rays, once.
   void blend() {
     if (is_blending_) blend_.blend(pass_of(true));
     is_blending_ = false;
   }
 
-  /// The camera's polygons, which are the caller's, to the device.
+  /// Copies the camera's polygons from the caller's memory to the device.
   void put_polygons() {
     CastPolygons& polygons = camera_.polygons;
     if (polygons.distance == nullptr) return;
@@ -257,7 +257,7 @@ class CudaCaster final : public Caster {
     return copy(Span<const T>{host.data(), host.size()});
   }
 
-  /// Where on the device `size` values that are wanted at `host` are made; null where none are wanted.
+  /// Returns device memory for `size` values that are requested at `host`; null if none are requested.
   template <class T>
   T* room_for(const T* host, DeviceArray<T>& array, std::size_t size) {
     if (host == nullptr) return nullptr;
@@ -272,7 +272,7 @@ class CudaCaster final : public Caster {
     return array;
   }
 
-  /// Returns when it is here.
+  /// Copies an array to the host and waits for it.
   template <class T>
   void download(T* host, const T* device, std::size_t count) {
     const Arrival::Part part{host, device, count * sizeof(T)};

@@ -88,8 +88,8 @@ class Caster {
   virtual std::size_t cast_light(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) = 0;
 
   /// Reuses shadow samples within blocks of pixels. Call it once per tile, after all rays to the light are finished.
-  /// Pixels without own rays take the light from other pixels of their block if it is uniform. The others start rays of
-  /// their own, which cast_light() continues.
+  /// Pixels without own rays take the light from other pixels of their block if it is uniform. The others start their
+  /// own rays, which cast_light() continues.
   virtual void share_light() = 0;
 
   /// Returns the data that rays of the last pass missed, as 2·node + Want, in no particular order.

@@ -7,14 +7,14 @@
 namespace gigabake::kernels {
 namespace {
 
-constexpr unsigned threads = 128;  ///< a block; of pixels: 16×8, a warp 8×4
+constexpr unsigned threads = 128;  ///< per block; for pixels 16×8 per block and 8×4 per warp
 constexpr unsigned whole_warp = ~0u;
 constexpr int pixels_x = 16, pixels_y = 8;
-constexpr int refill_at = 8;  ///< so many idle rays of a warp are replaced together
+constexpr int refill_at = 8;  ///< number of idle rays of a warp that are replaced together
 constexpr int moves_between_refills = 4;
 constexpr std::size_t most_rays = std::size_t(1) << 31;
 
-/// A ray's slots; those of neighbours lie side by side.
+/// Stack of one ray. The stacks of neighbouring rays are interleaved.
 using SharedStack = FirstHitSlots<threads>;
 
 struct DeviceResult {
@@ -39,7 +39,7 @@ __global__ void __launch_bounds__(64) cast_beams(const __grid_constant__ FirstHi
   starts[row * beams.columns + column] = beam_start(beams, camera, column, row, FirstHitSlots<1>{slots});
 }
 
-/// starts: null without beams.
+/// Casts the rays of an image. starts: null without beams.
 __global__ void __launch_bounds__(threads)
     cast_pixels(const __grid_constant__ FirstHitTree tree, const __grid_constant__ FirstHitCamera camera,
                 const float* starts, int tile_bits, int columns, DeviceResult result) {
@@ -53,7 +53,8 @@ __global__ void __launch_bounds__(threads)
              pixel_hit(tree, camera, x, y, start, SharedStack{slots + threadIdx.x}));
 }
 
-/// Rays that have nothing in common: a warp has `per_warp` of them, and replaces those that are done while others walk.
+/// Casts incoherent rays. Each warp has a queue of `per_warp` rays and replaces finished rays while others are
+/// traversed.
 __global__ void __launch_bounds__(threads) cast_rays(const __grid_constant__ FirstHitTree tree, const FirstHitRay* rays,
                                                      std::uint32_t count, std::uint32_t per_warp, DeviceResult result) {
   __shared__ std::uint32_t slots[first_hit_stack * threads];
@@ -121,7 +122,7 @@ class Stream {
   cudaStream_t stream_ = nullptr;
 };
 
-/// Times what is launched between two calls.
+/// Timer for the work launched between two calls.
 class StopWatch {
  public:
   StopWatch() {
@@ -210,7 +211,7 @@ class CudaFirstHits::Impl {
     return device;
   }
 
-  /// Makes room for the results of `count` rays.
+  /// Allocates memory for the results of `count` rays.
   DeviceResult result_for(std::size_t count, bool looks) {
     check_cuda(cudaSetDevice(device_), "cudaSetDevice");
     if (hits_.size() < count) hits_ = DeviceArray<FirstHit>(heap_, count);

@@ -1,14 +1,14 @@
-/// The first voxel that a ray meets: a cube, present or not; no filter, no transparency.
+/// First voxel that a ray hits. Voxels are opaque cubes; there is no filtering and no transparency.
 ///
-/// The ray walks from face to face through the cells of the tree: down into the child that holds its point while there
-/// is one, across empty cells, up where it leaves a node. No step crosses an edge or a corner, so nothing slips between
-/// two voxels that share a face or an edge. A point on a face is in the cell that the ray moves into; where it moves
-/// along the face, in the upper one.
+/// The ray traverses the cells of the tree from face to face. It descends into the child that contains its point if
+/// that child exists, crosses empty cells, and ascends when it leaves a node. No step crosses an edge or a corner, so
+/// no ray passes between two voxels that share a face or an edge. A point on a face belongs to the cell that the ray
+/// enters. If the ray is parallel to the face, the point belongs to the upper cell.
 ///
-/// Space   A cell's place is the bits of a float in [1, 2): the tree's cube. Axes along which the ray falls are
-///         mirrored, so that it rises along all.
-/// Exact   IEEE float and double, fused only where it says so: host and device return the same bits. The walk keeps
-///         within 2^-20 of the tree's edge of the exact ray.
+/// Space   A cell's position is the bits of a float in [1, 2), which spans the tree's cube. Axes with a negative
+///         direction are mirrored, so that the ray ascends along all axes.
+/// Exact   IEEE float and double, fused only where the code calls fma: host and device return the same bits. The
+///         traversal stays within 2^-20 of the tree's edge of the exact ray.
 /// Source  Laine & Karras 2010, "Efficient Sparse Voxel Octrees"; children by 4×4×4 as in dubiousconst282, "A guide to
 ///         fast voxel ray tracing using sparse 64-trees".
 #pragma once
@@ -29,14 +29,14 @@ inline constexpr std::uint32_t no_look = 0xffffffffu;
 
 struct FirstHitRay {
   double origin[3] = {};    ///< lod-0 voxels of the lattice
-  float direction[3] = {};  ///< finite, of length 1: distances are in units of it
-  float end = INFINITY;     ///< the farthest distance that is looked at
+  float direction[3] = {};  ///< finite, of length 1: the unit of distances
+  float end = INFINITY;     ///< max distance
 };
 
 struct alignas(16) FirstHit {
   std::uint64_t voxel = 0;       ///< x | y << 21 | z << 42, in the tree's voxels from its lowest corner
-  float distance = INFINITY;     ///< from the ray's origin to where the voxel begins; 0 inside of one
-  std::uint32_t look = no_look;  ///< no_look: nothing was met
+  float distance = INFINITY;     ///< from the ray's origin to the voxel's surface; 0 inside a voxel
+  std::uint32_t look = no_look;  ///< no_look: no hit
 };
 
 GB_HD std::uint32_t bits_of(float v) {
@@ -59,7 +59,8 @@ GB_HD float float_of(std::uint32_t bits) {
 #endif
 }
 
-/// The arguments are numbers.
+/// Returns the smaller argument.
+/// Range   No NaN.
 GB_HD float smaller(float a, float b) {
 #if defined(__CUDA_ARCH__)
   return fminf(a, b);
@@ -76,7 +77,8 @@ GB_HD float larger(float a, float b) {
 #endif
 }
 
-/// v ≠ 0.
+/// Returns the number of the highest set bit.
+/// Range   v ≠ 0.
 GB_HD std::uint32_t top_bit(std::uint32_t v) {
 #if defined(__CUDA_ARCH__)
   return std::uint32_t(31 - __clz(int(v)));
@@ -85,12 +87,12 @@ GB_HD std::uint32_t top_bit(std::uint32_t v) {
 #endif
 }
 
-/// Bit 0 and on: the bits of v from `shift` on; shift < 64.
+/// Returns the low 32 bits of v >> shift.
+/// Range   shift < 64.
 GB_HD std::uint32_t bits_from(std::uint64_t v, std::uint32_t shift) {
   auto bits = std::uint32_t(v >> shift);
 #if defined(__CUDA_ARCH__)
-  asm(""
-      : "+r"(bits));  // one instruction; tested as it stands the compiler would shift the test's 64 bits the other way
+  asm("" : "+r"(bits));  // one instruction; without the asm the compiler would shift a 64-bit mask to the left instead
 #endif
   return bits;
 }
@@ -104,27 +106,27 @@ GB_HD FirstHitNode load_node(const FirstHitTree& tree, std::uint32_t index) {
 #endif
 }
 
-/// Slots that lie `stride` apart.
+/// Stack of one ray: slots at intervals of `stride`.
 template <unsigned stride>
 struct FirstHitSlots {
   std::uint32_t* slots;
   GB_HD std::uint32_t& operator()(std::uint32_t scale) const {
-    if constexpr (stride % 2 == 0)  // a multiplication, where halving would come first
+    if constexpr (stride % 2 == 0)  // a multiplication; otherwise a halving would precede it
       return slots[scale * (stride / 2) - least_stacked * (stride / 2)];
     else
       return slots[(scale - least_stacked) / 2 * stride];
   }
 };
 
-/// A ray from where it enters the box on, every axis rising. Unit: the cube.
+/// Ray from its entry into the box, with all directions positive. Unit: the cube.
 struct FirstHitLine {
   float origin[3], direction[3], inverse[3];
-  float bias[3];         ///< a cell that ends with the float c is left at c · inverse + bias
-  float enter, leave;    ///< the box's ends: from the ray's origin; from `origin`
-  std::uint32_t mirror;  ///< what the mirrored axes turn a child's number by
+  float bias[3];         ///< distance to the exit of a cell whose upper end is the float c: c · inverse + bias
+  float enter, leave;    ///< enter: from the ray's origin to the box; leave: from `origin` to the exit of the box
+  std::uint32_t mirror;  ///< XOR mask that converts child numbers for the mirrored axes
 };
 
-/// False where the ray misses the box.
+/// Computes the ray's segment inside the box. Returns false if the ray misses the box.
 GB_HD bool enter_box(const FirstHitTree& tree, const FirstHitRay& ray, float start, FirstHitLine& line) {
   constexpr float least_direction = 0x1p-60f;
   double at[3], enter = start * tree.per_edge, leave = ray.end * tree.per_edge;
@@ -134,7 +136,7 @@ GB_HD bool enter_box(const FirstHitTree& tree, const FirstHitRay& ray, float sta
     line.mirror |= falls ? 3u << 2 * a : 0;
     line.direction[a] = larger(std::fabs(ray.direction[a]), least_direction);
     line.inverse[a] = 1 / line.direction[a];
-    // Refined: an origin may be far away.
+    // Refined by one Newton step, because an origin may be far away.
     const double d = line.direction[a], rough = line.inverse[a];
     const double inverse = std::fma(rough, std::fma(-d, rough, 1.0), rough);
     const double away = (ray.origin[a] - tree.centre[a]) * tree.per_edge;
@@ -154,7 +156,8 @@ GB_HD bool enter_box(const FirstHitTree& tree, const FirstHitRay& ray, float sta
   return true;
 }
 
-/// Where a ray is: at point p of the line, t from the line's origin, in a cell of bit `scale`, a child of the node.
+/// State of a traversal. The ray is at point p of the line, at distance t from the line's origin. The point lies in a
+/// cell of bit `scale`, a child of `node`.
 struct FirstHitWalk {
   FirstHitLine line;
   std::uint32_t p[3];
@@ -166,7 +169,7 @@ struct FirstHitWalk {
 
 enum class FirstHitState : std::int32_t { walking, met, missed };
 
-/// False where nothing can be met. start: nothing is nearer than this distance.
+/// Starts a traversal. Returns false if the ray cannot hit a voxel. start: lower bound of the hit's distance.
 GB_HD bool begin_walk(const FirstHitTree& tree, const FirstHitRay& ray, float start, FirstHitWalk& walk) {
   if (tree.nodes.empty() || !enter_box(tree, ray, start, walk.line)) return false;
   for (int a = 0; a < 3; ++a) walk.p[a] = bits_of(walk.line.origin[a]);
@@ -177,13 +180,13 @@ GB_HD bool begin_walk(const FirstHitTree& tree, const FirstHitRay& ray, float st
   return true;
 }
 
-/// The number of the node's child that holds p.
+/// Returns the number of the node's child that contains p.
 GB_HD std::uint32_t child_at(const FirstHitWalk& w) {
   return (((w.p[0] >> w.scale & 3) ^ w.line.mirror) ^ (w.p[1] >> (w.scale - 2) & 12)) ^ (w.p[2] >> (w.scale - 4) & 48);
 }
 
-/// Across the empty cell that holds p, or the 2×2×2 cells around it where all of them are empty.
-/// Returns the bits in which places before and behind the crossed face differ, and lower ones.
+/// Crosses the empty cell that contains p, or the 2×2×2 cells around it if all of them are empty. Returns the bits in
+/// which positions before and behind the crossed face differ, and lower bits.
 GB_HD std::uint32_t cross_cell(FirstHitWalk& w, std::uint32_t child) {
   const bool all_empty = (bits_from(w.node.mask, child & 42) & 0x00330033u) == 0;
   const std::uint32_t inside = (1u << (w.scale + (all_empty ? 1 : 0))) - 1;
@@ -206,9 +209,9 @@ GB_HD std::uint32_t cross_cell(FirstHitWalk& w, std::uint32_t child) {
   return (p[0] ^ last[0]) | (p[1] ^ last[1]) | (p[2] ^ last[2]);
 }
 
-/// Down where the child exists, then on where the next one does not: two moves in one go, so that the rays of a warp
-/// seldom wait for each other.
-/// stack: stack(scale), an std::uint32_t& of this ray's for each odd scale from least_stacked to most_stacked.
+/// Descends if the child exists, then crosses the next cell if it is empty. One call does both steps to reduce
+/// divergence between the rays of a warp. stack: stack(scale) returns this ray's std::uint32_t& for each odd scale from
+/// least_stacked to most_stacked.
 template <class Stack>
 GB_HD FirstHitState advance(const FirstHitTree& tree, FirstHitWalk& w, Stack stack) {
   const std::uint32_t first = child_at(w);
@@ -233,7 +236,7 @@ GB_HD FirstHitState advance(const FirstHitTree& tree, FirstHitWalk& w, Stack sta
   return FirstHitState::walking;
 }
 
-/// Of a walk that met something.
+/// Returns the hit of a traversal in state `met`.
 GB_HD FirstHit met(const FirstHitTree& tree, const FirstHitWalk& w) {
   FirstHit hit;
   const std::uint32_t most = (1u << tree.bits) - 1;

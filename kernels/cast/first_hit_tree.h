@@ -12,7 +12,7 @@ inline constexpr int most_first_hit_bits = 18;  ///< log2 of a tree's edge; floa
 /// A node. Child (x, y, z) is bit x + 4y + 16z. Existing children are stored contiguously, in ascending order of their
 /// bits.
 struct alignas(16) FirstHitNode {
-  std::uint64_t mask = 0;  ///< which children exist
+  std::uint64_t mask = 0;  ///< mask of the existing children
   std::uint32_t end = 0;   ///< index after the node of the highest child; if the children are voxels, index after its
                            ///< look
   std::uint32_t unused = 0;

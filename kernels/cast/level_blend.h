@@ -17,7 +17,7 @@ namespace gigabake::kernels {
 
 /// The fraction of a level's end distance beyond which the next level has a weight.
 inline constexpr double blend_from = 0.7;
-/// The factor from the distances at which the first ray's levels begin to those of the second ray. The second ray
+/// The factor from the distances at which the first ray's levels begin to the second ray's distances. The second ray
 /// enters the next level before that level has a weight. It leaves that level beyond the distance at which the first
 /// ray enters it.
 inline constexpr double coarser_from = 0.6;

@@ -6,7 +6,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Blocks of a multiprocessor, as of the kernel that casts what is left of a tile's rays.
+/// Blocks per multiprocessor, as for the kernel that casts the remaining rays of a tile.
 constexpr unsigned min_lighting = 3;
 
 __global__ void forget_light(PixelLight* lights, std::size_t pixels) {
@@ -14,7 +14,7 @@ __global__ void forget_light(PixelLight* lights, std::size_t pixels) {
   if (i < pixels) lights[i] = PixelLight();
 }
 
-/// The pixel of this thread and its index in the tile; false where it is none of [begin, end).
+/// Computes this thread's pixel and its index in the tile. Returns false if the pixel is not in [begin, end).
 __device__ bool pixel_in_range(const CastTile& tile, std::size_t begin, std::size_t end, int& x, int& y,
                                std::size_t& i) {
   const bool is_in = pixel_of_thread(tile, x, y);
@@ -35,7 +35,7 @@ __global__ void __launch_bounds__(tile_threads, min_lighting)
   lights[i] = light;
 }
 
-/// Pixels whose surface is known and one of whose rays is not finished. All lanes of a warp call append().
+/// Lists pixels whose surface is known and whose ray `which` is unfinished. All lanes of a warp call append().
 __global__ void list_light_rays(CastTile tile, const PixelLight* lights, LightRay which, std::size_t begin,
                                 std::size_t end, RayList list) {
   int x, y;
@@ -44,7 +44,7 @@ __global__ void list_light_rays(CastTile tile, const PixelLight* lights, LightRa
   append(is_in && lights[i].has(light_rays) && !lights[i].has(int(which)), std::uint32_t(i), list);
 }
 
-/// That ray of each pixel of the list; all lanes of a warp cast.
+/// Casts ray `which` of each listed pixel. All lanes of a warp participate.
 __global__ void __launch_bounds__(tile_threads, min_lighting)
     cast_light_rays(const __grid_constant__ RayPass pass, CastLighting lighting, PixelLight* lights, LightRay which,
                     RayList list) {

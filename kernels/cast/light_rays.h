@@ -1,7 +1,7 @@
 /// The light of a pixel: the visible fractions of the sun and the sky at its surface.
 ///
-/// A pixel's surface is where half of its ray's light is absorbed. From there, one cone goes to the sun and one to the
-/// sky. Not every pixel casts them: pixels of a block share results (kernels/cast/light_sharing.h). A cone is an
+/// A pixel's surface is where half of its ray's light is absorbed. One cone leads from this surface to the sun, and one
+/// to the sky. Not every pixel casts them: pixels of a block share results (kernels/cast/light_sharing.h). A cone is an
 /// ordinary ray whose levels have voxels as wide as the cone, but not finer than the pixel's own. It requests missing
 /// data, and surfaces stop it. The width of the voxels that it passes determines the width of a shadow's border.
 ///
@@ -131,8 +131,8 @@ GB_HD int place_in_block(int x, int y) {
   return int(dither_rank(std::uint32_t(x) % sky_block, std::uint32_t(y) % sky_block));
 }
 
-/// Returns the direction to the light for a ray of pixel (x, y) of the image: to the part of the sun or the sky that
-/// the pixel's position in its block samples.
+/// Returns the direction to the light for a ray of pixel (x, y) of the image. The pixel's position in its block
+/// determines the part of the sun or the sky.
 GB_HD const float* light_direction(const CastLighting& lighting, int x, int y, LightRay ray) {
   constexpr int places_per_direction = sky_block * sky_block / sun_directions;
   const int place = place_in_block(x, y);

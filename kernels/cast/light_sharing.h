@@ -125,8 +125,8 @@ GB_HD void share_light(const TileLights& tile, const CastLighting& lighting, int
   light.done &= ~then;
 }
 
-/// Returns the light of a pixel of the block that has a surface, for a pixel that shows little of one; unshadowed light
-/// if the block has no such pixel.
+/// Returns the light for a pixel that shows little surface: the light of a pixel of its block that has one. Returns
+/// unshadowed light if the block has no such pixel.
 GB_HD PixelLight light_beside(const TileLights& tile, const CastLighting& lighting, int x, int y) {
   const LightBlock block = block_around(tile.tile, sun_block, x, y);
   for (int j = block.y0; j < block.y1; ++j)

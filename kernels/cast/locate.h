@@ -188,8 +188,8 @@ GB_HD int shared_level(const CastPath& path, const std::uint32_t local[3]) {
   return level > path.lowest ? level : path.lowest;
 }
 
-/// Returns the level of the first node that a descent to this voxel reads: one below the last shared level if the path
-/// stores the children of the shared node.
+/// Returns the level of the first node that a descent to this voxel reads. It is one below the last shared level if the
+/// path stores the children of the shared node.
 GB_HD int first_level(const CastScene& scene, const CastPath& path, std::uint32_t cell, const std::uint32_t local[3],
                       int lod) {
   if (cell != path.cell) return scene.lods - 1;

@@ -76,9 +76,9 @@ GB_HD void radiance_of(const CastSample& s, const BrickTraits& brick, CastPaint 
   for (int k = 0; k < 3; ++k) rgb[k] = painted(n, k) * (0.25f + grey);
 }
 
-/// Returns the amount of surface per voxel of ray length, estimated from the coverages along the axes. |d|·coverage is
-/// exact for surfaces across an axis and for boxes, the root of squares for spheres. Coarse voxels contain mostly flat
-/// surfaces, so their estimate is 3/4 box and 1/4 sphere.
+/// Returns the amount of surface per voxel of ray length, estimated from the coverages along the axes. The product
+/// |d|·coverage is exact for surfaces across an axis and for boxes, the root of squares for spheres. Coarse voxels
+/// contain mostly flat surfaces, so their estimate is 3/4 box and 1/4 sphere.
 GB_HD float crossings(const CastSample& s, const double direction[3], int lod) {
   const float x = s.c[3] * std::fabs(float(direction[0]));
   const float y = s.c[4] * std::fabs(float(direction[1]));
@@ -113,8 +113,8 @@ GB_HD float stop_light(float covered, int lod, float density, CastRay& ray) {
 /// The distance in voxels, measured across the surface, within which translucent samples count as one surface.
 inline constexpr float pane_reach = 2;
 
-/// Extends the current surface by the sample at `distance`, or starts a new surface. across: |cosine| between ray and
-/// normal; voxel: edge of the surface's voxels.
+/// Extends the current surface by the sample at `distance`, or starts a new surface. Parameter across: |cosine| between
+/// ray and normal; voxel: edge of the surface's voxels.
 GB_HD void stay_in_surface(double distance, float across, float voxel, CastRay& ray) {
   if (float(distance) >= ray.apart) ray.before = ray.covered;
   constexpr float slowest = 1.0f / 32;

@@ -4,8 +4,8 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Blocks of a multiprocessor, as measured on an H200: four that walk, whose registers just do not spill, are faster
-/// than five.
+/// Blocks per multiprocessor, measured on an H200. Four traversal blocks are faster than five; with four, registers
+/// just do not spill.
 constexpr unsigned min_walking = 4, min_looking = 4, min_casting = 3;
 
 __device__ CastLine line_of(const RayPass& pass, std::uint32_t ray) {
@@ -13,14 +13,15 @@ __device__ CastLine line_of(const RayPass& pass, std::uint32_t ray) {
   return line_of_sight(pass.scene, pass.camera, pass.tile.x + int(ray % width), pass.tile.y + int(ray / width));
 }
 
-/// What became of a lane's ray.
+/// Stores a lane's ray, and counts it if it is unfinished and has no further task.
 __device__ void keep(const RayPass& pass, std::uint32_t index, CastTask task, CastRay& ray) {
   if (task == CastTask::none) finish_opaque(ray);
   pass.rays[index] = ray;
   if (task == CastTask::none && ray.lod >= 0) atomicAdd(pass.unfinished, 1ull);
 }
 
-/// All lanes of a warp walk. A ray that ends where it starts is kept too: nobody else writes it.
+/// Traverses a ray and lists it if it hits a surface. All lanes of a warp participate. A ray that ends where it starts
+/// is stored too, because no other code writes it.
 __device__ void walk_and_list(const RayPass& pass, bool is_cast, bool starts, std::uint32_t index, const RayList& met) {
   CastWalk walk;
   CastPath path;
@@ -66,7 +67,7 @@ __global__ void __launch_bounds__(tile_threads, min_looking)
   append(walk.task == CastTask::seek, index, going_on);
 }
 
-/// What is left after some rounds, to its end.
+/// Casts the rays that remain after the rounds to their end.
 __global__ void __launch_bounds__(tile_threads, min_casting)
     cast_listed(const __grid_constant__ RayPass pass, RayList from) {
   const std::uint32_t count = *from.count, first = blockIdx.x * blockDim.x;

@@ -37,7 +37,7 @@ class SurfaceShader {
   virtual ~SurfaceShader() = default;
   /// Shades all pixels of the tile into `out`.
   virtual void on_host(const ShadedTile& tile, CastRay* out, const ThreadPool& policy) const = 0;
-  /// Does the same on a device. stream: a cudaStream_t.
+  /// Shades the tile on a device, like on_host(). stream: a cudaStream_t.
   /// Errors  CudaFailure.
   virtual void on_device(const ShadedTile& tile, CastRay* out, void* stream) const = 0;
 };

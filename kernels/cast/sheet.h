@@ -255,9 +255,9 @@ GB_HD CastSample sheet_sample(const CastCorners& corners) {
   return r;
 }
 
-/// Returns the fraction of a surface within one column of voxels that lies in two of these voxels. at: intersection
-/// with the column's axis; 0 and 1 are the two voxel centres. reach: extent of the surface up and down within the
-/// column.
+/// Returns the fraction of a surface within one column of voxels that lies in two of these voxels. Parameter at:
+/// intersection with the column's axis; 0 and 1 are the two voxel centres. reach: extent of the surface up and down
+/// within the column.
 GB_HD float part_in_pair(float at, float reach) {
   const float from = at - reach, to = at + reach;
   const float low = from > -0.5f ? from : -0.5f, high = to < 1.5f ? to : 1.5f;
@@ -322,10 +322,10 @@ GB_HD SheetColumns columns_around(const BrickView& brick, const CastPoint& point
 /// The min part() of a column that is used to estimate the density of a surface.
 inline constexpr float least_part = 0.25f;
 
-/// Returns the max density of the surface among the columns nearby, at most one and a half voxels away along x and y
-/// and one along z, within the brick. Near the border of an opaque surface some columns are full; in a translucent
-/// surface none is. The range along z is smaller because z positions of coarse bricks follow the cells, which must not
-/// show in the image.
+/// Returns the max density of the surface among the columns nearby, within the brick. The range is one and a half
+/// voxels along x and y and one voxel along z. Near the border of an opaque surface some columns are full; in a
+/// translucent surface none is. The range along z is smaller because z positions of coarse bricks follow the cells,
+/// which must not show in the image.
 GB_HD float densest_near(const SheetColumns& columns, const CastPoint& point) {
   const int base_u = columns.u == 0 ? point.base[0] : point.base[1];
   const int base_v = columns.v == 1 ? point.base[1] : slot_edge;  // z: no farther than the point's own voxels
