@@ -22,8 +22,7 @@ struct Steering {
   std::optional<ViewMode> mode;
   std::optional<double> pixel_error;
   std::optional<std::array<double, 2>> sun;  ///< azimuth and elevation, degrees
-  std::optional<JulianDay> time;             ///< sets the sun if the scene has an origin on the earth: LiveScene
-                                             ///< converts it
+  std::optional<JulianDay> time;             ///< LiveScene converts it to `sun` if the scene has an origin
   std::optional<Shadows> shadows;
   std::optional<LevelBlend> level_blend;
   std::optional<double> upload_s;
@@ -32,7 +31,7 @@ struct Steering {
   bool moves() const;
 };
 
-/// The render scheduler of one viewer; it decides only, the caller renders. During movement it requests small previews.
+/// The render scheduler of one viewer; it only decides, the caller renders. During movement it requests small previews.
 /// At rest it requests a small preview until that is complete, then larger images; the last has full size and is
 /// rendered in tiles. After that it requests nothing. Times are seconds of any clock that never decreases.
 /// Range   Any input is clamped: size to 16 to 4096 per edge, pixel_error to 2^±16, upload_s to 0.1 ms to 1 s, the
@@ -48,10 +47,8 @@ class Pilot {
   struct Order {
     View view;
     bool full = false;       ///< of full size
-    bool in_tiles = false;   ///< rendered tile by tile, each to its final pixels, without a time limit; false: a
-                             ///< preview
-    bool moving = false;     ///< the viewer moves: the frame is quick, and worth showing even if a newer pose exists by
-                             ///< then
+    bool in_tiles = false;   ///< tiles of final pixels, without a time limit; false: a preview
+    bool moving = false;     ///< the viewer moves; the frame is shown even if a newer pose exists
     double share = 1;        ///< fraction of the full width and height
     double upload_s = 0;     ///< of a preview: time limit for uploading new data
     double roots_s = 0;      ///< of a preview: time limit of the wait while cells have no data
