@@ -1,4 +1,4 @@
-/// Sizes that every room knows: a brick is 8 × 8 × 8 voxels of one level; a voxel is 256 sub-voxels wide.
+/// Sizes that all modules share: a brick is 8 × 8 × 8 voxels of one level; a voxel is 256 sub-voxels wide.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-/// Reads the little-endian head of a binary file, with the place in the file for errors.
+/// A reader for the little-endian header of a binary file. Its errors contain the byte offset.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,8 @@
 
 namespace gigabake {
 
-/// `rest` lies in `whole`, the file's bytes. Errors  InputError with the byte where the file ends too early.
+/// A cursor over the bytes of a file: `whole` is the file, `rest` the part that is not yet read.
+/// Errors  InputError with the byte offset at which the file ends too early.
 struct ByteCursor {
   const std::filesystem::path& file;
   std::span<const std::uint8_t> whole, rest;

@@ -1,4 +1,4 @@
-/// Plain values as bytes and back, for messages between ranks: little endian, lengths before contents.
+/// Serialization of plain values for messages between ranks: little endian, lengths before contents.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +36,8 @@ class ByteWriter {
   std::vector<std::uint8_t> bytes_;
 };
 
-/// Errors  InputError from any get() that the bytes do not cover, and from expect_end().
+/// A reader for bytes that ByteWriter wrote.
+/// Errors  InputError from each get() that would read beyond the end, and from expect_end().
 class ByteReader {
  public:
   ByteReader(std::span<const std::uint8_t> bytes, const char* what) : bytes_(bytes), what_(what) {}
@@ -47,7 +48,8 @@ class ByteReader {
     std::memcpy(&value, bytes_.data() + at_, sizeof(T));
     at_ += sizeof(T);
   }
-  /// Errors  InputError that names the number: it is none of the enum's values.
+  /// Reads the number of an enum's value.
+  /// Errors  InputError with the number if the enum has no such value.
   template <class Enum>
   requires std::is_enum_v<Enum>
   void get(Enum& value) {
@@ -82,7 +84,7 @@ class ByteReader {
   void need(std::uint64_t size) const {
     if (size > bytes_.size() - at_) fail("ends early");
   }
-  /// A count whose items of at least `item_bytes` each still fit.
+  /// Reads a count and checks that this many items of at least `item_bytes` each fit into the remaining bytes.
   std::uint64_t length(std::uint64_t item_bytes) {
     std::uint64_t count = 0;
     get(count);

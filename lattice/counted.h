@@ -1,4 +1,4 @@
-/// Numbers of things, as messages to people say them.
+/// Counts with their nouns for messages, for example "2 cells".
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,8 @@
 
 namespace gigabake {
 
-/// "1 cell", "2 cells", "0 cells".
-/// plural   What follows any other number than 1; empty: the noun and an s.
+/// Returns a count and its noun: "1 cell", "2 cells", "0 cells". `plural` is the noun for all counts but 1; if it is
+/// empty, an s is appended to `noun`.
 std::string counted(std::uint64_t count, std::string_view noun, std::string_view plural = {});
 
 }  // namespace gigabake

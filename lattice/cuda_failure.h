@@ -1,17 +1,17 @@
-/// What can go wrong on a CUDA device, as an exception: rooms that know nothing of CUDA can catch it.
+/// Exceptions for failures of a CUDA device. Modules that do not use CUDA can catch them.
 #pragma once
 
 #include <stdexcept>
 
 namespace gigabake {
 
-/// No memory left on the device, or the device is lost. The cell can be baked elsewhere.
+/// The device has no free memory or is lost. The cell can be baked on another device or on the CPU.
 class CudaFailure : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// More than is allowed, more than the device has left, or more than 32-bit indices count. Less at a time may fit.
+/// An allocation exceeds the limit, the device's free memory or 32-bit indices. Smaller batches may fit.
 class DeviceFull : public CudaFailure {
  public:
   using CudaFailure::CudaFailure;

@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::size_t min_path_bytes = 40, max_key_bytes = 90;
 
-/// Returns a message whose words are all of our own length, the middle of any others left out. What may be cut beyond
-/// that is a file's text alone.
+/// Returns the message with the middle of each long word left out. All words of our own texts are shorter. Only a
+/// file's text can make the result too long; its middle is then left out too.
 std::string fitted(std::string_view message) { return short_text(with_short_words(message), max_line_bytes); }
 
 std::string without_control_characters(std::string text) {
@@ -23,7 +23,7 @@ std::string without_control_characters(std::string text) {
   return text;
 }
 
-/// A message that quotes another one of the same file names the file once.
+/// Removes the file's path from a message that quotes another message about the same file.
 std::string without_path(std::string message, const std::filesystem::path& file) {
   const std::string path = file.string(), name = file.filename().string();
   if (path.size() < 2 || name.empty()) return message;
@@ -34,7 +34,7 @@ std::string without_path(std::string message, const std::filesystem::path& file)
     if (!is_longer) message.replace(at, path.size() + (is_prefix ? 2 : 0), is_prefix ? "" : name);
     at += is_longer ? path.size() : is_prefix ? 0 : name.size();
   }
-  // A library may have left out the folder.
+  // A library may print the file's name without its folder.
   if (const std::size_t at = message.find(": " + name + ": "); at != message.npos) message.erase(at, name.size() + 2);
   return message;
 }
@@ -56,7 +56,7 @@ std::string message_line(const std::filesystem::path& file, const std::string& k
   return without_control_characters(short_text(before_message(path, member) + text + place, max_line_bytes));
 }
 
-/// Starting a thread or a process fails in this way alone.
+/// Returns the message for errno EAGAIN, which only the start of a thread or process causes.
 std::string no_more_processes() {
   rlimit limit{};
   const bool is_known = ::getrlimit(RLIMIT_NPROC, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
@@ -68,7 +68,7 @@ std::string no_more_processes() {
 }  // namespace
 
 std::string as_line(std::string_view text, std::size_t max_bytes) {
-  constexpr std::size_t min_message_bytes = 200;  // less is a part of one, such as a name
+  constexpr std::size_t min_message_bytes = 200;  // a smaller limit is for a part of a message, such as a name
   if (text.size() <= max_bytes) return without_control_characters(std::string(text));
   if (max_bytes >= min_message_bytes) return without_control_characters(fitted(text));
   return without_control_characters(std::string(head_of(text, max_bytes - 3)).append("…"));

@@ -1,4 +1,4 @@
-/// Bad input and failed I/O: one clear line that says where, what was expected and what to do.
+/// Exceptions for bad input and failed I/O. Each message is one line: the place, the expected value and the remedy.
 #pragma once
 
 #include <cstdint>
@@ -10,48 +10,47 @@
 
 namespace gigabake {
 
-/// Length from which the paths in a message, its key and whatever else a file or a command line put into it are
-/// shortened in their middle (lattice/quote.h). The message's own words never are.
+/// The message length above which paths, the key and other texts of a file or command line lose their middle
+/// (lattice/quote.h). The message's own words are never shortened.
 inline constexpr std::size_t longest_message_bytes = 240;
 
-/// The line where an allocation failed.
+/// The message for a failed allocation.
 inline constexpr const char* not_enough_memory =
     "not enough memory; give the process more, or take fewer ranks on the machine, fewer threads or smaller tiles";
 
-/// Returns `text` as one line: control characters become spaces. Beyond `most_bytes` (at least 8) a part of a message
-/// loses its end to a "…"; a message (200 bytes and more are allowed) loses the middle of its longest words instead.
+/// Returns `text` as one line: control characters become spaces. If `most_bytes` (at least 8) is below 200, a longer
+/// text is cut at its end and gets a "…". Otherwise, a longer text loses the middle of its longest words.
 std::string as_line(std::string_view text, std::size_t most_bytes = longest_message_bytes);
 
-/// Of a file's text in a message.
+/// The max length of a file's text that a message quotes.
 inline constexpr std::size_t longest_quote_bytes = 60;
 
-/// Returns text of a file for a message: in quotes, on one line, its middle left out beyond longest_quote_bytes.
+/// Returns a file's text for a message: in quotes, on one line, without its middle beyond longest_quote_bytes.
 std::string in_quotes(std::string_view text);
 
-/// What a person should read of an exception: its what(), but where memory ran out, what to do.
+/// Returns the message for the user: what(), or the remedy if memory or processes ran out.
 std::string reason_of(const std::exception& error);
 
-/// Thrown for anything wrong in a file or with an operation on it; caught at the cell boundary and in `main`.
-/// `what()` is one line, "FILE: KEY: MESSAGE (at byte N)": where it is longer than longest_message_bytes, paths and the
-/// key lose their middle, so that cause and remedy stay. Without a FILE: "KEY: MESSAGE".
+/// An error in a file or in an operation on it; caught at the cell boundary and in `main`.
+/// `what()` is one line, "FILE: KEY: MESSAGE (at byte N)", or "KEY: MESSAGE" without a file. Beyond
+/// longest_message_bytes, paths and the key lose their middle; cause and remedy remain.
 class InputError : public std::runtime_error {
  public:
   InputError(const std::filesystem::path& file, const std::string& key, const std::string& message,
              std::optional<std::uint64_t> byte_offset = {});
 };
 
-/// Wrong options or a combination of them that means nothing; exit code 2. `what()` as InputError's.
+/// An invalid option or combination of options; exit code 2. `what()` has the format of InputError's.
 ///
-/// A library knows the fields of its structs, not the options of a command line: its messages, also those of other
-/// errors, name a field between backquotes, and app/options/flags.h puts the option in its place before a person reads
-/// it.
+/// Messages of libraries name a field of a struct between backquotes, because a library has no command-line options.
+/// app/options/flags.h replaces the field by its option before the message is printed.
 class UsageError : public std::runtime_error {
  public:
   explicit UsageError(const std::string& message) : std::runtime_error(as_line(message)) {}
-  /// "`FIELD`: MESSAGE", where the value of one field is wrong.
+  /// Sets the message "`FIELD`: MESSAGE" for one field with a wrong value.
   UsageError(std::string_view field, const std::string& message)
       : std::runtime_error(as_line("`" + std::string(field) + "`: " + message)), field_(field) {}
-  /// Whose value is wrong; empty where that is no single field.
+  /// Returns the field with the wrong value; empty if the error concerns several fields or none.
   const std::string& field() const { return field_; }
 
  private:

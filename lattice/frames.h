@@ -3,7 +3,7 @@
 /// Ecef    WGS84 earth-centred earth-fixed metres.
 /// Scene   The bake's own frame, z up, metres. Georeferenced: east-north-up at the scene origin
 ///         (GeographicLib::LocalCartesian). Local: the source frame after the glTF y-up to z-up turn.
-/// World   What a tileset's root stands in: Ecef or local metres; becomes Scene by one rigid transform.
+/// World   The frame of a tileset's root: Ecef or local metres. One rigid transform converts it to Scene.
 /// Local   The coordinates written in a mesh's vertex buffer (glTF, y up).
 #pragma once
 
@@ -15,7 +15,7 @@
 
 namespace gigabake {
 
-/// The axis of a file that points up; glTF says y, 3D Tiles say z for the tiles themselves.
+/// The axis of a file that points up: y in glTF, z for the tiles of 3D Tiles.
 enum class UpAxis : std::uint8_t { y, z, x };
 template <>
 constexpr auto names_of<UpAxis>() {
@@ -59,7 +59,7 @@ struct Affine {
   friend bool operator==(const Affine&, const Affine&) = default;
 };
 
-/// a ∘ b: first b, then a.
+/// Returns a ∘ b: applies b first, then a.
 template <class To, class Mid, class From>
 Affine<To, From> operator*(const Affine<To, Mid>& a, const Affine<Mid, From>& b) {
   Affine<To, From> r;

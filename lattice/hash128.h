@@ -1,4 +1,4 @@
-/// A 128-bit hash of some content. Hashes of parts can be added, and the sum is the same in whatever order they are.
+/// A 128-bit content hash. Hashes of parts can be added in any order.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace gigabake {
 struct Hash128 {
   std::uint64_t lo = 0, hi = 0;
   friend bool operator==(const Hash128&, const Hash128&) = default;
-  /// Addition mod 2^128: combines hashes of disjoint voxel sets in any order.
+  /// Adds mod 2^128: combines hashes of disjoint voxel sets in any order.
   GB_HD Hash128& operator+=(const Hash128& o) {
     lo += o.lo;
     hi += o.hi + (lo < o.lo ? 1 : 0);

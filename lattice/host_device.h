@@ -1,4 +1,4 @@
-/// How one body compiles for the host and for a device, and the borrowed array that both take by value.
+/// Macros that compile functions for host and device, and a borrowed array that is passed by value.
 #pragma once
 
 #include <cstddef>
@@ -10,16 +10,16 @@
 #define GB_HD inline
 #endif
 
-/// A body of which there is one copy that callers jump to: one that few items need, so that those which do not need it
-/// keep their instructions and registers.
+/// Marks a function that is never inlined. Use it for code that few work items execute: inlining it would cost all
+/// others registers and instruction-cache space.
 #if defined(__CUDACC__)
 #define GB_HD_ONE_COPY __host__ __device__ __noinline__ inline
 #else
 #define GB_HD_ONE_COPY __attribute__((noinline)) inline
 #endif
 
-/// A loop that a device must unroll, so that arrays which it indexes can be registers; one whose body it must not
-/// repeat, because a large kernel waits for its instructions.
+/// GB_UNROLL marks a loop that a device must unroll, so that arrays indexed in it stay in registers. GB_NO_UNROLL
+/// prevents unrolling, because large kernels miss the instruction cache.
 #if defined(__CUDA_ARCH__)
 #define GB_UNROLL _Pragma("unroll")
 #define GB_NO_UNROLL _Pragma("unroll 1")
@@ -30,9 +30,9 @@
 
 namespace gigabake {
 
-/// `index`, which a device must not turn into a 64-bit offset before it is used. For an index into a table that is only
-/// loaded where something exists: ptxas 13.0 (sm_90) clears the 64-bit offset of what does not exist and reads it
-/// before it is clear, so that the table is read gigabytes beyond its end. Found on 2026-11-23 with compute-sanitizer.
+/// Returns `index` and keeps the compiler from widening it to a 64-bit offset early. Use it for an index into a table
+/// that is read only under a condition. ptxas 13.0 (sm_90) clears the 64-bit offset of an inactive item but reads it
+/// before; the load then goes gigabytes beyond the table. Found on 2026-11-23 with compute-sanitizer.
 GB_HD std::uint32_t index_of_32_bits(std::uint32_t index) {
 #if defined(__CUDA_ARCH__)
   asm("" : "+r"(index));
@@ -40,7 +40,7 @@ GB_HD std::uint32_t index_of_32_bits(std::uint32_t index) {
   return index;
 }
 
-/// Borrowed, contiguous. Trivially copyable: passes to a device by value.
+/// A borrowed, contiguous array. It is trivially copyable and passes to a device by value.
 template <class T>
 struct Span {
   T* data = nullptr;

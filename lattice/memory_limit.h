@@ -1,6 +1,6 @@
-/// How much memory the files of a source may ask this process for. A few bytes can claim gigabytes: an image of one
-/// colour, a million placements of one mesh, a grid without values. Every size that a file states is claimed here
-/// before anything of that size is allocated.
+/// The limit of the memory that source files can make this process allocate. A few bytes can request gigabytes: an
+/// image of one colour, a million placements of one mesh, a grid without values. Each size that a file states is
+/// claimed here before the allocation.
 #pragma once
 
 #include <cstdint>
@@ -10,29 +10,30 @@
 
 namespace gigabake {
 
-/// Sets the limit of the whole process, a bake's memory_bytes; 0, as at the start: no bound. To be called before
-/// sources are opened.
+/// Sets the limit of the process (a bake's memory_bytes); 0, the initial value, means no limit. Call it before sources
+/// are opened.
 void set_memory_limit(std::uint64_t bytes);
-/// The limit in bytes; UINT64_MAX where there is none.
+/// Returns the limit in bytes; UINT64_MAX if there is none.
 std::uint64_t memory_limit();
 
-/// "3.2 GB", as people read it.
+/// Returns a size for messages, for example "3.2 GB".
 std::string readable_size(std::uint64_t bytes);
 
-/// What one file, or one cell, asks for, summed up.
+/// The sum of the memory requests of one file or cell.
 class MemoryClaim {
  public:
-  /// advice: what a user can do besides raising that limit.
+  /// advice: the remedy other than raising the limit.
   explicit MemoryClaim(std::filesystem::path file, const char* advice = "split the file")
       : file_(std::move(file)), advice_(advice) {}
 
-  /// what: "20 × 30 texels". Errors  InputError(file, key): the sum is beyond memory_limit(); says how much is wanted,
-  /// how much is allowed, and which field raises it.
+  /// Adds a request. what: "20 × 30 texels".
+  /// Errors  InputError(file, key) if the sum exceeds memory_limit(). The message states the requested and the allowed
+  ///         size, and the field that raises the limit.
   void add(std::uint64_t bytes, std::string_view key, std::string_view what) { add_items(1, bytes, key, what); }
-  /// `items` of `item_bytes`, whose product may be too large for a number; what: "placements of meshes".
-  /// Cost  A comparison, unless it fails.
+  /// Adds a request for `items` of `item_bytes` each; the product may overflow. what: "placements of meshes".
+  /// Cost    O(1).
   void add_items(std::uint64_t items, std::uint64_t item_bytes, std::string_view key, std::string_view what);
-  /// Takes back bytes that were added before, because they have been freed.
+  /// Subtracts bytes that were added before and have been freed.
   void give_back(std::uint64_t bytes) { bytes_ -= bytes; }
 
  private:

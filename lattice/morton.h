@@ -1,4 +1,4 @@
-/// Morton (Z-order) codes: the bits of two or three coordinates, interleaved. x has the lowest bit.
+/// Morton (Z-order) codes: interleaved bits of two or three coordinates. x has the lowest bit.
 ///
 /// Exact   Integers: host and device return the same bits.
 #pragma once
@@ -9,7 +9,8 @@
 
 namespace gigabake {
 
-/// Bit i of v to bit 3i, and back. Range  v < 2^21; higher bits are left out.
+/// Moves bit i of v to bit 3i; gather_bits() is the inverse.
+/// Range   v < 2^21; higher bits are dropped.
 GB_HD std::uint64_t spread_bits(std::uint64_t v) {
   v &= 0x1fffff;
   v = (v | v << 32) & 0x1f00000000ffffull;
@@ -28,7 +29,8 @@ GB_HD std::uint32_t gather_bits(std::uint64_t v) {
   return std::uint32_t((v | v >> 32) & 0x1fffff);
 }
 
-/// Range  0 … 2^21-1 an axis.
+/// Returns the Morton code of three coordinates.
+/// Range   0 … 2^21-1 per axis.
 GB_HD std::uint64_t morton(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   return spread_bits(x) | spread_bits(y) << 1 | spread_bits(z) << 2;
 }
@@ -41,10 +43,11 @@ GB_HD BrickCoordinate demorton(std::uint64_t key) {
   return {gather_bits(key), gather_bits(key >> 1), gather_bits(key >> 2)};
 }
 
-/// Bits 0, 3 and 6 of a code: of key, key >> 1 and key >> 2 they are the lowest three of x, y and z.
+/// Returns bits 0, 3 and 6 of a code. Applied to key, key >> 1 and key >> 2, these are the lowest three bits of x, y
+/// and z.
 GB_HD int gather_three_bits(std::uint32_t key) { return int((key & 1) | (key >> 2 & 2) | (key >> 4 & 4)); }
 
-/// Bit i of v to bit 2i.
+/// Moves bit i of v to bit 2i.
 GB_HD std::uint64_t spread_bits_2d(std::uint32_t bits) {
   std::uint64_t v = bits;
   v = (v | v << 16) & 0x0000ffff0000ffffull;
@@ -54,11 +57,11 @@ GB_HD std::uint64_t spread_bits_2d(std::uint32_t bits) {
   return (v | v << 1) & 0x5555555555555555ull;
 }
 
-/// Of a column: two coordinates of all 32 bits.
+/// Returns the Morton code of a column: two coordinates with all 32 bits.
 GB_HD std::uint64_t morton(std::uint32_t x, std::uint32_t y) { return spread_bits_2d(x) | spread_bits_2d(y) << 1; }
 
-/// Of a tree whose nodes have 4×4×4 children: two bits of x, two of y, two of z, and so on.
-/// Range  0 … 2^20-1 an axis.
+/// Returns the key of a tree whose nodes have 4×4×4 children: two bits each of x, y and z, repeated.
+/// Range   0 … 2^20-1 per axis.
 GB_HD std::uint64_t morton_by_pairs(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   const std::uint32_t axis[3] = {x, y, z};
   std::uint64_t key = 0;

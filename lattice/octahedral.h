@@ -1,4 +1,4 @@
-/// Unit vectors in two signed bytes (octahedral encoding), each rounded to the nearest: at most 0.96° off.
+/// Unit vectors in two signed bytes (octahedral encoding), rounded to nearest: the error is at most 0.96°.
 /// Source  Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors".
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace gigabake {
 
-/// Direction of (x,y,z), which need not be of unit length. The zero vector becomes (0,0,1).
+/// Encodes the direction of (x,y,z), which need not have unit length. The zero vector becomes (0,0,1).
 /// Exact   IEEE double, no contraction: host and device return the same bits.
 GB_HD void encode_octahedral(double x, double y, double z, std::int8_t out[2]) {
   const double l1 = (std::fabs(x) + std::fabs(y)) + std::fabs(z);
@@ -29,7 +29,7 @@ GB_HD void encode_octahedral(double x, double y, double z, std::int8_t out[2]) {
   out[1] = std::int8_t(floor_to_int32(py * 127 + 0.5));
 }
 
-/// Unit length.
+/// Decodes a unit vector.
 GB_HD void decode_octahedral(const std::int8_t oct[2], double n[3]) {
   double x = oct[0] / 127.0, y = oct[1] / 127.0;
   const double z = (1 - std::fabs(x)) - std::fabs(y);
@@ -44,7 +44,7 @@ GB_HD void decode_octahedral(const std::int8_t oct[2], double n[3]) {
   n[2] = z / length;
 }
 
-/// As a viewer or an export takes it: computed in double and rounded once.
+/// Returns the unit vector for a viewer or an export: computed in double, rounded once to float.
 inline std::array<float, 3> unit_normal(const std::int8_t oct[2]) {
   double n[3];
   decode_octahedral(oct, n);

@@ -37,7 +37,7 @@ std::string to_json(const BakeParameters& p) {
   j["normals"] = p.normals;
   j["max_error"] = p.max_error;
   j["codec"] = name_of(p.codec);
-  // Only where it was declined: what was baked before one could decline it keeps its text, and its fingerprints.
+  // Write `facing` only if it is false. Parameter sets from before this option keep their JSON and fingerprint.
   if (!p.facing) j["facing"] = false;
   return j.dump();
 }
@@ -52,7 +52,7 @@ BakeParameters parameters_from_json(const std::string& json) {
     get_named(j, "surface", p.surface);
     get_named(j, "mip", p.mip);
     j.at("normals").get_to(p.normals);
-    // Scenes of version 1 say nothing of what came after them.
+    // Scenes of version 1 lack the parameters that were added later.
     p.codec = Codec::lz4;
     if (j.contains("max_error")) j.at("max_error").get_to(p.max_error);
     if (j.contains("codec")) get_named(j, "codec", p.codec);

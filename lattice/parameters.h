@@ -1,4 +1,4 @@
-/// Everything a bake's result depends on besides its sources; written into scene.xml and hashed into fingerprints.
+/// The parameters of a bake. They and the sources determine its result; scene.xml and fingerprints contain them.
 #pragma once
 
 #include <array>
@@ -18,18 +18,20 @@ struct BakeParameters {
   SurfaceRule surface = SurfaceRule::area;
   MipFilter mip = MipFilter::coverage;
   bool normals = true;
-  bool facing = true;           ///< coverage along each axis, which MipFilter::coverage alone makes: has_facing()
-  std::uint32_t max_error = 0;  ///< codes of 255 that a voxel may be off what was baked, 0 … 127 (docs/accuracy.md)
+  bool facing = true;           ///< coverage along each axis; only for MipFilter::coverage: has_facing()
+  std::uint32_t max_error = 0;  ///< max deviation of a stored voxel, codes of 255, 0 … 127 (docs/accuracy.md)
   Codec codec = Codec::deflate;
 };
 
-/// Whether shards of such a bake have the channel `facing`.
+/// Returns true if the shards of such a bake have the channel `facing`.
 bool has_facing(const BakeParameters& parameters);
-/// One line of JSON with fixed key order and shortest round-trip numbers: equal parameters give equal text.
+/// Returns one line of JSON with fixed key order and shortest round-trip numbers: equal parameters give equal text.
 std::string to_json(const BakeParameters& parameters);
-/// Errors  InputError: not such JSON; UsageError: as check().
+/// Parses the text of to_json().
+/// Errors  InputError if `json` is invalid; UsageError like check().
 BakeParameters parameters_from_json(const std::string& json);
-/// Errors  UsageError naming the field whose value is out of range.
+/// Checks the ranges of all fields.
+/// Errors  UsageError with the field whose value is out of range.
 void check(const BakeParameters& parameters);
 
 }  // namespace gigabake

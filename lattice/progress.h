@@ -1,7 +1,7 @@
-/// How a long step says how far it is, and how it is stopped.
+/// Progress reports and cancellation of long steps.
 ///
-/// A function that may run for longer than a second takes a Progress as its last parameter. It names each step when the
-/// step begins, and reports what is done about ten times a second. A caller who is not interested passes nothing.
+/// A function that may run longer than a second takes a Progress as its last parameter. It names each step when the
+/// step begins and reports progress about ten times a second. The default Progress reports nothing.
 #pragma once
 
 #include <cstdint>
@@ -10,32 +10,33 @@
 
 namespace gigabake {
 
-/// Thrown out of a long step that was asked to stop. Destructors have taken away what was half-written.
+/// The exception that ends a cancelled step. Destructors remove partial output.
 class Stopped : public std::exception {
  public:
   const char* what() const noexcept override { return "stopped before the end"; }
 };
 
-/// Whoever is told how far a step is. Several threads may call it at the same time.
+/// A receiver of progress reports. Several threads may call it concurrently.
 class ProgressListener {
  public:
   virtual ~ProgressListener() = default;
 
-  /// A step begins, and the one before it has ended. name: as a person reads it, "reading the tileset"; total: how many
-  /// parts it has, 0 where nobody can know; unit: what one part is, "tile"; empty where a percentage says more.
+  /// Begins a step and ends the previous step. name: text for the user, "reading the tileset". total: the number of
+  /// parts, 0 if unknown. unit: the noun of a part, "tile"; empty to print a percentage instead.
   virtual void step(const std::string& name, std::uint64_t total, const std::string& unit) = 0;
-  /// So many more parts are done; 0: none, but the step is still running. Errors  Stopped: the listener wants the step
-  /// to end.
+  /// Reports that `parts` more parts are done; 0 only shows that the step is running.
+  /// Errors  Stopped if the listener cancels the step.
   virtual void advance(std::uint64_t parts) = 0;
 };
 
-/// Cost    Without a listener a comparison; the listeners of commands take some nanoseconds.
-/// Errors  Stopped, of every member.
+/// A handle to an optional ProgressListener.
+/// Cost    O(1): a comparison without a listener, some nanoseconds with the listeners of commands.
+/// Errors  Stopped from all members.
 class Progress {
  public:
-  /// Nobody listens, and nothing is ever stopped.
+  /// Reports to no listener and never cancels.
   Progress() = default;
-  /// The listener outlives it and all its copies.
+  /// Stores a reference: `listener` must outlive this object and all its copies.
   explicit Progress(ProgressListener& listener) : listener_(&listener) {}
 
   void step(const std::string& name, std::uint64_t total = 0, const std::string& unit = {}) const {

@@ -1,5 +1,5 @@
-/// Shortening of names, paths and values that enter a message. They come from files and command lines and may have any
-/// length; a message's own words, its cause and its remedy, are never cut.
+/// Functions that shorten names, paths and values in messages. These texts come from files and command lines and may
+/// have any length. The message's own words, cause and remedy are never cut.
 #pragma once
 
 #include <cstddef>
@@ -9,20 +9,20 @@
 namespace gigabake {
 
 inline constexpr std::size_t max_path_bytes = 100;
-/// No message is longer. Its own words and a few quotes stay far below; only a file's text that entered without a
-/// quote could reach it.
+/// The max length of a message. Our own words and a few quotes are far shorter; only a file's text without quotes can
+/// reach it.
 inline constexpr std::size_t max_line_bytes = 1000;
 
-/// Returns whole UTF-8 characters from the beginning of `text`, at most `max_bytes`.
+/// Returns the first `max_bytes` of `text`, less if the last UTF-8 character would be incomplete.
 std::string_view head_of(std::string_view text, std::size_t max_bytes);
 
-/// Returns `text` with "…" in place of its middle where it is longer than `max_bytes`.
+/// Returns `text`; if it is longer than `max_bytes`, its middle becomes "…".
 std::string short_text(std::string_view text, std::size_t max_bytes);
 
-/// Like short_text(), but keeps more of the end: a path ends with the name of its file.
+/// Like short_text(), but keeps more of the end, because a path ends with the file's name.
 std::string short_path(std::string_view path, std::size_t max_bytes = max_path_bytes);
 
-/// Returns `text` with each word that is longer than any of our own shortened: a path, a number of a thousand digits.
+/// Returns `text` with each word shortened that is longer than max_path_bytes: a path, a number of a thousand digits.
 std::string with_short_words(std::string_view text);
 
 }  // namespace gigabake

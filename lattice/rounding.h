@@ -1,4 +1,4 @@
-/// Rounds a double down to a whole number; on a device that is one instruction.
+/// Rounding of a double down to an integer; one instruction on a device.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,8 @@
 
 namespace gigabake {
 
-/// Range  the result fits.
+/// Returns the largest integer that is not above `x`.
+/// Range   The result fits.
 GB_HD std::int32_t floor_to_int32(double x) {
 #if defined(__CUDA_ARCH__)
   return __double2int_rd(x);

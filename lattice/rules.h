@@ -1,6 +1,5 @@
-/// What a user or a source may choose of a few possibilities. Each name is written once, beside its enum: parsers,
-/// files, messages and help all take it from names_of(). A name or number that is none of an enum's values is an error
-/// of whoever read it, never another value.
+/// The enumerations of options. Each name is defined once, next to its enum: parsers, files, messages and help use
+/// names_of(). An unknown name or number is an error and is never mapped to another value.
 #pragma once
 
 #include <array>
@@ -11,21 +10,23 @@
 
 namespace gigabake {
 
-/// Which voxels a triangle's surface fills, and with how much coverage (docs/accuracy.md).
+/// The rule that selects the voxels of a triangle and their coverage (docs/accuracy.md).
 enum class SurfaceRule : std::uint8_t { area, conservative, thin };
-/// How a coarser voxel is made of finer ones (docs/accuracy.md).
+/// The filter that computes coarser voxels from finer voxels (docs/accuracy.md).
 enum class MipFilter : std::uint8_t { coverage, thesis, box };
-/// What a material's alpha means. Source  glTF 2.0, 3.9.4.
+/// The meaning of a material's alpha.
+/// Source  glTF 2.0, 3.9.4.
 enum class AlphaMode : std::uint8_t { opaque, mask, blend };
-/// How texture coordinates beyond the image are taken. Source  glTF 2.0, sampler.wrapS.
+/// The treatment of texture coordinates outside the image.
+/// Source  glTF 2.0, sampler.wrapS.
 enum class Wrap : std::uint8_t { repeat, mirrored_repeat, clamp_to_edge };
-/// How a shard's chunks are compressed. Both give back the same bytes.
+/// The compression of a shard's chunks. Both codecs are lossless.
 enum class Codec : std::uint8_t {
-  lz4,      ///< HDF5 filter 32004: three times as fast either way
-  deflate,  ///< HDF5's own filter 1, which every HDF5 has: a quarter smaller
+  lz4,      ///< HDF5 filter 32004: three times as fast in both directions
+  deflate,  ///< HDF5's built-in filter 1, always available: a quarter smaller
 };
 
-/// The name of each value, in the values' order: what is not listed is not a value.
+/// Returns the name of each value in the order of the values. A value without a name here is invalid.
 template <class Enum>
 constexpr auto names_of();
 template <>
@@ -45,14 +46,14 @@ constexpr auto names_of<Codec>() {
   return std::to_array<std::string_view>({"lz4", "deflate"});
 }
 
-/// The value's name; "unknown" for a number that is none of its values.
+/// Returns the value's name, or "unknown" if the number is none of the enum's values.
 template <class Enum>
 constexpr std::string_view name_of(Enum value) {
   constexpr auto names = names_of<Enum>();
   return std::size_t(value) < names.size() ? names[std::size_t(value)] : std::string_view("unknown");
 }
 
-/// Nothing where no value has this name: the caller says where the name stands.
+/// Returns the value with this name, or nullopt; the caller reports the place of the name.
 template <class Enum>
 constexpr std::optional<Enum> value_named(std::string_view name) {
   constexpr auto names = names_of<Enum>();
@@ -61,7 +62,7 @@ constexpr std::optional<Enum> value_named(std::string_view name) {
   return std::nullopt;
 }
 
-/// Each value, in order.
+/// Returns all values in order.
 template <class Enum>
 constexpr auto values_of() {
   std::array<Enum, names_of<Enum>().size()> values{};
@@ -69,7 +70,7 @@ constexpr auto values_of() {
   return values;
 }
 
-/// "area, conservative, thin", for messages and help.
+/// Returns all names in one string, "area, conservative, thin", for messages and help.
 template <class Enum>
 std::string all_names(std::string_view separator = ", ") {
   std::string all;
@@ -80,7 +81,7 @@ std::string all_names(std::string_view separator = ", ") {
   return all;
 }
 
-/// Nothing for a number that is none of its values.
+/// Returns the value with this number, or nullopt.
 template <class Enum>
 constexpr std::optional<Enum> value_numbered(std::uint64_t number) {
   if (number >= names_of<Enum>().size()) return std::nullopt;

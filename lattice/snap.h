@@ -1,4 +1,5 @@
-/// From metres to the sub-voxel lattice: the one place where a coordinate is rounded. Everything after is integers.
+/// The conversion from metres to the sub-voxel lattice. Only this step rounds coordinates; all later steps use
+/// integers.
 #pragma once
 
 #include <cmath>
@@ -20,12 +21,12 @@ struct LatticePoint {
   std::int64_t v[3];
 };
 
-/// Largest |sub-voxel| coordinate that snap() returns as valid: 2^53.
+/// The max |sub-voxel| coordinate that snap() accepts: 2^53.
 inline constexpr double snap_limit = 9007199254740992.0;
 
-/// Position of `local` (3 floats, the mesh's own frame) on the lattice; false where a coordinate is NaN/Inf or beyond
-/// snap_limit. scene_from_local: 3x4 row-major, double.
-/// Exact   IEEE double with no contraction: host and device return the same bits. Round half up (floor(x + ½)).
+/// Converts `local` (3 floats in the mesh's frame) to the lattice. Returns false if a coordinate is NaN, infinite or
+/// beyond snap_limit. scene_from_local: 3x4 row-major, double.
+/// Exact   IEEE double without contraction: host and device return the same bits. Rounds half up (floor(x + ½)).
 GB_HD bool snap(const SnapFrame& frame, const double scene_from_local[12], const float local[3], LatticePoint& out) {
   for (int r = 0; r < 3; ++r) {
     const double* m = scene_from_local + 4 * r;

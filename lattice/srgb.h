@@ -1,4 +1,4 @@
-/// sRGB and linear light, both from 0 to 1, and as bytes.
+/// Conversions between sRGB and linear light, both in 0 to 1 and as bytes.
 ///
 /// Source  IEC 61966-2-1.
 #pragma once
@@ -11,12 +11,12 @@ namespace gigabake {
 double linear_from_srgb(double srgb);
 double srgb_from_linear(double linear);
 
-/// [byte]: linear_from_srgb(byte / 255).
+/// Returns the table of linear_from_srgb(byte / 255) by byte.
 const std::array<double, 256>& linear_of_srgb();
-/// The nearest byte, so that linear_of_srgb() and this give a byte back.
+/// Returns the nearest sRGB byte; the inverse of linear_of_srgb().
 std::uint8_t srgb_byte(double linear);
 
-/// Linear light of an sRGB value, 65535 = 1. What is beyond 0 to 1 is clamped, what is not finite is 0.
+/// Returns the linear light of an sRGB value, 65535 = 1. Clamps to 0 to 1; NaN and infinity become 0.
 std::uint16_t linear16(double srgb);
 
 }  // namespace gigabake

@@ -13,14 +13,14 @@ namespace {
 
 using Body = std::function<void(std::size_t, std::size_t, int)>;
 
-/// One parallel_for: ranges are handed out by a counter, so that a slow range delays nobody else.
+/// One parallel_for. An atomic counter dispatches the ranges, so a slow range does not delay other threads.
 struct Loop {
   const Body& body;
   std::size_t count, grain, ranges;
   std::atomic<std::size_t> next_range{0};
   std::atomic<bool> failed{false};
-  std::exception_ptr error;  ///< written by whoever sets `failed` first
-  std::size_t helpers = 0;   ///< inside; guarded by the pool
+  std::exception_ptr error;  ///< written by the first thread that sets `failed`
+  std::size_t helpers = 0;   ///< number of helpers inside; guarded by the pool's mutex
 
   bool has_ranges() const { return next_range < ranges && !failed; }
 
@@ -37,8 +37,9 @@ struct Loop {
 
 }  // namespace
 
-/// Helpers sleep until a loop is open, enter the one with the fewest of them, and look for another when no range of it
-/// is left. A caller works itself and waits only for the helpers that came in: one that woke too late costs nothing.
+/// The threads of a pool. A helper sleeps until a loop has ranges, joins the loop with the min number of helpers, and
+/// then searches for another loop. The caller also runs ranges; it waits only for helpers that joined its loop, not for
+/// helpers that wake too late.
 struct ThreadPool::Pool {
   explicit Pool(int thread_count) : threads(std::max(1, thread_count)) {
     try {
@@ -99,7 +100,7 @@ struct ThreadPool::Pool {
     for (auto& helper : helpers) helper.join();
   }
 
-  std::mutex mutex;  ///< of all below but `helpers`, and of the loops' `helpers`
+  std::mutex mutex;  ///< guards the members below except `helpers`, and `Loop::helpers`
   std::condition_variable opened, left;
   std::vector<Loop*> loops;
   bool stopping = false;

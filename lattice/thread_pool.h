@@ -1,5 +1,4 @@
-/// The one loop facility: every loop that runs on several of the host's threads runs through here. It was compared with
-/// oneTBB (decision 205).
+/// The only loop facility: all multi-threaded loops of the host use it. Decision 205 compares it with oneTBB.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +7,8 @@
 
 namespace gigabake {
 
-/// Runs loops on the threads of the pool and on the caller's own thread; several callers' loops may run at the same
-/// time. Move-only. The body of a loop must not start another loop on the same pool.
+/// A pool that runs loops on its threads and on the caller's thread. Several callers may run loops concurrently.
+/// Move-only. A loop's body must not start another loop on the same pool.
 class ThreadPool {
  public:
   explicit ThreadPool(int threads);
@@ -19,8 +18,9 @@ class ThreadPool {
 
   int threads() const;
 
-  /// body(begin, end, thread) over [0, count) in ranges of at most `grain`, in no particular order; thread is in
-  /// [0, threads()). Returns when all ranges ran. The first exception thrown by a body is rethrown here.
+  /// Calls body(begin, end, thread) over [0, count) in ranges of at most `grain`, in no particular order; thread is in
+  /// [0, threads()). Returns when all ranges have run. If a body throws, rethrows the first exception and skips the
+  /// remaining ranges.
   void parallel_for(std::size_t count, std::size_t grain,
                     const std::function<void(std::size_t begin, std::size_t end, int thread)>& body) const;
 
@@ -29,7 +29,7 @@ class ThreadPool {
   std::unique_ptr<Pool> pool_;
 };
 
-/// A pool without threads of its own: its loops run on the caller's thread alone.
+/// Returns a pool without threads: its loops run on the caller's thread.
 const ThreadPool& callers_thread();
 
 }  // namespace gigabake

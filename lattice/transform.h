@@ -1,4 +1,4 @@
-/// Affine maps from the ways that glTF and 3D Tiles write them; all in double.
+/// Affine maps from the formats of glTF and 3D Tiles, all in double.
 #pragma once
 
 #include <array>
@@ -8,7 +8,8 @@
 
 namespace gigabake {
 
-/// 16 numbers, column by column, as glTF node.matrix and 3D Tiles transform. The fourth row is taken as 0 0 0 1.
+/// Converts 16 numbers in column order, the format of glTF node.matrix and 3D Tiles transform. Assumes that the fourth
+/// row is 0 0 0 1.
 template <class To, class From>
 Affine<To, From> affine_from_columns(std::span<const double> m) {
   Affine<To, From> r;
@@ -26,7 +27,8 @@ Affine<To, From> translation(double x, double y, double z) {
   return r;
 }
 
-/// translation · rotation · scale; rotation is a quaternion x, y, z, w and is normalized here (zero: no rotation).
+/// Returns translation · rotation · scale. The rotation is a quaternion x, y, z, w; it is normalized here (zero: no
+/// rotation).
 template <class To, class From>
 Affine<To, From> affine_from_trs(const std::array<double, 3>& t, const std::array<double, 4>& q,
                                  const std::array<double, 3>& s) {
@@ -40,7 +42,7 @@ Affine<To, From> affine_from_trs(const std::array<double, 3>& t, const std::arra
   return r;
 }
 
-/// The quarter turn that brings `up` to z: about x for y up, about y for x up (as CesiumJS Axis.X_UP_TO_Z_UP).
+/// Returns the quarter turn from `up` to z: about x for y up, about y for x up (like CesiumJS Axis.X_UP_TO_Z_UP).
 template <class To, class From>
 Affine<To, From> z_up_from(UpAxis up) {
   Affine<To, From> r;

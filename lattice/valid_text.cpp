@@ -9,12 +9,13 @@ namespace {
 
 constexpr std::string_view replacement = "\xef\xbf\xbd";
 
-/// One character, and the number of its bytes; 0: the first byte begins no valid sequence.
+/// A character and its number of bytes; 0 bytes if the first byte begins no valid sequence.
 struct Character {
   std::uint32_t code = 0;
   std::size_t bytes = 0;
 };
 
+/// Decodes the first character.
 /// Source  RFC 3629: shortest forms only, no surrogates, nothing above U+10FFFF.
 Character decode(std::string_view text) {
   const auto byte = [&text](std::size_t i) { return std::uint32_t(static_cast<unsigned char>(text[i])); };

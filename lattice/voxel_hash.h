@@ -1,8 +1,7 @@
-/// The identity of one voxel, summed over a level: what format/shard/content_hash.h defines, from registers.
+/// The hash of one voxel, summed over a level: format/shard/content_hash.h defines it; this version works in registers.
 ///
-/// Exact   XXH3-128 (seed 0) of the 34-byte record: lod (int32), lowest corner in lod-0 voxels of the lattice
-///         (3 × int64), rgba, normal, little endian. Of levels that have it, facing (four bytes) and two
-///         zeros follow. Unsigned
+/// Exact   XXH3-128 (seed 0) of the 34-byte record: lod (int32), lowest corner in lod-0 voxels of the lattice (3 ×
+///         int64), rgba, normal, little endian. On levels with facing, its four bytes and two zeros follow. Unsigned
 ///         arithmetic: host and device return the same bits.
 /// Source  github.com/Cyan4973/xxHash, doc/xxhash_spec.md, XXH3 for inputs of 17 to 128 bytes.
 #pragma once
@@ -18,7 +17,7 @@ namespace xxh3 {
 
 inline constexpr std::uint64_t prime_1 = 0x9e3779b185ebca87, prime_2 = 0xc2b2ae3d27d4eb4f, prime_4 = 0x85ebca77c2b2ae63;
 
-/// The two halves of the product, folded into one.
+/// Returns the XOR of the two halves of the 128-bit product.
 GB_HD std::uint64_t fold_product(std::uint64_t a, std::uint64_t b) {
 #if defined(__CUDA_ARCH__)
   return (a * b) ^ __umul64hi(a, b);
@@ -34,17 +33,17 @@ GB_HD std::uint64_t avalanche(std::uint64_t h) {
   return h ^ h >> 32;
 }
 
-/// Four words of the input with four of the secret.
+/// Mixes four words of the input with four words of the secret into `acc`.
 GB_HD void mix(Hash128& acc, std::uint64_t a, std::uint64_t b, std::uint64_t c, std::uint64_t d,
                const std::uint64_t (&secret)[4]) {
   acc.lo = (acc.lo + fold_product(a ^ secret[0], b ^ secret[1])) ^ (c + d);
   acc.hi = (acc.hi + fold_product(c ^ secret[2], d ^ secret[3])) ^ (a + b);
 }
 
-/// Words a…d are the record's first 32 bytes, v to y its last.
+/// Hashes a record of `bytes` bytes. Words a…d are its first 32 bytes, v to y its last 32.
 GB_HD Hash128 hash_record(std::uint64_t bytes, std::uint64_t a, std::uint64_t b, std::uint64_t c, std::uint64_t d,
                           std::uint64_t v, std::uint64_t w, std::uint64_t x, std::uint64_t y) {
-  // The secret's bytes 0 to 63.
+  // Bytes 0 to 63 of XXH3's default secret.
   constexpr std::uint64_t early[4] = {0xbe4ba423396cfeb8, 0x1cad21f72c81017c, 0xdb979083e96dd4de, 0x1f67b3b7a4a44072};
   constexpr std::uint64_t late[4] = {0x78e5c0cc4ee679cb, 0x2172ffcc7dd05a82, 0x8e2443f7744608b8, 0x4c263a81e69035e0};
   Hash128 acc{bytes * prime_1, 0};
@@ -56,7 +55,8 @@ GB_HD Hash128 hash_record(std::uint64_t bytes, std::uint64_t a, std::uint64_t b,
 
 }  // namespace xxh3
 
-/// On a level without `facing`. x, y, z: the voxel's lowest corner. Lowest bytes: red, and the first of the normal.
+/// Hashes a voxel of a level without `facing`. x, y, z: the voxel's lowest corner. The lowest bytes are red and the
+/// first byte of the normal.
 GB_HD Hash128 hash_voxel(std::int32_t lod, std::int64_t x, std::int64_t y, std::int64_t z, std::uint32_t rgba,
                          std::uint16_t normal) {
   const auto ux = std::uint64_t(x), uy = std::uint64_t(y), uz = std::uint64_t(z);
@@ -66,7 +66,7 @@ GB_HD Hash128 hash_voxel(std::int32_t lod, std::int64_t x, std::int64_t y, std::
                            w3 >> 16 | std::uint64_t(normal) << 48);
 }
 
-/// On a level with `facing`: of its bytes the lowest byte is coverage along x.
+/// Hashes a voxel of a level with `facing`, whose lowest byte is the coverage along x.
 GB_HD Hash128 hash_voxel(std::int32_t lod, std::int64_t x, std::int64_t y, std::int64_t z, std::uint32_t rgba,
                          std::uint16_t normal, std::uint32_t facing) {
   const auto ux = std::uint64_t(x), uy = std::uint64_t(y), uz = std::uint64_t(z);

@@ -1,4 +1,4 @@
-/// A box in the frame that a tileset's root stands in.
+/// A box in the frame of a tileset's root.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ struct WorldBox {
   std::array<double, 3> low{}, high{};
   bool is_empty = true;
 
-  /// A point that is not finite adds nothing.
+  /// Extends the box to `p`; ignores a point that is not finite.
   void add(const Point<World>& p) {
     const std::array<double, 3> v{p.x, p.y, p.z};
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return;

@@ -1,7 +1,7 @@
-/// A deflate block of dynamic codes: its codes and its header, from how often its symbols occur.
+/// The codes and the header of a deflate block with dynamic codes, computed from symbol counts.
 ///
-/// The header writes code lengths in one run over both alphabets: zeros by 11 to 138, then by 3 to 10, and repetitions
-/// by 3 to 6, each as many at once as there are; what is left one by one.
+/// The header contains the code lengths of both alphabets as one sequence of runs. Each run becomes as few symbols as
+/// possible: zeros by 11 to 138, then by 3 to 10; repetitions by 3 to 6; the remaining lengths singly.
 ///
 /// Exact   Integers: host and device give the same bits.
 /// Source  RFC 1951, 3.2.7.
@@ -15,30 +15,33 @@
 
 namespace gigabake::deflate {
 
-/// Enough for the longest header: each of 316 lengths with 7 bits and 7 more, and 74 before them.
+/// Words for the longest header: 7 bits and up to 7 extra bits for each of 316 lengths, and 74 bits before them.
 inline constexpr std::uint32_t header_words = 144;
 
-/// What a block is written with.
+/// The codes and the header of a block.
 struct BlockCodes {
   Code codes[block_symbols];
   std::uint32_t header_bits;
-  std::uint32_t header[header_words];  ///< first bit lowest
+  std::uint32_t header[header_words];  ///< the first bit is the lowest
 };
 
-/// What is needed while they are made; on a device it lies in fast memory.
+/// Temporary data of make_block_codes(); a device stores it in shared memory.
 struct BlockWork {
-  std::uint32_t keys[literal_symbols + distance_symbols];  ///< rising; literals first, then distances: see used
-  std::uint32_t used_literals, used_distances;  ///< how many keys each has; distances begin at literal_symbols
+  std::uint32_t keys[literal_symbols + distance_symbols];  ///< ascending; literals from 0, distances from
+                                                           ///< literal_symbols
+  std::uint32_t used_literals, used_distances;             ///< number of keys of each alphabet
   std::uint32_t weights[literal_symbols];
   std::uint8_t lengths[block_symbols];
-  std::uint8_t run[block_symbols], run_bits[block_symbols];  ///< symbols of lengths, and the value after each
+  std::uint8_t run[block_symbols], run_bits[block_symbols];  ///< symbols of the code lengths, and the extra bits of
+                                                             ///< each
 };
 
-/// Bits one after the other into words that are written once each.
+/// A writer of consecutive bits. It writes each word once.
 class WordWriter {
  public:
   GB_HD explicit WordWriter(std::uint32_t* words) : words_(words) {}
-  /// Range  count ≤ 32, bits < 2^count.
+  /// Appends `count` bits.
+  /// Range   count ≤ 32, bits < 2^count.
   GB_HD void put(std::uint64_t bits, std::uint32_t count) {
     waiting_ |= bits << (count_ & 31);
     const std::uint32_t before = count_ >> 5;
@@ -48,7 +51,7 @@ class WordWriter {
       waiting_ >>= 32;
     }
   }
-  /// Writes what waits; how many bits there are.
+  /// Writes the last, incomplete word. Returns the total number of bits.
   GB_HD std::uint32_t finish() {
     if ((count_ & 31) != 0) words_[count_ >> 5] = std::uint32_t(waiting_);
     return count_;
@@ -60,14 +63,14 @@ class WordWriter {
   std::uint64_t waiting_ = 0;
 };
 
-/// Symbols that code lengths are written with, and the order that theirs stand in.
+/// The symbols of the code-length alphabet; length_symbol_at() returns the order of their lengths in the header.
 inline constexpr std::uint32_t length_symbols = 19, repeat = 16, short_zeros = 17, long_zeros = 18;
 GB_HD std::uint32_t length_symbol_at(std::uint32_t place) {
   constexpr std::uint8_t order[length_symbols] = {16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1, 15};
   return order[place];
 }
 
-/// One run of `count` equal lengths, into run and run_bits from `at` on; where it ends.
+/// Writes one run of `count` equal lengths to run and run_bits from `at` on. Returns the end of the output.
 GB_HD std::uint32_t put_run(BlockWork& work, std::uint32_t at, std::uint8_t length, std::uint32_t count) {
   const auto put = [&](std::uint32_t symbol, std::uint32_t bits) {
     work.run[at] = std::uint8_t(symbol);
@@ -87,12 +90,12 @@ GB_HD std::uint32_t put_run(BlockWork& work, std::uint32_t at, std::uint8_t leng
   return at;
 }
 
-/// Bits that follow a symbol of code lengths.
+/// Returns the number of extra bits after a symbol of the code-length alphabet.
 GB_HD std::uint32_t run_bit_count(std::uint32_t symbol) {
   return symbol == repeat ? 2 : symbol == short_zeros ? 3 : symbol == long_zeros ? 7 : 0;
 }
 
-/// Codes of code lengths, from the runs. keys and weights of `work` are used again.
+/// Computes the codes of the code-length alphabet from the runs. Overwrites keys and weights of `work`.
 GB_HD void make_length_codes(BlockWork& work, std::uint32_t runs, Code* codes, std::uint8_t* lengths) {
   std::uint32_t counts[length_symbols] = {};
   for (std::uint32_t i = 0; i < runs; ++i) ++counts[work.run[i]];
@@ -110,7 +113,7 @@ GB_HD void make_length_codes(BlockWork& work, std::uint32_t runs, Code* codes, s
   assign_codes(lengths, length_symbols, codes);
 }
 
-/// The runs of both alphabets' lengths, which stand one behind the other; how many runs' symbols.
+/// Writes the runs of the lengths of both alphabets, literals first. Returns the number of symbols written.
 GB_HD std::uint32_t put_runs(BlockWork& work, std::uint32_t literals, std::uint32_t distances) {
   const std::uint32_t all = literals + distances;
   const auto length_at = [&](std::uint32_t i) {
@@ -126,7 +129,8 @@ GB_HD std::uint32_t put_runs(BlockWork& work, std::uint32_t literals, std::uint3
   return runs;
 }
 
-/// Header of a block with these lengths: type, the lengths' codes, the lengths. last: no block follows in the chunk.
+/// Writes the header of a block: its type, the codes of the code lengths, the code lengths. last: the block is the last
+/// of its chunk.
 GB_HD void write_header(BlockWork& work, bool last, BlockCodes& out) {
   std::uint32_t literals = literal_symbols, distances = distance_symbols;
   while (literals > end_of_block + 1 && work.lengths[literals - 1] == 0) --literals;
@@ -151,7 +155,8 @@ GB_HD void write_header(BlockWork& work, bool last, BlockCodes& out) {
   out.header_bits = writer.finish();
 }
 
-/// Codes and header from ordered keys. Range  Both alphabets have two keys at least (ensure_two).
+/// Computes codes and header from ordered keys.
+/// Range   Both alphabets have at least two keys (ensure_two).
 GB_HD void make_block_codes(BlockWork& work, bool last, BlockCodes& out) {
   for (std::uint32_t s = 0; s < block_symbols; ++s) work.lengths[s] = 0;
   std::uint8_t* const of_distances = work.lengths + literal_symbols;

@@ -1,13 +1,13 @@
-/// Code lengths of an alphabet from its counts, and the codes.
+/// Code lengths of an alphabet from its symbol counts, and the codes.
 ///
-/// The rule: symbols that occur are ordered by count, equal ones by number. Huffman's tree is made with two queues, and
-/// of equal weights a symbol is taken before a pair, which keeps the tree flat. Symbols deeper than the limit are
-/// raised to it; while there are too many, one of the limit's symbols goes below the deepest that is shorter. The
-/// rarest symbols, in that order, get the longest codes. An alphabet of which fewer than two symbols occur gets the
-/// lowest ones that do not as well, so that each code is complete, as some readers demand.
+/// The rule: the symbols with non-zero counts are sorted by count, then by number. Two queues build Huffman's tree. If
+/// weights are equal, a symbol is taken before a pair, which keeps the tree flat. Symbols deeper than the limit are
+/// raised to the limit. While there are too many, one symbol at the limit moves below the deepest symbol that is
+/// shorter. The rarest symbols, in sort order, get the longest codes. If fewer than two symbols occur, the lowest
+/// unused symbols get a code too, because some readers require complete codes.
 ///
 /// Exact   Integers: host and device give the same codes.
-/// Cost    Serial; about a dozen steps a symbol. The order is the caller's to make, as it likes.
+/// Cost    Serial; about 12 steps per symbol. The caller sorts the symbols.
 /// Source  Moffat and Katajainen 1995, "In-place calculation of minimum-redundancy codes"; RFC 1951, 3.2.2.
 #pragma once
 
@@ -18,14 +18,15 @@
 
 namespace gigabake::deflate {
 
-/// What symbols are ordered by; 0: does not occur. Range  count < 2^22, symbol < 512.
+/// Returns the sort key of a symbol; 0 if the symbol does not occur.
+/// Range   count < 2^22, symbol < 512.
 GB_HD std::uint32_t order_key(std::uint32_t count, std::uint32_t symbol) {
   return count == 0 ? 0 : count << 9 | symbol;
 }
 GB_HD std::uint32_t key_symbol(std::uint32_t key) { return key & 511; }
 GB_HD std::uint32_t key_count(std::uint32_t key) { return key >> 9; }
 
-/// Gives the lowest symbols a count of 1 until two occur.
+/// Sets the counts of the lowest unused symbols to 1 until two symbols occur.
 GB_HD void ensure_two(std::uint32_t* counts, std::uint32_t symbols) {
   std::uint32_t used = 0;
   for (std::uint32_t s = 0; s < symbols && used < 2; ++s) used += counts[s] != 0;
@@ -36,8 +37,9 @@ GB_HD void ensure_two(std::uint32_t* counts, std::uint32_t symbols) {
     }
 }
 
-/// Turns rising weights into the depths of the tree's inner nodes: weights[0 … size - 2], the root last with depth 0.
-/// Range  size ≥ 2.
+/// Replaces ascending weights by the depths of the tree's inner nodes: weights[0 … size - 2], the root last with depth
+/// 0.
+/// Range   size ≥ 2.
 GB_HD void inner_depths(std::uint32_t* weights, int size) {
   weights[0] += weights[1];
   int root = 0, leaf = 2;
@@ -57,7 +59,7 @@ GB_HD void inner_depths(std::uint32_t* weights, int size) {
   for (int next = size - 3; next >= 0; --next) weights[next] = weights[weights[next]] + 1;
 }
 
-/// How many symbols have each length, from inner depths as above; the deep ones raised to `most`.
+/// Counts the symbols of each code length from the depths of inner_depths(). Limits lengths to `most`.
 GB_HD void count_lengths(const std::uint32_t* inner, int size, std::uint32_t most, std::uint32_t* of_length) {
   for (std::uint32_t l = 0; l <= most; ++l) of_length[l] = 0;
   std::uint32_t places = 1;
@@ -79,8 +81,9 @@ GB_HD void count_lengths(const std::uint32_t* inner, int size, std::uint32_t mos
   }
 }
 
-/// The lengths of the symbols of `keys`, which rise; lengths of others are left alone. weights: room for `size`.
-/// Range  2 ≤ size ≤ 2^most.
+/// Computes the lengths of the symbols of `keys`, which ascend; does not write other lengths. weights: `size` entries
+/// of temporary memory.
+/// Range   2 ≤ size ≤ 2^most.
 GB_HD void code_lengths(const std::uint32_t* keys, int size, std::uint32_t most, std::uint32_t* weights,
                         std::uint8_t* lengths) {
   for (int i = 0; i < size; ++i) weights[i] = key_count(keys[i]);
@@ -92,7 +95,7 @@ GB_HD void code_lengths(const std::uint32_t* keys, int size, std::uint32_t most,
     for (std::uint32_t n = of_length[length]; n > 0; --n) lengths[key_symbol(keys[at++])] = std::uint8_t(length);
 }
 
-/// `code` of `length` bits, first bit lowest.
+/// Reverses the `length` bits of `code`: the first bit becomes the lowest.
 GB_HD std::uint32_t first_bit_lowest(std::uint32_t code, std::uint32_t length) {
 #if defined(__CUDA_ARCH__)
   return __brev(code) >> (32 - length);
@@ -105,7 +108,7 @@ GB_HD std::uint32_t first_bit_lowest(std::uint32_t code, std::uint32_t length) {
 #endif
 }
 
-/// The canonical codes of lengths, 0 where a length is 0.
+/// Computes the canonical codes of `lengths`; a length of 0 gives code 0.
 GB_HD void assign_codes(const std::uint8_t* lengths, std::uint32_t symbols, Code* codes) {
   std::uint32_t of_length[longest_code + 1] = {}, next[longest_code + 1];
   for (std::uint32_t s = 0; s < symbols; ++s) ++of_length[lengths[s]];

@@ -1,13 +1,13 @@
-/// Which earlier bytes a position of a chunk may repeat, and how a segment is parsed into literals and matches.
+/// The search for matches in a chunk, and the parsing of a segment into literals and matches.
 ///
-/// What repeats is a function of the bytes alone: the candidate of position p is the latest position before p, at most
-/// 32,767 back, whose next four bytes fall into the same of 16,384 buckets. So it is found by one pass with a table, or
-/// by many at once where each begins 32 KiB earlier. A segment's parse needs nothing of other segments': its matches
-/// end where it does, and reach back beyond where it begins.
+/// Matches depend only on the bytes. The candidate of position p is the latest earlier position, at most 32,767 back,
+/// whose next four bytes have the same hash bucket (of 16,384). One serial pass with a table finds the candidates.
+/// Parallel passes find the same candidates if each begins 32 KiB earlier. Segments are parsed independently: a match
+/// ends within its segment but may refer to bytes before it.
 ///
-/// Exact   Integers: host and device give the same tokens.
-/// Range   All bytes may be read `readable_beyond` further than they reach.
-/// Source  What else was tried: docs/experiments/kernels.md.
+/// Exact   Integers: host and device return the same tokens.
+/// Range   All arrays of bytes must be readable `readable_beyond` bytes beyond their end.
+/// Source  docs/experiments/kernels.md describes the alternatives that were measured.
 #pragma once
 
 #include <bit>
@@ -19,13 +19,13 @@
 
 namespace gigabake::deflate {
 
-/// A block has its own codes, a segment of it its own parse. Blocks are whole segments; a chunk's last ones are
-/// shorter.
+/// The sizes of blocks and segments. Each block has separate codes; each segment is parsed separately. A block consists
+/// of whole segments; the last block and segment of a chunk may be shorter.
 inline constexpr std::uint32_t block_bytes = 1 << 15, segment_bytes = 1 << 10;
 inline constexpr std::uint32_t segments_per_block = block_bytes / segment_bytes;
 inline constexpr std::uint32_t readable_beyond = 16;
 inline constexpr std::uint32_t shortest_match = 4, longest_distance = 32767;
-/// Beyond this no better match is looked for one byte further on.
+/// The match length from which the parser does not search for a better match at the next byte.
 inline constexpr std::uint32_t long_enough = 16;
 
 GB_HD std::uint32_t four_bytes(const std::uint8_t* at) {
@@ -40,7 +40,7 @@ GB_HD std::uint32_t four_bytes(const std::uint8_t* at) {
 #endif
 }
 
-/// The latest position of a bucket, modulo 65536.
+/// The latest position with this hash, modulo 65536.
 using Bucket = std::uint16_t;
 inline constexpr std::uint32_t bucket_bits = 14, buckets = 1 << bucket_bits;
 GB_HD std::uint32_t bucket_of(std::uint32_t bytes) { return bytes * 0x9E3779B1u >> (32 - bucket_bits); }
@@ -48,19 +48,19 @@ GB_HD Bucket bucket_with(std::uint32_t position) { return Bucket(position); }
 GB_HD std::uint32_t distance_to(Bucket bucket, std::uint32_t position) { return (position - bucket) & 0xffff; }
 GB_HD bool in_reach(std::uint32_t distance) { return distance - 1 < longest_distance; }
 
-/// What an empty bucket holds, and one whose position is out of reach, from the block that begins at `position` on: out
-/// of reach for all of its positions. A table is gone over at the start of each block, before 65,536 come round.
+/// Returns the content of an empty bucket for a block that begins at `position`: out of reach for all positions of that
+/// block. aged() must update the table at the start of each block, before positions wrap at 65,536.
 GB_HD Bucket empty_bucket(std::uint32_t position) { return Bucket(position - block_bytes); }
 GB_HD Bucket aged(Bucket bucket, std::uint32_t position) {
   return in_reach(distance_to(bucket, position)) ? bucket : empty_bucket(position);
 }
 
-/// length 0: there is none.
+/// A match; length 0 means no match.
 struct Match {
   std::uint32_t length = 0, distance = 0;
 };
 
-/// How many of the eight bytes at both places are the same before one differs.
+/// Returns the number of equal bytes before the first difference, at most eight.
 GB_HD std::uint32_t equal_of_eight(const std::uint8_t* a, const std::uint8_t* b) {
 #if defined(__CUDA_ARCH__)
   const std::uint32_t low = four_bytes(a) ^ four_bytes(b);
@@ -75,16 +75,16 @@ GB_HD std::uint32_t equal_of_eight(const std::uint8_t* a, const std::uint8_t* b)
 #endif
 }
 
-/// How many bytes are the same, at most `most`.
+/// Returns the number of equal bytes before the first difference, at most `most`.
 GB_HD std::uint32_t equal_bytes(const std::uint8_t* a, const std::uint8_t* b, std::uint32_t most) {
   for (std::uint32_t n = 0; n < most; n += 8)
     if (const std::uint32_t equal = equal_of_eight(a + n, b + n); equal < 8) return n + equal < most ? n + equal : most;
   return most;
 }
 
-/// The match of `position` with the position that lay in its bucket before it, if it is longer than `length`; it ends
-/// at `end` at the latest. Most candidates differ in the four bytes that would make them so long, and are let go there.
-/// Range  length ≥ shortest_match - 1.
+/// Returns the match of `position` with the candidate `found`, if it is longer than `length`; else no match. The match
+/// ends before `end`. Most candidates are rejected early: they differ in the four bytes that end a match of length + 1.
+/// Range   length ≥ shortest_match - 1.
 GB_HD Match match_in(Bucket found, const std::uint8_t* bytes, std::uint32_t position, std::uint32_t end,
                      std::uint32_t length) {
   const std::uint32_t distance = distance_to(found, position);
@@ -97,29 +97,29 @@ GB_HD Match match_in(Bucket found, const std::uint8_t* bytes, std::uint32_t posi
 }
 GB_HD Match match_of(Token token) { return {token >> 16, token & 0xffff}; }
 
-/// The positions of a chunk that are entered in the table are those that four bytes begin at: where they end, at most
-/// at `end`.
+/// Returns the end of the positions that the table contains, at most `end`. These are the positions with at least four
+/// bytes after them.
 GB_HD std::uint32_t entered_before(std::uint32_t chunk_bytes, std::uint32_t end) {
   const std::uint32_t all = chunk_bytes < shortest_match ? 0 : chunk_bytes - (shortest_match - 1);
   return all < end ? all : end;
 }
 
-/// Where the segment of `position` ends, in a block that ends at `block_end`.
+/// Returns the end of the segment that contains `position`, in a block that ends at `block_end`.
 GB_HD std::uint32_t segment_end(std::uint32_t position, std::uint32_t block_end) {
   const std::uint32_t end = (position / segment_bytes + 1) * segment_bytes;
   return end < block_end ? end : block_end;
 }
 
-/// Whether a literal and then `next` are better than the match `here`: no shorter, and a byte more is worth two bits of
-/// the distance.
+/// Returns true if a literal and then `next` is better than the match `here`. `next` must be at least as long; one byte
+/// of length counts as much as two bits of distance.
 GB_HD bool better_one_later(const Match& here, const Match& next) {
   if (next.length < here.length) return false;
   const int bytes = int(next.length) - int(here.length);
   return 2 * bytes + int(floor_log2(here.distance)) - int(floor_log2(next.distance)) > 2;
 }
 
-/// The tokens of bytes [begin, end), in order, by `add(token)`. `match_at(p, end, length)` is match_in at p, or any
-/// match that is no longer than `length`; it is asked for rising positions, and not for all.
+/// Passes the tokens of bytes [begin, end) to `add(token)` in order. `match_at(p, end, length)` returns match_in() at
+/// p, or any match not longer than `length`. It is called for ascending positions and may skip positions.
 template <class MatchAt, class Add>
 GB_HD void parse_segment(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t end, MatchAt& match_at,
                          Add& add) {

@@ -1,9 +1,10 @@
-/// The rules of shared values: which voxels of a brick have one value, in which order values stand, and when a channel
-/// is stored so. Whoever packs, a loop of the host or a warp of a device, goes by these.
+/// The rules of shared values: which voxels of a brick share a value, the order of values, and the channels stored so.
+/// The packers of host and device both use these functions.
 ///
-/// A brick has 8 octants of 4×4×4 voxels, an octant 8 groups of 2×2×2; those are numbered x + 2y + 4z in their parent.
-/// A brick, octant or group whose voxels are all alike has one value, in the place of its first voxel. docs/format.md,
-/// "Shared values".
+/// A brick has 8 octants of 4×4×4 voxels; an octant has 8 groups of 2×2×2. Octants and groups are numbered x + 2y + 4z
+/// in their parent. A brick, octant or group with equal voxels has one value, at the place of its first voxel. See
+/// docs/format.md, "Shared values".
+///
 /// Exact   Integers: host and device return the same bits.
 #pragma once
 
@@ -15,23 +16,24 @@
 
 namespace gigabake {
 
-/// Of a brick: byte o < 8, bit g: group g of octant o has one value. Byte 8, bit o: octant o has. Byte 9: 1 where the
-/// whole brick has, else 0.
+/// The bytes of a brick's `share`. Byte o < 8, bit g: group g of octant o has one value. Byte 8, bit o: octant o has
+/// one value. Byte 9: 1 if the whole brick has one value, else 0.
 inline constexpr std::size_t share_bytes = 10;
 inline constexpr unsigned groups_a_brick = 64, octants_a_brick = 8;
-inline constexpr std::size_t widest_value = 4;  ///< bytes of a voxel's value
+inline constexpr std::size_t widest_value = 4;  ///< max size of a voxel's value, bytes
 
-/// 8·octant + group of voxel (x, y, z), by x + 8y + 64z.
+/// Returns 8·octant + group of voxel (x, y, z), numbered x + 8y + 64z.
 GB_HD constexpr unsigned group_of(unsigned voxel) {
   const unsigned octant = (voxel >> 2 & 1) | (voxel >> 5 & 1) << 1 | (voxel >> 8 & 1) << 2;
   const unsigned within = (voxel >> 1 & 1) | (voxel >> 4 & 1) << 1 | (voxel >> 7 & 1) << 2;
   return octants_a_brick * octant + within;
 }
 
-/// The bits of an octant's groups.
+/// Returns the bits of an octant's groups.
 GB_HD constexpr std::uint64_t octant_groups(unsigned octant) { return std::uint64_t(0xff) << 8 * octant; }
 
-/// Byte by byte: three of them copied to a word and read back would wait for the store. Range  width ≤ widest_value.
+/// Loads a value byte by byte, because copying three bytes to a word would wait for the store.
+/// Range   width ≤ widest_value.
 template <class Width>
 GB_HD std::uint32_t value_at(const std::uint8_t* bytes, Width width) {
   std::uint32_t value = 0;
@@ -55,14 +57,15 @@ GB_HD unsigned bits_in(std::uint64_t bits) {
 #endif
 }
 
-/// One channel of a brick, by its groups. Borrowed.
+/// One channel of a brick by groups. Borrowed.
 struct GroupValues {
-  const std::uint32_t* first;  ///< of each group that has voxels, its first voxel's value
-  std::uint64_t seen;          ///< groups that have voxels
-  std::uint64_t mixed;         ///< groups whose voxels differ
+  const std::uint32_t* first;  ///< the value of the first voxel of each non-empty group
+  std::uint64_t seen;          ///< non-empty groups
+  std::uint64_t mixed;         ///< groups with different voxel values
 };
 
-/// Whether all voxels of these groups are alike. Range  groups that have voxels, one at least.
+/// Returns true if all voxels of the groups in `which` are equal.
+/// Range   The groups are not empty; at least one.
 GB_HD bool are_alike(const GroupValues& values, std::uint64_t which) {
   if ((values.mixed & which) != 0) return false;
   const std::uint32_t first = values.first[lowest_bit(which)];
@@ -71,8 +74,8 @@ GB_HD bool are_alike(const GroupValues& values, std::uint64_t which) {
   return true;
 }
 
-/// Says in `share`, share_bytes long, which voxels of the brick share a value. mixed_voxels: of mixed groups, each of
-/// which has a value of its own. Returns how many values the brick has.
+/// Writes `share` (share_bytes long): which voxels of the brick share a value. mixed_voxels: the number of voxels in
+/// mixed groups; each stores a separate value. Returns the number of values of the brick.
 GB_HD std::uint32_t share_brick(const GroupValues& values, std::uint32_t mixed_voxels, std::uint8_t* share) {
   std::uint32_t count = mixed_voxels;
   std::uint8_t octants = 0;
@@ -90,7 +93,7 @@ GB_HD std::uint32_t share_brick(const GroupValues& values, std::uint32_t mixed_v
   return values.seen == 0 ? 0 : is_one_brick ? 1 : count;
 }
 
-/// What a brick's `share` says: whose value a voxel has.
+/// A decoder of a brick's `share`: maps each group to the group whose value it uses.
 class ValueLeaders {
  public:
   GB_HD explicit ValueLeaders(const std::uint8_t* share) : is_one_(share[9] != 0) {
@@ -101,14 +104,14 @@ class ValueLeaders {
     sharing_ = is_one_ ? ~std::uint64_t(0) : sharing_ | by_octant_;
   }
 
-  /// Of the group's voxels: they, or more than they, have one value.
+  /// Returns true if all voxels of the group have one value, possibly shared with other groups.
   GB_HD bool are_one(unsigned group) const { return (sharing_ >> group & 1) != 0; }
-  /// The same number for all groups that have one value.
+  /// Returns the lowest group with the same value; equal for all groups that share a value.
   GB_HD unsigned leader(unsigned group) const {
     return is_one_ ? 0 : (by_octant_ >> group & 1) != 0 ? group & ~7u : group;
   }
-  /// Whether a voxel has a value of its own, or is the first of those that share it. led: a bit for the leader of each
-  /// voxel before it.
+  /// Returns true if a voxel stores a value: its group is mixed, or it is the first voxel of its leader. led: a bit for
+  /// the leader of each earlier voxel.
   GB_HD bool is_new(unsigned group, std::uint64_t led) const {
     return (~(sharing_ >> group & led >> leader(group)) & 1) != 0;
   }
@@ -119,13 +122,14 @@ class ValueLeaders {
 };
 
 enum class ValuesStored : std::uint8_t {
-  plain,   ///< a value for each voxel
-  one,     ///< one for all
-  shared,  ///< those that bricks, octants and groups have, and NAME_share and NAME_first
+  plain,   ///< one value per voxel
+  one,     ///< one value for all voxels
+  shared,  ///< the values of bricks, octants and groups, with NAME_share and NAME_first
 };
 
-/// How a level's channel is stored: shared where that spares a quarter of the bytes; one value where all are alike.
-/// values: of all bricks, by share_brick(). Of a brick the columns beside the values take about twelve bytes packed.
+/// Returns the storage of a level's channel. One value if all voxels are equal; shared if this saves a quarter of the
+/// bytes. values: the sum of share_brick() over all bricks. The columns share and first take about 12 packed bytes per
+/// brick.
 GB_HD ValuesStored how_stored(std::uint64_t voxels, bool all_alike, std::uint64_t values, std::uint64_t bricks,
                               std::size_t width) {
   if (voxels > 1 && all_alike) return ValuesStored::one;
@@ -133,7 +137,7 @@ GB_HD ValuesStored how_stored(std::uint64_t voxels, bool all_alike, std::uint64_
                                                                                 : ValuesStored::plain;
 }
 
-/// How many that are. shared: share_brick()'s, of all bricks.
+/// Returns the number of values stored. shared: the sum of share_brick() over all bricks.
 GB_HD std::uint64_t values_stored(ValuesStored how, std::uint64_t voxels, std::uint64_t shared) {
   return how == ValuesStored::one ? 1 : how == ValuesStored::shared ? shared : voxels;
 }

@@ -1,4 +1,4 @@
-/// HDF5's shuffle: the first bytes of all elements of a chunk, then their second ones, and so on.
+/// HDF5's shuffle filter: the first bytes of all elements of a chunk, then all second bytes, and so on.
 ///
 /// Source  HDF5 file format, filter 2.
 #pragma once
@@ -9,7 +9,8 @@
 
 namespace gigabake {
 
-/// Which byte of a chunk stands at `at` once it is shuffled. Range  element_bytes divides chunk_bytes; 1: stays.
+/// Returns the index of the unshuffled byte that the shuffle moves to `at`.
+/// Range   element_bytes divides chunk_bytes; 1 means no shuffle.
 GB_HD std::uint32_t shuffled_from(std::uint32_t at, std::uint32_t chunk_bytes, std::uint32_t element_bytes) {
   if (element_bytes <= 1) return at;
   const std::uint32_t elements = chunk_bytes / element_bytes;
