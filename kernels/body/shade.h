@@ -177,8 +177,8 @@ GB_HD float level_scale(int level) {
 /// Min squared width of a footprint relative to its level's texels. Sharpening more would cause ringing.
 inline constexpr float narrowest_squared = -1.2f;
 
-/// Returns a footprint on its level. Texels of coarser levels are boxes themselves, and their width is subtracted.
-/// At level 0 nothing is subtracted.
+/// Returns a footprint on its level. Texels of coarser levels are boxes themselves, and their width is subtracted. At
+/// level 0 nothing is subtracted.
 GB_HD LevelFootprint level_footprint(const FootprintParts& parts) {
   const float scale = level_scale(parts.level), own = 3 - 3 * scale;
   const float narrowest = parts.level == 0 ? 0 : narrowest_squared;

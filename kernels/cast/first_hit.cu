@@ -10,7 +10,7 @@ namespace {
 constexpr unsigned threads = 128;  ///< per block; for pixels 16×8 per block and 8×4 per warp
 constexpr unsigned whole_warp = ~0u;
 constexpr int pixels_x = 16, pixels_y = 8;
-constexpr int refill_at = 8;  ///< number of idle rays of a warp that are replaced together
+constexpr int refill_at = 8;  ///< min number of idle rays for which a warp fetches new rays
 constexpr int moves_between_refills = 4;
 constexpr std::size_t most_rays = std::size_t(1) << 31;
 
