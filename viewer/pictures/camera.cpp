@@ -35,7 +35,7 @@ void check_options(const CameraOptions& o) {
   check_pixel_error(o.pixel_error);
 }
 
-/// Scene metres to voxels.
+/// Converts scene metres to voxels.
 Vector to_voxels(const Point<Scene>& p_scene_m, const SceneHeader& scene, const char* name) {
   const Vector p_m{p_scene_m.x, p_scene_m.y, p_scene_m.z};
   Vector v;
@@ -47,7 +47,7 @@ Vector to_voxels(const Point<Scene>& p_scene_m, const SceneHeader& scene, const 
   return v;
 }
 
-/// Orthonormal and right-handed: forward, right, up.
+/// An orthonormal, right-handed basis.
 struct Axes {
   Vector forward, right, up;
 };
@@ -67,14 +67,14 @@ Axes look(const Vector& forward, const std::optional<Point<Scene>>& up) {
   return {forward, unit(right), cross(unit(right), forward)};
 }
 
-/// From the south-east, about 30° above the ground.
+/// View from the south-east, about 30° above the ground.
 const Vector oblique_view{-0.62, 0.60, -0.505};
 
-/// A scene of more cells is framed by its root parent, and where it has none, by the cells' boxes.
+/// Max. number of cells whose nodes are read. A larger scene is framed by its root overview, or by the boxes of its
+/// cells if it has no overview.
 constexpr std::size_t most_cells_read = 256, most_cells_read_below_a_root = 32;
 
-/// Calls visit(row, lowest corner, edge) for the finest nodes that the rows know of, in voxels; none with less than
-/// `least` along an edge.
+/// Calls visit(row, lowest corner, edge) for the finest nodes in the rows, in voxels; only for nodes of edge ≥ `least`.
 template <class Visit>
 void visit_nodes(const std::vector<NodeRow>& rows, std::size_t row, const Vector& corner, double edge, double least,
                  const Visit& visit) {
@@ -90,7 +90,7 @@ void visit_nodes(const std::vector<NodeRow>& rows, std::size_t row, const Vector
   }
 }
 
-/// None where it cannot be read: a box will do, and whoever draws it says what is wrong with it.
+/// Returns an empty page if the page cannot be read: a box suffices for framing, and rendering reports the error.
 Page page_or_none(const PageSource& pages, const PageKey& key) {
   try {
     return pages(key);
@@ -103,7 +103,7 @@ Vector corner_of(const SceneCell& shard) {
   return {double(shard.lattice_min[0]), double(shard.lattice_min[1]), double(shard.lattice_min[2])};
 }
 
-/// Calls visit(lowest corner, edge) for boxes that hold all there is.
+/// Calls visit(lowest corner, edge) for boxes that contain the occupied space.
 template <class Visit>
 void visit_cells(const PagedScene& scene, const PageSource& pages, const Visit& visit) {
   const auto visit_box = [&](const NodeRow&, const Vector& corner, double edge) { visit(corner, edge); };
@@ -120,7 +120,7 @@ void visit_cells(const PagedScene& scene, const PageSource& pages, const Visit& 
   });
 }
 
-/// The finest voxels that the root has of its own, all in bricks of one page. False where it cannot be read.
+/// Visits the root's finest own voxels, which are all in bricks of one page. Returns false if the page cannot be read.
 template <class Visit>
 bool visit_root(const PagedScene& scene, std::uint32_t root, const PageSource& pages, const Visit& visit) {
   const SceneCell& shard = scene.root().parents[root];
@@ -159,7 +159,8 @@ Vector middle_of(const PagedScene& scene, const PageSource& pages) {
   return (low + high) * 0.5;
 }
 
-/// Two opposite sides of the frustum, moved until all there is lies between them: where they cut the plane of depth 0.
+/// Two opposite sides of the frustum, moved until all boxes lie between them; low and high: their intersections with
+/// the plane of depth 0.
 struct FrustumSides {
   Vector across;  ///< unit, from the low to the high side
   Vector low_normal, high_normal;
@@ -181,7 +182,7 @@ struct FrustumSides {
   }
 };
 
-/// Where the camera stands to see everything, as near as it can. With a target it looks straight at that.
+/// Returns the nearest eye that sees everything. If there is a target, the camera looks straight at it.
 Vector framing_eye(const PagedScene& scene, const PageSource& pages, const std::optional<Vector>& target,
                    const Axes& axes, double tan_x, double tan_y) {
   constexpr double margin = 0.96;

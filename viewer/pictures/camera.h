@@ -1,4 +1,4 @@
-/// Where a picture is taken from.
+/// Cameras of images.
 #pragma once
 
 #include <array>
@@ -11,46 +11,51 @@
 
 namespace gigabake {
 
-/// Sixteen levels finer or coarser than a pixel.
+/// Range   of pixel_error: sixteen levels finer or coarser than a pixel.
 inline constexpr double finest_pixel_error = 0x1p-16, coarsest_pixel_error = 0x1p16;
 
-/// Errors  UsageError: not within these two.
+/// Checks the range.
+/// Errors  UsageError: outside of [finest_pixel_error, coarsest_pixel_error].
 void check_pixel_error(double pixel_error);
 
-/// What lies on this side of a plane is shown.
+/// A clip plane; only the side to which `towards` points is shown.
 struct ClipPlane {
-  Point<Scene> through_m, towards;  ///< a point of it, and which way is shown, of any length
+  Point<Scene> through_m, towards;  ///< a point of the plane; direction of the shown side, of any length
   friend bool operator==(const ClipPlane&, const ClipPlane&) = default;
 };
 
-/// What is shown of a scene, as if there were nothing else.
+/// The part of a scene that is shown, as if the rest did not exist.
 struct Clip {
-  std::optional<std::array<Point<Scene>, 2>> box_m;  ///< its lowest and its highest corner
+  std::optional<std::array<Point<Scene>, 2>> box_m;  ///< lowest and highest corner
   std::optional<ClipPlane> plane;
   friend bool operator==(const Clip&, const Clip&) = default;
 };
 
 struct CameraOptions {
-  std::optional<Point<Scene>> eye_m;     ///< default: in the south-east, just far enough to see the whole scene
-  std::optional<Point<Scene>> target_m;  ///< default: the middle of what there is
-  std::optional<Point<Scene>> up;        ///< default: z; north where the camera looks straight up or down
+  std::optional<Point<Scene>> eye_m;     ///< default: in the south-east, at the min. distance that shows the whole
+                                         ///< scene
+  std::optional<Point<Scene>> target_m;  ///< default: the middle of the occupied space
+  std::optional<Point<Scene>> up;        ///< default: z; north if the camera looks straight up or down
   double fovy_deg = 40;
   int width = 1280, height = 720;
-  double pixel_error = 1;  ///< pixels that a voxel may be wide; finest_pixel_error to coarsest_pixel_error
+  double pixel_error = 1;  ///< max. width of a voxel in pixels; finest_pixel_error to coarsest_pixel_error
   Clip clip;
-  bool is_framed = false;  ///< eye_m was chosen to show the whole scene; an eye that the user gives is never moved
+  bool is_framed = false;  ///< eye_m was computed to show the whole scene; an eye that the user gives is never moved
 };
 
-/// Before memory is taken for a picture. Errors  UsageError: not 1 to 32768 pixels a side, or more than 2^28.
+/// Checks the size before memory is allocated for an image.
+/// Errors  UsageError: not 1 to 32768 pixels per side, or more than 2^28 pixels.
 void check_picture_size(const CameraOptions& options);
 
-/// Cost    Where eye or target are left open: of a few cells, the first page of nodes of each, one at a time; of more,
-///         the root parent's finest level, where there is one; else a look at each cell's window.
-/// Errors  UsageError naming the option: not finite, no direction, sizes or angles out of range.
+/// Returns the camera in voxels.
+/// Cost    Only without eye or target. Few cells: reads the first page of nodes of each, one after another. Many cells:
+///         reads the finest level of the root overview, or visits each cell's window if there is none.
+/// Errors  UsageError, with the option: not finite, no direction, sizes or angles out of range.
 kernels::CastCamera make_camera(const CameraOptions& options, const PagedScene& scene, const PageSource& pages);
 
-/// Between which heights all there is lies, lod-0 voxels of the lattice: to a brick, or to what the root parent tells.
-/// Cost    As make_camera() where eye or target are left open.
+/// The range of heights of the occupied space in lod-0 voxels of the lattice. Resolution: a brick, or a voxel of the
+/// root overview.
+/// Cost    The same as make_camera() without eye or target.
 struct HeightRange {
   double low = 0, high = 1;
 };

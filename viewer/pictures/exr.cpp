@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* light_names[4] = {"R", "G", "B", "A"};
 
-/// A file that is a string.
+/// An output stream into a string.
 class Bytes final : public Imf::OStream {
  public:
   Bytes() : OStream("a picture") {}
@@ -56,7 +56,8 @@ std::vector<float> metres(const std::vector<float>& voxels, double voxel_size_m)
   return out;
 }
 
-/// first: of the pixels' values, `per_pixel` of them for each. OpenEXR wants it writable and does not write.
+/// Returns the description of one channel. first: its first value; `per_pixel` values of type T per pixel. OpenEXR
+/// requires a writable pointer and does not write.
 template <class T>
 Imf::Slice slice(Imf::PixelType type, const T* first, std::size_t per_pixel, int width) {
   char* base = const_cast<char*>(reinterpret_cast<const char*>(first));
@@ -87,7 +88,7 @@ std::string encode_exr(const Picture& picture, ExrChannels channels, double voxe
   pixels.insert("Z", slice(Imf::FLOAT, depth.data(), 1, picture.width));
   Bytes bytes;
   {
-    Imf::OutputFile file(bytes, header);  // its destructor writes the table of lines
+    Imf::OutputFile file(bytes, header);  // its destructor writes the line table
     file.setFrameBuffer(pixels);
     file.writePixels(picture.height);
   }

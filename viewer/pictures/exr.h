@@ -1,4 +1,4 @@
-/// A picture as an OpenEXR file: light as it is, and how far away things are.
+/// Images as OpenEXR files: linear light and depth.
 #pragma once
 
 #include <filesystem>
@@ -8,19 +8,21 @@
 
 namespace gigabake {
 
-/// R, G, B, A: half, linear, premultiplied. Z: float, metres along the ray to where half of the light is gone; infinity
-/// where it never is.
+/// The channels of a file.
+/// R, G, B, A: half, linear, premultiplied. Z: float, metres along the ray to the point at which half of the light is
+/// absorbed; infinity if there is no such point.
 enum class ExrChannels : std::uint8_t {
   light_and_depth,  ///< R, G, B, A and Z; needs Picture::linear
   depth,            ///< Z
 };
 
-/// Lines upwards to downwards, ZIP. voxel_size_m: turns Picture::depth into metres.
-/// Exact   Equal pictures give equal bytes. Errors  std::runtime_error: OpenEXR's message; no picture.
+/// Returns the file's bytes; rows from top to bottom, ZIP compression. voxel_size_m: converts Picture::depth to metres.
+/// Exact   Equal images give equal bytes.
+/// Errors  std::runtime_error: OpenEXR's message; an empty image.
 std::string encode_exr(const Picture& picture, ExrChannels channels, double voxel_size_m);
 
-/// As encode_exr(). Replaces `path` atomically.
-/// Errors  InputError: the path and the system's reason; nothing is left behind.
+/// Writes the result of encode_exr(). Replaces `path` atomically.
+/// Errors  InputError: the path and the system's reason; no partial file remains.
 void write_exr(const std::filesystem::path& path, const Picture& picture, ExrChannels channels, double voxel_size_m);
 
 }  // namespace gigabake

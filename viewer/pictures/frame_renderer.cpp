@@ -38,7 +38,7 @@ Point<Scene> to_scene_m(const SceneHeader& scene, const double voxels[3]) {
   return {m[0], m[1], m[2]};
 }
 
-/// Pages of so many times their budget are read before a view counts as one that needs more than there is room for.
+/// A view counts as larger than the memory budget if pages of this multiple of the budget have been read.
 constexpr std::uint64_t pages_over = 4;
 
 }  // namespace
@@ -51,18 +51,18 @@ struct FrameRenderer::State {
   PageSource source;
   Filling filling{};
   std::unique_ptr<SceneStream> stream;
-  std::vector<std::uint32_t> wanted;  ///< by the last frame
+  std::vector<std::uint32_t> wanted;  ///< requests of the last frame
   View last;
-  std::uint32_t frame_pass = 0;         ///< the first of the last frame
-  bool put_in = false;                  ///< anything, by the last call
-  bool was_complete = false;            ///< no ray of the last frame missed anything
-  double upload_s = 0;                  ///< of this frame
-  double waited_s = 0;                  ///< before it, for roots
+  std::uint32_t frame_pass = 0;         ///< first pass of the last frame
+  bool put_in = false;                  ///< whether the last call uploaded data
+  bool was_complete = false;            ///< no ray of the last frame missed data
+  double upload_s = 0;                  ///< in this frame
+  double waited_s = 0;                  ///< for roots, before this frame
   std::uint64_t bytes_read_before = 0;  ///< when `last` was first drawn
   bool starved = false;
-  std::vector<std::string> problems;  ///< besides those of pages
+  std::vector<std::string> problems;  ///< in addition to problems of pages
   PolygonPictures polygons;
-  std::optional<HeightRange> heights;  ///< of the scene, once a view asked for them
+  std::optional<HeightRange> heights;  ///< of the scene; set at the first view that needs them
 
   State(std::shared_ptr<const PagedScene> opened, const PageSource& pages, const Options& wishes)
       : options(wishes),
@@ -84,7 +84,8 @@ struct FrameRenderer::State {
   }
   static std::size_t most_open(const Options& wishes) { return open_shards_within(memory_of(wishes)); }
 
-  /// What is left for pools and pages next to open shards, of which a scene may have fewer than the limit.
+  /// Returns the memory for pools and pages, which is reduced by open shards. A scene can have fewer shards than the
+  /// limit.
   std::uint64_t bytes_next_to_shards() const {
     const std::uint64_t shards = scene->totals().cells + scene->totals().parents, all = memory_of(options);
     return all - std::min(std::min<std::uint64_t>(most_open(options), shards) * open_shard_bytes, all / 8);
@@ -93,7 +94,7 @@ struct FrameRenderer::State {
   void fill(const Filling& wish) {
     if (stream && wish == filling) return;
     filling = wish;
-    stream.reset();  // before the next takes its memory
+    stream.reset();  // free its memory before the next stream allocates
     SceneStream::Options wishes{wish.lit_by ? daylight(*wish.lit_by) : kernels::unlit(),
                                 wish.surface,
                                 bytes_next_to_shards(),
@@ -113,8 +114,8 @@ struct FrameRenderer::State {
     last = {};
   }
 
-  /// Pools that are full of what this view uses, or pages that make each other go: nothing that a view needs is read
-  /// several times over where there is room for it.
+  /// Returns whether this view fills the pools, or its pages evict each other. Data that a view needs is not read
+  /// repeatedly if there is memory for it.
   bool is_starved(const SceneStream::Served& served) const {
     const std::uint64_t read = stream->page_counts().bytes_read - bytes_read_before;
     return served.is_full || read / pages_over > stream->page_bytes_allowed();
@@ -173,7 +174,7 @@ struct FrameRenderer::State {
     upload_s += since(start);
   }
 
-  /// The view's rays are not cast before something stands for every tree, or the time is over.
+  /// Waits until every tree has a resident root, or the time is over; the view's rays are cast afterwards.
   void wait_for_roots(const kernels::CastCamera& camera, const SketchLimits& limits) {
     const auto start = Clock::now();
     stream->want_roots();
@@ -186,8 +187,8 @@ struct FrameRenderer::State {
     upload_s = 0;
   }
 
-  /// Rays wait for what comes in within the time for uploads, and go on where they stopped: several levels in one
-  /// frame, at the cost of little more than one cast. Then coarser bricks stand for what is still missing.
+  /// Casts rays that wait for data uploaded within the time limit and resume where they stopped. This loads several
+  /// levels in one frame at about the cost of one cast. Coarser bricks are the fallback for data still missing.
   void cast(const View& view, const kernels::CastCamera& camera, const SketchLimits& limits, Picture& picture) {
     kernels::Caster& caster = stream->caster();
     const std::size_t rays = std::size_t(camera.width) * std::size_t(camera.height);
@@ -220,7 +221,7 @@ struct FrameRenderer::State {
     caster.resolve(look.background, pixels_of(picture));
   }
 
-  /// As cast(), of rays that follow from those that were cast before.
+  /// Casts secondary rays in the same way as cast().
   void cast_more(const kernels::CastCamera& camera, const SketchLimits& limits,
                  const std::function<std::size_t(bool patient)>& pass) {
     const std::vector<std::uint32_t> wanted_before = wanted;
@@ -240,7 +241,7 @@ struct FrameRenderer::State {
     wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
   }
 
-  /// One pass of rays over what is here and comes in.
+  /// Renders one pass over resident and newly uploaded data.
   Frame pass_over(const View& view, const SketchLimits& limits, bool roots_first) {
     const auto start = Clock::now();
     const kernels::CastCamera camera = camera_of(view);

@@ -1,4 +1,4 @@
-/// A frame's statistics for programs.
+/// Frame statistics as JSON.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -7,7 +7,7 @@
 
 namespace gigabake {
 
-/// Every member of FrameStats by its name; bytes_allowed is null where there is no bound.
+/// Returns every member of FrameStats by its name; bytes_allowed is null if unbounded.
 nlohmann::ordered_json to_json(const FrameStats& stats);
 
 }  // namespace gigabake

@@ -13,7 +13,8 @@ namespace {
 
 constexpr int full_colour_quality = 90;
 
-/// libjpeg reports through a callback that must not return; a jump leads back. No C++ object dies on its way.
+/// libjpeg reports errors through a callback that must not return, so the callback uses longjmp. The jump skips no
+/// destructor.
 struct JpegWriter {
   jpeg_compress_struct state{};
   jpeg_error_mgr errors{};
@@ -39,7 +40,7 @@ struct JpegWriter {
   JpegWriter& operator=(const JpegWriter&) = delete;
 };
 
-/// False: `message` says why. row: three bytes a pixel of the picture's width.
+/// Returns false on errors; `message` is then the reason. row: three bytes per pixel of a row.
 bool write(JpegWriter& writer, const Picture& picture, int quality, std::uint8_t* row) {
   if (setjmp(writer.back) != 0) return false;
   jpeg_create_compress(&writer.state);

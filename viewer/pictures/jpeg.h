@@ -1,4 +1,4 @@
-/// A picture as a JPEG file, for streams.
+/// Images as JPEG files, for streams.
 #pragma once
 
 #include <string>
@@ -7,8 +7,10 @@
 
 namespace gigabake {
 
-/// Alpha is left out. quality: 1 to 100; colour is halved in size below 90.
-/// Exact  Equal pictures give equal bytes. Errors  std::runtime_error: libjpeg's message.
+/// Returns the file's bytes; alpha is dropped. quality: 1 to 100; below 90 the chroma channels have half the
+/// resolution.
+/// Exact   Equal images give equal bytes.
+/// Errors  std::runtime_error: libjpeg's message.
 std::string encode_jpeg(const Picture& picture, int quality);
 
 }  // namespace gigabake

@@ -7,14 +7,14 @@
 namespace gigabake {
 namespace {
 
-/// How long a wait for pages lasts before `stop` is asked again.
+/// Interval at which a wait for pages checks `stop`.
 constexpr std::chrono::milliseconds look_up{10};
 
-/// So many such waits before rays are cast again, where some of what they want is still being read: a pass over all
-/// that waits takes as long for one page as for many.
+/// Max. number of intervals before rays are cast again although some of their pages are still being read. More pages
+/// per pass save time, because a pass costs the same for one page as for many.
 constexpr int max_page_checks = 5;
 
-/// False where `stop` ended it.
+/// Waits for pages. Returns false if `stop` cancelled it.
 bool wait_for_served_pages(SceneStream& stream, const SceneStream::Served& served, const kernels::StopAsked& stop) {
   for (int looks = 1; !stream.settle(look_up); ++looks) {
     if (stop && stop()) return false;
@@ -23,9 +23,9 @@ bool wait_for_served_pages(SceneStream& stream, const SceneStream::Served& serve
   return true;
 }
 
-/// Goes on with the rays of `count` pixels until each is finished, putting in what they miss in between. Where the
-/// pools do not hold what they use together, fewer at a time. cast: one pass over pixels [begin, end), as
-/// Caster::cast(). False where `stop` ended it.
+/// Resumes the rays of `count` pixels until each is finished, and uploads the data that they miss. If the pools cannot
+/// hold the working set, processes fewer pixels concurrently. cast: one pass over pixels [begin, end), like
+/// Caster::cast(). Returns false if `stop` cancelled it.
 template <class Cast>
 bool finish_rays(SceneStream& stream, const double eye[3], std::size_t count, const kernels::StopAsked& stop,
                  const Cast& cast) {
@@ -47,7 +47,7 @@ bool finish_rays(SceneStream& stream, const double eye[3], std::size_t count, co
   return true;
 }
 
-/// The tile's rays, then those between levels, and then those to the light. False where `stop` ended it.
+/// Casts the tile's primary rays, then rays between levels, then shadow rays. Returns false if `stop` cancelled it.
 bool finish_tile(SceneStream& stream, const kernels::CastCamera& camera, const kernels::CastTile& tile,
                  const PictureLook& look, const kernels::StopAsked& stop) {
   kernels::Caster& caster = stream.caster();
@@ -68,7 +68,7 @@ bool finish_tile(SceneStream& stream, const kernels::CastCamera& camera, const k
   return finish_rays(stream, camera.eye, pixels, stop, cast_light);
 }
 
-/// The tile's rows into those of the whole picture.
+/// Copies the tile's rows into the whole image.
 template <class T>
 void put_rows(const std::vector<T>& part, const kernels::CastTile& tile, int picture_width, std::vector<T>& whole) {
   if (part.empty()) return;
@@ -80,8 +80,7 @@ void put_rows(const std::vector<T>& part, const kernels::CastTile& tile, int pic
   }
 }
 
-/// Between which two pixels of a row that has `from` one lies, where the row is to have `to`; share: of the second,
-/// 256ths.
+/// Linear interpolation between two pixels of a row. share: weight of the second pixel, in 1/256.
 struct Between {
   std::size_t first, second;
   unsigned share;

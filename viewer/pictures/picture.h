@@ -1,4 +1,4 @@
-/// A picture of a scene, exact: each ray waits for what it needs.
+/// Exact   rendering of a scene's image: each ray waits for the data that it needs.
 #pragma once
 
 #include <cstdint>
@@ -14,49 +14,51 @@
 
 namespace gigabake {
 
-/// Row 0 is the upper one.
+/// An image; row 0 is the top row.
 struct Picture {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgba;  ///< sRGB, straight alpha
-  /// Voxels along the ray to where half of the light is gone; CastRay::no_depth: nowhere.
+  /// Distance along the ray in voxels at which half of the light is absorbed; CastRay::no_depth if there is no such
+  /// point.
   std::vector<float> depth = {};
-  std::vector<float> linear = {};  ///< RGBA, premultiplied, may be brighter than 1; empty where not asked for
+  std::vector<float> linear = {};  ///< RGBA, premultiplied, may exceed 1; empty unless requested
 };
 
-/// What light of a picture is wanted.
+/// The light values that an image stores.
 enum class PictureLight : std::uint8_t {
   srgb,
-  linear_too,  ///< Picture::linear besides
+  linear_too,  ///< sRGB and Picture::linear
 };
 
-/// All zeros.
+/// Returns an image of zeros.
 Picture blank_picture(int width, int height, PictureLight light);
-/// The picture in another size, for want of a better one: colours between pixels, distances of the nearest pixel.
+/// Returns the image in another size, as a preview: interpolated colours, and the depth of the nearest pixel.
 Picture enlarged(const Picture& picture, int width, int height, PictureLight light);
-/// Borrows.
+/// Borrows the image's pixels.
 kernels::CastPixels pixels_of(Picture& picture);
 
-/// The tiles of a picture, from its middle outwards: what is looked at comes first.
+/// Returns the tiles of an image, from its middle outwards, because users look at the middle first.
 std::vector<kernels::CastTile> tiles_of(int width, int height, int edge);
 
-/// What a picture shows of light besides its rays' own.
+/// Background and lighting of an image, applied to the results of its rays.
 struct PictureLook {
   kernels::CastBackground background;
-  std::optional<kernels::CastLighting> lighting = {};  ///< lights surface's own colours, which rays must bring back
-  std::shared_ptr<const kernels::SurfaceShader> shader = {};  ///< of that light; null: kernels::LitShader
+  std::optional<kernels::CastLighting> lighting = {};  ///< lights the surface's own colours, which rays must return
+  std::shared_ptr<const kernels::SurfaceShader> shader = {};  ///< shader of that light; null: kernels::LitShader
   bool blends_levels = false;                                 ///< kernels/cast/level_blend.h
 };
 
-/// The pixels of one tile, into the whole picture. False where `stop` ended it: nothing of it is written then.
-/// Exact   As render(), whatever tiles the picture has.
+/// Renders one tile into the whole image. Returns false if `stop` cancelled it; the image is unchanged then.
+/// Exact   The same pixels as render(), for any tiling.
 bool render_tile(SceneStream& stream, const kernels::CastCamera& camera, const kernels::CastTile& tile,
                  const PictureLook& look, const kernels::StopAsked& stop, Picture& picture);
 
-/// Exact   The same bytes for any number of threads and any memory budget of `stream`. What is damaged is drawn as the
-///         next coarser level that is not; see SceneStream::problems().
-/// Space   8 bytes a pixel, 24 with linear light, and `stream`.
+/// Renders the whole image.
+/// Exact   The same bytes for any number of threads and any memory budget of `stream`. Damaged parts are shown by the
+///         next coarser intact level; see SceneStream::problems().
+/// Space   8 bytes per pixel, 24 with linear light, in addition to `stream`.
 Picture render(SceneStream& stream, const kernels::CastCamera& camera, const PictureLook& look, PictureLight light);
-/// The same, with no more than a background and light.
+/// Renders the whole image with only a background and lighting.
 Picture render(SceneStream& stream, const kernels::CastCamera& camera, const Background& background,
                PictureLight light = PictureLight::srgb, const std::optional<kernels::CastLighting>& lighting = {});
 

@@ -1,4 +1,4 @@
-/// A picture as a PNG file.
+/// Images as PNG files.
 #pragma once
 
 #include <filesystem>
@@ -8,12 +8,13 @@
 
 namespace gigabake {
 
-/// RGB where every pixel is opaque, else RGBA.
-/// Exact   Equal pictures give equal bytes. Errors  std::runtime_error: libpng's message.
+/// Returns the file's bytes: RGB if every pixel is opaque, otherwise RGBA.
+/// Exact   Equal images give equal bytes.
+/// Errors  std::runtime_error: libpng's message.
 std::string encode_png(const Picture& picture);
 
-/// As encode_png(). Replaces `path` atomically.
-/// Errors  InputError: the path and the system's reason; nothing is left behind.
+/// Writes the result of encode_png(). Replaces `path` atomically.
+/// Errors  InputError: the path and the system's reason; no partial file remains.
 void write_png(const std::filesystem::path& path, const Picture& picture);
 
 }  // namespace gigabake

@@ -12,7 +12,7 @@ namespace {
 using Vector = std::array<double, 3>;
 
 constexpr std::size_t rows_at_a_time = 8;
-/// Nearer to the eye than that, in voxels, nothing is drawn.
+/// Min. distance from the eye in voxels; closer parts are not rendered.
 constexpr double nearest = 1e-6;
 
 Vector minus(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
@@ -22,14 +22,14 @@ Vector cross_of(const Vector& a, const Vector& b) {
 }
 Vector vector(const double v[3]) { return {v[0], v[1], v[2]}; }
 
-/// A triangle and the pixels that it can lie in: [x0, x1) × [y0, y1).
+/// A triangle, and the pixels that it may cover: [x0, x1) × [y0, y1).
 struct Placed {
   std::size_t triangle;
-  Vector corner, second, third;  ///< voxels from the eye; the edges from there
+  Vector corner, second, third;  ///< corner: voxels from the eye; second, third: edges from `corner`
   int x0, y0, x1, y1;
 };
 
-/// Where points lie in the picture, in pixels: the part of a triangle that is before the eye.
+/// The extent in image pixels of the part of a triangle in front of the eye.
 struct Extent {
   double x0 = HUGE_VAL, y0 = HUGE_VAL, x1 = -HUGE_VAL, y1 = -HUGE_VAL;
 
@@ -42,7 +42,7 @@ struct Extent {
   }
 };
 
-/// A pixel more on each side than the corners say: what is met is decided by each pixel's ray.
+/// Returns the pixel, with a margin of `more` pixels; each pixel's ray decides about the hit.
 int pixel_at(double v, int count, int more) { return int(std::clamp(std::floor(v) + more, 0.0, double(count))); }
 
 Placed place(const kernels::CastCamera& camera, std::size_t triangle, const std::array<Vector, 3>& p) {
@@ -89,6 +89,7 @@ struct Met {
   float second = 0, third = 0;  ///< weights of the corners
 };
 
+/// Intersects the ray with the triangle.
 /// Source  Möller and Trumbore 1997, "Fast, Minimum Storage Ray/Triangle Intersection".
 Met meet(const Placed& at, const Vector& direction) {
   const Vector p = cross_of(direction, at.third);
@@ -102,7 +103,7 @@ Met meet(const Placed& at, const Vector& direction) {
   return {distance, float(u), float(v)};
 }
 
-/// What the triangle sends towards the eye, in that light: the side that faces the eye is lit.
+/// Returns the radiance of the triangle towards the eye. The side that is visible to the eye is lit.
 std::array<float, 4> lit(const std::array<float, 4>& colour, const Placed& at, const Vector& direction,
                          const kernels::CastLight& light) {
   Vector n = cross_of(at.second, at.third);

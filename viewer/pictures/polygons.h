@@ -1,7 +1,8 @@
-/// Triangles that stand among the voxels of a picture, hide them and are hidden by them.
+/// Triangles among the voxels of an image; triangles and voxels occlude each other.
 ///
-/// They are drawn first, a ray through the middle of each pixel: the first triangle that it meets ends the voxels' ray,
-/// and shows where that leaves light. They lie in the sun and the sky as if nothing stood in it, and cast no shadow.
+/// Triangles are rendered first, with a ray through the middle of each pixel. The first triangle hit ends the voxels'
+/// ray and is shown through the remaining transmittance. Triangles are lit by sun and sky without shadows, and cast no
+/// shadows.
 #pragma once
 
 #include <array>
@@ -20,19 +21,20 @@
 namespace gigabake {
 
 struct PolygonMesh {
-  std::vector<std::array<Point<Scene>, 3>> triangles;  ///< seen from both sides; those that are not finite, from none
-  /// Linear RGBA, premultiplied, where a triangle's second and third corner weigh so much. Below half of alpha nothing
-  /// is there, else all is. Called by several threads.
+  std::vector<std::array<Point<Scene>, 3>> triangles;  ///< visible from both sides; triangles that are not finite are
+                                                       ///< ignored
+  /// Returns linear RGBA, premultiplied, at the given weights of a triangle's second and third corner. A point of alpha
+  /// below 0.5 is a hole, any other is opaque. Called by several threads.
   std::function<std::array<float, 4>(std::size_t triangle, float second, float third)> colour;
 };
 
-/// What a camera sees of them: CastPolygons, of its picture's pixels.
+/// The triangles seen by a camera: CastPolygons, per pixel of its image.
 struct PolygonPicture {
   std::vector<float> distance, rgba;
   kernels::CastPolygons view() const { return {distance.data(), rgba.data()}; }
 };
 
-/// haze: that lies before them.
+/// Renders the triangles. haze: between the eye and the triangles.
 PolygonPicture draw_polygons(const PolygonMesh& mesh, const SceneHeader& scene, const kernels::CastCamera& camera,
                              const kernels::CastLight& light, const kernels::CastHaze& haze, const ThreadPool& policy);
 

@@ -1,4 +1,4 @@
-/// What is to be seen of a scene: from where, which property of it, and in which light.
+/// Description of an image: camera, displayed property and light.
 #pragma once
 
 #include <array>
@@ -20,17 +20,17 @@ enum class ViewMode : std::uint8_t {
   albedo,    ///< the surface's own colour
   normal,    ///< x, y, z from -1 to 1 as red, green, blue
   coverage,  ///< black to white
-  lod,       ///< one colour a level
-  cell,      ///< one colour a cell
-  requests,  ///< red where something finer was asked for, green elsewhere
-  sun,       ///< what the sun alone lights, with shadows
-  sky,       ///< what the sky alone lights, as much of it as is seen
-  shadow,    ///< how much of the sun is seen: white all of it
+  lod,       ///< one colour per level
+  cell,      ///< one colour per cell
+  requests,  ///< red where finer data was requested, green elsewhere
+  sun,       ///< direct sunlight only, with shadows
+  sky,       ///< skylight only, with its occlusion
+  shadow,    ///< visible fraction of the sun: white if all
   height,    ///< by height above the scene's lowest voxel
-  slope,     ///< by how steep the surface is
+  slope,     ///< by the steepness of the surface
 };
 
-/// Whether surfaces stand in each other's light, in ViewMode::lit.
+/// Shadows cast by surfaces in ViewMode::lit.
 enum class Shadows : std::uint8_t { off, on };
 
 template <>
@@ -44,7 +44,7 @@ constexpr auto names_of<ViewMode>() {
       {"lit", "albedo", "normal", "coverage", "lod", "cell", "requests", "sun", "sky", "shadow", "height", "slope"});
 }
 
-/// Whether what lies between two levels is filtered from both.
+/// Interpolation of points between two levels from both levels.
 enum class LevelBlend : std::uint8_t { off, on };
 
 template <>
@@ -60,9 +60,9 @@ struct View {
   SunDirection sun = {};
   Shadows shadows = Shadows::off;
   LevelBlend level_blend = LevelBlend::off;
-  /// In ViewMode::lit, instead of its light (kernels/cast/shader.h); null: none.
+  /// Replaces the light of ViewMode::lit (kernels/cast/shader.h); null: none.
   std::shared_ptr<const kernels::SurfaceShader> shader = {};
-  std::shared_ptr<const PolygonMesh> polygons = {};  ///< that stand among the voxels; null: none
+  std::shared_ptr<const PolygonMesh> polygons = {};  ///< triangles among the voxels; null: none
 };
 
 }  // namespace gigabake

@@ -1,4 +1,4 @@
-/// What drawing a view takes: what voxels must hold, and how rays paint and are lit.
+/// Requirements of a view: the contents of voxels, debug colours and lighting.
 #pragma once
 
 #include <memory>
@@ -9,34 +9,35 @@
 
 namespace gigabake {
 
-/// What a view needs of the pools' bricks.
+/// The contents of the pools' bricks that a view requires.
 struct Filling {
   Surface surface;
-  std::optional<SunDirection> lit_by = {};  ///< voxels are lit as they are put in; else they have their own colours
-  bool cells_alone = false;                 ///< a tree to each cell
+  std::optional<SunDirection> lit_by = {};  ///< light applied to voxels at upload; none: voxels keep their own colours
+  bool cells_alone = false;                 ///< one tree per cell
   friend bool operator==(const Filling&, const Filling&) = default;
 };
 
-/// Which part of the light pixels are lit by, once it is known what stands in it; nothing where voxels are lit as if
-/// nothing did, or not at all.
+/// Returns the part of the light that is applied per pixel after casting. Returns nullopt if voxels are lit at upload
+/// without shadows, or not lit at all.
 std::optional<kernels::CastLightPart> light_part_of(const View& view);
 
 Filling filling_of(const View& view);
 
-/// Modes that show light, as bright as it is.
+/// Returns whether the mode shows light with its intensity.
 bool shows_light(ViewMode mode);
 
 kernels::CastPaint paint_of(ViewMode mode);
 
-/// Null: the light itself. heights: of the scene, for ViewMode::height alone.
+/// Returns the shader; null for the light itself. heights: of the scene, used only by ViewMode::height.
 std::shared_ptr<const kernels::SurfaceShader> shader_of(const View& view, const HeightRange& heights);
 
 bool same_picture(const View& a, const View& b);
 
-/// The polygons of a view as its camera sees them: drawn once for pictures that are the same.
+/// Cache of the rendered polygons of a view, reused for equal images.
 class PolygonPictures {
  public:
-  /// Borrowed until the next call. Range  view.polygons.
+  /// Returns the polygons of the view; borrowed until the next call.
+  /// Range   view.polygons is not null.
   kernels::CastPolygons drawn(const View& view, const kernels::CastCamera& camera, const SceneHeader& scene,
                               const kernels::CastHaze& haze, const ThreadPool& policy);
 

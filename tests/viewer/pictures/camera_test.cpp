@@ -13,7 +13,7 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = HUGE_VAL;
 
-/// Ground that rises to the north, 64 m wide.
+/// Returns ground that rises to the north, 64 m wide.
 const VoxelScene& hillside() {
   static const VoxelScene scene = [] {
     VoxelScene made(64);
@@ -100,7 +100,7 @@ TEST(Camera, HasNorthUpWhereItLooksStraightDown) {
   EXPECT_GT(camera.right[0], 0);
 }
 
-/// Share of the picture's rows and columns that show something.
+/// The rows and columns of the image that show the scene.
 struct Extent {
   int left = 1 << 20, right = -1, top = 1 << 20, bottom = -1;
 };

@@ -1,4 +1,4 @@
-// Clipped pictures: what is shown is as it was, what is not is not there.
+// Clipped images: the shown part is unchanged, the clipped part is absent.
 #include <cmath>
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ PictureOptions clipped_view(const Clip& clip) {
   return options;
 }
 
-/// Where on the ground, at height 13, pixel i of the view looks.
+/// Returns the point of the ground, at height 13, that pixel i of the view shows.
 std::array<double, 2> place_seen(const VoxelScene& scene, const PictureOptions& options, std::size_t i) {
   const kernels::CastCamera camera = make_camera(options.camera, scene.paged(), scene.pages());
   kernels::CastScene nothing;
@@ -25,7 +25,7 @@ std::array<double, 2> place_seen(const VoxelScene& scene, const PictureOptions& 
   return {line.origin[0] + line.direction[0] * to_ground, line.origin[1] + line.direction[1] * to_ground};
 }
 
-/// shown(x, y): how far inside of what is shown a place is, voxels.
+/// shown(x, y): depth of a place inside the shown part in voxels; negative outside.
 template <class Shown>
 void expect_clipped(const Clip& clip, const Shown& shown) {
   const VoxelScene scene = wide_ground();

@@ -17,7 +17,7 @@
 namespace gigabake {
 namespace {
 
-/// What OpenEXR reads; channels that the file lacks are 0.
+/// The channels that OpenEXR reads; a channel absent from the file is 0.
 struct Exr {
   std::string channels;
   int width = 0, height = 0;
@@ -62,7 +62,7 @@ class ExrTest : public testing::Test {
       (std::string("gigabake_exr_") + testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
-/// Of ground with sky above it, or with what `rgba` says.
+/// Renders ground with the given background.
 Picture ground_picture(const Background& background, const std::array<double, 3>& eye_m = {-20, -30, 40}) {
   const VoxelScene scene = wide_ground();
   FrameRenderer::Options options;
@@ -74,13 +74,13 @@ Picture ground_picture(const Background& background, const std::array<double, 3>
       .picture;
 }
 
-/// IEC 61966-2-1, 0 to 255, not rounded.
+/// Returns the code by IEC 61966-2-1, 0 to 255, not rounded.
 double code_of_linear(double linear) {
   const double v = std::fmin(linear, 1);
   return 255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055);
 }
 
-/// docs/viewer.md: what is brighter than 0.6 is bent so that it stays below 1.
+/// Compresses light above 0.6 to below 1 (docs/viewer.md).
 double bent(double light) {
   const double over = std::fmax(light - 0.6, 0);
   return light <= 0.6 ? light : 0.6 + 0.4 * over / (over + 0.4);
@@ -91,7 +91,8 @@ double linear_light(double code) {
   return part <= 0.04045 ? part / 12.92 : std::pow((part + 0.055) / 1.055, 2.4);
 }
 
-/// Of straight light and alpha of a pixel, what its screen shows: the surface's light is bent, a colour behind is not.
+/// Returns the displayed value of straight light and alpha: the surface's light is tone-mapped, a background colour is
+/// not.
 double shown(double light, double alpha, const Background& background, std::size_t channel) {
   if (background.sky) return bent(light);
   const double behind_alpha = background.rgba[3] / 255.0, through = (1 - alpha) / (1 - behind_alpha);

@@ -83,7 +83,7 @@ TEST(FrameRenderer, NeverHoldsMoreThanItMay) {
   for (int i = 0; i < 120; ++i) {
     const Frame frame = renderer.draw(looking({i * 2.0, 300 - i * 3.0, 25.0 + i % 7}, {128, 128, 0}), 0.01);
     uploads += frame.stats.uploads;
-    // What one pass looks at stays beyond the bound: eight bricks' pages a want, and those being read.
+    // Data used by one pass may exceed the bound: eight bricks' pages per request, and pages being read.
     EXPECT_LE(frame.stats.bytes_held, frame.stats.bytes_allowed + 2000000);
     EXPECT_LE(frame.stats.bytes_allowed, 3000000u);
   }
@@ -105,7 +105,7 @@ TEST(FrameRenderer, ShowsCoarserBricksWhileFinerOnesAreMissing) {
   EXPECT_EQ(opaque, first.picture.depth.size());
 }
 
-// 2026-11-22: a full frame could not be ended, and a window was dead for seconds.
+// 2026-11-22: a full frame could not be cancelled, and a window froze for seconds.
 TEST(FrameRenderer, AFrameInTilesEndsWithinAStepWhenAskedAndComesToTheSameBits) {
   const VoxelScene scene = wide_ground(64);
   const View view = looking({-20, -30, 60}, {128, 128, 0}, 260), other = looking({200, 40, 50}, {128, 128, 0}, 90);
@@ -145,7 +145,7 @@ TEST(FrameRenderer, AStoppedPassOfRaysGoesOnWithTheSameBits) {
   const View view = looking({-20, -30, 60}, {128, 128, 0}, 160);
   SceneStream stream(scene.paged(), scene.pages(), {}, policy);
   const kernels::CastCamera camera = make_camera(view.camera, scene.paged(), scene.pages());
-  const Picture expected = render(stream, camera, {});  // everything is here now
+  const Picture expected = render(stream, camera, {});  // everything is resident now
   kernels::Caster& caster = stream.caster();
   caster.start(camera, {0, 0, 160, 160});
   int passes = 0;
@@ -160,7 +160,7 @@ TEST(FrameRenderer, AStoppedPassOfRaysGoesOnWithTheSameBits) {
   EXPECT_EQ(picture.rgba, expected.rgba);
 }
 
-// 2026-11-22: first frames were bare sky, since only what rays had met was asked for.
+// 2026-11-22: first frames showed only sky, because only data that rays had reached was requested.
 TEST(FrameRenderer, AFirstSketchHasASurfaceWhereverTheFinalPictureHas) {
   const VoxelScene scene = wide_ground(64);
   for (const auto& eye_m :

@@ -1,4 +1,4 @@
-// Filtering between levels: where the second ray has a share, which level it is on, and what pictures make of it.
+// Blending between levels: weight and level of the second ray, and its effect in images.
 #include "kernels/cast/level_blend.h"
 
 #include <cmath>
@@ -55,7 +55,7 @@ View ground_view(double distance, double middle, LevelBlend blend) {
   return out;
 }
 
-/// The largest change of a pixel's channel between two pictures, of the middle of the picture.
+/// Returns the max. difference of a channel between two images, in the middle of the image.
 int largest_change(const Picture& a, const Picture& b) {
   int most = 0;
   for (std::size_t y = 40; y < 56; ++y)
@@ -67,7 +67,7 @@ int largest_change(const Picture& a, const Picture& b) {
   return most;
 }
 
-/// 256 voxels a side.
+/// Returns ground of 256 × 256 voxels.
 VoxelScene flat_ground() {
   VoxelScene scene(64);
   for (std::int64_t y = 0; y < 4; ++y)
@@ -81,7 +81,7 @@ VoxelScene flat_ground() {
   return scene;
 }
 
-/// With levels painted: without blending pixels change from one colour to another at once, with it never by much.
+/// Levels in debug colours: without blending pixels jump from one colour to another; with blending changes are small.
 TEST(LevelBlend, NoPixelJumpsFromLevelToLevelAsTheEyeMoves) {
   const VoxelScene scene = flat_ground();
   FrameRenderer::Options options;

@@ -1,5 +1,5 @@
-// Scenes that are drawn from their root down: the same pictures as of one cell that holds all, and no hole where
-// something is damaged.
+// Scenes rendered from their root down: the same images as of one cell that holds everything, and no holes at damaged
+// shards.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::int64_t ground_edge = 128;  ///< of the scene
 
-/// Rolling ground, two voxels thick, and posts.
+/// Paints rolling ground, two voxels thick, and posts.
 std::optional<Paint> hills(std::int64_t x, std::int64_t y, std::int64_t z) {
   if (x < 0 || y < 0 || x >= ground_edge || y >= ground_edge) return {};
   const double ground = 30 + 9 * std::sin(double(x) / 13) + 7 * std::cos(double(y) / 11);
@@ -36,7 +36,7 @@ VoxelScene whole() {
   return scene;
 }
 
-/// Cells of 8³, parents of 64³ and the root, whose one level is as large as the scene.
+/// Returns cells of 8³, overviews of 64³, and a root whose only level is as large as the scene.
 VoxelScene paint_in_three_tiers() {
   VoxelScene scene(8);
   scene.add_cells(hills, {0, 0, 0}, ground_edge);
@@ -51,8 +51,8 @@ const VoxelScene& in_three_tiers() {
   return scene;
 }
 
-/// Cells of 16³ at any voxel of their coarsest level, parents of 128³ that copy their level 1, and a root that copies
-/// all that the parents have.
+/// Returns cells of 16³ at any voxel of their coarsest level. Overviews of 128³ duplicate level 1 of the cells, and a
+/// root duplicates all levels of the overviews.
 VoxelScene paint_with_copies() {
   VoxelScene scene(16);
   for (std::int64_t y = 0; y < 8; ++y)
@@ -68,7 +68,7 @@ const VoxelScene& with_copies() {
   return scene;
 }
 
-/// Cells of 32³ that begin at any voxel of their coarsest level, below a root that begins at half of its edge.
+/// Returns cells of 32³ that begin at any voxel of their coarsest level, below a root that begins at half of its edge.
 VoxelScene in_stacks() {
   VoxelScene scene(32);
   for (std::int64_t y = 0; y < 4; ++y)
@@ -122,7 +122,7 @@ TEST(DrawnFromParents, IsWhatOneCellOfAllShows) {
     }
 }
 
-/// From near enough that the one cell has all levels that the root has.
+/// Compares views that are near enough for the single cell to have all levels of the root.
 void expect_alike(const VoxelScene& one, const VoxelScene& many) {
   FrameRenderer expected = renderer_of(one, one.pages()), drawn = renderer_of(many, many.pages());
   for (const Eye& eye : std::span(eyes).first(4)) {
@@ -135,7 +135,7 @@ void expect_alike(const VoxelScene& one, const VoxelScene& many) {
 
 TEST(DrawnFromParents, ShowsNoSeamWhereStacksOfCellsBeginAnywhere) { expect_alike(whole(), in_stacks()); }
 
-/// Which shards the picture needs, of which that many pixels show something.
+/// Returns the shards that the image needs; the image must show the scene in at least `least_covered` pixels.
 std::set<std::uint32_t> shards_read(const VoxelScene& scene, const Eye& eye, std::size_t least_covered) {
   std::mutex mutex;
   std::set<std::uint32_t> shards;
@@ -164,7 +164,7 @@ TEST(DrawnFromParents, ReadsCopiesInPlaceOfCells) {
   EXPECT_EQ(shards_read(scene, eyes[3], 100), root_alone(scene)) << "whose copies reach down to level 1";
 }
 
-/// Pages of one shard cannot be read.
+/// Returns a source in which the pages of one shard cannot be read.
 PageSource damaged(const VoxelScene& scene, std::uint32_t shard) {
   return [inner = scene.pages(), shard](const PageKey& key) {
     if (key.shard == shard) throw InputError("shards/damaged.h5", "", "no such file");
@@ -182,7 +182,7 @@ TEST(DrawnFromParents, ShowsTheParentWhereACellIsDamaged) {
   const VoxelScene& scene = in_three_tiers();
   const View near = at({{36, 36, 70}, {36.1, 36, 30}, 1});
   const Picture expected = renderer_of(scene, scene.pages()).draw_exact(near).picture;
-  std::uint32_t below = 0;  // the camera
+  std::uint32_t below = 0;  // shard below the camera
   for (std::uint32_t c = 0; c < scene.description().cells.size(); ++c)
     if (scene.description().cells[c].lattice_min[0] == 32 && scene.description().cells[c].lattice_min[1] == 32)
       below = c;
@@ -205,7 +205,7 @@ TEST(DrawnFromParents, ShowsTheCellsWhereAParentIsDamaged) {
     EXPECT_EQ(renderer.problems().size(), parent == last ? 0u : 1u) << "of the root nothing is needed from near";
     const View far = at({{64, 60, 300}, {64, 64, 20}, 6});
     const std::size_t covered = mostly_covered_pixels(whole.draw_exact(far).picture);
-    if (parent == last) continue;  // nothing stands for the root
+    if (parent == last) continue;  // the root has no fallback
     EXPECT_GE(mostly_covered_pixels(renderer.draw_exact(far).picture), covered * 9 / 10);
   }
 }
@@ -215,7 +215,7 @@ TEST(DrawnFromParents, TakesFromItsChildrenWhatADamagedParentHasCopiesOf) {
   const auto first = std::uint32_t(scene.description().cells.size());
   const auto root = first + std::uint32_t(scene.description().parents.size()) - 1;
   FrameRenderer whole = renderer_of(scene, scene.pages()), renderer = renderer_of(scene, damaged(scene, root));
-  for (const std::size_t eye : {1u, 3u}) {  // that see levels 1 to 3
+  for (const std::size_t eye : {1u, 3u}) {  // these eyes see levels 1 to 3
     EXPECT_EQ(renderer.draw_exact(at(eyes[eye])).picture.rgba, whole.draw_exact(at(eyes[eye])).picture.rgba) << eye;
     EXPECT_EQ(renderer.problems().size(), 1u) << "it is said";
   }
@@ -233,7 +233,7 @@ TEST(DrawnFromParents, TakesCellsWhereAParentIsMissing) {
   EXPECT_EQ(draw(description).rgba, draw(scene.description()).rgba);
 }
 
-/// Pages come from memory, but for what the scene's own pages list. Cells have other numbers there.
+/// Returns pages from memory, except the index pages of the scene. Cells have other numbers there.
 PageSource with_pages_of(const std::shared_ptr<NumberedShards>& numbers, const VoxelScene& scene) {
   return [numbers, inner = scene.pages()](PageKey key) {
     if (key.part <= PageKey::listing) return numbers->listing(key);
@@ -242,7 +242,7 @@ PageSource with_pages_of(const std::shared_ptr<NumberedShards>& numbers, const V
   };
 }
 
-/// The scene of three tiers, of which pages list cells and parents. Its shards are in memory.
+/// The scene of paint_in_three_tiers(); pages index its cells and overviews. Its shards are in memory.
 struct InPages {
   InPages() {
     SceneDescription description = scene.description();

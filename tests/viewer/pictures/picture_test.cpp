@@ -26,7 +26,7 @@ double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] 
 
 Vector of(const std::optional<Point<Scene>>& p) { return {p->x, p->y, p->z}; }
 
-/// The line of sight of a pixel's middle, from the definition of a pinhole camera.
+/// Returns the view direction of a pixel's middle, from the definition of a pinhole camera.
 Vector direction(const CameraOptions& c, int x, int y) {
   const Vector eye = of(c.eye_m), target = of(c.target_m);
   const Vector forward = unit({target[0] - eye[0], target[1] - eye[1], target[2] - eye[2]});
@@ -44,7 +44,7 @@ struct Ball {
   double distance_to(double x, double y, double z) const {
     return std::hypot(x - centre[0], y - centre[1], z - centre[2]);
   }
-  /// Smallest distance from the centre along a ray.
+  /// Returns the min. distance of a ray from the centre.
   double distance_to_ray(const Vector& eye, const Vector& d) const {
     const Vector to{centre[0] - eye[0], centre[1] - eye[1], centre[2] - eye[2]};
     return std::sqrt(std::max(0.0, dot(to, to) - dot(to, d) * dot(to, d)));
@@ -55,7 +55,7 @@ struct Ball {
       return Paint{{200, std::uint8_t(x * 4), std::uint8_t(z * 4), 255}, {}};
     };
   }
-  /// Every voxel cube that the sphere passes through: what a bake of its surface holds.
+  /// Paints every voxel that the sphere intersects, like a bake of its surface.
   Painter shell() const {
     return [*this](std::int64_t x, std::int64_t y, std::int64_t z) -> std::optional<Paint> {
       double nearest = 0, farthest = 0;
@@ -73,8 +73,8 @@ struct Ball {
 
 constexpr Ball ball{{31.3, 32.1, 30.7}, 26};
 
-/// Opaque (at least `least`) where the ray passes well inside of the ball, background where it misses it, for voxels of
-/// `voxel_m`.
+/// Expects alpha ≥ `least` where the ray passes well inside the ball, and background where the ray misses it; voxels
+/// have the size `voxel_m`.
 void expect_silhouette(const Picture& p, const CameraOptions& c, const Ball& b, double voxel_m, int least = 255) {
   for (int y = 0; y < p.height; ++y)
     for (int x = 0; x < p.width; ++x) {
@@ -102,7 +102,7 @@ TEST(Picture, HasNoCrackInAClosedSurfaceOnAnyLevel) {
       PictureOptions options = view(eye, {31, 32, 30}, 120);
       options.camera.pixel_error = error;
       SCOPED_TRACE(testing::Message() << "pixel error " << error << ", eye " << eye[0]);
-      // Voxels of the level that a ball this far away is shown with.
+      // Voxel size of the level at which a ball at this distance is rendered.
       const double pixel_m = 2 * std::tan(20 * std::numbers::pi / 180) / 120 * 220;
       const double voxel_m = std::exp2(std::floor(std::log2(pixel_m) + 1)) * std::max(1.0, error);
       expect_silhouette(take(scene, options), options.camera, ball, std::min(voxel_m, 8.0), error > 1 ? 250 : 255);
@@ -134,7 +134,7 @@ TEST(Picture, ShowsACheckerOfVoxelsWhereTheyAre) {
         return white ? Paint{{255, 255, 255, 255}, {}} : Paint{{0, 0, 0, 255}, {}};
       },
       {0, 0, 0});
-  PictureOptions options = view({8, 8, 3000}, {8, 8, 0}, 160);  // ten pixels a voxel, north is up
+  PictureOptions options = view({8, 8, 3000}, {8, 8, 0}, 160);  // ten pixels per voxel, north is up
   options.camera.fovy_deg = 2 * std::atan(8.0 / 2996.5) * 180 / std::numbers::pi;
   const Picture picture = take(scene, options);
   for (int y = 1; y < 15; ++y)
@@ -163,7 +163,7 @@ TEST(Picture, CoversAPlaneUpToItsHorizonWithoutAGap) {
   }
 }
 
-/// Voxels of random colour and coverage, in half of the places.
+/// Paints voxels of random colour and coverage; half of the voxels exist.
 Painter noise() {
   return [](std::int64_t x, std::int64_t y, std::int64_t z) -> std::optional<Paint> {
     std::uint64_t h = std::uint64_t((x * 73856093) ^ (y * 19349663) ^ (z * 83492791)) * 0x9e3779b97f4a7c15ull;
@@ -201,9 +201,9 @@ TEST(Picture, IsTheSameWhereNeighbouringCellsAreEmptyAndAbsent) {
 TEST(Picture, ShowsConstantNodesAsTheBricksTheyStandFor) {
   const Painter blocks = [](std::int64_t x, std::int64_t y, std::int64_t z) -> std::optional<Paint> {
     const bool solid = x < 32 && y < 32 && z < 32;                    // a leaf-constant branch
-    const bool mist = x >= 32 && y < 32 && z < 32;                    // constant nodes, their coverage differs
+    const bool mist = x >= 32 && y < 32 && z < 32;                    // constant nodes of different coverages
     const bool box = x >= 40 && x < 48 && y >= 8 && y < 16 && z < 8;  // a leaf-constant brick
-    const bool grain = (x & y & z & 4) != 0 && x >= 32;               // bricks that are not
+    const bool grain = (x & y & z & 4) != 0 && x >= 32;               // bricks that are not constant
     if (solid) return Paint{{250, 120, 30, 255}, {20, 30}};
     if (box) return Paint{{20, 120, 230, 20}, {}};
     if (mist) return Paint{{180, 190, 200, 9}, {}};

@@ -1,4 +1,4 @@
-// Polygons among voxels: a cube in a forest hides and is hidden as its closed form and the voxels' own depth say.
+// Polygons among voxels: a cube in a forest, compared with its closed form and the voxels' own depth.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,7 +11,7 @@
 namespace gigabake {
 namespace {
 
-/// Trunks on a floor.
+/// Returns trunks on a floor.
 VoxelScene forest() {
   VoxelScene scene(64);
   scene.add_cell(
@@ -24,7 +24,7 @@ VoxelScene forest() {
   return scene;
 }
 
-constexpr double low = 20, high = 38;  ///< of the cube, along each axis
+constexpr double low = 20, high = 38;  ///< the cube's extent along each axis
 
 std::shared_ptr<const PolygonMesh> cube() {
   const auto corner = [](int i) {
@@ -40,7 +40,7 @@ std::shared_ptr<const PolygonMesh> cube() {
   return mesh;
 }
 
-/// Distance along a ray to the cube; infinite: it passes by.
+/// Returns the distance along a ray to the cube; infinity if the ray misses it.
 double distance_to_cube(const kernels::CastLine& line) {
   double enter = 0, leave = HUGE_VAL;
   for (int a = 0; a < 3; ++a) {
@@ -51,7 +51,7 @@ double distance_to_cube(const kernels::CastLine& line) {
   return enter <= leave ? enter : HUGE_VAL;
 }
 
-/// Whether a pixel or one beside it has another value.
+/// Returns whether a pixel and one of its neighbours differ.
 bool is_at_border(const std::vector<bool>& mask, int edge, int x, int y) {
   const auto at = [&](int i, int j) { return mask[std::size_t(j) * std::size_t(edge) + std::size_t(i)]; };
   for (int j = std::max(y - 1, 0); j <= std::min(y + 1, edge - 1); ++j)

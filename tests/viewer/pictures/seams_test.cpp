@@ -1,4 +1,4 @@
-// One scene, cut into one cell or into four by four: the pictures tell no difference.
+// One scene as a single cell and as 4 × 4 cells: the images are equal.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -11,10 +11,11 @@ namespace gigabake {
 namespace {
 
 constexpr int scene_edge = 256;
-constexpr int picture_edge = 160;  ///< of a picture
-constexpr int least_share = 32;    ///< of its pixels, one in so many at least shows the scene; from afar one in 15 does
+constexpr int picture_edge = 160;  ///< of an image
+constexpr int least_share = 32;    ///< min. fraction of its pixels that show the scene is 1/32; from far away it is
+                                   ///< about 1/15
 
-/// Rolling, painted ground, two voxels thick, and posts on it that cross the borders of cells.
+/// Paints rolling ground, two voxels thick, and posts that cross the borders of cells.
 std::optional<Paint> landscape(std::int64_t x, std::int64_t y, std::int64_t z) {
   const double ground = 28 + 12 * std::sin(double(x) / 21) + 9 * std::cos(double(y) / 17);
   const bool post = x % 32 < 2 && y % 32 < 2 && double(z) < ground + 14;
@@ -30,7 +31,7 @@ VoxelScene cut_into(std::uint32_t cell_voxels) {
   return scene;
 }
 
-/// Levels up to 3: the small cells' coarsest.
+/// A view; levels up to 3, the coarsest of the small cells.
 struct Place {
   std::array<double, 3> eye_m, target_m;
   double pixel_error;
@@ -49,7 +50,7 @@ FrameRenderer renderer_of(const VoxelScene& scene) {
   return FrameRenderer(scene.description(), "scene.xml", scene.pages(), options);
 }
 
-/// Pixels that show something of the scene: two pictures of nothing are equal, too.
+/// Counts the pixels that show the scene, because two empty images are equal, too.
 std::size_t covered_pixels(const Picture& picture) {
   std::size_t covered = 0;
   for (std::size_t i = 3; i < picture.rgba.size(); i += 4) covered += picture.rgba[i] != 0;
@@ -66,7 +67,7 @@ int largest_difference(const Picture& a, const Picture& b) {
   return largest;
 }
 
-/// Voxels; infinite where one of the two is no number, or meets the scene and the other one does not.
+/// Returns the difference in voxels; infinity if a value is NaN or only one of the rays hits the scene.
 float difference(float a, float b) {
   if (a == b) return 0;
   const bool both_met = a < kernels::CastRay::no_depth && b < kernels::CastRay::no_depth;
