@@ -20,7 +20,7 @@ void expect_seconds(const char* option, double s, double least) {
   throw UsageError(fmt::format("{}: expected {:g} to 1e6 seconds, got {:g}", option, least, s));
 }
 
-/// As shards name them, with commas.
+/// Returns the channel names with commas; shards separate them by spaces.
 std::string with_commas(std::string names) {
   std::replace(names.begin(), names.end(), ' ', ',');
   return names;
@@ -87,7 +87,9 @@ void BakeOptions::add_to(CLI::App& command) {
 BakeRequest BakeOptions::request_of(MpiSession& mpi) const {
   BakeRequest own;
   check_options_together(mpi, [&] {
-    if (mpi.rank() == 0) expect_source(source);  // other ranks may have another working directory
+    if (mpi.rank() == 0)
+      expect_source(source);  // the path is checked on rank 0 only, because other ranks may have
+                              // another working directory
     own = checked_request();
   });
   return own;

@@ -9,20 +9,22 @@
 
 namespace gigabake::app {
 
-/// The request as the parser fills it, and as typed what is more than one value; request() completes it.
+/// The request that the parser fills, and the options that need further parsing as typed. request() combines both.
 struct BakeOptions {
-  BakeRequest asked;  ///< whose defaults the help says
+  BakeRequest asked;  ///< its defaults are shown in the help
   std::string source, out, metrics, report, voxel_size, channels, lattice_origin, origin;
   std::optional<std::uint64_t> memory_bytes;
   bool json = false, quiet = false;
-  std::optional<bool> log_time;  ///< none: where standard error is not a terminal
+  std::optional<bool> log_time;  ///< unset: log times if standard error is not a terminal
 
   BakeOptions();
   void add_to(CLI::App& command);
-  /// Collective. Returns this rank's own request. Errors  CollectiveUsageError: what was expected of which option;
-  /// CollectiveFailure: rank 0 finds that SCENE is no source.
+  /// Collective. Returns this rank's own request.
+  /// Errors  CollectiveUsageError: the option and its expected value. CollectiveFailure: rank 0 finds that SCENE is not
+  ///         a source.
   BakeRequest request_of(MpiSession& mpi) const;
-  /// Of a process that bakes alone. Errors  UsageError and InputError, as request_of().
+  /// Returns the request of a process that bakes without MPI.
+  /// Errors  UsageError and InputError, for the same reasons as request_of().
   BakeRequest request() const;
 
  private:

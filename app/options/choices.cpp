@@ -5,7 +5,7 @@
 namespace gigabake::app {
 namespace {
 
-constexpr std::size_t longest_list = 200;  // characters: a message is one line
+constexpr std::size_t longest_list = 200;  // characters; longer lists do not fit into a one-line message
 
 }  // namespace
 

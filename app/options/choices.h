@@ -1,4 +1,5 @@
-/// Options that take one of a few words: the parser refuses others, and help, manual and completion list them all.
+/// Options that accept one of a few words. The parser rejects other words; help, manual and completion list all of
+/// them.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -10,21 +11,23 @@
 
 namespace gigabake::app {
 
-/// "auto, cpu, cuda"
+/// Returns the words with separators between them, for example "auto, cpu, cuda".
 std::string joined(const std::vector<std::string>& words, const char* separator = ", ");
 
-/// For CLI::Option::check(). The words may hold commas. CLI11's own IsMember says "gpu not in {auto,cpu}", and writes
-/// that list, in which words with commas cannot be told apart, where completion finds it.
+/// Returns a validator for CLI::Option::check() that accepts only `words`, which may contain commas. It replaces
+/// CLI11's IsMember, whose message is "gpu not in {auto,cpu}". In IsMember's list, completion could not separate words
+/// that contain commas.
 CLI::Validator one_of(const std::vector<std::string>& words);
 
-/// Of an enum with names_of().
+/// Returns the names of an enum that has names_of().
 template <class Enum>
 std::vector<std::string> words_of() {
   constexpr auto names = names_of<Enum>();
   return {names.begin(), names.end()};
 }
 
-/// An option that takes a value's name. The default is `value`, which lives as long as the command; the help says it.
+/// Adds an option that takes the name of an enum value. The default is `value`, which must outlive the command; the
+/// help shows the default.
 template <class Enum>
 CLI::Option* add_choice(CLI::App& command, const std::string& name, Enum& value, const std::string& description) {
   const auto take = [&value](const std::string& word) { value = value_named<Enum>(word).value(); };
@@ -32,7 +35,7 @@ CLI::Option* add_choice(CLI::App& command, const std::string& name, Enum& value,
       ->default_str(std::string(name_of(value)))
       ->check(one_of(words_of<Enum>()));
 }
-/// None where the option is not given.
+/// Adds an option that leaves `value` empty if it is not given.
 template <class Enum>
 CLI::Option* add_choice(CLI::App& command, const std::string& name, std::optional<Enum>& value,
                         const std::string& description) {
@@ -40,7 +43,7 @@ CLI::Option* add_choice(CLI::App& command, const std::string& name, std::optiona
   return command.add_option_function<std::string>(name, take, description)->check(one_of(words_of<Enum>()));
 }
 
-/// The choices in a type's name as one_of() writes it, "TEXT:{auto|cpu|cuda}"; none where it has no list.
+/// Returns the choices in a type name that one_of() wrote, such as "TEXT:{auto|cpu|cuda}"; empty if it has no list.
 std::vector<std::string> choices_in(const std::string& type_name);
 
 }  // namespace gigabake::app

@@ -8,7 +8,7 @@
 namespace gigabake::app {
 namespace {
 
-/// Fields as UsageError and messages name them (lattice/error.h), and the option that sets each.
+/// The field names that UsageError and messages use (lattice/error.h), with the option that sets each field.
 constexpr auto flags = std::to_array<std::pair<std::string_view, std::string_view>>({
     {"backend", "--backend"},
     {"bind", "--bind"},
@@ -73,7 +73,7 @@ std::string with_flags(const std::string& message) {
     const std::string_view name = std::string_view(message).substr(open + 1, close - open - 1);
     const auto* const flag = std::find_if(flags.begin(), flags.end(), [&](const auto& f) { return f.first == name; });
     text += message.substr(at, open - at);
-    // What is no field may be a file's text, whose second mark can be the first of a field.
+    // If the name is not a field, it may be text of a file. Its closing mark can then be the opening mark of a field.
     text += flag != flags.end() ? std::string(flag->second) : message.substr(open, close - open);
     at = flag != flags.end() ? close + 1 : close;
   }

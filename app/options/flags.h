@@ -1,4 +1,4 @@
-/// What the libraries call a field, the command line calls an option: "`cell_voxels`" becomes "--cell-voxels".
+/// Conversion of library field names to command-line options: "`cell_voxels`" becomes "--cell-voxels".
 #pragma once
 
 #include <exception>
@@ -8,10 +8,10 @@
 
 namespace gigabake::app {
 
-/// Everything that a library says goes through here before a person reads it. JSON for programs keeps the fields.
+/// Replaces fields by options in a library message that a person reads. JSON for programs keeps the field names.
 std::string with_flags(const std::string& message);
 
-/// What to print of an exception: its reason, with options where the libraries have fields.
+/// Returns the reason of an exception, with options in place of library field names.
 inline std::string said(const std::exception& error) { return with_flags(reason_of(error)); }
 
 }  // namespace gigabake::app

@@ -43,8 +43,8 @@ std::vector<std::string> words_of(std::string_view name) {
   return words;
 }
 
-/// Returns true if one letter more, less or other, or two neighbours that changed places, make one word of the other.
-/// A different last letter is a suffix, and no typo, unless it repeats the letter before it.
+/// Returns true if one inserted, removed or replaced letter, or a swap of two neighbours, turns one word into the
+/// other. A different last letter is a suffix and not a typo, unless it repeats the letter before it.
 bool is_one_typo_apart(std::string_view a, std::string_view b) {
   if (a.size() < b.size()) std::swap(a, b);
   if (a.size() < min_word_letters) return false;

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Absolute and without links; need not exist.
+/// Returns the absolute path with links resolved. The path need not exist.
 fs::path plain(const fs::path& path) {
   std::error_code error;
   const fs::path p = fs::weakly_canonical(fs::absolute(path, error), error);
@@ -22,7 +22,7 @@ fs::path plain(const fs::path& path) {
 
 bool is_at_or_below(const fs::path& path, const fs::path& folder) { return is_within(plain(folder), plain(path)); }
 
-/// Whether a file of the folder is this one under another name.
+/// Returns true if a file in `folder` is the same file as `file` under another name.
 bool has_hard_link_in(const fs::path& folder, const fs::path& file) {
   std::error_code error, ignored;
   for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error))

@@ -1,4 +1,4 @@
-/// Names of files to write, checked before anything is done: none may be what the command reads.
+/// Checks of output file names before the work starts: an output file must not be an input of the command.
 #pragma once
 
 #include <filesystem>
@@ -8,20 +8,22 @@
 
 namespace gigabake::app {
 
-/// Checks the file that `option` names, if it names one.
-/// Errors  InputError: it is no regular file; it is one of `inputs` or lies in a folder of them, under any name (links
-///         are followed, hard links are recognised).
+/// Checks the file that `option` names; does nothing if `name` is empty.
+/// Errors  InputError: the file is not a regular file, is one of `inputs`, or lies in a folder of `inputs`. Links are
+///         followed and hard links are recognised.
 void expect_no_input(const char* option, const std::string& name, const std::vector<std::filesystem::path>& inputs);
 
-/// Checks that the folder of a file or folder that `option` names exists, so that a command fails before its work and
-/// not after it. `made`: a folder that the command makes. Errors  InputError: the folder, and how to make it.
+/// Checks that the parent folder of the path that `option` names exists, so that a command fails before its work. made:
+/// a folder that the command creates itself.
+/// Errors  InputError: the folder is missing, with the command that creates it, or it is a file.
 void expect_parent_folder(const char* option, const std::string& name, const std::filesystem::path& made = {});
 
-/// As expect_no_input(), of a file that later runs of the command replace: what is there must begin as one of its own.
+/// Checks a file that later runs replace, like expect_no_input(). An existing file must also begin with `beginning` or
+/// be empty.
 void expect_own_file(const char* option, const std::string& name, std::string_view beginning,
                      const std::vector<std::filesystem::path>& inputs);
 
-/// Files and folders that a bake keeps in OUT, whether they are there yet or not.
+/// Returns the files and folders that a bake keeps in OUT, including those that do not exist yet.
 std::vector<std::filesystem::path> files_of_bake(const std::filesystem::path& out);
 
 }  // namespace gigabake::app

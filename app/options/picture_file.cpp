@@ -12,7 +12,7 @@
 namespace gigabake::app {
 namespace {
 
-constexpr int jpeg_quality = 92;  // with all of its colour (viewer/pictures/jpeg.h)
+constexpr int jpeg_quality = 92;  // 4:4:4, without chroma subsampling (viewer/pictures/jpeg.h)
 
 }  // namespace
 

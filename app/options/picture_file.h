@@ -1,4 +1,4 @@
-/// Pictures as files whose kind their names say.
+/// Image files; the file name's suffix selects the format.
 #pragma once
 
 #include <string>
@@ -9,10 +9,12 @@ namespace gigabake::app {
 
 enum class PictureFormat { png, jpeg, exr };
 
-/// By the suffix, in any case: .png, .jpg or .jpeg, .exr. Errors  UsageError: another one, or none.
+/// Returns the format for the suffix, in any case: .png, .jpg or .jpeg, .exr.
+/// Errors  UsageError: another suffix, or none.
 PictureFormat picture_format(const char* option, const std::string& name);
 
-/// exr: light and depth. Errors  InputError: the file and the system's reason; nothing is left behind.
+/// Writes an image. An EXR file contains light and depth.
+/// Errors  InputError: the file and the system's reason; no partial file remains.
 void write_picture(const std::string& name, const Picture& picture, double voxel_size_m);
 
 }  // namespace gigabake::app

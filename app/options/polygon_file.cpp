@@ -11,7 +11,7 @@ std::shared_ptr<const PolygonMesh> read_polygons(const std::filesystem::path& fi
   options.local = true;
   const SceneSources sources = open_sources(file, options);
   if (!sources.skipped.empty()) throw InputError(file, sources.skipped.front().name, sources.skipped.front().reason);
-  BakeParameters metres;  // a lattice whose unit is the metre, and its origin the scene's
+  BakeParameters metres;  // a lattice whose unit is one metre and whose origin is the scene's origin
   metres.voxel_size_m = 1;
   const auto source =
       std::make_shared<const SourceTriangles>(sources, metres, threads > 0 ? threads : host_limits().cores());

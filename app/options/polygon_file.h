@@ -1,4 +1,4 @@
-/// A mesh file whose triangles stand among the voxels of a picture.
+/// Reader of a mesh file whose triangles are rendered together with the voxels.
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,9 @@
 
 namespace gigabake::app {
 
-/// Any mesh file that a bake reads. Its coordinates are scene metres, y up in glTF as ever; colours and textures as a
-/// bake takes them. Errors  InputError: not to be read; no triangles.
+/// Reads any mesh file that a bake reads. Its coordinates are scene metres; glTF is y up. Colours and textures are read
+/// as in a bake.
+/// Errors  InputError: the file cannot be read, or has no triangles.
 std::shared_ptr<const PolygonMesh> read_polygons(const std::filesystem::path& file, int threads);
 
 }  // namespace gigabake::app

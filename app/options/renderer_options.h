@@ -1,4 +1,4 @@
-/// Options of every command that draws: where rays are cast, and how much memory that may take.
+/// Options of every command that renders: the device that casts rays, and its memory limits.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -17,13 +17,13 @@ struct RendererArguments {
   Backend backend = Backend::automatic;
 };
 
-/// Of lit pictures.
+/// Options of lit images.
 struct LightArguments {
   std::string haze = "off";
   double exposure_stops = 0;
 };
 
-/// What a view is besides its camera and mode.
+/// Options of a view other than its camera and mode.
 struct SunArguments {
   std::string sun, time;
   Shadows shadows = Shadows::off;
@@ -35,10 +35,10 @@ void add_sun_options(CLI::App& command, SunArguments& arguments);
 /// Errors  UsageError.
 void set_light(const LightArguments& arguments, FrameRenderer::Options& options);
 
-/// Where the sun stands, whether it casts shadows, and whether levels are blended.
-/// Errors  UsageError: as above; --time, and the scene has no place on the earth.
+/// Sets the sun's position, the shadows and the level blending of `view`.
+/// Errors  UsageError: an invalid value; --time for a scene that has no position on the earth.
 void set_sun(const SunArguments& arguments, const SceneHeader& scene, View& view);
-/// Says where a time puts the sun, and that there is none by night.
+/// Prints the sun's position at --time, and a line if the sun is below the horizon.
 void tell_sun(const SunArguments& arguments, const View& view);
 
 void add_renderer_options(CLI::App& command, RendererArguments& arguments);

@@ -45,7 +45,7 @@ Named kind_of_folder(const fs::path& folder) {
   return Named::unknown;
 }
 
-/// By its first bytes, then by its suffix.
+/// Classifies a file by its first bytes, then by its suffix.
 Named kind_of_file(const fs::path& path) {
   std::string head(1024, '\0');
   std::ifstream file(path, std::ios::binary);
@@ -78,7 +78,8 @@ void expect_baked(const fs::path& given, Named kind) {
     throw InputError(given, "", "has no scene.xml; expected OUT of a bake, or OUT/scene.xml");
 }
 
-/// A .json may be a report; a tileset and everything else are sources. Empty where there is none.
+/// Returns the first source in the folder, or an empty path. Ignores .json files except tileset.json, because they may
+/// be reports.
 fs::path first_source_in(const fs::path& folder) {
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
@@ -96,7 +97,7 @@ bool is_there(const fs::path& path) {
   return fs::exists(path, error);
 }
 
-/// Returns a bake's folder beside `out` for whose name that of `out` may be a typo; empty if there is none.
+/// Returns a bake's folder next to `out` whose name differs from that of `out` by a typo; empty if there is none.
 fs::path similar_bake(const fs::path& out, const fs::path& parent) {
   const std::string name = out.filename().string();
   std::error_code error;
@@ -108,7 +109,8 @@ fs::path similar_bake(const fs::path& out, const fs::path& parent) {
   return {};
 }
 
-/// OUT/scene.xml of a bake that is still to start. Errors  InputError: a name that looks like a typo.
+/// Returns OUT/scene.xml of a bake that has not started yet.
+/// Errors  InputError: a name that looks like a typo, or that cannot become the folder of a bake.
 fs::path future_scene(const fs::path& given) {
   const bool names_scene = given.filename() == "scene.xml" || !given.has_filename();
   const fs::path named = names_scene ? given.parent_path() : given;

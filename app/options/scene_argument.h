@@ -1,4 +1,4 @@
-/// What somebody named on the command line where a baked scene, or a source, is asked for.
+/// Paths of baked scenes and of sources on the command line.
 #pragma once
 
 #include <filesystem>
@@ -6,23 +6,28 @@
 
 namespace gigabake::app {
 
-/// OUT/scene.xml, for that name itself and for OUT. What is not there, or cannot be told, is given back as it is, and
-/// its reader says so. What the scene lacks is noted for the command's exit code (app/process/missing_report.h).
-/// Errors  InputError: a source, a shard, or a folder without a scene.xml; says what it is and what to do instead.
+/// Returns OUT/scene.xml if `given` is that file or OUT. Returns a path that is missing or cannot be classified
+/// unchanged; its reader reports the error. Records missing data of the scene for the command's exit code
+/// (app/process/missing_report.h).
+/// Errors  InputError: a source, a shard, or a folder without a scene.xml. The message names its class and the command
+///         to use instead.
 std::filesystem::path scene_argument(const std::string& given);
 
-/// As scene_argument(), of a bake that may be under way or still to start: there may be no scene.xml, or no folder,
-/// yet.
-/// Errors  InputError: also a name with no folder above it, or one that is probably a misspelt bake in the same folder.
+/// Returns the scene of a bake that may be running or not started yet. Like scene_argument(), but scene.xml or its
+/// folder need not exist yet.
+/// Errors  InputError: also a name without a parent folder, or one that is probably a misspelt bake in the same folder.
 std::filesystem::path live_scene_argument(const std::string& given);
 
-/// OUT, for that name itself and for OUT/scene.xml. Errors  InputError as scene_argument().
+/// Returns OUT if `given` is OUT or OUT/scene.xml.
+/// Errors  InputError: `given` is a source or a shard file.
 std::filesystem::path bake_folder_argument(const std::string& given);
 
-/// Errors  InputError: the folder that a bake is to write holds sources, or belongs to another bake's OUT.
+/// Checks the output folder of a bake.
+/// Errors  InputError: the folder contains sources, or belongs to another bake's OUT.
 void expect_bake_output(const std::string& given);
 
-/// Errors  InputError: a baked scene or a shard where a source is asked for.
+/// Checks that `given` is neither a baked scene nor a shard.
+/// Errors  InputError: it is one of them.
 void expect_source(const std::string& given);
 
 }  // namespace gigabake::app

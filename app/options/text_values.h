@@ -1,4 +1,4 @@
-/// Numbers as people type them in options.
+/// Parsers for numbers in options.
 #pragma once
 
 #include <array>
@@ -13,18 +13,19 @@
 
 namespace gigabake::app {
 
-/// Errors (all)  UsageError: the option, what was expected, what was typed.
+/// Parses one finite number.
+/// Errors  UsageError, from every function of this file: the option, the expected form, the text.
 double number(const char* option, std::string_view text);
-/// Three finite numbers with commas between; `form` says what they are.
+/// Parses three finite numbers separated by commas. `form` describes them in the error message.
 std::array<double, 3> triple(const char* option, const char* form, const std::string& text);
-/// Numbers with commas between, as many as one of `counts`.
+/// Parses numbers separated by commas; their count must be in `counts`.
 std::vector<double> numbers(const char* option, const char* form, const std::string& text,
                             std::initializer_list<std::size_t> counts);
-/// Whole numbers between single separators; nothing where there is anything else.
+/// Parses integers between single separators; returns nullopt for any other text.
 std::optional<std::vector<int>> integers(const std::string& text, char separator);
-/// X,Y,Z in scene metres; nothing where it is empty.
+/// Parses X,Y,Z in scene metres; returns nullopt for an empty text.
 std::optional<Point<Scene>> point_option(const std::string& text, const char* option);
-/// --size: WIDTHxHEIGHT.
+/// Parses --size: WIDTHxHEIGHT.
 std::pair<int, int> size_option(const std::string& text);
 Geodetic geodetic(const char* option, const std::string& text);
 

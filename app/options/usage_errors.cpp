@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t max_typed = 60;
 
-/// Letters changed, left out, put in or swapped with their neighbour (optimal string alignment).
+/// Returns the count of letters changed, removed, inserted or swapped with their neighbour (optimal string alignment).
 std::size_t edits_between(const std::string& a, const std::string& b) {
   std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), now(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
@@ -29,7 +29,8 @@ std::size_t edits_between(const std::string& a, const std::string& b) {
   return last[b.size()];
 }
 
-/// None for a word of fewer than four characters, which is the beginning of too much.
+/// Returns the only known word that begins with `word`. Rejects words of fewer than four characters, because they match
+/// too many.
 std::optional<std::string> only_one_that_begins(const std::string& word, const std::vector<std::string>& known) {
   constexpr std::size_t fewest_characters = 4;
   std::optional<std::string> found;
@@ -41,7 +42,7 @@ std::optional<std::string> only_one_that_begins(const std::string& word, const s
   return found;
 }
 
-/// The commands that were named, from the program down.
+/// Returns the commands on the command line, from the program down.
 std::vector<const CLI::App*> named_commands(const CLI::App& program) {
   std::vector<const CLI::App*> path{&program};
   while (!path.back()->get_subcommands().empty()) path.push_back(path.back()->get_subcommands().front());
@@ -65,7 +66,7 @@ bool has_option(const Command& command, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// " bake, plan": whose option it is; empty where nobody's.
+/// Returns the commands that have the option, such as "bake, plan"; empty if none has it.
 std::string owners_of(const std::string& option, const Command& root) {
   std::vector<std::string> owners;
   for (const Command* command : all_commands(root))
@@ -93,7 +94,7 @@ std::string unknown_command(const std::string& word, const Command& command) {
                      meant ? fmt::format("did you mean {}?", *meant) : "expected one of " + joined(known));
 }
 
-/// What the parser left over, of the program and of the commands that were named.
+/// Returns the words that the parser did not consume, of the program and of the commands on the command line.
 std::vector<std::string> words_left(const std::vector<const CLI::App*>& path) {
   std::vector<std::string> words;
   for (const CLI::App* command : path)
@@ -101,7 +102,7 @@ std::vector<std::string> words_left(const std::vector<const CLI::App*>& path) {
   return words;
 }
 
-/// Returns the parser's own message with long values of options in short: a value may hold spaces.
+/// Returns the parser's own message with long option values shortened. A value may contain spaces.
 std::string with_short_values(std::string text, const CLI::App& command) {
   for (const CLI::Option* option : command.get_options())
     for (const std::string& value : option->results())

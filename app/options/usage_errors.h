@@ -1,4 +1,4 @@
-/// What is wrong with a command line, in one line that says what was probably meant.
+/// One-line messages for invalid command lines, with the probable correction.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -8,12 +8,13 @@
 
 namespace gigabake::app {
 
-/// The known word that is at most a third of its letters away (one changed, left out, put in, or two swapped count one
-/// each); the nearest, of equals the first. Else the only one that begins with the word.
+/// Returns the nearest known word whose edit distance is at most a third of its length; ties go to the first. The
+/// distance counts letters changed, removed, inserted, or swapped with their neighbour. If no word is near enough,
+/// returns the only known word that begins with `word`.
 std::optional<std::string> meant_by(const std::string& word, const std::vector<std::string>& known);
 
-/// Of a command line that `program` could not parse: an unknown command, else an unknown option, else a word too many,
-/// else what the parser says. At most 300 characters.
+/// Returns the message for a command line that `program` could not parse, in at most 300 characters. It reports the
+/// first that applies: an unknown command, an unknown option, a surplus word, the parser's message.
 std::string usage_error(const CLI::App& program, const CLI::ParseError& error);
 
 }  // namespace gigabake::app
