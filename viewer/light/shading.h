@@ -1,4 +1,4 @@
-/// How stored voxels become light.
+/// Conversion of stored voxels to the light that rays composite.
 #pragma once
 
 #include <array>
@@ -10,18 +10,20 @@
 
 namespace gigabake {
 
-/// What of a voxel is shown.
+/// The property of a voxel that is shown.
 enum class Surface : std::uint8_t { colour, normal, coverage };
 
-/// A voxel's coverage along each axis is its facing; where it has none, at lod 0, with filters without directions and
-/// in bakes that declined it, it is its alpha along all three. The coverage filter of scenes of version 1 stored the
-/// mean of the three: ground is seen face on, but two of the three look along it. There that share is put back, so that
-/// ground does not grow transparent.
+/// Shades voxels. A voxel's coverage along each axis is its facing. If it has no facing, its alpha is the coverage
+/// along all three axes: at lod 0, with filters without directions, and in bakes without facing.
+/// The coverage filter of version 1 scenes stored the mean over the axes. Two of the three axes are parallel to flat
+/// ground, so the mean underestimates ground seen from above. Shading reverses the mean, so that ground does not become
+/// transparent.
 class Shading {
  public:
   Shading(const kernels::CastLight& light, const SceneHeader& scene, Surface surface = Surface::colour);
 
-  /// normal: octahedral; not read where the scene has none. facing: null where the level has none.
+  /// Returns the shaded voxel. normal: octahedral; ignored if the scene has no normals. facing: null if the level has
+  /// none.
   kernels::CastVoxel operator()(int lod, const std::uint8_t rgba[4], const std::int8_t* normal,
                                 const std::uint8_t* facing) const;
 

@@ -12,7 +12,7 @@ namespace {
 constexpr std::array<float, 3> horizon{0.60f, 0.70f, 0.80f}, zenith{0.13f, 0.29f, 0.60f}, nadir{0.28f, 0.34f, 0.40f};
 constexpr float knee = 0.6f;
 
-/// How bright the sky is with a sun so high, of what it is in the afternoon.
+/// Brightness of the sky at a sun elevation, relative to the afternoon.
 struct SkyBrightness {
   double elevation_deg;
   float share;
@@ -29,13 +29,14 @@ float share_of_sky(double elevation_deg) {
   return below.share + (above->share - below.share) * part;
 }
 
-/// How much more air light passes than from straight above. Source  Kasten and Young 1989.
+/// Returns the air mass relative to the zenith.
+/// Source  Kasten and Young 1989.
 double air_mass(double elevation_deg) {
   return 1 / (std::sin(elevation_deg * std::numbers::pi / 180) + 0.50572 * std::pow(elevation_deg + 6.07995, -1.6364));
 }
 
-/// What the air leaves of the sun's red, green and blue, of what it leaves in the afternoon: clear air takes so much of
-/// each from straight above.
+/// Returns the transmitted red, green and blue of the sun relative to the afternoon. taken: optical depths of clear air
+/// towards the zenith.
 std::array<float, 3> share_of_sun(double elevation_deg) {
   if (elevation_deg <= 0) return {0, 0, 0};
   constexpr std::array<double, 3> taken{0.09, 0.16, 0.30};
@@ -45,8 +46,8 @@ std::array<float, 3> share_of_sun(double elevation_deg) {
   return share;
 }
 
-/// Evenly over the upper half, in rings of equal height. Pixels that lie far apart in their block have directions of
-/// neighbouring rings; each half of the directions is one half of the sky.
+/// Distributes directions evenly over the upper hemisphere, in rings of equal height. Distant pixels of a block get
+/// directions of adjacent rings. Each half of the directions covers one half of the sky.
 void set_sky_directions(float sky[kernels::sky_directions][3]) {
   constexpr int sides = 4, rings = kernels::sky_directions / sides;
   for (int n = 0; n < kernels::sky_directions; ++n) {
@@ -61,12 +62,13 @@ void set_sky_directions(float sky[kernels::sky_directions][3]) {
   }
 }
 
-/// Cones to the sky are a voxel of lod 1 wide so many voxels from their tips. Wider ones see more surface than there is
+/// Distance in voxels at which a cone to the sky is one lod-1 voxel wide. Wider cones overestimate occlusion
 /// (docs/experiments/frames.md).
 constexpr double sky_lod1 = 16;
 
-/// Evenly over the disc, along a spiral from its edge inwards: the first points are of the pixels whose rays are cast
-/// first, and where these see the same, so do those that look at points between theirs.
+/// Distributes directions evenly over the sun's disc, on a spiral from its edge inwards. The first points belong to the
+/// pixels whose rays are cast first. If those rays give equal results, the rays to points between them give the same
+/// result.
 ///
 /// Source  Vogel 1979, "A better way to construct the sunflower head".
 void set_sun_directions(const SunDirection& sun, double radius_deg, float out[kernels::sun_directions][3]) {

@@ -1,4 +1,4 @@
-/// The light of a picture: sun, sky, the air between, and what is behind everything.
+/// Light of an image: sun, sky, air and background.
 #pragma once
 
 #include <array>
@@ -11,32 +11,35 @@
 
 namespace gigabake {
 
-/// The sun, whiter the higher it stands, and a blue sky, which is darker by dusk and nearly black when the sun is 18°
-/// below the horizon; below it there is no sun. Mid-afternoon, 42° high, flat ground keeps its own brightness; a white
-/// wall that faces the sun is a third brighter than 1.
+/// Returns the light of sun and sky. The sun is whiter at higher elevations and dark below the horizon. The blue sky is
+/// darker at dusk and nearly black if the sun is 18° below the horizon. In mid-afternoon (42° elevation) flat ground
+/// keeps its own brightness, and a white wall that faces the sun has a brightness of about 4/3.
 kernels::CastLight daylight(const SunDirection& sun);
-/// daylight() of the sun in the south-west, 42° high.
+/// Returns daylight() with the sun in the south-west at 42° elevation.
 kernels::CastLight afternoon_light();
 
-/// The sun's disc from the earth: half of its angle.
+/// Angular radius of the sun's disc as seen from the earth.
 inline constexpr double sun_radius_deg = 0.2665;
 
-/// That light where surfaces stand in it. radius_deg: what makes shadows soft. Range  above 0, at most 30.
+/// Returns daylight() with occlusion by surfaces. radius_deg: angular radius of the sun, which determines the softness
+/// of shadows.
+/// Range   radius_deg in (0, 30].
 kernels::CastLighting lighting(const SunDirection& sun, kernels::CastLightPart part, const kernels::CastHaze& haze,
                                double radius_deg = sun_radius_deg);
 
-/// Air that leaves a twentieth of what lies visibility_m away (the meteorological optical range). Range  > 0; infinity:
-/// clear. As bright as the sky is with that sun.
+/// Returns air that transmits 1/20 of the light over visibility_m (the meteorological optical range). It is as bright
+/// as the sky with that sun.
+/// Range   visibility_m > 0; infinity: clear.
 kernels::CastHaze air(double visibility_m, double voxel_size_m, const SunDirection& sun = {});
 
-/// How a screen shows that light: as it is up to 0.6, sRGB 203, which is all that ground and trees are; what is
-/// brighter, as white walls in the sun, is bent below 1 instead of cut off. stops: 1 doubles the light.
+/// Returns the tone curve for screens: linear up to 0.6 (sRGB 203), which includes ground and trees. Brighter light,
+/// such as white walls in the sun, is compressed to below 1. stops: exposure; +1 doubles the light.
 kernels::CastTone screen_tone(double stops);
 
-/// What shows where no voxel does.
+/// The background where no voxel is visible.
 struct Background {
   bool sky = true;
-  std::array<std::uint8_t, 4> rgba{};  ///< where not sky: sRGB, straight alpha
+  std::array<std::uint8_t, 4> rgba{};  ///< only without sky: sRGB, straight alpha
 };
 
 kernels::CastBackground to_cast(const Background& background, const SunDirection& sun = {});

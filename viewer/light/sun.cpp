@@ -16,10 +16,10 @@ constexpr double degree = std::numbers::pi / 180;
 double sine(double deg) { return std::sin(deg * degree); }
 double cosine(double deg) { return std::cos(deg * degree); }
 
-/// 0 … 360.
+/// Reduces an angle to [0, 360).
 double turned(double deg) { return deg - 360 * std::floor(deg / 360); }
 
-/// Julian centuries since 2000.
+/// Returns Julian centuries since 2000.
 double centuries(JulianDay day) { return (day - 2451545) / 36525; }
 
 [[noreturn]] void bad_time(const std::string& time) {
@@ -30,7 +30,7 @@ double centuries(JulianDay day) { return (day - 2451545) / 36525; }
 
 struct DateAndTime {
   int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0;
-  int rest = 0;  ///< where what comes behind it begins
+  int rest = 0;  ///< index of the text that follows
 };
 
 DateAndTime date_and_time(const std::string& time) {
@@ -49,7 +49,7 @@ DateAndTime date_and_time(const std::string& time) {
   return t;
 }
 
-/// What a clock there is ahead of UTC, minutes. zone: Z, or as +02:00.
+/// Returns the offset of local time from UTC in minutes. zone: Z, or an offset such as +02:00.
 int minutes_ahead(const std::string& zone, const std::string& time) {
   if (zone == "Z") return 0;
   int hours = 0, minutes = 0, end = 0;
@@ -61,7 +61,8 @@ int minutes_ahead(const std::string& zone, const std::string& time) {
   return (sign == '-' ? -1 : 1) * (60 * hours + minutes);
 }
 
-/// How much the air raises what stands that high, degrees. Source  Sæmundsson 1986, in Meeus 1998, chapter 16.
+/// Returns the refraction at an elevation, in degrees.
+/// Source  Sæmundsson 1986, in Meeus 1998, chapter 16.
 double raised_by_air(double elevation_deg) {
   if (elevation_deg < -1) return 0;
   return 1.02 / 60 / std::tan((elevation_deg + 10.3 / (elevation_deg + 5.11)) * degree);

@@ -20,7 +20,7 @@ View lit_view(const std::array<double, 3>& eye_m, const std::array<double, 3>& t
   return {view(eye_m, target_m, edge).camera, ViewMode::lit, {}, PictureLight::linear_too};
 }
 
-/// Houses of plain white, 12 m wide and 10 m high, on ground that is as white.
+/// Returns white houses, 12 m wide and 10 m high, on white ground.
 VoxelScene white_town() {
   VoxelScene scene(64);
   scene.add_cells(
@@ -42,7 +42,7 @@ VoxelScene white_town() {
   return scene;
 }
 
-/// IEC 61966-2-1, 0 to 255, not rounded.
+/// Returns the code by IEC 61966-2-1, 0 to 255, not rounded.
 double srgb_code(double linear) {
   return 255 * (linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055);
 }
@@ -67,7 +67,7 @@ TEST(Light, IsShownAsItIsUpToTheKneeAndRisesBelowOneBeyond) {
     const float light = float(i) * 1e-4f, shown = kernels::shown_light(tone, light);
     ASSERT_GT(shown, before) << light;
     ASSERT_LT(shown, 1) << light;
-    ASSERT_LE(shown - before, 1.01e-4f + (i == 0 ? 1 : 0)) << light;  // without an edge
+    ASSERT_LE(shown - before, 1.01e-4f + (i == 0 ? 1 : 0)) << light;  // continuous
     ASSERT_TRUE(light > tone.knee || shown == light) << light;
     before = shown;
   }
@@ -127,7 +127,7 @@ TEST(Light, PicturesAreTheSameWhetherDrawnAsAWholeOrInTiles) {
   EXPECT_EQ(whole.picture.rgba, tiles.rgba);
 }
 
-// 2026-11-22: the air took a tenth of the light across the scene, and could not be cleared.
+// 2026-11-22: the air absorbed a tenth of the light across the scene, and could not be disabled.
 TEST(Haze, IsOffUnlessAskedForAndLeavesATwentiethAtItsDistance) {
   EXPECT_EQ(air(HUGE_VAL, 0.25).per_voxel, 0);
   const kernels::CastHaze haze = air(150, 0.25);

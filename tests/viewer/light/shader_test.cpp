@@ -1,4 +1,4 @@
-// Shaders: they are told where a surface is and where it faces, and what they say is what is seen.
+// Shaders: they receive the surface's position and normal, and the image shows their result.
 #include "kernels/cast/shader.h"
 
 #include <cmath>
@@ -39,7 +39,7 @@ Picture draw(const VoxelScene& scene, const View& view) {
   return FrameRenderer(scene.description(), "scene.xml", scene.pages(), options).draw_exact(view).picture;
 }
 
-/// Place and normal as a colour.
+/// Shows position and normal as a colour.
 struct WhereShader {
   GB_HD void operator()(const kernels::SurfacePoint& at, float rgb[3]) const {
     rgb[0] = float(at.place[2]) * at.there;

@@ -1,4 +1,4 @@
-// Shadows and the sky that a surface sees, against geometry.
+// Shadows and sky occlusion, compared with geometry.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <numbers>
@@ -12,7 +12,7 @@
 namespace gigabake {
 namespace {
 
-constexpr int edge = 128;  ///< of scenes, and of pictures from above: a voxel a pixel
+constexpr int edge = 128;  ///< of scenes, and of images from above: one voxel per pixel
 
 Paint white(double x, double y, double z) {
   Paint paint;
@@ -20,7 +20,7 @@ Paint white(double x, double y, double z) {
   return paint;
 }
 
-/// A sky that is 1, and neither sun nor ground: what is shown is how much of it is seen.
+/// Returns a sky of radiance 1 without sun and ground: the image shows the visible fraction of the sky.
 kernels::CastLighting sky_alone() {
   kernels::CastLighting out = lighting({}, kernels::CastLightPart::sky, {});
   for (int k = 0; k < 3; ++k) {
@@ -30,7 +30,8 @@ kernels::CastLighting sky_alone() {
   return out;
 }
 
-/// Light of the scene from far above, a voxel a pixel: pixel (x, y) shows voxel column (x + shift, edge - 1 - y).
+/// Returns the light of the scene from far above, one voxel per pixel. Pixel (x, y) shows voxel column (x + shift, edge
+/// - 1 - y).
 std::vector<float> from_above(const VoxelScene& scene, const kernels::CastLighting& light, double shift = 0) {
   const ThreadPool policy(2);
   SceneStream::Options options;
@@ -49,8 +50,8 @@ float at(const std::vector<float>& linear, int x, int y) {
   return linear[4 * (std::size_t(edge - 1 - y) * edge + std::size_t(x))];
 }
 
-/// What columns of ground beside a wall along y see, by x: means over the parts of the sun that the pixels of a block
-/// look at.
+/// Returns the visible fraction of the light by x, for columns of ground next to a wall along y. Values are means over
+/// the parts of the sun that the pixels of a block sample.
 std::vector<double> along_x(const VoxelScene& scene, const kernels::CastLighting& light) {
   std::vector<double> mean(edge - kernels::sun_block);
   for (int shift = 0; shift < kernels::sun_block; ++shift) {
@@ -62,14 +63,15 @@ std::vector<double> along_x(const VoxelScene& scene, const kernels::CastLighting
   return mean;
 }
 
-/// Where, from `from` on, what is seen first rises above a share, between columns; the middle of column i is i + ½.
+/// Returns the first position after `from` at which the value exceeds `share`, interpolated between columns. The middle
+/// of column i is i + ½.
 double rises_above(const std::vector<double>& seen, std::size_t from, double share) {
   for (std::size_t x = from + 1; x < seen.size(); ++x)
     if (seen[x] > share) return double(x) - 0.5 + (share - seen[x - 1]) / (seen[x] - seen[x - 1]);
   return HUGE_VAL;
 }
 
-/// Ground at z = 1, and a wall whose east side stands at x = 32 and whose top is so much higher.
+/// Returns ground at z = 1, and a wall of the given height with its east side at x = 32.
 VoxelScene wall(int height) {
   VoxelScene scene(edge);
   scene.add_cell(
@@ -91,7 +93,8 @@ TEST(Shadows, OfAWallHasItsLengthAndItsBordersWidthToAVoxel) {
         along_x(scene, lighting({270, elevation}, kernels::CastLightPart::shadow, {}, radius_deg));
     const double sine = std::sin(elevation * std::numbers::pi / 180);
     const double slope = std::tan(elevation * std::numbers::pi / 180);
-    // Of the sun's disc 10 to 90 % stand above an edge within 1.374 of its radius. A voxel's border is as soft.
+    // The visible fraction of the sun's disc rises from 10 to 90 % while an edge moves by 1.374 radii. A voxel's border
+    // adds a blur of 1.2 voxels.
     const double disc = 1.374 * 32 * std::tan(radius_deg * std::numbers::pi / 180) / (sine * sine);
     const double middle = rises_above(seen, 36, 0.5);
     const double width = rises_above(seen, 36, 0.9) - rises_above(seen, 36, 0.1);
@@ -117,7 +120,7 @@ TEST(Sky, IsSeenWholeFromAnOpenPlaneAndHalfAtTheFootOfAWall) {
   for (const int x : {35, 40, 50}) {
     const double off = x + 0.5 - 32;
     EXPECT_NEAR(at(foot, x, 64), 0.5 + 0.5 * off / std::hypot(off, 100), 0.06)
-        << x;  // of a wall without ends: this one is 128 long
+        << x;  // of an infinite wall; this wall is 128 long
   }
 }
 
@@ -139,7 +142,7 @@ TEST(Sky, OfAPitIsItsClosedForm) {
   }
 }
 
-/// Posts and roofs on ground, in several cells, below which others are not seen from above.
+/// Returns posts and roofs on ground, in several cells; roofs hide the surfaces below them from above.
 VoxelScene posts() {
   VoxelScene scene(32);
   scene.add_cells(

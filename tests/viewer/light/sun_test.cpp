@@ -1,4 +1,4 @@
-// Where the sun stands, against published values, and what times are refused.
+// The position of the sun compared with published values, and invalid times.
 #include "viewer/light/sun.h"
 
 #include <cmath>
