@@ -12,14 +12,15 @@
 
 namespace gigabake {
 
+/// The tree, shells and voxel attributes of a scene.
 struct FirstHitScene {
   FirstHitScene() = default;
   FirstHitScene(FirstHitScene&&) = default;  // a copy's view would borrow from the original
   FirstHitScene& operator=(FirstHitScene&&) = default;
 
   std::vector<kernels::FirstHitNode> nodes;
-  std::array<std::vector<kernels::FirstHitNode>, 2> shells;  ///< empty where a constant is wider than 64 voxels
-  std::vector<kernels::FirstHitLook> looks;                  ///< of the voxels, and 64 for each constant node
+  std::array<std::vector<kernels::FirstHitNode>, 2> shells;  ///< empty if a constant is wider than 64 voxels
+  std::vector<kernels::FirstHitLook> looks;                  ///< one per voxel, and 64 per constant node
   kernels::FirstHitView view;                                ///< of the arrays above
   std::array<std::int64_t, 3> lattice_min{};                 ///< lod-0 voxel at the tree's lowest corner
   int lod = 0;                                               ///< of the tree's voxels
@@ -29,21 +30,22 @@ struct FirstHitScene {
   std::uint64_t bytes() const;
 };
 
-/// Collects cells, in any order.
+/// Builds a scene from cells, added in any order.
 class FirstHitBuilder {
  public:
-  /// lod: the finest level that is kept.
+  /// lod: the finest level that is stored.
   explicit FirstHitBuilder(int lod) : lod_(lod) {}
 
-  /// level: the cell's bricks of `lod`.
-  /// Errors  std::invalid_argument: columns that do not fit together; a corner that is no multiple of four voxels of
-  ///         `lod` from the first cell's. std::length_error: 2^32 voxels or more.
+  /// Adds a cell. level: the cell's bricks of `lod`.
+  /// Errors  std::invalid_argument: columns of inconsistent length; a corner whose offset from the first cell's corner
+  ///         is not a multiple of four voxels of `lod`. std::length_error: 2^32 voxels or more.
   void add_cell(const std::array<std::int64_t, 3>& lattice_min, const NodeTable& nodes, const BrickLevel& level);
 
-  /// Errors  std::length_error: 2^18 voxels an edge or more.
+  /// Returns the scene.
+  /// Errors  std::length_error: an edge of 2^18 voxels or more.
   FirstHitScene finish();
-  /// Of one cell, with a tree around all of the cell's window instead of around its voxels, and without shells.
-  /// window_voxels: the window's edge, voxels of `lod`, a multiple of 8.
+  /// Returns the scene of one cell. The tree covers the cell's whole window instead of the bounds of its voxels, and
+  /// has no shells. window_voxels: edge of the window in voxels of `lod`, a multiple of 8.
   FirstHitScene finish_window(std::int64_t window_voxels);
 
  private:
@@ -58,9 +60,9 @@ class FirstHitBuilder {
     std::int64_t edge;
     std::uint32_t look;
   };
-  /// Of the cube that will be the root.
+  /// The cube of the root.
   struct Cube {
-    Position corner, half;  ///< half of the box that holds the voxels
+    Position corner, half;  ///< half of the box that contains the voxels
     int bits = 6;
   };
 
@@ -80,9 +82,10 @@ class FirstHitBuilder {
   std::uint64_t voxels_ = 0;
 };
 
-/// Cost    Reads the node table and one level of every cell. Memory: 16 bytes for each 4×4×4 voxels that are not all
-///         empty, three times that while it is built, and 8 for each voxel.
-/// Errors  InputError: no such lod; as FirstHitBuilder; shards that cannot be read.
+/// Builds the scene from its shards.
+/// Cost    Reads the node table and one level of every cell. Memory: 16 bytes per nonempty block of 4×4×4 voxels (three
+///         times that during the build) and 8 bytes per voxel.
+/// Errors  InputError: no such lod; the errors of FirstHitBuilder; shards that cannot be read.
 FirstHitScene build_first_hit_scene(const SceneDescription& scene, const std::filesystem::path& scene_path, int lod);
 
 }  // namespace gigabake

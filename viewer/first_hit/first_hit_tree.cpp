@@ -18,7 +18,7 @@ std::uint64_t key_of(const std::array<Integer, 3>& at) {
   return morton_by_pairs(std::uint32_t(at[0]), std::uint32_t(at[1]), std::uint32_t(at[2]));
 }
 
-/// Which children of a node exist.
+/// The mask of a node's children at a position.
 struct PlacedMask {
   std::array<std::int32_t, 3> at;
   std::uint64_t mask;
@@ -40,7 +40,7 @@ void collect_level(const std::vector<FirstHitNode>& nodes, std::size_t index, in
   }
 }
 
-/// One mask a place.
+/// Merges the masks of equal positions.
 void merge(std::vector<PlacedMask>& masks) {
   std::sort(masks.begin(), masks.end(), [](const PlacedMask& a, const PlacedMask& b) { return a.at < b.at; });
   std::size_t kept = 0;
@@ -83,7 +83,7 @@ void FirstHitTreeBuilder::add_constant(const Position& low, const Position& high
   fill({0, 0, 0}, levels_.size(), low, high, look);
 }
 
-/// at: a cube of 4^level voxels an edge.
+/// Fills the part of a cube inside [low, high). at: its lowest corner; its edge is 4^level voxels.
 void FirstHitTreeBuilder::fill(const Position& at, std::size_t level, const Position& low, const Position& high,
                                std::uint32_t look) {
   const std::int64_t edge = std::int64_t(1) << 2 * level;
@@ -101,7 +101,7 @@ void FirstHitTreeBuilder::fill(const Position& at, std::size_t level, const Posi
          high, look);
 }
 
-/// Of 4^level voxels an edge.
+/// Returns a full node with an edge of 4^level voxels.
 FirstHitNode FirstHitTreeBuilder::full_node(std::size_t level, std::uint32_t look) {
   if (level == 1) return {every_child, look + 64, 0};
   const auto found = full_children_.find({look, level});

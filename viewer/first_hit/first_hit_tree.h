@@ -1,4 +1,4 @@
-/// Trees for first-hit rays: from nodes whose places are known, and from another tree's, with all neighbours.
+/// Construction of trees for first-hit rays: from nodes with positions, and by dilation of another tree.
 #pragma once
 
 #include <array>
@@ -11,28 +11,28 @@
 
 namespace gigabake {
 
-/// The nodes of a tree as it grows, from the leaves up. Level 0 are the nodes whose children are voxels.
+/// The nodes of a tree, built from the leaves up. The children of level 0 nodes are voxels.
 class FirstHitTreeBuilder {
  public:
-  /// In voxels from the tree's lowest corner.
+  /// Voxels from the tree's lowest corner.
   using Position = std::array<std::int64_t, 3>;
 
   explicit FirstHitTreeBuilder(int bits);
 
-  /// A node of level 0. at: in such nodes.
+  /// Adds a node of level 0. at: in units of such nodes.
   void add(const std::array<std::int32_t, 3>& at, const kernels::FirstHitNode& node);
 
-  /// Every voxel of [low, high), which have multiples of four as coordinates, in the largest nodes that fit.
-  /// look: the first of 64, alike.
+  /// Fills the voxels of [low, high) with the largest nodes that fit; the coordinates are multiples of four. look: the
+  /// first of 64 equal attributes.
   void add_constant(const Position& low, const Position& high, std::uint32_t look);
 
-  /// The root first; else a level's nodes lie in order, behind those of the level below.
+  /// Returns the nodes: the root, then the nodes of each level in order, starting with the lowest level.
   /// Errors  std::length_error: 2^32 nodes or more.
   std::vector<kernels::FirstHitNode> finish();
 
  private:
   struct Entry {
-    std::uint64_t key;  ///< six bits a level: the child's number in its parent
+    std::uint64_t key;  ///< six bits per level: the child's index in its parent
     kernels::FirstHitNode node;
   };
 
@@ -41,13 +41,13 @@ class FirstHitTreeBuilder {
 
   std::vector<std::vector<Entry>> levels_;
   std::vector<kernels::FirstHitNode> nodes_;
-  /// By look and level: the 64 children, alike, of every full node.
+  /// The 64 equal children of each full node, by attributes and level.
   std::map<std::pair<std::uint32_t, std::size_t>, std::uint32_t> full_children_;
 };
 
-/// The tree of 2^(bits - 2 level) voxels an edge that has the children of the other's nodes of `level`, and the 26
-/// neighbours of each, as voxels. Their looks mean nothing.
-/// Range   No voxel lies at a face of the cube.
+/// Returns a coarser, dilated tree with an edge of 2^(bits - 2 level) voxels. Its voxels are the children of the nodes
+/// of `level`, and their 26 neighbours. Their attribute indices are meaningless.
+/// Range   No voxel touches a face of the cube.
 std::vector<kernels::FirstHitNode> make_shell(const std::vector<kernels::FirstHitNode>& nodes, int bits, int level);
 
 }  // namespace gigabake

@@ -1,4 +1,4 @@
-// First hits have the same bits on a GPU and on the CPU. Skipped, with the reason, where there is no GPU.
+// First hits are bit-identical on GPU and CPU. Skipped, with the reason, if there is no GPU.
 #include <cstring>
 #include <gtest/gtest.h>
 #include <memory>
@@ -23,7 +23,7 @@ class CudaFirstHit : public testing::Test {
     device_ = devices.usable[0];
   }
 
-  /// Of the device's last cast.
+  /// Compares with the device's last cast.
   static void expect_equal(const kernels::CudaFirstHits& device, const std::vector<FirstHit>& hits,
                            const std::vector<FirstHitLook>& looks) {
     const std::vector<FirstHit> device_hits = device.hits();

@@ -1,4 +1,4 @@
-// First hits against steps of double precision from voxel to voxel.
+// First hits compared with a traversal from voxel to voxel in double precision.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <random>
@@ -20,7 +20,7 @@ using kernels::FirstHit;
 using kernels::FirstHitRay;
 using namespace first_hit_test;
 
-/// Promised in kernels/cast/first_hit.h.
+/// Returns the error bound of kernels/cast/first_hit.h.
 double rounding_of(const FirstHitScene& scene) { return double(1 << scene.view.tree.bits) * 0x1p-20; }
 
 std::vector<FirstHit> cast(const FirstHitScene& scene, const std::vector<FirstHitRay>& rays) {
@@ -30,7 +30,7 @@ std::vector<FirstHit> cast(const FirstHitScene& scene, const std::vector<FirstHi
   return hits;
 }
 
-/// How rays agree with the reference; a wrong one fails the test.
+/// Agreement of rays with the reference; a wrong ray fails the test.
 struct Score {
   int same = 0, close = 0, met = 0;
 };
@@ -123,7 +123,7 @@ TEST(FirstHit, AnAxisParallelRayOnAFaceBelongsToTheUpperVoxel) {
   EXPECT_EQ(hits[2].distance, 12);
 }
 
-/// A stair: voxels that touch by edges only.
+/// Stairs of voxels that share only edges.
 TEST(FirstHit, DoesNotSlipBetweenVoxelsThatShareAnEdge) {
   const Painter stair = [](std::int64_t x, std::int64_t y, std::int64_t z) -> std::optional<Paint> {
     if (x + y != 63 || z < 0 || z >= 64 || x < 0 || y < 0) return {};
@@ -190,7 +190,7 @@ TEST(FirstHit, NamesTheColourAndNormalOfTheVoxelItMet) {
   }
 }
 
-/// Solid ground: constants of all sizes, at corners that no large node of the tree shares.
+/// Solid ground: constants of all sizes, at corners that are not aligned to large nodes of the tree.
 TEST(FirstHit, MeetsConstantNodes) {
   const Painter solid = [](std::int64_t x, std::int64_t y, std::int64_t z) -> std::optional<Paint> {
     if (z < 8 || z >= 40 || x < 0 || x >= 128 || y < 0 || y >= 64) return {};
@@ -261,7 +261,7 @@ TEST(FirstHit, RefusesCellsThatNoTreeOfTheLodHolds) {
                std::invalid_argument);
 }
 
-/// Against the level's own bricks: level 1 has a voxel wherever level 0 has one of its eight.
+/// Compared with the level's own bricks: level 1 has a voxel wherever one of its eight level 0 voxels exists.
 TEST(FirstHit, MeetsTheVoxelsOfACoarserLod) {
   VoxelScene voxels(32);
   voxels.add_cells(dust(300), {0, 0, 0}, 64);
